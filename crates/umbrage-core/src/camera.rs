@@ -1,0 +1,144 @@
+//! The camera, and the ray through each of its pixels.
+
+use crate::{
+    Invalid, invalid,
+    light_space::{Extents, LightSpace, look_along, orthographic, perspective},
+};
+use glam::{Affine3A, DVec3, Mat4, UVec2, Vec2, Vec3, Vec4};
+
+/// Largest image side that is accepted anywhere.
+pub const MAX_SIDE: u32 = 16_384;
+
+/// A pinhole or orthographic camera. Row 0 is the top row; pixel centres are at .5.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// Where it stands; it looks along its own -z.
+    pub world_from_view: Affine3A,
+    /// Its projection, depth 0 at near and 1 at far.
+    pub clip_from_view: Mat4,
+    /// Image size, pixels.
+    pub size: UVec2,
+}
+
+/// The ray through the centre of pixel (x, y): from `origin + fx origin_dx + fy origin_dy` along
+/// `dir + fx dir_dx + fy dir_dy`, with fx = x + .5 and fy = y + .5. Directions are not unit vectors. The fourth
+/// components are unused.
+#[derive(Clone, Copy, Debug, PartialEq, encase::ShaderType)]
+pub struct CameraRays {
+    /// Start of the ray at the image's top left corner.
+    pub origin: Vec4,
+    /// Change of the start per pixel to the right.
+    pub origin_dx: Vec4,
+    /// Change of the start per pixel down.
+    pub origin_dy: Vec4,
+    /// Direction at the image's top left corner.
+    pub dir: Vec4,
+    /// Change of the direction per pixel to the right.
+    pub dir_dx: Vec4,
+    /// Change of the direction per pixel down.
+    pub dir_dy: Vec4,
+}
+
+impl Camera {
+    /// A pinhole camera; `fov_y` is the full vertical angle in radians. `up` may be parallel to the view.
+    ///
+    /// # Errors
+    /// When a number is not finite or out of range, or `eye` and `target` coincide.
+    pub fn perspective(
+        eye: Vec3,
+        target: Vec3,
+        up: Vec3,
+        fov_y: f32,
+        near_far: [f32; 2],
+        size: UVec2,
+    ) -> Result<Self, Invalid> {
+        check_size(size)?;
+        let projection = perspective(fov_y, size.x as f32 / size.y as f32, near_far[0], near_far[1]);
+        Self::new(eye, target, up, projection, size)
+    }
+
+    /// A camera without perspective.
+    ///
+    /// # Errors
+    /// As [`Camera::perspective`].
+    pub fn orthographic(eye: Vec3, target: Vec3, up: Vec3, extents: Extents, size: UVec2) -> Result<Self, Invalid> {
+        Self::new(eye, target, up, orthographic(extents), size)
+    }
+
+    fn new(
+        eye: Vec3,
+        target: Vec3,
+        up: Vec3,
+        clip_from_view: Result<Mat4, Invalid>,
+        size: UVec2,
+    ) -> Result<Self, Invalid> {
+        let build = || {
+            check_size(size)?;
+            let view_from_world = look_along(eye, target - eye, up)?;
+            let world_from_view = Affine3A::from_mat4(view_from_world.as_dmat4().inverse().as_mat4());
+            Ok(Self { world_from_view, clip_from_view: clip_from_view?, size })
+        };
+        build().map_err(|e: Invalid| e.within("camera"))
+    }
+
+    /// Objects to sizes of zero or beyond [`MAX_SIDE`], and to matrices that are not finite or singular.
+    ///
+    /// # Errors
+    /// The first fault found.
+    pub fn validate(&self) -> Result<(), Invalid> {
+        check_size(self.size).map_err(|e| e.within("camera"))?;
+        invalid::finite("camera matrix", &self.world_from_view.to_cols_array())?;
+        invalid::finite("camera projection", &self.clip_from_view.to_cols_array())?;
+        if self.clip_from_view.as_dmat4().determinant() == 0.0 {
+            return Err(Invalid::new("camera projection", "is singular", "use a perspective or orthographic matrix"));
+        }
+        Ok(())
+    }
+
+    /// World position of the eye.
+    pub fn eye(&self) -> Vec3 {
+        self.world_from_view.translation.into()
+    }
+
+    /// The camera as a light space.
+    pub fn space(&self) -> LightSpace {
+        let world_from_view = Mat4::from(self.world_from_view).as_dmat4();
+        LightSpace { view_from_world: world_from_view.inverse().as_mat4(), clip_from_view: self.clip_from_view }
+    }
+
+    /// The same camera with its image moved by `pixels` right and down.
+    #[must_use]
+    pub fn nudged(&self, pixels: Vec2) -> Self {
+        Self { clip_from_view: self.space().nudged(pixels, 0.0, self.size).clip_from_view, ..*self }
+    }
+
+    /// The rays through the pixels' centres.
+    pub fn rays(&self) -> CameraRays {
+        let world_from_view = glam::DAffine3::from_mat4(Mat4::from(self.world_from_view).as_dmat4());
+        let view_from_clip = self.clip_from_view.as_dmat4().inverse();
+        let orthographic = self.clip_from_view.row(3) == Vec4::W;
+        let eye = world_from_view.translation;
+        let ray = |fx: f64, fy: f64| {
+            let ndc = DVec3::new(2.0 * fx / f64::from(self.size.x) - 1.0, 1.0 - 2.0 * fy / f64::from(self.size.y), 0.0);
+            let near = view_from_clip.project_point3(ndc);
+            if orthographic {
+                (world_from_view.transform_point3(near), world_from_view.transform_vector3(-DVec3::Z))
+            } else {
+                (eye, world_from_view.transform_vector3(near / -near.z))
+            }
+        };
+        let ([o, d], [ox, dx], [oy, dy]) = (ray(0.0, 0.0).into(), ray(1.0, 0.0).into(), ray(0.0, 1.0).into());
+        let pack = |v: DVec3| v.as_vec3().extend(0.0);
+        let [origin, origin_dx, origin_dy] = [o, ox - o, oy - o].map(pack);
+        let [dir, dir_dx, dir_dy] = [d, dx - d, dy - d].map(pack);
+        CameraRays { origin, origin_dx, origin_dy, dir, dir_dx, dir_dy }
+    }
+}
+
+fn check_size(size: UVec2) -> Result<(), Invalid> {
+    if size.min_element() == 0 || size.max_element() > MAX_SIDE {
+        let why = format!("is {} x {} pixels", size.x, size.y);
+        return Err(Invalid::new("image size", why, format!("use 1 to {MAX_SIDE} on each side")));
+    }
+    Ok(())
+}

@@ -1,0 +1,42 @@
+//! Arithmetic in a fixed order: each function has a twin in `math.wgsl`, bit-equal wherever the shader compiler neither
+//! contracts nor reorders. Products of matrices and vectors, `dot` and `normalize` of shading languages leave the order
+//! to the driver, so kernels use these.
+
+use crate::{Module, Twin, twin};
+use glam::{Mat4, Vec3, Vec4};
+
+/// The WGSL half.
+pub const MATH: Module = Module { name: "math", text: include_str!("math.wgsl") };
+
+/// Columns times components, added from left to right.
+#[inline(always)]
+pub fn transform(m: Mat4, p: Vec3) -> Vec4 {
+    m.x_axis * p.x + m.y_axis * p.y + m.z_axis * p.z + m.w_axis
+}
+
+/// Dot product, added from left to right.
+#[inline(always)]
+pub fn dot3(a: Vec3, b: Vec3) -> f32 {
+    a.x * b.x + a.y * b.y + a.z * b.z
+}
+
+/// Cross product.
+#[inline(always)]
+pub fn cross3(a: Vec3, b: Vec3) -> Vec3 {
+    Vec3::new(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
+}
+
+/// `v` over its length; not finite for the zero vector.
+#[inline(always)]
+pub fn unit3(v: Vec3) -> Vec3 {
+    let length = dot3(v, v).sqrt();
+    Vec3::new(v.x / length, v.y / length, v.z / length)
+}
+
+/// The pairs, for the lockstep tests.
+pub const TWINS: &[Twin] = &[
+    twin!(MATH, transform(m: Mat4, p: Vec3) -> Vec4),
+    twin!(MATH, dot3(a: Vec3, b: Vec3) -> f32),
+    twin!(MATH, cross3(a: Vec3, b: Vec3) -> Vec3),
+    twin!(MATH, unit3(v: Vec3) -> Vec3),
+];

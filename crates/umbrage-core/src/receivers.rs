@@ -1,0 +1,145 @@
+//! What the camera sees, pixel by pixel.
+
+use glam::{UVec2, Vec3};
+
+/// The triangle id of a pixel that shows nothing.
+pub const NO_TRIANGLE: u32 = u32::MAX;
+
+/// Seen surface points, in rows from the top; one array a component, so that kernels can run along a row. All arrays
+/// are `width * height` long.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Receivers {
+    /// Image size, pixels.
+    pub size: UVec2,
+    /// World position x, metres; 0 where nothing is seen (as all other fields).
+    pub x: Vec<f32>,
+    /// World position y.
+    pub y: Vec<f32>,
+    /// World position z.
+    pub z: Vec<f32>,
+    /// Geometric unit normal x, turned to the camera.
+    pub nx: Vec<f32>,
+    /// Geometric normal y.
+    pub ny: Vec<f32>,
+    /// Geometric normal z.
+    pub nz: Vec<f32>,
+    /// Interpolated unit shading normals, turned to the camera; empty when nobody asked for them.
+    pub shading_normals: Vec<Vec3>,
+    /// Camera depth after projection, 0 near to 1 far; 1 where nothing is seen.
+    pub depth: Vec<f32>,
+    /// Distance from the eye (or, without perspective, from the near plane) along the unit ray, metres.
+    pub distance: Vec<f32>,
+    /// Triangle id; [`NO_TRIANGLE`] where nothing is seen.
+    pub triangle: Vec<u32>,
+    /// Whether a shadow may fall here: something is seen, and it receives.
+    pub receives: Vec<bool>,
+}
+
+impl Receivers {
+    /// An image in which nothing is seen.
+    pub fn empty(size: UVec2) -> Self {
+        let n = size.x as usize * size.y as usize;
+        let zero = || vec![0.0; n];
+        Self {
+            size,
+            x: zero(),
+            y: zero(),
+            z: zero(),
+            nx: zero(),
+            ny: zero(),
+            nz: zero(),
+            shading_normals: Vec::new(),
+            depth: vec![1.0; n],
+            distance: zero(),
+            triangle: vec![NO_TRIANGLE; n],
+            receives: vec![false; n],
+        }
+    }
+
+    /// How many pixels.
+    pub fn len(&self) -> usize {
+        self.triangle.len()
+    }
+
+    /// Whether the image has no pixel.
+    pub fn is_empty(&self) -> bool {
+        self.triangle.is_empty()
+    }
+
+    /// World position of a pixel.
+    pub fn position(&self, i: usize) -> Vec3 {
+        Vec3::new(self.x[i], self.y[i], self.z[i])
+    }
+
+    /// Geometric unit normal of a pixel, turned to the camera.
+    pub fn normal(&self, i: usize) -> Vec3 {
+        Vec3::new(self.nx[i], self.ny[i], self.nz[i])
+    }
+
+    /// World positions of all pixels on which a shadow may fall.
+    pub fn positions(&self) -> impl Iterator<Item = Vec3> + '_ {
+        (0..self.len()).filter(|&i| self.receives[i]).map(|i| self.position(i))
+    }
+
+    /// Pixels `first..first + count`, which must lie in one row.
+    pub fn span(&self, first: usize, count: usize) -> Span<'_> {
+        let width = self.size.x as usize;
+        let range = first..first + count;
+        Span {
+            first: UVec2::new((first % width) as u32, (first / width) as u32),
+            x: &self.x[range.clone()],
+            y: &self.y[range.clone()],
+            z: &self.z[range.clone()],
+            nx: &self.nx[range.clone()],
+            ny: &self.ny[range.clone()],
+            nz: &self.nz[range.clone()],
+            triangle: &self.triangle[range],
+        }
+    }
+}
+
+/// A part of one row of [`Receivers`]: what a receive kernel's Rust half sees. All slices are equally long. Pixels that
+/// show nothing are among them with zeros; what the kernel writes for them is thrown away.
+#[derive(Clone, Copy, Debug)]
+pub struct Span<'a> {
+    /// Pixel coordinates of the first entry; the others lie to the right.
+    pub first: UVec2,
+    /// World position x.
+    pub x: &'a [f32],
+    /// World position y.
+    pub y: &'a [f32],
+    /// World position z.
+    pub z: &'a [f32],
+    /// Geometric unit normal x.
+    pub nx: &'a [f32],
+    /// Geometric unit normal y.
+    pub ny: &'a [f32],
+    /// Geometric unit normal z.
+    pub nz: &'a [f32],
+    /// Triangle id, [`NO_TRIANGLE`] where nothing is seen.
+    pub triangle: &'a [u32],
+}
+
+impl Span<'_> {
+    /// How many pixels.
+    pub fn len(&self) -> usize {
+        self.x.len()
+    }
+
+    /// Whether there is no pixel.
+    pub fn is_empty(&self) -> bool {
+        self.x.is_empty()
+    }
+
+    /// World position.
+    #[inline(always)]
+    pub fn position(&self, i: usize) -> Vec3 {
+        Vec3::new(self.x[i], self.y[i], self.z[i])
+    }
+
+    /// Geometric unit normal.
+    #[inline(always)]
+    pub fn normal(&self, i: usize) -> Vec3 {
+        Vec3::new(self.nx[i], self.ny[i], self.nz[i])
+    }
+}

@@ -1,0 +1,71 @@
+//! From "this pixel shows that triangle" to a receiver: where the pixel's ray meets the triangle's plane.
+//!
+//! Both backends rasterise triangle ids and then resolve them with these formulas. So receivers agree wherever the ids
+//! do, whatever a driver's interpolation rounds to.
+
+use crate::{
+    CameraRays, MATH, Module, Twin,
+    math::{cross3, dot3, unit3},
+    twin,
+};
+use glam::{Vec3, Vec4};
+
+/// The WGSL half.
+pub const RESOLVE: Module = Module { name: "resolve", text: include_str!("resolve.wgsl") };
+
+/// A plane through three points: its normal (twice the triangle's area long, right-handed).
+#[inline(always)]
+pub fn plane_normal(a: Vec3, b: Vec3, c: Vec3) -> Vec3 {
+    cross3(b - a, c - a)
+}
+
+/// Where along the ray `o + t d` the plane through `a` with normal `n` is met; not finite when they are parallel.
+#[inline(always)]
+pub fn plane_distance(o: Vec3, d: Vec3, a: Vec3, n: Vec3) -> f32 {
+    dot3(n, a - o) / dot3(n, d)
+}
+
+/// The unit normal, turned against the ray.
+#[inline(always)]
+pub fn facing_normal(n: Vec3, d: Vec3) -> Vec3 {
+    let unit = unit3(n);
+    if dot3(n, d) > 0.0 { -unit } else { unit }
+}
+
+/// A ray's start or direction at the centre of a pixel.
+#[inline(always)]
+pub fn at_pixel(base: Vec4, dx: Vec4, dy: Vec4, x: u32, y: u32) -> Vec3 {
+    let (fx, fy) = (x as f32 + 0.5, y as f32 + 0.5);
+    Vec3::new(base.x + dx.x * fx + dy.x * fy, base.y + dx.y * fx + dy.y * fy, base.z + dx.z * fx + dy.z * fy)
+}
+
+/// A receiver: position, facing unit normal, and distance along the pixel's (not unit) ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Resolved {
+    /// World position, metres.
+    pub position: Vec3,
+    /// Geometric unit normal, turned to the camera.
+    pub normal: Vec3,
+    /// Multiples of the ray's direction.
+    pub t: f32,
+}
+
+/// The receiver at pixel (x, y) on the triangle with these corners; none if the ray runs along its plane.
+#[inline(always)]
+pub fn resolve(rays: &CameraRays, x: u32, y: u32, [a, b, c]: [Vec3; 3]) -> Option<Resolved> {
+    let o = at_pixel(rays.origin, rays.origin_dx, rays.origin_dy, x, y);
+    let d = at_pixel(rays.dir, rays.dir_dx, rays.dir_dy, x, y);
+    let n = plane_normal(a, b, c);
+    let t = plane_distance(o, d, a, n);
+    let normal = facing_normal(n, d);
+    let position = Vec3::new(o.x + d.x * t, o.y + d.y * t, o.z + d.z * t);
+    (t.abs() < 3.0e38).then_some(Resolved { position, normal, t })
+}
+
+/// The pairs, for the lockstep tests.
+pub const TWINS: &[Twin] = &[
+    twin!(RESOLVE, plane_normal(a: Vec3, b: Vec3, c: Vec3) -> Vec3, needs [MATH]),
+    twin!(RESOLVE, plane_distance(o: Vec3, d: Vec3, a: Vec3, n: Vec3) -> f32, needs [MATH]),
+    twin!(RESOLVE, facing_normal(n: Vec3, d: Vec3) -> Vec3, needs [MATH]),
+    twin!(RESOLVE, at_pixel(base: Vec4, dx: Vec4, dy: Vec4, x: u32, y: u32) -> Vec3, needs [MATH]),
+];

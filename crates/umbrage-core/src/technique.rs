@@ -1,0 +1,65 @@
+//! The trait that a shadow technique implements.
+
+use crate::{Aabb, Camera, Geometry, Invalid, Light, Receivers, Recipe};
+use std::fmt::Debug;
+
+/// All that a technique may look at.
+#[derive(Clone, Copy, Debug)]
+pub struct View<'a> {
+    /// Who sees.
+    pub camera: &'a Camera,
+    /// What shines.
+    pub light: &'a Light,
+    /// Box around all casters, world space; empty when nothing casts.
+    pub casters: Aabb,
+    /// The triangles; none when they live on the caller's GPU.
+    pub geometry: Option<&'a Geometry>,
+    /// What is seen, when it is known; else backends find out from the geometry.
+    pub receivers: Option<&'a Receivers>,
+}
+
+impl<'a> View<'a> {
+    /// A view of a scene's triangles.
+    pub fn new(camera: &'a Camera, light: &'a Light, geometry: &'a Geometry) -> Self {
+        Self { camera, light, casters: geometry.caster_bounds(), geometry: Some(geometry), receivers: None }
+    }
+
+    /// The same view with its receivers known.
+    #[must_use]
+    pub fn with_receivers(self, receivers: &'a Receivers) -> Self {
+        Self { receivers: Some(receivers), ..self }
+    }
+}
+
+/// A way to make shadows: a pure function from what is seen to a recipe. Its parameters are its public fields.
+pub trait ShadowTechnique: Debug + Send + Sync {
+    /// The technique's name, in lower case: `pcf`.
+    fn name(&self) -> &'static str;
+
+    /// Its settings in a few words, without the name: `3x3, 1024, slope .05/.005`.
+    fn settings(&self) -> String;
+
+    /// The recipe for a view. The same view gives the same recipe.
+    ///
+    /// # Errors
+    /// `Unsupported` when it can't serve this light or scene, with the reason; `Invalid` for bad parameters.
+    fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError>;
+}
+
+/// Why there is no recipe.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum PlanError {
+    /// The technique is not made for this: a value rather than a fault. Reports print a dash and the reason.
+    #[error("not supported: {0}")]
+    Unsupported(String),
+    /// A parameter or the view can't be used.
+    #[error(transparent)]
+    Invalid(#[from] Invalid),
+}
+
+impl PlanError {
+    /// The technique can't serve this, for this reason.
+    pub fn unsupported(reason: impl Into<String>) -> Self {
+        Self::Unsupported(reason.into())
+    }
+}
