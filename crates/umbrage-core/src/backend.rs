@@ -36,6 +36,13 @@ pub struct Shadows {
     pub bytes: u64,
 }
 
+impl Shadows {
+    /// The mask as bytes, 0 dark to 255 lit, for saving as an 8-bit grey picture.
+    pub fn mask_bytes(&self) -> Vec<u8> {
+        self.mask.iter().map(|v| (v.clamp(0.0, 1.0) * 255.0).round() as u8).collect()
+    }
+}
+
 /// How long the stages took, without compilation, upload and read-back. `None`: not played, or not measurable here.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Timings {

@@ -20,23 +20,24 @@ pub struct Camera {
     pub size: UVec2,
 }
 
-/// The ray through the centre of pixel (x, y): from `origin + fx origin_dx + fy origin_dy` along
-/// `dir + fx dir_dx + fy dir_dy`, with fx = x + .5 and fy = y + .5. Directions are not unit vectors. The fourth
-/// components are unused.
-#[derive(Clone, Copy, Debug, PartialEq, encase::ShaderType)]
-pub struct CameraRays {
-    /// Start of the ray at the image's top left corner.
-    pub origin: Vec4,
-    /// Change of the start per pixel to the right.
-    pub origin_dx: Vec4,
-    /// Change of the start per pixel down.
-    pub origin_dy: Vec4,
-    /// Direction at the image's top left corner.
-    pub dir: Vec4,
-    /// Change of the direction per pixel to the right.
-    pub dir_dx: Vec4,
-    /// Change of the direction per pixel down.
-    pub dir_dy: Vec4,
+crate::uniforms! {
+    /// The ray through the centre of pixel (x, y): from `origin + fx origin_dx + fy origin_dy` along
+    /// `dir + fx dir_dx + fy dir_dy`, with fx = x + .5 and fy = y + .5. Directions are not unit vectors. The fourth
+    /// components are unused.
+    pub struct CameraRays {
+        /// Start of the ray at the image's top left corner.
+        pub origin: Vec4,
+        /// Change of the start per pixel to the right.
+        pub origin_dx: Vec4,
+        /// Change of the start per pixel down.
+        pub origin_dy: Vec4,
+        /// Direction at the image's top left corner.
+        pub dir: Vec4,
+        /// Change of the direction per pixel to the right.
+        pub dir_dx: Vec4,
+        /// Change of the direction per pixel down.
+        pub dir_dy: Vec4,
+    }
 }
 
 impl Camera {

@@ -1,1 +1,33 @@
-//! Placeholder.
+//! Shadows for wgpu programs, measured.
+//!
+//! This crate only gathers the others: one dependency, three ways to choose a backend.
+//!
+//! * by name or at run time: [`backend`] with a [`Choice`], as `Box<dyn Backend>`;
+//! * by type: `umbrage::cpu::Cpu` or `umbrage::wgpu::Gpu`, both [`Backend`]s, in functions generic over it;
+//! * at compile time: the features `cpu` and `wgpu`, both on by default.
+//!
+//! Programs with a device and an encoder of their own use `umbrage::wgpu::ShadowRenderer`.
+#![cfg_attr(feature = "cpu", doc = "```")]
+#![cfg_attr(not(feature = "cpu"), doc = "```ignore")]
+//! use umbrage::{Choice, Geometry, ShadowTechnique, View, techniques::Pcf};
+//!
+//! let scene = umbrage::scenes::by_argument("cubes")?;
+//! let geometry = Geometry::bake(&scene)?;
+//! let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
+//! let recipe = Pcf::default().plan(&view)?;
+//! let shadows = umbrage::backend(Choice::Cpu)?.render(&view, &recipe)?;
+//! assert!(shadows.mask.iter().any(|&lit| lit < 1.0));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod choice;
+
+pub use choice::{Choice, backend};
+pub use umbrage_core::*;
+pub use umbrage_scenes as scenes;
+pub use umbrage_techniques as techniques;
+
+#[cfg(feature = "cpu")]
+pub use umbrage_cpu as cpu;
+#[cfg(feature = "wgpu")]
+pub use umbrage_wgpu as wgpu;

@@ -1,0 +1,323 @@
+//! Where on a light a shadow ray ends: the sampling that truth and the traced technique share.
+//!
+//! All of it is explicit arithmetic on `f32` and `u32` in a fixed order, without the transcendental functions of either
+//! language, so that a shading-language twin can give the same bits.
+//!
+//! A receiver's samples are points of the unit square (a scrambled (0, 2)-sequence, so every power of two of them is
+//! stratified in all ways at once), mapped onto the light with areas (for suns: solid angles) kept. Their mean is the
+//! **unweighted fraction of the light seen**.
+
+use crate::{Light, math::dot3, uniforms};
+use glam::{UVec4, Vec2, Vec3, Vec4};
+
+/// Kinds of [`LightSampler`]: the first component of `shape`.
+pub mod kind {
+    /// A direction: all samples are alike.
+    pub const DIRECTION: u32 = 0;
+    /// A cap of directions, uniform in solid angle.
+    pub const CAP: u32 = 1;
+    /// A point: all samples are alike.
+    pub const POINT: u32 = 2;
+    /// A parallelogram.
+    pub const RECT: u32 = 3;
+    /// A flat disc.
+    pub const DISC: u32 = 4;
+    /// A ball, as the disc through its centre that faces the receiver.
+    pub const BALL: u32 = 5;
+}
+
+/// Segments to a light end short of it by this fraction (2^-14): a lamp's own mesh, in which the light lies, must not
+/// hide it, and the rounding of a hit on it is far smaller. A real caster that close to the light is not seen.
+pub const SHORT: f32 = 1.0 - 1.0 / 16_384.0;
+
+/// Ray origins are lifted off their surface by this fraction (2^-20, 8 units in the last place) of the greatest length
+/// that went into the receiver's position or that goes into the test of a neighbouring triangle: both are wrong by
+/// about one to four units in the last place of it.
+pub const LIFT: f32 = 1.0 / 1_048_576.0;
+
+uniforms! {
+    /// A light, ready to be sampled.
+    pub struct LightSampler {
+        /// World position of the light's middle; for directions the unit vector towards the light. Fourth: unused.
+        pub center: Vec4,
+        /// From the middle to the rim, metres; for caps a unit vector across the axis. Fourth: for caps 1 - cos of the
+        /// half angle, for balls the radius in metres.
+        pub half_u: Vec4,
+        /// The other half axis, likewise. Fourth: unused.
+        pub half_v: Vec4,
+        /// The [`kind`]; the rest is unused.
+        pub shape: UVec4,
+    }
+}
+
+impl LightSampler {
+    /// The sampler of a light.
+    pub fn new(light: &Light) -> Self {
+        let make = |kind: u32, center: Vec3, u: Vec4, v: Vec3| Self {
+            center: center.extend(0.0),
+            half_u: u,
+            half_v: v.extend(0.0),
+            shape: UVec4::new(kind, 0, 0, 0),
+        };
+        let disc = |center: Vec3, normal: Vec3, radius: f32| {
+            let n = normal.as_dvec3().normalize_or(glam::DVec3::Y);
+            let (u, v) = n.any_orthonormal_pair();
+            let r = f64::from(radius);
+            make(kind::DISC, center, (u * r).as_vec3().extend(0.0), (v * r).as_vec3())
+        };
+        match *light {
+            Light::Directional { direction, angular_diameter } => {
+                let to_light = -direction.as_dvec3().normalize_or(glam::DVec3::NEG_Y);
+                let (u, v) = to_light.any_orthonormal_pair();
+                let cap = 2.0 * (0.25 * f64::from(angular_diameter)).sin().powi(2);
+                let kind = if angular_diameter > 0.0 { kind::CAP } else { kind::DIRECTION };
+                make(kind, to_light.as_vec3(), u.as_vec3().extend(cap as f32), v.as_vec3())
+            }
+            Light::Spot { position, direction, radius, .. } if radius > 0.0 => disc(position, direction, radius),
+            Light::Point { position, radius } if radius > 0.0 => {
+                make(kind::BALL, position, Vec3::ZERO.extend(radius), Vec3::ZERO)
+            }
+            Light::Spot { position, .. } | Light::Point { position, .. } => {
+                make(kind::POINT, position, Vec4::ZERO, Vec3::ZERO)
+            }
+            Light::Rect { center, half_u, half_v } => make(kind::RECT, center, half_u.extend(0.0), half_v),
+            Light::Disc { center, normal, radius } => disc(center, normal, radius),
+        }
+    }
+
+    /// Whether all samples are alike, so that one is enough.
+    pub fn is_ideal(&self) -> bool {
+        self.shape.x == kind::DIRECTION || self.shape.x == kind::POINT
+    }
+}
+
+/// From `p` to the light's point at `uv` of the unit square, short of it by [`SHORT`]; for directions `far` metres long.
+#[inline(always)]
+pub fn segment(s: &LightSampler, p: Vec3, uv: Vec2, far: f32) -> Vec3 {
+    let center = Vec3::new(s.center.x, s.center.y, s.center.z);
+    let u = Vec3::new(s.half_u.x, s.half_u.y, s.half_u.z);
+    let v = Vec3::new(s.half_v.x, s.half_v.y, s.half_v.z);
+    let kind = s.shape.x;
+    if kind == kind::DIRECTION {
+        return center * far;
+    }
+    if kind == kind::CAP {
+        return cap_direction(center, u, v, s.half_u.w, disc_point(uv)) * far;
+    }
+    let to_center = center - p;
+    if kind == kind::POINT {
+        return to_center * SHORT;
+    }
+    if kind == kind::RECT {
+        return (to_center + u * (2.0 * uv.x - 1.0) + v * (2.0 * uv.y - 1.0)) * SHORT;
+    }
+    let q = disc_point(uv);
+    if kind == kind::DISC {
+        return (to_center + u * q.x + v * q.y) * SHORT;
+    }
+    let n = to_center / dot3(to_center, to_center).sqrt();
+    let q = q * s.half_u.w;
+    (to_center + tangent(n) * q.x + bitangent(n) * q.y) * SHORT
+}
+
+/// A unit vector of the cap around `axis` (across it: unit `u` and `v`), `cap` = 1 - cos of its half angle: the point `q`
+/// of the unit disc, areas to solid angles (Archimedes' hat box: height on the sphere grows with the square of the radius).
+#[inline(always)]
+pub fn cap_direction(axis: Vec3, u: Vec3, v: Vec3, cap: f32, q: Vec2) -> Vec3 {
+    let h = (q.x * q.x + q.y * q.y) * cap;
+    let side = (cap * (2.0 - h)).sqrt();
+    axis * (1.0 - h) + u * (q.x * side) + v * (q.y * side)
+}
+
+/// From the unit square to the unit disc, areas kept: Shirley, Chiu 1997, "A Low Distortion Map Between Disk and Square".
+#[inline(always)]
+pub fn disc_point(uv: Vec2) -> Vec2 {
+    const QUARTER_PI: f32 = std::f32::consts::FRAC_PI_4;
+    let (a, b) = (2.0 * uv.x - 1.0, 2.0 * uv.y - 1.0);
+    if a == 0.0 && b == 0.0 {
+        return Vec2::ZERO;
+    }
+    if a.abs() > b.abs() {
+        let angle = QUARTER_PI * (b / a);
+        return Vec2::new(a * small_cos(angle), a * small_sin(angle));
+    }
+    let angle = QUARTER_PI * (a / b);
+    Vec2::new(b * small_sin(angle), b * small_cos(angle))
+}
+
+/// Sine of an angle within -pi/4..pi/4, to 1e-7: its Taylor series.
+#[inline(always)]
+pub fn small_sin(x: f32) -> f32 {
+    let q = x * x;
+    x * (1.0 + q * (-1.666_666_7e-1 + q * (8.333_333e-3 + q * (-1.984_127e-4 + q * 2.755_732e-6))))
+}
+
+/// Cosine of an angle within -pi/4..pi/4, to 1e-7: its Taylor series.
+#[inline(always)]
+pub fn small_cos(x: f32) -> f32 {
+    let q = x * x;
+    1.0 + q * (-0.5 + q * (4.166_666_8e-2 + q * (-1.388_888_9e-3 + q * 2.480_158_7e-5)))
+}
+
+/// A unit vector across the unit vector `n`: Duff et al. 2017, "Building an Orthonormal Basis, Revisited".
+#[inline(always)]
+pub fn tangent(n: Vec3) -> Vec3 {
+    let sign = if n.z >= 0.0 { 1.0 } else { -1.0 };
+    let a = -1.0 / (sign + n.z);
+    Vec3::new(1.0 + sign * n.x * n.x * a, sign * (n.x * n.y * a), -sign * n.x)
+}
+
+/// A unit vector across the unit vector `n` and its [`tangent`].
+#[inline(always)]
+pub fn bitangent(n: Vec3) -> Vec3 {
+    let sign = if n.z >= 0.0 { 1.0 } else { -1.0 };
+    let a = -1.0 / (sign + n.z);
+    Vec3::new(n.x * n.y * a, sign + n.y * n.y * a, -n.y)
+}
+
+/// How far to lift a ray's origin off its surface, metres: `p` is the receiver, `reach` the greatest other length in play
+/// (distance to the eye, extent of the receiver's triangle).
+#[inline(always)]
+pub fn origin_offset(p: Vec3, reach: f32) -> f32 {
+    p.x.abs().max(p.y.abs()).max(p.z.abs()).max(reach) * LIFT
+}
+
+/// A pixel's own scramble.
+#[inline(always)]
+pub fn seed(x: u32, y: u32) -> u32 {
+    hash(x.wrapping_add(hash(y.wrapping_add(0x9e37_79b9))))
+}
+
+/// Point `i` of the unit square's sequence with this scramble: van der Corput's sequence and Sobol's second one, each put
+/// through a nested uniform (Owen) scramble.
+#[inline(always)]
+pub fn unit_square(i: u32, seed: u32) -> Vec2 {
+    scrambled(sobol_bits(i), seed)
+}
+
+/// The sequence before scrambling, as binary fractions with their bits reversed (lowest bit = 1/2).
+#[inline(always)]
+pub fn sobol_bits(i: u32) -> [u32; 2] {
+    [i, sobol_second(i).reverse_bits()]
+}
+
+/// Scrambles a pair of [`sobol_bits`] into 0..1 (24 bits each, never 1).
+#[inline(always)]
+pub fn scrambled(bits: [u32; 2], seed: u32) -> Vec2 {
+    let x = owen(bits[0], seed).reverse_bits();
+    let y = owen(bits[1], hash(seed ^ 0x68bc_21eb)).reverse_bits();
+    Vec2::new((x >> 8) as f32, (y >> 8) as f32) * (1.0 / 16_777_216.0)
+}
+
+/// The second dimension of Sobol's sequence, as a binary fraction.
+#[inline(always)]
+pub fn sobol_second(i: u32) -> u32 {
+    let (mut rest, mut direction, mut bits) = (i, 1_u32 << 31, 0_u32);
+    while rest != 0 {
+        if rest & 1 == 1 {
+            bits ^= direction;
+        }
+        direction ^= direction >> 1;
+        rest >>= 1;
+    }
+    bits
+}
+
+/// Nested uniform scrambling of bit-reversed fractions, each bit by a hash of those below it: Laine, Karras 2011,
+/// "Stratified Sampling for Stochastic Transparency"; constants from Vegdahl 2021, "Owen Scrambling Hash Functions".
+#[inline(always)]
+pub fn owen(reversed: u32, seed: u32) -> u32 {
+    let mut x = reversed;
+    x ^= x.wrapping_mul(0x3d20_adea);
+    x = x.wrapping_add(seed);
+    x = x.wrapping_mul((seed >> 16) | 1);
+    x ^= x.wrapping_mul(0x0552_6c56);
+    x ^= x.wrapping_mul(0x53a2_2864);
+    x
+}
+
+/// Mixes 32 bits: Wellons 2018, "Prospecting for Hash Functions", `lowbias32`.
+#[inline(always)]
+pub fn hash(x: u32) -> u32 {
+    let mut x = x;
+    x ^= x >> 16;
+    x = x.wrapping_mul(0x7feb_352d);
+    x ^= x >> 15;
+    x = x.wrapping_mul(0x846c_a68b);
+    x ^= x >> 16;
+    x
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every elementary interval of a (0, 2)-sequence's first 2^m points holds exactly one, scrambled or not.
+    #[test]
+    fn points_are_stratified_every_way() {
+        for seed in [0, 1, 0xdead_beef] {
+            for split in 0..=8 {
+                let (columns, rows) = (1_u32 << split, 1_u32 << (8 - split));
+                let mut counts = vec![0; 256];
+                for i in 0..256 {
+                    let p = unit_square(i, seed);
+                    let (cx, cy) = ((p.x * columns as f32) as u32, (p.y * rows as f32) as u32);
+                    counts[(cy * columns + cx) as usize] += 1;
+                }
+                assert!(counts.iter().all(|&n| n == 1), "seed {seed}, {columns} x {rows}: {counts:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn polynomials_match_the_real_functions() {
+        for i in -1000..=1000 {
+            let x = i as f32 / 1000.0 * std::f32::consts::FRAC_PI_4;
+            // Two roundings near 1.
+            assert!((small_sin(x) - x.sin()).abs() <= 1.5e-7, "sin {x}");
+            assert!((small_cos(x) - x.cos()).abs() <= 1.5e-7, "cos {x}");
+        }
+    }
+
+    /// A quarter of the disc's area lies within half its radius, and a half of it left of the middle.
+    #[test]
+    fn the_disc_keeps_areas() {
+        let points: Vec<Vec2> = (0..4096).map(|i| disc_point(unit_square(i, 7))).collect();
+        let share = |f: fn(&&Vec2) -> bool| points.iter().filter(f).count() as f32 / 4096.0;
+        assert!((share(|p| p.length() < 0.5) - 0.25).abs() < 0.002);
+        assert!((share(|p| p.x < 0.0) - 0.5).abs() < 0.002);
+        assert!(points.iter().all(|p| p.length() <= 1.000_001));
+    }
+
+    #[test]
+    fn caps_are_unit_vectors_within_their_angle() {
+        let light = Light::Directional { direction: Vec3::new(1.0, -2.0, 0.5), angular_diameter: 0.4 };
+        let s = LightSampler::new(&light);
+        let axis = s.center.truncate();
+        let angles: Vec<f32> = (0..1024)
+            .map(|i| {
+                let d = segment(&s, Vec3::ZERO, unit_square(i, 3), 1.0);
+                assert!((d.length() - 1.0).abs() < 1e-6);
+                d.cross(axis).length().asin()
+            })
+            .collect();
+        let widest = angles.iter().copied().fold(0.0, f32::max);
+        assert!(widest <= 0.2 + 1e-5 && widest > 0.19, "{widest}");
+        // Half the solid angle lies within acos(1 - (1 - cos .2) / 2) of the axis.
+        let median = (1.0 - (1.0 - 0.2_f32.cos()) / 2.0).acos();
+        let within = angles.iter().filter(|&&a| a < median).count();
+        assert!((within as i32 - 512).abs() <= 4, "{within}");
+    }
+
+    #[test]
+    fn balls_face_the_receiver() {
+        let light = Light::Point { position: Vec3::new(1.0, 4.0, -2.0), radius: 0.5 };
+        let (s, p) = (LightSampler::new(&light), Vec3::new(-3.0, 0.0, 1.0));
+        let to_center = Vec3::new(4.0, 4.0, -3.0);
+        for i in 0..256 {
+            let d = segment(&s, p, unit_square(i, 5), 1.0) / SHORT;
+            assert!((d - to_center).dot(to_center).abs() < 1e-4);
+            assert!((d - to_center).length() <= 0.500_01);
+        }
+    }
+}

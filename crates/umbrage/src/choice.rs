@@ -1,0 +1,81 @@
+//! Choosing a backend at run time.
+
+use std::{fmt, str::FromStr};
+use umbrage_core::{Backend, BackendError, Invalid};
+
+/// Which backend to make.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Choice {
+    /// wgpu if there is an adapter for it that is not the CPU in disguise, else the CPU. [`Backend::name`] says which.
+    #[default]
+    Auto,
+    /// The CPU reference.
+    Cpu,
+    /// wgpu on any adapter, software ones too.
+    Wgpu,
+}
+
+impl FromStr for Choice {
+    type Err = Invalid;
+
+    fn from_str(name: &str) -> Result<Self, Invalid> {
+        match name.to_ascii_lowercase().as_str() {
+            "auto" => Ok(Self::Auto),
+            "cpu" => Ok(Self::Cpu),
+            "wgpu" | "gpu" => Ok(Self::Wgpu),
+            _ => Err(Invalid::new("backend", format!("there is none called `{name}`"), "use auto, cpu or wgpu")),
+        }
+    }
+}
+
+impl fmt::Display for Choice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Auto => "auto",
+            Self::Cpu => "cpu",
+            Self::Wgpu => "wgpu",
+        })
+    }
+}
+
+/// Makes the chosen backend.
+///
+/// # Errors
+/// When there is no adapter, or the feature that the choice needs is switched off.
+pub fn backend(choice: Choice) -> Result<Box<dyn Backend>, BackendError> {
+    match choice {
+        Choice::Cpu => cpu(),
+        Choice::Wgpu => gpu(true),
+        Choice::Auto => gpu(false).or_else(|_| cpu()).or_else(|_| gpu(true)),
+    }
+}
+
+#[cfg(feature = "cpu")]
+fn cpu() -> Result<Box<dyn Backend>, BackendError> {
+    Ok(Box::new(umbrage_cpu::Cpu::new()))
+}
+
+#[cfg(not(feature = "cpu"))]
+fn cpu() -> Result<Box<dyn Backend>, BackendError> {
+    Err(switched_off("cpu").into())
+}
+
+#[cfg(feature = "wgpu")]
+fn gpu(software: bool) -> Result<Box<dyn Backend>, BackendError> {
+    let choice = umbrage_wgpu::AdapterChoice { allow_software: software, ..Default::default() };
+    Ok(Box::new(umbrage_wgpu::Gpu::new(&choice)?))
+}
+
+#[cfg(not(feature = "wgpu"))]
+fn gpu(_software: bool) -> Result<Box<dyn Backend>, BackendError> {
+    Err(switched_off("wgpu").into())
+}
+
+#[cfg(not(all(feature = "cpu", feature = "wgpu")))]
+fn switched_off(feature: &str) -> Invalid {
+    Invalid::new(
+        format!("backend `{feature}`"),
+        "is not part of this build",
+        format!("enable umbrage's feature `{feature}`"),
+    )
+}

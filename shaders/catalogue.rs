@@ -1,0 +1,85 @@
+//! The one list of techniques: command line, help, tests, charts and tables all come from it.
+
+use crate::{Bias, Hard, Pcf, PcfDithered, ShadowMap};
+use std::sync::Arc;
+use umbrage_core::{Fit, ShadowTechnique};
+
+/// A technique of the list.
+#[derive(Clone, Copy, Debug)]
+pub struct Entry {
+    /// Its name, as [`ShadowTechnique::name`] gives it.
+    pub name: &'static str,
+    /// What it does, in one line.
+    pub summary: &'static str,
+    /// The settings worth comparing, for the given map sizes. Techniques without a map ignore the sizes.
+    pub settings: fn(map_sizes: &[u32]) -> Vec<Arc<dyn ShadowTechnique>>,
+    /// Every setting that differs in code path: all kernels with all biases, at one small map size, for tests.
+    pub exhaustive: fn(map_size: u32) -> Vec<Arc<dyn ShadowTechnique>>,
+}
+
+/// All built-in techniques, cheapest first.
+pub fn all() -> &'static [Entry] {
+    &[
+        Entry {
+            name: "hard",
+            summary: "one comparison with one texel (Williams 1978)",
+            settings: |sizes| settings(sizes, &HARD_BIASES, |map| Hard { map }),
+            exhaustive: |size| exhaustive(size, |map| Hard { map }),
+        },
+        Entry {
+            name: "pcf_dithered",
+            summary: "four comparisons, placed by the pixel's parity (Bunnell, Pellacini 2004)",
+            settings: |sizes| settings(sizes, &[Bias::SLOPE, Bias::NORMAL_OFFSET], |map| PcfDithered { map }),
+            exhaustive: |size| exhaustive(size, |map| PcfDithered { map }),
+        },
+        Entry {
+            name: "pcf",
+            summary: "the mean of a square of comparisons (Reeves, Salesin, Cook 1987)",
+            settings: |sizes| {
+                let mut all = settings(sizes, &PCF_BIASES, |map| Pcf { map, radius: 1 });
+                all.extend(settings(sizes, &PCF_BIASES, |map| Pcf { map, radius: 3 }));
+                all
+            },
+            exhaustive: |size| {
+                [0, 1, 2, 3, 6]
+                    .into_iter()
+                    .flat_map(|radius| exhaustive(size, move |map| Pcf { map, radius }))
+                    .collect()
+            },
+        },
+    ]
+}
+
+/// The technique with this name.
+pub fn find(name: &str) -> Option<&'static Entry> {
+    all().iter().find(|e| e.name == name)
+}
+
+/// One comparison shows best what each bias does.
+const HARD_BIASES: [Bias; 7] = [
+    Bias::NONE,
+    Bias::CONSTANT,
+    Bias::SLOPE,
+    Bias::POLYGON_OFFSET,
+    Bias::NORMAL_OFFSET,
+    Bias::RECEIVER_PLANE,
+    Bias::FRONT_CULL,
+];
+
+const PCF_BIASES: [Bias; 4] = [Bias::SLOPE, Bias::POLYGON_OFFSET, Bias::NORMAL_OFFSET, Bias::RECEIVER_PLANE];
+
+fn settings<T: ShadowTechnique + 'static>(
+    sizes: &[u32],
+    biases: &[Bias],
+    make: impl Fn(ShadowMap) -> T,
+) -> Vec<Arc<dyn ShadowTechnique>> {
+    let maps = sizes.iter().flat_map(|&size| biases.iter().map(move |&bias| ShadowMap { size, fit: Fit::Tight, bias }));
+    maps.map(|map| Arc::new(make(map)) as Arc<dyn ShadowTechnique>).collect()
+}
+
+fn exhaustive<T: ShadowTechnique + 'static>(size: u32, make: impl Fn(ShadowMap) -> T) -> Vec<Arc<dyn ShadowTechnique>> {
+    let mut biases = Bias::PRESETS.map(|(_, bias)| bias).to_vec();
+    // All at once, since they must also agree together.
+    biases.push(Bias { constant: 1e-3, receiver_plane: 0.05, ..Bias { normal_offset: 1.0, ..Bias::SLOPE } });
+    settings(&[size], &biases, make)
+}

@@ -1,0 +1,63 @@
+//! Hard shadows: one comparison with one texel.
+//!
+//! Lit if the receiver's depth, less the bias, is at most the stored depth. Williams 1978, "Casting curved shadows on
+//! curved surfaces". Fails by jagged edges as wide as a texel, by acne without bias, and by shadows that come loose with
+//! too much of it.
+
+use crate::shadow_map::{MapLookup, SHADOW_MAP, ShadowMap, TAP, look_up_span, tap};
+use serde::{Deserialize, Serialize};
+use umbrage_core::{
+    Inputs, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span, UniformLayout, Uniforms, View,
+};
+
+/// One comparison a receiver.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Hard {
+    /// The map looked up.
+    pub map: ShadowMap,
+}
+
+impl ShadowTechnique for Hard {
+    fn name(&self) -> &'static str {
+        "hard"
+    }
+
+    fn settings(&self) -> String {
+        self.map.label()
+    }
+
+    fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
+        self.map.recipe(view, 0.0, HardKernel)
+    }
+}
+
+/// The lookup.
+#[derive(Clone, Copy, Debug)]
+pub struct HardKernel(
+    /// Uniforms.
+    pub MapLookup,
+);
+
+impl Kernel for HardKernel {
+    fn modules(&self) -> Vec<Module> {
+        vec![SHADOW_MAP, TAP, Module { name: "hard", text: include_str!("hard.wgsl") }]
+    }
+
+    fn uniform_bytes(&self) -> Vec<u8> {
+        self.0.to_bytes()
+    }
+
+    fn layout(&self) -> UniformLayout {
+        MapLookup::layout()
+    }
+}
+
+impl ReceiveKernel for HardKernel {
+    fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
+        let (size, texels) = (self.0.size as i32, inputs.images[0].texels);
+        look_up_span(inputs.simd, &self.0, span, out, |l, _| {
+            tap(texels, size, l, l.texel.x.floor() as i32, l.texel.y.floor() as i32)
+        });
+    }
+}

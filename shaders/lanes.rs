@@ -1,0 +1,62 @@
+//! Counting lit texels of a square, a row of lanes at a time. Counts are small integers in floats, which add exactly in
+//! any order: so the lanes agree with the shader's loop to the bit.
+
+use crate::shadow_map::{Lookup, tap};
+
+/// How many taps of the square of `radius` around the receiver's texel are lit.
+#[inline(always)]
+pub(crate) fn count_lit(texels: &[f32], size: i32, l: &Lookup, radius: i32) -> f32 {
+    let (x, y) = (l.texel.x.floor() as i32 - radius, l.texel.y.floor() as i32 - radius);
+    let counted = match radius {
+        0 => None,
+        1 => square::<3, 4>(texels, size, l, x, y),
+        2 => square::<5, 8>(texels, size, l, x, y),
+        3 => square::<7, 8>(texels, size, l, x, y),
+        4 => square::<9, 16>(texels, size, l, x, y),
+        5 => square::<11, 16>(texels, size, l, x, y),
+        _ => None,
+    };
+    counted.unwrap_or_else(|| one_by_one(texels, size, l, x, y, 2 * radius + 1))
+}
+
+/// A square wholly within the map whose rows may be read `LANES` wide; lanes beyond `SIDE` are not counted.
+#[inline(always)]
+fn square<const SIDE: usize, const LANES: usize>(texels: &[f32], size: i32, l: &Lookup, x: i32, y: i32) -> Option<f32> {
+    let side = SIDE as i32;
+    if x < 0 || y < 0 || x + side > size || y + side > size {
+        return None;
+    }
+    let (stride, first) = (size as usize, y as usize * size as usize + x as usize);
+    let window = texels.get(first..first + (SIDE - 1) * stride + LANES)?;
+    let mut lit = [0_u32; LANES];
+    if l.gradient == glam::Vec2::ZERO {
+        for row in 0..SIDE {
+            let stored: &[f32; LANES] = window[row * stride..][..LANES].first_chunk()?;
+            for (lit, stored) in lit.iter_mut().zip(stored) {
+                *lit += u32::from(l.depth <= *stored);
+            }
+        }
+    } else {
+        for row in 0..SIDE {
+            let stored: &[f32; LANES] = window[row * stride..][..LANES].first_chunk()?;
+            let down = l.gradient.y * ((y + row as i32) as f32 + 0.5 - l.texel.y);
+            for (lane, lit) in lit.iter_mut().enumerate() {
+                let right = l.gradient.x * ((x + lane as i32) as f32 + 0.5 - l.texel.x);
+                *lit += u32::from(l.depth + right + down <= stored[lane]);
+            }
+        }
+    }
+    Some(lit[..SIDE].iter().sum::<u32>() as f32)
+}
+
+/// Any square: taps outside the map count as lit.
+#[inline(always)]
+fn one_by_one(texels: &[f32], size: i32, l: &Lookup, x: i32, y: i32, side: i32) -> f32 {
+    let mut lit = 0.0;
+    for dy in 0..side {
+        for dx in 0..side {
+            lit += tap(texels, size, l, x + dx, y + dy);
+        }
+    }
+    lit
+}

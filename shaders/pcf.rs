@@ -1,0 +1,95 @@
+//! Percentage-closer filtering on a grid: the mean of (2r + 1)² comparisons around the receiver's texel.
+//!
+//! Reeves, Salesin and Cook 1987, "Rendering antialiased shadows with depth maps": compare first, then average; r = 1 is
+//! the textbooks' 3x3. Penumbrae have one width everywhere, in texels. Wide kernels need more bias: their outer taps
+//! see the receiver's own surface r texels away.
+
+use crate::{
+    lanes,
+    shadow_map::{MapLookup, SHADOW_MAP, ShadowMap, TAP, look_up_span},
+};
+use serde::{Deserialize, Serialize};
+use umbrage_core::{
+    Inputs, Invalid, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span, UniformLayout, Uniforms,
+    View, uniforms,
+};
+
+/// Greatest radius accepted: 1,089 taps.
+pub const MAX_RADIUS: u32 = 16;
+
+/// A square of comparisons.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Pcf {
+    /// The map looked up.
+    pub map: ShadowMap,
+    /// Texels to each side, 0 to [`MAX_RADIUS`]; 1 is the textbooks' 3x3.
+    pub radius: u32,
+}
+
+impl Default for Pcf {
+    fn default() -> Self {
+        Self { map: ShadowMap::default(), radius: 1 }
+    }
+}
+
+impl ShadowTechnique for Pcf {
+    fn name(&self) -> &'static str {
+        "pcf"
+    }
+
+    fn settings(&self) -> String {
+        let side = 2 * self.radius + 1;
+        format!("{side}x{side}, {}", self.map.label())
+    }
+
+    fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
+        if self.radius > MAX_RADIUS {
+            let why = format!("is {} texels", self.radius);
+            return Err(Invalid::new("pcf radius", why, format!("use 0 to {MAX_RADIUS}")).into());
+        }
+        let radius = self.radius as i32;
+        self.map.recipe(view, radius as f32, |lookup| PcfKernel(PcfUniforms { lookup, radius }))
+    }
+}
+
+uniforms! {
+    /// Uniforms of [`PcfKernel`].
+    pub struct PcfUniforms {
+        /// The way to the map.
+        pub lookup: MapLookup,
+        /// Texels to each side.
+        pub radius: i32,
+    }
+}
+
+/// The lookup.
+#[derive(Clone, Copy, Debug)]
+pub struct PcfKernel(
+    /// Uniforms.
+    pub PcfUniforms,
+);
+
+impl Kernel for PcfKernel {
+    fn modules(&self) -> Vec<Module> {
+        vec![SHADOW_MAP, TAP, Module { name: "pcf", text: include_str!("pcf.wgsl") }]
+    }
+
+    fn uniform_bytes(&self) -> Vec<u8> {
+        self.0.to_bytes()
+    }
+
+    fn layout(&self) -> UniformLayout {
+        PcfUniforms::layout()
+    }
+}
+
+impl ReceiveKernel for PcfKernel {
+    fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
+        let PcfUniforms { lookup, radius } = self.0;
+        let texels = inputs.images[0].texels;
+        let size = lookup.size as i32;
+        let side = (2 * radius + 1) as f32;
+        look_up_span(inputs.simd, &lookup, span, out, |l, _| lanes::count_lit(texels, size, l, radius) / (side * side));
+    }
+}

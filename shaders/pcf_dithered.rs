@@ -1,0 +1,69 @@
+//! Dithered percentage-closer filtering: four comparisons, placed by the pixel's parity.
+//!
+//! Bunnell and Pellacini 2004, "Shadow map antialiasing" (GPU Gems, chapter 11): taps at (-1.5, .5), (.5, .5),
+//! (-1.5, -1.5) and (.5, -1.5) texels, moved by (0 or 1, 0 or 1) so that each block of 2x2 pixels covers sixteen texels.
+//! Cheap, at the price of a fine pattern in the penumbra; its levels are fourths.
+
+use crate::shadow_map::{MapLookup, SHADOW_MAP, ShadowMap, TAP, look_up_span, tap};
+use serde::{Deserialize, Serialize};
+use umbrage_core::{
+    Inputs, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span, UniformLayout, Uniforms, View,
+};
+
+/// Four dithered comparisons.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PcfDithered {
+    /// The map looked up.
+    pub map: ShadowMap,
+}
+
+impl ShadowTechnique for PcfDithered {
+    fn name(&self) -> &'static str {
+        "pcf_dithered"
+    }
+
+    fn settings(&self) -> String {
+        format!("4 taps, {}", self.map.label())
+    }
+
+    fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
+        self.map.recipe(view, 2.0, PcfDitheredKernel)
+    }
+}
+
+/// The lookup.
+#[derive(Clone, Copy, Debug)]
+pub struct PcfDitheredKernel(
+    /// Uniforms.
+    pub MapLookup,
+);
+
+impl Kernel for PcfDitheredKernel {
+    fn modules(&self) -> Vec<Module> {
+        vec![SHADOW_MAP, TAP, Module { name: "pcf_dithered", text: include_str!("pcf_dithered.wgsl") }]
+    }
+
+    fn uniform_bytes(&self) -> Vec<u8> {
+        self.0.to_bytes()
+    }
+
+    fn layout(&self) -> UniformLayout {
+        MapLookup::layout()
+    }
+}
+
+impl ReceiveKernel for PcfDitheredKernel {
+    fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
+        let (size, texels) = (self.0.size as i32, inputs.images[0].texels);
+        look_up_span(inputs.simd, &self.0, span, out, |l, i| {
+            let (px, py) = (span.first.x + i as u32, span.first.y);
+            let (ox, oy) = ((px & 1) as f32, ((px ^ py) & 1) as f32);
+            let column = |step: f32| (l.texel.x + (ox + step)).floor() as i32;
+            let row = |step: f32| (l.texel.y + (oy + step)).floor() as i32;
+            let (left, right, top, bottom) = (column(-1.5), column(0.5), row(-1.5), row(0.5));
+            let lit = |x, y| tap(texels, size, l, x, y);
+            (lit(left, top) + lit(right, top) + lit(left, bottom) + lit(right, bottom)) / 4.0
+        });
+    }
+}
