@@ -1,6 +1,6 @@
 //! The one list of techniques: command line, help, tests, charts and tables all come from it.
 
-use crate::{Bias, Hard, Pcf, PcfDithered, ShadowMap};
+use crate::{Bias, Hard, Pcf, PcfDithered, ShadowMap, Traced};
 use std::sync::Arc;
 use umbrage_core::{Fit, ShadowTechnique};
 
@@ -46,6 +46,12 @@ pub fn all() -> &'static [Entry] {
                     .flat_map(|radius| exhaustive(size, move |map| Pcf { map, radius }))
                     .collect()
             },
+        },
+        Entry {
+            name: "traced",
+            summary: "any-hit rays, no map (Whitted 1980; Cook, Porter, Carpenter 1984)",
+            settings: |_| vec![Arc::new(Traced { samples: 4 }), Arc::new(Traced { samples: 32 })],
+            exhaustive: |_| vec![Arc::new(Traced { samples: 3 })],
         },
     ]
 }

@@ -8,6 +8,7 @@ mod lanes;
 mod pcf;
 mod pcf_dithered;
 pub mod shadow_map;
+mod traced;
 
 pub use bias::Bias;
 pub use catalogue::{Entry, all, find};
@@ -15,6 +16,7 @@ pub use hard::{Hard, HardKernel};
 pub use pcf::{MAX_RADIUS, Pcf, PcfKernel, PcfUniforms};
 pub use pcf_dithered::{PcfDithered, PcfDitheredKernel};
 pub use shadow_map::ShadowMap;
+pub use traced::{MAX_SAMPLES, Traced, TracedKernel, TracedUniforms};
 
 use umbrage_core::Twin;
 

@@ -17,7 +17,11 @@ pub struct Geometry {
     receivers: Range<u32>,
     fingerprint: u64,
     bvh: OnceLock<Arc<Bvh>>,
+    bvh_tables: OnceLock<[Rows; 2]>,
 }
+
+/// Rows of four words, as shaders' tables hold them.
+type Rows = Arc<[[u32; 4]]>;
 
 impl Geometry {
     /// Places every instance of a scene into the world. Mirroring instances keep their outside out.
@@ -89,7 +93,7 @@ impl Geometry {
     /// The same triangles, none of which casts: the negative control of every comparison.
     #[must_use]
     pub fn without_casters(&self) -> Self {
-        let mut out = Self { casters: 0..0, bvh: OnceLock::new(), ..self.clone() };
+        let mut out = Self { casters: 0..0, bvh: OnceLock::new(), bvh_tables: OnceLock::new(), ..self.clone() };
         out.fingerprint = out.hash();
         out
     }
@@ -151,5 +155,13 @@ impl Geometry {
     /// The hierarchy over the casters, built on first use (the one costly step of ray tracing).
     pub fn bvh(&self) -> &Arc<Bvh> {
         self.bvh.get_or_init(|| Arc::new(Bvh::build(self)))
+    }
+
+    /// [`Bvh::node_rows`] and [`Bvh::triangle_rows`], made on first use and shared from then on.
+    pub fn bvh_tables(&self) -> &[Rows; 2] {
+        self.bvh_tables.get_or_init(|| {
+            let bvh = self.bvh();
+            [bvh.node_rows().into(), bvh.triangle_rows(self).into()]
+        })
     }
 }

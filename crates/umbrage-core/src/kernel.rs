@@ -7,9 +7,10 @@ use std::fmt::Debug;
 /// The WGSL half, and what both halves share.
 ///
 /// The player puts before the modules: [`MATH`](crate::MATH); `struct Receiver { position: vec3f, normal: vec3f, pixel: vec2u,
-/// triangle: u32 }`; `var<uniform> kernel: NAME` with the uniform struct that the modules declare; for input image `i` a
-/// function `load_i(texel: vec2i, layer: i32) -> vec4f` and a constant `SIZE_i: vec2i`; for input table `j` a
-/// `var<storage> table_j: array<vec4u>`. Texels passed to `load_i` must lie within the image.
+/// triangle: u32 }`; `var<uniform> kernel: NAME` with the uniform struct that the modules declare; for input image `i` the
+/// functions `load_i(texel: vec2i, layer: i32) -> vec4f` and `size_i() -> vec2i` (a function, so that one compiled shader
+/// serves maps of all sizes); for input table `j` a `var<storage> table_j: array<vec4u>`. Texels passed to `load_i` must
+/// lie within the image.
 pub trait Kernel: Debug + Send + Sync {
     /// WGSL modules in order; the last one has the entry function.
     fn modules(&self) -> Vec<Module>;

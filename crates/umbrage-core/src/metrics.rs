@@ -1,1 +1,217 @@
-//! Image metrics.
+//! Image metrics: how far a mask is from the truth, and how well two masks agree.
+//!
+//! Masks hold visibility 0..=1, rows from the top. Every comparator refuses masks of the wrong size and masks that hold
+//! NaN or anything else outside 0..=1, rather than averaging it away.
+
+use crate::Invalid;
+use glam::UVec2;
+
+/// A pixel is a **false shadow** when the mask is darker than truth by more than this, **false light** when it is lighter
+/// by more: a quarter of the light, a step that anyone sees. (For hard masks and ideal lights any threshold in 0..1 gives
+/// the same figures.)
+pub const FALSE: f32 = 0.25;
+
+/// A false shadow is **acne** when it lies farther than this from any true shadow edge, in pixels between centres.
+pub const ACNE_DISTANCE: u32 = 8;
+
+/// Truth counts as penumbra, and so as a shadow edge, from this value to one less it.
+pub const PENUMBRA: f32 = 0.02;
+
+/// Decided pixels of two masks may differ by this: one step of an 8-bit image.
+pub const AGREE: f32 = 1.0 / 255.0;
+
+/// What a pixel is to the error figures.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Pixel {
+    /// Counted.
+    #[default]
+    Counted,
+    /// Shows nothing, or something that takes no shadows.
+    Empty,
+    /// Faces wholly away from the light, or lies outside a spot's cone: shading darkens it anyway.
+    Unlit,
+    /// Truth itself is numerically ambiguous there.
+    Ambiguous,
+}
+
+/// How far a mask is from the truth. Shares are percentages of the counted pixels, 0..=100; all figures are 0 when no
+/// pixel counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Errors {
+    /// Root of the mean square of mask - truth, 0..=1.
+    pub rmse: f64,
+    /// Mean of |mask - truth|, 0..=1.
+    pub mean: f64,
+    /// Mean of mask - truth, -1..=1: positive means too light.
+    pub bias: f64,
+    /// Greatest |mask - truth|, 0..=1.
+    pub largest: f64,
+    /// Mask darker than truth by more than [`FALSE`], percent.
+    pub false_shadow: f64,
+    /// Mask lighter than truth by more than [`FALSE`], percent.
+    pub false_light: f64,
+    /// False shadow farther than [`ACNE_DISTANCE`] from any true shadow edge, percent.
+    pub acne: f64,
+    /// Pixels counted.
+    pub counted: u64,
+    /// Pixels left out: truth is ambiguous.
+    pub ambiguous: u64,
+    /// Pixels left out: they face away from the light or lie outside its cone.
+    pub unlit: u64,
+}
+
+impl Errors {
+    /// Compares a mask with truth, `pixels` telling what counts. A true shadow edge is where truth is a penumbra or
+    /// differs from one of the four neighbours' by more than [`FALSE`]; pixels that are [`Pixel::Empty`] make no edges.
+    ///
+    /// # Errors
+    /// When sizes differ or a value is not within 0..=1.
+    pub fn measure(size: UVec2, mask: &[f32], truth: &[f32], pixels: &[Pixel]) -> Result<Self, Invalid> {
+        check("mask", size, mask)?;
+        check("truth", size, truth)?;
+        check_len("pixel classes", size, pixels.len())?;
+        let near_edge = near(size, &edges(size, truth, pixels), ACNE_DISTANCE);
+        let mut out = Self::default();
+        let mut sum_of_squares = 0.0;
+        for (i, pixel) in pixels.iter().enumerate() {
+            match pixel {
+                Pixel::Counted => {
+                    out.add(mask[i], truth[i], near_edge[i]);
+                    sum_of_squares += (f64::from(mask[i]) - f64::from(truth[i])).powi(2);
+                }
+                Pixel::Empty => {}
+                Pixel::Unlit => out.unlit += 1,
+                Pixel::Ambiguous => out.ambiguous += 1,
+            }
+        }
+        let n = out.counted.max(1) as f64;
+        out.rmse = (sum_of_squares / n).sqrt();
+        (out.mean, out.bias) = (out.mean / n, out.bias / n);
+        for share in [&mut out.false_shadow, &mut out.false_light, &mut out.acne] {
+            *share *= 100.0 / n;
+        }
+        Ok(out)
+    }
+
+    /// Adds one pixel to the sums.
+    fn add(&mut self, mask: f32, truth: f32, near_edge: bool) {
+        let difference = mask - truth;
+        self.counted += 1;
+        self.mean += f64::from(difference.abs());
+        self.bias += f64::from(difference);
+        self.largest = self.largest.max(f64::from(difference.abs()));
+        if difference < -FALSE {
+            self.false_shadow += 1.0;
+            self.acne += if near_edge { 0.0 } else { 1.0 };
+        }
+        if difference > FALSE {
+            self.false_light += 1.0;
+        }
+    }
+}
+
+/// Pixels on true shadow edges, as [`Errors::measure`] defines them.
+pub fn edges(size: UVec2, truth: &[f32], pixels: &[Pixel]) -> Vec<bool> {
+    let (w, h) = (size.x as usize, size.y as usize);
+    let differs = |i: usize, j: usize| pixels[j] != Pixel::Empty && (truth[i] - truth[j]).abs() > FALSE;
+    let is_edge = |i: usize| {
+        let (x, y) = (i % w, i / w);
+        pixels[i] != Pixel::Empty
+            && ((PENUMBRA..=1.0 - PENUMBRA).contains(&truth[i])
+                || (x > 0 && differs(i, i - 1))
+                || (x + 1 < w && differs(i, i + 1))
+                || (y > 0 && differs(i, i - w))
+                || (y + 1 < h && differs(i, i + w)))
+    };
+    (0..w * h).map(is_edge).collect()
+}
+
+/// Whether each pixel lies within `distance` (Euclidean, between centres, in pixels) of a set pixel: an exact distance
+/// transform cut off at `distance`, columns first, then rows.
+pub fn near(size: UVec2, set: &[bool], distance: u32) -> Vec<bool> {
+    let (w, h, far) = (size.x as usize, size.y as usize, distance + 1);
+    let mut column = vec![far; w * h];
+    for x in 0..w {
+        let mut pass = |rows: &mut dyn Iterator<Item = usize>| {
+            let mut d = far;
+            for i in rows.map(|y| y * w + x) {
+                d = if set[i] { 0 } else { (d + 1).min(far) };
+                column[i] = column[i].min(d);
+            }
+        };
+        pass(&mut (0..h));
+        pass(&mut (0..h).rev());
+    }
+    let reach = distance as usize;
+    let within = |i: usize| {
+        let (x, row) = (i % w, i - i % w);
+        (x.saturating_sub(reach)..=(x + reach).min(w - 1)).any(|k| {
+            let (dx, dy) = (k.abs_diff(x) as u64, u64::from(column[row + k]));
+            dx * dx + dy * dy <= u64::from(distance) * u64::from(distance)
+        })
+    };
+    (0..w * h).map(within).collect()
+}
+
+/// How well two masks of the same view agree.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Agreement {
+    /// Pixels compared.
+    pub compared: u64,
+    /// Pixels that are not equal, however little they differ.
+    pub differing: u64,
+    /// Pixels whose answer hangs on rounding.
+    pub undecided: u64,
+    /// Greatest difference anywhere, 0..=1.
+    pub largest: f64,
+    /// Decided pixels that differ by more than [`AGREE`]: must be 0.
+    pub violations: u64,
+}
+
+impl Agreement {
+    /// Compares two masks; `undecided` marks pixels whose answer hangs on rounding.
+    ///
+    /// # Errors
+    /// When sizes differ or a value is not within 0..=1.
+    pub fn measure(size: UVec2, a: &[f32], b: &[f32], undecided: &[bool]) -> Result<Self, Invalid> {
+        check("first mask", size, a)?;
+        check("second mask", size, b)?;
+        check_len("undecided pixels", size, undecided.len())?;
+        let mut out = Self { compared: a.len() as u64, ..Self::default() };
+        for ((&a, &b), &undecided) in a.iter().zip(b).zip(undecided) {
+            let difference = (a - b).abs();
+            out.differing += u64::from(a != b);
+            out.undecided += u64::from(undecided);
+            out.largest = out.largest.max(f64::from(difference));
+            out.violations += u64::from(!undecided && difference > AGREE);
+        }
+        Ok(out)
+    }
+
+    /// Whether all decided pixels agree.
+    pub fn holds(&self) -> bool {
+        self.violations == 0
+    }
+}
+
+fn check(what: &str, size: UVec2, mask: &[f32]) -> Result<(), Invalid> {
+    check_len(what, size, mask.len())?;
+    match mask.iter().position(|v| !(0.0..=1.0).contains(v)) {
+        None => Ok(()),
+        Some(i) => {
+            let why = format!("holds {} at pixel ({}, {})", mask[i], i % size.x as usize, i / size.x as usize);
+            Err(Invalid::new(what, why, "compare visibilities from 0 to 1"))
+        }
+    }
+}
+
+fn check_len(what: &str, size: UVec2, len: usize) -> Result<(), Invalid> {
+    if len == size.x as usize * size.y as usize && len > 0 {
+        return Ok(());
+    }
+    let why = format!("holds {len} values for {} x {} pixels", size.x, size.y);
+    Err(Invalid::new(what, why, "compare images of one size, at least one pixel large"))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,135 @@
+// Twin of light_sample.rs: where on a light a shadow ray ends.
+
+const LIGHT_DIRECTION = 0u;
+const LIGHT_CAP = 1u;
+const LIGHT_POINT = 2u;
+const LIGHT_RECT = 3u;
+const LIGHT_DISC = 4u;
+
+const LIGHT_SHORT: f32 = 1.0 - 1.0 / 16384.0;
+const LIGHT_LIFT: f32 = 1.0 / 1048576.0;
+
+struct LightSampler {
+    center: vec4f,
+    half_u: vec4f,
+    half_v: vec4f,
+    shape: vec4u,
+}
+
+fn small_sin(x: f32) -> f32 {
+    let q = x * x;
+    return x * (1.0 + q * (-1.6666667e-1 + q * (8.333333e-3 + q * (-1.984127e-4 + q * 2.755732e-6))));
+}
+
+fn small_cos(x: f32) -> f32 {
+    let q = x * x;
+    return 1.0 + q * (-0.5 + q * (4.1666668e-2 + q * (-1.3888889e-3 + q * 2.4801587e-5)));
+}
+
+fn disc_point(uv: vec2f) -> vec2f {
+    let quarter_pi = 0.7853981633974483f;
+    let a = 2.0 * uv.x - 1.0;
+    let b = 2.0 * uv.y - 1.0;
+    if a == 0.0 && b == 0.0 {
+        return vec2f(0.0, 0.0);
+    }
+    if abs(a) > abs(b) {
+        let angle = quarter_pi * (b / a);
+        return vec2f(a * small_cos(angle), a * small_sin(angle));
+    }
+    let angle = quarter_pi * (a / b);
+    return vec2f(b * small_sin(angle), b * small_cos(angle));
+}
+
+fn tangent(n: vec3f) -> vec3f {
+    let sign = select(-1.0, 1.0, n.z >= 0.0);
+    let a = -1.0 / (sign + n.z);
+    return vec3f(1.0 + sign * n.x * n.x * a, sign * (n.x * n.y * a), -sign * n.x);
+}
+
+fn bitangent(n: vec3f) -> vec3f {
+    let sign = select(-1.0, 1.0, n.z >= 0.0);
+    let a = -1.0 / (sign + n.z);
+    return vec3f(n.x * n.y * a, sign + n.y * n.y * a, -n.y);
+}
+
+fn cap_direction(axis: vec3f, u: vec3f, v: vec3f, cap: f32, q: vec2f) -> vec3f {
+    let h = (q.x * q.x + q.y * q.y) * cap;
+    let side = sqrt(cap * (2.0 - h));
+    return axis * (1.0 - h) + u * (q.x * side) + v * (q.y * side);
+}
+
+fn segment(s: LightSampler, p: vec3f, uv: vec2f, far: f32) -> vec3f {
+    let center = s.center.xyz;
+    let u = s.half_u.xyz;
+    let v = s.half_v.xyz;
+    let kind = s.shape.x;
+    if kind == LIGHT_DIRECTION {
+        return center * far;
+    }
+    if kind == LIGHT_CAP {
+        return cap_direction(center, u, v, s.half_u.w, disc_point(uv)) * far;
+    }
+    let to_center = center - p;
+    if kind == LIGHT_POINT {
+        return to_center * LIGHT_SHORT;
+    }
+    if kind == LIGHT_RECT {
+        return (to_center + u * (2.0 * uv.x - 1.0) + v * (2.0 * uv.y - 1.0)) * LIGHT_SHORT;
+    }
+    let q = disc_point(uv);
+    if kind == LIGHT_DISC {
+        return (to_center + u * q.x + v * q.y) * LIGHT_SHORT;
+    }
+    let n = to_center / sqrt(dot3(to_center, to_center));
+    let r = q * s.half_u.w;
+    return (to_center + tangent(n) * r.x + bitangent(n) * r.y) * LIGHT_SHORT;
+}
+
+fn origin_offset(p: vec3f, reach: f32) -> f32 {
+    return max(max(max(abs(p.x), abs(p.y)), abs(p.z)), reach) * LIGHT_LIFT;
+}
+
+fn hash(word: u32) -> u32 {
+    var x = word;
+    x ^= x >> 16u;
+    x *= 0x7feb352du;
+    x ^= x >> 15u;
+    x *= 0x846ca68bu;
+    x ^= x >> 16u;
+    return x;
+}
+
+fn seed(x: u32, y: u32) -> u32 {
+    return hash(x + hash(y + 0x9e3779b9u));
+}
+
+fn owen(reversed: u32, seed: u32) -> u32 {
+    var x = reversed;
+    x ^= x * 0x3d20adeau;
+    x += seed;
+    x *= (seed >> 16u) | 1u;
+    x ^= x * 0x05526c56u;
+    x ^= x * 0x53a22864u;
+    return x;
+}
+
+fn sobol_second(i: u32) -> u32 {
+    var rest = i;
+    var direction = 0x80000000u;
+    var bits = 0u;
+    while rest != 0u {
+        if (rest & 1u) == 1u {
+            bits ^= direction;
+        }
+        direction ^= direction >> 1u;
+        rest >>= 1u;
+    }
+    return bits;
+}
+
+fn unit_square(i: u32, seed: u32) -> vec2f {
+    let x = reverseBits(owen(i, seed));
+    let y = reverseBits(owen(reverseBits(sobol_second(i)), hash(seed ^ 0x68bc21ebu)));
+    return vec2f(f32(x >> 8u), f32(y >> 8u)) * (1.0 / 16777216.0);
+}

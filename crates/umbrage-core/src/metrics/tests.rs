@@ -1,0 +1,149 @@
+//! Every comparator is fed spoilt inputs: it must object, by the right figure.
+
+use super::*;
+
+const SIZE: UVec2 = UVec2::new(40, 30);
+const N: usize = 1200;
+
+/// Dark left of column 20.
+fn truth() -> Vec<f32> {
+    (0..N).map(|i| if i % 40 < 20 { 0.0 } else { 1.0 }).collect()
+}
+
+fn measure(mask: &[f32]) -> Errors {
+    Errors::measure(SIZE, mask, &truth(), &[Pixel::Counted; N]).expect("valid")
+}
+
+#[test]
+fn truth_has_no_error() {
+    assert_eq!(measure(&truth()), Errors { counted: 1200, ..Errors::default() });
+}
+
+#[test]
+fn one_flipped_pixel_far_from_the_edge_is_acne() {
+    let mut mask = truth();
+    mask[15 * 40 + 35] = 0.0;
+    let e = measure(&mask);
+    let share = 100.0 / 1200.0;
+    assert_eq!((e.false_shadow, e.false_light, e.acne), (share, 0.0, share));
+    assert!((e.rmse - (1.0_f64 / 1200.0).sqrt()).abs() < 1e-12);
+    assert!((e.mean - 1.0 / 1200.0).abs() < 1e-12 && (e.bias + 1.0 / 1200.0).abs() < 1e-12);
+    assert_eq!(e.largest, 1.0);
+}
+
+#[test]
+fn acne_begins_beyond_its_distance_from_the_edge() {
+    // Column 20 is an edge pixel, so column 20 + ACNE_DISTANCE is still near, the next one is not.
+    for (column, acne) in [(20 + ACNE_DISTANCE as usize, 0.0), (21 + ACNE_DISTANCE as usize, 100.0 / 1200.0)] {
+        let mut mask = truth();
+        mask[15 * 40 + column] = 0.0;
+        assert_eq!(measure(&mask).acne, acne, "column {column}");
+    }
+}
+
+#[test]
+fn one_lit_pixel_in_shadow_is_false_light() {
+    let mut mask = truth();
+    mask[3] = 1.0;
+    let e = measure(&mask);
+    assert_eq!((e.false_shadow, e.false_light, e.acne), (0.0, 100.0 / 1200.0, 0.0));
+    assert!(e.bias > 0.0);
+}
+
+#[test]
+fn small_differences_count_in_rmse_alone() {
+    let mask: Vec<f32> = truth().iter().map(|v| v * 0.9).collect();
+    let e = measure(&mask);
+    assert_eq!((e.false_shadow, e.false_light), (0.0, 0.0));
+    assert!((e.rmse - 0.1 * 0.5_f64.sqrt()).abs() < 1e-6);
+}
+
+#[test]
+fn left_out_pixels_are_counted_but_not_measured() {
+    let mut pixels = [Pixel::Counted; N];
+    (pixels[0], pixels[1], pixels[2]) = (Pixel::Ambiguous, Pixel::Unlit, Pixel::Empty);
+    let mut mask = truth();
+    (mask[0], mask[1], mask[2]) = (1.0, 1.0, 1.0);
+    let e = Errors::measure(SIZE, &mask, &truth(), &pixels).expect("valid");
+    assert_eq!((e.rmse, e.counted, e.ambiguous, e.unlit), (0.0, 1197, 1, 1));
+}
+
+#[test]
+fn nothing_counted_gives_zeros() {
+    let e = Errors::measure(SIZE, &[1.0; N], &truth(), &[Pixel::Empty; N]).expect("valid");
+    assert_eq!(e, Errors::default());
+}
+
+#[test]
+fn distance_is_euclidean() {
+    let mut set = vec![false; N];
+    set[15 * 40 + 20] = true;
+    let near = near(SIZE, &set, 5);
+    for i in 0..N as i64 {
+        let (dx, dy) = (i % 40 - 20, i / 40 - 15);
+        assert_eq!(near[i as usize], dx * dx + dy * dy <= 25, "({dx}, {dy})");
+    }
+}
+
+#[test]
+fn empty_pixels_make_no_edges() {
+    let mut pixels = [Pixel::Counted; N];
+    for y in 0..30 {
+        pixels[y * 40 + 19] = Pixel::Empty;
+    }
+    assert!(edges(SIZE, &truth(), &pixels).iter().all(|&e| !e));
+    assert_eq!(edges(SIZE, &truth(), &[Pixel::Counted; N]).iter().filter(|&&e| e).count(), 60);
+}
+
+#[test]
+fn spoilt_masks_are_refused() {
+    let pixels = [Pixel::Counted; N];
+    for bad in [f32::NAN, f32::INFINITY, -0.001, 1.001] {
+        let mut mask = truth();
+        mask[41] = bad;
+        let e = Errors::measure(SIZE, &mask, &truth(), &pixels).expect_err("spoilt");
+        assert!(e.to_string().contains("pixel (1, 1)"), "{e}");
+        assert!(Errors::measure(SIZE, &truth(), &mask, &pixels).is_err(), "spoilt truth");
+        assert!(Agreement::measure(SIZE, &mask, &truth(), &[false; N]).is_err());
+        assert!(Agreement::measure(SIZE, &truth(), &mask, &[false; N]).is_err());
+    }
+}
+
+#[test]
+fn wrong_sizes_are_refused() {
+    let t = truth();
+    assert!(Errors::measure(SIZE, &t[1..], &t, &[Pixel::Counted; N]).is_err());
+    assert!(Errors::measure(SIZE, &t, &t[1..], &[Pixel::Counted; N]).is_err());
+    assert!(Errors::measure(SIZE, &t, &t, &[Pixel::Counted; N - 1]).is_err());
+    assert!(Errors::measure(UVec2::new(0, 30), &[], &[], &[]).is_err());
+    assert!(Agreement::measure(SIZE, &t[1..], &t, &[false; N]).is_err());
+    assert!(Agreement::measure(SIZE, &t, &t[1..], &[false; N]).is_err());
+    assert!(Agreement::measure(SIZE, &t, &t, &[false; 3]).is_err());
+}
+
+#[test]
+fn equal_masks_agree() {
+    let a = Agreement::measure(SIZE, &truth(), &truth(), &[false; N]).expect("valid");
+    assert_eq!(a, Agreement { compared: 1200, ..Agreement::default() });
+    assert!(a.holds());
+}
+
+#[test]
+fn one_decided_pixel_breaks_agreement_and_an_undecided_one_does_not() {
+    let mut mask = truth();
+    mask[7] = 0.5;
+    let a = Agreement::measure(SIZE, &mask, &truth(), &[false; N]).expect("valid");
+    assert_eq!((a.differing, a.largest, a.violations, a.holds()), (1, 0.5, 1, false));
+    let mut undecided = [false; N];
+    undecided[7] = true;
+    let a = Agreement::measure(SIZE, &mask, &truth(), &undecided).expect("valid");
+    assert_eq!((a.differing, a.undecided, a.violations, a.holds()), (1, 1, 0, true));
+}
+
+#[test]
+fn a_tiny_difference_is_told_but_tolerated() {
+    let mut mask = truth();
+    mask[7] = 0.5 / 255.0;
+    let a = Agreement::measure(SIZE, &mask, &truth(), &[false; N]).expect("valid");
+    assert_eq!((a.differing, a.violations), (1, 0));
+}

@@ -1,0 +1,132 @@
+//! Ray-traced shadows: the fraction of the light that a receiver sees, by any-hit rays. No map, no bias.
+//!
+//! Whitted 1980, "An improved illumination model for shaded display"; Cook, Porter and Carpenter 1984, "Distributed ray
+//! tracing" for lights with an extent. Surfaces are opaque and two-sided; a light point below the receiver's tangent
+//! plane is not seen. Exact for ideal lights; noisy with few samples of wide ones. Costs one traversal a sample.
+
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+use umbrage_core::{
+    Aabb, Bvh, Geometry, Inputs, Invalid, Kernel, Module, PlanError, Receive, ReceiveKernel, Recipe, ShadowTechnique,
+    Span, Table, UniformLayout, Uniforms, View,
+    bvh::HIT,
+    light_sample::{LIGHT_SAMPLE, LightSampler, origin_offset, seed, segment, unit_square},
+    math::dot3,
+    uniforms,
+};
+
+/// Most samples accepted a receiver.
+pub const MAX_SAMPLES: u32 = 65_536;
+
+/// Any-hit rays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Traced {
+    /// Rays a receiver for lights with an extent, 1 to [`MAX_SAMPLES`]; powers of two are best. Ideal lights take one.
+    pub samples: u32,
+}
+
+impl Default for Traced {
+    fn default() -> Self {
+        Self { samples: 16 }
+    }
+}
+
+impl ShadowTechnique for Traced {
+    fn name(&self) -> &'static str {
+        "traced"
+    }
+
+    fn settings(&self) -> String {
+        format!("{} rays", self.samples)
+    }
+
+    fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
+        if !(1..=MAX_SAMPLES).contains(&self.samples) {
+            let why = format!("are {}", self.samples);
+            return Err(Invalid::new("traced samples", why, format!("use 1 to {MAX_SAMPLES}")).into());
+        }
+        view.light.validate()?;
+        let Some(geometry) = view.geometry else {
+            return Err(PlanError::unsupported("rays need the scene's triangles, and this view has none"));
+        };
+        let [nodes, triangles] = geometry.bvh_tables();
+        Ok(Recipe {
+            images: Vec::new(),
+            tables: vec![
+                Table { label: "hierarchy", rows: nodes.clone() },
+                Table { label: "triangles", rows: triangles.clone() },
+            ],
+            casts: Vec::new(),
+            filters: Vec::new(),
+            receive: Receive { kernel: Arc::new(self.kernel(view, geometry)), inputs: Vec::new(), tables: vec![0, 1] },
+            keep_images: false,
+        })
+    }
+}
+
+impl Traced {
+    fn kernel(&self, view: &View<'_>, geometry: &Geometry) -> TracedKernel {
+        let eye = view.camera.eye();
+        let all = geometry.bounds().union(&Aabb::around([eye]));
+        let light = LightSampler::new(view.light);
+        let uniforms = TracedUniforms {
+            light,
+            reach: all.min.abs().max(all.max.abs()).max_element(),
+            far: 2.0 * all.extent().length(),
+            samples: if light.is_ideal() { 1 } else { self.samples },
+        };
+        TracedKernel { uniforms, bvh: geometry.bvh().clone() }
+    }
+}
+
+uniforms! {
+    /// Uniforms of [`TracedKernel`].
+    pub struct TracedUniforms {
+        /// The light.
+        pub light: LightSampler,
+        /// Greatest coordinate in play, metres: ray origins are lifted in proportion.
+        pub reach: f32,
+        /// Length of rays towards directional lights, metres.
+        pub far: f32,
+        /// Rays a receiver.
+        pub samples: u32,
+    }
+}
+
+/// The question asked of the hierarchy.
+#[derive(Clone, Debug)]
+pub struct TracedKernel {
+    uniforms: TracedUniforms,
+    bvh: Arc<Bvh>,
+}
+
+impl Kernel for TracedKernel {
+    fn modules(&self) -> Vec<Module> {
+        vec![HIT, LIGHT_SAMPLE, Module { name: "traced", text: include_str!("traced.wgsl") }]
+    }
+
+    fn uniform_bytes(&self) -> Vec<u8> {
+        self.uniforms.to_bytes()
+    }
+
+    fn layout(&self) -> UniformLayout {
+        TracedUniforms::layout()
+    }
+}
+
+impl ReceiveKernel for TracedKernel {
+    fn receive(&self, _: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
+        let u = &self.uniforms;
+        for (i, out) in out.iter_mut().enumerate() {
+            let (p, n, id) = (span.position(i), span.normal(i), span.triangle[i]);
+            let o = p + n * origin_offset(p, u.reach);
+            let scramble = seed(span.first.x + i as u32, span.first.y);
+            let sees = |sample: &u32| {
+                let d = segment(&u.light, o, unit_square(*sample, scramble), u.far);
+                dot3(n, d) > 0.0 && !self.bvh.occluded(o, d, id)
+            };
+            *out = (0..u.samples).filter(sees).count() as f32 / u.samples as f32;
+        }
+    }
+}

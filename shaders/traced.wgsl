@@ -1,0 +1,74 @@
+// Twin of traced.rs: walks a two-way hierarchy (table_0) over triangles (table_1), any hit will do.
+
+struct TracedUniforms {
+    light: LightSampler,
+    reach: f32,
+    far: f32,
+    samples: u32,
+}
+
+const STACK = 64;
+
+fn enters_box(o: vec3f, inverse: vec3f, low: vec3f, high: vec3f) -> bool {
+    let a = (low - o) * inverse;
+    let b = (high - o) * inverse;
+    let near = min(a, b);
+    let far = max(a, b);
+    return max(max(near.x, near.y), max(near.z, 0.0)) <= min(min(far.x, far.y), min(far.z, 1.0));
+}
+
+fn safe_inverse(x: f32) -> f32 {
+    return select(1.0 / x, select(-1e30, 1e30, x >= 0.0), abs(x) < 1e-30);
+}
+
+fn leaf_occludes(o: vec3f, d: vec3f, first: u32, count: u32, skip: u32) -> bool {
+    for (var i = first; i < first + count; i++) {
+        let a = table_1[3u * i];
+        let b = table_1[3u * i + 1u];
+        let c = table_1[3u * i + 2u];
+        if a.w != skip && segment_hits(o, d, bitcast<vec3f>(a.xyz), bitcast<vec3f>(b.xyz), bitcast<vec3f>(c.xyz)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+fn occluded(o: vec3f, d: vec3f, skip: u32) -> bool {
+    let inverse = vec3f(safe_inverse(d.x), safe_inverse(d.y), safe_inverse(d.z));
+    var stack: array<u32, STACK>;
+    var top = 1;
+    stack[0] = 0u;
+    while top > 0 {
+        top -= 1;
+        let node = stack[top];
+        let low = table_0[2u * node];
+        let high = table_0[2u * node + 1u];
+        if !enters_box(o, inverse, bitcast<vec3f>(low.xyz), bitcast<vec3f>(high.xyz)) {
+            continue;
+        }
+        if high.w > 0u {
+            if leaf_occludes(o, d, low.w, high.w, skip) {
+                return true;
+            }
+        } else if low.w > 0u && top + 2 <= STACK {
+            stack[top] = low.w;
+            stack[top + 1] = low.w + 1u;
+            top += 2;
+        }
+    }
+    return false;
+}
+
+fn receive(r: Receiver) -> f32 {
+    let lift = origin_offset(r.position, kernel.reach);
+    let o = vec3f(r.position.x + r.normal.x * lift, r.position.y + r.normal.y * lift, r.position.z + r.normal.z * lift);
+    let scramble = seed(r.pixel.x, r.pixel.y);
+    var seen = 0u;
+    for (var i = 0u; i < kernel.samples; i++) {
+        let d = segment(kernel.light, o, unit_square(i, scramble), kernel.far);
+        if dot3(r.normal, d) > 0.0 && !occluded(o, d, r.triangle) {
+            seen += 1u;
+        }
+    }
+    return f32(seen) / f32(kernel.samples);
+}
