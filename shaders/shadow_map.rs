@@ -105,7 +105,8 @@ uniforms! {
 }
 
 impl MapLookup {
-    fn new(map: &ShadowMap, view: &View<'_>, space: &LightSpace) -> Self {
+    /// The lookup into a map of `view.light` that lies in `space`.
+    pub fn new(map: &ShadowMap, view: &View<'_>, space: &LightSpace) -> Self {
         let light = match view.light.position() {
             Some(p) => p.extend(1.0),
             None => view.light.direction_from(Vec3::ZERO).extend(0.0),

@@ -1,0 +1,23 @@
+// Twin of `Chebyshev` in variance.rs.
+
+struct ChebyshevUniforms {
+    lookup: MapLookup,
+    least_variance: f32,
+}
+
+fn receive(r: Receiver) -> f32 {
+    let l = look_up(kernel.lookup, r.position, r.normal);
+    let x = i32(floor(l.texel.x));
+    let y = i32(floor(l.texel.y));
+    let size = i32(kernel.lookup.size);
+    if !l.seen || x < 0 || y < 0 || x >= size || y >= size {
+        return 1.0;
+    }
+    let m = load_0(vec2i(x, y), 0);
+    if l.depth <= m.x {
+        return 1.0;
+    }
+    let variance = max(m.y - m.x * m.x, kernel.least_variance);
+    let d = l.depth - m.x;
+    return variance / (variance + d * d);
+}
