@@ -1,1 +1,10 @@
 //! Helpers shared by the tests.
+
+pub mod adapter;
+pub mod golden;
+pub mod gpu;
+pub mod layouts;
+pub mod random_scene;
+pub mod stage;
+pub mod twins;
+pub mod variance;

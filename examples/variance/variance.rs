@@ -37,11 +37,9 @@ impl ShadowTechnique for Variance {
     fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
         let space = self.map.fit.light_space(view, self.map.size, self.radius as f32)?;
         let image = |label, format| ImageDesc { label, size: UVec2::splat(self.map.size), layers: 1, format };
-        let blur = |x, y| Blur(BlurUniforms {
-            step: IVec2::new(x, y),
-            radius: self.radius as i32,
-            size: self.map.size as i32,
-        });
+        let blur = |x, y| {
+            Blur(BlurUniforms { step: IVec2::new(x, y), radius: self.radius as i32, size: self.map.size as i32 })
+        };
         let filter = |kernel: Arc<dyn FilterKernel>, input, output| Filter {
             kernel,
             inputs: vec![input],

@@ -1,7 +1,9 @@
 //! Ray queries against the casters. Building and traversal are `obvhs`'s; the triangle test is ours, because truth needs
 //! one without cracks, and because it has a twin on the GPU.
 
-use crate::{Geometry, Module, Twin, twin};
+pub use crate::hit::{HIT, Segment, TWINS, segment_hits};
+
+use crate::{Geometry, hit::Corners};
 use glam::{Vec3, Vec3A};
 use obvhs::{
     BvhBuildParams,
@@ -12,44 +14,12 @@ use obvhs::{
     ray::Ray,
 };
 
-/// The WGSL half of the triangle test.
-pub const HIT: Module = Module { name: "hit", text: include_str!("hit.wgsl") };
-
-/// Whether the segment from `o` to `o + d` meets the triangle, edges included. The edge functions of a shared edge are
-/// exact negatives of each other (no rounding depends on the order of its ends), so no ray slips between neighbours:
-/// Davis, Hagen et al.'s signed volumes as in Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection", without
-/// their change of axes.
-#[inline(always)]
-pub fn segment_hits(o: Vec3, d: Vec3, a: Vec3, b: Vec3, c: Vec3) -> bool {
-    use crate::math::{cross3, dot3};
-    let (a, b, c) = (a - o, b - o, c - o);
-    let u = dot3(d, cross3(c, b));
-    let v = dot3(d, cross3(a, c));
-    let w = dot3(d, cross3(b, a));
-    let inside = (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
-    if !inside {
-        return false;
-    }
-    let n = cross3(b - a, c - a);
-    let (den, num) = (dot3(n, d), dot3(n, a));
-    // 0 <= num/den <= 1, without the division.
-    if den > 0.0 { num >= 0.0 && num <= den } else { den < 0.0 && num <= 0.0 && num >= den }
-}
-
-/// The pairs, for the lockstep tests.
-pub const TWINS: &[Twin] =
-    &[twin!(HIT, hit_word(o: Vec3, d: Vec3, a: Vec3, b: Vec3, c: Vec3) -> u32, needs [crate::MATH])];
-
-fn hit_word(o: Vec3, d: Vec3, a: Vec3, b: Vec3, c: Vec3) -> u32 {
-    u32::from(segment_hits(o, d, a, b, c))
-}
-
 /// A hierarchy over the casters of a [`Geometry`].
 #[derive(Clone)]
 pub struct Bvh {
     wide: CwBvh,
     narrow: Bvh2,
-    corners: Vec<[Vec3A; 3]>,
+    corners: Vec<Corners>,
     ids: Vec<u32>,
     narrow_order: Vec<u32>,
 }
@@ -64,12 +34,13 @@ impl Bvh {
     /// Builds the hierarchy.
     pub fn build(geometry: &Geometry) -> Self {
         let ids: Vec<u32> = geometry.casters().collect();
-        let corners: Vec<[Vec3A; 3]> = ids.iter().map(|&i| geometry.corners(i).map(Vec3A::from)).collect();
         if ids.is_empty() {
             let (wide, narrow) = (CwBvh::default(), Bvh2::default());
-            return Self { wide, narrow, corners, ids, narrow_order: Vec::new() };
+            return Self { wide, narrow, corners: Vec::new(), ids, narrow_order: Vec::new() };
         }
-        let boxes: Vec<Aabb> = corners.iter().map(padded_box).collect();
+        let bounds = geometry.bounds();
+        let reach = bounds.min.abs().max(bounds.max.abs()).max_element();
+        let boxes: Vec<Aabb> = ids.iter().map(|&i| padded_box(geometry.corners(i), reach)).collect();
         let p = BvhBuildParams::medium_build();
         let indices = (0..ids.len() as u32).collect();
         let mut narrow = PlocBuilder::with_capacity(boxes.len()).build(
@@ -88,7 +59,7 @@ impl Bvh {
             wide,
             narrow,
             ids: order.iter().map(|&i| ids[i as usize]).collect(),
-            corners: order.iter().map(|&i| corners[i as usize]).collect(),
+            corners: order.iter().map(|&i| Corners::new(geometry.corners(ids[i as usize]))).collect(),
             narrow_order: narrow_order.iter().map(|&i| ids[i as usize]).collect(),
         }
     }
@@ -96,15 +67,35 @@ impl Bvh {
     /// Whether any caster but triangle `skip` meets the segment from `o` to `o + d`.
     #[inline]
     pub fn occluded(&self, o: Vec3, d: Vec3, skip: u32) -> bool {
+        self.occluder(o, d, skip).is_some()
+    }
+
+    /// A caster other than triangle `skip` that meets the segment from `o` to `o + d`, to be asked first about similar
+    /// segments by [`Bvh::hits`]. The number is the hierarchy's own, not a triangle id.
+    #[inline]
+    pub fn occluder(&self, o: Vec3, d: Vec3, skip: u32) -> Option<u32> {
         if self.ids.is_empty() {
-            return false;
+            return None;
         }
-        let ray = Ray::new(o.into(), d.into(), 0.0, 1.0);
-        !self.wide.ray_traverse_miss(ray, |_, i| {
-            let [a, b, c] = self.corners[i];
-            let hit = segment_hits(o, d, a.into(), b.into(), c.into()) && self.ids[i] != skip;
-            if hit { 0.0 } else { f32::INFINITY }
-        })
+        let (segment, mut found) = (Segment::new(o, d), None);
+        self.wide.ray_traverse_miss(box_ray(o, d), |_, i| {
+            if segment.hits(&self.corners[i]) && self.ids[i] != skip {
+                found = Some(i as u32);
+                return 0.0;
+            }
+            f32::INFINITY
+        });
+        found
+    }
+
+    /// Whether the caster that [`Bvh::occluder`] gave meets the segment, too, unless it is triangle `skip`.
+    ///
+    /// # Panics
+    /// If it came from another hierarchy with more triangles.
+    #[inline]
+    pub fn hits(&self, occluder: u32, o: Vec3, d: Vec3, skip: u32) -> bool {
+        let i = occluder as usize;
+        self.ids[i] != skip && Segment::new(o, d).hits(&self.corners[i])
     }
 
     /// The two-way hierarchy as rows of four words, for shaders: row 2i is node i's least corner and its first child or
@@ -132,10 +123,27 @@ impl Bvh {
     }
 }
 
-/// A triangle's box, grown by 2^-20 of its distance from the origin: box tests round, and truth must not lose a hit.
-fn padded_box(corners: &[Vec3A; 3]) -> Aabb {
-    let [a, b, c] = *corners;
-    let (min, max) = (a.min(b).min(c), a.max(b).max(c));
-    let pad = Vec3A::splat(min.abs().max(max.abs()).max_element() / 1_048_576.0 + f32::MIN_POSITIVE);
-    Aabb { min: min - pad, max: max + pad }
+/// The segment as `obvhs`'s box test wants it. That test ignores boxes that end before t = 1e-4, a centimetre of a
+/// segment of 100 m: so t runs to 2^30 here, which leaves the box test's other numbers as they are.
+#[inline(always)]
+fn box_ray(o: Vec3, d: Vec3) -> Ray {
+    const LENGTH: f32 = 1_073_741_824.0;
+    // A component of zero gets a huge inverse of finite products instead of an infinite one, whose products may be NaN;
+    // and -0 a positive one, as the box test takes "negative" to be "less than 0".
+    let inverse = |x: f32| if x.abs() >= 1e-20 { 1.0 / x } else { 1e20_f32.copysign(if x < 0.0 { x } else { 0.0 }) };
+    let inv_direction = Vec3A::new(inverse(d.x), inverse(d.y), inverse(d.z)) * LENGTH;
+    Ray { origin: o.into(), direction: d.into(), inv_direction, tmin: 0.0, tmax: LENGTH }
 }
+
+/// A triangle's box, grown, because box tests round and truth must not lose a hit: by 2^-21 of the greatest coordinate in
+/// the scene (box tests err by about 2^-22 of the distance between ray origin and box), but not by more than an eighth of
+/// the box's size, so that tiny triangles amid a vast plain stay quick to search.
+fn padded_box([a, b, c]: [Vec3; 3], reach: f32) -> Aabb {
+    let (min, max) = (a.min(b).min(c), a.max(b).max(c));
+    let rounding = min.abs().max(max.abs()).max_element() / 1_048_576.0;
+    let pad = (reach / 2_097_152.0).min((max - min).max_element() / 8.0).max(rounding) + f32::MIN_POSITIVE;
+    Aabb { min: (min - pad).into(), max: (max + pad).into() }
+}
+
+#[cfg(test)]
+mod tests;

@@ -107,6 +107,14 @@ impl Camera {
         LightSpace { view_from_world: world_from_view.inverse().as_mat4(), clip_from_view: self.clip_from_view }
     }
 
+    /// The same camera with another image size; what it sees vertically stays.
+    #[must_use]
+    pub fn resized(&self, size: UVec2) -> Self {
+        let aspect = |s: UVec2| f64::from(s.x) / f64::from(s.y);
+        let widen = glam::DMat4::from_scale(DVec3::new(aspect(self.size) / aspect(size), 1.0, 1.0));
+        Self { clip_from_view: (widen * self.clip_from_view.as_dmat4()).as_mat4(), size, ..*self }
+    }
+
     /// The same camera with its image moved by `pixels` right and down.
     #[must_use]
     pub fn nudged(&self, pixels: Vec2) -> Self {

@@ -1,23 +1,43 @@
-// Twin of bvh.rs's triangle test.
+// Twin of hit.rs's triangle test.
+
+fn shear_rows(d: vec3f) -> mat3x3f {
+    let size = abs(d);
+    if size.z >= size.x && size.z >= size.y {
+        return mat3x3f(vec3f(1.0, 0.0, -(d.x / d.z)), vec3f(0.0, 1.0, -(d.y / d.z)), vec3f(0.0, 0.0, 1.0 / d.z));
+    }
+    if size.x >= size.y {
+        return mat3x3f(vec3f(-(d.y / d.x), 1.0, 0.0), vec3f(-(d.z / d.x), 0.0, 1.0), vec3f(1.0 / d.x, 0.0, 0.0));
+    }
+    return mat3x3f(vec3f(0.0, -(d.z / d.y), 1.0), vec3f(1.0, -(d.x / d.y), 0.0), vec3f(0.0, 1.0 / d.y, 0.0));
+}
+
+// Columns of the matrix are rows of the shear: each coordinate is written out, from left to right.
+fn sheared(rows: mat3x3f, v: vec3f) -> vec3f {
+    return vec3f(
+        rows[0].x * v.x + rows[0].y * v.y + rows[0].z * v.z,
+        rows[1].x * v.x + rows[1].y * v.y + rows[1].z * v.z,
+        rows[2].x * v.x + rows[2].y * v.y + rows[2].z * v.z,
+    );
+}
 
 fn segment_hits(o: vec3f, d: vec3f, pa: vec3f, pb: vec3f, pc: vec3f) -> bool {
-    let a = pa - o;
-    let b = pb - o;
-    let c = pc - o;
-    let u = dot3(d, cross3(c, b));
-    let v = dot3(d, cross3(a, c));
-    let w = dot3(d, cross3(b, a));
+    let rows = shear_rows(d);
+    let a = sheared(rows, pa - o);
+    let b = sheared(rows, pb - o);
+    let c = sheared(rows, pc - o);
+    let u = b.x * c.y - b.y * c.x;
+    let v = c.x * a.y - c.y * a.x;
+    let w = a.x * b.y - a.y * b.x;
     let inside = (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
     if !inside {
         return false;
     }
-    let n = cross3(b - a, c - a);
-    let den = dot3(n, d);
-    let num = dot3(n, a);
-    if den > 0.0 {
-        return num >= 0.0 && num <= den;
+    let whole = u + v + w;
+    let along = u * a.z + v * b.z + w * c.z;
+    if whole > 0.0 {
+        return along >= 0.0 && along <= whole;
     }
-    return den < 0.0 && num <= 0.0 && num >= den;
+    return whole < 0.0 && along <= 0.0 && along >= whole;
 }
 
 fn hit_word(o: vec3f, d: vec3f, a: vec3f, b: vec3f, c: vec3f) -> u32 {

@@ -20,4 +20,33 @@ impl Simd {
             Self::Baseline => f(),
         }
     }
+
+    /// As [`Simd::run`], for work that must not depend on what the compiler cares to inline.
+    #[inline]
+    pub fn run_task<T: SimdTask>(self, task: T) -> T::Output {
+        match self {
+            Self::Native => pulp::Arch::new().dispatch(Inlined(task)),
+            Self::Baseline => task.run(),
+        }
+    }
+}
+
+/// Work that is compiled once for each set of instructions. A closure's body is inlined only as the compiler likes, and
+/// a long one isn't; a method can insist: mark `run` `#[inline(always)]`.
+pub trait SimdTask {
+    /// What comes of it.
+    type Output;
+    /// Does the work.
+    fn run(self) -> Self::Output;
+}
+
+struct Inlined<T>(T);
+
+impl<T: SimdTask> pulp::WithSimd for Inlined<T> {
+    type Output = T::Output;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> T::Output {
+        self.0.run()
+    }
 }

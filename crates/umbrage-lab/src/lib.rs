@@ -1,1 +1,15 @@
-//! Placeholder.
+//! Measures shadow techniques against ray-traced truth: error, time, agreement between backends, reports.
+//!
+//! * [`compare`]: every technique setting on every backend, against truth and against each other.
+//! * [`report`]: a page, a table, data and pictures of it. [`pareto`]: the front of time against error.
+//! * [`truth`]: what every shadow should have been, with its own error bars.
+//! * [`umbrage_core::metrics`]: how far a mask is from it.
+
+pub mod bench;
+pub mod compare;
+mod error;
+pub mod pareto;
+pub mod report;
+pub mod truth;
+
+pub use error::LabError;

@@ -1,1 +1,85 @@
-//! Placeholder.
+//! Scenes for umbrage: built in, from scene files, from models.
+//!
+//! * **Built in**: [`all`] lists them and [`find`] finds one by name. Those of [`Kind::ClosedForm`] bring points whose
+//!   visibility a formula tells; those of [`Kind::Failure`] provoke a known weakness; [`Kind::Speed`] is for timing.
+//! * **A scene file** (`.toml`) or **a model** (`.obj`): [`load`].
+//! * **Either**: [`by_argument`], for command lines.
+//!
+//! ```
+//! let scene = umbrage_scenes::by_argument("cubes")?;
+//! assert_eq!(scene.instances.len(), 4);
+//!
+//! let text = r#"
+//!     [[light]]
+//!     kind = "directional"
+//!     direction = [1, -2, 0.5]
+//!     [[object]]
+//!     shape = "sphere"
+//! "#;
+//! let scene = umbrage_scenes::parse(text, "ball.toml", ".")?;
+//! assert_eq!(scene.name, "ball");
+//! # Ok::<(), umbrage_scenes::SceneError>(())
+//! ```
+//!
+//! # Scene files
+//!
+//! World space is right-handed, y up, metres; angles are degrees. Numbers may be written with or without a point.
+//! Unknown keys, wrong types, numbers out of range and missing files are errors that name the file, the line and the
+//! key.
+//!
+//! | key | unit or type | default |
+//! |---|---|---|
+//! | `name` | text | the file's name without `.toml` |
+//! | **`[camera]`** | row 0 is the top row, rays go through pixel centres | frames everything from right, above and in front |
+//! | `eye`, `target` | `[x, y, z]` metres | needed |
+//! | `up` | `[x, y, z]`, any length; may be parallel to the view | `[0, 1, 0]` |
+//! | `fov_y_degrees` | full vertical angle, above 0 and below 180 | 36 |
+//! | `size` | `[width, height]` pixels, 1 to 16384 | `[640, 360]` |
+//! | `near`, `far` | metres along the view, `0 < near < far` | fitted to what is seen, so that nothing is cut |
+//! | **`[[light]]`** | one or more; the first is compared | needed |
+//! | `kind` | `"directional"`, `"point"`, `"spot"`, `"rect"`, `"disc"` | needed |
+//! | `direction` | directional, spot: the way light travels, any length | needed |
+//! | `angular_diameter_degrees` | directional: full angle of its disc in the sky, 0 to below 180; the sun's is 0.53 | 0 |
+//! | `position` | point, spot: metres | needed |
+//! | `inner_degrees` | spot: half angle of full light, at most the outer one | `outer_degrees` |
+//! | `outer_degrees` | spot: half angle where light ends, above 0 and below 90 | needed |
+//! | `radius` | point, spot, disc: metres | 0; needed for a disc, above 0 |
+//! | `center` | rect, disc: metres | needed |
+//! | `half_u`, `half_v` | rect: from the centre to the middles of two neighbouring sides, metres | needed |
+//! | `normal` | disc: across it, any length; it shines to both sides | needed |
+//! | **`[[object]]`** | one or more | needed |
+//! | `mesh` | an `.obj` file, relative to the scene file | this or `shape` |
+//! | `shape` | `"plane"` (a square in x and z that faces +y), `"box"` or `"sphere"`; all reach from -1 to 1 | this or `mesh` |
+//! | `matrix` | four rows of four, world from local for column vectors; the last row is `[0, 0, 0, 1]` | identity |
+//! | `scale` | one number, or `[x, y, z]`; negative ones mirror | 1 |
+//! | `rotate_degrees` | `[x, y, z]`: about the x axis, then y, then z, after scaling | `[0, 0, 0]` |
+//! | `translate` | `[x, y, z]` metres, after turning | `[0, 0, 0]` |
+//! | `casts`, `receives` | whether it throws shadows, and whether they fall on it | `true` |
+//!
+//! # Models
+//!
+//! Wavefront OBJ, y up, in metres. All faces become one mesh; polygons are cut into triangles, concave ones too. Names,
+//! groups, materials, lines and points are left aside. Normals and texture coordinates are kept if all corners have
+//! usable ones. Loaded alone, a model is framed by a camera and lit by a sun.
+
+mod builtin;
+mod catalogue;
+#[cfg(test)]
+mod damage;
+mod depth_range;
+mod entry;
+mod error;
+mod file;
+mod framing;
+mod load;
+mod nearest;
+mod obj;
+mod polygon;
+mod primitives;
+mod stage;
+
+pub use builtin::textbook::TEXTBOOK_FIT;
+pub use catalogue::{all, find};
+pub use entry::{ClosedForm, Failure, Kind, Sample, SceneEntry};
+pub use error::{Place, SceneError};
+pub use load::{by_argument, load, parse};

@@ -1,1 +1,34 @@
-//! Placeholder.
+//! Plays umbrage's recipes on wgpu.
+//!
+//! * [`ShadowRenderer`] is middleware: the caller's device, the caller's encoder, no submission.
+//! * [`Gpu`] is a [`Backend`](umbrage_core::Backend) with a device of its own: upload, render, read back, time.
+//!
+//! wgpu is re-exported, so that callers can name the version used here.
+
+mod bindings;
+mod casts;
+mod counters;
+mod filters;
+mod frame;
+mod from_depth;
+mod gpu;
+mod images;
+mod kernels;
+mod pipelines;
+mod renderer;
+mod scopes;
+mod stamps;
+mod tables;
+mod targets;
+mod wgsl;
+
+pub use counters::Counters;
+pub use frame::{Drawable, Frame, GBuffer, Indices, VertexLayout};
+pub use from_depth::{DepthBuffer, GBufferFromDepth};
+pub use gpu::{AdapterChoice, Gpu, Software, check_adapter};
+pub use images::texture_format;
+pub use renderer::{Options, ShadowRenderer};
+pub use stamps::Stamps;
+pub use targets::CastTarget;
+pub use wgpu;
+pub use wgsl::receive_wgsl;

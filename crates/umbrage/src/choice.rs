@@ -62,7 +62,9 @@ fn cpu() -> Result<Box<dyn Backend>, BackendError> {
 
 #[cfg(feature = "wgpu")]
 fn gpu(software: bool) -> Result<Box<dyn Backend>, BackendError> {
-    let choice = umbrage_wgpu::AdapterChoice { allow_software: software, ..Default::default() };
+    use umbrage_wgpu::{AdapterChoice, Software};
+    let software = if software { Software::Allowed } else { Software::Never };
+    let choice = AdapterChoice { software, ..AdapterChoice::from_env() };
     Ok(Box::new(umbrage_wgpu::Gpu::new(&choice)?))
 }
 

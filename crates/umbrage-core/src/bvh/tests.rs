@@ -1,0 +1,134 @@
+//! The hierarchy against brute force, and the traps of its box test.
+
+use crate::{Bvh, Geometry, Instance, Mesh, NO_TRIANGLE, Scene, bvh::segment_hits, light_sample::hash};
+use glam::{Affine3A, Vec3};
+
+struct Random(u32);
+
+impl Random {
+    /// -1..1.
+    fn signed(&mut self) -> f32 {
+        self.0 = hash(self.0);
+        self.0 as f32 / 2_147_483_648.0 - 1.0
+    }
+
+    fn vector(&mut self) -> Vec3 {
+        Vec3::new(self.signed(), self.signed(), self.signed())
+    }
+}
+
+fn geometry(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Geometry {
+    let mesh = Mesh::new("test", positions, triangles).expect("valid");
+    let instances = vec![Instance::new(0, Affine3A::IDENTITY)];
+    Geometry::bake(&Scene { meshes: vec![mesh], instances, ..Scene::default() }).expect("valid")
+}
+
+/// Small triangles, some of them axis-aligned.
+fn soup(random: &mut Random, count: u32, scale: f32) -> Geometry {
+    let mut positions = Vec::new();
+    for i in 0..count {
+        let center = random.vector() * scale;
+        for _ in 0..3 {
+            let mut corner = random.vector() * 0.1 * scale;
+            if i % 3 == 0 {
+                corner.y = 0.0;
+            }
+            positions.push(center + corner);
+        }
+    }
+    geometry(positions, (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect())
+}
+
+fn brute_force(g: &Geometry, o: Vec3, d: Vec3, skip: u32) -> bool {
+    g.casters().filter(|&i| i != skip).any(|i| {
+        let [a, b, c] = g.corners(i);
+        segment_hits(o, d, a, b, c)
+    })
+}
+
+#[test]
+fn agrees_with_brute_force_at_every_scale() {
+    let mut random = Random(7);
+    for scale in [1e-3, 1.0, 1e4] {
+        let g = soup(&mut random, 500, scale);
+        let mut hits = 0;
+        for i in 0..4000 {
+            let o = random.vector() * 1.5 * scale;
+            let mut d = random.vector() * 2.0 * scale;
+            if i % 4 == 0 {
+                d = Vec3::Y * d.y;
+            }
+            let skip = i % 500;
+            let expected = brute_force(&g, o, d, skip);
+            hits += u32::from(expected);
+            assert_eq!(g.bvh().occluded(o, d, skip), expected, "from {o} along {d}");
+        }
+        assert!((200..3800).contains(&hits), "the test tells little: {hits} hits");
+    }
+}
+
+#[test]
+fn an_occluder_answers_like_the_search() {
+    let mut random = Random(3);
+    let g = soup(&mut random, 500, 1.0);
+    for _ in 0..2000 {
+        let (o, d) = (random.vector(), random.vector() * 2.0);
+        if let Some(i) = g.bvh().occluder(o, d, NO_TRIANGLE) {
+            assert!(g.bvh().hits(i, o, d, NO_TRIANGLE));
+            assert!(!g.bvh().hits(i, o + Vec3::splat(10.0), d, NO_TRIANGLE));
+        }
+    }
+}
+
+/// `obvhs`'s box test skips boxes that end before t = 1e-4: they must not be lost, however long the segment.
+#[test]
+fn occluders_close_to_the_origin_are_found() {
+    let g = geometry(vec![Vec3::ZERO, Vec3::X, Vec3::Z], vec![[0, 1, 2]]);
+    for gap in [1e-1, 1e-3, 1e-5] {
+        let o = Vec3::new(0.2, -gap, 0.2);
+        assert!(g.bvh().occluded(o, Vec3::new(3.0, 1000.0, 5.0), NO_TRIANGLE), "a gap of {gap} m");
+        assert!(!g.bvh().occluded(o, Vec3::new(3.0, -1000.0, 5.0), NO_TRIANGLE));
+    }
+}
+
+#[test]
+fn nothing_casts_nothing_occludes() {
+    let g = geometry(vec![Vec3::ZERO, Vec3::X, Vec3::Z], vec![[0, 1, 2]]).without_casters();
+    assert!(!g.bvh().occluded(Vec3::new(0.2, 1.0, 0.2), Vec3::NEG_Y * 2.0, NO_TRIANGLE));
+}
+
+/// From within a closed, finely cut ball no segment escapes, wherever it is aimed: at corners, edges or insides.
+#[test]
+fn closed_meshes_have_no_cracks() {
+    let (rings, sides) = (48_u32, 64_u32);
+    let mut positions = vec![Vec3::Y, Vec3::NEG_Y];
+    for r in 1..rings {
+        let (s, c) = (r as f32 / rings as f32 * std::f32::consts::PI).sin_cos();
+        positions.extend((0..sides).map(|k| {
+            let (sk, ck) = (k as f32 / sides as f32 * std::f32::consts::TAU).sin_cos();
+            Vec3::new(s * ck, c, s * sk)
+        }));
+    }
+    let at = |r: u32, k: u32| 2 + (r - 1) * sides + k % sides;
+    let mut triangles = Vec::new();
+    for k in 0..sides {
+        triangles.push([0, at(1, k), at(1, k + 1)]);
+        triangles.push([1, at(rings - 1, k), at(rings - 1, k + 1)]);
+        for r in 1..rings - 1 {
+            triangles.push([at(r, k), at(r + 1, k), at(r, k + 1)]);
+            triangles.push([at(r, k + 1), at(r + 1, k), at(r + 1, k + 1)]);
+        }
+    }
+    let g = geometry(positions, triangles);
+    let mut random = Random(11);
+    for i in 0..60_000_u32 {
+        let corners = g.corners(i % g.triangles().len() as u32);
+        let target = match i % 3 {
+            0 => corners[0],
+            1 => corners[0].lerp(corners[1], random.signed().abs()),
+            _ => (corners[0] + corners[1] + corners[2]) / 3.0,
+        };
+        let o = random.vector() * 0.5;
+        assert!(g.bvh().occluded(o, (target - o) * 3.0, NO_TRIANGLE), "from {o} to {target}");
+    }
+}

@@ -1,0 +1,47 @@
+//! What a user may choose about the CPU player.
+
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use umbrage_core::{BackendError, Invalid, Simd};
+
+/// Options of [`Cpu::with_options`](crate::Cpu::with_options). Neither changes any result.
+///
+/// ```
+/// # use umbrage_cpu::{Cpu, CpuOptions};
+/// let cpu = Cpu::with_options(&CpuOptions::default().threads(2))?;
+/// # Ok::<(), umbrage_core::BackendError>(())
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct CpuOptions {
+    /// Threads of a pool of its own, 1 to 1024; none: rayon's global pool, which has one a core.
+    pub threads: Option<usize>,
+    /// The instructions that loops are compiled for.
+    pub simd: Simd,
+}
+
+/// More threads than this are taken for a mistake.
+const MAX_THREADS: usize = 1024;
+
+impl CpuOptions {
+    /// The same with a number of threads.
+    #[must_use]
+    pub fn threads(self, threads: usize) -> Self {
+        Self { threads: Some(threads), ..self }
+    }
+
+    /// The same with other instructions.
+    #[must_use]
+    pub fn simd(self, simd: Simd) -> Self {
+        Self { simd, ..self }
+    }
+
+    /// Its own pool, if it asks for one.
+    pub(crate) fn pool(&self) -> Result<Option<ThreadPool>, BackendError> {
+        let Some(threads) = self.threads else { return Ok(None) };
+        if threads == 0 || threads > MAX_THREADS {
+            let mend = format!("use 1 to {MAX_THREADS}, or none for one a core");
+            return Err(Invalid::new("number of threads", format!("is {threads}"), mend).into());
+        }
+        let pool = ThreadPoolBuilder::new().num_threads(threads).thread_name(|i| format!("umbrage-cpu-{i}")).build();
+        pool.map(Some).map_err(|e| BackendError::OutOfMemory(format!("{threads} threads could not be started ({e})")))
+    }
+}

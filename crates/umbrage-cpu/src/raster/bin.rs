@@ -1,0 +1,110 @@
+//! Which triangles touch which tile.
+
+use super::record::Record;
+use glam::UVec2;
+
+/// Pixels on a tile's side.
+pub(crate) const TILE: usize = 64;
+
+/// The triangles of one chunk of input, sorted by tile. Buffers are kept between uses.
+#[derive(Debug, Default)]
+pub(crate) struct Bins {
+    /// All triangles of the chunk that may cover a pixel.
+    records: Vec<Record>,
+    /// The tiles that each of them may touch.
+    touched: Vec<Touched>,
+    /// Tiles in a row of the image.
+    columns: usize,
+    /// Before sorting: how many records touch each tile. Then: where each tile starts in `order`, and the end.
+    starts: Vec<u32>,
+    /// Indices into `records`.
+    order: Vec<u32>,
+}
+
+/// A rectangle of tiles. The largest image has 256 of them on a side.
+#[derive(Clone, Copy, Debug, Default)]
+struct Touched {
+    min: [u8; 2],
+    max: [u8; 2],
+}
+
+impl Touched {
+    #[inline(always)]
+    fn by(r: &Record) -> Self {
+        let tile = |pixel: u16| (pixel / TILE as u16) as u8;
+        Self { min: [tile(r.min[0]), tile(r.min[1])], max: [tile(r.max[0]), tile(r.max[1])] }
+    }
+
+    /// The numbers of its tiles, counted row by row in the image.
+    #[inline(always)]
+    fn for_each(self, columns: usize, mut f: impl FnMut(usize)) {
+        let first = usize::from(self.min[1]) * columns + usize::from(self.min[0]);
+        if self.min == self.max {
+            return f(first);
+        }
+        for down in 0..=usize::from(self.max[1] - self.min[1]) {
+            for right in 0..=usize::from(self.max[0] - self.min[0]) {
+                f(first + down * columns + right);
+            }
+        }
+    }
+}
+
+impl Bins {
+    /// Forgets all triangles; the image has so many tiles.
+    pub(crate) fn clear(&mut self, size: UVec2) {
+        self.columns = size.x.div_ceil(TILE as u32) as usize;
+        let tiles = self.columns * size.y.div_ceil(TILE as u32) as usize;
+        self.records.clear();
+        self.touched.clear();
+        self.starts.clear();
+        self.starts.resize(tiles + 1, 0);
+    }
+
+    /// Adds a triangle.
+    #[inline(always)]
+    pub(crate) fn push(&mut self, record: Record) {
+        let touched = Touched::by(&record);
+        touched.for_each(self.columns, |tile| self.starts[tile] += 1);
+        self.touched.push(touched);
+        self.records.push(record);
+    }
+
+    /// Sorts the triangles by tile (counting sort).
+    #[inline(always)]
+    pub(crate) fn sort(&mut self) {
+        let mut sum = 0;
+        for start in &mut self.starts {
+            sum += *start;
+            *start = sum;
+        }
+        self.order.clear();
+        self.order.resize(sum as usize, 0);
+        // Counts have become ends; filling from the back turns them into starts, and keeps the records' order.
+        for (i, touched) in self.touched.iter().enumerate().rev() {
+            touched.for_each(self.columns, |tile| {
+                let end = &mut self.starts[tile];
+                *end -= 1;
+                self.order[*end as usize] = i as u32;
+            });
+        }
+    }
+
+    /// How many triangles touch a tile.
+    pub(crate) fn count(&self, tile: usize) -> u32 {
+        self.starts[tile + 1] - self.starts[tile]
+    }
+
+    /// The triangles that touch a tile, in their order.
+    #[inline(always)]
+    pub(crate) fn of_tile(&self, tile: usize) -> impl Iterator<Item = &Record> {
+        let order = &self.order[self.starts[tile] as usize..self.starts[tile + 1] as usize];
+        order.iter().map(|&i| &self.records[i as usize])
+    }
+
+    /// Bytes of its buffers.
+    pub(crate) fn bytes(&self) -> usize {
+        let words = self.starts.capacity() + self.order.capacity() + self.touched.capacity();
+        self.records.capacity() * size_of::<Record>() + 4 * words
+    }
+}

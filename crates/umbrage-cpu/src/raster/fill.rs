@@ -1,0 +1,264 @@
+//! Filling a triangle's pixels within a tile, some pixels of a row at a time.
+
+use super::bin::TILE;
+use super::record::{Record, edge_function};
+use super::tile::{STRIDE, TileBuffer};
+
+/// Pixels filled at once.
+pub(crate) const LANES: usize = 8;
+
+/// Numbers of the lanes.
+const LANE: [i32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7];
+const LANE_F: [f32; LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
+
+/// Triangles up to this wide and high are filled without looking for blocks that are all inside or outside.
+const SMALL: i32 = 16;
+
+/// Rows of the smallest triangles.
+pub(crate) const TINY_ROWS: i32 = 4;
+
+/// Pixels that a triangle may cover in a tile, and its edge functions there.
+#[derive(Clone, Copy, Debug)]
+struct Patch {
+    /// Least x and y, pixels of the image.
+    min: [i32; 2],
+    /// Greatest x and y.
+    max: [i32; 2],
+    /// Edge functions at `min`.
+    at_min: [i32; 3],
+    /// Their change a pixel to the right.
+    dx: [i32; 3],
+    /// Their change a pixel down.
+    dy: [i32; 3],
+}
+
+/// A tile's buffer and place.
+pub(crate) struct Canvas<'a> {
+    /// Where to draw.
+    pub(crate) buffer: &'a mut TileBuffer,
+    /// The tile's first pixel.
+    pub(crate) origin: [i32; 2],
+}
+
+/// Draws a triangle into a tile: of all depths the least stays, of equal depths that of the lowest id.
+#[inline(always)]
+pub(crate) fn fill<const IDS: bool>(canvas: &mut Canvas<'_>, r: &Record) {
+    let (width, height) = (i32::from(r.max[0] - r.min[0]), i32::from(r.max[1] - r.min[1]));
+    let patch = Patch::new(r, canvas.origin);
+    if width < LANES as i32 && height < TINY_ROWS {
+        // A fixed number of rows, as the processor can't guess theirs; those below the triangle are outside its edges.
+        let first = [patch.min[0] - i32::from(r.min[0]), patch.min[1] - i32::from(r.min[1])];
+        let edges = Edges::new(r.at_min, &patch, first);
+        fill_strip::<IDS, true>(canvas, r, edges, patch.min, TINY_ROWS);
+    } else if width < SMALL && height < SMALL {
+        fill_small::<IDS>(canvas, r, &patch);
+    } else if let Some(patch) = patch.with_edges(r) {
+        fill_blocks::<IDS>(canvas, r, &patch);
+    }
+}
+
+/// Fills a small triangle a few columns at a time.
+#[inline(always)]
+fn fill_small<const IDS: bool>(canvas: &mut Canvas<'_>, r: &Record, patch: &Patch) {
+    let down = patch.min[1] - i32::from(r.min[1]);
+    let rows = patch.max[1] - patch.min[1] + 1;
+    let mut x = patch.min[0];
+    while x <= patch.max[0] {
+        let edges = Edges::new(r.at_min, patch, [x - i32::from(r.min[0]), down]);
+        fill_strip::<IDS, true>(canvas, r, edges, [x, patch.min[1]], rows);
+        x += LANES as i32;
+    }
+}
+
+impl Patch {
+    /// The part of a triangle's bounds that lies in the tile.
+    #[inline(always)]
+    fn new(r: &Record, origin: [i32; 2]) -> Self {
+        let last = TILE as i32 - 1;
+        let (ax, ay) = (-r.edge_a[1], r.edge_a[0]);
+        let (bx, by) = (-r.edge_b[1], r.edge_b[0]);
+        Self {
+            min: [i32::from(r.min[0]).max(origin[0]), i32::from(r.min[1]).max(origin[1])],
+            max: [i32::from(r.max[0]).min(origin[0] + last), i32::from(r.max[1]).min(origin[1] + last)],
+            at_min: [0; 3],
+            dx: [ax, bx, -(ax + bx)],
+            dy: [ay, by, -(ay + by)],
+        }
+    }
+
+    /// With the edge functions of any triangle; none if it covers nothing here.
+    #[inline(always)]
+    fn with_edges(mut self, r: &Record) -> Option<Self> {
+        let pixel = [self.min[0] << 8, self.min[1] << 8];
+        let second = [r.corner[0] + r.edge_a[0], r.corner[1] + r.edge_a[1]];
+        let third = [second[0] + r.edge_b[0], second[1] + r.edge_b[1]];
+        let edge_c = [r.corner[0] - third[0], r.corner[1] - third[1]];
+        let starts = [(r.corner, r.edge_a), (second, r.edge_b), (third, edge_c)];
+        // Lanes may look at pixels right of the patch.
+        let width = i64::from(self.max[0] - self.min[0]) + LANES as i64 - 1;
+        let height = i64::from(self.max[1] - self.min[1]);
+        for (k, &(corner, edge)) in starts.iter().enumerate() {
+            let value = edge_function(corner, edge, pixel);
+            let (right, down) = (i64::from(self.dx[k]) * width, i64::from(self.dy[k]) * height);
+            if value + right.max(0) + down.max(0) < 0 {
+                return None;
+            }
+            if value + right.min(0) + down.min(0) >= 0 {
+                // All of the patch lies inside this edge: it drops out. The others pass through the patch, so that
+                // their values there fit 32 bits.
+                (self.at_min[k], self.dx[k], self.dy[k]) = (0, 0, 0);
+            } else {
+                self.at_min[k] = value as i32;
+            }
+        }
+        Some(self)
+    }
+
+    /// Edge functions at a pixel.
+    #[inline(always)]
+    fn at(&self, x: i32, y: i32) -> [i32; 3] {
+        let (right, down) = (x - self.min[0], y - self.min[1]);
+        let at = |k: usize| self.at_min[k] + self.dx[k] * right + self.dy[k] * down;
+        [at(0), at(1), at(2)]
+    }
+
+    /// How much the edge functions can at most fall and rise over a block of `LANES` by `LANES` pixels.
+    #[inline(always)]
+    fn reach(&self) -> ([i32; 3], [i32; 3]) {
+        let last = LANES as i32 - 1;
+        let fall = |k: usize| last * (self.dx[k].min(0) + self.dy[k].min(0));
+        let rise = |k: usize| last * (self.dx[k].max(0) + self.dy[k].max(0));
+        ([fall(0), fall(1), fall(2)], [rise(0), rise(1), rise(2)])
+    }
+}
+
+/// Fills a patch block by block: those wholly outside an edge are left out, and those inside all need no tests.
+#[inline(always)]
+fn fill_blocks<const IDS: bool>(canvas: &mut Canvas<'_>, r: &Record, patch: &Patch) {
+    let (fall, rise) = patch.reach();
+    let mut y = patch.min[1];
+    while y <= patch.max[1] {
+        let rows = (patch.max[1] - y + 1).min(LANES as i32);
+        let mut x = patch.min[0];
+        while x <= patch.max[0] {
+            let at = patch.at(x, y);
+            let outside = (at[0] + rise[0]) | (at[1] + rise[1]) | (at[2] + rise[2]);
+            let inside = (at[0] + fall[0]) | (at[1] + fall[1]) | (at[2] + fall[2]);
+            if inside >= 0 {
+                fill_strip::<IDS, false>(canvas, r, Edges::NONE, [x, y], rows);
+            } else if outside >= 0 {
+                fill_strip::<IDS, true>(canvas, r, Edges::new(at, patch, [0, 0]), [x, y], rows);
+            }
+            x += LANES as i32;
+        }
+        y += LANES as i32;
+    }
+}
+
+/// Edge functions in the lanes of one row, and their change a row down.
+#[derive(Clone, Copy)]
+struct Edges {
+    values: [[i32; LANES]; 3],
+    dy: [i32; 3],
+}
+
+impl Edges {
+    const NONE: Self = Self { values: [[0; LANES]; 3], dy: [0; 3] };
+
+    /// Edge functions some pixels right of and below a place where they are `at`.
+    #[inline(always)]
+    fn new(at: [i32; 3], patch: &Patch, [right, down]: [i32; 2]) -> Self {
+        let mut values = [[0; LANES]; 3];
+        for k in 0..3 {
+            for i in 0..LANES {
+                let right = patch.dx[k].wrapping_mul(LANE[i] + right);
+                values[k][i] = at[k].wrapping_add(right).wrapping_add(patch.dy[k].wrapping_mul(down));
+            }
+        }
+        Self { values, dy: patch.dy }
+    }
+
+    /// Negative in the lanes outside the triangle.
+    #[inline(always)]
+    fn outside(&self) -> [i32; LANES] {
+        let mut out = [0; LANES];
+        for i in 0..LANES {
+            out[i] = self.values[0][i] | self.values[1][i] | self.values[2][i];
+        }
+        out
+    }
+
+    #[inline(always)]
+    fn step_down(&mut self) {
+        for k in 0..3 {
+            for i in 0..LANES {
+                self.values[k][i] = self.values[k][i].wrapping_add(self.dy[k]);
+            }
+        }
+    }
+}
+
+/// Fills `rows` rows of `LANES` pixels from pixel `first` on; all of them, or (`TEST`) those inside the edges.
+#[inline(always)]
+fn fill_strip<const IDS: bool, const TEST: bool>(
+    canvas: &mut Canvas<'_>,
+    r: &Record,
+    mut edges: Edges,
+    first: [i32; 2],
+    rows: i32,
+) {
+    let start = (first[1] - canvas.origin[1]) as usize * STRIDE + (first[0] - canvas.origin[0]) as usize;
+    let (px, mut py) = (first[0] as f32, first[1] as f32);
+    let mut column = [0.0_f32; LANES];
+    for i in 0..LANES {
+        column[i] = r.plane.dx.mul_add(px + LANE_F[i], r.plane.at_origin);
+    }
+    let mut ids = if IDS { &mut canvas.buffer.ids[start..] } else { &mut [] };
+    for row in canvas.buffer.depth[start..].chunks_exact_mut(STRIDE).take(rows as usize) {
+        let Some(stored) = row.first_chunk_mut::<LANES>() else { return };
+        let outside = if TEST { edges.outside() } else { [0; LANES] };
+        let mut z = [0.0; LANES];
+        for i in 0..LANES {
+            let drawn = unit_clamp(r.plane.dy.mul_add(py, column[i]) + r.plane.offset);
+            z[i] = if outside[i] >= 0 { drawn } else { 1.0 };
+        }
+        if IDS {
+            let Some(ids_here) = ids.first_chunk_mut::<LANES>() else { return };
+            keep_first(stored, ids_here, &z, r.id);
+            ids = ids.get_mut(STRIDE..).unwrap_or_default();
+        } else {
+            keep_least(stored, &z);
+        }
+        if TEST {
+            edges.step_down();
+        }
+        py += 1.0;
+    }
+}
+
+/// Pixels outside the triangle have depth 1, which changes nothing. Positive floats are ordered as their bits are; a
+/// comparison of floats would tempt the compiler into masked stores, which are slow on many processors.
+#[inline(always)]
+fn keep_least(stored: &mut [f32; LANES], z: &[f32; LANES]) {
+    for i in 0..LANES {
+        stored[i] = f32::from_bits(z[i].to_bits().min(stored[i].to_bits()));
+    }
+}
+
+/// Triangles come in any order, yet the first one is to win: so of equal depths the lower id stays. Depth 1 is never
+/// drawn, as the image is cleared to it.
+#[inline(always)]
+fn keep_first(stored: &mut [f32; LANES], ids: &mut [u32; LANES], z: &[f32; LANES], id: u32) {
+    for i in 0..LANES {
+        let nearer = (z[i] < stored[i]) | ((z[i] == stored[i]) & (id < ids[i]) & (z[i] < 1.0));
+        ids[i] = if nearer { id } else { ids[i] };
+    }
+    keep_least(stored, z);
+}
+
+/// Clamps to 0..=1; what is not a number becomes 1, which never is nearer than what is stored.
+#[inline(always)]
+fn unit_clamp(z: f32) -> f32 {
+    let z = if z < 1.0 { z } else { 1.0 };
+    if z > 0.0 { z } else { 0.0 }
+}

@@ -1,0 +1,223 @@
+//! The rasteriser: triangles into depth (and id) images, bit-equal to Mesa's software rasterisers.
+
+mod bin;
+mod clip;
+mod fill;
+mod record;
+#[cfg(test)]
+mod reference;
+mod setup;
+#[cfg(test)]
+mod tests;
+mod tile;
+mod viewport;
+
+pub(crate) use tile::Target;
+
+use bin::{Bins, TILE};
+use clip::{clip, outcode};
+use fill::{Canvas, fill};
+use glam::{Mat4, UVec2, Vec3, Vec4};
+use rayon::prelude::*;
+use setup::{Group, SetupRules};
+use tile::{Tile, TileBuffer};
+use umbrage_core::{Cull, RasterBias, Simd, SimdTask, math::transform};
+use viewport::Viewport;
+
+/// Triangles that one task sets up.
+const CHUNK: usize = 4096;
+
+/// Triangles to draw, and how.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Draw<'a> {
+    /// World-space vertices.
+    pub(crate) positions: &'a [Vec3],
+    /// Vertex indices.
+    pub(crate) triangles: &'a [[u32; 3]],
+    /// Id of the first triangle; the others follow.
+    pub(crate) first_id: u32,
+    /// Where it is seen from.
+    pub(crate) clip_from_world: Mat4,
+    /// Image size, pixels.
+    pub(crate) size: UVec2,
+    /// Faces left out.
+    pub(crate) cull: Cull,
+    /// Polygon offset.
+    pub(crate) bias: RasterBias,
+    /// What loops are compiled for.
+    pub(crate) simd: Simd,
+}
+
+/// A vertex in the window, and which planes of the view volume it lies outside of.
+#[derive(Clone, Copy, Debug, Default)]
+struct Vertex {
+    window: Vec3,
+    outcode: u32,
+}
+
+impl Vertex {
+    #[inline(always)]
+    fn new(p: Vec3, clip_from_world: Mat4, viewport: &Viewport) -> Self {
+        let clip: Vec4 = transform(clip_from_world, p);
+        Self { window: viewport.project(clip), outcode: outcode(clip) }
+    }
+}
+
+/// What a thread needs to set up a chunk.
+#[derive(Debug, Default)]
+struct Worker {
+    vertices: Vec<Vertex>,
+    bins: Bins,
+}
+
+/// The rasteriser's working memory, kept between uses.
+#[derive(Debug, Default)]
+pub(crate) struct Rasterizer {
+    workers: Vec<Worker>,
+}
+
+impl Rasterizer {
+    /// Draws into the target: of all depths the least stays.
+    pub(crate) fn draw(&mut self, draw: &Draw<'_>, target: Target<'_>) {
+        let with_ids = !target.ids.is_empty();
+        let columns = target.width.div_ceil(TILE);
+        let mut tiles = target.into_tiles();
+        let batch = self.prepare(draw.size);
+        for (i, triangles) in draw.triangles.chunks(batch).enumerate() {
+            let first_id = draw.first_id + (i * batch) as u32;
+            let draw = Draw { triangles, first_id, ..*draw };
+            let workers = &mut self.workers[..triangles.len().div_ceil(CHUNK)];
+            let parts = triangles.par_chunks(CHUNK).zip(workers.par_iter_mut()).enumerate();
+            parts.for_each(|(k, (triangles, worker))| {
+                let first_id = first_id + (k * CHUNK) as u32;
+                draw.simd.run_task(SetUp { worker, draw: Draw { triangles, first_id, ..draw } });
+            });
+            fill_tiles(&mut tiles, columns, workers, draw.simd, with_ids);
+        }
+        tiles.par_iter_mut().for_each(Tile::finish);
+    }
+
+    /// How many triangles go into a batch: few enough to keep working memory below the image's own, and at most some
+    /// tens of thousands, which fit the processor's cache.
+    fn prepare(&mut self, size: UVec2) -> usize {
+        let pixels = size.x as usize * size.y as usize;
+        let chunks = (pixels / (32 * CHUNK)).clamp(1, 16);
+        self.workers.resize_with(chunks.max(self.workers.len()), Worker::default);
+        chunks * CHUNK
+    }
+
+    /// Bytes of working memory.
+    pub(crate) fn bytes(&self) -> usize {
+        let of = |w: &Worker| w.vertices.capacity() * size_of::<Vertex>() + w.bins.bytes();
+        self.workers.iter().map(of).sum()
+    }
+}
+
+fn fill_tiles(tiles: &mut [Tile<'_>], columns: usize, workers: &[Worker], simd: Simd, with_ids: bool) {
+    let each = tiles.par_iter_mut().enumerate();
+    each.for_each_init(|| TileBuffer::new(with_ids), |buffer, (i, tile)| {
+        if workers.iter().all(|w| w.bins.count(i) == 0) {
+            return;
+        }
+        tile.load(buffer);
+        simd.run_task(FillTile { buffer, workers, tile: i, columns, with_ids });
+        tile.store(buffer);
+    });
+}
+
+/// Sets up one chunk.
+struct SetUp<'a> {
+    worker: &'a mut Worker,
+    draw: Draw<'a>,
+}
+
+impl SimdTask for SetUp<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.worker.set_up(&self.draw);
+    }
+}
+
+/// Fills one tile.
+struct FillTile<'a> {
+    buffer: &'a mut TileBuffer,
+    workers: &'a [Worker],
+    tile: usize,
+    columns: usize,
+    with_ids: bool,
+}
+
+impl SimdTask for FillTile<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let origin = [self.tile % self.columns * TILE, self.tile / self.columns * TILE];
+        let mut canvas = Canvas { buffer: self.buffer, origin: [origin[0] as i32, origin[1] as i32] };
+        for worker in self.workers {
+            for record in worker.bins.of_tile(self.tile) {
+                if self.with_ids {
+                    fill::<true>(&mut canvas, record);
+                } else {
+                    fill::<false>(&mut canvas, record);
+                }
+            }
+        }
+    }
+}
+
+impl Worker {
+    /// Transforms, clips, sets up and sorts a chunk of triangles.
+    #[inline(always)]
+    fn set_up(&mut self, draw: &Draw<'_>) {
+        let viewport = Viewport::new(draw.size);
+        let rules = SetupRules { size: draw.size, cull: draw.cull, bias: draw.bias };
+        let first = self.transform(draw, &viewport);
+        let mut group = Group::new();
+        self.bins.clear(draw.size);
+        for (i, indices) in draw.triangles.iter().enumerate() {
+            let id = draw.first_id + i as u32;
+            let [a, b, c] = match first {
+                Some(first) => [indices[0] - first, indices[1] - first, indices[2] - first],
+                None => [3 * i as u32, 3 * i as u32 + 1, 3 * i as u32 + 2],
+            };
+            let (a, b, c) = (&self.vertices[a as usize], &self.vertices[b as usize], &self.vertices[c as usize]);
+            let codes = [a.outcode, b.outcode, c.outcode];
+            if codes[0] | codes[1] | codes[2] == 0 {
+                group.push([a.window, b.window, c.window], id, &rules, &mut self.bins);
+            } else if codes[0] & codes[1] & codes[2] == 0 {
+                let triangle = indices.map(|v| transform(draw.clip_from_world, draw.positions[v as usize]));
+                let emit = |corners| group.push(corners, id, &rules, &mut self.bins);
+                clip(triangle, codes[0] | codes[1] | codes[2], &viewport, emit);
+            }
+        }
+        group.flush(&rules, &mut self.bins);
+        self.bins.sort();
+    }
+
+    /// Transforms the chunk's vertices: the whole range from the least index to the greatest, whose least it returns;
+    /// or, where that would be wasteful, each triangle's corners.
+    #[inline(always)]
+    fn transform(&mut self, draw: &Draw<'_>, viewport: &Viewport) -> Option<u32> {
+        let (mut least, mut greatest) = (u32::MAX, 0);
+        for t in draw.triangles {
+            least = least.min(t[0]).min(t[1]).min(t[2]);
+            greatest = greatest.max(t[0]).max(t[1]).max(t[2]);
+        }
+        let range = least as usize..greatest as usize + 1;
+        if range.len() <= 3 * draw.triangles.len() {
+            self.vertices.resize(range.len(), Vertex::default());
+            for (vertex, &p) in self.vertices.iter_mut().zip(&draw.positions[range]) {
+                *vertex = Vertex::new(p, draw.clip_from_world, viewport);
+            }
+            return Some(least);
+        }
+        self.vertices.resize(3 * draw.triangles.len(), Vertex::default());
+        for (vertex, &v) in self.vertices.iter_mut().zip(draw.triangles.as_flattened()) {
+            *vertex = Vertex::new(draw.positions[v as usize], draw.clip_from_world, viewport);
+        }
+        None
+    }
+}

@@ -1,0 +1,62 @@
+//! A triangle that is ready to be filled.
+
+/// Depth as a linear function of the pixel: `fma(dy, py, fma(dx, px, at_origin)) + offset`, clamped to 0..=1.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct DepthPlane {
+    /// At the centre of the image's first pixel.
+    pub(crate) at_origin: f32,
+    /// Change a pixel to the right.
+    pub(crate) dx: f32,
+    /// Change a pixel down.
+    pub(crate) dy: f32,
+    /// Polygon offset.
+    pub(crate) offset: f32,
+}
+
+/// A triangle after setup, in the order of corners in which its inside has positive edge functions.
+///
+/// An edge function changes by multiples of 256 from pixel to pixel, so all are kept divided by 256 and rounded down,
+/// which keeps their signs: a pixel is covered where none is negative.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Record {
+    /// The first corner, sub-pixels; pixel centres are multiples of 256.
+    pub(crate) corner: [i32; 2],
+    /// From the first corner to the second, sub-pixels.
+    pub(crate) edge_a: [i32; 2],
+    /// From the second corner to the third.
+    pub(crate) edge_b: [i32; 2],
+    /// The edge functions at pixel `min`, if the triangle is small; else meaningless.
+    pub(crate) at_min: [i32; 3],
+    /// Its depth.
+    pub(crate) plane: DepthPlane,
+    /// Least x and y, pixels.
+    pub(crate) min: [u16; 2],
+    /// Greatest x and y, pixels.
+    pub(crate) max: [u16; 2],
+    /// What is written where ids are asked for.
+    pub(crate) id: u32,
+}
+
+/// Twice a triangle's area in sub-pixels, positive for counter-clockwise on screen (window y points down).
+#[inline(always)]
+pub(crate) fn doubled_area(x: [i32; 3], y: [i32; 3]) -> i64 {
+    i64::from(x[0] - x[1]) * i64::from(y[2] - y[0]) - i64::from(x[2] - x[0]) * i64::from(y[0] - y[1])
+}
+
+/// The function of the edge from (x, y) along (dx, dy) at sub-pixel (px, py), divided by 256. It is negative outside;
+/// points on the edge are inside if it is a top or a left edge.
+#[inline(always)]
+pub(crate) fn edge_function([x, y]: [i32; 2], [dx, dy]: [i32; 2], [px, py]: [i32; 2]) -> i64 {
+    let top_left = (dy < 0) | ((dy == 0) & (dx > 0));
+    let value = i64::from(dx) * i64::from(py - y) - i64::from(dy) * i64::from(px - x);
+    (value - i64::from(!top_left)) >> 8
+}
+
+/// As [`edge_function`], for a triangle of few pixels and a point near it: all numbers fit 32 bits then. For others the
+/// result is meaningless.
+#[inline(always)]
+pub(crate) fn small_edge_function([x, y]: [i32; 2], [dx, dy]: [i32; 2], [px, py]: [i32; 2]) -> i32 {
+    let top_left = (dy < 0) | ((dy == 0) & (dx > 0));
+    let value = dx.wrapping_mul(py - y).wrapping_sub(dy.wrapping_mul(px - x));
+    value.wrapping_sub(i32::from(!top_left)) >> 8
+}

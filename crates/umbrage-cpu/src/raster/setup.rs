@@ -1,0 +1,272 @@
+//! Triangle setup for many triangles at once: plain loops over arrays, which the compiler turns into vector code.
+
+use super::bin::Bins;
+use super::record::{DepthPlane, Record, doubled_area, small_edge_function};
+use super::viewport::snap;
+use glam::{UVec2, Vec3};
+use umbrage_core::{Cull, RasterBias};
+
+/// Triangles a group: as many as bits in a word.
+pub(crate) const GROUP: usize = 64;
+
+type Floats = [f32; GROUP];
+type Ints = [i32; GROUP];
+
+/// What setup needs to know of a cast.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SetupRules {
+    /// Image size, pixels.
+    pub(crate) size: UVec2,
+    /// Faces left out.
+    pub(crate) cull: Cull,
+    /// Polygon offset.
+    pub(crate) bias: RasterBias,
+}
+
+/// Window-space triangles that wait for setup, one array a number.
+#[derive(Clone, Debug)]
+pub(crate) struct Group {
+    x: [Floats; 3],
+    y: [Floats; 3],
+    z: [Floats; 3],
+    id: [u32; GROUP],
+    len: usize,
+    lanes: Lanes,
+}
+
+/// What setup finds out: the sign of the area (0: not to be drawn), snapped corners, pixel bounds and depth planes.
+#[derive(Clone, Debug)]
+struct Lanes {
+    sign: Ints,
+    x: [Ints; 3],
+    y: [Ints; 3],
+    min_x: Ints,
+    min_y: Ints,
+    max_x: Ints,
+    max_y: Ints,
+    at_origin: Floats,
+    dx: Floats,
+    dy: Floats,
+    offset: Floats,
+    at_min: [Ints; 3],
+    edge_x: [Ints; 2],
+    edge_y: [Ints; 2],
+}
+
+impl Lanes {
+    const ZERO: Self = Self {
+        sign: [0; GROUP],
+        x: [[0; GROUP]; 3],
+        y: [[0; GROUP]; 3],
+        min_x: [0; GROUP],
+        min_y: [0; GROUP],
+        max_x: [0; GROUP],
+        max_y: [0; GROUP],
+        at_origin: [0.0; GROUP],
+        dx: [0.0; GROUP],
+        dy: [0.0; GROUP],
+        offset: [0.0; GROUP],
+        at_min: [[0; GROUP]; 3],
+        edge_x: [[0; GROUP]; 2],
+        edge_y: [[0; GROUP]; 2],
+    };
+}
+
+impl Group {
+    /// No triangles.
+    pub(crate) fn new() -> Self {
+        let zero = [[0.0; GROUP]; 3];
+        Self { x: zero, y: zero, z: zero, id: [0; GROUP], len: 0, lanes: Lanes::ZERO }
+    }
+
+    /// Adds a triangle, and sets the group up once it is full.
+    #[inline(always)]
+    pub(crate) fn push(&mut self, corners: [Vec3; 3], id: u32, rules: &SetupRules, out: &mut Bins) {
+        // The length is always below GROUP here; the remainder spares the bounds checks.
+        let i = self.len % GROUP;
+        for k in 0..3 {
+            self.x[k][i] = corners[k].x;
+            self.y[k][i] = corners[k].y;
+            self.z[k][i] = corners[k].z;
+        }
+        self.id[i] = id;
+        self.len = i + 1;
+        if self.len == GROUP {
+            self.flush(rules, out);
+        }
+    }
+
+    /// Sets up what is there and appends a record for each triangle that may cover a pixel.
+    #[inline(always)]
+    pub(crate) fn flush(&mut self, rules: &SetupRules, out: &mut Bins) {
+        self.snap_and_bound(rules.size);
+        self.find_signs(rules.cull);
+        self.find_edges();
+        self.drop_uncovered();
+        self.find_planes();
+        self.lanes.offset = [0.0; GROUP];
+        if rules.bias.constant != 0 || rules.bias.slope != 0.0 {
+            self.find_offsets(&rules.bias);
+        }
+        let mut drawn = self.drawn();
+        while drawn != 0 {
+            out.push(self.record(drawn.trailing_zeros() as usize));
+            drawn &= drawn - 1;
+        }
+        self.len = 0;
+    }
+
+    /// A bit for each triangle that is to be drawn.
+    #[inline(always)]
+    fn drawn(&self) -> u64 {
+        let mut bits = 0;
+        for i in 0..GROUP {
+            bits |= u64::from(self.lanes.sign[i] != 0) << i;
+        }
+        // All of the group, or what there is of it.
+        if self.len == GROUP { bits } else { bits & ((1 << self.len) - 1) }
+    }
+
+    /// A triangle covers pixels from its least coordinate, rounded up, to just below its greatest: those on the right
+    /// or bottom edge belong to its neighbour.
+    #[inline(always)]
+    fn snap_and_bound(&mut self, size: UVec2) {
+        let (last_x, last_y) = (size.x as i32 - 1, size.y as i32 - 1);
+        let l = &mut self.lanes;
+        for i in 0..GROUP {
+            let x = [snap(self.x[0][i]), snap(self.x[1][i]), snap(self.x[2][i])];
+            let y = [snap(self.y[0][i]), snap(self.y[1][i]), snap(self.y[2][i])];
+            l.min_x[i] = ((x[0].min(x[1]).min(x[2]) + 255) >> 8).max(0);
+            l.min_y[i] = ((y[0].min(y[1]).min(y[2]) + 255) >> 8).max(0);
+            l.max_x[i] = ((x[0].max(x[1]).max(x[2]) - 1) >> 8).min(last_x);
+            l.max_y[i] = ((y[0].max(y[1]).max(y[2]) - 1) >> 8).min(last_y);
+            (l.x[0][i], l.x[1][i], l.x[2][i]) = (x[0], x[1], x[2]);
+            (l.y[0][i], l.y[1][i], l.y[2][i]) = (y[0], y[1], y[2]);
+        }
+    }
+
+    #[inline(always)]
+    fn find_signs(&mut self, cull: Cull) {
+        let (keep_front, keep_back) = (i32::from(cull != Cull::Front), i32::from(cull != Cull::Back));
+        let l = &mut self.lanes;
+        for i in 0..GROUP {
+            let area = doubled_area([l.x[0][i], l.x[1][i], l.x[2][i]], [l.y[0][i], l.y[1][i], l.y[2][i]]);
+            let sign = i32::from(area > 0) * keep_front - i32::from(area < 0) * keep_back;
+            let bounded = l.min_x[i] <= l.max_x[i] && l.min_y[i] <= l.max_y[i];
+            l.sign[i] = sign * i32::from(bounded);
+        }
+    }
+
+    /// Differences v0 - v1 and v2 - v0 of a coordinate, in counter-clockwise order.
+    #[inline(always)]
+    fn differences(v: &[Floats; 3], sign: i32, i: usize) -> (f32, f32) {
+        let [a, b, c] = [v[0][i], v[1][i], v[2][i]];
+        if sign < 0 { (a - c, b - a) } else { (a - b, c - a) }
+    }
+
+    /// The plane goes through the corners before snapping.
+    #[inline(always)]
+    fn find_planes(&mut self) {
+        let l = &mut self.lanes;
+        for i in 0..GROUP {
+            let (x01, x20) = Self::differences(&self.x, l.sign[i], i);
+            let (y01, y20) = Self::differences(&self.y, l.sign[i], i);
+            let (z01, z20) = Self::differences(&self.z, l.sign[i], i);
+            let r = 1.0 / (x01 * y20 - y01 * x20);
+            let dx = z01 * (y20 * r) - z20 * (y01 * r);
+            let dy = z20 * (x01 * r) - z01 * (x20 * r);
+            l.at_origin[i] = self.z[0][i] - (dx * (self.x[0][i] - 0.5) + dy * (self.y[0][i] - 0.5));
+            (l.dx[i], l.dy[i]) = (dx, dy);
+        }
+    }
+
+    /// Polygon offset as Vulkan defines it: `m * slope + r * constant`, m the greater slope and r the spacing of floats
+    /// at the triangle's greatest depth.
+    #[inline(always)]
+    fn find_offsets(&mut self, bias: &RasterBias) {
+        let l = &mut self.lanes;
+        for i in 0..GROUP {
+            let (x01, x20) = Self::differences(&self.x, l.sign[i], i);
+            let (y01, y20) = Self::differences(&self.y, l.sign[i], i);
+            let (z01, z20) = Self::differences(&self.z, l.sign[i], i);
+            let r = 1.0 / (x01 * y20 - y01 * x20);
+            let slope_x = ((z20 * y01 - y20 * z01) * r).abs();
+            let slope_y = ((x20 * z01 - z20 * x01) * r).abs();
+            let greatest = self.z[0][i].abs().max(self.z[1][i].abs()).max(self.z[2][i].abs());
+            let offset = spacing(greatest) * bias.constant as f32 + slope_x.max(slope_y) * bias.slope;
+            l.offset[i] = clamped(offset, bias.clamp);
+        }
+    }
+
+    /// The edges, clockwise on screen: the order in which their functions are positive inside.
+    #[inline(always)]
+    fn find_edges(&mut self) {
+        let l = &mut self.lanes;
+        for i in 0..GROUP {
+            let flip = l.sign[i] > 0;
+            let ([px, x1, x2], [py, y1, y2]) = ([l.x[0][i], l.x[1][i], l.x[2][i]], [l.y[0][i], l.y[1][i], l.y[2][i]]);
+            let (qx, rx) = if flip { (x2, x1) } else { (x1, x2) };
+            let (qy, ry) = if flip { (y2, y1) } else { (y1, y2) };
+            let (ax, ay, bx, by) = (qx - px, qy - py, rx - qx, ry - qy);
+            let (x, y) = (l.min_x[i] << 8, l.min_y[i] << 8);
+            l.at_min[0][i] = small_edge_function([px, py], [ax, ay], [x, y]);
+            l.at_min[1][i] = small_edge_function([qx, qy], [bx, by], [x, y]);
+            l.at_min[2][i] = small_edge_function([rx, ry], [px - rx, py - ry], [x, y]);
+            (l.edge_x[0][i], l.edge_y[0][i]) = (ax, ay);
+            (l.edge_x[1][i], l.edge_y[1][i]) = (bx, by);
+        }
+    }
+
+    /// Leaves out triangles up to two pixels wide and high that cover none: many do, in fine meshes.
+    #[inline(always)]
+    fn drop_uncovered(&mut self) {
+        let l = &mut self.lanes;
+        for i in 0..GROUP {
+            let (ax, ay, bx, by) = (l.edge_x[0][i], l.edge_y[0][i], l.edge_x[1][i], l.edge_y[1][i]);
+            let [a, b, c] = [l.at_min[0][i], l.at_min[1][i], l.at_min[2][i]];
+            // Outside an edge, the sign bit is set: here, and so many pixels to the right and down.
+            let outside = |right: i32, down: i32| {
+                let a = a.wrapping_sub(ay * right).wrapping_add(ax * down);
+                let b = b.wrapping_sub(by * right).wrapping_add(bx * down);
+                let c = c.wrapping_add((ay + by) * right).wrapping_sub((ax + bx) * down);
+                a | b | c
+            };
+            let none = outside(0, 0) & outside(1, 0) & outside(0, 1) & outside(1, 1) < 0;
+            let few = (l.max_x[i] - l.min_x[i] < 2) & (l.max_y[i] - l.min_y[i] < 2);
+            l.sign[i] = if none & few { 0 } else { l.sign[i] };
+        }
+    }
+
+    #[inline(always)]
+    fn record(&self, i: usize) -> Record {
+        let l = &self.lanes;
+        Record {
+            corner: [l.x[0][i], l.y[0][i]],
+            edge_a: [l.edge_x[0][i], l.edge_y[0][i]],
+            edge_b: [l.edge_x[1][i], l.edge_y[1][i]],
+            at_min: [l.at_min[0][i], l.at_min[1][i], l.at_min[2][i]],
+            plane: DepthPlane { at_origin: l.at_origin[i], dx: l.dx[i], dy: l.dy[i], offset: l.offset[i] },
+            min: [l.min_x[i] as u16, l.min_y[i] as u16],
+            max: [l.max_x[i] as u16, l.max_y[i] as u16],
+            id: self.id[i],
+        }
+    }
+}
+
+/// The spacing of floats of `z`'s magnitude (greater than zero), 0 where it would be denormal.
+#[inline(always)]
+fn spacing(z: f32) -> f32 {
+    let exponent = (z.to_bits() & 0x7f80_0000) as i32;
+    f32::from_bits((exponent - (23 << 23)).max(0) as u32)
+}
+
+#[inline(always)]
+fn clamped(offset: f32, clamp: f32) -> f32 {
+    if clamp > 0.0 {
+        offset.min(clamp)
+    } else if clamp < 0.0 {
+        offset.max(clamp)
+    } else {
+        offset
+    }
+}

@@ -1,0 +1,231 @@
+//! The fast rasteriser against the plain one, bit by bit.
+
+use super::{Draw, Rasterizer, Target, reference};
+use glam::{Mat4, UVec2, Vec3};
+use umbrage_core::{Cull, NO_TRIANGLE, RasterBias, Simd};
+
+/// A small generator of random numbers (Marsaglia: Xorshift RNGs, 2003): the same triangles on every run.
+pub(crate) struct Random(pub(crate) u64);
+
+impl Random {
+    fn bits(&mut self) -> u64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        self.0 >> 11
+    }
+
+    /// Uniform in `lo..hi`.
+    pub(crate) fn range(&mut self, lo: f32, hi: f32) -> f32 {
+        lo + (hi - lo) * (self.bits() as f64 / (1_u64 << 53) as f64) as f32
+    }
+
+    fn point(&mut self, radius: f32) -> Vec3 {
+        Vec3::new(self.range(-radius, radius), self.range(-radius, radius), self.range(0.0, 1.0))
+    }
+}
+
+/// Kinds of triangles that have broken rasterisers, in clip space with w = 1 (or less, through `perspective`).
+fn triangle(kind: usize, r: &mut Random) -> [Vec3; 3] {
+    let (a, size) = (r.point(1.0), UVec2::new(150, 75).as_vec2());
+    let mut near = |d: f32| a + Vec3::new(r.range(-d, d), r.range(-d, d), r.range(-0.1, 0.1));
+    // A pixel centre, corner or sub-pixel tie; exact in binary fractions of the window.
+    let on_grid = |p: Vec3, step: f32| {
+        let w = ((p.truncate() * 0.5 + 0.5) * size / step).floor() * step;
+        (w / size * 2.0 - 1.0).extend(p.z)
+    };
+    match kind {
+        0 => [a, near(1.0), near(1.0)],
+        1 => [a, near(0.05), near(0.05)],
+        2 => [a, near(0.004), near(0.004)],
+        3 => {
+            let b = near(1.0);
+            [a, b, a + (b - a) * 0.5 + Vec3::new(1e-4, 2e-4, 0.0)]
+        }
+        4 => [near(1.0), near(1.0), near(1.0)].map(|p| on_grid(p, 0.5)),
+        5 => [near(1.0), near(1.0), near(1.0)].map(|p| on_grid(p, 1.0 / 512.0)),
+        6 => [a, near(200.0), near(200.0)],
+        7 => [a, near(3.0), near(3.0)].map(|p| Vec3::new(p.x, p.y, p.z * 4.0 - 2.0)),
+        8 => [a, a, near(1.0)],
+        _ => [a + Vec3::new(2.5, 0.0, 0.0), near(3.0), near(3.0)],
+    }
+}
+
+const KINDS: usize = 10;
+
+/// Random triangles: positions and indices.
+fn soup(kinds: std::ops::Range<usize>, count: usize, r: &mut Random) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let positions = (0..count).flat_map(|i| triangle(kinds.start + i % kinds.len(), r)).collect();
+    (positions, (0..count as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect())
+}
+
+fn draw_of<'a>(positions: &'a [Vec3], triangles: &'a [[u32; 3]]) -> Draw<'a> {
+    Draw {
+        positions,
+        triangles,
+        first_id: 7,
+        clip_from_world: Mat4::IDENTITY,
+        size: UVec2::new(150, 75),
+        cull: Cull::None,
+        bias: RasterBias::default(),
+        simd: Simd::Native,
+    }
+}
+
+fn fast(draw: &Draw<'_>, with_ids: bool) -> (Vec<f32>, Vec<u32>) {
+    let n = (draw.size.x * draw.size.y) as usize;
+    let (mut depth, mut ids) = (vec![0.5; n], vec![0; if with_ids { n } else { 0 }]);
+    let target = Target { width: draw.size.x as usize, depth: &mut depth, ids: &mut ids, clear: true };
+    Rasterizer::default().draw(draw, target);
+    (depth, ids)
+}
+
+fn bits(depth: &[f32]) -> Vec<u32> {
+    depth.iter().map(|z| z.to_bits()).collect()
+}
+
+/// Panics unless both rasterisers give the same bits, with ids and without.
+fn compare(draw: &Draw<'_>, what: &str) {
+    let (depth, ids) = reference::draw(draw);
+    let (fast_depth, fast_ids) = fast(draw, true);
+    assert!(bits(&depth) == bits(&fast_depth), "{what}: depth differs");
+    assert!(ids == fast_ids, "{what}: ids differ");
+    assert!(bits(&depth) == bits(&fast(draw, false).0), "{what}: depth without ids differs");
+}
+
+/// A matrix that divides by a w of about 1 to 3, and puts some triangles before the near plane.
+fn perspective() -> Mat4 {
+    Mat4::from_cols_array(&[1.5, 0.0, 0.0, 0.0, 0.0, 1.5, 0.0, 0.0, 0.0, 0.0, 1.4, 2.0, 0.1, 0.0, -0.2, 1.0])
+}
+
+#[test]
+fn single_triangles_agree_with_the_plain_rasteriser() {
+    let mut r = Random(0x9e37_79b9_7f4a_7c15);
+    for i in 0..3000 {
+        let (positions, triangles) = soup(i % KINDS..i % KINDS + 1, 1, &mut r);
+        let mut draw = draw_of(&positions, &triangles);
+        if i % 3 == 0 {
+            draw.clip_from_world = perspective();
+        }
+        compare(&draw, &format!("triangle {i}: {positions:?}"));
+    }
+}
+
+#[test]
+fn triangle_soups_agree_with_every_setting() {
+    let mut r = Random(42);
+    for i in 0..60 {
+        let (positions, triangles) = soup(0..KINDS, 100, &mut r);
+        let mut draw = draw_of(&positions, &triangles);
+        draw.cull = [Cull::None, Cull::Front, Cull::Back][i % 3];
+        draw.simd = [Simd::Native, Simd::Baseline][i % 2];
+        draw.size = [UVec2::new(150, 75), UVec2::new(64, 64), UVec2::new(1, 130), UVec2::new(257, 3)][i % 4];
+        draw.bias = RasterBias {
+            constant: [0, 2, -70_000, 1 << 20][i / 3 % 4],
+            slope: [0.0, 4.0, -1.5][i / 2 % 3],
+            clamp: [0.0, 1e-3, -1e-3][i / 4 % 3],
+        };
+        draw.clip_from_world = [Mat4::IDENTITY, perspective()][i / 5 % 2];
+        compare(&draw, &format!("soup {i}"));
+    }
+}
+
+#[test]
+fn the_widest_and_the_highest_images_agree() {
+    let mut r = Random(3);
+    for size in [UVec2::new(16_384, 2), UVec2::new(2, 16_384)] {
+        let (positions, triangles) = soup(0..KINDS, 40, &mut r);
+        compare(&Draw { size, ..draw_of(&positions, &triangles) }, &format!("{size}"));
+    }
+}
+
+#[test]
+fn a_spoilt_triangle_is_noticed() {
+    let mut r = Random(1);
+    let (positions, triangles) = soup(0..2, 20, &mut r);
+    let mut moved = positions.clone();
+    moved[0].x += 2.0 / 150.0;
+    let (depth, _) = reference::draw(&draw_of(&positions, &triangles));
+    assert!(bits(&depth) != bits(&fast(&draw_of(&moved, &triangles), false).0));
+}
+
+#[test]
+fn many_batches_and_shared_vertices_agree() {
+    // More triangles than a batch of a small image holds, with vertices both shared and far apart in the list.
+    let mut r = Random(77);
+    let side = 60_u32;
+    let positions: Vec<Vec3> = (0..side * side)
+        .map(|i| Vec3::new((i % side) as f32 / 30.0 - 1.0, (i / side) as f32 / 30.0 - 1.0, r.range(0.2, 0.8)))
+        .collect();
+    let cells = (0..side - 1).flat_map(|y| (0..side - 1).map(move |x| y * side + x));
+    let mut triangles: Vec<[u32; 3]> = cells.flat_map(|i| [[i, i + 1, i + side], [i + side, i + 1, i + side + 1]]).collect();
+    triangles.extend((0..300).map(|i| [i, side * side - 1 - i, 7 * i % 3000]));
+    compare(&draw_of(&positions, &triangles), "grid");
+}
+
+#[test]
+fn the_top_left_rule_leaves_neither_gaps_nor_doubles() {
+    // Each pixel of a fan whose edges run through pixel centres belongs to one triangle: the sum of covers is 1.
+    let corner = |x: f32, y: f32| Vec3::new(x / 32.0 - 1.0, 1.0 - y / 32.0, 0.5);
+    let middle = corner(32.5, 32.5);
+    let rim = [[0.5, 0.5], [32.5, 0.5], [63.5, 0.5], [63.5, 32.5], [63.5, 63.5], [32.5, 63.5], [0.5, 63.5], [0.5, 32.5]];
+    let mut covers = vec![0; 64 * 64];
+    for i in 0..rim.len() {
+        let [a, b] = [rim[i], rim[(i + 1) % rim.len()]].map(|p: [f32; 2]| corner(p[0], p[1]));
+        let positions = [middle, a, b];
+        let draw = Draw { size: UVec2::splat(64), ..draw_of(&positions, &[[0, 1, 2]]) };
+        fast(&draw, false).0.iter().zip(&mut covers).for_each(|(&z, n)| *n += u32::from(z < 1.0));
+    }
+    for (i, &n) in covers.iter().enumerate() {
+        // The fan's own right and bottom rim at 63.5 is outside.
+        let inside = i % 64 < 63 && i / 64 < 63;
+        assert_eq!(n, u32::from(inside), "pixel {}, {}", i % 64, i / 64);
+    }
+}
+
+#[test]
+fn faces_are_culled_by_their_turn_on_screen() {
+    let positions = [Vec3::new(-0.5, -0.5, 0.5), Vec3::new(0.5, -0.5, 0.5), Vec3::new(0.0, 0.5, 0.5)];
+    let drawn = |triangle: [u32; 3], cull| {
+        fast(&Draw { cull, ..draw_of(&positions, &[triangle]) }, false).0.iter().any(|&z| z < 1.0)
+    };
+    let (front, back) = ([0, 1, 2], [0, 2, 1]);
+    assert!(drawn(front, Cull::None) && drawn(back, Cull::None));
+    assert!(!drawn(front, Cull::Front) && drawn(back, Cull::Front));
+    assert!(drawn(front, Cull::Back) && !drawn(back, Cull::Back));
+}
+
+#[test]
+fn slope_bias_moves_a_slanted_plane_by_its_slope() {
+    // z grows by 1/64 a pixel to the right over 32 pixels: slope 2 adds 2/64 everywhere, and the clamp cuts it off.
+    let positions = [Vec3::new(-1.0, -3.0, 0.25), Vec3::new(-1.0, 3.0, 0.25), Vec3::new(1.0, 0.0, 0.75)];
+    let depth = |slope, clamp| {
+        let bias = RasterBias { constant: 0, slope, clamp };
+        fast(&Draw { size: UVec2::splat(32), bias, ..draw_of(&positions, &[[0, 1, 2]]) }, false).0[16 * 32 + 10]
+    };
+    let plain = depth(0.0, 0.0);
+    assert!((depth(2.0, 0.0) - plain - 2.0 / 64.0).abs() < 1e-6);
+    assert!((depth(2.0, 0.01) - plain - 0.01).abs() < 1e-6);
+    assert!((depth(-2.0, -0.01) - plain + 0.01).abs() < 1e-6);
+}
+
+#[test]
+fn equal_depths_show_the_first_triangle() {
+    let positions = [Vec3::new(-1.0, -1.0, 0.5), Vec3::new(1.0, -1.0, 0.5), Vec3::new(0.0, 1.0, 0.5)];
+    let (_, ids) = fast(&draw_of(&positions, &[[0, 1, 2], [2, 0, 1], [0, 2, 1]]), true);
+    assert!(ids.iter().all(|&id| id == 7 || id == NO_TRIANGLE) && ids.contains(&7));
+}
+
+#[test]
+fn drawing_again_without_clearing_keeps_the_least() {
+    let near = [Vec3::new(-1.0, -1.0, 0.25), Vec3::new(0.0, -1.0, 0.25), Vec3::new(-1.0, 1.0, 0.25)];
+    let far = [Vec3::new(-1.0, -1.0, 0.75), Vec3::new(1.0, -1.0, 0.75), Vec3::new(0.0, 1.0, 0.75)];
+    let (mut depth, size) = (vec![0.0; 64 * 64], UVec2::splat(64));
+    for (positions, clear) in [(&near, true), (&far, false)] {
+        let target = Target { width: 64, depth: &mut depth, ids: &mut [], clear };
+        Rasterizer::default().draw(&Draw { size, ..draw_of(positions, &[[0, 1, 2]]) }, target);
+    }
+    let both: Vec<Vec3> = near.into_iter().chain(far).collect();
+    let expected = reference::draw(&Draw { size, ..draw_of(&both, &[[0, 1, 2], [3, 4, 5]]) });
+    assert!(bits(&depth) == bits(&expected.0));
+}

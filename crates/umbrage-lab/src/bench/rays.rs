@@ -1,0 +1,81 @@
+//! Any-hit rays: ours with the crack-free triangle test and the skipped triangle, against obvhs's own traversal with its
+//! own triangles, over the same rays.
+
+use super::paired::{Pair, paired};
+use obvhs::{ray::Ray, rt_triangle::RtTriangle};
+use rayon::prelude::*;
+use std::{
+    convert::Infallible,
+    hint::black_box,
+    time::{Duration, Instant},
+};
+use umbrage_core::{
+    Bvh, Geometry, Receivers,
+    glam::{Vec3, Vec3A},
+    light_sample::{LightSampler, origin_offset, segment, unit_square},
+};
+
+/// One ray: from where, how far which way, and the triangle it starts on.
+type Shot = (Vec3, Vec3, u32);
+
+/// Rays a task.
+const TASK: usize = 4096;
+
+/// Four rays to the light from each receiver.
+fn shots(receivers: &Receivers, light: &LightSampler, far: f32) -> Vec<Shot> {
+    let lit = (0..receivers.len()).filter(|&i| receivers.receives[i]);
+    lit.flat_map(|i| {
+        let (p, n) = (receivers.position(i), receivers.normal(i));
+        let o = p + n * origin_offset(p, far);
+        (0..4).map(move |s| (o, segment(light, o, unit_square(s, i as u32), far), receivers.triangle[i]))
+    })
+    .collect()
+}
+
+/// Times both over all rays.
+pub(super) fn compare(
+    name: &str,
+    geometry: &Geometry,
+    receivers: &Receivers,
+    light: &umbrage_core::Light,
+    runs: [usize; 2],
+) -> Pair {
+    let far = 2.0 * geometry.bounds().extent().length();
+    let shots = shots(receivers, &LightSampler::new(light), far);
+    let bvh = geometry.bvh();
+    let (wide, ids) = bvh.parts();
+    let triangles: Vec<RtTriangle> = ids
+        .iter()
+        .map(|&id| {
+            let [a, b, c] = geometry.corners(id).map(Vec3A::from);
+            RtTriangle::new(a, b, c)
+        })
+        .collect();
+    let obvhs_hits = |&(o, d, _): &Shot| {
+        let ray = Ray::new(o.into(), d.into(), 0.0, 1.0);
+        !wide.ray_traverse_miss(ray, |ray, i| triangles[i].intersect(ray))
+    };
+    let (ours, theirs, ratio) =
+        paired(runs, || Ok::<_, Infallible>(time(&shots, |s| ours_hits(bvh, s))), || Ok(time(&shots, obvhs_hits)))
+            .unwrap_or_else(|never| match never {});
+    Pair {
+        work: format!("{:.1} M any-hit rays, {name}", shots.len() as f64 / 1e6),
+        who: ["umbrage's test in obvhs's hierarchy".into(), "obvhs alone".into()],
+        ours,
+        theirs,
+        ratio,
+        bar: Some(0.9),
+        runs: runs[1],
+    }
+}
+
+fn ours_hits(bvh: &Bvh, &(o, d, skip): &Shot) -> bool {
+    bvh.occluded(o, d, skip)
+}
+
+fn time(shots: &[Shot], hits: impl Fn(&Shot) -> bool + Sync) -> Duration {
+    let start = Instant::now();
+    let count: usize = shots.par_chunks(TASK).map(|task| task.iter().filter(|s| hits(s)).count()).sum();
+    black_box(count);
+    start.elapsed()
+}

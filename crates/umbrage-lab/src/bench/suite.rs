@@ -1,0 +1,181 @@
+//! What is compared: the CPU player with the graphics adapter's, rays with obvhs, the wgpu player with a program written
+//! by hand.
+
+use super::{
+    handwritten::HandWritten,
+    paired::{Pair, paired},
+    rays,
+};
+use std::time::Duration;
+use umbrage_core::{
+    Backend, BackendError, Camera, Geometry, Light, Receivers, Recipe, Scene, ShadowTechnique, View,
+    glam::{UVec2, Vec3},
+};
+use umbrage_cpu::{Cpu, CpuOptions};
+use umbrage_scenes::Kind;
+use umbrage_techniques::{Bias, Hard, Pcf, ShadowMap};
+use umbrage_wgpu::Gpu;
+
+/// What to run.
+#[derive(Clone, Copy, Debug)]
+pub struct Options {
+    /// Pairs counted.
+    pub runs: usize,
+    /// Pairs before that.
+    pub warm_up: usize,
+    /// CPU threads of our side; software adapters use all cores whatever this says.
+    pub threads: usize,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { runs: 21, warm_up: 3, threads: 2 }
+    }
+}
+
+/// Lookups are timed at this size.
+const SCREEN: UVec2 = UVec2::new(1280, 720);
+/// And with maps of this side.
+const MAP: u32 = 2048;
+/// Rays start from an image of this size, four a pixel.
+const RAY_SCREEN: UVec2 = UVec2::new(640, 360);
+
+/// One of the scenes kept for measuring speed.
+struct Stage {
+    name: &'static str,
+    geometry: Geometry,
+    camera: Camera,
+    light: Light,
+    receivers: Receivers,
+}
+
+impl Stage {
+    fn new(name: &'static str, scene: &Scene, size: UVec2, cpu: &mut Cpu) -> Result<Self, BackendError> {
+        let geometry = Geometry::bake(scene)?;
+        let camera = scene.cameras[0].resized(size);
+        let receivers = cpu.receivers(&camera, &geometry)?;
+        Ok(Self { name, geometry, camera, light: scene.lights[0], receivers })
+    }
+
+    fn view(&self) -> View<'_> {
+        View::new(&self.camera, &self.light, &self.geometry).with_receivers(&self.receivers)
+    }
+}
+
+/// Runs everything, telling each result as it comes. Without a graphics adapter only rays are compared.
+///
+/// # Errors
+/// When a backend fails.
+pub fn run(options: Options, gpu: Option<&mut Gpu>, mut tell: impl FnMut(Pair)) -> Result<(), BackendError> {
+    let mut cpu = Cpu::with_options(&CpuOptions::default().threads(options.threads))?;
+    let runs = [options.warm_up, options.runs];
+    let entries = || umbrage_scenes::all().iter().filter(|e| e.kind == Kind::Speed);
+    if let Some(gpu) = gpu {
+        for entry in entries() {
+            let stage = Stage::new(entry.name, &(entry.build)(), SCREEN, &mut cpu)?;
+            tell(depth(&stage, runs, &mut cpu, gpu)?);
+        }
+        for entry in entries() {
+            let stage = Stage::new(entry.name, &(entry.build)(), SCREEN, &mut cpu)?;
+            for (radius, bar) in [(1, 2.5), (3, 5.0)] {
+                tell(lookup(&stage, radius, bar, runs, &mut cpu, gpu)?);
+            }
+            by_hand(&stage, runs, gpu)?.into_iter().for_each(&mut tell);
+        }
+    }
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(options.threads).build();
+    let pool = pool.map_err(|e| BackendError::OutOfMemory(e.to_string()))?;
+    for entry in entries() {
+        let stage = Stage::new(entry.name, &(entry.build)(), RAY_SCREEN, &mut cpu)?;
+        let Stage { geometry, receivers, light, .. } = &stage;
+        tell(pool.install(|| rays::compare(entry.name, geometry, receivers, light, runs)));
+    }
+    Ok(())
+}
+
+fn plan(view: &View<'_>, technique: &dyn ShadowTechnique) -> Result<Recipe, BackendError> {
+    technique.plan(view).map_err(|e| BackendError::Validation(format!("{}: {e}", technique.name())))
+}
+
+fn map() -> ShadowMap {
+    ShadowMap { size: MAP, bias: Bias::SLOPE, ..ShadowMap::default() }
+}
+
+type StageTime = fn(&umbrage_core::Timings) -> Option<Duration>;
+
+/// Times one stage of a recipe on both backends.
+fn both(
+    (view, recipe): (&View<'_>, &Recipe),
+    stage: StageTime,
+    runs: [usize; 2],
+    cpu: &mut Cpu,
+    gpu: &mut Gpu,
+) -> Result<(super::Times, super::Times, f64), BackendError> {
+    let time = |backend: &mut dyn Backend| -> Result<Duration, BackendError> {
+        let shadows = backend.render(view, recipe)?;
+        let missing = || BackendError::Validation(format!("{} cannot time its passes", backend.name()));
+        stage(&shadows.timings).ok_or_else(missing)
+    };
+    paired(runs, || time(cpu), || time(gpu))
+}
+
+fn depth(stage: &Stage, runs: [usize; 2], cpu: &mut Cpu, gpu: &mut Gpu) -> Result<Pair, BackendError> {
+    let view = stage.view();
+    let recipe = plan(&view, &Hard { map: map() })?;
+    let (ours, theirs, ratio) = both((&view, &recipe), |t| t.cast, runs, cpu, gpu)?;
+    Ok(Pair {
+        work: format!("depth {MAP}x{MAP}, {} ({} triangles)", stage.name, stage.geometry.casters().len()),
+        who: [cpu.name().into(), gpu.name().into()],
+        ours,
+        theirs,
+        ratio,
+        bar: Some(3.0),
+        runs: runs[1],
+    })
+}
+
+fn lookup(
+    stage: &Stage,
+    radius: u32,
+    bar: f64,
+    runs: [usize; 2],
+    cpu: &mut Cpu,
+    gpu: &mut Gpu,
+) -> Result<Pair, BackendError> {
+    let view = stage.view();
+    let recipe = plan(&view, &Pcf { map: map(), radius })?;
+    let (ours, theirs, ratio) = both((&view, &recipe), |t| t.receive, runs, cpu, gpu)?;
+    let taps = (2 * radius + 1).pow(2);
+    Ok(Pair {
+        work: format!("PCF of {taps} taps, {}x{}, {}", SCREEN.x, SCREEN.y, stage.name),
+        who: [cpu.name().into(), gpu.name().into()],
+        ours,
+        theirs,
+        ratio,
+        bar: Some(bar),
+        runs: runs[1],
+    })
+}
+
+/// The wgpu player's passes against a program written for this one technique.
+fn by_hand(stage: &Stage, runs: [usize; 2], gpu: &mut Gpu) -> Result<Vec<Pair>, BackendError> {
+    let view = stage.view();
+    let recipe = plan(&view, &Pcf { map: map(), radius: 1 })?;
+    let light = (&recipe.casts[0].space, stage.light.direction_from(Vec3::ZERO));
+    let program = HandWritten::new(gpu.device(), &stage.geometry, &stage.receivers, light, (MAP, 1));
+    let who = [format!("umbrage on {}", gpu.name()), "by hand".to_owned()];
+    let passes: [(&str, StageTime, fn(super::handwritten::FrameTimes) -> Duration); 2] =
+        [("depth", |t| t.cast, |t| t.cast), ("PCF of 9 taps", |t| t.receive, |t| t.receive)];
+    let mut pairs = Vec::new();
+    for (name, ours_time, theirs_time) in passes {
+        let ours = || {
+            let timings = gpu.render(&view, &recipe)?.timings;
+            ours_time(&timings).ok_or_else(|| BackendError::Validation("passes cannot be timed here".into()))
+        };
+        let theirs = || program.frame().map(theirs_time).map_err(BackendError::Validation);
+        let (ours, theirs, ratio) = paired(runs, ours, theirs)?;
+        let work = format!("{name} on wgpu, {}", stage.name);
+        pairs.push(Pair { work, who: who.clone(), ours, theirs, ratio, bar: Some(1.0 / 1.15), runs: runs[1] });
+    }
+    Ok(pairs)
+}

@@ -1,0 +1,108 @@
+//! The backends that take part.
+
+use super::Environment;
+use std::{fmt, str::FromStr};
+use umbrage_core::{Backend, BackendError, Invalid};
+use umbrage_cpu::Cpu;
+use umbrage_wgpu::{AdapterChoice, Gpu};
+
+/// Which backends take part.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum BackendChoice {
+    /// The CPU, and wgpu if there is an adapter; else a notice says what to install.
+    #[default]
+    Available,
+    /// The CPU alone.
+    Cpu,
+    /// wgpu alone; an error without an adapter.
+    Wgpu,
+    /// Both; an error without an adapter.
+    Both,
+}
+
+impl FromStr for BackendChoice {
+    type Err = Invalid;
+
+    fn from_str(name: &str) -> Result<Self, Invalid> {
+        match name.to_ascii_lowercase().as_str() {
+            "available" | "auto" => Ok(Self::Available),
+            "cpu" => Ok(Self::Cpu),
+            "wgpu" | "gpu" => Ok(Self::Wgpu),
+            "both" => Ok(Self::Both),
+            _ => {
+                let why = format!("there is none called `{name}`");
+                Err(Invalid::new("backend", why, "use available, cpu, wgpu or both"))
+            }
+        }
+    }
+}
+
+impl fmt::Display for BackendChoice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Available => "available",
+            Self::Cpu => "cpu",
+            Self::Wgpu => "wgpu",
+            Self::Both => "both",
+        })
+    }
+}
+
+/// Backends, ready to play.
+pub struct Backends {
+    /// Those compared; the CPU comes first where it takes part.
+    pub playing: Vec<Box<dyn Backend>>,
+    /// What the reader of the results must know about the choice.
+    pub notices: Vec<String>,
+    /// The graphics adapter and its driver, if one takes part.
+    pub adapter: Option<String>,
+    /// Finds what truth asks about.
+    pub(super) receivers: Cpu,
+}
+
+impl fmt::Debug for Backends {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let names: Vec<&str> = self.playing.iter().map(|b| b.name()).collect();
+        f.debug_struct("Backends").field("playing", &names).field("notices", &self.notices).finish_non_exhaustive()
+    }
+}
+
+impl Backends {
+    /// Opens the backends of a choice; `adapter` says which adapter wgpu is to use.
+    ///
+    /// # Errors
+    /// When wgpu was asked for by name and there is no adapter that fits.
+    pub fn open(choice: BackendChoice, adapter: &AdapterChoice) -> Result<Self, BackendError> {
+        let mut out = Self::of(Vec::new());
+        if choice != BackendChoice::Wgpu {
+            out.playing.push(Box::new(Cpu::new()));
+        }
+        if choice == BackendChoice::Cpu {
+            return Ok(out);
+        }
+        match Gpu::new(adapter) {
+            Ok(gpu) => {
+                let info = gpu.adapter_info();
+                let driver = format!("{} {}", info.driver, info.driver_info);
+                out.adapter = Some(format!("{} ({}; {})", info.name, info.backend, driver.trim()));
+                out.playing.push(Box::new(gpu));
+            }
+            Err(e) if choice == BackendChoice::Available => {
+                out.notices.push(format!("Compared on the CPU alone, as wgpu could not be opened: {e}."));
+            }
+            Err(e) => return Err(e),
+        }
+        Ok(out)
+    }
+
+    /// Backends of the caller's own. Agreement is measured against the first if its kind is `cpu`.
+    pub fn of(playing: Vec<Box<dyn Backend>>) -> Self {
+        Self { playing, notices: Vec::new(), adapter: None, receivers: Cpu::new() }
+    }
+
+    /// Fills in what an environment says about backends.
+    pub(super) fn describe(&self, environment: Environment) -> Environment {
+        let backends = self.playing.iter().map(|b| b.name().to_owned()).collect();
+        Environment { adapter: self.adapter.clone(), backends, ..environment }
+    }
+}

@@ -1,0 +1,76 @@
+//! Where a comparison was made.
+
+use super::Environment;
+use std::{
+    process::Command,
+    time::{SystemTime, UNIX_EPOCH},
+};
+
+impl Environment {
+    /// This machine, now. Backends and adapter are left for the caller to fill in.
+    pub fn here() -> Self {
+        Self {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            commit: commit(),
+            date: date(SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs())),
+            cpu: processor(),
+            threads: rayon::current_num_threads(),
+            system: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
+            adapter: None,
+            backends: Vec::new(),
+        }
+    }
+}
+
+fn output(program: &str, arguments: &[&str]) -> Option<String> {
+    let out = Command::new(program).args(arguments).output().ok().filter(|o| o.status.success())?;
+    Some(String::from_utf8_lossy(&out.stdout).trim().to_owned())
+}
+
+fn commit() -> Option<String> {
+    let hash = output("git", &["rev-parse", "--short=12", "HEAD"]).filter(|h| !h.is_empty())?;
+    let changed = output("git", &["status", "--porcelain", "--untracked-files=no"]).is_some_and(|s| !s.is_empty());
+    Some(if changed { hash + "+" } else { hash })
+}
+
+fn processor() -> String {
+    let linux = || {
+        let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
+        let line = text.lines().find(|l| l.starts_with("model name"))?;
+        Some(line.split_once(':')?.1.trim().to_owned())
+    };
+    let apple = || output("sysctl", &["-n", "machdep.cpu.brand_string"]);
+    let windows = || std::env::var("PROCESSOR_IDENTIFIER").ok();
+    linux().or_else(apple).or_else(windows).unwrap_or_else(|| "unknown".to_owned())
+}
+
+/// Date and time of day from seconds since 1970. Hinnant 2013, "chrono-Compatible Low-Level Date Algorithms".
+fn date(seconds: u64) -> String {
+    let (days, second) = (seconds / 86_400 + 719_468, seconds % 86_400);
+    let (era, day_of_era) = (days / 146_097, days % 146_097);
+    let year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
+    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+    let shifted_month = (5 * day_of_year + 2) / 153;
+    let day = day_of_year - (153 * shifted_month + 2) / 5 + 1;
+    let month = if shifted_month < 10 { shifted_month + 3 } else { shifted_month - 9 };
+    let year = year_of_era + era * 400 + u64::from(month <= 2);
+    format!("{year:04}-{month:02}-{day:02} {:02}:{:02}", second / 3600, second / 60 % 60)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::date;
+
+    #[test]
+    fn dates_are_right_around_leap_days() {
+        for (seconds, expected) in [
+            (0, "1970-01-01 00:00"),
+            (951_782_399, "2000-02-28 23:59"),
+            (951_782_400, "2000-02-29 00:00"),
+            (951_868_800, "2000-03-01 00:00"),
+            (1_795_231_500, "2026-11-21 03:25"),
+        ] {
+            assert_eq!(date(seconds), expected);
+        }
+    }
+}

@@ -1,0 +1,55 @@
+//! Comparing techniques, settings and backends on scenes against truth.
+
+mod agreement;
+mod backends;
+mod control;
+mod environment;
+mod event;
+mod options;
+mod result;
+mod scene;
+mod slug;
+
+pub use backends::{BackendChoice, Backends};
+pub use event::{Event, OnEvent};
+pub use options::{Options, SceneInput};
+pub use result::{
+    Comparison, Control, Environment, Measured, Outcome, Row, SCHEMA, SceneResult, Spread, Times, TruthSummary,
+};
+pub use scene::SceneImages;
+pub(crate) use slug::slug;
+
+use crate::LabError;
+
+/// Takes a scene's figures and images as soon as they are there.
+pub type Sink<'a> = dyn FnMut(&SceneResult, &SceneImages) -> Result<(), LabError> + 'a;
+
+/// Compares the options' techniques on the scenes. Scenes are handed to `sink` one by one, since all their images together
+/// may not fit into memory.
+///
+/// # Errors
+/// When input is not valid, a backend fails, or truth and a technique did not see the same triangles.
+pub fn compare(
+    inputs: &[SceneInput],
+    options: &Options,
+    backends: &mut Backends,
+    sink: &mut Sink<'_>,
+    on_event: &OnEvent<'_>,
+) -> Result<Comparison, LabError> {
+    let settings = options.settings()?;
+    let settings = slug::with_slugs(&settings);
+    on_event(Event::Started { scenes: inputs.len(), rows_per_scene: settings.len() * backends.playing.len() });
+    let mut scenes = Vec::new();
+    for (index, input) in inputs.iter().enumerate() {
+        on_event(Event::Scene { name: &input.scene.name, index });
+        let (result, images) = scene::run(input, &settings, options, backends, on_event)?;
+        on_event(Event::SceneDone { result: &result });
+        sink(&result, &images)?;
+        scenes.push(result);
+    }
+    let environment = backends.describe(Environment::here());
+    Ok(Comparison { schema: SCHEMA, environment, notices: backends.notices.clone(), scenes })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,243 @@
+//! All rows of one scene.
+
+use super::{
+    Backends, Event, Measured, OnEvent, Options, Outcome, Row, SceneInput, SceneResult, Spread, Times, TruthSummary,
+    agreement, control, slug::Setting,
+};
+use crate::{
+    LabError,
+    truth::{self, Truth},
+};
+use std::time::Duration;
+use umbrage_core::{
+    Backend, BackendError, Camera, Geometry, Invalid, Light, PlanError, Recipe, Shadows, Timings, View,
+    metrics::{Agreement, Errors, Pixel},
+};
+
+/// The images of one scene.
+#[derive(Clone, Debug)]
+pub struct SceneImages {
+    /// What should have been seen.
+    pub truth: Truth,
+    /// Masks, one a row in the result's order; none where a row isn't measured.
+    pub masks: Vec<Option<Vec<f32>>>,
+}
+
+/// Camera, light and triangles.
+#[derive(Clone, Copy)]
+pub(super) struct View3<'a> {
+    pub(super) camera: &'a Camera,
+    pub(super) light: &'a Light,
+    pub(super) geometry: &'a Geometry,
+}
+
+impl<'a> View3<'a> {
+    pub(super) fn core(&self) -> View<'a> {
+        View::new(self.camera, self.light, self.geometry)
+    }
+}
+
+/// Truth and all rows of a scene.
+pub(super) fn run(
+    input: &SceneInput,
+    settings: &[Setting],
+    options: &Options,
+    backends: &mut Backends,
+    on_event: &OnEvent<'_>,
+) -> Result<(SceneResult, SceneImages), LabError> {
+    let scene = &input.scene;
+    let (camera, light) = camera_and_light(scene)?;
+    let (camera, geometry) = (options.camera(camera), Geometry::bake(scene)?);
+    let view = View3 { camera: &camera, light, geometry: &geometry };
+    let progress = |done, total| on_event(Event::Truth { done, total });
+    let find = &mut |c: &Camera, g: &Geometry| backends.receivers.receivers(c, g);
+    let truth = truth::trace(&camera, light, &geometry, &options.truth, find, &progress)?;
+    let mut run = SceneRun {
+        name: &scene.name,
+        view,
+        truth: &truth,
+        options,
+        rows: Vec::new(),
+        masks: Vec::new(),
+        controls: Vec::new(),
+    };
+    for setting in settings {
+        run.setting(setting, backends, on_event)?;
+    }
+    let result = SceneResult {
+        name: scene.name.clone(),
+        summary: input.summary.clone(),
+        light: light.kind().to_owned(),
+        size: camera.size.to_array(),
+        triangles: geometry.triangles().len() as u64,
+        fingerprint: format!("{:016x}", truth.fingerprint),
+        truth: summary(&truth, options),
+        rows: run.rows,
+        controls: run.controls,
+    };
+    let masks = run.masks;
+    Ok((result, SceneImages { truth, masks }))
+}
+
+fn camera_and_light(scene: &umbrage_core::Scene) -> Result<(&Camera, &Light), Invalid> {
+    let missing = |what| Invalid::new(format!("scene `{}`", scene.name), format!("has no {what}"), "add one");
+    let camera = scene.cameras.first().ok_or_else(|| missing("camera"))?;
+    let light = scene.lights.first().ok_or_else(|| missing("light"))?;
+    Ok((camera, light))
+}
+
+fn summary(truth: &Truth, options: &Options) -> TruthSummary {
+    let [mean_error, largest_error] = truth.standard_error();
+    let count = |kind: Pixel| truth.pixels.iter().filter(|p| **p == kind).count() as u64;
+    TruthSummary {
+        samples: options.truth.samples,
+        mean_error,
+        largest_error,
+        counted: count(Pixel::Counted),
+        ambiguous: count(Pixel::Ambiguous),
+        unlit: count(Pixel::Unlit),
+        seconds: truth.elapsed.as_secs_f64(),
+    }
+}
+
+/// A scene while its rows are made.
+struct SceneRun<'a> {
+    name: &'a str,
+    view: View3<'a>,
+    truth: &'a Truth,
+    options: &'a Options,
+    rows: Vec<Row>,
+    masks: Vec<Option<Vec<f32>>>,
+    controls: Vec<super::Control>,
+}
+
+impl SceneRun<'_> {
+    /// One setting on all backends: the recipe is planned once, so that all play the same.
+    fn setting(&mut self, setting: &Setting, backends: &mut Backends, on_event: &OnEvent<'_>) -> Result<(), LabError> {
+        let technique = &*setting.technique;
+        let recipe = match technique.plan(&self.view.core().with_receivers(&self.truth.receivers)) {
+            Ok(recipe) => Ok(recipe),
+            Err(PlanError::Unsupported(reason)) => Err(reason),
+            Err(e) => return Err(e.into()),
+        };
+        let mut of_cpu = None;
+        for i in 0..backends.playing.len() {
+            let backend = backends.playing[i].kind();
+            let (technique, settings) = (technique.name(), &*technique.settings());
+            on_event(Event::Row { technique, settings, backend, index: self.rows.len() });
+            let outcome = match &recipe {
+                Ok(recipe) => self.play(setting, recipe, i, &mut of_cpu, backends)?,
+                Err(reason) => self.unsupported(reason),
+            };
+            let (technique, settings) = (technique.to_owned(), settings.to_owned());
+            self.rows.push(Row {
+                technique,
+                settings,
+                slug: setting.slug.clone(),
+                backend: backend.to_owned(),
+                outcome,
+            });
+        }
+        Ok(())
+    }
+
+    fn unsupported(&mut self, reason: &str) -> Outcome {
+        self.masks.push(None);
+        Outcome::Unsupported { reason: reason.to_owned() }
+    }
+
+    /// One recipe on one backend.
+    fn play(
+        &mut self,
+        setting: &Setting,
+        recipe: &Recipe,
+        backend: usize,
+        of_cpu: &mut Option<Shadows>,
+        backends: &mut Backends,
+    ) -> Result<Outcome, LabError> {
+        let view = self.view.core();
+        let player = &mut *backends.playing[backend];
+        let (shadows, times) = match measure(player, &view, recipe, self.options) {
+            Ok(measured) => measured,
+            // What a backend can't hold is told in the report; other backends may still play it.
+            Err(BackendError::Invalid(e)) => return Ok(self.unsupported(&e.to_string())),
+            Err(e) => return Err(e.into()),
+        };
+        self.check_receivers(&shadows, player.kind())?;
+        if self.controls.iter().all(|c| c.backend != player.kind()) {
+            self.controls.push(control::run(player, &*setting.technique, &self.view, self.truth, &shadows)?);
+        }
+        let truth = self.truth;
+        let errors = Errors::measure(truth.size, &shadows.mask, &truth.visibility, &truth.pixels)?;
+        let agreement = agreement_with_cpu(&mut *backends.playing[0], &view, recipe, of_cpu.as_ref(), &shadows)?;
+        self.masks.push(Some(shadows.mask.clone()));
+        let bytes = shadows.bytes;
+        if backends.playing[backend].kind() == "cpu" {
+            *of_cpu = Some(shadows);
+        }
+        Ok(Outcome::Measured(Box::new(Measured { errors, times, bytes, agreement })))
+    }
+
+    /// Truth and backend must have seen the same triangles in the same places, but for pixels on their outlines, where
+    /// drivers may differ by a rounding: at most one in a thousand.
+    fn check_receivers(&self, shadows: &Shadows, backend: &str) -> Result<(), LabError> {
+        let fault = |what: String| LabError::NotComparable { scene: self.name.to_owned(), what };
+        if self.view.geometry.fingerprint() != self.truth.fingerprint {
+            return Err(fault("truth was traced with other triangles".to_owned()));
+        }
+        let Some(seen) = &shadows.receivers else {
+            return Err(fault(format!("backend {backend} doesn't tell which receivers it saw")));
+        };
+        let truth = &self.truth.receivers;
+        let different = truth.triangle.iter().zip(&seen.triangle).filter(|(a, b)| a != b).count();
+        if seen.size != truth.size || different * 1000 > truth.len() {
+            let what =
+                format!("truth and backend {backend} see different triangles at {different} of {} pixels", truth.len());
+            return Err(fault(what));
+        }
+        Ok(())
+    }
+}
+
+fn agreement_with_cpu(
+    cpu: &mut dyn Backend,
+    view: &View<'_>,
+    recipe: &Recipe,
+    of_cpu: Option<&Shadows>,
+    shadows: &Shadows,
+) -> Result<Option<Agreement>, LabError> {
+    of_cpu.map(|of_cpu| agreement::compare(cpu, view, recipe, of_cpu, shadows)).transpose()
+}
+
+/// Plays a recipe until its time is known.
+fn measure(
+    backend: &mut dyn Backend,
+    view: &View<'_>,
+    recipe: &Recipe,
+    options: &Options,
+) -> Result<(Shadows, Times), BackendError> {
+    for _ in 0..options.warmup {
+        backend.render(view, recipe)?;
+    }
+    let mut timings = Vec::new();
+    let mut last = backend.render(view, recipe)?;
+    timings.push(last.timings);
+    for _ in 1..options.runs {
+        last = backend.render(view, recipe)?;
+        timings.push(last.timings);
+    }
+    Ok((last, times(&timings)))
+}
+
+fn times(timings: &[Timings]) -> Times {
+    let milliseconds = |d: Duration| d.as_secs_f64() * 1e3;
+    let stage =
+        |of: fn(&Timings) -> Option<Duration>| Spread::of(timings.iter().filter_map(of).map(milliseconds).collect());
+    Times {
+        receivers: stage(|t| t.receivers),
+        cast: stage(|t| t.cast),
+        filter: stage(|t| t.filter),
+        receive: stage(|t| t.receive),
+        total: stage(|t| Some(t.total())).unwrap_or_default(),
+    }
+}

@@ -1,0 +1,50 @@
+//! Names of techniques and settings that fit into file names.
+
+use std::sync::Arc;
+use umbrage_core::ShadowTechnique;
+
+/// A technique setting with a file name's stem of its own.
+#[derive(Clone, Debug)]
+pub(super) struct Setting {
+    pub(super) technique: Arc<dyn ShadowTechnique>,
+    pub(super) slug: String,
+}
+
+/// Gives every setting a stem: the technique's name, and its settings where there are several; the same again gets a
+/// number.
+pub(super) fn with_slugs(settings: &[Arc<dyn ShadowTechnique>]) -> Vec<Setting> {
+    let mut out: Vec<Setting> = Vec::new();
+    for technique in settings {
+        let several = settings.iter().filter(|s| s.name() == technique.name()).count() > 1;
+        let stem =
+            if several { format!("{}-{}", technique.name(), technique.settings()) } else { technique.name().into() };
+        let stem = slug(&stem);
+        let taken = |s: &str| out.iter().any(|o| o.slug == s);
+        let numbered = (2..).map(|n| format!("{stem}-{n}"));
+        let slug = std::iter::once(stem.clone()).chain(numbered).find(|s| !taken(s)).unwrap_or(stem);
+        out.push(Setting { technique: technique.clone(), slug });
+    }
+    out
+}
+
+/// Letters, digits, dots, underscores and single dashes; never empty, never hidden.
+pub(crate) fn slug(text: &str) -> String {
+    let keep = |c: char| if c.is_alphanumeric() || c == '.' || c == '_' { c.to_ascii_lowercase() } else { '-' };
+    let words: String = text.chars().map(keep).collect();
+    let joined = words.split('-').filter(|w| !w.is_empty()).collect::<Vec<_>>().join("-");
+    let visible = joined.trim_start_matches(['.', '-']);
+    if visible.is_empty() { "unnamed".to_owned() } else { visible.to_owned() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::slug;
+
+    #[test]
+    fn slugs_are_safe_file_names() {
+        assert_eq!(slug("pcf-3x3, 1024, slope .05/.005"), "pcf-3x3-1024-slope-.05-.005");
+        assert_eq!(slug("../../etc/passwd"), "etc-passwd");
+        assert_eq!(slug("  "), "unnamed");
+        assert_eq!(slug("Sun & Moon"), "sun-moon");
+    }
+}

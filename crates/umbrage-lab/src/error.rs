@@ -1,0 +1,35 @@
+//! What can go wrong while measuring.
+
+use std::path::PathBuf;
+use umbrage_core::{BackendError, Invalid, PlanError};
+
+/// Why a comparison stopped.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum LabError {
+    /// Input that cannot be used.
+    #[error(transparent)]
+    Invalid(#[from] Invalid),
+    /// A backend failed.
+    #[error(transparent)]
+    Backend(#[from] BackendError),
+    /// A technique has parameters that cannot be used.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    /// A file or folder could not be written.
+    #[error("{path}: {source}; check the folder's name, rights and space", path = .path.display())]
+    Write {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// Truth and a technique did not see the same triangles, so their comparison would mean nothing.
+    #[error("scene `{scene}`: {what}; this is a fault in umbrage, please report it")]
+    NotComparable {
+        /// The scene's name.
+        scene: String,
+        /// What differs.
+        what: String,
+    },
+}

@@ -1,0 +1,61 @@
+//! Writing files whole or not at all.
+
+use crate::LabError;
+use std::{
+    fs, io,
+    path::{Path, PathBuf},
+};
+
+/// A folder that files are written into, each through a temporary neighbour that takes its name once it is complete.
+#[derive(Clone, Debug)]
+pub(super) struct Folder(PathBuf);
+
+impl Folder {
+    /// Makes the folder and those above it.
+    pub(super) fn create(path: &Path) -> Result<Self, LabError> {
+        fs::create_dir_all(path).map_err(|source| LabError::Write { path: path.to_owned(), source })?;
+        Ok(Self(path.to_owned()))
+    }
+
+    /// A folder inside.
+    pub(super) fn inner(&self, name: &str) -> Result<Self, LabError> {
+        Self::create(&self.0.join(name))
+    }
+
+    /// Writes a file.
+    pub(super) fn write(&self, name: &str, bytes: &[u8]) -> Result<(), LabError> {
+        let path = self.0.join(name);
+        let unfinished = self.0.join(format!(".{name}.{}.unfinished", std::process::id()));
+        let written = fs::write(&unfinished, bytes).and_then(|()| fs::rename(&unfinished, &path));
+        written.map_err(|source: io::Error| {
+            // Nothing is lost if the leftover can't be removed either: the error is told anyway.
+            let _ = fs::remove_file(&unfinished);
+            LabError::Write { path, source }
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_are_replaced_and_leave_nothing_else() {
+        let dir = tempfile::tempdir().expect("a temporary folder");
+        let folder = Folder::create(&dir.path().join("a/b")).expect("writable");
+        folder.write("x.txt", b"one").expect("writable");
+        folder.write("x.txt", b"two").expect("writable");
+        assert_eq!(fs::read(dir.path().join("a/b/x.txt")).expect("there"), b"two");
+        assert_eq!(fs::read_dir(dir.path().join("a/b")).expect("there").count(), 1);
+    }
+
+    #[test]
+    fn errors_name_the_file() {
+        let dir = tempfile::tempdir().expect("a temporary folder");
+        fs::write(dir.path().join("file"), b"").expect("writable");
+        let e = Folder::create(&dir.path().join("file/inside")).expect_err("a file is in the way");
+        assert!(e.to_string().contains("inside"), "{e}");
+        let folder = Folder::create(dir.path()).expect("writable");
+        assert!(folder.write("none/x.txt", b"").expect_err("no such folder").to_string().contains("x.txt"));
+    }
+}

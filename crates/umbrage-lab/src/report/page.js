@@ -1,0 +1,249 @@
+"use strict";
+// Everything is built from text nodes, never from HTML strings, so no name can smuggle in markup.
+const data = JSON.parse(document.getElementById("data").textContent);
+const { comparison, pages, images } = data;
+const dark = matchMedia("(prefers-color-scheme: dark)");
+
+function el(tag, attributes, ...children) {
+  const node = document.createElement(tag);
+  for (const [key, value] of Object.entries(attributes || {})) {
+    if (key.startsWith("on")) node.addEventListener(key.slice(2), value);
+    else if (value !== null && value !== false) node.setAttribute(key, value === true ? "" : value);
+  }
+  node.append(...children.filter((c) => c !== null && c !== undefined));
+  return node;
+}
+const byId = (id) => document.getElementById(id);
+const plural = (n, word) => `${n.toLocaleString("en")} ${word}${n === 1 ? "" : "s"}`;
+const number = (v, digits) => (v === 0 ? "0" : v < 10 ** -digits ? v.toExponential(1) : v.toFixed(digits));
+const percent = (v) => `${number(v, 2)} %`;
+const bytes = (v) => (v >= 1e6 ? `${(v / 1e6).toFixed(1)} MB` : `${(v / 1e3).toFixed(0)} kB`);
+const ms = (s) => (s ? `${number(s.median, 2)} ms` : "–");
+const spread = (s) => `${number(s.median, 2)} ms (${number(s.least, 2)} – ${number(s.greatest, 2)})`;
+const measured = (row) => row.outcome.measured || null;
+
+function shot(id, caption, title) {
+  const img = el("img", { class: "shot", src: images[id], alt: `${caption}: ${title}`, loading: "lazy", decoding: "async" });
+  img.addEventListener("click", () => enlarge(img.src, `${caption} · ${title}`));
+  return el("figure", {}, img, el("figcaption", {}, caption));
+}
+
+function enlarge(src, caption) {
+  const box = byId("lightbox");
+  box.querySelector("img").src = src;
+  box.querySelector("img").alt = caption;
+  box.querySelector("figcaption").textContent = caption;
+  box.showModal();
+}
+byId("lightbox").addEventListener("click", () => byId("lightbox").close());
+
+function header() {
+  const e = comparison.environment;
+  const facts = [
+    `umbrage ${e.version}`, e.commit && `commit ${e.commit}`, `${e.date} UTC`, `${e.cpu}, ${plural(e.threads, "thread")}`, e.system,
+    e.adapter ? `adapter: ${e.adapter}` : "no graphics adapter",
+  ];
+  byId("environment").append(...facts.filter(Boolean).map((f) => el("span", {}, f)));
+  byId("notices").append(
+    ...comparison.notices.map((n) => el("p", { class: "notice" }, n)),
+    ...data.faults.map((f) => el("p", { class: "notice fault" }, f)),
+  );
+}
+
+function tile(value, caption, state) {
+  return el("div", { class: "tile" }, el("b", { class: state || "" }, value), el("span", {}, caption));
+}
+
+function tiles() {
+  const scenes = comparison.scenes;
+  const rows = scenes.flatMap((s) => s.rows);
+  const compared = rows.map(measured).filter((m) => m && m.agreement).map((m) => m.agreement);
+  const sum = (f) => compared.reduce((total, a) => total + f(a), 0);
+  const violations = sum((a) => a.violations);
+  const controls = scenes.flatMap((s) => s.controls);
+  const held = controls.filter((c) => c.holds).length;
+  const largest = compared.reduce((most, a) => Math.max(most, a.largest), 0);
+  const out = [
+    tile(plural(scenes.length, "scene"), `${plural(rows.filter(measured).length, "row")} measured, ${rows.filter((r) => !measured(r)).length} not supported`),
+  ];
+  if (compared.length) {
+    const pixels = sum((a) => a.compared - a.undecided);
+    out.push(
+      tile(violations ? plural(violations, "fault") : "CPU = GPU", `${pixels.toLocaleString("en")} decided pixels compared: ${violations ? violations.toLocaleString("en") : "none"} differ`, violations ? "bad" : "good"),
+      tile(sum((a) => a.differing).toLocaleString("en"), `pixels differ at all; greatest difference ${number(largest, 4)}; ${sum((a) => a.undecided).toLocaleString("en")} undecided`),
+    );
+  }
+  out.push(tile(`${held} of ${controls.length}`, "negative controls hold: without casters the mask changes", held === controls.length ? "good" : "bad"));
+  return el("div", { class: "tiles" }, ...out);
+}
+
+// One hue, light to dark, over four decades of error.
+function heat(rmse) {
+  const t = Math.min(1, Math.max(0, (Math.log10(Math.max(rmse, 1e-4)) + 3.3) / 3));
+  const lightness = dark.matches ? 20 + 42 * t : 97 - 52 * t;
+  const ink = dark.matches ? (t > 0.75 ? "#0c1016" : "#e8ecf2") : t > 0.6 ? "#fff" : "#1b2330";
+  return `background: hsl(216 ${30 + 45 * t}% ${lightness}%); color: ${ink}`;
+}
+
+function matrix() {
+  const scenes = comparison.scenes;
+  const backend = scenes[0].rows.length ? scenes[0].rows[0].backend : "";
+  const keys = new Map();
+  scenes.forEach((s) => s.rows.filter((r) => r.backend === backend).forEach((r) => keys.set(r.slug, r)));
+  const find = (s, slug) => s.rows.find((r) => r.slug === slug && r.backend === backend);
+  const raster = (r) => r.technique !== "traced" && measured(r);
+  const best = scenes.map((s) => Math.min(...s.rows.filter((r) => r.backend === backend && raster(r)).map((r) => measured(r).errors.rmse)));
+  const head = el("tr", {}, el("th", {}), ...scenes.map((s, i) => el("th", {}, el("a", { href: `#scene-${i}` }, s.name))));
+  const lines = [...keys.values()].map((key) => {
+    const cells = scenes.map((s, i) => {
+      const row = find(s, key.slug);
+      const m = row && measured(row);
+      if (!m) return el("td", { class: "none", title: row ? row.outcome.unsupported.reason : "" }, "–");
+      const rmse = m.errors.rmse;
+      const title = `${s.name}: ${row.technique}, ${row.settings}: RMSE ${number(rmse, 4)}, ${ms(m.times.total)}`;
+      const text = rmse === 0 ? "0" : rmse.toFixed(3).replace(/^0/, "");
+      return el("td", { style: heat(rmse), class: raster(row) && rmse === best[i] ? "best" : "", title }, text);
+    });
+    return el("tr", {}, el("th", {}, el("b", {}, key.technique), ` ${key.settings}`), ...cells);
+  });
+  return el("div", { class: "panel" },
+    el("h2", {}, "All scenes"),
+    el("p", {}, `RMSE of visibility against truth on ${backend}, 0 to 1; darker is worse. Framed: the least error of a technique with a shadow map on that scene. A dash: not supported, hover for the reason.`),
+    el("div", { class: "scroll" }, el("table", { class: "matrix" }, el("thead", {}, head), el("tbody", {}, ...lines))));
+}
+
+function layout() {
+  const style = getComputedStyle(document.documentElement);
+  const [ink, line] = ["--ink", "--line"].map((v) => style.getPropertyValue(v).trim());
+  const axis = (text) => ({ type: "log", title: { text, standoff: 8 }, gridcolor: line, zeroline: false, linecolor: line, dtick: 1, minor: { showgrid: true, gridcolor: line, griddash: "dot" }, exponentformat: "power" });
+  return {
+    paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", hovermode: "closest", margin: { l: 62, r: 12, t: 12, b: 48 },
+    font: { family: getComputedStyle(document.body).fontFamily, size: 12, color: ink },
+    xaxis: axis("casts + filters + lookup, ms"), yaxis: axis("RMSE of visibility"),
+    legend: { orientation: "h", y: 1.02, yanchor: "bottom", x: 0, font: { size: 11 } }, hoverlabel: { align: "left" },
+  };
+}
+
+function draw(node, traces) {
+  Plotly.react(node, traces, layout(), { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d"] });
+}
+
+function term(list, name, value, state) {
+  list.append(el("dt", {}, name), el("dd", { class: state || "" }, value));
+}
+
+function figures(m) {
+  const list = el("dl");
+  const { errors: e, times: t, agreement: a } = m;
+  term(list, "RMSE", number(e.rmse, 4));
+  term(list, "mean error", number(e.mean, 4));
+  term(list, "false shadow", percent(e.false_shadow));
+  term(list, "false light", percent(e.false_light));
+  term(list, "acne off edges", percent(e.acne));
+  term(list, "cast", ms(t.cast));
+  if (t.filter) term(list, "filter", ms(t.filter));
+  term(list, "lookup", ms(t.receive));
+  term(list, "total", spread(t.total));
+  term(list, "memory", bytes(m.bytes));
+  if (a) {
+    const word = a.violations ? `${a.violations} faults` : a.differing ? `${a.differing} px, ≤ ${number(a.largest, 3)}` : "bit-equal";
+    term(list, "against CPU", word, a.violations ? "bad" : "good");
+    term(list, "undecided", plural(a.undecided, "px").replace(/s$/, ""));
+  }
+  return list;
+}
+
+function card(scene, page, index, onFront) {
+  const row = scene.rows[index];
+  const m = measured(row);
+  const head = el("header", {}, el("h3", {}, row.technique), el("small", {}, row.settings), el("span", { class: `badge ${row.backend}` }, row.backend),
+    onFront ? el("span", { class: "badge" }, "Pareto front") : null);
+  const id = `row-${page.index}-${index}`;
+  if (!m) return el("article", { class: "panel row dash", id }, head, el("p", {}, `– ${row.outcome.unsupported.reason}`));
+  const title = `${scene.name} · ${row.technique}, ${row.settings} · ${row.backend}`;
+  const pictures = page.rows[index];
+  const shots = el("div", { class: "shots" }, shot(pictures.mask, "mask", title), shot(page.truth, "truth", scene.name), shot(pictures.error, "error", title));
+  return el("article", { class: "panel row", id }, head, shots, figures(m));
+}
+
+function select(label, options, onchange) {
+  return el("label", {}, `${label} `, el("select", { onchange: (e) => onchange(e.target.value) }, ...options.map((o) => el("option", {}, o))));
+}
+
+function rowList(scene, page) {
+  const front = new Set(page.front);
+  const state = { all: false, backend: "all", technique: "all", sort: "error" };
+  const list = el("div", { class: "rows" });
+  const cost = { error: (m) => m.errors.rmse, time: (m) => m.times.total.median, acne: (m) => m.errors.acne, memory: (m) => m.bytes };
+  const more = el("button", { type: "button", onclick: () => { state.all = !state.all; fill(); } });
+  const wanted = (i) => {
+    const row = scene.rows[i];
+    return (state.all || front.has(i)) && (state.backend === "all" || row.backend === state.backend) && (state.technique === "all" || row.technique === state.technique);
+  };
+  const fill = () => {
+    const key = (i) => { const m = measured(scene.rows[i]); return m ? cost[state.sort](m) : Infinity; };
+    const shown = scene.rows.map((_, i) => i).filter(wanted).sort((a, b) => key(a) - key(b) || a - b);
+    list.replaceChildren(...shown.map((i) => card(scene, page, i, front.has(i))));
+    more.textContent = state.all ? "Show the Pareto fronts alone" : `Show all ${scene.rows.length} rows`;
+  };
+  const change = (key) => (value) => { state[key] = value; fill(); };
+  const values = (key) => ["all", ...new Set(scene.rows.map((r) => r[key]))];
+  fill();
+  const bar = el("div", { class: "bar" }, more, select("backend", values("backend"), change("backend")),
+    select("technique", values("technique"), change("technique")), select("sorted by", Object.keys(cost), change("sort")));
+  const show = (i) => {
+    if (!front.has(i) || !wanted(i)) { Object.assign(state, { all: true, backend: "all", technique: "all" }); fill(); }
+    const node = byId(`row-${page.index}-${i}`);
+    list.querySelectorAll(".lit").forEach((n) => n.classList.remove("lit"));
+    node.classList.add("lit");
+    node.scrollIntoView({ block: "center" });
+  };
+  return { node: el("div", {}, bar, list), show };
+}
+
+function legend() {
+  const item = (color, text) => el("span", {}, el("i", { style: `background: ${color}` }), text);
+  return el("div", { class: "legend" }, ...data.legend.map(([color, text]) => item(color, text)));
+}
+
+function sceneFacts(scene) {
+  const t = scene.truth;
+  const samples = t.largest_error > 0 ? `${plural(t.samples, "ray")} a receiver, standard error ${number(t.mean_error, 5)} (at most ${number(t.largest_error, 4)})` : "one ray a receiver";
+  return [`${scene.light} light`, `${scene.size[0]} × ${scene.size[1]} pixels`, plural(scene.triangles, "triangle"), `truth: ${samples}, ${t.seconds.toFixed(1)} s`,
+    `${t.counted.toLocaleString("en")} pixels count; left out: ${t.ambiguous.toLocaleString("en")} ambiguous, ${t.unlit.toLocaleString("en")} facing away`];
+}
+
+function fillScene(section, scene, page) {
+  const chart = el("div", { class: "panel chart" });
+  const rows = rowList(scene, page);
+  const truth = el("div", { class: "panel truth" }, shot(page.truth, "truth", scene.name), legend());
+  section.append(el("div", { class: "stage" }, chart, truth), rows.node);
+  draw(chart, page.traces);
+  chart.on("plotly_click", (e) => { const i = e.points[0].customdata; if (Number.isInteger(i)) rows.show(i); });
+  dark.addEventListener("change", () => draw(chart, page.traces));
+}
+
+function sceneSection(scene, page) {
+  const section = el("section", { class: "scene", id: `scene-${page.index}` }, el("h2", {}, scene.name), el("p", { class: "lead" }, scene.summary),
+    el("p", { class: "facts" }, ...sceneFacts(scene).map((f) => el("span", {}, f))));
+  section.style.minHeight = "620px";
+  // Charts and pictures are made when they come near the window: a report may have thousands.
+  const observer = new IntersectionObserver((entries) => {
+    if (!entries.some((e) => e.isIntersecting)) return;
+    observer.disconnect();
+    section.style.minHeight = "";
+    fillScene(section, scene, page);
+  }, { rootMargin: "900px" });
+  observer.observe(section);
+  return section;
+}
+
+header();
+if (comparison.scenes.length) {
+  const overview = () => byId("overview").replaceChildren(tiles(), matrix());
+  overview();
+  dark.addEventListener("change", overview);
+  byId("scenes").append(...comparison.scenes.map((scene, i) => sceneSection(scene, pages[i])));
+} else {
+  byId("overview").append(el("p", { class: "notice" }, "No scene was compared."));
+}

@@ -1,0 +1,140 @@
+//! `rows.csv`: one line a row, all figures.
+
+use crate::compare::{Comparison, Row, SceneResult, Spread};
+use serde::{Deserialize, Serialize};
+
+/// A line of `rows.csv`. Times are medians in milliseconds; shares are percent; empty fields were not measured.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Line {
+    /// The scene's name.
+    pub scene: String,
+    /// Kind of light.
+    pub light: String,
+    /// The technique's name.
+    pub technique: String,
+    /// Its settings.
+    pub settings: String,
+    /// Kind of backend.
+    pub backend: String,
+    /// Why it was not measured; empty if it was.
+    pub unsupported: String,
+    /// [`Errors::rmse`](umbrage_core::metrics::Errors::rmse).
+    pub rmse: Option<f64>,
+    /// Mean of |mask - truth|.
+    pub mean: Option<f64>,
+    /// Mean of mask - truth.
+    pub bias: Option<f64>,
+    /// Greatest |mask - truth|.
+    pub largest: Option<f64>,
+    /// Percent of false shadow.
+    pub false_shadow: Option<f64>,
+    /// Percent of false light.
+    pub false_light: Option<f64>,
+    /// Percent of false shadow off edges.
+    pub acne: Option<f64>,
+    /// Pixels counted.
+    pub counted: Option<u64>,
+    /// Pixels left out as ambiguous.
+    pub ambiguous: Option<u64>,
+    /// Pixels left out as unlit.
+    pub unlit: Option<u64>,
+    /// Casts.
+    pub cast_ms: Option<f64>,
+    /// Filters.
+    pub filter_ms: Option<f64>,
+    /// Lookup.
+    pub receive_ms: Option<f64>,
+    /// All three, run by run.
+    pub total_ms: Option<f64>,
+    /// The quickest run.
+    pub total_least_ms: Option<f64>,
+    /// The slowest run.
+    pub total_greatest_ms: Option<f64>,
+    /// Bytes held.
+    pub bytes: Option<u64>,
+    /// Pixels unlike the CPU's.
+    pub differing: Option<u64>,
+    /// Pixels whose answer hangs on rounding.
+    pub undecided: Option<u64>,
+    /// Greatest difference from the CPU's mask.
+    pub largest_difference: Option<f64>,
+    /// Decided pixels that differ: must be 0.
+    pub violations: Option<u64>,
+}
+
+/// All rows as lines.
+pub fn lines(comparison: &Comparison) -> Vec<Line> {
+    comparison.scenes.iter().flat_map(|s| s.rows.iter().map(move |r| line(s, r))).collect()
+}
+
+fn line(scene: &SceneResult, row: &Row) -> Line {
+    let named = Line {
+        scene: scene.name.clone(),
+        light: scene.light.clone(),
+        technique: row.technique.clone(),
+        settings: row.settings.clone(),
+        backend: row.backend.clone(),
+        ..Line::default()
+    };
+    let m = match &row.outcome {
+        crate::compare::Outcome::Unsupported { reason } => return Line { unsupported: reason.clone(), ..named },
+        crate::compare::Outcome::Measured(m) => m,
+    };
+    let median = |s: Option<Spread>| s.map(|s| s.median);
+    Line {
+        rmse: Some(m.errors.rmse),
+        mean: Some(m.errors.mean),
+        bias: Some(m.errors.bias),
+        largest: Some(m.errors.largest),
+        false_shadow: Some(m.errors.false_shadow),
+        false_light: Some(m.errors.false_light),
+        acne: Some(m.errors.acne),
+        counted: Some(m.errors.counted),
+        ambiguous: Some(m.errors.ambiguous),
+        unlit: Some(m.errors.unlit),
+        cast_ms: median(m.times.cast),
+        filter_ms: median(m.times.filter),
+        receive_ms: median(m.times.receive),
+        total_ms: Some(m.times.total.median),
+        total_least_ms: Some(m.times.total.least),
+        total_greatest_ms: Some(m.times.total.greatest),
+        bytes: Some(m.bytes),
+        differing: m.agreement.map(|a| a.differing),
+        undecided: m.agreement.map(|a| a.undecided),
+        largest_difference: m.agreement.map(|a| a.largest),
+        violations: m.agreement.map(|a| a.violations),
+        ..named
+    }
+}
+
+/// The lines as comma-separated values with a header.
+///
+/// # Errors
+/// Never in practice: memory takes any text.
+pub fn to_csv(lines: &[Line]) -> Result<Vec<u8>, csv::Error> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for line in lines {
+        writer.serialize(line)?;
+    }
+    writer.into_inner().map_err(|e| e.into_error().into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_come_back_whatever_they_hold() {
+        let awkward = Line {
+            scene: "a \"quoted\", name\nin two lines".into(),
+            rmse: Some(0.1 + 0.2),
+            counted: Some(7),
+            unsupported: "<b>".into(),
+            ..Line::default()
+        };
+        let lines = vec![awkward, Line { technique: "pcf".into(), ..Line::default() }];
+        let bytes = to_csv(&lines).expect("memory");
+        let read: Vec<Line> = csv::Reader::from_reader(&bytes[..]).deserialize().map(|l| l.expect("a line")).collect();
+        assert_eq!(read, lines);
+    }
+}

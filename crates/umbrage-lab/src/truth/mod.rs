@@ -1,0 +1,124 @@
+//! Ray-traced truth: the unweighted fraction of the light that each seen point sees.
+//!
+//! Surfaces are opaque and two-sided. A receiver's normal is turned to the camera; light points below its tangent plane
+//! are not seen. Rays start a few units in the last place above the surface, in proportion to the lengths in play (so the
+//! same scene at another scale gives the same mask), skip the receiver's own triangle, and end 2^-14 of their length
+//! before the light (a lamp's own mesh doesn't hide it). The samples are those of [`umbrage_core::light_sample`].
+
+mod ambiguity;
+mod points;
+mod tracer;
+
+pub use points::{Point, Seen, trace_points};
+
+use crate::LabError;
+use glam::UVec2;
+use std::{
+    sync::atomic::{AtomicUsize, Ordering},
+    time::{Duration, Instant},
+};
+use umbrage_core::{BackendError, Camera, Geometry, Light, Receivers, metrics::Pixel};
+
+/// How carefully truth is traced.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct TruthOptions {
+    /// Rays a receiver for lights with an extent; powers of two are best. Ideal lights take one.
+    pub samples: u32,
+    /// Receivers in penumbra get this many times as many, 1 or more.
+    pub penumbra_factor: u32,
+    /// Rays a receiver with which it is found out whether an answer is ambiguous.
+    pub probe_samples: u32,
+    /// Penumbra values that change by more than this under a nudge are ambiguous, 0..=1. Twice the noise of `probe_samples`
+    /// rays across one edge (each misplaced edge costs about one sample per row of the square they form), and well below
+    /// what a surface or shadow edge moved by .02 pixels changes.
+    pub ambiguous_change: f32,
+}
+
+impl Default for TruthOptions {
+    fn default() -> Self {
+        Self { samples: 1024, penumbra_factor: 4, probe_samples: 64, ambiguous_change: 0.125 }
+    }
+}
+
+/// What every technique's mask is compared with.
+#[derive(Clone, Debug)]
+pub struct Truth {
+    /// Image size, pixels.
+    pub size: UVec2,
+    /// Fraction of the light seen, 0..=1, rows from the top; 1 where nothing receives.
+    pub visibility: Vec<f32>,
+    /// Standard error of `visibility`, 0..=1; 0 for ideal lights.
+    pub error: Vec<f32>,
+    /// What counts: which pixels are empty, unlit or ambiguous.
+    pub pixels: Vec<Pixel>,
+    /// Whether the answer changes under a nudge by .02 pixels or a fourfold ray offset; told for unlit pixels, too.
+    pub ambiguous: Vec<bool>,
+    /// The points asked about.
+    pub receivers: Receivers,
+    /// The triangles asked: [`Geometry::fingerprint`].
+    pub fingerprint: u64,
+    /// How long it took.
+    pub elapsed: Duration,
+}
+
+impl Truth {
+    /// Mean and greatest standard error over the pixels that count.
+    pub fn standard_error(&self) -> [f32; 2] {
+        let counted = || self.error.iter().zip(&self.pixels).filter(|(_, p)| **p == Pixel::Counted).map(|(e, _)| *e);
+        let n = counted().count().max(1);
+        let sum: f64 = counted().map(f64::from).sum();
+        [(sum / n as f64) as f32, counted().fold(0.0, f32::max)]
+    }
+
+    /// Whether the light's shadow, or part of it, falls on any pixel that counts.
+    pub fn has_shadow(&self) -> bool {
+        self.visibility.iter().zip(&self.pixels).any(|(v, p)| *v < 1.0 && *p == Pixel::Counted)
+    }
+}
+
+/// Finds what a camera sees: `Cpu::receivers`, say.
+pub type FindReceivers<'a> = dyn FnMut(&Camera, &Geometry) -> Result<Receivers, BackendError> + 'a;
+
+/// Called with the work done and the work in all, in receivers, from any thread.
+pub type Progress<'a> = dyn Fn(usize, usize) + Sync + 'a;
+
+/// Traces truth for what the camera sees.
+///
+/// # Errors
+/// When the camera or light is not valid, or receivers cannot be found.
+pub fn trace(
+    camera: &Camera,
+    light: &Light,
+    geometry: &Geometry,
+    options: &TruthOptions,
+    find: &mut FindReceivers<'_>,
+    progress: &Progress<'_>,
+) -> Result<Truth, LabError> {
+    camera.validate()?;
+    let start = Instant::now();
+    let receivers = find(camera, geometry)?;
+    let done = AtomicUsize::new(0);
+    let total = receivers.len() * (1 + ambiguity::PROBES);
+    let report = |n: usize| progress(done.fetch_add(n, Ordering::Relaxed) + n, total);
+    let seen = points::trace_receivers(camera, light, geometry, &receivers, options, &report)?;
+    let ambiguous = ambiguity::find(camera, light, geometry, &receivers, options, find, &report)?;
+    let pixel = |i: usize| match (receivers.receives[i], seen[i].unlit, ambiguous[i]) {
+        (false, ..) => Pixel::Empty,
+        (_, true, _) => Pixel::Unlit,
+        (_, _, true) => Pixel::Ambiguous,
+        _ => Pixel::Counted,
+    };
+    Ok(Truth {
+        size: receivers.size,
+        visibility: seen.iter().map(|s| s.visibility).collect(),
+        error: seen.iter().map(|s| s.error).collect(),
+        pixels: (0..receivers.len()).map(pixel).collect(),
+        ambiguous,
+        receivers,
+        fingerprint: geometry.fingerprint(),
+        elapsed: start.elapsed(),
+    })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,111 @@
+//! Truth at given points.
+
+use super::{
+    TruthOptions,
+    tracer::{Memory, Tracer},
+};
+use glam::Vec3;
+use rayon::prelude::*;
+use umbrage_core::{Camera, Geometry, Invalid, Light, NO_TRIANGLE, Receivers, invalid::finite, light_sample};
+
+/// A point that may be lit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// World position, metres.
+    pub position: Vec3,
+    /// Geometric unit normal, on the side that is seen.
+    pub normal: Vec3,
+    /// The triangle that it lies on and that never shadows it; [`NO_TRIANGLE`] if unknown.
+    pub triangle: u32,
+    /// The greatest length, beside the position's coordinates, to which the ray's offset is to be in proportion, metres:
+    /// distance to the eye, extent of the triangle.
+    pub reach: f32,
+    /// Scrambles the samples: [`light_sample::seed`].
+    pub seed: u32,
+}
+
+impl Point {
+    /// A point that is not seen by a camera. Its ray's offset is in proportion to the whole geometry.
+    pub fn new(position: Vec3, normal: Vec3, geometry: &Geometry) -> Self {
+        let bounds = geometry.bounds();
+        let reach = bounds.min.abs().max(bounds.max.abs()).max_element();
+        let seed = light_sample::seed(position.x.to_bits() ^ position.y.to_bits(), position.z.to_bits());
+        Self { position, normal, triangle: NO_TRIANGLE, reach: if reach.is_finite() { reach } else { 0.0 }, seed }
+    }
+
+    /// The point at a pixel.
+    fn of_pixel(camera: &Camera, geometry: &Geometry, receivers: &Receivers, i: usize) -> Self {
+        let (position, triangle) = (receivers.position(i), receivers.triangle[i]);
+        let corners = geometry.corners(triangle).map(|c| (c - position).abs().max_element());
+        let reach = corners.into_iter().fold((camera.eye() - position).length(), f32::max);
+        let (x, y) = (i as u32 % receivers.size.x, i as u32 / receivers.size.x);
+        Self { position, normal: receivers.normal(i), triangle, reach, seed: light_sample::seed(x, y) }
+    }
+}
+
+/// What truth says about a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Seen {
+    /// Fraction of the light seen, 0..=1.
+    pub visibility: f32,
+    /// Its standard error; 0 for ideal lights.
+    pub error: f32,
+    /// Whether the point faces wholly away from the light or lies outside a spot's outer cone.
+    pub unlit: bool,
+}
+
+impl Seen {
+    /// What counts as the answer where nothing receives.
+    pub(super) const NOTHING: Self = Self { visibility: 1.0, error: 0.0, unlit: false };
+}
+
+/// Traces truth at given points, on all cores.
+///
+/// # Errors
+/// When the light is not valid or a point holds numbers that are not finite.
+pub fn trace_points(
+    geometry: &Geometry,
+    light: &Light,
+    points: &[Point],
+    options: &TruthOptions,
+) -> Result<Vec<Seen>, Invalid> {
+    for (i, p) in points.iter().enumerate() {
+        finite(&format!("point {i}"), &[p.position.to_array(), p.normal.to_array()].concat())?;
+    }
+    let tracer = Tracer::new(geometry, light, options)?;
+    Ok(points.par_iter().map_init(Memory::default, |memory, p| tracer.ask(p, 1.0, memory)).collect())
+}
+
+/// Traces truth at all receivers, a row at a time.
+pub(super) fn trace_receivers(
+    camera: &Camera,
+    light: &Light,
+    geometry: &Geometry,
+    receivers: &Receivers,
+    options: &TruthOptions,
+    report: &(dyn Fn(usize) + Sync),
+) -> Result<Vec<Seen>, Invalid> {
+    let tracer = Tracer::new(geometry, light, options)?;
+    Ok(ask_receivers(&tracer, camera, geometry, receivers, 1.0, report))
+}
+
+/// Asks about all receivers; `lift` multiplies the rays' offset.
+pub(super) fn ask_receivers(
+    tracer: &Tracer,
+    camera: &Camera,
+    geometry: &Geometry,
+    receivers: &Receivers,
+    lift: f32,
+    report: &(dyn Fn(usize) + Sync),
+) -> Vec<Seen> {
+    let width = receivers.size.x as usize;
+    let mut out = vec![Seen::NOTHING; receivers.len()];
+    out.par_chunks_mut(width.max(1)).enumerate().for_each(|(y, row)| {
+        let mut memory = Memory::default();
+        for (x, seen) in row.iter_mut().enumerate().filter(|(x, _)| receivers.receives[y * width + x]) {
+            *seen = tracer.ask(&Point::of_pixel(camera, geometry, receivers, y * width + x), lift, &mut memory);
+        }
+        report(width);
+    });
+    out
+}

@@ -1,0 +1,64 @@
+//! A person on a floor under a distant spot.
+
+use super::SIZE;
+use crate::{
+    primitives::{block, grid, icosphere, lathe, on_circle, tube},
+    stage::Stage,
+};
+use umbrage_core::glam::Vec3;
+use umbrage_core::{Light, Mesh, Scene};
+
+pub(crate) fn figure() -> Scene {
+    let position = Vec3::new(-9.0, 14.0, 8.0);
+    let (inner, outer) = (7.0_f32.to_radians(), 9.0_f32.to_radians());
+    let direction = Vec3::new(0.2, 0.7, -0.2) - position;
+    let stage = Stage::new("figure").put(grid([6.0, 6.0], [6, 6], |_, _| 0.0));
+    body()
+        .into_iter()
+        .fold(stage, Stage::put)
+        .light(Light::Spot { position, direction, inner, outer, radius: 0.0 })
+        .shoot(Vec3::new(1.6, 1.9, 4.2), Vec3::new(0.5, 0.75, -0.2), 40.0, SIZE)
+}
+
+/// 1.8 m tall, facing +z, one arm raised.
+fn body() -> Vec<Mesh> {
+    let limb = |points: &[[f32; 3]], radii: [f32; 2]| {
+        let last = (points.len() - 1) as f32;
+        let path: Vec<_> = points
+            .iter()
+            .enumerate()
+            .map(|(i, &p)| (Vec3::from(p), radii[0] + (radii[1] - radii[0]) * i as f32 / last))
+            .collect();
+        tube(&path, 16)
+    };
+    let foot = |x: f32| block(Vec3::new(x - 0.05, 0.0, -0.08), Vec3::new(x + 0.05, 0.07, 0.18));
+    vec![
+        torso(),
+        icosphere(Vec3::new(0.0, 1.66, 0.02), 0.13, 3),
+        limb(&[[0.0, 1.4, 0.0], [0.0, 1.6, 0.01]], [0.06, 0.055]),
+        limb(&[[-0.1, 0.86, 0.0], [-0.12, 0.47, 0.03], [-0.13, 0.05, 0.0]], [0.095, 0.05]),
+        limb(&[[0.1, 0.86, 0.0], [0.12, 0.47, 0.03], [0.13, 0.05, 0.0]], [0.095, 0.05]),
+        limb(&[[-0.2, 1.42, 0.0], [-0.32, 1.15, 0.02], [-0.28, 0.86, 0.12]], [0.055, 0.035]),
+        limb(&[[0.2, 1.42, 0.0], [0.42, 1.5, 0.04], [0.52, 1.8, 0.08]], [0.055, 0.035]),
+        icosphere(Vec3::new(-0.275, 0.82, 0.13), 0.05, 2),
+        icosphere(Vec3::new(0.535, 1.85, 0.085), 0.05, 2),
+        foot(-0.13),
+        foot(0.13),
+    ]
+}
+
+/// From hips to shoulders, flattened from front to back.
+fn torso() -> Mesh {
+    let profile: Vec<_> = (0..=16)
+        .map(|i| {
+            let t = i as f32 / 16.0;
+            // Half a turn from pole to pole, with a waist.
+            let (_, round) = on_circle(f64::from(t) / 2.0);
+            let (waist, _) = on_circle(f64::from(t));
+            (round.sqrt() * (0.21 + 0.03 * waist), 0.8 + 0.68 * t)
+        })
+        .collect();
+    let mut mesh = lathe(&profile, 32);
+    mesh.positions.iter_mut().for_each(|p| p.z *= 0.6);
+    mesh
+}

@@ -1,0 +1,11 @@
+//! Scenes in code, one function each.
+
+pub(crate) mod closed;
+pub(crate) mod failures;
+pub(crate) mod figure;
+pub(crate) mod speed;
+pub(crate) mod teapot;
+pub(crate) mod textbook;
+
+/// The size of the pictures that are compared.
+pub(crate) const SIZE: [u32; 2] = [480, 270];

@@ -1,0 +1,71 @@
+//! An interior: two rows of columns that carry arches, outer walls with arched openings, a roof.
+
+use super::SIZE;
+use crate::{
+    primitives::{block, grid, lathe, on_circle, prism},
+    stage::{Stage, sun},
+};
+use umbrage_core::glam::{Affine3A, Vec3};
+use umbrage_core::{Mesh, Scene};
+
+/// Bays along the hall, and their length in metres; columns stand at their ends.
+const BAYS: i32 = 8;
+const BAY: f32 = 4.0;
+/// Half the length of the hall (along x), of the distance between the rows, and of its width (along z).
+const LENGTH: f32 = 0.5 * BAY * BAYS as f32;
+const ROW: f32 = 3.0;
+const WIDTH: f32 = 6.0;
+const SPRING: f32 = 4.2;
+const HEIGHT: f32 = 7.5;
+
+pub(crate) fn hall() -> Scene {
+    let at = |x: f32, y: f32, z: f32| Affine3A::from_translation(Vec3::new(x, y, z));
+    let ends = (0..=BAYS).flat_map(|i| [-ROW, ROW].map(|z| at(BAY * i as f32 - LENGTH, 0.0, z)));
+    let bays = (0..BAYS).map(|i| BAY * (i as f32 + 0.5) - LENGTH);
+    let rows = bays.clone().flat_map(|x| [-ROW, ROW].map(|z| at(x, SPRING, z)));
+    let walls = bays.flat_map(|x| [-WIDTH, WIDTH].map(|z| at(x, 0.0, z)));
+    let roof = block(Vec3::new(-LENGTH, HEIGHT, -WIDTH), Vec3::new(LENGTH, HEIGHT + 0.3, WIDTH));
+    let end = block(Vec3::new(-0.3, 0.0, -WIDTH), Vec3::new(0.0, HEIGHT, WIDTH));
+    Stage::new("hall")
+        .put(grid([LENGTH, WIDTH], [72, 28], |_, _| 0.0))
+        .put_many(column(), ends)
+        .put_many(arch(), rows)
+        .put_many(outer_wall(), walls)
+        .put_many(end, [at(-LENGTH, 0.0, 0.0), at(LENGTH + 0.3, 0.0, 0.0)])
+        .put(roof)
+        .light(sun(0.25, -0.75, 0.8))
+        .shoot(Vec3::new(-LENGTH + 1.2, 2.6, 1.1), Vec3::new(0.0, 2.2, -0.6), 62.0, SIZE)
+}
+
+/// Base, tapering shaft and capital.
+fn column() -> Mesh {
+    let mut profile = vec![(0.0, 0.0), (0.52, 0.0), (0.52, 0.18), (0.47, 0.2), (0.48, 0.3), (0.42, 0.36)];
+    profile.extend((0..=14).map(|i| {
+        let t = i as f32 / 14.0;
+        (0.36 - 0.06 * t * t, 0.4 + 3.2 * t)
+    }));
+    profile.extend([(0.36, 3.65), (0.34, 3.72), (0.46, 3.9), (0.56, 4.0), (0.56, SPRING), (0.0, SPRING)]);
+    Mesh { name: "column".to_owned(), ..lathe(&profile, 50) }
+}
+
+/// A wall over one bay with a round opening; its foot is at the springing line.
+fn arch() -> Mesh {
+    let (half, top) = (0.5 * BAY, HEIGHT - SPRING);
+    let mut outline = vec![(half, 0.0), (half, top), (-half, top), (-half, 0.0)];
+    outline.extend((0..=64).map(|i| {
+        let (cos, sin) = on_circle(0.5 - f64::from(i) / 128.0);
+        (1.6 * cos, 1.6 * sin)
+    }));
+    Mesh { name: "arch".to_owned(), ..prism(&outline, 0.3, -0.3) }
+}
+
+/// An outer wall of one bay around an arched opening that reaches down to the floor.
+fn outer_wall() -> Mesh {
+    let half = 0.5 * BAY;
+    let mut outline = vec![(0.8, 0.0), (half, 0.0), (half, HEIGHT), (-half, HEIGHT), (-half, 0.0), (-0.8, 0.0)];
+    outline.extend((0..=48).map(|i| {
+        let (cos, sin) = on_circle(0.5 - f64::from(i) / 96.0);
+        (0.8 * cos, 4.6 + 0.8 * sin)
+    }));
+    Mesh { name: "outer wall".to_owned(), ..prism(&outline, 0.2, -0.2) }
+}

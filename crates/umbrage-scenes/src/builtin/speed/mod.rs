@@ -1,0 +1,10 @@
+//! Big scenes, to measure speed.
+
+pub(crate) mod hall;
+pub(crate) mod noise;
+pub(crate) mod statue;
+pub(crate) mod terrain;
+pub(crate) mod town;
+
+/// The size at which lookups are timed.
+const SIZE: [u32; 2] = [1280, 720];

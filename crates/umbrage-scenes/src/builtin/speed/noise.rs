@@ -1,0 +1,35 @@
+//! Smooth noise from integer hashes: the same on every platform.
+
+use umbrage_core::glam::{IVec3, Vec3};
+
+/// A well-mixed word from three (the finaliser of MurmurHash3, Appleby 2011, over a weighted sum).
+pub(crate) fn hash(v: IVec3) -> u32 {
+    let [x, y, z] = v.to_array().map(|c| c as u32);
+    let mut h = x.wrapping_mul(0x9e37_79b1) ^ y.wrapping_mul(0x85eb_ca77) ^ z.wrapping_mul(0xc2b2_ae3d);
+    h = (h ^ (h >> 16)).wrapping_mul(0x85eb_ca6b);
+    h = (h ^ (h >> 13)).wrapping_mul(0xc2b2_ae35);
+    h ^ (h >> 16)
+}
+
+/// A number of 0 to 1 from three integers.
+pub(crate) fn uniform(v: IVec3) -> f32 {
+    (hash(v) >> 8) as f32 / 16_777_215.0
+}
+
+/// Value noise, 0 to 1: numbers at the corners of unit cells, blended with Perlin's quintic (2002, "Improving Noise").
+fn smooth(p: Vec3) -> f32 {
+    let cell = p.floor();
+    let t = p - cell;
+    let t = t * t * t * (t * (t * 6.0 - 15.0) + 10.0);
+    let cell = cell.as_ivec3();
+    let mix = |a: f32, b: f32, t: f32| a + (b - a) * t;
+    let along_x = |y, z| mix(uniform(cell + IVec3::new(0, y, z)), uniform(cell + IVec3::new(1, y, z)), t.x);
+    let along_y = |z| mix(along_x(0, z), along_x(1, z), t.y);
+    mix(along_y(0), along_y(1), t.z)
+}
+
+/// Octaves of noise, each at twice the frequency and half the height of the one before; about -1 to 1.
+pub(crate) fn fractal(p: Vec3, octaves: u32) -> f32 {
+    let octave = |i: u32| (2.0 * smooth(p * (1_u32 << i) as f32) - 1.0) / (1_u32 << i) as f32;
+    0.5 * (0..octaves).map(octave).sum::<f32>()
+}

@@ -1,0 +1,100 @@
+//! The one list of built-in scenes.
+
+use crate::builtin::{
+    closed::{area, everywhere, point_like, slits},
+    failures::{nothing, rooms, scale, stairs, sunlit},
+    figure::figure,
+    speed::{hall, statue, terrain, town},
+    teapot::teapot_lamp,
+    textbook::{TEXTBOOK_FIT, cubes},
+};
+use crate::{ClosedForm, Failure, Kind, SceneEntry};
+use umbrage_core::Scene;
+
+/// All built-in scenes.
+pub fn all() -> &'static [SceneEntry] {
+    ALL
+}
+
+/// The built-in scene of this name.
+pub fn find(name: &str) -> Option<&'static SceneEntry> {
+    ALL.iter().find(|entry| entry.name == name)
+}
+
+type Build = fn() -> Scene;
+
+const fn entry(name: &'static str, kind: Kind, build: Build, summary: &'static str) -> SceneEntry {
+    SceneEntry { name, summary, kind, suite: true, build, fit: None, closed_form: None }
+}
+
+const fn closed(name: &'static str, build: Build, samples: fn() -> ClosedForm, summary: &'static str) -> SceneEntry {
+    SceneEntry { closed_form: Some(samples), ..entry(name, Kind::ClosedForm, build, summary) }
+}
+
+const fn failure(name: &'static str, failure: Failure, build: Build, summary: &'static str) -> SceneEntry {
+    entry(name, Kind::Failure(failure), build, summary)
+}
+
+const fn speed(name: &'static str, build: Build, summary: &'static str) -> SceneEntry {
+    entry(name, Kind::Speed, build, summary).by_name_only()
+}
+
+impl SceneEntry {
+    /// Leaves the scene out of the suite.
+    const fn by_name_only(self) -> Self {
+        Self { suite: false, ..self }
+    }
+
+    const fn with_fit(self, fit: umbrage_core::Fit) -> Self {
+        Self { fit: Some(fit), ..self }
+    }
+}
+
+#[rustfmt::skip]
+const ALL: &[SceneEntry] = &[
+    entry("cubes", Kind::Textbook, cubes, "three cubes over a floor, as in every tutorial").with_fit(TEXTBOOK_FIT),
+    entry("figure", Kind::Textbook, figure, "a person on a floor under a distant spot"),
+    entry("teapot-lamp", Kind::Textbook, teapot_lamp, "a pot with handle and spout under a square lamp"),
+
+    closed("c1-box-sun", point_like::box_sun, point_like::box_sun_samples, "a box in the sun: a hexagon"),
+    closed("c2-sphere-sun", point_like::sphere_sun, point_like::sphere_sun_samples, "a sphere in the sun: an ellipse"),
+    closed("c3-sphere-bulb", point_like::sphere_bulb, point_like::sphere_bulb_samples, "a sphere under a bulb: an ellipse"),
+    closed("c3b-sphere-level-bulb", point_like::sphere_level_bulb, point_like::sphere_level_bulb_samples, "a sphere level with a bulb: an open hyperbola").by_name_only(),
+    closed("c4-edge-square", area::edge, area::edge_samples, "an edge under a square lamp: a linear penumbra"),
+    closed("c4b-low-edge-square", area::low_edge, area::low_edge_samples, "the edge near the floor: a narrow penumbra").by_name_only(),
+    closed("c4c-edge-turned-square", area::turned_edge, area::turned_edge_samples, "an edge under a lamp turned by 45 degrees: parabolas").by_name_only(),
+    closed("c4d-edge-disc", area::disc_edge, area::disc_edge_samples, "an edge under a round lamp").by_name_only(),
+    closed("c5-corner-square", area::corner, area::corner_samples, "a corner under a square lamp: a product of ramps").by_name_only(),
+    closed("c6-slit", slits::slit, slits::slit_samples, "a slit 2 cm wide between sheets"),
+    closed("c6b-thick-slit", slits::thick_slit, slits::thick_slit_samples, "the slit between slabs 3 cm thick").by_name_only(),
+    closed("c6c-seam", slits::seam, slits::seam_samples, "two sheets that share an edge: no light between them").by_name_only(),
+    closed("c7-closed-room", everywhere::closed_room, everywhere::closed_room_samples, "a room of walls without thickness, the sun outside: no light"),
+    closed("c8-faceted-sphere", everywhere::faceted_sphere, everywhere::faceted_sphere_samples, "a faceted sphere alone: facets are lit or not, no acne"),
+    closed("c9-bare-floor", everywhere::bare_floor, everywhere::bare_floor_samples, "a bare floor, the sun half a degree high: no acne"),
+
+    failure("low-sun-2", Failure::LowSun, sunlit::low_sun_2, "a row of spheres on 100 m of floor, the sun 2 degrees high").by_name_only(),
+    failure("low-sun-5", Failure::LowSun, sunlit::low_sun_5, "a row of spheres on 100 m of floor, the sun 5 degrees high"),
+    failure("low-sun-10", Failure::LowSun, sunlit::low_sun_10, "a row of spheres on 100 m of floor, the sun 10 degrees high").by_name_only(),
+    failure("thin-plate", Failure::ThinContact, sunlit::thin_plate, "a plate 2 mm thick that stands on a floor"),
+    failure("sealed-room", Failure::SealedRoom, rooms::sealed_room, "a room with thin walls, the sun outside: no light"),
+    failure("bar-at-lamp", Failure::CasterAtLight, rooms::bar_at_lamp, "a thin bar 1 cm from a spot"),
+    failure("stairs", Failure::Stairs, stairs::stairs, "stairs with a post through them in the sun"),
+    failure("stairs-lamp", Failure::Stairs, stairs::stairs_lamp, "the stairs under a spot with a slab above it").by_name_only(),
+    failure("sun-above", Failure::LightAlongUp, sunlit::sun_above, "the sun straight above"),
+    failure("spot-above", Failure::LightAlongUp, sunlit::spot_above, "a spot straight above").by_name_only(),
+    failure("cubes-tiny", Failure::Scale, scale::tiny, "the cubes a thousand times smaller").with_fit(scale::TINY_FIT),
+    failure("cubes-huge", Failure::Scale, scale::huge, "the cubes ten thousand times larger").with_fit(scale::HUGE_FIT),
+    failure("no-casters", Failure::Nothing, nothing::no_casters, "nothing casts: all is lit"),
+    failure("no-receivers", Failure::Nothing, nothing::no_receivers, "nothing receives"),
+    failure("only-sky", Failure::Nothing, nothing::only_sky, "the camera sees only sky"),
+    failure("tower-out-of-view", Failure::CasterOutOfView, sunlit::tower_out_of_view, "a tower beside the picture throws its shadow into it"),
+
+    speed("hall", hall::hall, "an interior of 57,000 triangles"),
+    speed("statue", statue::statue, "a model of 69,000 triangles"),
+    speed("town", town::town, "10,000 boxes along streets"),
+    speed("terrain", terrain::terrain, "hills of a million triangles"),
+];
+
+#[cfg(test)]
+#[path = "catalogue_tests.rs"]
+mod tests;

@@ -1,0 +1,92 @@
+//! What can be wrong with a scene that somebody asks for.
+
+use std::path::Path;
+use umbrage_core::Invalid;
+
+/// Why there is no scene: what is wrong, where, and how to mend it.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum SceneError {
+    /// A file that can't be opened or read.
+    #[error("{file}: {why}; {mend}")]
+    Unreadable {
+        /// The file's path.
+        file: String,
+        /// What is wrong.
+        why: String,
+        /// What to do about it.
+        mend: String,
+    },
+    /// A place in a file that can't be understood or used.
+    #[error("{place}: {why}; {mend}")]
+    Fault {
+        /// The file, the line and the key.
+        place: Place,
+        /// What is wrong, with the offending value.
+        why: String,
+        /// What to do about it.
+        mend: String,
+    },
+    /// A file that a scene file names has an error of its own.
+    #[error("{place}: {source}")]
+    Named {
+        /// Where the file is named.
+        place: Place,
+        /// What is wrong with it.
+        source: Box<SceneError>,
+    },
+    /// Neither a built-in scene nor a file that could hold one.
+    #[error("there is no scene `{argument}`; {mend}")]
+    Unknown {
+        /// What was asked for.
+        argument: String,
+        /// Names that are near to it, and what else would do.
+        mend: String,
+    },
+    /// A scene that reads well but can't be rendered.
+    #[error("{file}: {source}")]
+    Invalid {
+        /// The file's path.
+        file: String,
+        /// What is wrong.
+        source: Invalid,
+    },
+}
+
+/// A place in a file. Displays as ``file:line: `key` ``.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// The file's path.
+    pub file: String,
+    /// The line, counted from 1; none for the file as a whole.
+    pub line: Option<usize>,
+    /// The key, with its table: `light.radius`; none where there is no key.
+    pub key: Option<String>,
+}
+
+impl std::fmt::Display for Place {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.file)?;
+        if let Some(line) = self.line {
+            write!(f, ":{line}")?;
+        }
+        match &self.key {
+            Some(key) => write!(f, ": `{key}`"),
+            None => Ok(()),
+        }
+    }
+}
+
+impl SceneError {
+    pub(crate) fn unreadable(path: &Path, error: &std::io::Error) -> Self {
+        let mend = match error.kind() {
+            std::io::ErrorKind::NotFound => "check the path",
+            std::io::ErrorKind::PermissionDenied => "allow reading it",
+            _ => "check that it is a file that can be read",
+        };
+        Self::Unreadable {
+            file: path.display().to_string(),
+            why: format!("can't be read: {error}"),
+            mend: mend.to_owned(),
+        }
+    }
+}

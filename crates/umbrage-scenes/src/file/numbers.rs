@@ -1,0 +1,70 @@
+//! Numbers of a scene file.
+
+use super::table::{Item, Table};
+use crate::SceneError;
+use toml::de::DeValue;
+use umbrage_core::glam::Vec3;
+use umbrage_core::{Invalid, invalid};
+
+const TRIPLE: &str = "[x, y, z]";
+
+impl Item<'_> {
+    /// A finite number, whole or not.
+    pub(super) fn number(&self) -> Result<f32, SceneError> {
+        let parsed = match self.value {
+            DeValue::Integer(i) => i64::from_str_radix(i.as_str(), i.radix()).ok().map(|i| i as f32),
+            DeValue::Float(f) => f.as_str().parse().ok(),
+            _ => return Err(self.wrong_type("a number", "write it as 2 or 1.5, without quotes")),
+        };
+        let number: f32 = parsed.ok_or_else(|| self.fault("is out of range", "use a smaller number"))?;
+        self.check(invalid::finite("", &[number]))?;
+        Ok(number)
+    }
+
+    /// A finite number that passes a check of core's.
+    pub(super) fn checked(&self, check: fn(&str, f32) -> Result<(), Invalid>) -> Result<f32, SceneError> {
+        let number = self.number()?;
+        self.check(check("", number))?;
+        Ok(number)
+    }
+
+    /// A whole number of pixels.
+    pub(super) fn pixels(&self) -> Result<u32, SceneError> {
+        let most = umbrage_core::MAX_SIDE;
+        let mend = format!("use whole numbers from 1 to {most}");
+        let DeValue::Integer(i) = self.value else { return Err(self.wrong_type("a whole number", &mend)) };
+        let number = u32::from_str_radix(i.as_str(), i.radix()).ok().filter(|n| (1..=most).contains(n));
+        number.ok_or_else(|| self.fault(&format!("holds {i}"), &mend))
+    }
+
+    pub(super) fn vec3(&self) -> Result<Vec3, SceneError> {
+        let numbers: Vec<f32> = self.list(3, TRIPLE)?.iter().map(Item::number).collect::<Result<_, _>>()?;
+        Ok(Vec3::from_slice(&numbers))
+    }
+
+    /// A vector that is longer than zero.
+    pub(super) fn direction(&self) -> Result<Vec3, SceneError> {
+        let v = self.vec3()?;
+        self.check(invalid::direction("", v))?;
+        Ok(v)
+    }
+}
+
+impl Table<'_> {
+    pub(super) fn vec3(&self, key: &str) -> Result<Vec3, SceneError> {
+        self.need(key, TRIPLE)?.vec3()
+    }
+
+    pub(super) fn direction(&self, key: &str) -> Result<Vec3, SceneError> {
+        self.need(key, TRIPLE)?.direction()
+    }
+
+    /// Metres or degrees, not negative; 0 where absent.
+    pub(super) fn size_or_zero(&self, key: &str) -> Result<f32, SceneError> {
+        self.get(key).map_or(Ok(0.0), |item| item.checked(invalid::not_negative))
+    }
+
+    pub(super) fn flag_or_true(&self, key: &str) -> Result<bool, SceneError> {
+        self.get(key).map_or(Ok(true), |item| item.flag())
+    }
+}

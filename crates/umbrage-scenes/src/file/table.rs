@@ -1,0 +1,182 @@
+//! Tables of a scene file, whose values know where they stand.
+
+use crate::{
+    SceneError,
+    error::Place,
+    nearest::{listed, nearest},
+};
+use std::ops::Range;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+use umbrage_core::Invalid;
+
+/// The file's name and text.
+#[derive(Clone, Debug)]
+pub(super) struct Source<'a> {
+    pub(super) file: String,
+    pub(super) text: &'a str,
+}
+
+impl Source<'_> {
+    /// An error at a range of bytes.
+    pub(super) fn fault(&self, at: Range<usize>, key: Option<&str>, why: &str, mend: &str) -> SceneError {
+        SceneError::Fault { place: self.place(at, key), why: why.to_owned(), mend: mend.to_owned() }
+    }
+
+    pub(super) fn place(&self, at: Range<usize>, key: Option<&str>) -> Place {
+        let before = &self.text.as_bytes()[..at.start.min(self.text.len())];
+        let line = 1 + before.iter().filter(|&&b| b == b'\n').count();
+        Place { file: self.file.clone(), line: Some(line), key: key.map(str::to_owned) }
+    }
+}
+
+/// A table, with its name for errors.
+#[derive(Clone, Debug)]
+pub(super) struct Table<'a> {
+    pub(super) source: &'a Source<'a>,
+    /// `light`; empty for the file itself.
+    name: &'static str,
+    entries: &'a DeTable<'a>,
+    span: Range<usize>,
+}
+
+/// A key's value.
+#[derive(Clone, Debug)]
+pub(super) struct Item<'a> {
+    source: &'a Source<'a>,
+    /// With its table: `light.radius`.
+    pub(super) key: String,
+    pub(super) value: &'a DeValue<'a>,
+    pub(super) span: Range<usize>,
+}
+
+impl<'a> Table<'a> {
+    pub(super) fn root(source: &'a Source<'a>, document: &'a Spanned<DeTable<'a>>) -> Self {
+        Self { source, name: "", entries: document.get_ref(), span: 0..0 }
+    }
+
+    /// Objects to keys that aren't known here.
+    pub(super) fn only(&self, known: &[&str]) -> Result<(), SceneError> {
+        // The first in the file, not in the alphabet.
+        let unknown = self.entries.keys().filter(|key| !known.contains(&key.get_ref().as_ref()));
+        let Some(key) = unknown.min_by_key(|key| key.span().start) else { return Ok(()) };
+        let name = key.get_ref();
+        let near = nearest(name, known.iter().copied());
+        let mend = match near.is_empty() {
+            true => format!("use {}", listed(known)),
+            false => format!("did you mean {}?", listed(&near)),
+        };
+        Err(self.source.fault(key.span(), Some(&self.path(name)), "is not a known key here", &mend))
+    }
+
+    fn path(&self, key: &str) -> String {
+        if self.name.is_empty() { key.to_owned() } else { format!("{}.{key}", self.name) }
+    }
+
+    pub(super) fn get(&self, key: &str) -> Option<Item<'a>> {
+        let value = self.entries.get(key)?;
+        Some(Item { source: self.source, key: self.path(key), value: value.get_ref(), span: value.span() })
+    }
+
+    /// The value of a key that must be there; `example` shows how to write it.
+    pub(super) fn need(&self, key: &str, example: &str) -> Result<Item<'a>, SceneError> {
+        self.get(key).ok_or_else(|| {
+            let (path, mend) = (self.path(key), format!("add `{key} = {example}`"));
+            self.source.fault(self.span.clone(), Some(&path), "is missing", &mend)
+        })
+    }
+
+    /// Objects to the table as a whole.
+    pub(super) fn require(&self, holds: bool, why: &str, mend: &str) -> Result<(), SceneError> {
+        if holds { Ok(()) } else { Err(self.fault(why, mend)) }
+    }
+
+    /// An error about the table as a whole.
+    pub(super) fn fault(&self, why: &str, mend: &str) -> SceneError {
+        let name = (!self.name.is_empty()).then_some(self.name);
+        self.source.fault(self.span.clone(), name, why, mend)
+    }
+
+    /// A check of core's, with the place where this table begins.
+    pub(super) fn check<T>(&self, checked: Result<T, Invalid>) -> Result<T, SceneError> {
+        checked.map_err(|e| self.fault(&format!("{} {}", e.what, e.why), &e.mend))
+    }
+
+    /// The table under a key: `[name]`.
+    pub(super) fn table(&self, name: &'static str) -> Result<Option<Self>, SceneError> {
+        let Some(item) = self.get(name) else { return Ok(None) };
+        match item.value {
+            DeValue::Table(entries) => Ok(Some(Self { source: self.source, name, entries, span: item.span })),
+            DeValue::Array(_) => Err(item.fault("is a list, but there is only one", &format!("write [{name}]"))),
+            _ => Err(item.wrong_type("a table", &format!("write [{name}]"))),
+        }
+    }
+
+    /// The tables under a key: `[[name]]`.
+    pub(super) fn tables(&self, name: &'static str) -> Result<Vec<Self>, SceneError> {
+        let Some(item) = self.get(name) else { return Ok(Vec::new()) };
+        let mend = format!("write [[{name}]]");
+        let DeValue::Array(array) = item.value else { return Err(item.wrong_type("a list of tables", &mend)) };
+        let table = |value: &'a Spanned<DeValue<'a>>| match value.get_ref() {
+            DeValue::Table(entries) => Ok(Self { source: self.source, name, entries, span: value.span() }),
+            _ => Err(item.wrong_type("a list of tables", &mend)),
+        };
+        array.iter().map(table).collect()
+    }
+}
+
+impl<'a> Item<'a> {
+    pub(super) fn fault(&self, why: &str, mend: &str) -> SceneError {
+        self.source.fault(self.span.clone(), Some(&self.key), why, mend)
+    }
+
+    pub(super) fn place(&self) -> Place {
+        self.source.place(self.span.clone(), Some(&self.key))
+    }
+
+    pub(super) fn wrong_type(&self, wanted: &str, mend: &str) -> SceneError {
+        let found = self.value.type_str();
+        let article = if found.starts_with(['a', 'i']) { "an" } else { "a" };
+        self.fault(&format!("is {article} {found}, not {wanted}"), mend)
+    }
+
+    pub(super) fn require(&self, holds: bool, why: &str, mend: &str) -> Result<(), SceneError> {
+        if holds { Ok(()) } else { Err(self.fault(why, mend)) }
+    }
+
+    /// A check of core's, with this value's place.
+    pub(super) fn check<T>(&self, checked: Result<T, Invalid>) -> Result<T, SceneError> {
+        checked.map_err(|e| self.fault(&e.why, &e.mend))
+    }
+
+    pub(super) fn text(&self) -> Result<&'a str, SceneError> {
+        self.value.as_str().ok_or_else(|| self.wrong_type("text", "put it in quotes"))
+    }
+
+    pub(super) fn flag(&self) -> Result<bool, SceneError> {
+        self.value.as_bool().ok_or_else(|| self.wrong_type("true or false", "write true or false"))
+    }
+
+    /// One of these words.
+    pub(super) fn word(&self, known: &[&str]) -> Result<&'a str, SceneError> {
+        let word = self.text()?;
+        if known.contains(&word) {
+            return Ok(word);
+        }
+        Err(self.fault(&format!("is \"{word}\""), &format!("use {}", listed(known))))
+    }
+
+    /// The values of a list of `n`.
+    pub(super) fn list(&self, n: usize, example: &str) -> Result<Vec<Item<'a>>, SceneError> {
+        let mend = format!("write {example}");
+        let array = self.value.as_array().ok_or_else(|| self.wrong_type(&format!("a list of {n}"), &mend))?;
+        self.require(array.len() == n, &format!("has {} entries, not {n}", array.len()), &mend)?;
+        let item = |v: &'a Spanned<DeValue<'a>>| Item {
+            source: self.source,
+            key: self.key.clone(),
+            value: v.get_ref(),
+            span: v.span(),
+        };
+        Ok(array.iter().map(item).collect())
+    }
+}

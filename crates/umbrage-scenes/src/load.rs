@@ -1,0 +1,74 @@
+//! One way in for all kinds of scenes.
+
+use crate::{
+    SceneError, all, file, find,
+    nearest::{listed, nearest},
+    obj,
+};
+use std::path::Path;
+use umbrage_core::Scene;
+
+/// The scene that a command-line argument means: a built-in scene's name, or the path of a `.toml` or `.obj` file.
+///
+/// # Errors
+/// When it is neither, with the nearest names; else as [`load`].
+pub fn by_argument(argument: &str) -> Result<Scene, SceneError> {
+    match find(argument) {
+        Some(entry) => Ok((entry.build)()),
+        None if Kind::of(Path::new(argument)).is_some() => load(Path::new(argument)),
+        None => {
+            let near = nearest(argument, all().iter().map(|entry| entry.name));
+            let meant = if near.is_empty() { String::new() } else { format!("did you mean {}, or ", listed(&near)) };
+            let list = if near.is_empty() { "name a built-in scene, or give " } else { "" };
+            let end = if near.is_empty() { "" } else { "?" };
+            let mend = format!("{meant}{list}the path of a .toml or .obj file{end}");
+            Err(SceneError::Unknown { argument: argument.to_owned(), mend })
+        }
+    }
+}
+
+/// Loads a scene file (`.toml`) or a model (`.obj`), which is framed and put in the sun.
+///
+/// # Errors
+/// When the file can't be read, understood or rendered: with the file, the line and the key, as far as there is one.
+pub fn load(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
+    let path = path.as_ref();
+    match Kind::of(path) {
+        Some(Kind::SceneFile) => file::load(path),
+        Some(Kind::Model) => obj::load_scene(path),
+        None => Err(SceneError::Unreadable {
+            file: path.display().to_string(),
+            why: "is neither a .toml nor a .obj file".to_owned(),
+            mend: "give a scene file or a Wavefront model, named so".to_owned(),
+        }),
+    }
+}
+
+/// Reads a scene from the text of a scene file. `name` stands for the file in errors, and gives the scene its name if
+/// the text has none; models are looked for in `folder`.
+///
+/// # Errors
+/// As [`load`].
+pub fn parse(text: &str, name: &str, folder: impl AsRef<Path>) -> Result<Scene, SceneError> {
+    file::parse(text, Path::new(name), folder.as_ref())
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    SceneFile,
+    Model,
+}
+
+impl Kind {
+    fn of(path: &Path) -> Option<Self> {
+        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
+            "toml" => Some(Self::SceneFile),
+            "obj" => Some(Self::Model),
+            _ => None,
+        }
+    }
+}
+
+#[cfg(test)]
+#[path = "load_tests.rs"]
+mod tests;

@@ -1,0 +1,244 @@
+use super::*;
+use std::io::Cursor;
+
+fn read(text: impl AsRef<[u8]>) -> Result<Mesh, SceneError> {
+    read_mesh(Path::new("model.obj"), Cursor::new(text.as_ref().to_vec()))
+}
+
+/// The error's line and text.
+fn refused(text: impl AsRef<[u8]>) -> (Option<usize>, String) {
+    let error = read(text).unwrap_err();
+    let text = error.to_string();
+    match error {
+        SceneError::Fault { place, .. } => (place.line, text),
+        _ => (None, text),
+    }
+}
+
+const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+
+#[test]
+fn one_triangle_is_read_in_every_dress() {
+    let plain = read(format!("{TRIANGLE}f 1 2 3\n")).unwrap();
+    assert_eq!(plain.positions, [Vec3::ZERO, Vec3::X, Vec3::Y]);
+    assert_eq!(plain.triangles, [[0, 1, 2]]);
+    let dresses = [
+        format!("{TRIANGLE}f -3 -2 -1"),
+        format!("{TRIANGLE}f 1 2 3 # a comment"),
+        format!("{TRIANGLE}f 1 \\\n 2 \\\r\n3"),
+        format!("{TRIANGLE}f 1 2 3\\"),
+        format!("{TRIANGLE}f 1 2 3\n").replace('\n', "\r\n"),
+        format!("{TRIANGLE}f 1 2 3\n").replace('\n', "\r"),
+        format!("\u{feff}{TRIANGLE}f 1 2 3"),
+        format!("mtllib missing.mtl\nmtllib\n{TRIANGLE}usemtl nothing\nusemtl\ns off\nf 1 2 3"),
+        "f 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0".to_owned(),
+        "v 0 0 0 2\nv 2 0 0 2\nv 0 .5 0 .5\nf 1 2 3".to_owned(),
+        "v 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0 .5 .5 .5 1\nf 1 2 3".to_owned(),
+        format!("{TRIANGLE}l 1 2 3\nl 1 2\np 1\nf 1 2\nf 1\nf\nf 1 2 3\ncurv 1 2"),
+        format!("o a\n{TRIANGLE}g b\nf 1 2 3\no c\ng d e\n"),
+        format!("{TRIANGLE}vn 0 0 1\nvn 0 0 0\nf 1//2 2//1 3//1"),
+        format!("{TRIANGLE}vn 0 0 1\nvn nan 0 0\nf 1//2 2//1 3//1"),
+        format!("{TRIANGLE}vt nan 0\nf 1/1 2/1 3/1"),
+        format!("{TRIANGLE}vt 1 0\nvn 0 0 1\nf 1/1/1 2 3//1"),
+    ];
+    for text in dresses {
+        assert_eq!(read(&text), Ok(plain.clone()), "{text:?}");
+    }
+}
+
+#[test]
+fn names_in_other_encodings_do_no_harm() {
+    let mut text = b"# Gr\xfc\xdfe\no B\xe4r\n".to_vec();
+    text.extend(format!("{TRIANGLE}f 1 2 3 # \u{2713}").bytes());
+    assert_eq!(read(text).unwrap().triangles, [[0, 1, 2]]);
+}
+
+#[test]
+fn normals_and_texture_coordinates_are_kept_where_all_corners_have_them() {
+    let mesh = read(format!("{TRIANGLE}vt 0.25 0\nvt .5\nvt 1 1 0\nvn 0 0 2\nf 1/1/1 2/2/1 3/3/-1")).unwrap();
+    assert_eq!(mesh.normals, [Vec3::Z * 2.0; 3]);
+    // The first row of a texture is its top.
+    assert_eq!(mesh.uvs, [Vec2::new(0.25, 1.0), Vec2::new(0.5, 1.0), Vec2::new(1.0, 0.0)]);
+    let half = read(format!("{TRIANGLE}v 1 1 0\nvn 0 0 1\nvn 0 1 0\nf 1//1 2//2 3//1\nf 4 3 2")).unwrap();
+    assert!(half.normals.is_empty());
+    half.validate().unwrap();
+}
+
+#[test]
+fn polygons_are_cut_along_their_inside() {
+    let arrow = "v 0 0 0\nv 2 0 0\nv .5 .5 0\nv 0 2 0\n";
+    assert_eq!(read(format!("{arrow}f 2 3 4 1\nf 1 2 3")).unwrap().triangles.len(), 3);
+    let mesh = read(format!("{arrow}f 2 3 4 1")).unwrap();
+    let area = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(|v| mesh.positions[v as usize]);
+        0.5 * (b - a).cross(c - a).z
+    };
+    // Each part faces up; a fan from the first corner would have one that faces down.
+    assert!(mesh.triangles.iter().all(|t| area(t) > 0.0), "{mesh:?}");
+    assert!((mesh.triangles.iter().map(area).sum::<f32>() - 1.0).abs() < 1e-6);
+}
+
+#[test]
+fn groups_become_one_mesh_with_shared_vertices() {
+    let mesh = read(format!("o a\n{TRIANGLE}f 1 2 3\no b\nusemtl x\nv 1 1 0\nf 2 4 3")).unwrap();
+    assert_eq!((mesh.positions.len(), mesh.triangles.len()), (4, 2));
+}
+
+#[test]
+fn faults_are_refused_with_their_line() {
+    let bad = [
+        ("v nan 0 0\n", 4, "vertex holds NaN"),
+        ("v 0 inf 0\n", 4, "vertex holds inf"),
+        ("v 1e39 0 0\n", 4, "vertex holds inf"),
+        ("v 0 0\n", 4, "vertex has 2 numbers of 3"),
+        ("v 0 1,5 0\n", 4, "`1,5`, which is not a number"),
+        ("v 1 0 0 0\n", 4, "vertex holds 1 over 0"),
+        ("vn 0 0\n", 4, "normal has 2 numbers of 3"),
+        ("vt\n", 4, "texture coordinate has 0 numbers"),
+        ("f 1 2 4\n", 4, "names vertex 4, but the file has 3"),
+        ("f 1 2 0\n", 4, "names vertex 0"),
+        ("f 1 2 -4\n", 4, "names vertex -4, but there are 3 before it"),
+        ("f 1 2 -9223372036854775808\n", 4, "names vertex -9223372036854775808"),
+        ("f 1 2 9223372036854775807\n", 4, "names vertex 9223372036854775807"),
+        ("f 1 2 99999999999999999999\n", 4, "`99999999999999999999` is not an index"),
+        ("f 1/1 2/1 3/1\n", 4, "names texture coordinate 1, but the file has 0"),
+        ("\n\nf 1/-9223372036854775808 2 3\n", 6, "names texture coordinate"),
+        ("f 1//9223372036854775807 2 3\n", 4, "names normal 9223372036854775807"),
+        ("f 1/1/1/1 2 3\n", 4, "too many parts"),
+        ("f a b c\n", 4, "`a` is not an index"),
+        ("f 1.5 2 3\n", 4, "`1.5` is not an index"),
+        ("f 1 2 / \n", 4, "`/` is not an index"),
+        ("# a\0b\n", 4, "is not text"),
+    ];
+    for (text, line, why) in bad {
+        let (at, message) = refused(format!("{TRIANGLE}{text}f 1 2 3\n"));
+        assert_eq!(at, Some(line), "{text}: {message}");
+        assert!(message.contains(why), "{text}: {message}");
+        assert!(message.starts_with(&format!("model.obj:{line}: ")) && message.contains("; "), "{message}");
+    }
+}
+
+#[test]
+fn files_without_faces_are_refused() {
+    for text in ["", "\n\n", "# nothing", TRIANGLE, "v 0 0 0\nl 1 1", "\u{feff}"] {
+        let (line, message) = refused(text);
+        assert_eq!((line, message.contains("has no face")), (None, true), "{message}");
+    }
+}
+
+#[test]
+fn what_is_no_obj_is_refused() {
+    let utf_16: Vec<u8> = "v 0 0 0\nf 1 1 1".encode_utf16().flat_map(u16::to_le_bytes).collect();
+    assert!(refused(utf_16).1.contains("is not text"));
+    let endless = vec![b'v'; 17 << 20];
+    assert!(refused(endless).1.contains("is over 16 MiB long"));
+    let wide = format!("{TRIANGLE}f{}", " 1".repeat(5000));
+    assert_eq!(refused(wide).0, Some(4));
+}
+
+#[test]
+fn a_source_that_fails_is_told_apart_from_bad_text() {
+    struct Broken;
+    impl std::io::Read for Broken {
+        fn read(&mut self, _: &mut [u8]) -> std::io::Result<usize> {
+            Err(std::io::Error::other("the disk is gone"))
+        }
+    }
+    let error = read_mesh(Path::new("m.obj"), BufReader::new(Broken)).unwrap_err();
+    assert!(error.to_string().contains("the disk is gone"), "{error}");
+}
+
+#[test]
+fn paths_that_hold_no_file_are_refused() {
+    let folder = tempfile::Builder::new().suffix(".obj").tempdir().unwrap();
+    let error = load_scene(folder.path()).unwrap_err().to_string();
+    assert!(error.contains("is not a file"), "{error}");
+    let error = load_scene(&folder.path().join("missing.obj")).unwrap_err().to_string();
+    assert!(error.contains("missing.obj: can't be read") && error.contains("check the path"), "{error}");
+}
+
+#[test]
+fn a_big_file_is_read_whole() {
+    let mut text = String::new();
+    for i in 0..60_000 {
+        text += &format!("v {i} 0 0\nv {i} 1 0\nv {i} 0 1\nf -1 -2 -3\n");
+    }
+    let mesh = read(text).unwrap();
+    assert_eq!((mesh.positions.len(), mesh.triangles.len()), (180_000, 60_000));
+    assert_eq!(mesh.positions[179_997], Vec3::new(59_999.0, 0.0, 1.0));
+}
+
+fn model_file(scale: f32, offset: f32) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |x: f32| x * scale + offset;
+    let mut text = String::new();
+    for i in 0..8 {
+        let [x, y, z] = [i & 1, i >> 1 & 1, i >> 2].map(|k| at(k as f32));
+        text += &format!("v {x} {y} {z}\n");
+    }
+    text += "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+    std::fs::write(folder.path().join("cube.obj"), text).unwrap();
+    folder
+}
+
+/// The corners' places in the picture, -1 to 1, and whether near and far hold them.
+fn framed_corners(scene: &Scene) -> Vec<Vec3> {
+    let clip_from_world = scene.cameras[0].space().clip_from_world();
+    scene.meshes[0].positions.iter().map(|&p| clip_from_world.project_point3(p)).collect()
+}
+
+#[test]
+fn models_of_any_size_fill_the_picture() {
+    for (scale, offset) in [(1.0, 0.0), (5e-3, 0.0), (3_700.0, -900.0), (1e-6, 0.0), (1e8, 0.0), (1.0, 1000.0)] {
+        let folder = model_file(scale, offset);
+        let scene = load_scene(&folder.path().join("cube.obj")).unwrap();
+        scene.validate().unwrap();
+        assert_eq!((scene.name.as_str(), scene.lights.len()), ("cube", 1));
+        let corners = framed_corners(&scene);
+        let reach = corners.iter().map(|p| p.truncate().abs().max_element()).fold(0.0, f32::max);
+        assert!(reach > 0.9 && reach < 0.95, "scale {scale}: reaches {reach}");
+        assert!(corners.iter().all(|p| p.z > 0.0 && p.z < 1.0), "scale {scale}: {corners:?}");
+    }
+}
+
+#[test]
+fn models_beyond_32_bit_floats_are_refused() {
+    for scale in [0.0, 1e-9, 1e12] {
+        let folder = model_file(scale, 0.0);
+        let error = load_scene(&folder.path().join("cube.obj")).unwrap_err().to_string();
+        assert!(error.contains("m across; scale it to between 1e-6 and 1e8 m"), "{error}");
+    }
+}
+
+/// If one of these reads rightly some day, the cleaner can lose its guard.
+#[test]
+fn the_parser_alone_would_misread() {
+    let alone = |text: String| {
+        let read = tobj::load_obj_buf(&mut Cursor::new(text), &tobj::GPU_LOAD_OPTIONS, |_| Ok(Default::default()));
+        read.map(|(models, _)| models.iter().map(|m| m.mesh.indices.len() / 3).sum::<usize>())
+    };
+    assert_eq!(alone(format!("{TRIANGLE}f 1 2 3")), Ok(1));
+    assert_eq!(alone(format!("{TRIANGLE}l 1 2 3")), Ok(1), "a line is no face");
+    assert!(alone(format!("\u{feff}{TRIANGLE}f 1 2 3")).is_err(), "the first vertex got lost");
+    assert!(alone(format!("{TRIANGLE}f 1 2 3 # comment")).is_err());
+    assert!(alone(format!("{TRIANGLE}f 1 2 \\\n3")).is_err());
+    assert!(alone("v 0 0 0 1 1 1\nv 1 0 0\nv 0 1 0\nf 1 2 3".to_owned()).is_err());
+    assert!(alone(format!("{TRIANGLE}usemtl\nf 1 2 3")).is_err());
+}
+
+#[test]
+fn damaged_files_are_read_or_refused_without_panic() {
+    let text =
+        format!("o a\n{TRIANGLE}v 1 1 -1 1\nvt 0 .5\nvn 0 0 1\nf 1//1 2//-1 3/1/1\nf 1/1 2/-1 4/1 3/1 \\\n-1\nl 1 2");
+    let (mut refused, mut usable) = (0, 0);
+    for damaged in crate::damage::damaged(&text, 4000) {
+        match read(damaged) {
+            Ok(mesh) => {
+                usable += 1;
+                mesh.validate().unwrap();
+            }
+            Err(_) => refused += 1,
+        }
+    }
+    assert!(refused > 400 && usable > 400, "{refused} refused, {usable} read");
+}

@@ -1,0 +1,31 @@
+//! Shapes that built-in scenes are made of: closed unless they say otherwise, counter-clockwise seen from outside.
+
+mod lathe;
+mod prism;
+mod solids;
+mod sphere;
+mod tube;
+
+pub(crate) use lathe::{lathe, pillar};
+pub(crate) use prism::prism;
+pub(crate) use solids::{block, grid, quad};
+pub(crate) use sphere::icosphere;
+pub(crate) use tube::tube;
+
+#[cfg(test)]
+mod tests;
+
+use umbrage_core::Mesh;
+use umbrage_core::glam::Vec3;
+
+/// A mesh whose shading normals core averages.
+fn bare(name: &str, positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Mesh {
+    Mesh { name: name.to_owned(), positions, triangles, ..Mesh::default() }
+}
+
+/// The point at `turn` (of a full turn) on the unit circle, from +x towards +y. In `f64`, so that every platform's
+/// library rounds to the same `f32`.
+pub(crate) fn on_circle(turn: f64) -> (f32, f32) {
+    let (sin, cos) = (turn * std::f64::consts::TAU).sin_cos();
+    (cos as f32, sin as f32)
+}

@@ -1,0 +1,108 @@
+//! What the caller hands in: casters in its own buffers, and what its camera sees.
+
+use glam::{Affine3A, UVec2};
+use std::ops::Range;
+use umbrage_core::{BackendError, Invalid};
+use wgpu::{Buffer, IndexFormat, TextureFormat, TextureView};
+
+/// One frame's casters and receivers.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame<'a> {
+    /// Size of the mask and of the receivers' textures, pixels.
+    pub size: UVec2,
+    /// Drawn into every cast of the recipe.
+    pub casters: &'a [Drawable<'a>],
+    /// What the camera sees.
+    pub receivers: GBuffer<'a>,
+}
+
+/// Triangles in the caller's buffers.
+#[derive(Clone, Debug)]
+pub struct Drawable<'a> {
+    /// Vertices, usage `VERTEX`.
+    pub vertices: &'a Buffer,
+    /// Where positions are in it.
+    pub layout: VertexLayout,
+    /// Vertex indices; none when every three vertices are a triangle.
+    pub indices: Option<Indices<'a>>,
+    /// Which indices are drawn, or which vertices when there are none.
+    pub range: Range<u32>,
+    /// Places the vertices into the world; none when they are there already, which is cheaper.
+    pub world_from_local: Option<Affine3A>,
+}
+
+/// Indices in the caller's buffer.
+#[derive(Clone, Copy, Debug)]
+pub struct Indices<'a> {
+    /// Usage `INDEX`.
+    pub buffer: &'a Buffer,
+    /// 16 or 32 bits.
+    pub format: IndexFormat,
+}
+
+/// Where a vertex buffer holds positions (three 32-bit floats each).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct VertexLayout {
+    /// Bytes from one vertex to the next; a multiple of 4.
+    pub stride: u64,
+    /// Bytes from the vertex to its position; a multiple of 4.
+    pub position_offset: u64,
+}
+
+impl VertexLayout {
+    /// Positions and nothing else.
+    pub const PACKED: Self = Self { stride: 12, position_offset: 0 };
+}
+
+/// What the camera sees: textures of [`Frame::size`] with usage `TEXTURE_BINDING`.
+///
+/// Two channels of unused precision are the price of a plain layout; an engine that keeps its own G-buffer copies from
+/// it in one full-screen pass, or makes this one from depth with [`GBufferFromDepth`](crate::GBufferFromDepth).
+#[derive(Clone, Copy, Debug)]
+pub struct GBuffer<'a> {
+    /// `Rgba32Float`: world position, and in w 1 where a shadow may fall and 0 elsewhere.
+    pub position: &'a TextureView,
+    /// `Rgba32Float`: geometric unit normal in world space, turned to the camera; w is not read.
+    pub normal: &'a TextureView,
+    /// `R32Uint`: triangle ids, for kernels that ask (ray tracing does, so that a triangle doesn't shadow itself).
+    pub triangle: Option<&'a TextureView>,
+}
+
+impl Frame<'_> {
+    pub(crate) fn validate(&self) -> Result<(), BackendError> {
+        for (i, caster) in self.casters.iter().enumerate() {
+            caster.validate().map_err(|e| e.within(format!("caster {i}")))?;
+        }
+        check(self.receivers.position, "position", TextureFormat::Rgba32Float, self.size)?;
+        check(self.receivers.normal, "normal", TextureFormat::Rgba32Float, self.size)?;
+        self.receivers.triangle.map_or(Ok(()), |v| check(v, "triangle", TextureFormat::R32Uint, self.size))
+    }
+}
+
+impl Drawable<'_> {
+    fn validate(&self) -> Result<(), Invalid> {
+        let (what, count) = match self.indices {
+            Some(Indices { buffer, format }) => ("indices", buffer.size() / format.byte_size() as u64),
+            None => ("vertices", self.vertices.size() / self.layout.stride.max(1)),
+        };
+        if u64::from(self.range.end) > count {
+            let why = format!("end at {}, and the buffer holds {count}", self.range.end);
+            return Err(Invalid::new(what, why, "draw what is in the buffer"));
+        }
+        if self.vertices.size() == 0 && !self.range.is_empty() {
+            return Err(Invalid::new("vertex buffer", "is empty", "leave the caster out"));
+        }
+        Ok(())
+    }
+}
+
+fn check(view: &TextureView, what: &str, format: TextureFormat, size: UVec2) -> Result<(), BackendError> {
+    let texture = view.texture();
+    let found = UVec2::new(texture.width(), texture.height());
+    if (texture.format(), found) == (format, size) {
+        return Ok(());
+    }
+    let why = format!("is {:?} of {} x {} pixels", texture.format(), found.x, found.y);
+    let mend = format!("make it {format:?} of {} x {}, as the frame says", size.x, size.y);
+    Err(Invalid::new(format!("receivers' {what} texture"), why, mend).into())
+}

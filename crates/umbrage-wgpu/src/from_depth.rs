@@ -1,0 +1,168 @@
+//! [`GBufferFromDepth`]: for engines that have a depth buffer and no positions.
+
+use crate::{
+    bindings::{Binding, Bound, Layouts, Slot},
+    counters::{Counters, Maker},
+    filters::color_attachment,
+    frame::GBuffer,
+    images::{GpuImage, fit_images},
+    pipelines::fullscreen_pipeline,
+    scopes::Scopes,
+    wgsl::FULLSCREEN,
+};
+use encase::{ShaderType, UniformBuffer};
+use glam::{Mat4, UVec2, Vec3};
+use std::collections::HashMap;
+use umbrage_core::{BackendError, Format, ImageDesc, Invalid, MATH, join};
+use wgpu::{
+    Buffer, BufferUsages, Color, CommandEncoder, Device, Queue, RenderPassDescriptor, RenderPipeline, ShaderStages,
+    TextureFormat, TextureView,
+};
+
+/// Makes a [`GBuffer`] from the caller's depth buffer in one full-screen pass. Normals come from neighbouring pixels, so
+/// they are rough where a surface is only a pixel wide; where the engine has geometric normals, use those.
+#[derive(Debug, Default)]
+pub struct GBufferFromDepth {
+    counters: Counters,
+    layouts: Layouts,
+    /// By whether depth is multisampled.
+    pipelines: HashMap<bool, RenderPipeline>,
+    uniforms: Option<Buffer>,
+    binding: Binding,
+    images: Vec<GpuImage>,
+    samples: bool,
+}
+
+/// A depth buffer and the camera that it was drawn with.
+#[derive(Clone, Copy, Debug)]
+pub struct DepthBuffer<'a> {
+    /// Any depth format (its depth aspect) or `R32Float`, usage `TEXTURE_BINDING`. Of several samples, the first counts.
+    pub depth: &'a TextureView,
+    /// The inverse of the camera's clip from world. Handedness, reversed z and an infinite far plane are all in here.
+    pub world_from_clip: Mat4,
+    /// The depth where nothing was drawn: 1, or 0 with reversed z.
+    pub empty: f32,
+}
+
+/// Twin of `DepthCamera` in from_depth.wgsl.
+#[derive(ShaderType)]
+struct DepthCamera {
+    world_from_clip: Mat4,
+    empty: f32,
+    handedness: f32,
+}
+
+impl GBufferFromDepth {
+    /// Nothing is made before the first frame.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Makes what isn't there yet, and writes the camera.
+    ///
+    /// # Errors
+    /// If the matrix is singular, or the depth buffer cannot be read as described.
+    pub fn prepare(&mut self, device: &Device, queue: &Queue, source: &DepthBuffer<'_>) -> Result<(), BackendError> {
+        let camera = DepthCamera {
+            world_from_clip: source.world_from_clip,
+            empty: source.empty,
+            handedness: handedness(source)?,
+        };
+        let scopes = Scopes::open(device);
+        let mut counters = self.counters;
+        self.prepare_with(&mut Maker { device, queue, counters: &mut counters }, source, &camera);
+        let closed = scopes.close();
+        if closed.is_err() {
+            *self = Self::default();
+        }
+        self.counters = counters;
+        closed
+    }
+
+    fn prepare_with(&mut self, maker: &mut Maker<'_>, source: &DepthBuffer<'_>, camera: &DepthCamera) {
+        let texture = source.depth.texture();
+        let size = UVec2::new(texture.width(), texture.height());
+        self.samples = texture.sample_count() > 1;
+        let image = |label| ImageDesc { label, size, layers: 1, format: Format::Rgba32 };
+        fit_images(maker, &mut self.images, &[image("umbrage positions"), image("umbrage normals")]);
+        let mut bytes = UniformBuffer::new(Vec::new());
+        // Writing to a growing vector cannot fail.
+        bytes.write(camera).unwrap_or_default();
+        let usage = BufferUsages::UNIFORM;
+        let uniforms = maker.write(&mut self.uniforms, "umbrage camera", usage, &bytes.into_inner());
+        let depth = if self.samples { Slot::Samples } else { Slot::Floats { layered: false } };
+        let layout = self.layouts.get(maker, ShaderStages::FRAGMENT, &[Slot::Uniform, depth]);
+        let bound = vec![Bound::Buffer(uniforms), Bound::View(source.depth.clone())];
+        self.binding.set(maker, "umbrage depth", &layout, bound);
+        self.pipelines.entry(self.samples).or_insert_with(|| {
+            maker.counters.pipelines += 1;
+            let text = shader_text(self.samples);
+            let entries = ["umbrage_fullscreen", "unproject_pixel"];
+            let targets = [TextureFormat::Rgba32Float; 2];
+            fullscreen_pipeline(maker.device, "umbrage unproject", &text, entries, &targets, &[Some(&layout)])
+        });
+    }
+
+    /// Records the pass. All that was drawn receives.
+    ///
+    /// # Errors
+    /// If [`prepare`](Self::prepare) has not succeeded before.
+    pub fn encode(&self, encoder: &mut CommandEncoder) -> Result<GBuffer<'_>, BackendError> {
+        let (Some(pipeline), [position, normal]) = (self.pipelines.get(&self.samples), &self.images[..]) else {
+            let mend = "call `prepare` first, and look at its error";
+            return Err(Invalid::new("G-buffer from depth", "has nothing prepared", mend).into());
+        };
+        let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
+            label: Some("umbrage unproject"),
+            color_attachments: &[&position.whole, &normal.whole]
+                .map(|view| Some(color_attachment(view, Color::TRANSPARENT))),
+            ..RenderPassDescriptor::default()
+        });
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, self.binding.group(), &[]);
+        pass.draw(0..3, 0..1);
+        drop(pass);
+        Ok(GBuffer { position: &position.whole, normal: &normal.whole, triangle: None })
+    }
+
+    /// The G-buffer's size, for [`Frame::size`](crate::Frame::size); zero before the first frame.
+    pub fn size(&self) -> UVec2 {
+        self.images.first().map_or(UVec2::ZERO, |image| image.desc.size)
+    }
+
+    /// The textures that [`encode`](Self::encode) writes: there as soon as a frame is prepared.
+    pub fn gbuffer(&self) -> Option<GBuffer<'_>> {
+        let [position, normal] = &self.images[..] else { return None };
+        Some(GBuffer { position: &position.whole, normal: &normal.whole, triangle: None })
+    }
+
+    /// What was made so far.
+    pub fn counters(&self) -> Counters {
+        self.counters
+    }
+}
+
+/// 1 if right x up points to the viewer, as in right-handed worlds; else -1.
+fn handedness(source: &DepthBuffer<'_>) -> Result<f32, BackendError> {
+    let near = 1.0 - source.empty;
+    let point = |x, y, z| source.world_from_clip.as_dmat4().project_point3(Vec3::new(x, y, z).as_dvec3());
+    let middle = point(0.0, 0.0, 0.5);
+    let [right, up, viewer] = [point(0.5, 0.0, 0.5), point(0.0, 0.5, 0.5), point(0.0, 0.0, near)].map(|p| p - middle);
+    let volume = right.cross(up).dot(viewer);
+    if volume.is_finite() && volume != 0.0 {
+        return Ok(volume.signum() as f32);
+    }
+    let mend = "hand in the inverse of the camera's clip from world, and 0 or 1 for empty depth";
+    Err(Invalid::new("world from clip", "does not unproject the middle of the image", mend).into())
+}
+
+fn shader_text(samples: bool) -> String {
+    let ty = if samples { "texture_multisampled_2d<f32>" } else { "texture_2d<f32>" };
+    let access = format!(
+        "@group(0) @binding(1) var depth_texture: {ty};
+fn load_depth(pixel: vec2i) -> f32 {{ return textureLoad(depth_texture, pixel, 0).x; }}
+fn depth_size() -> vec2i {{ return vec2i(textureDimensions(depth_texture)); }}
+"
+    );
+    join(&[MATH]) + &access + include_str!("from_depth.wgsl") + FULLSCREEN
+}

@@ -1,0 +1,112 @@
+//! Which graphics adapter to use.
+
+use umbrage_core::BackendError;
+use wgpu::{Adapter, Backends, DeviceType, Instance, InstanceDescriptor, PowerPreference};
+
+/// What the user asks of the adapter. The default takes the most powerful hardware, or a software driver if there is
+/// nothing else.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct AdapterChoice {
+    /// Part of the adapter's name, in any case: `nvidia`, `llvmpipe`.
+    pub name: Option<String>,
+    /// Discrete or integrated hardware first.
+    pub power: PowerPreference,
+    /// Whether software drivers (lavapipe, SwiftShader, WARP) will do.
+    pub software: Software,
+    /// Graphics APIs. OpenGL is left out unless named: many of its drivers cannot draw into float images.
+    pub backends: Backends,
+}
+
+/// Whether drivers that run on the CPU will do.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Software {
+    /// Only when there is no hardware.
+    #[default]
+    Allowed,
+    /// Nothing else: for results that don't depend on the machine.
+    Only,
+    /// Never.
+    Never,
+}
+
+impl Default for AdapterChoice {
+    fn default() -> Self {
+        Self { name: None, power: PowerPreference::None, software: Software::Allowed, backends: Backends::PRIMARY }
+    }
+}
+
+impl AdapterChoice {
+    /// The default, changed by the environment variables that wgpu programs share: `WGPU_ADAPTER_NAME`,
+    /// `WGPU_POWER_PREF` (`low`, `high`) and `WGPU_BACKEND` (`vulkan`, `gl`, ..).
+    pub fn from_env() -> Self {
+        let default = Self::default();
+        Self {
+            name: std::env::var("WGPU_ADAPTER_NAME").ok().filter(|name| !name.is_empty()),
+            power: PowerPreference::from_env().unwrap_or(default.power),
+            backends: Backends::from_env().unwrap_or(default.backends),
+            ..default
+        }
+    }
+
+    /// The adapter that fits best.
+    pub(crate) fn find(&self) -> Result<Adapter, BackendError> {
+        let mut desc = InstanceDescriptor::new_without_display_handle_from_env();
+        desc.backends = self.backends;
+        let adapters = pollster::block_on(Instance::new(desc).enumerate_adapters(self.backends));
+        let found: Vec<String> = adapters.iter().map(|a| describe(&a.get_info())).collect();
+        let fits = adapters.into_iter().filter(|a| self.fits(&a.get_info()));
+        fits.min_by_key(|a| self.rank(&a.get_info())).ok_or_else(|| self.no_adapter(&found))
+    }
+
+    fn fits(&self, info: &wgpu::AdapterInfo) -> bool {
+        let named = self.name.as_ref().is_none_or(|n| info.name.to_lowercase().contains(&n.to_lowercase()));
+        let software = info.device_type == DeviceType::Cpu;
+        named
+            && match self.software {
+                Software::Allowed => true,
+                Software::Only => software,
+                Software::Never => !software,
+            }
+    }
+
+    /// Less is better.
+    fn rank(&self, info: &wgpu::AdapterInfo) -> (u8, bool) {
+        let low = self.power == PowerPreference::LowPower;
+        let kind = match info.device_type {
+            DeviceType::DiscreteGpu => u8::from(low),
+            DeviceType::IntegratedGpu => u8::from(!low),
+            DeviceType::VirtualGpu => 2,
+            DeviceType::Other => 3,
+            DeviceType::Cpu => 4,
+        };
+        (kind, info.backend == wgpu::Backend::Gl)
+    }
+
+    fn no_adapter(&self, found: &[String]) -> BackendError {
+        let mut mend = "install the graphics card's Vulkan driver, or a software one (Debian and Ubuntu: \
+                        `apt-get install mesa-vulkan-drivers libvulkan1`)"
+            .to_owned();
+        if !found.is_empty() {
+            mend = format!("ask for one of those found, or {mend}");
+        }
+        let found = if found.is_empty() { "none".to_owned() } else { found.join("; ") };
+        BackendError::NoAdapter { wanted: self.to_string(), found, mend }
+    }
+}
+
+impl std::fmt::Display for AdapterChoice {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let software = match self.software {
+            Software::Allowed => "any adapter",
+            Software::Only => "a software adapter",
+            Software::Never => "a hardware adapter",
+        };
+        f.write_str(software)?;
+        self.name.as_ref().map_or(Ok(()), |name| write!(f, " named `{name}`"))?;
+        write!(f, " for {:?}", self.backends)
+    }
+}
+
+fn describe(info: &wgpu::AdapterInfo) -> String {
+    format!("{} ({})", info.name, info.backend)
+}

@@ -1,0 +1,90 @@
+//! What comes back from the GPU.
+
+use crate::{
+    ShadowRenderer,
+    gpu::{
+        readback::{ReadBack, Ticket},
+        receivers::ReceiverTextures,
+    },
+};
+use glam::Vec3;
+use umbrage_core::{BackendError, Image, NO_TRIANGLE, Receivers, Recipe, View, math::dot3, resolve::at_pixel};
+use wgpu::CommandEncoder;
+
+/// Copies of the mask and of kept images.
+#[derive(Debug)]
+pub(crate) struct Tickets {
+    mask: Option<Ticket>,
+    images: Vec<Ticket>,
+}
+
+impl Tickets {
+    pub(crate) fn record(
+        encoder: &mut CommandEncoder,
+        back: &mut ReadBack<'_>,
+        renderer: &ShadowRenderer,
+        keep_images: bool,
+    ) -> Self {
+        let mask = renderer.mask().map(|image| back.texture(encoder, &image.texture));
+        let kept = renderer.gpu_images().iter().filter(|_| keep_images);
+        Self { mask, images: kept.map(|image| back.texture(encoder, &image.texture)).collect() }
+    }
+
+    pub(crate) fn mask(&self, back: &ReadBack<'_>) -> Result<Vec<f32>, BackendError> {
+        self.mask.map_or_else(|| Ok(Vec::new()), |t| back.read(t))
+    }
+
+    pub(crate) fn images(&self, back: &ReadBack<'_>, recipe: &Recipe) -> Result<Vec<Image>, BackendError> {
+        let pairs = self.images.iter().zip(&recipe.images);
+        pairs.map(|(&t, &desc)| Ok(Image { desc, texels: back.read(t)? })).collect()
+    }
+}
+
+/// Copies of receivers.
+#[derive(Debug)]
+pub(crate) struct ReceiverTickets {
+    position: Ticket,
+    normal: Ticket,
+    triangle: Ticket,
+    depth: Ticket,
+}
+
+impl ReceiverTextures {
+    pub(crate) fn record(&self, encoder: &mut CommandEncoder, back: &mut ReadBack<'_>) -> ReceiverTickets {
+        let mut copy = |texture| back.texture(encoder, texture);
+        ReceiverTickets {
+            position: copy(&self.position.0),
+            normal: copy(&self.normal.0),
+            triangle: copy(&self.triangle.0),
+            depth: copy(&self.depth.0),
+        }
+    }
+}
+
+impl ReceiverTickets {
+    pub(crate) fn read(&self, back: &ReadBack<'_>, view: &View<'_>) -> Result<Receivers, BackendError> {
+        let positions: Vec<[f32; 4]> = back.read(self.position)?;
+        let normals: Vec<[f32; 4]> = back.read(self.normal)?;
+        let triangles: Vec<u32> = back.read(self.triangle)?;
+        let depths: Vec<f32> = back.read(self.depth)?;
+        let size = view.camera.size;
+        let rays = view.camera.rays();
+        let mut out = Receivers::empty(size);
+        for i in 0..out.len() {
+            let ([nx, ny, nz, t], [x, y, z, receives]) = (normals[i], positions[i]);
+            // As `resolve`: the ray runs along the triangle's plane.
+            if triangles[i] == NO_TRIANGLE || t.abs() >= 3.0e38 {
+                continue;
+            }
+            let pixel = (i as u32 % size.x, i as u32 / size.x);
+            let d: Vec3 = at_pixel(rays.dir, rays.dir_dx, rays.dir_dy, pixel.0, pixel.1);
+            (out.x[i], out.y[i], out.z[i]) = (x, y, z);
+            (out.nx[i], out.ny[i], out.nz[i]) = (nx, ny, nz);
+            out.distance[i] = t * dot3(d, d).sqrt();
+            out.depth[i] = depths[i];
+            out.triangle[i] = triangles[i];
+            out.receives[i] = receives != 0.0;
+        }
+        Ok(out)
+    }
+}

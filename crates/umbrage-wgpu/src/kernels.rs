@@ -1,0 +1,59 @@
+//! A filter or the lookup: a kernel, its uniforms, and what it reads.
+
+use crate::{
+    bindings::{Binding, Bound, Slot},
+    counters::Maker,
+    images::GpuImage,
+    pipelines::Pipelines,
+    tables::Tables,
+    wgsl::Shape,
+};
+use umbrage_core::{Kernel, Recipe};
+use wgpu::{Buffer, BufferUsages, RenderPipeline, ShaderStages};
+
+/// What stays from frame to frame for one kernel of a recipe.
+#[derive(Debug, Default)]
+pub(crate) struct KernelStage {
+    pub(crate) pipeline: Option<RenderPipeline>,
+    pub(crate) binding: Binding,
+    uniforms: Option<Buffer>,
+}
+
+/// What the kernels of a recipe read.
+pub(crate) struct Sources<'a> {
+    pub(crate) recipe: &'a Recipe,
+    pub(crate) images: &'a [GpuImage],
+    pub(crate) tables: &'a mut Tables,
+}
+
+impl KernelStage {
+    /// Writes the uniforms and binds what the kernel reads. Returns its shape.
+    pub(crate) fn bind(
+        &mut self,
+        maker: &mut Maker<'_>,
+        pipelines: &mut Pipelines,
+        sources: &mut Sources<'_>,
+        kernel: &dyn Kernel,
+        (images, tables): (&[usize], &[usize]),
+    ) -> Shape {
+        let shape = Shape::new(sources.recipe, images, tables);
+        let name = kernel.layout().name;
+        let uniforms = maker.write(&mut self.uniforms, name, BufferUsages::UNIFORM, &kernel.uniform_bytes());
+        let mut bound = vec![Bound::Buffer(uniforms)];
+        bound.extend(images.iter().map(|&i| Bound::View(sources.images[i].whole.clone())));
+        for &table in tables {
+            bound.push(Bound::Buffer(sources.tables.get(maker, &sources.recipe.tables[table])));
+        }
+        // Compute, too, so that callers can use the bind group with the pasted text in either kind of shader.
+        let visibility = ShaderStages::FRAGMENT | ShaderStages::COMPUTE;
+        let layout = pipelines.layouts.get(maker, visibility, &slots(&shape));
+        self.binding.set(maker, name, &layout, bound);
+        shape
+    }
+}
+
+fn slots(shape: &Shape) -> Vec<Slot> {
+    let images = shape.layered.iter().map(|&layered| Slot::Floats { layered });
+    let tables = (0..shape.tables).map(|_| Slot::Table);
+    [Slot::Uniform].into_iter().chain(images).chain(tables).collect()
+}

@@ -1,0 +1,47 @@
+//! The graphics device that the tests run on.
+
+use std::sync::LazyLock;
+
+/// What to do where there is none.
+pub const MEND: &str = "on Debian or Ubuntu, `cargo xtask test --install-driver` installs a software one";
+
+/// A device, and the name of its adapter.
+#[derive(Debug)]
+pub struct TestDevice {
+    /// For messages.
+    pub adapter: String,
+    /// The device.
+    pub device: wgpu::Device,
+    /// Its queue.
+    pub queue: wgpu::Queue,
+}
+
+/// The one device that all tests share.
+///
+/// # Panics
+/// When there is no adapter: a test that needs one fails, it is never skipped.
+pub fn device() -> &'static TestDevice {
+    static DEVICE: LazyLock<TestDevice> = LazyLock::new(|| open().unwrap_or_else(|why| panic!("{why}; {MEND}")));
+    &DEVICE
+}
+
+/// Opens a device on the adapter that suits the tests best. OpenGL does not count: see `umbrage_wgpu::AdapterChoice`.
+///
+/// # Errors
+/// When there is none, or it doesn't open; in words.
+pub fn open() -> Result<TestDevice, String> {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+    let mut adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::PRIMARY));
+    adapters.sort_by_key(|a| preference(&a.get_info()));
+    let adapter = adapters.first().ok_or("no graphics adapter found")?;
+    let info = adapter.get_info();
+    let name = format!("{} ({:?}, {})", info.name, info.backend, info.driver_info);
+    let opened = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor::default()));
+    let (device, queue) = opened.map_err(|e| format!("the graphics adapter {name} gives no device: {e}"))?;
+    Ok(TestDevice { adapter: name, device, queue })
+}
+
+/// Software adapters come first: they neither contract nor reorder, so that twins can be asked to be bit-equal.
+fn preference(info: &wgpu::AdapterInfo) -> (bool, bool) {
+    (info.device_type != wgpu::DeviceType::Cpu, info.backend != wgpu::Backend::Vulkan)
+}

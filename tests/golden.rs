@@ -1,0 +1,120 @@
+//! Golden images: masks of 128 x 128 pixels that somebody has looked at, compared exactly.
+
+use image::{GrayImage, ImageFormat};
+use std::{fs, io::Cursor, path::PathBuf};
+use umbrage_core::{Backend as _, Fit, Geometry, ShadowTechnique, View, glam::UVec2};
+use umbrage_cpu::Cpu;
+use umbrage_techniques::{Bias, Hard, Pcf, PcfDithered, ShadowMap, Traced};
+
+/// Sides, pixels.
+pub const SIDE: u32 = 128;
+/// A golden image's greatest size, bytes: the repository keeps every version of each.
+pub const MAX_BYTES: usize = 16 * 1024;
+
+/// A scene and a technique whose mask is kept.
+#[derive(Clone, Copy, Debug)]
+pub struct Golden {
+    /// The built-in scene.
+    pub scene: &'static str,
+    /// Makes the technique.
+    pub technique: fn() -> Box<dyn ShadowTechnique>,
+}
+
+const MAP: ShadowMap = ShadowMap { size: 512, fit: Fit::Tight, bias: Bias::NORMAL_OFFSET };
+
+/// All golden images. Few: each shows what no other does, and all have to be looked at when they change.
+pub fn all() -> Vec<Golden> {
+    let hard = || Box::new(Hard { map: ShadowMap { bias: Bias::SLOPE, ..MAP } }) as Box<dyn ShadowTechnique>;
+    let unbiased = || Box::new(Hard { map: ShadowMap { bias: Bias::NONE, ..MAP } }) as Box<dyn ShadowTechnique>;
+    let pcf = || Box::new(Pcf { map: MAP, radius: 1 }) as Box<dyn ShadowTechnique>;
+    let dithered = || Box::new(PcfDithered { map: MAP }) as Box<dyn ShadowTechnique>;
+    let traced = || Box::new(Traced { samples: 16 }) as Box<dyn ShadowTechnique>;
+    let list: [(&str, fn() -> Box<dyn ShadowTechnique>); 11] = [
+        ("cubes", hard),
+        ("cubes", pcf),
+        ("cubes", dithered),
+        ("cubes", traced),
+        ("figure", pcf),
+        ("teapot-lamp", pcf),
+        ("teapot-lamp", traced),
+        ("thin-plate", hard),
+        ("bar-at-lamp", hard),
+        ("low-sun-5", unbiased),
+        ("stairs", pcf),
+    ];
+    list.into_iter().map(|(scene, technique)| Golden { scene, technique }).collect()
+}
+
+impl Golden {
+    /// `scene.technique`
+    pub fn name(&self) -> String {
+        format!("{}.{}", self.scene, (self.technique)().name())
+    }
+
+    /// Where it is kept.
+    pub fn path(&self) -> PathBuf {
+        PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("goldens").join(format!("{}.png", self.name()))
+    }
+
+    /// The mask as it is rendered now, on the CPU.
+    ///
+    /// # Errors
+    /// When the scene or the recipe can't be made or rendered; in words.
+    pub fn render(&self) -> Result<GrayImage, String> {
+        let say = |e: &dyn std::fmt::Display| format!("{}: {e}", self.name());
+        let entry = umbrage_scenes::find(self.scene).ok_or_else(|| say(&"no such scene"))?;
+        let scene = (entry.build)();
+        let geometry = Geometry::bake(&scene).map_err(|e| say(&e))?;
+        let camera = scene.cameras[0].resized(UVec2::splat(SIDE));
+        let view = View::new(&camera, &scene.lights[0], &geometry);
+        let recipe = (self.technique)().plan(&view).map_err(|e| say(&e))?;
+        let shadows = Cpu::new().render(&view, &recipe).map_err(|e| say(&e))?;
+        let pixels = shadows.mask.iter().map(|lit| (lit * 255.0).round() as u8).collect();
+        GrayImage::from_raw(SIDE, SIDE, pixels).ok_or_else(|| say(&"the mask has another size"))
+    }
+
+    /// What is wrong with the golden image, if anything.
+    ///
+    /// # Errors
+    /// How it differs from the mask rendered now, in words.
+    pub fn check(&self) -> Result<(), String> {
+        let bytes = fs::read(self.path()).map_err(|e| format!("{}: {e}", self.path().display()))?;
+        compare(&bytes, &self.render()?).map_err(|e| format!("{}: {e}", self.name()))
+    }
+
+    /// Writes it anew.
+    ///
+    /// # Errors
+    /// When it can't be rendered or written, or would be too large; in words.
+    pub fn bless(&self) -> Result<(), String> {
+        let bytes = encode(&self.render()?)?;
+        if bytes.len() > MAX_BYTES {
+            return Err(format!("{} takes {} bytes, over {MAX_BYTES}: use a plainer scene", self.name(), bytes.len()));
+        }
+        fs::write(self.path(), bytes).map_err(|e| format!("{}: {e}", self.path().display()))
+    }
+}
+
+/// As a PNG file.
+///
+/// # Errors
+/// When the encoder fails; in words.
+pub fn encode(image: &GrayImage) -> Result<Vec<u8>, String> {
+    let mut bytes = Cursor::new(Vec::new());
+    image.write_to(&mut bytes, ImageFormat::Png).map_err(|e| e.to_string())?;
+    Ok(bytes.into_inner())
+}
+
+/// Objects unless a PNG file holds exactly this image, and is small enough.
+///
+/// # Errors
+/// How they differ, in words.
+pub fn compare(png: &[u8], now: &GrayImage) -> Result<(), String> {
+    let kept = image::load_from_memory_with_format(png, ImageFormat::Png).map_err(|e| e.to_string())?.into_luma8();
+    if png.len() > MAX_BYTES || kept.dimensions() != now.dimensions() {
+        return Err(format!("{} bytes, {:?} pixels: too large", png.len(), kept.dimensions()));
+    }
+    let differing = kept.pixels().zip(now.pixels()).filter(|(a, b)| a != b).count();
+    let most = kept.pixels().zip(now.pixels()).map(|(a, b)| a.0[0].abs_diff(b.0[0])).max().unwrap_or(0);
+    if differing == 0 { Ok(()) } else { Err(format!("{differing} pixels differ, by up to {most} of 255")) }
+}

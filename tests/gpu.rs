@@ -1,0 +1,18 @@
+//! The wgpu backend that the tests share.
+
+use crate::adapter::MEND;
+use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
+use umbrage_wgpu::{AdapterChoice, Gpu};
+
+/// The shared backend; tests take turns.
+///
+/// # Panics
+/// When there is no adapter: a test that needs one fails, it is never skipped.
+pub fn gpu() -> MutexGuard<'static, Gpu> {
+    static GPU: LazyLock<Mutex<Gpu>> = LazyLock::new(|| match Gpu::new(&AdapterChoice::default()) {
+        Ok(gpu) => Mutex::new(gpu),
+        Err(why) => panic!("no graphics adapter for the tests ({why}); {MEND}"),
+    });
+    // A test that failed while it held the lock says so itself; the others go on.
+    GPU.lock().unwrap_or_else(PoisonError::into_inner)
+}

@@ -1,0 +1,175 @@
+//! Random scenes for property tests: meshes, placements, lights, cameras, techniques.
+
+use glam::{Affine3A, Quat, UVec2, Vec3};
+use proptest::{collection::vec, prelude::*};
+use std::sync::Arc;
+use umbrage_core::{Camera, Cull, Extents, Instance, Light, Mesh, RasterBias, Scene, ShadowTechnique};
+use umbrage_techniques::{Bias, Hard, Pcf, PcfDithered, ShadowMap, Traced};
+
+/// Something to render: one scene, one technique.
+#[derive(Clone, Debug)]
+pub struct Case {
+    /// With one light and one camera.
+    pub scene: Scene,
+    /// How to shade it.
+    pub technique: Arc<dyn ShadowTechnique>,
+}
+
+/// Scenes with techniques whose kernels are bit-equal on drivers that keep the order of operations.
+pub fn cases() -> impl Strategy<Value = Case> {
+    (scenes(), techniques()).prop_map(|(scene, technique)| Case { scene, technique })
+}
+
+/// Scenes with a floor or without, of one to five objects.
+pub fn scenes() -> impl Strategy<Value = Scene> {
+    (vec(meshes(), 1..5), vec(placements(), 1..6), lights(), cameras(), any::<bool>()).prop_map(
+        |(mut meshes, placements, light, camera, floor)| {
+            let mut instances: Vec<Instance> = placements
+                .into_iter()
+                .enumerate()
+                .map(|(i, (world_from_local, casts, receives))| Instance {
+                    mesh: i % meshes.len(),
+                    world_from_local,
+                    casts,
+                    receives,
+                })
+                .collect();
+            if floor {
+                let scale = Affine3A::from_scale(Vec3::new(6.0, 1.0, 6.0));
+                instances.push(Instance::new(meshes.len(), scale));
+                meshes.push(quad());
+            }
+            Scene { name: "random".into(), meshes, instances, lights: vec![light], cameras: vec![camera] }
+        },
+    )
+}
+
+fn mesh(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Mesh {
+    Mesh { name: "random".into(), positions, triangles, ..Mesh::default() }
+}
+
+fn quad() -> Mesh {
+    let corner = |x, z| Vec3::new(x, 0.0, z);
+    mesh(vec![corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)], vec![[0, 1, 2], [0, 2, 3]])
+}
+
+/// A closed box, counter-clockwise seen from outside.
+fn cuboid() -> Mesh {
+    let corner = |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) * 2.0 - 1.0;
+    let sides = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+    mesh((0..8).map(corner).collect(), sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect())
+}
+
+/// Any triangles: they cross, touch, repeat and degenerate.
+fn soup() -> impl Strategy<Value = Mesh> {
+    vec((vec3(-1.0..1.0), vec3(-1.0..1.0), vec3(-1.0..1.0)), 1..30).prop_map(|corners| {
+        let positions: Vec<Vec3> = corners.into_iter().flat_map(|(a, b, c)| [a, b, c]).collect();
+        let triangles = (0..positions.len() as u32 / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        mesh(positions, triangles)
+    })
+}
+
+fn meshes() -> impl Strategy<Value = Mesh> {
+    prop_oneof![Just(cuboid()), Just(quad()), soup()]
+}
+
+fn placements() -> impl Strategy<Value = (Affine3A, bool, bool)> {
+    let scale = (0.05..2.0_f32, 0.05..2.0_f32, 0.05..2.0_f32, prop_oneof![4 => Just(1.0), 1 => Just(-1.0)]);
+    (
+        scale,
+        rotations(),
+        vec3(-2.5..2.5),
+        prop_oneof![5 => Just(true), 1 => Just(false)],
+        prop_oneof![5 => Just(true), 1 => Just(false)],
+    )
+        .prop_map(|((x, y, z, mirror), rotation, translation, casts, receives)| {
+            let scale = Vec3::new(x * mirror, y, z);
+            (Affine3A::from_scale_rotation_translation(scale, rotation, translation), casts, receives)
+        })
+}
+
+/// Axis-aligned ones are likely: they bring ties.
+fn rotations() -> impl Strategy<Value = Quat> {
+    prop_oneof![
+        Just(Quat::IDENTITY),
+        (vec3(-1.0..1.0), -3.2..3.2_f32)
+            .prop_map(|(axis, angle)| Quat::from_axis_angle(axis.normalize_or(Vec3::Y), angle)),
+    ]
+}
+
+fn vec3(range: std::ops::Range<f32>) -> impl Strategy<Value = Vec3> {
+    (range.clone(), range.clone(), range).prop_map(|(x, y, z)| Vec3::new(x, y, z))
+}
+
+fn directions() -> impl Strategy<Value = Vec3> {
+    prop_oneof![
+        1 => Just(Vec3::NEG_Y),
+        6 => (vec3(-1.0..1.0), 0.05..1.5_f32).prop_map(|(v, down)| Vec3::new(v.x, -down, v.z)),
+    ]
+}
+
+fn lights() -> impl Strategy<Value = Light> {
+    let above = || (vec3(-3.0..3.0), 3.0..9.0_f32).prop_map(|(v, y)| Vec3::new(v.x, y, v.z));
+    prop_oneof![
+        3 => directions().prop_map(|direction| Light::Directional { direction, angular_diameter: 0.0 }),
+        2 => (above(), 0.2..1.2_f32, vec3(-0.5..0.5)).prop_map(|(position, outer, target)| Light::Spot {
+            position,
+            direction: target - position,
+            inner: outer * 0.5,
+            outer,
+            radius: 0.0,
+        }),
+        1 => above().prop_map(|position| Light::Point { position, radius: 0.0 }),
+        1 => above().prop_map(|center| Light::Rect { center, half_u: Vec3::X * 0.4, half_v: Vec3::Z * 0.3 }),
+        1 => above().prop_map(|center| Light::Disc { center, normal: Vec3::NEG_Y, radius: 0.5 }),
+    ]
+}
+
+fn cameras() -> impl Strategy<Value = Camera> {
+    let eyes = (0.0..6.3_f32, 0.1..1.5_f32, 2.0..12.0_f32);
+    (eyes, vec3(-1.0..1.0), 20.0..100.0_f32, 1..97_u32, 1..70_u32, prop_oneof![4 => Just(false), 1 => Just(true)])
+        .prop_map(|((turn, height, distance), target, fov, width, rows, flat)| {
+            let around = Vec3::new(turn.cos() * height.cos(), height.sin(), turn.sin() * height.cos());
+            let (eye, size) = (target + around * distance, UVec2::new(width, rows));
+            let camera = if flat {
+                let extents = Extents { left: -4.0, right: 4.0, bottom: -3.0, top: 3.0, near: 0.0, far: 30.0 };
+                Camera::orthographic(eye, target, Vec3::Y, extents, size)
+            } else {
+                Camera::perspective(eye, target, Vec3::Y, fov.to_radians(), [0.5, 40.0], size)
+            };
+            camera.expect("the ranges above are valid")
+        })
+}
+
+fn techniques() -> impl Strategy<Value = Arc<dyn ShadowTechnique>> {
+    prop_oneof![
+        2 => maps().prop_map(|map| Arc::new(Hard { map }) as Arc<dyn ShadowTechnique>),
+        3 => (maps(), 0..8_u32).prop_map(|(map, radius)| Arc::new(Pcf { map, radius }) as Arc<dyn ShadowTechnique>),
+        2 => maps().prop_map(|map| Arc::new(PcfDithered { map }) as Arc<dyn ShadowTechnique>),
+        1 => (1..5_u32).prop_map(|samples| Arc::new(Traced { samples }) as Arc<dyn ShadowTechnique>),
+    ]
+}
+
+fn maps() -> impl Strategy<Value = ShadowMap> {
+    (1..200_u32, biases()).prop_map(|(size, bias)| ShadowMap { size, bias, ..ShadowMap::default() })
+}
+
+/// The presets, and mixtures of everything.
+fn biases() -> impl Strategy<Value = Bias> {
+    let presets = (0..Bias::PRESETS.len()).prop_map(|i| Bias::PRESETS[i].1);
+    let culls = prop_oneof![Just(Cull::None), Just(Cull::Front), Just(Cull::Back)];
+    let rasters = (-5000..5000_i32, -3.0..3.0_f32, prop_oneof![Just(0.0), -0.01..0.01_f32])
+        .prop_map(|(constant, slope, clamp)| RasterBias { constant, slope, clamp });
+    let mixed = (-0.01..0.01_f32, 0.0..0.1_f32, 0.0..0.01_f32, rasters, -2.0..2.0_f32, 0.0..0.2_f32, culls).prop_map(
+        |(constant, slope, slope_min, raster, normal_offset, receiver_plane, cull)| Bias {
+            constant,
+            slope,
+            slope_min,
+            raster,
+            normal_offset,
+            receiver_plane,
+            cull,
+        },
+    );
+    prop_oneof![presets, mixed]
+}

@@ -1,0 +1,82 @@
+//! Net 1: twin functions, both halves on the same inputs.
+
+use umbrage_core::{Module, Twin, bvh, light_sample, math, resolve};
+use umbrage_tests::{
+    adapter::device,
+    twins::{Fault, check, difference, draw, mutants},
+};
+
+fn all() -> Vec<Twin> {
+    let core = [math::TWINS, resolve::TWINS, bvh::TWINS, light_sample::TWINS].concat();
+    core.into_iter().chain(umbrage_techniques::twins().copied()).collect()
+}
+
+#[test]
+fn both_halves_give_the_same_bits() {
+    let faults: Vec<String> =
+        all().iter().filter_map(|t| check(device(), t, &draw(t)).err()).map(|e| e.to_string()).collect();
+    assert!(faults.is_empty(), "on {}:\n{}", device().adapter, faults.join("\n"));
+}
+
+#[test]
+fn every_changed_operator_is_caught() {
+    let (mut ran, mut missed) = (0, Vec::new());
+    for twin in all() {
+        let inputs = draw(&twin);
+        for (mutant, line) in mutants(&twin) {
+            match check(device(), &mutant, &inputs) {
+                Err(Fault::Differs { .. }) => ran += 1,
+                // Some slips don't compile (a matrix column plus a scalar): those are caught as well.
+                Err(Fault::Wgsl { .. }) => {}
+                verdict => missed.push(format!("{}: {line} ({verdict:?})", twin.name)),
+            }
+        }
+    }
+    assert!(missed.is_empty(), "not caught:\n{}", missed.join("\n"));
+    assert!(ran > 60, "only {ran} spoilt twins compiled");
+}
+
+fn spoilt(text: &'static str) -> Twin {
+    let dot3 = math::TWINS.iter().find(|t| t.name == "dot3").expect("math has dot3");
+    Twin { module: Module { name: "math", text }, ..*dot3 }
+}
+
+#[test]
+fn a_wrong_signature_is_caught() {
+    for text in [
+        "fn dot3(a: vec3f, b: vec4f) -> f32 { return a.x + b.x; }",
+        "fn dot3(a: vec3f, b: vec3f) -> vec3f { return a + b; }",
+        "fn dot3(a: vec3f) -> f32 { return a.x; }",
+        "fn dot4(a: vec3f, b: vec3f) -> f32 { return a.x + b.x; }",
+    ] {
+        let twin = spoilt(text);
+        let verdict = check(device(), &twin, &draw(&twin));
+        assert!(matches!(verdict, Err(Fault::Signature { .. })), "{verdict:?} for {text}");
+    }
+}
+
+#[test]
+fn wgsl_that_does_not_compile_is_caught() {
+    let twin = spoilt("fn dot3(a: vec3f, b: vec3f) -> f32 { return nonsense; }");
+    let verdict = check(device(), &twin, &draw(&twin));
+    assert!(matches!(verdict, Err(Fault::Wgsl { .. })), "{verdict:?}");
+}
+
+#[test]
+fn constant_results_prove_nothing_and_are_refused() {
+    let twin = Twin { call: |_| vec![0], ..spoilt("fn dot3(a: vec3f, b: vec3f) -> f32 { return 0.0; }") };
+    let verdict = check(device(), &twin, &draw(&twin));
+    assert!(matches!(verdict, Err(Fault::Dull { .. })), "{verdict:?}");
+}
+
+#[test]
+fn ulps_count_neighbouring_floats() {
+    let next = |x: f32| x.to_bits() + 1;
+    assert_eq!(difference(1.0_f32.to_bits(), next(1.0), true), 1);
+    assert_eq!(difference((-1.0_f32).to_bits(), next(-1.0), true), 1);
+    assert_eq!(difference(0.0_f32.to_bits(), (-0.0_f32).to_bits(), true), 0);
+    assert_eq!(difference(1, 1 << 31 | 1, true), 2, "the least floats beside zero");
+    assert_eq!(difference(f32::NAN.to_bits(), f32::NAN.to_bits() + 3, true), 0);
+    assert_eq!(difference(f32::NAN.to_bits(), f32::INFINITY.to_bits(), true), u64::MAX);
+    assert_eq!(difference(5, 7, false), 2);
+}

@@ -1,0 +1,48 @@
+//! Net 2: uniforms, where Rust writes and where shaders read.
+
+use umbrage_core::{CameraRays, Kernel, Light, Recipe, Uniforms, View, glam::Vec3, join, resolve::RESOLVE};
+use umbrage_tests::{layouts::check, stage};
+
+fn kernels(recipe: &Recipe) -> impl Iterator<Item = &dyn Kernel> {
+    let filters = recipe.filters.iter().map(|f| &*f.kernel as &dyn Kernel);
+    filters.chain([&*recipe.receive.kernel as &dyn Kernel])
+}
+
+#[test]
+fn every_kernel_writes_its_uniforms_where_its_shader_reads_them() {
+    let (geometry, camera) = (stage::geometry(1.0, Vec3::ZERO), stage::camera());
+    let light = Light::Directional { direction: Vec3::new(1.0, -3.0, 1.0), angular_diameter: 0.0093 };
+    let view = View::new(&camera, &light, &geometry);
+    for entry in umbrage_techniques::all() {
+        for technique in (entry.exhaustive)(64) {
+            let recipe = technique.plan(&view).unwrap_or_else(|e| panic!("{}: {e}", entry.name));
+            for kernel in kernels(&recipe) {
+                let name = format!("{}, {}", entry.name, technique.settings());
+                check(&kernel.layout(), &join(&kernel.modules())).unwrap_or_else(|e| panic!("{name}: {e}"));
+                // A buffer may end in padding, never before the struct does.
+                assert!(kernel.uniform_bytes().len() as u64 >= kernel.layout().size, "{name}: too few bytes");
+            }
+        }
+    }
+}
+
+#[test]
+fn camera_rays_lie_where_the_shader_reads_them() {
+    check(&CameraRays::layout(), RESOLVE.text).expect("same layout");
+}
+
+#[test]
+fn a_swapped_renamed_widened_or_missing_field_is_caught() {
+    let good = RESOLVE.text;
+    for (from, to) in [
+        ("origin_dx: vec4f,\n    origin_dy: vec4f", "origin_dy: vec4f,\n    origin_dx: vec4f"),
+        ("dir_dy: vec4f", "dir_dz: vec4f"),
+        ("dir: vec4f", "dir: mat4x4f"),
+        ("    dir_dy: vec4f,\n", ""),
+        ("struct CameraRays", "struct CameraRay"),
+    ] {
+        let bad = good.replace(from, to);
+        assert_ne!(bad, good, "the spoilt text must differ");
+        assert!(check(&CameraRays::layout(), &bad).is_err(), "not caught: {from} -> {to}");
+    }
+}

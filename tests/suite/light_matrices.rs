@@ -1,0 +1,166 @@
+//! Light-space matrices, printed: every kind of light, fitted and by hand, at all scales, in awkward directions.
+
+use std::fmt::Write as _;
+use umbrage_core::{
+    Extents, Fit, Geometry, Light, LightSpace, PlanError, View,
+    glam::{Mat4, UVec2, Vec3, Vec4},
+};
+use umbrage_tests::stage::{camera, geometry};
+
+fn fit(fit: Fit, light: &Light, geometry: &Geometry) -> Result<LightSpace, PlanError> {
+    light.validate().expect("a good light");
+    fit.light_space(&View::new(&camera(), light, geometry), 1024, 1.0)
+}
+
+/// Six significant digits: what differs between processors' libraries is smaller by far.
+fn number(v: f32) -> String {
+    let rounded: f64 = format!("{v:.5e}").parse().expect("a number, printed");
+    if rounded == 0.0 { "0".to_owned() } else { format!("{rounded:e}") }
+}
+
+fn print(name: &str, space: &Result<LightSpace, PlanError>) -> String {
+    let mut out = format!("{name}\n");
+    let space = match space {
+        Ok(space) => space,
+        Err(why) => return format!("{out}  {why}\n\n"),
+    };
+    for (label, m) in [
+        ("view_from_world", space.view_from_world),
+        ("clip_from_view", space.clip_from_view),
+        ("texture_from_world", space.texture_from_world()),
+    ] {
+        assert!(m.is_finite(), "{label} of {name} is not finite: {m}");
+        writeln!(out, "  {label}").expect("strings take any text");
+        (0..4).for_each(|i| writeln!(out, "    {}", row(m.row(i))).expect("strings take any text"));
+    }
+    out + "\n"
+}
+
+/// Numbers that are rounding errors beside the others of their row, or beside the map's width, count as zero.
+fn row(r: Vec4) -> String {
+    const ROUNDING: f32 = 2e-7;
+    let linear = r.truncate().abs().max_element() * ROUNDING;
+    let clean = |v: f32, least: f32| if v.abs() <= least { 0.0 } else { v };
+    let r = [clean(r.x, linear), clean(r.y, linear), clean(r.z, linear), clean(r.w, ROUNDING)];
+    r.map(|v| format!("{:>12}", number(v))).join(" ")
+}
+
+const FAR_AWAY: Vec3 = Vec3::new(5e4, -2e4, 8e4);
+
+/// Every light around the box at a scale, moved by an offset.
+fn lights(scale: f32, offset: Vec3) -> Vec<(&'static str, Light)> {
+    let at = |x, y, z| offset + Vec3::new(x, y, z) * scale;
+    let down = Vec3::NEG_Y;
+    vec![
+        ("directional", Light::Directional { direction: Vec3::new(2.0, -4.0, 1.0), angular_diameter: 0.0 }),
+        ("directional, straight down", Light::Directional { direction: down, angular_diameter: 0.0093 }),
+        ("directional, straight up", Light::Directional { direction: Vec3::Y, angular_diameter: 0.0 }),
+        (
+            "directional, nearly down",
+            Light::Directional { direction: Vec3::new(1e-6, -1.0, 0.0), angular_diameter: 0.0 },
+        ),
+        (
+            "directional, tiny vector",
+            Light::Directional { direction: Vec3::new(1e-30, -1e-30, 0.0), angular_diameter: 0.0 },
+        ),
+        (
+            "directional, huge vector",
+            Light::Directional { direction: Vec3::new(1e30, -1e30, 0.0), angular_diameter: 0.0 },
+        ),
+        (
+            "spot",
+            Light::Spot {
+                position: at(-2.0, 6.0, 1.0),
+                direction: Vec3::new(2.0, -5.0, -1.0),
+                inner: 0.4,
+                outer: 0.5,
+                radius: 0.0,
+            },
+        ),
+        (
+            "spot, straight down",
+            Light::Spot { position: at(0.0, 6.0, 0.0), direction: down, inner: 0.0, outer: 0.6, radius: 0.1 },
+        ),
+        (
+            "spot, too wide",
+            Light::Spot { position: at(0.0, 6.0, 0.0), direction: down, inner: 1.0, outer: 1.5, radius: 0.0 },
+        ),
+        ("point", Light::Point { position: at(-2.0, 6.0, 1.0), radius: 0.0 }),
+        ("point, right above", Light::Point { position: at(0.0, 6.0, 0.0), radius: 0.2 }),
+        ("point, within the caster", Light::Point { position: at(0.0, 1.5, 0.0), radius: 0.0 }),
+        ("rect", Light::Rect { center: at(1.0, 5.0, 0.0), half_u: Vec3::X, half_v: Vec3::Z }),
+        ("disc", Light::Disc { center: at(1.0, 5.0, 2.0), normal: Vec3::Y, radius: 0.5 }),
+    ]
+}
+
+fn suite(scale: f32, offset: Vec3) -> String {
+    let geometry = geometry(scale, offset);
+    lights(scale, offset).iter().map(|(name, light)| print(name, &fit(Fit::Tight, light, &geometry))).collect()
+}
+
+#[test]
+fn fitted() {
+    insta::assert_snapshot!("fitted_scale_1", suite(1.0, Vec3::ZERO));
+    insta::assert_snapshot!("fitted_scale_1e-3", suite(1e-3, Vec3::ZERO));
+    insta::assert_snapshot!("fitted_scale_1e4", suite(1e4, Vec3::ZERO));
+    insta::assert_snapshot!("fitted_far_away", suite(1.0, FAR_AWAY));
+}
+
+#[test]
+fn by_hand() {
+    let extents = Extents { left: -10.0, right: 10.0, bottom: -10.0, top: 10.0, near: 1.0, far: 7.5 };
+    let manual = Fit::Manual { eye: Vec3::new(-2.0, 4.0, -1.0), extents };
+    let geometry = geometry(1.0, Vec3::ZERO);
+    let out: String =
+        lights(1.0, Vec3::ZERO).iter().map(|(name, light)| print(name, &fit(manual, light, &geometry))).collect();
+    insta::assert_snapshot!(out);
+}
+
+#[test]
+fn nothing_casts() {
+    let geometry = geometry(1.0, Vec3::ZERO).without_casters();
+    let lights = lights(1.0, Vec3::ZERO);
+    insta::assert_snapshot!(
+        lights.iter().map(|(name, light)| print(name, &fit(Fit::Tight, light, &geometry))).collect::<String>()
+    );
+}
+
+#[test]
+fn bad_projections_say_what_to_mend() {
+    let good = Extents { left: -1.0, right: 1.0, bottom: -1.0, top: 1.0, near: 1.0, far: 2.0 };
+    let light = Light::Directional { direction: Vec3::NEG_Y, angular_diameter: 0.0 };
+    let geometry = geometry(1.0, Vec3::ZERO);
+    let out: String = [
+        ("near beyond far", Extents { near: 3.0, ..good }),
+        ("no width", Extents { left: 1.0, ..good }),
+        ("not a number", Extents { top: f32::NAN, ..good }),
+    ]
+    .into_iter()
+    .map(|(name, extents)| print(name, &fit(Fit::Manual { eye: Vec3::ZERO, extents }, &light, &geometry)))
+    .collect();
+    insta::assert_snapshot!(out);
+}
+
+/// Whether every point falls onto the map, at a depth from 0 to 1.
+fn holds(space: &LightSpace, points: impl Iterator<Item = Vec3>) -> bool {
+    let clip_from_world: Mat4 = space.clip_from_world();
+    points
+        .map(|p| clip_from_world * p.extend(1.0))
+        .all(|c| c.x.abs() <= c.w && c.y.abs() <= c.w && c.z >= 0.0 && c.z <= c.w)
+}
+
+#[test]
+fn a_fitted_map_holds_every_caster() {
+    for (scale, offset) in [(1.0, Vec3::ZERO), (1e-3, Vec3::ZERO), (1e4, Vec3::ZERO), (1.0, FAR_AWAY * 0.01)] {
+        let geometry = geometry(scale, offset);
+        let casters = || geometry.vertices_of(geometry.casters());
+        // Light from below meets the floor first: casters behind it need no place on the map.
+        let lights = lights(scale, offset).into_iter().filter(|(name, _)| !name.ends_with("up"));
+        for (name, light) in lights {
+            let Ok(space) = fit(Fit::Tight, &light, &geometry) else { continue };
+            assert!(holds(&space, casters()), "{name} at scale {scale}: {space:?}");
+            let nudged = space.nudged(Vec3::splat(600.0).truncate(), 0.0, UVec2::splat(1024));
+            assert!(!holds(&nudged, casters()), "{name}: a map moved by half its size must not hold them");
+        }
+    }
+}

@@ -1,0 +1,6 @@
+//! Tests across packages.
+
+mod functions;
+mod goldens;
+mod layouts;
+mod light_matrices;

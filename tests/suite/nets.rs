@@ -1,0 +1,8 @@
+//! The nets that play recipes on both backends, and what is known of shadows from formulas.
+
+mod agreement;
+mod closed_form;
+mod embedding;
+mod plugin;
+mod stages;
+mod threads;

@@ -1,0 +1,85 @@
+//! Inputs for twins: many kinds of number, always the same ones.
+
+use super::wrapper::{count, scalar};
+use proptest::{
+    prelude::*,
+    sample::select,
+    strategy::ValueTree as _,
+    test_runner::{Config, RngAlgorithm, TestRng, TestRunner},
+};
+use umbrage_core::Twin;
+
+/// How many inputs each pair is run on; a multiple of the wrapper's workgroup size.
+pub const COUNT: usize = 65_536;
+
+/// The words of [`COUNT`] inputs, one after the other. The same twin gets the same inputs in every run.
+///
+/// # Panics
+/// Never: no strategy here rejects a value.
+pub fn draw(twin: &Twin) -> Vec<u32> {
+    let scalars: Vec<_> = twin.parameters.iter().flat_map(|t| std::iter::repeat_n(scalar(t), count(t))).collect();
+    let strategies = [Mood::Cube, Mood::Grid, Mood::Scales, Mood::Any]
+        .map(|mood| scalars.iter().map(|s| component(s, mood)).collect::<Vec<_>>());
+    let mut runner = TestRunner::new_with_rng(Config::default(), TestRng::from_seed(RngAlgorithm::ChaCha, &[7; 32]));
+    (0..COUNT)
+        .flat_map(|i| {
+            let tree = strategies[i % strategies.len()].new_tree(&mut runner);
+            tree.expect("no strategy rejects").current()
+        })
+        .collect()
+}
+
+/// What the numbers of one input have in common. Independent wild numbers seldom meet: a ray among them hits nothing.
+#[derive(Clone, Copy)]
+enum Mood {
+    /// Like positions in a unit cube.
+    Cube,
+    /// Few values: many ties, zeros and degenerate shapes.
+    Grid,
+    /// All sizes from 1e-6 to 1e6.
+    Scales,
+    /// Each of its own kind, zeros of both signs and extremes among them.
+    Any,
+}
+
+fn component(scalar: &str, mood: Mood) -> BoxedStrategy<u32> {
+    match scalar {
+        "u32" => unsigned(mood),
+        "i32" => signed(mood),
+        _ => float(mood).prop_map(f32::to_bits).boxed(),
+    }
+}
+
+fn float(mood: Mood) -> BoxedStrategy<f32> {
+    match mood {
+        Mood::Cube => (-1.0_f32..1.0).boxed(),
+        Mood::Grid => (-2..=2_i32).prop_map(|i| i as f32 / 2.0).boxed(),
+        Mood::Scales => (any::<bool>(), -20.0_f32..20.0)
+            .prop_map(|(negative, e)| if negative { -e.exp2() } else { e.exp2() })
+            .boxed(),
+        Mood::Any => {
+            let special = select(&SPECIAL[..]);
+            prop_oneof![float(Mood::Cube), float(Mood::Grid), float(Mood::Scales), special].boxed()
+        }
+    }
+}
+
+/// Extremes whose products still are normal numbers or overflow: drivers may flush denormal ones.
+const SPECIAL: [f32; 12] =
+    [0.0, -0.0, 1.0, -1.0, 0.5, -0.5, 1e-9, -1e-9, 1e30, -1e30, 16_777_216.0, 1.0 - f32::EPSILON / 2.0];
+
+fn unsigned(mood: Mood) -> BoxedStrategy<u32> {
+    match mood {
+        Mood::Cube | Mood::Grid => (0_u32..16).boxed(),
+        Mood::Scales => (0_u32..16_384).boxed(),
+        Mood::Any => prop_oneof![any::<u32>(), 0_u32..3].boxed(),
+    }
+}
+
+fn signed(mood: Mood) -> BoxedStrategy<u32> {
+    match mood {
+        Mood::Cube | Mood::Grid => (-8_i32..8).prop_map(|i| i as u32).boxed(),
+        Mood::Scales => (-16_384_i32..16_384).prop_map(|i| i as u32).boxed(),
+        Mood::Any => prop_oneof![any::<u32>(), 0_u32..3].boxed(),
+    }
+}

@@ -1,0 +1,74 @@
+//! The first of four nets: each twin function, both halves, on the same 65,536 inputs.
+
+mod inputs;
+mod mutants;
+mod run;
+mod ulps;
+mod wrapper;
+
+pub use inputs::{COUNT, draw};
+pub use mutants::{Mutant, mutants};
+pub use ulps::{Difference, difference};
+pub use wrapper::{shader, wgsl_types};
+
+use crate::adapter::TestDevice;
+use umbrage_core::Twin;
+
+/// Why a pair of twins is none.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Fault {
+    /// The WGSL doesn't compile.
+    #[error("`{twin}` does not compile: {message}")]
+    Wgsl {
+        /// The pair.
+        twin: &'static str,
+        /// What the compiler said.
+        message: String,
+    },
+    /// The WGSL half is missing, or takes or gives other types than the Rust half.
+    #[error("`{twin}` in Rust is {rust}; in WGSL it is {wgsl}")]
+    Signature {
+        /// The pair.
+        twin: &'static str,
+        /// `(vec3f, f32) -> f32`
+        rust: String,
+        /// The same for WGSL; `missing`.
+        wgsl: String,
+    },
+    /// The halves disagree.
+    #[error("`{twin}` differs on {count} of {COUNT} inputs, allowed {allowed} ulps; worst: {worst}")]
+    Differs {
+        /// The pair.
+        twin: &'static str,
+        /// How often.
+        count: usize,
+        /// The pair's tolerance.
+        allowed: u32,
+        /// The worst case.
+        worst: Box<Difference>,
+    },
+    /// Nearly all results are the same, or not a number: the inputs prove nothing.
+    #[error(
+        "`{twin}`: {useful} of {COUNT} results differ from the commonest and are numbers, too few to prove anything"
+    )]
+    Dull {
+        /// The pair.
+        twin: &'static str,
+        /// How many prove something.
+        useful: usize,
+    },
+}
+
+/// Runs both halves of a pair on `inputs`, and returns the greatest difference in ulps.
+///
+/// # Errors
+/// When they aren't twins.
+pub fn check(on: &TestDevice, twin: &Twin, inputs: &[u32]) -> Result<u64, Fault> {
+    let text = shader(twin)?;
+    let words: usize = twin.parameters.iter().map(|t| wrapper::count(t)).sum();
+    let expected: Vec<u32> = inputs.chunks_exact(words).flat_map(twin.call).collect();
+    ulps::useful(twin, &expected)?;
+    let got = run::run(on, &text, inputs, expected.len(), inputs.len() / words)
+        .map_err(|message| Fault::Wgsl { twin: twin.name, message })?;
+    ulps::compare(twin, inputs, &expected, &got)
+}

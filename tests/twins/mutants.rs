@@ -1,0 +1,73 @@
+//! Spoilt twins: the WGSL half with one operator changed.
+
+use std::ops::Range;
+use umbrage_core::{Module, Twin};
+
+/// Each operator of interest, and what a slip of the pen makes of it.
+const SLIPS: [(&str, &str); 15] = [
+    (" + ", " - "),
+    (" - ", " + "),
+    (" * ", " + "),
+    (" / ", " * "),
+    (" < ", " >= "),
+    (" <= ", " > "),
+    (" > ", " <= "),
+    (" >= ", " < "),
+    // Whether the border belongs: many inputs lie on zero, few on anything else.
+    (" < 0.0", " <= 0.0"),
+    (" <= 0.0", " < 0.0"),
+    (" > 0.0", " >= 0.0"),
+    (" >= 0.0", " > 0.0"),
+    (" && ", " || "),
+    (" || ", " && "),
+    ("[3]", "[2]"),
+];
+
+/// A spoilt twin, and the line that was spoilt.
+pub type Mutant = (Twin, String);
+
+/// The twin with one operator of its WGSL half changed: once for every operator of its function, and of those that it
+/// calls in the same module.
+pub fn mutants(twin: &Twin) -> Vec<Mutant> {
+    let text = twin.module.text;
+    let mut out = Vec::new();
+    for body in reached(text, twin.name) {
+        for (from, to) in SLIPS {
+            let slips = text[body.clone()].match_indices(from).map(|(at, _)| body.start + at);
+            out.extend(slips.map(|at| with_text(twin, [&text[..at], to, &text[at + from.len()..]].concat())));
+        }
+    }
+    out
+}
+
+/// The bodies of a function and of all that it calls, as ranges of `text`.
+fn reached(text: &str, function: &str) -> Vec<Range<usize>> {
+    let bodies = bodies(text);
+    let mut names = vec![function];
+    let mut next = 0;
+    while let Some(name) = names.get(next).copied() {
+        let body = bodies.iter().find(|(n, _)| *n == name).map_or("", |(_, r)| &text[r.clone()]);
+        let called = bodies.iter().map(|(n, _)| *n).filter(|n| body.contains(&format!("{n}(")) && !names.contains(n));
+        let called: Vec<_> = called.collect();
+        names.extend(called);
+        next += 1;
+    }
+    bodies.into_iter().filter(|(n, _)| names.contains(n)).map(|(_, r)| r).collect()
+}
+
+/// Every function's name, and its range from the opening brace on. A closing brace in the first column ends it.
+fn bodies(text: &str) -> Vec<(&str, Range<usize>)> {
+    let functions = text.match_indices("\nfn ").filter_map(|(at, _)| {
+        let name = &text[at + 4..][..text[at + 4..].find('(')?];
+        let start = at + text[at..].find('{')?;
+        Some((name, start..start + text[start..].find("\n}")?))
+    });
+    functions.collect()
+}
+
+fn with_text(twin: &Twin, text: String) -> Mutant {
+    let spoilt = text.lines().zip(twin.module.text.lines()).find(|(a, b)| a != b);
+    let line = spoilt.map_or("", |(line, _)| line.trim()).to_owned();
+    // A module's text lives as long as the program; so few spoilt ones may, too.
+    (Twin { module: Module { text: text.leak(), ..twin.module }, ..*twin }, line)
+}

@@ -1,0 +1,20 @@
+//! Golden images, kept by the tests.
+
+use crate::{
+    cli::BlessOptions,
+    run::{Usage, beside, cargo, run},
+};
+use anyhow::{Result, bail};
+
+/// Builds and runs the program that renders and writes golden images. It is built as the tests are, so that both share
+/// what they are built from.
+pub(crate) fn bless(options: &BlessOptions) -> Result<()> {
+    run(cargo().args(["build", "--workspace", "--bin", "bless"]))?;
+    let mut command = beside("bless")?;
+    let status = if options.all { command.arg("--all") } else { command.args(&options.names) }.status()?;
+    match status.code() {
+        Some(0) => Ok(()),
+        Some(2) => Err(Usage("no such golden image".to_owned()).into()),
+        _ => bail!("`bless` ended with {status}"),
+    }
+}

@@ -1,0 +1,151 @@
+//! What can be typed.
+
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+
+/// umbrage's own commands.
+#[derive(Debug, Parser)]
+#[command(name = "cargo xtask", bin_name = "cargo xtask", disable_help_subcommand = true)]
+#[command(after_help = "Examples:
+  cargo xtask compare                 every built-in scene, technique and backend: table and report
+  cargo xtask test --install-driver   all tests, on a software driver if need be
+  cargo xtask ci                      all that a change has to pass")]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Measure techniques on scenes: speed, and error against ray-traced truth
+    Compare(CompareOptions),
+    /// Run all tests, with a graphics adapter
+    Test(TestOptions),
+    /// Time the CPU backend, the wgpu backend and ray tracing against their yardsticks
+    Bench(BenchOptions),
+    /// Make golden images anew, after you have looked at what changed
+    Bless(BlessOptions),
+    /// Measure functions and files, and refuse what house style refuses
+    #[command(after_help = "Examples:\n  cargo xtask tidy")]
+    Tidy,
+    /// Run tests, tidy, format, clippy, docs and packaging
+    Ci(CiOptions),
+}
+
+#[derive(Args, Clone, Debug, PartialEq)]
+#[command(after_help = "Examples:
+  cargo xtask compare                                        the built-in suite
+  cargo xtask compare --list                                 what there is to compare
+  cargo xtask compare cubes --technique pcf --backend cpu    one scene, technique and backend
+  cargo xtask compare lamp.toml model.obj --quick            scenes of your own, small and fast
+  cargo xtask compare cubes --size 640x480 --map-sizes 512,2048 --arrays --out report")]
+pub(crate) struct CompareOptions {
+    /// Built-in scenes by name, scene files (.toml) or models (.obj); none: the built-in suite
+    #[arg(value_name = "SCENE")]
+    pub(crate) scenes: Vec<String>,
+    /// Only these techniques; may be repeated, or separated by commas
+    #[arg(long = "technique", value_name = "NAME", value_delimiter = ',')]
+    pub(crate) techniques: Vec<String>,
+    /// Which backends play
+    #[arg(long, value_name = "NAME", default_value = "available")]
+    pub(crate) backend: Backend,
+    /// Graphics adapter by part of its name, such as llvmpipe
+    #[arg(long, value_name = "NAME")]
+    pub(crate) adapter: Option<String>,
+    /// Image size in pixels; else each scene's own
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    pub(crate) size: Option<[u32; 2]>,
+    /// Sides of the shadow maps, texels
+    #[arg(long, value_name = "SIDE", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=16_384))]
+    pub(crate) map_sizes: Vec<u32>,
+    /// Truth's rays a pixel for lights with an extent
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) samples: Option<u32>,
+    /// Timed runs of each row; their median is kept
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) runs: Option<u32>,
+    /// Folder for the report
+    #[arg(long, value_name = "FOLDER", default_value = "target/compare")]
+    pub(crate) out: PathBuf,
+    /// Small images, few samples, few runs: a look rather than a measurement
+    #[arg(long)]
+    pub(crate) quick: bool,
+    /// Write NumPy arrays of truth, distance and every mask, too
+    #[arg(long)]
+    pub(crate) arrays: bool,
+    /// List scenes and techniques, and end
+    #[arg(long)]
+    pub(crate) list: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum Backend {
+    /// The CPU, and wgpu if there is a graphics adapter
+    Available,
+    /// The CPU alone
+    Cpu,
+    /// wgpu alone; fails without a graphics adapter
+    Wgpu,
+    /// Both; fails without a graphics adapter
+    Both,
+}
+
+#[derive(Args, Clone, Debug, PartialEq)]
+#[command(after_help = "Examples:
+  cargo xtask test                                  where there is a graphics adapter
+  cargo xtask test --install-driver                 where there may be none: Debian, Ubuntu, containers
+  cargo xtask test -- -p umbrage-core light_space   further arguments go to `cargo test`")]
+pub(crate) struct TestOptions {
+    /// Where no graphics adapter is found, install a software driver (Debian and Ubuntu, as root or with sudo)
+    #[arg(long)]
+    pub(crate) install_driver: bool,
+    /// Further arguments of `cargo test`
+    #[arg(last = true, value_name = "ARGUMENT")]
+    pub(crate) arguments: Vec<String>,
+}
+
+#[derive(Args, Clone, Debug, PartialEq)]
+#[command(after_help = "Examples:
+  cargo xtask bench               every ratio, medians of 20 runs taken in turn
+  cargo xtask bench --runs 100    the same, steadier")]
+pub(crate) struct BenchOptions {
+    /// Runs of each side; their medians are compared
+    #[arg(long, value_name = "COUNT", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) runs: u32,
+}
+
+#[derive(Args, Clone, Debug, PartialEq)]
+#[command(after_help = "Examples:
+  cargo xtask bless            say which golden images differ from what is rendered now
+  cargo xtask bless cubes.pcf  write that one anew
+  cargo xtask bless --all      write all that differ")]
+pub(crate) struct BlessOptions {
+    /// Golden images to write, by name
+    #[arg(value_name = "NAME")]
+    pub(crate) names: Vec<String>,
+    /// Write all that differ
+    #[arg(long, conflicts_with = "names")]
+    pub(crate) all: bool,
+}
+
+#[derive(Args, Clone, Debug, PartialEq)]
+#[command(after_help = "Examples:
+  cargo xtask ci                    all of it
+  cargo xtask ci --after-tests      all but the tests, which `cargo xtask test` has just run")]
+pub(crate) struct CiOptions {
+    /// Leave out the tests
+    #[arg(long)]
+    pub(crate) after_tests: bool,
+    /// As `cargo xtask test --install-driver`
+    #[arg(long, conflicts_with = "after_tests")]
+    pub(crate) install_driver: bool,
+}
+
+fn parse_size(text: &str) -> Result<[u32; 2], String> {
+    let sides = text.split_once('x').and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+    match sides {
+        Some(size) if size.iter().all(|s| (1..=16_384).contains(s)) => Ok(size),
+        Some(_) => Err("each side must be 1 to 16384 pixels".to_owned()),
+        None => Err("write width and height like 640x480".to_owned()),
+    }
+}

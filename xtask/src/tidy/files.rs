@@ -1,0 +1,44 @@
+//! The files that are ours to keep tidy.
+
+use anyhow::{Context as _, Result};
+use std::{fs, path::Path};
+
+/// A text file.
+#[derive(Debug)]
+pub(crate) struct Source {
+    /// Relative to the top folder.
+    pub(crate) path: String,
+    pub(crate) text: String,
+}
+
+impl Source {
+    pub(crate) fn extension(&self) -> &str {
+        self.path.rsplit_once('.').map_or("", |(_, e)| e)
+    }
+}
+
+/// Every Rust, WGSL, TOML and Markdown file below `root`, in order of path.
+pub(crate) fn read_all(root: &Path) -> Result<Vec<Source>> {
+    let mut out = Vec::new();
+    read_folder(root, "", &mut out)?;
+    out.sort_by(|a, b| a.path.cmp(&b.path));
+    Ok(out)
+}
+
+fn read_folder(folder: &Path, prefix: &str, out: &mut Vec<Source>) -> Result<()> {
+    for entry in fs::read_dir(folder).with_context(|| format!("cannot read {}", folder.display()))? {
+        let entry = entry?;
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let path = format!("{prefix}{name}");
+        if entry.file_type()?.is_dir() {
+            // Cargo's output, and what tools hide.
+            if name != "target" && !name.starts_with('.') {
+                read_folder(&entry.path(), &format!("{path}/"), out)?;
+            }
+        } else if matches!(name.rsplit_once('.'), Some((_, "rs" | "wgsl" | "toml" | "md"))) {
+            let text = fs::read_to_string(entry.path()).with_context(|| format!("cannot read {path}"))?;
+            out.push(Source { path, text });
+        }
+    }
+    Ok(())
+}
