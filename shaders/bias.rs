@@ -58,8 +58,8 @@ impl Bias {
     pub const SLOPE: Self = Self { slope: 0.05, slope_min: 0.005, ..Self::NONE };
     /// The textbooks' polygon offset: slope factor 2, 4 units.
     pub const POLYGON_OFFSET: Self = Self { raster: RasterBias { constant: 4, slope: 2.0, clamp: 0.0 }, ..Self::NONE };
-    /// One and a half texels along the normal: a texel's half diagonal is .71 texels, a 3x3 kernel's 2.1 at the worst.
-    pub const NORMAL_OFFSET: Self = Self { normal_offset: 1.5, ..Self::NONE };
+    /// The normal offset that one comparison needs: see [`Bias::normal_offset`].
+    pub const NORMAL_OFFSET: Self = Self::normal_offset(0.0);
     /// The receiver's plane up to a slope of .1 a texel, and 1e-5 for rounding.
     pub const RECEIVER_PLANE: Self = Self { receiver_plane: 0.1, constant: 1e-5, ..Self::NONE };
     /// Front faces of the casters left out.
@@ -71,22 +71,40 @@ impl Bias {
         ("constant .005", Self::CONSTANT),
         ("slope .05/.005", Self::SLOPE),
         ("polygon offset 2, 4", Self::POLYGON_OFFSET),
-        ("normal offset 1.5", Self::NORMAL_OFFSET),
+        ("normal offset .71", Self::NORMAL_OFFSET),
         ("receiver plane", Self::RECEIVER_PLANE),
         ("front cull", Self::FRONT_CULL),
     ];
+
+    /// The least normal offset that frees a plane of acne, for a kernel that reaches `reach` texels beyond the
+    /// receiver's own: a tap's centre is up to `reach + .5` texels away along each axis, so (reach + .5) sqrt(2) in all;
+    /// over a distance d, a plane at angle t to the light gains depth d tan(t), and moving the receiver by o sin(t) along
+    /// its normal takes off o tan(t). The constant of 1e-5 covers the rounding of depths.
+    pub const fn normal_offset(reach: f32) -> Self {
+        Self { normal_offset: (reach + 0.5) * std::f32::consts::SQRT_2, constant: 1e-5, ..Self::NONE }
+    }
+
+    /// The least polygon offset that frees a plane of acne, for the same reach: depth grows by at most m a texel along
+    /// each of two axes, so by (2 reach + 1) m to the farthest tap. Four units, as in the textbooks, cover rounding.
+    pub const fn polygon_offset(reach: f32) -> Self {
+        Self { raster: RasterBias { constant: 4, slope: 2.0 * reach + 1.0, clamp: 0.0 }, ..Self::NONE }
+    }
 
     /// A few words for tables: a preset's name, or the fields that are set.
     pub fn label(&self) -> String {
         if let Some((name, _)) = Self::PRESETS.iter().find(|(_, preset)| preset == self) {
             return format!("bias: {name}");
         }
+        if *self == (Self { normal_offset: self.normal_offset, ..Self::NORMAL_OFFSET }) {
+            return format!("bias: normal offset {:.2}", self.normal_offset);
+        }
         let RasterBias { constant, slope, clamp } = self.raster;
+        let clamp = if clamp == 0.0 { String::new() } else { format!(" up to {clamp}") };
         let fields = [
             (self.constant != 0.0, format!("constant {}", self.constant)),
             (self.slope != 0.0 || self.slope_min != 0.0, format!("slope {}/{}", self.slope, self.slope_min)),
-            (self.raster != RasterBias::default(), format!("polygon offset {slope}, {constant} (clamp {clamp})")),
-            (self.normal_offset != 0.0, format!("normal offset {}", self.normal_offset)),
+            (self.raster != RasterBias::default(), format!("polygon offset {slope}, {constant}{clamp}")),
+            (self.normal_offset != 0.0, format!("normal offset {:.2}", self.normal_offset)),
             (self.receiver_plane != 0.0, format!("receiver plane to {}", self.receiver_plane)),
             (self.cull != Cull::None, format!("{:?} cull", self.cull).to_lowercase()),
         ];

@@ -4,7 +4,7 @@
 //! curved surfaces". Fails by jagged edges as wide as a texel, by acne without bias, and by shadows that come loose with
 //! too much of it.
 
-use crate::shadow_map::{MapLookup, SHADOW_MAP, ShadowMap, TAP, look_up_span, tap};
+use crate::shadow_map::{MapLookup, ShadowMap, TAP, look_up_span, tap};
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
     Inputs, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span, UniformLayout, Uniforms, View,
@@ -41,7 +41,7 @@ pub struct HardKernel(
 
 impl Kernel for HardKernel {
     fn modules(&self) -> Vec<Module> {
-        vec![SHADOW_MAP, TAP, Module { name: "hard", text: include_str!("hard.wgsl") }]
+        self.0.modules().into_iter().chain([TAP, Module { name: "hard", text: include_str!("hard.wgsl") }]).collect()
     }
 
     fn uniform_bytes(&self) -> Vec<u8> {

@@ -6,7 +6,7 @@
 
 use crate::{
     lanes,
-    shadow_map::{MapLookup, SHADOW_MAP, ShadowMap, TAP, look_up_span},
+    shadow_map::{MapLookup, ShadowMap, TAP, look_up_span},
 };
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
@@ -72,7 +72,12 @@ pub struct PcfKernel(
 
 impl Kernel for PcfKernel {
     fn modules(&self) -> Vec<Module> {
-        vec![SHADOW_MAP, TAP, Module { name: "pcf", text: include_str!("pcf.wgsl") }]
+        self.0
+            .lookup
+            .modules()
+            .into_iter()
+            .chain([TAP, Module { name: "pcf", text: include_str!("pcf.wgsl") }])
+            .collect()
     }
 
     fn uniform_bytes(&self) -> Vec<u8> {

@@ -4,7 +4,7 @@
 //! (-1.5, -1.5) and (.5, -1.5) texels, moved by (0 or 1, 0 or 1) so that each block of 2x2 pixels covers sixteen texels.
 //! Cheap, at the price of a fine pattern in the penumbra; its levels are fourths.
 
-use crate::shadow_map::{MapLookup, SHADOW_MAP, ShadowMap, TAP, look_up_span, tap};
+use crate::shadow_map::{MapLookup, ShadowMap, TAP, look_up_span, tap};
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
     Inputs, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span, UniformLayout, Uniforms, View,
@@ -41,7 +41,11 @@ pub struct PcfDitheredKernel(
 
 impl Kernel for PcfDitheredKernel {
     fn modules(&self) -> Vec<Module> {
-        vec![SHADOW_MAP, TAP, Module { name: "pcf_dithered", text: include_str!("pcf_dithered.wgsl") }]
+        self.0
+            .modules()
+            .into_iter()
+            .chain([TAP, Module { name: "pcf_dithered", text: include_str!("pcf_dithered.wgsl") }])
+            .collect()
     }
 
     fn uniform_bytes(&self) -> Vec<u8> {

@@ -15,8 +15,12 @@ use umbrage_core::{
     twin, uniforms,
 };
 
-/// The WGSL half.
+/// The WGSL half. It needs the rest of [`MapLookup::modules`].
 pub const SHADOW_MAP: Module = Module { name: "shadow_map", text: include_str!("shadow_map.wgsl") };
+const PLANE: Module = Module { name: "plane", text: include_str!("plane.wgsl") };
+const NO_PLANE: Module = Module { name: "no_plane", text: include_str!("no_plane.wgsl") };
+const OFFSET: Module = Module { name: "offset", text: include_str!("offset.wgsl") };
+const NO_OFFSET: Module = Module { name: "no_offset", text: include_str!("no_offset.wgsl") };
 
 /// The comparison at one texel of the first image.
 pub const TAP: Module = Module { name: "tap", text: include_str!("tap.wgsl") };
@@ -105,6 +109,13 @@ uniforms! {
 }
 
 impl MapLookup {
+    /// The WGSL of `look_up` and `depth_at`, with no more in it than this bias needs: what is switched off costs nothing.
+    pub fn modules(&self) -> [Module; 3] {
+        let plane = if self.receiver_plane > 0.0 { PLANE } else { NO_PLANE };
+        let offset = if self.normal_offset != 0.0 { OFFSET } else { NO_OFFSET };
+        [SHADOW_MAP, plane, offset]
+    }
+
     /// The lookup into a map of `view.light` that lies in `space`.
     pub fn new(map: &ShadowMap, view: &View<'_>, space: &LightSpace) -> Self {
         let light = match view.light.position() {
@@ -159,6 +170,7 @@ pub fn sine(cosine: f32) -> f32 {
 
 /// Texel coordinates and depth from clip space.
 #[inline(always)]
+#[expect(clippy::manual_clamp, reason = "`clamp` lets NaN through, and this must bound it as the shader does")]
 pub fn texel_from_clip(clip: Vec4, size: f32) -> Vec3 {
     let (x, y, z) = (clip.x / clip.w, clip.y / clip.w, clip.z / clip.w);
     // Bounded, so that conversion to integers means the same everywhere.
@@ -170,6 +182,7 @@ pub fn texel_from_clip(clip: Vec4, size: f32) -> Vec3 {
 /// maps planes to planes, so two tangents and a two-by-two system give it exactly. Zero for a plane seen edge-on, and
 /// never beyond `limit`.
 #[inline(always)]
+#[expect(clippy::manual_clamp, reason = "`clamp` lets NaN through, and this must bound it as the shader does")]
 pub fn plane_gradient(clip_from_world: Mat4, clip: Vec4, n: Vec3, size: f32, limit: f32) -> Vec2 {
     let axis = if n.x.abs() < 0.6 { Vec3::X } else { Vec3::Y };
     let t = cross3(n, axis);
@@ -274,11 +287,11 @@ pub(crate) fn look_up_span(
 
 /// The pairs, for the lockstep tests.
 pub const TWINS: &[Twin] = &[
-    twin!(SHADOW_MAP, to_light(light: Vec4, p: Vec3) -> Vec3, needs [MATH]),
-    twin!(SHADOW_MAP, slope_bias(slope: f32, least: f32, n_dot_l: f32) -> f32, needs [MATH]),
-    twin!(SHADOW_MAP, sine(cosine: f32) -> f32, needs [MATH]),
-    twin!(SHADOW_MAP, texel_from_clip(clip: Vec4, size: f32) -> Vec3, needs [MATH]),
-    twin!(SHADOW_MAP, slide(clip_from_world: Mat4, clip: Vec4, tangent: Vec3, size: f32) -> Vec3, needs [MATH]),
-    twin!(SHADOW_MAP, plane_gradient(clip_from_world: Mat4, clip: Vec4, n: Vec3, size: f32, limit: f32) -> Vec2, needs [MATH]),
-    twin!(SHADOW_MAP, depth_on_plane(depth: f32, gradient: Vec2, from: Vec2, x: i32, y: i32) -> f32, needs [MATH]),
+    twin!(SHADOW_MAP, to_light(light: Vec4, p: Vec3) -> Vec3, needs [MATH, PLANE, OFFSET]),
+    twin!(SHADOW_MAP, slope_bias(slope: f32, least: f32, n_dot_l: f32) -> f32, needs [MATH, PLANE, OFFSET]),
+    twin!(SHADOW_MAP, sine(cosine: f32) -> f32, needs [MATH, PLANE, OFFSET]),
+    twin!(SHADOW_MAP, texel_from_clip(clip: Vec4, size: f32) -> Vec3, needs [MATH, PLANE, OFFSET]),
+    twin!(PLANE, slide(clip_from_world: Mat4, clip: Vec4, tangent: Vec3, size: f32) -> Vec3, needs [MATH, SHADOW_MAP, OFFSET]),
+    twin!(PLANE, plane_gradient(clip_from_world: Mat4, clip: Vec4, n: Vec3, size: f32, limit: f32) -> Vec2, needs [MATH, SHADOW_MAP, OFFSET]),
+    twin!(PLANE, depth_on_plane(depth: f32, gradient: Vec2, from: Vec2, x: i32, y: i32) -> f32, needs [MATH, SHADOW_MAP, OFFSET]),
 ];

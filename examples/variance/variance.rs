@@ -9,7 +9,7 @@ use umbrage::{
     glam::{IVec2, UVec2},
     techniques::{
         ShadowMap,
-        shadow_map::{MapLookup, SHADOW_MAP, look_up},
+        shadow_map::{MapLookup, look_up},
     },
     uniforms,
 };
@@ -77,7 +77,7 @@ uniforms! {
 
 /// Depth to depth and its square.
 #[derive(Clone, Copy, Debug)]
-pub struct Moments;
+pub(crate) struct Moments;
 
 impl Kernel for Moments {
     fn modules(&self) -> Vec<Module> {
@@ -116,7 +116,7 @@ uniforms! {
 
 /// The mean along a row or a column, edges repeated.
 #[derive(Clone, Copy, Debug)]
-pub struct Blur(pub BlurUniforms);
+pub(crate) struct Blur(pub(crate) BlurUniforms);
 
 impl Kernel for Blur {
     fn modules(&self) -> Vec<Module> {
@@ -161,11 +161,16 @@ uniforms! {
 
 /// The bound on the lit share.
 #[derive(Clone, Copy, Debug)]
-pub struct Chebyshev(pub ChebyshevUniforms);
+pub(crate) struct Chebyshev(pub(crate) ChebyshevUniforms);
 
 impl Kernel for Chebyshev {
     fn modules(&self) -> Vec<Module> {
-        vec![SHADOW_MAP, Module { name: "chebyshev", text: include_str!("receive.wgsl") }]
+        self.0
+            .lookup
+            .modules()
+            .into_iter()
+            .chain([Module { name: "chebyshev", text: include_str!("receive.wgsl") }])
+            .collect()
     }
 
     fn uniform_bytes(&self) -> Vec<u8> {

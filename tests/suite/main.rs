@@ -4,3 +4,4 @@ mod functions;
 mod goldens;
 mod layouts;
 mod light_matrices;
+mod messages;

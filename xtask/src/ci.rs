@@ -61,8 +61,15 @@ fn doc() -> Command {
 fn package() -> Result<()> {
     let names = published()?;
     let names = names.iter().flat_map(|name| ["--package", name]);
+    // Cargo remembers what it unpacked by folder and version, so a second run in the same folder would build old code.
+    let folder = std::env::temp_dir().join(format!("umbrage-package-{}", std::process::id()));
     // What is packed is the question here, not whether it is committed.
-    run(cargo().args(["package", "--allow-dirty"]).args(names))
+    let mut command = cargo();
+    command.args(["package", "--allow-dirty"]).args(names).arg("--target-dir").arg(&folder);
+    let result = run(command.env("CARGO_PROFILE_DEV_DEBUG", "none"));
+    // Left-overs in the system's folder for them do no harm.
+    drop(std::fs::remove_dir_all(&folder));
+    result
 }
 
 /// The names of all packages that don't say `publish = false`.

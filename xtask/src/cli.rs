@@ -64,9 +64,9 @@ pub(crate) struct CompareOptions {
     /// Timed runs of each row; their median is kept
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) runs: Option<u32>,
-    /// Folder for the report
-    #[arg(long, value_name = "FOLDER", default_value = "target/compare")]
-    pub(crate) out: PathBuf,
+    /// Folder for the report; else target/compare in the repository
+    #[arg(long, value_name = "FOLDER")]
+    pub(crate) out: Option<PathBuf>,
     /// Small images, few samples, few runs: a look rather than a measurement
     #[arg(long)]
     pub(crate) quick: bool,
@@ -93,7 +93,7 @@ pub(crate) enum Backend {
 #[derive(Args, Clone, Debug, PartialEq)]
 #[command(after_help = "Examples:
   cargo xtask test                                  where there is a graphics adapter
-  cargo xtask test --install-driver                 where there may be none: Debian, Ubuntu, containers
+  cargo xtask test --install-driver                 where there may be none, as in a container
   cargo xtask test -- -p umbrage-core light_space   further arguments go to `cargo test`")]
 pub(crate) struct TestOptions {
     /// Where no graphics adapter is found, install a software driver (Debian and Ubuntu, as root or with sudo)
@@ -147,5 +147,56 @@ fn parse_size(text: &str) -> Result<[u32; 2], String> {
         Some(size) if size.iter().all(|s| (1..=16_384).contains(s)) => Ok(size),
         Some(_) => Err("each side must be 1 to 16384 pixels".to_owned()),
         None => Err("write width and height like 640x480".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Cli;
+    use clap::{CommandFactory as _, Parser as _};
+
+    /// Every command's help, as `--help` prints it to a terminal of 100 columns.
+    #[test]
+    fn help() {
+        let command = || Cli::command().term_width(100);
+        let mut text = command().render_long_help().to_string();
+        for name in command().get_subcommands().map(|c| c.get_name().to_owned()) {
+            let mut whole = command();
+            whole.build();
+            let one = whole.find_subcommand_mut(&name).map(|c| c.render_long_help().to_string());
+            text += &format!("\n==== {name} --help\n{}", one.unwrap_or_default());
+        }
+        insta::assert_snapshot!(text);
+    }
+
+    #[test]
+    fn every_command_shows_examples() {
+        for command in Cli::command().get_subcommands() {
+            let help = command.clone().render_long_help().to_string();
+            let example = format!("Examples:\n  cargo xtask {}", command.get_name());
+            assert!(help.contains(&example), "{help}");
+        }
+    }
+
+    /// What wrong usage says.
+    #[test]
+    fn usage_errors() {
+        let wrong: [&[&str]; 9] = [
+            &[],
+            &["compere"],
+            &["compare", "--size", "640"],
+            &["compare", "--size", "0x480"],
+            &["compare", "--map-sizes", "512,0"],
+            &["compare", "--backend", "cuda"],
+            &["compare", "--runs", "0"],
+            &["bless", "--all", "cubes.pcf"],
+            &["ci", "--after-tests", "--install-driver"],
+        ];
+        let say = |arguments: &[&str]| {
+            let error = Cli::try_parse_from(std::iter::once(&"xtask").chain(arguments)).expect_err("wrong usage");
+            assert_eq!(error.exit_code(), 2, "{arguments:?}");
+            format!("$ cargo xtask {}\n{error}\n", arguments.join(" "))
+        };
+        insta::assert_snapshot!(wrong.map(say).concat());
     }
 }

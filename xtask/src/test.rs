@@ -15,7 +15,7 @@ use std::{
 /// Builds the tests, makes sure of an adapter, and runs them.
 pub(crate) fn test(options: &TestOptions) -> Result<()> {
     let start = Instant::now();
-    run(cargo().args(["test", "--workspace", "--no-run"]))?;
+    run(cargo().args(["test", "--workspace", "--all-features", "--no-run"]))?;
     let adapter = match adapter::find()? {
         Some(name) => name,
         None if options.install_driver => {
@@ -64,7 +64,11 @@ impl Totals {
 
 fn run_tests(arguments: &[String]) -> Result<Totals> {
     let mut command = cargo();
-    command.args(["test", "--workspace", "--no-fail-fast"]).args(arguments).stdout(Stdio::piped());
+    command.args(["test", "--all-features", "--no-fail-fast"]);
+    if !arguments.iter().any(|a| a.starts_with("-p") || a.starts_with("--package")) {
+        command.arg("--workspace");
+    }
+    command.args(arguments).stdout(Stdio::piped());
     let line = spell(&command);
     let mut child =
         adapter::with_runtime_dir(&mut command)?.spawn().with_context(|| format!("`{line}` did not start"))?;

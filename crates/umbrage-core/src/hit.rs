@@ -145,8 +145,8 @@ mod tests {
                 })
                 .collect();
             let triangles: Vec<[Vec3; 3]> = (0..7).map(|i| [hub, rim[i], rim[(i + 1) % 7]]).collect();
-            for i in 0..7 {
-                let target = hub.lerp(rim[i], (random() + 0.5) * 0.9 * (i % 2) as f32);
+            for (i, &corner) in rim.iter().enumerate() {
+                let target = hub.lerp(corner, (random() + 0.5) * 0.9 * (i % 2) as f32);
                 let o = target + Vec3::new(random() * 3.0, 4.0 + random(), random() * 3.0);
                 let d = (target - o) * 2.0;
                 assert!(triangles.iter().any(|t| segment_hits(o, d, t[0], t[1], t[2])), "a crack at {target}");

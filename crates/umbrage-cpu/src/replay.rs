@@ -1,7 +1,9 @@
 //! Single stages, played from given images: what lockstep tests compare, so that a difference names its stage.
 
 use crate::{Cpu, player::nothing_seen, receivers, stages};
-use umbrage_core::{BackendError, Cast, Format, Geometry, Image, ImageDesc, Invalid, MAX_SIDE, Recipe, View, glam::UVec2};
+use umbrage_core::{
+    BackendError, Cast, Format, Geometry, Image, ImageDesc, Invalid, MAX_SIDE, Recipe, View, glam::UVec2,
+};
 
 impl Cpu {
     /// Draws the casters into a new depth image of one layer; the image and layer that the cast names play no part.

@@ -296,7 +296,7 @@ fn limits(device: &Device) -> Limits {
     }
 }
 
-fn check_size(size: UVec2, most: u32) -> Result<(), BackendError> {
+pub(crate) fn check_size(size: UVec2, most: u32) -> Result<(), BackendError> {
     if size.min_element() > 0 && size.max_element() <= most {
         return Ok(());
     }

@@ -38,6 +38,6 @@ fn table(pairs: &[Pair]) -> Table {
         let (ratio, runs) = (format!("{:.2}", pair.ratio), pair.runs.to_string());
         table.add_row([pair.work.clone(), ours, theirs, ours_ms, theirs_ms, ratio, bar, runs]);
     }
-    (3..8).filter_map(|i| table.column_mut(i)).for_each(|c| c.set_cell_alignment(CellAlignment::Right));
+    table.column_iter_mut().skip(3).for_each(|c| c.set_cell_alignment(CellAlignment::Right));
     table
 }

@@ -3,7 +3,7 @@
 use super::{progress::Progress, table};
 use crate::{
     cli::{Backend, CompareOptions},
-    run::Usage,
+    run::{Usage, root},
 };
 use anyhow::{Result, bail};
 use umbrage_core::glam::UVec2;
@@ -22,7 +22,8 @@ pub(super) fn compare(options: &CompareOptions) -> Result<()> {
     for line in backends.notices.iter().cloned().chain(backends.playing.iter().map(|b| format!("on {}", b.name()))) {
         println!("{line}");
     }
-    let mut report = Report::create(&options.out, options.arrays)?;
+    let out = options.out.clone().unwrap_or_else(|| root().join("target/compare"));
+    let mut report = Report::create(&out, options.arrays)?;
     let progress = Progress::new();
     let comparison =
         run(&inputs, &settings, &mut backends, &mut |result, images| report.scene(result, images), &|event| {

@@ -1,7 +1,10 @@
 //! A comparison's figures on the terminal.
 
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
-use umbrage_lab::compare::{Measured, Outcome, Row, SceneResult};
+use umbrage_lab::{
+    compare::{Measured, Outcome, Row, SceneResult},
+    pareto::front,
+};
 
 /// With more rows than this, only those are printed that no other beats in both time and error.
 const ALL_ROWS: usize = 120;
@@ -26,10 +29,10 @@ pub(super) fn print(scenes: &[SceneResult]) {
     for scene in scenes {
         let mut table = Table::new();
         table.load_style(UTF8_FULL_CONDENSED).set_content_arrangement(ContentArrangement::Dynamic).set_header(HEADER);
-        for row in scene.rows.iter().filter(|row| whole || is_best(row, &scene.rows)) {
+        for row in chosen(&scene.rows, whole) {
             table.add_row(cells(row));
         }
-        (3..HEADER.len()).filter_map(|i| table.column_mut(i)).for_each(|c| c.set_cell_alignment(CellAlignment::Right));
+        table.column_iter_mut().skip(3).for_each(|c| c.set_cell_alignment(CellAlignment::Right));
         let [w, h] = scene.size;
         println!("\n{}: {} light, {w} x {h}, {} triangles\n{table}", scene.name, scene.light, scene.triangles);
     }
@@ -63,10 +66,19 @@ fn figures(m: &Measured) -> Vec<String> {
     ]
 }
 
-/// Whether no row of the same backend is both faster and nearer to truth.
-fn is_best(row: &Row, rows: &[Row]) -> bool {
-    let point = |row: &Row| row.measured().map(|m| (m.times.total.median, m.errors.rmse));
-    let Some((time, error)) = point(row) else { return false };
-    let mut others = rows.iter().filter(|r| r.backend == row.backend).filter_map(point);
-    !others.any(|(t, e)| t <= time && e <= error && (t, e) != (time, error))
+/// The rows to print: all, or each backend's Pareto front of time against error.
+fn chosen(rows: &[Row], whole: bool) -> Vec<&Row> {
+    if whole {
+        return rows.iter().collect();
+    }
+    let mut backends: Vec<&str> = rows.iter().map(|r| r.backend.as_str()).collect();
+    backends.sort_unstable();
+    backends.dedup();
+    backends.into_iter().flat_map(|backend| best(rows.iter().filter(|r| r.backend == backend).collect())).collect()
+}
+
+fn best(rows: Vec<&Row>) -> Vec<&Row> {
+    let point = |row: &&Row| row.measured().map_or([f64::NAN; 2], |m| [m.times.total.median, m.errors.rmse]);
+    let points: Vec<_> = rows.iter().map(point).collect();
+    front(&points).into_iter().map(|i| rows[i]).collect()
 }

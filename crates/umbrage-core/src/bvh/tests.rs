@@ -1,6 +1,6 @@
 //! The hierarchy against brute force, and the traps of its box test.
 
-use crate::{Bvh, Geometry, Instance, Mesh, NO_TRIANGLE, Scene, bvh::segment_hits, light_sample::hash};
+use crate::{Geometry, Instance, Mesh, NO_TRIANGLE, Scene, bvh::segment_hits, light_sample::hash};
 use glam::{Affine3A, Vec3};
 
 struct Random(u32);

@@ -138,7 +138,8 @@ mod tests {
     #[test]
     fn cutting_at_near_keeps_the_part_in_front() {
         // Half of each slanted edge lies before the near plane: three quarters of the area remain.
-        let out = pieces([Vec4::new(0.0, 0.5, -0.5, 1.0), Vec4::new(-0.5, -0.5, 0.5, 1.0), Vec4::new(0.5, -0.5, 0.5, 1.0)]);
+        let out =
+            pieces([Vec4::new(0.0, 0.5, -0.5, 1.0), Vec4::new(-0.5, -0.5, 0.5, 1.0), Vec4::new(0.5, -0.5, 0.5, 1.0)]);
         assert_eq!(out.len(), 2);
         assert!((out.iter().map(area).sum::<f32>() - 0.75 * 1250.0).abs() < 0.1, "{out:?}");
         assert!(out.iter().flatten().all(|p| p.z >= 0.0));
@@ -146,7 +147,8 @@ mod tests {
 
     #[test]
     fn nothing_of_not_a_number_is_drawn() {
-        let triangle = [Vec4::new(f32::NAN, 0.0, 0.5, 1.0), Vec4::new(3.0, 0.0, 0.5, 1.0), Vec4::new(0.0, 0.5, 0.5, 1.0)];
+        let triangle =
+            [Vec4::new(f32::NAN, 0.0, 0.5, 1.0), Vec4::new(3.0, 0.0, 0.5, 1.0), Vec4::new(0.0, 0.5, 0.5, 1.0)];
         assert!(pieces(triangle).is_empty());
     }
 }

@@ -181,9 +181,10 @@ impl Edges {
     /// Negative in the lanes outside the triangle.
     #[inline(always)]
     fn outside(&self) -> [i32; LANES] {
+        let [a, b, c] = &self.values;
         let mut out = [0; LANES];
-        for i in 0..LANES {
-            out[i] = self.values[0][i] | self.values[1][i] | self.values[2][i];
+        for (i, out) in out.iter_mut().enumerate() {
+            *out = a[i] | b[i] | c[i];
         }
         out
     }

@@ -14,11 +14,12 @@ mod viewport;
 
 pub(crate) use tile::Target;
 
-use bin::{Bins, TILE};
+use bin::{Bins, FETCH, TILE};
 use clip::{clip, outcode};
 use fill::{Canvas, fill};
 use glam::{Mat4, UVec2, Vec3, Vec4};
 use rayon::prelude::*;
+use record::Record;
 use setup::{Group, SetupRules};
 use tile::{Tile, TileBuffer};
 use umbrage_core::{Cull, RasterBias, Simd, SimdTask, math::transform};
@@ -70,10 +71,11 @@ struct Worker {
     bins: Bins,
 }
 
-/// The rasteriser's working memory, kept between uses.
+/// The rasteriser's working memory, kept between uses: one set of chunks is filled while the next is set up.
 #[derive(Debug, Default)]
 pub(crate) struct Rasterizer {
-    workers: Vec<Worker>,
+    filled: Vec<Worker>,
+    set_up: Vec<Worker>,
 }
 
 impl Rasterizer {
@@ -83,46 +85,65 @@ impl Rasterizer {
         let columns = target.width.div_ceil(TILE);
         let mut tiles = target.into_tiles();
         let batch = self.prepare(draw.size);
+        let mut ready = 0;
         for (i, triangles) in draw.triangles.chunks(batch).enumerate() {
-            let first_id = draw.first_id + (i * batch) as u32;
-            let draw = Draw { triangles, first_id, ..*draw };
-            let workers = &mut self.workers[..triangles.len().div_ceil(CHUNK)];
-            let parts = triangles.par_chunks(CHUNK).zip(workers.par_iter_mut()).enumerate();
-            parts.for_each(|(k, (triangles, worker))| {
-                let first_id = first_id + (k * CHUNK) as u32;
-                draw.simd.run_task(SetUp { worker, draw: Draw { triangles, first_id, ..draw } });
-            });
-            fill_tiles(&mut tiles, columns, workers, draw.simd, with_ids);
+            let draw = Draw { triangles, first_id: draw.first_id + (i * batch) as u32, ..*draw };
+            let next = triangles.len().div_ceil(CHUNK);
+            rayon::join(
+                || fill_tiles(&mut tiles, columns, &self.filled[..ready], draw.simd, with_ids),
+                || set_up(&draw, &mut self.set_up[..next]),
+            );
+            std::mem::swap(&mut self.filled, &mut self.set_up);
+            ready = next;
         }
+        fill_tiles(&mut tiles, columns, &self.filled[..ready], draw.simd, with_ids);
         tiles.par_iter_mut().for_each(Tile::finish);
     }
 
-    /// How many triangles go into a batch: few enough to keep working memory below the image's own, and at most some
-    /// tens of thousands, which fit the processor's cache.
+    /// How many triangles go into a batch: few enough to keep working memory well below the image's, and at most some
+    /// tens of thousands (more only with many threads), which fit the processor's caches.
     fn prepare(&mut self, size: UVec2) -> usize {
         let pixels = size.x as usize * size.y as usize;
-        let chunks = (pixels / (32 * CHUNK)).clamp(1, 16);
-        self.workers.resize_with(chunks.max(self.workers.len()), Worker::default);
+        let most = (2 * rayon::current_num_threads()).max(16);
+        let chunks = (pixels / (64 * CHUNK)).clamp(1, most);
+        for workers in [&mut self.filled, &mut self.set_up] {
+            workers.resize_with(chunks.max(workers.len()), Worker::default);
+        }
         chunks * CHUNK
     }
 
     /// Bytes of working memory.
     pub(crate) fn bytes(&self) -> usize {
         let of = |w: &Worker| w.vertices.capacity() * size_of::<Vertex>() + w.bins.bytes();
-        self.workers.iter().map(of).sum()
+        self.filled.iter().chain(&self.set_up).map(of).sum()
     }
 }
 
-fn fill_tiles(tiles: &mut [Tile<'_>], columns: usize, workers: &[Worker], simd: Simd, with_ids: bool) {
-    let each = tiles.par_iter_mut().enumerate();
-    each.for_each_init(|| TileBuffer::new(with_ids), |buffer, (i, tile)| {
-        if workers.iter().all(|w| w.bins.count(i) == 0) {
-            return;
-        }
-        tile.load(buffer);
-        simd.run_task(FillTile { buffer, workers, tile: i, columns, with_ids });
-        tile.store(buffer);
+/// Sets up a batch, one chunk a worker.
+fn set_up(draw: &Draw<'_>, workers: &mut [Worker]) {
+    let parts = draw.triangles.par_chunks(CHUNK).zip(workers).enumerate();
+    parts.for_each(|(k, (triangles, worker))| {
+        let first_id = draw.first_id + (k * CHUNK) as u32;
+        draw.simd.run_task(SetUp { worker, draw: Draw { triangles, first_id, ..*draw } });
     });
+}
+
+fn fill_tiles(tiles: &mut [Tile<'_>], columns: usize, workers: &[Worker], simd: Simd, with_ids: bool) {
+    if workers.is_empty() {
+        return;
+    }
+    let each = tiles.par_iter_mut().enumerate();
+    each.for_each_init(
+        || TileBuffer::new(with_ids),
+        |buffer, (i, tile)| {
+            if workers.iter().all(|w| w.bins.count(i) == 0) {
+                return;
+            }
+            tile.load(buffer);
+            simd.run_task(FillTile { buffer, workers, tile: i, columns, with_ids });
+            tile.store(buffer);
+        },
+    );
 }
 
 /// Sets up one chunk.
@@ -156,12 +177,15 @@ impl SimdTask for FillTile<'_> {
     fn run(self) {
         let origin = [self.tile % self.columns * TILE, self.tile / self.columns * TILE];
         let mut canvas = Canvas { buffer: self.buffer, origin: [origin[0] as i32, origin[1] as i32] };
+        let mut fetched = [Record::default(); FETCH];
         for worker in self.workers {
-            for record in worker.bins.of_tile(self.tile) {
-                if self.with_ids {
-                    fill::<true>(&mut canvas, record);
-                } else {
-                    fill::<false>(&mut canvas, record);
+            for numbers in worker.bins.of_tile(self.tile).chunks(FETCH) {
+                for record in worker.bins.fetch(numbers, &mut fetched) {
+                    if self.with_ids {
+                        fill::<true>(&mut canvas, record);
+                    } else {
+                        fill::<false>(&mut canvas, record);
+                    }
                 }
             }
         }

@@ -84,11 +84,10 @@ impl Group {
     pub(crate) fn push(&mut self, corners: [Vec3; 3], id: u32, rules: &SetupRules, out: &mut Bins) {
         // The length is always below GROUP here; the remainder spares the bounds checks.
         let i = self.len % GROUP;
-        for k in 0..3 {
-            self.x[k][i] = corners[k].x;
-            self.y[k][i] = corners[k].y;
-            self.z[k][i] = corners[k].z;
-        }
+        let [a, b, c] = corners;
+        (self.x[0][i], self.x[1][i], self.x[2][i]) = (a.x, b.x, c.x);
+        (self.y[0][i], self.y[1][i], self.y[2][i]) = (a.y, b.y, c.y);
+        (self.z[0][i], self.z[1][i], self.z[2][i]) = (a.z, b.z, c.z);
         self.id[i] = id;
         self.len = i + 1;
         if self.len == GROUP {

@@ -158,7 +158,8 @@ fn many_batches_and_shared_vertices_agree() {
         .map(|i| Vec3::new((i % side) as f32 / 30.0 - 1.0, (i / side) as f32 / 30.0 - 1.0, r.range(0.2, 0.8)))
         .collect();
     let cells = (0..side - 1).flat_map(|y| (0..side - 1).map(move |x| y * side + x));
-    let mut triangles: Vec<[u32; 3]> = cells.flat_map(|i| [[i, i + 1, i + side], [i + side, i + 1, i + side + 1]]).collect();
+    let mut triangles: Vec<[u32; 3]> =
+        cells.flat_map(|i| [[i, i + 1, i + side], [i + side, i + 1, i + side + 1]]).collect();
     triangles.extend((0..300).map(|i| [i, side * side - 1 - i, 7 * i % 3000]));
     compare(&draw_of(&positions, &triangles), "grid");
 }
@@ -168,7 +169,8 @@ fn the_top_left_rule_leaves_neither_gaps_nor_doubles() {
     // Each pixel of a fan whose edges run through pixel centres belongs to one triangle: the sum of covers is 1.
     let corner = |x: f32, y: f32| Vec3::new(x / 32.0 - 1.0, 1.0 - y / 32.0, 0.5);
     let middle = corner(32.5, 32.5);
-    let rim = [[0.5, 0.5], [32.5, 0.5], [63.5, 0.5], [63.5, 32.5], [63.5, 63.5], [32.5, 63.5], [0.5, 63.5], [0.5, 32.5]];
+    let rim =
+        [[0.5, 0.5], [32.5, 0.5], [63.5, 0.5], [63.5, 32.5], [63.5, 63.5], [32.5, 63.5], [0.5, 63.5], [0.5, 32.5]];
     let mut covers = vec![0; 64 * 64];
     for i in 0..rim.len() {
         let [a, b] = [rim[i], rim[(i + 1) % rim.len()]].map(|p: [f32; 2]| corner(p[0], p[1]));

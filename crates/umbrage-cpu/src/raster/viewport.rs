@@ -33,11 +33,7 @@ impl Viewport {
     /// Window position of a vertex that clipping made: nothing is fused in that (rare) stage.
     pub(crate) fn project_clipped(&self, clip: Vec4) -> Vec3 {
         let r = 1.0 / clip.w;
-        Vec3::new(
-            clip.x * r * self.scale_x + self.offset_x,
-            clip.y * r * self.scale_y + self.offset_y,
-            clip.z * r,
-        )
+        Vec3::new(clip.x * r * self.scale_x + self.offset_x, clip.y * r * self.scale_y + self.offset_y, clip.z * r)
     }
 }
 

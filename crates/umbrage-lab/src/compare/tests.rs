@@ -1,1 +1,172 @@
-//! Comparisons.
+//! Comparisons on the CPU, and backends that cheat.
+
+use super::*;
+use crate::truth::TruthOptions;
+use umbrage_core::{Backend, BackendError, Recipe, Shadows, View, glam::UVec2, metrics::Pixel};
+use umbrage_cpu::Cpu;
+
+fn quick(techniques: &[&str]) -> Options {
+    Options {
+        techniques: techniques.iter().map(|t| (*t).to_owned()).collect(),
+        map_sizes: vec![256],
+        size: Some(UVec2::new(96, 64)),
+        truth: TruthOptions { samples: 16, probe_samples: 8, ..TruthOptions::default() },
+        runs: 2,
+        warmup: 0,
+    }
+}
+
+fn input(name: &str) -> SceneInput {
+    let entry = umbrage_scenes::find(name).expect("built in");
+    SceneInput { scene: (entry.build)(), summary: entry.summary.to_owned() }
+}
+
+fn run(scene: &str, options: &Options, backends: &mut Backends) -> Result<Comparison, LabError> {
+    compare(&[input(scene)], options, backends, &mut |_, _| Ok(()), &|_| ())
+}
+
+/// The CPU under wgpu's name, spoilt on the way out.
+struct Cheat {
+    cpu: Cpu,
+    spoil: fn(&mut Shadows),
+}
+
+impl Backend for Cheat {
+    fn name(&self) -> &str {
+        "a cheat"
+    }
+    fn kind(&self) -> &'static str {
+        "wgpu"
+    }
+    fn render(&mut self, view: &View<'_>, recipe: &Recipe) -> Result<Shadows, BackendError> {
+        let mut shadows = self.cpu.render(view, recipe)?;
+        (self.spoil)(&mut shadows);
+        Ok(shadows)
+    }
+}
+
+fn with_cheat(spoil: fn(&mut Shadows)) -> Backends {
+    Backends::of(vec![Box::new(Cpu::new()), Box::new(Cheat { cpu: Cpu::new(), spoil })])
+}
+
+#[test]
+fn rows_tell_errors_times_and_agreement() {
+    let comparison = run("cubes", &quick(&["hard", "traced"]), &mut with_cheat(|_| ())).expect("valid");
+    let scene = &comparison.scenes[0];
+    assert_eq!((scene.size, scene.rows.len() % 2), ([96, 64], 0));
+    for pair in scene.rows.chunks(2) {
+        let [cpu, other] = [0, 1].map(|i| pair[i].measured().expect("supported"));
+        assert_eq!((&*pair[0].backend, &*pair[1].backend), ("cpu", "wgpu"));
+        assert_eq!(cpu.errors, other.errors);
+        assert!(cpu.agreement.is_none() && other.agreement.is_some_and(|a| a.holds() && a.differing == 0));
+        assert_eq!(cpu.times.total.runs, 2);
+        assert_eq!(cpu.times.cast.is_some(), pair[0].technique == "hard");
+    }
+    let traced = scene.rows.iter().find(|r| r.technique == "traced").and_then(Row::measured).expect("there");
+    assert!(traced.errors.rmse < 0.02, "one ray a receiver is the truth: {}", traced.errors.rmse);
+    assert!(scene.controls.iter().all(|c| c.holds && c.shadowed > 0 && c.changed > 0), "{:?}", scene.controls);
+    assert!(comparison.faults().is_empty());
+}
+
+#[test]
+fn one_wrong_pixel_is_a_fault() {
+    let spoil = |s: &mut Shadows| {
+        let lit = s.mask.iter().rposition(|v| *v == 1.0).expect("something is lit");
+        s.mask[lit] = 0.0;
+    };
+    let comparison = run("cubes", &quick(&["traced"]), &mut with_cheat(spoil)).expect("valid");
+    let faults = comparison.faults();
+    assert!(faults.iter().any(|f| f.contains("decided pixels differ")), "{faults:?}");
+}
+
+#[test]
+fn a_mask_that_ignores_casters_fails_the_control() {
+    let all_lit = |s: &mut Shadows| s.mask.fill(1.0);
+    let comparison = run("cubes", &quick(&["traced"]), &mut with_cheat(all_lit)).expect("valid");
+    assert!(comparison.scenes[0].controls[0].holds && !comparison.scenes[0].controls[1].holds);
+    let all_dark = |s: &mut Shadows| s.mask.fill(0.0);
+    let comparison = run("cubes", &quick(&["traced"]), &mut with_cheat(all_dark)).expect("valid");
+    assert!(!comparison.scenes[0].controls[1].holds);
+}
+
+#[test]
+fn other_triangles_cannot_be_compared() {
+    let shifted = |s: &mut Shadows| s.receivers.as_mut().expect("made").triangle.rotate_left(40);
+    let e = run("cubes", &quick(&["traced"]), &mut with_cheat(shifted)).expect_err("different triangles");
+    assert!(matches!(e, LabError::NotComparable { .. }), "{e}");
+    let elsewhere = |s: &mut Shadows| {
+        let seen = s.receivers.as_mut().expect("made");
+        for i in 0..seen.len() / 50 {
+            (seen.triangle[i], seen.distance[i]) = (seen.triangle[i] ^ 1, seen.distance[i] + 9.0);
+        }
+    };
+    assert!(run("cubes", &quick(&["traced"]), &mut with_cheat(elsewhere)).is_err());
+    let silent = |s: &mut Shadows| s.receivers = None;
+    assert!(run("cubes", &quick(&["traced"]), &mut with_cheat(silent)).is_err());
+}
+
+#[test]
+fn spoilt_masks_stop_the_comparison() {
+    let nan = |s: &mut Shadows| s.mask[3] = f32::NAN;
+    assert!(matches!(run("cubes", &quick(&["traced"]), &mut with_cheat(nan)), Err(LabError::Invalid(_))));
+}
+
+#[test]
+fn what_is_not_supported_is_told_with_its_reason() {
+    let mut cpu = Backends::of(vec![Box::new(Cpu::new())]);
+    let comparison = run("c4-edge-square", &quick(&["hard"]), &mut cpu).expect("valid");
+    for row in &comparison.scenes[0].rows {
+        if let Outcome::Unsupported { reason } = &row.outcome {
+            assert!(reason.len() > 10, "{reason}");
+        }
+    }
+    // Nothing to render must not stop anything either.
+    for scene in ["no-casters", "no-receivers", "only-sky"] {
+        let comparison = run(scene, &quick(&[]), &mut cpu).expect("empty scenes are fine");
+        let rows = comparison.scenes[0].rows.iter().filter_map(Row::measured);
+        assert!(rows.clone().count() > 0 && rows.into_iter().all(|m| m.errors.rmse == 0.0), "{scene}");
+    }
+}
+
+#[test]
+fn unknown_techniques_are_named_and_listed() {
+    let mut cpu = Backends::of(vec![Box::new(Cpu::new())]);
+    let e = run("cubes", &quick(&["magic"]), &mut cpu).expect_err("unknown").to_string();
+    assert!(e.contains("magic") && e.contains("pcf"), "{e}");
+    let no_maps = Options { map_sizes: Vec::new(), ..quick(&[]) };
+    assert!(run("cubes", &no_maps, &mut cpu).is_err());
+}
+
+#[test]
+fn another_size_keeps_the_vertical_field_of_view() {
+    let camera = input("cubes").scene.cameras[0];
+    let wider = quick(&[]).camera(&camera);
+    assert_eq!(wider.size, UVec2::new(96, 64));
+    assert_eq!(wider.clip_from_view.y_axis, camera.clip_from_view.y_axis);
+    // Pixels are square: a pixel's step right is as long as its step down.
+    let rays = wider.rays();
+    let (right, down) = (rays.dir_dx.length(), rays.dir_dy.length());
+    assert!((right / down - 1.0).abs() < 1e-4, "{right} {down}");
+}
+
+#[test]
+fn images_come_with_every_row() {
+    let mut cpu = Backends::of(vec![Box::new(Cpu::new())]);
+    let mut seen = 0;
+    let sink = &mut |r: &SceneResult, images: &SceneImages| {
+        assert_eq!(r.rows.len(), images.masks.len());
+        assert!(images.masks.iter().flatten().all(|m| m.len() == 96 * 64));
+        assert!(images.truth.pixels.contains(&Pixel::Counted));
+        seen += 1;
+        Ok(())
+    };
+    compare(&[input("cubes"), input("figure")], &quick(&["pcf"]), &mut cpu, sink, &|_| ()).expect("valid");
+    assert_eq!(seen, 2);
+}
+
+#[test]
+fn medians_and_extremes() {
+    assert_eq!(Spread::of(Vec::new()), None);
+    assert_eq!(Spread::of(vec![3.0, 1.0, 8.0]), Some(Spread { median: 3.0, least: 1.0, greatest: 8.0, runs: 3 }));
+    assert_eq!(Spread::of(vec![4.0, 1.0]).map(|s| s.median), Some(2.5));
+}

@@ -9,8 +9,8 @@ use plotly::{
     common::{DashType, HoverInfo, Line, Marker, MarkerSymbol, Mode},
 };
 
-/// Logarithmic axes have no zero: errors below this are drawn here (a thousandth of what an 8-bit image shows)...
-const LEAST_ERROR: f64 = 1e-6;
+/// Logarithmic axes have no zero: errors below this are drawn here (a fortieth of a step of an 8-bit image)...
+const LEAST_ERROR: f64 = 1e-4;
 /// ... and times below this, milliseconds: a tenth of a microsecond.
 const LEAST_TIME: f64 = 1e-4;
 

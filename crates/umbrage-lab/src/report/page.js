@@ -19,7 +19,7 @@ const number = (v, digits) => (v === 0 ? "0" : v < 10 ** -digits ? v.toExponenti
 const percent = (v) => `${number(v, 2)} %`;
 const bytes = (v) => (v >= 1e6 ? `${(v / 1e6).toFixed(1)} MB` : `${(v / 1e3).toFixed(0)} kB`);
 const ms = (s) => (s ? `${number(s.median, 2)} ms` : "–");
-const spread = (s) => `${number(s.median, 2)} ms (${number(s.least, 2)} – ${number(s.greatest, 2)})`;
+const range = (s) => `${number(s.least, 2)} – ${number(s.greatest, 2)} ms`;
 const measured = (row) => row.outcome.measured || null;
 
 function shot(id, caption, title) {
@@ -79,7 +79,7 @@ function tiles() {
 
 // One hue, light to dark, over four decades of error.
 function heat(rmse) {
-  const t = Math.min(1, Math.max(0, (Math.log10(Math.max(rmse, 1e-4)) + 3.3) / 3));
+  const t = Math.min(1, Math.max(0, (Math.log10(Math.max(rmse, 1e-4)) + 2.7) / 2.7));
   const lightness = dark.matches ? 20 + 42 * t : 97 - 52 * t;
   const ink = dark.matches ? (t > 0.75 ? "#0c1016" : "#e8ecf2") : t > 0.6 ? "#fff" : "#1b2330";
   return `background: hsl(216 ${30 + 45 * t}% ${lightness}%); color: ${ink}`;
@@ -92,7 +92,11 @@ function matrix() {
   scenes.forEach((s) => s.rows.filter((r) => r.backend === backend).forEach((r) => keys.set(r.slug, r)));
   const find = (s, slug) => s.rows.find((r) => r.slug === slug && r.backend === backend);
   const raster = (r) => r.technique !== "traced" && measured(r);
-  const best = scenes.map((s) => Math.min(...s.rows.filter((r) => r.backend === backend && raster(r)).map((r) => measured(r).errors.rmse)));
+  // Where all are equally good there is no best.
+  const best = scenes.map((s) => {
+    const all = s.rows.filter((r) => r.backend === backend && raster(r)).map((r) => measured(r).errors.rmse);
+    return Math.min(...all) < Math.max(...all) ? Math.min(...all) : -1;
+  });
   const head = el("tr", {}, el("th", {}), ...scenes.map((s, i) => el("th", {}, el("a", { href: `#scene-${i}` }, s.name))));
   const lines = [...keys.values()].map((key) => {
     const cells = scenes.map((s, i) => {
@@ -108,7 +112,7 @@ function matrix() {
   });
   return el("div", { class: "panel" },
     el("h2", {}, "All scenes"),
-    el("p", {}, `RMSE of visibility against truth on ${backend}, 0 to 1; darker is worse. Framed: the least error of a technique with a shadow map on that scene. A dash: not supported, hover for the reason.`),
+    el("p", {}, `RMSE of visibility against truth on ${backend}, 0 to 1; the stronger the colour, the worse. Framed: the least error of a technique with a shadow map on that scene. A dash: not supported, hover for the reason.`),
     el("div", { class: "scroll" }, el("table", { class: "matrix" }, el("thead", {}, head), el("tbody", {}, ...lines))));
 }
 
@@ -119,13 +123,13 @@ function layout() {
   return {
     paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", hovermode: "closest", margin: { l: 62, r: 12, t: 12, b: 48 },
     font: { family: getComputedStyle(document.body).fontFamily, size: 12, color: ink },
-    xaxis: axis("casts + filters + lookup, ms"), yaxis: axis("RMSE of visibility"),
+    xaxis: axis("casts + filters + lookup, ms"), yaxis: axis("RMSE of visibility (1e-4 and less)"),
     legend: { orientation: "h", y: 1.02, yanchor: "bottom", x: 0, font: { size: 11 } }, hoverlabel: { align: "left" },
   };
 }
 
 function draw(node, traces) {
-  Plotly.react(node, traces, layout(), { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d"] });
+  Plotly.react(node, traces, layout(), { responsive: true, displayModeBar: false });
 }
 
 function term(list, name, value, state) {
@@ -143,7 +147,8 @@ function figures(m) {
   term(list, "cast", ms(t.cast));
   if (t.filter) term(list, "filter", ms(t.filter));
   term(list, "lookup", ms(t.receive));
-  term(list, "total", spread(t.total));
+  term(list, "total, median", ms(t.total));
+  term(list, plural(t.total.runs, "run"), range(t.total));
   term(list, "memory", bytes(m.bytes));
   if (a) {
     const word = a.violations ? `${a.violations} faults` : a.differing ? `${a.differing} px, ≤ ${number(a.largest, 3)}` : "bit-equal";
@@ -240,7 +245,7 @@ function sceneSection(scene, page) {
 
 header();
 if (comparison.scenes.length) {
-  const overview = () => byId("overview").replaceChildren(tiles(), matrix());
+  const overview = () => byId("overview").replaceChildren(tiles(), ...(comparison.scenes.length > 1 ? [matrix()] : []));
   overview();
   dark.addEventListener("change", overview);
   byId("scenes").append(...comparison.scenes.map((scene, i) => sceneSection(scene, pages[i])));

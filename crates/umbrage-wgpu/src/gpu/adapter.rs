@@ -103,7 +103,11 @@ impl std::fmt::Display for AdapterChoice {
         };
         f.write_str(software)?;
         self.name.as_ref().map_or(Ok(()), |name| write!(f, " named `{name}`"))?;
-        write!(f, " for {:?}", self.backends)
+        if self.backends == Self::default().backends {
+            return Ok(());
+        }
+        let names: Vec<_> = self.backends.iter_names().map(|(name, _)| name.to_lowercase()).collect();
+        write!(f, " for {}", if names.is_empty() { "no graphics API".to_owned() } else { names.join(" or ") })
     }
 }
 

@@ -13,14 +13,14 @@ mod shadows;
 pub use adapter::{AdapterChoice, Software};
 pub use requirements::check_adapter;
 
-use crate::{Counters, Frame, Options, ShadowRenderer, counters::Maker, scopes::Scopes};
+use crate::{Counters, Frame, Options, ShadowRenderer, counters::Maker, renderer::check_size, scopes::Scopes};
 use clock::{Clock, Played};
 use faults::Faults;
 use geometry::Geometries;
 use readback::{ReadBack, Spare};
 use receivers::{Finder, ReceiverTextures};
 use shadows::Tickets;
-use umbrage_core::{Backend, BackendError, Invalid, Limits, Recipe, Shadows, View};
+use umbrage_core::{Backend, BackendError, Invalid, Limits, Receivers, Recipe, Shadows, View};
 use wgpu::{Adapter, AdapterInfo, CommandEncoder, Device, DeviceDescriptor, Features, Queue};
 
 /// Borrows only the fields needed, so that the others stay free.
@@ -133,9 +133,13 @@ impl Gpu {
         let scopes = Scopes::open(&self.device);
         let result = f(self);
         let closed = scopes.close();
-        // A lost device explains all other errors.
-        self.faults.check()?;
-        closed.and(result)
+        // A lost device explains all other errors, and errors of the device those that follow from them.
+        let outcome = self.faults.check().and(closed).and(result);
+        if outcome.is_err() {
+            // What was made may be unusable.
+            (self.receivers, self.geometries) = Default::default();
+        }
+        outcome
     }
 
     fn play(&mut self, view: &View<'_>, recipe: &Recipe) -> Result<Shadows, BackendError> {
@@ -209,6 +213,7 @@ impl Backend for Gpu {
 
     fn render(&mut self, view: &View<'_>, recipe: &Recipe) -> Result<Shadows, BackendError> {
         check(view, recipe)?;
+        check_size(view.camera.size, self.limits().image_side)?;
         check_adapter(&self.adapter, recipe)?;
         self.guarded(|gpu| gpu.play(view, recipe))
     }
@@ -216,8 +221,8 @@ impl Backend for Gpu {
 
 fn check(view: &View<'_>, recipe: &Recipe) -> Result<(), BackendError> {
     view.camera.validate()?;
-    if let Some(r) = view.receivers.filter(|r| r.size != view.camera.size || r.receives.len() != r.len()) {
-        let why = format!("are an image of {} x {} pixels", r.size.x, r.size.y);
+    if let Some(r) = view.receivers.filter(|r| r.size != view.camera.size || !whole(r)) {
+        let why = format!("are an image of {} x {} pixels, or not all arrays are as long", r.size.x, r.size.y);
         let mend = format!("make them for this camera, {} x {}", view.camera.size.x, view.camera.size.y);
         return Err(Invalid::new("receivers", why, mend).into());
     }
@@ -226,6 +231,13 @@ fn check(view: &View<'_>, recipe: &Recipe) -> Result<(), BackendError> {
         return Err(Invalid::new("view", "has no geometry, but the recipe casts", mend).into());
     }
     Ok(())
+}
+
+/// Whether all arrays hold all pixels.
+fn whole(r: &Receivers) -> bool {
+    let pixels = r.size.x as usize * r.size.y as usize;
+    let floats = [&r.x, &r.y, &r.z, &r.nx, &r.ny, &r.nz];
+    floats.iter().all(|v| v.len() == pixels) && r.triangle.len() == pixels && r.receives.len() == pixels
 }
 
 fn blind() -> BackendError {

@@ -85,6 +85,11 @@ fn receivers_of_another_size_are_refused() {
     let receivers = umbrage_core::Receivers::empty(UVec2::new(3, 4));
     let error = gpu.render(&stage.view().with_receivers(&receivers), &stage.recipe(16)).expect_err("3 x 4");
     assert!(error.to_string().contains("3 x 4"), "{error}");
+    let mut receivers = umbrage_core::Receivers::empty(stage.camera.size);
+    assert!(gpu.render(&stage.view().with_receivers(&receivers), &stage.recipe(16)).is_ok());
+    receivers.nz.pop();
+    let error = gpu.render(&stage.view().with_receivers(&receivers), &stage.recipe(16)).expect_err("one is missing");
+    assert!(error.to_string().contains("not all arrays are as long"), "{error}");
 }
 
 #[test]
