@@ -1,6 +1,7 @@
 //! umbrage's built-in shadow techniques: each one file in Rust beside one of the same name in WGSL. Only public API of
 //! `umbrage-core` is used, so a technique of yours can do all that these do.
 
+mod batch;
 mod bias;
 mod catalogue;
 mod hard;

@@ -5,8 +5,9 @@
 //! see the receiver's own surface r texels away.
 
 use crate::{
+    batch::look_up_span,
     lanes,
-    shadow_map::{MapLookup, ShadowMap, TAP, look_up_span},
+    shadow_map::{MapLookup, ShadowMap, TAP},
 };
 use serde::{Deserialize, Serialize};
 use umbrage_core::{

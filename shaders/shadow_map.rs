@@ -9,8 +9,8 @@ use glam::{Mat4, UVec2, Vec2, Vec3, Vec4};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
-    Cast, Fit, Format, ImageDesc, Invalid, LightSpace, MATH, Module, PlanError, Receive, ReceiveKernel, Recipe, Simd,
-    Span, Twin, View,
+    Cast, Fit, Format, ImageDesc, Invalid, LightSpace, MATH, Module, PlanError, Receive, ReceiveKernel, Recipe, Twin,
+    View,
     math::{cross3, dot3, transform, unit3},
     twin, uniforms,
 };
@@ -253,36 +253,6 @@ pub fn tap(texels: &[f32], size: i32, l: &Lookup, x: i32, y: i32) -> f32 {
     }
     let stored = texels[y as usize * size as usize + x as usize];
     if depth_at(l, x, y) <= stored { 1.0 } else { 0.0 }
-}
-
-/// How many receivers are projected before the taps begin: projecting is arithmetic and runs in vector lanes, tapping
-/// is memory.
-const BATCH: usize = 64;
-
-/// Looks up a span of receivers: `visibility` gets each lookup and its pixel's offset in the span.
-#[inline(always)]
-pub(crate) fn look_up_span(
-    simd: Simd,
-    m: &MapLookup,
-    span: &Span<'_>,
-    out: &mut [f32],
-    visibility: impl Fn(&Lookup, usize) -> f32,
-) {
-    simd.run(
-        #[inline(always)]
-        || {
-            let mut lookups = [Lookup::default(); BATCH];
-            for first in (0..out.len()).step_by(BATCH) {
-                let count = BATCH.min(out.len() - first);
-                for (i, l) in lookups[..count].iter_mut().enumerate() {
-                    *l = look_up(m, span.position(first + i), span.normal(first + i));
-                }
-                for (i, l) in lookups[..count].iter().enumerate() {
-                    out[first + i] = if l.seen { visibility(l, first + i) } else { 1.0 };
-                }
-            }
-        },
-    );
 }
 
 /// The pairs, for the lockstep tests.

@@ -66,7 +66,7 @@ fn package() -> Result<()> {
     // What is packed is the question here, not whether it is committed.
     let mut command = cargo();
     command.args(["package", "--allow-dirty"]).args(names).arg("--target-dir").arg(&folder);
-    let result = run(command.env("CARGO_PROFILE_DEV_DEBUG", "none"));
+    let result = run(command.env("CARGO_PROFILE_DEV_DEBUG", "0"));
     // Left-overs in the system's folder for them do no harm.
     drop(std::fs::remove_dir_all(&folder));
     result

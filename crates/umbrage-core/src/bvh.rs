@@ -98,6 +98,35 @@ impl Bvh {
         self.ids[i] != skip && Segment::new(o, d).hits(&self.corners[i])
     }
 
+    /// Whether no caster reaches into the convex region `normal.dot(x) >= distance` of all these planes (normals of any
+    /// length). Cautious: it may say no where one comes near. One such question can spare a thousand rays.
+    pub fn is_clear(&self, geometry: &Geometry, planes: &[(Vec3, f32)]) -> bool {
+        // Of a box the corner that is farthest along the normal decides.
+        let outside = |low: Vec3, high: Vec3| {
+            planes.iter().any(|&plane| is_outside(plane, Vec3::select(plane.0.cmpge(Vec3::ZERO), high, low)))
+        };
+        let mut stack = if self.ids.is_empty() { Vec::new() } else { vec![0] };
+        while let Some(i) = stack.pop() {
+            let node = &self.narrow.nodes[i];
+            if outside(node.aabb.min.into(), node.aabb.max.into()) {
+                continue;
+            }
+            let first = node.first_index as usize;
+            if node.prim_count == 0 {
+                stack.extend([first, first + 1]);
+                continue;
+            }
+            let clear = |&id: &u32| {
+                let corners = geometry.corners(id);
+                planes.iter().any(|&plane| corners.iter().all(|&c| is_outside(plane, c)))
+            };
+            if !self.narrow_order[first..first + node.prim_count as usize].iter().all(clear) {
+                return false;
+            }
+        }
+        true
+    }
+
     /// The two-way hierarchy as rows of four words, for shaders: row 2i is node i's least corner and its first child or
     /// triangle, row 2i + 1 its greatest corner and its triangle count (0 for an inner node, whose children are
     /// adjacent). One row of zeros when nothing casts.
@@ -121,6 +150,11 @@ impl Bvh {
     pub fn parts(&self) -> (&CwBvh, &[u32]) {
         (&self.wide, &self.ids)
     }
+}
+
+/// Whether a point lies outside a half space, whatever rounding (two units in the last place) does to it.
+fn is_outside((n, distance): (Vec3, f32), p: Vec3) -> bool {
+    n.dot(p) < distance - 2.0 * f32::EPSILON * (n.abs().dot(p.abs()) + distance.abs())
 }
 
 /// The segment as `obvhs`'s box test wants it. That test ignores boxes that end before t = 1e-4, a centimetre of a

@@ -132,3 +132,30 @@ fn closed_meshes_have_no_cracks() {
         assert!(g.bvh().occluded(o, (target - o) * 3.0, NO_TRIANGLE), "from {o} to {target}");
     }
 }
+
+/// Where a region is clear no segment within it is hidden; and regions are found clear, and found not to be.
+#[test]
+fn clear_regions_hide_nothing() {
+    let mut random = Random(23);
+    let g = soup(&mut random, 300, 1.0);
+    let (mut clear, mut hidden) = (0, 0);
+    for _ in 0..3000 {
+        let (o, center) = (random.vector() * 2.0, random.vector() * 2.0);
+        let [u, v] = [random.vector() * 0.1, random.vector() * 0.1];
+        let corners = [center + u + v, center - u + v, center - u - v, center + u - v];
+        let planes = [0, 1, 2, 3].map(|k| {
+            let n = (corners[k] - o).cross(corners[(k + 1) % 4] - o);
+            let inward = if n.dot(center - o) < 0.0 { -n } else { n };
+            (inward, inward.dot(o))
+        });
+        let clear_now = g.bvh().is_clear(&g, &planes);
+        clear += u32::from(clear_now);
+        for _ in 0..16 {
+            let target = center + u * random.signed() + v * random.signed();
+            let occluded = brute_force(&g, o, target - o, NO_TRIANGLE);
+            assert!(!(occluded && clear_now), "from {o} to {target}");
+            hidden += u32::from(occluded);
+        }
+    }
+    assert!(clear > 300 && hidden > 3000, "the test tells little: {clear} clear, {hidden} hidden");
+}

@@ -187,7 +187,7 @@ fn cast_pipeline(device: &Device, module: &ShaderModule) -> RenderPipeline {
         layout: None,
         vertex: VertexState {
             module,
-            entry_point: Some("cast"),
+            entry_point: Some("draw_depth"),
             compilation_options: PipelineCompilationOptions::default(),
             buffers: &[Some(buffer)],
         },

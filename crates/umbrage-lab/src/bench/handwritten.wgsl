@@ -11,7 +11,7 @@ struct Uniforms {
 @group(0) @binding(2) var position: texture_2d<f32>;
 @group(0) @binding(3) var normal: texture_2d<f32>;
 
-@vertex fn cast(@location(0) p: vec3f) -> @builtin(position) vec4f {
+@vertex fn draw_depth(@location(0) p: vec3f) -> @builtin(position) vec4f {
     return u.clip_from_world * vec4f(p, 1.0);
 }
 

@@ -5,7 +5,7 @@ use glam::{Vec2, Vec3};
 use std::sync::Arc;
 use umbrage_core::{
     Bvh, Geometry, Invalid, Light,
-    light_sample::{LightSampler, origin_offset, scrambled, segment, sobol_bits},
+    light_sample::{LightSampler, bitangent, kind, origin_offset, scrambled, segment, sobol_bits, tangent},
     math::dot3,
 };
 
@@ -13,8 +13,9 @@ use umbrage_core::{
 const BLOCKS: u32 = 16;
 
 /// A light and the casters before it.
-pub(super) struct Tracer {
+pub(super) struct Tracer<'a> {
     bvh: Arc<Bvh>,
+    geometry: &'a Geometry,
     light: LightSampler,
     /// A spot's place, unit axis and cosine of its outer angle.
     cone: Option<(Vec3, Vec3, f32)>,
@@ -36,12 +37,14 @@ pub(super) struct Memory {
 /// Counts over a run of samples.
 #[derive(Clone, Copy, Debug, Default)]
 struct Count {
+    /// Whether nothing can come between: then no ray is traced.
+    clear: bool,
     above: u32,
     seen: u32,
 }
 
-impl Tracer {
-    pub(super) fn new(geometry: &Geometry, light: &Light, options: &TruthOptions) -> Result<Self, Invalid> {
+impl<'a> Tracer<'a> {
+    pub(super) fn new(geometry: &'a Geometry, light: &Light, options: &TruthOptions) -> Result<Self, Invalid> {
         light.validate()?;
         let sampler = LightSampler::new(light);
         let samples = if sampler.is_ideal() { 1 } else { options.samples.max(1) };
@@ -50,6 +53,7 @@ impl Tracer {
         let empty = bounds.is_empty();
         Ok(Self {
             bvh: geometry.bvh().clone(),
+            geometry,
             light: sampler,
             cone: match *light {
                 Light::Spot { position, direction, outer, .. } => {
@@ -96,7 +100,7 @@ impl Tracer {
         memory: &mut Memory,
         blocks: &mut Vec<f32>,
     ) -> Count {
-        let mut count = Count::default();
+        let mut count = Count { clear: self.is_clear(point, o), ..Count::default() };
         let size = (range.len() as u32).div_ceil(BLOCKS);
         for start in range.clone().step_by(size as usize) {
             let (before, end) = (count.seen, (start + size).min(range.end));
@@ -116,6 +120,10 @@ impl Tracer {
             return;
         }
         count.above += 1;
+        if count.clear {
+            count.seen += 1;
+            return;
+        }
         if memory.occluder.is_some_and(|i| self.bvh.hits(i, o, d, point.triangle)) {
             return;
         }
@@ -123,6 +131,43 @@ impl Tracer {
             Some(i) => memory.occluder = Some(i),
             None => count.seen += 1,
         }
+    }
+
+    /// Whether no caster reaches between a point and a light with an extent: into the pyramid from the point over a
+    /// parallelogram around the light, above the point's tangent plane, before the light.
+    fn is_clear(&self, point: &Point, o: Vec3) -> bool {
+        let (n, s) = (point.normal, &self.light);
+        let axes = [s.half_u.truncate(), s.half_v.truncate()];
+        let (center, [u, v]) = match s.shape.x {
+            kind::RECT | kind::DISC => (s.center.truncate() - o, axes),
+            kind::BALL => {
+                let c = s.center.truncate() - o;
+                let across = c.normalize_or_zero();
+                (c, [tangent(across), bitangent(across)].map(|a| a * s.half_u.w))
+            }
+            // Beyond 1 radian the pyramid would be too blunt to be of use.
+            kind::CAP if s.half_u.w < 0.46 => {
+                let tan = (1.0 / (1.0 - s.half_u.w).powi(2) - 1.0).sqrt() * 1.000_1;
+                (s.center.truncate(), axes.map(|a| a * tan))
+            }
+            _ => return false,
+        };
+        let corners = [center + u + v, center - u + v, center - u - v, center + u - v];
+        let mut planes = [(n, n.dot(o)); 6];
+        for k in 0..4 {
+            let side = corners[k].cross(corners[(k + 1) % 4]);
+            // A light that is seen edge-on has no inside.
+            if side.dot(center).abs() <= 1e-4 * side.length() * center.length() {
+                return false;
+            }
+            let inward = if side.dot(center) < 0.0 { -side } else { side };
+            planes[k] = (inward, inward.dot(o));
+        }
+        if s.shape.x != kind::CAP {
+            let back = u.cross(v) * -u.cross(v).dot(center).signum();
+            planes[5] = (back, back.dot(o + center));
+        }
+        self.bvh.is_clear(self.geometry, &planes)
     }
 
     fn outside_cone(&self, p: Vec3) -> bool {

@@ -1,0 +1,163 @@
+//! Lookups of many receivers: projecting is arithmetic and runs in vector lanes over batches, tapping is memory and
+//! follows one receiver at a time. The arithmetic is `look_up`'s, spelled in scalars so that the compiler finds its lanes.
+
+use crate::shadow_map::{Lookup, MapLookup, look_up, slope_bias, to_light};
+use glam::{Mat4, Vec2, Vec3};
+use umbrage_core::{Simd, SimdTask, Span, math::dot3};
+
+/// How many receivers are projected before the taps begin.
+const BATCH: usize = 64;
+
+/// Looks up a span of receivers: `visibility` gets each lookup and its pixel's offset in the span.
+#[inline]
+pub(crate) fn look_up_span<V: Fn(&Lookup, usize) -> f32>(
+    simd: Simd,
+    m: &MapLookup,
+    span: &Span<'_>,
+    out: &mut [f32],
+    visibility: V,
+) {
+    // The offset along the normal projects twice, and the plane's gradient is long: they stay with the plain function.
+    if m.normal_offset != 0.0 || m.receiver_plane > 0.0 {
+        simd.run_task(LookUpSpan { m, span, out, visibility, project: one_by_one });
+    } else if m.light.w == 0.0 {
+        simd.run_task(LookUpSpan { m, span, out, visibility, project: in_lanes::<false> });
+    } else {
+        simd.run_task(LookUpSpan { m, span, out, visibility, project: in_lanes::<true> });
+    }
+}
+
+struct LookUpSpan<'a, V, P> {
+    m: &'a MapLookup,
+    span: &'a Span<'a>,
+    out: &'a mut [f32],
+    visibility: V,
+    project: P,
+}
+
+/// Lookups, an array a field.
+struct Batch {
+    x: [f32; BATCH],
+    y: [f32; BATCH],
+    depth: [f32; BATCH],
+    gradient: [Vec2; BATCH],
+    seen: [bool; BATCH],
+}
+
+impl<V: Fn(&Lookup, usize) -> f32, P: Fn(&MapLookup, &Span<'_>, usize, usize, &mut Batch)> SimdTask
+    for LookUpSpan<'_, V, P>
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { m, span, out, visibility, project } = self;
+        let zero = [0.0; BATCH];
+        let mut b = Batch { x: zero, y: zero, depth: zero, gradient: [Vec2::ZERO; BATCH], seen: [false; BATCH] };
+        for first in (0..out.len()).step_by(BATCH) {
+            let count = BATCH.min(out.len() - first);
+            project(m, span, first, count, &mut b);
+            for (i, out) in out[first..first + count].iter_mut().enumerate() {
+                let l = Lookup {
+                    texel: Vec2::new(b.x[i], b.y[i]),
+                    depth: b.depth[i],
+                    gradient: b.gradient[i],
+                    seen: b.seen[i],
+                };
+                *out = if l.seen { visibility(&l, first + i) } else { 1.0 };
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn one_by_one(m: &MapLookup, span: &Span<'_>, first: usize, count: usize, b: &mut Batch) {
+    for i in 0..count {
+        let l = look_up(m, span.position(first + i), span.normal(first + i));
+        (b.x[i], b.y[i], b.depth[i]) = (l.texel.x, l.texel.y, l.depth);
+        (b.gradient[i], b.seen[i]) = (l.gradient, l.seen);
+    }
+}
+
+/// A row of the matrix times a point, from left to right.
+#[inline(always)]
+fn row(m: &Mat4, i: usize, p: Vec3) -> f32 {
+    let [x, y, z, w] = [m.x_axis[i], m.y_axis[i], m.z_axis[i], m.w_axis[i]];
+    x * p.x + y * p.y + z * p.z + w
+}
+
+#[inline(always)]
+fn in_lanes<const LOCAL: bool>(m: &MapLookup, span: &Span<'_>, first: usize, count: usize, b: &mut Batch) {
+    let part = |values: &[f32]| -> [f32; BATCH] {
+        let mut out = [0.0; BATCH];
+        out[..count].copy_from_slice(&values[first..first + count]);
+        out
+    };
+    let (x, y, z) = (part(span.x), part(span.y), part(span.z));
+    let (nx, ny, nz) = (part(span.nx), part(span.ny), part(span.nz));
+    let (matrix, size) = (m.clip_from_world, m.size);
+    // A light without a position has one direction for all.
+    let towards = m.light.truncate();
+    for i in 0..BATCH {
+        let (p, n) = (Vec3::new(x[i], y[i], z[i]), Vec3::new(nx[i], ny[i], nz[i]));
+        let l = if LOCAL { to_light(m.light, p) } else { towards };
+        let bias = m.constant + slope_bias(m.slope, m.slope_min, dot3(n, l));
+        let w = row(&matrix, 3, p);
+        let (u, v, d) = (row(&matrix, 0, p) / w, row(&matrix, 1, p) / w, row(&matrix, 2, p) / w);
+        b.x[i] = ((u * 0.5 + 0.5) * size).min(1e6).max(-1e6);
+        b.y[i] = ((0.5 - v * 0.5) * size).min(1e6).max(-1e6);
+        b.depth[i] = d - bias;
+        b.seen[i] = w > 0.0 && d <= 1.0;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{Vec4, dcamera::rh::proj::directx};
+
+    fn lookup(light: Vec4, slope: f32) -> MapLookup {
+        let clip_from_world = directx::perspective(1.2, 1.0, 0.3, 40.0).as_mat4();
+        let texel = 0.01;
+        let (constant, slope_min, normal_offset, receiver_plane) = (1e-3, slope * 0.1, 0.0, 0.0);
+        MapLookup {
+            clip_from_world,
+            light,
+            size: 300.0,
+            texel,
+            constant,
+            slope,
+            slope_min,
+            normal_offset,
+            receiver_plane,
+        }
+    }
+
+    /// Lanes and the plain function, over points before, behind and beside the light.
+    #[test]
+    fn lanes_equal_the_plain_function() {
+        let wave = |k: f32, scale: f32| (0..200).map(|i| (i as f32 * k).sin() * scale).collect::<Vec<f32>>();
+        let (x, y, z) = (wave(0.7, 20.0), wave(1.3, 20.0), wave(2.3, 50.0));
+        let (nx, ny, nz) = (wave(0.31, 0.5), wave(0.57, 0.5), wave(0.9, 0.5));
+        let triangle = vec![0; 200];
+        let first = glam::UVec2::ZERO;
+        let span = Span { first, x: &x, y: &y, z: &z, nx: &nx, ny: &ny, nz: &nz, triangle: &triangle };
+        for (light, slope) in
+            [(Vec4::new(0.0, 1.0, 0.0, 0.0), 0.05), (Vec4::new(1.0, 4.0, 2.0, 1.0), 0.05), (Vec4::W, 0.0)]
+        {
+            let m = lookup(light, slope);
+            let check = |l: &Lookup, i: usize| {
+                let plain = look_up(&m, span.position(i), span.normal(i));
+                assert_eq!(l.texel.to_array().map(f32::to_bits), plain.texel.to_array().map(f32::to_bits), "{i}");
+                assert_eq!((l.depth.to_bits(), l.seen), (plain.depth.to_bits(), plain.seen), "{i}");
+                0.5
+            };
+            for simd in [Simd::Baseline, Simd::Native] {
+                let mut out = vec![9.0; 200];
+                look_up_span(simd, &m, &span, &mut out, check);
+                let seen = out.iter().filter(|&&v| v == 0.5).count();
+                assert!(seen > 20 && seen < 180, "{seen} of 200 are seen: too one-sided a test");
+            }
+        }
+    }
+}
