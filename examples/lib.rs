@@ -1,1 +1,3 @@
-//! See the examples beside this file.
+//! What the examples beside this file share with the tests: techniques written as a user of the library would.
+
+pub mod variance;

@@ -8,31 +8,36 @@ use umbrage_core::{Simd, SimdTask, Span, math::dot3};
 /// How many receivers are projected before the taps begin.
 const BATCH: usize = 64;
 
-/// Looks up a span of receivers: `visibility` gets each lookup and its pixel's offset in the span.
+/// What a technique makes of one lookup. A trait and not a closure, since a method can insist on being inlined into the
+/// loop that is compiled for vector instructions: mark it `#[inline(always)]`.
+pub(crate) trait Taps {
+    /// Visibility 0..=1; `offset` is the pixel's place in the span.
+    fn visibility(&self, l: &Lookup, offset: usize) -> f32;
+}
+
+/// Looks up a span of receivers.
 #[inline]
-pub(crate) fn look_up_span<V: Fn(&Lookup, usize) -> f32>(
-    simd: Simd,
-    m: &MapLookup,
-    span: &Span<'_>,
-    out: &mut [f32],
-    visibility: V,
-) {
+pub(crate) fn look_up_span(simd: Simd, m: &MapLookup, span: &Span<'_>, out: &mut [f32], taps: &impl Taps) {
     // The offset along the normal projects twice, and the plane's gradient is long: they stay with the plain function.
     if m.normal_offset != 0.0 || m.receiver_plane > 0.0 {
-        simd.run_task(LookUpSpan { m, span, out, visibility, project: one_by_one });
+        simd.run_task(LookUpSpan::<_, PLAIN> { m, span, out, taps });
     } else if m.light.w == 0.0 {
-        simd.run_task(LookUpSpan { m, span, out, visibility, project: in_lanes::<false> });
+        simd.run_task(LookUpSpan::<_, DISTANT> { m, span, out, taps });
     } else {
-        simd.run_task(LookUpSpan { m, span, out, visibility, project: in_lanes::<true> });
+        simd.run_task(LookUpSpan::<_, NEAR> { m, span, out, taps });
     }
 }
 
-struct LookUpSpan<'a, V, P> {
+/// Ways to project.
+const PLAIN: u8 = 0;
+const DISTANT: u8 = 1;
+const NEAR: u8 = 2;
+
+struct LookUpSpan<'a, T, const WAY: u8> {
     m: &'a MapLookup,
     span: &'a Span<'a>,
     out: &'a mut [f32],
-    visibility: V,
-    project: P,
+    taps: &'a T,
 }
 
 /// Lookups, an array a field.
@@ -44,27 +49,25 @@ struct Batch {
     seen: [bool; BATCH],
 }
 
-impl<V: Fn(&Lookup, usize) -> f32, P: Fn(&MapLookup, &Span<'_>, usize, usize, &mut Batch)> SimdTask
-    for LookUpSpan<'_, V, P>
-{
+impl<T: Taps, const WAY: u8> SimdTask for LookUpSpan<'_, T, WAY> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let Self { m, span, out, visibility, project } = self;
+        let Self { m, span, out, taps } = self;
         let zero = [0.0; BATCH];
         let mut b = Batch { x: zero, y: zero, depth: zero, gradient: [Vec2::ZERO; BATCH], seen: [false; BATCH] };
         for first in (0..out.len()).step_by(BATCH) {
             let count = BATCH.min(out.len() - first);
-            project(m, span, first, count, &mut b);
+            match WAY {
+                PLAIN => one_by_one(m, span, first, count, &mut b),
+                DISTANT => in_lanes::<false>(m, span, first, count, &mut b),
+                _ => in_lanes::<true>(m, span, first, count, &mut b),
+            }
             for (i, out) in out[first..first + count].iter_mut().enumerate() {
-                let l = Lookup {
-                    texel: Vec2::new(b.x[i], b.y[i]),
-                    depth: b.depth[i],
-                    gradient: b.gradient[i],
-                    seen: b.seen[i],
-                };
-                *out = if l.seen { visibility(&l, first + i) } else { 1.0 };
+                let texel = Vec2::new(b.x[i], b.y[i]);
+                let l = Lookup { texel, depth: b.depth[i], gradient: b.gradient[i], seen: b.seen[i] };
+                *out = if l.seen { taps.visibility(&l, first + i) } else { 1.0 };
             }
         }
     }
@@ -87,6 +90,7 @@ fn row(m: &Mat4, i: usize, p: Vec3) -> f32 {
 }
 
 #[inline(always)]
+#[expect(clippy::manual_clamp, reason = "as in `texel_from_clip`")]
 fn in_lanes<const LOCAL: bool>(m: &MapLookup, span: &Span<'_>, first: usize, count: usize, b: &mut Batch) {
     let part = |values: &[f32]| -> [f32; BATCH] {
         let mut out = [0.0; BATCH];
@@ -133,6 +137,20 @@ mod tests {
         }
     }
 
+    struct Check<'a> {
+        m: &'a MapLookup,
+        span: &'a Span<'a>,
+    }
+
+    impl Taps for Check<'_> {
+        fn visibility(&self, l: &Lookup, i: usize) -> f32 {
+            let plain = look_up(self.m, self.span.position(i), self.span.normal(i));
+            assert_eq!(l.texel.to_array().map(f32::to_bits), plain.texel.to_array().map(f32::to_bits), "{i}");
+            assert_eq!((l.depth.to_bits(), l.seen), (plain.depth.to_bits(), plain.seen), "{i}");
+            0.5
+        }
+    }
+
     /// Lanes and the plain function, over points before, behind and beside the light.
     #[test]
     fn lanes_equal_the_plain_function() {
@@ -146,15 +164,10 @@ mod tests {
             [(Vec4::new(0.0, 1.0, 0.0, 0.0), 0.05), (Vec4::new(1.0, 4.0, 2.0, 1.0), 0.05), (Vec4::W, 0.0)]
         {
             let m = lookup(light, slope);
-            let check = |l: &Lookup, i: usize| {
-                let plain = look_up(&m, span.position(i), span.normal(i));
-                assert_eq!(l.texel.to_array().map(f32::to_bits), plain.texel.to_array().map(f32::to_bits), "{i}");
-                assert_eq!((l.depth.to_bits(), l.seen), (plain.depth.to_bits(), plain.seen), "{i}");
-                0.5
-            };
+            let check = Check { m: &m, span: &span };
             for simd in [Simd::Baseline, Simd::Native] {
                 let mut out = vec![9.0; 200];
-                look_up_span(simd, &m, &span, &mut out, check);
+                look_up_span(simd, &m, &span, &mut out, &check);
                 let seen = out.iter().filter(|&&v| v == 0.5).count();
                 assert!(seen > 20 && seen < 180, "{seen} of 200 are seen: too one-sided a test");
             }

@@ -4,8 +4,8 @@
 //! curved surfaces". Fails by jagged edges as wide as a texel, by acne without bias, and by shadows that come loose with
 //! too much of it.
 
-use crate::batch::look_up_span;
-use crate::shadow_map::{MapLookup, ShadowMap, TAP, tap};
+use crate::batch::{Taps, look_up_span};
+use crate::shadow_map::{Lookup, MapLookup, ShadowMap, TAP, tap};
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
     Inputs, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span, UniformLayout, Uniforms, View,
@@ -56,14 +56,19 @@ impl Kernel for HardKernel {
 
 impl ReceiveKernel for HardKernel {
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
-        let (size, texels) = (self.0.size as i32, inputs.images[0].texels);
-        look_up_span(
-            inputs.simd,
-            &self.0,
-            span,
-            out,
-            #[inline(always)]
-            |l, _| tap(texels, size, l, l.texel.x.floor() as i32, l.texel.y.floor() as i32),
-        );
+        let taps = OneTap { texels: inputs.images[0].texels, size: self.0.size as i32 };
+        look_up_span(inputs.simd, &self.0, span, out, &taps);
+    }
+}
+
+struct OneTap<'a> {
+    texels: &'a [f32],
+    size: i32,
+}
+
+impl Taps for OneTap<'_> {
+    #[inline(always)]
+    fn visibility(&self, l: &Lookup, _: usize) -> f32 {
+        tap(self.texels, self.size, l, l.texel.x.floor() as i32, l.texel.y.floor() as i32)
     }
 }

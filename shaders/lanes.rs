@@ -3,25 +3,16 @@
 
 use crate::shadow_map::{Lookup, tap};
 
-/// How many taps of the square of `radius` around the receiver's texel are lit.
+/// How many taps of the square whose least texel is (x, y) are lit. None unless it lies wholly within the map and its
+/// rows may be read `LANES` wide; lanes beyond `SIDE` are not counted.
 #[inline(always)]
-pub(crate) fn count_lit(texels: &[f32], size: i32, l: &Lookup, radius: i32) -> f32 {
-    let (x, y) = (l.texel.x.floor() as i32 - radius, l.texel.y.floor() as i32 - radius);
-    let counted = match radius {
-        0 => None,
-        1 => square::<3, 4>(texels, size, l, x, y),
-        2 => square::<5, 8>(texels, size, l, x, y),
-        3 => square::<7, 8>(texels, size, l, x, y),
-        4 => square::<9, 16>(texels, size, l, x, y),
-        5 => square::<11, 16>(texels, size, l, x, y),
-        _ => None,
-    };
-    counted.unwrap_or_else(|| one_by_one(texels, size, l, x, y, 2 * radius + 1))
-}
-
-/// A square wholly within the map whose rows may be read `LANES` wide; lanes beyond `SIDE` are not counted.
-#[inline(always)]
-fn square<const SIDE: usize, const LANES: usize>(texels: &[f32], size: i32, l: &Lookup, x: i32, y: i32) -> Option<f32> {
+pub(crate) fn square<const SIDE: usize, const LANES: usize>(
+    texels: &[f32],
+    size: i32,
+    l: &Lookup,
+    x: i32,
+    y: i32,
+) -> Option<f32> {
     let side = SIDE as i32;
     if x < 0 || y < 0 || x + side > size || y + side > size {
         return None;
@@ -49,9 +40,9 @@ fn square<const SIDE: usize, const LANES: usize>(texels: &[f32], size: i32, l: &
     Some(lit[..SIDE].iter().sum::<u32>() as f32)
 }
 
-/// Any square: taps outside the map count as lit.
-#[inline(always)]
-fn one_by_one(texels: &[f32], size: i32, l: &Lookup, x: i32, y: i32, side: i32) -> f32 {
+/// The same for any square: taps outside the map count as lit.
+#[inline]
+pub(crate) fn one_by_one(texels: &[f32], size: i32, l: &Lookup, [x, y]: [i32; 2], side: i32) -> f32 {
     let mut lit = 0.0;
     for dy in 0..side {
         for dx in 0..side {

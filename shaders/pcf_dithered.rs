@@ -4,8 +4,9 @@
 //! (-1.5, -1.5) and (.5, -1.5) texels, moved by (0 or 1, 0 or 1) so that each block of 2x2 pixels covers sixteen texels.
 //! Cheap, at the price of a fine pattern in the penumbra; its levels are fourths.
 
-use crate::batch::look_up_span;
-use crate::shadow_map::{MapLookup, ShadowMap, TAP, tap};
+use crate::batch::{Taps, look_up_span};
+use crate::shadow_map::{Lookup, MapLookup, ShadowMap, TAP, tap};
+use glam::UVec2;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
     Inputs, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span, UniformLayout, Uniforms, View,
@@ -60,22 +61,26 @@ impl Kernel for PcfDitheredKernel {
 
 impl ReceiveKernel for PcfDitheredKernel {
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
-        let (size, texels) = (self.0.size as i32, inputs.images[0].texels);
-        look_up_span(
-            inputs.simd,
-            &self.0,
-            span,
-            out,
-            #[inline(always)]
-            |l, i| {
-                let (px, py) = (span.first.x + i as u32, span.first.y);
-                let (ox, oy) = ((px & 1) as f32, ((px ^ py) & 1) as f32);
-                let column = |step: f32| (l.texel.x + (ox + step)).floor() as i32;
-                let row = |step: f32| (l.texel.y + (oy + step)).floor() as i32;
-                let (left, right, top, bottom) = (column(-1.5), column(0.5), row(-1.5), row(0.5));
-                let lit = |x, y| tap(texels, size, l, x, y);
-                (lit(left, top) + lit(right, top) + lit(left, bottom) + lit(right, bottom)) / 4.0
-            },
-        );
+        let taps = DitheredTaps { texels: inputs.images[0].texels, size: self.0.size as i32, first: span.first };
+        look_up_span(inputs.simd, &self.0, span, out, &taps);
+    }
+}
+
+struct DitheredTaps<'a> {
+    texels: &'a [f32],
+    size: i32,
+    first: UVec2,
+}
+
+impl Taps for DitheredTaps<'_> {
+    #[inline(always)]
+    fn visibility(&self, l: &Lookup, offset: usize) -> f32 {
+        let (px, py) = (self.first.x + offset as u32, self.first.y);
+        let (ox, oy) = ((px & 1) as f32, ((px ^ py) & 1) as f32);
+        let column = |step: f32| (l.texel.x + (ox + step)).floor() as i32;
+        let row = |step: f32| (l.texel.y + (oy + step)).floor() as i32;
+        let (left, right, top, bottom) = (column(-1.5), column(0.5), row(-1.5), row(0.5));
+        let lit = |x, y| tap(self.texels, self.size, l, x, y);
+        (lit(left, top) + lit(right, top) + lit(left, bottom) + lit(right, bottom)) / 4.0
     }
 }

@@ -182,7 +182,6 @@ pub fn texel_from_clip(clip: Vec4, size: f32) -> Vec3 {
 /// maps planes to planes, so two tangents and a two-by-two system give it exactly. Zero for a plane seen edge-on, and
 /// never beyond `limit`.
 #[inline(always)]
-#[expect(clippy::manual_clamp, reason = "`clamp` lets NaN through, and this must bound it as the shader does")]
 pub fn plane_gradient(clip_from_world: Mat4, clip: Vec4, n: Vec3, size: f32, limit: f32) -> Vec2 {
     let axis = if n.x.abs() < 0.6 { Vec3::X } else { Vec3::Y };
     let t = cross3(n, axis);

@@ -7,4 +7,3 @@ pub mod layouts;
 pub mod random_scene;
 pub mod stage;
 pub mod twins;
-pub mod variance;

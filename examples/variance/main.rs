@@ -1,10 +1,8 @@
 //! Bring your own technique: variance shadow maps, made of one cast, three filters and one receive, on both backends.
 //! `cargo run --example variance` writes `variance-cpu.png` and, where there is an adapter, `variance-wgpu.png`.
 
-mod variance;
-
 use umbrage::{Choice, Geometry, ShadowTechnique, View, techniques::ShadowMap};
-use variance::Variance;
+use umbrage_examples::variance::Variance;
 
 fn main() -> anyhow::Result<()> {
     let path = std::env::args().nth(1).unwrap_or_else(|| "cubes".to_owned());

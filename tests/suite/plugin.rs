@@ -2,7 +2,8 @@
 
 use umbrage::{Backend, Geometry, ShadowTechnique, View, techniques::ShadowMap};
 use umbrage_cpu::Cpu;
-use umbrage_tests::{gpu::gpu, variance::Variance};
+use umbrage_examples::variance::Variance;
+use umbrage_tests::gpu::gpu;
 
 #[test]
 fn a_users_technique_runs_on_both_backends() {

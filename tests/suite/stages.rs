@@ -4,9 +4,10 @@
 use glam::UVec2;
 use umbrage_core::{Backend, Geometry, Image, Receivers, Recipe, ShadowTechnique, View};
 use umbrage_cpu::Cpu;
+use umbrage_examples::variance::Variance;
 use umbrage_scenes::find;
 use umbrage_techniques::{ShadowMap, all};
-use umbrage_tests::{gpu::gpu, variance::Variance};
+use umbrage_tests::gpu::gpu;
 
 /// Scenes with different lights and plenty of edges.
 const SCENES: [&str; 3] = ["cubes", "figure", "teapot-lamp"];

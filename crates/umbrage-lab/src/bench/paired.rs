@@ -88,26 +88,15 @@ mod tests {
 
     #[test]
     fn ratios_are_of_neighbours() {
-        let (mut slow, mut fast) = (0, 0);
-        let ms = Duration::from_millis;
-        let mut drift = |n: &mut u64, base: u64| {
-            *n += 1;
-            Ok::<_, ()>(ms(base * *n))
-        };
         // Both get slower and slower; their ratio doesn't.
-        let ours = |n: &mut u64| drift(n, 2);
-        let mut ours = ours;
-        let mut theirs_count = 0;
-        let (a, b, ratio) = paired(
-            [0, 5],
-            || ours(&mut fast),
-            || {
-                theirs_count += 1;
-                slow += 1;
-                Ok(ms(6 * slow))
-            },
-        )
-        .expect("no errors");
+        let drifting = |base: u64| {
+            let mut run = 0;
+            move || {
+                run += 1;
+                Ok::<_, ()>(Duration::from_millis(base * run))
+            }
+        };
+        let (a, b, ratio) = paired([0, 5], drifting(2), drifting(6)).expect("no errors");
         assert!((ratio - 3.0).abs() < 1e-9, "{ratio}");
         assert_eq!((a.least, a.median, b.median), (2.0, 6.0, 18.0));
     }

@@ -101,6 +101,9 @@ fn map() -> ShadowMap {
     ShadowMap { size: MAP, bias: Bias::SLOPE, ..ShadowMap::default() }
 }
 
+/// Which of a hand-written frame's times.
+type FrameTime = fn(super::handwritten::FrameTimes) -> Duration;
+
 type StageTime = fn(&umbrage_core::Timings) -> Option<Duration>;
 
 /// Times one stage of a recipe on both backends.
@@ -164,7 +167,7 @@ fn by_hand(stage: &Stage, runs: [usize; 2], gpu: &mut Gpu) -> Result<Vec<Pair>, 
     let light = (&recipe.casts[0].space, stage.light.direction_from(Vec3::ZERO));
     let program = HandWritten::new(gpu.device(), &stage.geometry, &stage.receivers, light, (MAP, 1));
     let who = [format!("umbrage on {}", gpu.name()), "by hand".to_owned()];
-    let passes: [(&str, StageTime, fn(super::handwritten::FrameTimes) -> Duration); 2] =
+    let passes: [(&str, StageTime, FrameTime); 2] =
         [("depth", |t| t.cast, |t| t.cast), ("PCF of 9 taps", |t| t.receive, |t| t.receive)];
     let mut pairs = Vec::new();
     for (name, ours_time, theirs_time) in passes {

@@ -116,7 +116,7 @@ uniforms! {
 
 /// The mean along a row or a column, edges repeated.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Blur(pub(crate) BlurUniforms);
+pub(crate) struct Blur(BlurUniforms);
 
 impl Kernel for Blur {
     fn modules(&self) -> Vec<Module> {
@@ -161,7 +161,7 @@ uniforms! {
 
 /// The bound on the lit share.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Chebyshev(pub(crate) ChebyshevUniforms);
+pub(crate) struct Chebyshev(ChebyshevUniforms);
 
 impl Kernel for Chebyshev {
     fn modules(&self) -> Vec<Module> {
