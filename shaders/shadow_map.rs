@@ -93,7 +93,7 @@ uniforms! {
         pub light: Vec4,
         /// Side of the map, texels.
         pub size: f32,
-        /// Side of a texel: metres without perspective; metres at one metre's distance with it.
+        /// Longer side of a texel: metres without perspective; metres at one metre's distance with it.
         pub texel: f32,
         /// See [`Bias::constant`].
         pub constant: f32,
@@ -127,7 +127,7 @@ impl MapLookup {
             clip_from_world: space.clip_from_world(),
             light,
             size,
-            texel: 2.0 / (space.clip_from_view.x_axis.x * size),
+            texel: 2.0 / (space.clip_from_view.x_axis.x.min(space.clip_from_view.y_axis.y) * size),
             constant: bias.constant,
             slope: bias.slope,
             slope_min: bias.slope_min,

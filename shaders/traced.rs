@@ -18,6 +18,9 @@ use umbrage_core::{
 /// Most samples accepted a receiver.
 pub const MAX_SAMPLES: u32 = 65_536;
 
+/// Nodes that the shader can keep for later: `STACK` in traced.wgsl. Each level of the hierarchy leaves one.
+const STACK: usize = 64;
+
 /// Any-hit rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -50,6 +53,11 @@ impl ShadowTechnique for Traced {
         let Some(geometry) = view.geometry else {
             return Err(PlanError::unsupported("rays need the scene's triangles, and this view has none"));
         };
+        let depth = geometry.bvh().depth();
+        if depth > STACK {
+            let reason = format!("the scene's hierarchy is {depth} nodes deep, and the shader's stack holds {STACK}");
+            return Err(PlanError::unsupported(reason));
+        }
         let [nodes, triangles] = geometry.bvh_tables();
         Ok(Recipe {
             images: Vec::new(),

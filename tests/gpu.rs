@@ -2,17 +2,24 @@
 
 use crate::adapter::MEND;
 use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
-use umbrage_wgpu::{AdapterChoice, Gpu};
+use umbrage_core::BackendError;
+use umbrage_wgpu::{AdapterChoice, Gpu, Software};
 
 /// The shared backend; tests take turns.
 ///
 /// # Panics
 /// When there is no adapter: a test that needs one fails, it is never skipped.
 pub fn gpu() -> MutexGuard<'static, Gpu> {
-    static GPU: LazyLock<Mutex<Gpu>> = LazyLock::new(|| match Gpu::new(&AdapterChoice::default()) {
+    static GPU: LazyLock<Mutex<Gpu>> = LazyLock::new(|| match open() {
         Ok(gpu) => Mutex::new(gpu),
         Err(why) => panic!("no graphics adapter for the tests ({why}); {MEND}"),
     });
     // A test that failed while it held the lock says so itself; the others go on.
     GPU.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Software drivers come first, as for [`device`](crate::adapter::device): of them bit-equality can be asked.
+fn open() -> Result<Gpu, BackendError> {
+    let software = AdapterChoice { software: Software::Only, ..AdapterChoice::default() };
+    Gpu::new(&software).or_else(|_| Gpu::new(&AdapterChoice::default()))
 }

@@ -3,7 +3,7 @@
 use glam::{Affine3A, Quat, UVec2, Vec3};
 use proptest::{collection::vec, prelude::*};
 use std::sync::Arc;
-use umbrage_core::{Camera, Cull, Extents, Instance, Light, Mesh, RasterBias, Scene, ShadowTechnique};
+use umbrage_core::{Camera, Cull, Extents, Fit, Instance, Light, Mesh, RasterBias, Scene, ShadowTechnique};
 use umbrage_techniques::{Bias, Hard, Pcf, PcfDithered, ShadowMap, Traced};
 
 /// Something to render: one scene, one technique.
@@ -112,6 +112,7 @@ fn lights() -> impl Strategy<Value = Light> {
     let above = || (vec3(-3.0..3.0), 3.0..9.0_f32).prop_map(|(v, y)| Vec3::new(v.x, y, v.z));
     prop_oneof![
         3 => directions().prop_map(|direction| Light::Directional { direction, angular_diameter: 0.0 }),
+        1 => directions().prop_map(|direction| Light::Directional { direction, angular_diameter: 0.1 }),
         2 => (above(), 0.2..1.2_f32, vec3(-0.5..0.5)).prop_map(|(position, outer, target)| Light::Spot {
             position,
             direction: target - position,
@@ -151,7 +152,16 @@ fn techniques() -> impl Strategy<Value = Arc<dyn ShadowTechnique>> {
 }
 
 fn maps() -> impl Strategy<Value = ShadowMap> {
-    (1..200_u32, biases()).prop_map(|(size, bias)| ShadowMap { size, bias, ..ShadowMap::default() })
+    (1..200_u32, biases(), fits()).prop_map(|(size, bias, fit)| ShadowMap { size, bias, fit })
+}
+
+/// Manual ones cut through casters and receivers, in depth, too.
+fn fits() -> impl Strategy<Value = Fit> {
+    let manual = (vec3(-3.0..3.0), 0.5..5.0_f32, 0.1..4.0_f32, 1.0..12.0_f32).prop_map(|(eye, half, near, depth)| {
+        let extents = Extents { left: -half, right: half, bottom: -half, top: half, near, far: near + depth };
+        Fit::Manual { eye: eye + Vec3::Y * 4.0, extents }
+    });
+    prop_oneof![4 => Just(Fit::Tight), 1 => manual]
 }
 
 /// The presets, and mixtures of everything.

@@ -12,8 +12,8 @@ use umbrage_tests::{
     random_scene::{Case, cases},
 };
 
-/// At least this many scenes are rendered, not counting those that a technique doesn't support.
-const SCENES: u32 = 1_200;
+/// So many that a thousand are rendered with maps; some lights are not supported, and some cases are ray-traced.
+const SCENES: u32 = 1_500;
 
 #[test]
 fn random_scenes_agree() {
@@ -22,14 +22,15 @@ fn random_scenes_agree() {
     let (rendered, shadowed) = (Cell::new(0_u32), Cell::new(0_u32));
     let outcome = runner.run(&cases(), |case| {
         let dark = agree(&case).map_err(TestCaseError::fail)?;
-        rendered.set(rendered.get() + u32::from(dark.is_some()));
+        let mapped = dark.is_some() && case.technique.name() != "traced";
+        rendered.set(rendered.get() + u32::from(mapped));
         shadowed.set(shadowed.get() + u32::from(dark == Some(true)));
         Ok(())
     });
     if let Err(why) = outcome {
         panic!("{why}");
     }
-    assert!(rendered.get() >= 1_000, "only {} scenes were rendered", rendered.get());
+    assert!(rendered.get() >= 1_000, "only {} scenes were rendered with maps", rendered.get());
     assert!(shadowed.get() >= 400, "only {} scenes had a shadow in them: the others prove little", shadowed.get());
 }
 

@@ -48,27 +48,22 @@ fn for_each_recipe(check: impl Fn(&View<'_>, Played, &str)) {
     assert!(played > 60, "only {played} recipes were played");
 }
 
+/// On drivers other than the measured one, this share of values may differ by more than a step of an 8-bit image: the
+/// design's cap on pixels whose answer hangs on rounding.
+const LOOSE_SHARE: f64 = 1e-3;
+
 fn equal(what: &str, label: &str, cpu: &[f32], gpu: &[f32]) {
     assert_eq!(cpu.len(), gpu.len(), "{label}: {what}");
-    let differing = cpu.iter().zip(gpu).filter(|(a, b)| a.to_bits() != b.to_bits()).count();
+    let exact = umbrage_tests::gpu::gpu().is_pinned_lavapipe();
+    let differ = |a: f32, b: f32| if exact { a.to_bits() != b.to_bits() } else { (a - b).abs() > 1.0 / 255.0 };
+    let differing = cpu.iter().zip(gpu).filter(|(a, b)| differ(**a, **b)).count();
     let largest = cpu.iter().zip(gpu).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
-    assert_eq!(differing, 0, "{label}: {what}: {differing} of {} differ, by {largest} at most", cpu.len());
-}
-
-/// On the pinned driver every stage is bit-equal; elsewhere the fourth net's decided pixels are the bar.
-fn exact() -> bool {
-    let exact = gpu().is_pinned_lavapipe();
-    if !exact {
-        eprintln!("not the pinned software driver: the stages' bit-equality is not asked for, net four's bound is");
-    }
-    exact
+    let most = if exact { 0 } else { (cpu.len() as f64 * LOOSE_SHARE) as usize };
+    assert!(differing <= most, "{label}: {what}: {differing} of {} differ, by {largest} at most", cpu.len());
 }
 
 #[test]
 fn casts_are_equal() {
-    if !exact() {
-        return;
-    }
     for_each_recipe(|view, mut p, label| {
         p.recipe.filters.clear();
         let cpu = Cpu::new().render(view, &p.recipe).expect("plays").images;
@@ -81,9 +76,6 @@ fn casts_are_equal() {
 
 #[test]
 fn filters_are_equal() {
-    if !exact() {
-        return;
-    }
     for_each_recipe(|_, p, label| {
         for index in 0..p.recipe.filters.len() {
             let output = p.recipe.filters[index].output;
@@ -96,9 +88,6 @@ fn filters_are_equal() {
 
 #[test]
 fn lookups_are_equal() {
-    if !exact() {
-        return;
-    }
     for_each_recipe(|view, p, label| {
         let view = view.with_receivers(&p.receivers);
         let gpu = gpu().replay_receive(&view, &p.recipe, &p.images).expect("plays");
@@ -106,7 +95,7 @@ fn lookups_are_equal() {
     });
 }
 
-/// One texel of the map is spoilt for the GPU alone: the masks must differ.
+/// The map is turned upside down for the GPU alone: the masks must differ.
 #[test]
 fn a_spoilt_map_is_caught() {
     let scene = (find("cubes").expect("a built-in scene").build)();

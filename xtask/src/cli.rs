@@ -55,11 +55,11 @@ pub(crate) struct CompareOptions {
     /// Image size in pixels; else each scene's own
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub(crate) size: Option<[u32; 2]>,
-    /// Sides of the shadow maps, texels
+    /// Sides of the shadow maps, texels; else 1024 for the suite, 512, 1024 and 2048 for scenes by name, 512 with --quick
     #[arg(long, value_name = "SIDE", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=16_384))]
     pub(crate) map_sizes: Vec<u32>,
     /// Truth's rays a pixel for lights with an extent
-    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..=65_536))]
     pub(crate) samples: Option<u32>,
     /// Timed runs of each row; their median is kept
     #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..))]

@@ -127,6 +127,21 @@ impl Bvh {
         true
     }
 
+    /// Greatest number of nodes from the root of the two-way hierarchy to a leaf: what a shader's stack must hold.
+    pub fn depth(&self) -> usize {
+        let nodes = &self.narrow.nodes;
+        let mut deepest = 0;
+        let mut open = if nodes.is_empty() { Vec::new() } else { vec![(0_usize, 1_usize)] };
+        while let Some((node, depth)) = open.pop() {
+            deepest = deepest.max(depth);
+            if nodes[node].prim_count == 0 {
+                let first = nodes[node].first_index as usize;
+                open.extend([(first, depth + 1), (first + 1, depth + 1)]);
+            }
+        }
+        deepest
+    }
+
     /// The two-way hierarchy as rows of four words, for shaders: row 2i is node i's least corner and its first child or
     /// triangle, row 2i + 1 its greatest corner and its triangle count (0 for an inner node, whose children are
     /// adjacent). One row of zeros when nothing casts.

@@ -2,6 +2,7 @@
 
 use crate::{
     Aabb, Invalid, Light, PlanError, View,
+    depth_range::{Pyramid, depth_range},
     light_space::{Extents, LightSpace, look_along, orthographic, perspective},
 };
 use glam::{Mat4, Vec3};
@@ -25,8 +26,9 @@ pub enum Fit {
 
 /// Widest half angle, degrees, of the cone that one perspective map may have to cover.
 const WIDEST_HALF_ANGLE: f32 = 75.0;
-/// Nearest plane of a perspective fit, as a fraction of its far plane: 2^-20, where 32-bit depth is still good.
-const NEAREST: f32 = 1.0 / 1_048_576.0;
+/// Nearest plane of a perspective fit, as a fraction of its far plane: 2^-14. Depths there are still told apart to 2^-10 of
+/// their distance; a caster nearer than that (.6 mm from a lamp over 10 m) is lost rather than everyone's precision.
+const NEAREST: f32 = 1.0 / 16_384.0;
 
 impl Fit {
     /// One light space for the view. `size` is the map's side in texels; `margin` is how far, in texels, a kernel
@@ -55,19 +57,20 @@ impl Fit {
         };
         if half_angle.to_degrees() > WIDEST_HALF_ANGLE {
             return Err(PlanError::unsupported(format!(
-                "the light needs a cone of {:.0} degrees to reach all casters, and one map covers at most {:.0}: \
-                 use a technique with a cube of maps",
+                "the {} light needs a cone of {:.0} degrees (a spot its own, others one that holds all casters), and one \
+                 map covers at most {:.0}: use `traced`",
+                light.kind(),
                 2.0 * half_angle.to_degrees(),
                 2.0 * WIDEST_HALF_ANGLE
             )));
         }
         let view_from_world = look_along(eye, axis, Vec3::Y)?;
-        let [near, far] = match self {
-            Self::Manual { extents, .. } => [extents.near, extents.far],
-            Self::Tight => perspective_range(view, &view_from_world),
-        };
         // Widen by the kernel's reach, so that the outermost receivers' taps stay on the map.
         let widened = (half_angle.tan() * size as f32 / (size as f32 - 2.0 * margin - 2.0).max(1.0)).atan();
+        let [near, far] = match self {
+            Self::Manual { extents, .. } => [extents.near, extents.far],
+            Self::Tight => perspective_range(view, &view_from_world, widened),
+        };
         Ok(LightSpace { view_from_world, clip_from_view: perspective(2.0 * widened, 1.0, near, far)? })
     }
 }
@@ -95,11 +98,17 @@ fn receiver_points<'a>(view: &'a View<'_>) -> Box<dyn Iterator<Item = Vec3> + 'a
     }
 }
 
-/// Bounds in view space, grown by a relative 2^-16 so that rounding cannot put a point outside.
+/// Bounds in view space, grown so that the rounding of later lookups cannot put a point outside: by 2^-16 of their reach,
+/// and by 8 units in the last place of the world coordinates that lookups start from.
 fn bounds_in(view_from_world: &Mat4, points: impl Iterator<Item = Vec3>) -> Aabb {
-    let mut b = Aabb::around(points.map(|p| view_from_world.transform_point3(p)));
+    let view_from_world = glam::DAffine3::from_mat4(view_from_world.as_dmat4());
+    let mut world = 0.0_f32;
+    let mut b = Aabb::around(points.map(|p| {
+        world = world.max(p.abs().max_element());
+        view_from_world.transform_point3(p.as_dvec3()).as_vec3()
+    }));
     let reach = b.min.abs().max(b.max.abs()).max_element();
-    let pad = if reach.is_finite() { reach / 65_536.0 } else { 0.0 };
+    let pad = if reach.is_finite() { (reach / 65_536.0).max(world / 2_097_152.0) } else { 0.0 };
     (b.min, b.max) = (b.min - pad, b.max + pad);
     b
 }
@@ -144,36 +153,77 @@ fn cone_around_casters(view: &View<'_>, eye: Vec3) -> Result<(Vec3, f32), PlanEr
     Ok((axis.as_vec3(), half_angle))
 }
 
-/// Distances along the view to the nearest caster and the farthest receiver.
-fn perspective_range(view: &View<'_>, view_from_world: &Mat4) -> [f32; 2] {
+/// Distances along the view to the nearest caster and beyond the farthest receiver. The far plane is put at twice that
+/// distance: perspective depth hardly depends on it, and rounding cannot push receivers beyond it.
+fn perspective_range(view: &View<'_>, view_from_world: &Mat4, half_angle: f32) -> [f32; 2] {
     let casters = bounds_in(view_from_world, caster_points(view));
     let receivers = bounds_in(view_from_world, receiver_points(view));
     let far = if receivers.is_empty() { -casters.min.z } else { -receivers.min.z };
-    let far = if far.is_finite() && far > 0.0 { far } else { 1.0 };
-    let near = nearest_along(view_from_world, view).unwrap_or(far * 0.5).clamp(far * NEAREST, far * 0.5);
-    [near, far]
+    let far = if far.is_finite() && far > 0.0 { 2.0 * far } else { 1.0 };
+    let near = match view.geometry {
+        Some(g) => {
+            let tangents = [f64::from(half_angle.tan()); 2];
+            let pyramid = Pyramid { view_from_world: *view_from_world, tangents };
+            depth_range(&pyramid, g.casters().map(|t| g.corners(t))).map(|[near, _]| near)
+        }
+        // Of a box, nothing is known but its nearest corner.
+        None => Some(-casters.max.z * 0.999).filter(|near| near.is_finite()),
+    };
+    [near.unwrap_or(far * 0.5).clamp(far * NEAREST, far * 0.5), far]
 }
 
-/// The least distance along the view of any caster in front of the light, less a little for rounding. A triangle that
-/// crosses the light's plane reaches all the way to it.
-fn nearest_along(view_from_world: &Mat4, view: &View<'_>) -> Option<f32> {
-    let depth = |p: Vec3| -view_from_world.transform_point3(p).z;
-    let (mut nearest, mut crossing) = (f32::INFINITY, false);
-    match view.geometry {
-        Some(g) => g.casters().for_each(|t| {
-            let [a, b, c] = g.corners(t).map(depth);
-            let (lo, hi) = (a.min(b).min(c), a.max(b).max(c));
-            crossing |= lo <= 0.0 && hi > 0.0;
-            nearest = if lo > 0.0 { nearest.min(lo) } else { nearest };
-        }),
-        None => view.casters.corners().map(depth).for_each(|d| {
-            crossing |= d <= 0.0;
-            nearest = nearest.min(d);
-        }),
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Camera, Geometry, Instance, Mesh, Scene, math::transform};
+    use glam::{Affine3A, UVec2};
+
+    /// A floor of 20 m through (0, 0, 0) and a small quad `h` above it.
+    fn floor_and_quad(h: f32) -> Geometry {
+        let corner = |x, z| Vec3::new(x, 0.0, z);
+        let corners = vec![corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)];
+        let quad = Mesh::new("quad", corners, vec![[0, 1, 2], [0, 2, 3]]).unwrap();
+        let place = |scale: f32, y: f32| {
+            let up = Affine3A::from_translation(Vec3::Y * y);
+            Instance::new(0, up * Affine3A::from_scale(Vec3::new(scale, 1.0, scale)))
+        };
+        let instances = vec![place(10.0, 0.0), place(0.002, h)];
+        let scene = Scene { name: "test".into(), meshes: vec![quad], instances, ..Scene::default() };
+        Geometry::bake(&scene).unwrap()
     }
-    match (crossing, nearest.is_finite()) {
-        (true, _) => Some(0.0),
-        (false, true) => Some(nearest * 0.999),
-        (false, false) => None,
+
+    fn spot(position: Vec3, direction: Vec3) -> Light {
+        Light::Spot { position, direction, inner: 0.3, outer: 0.6, radius: 0.0 }
+    }
+
+    fn space(light: &Light, geometry: &Geometry) -> LightSpace {
+        let size = UVec2::splat(8);
+        let camera = Camera::perspective(Vec3::splat(9.0), Vec3::ZERO, Vec3::Y, 1.0, [0.1, 99.0], size).unwrap();
+        Fit::Tight.light_space(&View::new(&camera, light, geometry), 1024, 1.0).unwrap()
+    }
+
+    /// The floor reaches behind the lamp's plane, but not into its cone above the ground.
+    #[test]
+    fn a_floor_that_crosses_the_lamps_plane_costs_no_precision() {
+        let light = spot(Vec3::new(0.0, 5.0, 0.0), Vec3::new(0.6, -0.8, 0.0));
+        let m = space(&light, &floor_and_quad(1.0)).clip_from_view;
+        // depth = f/(f-n) (1 - n/distance): the near plane is where it is 0.
+        let near = m.w_axis.z / m.z_axis.z;
+        assert!(near > 3.5 && near < 4.2, "{near}");
+    }
+
+    /// However the lamp is tilted, and with a caster close to it, no receiver is pushed beyond the far plane.
+    #[test]
+    fn rounding_keeps_receivers_before_the_far_plane() {
+        for i in 0..50 {
+            let turn = i as f32 * 0.37;
+            let direction = Vec3::new(turn.cos() * 0.4, -1.0, turn.sin() * 0.4);
+            let geometry = floor_and_quad(4.99);
+            let clip_from_world = space(&spot(Vec3::new(0.0, 5.0, 0.0), direction), &geometry).clip_from_world();
+            for p in geometry.vertices_of(geometry.receivers()) {
+                let clip = transform(clip_from_world, p);
+                assert!(clip.w <= 0.0 || clip.z / clip.w <= 1.0, "{p} at tilt {i}: {}", clip.z / clip.w);
+            }
+        }
     }
 }

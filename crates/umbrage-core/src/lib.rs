@@ -9,6 +9,7 @@ mod aabb;
 mod backend;
 pub mod bvh;
 mod camera;
+pub mod depth_range;
 mod fit;
 mod geometry;
 mod hit;

@@ -1,6 +1,6 @@
 use super::*;
-use crate::depth_range::{Pyramid, depth_range};
 use std::collections::HashSet;
+use umbrage_core::depth_range::{Pyramid, depth_range};
 use umbrage_core::{Camera, Geometry};
 
 /// The nearest and farthest thing in the picture.

@@ -1,6 +1,6 @@
 //! Cameras: from a file's words, or found for a model.
 
-use crate::depth_range::{Pyramid, depth_range};
+use umbrage_core::depth_range::{Pyramid, depth_range};
 use umbrage_core::glam::{DVec3, UVec2, Vec3};
 use umbrage_core::{Camera, Geometry, Invalid, light_space::look_along};
 

@@ -66,7 +66,6 @@ mod builtin;
 mod catalogue;
 #[cfg(test)]
 mod damage;
-mod depth_range;
 mod entry;
 mod error;
 mod file;

@@ -87,7 +87,8 @@ impl Backends {
                 out.adapter = Some(format!("{} ({}; {})", info.name, info.backend, driver.trim()));
                 out.playing.push(Box::new(gpu));
             }
-            Err(e) if choice == BackendChoice::Available => {
+            // An adapter asked for by name must be there.
+            Err(e @ BackendError::NoAdapter { .. }) if choice == BackendChoice::Available && adapter.name.is_none() => {
                 out.notices.push(format!("Compared on the CPU alone, as wgpu could not be opened: {e}."));
             }
             Err(e) => return Err(e),

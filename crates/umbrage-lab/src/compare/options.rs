@@ -77,11 +77,6 @@ impl Options {
 
     /// A scene's camera at the size wanted.
     pub(super) fn camera(&self, camera: &Camera) -> Camera {
-        let Some(size) = self.size else { return *camera };
-        let aspect = |s: UVec2| f64::from(s.x) / f64::from(s.y);
-        let widen = aspect(camera.size) / aspect(size);
-        let stretch = glam::DMat4::from_scale(glam::DVec3::new(widen, 1.0, 1.0));
-        let clip_from_view = (stretch * camera.clip_from_view.as_dmat4()).as_mat4();
-        Camera { clip_from_view, size, ..*camera }
+        self.size.map_or(*camera, |size| camera.resized(size))
     }
 }

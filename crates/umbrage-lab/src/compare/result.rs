@@ -81,7 +81,11 @@ impl SceneResult {
             }
         }
         for c in self.controls.iter().filter(|c| !c.holds) {
-            out.push(format!("{}: {}: the mask stays the same without casters", self.name, c.backend));
+            let why = match c.dark_without {
+                0 => "the mask stays the same".to_owned(),
+                n => format!("{n} pixels of the mask stay dark"),
+            };
+            out.push(format!("{}: {} {}: without casters {why}", self.name, c.backend, c.technique));
         }
         out
     }
@@ -207,11 +211,12 @@ pub struct Control {
     pub backend: String,
     /// The technique that was played.
     pub technique: String,
-    /// Counted pixels that truth says are at least partly in shadow.
+    /// Counted pixels from which casters hide more than a quarter of the light, says truth.
     pub shadowed: u64,
-    /// Pixels whose mask changed by more than a quarter when the casters were removed.
+    /// Those of them whose mask brightened by more than a quarter when the casters were removed.
     pub changed: u64,
-    /// Pixels of the mask without casters that are not fully lit: must be 0.
+    /// Counted pixels that are dark without casters: not fully lit in a map's mask, darker by half than what their own
+    /// horizon leaves in a traced one. Must be 0.
     pub dark_without: u64,
     /// Whether the control did what it must: something changed if truth has a shadow, and nothing is left dark.
     pub holds: bool,

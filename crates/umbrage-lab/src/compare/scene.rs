@@ -163,6 +163,9 @@ impl SceneRun<'_> {
             Err(BackendError::Invalid(e)) => return Ok(self.unsupported(&e.to_string())),
             Err(e) => return Err(e.into()),
         };
+        if shadows.timings.receive.is_none() {
+            return Ok(self.unsupported("this adapter cannot time its passes"));
+        }
         self.check_receivers(&shadows, player.kind())?;
         if self.controls.iter().all(|c| c.backend != player.kind()) {
             self.controls.push(control::run(player, &*setting.technique, &self.view, self.truth, &shadows)?);

@@ -120,5 +120,12 @@ pub fn trace(
     })
 }
 
+/// What the receivers' own horizon leaves of the light: truth on the same triangles when none casts (`bare`).
+pub(crate) fn horizon(camera: &Camera, light: &Light, bare: &Geometry, truth: &Truth) -> Result<Vec<f32>, LabError> {
+    let options = TruthOptions { samples: 64, penumbra_factor: 1, ..TruthOptions::default() };
+    let seen = points::trace_receivers(camera, light, bare, &truth.receivers, &options, &|_| {})?;
+    Ok(seen.iter().map(|s| s.visibility).collect())
+}
+
 #[cfg(test)]
 mod tests;

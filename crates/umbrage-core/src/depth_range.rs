@@ -1,24 +1,24 @@
-//! Near and far planes from what a camera sees.
+//! Near and far planes from what a camera or a spot sees.
 
-use umbrage_core::glam::{DAffine3, DVec3, Mat4, Vec3};
+use glam::{DAffine3, DVec3, Mat4, Vec3};
 
 /// Slack of the fitted planes, as a fraction of their distance: rounding in a projection of 32-bit floats is near 1e-7,
 /// and so nothing seen is cut.
 const SLACK: f64 = 1e-3;
-/// Nearest near plane, as a fraction of the far plane: 2^-20, where depth in 32-bit floats is still good.
+/// Nearest near plane, as a fraction of the far plane: 2^-20: a guard against zero, far beyond what depth can tell apart.
 const NEAREST: f64 = 1.0 / 1_048_576.0;
 
-/// The pyramid that a camera sees.
+/// The pyramid that is seen.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Pyramid {
-    /// Camera's view from world space.
-    pub(crate) view_from_world: Mat4,
+pub struct Pyramid {
+    /// The view from world space; a rigid motion.
+    pub view_from_world: Mat4,
     /// Tangents of the half angles across and up.
-    pub(crate) tangents: [f64; 2],
+    pub tangents: [f64; 2],
 }
 
 /// Distances, along the view, of planes just before and just behind all that is seen; none if nothing is.
-pub(crate) fn depth_range(pyramid: &Pyramid, triangles: impl Iterator<Item = [Vec3; 3]>) -> Option<[f32; 2]> {
+pub fn depth_range(pyramid: &Pyramid, triangles: impl Iterator<Item = [Vec3; 3]>) -> Option<[f32; 2]> {
     let view_from_world = DAffine3::from_mat4(pyramid.view_from_world.as_dmat4());
     let (mut near, mut far) = (f64::INFINITY, 0.0_f64);
     for corners in triangles {
@@ -61,7 +61,7 @@ fn clip(polygon: &[DVec3], side: DVec3) -> Vec<DVec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use umbrage_core::light_space::look_along;
+    use crate::light_space::look_along;
 
     fn range(triangles: &[[Vec3; 3]]) -> Option<[f32; 2]> {
         let view_from_world = look_along(Vec3::new(0.0, 0.0, 10.0), Vec3::NEG_Z, Vec3::Y).unwrap();
