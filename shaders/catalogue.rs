@@ -4,6 +4,9 @@ use crate::{Bias, Hard, Pcf, PcfDithered, ShadowMap, Traced};
 use std::sync::Arc;
 use umbrage_core::{Fit, ShadowTechnique};
 
+/// Techniques with their settings, ready to plan.
+pub type Settings = Vec<Arc<dyn ShadowTechnique>>;
+
 /// A technique of the list.
 #[derive(Clone, Copy, Debug)]
 pub struct Entry {
@@ -11,10 +14,10 @@ pub struct Entry {
     pub name: &'static str,
     /// What it does, in one line.
     pub summary: &'static str,
-    /// The settings worth comparing, for the given map sizes. Techniques without a map ignore the sizes.
-    pub settings: fn(map_sizes: &[u32]) -> Vec<Arc<dyn ShadowTechnique>>,
+    /// The settings worth comparing, for the given map sizes and fit. Techniques without a map ignore both.
+    pub settings: fn(map_sizes: &[u32], fit: Fit) -> Settings,
     /// Every setting that differs in code path: all kernels with all biases, at one small map size, for tests.
-    pub exhaustive: fn(map_size: u32) -> Vec<Arc<dyn ShadowTechnique>>,
+    pub exhaustive: fn(map_size: u32) -> Settings,
 }
 
 /// All built-in techniques, cheapest first.
@@ -23,21 +26,21 @@ pub fn all() -> &'static [Entry] {
         Entry {
             name: "hard",
             summary: "one comparison with one texel (Williams 1978)",
-            settings: |sizes| settings(sizes, &HARD_BIASES, |map| Hard { map }),
+            settings: |sizes, fit| settings((sizes, fit), &HARD_BIASES, |map| Hard { map }),
             exhaustive: |size| exhaustive(size, |map| Hard { map }),
         },
         Entry {
             name: "pcf_dithered",
             summary: "four comparisons, placed by the pixel's parity (Bunnell, Pellacini 2004)",
-            settings: |sizes| settings(sizes, &wide_biases(1.5), |map| PcfDithered { map }),
+            settings: |sizes, fit| settings((sizes, fit), &wide_biases(1.5), |map| PcfDithered { map }),
             exhaustive: |size| exhaustive(size, |map| PcfDithered { map }),
         },
         Entry {
             name: "pcf",
             summary: "the mean of a square of comparisons (Reeves, Salesin, Cook 1987)",
-            settings: |sizes| {
+            settings: |sizes, fit| {
                 let of_radius =
-                    |radius: u32| settings(sizes, &wide_biases(radius as f32), move |map| Pcf { map, radius });
+                    |radius: u32| settings((sizes, fit), &wide_biases(radius as f32), move |map| Pcf { map, radius });
                 [1, 3].into_iter().flat_map(of_radius).collect()
             },
             exhaustive: |size| {
@@ -50,7 +53,7 @@ pub fn all() -> &'static [Entry] {
         Entry {
             name: "traced",
             summary: "any-hit rays, no map (Whitted 1980; Cook, Porter, Carpenter 1984)",
-            settings: |_| vec![Arc::new(Traced { samples: 4 }), Arc::new(Traced { samples: 32 })],
+            settings: |_, _| vec![Arc::new(Traced { samples: 4 }), Arc::new(Traced { samples: 32 })],
             exhaustive: |_| vec![Arc::new(Traced { samples: 3 })],
         },
     ]
@@ -78,17 +81,17 @@ fn wide_biases(reach: f32) -> [Bias; 4] {
 }
 
 fn settings<T: ShadowTechnique + 'static>(
-    sizes: &[u32],
+    (sizes, fit): (&[u32], Fit),
     biases: &[Bias],
     make: impl Fn(ShadowMap) -> T,
-) -> Vec<Arc<dyn ShadowTechnique>> {
-    let maps = sizes.iter().flat_map(|&size| biases.iter().map(move |&bias| ShadowMap { size, fit: Fit::Tight, bias }));
+) -> Settings {
+    let maps = sizes.iter().flat_map(|&size| biases.iter().map(move |&bias| ShadowMap { size, fit, bias }));
     maps.map(|map| Arc::new(make(map)) as Arc<dyn ShadowTechnique>).collect()
 }
 
-fn exhaustive<T: ShadowTechnique + 'static>(size: u32, make: impl Fn(ShadowMap) -> T) -> Vec<Arc<dyn ShadowTechnique>> {
+fn exhaustive<T: ShadowTechnique + 'static>(size: u32, make: impl Fn(ShadowMap) -> T) -> Settings {
     let mut biases = Bias::PRESETS.map(|(_, bias)| bias).to_vec();
     // All at once, since they must also agree together.
     biases.push(Bias { constant: 1e-3, receiver_plane: 0.05, ..Bias { normal_offset: 1.0, ..Bias::SLOPE } });
-    settings(&[size], &biases, make)
+    settings((&[size], Fit::Tight), &biases, make)
 }

@@ -12,7 +12,7 @@ pub mod shadow_map;
 mod traced;
 
 pub use bias::Bias;
-pub use catalogue::{Entry, all, find};
+pub use catalogue::{Entry, Settings, all, find};
 pub use hard::{Hard, HardKernel};
 pub use pcf::{MAX_RADIUS, Pcf, PcfKernel, PcfUniforms};
 pub use pcf_dithered::{PcfDithered, PcfDitheredKernel};

@@ -51,15 +51,19 @@ fn verdict(comparison: &Comparison) -> Result<()> {
 fn scenes(names: &[String]) -> Result<Vec<SceneInput>> {
     if names.is_empty() {
         let suite = umbrage_scenes::all().iter().filter(|e| e.suite);
-        return Ok(suite.map(|e| SceneInput { scene: (e.build)(), summary: e.summary.to_owned() }).collect());
+        return Ok(suite
+            .map(|e| SceneInput { scene: (e.build)(), summary: e.summary.to_owned(), fit: e.fit })
+            .collect());
     }
     names.iter().map(|name| scene(name)).collect()
 }
 
 fn scene(name: &str) -> Result<SceneInput> {
-    let summary = umbrage_scenes::find(name).map_or(String::new(), |e| e.summary.to_owned());
+    let entry = umbrage_scenes::find(name);
+    let summary = entry.map_or(String::new(), |e| e.summary.to_owned());
+    let fit = entry.and_then(|e| e.fit);
     match umbrage_scenes::by_argument(name) {
-        Ok(scene) => Ok(SceneInput { scene, summary }),
+        Ok(scene) => Ok(SceneInput { scene, summary, fit }),
         Err(e @ SceneError::Unknown { .. }) => Err(Usage(format!("{e} (see `cargo xtask compare --list`)")).into()),
         Err(e) => Err(e.into()),
     }

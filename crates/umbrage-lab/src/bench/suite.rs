@@ -29,7 +29,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { runs: 21, warm_up: 3, threads: 2 }
+        Self { runs: 20, warm_up: 3, threads: 2 }
     }
 }
 

@@ -20,6 +20,9 @@ pub use scene::SceneImages;
 pub(crate) use slug::slug;
 
 use crate::LabError;
+use std::sync::Arc;
+use umbrage_core::{Fit, ShadowTechnique};
+use umbrage_techniques::Settings;
 
 /// Takes a scene's figures and images as soon as they are there.
 pub type Sink<'a> = dyn FnMut(&SceneResult, &SceneImages) -> Result<(), LabError> + 'a;
@@ -36,12 +39,12 @@ pub fn compare(
     sink: &mut Sink<'_>,
     on_event: &OnEvent<'_>,
 ) -> Result<Comparison, LabError> {
-    let settings = options.settings()?;
-    let settings = slug::with_slugs(&settings);
-    on_event(Event::Started { scenes: inputs.len(), rows_per_scene: settings.len() * backends.playing.len() });
+    let tight = options.settings(Fit::Tight)?;
+    on_event(Event::Started { scenes: inputs.len(), rows_per_scene: tight.len() * backends.playing.len() });
     let mut scenes = Vec::new();
     for (index, input) in inputs.iter().enumerate() {
         on_event(Event::Scene { name: &input.scene.name, index });
+        let settings = slug::with_slugs(&with_fit(&tight, input.fit, options)?);
         let (result, images) = scene::run(input, &settings, options, backends, on_event)?;
         on_event(Event::SceneDone { result: &result });
         sink(&result, &images)?;
@@ -49,6 +52,14 @@ pub fn compare(
     }
     let environment = backends.describe(Environment::here());
     Ok(Comparison { schema: SCHEMA, environment, notices: backends.notices.clone(), scenes })
+}
+
+/// The settings, and those with the scene's own fit; settings without a map are alike and stay single.
+fn with_fit(tight: &[Arc<dyn ShadowTechnique>], fit: Option<Fit>, options: &Options) -> Result<Settings, LabError> {
+    let by_hand = fit.map_or(Ok(Settings::new()), |fit| options.settings(fit))?;
+    let label = |s: &Arc<dyn ShadowTechnique>| (s.name(), s.settings());
+    let new = by_hand.into_iter().filter(|s| tight.iter().all(|t| label(t) != label(s)));
+    Ok(tight.iter().cloned().chain(new).collect())
 }
 
 #[cfg(test)]

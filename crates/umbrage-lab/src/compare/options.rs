@@ -3,7 +3,7 @@
 use crate::{LabError, truth::TruthOptions};
 use glam::UVec2;
 use std::sync::Arc;
-use umbrage_core::{Camera, Invalid, Scene, ShadowTechnique};
+use umbrage_core::{Camera, Fit, Invalid, Scene, ShadowTechnique};
 
 /// A scene to be compared.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,6 +12,8 @@ pub struct SceneInput {
     pub scene: Scene,
     /// One line about it for the report, maybe empty.
     pub summary: String,
+    /// A light space that a textbook sets by hand: techniques with a map are compared with it, too.
+    pub fit: Option<Fit>,
 }
 
 /// How a comparison is made.
@@ -57,11 +59,11 @@ impl Options {
         }
     }
 
-    /// The technique settings to be compared.
+    /// The technique settings to be compared, with maps that lie so.
     ///
     /// # Errors
     /// When a name is unknown or a map size is missing.
-    pub(super) fn settings(&self) -> Result<Vec<Arc<dyn ShadowTechnique>>, LabError> {
+    pub(super) fn settings(&self, fit: Fit) -> Result<Vec<Arc<dyn ShadowTechnique>>, LabError> {
         let all = umbrage_techniques::all();
         let known = || all.iter().map(|e| e.name).collect::<Vec<_>>().join(", ");
         if let Some(unknown) = self.techniques.iter().find(|n| all.iter().all(|e| e.name != n.as_str())) {
@@ -72,7 +74,7 @@ impl Options {
             return Err(Invalid::new("map sizes", "are missing", "give at least one, such as 1024").into());
         }
         let wanted = |name: &str| self.techniques.is_empty() || self.techniques.iter().any(|n| n == name);
-        Ok(all.iter().filter(|e| wanted(e.name)).flat_map(|e| (e.settings)(&self.map_sizes)).collect())
+        Ok(all.iter().filter(|e| wanted(e.name)).flat_map(|e| (e.settings)(&self.map_sizes, fit)).collect())
     }
 
     /// A scene's camera at the size wanted.

@@ -18,7 +18,7 @@ fn quick(techniques: &[&str]) -> Options {
 
 fn input(name: &str) -> SceneInput {
     let entry = umbrage_scenes::find(name).expect("built in");
-    SceneInput { scene: (entry.build)(), summary: entry.summary.to_owned() }
+    SceneInput { scene: (entry.build)(), summary: entry.summary.to_owned(), fit: None }
 }
 
 fn run(scene: &str, options: &Options, backends: &mut Backends) -> Result<Comparison, LabError> {
@@ -66,6 +66,22 @@ fn rows_tell_errors_times_and_agreement() {
     assert!(traced.errors.rmse < 0.02, "one ray a receiver is the truth: {}", traced.errors.rmse);
     assert!(scene.controls.iter().all(|c| c.holds && c.shadowed > 0 && c.changed > 0), "{:?}", scene.controls);
     assert!(comparison.faults().is_empty());
+}
+
+#[test]
+fn a_fit_by_hand_adds_rows_for_maps_alone() {
+    let options = quick(&["hard", "traced"]);
+    let count = |fit: Option<Fit>| {
+        let input = SceneInput { fit, ..input("cubes") };
+        let sink = &mut |_: &SceneResult, _: &SceneImages| Ok(());
+        let comparison = compare(&[input], &options, &mut Backends::of(vec![Box::new(Cpu::new())]), sink, &|_| ());
+        let rows = comparison.expect("valid").scenes.remove(0).rows;
+        let by_hand = rows.iter().filter(|r| r.settings.contains("manual fit")).count();
+        (by_hand, rows.iter().filter(|r| r.technique == "hard").count(), rows.len())
+    };
+    let (none, hard, all) = count(None);
+    assert_eq!(none, 0);
+    assert_eq!(count(Some(umbrage_scenes::TEXTBOOK_FIT)), (hard, 2 * hard, all + hard));
 }
 
 #[test]
