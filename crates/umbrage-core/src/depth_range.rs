@@ -5,7 +5,7 @@ use glam::{DAffine3, DVec3, Mat4, Vec3};
 /// Slack of the fitted planes, as a fraction of their distance: rounding in a projection of 32-bit floats is near 1e-7,
 /// and so nothing seen is cut.
 const SLACK: f64 = 1e-3;
-/// Nearest near plane, as a fraction of the far plane: 2^-20: a guard against zero, far beyond what depth can tell apart.
+/// Nearest near plane, as a fraction of the far plane, 2^-20: a guard against zero, far beyond what depth can tell apart.
 const NEAREST: f64 = 1.0 / 1_048_576.0;
 
 /// The pyramid that is seen.

@@ -12,16 +12,8 @@ pub enum Simd {
 }
 
 impl Simd {
-    /// Runs `f`, compiled for the chosen instructions as far as it is inlined: mark what it calls `#[inline(always)]`.
-    #[inline]
-    pub fn run<R>(self, f: impl FnOnce() -> R) -> R {
-        match self {
-            Self::Native => pulp::Arch::new().dispatch(f),
-            Self::Baseline => f(),
-        }
-    }
-
-    /// As [`Simd::run`], for work that must not depend on what the compiler cares to inline.
+    /// Does the work, compiled for the chosen instructions as far as it is inlined: mark what it calls
+    /// `#[inline(always)]`.
     #[inline]
     pub fn run_task<T: SimdTask>(self, task: T) -> T::Output {
         match self {
