@@ -28,6 +28,8 @@ pub struct Shadows {
     pub mask: Vec<f32>,
     /// The receivers that the backend made, if the view had none.
     pub receivers: Option<Receivers>,
+    /// Linear colours, rows from the top, if the recipe shades.
+    pub picture: Option<Vec<[f32; 4]>>,
     /// The recipe's images, if it asked for them.
     pub images: Vec<Image>,
     /// How long the stages took.

@@ -17,6 +17,15 @@ pub struct Pyramid {
     pub tangents: [f64; 2],
 }
 
+impl Pyramid {
+    /// Whether a world-space point is seen, or nearly: rounding is given a thousandth.
+    pub fn holds(&self, p: Vec3) -> bool {
+        let p = DAffine3::from_mat4(self.view_from_world.as_dmat4()).transform_point3(p.as_dvec3());
+        let reach = -p.z * (1.0 + SLACK);
+        p.x.abs() <= reach * self.tangents[0] && p.y.abs() <= reach * self.tangents[1]
+    }
+}
+
 /// Distances, along the view, of planes just before and just behind all that is seen; none if nothing is.
 pub fn depth_range(pyramid: &Pyramid, triangles: impl Iterator<Item = [Vec3; 3]>) -> Option<[f32; 2]> {
     let view_from_world = DAffine3::from_mat4(pyramid.view_from_world.as_dmat4());

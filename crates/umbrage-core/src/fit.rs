@@ -3,6 +3,7 @@
 use crate::{
     Aabb, Invalid, Light, PlanError, View,
     depth_range::{Pyramid, depth_range},
+    layout::{Layout, LightSpaces, cube_face_views},
     light_space::{Extents, LightSpace, look_along, orthographic, perspective},
 };
 use glam::{Mat4, Vec3};
@@ -49,6 +50,48 @@ impl Fit {
         }
     }
 
+    /// The light spaces of a layout; parameters as [`Fit::light_space`].
+    ///
+    /// # Errors
+    /// As [`Fit::light_space`]; and `Unsupported` for a cube around a light without a position.
+    pub fn light_spaces(
+        &self,
+        layout: Layout,
+        view: &View<'_>,
+        size: u32,
+        margin: f32,
+    ) -> Result<LightSpaces, PlanError> {
+        let single = || Ok(LightSpaces { spaces: vec![self.light_space(view, size, margin)?], needed: vec![true] });
+        match (layout, view.light.position()) {
+            (Layout::Single, _) | (Layout::Auto, None) => single(),
+            (Layout::Cube, None) => {
+                Err(PlanError::unsupported("a directional light has no place to put a cube around"))
+            }
+            (Layout::Cube, Some(eye)) => Ok(self.cube(view, eye, size, margin)?),
+            (Layout::Auto, Some(eye)) => match single() {
+                Err(PlanError::Unsupported(_)) => Ok(self.cube(view, eye, size, margin)?),
+                other => other,
+            },
+        }
+    }
+
+    /// Six faces, each a little wider than 90 degrees, so that kernels never reach beyond the face they start in.
+    fn cube(&self, view: &View<'_>, eye: Vec3, size: u32, margin: f32) -> Result<LightSpaces, Invalid> {
+        let half_angle = widened(45.0_f32.to_radians(), size, margin);
+        let mut out = LightSpaces { spaces: Vec::new(), needed: Vec::new() };
+        for view_from_world in cube_face_views(eye)? {
+            let pyramid = Pyramid { view_from_world, tangents: [f64::from(half_angle.tan()); 2] };
+            let [near, far] = match self {
+                Self::Manual { extents, .. } => [extents.near, extents.far],
+                Self::Tight => perspective_range(view, &view_from_world, half_angle),
+            };
+            let clip_from_view = perspective(2.0 * half_angle, 1.0, near, far)?;
+            out.spaces.push(LightSpace { view_from_world, clip_from_view });
+            out.needed.push(is_needed(view, &pyramid));
+        }
+        Ok(out)
+    }
+
     fn perspective(&self, view: &View<'_>, light: &Light, size: u32, margin: f32) -> Result<LightSpace, PlanError> {
         let eye = light.position().unwrap_or_default();
         let (axis, half_angle) = match *light {
@@ -58,21 +101,38 @@ impl Fit {
         if half_angle.to_degrees() > WIDEST_HALF_ANGLE {
             return Err(PlanError::unsupported(format!(
                 "the {} light needs a cone of {:.0} degrees (a spot its own, others one that holds all casters), and one \
-                 map covers at most {:.0}: use `traced`",
+                 map covers at most {:.0}: use `Layout::Cube`",
                 light.kind(),
                 2.0 * half_angle.to_degrees(),
                 2.0 * WIDEST_HALF_ANGLE
             )));
         }
         let view_from_world = look_along(eye, axis, Vec3::Y)?;
-        // Widen by the kernel's reach, so that the outermost receivers' taps stay on the map.
-        let widened = (half_angle.tan() * size as f32 / (size as f32 - 2.0 * margin - 2.0).max(1.0)).atan();
+        let widened = widened(half_angle, size, margin);
         let [near, far] = match self {
             Self::Manual { extents, .. } => [extents.near, extents.far],
             Self::Tight => perspective_range(view, &view_from_world, widened),
         };
         Ok(LightSpace { view_from_world, clip_from_view: perspective(2.0 * widened, 1.0, near, far)? })
     }
+}
+
+/// Wider by the kernel's reach, so that the outermost receivers' taps stay on the map.
+fn widened(half_angle: f32, size: u32, margin: f32) -> f32 {
+    let tangent = half_angle.tan() * size as f32 / (size as f32 - 2.0 * margin - 2.0).max(1.0);
+    // A kernel as wide as the map would open the angle without end.
+    tangent.atan().min(WIDEST_HALF_ANGLE.to_radians().max(half_angle))
+}
+
+/// Whether something casts and something seen receives within a cube's face.
+fn is_needed(view: &View<'_>, pyramid: &Pyramid) -> bool {
+    let Some(g) = view.geometry else { return true };
+    let meets = |triangles: std::ops::Range<u32>| depth_range(pyramid, triangles.map(|t| g.corners(t))).is_some();
+    let receives = || match view.receivers {
+        Some(r) => r.positions().any(|p| pyramid.holds(p)),
+        None => meets(g.receivers()),
+    };
+    meets(g.casters()) && receives()
 }
 
 fn points<'a>(

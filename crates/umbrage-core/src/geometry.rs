@@ -1,18 +1,24 @@
 //! A scene's triangles in world space: the one list that truth and every backend share.
 
-use crate::{Aabb, Bvh, Instance, Invalid, Mesh, Scene};
-use glam::Vec3;
+use crate::{Aabb, Bvh, Instance, Invalid, Mesh, Scene, relief};
+use glam::{Mat3, Vec2, Vec3, Vec4};
 use std::{
     ops::Range,
     sync::{Arc, OnceLock},
 };
+
+/// The material of triangles whose instance names none: [`Material::default`](crate::Material::default).
+pub const NO_MATERIAL: u32 = u32::MAX;
 
 /// World-space triangles, ordered so that casters and receivers are each one contiguous range.
 #[derive(Clone, Debug, Default)]
 pub struct Geometry {
     positions: Vec<Vec3>,
     normals: Vec<Vec3>,
+    uvs: Vec<Vec2>,
+    tangents: Vec<Vec4>,
     triangles: Vec<[u32; 3]>,
+    materials: Vec<u32>,
     casters: Range<u32>,
     receivers: Range<u32>,
     fingerprint: u64,
@@ -24,20 +30,22 @@ pub struct Geometry {
 type Rows = Arc<[[u32; 4]]>;
 
 impl Geometry {
-    /// Places every instance of a scene into the world. Mirroring instances keep their outside out.
+    /// Places every instance of a scene into the world, displaced if its material says so. Mirroring instances keep their
+    /// outside out.
     ///
     /// # Errors
-    /// As [`Scene::validate`]; and when a placement leaves the range of `f32`.
+    /// As [`Scene::validate`]; when subdivisions make too many triangles; and when a placement leaves the range of `f32`.
     pub fn bake(scene: &Scene) -> Result<Self, Invalid> {
         scene.validate()?;
         let mut out = Self::default();
         let mut ends = [0_u32; 4];
         for (end, class) in ends.iter_mut().zip([(true, false), (true, true), (false, true), (false, false)]) {
             for instance in scene.instances.iter().filter(|i| (i.casts, i.receives) == class) {
-                out.append(&scene.meshes[instance.mesh], instance);
+                out.append(scene, instance)?;
             }
             *end = out.triangles.len() as u32;
         }
+        out.pad_attributes();
         (out.casters, out.receivers) = (0..ends[1], ends[0]..ends[2]);
         match out.positions.iter().position(|p| !p.is_finite()) {
             None => {
@@ -52,7 +60,8 @@ impl Geometry {
         }
     }
 
-    fn append(&mut self, mesh: &Mesh, instance: &Instance) {
+    fn append(&mut self, scene: &Scene, instance: &Instance) -> Result<(), Invalid> {
+        let mesh = &*relief::applied(scene, instance, self.triangles.len())?;
         let base = self.positions.len() as u32;
         let world_from_local = instance.world_from_local;
         self.positions.extend(mesh.positions.iter().map(|&p| world_from_local.transform_point3(p)));
@@ -63,11 +72,13 @@ impl Geometry {
         }));
         let first = self.triangles.len() - mesh.triangles.len();
         self.append_normals(mesh, instance, first);
+        self.append_attributes(mesh, instance, mirrored);
+        Ok(())
     }
 
     fn append_normals(&mut self, mesh: &Mesh, instance: &Instance, first_triangle: usize) {
         if !mesh.normals.is_empty() {
-            let m = glam::Mat3::from(instance.world_from_local.matrix3);
+            let m = Mat3::from(instance.world_from_local.matrix3);
             let cofactors = m.inverse().transpose();
             return self.normals.extend(mesh.normals.iter().map(|&n| (cofactors * n).normalize_or_zero()));
         }
@@ -80,6 +91,35 @@ impl Geometry {
         }
         let first = self.positions.len() - mesh.positions.len();
         self.normals[first..].iter_mut().for_each(|n| *n = n.normalize_or_zero());
+    }
+
+    /// What only shading reads stays empty until something has it; what came before is padded then.
+    fn append_attributes(&mut self, mesh: &Mesh, instance: &Instance, mirrored: bool) {
+        let first = self.positions.len() - mesh.positions.len();
+        if !mesh.uvs.is_empty() {
+            self.uvs.resize(first, Vec2::ZERO);
+            self.uvs.extend_from_slice(&mesh.uvs);
+        }
+        if !mesh.tangents.is_empty() {
+            let m = Mat3::from(instance.world_from_local.matrix3);
+            // A mirror keeps u and v where they are on the surface, but turns n x t around.
+            let handedness = if mirrored { -1.0 } else { 1.0 };
+            let world = |t: &Vec4| (m * t.truncate()).normalize_or_zero().extend(t.w * handedness);
+            self.tangents.resize(first, Vec4::ZERO);
+            self.tangents.extend(mesh.tangents.iter().map(world));
+        }
+        if let Some(material) = instance.material {
+            self.materials.resize(self.triangles.len() - mesh.triangles.len(), NO_MATERIAL);
+            self.materials.resize(self.triangles.len(), material as u32);
+        }
+    }
+
+    fn pad_attributes(&mut self) {
+        let (vertices, triangles) = (self.positions.len(), self.triangles.len());
+        let unless_empty = |len: usize, full: usize| if len == 0 { 0 } else { full };
+        self.uvs.resize(unless_empty(self.uvs.len(), vertices), Vec2::ZERO);
+        self.tangents.resize(unless_empty(self.tangents.len(), vertices), Vec4::ZERO);
+        self.materials.resize(unless_empty(self.materials.len(), triangles), NO_MATERIAL);
     }
 
     /// FNV-1a over the bits of all that the backends draw.
@@ -106,6 +146,23 @@ impl Geometry {
     /// World-space unit shading normals, one a vertex; zero where no triangle gives one.
     pub fn normals(&self) -> &[Vec3] {
         &self.normals
+    }
+
+    /// Texture coordinates, one a vertex, origin top left; empty when no mesh has any, zero where a mesh has none.
+    pub fn uvs(&self) -> &[Vec2] {
+        &self.uvs
+    }
+
+    /// World-space tangents, one a vertex: xyz of unit length along growing u, w the handedness (bitangent = w n x t);
+    /// empty when no mesh has any, zero where a mesh has none.
+    pub fn tangents(&self) -> &[Vec4] {
+        &self.tangents
+    }
+
+    /// Indices into [`Scene::materials`], one a triangle, [`NO_MATERIAL`] for the default one; empty when no instance
+    /// names any.
+    pub fn materials(&self) -> &[u32] {
+        &self.materials
     }
 
     /// Vertex indices of all triangles. A triangle's place in this list is its id everywhere.
@@ -165,3 +222,7 @@ impl Geometry {
         })
     }
 }
+
+#[cfg(test)]
+#[path = "geometry_tests.rs"]
+mod tests;

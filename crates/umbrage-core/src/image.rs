@@ -5,8 +5,14 @@ use glam::UVec2;
 /// What a texel holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Format {
-    /// Depth 0..=1 in 32-bit floats: the only format that a cast can write.
+    /// Depth 0..=1 in 32-bit floats.
     Depth32,
+    /// Depth 0..=1 in steps of 1/65535.
+    Depth16,
+    /// Whole numbers 0..=255, which wrap: what [`CastMode::Count`](crate::CastMode::Count) writes.
+    Stencil8,
+    /// Four channels 0..=1 in steps of 1/255, without sRGB.
+    Rgba8,
     /// One 32-bit float.
     R32,
     /// Two 32-bit floats.
@@ -19,10 +25,37 @@ impl Format {
     /// Floats a texel.
     pub const fn channels(self) -> usize {
         match self {
-            Self::Depth32 | Self::R32 => 1,
+            Self::Depth32 | Self::Depth16 | Self::Stencil8 | Self::R32 => 1,
             Self::Rg32 => 2,
-            Self::Rgba32 => 4,
+            Self::Rgba8 | Self::Rgba32 => 4,
         }
+    }
+
+    /// Bytes a texel takes on a GPU. The CPU backend holds every channel as a 32-bit float that has one of the values
+    /// that the format can hold.
+    pub const fn bytes(self) -> usize {
+        match self {
+            Self::Stencil8 => 1,
+            Self::Depth16 => 2,
+            Self::Depth32 | Self::Rgba8 | Self::R32 => 4,
+            Self::Rg32 => 8,
+            Self::Rgba32 => 16,
+        }
+    }
+
+    /// Whether casts of the nearest depth write it.
+    pub const fn is_depth(self) -> bool {
+        matches!(self, Self::Depth32 | Self::Depth16)
+    }
+
+    /// Whether casts alone write it: filters can't.
+    pub const fn is_cast_only(self) -> bool {
+        self.is_depth() || matches!(self, Self::Stencil8)
+    }
+
+    /// What texels hold before anything is written: 1 for depth, else 0.
+    pub const fn start(self) -> f32 {
+        if self.is_depth() { 1.0 } else { 0.0 }
     }
 }
 
@@ -40,9 +73,19 @@ pub struct ImageDesc {
 }
 
 impl ImageDesc {
-    /// Bytes of all its texels.
+    /// Texels of all its layers.
+    pub fn texels(&self) -> u64 {
+        u64::from(self.size.x) * u64::from(self.size.y) * u64::from(self.layers)
+    }
+
+    /// Bytes of all its texels on a GPU.
     pub fn bytes(&self) -> u64 {
-        u64::from(self.size.x) * u64::from(self.size.y) * u64::from(self.layers) * self.format.channels() as u64 * 4
+        self.texels() * self.format.bytes() as u64
+    }
+
+    /// How many floats [`Image::texels`] has.
+    pub fn floats(&self) -> u64 {
+        self.texels() * self.format.channels() as u64
     }
 }
 
@@ -58,7 +101,7 @@ pub struct Image {
 impl Image {
     /// An image whose every float is `value`.
     pub fn filled(desc: ImageDesc, value: f32) -> Self {
-        Self { desc, texels: vec![value; (desc.bytes() / 4) as usize] }
+        Self { desc, texels: vec![value; desc.floats() as usize] }
     }
 
     /// For reading in kernels.

@@ -10,7 +10,10 @@ use std::fmt::Debug;
 /// triangle: u32 }`; `var<uniform> kernel: NAME` with the uniform struct that the modules declare; for input image `i` the
 /// functions `load_i(texel: vec2i, layer: i32) -> vec4f` and `size_i() -> vec2i` (a function, so that one compiled shader
 /// serves maps of all sizes); for input table `j` a `var<storage> table_j: array<vec4u>`. Texels passed to `load_i` must
-/// lie within the image.
+/// lie within the image. If [`compares`](Kernel::compares) says so, then for every input image `i` of depth also
+/// `compare_i(uv: vec2f, layer: i32, depth: f32) -> f32`, the comparison sampler's linear blend of the 2x2 answers to
+/// `depth <= stored` around `uv` (0..=1, origin top left, clamped to the edge), and `gather_compare_i(uv, layer, depth) ->
+/// vec4f`, those four answers in the order of `textureGatherCompare`.
 pub trait Kernel: Debug + Send + Sync {
     /// WGSL modules in order; the last one has the entry function.
     fn modules(&self) -> Vec<Module>;
@@ -18,6 +21,10 @@ pub trait Kernel: Debug + Send + Sync {
     fn uniform_bytes(&self) -> Vec<u8>;
     /// The uniform struct's layout.
     fn layout(&self) -> UniformLayout;
+    /// Whether the WGSL half uses the comparison sampler.
+    fn compares(&self) -> bool {
+        false
+    }
 }
 
 /// Asks, for seen points, how much light arrives. Its WGSL entry is `fn receive(r: Receiver) -> f32`.
@@ -30,6 +37,14 @@ pub trait ReceiveKernel: Kernel {
 pub trait FilterKernel: Kernel {
     /// The Rust half: one row of the output, channels interleaved; `start` is the row's first texel.
     fn filter(&self, inputs: &Inputs<'_>, start: UVec2, layer: u32, out: &mut [f32]);
+}
+
+/// Colours what is seen. Its WGSL entry is `fn shade(r: Receiver, visibility: f32) -> vec4f`; what it answers is linear, not
+/// sRGB-encoded.
+pub trait ShadeKernel: Kernel {
+    /// The Rust half: the linear colour of each entry of the span, given the light's visibility there (1 where nothing
+    /// receives). Entries that show nothing are thrown away.
+    fn shade(&self, span: &Span<'_>, visibility: &[f32], out: &mut [[f32; 4]]);
 }
 
 /// What a kernel's Rust half may read.

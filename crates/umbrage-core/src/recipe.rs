@@ -1,6 +1,7 @@
 //! Recipes: a shadow algorithm as plain data, to be played by any backend.
 
-use crate::{FilterKernel, Format, ImageDesc, Invalid, LightSpace, ReceiveKernel};
+use crate::{FilterKernel, Format, ImageDesc, Invalid, LightSpace, ReceiveKernel, ShadeKernel};
+use glam::Vec4;
 use std::sync::Arc;
 
 /// Index into [`Recipe::images`].
@@ -8,7 +9,7 @@ pub type ImageId = usize;
 /// Index into [`Recipe::tables`].
 pub type TableId = usize;
 
-/// Three stages, played in order: casts, filters, receive.
+/// Three stages, played in order: casts, filters, receive; and, for pictures, shading.
 #[derive(Clone, Debug)]
 pub struct Recipe {
     /// The images that the stages write. Depth images start at 1, others at 0.
@@ -21,6 +22,8 @@ pub struct Recipe {
     pub filters: Vec<Filter>,
     /// The question asked at each receiver.
     pub receive: Receive,
+    /// Colours for what is seen; none when only the mask is wanted.
+    pub shade: Option<Shade>,
     /// Whether the backend is to hand the images back in [`Shadows::images`](crate::Shadows::images).
     pub keep_images: bool,
 }
@@ -54,19 +57,87 @@ pub struct RasterBias {
     pub clamp: f32,
 }
 
-/// Draws the casters, seen from a light, into one layer of a depth image; the least depth stays.
+/// Draws geometry, seen from a light or the camera, into one layer of an image.
 #[derive(Clone, Debug)]
 pub struct Cast {
-    /// The depth image.
+    /// The image: depth, or for [`CastMode::Count`] a [`Format::Stencil8`].
     pub image: ImageId,
     /// Its layer.
     pub layer: u32,
     /// Where it is seen from.
     pub space: LightSpace,
+    /// What is drawn.
+    pub source: Source,
+    /// What stays of it.
+    pub mode: CastMode,
     /// Faces left out.
     pub cull: Cull,
     /// Polygon offset.
     pub bias: RasterBias,
+}
+
+impl Cast {
+    /// The casters' least depth, without culling and bias.
+    pub fn nearest(image: ImageId, layer: u32, space: LightSpace) -> Self {
+        let (source, mode) = (Source::Casters, CastMode::Nearest);
+        Self { image, layer, space, source, mode, cull: Cull::None, bias: RasterBias::default() }
+    }
+}
+
+/// What a cast draws.
+#[derive(Clone, Debug, Default)]
+pub enum Source {
+    /// All casters.
+    #[default]
+    Casters,
+    /// All that the camera may see: casters, receivers, and what is neither.
+    Everything,
+    /// What the technique made from the casters: shadow volumes, flattened casters.
+    Faces(Arc<Faces>),
+}
+
+/// Triangles that a technique made. Backends may recognise them by their address.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Faces {
+    /// Homogeneous world positions: (x, y, z, 1) is a point, (x, y, z, 0) the point infinitely far along a direction.
+    pub vertices: Vec<Vec4>,
+    /// Counter-clockwise seen from outside.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+impl Faces {
+    /// Objects to indices beyond the vertices, and to vertices that are not finite.
+    ///
+    /// # Errors
+    /// If there is either.
+    pub fn validate(&self) -> Result<(), Invalid> {
+        let count = self.vertices.len();
+        let finite = self.vertices.iter().all(|v| v.is_finite());
+        if !finite || self.triangles.iter().flatten().any(|&v| v as usize >= count) {
+            let why =
+                format!("draws faces with an index beyond their {count} vertices, or a vertex that is not finite");
+            return Err(Invalid::new("cast", why, "mend the faces"));
+        }
+        Ok(())
+    }
+}
+
+/// What stays of what a cast draws.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum CastMode {
+    /// The least depth at each texel.
+    #[default]
+    Nearest,
+    /// The least of those depths that are greater than what this image, of the same size and format, holds at the same
+    /// texel and layer: depth peeling (Everitt 2001, "Interactive order-independent transparency"). No bias.
+    Behind(ImageId),
+    /// At each texel, how many back faces minus how many front faces are not before what this [`Format::Depth32`] image of
+    /// the same size and layer holds, modulo 256: depth-fail counting (Everitt and Kilgard 2002, "Practical and robust
+    /// stenciled shadow volumes"). No bias, no culling.
+    Count {
+        /// Drawn before, in the same space.
+        depth: ImageId,
+    },
 }
 
 /// Makes all layers of an image from other images.
@@ -91,6 +162,17 @@ pub struct Receive {
     pub inputs: Vec<ImageId>,
     /// Tables read.
     pub tables: Vec<TableId>,
+}
+
+/// Colours every pixel that shows a triangle, whether it receives or not.
+#[derive(Clone, Debug)]
+pub struct Shade {
+    /// How.
+    pub kernel: Arc<dyn ShadeKernel>,
+    /// Tables read.
+    pub tables: Vec<TableId>,
+    /// Linear colour where nothing is seen.
+    pub background: [f32; 4],
 }
 
 /// Constant data: rows of four words. Cheap to clone; backends may recognise it by its address.
@@ -137,22 +219,64 @@ impl Recipe {
                 return Err(Invalid::new(format!("table `{}`", table.label), why, "use a smaller scene"));
             }
         }
-        for cast in &self.casts {
-            let image = self.images.get(cast.image);
-            if !image.is_some_and(|i| i.format == Format::Depth32 && cast.layer < i.layers) {
-                let why = format!("names layer {} of image {}", cast.layer, cast.image);
-                return Err(Invalid::new("cast", why, "name a layer of a Depth32 image of the recipe"));
-            }
-        }
+        self.casts.iter().try_for_each(|cast| self.check_cast(cast))?;
         for filter in &self.filters {
             self.check_ids("filter", &filter.inputs, &filter.tables)?;
             let image = self.images.get(filter.output);
-            if filter.inputs.contains(&filter.output) || !image.is_some_and(|i| i.format != Format::Depth32) {
+            if filter.inputs.contains(&filter.output) || image.is_none_or(|i| i.format.is_cast_only()) {
                 let why = format!("writes image {}", filter.output);
-                return Err(Invalid::new("filter", why, "write an image that it doesn't read and that holds no depth"));
+                let mend = "write an image that it doesn't read and that holds neither depth nor counts";
+                return Err(Invalid::new("filter", why, mend));
             }
         }
-        self.check_ids("receive", &self.receive.inputs, &self.receive.tables)
+        self.check_ids("receive", &self.receive.inputs, &self.receive.tables)?;
+        self.check_compared()?;
+        self.shade.as_ref().map_or(Ok(()), |shade| self.check_ids("shading", &[], &shade.tables))
+    }
+
+    fn check_cast(&self, cast: &Cast) -> Result<(), Invalid> {
+        let layer = |id: ImageId| self.images.get(id).filter(|i| cast.layer < i.layers);
+        let fault = |why: String, mend: &str| Err(Invalid::new("cast", why, mend));
+        let Some(image) = layer(cast.image) else {
+            let why = format!("names layer {} of image {}", cast.layer, cast.image);
+            return fault(why, "name a layer of an image of the recipe");
+        };
+        let other = match cast.mode {
+            CastMode::Nearest if image.format.is_depth() => return self.check_source(cast),
+            CastMode::Nearest => return fault(format!("writes image {}", cast.image), "name one of a depth format"),
+            CastMode::Behind(id) => {
+                layer(id).filter(|o| id != cast.image && o.format == image.format && o.format.is_depth())
+            }
+            CastMode::Count { depth } => {
+                let counts = image.format == Format::Stencil8 && cast.cull == Cull::None;
+                layer(depth).filter(|o| counts && o.format == Format::Depth32)
+            }
+        };
+        if other.is_none_or(|o| o.size != image.size || o.layers != image.layers) || cast.bias != RasterBias::default()
+        {
+            let why =
+                format!("into image {} asks for {:?} with {:?} and {:?}", cast.image, cast.mode, cast.cull, cast.bias);
+            return fault(
+                why,
+                "peel behind another depth image of the same kind, or count into a Stencil8 image against a \
+                              Depth32 image of its size; both without bias, counts without culling",
+            );
+        }
+        self.check_source(cast)
+    }
+
+    fn check_source(&self, cast: &Cast) -> Result<(), Invalid> {
+        let Source::Faces(faces) = &cast.source else { return Ok(()) };
+        faces.validate()
+    }
+
+    /// Comparison samplers read depth alone.
+    fn check_compared(&self) -> Result<(), Invalid> {
+        let depth = |&i: &ImageId| self.images.get(i).is_some_and(|image| image.format.is_depth());
+        if !self.receive.kernel.compares() || self.receive.inputs.iter().any(depth) {
+            return Ok(());
+        }
+        Err(Invalid::new("receive", "compares, but reads no depth image", "name a depth image among its inputs"))
     }
 
     fn check_ids(&self, what: &str, images: &[ImageId], tables: &[TableId]) -> Result<(), Invalid> {

@@ -1,7 +1,7 @@
 //! Scenes: meshes, instances of them, lights and cameras. Public fields; `validate` says what is wrong.
 
-use crate::{Camera, Invalid, Light, invalid::finite};
-use glam::{Affine3A, Vec2, Vec3};
+use crate::{Camera, Invalid, Light, Material, Texture, invalid::finite};
+use glam::{Affine3A, Vec2, Vec3, Vec4};
 
 /// Triangles in their own space. Right-handed; counter-clockwise seen from outside.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -14,6 +14,8 @@ pub struct Mesh {
     pub normals: Vec<Vec3>,
     /// Texture coordinates, one a vertex, origin top left; or empty.
     pub uvs: Vec<Vec2>,
+    /// Tangents for normal maps, one a vertex: xyz along growing u, w the handedness (bitangent = w n x t); or empty.
+    pub tangents: Vec<Vec4>,
     /// Vertex indices of each triangle.
     pub triangles: Vec<[u32; 3]>,
 }
@@ -42,7 +44,11 @@ impl Mesh {
         if u32::try_from(count).is_err() || u32::try_from(self.triangles.len()).is_err() {
             return Err(Invalid::new(what(), "has over 2^32 vertices or triangles", "split it"));
         }
-        for (kind, len) in [("normals", self.normals.len()), ("texture coordinates", self.uvs.len())] {
+        for (kind, len) in [
+            ("normals", self.normals.len()),
+            ("texture coordinates", self.uvs.len()),
+            ("tangents", self.tangents.len()),
+        ] {
             if len != 0 && len != count {
                 let why = format!("has {len} {kind} for {count} vertices");
                 return Err(Invalid::new(what(), why, "give one a vertex or none"));
@@ -68,6 +74,9 @@ impl Mesh {
         for (i, uv) in self.uvs.iter().enumerate().filter(|(_, uv)| !uv.is_finite()) {
             finite(&format!("texture coordinate {i}"), &uv.to_array())?;
         }
+        for (i, t) in self.tangents.iter().enumerate().filter(|(_, t)| !t.is_finite()) {
+            finite(&format!("tangent {i}"), &t.to_array())?;
+        }
         Ok(())
     }
 }
@@ -83,12 +92,14 @@ pub struct Instance {
     pub casts: bool,
     /// Whether shadows fall on it.
     pub receives: bool,
+    /// Index into [`Scene::materials`]; [`Material::default`] if none.
+    pub material: Option<usize>,
 }
 
 impl Instance {
     /// An instance that casts and receives.
     pub fn new(mesh: usize, world_from_local: Affine3A) -> Self {
-        Self { mesh, world_from_local, casts: true, receives: true }
+        Self { mesh, world_from_local, casts: true, receives: true, material: None }
     }
 }
 
@@ -101,6 +112,10 @@ pub struct Scene {
     pub meshes: Vec<Mesh>,
     /// Placements of the shapes.
     pub instances: Vec<Instance>,
+    /// Looks.
+    pub materials: Vec<Material>,
+    /// Colours, normals and heights of the looks.
+    pub textures: Vec<Texture>,
     /// Lights.
     pub lights: Vec<Light>,
     /// Cameras.
@@ -118,6 +133,10 @@ impl Scene {
 
     fn validate_parts(&self) -> Result<(), Invalid> {
         self.meshes.iter().try_for_each(Mesh::validate)?;
+        self.textures.iter().try_for_each(Texture::validate)?;
+        for (i, material) in self.materials.iter().enumerate() {
+            material.validate(self.textures.len()).map_err(|e| e.within(format!("material {i}")))?;
+        }
         for (i, instance) in self.instances.iter().enumerate() {
             self.validate_instance(instance).map_err(|e| e.within(format!("object {i}")))?;
         }
@@ -130,10 +149,34 @@ impl Scene {
             let why = format!("names mesh {} of {}", instance.mesh, self.meshes.len());
             return Err(Invalid::new("instance", why, "use the index of a mesh of this scene"));
         }
+        self.validate_material(instance)?;
         finite("matrix", &instance.world_from_local.to_cols_array())?;
         let det = instance.world_from_local.matrix3.as_dmat3().determinant();
         if det == 0.0 {
             return Err(Invalid::new("matrix", "is singular: it flattens the object", "use a scale other than zero"));
+        }
+        Ok(())
+    }
+
+    fn validate_material(&self, instance: &Instance) -> Result<(), Invalid> {
+        let Some(id) = instance.material else { return Ok(()) };
+        let Some(material) = self.materials.get(id) else {
+            let why = format!("names material {id} of {}", self.materials.len());
+            return Err(Invalid::new("instance", why, "use the index of a material of this scene"));
+        };
+        let mesh = &self.meshes[instance.mesh];
+        let textured = material.diffuse_texture.or(material.normal_map).is_some() || material.displacement.is_some();
+        if textured && mesh.uvs.is_empty() {
+            let why = "has no texture coordinates, but its material has a texture";
+            return Err(Invalid::new(format!("mesh `{}`", mesh.name), why, "give it uvs, or leave textures out"));
+        }
+        if material.normal_map.is_some() && mesh.tangents.is_empty() {
+            let why = "has no tangents, but its material has a normal map";
+            return Err(Invalid::new(
+                format!("mesh `{}`", mesh.name),
+                why,
+                "make them: `umbrage_scenes::with_tangents`",
+            ));
         }
         Ok(())
     }

@@ -1,0 +1,127 @@
+//! Displacement mapping (Cook 1984, "Shade trees"): a vertex moves along its unit normal by `lambda (2 h - 1)`, where h
+//! is a texture's first channel at its uv, bilinear and repeating.
+//!
+//! [`Geometry::bake`](crate::Geometry::bake) displaces what materials ask for: first each triangle is split in four, as
+//! often as the material says, since a coarse mesh cannot show relief; then vertices move. Both backends, truth, the
+//! depth pass and the camera pass draw that one list, and so they see the same relief.
+//!
+//! * **Seams.** Where texture coordinates part, several vertices stand at one place and read different heights. They
+//!   move together, by the mean of their offsets: the surface never tears.
+//! * **Shading normals** are averaged anew from the moved triangles, so that they fit any relief and any lambda without
+//!   the derivatives of the texture; edges that were sharp before stay sharp. With a normal map they stay what they
+//!   were: the map that fits the relief tells its slopes over the smooth surface, and both together would tilt twice.
+//! * **Known failures.** Relief finer than the triangles is aliased; vertices of a hollow may cross when |lambda|
+//!   exceeds its radius of curvature; an open mesh shows its rim.
+//!
+//! A program that displaces in its own vertex shader uses [`DISPLACEMENT`], whose halves are bit-equal:
+//!
+//! ```
+//! use umbrage_core::{displacement::DISPLACEMENT, join, Module};
+//!
+//! let vertex_shader = Module { name: "relief", text: r#"
+//!     @group(0) @binding(0) var heights: texture_2d<f32>;
+//!
+//!     fn height(texel: vec2u) -> f32 { return textureLoad(heights, texel, 0).x; }
+//!
+//!     fn moved(position: vec3f, normal: vec3f, uv: vec2f, lambda: f32) -> vec3f {
+//!         let size = textureDimensions(heights);
+//!         let a = bilinear_first(uv, size);
+//!         let b = bilinear_second(a, size);
+//!         let h = bilinear_blend(
+//!             height(a), height(vec2u(b.x, a.y)), height(vec2u(a.x, b.y)), height(b), bilinear_weights(uv, size));
+//!         return displaced(position, normal, h, lambda);
+//!     }
+//! "# };
+//! let wgsl = join(&[DISPLACEMENT, vertex_shader]);
+//! assert!(wgsl.contains("fn displaced("));
+//! ```
+
+use crate::{Module, Texture, Twin, twin};
+use glam::{UVec2, Vec2, Vec3};
+
+/// The WGSL half: needs no other module.
+pub const DISPLACEMENT: Module = Module { name: "displacement", text: include_str!("displacement.wgsl") };
+
+/// What is left of a texture coordinate after whole repeats: 0 to below 1.
+#[inline(always)]
+pub fn repeated(t: f32) -> f32 {
+    let part = t - t.floor();
+    // The part of a tiny negative number rounds to 1.
+    if part >= 1.0 { 0.0 } else { part }
+}
+
+/// Texels from the centre of the first of `n`, along one axis: -0.5 to below n - 0.5.
+#[inline(always)]
+pub fn from_first_centre(t: f32, n: u32) -> f32 {
+    repeated(t) * n as f32 - 0.5
+}
+
+/// The index of a texel that stands before the first, or not.
+#[inline(always)]
+fn wrapped(t: f32, n: u32) -> u32 {
+    if t < 0.0 { n.wrapping_sub(1) } else { t as u32 }
+}
+
+/// The texel above and to the left of `uv`, repeating.
+#[inline(always)]
+pub fn bilinear_first(uv: Vec2, size: UVec2) -> UVec2 {
+    let x = from_first_centre(uv.x, size.x).floor();
+    let y = from_first_centre(uv.y, size.y).floor();
+    UVec2::new(wrapped(x, size.x), wrapped(y, size.y))
+}
+
+/// The texel below and to the right of `first`, repeating.
+#[inline(always)]
+pub fn bilinear_second(first: UVec2, size: UVec2) -> UVec2 {
+    let next = UVec2::new(first.x.wrapping_add(1), first.y.wrapping_add(1));
+    UVec2::new(if next.x >= size.x { 0 } else { next.x }, if next.y >= size.y { 0 } else { next.y })
+}
+
+/// How far `uv` is from the first texel's centre towards the second's, each 0 to 1.
+#[inline(always)]
+pub fn bilinear_weights(uv: Vec2, size: UVec2) -> Vec2 {
+    let x = from_first_centre(uv.x, size.x);
+    let y = from_first_centre(uv.y, size.y);
+    Vec2::new(x - x.floor(), y - y.floor())
+}
+
+/// Blends along x, then along y.
+#[inline(always)]
+pub fn bilinear_blend(top_left: f32, top_right: f32, bottom_left: f32, bottom_right: f32, weights: Vec2) -> f32 {
+    let top = top_left + (top_right - top_left) * weights.x;
+    let bottom = bottom_left + (bottom_right - bottom_left) * weights.x;
+    top + (bottom - top) * weights.y
+}
+
+/// A vertex moved along its unit normal by `lambda (2 h - 1)` metres.
+#[inline(always)]
+pub fn displaced(position: Vec3, normal: Vec3, h: f32, lambda: f32) -> Vec3 {
+    let metres = lambda * (2.0 * h - 1.0);
+    Vec3::new(position.x + normal.x * metres, position.y + normal.y * metres, position.z + normal.z * metres)
+}
+
+/// The first channel of a valid texture at `uv` (origin top left), bilinear and repeating.
+pub fn height(texture: &Texture, uv: Vec2) -> f32 {
+    let a = bilinear_first(uv, texture.size);
+    let b = bilinear_second(a, texture.size);
+    let at = |x: u32, y: u32| {
+        let index = u64::from(y) * u64::from(texture.size.x) + u64::from(x);
+        texture.texels[index as usize][0]
+    };
+    bilinear_blend(at(a.x, a.y), at(b.x, a.y), at(a.x, b.y), at(b.x, b.y), bilinear_weights(uv, texture.size))
+}
+
+/// The pairs, for the lockstep tests.
+pub const TWINS: &[Twin] = &[
+    twin!(DISPLACEMENT, repeated(t: f32) -> f32),
+    twin!(DISPLACEMENT, from_first_centre(t: f32, n: u32) -> f32),
+    twin!(DISPLACEMENT, bilinear_first(uv: Vec2, size: UVec2) -> UVec2),
+    twin!(DISPLACEMENT, bilinear_second(first: UVec2, size: UVec2) -> UVec2),
+    twin!(DISPLACEMENT, bilinear_weights(uv: Vec2, size: UVec2) -> Vec2),
+    twin!(DISPLACEMENT, bilinear_blend(a: f32, b: f32, c: f32, d: f32, weights: Vec2) -> f32),
+    twin!(DISPLACEMENT, displaced(position: Vec3, normal: Vec3, h: f32, lambda: f32) -> Vec3),
+];
+
+#[cfg(test)]
+#[path = "displacement_tests.rs"]
+mod tests;

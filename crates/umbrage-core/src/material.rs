@@ -1,0 +1,125 @@
+//! Materials and textures: what colour pictures and detailed surfaces need. Masks know nothing of them but displacement.
+
+use crate::{
+    Invalid,
+    invalid::{finite, not_negative},
+};
+use glam::{UVec2, Vec3};
+
+/// Texels of any meaning: colour, tangent-space normals, height.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Texture {
+    /// A name for error messages.
+    pub name: String,
+    /// Texels.
+    pub size: UVec2,
+    /// Rows from the top. Colours are linear: who loads a file decodes sRGB, once.
+    pub texels: Vec<[f32; 4]>,
+}
+
+/// How a surface looks. Colours are linear, 0 to 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Material {
+    /// Colour of diffuse reflection; multiplied with the texture, if there is one.
+    pub diffuse: Vec3,
+    /// Index into [`Scene::textures`](crate::Scene::textures): colour over the mesh's uvs.
+    pub diffuse_texture: Option<usize>,
+    /// Colour of the highlight.
+    pub specular: Vec3,
+    /// The highlight's power is 2 to this: 5 for 32. Powers of two are made by repeated squaring, the same on every
+    /// driver.
+    pub shininess_log2: u32,
+    /// Light of its own, which no shadow touches: lamps' markers.
+    pub emissive: Vec3,
+    /// Index into the scene's textures: tangent-space normals as `(n + 1) / 2`, green up (OpenGL's convention).
+    pub normal_map: Option<usize>,
+    /// Relief.
+    pub displacement: Option<Displacement>,
+}
+
+/// Relief: each vertex moves along its unit normal by `lambda (2 h - 1)`, where h is the first channel of the texture at
+/// its uv, bilinear and repeating. It is baked into the geometry, so that camera and light see the same relief.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Displacement {
+    /// Index into the scene's textures.
+    pub texture: usize,
+    /// Metres (of the mesh's own space); negative turns the relief inside out.
+    pub lambda: f32,
+    /// How often each triangle is split in four before: a coarse mesh cannot show relief. 0 to 8.
+    pub subdivisions: u32,
+}
+
+/// Most subdivisions accepted: each triangle becomes 65,536.
+pub const MAX_SUBDIVISIONS: u32 = 8;
+/// Greatest [`Material::shininess_log2`].
+pub const MAX_SHININESS_LOG2: u32 = 12;
+
+impl Default for Material {
+    fn default() -> Self {
+        Self {
+            diffuse: Vec3::splat(0.5),
+            diffuse_texture: None,
+            specular: Vec3::splat(0.15),
+            shininess_log2: 5,
+            emissive: Vec3::ZERO,
+            normal_map: None,
+            displacement: None,
+        }
+    }
+}
+
+impl Texture {
+    /// Objects to a size that doesn't fit the texels, and to texels that are not finite.
+    ///
+    /// # Errors
+    /// The first fault found.
+    pub fn validate(&self) -> Result<(), Invalid> {
+        let what = || format!("texture `{}`", self.name);
+        let texels = u64::from(self.size.x) * u64::from(self.size.y);
+        if texels == 0 || texels != self.texels.len() as u64 {
+            let why = format!("has {} texels and a size of {} x {}", self.texels.len(), self.size.x, self.size.y);
+            return Err(Invalid::new(what(), why, "give width times height texels, at least one"));
+        }
+        match self.texels.iter().position(|t| t.iter().any(|v| !v.is_finite())) {
+            None => Ok(()),
+            Some(i) => finite(&format!("texel {i}"), &self.texels[i]).map_err(|e| e.within(what())),
+        }
+    }
+}
+
+impl Material {
+    /// Objects to textures that aren't there, numbers that are not finite or negative, and absurd settings. `textures` is
+    /// how many the scene has.
+    ///
+    /// # Errors
+    /// The first fault found.
+    pub fn validate(&self, textures: usize) -> Result<(), Invalid> {
+        for (what, color) in
+            [("diffuse colour", self.diffuse), ("specular colour", self.specular), ("emission", self.emissive)]
+        {
+            color.to_array().into_iter().try_for_each(|v| not_negative(what, v))?;
+        }
+        let relief = self.displacement;
+        for (what, id) in [
+            ("diffuse texture", self.diffuse_texture),
+            ("normal map", self.normal_map),
+            ("displacement map", relief.map(|d| d.texture)),
+        ] {
+            if let Some(id) = id.filter(|&id| id >= textures) {
+                let why = format!("is texture {id} of {textures}");
+                return Err(Invalid::new(what, why, "use the index of a texture of this scene"));
+            }
+        }
+        at_most("shininess", self.shininess_log2, MAX_SHININESS_LOG2, "as a power of two")?;
+        let Some(Displacement { lambda, subdivisions, .. }) = relief else { return Ok(()) };
+        finite("lambda of the displacement", &[lambda])?;
+        at_most("displacement", subdivisions, MAX_SUBDIVISIONS, "subdivisions")
+    }
+}
+
+fn at_most(what: &str, value: u32, most: u32, unit: &str) -> Result<(), Invalid> {
+    if value <= most {
+        return Ok(());
+    }
+    Err(Invalid::new(what, format!("is {value} {unit}"), format!("use 0 to {most}")))
+}

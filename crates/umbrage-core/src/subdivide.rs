@@ -1,0 +1,126 @@
+//! Finer meshes of the same shape.
+
+use crate::{Invalid, MAX_SUBDIVISIONS, Mesh};
+use glam::{Vec3, Vec4};
+use std::collections::HashMap;
+
+/// Most triangles that subdivision makes: their positions, normals and hierarchy still fit into a few gigabytes.
+pub const MAX_SUBDIVIDED_TRIANGLES: usize = 1 << 24;
+
+impl Mesh {
+    /// Splits each triangle in four at the middles of its edges, `times` times, without smoothing. Triangles that share
+    /// an edge share the new vertex; where two edges only share their ends' positions, the new vertices' positions are
+    /// bit-equal. Normals and tangents are blended and made unit vectors, texture coordinates blended.
+    ///
+    /// # Errors
+    /// When the result would have more than [`MAX_SUBDIVIDED_TRIANGLES`].
+    pub fn subdivided(&self, times: u32) -> Result<Self, Invalid> {
+        self.check_subdivisions(times, MAX_SUBDIVIDED_TRIANGLES)?;
+        Ok((0..times).fold(self.clone(), |mesh, _| mesh.split()))
+    }
+
+    /// Objects to more than `room` triangles.
+    pub(crate) fn check_subdivisions(&self, times: u32, room: usize) -> Result<(), Invalid> {
+        let count = |times: u32| (self.triangles.len() as u128) << (2 * times.min(60));
+        if times == 0 || times <= MAX_SUBDIVISIONS && count(times) <= room as u128 {
+            return Ok(());
+        }
+        let most = (0..=MAX_SUBDIVISIONS).rev().find(|&t| count(t) <= room as u128).unwrap_or(0);
+        let why = format!(
+            "would have {} triangles of {} after {times} subdivisions, and there is room for {room}",
+            count(times),
+            self.triangles.len()
+        );
+        Err(Invalid::new(format!("mesh `{}`", self.name), why, format!("use at most {most} subdivisions")))
+    }
+
+    fn split(mut self) -> Self {
+        let mut middles = HashMap::with_capacity(self.triangles.len() * 3 / 2);
+        let coarse = std::mem::take(&mut self.triangles);
+        self.triangles.reserve_exact(4 * coarse.len());
+        for [a, b, c] in coarse {
+            let [ab, bc, ca] = [(a, b), (b, c), (c, a)]
+                .map(|(p, q)| *middles.entry((p.min(q), p.max(q))).or_insert_with(|| self.push_middle(p, q)));
+            self.triangles.extend([[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]);
+        }
+        self
+    }
+
+    /// Adds the vertex between two, and says which it is.
+    fn push_middle(&mut self, p: u32, q: u32) -> u32 {
+        let (p, q) = (p as usize, q as usize);
+        // Halved before adding: the sum of two may leave the range of f32.
+        self.positions.push(self.positions[p] * 0.5 + self.positions[q] * 0.5);
+        if !self.normals.is_empty() {
+            self.normals.push(between(self.normals[p], self.normals[q]));
+        }
+        if !self.uvs.is_empty() {
+            self.uvs.push(self.uvs[p] * 0.5 + self.uvs[q] * 0.5);
+        }
+        if !self.tangents.is_empty() {
+            let [t, u] = [self.tangents[p], self.tangents[q]];
+            let direction: Vec3 = between(t.truncate(), u.truncate());
+            self.tangents.push(Vec4::from((direction, t.w)));
+        }
+        (self.positions.len() - 1) as u32
+    }
+}
+
+fn between(a: Vec3, b: Vec3) -> Vec3 {
+    (a.normalize_or_zero() + b.normalize_or_zero()).normalize_or_zero()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec2;
+
+    fn bent() -> Mesh {
+        Mesh {
+            name: "bent".to_owned(),
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Y, Vec3::Y],
+            normals: vec![Vec3::Z, Vec3::X * 2.0, Vec3::Z, Vec3::Z],
+            uvs: vec![Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y],
+            tangents: vec![Vec4::new(1.0, 0.0, 0.0, -1.0); 4],
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+        }
+    }
+
+    fn area(mesh: &Mesh) -> f32 {
+        mesh.triangles
+            .iter()
+            .map(|t| {
+                let [a, b, c] = t.map(|v| mesh.positions[v as usize]);
+                0.5 * (b - a).cross(c - a).z
+            })
+            .sum()
+    }
+
+    #[test]
+    fn four_for_one_with_shared_edges() {
+        let fine = bent().subdivided(1).unwrap();
+        fine.validate().unwrap();
+        assert_eq!((fine.triangles.len(), fine.positions.len()), (8, 9), "the common edge has one middle");
+        assert_eq!(area(&fine), 1.0);
+        let twice = bent().subdivided(3).unwrap();
+        assert_eq!((twice.triangles.len(), twice.positions.len()), (128, 81));
+        assert!(twice.triangles.iter().all(|t| area(&Mesh { triangles: vec![*t], ..twice.clone() }) > 0.0));
+    }
+
+    #[test]
+    fn attributes_are_blended() {
+        let fine = bent().subdivided(1).unwrap();
+        let middle = fine.positions.iter().position(|p| *p == Vec3::X * 0.5).unwrap();
+        assert!(fine.normals[middle].distance(Vec3::new(1.0, 0.0, 1.0).normalize()) < 1e-6, "each counts the same");
+        assert_eq!((fine.uvs[middle], fine.tangents[middle]), (Vec2::X * 0.5, Vec4::new(1.0, 0.0, 0.0, -1.0)));
+    }
+
+    #[test]
+    fn too_many_are_refused_with_what_would_do() {
+        let error = bent().subdivided(9).unwrap_err().to_string();
+        assert!(error.contains("mesh `bent`: would have 524288 triangles of 2 after 9"), "{error}");
+        let error = bent().check_subdivisions(5, 600).unwrap_err().to_string();
+        assert!(error.ends_with("there is room for 600; use at most 4 subdivisions"), "{error}");
+        assert!(bent().subdivided(u32::MAX).is_err());
+    }
+}

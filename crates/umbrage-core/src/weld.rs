@@ -1,0 +1,121 @@
+//! Vertices that stand at one place: meshes have several where texture coordinates or normals part.
+
+use crate::Mesh;
+use glam::{DVec3, Vec3};
+use std::collections::HashMap;
+
+/// Which vertices stand at bit-equal positions (zeros of both signs are equal).
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Places {
+    of_vertex: Vec<u32>,
+    /// Vertices, those of a place side by side.
+    order: Vec<u32>,
+    /// Where each place begins in `order`, and its end.
+    starts: Vec<u32>,
+}
+
+impl Places {
+    /// Finds them. Places are numbered as their first vertices are.
+    pub fn new(positions: &[Vec3]) -> Self {
+        let mut known = HashMap::with_capacity(positions.len());
+        let key = |p: &Vec3| p.to_array().map(|x| (x + 0.0).to_bits());
+        let of_vertex: Vec<u32> = positions
+            .iter()
+            .map(|p| {
+                let next = known.len() as u32;
+                *known.entry(key(p)).or_insert(next)
+            })
+            .collect();
+        let mut starts = vec![0_u32; known.len() + 1];
+        of_vertex.iter().for_each(|&place| starts[place as usize + 1] += 1);
+        (1..starts.len()).for_each(|i| starts[i] += starts[i - 1]);
+        let mut order: Vec<u32> = (0..positions.len() as u32).collect();
+        order.sort_by_key(|&v| of_vertex[v as usize]);
+        Self { of_vertex, order, starts }
+    }
+
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.starts.len().saturating_sub(1)
+    }
+
+    /// The place of each vertex.
+    pub fn of_vertex(&self) -> &[u32] {
+        &self.of_vertex
+    }
+
+    /// The vertices at a place, in order.
+    ///
+    /// # Panics
+    /// If there is no such place.
+    pub fn vertices(&self, place: u32) -> &[u32] {
+        &self.order[self.starts[place as usize] as usize..self.starts[place as usize + 1] as usize]
+    }
+
+    /// The mean of what the vertices of each place have, handed back to each vertex.
+    pub fn shared_mean(&self, values: &[Vec3]) -> Vec<Vec3> {
+        let means: Vec<Vec3> = (0..self.count() as u32)
+            .map(|place| {
+                let vertices = self.vertices(place);
+                vertices.iter().map(|&v| values[v as usize]).sum::<Vec3>() / vertices.len() as f32
+            })
+            .collect();
+        self.of_vertex.iter().map(|&place| means[place as usize]).collect()
+    }
+
+    /// Unit normals of the places, averaged from the triangles around them by area; zero where these have none.
+    pub fn normals(&self, mesh: &Mesh) -> Vec<Vec3> {
+        let mut sums = vec![DVec3::ZERO; self.count()];
+        for (v, n) in corner_normals(mesh) {
+            sums[self.of_vertex[v as usize] as usize] += n;
+        }
+        sums.into_iter().map(unit).collect()
+    }
+}
+
+/// Every corner's vertex, with twice its triangle's area as a normal: f64, since the smallest triangles' squares leave
+/// the range of f32.
+pub(crate) fn corner_normals(mesh: &Mesh) -> impl Iterator<Item = (u32, DVec3)> + '_ {
+    mesh.triangles.iter().flat_map(|t| {
+        let [a, b, c] = t.map(|v| mesh.positions[v as usize].as_dvec3());
+        let n = (b - a).cross(c - a);
+        t.map(|v| (v, n))
+    })
+}
+
+/// Unit vectors of 32 bits; zero for zero.
+pub(crate) fn unit(v: DVec3) -> Vec3 {
+    v.normalize_or_zero().as_vec3()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equal_positions_are_one_place() {
+        let places = Places::new(&[Vec3::X, Vec3::ZERO, Vec3::X, Vec3::Y, -Vec3::ZERO, Vec3::X * 1.000_001]);
+        assert_eq!(places.of_vertex(), [0, 1, 0, 2, 1, 3]);
+        assert_eq!((places.vertices(0), places.vertices(1), places.count()), (&[0, 2][..], &[1, 4][..], 4));
+        assert_eq!(Places::new(&[]).count(), 0);
+    }
+
+    #[test]
+    fn means_are_shared_within_places_alone() {
+        let places = Places::new(&[Vec3::X, Vec3::Y, Vec3::X]);
+        let means = places.shared_mean(&[Vec3::ONE, Vec3::Z, Vec3::splat(3.0)]);
+        assert_eq!(means, [Vec3::splat(2.0), Vec3::Z, Vec3::splat(2.0)]);
+    }
+
+    #[test]
+    fn normals_weigh_by_area_across_seams() {
+        // Two triangles that meet at a right angle in an edge whose vertices are double; one has thrice the area.
+        let positions = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::ZERO, Vec3::Z * 3.0, Vec3::X].to_vec();
+        let mesh = Mesh::new("hinge", positions, vec![[0, 1, 2], [3, 4, 5]]).unwrap();
+        let normals = Places::new(&mesh.positions).normals(&mesh);
+        let expected = Vec3::new(0.0, 3.0, 1.0).normalize();
+        // Rounded once from f64.
+        assert!(normals[0].distance(expected) < 1e-6, "{normals:?}");
+        assert_eq!(normals[2], Vec3::Z);
+    }
+}
