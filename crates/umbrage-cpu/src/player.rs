@@ -1,11 +1,11 @@
 //! The player: stages in order, on threads of its choice.
 
-use crate::{CpuOptions, raster::Rasterizer, receivers, stages};
+use crate::{CpuOptions, casts, raster::Rasterizer, receivers, stages};
 use rayon::ThreadPool;
 use std::time::{Duration, Instant};
 use umbrage_core::{
-    Backend, BackendError, Camera, Geometry, Image, Invalid, Limits, MAX_SIDE, Receivers, Recipe, Shadows, Simd,
-    Timings, View,
+    Backend, BackendError, Camera, Cast, Geometry, Image, Invalid, Limits, MAX_SIDE, Receivers, Recipe, Shadows, Simd,
+    Source, Timings, View,
 };
 
 /// What the player takes on.
@@ -92,24 +92,24 @@ impl Cpu {
         let Some(receivers) = view.receivers.or(made.as_ref()) else { return Err(nothing_seen().into()) };
         stages::prepare_images(&mut self.images, recipe);
         if !recipe.casts.is_empty() {
-            timed(&mut timings.cast, || self.cast_all(view.geometry, recipe))?;
+            timed(&mut timings.cast, || self.cast_all(view.geometry, recipe));
         }
         if !recipe.filters.is_empty() {
             timed(&mut timings.filter, || stages::filter_all(&mut self.images, recipe, self.simd));
         }
         let mask = timed(&mut timings.receive, || stages::receive(&self.images, recipe, receivers, self.simd));
-        let bytes = recipe.image_bytes() + recipe.table_bytes() + receivers::bytes(receivers);
+        let picture = recipe.shade.as_ref().map(|shade| stages::shade(shade, receivers, &mask));
+        let bytes = image_bytes(recipe) + recipe.table_bytes() + receivers::bytes(receivers);
         let images = if recipe.keep_images { self.images.clone() } else { Vec::new() };
-        Ok(Shadows { size: view.camera.size, mask, receivers: made, images, timings, bytes })
+        Ok(Shadows { size: view.camera.size, mask, receivers: made, picture, images, timings, bytes })
     }
 
-    fn cast_all(&mut self, geometry: Option<&Geometry>, recipe: &Recipe) -> Result<(), Invalid> {
-        let geometry = geometry.ok_or_else(nothing_to_cast)?;
-        for (i, cast) in recipe.casts.iter().enumerate() {
-            let first = !recipe.casts[..i].iter().any(|c| (c.image, c.layer) == (cast.image, cast.layer));
-            stages::cast(&mut self.rasterizer, &mut self.images[cast.image], cast, geometry, first, self.simd);
+    fn cast_all(&mut self, geometry: Option<&Geometry>, recipe: &Recipe) {
+        let nothing = Geometry::default();
+        for index in 0..recipe.casts.len() {
+            let geometry = geometry.unwrap_or(&nothing);
+            casts::play(&mut self.rasterizer, &mut self.images, recipe, index, geometry, self.simd);
         }
-        Ok(())
     }
 }
 
@@ -144,12 +144,23 @@ fn instructions(simd: Simd) -> String {
 
 /// Objects to what can't be played.
 fn check(view: &View<'_>, recipe: &Recipe) -> Result<(), Invalid> {
-    recipe.validate(&LIMITS)?;
+    check_recipe(recipe)?;
     view.camera.validate()?;
-    if !recipe.casts.is_empty() && view.geometry.is_none() {
+    let from_geometry = |cast: &Cast| !matches!(cast.source, Source::Faces(_));
+    if view.geometry.is_none() && recipe.casts.iter().any(from_geometry) {
         return Err(nothing_to_cast());
     }
     view.receivers.map_or(Ok(()), |r| receivers::check(r, view.camera.size))
+}
+
+/// Objects to recipes that this player cannot play.
+pub(crate) fn check_recipe(recipe: &Recipe) -> Result<(), Invalid> {
+    recipe.validate(&LIMITS)
+}
+
+/// Images hold 32-bit floats, whatever their format.
+fn image_bytes(recipe: &Recipe) -> u64 {
+    recipe.images.iter().map(|image| 4 * image.floats()).sum()
 }
 
 fn nothing_to_cast() -> Invalid {

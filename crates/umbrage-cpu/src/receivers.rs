@@ -1,6 +1,6 @@
 //! Receivers: triangle ids are rasterised from the camera, then each pixel's ray meets its triangle's plane.
 
-use crate::raster::{Draw, Rasterizer, Target};
+use crate::raster::{Draw, Mode, Rasterizer, Target};
 use rayon::prelude::*;
 use umbrage_core::{
     Camera, Cull, Geometry, Invalid, NO_TRIANGLE, RasterBias, Receivers, Simd,
@@ -20,10 +20,12 @@ pub(crate) fn find(rasterizer: &mut Rasterizer, simd: Simd, camera: &Camera, geo
         size: camera.size,
         cull: Cull::None,
         bias: RasterBias::default(),
+        mode: Mode::LeastWithIds,
         simd,
     };
     let width = camera.size.x as usize;
-    rasterizer.draw(&draw, Target { width, depth: &mut found.depth, ids: &mut found.triangle, clear: true });
+    let (texels, ids) = (&mut found.depth, &mut found.triangle);
+    rasterizer.draw(&draw, Target { width, texels, ids, other: &[], clear: true });
     resolve_all(&mut found, camera, geometry);
     found
 }

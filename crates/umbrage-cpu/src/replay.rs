@@ -1,15 +1,22 @@
 //! Single stages, played from given images: what lockstep tests compare, so that a difference names its stage.
 
-use crate::{Cpu, player::nothing_seen, receivers, stages};
+use crate::{
+    Cpu,
+    casts::{self, Canvas},
+    player::{check_recipe, nothing_seen},
+    receivers, stages,
+};
 use umbrage_core::{
-    BackendError, Cast, Format, Geometry, Image, ImageDesc, Invalid, MAX_SIDE, Recipe, View, glam::UVec2,
+    BackendError, Cast, CastMode, Format, Geometry, Image, ImageDesc, Invalid, MAX_SIDE, Receivers, Recipe, Source,
+    View, glam::UVec2,
 };
 
 impl Cpu {
-    /// Draws the casters into a new depth image of one layer; the image and layer that the cast names play no part.
+    /// Draws a cast of the nearest depth into a new depth image of one layer; the image and layer that the cast names
+    /// play no part.
     ///
     /// # Errors
-    /// When the size is zero or too large.
+    /// When the size is zero or too large, or the cast is of another mode.
     pub fn cast(&mut self, geometry: &Geometry, cast: &Cast, size: UVec2) -> Result<Image, BackendError> {
         if size.min_element() == 0 || size.max_element() > MAX_SIDE {
             let why = format!("is {} x {} texels", size.x, size.y);
@@ -17,22 +24,51 @@ impl Cpu {
             return Err(Invalid::new("depth image", why, mend).into());
         }
         let mut image = Image::filled(ImageDesc { label: "depth", size, layers: 1, format: Format::Depth32 }, 1.0);
-        self.cast_into(geometry, &Cast { layer: 0, ..*cast }, &mut image)?;
+        self.cast_into(geometry, &Cast { layer: 0, ..cast.clone() }, &mut image)?;
         Ok(image)
     }
 
-    /// Clears a layer of a depth image and draws the casters into it; the image that the cast names plays no part.
+    /// Clears a layer of a depth image and draws a cast of the nearest depth into it; the image that the cast names
+    /// plays no part.
     ///
     /// # Errors
-    /// When the image holds no depth, or doesn't have the cast's layer.
+    /// When the image holds no depth, or doesn't have the cast's layer, or the cast is of another mode.
     pub fn cast_into(&mut self, geometry: &Geometry, cast: &Cast, image: &mut Image) -> Result<(), BackendError> {
-        let floats = image.texels.len() as u64;
-        if image.desc.format != Format::Depth32 || cast.layer >= image.desc.layers || 4 * floats != image.desc.bytes() {
+        let fits = image.desc.format.is_depth() && image.texels.len() as u64 == image.desc.floats();
+        if !fits || cast.layer >= image.desc.layers {
             let why = format!("has no layer {} of depth", cast.layer);
-            return Err(Invalid::new(format!("image `{}`", image.desc.label), why, "use a `Depth32` image").into());
+            return Err(Invalid::new(format!("image `{}`", image.desc.label), why, "use a depth image").into());
         }
-        self.install(|cpu| stages::cast(&mut cpu.rasterizer, image, cast, geometry, true, cpu.simd));
+        if cast.mode != CastMode::Nearest {
+            let why = format!("is {:?}, which reads another image", cast.mode);
+            return Err(Invalid::new("cast", why, "use `Cpu::replay_cast`").into());
+        }
+        if let Source::Faces(faces) = &cast.source {
+            faces.validate()?;
+        }
+        let canvas = Canvas { image, other: &[], clear: true };
+        self.install(|cpu| casts::draw(&mut cpu.rasterizer, canvas, cast, geometry, cpu.simd));
         Ok(())
+    }
+
+    /// Plays a recipe's cast number `index` onto the given images (all of the recipe's, in its order): what becomes of
+    /// the image that it draws into, whose layer is cleared before if no earlier cast of the recipe draws into it.
+    ///
+    /// # Errors
+    /// When the recipe is invalid or has no such cast, or the images are not the recipe's.
+    pub fn replay_cast(
+        &mut self,
+        geometry: &Geometry,
+        recipe: &Recipe,
+        index: usize,
+        images: &[Image],
+    ) -> Result<Image, BackendError> {
+        check_recipe(recipe)?;
+        check_images(recipe, images)?;
+        let cast = recipe.casts.get(index).ok_or_else(|| no_such("casts", recipe.casts.len(), index))?;
+        let mut images = images.to_vec();
+        self.install(|cpu| casts::play(&mut cpu.rasterizer, &mut images, recipe, index, geometry, cpu.simd));
+        Ok(images.swap_remove(cast.image))
     }
 
     /// Plays a recipe's filter number `index` from the given images (all of the recipe's, in its order).
@@ -41,18 +77,15 @@ impl Cpu {
     /// When the recipe has no such filter, or the images are not the recipe's.
     pub fn replay_filter(&mut self, recipe: &Recipe, index: usize, images: &[Image]) -> Result<Image, BackendError> {
         check_images(recipe, images)?;
-        let filter = recipe.filters.get(index).ok_or_else(|| {
-            let why = format!("has {} filters, and number {index} was asked for", recipe.filters.len());
-            Invalid::new("recipe", why, "count from 0")
-        })?;
+        let filter = recipe.filters.get(index).ok_or_else(|| no_such("filters", recipe.filters.len(), index))?;
         let desc = images[filter.output].desc;
         let mut out = Image::filled(desc, 0.0);
         self.install(|cpu| stages::filter(images, filter, &desc, &mut out.texels, cpu.simd));
         Ok(out)
     }
 
-    /// Plays a recipe's last stage from the given images (all of the recipe's, in its order): the mask. The view needs
-    /// its receivers, or geometry.
+    /// Plays a recipe's lookup from the given images (all of the recipe's, in its order): the mask. The view needs its
+    /// receivers, or geometry.
     ///
     /// # Errors
     /// When the view has neither, or the images are not the recipe's.
@@ -63,20 +96,54 @@ impl Cpu {
         images: &[Image],
     ) -> Result<Vec<f32>, BackendError> {
         check_images(recipe, images)?;
+        self.with_receivers(view, |cpu, receivers| stages::receive(images, recipe, receivers, cpu.simd))
+    }
+
+    /// Plays a recipe's shading from a mask: the picture. The view needs its receivers, or geometry.
+    ///
+    /// # Errors
+    /// When the view has neither, the recipe does not shade, or the mask has not one entry a pixel.
+    pub fn replay_shade(
+        &mut self,
+        view: &View<'_>,
+        recipe: &Recipe,
+        mask: &[f32],
+    ) -> Result<Vec<[f32; 4]>, BackendError> {
+        let Some(shade) = &recipe.shade else {
+            return Err(Invalid::new("recipe", "does not shade", "set its `shade`").into());
+        };
+        let pixels = view.camera.size.x as usize * view.camera.size.y as usize;
+        if mask.len() != pixels {
+            let why = format!("has {} entries for {pixels} pixels", mask.len());
+            return Err(Invalid::new("mask", why, "give one a pixel").into());
+        }
+        self.with_receivers(view, |_, receivers| stages::shade(shade, receivers, mask))
+    }
+
+    /// Runs `f` on this player's threads, with the view's receivers or those found.
+    fn with_receivers<R: Send>(
+        &mut self,
+        view: &View<'_>,
+        f: impl FnOnce(&Self, &Receivers) -> R + Send,
+    ) -> Result<R, BackendError> {
         let made = match (view.receivers, view.geometry) {
             (None, Some(geometry)) => Some(self.receivers(view.camera, geometry)?),
             _ => None,
         };
         let receivers = view.receivers.or(made.as_ref()).ok_or_else(nothing_seen)?;
         receivers::check(receivers, view.camera.size)?;
-        Ok(self.install(|cpu| stages::receive(images, recipe, receivers, cpu.simd)))
+        Ok(self.install(|cpu| f(cpu, receivers)))
     }
+}
+
+fn no_such(what: &str, count: usize, index: usize) -> Invalid {
+    Invalid::new("recipe", format!("has {count} {what}, and number {index} was asked for"), "count from 0")
 }
 
 fn check_images(recipe: &Recipe, images: &[Image]) -> Result<(), Invalid> {
     let fits = |(image, desc): (&Image, &ImageDesc)| {
         let same = (image.desc.size, image.desc.layers, image.desc.format) == (desc.size, desc.layers, desc.format);
-        same && image.texels.len() as u64 * 4 == desc.bytes()
+        same && image.texels.len() as u64 == desc.floats()
     };
     if images.len() == recipe.images.len() && images.iter().zip(&recipe.images).all(fits) {
         return Ok(());

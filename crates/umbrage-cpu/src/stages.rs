@@ -1,9 +1,9 @@
-//! The three stages of a recipe.
+//! The stages of a recipe after its casts.
 
-use crate::raster::{Draw, Rasterizer, Target};
+use crate::casts;
 use rayon::prelude::*;
 use umbrage_core::{
-    Cast, Filter, Format, Geometry, Image, ImageDesc, ImageId, ImageView, Inputs, Receivers, Recipe, Simd, Span,
+    Filter, Format, Image, ImageDesc, ImageId, ImageView, Inputs, NO_TRIANGLE, Receivers, Recipe, Shade, Simd, Span,
     glam::UVec2,
 };
 
@@ -11,9 +11,9 @@ use umbrage_core::{
 pub(crate) fn prepare_images(images: &mut Vec<Image>, recipe: &Recipe) {
     images.truncate(recipe.images.len());
     for (i, desc) in recipe.images.iter().enumerate() {
-        let start = start_value(desc);
+        let start = desc.format.start();
         match images.get_mut(i) {
-            Some(image) if image.desc.bytes() == desc.bytes() => {
+            Some(image) if image.desc.floats() == desc.floats() => {
                 image.desc = *desc;
                 clear_unwritten(image, i, recipe, start);
             }
@@ -23,44 +23,14 @@ pub(crate) fn prepare_images(images: &mut Vec<Image>, recipe: &Recipe) {
     }
 }
 
-/// Depth starts at the far plane, all else at nothing.
-fn start_value(desc: &ImageDesc) -> f32 {
-    if desc.format == Format::Depth32 { 1.0 } else { 0.0 }
-}
-
 fn clear_unwritten(image: &mut Image, id: ImageId, recipe: &Recipe, start: f32) {
     for layer in 0..image.desc.layers {
-        // The first cast into a layer clears it on its way; a filter writes every texel.
-        let cast = recipe.casts.iter().any(|c| (c.image, c.layer) == (id, layer));
+        // A cast that uses a layer first clears it on its way; a filter writes every texel.
         let first_use = recipe.filters.iter().find(|f| f.output == id || f.inputs.contains(&id));
-        if !cast && first_use.is_none_or(|f| f.output != id) {
+        if !casts::clears(recipe, id, layer) && first_use.is_none_or(|f| f.output != id) {
             image.layer_mut(layer).par_chunks_mut(1 << 14).for_each(|part| part.fill(start));
         }
     }
-}
-
-/// Draws the casters into a layer, which is cleared before if `clear` says so.
-pub(crate) fn cast(
-    rasterizer: &mut Rasterizer,
-    image: &mut Image,
-    cast: &Cast,
-    geometry: &Geometry,
-    clear: bool,
-    simd: Simd,
-) {
-    let casters = geometry.casters();
-    let draw = Draw {
-        positions: geometry.positions(),
-        triangles: &geometry.triangles()[casters.start as usize..casters.end as usize],
-        first_id: casters.start,
-        clip_from_world: cast.space.clip_from_world(),
-        size: image.desc.size,
-        cull: cast.cull,
-        bias: cast.bias,
-        simd,
-    };
-    let width = image.desc.size.x as usize;
-    rasterizer.draw(&draw, Target { width, depth: image.layer_mut(cast.layer), ids: &mut [], clear });
 }
 
 /// Runs all filters.
@@ -81,11 +51,21 @@ pub(crate) fn filter(images: &[Image], filter: &Filter, output: &ImageDesc, texe
     texels.par_chunks_mut(row_len).enumerate().for_each(|(row, out)| {
         let start = UVec2::new(0, (row % height) as u32);
         filter.kernel.filter(&inputs, start, (row / height) as u32, out);
+        if output.format == Format::Rgba8 {
+            out.iter_mut().for_each(|v| *v = stored8(*v));
+        }
     });
 }
 
-/// A block of receivers that is asked before the next one begins, pixels. Neighbours in both directions look up the same
-/// part of a map, and a block's part stays in the nearest cache.
+/// What shaders load from an 8-bit channel into which `v` was written, as Mesa's software rasterisers convert it; what
+/// is not a number becomes 0.
+fn stored8(v: f32) -> f32 {
+    let v = if v > 0.0 { v.min(1.0) } else { 0.0 };
+    (v * 255.0).round_ties_even() * (1.0 / 255.0)
+}
+
+/// A block of receivers that is asked before the next one begins, pixels. Neighbours in both directions look up the
+/// same part of a map, and a block's part stays in the nearest cache.
 const BLOCK: [usize; 2] = [128, 16];
 
 /// Asks every receiver: the mask.
@@ -115,6 +95,27 @@ fn receive_span(inputs: &Inputs<'_>, recipe: &Recipe, receivers: &Receivers, fir
     recipe.receive.kernel.receive(inputs, &span, &mut out[start..end]);
     for (out, &receives) in out[start..end].iter_mut().zip(&receives[start..end]) {
         *out = if receives { *out } else { 1.0 };
+    }
+}
+
+/// Colours every pixel that shows a triangle; `mask` is the light's visibility.
+pub(crate) fn shade(shade: &Shade, receivers: &Receivers, mask: &[f32]) -> Vec<[f32; 4]> {
+    let width = receivers.size.x as usize;
+    let mut picture = vec![shade.background; receivers.len()];
+    picture.par_chunks_mut(width).zip(mask.par_chunks(width)).enumerate().for_each(|(row, (out, mask))| {
+        shade_row(shade, receivers, row * width, mask, out);
+    });
+    picture
+}
+
+/// One row: colours from its first pixel that shows a triangle to its last, then restores the background between.
+fn shade_row(shade: &Shade, receivers: &Receivers, first: usize, mask: &[f32], out: &mut [[f32; 4]]) {
+    let seen = &receivers.triangle[first..first + out.len()];
+    let Some(start) = seen.iter().position(|&id| id != NO_TRIANGLE) else { return };
+    let end = seen.iter().rposition(|&id| id != NO_TRIANGLE).map_or(start, |last| last + 1);
+    shade.kernel.shade(&receivers.span(first + start, end - start), &mask[start..end], &mut out[start..end]);
+    for (out, &id) in out[start..end].iter_mut().zip(&seen[start..end]) {
+        *out = if id == NO_TRIANGLE { shade.background } else { *out };
     }
 }
 

@@ -85,8 +85,8 @@ fn crossing(a: Vec4, da: f32, b: Vec4, db: f32) -> Vec4 {
     if nearer_b { b + (db / span) * (a - b) } else { a + (-da / span) * (b - a) }
 }
 
-/// Clips a triangle to the planes in `mask` (the union of its corners' outcodes) and hands on the window corners of each
-/// piece: a fan around the first corner that is left.
+/// Clips a triangle to the planes in `mask` (the union of its corners' outcodes) and hands on the window corners of
+/// each piece: a fan around the first corner that is left.
 pub(crate) fn clip(triangle: [Vec4; 3], mask: u32, viewport: &Viewport, mut emit: impl FnMut([Vec3; 3])) {
     let mut polygon = Polygon::EMPTY;
     triangle.iter().for_each(|&p| polygon.push((p, false)));

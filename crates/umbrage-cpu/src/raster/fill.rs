@@ -1,6 +1,7 @@
 //! Filling a triangle's pixels within a tile, some pixels of a row at a time.
 
 use super::bin::TILE;
+use super::mode::{Beside, Plot};
 use super::record::{Record, edge_function};
 use super::tile::{STRIDE, TileBuffer};
 
@@ -40,32 +41,32 @@ pub(crate) struct Canvas<'a> {
     pub(crate) origin: [i32; 2],
 }
 
-/// Draws a triangle into a tile: of all depths the least stays, of equal depths that of the lowest id.
+/// Draws a triangle into a tile.
 #[inline(always)]
-pub(crate) fn fill<const IDS: bool>(canvas: &mut Canvas<'_>, r: &Record) {
+pub(crate) fn fill<P: Plot>(canvas: &mut Canvas<'_>, r: &Record) {
     let (width, height) = (i32::from(r.max[0] - r.min[0]), i32::from(r.max[1] - r.min[1]));
     let patch = Patch::new(r, canvas.origin);
     if width < LANES as i32 && height < TINY_ROWS {
         // A fixed number of rows, as the processor can't guess theirs; those below the triangle are outside its edges.
         let first = [patch.min[0] - i32::from(r.min[0]), patch.min[1] - i32::from(r.min[1])];
         let edges = Edges::new(r.at_min, &patch, first);
-        fill_strip::<IDS, true>(canvas, r, edges, patch.min, TINY_ROWS);
+        fill_strip::<P, true>(canvas, r, edges, patch.min, TINY_ROWS);
     } else if width < SMALL && height < SMALL {
-        fill_small::<IDS>(canvas, r, &patch);
+        fill_small::<P>(canvas, r, &patch);
     } else if let Some(patch) = patch.with_edges(r) {
-        fill_blocks::<IDS>(canvas, r, &patch);
+        fill_blocks::<P>(canvas, r, &patch);
     }
 }
 
 /// Fills a small triangle a few columns at a time.
 #[inline(always)]
-fn fill_small<const IDS: bool>(canvas: &mut Canvas<'_>, r: &Record, patch: &Patch) {
+fn fill_small<P: Plot>(canvas: &mut Canvas<'_>, r: &Record, patch: &Patch) {
     let down = patch.min[1] - i32::from(r.min[1]);
     let rows = patch.max[1] - patch.min[1] + 1;
     let mut x = patch.min[0];
     while x <= patch.max[0] {
         let edges = Edges::new(r.at_min, patch, [x - i32::from(r.min[0]), down]);
-        fill_strip::<IDS, true>(canvas, r, edges, [x, patch.min[1]], rows);
+        fill_strip::<P, true>(canvas, r, edges, [x, patch.min[1]], rows);
         x += LANES as i32;
     }
 }
@@ -134,7 +135,7 @@ impl Patch {
 
 /// Fills a patch block by block: those wholly outside an edge are left out, and those inside all need no tests.
 #[inline(always)]
-fn fill_blocks<const IDS: bool>(canvas: &mut Canvas<'_>, r: &Record, patch: &Patch) {
+fn fill_blocks<P: Plot>(canvas: &mut Canvas<'_>, r: &Record, patch: &Patch) {
     let (fall, rise) = patch.reach();
     let mut y = patch.min[1];
     while y <= patch.max[1] {
@@ -145,9 +146,9 @@ fn fill_blocks<const IDS: bool>(canvas: &mut Canvas<'_>, r: &Record, patch: &Pat
             let outside = (at[0] + rise[0]) | (at[1] + rise[1]) | (at[2] + rise[2]);
             let inside = (at[0] + fall[0]) | (at[1] + fall[1]) | (at[2] + fall[2]);
             if inside >= 0 {
-                fill_strip::<IDS, false>(canvas, r, Edges::NONE, [x, y], rows);
+                fill_strip::<P, false>(canvas, r, Edges::NONE, [x, y], rows);
             } else if outside >= 0 {
-                fill_strip::<IDS, true>(canvas, r, Edges::new(at, patch, [0, 0]), [x, y], rows);
+                fill_strip::<P, true>(canvas, r, Edges::new(at, patch, [0, 0]), [x, y], rows);
             }
             x += LANES as i32;
         }
@@ -201,7 +202,7 @@ impl Edges {
 
 /// Fills `rows` rows of `LANES` pixels from pixel `first` on; all of them, or (`TEST`) those inside the edges.
 #[inline(always)]
-fn fill_strip<const IDS: bool, const TEST: bool>(
+fn fill_strip<P: Plot, const TEST: bool>(
     canvas: &mut Canvas<'_>,
     r: &Record,
     mut edges: Edges,
@@ -214,8 +215,10 @@ fn fill_strip<const IDS: bool, const TEST: bool>(
     for i in 0..LANES {
         column[i] = r.plane.dx.mul_add(px + LANE_F[i], r.plane.at_origin);
     }
-    let mut ids = if IDS { &mut canvas.buffer.ids[start..] } else { &mut [] };
-    for row in canvas.buffer.depth[start..].chunks_exact_mut(STRIDE).take(rows as usize) {
+    let TileBuffer { texels, ids, other } = &mut *canvas.buffer;
+    let mut ids = if P::MODE.has_ids() { &mut ids[start..] } else { &mut [] };
+    let mut other = if P::MODE.reads() { &other[start..] } else { &[] };
+    for row in texels[start..].chunks_exact_mut(STRIDE).take(rows as usize) {
         let Some(stored) = row.first_chunk_mut::<LANES>() else { return };
         let outside = if TEST { edges.outside() } else { [0; LANES] };
         let mut z = [0.0; LANES];
@@ -223,38 +226,18 @@ fn fill_strip<const IDS: bool, const TEST: bool>(
             let drawn = unit_clamp(r.plane.dy.mul_add(py, column[i]) + r.plane.offset);
             z[i] = if outside[i] >= 0 { drawn } else { 1.0 };
         }
-        if IDS {
-            let Some(ids_here) = ids.first_chunk_mut::<LANES>() else { return };
-            keep_first(stored, ids_here, &z, r.id);
+        P::put(stored, Beside { ids, other }, &z, &outside, r.tag);
+        if P::MODE.has_ids() {
             ids = ids.get_mut(STRIDE..).unwrap_or_default();
-        } else {
-            keep_least(stored, &z);
+        }
+        if P::MODE.reads() {
+            other = other.get(STRIDE..).unwrap_or_default();
         }
         if TEST {
             edges.step_down();
         }
         py += 1.0;
     }
-}
-
-/// Pixels outside the triangle have depth 1, which changes nothing. Positive floats are ordered as their bits are; a
-/// comparison of floats would tempt the compiler into masked stores, which are slow on many processors.
-#[inline(always)]
-fn keep_least(stored: &mut [f32; LANES], z: &[f32; LANES]) {
-    for i in 0..LANES {
-        stored[i] = f32::from_bits(z[i].to_bits().min(stored[i].to_bits()));
-    }
-}
-
-/// Triangles come in any order, yet the first one is to win: so of equal depths the lower id stays. Depth 1 is never
-/// drawn, as the image is cleared to it.
-#[inline(always)]
-fn keep_first(stored: &mut [f32; LANES], ids: &mut [u32; LANES], z: &[f32; LANES], id: u32) {
-    for i in 0..LANES {
-        let nearer = (z[i] < stored[i]) | ((z[i] == stored[i]) & (id < ids[i]) & (z[i] < 1.0));
-        ids[i] = if nearer { id } else { ids[i] };
-    }
-    keep_least(stored, z);
 }
 
 /// Clamps to 0..=1; what is not a number becomes 1, which never is nearer than what is stored.

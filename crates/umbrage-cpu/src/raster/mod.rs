@@ -3,6 +3,10 @@
 mod bin;
 mod clip;
 mod fill;
+mod mode;
+#[cfg(test)]
+mod mode_tests;
+mod position;
 mod record;
 #[cfg(test)]
 mod reference;
@@ -12,17 +16,20 @@ mod tests;
 mod tile;
 mod viewport;
 
+pub(crate) use mode::Mode;
+pub(crate) use position::Position;
 pub(crate) use tile::Target;
 
 use bin::{Bins, FETCH, TILE};
 use clip::{clip, outcode};
 use fill::{Canvas, fill};
-use glam::{Mat4, UVec2, Vec3, Vec4};
+use glam::{Mat4, UVec2, Vec3};
+use mode::{Behind, Behind16, Count, Least, Least16, LeastWithIds, Plot};
 use rayon::prelude::*;
 use record::Record;
 use setup::{Group, SetupRules};
 use tile::{Tile, TileBuffer};
-use umbrage_core::{Cull, RasterBias, Simd, SimdTask, math::transform};
+use umbrage_core::{Cull, RasterBias, Simd, SimdTask};
 use viewport::Viewport;
 
 /// Triangles that one task sets up.
@@ -30,9 +37,9 @@ const CHUNK: usize = 4096;
 
 /// Triangles to draw, and how.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Draw<'a> {
+pub(crate) struct Draw<'a, P = Vec3> {
     /// World-space vertices.
-    pub(crate) positions: &'a [Vec3],
+    pub(crate) positions: &'a [P],
     /// Vertex indices.
     pub(crate) triangles: &'a [[u32; 3]],
     /// Id of the first triangle; the others follow.
@@ -45,6 +52,8 @@ pub(crate) struct Draw<'a> {
     pub(crate) cull: Cull,
     /// Polygon offset.
     pub(crate) bias: RasterBias,
+    /// What stays of what is drawn.
+    pub(crate) mode: Mode,
     /// What loops are compiled for.
     pub(crate) simd: Simd,
 }
@@ -58,8 +67,8 @@ struct Vertex {
 
 impl Vertex {
     #[inline(always)]
-    fn new(p: Vec3, clip_from_world: Mat4, viewport: &Viewport) -> Self {
-        let clip: Vec4 = transform(clip_from_world, p);
+    fn new<P: Position>(p: P, clip_from_world: Mat4, viewport: &Viewport) -> Self {
+        let clip = p.to_clip(clip_from_world);
         Self { window: viewport.project(clip), outcode: outcode(clip) }
     }
 }
@@ -79,24 +88,23 @@ pub(crate) struct Rasterizer {
 }
 
 impl Rasterizer {
-    /// Draws into the target: of all depths the least stays.
-    pub(crate) fn draw(&mut self, draw: &Draw<'_>, target: Target<'_>) {
-        let with_ids = !target.ids.is_empty();
-        let columns = target.width.div_ceil(TILE);
-        let mut tiles = target.into_tiles();
+    /// Draws into the target.
+    pub(crate) fn draw<P: Position>(&mut self, draw: &Draw<'_, P>, target: Target<'_>) {
+        let (mode, simd, columns) = (draw.mode, draw.simd, target.width.div_ceil(TILE));
+        let mut tiles = target.into_tiles(mode);
         let batch = self.prepare(draw.size);
         let mut ready = 0;
         for (i, triangles) in draw.triangles.chunks(batch).enumerate() {
             let draw = Draw { triangles, first_id: draw.first_id + (i * batch) as u32, ..*draw };
             let next = triangles.len().div_ceil(CHUNK);
             rayon::join(
-                || fill_tiles(&mut tiles, columns, &self.filled[..ready], draw.simd, with_ids),
+                || fill_tiles(&mut tiles, columns, &self.filled[..ready], simd, mode),
                 || set_up(&draw, &mut self.set_up[..next]),
             );
             std::mem::swap(&mut self.filled, &mut self.set_up);
             ready = next;
         }
-        fill_tiles(&mut tiles, columns, &self.filled[..ready], draw.simd, with_ids);
+        fill_tiles(&mut tiles, columns, &self.filled[..ready], simd, mode);
         tiles.par_iter_mut().for_each(Tile::finish);
     }
 
@@ -120,7 +128,7 @@ impl Rasterizer {
 }
 
 /// Sets up a batch, one chunk a worker.
-fn set_up(draw: &Draw<'_>, workers: &mut [Worker]) {
+fn set_up<P: Position>(draw: &Draw<'_, P>, workers: &mut [Worker]) {
     let parts = draw.triangles.par_chunks(CHUNK).zip(workers).enumerate();
     parts.for_each(|(k, (triangles, worker))| {
         let first_id = draw.first_id + (k * CHUNK) as u32;
@@ -128,31 +136,31 @@ fn set_up(draw: &Draw<'_>, workers: &mut [Worker]) {
     });
 }
 
-fn fill_tiles(tiles: &mut [Tile<'_>], columns: usize, workers: &[Worker], simd: Simd, with_ids: bool) {
+fn fill_tiles(tiles: &mut [Tile<'_>], columns: usize, workers: &[Worker], simd: Simd, mode: Mode) {
     if workers.is_empty() {
         return;
     }
     let each = tiles.par_iter_mut().enumerate();
     each.for_each_init(
-        || TileBuffer::new(with_ids),
+        || TileBuffer::new(mode),
         |buffer, (i, tile)| {
             if workers.iter().all(|w| w.bins.count(i) == 0) {
                 return;
             }
             tile.load(buffer);
-            simd.run_task(FillTile { buffer, workers, tile: i, columns, with_ids });
+            simd.run_task(FillTile { buffer, workers, tile: i, columns, mode });
             tile.store(buffer);
         },
     );
 }
 
 /// Sets up one chunk.
-struct SetUp<'a> {
+struct SetUp<'a, P> {
     worker: &'a mut Worker,
-    draw: Draw<'a>,
+    draw: Draw<'a, P>,
 }
 
-impl SimdTask for SetUp<'_> {
+impl<P: Position> SimdTask for SetUp<'_, P> {
     type Output = ();
 
     #[inline(always)]
@@ -167,7 +175,7 @@ struct FillTile<'a> {
     workers: &'a [Worker],
     tile: usize,
     columns: usize,
-    with_ids: bool,
+    mode: Mode,
 }
 
 impl SimdTask for FillTile<'_> {
@@ -175,29 +183,40 @@ impl SimdTask for FillTile<'_> {
 
     #[inline(always)]
     fn run(self) {
+        match self.mode {
+            Mode::Least => self.fill_all::<Least>(),
+            Mode::LeastWithIds => self.fill_all::<LeastWithIds>(),
+            Mode::Least16 => self.fill_all::<Least16>(),
+            Mode::Behind => self.fill_all::<Behind>(),
+            Mode::Behind16 => self.fill_all::<Behind16>(),
+            Mode::Count => self.fill_all::<Count>(),
+        }
+    }
+}
+
+impl FillTile<'_> {
+    #[inline(always)]
+    fn fill_all<P: Plot>(self) {
         let origin = [self.tile % self.columns * TILE, self.tile / self.columns * TILE];
         let mut canvas = Canvas { buffer: self.buffer, origin: [origin[0] as i32, origin[1] as i32] };
         let mut fetched = [Record::default(); FETCH];
         for worker in self.workers {
             for numbers in worker.bins.of_tile(self.tile).chunks(FETCH) {
                 for record in worker.bins.fetch(numbers, &mut fetched) {
-                    if self.with_ids {
-                        fill::<true>(&mut canvas, record);
-                    } else {
-                        fill::<false>(&mut canvas, record);
-                    }
+                    fill::<P>(&mut canvas, record);
                 }
             }
         }
+        P::settle(canvas.buffer);
     }
 }
 
 impl Worker {
     /// Transforms, clips, sets up and sorts a chunk of triangles.
     #[inline(always)]
-    fn set_up(&mut self, draw: &Draw<'_>) {
+    fn set_up<P: Position>(&mut self, draw: &Draw<'_, P>) {
         let viewport = Viewport::new(draw.size);
-        let rules = SetupRules { size: draw.size, cull: draw.cull, bias: draw.bias };
+        let rules = SetupRules { size: draw.size, cull: draw.cull, bias: draw.bias, mode: draw.mode };
         let first = self.transform(draw, &viewport);
         let mut group = Group::new();
         self.bins.clear(draw.size);
@@ -212,7 +231,7 @@ impl Worker {
             if codes[0] | codes[1] | codes[2] == 0 {
                 group.push([a.window, b.window, c.window], id, &rules, &mut self.bins);
             } else if codes[0] & codes[1] & codes[2] == 0 {
-                let triangle = indices.map(|v| transform(draw.clip_from_world, draw.positions[v as usize]));
+                let triangle = indices.map(|v| draw.positions[v as usize].to_clip(draw.clip_from_world));
                 let emit = |corners| group.push(corners, id, &rules, &mut self.bins);
                 clip(triangle, codes[0] | codes[1] | codes[2], &viewport, emit);
             }
@@ -224,7 +243,7 @@ impl Worker {
     /// Transforms the chunk's vertices: the whole range from the least index to the greatest, whose least it returns;
     /// or, where that would be wasteful, each triangle's corners.
     #[inline(always)]
-    fn transform(&mut self, draw: &Draw<'_>, viewport: &Viewport) -> Option<u32> {
+    fn transform<P: Position>(&mut self, draw: &Draw<'_, P>, viewport: &Viewport) -> Option<u32> {
         let (mut least, mut greatest) = (u32::MAX, 0);
         for t in draw.triangles {
             least = least.min(t[0]).min(t[1]).min(t[2]);

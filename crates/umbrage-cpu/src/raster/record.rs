@@ -33,8 +33,8 @@ pub(crate) struct Record {
     pub(crate) min: [u16; 2],
     /// Greatest x and y, pixels.
     pub(crate) max: [u16; 2],
-    /// What is written where ids are asked for.
-    pub(crate) id: u32,
+    /// What is written where ids are asked for; where faces are counted, what a count grows by (two's complement).
+    pub(crate) tag: u32,
 }
 
 /// Twice a triangle's area in sub-pixels, positive for counter-clockwise on screen (window y points down).

@@ -2,32 +2,71 @@
 //! Only clipping is shared with it.
 
 use super::{
-    Draw,
+    Draw, Mode, Position,
     clip::{clip, outcode},
+    mode::OFFSET_UNIT_16,
     viewport::Viewport,
 };
 use glam::{IVec2, Vec3};
-use umbrage_core::{Cull, NO_TRIANGLE, RasterBias, math::transform};
+use umbrage_core::{Cull, NO_TRIANGLE, RasterBias};
 
-/// Depths and ids of a clear image with the triangles drawn one after the other, depth test "less".
-pub(crate) fn draw(draw: &Draw<'_>) -> (Vec<f32>, Vec<u32>) {
+/// Texels and ids of an image.
+pub(crate) type Drawn = (Vec<f32>, Vec<u32>);
+
+/// What a clear image becomes when the triangles are drawn one after the other. `other` is the image that the mode
+/// reads.
+pub(crate) fn draw<P: Position>(draw: &Draw<'_, P>, other: &[f32]) -> Drawn {
     let n = (draw.size.x * draw.size.y) as usize;
-    let (mut depth, mut ids) = (vec![1.0; n], vec![NO_TRIANGLE; n]);
+    let start = if draw.mode == Mode::Count { 0.0 } else { 1.0 };
+    let mut drawn = (vec![start; n], vec![NO_TRIANGLE; n]);
     let viewport = Viewport::new(draw.size);
     for (i, triangle) in draw.triangles.iter().enumerate() {
-        let corners = triangle.map(|v| transform(draw.clip_from_world, draw.positions[v as usize]));
+        let corners = triangle.map(|v| draw.positions[v as usize].to_clip(draw.clip_from_world));
         let codes = corners.map(outcode);
-        let mut piece = |window: [Vec3; 3]| fill(draw, window, draw.first_id + i as u32, &mut depth, &mut ids);
+        let mut piece = |window: [Vec3; 3]| fill(draw, window, draw.first_id + i as u32, other, &mut drawn);
         if codes == [0; 3] {
             piece(corners.map(|c| viewport.project(c)));
         } else if codes[0] & codes[1] & codes[2] == 0 {
             clip(corners, codes[0] | codes[1] | codes[2], &viewport, piece);
         }
     }
-    (depth, ids)
+    drawn
 }
 
-fn fill(draw: &Draw<'_>, window: [Vec3; 3], id: u32, depth: &mut [f32], ids: &mut [u32]) {
+/// What becomes of a texel over which depth `z` is drawn, by the front of a triangle or its back; none: it stays.
+fn drawn_over(mode: Mode, texel: f32, other: Option<&f32>, z: f32, front: bool) -> Option<f32> {
+    let other = other.copied().unwrap_or(f32::NAN);
+    match mode {
+        Mode::Least | Mode::LeastWithIds => (z < texel).then_some(z),
+        Mode::Least16 => (steps(z) < stored_steps(texel)).then_some(of_steps(steps(z))),
+        Mode::Behind => (z > other && z < texel).then_some(z),
+        Mode::Behind16 => {
+            let between = steps(z) > stored_steps(other) && steps(z) < stored_steps(texel);
+            between.then_some(of_steps(steps(z)))
+        }
+        Mode::Count => {
+            let by = if front { -1 } else { 1 };
+            let before = z < other;
+            (!before).then_some((texel as i32 + by).rem_euclid(256) as f32)
+        }
+    }
+}
+
+/// Depth in whole steps of 16 bits: the factor is rounded, and so is the product.
+fn steps(z: f32) -> i64 {
+    (f64::from(z * (65_535.0_f32 / 65_536.0)) * 65_536.0).round_ties_even() as i64
+}
+
+fn of_steps(steps: i64) -> f32 {
+    steps as f32 * (1.0 / 65_535.0)
+}
+
+/// The whole steps that a texel holds.
+fn stored_steps(texel: f32) -> i64 {
+    (f64::from(texel) * 65_535.0).round() as i64
+}
+
+fn fill<P>(draw: &Draw<'_, P>, window: [Vec3; 3], id: u32, other: &[f32], (texels, ids): &mut Drawn) {
     let snapped = window.map(|v| {
         let snap = |v: f32| ((v - 0.5) * 256.0).round_ties_even().clamp(-4_194_304.0, 4_194_304.0) as i32;
         IVec2::new(snap(v.x), snap(v.y))
@@ -49,7 +88,7 @@ fn fill(draw: &Draw<'_>, window: [Vec3; 3], id: u32, depth: &mut [f32], ids: &mu
     let dx = d01.z * (d20.y * r) - d20.z * (d01.y * r);
     let dy = d20.z * (d01.x * r) - d01.z * (d20.x * r);
     let at_origin = v0.z - (dx * (v0.x - 0.5) + dy * (v0.y - 0.5));
-    let offset = offset(&draw.bias, [v0, v1, v2], r);
+    let offset = offset(&draw.bias, draw.mode, [v0, v1, v2], r);
     for y in 0..draw.size.y {
         for x in 0..draw.size.x {
             let p = IVec2::new(x as i32, y as i32).as_i64vec2() * 256;
@@ -61,14 +100,15 @@ fn fill(draw: &Draw<'_>, window: [Vec3; 3], id: u32, depth: &mut [f32], ids: &mu
             });
             let z = (dy.mul_add(y as f32, dx.mul_add(x as f32, at_origin)) + offset).clamp(0.0, 1.0);
             let i = (y * draw.size.x + x) as usize;
-            if inside && z < depth[i] {
-                (depth[i], ids[i]) = (z, id);
+            let kept = drawn_over(draw.mode, texels[i], other.get(i), z, area > 0);
+            if let Some(texel) = kept.filter(|_| inside) {
+                (texels[i], ids[i]) = (texel, id);
             }
         }
     }
 }
 
-fn offset(bias: &RasterBias, [v0, v1, v2]: [Vec3; 3], r: f32) -> f32 {
+fn offset(bias: &RasterBias, mode: Mode, [v0, v1, v2]: [Vec3; 3], r: f32) -> f32 {
     if bias.constant == 0 && bias.slope == 0.0 {
         return 0.0;
     }
@@ -77,6 +117,7 @@ fn offset(bias: &RasterBias, [v0, v1, v2]: [Vec3; 3], r: f32) -> f32 {
     let dzdy = ((d20.x * d01.z - d20.z * d01.x) * r).abs();
     let greatest = v0.z.abs().max(v1.z.abs()).max(v2.z.abs());
     let unit = if greatest < 2.0_f32.powi(-126) { 0.0 } else { 2.0_f32.powf(greatest.log2().floor() - 23.0) };
+    let unit = if matches!(mode, Mode::Least16 | Mode::Behind16) { OFFSET_UNIT_16 } else { unit };
     let offset = unit * bias.constant as f32 + dzdx.max(dzdy) * bias.slope;
     match bias.clamp {
         c if c > 0.0 => offset.min(c),

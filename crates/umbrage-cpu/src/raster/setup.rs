@@ -1,6 +1,7 @@
 //! Triangle setup for many triangles at once: plain loops over arrays, which the compiler turns into vector code.
 
 use super::bin::Bins;
+use super::mode::Mode;
 use super::record::{DepthPlane, Record, doubled_area, small_edge_function};
 use super::viewport::snap;
 use glam::{UVec2, Vec3};
@@ -21,6 +22,8 @@ pub(crate) struct SetupRules {
     pub(crate) cull: Cull,
     /// Polygon offset.
     pub(crate) bias: RasterBias,
+    /// What stays of what is drawn.
+    pub(crate) mode: Mode,
 }
 
 /// Window-space triangles that wait for setup, one array a number.
@@ -105,11 +108,11 @@ impl Group {
         self.find_planes();
         self.lanes.offset = [0.0; GROUP];
         if rules.bias.constant != 0 || rules.bias.slope != 0.0 {
-            self.find_offsets(&rules.bias);
+            self.find_offsets(rules);
         }
         let mut drawn = self.drawn();
         while drawn != 0 {
-            out.push(self.record(drawn.trailing_zeros() as usize));
+            out.push(self.record(drawn.trailing_zeros() as usize, rules.mode));
             drawn &= drawn - 1;
         }
         self.len = 0;
@@ -179,10 +182,11 @@ impl Group {
         }
     }
 
-    /// Polygon offset as Vulkan defines it: `m * slope + r * constant`, m the greater slope and r the spacing of floats
-    /// at the triangle's greatest depth.
+    /// Polygon offset as Vulkan defines it: `m * slope + r * constant`, m the greater slope and r the spacing of the
+    /// image's depths, for floats that at the triangle's greatest depth.
     #[inline(always)]
-    fn find_offsets(&mut self, bias: &RasterBias) {
+    fn find_offsets(&mut self, rules: &SetupRules) {
+        let (bias, unit) = (&rules.bias, rules.mode.offset_unit());
         let l = &mut self.lanes;
         for i in 0..GROUP {
             let (x01, x20) = Self::differences(&self.x, l.sign[i], i);
@@ -192,7 +196,8 @@ impl Group {
             let slope_x = ((z20 * y01 - y20 * z01) * r).abs();
             let slope_y = ((x20 * z01 - z20 * x01) * r).abs();
             let greatest = self.z[0][i].abs().max(self.z[1][i].abs()).max(self.z[2][i].abs());
-            let offset = spacing(greatest) * bias.constant as f32 + slope_x.max(slope_y) * bias.slope;
+            let unit = unit.unwrap_or_else(|| spacing(greatest));
+            let offset = unit * bias.constant as f32 + slope_x.max(slope_y) * bias.slope;
             l.offset[i] = clamped(offset, bias.clamp);
         }
     }
@@ -237,8 +242,10 @@ impl Group {
     }
 
     #[inline(always)]
-    fn record(&self, i: usize) -> Record {
+    fn record(&self, i: usize, mode: Mode) -> Record {
         let l = &self.lanes;
+        // Fronts are counter-clockwise, their sign is 1.
+        let turn = l.sign[i].wrapping_neg() as u32;
         Record {
             corner: [l.x[0][i], l.y[0][i]],
             edge_a: [l.edge_x[0][i], l.edge_y[0][i]],
@@ -247,7 +254,7 @@ impl Group {
             plane: DepthPlane { at_origin: l.at_origin[i], dx: l.dx[i], dy: l.dy[i], offset: l.offset[i] },
             min: [l.min_x[i] as u16, l.min_y[i] as u16],
             max: [l.max_x[i] as u16, l.max_y[i] as u16],
-            id: self.id[i],
+            tag: if mode == Mode::Count { turn } else { self.id[i] },
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The fast rasteriser against the plain one, bit by bit.
 
-use super::{Draw, Rasterizer, Target, reference};
+use super::{Draw, Mode, Position, Rasterizer, Target, reference};
 use glam::{Mat4, UVec2, Vec3};
 use umbrage_core::{Cull, NO_TRIANGLE, RasterBias, Simd};
 
@@ -8,7 +8,7 @@ use umbrage_core::{Cull, NO_TRIANGLE, RasterBias, Simd};
 pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
-    fn bits(&mut self) -> u64 {
+    pub(crate) fn bits(&mut self) -> u64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
         self.0 ^= self.0 << 17;
@@ -51,15 +51,15 @@ fn triangle(kind: usize, r: &mut Random) -> [Vec3; 3] {
     }
 }
 
-const KINDS: usize = 10;
+pub(super) const KINDS: usize = 10;
 
 /// Random triangles: positions and indices.
-fn soup(kinds: std::ops::Range<usize>, count: usize, r: &mut Random) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+pub(super) fn soup(kinds: std::ops::Range<usize>, count: usize, r: &mut Random) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let positions = (0..count).flat_map(|i| triangle(kinds.start + i % kinds.len(), r)).collect();
     (positions, (0..count as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect())
 }
 
-fn draw_of<'a>(positions: &'a [Vec3], triangles: &'a [[u32; 3]]) -> Draw<'a> {
+pub(super) fn draw_of<'a, P>(positions: &'a [P], triangles: &'a [[u32; 3]]) -> Draw<'a, P> {
     Draw {
         positions,
         triangles,
@@ -68,33 +68,40 @@ fn draw_of<'a>(positions: &'a [Vec3], triangles: &'a [[u32; 3]]) -> Draw<'a> {
         size: UVec2::new(150, 75),
         cull: Cull::None,
         bias: RasterBias::default(),
+        mode: Mode::Least,
         simd: Simd::Native,
     }
 }
 
-fn fast(draw: &Draw<'_>, with_ids: bool) -> (Vec<f32>, Vec<u32>) {
+/// What the fast rasteriser makes of a spoilt image that it is to clear.
+pub(super) fn fast<P: Position>(draw: &Draw<'_, P>, other: &[f32]) -> reference::Drawn {
     let n = (draw.size.x * draw.size.y) as usize;
-    let (mut depth, mut ids) = (vec![0.5; n], vec![0; if with_ids { n } else { 0 }]);
-    let target = Target { width: draw.size.x as usize, depth: &mut depth, ids: &mut ids, clear: true };
+    let (mut texels, mut ids) = (vec![0.5; n], vec![0; if draw.mode.has_ids() { n } else { 0 }]);
+    let target = Target { width: draw.size.x as usize, texels: &mut texels, ids: &mut ids, other, clear: true };
     Rasterizer::default().draw(draw, target);
-    (depth, ids)
+    (texels, ids)
 }
 
-fn bits(depth: &[f32]) -> Vec<u32> {
+/// The same for the least depth.
+fn depth(draw: &Draw<'_>) -> Vec<f32> {
+    fast(draw, &[]).0
+}
+
+pub(super) fn bits(depth: &[f32]) -> Vec<u32> {
     depth.iter().map(|z| z.to_bits()).collect()
 }
 
 /// Panics unless both rasterisers give the same bits, with ids and without.
 fn compare(draw: &Draw<'_>, what: &str) {
-    let (depth, ids) = reference::draw(draw);
-    let (fast_depth, fast_ids) = fast(draw, true);
+    let (depth, ids) = reference::draw(draw, &[]);
+    let (fast_depth, fast_ids) = fast(&Draw { mode: Mode::LeastWithIds, ..*draw }, &[]);
     assert!(bits(&depth) == bits(&fast_depth), "{what}: depth differs");
     assert!(ids == fast_ids, "{what}: ids differ");
-    assert!(bits(&depth) == bits(&fast(draw, false).0), "{what}: depth without ids differs");
+    assert!(bits(&depth) == bits(&fast(draw, &[]).0), "{what}: depth without ids differs");
 }
 
 /// A matrix that divides by a w of about 1 to 3, and puts some triangles before the near plane.
-fn perspective() -> Mat4 {
+pub(super) fn perspective() -> Mat4 {
     Mat4::from_cols_array(&[1.5, 0.0, 0.0, 0.0, 0.0, 1.5, 0.0, 0.0, 0.0, 0.0, 1.4, 2.0, 0.1, 0.0, -0.2, 1.0])
 }
 
@@ -145,8 +152,8 @@ fn a_spoilt_triangle_is_noticed() {
     let (positions, triangles) = soup(0..2, 20, &mut r);
     let mut moved = positions.clone();
     moved[0].x += 2.0 / 150.0;
-    let (depth, _) = reference::draw(&draw_of(&positions, &triangles));
-    assert!(bits(&depth) != bits(&fast(&draw_of(&moved, &triangles), false).0));
+    let (plain, _) = reference::draw(&draw_of(&positions, &triangles), &[]);
+    assert!(bits(&plain) != bits(&depth(&draw_of(&moved, &triangles))));
 }
 
 #[test]
@@ -176,7 +183,7 @@ fn the_top_left_rule_leaves_neither_gaps_nor_doubles() {
         let [a, b] = [rim[i], rim[(i + 1) % rim.len()]].map(|p: [f32; 2]| corner(p[0], p[1]));
         let positions = [middle, a, b];
         let draw = Draw { size: UVec2::splat(64), ..draw_of(&positions, &[[0, 1, 2]]) };
-        fast(&draw, false).0.iter().zip(&mut covers).for_each(|(&z, n)| *n += u32::from(z < 1.0));
+        depth(&draw).iter().zip(&mut covers).for_each(|(&z, n)| *n += u32::from(z < 1.0));
     }
     for (i, &n) in covers.iter().enumerate() {
         // The fan's own right and bottom rim at 63.5 is outside.
@@ -188,9 +195,8 @@ fn the_top_left_rule_leaves_neither_gaps_nor_doubles() {
 #[test]
 fn faces_are_culled_by_their_turn_on_screen() {
     let positions = [Vec3::new(-0.5, -0.5, 0.5), Vec3::new(0.5, -0.5, 0.5), Vec3::new(0.0, 0.5, 0.5)];
-    let drawn = |triangle: [u32; 3], cull| {
-        fast(&Draw { cull, ..draw_of(&positions, &[triangle]) }, false).0.iter().any(|&z| z < 1.0)
-    };
+    let drawn =
+        |triangle: [u32; 3], cull| depth(&Draw { cull, ..draw_of(&positions, &[triangle]) }).iter().any(|&z| z < 1.0);
     let (front, back) = ([0, 1, 2], [0, 2, 1]);
     assert!(drawn(front, Cull::None) && drawn(back, Cull::None));
     assert!(!drawn(front, Cull::Front) && drawn(back, Cull::Front));
@@ -201,20 +207,21 @@ fn faces_are_culled_by_their_turn_on_screen() {
 fn slope_bias_moves_a_slanted_plane_by_its_slope() {
     // z grows by 1/64 a pixel to the right over 32 pixels: slope 2 adds 2/64 everywhere, and the clamp cuts it off.
     let positions = [Vec3::new(-1.0, -3.0, 0.25), Vec3::new(-1.0, 3.0, 0.25), Vec3::new(1.0, 0.0, 0.75)];
-    let depth = |slope, clamp| {
+    let biased = |slope, clamp| {
         let bias = RasterBias { constant: 0, slope, clamp };
-        fast(&Draw { size: UVec2::splat(32), bias, ..draw_of(&positions, &[[0, 1, 2]]) }, false).0[16 * 32 + 10]
+        depth(&Draw { size: UVec2::splat(32), bias, ..draw_of(&positions, &[[0, 1, 2]]) })[16 * 32 + 10]
     };
-    let plain = depth(0.0, 0.0);
-    assert!((depth(2.0, 0.0) - plain - 2.0 / 64.0).abs() < 1e-6);
-    assert!((depth(2.0, 0.01) - plain - 0.01).abs() < 1e-6);
-    assert!((depth(-2.0, -0.01) - plain + 0.01).abs() < 1e-6);
+    let plain = biased(0.0, 0.0);
+    assert!((biased(2.0, 0.0) - plain - 2.0 / 64.0).abs() < 1e-6);
+    assert!((biased(2.0, 0.01) - plain - 0.01).abs() < 1e-6);
+    assert!((biased(-2.0, -0.01) - plain + 0.01).abs() < 1e-6);
 }
 
 #[test]
 fn equal_depths_show_the_first_triangle() {
     let positions = [Vec3::new(-1.0, -1.0, 0.5), Vec3::new(1.0, -1.0, 0.5), Vec3::new(0.0, 1.0, 0.5)];
-    let (_, ids) = fast(&draw_of(&positions, &[[0, 1, 2], [2, 0, 1], [0, 2, 1]]), true);
+    let triangles = [[0, 1, 2], [2, 0, 1], [0, 2, 1]];
+    let (_, ids) = fast(&Draw { mode: Mode::LeastWithIds, ..draw_of(&positions, &triangles) }, &[]);
     assert!(ids.iter().all(|&id| id == 7 || id == NO_TRIANGLE) && ids.contains(&7));
 }
 
@@ -224,10 +231,10 @@ fn drawing_again_without_clearing_keeps_the_least() {
     let far = [Vec3::new(-1.0, -1.0, 0.75), Vec3::new(1.0, -1.0, 0.75), Vec3::new(0.0, 1.0, 0.75)];
     let (mut depth, size) = (vec![0.0; 64 * 64], UVec2::splat(64));
     for (positions, clear) in [(&near, true), (&far, false)] {
-        let target = Target { width: 64, depth: &mut depth, ids: &mut [], clear };
+        let target = Target { width: 64, texels: &mut depth, ids: &mut [], other: &[], clear };
         Rasterizer::default().draw(&Draw { size, ..draw_of(positions, &[[0, 1, 2]]) }, target);
     }
     let both: Vec<Vec3> = near.into_iter().chain(far).collect();
-    let expected = reference::draw(&Draw { size, ..draw_of(&both, &[[0, 1, 2], [3, 4, 5]]) });
+    let expected = reference::draw(&Draw { size, ..draw_of(&both, &[[0, 1, 2], [3, 4, 5]]) }, &[]);
     assert!(bits(&depth) == bits(&expected.0));
 }

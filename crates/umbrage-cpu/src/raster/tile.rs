@@ -1,7 +1,9 @@
-//! Tiles: the part of the image that one thread fills at a time, copied to a small buffer that stays in the nearest cache.
+//! Tiles: the part of the image that one thread fills at a time, copied to a small buffer that stays in the nearest
+//! cache.
 
 use super::bin::TILE;
 use super::fill::{LANES, TINY_ROWS};
+use super::mode::Mode;
 use umbrage_core::NO_TRIANGLE;
 
 /// Floats between rows of a tile's buffer: lanes may run over a row's right end, into what is never copied out.
@@ -10,25 +12,35 @@ pub(crate) const STRIDE: usize = TILE + LANES;
 /// A tile that is being filled.
 #[derive(Debug)]
 pub(crate) struct TileBuffer {
-    /// Depth; spare rows at the end take what is drawn below the tile, and let every row be followed by a whole stride.
-    pub(crate) depth: Vec<f32>,
+    /// Depths or counts; spare rows at the end take what is drawn below the tile, and let every row be followed by a
+    /// whole stride.
+    pub(crate) texels: Vec<f32>,
     /// Triangle ids, if asked for.
     pub(crate) ids: Vec<u32>,
+    /// Depths of another image, if asked for.
+    pub(crate) other: Vec<f32>,
 }
 
 impl TileBuffer {
-    /// An empty tile, with ids or without.
-    pub(crate) fn new(with_ids: bool) -> Self {
+    /// An empty tile for a mode.
+    pub(crate) fn new(mode: Mode) -> Self {
         let n = STRIDE * (TILE + TINY_ROWS as usize);
-        Self { depth: vec![1.0; n], ids: vec![NO_TRIANGLE; if with_ids { n } else { 0 }] }
+        Self {
+            texels: vec![mode.start(); n],
+            ids: vec![NO_TRIANGLE; if mode.has_ids() { n } else { 0 }],
+            other: vec![1.0; if mode.reads() { n } else { 0 }],
+        }
     }
 }
 
 /// A tile's place in the image: its rows, each a slice of the image's row.
 #[derive(Debug)]
 pub(crate) struct Tile<'a> {
-    depth: Vec<&'a mut [f32]>,
+    texels: Vec<&'a mut [f32]>,
     ids: Vec<&'a mut [u32]>,
+    other: Vec<&'a [f32]>,
+    /// What a clear tile holds.
+    start: f32,
     /// Whether the rows hold something; else they are yet to be cleared.
     filled: bool,
 }
@@ -36,32 +48,33 @@ pub(crate) struct Tile<'a> {
 impl Tile<'_> {
     /// Copies the tile, or what a clear tile holds, to the buffer.
     pub(crate) fn load(&self, buffer: &mut TileBuffer) {
+        load_rows(self.other.iter().copied(), &mut buffer.other);
         if !self.filled {
-            buffer.depth.fill(1.0);
+            buffer.texels.fill(self.start);
             return buffer.ids.fill(NO_TRIANGLE);
         }
-        load_rows(&self.depth, &mut buffer.depth);
-        load_rows(&self.ids, &mut buffer.ids);
+        load_rows(self.texels.iter().map(|row| &**row), &mut buffer.texels);
+        load_rows(self.ids.iter().map(|row| &**row), &mut buffer.ids);
     }
 
     /// Copies the buffer back.
     pub(crate) fn store(&mut self, buffer: &TileBuffer) {
         self.filled = true;
-        store_rows(&mut self.depth, &buffer.depth);
+        store_rows(&mut self.texels, &buffer.texels);
         store_rows(&mut self.ids, &buffer.ids);
     }
 
     /// Clears the tile if nothing was drawn into it.
     pub(crate) fn finish(&mut self) {
         if !self.filled {
-            self.depth.iter_mut().for_each(|row| row.fill(1.0));
+            self.texels.iter_mut().for_each(|row| row.fill(self.start));
             self.ids.iter_mut().for_each(|row| row.fill(NO_TRIANGLE));
         }
     }
 }
 
-fn load_rows<T: Copy>(rows: &[&mut [T]], buffer: &mut [T]) {
-    for (row, to) in rows.iter().zip(buffer.chunks_exact_mut(STRIDE)) {
+fn load_rows<'a, T: Copy + 'a>(rows: impl Iterator<Item = &'a [T]>, buffer: &mut [T]) {
+    for (row, to) in rows.zip(buffer.chunks_exact_mut(STRIDE)) {
         to[..row.len()].copy_from_slice(row);
     }
 }
@@ -77,36 +90,41 @@ fn store_rows<T: Copy>(rows: &mut [&mut [T]], buffer: &[T]) {
 pub(crate) struct Target<'a> {
     /// Pixels a row.
     pub(crate) width: usize,
-    /// Depth, rows from the top.
-    pub(crate) depth: &'a mut [f32],
-    /// Triangle ids likewise; empty where nobody asks for them.
+    /// Depths or counts, rows from the top.
+    pub(crate) texels: &'a mut [f32],
+    /// Triangle ids likewise, for [`Mode::LeastWithIds`]; else empty.
     pub(crate) ids: &'a mut [u32],
+    /// The image that [`Mode::Behind`] and [`Mode::Count`] read likewise; else empty.
+    pub(crate) other: &'a [f32],
     /// Whether to start from a clear image.
     pub(crate) clear: bool,
 }
 
 impl<'a> Target<'a> {
     /// The image's tiles, row after row.
-    pub(crate) fn into_tiles(self) -> Vec<Tile<'a>> {
-        let (width, filled) = (self.width, !self.clear);
-        let mut ids = split(self.ids, width).into_iter();
-        let depth = split(self.depth, width).into_iter();
-        depth.map(|depth| Tile { depth, ids: ids.next().unwrap_or_default(), filled }).collect()
+    pub(crate) fn into_tiles(self, mode: Mode) -> Vec<Tile<'a>> {
+        let (width, start, filled) = (self.width, mode.start(), !self.clear);
+        let columns = width.div_ceil(TILE);
+        let texels = split(self.texels.chunks_mut(width).map(|row| row.chunks_mut(TILE)), columns);
+        let mut ids = split(self.ids.chunks_mut(width).map(|row| row.chunks_mut(TILE)), columns).into_iter();
+        let mut other = split(self.other.chunks(width).map(|row| row.chunks(TILE)), columns).into_iter();
+        let tile = |texels| {
+            let (ids, other) = (ids.next().unwrap_or_default(), other.next().unwrap_or_default());
+            Tile { texels, ids, other, start, filled }
+        };
+        texels.into_iter().map(tile).collect()
     }
 }
 
-/// The rows of each tile of an image.
-fn split<T>(image: &mut [T], width: usize) -> Vec<Vec<&mut [T]>> {
+/// The rows of each tile of an image, from the parts of each of its rows.
+fn split<T>(rows: impl Iterator<Item = impl Iterator<Item = T>>, columns: usize) -> Vec<Vec<T>> {
     let mut tiles = Vec::new();
-    for band in image.chunks_mut(TILE * width) {
-        let first = tiles.len();
-        let height = band.len() / width;
-        tiles.extend((0..width.div_ceil(TILE)).map(|_| Vec::with_capacity(height)));
-        for row in band.chunks_mut(width) {
-            for (tile, part) in tiles[first..].iter_mut().zip(row.chunks_mut(TILE)) {
-                tile.push(part);
-            }
+    for (y, parts) in rows.enumerate() {
+        if y % TILE == 0 {
+            tiles.extend((0..columns).map(|_| Vec::with_capacity(TILE)));
         }
+        let first = tiles.len() - columns;
+        tiles[first..].iter_mut().zip(parts).for_each(|(tile, part)| tile.push(part));
     }
     tiles
 }

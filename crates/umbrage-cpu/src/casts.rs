@@ -1,0 +1,108 @@
+//! The first stage: geometry drawn into images.
+
+use crate::raster::{Draw, Mode, Position, Rasterizer, Target};
+use umbrage_core::{Cast, CastMode, Format, Geometry, Image, ImageId, Recipe, Simd, Source};
+
+/// What a cast reads and where it draws.
+pub(crate) struct Canvas<'a> {
+    /// The image.
+    pub(crate) image: &'a mut Image,
+    /// The texels of the image and layer that the mode names; else empty.
+    pub(crate) other: &'a [f32],
+    /// Whether to clear the layer before.
+    pub(crate) clear: bool,
+}
+
+/// The image whose depths a mode compares with.
+pub(crate) fn other(mode: CastMode) -> Option<ImageId> {
+    match mode {
+        CastMode::Nearest => None,
+        CastMode::Behind(id) | CastMode::Count { depth: id } => Some(id),
+    }
+}
+
+/// Whether no earlier cast of the recipe draws into the layer: then the cast clears it.
+pub(crate) fn is_first(recipe: &Recipe, index: usize) -> bool {
+    let layer = |cast: &Cast| (cast.image, cast.layer);
+    !recipe.casts[..index].iter().any(|cast| layer(cast) == layer(&recipe.casts[index]))
+}
+
+/// Whether the cast that uses a layer first clears it.
+pub(crate) fn clears(recipe: &Recipe, image: ImageId, layer: u32) -> bool {
+    let uses = |c: &&Cast| c.layer == layer && (c.image == image || other(c.mode) == Some(image));
+    recipe.casts.iter().find(uses).is_some_and(|c| c.image == image)
+}
+
+/// Plays a recipe's cast number `index`.
+pub(crate) fn play(
+    rasterizer: &mut Rasterizer,
+    images: &mut [Image],
+    recipe: &Recipe,
+    index: usize,
+    geometry: &Geometry,
+    simd: Simd,
+) {
+    let cast = &recipe.casts[index];
+    // The image is taken out, since the other one is read meanwhile; they differ.
+    let desc = images[cast.image].desc;
+    let mut image = Image { desc, texels: std::mem::take(&mut images[cast.image].texels) };
+    let other = other(cast.mode).map_or(&[][..], |id| layer(&images[id], cast.layer));
+    let canvas = Canvas { image: &mut image, other, clear: is_first(recipe, index) };
+    draw(rasterizer, canvas, cast, geometry, simd);
+    images[cast.image] = image;
+}
+
+fn layer(image: &Image, layer: u32) -> &[f32] {
+    let n = image.texels.len() / image.desc.layers as usize;
+    &image.texels[layer as usize * n..][..n]
+}
+
+/// Draws what a cast draws.
+pub(crate) fn draw(rasterizer: &mut Rasterizer, canvas: Canvas<'_>, cast: &Cast, geometry: &Geometry, simd: Simd) {
+    let (positions, triangles) = (geometry.positions(), geometry.triangles());
+    match &cast.source {
+        Source::Casters => {
+            let casters = geometry.casters();
+            let triangles = &triangles[casters.start as usize..casters.end as usize];
+            draw_triangles(rasterizer, canvas, cast, (positions, triangles), simd);
+        }
+        Source::Everything => draw_triangles(rasterizer, canvas, cast, (positions, triangles), simd),
+        Source::Faces(faces) => {
+            draw_triangles(rasterizer, canvas, cast, (&faces.vertices, &faces.triangles), simd);
+        }
+    }
+}
+
+fn draw_triangles<P: Position>(
+    rasterizer: &mut Rasterizer,
+    canvas: Canvas<'_>,
+    cast: &Cast,
+    (positions, triangles): (&[P], &[[u32; 3]]),
+    simd: Simd,
+) {
+    let Canvas { image, other, clear } = canvas;
+    let draw = Draw {
+        positions,
+        triangles,
+        first_id: 0,
+        clip_from_world: cast.space.clip_from_world(),
+        size: image.desc.size,
+        cull: cast.cull,
+        bias: cast.bias,
+        mode: mode(cast.mode, image.desc.format),
+        simd,
+    };
+    let width = image.desc.size.x as usize;
+    rasterizer.draw(&draw, Target { width, texels: image.layer_mut(cast.layer), ids: &mut [], other, clear });
+}
+
+fn mode(mode: CastMode, format: Format) -> Mode {
+    let in_steps = format == Format::Depth16;
+    match mode {
+        CastMode::Nearest if in_steps => Mode::Least16,
+        CastMode::Nearest => Mode::Least,
+        CastMode::Behind(_) if in_steps => Mode::Behind16,
+        CastMode::Behind(_) => Mode::Behind,
+        CastMode::Count { .. } => Mode::Count,
+    }
+}

@@ -1,0 +1,203 @@
+//! What becomes of a triangle's depths at neighbouring pixels of a row. One type a mode, so that each gets loops of its
+//! own; all loops are plain, for the compiler to vectorise.
+
+use super::fill::LANES;
+use super::tile::TileBuffer;
+
+/// What stays of what is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Mode {
+    /// The least depth.
+    Least,
+    /// The least depth, and the id of its triangle.
+    LeastWithIds,
+    /// The least depth, in steps of 1/65535.
+    Least16,
+    /// The least of the depths beyond another image's.
+    Behind,
+    /// The same, both in steps of 1/65535.
+    Behind16,
+    /// How many back faces minus how many front faces are not before another image's depth, modulo 256.
+    Count,
+}
+
+impl Mode {
+    /// What a clear image holds.
+    pub(crate) const fn start(self) -> f32 {
+        if matches!(self, Self::Count) { 0.0 } else { 1.0 }
+    }
+
+    /// Whether it writes ids.
+    pub(crate) const fn has_ids(self) -> bool {
+        matches!(self, Self::LeastWithIds)
+    }
+
+    /// Whether it reads another image.
+    pub(crate) const fn reads(self) -> bool {
+        matches!(self, Self::Behind | Self::Behind16 | Self::Count)
+    }
+
+    /// The r of polygon offset where it is the same for all triangles: that of an image in fixed point.
+    pub(crate) const fn offset_unit(self) -> Option<f32> {
+        if matches!(self, Self::Least16 | Self::Behind16) { Some(OFFSET_UNIT_16) } else { None }
+    }
+}
+
+/// What a texel keeps beside the image that is drawn.
+pub(crate) struct Beside<'a> {
+    /// Triangle ids from the first lane on, if [`Mode::has_ids`].
+    pub(crate) ids: &'a mut [u32],
+    /// The other image's texels from the first lane on, if [`Mode::reads`].
+    pub(crate) other: &'a [f32],
+}
+
+/// A mode's loops.
+pub(crate) trait Plot {
+    /// Which one.
+    const MODE: Mode;
+
+    /// Draws depths 0..=1 over what is stored. In the lanes where `outside` is negative they are 1, which never is
+    /// nearer than what is stored. `tag` is the record's.
+    fn put(stored: &mut [f32; LANES], beside: Beside<'_>, z: &[f32; LANES], outside: &[i32; LANES], tag: u32);
+
+    /// Ends the drawing of some triangles into a tile.
+    fn settle(_: &mut TileBuffer) {}
+}
+
+/// The loops of [`Mode::Least`].
+pub(crate) struct Least;
+/// The loops of [`Mode::LeastWithIds`].
+pub(crate) struct LeastWithIds;
+/// The loops of [`Mode::Least16`].
+pub(crate) struct Least16;
+/// The loops of [`Mode::Behind`].
+pub(crate) struct Behind;
+/// The loops of [`Mode::Behind16`].
+pub(crate) struct Behind16;
+/// The loops of [`Mode::Count`].
+pub(crate) struct Count;
+
+impl Plot for Least {
+    const MODE: Mode = Mode::Least;
+
+    #[inline(always)]
+    fn put(stored: &mut [f32; LANES], _: Beside<'_>, z: &[f32; LANES], _: &[i32; LANES], _: u32) {
+        keep_least(stored, z);
+    }
+}
+
+impl Plot for LeastWithIds {
+    const MODE: Mode = Mode::LeastWithIds;
+
+    /// Triangles come in any order, yet the first one is to win: so of equal depths the lower id stays. Depth 1 is
+    /// never drawn, as the image is cleared to it.
+    #[inline(always)]
+    fn put(stored: &mut [f32; LANES], beside: Beside<'_>, z: &[f32; LANES], _: &[i32; LANES], id: u32) {
+        let Some(ids) = beside.ids.first_chunk_mut::<LANES>() else { return };
+        for i in 0..LANES {
+            let nearer = (z[i] < stored[i]) | ((z[i] == stored[i]) & (id < ids[i]) & (z[i] < 1.0));
+            ids[i] = if nearer { id } else { ids[i] };
+        }
+        keep_least(stored, z);
+    }
+}
+
+impl Plot for Least16 {
+    const MODE: Mode = Mode::Least16;
+
+    /// Stored floats are ordered as their steps are, so the comparison is that of the steps.
+    #[inline(always)]
+    fn put(stored: &mut [f32; LANES], _: Beside<'_>, z: &[f32; LANES], _: &[i32; LANES], _: u32) {
+        keep_least(stored, &z.map(stored16));
+    }
+}
+
+impl Plot for Behind {
+    const MODE: Mode = Mode::Behind;
+
+    #[inline(always)]
+    fn put(stored: &mut [f32; LANES], beside: Beside<'_>, z: &[f32; LANES], _: &[i32; LANES], _: u32) {
+        keep_beyond(stored, beside, z);
+    }
+}
+
+impl Plot for Behind16 {
+    const MODE: Mode = Mode::Behind16;
+
+    /// The other image holds whole steps, too: so what it took cannot lie behind it.
+    #[inline(always)]
+    fn put(stored: &mut [f32; LANES], beside: Beside<'_>, z: &[f32; LANES], _: &[i32; LANES], _: u32) {
+        keep_beyond(stored, beside, &z.map(stored16));
+    }
+}
+
+impl Plot for Count {
+    const MODE: Mode = Mode::Count;
+
+    /// Counts are whole numbers far below 2^24, so sums of floats are exact in any order.
+    #[inline(always)]
+    fn put(stored: &mut [f32; LANES], beside: Beside<'_>, z: &[f32; LANES], outside: &[i32; LANES], turn: u32) {
+        let Some(other) = beside.other.first_chunk::<LANES>() else { return };
+        let by = turn as i32 as f32;
+        for i in 0..LANES {
+            let before = z[i] < other[i];
+            stored[i] += if before | (outside[i] < 0) { 0.0 } else { by };
+        }
+    }
+
+    fn settle(buffer: &mut TileBuffer) {
+        for count in &mut buffer.texels {
+            *count -= 256.0 * (*count / 256.0).floor();
+        }
+    }
+}
+
+/// Positive floats are ordered as their bits are; a comparison of floats would tempt the compiler into masked stores,
+/// which are slow on many processors.
+#[inline(always)]
+fn keep_least(stored: &mut [f32; LANES], z: &[f32; LANES]) {
+    for i in 0..LANES {
+        stored[i] = f32::from_bits(z[i].to_bits().min(stored[i].to_bits()));
+    }
+}
+
+#[inline(always)]
+fn keep_beyond(stored: &mut [f32; LANES], beside: Beside<'_>, z: &[f32; LANES]) {
+    let Some(other) = beside.other.first_chunk::<LANES>() else { return };
+    let mut beyond = [1.0; LANES];
+    for i in 0..LANES {
+        beyond[i] = if z[i] > other[i] { z[i] } else { 1.0 };
+    }
+    keep_least(stored, &beyond);
+}
+
+/// The r of polygon offset in 16-bit depth: twice the step, the most that Vulkan allows, and what Mesa's software
+/// rasterisers take.
+pub(crate) const OFFSET_UNIT_16: f32 = 2.0 / 65_535.0;
+
+/// What is read back from a 16-bit depth image into which `z` (0..=1) was drawn.
+#[inline(always)]
+pub(crate) fn stored16(z: f32) -> f32 {
+    // The spacing of floats from 128 to 256 is 2^-16: the sum's low bits hold z * 65535, rounded to nearest, ties to
+    // even.
+    const MAGIC: f32 = 128.0;
+    let steps = (z * (65_535.0 / 65_536.0) + MAGIC).to_bits() - MAGIC.to_bits();
+    steps as f32 * (1.0 / 65_535.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sixteen_bits_hold_every_step_and_both_ends() {
+        assert_eq!((stored16(0.0), stored16(1.0)), (0.0, 1.0));
+        for step in 0..=65_535_u32 {
+            // Twice drawn is once drawn, and the value is within half a step of f32 of the step's own.
+            let z = (f64::from(step) / 65_535.0) as f32;
+            assert!((stored16(z) - z).abs() <= f32::EPSILON * z, "{step}");
+            assert_eq!(stored16(stored16(z)), stored16(z), "{step}");
+        }
+        assert!(stored16(0.4999 / 65_535.0) == 0.0 && stored16(0.5001 / 65_535.0) > 0.0);
+    }
+}

@@ -1,0 +1,38 @@
+//! Every error says what is wrong.
+
+use crate::stage::{camera, geometry, light, recipe, render};
+use umbrage_core::{Backend, Camera, Cast, Recipe, View, glam::UVec2};
+use umbrage_cpu::{Cpu, CpuOptions};
+
+#[test]
+fn errors_say_what_is_missing() {
+    let (camera, light, geometry, recipe) = (camera(), light(), geometry(), recipe());
+    let view = View::new(&camera, &light, &geometry);
+    let mut cpu = Cpu::new();
+    let receivers = cpu.receivers(&camera, &geometry).unwrap();
+    let mut says = |view: &View<'_>, recipe: &Recipe, text: &str| {
+        let error = cpu.render(view, recipe).unwrap_err().to_string();
+        assert!(error.contains(text), "{error}");
+    };
+    says(&View { geometry: None, ..view }.with_receivers(&receivers), &recipe, "no geometry, but the recipe casts");
+    let plain = Recipe { casts: Vec::new(), ..recipe.clone() };
+    says(&View { geometry: None, ..view }, &plain, "neither receivers nor geometry");
+    let other = Camera { size: UVec2::new(5, 5), ..camera };
+    says(&View { camera: &other, ..view }.with_receivers(&receivers), &recipe, "97 x 61 pixels");
+    let mut short = receivers.clone();
+    short.ny.pop();
+    says(&view.with_receivers(&short), &recipe, "lengths");
+    let mut huge = recipe.clone();
+    huge.images[0].size.x = 16_385;
+    says(&view, &huge, "16385");
+    for threads in [0, 5000] {
+        let error = Cpu::with_options(&CpuOptions::default().threads(threads)).unwrap_err().to_string();
+        assert!(error.contains("1 to 1024"), "{error}");
+    }
+    assert!(cpu.replay_filter(&recipe, 1, &render(&mut Cpu::new()).images).is_err());
+    assert!(cpu.replay_receive(&view, &recipe, &[]).is_err());
+    assert!(cpu.cast(&geometry, &recipe.casts[0], UVec2::new(0, 4)).is_err());
+    let cast = Cast { layer: 1, ..recipe.casts[0].clone() };
+    let mut image = cpu.cast(&geometry, &cast, UVec2::new(4, 4)).unwrap();
+    assert!(cpu.cast_into(&geometry, &cast, &mut image).is_err());
+}

@@ -1,0 +1,7 @@
+//! The player through its public interface.
+
+mod errors;
+mod modes;
+mod render;
+mod shading;
+mod stage;
