@@ -4,8 +4,8 @@ use crate::counters::Maker;
 use std::{collections::HashMap, num::NonZeroU64};
 use wgpu::{
     BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindGroupLayoutDescriptor, BindGroupLayoutEntry,
-    BindingResource, BindingType, Buffer, BufferBinding, BufferBindingType, ShaderStages, TextureSampleType,
-    TextureView, TextureViewDimension,
+    BindingResource, BindingType, Buffer, BufferBinding, BufferBindingType, Sampler, SamplerBindingType, ShaderStages,
+    TextureSampleType, TextureView, TextureViewDimension,
 };
 
 /// The kind of one binding.
@@ -14,14 +14,23 @@ pub(crate) enum Slot {
     Uniform,
     /// A window of this many bytes, moved by an offset at draw time.
     Window(NonZeroU64),
-    /// Depth, too, is bound as unfilterable floats: GL cannot load from depth textures.
+    /// Depth, too, unless it is compared, is bound as unfilterable floats: GL cannot load from depth textures.
     Floats {
         layered: bool,
     },
     /// The same with several samples a texel.
     Samples,
-    Ids,
+    /// Depth for a comparison sampler.
+    Depth {
+        layered: bool,
+    },
+    /// Whole numbers: triangle ids, counts.
+    Whole {
+        layered: bool,
+    },
     Table,
+    /// A comparison sampler.
+    Sampler,
 }
 
 impl Slot {
@@ -38,7 +47,9 @@ impl Slot {
             Self::Window(_) => buffer(BufferBindingType::Uniform, true),
             Self::Floats { layered } => texture(floats, layered, false),
             Self::Samples => texture(floats, false, true),
-            Self::Ids => texture(TextureSampleType::Uint, false, false),
+            Self::Depth { layered } => texture(TextureSampleType::Depth, layered, false),
+            Self::Whole { layered } => texture(TextureSampleType::Uint, layered, false),
+            Self::Sampler => BindingType::Sampler(SamplerBindingType::Comparison),
             Self::Table => buffer(BufferBindingType::Storage { read_only: true }, false),
         }
     }
@@ -69,6 +80,7 @@ pub(crate) enum Bound {
     Buffer(Buffer),
     Window(Buffer, NonZeroU64),
     View(TextureView),
+    Sampler(Sampler),
 }
 
 impl Bound {
@@ -79,6 +91,7 @@ impl Bound {
                 BindingResource::Buffer(BufferBinding { buffer, offset: 0, size: Some(*size) })
             }
             Self::View(view) => BindingResource::TextureView(view),
+            Self::Sampler(sampler) => BindingResource::Sampler(sampler),
         }
     }
 }

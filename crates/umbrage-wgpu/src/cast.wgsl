@@ -1,14 +1,45 @@
-// Draws casters into a light's depth map. Sums are written out, so that every driver rounds them alike.
+// Draws triangles into a light's depth map. Sums are written out, so that every driver rounds them alike, and positions
+// are invariant, so that casts with different shaders meet in the same depths.
 
 @group(0) @binding(0) var<uniform> clip_from_world: mat4x4f;
 @group(1) @binding(0) var<uniform> world_from_local: mat4x4f;
 
-@vertex
-fn from_world(@location(0) p_world: vec3f) -> @builtin(position) vec4f {
-    return transform(clip_from_world, p_world);
+struct Placed {
+    @invariant @builtin(position) clip: vec4f,
 }
 
 @vertex
-fn from_local(@location(0) p_local: vec3f) -> @builtin(position) vec4f {
-    return transform(clip_from_world, transform(world_from_local, p_local).xyz);
+fn from_world(@location(0) p_world: vec3f) -> Placed {
+    return Placed(transform(clip_from_world, p_world));
+}
+
+@vertex
+fn from_local(@location(0) p_local: vec3f) -> Placed {
+    return Placed(transform(clip_from_world, transform(world_from_local, p_local).xyz));
+}
+
+// Homogeneous: w = 0 lies infinitely far away. With w = 1, this rounds as from_world does.
+@vertex
+fn from_homogeneous(@location(0) v: vec4f) -> Placed {
+    let m = clip_from_world;
+    return Placed(m[0] * v.x + m[1] * v.y + m[2] * v.z + m[3] * v.w);
+}
+
+// ---- depth peeling (Everitt 2001): what is not behind the other layer is thrown away
+
+@group(2) @binding(0) var other: texture_2d<f32>;
+
+@fragment
+fn behind(@builtin(position) at: vec4f) {
+    if at.z <= textureLoad(other, vec2i(at.xy), 0).x {
+        discard;
+    }
+}
+
+// The same in whole steps, as the image holds them: a surface must not lie behind itself because it was rounded.
+@fragment
+fn behind_in_steps(@builtin(position) at: vec4f) {
+    if round(at.z * 65535.0) <= round(textureLoad(other, vec2i(at.xy), 0).x * 65535.0) {
+        discard;
+    }
 }

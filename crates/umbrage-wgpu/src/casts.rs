@@ -1,40 +1,38 @@
-//! The cast stage: every caster into every light space.
+//! The cast stage: triangles into every light space.
 
 use crate::{
     bindings::{Binding, Bound, Slot},
     counters::Maker,
-    frame::Drawable,
+    draws::{Draw, DrawList, Vertex},
+    faces::FaceBuffers,
+    filters::clear,
+    frame::Frame,
     images::GpuImage,
-    pipelines::{CastKey, Pipelines},
+    matrices::{Matrices, matrix_layout},
+    pipelines::{CastKey, Peel, Pipelines},
     stamps::{Stage, Stamps, pass_stamps},
     targets::CastTarget,
 };
-use glam::Mat4;
-use std::{num::NonZeroU64, ops::Range};
-use umbrage_core::Cast;
+use umbrage_core::{Cast, CastMode, Format, Source};
 use wgpu::{
-    BindGroupLayout, Buffer, BufferUsages, CommandEncoder, IndexFormat, RenderPass, RenderPassDescriptor,
-    RenderPipeline, ShaderStages,
+    BindGroupLayout, CommandEncoder, RenderPass, RenderPassDescriptor, RenderPipeline, ShaderStages, TextureView,
 };
 
 /// Ready to be encoded.
 #[derive(Debug, Default)]
 pub(crate) struct CastStage {
     pub(crate) targets: Vec<CastTarget>,
+    /// For each target, whether it draws what the technique made.
+    faces: Vec<bool>,
+    list: DrawList,
     /// For each target, and in it for each draw.
     pipelines: Vec<Vec<RenderPipeline>>,
-    draws: Vec<Draw>,
+    /// For each target, what it peels off.
+    others: Vec<Binding>,
+    /// Layers that casts read before any cast writes them.
+    clears: Vec<(Format, TextureView)>,
     spaces: Matrices,
     places: Matrices,
-}
-
-/// A drawable that outlives the borrow.
-#[derive(Debug)]
-struct Draw {
-    vertices: Buffer,
-    indices: Option<(Buffer, IndexFormat)>,
-    range: Range<u32>,
-    placed: bool,
 }
 
 impl CastStage {
@@ -42,104 +40,115 @@ impl CastStage {
         &mut self,
         maker: &mut Maker<'_>,
         pipelines: &mut Pipelines,
-        casts: &[Cast],
-        images: &[GpuImage],
-        casters: &[Drawable<'_>],
+        (casts, images): (&[Cast], &[GpuImage]),
+        faces: &mut FaceBuffers,
+        frame: &Frame<'_>,
     ) {
-        self.targets = (0..casts.len()).map(|i| target(casts, i, images)).collect();
-        let drawn = || casters.iter().filter(|d| !d.range.is_empty());
-        self.draws = drawn().map(Draw::new).collect();
+        self.targets = (0..casts.len()).map(|i| CastTarget::new(casts, i, images)).collect();
+        self.faces = casts.iter().map(|c| matches!(c.source, Source::Faces(_))).collect();
+        self.list = DrawList::new(maker, faces, casts, frame);
+        self.clears = read_unwritten(casts, images);
         self.spaces.write(maker, pipelines, self.targets.iter().map(|t| t.clip_from_world));
-        self.places.write(maker, pipelines, drawn().map(|d| d.world_from_local.map_or(Mat4::IDENTITY, Mat4::from)));
-        let layout = matrix_layout(maker, pipelines);
-        let mut pipeline = |target: &CastTarget, drawable: &Drawable<'_>| {
-            let placed = drawable.world_from_local.is_some();
-            let key = CastKey { depth: target.state(), layout: drawable.layout, placed };
-            pipelines.cast(maker, key, &[Some(&layout), placed.then_some(&layout)])
+        self.places.write(maker, pipelines, self.list.places());
+        let layouts = Layouts::new(maker, pipelines);
+        self.bind_others(maker, &layouts);
+        let mut pipeline = |target: &CastTarget, draw: &Draw| {
+            let key =
+                CastKey { depth: target.state(), layout: draw.layout, vertex: draw.vertex, peel: Peel::of(target) };
+            pipelines.cast(maker, key, &layouts.of(&key))
         };
-        self.pipelines = self.targets.iter().map(|t| drawn().map(|d| pipeline(t, d)).collect()).collect();
+        let parts = self.targets.iter().zip(&self.list.casts);
+        let draws = &self.list.draws;
+        self.pipelines = parts.map(|(t, part)| draws[part.clone()].iter().map(|d| pipeline(t, d)).collect()).collect();
+    }
+
+    fn bind_others(&mut self, maker: &mut Maker<'_>, layouts: &Layouts) {
+        self.others.resize_with(self.targets.len(), Binding::default);
+        for (binding, target) in self.others.iter_mut().zip(&self.targets) {
+            if let Some(other) = &target.behind {
+                binding.set(maker, "umbrage peeled layer", &layouts.other, vec![Bound::View(other.clone())]);
+            }
+        }
+    }
+
+    /// Whether all that a caller needs to draw a cast is its target, one after the other.
+    pub(crate) fn are_plain(&self) -> bool {
+        let plain = |t: &CastTarget| t.behind.is_none() && t.format().is_depth();
+        self.targets.iter().all(plain) && !self.faces.contains(&true)
+    }
+
+    /// Whether a cast draws what the technique made.
+    pub(crate) fn draws_faces(&self, cast: usize) -> bool {
+        self.faces[cast]
+    }
+
+    /// Gives layers that casts read, and that none wrote before, what the recipe promises.
+    pub(crate) fn clear(&self, encoder: &mut CommandEncoder) {
+        self.clears.iter().for_each(|(format, view)| clear(encoder, *format, view));
     }
 
     pub(crate) fn encode(&self, encoder: &mut CommandEncoder, stamps: Option<&Stamps<'_>>) {
-        for (i, target) in self.targets.iter().enumerate() {
-            let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
-                label: Some("umbrage cast"),
-                depth_stencil_attachment: Some(target.attachment()),
-                timestamp_writes: pass_stamps(stamps, Stage::Cast, i, self.targets.len()),
-                ..RenderPassDescriptor::default()
-            });
-            self.spaces.bind(&mut pass, 0, i);
-            self.draw(&mut pass, &self.pipelines[i]);
-        }
+        self.clear(encoder);
+        (0..self.targets.len()).for_each(|i| self.encode_one(encoder, i, stamps));
     }
 
-    fn draw(&self, pass: &mut RenderPass<'_>, pipelines: &[RenderPipeline]) {
-        for (i, (draw, pipeline)) in self.draws.iter().zip(pipelines).enumerate() {
+    /// One cast without the clearing of what it reads.
+    pub(crate) fn encode_one(&self, encoder: &mut CommandEncoder, i: usize, stamps: Option<&Stamps<'_>>) {
+        let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
+            label: Some("umbrage cast"),
+            depth_stencil_attachment: Some(self.targets[i].attachment()),
+            timestamp_writes: pass_stamps(stamps, Stage::Cast, i, self.targets.len()),
+            ..RenderPassDescriptor::default()
+        });
+        self.spaces.bind(&mut pass, 0, i);
+        if self.targets[i].behind.is_some() {
+            pass.set_bind_group(2, self.others[i].group(), &[]);
+        }
+        self.draw(&mut pass, i);
+    }
+
+    fn draw(&self, pass: &mut RenderPass<'_>, cast: usize) {
+        let pipelines = &self.pipelines[cast];
+        for ((i, place), pipeline) in self.list.casts[cast].clone().enumerate().zip(pipelines) {
+            let draw = &self.list.draws[place];
             if i == 0 || pipelines[i - 1] != *pipeline {
                 pass.set_pipeline(pipeline);
             }
-            if draw.placed {
-                self.places.bind(pass, 1, i);
+            if draw.vertex == Vertex::Local {
+                self.places.bind(pass, 1, place);
             }
-            pass.set_vertex_buffer(0, draw.vertices.slice(..));
-            match &draw.indices {
-                Some((buffer, format)) => {
-                    pass.set_index_buffer(buffer.slice(..), *format);
-                    pass.draw_indexed(draw.range.clone(), 0, 0..1);
-                }
-                None => pass.draw(draw.range.clone(), 0..1),
-            }
+            draw.encode(pass);
         }
     }
 }
 
-fn target(casts: &[Cast], index: usize, images: &[GpuImage]) -> CastTarget {
-    let image = &images[casts[index].image];
-    CastTarget::new(casts, index, &image.layers[casts[index].layer as usize], image.desc.size)
+/// The bind groups of casts: 0 the space, 1 the place, 2 what is peeled off.
+struct Layouts {
+    matrix: BindGroupLayout,
+    other: BindGroupLayout,
 }
 
-impl Draw {
-    fn new(drawable: &Drawable<'_>) -> Self {
-        Self {
-            vertices: drawable.vertices.clone(),
-            indices: drawable.indices.map(|i| (i.buffer.clone(), i.format)),
-            range: drawable.range.clone(),
-            placed: drawable.world_from_local.is_some(),
-        }
+impl Layouts {
+    fn new(maker: &Maker<'_>, pipelines: &mut Pipelines) -> Self {
+        let matrix = matrix_layout(maker, pipelines);
+        let other = pipelines.layouts.get(maker, ShaderStages::FRAGMENT, &[Slot::Floats { layered: false }]);
+        Self { matrix, other }
+    }
+
+    fn of(&self, key: &CastKey) -> [Option<&BindGroupLayout>; 3] {
+        let place = (key.vertex == Vertex::Local).then_some(&self.matrix);
+        [Some(&self.matrix), place, (key.peel != Peel::Nothing).then_some(&self.other)]
     }
 }
 
-const MATRIX: NonZeroU64 = NonZeroU64::new(64).unwrap();
-
-fn matrix_layout(maker: &Maker<'_>, pipelines: &mut Pipelines) -> BindGroupLayout {
-    pipelines.layouts.get(maker, ShaderStages::VERTEX, &[Slot::Window(MATRIX)])
-}
-
-/// A uniform buffer of matrices, bound one at a time.
-#[derive(Debug, Default)]
-struct Matrices {
-    buffer: Option<Buffer>,
-    binding: Binding,
-    stride: u32,
-}
-
-impl Matrices {
-    fn write(&mut self, maker: &mut Maker<'_>, pipelines: &mut Pipelines, matrices: impl Iterator<Item = Mat4>) {
-        self.stride = maker.device.limits().min_uniform_buffer_offset_alignment.max(64);
-        let mut bytes = Vec::new();
-        for (i, matrix) in matrices.enumerate() {
-            bytes.resize(i * self.stride as usize, 0);
-            bytes.extend_from_slice(bytemuck::bytes_of(&matrix));
+fn read_unwritten(casts: &[Cast], images: &[GpuImage]) -> Vec<(Format, TextureView)> {
+    let mut out = Vec::new();
+    for (i, cast) in casts.iter().enumerate() {
+        let (CastMode::Behind(other) | CastMode::Count { depth: other }) = cast.mode else { continue };
+        if !casts[..i].iter().any(|c| (c.image, c.layer) == (other, cast.layer)) {
+            let image = &images[other];
+            out.push((image.desc.format, image.layers[cast.layer as usize].clone()));
         }
-        if bytes.is_empty() {
-            return;
-        }
-        let buffer = maker.write(&mut self.buffer, "umbrage matrices", BufferUsages::UNIFORM, &bytes);
-        let layout = matrix_layout(maker, pipelines);
-        self.binding.set(maker, "umbrage matrices", &layout, vec![Bound::Window(buffer, MATRIX)]);
     }
-
-    fn bind(&self, pass: &mut RenderPass<'_>, group: u32, index: usize) {
-        pass.set_bind_group(group, self.binding.group(), &[self.stride * index as u32]);
-    }
+    out
 }

@@ -8,11 +8,11 @@ use wgpu::{Buffer, BufferDescriptor, BufferUsages, Device, Queue, Texture, Textu
 pub struct Counters {
     /// Shader compilations: one each.
     pub pipelines: u32,
-    /// Images and masks.
+    /// Images, masks and pictures.
     pub textures: u32,
-    /// Uniforms and tables.
+    /// Uniforms, tables and faces.
     pub buffers: u32,
-    /// Bindings of kernels to what they read.
+    /// Bindings of kernels and casts to what they read.
     pub bind_groups: u32,
 }
 

@@ -6,7 +6,7 @@ use crate::{
     kernels::{KernelStage, Sources},
     pipelines::Pipelines,
     stamps::{Stage, Stamps, pass_stamps},
-    targets::depth_attachment,
+    targets::attachment,
     wgsl::{filter_shader, kernel_wgsl},
 };
 use umbrage_core::{Format, Recipe};
@@ -68,12 +68,14 @@ pub(crate) fn color_attachment(view: &TextureView, clear: Color) -> RenderPassCo
     RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops }
 }
 
-fn clear(encoder: &mut CommandEncoder, format: Format, view: &TextureView) {
-    let color = [(format != Format::Depth32).then(|| color_attachment(view, Color::TRANSPARENT))];
+/// Gives a layer what it holds before anything is written.
+pub(crate) fn clear(encoder: &mut CommandEncoder, format: Format, view: &TextureView) {
+    let color = [Some(color_attachment(view, Color::TRANSPARENT))];
+    let cast_only = format.is_cast_only();
     encoder.begin_render_pass(&RenderPassDescriptor {
         label: Some("umbrage clear"),
-        color_attachments: if format == Format::Depth32 { &[] } else { &color },
-        depth_stencil_attachment: (format == Format::Depth32).then(|| depth_attachment(view, true)),
+        color_attachments: if cast_only { &[] } else { &color },
+        depth_stencil_attachment: cast_only.then(|| attachment(view, format, true)),
         ..RenderPassDescriptor::default()
     });
 }

@@ -2,7 +2,7 @@
 
 use glam::{Affine3A, UVec2};
 use std::ops::Range;
-use umbrage_core::{BackendError, Invalid};
+use umbrage_core::{BackendError, Invalid, Recipe, Source};
 use wgpu::{Buffer, IndexFormat, TextureFormat, TextureView};
 
 /// One frame's casters and receivers.
@@ -10,8 +10,11 @@ use wgpu::{Buffer, IndexFormat, TextureFormat, TextureView};
 pub struct Frame<'a> {
     /// Size of the mask and of the receivers' textures, pixels.
     pub size: UVec2,
-    /// Drawn into every cast of the recipe.
+    /// Drawn by the recipe's casts of [`Source::Casters`].
     pub casters: &'a [Drawable<'a>],
+    /// Casters, receivers, and what is neither: drawn by casts of [`Source::Everything`]. Recipes without such casts
+    /// need none.
+    pub everything: &'a [Drawable<'a>],
     /// What the camera sees.
     pub receivers: GBuffer<'a>,
 }
@@ -62,20 +65,44 @@ impl VertexLayout {
 pub struct GBuffer<'a> {
     /// `Rgba32Float`: world position, and in w 1 where a shadow may fall and 0 elsewhere.
     pub position: &'a TextureView,
-    /// `Rgba32Float`: geometric unit normal in world space, turned to the camera; w is not read.
+    /// `Rgba32Float`: geometric unit normal in world space, turned to the camera, 0 where nothing is seen; w is unread.
     pub normal: &'a TextureView,
-    /// `R32Uint`: triangle ids, for kernels that ask (ray tracing does, so that a triangle doesn't shadow itself).
+    /// `R32Uint`: triangle ids, [`NO_TRIANGLE`](umbrage_core::NO_TRIANGLE) where nothing is seen. For kernels that ask
+    /// (ray tracing does, so that a triangle doesn't shadow itself) and for recipes that shade: they colour every pixel
+    /// with an id, for which position and normal must then be right even where no shadow may fall.
     pub triangle: Option<&'a TextureView>,
 }
 
 impl Frame<'_> {
-    pub(crate) fn validate(&self) -> Result<(), BackendError> {
-        for (i, caster) in self.casters.iter().enumerate() {
-            caster.validate().map_err(|e| e.within(format!("caster {i}")))?;
+    pub(crate) fn validate(&self, recipe: &Recipe) -> Result<(), BackendError> {
+        for (what, drawables) in [("caster", self.casters), ("everything", self.everything)] {
+            for (i, drawable) in drawables.iter().enumerate() {
+                drawable.validate().map_err(|e| e.within(format!("{what} {i}")))?;
+            }
         }
+        self.check_everything(recipe)?;
+        self.check_triangles(recipe)?;
         check(self.receivers.position, "position", TextureFormat::Rgba32Float, self.size)?;
         check(self.receivers.normal, "normal", TextureFormat::Rgba32Float, self.size)?;
         self.receivers.triangle.map_or(Ok(()), |v| check(v, "triangle", TextureFormat::R32Uint, self.size))
+    }
+
+    /// Without casters, too, the caller draws all casts.
+    fn check_everything(&self, recipe: &Recipe) -> Result<(), Invalid> {
+        let needed = recipe.casts.iter().any(|c| matches!(c.source, Source::Everything));
+        if !needed || !self.everything.is_empty() || self.casters.is_empty() {
+            return Ok(());
+        }
+        let why = "has casters but not everything, which a cast of the recipe draws";
+        Err(Invalid::new("frame", why, "list all that the camera may see in `Frame::everything`"))
+    }
+
+    fn check_triangles(&self, recipe: &Recipe) -> Result<(), Invalid> {
+        if recipe.shade.is_none() || self.receivers.triangle.is_some() {
+            return Ok(());
+        }
+        let mend = "hand in triangle ids in `GBuffer::triangle`, or leave `Recipe::shade` out and shade yourself";
+        Err(Invalid::new("frame", "has no triangle ids, which tell shading what is seen", mend))
     }
 }
 

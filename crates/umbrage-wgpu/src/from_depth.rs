@@ -6,7 +6,7 @@ use crate::{
     filters::color_attachment,
     frame::GBuffer,
     images::{GpuImage, fit_images},
-    pipelines::fullscreen_pipeline,
+    pipelines::{Targets, fullscreen_pipeline},
     scopes::Scopes,
     wgsl::FULLSCREEN,
 };
@@ -84,7 +84,7 @@ impl GBufferFromDepth {
         let size = UVec2::new(texture.width(), texture.height());
         self.samples = texture.sample_count() > 1;
         let image = |label| ImageDesc { label, size, layers: 1, format: Format::Rgba32 };
-        fit_images(maker, &mut self.images, &[image("umbrage positions"), image("umbrage normals")]);
+        fit_images(maker, &mut self.images, &[image("umbrage positions"), image("umbrage normals")], &[]);
         let mut bytes = UniformBuffer::new(Vec::new());
         // Writing to a growing vector cannot fail.
         bytes.write(camera).unwrap_or_default();
@@ -98,7 +98,7 @@ impl GBufferFromDepth {
             maker.counters.pipelines += 1;
             let text = shader_text(self.samples);
             let entries = ["umbrage_fullscreen", "unproject_pixel"];
-            let targets = [TextureFormat::Rgba32Float; 2];
+            let targets = Targets::Colors(&[TextureFormat::Rgba32Float; 2]);
             fullscreen_pipeline(maker.device, "umbrage unproject", &text, entries, &targets, &[Some(&layout)])
         });
     }

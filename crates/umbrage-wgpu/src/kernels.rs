@@ -1,4 +1,4 @@
-//! A filter or the lookup: a kernel, its uniforms, and what it reads.
+//! A filter, the lookup or the shading: a kernel, its uniforms, and what it reads.
 
 use crate::{
     bindings::{Binding, Bound, Slot},
@@ -6,7 +6,7 @@ use crate::{
     images::GpuImage,
     pipelines::Pipelines,
     tables::Tables,
-    wgsl::Shape,
+    wgsl::{InputKind, Shape},
 };
 use umbrage_core::{Kernel, Recipe};
 use wgpu::{Buffer, BufferUsages, RenderPipeline, ShaderStages};
@@ -36,7 +36,7 @@ impl KernelStage {
         kernel: &dyn Kernel,
         (images, tables): (&[usize], &[usize]),
     ) -> Shape {
-        let shape = Shape::new(sources.recipe, images, tables);
+        let shape = Shape::new(sources.recipe, kernel, images, tables);
         let name = kernel.layout().name;
         let uniforms = maker.write(&mut self.uniforms, name, BufferUsages::UNIFORM, &kernel.uniform_bytes());
         let mut bound = vec![Bound::Buffer(uniforms)];
@@ -44,6 +44,7 @@ impl KernelStage {
         for &table in tables {
             bound.push(Bound::Buffer(sources.tables.get(maker, &sources.recipe.tables[table])));
         }
+        bound.extend(shape.compares().then(|| Bound::Sampler(pipelines.sampler(maker.device))));
         // Compute, too, so that callers can use the bind group with the pasted text in either kind of shader.
         let visibility = ShaderStages::FRAGMENT | ShaderStages::COMPUTE;
         let layout = pipelines.layouts.get(maker, visibility, &slots(&shape));
@@ -53,7 +54,12 @@ impl KernelStage {
 }
 
 fn slots(shape: &Shape) -> Vec<Slot> {
-    let images = shape.layered.iter().map(|&layered| Slot::Floats { layered });
+    let images = shape.images.iter().map(|&(kind, layered)| match kind {
+        InputKind::Floats => Slot::Floats { layered },
+        InputKind::Counts => Slot::Whole { layered },
+        InputKind::Compared => Slot::Depth { layered },
+    });
     let tables = (0..shape.tables).map(|_| Slot::Table);
-    [Slot::Uniform].into_iter().chain(images).chain(tables).collect()
+    let sampler = shape.compares().then_some(Slot::Sampler);
+    [Slot::Uniform].into_iter().chain(images).chain(tables).chain(sampler).collect()
 }

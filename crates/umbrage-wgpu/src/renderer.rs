@@ -1,26 +1,25 @@
 //! [`ShadowRenderer`]: plays recipes on the caller's device, into the caller's encoder.
 
 use crate::{
-    bindings::{Binding, Bound, Slot},
     casts::CastStage,
     counters::{Counters, Maker},
-    filters::{FilterStage, color_attachment},
-    frame::{Frame, GBuffer},
+    counts::{Pair, check_counting, pairs},
+    faces::{FaceBuffers, check_faces},
+    filters::FilterStage,
+    frame::Frame,
     images::{GpuImage, fit_images},
-    kernels::{KernelStage, Sources},
+    kernels::Sources,
+    lookup::Lookup,
     pipelines::Pipelines,
     scopes::Scopes,
-    stamps::{Stage, Stamps, pass_stamps},
+    shading::Shading,
+    stamps::Stamps,
     tables::Tables,
     targets::CastTarget,
-    wgsl::{kernel_wgsl, receive_shader},
 };
 use glam::UVec2;
-use umbrage_core::{BackendError, Format, ImageDesc, Invalid, Limits, Recipe};
-use wgpu::{
-    BindGroup, BindGroupLayout, Color, CommandEncoder, Device, Queue, RenderPassDescriptor, ShaderStages,
-    TextureFormat, TextureView,
-};
+use umbrage_core::{BackendError, Invalid, Limits, Recipe};
+use wgpu::{BindGroup, BindGroupLayout, CommandEncoder, Device, Queue, TextureView};
 
 /// What the caller chooses once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -63,11 +62,11 @@ struct Held {
     pipelines: Pipelines,
     tables: Tables,
     images: Vec<GpuImage>,
-    mask: Vec<GpuImage>,
+    faces: FaceBuffers,
     casts: CastStage,
     filters: FilterStage,
-    receive: KernelStage,
-    gbuffer: Binding,
+    lookup: Lookup,
+    shading: Shading,
     prepared: bool,
 }
 
@@ -99,11 +98,14 @@ impl ShadowRenderer {
     ) -> Result<(), BackendError> {
         self.held.prepared = false;
         recipe.validate(&self.limits)?;
+        check_counting(recipe, device.features())?;
+        check_faces(recipe, device.limits().max_buffer_size)?;
         check_size(frame.size, self.limits.image_side)?;
-        frame.validate()?;
+        frame.validate(recipe)?;
+        let pairs = pairs(recipe)?;
         let scopes = Scopes::open(device);
         let mut maker = Maker { device, queue, counters: &mut self.counters };
-        self.held.prepare(&mut maker, self.options, recipe, frame);
+        self.held.prepare(&mut maker, self.options, (recipe, &pairs), frame);
         if let Err(e) = scopes.close() {
             self.held = Held::default();
             return Err(e);
@@ -112,7 +114,8 @@ impl ShadowRenderer {
         Ok(())
     }
 
-    /// Records all passes and returns the mask: `R32Float`, visibility of the light, 1 where nothing receives.
+    /// Records all passes and returns the mask: `R32Float`, visibility of the light, 1 where nothing receives. The
+    /// [`picture`](Self::picture), if the recipe shades, is ready then, too.
     ///
     /// # Errors
     /// If [`prepare`](Self::prepare) has not succeeded before.
@@ -133,16 +136,45 @@ impl ShadowRenderer {
         held.casts.encode(encoder, stamps);
         held.filters.clear(encoder);
         held.filters.encode(encoder, stamps);
-        Ok(held.encode_receive(encoder, self.options, stamps))
+        held.encode_mask(encoder, self.options, stamps)
     }
 
     /// What is to be drawn into before [`encode_filters_and_receive`](Self::encode_filters_and_receive), for callers
-    /// whose casters need their own vertex formats or shaders (skinning, displacement, alpha test).
+    /// whose casters need their own vertex formats or shaders (skinning, displacement, alpha test). Where casts peel or
+    /// count, or draw faces that the technique made, use [`encode_casts_with`](Self::encode_casts_with), which knows
+    /// what is to happen between them.
+    ///
+    /// # Errors
+    /// As [`encode`](Self::encode); and if there is such a cast.
+    pub fn cast_targets(&self) -> Result<&[CastTarget], BackendError> {
+        let casts = &self.held()?.casts;
+        if casts.are_plain() {
+            return Ok(&casts.targets);
+        }
+        let why = "peel, count or draw faces of the technique's own, so targets alone don't tell what to draw";
+        Err(Invalid::new("casts", why, "call `encode_casts_with`, which draws what callers can't").into())
+    }
+
+    /// Records all casts in order: those of faces that the technique made itself, and for each that draws casters or
+    /// everything, `draw` is called to record a pass into its target.
     ///
     /// # Errors
     /// As [`encode`](Self::encode).
-    pub fn cast_targets(&self) -> Result<&[CastTarget], BackendError> {
-        Ok(&self.held()?.casts.targets)
+    pub fn encode_casts_with(
+        &self,
+        encoder: &mut CommandEncoder,
+        mut draw: impl FnMut(&mut CommandEncoder, &CastTarget),
+    ) -> Result<(), BackendError> {
+        let casts = &self.held()?.casts;
+        casts.clear(encoder);
+        for (i, target) in casts.targets.iter().enumerate() {
+            if casts.draws_faces(i) {
+                casts.encode_one(encoder, i, None);
+            } else {
+                draw(encoder, target);
+            }
+        }
+        Ok(())
     }
 
     /// Records the passes after the casts, which the caller has drawn, and returns the mask.
@@ -151,7 +183,7 @@ impl ShadowRenderer {
     /// As [`encode`](Self::encode).
     pub fn encode_filters_and_receive(&self, encoder: &mut CommandEncoder) -> Result<&TextureView, BackendError> {
         self.encode_filters(encoder)?;
-        Ok(self.held()?.encode_receive(encoder, self.options, None))
+        self.held()?.encode_mask(encoder, self.options, None)
     }
 
     /// Records casts alone; with [`encode_filters`](Self::encode_filters) and [`receive_bind_group`](Self::receive_bind_group)
@@ -180,8 +212,7 @@ impl ShadowRenderer {
     }
 
     pub(crate) fn encode_receive(&self, encoder: &mut CommandEncoder) -> Result<(), BackendError> {
-        self.held()?.encode_receive(encoder, self.options, None);
-        Ok(())
+        self.held()?.encode_mask(encoder, self.options, None).map(|_| ())
     }
 
     /// What the lookup reads, for [`receive_wgsl`](crate::receive_wgsl) in the caller's own shader: set it at
@@ -190,13 +221,17 @@ impl ShadowRenderer {
     /// # Errors
     /// As [`encode`](Self::encode).
     pub fn receive_bind_group(&self) -> Result<(&BindGroup, &BindGroupLayout), BackendError> {
-        let binding = &self.held()?.receive.binding;
-        binding.group().zip(binding.layout()).ok_or_else(unprepared)
+        self.held()?.lookup.kernel_group().ok_or_else(unprepared)
     }
 
-    /// An image of the recipe, all its layers, for showing it.
+    /// An image of the recipe, all its layers, for showing it; counts are whole numbers (`texture_2d<u32>`).
     pub fn image(&self, id: usize) -> Option<&TextureView> {
         self.held.images.get(id).map(|image| &image.whole)
+    }
+
+    /// The recipe's colours: `Rgba32Float`, linear; none before a recipe that shades is prepared.
+    pub fn picture(&self) -> Option<&TextureView> {
+        self.gpu_picture().map(|image| &image.whole)
     }
 
     /// What was made so far.
@@ -214,7 +249,11 @@ impl ShadowRenderer {
     }
 
     pub(crate) fn mask(&self) -> Option<&GpuImage> {
-        self.held.mask.first()
+        self.held.lookup.mask()
+    }
+
+    pub(crate) fn gpu_picture(&self) -> Option<&GpuImage> {
+        self.held.shading.picture()
     }
 
     fn held(&self) -> Result<&Held, BackendError> {
@@ -223,65 +262,40 @@ impl ShadowRenderer {
 }
 
 impl Held {
-    fn prepare(&mut self, maker: &mut Maker<'_>, options: Options, recipe: &Recipe, frame: &Frame<'_>) {
+    fn prepare(
+        &mut self,
+        maker: &mut Maker<'_>,
+        options: Options,
+        (recipe, pairs): (&Recipe, &[Pair]),
+        frame: &Frame<'_>,
+    ) {
         self.tables.forget_unreachable();
-        fit_images(maker, &mut self.images, &recipe.images);
-        let mask = ImageDesc { label: "umbrage mask", size: frame.size, layers: 1, format: Format::R32 };
-        fit_images(maker, &mut self.mask, &[mask]);
-        self.casts.prepare(maker, &mut self.pipelines, &recipe.casts, &self.images, frame.casters);
+        self.faces.forget_unreachable();
+        fit_images(maker, &mut self.images, &recipe.images, pairs);
+        let pipelines = &mut self.pipelines;
+        self.casts.prepare(maker, pipelines, (&recipe.casts, &self.images), &mut self.faces, frame);
         let mut sources = Sources { recipe, images: &self.images, tables: &mut self.tables };
-        self.filters.prepare(maker, &mut self.pipelines, &mut sources);
-        let receive = &recipe.receive;
-        let reads = (&receive.inputs[..], &receive.tables[..]);
-        let shape = self.receive.bind(maker, &mut self.pipelines, &mut sources, &*receive.kernel, reads);
-        let text = kernel_wgsl(&*receive.kernel, &shape, options.kernel_group);
-        self.prepare_lookup(maker, options, text, &frame.receivers);
+        self.filters.prepare(maker, pipelines, &mut sources);
+        let mask = self.lookup.prepare(maker, pipelines, &mut sources, options, frame);
+        self.shading.prepare(maker, pipelines, &mut sources, options, (frame, mask));
     }
 
-    fn prepare_lookup(&mut self, maker: &mut Maker<'_>, options: Options, kernel: String, receivers: &GBuffer<'_>) {
-        let views = [Some(receivers.position), Some(receivers.normal), receivers.triangle];
-        let bound = views.into_iter().flatten().map(|v| Bound::View(v.clone())).collect();
-        let floats = Slot::Floats { layered: false };
-        let slots = [floats, floats, Slot::Ids];
-        let slots = &slots[..if receivers.triangle.is_some() { 3 } else { 2 }];
-        let layout = self.pipelines.layouts.get(maker, ShaderStages::FRAGMENT, slots);
-        self.gbuffer.set(maker, "umbrage receivers", &layout, bound);
-        let text = receive_shader(&kernel, options.gbuffer_group(), receivers.triangle.is_some());
-        let mut groups = vec![None; options.kernel_group.max(1) as usize + 1];
-        groups[options.kernel_group as usize] = self.receive.binding.layout();
-        groups[options.gbuffer_group() as usize] = Some(&layout);
-        let (label, text) = ("umbrage receive", (text, "umbrage_receive"));
-        let pipeline = self.pipelines.kernel(maker, label, text, TextureFormat::R32Float, &groups);
-        self.receive.pipeline = Some(pipeline);
-    }
-
-    fn encode_receive(
+    /// The lookup and what follows it. Returns the mask.
+    fn encode_mask(
         &self,
         encoder: &mut CommandEncoder,
         options: Options,
         stamps: Option<&Stamps<'_>>,
-    ) -> &TextureView {
-        let mask = &self.mask[0].whole;
-        let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
-            label: Some("umbrage receive"),
-            color_attachments: &[Some(color_attachment(mask, Color::WHITE))],
-            timestamp_writes: pass_stamps(stamps, Stage::Receive, 0, 1),
-            ..RenderPassDescriptor::default()
-        });
-        if let Some(pipeline) = &self.receive.pipeline {
-            pass.set_pipeline(pipeline);
-            pass.set_bind_group(options.kernel_group, self.receive.binding.group(), &[]);
-            pass.set_bind_group(options.gbuffer_group(), self.gbuffer.group(), &[]);
-            pass.draw(0..3, 0..1);
-        }
-        drop(pass);
-        mask
+    ) -> Result<&TextureView, BackendError> {
+        let mask = self.lookup.encode(encoder, options, stamps).ok_or_else(unprepared)?;
+        self.shading.encode(encoder, options);
+        Ok(mask)
     }
 }
 
 impl Options {
     /// Any group but the kernel's.
-    fn gbuffer_group(self) -> u32 {
+    pub(crate) fn gbuffer_group(self) -> u32 {
         u32::from(self.kernel_group == 0)
     }
 }

@@ -3,7 +3,7 @@
 use wgpu::{QuerySet, RenderPassTimestampWrites};
 
 /// Six timestamp queries that [`ShadowRenderer::encode_timed`](crate::ShadowRenderer::encode_timed) writes: begin and end
-/// of casts, of filters and of the lookup. Those of a stage without passes are not written.
+/// of casts, of filters and of the lookup. Those of a stage without passes are not written. Shading is not timed.
 #[derive(Clone, Copy, Debug)]
 pub struct Stamps<'a> {
     /// A set of kind `Timestamp`.

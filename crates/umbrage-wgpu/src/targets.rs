@@ -1,47 +1,68 @@
 //! What the light sees is drawn into: for the player's own draws, and for callers with their own vertex shaders.
 
+use crate::images::GpuImage;
 use glam::{Mat4, UVec2};
-use umbrage_core::{Cast, Cull, RasterBias};
+use umbrage_core::{Cast, CastMode, Cull, Format, RasterBias, Source};
 use wgpu::{
     CompareFunction, DepthBiasState, DepthStencilState, Face, FrontFace, LoadOp, Operations, PrimitiveState,
-    RenderPassDepthStencilAttachment, StencilState, StoreOp, TextureFormat, TextureView,
+    RenderPassDepthStencilAttachment, StencilFaceState, StencilOperation, StencilState, StoreOp, TextureFormat,
+    TextureView,
 };
 
-/// One cast to be drawn: begin a pass with [`attachment`](Self::attachment), and draw all casters with pipelines that have
-/// [`primitive`](Self::primitive) and [`depth_stencil`](Self::depth_stencil) and whose vertex shader ends in
-/// `clip_from_world * p_world`. Draw the targets in order: two may share a depth layer, and the first one clears it.
+/// One cast to be drawn: begin a pass with [`attachment`](Self::attachment), and draw all casters (or
+/// [`everything`](Self::everything)) with pipelines that have [`primitive`](Self::primitive) and
+/// [`depth_stencil`](Self::depth_stencil) and whose vertex shader ends in `clip_from_world * p_world`. Draw the targets
+/// in order: two may share a layer, the first one clears it, and later ones may read what earlier ones drew.
 #[derive(Clone, Debug)]
 pub struct CastTarget {
-    /// One layer of a `Depth32Float` image, 1 where nothing casts.
-    pub depth: TextureView,
+    /// The layer to be attached: depth, 1 where nothing casts; or depth and counts.
+    pub layer: TextureView,
     /// Its size, texels.
     pub size: UVec2,
     /// Whether this is the first cast into the layer.
     pub clears: bool,
     /// The light's view and projection.
     pub clip_from_world: Mat4,
+    /// Whether all that the camera may see is to be drawn, and not casters alone.
+    pub everything: bool,
+    /// For depth peeling, the layer to be peeled off, `texture_2d<f32>`. Then the pipeline needs a fragment shader
+    /// without outputs that does `if at.z <= textureLoad(behind, vec2i(at.xy), 0).x { discard; }`, where `at` is
+    /// `@builtin(position)`; in a [`Format::Depth16`] image, with both sides as `round(65535.0 * z)`.
+    pub behind: Option<TextureView>,
     /// Faces left out.
     pub cull: Cull,
     /// Polygon offset.
     pub bias: RasterBias,
+    format: Format,
 }
 
 impl CastTarget {
-    pub(crate) fn new(casts: &[Cast], index: usize, depth: &TextureView, size: UVec2) -> Self {
+    pub(crate) fn new(casts: &[Cast], index: usize, images: &[GpuImage]) -> Self {
+        let cast = &casts[index];
+        let (image, layer) = (&images[cast.image], cast.layer as usize);
+        let CastMode::Behind(other) = cast.mode else { return Self::plain(casts, index, image) };
+        let behind = Some(images[other].reads[layer].clone());
+        Self { behind, ..Self::plain(casts, index, image) }
+    }
+
+    fn plain(casts: &[Cast], index: usize, image: &GpuImage) -> Self {
         let cast = &casts[index];
         Self {
-            depth: depth.clone(),
-            size,
+            layer: image.layers[cast.layer as usize].clone(),
+            size: image.desc.size,
             clears: !casts[..index].iter().any(|c| (c.image, c.layer) == (cast.image, cast.layer)),
             clip_from_world: cast.space.clip_from_world(),
+            everything: matches!(cast.source, Source::Everything),
+            behind: None,
             cull: cast.cull,
             bias: cast.bias,
+            format: image.desc.format,
         }
     }
 
-    /// The depth attachment of the pass.
+    /// The depth-stencil attachment of the pass.
     pub fn attachment(&self) -> RenderPassDepthStencilAttachment<'_> {
-        depth_attachment(&self.depth, self.clears)
+        attachment(&self.layer, self.format, self.clears)
     }
 
     /// Triangles, counter-clockwise seen from outside, with the target's culling.
@@ -49,26 +70,46 @@ impl CastTarget {
         self.state().primitive()
     }
 
-    /// The nearest surface stays; the target's bias is added.
+    /// The nearest surface stays, with the target's bias added; or surfaces that are not before the depth are counted.
     pub fn depth_stencil(&self) -> DepthStencilState {
         self.state().depth_stencil()
     }
 
     pub(crate) fn state(&self) -> DepthState {
         let RasterBias { constant, slope, clamp } = self.bias;
-        DepthState { cull: self.cull, constant, slope_bits: slope.to_bits(), clamp_bits: clamp.to_bits() }
+        DepthState {
+            format: self.layer.texture().format(),
+            counts: self.format == Format::Stencil8,
+            cull: self.cull,
+            constant,
+            slope_bits: slope.to_bits(),
+            clamp_bits: clamp.to_bits(),
+        }
+    }
+
+    /// The format of the image that is drawn.
+    pub(crate) fn format(&self) -> Format {
+        self.format
     }
 }
 
-pub(crate) fn depth_attachment(view: &TextureView, clear: bool) -> RenderPassDepthStencilAttachment<'_> {
-    let load = if clear { LoadOp::Clear(1.0) } else { LoadOp::Load };
-    let depth_ops = Some(Operations { load, store: StoreOp::Store });
-    RenderPassDepthStencilAttachment { view, depth_ops, stencil_ops: None }
+/// Attaches a layer of an image of depth or counts; of a shared texture, the other part is only read.
+pub(crate) fn attachment(view: &TextureView, format: Format, clear: bool) -> RenderPassDepthStencilAttachment<'_> {
+    let depth = Operations { load: if clear { LoadOp::Clear(1.0) } else { LoadOp::Load }, store: StoreOp::Store };
+    let counts = Operations { load: if clear { LoadOp::Clear(0) } else { LoadOp::Load }, store: StoreOp::Store };
+    let is_depth = format.is_depth();
+    RenderPassDepthStencilAttachment {
+        view,
+        depth_ops: is_depth.then_some(depth),
+        stencil_ops: (!is_depth).then_some(counts),
+    }
 }
 
 /// A target's fixed state; floats as bits, so that it can be a key.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct DepthState {
+    format: TextureFormat,
+    counts: bool,
     cull: Cull,
     constant: i32,
     slope_bits: u32,
@@ -76,6 +117,16 @@ pub(crate) struct DepthState {
 }
 
 impl DepthState {
+    /// The nearest surface, of either side, without bias.
+    pub(crate) const NEAREST: Self = Self {
+        format: TextureFormat::Depth32Float,
+        counts: false,
+        cull: Cull::None,
+        constant: 0,
+        slope_bits: 0,
+        clamp_bits: 0,
+    };
+
     pub(crate) fn primitive(self) -> PrimitiveState {
         let cull_mode = match self.cull {
             Cull::None => None,
@@ -87,15 +138,32 @@ impl DepthState {
 
     pub(crate) fn depth_stencil(self) -> DepthStencilState {
         DepthStencilState {
-            format: TextureFormat::Depth32Float,
-            depth_write_enabled: Some(true),
+            format: self.format,
+            depth_write_enabled: Some(!self.counts),
             depth_compare: Some(CompareFunction::Less),
-            stencil: StencilState::default(),
+            stencil: if self.counts { depth_fail_counting() } else { StencilState::default() },
             bias: DepthBiasState {
                 constant: self.constant,
                 slope_scale: f32::from_bits(self.slope_bits),
                 clamp: f32::from_bits(self.clamp_bits),
             },
         }
+    }
+}
+
+/// Everitt and Kilgard 2002, "Practical and robust stenciled shadow volumes": where the depth test fails, back faces
+/// count up and front faces down, modulo 256.
+fn depth_fail_counting() -> StencilState {
+    let count = |depth_fail_op| StencilFaceState {
+        compare: CompareFunction::Always,
+        fail_op: StencilOperation::Keep,
+        depth_fail_op,
+        pass_op: StencilOperation::Keep,
+    };
+    StencilState {
+        front: count(StencilOperation::DecrementWrap),
+        back: count(StencilOperation::IncrementWrap),
+        read_mask: 0xff,
+        write_mask: 0xff,
     }
 }

@@ -1,21 +1,43 @@
 //! The WGSL that stands before and after a kernel's modules: the contract of [`Kernel`](umbrage_core::Kernel).
 
-use std::fmt::Write;
-use umbrage_core::{Kernel, MATH, Recipe, join};
+use umbrage_core::{Format, Kernel, MATH, Recipe, join};
 
 /// What a kernel reads, as far as its shader text shows it.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Shape {
-    /// For each image, whether it has several layers.
-    pub(crate) layered: Vec<bool>,
+    /// For each image, what it is read as, and whether it has several layers.
+    pub(crate) images: Vec<(InputKind, bool)>,
     /// How many tables.
     pub(crate) tables: u32,
 }
 
+/// What an image is read as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum InputKind {
+    /// Loaded, depth among them.
+    Floats,
+    /// Loaded whole numbers.
+    Counts,
+    /// Depth, loaded and compared.
+    Compared,
+}
+
 impl Shape {
-    pub(crate) fn new(recipe: &Recipe, images: &[usize], tables: &[usize]) -> Self {
-        let layered = images.iter().map(|&i| recipe.images.get(i).is_some_and(|image| image.layers > 1)).collect();
-        Self { layered, tables: tables.len() as u32 }
+    pub(crate) fn new(recipe: &Recipe, kernel: &dyn Kernel, images: &[usize], tables: &[usize]) -> Self {
+        let compares = kernel.compares();
+        let kind = |format: Format| match format {
+            Format::Stencil8 => InputKind::Counts,
+            _ if compares && format.is_depth() => InputKind::Compared,
+            _ => InputKind::Floats,
+        };
+        let read =
+            |&i: &usize| recipe.images.get(i).map_or((InputKind::Floats, false), |d| (kind(d.format), d.layers > 1));
+        Self { images: images.iter().map(read).collect(), tables: tables.len() as u32 }
+    }
+
+    /// Whether it reads through the comparison sampler.
+    pub(crate) fn compares(&self) -> bool {
+        self.images.iter().any(|&(kind, _)| kind == InputKind::Compared)
     }
 }
 
@@ -31,10 +53,11 @@ struct Receiver {
 /// The receive stage of a recipe as WGSL to paste into your own shader. It defines `struct Receiver` and
 /// `fn receive(r: Receiver) -> f32` (visibility of the light, 0..=1), which you call with your own positions and normals.
 /// What it reads is in bind group `group`: bind
-/// [`ShadowRenderer::receive_bind_group`](crate::ShadowRenderer::receive_bind_group) there.
+/// [`ShadowRenderer::receive_bind_group`](crate::ShadowRenderer::receive_bind_group) there; its entries, uniforms, images,
+/// tables and perhaps a comparison sampler, are as the text declares them.
 pub fn receive_wgsl(recipe: &Recipe, group: u32) -> String {
     let receive = &recipe.receive;
-    let shape = Shape::new(recipe, &receive.inputs, &receive.tables);
+    let shape = Shape::new(recipe, &*receive.kernel, &receive.inputs, &receive.tables);
     kernel_wgsl(&*receive.kernel, &shape, group)
 }
 
@@ -46,21 +69,56 @@ pub(crate) fn kernel_wgsl(kernel: &dyn Kernel, shape: &Shape, group: u32) -> Str
 }
 
 fn declare(text: &mut String, uniforms: &str, shape: &Shape, group: u32) {
-    let mut add = |line: std::fmt::Arguments<'_>| text.write_fmt(line).unwrap_or_default();
-    add(format_args!("@group({group}) @binding(0) var<uniform> kernel: {uniforms};\n"));
-    for (i, &layered) in shape.layered.iter().enumerate() {
-        let (ty, layer) = if layered { ("texture_2d_array<f32>", " layer,") } else { ("texture_2d<f32>", "") };
-        add(format_args!(
-            "@group({group}) @binding({}) var image_{i}: {ty};\n\
-             fn load_{i}(texel: vec2i, layer: i32) -> vec4f {{ return textureLoad(image_{i}, texel,{layer} 0); }}\n\
-             fn size_{i}() -> vec2i {{ return vec2i(textureDimensions(image_{i})); }}\n",
-            i + 1
-        ));
+    let mut binding = 0;
+    let mut declare = |text: &mut String, what: &str| {
+        text.push_str(&format!("@group({group}) @binding({binding}) {what};\n"));
+        binding += 1;
+    };
+    declare(text, &format!("var<uniform> kernel: {uniforms}"));
+    for (i, &(kind, layered)) in shape.images.iter().enumerate() {
+        declare(text, &format!("var image_{i}: {}", texture_type(kind, layered)));
+        text.push_str(&image_functions(i, kind, layered));
     }
-    for j in 0..shape.tables {
-        let binding = 1 + shape.layered.len() + j as usize;
-        add(format_args!("@group({group}) @binding({binding}) var<storage> table_{j}: array<vec4u>;\n"));
+    (0..shape.tables).for_each(|j| declare(text, &format!("var<storage> table_{j}: array<vec4u>")));
+    if shape.compares() {
+        declare(text, "var umbrage_comparison: sampler_comparison");
     }
+}
+
+const fn texture_type(kind: InputKind, layered: bool) -> &'static str {
+    match (kind, layered) {
+        (InputKind::Floats, false) => "texture_2d<f32>",
+        (InputKind::Floats, true) => "texture_2d_array<f32>",
+        (InputKind::Counts, false) => "texture_2d<u32>",
+        (InputKind::Counts, true) => "texture_2d_array<u32>",
+        (InputKind::Compared, false) => "texture_depth_2d",
+        (InputKind::Compared, true) => "texture_depth_2d_array",
+    }
+}
+
+/// How a kernel reads image `i`.
+fn image_functions(i: usize, kind: InputKind, layered: bool) -> String {
+    let layer = if layered { " layer," } else { "" };
+    let load = format!("textureLoad(image_{i}, texel,{layer} 0)");
+    let texel = match kind {
+        InputKind::Floats => load,
+        InputKind::Counts => format!("vec4f(f32({load}.x), 0.0, 0.0, 0.0)"),
+        InputKind::Compared => format!("vec4f({load}, 0.0, 0.0, 1.0)"),
+    };
+    let text = format!(
+        "fn load_{i}(texel: vec2i, layer: i32) -> vec4f {{ return {texel}; }}
+fn size_{i}() -> vec2i {{ return vec2i(textureDimensions(image_{i})); }}
+"
+    );
+    if kind != InputKind::Compared {
+        return text;
+    }
+    let arguments = format!("(image_{i}, umbrage_comparison, uv,{layer} depth)");
+    text + &format!(
+        "fn compare_{i}(uv: vec2f, layer: i32, depth: f32) -> f32 {{ return textureSampleCompareLevel{arguments}; }}
+fn gather_compare_{i}(uv: vec2f, layer: i32, depth: f32) -> vec4f {{ return textureGatherCompare{arguments}; }}
+"
+    )
 }
 
 /// A whole shader that answers for every pixel of the G-buffer in `gbuffer_group`.
@@ -88,6 +146,32 @@ pub(crate) fn receive_shader(kernel: &str, gbuffer_group: u32, triangles: bool) 
     }}
     let normal = textureLoad(umbrage_normal, at_texel, 0).xyz;
     return receive(Receiver(position.xyz, normal, vec2u(at_texel), {load}));
+}}
+"
+    )
+}
+
+/// A whole shader that colours what shows a triangle; the mask is the last thing in `gbuffer_group`. Where a ray ran
+/// along its triangle's plane, nothing is seen though there is an id: the normal is zero.
+pub(crate) fn shade_shader(kernel: &str, gbuffer_group: u32) -> String {
+    let g = gbuffer_group;
+    format!(
+        "{kernel}// ---- the player's entry points
+@group({g}) @binding(0) var umbrage_position: texture_2d<f32>;
+@group({g}) @binding(1) var umbrage_normal: texture_2d<f32>;
+@group({g}) @binding(2) var umbrage_triangle: texture_2d<u32>;
+@group({g}) @binding(3) var umbrage_mask: texture_2d<f32>;
+{FULLSCREEN}
+@fragment fn umbrage_shade(@builtin(position) at: vec4f) -> @location(0) vec4f {{
+    let at_texel = vec2i(at.xy);
+    let triangle = textureLoad(umbrage_triangle, at_texel, 0).x;
+    let normal = textureLoad(umbrage_normal, at_texel, 0).xyz;
+    if triangle == 0xffffffffu || all(normal == vec3f()) {{
+        discard;
+    }}
+    let position = textureLoad(umbrage_position, at_texel, 0).xyz;
+    let visibility = textureLoad(umbrage_mask, at_texel, 0).x;
+    return shade(Receiver(position, normal, vec2u(at_texel), triangle), visibility);
 }}
 "
     )

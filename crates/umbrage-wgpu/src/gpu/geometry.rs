@@ -48,11 +48,19 @@ impl GpuGeometry {
     }
 
     pub(crate) fn casters(&self) -> Drawable<'_> {
+        self.drawable(&self.casters)
+    }
+
+    pub(crate) fn everything(&self) -> Drawable<'_> {
+        self.drawable(&(0..self.triangles))
+    }
+
+    fn drawable(&self, triangles: &Range<u32>) -> Drawable<'_> {
         Drawable {
             vertices: &self.positions,
             layout: VertexLayout::PACKED,
             indices: Some(Indices { buffer: &self.indices, format: IndexFormat::Uint32 }),
-            range: 3 * self.casters.start..3 * self.casters.end,
+            range: 3 * triangles.start..3 * triangles.end,
             world_from_local: None,
         }
     }

@@ -2,6 +2,7 @@
 
 mod adapter;
 mod clock;
+mod convert;
 mod faults;
 mod geometry;
 mod readback;
@@ -13,14 +14,18 @@ mod shadows;
 pub use adapter::{AdapterChoice, Software};
 pub use requirements::check_adapter;
 
-use crate::{Counters, Frame, Options, ShadowRenderer, counters::Maker, renderer::check_size, scopes::Scopes};
+use crate::{
+    Counters, Frame, Options, ShadowRenderer, counters::Maker, counts::COUNTING, images::GpuImage,
+    renderer::check_size, scopes::Scopes,
+};
 use clock::{Clock, Played};
+use convert::Converter;
 use faults::Faults;
 use geometry::Geometries;
 use readback::{ReadBack, Spare};
 use receivers::{Finder, ReceiverTextures};
 use shadows::Tickets;
-use umbrage_core::{Backend, BackendError, Invalid, Limits, Receivers, Recipe, Shadows, View};
+use umbrage_core::{Backend, BackendError, Invalid, Limits, Receivers, Recipe, Shadows, Source, View};
 use wgpu::{Adapter, AdapterInfo, CommandEncoder, Device, DeviceDescriptor, Features, Queue};
 
 /// Borrows only the fields needed, so that the others stay free.
@@ -49,6 +54,7 @@ pub struct Gpu {
     geometries: Geometries,
     receivers: Option<ReceiverTextures>,
     spare: Spare,
+    converter: Converter,
     counters: Counters,
 }
 
@@ -62,7 +68,7 @@ impl Gpu {
         requirements::check_player(&adapter)?;
         let desc = DeviceDescriptor {
             label: Some("umbrage"),
-            required_features: adapter.features() & Features::TIMESTAMP_QUERY,
+            required_features: adapter.features() & (Features::TIMESTAMP_QUERY | COUNTING),
             // All that there is, so that large scenes fit.
             required_limits: adapter.limits(),
             ..DeviceDescriptor::default()
@@ -81,6 +87,7 @@ impl Gpu {
             geometries: Geometries::default(),
             receivers: None,
             spare: Spare::default(),
+            converter: Converter::default(),
             counters,
             adapter,
             device,
@@ -137,7 +144,7 @@ impl Gpu {
         let outcome = self.faults.check().and(closed).and(result);
         if outcome.is_err() {
             // What was made may be unusable.
-            (self.receivers, self.geometries) = Default::default();
+            (self.receivers, self.geometries, self.converter) = Default::default();
         }
         outcome
     }
@@ -160,7 +167,9 @@ impl Gpu {
             (None, None) => return Err(blind()),
         }
         let casters: Vec<_> = geometry.iter().map(|g| g.casters()).collect();
-        let frame = Frame { size: view.camera.size, casters: &casters, receivers: textures.gbuffer() };
+        let everything: Vec<_> = geometry.iter().map(|g| g.everything()).collect();
+        let (size, receivers) = (view.camera.size, textures.gbuffer());
+        let frame = Frame { size, casters: &casters, everything: &everything, receivers };
         self.renderer.prepare(&self.device, &self.queue, recipe, &frame)?;
         Ok(geometry.filter(|_| view.receivers.is_none()).map(|g| g.triangles))
     }
@@ -175,6 +184,11 @@ impl Gpu {
         encoder
     }
 
+    /// The recipe's images, or floats in their place, as copies of memory can read them.
+    fn readable_images(&mut self, encoder: &mut CommandEncoder) -> Vec<GpuImage> {
+        self.converter.read(&mut maker!(self), encoder, self.renderer.gpu_images())
+    }
+
     /// Submits, waits, and reads back.
     fn finish(
         &mut self,
@@ -184,8 +198,9 @@ impl Gpu {
         found: bool,
     ) -> Result<Shadows, BackendError> {
         let played = Played::new(recipe, found);
+        let kept = if recipe.keep_images { self.readable_images(&mut encoder) } else { Vec::new() };
         let mut back = ReadBack::new(&self.device, &mut self.counters, &mut self.spare);
-        let tickets = Tickets::record(&mut encoder, &mut back, &self.renderer, recipe.keep_images);
+        let tickets = Tickets::record(&mut encoder, &mut back, &self.renderer, &kept);
         let receivers = self.receivers.as_ref().filter(|_| found).map(|t| t.record(&mut encoder, &mut back));
         let clock = self.clock.as_ref().map(|c| (c, c.read(&mut encoder, played, &mut back)));
         self.queue.submit([encoder.finish()]);
@@ -194,10 +209,11 @@ impl Gpu {
         Ok(Shadows {
             size: view.camera.size,
             mask: tickets.mask(&back)?,
+            picture: tickets.picture(&back)?,
             images: tickets.images(&back, recipe)?,
             receivers: receivers.map(|t| t.read(&back, view)).transpose()?,
             timings: clock.map(|(c, t)| c.timings(played, &back, t)).transpose()?.unwrap_or_default(),
-            bytes: recipe.image_bytes() + recipe.table_bytes() + pixels * (4 + ReceiverTextures::BYTES),
+            bytes: recipe.image_bytes() + recipe.table_bytes() + pixels * bytes_a_pixel(recipe),
         })
     }
 }
@@ -226,11 +242,16 @@ fn check(view: &View<'_>, recipe: &Recipe) -> Result<(), BackendError> {
         let mend = format!("make them for this camera, {} x {}", view.camera.size.x, view.camera.size.y);
         return Err(Invalid::new("receivers", why, mend).into());
     }
-    if view.geometry.is_none() && !recipe.casts.is_empty() {
+    if view.geometry.is_none() && recipe.casts.iter().any(|c| !matches!(c.source, Source::Faces(_))) {
         let mend = "give the view its geometry, or draw yours with `ShadowRenderer`";
         return Err(Invalid::new("view", "has no geometry, but the recipe casts", mend).into());
     }
     Ok(())
+}
+
+/// Mask, receivers, and the picture if there is one.
+fn bytes_a_pixel(recipe: &Recipe) -> u64 {
+    4 + ReceiverTextures::BYTES + if recipe.shade.is_some() { 16 } else { 0 }
 }
 
 /// Whether all arrays hold all pixels.

@@ -1,12 +1,12 @@
 //! From GPU memory to vectors.
 
-use crate::Counters;
+use crate::{Counters, images::GpuImage};
 use bytemuck::Pod;
 use std::sync::{Arc, OnceLock};
 use umbrage_core::BackendError;
 use wgpu::{
     Buffer, BufferDescriptor, BufferUsages, COPY_BYTES_PER_ROW_ALIGNMENT, CommandEncoder, Device, MapMode, PollType,
-    TexelCopyBufferInfo, TexelCopyBufferLayout, Texture,
+    TexelCopyBufferInfo, TexelCopyBufferLayout, TexelCopyTextureInfo, Texture, TextureAspect,
 };
 
 /// Buffers to read back through, used again by later frames.
@@ -42,7 +42,16 @@ impl<'a> ReadBack<'a> {
 
     /// Records a copy of all layers of a texture.
     pub(crate) fn texture(&mut self, encoder: &mut CommandEncoder, texture: &Texture) -> Ticket {
-        let texel = texture.format().block_copy_size(None).unwrap_or(4);
+        self.part(encoder, texture, TextureAspect::All)
+    }
+
+    /// Records a copy of all layers of an image, which may be a part of a texture.
+    pub(crate) fn image(&mut self, encoder: &mut CommandEncoder, image: &GpuImage) -> Ticket {
+        self.part(encoder, &image.texture, image.aspect)
+    }
+
+    fn part(&mut self, encoder: &mut CommandEncoder, texture: &Texture, aspect: TextureAspect) -> Ticket {
+        let texel = texture.format().block_copy_size(Some(aspect)).unwrap_or(4);
         let row = texture.width() * texel;
         let padded = row.next_multiple_of(COPY_BYTES_PER_ROW_ALIGNMENT);
         let rows = texture.height() * texture.depth_or_array_layers();
@@ -50,7 +59,8 @@ impl<'a> ReadBack<'a> {
         let layout =
             TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(padded), rows_per_image: Some(texture.height()) };
         let buffer = &self.copies[ticket.0].buffer;
-        encoder.copy_texture_to_buffer(texture.as_image_copy(), TexelCopyBufferInfo { buffer, layout }, texture.size());
+        let from = TexelCopyTextureInfo { aspect, ..texture.as_image_copy() };
+        encoder.copy_texture_to_buffer(from, TexelCopyBufferInfo { buffer, layout }, texture.size());
         ticket
     }
 

@@ -7,16 +7,16 @@ use crate::{
     frame::GBuffer,
     gpu::geometry::GpuGeometry,
     images::extent,
-    pipelines::{fullscreen_pipeline, pipeline_layout, shader},
-    targets::{DepthState, depth_attachment},
+    pipelines::{Targets, fullscreen_pipeline, pipeline_layout, shader},
+    targets::{DepthState, attachment},
     wgsl::FULLSCREEN,
 };
 use encase::{ShaderType, UniformBuffer};
 use glam::{Mat4, UVec2};
-use umbrage_core::{Camera, CameraRays, MATH, Receivers, join, resolve::RESOLVE};
+use umbrage_core::{Camera, CameraRays, Format, MATH, Receivers, join, resolve::RESOLVE};
 use wgpu::{
     BindGroupLayout, Buffer, BufferUsages, Color, CommandEncoder, Device, FragmentState, MultisampleState,
-    PipelineCompilationOptions, QuerySet, RenderPassDescriptor, RenderPassTimestampWrites, RenderPipeline,
+    PipelineCompilationOptions, QuerySet, Queue, RenderPassDescriptor, RenderPassTimestampWrites, RenderPipeline,
     RenderPipelineDescriptor, ShaderStages, TexelCopyBufferLayout, Texture, TextureDescriptor, TextureDimension,
     TextureFormat, TextureUsages, TextureView, VertexState,
 };
@@ -85,21 +85,21 @@ impl ReceiverTextures {
         };
         let positions = four(&r.x, &r.y, &r.z, &|i| f32::from(u8::from(r.receives[i])));
         let normals = four(&r.nx, &r.ny, &r.nz, &|_| 0.0);
-        write(maker, &self.position.0, bytemuck::cast_slice(&positions));
-        write(maker, &self.normal.0, bytemuck::cast_slice(&normals));
-        write(maker, &self.triangle.0, bytemuck::cast_slice(&r.triangle));
+        write(maker.queue, &self.position.0, bytemuck::cast_slice(&positions));
+        write(maker.queue, &self.normal.0, bytemuck::cast_slice(&normals));
+        write(maker.queue, &self.triangle.0, bytemuck::cast_slice(&r.triangle));
     }
 }
 
 /// Writes all texels of all layers of a texture.
-pub(crate) fn write(maker: &Maker<'_>, texture: &Texture, bytes: &[u8]) {
+pub(crate) fn write(queue: &Queue, texture: &Texture, bytes: &[u8]) {
     let texel = texture.format().block_copy_size(None).unwrap_or(4);
     let layout = TexelCopyBufferLayout {
         offset: 0,
         bytes_per_row: Some(texel * texture.width()),
         rows_per_image: Some(texture.height()),
     };
-    maker.queue.write_texture(texture.as_image_copy(), bytes, layout, texture.size());
+    queue.write_texture(texture.as_image_copy(), bytes, layout, texture.size());
 }
 
 /// Finds receivers in two passes: ids, then points.
@@ -120,7 +120,8 @@ impl Finder {
         let stage = ShaderStages::VERTEX;
         let ids_layout = layouts.get(maker, stage, &[Slot::Uniform, Slot::Table, Slot::Table]);
         let stage = ShaderStages::FRAGMENT;
-        let points_layout = layouts.get(maker, stage, &[Slot::Uniform, Slot::Table, Slot::Table, Slot::Ids]);
+        let points_layout =
+            layouts.get(maker, stage, &[Slot::Uniform, Slot::Table, Slot::Table, Slot::Whole { layered: false }]);
         let common = join(&[MATH, RESOLVE]) + include_str!("visibility.wgsl");
         let text = common.clone() + include_str!("resolve.wgsl") + FULLSCREEN;
         Self {
@@ -170,7 +171,7 @@ impl Finder {
         let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
             label: Some("umbrage visibility"),
             color_attachments: &[Some(color_attachment(&textures.triangle.1, none))],
-            depth_stencil_attachment: Some(depth_attachment(&textures.depth.1, true)),
+            depth_stencil_attachment: Some(attachment(&textures.depth.1, Format::Depth32, true)),
             timestamp_writes: queries.map(|q| stamp(q, Some(0), None)),
             ..RenderPassDescriptor::default()
         });
@@ -204,8 +205,8 @@ fn ids_pipeline(device: &Device, text: &str, layout: &BindGroupLayout) -> Render
         label: Some("umbrage visibility"),
         layout: Some(&pipeline_layout(device, &[Some(layout)])),
         vertex: VertexState { module, entry_point: Some("show"), compilation_options: options(), buffers: &[] },
-        primitive: DepthState::default().primitive(),
-        depth_stencil: Some(DepthState::default().depth_stencil()),
+        primitive: DepthState::NEAREST.primitive(),
+        depth_stencil: Some(DepthState::NEAREST.depth_stencil()),
         multisample: MultisampleState::default(),
         fragment: Some(FragmentState {
             module,
@@ -220,6 +221,6 @@ fn ids_pipeline(device: &Device, text: &str, layout: &BindGroupLayout) -> Render
 
 fn points_pipeline(device: &Device, text: &str, layout: &BindGroupLayout) -> RenderPipeline {
     let entries = ["umbrage_fullscreen", "resolve_pixel"];
-    let targets = [TextureFormat::Rgba32Float; 2];
+    let targets = Targets::Colors(&[TextureFormat::Rgba32Float; 2]);
     fullscreen_pipeline(device, "umbrage resolve", text, entries, &targets, &[Some(layout)])
 }

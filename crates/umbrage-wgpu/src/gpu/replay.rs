@@ -2,15 +2,11 @@
 
 use crate::{
     Frame, Gpu,
-    gpu::{
-        check, maker,
-        readback::ReadBack,
-        receivers::{ReceiverTextures, write},
-        shadows::Tickets,
-    },
+    gpu::{check, maker, readback::ReadBack, receivers::ReceiverTextures, shadows::Tickets},
 };
 use glam::UVec2;
-use umbrage_core::{BackendError, Format, Image, ImageDesc, Invalid, Recipe, View};
+use umbrage_core::{BackendError, Image, ImageDesc, Invalid, Recipe, View};
+use wgpu::CommandEncoder;
 
 impl Gpu {
     /// Plays only the lookup, from these images instead of those that the recipe's casts and filters would make. The view
@@ -28,11 +24,11 @@ impl Gpu {
         let recipe = Recipe { filters: Vec::new(), ..still(recipe, images)? };
         self.guarded(|gpu| {
             let found = gpu.prepare(view, &recipe)?;
-            gpu.write_images(images);
             let mut encoder = gpu.begin(found);
+            gpu.write_images(&mut encoder, images);
             gpu.renderer.encode_receive(&mut encoder)?;
             let mut back = ReadBack::new(&gpu.device, &mut gpu.counters, &mut gpu.spare);
-            let tickets = Tickets::record(&mut encoder, &mut back, &gpu.renderer, false);
+            let tickets = Tickets::record(&mut encoder, &mut back, &gpu.renderer, &[]);
             gpu.queue.submit([encoder.finish()]);
             back.wait()?;
             tickets.mask(&back)
@@ -53,11 +49,12 @@ impl Gpu {
         let recipe = Recipe { filters: vec![filter], ..recipe };
         self.guarded(|gpu| {
             gpu.prepare_blind(&recipe)?;
-            gpu.write_images(images);
             let mut encoder = gpu.begin(None);
+            gpu.write_images(&mut encoder, images);
             gpu.renderer.encode_filters_only(&mut encoder)?;
+            let kept = gpu.readable_images(&mut encoder);
             let mut back = ReadBack::new(&gpu.device, &mut gpu.counters, &mut gpu.spare);
-            let tickets = Tickets::record(&mut encoder, &mut back, &gpu.renderer, true);
+            let tickets = Tickets::record(&mut encoder, &mut back, &gpu.renderer, &kept);
             gpu.queue.submit([encoder.finish()]);
             back.wait()?;
             Ok(tickets.images(&back, &recipe)?.swap_remove(output))
@@ -68,28 +65,22 @@ impl Gpu {
     fn prepare_blind(&mut self, recipe: &Recipe) -> Result<(), BackendError> {
         let mut maker = maker!(self);
         let textures = ReceiverTextures::fit(&mut self.receivers, &mut maker, UVec2::ONE);
-        let frame = Frame { size: UVec2::ONE, casters: &[], receivers: textures.gbuffer() };
+        let frame = Frame { size: UVec2::ONE, casters: &[], everything: &[], receivers: textures.gbuffer() };
         self.renderer.prepare(&self.device, &self.queue, recipe, &frame)
     }
 
-    fn write_images(&mut self, images: &[Image]) {
-        let maker = maker!(self);
-        for (to, from) in self.renderer.gpu_images().iter().zip(images) {
-            write(&maker, &to.texture, bytemuck::cast_slice(&from.texels));
-        }
+    fn write_images(&mut self, encoder: &mut CommandEncoder, images: &[Image]) {
+        self.converter.write(&mut maker!(self), encoder, self.renderer.gpu_images(), images);
     }
 }
 
-/// The recipe without casts. Depth becomes plain floats, since nothing can write to depth textures from memory; kernels
-/// read both alike.
+/// The recipe without casts and colours.
 fn still(recipe: &Recipe, images: &[Image]) -> Result<Recipe, BackendError> {
-    let same = |desc: &ImageDesc, i: &Image| *desc == i.desc && i.texels.len() as u64 * 4 == desc.bytes();
+    let same = |desc: &ImageDesc, i: &Image| *desc == i.desc && i.texels.len() as u64 == desc.floats();
     let fits = recipe.images.len() == images.len() && recipe.images.iter().zip(images).all(|(d, i)| same(d, i));
     if !fits {
         let mend = "hand in those of `Shadows::images`, rendered with `keep_images`";
         return Err(Invalid::new("images to replay", "differ from the recipe's", mend).into());
     }
-    let mut still = Recipe { casts: Vec::new(), ..recipe.clone() };
-    still.images.iter_mut().filter(|i| i.format == Format::Depth32).for_each(|i| i.format = Format::R32);
-    Ok(still)
+    Ok(Recipe { casts: Vec::new(), shade: None, ..recipe.clone() })
 }

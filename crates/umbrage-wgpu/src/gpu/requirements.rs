@@ -1,25 +1,34 @@
 //! What an adapter must be able to do.
 
-use crate::images::texture_format;
+use crate::{counts::check_counting, images::texture_format};
 use umbrage_core::{BackendError, Invalid, Recipe};
 use wgpu::{Adapter, DownlevelFlags, TextureFormat, TextureUsages};
 
-/// Objects to adapters that cannot play a recipe: those that cannot draw into its float images, or cannot bound a
-/// polygon offset. Useful before [`ShadowRenderer::prepare`](crate::ShadowRenderer::prepare), which only sees the device.
+/// Objects to adapters that cannot play a recipe: those that cannot draw into its float images, bound a polygon offset,
+/// count into depth of 32 bits, or compare while sampling. Useful before
+/// [`ShadowRenderer::prepare`](crate::ShadowRenderer::prepare), which only sees the device.
 ///
 /// # Errors
 /// The first thing that is missing, and what to do about it.
 pub fn check_adapter(adapter: &Adapter, recipe: &Recipe) -> Result<(), BackendError> {
     check_drawable(adapter, TextureFormat::R32Float)?;
+    if recipe.shade.is_some() {
+        check_drawable(adapter, TextureFormat::Rgba32Float)?;
+    }
+    check_counting(recipe, adapter.features())?;
     for filter in &recipe.filters {
         if let Some(image) = recipe.images.get(filter.output) {
             check_drawable(adapter, texture_format(image.format))?;
         }
     }
+    let flags = adapter.get_downlevel_capabilities().flags;
     let clamps = recipe.casts.iter().any(|c| c.bias.clamp != 0.0);
-    if clamps && !adapter.get_downlevel_capabilities().flags.contains(DownlevelFlags::DEPTH_BIAS_CLAMP) {
+    if clamps && !flags.contains(DownlevelFlags::DEPTH_BIAS_CLAMP) {
         let mend = "set the clamp to 0, or choose another adapter or backend";
         return Err(Invalid::new("polygon offset", "has a clamp, which this adapter can't do", mend).into());
+    }
+    if recipe.receive.kernel.compares() && !flags.contains(DownlevelFlags::COMPARISON_SAMPLERS) {
+        return Err(missing(adapter, "has no comparison samplers"));
     }
     Ok(())
 }

@@ -6,38 +6,55 @@ use crate::{
         readback::{ReadBack, Ticket},
         receivers::ReceiverTextures,
     },
+    images::GpuImage,
 };
 use glam::Vec3;
-use umbrage_core::{BackendError, Image, NO_TRIANGLE, Receivers, Recipe, View, math::dot3, resolve::at_pixel};
+use umbrage_core::{BackendError, Format, Image, NO_TRIANGLE, Receivers, Recipe, View, math::dot3, resolve::at_pixel};
 use wgpu::CommandEncoder;
 
-/// Copies of the mask and of kept images.
+/// Copies of the mask, of the picture and of kept images.
 #[derive(Debug)]
 pub(crate) struct Tickets {
     mask: Option<Ticket>,
+    picture: Option<Ticket>,
     images: Vec<Ticket>,
 }
 
 impl Tickets {
+    /// `kept` are the recipe's images as the [`Converter`](crate::gpu::convert::Converter) hands them out, or none.
     pub(crate) fn record(
         encoder: &mut CommandEncoder,
         back: &mut ReadBack<'_>,
         renderer: &ShadowRenderer,
-        keep_images: bool,
+        kept: &[GpuImage],
     ) -> Self {
-        let mask = renderer.mask().map(|image| back.texture(encoder, &image.texture));
-        let kept = renderer.gpu_images().iter().filter(|_| keep_images);
-        Self { mask, images: kept.map(|image| back.texture(encoder, &image.texture)).collect() }
+        let mut copy = |image: &GpuImage| back.image(encoder, image);
+        Self {
+            mask: renderer.mask().map(&mut copy),
+            picture: renderer.gpu_picture().map(&mut copy),
+            images: kept.iter().map(&mut copy).collect(),
+        }
     }
 
     pub(crate) fn mask(&self, back: &ReadBack<'_>) -> Result<Vec<f32>, BackendError> {
         self.mask.map_or_else(|| Ok(Vec::new()), |t| back.read(t))
     }
 
+    pub(crate) fn picture(&self, back: &ReadBack<'_>) -> Result<Option<Vec<[f32; 4]>>, BackendError> {
+        self.picture.map(|t| back.read(t)).transpose()
+    }
+
     pub(crate) fn images(&self, back: &ReadBack<'_>, recipe: &Recipe) -> Result<Vec<Image>, BackendError> {
         let pairs = self.images.iter().zip(&recipe.images);
-        pairs.map(|(&t, &desc)| Ok(Image { desc, texels: back.read(t)? })).collect()
+        pairs.map(|(&t, &desc)| Ok(Image { desc, texels: texels(desc.format, back, t)? })).collect()
     }
+}
+
+fn texels(format: Format, back: &ReadBack<'_>, ticket: Ticket) -> Result<Vec<f32>, BackendError> {
+    if format != Format::Stencil8 {
+        return back.read(ticket);
+    }
+    Ok(back.read::<u8>(ticket)?.into_iter().map(f32::from).collect())
 }
 
 /// Copies of receivers.

@@ -12,9 +12,9 @@ use umbrage_wgpu::{
 };
 
 /// A stage in the caller's own buffers: 16-bit indices, padded vertices, moved and scaled out of place.
-struct Embedded {
-    stage: Stage,
-    foreign: Foreign,
+pub(crate) struct Embedded {
+    pub(crate) stage: Stage,
+    pub(crate) foreign: Foreign,
     vertices: umbrage_wgpu::wgpu::Buffer,
     indices: umbrage_wgpu::wgpu::Buffer,
     textures: [TextureView; 3],
@@ -28,7 +28,11 @@ const SHIFT: Vec3 = Vec3::new(1.0, -2.0, 3.0);
 
 impl Embedded {
     fn new() -> Self {
-        let (stage, foreign) = (Stage::new(), Foreign::new());
+        Self::on(Foreign::new())
+    }
+
+    pub(crate) fn on(foreign: Foreign) -> Self {
+        let stage = Stage::new();
         let shadows = stage.render(&mut gpu(), &stage.recipe(64));
         let receivers = shadows.receivers.expect("the view had none");
         let (vertices, indices) = buffers(&stage.geometry);
@@ -43,7 +47,7 @@ impl Embedded {
         }
     }
 
-    fn casters(&self) -> Drawable<'_> {
+    pub(crate) fn casters(&self) -> Drawable<'_> {
         Drawable {
             vertices: &self.vertices,
             layout: VertexLayout { stride: 20, position_offset: 8 },
@@ -53,16 +57,16 @@ impl Embedded {
         }
     }
 
-    fn receivers(&self) -> GBuffer<'_> {
+    pub(crate) fn receivers(&self) -> GBuffer<'_> {
         let [position, normal, triangle] = &self.textures;
         GBuffer { position, normal, triangle: Some(triangle) }
     }
 
-    fn frame<'a>(&'a self, casters: &'a [Drawable<'a>]) -> Frame<'a> {
-        Frame { size: self.size, casters, receivers: self.receivers() }
+    pub(crate) fn frame<'a>(&'a self, casters: &'a [Drawable<'a>]) -> Frame<'a> {
+        Frame { size: self.size, casters, everything: &[], receivers: self.receivers() }
     }
 
-    fn renderer(&self, options: Options) -> ShadowRenderer {
+    pub(crate) fn renderer(&self, options: Options) -> ShadowRenderer {
         ShadowRenderer::new(&self.foreign.device, options).expect("the group is one of the device's")
     }
 }

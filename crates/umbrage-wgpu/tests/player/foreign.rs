@@ -12,10 +12,14 @@ pub(crate) struct Foreign {
 
 impl Foreign {
     pub(crate) fn new() -> Self {
+        Self::with(Features::empty(), Limits::default())
+    }
+
+    pub(crate) fn with(required_features: Features, required_limits: Limits) -> Self {
         let options = RequestAdapterOptions::default();
         let adapter = pollster::block_on(Instance::default().request_adapter(&options)).expect("install a driver");
-        let (device, queue) =
-            pollster::block_on(adapter.request_device(&DeviceDescriptor::default())).expect("default limits");
+        let desc = DeviceDescriptor { required_features, required_limits, ..DeviceDescriptor::default() };
+        let (device, queue) = pollster::block_on(adapter.request_device(&desc)).expect("small limits");
         Self { device, queue }
     }
 
@@ -45,6 +49,10 @@ impl Foreign {
                 let m = clip_from_world;
                 let p = corners[i];
                 return m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3];
+            }
+            @group(1) @binding(0) var other: texture_2d<f32>;
+            @fragment fn peel(@builtin(position) at: vec4f) {
+                if at.z <= textureLoad(other, vec2i(at.xy), 0).x { discard; }
             }";
         let pipeline = self.cast_pipeline(target, text);
         let matrix: Mat4 = target.clip_from_world;
@@ -60,23 +68,26 @@ impl Foreign {
         });
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, &group, &[]);
+        if let Some(other) = &target.behind {
+            let resources = [BindingResource::TextureView(other)];
+            pass.set_bind_group(1, &self.bind(&pipeline.get_bind_group_layout(1), resources), &[]);
+        }
         pass.draw(0..corners.len() as u32, 0..1);
     }
 
     fn cast_pipeline(&self, target: &CastTarget, text: &str) -> RenderPipeline {
+        let module = &self.module(text);
+        let options = PipelineCompilationOptions::default;
+        let (entry_point, compilation_options) = (None, options());
+        let peel = FragmentState { module, entry_point, compilation_options, targets: &[] };
         self.device.create_render_pipeline(&RenderPipelineDescriptor {
             label: None,
             layout: None,
-            vertex: VertexState {
-                module: &self.module(text),
-                entry_point: None,
-                compilation_options: PipelineCompilationOptions::default(),
-                buffers: &[],
-            },
+            vertex: VertexState { module, entry_point: None, compilation_options: options(), buffers: &[] },
             primitive: target.primitive(),
             depth_stencil: Some(target.depth_stencil()),
             multisample: MultisampleState::default(),
-            fragment: None,
+            fragment: target.behind.is_some().then_some(peel),
             multiview_mask: None,
             cache: None,
         })

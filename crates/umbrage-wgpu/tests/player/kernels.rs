@@ -1,9 +1,7 @@
 //! The smallest kernels that use everything a kernel may use.
 
 use glam::{Mat4, UVec2, Vec4};
-use umbrage_core::{
-    FilterKernel, Inputs, Kernel, Module, ReceiveKernel, Span, UniformLayout, Uniforms, math::transform, uniforms,
-};
+use umbrage_core::{FilterKernel, Inputs, Module, ReceiveKernel, Span, math::transform, uniforms};
 
 uniforms! {
     /// Of all kernels here.
@@ -15,29 +13,34 @@ uniforms! {
     }
 }
 
-const STRUCT: Module =
+pub(crate) const STRUCT: Module =
     Module { name: "numbers", text: "struct Numbers { clip_from_world: mat4x4f, numbers: vec4f }\n" };
 
 macro_rules! kernel {
-    ($name:ident, $text:expr) => {
+    ($name:ident, $text:expr $(, compares $compares:literal)?) => {
         #[derive(Clone, Copy, Debug)]
-        pub(crate) struct $name(pub(crate) Numbers);
+        pub(crate) struct $name(pub(crate) $crate::kernels::Numbers);
 
-        impl Kernel for $name {
-            fn modules(&self) -> Vec<Module> {
-                vec![STRUCT, Module { name: stringify!($name), text: $text }]
+        impl umbrage_core::Kernel for $name {
+            fn modules(&self) -> Vec<umbrage_core::Module> {
+                vec![$crate::kernels::STRUCT, umbrage_core::Module { name: stringify!($name), text: $text }]
             }
 
             fn uniform_bytes(&self) -> Vec<u8> {
-                self.0.to_bytes()
+                umbrage_core::Uniforms::to_bytes(&self.0)
             }
 
-            fn layout(&self) -> UniformLayout {
-                Numbers::layout()
+            fn layout(&self) -> umbrage_core::UniformLayout {
+                <$crate::kernels::Numbers as umbrage_core::Uniforms>::layout()
             }
+
+            $(fn compares(&self) -> bool {
+                $compares
+            })?
         }
     };
 }
+pub(crate) use kernel;
 
 kernel!(
     Compare,
@@ -109,6 +112,16 @@ impl FilterKernel for Halve {
     fn filter(&self, inputs: &Inputs<'_>, start: UVec2, layer: u32, out: &mut [f32]) {
         let first = inputs.images[0].index(start.x as i32, start.y as i32, layer);
         out.iter_mut().zip(&inputs.images[0].texels[first..]).for_each(|(to, from)| *to = from * 0.5);
+    }
+}
+
+kernel!(Same, "fn filter_texel(texel: vec2i, layer: i32) -> vec4f { return load_0(texel, layer); }");
+
+/// What a shader loads, in floats.
+impl FilterKernel for Same {
+    fn filter(&self, inputs: &Inputs<'_>, start: UVec2, layer: u32, out: &mut [f32]) {
+        let first = inputs.images[0].index(start.x as i32, start.y as i32, layer);
+        out.copy_from_slice(&inputs.images[0].texels[first..][..out.len()]);
     }
 }
 

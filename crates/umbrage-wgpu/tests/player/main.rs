@@ -1,10 +1,18 @@
 //! The player on a real adapter. A missing adapter fails these tests, with the line that installs a software one.
 
+mod comparing;
+mod counting;
 mod embedded;
+mod embedded_modes;
 mod errors;
 mod foreign;
+mod formats;
 mod from_depth;
 mod kernels;
+mod peeling;
+mod random_faces;
 mod render;
 mod replay;
 mod scene;
+mod shading;
+mod sources;

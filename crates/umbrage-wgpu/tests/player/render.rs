@@ -105,6 +105,7 @@ fn everything(stage: &Stage) -> Recipe {
         ],
         receive: Receive { kernel: Arc::new(Everything(numbers)), inputs: vec![1], tables: vec![0] },
         casts: Vec::new(),
+        shade: None,
         keep_images: true,
     }
 }

@@ -4,8 +4,8 @@ use crate::kernels::{Compare, Numbers};
 use glam::{Affine3A, UVec2, Vec3, Vec4};
 use std::sync::Arc;
 use umbrage_core::{
-    Backend, Camera, Cast, Cull, Extents, Format, Geometry, ImageDesc, Instance, Light, LightSpace, Mesh, RasterBias,
-    Receive, ReceiveKernel, Recipe, Scene, Shadows, View,
+    Backend, Camera, Cast, Extents, Format, Geometry, ImageDesc, Instance, Light, LightSpace, Mesh, Receive,
+    ReceiveKernel, Recipe, Scene, Shadows, View,
     light_space::{look_along, orthographic},
 };
 use umbrage_wgpu::{AdapterChoice, Gpu};
@@ -58,6 +58,16 @@ impl Stage {
         }
     }
 
+    /// The same scene seen aslant: depth changes from texel to texel.
+    pub(crate) fn tilted(&self) -> LightSpace {
+        let extents = Extents { left: -6.0, right: 6.0, bottom: -6.0, top: 6.0, near: 1.0, far: 15.0 };
+        let eye = Vec3::new(3.0, 6.0, 2.0);
+        LightSpace {
+            view_from_world: look_along(eye, -eye, Vec3::Y).expect("the eye is not at the origin"),
+            clip_from_view: orthographic(extents).expect("the extents are in order"),
+        }
+    }
+
     pub(crate) fn numbers(&self, numbers: Vec4) -> Numbers {
         Numbers { clip_from_world: self.space().clip_from_world(), numbers }
     }
@@ -73,13 +83,13 @@ impl Stage {
     }
 
     pub(crate) fn recipe_with(&self, side: u32, kernel: Arc<dyn ReceiveKernel>) -> Recipe {
-        let (cull, bias) = (Cull::None, RasterBias::default());
         Recipe {
             images: vec![ImageDesc { label: "map", size: UVec2::splat(side), layers: 1, format: Format::Depth32 }],
             tables: Vec::new(),
-            casts: vec![Cast { image: 0, layer: 0, space: self.space(), cull, bias }],
+            casts: vec![Cast::nearest(0, 0, self.space())],
             filters: Vec::new(),
             receive: Receive { kernel, inputs: vec![0], tables: Vec::new() },
+            shade: None,
             keep_images: true,
         }
     }

@@ -1,0 +1,122 @@
+//! Peeling and counting of many faces at once, against what drawing each face alone says.
+
+use crate::scene::{Stage, gpu};
+use glam::{DMat4, UVec2, Vec3, Vec4};
+use std::sync::Arc;
+use umbrage_core::{Cast, CastMode, Faces, Format, ImageDesc, LightSpace, Recipe, Source};
+
+const COUNT: usize = 60;
+const SIDE: u32 = 48;
+
+/// A small integer hash, -1 to 1.
+fn noise(i: usize) -> f32 {
+    let h = (i as u32).wrapping_mul(0x9e37_79b9);
+    ((h ^ (h >> 15)).wrapping_mul(0x85eb_ca6b) >> 8) as f32 / (1 << 23) as f32 - 1.0
+}
+
+/// Triangles about the origin, some across the frustum's planes, and every seventh with a corner at infinity.
+fn triangles() -> Vec<[Vec4; 3]> {
+    let corner = |i: usize| (Vec3::new(noise(3 * i), noise(3 * i + 1), noise(3 * i + 2)) * 5.0).extend(1.0);
+    let at_infinity = |p: Vec4| Vec4::new(p.x, p.y, p.z, 0.0);
+    let triangle = |i: usize| [corner(3 * i), corner(3 * i + 1), corner(3 * i + 2)];
+    let some = |(i, [a, b, c]): (usize, [Vec4; 3])| [a, b, if i % 7 == 3 { at_infinity(c) } else { c }];
+    (0..COUNT).map(triangle).enumerate().map(some).collect()
+}
+
+fn faces(triangles: &[[Vec4; 3]]) -> Source {
+    let indices = (0..triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    Source::Faces(Arc::new(Faces { vertices: triangles.concat(), triangles: indices }))
+}
+
+fn image(label: &'static str, layers: u32, format: Format) -> ImageDesc {
+    ImageDesc { label, size: UVec2::splat(SIDE), layers, format }
+}
+
+/// Each triangle's depths by itself.
+fn alone(stage: &Stage, space: LightSpace, format: Format) -> Vec<Vec<f32>> {
+    let cast = |(layer, triangle): (u32, &[Vec4; 3])| Cast {
+        source: faces(std::slice::from_ref(triangle)),
+        ..Cast::nearest(0, layer, space)
+    };
+    let recipe = Recipe {
+        images: vec![image("alone", COUNT as u32, format)],
+        casts: (0..).zip(&triangles()).map(cast).collect(),
+        ..stage.recipe(SIDE)
+    };
+    let layers = stage.render(&mut gpu(), &recipe).images.swap_remove(0).texels;
+    layers.chunks_exact((SIDE * SIDE) as usize).map(<[f32]>::to_vec).collect()
+}
+
+#[test]
+fn peels_are_the_least_the_second_least_and_so_on() {
+    let stage = Stage::new();
+    for (space, format) in [
+        (stage.camera.space(), Format::Depth32),
+        (stage.tilted(), Format::Depth32),
+        (stage.camera.space(), Format::Depth16),
+    ] {
+        let (alone, all) = (alone(&stage, space, format), triangles());
+        let nearest = Cast { source: faces(&all), ..Cast::nearest(0, 0, space) };
+        let behind = |image| Cast {
+            image,
+            mode: CastMode::Behind(image - 1),
+            source: nearest.source.clone(),
+            ..nearest.clone()
+        };
+        let recipe = Recipe {
+            images: vec![image("peel", 1, format); 4],
+            casts: [nearest.clone()].into_iter().chain((1..4).map(behind)).collect(),
+            ..stage.recipe(SIDE)
+        };
+        let images = stage.render(&mut gpu(), &recipe).images;
+        let mut layered = 0;
+        for texel in 0..(SIDE * SIDE) as usize {
+            let mut depths: Vec<f32> = alone.iter().map(|layer| layer[texel]).filter(|&d| d < 1.0).collect();
+            depths.sort_by(f32::total_cmp);
+            depths.dedup();
+            for (peel, image) in images.iter().enumerate() {
+                let expected = depths.get(peel).copied().unwrap_or(1.0);
+                assert_eq!(image.texels[texel], expected, "{format:?}, texel {texel}, peel {peel}");
+            }
+            layered += usize::from(depths.len() > 3);
+        }
+        assert!(layered > 500, "{layered} texels have all four layers");
+    }
+}
+
+/// 1 for a face whose front is seen, -1 for one whose back is seen: on screen, counter-clockwise is front.
+fn facing(clip_from_world: DMat4, triangle: &[Vec4; 3]) -> i32 {
+    let [a, b, c] = triangle.map(|v| clip_from_world * v.as_dvec4()).map(|v| glam::DVec3::new(v.x, v.y, v.w));
+    if a.dot(b.cross(c)) > 0.0 { 1 } else { -1 }
+}
+
+#[test]
+fn counts_are_backs_minus_fronts_that_are_not_before() {
+    let stage = Stage::new();
+    let space = stage.camera.space();
+    let (alone, all) = (alone(&stage, space, Format::Depth32), triangles());
+    let mode = CastMode::Count { depth: 0 };
+    let recipe = Recipe {
+        images: vec![image("depth", 1, Format::Depth32), image("counts", 1, Format::Stencil8)],
+        casts: vec![
+            Cast::nearest(0, 0, space),
+            Cast { mode, source: faces(&all[..20]), ..Cast::nearest(1, 0, space) },
+            Cast { mode, source: faces(&all[20..]), ..Cast::nearest(1, 0, space) },
+        ],
+        ..stage.recipe(SIDE)
+    };
+    let images = stage.render(&mut gpu(), &recipe).images;
+    let clip_from_world = space.clip_from_world().as_dmat4();
+    let mut kinds = std::collections::BTreeSet::new();
+    for (texel, &stored) in images[0].texels.iter().enumerate() {
+        // Depth 1 is what is not drawn at all, or lies just there; so only texels before it are clear.
+        if stored == 1.0 {
+            continue;
+        }
+        let fails = all.iter().zip(&alone).filter(|(_, z)| z[texel] < 1.0 && z[texel] >= stored);
+        let sum: i32 = fails.map(|(t, _)| -facing(clip_from_world, t)).sum();
+        assert_eq!(images[1].texels[texel], sum.rem_euclid(256) as f32, "texel {texel}");
+        kinds.insert(sum);
+    }
+    assert!(kinds.len() > 4 && kinds.iter().any(|&k| k < 0), "only these sums occur: {kinds:?}");
+}
