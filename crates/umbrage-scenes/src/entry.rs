@@ -45,10 +45,30 @@ pub enum Failure {
     ThinContact = 3,
     /// Thin walls: light leaks in.
     SealedRoom = 4,
+    /// Open shells, leaves, single quads: methods that take casters for closed lose part of their shadow.
+    OpenShell = 5,
+    /// Two casters one behind the other under a lamp: one penumbra is made of both.
+    TwoBlockers = 7,
+    /// A light amid its casters: the faces of a cube of maps meet in seams.
+    CubeSeams = 15,
+    /// Casters at rising heights under a lamp: each penumbra has its own width.
+    RisingHeights = 17,
+    /// A canopy of leaves under a large lamp: many penumbrae overlap, and one is made of them.
+    Canopy = 18,
     /// A caster too near to the light: lost.
     CasterAtLight = 20,
+    /// The eye inside a shadow, whose volume the near plane cuts: counts start wrong.
+    EyeInUmbra = 21,
+    /// Duplicate faces, T-junctions, open edges: silhouettes that don't close.
+    BrokenMesh = 22,
+    /// Very many casters under a low sun: shadow volumes fill the picture many times over.
+    ManyVolumes = 23,
     /// Stairs and casters beyond the light: wrong planes, shadows of what is behind the light.
     Stairs = 24,
+    /// Relief under grazing light: biases along the shading normal, a relief that the map doesn't know.
+    Relief = 25,
+    /// A long range of depths: coarse maps tell few of them apart.
+    LongRange = 26,
     /// A light along the up axis: views degenerate.
     LightAlongUp = 27,
     /// Very small and very large scenes: biases in absolute units.

@@ -16,6 +16,16 @@ pub enum SceneError {
         /// What to do about it.
         mend: String,
     },
+    /// A file that can't be written.
+    #[error("{file}: {why}; {mend}")]
+    Unwritable {
+        /// The file's path.
+        file: String,
+        /// What is wrong.
+        why: String,
+        /// What to do about it.
+        mend: String,
+    },
     /// A place in a file that can't be understood or used.
     #[error("{place}: {why}; {mend}")]
     Fault {

@@ -55,22 +55,47 @@
 //! | `rotate_degrees` | `[x, y, z]`: about the x axis, then y, then z, after scaling | `[0, 0, 0]` |
 //! | `translate` | `[x, y, z]` metres, after turning | `[0, 0, 0]` |
 //! | `casts`, `receives` | whether it throws shadows, and whether they fall on it | `true` |
+//! | `color` | `[r, g, b]`, linear (not sRGB), 0 to 1; multiplied with the texture | grey 0.5; white with a texture |
+//! | `texture` | a `.png` file of colours in sRGB, relative to the scene file | none |
+//! | `specular` | the highlight's colour: one number or `[r, g, b]`, linear, 0 to 1 | 0.15 |
+//! | `shininess` | the highlight's power: a power of two, 1 to 4096 | 32 |
+//! | `emissive` | `[r, g, b]`, linear: light of its own, which no shadow touches | `[0, 0, 0]` |
+//! | `normal_map` | a `.png` file of tangent-space normals, green up (OpenGL's convention) | none |
+//! | `height_map` | a `.png` file of heights, 0 to 1 in its first channel, best of 16 bits; it moves the vertices | none |
+//! | `displacement` | metres (before scaling) that white moves out and black in; negative turns the relief inside out | needed with `height_map` |
+//! | `subdivisions` | how often each triangle is split in four before, 0 to 8: a coarse mesh can't show relief | 0 |
+//!
+//! Images have 8 or 16 bits a channel, and are read once each. An object with any of these looks wears no other; a model
+//! without them brings its own, see below. Textures repeat. What has a texture must have texture coordinates: the three
+//! shapes have, the plane and each side of the box spanning one repeat, the sphere by longitude and latitude.
 //!
 //! # Models
 //!
-//! Wavefront OBJ, y up, in metres. All faces become one mesh; polygons are cut into triangles, concave ones too. Names,
-//! groups, materials, lines and points are left aside. Normals and texture coordinates are kept if all corners have
+//! Wavefront OBJ, y up, in metres. All faces of one material become one mesh; polygons are cut into triangles, concave
+//! ones too. Names, groups, lines and points are left aside. Normals and texture coordinates are kept if all corners have
 //! usable ones. Loaded alone, a model is framed by a camera and lit by a sun.
+//!
+//! Of the `.mtl` files that a model names, `Kd`, `Ks`, `Ke`, `Ns` (rounded to a power of two), `map_Kd` and, for normals,
+//! `norm` or `map_Bump` are read. Models often come without their looks, which no shadow needs: a `.mtl` file or a texture
+//! that isn't there, one that is no PNG, and bump maps in grey (heights whose scale nobody tells) are left aside. A
+//! `.png` file that can't be decoded and a number that can't be read are errors.
+//!
+//! # Detailed surfaces
+//!
+//! [`with_tangents`] prepares a mesh for normal maps, [`fitting_normal_map`] makes the normal map of a height map, and
+//! [`denoise`] smooths noisy meshes by displacement.
 
 mod builtin;
 mod catalogue;
 #[cfg(test)]
 mod damage;
+mod detail;
 mod entry;
 mod error;
 mod file;
 mod framing;
 mod load;
+mod looks;
 mod nearest;
 mod obj;
 mod polygon;
@@ -79,6 +104,7 @@ mod stage;
 
 pub use builtin::textbook::TEXTBOOK_FIT;
 pub use catalogue::{all, find};
+pub use detail::{denoise, fitting_normal_map, with_tangents};
 pub use entry::{ClosedForm, Failure, Kind, Sample, SceneEntry};
 pub use error::{Place, SceneError};
 pub use load::{by_argument, load, parse};

@@ -1,8 +1,11 @@
 //! Puts built-in scenes together.
 
-use crate::framing::Shot;
+use crate::{
+    framing::Shot,
+    looks::{Look, PALETTE, matte},
+};
 use umbrage_core::glam::{Affine3A, UVec2, Vec3};
-use umbrage_core::{Geometry, Instance, Light, Mesh, Scene};
+use umbrage_core::{Displacement, Geometry, Instance, Light, Material, Mesh, Scene};
 
 /// A scene in the making.
 #[derive(Clone, Debug)]
@@ -34,6 +37,26 @@ impl Stage {
         self
     }
 
+    /// Gives the mesh put last these roles.
+    pub(crate) fn last_roles(mut self, casts: bool, receives: bool) -> Self {
+        self.last().for_each(|i| (i.casts, i.receives) = (casts, receives));
+        self
+    }
+
+    /// Gives the mesh put last this look.
+    pub(crate) fn look(mut self, look: Look) -> Self {
+        let (first, id) = (self.scene.textures.len(), self.scene.materials.len());
+        self.scene.textures.extend(look.textures);
+        self.scene.materials.push(moved(look.material, first));
+        self.last().for_each(|i| i.material = Some(id));
+        self
+    }
+
+    fn last(&mut self) -> impl Iterator<Item = &mut Instance> {
+        let meshes = self.scene.meshes.len();
+        self.scene.instances.iter_mut().filter(move |i| i.mesh + 1 == meshes)
+    }
+
     pub(crate) fn light(mut self, light: Light) -> Self {
         self.scene.lights.push(light);
         self
@@ -43,11 +66,41 @@ impl Stage {
     ///
     /// # Panics
     /// If the scene is invalid: it is written in this crate, and a test builds each.
-    pub(crate) fn shoot(mut self, eye: Vec3, target: Vec3, fov_y_degrees: f32, size: [u32; 2]) -> Scene {
-        let geometry = Geometry::bake(&self.scene).expect("built-in scenes are valid");
+    pub(crate) fn shoot(self, eye: Vec3, target: Vec3, fov_y_degrees: f32, size: [u32; 2]) -> Scene {
         let shot = Shot { eye, target, up: Vec3::Y, fov_y: fov_y_degrees.to_radians(), size: UVec2::from(size) };
-        self.scene.cameras.push(shot.camera(&geometry, [None, None]).expect("built-in cameras are valid"));
+        self.shoot_from(&shot, None)
+    }
+
+    /// [`Stage::shoot`] with a near plane of one's own.
+    ///
+    /// # Panics
+    /// As [`Stage::shoot`].
+    pub(crate) fn shoot_from(mut self, shot: &Shot, near: Option<f32>) -> Scene {
+        self.paint_the_rest();
+        let geometry = Geometry::bake(&self.scene).expect("built-in scenes are valid");
+        self.scene.cameras.push(shot.camera(&geometry, [near, None]).expect("built-in cameras are valid"));
         self.scene
+    }
+
+    /// What has no look yet gets colours in turn; the first thing is nearly always a floor.
+    fn paint_the_rest(&mut self) {
+        let (first, colors) = (self.scene.materials.len(), PALETTE.len());
+        let number = |n: usize| if n == 0 { 0 } else { 1 + (n - 1) % (colors - 1) };
+        let bare = self.scene.instances.iter_mut().enumerate().filter(|(_, i)| i.material.is_none());
+        if bare.map(|(n, instance)| instance.material = Some(first + number(n))).count() > 0 {
+            self.scene.materials.extend(PALETTE.map(|color| matte(color).material));
+        }
+    }
+}
+
+/// The material with its textures counted from `first`.
+fn moved(material: Material, first: usize) -> Material {
+    let from = |id: Option<usize>| id.map(|id| id + first);
+    Material {
+        diffuse_texture: from(material.diffuse_texture),
+        normal_map: from(material.normal_map),
+        displacement: material.displacement.map(|d| Displacement { texture: d.texture + first, ..d }),
+        ..material
     }
 }
 

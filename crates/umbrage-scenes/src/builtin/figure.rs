@@ -2,26 +2,36 @@
 
 use super::SIZE;
 use crate::{
-    primitives::{block, grid, icosphere, lathe, on_circle, tube},
+    looks::{checker, matte},
+    primitives::{block, grid, icosphere, lathe, on_circle, tiled, tube},
     stage::Stage,
 };
-use umbrage_core::glam::Vec3;
+use umbrage_core::glam::{Vec2, Vec3};
 use umbrage_core::{Light, Mesh, Scene};
 
 pub(crate) fn figure() -> Scene {
     let position = Vec3::new(-9.0, 14.0, 8.0);
     let (inner, outer) = (7.0_f32.to_radians(), 9.0_f32.to_radians());
     let direction = Vec3::new(0.2, 0.7, -0.2) - position;
-    let stage = Stage::new("figure").put(grid([6.0, 6.0], [6, 6], |_, _| 0.0));
+    let floor = tiled(grid([6.0, 6.0], [6, 6], |_, _| 0.0), Vec2::splat(6.0));
+    let stage = Stage::new("figure").put(floor).look(checker());
     body()
         .into_iter()
-        .fold(stage, Stage::put)
+        .zip(CLOTHES)
+        .fold(stage, |stage, (part, color)| stage.put(part).look(matte(color)))
         .light(Light::Spot { position, direction, inner, outer, radius: 0.0 })
         .shoot(Vec3::new(1.6, 1.9, 4.2), Vec3::new(0.5, 0.75, -0.2), 40.0, SIZE)
 }
 
+const SHIRT: [f32; 3] = [0.09, 0.25, 0.48];
+const SKIN: [f32; 3] = [0.56, 0.34, 0.24];
+const TROUSERS: [f32; 3] = [0.14, 0.13, 0.16];
+const SHOES: [f32; 3] = [0.24, 0.11, 0.05];
+/// Of the parts of the [`body`], in their order.
+const CLOTHES: [[f32; 3]; 11] = [SHIRT, SKIN, SKIN, TROUSERS, TROUSERS, SHIRT, SHIRT, SKIN, SKIN, SHOES, SHOES];
+
 /// 1.8 m tall, facing +z, one arm raised.
-fn body() -> Vec<Mesh> {
+fn body() -> [Mesh; CLOTHES.len()] {
     let limb = |points: &[[f32; 3]], radii: [f32; 2]| {
         let last = (points.len() - 1) as f32;
         let path: Vec<_> = points
@@ -32,7 +42,7 @@ fn body() -> Vec<Mesh> {
         tube(&path, 16)
     };
     let foot = |x: f32| block(Vec3::new(x - 0.05, 0.0, -0.08), Vec3::new(x + 0.05, 0.07, 0.18));
-    vec![
+    [
         torso(),
         icosphere(Vec3::new(0.0, 1.66, 0.02), 0.13, 3),
         limb(&[[0.0, 1.4, 0.0], [0.0, 1.6, 0.01]], [0.06, 0.055]),

@@ -6,6 +6,7 @@ pub(crate) mod figure;
 pub(crate) mod speed;
 pub(crate) mod teapot;
 pub(crate) mod textbook;
+pub(crate) mod textbook_rooms;
 
 /// The size of the pictures that are compared.
 pub(crate) const SIZE: [u32; 2] = [480, 270];

@@ -1,16 +1,19 @@
 //! A turned pot with a handle and a spout under a square lamp.
 
 use crate::{
-    primitives::{grid, lathe, on_circle, tube},
+    looks::{checker, glossy},
+    primitives::{grid, lathe, on_circle, tiled, tube},
     stage::Stage,
 };
-use umbrage_core::glam::Vec3;
+use umbrage_core::glam::{Vec2, Vec3};
 use umbrage_core::{Light, Mesh, Scene};
 
 pub(crate) fn teapot_lamp() -> Scene {
-    let stage = Stage::new("teapot-lamp").put(grid([12.0, 12.0], [4, 4], |_, _| 0.0));
+    let floor = tiled(grid([12.0, 12.0], [4, 4], |_, _| 0.0), Vec2::splat(6.0));
+    let stage = Stage::new("teapot-lamp").put(floor).look(checker());
+    let glazed = |stage: Stage, mesh| stage.put(mesh).look(glossy([0.12, 0.34, 0.42]));
     let light = Light::Rect { center: Vec3::new(0.0, 9.0, 0.0), half_u: Vec3::X, half_v: Vec3::Z };
-    [body(), lid(), handle(), spout()].into_iter().fold(stage, Stage::put).light(light).shoot(
+    [body(), lid(), handle(), spout()].into_iter().fold(stage, glazed).light(light).shoot(
         Vec3::new(5.0, 5.2, 9.0),
         Vec3::new(0.0, 1.0, 0.0),
         36.0,

@@ -2,10 +2,11 @@
 
 use super::SIZE;
 use crate::{
-    primitives::{block, grid},
+    looks::wood,
+    primitives::{block, grid, tiled},
     stage::{Stage, sun},
 };
-use umbrage_core::glam::{Affine3A, Quat, Vec3};
+use umbrage_core::glam::{Affine3A, Quat, Vec2, Vec3};
 use umbrage_core::light_space::Extents;
 use umbrage_core::{Fit, Scene};
 
@@ -39,7 +40,8 @@ pub(crate) fn cubes_at(name: &str, scale: f32) -> Scene {
     ]
     .map(|(size, turn, at)| Affine3A::from_scale_rotation_translation(size * scale, turn, at * scale));
     Stage::new(name)
-        .put_many(grid([25.0, 25.0], [1, 1], |_, _| 0.0), [floor_place(scale)])
+        .put_many(tiled(grid([25.0, 25.0], [1, 1], |_, _| 0.0), Vec2::splat(12.5)), [floor_place(scale)])
+        .look(wood())
         .put_many(block(Vec3::NEG_ONE, Vec3::ONE), places)
         .light(sun(-LIGHT.x, -LIGHT.y, -LIGHT.z))
         .shoot(Vec3::new(1.5, 3.5, 6.5) * scale, Vec3::new(0.5, 0.4, 0.5) * scale, 45.0, SIZE)

@@ -2,6 +2,7 @@
 
 mod camera;
 mod light;
+mod look;
 mod numbers;
 mod object;
 mod table;

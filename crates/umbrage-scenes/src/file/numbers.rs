@@ -37,6 +37,14 @@ impl Item<'_> {
         number.ok_or_else(|| self.fault(&format!("holds {i}"), &mend))
     }
 
+    /// A whole number of 0 to `most`.
+    pub(super) fn whole(&self, most: u32) -> Result<u32, SceneError> {
+        let mend = format!("use a whole number from 0 to {most}");
+        let DeValue::Integer(i) = self.value else { return Err(self.wrong_type("a whole number", &mend)) };
+        let number = u32::from_str_radix(i.as_str(), i.radix()).ok().filter(|n| *n <= most);
+        number.ok_or_else(|| self.fault(&format!("is {i}"), &mend))
+    }
+
     pub(super) fn vec3(&self) -> Result<Vec3, SceneError> {
         let numbers: Vec<f32> = self.list(3, TRIPLE)?.iter().map(Item::number).collect::<Result<_, _>>()?;
         Ok(Vec3::from_slice(&numbers))

@@ -1,38 +1,85 @@
 //! `[[object]]`.
 
-use super::table::{Item, Table};
+use super::{
+    look::{self, Look},
+    table::{Item, Table},
+};
 use crate::{
-    SceneError, obj,
-    primitives::{block, grid, icosphere},
+    SceneError,
+    detail::{TextureFiles, with_tangents},
+    obj::{self, Part},
+    primitives::{block, grid, icosphere, mapped},
 };
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use umbrage_core::glam::{Affine3A, EulerRot, Mat4, Quat, Vec3, Vec4};
 use umbrage_core::{Instance, Mesh, Scene};
 
-const KEYS: &[&str] = &["mesh", "shape", "matrix", "translate", "rotate_degrees", "scale", "casts", "receives"];
+const KEYS: [&str; 8] = ["mesh", "shape", "matrix", "translate", "rotate_degrees", "scale", "casts", "receives"];
 const SHAPES: &[&str] = &["plane", "box", "sphere"];
 /// Splits of an icosahedron: 5,120 triangles.
 const SPHERE_SPLITS: u32 = 4;
 
 /// Adds meshes, each once, and instances.
 pub(super) fn read_all(tables: &[Table<'_>], folder: &Path, scene: &mut Scene) -> Result<(), SceneError> {
-    let mut known = HashMap::new();
+    let (mut known, mut files) = (HashMap::new(), TextureFiles::default());
     for table in tables {
-        table.only(KEYS)?;
-        let (key, item) = shape_or_mesh(table, folder)?;
-        let mesh = match known.get(&key) {
-            Some(&mesh) => mesh,
-            None => {
-                scene.meshes.push(make(&key, &item)?);
-                known.insert(key, scene.meshes.len() - 1);
-                scene.meshes.len() - 1
-            }
-        };
+        table.only(&[KEYS.as_slice(), &look::KEYS].concat())?;
+        let (source, item) = shape_or_mesh(table, folder)?;
+        let look = look::read(table, folder, &mut files, scene)?;
+        let key = (source, Needs::of(look.as_ref()));
+        if !known.contains_key(&key) {
+            known.insert(key.clone(), make(&key, &item, &mut files, scene)?);
+        }
+        let parts = &known[&key];
+        check_coordinates(look.as_ref(), parts, scene)?;
+        let own = look.map(|look| {
+            scene.materials.push(look.material);
+            scene.materials.len() - 1
+        });
         let (casts, receives) = (table.flag_or_true("casts")?, table.flag_or_true("receives")?);
-        scene.instances.push(Instance { mesh, world_from_local: placement(table)?, casts, receives });
+        let world_from_local = placement(table)?;
+        let instance = |part: &Part| Instance {
+            mesh: part.mesh,
+            world_from_local,
+            casts,
+            receives,
+            material: own.or(part.material),
+        };
+        scene.instances.extend(parts.iter().map(instance));
     }
     Ok(())
+}
+
+/// What an object's look asks of its mesh; a model without needs brings its own looks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Needs {
+    OwnLooks,
+    Nothing,
+    Coordinates,
+    Tangents,
+}
+
+impl Needs {
+    fn of(look: Option<&Look<'_>>) -> Self {
+        match look {
+            None => Self::OwnLooks,
+            Some(look) if look.material.normal_map.is_some() => Self::Tangents,
+            Some(look) if look.textured.is_some() => Self::Coordinates,
+            Some(_) => Self::Nothing,
+        }
+    }
+
+    fn textured(self) -> bool {
+        matches!(self, Self::Coordinates | Self::Tangents)
+    }
+}
+
+fn check_coordinates(look: Option<&Look<'_>>, parts: &[Part], scene: &Scene) -> Result<(), SceneError> {
+    let Some(item) = look.and_then(|look| look.textured.as_ref()) else { return Ok(()) };
+    let bare = parts.iter().map(|part| &scene.meshes[part.mesh]).find(|mesh| mesh.uvs.is_empty());
+    let why = bare.map(|mesh| format!("needs texture coordinates, and `{}` has none", mesh.name));
+    item.require(why.is_none(), why.as_deref().unwrap_or(""), "export the model with them (`vt` lines)")
 }
 
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -57,21 +104,41 @@ fn shape_or_mesh<'a>(table: &Table<'a>, folder: &Path) -> Result<(Source, Item<'
     }
 }
 
-fn make(source: &Source, item: &Item<'_>) -> Result<Mesh, SceneError> {
-    match source {
-        Source::Shape(name) => Ok(Mesh { name: name.clone(), ..shape(name) }),
+fn make(
+    (source, needs): &(Source, Needs),
+    item: &Item<'_>,
+    files: &mut TextureFiles,
+    scene: &mut Scene,
+) -> Result<Vec<Part>, SceneError> {
+    let parts = match source {
+        Source::Shape(name) => {
+            scene.meshes.push(Mesh { name: name.clone(), ..shape(name, needs.textured()) });
+            vec![Part { mesh: scene.meshes.len() - 1, material: None }]
+        }
         Source::Model(path) => {
-            obj::load_mesh(path).map_err(|source| SceneError::Named { place: item.place(), source: Box::new(source) })
+            let files = (*needs == Needs::OwnLooks).then_some(files);
+            obj::add(path, files, scene)
+                .map_err(|source| SceneError::Named { place: item.place(), source: Box::new(source) })?
+        }
+    };
+    for part in parts.iter().filter(|_| *needs == Needs::Tangents) {
+        let mesh = &mut scene.meshes[part.mesh];
+        // Those without texture coordinates are refused by name later on.
+        if !mesh.uvs.is_empty() {
+            *mesh = item.check(with_tangents(mesh))?;
         }
     }
+    Ok(parts)
 }
 
-/// All reach from -1 to 1.
-fn shape(name: &str) -> Mesh {
+/// All reach from -1 to 1. A sphere has texture coordinates only on demand: they double vertices.
+fn shape(name: &str, textured: bool) -> Mesh {
+    let sphere = || icosphere(Vec3::ZERO, 1.0, SPHERE_SPLITS);
     match name {
         "plane" => grid([1.0, 1.0], [1, 1], |_, _| 0.0),
         "box" => block(Vec3::NEG_ONE, Vec3::ONE),
-        _ => icosphere(Vec3::ZERO, 1.0, SPHERE_SPLITS),
+        _ if textured => mapped(&sphere()),
+        _ => sphere(),
     }
 }
 

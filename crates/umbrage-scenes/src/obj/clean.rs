@@ -4,6 +4,7 @@
 //! behind faces, on continued lines, on a lone carriage return, on vertices of which only some are coloured and on
 //! names that aren't UTF-8, overflows on indices far out of range, and can't say in which line a fault is.
 
+use super::parts::Looks;
 use std::io::{self, BufRead, Read};
 
 /// Longest line that is read: a face with a million corners fits, and a file without line ends can't fill the memory.
@@ -32,6 +33,7 @@ pub(super) struct Cleaner<R> {
     /// The greatest index of each so far, and its line.
     greatest: [(usize, usize); 3],
     pub(super) faces: usize,
+    pub(super) looks: Looks,
     /// Why reading stopped, if the text is at fault.
     pub(super) fault: Option<Fault>,
     /// Why reading stopped, if the source failed.
@@ -44,7 +46,8 @@ impl<R: BufRead> Cleaner<R> {
     pub(super) fn new(source: R) -> Self {
         let (counts, greatest) = ([0; 3], [(0, 0); 3]);
         let (continued, clean) = (String::new(), io::Cursor::default());
-        Self { source, line: 0, continued, clean, counts, greatest, faces: 0, fault: None, failure: None }
+        let (faces, looks, fault, failure) = (0, Looks::default(), None, None);
+        Self { source, line: 0, continued, clean, counts, greatest, faces, looks, fault, failure }
     }
 
     /// Cleans up to the next line feed. False at the end.
@@ -110,9 +113,18 @@ impl<R: BufRead> Cleaner<R> {
             Some("vt") => self.texture_coordinate(&words.collect::<Vec<_>>()),
             Some("vn") => self.normal(&words.collect::<Vec<_>>()),
             Some("f") => self.face(&words.collect::<Vec<_>>()),
-            // Names, materials, lines, points and curves make no triangles.
+            Some("usemtl") => self.look(|looks, faces, name| looks.runs.push((faces, name)), text),
+            Some("mtllib") => self.look(|looks, _, name| looks.libraries.push(name), text),
+            // Names, lines, points and curves make no triangles.
             _ => Ok(()),
         }
+    }
+
+    /// Looks are kept aside: `tobj` would split the mesh at each, and doesn't say which file a name is from.
+    fn look(&mut self, keep: impl FnOnce(&mut Looks, usize, String), text: &str) -> Result<(), Fault> {
+        let name = text.trim().split_once(char::is_whitespace).map_or("", |(_, name)| name.trim());
+        keep(&mut self.looks, self.faces, name.to_owned());
+        Ok(())
     }
 
     fn vertex(&mut self, words: &[&str]) -> Result<(), Fault> {

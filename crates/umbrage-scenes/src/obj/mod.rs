@@ -1,11 +1,17 @@
-//! Wavefront OBJ models. Materials, names, lines and points are left aside; all faces become one mesh.
+//! Wavefront OBJ models. Names, lines and points are left aside; all faces of one material become one mesh.
 
 mod clean;
+mod material;
+#[cfg(test)]
+mod material_tests;
+mod parts;
 #[cfg(test)]
 mod tests;
 
-use crate::{SceneError, error::Place, framing::frame, polygon::triangulate};
+use crate::{SceneError, detail::TextureFiles, error::Place, framing::frame, polygon::triangulate};
 use clean::Cleaner;
+use parts::Model;
+pub(crate) use parts::Part;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use umbrage_core::glam::{Affine3A, UVec2, Vec2, Vec3};
@@ -25,15 +31,12 @@ const SIZES: [f32; 2] = [1e-6, 1e8];
 
 /// A model alone: framed, in the sun.
 pub(crate) fn load_scene(path: &Path) -> Result<Scene, SceneError> {
-    let mesh = load_mesh(path)?;
     let file = path.display().to_string();
     let invalid = |source| SceneError::Invalid { file: file.clone(), source };
-    let mut scene = Scene {
-        name: name_of(path),
-        meshes: vec![mesh],
-        instances: vec![Instance::new(0, Affine3A::IDENTITY)],
-        ..Scene::default()
-    };
+    let mut scene = Scene { name: name_of(path), ..Scene::default() };
+    let parts = add(path, Some(&mut TextureFiles::default()), &mut scene)?;
+    let instance = |part: Part| Instance { material: part.material, ..Instance::new(part.mesh, Affine3A::IDENTITY) };
+    scene.instances = parts.into_iter().map(instance).collect();
     let geometry = Geometry::bake(&scene).map_err(invalid)?;
     let camera = framed(&geometry, Place { file: file.clone(), line: None, key: None })?;
     let direction = camera.world_from_view.transform_vector3(SUN_IN_VIEW);
@@ -63,21 +66,26 @@ pub(crate) fn name_of(path: &Path) -> String {
     path.file_stem().map_or_else(|| "scene".to_owned(), |stem| stem.to_string_lossy().into_owned())
 }
 
-/// The faces of an OBJ file as one mesh.
-pub(crate) fn load_mesh(path: &Path) -> Result<Mesh, SceneError> {
+/// Adds the faces of an OBJ file to a scene: a mesh for each material, or one mesh without looks if no `files` are
+/// given.
+pub(crate) fn add(path: &Path, files: Option<&mut TextureFiles>, scene: &mut Scene) -> Result<Vec<Part>, SceneError> {
+    parts::add(load(path)?, path, files, scene)
+}
+
+fn load(path: &Path) -> Result<Model, SceneError> {
     let open = || {
         let file = std::fs::File::open(path)?;
         // Else a directory opens, and fails on reading with less to say; a pipe might never end.
         if file.metadata()?.is_file() { Ok(file) } else { Err(std::io::Error::other("is not a file")) }
     };
     let file = open().map_err(|e| SceneError::unreadable(path, &e))?;
-    read_mesh(path, BufReader::new(file))
+    read(path, BufReader::new(file))
 }
 
-fn read_mesh(path: &Path, source: impl BufRead) -> Result<Mesh, SceneError> {
+fn read(path: &Path, source: impl BufRead) -> Result<Model, SceneError> {
     let mut clean = BufReader::new(Cleaner::new(source));
     let options = tobj::LoadOptions { single_index: true, triangulate: false, ..tobj::GPU_LOAD_OPTIONS };
-    let read = tobj::load_obj_buf(&mut clean, &options, |_| Ok(Default::default()));
+    let parsed = tobj::load_obj_buf(&mut clean, &options, |_| Ok(Default::default()));
     let clean = clean.into_inner();
     let fault = |line, why: String, mend: &str| {
         let place = Place { file: path.display().to_string(), line, key: None };
@@ -89,15 +97,19 @@ fn read_mesh(path: &Path, source: impl BufRead) -> Result<Mesh, SceneError> {
     if let Some(error) = clean.failure {
         return Err(SceneError::unreadable(path, &error));
     }
-    let (models, _) = read.map_err(|e| fault(None, format!("can't be parsed: {e}"), "export the model again"))?;
+    let (models, _) = parsed.map_err(|e| fault(None, format!("can't be parsed: {e}"), "export the model again"))?;
     // Nothing that would split it was handed on, so there is one.
     match models.into_iter().next().map(|model| model.mesh) {
-        Some(mesh) if clean.faces > 0 => Ok(convert(name_of(path), &mesh)),
+        Some(mesh) if clean.faces > 0 => {
+            let (mesh, face) = convert(name_of(path), &mesh);
+            Ok(Model { mesh, face, looks: clean.looks })
+        }
         _ => Err(fault(None, "has no face".to_owned(), "export the model with its faces (`f` lines)")),
     }
 }
 
-fn convert(name: String, mesh: &tobj::Mesh) -> Mesh {
+/// The mesh, and of which face each triangle is.
+fn convert(name: String, mesh: &tobj::Mesh) -> (Mesh, Vec<u32>) {
     let positions: Vec<Vec3> = mesh.positions.chunks_exact(3).map(Vec3::from_slice).collect();
     // `tobj` skips what some corners lack, and the rest no longer lines up.
     let whole = |len: usize| len == positions.len();
@@ -106,26 +118,30 @@ fn convert(name: String, mesh: &tobj::Mesh) -> Mesh {
     // OBJ counts v from the bottom.
     let uvs: Vec<Vec2> = mesh.texcoords.chunks_exact(2).map(|uv| Vec2::new(uv[0], 1.0 - uv[1])).collect();
     let mapped = whole(uvs.len()) && uvs.iter().all(|uv| uv.is_finite());
-    let triangles = triangles(mesh, &positions);
-    Mesh {
+    let (triangles, face) = triangles(mesh, &positions);
+    let mesh = Mesh {
         name,
         normals: if usable { normals } else { Vec::new() },
         uvs: if mapped { uvs } else { Vec::new() },
         positions,
         triangles,
-    }
+        ..Mesh::default()
+    };
+    (mesh, face)
 }
 
-fn triangles(mesh: &tobj::Mesh, positions: &[Vec3]) -> Vec<[u32; 3]> {
+fn triangles(mesh: &tobj::Mesh, positions: &[Vec3]) -> (Vec<[u32; 3]>, Vec<u32>) {
     if mesh.face_arities.is_empty() {
-        return mesh.indices.as_chunks::<3>().0.to_vec();
+        let triangles = mesh.indices.as_chunks::<3>().0.to_vec();
+        let count = triangles.len() as u32;
+        return (triangles, (0..count).collect());
     }
     let (mut out, mut rest) = (Vec::with_capacity(mesh.indices.len() / 2), mesh.indices.as_slice());
-    for &arity in &mesh.face_arities {
+    for (i, &arity) in (0..).zip(&mesh.face_arities) {
         let (face, others) = rest.split_at(arity as usize);
         rest = others;
         let corners: Vec<Vec3> = face.iter().map(|&v| positions[v as usize]).collect();
-        out.extend(triangulate(&corners).into_iter().map(|t| t.map(|i| face[i as usize])));
+        out.extend(triangulate(&corners).into_iter().map(|t| (t.map(|c| face[c as usize]), i)));
     }
-    out
+    out.into_iter().unzip()
 }

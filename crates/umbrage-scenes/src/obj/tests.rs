@@ -2,7 +2,7 @@ use super::*;
 use std::io::Cursor;
 
 fn read(text: impl AsRef<[u8]>) -> Result<Mesh, SceneError> {
-    read_mesh(Path::new("model.obj"), Cursor::new(text.as_ref().to_vec()))
+    super::read(Path::new("model.obj"), Cursor::new(text.as_ref().to_vec())).map(|model| model.mesh)
 }
 
 /// The error's line and text.
@@ -144,7 +144,7 @@ fn a_source_that_fails_is_told_apart_from_bad_text() {
             Err(std::io::Error::other("the disk is gone"))
         }
     }
-    let error = read_mesh(Path::new("m.obj"), BufReader::new(Broken)).unwrap_err();
+    let error = super::read(Path::new("m.obj"), BufReader::new(Broken)).unwrap_err();
     assert!(error.to_string().contains("the disk is gone"), "{error}");
 }
 

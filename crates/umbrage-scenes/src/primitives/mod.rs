@@ -1,15 +1,19 @@
 //! Shapes that built-in scenes are made of: closed unless they say otherwise, counter-clockwise seen from outside.
 
 mod lathe;
+mod mapped;
 mod prism;
 mod solids;
 mod sphere;
+mod torus;
 mod tube;
 
 pub(crate) use lathe::{lathe, pillar};
+pub(crate) use mapped::mapped;
 pub(crate) use prism::prism;
-pub(crate) use solids::{block, grid, quad};
-pub(crate) use sphere::icosphere;
+pub(crate) use solids::{block, grid, quad, room, slabs_around, tiled};
+pub(crate) use sphere::{icosphere, octasphere};
+pub(crate) use torus::torus;
 pub(crate) use tube::tube;
 
 #[cfg(test)]

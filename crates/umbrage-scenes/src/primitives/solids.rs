@@ -2,9 +2,10 @@
 
 use super::bare;
 use umbrage_core::Mesh;
-use umbrage_core::glam::Vec3;
+use umbrage_core::glam::{Vec2, Vec3};
 
-/// A flat rectangle at height 0 that faces up, open at its rim: `half` in x and z, `cells` quads along each.
+/// A flat rectangle at height 0 that faces up, open at its rim: `half` in x and z, `cells` quads along each. Its texture
+/// spans it once, u along x and v along z.
 pub(crate) fn grid(half: [f32; 2], cells: [u32; 2], height: impl Fn(f32, f32) -> f32) -> Mesh {
     let [nx, nz] = cells;
     let at = |i: u32, n: u32, half: f32| half * (2.0 * i as f32 / n as f32 - 1.0);
@@ -15,6 +16,7 @@ pub(crate) fn grid(half: [f32; 2], cells: [u32; 2], height: impl Fn(f32, f32) ->
             Vec3::new(x, height(x, z), z)
         }));
     }
+    let uvs = (0..=nz).flat_map(|k| (0..=nx).map(move |i| Vec2::new(i as f32 / nx as f32, k as f32 / nz as f32)));
     let corner = |i: u32, k: u32| k * (nx + 1) + i;
     let triangles = (0..nz).flat_map(|k| {
         (0..nx).flat_map(move |i| {
@@ -22,15 +24,54 @@ pub(crate) fn grid(half: [f32; 2], cells: [u32; 2], height: impl Fn(f32, f32) ->
             [[a, b, c], [a, c, d]]
         })
     });
-    bare("grid", positions, triangles.collect())
+    Mesh { uvs: uvs.collect(), ..bare("grid", positions, triangles.collect()) }
 }
 
-/// One quad from its corners in order, open; it faces where they run counter-clockwise.
+/// One quad from its corners in order, open; it faces where they run counter-clockwise. The first is its texture's
+/// bottom left.
 pub(crate) fn quad(corners: [Vec3; 4]) -> Mesh {
-    bare("quad", corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]])
+    let uvs = [Vec2::Y, Vec2::ONE, Vec2::X, Vec2::ZERO].to_vec();
+    Mesh { uvs, ..bare("quad", corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]) }
 }
 
-/// A box with flat shading normals: four vertices a side.
+/// The same mesh, its texture repeated: `times` along u and v.
+pub(crate) fn tiled(mesh: Mesh, times: Vec2) -> Mesh {
+    Mesh { uvs: mesh.uvs.iter().map(|uv| *uv * times).collect(), ..mesh }
+}
+
+/// A box that is seen from inside: it faces in.
+pub(crate) fn room(min: Vec3, max: Vec3) -> Mesh {
+    let mut mesh = Mesh { name: "room".to_owned(), ..block(min, max) };
+    mesh.triangles.iter_mut().for_each(|t| t.swap(0, 1));
+    mesh.normals.iter_mut().for_each(|n| *n = -*n);
+    mesh.uvs.iter_mut().for_each(|uv| uv.x = 1.0 - uv.x);
+    mesh
+}
+
+/// Six closed slabs, `wall` thick, around an empty box: floor, ceiling, then the walls at -x, +x, -z, +z.
+pub(crate) fn slabs_around(min: Vec3, max: Vec3, wall: f32) -> [Mesh; 6] {
+    let (low, high) = (min - wall, max + wall);
+    let at = Vec3::new;
+    [
+        (low, at(high.x, min.y, high.z)),
+        (at(low.x, max.y, low.z), high),
+        (at(low.x, min.y, low.z), at(min.x, max.y, high.z)),
+        (at(max.x, min.y, low.z), at(high.x, max.y, high.z)),
+        (at(min.x, min.y, low.z), at(max.x, max.y, min.z)),
+        (at(min.x, min.y, max.z), at(max.x, max.y, high.z)),
+    ]
+    .map(|(min, max)| block(min, max))
+}
+
+/// Where a box's corner (0 or 1 along each axis) lies in the texture of the side that faces along `normal`: upright on
+/// walls, and as from above, -z on top, on the floor.
+fn side_uv(corner: Vec3, normal: Vec3) -> Vec2 {
+    let up = if normal.y == 0.0 { Vec3::Y } else { Vec3::NEG_Z };
+    let p = corner - 0.5;
+    Vec2::new(0.5 + p.dot(up.cross(normal)), 0.5 - p.dot(up))
+}
+
+/// A box with flat shading normals: four vertices a side. Its texture spans each side once.
 pub(crate) fn block(min: Vec3, max: Vec3) -> Mesh {
     let mut mesh = bare("box", Vec::new(), Vec::new());
     for axis in 0..3 {
@@ -41,8 +82,12 @@ pub(crate) fn block(min: Vec3, max: Vec3) -> Mesh {
                 let mut p = if sign > 0.0 { max } else { min };
                 p[u] = [min, max][s][u];
                 p[v] = [min, max][t][v];
+                let normal = Vec3::AXES[axis] * sign;
+                let mut corner = normal.max(Vec3::ZERO);
+                (corner[u], corner[v]) = (s as f32, t as f32);
                 mesh.positions.push(p);
-                mesh.normals.push(Vec3::AXES[axis] * sign);
+                mesh.normals.push(normal);
+                mesh.uvs.push(side_uv(corner, normal));
             }
             let sides = if sign > 0.0 { [[0, 1, 2], [0, 2, 3]] } else { [[0, 2, 1], [0, 3, 2]] };
             mesh.triangles.extend(sides.map(|t| t.map(|v| v + base)));

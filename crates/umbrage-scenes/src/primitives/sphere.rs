@@ -6,7 +6,20 @@ use umbrage_core::glam::{DVec3, Vec3};
 
 /// A sphere of `20 * 4^splits` nearly equal triangles with all vertices on it, from an icosahedron.
 pub(crate) fn icosphere(center: Vec3, radius: f32, splits: u32) -> Mesh {
-    let (mut directions, mut triangles) = icosahedron();
+    sphere(center, radius, splits, icosahedron())
+}
+
+/// A sphere of `8 * 4^splits` triangles, from an octahedron: less equal ones, but the poles are vertices and every
+/// quarter turn a meridian is made of edges, where a texture can begin and end.
+pub(crate) fn octasphere(radius: f32, splits: u32) -> Mesh {
+    let directions = [DVec3::Y, DVec3::Z, DVec3::X, DVec3::NEG_Z, DVec3::NEG_X, DVec3::NEG_Y];
+    let upper = (1..5).map(|i| [0, i, i % 4 + 1]);
+    let lower = (1..5).map(|i| [5, i % 4 + 1, i]);
+    sphere(Vec3::ZERO, radius, splits, (directions.to_vec(), upper.chain(lower).collect()))
+}
+
+fn sphere(center: Vec3, radius: f32, splits: u32, polyhedron: (Vec<DVec3>, Vec<[u32; 3]>)) -> Mesh {
+    let (mut directions, mut triangles) = polyhedron;
     for _ in 0..splits {
         let mut middles = HashMap::new();
         triangles = triangles.into_iter().flat_map(|t| split(t, &mut directions, &mut middles)).collect();

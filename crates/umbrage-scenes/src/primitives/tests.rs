@@ -30,6 +30,10 @@ fn solids() -> Vec<(Mesh, f64)> {
         (lathe(&[(0.0, -1.0), (0.7, -0.7), (1.0, 0.0), (0.7, 0.7), (0.0, 1.0)], 64), 3.5),
         (tube(&arc, 24), 5.0),
         (prism(&step, 1.0, -1.0), 6.0),
+        (octasphere(1.0, 5), 4.19),
+        (mapped(&octasphere(1.0, 5)), 4.19),
+        (mapped(&icosphere(Vec3::ZERO, 1.0, 4)), 4.19),
+        (torus(2.0, 0.5, [64, 32]), 9.87),
     ]
 }
 
@@ -87,4 +91,20 @@ fn a_sphere_keeps_its_vertices_on_its_surface() {
     assert_eq!(mesh.triangles.len(), 20_480);
     // One rounding to f32 of coordinates below 4.
     assert!(mesh.positions.iter().all(|p| (p.distance(center) - 0.5).abs() < 1e-6));
+}
+
+#[test]
+fn spheres_are_mapped_without_jumps() {
+    for (mesh, beyond) in [(mapped(&octasphere(1.0, 4)), 1.0), (mapped(&icosphere(Vec3::ZERO, 1.0, 4)), 1.1)] {
+        assert!(mesh.uvs.iter().all(|uv| uv.min_element() >= 0.0 && uv.x <= beyond && uv.y <= 1.0));
+        for t in &mesh.triangles {
+            let [a, b, c] = t.map(|v| mesh.uvs[v as usize]);
+            assert!((a.max(b).max(c) - a.min(b).min(c)).max_element() < 0.3, "{a} {b} {c}");
+        }
+        // Seen from +z, which is the middle of the texture, u grows to the right.
+        for (p, uv) in mesh.positions.iter().zip(&mesh.uvs).filter(|(p, _)| p.z > 0.5 && p.x.abs() > 1e-6) {
+            assert_eq!(uv.x > 0.5, p.x > 0.0, "{p} {uv}");
+            assert!((f64::from(uv.y) - f64::from(p.y).acos() / std::f64::consts::PI).abs() < 1e-6);
+        }
+    }
 }

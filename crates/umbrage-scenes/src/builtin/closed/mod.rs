@@ -3,6 +3,7 @@
 pub(crate) mod area;
 pub(crate) mod everywhere;
 pub(crate) mod point_like;
+pub(crate) mod room;
 pub(crate) mod slits;
 
 #[cfg(test)]

@@ -40,6 +40,17 @@ fn ideal_lights_follow_their_formulas() {
     holds("c6b-thick-slit", |x, _| lit(x > 0.505 && x < 0.51));
 }
 
+/// The ray from the bulb passes within a sphere's radius of its centre, exactly if its angle to the centre is less than
+/// half the angle that the sphere fills.
+#[test]
+fn spheres_around_a_bulb_follow_their_cones() {
+    let in_cone = |x: f64, z: f64, (center, radius): (Vec3, f32)| {
+        let (to_point, to_center) = (DVec3::new(x, 0.0, z) - room::BULB.as_dvec3(), (center - room::BULB).as_dvec3());
+        to_point.angle_between(to_center) < (f64::from(radius) / to_center.length()).asin()
+    };
+    holds("c3-room", |x, z| lit(!room::SPHERES.iter().any(|&sphere| in_cone(x, z, sphere))));
+}
+
 /// Where the edge cuts the lamp, seen from the floor at x: height h, edge at e, lamp at 4.
 fn edge_on_lamp(x: f64, h: f64, e: f64) -> f64 {
     (e - x * (1.0 - h / 4.0)) * 4.0 / h

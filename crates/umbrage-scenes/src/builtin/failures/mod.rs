@@ -1,7 +1,15 @@
 //! Scenes in which shadow methods are known to fail.
 
+pub(crate) mod lamps;
 pub(crate) mod nothing;
+pub(crate) mod penumbrae;
+pub(crate) mod relief;
 pub(crate) mod rooms;
 pub(crate) mod scale;
+pub(crate) mod shells;
 pub(crate) mod stairs;
 pub(crate) mod sunlit;
+pub(crate) mod volumes;
+
+/// Of scenes whose failure shows in a small picture, too.
+const SMALL: [u32; 2] = [320, 240];

@@ -2,7 +2,7 @@
 
 use crate::{
     builtin::SIZE,
-    primitives::{block, grid, pillar},
+    primitives::{block, grid, pillar, slabs_around},
     stage::{Stage, sun},
 };
 use umbrage_core::glam::{Affine3A, Vec3};
@@ -13,19 +13,10 @@ const WALL: f32 = 0.008;
 
 /// Six slabs around a space of 4 x 3 x 4 m, a table inside, the sun outside.
 pub(crate) fn sealed_room() -> Scene {
-    let (inner, outer) = (Vec3::new(2.0, 3.0, 2.0), Vec3::new(2.0 + WALL, 3.0 + WALL, 2.0 + WALL));
     let at = Vec3::new;
-    let walls = [
-        (at(-outer.x, -WALL, -outer.z), at(outer.x, 0.0, outer.z)),
-        (at(-outer.x, inner.y, -outer.z), at(outer.x, outer.y, outer.z)),
-        (at(-outer.x, 0.0, -outer.z), at(-inner.x, inner.y, outer.z)),
-        (at(inner.x, 0.0, -outer.z), at(outer.x, inner.y, outer.z)),
-        (at(-inner.x, 0.0, -outer.z), at(inner.x, inner.y, -inner.z)),
-        (at(-inner.x, 0.0, inner.z), at(inner.x, inner.y, outer.z)),
-    ];
-    walls
+    slabs_around(at(-2.0, 0.0, -2.0), at(2.0, 3.0, 2.0), WALL)
         .into_iter()
-        .fold(Stage::new("sealed-room"), |stage, (min, max)| stage.put(block(min, max)))
+        .fold(Stage::new("sealed-room"), Stage::put)
         .put(block(at(-1.4, 0.7, -1.0), at(-0.2, 0.75, 0.4)))
         .light(sun(1.0, -2.0, 0.5))
         .shoot(at(1.8, 1.7, 1.8), at(-0.6, 1.2, -0.6), 70.0, SIZE)

@@ -30,6 +30,19 @@ pub(crate) fn low_sun_10() -> Scene {
     low_sun("low-sun-10", 10.0)
 }
 
+/// Pairs of a ball and a post along 300 m, the sun 8 degrees high: the map's depths reach over a quarter of a
+/// kilometre. A 16-bit one tells steps of some 5 mm apart, which across a map's wide texels are stripes of acne.
+pub(crate) fn far_range() -> Scene {
+    let height = 8.0_f64.to_radians();
+    let at = |x: f32, z: f32| (0..13).map(move |i| Affine3A::from_translation(Vec3::new(x, 0.0, z - 24.0 * i as f32)));
+    Stage::new("far-range")
+        .put_many(grid([150.0, 170.0], [1, 1], |_, _| 0.0), [Affine3A::from_translation(Vec3::Z * -140.0)])
+        .put_many(icosphere(Vec3::Y, 1.0, 3), at(-1.5, 0.0))
+        .put_many(pillar(0.3, 6.0, 24), at(4.5, -8.0))
+        .light(sun((-0.35 * height.cos()) as f32, -height.sin() as f32, (-0.937 * height.cos()) as f32))
+        .shoot(Vec3::new(15.0, 11.0, 16.0), Vec3::new(-3.0, 0.0, -22.0), 45.0, SIZE)
+}
+
 /// 2 mm thick, half a metre high, lit from behind at 45 degrees.
 pub(crate) fn thin_plate() -> Scene {
     Stage::new("thin-plate")

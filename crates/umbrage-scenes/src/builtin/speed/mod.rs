@@ -7,4 +7,4 @@ pub(crate) mod terrain;
 pub(crate) mod town;
 
 /// The size at which lookups are timed.
-const SIZE: [u32; 2] = [1280, 720];
+pub(crate) const SIZE: [u32; 2] = [1280, 720];

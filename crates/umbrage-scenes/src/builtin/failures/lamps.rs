@@ -1,0 +1,59 @@
+//! A point light amid its casters.
+
+use super::SMALL;
+use crate::{
+    primitives::{block, grid, icosphere, pillar, room},
+    stage::{Stage, bulb},
+};
+use umbrage_core::glam::{Affine3A, Vec3};
+use umbrage_core::{Light, Scene};
+
+const LAMP: Vec3 = Vec3::new(0.0, 1.5, 0.0);
+
+/// Where two or three faces of a cube of maps around the lamp meet, something stands: posts where |x| = |z|, beams
+/// where |x| = |y| and |y| = |z|, a ball where all three are equal, counted from the lamp. The floor is two triangles,
+/// so that a map that bends straight lines between vertices has none to lean on.
+fn at_seams(name: &str, light: Light) -> Scene {
+    let at = |x: f32, y: f32, z: f32| LAMP + Vec3::new(x, y, z);
+    let posts = [(-1.0, -1.0), (1.1, -1.1), (-0.8, 0.8), (1.2, 1.2)];
+    Stage::new(name)
+        .put(room(Vec3::new(-2.2, 0.0, -2.2), Vec3::new(2.2, 3.0, 2.2)))
+        .put_many(pillar(0.05, 3.0, 16), posts.map(|(x, z)| Affine3A::from_translation(Vec3::new(x, 0.0, z))))
+        .put(block(at(-1.04, -1.04, -0.6), at(-0.96, -0.96, 0.5)))
+        .put(block(at(-0.7, 0.86, -0.94), at(0.8, 0.94, -0.86)))
+        .put(block(at(-0.5, -0.74, -0.74), at(0.3, -0.66, -0.66)))
+        .put(icosphere(at(0.6, -0.6, -0.6), 0.14, 3))
+        .light(light)
+        .shoot(Vec3::new(0.35, 2.1, 2.1), Vec3::new(-0.1, 1.15, -0.6), 88.0, SMALL)
+}
+
+pub(crate) fn lamp_in_room() -> Scene {
+    at_seams("lamp-in-room", bulb(LAMP.x, LAMP.y, LAMP.z))
+}
+
+pub(crate) fn glowing_lamp_in_room() -> Scene {
+    at_seams("glowing-lamp-in-room", Light::Point { position: LAMP, radius: 0.1 })
+}
+
+/// Planes alone receive: a floor and a wall. Casters, which don't, lie wholly and partly below the floor, through the
+/// wall, beyond the lamp, and where they should be.
+pub(crate) fn flat_receivers() -> Scene {
+    let wall = block(Vec3::new(-3.0, 0.0, -2.6), Vec3::new(3.0, 3.0, -2.5));
+    let casters = [
+        block(Vec3::new(-1.9, -0.4, -0.7), Vec3::new(-1.2, 0.5, 0.1)),
+        block(Vec3::new(1.3, -1.2, 0.2), Vec3::new(2.1, -0.3, 1.0)),
+        block(Vec3::new(1.0, 0.7, -2.9), Vec3::new(1.3, 1.0, -1.9)),
+        // Mirrored at the lamp, these two would darken the middle of the floor and of the wall.
+        block(Vec3::new(-0.6, 4.1, -0.4), Vec3::new(0.6, 4.2, 0.9)),
+        block(Vec3::new(-0.4, 3.5, 2.2), Vec3::new(0.5, 4.3, 2.3)),
+        icosphere(Vec3::new(0.5, 0.9, 0.1), 0.35, 3),
+        block(Vec3::new(-0.9, 1.1, -1.6), Vec3::new(-0.2, 1.2, -0.9)),
+    ];
+    let stage = Stage::new("flat-receivers").put(grid([3.0, 2.5], [1, 1], |_, _| 0.0)).last_roles(false, true);
+    let stage = stage.put(wall).last_roles(false, true);
+    casters
+        .into_iter()
+        .fold(stage, |stage, caster| stage.put(caster).last_roles(true, false))
+        .light(bulb(0.1, 3.2, 0.7))
+        .shoot(Vec3::new(2.6, 2.9, 5.3), Vec3::new(-0.05, 0.85, -0.8), 44.0, SMALL)
+}

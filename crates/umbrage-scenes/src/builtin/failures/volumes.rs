@@ -1,0 +1,164 @@
+//! What shadow volumes stumble over: where the eye is, how meshes are joined, how many there are.
+
+use super::SMALL;
+use crate::{
+    builtin::speed::{self, noise::uniform},
+    framing::Shot,
+    primitives::{block, grid, icosphere, pillar, quad},
+    stage::{Stage, bulb, sun},
+};
+use umbrage_core::glam::{Affine3A, IVec3, Quat, UVec2, Vec3};
+use umbrage_core::{Light, Mesh, Scene};
+
+/// Metres from the eye to the near plane.
+const NEAR: f32 = 0.1;
+/// How far to the right of the eye the umbra's side passes.
+const MARGIN: f32 = 0.03;
+const EYE: Vec3 = Vec3::new(0.0, 1.2, 4.0);
+/// Heights of the slab's underside and upper side. The latter's edge bounds the shadow.
+const SLAB: [f32; 2] = [3.0, 3.15];
+/// Where the lamp stands over the slab's edge; towards the sun, likewise.
+const TO_LIGHT: Vec3 = Vec3::new(-1.5, 3.0, -0.4);
+
+/// The eye is in the shadow of a slab overhead, 3 cm from that shadow's side, which so cuts the near plane. A post
+/// stands right behind the eye's left, out of the picture, and its shadow cuts the near plane, too. Counts of volumes
+/// that start at the eye, or that lose what the near plane clips, are wrong all over the picture.
+fn under_slab(name: &str, light: Light) -> Scene {
+    let shot = Shot {
+        eye: EYE,
+        target: Vec3::new(0.2, 0.75, 0.0),
+        up: Vec3::Y,
+        fov_y: 56.0_f32.to_radians(),
+        size: UVec2::from(SMALL),
+    };
+    let post = Affine3A::from_translation(EYE.with_y(0.0) + Vec3::new(-0.1, 0.0, 0.02));
+    Stage::new(name)
+        .put(grid([6.0, 6.0], [1, 1], |_, _| 0.0))
+        .put(block(Vec3::new(-4.0, SLAB[0], -1.5), Vec3::new(slab_edge(), SLAB[1], 5.5)))
+        .put_many(pillar(0.03, 2.0, 12), [post])
+        .put_many(
+            pillar(0.12, 1.9, 24),
+            [(-0.7, 0.3), (1.3, 0.6)].map(|(x, z)| Affine3A::from_translation(Vec3::new(x, 0.0, z))),
+        )
+        .put(icosphere(Vec3::new(0.5, 0.6, 1.6), 0.22, 3))
+        .light(light)
+        .shoot_from(&shot, Some(NEAR))
+}
+
+/// So that the plane through the slab's upper edge and the light passes [`MARGIN`] to the right of the eye.
+fn slab_edge() -> f32 {
+    EYE.x + MARGIN + TO_LIGHT.x / TO_LIGHT.y * (SLAB[1] - EYE.y)
+}
+
+pub(crate) fn eye_in_umbra() -> Scene {
+    under_slab("eye-in-umbra", sun(-TO_LIGHT.x, -TO_LIGHT.y, -TO_LIGHT.z))
+}
+
+pub(crate) fn eye_in_umbra_lamp() -> Scene {
+    let [x, y, z] = (Vec3::new(slab_edge(), SLAB[1], EYE.z - 1.0) + TO_LIGHT).to_array();
+    under_slab("eye-in-umbra-lamp", bulb(x, y, z))
+}
+
+/// Casters whose edges don't pair up: each face listed twice; a corner in the middle of a neighbour's edge; a lid that
+/// lacks a triangle; a fin, so that three faces share an edge; two boxes that share an edge, so that four do; a side
+/// that winds the wrong way.
+fn broken(name: &str, light: Light) -> Scene {
+    let unit = || block(Vec3::new(-0.35, 0.0, -0.35), Vec3::new(0.35, 0.8, 0.35));
+    let meshes = [doubled(unit()), with_t_junction(unit()), holed(unit()), finned(unit()), touching(), flipped(unit())];
+    let stage = Stage::new(name).put(grid([4.5, 4.0], [1, 1], |_, _| 0.0));
+    let places = [(-2.0, -0.9), (0.0, -1.1), (2.0, -0.9), (-1.9, 0.9), (0.0, 0.8), (1.9, 0.9)];
+    let stage = meshes.into_iter().zip(places).fold(stage, |stage, (mesh, (x, z))| {
+        let turn = Quat::from_rotation_y(0.3 * x + 0.2);
+        stage.put_many(mesh, [Affine3A::from_rotation_translation(turn, Vec3::new(x, 0.0, z))])
+    });
+    stage.light(light).shoot(Vec3::new(0.6, 4.6, 5.2), Vec3::new(0.15, 0.1, 0.05), 44.0, SMALL)
+}
+
+pub(crate) fn broken_meshes() -> Scene {
+    broken("broken-meshes", sun(0.6, -1.0, -0.25))
+}
+
+pub(crate) fn broken_meshes_lamp() -> Scene {
+    broken("broken-meshes-lamp", bulb(-0.9, 3.0, 0.1))
+}
+
+fn doubled(mut mesh: Mesh) -> Mesh {
+    mesh.triangles.extend_from_within(..);
+    mesh
+}
+
+/// The triangles that face along `normal`.
+fn side(mesh: &Mesh, normal: Vec3) -> impl Iterator<Item = usize> + '_ {
+    (0..mesh.triangles.len()).filter(move |&i| mesh.normals[mesh.triangles[i][0] as usize] == normal)
+}
+
+/// The lid's edge towards +z gets a corner in its middle, which the side below doesn't have.
+fn with_t_junction(mut mesh: Mesh) -> Mesh {
+    let lid: Vec<usize> = side(&mesh, Vec3::Y).collect();
+    let [min, max] = [Vec3::new(-0.35, 0.8, -0.35), Vec3::new(0.35, 0.8, 0.35)];
+    let base = mesh.positions.len() as u32;
+    mesh.positions.extend([min.with_z(max.z), Vec3::new(0.0, 0.8, max.z), max, max.with_z(min.z), min]);
+    mesh.normals.extend([Vec3::Y; 5]);
+    mesh.uvs.clear();
+    mesh.triangles[lid[0]] = [base, base + 1, base + 4];
+    mesh.triangles[lid[1]] = [base + 1, base + 3, base + 4];
+    mesh.triangles.push([base + 1, base + 2, base + 3]);
+    mesh
+}
+
+fn holed(mut mesh: Mesh) -> Mesh {
+    let lid = side(&mesh, Vec3::Y).next();
+    lid.map(|i| mesh.triangles.remove(i));
+    mesh
+}
+
+/// A sheet on the lid's edge towards +x.
+fn finned(mut mesh: Mesh) -> Mesh {
+    let at = |y: f32, z: f32| Vec3::new(0.35, y, z);
+    let fin = quad([at(0.8, -0.35), at(0.8, 0.35), at(1.3, 0.35), at(1.3, -0.35)]);
+    let base = mesh.positions.len() as u32;
+    mesh.positions.extend(&fin.positions);
+    mesh.normals.extend([Vec3::NEG_X; 4]);
+    mesh.uvs.clear();
+    mesh.triangles.extend(fin.triangles.iter().map(|t| t.map(|v| v + base)));
+    mesh
+}
+
+/// Two boxes that have one upright edge in common.
+fn touching() -> Mesh {
+    let mut mesh = block(Vec3::new(-0.4, 0.0, -0.4), Vec3::new(0.0, 0.8, 0.0));
+    let other = block(Vec3::ZERO, Vec3::new(0.4, 0.8, 0.4));
+    let base = mesh.positions.len() as u32;
+    mesh.positions.extend(other.positions);
+    mesh.normals.extend(other.normals);
+    mesh.uvs.extend(other.uvs);
+    mesh.triangles.extend(other.triangles.iter().map(|t| t.map(|v| v + base)));
+    mesh
+}
+
+fn flipped(mut mesh: Mesh) -> Mesh {
+    let wrong: Vec<usize> = side(&mesh, Vec3::NEG_X).collect();
+    wrong.into_iter().for_each(|i| mesh.triangles[i].swap(0, 1));
+    mesh
+}
+
+/// Small boxes on a floor, each with a volume as long as the floor is wide.
+pub(crate) fn ten_thousand_boxes() -> Scene {
+    const SIDE: i32 = 100;
+    let place = |i: i32, k: i32| {
+        let number = |what: i32| uniform(IVec3::new(i, k, what));
+        let along = |i: i32, shift: f32| i as f32 - 0.5 * (SIDE as f32 - 1.0) + 0.6 * (shift - 0.5);
+        let size = Vec3::new(0.2 + 0.2 * number(2), 0.1 + 0.5 * number(3), 0.2 + 0.2 * number(4));
+        let turn = Quat::from_rotation_y(3.0 * number(5));
+        Affine3A::from_scale_rotation_translation(size, turn, Vec3::new(along(i, number(0)), 0.0, along(k, number(1))))
+    };
+    let half = 0.5 * SIDE as f32 + 1.0;
+    Stage::new("ten-thousand-boxes")
+        .put(grid([half, half], [1, 1], |_, _| 0.0))
+        .put_many(
+            block(Vec3::new(-0.5, 0.0, -0.5), Vec3::new(0.5, 1.0, 0.5)),
+            (0..SIDE).flat_map(|i| (0..SIDE).map(move |k| place(i, k))),
+        )
+        .light(sun(1.0, -0.12, 0.3))
+        .shoot(Vec3::new(-6.0, 9.0, 40.0), Vec3::new(0.0, 0.0, 14.0), 45.0, speed::SIZE)
+}

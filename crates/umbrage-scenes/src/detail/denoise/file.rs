@@ -1,0 +1,77 @@
+//! Maps on disk: a grey PNG of 16 bits, and its scale and bias in a small file beside it.
+
+use super::DisplacementMap;
+use crate::{SceneError, detail::pixels::load_image};
+use image::{ImageBuffer, Luma};
+use std::path::{Path, PathBuf};
+use umbrage_core::glam::UVec2;
+use umbrage_core::{Invalid, invalid};
+
+impl DisplacementMap {
+    /// Writes `path` as a grey PNG of 16 bits, and `path` with `.toml` added, which holds the metres.
+    ///
+    /// The metres stand in a file of their own, not in a text chunk of the PNG, since most painting programs drop
+    /// chunks that they don't know, and a map that has lost its scale is worthless; a missing file is noticed at once.
+    ///
+    /// # Errors
+    /// When one of the two can't be written.
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<(), SceneError> {
+        let path = path.as_ref();
+        let failed = |file: &Path, why: &dyn std::fmt::Display| SceneError::Unwritable {
+            file: file.display().to_string(),
+            why: format!("can't be written: {why}"),
+            mend: "check that its folder is there and may be written to".to_owned(),
+        };
+        let image = ImageBuffer::<Luma<u16>, _>::from_raw(self.size.x, self.size.y, self.greys.clone());
+        let image = image.ok_or_else(|| failed(path, &"its size doesn't fit its texels"))?;
+        image.save_with_format(path, image::ImageFormat::Png).map_err(|e| failed(path, &e))?;
+        let metres = beside(path);
+        let text = format!(
+            "# Metres of a displacement map: bias + scale (2 h - 1), where h is 0 for black and 1 for white.\n\
+             scale = {:?}\nbias = {:?}\n",
+            self.scale, self.bias
+        );
+        std::fs::write(&metres, text).map_err(|e| failed(&metres, &e))
+    }
+
+    /// Reads what [`DisplacementMap::save`] wrote. Other programs may have changed the image: its first channel counts,
+    /// of 8 bits or 16.
+    ///
+    /// # Errors
+    /// When one of the two files can't be read, or holds something else.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, SceneError> {
+        let path = path.as_ref();
+        let [scale, bias] = read_metres(&beside(path))?;
+        let image = load_image(path)?.to_rgba16();
+        let size = UVec2::new(image.width(), image.height());
+        let file = path.display().to_string();
+        super::map::check_size(size).map_err(|source| SceneError::Invalid { file, source })?;
+        Ok(Self { size, greys: image.pixels().map(|p| p.0[0]).collect(), scale, bias })
+    }
+}
+
+/// `map.png.toml`: next to `map.png` in a list of files, and no scene's name.
+fn beside(path: &Path) -> PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push(".toml");
+    PathBuf::from(name)
+}
+
+fn read_metres(path: &Path) -> Result<[f32; 2], SceneError> {
+    let text = std::fs::read_to_string(path).map_err(|e| SceneError::unreadable(path, &e))?;
+    let file = path.display().to_string();
+    let invalid = |source| SceneError::Invalid { file: file.clone(), source };
+    let table: toml::Table = text
+        .parse()
+        .map_err(|e: toml::de::Error| Invalid::new("the map's metres", e.message(), "save the map again"))
+        .map_err(invalid)?;
+    let number = |key: &str| {
+        let value = table.get(key).and_then(|v| v.as_float().or_else(|| v.as_integer().map(|i| i as f64)));
+        let missing = || Invalid::new(format!("`{key}`"), "is missing or no number", format!("add `{key} = 0.01`"));
+        value.map(|v| v as f32).ok_or_else(missing).map_err(invalid)
+    };
+    let [scale, bias] = [number("scale")?, number("bias")?];
+    invalid::not_negative("`scale`", scale).map_err(invalid)?;
+    invalid::finite("`bias`", &[bias]).map_err(invalid)?;
+    Ok([scale, bias])
+}

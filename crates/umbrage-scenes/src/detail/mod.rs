@@ -1,0 +1,12 @@
+//! Detailed surfaces: tangents, normal maps, textures from files, displacement denoising.
+
+pub mod denoise;
+mod files;
+mod normal_map;
+mod pixels;
+mod tangents;
+
+pub(crate) use files::TextureFiles;
+pub use normal_map::fitting_normal_map;
+pub(crate) use pixels::Meaning;
+pub use tangents::with_tangents;

@@ -1,0 +1,72 @@
+//! Textures from PNG files.
+
+use crate::SceneError;
+use image::{DynamicImage, ImageFormat, ImageReader, Limits};
+use std::io::BufReader;
+use std::path::Path;
+use umbrage_core::glam::UVec2;
+use umbrage_core::{Texture, picture};
+
+/// Most texels along a side: 1 GiB in memory for a square.
+const MAX_SIDE: u32 = 8192;
+
+/// What a file's numbers mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Meaning {
+    /// Colours encoded as sRGB: decoded here, and nowhere else.
+    Color,
+    /// Normals or heights: numbers as they are.
+    Data,
+}
+
+/// A texture from a PNG file of 8 or 16 bits a channel; 1, 2 and 4 bits are widened. Grey is in all three channels, and
+/// alpha is 1 where there is none.
+pub(crate) fn load_texture(path: &Path, meaning: Meaning) -> Result<Texture, SceneError> {
+    let image = load_image(path)?;
+    let size = UVec2::new(image.width(), image.height());
+    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
+    Ok(Texture { name, size, texels: texels(&image, meaning) })
+}
+
+pub(super) fn load_image(path: &Path) -> Result<DynamicImage, SceneError> {
+    let file = std::fs::File::open(path).map_err(|e| SceneError::unreadable(path, &e))?;
+    let mut limits = Limits::default();
+    (limits.max_image_width, limits.max_image_height) = (Some(MAX_SIDE), Some(MAX_SIDE));
+    let mut reader = ImageReader::with_format(BufReader::new(file), ImageFormat::Png);
+    reader.limits(limits);
+    reader.decode().map_err(|e| SceneError::Unreadable {
+        file: path.display().to_string(),
+        why: format!("can't be read as a PNG image: {e}"),
+        mend: format!("save it as PNG, at most {MAX_SIDE} texels a side"),
+    })
+}
+
+fn texels(image: &DynamicImage, meaning: Meaning) -> Vec<[f32; 4]> {
+    let channels = u32::from(image.color().channel_count()).max(1);
+    let bits = u32::from(image.color().bits_per_pixel()) / channels;
+    if bits > 8 {
+        let value = match meaning {
+            Meaning::Color => picture::decode_16,
+            Meaning::Data => |word| f32::from(word) / 65535.0,
+        };
+        let wide = image.to_rgba16();
+        return wide.pixels().map(|p| texel(p.0.map(value), f32::from(p.0[3]) / 65535.0)).collect();
+    }
+    let value = match meaning {
+        Meaning::Color => picture::decode,
+        Meaning::Data => |byte| f32::from(byte) / 255.0,
+    };
+    // A power for each texel would take longer than reading the file.
+    let table: [f32; 256] = std::array::from_fn(|i| value(i as u8));
+    let narrow = image.to_rgba8();
+    narrow.pixels().map(|p| texel(p.0.map(|byte| table[usize::from(byte)]), f32::from(p.0[3]) / 255.0)).collect()
+}
+
+/// Alpha is never encoded.
+fn texel([r, g, b, _]: [f32; 4], alpha: f32) -> [f32; 4] {
+    [r, g, b, alpha]
+}
+
+#[cfg(test)]
+#[path = "pixels_tests.rs"]
+mod tests;

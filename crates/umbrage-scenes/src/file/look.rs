@@ -1,0 +1,122 @@
+//! How an `[[object]]` looks.
+
+use super::table::{Item, Table};
+use crate::{
+    SceneError,
+    detail::{Meaning, TextureFiles},
+};
+use std::path::Path;
+use umbrage_core::glam::Vec3;
+use umbrage_core::{Displacement, MAX_SHININESS_LOG2, MAX_SUBDIVISIONS, Material, Scene, invalid};
+
+/// The keys of looks, which stand among an object's others.
+pub(super) const KEYS: [&str; 9] = [
+    "color",
+    "texture",
+    "normal_map",
+    "height_map",
+    "displacement",
+    "subdivisions",
+    "shininess",
+    "specular",
+    "emissive",
+];
+
+/// A material, and what it asks of a mesh.
+#[derive(Clone, Debug)]
+pub(super) struct Look<'a> {
+    pub(super) material: Material,
+    /// The first key that needs texture coordinates.
+    pub(super) textured: Option<Item<'a>>,
+}
+
+/// None where an object has none of the keys.
+pub(super) fn read<'a>(
+    table: &Table<'a>,
+    folder: &Path,
+    files: &mut TextureFiles,
+    scene: &mut Scene,
+) -> Result<Option<Look<'a>>, SceneError> {
+    if KEYS.iter().all(|key| table.get(key).is_none()) {
+        return Ok(None);
+    }
+    let mut texture = |key: &str, meaning| -> Result<Option<usize>, SceneError> {
+        let Some(item) = table.get(key) else { return Ok(None) };
+        let path = folder.join(item.text()?);
+        let is_png = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
+        item.require(is_png, &format!("is `{}`, not a .png file", path.display()), "name a PNG image")?;
+        let named = |source| SceneError::Named { place: item.place(), source: Box::new(source) };
+        files.index(&path, meaning, &mut scene.textures).map(Some).map_err(named)
+    };
+    let diffuse_texture = texture("texture", Meaning::Color)?;
+    let (normal_map, height_map) = (texture("normal_map", Meaning::Data)?, texture("height_map", Meaning::Data)?);
+    let plain = Material { diffuse_texture, normal_map, ..Material::default() };
+    let material = Material {
+        diffuse: color(table, "color")?.unwrap_or(if diffuse_texture.is_some() { Vec3::ONE } else { plain.diffuse }),
+        specular: specular(table)?.unwrap_or(plain.specular),
+        shininess_log2: shininess(table)?.unwrap_or(plain.shininess_log2),
+        emissive: emissive(table)?,
+        displacement: displacement(table, height_map)?,
+        ..plain
+    };
+    let textured = ["texture", "normal_map", "height_map"].iter().find_map(|key| table.get(key));
+    Ok(Some(Look { material, textured }))
+}
+
+fn displacement(table: &Table<'_>, height_map: Option<usize>) -> Result<Option<Displacement>, SceneError> {
+    let items = ["height_map", "displacement", "subdivisions"].map(|key| table.get(key));
+    match (height_map, items) {
+        (None, [_, None, None]) => Ok(None),
+        (None, [_, Some(item), _] | [_, _, Some(item)]) => {
+            Err(item.fault("stands without `height_map`", "add height_map = \"heights.png\""))
+        }
+        (Some(texture), [_, Some(metres), subdivisions]) => {
+            let subdivisions = subdivisions.map_or(Ok(0), |item| item.whole(MAX_SUBDIVISIONS))?;
+            Ok(Some(Displacement { texture, lambda: metres.number()?, subdivisions }))
+        }
+        (Some(_), _) => {
+            table.need("displacement", "0.05")?;
+            Ok(None)
+        }
+    }
+}
+
+/// Linear, 0 to 1.
+fn color(table: &Table<'_>, key: &str) -> Result<Option<Vec3>, SceneError> {
+    let Some(item) = table.get(key) else { return Ok(None) };
+    let color = item.vec3()?;
+    let fits = color.to_array().iter().all(|v| (0.0..=1.0).contains(v));
+    item.require(fits, &format!("is {color}"), "use numbers from 0 to 1 (linear, not sRGB)")?;
+    Ok(Some(color))
+}
+
+/// One number for all channels, or one for each.
+fn specular(table: &Table<'_>) -> Result<Option<Vec3>, SceneError> {
+    let Some(item) = table.get("specular").filter(|item| !item.value.is_array()) else {
+        return color(table, "specular");
+    };
+    let number = item.number()?;
+    item.require((0.0..=1.0).contains(&number), &format!("is {number}"), "use 0 to 1")?;
+    Ok(Some(Vec3::splat(number)))
+}
+
+fn emissive(table: &Table<'_>) -> Result<Vec3, SceneError> {
+    let Some(item) = table.get("emissive") else { return Ok(Vec3::ZERO) };
+    let color = item.vec3()?;
+    color.to_array().into_iter().try_for_each(|v| item.check(invalid::not_negative("", v)))?;
+    Ok(color)
+}
+
+/// The exponent of a power of two.
+fn shininess(table: &Table<'_>) -> Result<Option<u32>, SceneError> {
+    let Some(item) = table.get("shininess") else { return Ok(None) };
+    let most = 1 << MAX_SHININESS_LOG2;
+    let power = item.whole(most)?;
+    let mend = format!("use a power of two: 1, 2, 4, 8 and so on to {most}");
+    item.require(power.is_power_of_two(), &format!("is {power}"), &mend)?;
+    Ok(Some(power.trailing_zeros()))
+}
+
+#[cfg(test)]
+#[path = "look_tests.rs"]
+mod tests;

@@ -1,0 +1,86 @@
+//! A brick wall: colour, relief, and the normals that fit the relief.
+
+use super::{Look, texture, textured};
+use crate::builtin::speed::noise::uniform;
+use umbrage_core::glam::{IVec3, Vec2, Vec3};
+use umbrage_core::{Displacement, Material, Texture};
+
+const SIDE: u32 = 128;
+/// Courses a tile, of half as many bricks each.
+const COURSES: f32 = 4.0;
+/// Half the width of a joint, and the width of a brick's sloping rim; parts of a tile.
+const JOINT: f32 = 0.02;
+const RIM: f32 = 0.025;
+
+/// A wall in running bond.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bricks {
+    /// Side of a tile of the texture on the wall, metres.
+    pub(crate) tile: f32,
+    /// From the joints' bottom to the bricks' face, metres.
+    pub(crate) depth: f32,
+}
+
+impl Bricks {
+    /// Colour alone.
+    pub(crate) fn flat(self) -> Look {
+        textured(texture("bricks", SIDE, color))
+    }
+
+    /// Colour and normals: relief that changes no shadow.
+    pub(crate) fn bumpy(self) -> Look {
+        let look = self.flat();
+        let material = Material { normal_map: Some(1), ..look.material };
+        Look { material, textures: [look.textures, vec![self.normals()]].concat() }
+    }
+
+    /// Colour and relief: the wall's plane is half way between joints and faces.
+    pub(crate) fn carved(self, subdivisions: u32) -> Look {
+        let look = self.flat();
+        let relief = Displacement { texture: 1, lambda: 0.5 * self.depth, subdivisions };
+        let heights = texture("brick heights", SIDE, |uv| Vec3::splat(height(uv)));
+        let material = Material { displacement: Some(relief), ..look.material };
+        Look { material, textures: [look.textures, vec![heights]].concat() }
+    }
+
+    /// Tangent-space normals of the relief, by differences over two texels, green up.
+    fn normals(self) -> Texture {
+        let step = 1.0 / SIDE as f32;
+        let slope = |uv: Vec2, d: Vec2| (height(uv + d) - height(uv - d)) * self.depth / (2.0 * step * self.tile);
+        texture("brick normals", SIDE, |uv| {
+            // v runs down the picture, green up.
+            let (along_u, along_v) = (slope(uv, Vec2::new(step, 0.0)), slope(uv, Vec2::new(0.0, step)));
+            0.5 + 0.5 * Vec3::new(-along_u, along_v, 1.0).normalize()
+        })
+    }
+}
+
+/// The brick that a point belongs to, and where in it, both from 0 to 1.
+fn brick(uv: Vec2) -> (IVec3, Vec2) {
+    let wrapped = uv - uv.floor();
+    let course = (wrapped.y * COURSES).floor();
+    let along = wrapped.x * COURSES * 0.5 + 0.5 * (course % 2.0);
+    // A brick may lie across the texture's edge.
+    let number = along.floor() % (0.5 * COURSES);
+    (IVec3::new(number as i32, course as i32, 3), Vec2::new(along.fract(), (wrapped.y * COURSES).fract()))
+}
+
+/// Distance from the middle of the nearest joint, parts of a tile.
+fn from_joint(uv: Vec2) -> f32 {
+    let (_, p) = brick(uv);
+    let edge = p.min(1.0 - p) * Vec2::new(2.0 / COURSES, 1.0 / COURSES);
+    edge.min_element()
+}
+
+/// 0 in the joints, 1 on the bricks.
+fn height(uv: Vec2) -> f32 {
+    ((from_joint(uv) - JOINT) / RIM).clamp(0.0, 1.0)
+}
+
+fn color(uv: Vec2) -> Vec3 {
+    if from_joint(uv) < JOINT {
+        return Vec3::splat(0.42);
+    }
+    let tone = uniform(brick(uv).0);
+    Vec3::new(0.36 + 0.16 * tone, 0.12 + 0.05 * tone, 0.07 + 0.02 * tone)
+}

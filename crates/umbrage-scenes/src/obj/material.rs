@@ -1,0 +1,125 @@
+//! Materials beside a model: `.mtl` files.
+//!
+//! Read are `Kd`, `Ks`, `Ke`, `Ns`, `map_Kd`, and `norm` or `map_Bump` for normals; the rest of the format is left
+//! aside.
+
+use crate::{
+    SceneError,
+    detail::{Meaning, TextureFiles},
+    error::Place,
+};
+use std::path::{Path, PathBuf};
+use umbrage_core::glam::Vec3;
+use umbrage_core::{MAX_SHININESS_LOG2, Material, Texture};
+
+/// Longest file that is read.
+const LONGEST: u64 = 16 << 20;
+
+/// One `newmtl`, textures as paths.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Entry {
+    pub(super) name: String,
+    material: Material,
+    color_map: Option<PathBuf>,
+    normal_map: Option<PathBuf>,
+}
+
+/// The entries of a file; none if there is no such file, since models often come without theirs.
+pub(super) fn load(path: &Path) -> Result<Vec<Entry>, SceneError> {
+    if !path.is_file() {
+        return Ok(Vec::new());
+    }
+    let read = || match std::fs::metadata(path)?.len() <= LONGEST {
+        true => std::fs::read(path),
+        false => Err(std::io::Error::other("is over 16 MiB long")),
+    };
+    let bytes = read().map_err(|e| SceneError::unreadable(path, &e))?;
+    parse(&String::from_utf8_lossy(&bytes), path)
+}
+
+pub(super) fn parse(text: &str, path: &Path) -> Result<Vec<Entry>, SceneError> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let mut entries: Vec<Entry> = Vec::new();
+    let text = text.trim_start_matches('\u{feff}');
+    for (i, line) in text.replace("\r\n", "\n").split(['\n', '\r']).enumerate() {
+        let line = line.split('#').next().unwrap_or_default().trim();
+        let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+        if keyword.eq_ignore_ascii_case("newmtl") {
+            let (color_map, normal_map) = (None, None);
+            entries.push(Entry { name: rest.trim().to_owned(), material: Material::default(), color_map, normal_map });
+        } else if let Some(entry) = entries.last_mut() {
+            entry.set(&keyword.to_ascii_lowercase(), rest.trim(), folder).map_err(|why| SceneError::Fault {
+                place: Place { file: path.display().to_string(), line: Some(i + 1), key: Some(keyword.to_owned()) },
+                why,
+                mend: "write numbers as 0.5, one or three".to_owned(),
+            })?;
+        }
+    }
+    Ok(entries)
+}
+
+impl Entry {
+    fn set(&mut self, keyword: &str, rest: &str, folder: &Path) -> Result<(), String> {
+        match keyword {
+            "kd" => self.material.diffuse = color(rest)?,
+            "ks" => self.material.specular = color(rest)?,
+            "ke" => self.material.emissive = color(rest)?,
+            "ns" => self.material.shininess_log2 = shininess(numbers(rest)?[0]),
+            "map_kd" => self.color_map = file(rest, folder),
+            "norm" | "map_bump" | "bump" => self.normal_map = file(rest, folder).or(self.normal_map.take()),
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// The material, its textures read as far as they are there and `mapped` says that the mesh can show them.
+    pub(super) fn material(
+        &self,
+        mapped: bool,
+        files: &mut TextureFiles,
+        textures: &mut Vec<Texture>,
+    ) -> Result<Material, SceneError> {
+        let mut index = |map: &Option<PathBuf>, meaning| match map.as_deref().filter(|path| mapped && path.is_file()) {
+            Some(path) => files.index(path, meaning, textures).map(Some),
+            None => Ok(None),
+        };
+        let diffuse_texture = index(&self.color_map, Meaning::Color)?;
+        let normal_map = index(&self.normal_map, Meaning::Data)?;
+        let grey = |t: &[f32; 4]| t[0] == t[1] && t[1] == t[2];
+        // Grey ones are heights, whose scale nobody tells.
+        let normal_map = normal_map.filter(|&map| !textures[map].texels.iter().all(grey));
+        Ok(Material { diffuse_texture, normal_map, ..self.material })
+    }
+}
+
+/// One or three numbers, cut off at 0 and 1.
+fn color(rest: &str) -> Result<Vec3, String> {
+    let numbers = numbers(rest)?;
+    let color = if numbers.len() < 3 { Vec3::splat(numbers[0]) } else { Vec3::from_slice(&numbers) };
+    Ok(color.clamp(Vec3::ZERO, Vec3::ONE))
+}
+
+/// At least one finite number, at most three.
+fn numbers(rest: &str) -> Result<Vec<f32>, String> {
+    let words: Vec<&str> = rest.split_whitespace().take(3).collect();
+    let parsed = words.iter().map(|w| w.parse().ok().filter(|x: &f32| x.is_finite()).ok_or(*w));
+    match parsed.collect::<Result<Vec<_>, _>>() {
+        Ok(numbers) if numbers.is_empty() => Err("holds nothing".to_owned()),
+        Ok(numbers) => Ok(numbers),
+        Err(word) => Err(format!("holds `{word}`, which is not a number")),
+    }
+}
+
+/// The nearest power of two's exponent.
+fn shininess(power: f32) -> u32 {
+    (0..=MAX_SHININESS_LOG2)
+        .find(|&n| power < (1_u32 << n) as f32 * std::f32::consts::SQRT_2)
+        .unwrap_or(MAX_SHININESS_LOG2)
+}
+
+/// A PNG file's path; other kinds of image are left aside. Options come before it.
+fn file(rest: &str, folder: &Path) -> Option<PathBuf> {
+    let name = if rest.starts_with('-') { rest.split_whitespace().last()? } else { rest };
+    let path = folder.join(name.replace('\\', "/"));
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")).then_some(path)
+}

@@ -1,0 +1,105 @@
+//! A model's parts: one mesh for each of its materials.
+
+use super::material::{self, Entry};
+use crate::{
+    SceneError,
+    detail::{TextureFiles, with_tangents},
+};
+use std::collections::HashMap;
+use std::path::Path;
+use umbrage_core::{Mesh, Scene};
+
+/// A mesh of a scene, and the material that the model gives it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Part {
+    pub(crate) mesh: usize,
+    pub(crate) material: Option<usize>,
+}
+
+/// What a model's text says of its looks.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Looks {
+    /// Names of `.mtl` files.
+    pub(super) libraries: Vec<String>,
+    /// The first face of each run of faces with one material, and the material's name.
+    pub(super) runs: Vec<(usize, String)>,
+}
+
+/// Adds a model's mesh to a scene, cut up by its materials where these are there.
+pub(super) fn add(
+    model: Model,
+    path: &Path,
+    files: Option<&mut TextureFiles>,
+    scene: &mut Scene,
+) -> Result<Vec<Part>, SceneError> {
+    let entries = match files {
+        Some(_) => entries(&model.looks, path)?,
+        None => Vec::new(),
+    };
+    let (Some(files), false) = (files, entries.is_empty()) else {
+        scene.meshes.push(model.mesh);
+        return Ok(vec![Part { mesh: scene.meshes.len() - 1, material: None }]);
+    };
+    let parts = model.split(&entries).into_iter().map(|(entry, mesh)| {
+        let material =
+            entry.map(|i| entries[i].material(!mesh.uvs.is_empty(), files, &mut scene.textures)).transpose()?;
+        let bumpy = material.is_some_and(|m| m.normal_map.is_some());
+        let invalid = |source| SceneError::Invalid { file: path.display().to_string(), source };
+        scene.meshes.push(if bumpy { with_tangents(&mesh).map_err(invalid)? } else { mesh });
+        scene.materials.extend(material);
+        Ok(Part { mesh: scene.meshes.len() - 1, material: material.map(|_| scene.materials.len() - 1) })
+    });
+    parts.collect()
+}
+
+fn entries(looks: &Looks, path: &Path) -> Result<Vec<Entry>, SceneError> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let mut entries = Vec::new();
+    for library in &looks.libraries {
+        entries.extend(material::load(&folder.join(library.replace('\\', "/")))?);
+    }
+    Ok(entries)
+}
+
+/// All faces of a file, and which looks they ask for.
+#[derive(Clone, Debug)]
+pub(super) struct Model {
+    pub(super) mesh: Mesh,
+    /// Of each triangle.
+    pub(super) face: Vec<u32>,
+    pub(super) looks: Looks,
+}
+
+impl Model {
+    /// Meshes by entry, in order of their first faces; faces without a known material share one.
+    fn split(&self, entries: &[Entry]) -> Vec<(Option<usize>, Mesh)> {
+        let named: Vec<(usize, Option<usize>)> =
+            self.looks.runs.iter().map(|(face, name)| (*face, entries.iter().position(|e| e.name == *name))).collect();
+        let mut parts: Vec<(Option<usize>, Vec<[u32; 3]>)> = Vec::new();
+        for (triangle, &face) in self.mesh.triangles.iter().zip(&self.face) {
+            let run = named.partition_point(|(first, _)| *first <= face as usize);
+            let entry = run.checked_sub(1).and_then(|i| named[i].1);
+            match parts.iter_mut().find(|(e, _)| *e == entry) {
+                Some((_, triangles)) => triangles.push(*triangle),
+                None => parts.push((entry, vec![*triangle])),
+            }
+        }
+        parts.into_iter().map(|(entry, triangles)| (entry, self.part(&triangles))).collect()
+    }
+
+    /// Some triangles, with the vertices that they use.
+    fn part(&self, triangles: &[[u32; 3]]) -> Mesh {
+        let (old, mut known) = (&self.mesh, HashMap::new());
+        let mut out = Mesh { name: old.name.clone(), ..Mesh::default() };
+        let mut vertex = |v: u32| {
+            *known.entry(v).or_insert_with(|| {
+                out.positions.push(old.positions[v as usize]);
+                out.normals.extend(old.normals.get(v as usize));
+                out.uvs.extend(old.uvs.get(v as usize));
+                out.positions.len() as u32 - 1
+            })
+        };
+        let triangles = triangles.iter().map(|t| t.map(&mut vertex)).collect();
+        Mesh { triangles, ..out }
+    }
+}
