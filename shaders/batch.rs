@@ -1,7 +1,10 @@
 //! Lookups of many receivers: projecting is arithmetic and runs in vector lanes over batches, tapping is memory and
 //! follows one receiver at a time. The arithmetic is `look_up`'s, spelled in scalars so that the compiler finds its lanes.
 
-use crate::shadow_map::{Lookup, MapLookup, look_up, slope_bias, to_light};
+use crate::{
+    lane_plane::gradient,
+    shadow_map::{Lookup, MapLookup, look_up, slope_bias, to_light},
+};
 use glam::{Mat4, Vec2, Vec3};
 use umbrage_core::{Simd, SimdTask, Span, math::dot3};
 
@@ -18,13 +21,14 @@ pub(crate) trait Taps {
 /// Looks up a span of receivers.
 #[inline]
 pub(crate) fn look_up_span(simd: Simd, m: &MapLookup, span: &Span<'_>, out: &mut [f32], taps: &impl Taps) {
-    // The offset along the normal projects twice, and the plane's gradient is long: they stay with the plain function.
-    if m.normal_offset != 0.0 || m.receiver_plane > 0.0 {
-        simd.run_task(LookUpSpan::<_, PLAIN> { m, span, out, taps });
-    } else if m.light.w == 0.0 {
-        simd.run_task(LookUpSpan::<_, DISTANT> { m, span, out, taps });
-    } else {
-        simd.run_task(LookUpSpan::<_, NEAR> { m, span, out, taps });
+    // The offset along the normal projects twice, a cube has six matrices: they stay with the plain function.
+    let (plain, plane) = (m.normal_offset != 0.0 || m.layers > 1, m.receiver_plane > 0.0);
+    match (plain, m.light.w == 0.0, plane) {
+        (true, ..) => simd.run_task(LookUpSpan::<_, PLAIN> { m, span, out, taps }),
+        (_, true, false) => simd.run_task(LookUpSpan::<_, DISTANT> { m, span, out, taps }),
+        (_, false, false) => simd.run_task(LookUpSpan::<_, NEAR> { m, span, out, taps }),
+        (_, true, true) => simd.run_task(LookUpSpan::<_, DISTANT_PLANE> { m, span, out, taps }),
+        (_, false, true) => simd.run_task(LookUpSpan::<_, NEAR_PLANE> { m, span, out, taps }),
     }
 }
 
@@ -32,6 +36,9 @@ pub(crate) fn look_up_span(simd: Simd, m: &MapLookup, span: &Span<'_>, out: &mut
 const PLAIN: u8 = 0;
 const DISTANT: u8 = 1;
 const NEAR: u8 = 2;
+/// With the receiver's plane.
+const DISTANT_PLANE: u8 = 3;
+const NEAR_PLANE: u8 = 4;
 
 struct LookUpSpan<'a, T, const WAY: u8> {
     m: &'a MapLookup,
@@ -45,7 +52,9 @@ struct Batch {
     x: [f32; BATCH],
     y: [f32; BATCH],
     depth: [f32; BATCH],
-    gradient: [Vec2; BATCH],
+    right: [f32; BATCH],
+    down: [f32; BATCH],
+    layer: [i32; BATCH],
     seen: [bool; BATCH],
 }
 
@@ -56,17 +65,22 @@ impl<T: Taps, const WAY: u8> SimdTask for LookUpSpan<'_, T, WAY> {
     fn run(self) {
         let Self { m, span, out, taps } = self;
         let zero = [0.0; BATCH];
-        let mut b = Batch { x: zero, y: zero, depth: zero, gradient: [Vec2::ZERO; BATCH], seen: [false; BATCH] };
+        let mut b =
+            Batch { x: zero, y: zero, depth: zero, right: zero, down: zero, layer: [0; BATCH], seen: [false; BATCH] };
         for first in (0..out.len()).step_by(BATCH) {
             let count = BATCH.min(out.len() - first);
             match WAY {
                 PLAIN => one_by_one(m, span, first, count, &mut b),
-                DISTANT => in_lanes::<false>(m, span, first, count, &mut b),
-                _ => in_lanes::<true>(m, span, first, count, &mut b),
+                DISTANT => in_lanes::<false, false>(m, span, first, count, &mut b),
+                NEAR => in_lanes::<true, false>(m, span, first, count, &mut b),
+                DISTANT_PLANE => in_lanes::<false, true>(m, span, first, count, &mut b),
+                _ => in_lanes::<true, true>(m, span, first, count, &mut b),
             }
             for (i, out) in out[first..first + count].iter_mut().enumerate() {
                 let texel = Vec2::new(b.x[i], b.y[i]);
-                let l = Lookup { texel, depth: b.depth[i], gradient: b.gradient[i], seen: b.seen[i] };
+                let gradient = Vec2::new(b.right[i], b.down[i]);
+                let (depth, layer, seen) = (b.depth[i], b.layer[i], b.seen[i]);
+                let l = Lookup { texel, depth, gradient, layer, seen };
                 *out = if l.seen { taps.visibility(&l, first + i) } else { 1.0 };
             }
         }
@@ -78,7 +92,8 @@ fn one_by_one(m: &MapLookup, span: &Span<'_>, first: usize, count: usize, b: &mu
     for i in 0..count {
         let l = look_up(m, span.position(first + i), span.normal(first + i));
         (b.x[i], b.y[i], b.depth[i]) = (l.texel.x, l.texel.y, l.depth);
-        (b.gradient[i], b.seen[i]) = (l.gradient, l.seen);
+        (b.right[i], b.down[i]) = (l.gradient.x, l.gradient.y);
+        (b.layer[i], b.seen[i]) = (l.layer, l.seen);
     }
 }
 
@@ -91,7 +106,13 @@ fn row(m: &Mat4, i: usize, p: Vec3) -> f32 {
 
 #[inline(always)]
 #[expect(clippy::manual_clamp, reason = "as in `texel_from_clip`")]
-fn in_lanes<const LOCAL: bool>(m: &MapLookup, span: &Span<'_>, first: usize, count: usize, b: &mut Batch) {
+fn in_lanes<const LOCAL: bool, const PLANE: bool>(
+    m: &MapLookup,
+    span: &Span<'_>,
+    first: usize,
+    count: usize,
+    b: &mut Batch,
+) {
     let part = |values: &[f32]| -> [f32; BATCH] {
         let mut out = [0.0; BATCH];
         out[..count].copy_from_slice(&values[first..first + count]);
@@ -99,7 +120,7 @@ fn in_lanes<const LOCAL: bool>(m: &MapLookup, span: &Span<'_>, first: usize, cou
     };
     let (x, y, z) = (part(span.x), part(span.y), part(span.z));
     let (nx, ny, nz) = (part(span.nx), part(span.ny), part(span.nz));
-    let (matrix, size) = (m.clip_from_world, m.size);
+    let (matrix, size) = (m.faces[0], m.size);
     // A light without a position has one direction for all.
     let towards = m.light.truncate();
     for i in 0..BATCH {
@@ -111,7 +132,11 @@ fn in_lanes<const LOCAL: bool>(m: &MapLookup, span: &Span<'_>, first: usize, cou
         b.x[i] = ((u * 0.5 + 0.5) * size).min(1e6).max(-1e6);
         b.y[i] = ((0.5 - v * 0.5) * size).min(1e6).max(-1e6);
         b.depth[i] = d - bias;
-        b.seen[i] = w > 0.0 && d <= 1.0;
+        b.seen[i] = w > 0.0 && d <= m.farthest;
+        if PLANE {
+            let g = gradient(&matrix, [u, v, d], n, size, m.receiver_plane);
+            (b.right[i], b.down[i]) = (g.x, g.y);
+        }
     }
 }
 
@@ -120,13 +145,18 @@ mod tests {
     use super::*;
     use glam::{Vec4, dcamera::rh::proj::directx};
 
-    fn lookup(light: Vec4, slope: f32) -> MapLookup {
+    fn lookup(light: Vec4, slope: f32, receiver_plane: f32) -> MapLookup {
         let clip_from_world = directx::perspective(1.2, 1.0, 0.3, 40.0).as_mat4();
         let texel = 0.01;
-        let (constant, slope_min, normal_offset, receiver_plane) = (1e-3, slope * 0.1, 0.0, 0.0);
+        let (constant, slope_min, normal_offset) = (1e-3, slope * 0.1, 0.0);
         MapLookup {
-            clip_from_world,
+            faces: [clip_from_world; 6],
+            distances: [Vec4::ZERO; 6],
             light,
+            layers: 1,
+            packed: 0,
+            clamped: 0,
+            farthest: 1.0,
             size: 300.0,
             texel,
             constant,
@@ -146,6 +176,7 @@ mod tests {
         fn visibility(&self, l: &Lookup, i: usize) -> f32 {
             let plain = look_up(self.m, self.span.position(i), self.span.normal(i));
             assert_eq!(l.texel.to_array().map(f32::to_bits), plain.texel.to_array().map(f32::to_bits), "{i}");
+            assert_eq!(l.gradient.to_array().map(f32::to_bits), plain.gradient.to_array().map(f32::to_bits), "{i}");
             assert_eq!((l.depth.to_bits(), l.seen), (plain.depth.to_bits(), plain.seen), "{i}");
             0.5
         }
@@ -160,10 +191,11 @@ mod tests {
         let triangle = vec![0; 200];
         let first = glam::UVec2::ZERO;
         let span = Span { first, x: &x, y: &y, z: &z, nx: &nx, ny: &ny, nz: &nz, triangle: &triangle };
-        for (light, slope) in
-            [(Vec4::new(0.0, 1.0, 0.0, 0.0), 0.05), (Vec4::new(1.0, 4.0, 2.0, 1.0), 0.05), (Vec4::W, 0.0)]
+        let (sun, lamp) = (Vec4::new(0.0, 1.0, 0.0, 0.0), Vec4::new(1.0, 4.0, 2.0, 1.0));
+        for (light, slope, plane) in
+            [(sun, 0.05, 0.0), (lamp, 0.05, 0.0), (Vec4::W, 0.0, 0.0), (sun, 0.0, 0.1), (lamp, 0.05, 1e-4)]
         {
-            let m = lookup(light, slope);
+            let m = lookup(light, slope, plane);
             let check = Check { m: &m, span: &span };
             for simd in [Simd::Baseline, Simd::Native] {
                 let mut out = vec![9.0; 200];

@@ -5,7 +5,7 @@
 //! too much of it.
 
 use crate::batch::{Taps, look_up_span};
-use crate::shadow_map::{Lookup, MapLookup, ShadowMap, TAP, tap};
+use crate::shadow_map::{DepthMap, Lookup, MapLookup, ShadowMap, TAP};
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
     Inputs, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span, UniformLayout, Uniforms, View,
@@ -56,19 +56,18 @@ impl Kernel for HardKernel {
 
 impl ReceiveKernel for HardKernel {
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
-        let taps = OneTap { texels: inputs.images[0].texels, size: self.0.size as i32 };
+        let taps = OneTap { map: self.0.map(&inputs.images[0]) };
         look_up_span(inputs.simd, &self.0, span, out, &taps);
     }
 }
 
 struct OneTap<'a> {
-    texels: &'a [f32],
-    size: i32,
+    map: DepthMap<'a>,
 }
 
 impl Taps for OneTap<'_> {
     #[inline(always)]
     fn visibility(&self, l: &Lookup, _: usize) -> f32 {
-        tap(self.texels, self.size, l, l.texel.x.floor() as i32, l.texel.y.floor() as i32)
+        self.map.tap(l, l.texel.x.floor() as i32, l.texel.y.floor() as i32)
     }
 }

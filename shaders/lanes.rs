@@ -1,18 +1,18 @@
 //! Counting lit texels of a square, a row of lanes at a time. Counts are small integers in floats, which add exactly in
 //! any order: so the lanes agree with the shader's loop to the bit.
 
-use crate::shadow_map::{Lookup, tap};
+use crate::shadow_map::{DepthMap, Lookup};
 
 /// How many taps of the square whose least texel is (x, y) are lit. None unless it lies wholly within the map and its
 /// rows may be read `LANES` wide; lanes beyond `SIDE` are not counted.
 #[inline(always)]
 pub(crate) fn square<const SIDE: usize, const LANES: usize>(
-    texels: &[f32],
-    size: i32,
+    map: &DepthMap<'_>,
     l: &Lookup,
     x: i32,
     y: i32,
 ) -> Option<f32> {
+    let (texels, size) = (map.layer(l.layer)?, map.size);
     let side = SIDE as i32;
     if x < 0 || y < 0 || x + side > size || y + side > size {
         return None;
@@ -42,11 +42,11 @@ pub(crate) fn square<const SIDE: usize, const LANES: usize>(
 
 /// The same for any square: taps outside the map count as lit.
 #[inline]
-pub(crate) fn one_by_one(texels: &[f32], size: i32, l: &Lookup, [x, y]: [i32; 2], side: i32) -> f32 {
+pub(crate) fn one_by_one(map: &DepthMap<'_>, l: &Lookup, [x, y]: [i32; 2], side: i32) -> f32 {
     let mut lit = 0.0;
     for dy in 0..side {
         for dx in 0..side {
-            lit += tap(texels, size, l, x + dx, y + dy);
+            lit += map.tap(l, x + dx, y + dy);
         }
     }
     lit

@@ -1,27 +1,83 @@
 //! umbrage's built-in shadow techniques: each one file in Rust beside one of the same name in WGSL. Only public API of
 //! `umbrage-core` is used, so a technique of yours can do all that these do.
 
+mod backdrop;
 mod batch;
 mod bias;
+mod blinn_phong;
 mod catalogue;
+mod endless;
+mod extrusion;
+pub mod facing;
 mod hard;
+mod interpolation;
+mod lane_plane;
 mod lanes;
+mod light_extent;
+mod lighting;
+mod midpoint;
+pub mod packing;
+pub mod pattern;
 mod pcf;
+mod pcf_disc;
 mod pcf_dithered;
+mod pcf_hardware;
+mod pcf_merged;
+pub mod pcss;
+mod planar;
+mod planar_flatten;
+mod planar_matrix;
+mod planar_planes;
+mod sampled;
+pub mod sampling;
+mod seams;
+mod second_depth;
 pub mod shadow_map;
+mod silhouette;
+mod soft_taps;
+mod surface;
+mod surface_tables;
+mod texture;
 mod traced;
+mod volumes;
 
 pub use bias::Bias;
+pub use blinn_phong::{BlinnPhong, BlinnPhongKernel, BlinnPhongUniforms, Shading};
 pub use catalogue::{Entry, Settings, all, find};
 pub use hard::{Hard, HardKernel};
+pub use light_extent::LightExtent;
+pub use midpoint::{BetweenKernel, BetweenUniforms, Midpoint};
+pub use pattern::Pattern;
 pub use pcf::{MAX_RADIUS, Pcf, PcfKernel, PcfUniforms};
+pub use pcf_disc::{MAX_DISC_RADIUS, PcfDisc, PcfDiscKernel, PcfDiscUniforms};
 pub use pcf_dithered::{PcfDithered, PcfDitheredKernel};
-pub use shadow_map::ShadowMap;
+pub use pcf_hardware::{HardwareKernel, HardwareUniforms, PcfHardware};
+pub use pcf_merged::{MergedKernel, MergedUniforms, PcfMerged};
+pub use pcss::{Pcss, PcssKernel, PcssUniforms};
+pub use planar::{MAX_PLANES, Planar, PlanarKernel, PlanarUniforms};
+pub use planar_matrix::planar_shadow_matrix;
+pub use sampled::WEIGHT_ERROR;
+pub use second_depth::SecondDepth;
+pub use shadow_map::{BeyondFar, Border, MapFormat, ShadowMap, Surface};
 pub use traced::{MAX_SAMPLES, Traced, TracedKernel, TracedUniforms};
+pub use volumes::{ShadowVolumes, VolumesKernel, VolumesUniforms};
 
 use umbrage_core::Twin;
 
 /// Every pair of functions that the techniques share between the languages, for the lockstep tests.
 pub fn twins() -> impl Iterator<Item = &'static Twin> {
-    shadow_map::TWINS.iter()
+    [
+        shadow_map::TWINS,
+        packing::TWINS,
+        sampling::TWINS,
+        interpolation::TWINS,
+        lighting::TWINS,
+        texture::TWINS,
+        pattern::TWINS,
+        soft_taps::TWINS,
+        light_extent::TWINS,
+        facing::TWINS,
+    ]
+    .into_iter()
+    .flatten()
 }

@@ -7,7 +7,7 @@
 use crate::{
     batch::{Taps, look_up_span},
     lanes,
-    shadow_map::{Lookup, MapLookup, ShadowMap, TAP},
+    shadow_map::{DepthMap, Lookup, MapLookup, ShadowMap, TAP},
 };
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
@@ -93,25 +93,24 @@ impl Kernel for PcfKernel {
 impl ReceiveKernel for PcfKernel {
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
         let PcfUniforms { lookup, radius } = self.0;
-        let (texels, size) = (inputs.images[0].texels, lookup.size as i32);
+        let map = lookup.map(&inputs.images[0]);
         let side = (2 * radius + 1) as f32;
         let count = side * side;
         let simd = inputs.simd;
         // A known radius lets the compiler unroll rows; the others share one loop.
         match radius {
-            1 => look_up_span(simd, &lookup, span, out, &SquareOfTaps::<3, 4> { texels, size, radius, count }),
-            2 => look_up_span(simd, &lookup, span, out, &SquareOfTaps::<5, 8> { texels, size, radius, count }),
-            3 => look_up_span(simd, &lookup, span, out, &SquareOfTaps::<7, 8> { texels, size, radius, count }),
-            4 => look_up_span(simd, &lookup, span, out, &SquareOfTaps::<9, 16> { texels, size, radius, count }),
-            _ => look_up_span(simd, &lookup, span, out, &SquareOfTaps::<0, 0> { texels, size, radius, count }),
+            1 => look_up_span(simd, &lookup, span, out, &SquareOfTaps::<3, 4> { map, radius, count }),
+            2 => look_up_span(simd, &lookup, span, out, &SquareOfTaps::<5, 8> { map, radius, count }),
+            3 => look_up_span(simd, &lookup, span, out, &SquareOfTaps::<7, 8> { map, radius, count }),
+            4 => look_up_span(simd, &lookup, span, out, &SquareOfTaps::<9, 16> { map, radius, count }),
+            _ => look_up_span(simd, &lookup, span, out, &SquareOfTaps::<0, 0> { map, radius, count }),
         }
     }
 }
 
 /// `SIDE` and `LANES` as in [`lanes::square`]; 0 for any side.
 struct SquareOfTaps<'a, const SIDE: usize, const LANES: usize> {
-    texels: &'a [f32],
-    size: i32,
+    map: DepthMap<'a>,
     radius: i32,
     count: f32,
 }
@@ -121,8 +120,7 @@ impl<const SIDE: usize, const LANES: usize> Taps for SquareOfTaps<'_, SIDE, LANE
     fn visibility(&self, l: &Lookup, _: usize) -> f32 {
         let x = l.texel.x.floor() as i32 - self.radius;
         let y = l.texel.y.floor() as i32 - self.radius;
-        let in_lanes = if SIDE > 0 { lanes::square::<SIDE, LANES>(self.texels, self.size, l, x, y) } else { None };
-        in_lanes.unwrap_or_else(|| lanes::one_by_one(self.texels, self.size, l, [x, y], 2 * self.radius + 1))
-            / self.count
+        let in_lanes = if SIDE > 0 { lanes::square::<SIDE, LANES>(&self.map, l, x, y) } else { None };
+        in_lanes.unwrap_or_else(|| lanes::one_by_one(&self.map, l, [x, y], 2 * self.radius + 1)) / self.count
     }
 }

@@ -5,7 +5,7 @@
 //! Cheap, at the price of a fine pattern in the penumbra; its levels are fourths.
 
 use crate::batch::{Taps, look_up_span};
-use crate::shadow_map::{Lookup, MapLookup, ShadowMap, TAP, tap};
+use crate::shadow_map::{DepthMap, Lookup, MapLookup, ShadowMap, TAP};
 use glam::UVec2;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
@@ -61,14 +61,13 @@ impl Kernel for PcfDitheredKernel {
 
 impl ReceiveKernel for PcfDitheredKernel {
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
-        let taps = DitheredTaps { texels: inputs.images[0].texels, size: self.0.size as i32, first: span.first };
+        let taps = DitheredTaps { map: self.0.map(&inputs.images[0]), first: span.first };
         look_up_span(inputs.simd, &self.0, span, out, &taps);
     }
 }
 
 struct DitheredTaps<'a> {
-    texels: &'a [f32],
-    size: i32,
+    map: DepthMap<'a>,
     first: UVec2,
 }
 
@@ -80,7 +79,7 @@ impl Taps for DitheredTaps<'_> {
         let column = |step: f32| (l.texel.x + (ox + step)).floor() as i32;
         let row = |step: f32| (l.texel.y + (oy + step)).floor() as i32;
         let (left, right, top, bottom) = (column(-1.5), column(0.5), row(-1.5), row(0.5));
-        let lit = |x, y| tap(self.texels, self.size, l, x, y);
+        let lit = |x, y| self.map.tap(l, x, y);
         (lit(left, top) + lit(right, top) + lit(left, bottom) + lit(right, bottom)) / 4.0
     }
 }

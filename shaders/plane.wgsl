@@ -28,8 +28,8 @@ fn depth_on_plane(depth: f32, gradient: vec2f, from_texel: vec2f, x: i32, y: i32
     return depth + gradient.x * (f32(x) + 0.5 - from_texel.x) + gradient.y * (f32(y) + 0.5 - from_texel.y);
 }
 
-fn lookup_gradient(m: MapLookup, clip: vec4f, n: vec3f) -> vec2f {
-    return plane_gradient(m.clip_from_world, clip, n, m.size, m.receiver_plane);
+fn lookup_gradient(m: MapLookup, clip_from_world: mat4x4f, clip: vec4f, n: vec3f) -> vec2f {
+    return plane_gradient(clip_from_world, clip, n, m.size, m.receiver_plane);
 }
 
 fn depth_at(l: Lookup, x: i32, y: i32) -> f32 {

@@ -1,9 +1,14 @@
 // Twin of shadow_map.rs: from a receiver to a texel of the map. `lookup_position` comes from offset.wgsl or
-// no_offset.wgsl, `lookup_gradient` from plane.wgsl or no_plane.wgsl.
+// no_offset.wgsl, `lookup_gradient` from plane.wgsl or no_plane.wgsl, `lookup_layer` from single.wgsl or cube.wgsl.
 
 struct MapLookup {
-    clip_from_world: mat4x4f,
+    faces: array<mat4x4f, 6>,
+    distances: array<vec4f, 6>,
     light: vec4f,
+    layers: u32,
+    packed: u32,
+    clamped: u32,
+    farthest: f32,
     size: f32,
     texel: f32,
     constant: f32,
@@ -17,6 +22,7 @@ struct Lookup {
     texel: vec2f,
     depth: f32,
     gradient: vec2f,
+    layer: i32,
     seen: bool,
 }
 
@@ -44,15 +50,24 @@ fn texel_from_clip(clip: vec4f, size: f32) -> vec3f {
     return vec3f(max(min(u, 1e6), -1e6), max(min(v, 1e6), -1e6), z);
 }
 
+fn distance_at(m: vec4f, depth: f32) -> f32 {
+    if m.z != 0.0 {
+        return m.y / (depth + m.x);
+    }
+    return (m.y - depth) / m.x;
+}
+
 fn look_up(m: MapLookup, p: vec3f, n: vec3f) -> Lookup {
+    let layer = lookup_layer(m, p);
+    let clip_from_world = m.faces[layer];
     var p_offset = p;
     var bias = m.constant;
     if m.slope != 0.0 || m.slope_min != 0.0 || m.normal_offset != 0.0 {
         let n_dot_l = dot3(n, to_light(m.light, p));
         bias += slope_bias(m.slope, m.slope_min, n_dot_l);
-        p_offset = lookup_position(m, p, n, n_dot_l);
+        p_offset = lookup_position(m, clip_from_world, p, n, n_dot_l);
     }
-    let clip = transform(m.clip_from_world, p_offset);
+    let clip = transform(clip_from_world, p_offset);
     let t = texel_from_clip(clip, m.size);
-    return Lookup(t.xy, t.z - bias, lookup_gradient(m, clip, n), clip.w > 0.0 && t.z <= 1.0);
+    return Lookup(t.xy, t.z - bias, lookup_gradient(m, clip_from_world, clip, n), layer, clip.w > 0.0 && t.z <= m.farthest);
 }

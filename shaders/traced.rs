@@ -68,6 +68,7 @@ impl ShadowTechnique for Traced {
             casts: Vec::new(),
             filters: Vec::new(),
             receive: Receive { kernel: Arc::new(self.kernel(view, geometry)), inputs: Vec::new(), tables: vec![0, 1] },
+            shade: None,
             keep_images: false,
         })
     }

@@ -2,9 +2,9 @@
 
 use image::{GrayImage, ImageFormat};
 use std::{fs, io::Cursor, path::PathBuf};
-use umbrage_core::{Backend as _, Fit, Geometry, ShadowTechnique, View, glam::UVec2};
+use umbrage_core::{Backend as _, Fit, Geometry, Layout, ShadowTechnique, View, glam::UVec2};
 use umbrage_cpu::Cpu;
-use umbrage_techniques::{Bias, Hard, Pcf, PcfDithered, ShadowMap, Traced};
+use umbrage_techniques::{BeyondFar, Bias, Border, Hard, MapFormat, Pcf, PcfDithered, ShadowMap, Surface, Traced};
 
 /// Sides, pixels.
 pub const SIDE: u32 = 128;
@@ -27,7 +27,16 @@ pub struct Golden {
 /// else, and change wherever a bit does.
 const BIAS: Bias = Bias { normal_offset: 3.0, ..Bias::NONE };
 
-const MAP: ShadowMap = ShadowMap { size: 512, fit: Fit::Tight, bias: BIAS };
+const MAP: ShadowMap = ShadowMap {
+    size: 512,
+    fit: Fit::Tight,
+    bias: BIAS,
+    layout: Layout::Auto,
+    surface: Surface::Nearest,
+    format: MapFormat::Depth32,
+    border: Border::Lit,
+    beyond_far: BeyondFar::Lit,
+};
 
 /// All golden images. Few: each shows what no other does, and all have to be looked at when they change.
 pub fn all() -> Vec<Golden> {

@@ -4,6 +4,7 @@ pub mod adapter;
 pub mod golden;
 pub mod gpu;
 pub mod layouts;
+pub mod painted;
 pub mod random_scene;
 pub mod stage;
 pub mod twins;

@@ -3,8 +3,10 @@
 use glam::{Affine3A, Quat, UVec2, Vec3};
 use proptest::{collection::vec, prelude::*};
 use std::sync::Arc;
-use umbrage_core::{Camera, Cull, Extents, Fit, Instance, Light, Mesh, RasterBias, Scene, ShadowTechnique};
-use umbrage_techniques::{Bias, Hard, Pcf, PcfDithered, ShadowMap, Traced};
+use umbrage_core::{Camera, Cull, Extents, Fit, Instance, Layout, Light, Mesh, RasterBias, Scene, ShadowTechnique};
+use umbrage_techniques::{
+    BeyondFar, Bias, Border, Hard, MapFormat, Midpoint, Pcf, PcfDithered, SecondDepth, ShadowMap, Surface, Traced,
+};
 
 /// Something to render: one scene, one technique.
 #[derive(Clone, Debug)]
@@ -28,10 +30,9 @@ pub fn scenes() -> impl Strategy<Value = Scene> {
                 .into_iter()
                 .enumerate()
                 .map(|(i, (world_from_local, casts, receives))| Instance {
-                    mesh: i % meshes.len(),
-                    world_from_local,
                     casts,
                     receives,
+                    ..Instance::new(i % meshes.len(), world_from_local)
                 })
                 .collect();
             if floor {
@@ -39,7 +40,8 @@ pub fn scenes() -> impl Strategy<Value = Scene> {
                 instances.push(Instance::new(meshes.len(), scale));
                 meshes.push(quad());
             }
-            Scene { name: "random".into(), meshes, instances, lights: vec![light], cameras: vec![camera] }
+            let (name, lights, cameras) = ("random".into(), vec![light], vec![camera]);
+            Scene { name, meshes, instances, lights, cameras, ..Scene::default() }
         },
     )
 }
@@ -113,17 +115,24 @@ fn lights() -> impl Strategy<Value = Light> {
     prop_oneof![
         3 => directions().prop_map(|direction| Light::Directional { direction, angular_diameter: 0.0 }),
         1 => directions().prop_map(|direction| Light::Directional { direction, angular_diameter: 0.1 }),
-        2 => (above(), 0.2..1.2_f32, vec3(-0.5..0.5)).prop_map(|(position, outer, target)| Light::Spot {
+        2 => (above(), 0.2..1.2_f32, vec3(-0.5..0.5), radii()).prop_map(|(position, outer, target, radius)| Light::Spot {
             position,
             direction: target - position,
             inner: outer * 0.5,
             outer,
-            radius: 0.0,
+            radius,
         }),
-        1 => above().prop_map(|position| Light::Point { position, radius: 0.0 }),
+        1 => (above(), radii()).prop_map(|(position, radius)| Light::Point { position, radius }),
+        // Amid the objects: only a cube can hold its surroundings.
+        2 => (vec3(-1.5..1.5), radii()).prop_map(|(position, radius)| Light::Point { position, radius }),
         1 => above().prop_map(|center| Light::Rect { center, half_u: Vec3::X * 0.4, half_v: Vec3::Z * 0.3 }),
         1 => above().prop_map(|center| Light::Disc { center, normal: Vec3::NEG_Y, radius: 0.5 }),
     ]
+}
+
+/// Ideal lights, and lights with an extent.
+fn radii() -> impl Strategy<Value = f32> {
+    prop_oneof![2 => Just(0.0), 1 => 0.01..0.6_f32]
 }
 
 fn cameras() -> impl Strategy<Value = Camera> {
@@ -147,12 +156,38 @@ fn techniques() -> impl Strategy<Value = Arc<dyn ShadowTechnique>> {
         2 => maps().prop_map(|map| Arc::new(Hard { map }) as Arc<dyn ShadowTechnique>),
         3 => (maps(), 0..8_u32).prop_map(|(map, radius)| Arc::new(Pcf { map, radius }) as Arc<dyn ShadowTechnique>),
         2 => maps().prop_map(|map| Arc::new(PcfDithered { map }) as Arc<dyn ShadowTechnique>),
+        1 => (maps(), 0..4_u32)
+            .prop_map(|(map, radius)| Arc::new(SecondDepth { map, radius }) as Arc<dyn ShadowTechnique>),
+        1 => (maps(), 0..4_u32)
+            .prop_map(|(map, radius)| Arc::new(Midpoint { map, radius }) as Arc<dyn ShadowTechnique>),
         1 => (1..5_u32).prop_map(|samples| Arc::new(Traced { samples }) as Arc<dyn ShadowTechnique>),
     ]
 }
 
 fn maps() -> impl Strategy<Value = ShadowMap> {
-    (1..200_u32, biases(), fits()).prop_map(|(size, bias, fit)| ShadowMap { size, bias, fit })
+    let surfaces = prop_oneof![5 => Just(Surface::Nearest), 1 => Just(Surface::Midpoint)];
+    let layouts = prop_oneof![4 => Just(Layout::Auto), 1 => Just(Layout::Single), 1 => Just(Layout::Cube)];
+    (1..200_u32, biases(), fits(), layouts, surfaces, formats(), outside()).prop_map(
+        |(size, bias, fit, layout, surface, format, (border, beyond_far))| ShadowMap {
+            size,
+            fit,
+            bias,
+            layout,
+            surface,
+            format,
+            border,
+            beyond_far,
+        },
+    )
+}
+
+fn outside() -> impl Strategy<Value = (Border, BeyondFar)> {
+    let borders = prop_oneof![4 => Just(Border::Lit), 1 => Just(Border::Clamp)];
+    (borders, prop_oneof![4 => Just(BeyondFar::Lit), 1 => Just(BeyondFar::Compared)])
+}
+
+fn formats() -> impl Strategy<Value = MapFormat> {
+    prop_oneof![4 => Just(MapFormat::Depth32), 1 => Just(MapFormat::Depth16), 1 => Just(MapFormat::Rgba8)]
 }
 
 /// Manual ones cut through casters and receivers, in depth, too.

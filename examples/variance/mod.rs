@@ -4,8 +4,8 @@
 
 use std::sync::Arc;
 use umbrage::{
-    Cast, Filter, FilterKernel, Format, ImageDesc, Inputs, Kernel, Module, PlanError, Receive, ReceiveKernel, Recipe,
-    ShadowTechnique, Span, UniformLayout, Uniforms, View,
+    Cast, Filter, FilterKernel, Format, ImageDesc, Inputs, Kernel, Layout, Module, PlanError, Receive, ReceiveKernel,
+    Recipe, ShadowTechnique, Span, UniformLayout, Uniforms, View,
     glam::{IVec2, UVec2},
     techniques::{
         ShadowMap,
@@ -35,7 +35,9 @@ impl ShadowTechnique for Variance {
     }
 
     fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
-        let space = self.map.fit.light_space(view, self.map.size, self.radius as f32)?;
+        // One map: the filters below would do for six as well.
+        let map = ShadowMap { layout: Layout::Single, ..self.map };
+        let spaces = map.spaces(view, self.radius as f32)?;
         let image = |label, format| ImageDesc { label, size: UVec2::splat(self.map.size), layers: 1, format };
         let blur = |x, y| {
             Blur(BlurUniforms { step: IVec2::new(x, y), radius: self.radius as i32, size: self.map.size as i32 })
@@ -46,7 +48,7 @@ impl ShadowTechnique for Variance {
             tables: Vec::new(),
             output,
         };
-        let lookup = MapLookup::new(&self.map, view, &space);
+        let lookup = MapLookup::new(&map, view, &spaces);
         let receive = Chebyshev(ChebyshevUniforms { lookup, least_variance: self.least_variance });
         Ok(Recipe {
             images: vec![
@@ -55,13 +57,18 @@ impl ShadowTechnique for Variance {
                 image("blurred once", Format::Rg32),
             ],
             tables: Vec::new(),
-            casts: vec![Cast { image: 0, layer: 0, space, cull: self.map.bias.cull, bias: self.map.bias.raster }],
+            casts: vec![Cast {
+                cull: self.map.bias.cull,
+                bias: self.map.bias.raster,
+                ..Cast::nearest(0, 0, spaces.spaces[0])
+            }],
             filters: vec![
                 filter(Arc::new(Moments), 0, 1),
                 filter(Arc::new(blur(1, 0)), 1, 2),
                 filter(Arc::new(blur(0, 1)), 2, 1),
             ],
             receive: Receive { kernel: Arc::new(receive), inputs: vec![1], tables: Vec::new() },
+            shade: None,
             keep_images: false,
         })
     }

@@ -55,7 +55,7 @@ impl Program {
             world_from_local: None,
         }];
         let receivers = GBuffer { position: &self.position, normal: &self.normal, triangle: None };
-        let frame = Frame { size, casters: &casters, receivers };
+        let frame = Frame { size, casters: &casters, everything: &[], receivers };
         shadows.prepare(&d.device, &d.queue, recipe, &frame).expect("prepares");
         let mut encoder = d.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let mask = shadows.encode(&mut encoder).expect("was prepared").clone();

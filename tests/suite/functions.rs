@@ -1,13 +1,13 @@
 //! Net 1: twin functions, both halves on the same inputs.
 
-use umbrage_core::{Module, Twin, bvh, light_sample, math, resolve};
+use umbrage_core::{Module, Twin, bvh, displacement, light_sample, math, resolve};
 use umbrage_tests::{
     adapter::device,
     twins::{Fault, check, difference, draw, mutants},
 };
 
 fn all() -> Vec<Twin> {
-    let core = [math::TWINS, resolve::TWINS, bvh::TWINS, light_sample::TWINS].concat();
+    let core = [math::TWINS, resolve::TWINS, bvh::TWINS, light_sample::TWINS, displacement::TWINS].concat();
     core.into_iter().chain(umbrage_techniques::twins().copied()).collect()
 }
 

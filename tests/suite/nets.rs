@@ -3,6 +3,10 @@
 mod agreement;
 mod closed_form;
 mod embedding;
+mod exact;
+mod maps;
+mod penumbra;
+mod pictures;
 mod plugin;
 mod stages;
 mod threads;

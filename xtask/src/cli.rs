@@ -38,7 +38,8 @@ pub(crate) enum Command {
   cargo xtask compare --list                                 what there is to compare
   cargo xtask compare cubes --technique pcf --backend cpu    one scene, technique and backend
   cargo xtask compare lamp.toml model.obj --quick            scenes of your own, small and fast
-  cargo xtask compare cubes --size 640x480 --map-sizes 512,2048 --arrays --out report")]
+  cargo xtask compare cubes --size 640x480 --map-sizes 512,2048 --arrays --out report
+  cargo xtask compare figure --color --map-sizes 1024        with shaded pictures")]
 pub(crate) struct CompareOptions {
     /// Built-in scenes by name, scene files (.toml) or models (.obj); none: the built-in suite
     #[arg(value_name = "SCENE")]
@@ -73,6 +74,9 @@ pub(crate) struct CompareOptions {
     /// Write NumPy arrays of truth, distance and every mask, too
     #[arg(long)]
     pub(crate) arrays: bool,
+    /// Shade every row in colour, too, and compare the colours between backends
+    #[arg(long)]
+    pub(crate) color: bool,
     /// List scenes and techniques, and end
     #[arg(long)]
     pub(crate) list: bool,

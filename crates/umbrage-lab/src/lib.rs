@@ -2,14 +2,17 @@
 //!
 //! * [`compare`]: every technique setting on every backend, against truth and against each other.
 //! * [`report`]: a page, a table, data and pictures of it. [`pareto`]: the front of time against error.
+//! * [`textbook`]: the textbooks' effects, measured and pictured. [`bench`]: paired timings.
 //! * [`truth`]: what every shadow should have been, with its own error bars.
 //! * [`umbrage_core::metrics`]: how far a mask is from it.
 
 pub mod bench;
+mod color;
 pub mod compare;
 mod error;
 pub mod pareto;
 pub mod report;
+pub mod textbook;
 pub mod truth;
 
 pub use error::LabError;

@@ -77,6 +77,7 @@ fn settings(options: &CompareOptions) -> Result<Options> {
     }
     let mut out = if options.quick { Options::quick() } else { Options::default() };
     out.techniques.clone_from(&options.techniques);
+    out.color = options.color;
     out.size = options.size.map(UVec2::from_array).or(out.size);
     out.runs = options.runs.unwrap_or(out.runs);
     out.truth.samples = options.samples.unwrap_or(out.truth.samples);

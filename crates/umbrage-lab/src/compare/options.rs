@@ -29,6 +29,8 @@ pub struct Options {
     pub truth: TruthOptions,
     /// Timed runs a row, 1 or more; their median counts.
     pub runs: u32,
+    /// Whether every row is shaded in colour, too.
+    pub color: bool,
     /// Runs before the timed ones; the first of them compiles and uploads.
     pub warmup: u32,
 }
@@ -41,6 +43,7 @@ impl Default for Options {
             size: None,
             truth: TruthOptions::default(),
             runs: 9,
+            color: false,
             warmup: 2,
         }
     }

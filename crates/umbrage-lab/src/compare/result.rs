@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use umbrage_core::metrics::{Agreement, Errors};
 
 /// Version of this data's shape; grows with every change that a reader would notice.
-pub const SCHEMA: u32 = 1;
+pub const SCHEMA: u32 = 2;
 
 /// A whole comparison.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -78,6 +78,14 @@ impl SceneResult {
             if violations > 0 {
                 let (scene, row) = (&self.name, row.label());
                 out.push(format!("{scene}: {row}: {violations} decided pixels differ from the CPU's"));
+            }
+            let colors = row.measured().and_then(|m| m.color_differing).unwrap_or(0);
+            if colors > 0 {
+                out.push(format!(
+                    "{}: {}: the colours of {colors} pixels differ from the CPU's",
+                    self.name,
+                    row.label()
+                ));
             }
         }
         for c in self.controls.iter().filter(|c| !c.holds) {
@@ -164,6 +172,9 @@ pub struct Measured {
     pub bytes: u64,
     /// Against the CPU's mask; none on the CPU or without it.
     pub agreement: Option<Agreement>,
+    /// Pixels whose colour differs from the first backend's by more than a step of 255 though the masks agree; none
+    /// without colours, and for the first backend.
+    pub color_differing: Option<u64>,
 }
 
 /// How long the stages took; none where a stage is not played or not measurable.

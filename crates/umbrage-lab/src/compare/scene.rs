@@ -5,7 +5,8 @@ use super::{
     agreement, control, slug::Setting,
 };
 use crate::{
-    LabError,
+    LabError, color,
+    report::picture,
     truth::{self, Truth},
 };
 use std::time::Duration;
@@ -21,6 +22,8 @@ pub struct SceneImages {
     pub truth: Truth,
     /// Masks, one a row in the result's order; none where a row isn't measured.
     pub masks: Vec<Option<Vec<f32>>>,
+    /// Shaded pictures, PNG, one a row; none where a row isn't measured or colours weren't asked for.
+    pub colors: Vec<Option<Vec<u8>>>,
 }
 
 /// Camera, light and triangles.
@@ -60,6 +63,8 @@ pub(super) fn run(
         rows: Vec::new(),
         masks: Vec::new(),
         controls: Vec::new(),
+        stage: options.color.then(|| color_stage(input, &camera)).transpose()?,
+        colors: Vec::new(),
     };
     for setting in settings {
         run.setting(setting, backends, on_event)?;
@@ -75,8 +80,14 @@ pub(super) fn run(
         rows: run.rows,
         controls: run.controls,
     };
-    let masks = run.masks;
-    Ok((result, SceneImages { truth, masks }))
+    let (masks, colors) = (run.masks, run.colors);
+    Ok((result, SceneImages { truth, masks, colors }))
+}
+
+/// The scene as this camera sees it, marked for pictures.
+fn color_stage(input: &SceneInput, camera: &Camera) -> Result<color::Stage, Invalid> {
+    let scene = umbrage_core::Scene { cameras: vec![*camera], ..input.scene.clone() };
+    color::Stage::new(&scene, input.fit)
 }
 
 fn camera_and_light(scene: &umbrage_core::Scene) -> Result<(&Camera, &Light), Invalid> {
@@ -109,6 +120,8 @@ struct SceneRun<'a> {
     rows: Vec<Row>,
     masks: Vec<Option<Vec<f32>>>,
     controls: Vec<super::Control>,
+    stage: Option<color::Stage>,
+    colors: Vec<Option<Vec<u8>>>,
 }
 
 impl SceneRun<'_> {
@@ -137,6 +150,32 @@ impl SceneRun<'_> {
                 backend: backend.to_owned(),
                 outcome,
             });
+        }
+        self.colors.resize(self.rows.len(), None);
+        if recipe.is_ok() { self.shade(technique, backends) } else { Ok(()) }
+    }
+
+    /// Colour pictures of the last setting's measured rows, compared with the first backend's.
+    fn shade(
+        &mut self,
+        technique: &dyn umbrage_core::ShadowTechnique,
+        backends: &mut Backends,
+    ) -> Result<(), LabError> {
+        let Some(stage) = &self.stage else { return Ok(()) };
+        let recipe = match stage.plan(technique, &self.truth.receivers) {
+            Ok(recipe) => recipe,
+            // The light's marker may be what the technique can't serve; the mask was made without it.
+            Err(PlanError::Unsupported(_)) => return Ok(()),
+            Err(e) => return Err(e.into()),
+        };
+        let first_row = self.rows.len() - backends.playing.len();
+        let mut first: Option<Shadows> = None;
+        for (backend, row) in backends.playing.iter_mut().zip(first_row..) {
+            let Outcome::Measured(measured) = &mut self.rows[row].outcome else { continue };
+            let shadows = backend.render(&stage.view()?, &recipe)?;
+            measured.color_differing = first.as_ref().and_then(|first| color::differing(first, &shadows));
+            self.colors[row] = color::png(self.truth.size, &shadows).map(picture).transpose()?;
+            first.get_or_insert(shadows);
         }
         Ok(())
     }
@@ -178,7 +217,7 @@ impl SceneRun<'_> {
         if backends.playing[backend].kind() == "cpu" {
             *of_cpu = Some(shadows);
         }
-        Ok(Outcome::Measured(Box::new(Measured { errors, times, bytes, agreement })))
+        Ok(Outcome::Measured(Box::new(Measured { errors, times, bytes, agreement, color_differing: None })))
     }
 
     /// Truth and backend must have seen the same triangles.

@@ -7,6 +7,7 @@ use umbrage_cpu::Cpu;
 
 fn quick(techniques: &[&str]) -> Options {
     Options {
+        color: false,
         techniques: techniques.iter().map(|t| (*t).to_owned()).collect(),
         map_sizes: vec![256],
         size: Some(UVec2::new(96, 64)),

@@ -3,7 +3,7 @@
 //! * `index.html`: self-contained, works from a file. Chart of time against error per scene with the Pareto fronts;
 //!   mask, truth and error picture of every row.
 //! * `rows.csv`: one [`Line`] a row. `results.json`: the [`Comparison`] as it is.
-//! * `<scene>/truth.png`, `<scene>/<technique>.<backend>.png` and `.error.png`; on request NumPy arrays, float32, H x W,
+//! * `<scene>/truth.png`, `<scene>/<technique>.<backend>.png` and `.error.png`, with colours `.color.png`; on request NumPy arrays, float32, H x W,
 //!   row 0 on top, -1 where the camera hits nothing: `<scene>/truth.npy`, `t.npy` (distance along the unit camera ray),
 //!   `ambiguous.npy`, `<technique>.<backend>.npy`. Where a technique has several settings, they are part of the name.
 //!
@@ -13,7 +13,7 @@ mod arrays;
 mod chart;
 mod files;
 mod page;
-mod pictures;
+pub(crate) mod pictures;
 mod table;
 
 pub use table::{Line, lines, to_csv};
@@ -63,7 +63,7 @@ impl Report {
         folder.write("truth.png", &truth_png)?;
         let truth_id = self.images.add(&truth_png);
         let mut rows = Vec::new();
-        for (row, mask) in result.rows.iter().zip(&images.masks) {
+        for ((row, mask), color) in result.rows.iter().zip(&images.masks).zip(&images.colors) {
             rows.push(match mask {
                 None => None,
                 Some(mask) => {
@@ -72,7 +72,12 @@ impl Report {
                     let error_png = picture(pictures::error(truth.size, mask, &truth.visibility, &truth.pixels))?;
                     folder.write(&format!("{stem}.png"), &mask_png)?;
                     folder.write(&format!("{stem}.error.png"), &error_png)?;
-                    Some(RowPictures { mask: self.images.add(&mask_png), error: self.images.add(&error_png) })
+                    if let Some(png) = color {
+                        folder.write(&format!("{stem}.color.png"), png)?;
+                    }
+                    let color = color.as_ref().map(|png| self.images.add(png));
+                    let (mask, error) = (self.images.add(&mask_png), self.images.add(&error_png));
+                    Some(RowPictures { mask, error, color })
                 }
             });
         }
@@ -110,7 +115,7 @@ impl Report {
     }
 }
 
-fn picture(encoded: image::ImageResult<Vec<u8>>) -> Result<Vec<u8>, LabError> {
+pub(crate) fn picture(encoded: image::ImageResult<Vec<u8>>) -> Result<Vec<u8>, LabError> {
     encoded.map_err(|e| LabError::Write { path: "picture".into(), source: std::io::Error::other(e) })
 }
 

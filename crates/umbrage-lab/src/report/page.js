@@ -167,7 +167,7 @@ function card(scene, page, index, onFront) {
   if (!m) return el("article", { class: "panel row dash", id }, head, el("p", {}, `– ${row.outcome.unsupported.reason}`));
   const title = `${scene.name} · ${row.technique}, ${row.settings} · ${row.backend}`;
   const pictures = page.rows[index];
-  const shots = el("div", { class: "shots" }, shot(pictures.mask, "mask", title), shot(page.truth, "truth", scene.name), shot(pictures.error, "error", title));
+  const shots = el("div", { class: "shots" }, shot(pictures.mask, "mask", title), shot(page.truth, "truth", scene.name), shot(pictures.error, "error", title), ...(pictures.color == null ? [] : [shot(pictures.color, "colours", title)]));
   return el("article", { class: "panel row", id }, head, shots, figures(m));
 }
 

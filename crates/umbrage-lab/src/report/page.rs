@@ -43,6 +43,7 @@ impl ImageStore {
 pub(super) struct RowPictures {
     pub(super) mask: usize,
     pub(super) error: usize,
+    pub(super) color: Option<usize>,
 }
 
 /// What the page needs of a scene beyond its figures.

@@ -15,13 +15,13 @@ const AMBIGUOUS: Vec3 = Vec3::new(0.66, 0.25, 0.70);
 const EMPTY: Vec3 = Vec3::new(0.80, 0.84, 0.89);
 
 /// A mask, white where lit, on a bluish ground where nothing receives.
-pub(super) fn mask(size: UVec2, mask: &[f32], pixels: &[Pixel]) -> ImageResult<Vec<u8>> {
+pub(crate) fn mask(size: UVec2, mask: &[f32], pixels: &[Pixel]) -> ImageResult<Vec<u8>> {
     let color = |i: usize| if pixels[i] == Pixel::Empty { EMPTY } else { Vec3::splat(mask[i]) };
     encode(size, (0..mask.len()).map(color))
 }
 
 /// Where a mask is wrong: blue for false shadow, orange for false light, over a faint picture of truth.
-pub(super) fn error(size: UVec2, mask: &[f32], truth: &[f32], pixels: &[Pixel]) -> ImageResult<Vec<u8>> {
+pub(crate) fn error(size: UVec2, mask: &[f32], truth: &[f32], pixels: &[Pixel]) -> ImageResult<Vec<u8>> {
     let color = |i: usize| {
         let ground = Vec3::splat(0.80 + 0.18 * truth[i]);
         match pixels[i] {
@@ -42,10 +42,15 @@ pub(super) fn error(size: UVec2, mask: &[f32], truth: &[f32], pixels: &[Pixel]) 
 fn encode(size: UVec2, colors: impl Iterator<Item = Vec3>) -> ImageResult<Vec<u8>> {
     let byte = |v: f32| (v.clamp(0.0, 1.0) * 255.0).round() as u8;
     let texels: Vec<u8> = colors.flat_map(|c| c.to_array().map(byte)).collect();
+    encode_rgb(size, &texels)
+}
+
+/// A PNG of three bytes a pixel.
+pub(crate) fn encode_rgb(size: UVec2, texels: &[u8]) -> ImageResult<Vec<u8>> {
     let mut bytes = Vec::new();
     let encoder =
         png::PngEncoder::new_with_quality(&mut bytes, png::CompressionType::Default, png::FilterType::Adaptive);
-    encoder.write_image(&texels, size.x, size.y, ExtendedColorType::Rgb8)?;
+    encoder.write_image(texels, size.x, size.y, ExtendedColorType::Rgb8)?;
     Ok(bytes)
 }
 

@@ -18,7 +18,8 @@ fn row(technique: &str, backend: &str, rmse: f64, median: f64) -> Row {
     let total = Spread { median, least: median, greatest: median, runs: 1 };
     let times = Times { receive: Some(total), total, ..Times::default() };
     let errors = Errors { rmse, counted: 12, ..Errors::default() };
-    let outcome = Outcome::Measured(Box::new(Measured { errors, times, bytes: 100, agreement: None }));
+    let outcome =
+        Outcome::Measured(Box::new(Measured { errors, times, bytes: 100, agreement: None, color_differing: None }));
     let (technique, settings) = (technique.to_owned(), NASTY.to_owned());
     Row { slug: slug(&technique), technique, settings, backend: backend.to_owned(), outcome }
 }
@@ -47,7 +48,8 @@ fn scene() -> (SceneResult, SceneImages) {
     let masks = vec![Some(vec![1.0; 12]), Some(vec![0.5; 12]), Some(vec![0.0; 12]), None];
     let controls = vec![Control { backend: "cpu".into(), ..Control::default() }];
     let result = SceneResult { name: NASTY.to_owned(), size: [4, 3], rows, controls, ..SceneResult::default() };
-    (result, SceneImages { truth, masks })
+    let colors = vec![None; masks.len()];
+    (result, SceneImages { truth, masks, colors })
 }
 
 fn write(arrays: bool) -> (tempfile::TempDir, Comparison) {

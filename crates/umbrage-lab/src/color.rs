@@ -1,0 +1,91 @@
+//! Colour pictures of scenes: Blinn-Phong with the light marked.
+
+use glam::UVec2;
+use image::ImageResult;
+use umbrage_core::{
+    Fit, Geometry, Invalid, LightMarker, PlanError, Receivers, Recipe, Scene, ShadowTechnique, Shadows, View,
+};
+use umbrage_techniques::{BlinnPhong, Shading};
+
+/// A scene with its light marked, ready to be shaded with any technique's shadows.
+#[derive(Clone, Debug)]
+pub(crate) struct Stage {
+    scene: Scene,
+    geometry: Geometry,
+    shading: Shading,
+}
+
+impl Stage {
+    /// Of a scene with a light and a camera. A directional light is marked at the eye of the scene's own fit, if it has
+    /// one.
+    pub(crate) fn new(scene: &Scene, fit: Option<Fit>) -> Result<Self, Invalid> {
+        let directional_at = fit.and_then(|fit| if let Fit::Manual { eye, .. } = fit { Some(eye) } else { None });
+        let scene = scene.with_light_marker(LightMarker { directional_at, ..LightMarker::default() });
+        let geometry = Geometry::bake(&scene)?;
+        let view = view(&scene, &geometry)?;
+        let shading = BlinnPhong::default().shading(&scene, &view)?;
+        Ok(Self { scene, geometry, shading })
+    }
+
+    /// What the camera sees of it.
+    pub(crate) fn view(&self) -> Result<View<'_>, Invalid> {
+        view(&self.scene, &self.geometry)
+    }
+
+    /// A technique's recipe that also shades. `receivers` are those of the scene; the marker is none of them.
+    pub(crate) fn plan(&self, technique: &dyn ShadowTechnique, receivers: &Receivers) -> Result<Recipe, PlanError> {
+        Ok(self.shading.add_to(technique.plan(&self.view()?.with_receivers(receivers))?))
+    }
+}
+
+fn view<'a>(scene: &'a Scene, geometry: &'a Geometry) -> Result<View<'a>, Invalid> {
+    let missing = || Invalid::new(format!("scene `{}`", scene.name), "has no camera or no light", "add one");
+    let (camera, light) = scene.cameras.first().zip(scene.lights.first()).ok_or_else(missing)?;
+    Ok(View::new(camera, light, geometry))
+}
+
+/// A shaded picture as a PNG; none if the recipe didn't shade.
+pub(crate) fn png(size: UVec2, shadows: &Shadows) -> Option<ImageResult<Vec<u8>>> {
+    shadows.picture_bytes().map(|rgb| crate::report::pictures::encode_rgb(size, &rgb))
+}
+
+/// At how many pixels two pictures differ by more than one step of 255 though their masks agree within one.
+pub(crate) fn differing(a: &Shadows, b: &Shadows) -> Option<u64> {
+    let (colors, others) = (a.picture_bytes()?, b.picture_bytes()?);
+    let alike = |(v, w): (&f32, &f32)| (v - w).abs() <= 1.0 / 255.0;
+    let far = |(p, q): (&[u8], &[u8])| p.iter().zip(q).any(|(v, w)| v.abs_diff(*w) > 1);
+    let masks = a.mask.iter().zip(&b.mask).map(alike);
+    let pixels = colors.chunks(3).zip(others.chunks(3)).map(far);
+    Some(masks.zip(pixels).filter(|(alike, far)| *alike && *far).count() as u64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use umbrage_core::Timings;
+
+    fn shadows(mask: [f32; 2], colors: [f32; 2]) -> Shadows {
+        Shadows {
+            size: UVec2::new(2, 1),
+            mask: mask.to_vec(),
+            receivers: None,
+            picture: Some(colors.map(|c| [c, c, c, 1.0]).to_vec()),
+            images: Vec::new(),
+            timings: Timings::default(),
+            bytes: 0,
+        }
+    }
+
+    #[test]
+    fn colours_must_agree_where_masks_do() {
+        let a = shadows([1.0, 0.0], [0.5, 0.1]);
+        assert_eq!(differing(&a, &shadows([1.0, 0.0], [0.5, 0.1])), Some(0));
+        assert_eq!(differing(&a, &shadows([1.0, 0.0], [0.6, 0.1])), Some(1), "a spoilt colour");
+        assert_eq!(
+            differing(&a, &shadows([1.0, 1.0], [0.5, 0.9])),
+            Some(0),
+            "masks differ there: not a fault of shading"
+        );
+        assert_eq!(differing(&a, &Shadows { picture: None, ..a.clone() }), None);
+    }
+}

@@ -1,0 +1,248 @@
+//! The one list of effects.
+
+use super::{Effect, Preset};
+use umbrage_core::{
+    Cull, Extents, Fit, Light, RasterBias, Scene, ShadowTechnique,
+    glam::{UVec2, Vec3},
+};
+use umbrage_scenes::TEXTBOOK_FIT;
+use umbrage_techniques::{
+    BeyondFar, Bias, Border, Hard, MapFormat, Midpoint, Pcf, PcfDithered, Pcss, ShadowMap, ShadowVolumes,
+};
+
+type Technique = Box<dyn ShadowTechnique>;
+
+/// All effects, in the order in which a reader meets them.
+pub fn all() -> &'static [Effect] {
+    ALL
+}
+
+/// The textbooks' map: 1024 texels, laid by hand from (-2, 4, -1), 10 m to each side, near 1, far 7.5.
+fn map(bias: Bias) -> ShadowMap {
+    ShadowMap { size: 1024, fit: TEXTBOOK_FIT, bias, ..ShadowMap::default() }
+}
+
+/// A map that ends amid the picture.
+fn small_map(border: Border) -> ShadowMap {
+    ShadowMap {
+        fit: extents(|e| Extents { left: -1.2, right: 1.2, bottom: -1.2, top: 1.2, ..e }),
+        border,
+        ..map(Bias::SLOPE)
+    }
+}
+
+/// A map whose far plane cuts the floor.
+fn short_map(beyond_far: BeyondFar) -> ShadowMap {
+    ShadowMap { fit: extents(|e| Extents { far: 5.0, ..e }), beyond_far, ..map(Bias::SLOPE) }
+}
+
+fn extents(change: fn(Extents) -> Extents) -> Fit {
+    match TEXTBOOK_FIT {
+        Fit::Manual { eye, extents } => Fit::Manual { eye, extents: change(extents) },
+        fit => fit,
+    }
+}
+
+/// Tight maps, for scenes that no textbook laid by hand.
+fn tight(size: u32, bias: Bias) -> ShadowMap {
+    ShadowMap { size, bias, ..ShadowMap::default() }
+}
+
+fn hard(map: ShadowMap) -> Technique {
+    Box::new(Hard { map })
+}
+
+fn pcf(map: ShadowMap, radius: u32) -> Technique {
+    Box::new(Pcf { map, radius })
+}
+
+fn built_in(name: &str) -> Scene {
+    umbrage_scenes::find(name).map(|e| (e.build)()).unwrap_or_default()
+}
+
+/// The scene with its camera's picture at the gallery's size.
+fn sized(mut scene: Scene) -> Scene {
+    scene.cameras.iter_mut().for_each(|c| *c = c.resized(UVec2::new(400, 300)));
+    scene
+}
+
+fn cubes() -> Scene {
+    sized(built_in("cubes"))
+}
+
+/// The cubes under a lamp with perspective, at the place that the sun's map is drawn from.
+fn cubes_under_spot() -> Scene {
+    let mut scene = cubes();
+    let position = Vec3::new(-2.0, 4.0, -1.0);
+    scene.lights = vec![Light::Spot { position, direction: -position, inner: 0.7, outer: 0.78, radius: 0.0 }];
+    scene
+}
+
+fn figure() -> Scene {
+    sized(built_in("figure"))
+}
+
+fn teapot() -> Scene {
+    sized(built_in("teapot-lamp"))
+}
+
+fn room() -> Scene {
+    sized(built_in("textbook-room"))
+}
+
+fn flat() -> Scene {
+    sized(built_in("flat-receivers"))
+}
+
+fn plate() -> Scene {
+    sized(built_in("thin-plate"))
+}
+
+const fn cubes_with(label: &'static str, technique: fn() -> Technique) -> Preset {
+    Preset { label, scene: cubes, technique }
+}
+
+const ALL: &[Effect] = &[
+    Effect {
+        name: "acne",
+        title: "Shadow acne, and slope-scaled bias",
+        text: "One texel of the map holds one depth for a whole patch of a sloping surface, so half of the patch lies behind \
+               its own depth: stripes. Taking max(.05 (1 - n.l), .005) off the receiver's depth clears them.",
+        fault: cubes_with("no bias", || hard(map(Bias::NONE))),
+        cure: cubes_with("bias .05 / .005", || hard(map(Bias::SLOPE))),
+    },
+    Effect {
+        name: "peter-panning",
+        title: "Peter-panning, and drawing the far sides",
+        text: "A bias as great as .05 of the depth range moves every shadow .3 m away from what throws it: the cubes seem to \
+               float. With front faces left out of the map no bias is needed, as the cubes are closed.",
+        fault: cubes_with("constant bias .05", || hard(map(Bias { constant: 0.05, ..Bias::NONE }))),
+        cure: cubes_with("front faces culled", || hard(map(Bias { cull: Cull::Front, ..Bias::NONE }))),
+    },
+    Effect {
+        name: "polygon-offset",
+        title: "Polygon offset",
+        text: "The rasteriser itself can push casters away, each triangle by its own slope: glPolygonOffset(2, 4), a factor of 2 \
+               on the slope and 4 steps of the depth format.",
+        fault: cubes_with("no bias", || hard(map(Bias::NONE))),
+        cure: cubes_with("polygon offset 2, 4", || {
+            hard(map(Bias { raster: RasterBias { constant: 4, slope: 2.0, clamp: 0.0 }, ..Bias::NONE }))
+        }),
+    },
+    Effect {
+        name: "border",
+        title: "The dark border beyond the map",
+        text: "A lookup beside the map finds whatever the sampler is told to repeat. With the edge repeated, casters at the \
+               edge throw endless bands; with a border of depth 1 all beside the map is lit.",
+        fault: cubes_with("edge repeated", || hard(small_map(Border::Clamp))),
+        cure: cubes_with("lit border", || hard(small_map(Border::Lit))),
+    },
+    Effect {
+        name: "far-plane",
+        title: "Darkness beyond the far plane",
+        text: "Receivers beyond the light's far plane have a depth above 1, which no texel reaches: all dark, unless the lookup \
+               says that they are lit.",
+        fault: cubes_with("compared", || hard(short_map(BeyondFar::Compared))),
+        cure: cubes_with("lit", || hard(short_map(BeyondFar::Lit))),
+    },
+    Effect {
+        name: "jagged",
+        title: "Jagged edges, and percentage-closer filtering",
+        text: "One comparison a pixel shows the map's texels. The mean of 3x3 comparisons blurs the stairs over three texels.",
+        fault: cubes_with("one comparison", || hard(map(Bias::SLOPE))),
+        cure: cubes_with("3x3 comparisons", || pcf(map(Bias::SLOPE), 1)),
+    },
+    Effect {
+        name: "dithered",
+        title: "Four dithered comparisons",
+        text: "A quarter of the cost of 4x4 comparisons: each pixel takes four of the sixteen, and neighbours take others.",
+        fault: cubes_with("one comparison", || hard(map(Bias::SLOPE))),
+        cure: cubes_with("4 of 16, by the pixel's parity", || Box::new(PcfDithered { map: map(Bias::SLOPE) })),
+    },
+    Effect {
+        name: "perspective",
+        title: "Orthographic and perspective light",
+        text: "The sun needs an orthographic map, a lamp one with perspective. A map of the same size fitted to what is seen \
+               resolves far more than one laid by hand: compare the edges.",
+        fault: cubes_with("orthographic, by hand", || hard(map(Bias::SLOPE))),
+        cure: Preset {
+            label: "perspective, fitted",
+            scene: cubes_under_spot,
+            technique: || hard(tight(1024, Bias::RECEIVER_PLANE)),
+        },
+    },
+    Effect {
+        name: "soft",
+        title: "One penumbra everywhere, and percentage-closer soft shadows",
+        text: "A lamp with an extent throws shadows that are sharp where caster and receiver touch and soften with distance. A \
+               fixed kernel has one width; PCSS first looks how far the blockers are.",
+        fault: Preset {
+            label: "5x5 comparisons",
+            scene: teapot,
+            technique: || pcf(tight(1024, Bias::RECEIVER_PLANE), 2),
+        },
+        cure: Preset {
+            label: "PCSS, 16 + 32 taps",
+            scene: teapot,
+            technique: || Box::new(Pcss { map: tight(1024, Bias::RECEIVER_PLANE), ..Pcss::default() }),
+        },
+    },
+    Effect {
+        name: "point-light",
+        title: "A point light in a room",
+        text: "Around a light amid the scene six maps form a cube. Bias is needed as ever.",
+        fault: Preset { label: "cube, no bias", scene: room, technique: || hard(tight(1024, Bias::NONE)) },
+        cure: Preset {
+            label: "cube, receiver plane",
+            scene: room,
+            technique: || hard(tight(1024, Bias::RECEIVER_PLANE)),
+        },
+    },
+    Effect {
+        name: "point-light-pcf",
+        title: "A point light, filtered",
+        text: "Each face of the cube is a little wider than 90 degrees, so a kernel never leaves its face and no seam shows.",
+        fault: Preset { label: "one comparison", scene: room, technique: || hard(tight(256, Bias::RECEIVER_PLANE)) },
+        cure: Preset { label: "3x3 comparisons", scene: room, technique: || pcf(tight(256, Bias::RECEIVER_PLANE), 1) },
+    },
+    Effect {
+        name: "midpoint",
+        title: "Midpoint maps",
+        text: "Between the nearest surface and the second one there is room for any rounding: compare with the middle, and \
+               closed casters need no bias at all.",
+        fault: Preset { label: "no bias", scene: figure, technique: || hard(tight(1024, Bias::NONE)) },
+        cure: Preset {
+            label: "midpoint, no bias",
+            scene: figure,
+            technique: || Box::new(Midpoint { map: tight(1024, Bias::NONE), radius: 0 }),
+        },
+    },
+    Effect {
+        name: "sixteen-bits",
+        title: "Sixteen bits of depth, and RGBA8 packing",
+        text: "With 16 bits the map laid by hand knows 65,536 depths; a bias meant for 32 bits is too small. Packed into four \
+               8-bit channels all 24 bits of a float survive.",
+        fault: cubes_with("16 bit, bias 1e-5", || {
+            hard(ShadowMap { format: MapFormat::Depth16, ..map(Bias { cull: Cull::None, ..Bias::RECEIVER_PLANE }) })
+        }),
+        cure: cubes_with("RGBA8, bias 1e-5", || {
+            hard(ShadowMap { format: MapFormat::Rgba8, ..map(Bias::RECEIVER_PLANE) })
+        }),
+    },
+    Effect {
+        name: "contact",
+        title: "Contact, and shadow volumes",
+        text: "A plate 2 mm thick stands on a floor: every bias opens a gap. Shadow volumes count crossings of exact \
+               boundaries and have neither texels nor bias.",
+        fault: Preset { label: "bias .05 / .005", scene: plate, technique: || hard(tight(1024, Bias::SLOPE)) },
+        cure: Preset { label: "shadow volumes", scene: plate, technique: || Box::new(ShadowVolumes::default()) },
+    },
+    Effect {
+        name: "planar",
+        title: "Planar shadows",
+        text: "On a flat receiver the casters can be flattened by one matrix and drawn. Cut at the light and at the plane, \
+               they leave no anti-shadows.",
+        fault: Preset { label: "one comparison", scene: flat, technique: || hard(tight(512, Bias::SLOPE)) },
+        cure: Preset { label: "planar", scene: flat, technique: || Box::new(umbrage_techniques::Planar::default()) },
+    },
+];

@@ -1,0 +1,79 @@
+//! All effects on one page that needs no other file.
+
+use super::{Effect, Played, Side};
+use base64::{Engine, engine::general_purpose::STANDARD};
+use std::fmt::Write;
+
+const STYLE: &str = "\
+body { font: 16px/1.5 system-ui, sans-serif; margin: 2rem auto; max-width: 72rem; padding: 0 1rem; color: #1d2733; }
+h1 { margin-bottom: 0; } h2 { margin: 3rem 0 .3rem; } p { max-width: 52rem; }
+.pair { display: grid; grid-template-columns: 1fr 1fr; gap: 1.5rem; }
+figure { margin: 0; } figcaption { margin: .3rem 0; }
+.pictures { display: grid; grid-template-columns: 1fr 1fr; gap: 4px; }
+img { width: 100%; border-radius: 4px; image-rendering: pixelated; display: block; }
+table { border-collapse: collapse; font-variant-numeric: tabular-nums; font-size: 14px; }
+td, th { padding: 0 1rem 0 0; text-align: left; font-weight: normal; } th { color: #5b6b7c; }
+.better { color: #0a6b2d; } small { color: #5b6b7c; }
+@media (max-width: 50rem) { .pair { grid-template-columns: 1fr; } }";
+
+/// The page. `backends` are their full names.
+pub fn html(rows: &[(&Effect, Played)], backends: &[String]) -> String {
+    let mut page = format!(
+        "<!doctype html>\n<html lang=en><meta charset=utf-8><meta name=viewport content=\"width=device-width\">\n\
+         <title>The textbooks' shadow effects</title>\n<style>{STYLE}</style>\n<h1>The textbooks' shadow effects</h1>\n\
+         <p>Left the fault, right the cure; beside each picture its error against ray-traced truth: blue is false shadow, \
+         orange false light, grey faces away from the light. Played by {}.</p>\n",
+        escaped(&backends.join(" and "))
+    );
+    for (effect, played) in rows {
+        page += &section(effect, played);
+    }
+    page + "</html>\n"
+}
+
+fn section(effect: &Effect, Played { fault, cure }: &Played) -> String {
+    let head = format!(
+        "<section id=\"{}\">\n<h2>{}</h2>\n<p>{}</p>\n",
+        effect.name,
+        escaped(effect.title),
+        escaped(effect.text)
+    );
+    let (left, right) = (figure(effect.fault.label, fault, None), figure(effect.cure.label, cure, Some(fault)));
+    format!("{head}<div class=pair>\n{left}{right}</div>\n</section>\n")
+}
+
+fn figure(label: &str, side: &Side, than: Option<&Side>) -> String {
+    let mut rows = String::new();
+    for (i, (backend, errors)) in side.errors.iter().enumerate() {
+        let other = than.and_then(|s| s.errors.get(i));
+        let class = if other.is_some_and(|(_, o)| errors.mean < o.mean) { " class=better" } else { "" };
+        let percent = |share: f64| format!("{share:.2} %");
+        rows.write_fmt(format_args!(
+            "<tr><td>{backend}<td{class}>{}<td>{}<td>{}</tr>\n",
+            percent(100.0 * errors.mean),
+            percent(errors.false_shadow),
+            percent(errors.false_light)
+        ))
+        .unwrap_or_default();
+    }
+    let differing = match (side.errors.len(), side.differing) {
+        (0 | 1, _) => String::new(),
+        (_, 0) => "<small>no pixel differs between the backends</small>".to_owned(),
+        (_, n) => format!("<small>{n} pixels differ between the backends</small>"),
+    };
+    format!(
+        "<figure><figcaption>{}</figcaption>\n<div class=pictures>{}{}</div>\n\
+         <table><tr><th>backend<th>mean error<th>false shadow<th>false light</tr>\n{rows}</table>{differing}</figure>\n",
+        escaped(label),
+        picture(&side.picture, &format!("{label}: picture")),
+        picture(&side.error, &format!("{label}: error"))
+    )
+}
+
+fn picture(png: &[u8], alt: &str) -> String {
+    format!("<img alt=\"{}\" src=\"data:image/png;base64,{}\">", escaped(alt), STANDARD.encode(png))
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
+}

@@ -1,0 +1,115 @@
+//! Depth in four 8-bit channels, for devices that can neither read depth images nor draw into float ones: WebGL 1's way.
+//!
+//! Depth z is written in base 256, a digit a channel: z = k0/256 + k1/256² + k2/256³ + k3/256⁴, each k a whole number from
+//! 0 to 255, stored as k/255. Multiplying by 256 and taking the fraction are exact in binary floats, so nothing is lost of a
+//! depth of 2^-8 and more (24 bits, all that a float has), and less than 2^-32 of a smaller one; 1 becomes 1 - 2^-32,
+//! which rounds back to 1. Known failure: packed depth cannot be filtered, nor compared by samplers; the digits of
+//! neighbours have nothing to do with each other.
+
+use glam::{UVec2, Vec4};
+use std::sync::Arc;
+use umbrage_core::{FilterKernel, Inputs, Kernel, MATH, Module, Twin, UniformLayout, Uniforms, twin, uniforms};
+
+/// The WGSL half.
+pub const PACKING: Module = Module { name: "packing", text: include_str!("packing.wgsl") };
+const STORED: Module = Module { name: "stored", text: include_str!("stored.wgsl") };
+const STORED_PACKED: Module = Module { name: "stored_packed", text: include_str!("stored_packed.wgsl") };
+
+/// The four channels, 0..=1, of a depth 0..=1.
+#[inline(always)]
+pub fn pack_depth(z: f32) -> Vec4 {
+    let a = z * 256.0;
+    let ka = a.floor().min(255.0);
+    let b = (a - ka) * 256.0;
+    let kb = b.floor().min(255.0);
+    let c = (b - kb) * 256.0;
+    let kc = c.floor().min(255.0);
+    let d = (c - kc) * 256.0;
+    let kd = d.floor().min(255.0);
+    Vec4::new(ka / 255.0, kb / 255.0, kc / 255.0, kd / 255.0)
+}
+
+/// The depth, from channels that may be off by less than half a step.
+#[inline(always)]
+pub fn unpack_depth(c: Vec4) -> f32 {
+    let digit = |v: f32| (v * 255.0 + 0.5).floor();
+    (digit(c.x) + (digit(c.y) + (digit(c.z) + digit(c.w) / 256.0) / 256.0) / 256.0) / 256.0
+}
+
+/// WGSL's `stored_depth`.
+pub(crate) fn stored(packed: bool) -> Vec<Module> {
+    if packed { vec![PACKING, STORED_PACKED] } else { vec![STORED] }
+}
+
+/// From an image of depth to one of four channels.
+pub(crate) fn pack() -> Arc<dyn FilterKernel> {
+    Arc::new(PackKernel)
+}
+
+uniforms! {
+    /// Uniforms of [`PackKernel`]: shaders want something bound.
+    pub struct PackUniforms {
+        /// Not read.
+        pub unused: f32,
+    }
+}
+
+/// Packs an image.
+#[derive(Clone, Copy, Debug)]
+pub struct PackKernel;
+
+impl Kernel for PackKernel {
+    fn modules(&self) -> Vec<Module> {
+        vec![PACKING, Module { name: "pack", text: include_str!("pack.wgsl") }]
+    }
+
+    fn uniform_bytes(&self) -> Vec<u8> {
+        PackUniforms { unused: 0.0 }.to_bytes()
+    }
+
+    fn layout(&self) -> UniformLayout {
+        PackUniforms::layout()
+    }
+}
+
+impl FilterKernel for PackKernel {
+    fn filter(&self, inputs: &Inputs<'_>, start: UVec2, layer: u32, out: &mut [f32]) {
+        for (x, texel) in (start.x as i32..).zip(out.chunks_exact_mut(4)) {
+            texel.copy_from_slice(&pack_depth(inputs.images[0].load(x, start.y as i32, layer)).to_array());
+        }
+    }
+}
+
+/// The pairs, for the lockstep tests.
+pub const TWINS: &[Twin] = &[
+    twin!(PACKING, pack_depth(z: f32) -> Vec4, needs [MATH]),
+    twin!(PACKING, unpack_depth(c: Vec4) -> f32, needs [MATH]),
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn packing_loses_nothing_above_a_256th() {
+        for i in 0..200_000_u32 {
+            let z = (1.0 - i as f32 * 4.97e-6).clamp(1.0 / 256.0, 1.0);
+            assert_eq!(unpack_depth(pack_depth(z)).to_bits(), z.to_bits(), "{z}");
+        }
+        for z in [0.0, 1e-9, 1e-5, 0.0033, 1.0 / 257.0] {
+            assert!((unpack_depth(pack_depth(z)) - z).abs() < 2.4e-10, "{z}");
+        }
+    }
+
+    /// What 8-bit storage does to each channel must not matter; a whole step must.
+    #[test]
+    fn channels_are_whole_steps() {
+        let c = pack_depth(0.713_456_7);
+        for v in c.to_array() {
+            assert!((v * 255.0 - (v * 255.0).round()).abs() < 1e-4, "{v}");
+        }
+        let stored = c.to_array().map(|v| f64::from((v * 255.0).round()) as f32 * (1.0 / 255.0));
+        assert_eq!(unpack_depth(Vec4::from_array(stored)), 0.713_456_7);
+        assert_ne!(unpack_depth(c + Vec4::new(0.0, 0.0, 1.0 / 255.0, 0.0)), 0.713_456_7);
+    }
+}

@@ -1,0 +1,19 @@
+// Twin of pattern.rs: a pixel's turn or shift of the pattern in the kernel's first table.
+
+fn noise_index(x: u32, y: u32) -> u32 {
+    let a = x * 288237660u + y * 25070368u;
+    return (a * 52u + (a >> 16u) * 64417u) >> 26u;
+}
+
+fn turned(axes: vec4f, turn: vec2f) -> vec4f {
+    return vec4f(
+        axes.x * turn.x + axes.z * turn.y,
+        axes.y * turn.x + axes.w * turn.y,
+        axes.z * turn.x - axes.x * turn.y,
+        axes.w * turn.x - axes.y * turn.y,
+    );
+}
+
+fn wrapped(x: f32) -> f32 {
+    return select(x, x - 2.0, x >= 1.0);
+}

@@ -1,0 +1,208 @@
+//! Percentage-closer soft shadows: look for blockers, conclude how wide the penumbra is, filter that widely.
+//!
+//! Fernando 2005, "Percentage-closer soft shadows". A light of width w over a blocker at distance d_b throws on a receiver
+//! at distance d_r a penumbra of width w (d_r - d_b) / d_b. Seen from the light, that is w (1/d_b - 1/d_r) in tangents;
+//! and clip depth with perspective is linear in 1/d (without, in d, as the penumbra then is). So all three steps follow
+//! from differences of clip depth z, with the light's half axes U and V in texels per unit of it ([`LightExtent`]):
+//!
+//! 1. **Search** the taps of a pattern over z_r (U, V): what anything between the map's near plane (z = 0) and the
+//!    receiver could hide of the light. The near plane is where the first caster is, so no radius is guessed.
+//! 2. **Penumbra**: the mean of z_r - z_b over the taps whose depth z_b is nearer than the receiver; none of them: lit.
+//!    Where the receiver's plane is followed, z_r is the plane's depth at the tap.
+//! 3. **Filter**: the share of lit taps over that mean times (U, V).
+//!
+//! Rectangles are sampled over the parallelogram and discs over the ellipse that the light makes on the map, so with all
+//! blockers in one plane the answer is exact up to texels and taps, if that plane is parallel to the map, or to the
+//! receiver whose plane is followed: on a slanting map, blockers on one side of an edge are otherwise nearer in the mean
+//! than the edge. There is no least width: where
+//! blocker and receiver meet, or under an ideal light, this is one hard comparison.
+//!
+//! Known failures, all of them from speaking of *the* blocker: blockers at several depths are merged into a mean that fits
+//! none of them (a pole before a wall: its sharp shadow grows soft, the wall's soft one sharp; a canopy over a trunk);
+//! what lies behind the nearest surface is not in the map, so shadows of two casters under one another do not add up as
+//! they should; with few taps a small blocker, or the foot of a tall one, is missed by the search and light leaks at
+//! contacts; lights so wide or casters so near to them that the search would leave the map are followed only half a map
+//! far, and cube faces are never left: their outermost receivers are then too bright.
+//!
+//! Bias: taps wander far from the receiver, so anything constant is too little for wide lights or too much for narrow
+//! ones. [`Bias::RECEIVER_PLANE`](crate::Bias::RECEIVER_PLANE) compares each tap with the receiver's plane there, which is exact on planes of any width,
+//! and is the default. Biases also shift z_r in the steps above, by themselves.
+
+use crate::{
+    Bias,
+    batch::{Taps, look_up_span},
+    light_extent::{self, LIGHT_EXTENT, LightExtent, light_axes},
+    pattern::{PATTERN, Pattern, PatternTable, TURNS, turned},
+    shadow_map::{DepthMap, Lookup, MapLookup, ShadowMap},
+    soft_taps::{Laid, PLACED, SOFT_TAPS, turn_at},
+};
+use glam::{UVec2, Vec2, Vec4};
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+use umbrage_core::{
+    Inputs, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span, UniformLayout, Uniforms, View,
+    uniforms,
+};
+
+/// Steps of depth in which blockers are summed: whole numbers add in any order. 2^23, so that
+/// [`MAX_TAPS`](crate::pattern::MAX_TAPS) of them fit in 31 bits.
+pub const DEPTH_UNITS: f32 = 8_388_608.0;
+
+/// Penumbrae as wide as the light makes them.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Pcss {
+    /// The map looked up.
+    pub map: ShadowMap,
+    /// Taps of the search, 1 to [`MAX_TAPS`](crate::pattern::MAX_TAPS). Ideal lights take one.
+    pub blocker_taps: u32,
+    /// Taps of the filter, likewise.
+    pub filter_taps: u32,
+    /// How both are spread.
+    pub pattern: Pattern,
+    /// Whether each pixel turns (or shifts) the pattern by its own noise.
+    pub rotate: bool,
+}
+
+impl Default for Pcss {
+    fn default() -> Self {
+        let map = ShadowMap { bias: Bias::RECEIVER_PLANE, ..ShadowMap::default() };
+        Self { map, blocker_taps: 16, filter_taps: 32, pattern: Pattern::Vogel, rotate: true }
+    }
+}
+
+impl ShadowTechnique for Pcss {
+    fn name(&self) -> &'static str {
+        "pcss"
+    }
+
+    fn settings(&self) -> String {
+        let still = if self.rotate { "" } else { " still" };
+        let taps = format!("{} + {} taps,{still} {}", self.blocker_taps, self.filter_taps, self.pattern.name());
+        format!("{taps}, {}", self.map.label())
+    }
+
+    fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
+        let pattern = self.pattern_table(view)?;
+        let spaces = light_extent::spaces(&self.map, view)?;
+        let uniforms = PcssUniforms {
+            lookup: MapLookup::new(&self.map, view, &spaces),
+            extent: LightExtent::new(view.light, &spaces, self.map.size),
+            blocker_taps: pattern.sets[0].count,
+            filter_taps: pattern.sets[1].count,
+            turns: if self.rotate { TURNS - 1 } else { 0 },
+        };
+        let table = pattern.table.clone();
+        let mut recipe = self.map.maps(&spaces).recipe(PcssKernel { uniforms, pattern });
+        recipe.tables.push(table);
+        recipe.receive.tables.push(0);
+        Ok(recipe)
+    }
+}
+
+impl Pcss {
+    fn pattern_table(&self, view: &View<'_>) -> Result<Arc<PatternTable>, PlanError> {
+        let make = |blocker, filter| {
+            let sets = [("pcss blocker taps", blocker), ("pcss filter taps", filter)];
+            PatternTable::new(self.pattern, light_extent::shape(view.light), &sets)
+        };
+        let asked = make(self.blocker_taps, self.filter_taps)?;
+        // All taps of an ideal light fall on the receiver's own texel.
+        Ok(if view.light.is_ideal() { make(1, 1)? } else { asked })
+    }
+}
+
+uniforms! {
+    /// Uniforms of [`PcssKernel`].
+    pub struct PcssUniforms {
+        /// The way to the map.
+        pub lookup: MapLookup,
+        /// The light on the map.
+        pub extent: LightExtent,
+        /// Taps of the search: the table's first.
+        pub blocker_taps: u32,
+        /// Taps of the filter: the table's next.
+        pub filter_taps: u32,
+        /// Greatest turn of the pattern: one less than the number of turns, or 0.
+        pub turns: u32,
+    }
+}
+
+/// Search, estimate, filter.
+#[derive(Clone, Debug)]
+pub struct PcssKernel {
+    uniforms: PcssUniforms,
+    pattern: Arc<PatternTable>,
+}
+
+impl Kernel for PcssKernel {
+    fn modules(&self) -> Vec<Module> {
+        let own = Module { name: "pcss", text: include_str!("pcss.wgsl") };
+        self.uniforms.lookup.modules().into_iter().chain([LIGHT_EXTENT, PATTERN, PLACED, SOFT_TAPS, own]).collect()
+    }
+
+    fn uniform_bytes(&self) -> Vec<u8> {
+        self.uniforms.to_bytes()
+    }
+
+    fn layout(&self) -> UniformLayout {
+        PcssUniforms::layout()
+    }
+}
+
+impl ReceiveKernel for PcssKernel {
+    fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
+        let lookup = &self.uniforms.lookup;
+        let search = Search { kernel: self, map: lookup.map(&inputs.images[0]), first: span.first };
+        look_up_span(inputs.simd, lookup, span, out, &search);
+    }
+}
+
+struct Search<'a> {
+    kernel: &'a PcssKernel,
+    map: DepthMap<'a>,
+    first: UVec2,
+}
+
+impl Taps for Search<'_> {
+    #[inline(always)]
+    fn visibility(&self, l: &Lookup, offset: usize) -> f32 {
+        let PcssKernel { uniforms: u, pattern } = self.kernel;
+        let turn = turn_at(pattern, u.turns, self.first, offset);
+        let (face, half) = (l.layer as usize, u.lookup.size * 0.5);
+        let across = u.extent.across[face];
+        let along = u.extent.along[face];
+        let from_middle = Vec2::new(l.texel.x - half, l.texel.y - half);
+        let axes = turned(light_axes(across, along, from_middle), Vec2::new(turn.x, turn.y));
+        let laid = |reach: f32| {
+            let shift = Vec2::new(turn.z, turn.w);
+            Laid {
+                map: self.map,
+                l,
+                axes: scaled(axes, reach),
+                shift,
+                shape: pattern.shape,
+                farthest: u.lookup.farthest,
+            }
+        };
+        let [count, sum] = laid(bounded(l.depth, along.w)).blockers(&pattern.sets[0], DEPTH_UNITS);
+        if count == 0 {
+            return 1.0;
+        }
+        let nearer = sum as f32 / (count as f32 * DEPTH_UNITS);
+        let lit = laid(bounded(nearer, along.w)).lit(&pattern.sets[1]);
+        lit as f32 / u.filter_taps as f32
+    }
+}
+
+/// A difference of clip depths between nothing and what is followed.
+#[inline(always)]
+#[expect(clippy::manual_clamp, reason = "`clamp` lets NaN through, and this must bound it as the shader does")]
+fn bounded(depth: f32, most: f32) -> f32 {
+    depth.max(0.0).min(most)
+}
+
+#[inline(always)]
+fn scaled(axes: Vec4, by: f32) -> Vec4 {
+    Vec4::new(axes.x * by, axes.y * by, axes.z * by, axes.w * by)
+}

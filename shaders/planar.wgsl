@@ -1,0 +1,21 @@
+// Twin of planar.rs: dark where the layer of the pixel's plane (table_0, four triangles a row) is covered.
+
+struct PlanarUniforms {
+    light: vec4f,
+    first: u32,
+}
+
+const NO_PLANE = 0xffffffffu;
+
+fn receive(r: Receiver) -> f32 {
+    if turned_away(kernel.light, r.position, r.normal) != 0u {
+        return 0.0;
+    }
+    let i = r.triangle - kernel.first;
+    let row = table_0[i / 4u];
+    let plane = row[i % 4u];
+    if plane == NO_PLANE {
+        return 1.0;
+    }
+    return select(0.0, 1.0, load_0(vec2i(r.pixel), i32(plane)).x >= 1.0);
+}

@@ -1,0 +1,53 @@
+//! The textbooks' matrix that projects points from a light onto a plane.
+
+use glam::{DMat4, DVec4, Mat4, Vec4};
+
+/// Maps homogeneous points to where their shadows fall on `plane`: `(plane . light) I - light plane^T`. Blinn 1988, "Me and
+/// my (fake) shadow" (Jim Blinn's corner, IEEE CG&A 8.1).
+///
+/// `plane` is (n, d) with `n . p + d = 0` on it, n of any length; `light` is a position (w = 1) or the direction to the light
+/// (w = 0). The results are homogeneous, too: divide by w, which for a plane turned to the light is positive where
+/// there is a shadow. It is negative for points above the light, whose mirrored image on the plane is the well-known
+/// anti-shadow, and points below the plane are projected up to it: casters must be clipped to the slab between plane and
+/// light before.
+pub fn planar_shadow_matrix(plane: Vec4, light: Vec4) -> Mat4 {
+    exact(plane.as_dvec4(), light.as_dvec4()).as_mat4()
+}
+
+/// [`planar_shadow_matrix`] before rounding.
+pub(crate) fn exact(plane: DVec4, light: DVec4) -> DMat4 {
+    let outer = DMat4::from_cols(light * plane.x, light * plane.y, light * plane.z, light * plane.w);
+    DMat4::from_diagonal(DVec4::splat(plane.dot(light))) - outer
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Where a point's shadow falls.
+    fn shadow(plane: Vec4, light: Vec4, x: f32, y: f32, z: f32) -> [f32; 3] {
+        let p = planar_shadow_matrix(plane, light) * Vec4::new(x, y, z, 1.0);
+        (p / p.w).truncate().to_array()
+    }
+
+    #[test]
+    fn shadows_fall_where_a_pencil_puts_them() {
+        let floor = Vec4::new(0.0, 1.0, 0.0, 0.0);
+        // The sun at 45 degrees: as far to the side as the point is high.
+        assert_eq!(shadow(floor, Vec4::new(1.0, 1.0, 0.0, 0.0), 2.0, 3.0, 5.0), [-1.0, 0.0, 5.0]);
+        // A lamp 4 m up, the point 1 m up: four thirds of its distance from below the lamp.
+        assert_eq!(shadow(floor, Vec4::new(1.0, 4.0, 0.0, 1.0), 4.0, 1.0, 3.0), [5.0, 0.0, 4.0]);
+        // A wall at x = 2, its plane given twice as long, the lamp at the origin.
+        let wall = Vec4::new(-2.0, 0.0, 0.0, 4.0);
+        assert_eq!(shadow(wall, Vec4::W, 1.0, 0.5, -1.0), [2.0, 1.0, -2.0]);
+    }
+
+    #[test]
+    fn points_of_the_plane_stay_and_points_above_the_lamp_turn_negative() {
+        let (floor, lamp) = (Vec4::new(0.0, 1.0, 0.0, -1.0), Vec4::new(0.0, 3.0, 0.0, 1.0));
+        assert_eq!(shadow(floor, lamp, 7.0, 1.0, -2.0), [7.0, 1.0, -2.0]);
+        assert!((planar_shadow_matrix(floor, lamp) * Vec4::new(1.0, 5.0, 0.0, 1.0)).w < 0.0);
+        // Level with the lamp: infinitely far away.
+        assert_eq!((planar_shadow_matrix(floor, lamp) * Vec4::new(1.0, 3.0, 0.0, 1.0)).w, 0.0);
+    }
+}

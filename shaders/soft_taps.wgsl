@@ -1,0 +1,27 @@
+// Twin of soft_taps.rs: the kernel's first table holds the taps of its sets, then the turns.
+
+fn pattern_row(i: u32) -> vec4f {
+    return bitcast<vec4f>(table_0[i]);
+}
+
+// The depth stored under a tap, and the receiver's there. Outside the map nothing is nearer, unless its edge repeats.
+fn tap_depths(l: Lookup, size: i32, axes: vec4f, tap: u32, shift: vec2f) -> vec2f {
+    let offset = tap_offset(axes, pattern_row(tap).xy, shift);
+    let x = i32(floor(l.texel.x + offset.x));
+    let y = i32(floor(l.texel.y + offset.y));
+    let receiver = min(depth_at(l, x, y), kernel.lookup.farthest);
+    let texel = vec2i(clamp(x, 0, size - 1), clamp(y, 0, size - 1));
+    if kernel.lookup.clamped == 0u && (texel.x != x || texel.y != y) {
+        return vec2f(2.0, receiver);
+    }
+    return vec2f(stored_depth(texel, l.layer), receiver);
+}
+
+fn lit_taps(l: Lookup, size: i32, axes: vec4f, first: u32, count: u32, shift: vec2f) -> i32 {
+    var lit = 0;
+    for (var tap = first; tap < first + count; tap++) {
+        let d = tap_depths(l, size, axes, tap, shift);
+        lit += select(0, 1, d.y <= d.x);
+    }
+    return lit;
+}

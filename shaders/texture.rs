@@ -1,0 +1,121 @@
+//! Textures in both languages: they repeat, and are read bilinearly with explicit loads, since samplers' weights have 8
+//! bits on most hardware.
+//!
+//! A texture is `(first texel, width, height, 0)` into a table of texels; a width of 0 stands for no texture.
+
+use glam::{UVec2, UVec4, Vec2, Vec4};
+use umbrage_core::{Module, Texture, Twin, twin};
+
+/// The WGSL half. Reading a table is the business of who declares it.
+pub(crate) const TEXTURE: Module = Module { name: "texture", text: include_str!("texture.wgsl") };
+
+/// Along one axis, the two texels of `size` between whose centres the coordinate `u` lies.
+#[inline(always)]
+pub(crate) fn neighbours(u: f32, size: u32) -> UVec2 {
+    let x = ((u - u.floor()) * size as f32 - 0.5).floor();
+    let last = size.wrapping_sub(1);
+    let first = (x.max(0.0) as u32).min(last);
+    if x < 0.0 {
+        return UVec2::new(last, first);
+    }
+    UVec2::new(first, if first == last { 0 } else { first.wrapping_add(1) })
+}
+
+/// How far `u` is from the first of its [`neighbours`] to the second, 0 to 1.
+#[inline(always)]
+pub(crate) fn fraction(u: f32, size: u32) -> f32 {
+    let x = (u - u.floor()) * size as f32 - 0.5;
+    x - x.floor()
+}
+
+/// From `a` to `b`; exact where both are equal, so that flat maps stay flat.
+#[inline(always)]
+pub(crate) fn blend(a: Vec4, b: Vec4, t: f32) -> Vec4 {
+    a + (b - a) * t
+}
+
+/// The texture at `uv`, origin top left.
+#[inline(always)]
+pub(crate) fn bilinear(texels: &[[u32; 4]], texture: UVec4, uv: Vec2) -> Vec4 {
+    let (x, y) = (neighbours(uv.x, texture.y), neighbours(uv.y, texture.z));
+    let load = |x: u32, y: u32| Vec4::from_array(texels[(texture.x + y * texture.y + x) as usize].map(f32::from_bits));
+    let s = fraction(uv.x, texture.y);
+    let (top, bottom) = (blend(load(x.x, y.x), load(x.y, y.x), s), blend(load(x.x, y.y), load(x.y, y.y), s));
+    blend(top, bottom, fraction(uv.y, texture.z))
+}
+
+/// All texels one after the other, and each texture's place among them. One row of zeros if there are none.
+pub(crate) fn rows(textures: &[Texture]) -> (Vec<[u32; 4]>, Vec<UVec4>) {
+    let (mut rows, mut places) = (Vec::new(), Vec::new());
+    for texture in textures {
+        places.push(UVec4::new(rows.len() as u32, texture.size.x, texture.size.y, 0));
+        rows.extend(texture.texels.iter().map(|t| t.map(f32::to_bits)));
+    }
+    if rows.is_empty() {
+        rows.push([0; 4]);
+    }
+    (rows, places)
+}
+
+/// The pairs, for the lockstep tests.
+pub(crate) const TWINS: &[Twin] = &[
+    twin!(TEXTURE, neighbours(u: f32, size: u32) -> UVec2),
+    twin!(TEXTURE, fraction(u: f32, size: u32) -> f32),
+    twin!(TEXTURE, blend(a: Vec4, b: Vec4, t: f32) -> Vec4),
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Red, green over blue, white: no flip or turn leaves it as it is.
+    fn texture() -> Texture {
+        let texels = vec![[1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 1.0], [0.0, 0.0, 1.0, 1.0], [1.0; 4]];
+        Texture { name: "2x2".to_owned(), size: UVec2::splat(2), texels }
+    }
+
+    fn read(u: f32, v: f32) -> [f32; 4] {
+        let (rows, places) = rows(&[Texture { size: UVec2::ONE, texels: vec![[9.0; 4]], ..texture() }, texture()]);
+        bilinear(&rows, places[1], Vec2::new(u, v)).to_array()
+    }
+
+    /// u grows to the right, v down; texel centres lie at quarters.
+    #[test]
+    fn the_origin_is_top_left() {
+        let [red, green, blue, white] = [0, 1, 2, 3].map(|i| texture().texels[i]);
+        assert_eq!([read(0.25, 0.25), read(0.75, 0.25), read(0.25, 0.75), read(0.75, 0.75)], [red, green, blue, white]);
+    }
+
+    #[test]
+    fn between_centres_texels_blend_and_beyond_the_edge_they_repeat() {
+        assert_eq!(read(0.5, 0.25), [0.5, 0.5, 0.0, 1.0]);
+        // Three quarters of the way from blue to white, and half of that with the row above.
+        assert_eq!(read(0.625, 0.75), [0.75, 0.75, 1.0, 1.0]);
+        assert_eq!(read(0.0, 0.25), [0.5, 0.5, 0.0, 1.0], "half way from the last column to the first");
+        for (u, v) in [(0.375, 0.625), (0.0, 0.0), (0.9375, 0.125)] {
+            for (x, y) in [(1.0, 0.0), (-3.0, 2.0), (0.0, -1.0)] {
+                assert_eq!(read(u + x, v + y), read(u, v), "({u}, {v}) moved by ({x}, {y})");
+            }
+        }
+    }
+
+    #[test]
+    fn flat_textures_are_flat_everywhere() {
+        let flat = Texture { name: "flat".to_owned(), size: UVec2::new(5, 3), texels: vec![[0.1, 0.5, 0.7, 1.0]; 15] };
+        let (rows, places) = rows(&[flat]);
+        for i in 0..1000 {
+            let uv = Vec2::new(i as f32 * 0.377, i as f32 * -0.061);
+            assert_eq!(bilinear(&rows, places[0], uv).to_array(), [0.1, 0.5, 0.7, 1.0], "{uv}");
+        }
+    }
+
+    #[test]
+    fn coordinates_that_round_to_the_edge_stay_inside() {
+        for u in [-1e-9, 1.0 - 1e-8, 1e30, -1e30, f32::NAN, 0.999_999_94] {
+            for size in [1, 2, 3, 1000] {
+                let found = neighbours(u, size);
+                assert!(found.max_element() < size, "{u}, {size}: {found}");
+            }
+        }
+    }
+}

@@ -1,0 +1,12 @@
+// Twin of volumes.rs: lit if in no volume.
+
+struct VolumesUniforms {
+    light: vec4f,
+}
+
+fn receive(r: Receiver) -> f32 {
+    if turned_away(kernel.light, r.position, r.normal) != 0u {
+        return 0.0;
+    }
+    return select(0.0, 1.0, load_0(vec2i(r.pixel), 0).x == 0.0);
+}

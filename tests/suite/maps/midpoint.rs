@@ -1,0 +1,53 @@
+//! Second depth and midpoints against constants, and where they fail.
+
+use super::Case;
+use umbrage_core::ShadowTechnique;
+use umbrage_techniques::{Bias, Hard, Midpoint, SecondDepth, ShadowMap};
+
+fn map(bias: Bias) -> ShadowMap {
+    ShadowMap { size: 1024, bias, ..ShadowMap::default() }
+}
+
+fn midpoint() -> Midpoint {
+    Midpoint { map: map(Bias::RECEIVER_PLANE), radius: 0 }
+}
+
+fn second_depth() -> SecondDepth {
+    SecondDepth { map: map(Bias::FRONT_CULL), radius: 0 }
+}
+
+/// Share of wrong pixels, summed over the scenes.
+fn wrong(cases: &[Case], technique: &dyn ShadowTechnique) -> f64 {
+    cases.iter().map(|case| case.errors(technique).mean).sum()
+}
+
+/// Closed casters of different thickness under different lights: each has a constant that suits it, and none suits all.
+#[test]
+fn every_constant_is_worse_on_closed_meshes() {
+    let cases = ["figure", "c8-faceted-sphere", "c2-sphere-sun", "c3-sphere-bulb"].map(Case::named);
+    let (midpoint, second) = (wrong(&cases, &midpoint()), wrong(&cases, &second_depth()));
+    for i in 0..=40 {
+        let constant = 10.0_f32.powf(-6.0 + i as f32 / 8.0);
+        let other = wrong(&cases, &Hard { map: map(Bias { constant, ..Bias::NONE }) });
+        assert!(midpoint < other && second < other, "{constant}: {midpoint} and {second} against {other}");
+    }
+}
+
+/// Sheets that enclose nothing: second depth loses those that face the light; a midpoint alone lies too near to them.
+#[test]
+fn open_meshes_defeat_both() {
+    let case = [Case::named("open-shells")];
+    let hard = wrong(&case, &Hard { map: map(Bias::RECEIVER_PLANE) });
+    let bare = Midpoint { map: map(Bias::NONE), radius: 0 };
+    let (second, bare) = (wrong(&case, &second_depth()), wrong(&case, &bare));
+    assert!(second > 10.0 * hard && bare > 1.5 * hard, "{second} and {bare} against {hard}");
+}
+
+/// Walls one texel thick: light leaks past their far sides, and not past a midpoint or the near sides.
+#[test]
+fn thin_walls_leak_by_second_depth() {
+    let case = Case::named("sealed-room");
+    let light = |technique: &dyn ShadowTechnique| case.errors(technique).false_light;
+    assert!(light(&second_depth()) > 0.0);
+    assert_eq!([light(&midpoint()), light(&Hard { map: map(Bias::RECEIVER_PLANE) })], [0.0, 0.0]);
+}

@@ -1,0 +1,64 @@
+//! Kinds of maps and of lookups, measured against truth: comparison samplers, midpoints, cubes, coarse and packed depth.
+
+mod cube;
+mod formats;
+mod hardware;
+mod midpoint;
+
+use umbrage_core::{
+    Backend, Camera, Geometry, Light, Scene, ShadowTechnique, View,
+    metrics::{Errors, Pixel},
+};
+use umbrage_cpu::Cpu;
+use umbrage_lab::truth::{Truth, TruthOptions, trace};
+use umbrage_scenes::find;
+
+/// A scene with its truth.
+struct Case {
+    scene: Scene,
+    geometry: Geometry,
+    truth: Truth,
+}
+
+impl Case {
+    /// A built-in scene.
+    fn named(name: &str) -> Self {
+        Self::of((find(name).expect("a built-in scene").build)())
+    }
+
+    fn of(scene: Scene) -> Self {
+        let geometry = Geometry::bake(&scene).expect("built-in scenes are valid");
+        let options = TruthOptions { samples: 64, ..TruthOptions::default() };
+        let (camera, light, mut cpu) = (&scene.cameras[0], &scene.lights[0], Cpu::new());
+        let find = &mut |c: &Camera, g: &Geometry| cpu.receivers(c, g);
+        let truth = trace(camera, light, &geometry, &options, find, &|_, _| {}).expect("built-in scenes are traced");
+        Self { scene, geometry, truth }
+    }
+
+    fn light(&self) -> &Light {
+        &self.scene.lights[0]
+    }
+
+    fn view(&self) -> View<'_> {
+        View::new(&self.scene.cameras[0], self.light(), &self.geometry).with_receivers(&self.truth.receivers)
+    }
+
+    /// The CPU's mask.
+    fn mask(&self, technique: &dyn ShadowTechnique) -> Vec<f32> {
+        let recipe = technique.plan(&self.view()).expect("the technique serves the scene");
+        Cpu::new().render(&self.view(), &recipe).expect("built-in scenes render").mask
+    }
+
+    fn errors(&self, technique: &dyn ShadowTechnique) -> Errors {
+        self.errors_of(&self.mask(technique))
+    }
+
+    fn errors_of(&self, mask: &[f32]) -> Errors {
+        Errors::measure(self.truth.size, mask, &self.truth.visibility, &self.truth.pixels).expect("masks are valid")
+    }
+
+    /// Pixels that count.
+    fn counted(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.truth.pixels.len()).filter(|&i| self.truth.pixels[i] == Pixel::Counted)
+    }
+}

@@ -1,0 +1,108 @@
+//! The widths of PCSS's penumbrae against those known from formulas: c4 and c4b, an edge under a square lamp.
+
+use umbrage_core::{Backend, Geometry, Layout, Light, Receivers, ShadowTechnique, View};
+use umbrage_cpu::Cpu;
+use umbrage_scenes::find;
+use umbrage_techniques::{Bias, Hard, Pattern, Pcss, ShadowMap};
+use umbrage_tests::gpu::gpu;
+
+/// What the issue asks for: 5 %.
+const TOLERANCE: f64 = 0.05;
+
+/// A scene and the true ramp: visibility is (x - start) / width between 0 and 1.
+const RAMPS: [(&str, f64, f64); 2] = [("c4-edge-square", -0.5, 1.0), ("c4b-low-edge-square", 0.042_857, 0.142_857)];
+
+/// Penumbra's width over the true one. Of the floor's pixels whose true visibility is .25 to .75, a line is fitted to
+/// visibility against x; a ramp of its slope is as wide as the slope's inverse.
+fn width_ratio(mask: &[f32], receivers: &Receivers, start: f64, width: f64) -> f64 {
+    let on_floor = |i: &usize| receivers.receives[*i] && receivers.position(*i).y.abs() < 1e-3;
+    let ramp = (0..receivers.len()).filter(on_floor).map(|i| {
+        let x = (f64::from(receivers.position(i).x) - start) / width;
+        (x, f64::from(mask[i]))
+    });
+    let middle: Vec<(f64, f64)> = ramp.filter(|(x, _)| (0.25..=0.75).contains(x)).collect();
+    assert!(middle.len() > 400, "{} pixels are too few to fit a line to", middle.len());
+    let n = middle.len() as f64;
+    let mean = |f: fn(&(f64, f64)) -> f64| middle.iter().map(f).sum::<f64>() / n;
+    let (x, v) = (mean(|p| p.0), mean(|p| p.1));
+    let variance = mean(|p| p.0 * p.0) - x * x;
+    variance / (mean(|p| p.0 * p.1) - x * v)
+}
+
+/// The technique's ratio under a lamp whose sides are `scale` times the scene's.
+fn measured(backend: &mut dyn Backend, technique: &Pcss, (name, start, width): (&str, f64, f64), scale: f32) -> f64 {
+    let mut scene = (find(name).expect("a built-in scene").build)();
+    if let Light::Rect { half_u, half_v, .. } = &mut scene.lights[0] {
+        (*half_u, *half_v) = (*half_u * scale, *half_v * scale);
+    }
+    let geometry = Geometry::bake(&scene).expect("built-in scenes are valid");
+    let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
+    let recipe = technique.plan(&view).expect("maps serve square lamps");
+    let shadows = backend.render(&view, &recipe).expect("renders");
+    width_ratio(&shadows.mask, &shadows.receivers.expect("found from the geometry"), start, width)
+}
+
+fn techniques() -> impl Iterator<Item = Pcss> {
+    let patterns = [Pattern::Vogel, Pattern::Poisson, Pattern::Grid];
+    patterns.into_iter().map(|pattern| Pcss { pattern, blocker_taps: 64, filter_taps: 64, ..Pcss::default() })
+}
+
+fn check(backend: &mut dyn Backend) {
+    for technique in techniques() {
+        for ramp in RAMPS {
+            let ratio = measured(backend, &technique, ramp, 1.0);
+            let settings = technique.settings();
+            assert!((ratio - 1.0).abs() <= TOLERANCE, "{} {settings}: {ratio} of the true width", ramp.0);
+        }
+    }
+}
+
+#[test]
+fn penumbrae_are_as_wide_as_they_should_be() {
+    check(&mut Cpu::new());
+}
+
+#[test]
+fn penumbrae_are_as_wide_on_the_gpu() {
+    check(&mut *gpu());
+}
+
+/// The measure must object to a lamp a tenth too large.
+#[test]
+fn a_lamp_too_large_is_caught() {
+    for technique in techniques() {
+        for ramp in RAMPS {
+            let ratio = measured(&mut Cpu::new(), &technique, ramp, 1.1);
+            assert!((ratio - 1.0).abs() > TOLERANCE, "{} {}: {ratio}", ramp.0, technique.settings());
+        }
+    }
+}
+
+/// Under an ideal light every tap is the receiver's own: the mask is the hard one's, bit for bit, and nothing is NaN.
+#[test]
+fn ideal_lights_throw_hard_shadows() {
+    for (name, layout) in [("cubes", Layout::Auto), ("figure", Layout::Cube), ("c3-sphere-bulb", Layout::Auto)] {
+        let scene = (find(name).expect("a built-in scene").build)();
+        let light = ideal(scene.lights[0]);
+        let geometry = Geometry::bake(&scene).expect("built-in scenes are valid");
+        let view = View::new(&scene.cameras[0], &light, &geometry);
+        let map = ShadowMap { bias: Bias::RECEIVER_PLANE, layout, ..ShadowMap::default() };
+        let mask = |technique: &dyn ShadowTechnique| {
+            let recipe = technique.plan(&view).expect("maps serve these lights");
+            Cpu::new().render(&view, &recipe).expect("renders").mask
+        };
+        let (hard, soft) = (mask(&Hard { map }), mask(&Pcss { map, ..Pcss::default() }));
+        assert!(hard.contains(&0.0), "{name} shows no shadow");
+        assert!(hard == soft, "{name} {layout:?}");
+    }
+}
+
+fn ideal(light: Light) -> Light {
+    match light {
+        Light::Directional { direction, .. } => Light::Directional { direction, angular_diameter: 0.0 },
+        Light::Spot { position, direction, inner, outer, .. } => {
+            Light::Spot { position, direction, inner, outer, radius: 0.0 }
+        }
+        other => other,
+    }
+}

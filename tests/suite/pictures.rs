@@ -1,0 +1,191 @@
+//! Colour pictures: Blinn-Phong by both backends, with textures, normal maps, every kind of light, and a marker.
+//!
+//! The kernel uses no transcendental function and writes every sum out, so on the pinned software driver linear colours
+//! are bit-equal. On any other driver they are, once encoded, within [`BOUND`] wherever the same triangle and the same
+//! shadow are seen.
+
+use std::sync::Arc;
+use umbrage_core::{
+    Backend as _, Geometry, Kernel, Module, Recipe, ShadeKernel, ShadowTechnique, Shadows, Span, UniformLayout,
+    Uniforms as _, View, join, picture,
+};
+use umbrage_cpu::Cpu;
+use umbrage_techniques::{Bias, BlinnPhong, BlinnPhongUniforms, Hard, ShadowMap, Traced};
+use umbrage_tests::{gpu::gpu, layouts, painted};
+
+/// One step of an 8-bit picture: two encoders may round a value on the border between bytes either way.
+const BOUND: u8 = 1;
+
+/// Both backends' answers, and whether the driver is the one whose every bit is known.
+struct Pair {
+    cpu: Shadows,
+    gpu: Shadows,
+    exact: bool,
+}
+
+fn render(view: &View<'_>, recipe: &Recipe) -> Pair {
+    let cpu = Cpu::new().render(view, recipe).expect("the CPU plays it");
+    let mut gpu = gpu();
+    let exact = gpu.is_pinned_lavapipe();
+    Pair { cpu, gpu: gpu.render(view, recipe).expect("the GPU plays it"), exact }
+}
+
+/// How the pictures differ, in words; none if they don't by more than is allowed.
+fn fault(pair: &Pair) -> Option<String> {
+    let pictures = [&pair.cpu, &pair.gpu].map(|s| s.picture.as_deref());
+    let [Some(cpu), Some(gpu)] = pictures else { return Some("a picture is missing".to_owned()) };
+    if cpu.len() != gpu.len() {
+        return Some(format!("{} and {} pixels", cpu.len(), gpu.len()));
+    }
+    let differs = |i: &usize| {
+        if pair.exact {
+            return cpu[*i].map(f32::to_bits) != gpu[*i].map(f32::to_bits);
+        }
+        let bytes = |p: [f32; 4]| [0, 1, 2].map(|k| picture::encode(p[k]));
+        let far = bytes(cpu[*i]).into_iter().zip(bytes(gpu[*i])).any(|(a, b)| a.abs_diff(b) > BOUND);
+        far && same_seen(pair, *i)
+    };
+    let wrong: Vec<usize> = (0..cpu.len()).filter(differs).collect();
+    let &first = wrong.first()?;
+    Some(format!("{} pixels differ; first {first}: {:?} and {:?}", wrong.len(), cpu[first], gpu[first]))
+}
+
+/// Whether both backends see the same triangle with the same shadow on it.
+fn same_seen(pair: &Pair, i: usize) -> bool {
+    let triangle = |s: &Shadows| s.receivers.as_ref().map(|r| r.triangle[i]);
+    triangle(&pair.cpu) == triangle(&pair.gpu) && pair.cpu.mask[i] == pair.gpu.mask[i]
+}
+
+/// Calls `check` with a name, the view and a recipe that shades, for every light, camera and technique.
+fn each_case(mut check: impl FnMut(&str, &View<'_>, &Recipe)) {
+    let map = ShadowMap { size: 256, bias: Bias::SLOPE, ..ShadowMap::default() };
+    let techniques: [Arc<dyn ShadowTechnique>; 2] = [Arc::new(Hard { map }), Arc::new(Traced { samples: 4 })];
+    for light in painted::lights() {
+        for (c, camera) in painted::cameras().expect("good cameras").into_iter().enumerate() {
+            let scene = painted::scene(light, camera).expect("a good scene");
+            let geometry = Geometry::bake(&scene).expect("a good scene");
+            let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
+            let shading = BlinnPhong::default().shading(&scene, &view).expect("it shades");
+            for technique in &techniques {
+                let recipe = technique.plan(&view).expect("it plans");
+                check(&format!("{}, camera {c}, {}", light.kind(), technique.name()), &view, &shading.add_to(recipe));
+            }
+        }
+    }
+}
+
+#[test]
+fn both_backends_paint_the_same_picture() {
+    let mut faults = Vec::new();
+    each_case(|name, view, recipe| {
+        let pair = render(view, recipe);
+        faults.extend(fault(&pair).map(|why| format!("{name}: {why}")));
+        proves_something(name, &pair.cpu);
+    });
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+/// Shadow, light, highlights, the marker and the background must all be in the picture, and many colours.
+fn proves_something(name: &str, shadows: &Shadows) {
+    let picture = shadows.picture.as_deref().unwrap_or_default();
+    let count = |what: &dyn Fn(usize, [f32; 4]) -> bool| (0..picture.len()).filter(|&i| what(i, picture[i])).count();
+    let background = BlinnPhong::default().background.extend(1.0).to_array();
+    assert!(count(&|i, _| shadows.mask[i] == 0.0) > 100, "{name}: hardly a shadow");
+    assert!(count(&|_, p| p == background) > 100, "{name}: hardly a background");
+    assert!(count(&|_, p| p == [1.0; 4]) > 4, "{name}: no marker");
+    let mut colors: Vec<_> = picture.iter().map(|p| p.map(picture::encode)).collect();
+    colors.sort_unstable();
+    colors.dedup();
+    assert!(colors.len() > 1000, "{name}: only {} colours", colors.len());
+}
+
+/// The kernel with its WGSL half spoilt.
+#[derive(Debug)]
+struct Spoilt {
+    kernel: Arc<dyn ShadeKernel>,
+    from: &'static str,
+    to: &'static str,
+}
+
+impl Kernel for Spoilt {
+    fn modules(&self) -> Vec<Module> {
+        let spoil = |m: Module| Module { text: m.text.replace(self.from, self.to).leak(), ..m };
+        self.kernel.modules().into_iter().map(spoil).collect()
+    }
+
+    fn uniform_bytes(&self) -> Vec<u8> {
+        self.kernel.uniform_bytes()
+    }
+
+    fn layout(&self) -> UniformLayout {
+        self.kernel.layout()
+    }
+}
+
+impl ShadeKernel for Spoilt {
+    fn shade(&self, span: &Span<'_>, visibility: &[f32], out: &mut [[f32; 4]]) {
+        self.kernel.shade(span, visibility, out);
+    }
+}
+
+#[test]
+fn uniforms_lie_where_the_shader_reads_them() {
+    let mut checked = 0;
+    each_case(|_, _, recipe| {
+        let kernel = recipe.shade.as_ref().map(|shade| &shade.kernel).expect("it shades");
+        layouts::check(&BlinnPhongUniforms::layout(), &join(&kernel.modules())).expect("same layout");
+        assert!(kernel.uniform_bytes().len() as u64 >= kernel.layout().size, "too few bytes");
+        checked += 1;
+    });
+    assert_eq!(checked, 20);
+}
+
+/// What each slip in the shader does to the picture must be seen.
+const SLIPS: [(&str, &str); 6] = [
+    ("l + v", "l - v"),
+    ("color * bilinear", "color + bilinear"),
+    ("texel.y * 2.0 - 1.0", "1.0 - texel.y * 2.0"),
+    ("3u * triangle.x + row", "3u * triangle.y + row"),
+    ("visibility * share", "share"),
+    ("uv.y, texture.z", "uv.x, texture.z"),
+];
+
+/// Whether both ways to compare object.
+fn is_caught(pair: &mut Pair) -> bool {
+    [true, false].into_iter().all(|exact| {
+        pair.exact = exact;
+        fault(pair).is_some()
+    })
+}
+
+#[test]
+fn spoilt_pixels_and_spoilt_shaders_are_caught() {
+    let mut cases = 0;
+    each_case(|name, view, recipe| {
+        cases += 1;
+        // One case will do.
+        if cases == 1 {
+            spoil_pixel(render(view, recipe));
+            SLIPS
+                .iter()
+                .for_each(|slip| assert!(is_caught(&mut spoil_shader(view, recipe, *slip)), "{name}: {slip:?}"));
+        }
+    });
+    assert_eq!(cases, 20);
+}
+
+fn spoil_pixel(mut pair: Pair) {
+    assert_eq!(fault(&pair), None);
+    let picture = pair.gpu.picture.as_mut().expect("a picture");
+    let grey = picture.iter().position(|c| c[1] > 0.2 && c[1] < 0.3).expect("a pixel between black and white");
+    picture[grey][1] += 0.02;
+    assert!(is_caught(&mut pair));
+}
+
+fn spoil_shader(view: &View<'_>, recipe: &Recipe, (from, to): (&'static str, &'static str)) -> Pair {
+    let mut recipe = recipe.clone();
+    let shade = recipe.shade.as_mut().expect("it shades");
+    assert!(shade.kernel.modules().iter().any(|m| m.text.contains(from)), "nothing to spoil: {from}");
+    shade.kernel = Arc::new(Spoilt { kernel: shade.kernel.clone(), from, to });
+    render(view, &recipe)
+}
