@@ -1,5 +1,5 @@
-//! Flattens what lies beyond a backdrop onto it, along the view: seen without perspective it stays where it is, and closed
-//! surfaces stay closed. What graphics cards call depth clamping, for faces that reach infinity.
+//! Flattens what lies beyond a backdrop onto it, along the view: seen without perspective it stays where it is, and
+//! closed surfaces stay closed. What graphics cards call depth clamping, for faces that reach infinity.
 
 use crate::endless::Backdrop;
 use glam::DVec4;

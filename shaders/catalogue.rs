@@ -150,7 +150,9 @@ pub fn all() -> &'static [Entry] {
         Entry {
             name: "midpoint",
             summary: "comparisons with the middle of the nearest two surfaces, no bias (Woo 1992)",
-            settings: |sizes, fit| settings((sizes, fit), &[Bias::NONE], |map| Midpoint { map, radius: 1 }),
+            settings: |sizes, fit| {
+                settings((sizes, fit), &[Bias::NONE, Bias::RECEIVER_PLANE], |map| Midpoint { map, radius: 1 })
+            },
             exhaustive: |size| exhaustive(size, |map| Midpoint { map, radius: 1 }),
         },
         Entry {

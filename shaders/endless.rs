@@ -1,8 +1,8 @@
 //! The camera's view without a far plane, for what lies infinitely far away.
 //!
 //! Everitt and Kilgard 2002, "Practical and robust stenciled shadow volumes": with far at infinity, clip z is w less a
-//! constant, and so the points at infinity have z = w, just inside. Without perspective there is no such projection; there
-//! a [`Backdrop`] takes its place.
+//! constant, and so the points at infinity have z = w, just inside. Without perspective there is no such projection;
+//! there a [`Backdrop`] takes its place.
 
 use glam::{DMat4, DVec3, DVec4, Mat4, Vec4};
 use umbrage_core::{

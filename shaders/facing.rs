@@ -6,8 +6,8 @@ use umbrage_core::{Light, MATH, Module, Twin, math::dot3, twin};
 /// The WGSL half.
 pub const FACING: Module = Module { name: "facing", text: include_str!("facing.wgsl") };
 
-/// A light's middle in homogeneous coordinates: (x, y, z, 1), or for directional lights (unit direction to it, 0). From a
-/// point `p`, the light is along `xyz - w p`.
+/// A light's middle in homogeneous coordinates: (x, y, z, 1), or for directional lights (unit direction to it, 0).
+/// From a point `p`, the light is along `xyz - w p`.
 pub fn homogeneous(light: &Light) -> Vec4 {
     match light.position() {
         Some(p) => p.extend(1.0),

@@ -197,7 +197,6 @@ impl Taps for Search<'_> {
 
 /// A difference of clip depths between nothing and what is followed.
 #[inline(always)]
-#[expect(clippy::manual_clamp, reason = "`clamp` lets NaN through, and this must bound it as the shader does")]
 fn bounded(depth: f32, most: f32) -> f32 {
     depth.max(0.0).min(most)
 }

@@ -3,12 +3,12 @@
 //! Blinn 1988, "Me and my (fake) shadow": [`planar_shadow_matrix`](crate::planar_shadow_matrix) maps a caster to its
 //! shadow on a plane. Each plane that the camera sees lit has a layer as large as the camera's image, into which the
 //! flattened casters are drawn; a pixel is dark if its own plane's layer is covered there. So shadows end where their
-//! receiver does, and its neighbours keep their own. Casters are cut to the slab between plane and light first: without that, those
-//! behind the light throw anti-shadows, and those below the plane are projected up to it.
+//! receiver does, and its neighbours keep their own. Casters are cut to the slab between plane and light first:
+//! without that, those behind the light throw anti-shadows, and those below the plane are projected up to it.
 //!
-//! Exact on flat receivers, without bias. Lights with an extent count as their middle. Known failures: receivers that are
-//! curved, which need a plane a triangle (not supported beyond [`Planar::planes`]); casters are triangles, so textures
-//! with holes cast whole; every plane draws all casters again.
+//! Exact on flat receivers, without bias. Lights with an extent count as their middle. Known failures: receivers that
+//! are curved, which need a plane a triangle (not supported beyond [`Planar::planes`]); casters are triangles, so
+//! textures with holes cast whole; every plane draws all casters again.
 
 use crate::{
     endless::Endless,

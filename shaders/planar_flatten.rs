@@ -17,8 +17,8 @@ struct Slab {
     high: f64,
 }
 
-/// All casters' shadows on a plane (unit normal towards the light), as points on it. Casters are cut where they cross the
-/// plane and where they rise above the light.
+/// All casters' shadows on a plane (unit normal towards the light), as points on it. Casters are cut where they cross
+/// the plane and where they rise above the light.
 pub(crate) fn flatten_casters(geometry: &Geometry, plane: DVec4, light: DVec4, tolerance: f64) -> Faces {
     let height = plane.dot(light);
     let high = if light.w == 0.0 { f64::INFINITY } else { height * f64::from(SHORT) };

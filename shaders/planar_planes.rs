@@ -23,8 +23,8 @@ pub(crate) struct Planes {
 }
 
 impl Planes {
-    /// The planes of the receiving triangles that the camera sees on the side that the light is on, the largest first. Stops
-    /// looking once there are more than `most`.
+    /// The planes of the receiving triangles that the camera sees on the side that the light is on, the largest first.
+    /// Stops looking once there are more than `most`.
     pub(crate) fn find(view: &View<'_>, geometry: &Geometry, light: Vec4, most: usize) -> Self {
         let wanted = match view.receivers {
             Some(receivers) => seen_lit(geometry, receivers, light),

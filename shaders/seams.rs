@@ -41,7 +41,8 @@ fn points_along(on_edge: &OnEdge, [from, to]: [u32; 2]) -> Vec<u32> {
     points
 }
 
-/// Splits a triangle with these points along its three sides: off the middle one of a side, towards the opposite corner.
+/// Splits a triangle with these points along its three sides: off the middle one of a side, towards the opposite
+/// corner.
 fn split([a, b, c]: [u32; 3], sides: &[Vec<u32>; 3], out: &mut Vec<Cap>) {
     let [ab, bc, ca] = sides;
     if ab.is_empty() {

@@ -1,8 +1,9 @@
 //! What a light sees of casters: the triangles that cap their shadow volumes, and the edges that these do not share.
 //!
-//! Bergeron 1986, "A general version of Crow's shadow volumes": on meshes of any kind, each edge extrudes as many walls
-//! as the triangles turned to the light leave over when they are counted with their direction; Kim, Kim and Oh 2008,
-//! "Efficient shadow volume rendering for general meshes". Whatever triangles are chosen, such walls close their volumes.
+//! Bergeron 1986, "A general version of Crow's shadow volumes": on meshes of any kind, each edge extrudes as many
+//! walls as the triangles turned to the light leave over when they are counted with their direction; Kim, Kim and Oh
+//! 2008, "Efficient shadow volume rendering for general meshes". Whatever triangles are chosen, such walls close their
+//! volumes.
 
 use crate::seams::split_at_seams;
 use glam::{DVec3, DVec4, Vec3};
@@ -11,8 +12,8 @@ use umbrage_core::{Aabb, Geometry, Places};
 /// Triangles within this angle (sine) of a light's ray count as turned to it, as rounding cannot tell.
 const EDGE_ON: f64 = 1e-6;
 
-/// Light positions within this fraction of the greatest coordinate of a triangle's plane lie in it: such a triangle hides
-/// nothing from anywhere else.
+/// Light positions within this fraction of the greatest coordinate of a triangle's plane lie in it: such a triangle
+/// hides nothing from anywhere else.
 const TOUCHES: f64 = 1e-6;
 
 /// Casters, with vertices at bit-equal positions made one.
@@ -139,8 +140,8 @@ enum Role {
 /// Triangles that hang together by edges.
 #[derive(Clone, Copy, Debug)]
 struct Shell {
-    /// Whether its triangles have each edge as often in one direction as in the other: then how often they wind around a
-    /// point is a whole number, and a ray from outside enters before it leaves.
+    /// Whether its triangles have each edge as often in one direction as in the other: then how often they wind around
+    /// a point is a whole number, and a ray from outside enters before it leaves.
     closed: bool,
     /// Six times the signed volume.
     volume: f64,

@@ -49,11 +49,12 @@ pub(crate) fn turn_at(table: &PatternTable, mask: u32, first: UVec2, offset: usi
     table.turns[(noise_index(first.x.wrapping_add(offset as u32), first.y) & mask) as usize]
 }
 
-/// From the receiver's place to a tap's, texels.
+/// A tap's place, texels, for a receiver at `from`. The sum goes from left to right: with the offset in parentheses, a
+/// driver was seen to add in another order.
 #[inline(always)]
-pub(crate) fn tap_offset(axes: Vec4, q: Vec2, shift: Vec2) -> Vec2 {
+pub(crate) fn tap_place(from: Vec2, axes: Vec4, q: Vec2, shift: Vec2) -> Vec2 {
     let (x, y) = (wrapped(q.x + shift.x), wrapped(q.y + shift.y));
-    Vec2::new(axes.x * x + axes.z * y, axes.y * x + axes.w * y)
+    Vec2::new(from.x + axes.x * x + axes.z * y, from.y + axes.y * x + axes.w * y)
 }
 
 /// A receiver's pattern, laid over the map.
@@ -137,14 +138,14 @@ impl Laid<'_> {
         let (a, texel) = (self.axes, self.l.texel);
         if self.shape == Shape::Square {
             for i in 0..LANES {
-                let offset = tap_offset(a, Vec2::new(group.x[i], group.y[i]), self.shift);
-                (x[i], y[i]) = ((texel.x + offset.x).floor(), (texel.y + offset.y).floor());
+                let place = tap_place(texel, a, Vec2::new(group.x[i], group.y[i]), self.shift);
+                (x[i], y[i]) = (place.x.floor(), place.y.floor());
             }
         } else {
             // Nothing wraps where nothing is shifted.
             for i in 0..LANES {
-                x[i] = (texel.x + (a.x * group.x[i] + a.z * group.y[i])).floor();
-                y[i] = (texel.y + (a.y * group.x[i] + a.w * group.y[i])).floor();
+                x[i] = (texel.x + a.x * group.x[i] + a.z * group.y[i]).floor();
+                y[i] = (texel.y + a.y * group.x[i] + a.w * group.y[i]).floor();
             }
         }
         (x, y)
@@ -162,7 +163,7 @@ impl Laid<'_> {
 
 /// The pairs, for the lockstep tests.
 pub(crate) const TWINS: &[Twin] =
-    &[twin!(PLACED, tap_offset(axes: Vec4, q: Vec2, shift: Vec2) -> Vec2, needs [crate::pattern::PATTERN])];
+    &[twin!(PLACED, tap_place(from: Vec2, axes: Vec4, q: Vec2, shift: Vec2) -> Vec2, needs [crate::pattern::PATTERN])];
 
 /// The part of [`SOFT_TAPS`] that reads nothing.
-pub(crate) const PLACED: Module = Module { name: "tap_offset", text: include_str!("tap_offset.wgsl") };
+pub(crate) const PLACED: Module = Module { name: "tap_place", text: include_str!("tap_place.wgsl") };

@@ -6,9 +6,9 @@ fn pattern_row(i: u32) -> vec4f {
 
 // The depth stored under a tap, and the receiver's there. Outside the map nothing is nearer, unless its edge repeats.
 fn tap_depths(l: Lookup, size: i32, axes: vec4f, tap: u32, shift: vec2f) -> vec2f {
-    let offset = tap_offset(axes, pattern_row(tap).xy, shift);
-    let x = i32(floor(l.texel.x + offset.x));
-    let y = i32(floor(l.texel.y + offset.y));
+    let place = tap_place(l.texel, axes, pattern_row(tap).xy, shift);
+    let x = i32(floor(place.x));
+    let y = i32(floor(place.y));
     let receiver = min(depth_at(l, x, y), kernel.lookup.farthest);
     let texel = vec2i(clamp(x, 0, size - 1), clamp(y, 0, size - 1));
     if kernel.lookup.clamped == 0u && (texel.x != x || texel.y != y) {

@@ -2,21 +2,23 @@
 //!
 //! Crow 1977, "Shadow algorithms for computer graphics"; counted by depth-fail, which takes no notice of where the eye
 //! is: Everitt and Kilgard 2002, "Practical and robust stenciled shadow volumes for hardware-accelerated rendering";
-//! McGuire et al. 2003, "Fast, practical and robust shadows". Along a pixel's ray, the volumes' back faces less their front
-//! faces that are not before the seen surface are the volumes that it lies in. Volumes reach infinity, and the view has no
-//! far plane to cut them.
+//! McGuire et al. 2003, "Fast, practical and robust shadows". Along a pixel's ray, the volumes' back faces less their
+//! front faces that are not before the seen surface are the volumes that it lies in. Volumes reach infinity, and the
+//! view has no far plane to cut them.
 //!
 //! * Closed casters extrude the edges between faces turned to the light and faces turned away; all others, and those
 //!   with the light inside their bounds, extrude each triangle, and edges that two of these share cancel (Bergeron
-//!   1986, "A general version of Crow's shadow volumes"). Triangles are split where a corner of one lies on another's edge.
-//! * A lit surface is its own volume's cap. The depth image holds every cap as it is drawn, so none ever lies before what
-//!   is seen, and no bias is needed.
+//!   1986, "A general version of Crow's shadow volumes"). Triangles are split where a corner of one lies on another's
+//!   edge.
+//! * A lit surface is its own volume's cap. The depth image holds every cap as it is drawn, so none ever lies before
+//!   what is seen, and no bias is needed.
 //! * Edges are as sharp as pixels; there is no map. Lights with an extent count as their middle.
 //!
-//! Known failures: the time goes into filling the volumes' faces, which often cover the image many times over; casters are
-//! triangles, so textures with holes cast whole; counts wrap, so a point under exactly 256 surfaces (or 512, ..) is lit;
-//! where light grazes a surface the volume's side lies within depth's rounding of it, about 2^-23 w^2 / near metres at
-//! distance w, and pixels there are noise; a closed mesh that is turned inside out in one part is lit inside that part.
+//! Known failures: the time goes into filling the volumes' faces, which often cover the image many times over; casters
+//! are triangles, so textures with holes cast whole; counts wrap, so a point under exactly 256 surfaces (or 512, ..)
+//! is lit; where light grazes a surface the volume's side lies within depth's rounding of it, about 2^-23 w^2 / near
+//! metres at distance w, and pixels there are noise; a closed mesh that is turned inside out in one part is lit inside
+//! that part.
 
 use crate::{
     backdrop::flatten,

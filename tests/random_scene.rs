@@ -5,7 +5,8 @@ use proptest::{collection::vec, prelude::*};
 use std::sync::Arc;
 use umbrage_core::{Camera, Cull, Extents, Fit, Instance, Layout, Light, Mesh, RasterBias, Scene, ShadowTechnique};
 use umbrage_techniques::{
-    BeyondFar, Bias, Border, Hard, MapFormat, Midpoint, Pcf, PcfDithered, SecondDepth, ShadowMap, Surface, Traced,
+    BeyondFar, Bias, Border, Hard, MapFormat, Midpoint, Pattern, Pcf, PcfDisc, PcfDithered, PcfHardware, PcfMerged,
+    Pcss, Planar, SecondDepth, ShadowMap, ShadowVolumes, Surface, Traced,
 };
 
 /// Something to render: one scene, one technique.
@@ -160,8 +161,24 @@ fn techniques() -> impl Strategy<Value = Arc<dyn ShadowTechnique>> {
             .prop_map(|(map, radius)| Arc::new(SecondDepth { map, radius }) as Arc<dyn ShadowTechnique>),
         1 => (maps(), 0..4_u32)
             .prop_map(|(map, radius)| Arc::new(Midpoint { map, radius }) as Arc<dyn ShadowTechnique>),
+        2 => (maps(), 1..5_u32)
+            .prop_map(|(map, samples)| Arc::new(PcfHardware { map, samples }) as Arc<dyn ShadowTechnique>),
+        2 => (maps(), 1..4_u32)
+            .prop_map(|(map, radius)| Arc::new(PcfMerged { map, radius }) as Arc<dyn ShadowTechnique>),
+        2 => (maps(), 0.1..6.0_f32, 1..40_u32, patterns()).prop_map(|(map, radius, taps, (pattern, rotate))| {
+            Arc::new(PcfDisc { map, radius, taps, pattern, rotate }) as Arc<dyn ShadowTechnique>
+        }),
+        3 => (maps(), 1..40_u32, 1..40_u32, patterns()).prop_map(|(map, blocker_taps, filter_taps, (pattern, rotate))| {
+            Arc::new(Pcss { map, blocker_taps, filter_taps, pattern, rotate }) as Arc<dyn ShadowTechnique>
+        }),
+        1 => Just(Arc::new(Planar { planes: 40 }) as Arc<dyn ShadowTechnique>),
+        2 => Just(Arc::new(ShadowVolumes::default()) as Arc<dyn ShadowTechnique>),
         1 => (1..5_u32).prop_map(|samples| Arc::new(Traced { samples }) as Arc<dyn ShadowTechnique>),
     ]
+}
+
+fn patterns() -> impl Strategy<Value = (Pattern, bool)> {
+    (prop_oneof![Just(Pattern::Vogel), Just(Pattern::Poisson), Just(Pattern::Grid)], any::<bool>())
 }
 
 fn maps() -> impl Strategy<Value = ShadowMap> {
