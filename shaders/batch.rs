@@ -3,7 +3,7 @@
 
 use crate::{
     lane_plane::gradient,
-    shadow_map::{Lookup, MapLookup, look_up, slope_bias, to_light},
+    lookup::{Lookup, MapLookup, look_up, slope_bias, to_light},
 };
 use glam::{Mat4, Vec2, Vec3};
 use umbrage_core::{Simd, SimdTask, Span, math::dot3};
@@ -159,6 +159,7 @@ mod tests {
             farthest: 1.0,
             size: 300.0,
             texel,
+            bends: u32::from(slope != 0.0),
             constant,
             slope,
             slope_min,

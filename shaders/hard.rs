@@ -5,7 +5,8 @@
 //! too much of it.
 
 use crate::batch::{Taps, look_up_span};
-use crate::shadow_map::{DepthMap, Lookup, MapLookup, ShadowMap, TAP};
+use crate::lookup::{DepthMap, Lookup, MapLookup, TAP};
+use crate::shadow_map::ShadowMap;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
     Inputs, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span, UniformLayout, Uniforms, View,

@@ -1,4 +1,4 @@
-//! [`plane_gradient`](crate::shadow_map::plane_gradient) in scalars, so that the compiler finds its lanes.
+//! [`plane_gradient`](crate::lookup::plane_gradient) in scalars, so that the compiler finds its lanes.
 
 use glam::{Mat4, Vec2, Vec3};
 use umbrage_core::math::cross3;
@@ -17,7 +17,7 @@ pub(crate) fn gradient(m: &Mat4, point: [f32; 3], n: Vec3, size: f32, limit: f32
     Vec2::new(bounded(gx), bounded(gy))
 }
 
-/// [`slide`](crate::shadow_map::slide).
+/// [`slide`](crate::lookup::slide).
 #[inline(always)]
 fn slide(m: &Mat4, [x, y, z]: [f32; 3], t: Vec3, size: f32) -> [f32; 3] {
     let row = |i: usize| m.x_axis[i] * t.x + m.y_axis[i] * t.y + m.z_axis[i] * t.z;

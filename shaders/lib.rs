@@ -15,6 +15,7 @@ mod lane_plane;
 mod lanes;
 mod light_extent;
 mod lighting;
+pub mod lookup;
 mod midpoint;
 pub mod packing;
 pub mod pattern;
@@ -32,6 +33,7 @@ mod sampled;
 pub mod sampling;
 mod seams;
 mod second_depth;
+mod settings;
 pub mod shadow_map;
 mod silhouette;
 mod soft_taps;
@@ -67,7 +69,7 @@ use umbrage_core::Twin;
 /// Every pair of functions that the techniques share between the languages, for the lockstep tests.
 pub fn twins() -> impl Iterator<Item = &'static Twin> {
     [
-        shadow_map::TWINS,
+        lookup::TWINS,
         packing::TWINS,
         sampling::TWINS,
         interpolation::TWINS,

@@ -1,5 +1,5 @@
 use super::*;
-use crate::shadow_map::texel_from_clip;
+use crate::lookup::texel_from_clip;
 use glam::Vec3;
 use umbrage_core::{
     Extents,

@@ -1,4 +1,4 @@
-// Twin of the normal offset in shadow_map.rs.
+// Twin of the normal offset in lookup.rs.
 
 fn lookup_position(m: MapLookup, clip_from_world: mat4x4f, p: vec3f, n: vec3f, n_dot_l: f32) -> vec3f {
     let w = transform(clip_from_world, p).w;

@@ -7,7 +7,8 @@
 use crate::{
     batch::{Taps, look_up_span},
     lanes,
-    shadow_map::{DepthMap, Lookup, MapLookup, ShadowMap, TAP},
+    lookup::{DepthMap, Lookup, MapLookup, TAP},
+    shadow_map::ShadowMap,
 };
 use serde::{Deserialize, Serialize};
 use umbrage_core::{

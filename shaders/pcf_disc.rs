@@ -9,8 +9,9 @@
 use crate::{
     Bias,
     batch::{Taps, look_up_span},
+    lookup::{DepthMap, Lookup, MapLookup},
     pattern::{PATTERN, Pattern, PatternTable, Shape, TURNS, turned},
-    shadow_map::{DepthMap, Lookup, MapLookup, ShadowMap},
+    shadow_map::ShadowMap,
     soft_taps::{Laid, PLACED, SOFT_TAPS, turn_at},
 };
 use glam::{UVec2, Vec2, Vec4};

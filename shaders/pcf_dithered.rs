@@ -5,7 +5,8 @@
 //! Cheap, at the price of a fine pattern in the penumbra; its levels are fourths.
 
 use crate::batch::{Taps, look_up_span};
-use crate::shadow_map::{DepthMap, Lookup, MapLookup, ShadowMap, TAP};
+use crate::lookup::{DepthMap, Lookup, MapLookup, TAP};
+use crate::shadow_map::ShadowMap;
 use glam::UVec2;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{

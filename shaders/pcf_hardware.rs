@@ -13,8 +13,9 @@
 
 use crate::{
     batch::{Taps, look_up_span},
+    lookup::{DepthMap, Lookup, MapLookup},
     sampled::{self, Axis, LANES, Samples},
-    shadow_map::{DepthMap, Lookup, MapFormat, MapLookup, ShadowMap, Surface},
+    shadow_map::{MapFormat, ShadowMap, Surface},
 };
 use serde::{Deserialize, Serialize};
 use umbrage_core::{

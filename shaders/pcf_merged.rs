@@ -11,10 +11,11 @@
 
 use crate::{
     batch::{Taps, look_up_span},
+    lookup::{DepthMap, Lookup, MapLookup},
     pcf_hardware::{check_map, check_samples},
     sampled::{self, Axis, Samples},
     sampling::{merged_rows, merged_sample},
-    shadow_map::{DepthMap, Lookup, MapLookup, ShadowMap},
+    shadow_map::ShadowMap,
 };
 use glam::{Vec2, Vec4};
 use serde::{Deserialize, Serialize};

@@ -1,4 +1,4 @@
-// Twin of the receiver's plane in shadow_map.rs: each tap's depth is that of the plane at the tap.
+// Twin of the receiver's plane in lookup.rs: each tap's depth is that of the plane at the tap.
 
 fn slide(clip_from_world: mat4x4f, clip: vec4f, tangent: vec3f, size: f32) -> vec3f {
     let m = clip_from_world;

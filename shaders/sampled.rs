@@ -6,8 +6,8 @@
 //! there; graphics chips hold them in 8 bits: see [`WEIGHT_ERROR`].
 
 use crate::{
+    lookup::{DepthMap, Lookup, MapLookup},
     sampling::reference_depth,
-    shadow_map::{DepthMap, Lookup, MapLookup},
 };
 use glam::Vec2;
 use umbrage_core::Module;
@@ -95,13 +95,13 @@ impl<const N: usize, const STRIDE: usize> Samples<'_, N, STRIDE> {
             let rows = [b.low, b.high].map(|y| (y * self.map.size + first) as usize);
             let [top, bottom] =
                 [row::<STRIDE>(texels, rows[0], l.depth, &parts)?, row::<STRIDE>(texels, rows[1], l.depth, &parts)?];
-            for i in 0..LANES {
-                columns[i] += y.weight[j] * b.part.mul_add(bottom[i] - top[i], top[i]);
+            for ((column, top), bottom) in columns.iter_mut().zip(top).zip(bottom) {
+                *column += y.weight[j] * b.part.mul_add(bottom - top, top);
             }
         }
         let mut lit = 0.0;
-        for i in 0..N {
-            lit += x.weight[i] * columns[i];
+        for (weight, column) in x.weight[..N].iter().zip(&columns) {
+            lit += weight * column;
         }
         Some(lit)
     }

@@ -1,5 +1,5 @@
 use crate::{Border, HardwareKernel, HardwareUniforms, MergedKernel, MergedUniforms, WEIGHT_ERROR, sampling};
-use crate::{sampled::Axis, sampled::Samples, shadow_map::*};
+use crate::{lookup::*, sampled::Axis, sampled::Samples};
 use glam::{Mat4, UVec2, Vec2, Vec3, Vec4};
 use umbrage_core::{Format, Image, ImageDesc, Inputs, ReceiveKernel, Simd, Span};
 
@@ -17,6 +17,7 @@ fn lookup(border: Border, receiver_plane: f32) -> MapLookup {
         farthest: 1.0,
         size: SIZE as f32,
         texel: 1.0,
+        bends: 0,
         constant: 0.0,
         slope: 0.0,
         slope_min: 0.0,

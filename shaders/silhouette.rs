@@ -71,11 +71,11 @@ impl Welded {
         for (&corners, &shell) in self.triangles.iter().zip(&shells.of_triangle) {
             let away = |corners| self.faces_away(corners, light);
             let role = shells.shells[shell as usize].role(light);
-            let flips = role == Role::BacksCast || role == Role::AllCast && away(corners) == Some(true);
+            let flips = role == Role::Backs || role == Role::All && away(corners) == Some(true);
             let cap = if flips { flipped(corners) } else { Cap { corners, in_scene: true } };
             match (role, away(cap.corners)) {
                 (_, None) => {}
-                (Role::AllCast, _) => open.push(cap),
+                (Role::All, _) => open.push(cap),
                 (_, Some(false)) => closed.push(cap),
                 _ => {}
             }
@@ -130,11 +130,11 @@ fn directed([a, b, c]: [u32; 3]) -> [(u64, i32); 3] {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Role {
     /// Those whose front faces the light: the shell is closed, its fronts are outside, and so is the light.
-    FrontsCast,
+    Fronts,
     /// The same for a shell whose fronts are inside.
-    BacksCast,
+    Backs,
     /// All, each turned to the light.
-    AllCast,
+    All,
 }
 
 /// Triangles that hang together by edges.
@@ -160,9 +160,9 @@ impl Shell {
         let p = light.truncate().as_vec3();
         let inside = light.w != 0.0 && p.cmpge(self.bounds.min).all() && p.cmple(self.bounds.max).all();
         if !self.closed || inside || self.volume == 0.0 {
-            return Role::AllCast;
+            return Role::All;
         }
-        if self.volume > 0.0 { Role::FrontsCast } else { Role::BacksCast }
+        if self.volume > 0.0 { Role::Fronts } else { Role::Backs }
     }
 }
 

@@ -3,3 +3,7 @@
 fn lookup_layer(m: MapLookup, p: vec3f) -> i32 {
     return 0;
 }
+
+fn lookup_face(m: MapLookup, layer: i32) -> mat4x4f {
+    return m.faces[0];
+}

@@ -2,8 +2,8 @@
 //! patterns. Counts and sums are whole numbers, which add in any order: so lanes agree with the shader's loop to the bit.
 
 use crate::{
+    lookup::{DepthMap, Lookup},
     pattern::{PatternTable, Shape, noise_index, wrapped},
-    shadow_map::{DepthMap, Lookup},
 };
 use glam::{UVec2, Vec2, Vec4};
 use umbrage_core::{Module, Twin, twin};
@@ -67,7 +67,7 @@ pub(crate) struct Laid<'a> {
     pub(crate) shift: Vec2,
     /// Squares are shifted, discs are not.
     pub(crate) shape: Shape,
-    /// As [`MapLookup::farthest`](crate::shadow_map::MapLookup::farthest): taps on the receiver's plane go no farther.
+    /// As [`MapLookup::farthest`](crate::lookup::MapLookup::farthest): taps on the receiver's plane go no farther.
     pub(crate) farthest: f32,
 }
 

@@ -1,4 +1,4 @@
-// Twin of `tap` in shadow_map.rs. Its own module, since it reads the kernel's first image.
+// Twin of `tap` in lookup.rs. Its own module, since it reads the kernel's first image.
 
 fn tap(size: i32, l: Lookup, x: i32, y: i32) -> f32 {
     if x < 0 || y < 0 || x >= size || y >= size {

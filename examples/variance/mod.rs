@@ -9,7 +9,7 @@ use umbrage::{
     glam::{IVec2, UVec2},
     techniques::{
         ShadowMap,
-        shadow_map::{MapLookup, look_up},
+        lookup::{MapLookup, look_up},
     },
     uniforms,
 };

@@ -1,5 +1,6 @@
-// Twin of shadow_map.rs: from a receiver to a texel of the map. `lookup_position` comes from offset.wgsl or
-// no_offset.wgsl, `lookup_gradient` from plane.wgsl or no_plane.wgsl, `lookup_layer` from single.wgsl or cube.wgsl.
+// Twin of lookup.rs: from a receiver to a texel of the map. `lookup_position` comes from offset.wgsl or
+// no_offset.wgsl, `lookup_gradient` from plane.wgsl or no_plane.wgsl, `lookup_layer` and `lookup_face` from single.wgsl or
+// cube.wgsl.
 
 struct MapLookup {
     faces: array<mat4x4f, 6>,
@@ -11,6 +12,7 @@ struct MapLookup {
     farthest: f32,
     size: f32,
     texel: f32,
+    bends: u32,
     constant: f32,
     slope: f32,
     slope_min: f32,
@@ -59,10 +61,10 @@ fn distance_at(m: vec4f, depth: f32) -> f32 {
 
 fn look_up(m: MapLookup, p: vec3f, n: vec3f) -> Lookup {
     let layer = lookup_layer(m, p);
-    let clip_from_world = m.faces[layer];
+    let clip_from_world = lookup_face(m, layer);
     var p_offset = p;
     var bias = m.constant;
-    if m.slope != 0.0 || m.slope_min != 0.0 || m.normal_offset != 0.0 {
+    if m.bends != 0u {
         let n_dot_l = dot3(n, to_light(m.light, p));
         bias += slope_bias(m.slope, m.slope_min, n_dot_l);
         p_offset = lookup_position(m, clip_from_world, p, n, n_dot_l);

@@ -1,0 +1,193 @@
+//! Which settings of each technique are worth comparing, and which reach every path of its code.
+
+use crate::{
+    BeyondFar, Bias, Border, Hard, MapFormat, Midpoint, Pattern, Pcf, PcfDisc, PcfDithered, PcfHardware, PcfMerged,
+    Pcss, Planar, SecondDepth, ShadowMap, ShadowVolumes, Surface, Traced, catalogue::Settings,
+};
+use std::sync::Arc;
+use umbrage_core::{Fit, Layout, ShadowTechnique};
+
+/// One comparison shows best what each bias does.
+const HARD_BIASES: [Bias; 7] = [
+    Bias::NONE,
+    Bias::CONSTANT,
+    Bias::SLOPE,
+    Bias::POLYGON_OFFSET,
+    Bias::NORMAL_OFFSET,
+    Bias::RECEIVER_PLANE,
+    Bias::FRONT_CULL,
+];
+
+/// Kernels that reach beyond the receiver's texel need more; the textbooks' slope bias is theirs for 3x3.
+fn wide_biases(reach: f32) -> [Bias; 4] {
+    [Bias::SLOPE, Bias::polygon_offset(reach), Bias::normal_offset(reach), Bias::RECEIVER_PLANE]
+}
+
+/// Two of them, for kernels whose neighbours in the list show the others.
+fn two_biases(reach: f32) -> [Bias; 2] {
+    [Bias::polygon_offset(reach), Bias::RECEIVER_PLANE]
+}
+
+pub(crate) fn hard(sizes: &[u32], fit: Fit) -> Settings {
+    let stored = |format| maps(sizes, fit, &[Bias::SLOPE], move |map| Hard { map: ShadowMap { format, ..map } });
+    let plain = maps(sizes, fit, &HARD_BIASES, |map| Hard { map });
+    [plain, stored(MapFormat::Depth16), stored(MapFormat::Rgba8)].concat()
+}
+
+pub(crate) fn all_hard(size: u32) -> Settings {
+    let kinds = kinds_of_map(size).into_iter().map(|map| Arc::new(Hard { map }) as Arc<dyn ShadowTechnique>);
+    every_bias(size, |map| Hard { map }).into_iter().chain(kinds).collect()
+}
+
+pub(crate) fn pcf_dithered(sizes: &[u32], fit: Fit) -> Settings {
+    maps(sizes, fit, &two_biases(1.5), |map| PcfDithered { map })
+}
+
+pub(crate) fn all_pcf_dithered(size: u32) -> Settings {
+    every_bias(size, |map| PcfDithered { map })
+}
+
+pub(crate) fn pcf(sizes: &[u32], fit: Fit) -> Settings {
+    let of = |radius: u32| maps(sizes, fit, &wide_biases(radius as f32), move |map| Pcf { map, radius });
+    [1, 3].map(of).concat()
+}
+
+pub(crate) fn all_pcf(size: u32) -> Settings {
+    [0, 1, 2, 3, 6].map(|radius| every_bias(size, move |map| Pcf { map, radius })).concat()
+}
+
+pub(crate) fn pcf_hardware(sizes: &[u32], fit: Fit) -> Settings {
+    let of =
+        |samples| maps(sizes, fit, &two_biases(PcfHardware::reach(samples)), move |map| PcfHardware { map, samples });
+    [1, 3].map(of).concat()
+}
+
+pub(crate) fn all_pcf_hardware(size: u32) -> Settings {
+    let few = [1, 3].map(|samples| two(size, move |map| PcfHardware { map, samples })).concat();
+    let kinds = sampled_maps(size).map(|map| Arc::new(PcfHardware { map, samples: 2 }) as Arc<dyn ShadowTechnique>);
+    every_bias(size, |map| PcfHardware { map, samples: 2 }).into_iter().chain(few).chain(kinds).collect()
+}
+
+pub(crate) fn pcf_merged(sizes: &[u32], fit: Fit) -> Settings {
+    let of = |radius| maps(sizes, fit, &two_biases(PcfMerged::reach(radius)), move |map| PcfMerged { map, radius });
+    [1, 2].map(of).concat()
+}
+
+pub(crate) fn all_pcf_merged(size: u32) -> Settings {
+    let few = [2, 3].map(|radius| two(size, move |map| PcfMerged { map, radius })).concat();
+    let kinds = sampled_maps(size).map(|map| Arc::new(PcfMerged { map, radius: 2 }) as Arc<dyn ShadowTechnique>);
+    every_bias(size, |map| PcfMerged { map, radius: 1 }).into_iter().chain(few).chain(kinds).collect()
+}
+
+pub(crate) fn pcf_disc(sizes: &[u32], fit: Fit) -> Settings {
+    let of =
+        |pattern| maps(sizes, fit, &[Bias::RECEIVER_PLANE], move |map| PcfDisc { map, pattern, ..PcfDisc::default() });
+    [Pattern::Vogel, Pattern::Poisson].map(of).concat()
+}
+
+pub(crate) fn all_pcf_disc(size: u32) -> Settings {
+    let fixed = |pattern| two(size, move |map| PcfDisc { map, pattern, rotate: false, taps: 9, ..PcfDisc::default() });
+    let turned = every_bias(size, |map| PcfDisc { map, ..PcfDisc::default() });
+    [turned, fixed(Pattern::Grid), fixed(Pattern::Poisson)].concat()
+}
+
+pub(crate) fn pcss(sizes: &[u32], fit: Fit) -> Settings {
+    let of = |[blocker_taps, filter_taps]: [u32; 2]| {
+        let soft = Pcss { blocker_taps, filter_taps, ..Pcss::default() };
+        maps(sizes, fit, &[Bias::RECEIVER_PLANE], move |map| Pcss { map, ..soft })
+    };
+    let textbook = maps(sizes, fit, &[Bias::SLOPE], |map| Pcss { map, ..Pcss::default() });
+    [of([16, 32]), textbook, of([32, 64])].concat()
+}
+
+pub(crate) fn all_pcss(size: u32) -> Settings {
+    let fixed = |pattern| {
+        let soft = Pcss { pattern, rotate: false, blocker_taps: 7, filter_taps: 9, ..Pcss::default() };
+        two(size, move |map| Pcss { map, ..soft })
+    };
+    let turned = every_bias(size, |map| Pcss { map, ..Pcss::default() });
+    let kinds = kinds_of_map(size).map(|map| Arc::new(Pcss { map, ..Pcss::default() }) as Arc<dyn ShadowTechnique>);
+    [turned, fixed(Pattern::Grid), fixed(Pattern::Poisson), kinds.to_vec()].concat()
+}
+
+pub(crate) fn second_depth(sizes: &[u32], fit: Fit) -> Settings {
+    maps(sizes, fit, &[Bias::FRONT_CULL], |map| SecondDepth { map, radius: 0 })
+}
+
+pub(crate) fn all_second_depth(size: u32) -> Settings {
+    every_bias(size, |map| SecondDepth { map, radius: 1 })
+}
+
+pub(crate) fn midpoint(sizes: &[u32], fit: Fit) -> Settings {
+    maps(sizes, fit, &[Bias::NONE, Bias::RECEIVER_PLANE], |map| Midpoint { map, radius: 0 })
+}
+
+pub(crate) fn all_midpoint(size: u32) -> Settings {
+    every_bias(size, |map| Midpoint { map, radius: 1 })
+}
+
+pub(crate) fn planar(_: &[u32], _: Fit) -> Settings {
+    vec![Arc::new(Planar::default())]
+}
+
+pub(crate) fn all_planar(_: u32) -> Settings {
+    vec![Arc::new(Planar { planes: 64 })]
+}
+
+pub(crate) fn volumes(_: &[u32], _: Fit) -> Settings {
+    vec![Arc::new(ShadowVolumes::default())]
+}
+
+pub(crate) fn all_volumes(_: u32) -> Settings {
+    vec![Arc::new(ShadowVolumes::default())]
+}
+
+pub(crate) fn traced(_: &[u32], _: Fit) -> Settings {
+    vec![Arc::new(Traced { samples: 4 }), Arc::new(Traced { samples: 32 })]
+}
+
+pub(crate) fn all_traced(_: u32) -> Settings {
+    vec![Arc::new(Traced { samples: 3 })]
+}
+
+/// A technique over maps of all sizes, with all of these biases.
+fn maps<T: ShadowTechnique + 'static>(
+    sizes: &[u32],
+    fit: Fit,
+    biases: &[Bias],
+    make: impl Fn(ShadowMap) -> T,
+) -> Settings {
+    let each = |&size: &u32| biases.iter().map(move |&bias| ShadowMap { size, fit, bias, ..ShadowMap::default() });
+    sizes.iter().flat_map(each).map(|map| Arc::new(make(map)) as Arc<dyn ShadowTechnique>).collect()
+}
+
+/// A technique with every bias, and with all at once, since they must also agree together.
+fn every_bias<T: ShadowTechnique + 'static>(size: u32, make: impl Fn(ShadowMap) -> T) -> Settings {
+    let mut biases = Bias::PRESETS.map(|(_, bias)| bias).to_vec();
+    biases.push(Bias { constant: 1e-3, receiver_plane: 0.05, ..Bias { normal_offset: 1.0, ..Bias::SLOPE } });
+    maps(&[size], Fit::Tight, &biases, make)
+}
+
+/// A technique with two biases: for kernels that treat depth as another setting of theirs does.
+fn two<T: ShadowTechnique + 'static>(size: u32, make: impl Fn(ShadowMap) -> T) -> Settings {
+    maps(&[size], Fit::Tight, &[Bias::SLOPE, Bias::RECEIVER_PLANE], make)
+}
+
+/// Every kind of map that differs in code path.
+fn kinds_of_map(size: u32) -> [ShadowMap; 6] {
+    let map = ShadowMap { size, bias: Bias::CONSTANT, ..ShadowMap::default() };
+    [
+        ShadowMap { layout: Layout::Cube, ..map },
+        ShadowMap { surface: Surface::Midpoint, ..map },
+        ShadowMap { format: MapFormat::Depth16, ..map },
+        ShadowMap { format: MapFormat::Rgba8, ..map },
+        ShadowMap { border: Border::Clamp, beyond_far: BeyondFar::Compared, ..map },
+        ShadowMap { layout: Layout::Cube, surface: Surface::Midpoint, format: MapFormat::Rgba8, ..map },
+    ]
+}
+
+/// Those that comparison samplers can read.
+fn sampled_maps(size: u32) -> impl Iterator<Item = ShadowMap> {
+    let readable = |map: &ShadowMap| map.surface == Surface::Nearest && map.format != MapFormat::Rgba8;
+    kinds_of_map(size).into_iter().filter(readable)
+}
