@@ -9,7 +9,7 @@ use glam::{Mat4, Vec2, Vec3};
 use umbrage_core::{Simd, SimdTask, Span, math::dot3};
 
 /// How many receivers are projected before the taps begin.
-const BATCH: usize = 64;
+pub(crate) const BATCH: usize = 64;
 
 /// What a technique makes of one lookup. A trait and not a closure, since a method can insist on being inlined into the
 /// loop that is compiled for vector instructions: mark it `#[inline(always)]`.
@@ -18,9 +18,25 @@ pub(crate) trait Taps {
     fn visibility(&self, l: &Lookup, offset: usize) -> f32;
 }
 
+/// What a technique makes of a batch of lookups: all that has [`Taps`] follows one at a time.
+pub(crate) trait BatchTaps {
+    /// Visibilities 0..=1, as many as `out` holds; `first` is the first pixel's place in the span.
+    fn visibilities(&self, batch: &Batch, first: usize, out: &mut [f32]);
+}
+
+impl<T: Taps> BatchTaps for T {
+    #[inline(always)]
+    fn visibilities(&self, batch: &Batch, first: usize, out: &mut [f32]) {
+        for (i, out) in out.iter_mut().enumerate() {
+            let l = batch.lookup(i);
+            *out = if l.seen { self.visibility(&l, first + i) } else { 1.0 };
+        }
+    }
+}
+
 /// Looks up a span of receivers.
 #[inline]
-pub(crate) fn look_up_span(simd: Simd, m: &MapLookup, span: &Span<'_>, out: &mut [f32], taps: &impl Taps) {
+pub(crate) fn look_up_span(simd: Simd, m: &MapLookup, span: &Span<'_>, out: &mut [f32], taps: &impl BatchTaps) {
     // The offset along the normal projects twice, a cube has six matrices: they stay with the plain function.
     let (plain, plane) = (m.normal_offset != 0.0 || m.layers > 1, m.receiver_plane > 0.0);
     match (plain, m.light.w == 0.0, plane) {
@@ -48,7 +64,7 @@ struct LookUpSpan<'a, T, const WAY: u8> {
 }
 
 /// Lookups, an array a field.
-struct Batch {
+pub(crate) struct Batch {
     x: [f32; BATCH],
     y: [f32; BATCH],
     depth: [f32; BATCH],
@@ -58,7 +74,16 @@ struct Batch {
     seen: [bool; BATCH],
 }
 
-impl<T: Taps, const WAY: u8> SimdTask for LookUpSpan<'_, T, WAY> {
+impl Batch {
+    /// One of them.
+    #[inline(always)]
+    pub(crate) fn lookup(&self, i: usize) -> Lookup {
+        let (texel, gradient) = (Vec2::new(self.x[i], self.y[i]), Vec2::new(self.right[i], self.down[i]));
+        Lookup { texel, depth: self.depth[i], gradient, layer: self.layer[i], seen: self.seen[i] }
+    }
+}
+
+impl<T: BatchTaps, const WAY: u8> SimdTask for LookUpSpan<'_, T, WAY> {
     type Output = ();
 
     #[inline(always)]
@@ -76,13 +101,7 @@ impl<T: Taps, const WAY: u8> SimdTask for LookUpSpan<'_, T, WAY> {
                 DISTANT_PLANE => in_lanes::<false, true>(m, span, first, count, &mut b),
                 _ => in_lanes::<true, true>(m, span, first, count, &mut b),
             }
-            for (i, out) in out[first..first + count].iter_mut().enumerate() {
-                let texel = Vec2::new(b.x[i], b.y[i]);
-                let gradient = Vec2::new(b.right[i], b.down[i]);
-                let (depth, layer, seen) = (b.depth[i], b.layer[i], b.seen[i]);
-                let l = Lookup { texel, depth, gradient, layer, seen };
-                *out = if l.seen { taps.visibility(&l, first + i) } else { 1.0 };
-            }
+            taps.visibilities(&b, first, &mut out[first..first + count]);
         }
     }
 }
@@ -123,6 +142,7 @@ fn in_lanes<const LOCAL: bool, const PLANE: bool>(
     let (matrix, size) = (m.faces[0], m.size);
     // A light without a position has one direction for all.
     let towards = m.light.truncate();
+    let mut clip = [[0.0; BATCH]; 3];
     for i in 0..BATCH {
         let (p, n) = (Vec3::new(x[i], y[i], z[i]), Vec3::new(nx[i], ny[i], nz[i]));
         let l = if LOCAL { to_light(m.light, p) } else { towards };
@@ -133,11 +153,27 @@ fn in_lanes<const LOCAL: bool, const PLANE: bool>(
         b.y[i] = ((0.5 - v * 0.5) * size).min(1e6).max(-1e6);
         b.depth[i] = d - bias;
         b.seen[i] = w > 0.0 && d <= m.farthest;
-        if PLANE {
-            let g = gradient(&matrix, [u, v, d], n, size, m.receiver_plane);
-            (b.right[i], b.down[i]) = (g.x, g.y);
-        }
+        clip[0][i] = u;
+        clip[1][i] = v;
+        clip[2][i] = d;
     }
+    if PLANE {
+        planes(m, &clip, &[nx, ny, nz], b);
+    }
+}
+
+/// The receivers' planes, in a loop of their own: with the rest of the arithmetic the compiler loses sight of its lanes.
+#[inline(always)]
+fn planes(m: &MapLookup, clip: &[[f32; BATCH]; 3], normal: &[[f32; BATCH]; 3], b: &mut Batch) {
+    let (columns, size, limit) = (m.faces[0].to_cols_array_2d(), m.size, m.receiver_plane);
+    let (mut right, mut down) = ([0.0; BATCH], [0.0; BATCH]);
+    for i in 0..BATCH {
+        let at = |field: &[[f32; BATCH]; 3]| [field[0][i], field[1][i], field[2][i]];
+        let g = gradient(&columns, at(clip), at(normal), size, limit);
+        right[i] = g.x;
+        down[i] = g.y;
+    }
+    (b.right, b.down) = (right, down);
 }
 
 #[cfg(test)]
@@ -151,7 +187,6 @@ mod tests {
         let (constant, slope_min, normal_offset) = (1e-3, slope * 0.1, 0.0);
         MapLookup {
             faces: [clip_from_world; 6],
-            distances: [Vec4::ZERO; 6],
             light,
             layers: 1,
             packed: 0,

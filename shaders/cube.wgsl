@@ -6,10 +6,8 @@ fn cube_face(light: vec4f, p: vec3f) -> i32 {
     if a.x >= a.y && a.x >= a.z {
         return select(1, 0, d.x >= 0.0);
     }
-    if a.y >= a.z {
-        return select(3, 2, d.y >= 0.0);
-    }
-    return select(5, 4, d.z >= 0.0);
+    let negative = vec2i(bitcast<vec2u>(d.yz) >> vec2u(31u, 31u));
+    return select(4 + negative.y, 2 + negative.x, a.y >= a.z);
 }
 
 fn lookup_layer(m: MapLookup, p: vec3f) -> i32 {

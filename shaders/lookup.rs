@@ -30,8 +30,6 @@ uniforms! {
         /// From world to the light's clip space: one matrix, or six in the order of [`Layout::Cube`](umbrage_core::Layout::Cube). Unused ones repeat
         /// the first.
         pub faces: [Mat4; 6],
-        /// For each face what turns depth into distance along its axis: see [`distance_at`].
-        pub distances: [Vec4; 6],
         /// xyz: unit direction to the light (w = 0) or the light's position (w = 1).
         pub light: Vec4,
         /// 1 or 6.
@@ -85,7 +83,6 @@ impl MapLookup {
         let projection = spaces[0].clip_from_view;
         Self {
             faces: std::array::from_fn(|i| face(i).clip_from_world()),
-            distances: std::array::from_fn(|i| distances(&face(i).clip_from_view)),
             light,
             layers: spaces.len() as u32,
             packed: u32::from(map.format == MapFormat::Rgba8),
@@ -108,20 +105,6 @@ impl MapLookup {
     }
 }
 
-/// See [`MapLookup::distances`].
-fn distances(clip_from_view: &Mat4) -> Vec4 {
-    let (a, b) = (clip_from_view.z_axis.z, clip_from_view.w_axis.z);
-    let perspective = if clip_from_view.row(3) == Vec4::W { 0.0 } else { 1.0 };
-    Vec4::new(a, b, perspective, 0.0)
-}
-
-/// Distance along the map's axis, metres, from clip depth: `b / (depth + a)` with perspective, `(b - depth) / a` without,
-/// where `m` is (a, b, 1 or 0, unused).
-#[inline(always)]
-pub fn distance_at(m: Vec4, depth: f32) -> f32 {
-    if m.z != 0.0 { m.y / (depth + m.x) } else { (m.y - depth) / m.x }
-}
-
 /// The face of a cube around `light` in which `p` lies: the axis along which it is farthest; ties go to the first.
 #[inline(always)]
 pub fn cube_face(light: Vec4, p: Vec3) -> i32 {
@@ -130,10 +113,9 @@ pub fn cube_face(light: Vec4, p: Vec3) -> i32 {
     if ax >= ay && ax >= az {
         return if x >= 0.0 { 0 } else { 1 };
     }
-    if ay >= az {
-        return if y >= 0.0 { 2 } else { 3 };
-    }
-    if z >= 0.0 { 4 } else { 5 }
+    // By the sign bit: the greatest of three is only zero if the first is.
+    let negative = |v: f32| (v.to_bits() >> 31) as i32;
+    if ay >= az { 2 + negative(y) } else { 4 + negative(z) }
 }
 
 /// A receiver, seen from the map.
@@ -298,7 +280,6 @@ impl<'a> DepthMap<'a> {
 
 /// The pairs, for the lockstep tests.
 pub const TWINS: &[Twin] = &[
-    twin!(LOOKUP, distance_at(m: Vec4, depth: f32) -> f32, needs [MATH, PLANE, OFFSET, SINGLE]),
     twin!(CUBE, cube_face(light: Vec4, p: Vec3) -> i32, needs [MATH, LOOKUP, PLANE, OFFSET]),
     twin!(LOOKUP, to_light(light: Vec4, p: Vec3) -> Vec3, needs [MATH, PLANE, OFFSET, SINGLE]),
     twin!(LOOKUP, slope_bias(slope: f32, least: f32, n_dot_l: f32) -> f32, needs [MATH, PLANE, OFFSET, SINGLE]),

@@ -4,7 +4,6 @@
 
 struct MapLookup {
     faces: array<mat4x4f, 6>,
-    distances: array<vec4f, 6>,
     light: vec4f,
     layers: u32,
     packed: u32,
@@ -50,13 +49,6 @@ fn texel_from_clip(clip: vec4f, size: f32) -> vec3f {
     let u = (x * 0.5 + 0.5) * size;
     let v = (0.5 - y * 0.5) * size;
     return vec3f(max(min(u, 1e6), -1e6), max(min(v, 1e6), -1e6), z);
-}
-
-fn distance_at(m: vec4f, depth: f32) -> f32 {
-    if m.z != 0.0 {
-        return m.y / (depth + m.x);
-    }
-    return (m.y - depth) / m.x;
 }
 
 fn look_up(m: MapLookup, p: vec3f, n: vec3f) -> Lookup {

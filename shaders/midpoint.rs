@@ -45,8 +45,7 @@ impl ShadowTechnique for Midpoint {
     }
 
     fn settings(&self) -> String {
-        let side = 2 * self.radius + 1;
-        format!("{side}x{side}, {}", self.map.label())
+        self.pcf().settings()
     }
 
     fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {

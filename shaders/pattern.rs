@@ -12,7 +12,7 @@
 //! of [`TURNS`] steps, chosen by interleaved gradient noise (Jimenez 2014, "Next generation post processing in Call of
 //! Duty: Advanced Warfare"): bands become fine noise.
 
-use crate::soft_taps::LaneTaps;
+use crate::soft_taps::TapSet;
 use glam::{DVec2, Vec2, Vec4};
 use serde::{Deserialize, Serialize};
 use std::{
@@ -142,7 +142,7 @@ pub(crate) struct PatternTable {
     /// A row (x, y, 0, 0) for each tap of each set in turn, then a row (cos, sin, shift x, shift y) for each turn.
     pub(crate) table: Table,
     pub(crate) shape: Shape,
-    pub(crate) sets: Vec<LaneTaps>,
+    pub(crate) sets: Vec<TapSet>,
     pub(crate) turns: Vec<Vec4>,
 }
 
@@ -181,7 +181,7 @@ impl PatternTable {
         let taps = sets.iter().flatten().map(|q| q.extend(0.0).extend(0.0));
         let rows = taps.chain(turns.iter().copied()).map(|row| row.to_array().map(f32::to_bits)).collect();
         let table = Table { label: "sample pattern", rows };
-        Self { table, shape, sets: sets.iter().map(|taps| LaneTaps::new(taps)).collect(), turns }
+        Self { table, shape, sets: sets.into_iter().map(TapSet::new).collect(), turns }
     }
 }
 

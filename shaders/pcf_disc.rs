@@ -8,18 +8,18 @@
 
 use crate::{
     Bias,
-    batch::{Taps, look_up_span},
-    lookup::{DepthMap, Lookup, MapLookup},
+    batch::{Batch, BatchTaps, look_up_span},
+    lookup::{Lookup, MapLookup},
     pattern::{PATTERN, Pattern, PatternTable, Shape, TURNS, turned},
     shadow_map::ShadowMap,
-    soft_taps::{Laid, PLACED, SOFT_TAPS, turn_at},
+    soft_taps::{Comparisons, Laid, PLACED, Receivers, SOFT_TAPS, turn_at},
 };
 use glam::{UVec2, Vec2, Vec4};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
-    Inputs, Invalid, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span, UniformLayout, Uniforms,
-    View, uniforms,
+    Inputs, Invalid, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Simd, SimdTask, Span,
+    UniformLayout, Uniforms, View, uniforms,
 };
 
 /// Greatest radius accepted, texels.
@@ -116,26 +116,53 @@ impl Kernel for PcfDiscKernel {
 
 impl ReceiveKernel for PcfDiscKernel {
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
-        let lookup = &self.uniforms.lookup;
-        let disc = DiscOfTaps { kernel: self, map: lookup.map(&inputs.images[0]), first: span.first };
-        look_up_span(inputs.simd, lookup, span, out, &disc);
+        let (lookup, simd) = (&self.uniforms.lookup, inputs.simd);
+        let (map, shape) = (lookup.map(&inputs.images[0]), self.pattern.shape);
+        let at = Comparisons { map, shape, farthest: lookup.farthest, plane: lookup.receiver_plane > 0.0 };
+        look_up_span(simd, lookup, span, out, &DiscOfTaps { kernel: self, simd, at, pixel: span.first });
     }
 }
 
+/// The disc over one span, whose first pixel is `pixel`.
+#[derive(Clone, Copy)]
 struct DiscOfTaps<'a> {
     kernel: &'a PcfDiscKernel,
-    map: DepthMap<'a>,
-    first: UVec2,
+    simd: Simd,
+    at: Comparisons<'a>,
+    pixel: UVec2,
 }
 
-impl Taps for DiscOfTaps<'_> {
+impl BatchTaps for DiscOfTaps<'_> {
+    fn visibilities(&self, batch: &Batch, first: usize, out: &mut [f32]) {
+        // Its own task: once compiled for all ways to project.
+        self.simd.run_task(DiscBatch { disc: *self, batch, first, out });
+    }
+}
+
+struct DiscBatch<'a> {
+    disc: DiscOfTaps<'a>,
+    batch: &'a Batch,
+    first: usize,
+    out: &'a mut [f32],
+}
+
+impl SimdTask for DiscBatch<'_> {
+    type Output = ();
+
     #[inline(always)]
-    fn visibility(&self, l: &Lookup, offset: usize) -> f32 {
-        let PcfDiscKernel { uniforms: u, pattern } = self.kernel;
-        let turn = turn_at(pattern, u.turns, self.first, offset);
-        let axes = turned(Vec4::new(u.radius, 0.0, 0.0, u.radius), Vec2::new(turn.x, turn.y));
-        let farthest = u.lookup.farthest;
-        let laid = Laid { map: self.map, l, axes, shift: Vec2::ZERO, shape: Shape::Disc, farthest };
-        laid.lit(&pattern.sets[0]) as f32 / u.taps as f32
+    fn run(self) {
+        let Self { disc, batch, first, out } = self;
+        let PcfDiscKernel { uniforms: u, pattern } = disc.kernel;
+        let lay = |_: &Lookup, number| {
+            let turn = turn_at(pattern, u.turns, disc.pixel, first + number);
+            let axes = turned(Vec4::new(u.radius, 0.0, 0.0, u.radius), Vec2::new(turn.x, turn.y));
+            Laid { axes, shift: Vec2::ZERO, most: 1.0 }
+        };
+        let receivers = Receivers::seen(batch, out.len(), disc.at.map.size, lay);
+        out.fill(1.0);
+        let lit = disc.at.lit(&receivers, &receivers.axes, &pattern.sets[0]);
+        for i in 0..receivers.count {
+            out[receivers.number[i]] = lit[i] as f32 / u.taps as f32;
+        }
     }
 }

@@ -30,19 +30,19 @@
 
 use crate::{
     Bias,
-    batch::{Taps, look_up_span},
+    batch::{BATCH, Batch, BatchTaps, look_up_span},
     light_extent::{self, LIGHT_EXTENT, LightExtent, light_axes},
-    lookup::{DepthMap, Lookup, MapLookup},
+    lookup::{Lookup, MapLookup},
     pattern::{PATTERN, Pattern, PatternTable, TURNS, turned},
     shadow_map::ShadowMap,
-    soft_taps::{Laid, PLACED, SOFT_TAPS, turn_at},
+    soft_taps::{Comparisons, Laid, Lanes, PLACED, Receivers, SOFT_TAPS, turn_at},
 };
-use glam::{UVec2, Vec2, Vec4};
+use glam::{UVec2, Vec2};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
-    Inputs, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span, UniformLayout, Uniforms, View,
-    uniforms,
+    Inputs, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Simd, SimdTask, Span, UniformLayout,
+    Uniforms, View, uniforms,
 };
 
 /// Steps of depth in which blockers are summed: whole numbers add in any order. 2^23, so that
@@ -153,56 +153,87 @@ impl Kernel for PcssKernel {
 
 impl ReceiveKernel for PcssKernel {
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
-        let lookup = &self.uniforms.lookup;
-        let search = Search { kernel: self, map: lookup.map(&inputs.images[0]), first: span.first };
-        look_up_span(inputs.simd, lookup, span, out, &search);
+        let (lookup, simd) = (&self.uniforms.lookup, inputs.simd);
+        let (map, shape) = (lookup.map(&inputs.images[0]), self.pattern.shape);
+        let at = Comparisons { map, shape, farthest: lookup.farthest, plane: lookup.receiver_plane > 0.0 };
+        look_up_span(simd, lookup, span, out, &Search { kernel: self, simd, at, pixel: span.first });
     }
 }
 
+/// What is looked for in one span, whose first pixel is `pixel`.
+#[derive(Clone, Copy)]
 struct Search<'a> {
     kernel: &'a PcssKernel,
-    map: DepthMap<'a>,
-    first: UVec2,
+    simd: Simd,
+    at: Comparisons<'a>,
+    pixel: UVec2,
 }
 
-impl Taps for Search<'_> {
+impl BatchTaps for Search<'_> {
+    fn visibilities(&self, batch: &Batch, first: usize, out: &mut [f32]) {
+        // Its own task: once compiled for all ways to project.
+        self.simd.run_task(SearchBatch { search: *self, batch, first, out });
+    }
+}
+
+struct SearchBatch<'a> {
+    search: Search<'a>,
+    batch: &'a Batch,
+    first: usize,
+    out: &'a mut [f32],
+}
+
+impl SimdTask for SearchBatch<'_> {
+    type Output = ();
+
     #[inline(always)]
-    fn visibility(&self, l: &Lookup, offset: usize) -> f32 {
+    fn run(self) {
+        let Self { search, batch, first, out } = self;
+        let PcssKernel { uniforms: u, pattern } = search.kernel;
+        let lay = |l: &Lookup, number| search.lay(l, first + number);
+        let mut receivers = Receivers::seen(batch, out.len(), search.at.map.size, lay);
+        out.fill(1.0);
+        let reach = search.blocked(&mut receivers);
+        let lit = search.at.lit(&receivers, &receivers.scaled(&reach), &pattern.sets[1]);
+        for i in 0..receivers.count {
+            out[receivers.number[i]] = lit[i] as f32 / u.filter_taps as f32;
+        }
+    }
+}
+
+impl Search<'_> {
+    /// The light's axes at a receiver, with the most that they are multiplied by, and the pattern's shift.
+    #[inline(always)]
+    fn lay(&self, l: &Lookup, offset: usize) -> Laid {
         let PcssKernel { uniforms: u, pattern } = self.kernel;
-        let turn = turn_at(pattern, u.turns, self.first, offset);
+        let turn = turn_at(pattern, u.turns, self.pixel, offset);
         let (face, half) = (l.layer as usize, u.lookup.size * 0.5);
-        let across = u.extent.across[face];
-        let along = u.extent.along[face];
+        let (across, along) = (u.extent.across[face], u.extent.along[face]);
         let from_middle = Vec2::new(l.texel.x - half, l.texel.y - half);
         let axes = turned(light_axes(across, along, from_middle), Vec2::new(turn.x, turn.y));
-        let laid = |reach: f32| {
-            let shift = Vec2::new(turn.z, turn.w);
-            Laid {
-                map: self.map,
-                l,
-                axes: scaled(axes, reach),
-                shift,
-                shape: pattern.shape,
-                farthest: u.lookup.farthest,
-            }
-        };
-        let [count, sum] = laid(bounded(l.depth, along.w)).blockers(&pattern.sets[0], DEPTH_UNITS);
-        if count == 0 {
-            return 1.0;
+        Laid { axes, shift: Vec2::new(turn.z, turn.w), most: along.w }
+    }
+
+    /// Keeps the receivers that something blocks, and says how far their filters reach.
+    #[inline(always)]
+    fn blocked(&self, r: &mut Receivers) -> Lanes<f32> {
+        let mut reach = [0.0; BATCH];
+        for (i, reach) in reach.iter_mut().enumerate() {
+            *reach = bounded(r.depth[i], r.most[i]);
         }
-        let nearer = sum as f32 / (count as f32 * DEPTH_UNITS);
-        let lit = laid(bounded(nearer, along.w)).lit(&pattern.sets[1]);
-        lit as f32 / u.filter_taps as f32
+        let [count, sum] = self.at.blockers(r, &r.scaled(&reach), &self.kernel.pattern.sets[0]);
+        for i in 0..BATCH {
+            let nearer = sum[i] as f32 / (count[i] as f32 * DEPTH_UNITS);
+            reach[i] = bounded(nearer, r.most[i]);
+        }
+        r.retain(&mut reach, |i| count[i] > 0);
+        reach
     }
 }
 
 /// A difference of clip depths between nothing and what is followed.
 #[inline(always)]
 fn bounded(depth: f32, most: f32) -> f32 {
-    depth.max(0.0).min(most)
-}
-
-#[inline(always)]
-fn scaled(axes: Vec4, by: f32) -> Vec4 {
-    Vec4::new(axes.x * by, axes.y * by, axes.z * by, axes.w * by)
+    let depth = if depth > 0.0 { depth } else { 0.0 };
+    if depth < most { depth } else { most }
 }

@@ -134,6 +134,10 @@ impl Kernel for PlanarKernel {
     fn layout(&self) -> UniformLayout {
         PlanarUniforms::layout()
     }
+
+    fn needs_triangles(&self) -> bool {
+        true
+    }
 }
 
 impl ReceiveKernel for PlanarKernel {

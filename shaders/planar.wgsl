@@ -12,6 +12,9 @@ fn receive(r: Receiver) -> f32 {
         return 0.0;
     }
     let i = r.triangle - kernel.first;
+    if i / 4u >= arrayLength(&table_0) {
+        return 1.0;
+    }
     let row = table_0[i / 4u];
     let plane = row[i % 4u];
     if plane == NO_PLANE {

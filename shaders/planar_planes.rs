@@ -76,7 +76,10 @@ fn seen_lit(geometry: &Geometry, receivers: &Receivers, light: Vec4) -> Vec<u32>
     let mut seen = vec![false; geometry.triangles().len()];
     for i in (0..receivers.len()).filter(|&i| receivers.receives[i]) {
         if turned_away(light, receivers.position(i), receivers.normal(i)) == 0 {
-            seen[receivers.triangle[i] as usize] = true;
+            // Receivers may be the caller's: ids that name nothing are passed over.
+            if let Some(seen) = seen.get_mut(receivers.triangle[i] as usize) {
+                *seen = true;
+            }
         }
     }
     geometry.receivers().filter(|&t| seen[t as usize]).collect()

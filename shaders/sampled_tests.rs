@@ -9,7 +9,6 @@ const SIZE: i32 = 23;
 fn lookup(border: Border, receiver_plane: f32) -> MapLookup {
     MapLookup {
         faces: [Mat4::IDENTITY; 6],
-        distances: [Vec4::ZERO; 6],
         light: Vec4::NEG_Z,
         layers: 1,
         packed: 0,

@@ -27,18 +27,24 @@ impl Default for SecondDepth {
     }
 }
 
+impl SecondDepth {
+    /// What is played.
+    fn pcf(&self) -> Pcf {
+        let map = ShadowMap { bias: Bias { cull: Cull::Front, ..self.map.bias }, ..self.map };
+        Pcf { map, radius: self.radius }
+    }
+}
+
 impl ShadowTechnique for SecondDepth {
     fn name(&self) -> &'static str {
         "second_depth"
     }
 
     fn settings(&self) -> String {
-        let side = 2 * self.radius + 1;
-        format!("{side}x{side}, {}", self.map.label())
+        self.pcf().settings()
     }
 
     fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
-        let map = ShadowMap { bias: Bias { cull: Cull::Front, ..self.map.bias }, ..self.map };
-        Pcf { map, radius: self.radius }.plan(view)
+        self.pcf().plan(view)
     }
 }

@@ -68,7 +68,7 @@ pub struct ShadowMap {
     pub size: u32,
     /// Where it lies.
     pub fit: Fit,
-    /// What keeps receivers from shadowing themselves.
+    /// What keeps receivers from shadowing themselves. Midpoints take no polygon offset.
     pub bias: Bias,
     /// One space or six.
     pub layout: Layout,
@@ -112,8 +112,14 @@ impl ShadowMap {
             (self.beyond_far == BeyondFar::Compared, "dark beyond far"),
         ];
         words.extend(others.into_iter().filter(|(on, _)| *on).map(|(_, word)| word.to_owned()));
-        words.push(self.bias.label());
+        words.push(self.effective_bias().label());
         words.join(", ")
+    }
+
+    /// The bias that is played: peeling compares depths of one surface with itself, which a polygon offset would part.
+    fn effective_bias(&self) -> Bias {
+        let raster = if self.surface == Surface::Midpoint { Default::default() } else { self.bias.raster };
+        Bias { raster, ..self.bias }
     }
 
     /// The light spaces for a kernel that reaches `reach` texels beyond the receiver's own.
@@ -152,8 +158,7 @@ impl ShadowMap {
 
     fn cast(&self, maps: &mut Maps, spaces: &LightSpaces, image: ImageId, mode: CastMode) {
         let needed = (0..).zip(&spaces.spaces).zip(&spaces.needed).filter(|(_, needed)| **needed);
-        // Peeling compares depths of one surface with itself, which a bias would part.
-        let bias = if self.surface == Surface::Midpoint { Default::default() } else { self.bias.raster };
+        let bias = self.effective_bias().raster;
         maps.casts.extend(needed.map(|((layer, &space), _)| Cast {
             mode,
             cull: self.bias.cull,

@@ -184,7 +184,7 @@ impl Shells {
         torn.iter().for_each(|&t| shells[of_triangle[t as usize] as usize].closed = false);
         for (&t, &shell) in mesh.triangles.iter().zip(&of_triangle) {
             let shell = &mut shells[shell as usize];
-            // Closed shells have the same volume seen from any origin; one of their own corners keeps numbers small.
+            // Closed shells have the same volume seen from any origin; one of the mesh's corners keeps numbers small.
             let origin = mesh.positions[mesh.triangles[0][0] as usize].as_dvec3();
             let [a, b, c] = mesh.corners(t).map(|p| p - origin);
             shell.volume += a.dot(b.cross(c));

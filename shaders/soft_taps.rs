@@ -1,44 +1,38 @@
 //! Comparisons at the taps of a pattern, laid over an ellipse or a parallelogram of the map. Shared by what filters over
-//! patterns. Counts and sums are whole numbers, which add in any order: so lanes agree with the shader's loop to the bit.
+//! patterns. Receivers are the lanes: all of a batch go to their first tap, then all to their second. Counts and sums are
+//! whole numbers, which add in any order: so lanes agree with the shader's loop to the bit.
 
 use crate::{
+    batch::{BATCH, Batch},
     lookup::{DepthMap, Lookup},
+    packing::unpack_depth,
     pattern::{PatternTable, Shape, noise_index, wrapped},
 };
 use glam::{UVec2, Vec2, Vec4};
 use umbrage_core::{Module, Twin, twin};
 
-/// The WGSL half. It reads the kernel's first image and table, and needs the modules `shadow_map` and `pattern`.
+/// The WGSL half. It reads the kernel's first image and table, and needs the modules `lookup` and `pattern`.
 pub(crate) const SOFT_TAPS: Module = Module { name: "soft_taps", text: include_str!("soft_taps.wgsl") };
 
 /// What taps outside the map read: farther than any depth, so they are lit and block nothing.
 const OUTSIDE: f32 = 2.0;
-/// Taps that are followed at once.
-pub(crate) const LANES: usize = 8;
+/// The index of taps outside the map.
+const NOWHERE: u32 = u32::MAX;
+/// 2^23: floats from here on are whole, and the bits below the exponent count from it.
+const WHOLE: f32 = 8_388_608.0;
+/// Batches at most this full are followed half as wide.
+const HALF: usize = BATCH / 2;
 
-/// One set of taps in lanes.
+/// One set of taps.
 #[derive(Clone, Debug)]
-pub(crate) struct LaneTaps {
+pub(crate) struct TapSet {
     pub(crate) count: u32,
-    groups: Vec<Group>,
+    taps: Vec<Vec2>,
 }
 
-#[derive(Clone, Copy, Debug)]
-struct Group {
-    x: [f32; LANES],
-    y: [f32; LANES],
-    /// 1 for taps that count, 0 for those that only fill the lanes.
-    one: [i32; LANES],
-}
-
-impl LaneTaps {
-    pub(crate) fn new(taps: &[Vec2]) -> Self {
-        let group = |part: &[Vec2]| {
-            let lane = |i: usize| part.get(i).copied().unwrap_or(Vec2::ZERO);
-            let one = std::array::from_fn(|i| i32::from(i < part.len()));
-            Group { x: std::array::from_fn(|i| lane(i).x), y: std::array::from_fn(|i| lane(i).y), one }
-        };
-        Self { count: taps.len() as u32, groups: taps.chunks(LANES).map(group).collect() }
+impl TapSet {
+    pub(crate) fn new(taps: Vec<Vec2>) -> Self {
+        Self { count: taps.len() as u32, taps }
     }
 }
 
@@ -54,111 +48,278 @@ pub(crate) fn turn_at(table: &PatternTable, mask: u32, first: UVec2, offset: usi
 #[inline(always)]
 pub(crate) fn tap_place(from: Vec2, axes: Vec4, q: Vec2, shift: Vec2) -> Vec2 {
     let (x, y) = (wrapped(q.x + shift.x), wrapped(q.y + shift.y));
-    Vec2::new(from.x + axes.x * x + axes.z * y, from.y + axes.y * x + axes.w * y)
+    Vec2::new(placed(from.x, axes.x, axes.z, [x, y]), placed(from.y, axes.y, axes.w, [x, y]))
 }
 
-/// A receiver's pattern, laid over the map.
-#[derive(Clone, Copy)]
-pub(crate) struct Laid<'a> {
-    pub(crate) map: DepthMap<'a>,
-    pub(crate) l: &'a Lookup,
+/// One coordinate of [`tap_place`].
+#[inline(always)]
+fn placed(from: f32, a: f32, b: f32, [x, y]: [f32; 2]) -> f32 {
+    from + a * x + b * y
+}
+
+/// A field of many receivers.
+pub(crate) type Lanes<T> = [T; BATCH];
+/// Half axes in texels: x, y of one, then of the other.
+pub(crate) type Axes = [Lanes<f32>; 4];
+
+/// How a pattern lies over the map at one receiver.
+pub(crate) struct Laid {
     /// Half axes in texels: x, y of one, then of the other.
     pub(crate) axes: Vec4,
     pub(crate) shift: Vec2,
+    /// The most that the axes are multiplied by.
+    pub(crate) most: f32,
+}
+
+/// Receivers in lanes, an array a field. Lanes from `count` on hold anything.
+#[derive(Clone)]
+pub(crate) struct Receivers {
+    pub(crate) count: usize,
+    pub(crate) depth: Lanes<f32>,
+    pub(crate) axes: Axes,
+    pub(crate) most: Lanes<f32>,
+    /// Each one's number in its batch.
+    pub(crate) number: Lanes<usize>,
+    x: Lanes<f32>,
+    y: Lanes<f32>,
+    right: Lanes<f32>,
+    down: Lanes<f32>,
+    shift: [Lanes<f32>; 2],
+    /// Where its layer begins, texels.
+    layer: Lanes<u32>,
+}
+
+impl Receivers {
+    /// Those of a batch's first `count` that the map sees, each with the axes and the shift that `lay` gives it.
+    #[inline(always)]
+    pub(crate) fn seen(batch: &Batch, count: usize, size: i32, lay: impl Fn(&Lookup, usize) -> Laid) -> Self {
+        let zero = [0.0; BATCH];
+        let mut r = Self {
+            count: 0,
+            depth: zero,
+            axes: [zero; 4],
+            most: zero,
+            number: [0; BATCH],
+            x: zero,
+            y: zero,
+            right: zero,
+            down: zero,
+            shift: [zero; 2],
+            layer: [0; BATCH],
+        };
+        for number in 0..count.min(BATCH) {
+            let l = batch.lookup(number);
+            if l.seen {
+                r.push(&l, number, size, lay(&l, number));
+            }
+        }
+        r
+    }
+
+    #[inline(always)]
+    fn push(&mut self, l: &Lookup, number: usize, size: i32, laid: Laid) {
+        let i = self.count;
+        (self.number[i], self.layer[i]) = (number, (l.layer * size * size) as u32);
+        (self.x[i], self.y[i], self.depth[i]) = (l.texel.x, l.texel.y, l.depth);
+        (self.right[i], self.down[i]) = (l.gradient.x, l.gradient.y);
+        (self.shift[0][i], self.shift[1][i]) = (laid.shift.x, laid.shift.y);
+        [self.axes[0][i], self.axes[1][i], self.axes[2][i], self.axes[3][i]] = laid.axes.to_array();
+        self.most[i] = laid.most;
+        self.count += 1;
+    }
+
+    /// Keeps those that `keep` names, in order, and in `along` what belongs to them.
+    #[inline(always)]
+    pub(crate) fn retain(&mut self, along: &mut Lanes<f32>, keep: impl Fn(usize) -> bool) {
+        let mut kept = 0;
+        for i in 0..self.count {
+            if keep(i) {
+                along[kept] = along[i];
+                self.shift_down(i, kept);
+                kept += 1;
+            }
+        }
+        self.count = kept;
+    }
+
+    #[inline(always)]
+    fn shift_down(&mut self, from: usize, to: usize) {
+        let [a, b, c, d] = &mut self.axes;
+        let [e, f] = &mut self.shift;
+        let most = &mut self.most;
+        let [x, y, right, down] = [&mut self.x, &mut self.y, &mut self.right, &mut self.down];
+        for field in [&mut self.depth, most, x, y, right, down, a, b, c, d, e, f] {
+            field[to] = field[from];
+        }
+        (self.number[to], self.layer[to]) = (self.number[from], self.layer[from]);
+    }
+
+    /// Each one's axes times what belongs to it.
+    #[inline(always)]
+    pub(crate) fn scaled(&self, by: &Lanes<f32>) -> Axes {
+        let mut axes = self.axes;
+        for axis in &mut axes {
+            for i in 0..BATCH {
+                axis[i] *= by[i];
+            }
+        }
+        axes
+    }
+}
+
+/// Where comparisons are made.
+#[derive(Clone, Copy)]
+pub(crate) struct Comparisons<'a> {
+    pub(crate) map: DepthMap<'a>,
     /// Squares are shifted, discs are not.
     pub(crate) shape: Shape,
     /// As [`MapLookup::farthest`](crate::lookup::MapLookup::farthest): taps on the receiver's plane go no farther.
     pub(crate) farthest: f32,
+    /// Whether receivers' depths differ from tap to tap.
+    pub(crate) plane: bool,
 }
 
-/// Of a group of taps: the depths stored there, and the receiver's.
-type Depths = ([f32; LANES], [f32; LANES]);
+/// Of the receivers at one tap: the depths stored there, and their own.
+struct Depths {
+    stored: Lanes<f32>,
+    receiver: Lanes<f32>,
+}
 
-impl Laid<'_> {
-    /// How many taps see the receiver lit.
+impl Comparisons<'_> {
+    /// How many taps see each receiver lit.
     #[inline(always)]
-    pub(crate) fn lit(&self, taps: &LaneTaps) -> i32 {
-        let mut lit = [0; LANES];
-        for group in &taps.groups {
-            let (stored, receiver) = self.depths(group);
-            for i in 0..LANES {
-                lit[i] += if receiver[i] <= stored[i] { group.one[i] } else { 0 };
-            }
-        }
-        lit.iter().sum()
+    pub(crate) fn lit(&self, r: &Receivers, axes: &Axes, set: &TapSet) -> Lanes<i32> {
+        if r.count <= HALF { self.lit_in::<HALF>(r, axes, set) } else { self.lit_in::<BATCH>(r, axes, set) }
     }
 
-    /// How many taps see something nearer, and by how much nearer in sum, in steps of 1 / `units` of clip depth; no tap
-    /// counts for more than 1.
+    /// How many taps see something nearer than each receiver, and by how much nearer in sum, in steps of 2^-23 of clip
+    /// depth; no tap counts for more than 1.
     #[inline(always)]
-    pub(crate) fn blockers(&self, taps: &LaneTaps, units: f32) -> [i32; 2] {
-        let (mut count, mut sum) = ([0; LANES], [0; LANES]);
-        for group in &taps.groups {
-            let (stored, receiver) = self.depths(group);
-            for i in 0..LANES {
-                let blocks = if receiver[i] <= stored[i] { 0 } else { group.one[i] };
+    pub(crate) fn blockers(&self, r: &Receivers, axes: &Axes, set: &TapSet) -> [Lanes<i32>; 2] {
+        if r.count <= HALF { self.blockers_in::<HALF>(r, axes, set) } else { self.blockers_in::<BATCH>(r, axes, set) }
+    }
+
+    #[inline(always)]
+    fn lit_in<const N: usize>(&self, r: &Receivers, axes: &Axes, set: &TapSet) -> Lanes<i32> {
+        let mut lit = [0; BATCH];
+        for &tap in &set.taps {
+            let d = self.depths::<N>(r, axes, tap);
+            for (i, lit) in lit[..N].iter_mut().enumerate() {
+                *lit += i32::from(d.receiver[i] <= d.stored[i]);
+            }
+        }
+        lit
+    }
+
+    #[inline(always)]
+    fn blockers_in<const N: usize>(&self, r: &Receivers, axes: &Axes, set: &TapSet) -> [Lanes<i32>; 2] {
+        let (mut count, mut sum) = ([0; BATCH], [0; BATCH]);
+        for &tap in &set.taps {
+            let d = self.depths::<N>(r, axes, tap);
+            for i in 0..N {
+                let blocks = 1 - i32::from(d.receiver[i] <= d.stored[i]);
+                let nearer = d.receiver[i] - d.stored[i];
+                let nearer = if nearer < 1.0 { nearer } else { 1.0 };
                 count[i] += blocks;
-                sum[i] += ((receiver[i] - stored[i]).min(1.0) * units) as i32 * blocks;
+                sum[i] += (whole(floor(nearer * WHOLE)) as i32) & -blocks;
             }
         }
-        [count.iter().sum(), sum.iter().sum()]
+        [count, sum]
     }
 
     #[inline(always)]
-    fn depths(&self, group: &Group) -> Depths {
-        let (x, y) = self.texels(group);
-        let mut receiver = [0.0; LANES];
-        let l = self.l;
-        for i in 0..LANES {
-            let (right, down) = (x[i] + 0.5 - l.texel.x, y[i] + 0.5 - l.texel.y);
-            receiver[i] = (l.depth + l.gradient.x * right + l.gradient.y * down).min(self.farthest);
+    fn depths<const N: usize>(&self, r: &Receivers, axes: &Axes, tap: Vec2) -> Depths {
+        let texels = self.texels::<N>(r, axes, tap);
+        let index = self.indices::<N>(r, &texels);
+        Depths { receiver: self.receivers::<N>(r, &texels), stored: self.load(&index, r.count) }
+    }
+
+    /// Texels under a tap, whole numbers.
+    #[inline(always)]
+    fn texels<const N: usize>(&self, r: &Receivers, a: &Axes, tap: Vec2) -> [Lanes<f32>; 2] {
+        let (mut x, mut y) = ([0.0; BATCH], [0.0; BATCH]);
+        if self.shape == Shape::Square {
+            for i in 0..N {
+                let q = [wrapped(tap.x + r.shift[0][i]), wrapped(tap.y + r.shift[1][i])];
+                x[i] = floor(placed(r.x[i], a[0][i], a[2][i], q));
+                y[i] = floor(placed(r.y[i], a[1][i], a[3][i], q));
+            }
+        } else {
+            // Nothing wraps where nothing is shifted.
+            for i in 0..N {
+                x[i] = floor(placed(r.x[i], a[0][i], a[2][i], [tap.x, tap.y]));
+                y[i] = floor(placed(r.y[i], a[1][i], a[3][i], [tap.x, tap.y]));
+            }
         }
-        (self.load(&self.indices(&x, &y)), receiver)
+        [x, y]
     }
 
-    /// Where texels lie in a layer; -1 for those outside the map, unless its edge repeats.
+    /// Where texels lie in the map, in texels.
     #[inline(always)]
-    fn indices(&self, x: &[f32; LANES], y: &[f32; LANES]) -> [i32; LANES] {
-        let (size, clamped) = (self.map.size, self.map.clamped);
-        let last = (size - 1) as f32;
-        let mut index = [-1; LANES];
-        for i in 0..LANES {
-            let (column, row) = (x[i].max(0.0).min(last), y[i].max(0.0).min(last));
-            let inside = clamped | ((column == x[i]) & (row == y[i]));
-            let at = row as i32 * size + column as i32;
-            index[i] = if inside { at } else { -1 };
+    fn indices<const N: usize>(&self, r: &Receivers, [x, y]: &[Lanes<f32>; 2]) -> Lanes<u32> {
+        let (size, last) = (self.map.size as u32, (self.map.size - 1) as f32);
+        let anywhere = if self.map.clamped { 0 } else { NOWHERE };
+        let mut index = [NOWHERE; BATCH];
+        for i in 0..N {
+            let (column, row) = (within(x[i], last), within(y[i], last));
+            let outside = if (column == x[i]) & (row == y[i]) { 0 } else { anywhere };
+            let at = r.layer[i].wrapping_add(whole(row).wrapping_mul(size)).wrapping_add(whole(column));
+            index[i] = at | outside;
         }
         index
     }
 
-    /// Texels under the taps, whole numbers.
+    /// Receivers' depths at a tap's texels.
     #[inline(always)]
-    fn texels(&self, group: &Group) -> Depths {
-        let (mut x, mut y) = ([0.0; LANES], [0.0; LANES]);
-        let (a, texel) = (self.axes, self.l.texel);
-        if self.shape == Shape::Square {
-            for i in 0..LANES {
-                let place = tap_place(texel, a, Vec2::new(group.x[i], group.y[i]), self.shift);
-                (x[i], y[i]) = (place.x.floor(), place.y.floor());
-            }
-        } else {
-            // Nothing wraps where nothing is shifted.
-            for i in 0..LANES {
-                x[i] = (texel.x + a.x * group.x[i] + a.z * group.y[i]).floor();
-                y[i] = (texel.y + a.y * group.x[i] + a.w * group.y[i]).floor();
-            }
+    fn receivers<const N: usize>(&self, r: &Receivers, [x, y]: &[Lanes<f32>; 2]) -> Lanes<f32> {
+        let mut depth = r.depth;
+        for i in 0..N {
+            let bent = if self.plane {
+                let (right, down) = (x[i] + 0.5 - r.x[i], y[i] + 0.5 - r.y[i]);
+                r.depth[i] + r.right[i] * right + r.down[i] * down
+            } else {
+                r.depth[i]
+            };
+            depth[i] = if bent < self.farthest { bent } else { self.farthest };
         }
-        (x, y)
+        depth
     }
 
     #[inline(always)]
-    fn load(&self, index: &[i32; LANES]) -> [f32; LANES] {
-        let (map, size) = (self.map, self.map.size);
-        if let Some(texels) = map.layer(self.l.layer) {
-            return index.map(|i| texels.get(i as usize).copied().unwrap_or(OUTSIDE));
+    fn load(&self, index: &Lanes<u32>, count: usize) -> Lanes<f32> {
+        let (mut stored, texels) = ([0.0; BATCH], self.map.texels);
+        let lanes = stored.iter_mut().zip(index).take(count);
+        if self.map.packed {
+            lanes.for_each(|(stored, &i)| {
+                let channels = texels.get(4 * i as usize..).and_then(|t| t.first_chunk());
+                *stored = channels.map_or(OUTSIDE, |&c| unpack_depth(Vec4::from_array(c)));
+            });
+        } else {
+            lanes.for_each(|(stored, &i)| *stored = texels.get(i as usize).copied().unwrap_or(OUTSIDE));
         }
-        index.map(|i| if i < 0 { OUTSIDE } else { map.load(i % size, i / size, self.l.layer) })
+        stored
     }
+}
+
+/// Into 0..=last; NaN to 0.
+#[inline(always)]
+fn within(x: f32, last: f32) -> f32 {
+    let x = if x > 0.0 { x } else { 0.0 };
+    if x < last { x } else { last }
+}
+
+/// The whole number below; beyond 2^22, where no map reaches, only near it. Without an instruction that not all processors
+/// have: for those, the standard one is a call.
+#[inline(always)]
+fn floor(x: f32) -> f32 {
+    let nearest = (x + 1.5 * WHOLE) - 1.5 * WHOLE;
+    if nearest > x { nearest - 1.0 } else { nearest }
+}
+
+/// A whole number from 0 to [`WHOLE`] as an integer: what a conversion would give, but in lanes.
+#[inline(always)]
+fn whole(x: f32) -> u32 {
+    (x + WHOLE).to_bits().wrapping_sub(WHOLE.to_bits())
 }
 
 /// The pairs, for the lockstep tests.

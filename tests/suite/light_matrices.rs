@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 use umbrage_core::{
-    Extents, Fit, Geometry, Light, LightSpace, PlanError, View,
+    Extents, Fit, Geometry, Layout, Light, LightSpace, PlanError, View,
     glam::{Mat4, UVec2, Vec3, Vec4},
 };
 use umbrage_tests::stage::{camera, geometry};
@@ -104,6 +104,21 @@ fn fitted() {
     insta::assert_snapshot!("fitted_scale_1e-3", suite(1e-3, Vec3::ZERO));
     insta::assert_snapshot!("fitted_scale_1e4", suite(1e4, Vec3::ZERO));
     insta::assert_snapshot!("fitted_far_away", suite(1.0, FAR_AWAY));
+}
+
+/// The six spaces of a cube, for a kernel that reaches 3 texels.
+#[test]
+fn cube() {
+    let geometry = geometry(1.0, Vec3::ZERO);
+    let light = Light::Point { position: Vec3::new(0.5, 4.0, 1.0), radius: 0.0 };
+    let camera = camera();
+    let view = View::new(&camera, &light, &geometry);
+    let spaces = Fit::Tight.light_spaces(Layout::Cube, &view, 256, 3.0).expect("bulbs have a place");
+    let axes = ["+x", "-x", "+y", "-y", "+z", "-z"];
+    let faces = axes.iter().zip(&spaces.spaces).zip(&spaces.needed);
+    let text: String =
+        faces.map(|((axis, space), needed)| print(&format!("{axis}, needed: {needed}"), &Ok(*space))).collect();
+    insta::assert_snapshot!(text);
 }
 
 #[test]

@@ -67,16 +67,22 @@ impl Fit {
             (Layout::Cube, None) => {
                 Err(PlanError::unsupported("a directional light has no place to put a cube around"))
             }
-            (Layout::Cube, Some(eye)) => Ok(self.cube(view, eye, size, margin)?),
+            (Layout::Cube, Some(eye)) => self.cube(view, eye, size, margin),
             (Layout::Auto, Some(eye)) => match single() {
-                Err(PlanError::Unsupported(_)) => Ok(self.cube(view, eye, size, margin)?),
+                Err(PlanError::Unsupported(_)) => self.cube(view, eye, size, margin),
                 other => other,
             },
         }
     }
 
     /// Six faces, each a little wider than 90 degrees, so that kernels never reach beyond the face they start in.
-    fn cube(&self, view: &View<'_>, eye: Vec3, size: u32, margin: f32) -> Result<LightSpaces, Invalid> {
+    fn cube(&self, view: &View<'_>, eye: Vec3, size: u32, margin: f32) -> Result<LightSpaces, PlanError> {
+        if size as f32 - 2.0 * margin - 2.0 < size as f32 / WIDEST_HALF_ANGLE.to_radians().tan() && margin > 0.0 {
+            return Err(PlanError::unsupported(format!(
+                "a kernel that reaches {margin} texels is too wide for a cube's faces of {size}: use greater maps or a \
+                 smaller kernel"
+            )));
+        }
         let half_angle = widened(45.0_f32.to_radians(), size, margin);
         let mut out = LightSpaces { spaces: Vec::new(), needed: Vec::new() };
         for view_from_world in cube_face_views(eye)? {

@@ -25,6 +25,15 @@ pub trait Kernel: Debug + Send + Sync {
     fn compares(&self) -> bool {
         false
     }
+    /// Whether the WGSL half means nothing without triangle ids.
+    fn needs_triangles(&self) -> bool {
+        false
+    }
+    /// How much farther than usual the answers of the halves may lie apart, 0..=1, where a device rounds what WGSL leaves
+    /// open: comparison samplers' weights, say.
+    fn tolerance(&self) -> f32 {
+        0.0
+    }
 }
 
 /// Asks, for seen points, how much light arrives. Its WGSL entry is `fn receive(r: Receiver) -> f32`.

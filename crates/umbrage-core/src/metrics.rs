@@ -169,11 +169,12 @@ pub struct Agreement {
 }
 
 impl Agreement {
-    /// Compares two masks; `undecided` marks pixels whose answer hangs on rounding.
+    /// Compares two masks; `undecided` marks pixels whose answer hangs on rounding, `tolerance` is what the kernel allows
+    /// beyond [`AGREE`] ([`Kernel::tolerance`](crate::Kernel::tolerance)).
     ///
     /// # Errors
     /// When sizes differ or a value is not within 0..=1.
-    pub fn measure(size: UVec2, a: &[f32], b: &[f32], undecided: &[bool]) -> Result<Self, Invalid> {
+    pub fn measure(size: UVec2, a: &[f32], b: &[f32], undecided: &[bool], tolerance: f32) -> Result<Self, Invalid> {
         check("first mask", size, a)?;
         check("second mask", size, b)?;
         check_len("undecided pixels", size, undecided.len())?;
@@ -183,7 +184,7 @@ impl Agreement {
             out.differing += u64::from(a != b);
             out.undecided += u64::from(undecided);
             out.largest = out.largest.max(f64::from(difference));
-            out.violations += u64::from(!undecided && difference > AGREE);
+            out.violations += u64::from(!undecided && difference > AGREE + tolerance);
         }
         Ok(out)
     }

@@ -98,11 +98,12 @@ impl Frame<'_> {
     }
 
     fn check_triangles(&self, recipe: &Recipe) -> Result<(), Invalid> {
-        if recipe.shade.is_none() || self.receivers.triangle.is_some() {
+        let needed = recipe.shade.is_some() || recipe.receive.kernel.needs_triangles();
+        if !needed || self.receivers.triangle.is_some() {
             return Ok(());
         }
-        let mend = "hand in triangle ids in `GBuffer::triangle`, or leave `Recipe::shade` out and shade yourself";
-        Err(Invalid::new("frame", "has no triangle ids, which tell shading what is seen", mend))
+        let mend = "hand in triangle ids in `GBuffer::triangle`, or take a recipe that does without";
+        Err(Invalid::new("frame", "has no triangle ids, which tell this recipe what is seen", mend))
     }
 }
 

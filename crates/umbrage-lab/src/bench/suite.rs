@@ -13,7 +13,7 @@ use umbrage_core::{
 };
 use umbrage_cpu::{Cpu, CpuOptions};
 use umbrage_scenes::Kind;
-use umbrage_techniques::{Bias, Hard, Pcf, ShadowMap};
+use umbrage_techniques::{Bias, Hard, Pcf, Pcss, ShadowMap};
 use umbrage_wgpu::Gpu;
 
 /// What to run.
@@ -57,6 +57,17 @@ impl Stage {
         Ok(Self { name, geometry, camera, light: scene.lights[0], receivers })
     }
 
+    /// The same with a light that has an extent: the sun's, or a tenth of a metre.
+    fn with_extent(&self) -> Self {
+        let mut light = self.light;
+        match &mut light {
+            Light::Directional { angular_diameter: extent, .. } => *extent = 0.0093,
+            Light::Spot { radius: extent, .. } | Light::Point { radius: extent, .. } => *extent = 0.1,
+            Light::Rect { .. } | Light::Disc { .. } => {}
+        }
+        Self { geometry: self.geometry.clone(), receivers: self.receivers.clone(), light, ..*self }
+    }
+
     fn view(&self) -> View<'_> {
         View::new(&self.camera, &self.light, &self.geometry).with_receivers(&self.receivers)
     }
@@ -80,6 +91,7 @@ pub fn run(options: Options, gpu: Option<&mut Gpu>, mut tell: impl FnMut(Pair)) 
             for (radius, bar) in [(1, 2.5), (3, 5.0)] {
                 tell(lookup(&stage, radius, bar, runs, &mut cpu, gpu)?);
             }
+            tell(soft(&stage.with_extent(), runs, &mut cpu, gpu)?);
             by_hand(&stage, runs, gpu)?.into_iter().for_each(&mut tell);
         }
     }
@@ -156,6 +168,23 @@ fn lookup(
         theirs,
         ratio,
         bar: Some(bar),
+        runs: runs[1],
+    })
+}
+
+fn soft(stage: &Stage, runs: [usize; 2], cpu: &mut Cpu, gpu: &mut Gpu) -> Result<Pair, BackendError> {
+    let view = stage.view();
+    let technique = Pcss { map: ShadowMap { size: MAP, ..Pcss::default().map }, ..Pcss::default() };
+    let recipe = plan(&view, &technique)?;
+    let (ours, theirs, ratio) = both((&view, &recipe), |t| t.receive, runs, cpu, gpu)?;
+    let Pcss { blocker_taps, filter_taps, .. } = technique;
+    Ok(Pair {
+        work: format!("PCSS of {blocker_taps} + {filter_taps} taps, {}x{}, {}", SCREEN.x, SCREEN.y, stage.name),
+        who: [cpu.name().into(), gpu.name().into()],
+        ours,
+        theirs,
+        ratio,
+        bar: None,
         runs: runs[1],
     })
 }

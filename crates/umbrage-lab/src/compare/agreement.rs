@@ -39,7 +39,7 @@ pub(super) fn compare(
             mark(&cpu.render(view, &nudged)?);
         }
     }
-    Ok(Agreement::measure(of_cpu.size, &of_cpu.mask, &other.mask, &undecided)?)
+    Ok(Agreement::measure(of_cpu.size, &of_cpu.mask, &other.mask, &undecided, recipe.receive.kernel.tolerance())?)
 }
 
 /// The recipe with every cast's light space moved; the lookup stays.

@@ -2,7 +2,7 @@
 
 use super::{Effect, Preset};
 use umbrage_core::{
-    Cull, Extents, Fit, Light, RasterBias, Scene, ShadowTechnique,
+    Cull, Extents, Fit, Layout, Light, RasterBias, Scene, ShadowTechnique,
     glam::{UVec2, Vec3},
 };
 use umbrage_scenes::TEXTBOOK_FIT;
@@ -46,6 +46,12 @@ fn extents(change: fn(Extents) -> Extents) -> Fit {
 /// Tight maps, for scenes that no textbook laid by hand.
 fn tight(size: u32, bias: Bias) -> ShadowMap {
     ShadowMap { size, bias, ..ShadowMap::default() }
+}
+
+/// The textbooks' cube around a point light: near 1, far 25.
+fn room_map(size: u32, bias: Bias) -> ShadowMap {
+    let fit = umbrage_scenes::find("textbook-room").and_then(|e| e.fit).unwrap_or_default();
+    ShadowMap { fit, layout: Layout::Cube, ..tight(size, bias) }
 }
 
 fn hard(map: ShadowMap) -> Technique {
@@ -94,6 +100,25 @@ fn flat() -> Scene {
     sized(built_in("flat-receivers"))
 }
 
+fn wall() -> Scene {
+    sized(built_in("textbook-wall"))
+}
+
+/// The wall without its normal map.
+fn smooth_wall() -> Scene {
+    let mut scene = wall();
+    scene.materials.iter_mut().for_each(|m| m.normal_map = None);
+    scene
+}
+
+fn relief() -> Scene {
+    sized(built_in("displaced-wall"))
+}
+
+fn relief_of_the_camera_alone() -> Scene {
+    sized(built_in("relief-without-depth-pass"))
+}
+
 fn plate() -> Scene {
     sized(built_in("thin-plate"))
 }
@@ -110,6 +135,7 @@ const ALL: &[Effect] = &[
                its own depth: stripes. Taking max(.05 (1 - n.l), .005) off the receiver's depth clears them.",
         fault: cubes_with("no bias", || hard(map(Bias::NONE))),
         cure: cubes_with("bias .05 / .005", || hard(map(Bias::SLOPE))),
+        lowers_error: true,
     },
     Effect {
         name: "peter-panning",
@@ -118,6 +144,7 @@ const ALL: &[Effect] = &[
                float. With front faces left out of the map no bias is needed, as the cubes are closed.",
         fault: cubes_with("constant bias .05", || hard(map(Bias { constant: 0.05, ..Bias::NONE }))),
         cure: cubes_with("front faces culled", || hard(map(Bias { cull: Cull::Front, ..Bias::NONE }))),
+        lowers_error: true,
     },
     Effect {
         name: "polygon-offset",
@@ -128,6 +155,7 @@ const ALL: &[Effect] = &[
         cure: cubes_with("polygon offset 2, 4", || {
             hard(map(Bias { raster: RasterBias { constant: 4, slope: 2.0, clamp: 0.0 }, ..Bias::NONE }))
         }),
+        lowers_error: true,
     },
     Effect {
         name: "border",
@@ -136,6 +164,7 @@ const ALL: &[Effect] = &[
                edge throw endless bands; with a border of depth 1 all beside the map is lit.",
         fault: cubes_with("edge repeated", || hard(small_map(Border::Clamp))),
         cure: cubes_with("lit border", || hard(small_map(Border::Lit))),
+        lowers_error: true,
     },
     Effect {
         name: "far-plane",
@@ -144,6 +173,7 @@ const ALL: &[Effect] = &[
                says that they are lit.",
         fault: cubes_with("compared", || hard(short_map(BeyondFar::Compared))),
         cure: cubes_with("lit", || hard(short_map(BeyondFar::Lit))),
+        lowers_error: true,
     },
     Effect {
         name: "jagged",
@@ -151,6 +181,7 @@ const ALL: &[Effect] = &[
         text: "One comparison a pixel shows the map's texels. The mean of 3x3 comparisons blurs the stairs over three texels.",
         fault: cubes_with("one comparison", || hard(map(Bias::SLOPE))),
         cure: cubes_with("3x3 comparisons", || pcf(map(Bias::SLOPE), 1)),
+        lowers_error: true,
     },
     Effect {
         name: "dithered",
@@ -158,6 +189,7 @@ const ALL: &[Effect] = &[
         text: "A quarter of the cost of 4x4 comparisons: each pixel takes four of the sixteen, and neighbours take others.",
         fault: cubes_with("one comparison", || hard(map(Bias::SLOPE))),
         cure: cubes_with("4 of 16, by the pixel's parity", || Box::new(PcfDithered { map: map(Bias::SLOPE) })),
+        lowers_error: true,
     },
     Effect {
         name: "perspective",
@@ -170,6 +202,7 @@ const ALL: &[Effect] = &[
             scene: cubes_under_spot,
             technique: || hard(tight(1024, Bias::RECEIVER_PLANE)),
         },
+        lowers_error: false,
     },
     Effect {
         name: "soft",
@@ -186,24 +219,35 @@ const ALL: &[Effect] = &[
             scene: teapot,
             technique: || Box::new(Pcss { map: tight(1024, Bias::RECEIVER_PLANE), ..Pcss::default() }),
         },
+        lowers_error: true,
     },
     Effect {
         name: "point-light",
         title: "A point light in a room",
         text: "Around a light amid the scene six maps form a cube. Bias is needed as ever.",
-        fault: Preset { label: "cube, no bias", scene: room, technique: || hard(tight(1024, Bias::NONE)) },
+        fault: Preset {
+            label: "cube, near 1, far 25, no bias",
+            scene: room,
+            technique: || hard(room_map(1024, Bias::NONE)),
+        },
         cure: Preset {
             label: "cube, receiver plane",
             scene: room,
             technique: || hard(tight(1024, Bias::RECEIVER_PLANE)),
         },
+        lowers_error: true,
     },
     Effect {
         name: "point-light-pcf",
         title: "A point light, filtered",
         text: "Each face of the cube is a little wider than 90 degrees, so a kernel never leaves its face and no seam shows.",
-        fault: Preset { label: "one comparison", scene: room, technique: || hard(tight(256, Bias::RECEIVER_PLANE)) },
-        cure: Preset { label: "3x3 comparisons", scene: room, technique: || pcf(tight(256, Bias::RECEIVER_PLANE), 1) },
+        fault: Preset { label: "one comparison", scene: room, technique: || hard(room_map(256, Bias::RECEIVER_PLANE)) },
+        cure: Preset {
+            label: "3x3 comparisons",
+            scene: room,
+            technique: || pcf(room_map(256, Bias::RECEIVER_PLANE), 1),
+        },
+        lowers_error: true,
     },
     Effect {
         name: "midpoint",
@@ -216,26 +260,29 @@ const ALL: &[Effect] = &[
             scene: figure,
             technique: || Box::new(Midpoint { map: tight(1024, Bias::NONE), radius: 0 }),
         },
+        lowers_error: true,
     },
     Effect {
         name: "sixteen-bits",
         title: "Sixteen bits of depth, and RGBA8 packing",
         text: "With 16 bits the map laid by hand knows 65,536 depths; a bias meant for 32 bits is too small. Packed into four \
                8-bit channels all 24 bits of a float survive.",
-        fault: cubes_with("16 bit, bias 1e-5", || {
-            hard(ShadowMap { format: MapFormat::Depth16, ..map(Bias { cull: Cull::None, ..Bias::RECEIVER_PLANE }) })
+        fault: cubes_with("16 bit, receiver plane", || {
+            hard(ShadowMap { format: MapFormat::Depth16, ..map(Bias::RECEIVER_PLANE) })
         }),
-        cure: cubes_with("RGBA8, bias 1e-5", || {
+        cure: cubes_with("RGBA8, receiver plane", || {
             hard(ShadowMap { format: MapFormat::Rgba8, ..map(Bias::RECEIVER_PLANE) })
         }),
+        lowers_error: true,
     },
     Effect {
         name: "contact",
         title: "Contact, and shadow volumes",
-        text: "A plate 2 mm thick stands on a floor: every bias opens a gap. Shadow volumes count crossings of exact \
+        text: "A plate 2 mm thick stands on a floor: the textbooks' bias opens a gap. Shadow volumes count crossings of exact \
                boundaries and have neither texels nor bias.",
         fault: Preset { label: "bias .05 / .005", scene: plate, technique: || hard(tight(1024, Bias::SLOPE)) },
         cure: Preset { label: "shadow volumes", scene: plate, technique: || Box::new(ShadowVolumes::default()) },
+        lowers_error: true,
     },
     Effect {
         name: "planar",
@@ -244,5 +291,32 @@ const ALL: &[Effect] = &[
                they leave no anti-shadows.",
         fault: Preset { label: "one comparison", scene: flat, technique: || hard(tight(512, Bias::SLOPE)) },
         cure: Preset { label: "planar", scene: flat, technique: || Box::new(umbrage_techniques::Planar::default()) },
+        lowers_error: true,
+    },
+    Effect {
+        name: "normal-mapping",
+        title: "Normal mapping",
+        text: "A texture of normals bends the light on a flat wall. Shadow lookups know nothing of it: their bias follows the \
+               triangle's own normal, so the mask stays the same.",
+        fault: Preset { label: "flat", scene: smooth_wall, technique: || pcf(tight(1024, Bias::RECEIVER_PLANE), 1) },
+        cure: Preset { label: "normal map", scene: wall, technique: || pcf(tight(1024, Bias::RECEIVER_PLANE), 1) },
+        lowers_error: false,
+    },
+    Effect {
+        name: "displacement",
+        title: "Displacement mapping, in both passes",
+        text: "Vertices move along their normals by a height map. If only the camera sees the relief, bricks throw no shadow \
+               into the joints; drawn into the depth map as well, they do.",
+        fault: Preset {
+            label: "for the camera alone",
+            scene: relief_of_the_camera_alone,
+            technique: || pcf(tight(2048, Bias::RECEIVER_PLANE), 1),
+        },
+        cure: Preset {
+            label: "for camera and light",
+            scene: relief,
+            technique: || pcf(tight(2048, Bias::RECEIVER_PLANE), 1),
+        },
+        lowers_error: false,
     },
 ];

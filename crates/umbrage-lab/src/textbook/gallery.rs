@@ -38,7 +38,10 @@ fn section(effect: &Effect, Played { fault, cure }: &Played) -> String {
         escaped(effect.title),
         escaped(effect.text)
     );
-    let (left, right) = (figure(effect.fault.label, fault, None), figure(effect.cure.label, cure, Some(fault)));
+    let (left, right) = (
+        figure(effect.fault.label, fault, None),
+        figure(effect.cure.label, cure, effect.lowers_error.then_some(fault)),
+    );
     format!("{head}<div class=pair>\n{left}{right}</div>\n</section>\n")
 }
 

@@ -35,9 +35,40 @@ pub struct Effect {
     pub fault: Preset,
     /// Without it, or with less of it.
     pub cure: Preset,
+    /// Whether the cure lowers the mask's error; else only the pictures tell.
+    pub lowers_error: bool,
 }
 
 /// The effect of this name.
 pub fn find(name: &str) -> Option<&'static Effect> {
     all().iter().find(|e| e.name == name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use umbrage_core::Backend;
+    use umbrage_cpu::Cpu;
+
+    #[test]
+    fn every_cure_lowers_the_error_that_it_is_for() {
+        let mut backends: Vec<Box<dyn Backend>> = vec![Box::new(Cpu::new())];
+        for effect in all() {
+            let Played { fault, cure } = play(effect, &mut backends).unwrap_or_else(|e| panic!("{}: {e}", effect.name));
+            let [before, after] = [&fault, &cure].map(|side| side.errors[0].1.mean);
+            if effect.lowers_error {
+                assert!(after < before, "{}: {before} to {after}", effect.name);
+            } else {
+                assert_ne!(fault.picture, cure.picture, "{}", effect.name);
+            }
+        }
+    }
+
+    #[test]
+    fn names_are_file_names_and_differ() {
+        let names: std::collections::HashSet<_> = all().iter().map(|e| e.name).collect();
+        assert_eq!(names.len(), all().len());
+        assert!(names.iter().all(|n| n.chars().all(|c| c.is_ascii_lowercase() || c == '-')));
+        assert!(find("acne").is_some() && find("beauty").is_none());
+    }
 }
