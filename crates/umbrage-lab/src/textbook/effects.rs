@@ -2,7 +2,7 @@
 
 use super::{Effect, Preset};
 use umbrage_core::{
-    Cull, Extents, Fit, Layout, Light, RasterBias, Scene, ShadowTechnique,
+    Extents, Fit, Layout, Light, RasterBias, Scene, ShadowTechnique,
     glam::{UVec2, Vec3},
 };
 use umbrage_scenes::TEXTBOOK_FIT;
@@ -20,6 +20,14 @@ pub fn all() -> &'static [Effect] {
 /// The textbooks' map: 1024 texels, laid by hand from (-2, 4, -1), 10 m to each side, near 1, far 7.5.
 fn map(bias: Bias) -> ShadowMap {
     ShadowMap { size: 1024, fit: TEXTBOOK_FIT, bias, ..ShadowMap::default() }
+}
+
+/// Along the receiver's plane, with no more for rounding than 32-bit floats need.
+const FOR_FLOATS: Bias = Bias { constant: 1e-6, ..Bias::RECEIVER_PLANE };
+
+/// Large enough texels to be seen.
+fn coarse() -> ShadowMap {
+    ShadowMap { size: 256, ..map(Bias::SLOPE) }
 }
 
 /// A map that ends amid the picture.
@@ -119,6 +127,10 @@ fn relief_of_the_camera_alone() -> Scene {
     sized(built_in("relief-without-depth-pass"))
 }
 
+fn far_range() -> Scene {
+    sized(built_in("far-range"))
+}
+
 fn plate() -> Scene {
     sized(built_in("thin-plate"))
 }
@@ -140,10 +152,14 @@ const ALL: &[Effect] = &[
     Effect {
         name: "peter-panning",
         title: "Peter-panning, and drawing the far sides",
-        text: "A bias as great as .05 of the depth range moves every shadow .3 m away from what throws it: the cubes seem to \
-               float. With front faces left out of the map no bias is needed, as the cubes are closed.",
-        fault: cubes_with("constant bias .05", || hard(map(Bias { constant: 0.05, ..Bias::NONE }))),
-        cure: cubes_with("front faces culled", || hard(map(Bias { cull: Cull::Front, ..Bias::NONE }))),
+        text: "A bias as great as .05 of the depth range moves every shadow away from what throws it: a plate 2 mm thick seems \
+               to float. With its front faces left out of the map no bias is needed, as the plate is closed.",
+        fault: Preset {
+            label: "constant bias .05",
+            scene: plate,
+            technique: || hard(tight(1024, Bias { constant: 0.05, ..Bias::NONE })),
+        },
+        cure: Preset { label: "front faces culled", scene: plate, technique: || hard(tight(1024, Bias::FRONT_CULL)) },
         lowers_error: true,
     },
     Effect {
@@ -179,17 +195,17 @@ const ALL: &[Effect] = &[
         name: "jagged",
         title: "Jagged edges, and percentage-closer filtering",
         text: "One comparison a pixel shows the map's texels. The mean of 3x3 comparisons blurs the stairs over three texels.",
-        fault: cubes_with("one comparison", || hard(map(Bias::SLOPE))),
-        cure: cubes_with("3x3 comparisons", || pcf(map(Bias::SLOPE), 1)),
-        lowers_error: true,
+        fault: cubes_with("one comparison", || hard(coarse())),
+        cure: cubes_with("3x3 comparisons", || pcf(coarse(), 1)),
+        lowers_error: false,
     },
     Effect {
         name: "dithered",
         title: "Four dithered comparisons",
         text: "A quarter of the cost of 4x4 comparisons: each pixel takes four of the sixteen, and neighbours take others.",
-        fault: cubes_with("one comparison", || hard(map(Bias::SLOPE))),
-        cure: cubes_with("4 of 16, by the pixel's parity", || Box::new(PcfDithered { map: map(Bias::SLOPE) })),
-        lowers_error: true,
+        fault: cubes_with("one comparison", || hard(coarse())),
+        cure: cubes_with("4 of 16, by the pixel's parity", || Box::new(PcfDithered { map: coarse() })),
+        lowers_error: false,
     },
     Effect {
         name: "perspective",
@@ -247,7 +263,7 @@ const ALL: &[Effect] = &[
             scene: room,
             technique: || pcf(room_map(256, Bias::RECEIVER_PLANE), 1),
         },
-        lowers_error: true,
+        lowers_error: false,
     },
     Effect {
         name: "midpoint",
@@ -265,14 +281,18 @@ const ALL: &[Effect] = &[
     Effect {
         name: "sixteen-bits",
         title: "Sixteen bits of depth, and RGBA8 packing",
-        text: "With 16 bits the map laid by hand knows 65,536 depths; a bias meant for 32 bits is too small. Packed into four \
-               8-bit channels all 24 bits of a float survive.",
-        fault: cubes_with("16 bit, receiver plane", || {
-            hard(ShadowMap { format: MapFormat::Depth16, ..map(Bias::RECEIVER_PLANE) })
-        }),
-        cure: cubes_with("RGBA8, receiver plane", || {
-            hard(ShadowMap { format: MapFormat::Rgba8, ..map(Bias::RECEIVER_PLANE) })
-        }),
+        text: "Over hundreds of metres 65,536 depths are few, and a bias meant for 32 bits is too small: quantised acne. Packed \
+               into four 8-bit channels all 24 bits of a float survive.",
+        fault: Preset {
+            label: "16 bit, receiver plane + 1e-6",
+            scene: far_range,
+            technique: || hard(ShadowMap { format: MapFormat::Depth16, ..tight(1024, FOR_FLOATS) }),
+        },
+        cure: Preset {
+            label: "RGBA8, receiver plane + 1e-6",
+            scene: far_range,
+            technique: || hard(ShadowMap { format: MapFormat::Rgba8, ..tight(1024, FOR_FLOATS) }),
+        },
         lowers_error: true,
     },
     Effect {
