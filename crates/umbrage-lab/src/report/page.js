@@ -88,9 +88,11 @@ function heat(rmse) {
 function matrix() {
   const scenes = comparison.scenes;
   const backend = scenes[0].rows.length ? scenes[0].rows[0].backend : "";
+  // Not by slug: that is shorter where a technique has one setting.
+  const label = (r) => `${r.technique} ${r.settings}`;
   const keys = new Map();
-  scenes.forEach((s) => s.rows.filter((r) => r.backend === backend).forEach((r) => keys.set(r.slug, r)));
-  const find = (s, slug) => s.rows.find((r) => r.slug === slug && r.backend === backend);
+  scenes.forEach((s) => s.rows.filter((r) => r.backend === backend).forEach((r) => keys.set(label(r), r)));
+  const find = (s, name) => s.rows.find((r) => label(r) === name && r.backend === backend);
   const raster = (r) => r.technique !== "traced" && measured(r);
   // Where all are equally good there is no best.
   const best = scenes.map((s) => {
@@ -100,7 +102,7 @@ function matrix() {
   const head = el("tr", {}, el("th", {}), ...scenes.map((s, i) => el("th", {}, el("a", { href: `#scene-${i}` }, s.name))));
   const lines = [...keys.values()].map((key) => {
     const cells = scenes.map((s, i) => {
-      const row = find(s, key.slug);
+      const row = find(s, label(key));
       const m = row && measured(row);
       if (!m) return el("td", { class: "none", title: row ? row.outcome.unsupported.reason : "" }, "–");
       const rmse = m.errors.rmse;
