@@ -36,12 +36,15 @@ fn small(name: &str) -> Case {
 /// no comparison hangs on rounding: fewer than one in a thousand.
 #[test]
 fn both_halves_agree() {
-    let (mut faults, mut played) = (Vec::new(), 0);
+    let (mut faults, mut played, mut refused) = (Vec::new(), 0, 0);
     for name in ["figure", "lamp-in-room"] {
         let case = small(name);
         for technique in techniques() {
             let label = format!("{name}: {} {}", technique.name(), technique.settings());
-            let mut recipe = technique.plan(&case.view()).expect("serves the scene");
+            let Ok(mut recipe) = technique.plan(&case.view()) else {
+                refused += 1;
+                continue;
+            };
             recipe.keep_images = true;
             let cpu = Cpu::new().render(&case.view(), &recipe).expect("renders");
             let theirs = gpu().replay_receive(&case.view(), &recipe, &cpu.images).expect("renders");
@@ -57,7 +60,8 @@ fn both_halves_agree() {
         }
     }
     assert!(faults.is_empty(), "{}", faults.join("\n"));
-    assert_eq!(played, 2 * 6 * 7);
+    // Every kernel reaches beyond a cube's faces of one texel.
+    assert_eq!((played, refused), (2 * 6 * 7 - 7, 7));
 }
 
 /// The comparison must notice a kernel that is not its twin: here the GPU's filter is one texel wider.
