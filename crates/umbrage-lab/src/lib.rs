@@ -2,7 +2,7 @@
 //!
 //! * [`compare`]: every technique setting on every backend, against truth and against each other.
 //! * [`report`]: a page, a table, data and pictures of it. [`pareto`]: the front of time against error.
-//! * [`textbook`]: the textbooks' effects, measured and pictured. [`bench`]: paired timings.
+//! * [`textbook`]: the textbooks' effects, measured and pictured. [`mod@bench`]: paired timings.
 //! * [`truth`]: what every shadow should have been, with its own error bars.
 //! * [`umbrage_core::metrics`]: how far a mask is from it.
 

@@ -1,5 +1,5 @@
 //! The textbooks' effects as presets: each a scene and settings that show a fault, and settings that cure it, with the
-//! numbers that the textbooks use. [`play`] measures and pictures both; [`gallery`] makes one page of all.
+//! numbers that the textbooks use. [`play()`] measures and pictures both; [`html`] makes one page of all.
 
 mod effects;
 mod gallery;
