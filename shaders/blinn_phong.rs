@@ -18,6 +18,7 @@
 //! above follow the geometry; a highlight may end there at a straight line.
 
 use crate::{
+    facing::homogeneous,
     interpolation::{INTERPOLATION, unit_or},
     lighting::{LIGHTING, attenuation, blinn, cone},
     surface::SURFACE,
@@ -93,10 +94,7 @@ impl BlinnPhong {
         view.light.validate()?;
         view.camera.validate()?;
         let (axis, cone) = cone_of(view.light);
-        let light = match view.light.position() {
-            Some(p) => p.extend(1.0),
-            None => view.light.direction_from(Vec3::ZERO).extend(0.0),
-        };
+        let light = homogeneous(view.light);
         let attenuation = if light.w == 0.0 { Vec3::X } else { self.attenuation };
         Ok(BlinnPhongUniforms {
             eye: eye_of(view.camera),

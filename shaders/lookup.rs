@@ -1,6 +1,6 @@
 //! From a receiver to a texel of a [`ShadowMap`]: what every map technique's kernel begins with, in both halves.
 
-use crate::{BeyondFar, Border, MapFormat, ShadowMap};
+use crate::{BeyondFar, Border, MapFormat, ShadowMap, facing::homogeneous};
 use glam::{Mat4, Vec2, Vec3, Vec4};
 use umbrage_core::{
     ImageView, LightSpaces, MATH, Module, Twin, View,
@@ -74,10 +74,7 @@ impl MapLookup {
 
     /// The lookup into a map of `view.light` that lies in `spaces`.
     pub fn new(map: &ShadowMap, view: &View<'_>, spaces: &LightSpaces) -> Self {
-        let light = match view.light.position() {
-            Some(p) => p.extend(1.0),
-            None => view.light.direction_from(Vec3::ZERO).extend(0.0),
-        };
+        let light = homogeneous(view.light);
         let (size, bias, spaces) = (map.size as f32, map.bias, &spaces.spaces);
         let face = |i: usize| spaces[if i < spaces.len() { i } else { 0 }];
         let projection = spaces[0].clip_from_view;
