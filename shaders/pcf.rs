@@ -12,8 +12,8 @@ use crate::{
 };
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Inputs, Invalid, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span, UniformLayout, Uniforms,
-    View, uniforms,
+    Asks, Inputs, Invalid, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span, UniformLayout,
+    Uniforms, View, uniforms,
 };
 
 /// Greatest radius accepted: 1,089 taps.
@@ -106,6 +106,11 @@ impl ReceiveKernel for PcfKernel {
             4 => look_up_span(simd, &lookup, span, out, &SquareOfTaps::<9, 16> { map, radius, count }),
             _ => look_up_span(simd, &lookup, span, out, &SquareOfTaps::<0, 0> { map, radius, count }),
         }
+    }
+
+    fn asks(&self) -> Asks {
+        let side = 2 * self.0.radius.unsigned_abs() + 1;
+        Asks::taps(side * side)
     }
 }
 

@@ -18,7 +18,7 @@ use glam::{UVec2, Vec2, Vec4};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
-    Inputs, Invalid, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Simd, SimdTask, Span,
+    Asks, Inputs, Invalid, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Simd, SimdTask, Span,
     UniformLayout, Uniforms, View, uniforms,
 };
 
@@ -120,6 +120,10 @@ impl ReceiveKernel for PcfDiscKernel {
         let (map, shape) = (lookup.map(&inputs.images[0]), self.pattern.shape);
         let at = Comparisons { map, shape, farthest: lookup.farthest, plane: lookup.receiver_plane > 0.0 };
         look_up_span(simd, lookup, span, out, &DiscOfTaps { kernel: self, simd, at, pixel: span.first });
+    }
+
+    fn asks(&self) -> Asks {
+        Asks::taps(self.uniforms.taps)
     }
 }
 

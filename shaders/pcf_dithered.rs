@@ -10,7 +10,8 @@ use crate::shadow_map::ShadowMap;
 use glam::UVec2;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Inputs, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span, UniformLayout, Uniforms, View,
+    Asks, Inputs, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span, UniformLayout, Uniforms,
+    View,
 };
 
 /// Four dithered comparisons.
@@ -64,6 +65,10 @@ impl ReceiveKernel for PcfDitheredKernel {
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
         let taps = DitheredTaps { map: self.0.map(&inputs.images[0]), first: span.first };
         look_up_span(inputs.simd, &self.0, span, out, &taps);
+    }
+
+    fn asks(&self) -> Asks {
+        Asks::taps(4)
     }
 }
 

@@ -19,8 +19,8 @@ use crate::{
 };
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Inputs, Invalid, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span, UniformLayout, Uniforms,
-    View, uniforms,
+    Asks, Inputs, Invalid, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span, UniformLayout,
+    Uniforms, View, uniforms,
 };
 
 /// A square of samples.
@@ -134,6 +134,10 @@ impl ReceiveKernel for HardwareKernel {
             3 => look_up_span(simd, &lookup, span, out, &SquareOfSamples::<3> { map }),
             _ => look_up_span(simd, &lookup, span, out, &SquareOfSamples::<4> { map }),
         }
+    }
+
+    fn asks(&self) -> Asks {
+        Asks::taps(self.0.samples.unsigned_abs().pow(2))
     }
 }
 

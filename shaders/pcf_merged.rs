@@ -20,8 +20,8 @@ use crate::{
 use glam::{Vec2, Vec4};
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Inputs, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span, UniformLayout, Uniforms, View,
-    uniforms,
+    Asks, Inputs, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span, UniformLayout, Uniforms,
+    View, uniforms,
 };
 
 /// A smooth filter.
@@ -116,6 +116,10 @@ impl ReceiveKernel for MergedKernel {
             3 => look_up_span(simd, &lookup, span, out, &MergedTaps::<3> { map, rows }),
             _ => look_up_span(simd, &lookup, span, out, &MergedTaps::<4> { map, rows }),
         }
+    }
+
+    fn asks(&self) -> Asks {
+        Asks::taps(self.0.samples.unsigned_abs().pow(2))
     }
 }
 

@@ -41,8 +41,8 @@ use glam::{UVec2, Vec2};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
-    Inputs, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Simd, SimdTask, Span, UniformLayout,
-    Uniforms, View, uniforms,
+    Asks, Inputs, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Simd, SimdTask, Span,
+    UniformLayout, Uniforms, View, uniforms,
 };
 
 /// Steps of depth in which blockers are summed: whole numbers add in any order. 2^23, so that
@@ -157,6 +157,10 @@ impl ReceiveKernel for PcssKernel {
         let (map, shape) = (lookup.map(&inputs.images[0]), self.pattern.shape);
         let at = Comparisons { map, shape, farthest: lookup.farthest, plane: lookup.receiver_plane > 0.0 };
         look_up_span(simd, lookup, span, out, &Search { kernel: self, simd, at, pixel: span.first });
+    }
+
+    fn asks(&self) -> Asks {
+        Asks::taps(self.uniforms.blocker_taps + self.uniforms.filter_taps)
     }
 }
 

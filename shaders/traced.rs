@@ -7,8 +7,8 @@
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
-    Aabb, Bvh, Geometry, Inputs, Invalid, Kernel, Module, PlanError, Receive, ReceiveKernel, Recipe, ShadowTechnique,
-    Span, Table, UniformLayout, Uniforms, View,
+    Aabb, Asks, Bvh, Geometry, Inputs, Invalid, Kernel, Module, PlanError, Receive, ReceiveKernel, Recipe,
+    ShadowTechnique, Span, Table, UniformLayout, Uniforms, View,
     bvh::HIT,
     light_sample::{LIGHT_SAMPLE, LightSampler, origin_offset, seed, segment, unit_square},
     math::dot3,
@@ -137,5 +137,9 @@ impl ReceiveKernel for TracedKernel {
             };
             *out = (0..u.samples).filter(sees).count() as f32 / u.samples as f32;
         }
+    }
+
+    fn asks(&self) -> Asks {
+        Asks::rays(self.uniforms.samples)
     }
 }

@@ -2,6 +2,7 @@
 
 mod agreement;
 mod closed_form;
+mod closed_form_masks;
 mod embedding;
 mod exact;
 mod maps;

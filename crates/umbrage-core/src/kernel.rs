@@ -1,6 +1,6 @@
 //! Kernels: one function written twice. A kernel cannot exist on one side only, since its trait asks for both halves.
 
-use crate::{ImageView, Module, Simd, Span, UniformLayout};
+use crate::{Asks, ImageView, Module, Simd, Span, UniformLayout};
 use glam::UVec2;
 use std::fmt::Debug;
 
@@ -40,6 +40,11 @@ pub trait Kernel: Debug + Send + Sync {
 pub trait ReceiveKernel: Kernel {
     /// The Rust half: visibility 0..=1 of each entry of the span, into `out` of the same length.
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]);
+
+    /// What it does for one receiver, at most: for [`Work`](crate::Work), which the price of a technique is made of.
+    fn asks(&self) -> Asks {
+        Asks::default()
+    }
 }
 
 /// Makes an image from images of any size. Its WGSL entry is `fn filter_texel(texel: vec2i, layer: i32) -> vec4f`.

@@ -37,6 +37,7 @@ mod subdivide;
 mod technique;
 mod twin;
 mod weld;
+mod work;
 
 pub use aabb::Aabb;
 pub use backend::{Backend, BackendError, Shadows, Timings};
@@ -66,3 +67,4 @@ pub use subdivide::MAX_SUBDIVIDED_TRIANGLES;
 pub use technique::{PlanError, ShadowTechnique, View};
 pub use twin::{Twin, Words};
 pub use weld::Places;
+pub use work::{Asks, Work};

@@ -1,0 +1,209 @@
+//! How much work a recipe is, counted rather than timed: the same on every machine, however noisy.
+
+use crate::{Cast, Cull, Geometry, Recipe, Source, View};
+use glam::{DMat4, DVec2, DVec4, UVec2};
+use rayon::prelude::*;
+
+/// What a kernel does for one receiver, at most.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Asks {
+    /// Texels loaded, or comparison samples taken.
+    pub taps: u32,
+    /// Rays traced.
+    pub rays: u32,
+}
+
+impl Default for Asks {
+    /// One tap.
+    fn default() -> Self {
+        Self::taps(1)
+    }
+}
+
+impl Asks {
+    /// Taps alone.
+    pub const fn taps(taps: u32) -> Self {
+        Self { taps, rays: 0 }
+    }
+
+    /// Rays alone.
+    pub const fn rays(rays: u32) -> Self {
+        Self { taps: 0, rays }
+    }
+}
+
+/// What playing a recipe takes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+pub struct Work {
+    /// Draws and dispatches: casts, filters, the lookup.
+    pub passes: u64,
+    /// Triangles that casts draw, those outside their view included.
+    pub triangles: u64,
+    /// Texels that these triangles cover, each as often as it is covered: their area within the view, rounded.
+    pub covered: u64,
+    /// Texels of layers that casts draw into.
+    pub cleared: u64,
+    /// Texels that filters write.
+    pub filtered: u64,
+    /// Pixels that receive shadows.
+    pub receivers: u64,
+    /// Texels loaded or comparison samples taken by the lookup, at most.
+    pub taps: u64,
+    /// Rays traced, at most.
+    pub rays: u64,
+    /// Casters' triangles among which rays look.
+    pub casters: u64,
+    /// Bytes of images and tables.
+    pub bytes: u64,
+}
+
+impl Work {
+    /// The work of a recipe for the view that it was planned for. Without `view.receivers` every pixel counts as one;
+    /// without `view.geometry` only faces that the technique made are counted as drawn.
+    pub fn of(view: &View<'_>, recipe: &Recipe) -> Self {
+        let pixels = u64::from(view.camera.size.x) * u64::from(view.camera.size.y);
+        let receivers = view.receivers.map_or(pixels, |r| r.receives.iter().filter(|&&r| r).count() as u64);
+        let asks = recipe.receive.kernel.asks();
+        let mut work = Self {
+            passes: (recipe.casts.len() + recipe.filters.len() + 1) as u64,
+            receivers,
+            taps: receivers * u64::from(asks.taps),
+            rays: receivers * u64::from(asks.rays),
+            casters: view.geometry.map_or(0, |g| g.casters().len() as u64),
+            bytes: recipe.image_bytes() + recipe.table_bytes(),
+            ..Self::default()
+        };
+        for cast in &recipe.casts {
+            let size = recipe.images[cast.image].size;
+            let (triangles, covered) = drawn(view.geometry, cast, size);
+            work.triangles += triangles;
+            work.covered += covered;
+            work.cleared += u64::from(size.x) * u64::from(size.y);
+        }
+        let texels = |id: usize| {
+            let image = &recipe.images[id];
+            u64::from(image.size.x) * u64::from(image.size.y) * u64::from(image.layers)
+        };
+        work.filtered = recipe.filters.iter().map(|f| texels(f.output)).sum();
+        work
+    }
+}
+
+/// How many triangles a cast draws, and how many texels they cover.
+fn drawn(geometry: Option<&Geometry>, cast: &Cast, size: UVec2) -> (u64, u64) {
+    let clip_from_world = cast.space.clip_from_world().as_dmat4();
+    let (count, area) = match (&cast.source, geometry) {
+        (Source::Faces(faces), _) => {
+            let corner = |v: u32| faces.vertices[v as usize].as_dvec4();
+            (faces.triangles.len(), sum(&faces.triangles, clip_from_world, cast.cull, corner))
+        }
+        (_, None) => (0, 0.0),
+        (source, Some(g)) => {
+            let all = g.triangles();
+            let casters = g.casters().start as usize..g.casters().end as usize;
+            let triangles = if matches!(source, Source::Casters) { &all[casters] } else { all };
+            let corner = |v: u32| g.positions()[v as usize].as_dvec3().extend(1.0);
+            (triangles.len(), sum(triangles, clip_from_world, cast.cull, corner))
+        }
+    };
+    (count as u64, (area * 0.25 * f64::from(size.x) * f64::from(size.y)).round() as u64)
+}
+
+/// The triangles' area in the view of 2 x 2 clip units.
+fn sum(triangles: &[[u32; 3]], clip_from_world: DMat4, cull: Cull, corner: impl Fn(u32) -> DVec4 + Sync) -> f64 {
+    let area = |t: &[u32; 3]| area(t.map(|v| clip_from_world * corner(v)), cull);
+    // Chunks are added up in order, so that the sum is the same on any number of threads.
+    let parts: Vec<f64> = triangles.par_chunks(1024).map(|part| part.iter().map(area).sum()).collect();
+    parts.into_iter().sum()
+}
+
+/// The area of a clip-space triangle within the view; none if it is culled.
+fn area(corners: [DVec4; 3], cull: Cull) -> f64 {
+    let signed = signed_area(corners);
+    match cull {
+        // Counter-clockwise, with y up, is the side that is seen.
+        Cull::Front if signed > 0.0 => 0.0,
+        Cull::Back if signed < 0.0 => 0.0,
+        // A triangle without extent may end as nothing divided by nothing.
+        _ if signed.is_finite() => signed.abs(),
+        _ => 0.0,
+    }
+}
+
+/// Sutherland and Hodgman 1974, "Reentrant polygon clipping", against the six planes; then the polygon's area.
+fn signed_area(corners: [DVec4; 3]) -> f64 {
+    const PLANES: [DVec4; 6] = [
+        DVec4::new(1.0, 0.0, 0.0, 1.0),
+        DVec4::new(-1.0, 0.0, 0.0, 1.0),
+        DVec4::new(0.0, 1.0, 0.0, 1.0),
+        DVec4::new(0.0, -1.0, 0.0, 1.0),
+        DVec4::new(0.0, 0.0, 1.0, 0.0),
+        DVec4::new(0.0, 0.0, -1.0, 1.0),
+    ];
+    // A triangle has at most nine corners after six cuts.
+    let (mut polygon, mut len) = ([DVec4::ZERO; 9], 3);
+    polygon[..3].copy_from_slice(&corners);
+    for plane in PLANES {
+        (polygon, len) = cut(&polygon[..len], plane);
+    }
+    let point = |i: usize| DVec2::new(polygon[i].x, polygon[i].y) / polygon[i].w;
+    (1..len.max(2) - 1).map(|i| 0.5 * (point(i) - point(0)).perp_dot(point(i + 1) - point(0))).sum()
+}
+
+/// The part of a convex polygon on a plane's positive side.
+fn cut(polygon: &[DVec4], plane: DVec4) -> ([DVec4; 9], usize) {
+    let (mut out, mut len) = ([DVec4::ZERO; 9], 0);
+    let mut push = |p| {
+        if len < out.len() {
+            out[len] = p;
+            len += 1;
+        }
+    };
+    for (i, &a) in polygon.iter().enumerate() {
+        let b = polygon[(i + 1) % polygon.len()];
+        let (da, db) = (a.dot(plane), b.dot(plane));
+        if da >= 0.0 {
+            push(a);
+        }
+        if (da > 0.0 && db < 0.0) || (da < 0.0 && db > 0.0) {
+            push(a + (b - a) * (da / (da - db)));
+        }
+    }
+    (out, len)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn corner(x: f64, y: f64) -> DVec4 {
+        DVec4::new(x, y, 0.5, 1.0)
+    }
+
+    #[test]
+    fn half_of_the_view_is_two_square_units() {
+        let triangle = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(-1.0, 1.0)];
+        assert!((area(triangle, Cull::None) - 2.0).abs() < 1e-12);
+        assert_eq!(area(triangle, Cull::Front), 0.0);
+        assert!((area(triangle, Cull::Back) - 2.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_lies_beside_the_view_is_cut_off() {
+        // Reaches over all sides: the view is four square units.
+        let triangle = [corner(-9.0, -9.0), corner(20.0, -9.0), corner(-9.0, 20.0)];
+        assert!((area(triangle, Cull::None) - 4.0).abs() < 1e-12);
+        let beside = triangle.map(|c| c + DVec4::new(40.0, 0.0, 0.0, 0.0));
+        assert_eq!(area(beside, Cull::None), 0.0);
+    }
+
+    #[test]
+    fn a_triangle_through_the_eyes_plane_has_a_finite_area() {
+        let triangle = [corner(-1.0, -1.0), corner(1.0, -1.0), DVec4::new(0.0, 3.0, -1.0, -1.0)];
+        let area = area(triangle, Cull::None);
+        // Its sides leave the view before they reach the plane of depth 0, which they meet at the top.
+        assert!((area - 4.0).abs() < 1e-12, "{area}");
+        let point = [DVec4::ZERO; 3];
+        assert_eq!(super::area(point, Cull::None), 0.0);
+    }
+}

@@ -1,0 +1,158 @@
+//! Every technique with a map at the points of the closed forms, on both backends: away from shadow edges by more than
+//! its kernel reaches, its answer must be the formula's. (Volumes and planar shadows need a camera's pixels: `exact.rs`.)
+
+use glam::{UVec2, Vec2, Vec3};
+use std::f32::consts::TAU;
+use umbrage_core::{Backend, Geometry, LightSpace, NO_TRIANGLE, Receivers, Recipe, Scene, ShadowTechnique, View};
+use umbrage_cpu::Cpu;
+use umbrage_lab::truth::{Point, TruthOptions, trace_points};
+use umbrage_scenes::{ClosedForm, Sample, all};
+use umbrage_techniques::{
+    Bias, Hard, Midpoint, Pcf, PcfDisc, PcfDithered, PcfHardware, PcfMerged, Pcss, SecondDepth, ShadowMap, Traced,
+};
+use umbrage_tests::gpu::gpu;
+
+/// A technique, and how far its kernel reaches beyond the receiver's own texel, texels.
+type Reaching = (Box<dyn ShadowTechnique>, f32);
+
+fn techniques() -> Vec<Reaching> {
+    let map = ShadowMap { size: 2048, bias: Bias::RECEIVER_PLANE, ..ShadowMap::default() };
+    let culled = ShadowMap { bias: Bias::FRONT_CULL, ..map };
+    vec![
+        (Box::new(Hard { map }), 0.0),
+        (Box::new(SecondDepth { map: culled, radius: 0 }), 0.0),
+        (Box::new(Midpoint { map, radius: 0 }), 0.0),
+        (Box::new(PcfDithered { map }), 1.5),
+        (Box::new(PcfHardware { map, samples: 2 }), 1.0),
+        (Box::new(PcfMerged { map, radius: 1 }), PcfMerged::reach(1)),
+        (Box::new(Pcf { map, radius: 1 }), 1.0),
+        (Box::new(PcfDisc { map, radius: 2.0, ..PcfDisc::default() }), 2.0),
+        // An ideal light has no extent to search.
+        (Box::new(Pcss { map, ..Pcss::default() }), 0.0),
+        (Box::new(Traced { samples: 1 }), 0.0),
+    ]
+}
+
+/// A scene under an ideal light, whose formula knows only light and dark.
+struct Case {
+    name: &'static str,
+    scene: Scene,
+    geometry: Geometry,
+    samples: Vec<Sample>,
+    receivers: Receivers,
+}
+
+fn cases() -> Vec<Case> {
+    let with_form = all().iter().filter_map(|entry| entry.closed_form.map(|form| (entry, form())));
+    let ideal = with_form.map(|(entry, form)| Case::new(entry.name, (entry.build)(), form));
+    ideal.filter(|case| case.scene.lights[0].is_ideal()).collect()
+}
+
+impl Case {
+    fn new(name: &'static str, scene: Scene, form: ClosedForm) -> Self {
+        let geometry = Geometry::bake(&scene).expect("built-in scenes are valid");
+        let receivers = receivers(&form.samples, &geometry);
+        Self { name, scene, geometry, samples: form.samples, receivers }
+    }
+
+    /// A recipe for the whole scene, played at the samples alone.
+    fn masks(&self, technique: &dyn ShadowTechnique) -> Option<(Recipe, [Vec<f32>; 2])> {
+        let camera = self.scene.cameras[0].resized(self.receivers.size);
+        let view = View::new(&camera, &self.scene.lights[0], &self.geometry);
+        let recipe = technique.plan(&view).ok()?;
+        let view = view.with_receivers(&self.receivers);
+        let cpu = Cpu::new().render(&view, &recipe).expect("plays").mask;
+        let gpu = gpu().render(&view, &recipe).expect("plays").mask;
+        Some((recipe, [cpu, gpu]))
+    }
+
+    /// Whether truth is the same all around a sample, as far as a kernel reaches there.
+    fn is_decided(&self, i: usize, recipe: &Recipe, reach: f32) -> bool {
+        let (p, n) = (self.samples[i].point, self.samples[i].normal);
+        let (u, v) = n.any_orthonormal_pair();
+        let at = |k: u32| {
+            let (sin, cos) = (k as f32 / 16.0 * TAU).sin_cos();
+            let along = u * cos + v * sin;
+            let radius = recipe.casts.iter().map(|c| step(&c.space, recipe.images[c.image].size, p, along, reach));
+            Point {
+                triangle: self.receivers.triangle[i],
+                ..Point::new(p + along * radius.fold(0.0, f32::max), n, &self.geometry)
+            }
+        };
+        let around: Vec<Point> = (0..16).map(at).collect();
+        let seen =
+            trace_points(&self.geometry, &self.scene.lights[0], &around, &TruthOptions::default()).expect("valid");
+        seen.iter().all(|s| s.visibility == self.samples[i].visibility)
+    }
+}
+
+/// How far along a unit vector a kernel's taps lie from `p`, metres: its reach and the receiver's own texel.
+fn step(space: &LightSpace, size: UVec2, p: Vec3, along: Vec3, reach: f32) -> f32 {
+    let texel = |p: Vec3| {
+        let clip = space.clip_from_world() * p.extend(1.0);
+        Vec2::new(clip.x, clip.y) / clip.w * 0.5 * size.as_vec2()
+    };
+    let texels_per_metre = (texel(p + along * 1e-3) - texel(p)).length() * 1e3;
+    (reach + 1.5) / texels_per_metre.max(1e-3)
+}
+
+fn receivers(samples: &[Sample], geometry: &Geometry) -> Receivers {
+    let mut out = Receivers::empty(UVec2::new(samples.len() as u32, 1));
+    for (i, s) in samples.iter().enumerate() {
+        (out.x[i], out.y[i], out.z[i]) = s.point.into();
+        (out.nx[i], out.ny[i], out.nz[i]) = s.normal.into();
+        (out.depth[i], out.distance[i], out.receives[i]) = (0.5, 1.0, true);
+        out.triangle[i] = s.triangle(geometry).unwrap_or(NO_TRIANGLE);
+    }
+    out
+}
+
+/// How many decided samples there were, light and dark, and which were answered wrongly.
+#[derive(Debug, Default)]
+struct Answers {
+    decided: [usize; 2],
+    wrong: Vec<String>,
+}
+
+fn ask(cases: &[Case], (technique, reach): &Reaching, spoil: impl Fn(f32) -> f32) -> Answers {
+    let mut out = Answers::default();
+    for case in cases {
+        let Some((recipe, masks)) = case.masks(&**technique) else { continue };
+        for (i, sample) in case.samples.iter().enumerate().filter(|(i, _)| case.is_decided(*i, &recipe, *reach)) {
+            out.decided[usize::from(sample.visibility > 0.5)] += 1;
+            let expected = spoil(sample.visibility);
+            if let Some(got) = masks.iter().map(|m| m[i]).find(|&got| got != expected) {
+                out.wrong.push(format!("{} at {}: {got} for {expected}", case.name, sample.point));
+            }
+        }
+    }
+    out
+}
+
+#[test]
+fn every_technique_meets_the_closed_forms() {
+    let (cases, mut faults) = (cases(), Vec::new());
+    let mut names: Vec<&str> = vec!["planar", "volumes"];
+    for reaching in techniques() {
+        let name = reaching.0.name();
+        let answers = ask(&cases, &reaching, |v| v);
+        println!("{name}: {answers:?}");
+        if answers.decided.iter().any(|&n| n < 10) || !answers.wrong.is_empty() {
+            faults.push((name, answers));
+        }
+        names.push(name);
+    }
+    assert!(faults.is_empty(), "{faults:#?}");
+    let mut all: Vec<&str> = umbrage_techniques::all().iter().map(|e| e.name).collect();
+    names.sort_unstable();
+    all.sort_unstable();
+    assert_eq!(names, all, "a technique is missing here");
+}
+
+/// Asked for the opposite, every decided sample must object.
+#[test]
+fn wrong_formulas_are_noticed() {
+    let (cases, reaching) = (cases(), &techniques()[0]);
+    let answers = ask(&cases, reaching, |v| 1.0 - v);
+    assert_eq!(answers.wrong.len(), answers.decided.iter().sum::<usize>());
+}
