@@ -3,7 +3,9 @@
 
 use glam::{UVec2, Vec2, Vec3};
 use std::f32::consts::TAU;
-use umbrage_core::{Backend, Geometry, LightSpace, NO_TRIANGLE, Receivers, Recipe, Scene, ShadowTechnique, View};
+use umbrage_core::{
+    Backend, Geometry, Light, LightSpace, NO_TRIANGLE, Receivers, Recipe, Scene, ShadowTechnique, View,
+};
 use umbrage_cpu::Cpu;
 use umbrage_lab::truth::{Point, TruthOptions, trace_points};
 use umbrage_scenes::{ClosedForm, Sample, all};
@@ -11,6 +13,7 @@ use umbrage_techniques::{
     Bias, Hard, Midpoint, Pcf, PcfDisc, PcfDithered, PcfHardware, PcfMerged, Pcss, SecondDepth, ShadowMap, Traced,
 };
 use umbrage_tests::gpu::gpu;
+use umbrage_wgpu::Gpu;
 
 /// A technique, and how far its kernel reaches beyond the receiver's own texel, texels.
 type Reaching = (Box<dyn ShadowTechnique>, f32);
@@ -33,6 +36,10 @@ fn techniques() -> Vec<Reaching> {
     ]
 }
 
+/// Second depth shows nothing but the far sides of bodies: sheets, and rooms without an outside, have none.
+const CLOSED_BODIES: [&str; 5] =
+    ["c1-box-sun", "c2-sphere-sun", "c3-sphere-bulb", "c3b-sphere-level-bulb", "c8-faceted-sphere"];
+
 /// A scene under an ideal light, whose formula knows only light and dark.
 struct Case {
     name: &'static str,
@@ -45,24 +52,26 @@ struct Case {
 fn cases() -> Vec<Case> {
     let with_form = all().iter().filter_map(|entry| entry.closed_form.map(|form| (entry, form())));
     let ideal = with_form.map(|(entry, form)| Case::new(entry.name, (entry.build)(), form));
-    ideal.filter(|case| case.scene.lights[0].is_ideal()).collect()
+    ideal.filter(|case| case.scene.lights[0].is_ideal() && !case.samples.is_empty()).collect()
 }
 
 impl Case {
     fn new(name: &'static str, scene: Scene, form: ClosedForm) -> Self {
         let geometry = Geometry::bake(&scene).expect("built-in scenes are valid");
-        let receivers = receivers(&form.samples, &geometry);
-        Self { name, scene, geometry, samples: form.samples, receivers }
+        let samples: Vec<Sample> =
+            form.samples.into_iter().filter(|s| cosine(&scene.lights[0], s) > LEAST_COSINE).collect();
+        let receivers = receivers(&samples, &geometry);
+        Self { name, scene, geometry, samples, receivers }
     }
 
     /// A recipe for the whole scene, played at the samples alone.
-    fn masks(&self, technique: &dyn ShadowTechnique) -> Option<(Recipe, [Vec<f32>; 2])> {
+    fn masks(&self, technique: &dyn ShadowTechnique, gpu: &mut Gpu) -> Option<(Recipe, [Vec<f32>; 2])> {
         let camera = self.scene.cameras[0].resized(self.receivers.size);
         let view = View::new(&camera, &self.scene.lights[0], &self.geometry);
         let recipe = technique.plan(&view).ok()?;
         let view = view.with_receivers(&self.receivers);
         let cpu = Cpu::new().render(&view, &recipe).expect("plays").mask;
-        let gpu = gpu().render(&view, &recipe).expect("plays").mask;
+        let gpu = gpu.render(&view, &recipe).expect("plays").mask;
         Some((recipe, [cpu, gpu]))
     }
 
@@ -84,6 +93,17 @@ impl Case {
             trace_points(&self.geometry, &self.scene.lights[0], &around, &TruthOptions::default()).expect("valid");
         seen.iter().all(|s| s.visibility == self.samples[i].visibility)
     }
+}
+
+/// Faces that the light meets at less than half a degree show only how maps round; those turned away are left to shading.
+const LEAST_COSINE: f32 = 0.01;
+
+fn cosine(light: &Light, s: &Sample) -> f32 {
+    let to_light = match (light, light.position()) {
+        (Light::Directional { direction, .. }, _) => -*direction,
+        (_, position) => position.expect("all other lights have a place") - s.point,
+    };
+    to_light.normalize().dot(s.normal)
 }
 
 /// How far along a unit vector a kernel's taps lie from `p`, metres: its reach and the receiver's own texel.
@@ -115,9 +135,9 @@ struct Answers {
 }
 
 fn ask(cases: &[Case], (technique, reach): &Reaching, spoil: impl Fn(f32) -> f32) -> Answers {
-    let mut out = Answers::default();
-    for case in cases {
-        let Some((recipe, masks)) = case.masks(&**technique) else { continue };
+    let (mut out, mut gpu) = (Answers::default(), gpu());
+    for case in cases.iter().filter(|case| technique.name() != "second_depth" || CLOSED_BODIES.contains(&case.name)) {
+        let Some((recipe, masks)) = case.masks(&**technique, &mut gpu) else { continue };
         for (i, sample) in case.samples.iter().enumerate().filter(|(i, _)| case.is_decided(*i, &recipe, *reach)) {
             out.decided[usize::from(sample.visibility > 0.5)] += 1;
             let expected = spoil(sample.visibility);
@@ -137,7 +157,7 @@ fn every_technique_meets_the_closed_forms() {
         let name = reaching.0.name();
         let answers = ask(&cases, &reaching, |v| v);
         println!("{name}: {answers:?}");
-        if answers.decided.iter().any(|&n| n < 10) || !answers.wrong.is_empty() {
+        if answers.decided.iter().any(|&n| n < 5) || !answers.wrong.is_empty() {
             faults.push((name, answers));
         }
         names.push(name);
