@@ -13,6 +13,7 @@ mod camera;
 pub mod depth_range;
 pub mod displacement;
 mod fit;
+pub mod footprint;
 mod geometry;
 mod hit;
 mod image;

@@ -13,6 +13,10 @@ use glam::{DAffine3, DVec3, Mat4, Vec3};
 
 /// Room beside the outermost directions, as a fraction of their tangent: for rounding.
 const SLACK: f64 = 1e-3;
+/// Half angle, radians, of the pyramid where nothing matters: as good as any.
+const ANYTHING: f64 = 0.5;
+/// A pyramid is only turned off its axis if that makes texels smaller by a tenth or more.
+const WORTHWHILE: f64 = 0.9;
 /// Steps towards the axis that makes the widest angle least. Each centres what was found around the last axis.
 const STEPS: usize = 4;
 
@@ -82,12 +86,12 @@ impl<'a> Lamp<'a> {
         (!needed.is_empty()).then(|| (-(1.0 - SLACK) / needed.min.z) as f32)
     }
 
-    /// The pyramid around all that matters, within one that is given.
+    /// The pyramid around all that matters, within one that is given; that itself if it is hardly wider.
     pub(super) fn narrowed(&self, (axis, tangent): Aim) -> Result<Aim, Invalid> {
         let view_from_world = look_along(self.eye, axis, Vec3::Y)?;
         let directions = corners(&view_from_world, &self.needed(&view_from_world, tangent));
         let narrowed = self.around(&directions)?;
-        Ok(narrowed.filter(|n| n.1 < tangent).unwrap_or((axis, tangent)))
+        Ok(narrowed.filter(|n| n.1 < tangent * WORTHWHILE).unwrap_or((axis, tangent)))
     }
 
     /// The pyramid around all that matters in any direction; none if it would be too wide. Anything if nothing matters.
@@ -97,7 +101,7 @@ impl<'a> Lamp<'a> {
             directions.extend(corners(&face, &self.needed(&face, 1.0)));
         }
         if directions.is_empty() {
-            return Ok(Some((Vec3::NEG_Y, 0.5)));
+            return Ok(Some((Vec3::NEG_Y, ANYTHING.tan())));
         }
         let widest = f64::from(WIDEST_HALF_ANGLE.to_radians()).tan();
         match self.around(&directions)?.filter(|aim| aim.1 <= widest) {

@@ -114,6 +114,8 @@ impl Fit {
     ) -> Result<LightSpaces, PlanError> {
         let single = || Ok(LightSpaces { spaces: vec![self.light_space(view, size, margin)?], needed: vec![true] });
         let cube = |eye| perspective::cube(self, &self.known(view), eye, size, margin);
+        let suffices =
+            |one: &LightSpaces, eye| perspective::suffices(&one.spaces[0], &self.known(view), eye, size, margin);
         match (layout, view.light.position()) {
             (Layout::Single, _) | (Layout::Auto, None) => single(),
             (Layout::Cube, None) => {
@@ -122,6 +124,8 @@ impl Fit {
             (Layout::Cube, Some(eye)) => cube(eye),
             (Layout::Auto, Some(eye)) => match single() {
                 Err(PlanError::Unsupported(_)) => cube(eye),
+                // A kernel may be too wide for a cube's faces.
+                Ok(one) if !suffices(&one, eye) => cube(eye).or(Ok(one)),
                 other => other,
             },
         }

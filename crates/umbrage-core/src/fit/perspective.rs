@@ -76,6 +76,15 @@ pub(super) fn cube(fit: &Fit, view: &View<'_>, eye: Vec3, size: u32, margin: f32
     Ok(out)
 }
 
+/// Whether one map may take a cube's place: if it is for a spot, if its texels are no larger than a cube's, or if it could
+/// hold all casters.
+pub(super) fn suffices(one: &LightSpace, view: &View<'_>, eye: Vec3, size: u32, margin: f32) -> bool {
+    let tangent = 1.0 / one.clip_from_view.x_axis.x;
+    matches!(view.light, Light::Spot { .. })
+        || tangent <= widened(45.0_f32.to_radians(), size, margin).tan()
+        || cone_around_casters(view, eye).1.to_degrees() <= WIDEST_HALF_ANGLE
+}
+
 /// Wider by the kernel's reach, so that the outermost receivers' taps stay on the map.
 fn widened(half_angle: f32, size: u32, margin: f32) -> f32 {
     let tangent = half_angle.tan() * size as f32 / super::parallel::inner(size, margin);
