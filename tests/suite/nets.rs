@@ -3,11 +3,13 @@
 mod agreement;
 mod closed_form;
 mod closed_form_masks;
+mod culling;
 mod embedding;
 mod exact;
 mod maps;
 mod penumbra;
 mod pictures;
 mod plugin;
+mod stable_fit;
 mod stages;
 mod threads;
