@@ -5,7 +5,7 @@
 
 use super::map_space::{Bounds, MapSpace};
 use crate::{Geometry, Light, View};
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec3};
 use std::ops::Range;
 
 /// Cells along each side: finer ones tell more casters apart, but cost more to fill and to ask.
@@ -63,17 +63,44 @@ fn extent(light: &Light) -> f64 {
     }
 }
 
-/// Boxes around what may receive within `column`: around each seen point, else around each run of receivers.
-pub(super) fn receivers(view: &View<'_>, geometry: &Geometry, space: &MapSpace, column: &Bounds) -> Vec<Bounds> {
-    match view.receivers {
-        Some(seen) => {
-            let points = seen.positions().filter_map(|p| space.point(p));
-            points.map(|p| Bounds { min: p, max: p }).filter(|p| p.meets(column)).collect()
+/// World positions of what is seen to receive, if that is known.
+pub(super) fn seen(view: &View<'_>) -> Option<Vec<Vec3>> {
+    view.receivers.map(|seen| seen.positions().collect())
+}
+
+/// Where something receives, map space: seen points, or boxes around runs of triangles.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Receiving {
+    points: Vec<DVec3>,
+    boxes: Vec<Bounds>,
+}
+
+impl Receiving {
+    /// What may receive within `column`: the seen points, if they are known.
+    pub(super) fn new(seen: Option<&[Vec3]>, geometry: &Geometry, space: &MapSpace, column: &Bounds) -> Self {
+        let mut out = Self::default();
+        match seen {
+            Some(points) => {
+                out.points.reserve(points.len());
+                out.points.extend(points.iter().filter_map(|&p| space.point_within(p, column)));
+            }
+            None => {
+                let boxes = geometry.blocks().of(geometry.receivers()).map(|(_, b)| space.block(&b));
+                out.boxes.extend(boxes.filter(|b| b.meets(column)).map(|b| b.within(column)));
+            }
         }
-        None => {
-            let blocks = geometry.blocks().of(geometry.receivers()).map(|(_, b)| space.block(&b));
-            blocks.filter(|b| b.meets(column)).map(|b| b.within(column)).collect()
-        }
+        out
+    }
+
+    /// All of a box.
+    pub(super) fn within(b: Bounds) -> Self {
+        Self { points: Vec::new(), boxes: vec![b] }
+    }
+
+    /// A box around all of it.
+    pub(super) fn bounds(&self) -> Bounds {
+        let points = Bounds::around(self.points.iter().copied());
+        self.boxes.iter().fold(points, |all, b| all.union(b))
     }
 }
 
@@ -98,8 +125,8 @@ pub(super) struct Need<'a> {
 
 impl<'a> Need<'a> {
     /// None if nothing receives.
-    pub(super) fn new(space: MapSpace, geometry: &'a Geometry, receivers: &[Bounds], reach: &Reach) -> Option<Self> {
-        let all = receivers.iter().fold(Bounds::EMPTY, |b, r| b.union(r));
+    pub(super) fn new(space: MapSpace, geometry: &'a Geometry, receivers: &Receiving, reach: &Reach) -> Option<Self> {
+        let all = receivers.bounds();
         if all.is_empty() {
             return None;
         }
@@ -108,27 +135,28 @@ impl<'a> Need<'a> {
         let cell = (side / CELLS as f64).max(DVec2::splat(f64::MIN_POSITIVE));
         let last = vec![f64::NEG_INFINITY; CELLS * CELLS];
         let mut out = Self { space, geometry, behind: reach.behind, column, cell, last };
-        for receiver in receivers {
-            out.add(receiver);
+        for &p in &receivers.points {
+            let i = out.cell_of(p);
+            out.last[i] = out.last[i].max(p.z);
+        }
+        for b in &receivers.boxes {
+            out.cells(b).for_each(|i| out.last[i] = out.last[i].max(b.max.z));
         }
         out.widen((reach.across / cell).ceil());
         Some(out)
     }
 
-    fn add(&mut self, receiver: &Bounds) {
-        for i in self.cells(receiver) {
-            self.last[i] = self.last[i].max(receiver.max.z);
-        }
+    /// The cell on which a point falls. Casts saturate: what lies outside counts for the outermost cells.
+    fn cell_of(&self, p: DVec3) -> usize {
+        let at = (p - self.column.min).truncate() / self.cell;
+        (at.y as usize).min(CELLS - 1) * CELLS + (at.x as usize).min(CELLS - 1)
     }
 
     /// The cells that a box covers.
     fn cells(&self, b: &Bounds) -> impl Iterator<Item = usize> + use<> {
-        let from = (b.min - self.column.min).truncate() / self.cell;
-        let to = (b.max - self.column.min).truncate() / self.cell;
-        // Casts saturate: what lies outside counts for the outermost cells.
-        let along = |from: f64, to: f64| (from as usize).min(CELLS - 1)..(to as usize).min(CELLS - 1) + 1;
-        let (columns, rows) = (along(from.x, to.x), along(from.y, to.y));
-        rows.flat_map(move |y| columns.clone().map(move |x| y * CELLS + x))
+        let (from, to) = (self.cell_of(b.min), self.cell_of(b.max));
+        let columns = from % CELLS..to % CELLS + 1;
+        (from / CELLS..to / CELLS + 1).flat_map(move |y| columns.clone().map(move |x| y * CELLS + x))
     }
 
     /// Lets every receiver count in cells up to `by` away.
@@ -195,13 +223,17 @@ fn adds_nothing(b: &Bounds, found: &Bounds) -> bool {
 
 /// Of each cell, the greatest value up to `by` steps away; `fits` tells whether a cell has a neighbour so many steps on.
 fn spread(values: &[f64], by: usize, fits: impl Fn(usize, usize) -> bool, stride: usize) -> Vec<f64> {
-    let mut out = values.to_vec();
-    for step in 1..=by {
-        for at in (0..values.len()).filter(|&at| fits(at, step)) {
+    let (mut out, mut reached) = (values.to_vec(), 0);
+    // What has spread by r each way leaves no gap after a step of up to r + 1 both ways.
+    while reached < by {
+        let step = (reached + 1).min(by - reached);
+        let before = out.clone();
+        for at in (0..before.len()).filter(|&at| fits(at, step)) {
             let next = at + step * stride;
-            out[at] = out[at].max(values[next]);
-            out[next] = out[next].max(values[at]);
+            out[at] = out[at].max(before[next]);
+            out[next] = out[next].max(before[at]);
         }
+        reached += step;
     }
     out
 }

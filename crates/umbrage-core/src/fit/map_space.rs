@@ -85,10 +85,15 @@ impl MapSpace {
         if self.nearest.is_some() { DVec3::new(p.x / -p.z, p.y / -p.z, 1.0 / p.z) } else { p.with_z(-p.z) }
     }
 
-    /// A point of the world; none if it is too near or behind.
-    pub(super) fn point(&self, p: Vec3) -> Option<DVec3> {
+    /// A point of the world; none if it falls beside the column, is too near, or behind.
+    #[inline]
+    pub(super) fn point_within(&self, p: Vec3, column: &Bounds) -> Option<DVec3> {
         let p = self.view_from_world.transform_point3(p.as_dvec3());
-        (self.nearest.is_none_or(|nearest| -p.z >= nearest)).then(|| self.project(p))
+        // Asked without dividing: most points fall beside most of a cube's faces.
+        let (near, along) = self.nearest.map_or((true, 1.0), |nearest| (-p.z >= nearest, -p.z));
+        let within = |v: f64, min: f64, max: f64| v >= min * along && v <= max * along;
+        let inside = near && within(p.x, column.min.x, column.max.x) && within(p.y, column.min.y, column.max.y);
+        inside.then(|| self.project(p))
     }
 
     /// A triangle of the world, or what of it is far enough.

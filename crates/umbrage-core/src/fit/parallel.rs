@@ -1,7 +1,7 @@
 //! Tight fits of parallel light: boxes.
 
 use super::{
-    cull::{self, Lookups, Need},
+    cull::{self, Lookups, Need, Receiving},
     map_space::{Bounds, MapSpace},
     points::{bounds_in, caster_points, caster_reach, casters_on, padded, receiver_points, rounding},
 };
@@ -70,7 +70,7 @@ fn needed_casters(
     let last = -f64::from(receivers.min.z);
     let column = Bounds { min: receivers.min.as_dvec3(), max: receivers.max.as_dvec3() };
     let all = casters_on(&space, geometry);
-    let looked_up = cull::receivers(view, geometry, &space, &column);
+    let looked_up = Receiving::new(cull::seen(view).as_deref(), geometry, &space, &column);
     // No texel of the fit is greater than this: it will cover no more than either box.
     let most = (all.max - all.min).min(column.max - column.min).max(DVec3::ZERO).truncate();
     let lookups = Lookups {

@@ -56,18 +56,14 @@ pub(super) fn cube(fit: &Fit, view: &View<'_>, eye: Vec3, size: u32, margin: f32
     let half_angle = widened(45.0_f32.to_radians(), size, margin);
     let lamp = if *fit == Fit::Tight { Lamp::new(view, eye, size, margin) } else { None };
     let mut out = LightSpaces { spaces: Vec::new(), needed: Vec::new() };
-    for view_from_world in cube_face_views(eye)? {
-        let ([near, far], needed) = match (fit, &lamp) {
-            (_, Some(lamp)) => {
-                let near = lamp.near(&view_from_world, f64::from(half_angle.tan()));
-                (range(near, far_plane(view, &view_from_world)), near.is_some())
-            }
-            (Fit::Manual { extents, .. }, None) => {
+    let nears = lamp.as_ref().map(|lamp| lamp.nears(f64::from(half_angle.tan()))).transpose()?;
+    for (i, view_from_world) in cube_face_views(eye)?.into_iter().enumerate() {
+        let ([near, far], needed) = match (fit, &lamp, nears) {
+            (_, Some(lamp), Some(nears)) => (range(nears[i], lamp.far as f32), nears[i].is_some()),
+            (Fit::Manual { extents, .. }, ..) => {
                 ([extents.near, extents.far], is_needed(view, &view_from_world, half_angle))
             }
-            (_, None) => {
-                (whole_range(view, &view_from_world, half_angle), is_needed(view, &view_from_world, half_angle))
-            }
+            _ => (whole_range(view, &view_from_world, half_angle), is_needed(view, &view_from_world, half_angle)),
         };
         let clip_from_view = perspective(2.0 * half_angle, 1.0, near, far)?;
         out.spaces.push(LightSpace { view_from_world, clip_from_view });
@@ -95,19 +91,21 @@ fn widened(half_angle: f32, size: u32, margin: f32) -> f32 {
 /// The axis and half angle (radians) of what one map has to show: a spot's own cone, else one around casters; narrower
 /// where a lamp knows what matters.
 fn cone(view: &View<'_>, eye: Vec3, lamp: Option<&Lamp<'_>>) -> Result<(Vec3, f32), PlanError> {
+    let (axis, widest) = match *view.light {
+        Light::Spot { direction, outer, .. } => (direction, outer),
+        _ => cone_around_casters(view, eye),
+    };
     let angle = |tangent: f64| tangent.atan() as f32 + BESIDE;
-    match (*view.light, lamp) {
-        (Light::Spot { direction, outer, .. }, Some(lamp)) if outer.to_degrees() <= WIDEST_HALF_ANGLE => {
-            let own = f64::from(outer).tan();
-            let (axis, tangent) = lamp.narrowed((direction, own))?;
-            Ok(if tangent < own { (axis, angle(tangent).min(outer)) } else { (direction, outer) })
+    let too_wide = widest.to_degrees() > WIDEST_HALF_ANGLE;
+    match lamp {
+        Some(lamp) if !too_wide => {
+            let (axis, tangent) = lamp.narrowed((axis, f64::from(widest).tan()))?;
+            Ok((axis, angle(tangent).min(widest)))
         }
-        (Light::Spot { direction, outer, .. }, _) => Ok((direction, outer)),
-        (_, Some(lamp)) => match lamp.aimed()? {
-            Some((axis, tangent)) => Ok((axis, angle(tangent))),
-            None => Ok(cone_around_casters(view, eye)),
-        },
-        (_, None) => Ok(cone_around_casters(view, eye)),
+        Some(lamp) if !matches!(view.light, Light::Spot { .. }) => {
+            Ok(lamp.aimed()?.map_or((axis, widest), |(axis, tangent)| (axis, angle(tangent))))
+        }
+        _ => Ok((axis, widest)),
     }
 }
 

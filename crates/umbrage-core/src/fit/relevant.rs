@@ -1,7 +1,7 @@
 //! Which casters matter on maps that are fitted already.
 
 use super::{
-    cull::{self, Lookups, Need},
+    cull::{self, Lookups, Need, Receiving},
     map_space::{Bounds, MapSpace},
 };
 use crate::{Geometry, LightSpace, LightSpaces, View};
@@ -34,7 +34,7 @@ fn on_map(view: &View<'_>, geometry: &Geometry, space: &LightSpace, size: u32, m
     let side = (column.max - column.min).truncate();
     let world = geometry.bounds();
     let world = f64::from(world.min.abs().max(world.max.abs()).max_element());
-    let receivers = cull::receivers(view, geometry, &map, &column);
+    let receivers = Receiving::new(cull::seen(view).as_deref(), geometry, &map, &column);
     let lookups = Lookups {
         texel: side / f64::from(size.max(1)),
         margin: f64::from(margin),

@@ -10,7 +10,7 @@
 //! sum of products is then the same in every frame, and its place within a texel stays.
 
 use super::{
-    cull::{Need, Reach},
+    cull::{Need, Reach, Receiving},
     map_space::{Bounds, MapSpace},
 };
 use crate::{
@@ -80,7 +80,7 @@ fn first_caster(view: &View<'_>, space: &MapSpace, column: &Bounds) -> f64 {
     let found = match view.geometry {
         Some(geometry) => {
             let nothing = Reach { across: DVec2::ZERO, behind: 0.0 };
-            let need = Need::new(*space, geometry, &[*column], &nothing);
+            let need = Need::new(*space, geometry, &Receiving::within(*column), &nothing);
             need.map_or(Bounds::EMPTY, |need| need.around_casters())
         }
         None => space.block(&view.casters),
