@@ -10,7 +10,10 @@ use indicatif::{ProgressBar, ProgressStyle};
 use std::time::Instant;
 use umbrage_lab::{
     compare::{BackendChoice, Backends},
-    stability::{CaseResult, Cell, Event, Options, Stability, check_state, rows, run},
+    stability::{
+        CaseResult, Cell, Event, Options, Stability, check_state, report, rows, run,
+        sweeps::{self, Sweep},
+    },
 };
 use umbrage_wgpu::AdapterChoice;
 
@@ -31,7 +34,13 @@ pub(super) fn stability(options: &StabilityOptions) -> Result<()> {
     println!("{}", matrix(&stability));
     let [pass, degraded, fails] = stability.counts();
     println!("✓ {pass} pass   ~ {degraded} degraded   ✗ {fails} fail   – not served   ! must not be");
-    println!("figures and limits in {}, {:.0} s", folder(options).display(), start.elapsed().as_secs_f64());
+    let sweeps = if options.rows.is_empty() && options.techniques.is_empty() {
+        turn(&settings, &mut backends)?
+    } else {
+        Vec::new()
+    };
+    let page = report::write(&folder(options), &stability, &sweeps)?;
+    println!("report: {} ({:.0} s)", page.display(), start.elapsed().as_secs_f64());
     verdict(&stability)
 }
 
@@ -60,6 +69,18 @@ fn play(settings: &Options, backends: &mut Backends) -> Result<Stability> {
     });
     bar.finish_and_clear();
     Ok(stability?)
+}
+
+/// All sweeps.
+fn turn(settings: &Options, backends: &mut Backends) -> Result<Vec<Sweep>> {
+    let Some(first) = backends.playing.first_mut() else { return Ok(Vec::new()) };
+    let bar = ProgressBar::new_spinner();
+    let sweeps = sweeps::sweeps(settings, &mut **first, &mut |name| {
+        bar.set_message(format!("sweep: {name}"));
+        bar.tick();
+    });
+    bar.finish_and_clear();
+    Ok(sweeps?)
 }
 
 /// One case in a line, for logs.

@@ -1,6 +1,6 @@
 //! All that is known of a case before any technique plays it.
 
-use super::texels::{Texels, to_center};
+use super::texels::{Texels, point_at, to_center};
 use crate::{
     LabError,
     truth::{self, Seen, Truth, TruthOptions},
@@ -161,10 +161,8 @@ pub(super) fn trace_at_receivers(
 ) -> Result<Vec<Option<Seen>>, Invalid> {
     let r = &truth.receivers;
     let receiving: Vec<usize> = (0..r.len()).filter(|&i| r.receives[i]).collect();
-    let point = |&i: &usize| truth::Point {
-        triangle: r.triangle[i],
-        ..truth::Point::new(r.position(i), r.normal(i), geometry)
-    };
+    let any = truth::Point::new(Vec3::ZERO, Vec3::Y, geometry);
+    let point = |&i: &usize| point_at(&any, r, i, r.position(i));
     let points: Vec<truth::Point> = receiving.iter().map(point).collect();
     let mut out = vec![None; r.len()];
     for (i, seen) in receiving.into_iter().zip(truth::trace_points(geometry, light, &points, options)?) {

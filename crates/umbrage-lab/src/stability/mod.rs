@@ -5,6 +5,7 @@
 //! * [`run`]: plays them. [`Stability`]: what comes out.
 //! * [`measures`]: the measures as plain functions. [`Ground`]: truth, and what a *perfect map* of the same size would
 //!   show, which limits are taken from.
+//! * [`sweeps`]: one number turned from too little to too much. [`report`]: a page, a picture, a table, data.
 //!
 //! Limits are never tuned to results. They come from what edge aliasing alone must cause on a map of that size, from what
 //! is visible (steps of 1/255, one pixel in a thousand), or from the noise of a stated number of rays.
@@ -17,10 +18,12 @@ pub mod measures;
 mod motion;
 mod pictures;
 mod play;
+pub mod report;
 mod row;
 mod rows;
 mod run;
 mod settings;
+pub mod sweeps;
 pub mod texels;
 mod verdict;
 

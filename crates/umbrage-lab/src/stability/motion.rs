@@ -12,12 +12,12 @@ use super::{
     guard::{self, NoMask},
     measures::shimmer::shimmer,
     pictures,
-    play::{cell, no_mask},
+    play::{cell, draws_the_picture, no_mask},
     row::Motion,
 };
 use crate::{LabError, truth::TruthOptions};
 use glam::{Affine3A, Quat, Vec3};
-use umbrage_core::{Backend, Camera, Fit, Layout, Light, Receivers, Recipe, ShadowTechnique, View};
+use umbrage_core::{Backend, Camera, Fit, Layout, Light, Receivers, ShadowTechnique, View};
 use umbrage_cpu::Cpu;
 
 /// Who sees and what shines at one moment.
@@ -124,11 +124,6 @@ impl<'a> Moving<'a> {
     pub fn points(&self) -> usize {
         self.marked.iter().filter(|m| **m).count()
     }
-}
-
-/// Whether a recipe casts into the camera's own picture.
-fn draws_the_picture(recipe: &Recipe, camera: &Camera) -> bool {
-    recipe.images.iter().any(|image| image.size == camera.size)
 }
 
 fn at(ground: &Ground, motion: Motion, t: u32, count: u32, texel: f64) -> (Camera, Light) {

@@ -12,7 +12,7 @@ use crate::{
     LabError,
     compare::{Backends, agreement},
 };
-use umbrage_core::{Backend, Light, Recipe, ShadowTechnique, Shadows};
+use umbrage_core::{Backend, Camera, Light, Recipe, ShadowTechnique, Shadows, View, Work};
 
 /// A still case, ready to be played.
 #[derive(Debug)]
@@ -109,7 +109,7 @@ fn under(
         let of_other = guard::render(&mut **other, &view, &recipe)?;
         *disagreeing.get_or_insert(0) += differing(&mut **first, ground, light, &recipe, [&shadows, &of_other])?;
     }
-    Ok(Played { fill: fill(&recipe, &shadows, ground), mask: shadows.mask, disagreeing })
+    Ok(Played { fill: fill(&recipe, &view), mask: shadows.mask, disagreeing })
 }
 
 /// Decided pixels on which two backends differ. Equal masks need no search for what is undecided.
@@ -129,8 +129,15 @@ fn differing(
     Ok(found.violations)
 }
 
-/// Fragments that casts draw. Casts into images of the camera's size grow with its pixels.
-fn fill(recipe: &Recipe, shadows: &Shadows, ground: &Ground) -> f64 {
-    let _ = (recipe, shadows, ground);
-    SCREEN
+/// Fragments that casts draw, millions, for a picture of [`SCREEN`]: casts into images of the camera's size grow with its
+/// pixels.
+fn fill(recipe: &Recipe, view: &View<'_>) -> f64 {
+    let covered = Work::of(view, recipe).covered as f64 * 1e-6;
+    let pixels = f64::from(view.camera.size.x) * f64::from(view.camera.size.y) * 1e-6;
+    if draws_the_picture(recipe, view.camera) { covered * SCREEN / pixels } else { covered }
+}
+
+/// Whether a recipe casts into the camera's own picture.
+pub(super) fn draws_the_picture(recipe: &Recipe, camera: &Camera) -> bool {
+    recipe.casts.iter().any(|cast| recipe.images[cast.image].size == camera.size)
 }

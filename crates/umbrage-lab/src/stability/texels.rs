@@ -6,7 +6,7 @@
 
 use crate::truth::{Point, Seen, TruthOptions, trace_points};
 use glam::{DMat4, DVec2, DVec3, Vec3};
-use umbrage_core::{Geometry, Invalid, Light, LightSpaces, Receivers};
+use umbrage_core::{Geometry, Invalid, Light, LightSpaces, Receivers, light_sample};
 
 /// Light spaces with their inverses, and the maps' side in texels.
 #[derive(Clone, Debug)]
@@ -65,11 +65,8 @@ impl Texels {
             Some((i, receivers.receives[i].then(moved)??))
         };
         let places: Vec<(usize, Vec3)> = (0..receivers.len()).filter_map(place).collect();
-        let point = |&(i, p): &(usize, Vec3)| Point {
-            triangle: receivers.triangle[i],
-            seed: Point::new(receivers.position(i), Vec3::Y, geometry).seed,
-            ..Point::new(p, receivers.normal(i), geometry)
-        };
+        let any = Point::new(Vec3::ZERO, Vec3::Y, geometry);
+        let point = |&(i, p): &(usize, Vec3)| point_at(&any, receivers, i, p);
         let points: Vec<Point> = places.iter().map(point).collect();
         let mut out = vec![None; receivers.len()];
         for ((i, p), seen) in places.into_iter().zip(trace_points(geometry, light, &points, options)?) {
@@ -77,6 +74,13 @@ impl Texels {
         }
         Ok(out)
     }
+}
+
+/// A receiver's point, elsewhere on its plane; `any` is any point of the geometry.
+pub(super) fn point_at(any: &Point, receivers: &Receivers, i: usize, position: Vec3) -> Point {
+    let (x, y) = (i as u32 % receivers.size.x, i as u32 / receivers.size.x);
+    let (triangle, normal) = (receivers.triangle[i], receivers.normal(i));
+    Point { position, normal, triangle, seed: light_sample::seed(x, y), ..*any }
 }
 
 /// To the middle of the texel: what a perfect map does.
