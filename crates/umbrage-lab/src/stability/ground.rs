@@ -1,6 +1,6 @@
 //! All that is known of a case before any technique plays it.
 
-use super::texels::{Texels, point_at, to_center};
+use super::texels::{Texels, point_at, to_center, within};
 use crate::{
     LabError,
     truth::{self, Seen, Truth, TruthOptions},
@@ -172,7 +172,8 @@ pub(super) fn trace_at_receivers(
 }
 
 /// Truth at texel centres. A texel's centre on a receiver's *plane* may lie beyond the receiver's triangle and below its
-/// neighbour; so it is believed only where, in the picture, a true edge is no farther away than it is itself.
+/// neighbour; so it is moved no farther than the triangle reaches, and believed only where, in the picture, a true edge is
+/// no farther away than it is itself.
 fn ideal(
     texels: &Texels,
     camera: &Camera,
@@ -181,16 +182,18 @@ fn ideal(
     truth: &Truth,
     options: &TruthOptions,
 ) -> Result<Vec<f32>, Invalid> {
-    let snapped = texels.seen(geometry, light, &truth.receivers, options, to_center)?;
+    let r = &truth.receivers;
+    let keep = |i: usize, q: Vec3| within(r.position(i), q, geometry.corners(r.triangle[i]));
+    let snapped = texels.seen(geometry, light, r, options, to_center, keep)?;
     let edges = edges(truth.size, &truth.visibility, &truth.pixels);
-    let within = REACHES.map(|reach| near(truth.size, &edges, reach));
+    let near_edge = REACHES.map(|reach| near(truth.size, &edges, reach));
     let clip_from_world = camera.space().clip_from_world();
     let pixel = |p: Vec3| clip_from_world.project_point3(p).truncate() * truth.size.as_vec2() * 0.5;
     let answer = |i: usize| {
         let (place, seen) = snapped[i]?;
         let far = pixel(place).distance(pixel(truth.receivers.position(i)));
         let class = REACHES.iter().position(|&reach| far + 1.0 <= reach as f32).unwrap_or(REACHES.len() - 1);
-        within[class][i].then_some(seen.visibility)
+        near_edge[class][i].then_some(seen.visibility)
     };
     Ok((0..truth.visibility.len()).map(|i| answer(i).unwrap_or(truth.visibility[i])).collect())
 }
@@ -214,7 +217,7 @@ fn open(
     for reach in [OPEN_TEXELS, 0.5 * OPEN_TEXELS] {
         for (x, y) in [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)] {
             let by = DVec2::new(f64::from(x), f64::from(y)) * reach;
-            let seen = texels.seen(geometry, center, &truth.receivers, options, |t| t + by)?;
+            let seen = texels.seen(geometry, center, &truth.receivers, options, |t| t + by, |_, q| q)?;
             for (open, (seen, hard)) in open.iter_mut().zip(seen.iter().zip(hard)) {
                 *open &= seen.is_none_or(|(_, s)| s.visibility == *hard);
             }

@@ -181,8 +181,8 @@ const NEAR_CONTACT: f32 = 0.1;
 /// Pixels of the picture that fill is counted for, millions.
 pub(super) const SCREEN: f64 = 1280.0 * 720.0 * 1e-6;
 
-fn worst(bins: [Option<f64>; open::BINS]) -> f64 {
-    bins.into_iter().flatten().fold(0.0, f64::max)
+fn worst(bins: [f64; open::BINS]) -> f64 {
+    bins.into_iter().fold(0.0, f64::max)
 }
 
 /// Root of the mean square of mask - truth over the pixels that count.

@@ -80,6 +80,11 @@ impl Case {
         Self { name, ..self }
     }
 
+    /// The same case with more settings.
+    pub(super) const fn with(self, extra: fn(map_size: u32) -> Settings) -> Self {
+        Self { extra: Some(extra), ..self }
+    }
+
     /// The scene in the catalogue of scenes; none only if this list has a name wrong, which a test refuses.
     pub fn entry(&self) -> Option<&'static SceneEntry> {
         umbrage_scenes::find(self.scene)

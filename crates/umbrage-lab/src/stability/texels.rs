@@ -48,7 +48,8 @@ impl Texels {
         (slope.abs() > GRAZING * along.length() && q.is_finite()).then_some(q.as_vec3())
     }
 
-    /// Traced visibility at every receiver, its place on the map taken elsewhere by `to`. None where no map shows it.
+    /// Traced visibility at every receiver, its place on the map taken elsewhere by `to`, and where that is by `keep` (of
+    /// the receiver's index). None where no map shows it.
     ///
     /// # Errors
     /// When the light is not valid.
@@ -59,10 +60,11 @@ impl Texels {
         receivers: &Receivers,
         options: &TruthOptions,
         to: impl Fn(DVec2) -> DVec2,
+        keep: impl Fn(usize, Vec3) -> Vec3,
     ) -> Result<Vec<Option<(Vec3, Seen)>>, Invalid> {
         let place = |i: usize| {
             let moved = || self.moved(receivers.position(i), receivers.normal(i), &to);
-            Some((i, receivers.receives[i].then(moved)??))
+            Some((i, keep(i, receivers.receives[i].then(moved)??)))
         };
         let places: Vec<(usize, Vec3)> = (0..receivers.len()).filter_map(place).collect();
         let any = Point::new(Vec3::ZERO, Vec3::Y, geometry);
@@ -81,6 +83,17 @@ pub(super) fn point_at(any: &Point, receivers: &Receivers, i: usize, position: V
     let (x, y) = (i as u32 % receivers.size.x, i as u32 / receivers.size.x);
     let (triangle, normal) = (receivers.triangle[i], receivers.normal(i));
     Point { position, normal, triangle, seed: light_sample::seed(x, y), ..*any }
+}
+
+/// As far along the way from `p` to `q`, both on a triangle's plane, as the triangle reaches; p where it is outside itself.
+pub(super) fn within(p: Vec3, q: Vec3, [a, b, c]: [Vec3; 3]) -> Vec3 {
+    let n = (b - a).cross(c - a);
+    let edges = [(a, b), (b, c), (c, a)].map(|(a, b)| {
+        let inward = n.cross(b - a);
+        [inward.dot(p - a), inward.dot(q - a)]
+    });
+    let part = |[at_p, at_q]: [f32; 2]| if at_q >= 0.0 { 1.0 } else { (at_p / (at_p - at_q)).max(0.0) };
+    p + (q - p) * edges.map(part).into_iter().fold(1.0, f32::min)
 }
 
 /// To the middle of the texel: what a perfect map does.
@@ -111,6 +124,20 @@ mod tests {
         let n = Vec3::new(-1.0, 1.0, 0.0).normalize();
         let sloped = t.moved(Vec3::new(0.2, 1.0, 3.5), n, to_center).expect("on the map");
         assert!(sloped.distance(Vec3::new(0.5, 1.3, 3.5)) < 1e-5, "{sloped}");
+    }
+
+    #[test]
+    fn ways_end_at_the_triangles_edge() {
+        let triangle = [Vec3::ZERO, Vec3::Z * 4.0, Vec3::X * 4.0];
+        let p = Vec3::new(1.0, 0.0, 1.0);
+        for (q, expected) in [
+            (Vec3::new(2.0, 0.0, 1.0), Vec3::new(2.0, 0.0, 1.0)),
+            (Vec3::new(-1.0, 0.0, 1.0), Vec3::new(0.0, 0.0, 1.0)),
+            (Vec3::new(5.0, 0.0, 5.0), Vec3::new(2.0, 0.0, 2.0)),
+        ] {
+            assert!(within(p, q, triangle).distance(expected) < 1e-6, "{q}");
+        }
+        assert_eq!(within(-p, p * -2.0, triangle), -p);
     }
 
     #[test]

@@ -58,7 +58,7 @@ function detail(result, cell, picture, button) {
     : el("p", { class: "soft" }, cell.disagreeing ? `Backends differ on ${cell.disagreeing} decided pixels.` : "Backends agree.");
   const box = byId("detail");
   box.hidden = false;
-  box.replaceChildren(
+  const parts = [
     el("h3", {}, `${result.row} ${result.title}: ${result.case}, ${cell.technique}`),
     el("p", {}, `${sign(cell)} ${says(result, cell)}`),
     el("p", { class: "soft" }, `Settings: ${cell.settings}. Scene: ${result.scene}, ${result.motion}. A perfect map of ${stability.map_size} texels shows ${withUnit(result.ideal, result.unit)}.`),
@@ -66,7 +66,8 @@ function detail(result, cell, picture, button) {
     agreement,
     picture ? el("img", { src: picture, alt: `${result.case}: ${key(cell)}` }) : el("p", { class: "soft" }, "No picture: it passes, or there is none to show."),
     picture ? el("p", { class: "soft" }, caption) : null,
-  );
+  ];
+  box.replaceChildren(...parts.filter((part) => part !== null));
 }
 
 function cellOf(result, k, column) {
@@ -83,7 +84,7 @@ function cellOf(result, k, column) {
 }
 
 function matrix() {
-  const short = (c) => `${c.technique}, ${c.settings.split(", ").pop().replace("bias: ", "")}`;
+  const short = (c) => `${c.technique}, ${c.settings.includes("bias: ") ? c.settings.split("bias: ").pop() : c.settings}`;
   const head = el("tr", {}, el("th", { class: "wide" }), el("th", { class: "wide" }, "case"), el("th", { class: "wide" }, "measure"),
     ...columns.map((c) => el("th", { title: key(c) }, el("div", {}, short(c)))));
   const rows = stability.cases.map((result, k) => {

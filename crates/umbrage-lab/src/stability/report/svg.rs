@@ -22,8 +22,9 @@ fn colors(cell: &Cell) -> [&'static str; 2] {
 
 /// The whole picture; empty without cases.
 pub(super) fn matrix(stability: &Stability) -> String {
-    let Some(widest) = stability.cases.iter().max_by_key(|c| c.cells.len()) else { return String::new() };
-    let columns: Vec<String> = widest.cells.iter().map(head).collect();
+    // Settings that only single rows try are the page's: the picture has those that all rows try.
+    let Some(least) = stability.cases.iter().min_by_key(|c| c.cells.len()) else { return String::new() };
+    let columns: Vec<String> = least.cells.iter().map(head).collect();
     let (w, h) = (LEFT + columns.len() * CELL[0] + 70, TOP + stability.cases.len() * CELL[1] + BOTTOM);
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {w} {h}\" width=\"{w}\" height=\"{h}\" \
@@ -39,7 +40,7 @@ pub(super) fn matrix(stability: &Stability) -> String {
         );
     }
     for (k, case) in stability.cases.iter().enumerate() {
-        line(&mut out, case, k, k == 0 || stability.cases[k - 1].row != case.row);
+        line(&mut out, case, k, [columns.len(), stability.cases[..k].iter().filter(|c| c.row == case.row).count()]);
     }
     let legend = "✓ passes   ~ degraded   ✗ fails   – not made for it; limits and figures: cargo xtask stability";
     let _ = writeln!(out, "<text x=\"12\" y=\"{}\" fill=\"#5b6675\">{legend}</text>\n</svg>", h - 12);
@@ -48,15 +49,15 @@ pub(super) fn matrix(stability: &Stability) -> String {
 
 /// A technique, and in what its settings differ from its others: its bias, or its rays.
 fn head(cell: &Cell) -> String {
-    let settings = cell.settings.rsplit(", ").next().unwrap_or_default();
-    let settings = settings.strip_prefix("bias: ").unwrap_or(settings);
+    let settings = cell.settings.rsplit("bias: ").next().unwrap_or_default();
     format!("{}, {settings}", cell.technique)
 }
 
-fn line(out: &mut String, case: &CaseResult, k: usize, is_first: bool) {
+/// Line `k`: as many cells as there are columns, and the row's number if none of its cases came before.
+fn line(out: &mut String, case: &CaseResult, k: usize, [columns, before]: [usize; 2]) {
     let y = TOP + k * CELL[1];
     let base = y + 14;
-    if is_first {
+    if before == 0 {
         let _ = writeln!(out, "<text x=\"12\" y=\"{base}\" fill=\"#5b6675\">{}</text>", case.row);
     }
     let _ = writeln!(
@@ -65,7 +66,7 @@ fn line(out: &mut String, case: &CaseResult, k: usize, is_first: bool) {
         text(&case.case),
         text(&case.measure)
     );
-    for (i, cell) in case.cells.iter().enumerate() {
+    for (i, cell) in case.cells.iter().take(columns).enumerate() {
         let (x, [ground, ink]) = (LEFT + i * CELL[0], colors(cell));
         let figure = cell.figure().map_or_else(String::new, |f| format!(": {f:.3} {}", case.unit));
         let _ = writeln!(

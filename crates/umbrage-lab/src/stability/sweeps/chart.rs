@@ -26,9 +26,9 @@ pub(super) fn svg(sweep: &Sweep) -> String {
         .with_y_label(sweep.y.clone())
         .with_log_x()
         .with_log_y()
-        .with_legend_position(LegendPosition::OutsideBottomColumns)
-        .with_width(680.0)
-        .with_height(460.0);
+        .with_legend_position(LegendPosition::OutsideRightTop)
+        .with_width(900.0)
+        .with_height(420.0);
     if let Some(best) = sweep.best {
         layout = layout.with_reference_line(ReferenceLine::vertical(best).with_label(format!("best: {best:.3}")));
     }
