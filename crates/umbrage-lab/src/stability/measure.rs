@@ -101,13 +101,21 @@ impl Measure {
             Self::Acne | Self::AcneByDistance | Self::Leak | Self::Wrong => {
                 "away from edges nothing may be wrong: one pixel in a thousand strays unseen, one in a hundred is a patch"
             }
-            Self::Rmse => "twice a perfect map's of this size, and a step of 255; fails at four times that",
-            Self::Gap(_) => "twice a perfect map's of this size, and a row of pixels; fails at four times that",
-            Self::ContactLeak(..) | Self::LeakAround(..) => {
-                "twice a perfect map's of this size, and one pixel in a hundred of the band; fails at four times that"
+            Self::Rmse => {
+                "twice a perfect map's of this size, and a step of 255; fails at four times that, or near no shadow at all"
             }
-            Self::EdgeDisplacement => "twice a perfect map's of this size, and half a pixel; fails at four times that",
-            Self::Seams => "twice a perfect map's of this size, and one pixel in a thousand; fails at four times that",
+            Self::Gap(_) => {
+                "twice a perfect map's of this size, and a row of pixels; fails at four times that, or near no shadow at all"
+            }
+            Self::ContactLeak(..) | Self::LeakAround(..) => {
+                "twice a perfect map's of this size, and one pixel in a hundred of the band; fails at four times that, or near no shadow at all"
+            }
+            Self::EdgeDisplacement => {
+                "twice a perfect map's of this size, and half a pixel; fails at four times that, or near no shadow at all"
+            }
+            Self::Seams => {
+                "twice a perfect map's of this size, and one pixel in a thousand; fails at four times that, or near no shadow at all"
+            }
             Self::PenumbraRmse => {
                 "passes up to the noise of 16 independent rays a pixel; fails above half the error of a lamp without extent"
             }
@@ -153,16 +161,17 @@ impl Measure {
     pub fn limits(&self, ground: &Ground) -> Limits {
         let counts = |i: usize| ground.counts(i);
         let ideal = self.figure(ground, &ground.ideal);
+        let none = || self.figure(ground, &vec![1.0; ground.ideal.len()]);
         match *self {
             Self::Acne | Self::AcneByDistance | Self::Leak | Self::Wrong => SHARE,
-            Self::Rmse => Limits::over_ideal(ideal, STEP),
+            Self::Rmse => Limits::over_ideal(ideal, STEP).below(none()),
             Self::Gap(contact) => {
                 let pixel = contact.pixel(&ground.truth.receivers, NEAR_CONTACT, counts);
-                Limits::over_ideal(ideal, 1e3 * pixel)
+                Limits::over_ideal(ideal, 1e3 * pixel).below(none())
             }
-            Self::ContactLeak(..) | Self::LeakAround(..) => Limits::over_ideal(ideal, BAND_SHARE),
-            Self::EdgeDisplacement => Limits::over_ideal(ideal, HALF_PIXEL),
-            Self::Seams => Limits::over_ideal(ideal, SMALL_SHARE),
+            Self::ContactLeak(..) | Self::LeakAround(..) => Limits::over_ideal(ideal, BAND_SHARE).below(none()),
+            Self::EdgeDisplacement => Limits::over_ideal(ideal, HALF_PIXEL).below(none()),
+            Self::Seams => Limits::over_ideal(ideal, SMALL_SHARE).below(none()),
             Self::PenumbraRmse => Limits::new(
                 penumbra::ray_noise(&ground.truth.visibility, RAYS, counts),
                 0.5 * penumbra::rmse(&ground.hard, &ground.truth.visibility, counts),

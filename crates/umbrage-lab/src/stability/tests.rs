@@ -169,7 +169,7 @@ fn open_pixels_are_right_on_a_perfect_map() {
 #[test]
 fn panning_shimmers_on_a_tight_fit_and_not_when_traced() {
     let options = Options {
-        rows: vec!["hills-pan".to_owned()],
+        rows: vec!["fence-pan".to_owned()],
         techniques: vec!["hard".to_owned(), "traced".to_owned()],
         ..small()
     };

@@ -61,6 +61,12 @@ impl Limits {
         Self { pass, fails: FAILS_AT * pass }
     }
 
+    /// No looser than what no shadow at all shows, `none`: a pass has at most half of that, and more than three quarters
+    /// fail, however coarse the map.
+    pub fn below(self, none: f64) -> Self {
+        if none > 0.0 { Self { pass: self.pass.min(0.5 * none), fails: self.fails.min(0.75 * none) } } else { self }
+    }
+
     /// The verdict. Figures that are not finite fail.
     pub fn judge(&self, figure: f64) -> Verdict {
         if figure <= self.pass {
@@ -84,5 +90,7 @@ mod tests {
         let judged = [0.0, 2.0, 2.1, 8.0, 8.1, f64::NAN, f64::INFINITY].map(|v| limits.judge(v));
         use Verdict::{Degraded as D, Fails as F, Pass as P};
         assert_eq!(judged, [P, P, D, D, F, F, F]);
+        assert_eq!(limits.below(2.0), Limits::new(1.0, 1.5));
+        assert_eq!([limits.below(100.0), limits.below(0.0)], [limits; 2]);
     }
 }
