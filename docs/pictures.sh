@@ -9,6 +9,7 @@ cp "$report"/teapot-lamp/truth.png docs/compare/teapot-lamp/
 for row in hard-512-bias-none hard-512-bias-slope-.05-.005 pcf-7x7-512-bias-polygon-offset-7-4; do
   cp "$report/teapot-lamp/$row.cpu.png" "$report/teapot-lamp/$row.cpu.error.png" docs/compare/teapot-lamp/
 done
+cargo run --release --example causes -- docs/causes
 cargo run --release --example textbook -- "$report/textbook"
 mkdir -p docs/textbook
 for name in acne soft point-light contact; do

@@ -11,7 +11,7 @@ use obvhs::{
     bvh2::{Bvh2, reinsertion::ReinsertionOptimizer},
     cwbvh::{CwBvh, bvh2_to_cwbvh::bvh2_to_cwbvh},
     ploc::PlocBuilder,
-    ray::Ray,
+    ray::{Ray, RayHit},
 };
 
 /// A hierarchy over the casters of a [`Geometry`].
@@ -86,6 +86,24 @@ impl Bvh {
             f32::INFINITY
         });
         found
+    }
+
+    /// Where the segment from `o` to `o + d` first meets a caster other than triangle `skip`: a fraction of `d`, 0..=1.
+    pub fn nearest(&self, geometry: &Geometry, o: Vec3, d: Vec3, skip: u32) -> Option<f32> {
+        if self.ids.is_empty() {
+            return None;
+        }
+        let (segment, ray, mut hit) = (Segment::new(o, d), box_ray(o, d), RayHit::none());
+        self.wide.ray_traverse(ray, &mut hit, |_, i| {
+            if !segment.hits(&self.corners[i]) || self.ids[i] == skip {
+                return f32::INFINITY;
+            }
+            let [a, b, c] = geometry.corners(self.ids[i]).map(|corner| corner.as_dvec3());
+            let normal = (b - a).cross(c - a);
+            let t = normal.dot(a - o.as_dvec3()) / normal.dot(d.as_dvec3());
+            t.clamp(0.0, 1.0) as f32 * ray.tmax
+        });
+        (hit.t <= ray.tmax).then(|| hit.t / ray.tmax)
     }
 
     /// Whether the caster that [`Bvh::occluder`] gave meets the segment, too, unless it is triangle `skip`.

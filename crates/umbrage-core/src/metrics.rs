@@ -3,6 +3,10 @@
 //! Masks hold visibility 0..=1, rows from the top. Every comparator refuses masks of the wrong size and masks that hold
 //! NaN or anything else outside 0..=1, rather than averaging it away.
 
+mod causes;
+
+pub use causes::{CONTACT, Cause, Causes, Reference, attribute};
+
 use crate::Invalid;
 use glam::UVec2;
 

@@ -1,6 +1,7 @@
 //! The one list of built-in scenes.
 
 use crate::builtin::{
+    causes,
     closed::{area, everywhere, point_like, room, slits},
     failures::{distant, fine, lamps, nothing, penumbrae, relief, rooms, scale, shells, stairs, sunlit, volumes},
     figure::figure,
@@ -30,6 +31,10 @@ const fn entry(name: &'static str, kind: Kind, build: Build, summary: &'static s
 
 const fn closed(name: &'static str, build: Build, samples: fn() -> ClosedForm, summary: &'static str) -> SceneEntry {
     SceneEntry { closed_form: Some(samples), ..entry(name, Kind::ClosedForm, build, summary) }
+}
+
+const fn cause(name: &'static str, build: Build, summary: &'static str) -> SceneEntry {
+    entry(name, Kind::Cause, build, summary).by_name_only()
 }
 
 const fn failure(name: &'static str, failure: Failure, build: Build, summary: &'static str) -> SceneEntry {
@@ -75,6 +80,12 @@ const ALL: &[SceneEntry] = &[
     closed("c7-closed-room", everywhere::closed_room, everywhere::closed_room_samples, "a room of walls without thickness, the sun outside: no light"),
     closed("c8-faceted-sphere", everywhere::faceted_sphere, everywhere::faceted_sphere_samples, "a faceted sphere alone: facets are lit or not, no acne"),
     closed("c9-bare-floor", everywhere::bare_floor, everywhere::bare_floor_samples, "a bare floor, the sun half a degree high: no acne"),
+
+    cause("cause-acne", causes::acne, "a bare floor: it can only shadow itself"),
+    cause("cause-gap", causes::gap, "the foot of a thin plate: light can only come under it"),
+    cause("cause-leak", causes::leak, "a floor wholly in shadow: light can only leak in"),
+    cause("cause-edge", causes::edge, "a hard edge: it can only be in the wrong place"),
+    cause("cause-penumbra", causes::penumbra, "a soft edge: it can only be of the wrong width"),
 
     failure("low-sun-2", Failure::LowSun, sunlit::low_sun_2, "a row of spheres on 100 m of floor, the sun 2 degrees high").by_name_only(),
     failure("low-sun-5", Failure::LowSun, sunlit::low_sun_5, "a row of spheres on 100 m of floor, the sun 5 degrees high"),

@@ -29,6 +29,8 @@ pub enum Kind {
     Textbook,
     /// Its shadow is known from a formula.
     ClosedForm,
+    /// A single cause of error by itself.
+    Cause,
     /// A way in which shadow methods fail.
     Failure(Failure),
     /// Big: to measure speed.
@@ -107,6 +109,7 @@ impl std::fmt::Display for Kind {
         match self {
             Self::Textbook => f.write_str("textbook"),
             Self::ClosedForm => f.write_str("closed form"),
+            Self::Cause => f.write_str("cause"),
             Self::Failure(failure) => write!(f, "failure {}", failure.row()),
             Self::Speed => f.write_str("speed"),
         }

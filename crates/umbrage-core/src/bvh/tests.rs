@@ -159,3 +159,26 @@ fn clear_regions_hide_nothing() {
     }
     assert!(clear > 300 && hidden > 3000, "the test tells little: {clear} clear, {hidden} hidden");
 }
+
+/// The nearest hit against the least over all triangles.
+#[test]
+fn the_nearest_hit_is_the_nearest() {
+    let mut random = Random(11);
+    let g = soup(&mut random, 500, 1.0);
+    let mut hits = 0;
+    for i in 0..2000 {
+        let (o, d, skip) = (random.vector() * 1.5, random.vector() * 3.0, i % 500);
+        let fraction = |id: u32| {
+            let [a, b, c] = g.corners(id);
+            let n = (b - a).cross(c - a).as_dvec3();
+            segment_hits(o, d, a, b, c).then(|| n.dot((a - o).as_dvec3()) / n.dot(d.as_dvec3()))
+        };
+        let expected = g.casters().filter(|&id| id != skip).filter_map(fraction).min_by(f64::total_cmp);
+        let found = g.bvh().nearest(&g, o, d, skip).map(f64::from);
+        hits += u32::from(found.is_some());
+        assert_eq!(found.is_some(), expected.is_some(), "from {o} along {d}");
+        // Both are rounded to 32 bits once.
+        assert!(found.zip(expected).is_none_or(|(a, b)| (a - b).abs() < 1e-6), "{found:?} for {expected:?}");
+    }
+    assert!((100..1900).contains(&hits), "the test tells little: {hits} hits");
+}

@@ -1,7 +1,7 @@
 //! What a comparison finds: plain data, written to `results.json` as it stands.
 
 use serde::{Deserialize, Serialize};
-use umbrage_core::metrics::{Agreement, Errors};
+use umbrage_core::metrics::{Agreement, Causes, Errors};
 
 /// Version of this data's shape; grows with every change that a reader would notice.
 pub const SCHEMA: u32 = 2;
@@ -166,6 +166,8 @@ pub enum Outcome {
 pub struct Measured {
     /// Against truth.
     pub errors: Errors,
+    /// What the errors come from.
+    pub causes: Causes,
     /// Times, without compilation, upload and read-back.
     pub times: Times,
     /// Bytes held for images, tables and receivers.

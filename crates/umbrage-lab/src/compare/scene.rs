@@ -12,7 +12,7 @@ use crate::{
 use std::time::Duration;
 use umbrage_core::{
     Backend, BackendError, Camera, Geometry, Invalid, Light, PlanError, Receivers, Recipe, Shadows, Timings, View,
-    metrics::{Agreement, Errors, Pixel},
+    metrics::{Agreement, Causes, Errors, Pixel},
 };
 
 /// The images of one scene.
@@ -211,13 +211,14 @@ impl SceneRun<'_> {
         }
         let truth = self.truth;
         let errors = Errors::measure(truth.size, &shadows.mask, &truth.visibility, &truth.pixels)?;
+        let causes = Causes::measure(&shadows.mask, &truth.reference())?;
         let agreement = agreement_with_cpu(&mut *backends.playing[0], &view, recipe, of_cpu.as_ref(), &shadows)?;
         self.masks.push(Some(shadows.mask.clone()));
         let bytes = shadows.bytes;
         if backends.playing[backend].kind() == "cpu" {
             *of_cpu = Some(shadows);
         }
-        Ok(Outcome::Measured(Box::new(Measured { errors, times, bytes, agreement, color_differing: None })))
+        Ok(Outcome::Measured(Box::new(Measured { errors, causes, times, bytes, agreement, color_differing: None })))
     }
 
     /// Truth and backend must have seen the same triangles.

@@ -13,7 +13,7 @@ mod arrays;
 mod chart;
 mod files;
 mod page;
-pub(crate) mod pictures;
+pub mod pictures;
 mod table;
 
 pub(crate) use files::Folder;

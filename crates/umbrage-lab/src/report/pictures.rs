@@ -1,8 +1,8 @@
-//! Masks and errors as pictures.
+//! Masks and errors as pictures: encoded PNG files.
 
 use glam::{UVec2, Vec3};
 use image::{ExtendedColorType, ImageEncoder, ImageResult, codecs::png};
-use umbrage_core::metrics::Pixel;
+use umbrage_core::metrics::{Cause, Pixel, Reference};
 
 /// False shadow, darker than truth: blue. With orange, the pair of hues that all kinds of colour vision tell apart best
 /// (Okabe, Ito 2008, "Color Universal Design").
@@ -15,7 +15,10 @@ const AMBIGUOUS: Vec3 = Vec3::new(0.66, 0.25, 0.70);
 const EMPTY: Vec3 = Vec3::new(0.80, 0.84, 0.89);
 
 /// A mask, white where lit, on a bluish ground where nothing receives.
-pub(crate) fn mask(size: UVec2, mask: &[f32], pixels: &[Pixel]) -> ImageResult<Vec<u8>> {
+///
+/// # Errors
+/// When the encoder fails.
+pub fn mask(size: UVec2, mask: &[f32], pixels: &[Pixel]) -> ImageResult<Vec<u8>> {
     encode(size, mask_colors(mask, pixels).into_iter())
 }
 
@@ -26,7 +29,10 @@ pub(crate) fn mask_colors(mask: &[f32], pixels: &[Pixel]) -> Vec<Vec3> {
 }
 
 /// Where a mask is wrong: blue for false shadow, orange for false light, over a faint picture of truth.
-pub(crate) fn error(size: UVec2, mask: &[f32], truth: &[f32], pixels: &[Pixel]) -> ImageResult<Vec<u8>> {
+///
+/// # Errors
+/// When the encoder fails.
+pub fn error(size: UVec2, mask: &[f32], truth: &[f32], pixels: &[Pixel]) -> ImageResult<Vec<u8>> {
     encode(size, error_colors(mask, truth, pixels).into_iter())
 }
 
@@ -47,6 +53,31 @@ pub(crate) fn error_colors(mask: &[f32], truth: &[f32], pixels: &[Pixel]) -> Vec
         }
     };
     (0..mask.len()).map(color).collect()
+}
+
+/// What the error comes from: acne blue, gaps orange, leaks yellow, edges black, penumbrae green, over a faint picture of
+/// truth (hues of Okabe and Ito).
+///
+/// # Errors
+/// When the encoder fails.
+pub fn causes(truth: &Reference<'_>, causes: &[Option<Cause>]) -> ImageResult<Vec<u8>> {
+    let color = |i: usize| match (truth.pixels[i], causes[i]) {
+        (Pixel::Empty, _) => EMPTY,
+        (Pixel::Unlit, _) => Vec3::splat(0.70),
+        (_, None) => Vec3::splat(0.80 + 0.18 * truth.visibility[i]),
+        (_, Some(cause)) => hue(cause),
+    };
+    encode(truth.size, (0..causes.len()).map(color))
+}
+
+fn hue(cause: Cause) -> Vec3 {
+    match cause {
+        Cause::Acne => FALSE_SHADOW,
+        Cause::Gap => FALSE_LIGHT,
+        Cause::Leak => Vec3::new(0.94, 0.89, 0.26),
+        Cause::Edge => Vec3::ZERO,
+        Cause::Penumbra => Vec3::new(0.0, 0.62, 0.45),
+    }
 }
 
 /// A PNG of colours, rows from the top.

@@ -32,6 +32,20 @@ pub struct Line {
     pub false_light: Option<f64>,
     /// Percent of false shadow off edges.
     pub acne: Option<f64>,
+    /// [`Causes::acne`](umbrage_core::metrics::Causes::acne); the five causes add up to `mean`.
+    pub cause_acne: Option<f64>,
+    /// [`Causes::gap`](umbrage_core::metrics::Causes::gap).
+    pub cause_gap: Option<f64>,
+    /// [`Causes::leak`](umbrage_core::metrics::Causes::leak).
+    pub cause_leak: Option<f64>,
+    /// [`Causes::edge`](umbrage_core::metrics::Causes::edge).
+    pub cause_edge: Option<f64>,
+    /// [`Causes::penumbra`](umbrage_core::metrics::Causes::penumbra).
+    pub cause_penumbra: Option<f64>,
+    /// [`Causes::gap_metres`](umbrage_core::metrics::Causes::gap_metres).
+    pub gap_metres: Option<f64>,
+    /// [`Causes::penumbra_width`](umbrage_core::metrics::Causes::penumbra_width).
+    pub penumbra_width: Option<f64>,
     /// Pixels counted.
     pub counted: Option<u64>,
     /// Pixels left out as ambiguous.
@@ -89,6 +103,13 @@ fn line(scene: &SceneResult, row: &Row) -> Line {
         false_shadow: Some(m.errors.false_shadow),
         false_light: Some(m.errors.false_light),
         acne: Some(m.errors.acne),
+        cause_acne: Some(m.causes.acne),
+        cause_gap: Some(m.causes.gap),
+        cause_leak: Some(m.causes.leak),
+        cause_edge: Some(m.causes.edge),
+        cause_penumbra: Some(m.causes.penumbra),
+        gap_metres: m.causes.gap_metres,
+        penumbra_width: m.causes.penumbra_width,
         counted: Some(m.errors.counted),
         ambiguous: Some(m.errors.ambiguous),
         unlit: Some(m.errors.unlit),

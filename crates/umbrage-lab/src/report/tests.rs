@@ -41,6 +41,8 @@ fn scene() -> (SceneResult, SceneImages) {
         error: vec![0.0; 12],
         pixels: vec![Pixel::Counted; 12],
         ambiguous: vec![false; 12],
+        blocker: vec![f32::INFINITY; 12],
+        contact: 0.0,
         receivers,
         fingerprint: 1,
         elapsed: Duration::ZERO,

@@ -6,6 +6,7 @@
 //! before the light (a lamp's own mesh doesn't hide it). The samples are those of [`umbrage_core::light_sample`].
 
 mod ambiguity;
+mod blockers;
 mod points;
 mod tracer;
 
@@ -17,7 +18,10 @@ use std::{
     sync::atomic::{AtomicUsize, Ordering},
     time::{Duration, Instant},
 };
-use umbrage_core::{BackendError, Camera, Geometry, Light, Receivers, metrics::Pixel};
+use umbrage_core::{
+    BackendError, Camera, Geometry, Light, Receivers,
+    metrics::{Pixel, Reference},
+};
 
 /// How carefully truth is traced.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -53,6 +57,10 @@ pub struct Truth {
     pub pixels: Vec<Pixel>,
     /// Whether the answer changes under a nudge by .02 pixels or a fourfold ray offset; told for unlit pixels, too.
     pub ambiguous: Vec<bool>,
+    /// From each receiver in shadow to the blocker nearest to the light, metres; infinite where there is none.
+    pub blocker: Vec<f32>,
+    /// Blockers closer than this touch their shadows, metres.
+    pub contact: f32,
     /// The points asked about.
     pub receivers: Receivers,
     /// The triangles asked: [`Geometry::fingerprint`].
@@ -68,6 +76,17 @@ impl Truth {
         let n = counted().count().max(1);
         let sum: f64 = counted().map(f64::from).sum();
         [(sum / n as f64) as f32, counted().fold(0.0, f32::max)]
+    }
+
+    /// What is needed to tell the causes of a mask's error apart.
+    pub fn reference(&self) -> Reference<'_> {
+        Reference {
+            size: self.size,
+            visibility: &self.visibility,
+            pixels: &self.pixels,
+            blocker: &self.blocker,
+            contact: self.contact,
+        }
     }
 
     /// Whether the light's shadow, or part of it, falls on any pixel that counts.
@@ -114,6 +133,8 @@ pub fn trace(
         error: seen.iter().map(|s| s.error).collect(),
         pixels: (0..receivers.len()).map(pixel).collect(),
         ambiguous,
+        blocker: blockers::find(light, geometry, &receivers, &seen),
+        contact: blockers::contact(&receivers),
         receivers,
         fingerprint: geometry.fingerprint(),
         elapsed: start.elapsed(),

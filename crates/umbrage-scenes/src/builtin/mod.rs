@@ -1,5 +1,6 @@
 //! Scenes in code, one function each.
 
+pub(crate) mod causes;
 pub(crate) mod closed;
 pub(crate) mod failures;
 pub(crate) mod figure;

@@ -28,12 +28,12 @@ fn exact(points: &[(f32, f32, f32)]) -> ClosedForm {
     ClosedForm { samples: points.iter().map(|&(x, z, v)| on_floor(x, z, v)).collect(), tolerance: 0.0 }
 }
 
-fn floor(half: f32) -> Mesh {
+pub(crate) fn floor(half: f32) -> Mesh {
     Mesh { name: "floor".to_owned(), ..grid([half, half], [1, 1], |_, _| 0.0) }
 }
 
 /// A level sheet without thickness.
-fn sheet(x: [f32; 2], z: [f32; 2], height: f32) -> Mesh {
+pub(crate) fn sheet(x: [f32; 2], z: [f32; 2], height: f32) -> Mesh {
     let at = |x, z| Vec3::new(x, height, z);
     quad([at(x[0], z[0]), at(x[0], z[1]), at(x[1], z[1]), at(x[1], z[0])])
 }

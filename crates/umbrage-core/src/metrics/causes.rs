@@ -1,0 +1,287 @@
+//! An error told apart by its cause.
+//!
+//! Every pixel that counts gives its |mask - truth| to one cause, so that the causes' means add up to
+//! [`Errors::mean`](super::Errors::mean). The first rule that fits decides:
+//!
+//! | cause | the mask is | where |
+//! |---|---|---|
+//! | **gap** (peter-panning) | too light | truth is dark, and the blocker is in [contact](CONTACT): a bias lets light under it; and from there as far as that light reaches, edges left out |
+//! | **penumbra** | wrong | within [`ACNE_DISTANCE`] of a true penumbra: too hard, too wide, noisy or banded |
+//! | **edge** | wrong | within [`ACNE_DISTANCE`] of a true hard edge: texels show, or the edge is displaced or blurred |
+//! | **acne** | too dark | elsewhere: surfaces shadow themselves |
+//! | **leak** | too light | elsewhere: light where a blocker far away should hide it |
+
+use super::{ACNE_DISTANCE, FALSE, PENUMBRA, Pixel, check, check_len, edges, near};
+use crate::Invalid;
+use glam::UVec2;
+
+/// A blocker touches its shadow where it lies closer to the receiver than this fraction (1/32) of the diagonal of the box
+/// around all that is seen: no bias in use is greater than the textbooks' .05 of the depth range.
+pub const CONTACT: f32 = 1.0 / 32.0;
+
+/// What an error comes from. The first five are means of |mask - truth| over all counted pixels, 0..=1.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Causes {
+    /// Surfaces that shadow themselves.
+    pub acne: f64,
+    /// Shadows that begin too far from what throws them.
+    pub gap: f64,
+    /// Light through blockers.
+    pub leak: f64,
+    /// Hard edges in the wrong place, or with a map's texels.
+    pub edge: f64,
+    /// Soft edges of the wrong width or with noise.
+    pub penumbra: f64,
+    /// How far from the blocker light still reaches under it, metres: of the false light ([`FALSE`]) that is a gap, 19 of
+    /// 20 pixels are closer to their blocker. None without any.
+    pub gap_metres: Option<f64>,
+    /// Pixels of the mask's penumbra over those of truth's, around true penumbrae: 1 is right, 0 hard. None where truth has
+    /// no penumbra.
+    pub penumbra_width: Option<f64>,
+}
+
+/// A cause, one of those that [`Causes`] adds up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Cause {
+    /// [`Causes::acne`].
+    Acne,
+    /// [`Causes::gap`].
+    Gap,
+    /// [`Causes::leak`].
+    Leak,
+    /// [`Causes::edge`].
+    Edge,
+    /// [`Causes::penumbra`].
+    Penumbra,
+}
+
+/// What truth knows of an image, for telling causes apart. All slices hold one entry a pixel.
+#[derive(Clone, Copy, Debug)]
+pub struct Reference<'a> {
+    /// Image size, pixels.
+    pub size: UVec2,
+    /// Visibility, 0..=1.
+    pub visibility: &'a [f32],
+    /// What counts.
+    pub pixels: &'a [Pixel],
+    /// From the receiver to the blocker that is nearest to the light on the way to the light's middle, metres; infinite
+    /// where there is none.
+    pub blocker: &'a [f32],
+    /// Blockers closer than this are in contact, metres: [`CONTACT`] of the diagonal of the box around what is seen.
+    pub contact: f32,
+}
+
+impl Causes {
+    /// Tells a mask's error apart.
+    ///
+    /// # Errors
+    /// When sizes differ or a value is not within 0..=1.
+    pub fn measure(mask: &[f32], truth: &Reference<'_>) -> Result<Self, Invalid> {
+        let causes = attribute(mask, truth)?;
+        let (mut out, mut gaps) = (Self::default(), Vec::new());
+        for (i, cause) in causes.iter().enumerate() {
+            let difference = mask[i] - truth.visibility[i];
+            let Some(cause) = cause else { continue };
+            *out.share(*cause) += f64::from(difference.abs());
+            if *cause == Cause::Gap && difference > FALSE {
+                gaps.push(truth.blocker[i]);
+            }
+        }
+        let counted = truth.pixels.iter().filter(|p| **p == Pixel::Counted).count().max(1) as f64;
+        [Cause::Acne, Cause::Gap, Cause::Leak, Cause::Edge, Cause::Penumbra]
+            .into_iter()
+            .for_each(|cause| *out.share(cause) /= counted);
+        gaps.sort_by(f32::total_cmp);
+        out.gap_metres = gaps.get(gaps.len() * 19 / 20).map(|&metres| f64::from(metres));
+        out.penumbra_width = width(mask, truth);
+        Ok(out)
+    }
+
+    fn share(&mut self, cause: Cause) -> &mut f64 {
+        match cause {
+            Cause::Acne => &mut self.acne,
+            Cause::Gap => &mut self.gap,
+            Cause::Leak => &mut self.leak,
+            Cause::Edge => &mut self.edge,
+            Cause::Penumbra => &mut self.penumbra,
+        }
+    }
+}
+
+/// The cause of each pixel's error; none where there is no error, and where pixels don't count.
+///
+/// # Errors
+/// When sizes differ or a value is not within 0..=1.
+pub fn attribute(mask: &[f32], truth: &Reference<'_>) -> Result<Vec<Option<Cause>>, Invalid> {
+    check("mask", truth.size, mask)?;
+    check("truth", truth.size, truth.visibility)?;
+    check_len("pixel classes", truth.size, truth.pixels.len())?;
+    check_len("blockers", truth.size, truth.blocker.len())?;
+    let difference = |i: usize| mask[i] - truth.visibility[i];
+    let counts = |i: usize| truth.pixels[i] == Pixel::Counted && difference(i) != 0.0;
+    let soft = near(truth.size, &penumbrae(truth), ACNE_DISTANCE);
+    let hard = near(truth.size, &edges(truth.size, truth.visibility, truth.pixels), ACNE_DISTANCE);
+    let lit = |i: usize| counts(i) && difference(i) > 0.0 && truth.visibility[i] < PENUMBRA;
+    let touches = |i: usize| lit(i) && truth.blocker[i] <= truth.contact;
+    let gap = flood(truth.size, touches, |i| lit(i) && !soft[i] && !hard[i]);
+    let cause = |i: usize| match difference(i) {
+        _ if !counts(i) => None,
+        _ if gap[i] => Some(Cause::Gap),
+        _ if soft[i] => Some(Cause::Penumbra),
+        _ if hard[i] => Some(Cause::Edge),
+        difference if difference < 0.0 => Some(Cause::Acne),
+        _ => Some(Cause::Leak),
+    };
+    Ok((0..mask.len()).map(cause).collect())
+}
+
+/// The pixels that `start`, and those that can be reached from them by steps to one of four neighbours along pixels that
+/// `spread`.
+fn flood(size: UVec2, start: impl Fn(usize) -> bool, spread: impl Fn(usize) -> bool) -> Vec<bool> {
+    let (w, n) = (size.x as usize, size.x as usize * size.y as usize);
+    let mut set: Vec<bool> = (0..n).map(start).collect();
+    let mut open: Vec<usize> = (0..n).filter(|&i| set[i]).collect();
+    while let Some(i) = open.pop() {
+        let x = i % w;
+        let sides =
+            [(x > 0).then(|| i - 1), (x + 1 < w).then(|| i + 1), i.checked_sub(w), Some(i + w).filter(|&j| j < n)];
+        for j in sides.into_iter().flatten() {
+            if !set[j] && spread(j) {
+                set[j] = true;
+                open.push(j);
+            }
+        }
+    }
+    set
+}
+
+fn is_penumbra(visibility: f32) -> bool {
+    (PENUMBRA..=1.0 - PENUMBRA).contains(&visibility)
+}
+
+fn penumbrae(truth: &Reference<'_>) -> Vec<bool> {
+    truth.visibility.iter().zip(truth.pixels).map(|(&v, &p)| p == Pixel::Counted && is_penumbra(v)).collect()
+}
+
+fn width(mask: &[f32], truth: &Reference<'_>) -> Option<f64> {
+    let soft = penumbrae(truth);
+    let around = near(truth.size, &soft, ACNE_DISTANCE);
+    let true_pixels = soft.iter().filter(|&&s| s).count();
+    let counts = |i: &usize| truth.pixels[*i] == Pixel::Counted && around[*i] && is_penumbra(mask[*i]);
+    let pixels = (0..mask.len()).filter(counts).count();
+    (true_pixels > 0).then(|| pixels as f64 / true_pixels as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIZE: UVec2 = UVec2::new(60, 10);
+    const N: usize = 600;
+
+    /// Dark left of column 20, whose blocker touches it up to column 4; lit elsewhere, but for columns 40 to 44: a penumbra.
+    struct Truth {
+        visibility: Vec<f32>,
+        blocker: Vec<f32>,
+    }
+
+    fn truth() -> Truth {
+        let column = |i: usize| i % 60;
+        let visibility = |i| match column(i) {
+            0..20 => 0.0,
+            40..45 => 0.5,
+            _ => 1.0,
+        };
+        let blocker = |i| match column(i) {
+            0..4 => 0.25,
+            4..20 => 3.0,
+            _ => f32::INFINITY,
+        };
+        Truth { visibility: (0..N).map(visibility).collect(), blocker: (0..N).map(blocker).collect() }
+    }
+
+    fn measure_with(mask: &[f32], pixels: &[Pixel]) -> Causes {
+        let t = truth();
+        let reference = Reference { size: SIZE, visibility: &t.visibility, pixels, blocker: &t.blocker, contact: 0.5 };
+        Causes::measure(mask, &reference).expect("valid")
+    }
+
+    /// The causes when one pixel of truth is replaced.
+    fn spoilt(column: usize, value: f32) -> Causes {
+        let mut mask = truth().visibility;
+        mask[5 * 60 + column] = value;
+        measure_with(&mask, &[Pixel::Counted; N])
+    }
+
+    #[test]
+    fn truth_has_no_cause() {
+        let causes = measure_with(&truth().visibility, &[Pixel::Counted; N]);
+        assert_eq!(causes, Causes { penumbra_width: Some(1.0), ..Causes::default() });
+    }
+
+    #[test]
+    fn each_place_has_its_cause() {
+        let one = 1.0 / N as f64;
+        let right = Causes { penumbra_width: Some(1.0), ..Causes::default() };
+        assert_eq!(spoilt(2, 1.0), Causes { gap: one, gap_metres: Some(0.25), ..right });
+        assert_eq!(spoilt(6, 1.0), Causes { leak: one, ..right });
+        assert_eq!(spoilt(18, 1.0), Causes { edge: one, ..right });
+        assert_eq!(spoilt(22, 0.0), Causes { edge: one, ..right });
+        assert_eq!(spoilt(30, 0.0), Causes { acne: one, ..right });
+        assert_eq!(spoilt(56, 0.0), Causes { acne: one, ..right });
+    }
+
+    /// Light that comes in where the blocker touches belongs to the gap as far as it reaches, but not along the edge.
+    #[test]
+    fn a_gap_spreads_from_the_contact() {
+        let mut mask = truth().visibility;
+        mask[5 * 60 + 2..5 * 60 + 10].fill(1.0);
+        (mask[8 * 60 + 8], mask[5 * 60 + 15]) = (1.0, 1.0);
+        let causes = measure_with(&mask, &[Pixel::Counted; N]);
+        let one = 1.0 / N as f64;
+        assert!((causes.gap - 8.0 * one).abs() < 1e-12, "{causes:?}");
+        assert_eq!((causes.leak, causes.edge, causes.gap_metres), (one, one, Some(3.0)));
+    }
+
+    #[test]
+    fn a_hard_edge_where_it_should_be_soft_has_no_width() {
+        let hard: Vec<f32> = truth().visibility.iter().map(|v| v.round()).collect();
+        let causes = measure_with(&hard, &[Pixel::Counted; N]);
+        assert_eq!(causes.penumbra_width, Some(0.0));
+        assert!(causes.penumbra > 0.0 && causes.acne + causes.gap + causes.leak + causes.edge == 0.0);
+    }
+
+    #[test]
+    fn a_penumbra_twice_as_wide_measures_two() {
+        let mut wide = truth().visibility;
+        (0..N).filter(|i| (45..50).contains(&(i % 60))).for_each(|i| wide[i] = 0.8);
+        assert_eq!(measure_with(&wide, &[Pixel::Counted; N]).penumbra_width, Some(2.0));
+    }
+
+    #[test]
+    fn causes_add_up_to_the_mean_error() {
+        let noise = |i: usize| (i * 7919 % 1000) as f32 / 999.0;
+        let mask: Vec<f32> = (0..N).map(noise).collect();
+        let mut pixels = [Pixel::Counted; N];
+        (0..N).step_by(7).for_each(|i| pixels[i] = Pixel::Ambiguous);
+        let causes = measure_with(&mask, &pixels);
+        let errors = super::super::Errors::measure(SIZE, &mask, &truth().visibility, &pixels).expect("valid");
+        let sum = causes.acne + causes.gap + causes.leak + causes.edge + causes.penumbra;
+        assert!((sum - errors.mean).abs() < 1e-12, "{sum} for {}", errors.mean);
+    }
+
+    #[test]
+    fn spoilt_masks_are_refused() {
+        let t = truth();
+        let reference = Reference {
+            size: SIZE,
+            visibility: &t.visibility,
+            pixels: &[Pixel::Counted; N],
+            blocker: &t.blocker[1..],
+            contact: 0.5,
+        };
+        assert!(Causes::measure(&t.visibility, &reference).is_err());
+        let reference = Reference { blocker: &t.blocker, ..reference };
+        assert!(Causes::measure(&[f32::NAN; N], &reference).is_err());
+    }
+}

@@ -1,0 +1,85 @@
+//! Each cause of error on a scene in which nothing else can be wrong, and nothing at all where truth is played.
+
+use umbrage_core::{
+    Backend, Camera, Geometry, ShadowTechnique, View,
+    metrics::{Cause, Causes},
+};
+use umbrage_cpu::Cpu;
+use umbrage_lab::causes::{Fault, faults};
+use umbrage_lab::truth::{Truth, TruthOptions, trace};
+use umbrage_techniques::{Bias, Hard, ShadowMap, Traced};
+
+struct Stage {
+    geometry: Geometry,
+    truth: Truth,
+    scene: umbrage_core::Scene,
+}
+
+impl Stage {
+    fn new(name: &str) -> Self {
+        let scene = (umbrage_scenes::find(name).expect("a built-in scene").build)();
+        let geometry = Geometry::bake(&scene).expect("built-in scenes are valid");
+        let options = TruthOptions { samples: 256, ..TruthOptions::default() };
+        let mut cpu = Cpu::new();
+        let find = &mut |c: &Camera, g: &Geometry| cpu.receivers(c, g);
+        let truth = trace(&scene.cameras[0], &scene.lights[0], &geometry, &options, find, &|_, _| {}).expect("valid");
+        Self { geometry, truth, scene }
+    }
+
+    fn causes(&self, technique: &dyn ShadowTechnique) -> Causes {
+        let view = View::new(&self.scene.cameras[0], &self.scene.lights[0], &self.geometry);
+        let recipe = technique.plan(&view.with_receivers(&self.truth.receivers)).expect("supported");
+        let mask = Cpu::new().render(&view, &recipe).expect("plays").mask;
+        Causes::measure(&mask, &self.truth.reference()).expect("valid")
+    }
+}
+
+fn shares(c: &Causes) -> [(Cause, f64); 5] {
+    [
+        (Cause::Acne, c.acne),
+        (Cause::Gap, c.gap),
+        (Cause::Leak, c.leak),
+        (Cause::Edge, c.edge),
+        (Cause::Penumbra, c.penumbra),
+    ]
+}
+
+#[test]
+fn each_cause_shows_alone_on_its_scene() {
+    for Fault { scene: name, technique, cause: expected } in faults() {
+        let causes = Stage::new(name).causes(&*technique);
+        println!("{name}: {causes:?}");
+        for (cause, share) in shares(&causes) {
+            if cause == expected {
+                assert!(share > 0.003, "{name}: {causes:?}");
+            } else {
+                assert_eq!(share, 0.0, "{name}: {causes:?}");
+            }
+        }
+    }
+}
+
+/// Truth's own technique has no error of any kind; under the lamp only the noise of its rays.
+#[test]
+fn truth_played_has_no_cause() {
+    for Fault { scene: name, cause: expected, .. } in faults() {
+        let causes = Stage::new(name).causes(&Traced { samples: 1024 });
+        for (cause, share) in shares(&causes) {
+            // 1,024 stratified rays err by about 1/1024 to 1/32 of the light in penumbrae alone.
+            let noise = if cause == Cause::Penumbra && expected == Cause::Penumbra { 1e-3 } else { 0.0 };
+            assert!(share <= noise, "{name}: {causes:?}");
+        }
+    }
+}
+
+/// A gap is as long as the bias says: at 45 degrees a constant's depth is the distance from the blocker.
+#[test]
+fn a_gap_has_the_biases_length() {
+    let stage = Stage::new("cause-gap");
+    let gap = |constant| {
+        let bias = Bias { constant, ..Bias::NONE };
+        stage.causes(&Hard { map: ShadowMap { size: 2048, bias, ..ShadowMap::default() } }).gap_metres.expect("a gap")
+    };
+    let ratio = gap(0.02) / gap(0.01);
+    assert!((ratio - 2.0).abs() < 0.15, "{ratio}");
+}
