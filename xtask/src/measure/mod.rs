@@ -6,6 +6,8 @@ mod bench;
 #[cfg(feature = "measure")]
 mod compare;
 #[cfg(feature = "measure")]
+mod costs;
+#[cfg(feature = "measure")]
 mod list;
 #[cfg(feature = "measure")]
 mod progress;
@@ -24,6 +26,7 @@ pub(crate) fn dispatch(command: &Command) -> Result<()> {
         Command::Compare(options) if options.list => list::list(),
         Command::Compare(options) => compare::compare(options),
         Command::Stability(options) => stability::stability(options),
+        Command::Bench(options) if options.costs => costs::costs(options),
         Command::Bench(options) => bench::bench(options),
         _ => Ok(()),
     }
