@@ -24,7 +24,7 @@ pub(super) fn stability(options: &StabilityOptions) -> Result<()> {
         return Ok(());
     }
     let settings = settings(options)?;
-    let open = || Backends::open(choice(options.backend), &adapter(options));
+    let open = || Backends::open(choice(options), &adapter(options));
     let mut backends = open()?;
     backends.notices.iter().for_each(|line| println!("{line}"));
     backends.playing.iter().for_each(|b| println!("on {}", b.name()));
@@ -159,12 +159,14 @@ fn verdict(stability: &Stability) -> Result<()> {
     bail!("{} results must not be:\n  {}", stability.faults.len(), stability.faults.join("\n  "))
 }
 
-fn choice(backend: Backend) -> BackendChoice {
-    match backend {
-        Backend::Available => BackendChoice::Available,
-        Backend::Cpu => BackendChoice::Cpu,
-        Backend::Wgpu => BackendChoice::Wgpu,
-        Backend::Both => BackendChoice::Both,
+/// A software driver is too slow for a first look.
+fn choice(options: &StabilityOptions) -> BackendChoice {
+    match options.backend {
+        None if options.quick => BackendChoice::Cpu,
+        None | Some(Backend::Available) => BackendChoice::Available,
+        Some(Backend::Cpu) => BackendChoice::Cpu,
+        Some(Backend::Wgpu) => BackendChoice::Wgpu,
+        Some(Backend::Both) => BackendChoice::Both,
     }
 }
 
