@@ -1,8 +1,8 @@
 //! Hard shadows: one comparison with one texel.
 //!
 //! Lit if the receiver's depth, less the bias, is at most the stored depth. Williams 1978, "Casting curved shadows on
-//! curved surfaces". Fails by jagged edges as wide as a texel, by acne without bias, and by shadows that come loose with
-//! too much of it.
+//! curved surfaces". Fails by jagged edges as wide as a texel, by acne without bias, by shadows that come loose with
+//! too much of it, by penumbrae without width, and as every map does: see [`shadow_map`](crate::shadow_map).
 
 use crate::batch::{Taps, look_up_span};
 use crate::lookup::{DepthMap, Lookup, MapLookup, TAP};

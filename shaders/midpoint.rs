@@ -7,7 +7,8 @@
 //! the receiver's plane by default ([`Bias::RECEIVER_PLANE`]), which takes the slope out and leaves the margin for the rest.
 //! No single constant does as well over casters of different thickness. Known failures: open meshes put the middle between
 //! one caster and the next thing behind it, or, where nothing is behind, halfway to the far plane, so receivers close
-//! behind a lone sheet are lit; facets near the silhouette keep some acne; thin casters have thin margins.
+//! behind a lone sheet are lit; facets near the silhouette keep some acne; thin casters have thin margins; and every map's:
+//! see [`shadow_map`](crate::shadow_map).
 
 use crate::{Bias, Surface, pcf::Pcf, shadow_map::ShadowMap};
 use glam::UVec2;

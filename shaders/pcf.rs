@@ -2,7 +2,9 @@
 //!
 //! Reeves, Salesin and Cook 1987, "Rendering antialiased shadows with depth maps": compare first, then average; r = 1 is
 //! the textbooks' 3x3. Penumbrae have one width everywhere, in texels. Wide kernels need more bias: their outer taps
-//! see the receiver's own surface r texels away.
+//! see the receiver's own surface r texels away. Known failures: light leaks into contacts and under feet as far as the
+//! kernel reaches; the receiver's plane leads outer taps astray across creases (acne on stairs and hills); the penumbra's
+//! one width is wrong for every lamp; and those of every map: see [`shadow_map`](crate::shadow_map).
 
 use crate::{
     batch::{Taps, look_up_span},

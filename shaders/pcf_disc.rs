@@ -4,7 +4,8 @@
 //! a square of texels: the radius need not be whole, the cost is the number of taps whatever the radius, and edges look
 //! alike from all sides. Turned by each pixel's noise, few taps give fine noise instead of bands. The blur is as wide
 //! everywhere and tells nothing of the light's size: see [`Pcss`](crate::Pcss). Fails like [`Pcf`](crate::Pcf) by acne
-//! that grows with the radius, and by noise where taps are few for it.
+//! that grows with the radius, by light that leaks into contacts, by one width for all penumbrae, and by noise where taps
+//! are few for it; and as every map does: see [`shadow_map`](crate::shadow_map).
 
 use crate::{
     Bias,

@@ -10,6 +10,7 @@
 //! Known failures: graphics chips hold the weights in 8 bits, so that masks of two devices may differ by
 //! [`WEIGHT_ERROR`](crate::WEIGHT_ERROR). Four texels share one depth, so the receiver's plane is followed from sample to
 //! sample only, and the bias for the rest grows with the slope. Depth must be stored as depth: neither packed nor averaged.
+//! Light leaks into contacts as far as the samples reach; and every map's: see [`shadow_map`](crate::shadow_map).
 
 use crate::{
     batch::{Taps, look_up_span},

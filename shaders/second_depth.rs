@@ -5,7 +5,8 @@
 //! [`Cull::Front`] and no other bias; the lookup is [`Pcf`]'s. Known failures: open casters turned to the light
 //! vanish; light leaks in at the base of a caster that stands on its receiver, whose far side touches it; walls thinner
 //! than a texel's depth span leak; the far sides themselves get acne, which hides in their own shadow only as long as
-//! shading darkens faces turned away.
+//! shading darkens faces turned away. Meshes with holes, or with a side that winds the wrong way, leak there. And every
+//! map's: see [`shadow_map`](crate::shadow_map).
 
 use crate::{Bias, pcf::Pcf, shadow_map::ShadowMap};
 use serde::{Deserialize, Serialize};

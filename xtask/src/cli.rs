@@ -1,5 +1,9 @@
 //! What can be typed.
 
+mod stability;
+
+pub(crate) use stability::StabilityOptions;
+
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 
@@ -19,6 +23,8 @@ pub(crate) struct Cli {
 pub(crate) enum Command {
     /// Measure techniques on scenes: speed, and error against ray-traced truth
     Compare(CompareOptions),
+    /// Play the catalogue of failures: where each technique passes, degrades or fails
+    Stability(StabilityOptions),
     /// Run all tests, with a graphics adapter
     Test(TestOptions),
     /// Time the CPU backend, the wgpu backend and ray tracing against their yardsticks

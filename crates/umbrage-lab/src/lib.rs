@@ -6,6 +6,7 @@
 //! * [`textbook`]: the textbooks' effects, measured and pictured. [`mod@bench`]: paired timings.
 //! * [`causes`]: an example of each cause of error ([`umbrage_core::metrics::Causes`]).
 //! * [`cost`]: milliseconds by counting, the same on every run.
+//! * [`stability`]: where methods fail, scene by scene.
 //! * [`truth`]: what every shadow should have been, with its own error bars.
 //! * [`umbrage_core::metrics`]: how far a mask is from it.
 
@@ -18,6 +19,7 @@ mod error;
 pub mod footprint;
 pub mod pareto;
 pub mod report;
+pub mod stability;
 pub mod textbook;
 pub mod truth;
 

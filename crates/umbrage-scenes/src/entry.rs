@@ -43,20 +43,36 @@ pub enum Kind {
 pub enum Failure {
     /// A constant bias or a wide kernel under a low sun: acne.
     LowSun = 1,
+    /// Near and far receivers under one bias: it suits one of them.
+    DistantReceivers = 2,
     /// A thin thing on the ground: the shadow parts from it.
     ThinContact = 3,
     /// Thin walls: light leaks in.
     SealedRoom = 4,
     /// Open shells, leaves, single quads: methods that take casters for closed lose part of their shadow.
     OpenShell = 5,
+    /// Thin slices above each other: moments blend their depths, a bias takes one for the next.
+    ThinSlices = 6,
     /// Two casters one behind the other under a lamp: one penumbra is made of both.
     TwoBlockers = 7,
+    /// Casters that barely leave the floor: light leaks in at the contact.
+    NearContact = 8,
+    /// Wires as thin as a texel: they come and go.
+    FineDetail = 9,
+    /// A wide landscape under a low sun: texels are far larger than pixels nearby.
+    Landscape = 10,
+    /// A landscape far from the origin: positions are coarse.
+    FarFromOrigin = 11,
+    /// The camera looks into the light: perspective warps degenerate.
+    IntoLight = 14,
     /// A light amid its casters: the faces of a cube of maps meet in seams.
     CubeSeams = 15,
     /// Casters at rising heights under a lamp: each penumbra has its own width.
     RisingHeights = 17,
     /// A canopy of leaves under a large lamp: many penumbrae overlap, and one is made of them.
     Canopy = 18,
+    /// Two lights on one caster: their errors add up.
+    TwoLights = 19,
     /// A caster too near to the light: lost.
     CasterAtLight = 20,
     /// The eye inside a shadow, whose volume the near plane cuts: counts start wrong.

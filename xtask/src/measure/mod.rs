@@ -12,6 +12,8 @@ mod list;
 #[cfg(feature = "measure")]
 mod progress;
 #[cfg(feature = "measure")]
+mod stability;
+#[cfg(feature = "measure")]
 mod table;
 
 use crate::cli::Command;
@@ -23,6 +25,7 @@ pub(crate) fn dispatch(command: &Command) -> Result<()> {
     match command {
         Command::Compare(options) if options.list => list::list(),
         Command::Compare(options) => compare::compare(options),
+        Command::Stability(options) => stability::stability(options),
         Command::Bench(options) if options.costs => costs::costs(options),
         Command::Bench(options) => bench::bench(options),
         _ => Ok(()),

@@ -15,7 +15,7 @@ const NUDGE_POSITION: f32 = 1.0 / 2_097_152.0;
 
 /// A pixel is undecided when the CPU's answer changes as the casts' light spaces are nudged (sideways by 1/512 texel, in
 /// depth by 2^-20), or, for recipes without casts, as its receiver is; or when the backends see different receivers there.
-pub(super) fn compare(
+pub(crate) fn compare(
     cpu: &mut dyn Backend,
     view: &View<'_>,
     recipe: &Recipe,

@@ -1,6 +1,6 @@
 //! Comparing techniques, settings and backends on scenes against truth.
 
-mod agreement;
+pub(crate) mod agreement;
 mod backends;
 mod control;
 mod environment;

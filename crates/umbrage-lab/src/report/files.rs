@@ -8,22 +8,22 @@ use std::{
 
 /// A folder that files are written into, each through a temporary neighbour that takes its name once it is complete.
 #[derive(Clone, Debug)]
-pub(super) struct Folder(PathBuf);
+pub(crate) struct Folder(PathBuf);
 
 impl Folder {
     /// Makes the folder and those above it.
-    pub(super) fn create(path: &Path) -> Result<Self, LabError> {
+    pub(crate) fn create(path: &Path) -> Result<Self, LabError> {
         fs::create_dir_all(path).map_err(|source| LabError::Write { path: path.to_owned(), source })?;
         Ok(Self(path.to_owned()))
     }
 
     /// A folder inside.
-    pub(super) fn inner(&self, name: &str) -> Result<Self, LabError> {
+    pub(crate) fn inner(&self, name: &str) -> Result<Self, LabError> {
         Self::create(&self.0.join(name))
     }
 
     /// Writes a file.
-    pub(super) fn write(&self, name: &str, bytes: &[u8]) -> Result<(), LabError> {
+    pub(crate) fn write(&self, name: &str, bytes: &[u8]) -> Result<(), LabError> {
         let path = self.0.join(name);
         let unfinished = self.0.join(format!(".{name}.{}.unfinished", std::process::id()));
         let written = fs::write(&unfinished, bytes).and_then(|()| fs::rename(&unfinished, &path));

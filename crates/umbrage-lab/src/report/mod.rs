@@ -16,13 +16,13 @@ mod page;
 pub mod pictures;
 mod table;
 
+pub(crate) use files::Folder;
 pub use table::{Line, lines, to_csv};
 
 use crate::{
     LabError,
     compare::{Comparison, SceneImages, SceneResult, slug},
 };
-use files::Folder;
 use page::{ImageStore, RowPictures, ScenePage};
 use std::path::{Path, PathBuf};
 

@@ -8,7 +8,7 @@ use umbrage_core::metrics::{Cause, Pixel, Reference};
 /// (Okabe, Ito 2008, "Color Universal Design").
 const FALSE_SHADOW: Vec3 = Vec3::new(0.0, 0.35, 0.80);
 /// False light, lighter than truth: orange.
-const FALSE_LIGHT: Vec3 = Vec3::new(0.93, 0.40, 0.0);
+pub(crate) const FALSE_LIGHT: Vec3 = Vec3::new(0.93, 0.40, 0.0);
 /// Pixels left out as ambiguous.
 const AMBIGUOUS: Vec3 = Vec3::new(0.66, 0.25, 0.70);
 /// Pixels that show nothing, or nothing that receives.
@@ -19,8 +19,13 @@ const EMPTY: Vec3 = Vec3::new(0.80, 0.84, 0.89);
 /// # Errors
 /// When the encoder fails.
 pub fn mask(size: UVec2, mask: &[f32], pixels: &[Pixel]) -> ImageResult<Vec<u8>> {
+    encode(size, mask_colors(mask, pixels).into_iter())
+}
+
+/// [`mask`]'s colours.
+pub(crate) fn mask_colors(mask: &[f32], pixels: &[Pixel]) -> Vec<Vec3> {
     let color = |i: usize| if pixels[i] == Pixel::Empty { EMPTY } else { Vec3::splat(mask[i]) };
-    encode(size, (0..mask.len()).map(color))
+    (0..mask.len()).map(color).collect()
 }
 
 /// Where a mask is wrong: blue for false shadow, orange for false light, over a faint picture of truth.
@@ -28,6 +33,11 @@ pub fn mask(size: UVec2, mask: &[f32], pixels: &[Pixel]) -> ImageResult<Vec<u8>>
 /// # Errors
 /// When the encoder fails.
 pub fn error(size: UVec2, mask: &[f32], truth: &[f32], pixels: &[Pixel]) -> ImageResult<Vec<u8>> {
+    encode(size, error_colors(mask, truth, pixels).into_iter())
+}
+
+/// [`error`]'s colours.
+pub(crate) fn error_colors(mask: &[f32], truth: &[f32], pixels: &[Pixel]) -> Vec<Vec3> {
     let color = |i: usize| {
         let ground = Vec3::splat(0.80 + 0.18 * truth[i]);
         match pixels[i] {
@@ -42,7 +52,7 @@ pub fn error(size: UVec2, mask: &[f32], truth: &[f32], pixels: &[Pixel]) -> Imag
             }
         }
     };
-    encode(size, (0..mask.len()).map(color))
+    (0..mask.len()).map(color).collect()
 }
 
 /// What the error comes from: acne blue, gaps orange, leaks yellow, edges black, penumbrae green, over a faint picture of
@@ -70,7 +80,8 @@ fn hue(cause: Cause) -> Vec3 {
     }
 }
 
-fn encode(size: UVec2, colors: impl Iterator<Item = Vec3>) -> ImageResult<Vec<u8>> {
+/// A PNG of colours, rows from the top.
+pub(crate) fn encode(size: UVec2, colors: impl Iterator<Item = Vec3>) -> ImageResult<Vec<u8>> {
     let byte = |v: f32| (v.clamp(0.0, 1.0) * 255.0).round() as u8;
     let texels: Vec<u8> = colors.flat_map(|c| c.to_array().map(byte)).collect();
     encode_rgb(size, &texels)

@@ -57,3 +57,19 @@ pub(crate) fn flat_receivers() -> Scene {
         .light(bulb(0.1, 3.2, 0.7))
         .shoot(Vec3::new(2.6, 2.9, 5.3), Vec3::new(-0.05, 0.85, -0.8), 44.0, SMALL)
 }
+
+/// Two spots on one caster: each has a shadow of its own, and what is wrong in either is wrong in their sum.
+pub(crate) fn two_lights() -> Scene {
+    let spot = |x: f32, z: f32| {
+        let position = Vec3::new(x, 4.0, z);
+        let [inner, outer] = [30.0_f32, 34.0].map(f32::to_radians);
+        Light::Spot { position, direction: Vec3::Y * 0.5 - position, inner, outer, radius: 0.0 }
+    };
+    Stage::new("two-lights")
+        .put(grid([4.0, 4.0], [1, 1], |_, _| 0.0))
+        .put(block(Vec3::new(-0.4, 0.0, -0.4), Vec3::new(0.4, 1.0, 0.4)))
+        .put(icosphere(Vec3::new(0.0, 1.3, 0.0), 0.3, 3))
+        .light(spot(-2.2, 0.9))
+        .light(spot(1.8, 1.4))
+        .shoot(Vec3::new(0.6, 3.2, 4.6), Vec3::new(0.0, 0.3, -0.3), 44.0, SMALL)
+}

@@ -1,5 +1,7 @@
 //! Scenes in which shadow methods are known to fail.
 
+pub(crate) mod distant;
+pub(crate) mod fine;
 pub(crate) mod lamps;
 pub(crate) mod nothing;
 pub(crate) mod penumbrae;

@@ -1,0 +1,137 @@
+//! What comes out: plain data.
+
+use super::{Limits, Verdict};
+use serde::{Deserialize, Serialize};
+
+/// The whole matrix.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Stability {
+    /// Kinds of the backends: figures are the first's.
+    pub backends: Vec<String>,
+    /// Side of the maps, texels.
+    pub map_size: u32,
+    /// Image size, pixels.
+    pub size: [u32; 2],
+    /// Frames of moving cases.
+    pub frames: u32,
+    /// Rows' cases, in the list's order.
+    pub cases: Vec<CaseResult>,
+    /// What must not be: NaN, panics, validation errors, backends that disagree, a backend that works otherwise afterwards.
+    pub faults: Vec<String>,
+}
+
+/// One case against all settings.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct CaseResult {
+    /// The row's number.
+    pub row: u8,
+    /// The row's title.
+    pub title: String,
+    /// What fails there.
+    pub weakness: String,
+    /// Techniques that the row is about and that don't exist yet.
+    pub not_yet: Option<String>,
+    /// The case's name.
+    pub case: String,
+    /// The scene's name.
+    pub scene: String,
+    /// What moves.
+    pub motion: String,
+    /// What is measured.
+    pub measure: String,
+    /// Its unit, may be empty.
+    pub unit: String,
+    /// Where it passes and fails.
+    pub limits: Limits,
+    /// Why there.
+    pub reason: String,
+    /// What a perfect map of the same size would show.
+    pub ideal: f64,
+    /// All settings.
+    pub cells: Vec<Cell>,
+}
+
+/// One setting of a technique on one case.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Cell {
+    /// The technique's name.
+    pub technique: String,
+    /// Its settings.
+    pub settings: String,
+    /// What came out.
+    pub outcome: Outcome,
+    /// On how many pixels backends differ, of those whose answer doesn't hang on rounding; none with a single backend.
+    pub disagreeing: Option<u64>,
+    /// Truth, mask and error side by side, or a strip of frames: a PNG, for cells that don't pass.
+    #[serde(skip)]
+    pub picture: Option<Vec<u8>>,
+}
+
+/// What came out of a cell.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Outcome {
+    /// A figure in the measure's unit.
+    Measured {
+        /// Smaller is better.
+        figure: f64,
+        /// Against the limits.
+        verdict: Verdict,
+    },
+    /// The technique isn't made for this scene.
+    Unsupported {
+        /// Why.
+        reason: String,
+    },
+    /// What must not be.
+    Fault {
+        /// NaN, a panic, an error of the graphics API.
+        what: String,
+    },
+}
+
+impl Cell {
+    /// The verdict, if the cell is measured.
+    pub fn verdict(&self) -> Option<Verdict> {
+        match self.outcome {
+            Outcome::Measured { verdict, .. } => Some(verdict),
+            _ => None,
+        }
+    }
+
+    /// A sign that reads without colour: ✓ passes, ~ degraded, ✗ fails, – not served, ! must not be.
+    pub fn sign(&self) -> char {
+        match &self.outcome {
+            Outcome::Measured { verdict, .. } => verdict.sign(),
+            Outcome::Unsupported { .. } => '–',
+            Outcome::Fault { .. } => '!',
+        }
+    }
+
+    /// The figure, if the cell is measured.
+    pub fn figure(&self) -> Option<f64> {
+        match self.outcome {
+            Outcome::Measured { figure, .. } => Some(figure),
+            _ => None,
+        }
+    }
+}
+
+impl Stability {
+    /// How many cells there are of each verdict: pass, degraded, fails.
+    pub fn counts(&self) -> [usize; 3] {
+        let cells = || self.cases.iter().flat_map(|c| &c.cells);
+        [Verdict::Pass, Verdict::Degraded, Verdict::Fails].map(|v| cells().filter(|c| c.verdict() == Some(v)).count())
+    }
+
+    /// The names of all techniques, in the order of their first cell.
+    pub fn techniques(&self) -> Vec<&str> {
+        let mut names: Vec<&str> = Vec::new();
+        for cell in self.cases.iter().flat_map(|c| &c.cells) {
+            if !names.contains(&cell.technique.as_str()) {
+                names.push(&cell.technique);
+            }
+        }
+        names
+    }
+}

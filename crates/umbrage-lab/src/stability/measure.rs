@@ -1,0 +1,227 @@
+//! Which measure a case is judged by, its unit, and where it passes and fails.
+
+use super::{
+    Limits,
+    ground::Ground,
+    measures::{edge, gap, gap::Contact, open, penumbra, seams},
+};
+use glam::Vec3;
+
+/// A measure of one case: smaller is better, and 0 is truth's own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Measure {
+    /// [`open::acne`].
+    Acne,
+    /// The worst bin of [`open::acne_by_distance`].
+    AcneByDistance,
+    /// [`open::leak`].
+    Leak,
+    /// [`open::wrong`].
+    Wrong,
+    /// RMSE over all pixels that count.
+    Rmse,
+    /// [`Contact::gap`].
+    Gap(Contact),
+    /// [`Contact::leak`] within this reach, metres.
+    ContactLeak(Contact, f32),
+    /// [`gap::leak_around`] these places within this reach, metres.
+    LeakAround(&'static [Vec3], f32),
+    /// [`edge::displacement`].
+    EdgeDisplacement,
+    /// [`seams::wrong_within`] two texels of a cube's seams.
+    Seams,
+    /// [`penumbra::rmse`].
+    PenumbraRmse,
+    /// [`penumbra::Shadows::widths`]: the mean over all casters of how far the ratio is from 1.
+    PenumbraWidth,
+    /// Percent of the pixels, those facing away from the light left out, that the mask darkens at all.
+    AllLit,
+    /// How far the RMSE is from that of the same technique on the scene of this name, which is the same at scale 1.
+    ScaleDrift(&'static str),
+    /// Fragments that casts draw, in pictures of 1280 x 720: those of casts from the camera grow with its pixels.
+    Fill,
+    /// [`shimmer::shimmer`](super::measures::shimmer) at points within [`OPEN_TEXELS`](super::OPEN_TEXELS) of an edge.
+    Shimmer,
+}
+
+/// Of shares of pixels: one in a thousand strays unseen; one in a hundred is a patch that anyone sees.
+const SHARE: Limits = Limits::new(0.1, 1.0);
+/// The smallest visible step: of an 8-bit picture.
+const STEP: f64 = 1.0 / 255.0;
+/// Texels on either side of a seam.
+const SEAM_TEXELS: f32 = 2.0;
+/// Rays whose noise passes in penumbrae: 17 grey levels.
+const RAYS: u32 = 16;
+/// A tenth of a percent: the least share that is seen.
+const SMALL_SHARE: f64 = 0.1;
+/// Of a band of some hundred pixels: one in a hundred is a pixel or few.
+const BAND_SHARE: f64 = 1.0;
+/// A pixel's half cannot be seen.
+const HALF_PIXEL: f64 = 0.5;
+/// The ground is met within this of its height, metres.
+const LEVEL: f32 = 0.01;
+
+impl Measure {
+    /// What is measured, in a few words.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Acne => "acne",
+            Self::AcneByDistance => "acne in the worst bin of distance",
+            Self::Leak => "leak",
+            Self::Wrong => "wrong away from edges",
+            Self::Rmse => "RMSE",
+            Self::Gap(_) => "gap",
+            Self::ContactLeak(..) => "leak at the contact",
+            Self::LeakAround(..) => "leak around the contacts",
+            Self::EdgeDisplacement => "edge displacement",
+            Self::Seams => "wrong on seams",
+            Self::PenumbraRmse => "RMSE in penumbrae",
+            Self::PenumbraWidth => "penumbra width error",
+            Self::AllLit => "darkened though nothing shadows",
+            Self::ScaleDrift(_) => "RMSE beyond scale 1's",
+            Self::Fill => "fill",
+            Self::Shimmer => "shimmer",
+        }
+    }
+
+    /// The figure's unit; empty for plain numbers.
+    pub fn unit(&self) -> &'static str {
+        match self {
+            Self::Gap(_) => "mm",
+            Self::EdgeDisplacement => "px",
+            Self::Fill => "M fragments",
+            Self::Rmse | Self::PenumbraRmse | Self::ScaleDrift(_) | Self::Shimmer => "",
+            _ => "%",
+        }
+    }
+
+    /// Why the limits are where they are.
+    pub fn reason(&self) -> &'static str {
+        match self {
+            Self::Acne | Self::AcneByDistance | Self::Leak | Self::Wrong => {
+                "away from edges nothing may be wrong: one pixel in a thousand strays unseen, one in a hundred is a patch"
+            }
+            Self::Rmse => {
+                "twice a perfect map's of this size, and a step of 255; fails at four times that, or near no shadow at all"
+            }
+            Self::Gap(_) => {
+                "twice a perfect map's of this size, and a row of pixels; fails at four times that, or near no shadow at all"
+            }
+            Self::ContactLeak(..) | Self::LeakAround(..) => {
+                "twice a perfect map's of this size, and one pixel in a hundred of the band; fails at four times that, or near no shadow at all"
+            }
+            Self::EdgeDisplacement => {
+                "twice a perfect map's of this size, and half a pixel; fails at four times that, or near no shadow at all"
+            }
+            Self::Seams => {
+                "twice a perfect map's of this size, and one pixel in a thousand; fails at four times that, or near no shadow at all"
+            }
+            Self::PenumbraRmse => {
+                "passes up to the noise of 16 independent rays a pixel; fails above half the error of a lamp without extent"
+            }
+            Self::PenumbraWidth => "passes within a quarter of the true width; fails if off by more than half of it",
+            Self::AllLit => "nothing may darken: any pixel fails",
+            Self::ScaleDrift(_) => "a step of 255; fails at four",
+            Self::Fill => "passes up to four pictures' worth of fragments; fails above sixteen",
+            Self::Shimmer => "a mean change by a step of 255 a frame; fails at four",
+        }
+    }
+
+    /// The figure of a mask, in the measure's unit. 0 for measures that no single mask tells: drift, fill, shimmer.
+    pub fn figure(&self, ground: &Ground, mask: &[f32]) -> f64 {
+        let (truth, open) = (&ground.truth.visibility, &ground.open);
+        let (receivers, counts) = (&ground.truth.receivers, |i: usize| ground.counts(i));
+        match *self {
+            Self::Acne => open::acne(mask, truth, open),
+            Self::AcneByDistance => worst(open::acne_by_distance(mask, truth, open, &receivers.distance)),
+            Self::Leak => open::leak(mask, truth, open),
+            Self::Wrong => open::wrong(mask, truth, open),
+            Self::Rmse | Self::ScaleDrift(_) => rmse(ground, mask),
+            Self::Gap(contact) => 1e3 * contact.gap(mask, truth, receivers, counts),
+            Self::ContactLeak(contact, reach) => contact.leak(mask, truth, receivers, reach, counts),
+            Self::LeakAround(places, reach) => gap::leak_around(places, reach, mask, truth, receivers, counts),
+            Self::EdgeDisplacement => edge::displacement(ground.truth.size, mask, truth, &ground.truth.pixels),
+            Self::Seams => seams::wrong_within(mask, truth, |i| counts(i) && on_seam(ground, i)),
+            Self::PenumbraRmse => penumbra::rmse(mask, truth, counts),
+            Self::PenumbraWidth => {
+                let widths = shadows(ground).widths(mask, truth, receivers, LEVEL, counts);
+                let off: Vec<f64> = widths.into_iter().flatten().map(|w| (w - 1.0).abs()).collect();
+                100.0 * off.iter().sum::<f64>() / off.len().max(1) as f64
+            }
+            Self::AllLit => {
+                use umbrage_core::metrics::Pixel::{Counted, Empty};
+                let here = (0..mask.len()).filter(|&i| matches!(ground.truth.pixels[i], Counted | Empty));
+                open::share(here.map(|i| mask[i] < 1.0))
+            }
+            Self::Fill | Self::Shimmer => 0.0,
+        }
+    }
+
+    /// Where the figure passes and fails on this ground: see [`Measure::reason`].
+    pub fn limits(&self, ground: &Ground) -> Limits {
+        let counts = |i: usize| ground.counts(i);
+        let ideal = self.figure(ground, &ground.ideal);
+        let none = || self.figure(ground, &vec![1.0; ground.ideal.len()]);
+        match *self {
+            Self::Acne | Self::AcneByDistance | Self::Leak | Self::Wrong => SHARE,
+            Self::Rmse => Limits::over_ideal(ideal, STEP).below(none()),
+            Self::Gap(contact) => {
+                let pixel = contact.pixel(&ground.truth.receivers, NEAR_CONTACT, counts);
+                Limits::over_ideal(ideal, 1e3 * pixel).below(none())
+            }
+            Self::ContactLeak(..) | Self::LeakAround(..) => Limits::over_ideal(ideal, BAND_SHARE).below(none()),
+            Self::EdgeDisplacement => Limits::over_ideal(ideal, HALF_PIXEL).below(none()),
+            Self::Seams => Limits::over_ideal(ideal, SMALL_SHARE).below(none()),
+            Self::PenumbraRmse => Limits::new(
+                penumbra::ray_noise(&ground.truth.visibility, RAYS, counts),
+                0.5 * penumbra::rmse(&ground.hard, &ground.truth.visibility, counts),
+            ),
+            Self::PenumbraWidth => Limits::new(25.0, 50.0),
+            Self::AllLit => Limits::new(0.0, 0.0),
+            Self::ScaleDrift(_) | Self::Shimmer => Limits::new(STEP, super::verdict::FAILS_AT * STEP),
+            Self::Fill => Limits::new(4.0 * SCREEN, 16.0 * SCREEN),
+        }
+    }
+}
+
+/// Ground behind a contact on which rows of pixels are counted, metres.
+const NEAR_CONTACT: f32 = 0.1;
+
+/// Pixels of the picture that fill is counted for, millions.
+pub(super) const SCREEN: f64 = 1280.0 * 720.0 * 1e-6;
+
+fn worst(bins: [f64; open::BINS]) -> f64 {
+    bins.into_iter().fold(0.0, f64::max)
+}
+
+/// Root of the mean square of mask - truth over the pixels that count.
+pub(super) fn rmse(ground: &Ground, mask: &[f32]) -> f64 {
+    let square = |i: usize| (f64::from(mask[i]) - f64::from(ground.truth.visibility[i])).powi(2);
+    let n = ground.counted().count().max(1) as f64;
+    (ground.counted().map(square).sum::<f64>() / n).sqrt()
+}
+
+fn on_seam(ground: &Ground, i: usize) -> bool {
+    let at = |light: &umbrage_core::Light| light.position();
+    let from = ground.lights.first().and_then(at).unwrap_or_default();
+    seams::on_seam(ground.truth.receivers.position(i) - from, ground.map_size, SEAM_TEXELS)
+}
+
+/// Places along each caster's upright axis.
+const PLACES: usize = 5;
+
+/// Where the shadows of what stands over the ground fall, from the light's middle: each instance but the first (the
+/// floor), at places along its upright axis.
+fn shadows(ground: &Ground) -> penumbra::Shadows {
+    let light = ground.lights.first().map(super::ground::without_extent);
+    let from = light.and_then(|l| l.position()).unwrap_or_default();
+    let of = |instance: &umbrage_core::Instance| {
+        let mesh = &ground.scene.meshes[instance.mesh];
+        let corners = mesh.positions.iter().map(|p| instance.world_from_local.transform_point3(*p));
+        let b = umbrage_core::Aabb::around(corners);
+        let at = |k: usize| b.center().with_y(b.min.y + (b.max.y - b.min.y) * k as f32 / (PLACES - 1) as f32);
+        let fall = |p: Vec3| from + (p - from) * (from.y / (from.y - p.y));
+        (0..PLACES).map(|k| fall(at(k))).collect()
+    };
+    penumbra::Shadows(ground.scene.instances.iter().skip(1).map(of).collect())
+}

@@ -1,0 +1,45 @@
+//! Where the faces of a cube of maps meet.
+
+use super::open::share;
+use glam::Vec3;
+
+/// Whether the way from a light to a point passes within `texels` texels of a seam, on a cube of faces of `size` texels:
+/// on the face of its greatest coordinate a, the next greatest, b, is at b/a of the half side.
+pub fn on_seam(from_light: Vec3, size: u32, texels: f32) -> bool {
+    let mut d = from_light.abs().to_array();
+    d.sort_by(f32::total_cmp);
+    let half = 0.5 * size as f32;
+    d[2] > 0.0 && (1.0 - d[1] / d[2]) * half <= texels
+}
+
+/// Percent of the marked pixels on which mask and truth are on different sides of a half.
+pub fn wrong_within(mask: &[f32], truth: &[f32], marked: impl Fn(usize) -> bool) -> f64 {
+    share((0..mask.len()).filter(|&i| marked(i)).map(|i| (mask[i] < 0.5) != (truth[i] < 0.5)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn seams_are_where_two_coordinates_are_equal() {
+        let texel = 2.0 / 512.0;
+        for (direction, expected) in [
+            (Vec3::new(1.0, 1.0, 0.2), true),
+            (Vec3::new(-3.0, 0.0, 3.0), true),
+            (Vec3::new(1.0, 1.0 - 1.9 * texel, 0.0), true),
+            (Vec3::new(1.0, 1.0 - 2.1 * texel, 0.0), false),
+            (Vec3::X, false),
+            (Vec3::ZERO, false),
+        ] {
+            assert_eq!(on_seam(direction, 512, 2.0), expected, "{direction}");
+        }
+    }
+
+    #[test]
+    fn only_marked_pixels_count() {
+        let (mask, truth) = ([1.0, 0.0, 0.0, 1.0], [1.0, 1.0, 1.0, 1.0]);
+        assert_eq!(wrong_within(&mask, &truth, |i| i < 2), 50.0);
+        assert_eq!(wrong_within(&mask, &truth, |i| i == 3), 0.0);
+    }
+}

@@ -1,0 +1,42 @@
+//! Where shadow methods fail: every row of the catalogue of failures as a scene, still or moving, against every technique,
+//! each judged by the row's own measure.
+//!
+//! * [`rows`]: the one list of rows. [`Measure`] says what each is judged by, [`Limits`] where it passes and fails.
+//! * [`run`]: plays them. [`Stability`]: what comes out.
+//! * [`measures`]: the measures as plain functions. [`Ground`]: truth, and what a *perfect map* of the same size would
+//!   show, which limits are taken from.
+//! * [`sweeps`]: one number turned from too little to too much. [`report`]: a page, a picture, a table, data.
+//!
+//! Limits are never tuned to results. They come from what edge aliasing alone must cause on a map of that size, from what
+//! is visible (steps of 1/255, one pixel in a thousand), or from the noise of a stated number of rays.
+
+mod cell;
+mod ground;
+mod guard;
+mod measure;
+pub mod measures;
+mod motion;
+mod pictures;
+mod play;
+pub mod report;
+mod row;
+mod rows;
+mod run;
+mod settings;
+pub mod sweeps;
+pub mod texels;
+mod verdict;
+
+pub use cell::{CaseResult, Cell, Outcome, Stability};
+pub use ground::{Ground, OPEN_TEXELS, without_extent};
+pub use guard::is_as_new;
+pub use measure::Measure;
+pub use motion::{Frame, Moving};
+pub use row::{Case, Motion, Row};
+pub use rows::{PLATE, cases, rows};
+pub use run::{Event, Options, check_state, ground, run};
+pub use settings::settings;
+pub use verdict::{FAILS_AT, Limits, Verdict};
+
+#[cfg(test)]
+mod tests;

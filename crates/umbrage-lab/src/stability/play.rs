@@ -1,0 +1,143 @@
+//! Still cases: every setting against one ground, on every backend.
+
+use super::{
+    Cell, Limits, Outcome, Verdict,
+    ground::Ground,
+    guard::{self, NoMask},
+    measure::{Measure, SCREEN, rmse},
+    pictures,
+    row::Case,
+};
+use crate::{
+    LabError,
+    compare::{Backends, agreement},
+};
+use umbrage_core::{Backend, Camera, Light, Recipe, ShadowTechnique, Shadows, View, Work};
+
+/// A still case, ready to be played.
+#[derive(Debug)]
+pub(super) struct Still<'a> {
+    pub(super) case: &'a Case,
+    pub(super) ground: &'a Ground,
+    /// The same scene at scale 1, for [`Measure::ScaleDrift`].
+    pub(super) reference: Option<&'a Ground>,
+    pub(super) limits: Limits,
+}
+
+/// A mask with what else is asked of its rendering.
+struct Played {
+    mask: Vec<f32>,
+    /// Fragments that casts draw, millions, for a picture of [`SCREEN`].
+    fill: f64,
+    disagreeing: Option<u64>,
+}
+
+impl Still<'_> {
+    /// One setting's cell.
+    pub(super) fn cell(&self, technique: &dyn ShadowTechnique, backends: &mut Backends) -> Result<Cell, LabError> {
+        let played = match play(self.ground, technique, backends) {
+            Ok(played) => played,
+            Err(why) => return Ok(no_mask(technique, why)),
+        };
+        let figure = match (self.case.measure, self.reference) {
+            (Measure::Fill, _) => played.fill,
+            (Measure::ScaleDrift(_), Some(reference)) => match play(reference, technique, backends) {
+                Ok(at_one) => (rmse(self.ground, &played.mask) - rmse(reference, &at_one.mask)).abs(),
+                Err(why) => return Ok(no_mask(technique, why)),
+            },
+            (measure, _) => measure.figure(self.ground, &played.mask),
+        };
+        let verdict = self.limits.judge(figure);
+        let worse = verdict != Verdict::Pass;
+        let picture = worse.then(|| pictures::beside(self.ground, &played.mask)).transpose()?;
+        Ok(Cell { picture, disagreeing: played.disagreeing, ..cell(technique, Outcome::Measured { figure, verdict }) })
+    }
+}
+
+pub(super) fn cell(technique: &dyn ShadowTechnique, outcome: Outcome) -> Cell {
+    let (technique, settings) = (technique.name().to_owned(), technique.settings());
+    Cell { technique, settings, outcome, disagreeing: None, picture: None }
+}
+
+pub(super) fn no_mask(technique: &dyn ShadowTechnique, why: NoMask) -> Cell {
+    let outcome = match why {
+        NoMask::Unsupported(reason) => Outcome::Unsupported { reason },
+        NoMask::Fault(what) => Outcome::Fault { what },
+    };
+    cell(technique, outcome)
+}
+
+/// The mean mask over the ground's lights on the first backend; the others must agree with it.
+fn play(ground: &Ground, technique: &dyn ShadowTechnique, backends: &mut Backends) -> Result<Played, NoMask> {
+    let mut all: Option<Played> = None;
+    for light in &ground.lights {
+        let one = under(light, ground, technique, backends)?;
+        all = Some(match all {
+            None => one,
+            Some(sum) => sum.plus(one),
+        });
+    }
+    let n = ground.lights.len() as f32;
+    let mut all = all.ok_or_else(|| NoMask::Unsupported("there is no light".to_owned()))?;
+    all.mask.iter_mut().for_each(|v| *v /= n);
+    Ok(all)
+}
+
+impl Played {
+    fn plus(mut self, other: Self) -> Self {
+        self.mask.iter_mut().zip(&other.mask).for_each(|(a, b)| *a += b);
+        self.fill += other.fill;
+        self.disagreeing = self.disagreeing.zip(other.disagreeing).map(|(a, b)| a + b);
+        self
+    }
+}
+
+fn under(
+    light: &Light,
+    ground: &Ground,
+    technique: &dyn ShadowTechnique,
+    backends: &mut Backends,
+) -> Result<Played, NoMask> {
+    let view = ground.view(light);
+    let recipe = guard::plan(technique, &view.with_receivers(&ground.truth.receivers))?;
+    let [first, others @ ..] = &mut *backends.playing else {
+        return Err(NoMask::Unsupported("there is no backend".to_owned()));
+    };
+    let shadows = guard::render(&mut **first, &view, &recipe)?;
+    let mut disagreeing = None;
+    for other in others {
+        let of_other = guard::render(&mut **other, &view, &recipe)?;
+        *disagreeing.get_or_insert(0) += differing(&mut **first, ground, light, &recipe, [&shadows, &of_other])?;
+    }
+    Ok(Played { fill: fill(&recipe, &view), mask: shadows.mask, disagreeing })
+}
+
+/// Decided pixels on which two backends differ. Equal masks need no search for what is undecided.
+fn differing(
+    first: &mut dyn Backend,
+    ground: &Ground,
+    light: &Light,
+    recipe: &Recipe,
+    [a, b]: [&Shadows; 2],
+) -> Result<u64, NoMask> {
+    let equal = a.mask.iter().zip(&b.mask).all(|(a, b)| a.to_bits() == b.to_bits());
+    if equal || first.kind() != "cpu" {
+        return Ok(if equal { 0 } else { a.mask.len() as u64 });
+    }
+    let view = ground.view(light);
+    let found = agreement::compare(first, &view, recipe, a, b).map_err(|e| NoMask::Fault(e.to_string()))?;
+    Ok(found.violations)
+}
+
+/// Fragments that casts draw, millions, for a picture of [`SCREEN`]: casts into images of the camera's size grow with its
+/// pixels.
+fn fill(recipe: &Recipe, view: &View<'_>) -> f64 {
+    let covered = Work::of(view, recipe).covered as f64 * 1e-6;
+    let pixels = f64::from(view.camera.size.x) * f64::from(view.camera.size.y) * 1e-6;
+    if draws_the_picture(recipe, view.camera) { covered * SCREEN / pixels } else { covered }
+}
+
+/// Whether a recipe casts into the camera's own picture.
+pub(super) fn draws_the_picture(recipe: &Recipe, camera: &Camera) -> bool {
+    recipe.casts.iter().any(|cast| recipe.images[cast.image].size == camera.size)
+}

@@ -1,0 +1,99 @@
+//! What a row of the catalogue of failures is made of.
+
+use super::measure::Measure;
+use umbrage_scenes::SceneEntry;
+use umbrage_techniques::Settings;
+
+/// A way in which shadow methods fail, and the scenes that provoke it.
+#[derive(Clone, Copy, Debug)]
+pub struct Row {
+    /// Its number in the catalogue of failures.
+    pub number: u8,
+    /// A few words.
+    pub title: &'static str,
+    /// What fails, and why, in a sentence.
+    pub weakness: &'static str,
+    /// Techniques that the row is about and that umbrage doesn't have yet.
+    pub not_yet: Option<&'static str>,
+    /// Scenes, each with its measure.
+    pub cases: &'static [Case],
+}
+
+/// One scene, still or moving, with the measure that tells the failure.
+#[derive(Clone, Copy, Debug)]
+pub struct Case {
+    /// For file names and the command line; the scene's name, and the motion if there is one.
+    pub name: &'static str,
+    /// The built-in scene.
+    pub scene: &'static str,
+    /// The scene's lights that count, from the first on; masks are means over them.
+    pub lights: usize,
+    /// What moves.
+    pub motion: Motion,
+    /// What is measured.
+    pub measure: Measure,
+    /// Settings tried beside those of the catalogue, for this map size.
+    pub extra: Option<fn(map_size: u32) -> Settings>,
+}
+
+/// What moves from frame to frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Motion {
+    /// Nothing.
+    Still,
+    /// The camera, sideways by .37 texels of the map: in a few frames edges meet texels in all phases.
+    Pan,
+    /// The camera turns by .1 degree about the vertical.
+    Yaw,
+    /// The camera's vertical field of view opens from 75 to 90 degrees.
+    Widening,
+    /// The sun turns by .25 degree about the vertical.
+    Sun,
+}
+
+impl Motion {
+    /// A few words for people.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Still => "still",
+            Self::Pan => "camera pans by .37 texels a frame",
+            Self::Yaw => "camera yaws by .1 degree a frame",
+            Self::Widening => "field of view opens from 75 to 90 degrees",
+            Self::Sun => "sun turns by .25 degree a frame",
+        }
+    }
+}
+
+impl Case {
+    /// A still scene.
+    pub(super) const fn still(scene: &'static str, measure: Measure) -> Self {
+        Self { name: scene, scene, lights: 1, motion: Motion::Still, measure, extra: None }
+    }
+
+    /// A moving scene: its shimmer.
+    pub(super) const fn moving(name: &'static str, scene: &'static str, motion: Motion) -> Self {
+        Self { name, motion, ..Self::still(scene, Measure::Shimmer) }
+    }
+
+    /// The same case under another name: a scene with two measures.
+    pub(super) const fn named(self, name: &'static str) -> Self {
+        Self { name, ..self }
+    }
+
+    /// The same case with more settings.
+    pub(super) const fn with(self, extra: fn(map_size: u32) -> Settings) -> Self {
+        Self { extra: Some(extra), ..self }
+    }
+
+    /// The scene in the catalogue of scenes; none only if this list has a name wrong, which a test refuses.
+    pub fn entry(&self) -> Option<&'static SceneEntry> {
+        umbrage_scenes::find(self.scene)
+    }
+}
+
+impl Row {
+    /// Whether someone who asks for `word` means this row: its number.
+    pub fn is_called(&self, word: &str) -> bool {
+        word.trim_start_matches('#').parse() == Ok(self.number)
+    }
+}

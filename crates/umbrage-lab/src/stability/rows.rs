@@ -1,0 +1,170 @@
+//! The one list of rows: command, documentation, matrix and tests all come from it.
+
+use super::{
+    measure::Measure,
+    measures::gap::Contact,
+    row::{Case, Motion, Row},
+};
+use glam::Vec3;
+use std::sync::Arc;
+use umbrage_core::ShadowTechnique;
+use umbrage_techniques::{Bias, Hard, MapFormat, Settings, ShadowMap};
+
+/// All rows, by number.
+pub fn rows() -> &'static [Row] {
+    ROWS
+}
+
+/// All cases with their rows.
+pub fn cases() -> impl Iterator<Item = (&'static Row, &'static Case)> {
+    ROWS.iter().flat_map(|row| row.cases.iter().map(move |case| (row, case)))
+}
+
+/// Where `thin-plate`'s plate stands; its shadow falls along +z.
+pub const PLATE: Contact =
+    Contact { from: Vec3::new(-0.45, 0.0, 0.001), to: Vec3::new(0.45, 0.0, 0.001), along: Vec3::Z };
+
+/// The middles of `hovering-feet`'s feet on the floor.
+const FEET: [Vec3; 4] =
+    [Vec3::new(-0.9, 0.0, 0.2), Vec3::new(-0.6, 0.0, 0.0), Vec3::new(0.4, 0.0, 0.3), Vec3::new(0.7, 0.0, 0.1)];
+
+/// The feet's radius and 10 cm around it, metres.
+const AROUND_FEET: f32 = 0.11 + 0.10;
+
+const fn still(scene: &'static str, measure: Measure) -> Case {
+    Case::still(scene, measure)
+}
+
+const fn row(number: u8, title: &'static str, weakness: &'static str, cases: &'static [Case]) -> Row {
+    Row { number, title, weakness, not_yet: None, cases }
+}
+
+impl Row {
+    const fn without(self, techniques: &'static str) -> Self {
+        Self { not_yet: Some(techniques), ..self }
+    }
+}
+
+fn hard(size: u32, format: MapFormat, biases: &[Bias]) -> Settings {
+    let of = |&bias| {
+        let map = ShadowMap { size, bias, format, ..ShadowMap::default() };
+        Arc::new(Hard { map }) as Arc<dyn ShadowTechnique>
+    };
+    biases.iter().map(of).collect()
+}
+
+/// Maps of 16 bits under two biases.
+fn coarse(size: u32) -> Settings {
+    hard(size, MapFormat::Depth16, &[Bias::POLYGON_OFFSET, Bias::RECEIVER_PLANE])
+}
+
+/// No bias, and those that a low sun and distance are too much for.
+fn too_little(size: u32) -> Settings {
+    hard(size, MapFormat::Depth32, &[Bias::NONE, Bias::CONSTANT, Bias::NORMAL_OFFSET])
+}
+
+/// What lets light into rooms and under thin casters.
+fn leaky(size: u32) -> Settings {
+    hard(size, MapFormat::Depth32, &[Bias::NORMAL_OFFSET, Bias::FRONT_CULL])
+}
+
+const MOMENTS: &str = "moment maps (VSM, EVSM, MSM)";
+const WARPS: &str = "perspective warps";
+const CASCADES: &str = "cascades";
+
+#[rustfmt::skip]
+const ROWS: &[Row] = &[
+    row(1, "low sun", "a constant bias and a wide kernel are too little where light grazes: acne", &[
+        still("low-sun-2", Measure::Acne).with(too_little), still("low-sun-5", Measure::Acne).with(too_little), still("low-sun-10", Measure::Acne).with(too_little),
+    ]),
+    row(2, "near and far", "one bias for receivers at 5 m and at 300 m: acne in one of them", &[
+        still("long-plane", Measure::AcneByDistance).with(too_little), still("long-plane-lamp", Measure::AcneByDistance).with(too_little),
+    ]),
+    row(3, "thin contact", "a bias parts the shadow from a plate of 2 mm; second depth leaks at its base", &[
+        still("thin-plate", Measure::Gap(PLATE)).with(leaky),
+        still("thin-plate", Measure::ContactLeak(PLATE, 0.05)).with(leaky).named("thin-plate-leak"),
+    ]),
+    row(4, "sealed room", "walls one texel thick: front-face culling, second depth and normal offsets let light in", &[
+        still("sealed-room", Measure::Leak).with(leaky),
+    ]),
+    row(5, "open shells", "leaves, sheets and open boxes have no far side: what needs closed casters loses shadow", &[
+        still("open-shells", Measure::Wrong),
+    ]),
+    row(6, "thin slices", "moments of many layers bleed; a bias takes a slice for the next", &[
+        still("stacked-slices", Measure::Leak),
+    ]).without(MOMENTS),
+    row(7, "two blockers", "one penumbra is made of a pole near the lamp and a wall far from it", &[
+        still("two-blockers", Measure::PenumbraRmse),
+    ]).without(MOMENTS),
+    row(8, "near contact", "feet 1 cm above the floor: light leaks under them", &[
+        still("hovering-feet", Measure::LeakAround(&FEET, AROUND_FEET)),
+    ]).without("exponential maps (EVSM)"),
+    row(9, "fine detail", "wires as thin as a texel come and go", &[
+        still("fence", Measure::Rmse), Case::moving("fence-pan", "fence", Motion::Pan),
+    ]).without("alpha-tested casters"),
+    row(10, "landscape", "texels far larger than pixels nearby, a fit that follows the camera", &[
+        still("hills", Measure::Rmse), still("hills", Measure::Acne).named("hills-acne"),
+        Case::moving("hills-pan", "hills", Motion::Pan),
+    ]).without(CASCADES),
+    row(11, "far from the origin", "positions and fits are coarse in 32 bits at 1e5 and 1e6 m", &[
+        Case::moving("hills-1e5-pan", "hills-1e5", Motion::Pan), Case::moving("hills-1e6-pan", "hills-1e6", Motion::Pan),
+    ]),
+    row(12, "turning camera", "a fit that isn't stabilised changes with every frame", &[
+        Case::moving("hills-yaw", "hills", Motion::Yaw), Case::moving("hills-fov", "hills", Motion::Widening),
+    ]),
+    row(13, "turning sun", "texels turn with the light and crawl along edges", &[
+        Case::moving("hills-sun", "hills", Motion::Sun),
+    ]),
+    row(14, "into the light", "picture and map run against each other", &[
+        still("into-light", Measure::Rmse),
+    ]).without(WARPS),
+    row(15, "cube seams", "kernels stop at the edges of a cube's faces", &[
+        still("lamp-in-room", Measure::Seams),
+    ]),
+    row(16, "coarse floor", "straight edges between few vertices bend on a curved map", &[
+        still("lamp-in-room", Measure::EdgeDisplacement).named("lamp-in-room-edges"),
+    ]).without("paraboloids"),
+    row(17, "rising heights", "each box has a penumbra of its own width", &[
+        still("rising-boxes", Measure::PenumbraWidth), still("rising-boxes-disc", Measure::PenumbraWidth),
+    ]),
+    row(18, "canopy", "leaves and a trunk under a large lamp: one penumbra is made of many", &[
+        still("canopy", Measure::PenumbraRmse),
+    ]),
+    row(19, "two lights", "the errors of two lights add up", &[
+        Case { lights: 2, ..still("two-lights", Measure::Rmse) },
+    ]),
+    row(20, "caster at the light", "a bar 1 cm from the lamp is nearer than the near plane: lost", &[
+        still("bar-at-lamp", Measure::Leak),
+    ]),
+    row(21, "eye in an umbra", "counts of shadow volumes start inside one, which the near plane cuts", &[
+        still("eye-in-umbra", Measure::Wrong), still("eye-in-umbra-lamp", Measure::Wrong),
+    ]),
+    row(22, "broken meshes", "double faces, T-junctions and holes have no clean silhouette", &[
+        still("broken-meshes", Measure::Leak), still("broken-meshes-lamp", Measure::Leak),
+    ]),
+    row(23, "many casters", "the volumes of 10,000 boxes fill the picture many times over", &[
+        still("ten-thousand-boxes", Measure::Fill),
+    ]),
+    row(24, "stairs", "shadows flattened onto planes: wrong planes, casters across them, casters beyond the light", &[
+        still("stairs", Measure::Acne), still("stairs-lamp", Measure::Acne), still("flat-receivers", Measure::Acne),
+    ]),
+    row(25, "relief", "a bias along the shading normal; relief that the map doesn't know", &[
+        still("displaced-wall", Measure::Acne), still("normal-mapped-wall", Measure::Acne),
+        still("relief-without-depth-pass", Measure::Acne),
+    ]),
+    row(26, "coarse depth", "16 bits over a quarter of a kilometre: depths come in steps", &[
+        still("far-range", Measure::Acne).with(coarse),
+    ]),
+    row(27, "light along up", "a look-at whose up is the light's direction has no right", &[
+        still("sun-above", Measure::Rmse), still("spot-above", Measure::Rmse),
+    ]),
+    row(28, "scale", "biases in metres at 1e-3 and 1e4 of a scene", &[
+        still("cubes-tiny", Measure::ScaleDrift("cubes")), still("cubes-huge", Measure::ScaleDrift("cubes")),
+    ]),
+    row(29, "nothing", "nothing casts, receives or is seen: empty fits, divisions by zero", &[
+        still("no-casters", Measure::AllLit), still("no-receivers", Measure::AllLit), still("only-sky", Measure::AllLit),
+    ]),
+    row(30, "caster out of view", "a tower beside the picture throws its shadow into it", &[
+        still("tower-out-of-view", Measure::Leak),
+    ]),
+];

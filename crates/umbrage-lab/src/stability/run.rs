@@ -1,0 +1,234 @@
+//! All rows against all techniques.
+
+use super::{
+    CaseResult, Cell, Outcome, Stability,
+    ground::Ground,
+    guard,
+    measure::Measure,
+    motion::{Moving, first_camera},
+    play::Still,
+    row::{Case, Motion, Row},
+    rows::cases,
+    settings::settings,
+};
+use crate::{LabError, compare::Backends, truth::TruthOptions};
+use glam::UVec2;
+use umbrage_core::{Backend, Fit, Invalid};
+use umbrage_techniques::Settings;
+
+/// What to play, and how carefully.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// Rows by number, or cases by name; all when empty.
+    pub rows: Vec<String>,
+    /// Techniques by name; all when empty.
+    pub techniques: Vec<String>,
+    /// Image size, pixels.
+    pub size: UVec2,
+    /// Side of the maps, texels.
+    pub map_size: u32,
+    /// Frames of moving cases, 2 or more.
+    pub frames: u32,
+    /// How truth is traced.
+    pub truth: TruthOptions,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        let truth = TruthOptions { samples: 256, probe_samples: 32, ..TruthOptions::default() };
+        Self { rows: Vec::new(), techniques: Vec::new(), size: UVec2::new(240, 180), map_size: 1024, frames: 10, truth }
+    }
+}
+
+impl Options {
+    /// For a first look: small images, small maps, few frames and samples.
+    pub fn quick() -> Self {
+        let truth = TruthOptions { samples: 64, probe_samples: 16, penumbra_factor: 2, ..TruthOptions::default() };
+        Self { size: UVec2::new(120, 90), map_size: 512, frames: 5, truth, ..Self::default() }
+    }
+
+    fn wants(&self, row: &Row, case: &Case) -> bool {
+        let named = |word: &String| row.is_called(word) || case.name == word || case.scene == word;
+        self.rows.is_empty() || self.rows.iter().any(named)
+    }
+
+    /// Objects to rows and techniques that don't exist.
+    ///
+    /// # Errors
+    /// The first that doesn't, with what there is.
+    pub fn validate(&self) -> Result<(), Invalid> {
+        let known = |word: &&String| {
+            cases().any(|(row, case)| row.is_called(word) || case.name == *word || case.scene == *word)
+        };
+        if let Some(unknown) = self.rows.iter().find(|word| !known(word)) {
+            let mend = "use a row's number, 1 to 30, or the name of a case, such as thin-plate";
+            return Err(Invalid::new("row", format!("there is none called `{unknown}`"), mend));
+        }
+        let all = umbrage_techniques::all();
+        if let Some(unknown) = self.techniques.iter().find(|t| umbrage_techniques::find(t).is_none()) {
+            let names: Vec<_> = all.iter().map(|e| e.name).collect();
+            let why = format!("there is none called `{unknown}`");
+            return Err(Invalid::new("technique", why, format!("use some of {}", names.join(", "))));
+        }
+        Ok(())
+    }
+}
+
+/// What happens, for progress bars.
+#[derive(Clone, Copy, Debug)]
+pub enum Event<'a> {
+    /// A case begins: its place among all that are played.
+    Case {
+        /// Its name.
+        name: &'a str,
+        /// Its place, from 0.
+        index: usize,
+        /// How many there are.
+        of: usize,
+    },
+    /// A case has ended.
+    Done {
+        /// Its result.
+        result: &'a CaseResult,
+    },
+}
+
+/// Plays all rows wanted on all backends. What fails as it is known to is a result; what must not be (NaN, a panic, a
+/// validation error, backends that disagree) is told in [`Stability::faults`].
+///
+/// # Errors
+/// For unknown names, and when a scene can't be used.
+pub fn run(
+    options: &Options,
+    backends: &mut Backends,
+    on_event: &mut dyn FnMut(Event<'_>),
+) -> Result<Stability, LabError> {
+    options.validate()?;
+    let wanted: Vec<(&Row, &Case)> = cases().filter(|(row, case)| options.wants(row, case)).collect();
+    let mut out = Stability {
+        backends: backends.playing.iter().map(|b| b.kind().to_owned()).collect(),
+        map_size: options.map_size,
+        size: options.size.to_array(),
+        frames: options.frames,
+        ..Stability::default()
+    };
+    let mut last: Option<(&Case, Ground)> = None;
+    for (index, (row, case)) in wanted.iter().copied().enumerate() {
+        on_event(Event::Case { name: case.name, index, of: wanted.len() });
+        // Neighbours in the list often share a scene; its truth is traced once.
+        let ground = match last.take() {
+            Some((before, ground)) if is_same_ground(before, case) => ground,
+            _ => ground(case, case.scene, options)?,
+        };
+        let result = play_case(row, case, &ground, options, backends)?;
+        on_event(Event::Done { result: &result });
+        out.faults.extend(faults(&result));
+        out.cases.push(result);
+        last = Some((case, ground));
+    }
+    Ok(out)
+}
+
+fn is_same_ground(a: &Case, b: &Case) -> bool {
+    let widens = |c: &Case| c.motion == Motion::Widening;
+    a.scene == b.scene && a.lights == b.lights && widens(a) == widens(b)
+}
+
+/// Truth of a case's scene.
+///
+/// # Errors
+/// When the scene doesn't exist or can't be used.
+pub fn ground(case: &Case, scene: &str, options: &Options) -> Result<Ground, LabError> {
+    let unknown = || Invalid::new("scene", format!("there is none called `{scene}`"), "use a built-in one");
+    let scene = (umbrage_scenes::find(scene).ok_or_else(unknown)?.build)();
+    let camera = first_camera(&scene.cameras[0].resized(options.size), case.motion);
+    let lights = scene.lights.iter().take(case.lights).copied().collect();
+    Ground::new(scene, camera, lights, options.map_size, &options.truth)
+}
+
+fn play_case(
+    row: &Row,
+    case: &Case,
+    ground: &Ground,
+    options: &Options,
+    backends: &mut Backends,
+) -> Result<CaseResult, LabError> {
+    let limits = case.measure.limits(ground);
+    let chosen = chosen(case, options);
+    let cells = if case.motion == Motion::Still {
+        still_cells(case, ground, &chosen, options, backends)?
+    } else {
+        let moving = Moving::new(ground, case.motion, options.frames, &options.truth)?;
+        let Some(first) = backends.playing.first_mut() else { return Err(no_backend().into()) };
+        chosen.iter().map(|t| moving.cell(&**t, limits, &mut **first)).collect::<Result<_, _>>()?
+    };
+    Ok(CaseResult {
+        row: row.number,
+        title: row.title.to_owned(),
+        weakness: row.weakness.to_owned(),
+        not_yet: row.not_yet.map(str::to_owned),
+        case: case.name.to_owned(),
+        scene: case.scene.to_owned(),
+        motion: case.motion.label().to_owned(),
+        measure: case.measure.name().to_owned(),
+        unit: case.measure.unit().to_owned(),
+        limits,
+        reason: case.measure.reason().to_owned(),
+        ideal: case.measure.figure(ground, &ground.ideal),
+        cells,
+    })
+}
+
+fn no_backend() -> Invalid {
+    Invalid::new("stability", "has no backend", "open at least one")
+}
+
+/// The settings of a case.
+fn chosen(case: &Case, options: &Options) -> Settings {
+    let mut chosen = settings(&options.techniques, options.map_size, Fit::Tight);
+    let extra = case.extra.map_or_else(Vec::new, |f| f(options.map_size));
+    let wanted = |name: &str| options.techniques.is_empty() || options.techniques.iter().any(|t| t == name);
+    chosen.extend(extra.into_iter().filter(|t| wanted(t.name())));
+    chosen
+}
+
+fn still_cells(
+    case: &Case,
+    ground: &Ground,
+    chosen: &Settings,
+    options: &Options,
+    backends: &mut Backends,
+) -> Result<Vec<Cell>, LabError> {
+    let at_one = match case.measure {
+        Measure::ScaleDrift(scene) => Some(self::ground(case, scene, options)?),
+        _ => None,
+    };
+    let limits = case.measure.limits(ground);
+    let still = Still { case, ground, reference: at_one.as_ref(), limits };
+    chosen.iter().map(|technique| still.cell(&**technique, backends)).collect()
+}
+
+fn faults(result: &CaseResult) -> Vec<String> {
+    let name = |cell: &Cell| format!("{}: {} ({})", result.case, cell.technique, cell.settings);
+    let of = |cell: &Cell| match (&cell.outcome, cell.disagreeing) {
+        (Outcome::Fault { what }, _) => Some(format!("{}: {what}", name(cell))),
+        (_, Some(n)) if n > 0 => Some(format!("{}: backends differ on {n} decided pixels", name(cell))),
+        _ => None,
+    };
+    result.cells.iter().filter_map(of).collect()
+}
+
+/// Compares backends that have played with fresh ones, by kind: a fault for each that gives another picture.
+///
+/// # Errors
+/// When a control can't be played.
+pub fn check_state(used: &mut [Box<dyn Backend>], fresh: &mut [Box<dyn Backend>]) -> Result<Vec<String>, LabError> {
+    let mut out = Vec::new();
+    for used in used {
+        let Some(fresh) = fresh.iter_mut().find(|f| f.kind() == used.kind()) else { continue };
+        if !guard::is_as_new(&mut **used, &mut **fresh)? {
+            out.push(format!("{}: a control picture after the run differs from a fresh backend's", used.name()));
+        }
+    }
+    Ok(out)
+}

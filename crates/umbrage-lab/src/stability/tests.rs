@@ -1,0 +1,247 @@
+//! Every row's measure can pass and can fail, its scene has what it is for, and known weaknesses are seen.
+
+use super::*;
+use crate::{
+    compare::Backends,
+    truth::{self, TruthOptions},
+};
+use glam::UVec2;
+use std::collections::HashSet;
+use umbrage_core::{Backend, Fit, ShadowTechnique, View};
+use umbrage_cpu::Cpu;
+use umbrage_techniques::{Bias, Hard, Pcss, Planar, SecondDepth, ShadowMap, ShadowVolumes, Traced};
+
+/// Small enough that all cases take seconds.
+fn small() -> Options {
+    let truth = TruthOptions { samples: 64, penumbra_factor: 1, probe_samples: 16, ..TruthOptions::default() };
+    Options { size: UVec2::new(96, 72), map_size: 512, frames: 4, truth, ..Options::quick() }
+}
+
+fn case(name: &str) -> &'static Case {
+    cases().find(|(_, case)| case.name == name).map(|(_, case)| case).expect("in the list")
+}
+
+fn ground_of(case: &Case, options: &Options) -> Ground {
+    ground(case, case.scene, options).expect("a built-in scene")
+}
+
+/// The mean mask over the ground's lights on the CPU.
+fn mask(ground: &Ground, technique: &dyn ShadowTechnique) -> Vec<f32> {
+    let mut sum = vec![0.0; ground.truth.visibility.len()];
+    for light in &ground.lights {
+        let view: View<'_> = ground.view(light).with_receivers(&ground.truth.receivers);
+        let recipe = technique.plan(&view).expect("supported");
+        let shadows = Cpu::new().render(&view, &recipe).expect("plays");
+        sum.iter_mut().zip(&shadows.mask).for_each(|(s, v)| *s += v / ground.lights.len() as f32);
+    }
+    sum
+}
+
+fn verdict(case: &Case, ground: &Ground, mask: &[f32]) -> Verdict {
+    case.measure.limits(ground).judge(case.measure.figure(ground, mask))
+}
+
+#[test]
+fn the_list_holds_every_row_once_and_every_scene_exists() {
+    let numbers: Vec<u8> = rows().iter().map(|row| row.number).collect();
+    assert_eq!(numbers, (1..=30).collect::<Vec<u8>>());
+    let mut names = HashSet::new();
+    for (_, case) in cases() {
+        assert!(names.insert(case.name), "{} twice", case.name);
+        assert!(case.entry().is_some(), "{}: no scene {}", case.name, case.scene);
+    }
+}
+
+/// Each row's scene whose number the catalogue of scenes tells is played by that row.
+#[test]
+fn scenes_of_failures_are_played() {
+    let played: HashSet<&str> = cases().map(|(_, case)| case.scene).collect();
+    let left_out: Vec<&str> = umbrage_scenes::all()
+        .iter()
+        .filter(|e| matches!(e.kind, umbrage_scenes::Kind::Failure(_)) && !played.contains(e.name))
+        .map(|e| e.name)
+        .collect();
+    // The lamp with an extent is there for its penumbra alone.
+    assert_eq!(left_out, ["glowing-lamp-in-room"]);
+}
+
+/// With truth's own technique every still row passes, and with a mask that is all lit or all dark every one fails; and
+/// without casters there is no shadow left to measure: so every measure can do both.
+#[test]
+fn every_still_row_can_pass_and_can_fail() {
+    let options = small();
+    // No single mask tells these; and 10,000 boxes are for the command alone.
+    let by_mask = |m: Measure| !matches!(m, Measure::Fill | Measure::Shimmer);
+    for (_, case) in cases().filter(|(_, c)| by_mask(c.measure)) {
+        let ground = ground_of(case, &options);
+        let traced = mask(&ground, &Traced { samples: 256 });
+        assert_eq!(verdict(case, &ground, &traced), Verdict::Pass, "{}: traced", case.name);
+        if case.measure == Measure::AllLit && ground.counted().count() == 0 {
+            continue;
+        }
+        let n = traced.len();
+        let spoilt = [vec![0.0; n], vec![1.0; n]].map(|mask| verdict(case, &ground, &mask));
+        assert!(spoilt.contains(&Verdict::Fails), "{}: {spoilt:?}", case.name);
+    }
+}
+
+#[test]
+fn without_casters_no_shadow_is_left() {
+    let options = small();
+    for name in
+        ["thin-plate", "stacked-slices", "hovering-feet", "fence", "hills", "long-plane", "into-light", "two-lights"]
+    {
+        let case = case(name);
+        let ground = ground_of(case, &options);
+        assert!(ground.truth.has_shadow(), "{name}: nothing to see");
+        let bare = ground.geometry.without_casters();
+        for light in &ground.lights {
+            let find = &mut |c: &umbrage_core::Camera, g: &umbrage_core::Geometry| Cpu::new().receivers(c, g);
+            let truth = truth::trace(&ground.camera, light, &bare, &options.truth, find, &|_, _| {}).expect("valid");
+            assert!(!truth.has_shadow(), "{name}: shadows without casters");
+        }
+    }
+}
+
+fn hard(bias: Bias) -> Box<dyn ShadowTechnique> {
+    Box::new(Hard { map: ShadowMap { size: 512, bias, ..ShadowMap::default() } })
+}
+
+/// Weaknesses that a technique is known to have are seen, and truth's technique has none of them.
+#[test]
+fn known_weaknesses_are_seen() {
+    let too_much = Bias { constant: 0.1, ..Bias::NONE };
+    let map = ShadowMap { size: 512, bias: Bias::FRONT_CULL, ..ShadowMap::default() };
+    let soft = ShadowMap { size: 512, bias: Bias::RECEIVER_PLANE, ..ShadowMap::default() };
+    let pcss = || Box::new(Pcss { map: soft, ..Pcss::default() }) as Box<dyn ShadowTechnique>;
+    let known: [(&str, Box<dyn ShadowTechnique>); 11] = [
+        ("thin-plate", hard(too_much)),
+        ("thin-plate-leak", hard(too_much)),
+        ("low-sun-5", hard(Bias::NONE)),
+        ("long-plane", hard(Bias::NONE)),
+        ("open-shells", Box::new(SecondDepth { map, radius: 0 })),
+        ("broken-meshes", Box::new(SecondDepth { map, radius: 0 })),
+        ("rising-boxes", hard(Bias::RECEIVER_PLANE)),
+        // One penumbra made of several blockers, widths from few taps.
+        ("two-blockers", pcss()),
+        ("rising-boxes", pcss()),
+        ("rising-boxes-disc", pcss()),
+        ("canopy", pcss()),
+    ];
+    for (name, technique) in known {
+        let case = case(name);
+        let ground = ground_of(case, &small());
+        let figure = case.measure.figure(&ground, &mask(&ground, &*technique));
+        let limits = case.measure.limits(&ground);
+        assert_ne!(limits.judge(figure), Verdict::Pass, "{name}: {figure} passes {limits:?}");
+    }
+}
+
+fn false_light(ground: &Ground, mask: &[f32]) -> f64 {
+    let truth = &ground.truth;
+    umbrage_core::metrics::Errors::measure(truth.size, mask, &truth.visibility, &truth.pixels)
+        .expect("valid")
+        .false_light
+}
+
+/// Relief that the depth pass leaves out throws no shadow into its joints: against the relief's own truth they are lit.
+#[test]
+fn relief_that_the_map_lacks_leaves_joints_lit() {
+    let whole = ground_of(case("displaced-wall"), &small());
+    let split = ground_of(case("relief-without-depth-pass"), &small());
+    let technique = hard(Bias::RECEIVER_PLANE);
+    let [with, without] = [&whole, &split].map(|ground| false_light(&whole, &mask(ground, &*technique)));
+    assert!(without > 3.0 * with && without > 1.0, "{with} % with the relief, {without} % without");
+}
+
+/// Shadows on a normal-mapped wall are a flat wall's. A bias along normals of the relief bends them.
+#[test]
+fn a_bias_along_shading_normals_bends_shadows() {
+    let flat = ground_of(case("normal-mapped-wall"), &small());
+    let relief = ground_of(case("displaced-wall"), &small()).truth.receivers;
+    let mut bent = flat.truth.receivers.clone();
+    (bent.nx, bent.ny, bent.nz) = (relief.nx, relief.ny, relief.nz);
+    let technique = hard(Bias { normal_offset: 8.0, ..Bias::NORMAL_OFFSET });
+    let play = |receivers: &umbrage_core::Receivers| {
+        let recipe = technique.plan(&flat.view(&flat.lights[0]).with_receivers(receivers)).expect("supported");
+        let view = flat.view(&flat.lights[0]).with_receivers(receivers);
+        Measure::Rmse.figure(&flat, &Cpu::new().render(&view, &recipe).expect("plays").mask)
+    };
+    let [geometric, shading] = [play(&flat.truth.receivers), play(&bent)];
+    assert!(shading > 1.2 * geometric, "{geometric} along geometric normals, {shading} along shading normals");
+}
+
+/// Shadow volumes count exactly, also with the eye in an umbra and meshes that don't close.
+#[test]
+fn volumes_are_exact_where_counts_start_inside() {
+    for name in ["eye-in-umbra", "eye-in-umbra-lamp"] {
+        let case = case(name);
+        let ground = ground_of(case, &small());
+        assert_eq!(case.measure.figure(&ground, &mask(&ground, &ShadowVolumes::default())), 0.0, "{name}");
+    }
+}
+
+/// Planar shadows are exact on flat receivers, casters beyond the lamp and through the floor included.
+#[test]
+fn planar_shadows_have_no_anti_shadow() {
+    let case = case("flat-receivers");
+    let ground = ground_of(case, &small());
+    let planar = mask(&ground, &Planar::default());
+    assert_eq!(verdict(case, &ground, &planar), Verdict::Pass);
+}
+
+/// Open pixels have no edge near, and there are some; a perfect map errs at edges alone.
+#[test]
+fn open_pixels_are_right_on_a_perfect_map() {
+    let ground = ground_of(case("stairs"), &small());
+    let open = ground.open.iter().filter(|o| **o).count();
+    assert!(open * 4 > ground.open.len(), "{open} open pixels");
+    assert_eq!(super::measures::open::wrong(&ground.ideal, &ground.truth.visibility, &ground.open), 0.0);
+    assert!(Measure::Rmse.figure(&ground, &ground.ideal) > 0.0, "edges must alias");
+    // A map of a quarter of the side errs more.
+    let coarse = ground_of(case("stairs"), &Options { map_size: 128, ..small() });
+    assert!(Measure::Rmse.figure(&coarse, &coarse.ideal) > Measure::Rmse.figure(&ground, &ground.ideal));
+}
+
+/// A tight fit crawls under a panning camera; rays don't.
+#[test]
+fn panning_shimmers_on_a_tight_fit_and_not_when_traced() {
+    let options = Options {
+        rows: vec!["fence-pan".to_owned()],
+        techniques: vec!["hard".to_owned(), "traced".to_owned()],
+        ..small()
+    };
+    let mut backends = Backends::of(vec![Box::new(Cpu::new())]);
+    let stability = run(&options, &mut backends, &mut |_| {}).expect("plays");
+    let of = |name: &str| stability.cases[0].cells.iter().filter(|c| c.technique == name).collect::<Vec<_>>();
+    assert!(of("hard").iter().all(|c| c.verdict() == Some(Verdict::Fails) && c.picture.is_some()));
+    assert!(of("traced").iter().all(|c| c.figure() == Some(0.0)));
+    assert!(stability.faults.is_empty());
+}
+
+#[test]
+fn unknown_names_are_refused_with_what_there_is() {
+    let rows = Options { rows: vec!["31".to_owned()], ..small() };
+    assert!(rows.validate().expect_err("no such row").to_string().contains("1 to 30"));
+    let techniques = Options { techniques: vec!["vsm2".to_owned()], ..small() };
+    assert!(techniques.validate().expect_err("no such technique").to_string().contains("pcf"));
+    let known = Options { rows: vec!["3".to_owned(), "hills-pan".to_owned(), "fence".to_owned()], ..small() };
+    assert!(known.validate().is_ok());
+}
+
+/// The same run gives the same figures, and another backend state doesn't matter.
+#[test]
+fn runs_repeat_to_the_bit() {
+    let options = Options { rows: vec!["3".to_owned(), "17".to_owned()], ..small() };
+    let mut backends = Backends::of(vec![Box::new(Cpu::new())]);
+    let mut figures = || {
+        let stability = run(&options, &mut backends, &mut |_| {}).expect("plays");
+        stability.cases.iter().flat_map(|c| &c.cells).map(|c| c.figure().map(f64::to_bits)).collect::<Vec<_>>()
+    };
+    assert_eq!(figures(), figures());
+}
+
+#[test]
+fn settings_serve_any_fit() {
+    assert!(settings(&[], 64, Fit::Tight).len() >= umbrage_techniques::all().len());
+}

@@ -1,0 +1,36 @@
+//! `stability`: arguments.
+
+use super::Backend;
+use clap::Args;
+use std::path::PathBuf;
+
+#[derive(Args, Clone, Debug, PartialEq)]
+#[command(after_help = "Examples:
+  cargo xtask stability                              every row of the catalogue of failures, and all sweeps
+  cargo xtask stability --list                       the rows, and what each is judged by
+  cargo xtask stability 3 12 --technique hard,pcf    two rows, two techniques
+  cargo xtask stability thin-plate --backend cpu     one case, on the CPU alone
+  cargo xtask stability --quick --out look           small images and maps, in a folder of your own")]
+pub(crate) struct StabilityOptions {
+    /// Rows by number, or cases by name; none: all rows and all sweeps
+    #[arg(value_name = "ROW")]
+    pub(crate) rows: Vec<String>,
+    /// Only these techniques; may be repeated, or separated by commas
+    #[arg(long = "technique", value_name = "NAME", value_delimiter = ',')]
+    pub(crate) techniques: Vec<String>,
+    /// Which backends play; figures are the first's, and the others must agree. Else those available, with --quick the CPU
+    #[arg(long, value_name = "NAME")]
+    pub(crate) backend: Option<Backend>,
+    /// Graphics adapter by part of its name, such as llvmpipe
+    #[arg(long, value_name = "NAME")]
+    pub(crate) adapter: Option<String>,
+    /// Small images and maps, few frames and samples: a look rather than a measurement
+    #[arg(long)]
+    pub(crate) quick: bool,
+    /// Folder for the report; else target/stability in the repository
+    #[arg(long, value_name = "FOLDER")]
+    pub(crate) out: Option<PathBuf>,
+    /// List the rows with their scenes, measures and limits, and end
+    #[arg(long)]
+    pub(crate) list: bool,
+}
