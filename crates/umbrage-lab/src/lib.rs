@@ -4,6 +4,7 @@
 //! * [`report`]: a page, a table, data and pictures of it. [`pareto`]: the front of time against error.
 //! * [`textbook`]: the textbooks' effects, measured and pictured. [`mod@bench`]: paired timings.
 //! * [`cost`]: milliseconds by counting, the same on every run.
+//! * [`mod@plan`]: the least that a scene needs.
 //! * [`truth`]: what every shadow should have been, with its own error bars.
 //! * [`umbrage_core::metrics`]: how far a mask is from it.
 
@@ -13,6 +14,7 @@ pub mod compare;
 pub mod cost;
 mod error;
 pub mod pareto;
+pub mod plan;
 pub mod report;
 pub mod textbook;
 pub mod truth;
