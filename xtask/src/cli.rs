@@ -1,15 +1,19 @@
 //! What can be typed.
 
+mod plan;
+
 use clap::{Args, Parser, Subcommand};
+pub(crate) use plan::{PlanBackend, PlanOptions};
 use std::path::PathBuf;
 
 /// umbrage's own commands.
 #[derive(Debug, Parser)]
 #[command(name = "cargo xtask", bin_name = "cargo xtask", disable_help_subcommand = true)]
 #[command(after_help = "Examples:
-  cargo xtask compare                 every built-in scene, technique and backend: table and report
-  cargo xtask test --install-driver   all tests, on a software driver if need be
-  cargo xtask ci                      all that a change has to pass")]
+  cargo xtask compare                       every built-in scene, technique and backend: table and report
+  cargo xtask plan cubes --max-error 0.05   the least that a scene needs
+  cargo xtask test --install-driver         all tests, on a software driver if need be
+  cargo xtask ci                            all that a change has to pass")]
 pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Command,
@@ -19,6 +23,8 @@ pub(crate) struct Cli {
 pub(crate) enum Command {
     /// Measure techniques on scenes: speed, and error against ray-traced truth
     Compare(CompareOptions),
+    /// Find the least that a scene needs: the cheapest technique and setting within an error, time or memory
+    Plan(PlanOptions),
     /// Run all tests, with a graphics adapter
     Test(TestOptions),
     /// Time the CPU backend, the wgpu backend and ray tracing against their yardsticks
@@ -185,7 +191,7 @@ mod tests {
     /// What wrong usage says.
     #[test]
     fn usage_errors() {
-        let wrong: [&[&str]; 9] = [
+        let wrong: [&[&str]; 13] = [
             &[],
             &["compere"],
             &["compare", "--size", "640"],
@@ -193,6 +199,10 @@ mod tests {
             &["compare", "--map-sizes", "512,0"],
             &["compare", "--backend", "cuda"],
             &["compare", "--runs", "0"],
+            &["plan"],
+            &["plan", "cubes", "--max-error", "nan"],
+            &["plan", "cubes", "--max-ms", "-1"],
+            &["plan", "--regret", "--max-error", "0.1"],
             &["bless", "--all", "cubes.pcf"],
             &["ci", "--after-tests", "--install-driver"],
         ];

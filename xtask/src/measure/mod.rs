@@ -8,7 +8,13 @@ mod compare;
 #[cfg(feature = "measure")]
 mod list;
 #[cfg(feature = "measure")]
+mod plan;
+#[cfg(feature = "measure")]
+mod planning;
+#[cfg(feature = "measure")]
 mod progress;
+#[cfg(feature = "measure")]
+mod regret;
 #[cfg(feature = "measure")]
 mod table;
 
@@ -21,6 +27,8 @@ pub(crate) fn dispatch(command: &Command) -> Result<()> {
     match command {
         Command::Compare(options) if options.list => list::list(),
         Command::Compare(options) => compare::compare(options),
+        Command::Plan(options) if options.regret => regret::regret(options),
+        Command::Plan(options) => plan::plan(options),
         Command::Bench(options) => bench::bench(options),
         _ => Ok(()),
     }

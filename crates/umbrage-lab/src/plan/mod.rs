@@ -22,6 +22,7 @@ mod look;
 mod outcome;
 mod planner;
 mod reasons;
+mod regret;
 mod sample;
 mod setting;
 mod trial;
@@ -32,6 +33,7 @@ pub use bounds::Bounds;
 pub use estimate::Estimate;
 pub use outcome::{CurvePoint, Miss, Plan, Sampled};
 pub use planner::Planner;
+pub use regret::{LEAST_KEPT, MOST_REGRET, Regret, regret};
 pub use setting::Setting;
 
 use crate::{LabError, cost::CostModel, truth::TruthOptions};

@@ -55,6 +55,11 @@ impl<'a> Planner<'a> {
         Ok(Self { trial, families: Vec::new(), on_step, options: options.clone(), looking })
     }
 
+    /// Seconds that receivers, sample and truth took.
+    pub(super) fn looking(&self) -> f64 {
+        self.looking
+    }
+
     /// The least within the bounds.
     ///
     /// # Errors
