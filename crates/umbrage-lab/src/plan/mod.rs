@@ -20,6 +20,7 @@ mod estimate;
 mod families;
 mod look;
 mod outcome;
+mod penumbra;
 mod planner;
 mod reasons;
 mod regret;

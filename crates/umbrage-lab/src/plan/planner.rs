@@ -80,7 +80,8 @@ impl<'a> Planner<'a> {
             }
             Found::Missed(miss) => (None, Vec::new(), Some(miss)),
         };
-        let reasons = Facts::find(&mut self.trial, &self.options)?.reasons(&self.trial, bounds, chosen.as_ref());
+        let facts = Facts::find(&self.trial, &self.options.truth)?;
+        let reasons = facts.reasons(&self.trial, bounds, chosen.as_ref(), &curve)?;
         let look = &self.trial.look;
         Ok(Plan {
             scene: String::new(),

@@ -1,9 +1,6 @@
 //! Plans of scenes whose best technique is known.
 
 use super::*;
-use crate::truth;
-use umbrage_core::{Backend as _, View, metrics::Errors};
-use umbrage_cpu::Cpu;
 
 fn planned(name: &str, bounds: &Bounds) -> Plan {
     let scene = umbrage_scenes::by_argument(name).expect("built in");
