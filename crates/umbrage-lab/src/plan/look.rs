@@ -96,8 +96,14 @@ impl Known {
         Self { sample, truth: kept.into_iter().map(|k| truth[k]).collect() }
     }
 
+    /// A preset's errors.
+    pub(super) fn try_on(&self, look: &mut Look<'_>, preset: &Preset) -> Result<Estimate, LabError> {
+        let recipe = look.recipe(preset)?;
+        Ok(self.ask(look, &recipe)?)
+    }
+
     /// A recipe's errors.
-    pub(super) fn try_on(&self, look: &mut Look<'_>, recipe: &Recipe) -> Result<Estimate, BackendError> {
+    pub(super) fn ask(&self, look: &mut Look<'_>, recipe: &Recipe) -> Result<Estimate, BackendError> {
         let mask = look.ask(recipe, &self.sample.pixels)?;
         Ok(estimate(&self.sample, &self.truth, &mask))
     }

@@ -10,17 +10,47 @@ use super::{
     trial::Trial,
     walk::{Found, Place},
 };
-use crate::{LabError, pareto::front};
+use crate::{LabError, pareto::front, truth::TruthOptions};
 use std::time::Instant;
 use umbrage_core::{Camera, Geometry, Light};
+use umbrage_techniques::{Bias, Preset, ShadowMap};
 
 /// What is known of a camera's view of a scene, and what was tried on it.
 pub struct Planner<'a> {
     pub(super) trial: Trial<'a>,
     pub(super) families: Vec<Family>,
     pub(super) on_step: &'a OnStep<'a>,
-    options: Options,
+    density: Vec<f64>,
+    drawn: Draw,
     looking: f64,
+}
+
+/// How a sample is drawn and its truth traced.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Draw {
+    /// Receivers under lights with an extent.
+    count: usize,
+    seed: u32,
+    truth: TruthOptions,
+}
+
+/// Ideal lights take one ray a receiver where others take hundreds: so many times more are sampled.
+const MORE_OF_IDEAL: usize = 4;
+/// By how much the second sample is greater: its uncertainty is half of the first one's.
+const MORE_OF_SECOND: usize = 4;
+
+impl Draw {
+    fn known(&self, look: &mut Look<'_>, density: &[f64], on_step: &OnStep<'_>) -> Result<Known, LabError> {
+        let count = self.count * if look.light.is_ideal() { MORE_OF_IDEAL } else { 1 };
+        let sample = Sample::draw(look.camera.size, density, count, self.seed);
+        let truth = look.truth(&sample.pixels, &self.truth, &|done, total| on_step(Step::Truth(done, total)))?;
+        Ok(Known::new(sample, truth))
+    }
+
+    /// The second sample: another and a greater one, so that what was chosen by the first is judged without favour.
+    fn second(self) -> Self {
+        Self { count: MORE_OF_SECOND * self.count, seed: self.seed.wrapping_add(0x9e37_79b9), ..self }
+    }
 }
 
 impl std::fmt::Debug for Planner<'_> {
@@ -47,12 +77,11 @@ impl<'a> Planner<'a> {
         on_step(Step::Looking);
         let mut look = Look::new(camera, light, geometry)?;
         let density = density(&mut look)?;
-        let count = options.samples as usize * if light.is_ideal() { 4 } else { 1 };
-        let sample = Sample::draw(camera.size, &density, count, options.seed);
-        let truth = look.truth(&sample.pixels, &options.truth, &|done, total| on_step(Step::Truth(done, total)))?;
-        let trial = Trial::new(look, Known::new(sample, truth), options.cost);
+        let drawn = Draw { count: options.samples as usize, seed: options.seed, truth: options.truth };
+        let known = drawn.known(&mut look, &density, on_step)?;
+        let trial = Trial::new(look, known, options.cost);
         let looking = start.elapsed().as_secs_f64();
-        Ok(Self { trial, families: Vec::new(), on_step, options: options.clone(), looking })
+        Ok(Self { trial, density, families: Vec::new(), on_step, drawn, looking })
     }
 
     /// Seconds that receivers, sample and truth took.
@@ -80,7 +109,7 @@ impl<'a> Planner<'a> {
             }
             Found::Missed(miss) => (None, Vec::new(), Some(miss)),
         };
-        let facts = Facts::find(&self.trial, &self.options.truth)?;
+        let facts = Facts::find(&self.trial, &self.drawn.truth)?;
         let reasons = facts.reasons(&self.trial, bounds, chosen.as_ref(), &curve)?;
         let look = &self.trial.look;
         Ok(Plan {
@@ -110,8 +139,8 @@ impl<'a> Planner<'a> {
         bounds: &Bounds,
     ) -> Result<(Setting, Vec<CurvePoint>), LabError> {
         let Place { family, size } = place;
-        let family = self.families[family];
-        let points = if family.preset.map().is_some() { self.trial.curve(&family, size)? } else { Vec::new() };
+        let family = self.families[family].clone();
+        let points = if family.preset().map().is_some() { self.trial.curve(&family, size)? } else { Vec::new() };
         let affordable = points.iter().map(|(.., s)| s).filter(|s| bounds.affords(s.milliseconds, s.bytes));
         let best = affordable.min_by(|a, b| a.estimate.error.total_cmp(&b.estimate.error));
         let best = best.filter(|b| b.estimate.error < chosen.estimate.error).cloned().unwrap_or(chosen);
@@ -126,10 +155,34 @@ impl<'a> Planner<'a> {
         Ok((best, curve))
     }
 
+    /// What a greater sample says of a setting that the first leaves undecided.
+    pub(super) fn ask_again(&mut self, setting: &Setting) -> Result<Setting, LabError> {
+        let (drawn, density, on_step) = (self.drawn.second(), &self.density, self.on_step);
+        self.trial.ask_again(setting, |look| drawn.known(look, density, on_step))
+    }
+
+    /// Of each technique and map the best bias; of these the front of cost and error, nearest to the chosen one.
     fn runners_up(&self, chosen: Option<&Setting>) -> Vec<Setting> {
-        let others = self.trial.all().into_iter().filter(|s| chosen.is_none_or(|c| c.preset != s.preset));
-        let others: Vec<&Setting> = others.collect();
-        let points: Vec<[f64; 2]> = others.iter().map(|s| [s.milliseconds, s.estimate.error]).collect();
-        front(&points).into_iter().map(|i| others[i].clone()).collect()
+        let mut best: Vec<(Preset, &Setting)> = Vec::new();
+        for setting in self.trial.all().into_iter().filter(|s| chosen.is_none_or(|c| c.preset != s.preset)) {
+            let unbiased = setting.preset.map().map(|&map| ShadowMap { bias: Bias::NONE, ..map });
+            let key = unbiased.map_or(setting.preset, |map| setting.preset.with_map(map));
+            match best.iter_mut().find(|(other, _)| *other == key) {
+                Some((_, other)) if setting.estimate.error < other.estimate.error => *other = setting,
+                Some(_) => {}
+                None => best.push((key, setting)),
+            }
+        }
+        let points: Vec<[f64; 2]> = best.iter().map(|(_, s)| [s.milliseconds, s.estimate.error]).collect();
+        let mut front: Vec<&Setting> = front(&points).into_iter().map(|i| best[i].1).collect();
+        // By how many times they cost more or less.
+        let far = |s: &Setting| chosen.map_or(0.0, |c| (s.milliseconds / c.milliseconds.max(1e-9)).ln().abs());
+        front.sort_by(|a, b| far(a).total_cmp(&far(b)));
+        front.truncate(RUNNERS_UP);
+        front.sort_by(|a, b| a.milliseconds.total_cmp(&b.milliseconds));
+        front.into_iter().cloned().collect()
     }
 }
+
+/// How many runners-up are told.
+const RUNNERS_UP: usize = 8;

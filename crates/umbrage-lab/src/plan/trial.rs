@@ -15,6 +15,8 @@ use umbrage_techniques::Preset;
 pub(super) struct Trial<'a> {
     pub(super) look: Look<'a>,
     pub(super) known: Known,
+    /// A greater sample, for what the first leaves undecided; none before it is needed.
+    more: Option<Known>,
     pub(super) cost: CostModel,
     /// By the preset's fields in words; none where it isn't supported.
     tried: HashMap<String, Option<Setting>>,
@@ -33,7 +35,7 @@ const OUT_OF_REACH: f64 = 1.7;
 
 impl<'a> Trial<'a> {
     pub(super) fn new(look: Look<'a>, known: Known, cost: CostModel) -> Self {
-        Self { look, known, cost, tried: HashMap::new(), prices: HashMap::new() }
+        Self { look, known, more: None, cost, tried: HashMap::new(), prices: HashMap::new() }
     }
 
     /// How many settings were played.
@@ -81,12 +83,29 @@ impl<'a> Trial<'a> {
             Err(e) => return Err(e.into()),
         };
         let price = self.look.price(&recipe, &self.cost);
-        match self.known.try_on(&mut self.look, &recipe) {
+        match self.known.ask(&mut self.look, &recipe) {
             Ok(estimate) => Ok(Some(Setting::new(*preset, estimate, &price))),
             // More than the backend holds.
             Err(BackendError::Invalid(_)) => Ok(None),
             Err(e) => Err(e.into()),
         }
+    }
+
+    /// What a greater sample, made by `sample` when it is first needed, says of a setting.
+    pub(super) fn ask_again(
+        &mut self,
+        setting: &Setting,
+        sample: impl FnOnce(&mut Look<'_>) -> Result<Known, LabError>,
+    ) -> Result<Setting, LabError> {
+        let more = match self.more.take() {
+            Some(more) => more,
+            None => sample(&mut self.look)?,
+        };
+        let estimate = more.try_on(&mut self.look, &setting.preset);
+        self.more = Some(more);
+        let setting = Setting { estimate: estimate?, ..setting.clone() };
+        self.tried.insert(format!("{:?}", setting.preset), Some(setting.clone()));
+        Ok(setting)
     }
 
     /// The best bias of a family at a map size: the first amount of each kind, then more or less of the best kind as long as
@@ -97,7 +116,7 @@ impl<'a> Trial<'a> {
         size: usize,
         goal: Option<Goal>,
     ) -> Result<Option<Setting>, LabError> {
-        let scales = scales(&family.preset);
+        let scales = scales(&family.preset());
         let mut best: Option<(usize, Setting)> = None;
         for (k, scale) in scales.iter().enumerate() {
             let preset = family.at(size, scale.kind, scale.texels[scale.first]);
@@ -146,7 +165,7 @@ impl<'a> Trial<'a> {
     /// Every amount of every kind of bias of a family at a map size: kind, texels, and what came of it.
     pub(super) fn curve(&mut self, family: &Family, size: usize) -> Result<Vec<(BiasKind, f32, Setting)>, LabError> {
         let mut out = Vec::new();
-        for scale in scales(&family.preset) {
+        for scale in scales(&family.preset()) {
             for texels in scale.texels {
                 let setting = self.play(&family.at(size, scale.kind, texels))?;
                 out.extend(setting.map(|setting| (scale.kind, texels, setting)));

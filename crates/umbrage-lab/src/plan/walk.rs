@@ -1,6 +1,6 @@
 //! The walk from the cheapest candidate up.
 
-use super::{Bounds, Miss, Planner, Setting, Step, bias::scales, families::SIZES, trial::Goal};
+use super::{Bounds, Miss, Planner, Setting, Step, bias::scales, families::Family, trial::Goal};
 use crate::LabError;
 
 /// Where a candidate stands in the list.
@@ -25,9 +25,6 @@ struct Rung {
     last: [f64; 2],
 }
 
-/// Doubling a map's side halves the area that is wrong along edges, and so divides the error by the root of 2. It does
-/// more only where acne or whole casters vanish: not more than this, as sweeps show.
-const MOST_GAIN: f64 = 2.5;
 /// A kernel whose error has fallen by less than this over two doublings is limited by its width, not by the map.
 const SATURATED: f64 = 0.95;
 
@@ -48,6 +45,8 @@ impl Planner<'_> {
                 rungs.extend(self.finer(&rung, f64::INFINITY, error)?);
                 continue;
             };
+            let undecided = setting.estimate.low <= error && error < setting.estimate.high;
+            let setting = if undecided { self.ask_again(&setting)? } else { setting };
             if setting.estimate.high > error {
                 rungs.extend(self.finer(&rung, setting.estimate.error, error)?);
             } else if bounds.affords(setting.milliseconds, setting.bytes) {
@@ -64,7 +63,7 @@ impl Planner<'_> {
         let mut best: Option<(Place, Setting)> = None;
         for family in 0..self.families.len() {
             let mut tried = 0;
-            for size in (0..self.families[family].sizes()).rev() {
+            for size in (0..self.families[family].rungs.len()).rev() {
                 let place = Place { family, size };
                 let Some(rung) = self.exactly(place, [f64::INFINITY; 2])? else { continue };
                 if !bounds.affords(rung.milliseconds, 0) {
@@ -94,14 +93,14 @@ impl Planner<'_> {
     }
 
     fn settle(&mut self, place: Place, goal: Option<Goal>) -> Result<Option<Setting>, LabError> {
-        let family = self.families[place.family];
-        (self.on_step)(Step::Trying(family.preset.technique().name(), self.trial.played()));
+        let family = self.families[place.family].clone();
+        (self.on_step)(Step::Trying(family.preset().technique().name(), self.trial.played()));
         self.trial.settle(&family, place.size, goal)
     }
 
     /// The first of a family's sizes from `place` on that is supported.
     fn rung(&mut self, place: Place, last: [f64; 2]) -> Result<Option<Rung>, LabError> {
-        for size in place.size..self.families[place.family].sizes() {
+        for size in place.size..self.families[place.family].rungs.len() {
             let rung = self.exactly(Place { size, ..place }, last)?;
             if rung.is_some() {
                 return Ok(rung);
@@ -111,8 +110,8 @@ impl Planner<'_> {
     }
 
     fn exactly(&mut self, place: Place, last: [f64; 2]) -> Result<Option<Rung>, LabError> {
-        let family = self.families[place.family];
-        let scale = &scales(&family.preset)[0];
+        let family = &self.families[place.family];
+        let scale = &scales(&family.preset())[0];
         let price = self.trial.price(&family.at(place.size, scale.kind, scale.texels[scale.first]))?;
         Ok(price.map(|price| Rung { milliseconds: price.milliseconds, place, last }))
     }
@@ -120,14 +119,15 @@ impl Planner<'_> {
     /// The next size that may be within the bound, if any.
     fn finer(&mut self, rung: &Rung, error: f64, bound: f64) -> Result<Option<Rung>, LabError> {
         let Place { family, size } = rung.place;
+        let Family { rungs, most_gain } = &self.families[family];
         let [coarser, coarsest] = rung.last;
         let stuck = coarsest.is_finite() && error > SATURATED * coarsest.min(coarser) && error > 1.3 * bound;
         if stuck {
             return Ok(None);
         }
-        let (mut next, mut reachable) = (size + 1, error / MOST_GAIN);
-        while error.is_finite() && reachable > bound && next + 1 < SIZES.len() {
-            (next, reachable) = (next + 1, reachable / MOST_GAIN);
+        let (mut next, mut reachable) = (size + 1, error / most_gain);
+        while error.is_finite() && reachable > bound && next + 1 < rungs.len() {
+            (next, reachable) = (next + 1, reachable / most_gain);
         }
         // Sizes in between would have been no worse.
         let last = if next == size + 1 { [error, coarser] } else { [error, f64::INFINITY] };
