@@ -7,15 +7,23 @@
 //! * [`mod@plan`]: the least that a scene needs.
 //! * [`truth`]: what every shadow should have been, with its own error bars.
 //! * [`umbrage_core::metrics`]: how far a mask is from it.
+//!
+//! The feature `report`, on by default, brings comparisons, reports and benchmarks; without it the lab is truth, costs and
+//! the planner.
 
+#[cfg(feature = "report")]
 pub mod bench;
+#[cfg(feature = "report")]
 mod color;
+#[cfg(feature = "report")]
 pub mod compare;
 pub mod cost;
 mod error;
 pub mod pareto;
 pub mod plan;
+#[cfg(feature = "report")]
 pub mod report;
+#[cfg(feature = "report")]
 pub mod textbook;
 pub mod truth;
 

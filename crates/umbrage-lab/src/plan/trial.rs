@@ -38,6 +38,13 @@ impl<'a> Trial<'a> {
         Self { look, known, more: None, cost, tried: HashMap::new(), prices: HashMap::new() }
     }
 
+    /// Forgets what was tried, as if truth were another.
+    #[cfg(test)]
+    pub(super) fn forget(&mut self) {
+        self.tried.clear();
+        self.more = None;
+    }
+
     /// How many settings were played.
     pub(super) fn played(&self) -> usize {
         self.tried.len()
