@@ -8,7 +8,7 @@ use crate::{
 use anyhow::{Result, bail};
 use umbrage_core::glam::UVec2;
 use umbrage_lab::{
-    compare::{BackendChoice, Backends, Comparison, Event, Options, SceneInput, compare as run},
+    compare::{BackendChoice, Backends, Comparison, Event, Options, Runs, SceneInput, compare as run},
     report::Report,
 };
 use umbrage_scenes::SceneError;
@@ -79,7 +79,7 @@ fn settings(options: &CompareOptions) -> Result<Options> {
     out.techniques.clone_from(&options.techniques);
     out.color = options.color;
     out.size = options.size.map(UVec2::from_array).or(out.size);
-    out.runs = options.runs.unwrap_or(out.runs);
+    out.runs = options.runs.map_or(out.runs, Runs::exactly);
     out.truth.samples = options.samples.unwrap_or(out.truth.samples);
     if !options.map_sizes.is_empty() {
         out.map_sizes.clone_from(&options.map_sizes);

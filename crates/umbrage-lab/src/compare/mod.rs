@@ -12,7 +12,7 @@ mod slug;
 
 pub use backends::{BackendChoice, Backends};
 pub use event::{Event, OnEvent};
-pub use options::{Options, SceneInput};
+pub use options::{Options, Runs, SceneInput};
 pub use result::{
     Comparison, Control, Environment, Measured, Outcome, Row, SCHEMA, SceneResult, Spread, Times, TruthSummary,
 };

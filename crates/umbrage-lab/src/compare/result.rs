@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use umbrage_core::metrics::{Agreement, Errors};
 
 /// Version of this data's shape; grows with every change that a reader would notice.
-pub const SCHEMA: u32 = 2;
+pub const SCHEMA: u32 = 3;
 
 /// A whole comparison.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -74,11 +74,10 @@ impl SceneResult {
     fn faults(&self) -> Vec<String> {
         let mut out = Vec::new();
         for row in &self.rows {
-            let violations = row.measured().and_then(|m| m.agreement).map_or(0, |a| a.violations);
-            if violations > 0 {
+            out.extend(row.measured().and_then(|m| m.agreement).and_then(disagreement).map(|what| {
                 let (scene, row) = (&self.name, row.label());
-                out.push(format!("{scene}: {row}: {violations} decided pixels differ from the CPU's"));
-            }
+                format!("{scene}: {row}: {what}")
+            }));
             let colors = row.measured().and_then(|m| m.color_differing).unwrap_or(0);
             if colors > 0 {
                 out.push(format!(
@@ -97,6 +96,16 @@ impl SceneResult {
         }
         out
     }
+}
+
+/// What is wrong with an agreement, if anything is.
+fn disagreement(a: Agreement) -> Option<String> {
+    if !a.holds() {
+        return Some(format!("{} decided pixels differ from the CPU's", a.violations));
+    }
+    let (undecided, compared) = (a.undecided, a.compared);
+    let why = format!("rounding alone lets {undecided} of {compared} pixels differ from the CPU's: too many");
+    (!a.is_decided()).then_some(why)
 }
 
 /// How truth was made and how sure it is.
@@ -180,8 +189,6 @@ pub struct Measured {
 /// How long the stages took; none where a stage is not played or not measurable.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Times {
-    /// Finding the receivers: the same for all techniques and not part of the total.
-    pub receivers: Option<Spread>,
     /// All casts.
     pub cast: Option<Spread>,
     /// All filters.

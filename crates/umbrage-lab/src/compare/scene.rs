@@ -1,7 +1,7 @@
 //! All rows of one scene.
 
 use super::{
-    Backends, Event, Measured, OnEvent, Options, Outcome, Row, SceneInput, SceneResult, Spread, Times, TruthSummary,
+    Backends, Event, Measured, OnEvent, Options, Outcome, Row, Runs, SceneInput, SceneResult, Spread, Times, TruthSummary,
     agreement, control, slug::Setting,
 };
 use crate::{
@@ -9,7 +9,7 @@ use crate::{
     report::picture,
     truth::{self, Truth},
 };
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use umbrage_core::{
     Backend, BackendError, Camera, Geometry, Invalid, Light, PlanError, Receivers, Recipe, Shadows, Timings, View,
     metrics::{Agreement, Errors, Pixel},
@@ -196,7 +196,7 @@ impl SceneRun<'_> {
     ) -> Result<Outcome, LabError> {
         let view = self.view.core();
         let player = &mut *backends.playing[backend];
-        let (shadows, times) = match measure(player, &view, recipe, self.options) {
+        let (shadows, times) = match measure(player, &view, recipe, &self.options.runs) {
             Ok(measured) => measured,
             // What a backend can't hold is told in the report; other backends may still play it.
             Err(BackendError::Invalid(e)) => return Ok(self.unsupported(&e.to_string())),
@@ -270,24 +270,21 @@ fn agreement_with_cpu(
     of_cpu.map(|of_cpu| agreement::compare(cpu, view, recipe, of_cpu, shadows)).transpose()
 }
 
-/// Plays a recipe until its time is known.
+/// Plays a recipe: once for the mask, which compiles, uploads and finds receivers, then until its time is known. The timed
+/// runs are given the receivers of the first, so that finding and reading them back costs no time again.
 fn measure(
     backend: &mut dyn Backend,
     view: &View<'_>,
     recipe: &Recipe,
-    options: &Options,
+    runs: &Runs,
 ) -> Result<(Shadows, Times), BackendError> {
-    for _ in 0..options.warmup {
-        backend.render(view, recipe)?;
+    let first = backend.render(view, recipe)?;
+    let known = first.receivers.as_ref().map_or(*view, |r| view.with_receivers(r));
+    let (start, mut timings) = (Instant::now(), Vec::new());
+    while !runs.suffice(timings.len(), start.elapsed()) {
+        timings.push(backend.render(&known, recipe)?.timings);
     }
-    let mut timings = Vec::new();
-    let mut last = backend.render(view, recipe)?;
-    timings.push(last.timings);
-    for _ in 1..options.runs {
-        last = backend.render(view, recipe)?;
-        timings.push(last.timings);
-    }
-    Ok((last, times(&timings)))
+    Ok((first, times(&timings)))
 }
 
 fn times(timings: &[Timings]) -> Times {
@@ -295,7 +292,6 @@ fn times(timings: &[Timings]) -> Times {
     let stage =
         |of: fn(&Timings) -> Option<Duration>| Spread::of(timings.iter().filter_map(of).map(milliseconds).collect());
     Times {
-        receivers: stage(|t| t.receivers),
         cast: stage(|t| t.cast),
         filter: stage(|t| t.filter),
         receive: stage(|t| t.receive),

@@ -12,8 +12,7 @@ fn quick(techniques: &[&str]) -> Options {
         map_sizes: vec![256],
         size: Some(UVec2::new(96, 64)),
         truth: TruthOptions { samples: 16, probe_samples: 8, ..TruthOptions::default() },
-        runs: 2,
-        warmup: 0,
+        runs: Runs::exactly(2),
     }
 }
 

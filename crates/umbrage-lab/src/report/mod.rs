@@ -3,14 +3,15 @@
 //! * `index.html`: self-contained, works from a file. Chart of time against error per scene with the Pareto fronts;
 //!   mask, truth and error picture of every row.
 //! * `rows.csv`: one [`Line`] a row. `results.json`: the [`Comparison`] as it is.
-//! * `<scene>/truth.png`, `<scene>/<technique>.<backend>.png` and `.error.png`, with colours `.color.png`; on request NumPy arrays, float32, H x W,
-//!   row 0 on top, -1 where the camera hits nothing: `<scene>/truth.npy`, `t.npy` (distance along the unit camera ray),
+//! * `<scene>/truth.png`, `<scene>/<technique>.<backend>.png` and `.error.png`, with colours `.color.png`, of the rows that
+//!   matter most: the Pareto fronts, each technique's best, and faults. On request NumPy arrays, float32, H x W, row 0 on top, -1 where the camera hits nothing: `<scene>/truth.npy`, `t.npy` (distance along the unit camera ray),
 //!   `ambiguous.npy`, `<technique>.<backend>.npy`. Where a technique has several settings, they are part of the name.
 //!
 //! Every file is written whole under another name and then renamed.
 
 mod arrays;
 mod chart;
+mod chosen;
 mod files;
 mod page;
 pub(crate) mod pictures;
@@ -20,10 +21,11 @@ pub use table::{Line, lines, to_csv};
 
 use crate::{
     LabError,
-    compare::{Comparison, SceneImages, SceneResult, slug},
+    compare::{Comparison, Row, SceneImages, SceneResult, slug},
 };
 use files::Folder;
 use page::{ImageStore, RowPictures, ScenePage};
+use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
 /// A report in the making. Give it scenes as they come, then finish it.
@@ -62,28 +64,30 @@ impl Report {
         let truth_png = picture(pictures::mask(truth.size, &truth.visibility, &truth.pixels))?;
         folder.write("truth.png", &truth_png)?;
         let truth_id = self.images.add(&truth_png);
+        let pictured = chosen::rows(result);
+        let encoded: Vec<_> = (0..result.rows.len())
+            .into_par_iter()
+            .map(|i| if pictured.contains(&i) || images.colors[i].is_some() { encode(images, i) } else { Ok(None) })
+            .collect::<Result<_, _>>()?;
         let mut rows = Vec::new();
-        for ((row, mask), color) in result.rows.iter().zip(&images.masks).zip(&images.colors) {
-            rows.push(match mask {
-                None => None,
-                Some(mask) => {
-                    let stem = format!("{}.{}", row.slug, row.backend);
-                    let mask_png = picture(pictures::mask(truth.size, mask, &truth.pixels))?;
-                    let error_png = picture(pictures::error(truth.size, mask, &truth.visibility, &truth.pixels))?;
-                    folder.write(&format!("{stem}.png"), &mask_png)?;
-                    folder.write(&format!("{stem}.error.png"), &error_png)?;
-                    if let Some(png) = color {
-                        folder.write(&format!("{stem}.color.png"), png)?;
-                    }
-                    let color = color.as_ref().map(|png| self.images.add(png));
-                    let (mask, error) = (self.images.add(&mask_png), self.images.add(&error_png));
-                    Some(RowPictures { mask, error, color })
-                }
-            });
+        for (row, encoded) in result.rows.iter().zip(encoded) {
+            rows.push(encoded.map(|encoded| self.row_pictures(&folder, row, &encoded)).transpose()?);
         }
         let (front, traces) = chart::of(result);
         self.pages.push(ScenePage { index: self.pages.len(), truth: truth_id, rows, front, traces });
         Ok(())
+    }
+
+    /// Writes a row's pictures and remembers them for the page.
+    fn row_pictures(&mut self, folder: &Folder, row: &Row, encoded: &Encoded) -> Result<RowPictures, LabError> {
+        let stem = format!("{}.{}", row.slug, row.backend);
+        let mut put = |what: &str, png: &[u8]| -> Result<usize, LabError> {
+            folder.write(&format!("{stem}{what}.png"), png)?;
+            Ok(self.images.add(png))
+        };
+        let (mask, error) = (put("", &encoded.mask)?, put(".error", &encoded.error)?);
+        let color = encoded.color.as_ref().map(|png| put(".color", png)).transpose()?;
+        Ok(RowPictures { mask, error, color })
     }
 
     /// Writes the page, the table and the data. Returns the page's path.
@@ -113,6 +117,23 @@ impl Report {
         self.names.push(name.clone());
         name
     }
+}
+
+/// A row's pictures, PNG.
+struct Encoded {
+    mask: Vec<u8>,
+    error: Vec<u8>,
+    color: Option<Vec<u8>>,
+}
+
+/// The pictures of a row, if it was measured.
+fn encode(images: &SceneImages, row: usize) -> Result<Option<Encoded>, LabError> {
+    let (truth, Some(mask)) = (&images.truth, &images.masks[row]) else { return Ok(None) };
+    Ok(Some(Encoded {
+        mask: picture(pictures::mask(truth.size, mask, &truth.pixels))?,
+        error: picture(pictures::error(truth.size, mask, &truth.visibility, &truth.pixels))?,
+        color: images.colors[row].clone(),
+    }))
 }
 
 pub(crate) fn picture(encoded: image::ImageResult<Vec<u8>>) -> Result<Vec<u8>, LabError> {

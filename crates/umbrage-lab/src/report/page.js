@@ -155,7 +155,8 @@ function figures(m) {
   if (a) {
     const word = a.violations ? `${a.violations} faults` : a.differing ? `${a.differing} px, ≤ ${number(a.largest, 3)}` : "bit-equal";
     term(list, "against CPU", word, a.violations ? "bad" : "good");
-    term(list, "undecided", plural(a.undecided, "px").replace(/s$/, ""));
+    if (a.undecided) term(list, "excused by rounding", `${a.undecided} px`);
+    if (a.elsewhere) term(list, "other triangles", `${a.elsewhere} px`);
   }
   return list;
 }
@@ -169,7 +170,7 @@ function card(scene, page, index, onFront) {
   if (!m) return el("article", { class: "panel row dash", id }, head, el("p", {}, `– ${row.outcome.unsupported.reason}`));
   const title = `${scene.name} · ${row.technique}, ${row.settings} · ${row.backend}`;
   const pictures = page.rows[index];
-  const shots = el("div", { class: "shots" }, shot(pictures.mask, "mask", title), shot(page.truth, "truth", scene.name), shot(pictures.error, "error", title), ...(pictures.color == null ? [] : [shot(pictures.color, "colours", title)]));
+  const shots = !pictures ? null : el("div", { class: "shots" }, shot(pictures.mask, "mask", title), shot(page.truth, "truth", scene.name), shot(pictures.error, "error", title), ...(pictures.color == null ? [] : [shot(pictures.color, "colours", title)]));
   return el("article", { class: "panel row", id }, head, shots, figures(m));
 }
 

@@ -54,8 +54,10 @@ pub struct Line {
     pub bytes: Option<u64>,
     /// Pixels unlike the CPU's.
     pub differing: Option<u64>,
-    /// Pixels whose answer hangs on rounding.
+    /// Pixels unlike the CPU's that rounding excuses.
     pub undecided: Option<u64>,
+    /// Pixels unlike the CPU's where the backends see different triangles.
+    pub elsewhere: Option<u64>,
     /// Greatest difference from the CPU's mask.
     pub largest_difference: Option<f64>,
     /// Decided pixels that differ: must be 0.
@@ -101,6 +103,7 @@ fn line(scene: &SceneResult, row: &Row) -> Line {
         bytes: Some(m.bytes),
         differing: m.agreement.map(|a| a.differing),
         undecided: m.agreement.map(|a| a.undecided),
+        elsewhere: m.agreement.map(|a| a.elsewhere),
         largest_difference: m.agreement.map(|a| a.largest),
         violations: m.agreement.map(|a| a.violations),
         ..named
