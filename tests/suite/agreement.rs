@@ -8,7 +8,10 @@ use std::{
     cell::{Cell, RefCell},
     collections::BTreeMap,
 };
-use umbrage_core::{Backend, Camera, Geometry, PlanError, Receivers, Recipe, View, metrics::{Agreement, Doubt}};
+use umbrage_core::{
+    Backend, Camera, Geometry, PlanError, Receivers, Recipe, View,
+    metrics::{Agreement, Doubt},
+};
 use umbrage_cpu::Cpu;
 use umbrage_tests::{
     gpu::gpu,

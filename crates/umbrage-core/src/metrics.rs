@@ -60,24 +60,41 @@ pub struct Errors {
     pub unlit: u64,
 }
 
-impl Errors {
-    /// Compares a mask with truth, `pixels` telling what counts. A true shadow edge is where truth is a penumbra or
-    /// differs from one of the four neighbours' by more than [`FALSE`]; pixels that are [`Pixel::Empty`] make no edges.
+/// Truth, ready to be compared with many masks.
+#[derive(Clone, Debug)]
+pub struct Reference<'a> {
+    size: UVec2,
+    truth: &'a [f32],
+    pixels: &'a [Pixel],
+    near_edge: Vec<bool>,
+}
+
+impl<'a> Reference<'a> {
+    /// Finds truth's shadow edges, `pixels` telling what counts. A true shadow edge is where truth is a penumbra or differs
+    /// from one of the four neighbours' by more than [`FALSE`]; pixels that are [`Pixel::Empty`] make no edges.
     ///
     /// # Errors
     /// When sizes differ or a value is not within 0..=1.
-    pub fn measure(size: UVec2, mask: &[f32], truth: &[f32], pixels: &[Pixel]) -> Result<Self, Invalid> {
-        check("mask", size, mask)?;
+    pub fn new(size: UVec2, truth: &'a [f32], pixels: &'a [Pixel]) -> Result<Self, Invalid> {
         check("truth", size, truth)?;
         check_len("pixel classes", size, pixels.len())?;
         let near_edge = near(size, &edges(size, truth, pixels), ACNE_DISTANCE);
-        let mut out = Self::default();
+        Ok(Self { size, truth, pixels, near_edge })
+    }
+
+    /// How far a mask is from it.
+    ///
+    /// # Errors
+    /// When sizes differ or a value is not within 0..=1.
+    pub fn errors(&self, mask: &[f32]) -> Result<Errors, Invalid> {
+        check("mask", self.size, mask)?;
+        let mut out = Errors::default();
         let mut sum_of_squares = 0.0;
-        for (i, pixel) in pixels.iter().enumerate() {
+        for (i, pixel) in self.pixels.iter().enumerate() {
             match pixel {
                 Pixel::Counted => {
-                    out.add(mask[i], truth[i], near_edge[i]);
-                    sum_of_squares += (f64::from(mask[i]) - f64::from(truth[i])).powi(2);
+                    out.add(mask[i], self.truth[i], self.near_edge[i]);
+                    sum_of_squares += (f64::from(mask[i]) - f64::from(self.truth[i])).powi(2);
                 }
                 Pixel::Empty => {}
                 Pixel::Unlit => out.unlit += 1,
@@ -91,6 +108,16 @@ impl Errors {
             *share *= 100.0 / n;
         }
         Ok(out)
+    }
+}
+
+impl Errors {
+    /// Compares a single mask with truth; many are compared quicker by a [`Reference`].
+    ///
+    /// # Errors
+    /// When sizes differ or a value is not within 0..=1.
+    pub fn measure(size: UVec2, mask: &[f32], truth: &[f32], pixels: &[Pixel]) -> Result<Self, Invalid> {
+        Reference::new(size, truth, pixels)?.errors(mask)
     }
 
     /// Adds one pixel to the sums.

@@ -80,6 +80,10 @@ fn settings(options: &CompareOptions) -> Result<Options> {
     out.color = options.color;
     out.size = options.size.map(UVec2::from_array).or(out.size);
     out.runs = options.runs.map_or(out.runs, Runs::exactly);
+    if options.scenes.is_empty() && !options.quick {
+        // 1024 rays in penumbra: a standard error well below any technique's, in a quarter of the time.
+        out.truth.samples = 256;
+    }
     out.truth.samples = options.samples.unwrap_or(out.truth.samples);
     if !options.map_sizes.is_empty() {
         out.map_sizes.clone_from(&options.map_sizes);

@@ -1,8 +1,8 @@
 //! All rows of one scene.
 
 use super::{
-    Backends, Event, Measured, OnEvent, Options, Outcome, Row, Runs, SceneInput, SceneResult, Spread, Times, TruthSummary,
-    agreement, control, slug::Setting,
+    Backends, Event, Measured, OnEvent, Options, Outcome, Row, Runs, SceneInput, SceneResult, Spread, Times,
+    TruthSummary, agreement, control, slug::Setting,
 };
 use crate::{
     LabError, color,
@@ -12,7 +12,7 @@ use crate::{
 use std::time::{Duration, Instant};
 use umbrage_core::{
     Backend, BackendError, Camera, Geometry, Invalid, Light, PlanError, Receivers, Recipe, Shadows, Timings, View,
-    metrics::{Agreement, Errors, Pixel},
+    metrics::{Agreement, Errors, Pixel, Reference},
 };
 
 /// The images of one scene.
@@ -59,6 +59,7 @@ pub(super) fn run(
         name: &scene.name,
         view,
         truth: &truth,
+        reference: Reference::new(truth.size, &truth.visibility, &truth.pixels)?,
         options,
         rows: Vec::new(),
         masks: Vec::new(),
@@ -116,6 +117,7 @@ struct SceneRun<'a> {
     name: &'a str,
     view: View3<'a>,
     truth: &'a Truth,
+    reference: Reference<'a>,
     options: &'a Options,
     rows: Vec<Row>,
     masks: Vec<Option<Vec<f32>>>,
@@ -191,7 +193,7 @@ impl SceneRun<'_> {
         setting: &Setting,
         recipe: &Recipe,
         backend: usize,
-        of_cpu: &mut Option<Shadows>,
+        of_cpu: &mut Option<OfCpu>,
         backends: &mut Backends,
     ) -> Result<Outcome, LabError> {
         let view = self.view.core();
@@ -209,15 +211,22 @@ impl SceneRun<'_> {
         if self.controls.iter().all(|c| c.backend != player.kind()) {
             self.controls.push(control::run(player, &*setting.technique, &self.view, self.truth, &shadows)?);
         }
-        let truth = self.truth;
-        let errors = Errors::measure(truth.size, &shadows.mask, &truth.visibility, &truth.pixels)?;
+        let errors = self.errors(of_cpu.as_ref(), &shadows)?;
         let agreement = agreement_with_cpu(&mut *backends.playing[0], &view, recipe, of_cpu.as_ref(), &shadows)?;
         self.masks.push(Some(shadows.mask.clone()));
         let bytes = shadows.bytes;
         if backends.playing[backend].kind() == "cpu" {
-            *of_cpu = Some(shadows);
+            *of_cpu = Some((shadows, errors));
         }
         Ok(Outcome::Measured(Box::new(Measured { errors, times, bytes, agreement, color_differing: None })))
+    }
+
+    /// Against truth. A mask that equals the CPU's has its errors.
+    fn errors(&self, of_cpu: Option<&OfCpu>, shadows: &Shadows) -> Result<Errors, Invalid> {
+        match of_cpu {
+            Some((cpu, errors)) if cpu.mask == shadows.mask => Ok(*errors),
+            _ => self.reference.errors(&shadows.mask),
+        }
     }
 
     /// Truth and backend must have seen the same triangles.
@@ -247,6 +256,9 @@ impl SceneRun<'_> {
     }
 }
 
+/// What the CPU made of a setting, and how far it is from truth.
+type OfCpu = (Shadows, Errors);
+
 /// Drivers round vertices to 2^-8 or 2^-4 pixels, so where triangles are as small as pixels some show their neighbour:
 /// this share of the pixels may ...
 const MOST_IDS: f64 = 0.05;
@@ -264,10 +276,10 @@ fn agreement_with_cpu(
     cpu: &mut dyn Backend,
     view: &View<'_>,
     recipe: &Recipe,
-    of_cpu: Option<&Shadows>,
+    of_cpu: Option<&OfCpu>,
     shadows: &Shadows,
 ) -> Result<Option<Agreement>, LabError> {
-    of_cpu.map(|of_cpu| agreement::compare(cpu, view, recipe, of_cpu, shadows)).transpose()
+    of_cpu.map(|(of_cpu, _)| agreement::compare(cpu, view, recipe, of_cpu, shadows)).transpose()
 }
 
 /// Plays a recipe: once for the mask, which compiles, uploads and finds receivers, then until its time is known. The timed
