@@ -8,6 +8,8 @@ mod compare;
 #[cfg(feature = "measure")]
 mod list;
 #[cfg(feature = "measure")]
+mod merge;
+#[cfg(feature = "measure")]
 mod progress;
 #[cfg(feature = "measure")]
 mod table;
@@ -21,6 +23,7 @@ pub(crate) fn dispatch(command: &Command) -> Result<()> {
     match command {
         Command::Compare(options) if options.list => list::list(),
         Command::Compare(options) => compare::compare(options),
+        Command::Merge(options) => merge::merge(options),
         Command::Bench(options) => bench::bench(options),
         _ => Ok(()),
     }

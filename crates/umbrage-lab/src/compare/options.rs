@@ -27,8 +27,9 @@ pub struct Options {
     pub size: Option<UVec2>,
     /// How truth is traced.
     pub truth: TruthOptions,
-    /// Timed runs a row, after one that compiles and uploads; their median counts.
-    pub runs: Runs,
+    /// Timed runs a row, after one that compiles and uploads; their median counts. None: no times, no date, and so the same
+    /// result whenever it is made.
+    pub runs: Option<Runs>,
     /// Whether every row is shaded in colour, too.
     pub color: bool,
 }
@@ -71,7 +72,7 @@ impl Default for Options {
             map_sizes: vec![512, 1024, 2048],
             size: None,
             truth: TruthOptions::default(),
-            runs: Runs::default(),
+            runs: Some(Runs::default()),
             color: false,
         }
     }
@@ -84,7 +85,7 @@ impl Options {
             map_sizes: vec![512],
             size: Some(UVec2::new(160, 120)),
             truth: TruthOptions { samples: 64, probe_samples: 16, ..TruthOptions::default() },
-            runs: Runs::exactly(3),
+            runs: Some(Runs::exactly(3)),
             ..Self::default()
         }
     }

@@ -1,7 +1,10 @@
 //! What a comparison finds: plain data, written to `results.json` as it stands.
 
 use serde::{Deserialize, Serialize};
-use umbrage_core::metrics::{Agreement, Errors};
+use umbrage_core::{
+    Work,
+    metrics::{Agreement, Errors},
+};
 
 /// Version of this data's shape; grows with every change that a reader would notice.
 pub const SCHEMA: u32 = 3;
@@ -33,8 +36,8 @@ pub struct Environment {
     pub version: String,
     /// The working tree's commit, with `+` if files were changed since; none outside a repository.
     pub commit: Option<String>,
-    /// Coordinated universal time, `2026-11-21 03:45`.
-    pub date: String,
+    /// Coordinated universal time, `2026-11-21 03:45`; none of a comparison that is to come out the same whenever it is made.
+    pub date: Option<String>,
     /// The processor's name.
     pub cpu: String,
     /// Threads used.
@@ -64,6 +67,8 @@ pub struct SceneResult {
     pub fingerprint: String,
     /// How truth was made.
     pub truth: TruthSummary,
+    /// RMSE of a mask that is lit everywhere, and of one that is dark everywhere.
+    pub rmse_of_none: [f64; 2],
     /// One entry a technique setting and backend.
     pub rows: Vec<Row>,
     /// One entry a backend.
@@ -123,8 +128,8 @@ pub struct TruthSummary {
     pub ambiguous: u64,
     /// Pixels left out as facing away from the light or outside its cone.
     pub unlit: u64,
-    /// Seconds it took.
-    pub seconds: f64,
+    /// Seconds it took; none without times.
+    pub seconds: Option<f64>,
 }
 
 /// One technique setting on one backend.
@@ -151,6 +156,11 @@ impl Row {
         }
     }
 
+    /// A file name's stem that no other row of its scene has.
+    pub fn stem(&self) -> String {
+        format!("{}.{}", self.slug, self.backend)
+    }
+
     /// For people: `pcf (3x3, 1024, slope) on wgpu`.
     pub fn label(&self) -> String {
         format!("{} ({}) on {}", self.technique, self.settings, self.backend)
@@ -175,8 +185,13 @@ pub enum Outcome {
 pub struct Measured {
     /// Against truth.
     pub errors: Errors,
-    /// Times, without compilation, upload and read-back.
-    pub times: Times,
+    /// Times, without compilation, upload and read-back; none if they weren't asked for.
+    pub times: Option<Times>,
+    /// What the recipe takes, counted.
+    pub work: Work,
+    /// What that costs by the [prices](crate::cost::CostModel::of) of this kind of backend, milliseconds: the same on every
+    /// run.
+    pub cost_ms: f64,
     /// Bytes held for images, tables and receivers.
     pub bytes: u64,
     /// Against the CPU's mask; none on the CPU or without it.
@@ -184,6 +199,25 @@ pub struct Measured {
     /// Pixels whose colour differs from the first backend's by more than a step of 255 though the masks agree; none
     /// without colours, and for the first backend.
     pub color_differing: Option<u64>,
+}
+
+impl Measured {
+    /// The median of the times, milliseconds, or the cost; none if it wasn't measured.
+    pub fn milliseconds(&self, clock: Clock) -> Option<f64> {
+        match clock {
+            Clock::Wall => self.times.map(|t| t.total.median),
+            Clock::Cost => Some(self.cost_ms),
+        }
+    }
+}
+
+/// Two ways to tell what a row takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Clock {
+    /// Measured: true of this machine at that moment.
+    Wall,
+    /// Counted and priced: the same on every run.
+    Cost,
 }
 
 /// How long the stages took; none where a stage is not played or not measurable.

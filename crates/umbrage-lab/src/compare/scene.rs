@@ -6,12 +6,14 @@ use super::{
 };
 use crate::{
     LabError, color,
+    cost::CostModel,
     report::picture,
     truth::{self, Truth},
 };
 use std::time::{Duration, Instant};
 use umbrage_core::{
     Backend, BackendError, Camera, Geometry, Invalid, Light, PlanError, Receivers, Recipe, Shadows, Timings, View,
+    Work,
     metrics::{Agreement, Errors, Pixel, Reference},
 };
 
@@ -78,6 +80,7 @@ pub(super) fn run(
         triangles: geometry.triangles().len() as u64,
         fingerprint: format!("{:016x}", truth.fingerprint),
         truth: summary(&truth, options),
+        rmse_of_none: [1.0, 0.0].map(|v| run.reference.errors(&vec![v; truth.pixels.len()]).map_or(0.0, |e| e.rmse)),
         rows: run.rows,
         controls: run.controls,
     };
@@ -108,7 +111,7 @@ fn summary(truth: &Truth, options: &Options) -> TruthSummary {
         counted: count(Pixel::Counted),
         ambiguous: count(Pixel::Ambiguous),
         unlit: count(Pixel::Unlit),
-        seconds: truth.elapsed.as_secs_f64(),
+        seconds: options.runs.map(|_| truth.elapsed.as_secs_f64()),
     }
 }
 
@@ -198,13 +201,13 @@ impl SceneRun<'_> {
     ) -> Result<Outcome, LabError> {
         let view = self.view.core();
         let player = &mut *backends.playing[backend];
-        let (shadows, times) = match measure(player, &view, recipe, &self.options.runs) {
+        let (shadows, times) = match measure(player, &view, recipe, self.options.runs.as_ref()) {
             Ok(measured) => measured,
             // What a backend can't hold is told in the report; other backends may still play it.
             Err(BackendError::Invalid(e)) => return Ok(self.unsupported(&e.to_string())),
             Err(e) => return Err(e.into()),
         };
-        if shadows.timings.receive.is_none() {
+        if times.is_some() && shadows.timings.receive.is_none() {
             return Ok(self.unsupported("this adapter cannot time its passes"));
         }
         self.check_receivers(&shadows, player.kind())?;
@@ -218,7 +221,10 @@ impl SceneRun<'_> {
         if backends.playing[backend].kind() == "cpu" {
             *of_cpu = Some((shadows, errors));
         }
-        Ok(Outcome::Measured(Box::new(Measured { errors, times, bytes, agreement, color_differing: None })))
+        let work = Work::of(&view.with_receivers(&self.truth.receivers), recipe);
+        let cost_ms = CostModel::of(backends.playing[backend].kind()).milliseconds(&work);
+        let measured = Measured { errors, times, work, cost_ms, bytes, agreement, color_differing: None };
+        Ok(Outcome::Measured(Box::new(measured)))
     }
 
     /// Against truth. A mask that equals the CPU's has its errors.
@@ -288,15 +294,17 @@ fn measure(
     backend: &mut dyn Backend,
     view: &View<'_>,
     recipe: &Recipe,
-    runs: &Runs,
-) -> Result<(Shadows, Times), BackendError> {
+    runs: Option<&Runs>,
+) -> Result<(Shadows, Option<Times>), BackendError> {
     let first = backend.render(view, recipe)?;
+    let Some(runs) = runs else { return Ok((first, None)) };
     let known = first.receivers.as_ref().map_or(*view, |r| view.with_receivers(r));
     let (start, mut timings) = (Instant::now(), Vec::new());
     while !runs.suffice(timings.len(), start.elapsed()) {
         timings.push(backend.render(&known, recipe)?.timings);
     }
-    Ok((first, times(&timings)))
+    let times = times(&timings);
+    Ok((first, Some(times)))
 }
 
 fn times(timings: &[Timings]) -> Times {

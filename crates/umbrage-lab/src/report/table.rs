@@ -38,6 +38,8 @@ pub struct Line {
     pub ambiguous: Option<u64>,
     /// Pixels left out as unlit.
     pub unlit: Option<u64>,
+    /// What the work costs by the price list, the same on every run.
+    pub cost_ms: Option<f64>,
     /// Casts.
     pub cast_ms: Option<f64>,
     /// Filters.
@@ -94,12 +96,13 @@ fn line(scene: &SceneResult, row: &Row) -> Line {
         counted: Some(m.errors.counted),
         ambiguous: Some(m.errors.ambiguous),
         unlit: Some(m.errors.unlit),
-        cast_ms: median(m.times.cast),
-        filter_ms: median(m.times.filter),
-        receive_ms: median(m.times.receive),
-        total_ms: Some(m.times.total.median),
-        total_least_ms: Some(m.times.total.least),
-        total_greatest_ms: Some(m.times.total.greatest),
+        cost_ms: Some(m.cost_ms),
+        cast_ms: m.times.and_then(|t| median(t.cast)),
+        filter_ms: m.times.and_then(|t| median(t.filter)),
+        receive_ms: m.times.and_then(|t| median(t.receive)),
+        total_ms: m.times.map(|t| t.total.median),
+        total_least_ms: m.times.map(|t| t.total.least),
+        total_greatest_ms: m.times.map(|t| t.total.greatest),
         bytes: Some(m.bytes),
         differing: m.agreement.map(|a| a.differing),
         undecided: m.agreement.map(|a| a.undecided),
