@@ -28,6 +28,10 @@ pub struct Figure {
     pub size: [f64; 2],
     /// What is drawn, in this order.
     pub series: Vec<Series>,
+    /// Markers that the legend explains in grey, where colour says something else.
+    pub shapes: Vec<(String, Marker)>,
+    /// Texts beside places, moved apart where they would overlap.
+    pub notes: Vec<Point>,
 }
 
 /// Points of one look.
@@ -135,14 +139,25 @@ impl Series {
     }
 }
 
+/// Texts and grey markers.
+const INK: &str = "#4a5563";
+
 /// Pixels of a PNG for each of the SVG's: sharp on today's screens.
 const PNG_SCALE: f32 = 2.0;
 
 impl Figure {
     /// An empty chart with linear axes.
     pub fn new(title: impl Into<String>, x: impl Into<String>, y: impl Into<String>) -> Self {
-        let (labels, subtitle) = ([x.into(), y.into()], String::new());
-        Self { title: title.into(), subtitle, labels, log: [false; 2], size: [760.0, 500.0], series: Vec::new() }
+        Self {
+            title: title.into(),
+            subtitle: String::new(),
+            labels: [x.into(), y.into()],
+            log: [false; 2],
+            size: [760.0, 500.0],
+            series: Vec::new(),
+            shapes: Vec::new(),
+            notes: Vec::new(),
+        }
     }
 
     /// Makes axes logarithmic.
@@ -175,7 +190,20 @@ impl Figure {
     }
 
     fn plots(&self) -> (Vec<Plot>, Layout) {
-        let plots: Vec<Plot> = self.series.iter().filter_map(|s| self.plot(s)).collect();
+        let mut plots: Vec<Plot> = self.series.iter().filter_map(|s| self.plot(s)).collect();
+        // A marker too small to see carries the text.
+        let notes = Series {
+            style: Style::Points(Marker::Circle, 0.1, 1.0),
+            ..Series::points("", INK, Marker::Circle, self.notes.clone())
+        };
+        plots.extend(self.plot(&notes));
+        // Drawn where something is anyway, and as small: only the legend shows their shapes.
+        let anywhere = self.series.iter().flat_map(|s| &s.points).find(|p| self.shows(p));
+        for (name, marker) in anywhere.iter().flat_map(|_| &self.shapes) {
+            let style = Style::Points(*marker, 0.1, 1.0);
+            let places = anywhere.map(|p| Point::at(p.x, p.y)).into_iter().collect();
+            plots.extend(self.plot(&Series { style, ..Series::points(name, INK, *marker, places) }));
+        }
         let mut layout = Layout::auto_from_plots(&plots)
             .with_title(&self.title)
             .with_x_label(&self.labels[0])

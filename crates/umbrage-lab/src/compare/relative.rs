@@ -5,14 +5,15 @@
 //! * **Relative time**: over that of `hard`, the first of its settings with the middle map size, on the same scene and
 //!   backend. The relative cost is the same of counted work.
 //!
-//! A setting's figure is the geometric mean over the scenes, so that no scene outweighs another. Where a technique cannot
-//! serve a scene it draws no shadow: relative error 1, and the time is the mean over the others.
+//! Errors are averaged over the scenes as they are, so that exactness (0) counts and so does failure; times are ratios, so
+//! their mean is geometric. Where a technique cannot serve a scene it draws no shadow: relative error 1, and the time is the
+//! mean over the others.
 
 use super::{Clock, Comparison, Measured, Row, SceneResult, Spread};
 use serde::Serialize;
 use std::collections::HashMap;
 
-/// Relative errors below this count as this: a thousandth of the error of no shadow cannot be seen, and 0 has no logarithm.
+/// Relative errors below this are drawn here: a thousandth of the error of no shadow cannot be seen, and 0 has no logarithm.
 pub const LEAST_ERROR: f64 = 1e-3;
 
 /// One setting on one backend over all scenes.
@@ -24,7 +25,7 @@ pub struct Relative {
     pub settings: String,
     /// Kind of backend.
     pub backend: String,
-    /// Geometric mean of the relative errors.
+    /// Mean of the relative errors.
     pub error: f64,
     /// Geometric means of the relative times: medians, quickest and slowest runs; none without times.
     pub time: Option<Spread>,
@@ -46,7 +47,7 @@ impl Relative {
     }
 }
 
-/// Sums of logarithms.
+/// Sums: of errors, and of the logarithms of ratios.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums {
     error: f64,
@@ -108,7 +109,7 @@ impl Sums {
         self.scenes += 1;
         let Some(m) = row else { return };
         self.served += 1;
-        self.error += (m.errors.rmse / none).max(LEAST_ERROR).ln();
+        self.error += m.errors.rmse / none;
         self.cost += (m.cost_ms / reference.cost_ms).ln();
         if let (Some(mine), Some(theirs)) = (m.times, reference.times) {
             let ratio = |of: f64| (of.max(f64::MIN_POSITIVE) / theirs.total.median.max(f64::MIN_POSITIVE)).ln();
@@ -120,14 +121,14 @@ impl Sums {
     }
 
     fn mean(&self, [technique, settings, backend]: [&str; 3]) -> Relative {
-        // Scenes that weren't served add ln 1 = 0 to the errors.
+        let unserved = (self.scenes - self.served) as f64;
         let (all, served, timed) = (self.scenes.max(1) as f64, self.served.max(1) as f64, self.timed.max(1) as f64);
         let [median, least, greatest] = self.time.map(|sum| (sum / timed).exp());
         Relative {
             technique: technique.to_owned(),
             settings: settings.to_owned(),
             backend: backend.to_owned(),
-            error: (self.error / all).exp(),
+            error: (self.error + unserved) / all,
             time: (self.timed > 0).then_some(Spread { median, least, greatest, runs: self.runs }),
             cost: (self.cost / served).exp(),
             served: self.served,
@@ -180,12 +181,12 @@ mod tests {
     }
 
     #[test]
-    fn means_are_geometric_and_relative() {
+    fn figures_are_relative_and_times_averaged_as_ratios() {
         let one = scene([0.5, 0.9], vec![row("hard", 0.05, 1.0), row("pcf", 0.005, 4.0)]);
         let two = scene([0.1, 0.9], vec![row("hard", 0.01, 10.0), row("pcf", 0.1, 10.0)]);
         let all = relative(&Comparison { scenes: vec![one, two], ..Comparison::default() });
         let (hard, pcf) = (find(&all, "hard"), find(&all, "pcf"));
-        assert!((hard.error - 0.1).abs() < 1e-12 && (pcf.error - 0.1).abs() < 1e-12, "{hard:?} {pcf:?}");
+        assert!((hard.error - 0.1).abs() < 1e-12 && (pcf.error - 0.505).abs() < 1e-12, "{hard:?} {pcf:?}");
         let time = pcf.time.expect("timed");
         assert!((time.median - 2.0).abs() < 1e-12 && (time.least - 1.0).abs() < 1e-12, "{time:?}");
         assert!((pcf.cost - 2.0).abs() < 1e-12 && (hard.cost - 1.0).abs() < 1e-12);
@@ -199,7 +200,7 @@ mod tests {
         let all = relative(&Comparison { scenes: vec![one, two], ..Comparison::default() });
         let planar = find(&all, "planar");
         assert_eq!((planar.served, planar.scenes), (1, 2));
-        assert!((planar.error - LEAST_ERROR.sqrt()).abs() < 1e-12, "{planar:?}");
+        assert_eq!(planar.error, 0.5);
     }
 
     #[test]
