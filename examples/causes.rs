@@ -22,9 +22,9 @@ fn main() -> anyhow::Result<()> {
         let truth = trace(camera, light, &geometry, &TruthOptions::default(), find, &|_, _| {})?;
         let view = View::new(camera, light, &geometry).with_receivers(&truth.receivers);
         let mask = cpu.render(&view, &fault.technique.plan(&view)?)?.mask;
-        let causes = attribute(&mask, &truth.reference())?;
+        let causes = attribute(&mask, &truth.image()?)?;
         fs::write(folder.join(format!("{}.mask.png", fault.scene)), pictures::mask(truth.size, &mask, &truth.pixels)?)?;
-        fs::write(folder.join(format!("{}.png", fault.scene)), pictures::causes(&truth.reference(), &causes)?)?;
+        fs::write(folder.join(format!("{}.png", fault.scene)), pictures::causes(&truth, &causes)?)?;
         println!("{}: {} ({}): {:?}", fault.scene, fault.technique.name(), fault.technique.settings(), fault.cause);
     }
     println!("pictures: {}", folder.display());

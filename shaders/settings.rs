@@ -7,25 +7,25 @@ use crate::{
 use std::sync::Arc;
 use umbrage_core::{Fit, Layout, ShadowTechnique};
 
-/// One comparison shows best what each bias does.
+/// One comparison shows best what each bias does. The first is compared at every map size.
 const HARD_BIASES: [Bias; 7] = [
+    Bias::RECEIVER_PLANE,
     Bias::NONE,
     Bias::CONSTANT,
     Bias::SLOPE,
     Bias::POLYGON_OFFSET,
     Bias::NORMAL_OFFSET,
-    Bias::RECEIVER_PLANE,
     Bias::FRONT_CULL,
 ];
 
 /// Kernels that reach beyond the receiver's texel need more; the textbooks' slope bias is theirs for 3x3.
 fn wide_biases(reach: f32) -> [Bias; 4] {
-    [Bias::SLOPE, Bias::polygon_offset(reach), Bias::normal_offset(reach), Bias::RECEIVER_PLANE]
+    [Bias::RECEIVER_PLANE, Bias::SLOPE, Bias::polygon_offset(reach), Bias::normal_offset(reach)]
 }
 
 /// Two of them, for kernels whose neighbours in the list show the others.
 fn two_biases(reach: f32) -> [Bias; 2] {
-    [Bias::polygon_offset(reach), Bias::RECEIVER_PLANE]
+    [Bias::RECEIVER_PLANE, Bias::polygon_offset(reach)]
 }
 
 pub(crate) fn none(_: &[u32], _: Fit) -> Settings {
@@ -37,9 +37,8 @@ pub(crate) fn all_none(_: u32) -> Settings {
 }
 
 pub(crate) fn hard(sizes: &[u32], fit: Fit) -> Settings {
-    let stored = |format| maps(sizes, fit, &[Bias::SLOPE], move |map| Hard { map: ShadowMap { format, ..map } });
-    let plain = maps(sizes, fit, &HARD_BIASES, |map| Hard { map });
-    [plain, stored(MapFormat::Depth16), stored(MapFormat::Rgba8)].concat()
+    let stored = |format| middle(sizes, fit, &[Bias::SLOPE], move |map| Hard { map: ShadowMap { format, ..map } });
+    [sweep(sizes, fit, &HARD_BIASES, |map| Hard { map }), stored(MapFormat::Depth16), stored(MapFormat::Rgba8)].concat()
 }
 
 pub(crate) fn all_hard(size: u32) -> Settings {
@@ -48,7 +47,7 @@ pub(crate) fn all_hard(size: u32) -> Settings {
 }
 
 pub(crate) fn pcf_dithered(sizes: &[u32], fit: Fit) -> Settings {
-    maps(sizes, fit, &two_biases(1.5), |map| PcfDithered { map })
+    sweep(sizes, fit, &two_biases(1.5), |map| PcfDithered { map })
 }
 
 pub(crate) fn all_pcf_dithered(size: u32) -> Settings {
@@ -56,8 +55,9 @@ pub(crate) fn all_pcf_dithered(size: u32) -> Settings {
 }
 
 pub(crate) fn pcf(sizes: &[u32], fit: Fit) -> Settings {
-    let of = |radius: u32| maps(sizes, fit, &wide_biases(radius as f32), move |map| Pcf { map, radius });
-    [1, 3].map(of).concat()
+    let of = |radius: u32| sweep(sizes, fit, &wide_biases(radius as f32), move |map| Pcf { map, radius });
+    let between = middle(sizes, fit, &[Bias::RECEIVER_PLANE], |map| Pcf { map, radius: 2 });
+    [of(1), between, of(3)].concat()
 }
 
 pub(crate) fn all_pcf(size: u32) -> Settings {
@@ -66,8 +66,9 @@ pub(crate) fn all_pcf(size: u32) -> Settings {
 
 pub(crate) fn pcf_hardware(sizes: &[u32], fit: Fit) -> Settings {
     let of =
-        |samples| maps(sizes, fit, &two_biases(PcfHardware::reach(samples)), move |map| PcfHardware { map, samples });
-    [1, 3].map(of).concat()
+        |samples| sweep(sizes, fit, &two_biases(PcfHardware::reach(samples)), move |map| PcfHardware { map, samples });
+    let between = middle(sizes, fit, &[Bias::RECEIVER_PLANE], |map| PcfHardware { map, samples: 2 });
+    [of(1), between, of(3)].concat()
 }
 
 pub(crate) fn all_pcf_hardware(size: u32) -> Settings {
@@ -77,8 +78,8 @@ pub(crate) fn all_pcf_hardware(size: u32) -> Settings {
 }
 
 pub(crate) fn pcf_merged(sizes: &[u32], fit: Fit) -> Settings {
-    let of = |radius| maps(sizes, fit, &two_biases(PcfMerged::reach(radius)), move |map| PcfMerged { map, radius });
-    [1, 2].map(of).concat()
+    let of = |radius| sweep(sizes, fit, &two_biases(PcfMerged::reach(radius)), move |map| PcfMerged { map, radius });
+    [of(1), of(2), middle(sizes, fit, &[Bias::RECEIVER_PLANE], |map| PcfMerged { map, radius: 3 })].concat()
 }
 
 pub(crate) fn all_pcf_merged(size: u32) -> Settings {
@@ -88,9 +89,11 @@ pub(crate) fn all_pcf_merged(size: u32) -> Settings {
 }
 
 pub(crate) fn pcf_disc(sizes: &[u32], fit: Fit) -> Settings {
-    let of =
-        |pattern| maps(sizes, fit, &[Bias::RECEIVER_PLANE], move |map| PcfDisc { map, pattern, ..PcfDisc::default() });
-    [Pattern::Vogel, Pattern::Poisson].map(of).concat()
+    let of = |map, pattern, taps| PcfDisc { map, pattern, taps, ..PcfDisc::default() };
+    let bias = [Bias::RECEIVER_PLANE];
+    let taps = |taps| middle(sizes, fit, &bias, move |map| of(map, Pattern::Vogel, taps));
+    let poisson = middle(sizes, fit, &bias, |map| PcfDisc { map, pattern: Pattern::Poisson, ..PcfDisc::default() });
+    [taps(8), sweep(sizes, fit, &bias, |map| of(map, Pattern::Vogel, 16)), taps(32), poisson].concat()
 }
 
 pub(crate) fn all_pcf_disc(size: u32) -> Settings {
@@ -100,12 +103,11 @@ pub(crate) fn all_pcf_disc(size: u32) -> Settings {
 }
 
 pub(crate) fn pcss(sizes: &[u32], fit: Fit) -> Settings {
-    let of = |[blocker_taps, filter_taps]: [u32; 2]| {
-        let soft = Pcss { blocker_taps, filter_taps, ..Pcss::default() };
-        maps(sizes, fit, &[Bias::RECEIVER_PLANE], move |map| Pcss { map, ..soft })
-    };
-    let textbook = maps(sizes, fit, &[Bias::SLOPE], |map| Pcss { map, ..Pcss::default() });
-    [of([16, 32]), textbook, of([32, 64])].concat()
+    let of =
+        |[blocker_taps, filter_taps]: [u32; 2]| move |map| Pcss { map, blocker_taps, filter_taps, ..Pcss::default() };
+    let taps = |counts| middle(sizes, fit, &[Bias::RECEIVER_PLANE], of(counts));
+    let sizes_too = sweep(sizes, fit, &[Bias::RECEIVER_PLANE, Bias::SLOPE], of([16, 32]));
+    [taps([8, 16]), sizes_too, taps([32, 64])].concat()
 }
 
 pub(crate) fn all_pcss(size: u32) -> Settings {
@@ -119,7 +121,7 @@ pub(crate) fn all_pcss(size: u32) -> Settings {
 }
 
 pub(crate) fn second_depth(sizes: &[u32], fit: Fit) -> Settings {
-    maps(sizes, fit, &[Bias::FRONT_CULL], |map| SecondDepth { map, radius: 0 })
+    sweep(sizes, fit, &[Bias::FRONT_CULL], |map| SecondDepth { map, radius: 0 })
 }
 
 pub(crate) fn all_second_depth(size: u32) -> Settings {
@@ -127,7 +129,7 @@ pub(crate) fn all_second_depth(size: u32) -> Settings {
 }
 
 pub(crate) fn midpoint(sizes: &[u32], fit: Fit) -> Settings {
-    maps(sizes, fit, &[Bias::NONE, Bias::RECEIVER_PLANE], |map| Midpoint { map, radius: 0 })
+    sweep(sizes, fit, &[Bias::NONE, Bias::RECEIVER_PLANE], |map| Midpoint { map, radius: 0 })
 }
 
 pub(crate) fn all_midpoint(size: u32) -> Settings {
@@ -151,11 +153,34 @@ pub(crate) fn all_volumes(_: u32) -> Settings {
 }
 
 pub(crate) fn traced(_: &[u32], _: Fit) -> Settings {
-    vec![Arc::new(Traced { samples: 4 }), Arc::new(Traced { samples: 32 })]
+    [1, 4, 32].map(|samples| Arc::new(Traced { samples }) as Arc<dyn ShadowTechnique>).to_vec()
 }
 
 pub(crate) fn all_traced(_: u32) -> Settings {
     vec![Arc::new(Traced { samples: 3 })]
+}
+
+/// A technique with its first bias over maps of all sizes, and with the others at the middle one: what a size does and what
+/// a bias does are seen apart, in far fewer settings than all pairs would be.
+fn sweep<T: ShadowTechnique + 'static>(
+    sizes: &[u32],
+    fit: Fit,
+    biases: &[Bias],
+    make: impl Fn(ShadowMap) -> T,
+) -> Settings {
+    let (first, others) = biases.split_at(biases.len().min(1));
+    [maps(sizes, fit, first, &make), middle(sizes, fit, others, &make)].concat()
+}
+
+/// A technique at the middle map size alone, with all of these biases.
+fn middle<T: ShadowTechnique + 'static>(
+    sizes: &[u32],
+    fit: Fit,
+    biases: &[Bias],
+    make: impl Fn(ShadowMap) -> T,
+) -> Settings {
+    let size: Vec<u32> = sizes.get(sizes.len() / 2).copied().into_iter().collect();
+    maps(&size, fit, biases, make)
 }
 
 /// A technique over maps of all sizes, with all of these biases.

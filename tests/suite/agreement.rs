@@ -8,7 +8,10 @@ use std::{
     cell::{Cell, RefCell},
     collections::BTreeMap,
 };
-use umbrage_core::{Backend, Camera, Geometry, PlanError, Receivers, Recipe, View, metrics::Agreement};
+use umbrage_core::{
+    Backend, Camera, Geometry, PlanError, Receivers, Recipe, View,
+    metrics::{Agreement, Doubt},
+};
 use umbrage_cpu::Cpu;
 use umbrage_tests::{
     gpu::gpu,
@@ -64,10 +67,10 @@ fn agree(case: &Case) -> Result<Option<bool>, String> {
     if exact {
         same_receivers(&mine, &theirs)?;
     }
-    let undecided =
-        if exact { vec![false; cpu.mask.len()] } else { undecided(&view, &recipe, &cpu.mask, &mine, &theirs)? };
+    let doubts =
+        if exact { vec![Doubt::None; cpu.mask.len()] } else { doubts(&view, &recipe, &cpu.mask, &mine, &theirs)? };
     let tolerance = recipe.receive.kernel.tolerance();
-    let agreement = Agreement::measure(cpu.size, &cpu.mask, &other.mask, &undecided, tolerance);
+    let agreement = Agreement::measure(cpu.size, &cpu.mask, &other.mask, &doubts, tolerance);
     let agreement = agreement.map_err(|e| e.to_string())?;
     let fine = if exact { agreement.differing == 0 } else { agreement.holds() };
     if !fine {
@@ -95,15 +98,15 @@ fn same_receivers(a: &Receivers, b: &Receivers) -> Result<(), String> {
 /// Pixels whose answer hangs on rounding: the CPU's own changes when the map moves by 1/512 texel or its depth by the
 /// rounding of a depth plane, or the backends see different triangles where moving the camera by 1/16 pixel (the
 /// coarsest sub-pixel grid in use) changes the CPU's choice, too.
-fn undecided(
+fn doubts(
     view: &View<'_>,
     recipe: &Recipe,
     mask: &[f32],
     mine: &Receivers,
     theirs: &Receivers,
-) -> Result<Vec<bool>, String> {
+) -> Result<Vec<Doubt>, String> {
     let mut cpu = Cpu::new();
-    let mut out = vec![false; mask.len()];
+    let mut out = vec![Doubt::None; mask.len()];
     let geometry = view.geometry.ok_or("no geometry")?;
     for (x, y, z) in [(1.0, 1.0, 1.0), (-1.0, 1.0, -1.0), (1.0, -1.0, -1.0), (-1.0, -1.0, 1.0)] {
         let mut nudged = recipe.clone();
@@ -113,11 +116,14 @@ fn undecided(
         }
         let seen = view.with_receivers(mine);
         let other = cpu.render(&seen, &nudged).map_err(|e| e.to_string())?.mask;
-        out.iter_mut().zip(mask.iter().zip(&other)).for_each(|(o, (a, b))| *o |= a != b);
+        let pairs = out.iter_mut().zip(mask.iter().zip(&other));
+        pairs.filter(|(_, (a, b))| a != b).for_each(|(doubt, _)| *doubt = Doubt::Rounding);
         let camera: Camera = view.camera.nudged(Vec2::new(x, y) / 16.0);
         let moved = cpu.receivers(&camera, geometry).map_err(|e| e.to_string())?;
-        for (i, o) in out.iter_mut().enumerate() {
-            *o |= mine.triangle[i] != theirs.triangle[i] && mine.triangle[i] != moved.triangle[i];
+        for (i, doubt) in out.iter_mut().enumerate() {
+            if mine.triangle[i] != theirs.triangle[i] && mine.triangle[i] != moved.triangle[i] {
+                *doubt = Doubt::Triangle;
+            }
         }
     }
     Ok(out)
@@ -129,7 +135,7 @@ fn a_spoilt_pixel_is_caught() {
     let mask = vec![1.0; 64];
     let mut spoilt = mask.clone();
     spoilt[17] = 0.5;
-    let agreement = Agreement::measure(UVec2::splat(8), &mask, &spoilt, &[false; 64], 0.0).expect("sizes fit");
+    let agreement = Agreement::measure(UVec2::splat(8), &mask, &spoilt, &[Doubt::None; 64], 0.0).expect("sizes fit");
     assert_eq!((agreement.differing, agreement.violations), (1, 1));
     let mut receivers = Receivers::empty(UVec2::splat(8));
     let other = receivers.clone();

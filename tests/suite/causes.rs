@@ -30,7 +30,7 @@ impl Stage {
         let view = View::new(&self.scene.cameras[0], &self.scene.lights[0], &self.geometry);
         let recipe = technique.plan(&view.with_receivers(&self.truth.receivers)).expect("supported");
         let mask = Cpu::new().render(&view, &recipe).expect("plays").mask;
-        Causes::measure(&mask, &self.truth.reference()).expect("valid")
+        Causes::measure(&mask, &self.truth.image().expect("valid")).expect("valid")
     }
 }
 

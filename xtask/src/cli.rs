@@ -1,12 +1,15 @@
 //! What can be typed.
 
+mod merge;
 mod plan;
 mod stability;
 
+pub(crate) use merge::{MergeOptions, Shard};
 pub(crate) use plan::{PlanBackend, PlanOptions};
 pub(crate) use stability::StabilityOptions;
 
 use clap::{Args, Parser, Subcommand};
+use merge::parse_shard;
 use std::path::PathBuf;
 
 /// umbrage's own commands.
@@ -30,6 +33,8 @@ pub(crate) enum Command {
     Stability(StabilityOptions),
     /// Find the least that a scene needs: the cheapest technique and setting within an error, time or memory
     Plan(PlanOptions),
+    /// Join the reports of a comparison's shards
+    Merge(MergeOptions),
     /// Run all tests, with a graphics adapter
     Test(TestOptions),
     /// Time the CPU backend, the wgpu backend and ray tracing against their yardsticks
@@ -50,7 +55,9 @@ pub(crate) enum Command {
   cargo xtask compare cubes --technique pcf --backend cpu    one scene, technique and backend
   cargo xtask compare lamp.toml model.obj --quick            scenes of your own, small and fast
   cargo xtask compare cubes --size 640x480 --map-sizes 512,2048 --arrays --out report
-  cargo xtask compare figure --color --map-sizes 1024        with shaded pictures")]
+  cargo xtask compare figure --color --map-sizes 1024        with shaded pictures
+  cargo xtask compare --deterministic --shard 2/8 --out s2   an eighth of the suite, for `cargo xtask merge`
+  cargo xtask compare --baseline old/results.json            fail if anything got slower or less accurate")]
 pub(crate) struct CompareOptions {
     /// Built-in scenes by name, scene files (.toml) or models (.obj); none: the built-in suite
     #[arg(value_name = "SCENE")]
@@ -67,7 +74,8 @@ pub(crate) struct CompareOptions {
     /// Image size in pixels; else each scene's own
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub(crate) size: Option<[u32; 2]>,
-    /// Sides of the shadow maps, texels; else 1024 for the suite, 512, 1024 and 2048 for scenes by name, 512 with --quick
+    /// Sides of the shadow maps, texels, rising; every setting is compared at the middle one, each technique's first at all;
+    /// else 512, 1024 and 2048, or 512 alone with --quick
     #[arg(long, value_name = "SIDE", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=16_384))]
     pub(crate) map_sizes: Vec<u32>,
     /// Truth's rays a pixel for lights with an extent
@@ -88,6 +96,18 @@ pub(crate) struct CompareOptions {
     /// Shade every row in colour, too, and compare the colours between backends
     #[arg(long)]
     pub(crate) color: bool,
+    /// No wall-clock times and no date, so that the report is the same, byte for byte, whenever it is made
+    #[arg(long, conflicts_with = "runs")]
+    pub(crate) deterministic: bool,
+    /// Compare with the results.json of an earlier run, and fail if anything got slower or less accurate beyond the noise
+    #[arg(long, value_name = "RESULTS.JSON")]
+    pub(crate) baseline: Option<PathBuf>,
+    /// Only every N-th scene, from the K-th on; `cargo xtask merge` joins the shards
+    #[arg(long, value_name = "K/N", value_parser = parse_shard)]
+    pub(crate) shard: Option<Shard>,
+    /// Measure every scene anew, even if the folder has it from a run that was stopped
+    #[arg(long)]
+    pub(crate) fresh: bool,
     /// List scenes and techniques, and end
     #[arg(long)]
     pub(crate) list: bool,
@@ -200,7 +220,7 @@ mod tests {
     /// What wrong usage says.
     #[test]
     fn usage_errors() {
-        let wrong: [&[&str]; 13] = [
+        let wrong: [&[&str]; 16] = [
             &[],
             &["compere"],
             &["compare", "--size", "640"],
@@ -212,6 +232,9 @@ mod tests {
             &["plan", "cubes", "--max-error", "nan"],
             &["plan", "cubes", "--max-ms", "-1"],
             &["plan", "--regret", "--max-error", "0.1"],
+            &["compare", "--shard", "9/8"],
+            &["compare", "--deterministic", "--runs", "3"],
+            &["merge", "s1", "s2"],
             &["bless", "--all", "cubes.pcf"],
             &["ci", "--after-tests", "--install-driver"],
         ];

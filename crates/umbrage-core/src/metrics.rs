@@ -5,7 +5,7 @@
 
 mod causes;
 
-pub use causes::{CONTACT, Cause, Causes, Reference, attribute};
+pub use causes::{CONTACT, Cause, Causes, TruthImage, attribute};
 
 use crate::Invalid;
 use glam::UVec2;
@@ -64,24 +64,41 @@ pub struct Errors {
     pub unlit: u64,
 }
 
-impl Errors {
-    /// Compares a mask with truth, `pixels` telling what counts. A true shadow edge is where truth is a penumbra or
-    /// differs from one of the four neighbours' by more than [`FALSE`]; pixels that are [`Pixel::Empty`] make no edges.
+/// Truth, ready to be compared with many masks.
+#[derive(Clone, Debug)]
+pub struct Reference<'a> {
+    size: UVec2,
+    truth: &'a [f32],
+    pixels: &'a [Pixel],
+    near_edge: Vec<bool>,
+}
+
+impl<'a> Reference<'a> {
+    /// Finds truth's shadow edges, `pixels` telling what counts. A true shadow edge is where truth is a penumbra or differs
+    /// from one of the four neighbours' by more than [`FALSE`]; pixels that are [`Pixel::Empty`] make no edges.
     ///
     /// # Errors
     /// When sizes differ or a value is not within 0..=1.
-    pub fn measure(size: UVec2, mask: &[f32], truth: &[f32], pixels: &[Pixel]) -> Result<Self, Invalid> {
-        check("mask", size, mask)?;
+    pub fn new(size: UVec2, truth: &'a [f32], pixels: &'a [Pixel]) -> Result<Self, Invalid> {
         check("truth", size, truth)?;
         check_len("pixel classes", size, pixels.len())?;
         let near_edge = near(size, &edges(size, truth, pixels), ACNE_DISTANCE);
-        let mut out = Self::default();
+        Ok(Self { size, truth, pixels, near_edge })
+    }
+
+    /// How far a mask is from it.
+    ///
+    /// # Errors
+    /// When sizes differ or a value is not within 0..=1.
+    pub fn errors(&self, mask: &[f32]) -> Result<Errors, Invalid> {
+        check("mask", self.size, mask)?;
+        let mut out = Errors::default();
         let mut sum_of_squares = 0.0;
-        for (i, pixel) in pixels.iter().enumerate() {
+        for (i, pixel) in self.pixels.iter().enumerate() {
             match pixel {
                 Pixel::Counted => {
-                    out.add(mask[i], truth[i], near_edge[i]);
-                    sum_of_squares += (f64::from(mask[i]) - f64::from(truth[i])).powi(2);
+                    out.add(mask[i], self.truth[i], self.near_edge[i]);
+                    sum_of_squares += (f64::from(mask[i]) - f64::from(self.truth[i])).powi(2);
                 }
                 Pixel::Empty => {}
                 Pixel::Unlit => out.unlit += 1,
@@ -95,6 +112,16 @@ impl Errors {
             *share *= 100.0 / n;
         }
         Ok(out)
+    }
+}
+
+impl Errors {
+    /// Compares a single mask with truth; many are compared quicker by a [`Reference`].
+    ///
+    /// # Errors
+    /// When sizes differ or a value is not within 0..=1.
+    pub fn measure(size: UVec2, mask: &[f32], truth: &[f32], pixels: &[Pixel]) -> Result<Self, Invalid> {
+        Reference::new(size, truth, pixels)?.errors(mask)
     }
 
     /// Adds one pixel to the sums.
@@ -157,6 +184,22 @@ pub fn near(size: UVec2, set: &[bool], distance: u32) -> Vec<bool> {
     (0..w * h).map(within).collect()
 }
 
+/// Why two masks may differ at a pixel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Doubt {
+    /// They may not: the answer there is decided.
+    #[default]
+    None,
+    /// The answer there hangs on rounding.
+    Rounding,
+    /// Their backends see different triangles there.
+    Triangle,
+}
+
+/// The share of the pixels compared that may differ because of rounding. Rounding decides along the edges of texels and
+/// where a surface shadows itself; were it more, a fault of the bias or of the light space could hide in it.
+pub const MOST_UNDECIDED: f64 = 0.001;
+
 /// How well two masks of the same view agree.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Agreement {
@@ -164,8 +207,10 @@ pub struct Agreement {
     pub compared: u64,
     /// Pixels that are not equal, however little they differ.
     pub differing: u64,
-    /// Pixels whose answer hangs on rounding.
+    /// Pixels that differ by more than is allowed, which [`Doubt::Rounding`] excuses.
     pub undecided: u64,
+    /// Pixels that differ by more than is allowed, which [`Doubt::Triangle`] excuses.
+    pub elsewhere: u64,
     /// Greatest difference anywhere, 0..=1.
     pub largest: f64,
     /// Decided pixels that differ by more than [`AGREE`]: must be 0.
@@ -173,22 +218,26 @@ pub struct Agreement {
 }
 
 impl Agreement {
-    /// Compares two masks; `undecided` marks pixels whose answer hangs on rounding, `tolerance` is what the kernel allows
-    /// beyond [`AGREE`] ([`Kernel::tolerance`](crate::Kernel::tolerance)).
+    /// Compares two masks; `doubts` tells where they may differ, `tolerance` is what the kernel allows beyond [`AGREE`]
+    /// ([`Kernel::tolerance`](crate::Kernel::tolerance)).
     ///
     /// # Errors
     /// When sizes differ or a value is not within 0..=1.
-    pub fn measure(size: UVec2, a: &[f32], b: &[f32], undecided: &[bool], tolerance: f32) -> Result<Self, Invalid> {
+    pub fn measure(size: UVec2, a: &[f32], b: &[f32], doubts: &[Doubt], tolerance: f32) -> Result<Self, Invalid> {
         check("first mask", size, a)?;
         check("second mask", size, b)?;
-        check_len("undecided pixels", size, undecided.len())?;
+        check_len("doubts", size, doubts.len())?;
         let mut out = Self { compared: a.len() as u64, ..Self::default() };
-        for ((&a, &b), &undecided) in a.iter().zip(b).zip(undecided) {
+        for ((&a, &b), doubt) in a.iter().zip(b).zip(doubts) {
             let difference = (a - b).abs();
             out.differing += u64::from(a != b);
-            out.undecided += u64::from(undecided);
             out.largest = out.largest.max(f64::from(difference));
-            out.violations += u64::from(!undecided && difference > AGREE + tolerance);
+            let count = match doubt {
+                Doubt::None => &mut out.violations,
+                Doubt::Rounding => &mut out.undecided,
+                Doubt::Triangle => &mut out.elsewhere,
+            };
+            *count += u64::from(difference > AGREE + tolerance);
         }
         Ok(out)
     }
@@ -196,6 +245,11 @@ impl Agreement {
     /// Whether all decided pixels agree.
     pub fn holds(&self) -> bool {
         self.violations == 0
+    }
+
+    /// Whether no more pixels are excused by rounding than [`MOST_UNDECIDED`] allows.
+    pub fn is_decided(&self) -> bool {
+        self.undecided as f64 <= MOST_UNDECIDED * self.compared as f64
     }
 }
 

@@ -1,7 +1,8 @@
 //! Measures shadow techniques against ray-traced truth: error, time, agreement between backends, reports.
 //!
 //! * [`compare`]: every technique setting on every backend, against truth and against each other.
-//! * [`report`]: a page, a table, data and pictures of it. [`pareto`]: the front of time against error.
+//! * [`report`]: a page, charts, tables, data and pictures of it. [`pareto`]: the front of time against error.
+//! * [`baseline`]: what got slower or less accurate than it was. [`figure`]: still charts.
 //! * [`footprint`]: how much of their maps techniques use, and how fine these are on screen.
 //! * [`textbook`]: the textbooks' effects, measured and pictured. [`mod@bench`]: paired timings.
 //! * [`causes`]: an example of each cause of error ([`umbrage_core::metrics::Causes`]).
@@ -15,6 +16,8 @@
 //! the planner.
 
 #[cfg(feature = "report")]
+pub mod baseline;
+#[cfg(feature = "report")]
 pub mod bench;
 pub mod causes;
 #[cfg(feature = "report")]
@@ -23,6 +26,9 @@ mod color;
 pub mod compare;
 pub mod cost;
 mod error;
+#[cfg(feature = "report")]
+pub mod figure;
+#[cfg(feature = "report")]
 pub mod footprint;
 pub mod pareto;
 pub mod plan;

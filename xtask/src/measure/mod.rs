@@ -10,6 +10,8 @@ mod costs;
 #[cfg(feature = "measure")]
 mod list;
 #[cfg(feature = "measure")]
+mod merge;
+#[cfg(feature = "measure")]
 mod plan;
 #[cfg(feature = "measure")]
 mod planning;
@@ -31,6 +33,7 @@ pub(crate) fn dispatch(command: &Command) -> Result<()> {
     match command {
         Command::Compare(options) if options.list => list::list(),
         Command::Compare(options) => compare::compare(options),
+        Command::Merge(options) => merge::merge(options),
         Command::Stability(options) => stability::stability(options),
         Command::Bench(options) if options.costs => costs::costs(options),
         Command::Plan(options) if options.regret => regret::regret(options),

@@ -43,7 +43,7 @@ impl Progress {
         }
         // Where nobody watches, a line a scene shows in the log that there is progress.
         if let (Event::SceneDone { result }, true) = (event, self.bar.is_hidden()) {
-            println!("{}: truth in {:.1} s, {} rows", result.name, result.truth.seconds, result.rows.len());
+            println!("{}: {} rows", result.name, result.rows.len());
         }
         if let Some(position) = position(*at, event) {
             self.bar.set_position(position);

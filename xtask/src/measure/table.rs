@@ -59,8 +59,8 @@ fn figures(m: &Measured) -> Vec<String> {
         format!("{:.2}", e.false_shadow),
         format!("{:.2}", e.false_light),
         format!("{:.2}", e.acne),
-        format!("{:.2}", m.times.total.median),
-        m.times.receive.map_or_else(|| "-".to_owned(), |s| format!("{:.2}", s.median)),
+        format!("{:.2}", m.times.map_or(m.cost_ms, |t| t.total.median)),
+        m.times.and_then(|t| t.receive).map_or_else(|| "-".to_owned(), |s| format!("{:.2}", s.median)),
         format!("{:.1}", m.bytes as f64 / f64::from(1 << 20)),
         m.agreement.map_or_else(String::new, |a| a.differing.to_string()),
     ]
@@ -78,7 +78,9 @@ fn chosen(rows: &[Row], whole: bool) -> Vec<&Row> {
 }
 
 fn best(rows: Vec<&Row>) -> Vec<&Row> {
-    let point = |row: &&Row| row.measured().map_or([f64::NAN; 2], |m| [m.times.total.median, m.errors.rmse]);
+    let point = |row: &&Row| {
+        row.measured().map_or([f64::NAN; 2], |m| [m.times.map_or(m.cost_ms, |t| t.total.median), m.errors.rmse])
+    };
     let points: Vec<_> = rows.iter().map(point).collect();
     front(&points).into_iter().map(|i| rows[i]).collect()
 }

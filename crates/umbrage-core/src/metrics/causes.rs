@@ -55,20 +55,42 @@ pub enum Cause {
     Penumbra,
 }
 
-/// What truth knows of an image, for telling causes apart. All slices hold one entry a pixel.
-#[derive(Clone, Copy, Debug)]
-pub struct Reference<'a> {
-    /// Image size, pixels.
-    pub size: UVec2,
-    /// Visibility, 0..=1.
-    pub visibility: &'a [f32],
-    /// What counts.
-    pub pixels: &'a [Pixel],
-    /// From the receiver to the blocker that is nearest to the light on the way to the light's middle, metres; infinite
-    /// where there is none.
-    pub blocker: &'a [f32],
-    /// Blockers closer than this are in contact, metres: [`CONTACT`] of the diagonal of the box around what is seen.
-    pub contact: f32,
+/// What truth knows of an image, for telling the causes of many masks' errors apart.
+#[derive(Clone, Debug)]
+pub struct TruthImage<'a> {
+    size: UVec2,
+    visibility: &'a [f32],
+    pixels: &'a [Pixel],
+    blocker: &'a [f32],
+    contact: f32,
+    /// Pixels around true penumbrae, as far as [`ACNE_DISTANCE`].
+    near_soft: Vec<bool>,
+    /// Pixels around any true edge.
+    near_edge: Vec<bool>,
+}
+
+impl<'a> TruthImage<'a> {
+    /// All slices hold one entry a pixel. `blocker`: from the receiver to the blocker that is nearest to the light on the way
+    /// to the light's middle, metres; infinite where there is none. `contact`: blockers closer than this are in contact,
+    /// metres: [`CONTACT`] of the diagonal of the box around what is seen.
+    ///
+    /// # Errors
+    /// When sizes differ or a visibility is not within 0..=1.
+    pub fn new(
+        size: UVec2,
+        visibility: &'a [f32],
+        pixels: &'a [Pixel],
+        blocker: &'a [f32],
+        contact: f32,
+    ) -> Result<Self, Invalid> {
+        check("truth", size, visibility)?;
+        check_len("pixel classes", size, pixels.len())?;
+        check_len("blockers", size, blocker.len())?;
+        let soft = penumbrae(visibility, pixels);
+        let near_soft = near(size, &soft, ACNE_DISTANCE);
+        let near_edge = near(size, &edges(size, visibility, pixels), ACNE_DISTANCE);
+        Ok(Self { size, visibility, pixels, blocker, contact, near_soft, near_edge })
+    }
 }
 
 impl Causes {
@@ -76,7 +98,7 @@ impl Causes {
     ///
     /// # Errors
     /// When sizes differ or a value is not within 0..=1.
-    pub fn measure(mask: &[f32], truth: &Reference<'_>) -> Result<Self, Invalid> {
+    pub fn measure(mask: &[f32], truth: &TruthImage<'_>) -> Result<Self, Invalid> {
         let causes = attribute(mask, truth)?;
         let (mut out, mut gaps) = (Self::default(), Vec::new());
         for (i, cause) in causes.iter().enumerate() {
@@ -112,23 +134,19 @@ impl Causes {
 ///
 /// # Errors
 /// When sizes differ or a value is not within 0..=1.
-pub fn attribute(mask: &[f32], truth: &Reference<'_>) -> Result<Vec<Option<Cause>>, Invalid> {
+pub fn attribute(mask: &[f32], truth: &TruthImage<'_>) -> Result<Vec<Option<Cause>>, Invalid> {
     check("mask", truth.size, mask)?;
-    check("truth", truth.size, truth.visibility)?;
-    check_len("pixel classes", truth.size, truth.pixels.len())?;
-    check_len("blockers", truth.size, truth.blocker.len())?;
+    let (soft, edge) = (&truth.near_soft, &truth.near_edge);
     let difference = |i: usize| mask[i] - truth.visibility[i];
     let counts = |i: usize| truth.pixels[i] == Pixel::Counted && difference(i) != 0.0;
-    let soft = near(truth.size, &penumbrae(truth), ACNE_DISTANCE);
-    let hard = near(truth.size, &edges(truth.size, truth.visibility, truth.pixels), ACNE_DISTANCE);
     let lit = |i: usize| counts(i) && difference(i) > 0.0 && truth.visibility[i] < PENUMBRA;
     let touches = |i: usize| lit(i) && truth.blocker[i] <= truth.contact;
-    let gap = flood(truth.size, touches, |i| lit(i) && !soft[i] && !hard[i]);
+    let gap = flood(truth.size, touches, |i| lit(i) && !soft[i] && !edge[i]);
     let cause = |i: usize| match difference(i) {
         _ if !counts(i) => None,
         _ if gap[i] => Some(Cause::Gap),
         _ if soft[i] => Some(Cause::Penumbra),
-        _ if hard[i] => Some(Cause::Edge),
+        _ if edge[i] => Some(Cause::Edge),
         difference if difference < 0.0 => Some(Cause::Acne),
         _ => Some(Cause::Leak),
     };
@@ -159,17 +177,15 @@ fn is_penumbra(visibility: f32) -> bool {
     (PENUMBRA..=1.0 - PENUMBRA).contains(&visibility)
 }
 
-fn penumbrae(truth: &Reference<'_>) -> Vec<bool> {
-    truth.visibility.iter().zip(truth.pixels).map(|(&v, &p)| p == Pixel::Counted && is_penumbra(v)).collect()
+fn penumbrae(visibility: &[f32], pixels: &[Pixel]) -> Vec<bool> {
+    visibility.iter().zip(pixels).map(|(&v, &p)| p == Pixel::Counted && is_penumbra(v)).collect()
 }
 
-fn width(mask: &[f32], truth: &Reference<'_>) -> Option<f64> {
-    let soft = penumbrae(truth);
-    let around = near(truth.size, &soft, ACNE_DISTANCE);
-    let true_pixels = soft.iter().filter(|&&s| s).count();
-    let counts = |i: &usize| truth.pixels[*i] == Pixel::Counted && around[*i] && is_penumbra(mask[*i]);
-    let pixels = (0..mask.len()).filter(counts).count();
-    (true_pixels > 0).then(|| pixels as f64 / true_pixels as f64)
+fn width(mask: &[f32], truth: &TruthImage<'_>) -> Option<f64> {
+    let counts = |i: &usize| truth.pixels[*i] == Pixel::Counted && truth.near_soft[*i];
+    let soft = |values: &[f32]| (0..mask.len()).filter(counts).filter(|&i| is_penumbra(values[i])).count();
+    let (ours, theirs) = (soft(mask), soft(truth.visibility));
+    (theirs > 0).then(|| ours as f64 / theirs as f64)
 }
 
 #[cfg(test)]
@@ -202,8 +218,8 @@ mod tests {
 
     fn measure_with(mask: &[f32], pixels: &[Pixel]) -> Causes {
         let t = truth();
-        let reference = Reference { size: SIZE, visibility: &t.visibility, pixels, blocker: &t.blocker, contact: 0.5 };
-        Causes::measure(mask, &reference).expect("valid")
+        let truth = TruthImage::new(SIZE, &t.visibility, pixels, &t.blocker, 0.5).expect("valid");
+        Causes::measure(mask, &truth).expect("valid")
     }
 
     /// The causes when one pixel of truth is replaced.
@@ -273,15 +289,10 @@ mod tests {
     #[test]
     fn spoilt_masks_are_refused() {
         let t = truth();
-        let reference = Reference {
-            size: SIZE,
-            visibility: &t.visibility,
-            pixels: &[Pixel::Counted; N],
-            blocker: &t.blocker[1..],
-            contact: 0.5,
-        };
-        assert!(Causes::measure(&t.visibility, &reference).is_err());
-        let reference = Reference { blocker: &t.blocker, ..reference };
-        assert!(Causes::measure(&[f32::NAN; N], &reference).is_err());
+        let pixels = [Pixel::Counted; N];
+        assert!(TruthImage::new(SIZE, &t.visibility, &pixels, &t.blocker[1..], 0.5).is_err());
+        assert!(TruthImage::new(SIZE, &[f32::NAN; N], &pixels, &t.blocker, 0.5).is_err());
+        let truth = TruthImage::new(SIZE, &t.visibility, &pixels, &t.blocker, 0.5).expect("valid");
+        assert!(Causes::measure(&[f32::NAN; N], &truth).is_err());
     }
 }

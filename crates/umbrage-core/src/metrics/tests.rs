@@ -104,8 +104,8 @@ fn spoilt_masks_are_refused() {
         let e = Errors::measure(SIZE, &mask, &truth(), &pixels).expect_err("spoilt");
         assert!(e.to_string().contains("pixel (1, 1)"), "{e}");
         assert!(Errors::measure(SIZE, &truth(), &mask, &pixels).is_err(), "spoilt truth");
-        assert!(Agreement::measure(SIZE, &mask, &truth(), &[false; N], 0.0).is_err());
-        assert!(Agreement::measure(SIZE, &truth(), &mask, &[false; N], 0.0).is_err());
+        assert!(Agreement::measure(SIZE, &mask, &truth(), &[Doubt::None; N], 0.0).is_err());
+        assert!(Agreement::measure(SIZE, &truth(), &mask, &[Doubt::None; N], 0.0).is_err());
     }
 }
 
@@ -116,14 +116,14 @@ fn wrong_sizes_are_refused() {
     assert!(Errors::measure(SIZE, &t, &t[1..], &[Pixel::Counted; N]).is_err());
     assert!(Errors::measure(SIZE, &t, &t, &[Pixel::Counted; N - 1]).is_err());
     assert!(Errors::measure(UVec2::new(0, 30), &[], &[], &[]).is_err());
-    assert!(Agreement::measure(SIZE, &t[1..], &t, &[false; N], 0.0).is_err());
-    assert!(Agreement::measure(SIZE, &t, &t[1..], &[false; N], 0.0).is_err());
-    assert!(Agreement::measure(SIZE, &t, &t, &[false; 3], 0.0).is_err());
+    assert!(Agreement::measure(SIZE, &t[1..], &t, &[Doubt::None; N], 0.0).is_err());
+    assert!(Agreement::measure(SIZE, &t, &t[1..], &[Doubt::None; N], 0.0).is_err());
+    assert!(Agreement::measure(SIZE, &t, &t, &[Doubt::None; 3], 0.0).is_err());
 }
 
 #[test]
 fn equal_masks_agree() {
-    let a = Agreement::measure(SIZE, &truth(), &truth(), &[false; N], 0.0).expect("valid");
+    let a = Agreement::measure(SIZE, &truth(), &truth(), &[Doubt::None; N], 0.0).expect("valid");
     assert_eq!(a, Agreement { compared: 1200, ..Agreement::default() });
     assert!(a.holds());
 }
@@ -132,19 +132,35 @@ fn equal_masks_agree() {
 fn one_decided_pixel_breaks_agreement_and_an_undecided_one_does_not() {
     let mut mask = truth();
     mask[7] = 0.5;
-    let a = Agreement::measure(SIZE, &mask, &truth(), &[false; N], 0.0).expect("valid");
+    let a = Agreement::measure(SIZE, &mask, &truth(), &[Doubt::None; N], 0.0).expect("valid");
     assert_eq!((a.differing, a.largest, a.violations, a.holds()), (1, 0.5, 1, false));
-    let mut undecided = [false; N];
-    undecided[7] = true;
-    let a = Agreement::measure(SIZE, &mask, &truth(), &undecided, 0.0).expect("valid");
-    assert_eq!((a.differing, a.undecided, a.violations, a.holds()), (1, 1, 0, true));
+    let mut doubts = [Doubt::None; N];
+    // Doubts where the masks agree excuse nothing.
+    (doubts[7], doubts[8]) = (Doubt::Rounding, Doubt::Rounding);
+    let a = Agreement::measure(SIZE, &mask, &truth(), &doubts, 0.0).expect("valid");
+    assert_eq!((a.differing, a.undecided, a.elsewhere, a.violations, a.holds()), (1, 1, 0, 0, true));
+    doubts[7] = Doubt::Triangle;
+    let a = Agreement::measure(SIZE, &mask, &truth(), &doubts, 0.0).expect("valid");
+    assert_eq!((a.differing, a.undecided, a.elsewhere, a.violations, a.holds()), (1, 0, 1, 0, true));
+}
+
+#[test]
+fn rounding_excuses_one_pixel_in_a_thousand() {
+    let mut mask = truth();
+    let decided = |mask: &[f32]| {
+        Agreement::measure(SIZE, mask, &truth(), &[Doubt::Rounding; N], 0.0).expect("valid").is_decided()
+    };
+    mask[7] = 0.5;
+    assert!(decided(&mask), "1 of 1200");
+    mask[8] = 0.5;
+    assert!(!decided(&mask), "2 of 1200");
 }
 
 #[test]
 fn a_tiny_difference_is_told_but_tolerated() {
     let mut mask = truth();
     mask[7] = 0.5 / 255.0;
-    let a = Agreement::measure(SIZE, &mask, &truth(), &[false; N], 0.0).expect("valid");
+    let a = Agreement::measure(SIZE, &mask, &truth(), &[Doubt::None; N], 0.0).expect("valid");
     assert_eq!((a.differing, a.violations), (1, 0));
 }
 
@@ -154,6 +170,6 @@ fn kernels_may_ask_for_tolerance() {
     let mut mask = truth();
     mask[0] = (mask[0] - 0.01).abs();
     let violations =
-        |tolerance| Agreement::measure(SIZE, &mask, &truth(), &[false; N], tolerance).expect("valid").violations;
+        |tolerance| Agreement::measure(SIZE, &mask, &truth(), &[Doubt::None; N], tolerance).expect("valid").violations;
     assert_eq!([0.0, 0.005, 0.008].map(violations), [1, 1, 0]);
 }

@@ -2,7 +2,10 @@
 
 use crate::LabError;
 use glam::Vec2;
-use umbrage_core::{Backend, Receivers, Recipe, Shadows, View, metrics::Agreement};
+use umbrage_core::{
+    Backend, Receivers, Recipe, Shadows, View,
+    metrics::{Agreement, Doubt},
+};
 
 /// How far light spaces are moved, texels: half of the finest sub-pixel grid's step (1/256) that drivers snap vertices to.
 const NUDGE_TEXELS: f32 = 1.0 / 512.0;
@@ -13,8 +16,10 @@ const NUDGE_DEPTH: f32 = 1.0 / 1_048_576.0;
 /// How far receivers are moved where nothing is cast: a fraction of their greatest coordinate, 2^-21.
 const NUDGE_POSITION: f32 = 1.0 / 2_097_152.0;
 
-/// A pixel is undecided when the CPU's answer changes as the casts' light spaces are nudged (sideways by 1/512 texel, in
-/// depth by 2^-20), or, for recipes without casts, as its receiver is; or when the backends see different receivers there.
+/// Compares another backend's mask with the CPU's. Pixels where the two see different triangles are set apart. Others that
+/// differ by more than is allowed are *undecided* when the CPU's answer changes, too, as the casts' light spaces are nudged
+/// (sideways by 1/512 texel, in depth by 2^-20), or, for recipes without casts, as its receivers are; else they are
+/// violations. Equal masks need no nudges, so none are rendered for them.
 pub(crate) fn compare(
     cpu: &mut dyn Backend,
     view: &View<'_>,
@@ -22,38 +27,75 @@ pub(crate) fn compare(
     of_cpu: &Shadows,
     other: &Shadows,
 ) -> Result<Agreement, LabError> {
-    let mut undecided = different_receivers(of_cpu.receivers.as_ref(), other.receivers.as_ref(), of_cpu.mask.len());
-    let mut mark = |nudged: &Shadows| {
-        for (u, (a, b)) in undecided.iter_mut().zip(of_cpu.mask.iter().zip(&nudged.mask)) {
-            *u |= a != b;
+    let tolerance = recipe.receive.kernel.tolerance();
+    let mut doubts = different_triangles(of_cpu.receivers.as_ref(), other.receivers.as_ref(), of_cpu.mask.len());
+    let agreement = |doubts: &[Doubt]| Agreement::measure(of_cpu.size, &of_cpu.mask, &other.mask, doubts, tolerance);
+    let mut agreed = agreement(&doubts)?;
+    for nudge in nudges(recipe) {
+        if agreed.holds() {
+            break;
         }
-    };
-    if recipe.casts.is_empty() {
-        for sign in [-1.0, 1.0] {
-            if let Some(receivers) = of_cpu.receivers.as_ref().map(|r| moved(r, sign * NUDGE_POSITION)) {
-                mark(&cpu.render(&view.with_receivers(&receivers), recipe)?);
+        let nudged = nudge.render(cpu, view, recipe, of_cpu)?;
+        for (doubt, (a, b)) in doubts.iter_mut().zip(of_cpu.mask.iter().zip(&nudged.mask)) {
+            if a != b && *doubt == Doubt::None {
+                *doubt = Doubt::Rounding;
             }
         }
-    } else {
-        for nudged in nudged_recipes(recipe) {
-            mark(&cpu.render(view, &nudged)?);
-        }
+        agreed = agreement(&doubts)?;
     }
-    Ok(Agreement::measure(of_cpu.size, &of_cpu.mask, &other.mask, &undecided, recipe.receive.kernel.tolerance())?)
+    Ok(agreed)
+}
+
+/// A movement too small to see.
+#[derive(Clone, Copy, Debug)]
+enum Nudge {
+    /// Of every cast's light space: texels, and depth.
+    Space(Vec2, f32),
+    /// Of receivers along their normals: a fraction of their greatest coordinate.
+    Receivers(f32),
+}
+
+/// What to try on a recipe.
+fn nudges(recipe: &Recipe) -> Vec<Nudge> {
+    if recipe.casts.is_empty() {
+        return vec![Nudge::Receivers(NUDGE_POSITION), Nudge::Receivers(-NUDGE_POSITION)];
+    }
+    let t = NUDGE_TEXELS;
+    let sideways = [(t, t), (-t, t), (t, -t), (-t, -t)].map(|(x, y)| Nudge::Space(Vec2::new(x, y), 0.0));
+    let in_depth = [NUDGE_DEPTH, -NUDGE_DEPTH].map(|depth| Nudge::Space(Vec2::ZERO, depth));
+    [&sideways[..], &in_depth].concat()
+}
+
+impl Nudge {
+    /// The recipe, moved so; what the CPU saw is known.
+    fn render(
+        self,
+        cpu: &mut dyn Backend,
+        view: &View<'_>,
+        recipe: &Recipe,
+        of_cpu: &Shadows,
+    ) -> Result<Shadows, LabError> {
+        let seen = of_cpu.receivers.as_ref();
+        Ok(match self {
+            Self::Space(texels, depth) => {
+                let view = seen.map_or(*view, |r| view.with_receivers(r));
+                cpu.render(&view, &nudged(recipe, texels, depth))?
+            }
+            Self::Receivers(fraction) => match seen.map(|r| moved(r, fraction)) {
+                Some(moved) => cpu.render(&view.with_receivers(&moved), recipe)?,
+                None => of_cpu.clone(),
+            },
+        })
+    }
 }
 
 /// The recipe with every cast's light space moved; the lookup stays.
-fn nudged_recipes(recipe: &Recipe) -> impl Iterator<Item = Recipe> {
-    let t = NUDGE_TEXELS;
-    let sideways = [Vec2::new(t, t), Vec2::new(-t, t), Vec2::new(t, -t), Vec2::new(-t, -t)].map(|n| (n, 0.0));
-    let in_depth = [(Vec2::ZERO, NUDGE_DEPTH), (Vec2::ZERO, -NUDGE_DEPTH)];
-    sideways.into_iter().chain(in_depth).map(|(texels, depth)| {
-        let mut nudged = recipe.clone();
-        for cast in &mut nudged.casts {
-            cast.space = cast.space.nudged(texels, depth, recipe.images[cast.image].size);
-        }
-        nudged
-    })
+fn nudged(recipe: &Recipe, texels: Vec2, depth: f32) -> Recipe {
+    let mut nudged = recipe.clone();
+    for cast in &mut nudged.casts {
+        cast.space = cast.space.nudged(texels, depth, recipe.images[cast.image].size);
+    }
+    nudged
 }
 
 /// Receivers moved along their normals by a fraction of their greatest coordinate.
@@ -67,10 +109,10 @@ fn moved(receivers: &Receivers, fraction: f32) -> Receivers {
     out
 }
 
-fn different_receivers(a: Option<&Receivers>, b: Option<&Receivers>, len: usize) -> Vec<bool> {
-    let (Some(a), Some(b)) = (a, b) else { return vec![false; len] };
+fn different_triangles(a: Option<&Receivers>, b: Option<&Receivers>, len: usize) -> Vec<Doubt> {
+    let (Some(a), Some(b)) = (a, b) else { return vec![Doubt::None; len] };
     if a.len() != len || b.len() != len {
-        return vec![false; len];
+        return vec![Doubt::None; len];
     }
-    (0..len).map(|i| a.triangle[i] != b.triangle[i]).collect()
+    (0..len).map(|i| if a.triangle[i] == b.triangle[i] { Doubt::None } else { Doubt::Triangle }).collect()
 }

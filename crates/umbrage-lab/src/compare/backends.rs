@@ -1,6 +1,6 @@
 //! The backends that take part.
 
-use super::Environment;
+use super::{Environment, Options};
 use std::{fmt, str::FromStr};
 use umbrage_core::{Backend, BackendError, Invalid};
 use umbrage_cpu::Cpu;
@@ -101,9 +101,9 @@ impl Backends {
         Self { playing, notices: Vec::new(), adapter: None, receivers: Cpu::new() }
     }
 
-    /// Fills in what an environment says about backends.
-    pub(super) fn describe(&self, environment: Environment) -> Environment {
+    /// Where a comparison with these backends is made, and when, if it has times.
+    pub fn environment(&self, options: &Options) -> Environment {
         let backends = self.playing.iter().map(|b| b.name().to_owned()).collect();
-        Environment { adapter: self.adapter.clone(), backends, ..environment }
+        Environment { adapter: self.adapter.clone(), backends, ..Environment::here(options.runs.is_some()) }
     }
 }

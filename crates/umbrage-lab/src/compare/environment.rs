@@ -7,12 +7,12 @@ use std::{
 };
 
 impl Environment {
-    /// This machine, now. Backends and adapter are left for the caller to fill in.
-    pub fn here() -> Self {
+    /// This machine, and if `dated`, this moment. Backends and adapter are left for the caller to fill in.
+    pub fn here(dated: bool) -> Self {
         Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             commit: commit(),
-            date: date(SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs())),
+            date: dated.then(|| date(SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs()))),
             cpu: processor(),
             threads: rayon::current_num_threads(),
             system: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),

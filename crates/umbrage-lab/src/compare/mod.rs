@@ -6,15 +6,17 @@ mod control;
 mod environment;
 mod event;
 mod options;
+mod relative;
 mod result;
 mod scene;
 mod slug;
 
 pub use backends::{BackendChoice, Backends};
 pub use event::{Event, OnEvent};
-pub use options::{Options, SceneInput};
+pub use options::{Options, Runs, SceneInput};
+pub use relative::{LEAST_ERROR, Relative, relative};
 pub use result::{
-    Comparison, Control, Environment, Measured, Outcome, Row, SCHEMA, SceneResult, Spread, Times, TruthSummary,
+    Clock, Comparison, Control, Environment, Measured, Outcome, Row, SCHEMA, SceneResult, Spread, Times, TruthSummary,
 };
 pub use scene::SceneImages;
 pub(crate) use slug::slug;
@@ -50,7 +52,7 @@ pub fn compare(
         sink(&result, &images)?;
         scenes.push(result);
     }
-    let environment = backends.describe(Environment::here());
+    let environment = backends.environment(options);
     Ok(Comparison { schema: SCHEMA, environment, notices: backends.notices.clone(), scenes })
 }
 

@@ -2,7 +2,7 @@
 
 use crate::{LabError, truth::TruthOptions};
 use glam::UVec2;
-use std::sync::Arc;
+use std::{sync::Arc, time::Duration};
 use umbrage_core::{Camera, Fit, Invalid, Scene, ShadowTechnique};
 
 /// A scene to be compared.
@@ -27,12 +27,42 @@ pub struct Options {
     pub size: Option<UVec2>,
     /// How truth is traced.
     pub truth: TruthOptions,
-    /// Timed runs a row, 1 or more; their median counts.
-    pub runs: u32,
+    /// Timed runs a row, after one that compiles and uploads; their median counts. None: no times, no date, and so the same
+    /// result whenever it is made.
+    pub runs: Option<Runs>,
     /// Whether every row is shaded in colour, too.
     pub color: bool,
-    /// Runs before the timed ones; the first of them compiles and uploads.
-    pub warmup: u32,
+}
+
+/// How often a row is played for its time: slow rows seldom, quick rows often, since their noise is greater.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct Runs {
+    /// At least this often, 1 or more.
+    pub least: u32,
+    /// Never more often.
+    pub most: u32,
+    /// In between, until this much time has been spent on the row, milliseconds.
+    pub budget_ms: u32,
+}
+
+impl Runs {
+    /// So many, however long they take.
+    pub fn exactly(count: u32) -> Self {
+        Self { least: count, most: count, budget_ms: 0 }
+    }
+
+    /// Whether `done` runs that took `spent` are enough.
+    pub(super) fn suffice(&self, done: usize, spent: Duration) -> bool {
+        let (least, budget) = (self.least.max(1) as usize, Duration::from_millis(self.budget_ms.into()));
+        done >= least && (done >= self.most as usize || spent >= budget)
+    }
+}
+
+impl Default for Runs {
+    /// Three runs are the fewest with a median that one outlier cannot move far; quick rows get up to nine.
+    fn default() -> Self {
+        Self { least: 3, most: 9, budget_ms: 50 }
+    }
 }
 
 impl Default for Options {
@@ -42,9 +72,8 @@ impl Default for Options {
             map_sizes: vec![512, 1024, 2048],
             size: None,
             truth: TruthOptions::default(),
-            runs: 9,
+            runs: Some(Runs::default()),
             color: false,
-            warmup: 2,
         }
     }
 }
@@ -56,8 +85,7 @@ impl Options {
             map_sizes: vec![512],
             size: Some(UVec2::new(160, 120)),
             truth: TruthOptions { samples: 64, probe_samples: 16, ..TruthOptions::default() },
-            runs: 3,
-            warmup: 1,
+            runs: Some(Runs::exactly(3)),
             ..Self::default()
         }
     }
@@ -83,5 +111,19 @@ impl Options {
     /// A scene's camera at the size wanted.
     pub(super) fn camera(&self, camera: &Camera) -> Camera {
         self.size.map_or(*camera, |size| camera.resized(size))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quick_rows_are_played_more_often_than_slow_ones() {
+        let runs = Runs::default();
+        let played = |ms: u64| (0..).find(|&n| runs.suffice(n, Duration::from_millis(ms * n as u64)));
+        assert_eq!([0, 5, 10, 1_000].map(played), [9, 9, 5, 3].map(Some));
+        assert!(Runs::exactly(2).suffice(2, Duration::ZERO) && !Runs::exactly(2).suffice(1, Duration::MAX));
+        assert!(!Runs::exactly(0).suffice(0, Duration::MAX), "no run, no time");
     }
 }

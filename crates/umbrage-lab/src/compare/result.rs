@@ -1,10 +1,13 @@
 //! What a comparison finds: plain data, written to `results.json` as it stands.
 
 use serde::{Deserialize, Serialize};
-use umbrage_core::metrics::{Agreement, Causes, Errors};
+use umbrage_core::{
+    Work,
+    metrics::{Agreement, Causes, Errors},
+};
 
 /// Version of this data's shape; grows with every change that a reader would notice.
-pub const SCHEMA: u32 = 2;
+pub const SCHEMA: u32 = 3;
 
 /// A whole comparison.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -33,8 +36,8 @@ pub struct Environment {
     pub version: String,
     /// The working tree's commit, with `+` if files were changed since; none outside a repository.
     pub commit: Option<String>,
-    /// Coordinated universal time, `2026-11-21 03:45`.
-    pub date: String,
+    /// Coordinated universal time, `2026-11-21 03:45`; none of a comparison that is to come out the same whenever it is made.
+    pub date: Option<String>,
     /// The processor's name.
     pub cpu: String,
     /// Threads used.
@@ -64,6 +67,8 @@ pub struct SceneResult {
     pub fingerprint: String,
     /// How truth was made.
     pub truth: TruthSummary,
+    /// RMSE of a mask that is lit everywhere, and of one that is dark everywhere.
+    pub rmse_of_none: [f64; 2],
     /// One entry a technique setting and backend.
     pub rows: Vec<Row>,
     /// One entry a backend.
@@ -74,11 +79,10 @@ impl SceneResult {
     fn faults(&self) -> Vec<String> {
         let mut out = Vec::new();
         for row in &self.rows {
-            let violations = row.measured().and_then(|m| m.agreement).map_or(0, |a| a.violations);
-            if violations > 0 {
+            out.extend(row.measured().and_then(|m| m.agreement).and_then(disagreement).map(|what| {
                 let (scene, row) = (&self.name, row.label());
-                out.push(format!("{scene}: {row}: {violations} decided pixels differ from the CPU's"));
-            }
+                format!("{scene}: {row}: {what}")
+            }));
             let colors = row.measured().and_then(|m| m.color_differing).unwrap_or(0);
             if colors > 0 {
                 out.push(format!(
@@ -99,6 +103,16 @@ impl SceneResult {
     }
 }
 
+/// What is wrong with an agreement, if anything is.
+fn disagreement(a: Agreement) -> Option<String> {
+    if !a.holds() {
+        return Some(format!("{} decided pixels differ from the CPU's", a.violations));
+    }
+    let (undecided, compared) = (a.undecided, a.compared);
+    let why = format!("rounding alone lets {undecided} of {compared} pixels differ from the CPU's: too many");
+    (!a.is_decided()).then_some(why)
+}
+
 /// How truth was made and how sure it is.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TruthSummary {
@@ -114,8 +128,8 @@ pub struct TruthSummary {
     pub ambiguous: u64,
     /// Pixels left out as facing away from the light or outside its cone.
     pub unlit: u64,
-    /// Seconds it took.
-    pub seconds: f64,
+    /// Seconds it took; none without times.
+    pub seconds: Option<f64>,
 }
 
 /// One technique setting on one backend.
@@ -140,6 +154,11 @@ impl Row {
             Outcome::Measured(m) => Some(m),
             Outcome::Unsupported { .. } => None,
         }
+    }
+
+    /// A file name's stem that no other row of its scene has.
+    pub fn stem(&self) -> String {
+        format!("{}.{}", self.slug, self.backend)
     }
 
     /// For people: `pcf (3x3, 1024, slope) on wgpu`.
@@ -168,8 +187,13 @@ pub struct Measured {
     pub errors: Errors,
     /// What the errors come from.
     pub causes: Causes,
-    /// Times, without compilation, upload and read-back.
-    pub times: Times,
+    /// Times, without compilation, upload and read-back; none if they weren't asked for.
+    pub times: Option<Times>,
+    /// What the recipe takes, counted.
+    pub work: Work,
+    /// What that costs by the [prices](crate::cost::CostModel::of) of this kind of backend, milliseconds: the same on every
+    /// run.
+    pub cost_ms: f64,
     /// Bytes held for images, tables and receivers.
     pub bytes: u64,
     /// Against the CPU's mask; none on the CPU or without it.
@@ -179,11 +203,28 @@ pub struct Measured {
     pub color_differing: Option<u64>,
 }
 
+impl Measured {
+    /// The median of the times, milliseconds, or the cost; none if it wasn't measured.
+    pub fn milliseconds(&self, clock: Clock) -> Option<f64> {
+        match clock {
+            Clock::Wall => self.times.map(|t| t.total.median),
+            Clock::Cost => Some(self.cost_ms),
+        }
+    }
+}
+
+/// Two ways to tell what a row takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Clock {
+    /// Measured: true of this machine at that moment.
+    Wall,
+    /// Counted and priced: the same on every run.
+    Cost,
+}
+
 /// How long the stages took; none where a stage is not played or not measurable.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Times {
-    /// Finding the receivers: the same for all techniques and not part of the total.
-    pub receivers: Option<Spread>,
     /// All casts.
     pub cast: Option<Spread>,
     /// All filters.

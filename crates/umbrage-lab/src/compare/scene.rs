@@ -1,18 +1,20 @@
 //! All rows of one scene.
 
 use super::{
-    Backends, Event, Measured, OnEvent, Options, Outcome, Row, SceneInput, SceneResult, Spread, Times, TruthSummary,
-    agreement, control, slug::Setting,
+    Backends, Event, Measured, OnEvent, Options, Outcome, Row, Runs, SceneInput, SceneResult, Spread, Times,
+    TruthSummary, agreement, control, slug::Setting,
 };
 use crate::{
     LabError, color,
+    cost::CostModel,
     report::picture,
     truth::{self, Truth},
 };
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use umbrage_core::{
     Backend, BackendError, Camera, Geometry, Invalid, Light, PlanError, Receivers, Recipe, Shadows, Timings, View,
-    metrics::{Agreement, Causes, Errors, Pixel},
+    Work,
+    metrics::{Agreement, Causes, Errors, Pixel, Reference, TruthImage},
 };
 
 /// The images of one scene.
@@ -59,6 +61,8 @@ pub(super) fn run(
         name: &scene.name,
         view,
         truth: &truth,
+        reference: Reference::new(truth.size, &truth.visibility, &truth.pixels)?,
+        image: truth.image()?,
         options,
         rows: Vec::new(),
         masks: Vec::new(),
@@ -77,6 +81,7 @@ pub(super) fn run(
         triangles: geometry.triangles().len() as u64,
         fingerprint: format!("{:016x}", truth.fingerprint),
         truth: summary(&truth, options),
+        rmse_of_none: [1.0, 0.0].map(|v| run.reference.errors(&vec![v; truth.pixels.len()]).map_or(0.0, |e| e.rmse)),
         rows: run.rows,
         controls: run.controls,
     };
@@ -107,7 +112,7 @@ fn summary(truth: &Truth, options: &Options) -> TruthSummary {
         counted: count(Pixel::Counted),
         ambiguous: count(Pixel::Ambiguous),
         unlit: count(Pixel::Unlit),
-        seconds: truth.elapsed.as_secs_f64(),
+        seconds: options.runs.map(|_| truth.elapsed.as_secs_f64()),
     }
 }
 
@@ -116,6 +121,8 @@ struct SceneRun<'a> {
     name: &'a str,
     view: View3<'a>,
     truth: &'a Truth,
+    reference: Reference<'a>,
+    image: TruthImage<'a>,
     options: &'a Options,
     rows: Vec<Row>,
     masks: Vec<Option<Vec<f32>>>,
@@ -191,18 +198,18 @@ impl SceneRun<'_> {
         setting: &Setting,
         recipe: &Recipe,
         backend: usize,
-        of_cpu: &mut Option<Shadows>,
+        of_cpu: &mut Option<OfCpu>,
         backends: &mut Backends,
     ) -> Result<Outcome, LabError> {
         let view = self.view.core();
         let player = &mut *backends.playing[backend];
-        let (shadows, times) = match measure(player, &view, recipe, self.options) {
+        let (shadows, times) = match measure(player, &view, recipe, self.options.runs.as_ref()) {
             Ok(measured) => measured,
             // What a backend can't hold is told in the report; other backends may still play it.
             Err(BackendError::Invalid(e)) => return Ok(self.unsupported(&e.to_string())),
             Err(e) => return Err(e.into()),
         };
-        if shadows.timings.receive.is_none() {
+        if times.is_some() && shadows.timings.receive.is_none() {
             return Ok(self.unsupported("this adapter cannot time its passes"));
         }
         self.check_receivers(&shadows, player.kind())?;
@@ -211,16 +218,25 @@ impl SceneRun<'_> {
         if looks && self.controls.iter().all(|c| c.backend != player.kind()) {
             self.controls.push(control::run(player, &*setting.technique, &self.view, self.truth, &shadows)?);
         }
-        let truth = self.truth;
-        let errors = Errors::measure(truth.size, &shadows.mask, &truth.visibility, &truth.pixels)?;
-        let causes = Causes::measure(&shadows.mask, &truth.reference())?;
+        let (errors, causes) = self.errors(of_cpu.as_ref(), &shadows)?;
         let agreement = agreement_with_cpu(&mut *backends.playing[0], &view, recipe, of_cpu.as_ref(), &shadows)?;
         self.masks.push(Some(shadows.mask.clone()));
         let bytes = shadows.bytes;
         if backends.playing[backend].kind() == "cpu" {
-            *of_cpu = Some(shadows);
+            *of_cpu = Some((shadows, errors, causes));
         }
-        Ok(Outcome::Measured(Box::new(Measured { errors, causes, times, bytes, agreement, color_differing: None })))
+        let work = Work::of(&view.with_receivers(&self.truth.receivers), recipe);
+        let cost_ms = CostModel::of(backends.playing[backend].kind()).milliseconds(&work);
+        let measured = Measured { errors, causes, times, work, cost_ms, bytes, agreement, color_differing: None };
+        Ok(Outcome::Measured(Box::new(measured)))
+    }
+
+    /// Against truth, and what it comes from. A mask that equals the CPU's has its errors.
+    fn errors(&self, of_cpu: Option<&OfCpu>, shadows: &Shadows) -> Result<(Errors, Causes), Invalid> {
+        match of_cpu {
+            Some((cpu, errors, causes)) if cpu.mask == shadows.mask => Ok((*errors, *causes)),
+            _ => Ok((self.reference.errors(&shadows.mask)?, Causes::measure(&shadows.mask, &self.image)?)),
+        }
     }
 
     /// Truth and backend must have seen the same triangles.
@@ -250,6 +266,9 @@ impl SceneRun<'_> {
     }
 }
 
+/// What the CPU made of a setting, and how far it is from truth.
+type OfCpu = (Shadows, Errors, Causes);
+
 /// Drivers round vertices to 2^-8 or 2^-4 pixels, so where triangles are as small as pixels some show their neighbour:
 /// this share of the pixels may ...
 const MOST_IDS: f64 = 0.05;
@@ -267,30 +286,29 @@ fn agreement_with_cpu(
     cpu: &mut dyn Backend,
     view: &View<'_>,
     recipe: &Recipe,
-    of_cpu: Option<&Shadows>,
+    of_cpu: Option<&OfCpu>,
     shadows: &Shadows,
 ) -> Result<Option<Agreement>, LabError> {
-    of_cpu.map(|of_cpu| agreement::compare(cpu, view, recipe, of_cpu, shadows)).transpose()
+    of_cpu.map(|(of_cpu, ..)| agreement::compare(cpu, view, recipe, of_cpu, shadows)).transpose()
 }
 
-/// Plays a recipe until its time is known.
+/// Plays a recipe: once for the mask, which compiles, uploads and finds receivers, then until its time is known. The timed
+/// runs are given the receivers of the first, so that finding and reading them back costs no time again.
 fn measure(
     backend: &mut dyn Backend,
     view: &View<'_>,
     recipe: &Recipe,
-    options: &Options,
-) -> Result<(Shadows, Times), BackendError> {
-    for _ in 0..options.warmup {
-        backend.render(view, recipe)?;
+    runs: Option<&Runs>,
+) -> Result<(Shadows, Option<Times>), BackendError> {
+    let first = backend.render(view, recipe)?;
+    let Some(runs) = runs else { return Ok((first, None)) };
+    let known = first.receivers.as_ref().map_or(*view, |r| view.with_receivers(r));
+    let (start, mut timings) = (Instant::now(), Vec::new());
+    while !runs.suffice(timings.len(), start.elapsed()) {
+        timings.push(backend.render(&known, recipe)?.timings);
     }
-    let mut timings = Vec::new();
-    let mut last = backend.render(view, recipe)?;
-    timings.push(last.timings);
-    for _ in 1..options.runs {
-        last = backend.render(view, recipe)?;
-        timings.push(last.timings);
-    }
-    Ok((last, times(&timings)))
+    let times = times(&timings);
+    Ok((first, Some(times)))
 }
 
 fn times(timings: &[Timings]) -> Times {
@@ -298,7 +316,6 @@ fn times(timings: &[Timings]) -> Times {
     let stage =
         |of: fn(&Timings) -> Option<Duration>| Spread::of(timings.iter().filter_map(of).map(milliseconds).collect());
     Times {
-        receivers: stage(|t| t.receivers),
         cast: stage(|t| t.cast),
         filter: stage(|t| t.filter),
         receive: stage(|t| t.receive),

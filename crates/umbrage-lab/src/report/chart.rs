@@ -1,12 +1,13 @@
-//! The chart of time against error, one a scene.
+//! The interactive charts: time against error, one a scene, and one over all scenes.
 
+use super::chosen;
 use crate::{
-    compare::{Measured, Row, SceneResult},
+    compare::{Clock, LEAST_ERROR as LEAST_RELATIVE, Measured, Relative, Row, SceneResult, Spread},
     pareto,
 };
 use plotly::{
     Plot, Scatter,
-    common::{DashType, HoverInfo, Line, Marker, MarkerSymbol, Mode},
+    common::{DashType, ErrorData, ErrorType, HoverInfo, Line, Marker, MarkerSymbol, Mode},
 };
 
 /// Logarithmic axes have no zero: errors below this are drawn here (a fortieth of a step of an 8-bit image)...
@@ -15,7 +16,7 @@ const LEAST_ERROR: f64 = 1e-4;
 const LEAST_TIME: f64 = 1e-4;
 
 /// Colours of backends, readable on light and dark: blue and orange; any third is grey.
-fn color(backend: usize) -> &'static str {
+pub(super) fn color(backend: usize) -> &'static str {
     ["#3b82e0", "#ea7317"].get(backend).copied().unwrap_or("#8a94a3")
 }
 
@@ -27,52 +28,118 @@ fn symbol(technique: usize) -> MarkerSymbol {
     all[technique % all.len()].clone()
 }
 
-/// The rows on their backends' Pareto fronts of time against error, and the chart's curves.
-pub(super) fn of(result: &SceneResult) -> (Vec<usize>, serde_json::Value) {
-    let (mut plot, mut on_front) = (Plot::new(), Vec::new());
-    let techniques = distinct(result, |r| &r.technique);
-    for (b, backend) in distinct(result, |r| &r.backend).into_iter().enumerate() {
-        let rows: Vec<(usize, &Row, &Measured)> = result
-            .rows
-            .iter()
-            .enumerate()
-            .filter(|(_, r)| r.backend == backend)
-            .filter_map(|(i, r)| Some((i, r, r.measured()?)))
-            .collect();
-        let front: Vec<_> = pareto::front(&rows.iter().map(|(.., m)| raw_point(m)).collect::<Vec<_>>());
-        on_front.extend(front.iter().map(|&k| rows[k].0));
-        plot.add_trace(front_line(&front.iter().map(|&k| point(rows[k].2)).collect::<Vec<_>>(), backend, b));
+/// A row as a point.
+#[derive(Clone, Debug)]
+pub(super) struct Dot {
+    /// What a click on it leads to: the row's place.
+    place: usize,
+    pub(super) technique: String,
+    pub(super) backend: String,
+    pub(super) settings: String,
+    pub(super) xy: [f64; 2],
+    /// Quickest and slowest run.
+    pub(super) range: Option<[f64; 2]>,
+    pub(super) on_front: bool,
+    hover: String,
+}
+
+/// A scene's rows by one clock; none if they weren't timed by it.
+pub(super) fn dots(result: &SceneResult, clock: Clock) -> Vec<Dot> {
+    let front = chosen::fronts(result, clock);
+    let dot = |(i, row): (usize, &Row)| {
+        let m = row.measured()?;
+        let range = |t: Spread| [t.least, t.greatest].map(|t| t.max(LEAST_TIME));
+        Some(Dot {
+            place: i,
+            technique: row.technique.clone(),
+            backend: row.backend.clone(),
+            settings: row.settings.clone(),
+            xy: [m.milliseconds(clock)?.max(LEAST_TIME), m.errors.rmse.max(LEAST_ERROR)],
+            range: m.times.filter(|_| clock == Clock::Wall).map(|t| range(t.total)),
+            on_front: front.contains(&i),
+            hover: hover(row, m),
+        })
+    };
+    result.rows.iter().enumerate().filter_map(dot).collect()
+}
+
+/// All scenes' settings by one clock.
+pub(super) fn relative_dots(all: &[Relative], clock: Clock) -> Vec<Dot> {
+    let mut dots: Vec<Dot> = all.iter().enumerate().filter_map(|(i, r)| relative_dot(i, r, clock)).collect();
+    let mut backends: Vec<String> = dots.iter().map(|d| d.backend.clone()).collect();
+    backends.dedup();
+    for backend in backends {
+        let of: Vec<usize> = (0..dots.len()).filter(|&i| dots[i].backend == backend).collect();
+        let points: Vec<[f64; 2]> = of.iter().map(|&i| dots[i].xy).collect();
+        pareto::front(&points).into_iter().for_each(|k| dots[of[k]].on_front = true);
+    }
+    dots
+}
+
+fn relative_dot(place: usize, r: &Relative, clock: Clock) -> Option<Dot> {
+    let x = r.take(clock)?;
+    let range = r.time.filter(|_| clock == Clock::Wall).map(|t| [t.least, t.greatest]);
+    Some(Dot {
+        place,
+        technique: r.technique.clone(),
+        backend: r.backend.clone(),
+        settings: r.settings.clone(),
+        xy: [x, r.error.max(LEAST_RELATIVE)],
+        range,
+        on_front: false,
+        hover: format!(
+            "<b>{}</b> on {}<br>{}<br>error {:.3} of no shadow's, time {:.2} of hard's<br>serves {} of {} scenes",
+            text(&r.technique),
+            text(&r.backend),
+            text(&r.settings),
+            r.error,
+            x,
+            r.served,
+            r.scenes,
+        ),
+    })
+}
+
+/// Places of the rows on a front.
+pub(super) fn front(dots: &[Dot]) -> Vec<usize> {
+    dots.iter().filter(|d| d.on_front).map(|d| d.place).collect()
+}
+
+/// Curves for plotly.js: each backend's front, then each technique's points, those that the front beats faint.
+pub(super) fn traces(dots: &[Dot]) -> serde_json::Value {
+    let mut plot = Plot::new();
+    let techniques = distinct(dots, |d| &d.technique);
+    for (b, backend) in distinct(dots, |d| &d.backend).into_iter().enumerate() {
+        let of_backend: Vec<&Dot> = dots.iter().filter(|d| d.backend == backend).collect();
+        plot.add_trace(front_line(&of_backend, backend, b));
         for (t, technique) in techniques.iter().enumerate() {
-            let of_technique: Vec<_> = rows.iter().filter(|(_, r, _)| r.technique == *technique).copied().collect();
-            if !of_technique.is_empty() {
-                plot.add_trace(points(&of_technique, technique, t, backend, b));
+            let of: Vec<&Dot> = of_backend.iter().filter(|d| d.technique == *technique).copied().collect();
+            let (best, beaten): (Vec<&Dot>, Vec<&Dot>) = of.into_iter().partition(|d| d.on_front);
+            let in_legend = best.is_empty();
+            for (dots, bright) in [(best, true), (beaten, false)] {
+                if !dots.is_empty() {
+                    let name = format!("{}, {}", text(technique), text(backend));
+                    plot.add_trace(points(&dots, name, symbol(t), color(b), (bright, bright || in_legend)));
+                }
             }
         }
     }
-    let traces = serde_json::to_value(plot.data()).unwrap_or_default();
-    (on_front, traces)
+    serde_json::to_value(plot.data()).unwrap_or_default()
 }
 
-fn distinct(result: &SceneResult, name: fn(&Row) -> &String) -> Vec<&str> {
+pub(super) fn distinct(dots: &[Dot], name: fn(&Dot) -> &String) -> Vec<&str> {
     let mut names: Vec<&str> = Vec::new();
-    for row in &result.rows {
-        if !names.contains(&name(row).as_str()) {
-            names.push(name(row));
+    for dot in dots {
+        if !names.contains(&name(dot).as_str()) {
+            names.push(name(dot));
         }
     }
     names
 }
 
-fn raw_point(m: &Measured) -> [f64; 2] {
-    [m.times.total.median, m.errors.rmse]
-}
-
-fn point(m: &Measured) -> [f64; 2] {
-    let [time, error] = raw_point(m);
-    [time.max(LEAST_TIME), error.max(LEAST_ERROR)]
-}
-
-fn front_line(front: &[[f64; 2]], backend: &str, b: usize) -> Box<dyn plotly::Trace> {
+fn front_line(dots: &[&Dot], backend: &str, b: usize) -> Box<dyn plotly::Trace> {
+    let mut front: Vec<[f64; 2]> = dots.iter().filter(|d| d.on_front).map(|d| d.xy).collect();
+    front.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let (x, y) = front.iter().map(|p| (p[0], p[1])).unzip();
     Scatter::new(x, y)
         .mode(Mode::Lines)
@@ -82,28 +149,44 @@ fn front_line(front: &[[f64; 2]], backend: &str, b: usize) -> Box<dyn plotly::Tr
 }
 
 fn points(
-    rows: &[(usize, &Row, &Measured)],
-    technique: &str,
-    t: usize,
-    backend: &str,
-    b: usize,
+    dots: &[&Dot],
+    name: String,
+    symbol: MarkerSymbol,
+    color: &'static str,
+    (bright, in_legend): (bool, bool),
 ) -> Box<dyn plotly::Trace> {
-    let (x, y) = rows.iter().map(|(.., m)| (point(m)[0], point(m)[1])).unzip();
-    Scatter::new(x, y)
+    let (x, y) = dots.iter().map(|d| (d.xy[0], d.xy[1])).unzip();
+    let (size, opacity) = if bright { (10, 0.95) } else { (7, 0.28) };
+    let mut trace = Scatter::new(x, y)
         .mode(Mode::Markers)
-        .name(format!("{}, {}", text(technique), text(backend)))
-        .custom_data(rows.iter().map(|(i, ..)| *i as f64).collect::<Vec<_>>())
+        .legend_group(name.clone())
+        .name(name)
+        .show_legend(in_legend)
+        .custom_data(dots.iter().map(|d| d.place as f64).collect::<Vec<_>>())
         .hover_info(HoverInfo::Text)
-        .hover_text_array(rows.iter().map(|(_, r, m)| hover(r, m)).collect::<Vec<_>>())
-        .marker(Marker::new().color(color(b)).symbol(symbol(t)).size(9).opacity(0.85))
+        .hover_text_array(dots.iter().map(|d| d.hover.clone()).collect::<Vec<_>>())
+        .marker(Marker::new().color(color).symbol(symbol).size(size).opacity(opacity));
+    // Bars on beaten points would hide the others.
+    if bright && dots.iter().any(|d| d.range.is_some()) {
+        let arm = |end: usize| dots.iter().map(|d| d.range.map_or(0.0, |r| (r[end] - d.xy[0]).abs())).collect();
+        let bars = ErrorData::new(ErrorType::Data).symmetric(false).array(arm(1)).array_minus(arm(0));
+        trace = trace.error_x(bars.color(color).thickness(1.0).width(3));
+    }
+    trace
 }
 
 fn hover(row: &Row, m: &Measured) -> String {
-    let (e, total) = (&m.errors, m.times.total);
-    let stage = |s: Option<crate::compare::Spread>| s.map_or("–".to_owned(), |s| format!("{:.3} ms", s.median));
+    let e = &m.errors;
+    let times = m.times.map_or_else(String::new, |t| {
+        let stage = |s: Option<Spread>| s.map_or("–".to_owned(), |s| format!("{:.3} ms", s.median));
+        let total = t.total;
+        let [cast, lookup] = [stage(t.cast), stage(t.receive)];
+        let runs = format!("{:.3} – {:.3} in {} runs", total.least, total.greatest, total.runs);
+        format!("<br>cast {cast}, lookup {lookup}, total {:.3} ms ({runs})", total.median)
+    });
     format!(
-        "<b>{}</b> on {}<br>{}<br>RMSE {:.5}, mean {:.5}<br>false shadow {:.2} %, false light {:.2} %, acne {:.2} %<br>\
-         cast {}, lookup {}, total {:.3} ms ({:.3} – {:.3})<br>{:.2} MB",
+        "<b>{}</b> on {}<br>{}<br>RMSE {:.5}, mean {:.5}<br>false shadow {:.2} %, false light {:.2} %, acne {:.2} %{times}\
+         <br>cost {:.3} ms, {:.2} MB",
         text(&row.technique),
         text(&row.backend),
         text(&row.settings),
@@ -112,11 +195,7 @@ fn hover(row: &Row, m: &Measured) -> String {
         e.false_shadow,
         e.false_light,
         e.acne,
-        stage(m.times.cast),
-        stage(m.times.receive),
-        total.median,
-        total.least,
-        total.greatest,
+        m.cost_ms,
         m.bytes as f64 / 1e6,
     )
 }

@@ -22,6 +22,20 @@ impl Folder {
         Self::create(&self.0.join(name))
     }
 
+    /// An empty folder inside that is to take this name once it is [finished](Self::finish).
+    pub(super) fn unfinished(&self, name: &str) -> Result<Self, LabError> {
+        let path = self.0.join(format!(".{name}.unfinished"));
+        remove(&path)?;
+        Self::create(&path)
+    }
+
+    /// Gives a folder inside its name; one that had it before is removed.
+    pub(super) fn finish(&self, name: &str) -> Result<(), LabError> {
+        let (unfinished, path) = (self.0.join(format!(".{name}.unfinished")), self.0.join(name));
+        remove(&path)?;
+        fs::rename(&unfinished, &path).map_err(|source| LabError::Write { path, source })
+    }
+
     /// Writes a file.
     pub(crate) fn write(&self, name: &str, bytes: &[u8]) -> Result<(), LabError> {
         let path = self.0.join(name);
@@ -32,6 +46,14 @@ impl Folder {
             let _ = fs::remove_file(&unfinished);
             LabError::Write { path, source }
         })
+    }
+}
+
+/// Removes a folder, if it is there.
+fn remove(path: &Path) -> Result<(), LabError> {
+    match fs::remove_dir_all(path) {
+        Err(e) if e.kind() != io::ErrorKind::NotFound => Err(LabError::Write { path: path.to_owned(), source: e }),
+        _ => Ok(()),
     }
 }
 

@@ -1,40 +1,51 @@
-//! The report of a comparison: a folder with a page, a table, data and pictures.
+//! The report of a comparison: a folder with a page, charts, tables, data and pictures.
 //!
-//! * `index.html`: self-contained, works from a file. Chart of time against error per scene with the Pareto fronts;
-//!   mask, truth and error picture of every row.
-//! * `rows.csv`: one [`Line`] a row. `results.json`: the [`Comparison`] as it is.
-//! * `<scene>/truth.png`, `<scene>/<technique>.<backend>.png` and `.error.png`, with colours `.color.png`; on request NumPy arrays, float32, H x W,
-//!   row 0 on top, -1 where the camera hits nothing: `<scene>/truth.npy`, `t.npy` (distance along the unit camera ray),
-//!   `ambiguous.npy`, `<technique>.<backend>.npy`. Where a technique has several settings, they are part of the name.
+//! * `index.html`: self-contained, works from a file. Charts of time against error with the Pareto fronts, one over all
+//!   scenes and one a scene; mask, truth and error picture of the rows that matter most.
+//! * `chart-time.svg`, `chart-cost.svg` and PNG: the chart over all scenes, to be shown elsewhere.
+//! * `rows.csv`: one [`Line`] a row. `overall.csv`: one line a setting over all scenes. `results.json`: the [`Comparison`]
+//!   as it is.
+//! * `<scene>/truth.png`, `<scene>/<technique>.<backend>.png` and `.error.png`, with colours `.color.png`, of the Pareto
+//!   fronts, each technique's best, and faults. On request NumPy arrays, float32, H x W, row 0 on top, -1 where the camera
+//!   hits nothing: `<scene>/truth.npy`, `t.npy` (distance along the unit camera ray), `ambiguous.npy`,
+//!   `<technique>.<backend>.npy`. Where a technique has several settings, they are part of the name.
+//! * `<scene>/scene.json`: the scene's figures, for a run that goes on where another was stopped, and for [`merge`].
 //!
-//! Every file is written whole under another name and then renamed.
+//! Every file and every scene's folder is written whole under another name and then renamed.
 
 mod arrays;
+mod assemble;
 mod chart;
+mod chosen;
 mod files;
+mod merge;
 mod page;
 pub mod pictures;
+mod still;
+mod store;
 mod table;
 
 pub(crate) use files::Folder;
+pub use merge::merge;
+pub use store::Plan;
 pub use table::{Line, lines, to_csv};
 
 use crate::{
     LabError,
-    compare::{Comparison, SceneImages, SceneResult, slug},
+    compare::{Comparison, Environment, SceneImages, SceneResult},
 };
-use page::{ImageStore, RowPictures, ScenePage};
+use rayon::prelude::*;
 use std::path::{Path, PathBuf};
+use store::Stored;
 
 /// A report in the making. Give it scenes as they come, then finish it.
 #[derive(Debug)]
 pub struct Report {
     path: PathBuf,
     folder: Folder,
+    plan: Plan,
+    program: String,
     arrays: bool,
-    names: Vec<String>,
-    images: ImageStore,
-    pages: Vec<ScenePage>,
 }
 
 impl Report {
@@ -42,77 +53,79 @@ impl Report {
     ///
     /// # Errors
     /// When the folder cannot be made.
-    pub fn create(path: &Path, arrays: bool) -> Result<Self, LabError> {
+    pub fn create(path: &Path, plan: Plan, arrays: bool) -> Result<Self, LabError> {
         let folder = Folder::create(path)?;
-        let (names, images, pages) = (Vec::new(), ImageStore::default(), Vec::new());
-        Ok(Self { path: path.to_owned(), folder, arrays, names, images, pages })
+        Ok(Self { path: path.to_owned(), folder, plan, program: store::program(), arrays })
     }
 
-    /// Writes a scene's pictures and, if asked for, its arrays.
+    /// Whether the folder has this place's scene already, measured by this program, for the same plan, with the same
+    /// backends and adapter, on the same kind of machine.
+    pub fn has(&self, place: usize, environment: &Environment) -> bool {
+        let Some(name) = self.plan.scenes.get(place) else { return false };
+        let path = self.path.join(name);
+        let arrays = !self.arrays || path.join("truth.npy").is_file();
+        let undated = |e: &Environment| Environment { date: None, ..e.clone() };
+        Stored::read(&path).is_some_and(|s| {
+            let same_run = s.program == self.program && undated(&s.environment) == undated(environment);
+            arrays && same_run && s.place == place && s.plan == self.plan
+        })
+    }
+
+    /// Writes a scene's figures, its pictures and, if asked for, its arrays.
     ///
     /// # Errors
     /// When a file cannot be written.
-    pub fn scene(&mut self, result: &SceneResult, images: &SceneImages) -> Result<(), LabError> {
-        let name = self.unique_name(&result.name);
-        let folder = self.folder.inner(&name)?;
+    pub fn scene(
+        &self,
+        place: usize,
+        environment: &Environment,
+        notices: &[String],
+        result: &SceneResult,
+        images: &SceneImages,
+    ) -> Result<(), LabError> {
+        let Some(name) = self.plan.scenes.get(place) else { return Ok(()) };
+        let folder = self.folder.unfinished(name)?;
         if self.arrays {
             arrays::write(&folder, result, images)?;
         }
         let truth = &images.truth;
-        let truth_png = picture(pictures::mask(truth.size, &truth.visibility, &truth.pixels))?;
-        folder.write("truth.png", &truth_png)?;
-        let truth_id = self.images.add(&truth_png);
-        let mut rows = Vec::new();
-        for ((row, mask), color) in result.rows.iter().zip(&images.masks).zip(&images.colors) {
-            rows.push(match mask {
-                None => None,
-                Some(mask) => {
-                    let stem = format!("{}.{}", row.slug, row.backend);
-                    let mask_png = picture(pictures::mask(truth.size, mask, &truth.pixels))?;
-                    let error_png = picture(pictures::error(truth.size, mask, &truth.visibility, &truth.pixels))?;
-                    folder.write(&format!("{stem}.png"), &mask_png)?;
-                    folder.write(&format!("{stem}.error.png"), &error_png)?;
-                    if let Some(png) = color {
-                        folder.write(&format!("{stem}.color.png"), png)?;
-                    }
-                    let color = color.as_ref().map(|png| self.images.add(png));
-                    let (mask, error) = (self.images.add(&mask_png), self.images.add(&error_png));
-                    Some(RowPictures { mask, error, color })
-                }
-            });
-        }
-        let (front, traces) = chart::of(result);
-        self.pages.push(ScenePage { index: self.pages.len(), truth: truth_id, rows, front, traces });
-        Ok(())
+        folder.write("truth.png", &picture(pictures::mask(truth.size, &truth.visibility, &truth.pixels))?)?;
+        let chosen = chosen::rows(result);
+        let pictured = |i: &usize| chosen.contains(i) || images.colors[*i].is_some();
+        (0..result.rows.len())
+            .into_par_iter()
+            .filter(pictured)
+            .try_for_each(|i| row_pictures(&folder, result, images, i))?;
+        let (environment, notices) = (environment.clone(), notices.to_vec());
+        let (plan, program, result) = (self.plan.clone(), self.program.clone(), result.clone());
+        Stored { plan, place, program, environment, notices, result }.write(&folder)?;
+        self.folder.finish(name)
     }
 
-    /// Writes the page, the table and the data. Returns the page's path.
+    /// Writes the page, the charts, the tables and the data of these places. Returns the whole comparison and the page's
+    /// path.
     ///
     /// # Errors
-    /// When a file cannot be written.
-    pub fn finish(self, comparison: &Comparison) -> Result<PathBuf, LabError> {
-        let broken = |what: &str, e: &dyn std::fmt::Display| LabError::Write {
-            path: self.path.join(what),
-            source: std::io::Error::other(e.to_string()),
+    /// When a scene is missing, or a file cannot be written.
+    pub fn finish(self, places: &[usize]) -> Result<(Comparison, PathBuf), LabError> {
+        let read = |&place: &usize| {
+            let path = self.path.join(self.plan.scenes.get(place).map_or("", String::as_str));
+            let gone = || std::io::Error::other("the scene's figures are missing or damaged");
+            Stored::read(&path).ok_or_else(|| LabError::Write { path: path.join(store::FILE), source: gone() })
         };
-        let csv = to_csv(&lines(comparison)).map_err(|e| broken("rows.csv", &e))?;
-        let json = serde_json::to_vec_pretty(comparison).map_err(|e| broken("results.json", &e))?;
-        let page = page::html(comparison, &self.pages, &self.images).map_err(|e| broken("index.html", &e))?;
-        self.folder.write("rows.csv", &csv)?;
-        self.folder.write("results.json", &json)?;
-        self.folder.write("index.html", page.as_bytes())?;
-        Ok(self.path.join("index.html"))
+        let scenes = places.iter().map(read).collect::<Result<Vec<_>, _>>()?;
+        assemble::write(&self.path, &self.folder, &scenes)
     }
+}
 
-    /// A folder name that no other scene of this report has.
-    fn unique_name(&mut self, scene: &str) -> String {
-        let stem = slug(scene);
-        let taken = |name: &str| self.names.iter().any(|n| n == name);
-        let numbered = (2..).map(|n| format!("{stem}-{n}"));
-        let name = std::iter::once(stem.clone()).chain(numbered).find(|n| !taken(n)).unwrap_or(stem);
-        self.names.push(name.clone());
-        name
-    }
+/// Writes the pictures of a row, if it was measured.
+fn row_pictures(folder: &Folder, result: &SceneResult, images: &SceneImages, row: usize) -> Result<(), LabError> {
+    let (truth, Some(mask)) = (&images.truth, &images.masks[row]) else { return Ok(()) };
+    let stem = result.rows[row].stem();
+    folder.write(&format!("{stem}.png"), &picture(pictures::mask(truth.size, mask, &truth.pixels))?)?;
+    let error = picture(pictures::error(truth.size, mask, &truth.visibility, &truth.pixels))?;
+    folder.write(&format!("{stem}.error.png"), &error)?;
+    images.colors[row].as_ref().map_or(Ok(()), |png| folder.write(&format!("{stem}.color.png"), png))
 }
 
 pub(crate) fn picture(encoded: image::ImageResult<Vec<u8>>) -> Result<Vec<u8>, LabError> {

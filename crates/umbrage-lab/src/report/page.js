@@ -19,6 +19,9 @@ const number = (v, digits) => (v === 0 ? "0" : v < 10 ** -digits ? v.toExponenti
 const percent = (v) => `${number(v, 2)} %`;
 const bytes = (v) => (v >= 1e6 ? `${(v / 1e6).toFixed(1)} MB` : `${(v / 1e3).toFixed(0)} kB`);
 const ms = (s) => (s ? `${number(s.median, 2)} ms` : "–");
+// Which of the two clocks the charts show; the page falls back to counted cost where nothing was timed.
+let clock = data.overall.time || pages.some((p) => p.charts.time) ? "time" : "cost";
+const charts = [];
 const range = (s) => `${number(s.least, 2)} – ${number(s.greatest, 2)} ms`;
 const measured = (row) => row.outcome.measured || null;
 
@@ -40,7 +43,7 @@ byId("lightbox").addEventListener("click", () => byId("lightbox").close());
 function header() {
   const e = comparison.environment;
   const facts = [
-    `umbrage ${e.version}`, e.commit && `commit ${e.commit}`, `${e.date} UTC`, `${e.cpu}, ${plural(e.threads, "thread")}`, e.system,
+    `umbrage ${e.version}`, e.commit && `commit ${e.commit}`, e.date && `${e.date} UTC`, `${e.cpu}, ${plural(e.threads, "thread")}`, e.system,
     e.adapter ? `adapter: ${e.adapter}` : "no graphics adapter",
   ];
   byId("environment").append(...facts.filter(Boolean).map((f) => el("span", {}, f)));
@@ -106,7 +109,7 @@ function matrix() {
       const m = row && measured(row);
       if (!m) return el("td", { class: "none", title: row ? row.outcome.unsupported.reason : "" }, "–");
       const rmse = m.errors.rmse;
-      const title = `${s.name}: ${row.technique}, ${row.settings}: RMSE ${number(rmse, 4)}, ${ms(m.times.total)}`;
+      const title = `${s.name}: ${row.technique}, ${row.settings}: RMSE ${number(rmse, 4)}, ${ms(m.times && m.times.total) === "–" ? `cost ${number(m.cost_ms, 2)} ms` : ms(m.times.total)}`;
       const text = rmse === 0 ? "0" : rmse.toFixed(3).replace(/^0/, "");
       return el("td", { style: heat(rmse), class: raster(row) && rmse === best[i] ? "best" : "", title }, text);
     });
@@ -118,20 +121,69 @@ function matrix() {
     el("div", { class: "scroll" }, el("table", { class: "matrix" }, el("thead", {}, head), el("tbody", {}, ...lines))));
 }
 
-function layout() {
+const AXES = {
+  scene: { time: "casts + filters + lookup, ms", cost: "counted cost, ms by the price list", y: "RMSE of visibility (1e-4 and less)" },
+  all: { time: "time, relative to hard shadows from a map of middle size", cost: "counted cost, relative to hard shadows from a map of middle size", y: "error, relative to no shadows" },
+};
+
+function layout(axes) {
   const style = getComputedStyle(document.documentElement);
   const [ink, line] = ["--ink", "--line"].map((v) => style.getPropertyValue(v).trim());
   const axis = (text) => ({ type: "log", title: { text, standoff: 8 }, gridcolor: line, zeroline: false, linecolor: line, dtick: 1, minor: { showgrid: true, gridcolor: line, griddash: "dot" }, exponentformat: "power" });
   return {
     paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", hovermode: "closest", margin: { l: 62, r: 12, t: 12, b: 48 },
     font: { family: getComputedStyle(document.body).fontFamily, size: 12, color: ink },
-    xaxis: axis("casts + filters + lookup, ms"), yaxis: axis("RMSE of visibility (1e-4 and less)"),
+    xaxis: axis(axes[clock]), yaxis: axis(axes.y),
     legend: { orientation: "h", y: 1.02, yanchor: "bottom", x: 0, font: { size: 11 } }, hoverlabel: { align: "left" },
   };
 }
 
-function draw(node, traces) {
-  Plotly.react(node, traces, layout(), { responsive: true, displayModeBar: false });
+// A chart that follows the clock and the colour scheme.
+function chartOf(node, both, axes, onclick, picture) {
+  const draw = () => {
+    const chart = both[clock] || both.cost;
+    if (chart) Plotly.react(node, chart.traces, layout(axes), { responsive: true, displayModeBar: false });
+  };
+  draw();
+  charts.push(draw);
+  dark.addEventListener("change", draw);
+  const place = (e) => e.points[0].customdata;
+  if (!node.on) return;
+  node.on("plotly_click", (e) => { if (Number.isInteger(place(e))) onclick(place(e)); });
+  node.on("plotly_hover", (e) => peek(picture(place(e)), e.event));
+  node.on("plotly_unhover", () => peek(null));
+}
+
+// A row's mask beside the pointer.
+function peek(id, event) {
+  const box = byId("peek");
+  box.hidden = id === null || id === undefined;
+  if (box.hidden) return;
+  box.src = images[id];
+  const right = event.clientX < innerWidth / 2;
+  Object.assign(box.style, { top: `${Math.max(8, event.clientY - 190)}px`, left: right ? "auto" : "1.5rem", right: right ? "1.5rem" : "auto" });
+}
+
+// Time as measured, or cost as counted: one switch for all charts.
+function clockSwitch() {
+  const both = pages.some((p) => p.charts.time) && pages.some((p) => p.charts.cost);
+  if (!both) return null;
+  const option = (value, text) => el("button", { type: "button", class: value === clock ? "on" : "", "data-clock": value, onclick: () => {
+    clock = value;
+    document.querySelectorAll("[data-clock]").forEach((b) => b.classList.toggle("on", b.dataset.clock === clock));
+    charts.forEach((draw) => draw());
+  } }, text);
+  return el("div", { class: "switch", role: "group", "aria-label": "what the charts show" }, option("time", "measured time"), option("cost", "counted cost"));
+}
+
+function overallChart() {
+  if (!data.overall.time && !data.overall.cost) return null;
+  const chart = el("div", { class: "chart tall" });
+  const panel = el("div", { class: "panel" }, el("h2", {}, "Speed against accuracy"),
+    el("p", {}, `Every setting, mean over all scenes: error relative to drawing no shadows (1: as wrong as none), time relative to hard shadows from a map of middle size. Down and left is better; what no other setting beats at both is joined by the dotted line, the rest is faint. Where a technique cannot serve a scene it counts as drawing no shadow there.`),
+    clockSwitch(), chart);
+  requestAnimationFrame(() => chartOf(chart, data.overall, AXES.all, () => {}, () => null));
+  return panel;
 }
 
 function term(list, name, value, state) {
@@ -146,16 +198,20 @@ function figures(m) {
   term(list, "false shadow", percent(e.false_shadow));
   term(list, "false light", percent(e.false_light));
   term(list, "acne off edges", percent(e.acne));
-  term(list, "cast", ms(t.cast));
-  if (t.filter) term(list, "filter", ms(t.filter));
-  term(list, "lookup", ms(t.receive));
-  term(list, "total, median", ms(t.total));
-  term(list, plural(t.total.runs, "run"), range(t.total));
+  if (t) {
+    term(list, "cast", ms(t.cast));
+    if (t.filter) term(list, "filter", ms(t.filter));
+    term(list, "lookup", ms(t.receive));
+    term(list, "total, median", ms(t.total));
+    term(list, plural(t.total.runs, "run"), range(t.total));
+  }
+  term(list, "counted cost", `${number(m.cost_ms, 2)} ms`);
   term(list, "memory", bytes(m.bytes));
   if (a) {
     const word = a.violations ? `${a.violations} faults` : a.differing ? `${a.differing} px, ≤ ${number(a.largest, 3)}` : "bit-equal";
     term(list, "against CPU", word, a.violations ? "bad" : "good");
-    term(list, "undecided", plural(a.undecided, "px").replace(/s$/, ""));
+    if (a.undecided) term(list, "excused by rounding", `${a.undecided} px`);
+    if (a.elsewhere) term(list, "other triangles", `${a.elsewhere} px`);
   }
   return list;
 }
@@ -169,7 +225,7 @@ function card(scene, page, index, onFront) {
   if (!m) return el("article", { class: "panel row dash", id }, head, el("p", {}, `– ${row.outcome.unsupported.reason}`));
   const title = `${scene.name} · ${row.technique}, ${row.settings} · ${row.backend}`;
   const pictures = page.rows[index];
-  const shots = el("div", { class: "shots" }, shot(pictures.mask, "mask", title), shot(page.truth, "truth", scene.name), shot(pictures.error, "error", title), ...(pictures.color == null ? [] : [shot(pictures.color, "colours", title)]));
+  const shots = !pictures ? null : el("div", { class: "shots" }, shot(pictures.mask, "mask", title), shot(page.truth, "truth", scene.name), shot(pictures.error, "error", title), ...(pictures.color == null ? [] : [shot(pictures.color, "colours", title)]));
   return el("article", { class: "panel row", id }, head, shots, figures(m));
 }
 
@@ -178,10 +234,11 @@ function select(label, options, onchange) {
 }
 
 function rowList(scene, page) {
-  const front = new Set(page.front);
+  const best = page.charts.time || page.charts.cost;
+  const front = new Set(best ? best.front : []);
   const state = { all: false, backend: "all", technique: "all", sort: "error" };
   const list = el("div", { class: "rows" });
-  const cost = { error: (m) => m.errors.rmse, time: (m) => m.times.total.median, acne: (m) => m.errors.acne, memory: (m) => m.bytes };
+  const cost = { error: (m) => m.errors.rmse, time: (m) => (m.times ? m.times.total.median : m.cost_ms), cost: (m) => m.cost_ms, acne: (m) => m.errors.acne, memory: (m) => m.bytes };
   const more = el("button", { type: "button", onclick: () => { state.all = !state.all; fill(); } });
   const wanted = (i) => {
     const row = scene.rows[i];
@@ -216,7 +273,7 @@ function legend() {
 function sceneFacts(scene) {
   const t = scene.truth;
   const samples = t.largest_error > 0 ? `${plural(t.samples, "ray")} a receiver, standard error ${number(t.mean_error, 5)} (at most ${number(t.largest_error, 4)})` : "one ray a receiver";
-  return [`${scene.light} light`, `${scene.size[0]} × ${scene.size[1]} pixels`, plural(scene.triangles, "triangle"), `truth: ${samples}, ${t.seconds.toFixed(1)} s`,
+  return [`${scene.light} light`, `${scene.size[0]} × ${scene.size[1]} pixels`, plural(scene.triangles, "triangle"), `truth: ${samples}${t.seconds === null ? "" : `, ${t.seconds.toFixed(1)} s`}`,
     `${t.counted.toLocaleString("en")} pixels count; left out: ${t.ambiguous.toLocaleString("en")} ambiguous, ${t.unlit.toLocaleString("en")} facing away`];
 }
 
@@ -225,9 +282,8 @@ function fillScene(section, scene, page) {
   const rows = rowList(scene, page);
   const truth = el("div", { class: "panel truth" }, shot(page.truth, "truth", scene.name), legend());
   section.append(el("div", { class: "stage" }, chart, truth), rows.node);
-  draw(chart, page.traces);
-  chart.on("plotly_click", (e) => { const i = e.points[0].customdata; if (Number.isInteger(i)) rows.show(i); });
-  dark.addEventListener("change", () => draw(chart, page.traces));
+  const mask = (i) => (page.rows[i] ? page.rows[i].mask : null);
+  chartOf(chart, page.charts, AXES.scene, rows.show, mask);
 }
 
 function sceneSection(scene, page) {
@@ -247,6 +303,7 @@ function sceneSection(scene, page) {
 
 header();
 if (comparison.scenes.length) {
+  byId("overview").before(el("section", { class: "overview", id: "chart" }, comparison.scenes.length > 1 ? overallChart() : clockSwitch()));
   const overview = () => byId("overview").replaceChildren(tiles(), ...(comparison.scenes.length > 1 ? [matrix()] : []));
   overview();
   dark.addEventListener("change", overview);

@@ -50,11 +50,24 @@ pub(super) struct RowPictures {
 #[derive(Debug, Serialize)]
 pub(super) struct ScenePage {
     pub(super) index: usize,
-    pub(super) truth: usize,
+    pub(super) truth: Option<usize>,
     pub(super) rows: Vec<Option<RowPictures>>,
+    pub(super) charts: Charts,
+}
+
+/// A chart by each clock that there is.
+#[derive(Debug, Serialize)]
+pub(super) struct Charts {
+    pub(super) time: Option<Chart>,
+    pub(super) cost: Option<Chart>,
+}
+
+/// One chart.
+#[derive(Debug, Serialize)]
+pub(super) struct Chart {
     /// Rows on their backend's Pareto front.
     pub(super) front: Vec<usize>,
-    /// The chart's curves.
+    /// The curves.
     pub(super) traces: serde_json::Value,
 }
 
@@ -63,14 +76,20 @@ struct Data<'a> {
     comparison: &'a Comparison,
     faults: Vec<String>,
     pages: &'a [ScenePage],
+    overall: &'a Charts,
     images: &'a [String],
     legend: [(&'static str, &'static str); 5],
 }
 
 /// The whole page.
-pub(super) fn html(comparison: &Comparison, pages: &[ScenePage], images: &ImageStore) -> serde_json::Result<String> {
+pub(super) fn html(
+    comparison: &Comparison,
+    pages: &[ScenePage],
+    overall: &Charts,
+    images: &ImageStore,
+) -> serde_json::Result<String> {
     let faults = comparison.faults();
-    let data = Data { comparison, faults, pages, images: &images.uris, legend: LEGEND };
+    let data = Data { comparison, faults, pages, overall, images: &images.uris, legend: LEGEND };
     let data = for_script(&serde_json::to_string(&data)?);
     let plotly = plotly_source();
     Ok(fill(&[("{{style}}", STYLE), ("{{data}}", &data), ("{{plotly}}", &plotly), ("{{script}}", SCRIPT)]))

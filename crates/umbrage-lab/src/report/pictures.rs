@@ -1,8 +1,9 @@
 //! Masks and errors as pictures: encoded PNG files.
 
+use crate::truth::Truth;
 use glam::{UVec2, Vec3};
 use image::{ExtendedColorType, ImageEncoder, ImageResult, codecs::png};
-use umbrage_core::metrics::{Cause, Pixel, Reference};
+use umbrage_core::metrics::{Cause, Pixel};
 
 /// False shadow, darker than truth: blue. With orange, the pair of hues that all kinds of colour vision tell apart best
 /// (Okabe, Ito 2008, "Color Universal Design").
@@ -60,7 +61,7 @@ pub(crate) fn error_colors(mask: &[f32], truth: &[f32], pixels: &[Pixel]) -> Vec
 ///
 /// # Errors
 /// When the encoder fails.
-pub fn causes(truth: &Reference<'_>, causes: &[Option<Cause>]) -> ImageResult<Vec<u8>> {
+pub fn causes(truth: &Truth, causes: &[Option<Cause>]) -> ImageResult<Vec<u8>> {
     let color = |i: usize| match (truth.pixels[i], causes[i]) {
         (Pixel::Empty, _) => EMPTY,
         (Pixel::Unlit, _) => Vec3::splat(0.70),

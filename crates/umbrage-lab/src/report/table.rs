@@ -52,6 +52,8 @@ pub struct Line {
     pub ambiguous: Option<u64>,
     /// Pixels left out as unlit.
     pub unlit: Option<u64>,
+    /// What the work costs by the price list, the same on every run.
+    pub cost_ms: Option<f64>,
     /// Casts.
     pub cast_ms: Option<f64>,
     /// Filters.
@@ -68,8 +70,10 @@ pub struct Line {
     pub bytes: Option<u64>,
     /// Pixels unlike the CPU's.
     pub differing: Option<u64>,
-    /// Pixels whose answer hangs on rounding.
+    /// Pixels unlike the CPU's that rounding excuses.
     pub undecided: Option<u64>,
+    /// Pixels unlike the CPU's where the backends see different triangles.
+    pub elsewhere: Option<u64>,
     /// Greatest difference from the CPU's mask.
     pub largest_difference: Option<f64>,
     /// Decided pixels that differ: must be 0.
@@ -113,15 +117,17 @@ fn line(scene: &SceneResult, row: &Row) -> Line {
         counted: Some(m.errors.counted),
         ambiguous: Some(m.errors.ambiguous),
         unlit: Some(m.errors.unlit),
-        cast_ms: median(m.times.cast),
-        filter_ms: median(m.times.filter),
-        receive_ms: median(m.times.receive),
-        total_ms: Some(m.times.total.median),
-        total_least_ms: Some(m.times.total.least),
-        total_greatest_ms: Some(m.times.total.greatest),
+        cost_ms: Some(m.cost_ms),
+        cast_ms: m.times.and_then(|t| median(t.cast)),
+        filter_ms: m.times.and_then(|t| median(t.filter)),
+        receive_ms: m.times.and_then(|t| median(t.receive)),
+        total_ms: m.times.map(|t| t.total.median),
+        total_least_ms: m.times.map(|t| t.total.least),
+        total_greatest_ms: m.times.map(|t| t.total.greatest),
         bytes: Some(m.bytes),
         differing: m.agreement.map(|a| a.differing),
         undecided: m.agreement.map(|a| a.undecided),
+        elsewhere: m.agreement.map(|a| a.elsewhere),
         largest_difference: m.agreement.map(|a| a.largest),
         violations: m.agreement.map(|a| a.violations),
         ..named

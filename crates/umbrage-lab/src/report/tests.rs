@@ -2,14 +2,14 @@
 
 use super::*;
 use crate::{
-    compare::{Control, Measured, Outcome, Row, Spread, Times},
+    compare::{Clock, Control, Measured, Options, Outcome, Row, SceneInput, Spread, Times, slug},
     truth::Truth,
 };
 use glam::UVec2;
 use std::{fs, time::Duration};
 use umbrage_core::{
-    Receivers,
-    metrics::{Errors, Pixel},
+    Receivers, Work,
+    metrics::{Causes, Errors, Pixel},
 };
 
 const NASTY: &str = "</script><img src=x onerror=alert(1)> & \"co\"";
@@ -18,8 +18,16 @@ fn row(technique: &str, backend: &str, rmse: f64, median: f64) -> Row {
     let total = Spread { median, least: median, greatest: median, runs: 1 };
     let times = Times { receive: Some(total), total, ..Times::default() };
     let errors = Errors { rmse, counted: 12, ..Errors::default() };
-    let outcome =
-        Outcome::Measured(Box::new(Measured { errors, times, bytes: 100, agreement: None, color_differing: None }));
+    let outcome = Outcome::Measured(Box::new(Measured {
+        errors,
+        causes: Causes::default(),
+        times: Some(times),
+        work: Work::default(),
+        cost_ms: median,
+        bytes: 100,
+        agreement: None,
+        color_differing: None,
+    }));
     let (technique, settings) = (technique.to_owned(), NASTY.to_owned());
     Row { slug: slug(&technique), technique, settings, backend: backend.to_owned(), outcome }
 }
@@ -54,20 +62,26 @@ fn scene() -> (SceneResult, SceneImages) {
     (result, SceneImages { truth, masks, colors })
 }
 
+/// A comparison of two scenes of one name.
+fn plan() -> Plan {
+    let scene = || SceneInput {
+        scene: umbrage_core::Scene { name: NASTY.into(), ..Default::default() },
+        summary: String::new(),
+        fit: None,
+    };
+    Plan::new(&[scene(), scene()], &Options::default())
+}
+
 fn write(arrays: bool) -> (tempfile::TempDir, Comparison) {
     let dir = tempfile::tempdir().expect("a temporary folder");
-    let mut report = Report::create(&dir.path().join("out"), arrays).expect("writable");
+    let report = Report::create(&dir.path().join("out"), plan(), arrays).expect("writable");
     let (result, images) = scene();
-    report.scene(&result, &images).expect("writable");
-    report.scene(&result, &images).expect("writable");
-    let comparison = Comparison {
-        schema: 1,
-        notices: vec![NASTY.into()],
-        scenes: vec![result.clone(), result],
-        ..Comparison::default()
-    };
-    let page = report.finish(&comparison).expect("writable");
+    for place in [0, 1] {
+        report.scene(place, &Environment::default(), &[NASTY.to_owned()], &result, &images).expect("writable");
+    }
+    let (comparison, page) = report.finish(&[0, 1]).expect("writable");
     assert_eq!(page, dir.path().join("out/index.html"));
+    assert_eq!((comparison.scenes.len(), &*comparison.notices), (2, &[NASTY.to_owned()][..]));
     (dir, comparison)
 }
 
@@ -130,9 +144,90 @@ fn arrays_hold_minus_one_where_nothing_is_seen() {
 #[test]
 fn fronts_and_failed_controls_are_told() {
     let (result, _) = scene();
-    let (front, traces) = chart::of(&result);
-    assert_eq!(front, [1, 0]);
+    let dots = chart::dots(&result, Clock::Wall);
+    assert_eq!(chart::front(&dots), [0, 1]);
+    let traces = chart::traces(&dots);
     assert!(!traces.to_string().contains("<img"), "hover texts are markup to plotly");
     let comparison = Comparison { scenes: vec![result], ..Comparison::default() };
     assert_eq!(comparison.faults().len(), 1, "the control doesn't hold");
+}
+
+/// All files of a folder, by name.
+fn files(folder: &std::path::Path) -> std::collections::BTreeMap<String, Vec<u8>> {
+    let mut out = std::collections::BTreeMap::new();
+    for entry in fs::read_dir(folder).expect("there") {
+        let path = entry.expect("readable").path();
+        let name = path.file_name().expect("named").to_string_lossy().into_owned();
+        if path.is_dir() {
+            out.extend(files(&path).into_iter().map(|(inner, bytes)| (format!("{name}/{inner}"), bytes)));
+        } else {
+            out.insert(name, fs::read(&path).expect("readable"));
+        }
+    }
+    out
+}
+
+/// The shard that has this place, of the whole that `write(false)` makes.
+fn shard(dir: &std::path::Path, name: &str, place: usize) -> PathBuf {
+    let report = Report::create(&dir.join(name), plan(), false).expect("writable");
+    let (result, images) = scene();
+    report.scene(place, &Environment::default(), &[NASTY.to_owned()], &result, &images).expect("writable");
+    report.finish(&[place]).expect("writable");
+    dir.join(name)
+}
+
+#[test]
+fn merged_shards_are_byte_for_byte_one_run() {
+    let (dir, _) = write(false);
+    let shards = [shard(dir.path(), "b", 1), shard(dir.path(), "a", 0)];
+    merge(&shards, &dir.path().join("merged")).expect("all there");
+    assert_eq!(files(&dir.path().join("merged")), files(&dir.path().join("out")));
+    fs::write(shards[0].join(format!("{}-2", slug(NASTY))).join("truth.png"), b"spoilt").expect("writable");
+    merge(&shards, &dir.path().join("spoilt")).expect("all there");
+    assert_ne!(files(&dir.path().join("spoilt")), files(&dir.path().join("out")));
+}
+
+#[test]
+fn shards_that_do_not_belong_together_are_refused() {
+    let dir = tempfile::tempdir().expect("a temporary folder");
+    let (a, b) = (shard(dir.path(), "a", 0), shard(dir.path(), "b", 1));
+    let refused = |folders: &[&PathBuf]| {
+        let folders: Vec<PathBuf> = folders.iter().map(|p| (*p).clone()).collect();
+        merge(&folders, &dir.path().join("out")).expect_err("refused").to_string()
+    };
+    assert!(refused(&[&a]).contains(&format!("{}-2", slug(NASTY))), "what is missing is named");
+    assert!(refused(&[&a, &b, &shard(dir.path(), "c", 1)]).contains("same scene"));
+    assert!(refused(&[&dir.path().join("none")]).contains("none"));
+    let other = Plan { options: "others".into(), ..plan() };
+    let report = Report::create(&dir.path().join("d"), other, false).expect("writable");
+    let (result, images) = scene();
+    report.scene(1, &Environment::default(), &[], &result, &images).expect("writable");
+    assert!(refused(&[&a, &dir.path().join("d")]).contains("another comparison"));
+    let empty = dir.path().join("empty");
+    fs::create_dir(&empty).expect("writable");
+    assert!(refused(&[&empty]).contains("no scenes"));
+}
+
+#[test]
+fn only_whole_scenes_of_the_same_run_are_taken_up() {
+    let (dir, _) = write(false);
+    let (out, here) = (dir.path().join("out"), Environment::default());
+    let has = |plan: Plan, environment: &Environment, arrays| {
+        let report = Report::create(&out, plan, arrays).expect("writable");
+        [0, 1].map(|place| report.has(place, environment))
+    };
+    assert_eq!(has(plan(), &here, false), [true; 2]);
+    assert_eq!(has(plan(), &Environment { date: Some("later".into()), ..here.clone() }, false), [true; 2]);
+    assert_eq!(has(plan(), &Environment { commit: Some("other".into()), ..here.clone() }, false), [false; 2]);
+    assert_eq!(has(Plan { options: "others".into(), ..plan() }, &here, false), [false; 2]);
+    assert_eq!(has(plan(), &here, true), [false; 2], "arrays are asked for and not there");
+    let file = out.join(slug(NASTY)).join("scene.json");
+    let text = fs::read(&file).expect("there");
+    fs::write(&file, &text[..text.len() / 2]).expect("writable");
+    assert_eq!(has(plan(), &here, false), [false, true], "half a file is none");
+    let text = String::from_utf8(text).expect("text");
+    let program = store::program();
+    assert!(!program.is_empty() && text.contains(&program));
+    fs::write(&file, text.replace(&program, "another")).expect("writable");
+    assert_eq!(has(plan(), &here, false), [false, true], "another program's figures");
 }

@@ -21,8 +21,8 @@ use std::{
 };
 use tracer::Tracer;
 use umbrage_core::{
-    BackendError, Camera, Geometry, Light, Receivers,
-    metrics::{Pixel, Reference},
+    BackendError, Camera, Geometry, Invalid, Light, Receivers,
+    metrics::{Pixel, TruthImage},
 };
 
 /// How carefully truth is traced.
@@ -81,14 +81,11 @@ impl Truth {
     }
 
     /// What is needed to tell the causes of a mask's error apart.
-    pub fn reference(&self) -> Reference<'_> {
-        Reference {
-            size: self.size,
-            visibility: &self.visibility,
-            pixels: &self.pixels,
-            blocker: &self.blocker,
-            contact: self.contact,
-        }
+    ///
+    /// # Errors
+    /// When the fields don't fit each other.
+    pub fn image(&self) -> Result<TruthImage<'_>, Invalid> {
+        TruthImage::new(self.size, &self.visibility, &self.pixels, &self.blocker, self.contact)
     }
 
     /// Whether the light's shadow, or part of it, falls on any pixel that counts.

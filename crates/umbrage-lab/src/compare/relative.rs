@@ -1,0 +1,220 @@
+//! All scenes in one chart: each setting's error and time, relative to what is known of each scene.
+//!
+//! * **Relative error**: a mask's RMSE over that of no shadow at all (a mask that is lit everywhere); where nothing is in
+//!   shadow, over that of a mask that is dark everywhere. 1: as wrong as not drawing shadows.
+//! * **Relative time**: over that of `hard`, the first of its settings with the middle map size, on the same scene and
+//!   backend. The relative cost is the same of counted work.
+//!
+//! Errors are averaged over the scenes as they are, so that exactness (0) counts and so does failure; times are ratios, so
+//! their mean is geometric. Where a technique cannot serve a scene it draws no shadow: relative error 1, and the time is the
+//! mean over the others.
+
+use super::{Clock, Comparison, Measured, Row, SceneResult, Spread};
+use serde::Serialize;
+use std::collections::HashMap;
+
+/// Relative errors below this are drawn here: a thousandth of the error of no shadow cannot be seen, and 0 has no logarithm.
+pub const LEAST_ERROR: f64 = 1e-3;
+
+/// One setting on one backend over all scenes.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Relative {
+    /// The technique's name.
+    pub technique: String,
+    /// Its settings in words.
+    pub settings: String,
+    /// Kind of backend.
+    pub backend: String,
+    /// Mean of the relative errors.
+    pub error: f64,
+    /// Geometric means of the relative times: medians, quickest and slowest runs; none without times.
+    pub time: Option<Spread>,
+    /// Geometric mean of the relative costs.
+    pub cost: f64,
+    /// Scenes that the technique served.
+    pub served: usize,
+    /// Scenes compared.
+    pub scenes: usize,
+}
+
+impl Relative {
+    /// The relative time, or the relative cost.
+    pub fn take(&self, clock: Clock) -> Option<f64> {
+        match clock {
+            Clock::Wall => self.time.map(|t| t.median),
+            Clock::Cost => Some(self.cost),
+        }
+    }
+}
+
+/// Sums: of errors, and of the logarithms of ratios.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sums {
+    error: f64,
+    time: [f64; 3],
+    runs: u32,
+    timed: usize,
+    cost: f64,
+    served: usize,
+    scenes: usize,
+}
+
+/// Every setting that was compared on every scene, in the first scene's order. Scenes without a receiver that counts, and
+/// those on which `hard` was not measured, are left out.
+pub fn relative(comparison: &Comparison) -> Vec<Relative> {
+    let mut sums: HashMap<[&str; 3], Sums> = HashMap::new();
+    let mut order: Vec<[&str; 3]> = Vec::new();
+    let mut scenes = 0;
+    for scene in &comparison.scenes {
+        let none = scene.error_of_none();
+        let references = references(scene);
+        if none == 0.0 || references.is_empty() {
+            continue;
+        }
+        scenes += 1;
+        for row in &scene.rows {
+            let key = [&row.technique, &row.settings, &row.backend].map(String::as_str);
+            let Some(reference) = references.get(key[2]) else { continue };
+            let sum = sums.entry(key).or_insert_with(|| {
+                order.push(key);
+                Sums::default()
+            });
+            sum.add(row.measured(), none, reference);
+        }
+    }
+    let whole = order.into_iter().filter_map(|key| Some((key, *sums.get(&key)?)));
+    whole.filter(|(_, s)| s.scenes == scenes && s.served > 0).map(|(key, s)| s.mean(key)).collect()
+}
+
+/// For each backend, the measurement that its others are compared with.
+fn references(scene: &SceneResult) -> HashMap<&str, &Measured> {
+    let mut of_backend: HashMap<&str, Vec<(&Row, &Measured)>> = HashMap::new();
+    for row in scene.rows.iter().filter(|r| r.technique == "hard") {
+        if let Some(m) = row.measured() {
+            of_backend.entry(&row.backend).or_default().push((row, m));
+        }
+    }
+    let middle = |rows: Vec<(&Row, &'_ Measured)>| -> Option<usize> {
+        let mut sizes: Vec<u64> = rows.iter().map(|(_, m)| m.work.cleared).collect();
+        sizes.sort_unstable();
+        sizes.dedup();
+        let size = *sizes.get(sizes.len() / 2)?;
+        rows.iter().position(|(_, m)| m.work.cleared == size)
+    };
+    of_backend.into_iter().filter_map(|(b, rows)| Some((b, rows[middle(rows.clone())?].1))).collect()
+}
+
+impl Sums {
+    fn add(&mut self, row: Option<&Measured>, none: f64, reference: &Measured) {
+        self.scenes += 1;
+        let Some(m) = row else { return };
+        self.served += 1;
+        self.error += m.errors.rmse / none;
+        self.cost += (m.cost_ms / reference.cost_ms).ln();
+        if let (Some(mine), Some(theirs)) = (m.times, reference.times) {
+            let ratio = |of: f64| (of.max(f64::MIN_POSITIVE) / theirs.total.median.max(f64::MIN_POSITIVE)).ln();
+            let times = [mine.total.median, mine.total.least, mine.total.greatest].map(ratio);
+            self.time.iter_mut().zip(times).for_each(|(sum, t)| *sum += t);
+            self.timed += 1;
+            self.runs += mine.total.runs;
+        }
+    }
+
+    fn mean(&self, [technique, settings, backend]: [&str; 3]) -> Relative {
+        let unserved = (self.scenes - self.served) as f64;
+        let (all, served, timed) = (self.scenes.max(1) as f64, self.served.max(1) as f64, self.timed.max(1) as f64);
+        let [median, least, greatest] = self.time.map(|sum| (sum / timed).exp());
+        Relative {
+            technique: technique.to_owned(),
+            settings: settings.to_owned(),
+            backend: backend.to_owned(),
+            error: (self.error + unserved) / all,
+            time: (self.timed > 0).then_some(Spread { median, least, greatest, runs: self.runs }),
+            cost: (self.cost / served).exp(),
+            served: self.served,
+            scenes: self.scenes,
+        }
+    }
+}
+
+impl SceneResult {
+    /// RMSE of a mask that looks at nothing: all lit, or where nothing is in shadow, all dark. 0 if no pixel counts.
+    pub fn error_of_none(&self) -> f64 {
+        let [lit, dark] = self.rmse_of_none;
+        if lit > 0.0 { lit } else { dark }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compare::{Outcome, Times};
+    use umbrage_core::{
+        Work,
+        metrics::{Causes, Errors},
+    };
+
+    fn row(technique: &str, rmse: f64, ms: f64) -> Row {
+        let total = Spread { median: ms, least: ms / 2.0, greatest: ms * 2.0, runs: 3 };
+        let measured = Measured {
+            errors: Errors { rmse, ..Errors::default() },
+            causes: Causes::default(),
+            times: Some(Times { total, ..Times::default() }),
+            work: Work { cleared: 1024, ..Work::default() },
+            cost_ms: 10.0 * ms,
+            bytes: 1,
+            agreement: None,
+            color_differing: None,
+        };
+        let outcome = Outcome::Measured(Box::new(measured));
+        Row {
+            technique: technique.into(),
+            settings: "s".into(),
+            slug: technique.into(),
+            backend: "cpu".into(),
+            outcome,
+        }
+    }
+
+    fn scene(rmse_of_none: [f64; 2], rows: Vec<Row>) -> SceneResult {
+        SceneResult { rmse_of_none, rows, ..SceneResult::default() }
+    }
+
+    fn find<'a>(all: &'a [Relative], technique: &str) -> &'a Relative {
+        all.iter().find(|r| r.technique == technique).expect("there")
+    }
+
+    #[test]
+    fn figures_are_relative_and_times_averaged_as_ratios() {
+        let one = scene([0.5, 0.9], vec![row("hard", 0.05, 1.0), row("pcf", 0.005, 4.0)]);
+        let two = scene([0.1, 0.9], vec![row("hard", 0.01, 10.0), row("pcf", 0.1, 10.0)]);
+        let all = relative(&Comparison { scenes: vec![one, two], ..Comparison::default() });
+        let (hard, pcf) = (find(&all, "hard"), find(&all, "pcf"));
+        assert!((hard.error - 0.1).abs() < 1e-12 && (pcf.error - 0.505).abs() < 1e-12, "{hard:?} {pcf:?}");
+        let time = pcf.time.expect("timed");
+        assert!((time.median - 2.0).abs() < 1e-12 && (time.least - 1.0).abs() < 1e-12, "{time:?}");
+        assert!((pcf.cost - 2.0).abs() < 1e-12 && (hard.cost - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn where_a_technique_cannot_serve_it_draws_no_shadow() {
+        let dash = Row { outcome: Outcome::Unsupported { reason: "no".into() }, ..row("planar", 0.0, 0.0) };
+        let one = scene([0.5, 0.9], vec![row("hard", 0.05, 1.0), row("planar", 0.0, 1.0)]);
+        let two = scene([0.5, 0.9], vec![row("hard", 0.05, 1.0), dash]);
+        let all = relative(&Comparison { scenes: vec![one, two], ..Comparison::default() });
+        let planar = find(&all, "planar");
+        assert_eq!((planar.served, planar.scenes), (1, 2));
+        assert_eq!(planar.error, 0.5);
+    }
+
+    #[test]
+    fn scenes_that_tell_nothing_and_settings_not_compared_everywhere_are_left_out() {
+        let one = scene([0.5, 0.9], vec![row("hard", 0.05, 1.0), row("once", 0.1, 1.0)]);
+        let two = scene([0.0, 1.0], vec![row("hard", 0.1, 1.0)]);
+        let empty = scene([0.0, 0.0], vec![row("hard", 0.0, 1.0)]);
+        let all = relative(&Comparison { scenes: vec![one, two, empty], ..Comparison::default() });
+        assert_eq!(all.len(), 1);
+        assert!((find(&all, "hard").error - 0.1).abs() < 1e-12, "all dark counts where nothing is in shadow");
+        assert!(relative(&Comparison::default()).is_empty());
+    }
+}

@@ -1,0 +1,334 @@
+//! Still charts: SVG that opens alone, and PNG, with linear or logarithmic axes, error bars, labels and a legend.
+//!
+//! ```
+//! use umbrage_lab::figure::{Figure, Marker, Point, Series};
+//! let points = [(1.0, 0.5), (10.0, 0.05), (100.0, 0.004)].map(|(x, y)| Point::at(x, y));
+//! let series = Series::points("measured", "#3b82e0", Marker::Circle, points.to_vec());
+//! let figure = Figure::new("Error falls with time", "milliseconds", "RMSE").log(true, true).with(series);
+//! assert!(figure.svg().starts_with("<svg"));
+//! # Ok::<(), umbrage_lab::LabError>(())
+//! ```
+
+use crate::LabError;
+use kuva::prelude::{Layout, LegendPosition, LinePlot, MarkerShape, Plot, ScatterPlot, TickFormat};
+use std::sync::Arc;
+
+/// A chart.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figure {
+    /// What it shows.
+    pub title: String,
+    /// A smaller line below the title, maybe empty.
+    pub subtitle: String,
+    /// Names of the axes, with units: across, and up.
+    pub labels: [String; 2],
+    /// Which axes are logarithmic: across, and up.
+    pub log: [bool; 2],
+    /// Width and height without the legend, pixels.
+    pub size: [f64; 2],
+    /// What is drawn, in this order.
+    pub series: Vec<Series>,
+    /// Markers that the legend explains in grey, where colour says something else.
+    pub shapes: Vec<(String, Marker)>,
+    /// Texts beside places, moved apart where they would overlap.
+    pub notes: Vec<Point>,
+}
+
+/// Points of one look.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Series {
+    /// For the legend; empty: not in it.
+    pub name: String,
+    /// `#3b82e0`, say.
+    pub color: String,
+    /// How points are drawn, unless they are joined.
+    pub style: Style,
+    /// The points; those that no axis can show (not finite, or not above 0 on a logarithmic one) are left out.
+    pub points: Vec<Point>,
+}
+
+/// How a series is drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Style {
+    /// Markers of a shape, radius in pixels and opacity 0..=1.
+    Points(Marker, f64, f64),
+    /// A line through the points, its width in pixels.
+    Line(f64),
+    /// The same, dashed.
+    Dashed(f64),
+}
+
+/// Shapes of markers, told apart in black and white, too.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[expect(missing_docs, reason = "their names say it all")]
+pub enum Marker {
+    Circle,
+    Square,
+    Diamond,
+    Triangle,
+    TriangleDown,
+    Cross,
+    Plus,
+    Star,
+    Pentagon,
+    Hexagon,
+}
+
+impl Marker {
+    /// All, in an order in which neighbours differ most.
+    pub const ALL: [Self; 10] = [
+        Self::Circle,
+        Self::Diamond,
+        Self::Square,
+        Self::Triangle,
+        Self::Star,
+        Self::TriangleDown,
+        Self::Hexagon,
+        Self::Pentagon,
+        Self::Cross,
+        Self::Plus,
+    ];
+
+    fn shape(self) -> MarkerShape {
+        match self {
+            Self::Circle => MarkerShape::Circle,
+            Self::Square => MarkerShape::Square,
+            Self::Diamond => MarkerShape::Diamond,
+            Self::Triangle => MarkerShape::Triangle,
+            Self::TriangleDown => MarkerShape::TriangleDown,
+            Self::Cross => MarkerShape::Cross,
+            Self::Plus => MarkerShape::Plus,
+            Self::Star => MarkerShape::Star,
+            Self::Pentagon => MarkerShape::Pentagon,
+            Self::Hexagon => MarkerShape::Hexagon,
+        }
+    }
+}
+
+/// One point.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Point {
+    /// Across.
+    pub x: f64,
+    /// Up.
+    pub y: f64,
+    /// Ends of the horizontal error bar; none without one.
+    pub x_range: Option<[f64; 2]>,
+    /// Ends of the vertical error bar; none without one.
+    pub y_range: Option<[f64; 2]>,
+    /// Text beside it, maybe empty.
+    pub label: String,
+}
+
+impl Point {
+    /// Without error bars and text.
+    pub fn at(x: f64, y: f64) -> Self {
+        Self { x, y, ..Self::default() }
+    }
+}
+
+impl Series {
+    /// Markers of a usual size.
+    pub fn points(name: impl Into<String>, color: &str, marker: Marker, points: Vec<Point>) -> Self {
+        Self { name: name.into(), color: color.to_owned(), style: Style::Points(marker, 5.0, 0.9), points }
+    }
+
+    /// A line.
+    pub fn line(name: impl Into<String>, color: &str, points: Vec<Point>) -> Self {
+        Self { name: name.into(), color: color.to_owned(), style: Style::Line(2.0), points }
+    }
+}
+
+/// Texts and grey markers.
+const INK: &str = "#4a5563";
+
+/// Pixels of a PNG for each of the SVG's: sharp on today's screens.
+const PNG_SCALE: f32 = 2.0;
+
+impl Figure {
+    /// An empty chart with linear axes.
+    pub fn new(title: impl Into<String>, x: impl Into<String>, y: impl Into<String>) -> Self {
+        Self {
+            title: title.into(),
+            subtitle: String::new(),
+            labels: [x.into(), y.into()],
+            log: [false; 2],
+            size: [760.0, 500.0],
+            series: Vec::new(),
+            shapes: Vec::new(),
+            notes: Vec::new(),
+        }
+    }
+
+    /// Makes axes logarithmic.
+    #[must_use]
+    pub fn log(self, x: bool, y: bool) -> Self {
+        Self { log: [x, y], ..self }
+    }
+
+    /// Adds a series.
+    #[must_use]
+    pub fn with(mut self, series: Series) -> Self {
+        self.series.push(series);
+        self
+    }
+
+    /// As a picture that is sharp at any size, complete in itself.
+    pub fn svg(&self) -> String {
+        let (plots, layout) = self.plots();
+        kuva::render_to_svg(plots, layout)
+    }
+
+    /// As a picture of pixels.
+    ///
+    /// # Errors
+    /// When the renderer fails.
+    pub fn png(&self) -> Result<Vec<u8>, LabError> {
+        let (plots, layout) = self.plots();
+        let failed = |e: String| LabError::Write { path: "figure".into(), source: std::io::Error::other(e) };
+        kuva::render_to_png(plots, layout, PNG_SCALE).map_err(failed)
+    }
+
+    fn plots(&self) -> (Vec<Plot>, Layout) {
+        let mut plots: Vec<Plot> = self.series.iter().filter_map(|s| self.plot(s)).collect();
+        // A marker too small to see carries the text.
+        let notes = Series {
+            style: Style::Points(Marker::Circle, 0.1, 1.0),
+            ..Series::points("", INK, Marker::Circle, self.notes.clone())
+        };
+        plots.extend(self.plot(&notes));
+        // Drawn where something is anyway, and as small: only the legend shows their shapes.
+        let anywhere = self.series.iter().flat_map(|s| &s.points).find(|p| self.shows(p));
+        for (name, marker) in anywhere.iter().flat_map(|_| &self.shapes) {
+            let style = Style::Points(*marker, 0.1, 1.0);
+            let places = anywhere.map(|p| Point::at(p.x, p.y)).into_iter().collect();
+            plots.extend(self.plot(&Series { style, ..Series::points(name, INK, *marker, places) }));
+        }
+        let mut layout = Layout::auto_from_plots(&plots)
+            .with_title(&self.title)
+            .with_x_label(&self.labels[0])
+            .with_y_label(&self.labels[1])
+            .with_width(self.size[0])
+            .with_height(self.size[1])
+            .with_legend_position(LegendPosition::OutsideRightTop)
+            .with_font_family("DejaVu Sans, Verdana, sans-serif");
+        if !self.subtitle.is_empty() {
+            layout = layout.with_subtitle(&self.subtitle);
+        }
+        let plain = || TickFormat::Custom(Arc::new(plain));
+        if self.log[0] {
+            layout = layout.with_log_x().with_x_tick_format(plain());
+        }
+        if self.log[1] {
+            layout = layout.with_log_y().with_y_tick_format(plain());
+        }
+        (plots, layout)
+    }
+
+    fn shows(&self, p: &Point) -> bool {
+        let fits = |v: f64, log: bool| v.is_finite() && (v > 0.0 || !log);
+        fits(p.x, self.log[0]) && fits(p.y, self.log[1])
+    }
+
+    fn plot(&self, series: &Series) -> Option<Plot> {
+        let points: Vec<&Point> = series.points.iter().filter(|p| self.shows(p)).collect();
+        if points.is_empty() {
+            return None;
+        }
+        let xy = points.iter().map(|p| (p.x, p.y));
+        Some(match series.style {
+            Style::Line(width) | Style::Dashed(width) => {
+                let mut line = LinePlot::new().with_data(xy).with_color(&series.color).with_stroke_width(width);
+                if matches!(series.style, Style::Dashed(_)) {
+                    line = line.with_dashed();
+                }
+                if series.name.is_empty() { line.into() } else { line.with_legend(&series.name).into() }
+            }
+            Style::Points(marker, radius, opacity) => {
+                let scatter = ScatterPlot::new().with_data(xy).with_color(&series.color).with_marker(marker.shape());
+                let scatter = scatter.with_size(radius).with_marker_opacity(opacity);
+                let scatter = annotated(scatter, &points);
+                if series.name.is_empty() { scatter.into() } else { scatter.with_legend(&series.name).into() }
+            }
+        })
+    }
+}
+
+/// Error bars and texts.
+fn annotated(mut scatter: ScatterPlot, points: &[&Point]) -> ScatterPlot {
+    let arms = |at: f64, range: Option<[f64; 2]>| {
+        let [from, to] = range.unwrap_or([at; 2]);
+        ((at - from).max(0.0), (to - at).max(0.0))
+    };
+    if points.iter().any(|p| p.x_range.is_some()) {
+        scatter = scatter.with_x_err_asymmetric(points.iter().map(|p| arms(p.x, p.x_range)));
+    }
+    if points.iter().any(|p| p.y_range.is_some()) {
+        scatter = scatter.with_y_err_asymmetric(points.iter().map(|p| arms(p.y, p.y_range)));
+    }
+    if points.iter().any(|p| !p.label.is_empty()) {
+        scatter = scatter.with_labels(points.iter().map(|p| p.label.clone())).with_repel_labels();
+    }
+    scatter
+}
+
+/// `0.001`, `0.5`, `20`, `1e6`: as short as it goes.
+fn plain(v: f64) -> String {
+    let decades = v.abs().max(f64::MIN_POSITIVE).log10();
+    if v != 0.0 && !(-4.0..5.0).contains(&decades) {
+        format!("{v:.0e}")
+    } else {
+        format!("{}", (v * 1e6).round() / 1e6)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn figure() -> Figure {
+        let label = "best & <b>".to_owned();
+        let points = vec![
+            Point { x_range: Some([5.0, 20.0]), label, ..Point::at(10.0, 0.01) },
+            Point::at(0.0, 1.0),
+            Point::at(f64::NAN, 1.0),
+            Point::at(1000.0, 0.001),
+        ];
+        let line = Series { style: Style::Dashed(1.0), ..Series::line("front", "#000000", points.clone()) };
+        Figure::new("T <i>", "ms", "RMSE")
+            .log(true, true)
+            .with(Series::points("pcf", "#3b82e0", Marker::Star, points))
+            .with(line)
+            .with(Series::line("nothing", "#000000", Vec::new()))
+    }
+
+    #[test]
+    fn svg_is_whole_and_escapes_names() {
+        let svg = figure().svg();
+        assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"));
+        assert!(svg.contains("RMSE") && svg.contains("pcf") && !svg.contains("<b>") && !svg.contains("<i>"));
+        assert!(!svg.contains("NaN") && !svg.contains("inf"), "what no axis can show is left out");
+        assert!(!svg.contains("href"), "it asks for nothing from elsewhere");
+        assert_eq!(svg, figure().svg(), "the same each time");
+    }
+
+    #[test]
+    fn png_is_a_picture_of_twice_the_size() {
+        let png = figure().png().expect("rendered");
+        let picture = image::load_from_memory(&png).expect("a picture").to_rgb8();
+        assert!(picture.width() > 1500 && picture.height() > 900, "{:?}", picture.dimensions());
+        let blue = picture.pixels().filter(|p| p.0[2] > 180 && p.0[0] < 120).count();
+        assert!(blue > 50, "the markers are there: {blue} pixels");
+    }
+
+    #[test]
+    fn an_empty_figure_is_no_panic() {
+        assert!(Figure::new("", "", "").svg().starts_with("<svg"));
+        assert!(Figure::new("", "", "").log(true, true).png().is_ok());
+    }
+
+    #[test]
+    fn ticks_are_short() {
+        assert_eq!([0.001, 0.5, 20.0, 1e6, 0.0].map(plain), ["0.001", "0.5", "20", "1e6", "0"]);
+    }
+}

@@ -1,0 +1,130 @@
+//! From scenes on disk to the report of all: the same for one run, for one that was stopped and went on, and for shards.
+
+use super::{
+    chart,
+    files::Folder,
+    lines,
+    page::{self, Charts, ImageStore, RowPictures, ScenePage},
+    still,
+    store::Stored,
+    to_csv,
+};
+use crate::{
+    LabError,
+    compare::{Clock, Comparison, Environment, Relative, SCHEMA, relative},
+};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+
+/// Writes everything but the scenes' own folders, which lie in `path`.
+pub(super) fn write(path: &Path, folder: &Folder, scenes: &[Stored]) -> Result<(Comparison, PathBuf), LabError> {
+    let comparison = comparison(scenes);
+    let broken = |what: &str, e: &dyn std::fmt::Display| LabError::Write {
+        path: path.join(what),
+        source: std::io::Error::other(e.to_string()),
+    };
+    let csv = to_csv(&lines(&comparison)).map_err(|e| broken("rows.csv", &e))?;
+    let json = serde_json::to_vec_pretty(&comparison).map_err(|e| broken("results.json", &e))?;
+    let all = relative(&comparison);
+    let mut images = ImageStore::default();
+    let pages = scenes.iter().enumerate().map(|(i, s)| scene_page(path, i, s, &mut images)).collect::<Vec<_>>();
+    let overall = charts(|clock| chart::relative_dots(&all, clock));
+    let page = page::html(&comparison, &pages, &overall, &images).map_err(|e| broken("index.html", &e))?;
+    folder.write("rows.csv", &csv)?;
+    folder.write("overall.csv", &overall_csv(&all).map_err(|e| broken("overall.csv", &e))?)?;
+    folder.write("results.json", &json)?;
+    for (name, clock) in [("time", Clock::Wall), ("cost", Clock::Cost)] {
+        let dots = chart::relative_dots(&all, clock);
+        if !dots.is_empty() {
+            let figure = still::figure(&dots, &still::of_all(all.iter().map(|r| r.scenes).max().unwrap_or(0), clock));
+            folder.write(&format!("chart-{name}.svg"), figure.svg().as_bytes())?;
+            folder.write(&format!("chart-{name}.png"), &figure.png()?)?;
+        }
+    }
+    folder.write("index.html", page.as_bytes())?;
+    Ok((comparison, path.join("index.html")))
+}
+
+/// The scenes together, in their order, with what is common to them.
+fn comparison(scenes: &[Stored]) -> Comparison {
+    let mut notices: Vec<String> = Vec::new();
+    for notice in scenes.iter().flat_map(|s| &s.notices) {
+        if !notices.contains(notice) {
+            notices.push(notice.clone());
+        }
+    }
+    let environment = common(&scenes.iter().map(|s| &s.environment).collect::<Vec<_>>());
+    Comparison { schema: SCHEMA, environment, notices, scenes: scenes.iter().map(|s| s.result.clone()).collect() }
+}
+
+/// The earliest date; of everything else what was met, joined where it differs.
+fn common(all: &[&Environment]) -> Environment {
+    let Some(first) = all.first() else { return Environment::default() };
+    let joined = |of: fn(&Environment) -> Option<&str>| {
+        let mut met: Vec<&str> = Vec::new();
+        all.iter().filter_map(|e| of(e)).for_each(|v| {
+            if !met.contains(&v) {
+                met.push(v)
+            }
+        });
+        (!met.is_empty()).then(|| met.join("; "))
+    };
+    Environment {
+        version: joined(|e| Some(&e.version)).unwrap_or_default(),
+        commit: joined(|e| e.commit.as_deref()),
+        date: all.iter().filter_map(|e| e.date.clone()).min(),
+        cpu: joined(|e| Some(&e.cpu)).unwrap_or_default(),
+        threads: all.iter().map(|e| e.threads).min().unwrap_or_default(),
+        system: joined(|e| Some(&e.system)).unwrap_or_default(),
+        adapter: joined(|e| e.adapter.as_deref()),
+        backends: first.backends.clone(),
+    }
+}
+
+/// A scene's part of the page, its pictures read back from its folder.
+fn scene_page(path: &Path, index: usize, scene: &Stored, images: &mut ImageStore) -> ScenePage {
+    let folder = path.join(scene.name());
+    let result = &scene.result;
+    let mut add = |name: String| fs::read(folder.join(name)).ok().map(|png| images.add(&png));
+    let truth = add("truth.png".to_owned());
+    let mut row = |stem: String| {
+        let (mask, error) = (add(format!("{stem}.png"))?, add(format!("{stem}.error.png"))?);
+        Some(RowPictures { mask, error, color: add(format!("{stem}.color.png")) })
+    };
+    let rows = result.rows.iter().map(|r| row(r.stem())).collect();
+    ScenePage { index, truth, rows, charts: charts(|clock| chart::dots(result, clock)) }
+}
+
+fn charts(dots: impl Fn(Clock) -> Vec<chart::Dot>) -> Charts {
+    let chart = |clock| {
+        let dots = dots(clock);
+        (!dots.is_empty()).then(|| page::Chart { front: chart::front(&dots), traces: chart::traces(&dots) })
+    };
+    Charts { time: chart(Clock::Wall), cost: chart(Clock::Cost) }
+}
+
+fn overall_csv(all: &[Relative]) -> Result<Vec<u8>, csv::Error> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    writer.write_record([
+        "technique",
+        "settings",
+        "backend",
+        "error",
+        "time",
+        "time_least",
+        "time_greatest",
+        "cost",
+        "served",
+        "scenes",
+    ])?;
+    for r in all {
+        let time =
+            |of: fn(&crate::compare::Spread) -> f64| r.time.as_ref().map_or(String::new(), |t| of(t).to_string());
+        let figures = [r.error.to_string(), time(|t| t.median), time(|t| t.least), time(|t| t.greatest)];
+        let counts = [r.cost.to_string(), r.served.to_string(), r.scenes.to_string()];
+        writer.write_record([&r.technique, &r.settings, &r.backend].into_iter().chain(&figures).chain(&counts))?;
+    }
+    writer.into_inner().map_err(|e| e.into_error().into())
+}

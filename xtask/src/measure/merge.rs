@@ -1,0 +1,13 @@
+//! `merge`: shards in, one report out.
+
+use crate::cli::MergeOptions;
+use anyhow::Result;
+use umbrage_lab::report::merge as join;
+
+/// Joins, and fails if any shard had faults.
+pub(super) fn merge(options: &MergeOptions) -> Result<()> {
+    let (comparison, page) = join(&options.folders, &options.out)?;
+    println!("{} scenes of {} folders", comparison.scenes.len(), options.folders.len());
+    println!("report: {}", page.display());
+    super::compare::verdict(&comparison)
+}
