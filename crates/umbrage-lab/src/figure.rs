@@ -176,7 +176,10 @@ impl Figure {
     /// As a picture that is sharp at any size, complete in itself.
     pub fn svg(&self) -> String {
         let (plots, layout) = self.plots();
-        kuva::render_to_svg(plots, layout)
+        let svg = kuva::render_to_svg(plots, layout);
+        // Without a view box it would be cropped, not scaled, where a page shows it at another size.
+        let [width, height] = self.size;
+        unnumbered(&svg).replacen("<svg ", &format!("<svg viewBox=\"0 0 {width} {height}\" "), 1)
     }
 
     /// As a picture of pixels.
@@ -191,6 +194,13 @@ impl Figure {
 
     fn plots(&self) -> (Vec<Plot>, Layout) {
         let mut plots: Vec<Plot> = self.series.iter().filter_map(|s| self.plot(s)).collect();
+        if plots.is_empty() {
+            // The renderer needs something to lay its axes out for.
+            let corners = vec![Point::at(1.0, 1.0), Point::at(10.0, 10.0)];
+            let unseen = Style::Points(Marker::Circle, 0.1, 1.0);
+            plots
+                .extend(self.plot(&Series { style: unseen, ..Series::points("", "#ffffff", Marker::Circle, corners) }));
+        }
         // A marker too small to see carries the text.
         let notes = Series {
             style: Style::Points(Marker::Circle, 0.1, 1.0),
@@ -272,6 +282,14 @@ fn annotated(mut scatter: ScatterPlot, points: &[&Point]) -> ScatterPlot {
     scatter
 }
 
+/// The renderer numbers its clips through the whole run of the program; a chart must not tell how many came before it.
+fn unnumbered(svg: &str) -> String {
+    let mark = "kuva-clip-";
+    let mut parts = svg.split(mark);
+    let first = parts.next().unwrap_or_default().to_owned();
+    parts.fold(first, |out, part| out + "clip" + part.trim_start_matches(|c: char| c.is_ascii_digit()))
+}
+
 /// `0.001`, `0.5`, `20`, `1e6`: as short as it goes.
 fn plain(v: f64) -> String {
     let decades = v.abs().max(f64::MIN_POSITIVE).log10();
@@ -322,9 +340,15 @@ mod tests {
     }
 
     #[test]
-    fn an_empty_figure_is_no_panic() {
-        assert!(Figure::new("", "", "").svg().starts_with("<svg"));
-        assert!(Figure::new("", "", "").log(true, true).png().is_ok());
+    fn degenerate_figures_are_no_panic() {
+        let same = Point::at(3.0, 3.0);
+        for points in [vec![], vec![same.clone()], vec![same.clone(); 3], vec![same, Point::at(3.0, 1e9)]] {
+            for log in [false, true] {
+                let series = Series::points("s", "#3b82e0", Marker::Cross, points.clone());
+                let figure = Figure::new("", "", "").log(log, log).with(series);
+                assert!(figure.svg().starts_with("<svg") && figure.png().is_ok(), "{points:?}");
+            }
+        }
     }
 
     #[test]

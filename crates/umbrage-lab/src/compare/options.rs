@@ -23,6 +23,8 @@ pub struct Options {
     pub techniques: Vec<String>,
     /// Sides of the shadow maps, texels.
     pub map_sizes: Vec<u32>,
+    /// At most so many settings a technique; none: all of them.
+    pub most_settings: Option<usize>,
     /// Image size in place of the cameras' own, pixels; the vertical field of view stays.
     pub size: Option<UVec2>,
     /// How truth is traced.
@@ -70,6 +72,7 @@ impl Default for Options {
         Self {
             techniques: Vec::new(),
             map_sizes: vec![512, 1024, 2048],
+            most_settings: None,
             size: None,
             truth: TruthOptions::default(),
             runs: Some(Runs::default()),
@@ -79,10 +82,11 @@ impl Default for Options {
 }
 
 impl Options {
-    /// For a first look: small images, one map size, few samples, few runs.
+    /// For a first look: small images, one map size, few settings, few samples, few runs.
     pub fn quick() -> Self {
         Self {
             map_sizes: vec![512],
+            most_settings: Some(3),
             size: Some(UVec2::new(160, 120)),
             truth: TruthOptions { samples: 64, probe_samples: 16, ..TruthOptions::default() },
             runs: Some(Runs::exactly(3)),
@@ -105,7 +109,9 @@ impl Options {
             return Err(Invalid::new("map sizes", "are missing", "give at least one, such as 1024").into());
         }
         let wanted = |name: &str| self.techniques.is_empty() || self.techniques.iter().any(|n| n == name);
-        Ok(all.iter().filter(|e| wanted(e.name)).flat_map(|e| (e.settings)(&self.map_sizes, fit)).collect())
+        let most = self.most_settings.unwrap_or(usize::MAX);
+        let settings = |e: &umbrage_techniques::Entry| (e.settings)(&self.map_sizes, fit).into_iter().take(most);
+        Ok(all.iter().filter(|e| wanted(e.name)).flat_map(settings).collect())
     }
 
     /// A scene's camera at the size wanted.

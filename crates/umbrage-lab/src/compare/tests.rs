@@ -10,6 +10,7 @@ fn quick(techniques: &[&str]) -> Options {
         color: false,
         techniques: techniques.iter().map(|t| (*t).to_owned()).collect(),
         map_sizes: vec![256],
+        most_settings: None,
         size: Some(UVec2::new(96, 64)),
         truth: TruthOptions { samples: 16, probe_samples: 8, ..TruthOptions::default() },
         runs: Some(Runs::exactly(2)),
