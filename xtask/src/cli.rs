@@ -16,10 +16,10 @@ use std::path::PathBuf;
 #[derive(Debug, Parser)]
 #[command(name = "cargo xtask", bin_name = "cargo xtask", disable_help_subcommand = true)]
 #[command(after_help = "Examples:
-  cargo xtask compare                       every built-in scene, technique and backend: table and report
-  cargo xtask plan cubes --max-error 0.05   the least that a scene needs
-  cargo xtask test --install-driver         all tests, on a software driver if need be
-  cargo xtask ci                            all that a change has to pass")]
+  cargo xtask compare                 every built-in scene, technique and backend: table and report
+  cargo xtask plan cubes --max-ms 2   the best shadows for that scene within two milliseconds
+  cargo xtask test --install-driver   all tests, on a software driver if need be
+  cargo xtask ci                      all that a change has to pass")]
 pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Command,

@@ -6,11 +6,11 @@ use std::path::PathBuf;
 
 #[derive(Args, Clone, Debug, PartialEq)]
 #[command(after_help = "Examples:
-  cargo xtask plan cubes --max-error 0.05              the cheapest within an error (RMSE of visibility)
-  cargo xtask plan lamp.toml --max-ms 2                the most accurate within a time
+  cargo xtask plan cubes --max-error 0.05             the cheapest within an error
+  cargo xtask plan lamp.toml --max-ms 2               the most accurate within a time
   cargo xtask plan model.obj --max-error 0.05 --max-bytes 4194304 --backend wgpu
-  cargo xtask plan --regret                            is it right? against exhaustive sweeps of the suite
-  cargo xtask plan --regret cubes --errors 0.05,0.1    the same, one scene and two bounds")]
+  cargo xtask plan --regret                           are plans right? against sweeps of the suite
+  cargo xtask plan --regret cubes --errors 0.05,0.1   the same: one scene, two bounds")]
 pub(crate) struct PlanOptions {
     /// Built-in scene by name, scene file (.toml) or model (.obj); with --regret any number, none: the suite
     #[arg(value_name = "SCENE", required_unless_present = "regret")]

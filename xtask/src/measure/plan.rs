@@ -105,6 +105,16 @@ fn table(settings: &[Setting]) -> Table {
     table
 }
 
+/// Acne falls with the bias, the gap grows: a line an amount.
+fn curve(plan: &Plan) -> String {
+    let line = |p: &umbrage_lab::plan::CurvePoint| {
+        let e = &p.estimate;
+        format!("{},{},{},{},{},{}\n", p.kind.name(), p.texels, e.too_dark, e.too_light, e.error, p.chosen)
+    };
+    let lines: String = plan.curve.iter().map(line).collect();
+    format!("kind,texels,too dark,too light,error,chosen\n{lines}")
+}
+
 /// The preset, the whole plan, and the curve that proves its bias.
 fn write(plan: &Plan, folder: &std::path::Path) -> Result<Vec<(&'static str, PathBuf)>> {
     let at = |extension: &str| folder.join(format!("{}.{extension}", planning::file_stem(&plan.scene)));
@@ -112,6 +122,9 @@ fn write(plan: &Plan, folder: &std::path::Path) -> Result<Vec<(&'static str, Pat
     let mut files = vec![("plan", at("json"), serde_json::to_string_pretty(plan)?)];
     if let Some(chosen) = &plan.chosen {
         files.insert(0, ("preset", at("toml"), chosen.preset.to_toml()?));
+    }
+    if !plan.curve.is_empty() {
+        files.push(("bias curve", folder.join(format!("{}-bias.csv", planning::file_stem(&plan.scene))), curve(plan)));
     }
     let mut written = Vec::new();
     for (what, path, text) in files {

@@ -1,6 +1,6 @@
 //! Whether plans are right: against an exhaustive sweep of the same candidates over the whole image.
 
-use super::{Bounds, OnStep, Options, Planner, Setting, Step, bias::scales, families::families, look::Price};
+use super::{Bounds, OnStep, Options, Planner, Setting, Step, bias::scales, families::families};
 use crate::LabError;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
@@ -119,41 +119,32 @@ impl<'a> Sweep<'a> {
         Ok(Errors::measure(self.planner.trial.look.camera.size, &mask, &self.truth, &self.pixels)?.rmse)
     }
 
-    /// Every candidate with every size and bias, by rising cost.
-    fn candidates(&mut self) -> Result<Vec<(Price, Preset)>, LabError> {
-        let mut out = Vec::new();
+    /// Every candidate with every size and bias, by rising cost, which no bias changes but by a rounding of the map's fit.
+    fn candidates(&mut self) -> Result<Vec<Preset>, LabError> {
+        let mut rungs: Vec<(f64, Vec<Preset>)> = Vec::new();
         for family in families(self.planner.trial.look.light, false) {
             for size in 0..family.rungs.len() {
-                for scale in scales(&family.preset()) {
-                    for &texels in &scale.texels {
-                        let preset = family.at(size, scale.kind, texels);
-                        out.extend(self.planner.trial.price(&preset)?.map(|price| (price, preset)));
-                    }
-                }
+                let scales = scales(&family.preset());
+                let amounts = scales.iter().flat_map(|s| s.texels.iter().map(|&texels| (s.kind, texels)));
+                let presets: Vec<Preset> = amounts.map(|(kind, texels)| family.at(size, kind, texels)).collect();
+                let Some(price) = self.planner.trial.price(&presets[0])? else { continue };
+                rungs.push((price.milliseconds, presets));
             }
         }
-        out.sort_by(|a, b| a.0.milliseconds.total_cmp(&b.0.milliseconds));
-        Ok(out)
-    }
-
-    /// Whether the sample alone says that a setting meets none of the bounds that are still open: it lies above them by more
-    /// than [`FAR`] times what one in twenty estimates errs by. Spares most of the work.
-    fn is_hopeless(&mut self, preset: &Preset, regrets: &[Regret]) -> Result<bool, LabError> {
-        let Some(setting) = self.planner.trial.play(preset)? else { return Ok(true) };
-        let (error, high) = (setting.estimate.error, setting.estimate.high);
-        let least_square = error.powi(2) - FAR * (high.powi(2) - error.powi(2));
-        let open = regrets.iter().filter(|r| r.cheapest.is_none()).map(|r| r.bound);
-        Ok(least_square > open.fold(0.0, f64::max).powi(2))
+        rungs.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Ok(rungs.into_iter().flat_map(|(_, presets)| presets).collect())
     }
 
     fn run(&mut self, regrets: &mut [Regret]) -> Result<(), LabError> {
-        for (price, preset) in self.candidates()? {
+        for preset in self.candidates()? {
             if regrets.iter().all(|r| r.cheapest.is_some()) {
                 break;
             }
-            if self.is_hopeless(&preset, regrets)? {
+            let Some(setting) = self.planner.trial.play(&preset)? else { continue };
+            if is_hopeless(&setting, regrets) {
                 continue;
             }
+            let milliseconds = setting.milliseconds;
             let technique = preset.technique();
             (self.planner.on_step)(Step::Trying(technique.name(), self.planner.trial.played()));
             let error = match self.error(&preset) {
@@ -164,9 +155,18 @@ impl<'a> Sweep<'a> {
             };
             for regret in regrets.iter_mut().filter(|r| r.cheapest.is_none() && error <= r.bound) {
                 regret.cheapest = Some(format!("{} ({})", technique.name(), technique.settings()));
-                regret.least_milliseconds = price.milliseconds;
+                regret.least_milliseconds = milliseconds;
             }
         }
         Ok(())
     }
+}
+
+/// Whether the sample alone says that a setting meets none of the bounds that are still open: it lies above them by more
+/// than [`FAR`] times what one in twenty estimates errs by. Spares most of the work.
+fn is_hopeless(setting: &Setting, regrets: &[Regret]) -> bool {
+    let (error, high) = (setting.estimate.error, setting.estimate.high);
+    let least_square = error.powi(2) - FAR * (high.powi(2) - error.powi(2));
+    let open = regrets.iter().filter(|r| r.cheapest.is_none()).map(|r| r.bound);
+    least_square > open.fold(0.0, f64::max).powi(2)
 }

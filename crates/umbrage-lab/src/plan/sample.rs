@@ -27,10 +27,13 @@ impl Sample {
         // Where in its interval of length one every draw falls.
         let mut sum = f64::from(hash(seed)) / f64::from(u32::MAX);
         for i in along_curve(size) {
+            if density[i as usize] <= 0.0 {
+                continue;
+            }
             let chance = (density[i as usize] * scale).min(1.0);
             let before = sum.floor();
             sum += chance;
-            if sum.floor() > before && chance > 0.0 {
+            if sum.floor() > before {
                 out.pixels.push(i);
                 out.chances.push(chance);
             }
