@@ -18,8 +18,14 @@ fn row(technique: &str, backend: &str, rmse: f64, median: f64) -> Row {
     let total = Spread { median, least: median, greatest: median, runs: 1 };
     let times = Times { receive: Some(total), total, ..Times::default() };
     let errors = Errors { rmse, counted: 12, ..Errors::default() };
-    let outcome =
-        Outcome::Measured(Box::new(Measured { errors, times, bytes: 100, agreement: None, color_differing: None }));
+    let outcome = Outcome::Measured(Box::new(Measured {
+        errors,
+        causes: umbrage_core::metrics::Causes::default(),
+        times,
+        bytes: 100,
+        agreement: None,
+        color_differing: None,
+    }));
     let (technique, settings) = (technique.to_owned(), NASTY.to_owned());
     Row { slug: slug(&technique), technique, settings, backend: backend.to_owned(), outcome }
 }
