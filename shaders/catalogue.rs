@@ -41,6 +41,7 @@ const fn entry(
 
 #[rustfmt::skip]
 const ALL: &[Entry] = &[
+    entry("none", "no shadows: for scenes in which nothing casts onto what is seen", settings::none, settings::all_none),
     entry("hard", "one comparison with one texel (Williams 1978)", settings::hard, settings::all_hard),
     entry("second_depth", "comparisons with the far sides of closed casters, no bias (Wang, Molnar 1994)", settings::second_depth, settings::all_second_depth),
     entry("midpoint", "comparisons with the middle of the nearest two surfaces (Woo 1992)", settings::midpoint, settings::all_midpoint),

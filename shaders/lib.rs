@@ -29,6 +29,7 @@ mod planar;
 mod planar_flatten;
 mod planar_matrix;
 mod planar_planes;
+mod preset;
 mod sampled;
 pub mod sampling;
 mod seams;
@@ -41,6 +42,7 @@ mod surface;
 mod surface_tables;
 mod texture;
 mod traced;
+mod unshadowed;
 mod volumes;
 
 pub use bias::Bias;
@@ -58,10 +60,12 @@ pub use pcf_merged::{MergedKernel, MergedUniforms, PcfMerged};
 pub use pcss::{Pcss, PcssKernel, PcssUniforms};
 pub use planar::{MAX_PLANES, Planar, PlanarKernel, PlanarUniforms};
 pub use planar_matrix::planar_shadow_matrix;
+pub use preset::Preset;
 pub use sampled::WEIGHT_ERROR;
 pub use second_depth::SecondDepth;
 pub use shadow_map::{BeyondFar, Border, MapFormat, ShadowMap, Surface};
 pub use traced::{MAX_SAMPLES, Traced, TracedKernel, TracedUniforms};
+pub use unshadowed::{Unshadowed, UnshadowedKernel, UnshadowedUniforms};
 pub use volumes::{ShadowVolumes, VolumesKernel, VolumesUniforms};
 
 use umbrage_core::Twin;

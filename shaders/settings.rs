@@ -2,7 +2,7 @@
 
 use crate::{
     BeyondFar, Bias, Border, Hard, MapFormat, Midpoint, Pattern, Pcf, PcfDisc, PcfDithered, PcfHardware, PcfMerged,
-    Pcss, Planar, SecondDepth, ShadowMap, ShadowVolumes, Surface, Traced, catalogue::Settings,
+    Pcss, Planar, SecondDepth, ShadowMap, ShadowVolumes, Surface, Traced, Unshadowed, catalogue::Settings,
 };
 use std::sync::Arc;
 use umbrage_core::{Fit, Layout, ShadowTechnique};
@@ -26,6 +26,14 @@ fn wide_biases(reach: f32) -> [Bias; 4] {
 /// Two of them, for kernels whose neighbours in the list show the others.
 fn two_biases(reach: f32) -> [Bias; 2] {
     [Bias::polygon_offset(reach), Bias::RECEIVER_PLANE]
+}
+
+pub(crate) fn none(_: &[u32], _: Fit) -> Settings {
+    vec![Arc::new(Unshadowed::default())]
+}
+
+pub(crate) fn all_none(_: u32) -> Settings {
+    vec![Arc::new(Unshadowed::default())]
 }
 
 pub(crate) fn hard(sizes: &[u32], fit: Fit) -> Settings {

@@ -111,9 +111,9 @@ impl Default for ShadowMap {
 impl ShadowMap {
     /// A few words for tables.
     pub fn label(&self) -> String {
-        let mut words = vec![self.size.to_string()];
+        let mut words = vec![self.size.to_string(), self.fit.label()];
+        words.retain(|word| !word.is_empty());
         let others = [
-            (self.fit != Fit::Tight, "manual fit"),
             (self.layout == Layout::Single, "one map"),
             (self.layout == Layout::Cube, "cube"),
             (self.surface == Surface::Midpoint, "midpoint"),

@@ -213,7 +213,8 @@ fn fits() -> impl Strategy<Value = Fit> {
         let extents = Extents { left: -half, right: half, bottom: -half, top: half, near, far: near + depth };
         Fit::Manual { eye: eye + Vec3::Y * 4.0, extents }
     });
-    prop_oneof![4 => Just(Fit::Tight), 1 => manual]
+    let stable = (1.0..20.0_f32).prop_map(|range| Fit::Stable { range });
+    prop_oneof![4 => Just(Fit::Tight), 1 => Just(Fit::Whole), 1 => stable, 1 => manual]
 }
 
 /// The presets, and mixtures of everything.

@@ -106,6 +106,22 @@ fn fitted() {
     insta::assert_snapshot!("fitted_far_away", suite(1.0, FAR_AWAY));
 }
 
+/// Seen from the camera up to 20 m, and from one that is moved with the scene: parallel light gets matrices of their own,
+/// lamps those of the whole scene.
+#[test]
+fn stable() {
+    let suite = |offset: Vec3| -> String {
+        let geometry = geometry(1.0, offset);
+        let mut camera = camera();
+        camera.world_from_view.translation += glam::Vec3A::from(offset);
+        let fitted =
+            |light: &Light| Fit::Stable { range: 20.0 }.light_space(&View::new(&camera, light, &geometry), 1024, 1.0);
+        lights(1.0, offset).iter().map(|(name, light)| print(name, &fitted(light))).collect()
+    };
+    insta::assert_snapshot!("stable_at_the_origin", suite(Vec3::ZERO));
+    insta::assert_snapshot!("stable_far_away", suite(FAR_AWAY));
+}
+
 /// The six spaces of a cube, for a kernel that reaches 3 texels.
 #[test]
 fn cube() {
@@ -153,6 +169,8 @@ fn bad_projections_say_what_to_mend() {
     .into_iter()
     .map(|(name, extents)| print(name, &fit(Fit::Manual { eye: Vec3::ZERO, extents }, &light, &geometry)))
     .collect();
+    let nowhere = fit(Fit::Stable { range: 0.0 }, &light, &geometry);
+    let out = out + &print("seen up to nowhere", &nowhere);
     insta::assert_snapshot!(out);
 }
 

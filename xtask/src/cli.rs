@@ -1,7 +1,9 @@
 //! What can be typed.
 
+mod plan;
 mod stability;
 
+pub(crate) use plan::{PlanBackend, PlanOptions};
 pub(crate) use stability::StabilityOptions;
 
 use clap::{Args, Parser, Subcommand};
@@ -11,9 +13,10 @@ use std::path::PathBuf;
 #[derive(Debug, Parser)]
 #[command(name = "cargo xtask", bin_name = "cargo xtask", disable_help_subcommand = true)]
 #[command(after_help = "Examples:
-  cargo xtask compare                 every built-in scene, technique and backend: table and report
-  cargo xtask test --install-driver   all tests, on a software driver if need be
-  cargo xtask ci                      all that a change has to pass")]
+  cargo xtask compare                       every built-in scene, technique and backend: table and report
+  cargo xtask plan cubes --max-error 0.05   the least that a scene needs
+  cargo xtask test --install-driver         all tests, on a software driver if need be
+  cargo xtask ci                            all that a change has to pass")]
 pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Command,
@@ -25,6 +28,8 @@ pub(crate) enum Command {
     Compare(CompareOptions),
     /// Play the catalogue of failures: where each technique passes, degrades or fails
     Stability(StabilityOptions),
+    /// Find the least that a scene needs: the cheapest technique and setting within an error, time or memory
+    Plan(PlanOptions),
     /// Run all tests, with a graphics adapter
     Test(TestOptions),
     /// Time the CPU backend, the wgpu backend and ray tracing against their yardsticks
@@ -195,7 +200,7 @@ mod tests {
     /// What wrong usage says.
     #[test]
     fn usage_errors() {
-        let wrong: [&[&str]; 9] = [
+        let wrong: [&[&str]; 13] = [
             &[],
             &["compere"],
             &["compare", "--size", "640"],
@@ -203,6 +208,10 @@ mod tests {
             &["compare", "--map-sizes", "512,0"],
             &["compare", "--backend", "cuda"],
             &["compare", "--runs", "0"],
+            &["plan"],
+            &["plan", "cubes", "--max-error", "nan"],
+            &["plan", "cubes", "--max-ms", "-1"],
+            &["plan", "--regret", "--max-error", "0.1"],
             &["bless", "--all", "cubes.pcf"],
             &["ci", "--after-tests", "--install-driver"],
         ];

@@ -1,6 +1,6 @@
 //! A scene's triangles in world space: the one list that truth and every backend share.
 
-use crate::{Aabb, Bvh, Instance, Invalid, Mesh, Scene, relief};
+use crate::{Aabb, Bvh, Instance, Invalid, Mesh, Scene, blocks::Blocks, relief};
 use glam::{Mat3, Vec2, Vec3, Vec4};
 use std::{
     ops::Range,
@@ -24,6 +24,7 @@ pub struct Geometry {
     fingerprint: u64,
     bvh: OnceLock<Arc<Bvh>>,
     bvh_tables: OnceLock<[Rows; 2]>,
+    blocks: OnceLock<Arc<Blocks>>,
 }
 
 /// Rows of four words, as shaders' tables hold them.
@@ -212,6 +213,11 @@ impl Geometry {
     /// The hierarchy over the casters, built on first use (the one costly step of ray tracing).
     pub fn bvh(&self) -> &Arc<Bvh> {
         self.bvh.get_or_init(|| Arc::new(Bvh::build(self)))
+    }
+
+    /// Boxes around runs of triangles, built on first use.
+    pub(crate) fn blocks(&self) -> &Blocks {
+        self.blocks.get_or_init(|| Arc::new(Blocks::new(self)))
     }
 
     /// [`Bvh::node_rows`] and [`Bvh::triangle_rows`], made on first use and shared from then on.

@@ -7,7 +7,7 @@ use glam::{Mat4, Vec3};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Layout {
-    /// One space where one can hold all casters, else a cube.
+    /// One space where one can hold all that matters with texels no larger than a cube's, or all casters; else a cube.
     #[default]
     Auto,
     /// One space.

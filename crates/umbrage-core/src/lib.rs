@@ -7,11 +7,13 @@
 
 mod aabb;
 mod backend;
+mod blocks;
 pub mod bvh;
 mod camera;
 pub mod depth_range;
 pub mod displacement;
 mod fit;
+pub mod footprint;
 mod geometry;
 mod hit;
 mod image;
@@ -44,7 +46,7 @@ pub use backend::{Backend, BackendError, Shadows, Timings};
 pub use bvh::Bvh;
 pub use camera::{Camera, CameraRays, MAX_SIDE};
 pub use encase;
-pub use fit::Fit;
+pub use fit::{Fit, relevant_casters};
 pub use geometry::{Geometry, NO_MATERIAL};
 pub use glam;
 pub use image::{Format, Image, ImageDesc, ImageView};

@@ -104,6 +104,15 @@ impl Cpu {
         Ok(Shadows { size: view.camera.size, mask, receivers: made, picture, images, timings, bytes })
     }
 
+    /// Plays all that comes before the lookup.
+    pub(crate) fn draw(&mut self, view: &View<'_>, recipe: &Recipe) -> Result<(), BackendError> {
+        check(view, recipe)?;
+        stages::prepare_images(&mut self.images, recipe);
+        self.cast_all(view.geometry, recipe);
+        stages::filter_all(&mut self.images, recipe, self.simd);
+        Ok(())
+    }
+
     fn cast_all(&mut self, geometry: Option<&Geometry>, recipe: &Recipe) {
         let nothing = Geometry::default();
         for index in 0..recipe.casts.len() {

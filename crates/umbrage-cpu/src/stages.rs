@@ -119,6 +119,6 @@ fn shade_row(shade: &Shade, receivers: &Receivers, first: usize, mask: &[f32], o
     }
 }
 
-fn views<'a>(images: &'a [Image], ids: &[ImageId]) -> Vec<ImageView<'a>> {
+pub(crate) fn views<'a>(images: &'a [Image], ids: &[ImageId]) -> Vec<ImageView<'a>> {
     ids.iter().map(|&i| images[i].view()).collect()
 }

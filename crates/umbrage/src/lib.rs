@@ -6,6 +6,8 @@
 //! * by type: `umbrage::cpu::Cpu` or `umbrage::wgpu::Gpu`, both [`Backend`]s, in functions generic over it;
 //! * at compile time: the features `cpu` and `wgpu`, both on by default.
 //!
+//! With the feature `plan`, `umbrage::auto` finds the least technique that a scene needs, by measurement.
+//!
 //! Programs with a device and an encoder of their own use `umbrage::wgpu::ShadowRenderer`.
 #![cfg_attr(feature = "cpu", doc = "```")]
 #![cfg_attr(not(feature = "cpu"), doc = "```ignore")]
@@ -20,8 +22,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+#[cfg(feature = "plan")]
+mod auto;
 mod choice;
 
+#[cfg(feature = "plan")]
+pub use auto::{AutoError, Budget, auto};
 pub use choice::{Choice, backend};
 pub use umbrage_core::*;
 pub use umbrage_scenes as scenes;
@@ -29,5 +35,7 @@ pub use umbrage_techniques as techniques;
 
 #[cfg(feature = "cpu")]
 pub use umbrage_cpu as cpu;
+#[cfg(feature = "plan")]
+pub use umbrage_lab::plan;
 #[cfg(feature = "wgpu")]
 pub use umbrage_wgpu as wgpu;

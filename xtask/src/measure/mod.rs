@@ -10,7 +10,13 @@ mod costs;
 #[cfg(feature = "measure")]
 mod list;
 #[cfg(feature = "measure")]
+mod plan;
+#[cfg(feature = "measure")]
+mod planning;
+#[cfg(feature = "measure")]
 mod progress;
+#[cfg(feature = "measure")]
+mod regret;
 #[cfg(feature = "measure")]
 mod stability;
 #[cfg(feature = "measure")]
@@ -27,6 +33,8 @@ pub(crate) fn dispatch(command: &Command) -> Result<()> {
         Command::Compare(options) => compare::compare(options),
         Command::Stability(options) => stability::stability(options),
         Command::Bench(options) if options.costs => costs::costs(options),
+        Command::Plan(options) if options.regret => regret::regret(options),
+        Command::Plan(options) => plan::plan(options),
         Command::Bench(options) => bench::bench(options),
         _ => Ok(()),
     }

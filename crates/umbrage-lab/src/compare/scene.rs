@@ -206,7 +206,9 @@ impl SceneRun<'_> {
             return Ok(self.unsupported("this adapter cannot time its passes"));
         }
         self.check_receivers(&shadows, player.kind())?;
-        if self.controls.iter().all(|c| c.backend != player.kind()) {
+        // A recipe that never looks at a caster has none to miss.
+        let looks = !(recipe.casts.is_empty() && recipe.tables.is_empty());
+        if looks && self.controls.iter().all(|c| c.backend != player.kind()) {
             self.controls.push(control::run(player, &*setting.technique, &self.view, self.truth, &shadows)?);
         }
         let truth = self.truth;

@@ -14,10 +14,12 @@ pub use points::{Point, Seen, trace_points};
 
 use crate::LabError;
 use glam::UVec2;
+use points::Asked;
 use std::{
     sync::atomic::{AtomicUsize, Ordering},
     time::{Duration, Instant},
 };
+use tracer::Tracer;
 use umbrage_core::{
     BackendError, Camera, Geometry, Light, Receivers,
     metrics::{Pixel, Reference},
@@ -116,22 +118,14 @@ pub fn trace(
     camera.validate()?;
     let start = Instant::now();
     let receivers = find(camera, geometry)?;
-    let done = AtomicUsize::new(0);
-    let total = receivers.len() * (1 + ambiguity::PROBES);
-    let report = |n: usize| progress(done.fetch_add(n, Ordering::Relaxed) + n, total);
-    let seen = points::trace_receivers(camera, light, geometry, &receivers, options, &report)?;
-    let ambiguous = ambiguity::find(camera, light, geometry, &receivers, options, find, &report)?;
-    let pixel = |i: usize| match (receivers.receives[i], seen[i].unlit, ambiguous[i]) {
-        (false, ..) => Pixel::Empty,
-        (_, true, _) => Pixel::Unlit,
-        (_, _, true) => Pixel::Ambiguous,
-        _ => Pixel::Counted,
-    };
+    let pixels: Vec<u32> = (0..receivers.len() as u32).collect();
+    let asked = Asked { camera, geometry, receivers: &receivers, pixels: &pixels };
+    let (seen, ambiguous) = trace_asked(&asked, light, options, find, progress)?;
     Ok(Truth {
         size: receivers.size,
         visibility: seen.iter().map(|s| s.visibility).collect(),
         error: seen.iter().map(|s| s.error).collect(),
-        pixels: (0..receivers.len()).map(pixel).collect(),
+        pixels: (0..seen.len()).map(|i| class(receivers.receives[i], seen[i], ambiguous[i])).collect(),
         ambiguous,
         blocker: blockers::find(light, geometry, &receivers, &seen),
         contact: blockers::contact(&receivers),
@@ -141,10 +135,71 @@ pub fn trace(
     })
 }
 
+/// What truth says at one pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PixelTruth {
+    /// As [`Truth::visibility`].
+    pub visibility: f32,
+    /// As [`Truth::error`].
+    pub error: f32,
+    /// As [`Truth::pixels`].
+    pub pixel: Pixel,
+}
+
+/// Traces truth at some pixels of what the camera sees (`receivers`): what [`trace`] says there, bit by bit, in the order of
+/// `pixels`, which must lie within the image.
+///
+/// # Errors
+/// When the light is not valid, or receivers of the nudged camera cannot be found.
+pub fn trace_pixels(
+    view: (&Camera, &Light, &Geometry, &Receivers),
+    pixels: &[u32],
+    options: &TruthOptions,
+    find: &mut FindReceivers<'_>,
+    progress: &Progress<'_>,
+) -> Result<Vec<PixelTruth>, LabError> {
+    let (camera, light, geometry, receivers) = view;
+    let asked = Asked { camera, geometry, receivers, pixels };
+    let (seen, ambiguous) = trace_asked(&asked, light, options, find, progress)?;
+    let pixel = |((seen, ambiguous), &i): ((Seen, bool), &u32)| PixelTruth {
+        visibility: seen.visibility,
+        error: seen.error,
+        pixel: class(receivers.receives[i as usize], seen, ambiguous),
+    };
+    Ok(seen.into_iter().zip(ambiguous).zip(pixels).map(pixel).collect())
+}
+
+fn trace_asked(
+    asked: &Asked<'_>,
+    light: &Light,
+    options: &TruthOptions,
+    find: &mut FindReceivers<'_>,
+    progress: &Progress<'_>,
+) -> Result<(Vec<Seen>, Vec<bool>), LabError> {
+    let done = AtomicUsize::new(0);
+    let total = asked.pixels.len() * (1 + ambiguity::PROBES);
+    let report = |n: usize| progress(done.fetch_add(n, Ordering::Relaxed) + n, total);
+    let seen = asked.trace(&Tracer::new(asked.geometry, light, options)?, 1.0, &report);
+    let ambiguous = ambiguity::find(asked, light, options, find, &report)?;
+    Ok((seen, ambiguous))
+}
+
+fn class(receives: bool, seen: Seen, ambiguous: bool) -> Pixel {
+    match (receives, seen.unlit, ambiguous) {
+        (false, ..) => Pixel::Empty,
+        (_, true, _) => Pixel::Unlit,
+        (_, _, true) => Pixel::Ambiguous,
+        _ => Pixel::Counted,
+    }
+}
+
 /// What the receivers' own horizon leaves of the light: truth on the same triangles when none casts (`bare`).
+#[cfg(feature = "report")]
 pub(crate) fn horizon(camera: &Camera, light: &Light, bare: &Geometry, truth: &Truth) -> Result<Vec<f32>, LabError> {
     let options = TruthOptions { samples: 64, penumbra_factor: 1, ..TruthOptions::default() };
-    let seen = points::trace_receivers(camera, light, bare, &truth.receivers, &options, &|_| {})?;
+    let pixels: Vec<u32> = (0..truth.receivers.len() as u32).collect();
+    let asked = Asked { camera, geometry: bare, receivers: &truth.receivers, pixels: &pixels };
+    let seen = asked.trace(&Tracer::new(bare, light, &options)?, 1.0, &|_| {});
     Ok(seen.iter().map(|s| s.visibility).collect())
 }
 

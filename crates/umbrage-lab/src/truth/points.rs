@@ -76,36 +76,32 @@ pub fn trace_points(
     Ok(points.par_iter().map_init(Memory::default, |memory, p| tracer.ask(p, 1.0, memory)).collect())
 }
 
-/// Traces truth at all receivers, a row at a time.
-pub(super) fn trace_receivers(
-    camera: &Camera,
-    light: &Light,
-    geometry: &Geometry,
-    receivers: &Receivers,
-    options: &TruthOptions,
-    report: &(dyn Fn(usize) + Sync),
-) -> Result<Vec<Seen>, Invalid> {
-    let tracer = Tracer::new(geometry, light, options)?;
-    Ok(ask_receivers(&tracer, camera, geometry, receivers, 1.0, report))
+/// What truth is asked about: seen points of an image.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Asked<'a> {
+    pub(super) camera: &'a Camera,
+    pub(super) geometry: &'a Geometry,
+    pub(super) receivers: &'a Receivers,
+    /// Indices of the pixels.
+    pub(super) pixels: &'a [u32],
 }
 
-/// Asks about all receivers; `lift` multiplies the rays' offset.
-pub(super) fn ask_receivers(
-    tracer: &Tracer,
-    camera: &Camera,
-    geometry: &Geometry,
-    receivers: &Receivers,
-    lift: f32,
-    report: &(dyn Fn(usize) + Sync),
-) -> Vec<Seen> {
-    let width = receivers.size.x as usize;
-    let mut out = vec![Seen::NOTHING; receivers.len()];
-    out.par_chunks_mut(width.max(1)).enumerate().for_each(|(y, row)| {
-        let mut memory = Memory::default();
-        for (x, seen) in row.iter_mut().enumerate().filter(|(x, _)| receivers.receives[y * width + x]) {
-            *seen = tracer.ask(&Point::of_pixel(camera, geometry, receivers, y * width + x), lift, &mut memory);
-        }
-        report(width);
-    });
-    out
+/// Pixels that one thread asks about before it reports. Neighbours' rays often meet the same occluder.
+const CHUNK: usize = 256;
+
+impl Asked<'_> {
+    /// Traces truth at the pixels, in their order; `lift` multiplies the rays' offset.
+    pub(super) fn trace(&self, tracer: &Tracer, lift: f32, report: &(dyn Fn(usize) + Sync)) -> Vec<Seen> {
+        let mut out = vec![Seen::NOTHING; self.pixels.len()];
+        out.par_chunks_mut(CHUNK).zip(self.pixels.par_chunks(CHUNK)).for_each(|(out, pixels)| {
+            let mut memory = Memory::default();
+            let asked = out.iter_mut().zip(pixels).filter(|(_, i)| self.receivers.receives[**i as usize]);
+            for (seen, &i) in asked {
+                let point = Point::of_pixel(self.camera, self.geometry, self.receivers, i as usize);
+                *seen = tracer.ask(&point, lift, &mut memory);
+            }
+            report(pixels.len());
+        });
+        out
+    }
 }

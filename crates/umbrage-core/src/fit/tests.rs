@@ -1,0 +1,54 @@
+//! Fits by themselves; snapshots of their matrices are among the suite's.
+
+use super::*;
+use crate::{Camera, Geometry, Instance, Mesh, Scene, math::transform};
+use glam::{Affine3A, UVec2};
+
+/// A floor of 20 m through (0, 0, 0) and a small quad `h` above it.
+fn floor_and_quad(h: f32) -> Geometry {
+    let corner = |x, z| Vec3::new(x, 0.0, z);
+    let corners = vec![corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)];
+    let quad = Mesh::new("quad", corners, vec![[0, 1, 2], [0, 2, 3]]).unwrap();
+    let place = |scale: f32, y: f32| {
+        let up = Affine3A::from_translation(Vec3::Y * y);
+        Instance::new(0, up * Affine3A::from_scale(Vec3::new(scale, 1.0, scale)))
+    };
+    let instances = vec![place(10.0, 0.0), place(0.002, h)];
+    let scene = Scene { name: "test".into(), meshes: vec![quad], instances, ..Scene::default() };
+    Geometry::bake(&scene).unwrap()
+}
+
+fn spot(position: Vec3, direction: Vec3) -> Light {
+    Light::Spot { position, direction, inner: 0.3, outer: 0.6, radius: 0.0 }
+}
+
+fn space(light: &Light, geometry: &Geometry) -> LightSpace {
+    let size = UVec2::splat(8);
+    let camera = Camera::perspective(Vec3::splat(9.0), Vec3::ZERO, Vec3::Y, 1.0, [0.1, 99.0], size).unwrap();
+    Fit::Tight.light_space(&View::new(&camera, light, geometry), 1024, 1.0).unwrap()
+}
+
+/// The floor reaches behind the lamp's plane, but not into its cone above the ground.
+#[test]
+fn a_floor_that_crosses_the_lamps_plane_costs_no_precision() {
+    let light = spot(Vec3::new(0.0, 5.0, 0.0), Vec3::new(0.6, -0.8, 0.0));
+    let m = space(&light, &floor_and_quad(1.0)).clip_from_view;
+    // depth = f/(f-n) (1 - n/distance): the near plane is where it is 0.
+    let near = m.w_axis.z / m.z_axis.z;
+    assert!(near > 3.5 && near < 4.2, "{near}");
+}
+
+/// However the lamp is tilted, and with a caster close to it, no receiver is pushed beyond the far plane.
+#[test]
+fn rounding_keeps_receivers_before_the_far_plane() {
+    for i in 0..50 {
+        let turn = i as f32 * 0.37;
+        let direction = Vec3::new(turn.cos() * 0.4, -1.0, turn.sin() * 0.4);
+        let geometry = floor_and_quad(4.99);
+        let clip_from_world = space(&spot(Vec3::new(0.0, 5.0, 0.0), direction), &geometry).clip_from_world();
+        for p in geometry.vertices_of(geometry.receivers()) {
+            let clip = transform(clip_from_world, p);
+            assert!(clip.w <= 0.0 || clip.z / clip.w <= 1.0, "{p} at tilt {i}: {}", clip.z / clip.w);
+        }
+    }
+}

@@ -1,0 +1,129 @@
+//! How much of its maps a recipe uses: the texels that no lookup touches, and how large the others are on screen.
+
+mod picture;
+#[cfg(test)]
+mod tests;
+
+pub use picture::picture;
+
+use serde::{Deserialize, Serialize};
+use umbrage_core::{
+    Cast, CastMode, LightSpaces, Receivers, Recipe, View, footprint::texels_per_pixel, glam::UVec2, math::transform,
+};
+
+/// The use of a recipe's maps.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Footprint {
+    /// One a cast that keeps the least depth, in the recipe's order.
+    pub casts: Vec<CastFootprint>,
+    /// Share of all their texels that no lookup touches, 0..=1; 0 without casts.
+    pub unused: f64,
+    /// Least, median and greatest number of texels in a pixel, in the direction in which there are the fewest, over the
+    /// seen receivers that face the light and fall on a map (see [`texels_per_pixel`]); none if there are none.
+    pub texels_per_pixel: Option<[f32; 3]>,
+}
+
+/// The use of one layer of a map.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CastFootprint {
+    /// The image's number in the recipe.
+    pub image: usize,
+    /// Its layer.
+    pub layer: u32,
+    /// Its size, texels.
+    pub size: [u32; 2],
+    /// How many receivers' lookups touch each texel, rows from the top.
+    pub lookups: Vec<u32>,
+    /// Share of texels that none touches, 0..=1.
+    pub unused: f64,
+}
+
+/// Measures the use of a recipe's maps. `receivers` are what the view's camera sees; `reach` is how far, in texels, the
+/// recipe's kernel reaches beyond the texel that a receiver falls on: 0 for `hard`, the radius for `pcf`. Lookups count as
+/// the whole square within reach, whether each of its texels is tapped or not; peeled layers are left out, since they are
+/// looked up as their first ones are.
+pub fn measure(view: &View<'_>, recipe: &Recipe, receivers: &Receivers, reach: f32) -> Footprint {
+    let nearest = recipe.casts.iter().filter(|cast| cast.mode == CastMode::Nearest);
+    let casts: Vec<CastFootprint> = nearest.clone().map(|cast| of_cast(cast, recipe, receivers, reach)).collect();
+    let texels: usize = casts.iter().map(|c| c.lookups.len()).sum();
+    let untouched: usize = casts.iter().map(CastFootprint::untouched).sum();
+    let spaces: Vec<_> = nearest.map(|cast| cast.space).collect();
+    let needed = vec![true; spaces.len()];
+    let size = casts.first().map_or(1, |cast| cast.size[0]);
+    let mut sizes = texels_per_pixel(view, receivers, &LightSpaces { spaces, needed }, size);
+    sizes.sort_unstable_by(f32::total_cmp);
+    let overview = sizes.first().zip(sizes.last()).map(|(least, most)| [*least, sizes[sizes.len() / 2], *most]);
+    Footprint { casts, unused: untouched as f64 / texels.max(1) as f64, texels_per_pixel: overview }
+}
+
+impl CastFootprint {
+    fn untouched(&self) -> usize {
+        self.lookups.iter().filter(|&&n| n == 0).count()
+    }
+}
+
+fn of_cast(cast: &Cast, recipe: &Recipe, receivers: &Receivers, reach: f32) -> CastFootprint {
+    let desc = &recipe.images[cast.image];
+    let mut counts = Counts::new(desc.size);
+    let clip_from_world = cast.space.clip_from_world();
+    for p in receivers.positions() {
+        let (clip, in_view) = (transform(clip_from_world, p), transform(cast.space.view_from_world, p));
+        // A cube's face is wider than what is looked up from it: its neighbours serve the rest.
+        let beside = desc.layers > 1 && in_view.x.abs().max(in_view.y.abs()) > -in_view.z;
+        if clip.w > 0.0 && !beside {
+            let size = desc.size.as_vec2();
+            let u = (clip.x / clip.w * 0.5 + 0.5) * size.x;
+            let v = (0.5 - clip.y / clip.w * 0.5) * size.y;
+            counts.add([u - reach, v - reach], [u + reach, v + reach]);
+        }
+    }
+    let lookups = counts.sums();
+    let mut out =
+        CastFootprint { image: cast.image, layer: cast.layer, size: desc.size.to_array(), lookups, unused: 0.0 };
+    out.unused = out.untouched() as f64 / out.lookups.len().max(1) as f64;
+    out
+}
+
+/// Rectangles, counted by their corners: a table of differences, one texel larger than the map each way (Crow 1984,
+/// "Summed-area tables for texture mapping").
+struct Counts {
+    size: UVec2,
+    differences: Vec<i32>,
+}
+
+impl Counts {
+    fn new(size: UVec2) -> Self {
+        Self { size, differences: vec![0; (size.x as usize + 1) * (size.y as usize + 1)] }
+    }
+
+    fn add(&mut self, least: [f32; 2], most: [f32; 2]) {
+        // Casts saturate, and NaN becomes 0.
+        let along = |least: f32, most: f32, side: u32| {
+            let from = (least.floor().max(0.0) as usize).min(side as usize);
+            let to = ((most.floor() + 1.0).max(0.0) as usize).min(side as usize);
+            [from, to.max(from)]
+        };
+        let [left, right] = along(least[0], most[0], self.size.x);
+        let [top, bottom] = along(least[1], most[1], self.size.y);
+        let stride = self.size.x as usize + 1;
+        for (x, y, sign) in [(left, top, 1), (right, top, -1), (left, bottom, -1), (right, bottom, 1)] {
+            self.differences[y * stride + x] += sign;
+        }
+    }
+
+    fn sums(mut self) -> Vec<u32> {
+        let (width, height) = (self.size.x as usize, self.size.y as usize);
+        let stride = width + 1;
+        for y in 0..height {
+            for x in 0..width {
+                let at = |x: usize, y: usize| self.differences[y * stride + x];
+                let before = if x > 0 { at(x - 1, y) } else { 0 };
+                let above = if y > 0 { at(x, y - 1) } else { 0 };
+                let both = if x > 0 && y > 0 { at(x - 1, y - 1) } else { 0 };
+                self.differences[y * stride + x] += before + above - both;
+            }
+        }
+        let rows = self.differences.chunks(stride).take(height);
+        rows.flat_map(|row| row[..width].iter().map(|&n| n.max(0) as u32)).collect()
+    }
+}

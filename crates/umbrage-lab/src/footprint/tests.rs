@@ -1,0 +1,126 @@
+//! A level plane under a camera and a sun that both look straight down, so that every figure is known.
+
+use super::*;
+use umbrage_core::{
+    Camera, Extents, Fit, Geometry, Instance, Light, Mesh, Scene, ShadowTechnique,
+    footprint::side_for,
+    glam::{Affine3A, Vec3},
+};
+use umbrage_cpu::Cpu;
+use umbrage_techniques::{Hard, Pcf, ShadowMap};
+
+const SUN: Light = Light::Directional { direction: Vec3::NEG_Y, angular_diameter: 0.0 };
+/// Side of the map, texels.
+const SIDE: u32 = 64;
+
+/// From 10 m above, `half` metres to each side, 32 x 32 pixels.
+fn camera(half: f32) -> Camera {
+    let extents = Extents { left: -half, right: half, bottom: -half, top: half, near: 1.0, far: 20.0 };
+    Camera::orthographic(Vec3::Y * 10.0, Vec3::ZERO, Vec3::Z, extents, UVec2::splat(32)).unwrap()
+}
+
+/// A plane of 8 x 8 m.
+fn plane() -> Geometry {
+    let corner = |x, z| Vec3::new(x, 0.0, z);
+    let corners = vec![corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)];
+    let quad = Mesh::new("quad", corners, vec![[0, 1, 2], [0, 2, 3]]).unwrap();
+    let instances = vec![Instance::new(0, Affine3A::from_scale(Vec3::splat(4.0)))];
+    Geometry::bake(&Scene { name: "plane".into(), meshes: vec![quad], instances, ..Scene::default() }).unwrap()
+}
+
+/// A map of 4 m to each side.
+fn map() -> ShadowMap {
+    let extents = Extents { left: -4.0, right: 4.0, bottom: -4.0, top: 4.0, near: 0.0, far: 9.0 };
+    ShadowMap { size: SIDE, fit: Fit::Manual { eye: Vec3::Y * 5.0, extents }, ..ShadowMap::default() }
+}
+
+fn measured(half: f32, technique: &dyn ShadowTechnique, reach: f32) -> Footprint {
+    let (camera, geometry) = (camera(half), plane());
+    let receivers = Cpu::new().receivers(&camera, &geometry).unwrap();
+    let view = View::new(&camera, &SUN, &geometry).with_receivers(&receivers);
+    measure(&view, &technique.plan(&view).unwrap(), &receivers, reach)
+}
+
+/// Pixels of 1/8 m on texels of 1/8 m, over a quarter of the map.
+#[test]
+fn a_quarter_of_the_map_is_looked_up_once() {
+    let f = measured(2.0, &Hard { map: map() }, 0.0);
+    assert_eq!(f.casts.len(), 1);
+    assert_eq!((f.unused, f.casts[0].unused), (0.75, 0.75));
+    assert_eq!(f.casts[0].lookups.iter().filter(|&&n| n == 1).count(), 32 * 32);
+    let row = |y: usize| f.casts[0].lookups[y * 64..][..64].iter().sum::<u32>();
+    assert_eq!([row(15), row(16), row(47), row(48)], [0, 32, 32, 0]);
+    let [least, median, most] = f.texels_per_pixel.unwrap();
+    assert!((least - 1.0).abs() < 1e-4 && (median - 1.0).abs() < 1e-4 && (most - 1.0).abs() < 1e-4, "{f:?}");
+}
+
+/// The kernel's three texels around the quarter, and 49 lookups within it.
+#[test]
+fn kernels_touch_what_they_reach() {
+    let f = measured(2.0, &Pcf { map: map(), radius: 3 }, 3.0);
+    let touched = 38 * 38;
+    assert_eq!(f.unused, 1.0 - f64::from(touched) / f64::from(SIDE * SIDE));
+    assert_eq!(f.casts[0].lookups[32 * 64 + 32], 49);
+}
+
+/// Pixels of 1/4 m: every second texel is passed over, and half the side would do.
+#[test]
+fn a_map_too_fine_is_told() {
+    let f = measured(4.0, &Hard { map: map() }, 0.0);
+    assert_eq!(f.unused, 0.75);
+    assert!((f.texels_per_pixel.unwrap()[1] - 2.0).abs() < 1e-4, "{:?}", f.texels_per_pixel);
+}
+
+#[test]
+fn nothing_seen_is_no_use() {
+    let (camera, geometry) = (camera(2.0), plane());
+    let view = View::new(&camera, &SUN, &geometry);
+    let nothing = Receivers::empty(camera.size);
+    let f = measure(&view, &Hard { map: map() }.plan(&view).unwrap(), &nothing, 0.0);
+    assert_eq!((f.unused, f.texels_per_pixel), (1.0, None));
+}
+
+/// A texel of the map is as large as a pixel at the side N with 8 m / N = 2 half / 32. With light at an angle, the map is
+/// as long as before along the slope, but the plane is seen foreshortened.
+#[test]
+fn the_side_that_pixels_ask_for() {
+    let geometry = plane();
+    for (half, side) in [(2.0, 64), (4.0, 32), (1.0, 128)] {
+        let camera = camera(half);
+        let receivers = Cpu::new().receivers(&camera, &geometry).unwrap();
+        let view = View::new(&camera, &SUN, &geometry).with_receivers(&receivers);
+        let spaces = map().spaces(&view, 0.0).unwrap();
+        for quantile in [0.0, 0.5, 1.0] {
+            // One more where rounding puts the quotient above the whole number.
+            let found = side_for(&view, &receivers, &spaces, quantile).unwrap();
+            assert!(found == side || found == side + 1, "{found} for {side}");
+        }
+    }
+    let camera = camera(2.0);
+    let nothing = Receivers::empty(camera.size);
+    let view = View::new(&camera, &SUN, &geometry);
+    assert_eq!(side_for(&view, &nothing, &map().spaces(&view, 0.0).unwrap(), 0.5), None);
+}
+
+/// Under light at 60 degrees from the vertical, a pixel's step along the slope spans half as much of the map: the side
+/// doubles.
+#[test]
+fn slanting_light_asks_for_more() {
+    let (camera, geometry) = (camera(2.0), plane());
+    let direction = Vec3::new(3.0_f32.sqrt(), -1.0, 0.0);
+    let sun = Light::Directional { direction, angular_diameter: 0.0 };
+    let receivers = Cpu::new().receivers(&camera, &geometry).unwrap();
+    let view = View::new(&camera, &sun, &geometry).with_receivers(&receivers);
+    let found = side_for(&view, &receivers, &map().spaces(&view, 0.0).unwrap(), 0.9).unwrap();
+    assert!(found == 128 || found == 129, "{found}");
+}
+
+#[test]
+fn pictures_show_what_is_unused() {
+    let f = measured(2.0, &Pcf { map: map(), radius: 3 }, 3.0);
+    let image = image::load_from_memory(&picture(&f.casts[0]).unwrap()).unwrap().into_rgb8();
+    assert_eq!(image.dimensions(), (SIDE, SIDE));
+    let grey = image.pixels().filter(|p| p.0[0] == p.0[1] && p.0[0] < 60).count();
+    assert_eq!(grey, (SIDE * SIDE) as usize - 38 * 38);
+    assert_eq!(image.get_pixel(32, 32).0, [255, 255, 255]);
+}

@@ -1,0 +1,109 @@
+//! Bias in texels, by kind: what is searched for the least acne plus gap.
+
+use serde::{Deserialize, Serialize};
+use std::f32::consts::SQRT_2;
+use umbrage_core::RasterBias;
+use umbrage_techniques::{Bias, Preset};
+
+/// A way to bias, of which there can be more or less.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum BiasKind {
+    /// The receiver moves along its normal: [`Bias::normal_offset`](struct@Bias), texels.
+    NormalOffset,
+    /// Taps follow the receiver's plane, and the receiver moves by so many texels besides.
+    ReceiverPlane,
+    /// Casters move away by their own slope: [`RasterBias::slope`], the depth that a surface gains over so many texels.
+    PolygonOffset,
+    /// Whatever the technique brings; there is nothing to find.
+    Own,
+}
+
+impl BiasKind {
+    /// A few words for people.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::NormalOffset => "normal offset",
+            Self::ReceiverPlane => "receiver plane and normal offset",
+            Self::PolygonOffset => "polygon offset",
+            Self::Own => "the technique's own",
+        }
+    }
+
+    /// This kind of bias, so many texels of it; `own` for [`BiasKind::Own`].
+    pub fn bias(self, texels: f32, own: Bias) -> Bias {
+        match self {
+            Self::NormalOffset => Bias { normal_offset: texels, ..Bias::NORMAL_OFFSET },
+            Self::ReceiverPlane => Bias { normal_offset: texels, ..Bias::RECEIVER_PLANE },
+            Self::PolygonOffset => {
+                let raster = RasterBias { slope: texels, ..Bias::POLYGON_OFFSET.raster };
+                Bias { raster, ..Bias::NONE }
+            }
+            Self::Own => own,
+        }
+    }
+}
+
+/// Amounts of one kind of bias to choose from, and the one to try first.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Scale {
+    pub(super) kind: BiasKind,
+    /// Rising, texels.
+    pub(super) texels: Vec<f32>,
+    pub(super) first: usize,
+}
+
+/// The kinds of bias worth trying with a technique, with amounts about what frees a plane of acne.
+pub(super) fn scales(preset: &Preset) -> Vec<Scale> {
+    let Some(reach) = reach(preset) else {
+        return vec![Scale { kind: BiasKind::Own, texels: vec![0.0], first: 0 }];
+    };
+    let times = |unit: f32, factors: &[f32]| factors.iter().map(|f| unit * f).collect();
+    // As in `Bias::normal_offset` and `Bias::polygon_offset`, which are sure on planes and often too much.
+    let offset = times((reach + 0.5) * SQRT_2, &[0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0]);
+    let slope = times(2.0 * reach + 1.0, &[0.25, 0.5, 1.0, 2.0]);
+    let plane = vec![0.0, 0.25, 0.5, 1.0, 2.0];
+    let mut out = vec![Scale { kind: BiasKind::ReceiverPlane, texels: plane, first: 0 }];
+    out.push(Scale { kind: BiasKind::NormalOffset, texels: offset, first: 4 });
+    // Peeling takes no polygon offset.
+    if !matches!(preset, Preset::Midpoint(_)) {
+        out.push(Scale { kind: BiasKind::PolygonOffset, texels: slope, first: 2 });
+    }
+    out
+}
+
+/// How far a kernel reaches beyond the receiver's texel, texels; none where there is no bias to choose.
+fn reach(preset: &Preset) -> Option<f32> {
+    use umbrage_techniques::{PcfHardware, PcfMerged};
+    match preset {
+        Preset::Hard(_) => Some(0.0),
+        Preset::Midpoint(t) => Some(t.radius as f32),
+        Preset::PcfDithered(_) => Some(1.5),
+        Preset::PcfHardware(t) => Some(PcfHardware::reach(t.samples)),
+        Preset::PcfMerged(t) => Some(PcfMerged::reach(t.radius)),
+        Preset::Pcf(t) => Some(t.radius as f32),
+        Preset::PcfDisc(t) => Some(t.radius),
+        // As wide as the penumbra, which differs everywhere; a texel is the least.
+        Preset::Pcss(_) => Some(1.0),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn first_tries_are_the_biases_that_free_planes_of_acne() {
+        let pcf = Preset::defaults().into_iter().find(|p| matches!(p, Preset::Pcf(_))).unwrap();
+        let firsts: Vec<Bias> = scales(&pcf).iter().map(|s| s.kind.bias(s.texels[s.first], Bias::NONE)).collect();
+        assert_eq!(firsts, [Bias::RECEIVER_PLANE, Bias::normal_offset(1.0), Bias::polygon_offset(1.0)]);
+    }
+
+    #[test]
+    fn amounts_rise() {
+        for scale in Preset::defaults().iter().flat_map(scales) {
+            assert!(scale.texels.windows(2).all(|w| w[0] < w[1]) && scale.first < scale.texels.len(), "{scale:?}");
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! What is seen, and how techniques are tried on it.
+
+use super::{
+    estimate::{Estimate, estimate},
+    sample::Sample,
+};
+use crate::{
+    LabError,
+    cost::CostModel,
+    truth::{PixelTruth, TruthOptions, trace_pixels},
+};
+use umbrage_core::{
+    Backend as _, BackendError, Camera, Geometry, Light, PlanError, Receivers, Recipe, View, Work, metrics::Pixel,
+};
+use umbrage_cpu::Cpu;
+use umbrage_techniques::Preset;
+
+/// A camera's view of a scene, ready to have techniques tried on it.
+pub(super) struct Look<'a> {
+    pub(super) camera: &'a Camera,
+    pub(super) light: &'a Light,
+    pub(super) geometry: &'a Geometry,
+    pub(super) receivers: Receivers,
+    pub(super) cpu: Cpu,
+}
+
+/// What a setting costs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Price {
+    pub(super) milliseconds: f64,
+    pub(super) work: Work,
+}
+
+impl<'a> Look<'a> {
+    pub(super) fn new(camera: &'a Camera, light: &'a Light, geometry: &'a Geometry) -> Result<Self, LabError> {
+        let mut cpu = Cpu::new();
+        let receivers = cpu.receivers(camera, geometry)?;
+        Ok(Self { camera, light, geometry, receivers, cpu })
+    }
+
+    /// What a technique may look at: all receivers, so that its map lies as it will.
+    pub(super) fn view(&self) -> View<'_> {
+        View::new(self.camera, self.light, self.geometry).with_receivers(&self.receivers)
+    }
+
+    pub(super) fn recipe(&self, preset: &Preset) -> Result<Recipe, PlanError> {
+        preset.technique().plan(&self.view())
+    }
+
+    pub(super) fn price(&self, recipe: &Recipe, cost: &CostModel) -> Price {
+        let work = Work::of(&self.view(), recipe);
+        Price { milliseconds: cost.milliseconds(&work), work }
+    }
+
+    /// The whole image's mask.
+    pub(super) fn mask(&mut self, preset: &Preset) -> Result<Vec<f32>, LabError> {
+        let recipe = self.recipe(preset)?;
+        let view = View::new(self.camera, self.light, self.geometry).with_receivers(&self.receivers);
+        Ok(self.cpu.render(&view, &recipe)?.mask)
+    }
+
+    /// The mask at some pixels.
+    pub(super) fn ask(&mut self, recipe: &Recipe, pixels: &[u32]) -> Result<Vec<f32>, BackendError> {
+        let view = View::new(self.camera, self.light, self.geometry).with_receivers(&self.receivers);
+        self.cpu.ask(&view, recipe, pixels)
+    }
+
+    /// Truth at some pixels.
+    pub(super) fn truth(
+        &mut self,
+        pixels: &[u32],
+        options: &TruthOptions,
+        progress: &crate::truth::Progress<'_>,
+    ) -> Result<Vec<PixelTruth>, LabError> {
+        let Self { camera, light, geometry, receivers, cpu } = self;
+        let find = &mut |camera: &Camera, geometry: &Geometry| cpu.receivers(camera, geometry);
+        trace_pixels((camera, light, geometry, receivers), pixels, options, find, progress)
+    }
+}
+
+/// A sample of an image and the truth there.
+#[derive(Clone, Debug)]
+pub(super) struct Known {
+    pub(super) sample: Sample,
+    pub(super) truth: Vec<PixelTruth>,
+}
+
+impl Known {
+    /// Only the pixels that count.
+    pub(super) fn new(sample: Sample, truth: Vec<PixelTruth>) -> Self {
+        let counts = |k: &usize| truth[*k].pixel == Pixel::Counted;
+        let kept: Vec<usize> = (0..truth.len()).filter(counts).collect();
+        let pixels = kept.iter().map(|&k| sample.pixels[k]).collect();
+        let chances = kept.iter().map(|&k| sample.chances[k]).collect();
+        let sample = Sample { pixels, chances };
+        Self { sample, truth: kept.into_iter().map(|k| truth[k]).collect() }
+    }
+
+    /// A preset's errors.
+    pub(super) fn try_on(&self, look: &mut Look<'_>, preset: &Preset) -> Result<Estimate, LabError> {
+        let recipe = look.recipe(preset)?;
+        Ok(self.ask(look, &recipe)?)
+    }
+
+    /// A recipe's errors.
+    pub(super) fn ask(&self, look: &mut Look<'_>, recipe: &Recipe) -> Result<Estimate, BackendError> {
+        let mask = look.ask(recipe, &self.sample.pixels)?;
+        Ok(estimate(&self.sample, &self.truth, &mask))
+    }
+}

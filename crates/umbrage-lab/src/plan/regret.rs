@@ -1,0 +1,172 @@
+//! Whether plans are right: against an exhaustive sweep of the same candidates over the whole image.
+
+use super::{Bounds, OnStep, Options, Planner, Setting, Step, bias::scales, families::families, look::Price};
+use crate::LabError;
+use serde::{Deserialize, Serialize};
+use umbrage_core::{
+    Geometry, Invalid, Scene,
+    metrics::{Errors, Pixel},
+};
+use umbrage_techniques::Preset;
+
+/// One scene, light and bound.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Regret {
+    /// The scene's name.
+    pub scene: String,
+    /// The light's kind.
+    pub light: String,
+    /// The bound of the error.
+    pub bound: f64,
+    /// What was planned; none if nothing was found.
+    pub chosen: Option<Setting>,
+    /// Its error over the whole image; NaN without a choice.
+    pub error: f64,
+    /// The cheapest that meets the bound on the whole image, of all candidates with all biases; none if none does.
+    pub cheapest: Option<String>,
+    /// What that costs, milliseconds.
+    pub least_milliseconds: f64,
+    /// Seconds that the plan took, with its sample.
+    pub seconds: f64,
+}
+
+/// The cost that is forgiven: within this factor of the least.
+pub const MOST_REGRET: f64 = 1.25;
+/// The share of cases in which the bound must be kept on the whole image.
+pub const LEAST_KEPT: f64 = 0.95;
+
+impl Regret {
+    /// Whether the choice keeps the bound on the whole image, or rightly nothing was chosen.
+    pub fn keeps(&self) -> bool {
+        match &self.chosen {
+            Some(_) => self.error <= self.bound,
+            None => self.cheapest.is_none(),
+        }
+    }
+
+    /// Cost over the least; none where either is missing.
+    pub fn ratio(&self) -> Option<f64> {
+        let chosen = self.chosen.as_ref()?;
+        self.cheapest.as_ref()?;
+        Some(if self.least_milliseconds > 0.0 { chosen.milliseconds / self.least_milliseconds } else { 1.0 })
+    }
+
+    /// Whether it is found wanting: the bound broken, or more than [`MOST_REGRET`] paid.
+    pub fn misses(&self) -> bool {
+        !self.keeps() || self.ratio().is_some_and(|ratio| ratio > MOST_REGRET)
+    }
+}
+
+/// Plans for each error bound, and sweeps all candidates by rising cost until the least bound is met.
+///
+/// # Errors
+/// When the scene has no camera or light, or is not valid.
+pub fn regret(scene: &Scene, bounds: &[f64], options: &Options, on_step: &OnStep<'_>) -> Result<Vec<Regret>, LabError> {
+    let missing = || Invalid::new(format!("scene `{}`", scene.name), "lacks a camera or a light", "add both");
+    let (Some(camera), Some(light)) = (scene.cameras.first(), scene.lights.first()) else {
+        return Err(missing().into());
+    };
+    let camera = options.size.map_or(*camera, |size| camera.resized(size));
+    let geometry = Geometry::bake(scene)?;
+    let mut planner = Planner::new(&camera, light, &geometry, options, on_step)?;
+    let looking = planner.looking();
+    let mut out = Vec::new();
+    for &bound in bounds {
+        let plan = planner.plan(&Bounds::error(bound))?;
+        out.push(Regret {
+            scene: scene.name.clone(),
+            light: plan.light,
+            bound,
+            chosen: plan.chosen,
+            error: f64::NAN,
+            cheapest: None,
+            least_milliseconds: f64::NAN,
+            seconds: looking + plan.sampled.trying,
+        });
+    }
+    let mut sweep = Sweep::new(planner, options)?;
+    for regret in &mut out {
+        if let Some(chosen) = &regret.chosen {
+            regret.error = sweep.error(&chosen.preset)?;
+        }
+    }
+    sweep.run(&mut out)?;
+    Ok(out)
+}
+
+/// Nearly five standard errors: not once in a million.
+const FAR: f64 = 3.0;
+
+/// The whole image.
+struct Sweep<'a> {
+    planner: Planner<'a>,
+    truth: Vec<f32>,
+    pixels: Vec<Pixel>,
+}
+
+impl<'a> Sweep<'a> {
+    fn new(mut planner: Planner<'a>, options: &Options) -> Result<Self, LabError> {
+        let look = &mut planner.trial.look;
+        let all: Vec<u32> = (0..look.receivers.len() as u32).collect();
+        let on_step = planner.on_step;
+        let truth = look.truth(&all, &options.truth, &|done, total| on_step(Step::Truth(done, total)))?;
+        let (truth, pixels) = truth.iter().map(|t| (t.visibility, t.pixel)).unzip();
+        Ok(Self { planner, truth, pixels })
+    }
+
+    fn error(&mut self, preset: &Preset) -> Result<f64, LabError> {
+        let mask = self.planner.trial.look.mask(preset)?;
+        Ok(Errors::measure(self.planner.trial.look.camera.size, &mask, &self.truth, &self.pixels)?.rmse)
+    }
+
+    /// Every candidate with every size and bias, by rising cost.
+    fn candidates(&mut self) -> Result<Vec<(Price, Preset)>, LabError> {
+        let mut out = Vec::new();
+        for family in families(self.planner.trial.look.light, false) {
+            for size in 0..family.rungs.len() {
+                for scale in scales(&family.preset()) {
+                    for &texels in &scale.texels {
+                        let preset = family.at(size, scale.kind, texels);
+                        out.extend(self.planner.trial.price(&preset)?.map(|price| (price, preset)));
+                    }
+                }
+            }
+        }
+        out.sort_by(|a, b| a.0.milliseconds.total_cmp(&b.0.milliseconds));
+        Ok(out)
+    }
+
+    /// Whether the sample alone says that a setting meets none of the bounds that are still open: it lies above them by more
+    /// than [`FAR`] times what one in twenty estimates errs by. Spares most of the work.
+    fn is_hopeless(&mut self, preset: &Preset, regrets: &[Regret]) -> Result<bool, LabError> {
+        let Some(setting) = self.planner.trial.play(preset)? else { return Ok(true) };
+        let (error, high) = (setting.estimate.error, setting.estimate.high);
+        let least_square = error.powi(2) - FAR * (high.powi(2) - error.powi(2));
+        let open = regrets.iter().filter(|r| r.cheapest.is_none()).map(|r| r.bound);
+        Ok(least_square > open.fold(0.0, f64::max).powi(2))
+    }
+
+    fn run(&mut self, regrets: &mut [Regret]) -> Result<(), LabError> {
+        for (price, preset) in self.candidates()? {
+            if regrets.iter().all(|r| r.cheapest.is_some()) {
+                break;
+            }
+            if self.is_hopeless(&preset, regrets)? {
+                continue;
+            }
+            let technique = preset.technique();
+            (self.planner.on_step)(Step::Trying(technique.name(), self.planner.trial.played()));
+            let error = match self.error(&preset) {
+                Ok(error) => error,
+                // More than the backend holds.
+                Err(LabError::Backend(umbrage_core::BackendError::Invalid(_))) => continue,
+                Err(e) => return Err(e),
+            };
+            for regret in regrets.iter_mut().filter(|r| r.cheapest.is_none() && error <= r.bound) {
+                regret.cheapest = Some(format!("{} ({})", technique.name(), technique.settings()));
+                regret.least_milliseconds = price.milliseconds;
+            }
+        }
+        Ok(())
+    }
+}

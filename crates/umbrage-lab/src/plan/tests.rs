@@ -1,0 +1,210 @@
+//! Plans of scenes whose best technique is known, and samples that must tell what whole images do.
+
+use super::{
+    bias::scales,
+    families::{Family, families},
+    *,
+};
+use crate::truth;
+use umbrage_core::{Backend as _, Camera, Fit, Light, PlanError, Receivers, View, metrics::Errors};
+use umbrage_cpu::Cpu;
+use umbrage_techniques::Preset;
+
+fn scene(name: &str) -> Scene {
+    umbrage_scenes::by_argument(name).expect("built in")
+}
+
+/// Small images: quick, and as hard to plan for.
+fn small() -> Options {
+    Options { samples: 1024, size: Some(UVec2::new(160, 120)), ..Options::default() }
+}
+
+fn planned(name: &str, bounds: &Bounds) -> Plan {
+    plan(&scene(name), bounds, &small(), &|_| {}).expect("can be planned")
+}
+
+/// Runs `f` with a planner of a scene.
+fn with_planner<R>(name: &str, f: impl FnOnce(Planner<'_>) -> R) -> R {
+    let scene = scene(name);
+    let camera = scene.cameras[0].resized(UVec2::new(160, 120));
+    let geometry = Geometry::bake(&scene).expect("built in");
+    f(Planner::new(&camera, &scene.lights[0], &geometry, &small(), &|_| {}).expect("can be planned"))
+}
+
+#[test]
+fn where_nothing_casts_there_is_no_shadow_to_make() {
+    for name in ["no-casters", "only-sky", "no-receivers"] {
+        let plan = planned(name, &Bounds::error(0.01));
+        assert_eq!(plan.chosen.as_ref().map(|c| c.technique.as_str()), Some("none"), "{name}");
+    }
+}
+
+/// On flat receivers under an ideal light three techniques are exact, and the cheapest of them wins.
+#[test]
+fn exact_techniques_are_told_apart_by_cost() {
+    let exact = |plan: Plan| plan.chosen.expect("rays are exact");
+    let chosen = exact(planned("c1-box-sun", &Bounds::error(0.0)));
+    assert_eq!((chosen.technique.as_str(), chosen.estimate.high), ("planar", 0.0));
+    // Where passes are free of charge and texels dear, rays win.
+    let mut cost = CostModel { nanoseconds: [1e-3; crate::cost::KINDS] };
+    cost.nanoseconds[3] = 1e6;
+    let options = Options { cost, ..small() };
+    let other = exact(plan(&scene("c1-box-sun"), &Bounds::error(0.0), &options, &|_| {}).expect("can be planned"));
+    assert_eq!(other.technique, "traced");
+}
+
+/// Penumbrae of many widths: the kernel that knows widths errs less than those of one width.
+#[test]
+fn a_soft_lamp_needs_soft_shadows() {
+    with_planner("rising-boxes", |mut planner| {
+        let all = families(planner.trial.look.light, false);
+        let mut best = |name: &str| {
+            let mine: Vec<&Family> = all.iter().filter(|f| f.preset().technique().name() == name).collect();
+            let settle = |f: &&Family| planner.trial.settle(f, 4, None).expect("plays").map(|s| s.estimate.error);
+            mine.iter().filter_map(settle).fold(f64::INFINITY, f64::min)
+        };
+        let [pcss, pcf, hard] = ["pcss", "pcf", "hard"].map(&mut best);
+        assert!(pcss < 0.9 * pcf && pcf < hard, "{pcss} {pcf} {hard}");
+    });
+}
+
+/// What a sample says of a whole image holds for it: within twice the bounds of nine in ten, on every scene and setting.
+#[test]
+fn samples_tell_of_whole_images() {
+    for name in ["cubes", "c4-edge-square", "low-sun-5", "lamp-in-room"] {
+        with_planner(name, |mut planner| {
+            let look = &mut planner.trial.look;
+            let all: Vec<u32> = (0..look.receivers.len() as u32).collect();
+            let truth = look.truth(&all, &small().truth, &|_, _| {}).expect("can be traced");
+            let (visibility, pixels): (Vec<f32>, Vec<_>) = truth.iter().map(|t| (t.visibility, t.pixel)).unzip();
+            for preset in [64, 512].into_iter().flat_map(sized) {
+                let Some(setting) = planner.trial.play(&preset).expect("plays") else { continue };
+                let mask = planner.trial.look.mask(&preset).expect("plays");
+                let whole = Errors::measure(UVec2::new(160, 120), &mask, &visibility, &pixels).expect("fits").rmse;
+                let e = setting.estimate;
+                let reach = 2.0 * (e.high.powi(2) - e.error.powi(2)) + 1e-9;
+                let off = (whole.powi(2) - e.error.powi(2)).abs();
+                assert!(off <= reach, "{name}: {}: {} for {whole}", setting.label(), e.error);
+            }
+        });
+    }
+}
+
+/// Every technique with its defaults but for the size of its map.
+fn sized(size: u32) -> Vec<Preset> {
+    let at = |p: Preset| p.map().map_or(p, |&map| p.with_map(umbrage_techniques::ShadowMap { size, ..map }));
+    Preset::defaults().into_iter().map(at).collect()
+}
+
+/// Truth is what decides: where it is spoilt to be lit everywhere, no shadow is needed.
+#[test]
+fn spoilt_truth_changes_the_choice() {
+    with_planner("cubes", |mut planner| {
+        let bounds = Bounds::error(0.05);
+        let right = planner.plan(&bounds).expect("can be planned").chosen.expect("possible");
+        assert_ne!(right.technique, "none");
+        planner.trial.known.truth.iter_mut().for_each(|t| t.visibility = 1.0);
+        planner.trial.forget();
+        let wrong = planner.plan(&bounds).expect("can be planned").chosen.expect("possible");
+        assert_eq!(wrong.technique, "none");
+    });
+}
+
+#[test]
+fn the_same_seed_gives_the_same_plan() {
+    let untimed = |mut plan: Plan| {
+        (plan.sampled.looking, plan.sampled.trying) = (0.0, 0.0);
+        plan
+    };
+    let [a, b] = [(); 2].map(|()| untimed(planned("cubes", &Bounds::error(0.08))));
+    assert_eq!(a, b);
+    assert!(!a.reasons.is_empty() && a.curve.iter().filter(|p| p.chosen).count() == 1);
+}
+
+#[test]
+fn what_cannot_be_is_told_with_the_bound_that_fails() {
+    let miss = |bounds: &Bounds| planned("c4-edge-square", bounds).preset().expect_err("impossible");
+    let error = miss(&Bounds::error(0.0));
+    assert!(error.reason.contains("no technique keeps the error at 0"), "{error}");
+    assert!(error.best.is_some_and(|best| best.estimate.error < 0.05));
+    let time = miss(&Bounds::milliseconds(0.0));
+    assert!(time.reason.contains("ms"), "{time}");
+    let both = miss(&Bounds { max_error: Some(0.1), max_ms: Some(1e-3), ..Bounds::default() });
+    assert!(both.reason.contains("an error of 0.1 takes"), "{both}");
+}
+
+#[test]
+fn within_a_time_the_most_accurate_is_chosen() {
+    let [little, much] = [0.15, 5.0].map(|ms| planned("cubes", &Bounds::milliseconds(ms)).chosen.expect("possible"));
+    assert!(little.milliseconds <= 0.15 && much.milliseconds <= 5.0);
+    assert!(much.estimate.error < little.estimate.error, "{} {}", much.label(), little.label());
+}
+
+/// Asked alone, a receiver gets the same answer, bit by bit, as within the whole image, whatever patterns hang on its place.
+#[test]
+fn receivers_asked_alone_answer_the_same() {
+    for name in ["cubes", "rising-boxes-disc", "lamp-in-room"] {
+        let scene = scene(name);
+        let camera = scene.cameras[0].resized(UVec2::new(96, 54));
+        let geometry = Geometry::bake(&scene).expect("built in");
+        let mut cpu = Cpu::new();
+        let receivers = cpu.receivers(&camera, &geometry).expect("valid");
+        let view = View::new(&camera, &scene.lights[0], &geometry).with_receivers(&receivers);
+        let pixels: Vec<u32> = (0..receivers.len() as u32).filter(|i| i % 7 != 3).collect();
+        for technique in umbrage_techniques::all().iter().flat_map(|e| (e.settings)(&[128], Fit::Tight)) {
+            let recipe = match technique.plan(&view) {
+                Ok(recipe) => recipe,
+                Err(PlanError::Unsupported(_)) => continue,
+                Err(e) => panic!("{name}: {}: {e}", technique.name()),
+            };
+            let whole = cpu.render(&view, &recipe).expect("plays").mask;
+            let alone = cpu.ask(&view, &recipe, &pixels).expect("plays");
+            let same = pixels.iter().zip(&alone).all(|(&i, v)| whole[i as usize].to_bits() == v.to_bits());
+            assert!(same, "{name}: {} ({})", technique.name(), technique.settings());
+        }
+    }
+}
+
+/// The truth of some pixels is that of the whole image.
+#[test]
+fn some_pixels_have_the_truth_of_all() {
+    let scene = scene("rising-boxes");
+    let camera = scene.cameras[0].resized(UVec2::new(64, 36));
+    let geometry = Geometry::bake(&scene).expect("built in");
+    let options = TruthOptions { samples: 16, probe_samples: 16, ..TruthOptions::default() };
+    let mut cpu = Cpu::new();
+    let find = &mut |c: &Camera, g: &Geometry| -> Result<Receivers, _> { cpu.receivers(c, g) };
+    let light: &Light = &scene.lights[0];
+    let whole = truth::trace(&camera, light, &geometry, &options, find, &|_, _| {}).expect("valid");
+    let pixels: Vec<u32> = (0..64 * 36).filter(|i| i % 5 == 2).rev().collect();
+    let view = (&camera, light, &geometry, &whole.receivers);
+    let some = truth::trace_pixels(view, &pixels, &options, find, &|_, _| {}).expect("valid");
+    for (&i, t) in pixels.iter().zip(&some) {
+        let i = i as usize;
+        assert_eq!((t.visibility, t.error, t.pixel), (whole.visibility[i], whole.error[i], whole.pixels[i]), "{i}");
+    }
+    assert!(some.iter().any(|t| t.visibility > 0.0 && t.visibility < 1.0), "no penumbra was compared");
+}
+
+/// The walk skips and stops early; on this scene a sweep of everything finds nothing cheaper.
+#[test]
+fn a_sweep_finds_nothing_much_cheaper() {
+    let found = regret(&scene("cubes"), &[0.08], &small(), &|_| {}).expect("can be planned");
+    assert!(found.iter().all(|r| !r.misses()), "{found:?}");
+    let spoilt = Regret { error: 0.2, ..found[0].clone() };
+    assert!(spoilt.misses());
+    let dear = Regret { least_milliseconds: found[0].least_milliseconds / 2.0, ..found[0].clone() };
+    assert!(dear.misses());
+}
+
+/// Each kind of bias is played as it is named.
+#[test]
+fn biases_are_those_of_their_scales() {
+    for family in families(&Light::Point { position: glam::Vec3::Y, radius: 0.1 }, true) {
+        for scale in scales(&family.preset()) {
+            let preset = family.at(0, scale.kind, scale.texels[scale.first]);
+            let own = family.preset().map().map(|map| scale.kind.bias(scale.texels[scale.first], map.bias));
+            assert_eq!(preset.map().map(|map| map.bias), own);
+        }
+    }
+}

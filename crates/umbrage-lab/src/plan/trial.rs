@@ -1,0 +1,183 @@
+//! Candidates tried on the sample, each once.
+
+use super::{
+    Setting,
+    bias::{BiasKind, scales},
+    families::Family,
+    look::{Known, Look, Price},
+};
+use crate::{LabError, cost::CostModel};
+use std::collections::HashMap;
+use umbrage_core::{BackendError, PlanError};
+use umbrage_techniques::Preset;
+
+/// All that was tried.
+pub(super) struct Trial<'a> {
+    pub(super) look: Look<'a>,
+    pub(super) known: Known,
+    /// A greater sample, for what the first leaves undecided; none before it is needed.
+    more: Option<Known>,
+    pub(super) cost: CostModel,
+    /// By the preset's fields in words; none where it isn't supported.
+    tried: HashMap<String, Option<Setting>>,
+    prices: HashMap<String, Option<Price>>,
+}
+
+/// The goal of a search for a bias: stop at what meets it, and don't search where it is out of reach.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Goal {
+    /// Greatest [`Estimate::high`](super::Estimate::high).
+    pub(super) error: f64,
+}
+
+/// Beyond this many times the goal after the first try of each kind, a better amount of bias will not mend it.
+const OUT_OF_REACH: f64 = 1.7;
+
+impl<'a> Trial<'a> {
+    pub(super) fn new(look: Look<'a>, known: Known, cost: CostModel) -> Self {
+        Self { look, known, more: None, cost, tried: HashMap::new(), prices: HashMap::new() }
+    }
+
+    /// Forgets what was tried, as if truth were another.
+    #[cfg(test)]
+    pub(super) fn forget(&mut self) {
+        self.tried.clear();
+        self.more = None;
+    }
+
+    /// How many settings were played.
+    pub(super) fn played(&self) -> usize {
+        self.tried.len()
+    }
+
+    /// All that was tried and is supported, by rising cost.
+    pub(super) fn all(&self) -> Vec<&Setting> {
+        let mut all: Vec<&Setting> = self.tried.values().flatten().collect();
+        all.sort_by(|a, b| (a.milliseconds.total_cmp(&b.milliseconds)).then_with(|| a.settings.cmp(&b.settings)));
+        all
+    }
+
+    /// What a preset costs; none if it isn't supported.
+    pub(super) fn price(&mut self, preset: &Preset) -> Result<Option<Price>, LabError> {
+        let key = format!("{preset:?}");
+        if let Some(price) = self.prices.get(&key) {
+            return Ok(*price);
+        }
+        let price = match self.look.recipe(preset) {
+            Ok(recipe) => Some(self.look.price(&recipe, &self.cost)),
+            Err(PlanError::Unsupported(_)) => None,
+            Err(e) => return Err(e.into()),
+        };
+        self.prices.insert(key, price);
+        Ok(price)
+    }
+
+    /// Plays a preset on the sample; none if it isn't supported.
+    pub(super) fn play(&mut self, preset: &Preset) -> Result<Option<Setting>, LabError> {
+        let key = format!("{preset:?}");
+        if let Some(setting) = self.tried.get(&key) {
+            return Ok(setting.clone());
+        }
+        let setting = self.play_new(preset)?;
+        self.tried.insert(key, setting.clone());
+        Ok(setting)
+    }
+
+    fn play_new(&mut self, preset: &Preset) -> Result<Option<Setting>, LabError> {
+        let recipe = match self.look.recipe(preset) {
+            Ok(recipe) => recipe,
+            Err(PlanError::Unsupported(_)) => return Ok(None),
+            Err(e) => return Err(e.into()),
+        };
+        let price = self.look.price(&recipe, &self.cost);
+        match self.known.ask(&mut self.look, &recipe) {
+            Ok(estimate) => Ok(Some(Setting::new(*preset, estimate, &price))),
+            // More than the backend holds.
+            Err(BackendError::Invalid(_)) => Ok(None),
+            Err(e) => Err(e.into()),
+        }
+    }
+
+    /// What a greater sample, made by `sample` when it is first needed, says of a setting.
+    pub(super) fn ask_again(
+        &mut self,
+        setting: &Setting,
+        sample: impl FnOnce(&mut Look<'_>) -> Result<Known, LabError>,
+    ) -> Result<Setting, LabError> {
+        let more = match self.more.take() {
+            Some(more) => more,
+            None => sample(&mut self.look)?,
+        };
+        let estimate = more.try_on(&mut self.look, &setting.preset);
+        self.more = Some(more);
+        let setting = Setting { estimate: estimate?, ..setting.clone() };
+        self.tried.insert(format!("{:?}", setting.preset), Some(setting.clone()));
+        Ok(setting)
+    }
+
+    /// The best bias of a family at a map size: the first amount of each kind, then more or less of the best kind as long as
+    /// that is better. None if nothing is supported.
+    pub(super) fn settle(
+        &mut self,
+        family: &Family,
+        size: usize,
+        goal: Option<Goal>,
+    ) -> Result<Option<Setting>, LabError> {
+        let scales = scales(&family.preset());
+        let mut best: Option<(usize, Setting)> = None;
+        for (k, scale) in scales.iter().enumerate() {
+            let preset = family.at(size, scale.kind, scale.texels[scale.first]);
+            let Some(setting) = self.play(&preset)? else { continue };
+            if goal.is_some_and(|goal| setting.estimate.high <= goal.error) {
+                return Ok(Some(setting));
+            }
+            if best.as_ref().is_none_or(|(_, best)| setting.estimate.error < best.estimate.error) {
+                best = Some((k, setting));
+            }
+        }
+        let Some((k, first)) = best else { return Ok(None) };
+        if goal.is_some_and(|goal| first.estimate.error > OUT_OF_REACH * goal.error) {
+            return Ok(Some(first));
+        }
+        let scale = &scales[k];
+        self.climb(first, |k| family.at(size, scale.kind, scale.texels[k]), scale.first, scale.texels.len()).map(Some)
+    }
+
+    /// From amount `first` of `count`, goes down as long as that is better; if it never is, up.
+    fn climb(
+        &mut self,
+        first_try: Setting,
+        preset: impl Fn(usize) -> Preset,
+        first: usize,
+        count: usize,
+    ) -> Result<Setting, LabError> {
+        let mut best = first_try;
+        let (down, up): (Vec<usize>, Vec<usize>) = ((0..first).rev().collect(), (first + 1..count).collect());
+        for way in [down, up] {
+            let mut better = false;
+            for k in way {
+                let Some(setting) = self.play(&preset(k))? else { break };
+                if setting.estimate.error >= best.estimate.error {
+                    break;
+                }
+                (best, better) = (setting, true);
+            }
+            if better {
+                break;
+            }
+        }
+        Ok(best)
+    }
+
+    /// Every amount of every kind of bias of a family at a map size: kind, texels, and what came of it.
+    pub(super) fn curve(&mut self, family: &Family, size: usize) -> Result<Vec<(BiasKind, f32, Setting)>, LabError> {
+        let mut out = Vec::new();
+        for scale in scales(&family.preset()) {
+            for texels in scale.texels {
+                let setting = self.play(&family.at(size, scale.kind, texels))?;
+                out.extend(setting.map(|setting| (scale.kind, texels, setting)));
+            }
+        }
+        Ok(out)
+    }
+}

@@ -1,0 +1,47 @@
+//! The least technique that a scene needs.
+
+use crate::{Scene, techniques::Preset};
+use umbrage_lab::{
+    LabError,
+    plan::{Miss, Options, plan},
+};
+
+/// What shadows may err and cost: a greatest error, time, number of bytes, or several of them.
+pub type Budget = umbrage_lab::plan::Bounds;
+
+/// Finds the cheapest built-in technique and setting within a budget (without a bound of the error, the most accurate) for a
+/// scene's first camera and light. It measures on the CPU, in seconds: call it where scenes are made rather than every frame,
+/// and keep the answer ([`Preset::to_toml`]). Why it was chosen, and what else there is: [`mod@crate::plan`].
+///
+/// ```
+/// use umbrage::{Budget, Geometry, ShadowTechnique, View, techniques::Preset};
+///
+/// let scene = umbrage::scenes::by_argument("cubes")?;
+/// let preset = umbrage::auto(&scene, &Budget::error(0.1))?;
+/// let file = preset.to_toml()?;
+///
+/// // In the program that draws the scene:
+/// let technique = Preset::from_toml(&file)?.technique();
+/// let geometry = Geometry::bake(&scene)?;
+/// let recipe = technique.plan(&View::new(&scene.cameras[0], &scene.lights[0], &geometry))?;
+/// # assert!(recipe.images.len() < 3);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// When the scene or the budget is not valid, and when nothing is within the budget.
+pub fn auto(scene: &Scene, budget: &Budget) -> Result<Preset, AutoError> {
+    Ok(plan(scene, budget, &Options::default(), &|_| {})?.preset()?)
+}
+
+/// Why there is no preset.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum AutoError {
+    /// The scene or the budget can't be used.
+    #[error(transparent)]
+    Lab(#[from] LabError),
+    /// Nothing is within the budget: which bound fails, by how much, and what comes nearest.
+    #[error(transparent)]
+    Miss(#[from] Miss),
+}

@@ -1,0 +1,122 @@
+//! `plan`: a scene and bounds in, a preset and its reasons out. All the work is the lab's.
+
+use super::planning::{self, Progress};
+use crate::{
+    cli::{PlanBackend, PlanOptions},
+    run::{Usage, root},
+};
+use anyhow::{Context as _, Result, bail};
+use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
+use std::path::PathBuf;
+use umbrage_core::{Scene, glam::UVec2};
+use umbrage_lab::{
+    cost::CostModel,
+    plan::{Bounds, Options, Plan, Setting, plan as find},
+};
+use umbrage_scenes::SceneError;
+
+/// Plans, prints, writes; fails if nothing is within the bounds.
+pub(super) fn plan(options: &PlanOptions) -> Result<()> {
+    let [name] = &options.scenes[..] else {
+        return Err(Usage("plan one scene at a time: give one SCENE, or --regret".to_owned()).into());
+    };
+    let bounds = Bounds { max_error: options.max_error, max_ms: options.max_ms, max_bytes: options.max_bytes };
+    bounds.validate().map_err(|_| Usage("give --max-error, --max-ms or --max-bytes, or some of them".to_owned()))?;
+    let scene = scene(name)?;
+    let progress = Progress::new();
+    let plan = find(&scene, &bounds, &settings(options), &|step| progress.note(step));
+    progress.finish();
+    let plan = plan?;
+    let files = write(&plan, &out(options))?;
+    print(&plan);
+    println!(
+        "\n{}",
+        files.iter().map(|(what, path)| format!("{what}: {}", path.display())).collect::<Vec<_>>().join("\n")
+    );
+    match plan.preset() {
+        Ok(_) => Ok(()),
+        Err(miss) => bail!("{miss}"),
+    }
+}
+
+/// A scene by name or path.
+pub(super) fn scene(name: &str) -> Result<Scene> {
+    match umbrage_scenes::by_argument(name) {
+        Ok(scene) => Ok(scene),
+        Err(e @ SceneError::Unknown { .. }) => Err(Usage(format!("{e} (see `cargo xtask compare --list`)")).into()),
+        Err(e) => Err(e.into()),
+    }
+}
+
+pub(super) fn settings(options: &PlanOptions) -> Options {
+    let cost = match options.backend {
+        PlanBackend::Cpu => CostModel::of("cpu"),
+        PlanBackend::Wgpu => CostModel::of("wgpu"),
+    };
+    let size = options.size.map(UVec2::from_array);
+    Options { samples: options.samples, seed: options.seed, cost, size, ..Options::default() }
+}
+
+pub(super) fn out(options: &PlanOptions) -> PathBuf {
+    options.out.clone().unwrap_or_else(|| root().join("target/plan"))
+}
+
+fn print(plan: &Plan) {
+    let [w, h] = plan.size;
+    let s = &plan.sampled;
+    println!("{}: {} light, {w} x {h}, {}", plan.scene, plan.light, plan.bounds);
+    println!(
+        "{} receivers sampled in {:.1} s, {} settings tried in {:.1} s\n",
+        s.receivers, s.looking, s.settings, s.trying
+    );
+    if let Some(chosen) = &plan.chosen {
+        println!("{}", chosen.label());
+        let e = &chosen.estimate;
+        println!(
+            "  error {:.4} ({:.4} to {:.4}, 9 in 10), of which too dark {:.4}, too light {:.4}",
+            e.error, e.low, e.high, e.too_dark, e.too_light
+        );
+        println!("  {:.3} ms predicted, {}", chosen.milliseconds, planning::bytes(chosen.bytes));
+    }
+    for reason in &plan.reasons {
+        println!("  * {reason}");
+    }
+    if !plan.runners_up.is_empty() {
+        println!("\nOthers that nothing tried beats in both error and time:\n{}", table(&plan.runners_up));
+    }
+}
+
+fn table(settings: &[Setting]) -> Table {
+    let mut table = Table::new();
+    table.load_style(UTF8_FULL_CONDENSED).set_content_arrangement(ContentArrangement::Dynamic);
+    table.set_header(["technique", "settings", "error", "9 in 10", "ms", "memory"]);
+    for s in settings {
+        let e = &s.estimate;
+        table.add_row([
+            s.technique.clone(),
+            s.settings.clone(),
+            format!("{:.4}", e.error),
+            format!("{:.4} to {:.4}", e.low, e.high),
+            format!("{:.3}", s.milliseconds),
+            planning::bytes(s.bytes),
+        ]);
+    }
+    table.column_iter_mut().skip(2).for_each(|c| c.set_cell_alignment(CellAlignment::Right));
+    table
+}
+
+/// The preset, the whole plan, and the curve that proves its bias.
+fn write(plan: &Plan, folder: &std::path::Path) -> Result<Vec<(&'static str, PathBuf)>> {
+    let at = |extension: &str| folder.join(format!("{}.{extension}", planning::file_stem(&plan.scene)));
+    std::fs::create_dir_all(folder).with_context(|| format!("{} could not be made", folder.display()))?;
+    let mut files = vec![("plan", at("json"), serde_json::to_string_pretty(plan)?)];
+    if let Some(chosen) = &plan.chosen {
+        files.insert(0, ("preset", at("toml"), chosen.preset.to_toml()?));
+    }
+    let mut written = Vec::new();
+    for (what, path, text) in files {
+        std::fs::write(&path, text).with_context(|| format!("{} could not be written", path.display()))?;
+        written.push((what, path));
+    }
+    Ok(written)
+}
