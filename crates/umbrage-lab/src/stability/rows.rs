@@ -122,10 +122,12 @@ const ROWS: &[Row] = &[
         still("hills", Measure::Rmse), Case::moving("hills-pan", "hills", Motion::Pan).with(steady_far),
     ]).without(CASCADES),
     row(11, "far from the origin", "positions and fits are coarse in 32 bits at 1e5 and 1e6 m", &[
-        Case::moving("hills-1e5-pan", "hills-1e5", Motion::Pan).with(steady_far), Case::moving("hills-1e6-pan", "hills-1e6", Motion::Pan).with(steady_far),
+        Case::moving("hills-1e5-pan", "hills-1e5", Motion::Pan).with(steady_far),
+        Case::moving("hills-1e6-pan", "hills-1e6", Motion::Pan).with(steady_far),
     ]),
     row(12, "turning camera", "a fit that isn't stabilised changes with every frame", &[
-        Case::moving("hills-yaw", "hills", Motion::Yaw).with(steady_far), Case::moving("hills-fov", "hills", Motion::Widening).with(steady_far),
+        Case::moving("hills-yaw", "hills", Motion::Yaw).with(steady_far),
+        Case::moving("hills-fov", "hills", Motion::Widening).with(steady_far),
     ]),
     row(13, "turning sun", "texels turn with the light and crawl along edges", &[
         Case::moving("hills-sun", "hills", Motion::Sun).with(steady_far),
