@@ -5,8 +5,8 @@ use std::fmt::Write as _;
 
 const CELL: [usize; 2] = [26, 19];
 /// Beside the cells: names of cases; above them: names of techniques.
-const LEFT: usize = 300;
-const TOP: usize = 150;
+const LEFT: usize = 335;
+const TOP: usize = 178;
 const BOTTOM: usize = 34;
 
 /// Ground and ink of a cell. Blue to orange, as all kinds of colour vision tell them apart (Okabe, Ito 2008).
@@ -25,7 +25,7 @@ pub(super) fn matrix(stability: &Stability) -> String {
     // Settings that only single rows try are the page's: the picture has those that all rows try.
     let Some(least) = stability.cases.iter().min_by_key(|c| c.cells.len()) else { return String::new() };
     let columns: Vec<String> = least.cells.iter().map(head).collect();
-    let (w, h) = (LEFT + columns.len() * CELL[0] + 70, TOP + stability.cases.len() * CELL[1] + BOTTOM);
+    let (w, h) = (LEFT + columns.len() * CELL[0] + 90, TOP + stability.cases.len() * CELL[1] + BOTTOM);
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {w} {h}\" width=\"{w}\" height=\"{h}\" \
          font-family=\"system-ui, 'Segoe UI', 'DejaVu Sans', sans-serif\" font-size=\"11.5\">\n\

@@ -30,10 +30,27 @@ pub(super) fn svg(sweep: &Sweep) -> String {
         .with_width(900.0)
         .with_height(420.0);
     if let Some(best) = sweep.best {
-        layout = layout.with_reference_line(ReferenceLine::vertical(best).with_label(format!("best: {best:.3}")));
+        layout =
+            layout.with_reference_line(ReferenceLine::vertical(best).with_label(format!("best: {}", two_digits(best))));
     }
     if let Some(limit) = sweep.limit {
         layout = layout.with_reference_line(ReferenceLine::horizontal(limit).with_label("limit"));
     }
     SvgBackend::new().render_scene(&render_multiple(plots, layout))
+}
+
+/// Two digits that count.
+fn two_digits(v: f64) -> String {
+    let decimals = (1.0 - v.abs().max(f64::MIN_POSITIVE).log10().floor()).clamp(0.0, 12.0) as usize;
+    format!("{v:.decimals$}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::two_digits;
+
+    #[test]
+    fn two_digits_count() {
+        assert_eq!([0.000_731, 0.376, 1.25, 48.2].map(two_digits), ["0.00073", "0.38", "1.2", "48"]);
+    }
 }
