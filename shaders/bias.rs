@@ -18,7 +18,8 @@
 //! Known failures: at grazing light no finite constant is enough; the offset of slope and normal grows past thin
 //! casters; the receiver's plane says nothing about a neighbouring triangle with another slope, so that under a low sun
 //! hills get acne along their creases, and its constant of 1e-5 covers the rounding of depths, but not that of positions
-//! far from the origin (shapes of a metre get acne from a kilometre on). Constant and slope-scaled biases are clip depth: under a lamp, whose clip depth is crowded near it,
+//! far from the origin (shapes of a metre get acne from a kilometre on). Constant and slope-scaled biases are clip depth:
+//! under a lamp, whose clip depth is crowded near it,
 //! they lose casters close to the lamp, and shadows start centimetres behind thin plates.
 
 use serde::{Deserialize, Serialize};

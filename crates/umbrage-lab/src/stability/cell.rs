@@ -16,7 +16,8 @@ pub struct Stability {
     pub frames: u32,
     /// Rows' cases, in the list's order.
     pub cases: Vec<CaseResult>,
-    /// What must not be: NaN, panics, validation errors, backends that disagree, a backend that works otherwise afterwards.
+    /// What must not be: NaN, panics, validation errors, backends that disagree, a backend that works otherwise
+    /// afterwards.
     pub faults: Vec<String>,
 }
 

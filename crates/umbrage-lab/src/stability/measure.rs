@@ -102,19 +102,19 @@ impl Measure {
                 "away from edges nothing may be wrong: one pixel in a thousand strays unseen, one in a hundred is a patch"
             }
             Self::Rmse => {
-                "twice a perfect map's of this size, and a step of 255; fails at four times that, or near no shadow at all"
+                "twice a perfect map's of this size, and a step of 255; fails at four times that, or near no shadow"
             }
             Self::Gap(_) => {
-                "twice a perfect map's of this size, and a row of pixels; fails at four times that, or near no shadow at all"
+                "twice a perfect map's of this size, and a row of pixels; fails at four times that, or near no shadow"
             }
             Self::ContactLeak(..) | Self::LeakAround(..) => {
-                "twice a perfect map's of this size, and one pixel in a hundred of the band; fails at four times that, or near no shadow at all"
+                "twice a perfect map's of this size, and one pixel in a hundred there; fails at four times that, or near no shadow"
             }
             Self::EdgeDisplacement => {
-                "twice a perfect map's of this size, and half a pixel; fails at four times that, or near no shadow at all"
+                "twice a perfect map's of this size, and half a pixel; fails at four times that, or near no shadow"
             }
             Self::Seams => {
-                "twice a perfect map's of this size, and one pixel in a thousand; fails at four times that, or near no shadow at all"
+                "twice a perfect map's of this size, and one pixel in a thousand; fails at four times that, or near no shadow"
             }
             Self::PenumbraRmse => {
                 "passes up to the noise of 16 independent rays a pixel; fails above half the error of a lamp without extent"
