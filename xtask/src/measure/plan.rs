@@ -126,6 +126,9 @@ fn write(plan: &Plan, folder: &std::path::Path) -> Result<Vec<(&'static str, Pat
     if !plan.curve.is_empty() {
         files.push(("bias curve", folder.join(format!("{}-bias.csv", planning::file_stem(&plan.scene))), curve(plan)));
     }
+    if let Some(figure) = umbrage_lab::plan::curve_figure(plan) {
+        files.push(("bias chart", folder.join(format!("{}-bias.svg", planning::file_stem(&plan.scene))), figure.svg()));
+    }
     let mut written = Vec::new();
     for (what, path, text) in files {
         std::fs::write(&path, text).with_context(|| format!("{} could not be written", path.display()))?;

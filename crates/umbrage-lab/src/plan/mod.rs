@@ -21,6 +21,8 @@ mod families;
 mod look;
 mod outcome;
 mod penumbra;
+#[cfg(feature = "report")]
+mod picture;
 mod planner;
 mod reasons;
 mod regret;
@@ -33,6 +35,8 @@ pub use bias::BiasKind;
 pub use bounds::Bounds;
 pub use estimate::Estimate;
 pub use outcome::{CurvePoint, Miss, Plan, Sampled};
+#[cfg(feature = "report")]
+pub use picture::curve_figure;
 pub use planner::Planner;
 pub use regret::{LEAST_KEPT, MOST_REGRET, Regret, regret};
 pub use setting::Setting;

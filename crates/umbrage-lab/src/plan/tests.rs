@@ -119,6 +119,8 @@ fn the_same_seed_gives_the_same_plan() {
     let [a, b] = [(); 2].map(|()| untimed(planned("cubes", &Bounds::error(0.08))));
     assert_eq!(a, b);
     assert!(!a.reasons.is_empty() && a.curve.iter().filter(|p| p.chosen).count() == 1);
+    #[cfg(feature = "report")]
+    assert!(curve_figure(&a).is_some_and(|figure| figure.svg().contains("gap (too light)")));
 }
 
 #[test]
