@@ -17,7 +17,7 @@ use std::path::PathBuf;
 #[command(name = "cargo xtask", bin_name = "cargo xtask", disable_help_subcommand = true)]
 #[command(after_help = "Examples:
   cargo xtask compare                 every built-in scene, technique and backend: table and report
-  cargo xtask plan cubes --max-ms 2   the best shadows for that scene within two milliseconds
+  cargo xtask plan cubes --max-time 2   the best shadows for that scene within two milliseconds
   cargo xtask test --install-driver   all tests, on a software driver if need be
   cargo xtask ci                      all that a change has to pass")]
 pub(crate) struct Cli {
@@ -230,7 +230,7 @@ mod tests {
             &["compare", "--runs", "0"],
             &["plan"],
             &["plan", "cubes", "--max-error", "nan"],
-            &["plan", "cubes", "--max-ms", "-1"],
+            &["plan", "cubes", "--max-time", "-1"],
             &["plan", "--regret", "--max-error", "0.1"],
             &["compare", "--shard", "9/8"],
             &["compare", "--deterministic", "--runs", "3"],

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 #[derive(Args, Clone, Debug, PartialEq)]
 #[command(after_help = "Examples:
   cargo xtask plan cubes --max-error 0.05             the cheapest within an error
-  cargo xtask plan lamp.toml --max-ms 2               the most accurate within a time
+  cargo xtask plan lamp.toml --max-time 2               the most accurate within a time
   cargo xtask plan model.obj --max-error 0.05 --max-bytes 4194304 --backend wgpu
   cargo xtask plan --regret                           are plans right? against sweeps of the suite
   cargo xtask plan --regret cubes --errors 0.05,0.1   the same: one scene, two bounds")]
@@ -19,7 +19,7 @@ pub(crate) struct PlanOptions {
     #[arg(long, value_name = "E", value_parser = parse_error)]
     pub(crate) max_error: Option<f64>,
     /// Greatest time of shadows a frame, milliseconds, as the backend's prices predict it
-    #[arg(long, value_name = "MS", value_parser = parse_ms)]
+    #[arg(long = "max-time", value_name = "MS", value_parser = parse_ms)]
     pub(crate) max_ms: Option<f64>,
     /// Most bytes of maps and tables
     #[arg(long, value_name = "B")]

@@ -21,7 +21,7 @@ pub(super) fn plan(options: &PlanOptions) -> Result<()> {
         return Err(Usage("plan one scene at a time: give one SCENE, or --regret".to_owned()).into());
     };
     let bounds = Bounds { max_error: options.max_error, max_ms: options.max_ms, max_bytes: options.max_bytes };
-    bounds.validate().map_err(|_| Usage("give --max-error, --max-ms or --max-bytes, or some of them".to_owned()))?;
+    bounds.validate().map_err(|_| Usage("give --max-error, --max-time or --max-bytes, or some of them".to_owned()))?;
     let scene = scene(name)?;
     let progress = Progress::new();
     let plan = find(&scene, &bounds, &settings(options), &|step| progress.note(step));
