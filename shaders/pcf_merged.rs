@@ -119,7 +119,7 @@ impl ReceiveKernel for MergedKernel {
     }
 
     fn asks(&self) -> Asks {
-        Asks::taps(self.0.samples.unsigned_abs().pow(2))
+        Asks::samples(self.0.samples.unsigned_abs().pow(2))
     }
 }
 

@@ -5,7 +5,9 @@ mod plan;
 mod stability;
 
 pub(crate) use merge::{MergeOptions, Shard};
-pub(crate) use plan::{PlanBackend, PlanOptions};
+#[cfg(feature = "measure")]
+pub(crate) use plan::PlanBackend;
+pub(crate) use plan::PlanOptions;
 pub(crate) use stability::StabilityOptions;
 
 use clap::{Args, Parser, Subcommand};

@@ -7,8 +7,10 @@ use rayon::prelude::*;
 /// What a kernel does for one receiver, at most.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Asks {
-    /// Texels loaded, or comparison samples taken.
+    /// Texels loaded.
     pub taps: u32,
+    /// Comparison samples taken, each of four texels.
+    pub samples: u32,
     /// Rays traced.
     pub rays: u32,
 }
@@ -23,12 +25,17 @@ impl Default for Asks {
 impl Asks {
     /// Taps alone.
     pub const fn taps(taps: u32) -> Self {
-        Self { taps, rays: 0 }
+        Self { taps, samples: 0, rays: 0 }
+    }
+
+    /// Comparison samples alone.
+    pub const fn samples(samples: u32) -> Self {
+        Self { taps: 0, samples, rays: 0 }
     }
 
     /// Rays alone.
     pub const fn rays(rays: u32) -> Self {
-        Self { taps: 0, rays }
+        Self { taps: 0, samples: 0, rays }
     }
 }
 
@@ -47,8 +54,10 @@ pub struct Work {
     pub filtered: u64,
     /// Pixels that receive shadows.
     pub receivers: u64,
-    /// Texels loaded or comparison samples taken by the lookup, at most.
+    /// Texels loaded by the lookup, at most.
     pub taps: u64,
+    /// Comparison samples taken by the lookup, at most.
+    pub samples: u64,
     /// Rays traced, at most.
     pub rays: u64,
     /// Casters' triangles among which rays look.
@@ -68,6 +77,7 @@ impl Work {
             passes: (recipe.casts.len() + recipe.filters.len() + 1) as u64,
             receivers,
             taps: receivers * u64::from(asks.taps),
+            samples: receivers * u64::from(asks.samples),
             rays: receivers * u64::from(asks.rays),
             casters: view.geometry.map_or(0, |g| g.casters().len() as u64),
             bytes: recipe.image_bytes() + recipe.table_bytes(),

@@ -43,5 +43,5 @@ pub enum AutoError {
     Lab(#[from] LabError),
     /// Nothing is within the budget: which bound fails, by how much, and what comes nearest.
     #[error(transparent)]
-    Miss(#[from] Miss),
+    Miss(#[from] Box<Miss>),
 }

@@ -122,6 +122,7 @@ mod tests {
             filtered: mix(i, 4),
             receivers: mix(i, 5),
             taps: mix(i, 6),
+            samples: mix(i, 8),
             rays: mix(i, 7),
             casters: 64,
             bytes: 0,
@@ -136,7 +137,7 @@ mod tests {
 
     #[test]
     fn known_prices_are_found_again() {
-        let known = CostModel { nanoseconds: [900.0, 20.0, 3.0, 1.0, 6.0, 5.0, 2.0, 40.0] };
+        let known = CostModel { nanoseconds: [900.0, 20.0, 3.0, 1.0, 6.0, 5.0, 2.0, 12.0, 40.0] };
         let found = fit(samples(&known));
         assert!(found.most_factor < 1.001, "{}", found.most_factor);
         for k in 0..KINDS {

@@ -62,7 +62,7 @@ mod tests {
         let truth = |i: u32| PixelTruth {
             visibility: 0.5,
             error: 0.0,
-            pixel: if hash(i) % 10 == 0 { Pixel::Ambiguous } else { Pixel::Counted },
+            pixel: if hash(i).is_multiple_of(10) { Pixel::Ambiguous } else { Pixel::Counted },
         };
         let mask = |i: u32| match hash(i + 9999) % 640 {
             n if n < i % 64 => 1.0,
