@@ -6,7 +6,7 @@
 //! * `rows.csv`: one [`Line`] a row. `overall.csv`: one line a setting over all scenes. `results.json`: the [`Comparison`]
 //!   as it is.
 //! * `<scene>/truth.png`, `<scene>/<technique>.<backend>.png` and `.error.png`, with colours `.color.png`, of the Pareto
-//!   fronts, each technique's best, and faults. On request NumPy arrays, float32, H x W, row 0 on top, -1 where the camera
+//!   fronts, each technique's best, and faults; of comparisons of three scenes or fewer, of all rows. On request NumPy arrays, float32, H x W, row 0 on top, -1 where the camera
 //!   hits nothing: `<scene>/truth.npy`, `t.npy` (distance along the unit camera ray), `ambiguous.npy`,
 //!   `<technique>.<backend>.npy`. Where a technique has several settings, they are part of the name.
 //! * `<scene>/scene.json`: the scene's figures, for a run that goes on where another was stopped, and for [`merge`].
@@ -91,7 +91,8 @@ impl Report {
         let truth = &images.truth;
         folder.write("truth.png", &picture(pictures::mask(truth.size, &truth.visibility, &truth.pixels))?)?;
         let chosen = chosen::rows(result);
-        let pictured = |i: &usize| chosen.contains(i) || images.colors[*i].is_some();
+        let all = self.plan.scenes.len() <= FEW_SCENES;
+        let pictured = |i: &usize| all || chosen.contains(i) || images.colors[*i].is_some();
         (0..result.rows.len())
             .into_par_iter()
             .filter(pictured)
@@ -117,6 +118,9 @@ impl Report {
         assemble::write(&self.path, &self.folder, &scenes)
     }
 }
+
+/// Of so many scenes, every row gets its pictures: whoever names a scene wants to see it.
+const FEW_SCENES: usize = 3;
 
 /// Writes the pictures of a row, if it was measured.
 fn row_pictures(folder: &Folder, result: &SceneResult, images: &SceneImages, row: usize) -> Result<(), LabError> {
