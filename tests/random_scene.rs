@@ -6,7 +6,7 @@ use std::sync::Arc;
 use umbrage_core::{Camera, Cull, Extents, Fit, Instance, Layout, Light, Mesh, RasterBias, Scene, ShadowTechnique};
 use umbrage_techniques::{
     BeyondFar, Bias, Border, Hard, MapFormat, Midpoint, Pattern, Pcf, PcfDisc, PcfDithered, PcfHardware, PcfMerged,
-    Pcss, Planar, SecondDepth, ShadowMap, ShadowVolumes, Surface, Traced,
+    Pcss, Planar, SecondDepth, ShadowMap, ShadowVolumes, Surface, Traced, Unshadowed,
 };
 
 /// Something to render: one scene, one technique.
@@ -171,6 +171,7 @@ fn techniques() -> impl Strategy<Value = Arc<dyn ShadowTechnique>> {
         3 => (maps(), 1..40_u32, 1..40_u32, patterns()).prop_map(|(map, blocker_taps, filter_taps, (pattern, rotate))| {
             Arc::new(Pcss { map, blocker_taps, filter_taps, pattern, rotate }) as Arc<dyn ShadowTechnique>
         }),
+        1 => Just(Arc::new(Unshadowed {}) as Arc<dyn ShadowTechnique>),
         1 => Just(Arc::new(Planar { planes: 40 }) as Arc<dyn ShadowTechnique>),
         2 => Just(Arc::new(ShadowVolumes::default()) as Arc<dyn ShadowTechnique>),
         1 => (1..5_u32).prop_map(|samples| Arc::new(Traced { samples }) as Arc<dyn ShadowTechnique>),

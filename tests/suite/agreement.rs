@@ -21,7 +21,7 @@ use umbrage_tests::{
 /// So many that a thousand are rendered with maps; some lights are not supported, and some cases are ray-traced.
 const SCENES: u32 = 1_600;
 /// Techniques that look up no shadow map.
-const MAPLESS: [&str; 3] = ["planar", "volumes", "traced"];
+const MAPLESS: [&str; 4] = ["none", "planar", "volumes", "traced"];
 /// Scenes that each technique must have rendered at the least; planar shadows refuse most.
 const LEAST_EACH: u32 = 25;
 

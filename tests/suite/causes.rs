@@ -80,6 +80,6 @@ fn a_gap_has_the_biases_length() {
         let bias = Bias { constant, ..Bias::NONE };
         stage.causes(&Hard { map: ShadowMap { size: 2048, bias, ..ShadowMap::default() } }).gap_metres.expect("a gap")
     };
-    let ratio = gap(0.02) / gap(0.01);
+    let ratio = gap(0.06) / gap(0.03);
     assert!((ratio - 2.0).abs() < 0.15, "{ratio}");
 }

@@ -18,11 +18,11 @@ use std::path::PathBuf;
 #[derive(Debug, Parser)]
 #[command(name = "cargo xtask", bin_name = "cargo xtask", disable_help_subcommand = true)]
 #[command(after_help = "Examples:
-  cargo xtask compare                 every built-in scene, technique and backend: table and report
-  cargo xtask stability --quick       where each technique fails: a matrix with pictures
-  cargo xtask plan cubes --max-time 2 the best shadows for that scene within two milliseconds
-  cargo xtask test --install-driver   all tests, on a software driver if need be
-  cargo xtask ci                      all that a change has to pass")]
+  cargo xtask compare                   every built-in scene, technique and backend: table and report
+  cargo xtask stability --quick         where each technique fails: a matrix with pictures
+  cargo xtask plan cubes --max-time 2   the best shadows for that scene within two milliseconds
+  cargo xtask test --install-driver     all tests, on a software driver if need be
+  cargo xtask ci                        all that a change has to pass")]
 pub(crate) struct Cli {
     #[command(subcommand)]
     pub(crate) command: Command,

@@ -102,7 +102,7 @@ fn exactness(trial: &Trial<'_>, chosen: &Setting) -> Result<Option<String>, LabE
             let layers = trial.look.recipe(&chosen.preset)?.images.first().map_or(0, |image| image.layers);
             Some(format!("all that is seen lit is flat, in {layers} planes: flattened casters have exact edges there"))
         }
-        Preset::Volumes(_) => Some("volumes have exact edges, and these casters' cover little enough".to_owned()),
+        Preset::Volumes(_) => Some("volumes have exact edges, and these casters' are cheap to fill".to_owned()),
         Preset::Traced(_) => Some("no map came within the bounds for less than rays cost".to_owned()),
         _ => None,
     })
@@ -148,15 +148,11 @@ fn cheaper(all: &[&Setting], chosen: &Setting, bounds: &Bounds) -> Vec<String> {
 fn bias(curve: &[CurvePoint]) -> Option<String> {
     let chosen = curve.iter().find(|p| p.chosen)?;
     let kind: Vec<&CurvePoint> = curve.iter().filter(|p| p.kind == chosen.kind).collect();
-    let (least, most) = (kind.first()?, kind.last()?);
     let told = |p: &CurvePoint| {
         format!("{:.2} texels: {:.4} too dark, {:.4} too light", p.texels, p.estimate.too_dark, p.estimate.too_light)
     };
-    Some(format!(
-        "of all biases tried {} leaves the least acne and gap at {}; ({}; {})",
-        chosen.kind.name(),
-        told(chosen),
-        told(least),
-        told(most)
-    ))
+    let (chosen_name, best) = (chosen.kind.name(), told(chosen));
+    let ends = [kind.first()?, kind.last()?].into_iter().filter(|end| end.texels != chosen.texels).map(|end| told(end));
+    let ends = ends.collect::<Vec<_>>().join("; ");
+    Some(format!("of all biases tried {chosen_name} leaves the least acne and gap: {best} (others: {ends})"))
 }
