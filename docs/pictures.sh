@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the README's pictures again. The picture of the report needs Chromium.
+# Makes the pictures of the README and of docs/causes.md again: some twenty minutes.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 report=target/pictures
@@ -15,6 +15,7 @@ mkdir -p docs/textbook
 for name in acne soft point-light contact; do
   cp "$report/textbook/$name.fault.png" "$report/textbook/$name.cure.png" docs/textbook/
 done
-chromium --headless --no-sandbox --disable-gpu --no-first-run --disable-background-networking --hide-scrollbars \
-  --window-size=1200,1650 --virtual-time-budget=8000 --user-data-dir="$(mktemp -d)" \
-  --screenshot="$PWD/docs/report.png" "file://$PWD/$report/index.html"
+cargo xtask compare --out "$report/suite"
+cp "$report/suite/chart-time.png" docs/chart.png
+cargo xtask stability --out "$report/stability"
+cp "$report/stability/matrix.svg" docs/matrix.svg

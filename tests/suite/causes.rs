@@ -51,7 +51,8 @@ fn each_cause_shows_alone_on_its_scene() {
         println!("{name}: {causes:?}");
         for (cause, share) in shares(&causes) {
             if cause == expected {
-                assert!(share > 0.003, "{name}: {causes:?}");
+                // A step of 255 over all counted pixels: more than rounding could ever add up to.
+                assert!(share > 1.0 / 255.0, "{name}: {causes:?}");
             } else {
                 assert_eq!(share, 0.0, "{name}: {causes:?}");
             }
@@ -81,5 +82,6 @@ fn a_gap_has_the_biases_length() {
         stage.causes(&Hard { map: ShadowMap { size: 2048, bias, ..ShadowMap::default() } }).gap_metres.expect("a gap")
     };
     let ratio = gap(0.06) / gap(0.03);
-    assert!((ratio - 2.0).abs() < 0.15, "{ratio}");
+    // Rows of pixels are 8 mm apart on the ground, and the shorter gap is five times as long.
+    assert!((ratio - 2.0).abs() < 0.4, "{ratio}");
 }

@@ -4,7 +4,7 @@
 use glam::{UVec2, Vec2, Vec3};
 use std::f32::consts::TAU;
 use umbrage_core::{
-    Backend, Geometry, Light, LightSpace, NO_TRIANGLE, Receivers, Recipe, Scene, ShadowTechnique, View,
+    Backend, Geometry, Light, LightSpace, NO_TRIANGLE, PlanError, Receivers, Recipe, Scene, ShadowTechnique, View,
 };
 use umbrage_cpu::Cpu;
 use umbrage_lab::truth::{Point, TruthOptions, trace_points};
@@ -68,7 +68,10 @@ impl Case {
     fn masks(&self, technique: &dyn ShadowTechnique, gpu: &mut Gpu) -> Option<(Recipe, [Vec<f32>; 2])> {
         let camera = self.scene.cameras[0].resized(self.receivers.size);
         let view = View::new(&camera, &self.scene.lights[0], &self.geometry);
-        let recipe = technique.plan(&view).ok()?;
+        let recipe = match technique.plan(&view) {
+            Err(PlanError::Unsupported(_)) => return None,
+            other => other.expect("parameters are valid"),
+        };
         let view = view.with_receivers(&self.receivers);
         let cpu = Cpu::new().render(&view, &recipe).expect("plays").mask;
         let gpu = gpu.render(&view, &recipe).expect("plays").mask;

@@ -92,8 +92,11 @@ fn guard(changes: &Changes) -> Result<()> {
             println!("  and {} more", lines.len() - MOST_LINES);
         }
     }
+    if changes.compared == 0 {
+        bail!("not one row of the baseline could be compared: give it the same scenes and options");
+    }
     if changes.worse.is_empty() {
-        println!("nothing got worse");
+        println!("nothing got worse in {} rows", changes.compared);
         return Ok(());
     }
     bail!("{} figures are worse than the baseline's:\n  {}", changes.worse.len(), changes.worse.join("\n  "))
@@ -151,6 +154,9 @@ fn settings(options: &CompareOptions) -> Result<Options> {
     out.truth.samples = options.samples.unwrap_or(out.truth.samples);
     if !options.map_sizes.is_empty() {
         out.map_sizes.clone_from(&options.map_sizes);
+        // Sweeps take the middle one for granted.
+        out.map_sizes.sort_unstable();
+        out.map_sizes.dedup();
     }
     Ok(out)
 }

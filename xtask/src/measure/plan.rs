@@ -28,7 +28,7 @@ pub(super) fn plan(options: &PlanOptions) -> Result<()> {
     progress.finish();
     let plan = plan?;
     let files = write(&plan, &out(options))?;
-    print(&plan);
+    print(&plan, kind(options));
     println!(
         "\n{}",
         files.iter().map(|(what, path)| format!("{what}: {}", path.display())).collect::<Vec<_>>().join("\n")
@@ -48,11 +48,16 @@ pub(super) fn scene(name: &str) -> Result<Scene> {
     }
 }
 
+/// The kind of backend whose prices count.
+fn kind(options: &PlanOptions) -> &'static str {
+    match options.backend {
+        PlanBackend::Cpu => "cpu",
+        PlanBackend::Wgpu => "wgpu",
+    }
+}
+
 pub(super) fn settings(options: &PlanOptions) -> Options {
-    let cost = match options.backend {
-        PlanBackend::Cpu => CostModel::of("cpu"),
-        PlanBackend::Wgpu => CostModel::of("wgpu"),
-    };
+    let cost = CostModel::of(kind(options));
     let size = options.size.map(UVec2::from_array);
     Options { samples: options.samples, seed: options.seed, cost, size, ..Options::default() }
 }
@@ -61,7 +66,7 @@ pub(super) fn out(options: &PlanOptions) -> PathBuf {
     options.out.clone().unwrap_or_else(|| root().join("target/plan"))
 }
 
-fn print(plan: &Plan) {
+fn print(plan: &Plan, kind: &str) {
     let [w, h] = plan.size;
     let s = &plan.sampled;
     println!("{}: {} light, {w} x {h}, {}", plan.scene, plan.light, plan.bounds);
@@ -76,7 +81,8 @@ fn print(plan: &Plan) {
             "  error {:.4} ({:.4} to {:.4}, 9 in 10), of which too dark {:.4}, too light {:.4}",
             e.error, e.low, e.high, e.too_dark, e.too_light
         );
-        println!("  {:.3} ms predicted, {}", chosen.milliseconds, planning::bytes(chosen.bytes));
+        let (ms, factor, bytes) = (chosen.milliseconds, CostModel::most_factor_of(kind), planning::bytes(chosen.bytes));
+        println!("  {ms:.3} ms predicted (on the reference machine within x{factor}, 9 in 10), {bytes}");
     }
     for reason in &plan.reasons {
         println!("  * {reason}");

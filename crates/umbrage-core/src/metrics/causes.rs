@@ -16,7 +16,8 @@ use crate::Invalid;
 use glam::UVec2;
 
 /// A blocker touches its shadow where it lies closer to the receiver than this fraction (1/32) of the diagonal of the box
-/// around all that is seen: no bias in use is greater than the textbooks' .05 of the depth range.
+/// around all that is seen. It tells where a gap begins, not how far it reaches: so it must only be longer than a few pixels (in
+/// a picture 480 wide, some fifteen), and much shorter than the distance between things.
 pub const CONTACT: f32 = 1.0 / 32.0;
 
 /// What an error comes from. The first five are means of |mask - truth| over all counted pixels, 0..=1.

@@ -32,6 +32,8 @@ pub const TIME_NOISE: f64 = 0.3;
 /// What has changed, one line each.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Changes {
+    /// Rows that both have and that could be compared: a guard that compared nothing guards nothing.
+    pub compared: usize,
     /// Slower, dearer, larger or less accurate: what a guard refuses.
     pub worse: Vec<String>,
     /// The opposite.
@@ -88,8 +90,14 @@ fn incomparable(old: &SceneResult, new: &SceneResult) -> Option<String> {
         ("its image has another size", old.size != new.size),
         ("its truth has other samples", old.truth.samples != new.truth.samples),
         ("other pixels count", old.truth.counted != new.truth.counted),
+        ("its light or camera moved", moved(old.rmse_of_none, new.rmse_of_none)),
     ];
     facts.iter().find(|(_, differs)| *differs).map(|(why, _)| (*why).to_owned())
+}
+
+/// How much is in shadow depends on truth alone: it changes with light and camera, not with techniques.
+fn moved(old: [f64; 2], new: [f64; 2]) -> bool {
+    old.iter().zip(new).any(|(old, new)| (old - new).abs() > ROUNDING * old.abs().max(new.abs()))
 }
 
 /// One scene, then and now.
@@ -120,6 +128,7 @@ impl Pair<'_> {
     }
 
     fn row(&self, old: &Row, new: &Row, out: &mut Changes) {
+        out.compared += 1;
         let (then, now) = match (&old.outcome, &new.outcome) {
             (Outcome::Measured(then), Outcome::Measured(now)) => (then, now),
             (Outcome::Measured(_), Outcome::Unsupported { reason }) => {

@@ -143,7 +143,11 @@ impl<'a> Planner<'a> {
         let points = if family.preset().map().is_some() { self.trial.curve(&family, size)? } else { Vec::new() };
         let affordable = points.iter().map(|(.., s)| s).filter(|s| bounds.affords(s.milliseconds, s.bytes));
         let best = affordable.min_by(|a, b| a.estimate.error.total_cmp(&b.estimate.error));
-        let best = best.filter(|b| b.estimate.error < chosen.estimate.error).cloned().unwrap_or(chosen);
+        // What was chosen may come from the greater sample: another bias must hold there, too.
+        let best = best.filter(|b| b.estimate.error < chosen.estimate.error).cloned();
+        let best = best.map(|b| self.ask_again(&b)).transpose()?;
+        let surely = |s: &Setting| bounds.max_error.is_none_or(|error| s.estimate.high <= error);
+        let best = best.filter(|b| surely(b) && b.estimate.error < chosen.estimate.error).unwrap_or(chosen);
         let point = |(kind, texels, setting): &(_, _, Setting)| CurvePoint {
             kind: *kind,
             texels: *texels,

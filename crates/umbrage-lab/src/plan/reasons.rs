@@ -102,8 +102,8 @@ fn exactness(trial: &Trial<'_>, chosen: &Setting) -> Result<Option<String>, LabE
             let layers = trial.look.recipe(&chosen.preset)?.images.first().map_or(0, |image| image.layers);
             Some(format!("all that is seen lit is flat, in {layers} planes: flattened casters have exact edges there"))
         }
-        Preset::Volumes(_) => Some("volumes have exact edges, and these casters' are cheap to fill".to_owned()),
-        Preset::Traced(_) => Some("no map came within the bounds for less than rays cost".to_owned()),
+        Preset::Volumes(_) => Some("volumes have exact edges".to_owned()),
+        Preset::Traced(_) => Some("rays need no map, and no bias".to_owned()),
         _ => None,
     })
 }
@@ -137,8 +137,9 @@ fn cheaper(all: &[&Setting], chosen: &Setting, bounds: &Bounds) -> Vec<String> {
         }
     }
     best.sort_by(|a, b| a.estimate.error.total_cmp(&b.estimate.error));
-    let bound = bounds.max_error.map_or(String::new(), |e| format!(", more than {e} with its uncertainty"));
     let line = |s: &&Setting| {
+        let over = bounds.max_error.filter(|&e| s.estimate.high > e);
+        let bound = over.map_or(String::new(), |e| format!(", more than {e} with its uncertainty"));
         format!("{} is cheaper ({:.3} ms) and errs by {:.4}{bound}", s.label(), s.milliseconds, s.estimate.error)
     };
     best.iter().take(NAMED).map(line).collect()

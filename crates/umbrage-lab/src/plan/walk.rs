@@ -88,7 +88,11 @@ impl Planner<'_> {
         }
         Ok(match best {
             Some((place, setting)) => Found::Chosen(place, setting),
-            None => Found::Missed(self.miss(bounds, None)),
+            None => {
+                // The least of all is priced, so that the answer can say what is missing.
+                self.settle(Place { family: 0, size: 0 }, None)?;
+                Found::Missed(self.miss(bounds, None))
+            }
         })
     }
 

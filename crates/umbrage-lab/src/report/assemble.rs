@@ -37,7 +37,11 @@ pub(super) fn write(path: &Path, folder: &Folder, scenes: &[Stored]) -> Result<(
     folder.write("results.json", &json)?;
     for (name, clock) in [("time", Clock::Wall), ("cost", Clock::Cost)] {
         let dots = chart::relative_dots(&all, clock);
-        if !dots.is_empty() {
+        if dots.is_empty() {
+            // An older run's would not belong to these data.
+            folder.remove(&format!("chart-{name}.svg"))?;
+            folder.remove(&format!("chart-{name}.png"))?;
+        } else {
             let figure = still::figure(&dots, &still::of_all(all.iter().map(|r| r.scenes).max().unwrap_or(0), clock));
             folder.write(&format!("chart-{name}.svg"), figure.svg().as_bytes())?;
             folder.write(&format!("chart-{name}.png"), &figure.png()?)?;

@@ -36,6 +36,15 @@ impl Folder {
         fs::rename(&unfinished, &path).map_err(|source| LabError::Write { path, source })
     }
 
+    /// Removes a file, if it is there.
+    pub(super) fn remove(&self, name: &str) -> Result<(), LabError> {
+        let path = self.0.join(name);
+        match fs::remove_file(&path) {
+            Err(source) if source.kind() != io::ErrorKind::NotFound => Err(LabError::Write { path, source }),
+            _ => Ok(()),
+        }
+    }
+
     /// Writes a file.
     pub(crate) fn write(&self, name: &str, bytes: &[u8]) -> Result<(), LabError> {
         let path = self.0.join(name);

@@ -66,7 +66,8 @@ impl Report {
         let arrays = !self.arrays || path.join("truth.npy").is_file();
         let undated = |e: &Environment| Environment { date: None, ..e.clone() };
         Stored::read(&path).is_some_and(|s| {
-            let same_run = s.program == self.program && undated(&s.environment) == undated(environment);
+            let known = !s.program.is_empty() && s.program == self.program;
+            let same_run = known && undated(&s.environment) == undated(environment);
             arrays && same_run && s.place == place && s.plan == self.plan
         })
     }
