@@ -220,10 +220,12 @@ pub fn depth_at(l: &Lookup, x: i32, y: i32) -> f32 {
     depth_on_plane(l.depth, l.gradient, l.texel, x, y)
 }
 
-/// `depth` moved along `gradient` from `from` to the centre of texel (x, y).
+/// `depth` moved along `gradient` from `from` to the centre of texel (x, y). What lay before the far plane stays there, since
+/// texels that nothing was drawn to hold 1.
 #[inline(always)]
 pub fn depth_on_plane(depth: f32, gradient: Vec2, from: Vec2, x: i32, y: i32) -> f32 {
-    depth + gradient.x * (x as f32 + 0.5 - from.x) + gradient.y * (y as f32 + 0.5 - from.y)
+    let moved = depth + gradient.x * (x as f32 + 0.5 - from.x) + gradient.y * (y as f32 + 0.5 - from.y);
+    moved.min(depth.max(1.0))
 }
 
 /// A map, as kernels' Rust halves read it.

@@ -25,7 +25,8 @@ fn plane_gradient(clip_from_world: mat4x4f, clip: vec4f, n: vec3f, size: f32, li
 }
 
 fn depth_on_plane(depth: f32, gradient: vec2f, from_texel: vec2f, x: i32, y: i32) -> f32 {
-    return depth + gradient.x * (f32(x) + 0.5 - from_texel.x) + gradient.y * (f32(y) + 0.5 - from_texel.y);
+    let moved = depth + gradient.x * (f32(x) + 0.5 - from_texel.x) + gradient.y * (f32(y) + 0.5 - from_texel.y);
+    return min(moved, max(depth, 1.0));
 }
 
 fn lookup_gradient(m: MapLookup, clip_from_world: mat4x4f, clip: vec4f, n: vec3f) -> vec2f {

@@ -280,7 +280,10 @@ impl Comparisons<'_> {
             } else {
                 r.depth[i]
             };
-            depth[i] = if bent < self.farthest { bent } else { self.farthest };
+            // As `depth_on_plane`, and no farther than what is followed.
+            let before_far = if r.depth[i] > 1.0 { r.depth[i] } else { 1.0 };
+            let farthest = if before_far < self.farthest { before_far } else { self.farthest };
+            depth[i] = if bent < farthest { bent } else { farthest };
         }
         depth
     }

@@ -93,7 +93,7 @@ pub enum Event<'a> {
     },
 }
 
-/// Plays all rows wanted on all backends. What fails as it is known to is a result; what must not be (NaN, a panic, a
+/// Plays all rows wanted, still ones on all backends, moving ones on the first. What fails as it is known to is a result; what must not be (NaN, a panic, a
 /// validation error, backends that disagree) is told in [`Stability::faults`].
 ///
 /// # Errors
