@@ -119,7 +119,7 @@ impl ReceiveKernel for PcfDiscKernel {
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
         let (lookup, simd) = (&self.uniforms.lookup, inputs.simd);
         let (map, shape) = (lookup.map(&inputs.images[0]), self.pattern.shape);
-        let at = Comparisons { map, shape, farthest: lookup.farthest, plane: lookup.receiver_plane > 0.0 };
+        let at = Comparisons { map, shape, plane: lookup.receiver_plane > 0.0 };
         look_up_span(simd, lookup, span, out, &DiscOfTaps { kernel: self, simd, at, pixel: span.first });
     }
 

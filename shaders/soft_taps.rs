@@ -173,8 +173,6 @@ pub(crate) struct Comparisons<'a> {
     pub(crate) map: DepthMap<'a>,
     /// Squares are shifted, discs are not.
     pub(crate) shape: Shape,
-    /// As [`MapLookup::farthest`](crate::lookup::MapLookup::farthest): taps on the receiver's plane go no farther.
-    pub(crate) farthest: f32,
     /// Whether receivers' depths differ from tap to tap.
     pub(crate) plane: bool,
 }
@@ -280,9 +278,8 @@ impl Comparisons<'_> {
             } else {
                 r.depth[i]
             };
-            // As `depth_on_plane`, and no farther than what is followed.
-            let before_far = if r.depth[i] > 1.0 { r.depth[i] } else { 1.0 };
-            let farthest = if before_far < self.farthest { before_far } else { self.farthest };
+            // As `depth_on_plane`.
+            let farthest = if r.depth[i] > 1.0 { r.depth[i] } else { 1.0 };
             depth[i] = if bent < farthest { bent } else { farthest };
         }
         depth

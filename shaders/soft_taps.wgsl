@@ -9,7 +9,7 @@ fn tap_depths(l: Lookup, size: i32, axes: vec4f, tap: u32, shift: vec2f) -> vec2
     let place = tap_place(l.texel, axes, pattern_row(tap).xy, shift);
     let x = i32(floor(place.x));
     let y = i32(floor(place.y));
-    let receiver = min(depth_at(l, x, y), kernel.lookup.farthest);
+    let receiver = depth_at(l, x, y);
     let texel = vec2i(clamp(x, 0, size - 1), clamp(y, 0, size - 1));
     if kernel.lookup.clamped == 0u && (texel.x != x || texel.y != y) {
         return vec2f(2.0, receiver);

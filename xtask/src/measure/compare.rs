@@ -1,19 +1,17 @@
 //! `compare`: scenes in, a table and a report out. All the work is the lab's.
 
-use super::{progress::Progress, table};
+use super::{inputs, progress::Progress, table};
 use crate::{
-    cli::{Backend, CompareOptions, Shard},
+    cli::{CompareOptions, Shard},
     run::{Usage, root},
 };
 use anyhow::{Result, bail};
 use umbrage_core::glam::UVec2;
 use umbrage_lab::{
     baseline::{Changes, changes, read},
-    compare::{BackendChoice, Backends, Comparison, Event, Options, Runs, SceneInput, compare as run},
+    compare::{Backends, Comparison, Event, Options, Runs, SceneInput, compare as run},
     report::{Plan, Report},
 };
-use umbrage_scenes::SceneError;
-use umbrage_wgpu::AdapterChoice;
 
 /// Compares, prints, reports; fails if backends disagree, a control has no effect, or something got worse.
 pub(super) fn compare(options: &CompareOptions) -> Result<()> {
@@ -21,7 +19,7 @@ pub(super) fn compare(options: &CompareOptions) -> Result<()> {
     let baseline = options.baseline.as_deref().map(read).transpose().map_err(|e| Usage(e.to_string()))?;
     let inputs = scenes(&options.scenes)?;
     let settings = settings(options)?;
-    let mut backends = Backends::open(choice(options.backend), &adapter(options))?;
+    let mut backends = Backends::open(inputs::choice(options.backend), &inputs::adapter(options.adapter.as_ref()))?;
     for line in backends.notices.iter().cloned().chain(backends.playing.iter().map(|b| format!("on {}", b.name()))) {
         println!("{line}");
     }
@@ -129,11 +127,7 @@ fn scene(name: &str) -> Result<SceneInput> {
     let entry = umbrage_scenes::find(name);
     let summary = entry.map_or(String::new(), |e| e.summary.to_owned());
     let fit = entry.and_then(|e| e.fit);
-    match umbrage_scenes::by_argument(name) {
-        Ok(scene) => Ok(SceneInput { scene, summary, fit }),
-        Err(e @ SceneError::Unknown { .. }) => Err(Usage(format!("{e} (see `cargo xtask compare --list`)")).into()),
-        Err(e) => Err(e.into()),
-    }
+    Ok(SceneInput { scene: inputs::scene(name)?, summary, fit })
 }
 
 fn settings(options: &CompareOptions) -> Result<Options> {
@@ -159,18 +153,4 @@ fn settings(options: &CompareOptions) -> Result<Options> {
         out.map_sizes.dedup();
     }
     Ok(out)
-}
-
-fn choice(backend: Backend) -> BackendChoice {
-    match backend {
-        Backend::Available => BackendChoice::Available,
-        Backend::Cpu => BackendChoice::Cpu,
-        Backend::Wgpu => BackendChoice::Wgpu,
-        Backend::Both => BackendChoice::Both,
-    }
-}
-
-fn adapter(options: &CompareOptions) -> AdapterChoice {
-    let from_env = AdapterChoice::from_env();
-    AdapterChoice { name: options.adapter.clone().or(from_env.name), ..from_env }
 }

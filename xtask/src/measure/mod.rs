@@ -8,6 +8,8 @@ mod compare;
 #[cfg(feature = "measure")]
 mod costs;
 #[cfg(feature = "measure")]
+mod inputs;
+#[cfg(feature = "measure")]
 mod list;
 #[cfg(feature = "measure")]
 mod merge;

@@ -1,6 +1,9 @@
 //! `plan`: a scene and bounds in, a preset and its reasons out. All the work is the lab's.
 
-use super::planning::{self, Progress};
+use super::{
+    inputs,
+    planning::{self, Progress},
+};
 use crate::{
     cli::{PlanBackend, PlanOptions},
     run::{Usage, root},
@@ -8,12 +11,11 @@ use crate::{
 use anyhow::{Context as _, Result, bail};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
 use std::path::PathBuf;
-use umbrage_core::{Scene, glam::UVec2};
+use umbrage_core::glam::UVec2;
 use umbrage_lab::{
     cost::CostModel,
     plan::{Bounds, Options, Plan, Setting, plan as find},
 };
-use umbrage_scenes::SceneError;
 
 /// Plans, prints, writes; fails if nothing is within the bounds.
 pub(super) fn plan(options: &PlanOptions) -> Result<()> {
@@ -22,7 +24,7 @@ pub(super) fn plan(options: &PlanOptions) -> Result<()> {
     };
     let bounds = Bounds { max_error: options.max_error, max_ms: options.max_ms, max_bytes: options.max_bytes };
     bounds.validate().map_err(|_| Usage("give --max-error, --max-time or --max-bytes, or some of them".to_owned()))?;
-    let scene = scene(name)?;
+    let scene = inputs::scene(name)?;
     let progress = Progress::new();
     let plan = find(&scene, &bounds, &settings(options), &|step| progress.note(step));
     progress.finish();
@@ -36,15 +38,6 @@ pub(super) fn plan(options: &PlanOptions) -> Result<()> {
     match plan.preset() {
         Ok(_) => Ok(()),
         Err(miss) => bail!("{miss}"),
-    }
-}
-
-/// A scene by name or path.
-pub(super) fn scene(name: &str) -> Result<Scene> {
-    match umbrage_scenes::by_argument(name) {
-        Ok(scene) => Ok(scene),
-        Err(e @ SceneError::Unknown { .. }) => Err(Usage(format!("{e} (see `cargo xtask compare --list`)")).into()),
-        Err(e) => Err(e.into()),
     }
 }
 

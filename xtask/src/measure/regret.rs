@@ -1,7 +1,8 @@
 //! `plan --regret`: plans against exhaustive sweeps.
 
 use super::{
-    plan::{out, scene, settings},
+    inputs::scene,
+    plan::{out, settings},
     planning::Progress,
 };
 use crate::cli::PlanOptions;

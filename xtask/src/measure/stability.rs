@@ -1,5 +1,6 @@
 //! `stability`: rows in, a matrix and a report out. All the work is the lab's.
 
+use super::inputs;
 use crate::{
     cli::{Backend, StabilityOptions},
     run::{Usage, root},
@@ -15,7 +16,6 @@ use umbrage_lab::{
         sweeps::{self, Sweep},
     },
 };
-use umbrage_wgpu::AdapterChoice;
 
 /// Plays, prints, reports; fails if anything came out that must not be.
 pub(super) fn stability(options: &StabilityOptions) -> Result<()> {
@@ -24,7 +24,7 @@ pub(super) fn stability(options: &StabilityOptions) -> Result<()> {
         return Ok(());
     }
     let settings = settings(options)?;
-    let open = || Backends::open(choice(options), &adapter(options));
+    let open = || Backends::open(choice(options), &inputs::adapter(options.adapter.as_ref()));
     let mut backends = open()?;
     backends.notices.iter().for_each(|line| println!("{line}"));
     backends.playing.iter().for_each(|b| println!("on {}", b.name()));
@@ -165,16 +165,6 @@ fn verdict(stability: &Stability) -> Result<()> {
 
 /// A software driver is too slow for a first look.
 fn choice(options: &StabilityOptions) -> BackendChoice {
-    match options.backend {
-        None if options.quick => BackendChoice::Cpu,
-        None | Some(Backend::Available) => BackendChoice::Available,
-        Some(Backend::Cpu) => BackendChoice::Cpu,
-        Some(Backend::Wgpu) => BackendChoice::Wgpu,
-        Some(Backend::Both) => BackendChoice::Both,
-    }
-}
-
-fn adapter(options: &StabilityOptions) -> AdapterChoice {
-    let from_env = AdapterChoice::from_env();
-    AdapterChoice { name: options.adapter.clone().or(from_env.name), ..from_env }
+    let otherwise = if options.quick { Backend::Cpu } else { Backend::Available };
+    inputs::choice(options.backend.unwrap_or(otherwise))
 }

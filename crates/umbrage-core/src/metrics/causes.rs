@@ -174,7 +174,8 @@ fn flood(size: UVec2, start: impl Fn(usize) -> bool, spread: impl Fn(usize) -> b
     set
 }
 
-fn is_penumbra(visibility: f32) -> bool {
+/// Whether a visibility counts as penumbra: see [`PENUMBRA`].
+pub fn is_penumbra(visibility: f32) -> bool {
     (PENUMBRA..=1.0 - PENUMBRA).contains(&visibility)
 }
 

@@ -5,11 +5,7 @@
 //! Dithering with n equal taps takes 1/n off the sum.
 
 use glam::Vec3;
-use umbrage_core::{Receivers, metrics::PENUMBRA};
-
-fn is_penumbra(v: f32) -> bool {
-    (PENUMBRA..=1.0 - PENUMBRA).contains(&v)
-}
+use umbrage_core::{Receivers, metrics::is_penumbra};
 
 /// RMSE over the pixels that truth has in penumbra; 0 without any.
 pub fn rmse(mask: &[f32], truth: &[f32], counts: impl Fn(usize) -> bool) -> f64 {
