@@ -17,10 +17,10 @@
 //!
 //! Known failures: at grazing light no finite constant is enough; the offset of slope and normal grows past thin
 //! casters; the receiver's plane says nothing about a neighbouring triangle with another slope, so that under a low sun
-//! hills get acne along their creases, and its constant of 1e-5 covers the rounding of depths, but not that of positions
-//! far from the origin (shapes of a metre get acne from a kilometre on). Constant and slope-scaled biases are clip depth:
-//! under a lamp, whose clip depth is crowded near it,
-//! they lose casters close to the lamp, and shadows start centimetres behind thin plates.
+//! hills get acne along their creases. Far from the origin positions are rounded: under directional light the constants of
+//! normal offset and receiver's plane grow with that, and shadows start as far behind their casters; lamps get acne there
+//! (shapes of a metre from a kilometre on). Constant and slope-scaled biases are clip depth: under a lamp, whose clip depth
+//! is crowded near it, they lose casters close to the lamp, and shadows start centimetres behind thin plates.
 
 use serde::{Deserialize, Serialize};
 use umbrage_core::{Cull, Invalid, RasterBias, invalid};
@@ -29,7 +29,9 @@ use umbrage_core::{Cull, Invalid, RasterBias, invalid};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Bias {
-    /// Clip depth, 0 to 1; subtracted from the receiver's depth.
+    /// Clip depth, 0 to 1; subtracted from the receiver's depth. Where the bias moves the receiver or its taps
+    /// ([`Bias::normal_offset`](struct@Bias), [`Bias::receiver_plane`]), this is for rounding, and under directional light becomes as much as positions
+    /// so far from the origin are rounded by.
     pub constant: f32,
     /// Clip depth at grazing light: the receiver's depth loses `max(slope (1 - n.l), slope_min)`.
     pub slope: f32,
@@ -92,6 +94,11 @@ impl Bias {
     /// each of two axes, so by (2 reach + 1) m to the farthest tap. Four units, as in the textbooks, cover rounding.
     pub const fn polygon_offset(reach: f32) -> Self {
         Self { raster: RasterBias { constant: 4, slope: 2.0 * reach + 1.0, clamp: 0.0 }, ..Self::NONE }
+    }
+
+    /// Whether its constant is there for rounding alone: the rest moves the receiver or its taps as far as geometry asks.
+    pub(crate) fn covers_rounding(&self) -> bool {
+        self.constant > 0.0 && (self.receiver_plane > 0.0 || self.normal_offset > 0.0)
     }
 
     /// A few words for tables: a preset's name, or the fields that are set.

@@ -30,6 +30,7 @@ mod planar_flatten;
 mod planar_matrix;
 mod planar_planes;
 mod preset;
+mod rounding;
 mod sampled;
 pub mod sampling;
 mod seams;

@@ -1,6 +1,6 @@
 //! From a receiver to a texel of a [`ShadowMap`]: what every map technique's kernel begins with, in both halves.
 
-use crate::{BeyondFar, Border, MapFormat, ShadowMap, facing::homogeneous};
+use crate::{BeyondFar, Border, MapFormat, ShadowMap, facing::homogeneous, rounding};
 use glam::{Mat4, Vec2, Vec3, Vec4};
 use umbrage_core::{
     ImageView, LightSpaces, MATH, Module, Twin, View,
@@ -88,7 +88,11 @@ impl MapLookup {
             size,
             texel: 2.0 / (projection.x_axis.x.min(projection.y_axis.y) * size),
             bends: u32::from(bias.slope != 0.0 || bias.slope_min != 0.0 || bias.normal_offset != 0.0),
-            constant: bias.constant,
+            constant: if bias.covers_rounding() {
+                bias.constant.max(rounding::of_positions(&spaces[0]))
+            } else {
+                bias.constant
+            },
             slope: bias.slope,
             slope_min: bias.slope_min,
             normal_offset: bias.normal_offset,

@@ -46,7 +46,7 @@ pub use backend::{Backend, BackendError, Shadows, Timings};
 pub use bvh::Bvh;
 pub use camera::{Camera, CameraRays, MAX_SIDE};
 pub use encase;
-pub use fit::{Fit, relevant_casters};
+pub use fit::{Fit, FitMemory, relevant_casters};
 pub use geometry::{Geometry, NO_MATERIAL};
 pub use glam;
 pub use image::{Format, Image, ImageDesc, ImageView};

@@ -1,6 +1,6 @@
 //! The trait that a shadow technique implements.
 
-use crate::{Aabb, Camera, Geometry, Invalid, Light, Receivers, Recipe};
+use crate::{Aabb, Camera, FitMemory, Geometry, Invalid, Light, Receivers, Recipe};
 use std::fmt::Debug;
 
 /// All that a technique may look at.
@@ -16,18 +16,26 @@ pub struct View<'a> {
     pub geometry: Option<&'a Geometry>,
     /// What is seen, when it is known; else backends find out from the geometry.
     pub receivers: Option<&'a Receivers>,
+    /// The fits that were found for this camera, light, geometry and these receivers, to be used again; none to search anew.
+    pub fits: Option<&'a FitMemory>,
 }
 
 impl<'a> View<'a> {
     /// A view of a scene's triangles.
     pub fn new(camera: &'a Camera, light: &'a Light, geometry: &'a Geometry) -> Self {
-        Self { camera, light, casters: geometry.caster_bounds(), geometry: Some(geometry), receivers: None }
+        Self { camera, light, casters: geometry.caster_bounds(), geometry: Some(geometry), receivers: None, fits: None }
     }
 
     /// The same view with its receivers known.
     #[must_use]
     pub fn with_receivers(self, receivers: &'a Receivers) -> Self {
         Self { receivers: Some(receivers), ..self }
+    }
+
+    /// The same view, whose fits are remembered. A memory serves one view: one camera, light, geometry and set of receivers.
+    #[must_use]
+    pub fn with_fits(self, fits: &'a FitMemory) -> Self {
+        Self { fits: Some(fits), ..self }
     }
 }
 

@@ -27,6 +27,9 @@ pub(crate) struct PlanOptions {
     /// Whose prices count
     #[arg(long, value_name = "NAME", default_value = "cpu")]
     pub(crate) backend: PlanBackend,
+    /// Which of the scene's lights, from 1; with --regret all of them
+    #[arg(long, value_name = "NUMBER", default_value_t = 1, conflicts_with = "regret", value_parser = clap::value_parser!(u16).range(1..))]
+    pub(crate) light: u16,
     /// Image size in pixels; else the scene's own
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub(crate) size: Option<[u32; 2]>,

@@ -52,7 +52,8 @@ fn kind(options: &PlanOptions) -> &'static str {
 pub(super) fn settings(options: &PlanOptions) -> Options {
     let cost = CostModel::of(kind(options));
     let size = options.size.map(UVec2::from_array);
-    Options { samples: options.samples, seed: options.seed, cost, size, ..Options::default() }
+    let light = usize::from(options.light) - 1;
+    Options { samples: options.samples, seed: options.seed, cost, light, size, ..Options::default() }
 }
 
 pub(super) fn out(options: &PlanOptions) -> PathBuf {

@@ -10,19 +10,23 @@ use anyhow::{Context as _, Result, bail};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
 use std::path::Path;
 use umbrage_core::Scene;
-use umbrage_lab::plan::{LEAST_KEPT, MOST_REGRET, Regret, regret as measure};
+use umbrage_lab::plan::{LEAST_KEPT, MOST_REGRET, Options, Regret, regret as measure};
 
-/// One row a scene and bound; fails if too many bounds are broken, or a choice costs too much.
+/// One row a scene, light and bound; fails if too many bounds are broken, or a choice costs too much.
 pub(super) fn regret(options: &PlanOptions) -> Result<()> {
     let scenes = scenes(&options.scenes)?;
     let progress = Progress::new();
     let mut all = Vec::new();
     for (i, scene) in scenes.iter().enumerate() {
         progress.prefix(format!("{} ({} of {}): ", scene.name, i + 1, scenes.len()));
-        let found = measure(scene, &options.errors, &settings(options), &|step| progress.note(step));
-        let found = found.inspect_err(|_| progress.finish())?;
-        found.iter().for_each(|r| progress.say(&line(r)));
-        all.extend(found);
+        // The library says what a scene without lights lacks.
+        for light in 0..scene.lights.len().max(1) {
+            let settings = Options { light, ..settings(options) };
+            let found = measure(scene, &options.errors, &settings, &|step| progress.note(step));
+            let found = found.inspect_err(|_| progress.finish())?;
+            found.iter().for_each(|r| progress.say(&line(r)));
+            all.extend(found);
+        }
     }
     progress.finish();
     println!("{}", table(&all));

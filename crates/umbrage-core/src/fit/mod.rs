@@ -3,6 +3,7 @@
 mod cull;
 mod lamp;
 mod map_space;
+mod memory;
 mod parallel;
 mod perspective;
 mod points;
@@ -12,6 +13,7 @@ mod stable;
 #[cfg(test)]
 mod tests;
 
+pub use memory::FitMemory;
 pub use relevant::relevant_casters;
 
 use crate::{
@@ -112,6 +114,14 @@ impl Fit {
         size: u32,
         margin: f32,
     ) -> Result<LightSpaces, PlanError> {
+        let find = || self.find(layout, view, size, margin);
+        match view.fits {
+            Some(memory) => memory.recall(memory::Asked { fit: *self, layout, size, margin }, find),
+            None => find(),
+        }
+    }
+
+    fn find(&self, layout: Layout, view: &View<'_>, size: u32, margin: f32) -> Result<LightSpaces, PlanError> {
         let single = || Ok(LightSpaces { spaces: vec![self.light_space(view, size, margin)?], needed: vec![true] });
         let cube = |eye| perspective::cube(self, &self.known(view), eye, size, margin);
         let suffices =

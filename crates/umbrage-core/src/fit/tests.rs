@@ -52,3 +52,26 @@ fn rounding_keeps_receivers_before_the_far_plane() {
         }
     }
 }
+
+/// What is remembered is what would be found anew; and it is remembered, or another scene would not get the first one's fit.
+#[test]
+fn a_memory_gives_what_was_found() {
+    let light = spot(Vec3::new(0.0, 5.0, 0.0), Vec3::new(0.6, -0.8, 0.0));
+    let size = UVec2::splat(8);
+    let camera = Camera::perspective(Vec3::splat(9.0), Vec3::ZERO, Vec3::Y, 1.0, [0.1, 99.0], size).unwrap();
+    let [low, high] = [1.0, 3.0].map(floor_and_quad);
+    let memory = FitMemory::default();
+    let fit = |geometry: &Geometry, memory: Option<&FitMemory>, size, layout| {
+        let view = View { fits: memory, ..View::new(&camera, &light, geometry) };
+        Fit::Tight.light_spaces(layout, &view, size, 1.0)
+    };
+    let mut found = Vec::new();
+    for (size, layout) in [(256, Layout::Single), (512, Layout::Single), (256, Layout::Cube)] {
+        let anew = fit(&low, None, size, layout);
+        assert_eq!(fit(&low, Some(&memory), size, layout), anew);
+        assert_ne!(fit(&high, None, size, layout), anew, "the scenes are not told apart");
+        assert_eq!(fit(&high, Some(&memory), size, layout), anew);
+        found.push(anew);
+    }
+    assert!(found[0] != found[1] && found[0] != found[2]);
+}

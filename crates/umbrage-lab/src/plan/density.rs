@@ -14,13 +14,34 @@ const NEAR: usize = 2;
 /// What a difference between a map and the pilot counts, of what a change within the pilot does: some are this map's own.
 const OF_MAPS: f64 = 0.5;
 
+/// A few rays of every receiver.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Pilot {
+    /// The share that reached the light, one a pixel, 0..=1.
+    pub(super) mask: Vec<f32>,
+    /// How many they were a receiver.
+    pub(super) rays: u32,
+    /// Whether they are all that there is to know: under ideal lights.
+    pub(super) is_exact: bool,
+}
+
+/// Rays under lights with an extent.
+const RAYS: u32 = 2;
+
+impl Pilot {
+    /// None where the scene's hierarchy is too deep for rays.
+    pub(super) fn new(look: &mut Look<'_>) -> Result<Option<Self>, LabError> {
+        let is_exact = look.light.is_ideal();
+        let rays = if is_exact { 1 } else { RAYS };
+        let mask = mask(look, Traced { samples: rays }.into())?;
+        Ok(mask.map(|mask| Self { mask, rays, is_exact }))
+    }
+}
+
 /// How much is to be learned from each pixel; 0 where nothing receives.
-pub(super) fn density(look: &mut Look<'_>) -> Result<Vec<f64>, LabError> {
+pub(super) fn density(look: &mut Look<'_>, pilot: Option<&Pilot>) -> Result<Vec<f64>, LabError> {
     let receives = look.receivers.receives.clone();
-    let pilot = match mask(look, Traced { samples: if look.light.is_ideal() { 1 } else { 2 } }.into())? {
-        Some(pilot) => pilot,
-        None => vec![1.0; receives.len()],
-    };
+    let pilot = pilot.map_or_else(|| vec![1.0; receives.len()], |pilot| pilot.mask.clone());
     let mut interest: Vec<f64> = spread(look.camera.size, &pilot, &receives).into_iter().map(f64::from).collect();
     for (size, bias) in [(256, Bias::RECEIVER_PLANE), (1024, Bias::NORMAL_OFFSET)] {
         let hard = Hard { map: ShadowMap { size, bias, ..ShadowMap::default() } };
@@ -41,7 +62,7 @@ fn mask(look: &mut Look<'_>, preset: Preset) -> Result<Option<Vec<f32>>, LabErro
 }
 
 /// A part for all receivers alike, the rest in proportion to their interest.
-fn shared(mut interest: Vec<f64>, receives: &[bool]) -> Vec<f64> {
+pub(super) fn shared(mut interest: Vec<f64>, receives: &[bool]) -> Vec<f64> {
     interest.iter_mut().zip(receives).filter(|(_, receives)| !**receives).for_each(|(i, _)| *i = 0.0);
     let sum: f64 = interest.iter().sum();
     let count = receives.iter().filter(|r| **r).count().max(1) as f64;

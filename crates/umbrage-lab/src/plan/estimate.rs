@@ -7,7 +7,7 @@ use umbrage_core::metrics::Pixel;
 
 /// One in twenty errors lies above [`Estimate::high`], and one in twenty below [`Estimate::low`]: this many standard
 /// errors of a normal distribution.
-const ONE_IN_TWENTY: f64 = 1.645;
+pub(super) const ONE_IN_TWENTY: f64 = 1.645;
 
 /// A setting's errors, as the sample tells them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -26,26 +26,70 @@ pub struct Estimate {
 
 /// Compares a mask at the sampled pixels with truth there. The mean over the pixels that count is a ratio of two sums;
 /// its variance is that of Hájek 1964, "Asymptotic theory of rejective sampling with varying probabilities from a finite
-/// population": pixels that were sure to be drawn add none.
+/// population": pixels that were sure to be drawn add none. Of a mask without a fault it knows no uncertainty: see
+/// [`Verifier`](super::verify::Verifier).
 pub(super) fn estimate(sample: &Sample, truth: &[PixelTruth], mask: &[f32]) -> Estimate {
-    let counted = || (0..mask.len()).filter(|&k| truth[k].pixel == Pixel::Counted);
-    let difference = |k: usize| f64::from(mask[k]) - f64::from(truth[k].visibility);
-    let sum = |of: &dyn Fn(usize) -> f64| counted().map(|k| of(k) / sample.chances[k]).sum::<f64>();
-    let all = sum(&|_| 1.0);
+    let compared = Compared { sample, truth, mask };
+    let all = compared.sum(|_| 1.0);
     if all == 0.0 {
         return Estimate::default();
     }
-    let dark = sum(&|k| difference(k).min(0.0).powi(2)) / all;
-    let light = sum(&|k| difference(k).max(0.0).powi(2)) / all;
-    let square = dark + light;
-    let spread = |k: usize| (1.0 - sample.chances[k]) / sample.chances[k] * (difference(k).powi(2) - square).powi(2);
-    let reach = ONE_IN_TWENTY * sum(&spread).sqrt() / all;
-    Estimate {
-        error: square.sqrt(),
-        low: (square - reach).max(0.0).sqrt(),
-        high: (square + reach).sqrt(),
-        too_dark: dark.sqrt(),
-        too_light: light.sqrt(),
+    let squares = compared.squares().map(|sum| sum / all);
+    Estimate::new(squares, compared.reach(squares[0] + squares[1]) / all, 0.0)
+}
+
+/// As [`estimate`] where the sample is of those pixels alone at which anything can be wrong, out of `all` that count; what
+/// is wrong elsewhere adds at most `unseen` to the mean square.
+pub(super) fn estimate_of_part(sample: &Sample, truth: &[PixelTruth], mask: &[f32], all: f64, unseen: f64) -> Estimate {
+    let compared = Compared { sample, truth, mask };
+    if all == 0.0 {
+        return Estimate::default();
+    }
+    Estimate::new(compared.squares().map(|sum| sum / all), compared.reach(0.0) / all, unseen)
+}
+
+impl Estimate {
+    /// From mean squares, too dark and too light, and by how much their sum may be off: either way, and too low.
+    fn new([dark, light]: [f64; 2], reach: f64, unseen: f64) -> Self {
+        let square = dark + light;
+        Self {
+            error: square.sqrt(),
+            low: (square - reach).max(0.0).sqrt(),
+            high: (square + reach + unseen).sqrt(),
+            too_dark: dark.sqrt(),
+            too_light: light.sqrt(),
+        }
+    }
+}
+
+/// A mask and truth at the sampled pixels.
+struct Compared<'a> {
+    sample: &'a Sample,
+    truth: &'a [PixelTruth],
+    mask: &'a [f32],
+}
+
+impl Compared<'_> {
+    fn difference(&self, k: usize) -> f64 {
+        f64::from(self.mask[k]) - f64::from(self.truth[k].visibility)
+    }
+
+    /// An estimate of the sum over the image's pixels that count.
+    fn sum(&self, of: impl Fn(usize) -> f64) -> f64 {
+        let counted = (0..self.mask.len()).filter(|&k| self.truth[k].pixel == Pixel::Counted);
+        // From 0: floats sum up nothing to -0.
+        counted.map(|k| of(k) / self.sample.chances[k]).fold(0.0, |sum, v| sum + v)
+    }
+
+    /// Sums of squared differences, too dark and too light.
+    fn squares(&self) -> [f64; 2] {
+        [self.sum(|k| self.difference(k).min(0.0).powi(2)), self.sum(|k| self.difference(k).max(0.0).powi(2))]
+    }
+
+    /// What one in twenty sums of squares errs by, about their mean.
+    fn reach(&self, mean: f64) -> f64 {
+        let unsure = |k: usize| (1.0 - self.sample.chances[k]) / self.sample.chances[k];
+        ONE_IN_TWENTY * self.sum(|k| unsure(k) * (self.difference(k).powi(2) - mean).powi(2)).sqrt()
     }
 }
 

@@ -25,16 +25,18 @@ pub(super) struct Family {
     pub(super) rungs: Vec<Preset>,
     /// By what one step divides the error at most.
     pub(super) most_gain: f64,
+    /// Whether there is an error that no finer rung falls below: a kernel's width.
+    pub(super) saturates: bool,
 }
 
 impl Family {
     fn single(preset: Preset) -> Self {
-        Self { rungs: vec![preset], most_gain: 1.0 }
+        Self { rungs: vec![preset], most_gain: 1.0, saturates: false }
     }
 
     fn of_maps(preset: Preset) -> Self {
         let at = |size| preset.map().map_or(preset, |&map| preset.with_map(ShadowMap { size, ..map }));
-        Self { rungs: SIZES.map(at).to_vec(), most_gain: GAIN_OF_MAPS }
+        Self { rungs: SIZES.map(at).to_vec(), most_gain: GAIN_OF_MAPS, saturates: true }
     }
 
     /// Any of it.
@@ -64,7 +66,7 @@ pub(super) fn families(light: &Light, small: bool) -> Vec<Family> {
     }
     let rays = if light.is_ideal() { &RAYS[..1] } else { &RAYS[..] };
     let traced = rays.iter().map(|&samples| Traced { samples }.into()).collect();
-    let traced = Family { rungs: traced, most_gain: GAIN_OF_RAYS };
+    let traced = Family { rungs: traced, most_gain: GAIN_OF_RAYS, saturates: false };
     let of_maps = mapped.into_iter().map(Family::of_maps);
     single.into_iter().map(Family::single).chain(of_maps).chain([traced]).collect()
 }

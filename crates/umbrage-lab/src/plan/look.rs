@@ -9,8 +9,10 @@ use crate::{
     cost::CostModel,
     truth::{PixelTruth, TruthOptions, trace_pixels},
 };
+use std::collections::HashMap;
 use umbrage_core::{
-    Backend as _, BackendError, Camera, Geometry, Light, PlanError, Receivers, Recipe, View, Work, metrics::Pixel,
+    Backend as _, BackendError, Camera, FitMemory, Geometry, Light, PlanError, Receivers, Recipe, View, Work,
+    metrics::Pixel,
 };
 use umbrage_cpu::Cpu;
 use umbrage_techniques::Preset;
@@ -22,6 +24,10 @@ pub(super) struct Look<'a> {
     pub(super) geometry: &'a Geometry,
     pub(super) receivers: Receivers,
     pub(super) cpu: Cpu,
+    /// Many settings' maps lie alike.
+    fits: FitMemory,
+    /// By pixel, as far as it was traced.
+    pub(super) truth: HashMap<u32, PixelTruth>,
 }
 
 /// What a setting costs.
@@ -35,12 +41,12 @@ impl<'a> Look<'a> {
     pub(super) fn new(camera: &'a Camera, light: &'a Light, geometry: &'a Geometry) -> Result<Self, LabError> {
         let mut cpu = Cpu::new();
         let receivers = cpu.receivers(camera, geometry)?;
-        Ok(Self { camera, light, geometry, receivers, cpu })
+        Ok(Self { camera, light, geometry, receivers, cpu, fits: FitMemory::default(), truth: HashMap::new() })
     }
 
     /// What a technique may look at: all receivers, so that its map lies as it will.
     pub(super) fn view(&self) -> View<'_> {
-        View::new(self.camera, self.light, self.geometry).with_receivers(&self.receivers)
+        View::new(self.camera, self.light, self.geometry).with_receivers(&self.receivers).with_fits(&self.fits)
     }
 
     pub(super) fn recipe(&self, preset: &Preset) -> Result<Recipe, PlanError> {
@@ -55,8 +61,13 @@ impl<'a> Look<'a> {
     /// The whole image's mask.
     pub(super) fn mask(&mut self, preset: &Preset) -> Result<Vec<f32>, LabError> {
         let recipe = self.recipe(preset)?;
+        Ok(self.render(&recipe)?)
+    }
+
+    /// As [`Look::mask`], by recipe.
+    pub(super) fn render(&mut self, recipe: &Recipe) -> Result<Vec<f32>, BackendError> {
         let view = View::new(self.camera, self.light, self.geometry).with_receivers(&self.receivers);
-        Ok(self.cpu.render(&view, &recipe)?.mask)
+        Ok(self.cpu.render(&view, recipe)?.mask)
     }
 
     /// The mask at some pixels.
@@ -65,16 +76,19 @@ impl<'a> Look<'a> {
         self.cpu.ask(&view, recipe, pixels)
     }
 
-    /// Truth at some pixels.
+    /// Truth at some pixels; what was traced before is remembered. `options` are always the same.
     pub(super) fn truth(
         &mut self,
         pixels: &[u32],
         options: &TruthOptions,
         progress: &crate::truth::Progress<'_>,
     ) -> Result<Vec<PixelTruth>, LabError> {
-        let Self { camera, light, geometry, receivers, cpu } = self;
+        let Self { camera, light, geometry, receivers, cpu, truth, .. } = self;
+        let new: Vec<u32> = pixels.iter().copied().filter(|i| !truth.contains_key(i)).collect();
         let find = &mut |camera: &Camera, geometry: &Geometry| cpu.receivers(camera, geometry);
-        trace_pixels((camera, light, geometry, receivers), pixels, options, find, progress)
+        let traced = trace_pixels((camera, light, geometry, receivers), &new, options, find, progress)?;
+        truth.extend(new.into_iter().zip(traced));
+        Ok(pixels.iter().map(|i| truth[i]).collect())
     }
 }
 
@@ -96,15 +110,14 @@ impl Known {
         Self { sample, truth: kept.into_iter().map(|k| truth[k]).collect() }
     }
 
-    /// A preset's errors.
-    pub(super) fn try_on(&self, look: &mut Look<'_>, preset: &Preset) -> Result<Estimate, LabError> {
-        let recipe = look.recipe(preset)?;
-        Ok(self.ask(look, &recipe)?)
-    }
-
     /// A recipe's errors.
     pub(super) fn ask(&self, look: &mut Look<'_>, recipe: &Recipe) -> Result<Estimate, BackendError> {
         let mask = look.ask(recipe, &self.sample.pixels)?;
         Ok(estimate(&self.sample, &self.truth, &mask))
+    }
+
+    /// An estimate of how many of the image's pixels count.
+    pub(super) fn counted(&self) -> f64 {
+        self.sample.chances.iter().map(|chance| 1.0 / chance).sum()
     }
 }

@@ -2,8 +2,9 @@
 //!
 //! No rule says what is chosen. Some thousand seen receivers are sampled, more where visibility varies, and their truth is
 //! traced; candidates are then tried on these receivers alone, bit by bit as they would shade the image, from the cheapest
-//! up. What they cost comes from [`cost`](crate::cost), so that the same scene has the same plan on every run. Of each
-//! candidate the bias is searched that leaves the least acne plus gap.
+//! up. What is about to be chosen is looked at again, where its own mask is suspect. What candidates cost comes from
+//! [`cost`](crate::cost), so that the same scene has the same plan on every run. Of each candidate the bias is searched that
+//! leaves the least acne plus gap.
 //!
 //! ```
 //! use umbrage_lab::plan::{Bounds, Options, plan};
@@ -29,6 +30,7 @@ mod regret;
 mod sample;
 mod setting;
 mod trial;
+mod verify;
 mod walk;
 
 pub use bias::BiasKind;
@@ -43,7 +45,7 @@ pub use setting::Setting;
 
 use crate::{LabError, cost::CostModel, truth::TruthOptions};
 use glam::UVec2;
-use umbrage_core::{Geometry, Invalid, Scene};
+use umbrage_core::{Camera, Geometry, Invalid, Light, Scene};
 
 /// How a plan is made.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,6 +58,8 @@ pub struct Options {
     pub truth: TruthOptions,
     /// What work costs.
     pub cost: CostModel,
+    /// Which of the scene's lights, from 0.
+    pub light: usize,
     /// Image size in place of the camera's own, pixels.
     pub size: Option<UVec2>,
 }
@@ -64,7 +68,7 @@ impl Default for Options {
     fn default() -> Self {
         // A quarter of a comparison's rays: their noise of about .005 is far below the errors that are told apart.
         let truth = TruthOptions { samples: 256, ..TruthOptions::default() };
-        Self { samples: 4096, seed: 1, truth, cost: CostModel::CPU, size: None }
+        Self { samples: 4096, seed: 1, truth, cost: CostModel::CPU, light: 0, size: None }
     }
 }
 
@@ -84,20 +88,31 @@ pub enum Step<'a> {
 /// Called with what the planner is at.
 pub type OnStep<'a> = dyn Fn(Step<'_>) + Sync + 'a;
 
-/// The plan for a scene's first camera and first light.
+/// The plan for a scene's first camera and one light.
 ///
 /// # Errors
 /// When the scene has neither, or is not valid; when bounds are missing or bad. That no candidate is within the bounds is
 /// no error: see [`Plan::preset`].
 pub fn plan(scene: &Scene, bounds: &Bounds, options: &Options, on_step: &OnStep<'_>) -> Result<Plan, LabError> {
     bounds.validate()?;
-    let missing = |what| Invalid::new(format!("scene `{}`", scene.name), format!("has no {what}"), "add one");
-    let camera = scene.cameras.first().ok_or_else(|| missing("camera"))?;
-    let light = scene.lights.first().ok_or_else(|| missing("light"))?;
-    let camera = options.size.map_or(*camera, |size| camera.resized(size));
+    let (camera, light) = seen(scene, options)?;
     let geometry = Geometry::bake(scene)?;
     let plan = Planner::new(&camera, light, &geometry, options, on_step)?.plan(bounds)?;
     Ok(Plan { scene: scene.name.clone(), ..plan })
+}
+
+/// The camera and the light that options are about.
+fn seen<'a>(scene: &'a Scene, options: &Options) -> Result<(Camera, &'a Light), Invalid> {
+    let invalid = |why, mend| Invalid::new(format!("scene `{}`", scene.name), why, mend);
+    let none = |what| invalid(format!("has no {what}"), "add one".to_owned());
+    let camera = scene.cameras.first().ok_or_else(|| none("camera"))?;
+    let camera = options.size.map_or(*camera, |size| camera.resized(size));
+    let count = scene.lights.len();
+    let light = scene.lights.get(options.light).ok_or_else(|| match count {
+        0 => none("light"),
+        _ => invalid(format!("has no light {}", options.light + 1), format!("ask for one from 1 to {count}")),
+    })?;
+    Ok((camera, light))
 }
 
 #[cfg(test)]

@@ -2,12 +2,13 @@
 
 use super::{
     Bounds, CurvePoint, OnStep, Options, Plan, Sampled, Setting, Step,
-    density::density,
+    density::{Pilot, density},
     families::{Family, families},
     look::{Known, Look},
     reasons::Facts,
     sample::Sample,
     trial::Trial,
+    verify::{Care, Verifier},
     walk::{Found, Place},
 };
 use crate::{LabError, pareto::front, truth::TruthOptions};
@@ -20,7 +21,6 @@ pub struct Planner<'a> {
     pub(super) trial: Trial<'a>,
     pub(super) families: Vec<Family>,
     pub(super) on_step: &'a OnStep<'a>,
-    density: Vec<f64>,
     drawn: Draw,
     looking: f64,
 }
@@ -36,20 +36,21 @@ struct Draw {
 
 /// Ideal lights take one ray a receiver where others take hundreds: so many times more are sampled.
 const MORE_OF_IDEAL: usize = 4;
-/// By how much the second sample is greater: its uncertainty is half of the first one's.
-const MORE_OF_SECOND: usize = 4;
 
 impl Draw {
     fn known(&self, look: &mut Look<'_>, density: &[f64], on_step: &OnStep<'_>) -> Result<Known, LabError> {
-        let count = self.count * if look.light.is_ideal() { MORE_OF_IDEAL } else { 1 };
-        let sample = Sample::draw(look.camera.size, density, count, self.seed);
+        let sample = Sample::draw(look.camera.size, density, self.count(look.light), self.seed);
         let truth = look.truth(&sample.pixels, &self.truth, &|done, total| on_step(Step::Truth(done, total)))?;
         Ok(Known::new(sample, truth))
     }
 
-    /// The second sample: another and a greater one, so that what was chosen by the first is judged without favour.
-    fn second(self) -> Self {
-        Self { count: MORE_OF_SECOND * self.count, seed: self.seed.wrapping_add(0x9e37_79b9), ..self }
+    fn count(&self, light: &Light) -> usize {
+        self.count * if light.is_ideal() { MORE_OF_IDEAL } else { 1 }
+    }
+
+    /// Second samples are others, so that what was chosen by the first is judged without favour.
+    fn second_seed(&self) -> u32 {
+        self.seed.wrapping_add(0x9e37_79b9)
     }
 }
 
@@ -76,12 +77,14 @@ impl<'a> Planner<'a> {
         light.validate()?;
         on_step(Step::Looking);
         let mut look = Look::new(camera, light, geometry)?;
-        let density = density(&mut look)?;
+        let pilot = Pilot::new(&mut look)?;
+        let density = density(&mut look, pilot.as_ref())?;
         let drawn = Draw { count: options.samples as usize, seed: options.seed, truth: options.truth };
         let known = drawn.known(&mut look, &density, on_step)?;
-        let trial = Trial::new(look, known, options.cost);
+        let verifier = Verifier { pilot, truth: options.truth, count: drawn.count(light), seed: drawn.second_seed() };
+        let trial = Trial::new(look, known, verifier, options.cost);
         let looking = start.elapsed().as_secs_f64();
-        Ok(Self { trial, density, families: Vec::new(), on_step, drawn, looking })
+        Ok(Self { trial, families: Vec::new(), on_step, drawn, looking })
     }
 
     /// Seconds that receivers, sample and truth took.
@@ -143,9 +146,9 @@ impl<'a> Planner<'a> {
         let points = if family.preset().map().is_some() { self.trial.curve(&family, size)? } else { Vec::new() };
         let affordable = points.iter().map(|(.., s)| s).filter(|s| bounds.affords(s.milliseconds, s.bytes));
         let best = affordable.min_by(|a, b| a.estimate.error.total_cmp(&b.estimate.error));
-        // What was chosen may come from the greater sample: another bias must hold there, too.
+        // What was chosen was verified: another bias must hold as well.
         let best = best.filter(|b| b.estimate.error < chosen.estimate.error).cloned();
-        let best = best.map(|b| self.ask_again(&b)).transpose()?;
+        let best = best.map(|b| self.trial.verify(&b, Care::Usual)).transpose()?;
         let surely = |s: &Setting| bounds.max_error.is_none_or(|error| s.estimate.high <= error);
         let best = best.filter(|b| surely(b) && b.estimate.error < chosen.estimate.error).unwrap_or(chosen);
         let point = |(kind, texels, setting): &(_, _, Setting)| CurvePoint {
@@ -157,12 +160,6 @@ impl<'a> Planner<'a> {
         // One point is no curve: there was nothing to find.
         let curve = if points.len() > 1 { points.iter().map(point).collect() } else { Vec::new() };
         Ok((best, curve))
-    }
-
-    /// What a greater sample says of a setting that the first leaves undecided.
-    pub(super) fn ask_again(&mut self, setting: &Setting) -> Result<Setting, LabError> {
-        let (drawn, density, on_step) = (self.drawn.second(), &self.density, self.on_step);
-        self.trial.ask_again(setting, |look| drawn.known(look, density, on_step))
     }
 
     /// Of each technique and map the best bias; of these the front of cost and error, nearest to the chosen one.

@@ -1,10 +1,10 @@
 //! Whether plans are right: against an exhaustive sweep of the same candidates over the whole image.
 
-use super::{Bounds, OnStep, Options, Planner, Setting, Step, bias::scales, families::families};
+use super::{Bounds, OnStep, Options, Planner, Setting, Step, bias::scales, families::families, seen};
 use crate::LabError;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Geometry, Invalid, Scene,
+    Geometry, Scene,
     metrics::{Errors, Pixel},
 };
 use umbrage_techniques::Preset;
@@ -57,38 +57,32 @@ impl Regret {
     }
 }
 
-/// Plans for each error bound, and sweeps all candidates by rising cost until the least bound is met.
+/// Plans for each error bound, each as if it were the first, and sweeps all candidates by rising cost until the least bound
+/// is met.
 ///
 /// # Errors
 /// When the scene has no camera or light, or is not valid.
 pub fn regret(scene: &Scene, bounds: &[f64], options: &Options, on_step: &OnStep<'_>) -> Result<Vec<Regret>, LabError> {
-    let missing = || Invalid::new(format!("scene `{}`", scene.name), "lacks a camera or a light", "add both");
-    let (Some(camera), Some(light)) = (scene.cameras.first(), scene.lights.first()) else {
-        return Err(missing().into());
-    };
-    let camera = options.size.map_or(*camera, |size| camera.resized(size));
+    let (camera, light) = seen(scene, options)?;
     let geometry = Geometry::bake(scene)?;
-    let mut planner = Planner::new(&camera, light, &geometry, options, on_step)?;
-    let looking = planner.looking();
+    let new = || Planner::new(&camera, light, &geometry, options, on_step);
+    let mut sweep = Sweep::new(new()?, options)?;
     let mut out = Vec::new();
     for &bound in bounds {
+        let mut planner = new()?;
+        let looking = planner.looking();
         let plan = planner.plan(&Bounds::error(bound))?;
+        let error = plan.chosen.as_ref().map_or(Ok(f64::NAN), |chosen| sweep.error(&chosen.preset))?;
         out.push(Regret {
             scene: scene.name.clone(),
             light: plan.light,
             bound,
             chosen: plan.chosen,
-            error: f64::NAN,
+            error,
             cheapest: None,
             least_milliseconds: f64::NAN,
             seconds: looking + plan.sampled.trying,
         });
-    }
-    let mut sweep = Sweep::new(planner, options)?;
-    for regret in &mut out {
-        if let Some(chosen) = &regret.chosen {
-            regret.error = sweep.error(&chosen.preset)?;
-        }
     }
     sweep.run(&mut out)?;
     Ok(out)

@@ -3,6 +3,7 @@
 use super::{
     bias::scales,
     families::{Family, families},
+    verify::Care,
     *,
 };
 use crate::truth;
@@ -96,14 +97,83 @@ fn sized(size: u32) -> Vec<Preset> {
     Preset::defaults().into_iter().map(at).collect()
 }
 
-/// Truth is what decides: where it is spoilt to be lit everywhere, no shadow is needed.
+/// No sampled receiver need show a shadow that hides between the samples: the pilot, which has rays of all, does.
+#[test]
+fn what_no_sample_shows_a_second_look_does() {
+    for name in ["cubes", "rising-boxes"] {
+        with_planner(name, |mut planner| {
+            // A sample that has seen nothing but light.
+            let known = &mut planner.trial.known;
+            let lit: Vec<usize> = (0..known.truth.len()).filter(|&k| known.truth[k].visibility == 1.0).collect();
+            known.sample.chances = lit.iter().map(|&k| known.sample.chances[k]).collect();
+            known.sample.pixels = lit.iter().map(|&k| known.sample.pixels[k]).collect();
+            known.truth = lit.iter().map(|&k| known.truth[k]).collect();
+            let none = Preset::from(umbrage_techniques::Unshadowed::default());
+            let blind = planner.trial.play(&none).expect("plays").expect("supported");
+            assert_eq!(blind.estimate.high, 0.0, "{name}");
+            let seen = planner.trial.verify(&blind, Care::Usual).expect("plays").estimate;
+            assert!(seen.error > 0.1, "{name}: {seen:?}");
+        });
+    }
+}
+
+/// Second looks know whole images better than the first sample does: under ideal lights nearly all.
+#[test]
+fn second_looks_tell_of_whole_images() {
+    for (name, most) in [("c7-closed-room", 0.03), ("low-sun-5", 0.03), ("rising-boxes", 0.1)] {
+        with_planner(name, |mut planner| {
+            let look = &mut planner.trial.look;
+            let all: Vec<u32> = (0..look.receivers.len() as u32).collect();
+            let truth = look.truth(&all, &small().truth, &|_, _| {}).expect("can be traced");
+            let (visibility, pixels): (Vec<f32>, Vec<_>) = truth.iter().map(|t| (t.visibility, t.pixel)).unzip();
+            let mut compared = 0;
+            for preset in sized(64) {
+                let Some(setting) = planner.trial.play(&preset).expect("plays") else { continue };
+                let mask = planner.trial.look.mask(&preset).expect("plays");
+                let whole = Errors::measure(UVec2::new(160, 120), &mask, &visibility, &pixels).expect("fits").rmse;
+                let e = planner.trial.verify(&setting, Care::Usual).expect("plays").estimate;
+                // How many pixels count is known from the first sample, to a percent or two; nine in ten lie within the
+                // bounds, all within three times them.
+                let reach = 3.0 * (e.high.powi(2) - e.error.powi(2)) + most * e.error.powi(2);
+                assert!(
+                    (whole.powi(2) - e.error.powi(2)).abs() <= reach,
+                    "{name}: {}: {e:?} for {whole}",
+                    setting.label()
+                );
+                compared += u32::from(whole > 0.0);
+            }
+            assert!(compared > 3, "{name}");
+        });
+    }
+}
+
+/// Where nothing casts, few rays can't tell that nothing does: all of a pilot's can, within three of their number.
+#[test]
+fn none_of_n_rays_is_not_never() {
+    let lamp = Light::Disc { center: glam::Vec3::Y * 5.0, normal: -glam::Vec3::Y, radius: 0.5 };
+    let high = |light: Light| {
+        let scene = Scene { lights: vec![light], ..scene("no-casters") };
+        let plan = plan(&scene, &Bounds::error(0.1), &small(), &|_| {}).expect("can be planned");
+        let estimate = plan.chosen.expect("possible").estimate;
+        assert_eq!(estimate.error, 0.0);
+        estimate.high
+    };
+    assert_eq!(high(scene("no-casters").lights[0]), 0.0);
+    // 3 of 2 rays of each of at most 160 x 120 receivers.
+    assert!(high(lamp) >= (3.0 / 38_400.0_f64).sqrt());
+}
+
+/// Truth is what decides: where it is spoilt to be next to lit everywhere, for second looks, too, no shadow is needed.
 #[test]
 fn spoilt_truth_changes_the_choice() {
     with_planner("cubes", |mut planner| {
         let bounds = Bounds::error(0.05);
         let right = planner.plan(&bounds).expect("can be planned").chosen.expect("possible");
         assert_ne!(right.technique, "none");
-        planner.trial.known.truth.iter_mut().for_each(|t| t.visibility = 1.0);
+        let all: Vec<u32> = (0..planner.trial.look.receivers.len() as u32).collect();
+        planner.trial.look.truth(&all, &small().truth, &|_, _| {}).expect("can be traced");
+        let remembered = planner.trial.look.truth.values_mut();
+        planner.trial.known.truth.iter_mut().chain(remembered).for_each(|t| t.visibility = 0.999);
         planner.trial.forget();
         let wrong = planner.plan(&bounds).expect("can be planned").chosen.expect("possible");
         assert_eq!(wrong.technique, "none");

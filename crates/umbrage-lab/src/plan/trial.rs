@@ -5,6 +5,7 @@ use super::{
     bias::{BiasKind, scales},
     families::Family,
     look::{Known, Look, Price},
+    verify::{Care, Verifier},
 };
 use crate::{LabError, cost::CostModel};
 use std::collections::HashMap;
@@ -15,8 +16,7 @@ use umbrage_techniques::Preset;
 pub(super) struct Trial<'a> {
     pub(super) look: Look<'a>,
     pub(super) known: Known,
-    /// A greater sample, for what the first leaves undecided; none before it is needed.
-    more: Option<Known>,
+    verifier: Verifier,
     pub(super) cost: CostModel,
     /// By the preset's fields in words; none where it isn't supported.
     tried: HashMap<String, Option<Setting>>,
@@ -34,15 +34,14 @@ pub(super) struct Goal {
 const OUT_OF_REACH: f64 = 1.7;
 
 impl<'a> Trial<'a> {
-    pub(super) fn new(look: Look<'a>, known: Known, cost: CostModel) -> Self {
-        Self { look, known, more: None, cost, tried: HashMap::new(), prices: HashMap::new() }
+    pub(super) fn new(look: Look<'a>, known: Known, verifier: Verifier, cost: CostModel) -> Self {
+        Self { look, known, verifier, cost, tried: HashMap::new(), prices: HashMap::new() }
     }
 
     /// Forgets what was tried, as if truth were another.
     #[cfg(test)]
     pub(super) fn forget(&mut self) {
         self.tried.clear();
-        self.more = None;
     }
 
     /// How many settings were played.
@@ -98,19 +97,11 @@ impl<'a> Trial<'a> {
         }
     }
 
-    /// What a greater sample, made by `sample` when it is first needed, says of a setting.
-    pub(super) fn ask_again(
-        &mut self,
-        setting: &Setting,
-        sample: impl FnOnce(&mut Look<'_>) -> Result<Known, LabError>,
-    ) -> Result<Setting, LabError> {
-        let more = match self.more.take() {
-            Some(more) => more,
-            None => sample(&mut self.look)?,
-        };
-        let estimate = more.try_on(&mut self.look, &setting.preset);
-        self.more = Some(more);
-        let setting = Setting { estimate: estimate?, ..setting.clone() };
+    /// What a sample of its own says of a setting that was tried.
+    pub(super) fn verify(&mut self, setting: &Setting, care: Care) -> Result<Setting, LabError> {
+        let recipe = self.look.recipe(&setting.preset)?;
+        let estimate = self.verifier.estimate(&mut self.look, &self.known, setting.estimate.error, &recipe, care)?;
+        let setting = Setting { estimate, ..setting.clone() };
         self.tried.insert(format!("{:?}", setting.preset), Some(setting.clone()));
         Ok(setting)
     }

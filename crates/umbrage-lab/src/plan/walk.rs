@@ -1,6 +1,6 @@
 //! The walk from the cheapest candidate up.
 
-use super::{Bounds, Miss, Planner, Setting, Step, bias::scales, families::Family, trial::Goal};
+use super::{Bounds, Miss, Planner, Setting, Step, bias::scales, families::Family, trial::Goal, verify::Care};
 use crate::LabError;
 
 /// Where a candidate stands in the list.
@@ -25,7 +25,7 @@ struct Rung {
     last: [f64; 2],
 }
 
-/// A kernel whose error has fallen by less than this over two doublings is limited by its width, not by the map.
+/// A kernel on maps whose error has fallen by less than this over two doublings is limited by its width, not by the map.
 const SATURATED: f64 = 0.95;
 
 impl Planner<'_> {
@@ -45,8 +45,7 @@ impl Planner<'_> {
                 rungs.extend(self.finer(&rung, f64::INFINITY, error)?);
                 continue;
             };
-            let undecided = setting.estimate.low <= error && error < setting.estimate.high;
-            let setting = if undecided { self.ask_again(&setting)? } else { setting };
+            let setting = self.look_again(setting, error)?;
             if setting.estimate.high > error {
                 rungs.extend(self.finer(&rung, setting.estimate.error, error)?);
             } else if bounds.affords(setting.milliseconds, setting.bytes) {
@@ -87,7 +86,7 @@ impl Planner<'_> {
             }
         }
         Ok(match best {
-            Some((place, setting)) => Found::Chosen(place, setting),
+            Some((place, setting)) => Found::Chosen(place, self.trial.verify(&setting, Care::Usual)?),
             None => {
                 // The least of all is priced, so that the answer can say what is missing.
                 self.settle(Place { family: 0, size: 0 }, None)?;
@@ -100,6 +99,17 @@ impl Planner<'_> {
         let family = self.families[place.family].clone();
         (self.on_step)(Step::Trying(family.preset().technique().name(), self.trial.played()));
         self.trial.settle(&family, place.size, goal)
+    }
+
+    /// A second look at what is not surely worse than `error`, and a third at what that leaves open.
+    fn look_again(&mut self, mut setting: Setting, error: f64) -> Result<Setting, LabError> {
+        if setting.estimate.low <= error {
+            setting = self.trial.verify(&setting, Care::Usual)?;
+            if setting.estimate.low <= error && error < setting.estimate.high {
+                setting = self.trial.verify(&setting, Care::Great)?;
+            }
+        }
+        Ok(setting)
     }
 
     /// The first of a family's sizes from `place` on that is supported.
@@ -123,9 +133,10 @@ impl Planner<'_> {
     /// The next size that may be within the bound, if any.
     fn finer(&mut self, rung: &Rung, error: f64, bound: f64) -> Result<Option<Rung>, LabError> {
         let Place { family, size } = rung.place;
-        let Family { rungs, most_gain } = &self.families[family];
+        let Family { rungs, most_gain, saturates } = &self.families[family];
         let [coarser, coarsest] = rung.last;
-        let stuck = coarsest.is_finite() && error > SATURATED * coarsest.min(coarser) && error > 1.3 * bound;
+        let stuck =
+            *saturates && coarsest.is_finite() && error > SATURATED * coarsest.min(coarser) && error > 1.3 * bound;
         if stuck {
             return Ok(None);
         }

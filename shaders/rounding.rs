@@ -1,0 +1,58 @@
+//! How far depths are off because positions are rounded: it grows with the distance from the origin.
+
+use umbrage_core::{
+    LightSpace,
+    glam::{DMat4, DVec3},
+};
+
+/// What a position's rounding takes of its greatest coordinate by the time that its depth is compared: half a unit in the
+/// last place (2^-24) where the receiver's ray is followed, where the caster's corner is placed, and for each of the sums
+/// of both's transforms, eight in all; as much again since what rounding moves aside goes up or down a slope, too.
+const OF_COORDINATE: f64 = 1.0 / (1 << 20) as f64;
+
+/// The rounding of depths in a space without perspective, clip depth, where the box that it maps lies. With perspective 0:
+/// there a depth is worth other lengths at each distance, and no constant is right.
+pub(crate) fn of_positions(space: &LightSpace) -> f32 {
+    let projection = space.clip_from_view;
+    if projection.z_axis.w != 0.0 {
+        return 0.0;
+    }
+    let world_from_clip: DMat4 = space.clip_from_world().as_dmat4().inverse();
+    let corner = |i: u32| {
+        let sign = |bit: u32| if i & bit == 0 { -1.0 } else { 1.0 };
+        let p = DVec3::new(sign(1), sign(2), if i & 4 == 0 { 0.0 } else { 1.0 });
+        world_from_clip.project_point3(p).abs().max_element()
+    };
+    let greatest = (0..8).map(corner).fold(0.0, f64::max);
+    let rounding = greatest * OF_COORDINATE * f64::from(projection.z_axis.z.abs());
+    // Depths are 0 to 1: more than all of it is no bias.
+    rounding.clamp(0.0, 1.0) as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use umbrage_core::glam::{Mat4, Vec3};
+
+    fn sun(away: f32) -> LightSpace {
+        let at = Vec3::new(away, 0.0, 0.0);
+        LightSpace {
+            view_from_world: Mat4::look_at_rh(at + Vec3::Y * 10.0, at, Vec3::Z),
+            clip_from_view: Mat4::orthographic_rh(-5.0, 5.0, -5.0, 5.0, 0.0, 20.0),
+        }
+    }
+
+    #[test]
+    fn it_grows_with_the_distance_from_the_origin() {
+        let [near, far] = [0.0, 10_000.0].map(|away| of_positions(&sun(away)));
+        assert!(near < 1e-6, "{near}");
+        // 10 km / 2^20, of 20 m of depth.
+        assert!((far / (10_005.0 / 1_048_576.0 / 20.0) - 1.0).abs() < 1e-3, "{far}");
+    }
+
+    #[test]
+    fn with_perspective_there_is_none() {
+        let clip_from_view = Mat4::perspective_rh(1.0, 1.0, 0.1, 100.0);
+        assert_eq!(of_positions(&LightSpace { clip_from_view, ..sun(1e6) }), 0.0);
+    }
+}
