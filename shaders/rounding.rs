@@ -32,14 +32,13 @@ pub(crate) fn of_positions(space: &LightSpace) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use umbrage_core::glam::{Mat4, Vec3};
+    use umbrage_core::glam::{Mat4, Vec3, Vec4};
 
+    /// Looks along -z, 10 m wide and 20 m deep.
     fn sun(away: f32) -> LightSpace {
-        let at = Vec3::new(away, 0.0, 0.0);
-        LightSpace {
-            view_from_world: Mat4::look_at_rh(at + Vec3::Y * 10.0, at, Vec3::Z),
-            clip_from_view: Mat4::orthographic_rh(-5.0, 5.0, -5.0, 5.0, 0.0, 20.0),
-        }
+        let depth = Vec4::new(0.0, 0.0, -1.0 / 20.0, 0.0);
+        let clip_from_view = Mat4::from_cols(Vec4::X / 5.0, Vec4::Y / 5.0, depth, Vec4::W);
+        LightSpace { view_from_world: Mat4::from_translation(Vec3::new(-away, 0.0, -10.0)), clip_from_view }
     }
 
     #[test]
@@ -52,7 +51,8 @@ mod tests {
 
     #[test]
     fn with_perspective_there_is_none() {
-        let clip_from_view = Mat4::perspective_rh(1.0, 1.0, 0.1, 100.0);
+        let depth = Vec4::new(0.0, 0.0, -1.0, -1.0);
+        let clip_from_view = Mat4::from_cols(Vec4::X, Vec4::Y, depth, Vec4::new(0.0, 0.0, -0.1, 0.0));
         assert_eq!(of_positions(&LightSpace { clip_from_view, ..sun(1e6) }), 0.0);
     }
 }

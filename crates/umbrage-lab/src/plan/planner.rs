@@ -8,7 +8,7 @@ use super::{
     reasons::Facts,
     sample::Sample,
     trial::Trial,
-    verify::{Care, Verifier},
+    verify::{LOOKS, Verifier},
     walk::{Found, Place},
 };
 use crate::{LabError, pareto::front, truth::TruthOptions};
@@ -148,7 +148,7 @@ impl<'a> Planner<'a> {
         let best = affordable.min_by(|a, b| a.estimate.error.total_cmp(&b.estimate.error));
         // What was chosen was verified: another bias must hold as well.
         let best = best.filter(|b| b.estimate.error < chosen.estimate.error).cloned();
-        let best = best.map(|b| self.trial.verify(&b, Care::Usual)).transpose()?;
+        let best = best.map(|b| self.trial.verify(&b, LOOKS[0])).transpose()?;
         let surely = |s: &Setting| bounds.max_error.is_none_or(|error| s.estimate.high <= error);
         let best = best.filter(|b| surely(b) && b.estimate.error < chosen.estimate.error).unwrap_or(chosen);
         let point = |(kind, texels, setting): &(_, _, Setting)| CurvePoint {

@@ -3,7 +3,6 @@
 use super::{
     bias::scales,
     families::{Family, families},
-    verify::Care,
     *,
 };
 use crate::truth;
@@ -111,7 +110,7 @@ fn what_no_sample_shows_a_second_look_does() {
             let none = Preset::from(umbrage_techniques::Unshadowed::default());
             let blind = planner.trial.play(&none).expect("plays").expect("supported");
             assert_eq!(blind.estimate.high, 0.0, "{name}");
-            let seen = planner.trial.verify(&blind, Care::Usual).expect("plays").estimate;
+            let seen = planner.trial.verify(&blind, 1).expect("plays").estimate;
             assert!(seen.error > 0.1, "{name}: {seen:?}");
         });
     }
@@ -131,7 +130,7 @@ fn second_looks_tell_of_whole_images() {
                 let Some(setting) = planner.trial.play(&preset).expect("plays") else { continue };
                 let mask = planner.trial.look.mask(&preset).expect("plays");
                 let whole = Errors::measure(UVec2::new(160, 120), &mask, &visibility, &pixels).expect("fits").rmse;
-                let e = planner.trial.verify(&setting, Care::Usual).expect("plays").estimate;
+                let e = planner.trial.verify(&setting, 1).expect("plays").estimate;
                 // How many pixels count is known from the first sample, to a percent or two; nine in ten lie within the
                 // bounds, all within three times them.
                 let reach = 3.0 * (e.high.powi(2) - e.error.powi(2)) + most * e.error.powi(2);

@@ -5,7 +5,7 @@ use super::{
     bias::{BiasKind, scales},
     families::Family,
     look::{Known, Look, Price},
-    verify::{Care, Verifier},
+    verify::Verifier,
 };
 use crate::{LabError, cost::CostModel};
 use std::collections::HashMap;
@@ -97,10 +97,10 @@ impl<'a> Trial<'a> {
         }
     }
 
-    /// What a sample of its own says of a setting that was tried.
-    pub(super) fn verify(&mut self, setting: &Setting, care: Care) -> Result<Setting, LabError> {
+    /// What a sample of its own, `times` as great, says of a setting that was tried.
+    pub(super) fn verify(&mut self, setting: &Setting, times: usize) -> Result<Setting, LabError> {
         let recipe = self.look.recipe(&setting.preset)?;
-        let estimate = self.verifier.estimate(&mut self.look, &self.known, setting.estimate.error, &recipe, care)?;
+        let estimate = self.verifier.estimate(&mut self.look, &self.known, setting.estimate.error, &recipe, times)?;
         let setting = Setting { estimate, ..setting.clone() };
         self.tried.insert(format!("{:?}", setting.preset), Some(setting.clone()));
         Ok(setting)

@@ -17,23 +17,9 @@ use super::{
 use crate::{LabError, truth::TruthOptions};
 use umbrage_core::Recipe;
 
-/// How great a second sample is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Care {
-    /// As the first.
-    Usual,
-    /// Four times that, with half of its uncertainty: for what the usual leaves open.
-    Great,
-}
-
-impl Care {
-    fn times(self) -> usize {
-        match self {
-            Self::Usual => 1,
-            Self::Great => 4,
-        }
-    }
-}
+/// How many times the first sample second ones are, as long as what they say leaves a bound open: each time with half the
+/// uncertainty.
+pub(super) const LOOKS: [usize; 3] = [1, 4, 16];
 
 /// How second samples are drawn.
 #[derive(Clone, Debug)]
@@ -47,14 +33,14 @@ pub(super) struct Verifier {
 }
 
 impl Verifier {
-    /// The estimate of a setting whose error on the sample `known` is `error`.
+    /// The estimate of a setting whose error on the sample `known` is `error`, by a second one `times` as great.
     pub(super) fn estimate(
         &self,
         look: &mut Look<'_>,
         known: &Known,
         error: f64,
         recipe: &Recipe,
-        care: Care,
+        times: usize,
     ) -> Result<Estimate, LabError> {
         let Some(pilot) = &self.pilot else { return Ok(unseen_by(known)) };
         let mask = look.render(recipe)?;
@@ -62,7 +48,7 @@ impl Verifier {
         if pilot.is_exact || error == 0.0 {
             let differs = |i: usize| look.receivers.receives[i] && mask[i] != pilot.mask[i];
             let density: Vec<f64> = (0..mask.len()).map(|i| f64::from(u8::from(differs(i)))).collect();
-            let (Known { sample, truth }, there) = self.draw(look, &density, &mask, care)?;
+            let (Known { sample, truth }, there) = self.draw(look, &density, &mask, times)?;
             // Differences are at most 1, so their squares are no greater than they are.
             let wrong = |k: &usize| truth[*k].visibility != there[*k];
             let found: f64 = (0..there.len()).filter(wrong).map(|k| 1.0 / sample.chances[k]).sum();
@@ -71,7 +57,7 @@ impl Verifier {
         }
         let differences = mask.iter().zip(&pilot.mask).map(|(a, b)| f64::from((a - b).abs())).collect();
         let density = shared(differences, &look.receivers.receives);
-        let (Known { sample, truth }, there) = self.draw(look, &density, &mask, care)?;
+        let (Known { sample, truth }, there) = self.draw(look, &density, &mask, times)?;
         Ok(estimate(&sample, &truth, &there))
     }
 
@@ -81,9 +67,9 @@ impl Verifier {
         look: &mut Look<'_>,
         density: &[f64],
         mask: &[f32],
-        care: Care,
+        times: usize,
     ) -> Result<(Known, Vec<f32>), LabError> {
-        let sample = Sample::draw(look.camera.size, density, care.times() * self.count, self.seed);
+        let sample = Sample::draw(look.camera.size, density, times * self.count, self.seed);
         let truth = look.truth(&sample.pixels, &self.truth, &|_, _| {})?;
         let known = Known::new(sample, truth);
         let there = known.sample.pixels.iter().map(|&i| mask[i as usize]).collect();

@@ -1,6 +1,6 @@
 //! The walk from the cheapest candidate up.
 
-use super::{Bounds, Miss, Planner, Setting, Step, bias::scales, families::Family, trial::Goal, verify::Care};
+use super::{Bounds, Miss, Planner, Setting, Step, bias::scales, families::Family, trial::Goal, verify::LOOKS};
 use crate::LabError;
 
 /// Where a candidate stands in the list.
@@ -86,7 +86,7 @@ impl Planner<'_> {
             }
         }
         Ok(match best {
-            Some((place, setting)) => Found::Chosen(place, self.trial.verify(&setting, Care::Usual)?),
+            Some((place, setting)) => Found::Chosen(place, self.trial.verify(&setting, LOOKS[0])?),
             None => {
                 // The least of all is priced, so that the answer can say what is missing.
                 self.settle(Place { family: 0, size: 0 }, None)?;
@@ -101,12 +101,15 @@ impl Planner<'_> {
         self.trial.settle(&family, place.size, goal)
     }
 
-    /// A second look at what is not surely worse than `error`, and a third at what that leaves open.
+    /// Looks again at what is not surely worse than `error`, until it surely is or is not.
     fn look_again(&mut self, mut setting: Setting, error: f64) -> Result<Setting, LabError> {
-        if setting.estimate.low <= error {
-            setting = self.trial.verify(&setting, Care::Usual)?;
-            if setting.estimate.low <= error && error < setting.estimate.high {
-                setting = self.trial.verify(&setting, Care::Great)?;
+        for times in LOOKS {
+            if setting.estimate.low > error {
+                break;
+            }
+            setting = self.trial.verify(&setting, times)?;
+            if setting.estimate.high <= error {
+                break;
             }
         }
         Ok(setting)
