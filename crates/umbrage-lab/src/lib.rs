@@ -20,6 +20,8 @@ pub mod baseline;
 #[cfg(feature = "report")]
 pub mod bench;
 pub mod causes;
+#[cfg(all(test, feature = "report"))]
+mod cheat;
 #[cfg(feature = "report")]
 mod color;
 #[cfg(feature = "report")]

@@ -93,17 +93,19 @@ pub enum Event<'a> {
     },
 }
 
-/// Plays all rows wanted, still ones on all backends, moving ones on the first. What fails as it is known to is a result; what must not be (NaN, a panic, a
-/// validation error, backends that disagree) is told in [`Stability::faults`].
+/// Plays all rows wanted on all backends; of moving rows, all but the first backend play the first and the last frame. What
+/// fails as it is known to is a result; what must not be (NaN, a panic, a validation error, backends that disagree) is told
+/// in [`Stability::faults`].
 ///
 /// # Errors
-/// For unknown names, and when a scene can't be used.
+/// For unknown names, without a backend, and when a scene can't be used.
 pub fn run(
     options: &Options,
     backends: &mut Backends,
     on_event: &mut dyn FnMut(Event<'_>),
 ) -> Result<Stability, LabError> {
     options.validate()?;
+    some_backend(backends)?;
     let wanted: Vec<(&Row, &Case)> = cases().filter(|(row, case)| options.wants(row, case)).collect();
     let mut out = Stability {
         backends: backends.playing.iter().map(|b| b.kind().to_owned()).collect(),
@@ -159,8 +161,7 @@ fn play_case(
         still_cells(case, ground, &chosen, options, backends)?
     } else {
         let moving = Moving::new(ground, case.motion, options.frames, &options.truth)?;
-        let Some(first) = backends.playing.first_mut() else { return Err(no_backend().into()) };
-        chosen.iter().map(|t| moving.cell(&**t, limits, &mut **first)).collect::<Result<_, _>>()?
+        chosen.iter().map(|t| moving.cell(&**t, limits, backends)).collect::<Result<_, _>>()?
     };
     Ok(CaseResult {
         row: row.number,
@@ -179,8 +180,10 @@ fn play_case(
     })
 }
 
-fn no_backend() -> Invalid {
-    Invalid::new("stability", "has no backend", "open at least one")
+/// Objects to no backend at all.
+pub(super) fn some_backend(backends: &Backends) -> Result<(), Invalid> {
+    let none = || Invalid::new("stability", "has no backend", "open at least one");
+    if backends.playing.is_empty() { Err(none()) } else { Ok(()) }
 }
 
 /// The settings of a case.

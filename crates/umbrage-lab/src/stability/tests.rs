@@ -2,12 +2,19 @@
 
 use super::*;
 use crate::{
+    cheat::{Cheat, darken_one},
     compare::Backends,
     truth::{self, TruthOptions},
 };
 use glam::UVec2;
-use std::collections::HashSet;
-use umbrage_core::{Backend, Fit, ShadowTechnique, View};
+use std::{
+    collections::HashSet,
+    sync::{
+        Arc,
+        atomic::{AtomicU32, Ordering},
+    },
+};
+use umbrage_core::{Backend, Fit, ShadowTechnique, Shadows, View};
 use umbrage_cpu::Cpu;
 use umbrage_techniques::{Bias, Hard, Pcss, Planar, SecondDepth, ShadowMap, ShadowVolumes, Traced};
 
@@ -219,6 +226,41 @@ fn panning_shimmers_on_a_tight_fit_and_not_when_traced() {
     assert!(stable.len() == 2 && stable.iter().all(|c| c.figure() == Some(0.0)), "{stable:?}");
     assert!(of("traced").iter().all(|c| c.figure() == Some(0.0)));
     assert!(stability.faults.is_empty());
+}
+
+/// Runs one moving case with one technique beside a second backend that errs in its `k`th rendering, from 1; 0 for never.
+/// Returns the disagreement, what must not be, and how often the second one played.
+fn beside_a_cheat(k: u32) -> (Option<u64>, Vec<String>, u32) {
+    let options = Options { rows: vec!["fence-pan".to_owned()], techniques: vec!["traced".to_owned()], ..small() };
+    let played = Arc::new(AtomicU32::new(0));
+    let count = played.clone();
+    let cheat = Cheat::new(move |shadows: &mut Shadows| {
+        if count.fetch_add(1, Ordering::Relaxed) + 1 == k {
+            darken_one(shadows);
+        }
+    });
+    let mut backends = Backends::of(vec![Box::new(Cpu::new()), Box::new(cheat)]);
+    let Stability { cases, faults, .. } = run(&options, &mut backends, &mut |_| {}).expect("plays");
+    (cases[0].cells[0].disagreeing, faults, played.load(Ordering::Relaxed))
+}
+
+#[test]
+fn moving_rows_play_their_first_and_last_frame_on_every_backend() {
+    let (disagreeing, faults, played) = beside_a_cheat(0);
+    let settings = played / 2;
+    assert!(disagreeing == Some(0) && faults.is_empty() && played == 2 * settings && settings > 0, "{faults:?}");
+    for k in [1, 2] {
+        let (disagreeing, faults, _) = beside_a_cheat(k);
+        assert!(disagreeing == Some(1) && faults.len() == 1, "frame {k} of 2: {faults:?}");
+        assert!(faults[0].contains("backends differ on 1 decided pixels"), "{faults:?}");
+    }
+}
+
+#[test]
+fn without_a_backend_nothing_runs() {
+    let none = || Backends::of(Vec::new());
+    assert!(run(&small(), &mut none(), &mut |_| {}).expect_err("nothing plays").to_string().contains("backend"));
+    assert!(sweeps::sweeps(&small(), &mut none(), &mut |_| {}).is_err());
 }
 
 #[test]
