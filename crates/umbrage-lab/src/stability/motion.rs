@@ -13,7 +13,8 @@ use super::{
     Cell, Limits, Outcome, Verdict, everywhere,
     ground::{Ground, trace_at_receivers},
     guard::{self, NoMask},
-    measures::shimmer::shimmer,
+    measure::Measure,
+    measures::shimmer::{change, change_error, shimmer},
     pictures,
     play::{cell, draws_the_picture, no_mask},
     row::Motion,
@@ -90,19 +91,37 @@ impl<'a> Moving<'a> {
         Ok(Self { ground, frames, truth, marked })
     }
 
+    /// How much the masks of its frames, at the first one's receivers, change though they should not.
+    pub fn figure(&self, measure: Measure, masks: &[Vec<f32>]) -> f64 {
+        match measure {
+            Measure::ChangeError => change_error(masks, &self.truth, &self.marked),
+            _ => shimmer(masks, &self.truth, &self.marked),
+        }
+    }
+
+    /// Where that passes and fails. Where truth moves, a shadow that stands still fails, however slow the movement: its
+    /// figure is truth's own change.
+    pub fn limits(&self, measure: Measure) -> Limits {
+        let limits = measure.limits(self.ground);
+        match measure {
+            Measure::ChangeError => limits.below(change(&self.truth, &self.marked)),
+            _ => limits,
+        }
+    }
+
     /// One setting's cell.
     pub(super) fn cell(
         &self,
         technique: &dyn ShadowTechnique,
-        limits: Limits,
+        measure: Measure,
         backends: &mut Backends,
     ) -> Result<Cell, LabError> {
         let (masks, disagreeing) = match self.play(technique, backends) {
             Ok(played) => played,
             Err(why) => return Ok(no_mask(technique, why)),
         };
-        let figure = shimmer(&masks, &self.truth, &self.marked);
-        let verdict = limits.judge(figure);
+        let figure = self.figure(measure, &masks);
+        let verdict = self.limits(measure).judge(figure);
         let worse = verdict != Verdict::Pass;
         let picture = worse.then(|| pictures::strip(self.ground, &masks, &self.marked)).transpose()?;
         Ok(Cell { picture, disagreeing, ..cell(technique, Outcome::Measured { figure, verdict }) })

@@ -1,7 +1,7 @@
 //! All rows against all techniques.
 
 use super::{
-    CaseResult, Cell, Outcome, Stability,
+    CaseResult, Cell, Limits, Outcome, Stability,
     ground::Ground,
     guard,
     measure::Measure,
@@ -155,13 +155,14 @@ fn play_case(
     options: &Options,
     backends: &mut Backends,
 ) -> Result<CaseResult, LabError> {
-    let limits = case.measure.limits(ground);
     let chosen = chosen(case, options);
-    let cells = if case.motion == Motion::Still {
-        still_cells(case, ground, &chosen, options, backends)?
+    let (limits, cells) = if case.motion == Motion::Still {
+        let limits = case.measure.limits(ground);
+        (limits, still_cells(case, ground, limits, &chosen, options, backends)?)
     } else {
         let moving = Moving::new(ground, case.motion, options.frames, &options.truth)?;
-        chosen.iter().map(|t| moving.cell(&**t, limits, backends)).collect::<Result<_, _>>()?
+        let cells = chosen.iter().map(|t| moving.cell(&**t, case.measure, backends)).collect::<Result<_, _>>()?;
+        (moving.limits(case.measure), cells)
     };
     Ok(CaseResult {
         row: row.number,
@@ -198,6 +199,7 @@ fn chosen(case: &Case, options: &Options) -> Settings {
 fn still_cells(
     case: &Case,
     ground: &Ground,
+    limits: Limits,
     chosen: &Settings,
     options: &Options,
     backends: &mut Backends,
@@ -206,7 +208,6 @@ fn still_cells(
         Measure::ScaleDrift(scene) => Some(self::ground(case, scene, options)?),
         _ => None,
     };
-    let limits = case.measure.limits(ground);
     let still = Still { case, ground, reference: at_one.as_ref(), limits };
     chosen.iter().map(|technique| still.cell(&**technique, backends)).collect()
 }

@@ -78,7 +78,7 @@ fn scenes_of_failures_are_played() {
 fn every_still_row_can_pass_and_can_fail() {
     let options = small();
     // No single mask tells these; and 10,000 boxes are for the command alone.
-    let by_mask = |m: Measure| !matches!(m, Measure::Fill | Measure::Shimmer);
+    let by_mask = |m: Measure| !matches!(m, Measure::Fill | Measure::Shimmer | Measure::ChangeError);
     for (_, case) in cases().filter(|(_, c)| by_mask(c.measure)) {
         let ground = ground_of(case, &options);
         let traced = mask(&ground, &Traced { samples: 256 });
@@ -254,6 +254,54 @@ fn moving_rows_play_their_first_and_last_frame_on_every_backend() {
         assert!(disagreeing == Some(1) && faults.len() == 1, "frame {k} of 2: {faults:?}");
         assert!(faults[0].contains("backends differ on 1 decided pixels"), "{faults:?}");
     }
+}
+
+/// Where the light stands still, truth at points that stay doesn't change at all: whatever a mask changes is its own. Where
+/// the light turns, truth moves, so that a shadow that stands still can be told from one that follows.
+#[test]
+fn truth_moves_with_the_light_alone() {
+    let options = small();
+    for (_, case) in cases().filter(|(_, c)| c.motion != Motion::Still) {
+        let ground = ground_of(case, &options);
+        let moving = Moving::new(&ground, case.motion, options.frames, &options.truth).expect("a built-in scene");
+        let change = measures::shimmer::change(&moving.truth, &moving.marked);
+        assert!(moving.points() > 50, "{}: {} points", case.name, moving.points());
+        assert_eq!(change > 0.0, case.motion == Motion::Sun, "{}: {change}", case.name);
+        assert_eq!(case.measure == Measure::ChangeError, case.motion == Motion::Sun, "{}", case.name);
+    }
+}
+
+/// A shadow that isn't there doesn't crawl. It doesn't follow the sun either.
+#[test]
+fn what_stands_still_under_a_turning_sun_fails() {
+    let names = ["none", "traced"].map(str::to_owned).to_vec();
+    let options = Options { rows: vec!["13".to_owned()], techniques: names, ..small() };
+    let mut backends = Backends::of(vec![Box::new(Cpu::new())]);
+    let result = run(&options, &mut backends, &mut |_| {}).expect("plays").cases.remove(0);
+    let verdicts = |name: &str| -> Vec<Option<Verdict>> {
+        result.cells.iter().filter(|c| c.technique == name).map(Cell::verdict).collect()
+    };
+    let [none, traced] = ["none", "traced"].map(verdicts);
+    assert!(!none.is_empty() && none.iter().all(|v| *v == Some(Verdict::Fails)), "{:?}", result.cells);
+    assert!(!traced.is_empty() && traced.iter().all(|v| *v == Some(Verdict::Pass)), "{:?}", result.cells);
+}
+
+/// However slow the movement, standing still is worse than what passes.
+#[test]
+fn limits_of_slow_movement_are_below_standing_still() {
+    let options = small();
+    let case = case("hills-sun");
+    let ground = ground_of(case, &options);
+    let mut moving = Moving::new(&ground, case.motion, options.frames, &options.truth).expect("a built-in scene");
+    // Truth that moves a hundred times more slowly.
+    let first = moving.truth[0].clone();
+    let slower = |frame: &mut Vec<f32>| frame.iter_mut().zip(&first).for_each(|(v, f)| *v = f + (*v - f) / 100.0);
+    moving.truth.iter_mut().for_each(slower);
+    let still = moving.figure(case.measure, &vec![first.clone(); moving.truth.len()]);
+    let limits = moving.limits(case.measure);
+    assert!(still > 0.0 && still < case.measure.limits(&ground).pass, "{still}: too fast to tell anything");
+    assert_eq!(limits.judge(still), Verdict::Fails, "{still} against {limits:?}");
+    assert_eq!(limits.judge(moving.figure(case.measure, &moving.truth)), Verdict::Pass);
 }
 
 #[test]
