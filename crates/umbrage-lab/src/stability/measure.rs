@@ -6,6 +6,7 @@ use super::{
     measures::{edge, gap, gap::Contact, open, penumbra, seams},
 };
 use glam::Vec3;
+use umbrage_core::metrics::Errors;
 
 /// A measure of one case: smaller is better, and 0 is truth's own.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -203,11 +204,10 @@ fn worst(bins: [f64; open::BINS]) -> f64 {
     bins.into_iter().fold(0.0, f64::max)
 }
 
-/// Root of the mean square of mask - truth over the pixels that count.
+/// RMSE over the pixels that count. What is no mask has no figure: NaN, which fails.
 pub(super) fn rmse(ground: &Ground, mask: &[f32]) -> f64 {
-    let square = |i: usize| (f64::from(mask[i]) - f64::from(ground.truth.visibility[i])).powi(2);
-    let n = ground.counted().count().max(1) as f64;
-    (ground.counted().map(square).sum::<f64>() / n).sqrt()
+    let truth = &ground.truth;
+    Errors::measure(truth.size, mask, &truth.visibility, &truth.pixels).map_or(f64::NAN, |errors| errors.rmse)
 }
 
 fn on_seam(ground: &Ground, i: usize) -> bool {

@@ -210,6 +210,18 @@ fn open_pixels_are_right_on_a_perfect_map() {
     assert!(Measure::Rmse.figure(&coarse, &coarse.ideal) > Measure::Rmse.figure(&ground, &ground.ideal));
 }
 
+/// A mask of the wrong size, or with a value that is no visibility, has no RMSE and so passes nowhere.
+#[test]
+fn what_is_no_mask_has_no_rmse() {
+    let case = case("stairs");
+    let ground = ground_of(case, &small());
+    let mut spoilt = ground.truth.visibility.clone();
+    assert_eq!(Measure::Rmse.figure(&ground, &spoilt), 0.0);
+    spoilt[0] = f32::NAN;
+    assert!(Measure::Rmse.figure(&ground, &spoilt).is_nan() && Measure::Rmse.figure(&ground, &[]).is_nan());
+    assert_eq!(Measure::Rmse.limits(&ground).judge(f64::NAN), Verdict::Fails);
+}
+
 /// A tight fit crawls under a panning camera; rays don't, and stable fits take the crawl away, to the bit.
 #[test]
 fn panning_shimmers_on_a_tight_fit_and_not_when_traced() {
