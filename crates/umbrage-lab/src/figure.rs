@@ -28,10 +28,21 @@ pub struct Figure {
     pub size: [f64; 2],
     /// What is drawn, in this order.
     pub series: Vec<Series>,
-    /// Markers that the legend explains in grey, where colour says something else.
-    pub shapes: Vec<(String, Marker)>,
+    /// Markers that the legend explains beside those of the series, where the series' colours say something else.
+    pub keys: Vec<Key>,
     /// Texts beside places, moved apart where they would overlap.
     pub notes: Vec<Point>,
+}
+
+/// A marker that the legend explains.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Key {
+    /// What it stands for.
+    pub name: String,
+    /// Its shape.
+    pub marker: Marker,
+    /// Its colour, which no series need have: greys, say.
+    pub color: String,
 }
 
 /// Points of one look.
@@ -139,7 +150,7 @@ impl Series {
     }
 }
 
-/// Texts and grey markers.
+/// Texts.
 const INK: &str = "#4a5563";
 
 /// Pixels of a PNG for each of the SVG's: sharp on today's screens.
@@ -155,7 +166,7 @@ impl Figure {
             log: [false; 2],
             size: [760.0, 500.0],
             series: Vec::new(),
-            shapes: Vec::new(),
+            keys: Vec::new(),
             notes: Vec::new(),
         }
     }
@@ -209,10 +220,10 @@ impl Figure {
         plots.extend(self.plot(&notes));
         // Drawn where something is anyway, and as small: only the legend shows their shapes.
         let anywhere = self.series.iter().flat_map(|s| &s.points).find(|p| self.shows(p));
-        for (name, marker) in anywhere.iter().flat_map(|_| &self.shapes) {
+        for Key { name, marker, color } in anywhere.iter().flat_map(|_| &self.keys) {
             let style = Style::Points(*marker, 0.1, 1.0);
             let places = anywhere.map(|p| Point::at(p.x, p.y)).into_iter().collect();
-            plots.extend(self.plot(&Series { style, ..Series::points(name, INK, *marker, places) }));
+            plots.extend(self.plot(&Series { style, ..Series::points(name, color, *marker, places) }));
         }
         let mut layout = Layout::auto_from_plots(&plots)
             .with_title(&self.title)
