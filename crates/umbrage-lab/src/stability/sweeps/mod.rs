@@ -74,7 +74,7 @@ pub fn sweeps(
 impl Sweep {
     /// The chart as an SVG that opens alone.
     pub fn svg(&self) -> String {
-        chart::svg(self)
+        chart::figure(self).svg()
     }
 
     /// That backends disagree, if they do.
