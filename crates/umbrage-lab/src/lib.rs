@@ -32,6 +32,8 @@ mod error;
 pub mod figure;
 #[cfg(feature = "report")]
 pub mod footprint;
+#[cfg(feature = "report")]
+mod page;
 pub mod pareto;
 pub mod plan;
 #[cfg(feature = "report")]
