@@ -10,7 +10,7 @@
 //! ```
 
 use crate::LabError;
-use kuva::prelude::{Layout, LegendPosition, LinePlot, MarkerShape, Plot, ScatterPlot, TickFormat};
+use kuva::prelude::{Layout, LegendPosition, LinePlot, MarkerShape, Plot, ReferenceLine, ScatterPlot, TickFormat};
 use std::sync::Arc;
 
 /// A chart.
@@ -28,10 +28,32 @@ pub struct Figure {
     pub size: [f64; 2],
     /// What is drawn, in this order.
     pub series: Vec<Series>,
-    /// Markers that the legend explains in grey, where colour says something else.
-    pub shapes: Vec<(String, Marker)>,
+    /// Markers that the legend explains beside those of the series, where the series' colours say something else.
+    pub keys: Vec<Key>,
     /// Texts beside places, moved apart where they would overlap.
     pub notes: Vec<Point>,
+    /// Values that the eye is to compare with.
+    pub references: Vec<Reference>,
+}
+
+/// A dashed line through the whole chart, with a text; left out where no axis can show its value.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Reference {
+    /// Upright, at a value across.
+    Across(f64, String),
+    /// Level, at a value up.
+    Up(f64, String),
+}
+
+/// A marker that the legend explains.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Key {
+    /// What it stands for.
+    pub name: String,
+    /// Its shape.
+    pub marker: Marker,
+    /// Its colour, which no series need have: greys, say.
+    pub color: String,
 }
 
 /// Points of one look.
@@ -139,7 +161,13 @@ impl Series {
     }
 }
 
-/// Texts and grey markers.
+/// Colours for series, which all kinds of colour vision tell apart (Okabe, Ito 2008, "Color Universal Design").
+pub const COLORS: [&str; 7] = ["#0072b2", "#e69f00", "#009e73", "#d55e00", "#cc79a7", "#56b4e9", "#555555"];
+
+/// Lines of reference, darker than all series.
+const REFERENCE: &str = "#7a1f1a";
+
+/// Texts.
 const INK: &str = "#4a5563";
 
 /// Pixels of a PNG for each of the SVG's: sharp on today's screens.
@@ -155,8 +183,9 @@ impl Figure {
             log: [false; 2],
             size: [760.0, 500.0],
             series: Vec::new(),
-            shapes: Vec::new(),
+            keys: Vec::new(),
             notes: Vec::new(),
+            references: Vec::new(),
         }
     }
 
@@ -209,10 +238,10 @@ impl Figure {
         plots.extend(self.plot(&notes));
         // Drawn where something is anyway, and as small: only the legend shows their shapes.
         let anywhere = self.series.iter().flat_map(|s| &s.points).find(|p| self.shows(p));
-        for (name, marker) in anywhere.iter().flat_map(|_| &self.shapes) {
+        for Key { name, marker, color } in anywhere.iter().flat_map(|_| &self.keys) {
             let style = Style::Points(*marker, 0.1, 1.0);
             let places = anywhere.map(|p| Point::at(p.x, p.y)).into_iter().collect();
-            plots.extend(self.plot(&Series { style, ..Series::points(name, INK, *marker, places) }));
+            plots.extend(self.plot(&Series { style, ..Series::points(name, color, *marker, places) }));
         }
         let mut layout = Layout::auto_from_plots(&plots)
             .with_title(&self.title)
@@ -225,6 +254,9 @@ impl Figure {
         if !self.subtitle.is_empty() {
             layout = layout.with_subtitle(&self.subtitle);
         }
+        for reference in self.references.iter().filter_map(|r| self.reference(r)) {
+            layout = layout.with_reference_line(reference);
+        }
         let plain = || TickFormat::Custom(Arc::new(plain));
         if self.log[0] {
             layout = layout.with_log_x().with_x_tick_format(plain());
@@ -236,8 +268,15 @@ impl Figure {
     }
 
     fn shows(&self, p: &Point) -> bool {
-        let fits = |v: f64, log: bool| v.is_finite() && (v > 0.0 || !log);
         fits(p.x, self.log[0]) && fits(p.y, self.log[1])
+    }
+
+    fn reference(&self, reference: &Reference) -> Option<ReferenceLine> {
+        let (line, label, shown) = match reference {
+            Reference::Across(v, label) => (ReferenceLine::vertical(*v), label, fits(*v, self.log[0])),
+            Reference::Up(v, label) => (ReferenceLine::horizontal(*v), label, fits(*v, self.log[1])),
+        };
+        shown.then(|| line.with_color(REFERENCE).with_label(label.clone()))
     }
 
     fn plot(&self, series: &Series) -> Option<Plot> {
@@ -262,6 +301,11 @@ impl Figure {
             }
         })
     }
+}
+
+/// Whether an axis can show a value.
+fn fits(v: f64, log: bool) -> bool {
+    v.is_finite() && (v > 0.0 || !log)
 }
 
 /// Error bars and texts.
@@ -349,6 +393,18 @@ mod tests {
                 assert!(figure.svg().starts_with("<svg") && figure.png().is_ok(), "{points:?}");
             }
         }
+    }
+
+    #[test]
+    fn references_are_drawn_where_an_axis_can_show_them() {
+        let with = |references: &[Reference]| Figure { references: references.to_vec(), ..figure() }.svg();
+        let dashes = |svg: &str| svg.matches(REFERENCE).count();
+        let [across, up] = [Reference::Across(20.0, "best <1>".to_owned()), Reference::Up(0.01, "limit".to_owned())];
+        let svg = with(&[across, up]);
+        assert!(svg.contains("limit") && svg.contains("best") && !svg.contains("<1>"));
+        assert!(dashes(&svg) >= 2 && dashes(&with(&[])) == 0);
+        let nowhere = [Reference::Across(0.0, String::new()), Reference::Up(f64::NAN, String::new())];
+        assert_eq!(with(&nowhere), with(&[]));
     }
 
     #[test]

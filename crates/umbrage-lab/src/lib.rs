@@ -20,6 +20,8 @@ pub mod baseline;
 #[cfg(feature = "report")]
 pub mod bench;
 pub mod causes;
+#[cfg(all(test, feature = "report"))]
+mod cheat;
 #[cfg(feature = "report")]
 mod color;
 #[cfg(feature = "report")]
@@ -30,6 +32,8 @@ mod error;
 pub mod figure;
 #[cfg(feature = "report")]
 pub mod footprint;
+#[cfg(feature = "report")]
+mod page;
 pub mod pareto;
 pub mod plan;
 #[cfg(feature = "report")]

@@ -18,8 +18,8 @@ pub(crate) struct StabilityOptions {
     /// Only these techniques; may be repeated, or separated by commas
     #[arg(long = "technique", value_name = "NAME", value_delimiter = ',')]
     pub(crate) techniques: Vec<String>,
-    /// Which backends play still rows: figures are the first's, the others must agree; moving rows and sweeps are the first's
-    /// alone. Else those available, with --quick the CPU
+    /// Which backends play: figures are the first's, the others must agree; of moving rows they play the first and the last
+    /// frame, of sweeps the ends and the middle. Else those available, with --quick the CPU
     #[arg(long, value_name = "NAME")]
     pub(crate) backend: Option<Backend>,
     /// Graphics adapter by part of its name, such as llvmpipe

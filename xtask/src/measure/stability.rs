@@ -30,7 +30,6 @@ pub(super) fn stability(options: &StabilityOptions) -> Result<()> {
     backends.playing.iter().for_each(|b| println!("on {}", b.name()));
     let start = Instant::now();
     let mut stability = play(&settings, &mut backends)?;
-    stability.faults.extend(check_state(&mut backends.playing, &mut open()?.playing)?);
     println!("{}", matrix(&stability));
     let [pass, degraded, fails] = stability.counts();
     println!("✓ {pass} pass   ~ {degraded} degraded   ✗ {fails} fail   – not served   ! must not be");
@@ -43,6 +42,8 @@ pub(super) fn stability(options: &StabilityOptions) -> Result<()> {
     } else {
         Vec::new()
     };
+    stability.faults.extend(sweeps.iter().filter_map(Sweep::fault));
+    stability.faults.extend(check_state(&mut backends.playing, &mut open()?.playing)?);
     let page = report::write(&folder(options), &stability, &sweeps)?;
     println!("report: {} ({:.0} s)", page.display(), start.elapsed().as_secs_f64());
     verdict(&stability)
@@ -77,9 +78,8 @@ fn play(settings: &Options, backends: &mut Backends) -> Result<Stability> {
 
 /// All sweeps.
 fn turn(settings: &Options, backends: &mut Backends) -> Result<Vec<Sweep>> {
-    let Some(first) = backends.playing.first_mut() else { return Ok(Vec::new()) };
     let bar = ProgressBar::new_spinner();
-    let sweeps = sweeps::sweeps(settings, &mut **first, &mut |name| {
+    let sweeps = sweeps::sweeps(settings, backends, &mut |name| {
         bar.set_message(format!("sweep: {name}"));
         bar.tick();
     });

@@ -75,7 +75,7 @@ impl Nudge {
         recipe: &Recipe,
         of_cpu: &Shadows,
     ) -> Result<Shadows, LabError> {
-        let seen = of_cpu.receivers.as_ref();
+        let seen = of_cpu.receivers.as_ref().or(view.receivers);
         Ok(match self {
             Self::Space(texels, depth) => {
                 let view = seen.map_or(*view, |r| view.with_receivers(r));

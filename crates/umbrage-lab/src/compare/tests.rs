@@ -1,8 +1,11 @@
 //! Comparisons on the CPU, and backends that cheat.
 
 use super::*;
-use crate::truth::TruthOptions;
-use umbrage_core::{Backend, BackendError, Recipe, Shadows, View, glam::UVec2, metrics::Pixel};
+use crate::{
+    cheat::{Cheat, darken_one},
+    truth::TruthOptions,
+};
+use umbrage_core::{Shadows, glam::UVec2, metrics::Pixel};
 use umbrage_cpu::Cpu;
 
 fn quick(techniques: &[&str]) -> Options {
@@ -26,28 +29,8 @@ fn run(scene: &str, options: &Options, backends: &mut Backends) -> Result<Compar
     compare(&[input(scene)], options, backends, &mut |_, _| Ok(()), &|_| ())
 }
 
-/// The CPU under wgpu's name, spoilt on the way out.
-struct Cheat {
-    cpu: Cpu,
-    spoil: fn(&mut Shadows),
-}
-
-impl Backend for Cheat {
-    fn name(&self) -> &str {
-        "a cheat"
-    }
-    fn kind(&self) -> &'static str {
-        "wgpu"
-    }
-    fn render(&mut self, view: &View<'_>, recipe: &Recipe) -> Result<Shadows, BackendError> {
-        let mut shadows = self.cpu.render(view, recipe)?;
-        (self.spoil)(&mut shadows);
-        Ok(shadows)
-    }
-}
-
 fn with_cheat(spoil: fn(&mut Shadows)) -> Backends {
-    Backends::of(vec![Box::new(Cpu::new()), Box::new(Cheat { cpu: Cpu::new(), spoil })])
+    Backends::of(vec![Box::new(Cpu::new()), Box::new(Cheat::new(spoil))])
 }
 
 #[test]
@@ -89,11 +72,7 @@ fn a_fit_by_hand_adds_rows_for_maps_alone() {
 
 #[test]
 fn one_wrong_pixel_is_a_fault() {
-    let spoil = |s: &mut Shadows| {
-        let lit = s.mask.iter().rposition(|v| *v == 1.0).expect("something is lit");
-        s.mask[lit] = 0.0;
-    };
-    let comparison = run("cubes", &quick(&["traced"]), &mut with_cheat(spoil)).expect("valid");
+    let comparison = run("cubes", &quick(&["traced"]), &mut with_cheat(darken_one)).expect("valid");
     let faults = comparison.faults();
     assert!(faults.iter().any(|f| f.contains("decided pixels differ")), "{faults:?}");
 }

@@ -1,8 +1,12 @@
 //! The interactive charts: time against error, one a scene, and one over all scenes.
 
-use super::chosen;
+use super::{
+    chosen,
+    look::{Look, color, looks},
+};
 use crate::{
     compare::{Clock, LEAST_ERROR as LEAST_RELATIVE, Measured, Relative, Row, SceneResult, Spread},
+    figure::Marker as Shape,
     pareto,
 };
 use plotly::{
@@ -15,17 +19,20 @@ const LEAST_ERROR: f64 = 1e-4;
 /// ... and times below this, milliseconds: a tenth of a microsecond.
 const LEAST_TIME: f64 = 1e-4;
 
-/// Colours of backends, readable on light and dark: blue and orange; any third is grey.
-pub(super) fn color(backend: usize) -> &'static str {
-    ["#3b82e0", "#ea7317"].get(backend).copied().unwrap_or("#8a94a3")
-}
-
-/// Shapes of techniques, in the order in which they come.
-fn symbol(technique: usize) -> MarkerSymbol {
-    use MarkerSymbol as M;
-    let all =
-        [M::Circle, M::Diamond, M::Square, M::TriangleUp, M::Cross, M::TriangleDown, M::Hexagon, M::Pentagon, M::Star];
-    all[technique % all.len()].clone()
+/// The shape that the still draws, by plotly.js's name.
+fn symbol(shape: Shape) -> MarkerSymbol {
+    match shape {
+        Shape::Circle => MarkerSymbol::Circle,
+        Shape::Square => MarkerSymbol::Square,
+        Shape::Diamond => MarkerSymbol::Diamond,
+        Shape::Triangle => MarkerSymbol::TriangleUp,
+        Shape::TriangleDown => MarkerSymbol::TriangleDown,
+        Shape::Cross => MarkerSymbol::X,
+        Shape::Plus => MarkerSymbol::Cross,
+        Shape::Star => MarkerSymbol::Star,
+        Shape::Pentagon => MarkerSymbol::Pentagon,
+        Shape::Hexagon => MarkerSymbol::Hexagon,
+    }
 }
 
 /// A row as a point.
@@ -109,17 +116,18 @@ pub(super) fn front(dots: &[Dot]) -> Vec<usize> {
 pub(super) fn traces(dots: &[Dot]) -> serde_json::Value {
     let mut plot = Plot::new();
     let techniques = distinct(dots, |d| &d.technique);
+    let looks = looks(&techniques);
     for (b, backend) in distinct(dots, |d| &d.backend).into_iter().enumerate() {
         let of_backend: Vec<&Dot> = dots.iter().filter(|d| d.backend == backend).collect();
         plot.add_trace(front_line(&of_backend, backend, b));
-        for (t, technique) in techniques.iter().enumerate() {
+        for (technique, look) in techniques.iter().zip(&looks) {
             let of: Vec<&Dot> = of_backend.iter().filter(|d| d.technique == *technique).copied().collect();
             let (best, beaten): (Vec<&Dot>, Vec<&Dot>) = of.into_iter().partition(|d| d.on_front);
             let in_legend = best.is_empty();
             for (dots, bright) in [(best, true), (beaten, false)] {
                 if !dots.is_empty() {
                     let name = format!("{}, {}", text(technique), text(backend));
-                    plot.add_trace(points(&dots, name, symbol(t), color(b), (bright, bright || in_legend)));
+                    plot.add_trace(points(&dots, name, *look, b, (bright, bright || in_legend)));
                 }
             }
         }
@@ -151,12 +159,13 @@ fn front_line(dots: &[&Dot], backend: &str, b: usize) -> Box<dyn plotly::Trace> 
 fn points(
     dots: &[&Dot],
     name: String,
-    symbol: MarkerSymbol,
-    color: &'static str,
+    look: Look,
+    backend: usize,
     (bright, in_legend): (bool, bool),
 ) -> Box<dyn plotly::Trace> {
     let (x, y) = dots.iter().map(|d| (d.xy[0], d.xy[1])).unzip();
     let (size, opacity) = if bright { (10, 0.95) } else { (7, 0.28) };
+    let (color, symbol) = (look.color(backend), symbol(look.marker));
     let mut trace = Scatter::new(x, y)
         .mode(Mode::Markers)
         .legend_group(name.clone())

@@ -18,6 +18,7 @@ mod assemble;
 mod chart;
 mod chosen;
 mod files;
+mod look;
 mod merge;
 mod page;
 pub mod pictures;

@@ -1,11 +1,11 @@
-//! The page itself: a template, a style sheet, a script, and one block of data.
+//! The page itself: elements, a style sheet, a script, and one block of data.
 
-use crate::compare::Comparison;
+use crate::{compare::Comparison, page::Page};
 use base64::{Engine, engine::general_purpose::STANDARD};
 use serde::Serialize;
 use std::collections::HashMap;
 
-const TEMPLATE: &str = include_str!("page.html");
+const BODY: &str = include_str!("body.html");
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
 
@@ -90,27 +90,8 @@ pub(super) fn html(
 ) -> serde_json::Result<String> {
     let faults = comparison.faults();
     let data = Data { comparison, faults, pages, overall, images: &images.uris, legend: LEGEND };
-    let data = for_script(&serde_json::to_string(&data)?);
-    let plotly = plotly_source();
-    Ok(fill(&[("{{style}}", STYLE), ("{{data}}", &data), ("{{plotly}}", &plotly), ("{{script}}", SCRIPT)]))
-}
-
-/// Fills the template's marks, which come in this order, without looking at what was filled in.
-fn fill(parts: &[(&str, &str)]) -> String {
-    let (mut rest, mut out) = (TEMPLATE, String::new());
-    for (mark, text) in parts {
-        if let Some((before, after)) = rest.split_once(mark) {
-            out.push_str(before);
-            out.push_str(text);
-            rest = after;
-        }
-    }
-    out + rest
-}
-
-/// JSON that no script element ends within: `<` is written as an escape.
-fn for_script(json: &str) -> String {
-    json.replace('<', "\\u003c").replace('\u{2028}', "\\u2028").replace('\u{2029}', "\\u2029")
+    let title = "umbrage: shadows against truth";
+    Page { title, style: STYLE, body: BODY, scripts: &[&plotly_source(), SCRIPT] }.html(&data)
 }
 
 /// plotly.js, as the `plotly` crate carries it: the first script of its offline sources; the other sets formulas.
@@ -123,18 +104,6 @@ fn plotly_source() -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_template_has_every_mark_once_and_in_order() {
-        let places: Vec<usize> = ["{{style}}", "{{data}}", "{{plotly}}", "{{script}}"]
-            .iter()
-            .map(|mark| {
-                assert_eq!(TEMPLATE.matches(mark).count(), 1, "{mark}");
-                TEMPLATE.find(mark).expect("just counted")
-            })
-            .collect();
-        assert!(places.is_sorted());
-    }
 
     #[test]
     fn plotly_is_there_once_and_cannot_end_its_element() {

@@ -1,16 +1,15 @@
 //! The charts as SVG and PNG, for pages that cannot run a script.
 
-use super::chart::{Dot, color, distinct};
+use super::{
+    chart::{Dot, distinct},
+    look::{Look, color, looks},
+};
 use crate::{
     compare::Clock,
-    figure::{Figure, Marker, Point, Series, Style},
+    figure::{Figure, Key, Point, Series, Style},
 };
 
-/// Colours of points that the front beats, backend by backend: seen, but not looked at. Paler rather than transparent, since
-/// not every viewer blends.
-const FAINT: [&str; 3] = ["#c5daf6", "#fad5b9", "#dcdfe4"];
-
-/// Radius of such points, pixels.
+/// Radius of points that the front beats, pixels.
 const FAINT_RADIUS: f64 = 3.5;
 
 /// What the axes say.
@@ -41,6 +40,7 @@ pub(super) fn figure(dots: &[Dot], words: &Words<'_>) -> Figure {
     figure.subtitle.clone_from(&words.subtitle);
     figure.size = [980.0, 620.0];
     let techniques = distinct(dots, |d| &d.technique);
+    let looks = looks(&techniques);
     let backends = distinct(dots, |d| &d.backend);
     let of = |technique: &str, backend: &str, on_front: bool| -> Vec<Point> {
         let mine = |d: &&Dot| d.technique == technique && d.backend == backend && d.on_front == on_front;
@@ -48,23 +48,24 @@ pub(super) fn figure(dots: &[Dot], words: &Words<'_>) -> Figure {
     };
     // What is beaten lies below; one backend's shapes explain the other's.
     for (b, backend) in backends.iter().enumerate() {
-        for (t, technique) in techniques.iter().enumerate() {
-            let marker = Marker::ALL[t % Marker::ALL.len()];
-            let style = Style::Points(marker, FAINT_RADIUS, 1.0);
-            let faint = Series::points("", FAINT[b.min(2)], marker, of(technique, backend, false));
+        for (technique, look) in techniques.iter().zip(&looks) {
+            let style = Style::Points(look.marker, FAINT_RADIUS, 1.0);
+            let faint = Series::points("", look.faint(b), look.marker, of(technique, backend, false));
             figure.series.push(Series { style, ..faint });
         }
     }
     for (b, backend) in backends.iter().enumerate() {
         figure.series.push(front_line(dots, backend, b));
-        for (t, technique) in techniques.iter().enumerate() {
-            let marker = Marker::ALL[t % Marker::ALL.len()];
-            figure.series.push(Series::points("", color(b), marker, of(technique, backend, true)));
+        for (technique, look) in techniques.iter().zip(&looks) {
+            figure.series.push(Series::points("", look.color(b), look.marker, of(technique, backend, true)));
         }
     }
-    let shapes =
-        techniques.iter().enumerate().map(|(t, name)| ((*name).to_owned(), Marker::ALL[t % Marker::ALL.len()]));
-    figure.shapes = shapes.collect();
+    let key = |(name, look): (&&str, &Look)| Key {
+        name: (*name).to_owned(),
+        marker: look.marker,
+        color: look.ink().to_owned(),
+    };
+    figure.keys = techniques.iter().zip(&looks).map(key).collect();
     figure.notes = notes(dots);
     figure
 }

@@ -6,6 +6,7 @@ use super::{
     measures::{edge, gap, gap::Contact, open, penumbra, seams},
 };
 use glam::Vec3;
+use umbrage_core::metrics::Errors;
 
 /// A measure of one case: smaller is better, and 0 is truth's own.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,6 +43,8 @@ pub enum Measure {
     Fill,
     /// [`shimmer::shimmer`](super::measures::shimmer) at points within [`OPEN_TEXELS`](super::OPEN_TEXELS) of an edge.
     Shimmer,
+    /// [`shimmer::change_error`](super::measures::shimmer) at such points, where the light moves.
+    ChangeError,
 }
 
 /// Of shares of pixels: one in a thousand strays unseen; one in a hundred is a patch that anyone sees.
@@ -81,6 +84,7 @@ impl Measure {
             Self::ScaleDrift(_) => "RMSE beyond scale 1's",
             Self::Fill => "fill",
             Self::Shimmer => "shimmer",
+            Self::ChangeError => "change unlike truth's",
         }
     }
 
@@ -90,7 +94,7 @@ impl Measure {
             Self::Gap(_) => "mm",
             Self::EdgeDisplacement => "px",
             Self::Fill => "M fragments",
-            Self::Rmse | Self::PenumbraRmse | Self::ScaleDrift(_) | Self::Shimmer => "",
+            Self::Rmse | Self::PenumbraRmse | Self::ScaleDrift(_) | Self::Shimmer | Self::ChangeError => "",
             _ => "%",
         }
     }
@@ -124,10 +128,13 @@ impl Measure {
             Self::ScaleDrift(_) => "a step of 255; fails at four",
             Self::Fill => "passes up to four pictures' worth of fragments; fails above sixteen",
             Self::Shimmer => "a mean change by a step of 255 a frame; fails at four",
+            Self::ChangeError => {
+                "a mean change by a step of 255 a frame, more or less than truth's; fails at four, or near no movement"
+            }
         }
     }
 
-    /// The figure of a mask, in the measure's unit. 0 for measures that no single mask tells: drift, fill, shimmer.
+    /// The figure of a mask, in the measure's unit. 0 for measures that no single mask tells: fill, shimmer, change.
     pub fn figure(&self, ground: &Ground, mask: &[f32]) -> f64 {
         let (truth, open) = (&ground.truth.visibility, &ground.open);
         let (receivers, counts) = (&ground.truth.receivers, |i: usize| ground.counts(i));
@@ -153,11 +160,12 @@ impl Measure {
                 let here = (0..mask.len()).filter(|&i| matches!(ground.truth.pixels[i], Counted | Empty));
                 open::share(here.map(|i| mask[i] < 1.0))
             }
-            Self::Fill | Self::Shimmer => 0.0,
+            Self::Fill | Self::Shimmer | Self::ChangeError => 0.0,
         }
     }
 
-    /// Where the figure passes and fails on this ground: see [`Measure::reason`].
+    /// Where the figure passes and fails on this ground: see [`Measure::reason`]. What truth's own movement bounds is bounded
+    /// by [`Moving::limits`](super::Moving::limits).
     pub fn limits(&self, ground: &Ground) -> Limits {
         let counts = |i: usize| ground.counts(i);
         let ideal = self.figure(ground, &ground.ideal);
@@ -178,7 +186,9 @@ impl Measure {
             ),
             Self::PenumbraWidth => Limits::new(25.0, 50.0),
             Self::AllLit => Limits::new(0.0, 0.0),
-            Self::ScaleDrift(_) | Self::Shimmer => Limits::new(STEP, super::verdict::FAILS_AT * STEP),
+            Self::ScaleDrift(_) | Self::Shimmer | Self::ChangeError => {
+                Limits::new(STEP, super::verdict::FAILS_AT * STEP)
+            }
             Self::Fill => Limits::new(4.0 * SCREEN, 16.0 * SCREEN),
         }
     }
@@ -194,11 +204,10 @@ fn worst(bins: [f64; open::BINS]) -> f64 {
     bins.into_iter().fold(0.0, f64::max)
 }
 
-/// Root of the mean square of mask - truth over the pixels that count.
+/// RMSE over the pixels that count. What is no mask has no figure: NaN, which fails.
 pub(super) fn rmse(ground: &Ground, mask: &[f32]) -> f64 {
-    let square = |i: usize| (f64::from(mask[i]) - f64::from(ground.truth.visibility[i])).powi(2);
-    let n = ground.counted().count().max(1) as f64;
-    (ground.counted().map(square).sum::<f64>() / n).sqrt()
+    let truth = &ground.truth;
+    Errors::measure(truth.size, mask, &truth.visibility, &truth.pixels).map_or(f64::NAN, |errors| errors.rmse)
 }
 
 fn on_seam(ground: &Ground, i: usize) -> bool {

@@ -11,6 +11,7 @@
 //! is visible (steps of 1/255, one pixel in a thousand), or from the noise of a stated number of rays.
 
 mod cell;
+mod everywhere;
 mod ground;
 mod guard;
 mod measure;

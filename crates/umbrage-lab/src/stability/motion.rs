@@ -5,17 +5,21 @@
 //! Techniques whose casts go into the camera's own picture (planar shadows, volumes) have an answer at pixels alone: the
 //! first camera asks them, so that only the light's motion counts for them. Patterns that turn from pixel to pixel stay
 //! with their points, too: what is measured is the map's crawl, not the pattern's.
+//!
+//! Figures are the first backend's. The others play the first and the last frame, the two that differ most, and must agree
+//! there.
 
 use super::{
-    Cell, Limits, Outcome, Verdict,
+    Cell, Limits, Outcome, Verdict, everywhere,
     ground::{Ground, trace_at_receivers},
     guard::{self, NoMask},
-    measures::shimmer::shimmer,
+    measure::Measure,
+    measures::shimmer::{change, change_error, shimmer},
     pictures,
     play::{cell, draws_the_picture, no_mask},
     row::Motion,
 };
-use crate::{LabError, truth::TruthOptions};
+use crate::{LabError, compare::Backends, truth::TruthOptions};
 use glam::{Affine3A, Quat, Vec3};
 use umbrage_core::{Backend, Camera, Fit, Layout, Light, Receivers, ShadowTechnique, View};
 use umbrage_cpu::Cpu;
@@ -87,37 +91,72 @@ impl<'a> Moving<'a> {
         Ok(Self { ground, frames, truth, marked })
     }
 
+    /// How much the masks of its frames, at the first one's receivers, change though they should not.
+    pub fn figure(&self, measure: Measure, masks: &[Vec<f32>]) -> f64 {
+        match measure {
+            Measure::ChangeError => change_error(masks, &self.truth, &self.marked),
+            _ => shimmer(masks, &self.truth, &self.marked),
+        }
+    }
+
+    /// Where that passes and fails. Where truth moves, a shadow that stands still fails, however slow the movement: its
+    /// figure is truth's own change.
+    pub fn limits(&self, measure: Measure) -> Limits {
+        let limits = measure.limits(self.ground);
+        match measure {
+            Measure::ChangeError => limits.below(change(&self.truth, &self.marked)),
+            _ => limits,
+        }
+    }
+
     /// One setting's cell.
     pub(super) fn cell(
         &self,
         technique: &dyn ShadowTechnique,
-        limits: Limits,
-        backend: &mut dyn Backend,
+        measure: Measure,
+        backends: &mut Backends,
     ) -> Result<Cell, LabError> {
-        let masks = match self.play(technique, backend) {
-            Ok(masks) => masks,
+        let (masks, disagreeing) = match self.play(technique, backends) {
+            Ok(played) => played,
             Err(why) => return Ok(no_mask(technique, why)),
         };
-        let figure = shimmer(&masks, &self.truth, &self.marked);
-        let verdict = limits.judge(figure);
+        let figure = self.figure(measure, &masks);
+        let verdict = self.limits(measure).judge(figure);
         let worse = verdict != Verdict::Pass;
         let picture = worse.then(|| pictures::strip(self.ground, &masks, &self.marked)).transpose()?;
-        Ok(Cell { picture, ..cell(technique, Outcome::Measured { figure, verdict }) })
+        Ok(Cell { picture, disagreeing, ..cell(technique, Outcome::Measured { figure, verdict }) })
     }
 
-    /// The mask at the first frame's receivers, frame by frame.
-    fn play(&self, technique: &dyn ShadowTechnique, backend: &mut dyn Backend) -> Result<Vec<Vec<f32>>, NoMask> {
-        let receivers = &self.ground.truth.receivers;
-        let render = |frame: &Frame| {
-            let view = View::new(&frame.camera, &frame.light, &self.ground.geometry);
-            let still = View { camera: &self.ground.camera, ..view }.with_receivers(receivers);
-            let mut recipe = guard::plan(technique, &view.with_receivers(&frame.receivers))?;
-            if draws_the_picture(&recipe, &frame.camera) {
-                recipe = guard::plan(technique, &still)?;
-            }
-            Ok(guard::render(backend, &still, &recipe)?.mask)
-        };
-        self.frames.iter().map(render).collect()
+    /// The mask at the first frame's receivers, frame by frame, and on how many decided pixels backends differ.
+    fn play(
+        &self,
+        technique: &dyn ShadowTechnique,
+        backends: &mut Backends,
+    ) -> Result<(Vec<Vec<f32>>, Option<u64>), NoMask> {
+        let (mut masks, mut disagreeing) = (Vec::new(), None);
+        for (t, frame) in self.frames.iter().enumerate() {
+            let is_end = t == 0 || t + 1 == self.frames.len();
+            let playing = everywhere::those(&mut backends.playing, is_end);
+            let played = self.play_frame(frame, technique, playing)?;
+            masks.push(played.mask);
+            disagreeing = everywhere::sum(disagreeing, played.disagreeing);
+        }
+        Ok((masks, disagreeing))
+    }
+
+    fn play_frame(
+        &self,
+        frame: &Frame,
+        technique: &dyn ShadowTechnique,
+        playing: &mut [Box<dyn Backend>],
+    ) -> Result<everywhere::Played, NoMask> {
+        let view = View::new(&frame.camera, &frame.light, &self.ground.geometry);
+        let still = View { camera: &self.ground.camera, ..view }.with_receivers(&self.ground.truth.receivers);
+        let mut recipe = guard::plan(technique, &view.with_receivers(&frame.receivers))?;
+        if draws_the_picture(&recipe, &frame.camera) {
+            recipe = guard::plan(technique, &still)?;
+        }
+        everywhere::render(playing, &still, &recipe)
     }
 
     /// How many points count.

@@ -1,18 +1,15 @@
 //! Still cases: every setting against one ground, on every backend.
 
 use super::{
-    Cell, Limits, Outcome, Verdict,
+    Cell, Limits, Outcome, Verdict, everywhere,
     ground::Ground,
     guard::{self, NoMask},
     measure::{Measure, SCREEN, rmse},
     pictures,
     row::Case,
 };
-use crate::{
-    LabError,
-    compare::{Backends, agreement},
-};
-use umbrage_core::{Backend, Camera, Light, Recipe, ShadowTechnique, Shadows, View, Work};
+use crate::{LabError, compare::Backends};
+use umbrage_core::{Camera, Light, Recipe, ShadowTechnique, View, Work};
 
 /// A still case, ready to be played.
 #[derive(Debug)]
@@ -87,7 +84,7 @@ impl Played {
     fn plus(mut self, other: Self) -> Self {
         self.mask.iter_mut().zip(&other.mask).for_each(|(a, b)| *a += b);
         self.fill += other.fill;
-        self.disagreeing = self.disagreeing.zip(other.disagreeing).map(|(a, b)| a + b);
+        self.disagreeing = everywhere::sum(self.disagreeing, other.disagreeing);
         self
     }
 }
@@ -100,33 +97,8 @@ fn under(
 ) -> Result<Played, NoMask> {
     let view = ground.view(light);
     let recipe = guard::plan(technique, &view.with_receivers(&ground.truth.receivers))?;
-    let [first, others @ ..] = &mut *backends.playing else {
-        return Err(NoMask::Unsupported("there is no backend".to_owned()));
-    };
-    let shadows = guard::render(&mut **first, &view, &recipe)?;
-    let mut disagreeing = None;
-    for other in others {
-        let of_other = guard::render(&mut **other, &view, &recipe)?;
-        *disagreeing.get_or_insert(0) += differing(&mut **first, ground, light, &recipe, [&shadows, &of_other])?;
-    }
-    Ok(Played { fill: fill(&recipe, &view), mask: shadows.mask, disagreeing })
-}
-
-/// Decided pixels on which two backends differ. Equal masks need no search for what is undecided.
-fn differing(
-    first: &mut dyn Backend,
-    ground: &Ground,
-    light: &Light,
-    recipe: &Recipe,
-    [a, b]: [&Shadows; 2],
-) -> Result<u64, NoMask> {
-    let equal = a.mask.iter().zip(&b.mask).all(|(a, b)| a.to_bits() == b.to_bits());
-    if equal || first.kind() != "cpu" {
-        return Ok(if equal { 0 } else { a.mask.len() as u64 });
-    }
-    let view = ground.view(light);
-    let found = agreement::compare(first, &view, recipe, a, b).map_err(|e| NoMask::Fault(e.to_string()))?;
-    Ok(found.violations)
+    let everywhere::Played { mask, disagreeing } = everywhere::render(&mut backends.playing, &view, &recipe)?;
+    Ok(Played { fill: fill(&recipe, &view), mask, disagreeing })
 }
 
 /// Fragments that casts draw, millions, for a picture of [`SCREEN`]: casts into images of the camera's size grow with its

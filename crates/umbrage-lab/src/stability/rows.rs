@@ -129,7 +129,7 @@ const ROWS: &[Row] = &[
         Case::moving("hills-yaw", "hills", Motion::Yaw).with(steady_far),
         Case::moving("hills-fov", "hills", Motion::Widening).with(steady_far),
     ]),
-    row(13, "turning sun", "texels turn with the light and crawl along edges", &[
+    row(13, "turning sun", "texels turn with the light and crawl along edges; or the shadow stays behind", &[
         Case::moving("hills-sun", "hills", Motion::Sun).with(steady_far),
     ]),
     row(14, "into the light", "picture and map run against each other", &[

@@ -1,7 +1,7 @@
 //! All rows against all techniques.
 
 use super::{
-    CaseResult, Cell, Outcome, Stability,
+    CaseResult, Cell, Limits, Outcome, Stability,
     ground::Ground,
     guard,
     measure::Measure,
@@ -93,17 +93,19 @@ pub enum Event<'a> {
     },
 }
 
-/// Plays all rows wanted, still ones on all backends, moving ones on the first. What fails as it is known to is a result; what must not be (NaN, a panic, a
-/// validation error, backends that disagree) is told in [`Stability::faults`].
+/// Plays all rows wanted on all backends; of moving rows, all but the first backend play the first and the last frame. What
+/// fails as it is known to is a result; what must not be (NaN, a panic, a validation error, backends that disagree) is told
+/// in [`Stability::faults`].
 ///
 /// # Errors
-/// For unknown names, and when a scene can't be used.
+/// For unknown names, without a backend, and when a scene can't be used.
 pub fn run(
     options: &Options,
     backends: &mut Backends,
     on_event: &mut dyn FnMut(Event<'_>),
 ) -> Result<Stability, LabError> {
     options.validate()?;
+    some_backend(backends)?;
     let wanted: Vec<(&Row, &Case)> = cases().filter(|(row, case)| options.wants(row, case)).collect();
     let mut out = Stability {
         backends: backends.playing.iter().map(|b| b.kind().to_owned()).collect(),
@@ -153,14 +155,14 @@ fn play_case(
     options: &Options,
     backends: &mut Backends,
 ) -> Result<CaseResult, LabError> {
-    let limits = case.measure.limits(ground);
     let chosen = chosen(case, options);
-    let cells = if case.motion == Motion::Still {
-        still_cells(case, ground, &chosen, options, backends)?
+    let (limits, cells) = if case.motion == Motion::Still {
+        let limits = case.measure.limits(ground);
+        (limits, still_cells(case, ground, limits, &chosen, options, backends)?)
     } else {
         let moving = Moving::new(ground, case.motion, options.frames, &options.truth)?;
-        let Some(first) = backends.playing.first_mut() else { return Err(no_backend().into()) };
-        chosen.iter().map(|t| moving.cell(&**t, limits, &mut **first)).collect::<Result<_, _>>()?
+        let cells = chosen.iter().map(|t| moving.cell(&**t, case.measure, backends)).collect::<Result<_, _>>()?;
+        (moving.limits(case.measure), cells)
     };
     Ok(CaseResult {
         row: row.number,
@@ -179,8 +181,10 @@ fn play_case(
     })
 }
 
-fn no_backend() -> Invalid {
-    Invalid::new("stability", "has no backend", "open at least one")
+/// Objects to no backend at all.
+pub(super) fn some_backend(backends: &Backends) -> Result<(), Invalid> {
+    let none = || Invalid::new("stability", "has no backend", "open at least one");
+    if backends.playing.is_empty() { Err(none()) } else { Ok(()) }
 }
 
 /// The settings of a case.
@@ -195,6 +199,7 @@ fn chosen(case: &Case, options: &Options) -> Settings {
 fn still_cells(
     case: &Case,
     ground: &Ground,
+    limits: Limits,
     chosen: &Settings,
     options: &Options,
     backends: &mut Backends,
@@ -203,7 +208,6 @@ fn still_cells(
         Measure::ScaleDrift(scene) => Some(self::ground(case, scene, options)?),
         _ => None,
     };
-    let limits = case.measure.limits(ground);
     let still = Still { case, ground, reference: at_one.as_ref(), limits };
     chosen.iter().map(|technique| still.cell(&**technique, backends)).collect()
 }

@@ -2,12 +2,19 @@
 
 use super::*;
 use crate::{
+    cheat::{Cheat, darken_one},
     compare::Backends,
     truth::{self, TruthOptions},
 };
 use glam::UVec2;
-use std::collections::HashSet;
-use umbrage_core::{Backend, Fit, ShadowTechnique, View};
+use std::{
+    collections::HashSet,
+    sync::{
+        Arc,
+        atomic::{AtomicU32, Ordering},
+    },
+};
+use umbrage_core::{Backend, Fit, ShadowTechnique, Shadows, View};
 use umbrage_cpu::Cpu;
 use umbrage_techniques::{Bias, Hard, Pcss, Planar, SecondDepth, ShadowMap, ShadowVolumes, Traced};
 
@@ -71,7 +78,7 @@ fn scenes_of_failures_are_played() {
 fn every_still_row_can_pass_and_can_fail() {
     let options = small();
     // No single mask tells these; and 10,000 boxes are for the command alone.
-    let by_mask = |m: Measure| !matches!(m, Measure::Fill | Measure::Shimmer);
+    let by_mask = |m: Measure| !matches!(m, Measure::Fill | Measure::Shimmer | Measure::ChangeError);
     for (_, case) in cases().filter(|(_, c)| by_mask(c.measure)) {
         let ground = ground_of(case, &options);
         let traced = mask(&ground, &Traced { samples: 256 });
@@ -203,6 +210,18 @@ fn open_pixels_are_right_on_a_perfect_map() {
     assert!(Measure::Rmse.figure(&coarse, &coarse.ideal) > Measure::Rmse.figure(&ground, &ground.ideal));
 }
 
+/// A mask of the wrong size, or with a value that is no visibility, has no RMSE and so passes nowhere.
+#[test]
+fn what_is_no_mask_has_no_rmse() {
+    let case = case("stairs");
+    let ground = ground_of(case, &small());
+    let mut spoilt = ground.truth.visibility.clone();
+    assert_eq!(Measure::Rmse.figure(&ground, &spoilt), 0.0);
+    spoilt[0] = f32::NAN;
+    assert!(Measure::Rmse.figure(&ground, &spoilt).is_nan() && Measure::Rmse.figure(&ground, &[]).is_nan());
+    assert_eq!(Measure::Rmse.limits(&ground).judge(f64::NAN), Verdict::Fails);
+}
+
 /// A tight fit crawls under a panning camera; rays don't, and stable fits take the crawl away, to the bit.
 #[test]
 fn panning_shimmers_on_a_tight_fit_and_not_when_traced() {
@@ -219,6 +238,89 @@ fn panning_shimmers_on_a_tight_fit_and_not_when_traced() {
     assert!(stable.len() == 2 && stable.iter().all(|c| c.figure() == Some(0.0)), "{stable:?}");
     assert!(of("traced").iter().all(|c| c.figure() == Some(0.0)));
     assert!(stability.faults.is_empty());
+}
+
+/// Runs one moving case with one technique beside a second backend that errs in its `k`th rendering, from 1; 0 for never.
+/// Returns the disagreement, what must not be, and how often the second one played.
+fn beside_a_cheat(k: u32) -> (Option<u64>, Vec<String>, u32) {
+    let options = Options { rows: vec!["fence-pan".to_owned()], techniques: vec!["traced".to_owned()], ..small() };
+    let played = Arc::new(AtomicU32::new(0));
+    let count = played.clone();
+    let cheat = Cheat::new(move |shadows: &mut Shadows| {
+        if count.fetch_add(1, Ordering::Relaxed) + 1 == k {
+            darken_one(shadows);
+        }
+    });
+    let mut backends = Backends::of(vec![Box::new(Cpu::new()), Box::new(cheat)]);
+    let Stability { cases, faults, .. } = run(&options, &mut backends, &mut |_| {}).expect("plays");
+    (cases[0].cells[0].disagreeing, faults, played.load(Ordering::Relaxed))
+}
+
+#[test]
+fn moving_rows_play_their_first_and_last_frame_on_every_backend() {
+    let (disagreeing, faults, played) = beside_a_cheat(0);
+    let settings = played / 2;
+    assert!(disagreeing == Some(0) && faults.is_empty() && played == 2 * settings && settings > 0, "{faults:?}");
+    for k in [1, 2] {
+        let (disagreeing, faults, _) = beside_a_cheat(k);
+        assert!(disagreeing == Some(1) && faults.len() == 1, "frame {k} of 2: {faults:?}");
+        assert!(faults[0].contains("backends differ on 1 decided pixels"), "{faults:?}");
+    }
+}
+
+/// Where the light stands still, truth at points that stay doesn't change at all: whatever a mask changes is its own. Where
+/// the light turns, truth moves, so that a shadow that stands still can be told from one that follows.
+#[test]
+fn truth_moves_with_the_light_alone() {
+    let options = small();
+    for (_, case) in cases().filter(|(_, c)| c.motion != Motion::Still) {
+        let ground = ground_of(case, &options);
+        let moving = Moving::new(&ground, case.motion, options.frames, &options.truth).expect("a built-in scene");
+        let change = measures::shimmer::change(&moving.truth, &moving.marked);
+        assert!(moving.points() > 50, "{}: {} points", case.name, moving.points());
+        assert_eq!(change > 0.0, case.motion == Motion::Sun, "{}: {change}", case.name);
+        assert_eq!(case.measure == Measure::ChangeError, case.motion == Motion::Sun, "{}", case.name);
+    }
+}
+
+/// A shadow that isn't there doesn't crawl. It doesn't follow the sun either.
+#[test]
+fn what_stands_still_under_a_turning_sun_fails() {
+    let names = ["none", "traced"].map(str::to_owned).to_vec();
+    let options = Options { rows: vec!["13".to_owned()], techniques: names, ..small() };
+    let mut backends = Backends::of(vec![Box::new(Cpu::new())]);
+    let result = run(&options, &mut backends, &mut |_| {}).expect("plays").cases.remove(0);
+    let verdicts = |name: &str| -> Vec<Option<Verdict>> {
+        result.cells.iter().filter(|c| c.technique == name).map(Cell::verdict).collect()
+    };
+    let [none, traced] = ["none", "traced"].map(verdicts);
+    assert!(!none.is_empty() && none.iter().all(|v| *v == Some(Verdict::Fails)), "{:?}", result.cells);
+    assert!(!traced.is_empty() && traced.iter().all(|v| *v == Some(Verdict::Pass)), "{:?}", result.cells);
+}
+
+/// However slow the movement, standing still is worse than what passes.
+#[test]
+fn limits_of_slow_movement_are_below_standing_still() {
+    let options = small();
+    let case = case("hills-sun");
+    let ground = ground_of(case, &options);
+    let mut moving = Moving::new(&ground, case.motion, options.frames, &options.truth).expect("a built-in scene");
+    // Truth that moves a hundred times more slowly.
+    let first = moving.truth[0].clone();
+    let slower = |frame: &mut Vec<f32>| frame.iter_mut().zip(&first).for_each(|(v, f)| *v = f + (*v - f) / 100.0);
+    moving.truth.iter_mut().for_each(slower);
+    let still = moving.figure(case.measure, &vec![first.clone(); moving.truth.len()]);
+    let limits = moving.limits(case.measure);
+    assert!(still > 0.0 && still < case.measure.limits(&ground).pass, "{still}: too fast to tell anything");
+    assert_eq!(limits.judge(still), Verdict::Fails, "{still} against {limits:?}");
+    assert_eq!(limits.judge(moving.figure(case.measure, &moving.truth)), Verdict::Pass);
+}
+
+#[test]
+fn without_a_backend_nothing_runs() {
+    let none = || Backends::of(Vec::new());
+    assert!(run(&small(), &mut none(), &mut |_| {}).expect_err("nothing plays").to_string().contains("backend"));
+    assert!(sweeps::sweeps(&small(), &mut none(), &mut |_| {}).is_err());
 }
 
 #[test]

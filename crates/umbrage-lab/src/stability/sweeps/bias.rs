@@ -3,12 +3,18 @@
 //! Both are drawn in units of their own limits, so that one chart holds them: below 1 either passes. The best bias is the
 //! one at which the worse of the two is least.
 
-use super::{Curve, Sweep, mask};
+use super::{Curve, Sweep, not_played, play};
 use crate::{
     LabError,
-    stability::{Case, Ground, Measure, Options, PLATE, ground},
+    compare::Backends,
+    stability::{
+        Case, Ground, Measure, Options, PLATE,
+        everywhere::{self, Played},
+        ground,
+        guard::NoMask,
+    },
 };
-use umbrage_core::{Backend, RasterBias};
+use umbrage_core::RasterBias;
 use umbrage_techniques::{Bias, Hard, ShadowMap};
 
 /// A scene and a kind of bias.
@@ -56,16 +62,16 @@ pub(super) const ALL: &[Kind] = &[
     Kind { title: "stairs: normal offset", ..kind("bias-stairs", "stairs", Measure::Rmse) },
 ];
 
-pub(super) fn sweep(kind: &Kind, options: &Options, backend: &mut dyn Backend) -> Result<Sweep, LabError> {
+pub(super) fn sweep(kind: &Kind, options: &Options, backends: &mut Backends) -> Result<Sweep, LabError> {
     let ground = ground(&Case::still(kind.scene, kind.loss), kind.scene, options)?;
     let values: Vec<f32> = (0..STEPS).map(|i| at(kind.range, i)).collect();
-    let curve = |measure: Measure, masks: &[Vec<f32>]| {
+    let played = masks(kind, &values, &ground, options, backends)?;
+    let curve = |measure: Measure| {
         let pass = measure.limits(&ground).pass;
-        let points = values.iter().zip(masks).map(|(v, m)| [f64::from(*v), measure.figure(&ground, m) / pass]);
+        let points = values.iter().zip(&played).map(|(v, p)| [f64::from(*v), measure.figure(&ground, &p.mask) / pass]);
         Curve { label: format!("{} (limit {})", measure.name(), limit(pass, measure.unit())), points: points.collect() }
     };
-    let masks = masks(kind, &values, &ground, options, backend)?;
-    let curves = vec![curve(Measure::Acne, &masks), curve(kind.loss, &masks)];
+    let curves = vec![curve(Measure::Acne), curve(kind.loss)];
     let best = best(&curves);
     Ok(Sweep {
         name: kind.name.to_owned(),
@@ -75,6 +81,7 @@ pub(super) fn sweep(kind: &Kind, options: &Options, backend: &mut dyn Backend) -
         curves,
         best,
         limit: Some(1.0),
+        disagreeing: played.iter().map(|p| p.disagreeing).fold(None, everywhere::sum),
     })
 }
 
@@ -92,13 +99,17 @@ fn masks(
     values: &[f32],
     ground: &Ground,
     options: &Options,
-    backend: &mut dyn Backend,
-) -> Result<Vec<Vec<f32>>, LabError> {
-    let one = |v: &f32| {
+    backends: &mut Backends,
+) -> Result<Vec<Played>, LabError> {
+    let one = |(i, v): (usize, &f32)| {
         let map = ShadowMap { size: options.map_size, bias: (kind.bias)(*v), ..ShadowMap::default() };
-        Ok(mask(ground, &Hard { map }, backend)?.unwrap_or_else(|| ground.truth.visibility.clone()))
+        match play(ground, &Hard { map }, backends, [i, values.len()]) {
+            // A perfect score, or a gap that nobody sees, would hide that hard shadows are not served.
+            Err(NoMask::Unsupported(why) | NoMask::Fault(why)) => Err(not_played(ground, &Hard { map }, &why)),
+            Ok(played) => Ok(played),
+        }
     };
-    values.iter().map(one).collect()
+    values.iter().enumerate().map(one).collect()
 }
 
 /// Where the worst curve is lowest; the least such x.
@@ -112,7 +123,13 @@ fn best(curves: &[Curve]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cheat::{Cheat, darken_one};
+    use umbrage_core::{Backend, BackendError, Invalid, Recipe, Shadows, View};
     use umbrage_cpu::Cpu;
+
+    fn on(playing: Vec<Box<dyn Backend>>) -> Result<Sweep, LabError> {
+        sweep(&ALL[0], &Options::quick(), &mut Backends::of(playing))
+    }
 
     #[test]
     fn the_best_is_between_acne_and_gap() {
@@ -123,11 +140,49 @@ mod tests {
 
     #[test]
     fn acne_falls_and_the_gap_grows() {
-        let sweep = sweep(&ALL[0], &Options::quick(), &mut Cpu::new()).expect("valid");
+        let sweep = on(vec![Box::new(Cpu::new())]).expect("valid");
         let [acne, gap] = &sweep.curves[..] else { panic!("two curves") };
         let ends = |c: &Curve| [c.points[0][1], c.points[c.points.len() - 1][1]];
         let ([acne_least, acne_most], [gap_least, gap_most]) = (ends(acne), ends(gap));
         assert!(acne_least > 10.0 && acne_most == 0.0, "acne {acne_least} to {acne_most}");
         assert!(gap_least <= 1.0 && gap_most > 4.0, "gap {gap_least} to {gap_most}");
+    }
+
+    #[test]
+    fn ends_and_middle_play_on_every_backend() {
+        let beside = |k: usize| {
+            let mut played = 0;
+            let cheat = Cheat::new(move |shadows: &mut Shadows| {
+                played += 1;
+                if played == k {
+                    darken_one(shadows);
+                }
+            });
+            on(vec![Box::new(Cpu::new()), Box::new(cheat)]).expect("valid")
+        };
+        // The last of three, and one that never comes.
+        for (k, disagreeing) in [(3, 1), (4, 0)] {
+            let sweep = beside(k);
+            assert_eq!((sweep.disagreeing, sweep.fault().is_some()), (Some(disagreeing), disagreeing > 0), "{k}");
+        }
+    }
+
+    /// What isn't served has no figure, least of all a perfect one.
+    #[test]
+    fn a_bias_that_is_not_served_is_an_error() {
+        struct Refuses;
+        impl Backend for Refuses {
+            fn name(&self) -> &str {
+                "refuses"
+            }
+            fn kind(&self) -> &'static str {
+                "cpu"
+            }
+            fn render(&mut self, _: &View<'_>, _: &Recipe) -> Result<Shadows, BackendError> {
+                Err(Invalid::new("map", "is too large", "use a smaller one").into())
+            }
+        }
+        let why = on(vec![Box::new(Refuses)]).expect_err("nothing is served").to_string();
+        assert!(why.contains("thin-plate") && why.contains("hard") && why.contains("too large"), "{why}");
     }
 }

@@ -1,10 +1,7 @@
-//! A sweep as a static chart.
+//! A sweep as a still chart.
 
 use super::Sweep;
-use kuva::prelude::{Layout, LegendPosition, LinePlot, Plot, ReferenceLine, SvgBackend, render_multiple};
-
-/// Colours that all kinds of colour vision tell apart (Okabe, Ito 2008, "Color Universal Design").
-const COLORS: [&str; 7] = ["#0072b2", "#e69f00", "#009e73", "#d55e00", "#cc79a7", "#56b4e9", "#555555"];
+use crate::figure::{COLORS, Figure, Point, Reference, Series, Style};
 
 /// Nothing at all has no place on a logarithmic axis: it is drawn at the least y that is drawn, a hundredth of the limit
 /// or a thousandth.
@@ -12,31 +9,20 @@ fn floor(sweep: &Sweep) -> f64 {
     sweep.limit.map_or(1e-3, |limit| 0.01 * limit)
 }
 
-pub(super) fn svg(sweep: &Sweep) -> String {
+pub(super) fn figure(sweep: &Sweep) -> Figure {
     let floor = floor(sweep);
-    let lines = sweep.curves.iter().zip(COLORS.iter().cycle()).map(|(curve, color)| {
-        let points = curve.points.iter().map(|[x, y]| (*x, y.max(floor)));
-        let line = LinePlot::new().with_data(points).with_color(*color).with_stroke_width(2.0);
-        Plot::Line(line.with_legend(curve.label.clone()))
-    });
-    let plots: Vec<Plot> = lines.collect();
-    let mut layout = Layout::auto_from_plots(&plots)
-        .with_title(sweep.title.clone())
-        .with_x_label(sweep.x.clone())
-        .with_y_label(sweep.y.clone())
-        .with_log_x()
-        .with_log_y()
-        .with_legend_position(LegendPosition::OutsideRightTop)
-        .with_width(900.0)
-        .with_height(420.0);
-    if let Some(best) = sweep.best {
-        layout =
-            layout.with_reference_line(ReferenceLine::vertical(best).with_label(format!("best: {}", two_digits(best))));
+    let mut figure = Figure::new(&sweep.title, &sweep.x, &sweep.y).log(true, true);
+    figure.size = [900.0, 420.0];
+    for (i, curve) in sweep.curves.iter().enumerate() {
+        let points = curve.points.iter().map(|[x, y]| Point::at(*x, y.max(floor))).collect();
+        let line = Series::line(&curve.label, COLORS[i % COLORS.len()], points);
+        // Where colours come again, lines are dashed.
+        let style = if i < COLORS.len() { line.style } else { Style::Dashed(2.0) };
+        figure.series.push(Series { style, ..line });
     }
-    if let Some(limit) = sweep.limit {
-        layout = layout.with_reference_line(ReferenceLine::horizontal(limit).with_label("limit"));
-    }
-    SvgBackend::new().render_scene(&render_multiple(plots, layout))
+    figure.references.extend(sweep.best.map(|x| Reference::Across(x, format!("best: {}", two_digits(x)))));
+    figure.references.extend(sweep.limit.map(|y| Reference::Up(y, "limit".to_owned())));
+    figure
 }
 
 /// Two digits that count.
@@ -47,10 +33,31 @@ fn two_digits(v: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::two_digits;
+    use super::*;
+    use crate::stability::sweeps::Curve;
+    use std::collections::HashSet;
 
     #[test]
     fn two_digits_count() {
         assert_eq!([0.000_731, 0.376, 1.25, 48.2].map(two_digits), ["0.00073", "0.38", "1.2", "48"]);
+    }
+
+    #[test]
+    fn what_is_nothing_lies_at_the_bottom_and_curves_look_unlike() {
+        let curve = |i: usize| Curve { label: i.to_string(), points: vec![[1.0, 0.0], [2.0, 5.0]] };
+        let sweep = Sweep {
+            name: "n".to_owned(),
+            title: "t".to_owned(),
+            x: "x".to_owned(),
+            y: "y".to_owned(),
+            curves: (0..10).map(curve).collect(),
+            best: Some(2.0),
+            limit: Some(1.0),
+            disagreeing: None,
+        };
+        let figure = figure(&sweep);
+        assert_eq!(figure.series[0].points, [Point::at(1.0, 0.01), Point::at(2.0, 5.0)]);
+        let looks: HashSet<String> = figure.series.iter().map(|s| format!("{} {:?}", s.color, s.style)).collect();
+        assert_eq!((looks.len(), figure.references.len(), figure.log), (10, 2, [true; 2]));
     }
 }

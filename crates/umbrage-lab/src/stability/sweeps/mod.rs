@@ -1,14 +1,21 @@
 //! One number turned from too little to too much: bias, light angle, scale, distance from the origin, map size.
+//!
+//! Figures are the first backend's. The others play each curve's ends and its middle, and must agree there.
 
 mod bias;
 mod chart;
 mod reach;
 mod variants;
 
-use super::{Options, guard};
-use crate::{LabError, stability::Ground};
+use super::{
+    Ground, Options,
+    everywhere::{self, Played},
+    guard::{self, NoMask},
+    run::some_backend,
+};
+use crate::{LabError, compare::Backends};
 use serde::{Deserialize, Serialize};
-use umbrage_core::{Backend, ShadowTechnique};
+use umbrage_core::ShadowTechnique;
 
 pub use variants::{moved, scaled, under_sun};
 
@@ -29,6 +36,8 @@ pub struct Sweep {
     pub best: Option<f64>,
     /// The value of y up to which all is well, where there is one.
     pub limit: Option<f64>,
+    /// On how many pixels backends differ, of those whose answer doesn't hang on rounding; none with a single backend.
+    pub disagreeing: Option<u64>,
 }
 
 /// One curve.
@@ -40,23 +49,24 @@ pub struct Curve {
     pub points: Vec<[f64; 2]>,
 }
 
-/// Runs all sweeps on one backend.
+/// Runs all sweeps. What must not be of their results is told by [`Sweep::fault`].
 ///
 /// # Errors
-/// When a scene can't be used, or a technique gives what it must not.
+/// Without a backend, when a scene can't be used, or a technique gives what it must not.
 pub fn sweeps(
     options: &Options,
-    backend: &mut dyn Backend,
+    backends: &mut Backends,
     on_sweep: &mut dyn FnMut(&str),
 ) -> Result<Vec<Sweep>, LabError> {
+    some_backend(backends)?;
     let mut out = Vec::new();
     for kind in bias::ALL {
         on_sweep(kind.name);
-        out.push(bias::sweep(kind, options, backend)?);
+        out.push(bias::sweep(kind, options, backends)?);
     }
     for kind in reach::ALL {
         on_sweep(kind.name);
-        out.push(reach::sweep(kind, options, backend)?);
+        out.push(reach::sweep(kind, options, backends)?);
     }
     Ok(out)
 }
@@ -64,7 +74,13 @@ pub fn sweeps(
 impl Sweep {
     /// The chart as an SVG that opens alone.
     pub fn svg(&self) -> String {
-        chart::svg(self)
+        chart::figure(self).svg()
+    }
+
+    /// That backends disagree, if they do.
+    pub fn fault(&self) -> Option<String> {
+        let n = self.disagreeing.filter(|n| *n > 0)?;
+        Some(format!("sweep {}: backends differ on {n} decided pixels", self.name))
     }
 
     /// The curves' points: `curve,x,y`.
@@ -85,23 +101,20 @@ impl Sweep {
     }
 }
 
-/// A technique's mask under the ground's first light; none where it isn't made for that.
-///
-/// # Errors
-/// When it gives what it must not.
-fn mask(
+/// A technique under the ground's first light, at point `i` of `of`.
+fn play(
     ground: &Ground,
     technique: &dyn ShadowTechnique,
-    backend: &mut dyn Backend,
-) -> Result<Option<Vec<f32>>, LabError> {
+    backends: &mut Backends,
+    [i, of]: [usize; 2],
+) -> Result<Played, NoMask> {
     let view = ground.view(&ground.lights[0]).with_receivers(&ground.truth.receivers);
-    let played = guard::plan(technique, &view).and_then(|recipe| guard::render(backend, &view, &recipe));
-    match played {
-        Ok(shadows) => Ok(Some(shadows.mask)),
-        Err(guard::NoMask::Unsupported(_)) => Ok(None),
-        Err(guard::NoMask::Fault(what)) => Err(LabError::NotComparable {
-            scene: ground.scene.name.clone(),
-            what: format!("{}: {what}", technique.name()),
-        }),
-    }
+    let recipe = guard::plan(technique, &view)?;
+    let is_checked = [0, of / 2, of - 1].contains(&i);
+    everywhere::render(everywhere::those(&mut backends.playing, is_checked), &view, &recipe)
+}
+
+/// What must not be in a sweep.
+fn not_played(ground: &Ground, technique: &dyn ShadowTechnique, why: &str) -> LabError {
+    LabError::NotComparable { scene: ground.scene.name.clone(), what: format!("{}: {why}", technique.name()) }
 }

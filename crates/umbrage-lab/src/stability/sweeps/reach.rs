@@ -1,13 +1,14 @@
 //! How techniques fare as the light sinks, the scene grows, moves away, or the map shrinks: RMSE, beside that of a perfect
 //! map of the same size.
 
-use super::{Curve, Sweep, mask, moved, scaled, under_sun};
+use super::{Curve, Sweep, moved, not_played, play, scaled, under_sun};
 use crate::{
     LabError,
-    stability::{Ground, Measure, Options, settings},
+    compare::Backends,
+    stability::{Ground, Measure, Options, everywhere, guard::NoMask, settings},
 };
 use glam::Vec3;
-use umbrage_core::{Backend, Fit, Scene};
+use umbrage_core::{Fit, Scene};
 
 /// What is turned.
 #[derive(Debug)]
@@ -54,11 +55,12 @@ pub(super) const ALL: &[Kind] = &[
 /// The techniques drawn: few enough to tell their curves apart.
 const TECHNIQUES: [&str; 4] = ["hard", "pcf", "second_depth", "volumes"];
 
-pub(super) fn sweep(kind: &Kind, options: &Options, backend: &mut dyn Backend) -> Result<Sweep, LabError> {
+pub(super) fn sweep(kind: &Kind, options: &Options, backends: &mut Backends) -> Result<Sweep, LabError> {
     let entry = umbrage_scenes::find(kind.scene);
     let scene = entry.map(|e| (e.build)()).unwrap_or_default();
     let mut curves = vec![Curve { label: "perfect map".to_owned(), points: Vec::new() }];
-    for &value in kind.values {
+    let mut disagreeing = None;
+    for (place, &value) in kind.values.iter().enumerate() {
         let size = if kind.is_map_size { value as u32 } else { options.map_size };
         let variant = (kind.turn)(&scene, value);
         let (camera, lights) = (variant.cameras[0].resized(options.size), variant.lights[..1].to_vec());
@@ -71,8 +73,13 @@ pub(super) fn sweep(kind: &Kind, options: &Options, backend: &mut dyn Backend) -
                 // The side is on the axis, or in the title of none.
                 curves.push(Curve { label: label.replace(&format!("{size}, "), ""), points: Vec::new() });
             }
-            if let Some(mask) = mask(&ground, &**technique, backend)? {
-                add(&mut curves[i + 1], value, Measure::Rmse.figure(&ground, &mask));
+            match play(&ground, &**technique, backends, [place, kind.values.len()]) {
+                Ok(played) => {
+                    add(&mut curves[i + 1], value, Measure::Rmse.figure(&ground, &played.mask));
+                    disagreeing = everywhere::sum(disagreeing, played.disagreeing);
+                }
+                Err(NoMask::Unsupported(_)) => {}
+                Err(NoMask::Fault(what)) => return Err(not_played(&ground, &**technique, &what)),
             }
         }
     }
@@ -84,6 +91,7 @@ pub(super) fn sweep(kind: &Kind, options: &Options, backend: &mut dyn Backend) -
         curves,
         best: None,
         limit: None,
+        disagreeing,
     })
 }
 

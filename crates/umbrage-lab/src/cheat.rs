@@ -1,0 +1,36 @@
+//! A second backend for tests that must notice one that errs.
+
+use umbrage_core::{Backend, BackendError, Recipe, Shadows, View};
+use umbrage_cpu::Cpu;
+
+/// The CPU under wgpu's name, spoilt on the way out.
+pub(crate) struct Cheat<F> {
+    cpu: Cpu,
+    spoil: F,
+}
+
+impl<F: FnMut(&mut Shadows)> Cheat<F> {
+    pub(crate) fn new(spoil: F) -> Self {
+        Self { cpu: Cpu::new(), spoil }
+    }
+}
+
+impl<F: FnMut(&mut Shadows)> Backend for Cheat<F> {
+    fn name(&self) -> &str {
+        "a cheat"
+    }
+    fn kind(&self) -> &'static str {
+        "wgpu"
+    }
+    fn render(&mut self, view: &View<'_>, recipe: &Recipe) -> Result<Shadows, BackendError> {
+        let mut shadows = self.cpu.render(view, recipe)?;
+        (self.spoil)(&mut shadows);
+        Ok(shadows)
+    }
+}
+
+/// Darkens a pixel that is lit, far from any doubt: the last one.
+pub(crate) fn darken_one(shadows: &mut Shadows) {
+    let lit = shadows.mask.iter().rposition(|v| *v == 1.0).expect("something is lit");
+    shadows.mask[lit] = 0.0;
+}
