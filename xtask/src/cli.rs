@@ -102,7 +102,8 @@ pub(crate) struct CompareOptions {
     /// No wall-clock times and no date, so that the report is the same, byte for byte, whenever it is made
     #[arg(long, conflicts_with = "runs")]
     pub(crate) deterministic: bool,
-    /// Compare with the results.json of an earlier run, and fail if anything got slower or less accurate beyond the noise
+    /// Compare with the results.json of an earlier run, kept in another folder than this report's, and fail if anything got
+    /// slower or less accurate beyond the noise
     #[arg(long, value_name = "RESULTS.JSON")]
     pub(crate) baseline: Option<PathBuf>,
     /// Only every N-th scene, from the K-th on; `cargo xtask merge` joins the shards

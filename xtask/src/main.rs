@@ -1,4 +1,7 @@
-//! The project's own commands. They end with 0 (done), 1 (failed) or 2 (wrong usage).
+//! The project's own commands. They end with 0 (done), 1 (failed), 2 (wrong usage) or 141 (nobody reads on).
+
+#[macro_use]
+mod print;
 
 mod adapter;
 mod bless;

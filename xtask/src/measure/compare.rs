@@ -8,26 +8,27 @@ use crate::{
 use anyhow::{Result, bail};
 use umbrage_core::glam::UVec2;
 use umbrage_lab::{
-    baseline::{Changes, changes, read},
+    baseline::{Changes, apart, changes, read},
     compare::{Backends, Comparison, Event, Options, Runs, SceneInput, compare as run},
     report::{Plan, Report},
 };
 
 /// Compares, prints, reports; fails if backends disagree, a control has no effect, or something got worse.
 pub(super) fn compare(options: &CompareOptions) -> Result<()> {
+    let out = options.out.clone().unwrap_or_else(|| root().join("target/compare"));
     // A baseline that can't be read must not be found out after minutes of measuring.
-    let baseline = options.baseline.as_deref().map(read).transpose().map_err(|e| Usage(e.to_string()))?;
+    let baseline = options.baseline.as_deref().map(|path| apart(path, &out).and_then(|()| read(path)));
+    let baseline = baseline.transpose().map_err(|e| Usage(e.to_string()))?;
     let inputs = scenes(&options.scenes)?;
     let settings = settings(options)?;
+    let places = places(inputs.len(), options.shard)?;
     let mut backends = Backends::open(inputs::choice(options.backend), &inputs::adapter(options.adapter.as_ref()))?;
     for line in backends.notices.iter().cloned().chain(backends.playing.iter().map(|b| format!("on {}", b.name()))) {
         println!("{line}");
     }
-    let out = options.out.clone().unwrap_or_else(|| root().join("target/compare"));
-    let report = Report::create(&out, Plan::new(&inputs, &settings), options.arrays)?;
-    let places = places(inputs.len(), options.shard)?;
+    let report = Report::create(&out, Plan::new(&inputs, &settings), &places, options.arrays)?;
     measure(&inputs, &places, &settings, &mut backends, &report, options.fresh)?;
-    let (comparison, page) = report.finish(&places)?;
+    let (comparison, page) = report.finish()?;
     table::print(&comparison.scenes);
     println!("\nreport: {}", page.display());
     let guarded = baseline.map_or(Ok(()), |old| guard(&changes(&old, &comparison)));

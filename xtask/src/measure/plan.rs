@@ -8,13 +8,13 @@ use crate::{
     cli::{PlanBackend, PlanOptions},
     run::{Usage, root},
 };
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Result, bail};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
 use std::path::PathBuf;
 use umbrage_core::glam::UVec2;
 use umbrage_lab::{
     cost::CostModel,
-    plan::{Bounds, Options, Plan, Setting, plan as find},
+    plan::{Bounds, Options, Plan, Setting, plan as find, write},
 };
 
 /// Plans, prints, writes; fails if nothing is within the bounds.
@@ -31,10 +31,8 @@ pub(super) fn plan(options: &PlanOptions) -> Result<()> {
     let plan = plan?;
     let files = write(&plan, &out(options))?;
     print(&plan, kind(options));
-    println!(
-        "\n{}",
-        files.iter().map(|(what, path)| format!("{what}: {}", path.display())).collect::<Vec<_>>().join("\n")
-    );
+    println!();
+    files.iter().for_each(|file| println!("{}: {}", file.what, file.path.display()));
     match plan.preset() {
         Ok(_) => Ok(()),
         Err(miss) => bail!("{miss}"),
@@ -103,36 +101,4 @@ fn table(settings: &[Setting]) -> Table {
     }
     table.column_iter_mut().skip(2).for_each(|c| c.set_cell_alignment(CellAlignment::Right));
     table
-}
-
-/// Acne falls with the bias, the gap grows: a line an amount.
-fn curve(plan: &Plan) -> String {
-    let line = |p: &umbrage_lab::plan::CurvePoint| {
-        let e = &p.estimate;
-        format!("{},{},{},{},{},{}\n", p.kind.name(), p.texels, e.too_dark, e.too_light, e.error, p.chosen)
-    };
-    let lines: String = plan.curve.iter().map(line).collect();
-    format!("kind,texels,too dark,too light,error,chosen\n{lines}")
-}
-
-/// The preset, the whole plan, and the curve that proves its bias.
-fn write(plan: &Plan, folder: &std::path::Path) -> Result<Vec<(&'static str, PathBuf)>> {
-    let at = |extension: &str| folder.join(format!("{}.{extension}", planning::file_stem(&plan.scene)));
-    std::fs::create_dir_all(folder).with_context(|| format!("{} could not be made", folder.display()))?;
-    let mut files = vec![("plan", at("json"), serde_json::to_string_pretty(plan)?)];
-    if let Some(chosen) = &plan.chosen {
-        files.insert(0, ("preset", at("toml"), chosen.preset.to_toml()?));
-    }
-    if !plan.curve.is_empty() {
-        files.push(("bias curve", folder.join(format!("{}-bias.csv", planning::file_stem(&plan.scene))), curve(plan)));
-    }
-    if let Some(figure) = umbrage_lab::plan::curve_figure(plan) {
-        files.push(("bias chart", folder.join(format!("{}-bias.svg", planning::file_stem(&plan.scene))), figure.svg()));
-    }
-    let mut written = Vec::new();
-    for (what, path, text) in files {
-        std::fs::write(&path, text).with_context(|| format!("{} could not be written", path.display()))?;
-        written.push((what, path));
-    }
-    Ok(written)
 }

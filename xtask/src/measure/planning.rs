@@ -54,24 +54,9 @@ pub(super) fn bytes(bytes: u64) -> String {
     }
 }
 
-/// A scene's name as a file's.
-pub(super) fn file_stem(name: &str) -> String {
-    let plain = |c: char| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '-' };
-    let stem: String = name.chars().map(plain).collect();
-    if stem.trim_matches('.').is_empty() { "scene".to_owned() } else { stem }
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{bytes, file_stem};
-
-    #[test]
-    fn names_become_file_names() {
-        assert_eq!(file_stem("cubes"), "cubes");
-        assert_eq!(file_stem("../a b/c"), "..-a-b-c");
-        assert_eq!(file_stem(""), "scene");
-        assert_eq!(file_stem(".."), "scene");
-    }
+    use super::bytes;
 
     #[test]
     fn bytes_are_readable() {

@@ -6,11 +6,10 @@ use super::{
     planning::Progress,
 };
 use crate::cli::PlanOptions;
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Result, bail};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
-use std::path::Path;
 use umbrage_core::Scene;
-use umbrage_lab::plan::{LEAST_KEPT, MOST_REGRET, Options, Regret, regret as measure};
+use umbrage_lab::plan::{LEAST_KEPT, MOST_REGRET, Options, Regret, regret as measure, write_regret};
 
 /// One row a scene, light and bound; fails if too many bounds are broken, or a choice costs too much.
 pub(super) fn regret(options: &PlanOptions) -> Result<()> {
@@ -30,7 +29,7 @@ pub(super) fn regret(options: &PlanOptions) -> Result<()> {
     }
     progress.finish();
     println!("{}", table(&all));
-    let path = write(&all, &out(options))?;
+    let path = write_regret(&all, &out(options))?;
     println!("\ntable: {}", path.display());
     verdict(&all)
 }
@@ -94,19 +93,6 @@ fn table(all: &[Regret]) -> Table {
         }
     });
     table
-}
-
-fn write(all: &[Regret], folder: &Path) -> Result<std::path::PathBuf> {
-    let path = folder.join("regret.csv");
-    let told = || format!("{} could not be written", path.display());
-    std::fs::create_dir_all(folder).with_context(told)?;
-    let mut csv = csv::Writer::from_path(&path).with_context(told)?;
-    csv.write_record(HEADER).with_context(told)?;
-    for r in all {
-        csv.write_record(cells(r)).with_context(told)?;
-    }
-    csv.flush().with_context(told)?;
-    Ok(path)
 }
 
 fn verdict(all: &[Regret]) -> Result<()> {

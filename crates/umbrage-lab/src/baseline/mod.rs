@@ -14,7 +14,7 @@
 
 mod read;
 
-pub use read::read;
+pub use read::{apart, read};
 
 use crate::{
     compare::{Comparison, Environment, Measured, Outcome, Row, SceneResult, Spread},

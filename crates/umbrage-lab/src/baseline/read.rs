@@ -27,3 +27,44 @@ pub fn read(path: &Path) -> Result<Comparison, Invalid> {
     }
     serde_json::from_slice(&text).map_err(|e| refuse(format!("is damaged: {e}")))
 }
+
+/// Refuses a baseline that lies in the folder of the report to be made: it would be overwritten, and figures that are taken
+/// up from that folder would be compared with themselves.
+///
+/// # Errors
+/// When it lies there.
+pub fn apart(baseline: &Path, report: &Path) -> Result<(), Invalid> {
+    // A folder that is yet to be made holds no baseline; links count as what they lead to.
+    let real = |path: &Path| path.canonicalize().ok();
+    match (real(baseline), real(report)) {
+        (Some(file), Some(folder)) if file.parent() == Some(&folder) => {
+            let what = format!("baseline `{}`", baseline.display());
+            let why = "lies in the folder that the report is written to, and would be overwritten";
+            Err(Invalid::new(what, why, "copy it elsewhere, or give another folder with --out"))
+        }
+        _ => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::apart;
+    use std::fs;
+
+    #[test]
+    fn a_baseline_may_not_lie_where_the_report_goes() {
+        let dir = tempfile::tempdir().expect("a temporary folder");
+        let report = dir.path().join("report");
+        let elsewhere = dir.path().join("results.json");
+        fs::create_dir(&report).expect("writable");
+        fs::create_dir(dir.path().join("empty")).expect("writable");
+        for file in [&report.join("results.json"), &elsewhere] {
+            fs::write(file, b"{}").expect("writable");
+        }
+        assert!(apart(&elsewhere, &report).is_ok());
+        assert!(apart(&elsewhere, &dir.path().join("not yet made")).is_ok());
+        let refused = |from: &str| apart(&report.join("results.json"), &dir.path().join(from)).expect_err("refused");
+        assert!(refused("report").to_string().contains("--out"));
+        refused("empty/../report");
+    }
+}

@@ -19,6 +19,8 @@ mod bounds;
 mod density;
 mod estimate;
 mod families;
+#[cfg(feature = "report")]
+mod files;
 mod look;
 mod outcome;
 mod penumbra;
@@ -27,6 +29,8 @@ mod picture;
 mod planner;
 mod reasons;
 mod regret;
+#[cfg(feature = "report")]
+mod regret_table;
 mod sample;
 mod setting;
 mod trial;
@@ -36,11 +40,15 @@ mod walk;
 pub use bias::BiasKind;
 pub use bounds::Bounds;
 pub use estimate::Estimate;
+#[cfg(feature = "report")]
+pub use files::{Written, write};
 pub use outcome::{CurvePoint, Miss, Plan, Sampled};
 #[cfg(feature = "report")]
 pub use picture::curve_figure;
 pub use planner::Planner;
 pub use regret::{LEAST_KEPT, MOST_REGRET, Regret, regret};
+#[cfg(feature = "report")]
+pub use regret_table::{RegretLine, write_regret};
 pub use setting::Setting;
 
 use crate::{LabError, cost::CostModel, truth::TruthOptions};

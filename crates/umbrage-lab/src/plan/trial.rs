@@ -2,7 +2,7 @@
 
 use super::{
     Setting,
-    bias::{BiasKind, scales},
+    bias::{BiasKind, Scale, scales},
     families::Family,
     look::{Known, Look, Price},
     verify::Verifier,
@@ -32,6 +32,8 @@ pub(super) struct Goal {
 
 /// Beyond this many times the goal after the first try of each kind, a better amount of bias will not mend it.
 const OUT_OF_REACH: f64 = 1.7;
+/// The same for kinds of bias other than the one that was best at once.
+const OUT_OF_REACH_OF_OTHERS: f64 = 1.3;
 
 impl<'a> Trial<'a> {
     pub(super) fn new(look: Look<'a>, known: Known, verifier: Verifier, cost: CostModel) -> Self {
@@ -106,32 +108,43 @@ impl<'a> Trial<'a> {
         Ok(setting)
     }
 
-    /// The best bias of a family at a map size: the first amount of each kind, then more or less of the best kind as long as
-    /// that is better. None if nothing is supported.
+    /// The best bias of a family at a map size: the first amount of each kind, then, from the best kind on, more or less of
+    /// it as long as that is better. None if nothing is supported.
     pub(super) fn settle(
         &mut self,
         family: &Family,
         size: usize,
         goal: Option<Goal>,
     ) -> Result<Option<Setting>, LabError> {
+        let met = |setting: &Setting| goal.is_some_and(|goal| setting.estimate.high <= goal.error);
         let scales = scales(&family.preset());
-        let mut best: Option<(usize, Setting)> = None;
-        for (k, scale) in scales.iter().enumerate() {
+        let mut firsts: Vec<(&Scale, Setting)> = Vec::new();
+        for scale in &scales {
             let preset = family.at(size, scale.kind, scale.texels[scale.first]);
             let Some(setting) = self.play(&preset)? else { continue };
-            if goal.is_some_and(|goal| setting.estimate.high <= goal.error) {
+            if met(&setting) {
                 return Ok(Some(setting));
             }
-            if best.as_ref().is_none_or(|(_, best)| setting.estimate.error < best.estimate.error) {
-                best = Some((k, setting));
+            firsts.push((scale, setting));
+        }
+        firsts.sort_by(|(_, a), (_, b)| a.estimate.error.total_cmp(&b.estimate.error));
+        let Some((_, mut best)) = firsts.first().cloned() else { return Ok(None) };
+        let aim = goal.map_or(best.estimate.error, |goal| goal.error);
+        for (i, (scale, first)) in firsts.into_iter().enumerate() {
+            let reach = if i == 0 { OUT_OF_REACH } else { OUT_OF_REACH_OF_OTHERS };
+            if first.estimate.error > reach * aim {
+                break;
+            }
+            let at = |k: usize| family.at(size, scale.kind, scale.texels[k]);
+            let setting = self.climb(first, at, scale.first, scale.texels.len())?;
+            if setting.estimate.error < best.estimate.error {
+                best = setting;
+            }
+            if met(&best) {
+                break;
             }
         }
-        let Some((k, first)) = best else { return Ok(None) };
-        if goal.is_some_and(|goal| first.estimate.error > OUT_OF_REACH * goal.error) {
-            return Ok(Some(first));
-        }
-        let scale = &scales[k];
-        self.climb(first, |k| family.at(size, scale.kind, scale.texels[k]), scale.first, scale.texels.len()).map(Some)
+        Ok(Some(best))
     }
 
     /// From amount `first` of `count`, goes down as long as that is better; if it never is, up.

@@ -37,7 +37,7 @@ impl Folder {
     }
 
     /// Removes a file, if it is there.
-    pub(super) fn remove(&self, name: &str) -> Result<(), LabError> {
+    pub(crate) fn remove(&self, name: &str) -> Result<(), LabError> {
         let path = self.0.join(name);
         match fs::remove_file(&path) {
             Err(source) if source.kind() != io::ErrorKind::NotFound => Err(LabError::Write { path, source }),

@@ -1,6 +1,11 @@
 //! One report of a comparison's shards: byte for byte what one run would have written of the same figures.
 
-use super::{assemble, files::Folder, store::Stored};
+use super::{
+    assemble,
+    files::Folder,
+    run::Run,
+    store::{Plan, Stored},
+};
 use crate::{LabError, compare::Comparison};
 use std::{
     fs,
@@ -10,21 +15,17 @@ use umbrage_core::Invalid;
 
 /// Joins the scenes of several folders. Returns the whole comparison and the page's path.
 ///
+/// Of each folder only its last run counts: scenes that an earlier one left there are ignored.
+///
 /// # Errors
 /// When folders hold no scenes, scenes of different comparisons, one scene twice, or not all; or when a file cannot be
 /// read or written.
 pub fn merge(folders: &[PathBuf], out: &Path) -> Result<(Comparison, PathBuf), LabError> {
-    let mut found: Vec<(PathBuf, Stored)> = Vec::new();
-    for folder in folders {
-        let before = found.len();
-        found.extend(scenes_in(folder)?);
-        if found.len() == before {
-            let what = format!("folder `{}`", folder.display());
-            return Err(Invalid::new(what, "holds no scenes", "give folders that `compare --shard` wrote").into());
-        }
-    }
+    let runs = folders.iter().map(|f| Run::read(f).map(|run| (f.as_path(), run))).collect::<Result<Vec<_>, _>>()?;
+    let plan = one_plan(&runs)?.clone();
+    let mut found: Vec<_> = runs.iter().flat_map(|(folder, run)| run.scenes(folder)).collect();
     found.sort_by_key(|(_, s)| s.place);
-    check(&found)?;
+    check(&plan, &found)?;
     let folder = Folder::create(out)?;
     for (from, scene) in &found {
         let to = folder.unfinished(scene.name())?;
@@ -34,13 +35,8 @@ pub fn merge(folders: &[PathBuf], out: &Path) -> Result<(Comparison, PathBuf), L
         }
         folder.finish(scene.name())?;
     }
+    Run { places: (0..plan.scenes.len()).collect(), plan }.write(&folder)?;
     assemble::write(out, &folder, &found.into_iter().map(|(_, scene)| scene).collect::<Vec<_>>())
-}
-
-fn scenes_in(folder: &Path) -> Result<Vec<(PathBuf, Stored)>, LabError> {
-    let finished = |p: &PathBuf| !p.file_name().is_some_and(|n| n.to_string_lossy().starts_with('.'));
-    let inner = list(folder)?.into_iter().filter(finished);
-    Ok(inner.filter_map(|path| Some((path.clone(), Stored::read(&path)?))).collect())
 }
 
 /// What lies in a folder, in a fixed order.
@@ -52,32 +48,45 @@ fn list(folder: &Path) -> Result<Vec<PathBuf>, LabError> {
     Ok(paths)
 }
 
-/// All of one comparison, each once.
-fn check(found: &[(PathBuf, Stored)]) -> Result<(), Invalid> {
-    let Some((first_path, first)) = found.first() else {
+/// The plan that all runs share.
+fn one_plan<'a>(runs: &'a [(&Path, Run)]) -> Result<&'a Plan, Invalid> {
+    let Some((first, run)) = runs.first() else {
         return Err(Invalid::new("shards", "are missing", "give at least one folder"));
     };
+    match runs.iter().find(|(_, other)| other.plan != run.plan) {
+        None => Ok(&run.plan),
+        Some((folder, _)) => {
+            let why = format!("was made for another comparison than `{}`", first.display());
+            let mend = "give shards of one list of scenes with the same options, and no other folders";
+            Err(Invalid::new(format!("folder `{}`", folder.display()), why, mend))
+        }
+    }
+}
+
+/// All by the same code, each once.
+fn check(plan: &Plan, found: &[(PathBuf, Stored)]) -> Result<(), Invalid> {
     for (path, scene) in found {
-        let what = format!("`{}`", path.display());
+        let (first_path, first) = &found[0];
         let same_code = scene.environment.version == first.environment.version
             && scene.environment.commit == first.environment.commit
             && scene.environment.backends.len() == first.environment.backends.len();
-        if scene.plan != first.plan || !same_code {
-            let why = format!("was made for another comparison, or by other code, than `{}`", first_path.display());
-            return Err(Invalid::new(what, why, "merge shards of one command line and one commit"));
+        if !same_code {
+            let why = format!("was measured by other code, or on other backends, than `{}`", first_path.display());
+            let mend = "run all shards with one commit, then merge again";
+            return Err(Invalid::new(format!("`{}`", path.display()), why, mend));
         }
     }
     if let Some(pair) = found.windows(2).find(|p| p[0].1.place == p[1].1.place) {
         let why = format!("is the same scene as `{}`", pair[0].0.display());
-        return Err(Invalid::new(format!("`{}`", pair[1].0.display()), why, "give each shard once"));
+        let mend = "give each shard once, all of one number of shards";
+        return Err(Invalid::new(format!("`{}`", pair[1].0.display()), why, mend));
     }
-    let missing: Vec<&str> = (0..first.plan.scenes.len())
-        .filter(|place| found.iter().all(|(_, s)| s.place != *place))
-        .map(|place| first.plan.scenes[place].as_str())
-        .collect();
+    let there = |place: &usize| found.iter().any(|(_, s)| s.place == *place);
+    let missing: Vec<&str> =
+        (0..plan.scenes.len()).filter(|place| !there(place)).map(|place| plan.scenes[place].as_str()).collect();
     if missing.is_empty() {
         return Ok(());
     }
-    let why = format!("lack {} of {} scenes: {}", missing.len(), first.plan.scenes.len(), missing.join(", "));
-    Err(Invalid::new("shards", why, "run the missing shards, then merge again"))
+    let why = format!("lack {} of {} scenes: {}", missing.len(), plan.scenes.len(), missing.join(", "));
+    Err(Invalid::new("shards", why, "run the missing shards, or those that were stopped, then merge again"))
 }

@@ -10,6 +10,7 @@
 //!   hits nothing: `<scene>/truth.npy`, `t.npy` (distance along the unit camera ray), `ambiguous.npy`,
 //!   `<technique>.<backend>.npy`. Where a technique has several settings, they are part of the name.
 //! * `<scene>/scene.json`: the scene's figures, for a run that goes on where another was stopped, and for [`merge`].
+//! * `run.json`: which scenes belong to the folder's last run. Folders of other runs' scenes are left alone and ignored.
 //!
 //! Every file and every scene's folder is written whole under another name and then renamed.
 
@@ -22,6 +23,7 @@ mod look;
 mod merge;
 mod page;
 pub mod pictures;
+mod run;
 mod still;
 mod store;
 mod table;
@@ -36,6 +38,7 @@ use crate::{
     compare::{Comparison, Environment, SceneImages, SceneResult},
 };
 use rayon::prelude::*;
+use run::Run;
 use std::path::{Path, PathBuf};
 use store::Stored;
 
@@ -44,32 +47,36 @@ use store::Stored;
 pub struct Report {
     path: PathBuf,
     folder: Folder,
-    plan: Plan,
+    run: Run,
     program: String,
     arrays: bool,
 }
 
 impl Report {
-    /// Begins a report in a folder, which is made if need be; files of an older report are overwritten.
+    /// Begins a report of these places of the plan in a folder, which is made if need be; files of an older report are
+    /// overwritten.
     ///
     /// # Errors
-    /// When the folder cannot be made.
-    pub fn create(path: &Path, plan: Plan, arrays: bool) -> Result<Self, LabError> {
+    /// When the folder cannot be made or written.
+    pub fn create(path: &Path, plan: Plan, places: &[usize], arrays: bool) -> Result<Self, LabError> {
         let folder = Folder::create(path)?;
-        Ok(Self { path: path.to_owned(), folder, plan, program: store::program(), arrays })
+        let run = Run { plan, places: places.to_vec() };
+        // Now, not in the end: a run that is stopped must not pass for the one before it.
+        run.write(&folder)?;
+        Ok(Self { path: path.to_owned(), folder, run, program: store::program(), arrays })
     }
 
     /// Whether the folder has this place's scene already, measured by this program, for the same plan, with the same
     /// backends and adapter, on the same kind of machine.
     pub fn has(&self, place: usize, environment: &Environment) -> bool {
-        let Some(name) = self.plan.scenes.get(place) else { return false };
+        let Some(name) = self.run.plan.scenes.get(place) else { return false };
         let path = self.path.join(name);
         let arrays = !self.arrays || path.join("truth.npy").is_file();
         let undated = |e: &Environment| Environment { date: None, ..e.clone() };
         Stored::read(&path).is_some_and(|s| {
             let known = !s.program.is_empty() && s.program == self.program;
             let same_run = known && undated(&s.environment) == undated(environment);
-            arrays && same_run && s.place == place && s.plan == self.plan
+            arrays && same_run && s.place == place && s.plan == self.run.plan
         })
     }
 
@@ -85,7 +92,7 @@ impl Report {
         result: &SceneResult,
         images: &SceneImages,
     ) -> Result<(), LabError> {
-        let Some(name) = self.plan.scenes.get(place) else { return Ok(()) };
+        let Some(name) = self.run.plan.scenes.get(place) else { return Ok(()) };
         let folder = self.folder.unfinished(name)?;
         if self.arrays {
             arrays::write(&folder, result, images)?;
@@ -93,30 +100,29 @@ impl Report {
         let truth = &images.truth;
         folder.write("truth.png", &picture(pictures::mask(truth.size, &truth.visibility, &truth.pixels))?)?;
         let chosen = chosen::rows(result);
-        let all = self.plan.scenes.len() <= FEW_SCENES;
+        let all = self.run.plan.scenes.len() <= FEW_SCENES;
         let pictured = |i: &usize| all || chosen.contains(i) || images.colors[*i].is_some();
         (0..result.rows.len())
             .into_par_iter()
             .filter(pictured)
             .try_for_each(|i| row_pictures(&folder, result, images, i))?;
         let (environment, notices) = (environment.clone(), notices.to_vec());
-        let (plan, program, result) = (self.plan.clone(), self.program.clone(), result.clone());
+        let (plan, program, result) = (self.run.plan.clone(), self.program.clone(), result.clone());
         Stored { plan, place, program, environment, notices, result }.write(&folder)?;
         self.folder.finish(name)
     }
 
-    /// Writes the page, the charts, the tables and the data of these places. Returns the whole comparison and the page's
-    /// path.
+    /// Writes the page, the charts, the tables and the data. Returns the whole comparison and the page's path.
     ///
     /// # Errors
     /// When a scene is missing, or a file cannot be written.
-    pub fn finish(self, places: &[usize]) -> Result<(Comparison, PathBuf), LabError> {
+    pub fn finish(self) -> Result<(Comparison, PathBuf), LabError> {
         let read = |&place: &usize| {
-            let path = self.path.join(self.plan.scenes.get(place).map_or("", String::as_str));
+            let path = self.path.join(self.run.plan.scenes.get(place).map_or("", String::as_str));
             let gone = || std::io::Error::other("the scene's figures are missing or damaged");
             Stored::read(&path).ok_or_else(|| LabError::Write { path: path.join(store::FILE), source: gone() })
         };
-        let scenes = places.iter().map(read).collect::<Result<Vec<_>, _>>()?;
+        let scenes = self.run.places.iter().map(read).collect::<Result<Vec<_>, _>>()?;
         assemble::write(&self.path, &self.folder, &scenes)
     }
 }

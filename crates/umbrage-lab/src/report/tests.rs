@@ -74,12 +74,12 @@ fn plan() -> Plan {
 
 fn write(arrays: bool) -> (tempfile::TempDir, Comparison) {
     let dir = tempfile::tempdir().expect("a temporary folder");
-    let report = Report::create(&dir.path().join("out"), plan(), arrays).expect("writable");
+    let report = Report::create(&dir.path().join("out"), plan(), &[0, 1], arrays).expect("writable");
     let (result, images) = scene();
     for place in [0, 1] {
         report.scene(place, &Environment::default(), &[NASTY.to_owned()], &result, &images).expect("writable");
     }
-    let (comparison, page) = report.finish(&[0, 1]).expect("writable");
+    let (comparison, page) = report.finish().expect("writable");
     assert_eq!(page, dir.path().join("out/index.html"));
     assert_eq!((comparison.scenes.len(), &*comparison.notices), (2, &[NASTY.to_owned()][..]));
     (dir, comparison)
@@ -169,10 +169,10 @@ fn files(folder: &std::path::Path) -> std::collections::BTreeMap<String, Vec<u8>
 
 /// The shard that has this place, of the whole that `write(false)` makes.
 fn shard(dir: &std::path::Path, name: &str, place: usize) -> PathBuf {
-    let report = Report::create(&dir.join(name), plan(), false).expect("writable");
+    let report = Report::create(&dir.join(name), plan(), &[place], false).expect("writable");
     let (result, images) = scene();
     report.scene(place, &Environment::default(), &[NASTY.to_owned()], &result, &images).expect("writable");
-    report.finish(&[place]).expect("writable");
+    report.finish().expect("writable");
     dir.join(name)
 }
 
@@ -199,7 +199,7 @@ fn shards_that_do_not_belong_together_are_refused() {
     assert!(refused(&[&a, &b, &shard(dir.path(), "c", 1)]).contains("same scene"));
     assert!(refused(&[&dir.path().join("none")]).contains("none"));
     let other = Plan { options: "others".into(), ..plan() };
-    let report = Report::create(&dir.path().join("d"), other, false).expect("writable");
+    let report = Report::create(&dir.path().join("d"), other, &[1], false).expect("writable");
     let (result, images) = scene();
     report.scene(1, &Environment::default(), &[], &result, &images).expect("writable");
     assert!(refused(&[&a, &dir.path().join("d")]).contains("another comparison"));
@@ -208,12 +208,35 @@ fn shards_that_do_not_belong_together_are_refused() {
     assert!(refused(&[&empty]).contains("no scenes"));
 }
 
+/// Folders that were used before, for another comparison and with another number of shards.
+#[test]
+fn scenes_of_earlier_runs_are_ignored() {
+    let (dir, _) = write(false);
+    let a = dir.path().join("a");
+    let other = Plan { options: "others".into(), scenes: vec!["stray".into(), "x".into()], ..plan() };
+    let report = Report::create(&a, other, &[0], false).expect("writable");
+    let (result, images) = scene();
+    report.scene(0, &Environment::default(), &[], &result, &images).expect("writable");
+    shard(dir.path(), "a", 1);
+    let shards = [shard(dir.path(), "a", 0), shard(dir.path(), "b", 1)];
+    assert!(a.join("stray/scene.json").is_file(), "what an earlier run measured is not deleted");
+    merge(&shards, &dir.path().join("merged")).expect("all there, nothing twice");
+    assert_eq!(files(&dir.path().join("merged")), files(&dir.path().join("out")));
+    // A run that was stopped before its first scene is not the one before it.
+    Report::create(&a, Plan { contents: vec![String::new(); 2], ..plan() }, &[0], false).expect("writable");
+    let refused = merge(&shards, &dir.path().join("merged")).expect_err("refused").to_string();
+    assert!(refused.contains("another comparison"), "{refused}");
+    Report::create(&a, Plan { contents: vec![String::new(); 2], ..plan() }, &[0], false).expect("writable");
+    let stopped = merge(&[a], &dir.path().join("merged")).expect_err("refused").to_string();
+    assert!(stopped.contains("lack 2 of 2 scenes") && stopped.contains("stopped"), "{stopped}");
+}
+
 #[test]
 fn only_whole_scenes_of_the_same_run_are_taken_up() {
     let (dir, _) = write(false);
     let (out, here) = (dir.path().join("out"), Environment::default());
     let has = |plan: Plan, environment: &Environment, arrays| {
-        let report = Report::create(&out, plan, arrays).expect("writable");
+        let report = Report::create(&out, plan, &[0, 1], arrays).expect("writable");
         [0, 1].map(|place| report.has(place, environment))
     };
     assert_eq!(has(plan(), &here, false), [true; 2]);

@@ -1,0 +1,48 @@
+//! What a folder's last run is about. Scenes of other runs may lie beside its own, and are none of its business.
+
+use super::{
+    files::Folder,
+    store::{Plan, Stored},
+};
+use crate::LabError;
+use serde::{Deserialize, Serialize};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+use umbrage_core::Invalid;
+
+const FILE: &str = "run.json";
+
+/// The comparison, and the part of it that was measured into a folder.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Run {
+    pub(super) plan: Plan,
+    /// Places in the plan, from 0: all of them, or a shard's.
+    pub(super) places: Vec<usize>,
+}
+
+impl Run {
+    pub(super) fn write(&self, folder: &Folder) -> Result<(), LabError> {
+        let broken = |e: serde_json::Error| LabError::Write { path: FILE.into(), source: e.into() };
+        folder.write(FILE, &serde_json::to_vec_pretty(self).map_err(broken)?)
+    }
+
+    pub(super) fn read(folder: &Path) -> Result<Self, Invalid> {
+        let refuse = |why: String| {
+            Invalid::new(format!("folder `{}`", folder.display()), why, "give folders that `compare --shard` wrote")
+        };
+        let bytes = fs::read(folder.join(FILE)).map_err(|e| refuse(format!("holds no scenes ({FILE}: {e})")))?;
+        serde_json::from_slice(&bytes).map_err(|e| refuse(format!("has a damaged {FILE}: {e}")))
+    }
+
+    /// The run's scenes that are there, whole.
+    pub(super) fn scenes(&self, folder: &Path) -> Vec<(PathBuf, Stored)> {
+        let scene = |&place: &usize| {
+            let path = folder.join(self.plan.scenes.get(place)?);
+            let stored = Stored::read(&path)?;
+            (stored.place == place && stored.plan == self.plan).then_some((path, stored))
+        };
+        self.places.iter().filter_map(scene).collect()
+    }
+}

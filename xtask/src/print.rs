@@ -1,0 +1,55 @@
+//! `println!` and `eprintln!` of this program. The standard ones panic when nobody reads any more, as after `| head`; these
+//! end the program without a word, on Unix and on Windows.
+
+use std::{
+    fmt::Arguments,
+    io::{ErrorKind, Write},
+};
+
+/// What shells say of a tool that wrote into a closed pipe (128 and the signal's number, 13). It is not 0, since what was
+/// asked for was not done to its end.
+const CLOSED_PIPE: i32 = 141;
+
+macro_rules! println {
+    () => {
+        $crate::print::line(std::io::stdout().lock(), format_args!(""))
+    };
+    ($($text:tt)*) => {
+        $crate::print::line(std::io::stdout().lock(), format_args!($($text)*))
+    };
+}
+
+macro_rules! eprintln {
+    ($($text:tt)*) => {
+        $crate::print::line(std::io::stderr().lock(), format_args!($($text)*))
+    };
+}
+
+/// Writes a line. Other faults than a closed pipe, such as a full disk, leave nowhere to tell them but the exit code.
+pub(crate) fn line(to: impl Write, text: Arguments<'_>) {
+    if let Err(kind) = write(to, text) {
+        std::process::exit(if kind == ErrorKind::BrokenPipe { CLOSED_PIPE } else { 1 });
+    }
+}
+
+fn write(mut to: impl Write, text: Arguments<'_>) -> Result<(), ErrorKind> {
+    // One piece, so that lines of several threads do not mix.
+    let text = format!("{text}\n");
+    to.write_all(text.as_bytes()).and_then(|()| to.flush()).map_err(|e| e.kind())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::write;
+    use std::io::ErrorKind;
+
+    #[test]
+    fn lines_arrive_whole_and_closed_pipes_are_told() {
+        let mut bytes = Vec::new();
+        assert_eq!(write(&mut bytes, format_args!("{} of {}", 1, 2)), Ok(()));
+        assert_eq!(bytes, b"1 of 2\n");
+        let (reader, writer) = std::io::pipe().expect("a pipe");
+        drop(reader);
+        assert_eq!(write(writer, format_args!("unread")), Err(ErrorKind::BrokenPipe));
+    }
+}
