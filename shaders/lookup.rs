@@ -27,26 +27,27 @@ pub const TAP: Module = Module { name: "tap", text: include_str!("tap.wgsl") };
 uniforms! {
     /// What a lookup needs to know, in both halves.
     pub struct MapLookup {
-        /// From world to the light's clip space: one matrix, or six in the order of [`Layout::Cube`](umbrage_core::Layout::Cube). Unused ones repeat
-        /// the first.
-        pub faces: [Mat4; 6],
-        /// xyz: unit direction to the light (w = 0) or the light's position (w = 1).
-        pub light: Vec4,
-        /// 1 or 6.
+        /// 1 or 6. It comes first since it has few values: Mesa's lavapipe (seen in 22.3) compiles a shader that branches on
+        /// uniforms anew for every value of their buffer's first word.
         pub layers: u32,
         /// 1 if depth is packed into four channels, else 0.
         pub packed: u32,
         /// 1 if the map's edge repeats, else 0.
         pub clamped: u32,
+        /// 1 if the bias has a slope or a normal offset, else 0. Shaders branch on this word and not on the floats below:
+        /// software drivers compile a variant for each value that a branch depends on.
+        pub bends: u32,
+        /// From world to the light's clip space: one matrix, or six in the order of [`Layout::Cube`](umbrage_core::Layout::Cube). Unused ones repeat
+        /// the first.
+        pub faces: [Mat4; 6],
+        /// xyz: unit direction to the light (w = 0) or the light's position (w = 1).
+        pub light: Vec4,
         /// Greatest depth that is compared: 1, or without bound.
         pub farthest: f32,
         /// Side of the map, texels.
         pub size: f32,
         /// Longer side of a texel: metres without perspective; metres at one metre's distance with it.
         pub texel: f32,
-        /// 1 if the bias has a slope or a normal offset, else 0. Shaders branch on this word and not on the floats below:
-        /// software drivers compile a variant for each value that a branch depends on.
-        pub bends: u32,
         /// See [`Bias::constant`](crate::Bias::constant).
         pub constant: f32,
         /// See [`Bias::slope`](crate::Bias::slope).

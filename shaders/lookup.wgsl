@@ -3,15 +3,15 @@
 // cube.wgsl.
 
 struct MapLookup {
-    faces: array<mat4x4f, 6>,
-    light: vec4f,
     layers: u32,
     packed: u32,
     clamped: u32,
+    bends: u32,
+    faces: array<mat4x4f, 6>,
+    light: vec4f,
     farthest: f32,
     size: f32,
     texel: f32,
-    bends: u32,
     constant: f32,
     slope: f32,
     slope_min: f32,

@@ -29,6 +29,26 @@ fn every_kernel_writes_its_uniforms_where_its_shader_reads_them() {
     }
 }
 
+/// Mesa's lavapipe compiles a shader that branches on uniforms anew for every value of their buffer's first word, so that
+/// moving lights would be slow there.
+#[test]
+fn the_first_word_of_uniforms_does_not_hang_on_the_light_direction() {
+    /// Their shaders branch on no uniform, so nothing is compiled anew. They begin with the light.
+    const BRANCHLESS: [&str; 3] = ["none", "planar", "volumes"];
+    let (geometry, camera) = (stage::geometry(1.0, Vec3::ZERO), stage::camera());
+    let sun = |x: f32| Light::Directional { direction: Vec3::new(x, -3.0, 1.0), angular_diameter: 0.0093 };
+    let suns = [sun(1.0), sun(-0.5)];
+    for entry in umbrage_techniques::all() {
+        for technique in (entry.exhaustive)(64) {
+            let plan = |light| technique.plan(&View::new(&camera, light, &geometry)).ok();
+            let [Some(a), Some(b)] = [plan(&suns[0]), plan(&suns[1])] else { continue };
+            let first = |recipe: &Recipe| kernels(recipe).map(|k| k.uniform_bytes()[..4].to_vec()).collect::<Vec<_>>();
+            let same = first(&a) == first(&b);
+            assert_eq!(same, !BRANCHLESS.contains(&entry.name), "{}, {}", entry.name, technique.settings());
+        }
+    }
+}
+
 #[test]
 fn camera_rays_lie_where_the_shader_reads_them() {
     check(&CameraRays::layout(), RESOLVE.text).expect("same layout");

@@ -41,6 +41,9 @@ pub const LIFT: f32 = 1.0 / 1_048_576.0;
 uniforms! {
     /// A light, ready to be sampled.
     pub struct LightSampler {
+        /// The [`kind`]; the rest is unused. It comes first since it has few values: Mesa's lavapipe (seen in 22.3) compiles
+        /// a shader that branches on uniforms anew for every value of their buffer's first word.
+        pub shape: UVec4,
         /// World position of the light's middle; for directions the unit vector towards the light. Fourth: unused.
         pub center: Vec4,
         /// From the middle to the rim, metres; for caps a unit vector across the axis. Fourth: for caps 1 - cos of the
@@ -48,8 +51,6 @@ uniforms! {
         pub half_u: Vec4,
         /// The other half axis, likewise. Fourth: unused.
         pub half_v: Vec4,
-        /// The [`kind`]; the rest is unused.
-        pub shape: UVec4,
     }
 }
 

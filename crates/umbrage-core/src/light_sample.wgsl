@@ -10,10 +10,10 @@ const LIGHT_SHORT: f32 = 1.0 - 1.0 / 16384.0;
 const LIGHT_LIFT: f32 = 1.0 / 1048576.0;
 
 struct LightSampler {
+    shape: vec4u,
     center: vec4f,
     half_u: vec4f,
     half_v: vec4f,
-    shape: vec4u,
 }
 
 fn small_sin(x: f32) -> f32 {

@@ -38,8 +38,10 @@ pub fn write(plan: &Plan, folder: &Path) -> Result<Vec<Written>, LabError> {
     Ok(written)
 }
 
-/// What each file is to hold; none where the plan has no such thing.
-fn texts(plan: &Plan) -> Result<[(&'static str, &'static str, Option<String>); 4], LabError> {
+/// What a file is, how its name ends, and what it is to hold; none where the plan has no such thing.
+type Text = (&'static str, &'static str, Option<String>);
+
+fn texts(plan: &Plan) -> Result<[Text; 4], LabError> {
     let preset = plan.chosen.as_ref().map(|chosen| chosen.preset.to_toml()).transpose()?;
     let json = serde_json::to_string_pretty(plan).map_err(|e| failed("plan", e))?;
     let curve =
