@@ -60,6 +60,13 @@ impl Estimate {
             too_light: light.sqrt(),
         }
     }
+
+    /// Whether the whole image's error lies above `bound` but for one case in some thousand: twice as far as
+    /// [`Estimate::low`] reaches, in squares.
+    pub(super) fn is_surely_above(&self, bound: f64) -> bool {
+        let square = self.error.powi(2);
+        square - 2.0 * (self.high.powi(2) - square) > bound.powi(2)
+    }
 }
 
 /// A mask and truth at the sampled pixels.

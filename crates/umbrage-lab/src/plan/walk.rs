@@ -104,7 +104,7 @@ impl Planner<'_> {
     /// Looks again at what is not surely worse than `error`, until it surely is or is not.
     fn look_again(&mut self, mut setting: Setting, error: f64) -> Result<Setting, LabError> {
         for times in LOOKS {
-            if setting.estimate.low > error {
+            if setting.estimate.is_surely_above(error) {
                 break;
             }
             setting = self.trial.verify(&setting, times)?;
