@@ -28,7 +28,6 @@ pub mod cost;
 mod error;
 #[cfg(feature = "report")]
 pub mod figure;
-#[cfg(feature = "report")]
 pub mod footprint;
 pub mod pareto;
 pub mod plan;
