@@ -26,6 +26,7 @@ mod picture;
 mod planner;
 mod reasons;
 mod regret;
+mod resolution;
 mod sample;
 mod setting;
 mod trial;
