@@ -32,6 +32,10 @@ impl ShadowTechnique for Hard {
     fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
         self.map.recipe(view, 0.0, HardKernel)
     }
+
+    fn kernel_reach(&self) -> Option<f32> {
+        Some(0.0)
+    }
 }
 
 /// The lookup.

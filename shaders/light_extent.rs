@@ -105,14 +105,16 @@ pub(crate) fn spaces(map: &ShadowMap, view: &View<'_>) -> Result<LightSpaces, Pl
 fn reach(shape: Shape, across: Vec4, along: Vec4, size: u32) -> f32 {
     let half = size as f32 * 0.5;
     let corners = [Vec2::new(half, half), Vec2::new(-half, half), Vec2::new(half, -half), Vec2::new(-half, -half)];
-    let widest = |corner: Vec2| {
-        let a = light_axes(across, along, corner).abs();
-        match shape {
-            Shape::Square => (a.x + a.z).max(a.y + a.w),
-            Shape::Disc => a.x.hypot(a.z).max(a.y.hypot(a.w)),
-        }
-    };
-    corners.into_iter().map(widest).fold(0.0, f32::max)
+    corners.into_iter().map(|corner| reach_at(shape, across, along, corner)).fold(0.0, f32::max)
+}
+
+/// The same for a receiver `from_middle` texels right and down of the map's middle.
+pub(crate) fn reach_at(shape: Shape, across: Vec4, along: Vec4, from_middle: Vec2) -> f32 {
+    let a = light_axes(across, along, from_middle).abs();
+    match shape {
+        Shape::Square => (a.x + a.z).max(a.y + a.w),
+        Shape::Disc => a.x.hypot(a.z).max(a.y.hypot(a.w)),
+    }
 }
 
 /// [`LightExtent::across`] and [`LightExtent::along`] of one face.

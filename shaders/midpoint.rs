@@ -52,6 +52,10 @@ impl ShadowTechnique for Midpoint {
     fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
         self.pcf().plan(view)
     }
+
+    fn kernel_reach(&self) -> Option<f32> {
+        self.pcf().kernel_reach()
+    }
 }
 
 /// From two images of depth to their mean.

@@ -55,6 +55,10 @@ impl ShadowTechnique for Pcf {
         let radius = self.radius as i32;
         self.map.recipe(view, radius as f32, |lookup| PcfKernel(PcfUniforms { lookup, radius }))
     }
+
+    fn kernel_reach(&self) -> Option<f32> {
+        Some(self.radius as f32)
+    }
 }
 
 uniforms! {

@@ -77,6 +77,10 @@ impl ShadowTechnique for PcfDisc {
         recipe.receive.tables.push(0);
         Ok(recipe)
     }
+
+    fn kernel_reach(&self) -> Option<f32> {
+        Some(self.radius)
+    }
 }
 
 uniforms! {

@@ -36,6 +36,10 @@ impl ShadowTechnique for PcfDithered {
     fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
         self.map.recipe(view, 2.0, PcfDitheredKernel)
     }
+
+    fn kernel_reach(&self) -> Option<f32> {
+        Some(1.5)
+    }
 }
 
 /// The lookup.

@@ -64,6 +64,10 @@ impl ShadowTechnique for PcfHardware {
         let reach = self.samples.div_ceil(2) as f32;
         self.map.recipe(view, reach, |lookup| HardwareKernel(HardwareUniforms { lookup, samples }))
     }
+
+    fn kernel_reach(&self) -> Option<f32> {
+        Some(Self::reach(self.samples))
+    }
 }
 
 /// Objects to more samples than lanes.

@@ -63,6 +63,10 @@ impl ShadowTechnique for PcfMerged {
         let (rows, samples) = (merged_rows(self.radius as usize), self.radius as i32 + 1);
         self.map.recipe(view, samples as f32, |lookup| MergedKernel(MergedUniforms { lookup, rows, samples }))
     }
+
+    fn kernel_reach(&self) -> Option<f32> {
+        Some(Self::reach(self.radius))
+    }
 }
 
 uniforms! {

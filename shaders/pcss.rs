@@ -34,12 +34,12 @@ use crate::{
     Bias,
     batch::{BATCH, Batch, BatchTaps, look_up_span},
     light_extent::{self, LIGHT_EXTENT, LightExtent, light_axes},
-    lookup::{Lookup, MapLookup},
+    lookup::{Lookup, MapLookup, look_up},
     pattern::{PATTERN, Pattern, PatternTable, TURNS, turned},
     shadow_map::ShadowMap,
     soft_taps::{Comparisons, Laid, Lanes, PLACED, Receivers, SOFT_TAPS, turn_at},
 };
-use glam::{UVec2, Vec2};
+use glam::{UVec2, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
@@ -100,6 +100,11 @@ impl ShadowTechnique for Pcss {
         recipe.tables.push(table);
         recipe.receive.tables.push(0);
         Ok(recipe)
+    }
+
+    /// As wide as the penumbra, which differs everywhere; a texel is the least.
+    fn kernel_reach(&self) -> Option<f32> {
+        Some(1.0)
     }
 }
 
@@ -163,6 +168,19 @@ impl ReceiveKernel for PcssKernel {
 
     fn asks(&self) -> Asks {
         Asks::taps(self.uniforms.blocker_taps + self.uniforms.filter_taps)
+    }
+
+    /// As far as the search goes, or a filter, which may be wider where the receiver's plane lies deeper under a blocker than
+    /// under the receiver.
+    fn reach(&self, position: Vec3, normal: Vec3) -> Option<f32> {
+        let u = &self.uniforms;
+        let l = look_up(&u.lookup, position, normal);
+        let (across, along) = (u.extent.across[l.layer as usize], u.extent.along[l.layer as usize]);
+        let from_middle = l.texel - Vec2::splat(u.lookup.size * 0.5);
+        let per_depth = light_extent::reach_at(self.pattern.shape, across, along, from_middle);
+        let search = bounded(l.depth, along.w) * per_depth;
+        let deepest = l.depth + (l.gradient.x.abs() + l.gradient.y.abs()) * search;
+        Some(bounded(deepest, along.w) * per_depth)
     }
 }
 

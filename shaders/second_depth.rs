@@ -48,4 +48,8 @@ impl ShadowTechnique for SecondDepth {
     fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
         self.pcf().plan(view)
     }
+
+    fn kernel_reach(&self) -> Option<f32> {
+        self.pcf().kernel_reach()
+    }
 }

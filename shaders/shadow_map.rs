@@ -21,9 +21,12 @@ use glam::UVec2;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
-    Cast, CastMode, Filter, Fit, Format, ImageDesc, ImageId, Invalid, Layout, LightSpaces, PlanError, Receive,
-    ReceiveKernel, Recipe, View,
+    Cast, CastMode, Filter, Fit, Format, ImageDesc, ImageId, Invalid, Layout, LightSpaces, MAX_SIDE, PlanError,
+    Receive, ReceiveKernel, Receivers, Recipe, View, footprint::side_for,
 };
+
+/// Sides that [`ShadowMap::sized_for`] answers are multiples of this, texels.
+pub const SIDE_STEP: u32 = 16;
 
 /// Which depth a map keeps of the surfaces that its texels show.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -141,6 +144,27 @@ impl ShadowMap {
         self.validate()?;
         view.light.validate()?;
         self.fit.light_spaces(self.layout, view, self.size, reach + self.bias.normal_offset.abs())
+    }
+
+    /// The same map with the side that a view asks for: on it, for a share `quantile` (0..=1) of the `receivers` that the
+    /// light reaches, no texel is larger than a pixel, in whichever direction it is stretched (see
+    /// [`side_for`](umbrage_core::footprint::side_for)). More is finer than the screen shows; less shows texels as steps
+    /// along edges. 0.9 is a good quantile: near 1, a few receivers that the light grazes decide.
+    ///
+    /// `receivers` are what the view's camera sees. The side is a multiple of [`SIDE_STEP`]; where the light reaches nothing
+    /// that is seen, it stays as it is.
+    ///
+    /// # Errors
+    /// As [`ShadowMap::spaces`].
+    pub fn sized_for(&self, view: &View<'_>, receivers: &Receivers, quantile: f32) -> Result<Self, PlanError> {
+        let view = view.with_receivers(receivers);
+        let mut map = *self;
+        // Fits leave a border of some texels, which is wider on a coarser map: a second look settles it.
+        for _ in 0..2 {
+            let side = side_for(&view, receivers, &map.spaces(&view, 0.0)?, quantile);
+            map.size = side.map_or(map.size, |side| side.next_multiple_of(SIDE_STEP).min(MAX_SIDE));
+        }
+        Ok(map)
     }
 
     /// The images, casts and filters that make the map: a recipe still without its lookup. The map to look up is the last

@@ -36,10 +36,19 @@ pub fn texels_per_pixel(view: &View<'_>, receivers: &Receivers, spaces: &LightSp
 pub fn side_for(view: &View<'_>, receivers: &Receivers, spaces: &LightSpaces, quantile: f32) -> Option<u32> {
     let mut texels = texels_per_pixel(view, receivers, spaces, 1);
     texels.sort_unstable_by(f32::total_cmp);
-    let last = texels.len().checked_sub(1)?;
-    let at = ((1.0 - quantile.clamp(0.0, 1.0)) * last as f32).floor() as usize;
+    side_of(&texels, quantile)
+}
+
+/// As [`side_for`], of the rising numbers of texels per pixel on a map of one texel.
+pub fn side_of(texels: &[f32], quantile: f32) -> Option<u32> {
     // Casts saturate: where a texel never gets as small, the greatest side is the answer.
-    Some(((1.0 / texels[at]).ceil() as u32).clamp(1, MAX_SIDE))
+    at_least(texels, quantile).map(|texels| ((1.0 / texels).ceil() as u32).clamp(1, MAX_SIDE))
+}
+
+/// Of rising numbers, that which a share `quantile` (0..=1) of them reaches; none of no numbers.
+pub fn at_least(rising: &[f32], quantile: f32) -> Option<f32> {
+    let last = rising.len().checked_sub(1)?;
+    Some(rising[((1.0 - quantile.clamp(0.0, 1.0)) * last as f32).floor() as usize])
 }
 
 /// Distance along the view of a space: of a cube's faces, the one in which a point lies has the greatest.

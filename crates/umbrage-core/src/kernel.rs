@@ -1,7 +1,7 @@
 //! Kernels: one function written twice. A kernel cannot exist on one side only, since its trait asks for both halves.
 
 use crate::{Asks, ImageView, Module, Simd, Span, UniformLayout};
-use glam::UVec2;
+use glam::{UVec2, Vec3};
 use std::fmt::Debug;
 
 /// The WGSL half, and what both halves share.
@@ -44,6 +44,13 @@ pub trait ReceiveKernel: Kernel {
     /// What it does for one receiver, at most: for [`Work`](crate::Work), which the price of a technique is made of.
     fn asks(&self) -> Asks {
         Asks::default()
+    }
+
+    /// How far, in texels, the lookup of a receiver at `position` (world space) with the unit `normal` goes beyond the
+    /// point of the map on which it falls, where that differs from one receiver to the next. None: as far as
+    /// [`ShadowTechnique::kernel_reach`](crate::ShadowTechnique::kernel_reach) says of all.
+    fn reach(&self, _position: Vec3, _normal: Vec3) -> Option<f32> {
+        None
     }
 }
 

@@ -52,6 +52,13 @@ pub trait ShadowTechnique: Debug + Send + Sync {
     /// # Errors
     /// `Unsupported` when it can't serve this light or scene, with the reason; `Invalid` for bad parameters.
     fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError>;
+
+    /// How far, in texels, lookups go beyond the point of a map on which a receiver falls, along each axis: 0 for one texel,
+    /// 1 for the 3 x 3 around it. None where no map of what the light sees is looked up. Where it differs from one receiver
+    /// to the next this is the narrowest, and [`ReceiveKernel::reach`](crate::ReceiveKernel::reach) says each.
+    fn kernel_reach(&self) -> Option<f32> {
+        None
+    }
 }
 
 /// Why there is no recipe.

@@ -30,7 +30,6 @@ pub mod cost;
 mod error;
 #[cfg(feature = "report")]
 pub mod figure;
-#[cfg(feature = "report")]
 pub mod footprint;
 #[cfg(feature = "report")]
 mod page;

@@ -21,6 +21,24 @@
 //! assert!(shadows.mask.iter().any(|&lit| lit < 1.0));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! How large should a map be? As fine as the screen is where the light falls on what it shows:
+#![cfg_attr(feature = "cpu", doc = "```")]
+#![cfg_attr(not(feature = "cpu"), doc = "```ignore")]
+//! use umbrage::{Geometry, View, cpu::Cpu, techniques::{Pcf, ShadowMap}};
+//!
+//! let scene = umbrage::scenes::by_argument("cubes")?;
+//! let (camera, geometry) = (&scene.cameras[0], Geometry::bake(&scene)?);
+//! let view = View::new(camera, &scene.lights[0], &geometry);
+//! // For nine in ten of the pixels that see the light, no texel is larger than a pixel.
+//! let map = ShadowMap::default().sized_for(&view, &Cpu::new().receivers(camera, &geometry)?, 0.9)?;
+//! let technique = Pcf { map, ..Pcf::default() };
+//! # let small = camera.resized(camera.size / 2);
+//! # let of_small = View::new(&small, &scene.lights[0], &geometry);
+//! # let smaller = map.sized_for(&of_small, &Cpu::new().receivers(&small, &geometry)?, 0.9)?;
+//! # assert!(smaller.size < technique.map.size && smaller.size > technique.map.size / 3);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 #[cfg(feature = "plan")]
 mod auto;

@@ -35,12 +35,28 @@ pub(super) fn print(scenes: &[SceneResult]) {
         table.column_iter_mut().skip(3).for_each(|c| c.set_cell_alignment(CellAlignment::Right));
         let [w, h] = scene.size;
         println!("\n{}: {} light, {w} x {h}, {} triangles\n{table}", scene.name, scene.light, scene.triangles);
+        maps(&scene.rows).iter().for_each(|line| println!("{line}"));
     }
     if !whole {
         println!(
             "\nOnly rows that no other row of their scene and backend beats in both time and error; the report has all."
         );
     }
+}
+
+/// How the maps of all rows are used, in a line; none without maps.
+fn maps(rows: &[Row]) -> Option<String> {
+    let used: Vec<_> = rows.iter().filter_map(|r| r.measured()?.maps).collect();
+    let range = |figures: Vec<f64>| {
+        let [least, most] = [figures.iter().copied().reduce(f64::min)?, figures.iter().copied().reduce(f64::max)?];
+        Some(if least.round() == most.round() { format!("{most:.0}") } else { format!("{least:.0} to {most:.0}") })
+    };
+    let unused = range(used.iter().map(|u| 100.0 * u.unused).collect())?;
+    let sides = range(used.iter().filter_map(|u| u.side.map(f64::from)).collect());
+    let needed = sides.map_or_else(String::new, |sides| {
+        format!("; to have no texel larger than a pixel for nine in ten takes a side of {sides}")
+    });
+    Some(format!("maps: {unused} % of the texels are never looked up{needed}"))
 }
 
 fn cells(row: &Row) -> Vec<String> {

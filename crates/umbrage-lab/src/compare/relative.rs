@@ -165,6 +165,7 @@ mod tests {
             bytes: 1,
             agreement: None,
             color_differing: None,
+            maps: None,
         };
         let outcome = Outcome::Measured(Box::new(measured));
         Row {

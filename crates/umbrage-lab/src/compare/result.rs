@@ -1,5 +1,6 @@
 //! What a comparison finds: plain data, written to `results.json` as it stands.
 
+use crate::footprint::MapUse;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
     Work,
@@ -7,7 +8,7 @@ use umbrage_core::{
 };
 
 /// Version of this data's shape; grows with every change that a reader would notice.
-pub const SCHEMA: u32 = 3;
+pub const SCHEMA: u32 = 4;
 
 /// A whole comparison.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -201,6 +202,8 @@ pub struct Measured {
     /// Pixels whose colour differs from the first backend's by more than a step of 255 though the masks agree; none
     /// without colours, and for the first backend.
     pub color_differing: Option<u64>,
+    /// How the maps are used: the same on every backend; none without maps.
+    pub maps: Option<MapUse>,
 }
 
 impl Measured {

@@ -7,15 +7,23 @@ use super::{
 use crate::{
     LabError, color,
     cost::CostModel,
+    footprint::{self, Heat, MapUse},
     report::picture,
     truth::{self, Truth},
 };
-use std::time::{Duration, Instant};
+use glam::UVec2;
+use std::{
+    sync::Arc,
+    time::{Duration, Instant},
+};
 use umbrage_core::{
-    Backend, BackendError, Camera, Geometry, Invalid, Light, PlanError, Receivers, Recipe, Shadows, Timings, View,
-    Work,
+    Backend, BackendError, Camera, Cast, CastMode, Geometry, Invalid, Light, LightSpace, PlanError, Receivers, Recipe,
+    ShadowTechnique, Shadows, Timings, View, Work,
     metrics::{Agreement, Causes, Errors, Pixel, Reference, TruthImage},
 };
+
+/// Side of the pictures of where maps are looked up, pixels: enough to see, and little beside the masks.
+const HEAT_SIDE: u32 = 256;
 
 /// The images of one scene.
 #[derive(Clone, Debug)]
@@ -26,6 +34,8 @@ pub struct SceneImages {
     pub masks: Vec<Option<Vec<f32>>>,
     /// Shaded pictures, PNG, one a row; none where a row isn't measured or colours weren't asked for.
     pub colors: Vec<Option<Vec<u8>>>,
+    /// Where maps are looked up, one a row; none where a row isn't measured or has no map.
+    pub lookups: Vec<Option<Arc<Heat>>>,
 }
 
 /// Camera, light and triangles.
@@ -69,6 +79,8 @@ pub(super) fn run(
         controls: Vec::new(),
         stage: options.color.then(|| color_stage(input, &camera)).transpose()?,
         colors: Vec::new(),
+        lookups: Vec::new(),
+        looked_up: Vec::new(),
     };
     for setting in settings {
         run.setting(setting, backends, on_event)?;
@@ -85,8 +97,8 @@ pub(super) fn run(
         rows: run.rows,
         controls: run.controls,
     };
-    let (masks, colors) = (run.masks, run.colors);
-    Ok((result, SceneImages { truth, masks, colors }))
+    let (masks, colors, lookups) = (run.masks, run.colors, run.lookups);
+    Ok((result, SceneImages { truth, masks, colors, lookups }))
 }
 
 /// The scene as this camera sees it, marked for pictures.
@@ -129,6 +141,16 @@ struct SceneRun<'a> {
     controls: Vec<super::Control>,
     stage: Option<color::Stage>,
     colors: Vec<Option<Vec<u8>>>,
+    lookups: Vec<Option<Arc<Heat>>>,
+    looked_up: Vec<LookedUp>,
+}
+
+/// A footprint that is known: most settings differ in their bias alone, and their maps are used alike.
+struct LookedUp {
+    /// Where each cast lies, its image's size and layers.
+    maps: Vec<(LightSpace, UVec2, u32)>,
+    reach: f32,
+    found: (MapUse, Option<Arc<Heat>>),
 }
 
 impl SceneRun<'_> {
@@ -159,15 +181,53 @@ impl SceneRun<'_> {
             });
         }
         self.colors.resize(self.rows.len(), None);
+        if let Ok(recipe) = &recipe {
+            self.look_at_maps(technique, recipe, backends.playing.len());
+        }
+        self.lookups.resize(self.rows.len(), None);
         if recipe.is_ok() { self.shade(technique, backends) } else { Ok(()) }
     }
 
+    /// How the last setting's maps are used, of its `rows` rows that were measured: once, since all backends play the same.
+    fn look_at_maps(&mut self, technique: &dyn ShadowTechnique, recipe: &Recipe, rows: usize) {
+        let first = self.rows.len() - rows;
+        if self.rows[first..].iter().all(|row| row.measured().is_none()) {
+            return;
+        }
+        let Some((total, heat)) = self.map_use(technique, recipe) else { return };
+        for row in &mut self.rows[first..] {
+            let Outcome::Measured(measured) = &mut row.outcome else {
+                self.lookups.push(None);
+                continue;
+            };
+            measured.maps = Some(total);
+            self.lookups.push(heat.clone());
+        }
+    }
+
+    /// The use of a recipe's maps, and where they are looked up; none without maps.
+    fn map_use(&mut self, technique: &dyn ShadowTechnique, recipe: &Recipe) -> Option<(MapUse, Option<Arc<Heat>>)> {
+        let (reach, receivers) = (technique.kernel_reach()?, &self.truth.receivers);
+        let nearest = recipe.casts.iter().filter(|cast| cast.mode == CastMode::Nearest);
+        let map = |cast: &Cast| (cast.space, recipe.images[cast.image].size, recipe.images[cast.image].layers);
+        let maps: Vec<_> = nearest.map(map).collect();
+        // A kernel that says each receiver's reach may differ from others though all else is the same.
+        let says = |i| recipe.receive.kernel.reach(receivers.position(i), receivers.normal(i)).is_some();
+        let varies = receivers.receives.iter().position(|receives| *receives).is_some_and(says);
+        let known = self.looked_up.iter().find(|known| !varies && known.maps == maps && known.reach == reach);
+        if let Some(known) = known {
+            return Some(known.found.clone());
+        }
+        let footprint = footprint::measure(&self.view.core().with_receivers(receivers), recipe, receivers, reach);
+        let found = (footprint.total, footprint.heat(HEAT_SIDE).map(Arc::new));
+        if !varies {
+            self.looked_up.push(LookedUp { maps, reach, found: found.clone() });
+        }
+        Some(found)
+    }
+
     /// Colour pictures of the last setting's measured rows, compared with the first backend's.
-    fn shade(
-        &mut self,
-        technique: &dyn umbrage_core::ShadowTechnique,
-        backends: &mut Backends,
-    ) -> Result<(), LabError> {
+    fn shade(&mut self, technique: &dyn ShadowTechnique, backends: &mut Backends) -> Result<(), LabError> {
         let Some(stage) = &self.stage else { return Ok(()) };
         let recipe = match stage.plan(technique, &self.truth.receivers) {
             Ok(recipe) => recipe,
@@ -227,7 +287,8 @@ impl SceneRun<'_> {
         }
         let work = Work::of(&view.with_receivers(&self.truth.receivers), recipe);
         let cost_ms = CostModel::of(backends.playing[backend].kind()).milliseconds(&work);
-        let measured = Measured { errors, causes, times, work, cost_ms, bytes, agreement, color_differing: None };
+        let measured =
+            Measured { errors, causes, times, work, cost_ms, bytes, agreement, color_differing: None, maps: None };
         Ok(Outcome::Measured(Box::new(measured)))
     }
 

@@ -3,9 +3,10 @@
 use super::*;
 use crate::{
     cheat::{Cheat, darken_one},
+    footprint::measure,
     truth::TruthOptions,
 };
-use umbrage_core::{Shadows, glam::UVec2, metrics::Pixel};
+use umbrage_core::{Geometry, Shadows, View, glam::UVec2, metrics::Pixel};
 use umbrage_cpu::Cpu;
 
 fn quick(techniques: &[&str]) -> Options {
@@ -52,6 +53,44 @@ fn rows_tell_errors_times_and_agreement() {
     assert!(traced.errors.rmse < 0.02, "one ray a receiver is the truth: {}", traced.errors.rmse);
     assert!(scene.controls.iter().all(|c| c.holds && c.shadowed > 0 && c.changed > 0), "{:?}", scene.controls);
     assert!(comparison.faults().is_empty());
+}
+
+/// The figures of rows are those of the measure asked by hand, on every backend; where nothing is looked up, there are none.
+#[test]
+fn rows_tell_how_maps_are_used() {
+    let options = quick(&["hard", "pcf", "pcss", "traced", "volumes"]);
+    // On maps by hand, kernels of any reach share one light space.
+    let input = SceneInput { fit: Some(umbrage_scenes::TEXTBOOK_FIT), ..input("cubes") };
+    let (inputs, sink) = ([input.clone()], &mut |_: &SceneResult, _: &SceneImages| Ok(()));
+    let comparison = compare(&inputs, &options, &mut with_cheat(|_| ()), sink, &|_| ()).expect("valid");
+    let (camera, geometry) = (options.camera(&input.scene.cameras[0]), Geometry::bake(&input.scene).expect("valid"));
+    let receivers = Cpu::new().receivers(&camera, &geometry).expect("valid");
+    let view = View::new(&camera, &input.scene.lights[0], &geometry).with_receivers(&receivers);
+    let mut spoilt = receivers.clone();
+    spoilt.receives.iter_mut().step_by(2).for_each(|receives| *receives = false);
+    let mut seen = std::collections::HashSet::new();
+    let tight = options.settings(Fit::Tight).expect("known");
+    for technique in with_fit(&tight, input.fit, &options).expect("known") {
+        let settings = technique.settings();
+        // Kernels with one reach are told apart by their names; the others say it themselves.
+        let reach = match (technique.name(), settings.get(..1)) {
+            ("hard" | "pcss", _) => Some(0.0),
+            ("pcf", Some(side)) => side.parse::<f32>().ok().map(|side| (side - 1.0) / 2.0),
+            _ => None,
+        };
+        let recipe = technique.plan(&view).expect("supported");
+        let [right, wrong] = [&receivers, &spoilt].map(|r| reach.map(|reach| measure(&view, &recipe, r, reach).total));
+        let rows: Vec<_> = comparison.scenes[0].rows.iter().filter(|r| r.settings == settings).collect();
+        assert!(rows.len() >= 2, "{settings}");
+        for row in rows.into_iter().filter(|r| r.technique == technique.name()) {
+            let maps = row.measured().expect("supported").maps;
+            assert_eq!(maps, right, "{}", row.label());
+            assert!(maps.is_none() || maps != wrong, "{}: other receivers, other figures", row.label());
+            seen.insert((technique.name(), maps.is_some()));
+        }
+    }
+    let told = [("hard", true), ("pcf", true), ("pcss", true), ("traced", false), ("volumes", false)];
+    assert_eq!(seen, told.into_iter().collect());
 }
 
 #[test]
@@ -153,7 +192,8 @@ fn images_come_with_every_row() {
     let mut cpu = Backends::of(vec![Box::new(Cpu::new())]);
     let mut seen = 0;
     let sink = &mut |r: &SceneResult, images: &SceneImages| {
-        assert_eq!(r.rows.len(), images.masks.len());
+        assert_eq!([r.rows.len(); 2], [images.masks.len(), images.lookups.len()]);
+        assert!(images.lookups.iter().flatten().all(|heat| heat.size == [256; 2]));
         assert!(images.masks.iter().flatten().all(|m| m.len() == 96 * 64));
         assert!(images.truth.pixels.contains(&Pixel::Counted));
         seen += 1;

@@ -1,26 +1,59 @@
 //! How much of its maps a recipe uses: the texels that no lookup touches, and how large the others are on screen.
 
-mod picture;
 #[cfg(test)]
+mod lookup_tests;
+#[cfg(feature = "report")]
+mod picture;
+#[cfg(all(test, feature = "report"))]
 mod tests;
 
+#[cfg(feature = "report")]
 pub use picture::picture;
 
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Cast, CastMode, LightSpaces, Receivers, Recipe, View, footprint::texels_per_pixel, glam::UVec2, math::transform,
+    Cast, CastMode, LightSpaces, Receivers, Recipe, ShadowTechnique, View,
+    footprint::{at_least, side_of, texels_per_pixel},
+    glam::UVec2,
+    math::transform,
 };
+
+/// The share of receivers of which [`MapUse::texels`] and [`MapUse::side`] speak: a few see the light at a glance, and no
+/// map is fine enough for them.
+pub const QUANTILE: f32 = 0.9;
 
 /// The use of a recipe's maps.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Footprint {
     /// One a cast that keeps the least depth, in the recipe's order.
     pub casts: Vec<CastFootprint>,
-    /// Share of all their texels that no lookup touches, 0..=1; 0 without casts.
+    /// The figures of all of them together.
+    pub total: MapUse,
+}
+
+/// Whether maps are worth their texels: as fine as the screen, and looked up.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct MapUse {
+    /// Share of all texels that no lookup touches, 0..=1; 0 without maps.
     pub unused: f64,
     /// Least, median and greatest number of texels in a pixel, in the direction in which there are the fewest, over the
     /// seen receivers that face the light and fall on a map (see [`texels_per_pixel`]); none if there are none.
     pub texels_per_pixel: Option<[f32; 3]>,
+    /// How many texels a pixel spans at least for a share [`QUANTILE`] of them.
+    pub texels: Option<f32>,
+    /// The side of a map on which, for as many, no texel is larger than a pixel: [`side_of`].
+    pub side: Option<u32>,
+}
+
+impl MapUse {
+    /// For people, in one line.
+    pub fn words(&self) -> String {
+        let unused = format!("{:.0} % of the map's texels never looked up", 100.0 * self.unused);
+        let fine = self.texels.zip(self.side).map(|(texels, side)| {
+            format!("; 9 in 10 pixels span at least {texels:.2} texels: a side of {side} would give them 1")
+        });
+        unused + &fine.unwrap_or_default()
+    }
 }
 
 /// The use of one layer of a map.
@@ -38,10 +71,22 @@ pub struct CastFootprint {
     pub unused: f64,
 }
 
+/// The use of a technique's maps in a recipe that it planned for `view`: none where it looks up no maps. `receivers` are
+/// what the view's camera sees.
+pub fn of(
+    technique: &dyn ShadowTechnique,
+    view: &View<'_>,
+    recipe: &Recipe,
+    receivers: &Receivers,
+) -> Option<Footprint> {
+    technique.kernel_reach().map(|reach| measure(view, recipe, receivers, reach))
+}
+
 /// Measures the use of a recipe's maps. `receivers` are what the view's camera sees; `reach` is how far, in texels, the
-/// recipe's kernel reaches beyond the texel that a receiver falls on: 0 for `hard`, the radius for `pcf`. Lookups count as
-/// the whole square within reach, whether each of its texels is tapped or not; peeled layers are left out, since they are
-/// looked up as their first ones are.
+/// recipe's kernel reaches beyond the texel that a receiver falls on, if it doesn't
+/// [say so of each](umbrage_core::ReceiveKernel::reach): 0 for `hard`, the radius for `pcf`. Lookups count as the whole
+/// square within reach, whether each of its texels is tapped or not. That a bias may move receivers along their normals is
+/// neglected. Peeled layers are left out, since they are looked up as their first ones are.
 pub fn measure(view: &View<'_>, recipe: &Recipe, receivers: &Receivers, reach: f32) -> Footprint {
     let nearest = recipe.casts.iter().filter(|cast| cast.mode == CastMode::Nearest);
     let casts: Vec<CastFootprint> = nearest.clone().map(|cast| of_cast(cast, recipe, receivers, reach)).collect();
@@ -49,11 +94,59 @@ pub fn measure(view: &View<'_>, recipe: &Recipe, receivers: &Receivers, reach: f
     let untouched: usize = casts.iter().map(CastFootprint::untouched).sum();
     let spaces: Vec<_> = nearest.map(|cast| cast.space).collect();
     let needed = vec![true; spaces.len()];
-    let size = casts.first().map_or(1, |cast| cast.size[0]);
-    let mut sizes = texels_per_pixel(view, receivers, &LightSpaces { spaces, needed }, size);
+    let size = casts.first().map_or(1, |cast| cast.size[0]) as f32;
+    let mut sizes = texels_per_pixel(view, receivers, &LightSpaces { spaces, needed }, 1);
     sizes.sort_unstable_by(f32::total_cmp);
     let overview = sizes.first().zip(sizes.last()).map(|(least, most)| [*least, sizes[sizes.len() / 2], *most]);
-    Footprint { casts, unused: untouched as f64 / texels.max(1) as f64, texels_per_pixel: overview }
+    let total = MapUse {
+        unused: untouched as f64 / texels.max(1) as f64,
+        texels_per_pixel: overview.map(|sizes| sizes.map(|texels| texels * size)),
+        texels: at_least(&sizes, QUANTILE).map(|texels| texels * size),
+        side: side_of(&sizes, QUANTILE),
+    };
+    Footprint { casts, total }
+}
+
+/// Where maps are looked up, made smaller for pictures.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Heat {
+    /// Width and height, pixels.
+    pub size: [u32; 2],
+    /// How many receivers' lookups touch the texels of each pixel, rows from the top; [`Heat::GAP`] between maps.
+    pub lookups: Vec<u32>,
+}
+
+impl Heat {
+    /// What stands between one map and the next.
+    pub const GAP: u32 = u32::MAX;
+    /// Pixels from one map to the next.
+    const BETWEEN: u32 = 4;
+    /// Maps in a row.
+    const ROW: u32 = 3;
+}
+
+impl Footprint {
+    /// All maps side by side, three in a row, each at most `side` pixels wide; none without maps.
+    pub fn heat(&self, side: u32) -> Option<Heat> {
+        let widest = self.casts.iter().map(|cast| cast.size[0].max(cast.size[1])).max()?;
+        let step = widest.div_ceil(side.max(1)).max(1);
+        let (cell, count) = (widest.div_ceil(step), self.casts.len() as u32);
+        let along = |count: u32| count * (cell + Heat::BETWEEN) - Heat::BETWEEN;
+        let size = [along(count.min(Heat::ROW)), along(count.div_ceil(Heat::ROW))];
+        let mut lookups = vec![Heat::GAP; size[0] as usize * size[1] as usize];
+        for (i, cast) in (0..).zip(&self.casts) {
+            let corner = [i % Heat::ROW, i / Heat::ROW].map(|i| i * (cell + Heat::BETWEEN));
+            let rows = cast.lookups.chunks(cast.size[0].max(1) as usize);
+            for (y, row) in (0..).zip(rows) {
+                let start = (corner[1] + y / step) * size[0] + corner[0];
+                for (x, n) in (0..).zip(row) {
+                    let at = &mut lookups[(start + x / step) as usize];
+                    *at = if *at == Heat::GAP { *n } else { at.saturating_add(*n).min(Heat::GAP - 1) };
+                }
+            }
+        }
+        Some(Heat { size, lookups })
+    }
 }
 
 impl CastFootprint {
@@ -63,15 +156,16 @@ impl CastFootprint {
 }
 
 fn of_cast(cast: &Cast, recipe: &Recipe, receivers: &Receivers, reach: f32) -> CastFootprint {
-    let desc = &recipe.images[cast.image];
+    let (desc, kernel) = (&recipe.images[cast.image], &recipe.receive.kernel);
     let mut counts = Counts::new(desc.size);
-    let clip_from_world = cast.space.clip_from_world();
-    for p in receivers.positions() {
+    let (clip_from_world, size) = (cast.space.clip_from_world(), desc.size.as_vec2());
+    for i in (0..receivers.len()).filter(|&i| receivers.receives[i]) {
+        let p = receivers.position(i);
         let (clip, in_view) = (transform(clip_from_world, p), transform(cast.space.view_from_world, p));
         // A cube's face is wider than what is looked up from it: its neighbours serve the rest.
         let beside = desc.layers > 1 && in_view.x.abs().max(in_view.y.abs()) > -in_view.z;
         if clip.w > 0.0 && !beside {
-            let size = desc.size.as_vec2();
+            let reach = kernel.reach(p, receivers.normal(i)).unwrap_or(reach);
             let u = (clip.x / clip.w * 0.5 + 0.5) * size.x;
             let v = (0.5 - clip.y / clip.w * 0.5) * size.y;
             counts.add([u - reach, v - reach], [u + reach, v + reach]);

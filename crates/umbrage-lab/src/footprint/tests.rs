@@ -46,11 +46,11 @@ fn measured(half: f32, technique: &dyn ShadowTechnique, reach: f32) -> Footprint
 fn a_quarter_of_the_map_is_looked_up_once() {
     let f = measured(2.0, &Hard { map: map() }, 0.0);
     assert_eq!(f.casts.len(), 1);
-    assert_eq!((f.unused, f.casts[0].unused), (0.75, 0.75));
+    assert_eq!((f.total.unused, f.casts[0].unused), (0.75, 0.75));
     assert_eq!(f.casts[0].lookups.iter().filter(|&&n| n == 1).count(), 32 * 32);
     let row = |y: usize| f.casts[0].lookups[y * 64..][..64].iter().sum::<u32>();
     assert_eq!([row(15), row(16), row(47), row(48)], [0, 32, 32, 0]);
-    let [least, median, most] = f.texels_per_pixel.unwrap();
+    let [least, median, most] = f.total.texels_per_pixel.unwrap();
     assert!((least - 1.0).abs() < 1e-4 && (median - 1.0).abs() < 1e-4 && (most - 1.0).abs() < 1e-4, "{f:?}");
 }
 
@@ -59,7 +59,7 @@ fn a_quarter_of_the_map_is_looked_up_once() {
 fn kernels_touch_what_they_reach() {
     let f = measured(2.0, &Pcf { map: map(), radius: 3 }, 3.0);
     let touched = 38 * 38;
-    assert_eq!(f.unused, 1.0 - f64::from(touched) / f64::from(SIDE * SIDE));
+    assert_eq!(f.total.unused, 1.0 - f64::from(touched) / f64::from(SIDE * SIDE));
     assert_eq!(f.casts[0].lookups[32 * 64 + 32], 49);
 }
 
@@ -67,8 +67,8 @@ fn kernels_touch_what_they_reach() {
 #[test]
 fn a_map_too_fine_is_told() {
     let f = measured(4.0, &Hard { map: map() }, 0.0);
-    assert_eq!(f.unused, 0.75);
-    assert!((f.texels_per_pixel.unwrap()[1] - 2.0).abs() < 1e-4, "{:?}", f.texels_per_pixel);
+    assert_eq!(f.total.unused, 0.75);
+    assert!((f.total.texels_per_pixel.unwrap()[1] - 2.0).abs() < 1e-4, "{:?}", f.total.texels_per_pixel);
 }
 
 #[test]
@@ -77,7 +77,7 @@ fn nothing_seen_is_no_use() {
     let view = View::new(&camera, &SUN, &geometry);
     let nothing = Receivers::empty(camera.size);
     let f = measure(&view, &Hard { map: map() }.plan(&view).unwrap(), &nothing, 0.0);
-    assert_eq!((f.unused, f.texels_per_pixel), (1.0, None));
+    assert_eq!((f.total.unused, f.total.texels_per_pixel), (1.0, None));
 }
 
 /// A texel of the map is as large as a pixel at the side N with 8 m / N = 2 half / 32. With light at an angle, the map is
@@ -115,10 +115,51 @@ fn slanting_light_asks_for_more() {
     assert!(found == 128 || found == 129, "{found}");
 }
 
+/// The side that a view asks for is enough for the share asked, and little less is not.
+#[test]
+fn maps_take_the_size_that_a_view_asks_for() {
+    for name in ["cubes", "teapot-lamp", "lamp-in-room"] {
+        let scene = umbrage_scenes::by_argument(name).unwrap();
+        let camera = scene.cameras[0].resized(UVec2::new(320, 240));
+        let geometry = Geometry::bake(&scene).unwrap();
+        let receivers = Cpu::new().receivers(&camera, &geometry).unwrap();
+        let view = View::new(&camera, &scene.lights[0], &geometry).with_receivers(&receivers);
+        for (quantile, start) in [(0.9, 1024), (0.9, 64), (0.5, 1024)] {
+            let map = ShadowMap { size: start, ..ShadowMap::default() };
+            let map = map.sized_for(&view, &receivers, quantile).unwrap();
+            assert_eq!(map.size % 16, 0);
+            let enough = |size| {
+                let mut texels = texels_per_pixel(&view, &receivers, &map.spaces(&view, 0.0).unwrap(), size);
+                texels.sort_unstable_by(f32::total_cmp);
+                at_least(&texels, quantile).unwrap() >= 1.0
+            };
+            assert!(enough(map.size) && !enough(map.size * 9 / 10), "{name}: {}", map.size);
+        }
+        let nothing = Receivers::empty(camera.size);
+        assert_eq!(ShadowMap::default().sized_for(&view, &nothing, 0.9).unwrap(), ShadowMap::default());
+    }
+}
+
+/// Six faces, three in a row, each smaller than it was; the sums of lookups stay.
+#[test]
+fn small_pictures_show_all_maps() {
+    let lookups = |n: u32| (0..100).map(|i| if i == 57 { n } else { 0 }).collect();
+    let cast = |n| CastFootprint { size: [10, 10], lookups: lookups(n), ..CastFootprint::default() };
+    let heat = Footprint { casts: (1..=5).map(cast).collect(), ..Footprint::default() }.heat(4).unwrap();
+    // Ten texels three by three are four pixels; four lie between maps.
+    assert_eq!(heat.size, [3 * 4 + 2 * 4, 2 * 4 + 4]);
+    let at = |x: usize, y: usize| heat.lookups[y * 20 + x];
+    // Texel (7, 5) is in pixel (2, 1).
+    assert_eq!([at(2, 1), at(10, 1), at(18, 1), at(2, 9), at(10, 9)], [1, 2, 3, 4, 5]);
+    assert_eq!([at(18, 9), at(5, 5), at(0, 0)], [Heat::GAP, Heat::GAP, 0]);
+    assert_eq!(heat.lookups.iter().filter(|&&n| n == Heat::GAP).count(), 20 * 12 - 5 * 16);
+    assert_eq!(Footprint::default().heat(4), None);
+}
+
 #[test]
 fn pictures_show_what_is_unused() {
     let f = measured(2.0, &Pcf { map: map(), radius: 3 }, 3.0);
-    let image = image::load_from_memory(&picture(&f.casts[0]).unwrap()).unwrap().into_rgb8();
+    let image = image::load_from_memory(&picture(&f.heat(SIDE).unwrap()).unwrap()).unwrap().into_rgb8();
     assert_eq!(image.dimensions(), (SIDE, SIDE));
     let grey = image.pixels().filter(|p| p.0[0] == p.0[1] && p.0[0] < 60).count();
     assert_eq!(grey, (SIDE * SIDE) as usize - 38 * 38);

@@ -74,19 +74,8 @@ pub(super) fn scales(preset: &Preset) -> Vec<Scale> {
 
 /// How far a kernel reaches beyond the receiver's texel, texels; none where there is no bias to choose.
 fn reach(preset: &Preset) -> Option<f32> {
-    use umbrage_techniques::{PcfHardware, PcfMerged};
-    match preset {
-        Preset::Hard(_) => Some(0.0),
-        Preset::Midpoint(t) => Some(t.radius as f32),
-        Preset::PcfDithered(_) => Some(1.5),
-        Preset::PcfHardware(t) => Some(PcfHardware::reach(t.samples)),
-        Preset::PcfMerged(t) => Some(PcfMerged::reach(t.radius)),
-        Preset::Pcf(t) => Some(t.radius as f32),
-        Preset::PcfDisc(t) => Some(t.radius),
-        // As wide as the penumbra, which differs everywhere; a texel is the least.
-        Preset::Pcss(_) => Some(1.0),
-        _ => None,
-    }
+    // Far sides are their own bias.
+    if matches!(preset, Preset::SecondDepth(_)) { None } else { preset.technique().kernel_reach() }
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! The candidates: every technique with every kernel worth trying, on maps from coarse to fine.
 
-use super::bias::BiasKind;
+use super::{bias::BiasKind, look::Look, resolution};
 use umbrage_core::Light;
 use umbrage_techniques::{
     Bias, Hard, MapFormat, Midpoint, Pattern, Pcf, PcfDisc, PcfDithered, PcfHardware, PcfMerged, Pcss, Planar, Preset,
@@ -9,6 +9,8 @@ use umbrage_techniques::{
 
 /// Sides of maps, texels. Half a size more or less is hardly seen; a whole one costs four times as much.
 pub(super) const SIZES: [u32; 7] = [64, 128, 256, 512, 1024, 2048, 4096];
+/// Sides that differ by no more than this share do not differ.
+const ALIKE: f64 = 0.1;
 /// Rays a receiver, each a fifth or so more than the one before (or one more), as each costs so much more.
 const RAYS: [u32; 23] = [1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 15, 18, 22, 27, 33, 40, 49, 60, 74, 91, 112, 170, 256];
 
@@ -34,6 +36,18 @@ impl Family {
         Self { rungs: vec![preset], most_gain: 1.0, saturates: false }
     }
 
+    /// With one map more, of a side that no other is within [`ALIKE`] of.
+    fn with_side(mut self, side: u32) -> Self {
+        let preset = self.preset();
+        let Some(&map) = preset.map() else { return self };
+        let size = |p: &Preset| p.map().map_or(0, |map| map.size);
+        if self.rungs.iter().all(|rung| (f64::from(side) / f64::from(size(rung)) - 1.0).abs() > ALIKE) {
+            let at = self.rungs.partition_point(|rung| size(rung) < side);
+            self.rungs.insert(at, preset.with_map(ShadowMap { size: side, ..map }));
+        }
+        self
+    }
+
     fn of_maps(preset: Preset) -> Self {
         let at = |size| preset.map().map_or(preset, |&map| preset.with_map(ShadowMap { size, ..map }));
         Self { rungs: SIZES.map(at).to_vec(), most_gain: GAIN_OF_MAPS, saturates: true }
@@ -50,6 +64,13 @@ impl Family {
         let Some(&map) = preset.map() else { return preset };
         preset.with_map(ShadowMap { bias: kind.bias(texels, map.bias), ..map })
     }
+}
+
+/// All candidates for a view: those for its light, with a map more of the side that its pixels ask for.
+pub(super) fn families_for(look: &Look<'_>, small: bool) -> Vec<Family> {
+    let side = resolution::side(look).map(|side| side.clamp(SIZES[0], SIZES[SIZES.len() - 1]));
+    let with_side = |family: Family| side.map_or(family.clone(), |side| family.with_side(side));
+    families(look.light, small).into_iter().map(with_side).collect()
 }
 
 /// All candidates for a light. `small` asks for maps of 16 bits, too, which take half the memory.
@@ -107,6 +128,21 @@ mod tests {
         for entry in umbrage_techniques::all() {
             assert!(names.contains(entry.name), "{} is never tried", entry.name);
         }
+    }
+
+    #[test]
+    fn one_more_side_stands_in_its_place() {
+        let family = Family::of_maps(Hard::default().into());
+        let sides = |side| {
+            let rungs = family.clone().with_side(side).rungs;
+            rungs.iter().map(|rung| rung.map().unwrap().size).collect::<Vec<_>>()
+        };
+        assert_eq!(sides(704), [64, 128, 256, 512, 704, 1024, 2048, 4096]);
+        for near in [64, 480, 560, 1024, 4096] {
+            assert_eq!(sides(near), SIZES, "{near}");
+        }
+        let rays = Family::single(Traced::default().into());
+        assert_eq!(rays.clone().with_side(704), rays);
     }
 
     #[test]

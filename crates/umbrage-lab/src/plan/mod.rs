@@ -31,6 +31,7 @@ mod reasons;
 mod regret;
 #[cfg(feature = "report")]
 mod regret_table;
+mod resolution;
 mod sample;
 mod setting;
 mod trial;

@@ -3,7 +3,7 @@
 use super::{
     Bounds, CurvePoint, OnStep, Options, Plan, Sampled, Setting, Step,
     density::{Pilot, density},
-    families::{Family, families},
+    families::{Family, families_for},
     look::{Known, Look},
     reasons::Facts,
     sample::Sample,
@@ -99,7 +99,7 @@ impl<'a> Planner<'a> {
     pub fn plan(&mut self, bounds: &Bounds) -> Result<Plan, LabError> {
         bounds.validate()?;
         let start = Instant::now();
-        self.families = families(self.trial.look.light, bounds.max_bytes.is_some());
+        self.families = families_for(&self.trial.look, bounds.max_bytes.is_some());
         let found = match bounds.max_error {
             Some(error) => self.cheapest(bounds, error)?,
             None => self.most_accurate(bounds)?,

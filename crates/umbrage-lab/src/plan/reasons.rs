@@ -4,6 +4,7 @@ use super::{
     Bounds, CurvePoint, Setting,
     families::SIZES,
     penumbra::{self, Penumbra},
+    resolution,
     trial::Trial,
 };
 use crate::{LabError, truth::TruthOptions};
@@ -53,6 +54,7 @@ impl Facts {
         let Some(chosen) = chosen else { return Ok(out) };
         out.extend(exactness(trial, chosen)?);
         let all = trial.all();
+        out.extend(resolution::reason(&trial.look, chosen)?);
         out.extend(smaller_map(&all, chosen));
         out.extend(cheaper(&all, chosen, bounds));
         out.extend(bias(curve));

@@ -1,6 +1,6 @@
 //! Whether plans are right: against an exhaustive sweep of the same candidates over the whole image.
 
-use super::{Bounds, OnStep, Options, Planner, Setting, Step, bias::scales, families::families, seen};
+use super::{Bounds, OnStep, Options, Planner, Setting, Step, bias::scales, families::families_for, seen};
 use crate::LabError;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
@@ -116,7 +116,7 @@ impl<'a> Sweep<'a> {
     /// Every candidate with every size and bias, by rising cost, which no bias changes but by a rounding of the map's fit.
     fn candidates(&mut self) -> Result<Vec<Preset>, LabError> {
         let mut rungs: Vec<(f64, Vec<Preset>)> = Vec::new();
-        for family in families(self.planner.trial.look.light, false) {
+        for family in families_for(&self.planner.trial.look, false) {
             for size in 0..family.rungs.len() {
                 let scales = scales(&family.preset());
                 let amounts = scales.iter().flat_map(|s| s.texels.iter().map(|&texels| (s.kind, texels)));

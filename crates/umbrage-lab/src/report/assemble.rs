@@ -95,7 +95,12 @@ fn scene_page(path: &Path, index: usize, scene: &Stored, images: &mut ImageStore
     let truth = add("truth.png".to_owned());
     let mut row = |stem: String| {
         let (mask, error) = (add(format!("{stem}.png"))?, add(format!("{stem}.error.png"))?);
-        Some(RowPictures { mask, error, color: add(format!("{stem}.color.png")) })
+        Some(RowPictures {
+            mask,
+            error,
+            color: add(format!("{stem}.color.png")),
+            lookups: add(format!("{stem}.lookups.png")),
+        })
     };
     let rows = result.rows.iter().map(|r| row(r.stem())).collect();
     ScenePage { index, truth, rows, charts: charts(|clock| chart::dots(result, clock)) }

@@ -193,9 +193,10 @@ fn hover(row: &Row, m: &Measured) -> String {
         let runs = format!("{:.3} – {:.3} in {} runs", total.least, total.greatest, total.runs);
         format!("<br>cast {cast}, lookup {lookup}, total {:.3} ms ({runs})", total.median)
     });
+    let maps = m.maps.map_or_else(String::new, |maps| format!("<br>{}", maps.words()));
     format!(
         "<b>{}</b> on {}<br>{}<br>RMSE {:.5}, mean {:.5}<br>false shadow {:.2} %, false light {:.2} %, acne {:.2} %{times}\
-         <br>cost {:.3} ms, {:.2} MB",
+         <br>cost {:.3} ms, {:.2} MB{maps}",
         text(&row.technique),
         text(&row.backend),
         text(&row.settings),

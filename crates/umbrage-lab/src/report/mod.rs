@@ -6,7 +6,7 @@
 //! * `rows.csv`: one [`Line`] a row. `overall.csv`: one line a setting over all scenes. `results.json`: the [`Comparison`]
 //!   as it is.
 //! * `<scene>/truth.png`, `<scene>/<technique>.<backend>.png` and `.error.png`, with colours `.color.png`, of the Pareto
-//!   fronts, each technique's best, and faults; of comparisons of three scenes or fewer, of all rows. On request NumPy arrays, float32, H x W, row 0 on top, -1 where the camera
+//!   fronts, each technique's best, and faults; of comparisons of three scenes or fewer, of all rows, and there `.lookups.png`: where the maps are looked up. On request NumPy arrays, float32, H x W, row 0 on top, -1 where the camera
 //!   hits nothing: `<scene>/truth.npy`, `t.npy` (distance along the unit camera ray), `ambiguous.npy`,
 //!   `<technique>.<backend>.npy`. Where a technique has several settings, they are part of the name.
 //! * `<scene>/scene.json`: the scene's figures, for a run that goes on where another was stopped, and for [`merge`].
@@ -36,6 +36,7 @@ pub use table::{Line, lines, to_csv};
 use crate::{
     LabError,
     compare::{Comparison, Environment, SceneImages, SceneResult},
+    footprint,
 };
 use rayon::prelude::*;
 use run::Run;
@@ -106,6 +107,9 @@ impl Report {
             .into_par_iter()
             .filter(pictured)
             .try_for_each(|i| row_pictures(&folder, result, images, i))?;
+        if all {
+            (0..result.rows.len()).into_par_iter().try_for_each(|i| heat_picture(&folder, result, images, i))?;
+        }
         let (environment, notices) = (environment.clone(), notices.to_vec());
         let (plan, program, result) = (self.run.plan.clone(), self.program.clone(), result.clone());
         Stored { plan, place, program, environment, notices, result }.write(&folder)?;
@@ -138,6 +142,12 @@ fn row_pictures(folder: &Folder, result: &SceneResult, images: &SceneImages, row
     let error = picture(pictures::error(truth.size, mask, &truth.visibility, &truth.pixels))?;
     folder.write(&format!("{stem}.error.png"), &error)?;
     images.colors[row].as_ref().map_or(Ok(()), |png| folder.write(&format!("{stem}.color.png"), png))
+}
+
+/// Writes where a row's maps are looked up, if it has any.
+fn heat_picture(folder: &Folder, result: &SceneResult, images: &SceneImages, row: usize) -> Result<(), LabError> {
+    let Some(heat) = &images.lookups[row] else { return Ok(()) };
+    folder.write(&format!("{}.lookups.png", result.rows[row].stem()), &footprint::picture(heat)?)
 }
 
 pub(crate) fn picture(encoded: image::ImageResult<Vec<u8>>) -> Result<Vec<u8>, LabError> {

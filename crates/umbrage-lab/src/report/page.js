@@ -207,6 +207,12 @@ function figures(m) {
   }
   term(list, "counted cost", `${number(m.cost_ms, 2)} ms`);
   term(list, "memory", bytes(m.bytes));
+  if (m.maps) {
+    term(list, "texels never looked up", `${(100 * m.maps.unused).toFixed(0)} %`);
+    // Of the pixels that see the light, nine in ten: the rest graze it, and no map is fine enough for them.
+    if (m.maps.texels !== null) term(list, "texels a pixel, 9 in 10", `≥ ${number(m.maps.texels, 2)}`);
+    if (m.maps.side !== null) term(list, "side for 1 texel a pixel", m.maps.side.toLocaleString("en"));
+  }
   if (a) {
     const word = a.violations ? `${a.violations} faults` : a.differing ? `${a.differing} px, ≤ ${number(a.largest, 3)}` : "bit-equal";
     term(list, "against CPU", word, a.violations ? "bad" : "good");
@@ -225,7 +231,9 @@ function card(scene, page, index, onFront) {
   if (!m) return el("article", { class: "panel row dash", id }, head, el("p", {}, `– ${row.outcome.unsupported.reason}`));
   const title = `${scene.name} · ${row.technique}, ${row.settings} · ${row.backend}`;
   const pictures = page.rows[index];
-  const shots = !pictures ? null : el("div", { class: "shots" }, shot(pictures.mask, "mask", title), shot(page.truth, "truth", scene.name), shot(pictures.error, "error", title), ...(pictures.color == null ? [] : [shot(pictures.color, "colours", title)]));
+  // Maps are square or wider: beside pictures of the screen, three quarters of a column are as tall.
+  const map = pictures && pictures.lookups != null && pictures.color == null;
+  const shots = !pictures ? null : el("div", { class: map ? "shots map" : "shots" }, shot(pictures.mask, "mask", title), shot(page.truth, "truth", scene.name), shot(pictures.error, "error", title), ...(pictures.color == null ? [] : [shot(pictures.color, "colours", title)]), ...(pictures.lookups == null ? [] : [shot(pictures.lookups, "the map's lookups", `${title} · dark: never looked up; blue to white: by how many pixels`)]));
   return el("article", { class: "panel row", id }, head, shots, figures(m));
 }
 

@@ -44,6 +44,7 @@ pub(super) struct RowPictures {
     pub(super) mask: usize,
     pub(super) error: usize,
     pub(super) color: Option<usize>,
+    pub(super) lookups: Option<usize>,
 }
 
 /// What the page needs of a scene beyond its figures.

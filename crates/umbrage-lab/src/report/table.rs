@@ -68,6 +68,18 @@ pub struct Line {
     pub total_greatest_ms: Option<f64>,
     /// Bytes held.
     pub bytes: Option<u64>,
+    /// Percent of the maps' texels that no lookup touches: [`MapUse::unused`](crate::footprint::MapUse::unused).
+    pub map_unused: Option<f64>,
+    /// Fewest texels in a pixel: [`MapUse::texels_per_pixel`](crate::footprint::MapUse::texels_per_pixel).
+    pub texels_least: Option<f32>,
+    /// Their median.
+    pub texels_median: Option<f32>,
+    /// The most.
+    pub texels_greatest: Option<f32>,
+    /// What nine in ten pixels span at least: [`MapUse::texels`](crate::footprint::MapUse::texels).
+    pub texels_of_nine_in_ten: Option<f32>,
+    /// The side on which that is one texel: [`MapUse::side`](crate::footprint::MapUse::side).
+    pub map_side_needed: Option<u32>,
     /// Pixels unlike the CPU's.
     pub differing: Option<u64>,
     /// Pixels unlike the CPU's that rounding excuses.
@@ -99,6 +111,7 @@ fn line(scene: &SceneResult, row: &Row) -> Line {
         crate::compare::Outcome::Measured(m) => m,
     };
     let median = |s: Option<Spread>| s.map(|s| s.median);
+    let texels = |i: usize| m.maps.and_then(|u| u.texels_per_pixel).map(|all| all[i]);
     Line {
         rmse: Some(m.errors.rmse),
         mean: Some(m.errors.mean),
@@ -125,6 +138,12 @@ fn line(scene: &SceneResult, row: &Row) -> Line {
         total_least_ms: m.times.map(|t| t.total.least),
         total_greatest_ms: m.times.map(|t| t.total.greatest),
         bytes: Some(m.bytes),
+        map_unused: m.maps.map(|u| 100.0 * u.unused),
+        texels_least: texels(0),
+        texels_median: texels(1),
+        texels_greatest: texels(2),
+        texels_of_nine_in_ten: m.maps.and_then(|u| u.texels),
+        map_side_needed: m.maps.and_then(|u| u.side),
         differing: m.agreement.map(|a| a.differing),
         undecided: m.agreement.map(|a| a.undecided),
         elsewhere: m.agreement.map(|a| a.elsewhere),

@@ -3,10 +3,11 @@
 use super::*;
 use crate::{
     compare::{Clock, Control, Measured, Options, Outcome, Row, SceneInput, Spread, Times, slug},
+    footprint::{Heat, MapUse},
     truth::Truth,
 };
 use glam::UVec2;
-use std::{fs, time::Duration};
+use std::{fs, sync::Arc, time::Duration};
 use umbrage_core::{
     Receivers, Work,
     metrics::{Causes, Errors, Pixel},
@@ -27,6 +28,12 @@ fn row(technique: &str, backend: &str, rmse: f64, median: f64) -> Row {
         bytes: 100,
         agreement: None,
         color_differing: None,
+        maps: Some(MapUse {
+            unused: 0.84,
+            texels_per_pixel: Some([0.5, 1.5, 4.5]),
+            texels: Some(0.75),
+            side: Some(683),
+        }),
     }));
     let (technique, settings) = (technique.to_owned(), NASTY.to_owned());
     Row { slug: slug(&technique), technique, settings, backend: backend.to_owned(), outcome }
@@ -59,7 +66,9 @@ fn scene() -> (SceneResult, SceneImages) {
     let controls = vec![Control { backend: "cpu".into(), ..Control::default() }];
     let result = SceneResult { name: NASTY.to_owned(), size: [4, 3], rows, controls, ..SceneResult::default() };
     let colors = vec![None; masks.len()];
-    (result, SceneImages { truth, masks, colors })
+    let mut lookups = vec![None; masks.len()];
+    lookups[0] = Some(Arc::new(Heat { size: [2, 1], lookups: vec![0, 3] }));
+    (result, SceneImages { truth, masks, colors, lookups })
 }
 
 /// A comparison of two scenes of one name.
@@ -128,6 +137,24 @@ fn scenes_of_one_name_get_folders_of_their_own() {
         assert!(!folder.join("dash.cpu.png").exists());
     }
     assert!(!write(false).0.path().join("out").join(stem).join("truth.npy").exists());
+}
+
+/// In the table, under the pointer and as a picture.
+#[test]
+fn how_maps_are_used_is_told() {
+    let (dir, comparison) = write(false);
+    let folder = dir.path().join("out").join(slug(NASTY));
+    assert!(folder.join("good.cpu.lookups.png").is_file() && !folder.join("quick.cpu.lookups.png").exists());
+    let line = &lines(&comparison)[0];
+    assert_eq!((line.map_unused, line.texels_median, line.map_side_needed), (Some(84.0), Some(1.5), Some(683)));
+    assert_eq!(
+        (line.texels_least, line.texels_greatest, line.texels_of_nine_in_ten),
+        (Some(0.5), Some(4.5), Some(0.75))
+    );
+    let hover = chart::traces(&chart::dots(&comparison.scenes[0], Clock::Wall)).to_string();
+    assert!(hover.contains("84 % of the map's texels never looked up; 9 in 10 pixels span at least 0.75 texels"));
+    let without = MapUse { texels: None, ..MapUse::default() };
+    assert_eq!(without.words(), "0 % of the map's texels never looked up");
 }
 
 #[test]

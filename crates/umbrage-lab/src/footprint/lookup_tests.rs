@@ -1,0 +1,75 @@
+//! What is said to be unused is held against the kernels themselves: texels that no lookup touches may hold anything.
+
+use super::*;
+use umbrage_core::{Backend as _, Geometry, Image, Inputs, Scene, Simd};
+use umbrage_cpu::Cpu;
+use umbrage_techniques::{Bias, Pattern, Pcf, PcfDisc, PcfHardware, PcfMerged, Preset, ShadowMap};
+
+/// A sun with an extent, a rectangle, and a lamp with a cube of maps.
+const SCENES: [&str; 4] = ["cubes", "rising-boxes", "c4-edge-square", "lamp-in-room"];
+
+/// Every technique with every width of kernel worth the name.
+fn presets() -> Vec<Preset> {
+    let map = ShadowMap::default();
+    let mut out = Preset::defaults();
+    out.extend([2, 5].map(|radius| Preset::from(Pcf { map, radius })));
+    out.extend([2, 3, 4].map(|samples| Preset::from(PcfHardware { map, samples })));
+    out.extend([2, 3].map(|radius| Preset::from(PcfMerged { map, radius })));
+    let disc = |pattern| PcfDisc { radius: 6.5, taps: 32, pattern, ..PcfDisc::default() };
+    out.extend([Pattern::Vogel, Pattern::Grid].map(|pattern| Preset::from(disc(pattern))));
+    let biased = |bias| move |p: &Preset| p.map().map(|&map| p.with_map(ShadowMap { size: 160, bias, ..map }));
+    let of = |bias| out.iter().filter_map(biased(bias)).collect::<Vec<_>>();
+    of(Bias::NONE).into_iter().chain(of(Bias::RECEIVER_PLANE)).collect()
+}
+
+/// What receivers are answered from these images.
+fn asked(recipe: &Recipe, images: &[Image], receivers: &Receivers) -> Vec<f32> {
+    let views: Vec<_> = recipe.receive.inputs.iter().map(|&id| images[id].view()).collect();
+    let inputs = Inputs { images: &views, simd: Simd::Native };
+    let width = receivers.size.x as usize;
+    let mut out = vec![1.0; receivers.len()];
+    for (y, row) in out.chunks_mut(width).enumerate() {
+        recipe.receive.kernel.receive(&inputs, &receivers.span(y * width, width), row);
+    }
+    (0..out.len()).filter(|&i| receivers.receives[i]).map(|i| out[i]).collect()
+}
+
+/// Whatever a texel held, something at the light now casts on all that look it up, if `chosen` says so of its lookups.
+fn spoilt(recipe: &Recipe, images: &[Image], footprint: &Footprint, chosen: impl Fn(u32) -> bool) -> Vec<Image> {
+    let mut images = images.to_vec();
+    for cast in &footprint.casts {
+        let image = &mut images[recipe.receive.inputs[0]];
+        let channels = image.desc.format.channels();
+        let start = cast.layer as usize * cast.lookups.len();
+        for (i, _) in cast.lookups.iter().enumerate().filter(|(_, n)| chosen(**n)) {
+            image.texels[(start + i) * channels..][..channels].fill(0.0);
+        }
+    }
+    images
+}
+
+#[test]
+fn texels_never_looked_up_may_hold_anything() {
+    let mut checked = 0;
+    for name in SCENES {
+        let scene: Scene = umbrage_scenes::by_argument(name).unwrap();
+        let camera = scene.cameras[0].resized(UVec2::new(96, 64));
+        let geometry = Geometry::bake(&scene).unwrap();
+        let receivers = Cpu::new().receivers(&camera, &geometry).unwrap();
+        let view = View::new(&camera, &scene.lights[0], &geometry).with_receivers(&receivers);
+        for technique in presets().iter().map(Preset::technique) {
+            let label = format!("{name}: {} ({})", technique.name(), technique.settings());
+            let Ok(mut recipe) = technique.plan(&view) else { continue };
+            recipe.keep_images = true;
+            let images = Cpu::new().render(&view, &recipe).unwrap().images;
+            let footprint = of(&*technique, &view, &recipe, &receivers).expect("it has a map");
+            let right = asked(&recipe, &images, &receivers);
+            let unused = spoilt(&recipe, &images, &footprint, |n| n == 0);
+            assert_eq!(asked(&recipe, &unused, &receivers), right, "{label}");
+            let used = spoilt(&recipe, &images, &footprint, |n| n > 0);
+            assert_ne!(asked(&recipe, &used, &receivers), right, "{label}: nothing was looked up");
+            checked += usize::from(footprint.total.unused > 0.0);
+        }
+    }
+    assert!(checked > 100, "only {checked} recipes left texels unused");
+}
