@@ -29,9 +29,9 @@ use umbrage_core::{Cull, Invalid, RasterBias, invalid};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Bias {
-    /// Clip depth, 0 to 1; subtracted from the receiver's depth. Where the bias moves the receiver or its taps
-    /// ([`Bias::normal_offset`](struct@Bias), [`Bias::receiver_plane`]), this is for rounding, and under directional light becomes as much as positions
-    /// so far from the origin are rounded by.
+    /// Clip depth, 0 to 1; subtracted from the receiver's depth. Where the bias also moves the receiver or its taps (normal
+    /// offset, receiver's plane), this is for rounding: under directional light it is at least what positions so far from
+    /// the origin are rounded by.
     pub constant: f32,
     /// Clip depth at grazing light: the receiver's depth loses `max(slope (1 - n.l), slope_min)`.
     pub slope: f32,

@@ -7,6 +7,7 @@ mod closed_form_masks;
 mod culling;
 mod embedding;
 mod exact;
+mod far_away;
 mod maps;
 mod penumbra;
 mod pictures;

@@ -26,10 +26,10 @@ impl<'a> View<'a> {
         Self { camera, light, casters: geometry.caster_bounds(), geometry: Some(geometry), receivers: None, fits: None }
     }
 
-    /// The same view with its receivers known.
+    /// The same view with its receivers known. Fits that were found for others are not taken along.
     #[must_use]
     pub fn with_receivers(self, receivers: &'a Receivers) -> Self {
-        Self { receivers: Some(receivers), ..self }
+        Self { receivers: Some(receivers), fits: None, ..self }
     }
 
     /// The same view, whose fits are remembered. A memory serves one view: one camera, light, geometry and set of receivers.
@@ -54,7 +54,8 @@ pub trait ShadowTechnique: Debug + Send + Sync {
     fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError>;
 
     /// How far, in texels, lookups go beyond the point of a map on which a receiver falls, along each axis: 0 for one texel,
-    /// 1 for the 3 x 3 around it. None where no map of what the light sees is looked up. Where it differs from one receiver
+    /// 1 for the 3 x 3 around it. None where no map of what the light sees is looked up, and where that isn't known:
+    /// reports then say nothing of its maps. Where it differs from one receiver
     /// to the next this is the narrowest, and [`ReceiveKernel::reach`](crate::ReceiveKernel::reach) says each.
     fn kernel_reach(&self) -> Option<f32> {
         None

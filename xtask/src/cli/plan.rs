@@ -7,7 +7,8 @@ use std::path::PathBuf;
 #[derive(Args, Clone, Debug, PartialEq)]
 #[command(after_help = "Examples:
   cargo xtask plan cubes --max-error 0.05             the cheapest within an error
-  cargo xtask plan lamp.toml --max-time 2               the most accurate within a time
+  cargo xtask plan lamp.toml --max-time 2             the most accurate within a time
+  cargo xtask plan lamp.toml --max-error 0.05 --light 2
   cargo xtask plan model.obj --max-error 0.05 --max-bytes 4194304 --backend wgpu
   cargo xtask plan --regret                           are plans right? against sweeps of the suite
   cargo xtask plan --regret cubes --errors 0.05,0.1   the same: one scene, two bounds")]
@@ -39,7 +40,7 @@ pub(crate) struct PlanOptions {
     /// Which sample; the same seed gives the same plan
     #[arg(long, value_name = "NUMBER", default_value_t = 1)]
     pub(crate) seed: u32,
-    /// Folder for presets, plans and bias curves; else target/plan in the repository
+    /// Folder for SCENE.preset.toml, SCENE.plan.json, SCENE.bias.csv and .svg; else target/plan in the repository
     #[arg(long, value_name = "FOLDER")]
     pub(crate) out: Option<PathBuf>,
     /// Compare plans with exhaustive sweeps over full images: bounds kept, and cost over the cheapest

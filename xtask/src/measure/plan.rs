@@ -63,8 +63,8 @@ fn print(plan: &Plan, kind: &str) {
     let s = &plan.sampled;
     println!("{}: {} light, {w} x {h}, {}", plan.scene, plan.light, plan.bounds);
     println!(
-        "{} receivers sampled in {:.1} s, {} settings tried in {:.1} s\n",
-        s.receivers, s.looking, s.settings, s.trying
+        "{} receivers sampled in {:.1} s, {} settings tried in {:.1} s (truth of {} receivers in all)\n",
+        s.receivers, s.looking, s.settings, s.trying, s.traced
     );
     if let Some(chosen) = &plan.chosen {
         println!("{}", chosen.label());

@@ -50,7 +50,7 @@ fn cells(r: &Regret) -> Vec<String> {
     };
     vec![
         r.scene.clone(),
-        r.light.clone(),
+        format!("{}: {}", r.light_number, r.light),
         format!("{}", r.bound),
         r.chosen.as_ref().map_or_else(|| "nothing".to_owned(), |c| c.label()),
         r.chosen.as_ref().map_or_else(dash, |c| format!("{:.4} ({:.4})", c.estimate.error, c.estimate.high)),

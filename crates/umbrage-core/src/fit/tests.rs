@@ -74,4 +74,6 @@ fn a_memory_gives_what_was_found() {
         found.push(anew);
     }
     assert!(found[0] != found[1] && found[0] != found[2]);
+    let receivers = crate::Receivers::default();
+    assert!(View::new(&camera, &light, &low).with_fits(&memory).with_receivers(&receivers).fits.is_none());
 }

@@ -38,15 +38,57 @@ pub(super) fn estimate(sample: &Sample, truth: &[PixelTruth], mask: &[f32]) -> E
     Estimate::new(squares, compared.reach(squares[0] + squares[1]) / all, 0.0)
 }
 
-/// As [`estimate`] where the sample is of those pixels alone at which anything can be wrong, out of `all` that count; what
-/// is wrong elsewhere adds at most `unseen` to the mean square.
-pub(super) fn estimate_of_part(sample: &Sample, truth: &[PixelTruth], mask: &[f32], all: f64, unseen: f64) -> Estimate {
+/// As [`estimate`] where the sample is of those pixels alone at which anything can be wrong, out of all that count; what is
+/// wrong elsewhere adds at most `unseen` to the mean square.
+pub(super) fn estimate_of_part(
+    sample: &Sample,
+    truth: &[PixelTruth],
+    mask: &[f32],
+    all: Counted,
+    unseen: f64,
+) -> Estimate {
     let compared = Compared { sample, truth, mask };
-    if all == 0.0 {
+    if all.count == 0.0 {
         return Estimate::default();
     }
-    Estimate::new(compared.squares().map(|sum| sum / all), compared.reach(0.0) / all, unseen)
+    let squares = compared.squares().map(|sum| sum / all.count);
+    let of_count = all.reach / all.count * (squares[0] + squares[1]);
+    Estimate::new(squares, of_count.hypot(compared.reach(0.0) / all.count), unseen)
 }
+
+/// How many of an image's receivers count, by a sample of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Counted {
+    pub(super) count: f64,
+    /// What one in twenty counts errs by at most.
+    pub(super) reach: f64,
+}
+
+impl Counted {
+    /// Of so many receivers: the share of those drawn that count, each by its chance and whether it does (a ratio, as in
+    /// [`estimate`]).
+    pub(super) fn of(receivers: usize, drawn: impl Iterator<Item = (f64, bool)> + Clone) -> Self {
+        let all: f64 = drawn.clone().map(|(chance, _)| 1.0 / chance).sum();
+        if all == 0.0 {
+            return Self::default();
+        }
+        let share = drawn.clone().filter(|(_, counts)| *counts).map(|(chance, _)| 1.0 / chance).sum::<f64>() / all;
+        let off = |(chance, counts): (f64, bool)| {
+            (1.0 - chance) / chance.powi(2) * (f64::from(u8::from(counts)) - share).powi(2)
+        };
+        let reach = ONE_IN_TWENTY * drawn.map(off).sum::<f64>().sqrt() / all;
+        Self { count: share * receivers as f64, reach: reach * receivers as f64 }
+    }
+
+    /// As many as there may be.
+    pub(super) fn most(&self) -> f64 {
+        self.count + self.reach
+    }
+}
+
+/// A bound is decided by up to three looks, one after the other: each may be wrong in one case of sixty alone, so that all
+/// are in one of twenty (Bonferroni). In standard errors.
+const ONE_IN_SIXTY: f64 = 2.128;
 
 impl Estimate {
     /// From mean squares, too dark and too light, and by how much their sum may be off: either way, and too low.
@@ -59,6 +101,12 @@ impl Estimate {
             too_dark: dark.sqrt(),
             too_light: light.sqrt(),
         }
+    }
+
+    /// Whether the whole image's error lies within `bound`, however many looks were taken.
+    pub(super) fn is_surely_within(&self, bound: f64) -> bool {
+        let square = self.error.powi(2);
+        square + ONE_IN_SIXTY / ONE_IN_TWENTY * (self.high.powi(2) - square) <= bound.powi(2)
     }
 
     /// Whether the whole image's error lies above `bound` but for one case in some thousand: twice as far as

@@ -27,13 +27,11 @@ pub(super) struct Family {
     pub(super) rungs: Vec<Preset>,
     /// By what one step divides the error at most.
     pub(super) most_gain: f64,
-    /// Whether there is an error that no finer rung falls below: a kernel's width.
-    pub(super) saturates: bool,
 }
 
 impl Family {
     fn single(preset: Preset) -> Self {
-        Self { rungs: vec![preset], most_gain: 1.0, saturates: false }
+        Self { rungs: vec![preset], most_gain: 1.0 }
     }
 
     /// With one map more, of a side that no other is within [`ALIKE`] of.
@@ -50,7 +48,15 @@ impl Family {
 
     fn of_maps(preset: Preset) -> Self {
         let at = |size| preset.map().map_or(preset, |&map| preset.with_map(ShadowMap { size, ..map }));
-        Self { rungs: SIZES.map(at).to_vec(), most_gain: GAIN_OF_MAPS, saturates: true }
+        Self { rungs: SIZES.map(at).to_vec(), most_gain: GAIN_OF_MAPS }
+    }
+
+    /// Whether a rung tells what finer maps are worth: two doublings lie between it and the one before the last. Rays
+    /// always gain.
+    pub(super) fn saturates(&self, rung: usize) -> bool {
+        let side = |rung: usize| self.rungs.get(rung).and_then(|preset| Some(preset.map()?.size));
+        let before = rung.checked_sub(2).and_then(side);
+        before.zip(side(rung)).is_some_and(|(coarse, fine)| fine >= 4 * coarse)
     }
 
     /// Any of it.
@@ -87,7 +93,7 @@ pub(super) fn families(light: &Light, small: bool) -> Vec<Family> {
     }
     let rays = if light.is_ideal() { &RAYS[..1] } else { &RAYS[..] };
     let traced = rays.iter().map(|&samples| Traced { samples }.into()).collect();
-    let traced = Family { rungs: traced, most_gain: GAIN_OF_RAYS, saturates: false };
+    let traced = Family { rungs: traced, most_gain: GAIN_OF_RAYS };
     let of_maps = mapped.into_iter().map(Family::of_maps);
     single.into_iter().map(Family::single).chain(of_maps).chain([traced]).collect()
 }

@@ -16,13 +16,17 @@ pub struct Written {
 
 /// Writes a plan into a folder, which is made if need be, under the scene's name: `cubes.preset.toml` (the
 /// [`Preset`](umbrage_techniques::Preset), where one was found; a scene file `cubes.toml` stays as it is), `cubes.plan.json`
-/// (the [`Plan`]), and for biases that are found by trying `cubes.bias.csv` and `cubes.bias.svg`. Each is there whole or not
-/// at all; those that an older plan had and this one lacks are removed.
+/// (the [`Plan`]), and for biases that are found by trying `cubes.bias.csv` and `cubes.bias.svg`; for another light than the
+/// first `cubes.light-2.preset.toml`, and so on. Each is there whole or not at all; those that an older plan had and this
+/// one lacks are removed.
 ///
 /// # Errors
 /// When a file cannot be written.
 pub fn write(plan: &Plan, folder: &Path) -> Result<Vec<Written>, LabError> {
-    let stem = slug(&plan.scene);
+    let stem = match plan.light_number {
+        1 => slug(&plan.scene),
+        n => format!("{}.light-{n}", slug(&plan.scene)),
+    };
     let into = Folder::create(folder)?;
     let mut written = Vec::new();
     for (what, ending, text) in texts(plan)? {
@@ -103,6 +107,7 @@ mod tests {
         Plan {
             scene: scene.to_owned(),
             light: "parallel".to_owned(),
+            light_number: 1,
             size: [4, 3],
             bounds: Bounds::error(0.5),
             chosen: chosen.then_some(setting),
@@ -128,6 +133,18 @@ mod tests {
         assert_eq!(text(2), "kind,texels,too_dark,too_light,error,chosen\nnormal offset,0.5,0.125,0.0,0.25,true\n");
         assert!(text(3).contains("</svg>"));
         assert_eq!(fs::read_dir(dir.path().join("plans")).expect("there").count(), 4, "nothing unfinished is left");
+    }
+
+    /// One light's plan must not take another's place.
+    #[test]
+    fn lights_have_files_of_their_own() {
+        let dir = tempfile::tempdir().expect("a temporary folder");
+        let second = Plan { light_number: 2, ..plan("cubes", true) };
+        for plan in [plan("cubes", true), second] {
+            write(&plan, dir.path()).expect("writable");
+        }
+        assert_eq!(fs::read_dir(dir.path()).expect("there").count(), 8);
+        assert!(dir.path().join("cubes.light-2.preset.toml").exists());
     }
 
     /// A preset that no longer holds must not be taken for one that does.

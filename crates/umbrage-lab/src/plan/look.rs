@@ -1,7 +1,7 @@
 //! What is seen, and how techniques are tried on it.
 
 use super::{
-    estimate::{Estimate, estimate},
+    estimate::{Counted, Estimate, estimate},
     sample::Sample,
 };
 use crate::{
@@ -97,6 +97,8 @@ impl<'a> Look<'a> {
 pub(super) struct Known {
     pub(super) sample: Sample,
     pub(super) truth: Vec<PixelTruth>,
+    /// Of all receivers; none if the sample isn't of all.
+    pub(super) counted: Counted,
 }
 
 impl Known {
@@ -107,17 +109,19 @@ impl Known {
         let pixels = kept.iter().map(|&k| sample.pixels[k]).collect();
         let chances = kept.iter().map(|&k| sample.chances[k]).collect();
         let sample = Sample { pixels, chances };
-        Self { sample, truth: kept.into_iter().map(|k| truth[k]).collect() }
+        Self { sample, truth: kept.into_iter().map(|k| truth[k]).collect(), counted: Counted::default() }
+    }
+
+    /// As [`Known::new`], of a sample of all of so many receivers: how many count is then known, too.
+    pub(super) fn of_all(receivers: usize, sample: Sample, truth: Vec<PixelTruth>) -> Self {
+        let drawn = sample.chances.iter().zip(&truth).map(|(chance, t)| (*chance, t.pixel == Pixel::Counted));
+        let counted = Counted::of(receivers, drawn);
+        Self { counted, ..Self::new(sample, truth) }
     }
 
     /// A recipe's errors.
     pub(super) fn ask(&self, look: &mut Look<'_>, recipe: &Recipe) -> Result<Estimate, BackendError> {
         let mask = look.ask(recipe, &self.sample.pixels)?;
         Ok(estimate(&self.sample, &self.truth, &mask))
-    }
-
-    /// An estimate of how many of the image's pixels count.
-    pub(super) fn counted(&self) -> f64 {
-        self.sample.chances.iter().map(|chance| 1.0 / chance).sum()
     }
 }

@@ -107,7 +107,7 @@ pub fn plan(scene: &Scene, bounds: &Bounds, options: &Options, on_step: &OnStep<
     let (camera, light) = seen(scene, options)?;
     let geometry = Geometry::bake(scene)?;
     let plan = Planner::new(&camera, light, &geometry, options, on_step)?.plan(bounds)?;
-    Ok(Plan { scene: scene.name.clone(), ..plan })
+    Ok(Plan { scene: scene.name.clone(), light_number: options.light + 1, ..plan })
 }
 
 /// The camera and the light that options are about.

@@ -11,6 +11,8 @@ pub struct Plan {
     pub scene: String,
     /// The light's kind.
     pub light: String,
+    /// Which of the scene's lights it is, from 1.
+    pub light_number: usize,
     /// Image width and height, pixels.
     pub size: [u32; 2],
     /// What it keeps to.
@@ -46,7 +48,7 @@ pub struct CurvePoint {
     pub kind: BiasKind,
     /// How much of it, texels.
     pub texels: f32,
-    /// Too dark: acne. Too light: the gap.
+    /// Too dark: acne. Too light: the gap. By the first sample; of what was chosen by its second.
     pub estimate: Estimate,
     /// Whether this is the bias chosen.
     pub chosen: bool,
@@ -67,6 +69,8 @@ pub struct Miss {
 pub struct Sampled {
     /// Receivers sampled that count.
     pub receivers: usize,
+    /// Receivers whose truth was traced in all: second looks at what was about to be chosen take more.
+    pub traced: usize,
     /// Settings tried on them.
     pub settings: usize,
     /// Seconds for receivers, sample and truth.

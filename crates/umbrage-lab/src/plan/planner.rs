@@ -8,7 +8,7 @@ use super::{
     reasons::Facts,
     sample::Sample,
     trial::Trial,
-    verify::{LOOKS, Verifier},
+    verify::Verifier,
     walk::{Found, Place},
 };
 use crate::{LabError, pareto::front, truth::TruthOptions};
@@ -41,7 +41,8 @@ impl Draw {
     fn known(&self, look: &mut Look<'_>, density: &[f64], on_step: &OnStep<'_>) -> Result<Known, LabError> {
         let sample = Sample::draw(look.camera.size, density, self.count(look.light), self.seed);
         let truth = look.truth(&sample.pixels, &self.truth, &|done, total| on_step(Step::Truth(done, total)))?;
-        Ok(Known::new(sample, truth))
+        let receivers = look.receivers.receives.iter().filter(|receives| **receives).count();
+        Ok(Known::of_all(receivers, sample, truth))
     }
 
     fn count(&self, light: &Light) -> usize {
@@ -118,6 +119,7 @@ impl<'a> Planner<'a> {
         Ok(Plan {
             scene: String::new(),
             light: look.light.kind().to_owned(),
+            light_number: 1,
             size: look.camera.size.to_array(),
             bounds: *bounds,
             runners_up: self.runners_up(chosen.as_ref()),
@@ -127,6 +129,7 @@ impl<'a> Planner<'a> {
             curve,
             sampled: Sampled {
                 receivers: self.trial.known.truth.len(),
+                traced: look.truth.len(),
                 settings: self.trial.played(),
                 looking: self.looking,
                 trying: start.elapsed().as_secs_f64(),
@@ -148,14 +151,13 @@ impl<'a> Planner<'a> {
         let best = affordable.min_by(|a, b| a.estimate.error.total_cmp(&b.estimate.error));
         // What was chosen was verified: another bias must hold as well.
         let best = best.filter(|b| b.estimate.error < chosen.estimate.error).cloned();
-        let best = best.map(|b| self.trial.verify(&b, LOOKS[0])).transpose()?;
-        let surely = |s: &Setting| bounds.max_error.is_none_or(|error| s.estimate.high <= error);
+        let best = best.map(|b| self.trial.verify(&b, bounds.max_error, self.on_step)).transpose()?;
+        let surely = |s: &Setting| bounds.max_error.is_none_or(|error| s.estimate.is_surely_within(error));
         let best = best.filter(|b| surely(b) && b.estimate.error < chosen.estimate.error).unwrap_or(chosen);
-        let point = |(kind, texels, setting): &(_, _, Setting)| CurvePoint {
-            kind: *kind,
-            texels: *texels,
-            estimate: setting.estimate,
-            chosen: setting.preset == best.preset,
+        let point = |(kind, texels, setting): &(_, _, Setting)| {
+            let chosen = setting.preset == best.preset;
+            let estimate = if chosen { best.estimate } else { setting.estimate };
+            CurvePoint { kind: *kind, texels: *texels, estimate, chosen }
         };
         // One point is no curve: there was nothing to find.
         let curve = if points.len() > 1 { points.iter().map(point).collect() } else { Vec::new() };

@@ -16,6 +16,8 @@ pub struct Regret {
     pub scene: String,
     /// The light's kind.
     pub light: String,
+    /// Which of the scene's lights it is, from 1.
+    pub light_number: usize,
     /// The bound of the error.
     pub bound: f64,
     /// What was planned; none if nothing was found.
@@ -76,6 +78,7 @@ pub fn regret(scene: &Scene, bounds: &[f64], options: &Options, on_step: &OnStep
         out.push(Regret {
             scene: scene.name.clone(),
             light: plan.light,
+            light_number: options.light + 1,
             bound,
             chosen: plan.chosen,
             error,

@@ -13,6 +13,8 @@ pub struct RegretLine {
     pub scene: String,
     /// [`Regret::light`].
     pub light: String,
+    /// [`Regret::light_number`].
+    pub light_number: usize,
     /// [`Regret::bound`].
     pub bound: f64,
     /// The technique planned; empty if nothing was found.
@@ -47,6 +49,7 @@ impl From<&Regret> for RegretLine {
         Self {
             scene: r.scene.clone(),
             light: r.light.clone(),
+            light_number: r.light_number,
             bound: r.bound,
             technique: chosen.map_or_else(String::new, |c| c.technique.clone()),
             settings: chosen.map_or_else(String::new, |c| c.settings.clone()),
@@ -64,7 +67,7 @@ impl From<&Regret> for RegretLine {
     }
 }
 
-/// Writes `regret.csv` into a folder, which is made if need be: one [`RegretLine`] a scene and bound. Returns its path.
+/// Writes `regret.csv` into a folder, which is made if need be: one [`RegretLine`] a scene, light and bound. Returns its path.
 ///
 /// # Errors
 /// When it cannot be written.
@@ -99,6 +102,7 @@ mod tests {
         let found = Regret {
             scene: "a, b".to_owned(),
             light: "point".to_owned(),
+            light_number: 2,
             bound: 0.3,
             chosen: Some(chosen),
             error: 0.26,

@@ -7,7 +7,7 @@ use crate::{
 };
 use umbrage_techniques::ShadowMap;
 
-/// The side of a map of default fit on which, for nine in ten of the receivers that the light reaches, no texel is larger
+/// The side of a map of default fit on which, for nine in ten of the receivers that face the light, no texel is larger
 /// than a pixel; none where the light has no map.
 pub(super) fn side(look: &Look<'_>) -> Option<u32> {
     ShadowMap::default().sized_for(&look.view(), &look.receivers, QUANTILE).ok().map(|map| map.size)
@@ -17,17 +17,7 @@ pub(super) fn side(look: &Look<'_>) -> Option<u32> {
 pub(super) fn reason(look: &Look<'_>, chosen: &Setting) -> Result<Option<String>, LabError> {
     let recipe = look.recipe(&chosen.preset)?;
     let found = footprint::of(&*chosen.preset.technique(), &look.view(), &recipe, &look.receivers);
-    Ok(found.map(|footprint| {
-        let used = footprint.total;
-        let unused = format!("of this map's texels {:.0} % are never looked up", 100.0 * used.unused);
-        let fine = used.texels.zip(used.side).map(|(texels, side)| {
-            format!(
-                "; nine in ten pixels that see the light span at least {texels:.2} texels: a map of {side} would have no \
-                 texel larger than a pixel for them"
-            )
-        });
-        unused + &fine.unwrap_or_default()
-    }))
+    Ok(found.map(|footprint| footprint.total.words()))
 }
 
 #[cfg(test)]

@@ -110,40 +110,58 @@ fn what_no_sample_shows_a_second_look_does() {
             let none = Preset::from(umbrage_techniques::Unshadowed::default());
             let blind = planner.trial.play(&none).expect("plays").expect("supported");
             assert_eq!(blind.estimate.high, 0.0, "{name}");
-            let seen = planner.trial.verify(&blind, 1).expect("plays").estimate;
+            let seen = planner.trial.verify(&blind, None, &|_| {}).expect("plays").estimate;
             assert!(seen.error > 0.1, "{name}: {seen:?}");
         });
     }
 }
 
-/// Second looks know whole images better than the first sample does: under ideal lights nearly all.
+/// Second looks know whole images better than the first sample does: their bounds hold as often as they say, and under ideal
+/// lights all that they don't know is how many pixels count.
 #[test]
 fn second_looks_tell_of_whole_images() {
-    for (name, most) in [("c7-closed-room", 0.03), ("low-sun-5", 0.03), ("rising-boxes", 0.1)] {
+    let (mut compared, mut within) = (0, 0);
+    for name in ["c7-closed-room", "low-sun-5", "cubes", "rising-boxes", "canopy"] {
         with_planner(name, |mut planner| {
             let look = &mut planner.trial.look;
             let all: Vec<u32> = (0..look.receivers.len() as u32).collect();
             let truth = look.truth(&all, &small().truth, &|_, _| {}).expect("can be traced");
             let (visibility, pixels): (Vec<f32>, Vec<_>) = truth.iter().map(|t| (t.visibility, t.pixel)).unzip();
-            let mut compared = 0;
             for preset in sized(64) {
                 let Some(setting) = planner.trial.play(&preset).expect("plays") else { continue };
                 let mask = planner.trial.look.mask(&preset).expect("plays");
                 let whole = Errors::measure(UVec2::new(160, 120), &mask, &visibility, &pixels).expect("fits").rmse;
-                let e = planner.trial.verify(&setting, 1).expect("plays").estimate;
-                // How many pixels count is known from the first sample, to a percent or two; nine in ten lie within the
-                // bounds, all within three times them.
-                let reach = 3.0 * (e.high.powi(2) - e.error.powi(2)) + most * e.error.powi(2);
-                assert!(
-                    (whole.powi(2) - e.error.powi(2)).abs() <= reach,
-                    "{name}: {}: {e:?} for {whole}",
-                    setting.label()
-                );
-                compared += u32::from(whole > 0.0);
+                let e = planner.trial.verify(&setting, None, &|_| {}).expect("plays").estimate;
+                // Three times what one in twenty errs by: five standard errors.
+                let reach = 3.0 * (e.high.powi(2) - e.error.powi(2)) + 1e-9;
+                let off = (whole.powi(2) - e.error.powi(2)).abs();
+                assert!(off <= reach, "{name}: {}: {e:?} for {whole}", setting.label());
+                compared += 1;
+                within += u32::from(e.low - 1e-6 <= whole && whole <= e.high + 1e-6);
             }
-            assert!(compared > 3, "{name}");
         });
     }
+    // Nine in ten are expected. Settings of one scene share a sample and err together, so a fifth may lie outside.
+    assert!(compared > 40 && within * 5 >= compared * 4, "{within} of {compared}");
+}
+
+/// Without rays the first sample is all there is, and of what it finds nothing is forgotten.
+#[test]
+fn without_a_pilot_the_first_sample_must_do() {
+    with_planner("rising-boxes", |mut planner| {
+        let [none, hard] = [0, 1].map(|i| Preset::defaults()[i]);
+        planner.trial.verifier.pilot = None;
+        for preset in [none, hard] {
+            let first = planner.trial.play(&preset).expect("plays").expect("supported");
+            let again = planner.trial.verify(&first, Some(0.1), &|_| {}).expect("plays");
+            assert!(first.estimate.error > 0.0);
+            assert_eq!(again.estimate, first.estimate);
+        }
+        let blind =
+            Setting { estimate: Estimate::default(), ..planner.trial.play(&none).expect("plays").expect("supported") };
+        let again = planner.trial.verify(&blind, None, &|_| {}).expect("plays").estimate;
+        assert!(again.error == 0.0 && again.high > 0.01, "{again:?}");
+    });
 }
 
 /// Where nothing casts, few rays can't tell that nothing does: all of a pilot's can, within three of their number.
@@ -158,8 +176,10 @@ fn none_of_n_rays_is_not_never() {
         estimate.high
     };
     assert_eq!(high(scene("no-casters").lights[0]), 0.0);
-    // 3 of 2 rays of each of at most 160 x 120 receivers.
-    assert!(high(lamp) >= (3.0 / 38_400.0_f64).sqrt());
+    // 3 of 2 rays of each of at most 160 x 120 receivers, and of at least a third of them.
+    let least = (3.0 / 38_400.0_f64).sqrt();
+    let high = high(lamp);
+    assert!(least <= high && high <= 3.0_f64.sqrt() * least, "{high}");
 }
 
 /// Truth is what decides: where it is spoilt to be next to lit everywhere, for second looks, too, no shadow is needed.

@@ -1,11 +1,11 @@
 //! Candidates tried on the sample, each once.
 
 use super::{
-    Setting,
+    OnStep, Setting,
     bias::{BiasKind, Scale, scales},
     families::Family,
     look::{Known, Look, Price},
-    verify::Verifier,
+    verify::{Suspect, Verifier},
 };
 use crate::{LabError, cost::CostModel};
 use std::collections::HashMap;
@@ -16,7 +16,7 @@ use umbrage_techniques::Preset;
 pub(super) struct Trial<'a> {
     pub(super) look: Look<'a>,
     pub(super) known: Known,
-    verifier: Verifier,
+    pub(super) verifier: Verifier,
     pub(super) cost: CostModel,
     /// By the preset's fields in words; none where it isn't supported.
     tried: HashMap<String, Option<Setting>>,
@@ -99,10 +99,16 @@ impl<'a> Trial<'a> {
         }
     }
 
-    /// What a sample of its own, `times` as great, says of a setting that was tried.
-    pub(super) fn verify(&mut self, setting: &Setting, times: usize) -> Result<Setting, LabError> {
+    /// What samples of its own say of a setting that was tried, until a bound of the error is decided, if there is one.
+    pub(super) fn verify(
+        &mut self,
+        setting: &Setting,
+        bound: Option<f64>,
+        on_step: &OnStep<'_>,
+    ) -> Result<Setting, LabError> {
         let recipe = self.look.recipe(&setting.preset)?;
-        let estimate = self.verifier.estimate(&mut self.look, &self.known, setting.estimate.error, &recipe, times)?;
+        let suspect = Suspect { recipe: &recipe, first: setting.estimate, bound };
+        let estimate = self.verifier.estimate(&mut self.look, &self.known, &suspect, on_step)?;
         let setting = Setting { estimate, ..setting.clone() };
         self.tried.insert(format!("{:?}", setting.preset), Some(setting.clone()));
         Ok(setting)

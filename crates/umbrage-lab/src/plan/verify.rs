@@ -9,6 +9,7 @@
 //! all n rays did find a fault, at most `most(count) / n` of the light may be wrong on average, but for one case in twenty.
 
 use super::{
+    OnStep, Step,
     density::{Pilot, shared},
     estimate::{Estimate, ONE_IN_TWENTY, estimate, estimate_of_part},
     look::{Known, Look},
@@ -19,7 +20,7 @@ use umbrage_core::Recipe;
 
 /// How many times the first sample second ones are, as long as what they say leaves a bound open: each time with half the
 /// uncertainty.
-pub(super) const LOOKS: [usize; 3] = [1, 4, 16];
+const LOOKS: [usize; 3] = [1, 4, 16];
 
 /// How second samples are drawn.
 #[derive(Clone, Debug)]
@@ -32,57 +33,79 @@ pub(super) struct Verifier {
     pub(super) seed: u32,
 }
 
+/// A setting that is looked at again.
+pub(super) struct Suspect<'a> {
+    pub(super) recipe: &'a Recipe,
+    /// What the first sample says of it.
+    pub(super) first: Estimate,
+    /// The greatest error that is wanted, if any.
+    pub(super) bound: Option<f64>,
+}
+
 impl Verifier {
-    /// The estimate of a setting whose error on the sample `known` is `error`, by a second one `times` as great.
+    /// The estimate of a setting by samples of its own: the first of [`LOOKS`], and the others as long as the bound is open.
     pub(super) fn estimate(
         &self,
         look: &mut Look<'_>,
         known: &Known,
-        error: f64,
-        recipe: &Recipe,
-        times: usize,
+        suspect: &Suspect<'_>,
+        on_step: &OnStep<'_>,
     ) -> Result<Estimate, LabError> {
-        let Some(pilot) = &self.pilot else { return Ok(unseen_by(known)) };
-        let mask = look.render(recipe)?;
-        let all = known.counted();
-        if pilot.is_exact || error == 0.0 {
-            let differs = |i: usize| look.receivers.receives[i] && mask[i] != pilot.mask[i];
-            let density: Vec<f64> = (0..mask.len()).map(|i| f64::from(u8::from(differs(i)))).collect();
-            let (Known { sample, truth }, there) = self.draw(look, &density, &mask, times)?;
-            // Differences are at most 1, so their squares are no greater than they are.
-            let wrong = |k: &usize| truth[*k].visibility != there[*k];
-            let found: f64 = (0..there.len()).filter(wrong).map(|k| 1.0 / sample.chances[k]).sum();
-            let unseen = if pilot.is_exact { 0.0 } else { most(found) / (f64::from(pilot.rays) * all) };
-            return Ok(estimate_of_part(&sample, &truth, &there, all, unseen));
+        let Some(pilot) = &self.pilot else { return Ok(unseen_by(known, suspect.first)) };
+        let mask = look.render(suspect.recipe)?;
+        let receives = &look.receivers.receives;
+        let differences = (0..mask.len()).map(|i| if receives[i] { (mask[i] - pilot.mask[i]).abs() } else { 0.0 });
+        let nowhere_else = pilot.is_exact || suspect.first.error == 0.0;
+        let density: Vec<f64> = match nowhere_else {
+            true => differences.map(|d| f64::from(u8::from(d > 0.0))).collect(),
+            false => shared(differences.map(f64::from).collect(), receives),
+        };
+        let mut found = suspect.first;
+        for (seed, times) in (self.seed..).zip(LOOKS) {
+            let drawn = Sample::draw(look.camera.size, &density, times * self.count, seed);
+            let is_all = drawn.chances.iter().all(|chance| *chance == 1.0);
+            let (Known { sample, truth, .. }, there) = self.ask(look, drawn, &mask, on_step)?;
+            found = if nowhere_else {
+                // Differences are at most 1, so their squares are no greater than they are.
+                let wrong = |k: &usize| truth[*k].visibility != there[*k];
+                let faults: f64 = (0..there.len()).filter(wrong).map(|k| 1.0 / sample.chances[k]).sum();
+                let rays = f64::from(pilot.rays) * known.counted.most();
+                let unseen = if pilot.is_exact || rays == 0.0 { 0.0 } else { most(faults) / rays };
+                estimate_of_part(&sample, &truth, &there, known.counted, unseen)
+            } else {
+                estimate(&sample, &truth, &there)
+            };
+            if is_all || suspect.bound.is_none_or(|b| found.is_surely_within(b) || found.is_surely_above(b)) {
+                break;
+            }
         }
-        let differences = mask.iter().zip(&pilot.mask).map(|(a, b)| f64::from((a - b).abs())).collect();
-        let density = shared(differences, &look.receivers.receives);
-        let (Known { sample, truth }, there) = self.draw(look, &density, &mask, times)?;
-        Ok(estimate(&sample, &truth, &there))
+        Ok(found)
     }
 
-    /// A sample with truth, and the mask there.
-    fn draw(
+    /// Truth of a sample, and the mask there.
+    fn ask(
         &self,
         look: &mut Look<'_>,
-        density: &[f64],
+        sample: Sample,
         mask: &[f32],
-        times: usize,
+        on_step: &OnStep<'_>,
     ) -> Result<(Known, Vec<f32>), LabError> {
-        let sample = Sample::draw(look.camera.size, density, times * self.count, self.seed);
-        let truth = look.truth(&sample.pixels, &self.truth, &|_, _| {})?;
+        let truth = look.truth(&sample.pixels, &self.truth, &|done, total| on_step(Step::Truth(done, total)))?;
         let known = Known::new(sample, truth);
         let there = known.sample.pixels.iter().map(|&i| mask[i as usize]).collect();
         Ok((known, there))
     }
 }
 
-/// Without a pilot: as if all that is wrong had the least chance to be drawn, and none was.
-fn unseen_by(known: &Known) -> Estimate {
+/// Without a pilot the first sample must do; where it has met no fault, as if all that is wrong had the least chance to be
+/// drawn.
+fn unseen_by(known: &Known, first: Estimate) -> Estimate {
     let least = known.sample.chances.iter().copied().fold(1.0, f64::min);
-    let all = known.counted();
-    let unseen = if least < 1.0 { most(0.0) / (least * all) } else { 0.0 };
-    estimate_of_part(&Sample::default(), &[], &[], all, unseen)
+    let all = known.counted.count;
+    if first.error > 0.0 || least == 1.0 || all == 0.0 {
+        return first;
+    }
+    Estimate { high: (most(0.0) / (least * all)).sqrt(), ..first }
 }
 
 /// What a count's mean is at most, but for one case in twenty: 3 for none ("rule of three"). Within a hundredth of Poisson's

@@ -1,6 +1,6 @@
 //! The walk from the cheapest candidate up.
 
-use super::{Bounds, Miss, Planner, Setting, Step, bias::scales, families::Family, trial::Goal, verify::LOOKS};
+use super::{Bounds, Miss, Planner, Setting, Step, bias::scales, families::Family, trial::Goal};
 use crate::LabError;
 
 /// Where a candidate stands in the list.
@@ -45,8 +45,11 @@ impl Planner<'_> {
                 rungs.extend(self.finer(&rung, f64::INFINITY, error)?);
                 continue;
             };
-            let setting = self.look_again(setting, error)?;
-            if setting.estimate.high > error {
+            let setting = match setting.estimate.is_surely_above(error) {
+                true => setting,
+                false => self.trial.verify(&setting, Some(error), self.on_step)?,
+            };
+            if !setting.estimate.is_surely_within(error) {
                 rungs.extend(self.finer(&rung, setting.estimate.error, error)?);
             } else if bounds.affords(setting.milliseconds, setting.bytes) {
                 return Ok(Found::Chosen(rung.place, setting));
@@ -59,7 +62,7 @@ impl Planner<'_> {
 
     /// The most accurate candidate within the bounds of time and memory: of each family the finest two maps that are.
     pub(super) fn most_accurate(&mut self, bounds: &Bounds) -> Result<Found, LabError> {
-        let mut best: Option<(Place, Setting)> = None;
+        let mut left = Vec::new();
         for family in 0..self.families.len() {
             let mut tried = 0;
             for size in (0..self.families[family].rungs.len()).rev() {
@@ -72,47 +75,46 @@ impl Planner<'_> {
                 if !bounds.affords(setting.milliseconds, setting.bytes) {
                     continue;
                 }
-                let better = |other: &Setting| {
-                    let key = |s: &Setting| (s.estimate.error, s.milliseconds);
-                    key(&setting) < key(other)
-                };
-                if best.as_ref().is_none_or(|(_, other)| better(other)) {
-                    best = Some((place, setting));
-                }
+                left.push((place, setting));
                 tried += 1;
                 if tried == 2 {
                     break;
                 }
             }
         }
-        Ok(match best {
-            Some((place, setting)) => Found::Chosen(place, self.trial.verify(&setting, LOOKS[0])?),
-            None => {
-                // The least of all is priced, so that the answer can say what is missing.
-                self.settle(Place { family: 0, size: 0 }, None)?;
-                Found::Missed(self.miss(bounds, None))
+        if let Some((place, setting)) = self.best_of(left)? {
+            return Ok(Found::Chosen(place, setting));
+        }
+        // The least of all is priced, so that the answer can say what is missing.
+        self.settle(Place { family: 0, size: 0 }, None)?;
+        Ok(Found::Missed(self.miss(bounds, None)))
+    }
+
+    /// The candidate with the least error, looked at again: the next ones, too, as long as one may be better.
+    fn best_of(&mut self, mut left: Vec<(Place, Setting)>) -> Result<Option<(Place, Setting)>, LabError> {
+        let key = |s: &Setting| (s.estimate.error, s.milliseconds);
+        let order = |a: &Setting, b: &Setting| {
+            let (a, b) = (key(a), key(b));
+            a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1))
+        };
+        left.sort_by(|a, b| order(&b.1, &a.1));
+        let mut best: Option<(Place, Setting)> = None;
+        while let Some((place, first)) = left.pop() {
+            if best.as_ref().is_some_and(|(_, best)| order(best, &first).is_le()) {
+                break;
             }
-        })
+            let setting = self.trial.verify(&first, None, self.on_step)?;
+            if best.as_ref().is_none_or(|(_, best)| order(&setting, best).is_lt()) {
+                best = Some((place, setting));
+            }
+        }
+        Ok(best)
     }
 
     fn settle(&mut self, place: Place, goal: Option<Goal>) -> Result<Option<Setting>, LabError> {
         let family = self.families[place.family].clone();
         (self.on_step)(Step::Trying(family.preset().technique().name(), self.trial.played()));
         self.trial.settle(&family, place.size, goal)
-    }
-
-    /// Looks again at what is not surely worse than `error`, until it surely is or is not.
-    fn look_again(&mut self, mut setting: Setting, error: f64) -> Result<Setting, LabError> {
-        for times in LOOKS {
-            if setting.estimate.is_surely_above(error) {
-                break;
-            }
-            setting = self.trial.verify(&setting, times)?;
-            if setting.estimate.high <= error {
-                break;
-            }
-        }
-        Ok(setting)
     }
 
     /// The first of a family's sizes from `place` on that is supported.
@@ -136,11 +138,11 @@ impl Planner<'_> {
     /// The next size that may be within the bound, if any.
     fn finer(&mut self, rung: &Rung, error: f64, bound: f64) -> Result<Option<Rung>, LabError> {
         let Place { family, size } = rung.place;
-        let Family { rungs, most_gain, saturates } = &self.families[family];
+        let of_place = &self.families[family];
+        let Family { rungs, most_gain } = of_place;
         let [coarser, coarsest] = rung.last;
-        let stuck =
-            *saturates && coarsest.is_finite() && error > SATURATED * coarsest.min(coarser) && error > 1.3 * bound;
-        if stuck {
+        let stalls = coarsest.is_finite() && error > SATURATED * coarsest.min(coarser);
+        if stalls && of_place.saturates(size) && error > 1.3 * bound {
             return Ok(None);
         }
         let (mut next, mut reachable) = (size + 1, error / most_gain);
