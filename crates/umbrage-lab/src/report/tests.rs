@@ -152,7 +152,9 @@ fn how_maps_are_used_is_told() {
         (Some(0.5), Some(4.5), Some(0.75))
     );
     let hover = chart::traces(&chart::dots(&comparison.scenes[0], Clock::Wall)).to_string();
-    assert!(hover.contains("84 % of the map's texels never looked up; 9 in 10 pixels span at least 0.75 texels"));
+    assert!(hover.contains(
+        "84 % of the map's texels never looked up; 9 in 10 pixels that face the light span at least 0.75 texels"
+    ));
     let without = MapUse { texels: None, ..MapUse::default() };
     assert_eq!(without.words(), "0 % of the map's texels never looked up");
 }
