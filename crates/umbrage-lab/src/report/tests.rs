@@ -235,6 +235,10 @@ fn shards_that_do_not_belong_together_are_refused() {
     let empty = dir.path().join("empty");
     fs::create_dir(&empty).expect("writable");
     assert!(refused(&[&empty]).contains("no scenes"));
+    // Folders from before `run.json` have scenes, and none of them is known to be of the last run.
+    fs::remove_file(a.join("run.json")).expect("there");
+    let old = refused(&[&a, &b]);
+    assert!(old.contains("was not written by this version") && old.contains("measure it again"), "{old}");
 }
 
 /// Folders that were used before, for another comparison and with another number of shards.
