@@ -210,6 +210,23 @@ fn images_come_with_every_row() {
     assert_eq!(seen, 2);
 }
 
+/// What no report writes isn't kept.
+#[test]
+fn only_few_scenes_keep_where_maps_are_looked_up() {
+    let kept = |scenes: usize| {
+        let (mut cpu, mut kept) = (Backends::of(vec![Box::new(Cpu::new())]), 0);
+        let sink = &mut |r: &SceneResult, images: &SceneImages| {
+            assert!(r.rows.iter().all(|row| row.measured().is_some_and(|m| m.maps.is_some())), "figures are for all");
+            kept += images.lookups.iter().flatten().count();
+            Ok(())
+        };
+        compare(&vec![input("cubes"); scenes], &quick(&["hard"]), &mut cpu, sink, &|_| ()).expect("valid");
+        kept
+    };
+    assert!(kept(3) >= 3);
+    assert_eq!(kept(4), 0);
+}
+
 #[test]
 fn medians_and_extremes() {
     assert_eq!(Spread::of(Vec::new()), None);

@@ -133,7 +133,7 @@ impl Report {
 }
 
 /// Of so many scenes, every row gets its pictures: whoever names a scene wants to see it.
-const FEW_SCENES: usize = 3;
+pub(crate) const FEW_SCENES: usize = 3;
 
 /// Writes the pictures of a row, if it was measured.
 fn row_pictures(folder: &Folder, result: &SceneResult, images: &SceneImages, row: usize) -> Result<(), LabError> {
