@@ -34,6 +34,11 @@ impl ShadowTechnique for Variance {
         format!("blur {}, {}", self.radius, self.map.label())
     }
 
+    /// The one texel that is looked up holds what the blur took from around it.
+    fn kernel_reach(&self) -> Option<f32> {
+        Some(self.radius as f32)
+    }
+
     fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
         // One map: the filters below would do for six as well.
         let map = ShadowMap { layout: Layout::Single, ..self.map };

@@ -12,7 +12,7 @@ use crate::{
 };
 use glam::{Mat4, Vec2, Vec3};
 
-/// Of each receiver that faces the light and falls on a map: how many texels of it a pixel spans in the direction in which
+/// Of each receiver that faces the light, shadowed or not, and falls on a map: how many texels of it a pixel spans in the direction in which
 /// it spans the fewest. `size` is the maps' side in texels; `receivers` are what the view's camera sees. In the order of
 /// the pixels.
 pub fn texels_per_pixel(view: &View<'_>, receivers: &Receivers, spaces: &LightSpaces, size: u32) -> Vec<f32> {
@@ -31,7 +31,7 @@ pub fn texels_per_pixel(view: &View<'_>, receivers: &Receivers, spaces: &LightSp
 }
 
 /// The least side, texels, of a map that lies in `spaces` at which, for a share `quantile` (0..=1) of the seen receivers
-/// that the light reaches, no texel is larger than a pixel. Margins that kernels take from the map are neglected. None if
+/// that face the light, no texel is larger than a pixel. Margins that kernels take from the map are neglected. None if
 /// no such receiver is seen; at most [`MAX_SIDE`].
 pub fn side_for(view: &View<'_>, receivers: &Receivers, spaces: &LightSpaces, quantile: f32) -> Option<u32> {
     let mut texels = texels_per_pixel(view, receivers, spaces, 1);

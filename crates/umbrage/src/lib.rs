@@ -22,7 +22,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! How large should a map be? As fine as the screen is where the light falls on what it shows:
+//! How large should a map be? As fine as the screen is where what it shows faces the light:
 #![cfg_attr(feature = "cpu", doc = "```")]
 #![cfg_attr(not(feature = "cpu"), doc = "```ignore")]
 //! use umbrage::{Geometry, View, cpu::Cpu, techniques::{Pcf, ShadowMap}};
@@ -30,7 +30,7 @@
 //! let scene = umbrage::scenes::by_argument("cubes")?;
 //! let (camera, geometry) = (&scene.cameras[0], Geometry::bake(&scene)?);
 //! let view = View::new(camera, &scene.lights[0], &geometry);
-//! // For nine in ten of the pixels that see the light, no texel is larger than a pixel.
+//! // For nine in ten of the pixels that face the light, no texel is larger than a pixel.
 //! let map = ShadowMap::default().sized_for(&view, &Cpu::new().receivers(camera, &geometry)?, 0.9)?;
 //! let technique = Pcf { map, ..Pcf::default() };
 //! # let small = camera.resized(camera.size / 2);

@@ -3,6 +3,7 @@
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
 use umbrage_lab::{
     compare::{Measured, Outcome, Row, SceneResult},
+    footprint,
     pareto::front,
 };
 
@@ -47,16 +48,7 @@ pub(super) fn print(scenes: &[SceneResult]) {
 /// How the maps of all rows are used, in a line; none without maps.
 fn maps(rows: &[Row]) -> Option<String> {
     let used: Vec<_> = rows.iter().filter_map(|r| r.measured()?.maps).collect();
-    let range = |figures: Vec<f64>| {
-        let [least, most] = [figures.iter().copied().reduce(f64::min)?, figures.iter().copied().reduce(f64::max)?];
-        Some(if least.round() == most.round() { format!("{most:.0}") } else { format!("{least:.0} to {most:.0}") })
-    };
-    let unused = range(used.iter().map(|u| 100.0 * u.unused).collect())?;
-    let sides = range(used.iter().filter_map(|u| u.side.map(f64::from)).collect());
-    let needed = sides.map_or_else(String::new, |sides| {
-        format!("; to have no texel larger than a pixel for nine in ten takes a side of {sides}")
-    });
-    Some(format!("maps: {unused} % of the texels are never looked up{needed}"))
+    Some(format!("maps: {}", footprint::words(&used)?))
 }
 
 fn cells(row: &Row) -> Vec<String> {

@@ -8,6 +8,9 @@ use umbrage_core::Invalid;
 /// The oldest schema that is still read: what came later may be missing.
 const OLDEST: u32 = 3;
 
+/// What a report's figures are written to.
+const RESULTS: &str = "results.json";
+
 /// The schema alone: results of other versions have other fields.
 #[derive(Deserialize)]
 struct Version {
@@ -31,18 +34,18 @@ pub fn read(path: &Path) -> Result<Comparison, Invalid> {
     serde_json::from_slice(&text).map_err(|e| refuse(format!("is damaged: {e}")))
 }
 
-/// Refuses a baseline that lies in the folder of the report to be made: it would be overwritten, and figures that are taken
-/// up from that folder would be compared with themselves.
+/// Refuses a baseline that is the `results.json` of the report to be made: it would be overwritten, and figures that are
+/// taken up from that folder would be compared with themselves. Other files there stay as they are.
 ///
 /// # Errors
-/// When it lies there.
+/// When it is that file.
 pub fn apart(baseline: &Path, report: &Path) -> Result<(), Invalid> {
     // A folder that is yet to be made holds no baseline; links count as what they lead to.
     let real = |path: &Path| path.canonicalize().ok();
-    match (real(baseline), real(report)) {
-        (Some(file), Some(folder)) if file.parent() == Some(&folder) => {
+    match (real(baseline), real(&report.join(RESULTS))) {
+        (Some(file), Some(results)) if file == results => {
             let what = format!("baseline `{}`", baseline.display());
-            let why = "lies in the folder that the report is written to, and would be overwritten";
+            let why = "is what the report is written to, and would be overwritten";
             Err(Invalid::new(what, why, "copy it elsewhere, or give another folder with --out"))
         }
         _ => Ok(()),
@@ -69,5 +72,15 @@ mod tests {
         let refused = |from: &str| apart(&report.join("results.json"), &dir.path().join(from)).expect_err("refused");
         assert!(refused("report").to_string().contains("--out"));
         refused("empty/../report");
+        // A copy under another name stays as it is, wherever it lies; a link is what it leads to.
+        let kept = report.join("before.json");
+        fs::write(&kept, b"{}").expect("writable");
+        assert!(apart(&kept, &report).is_ok());
+        #[cfg(unix)]
+        {
+            let link = dir.path().join("link.json");
+            std::os::unix::fs::symlink(report.join("results.json"), &link).expect("writable");
+            assert!(apart(&link, &report).is_err());
+        }
     }
 }

@@ -21,7 +21,7 @@ pub use result::{
 pub use scene::SceneImages;
 pub(crate) use slug::slug;
 
-use crate::LabError;
+use crate::{LabError, report::FEW_SCENES};
 use std::sync::Arc;
 use umbrage_core::{Fit, ShadowTechnique};
 use umbrage_techniques::Settings;
@@ -44,10 +44,12 @@ pub fn compare(
     let tight = options.settings(Fit::Tight)?;
     on_event(Event::Started { scenes: inputs.len(), rows_per_scene: tight.len() * backends.playing.len() });
     let mut scenes = Vec::new();
+    // Not the report's own count, which may be greater: of fewer scenes it never writes more.
+    let heat = inputs.len() <= FEW_SCENES;
     for (index, input) in inputs.iter().enumerate() {
         on_event(Event::Scene { name: &input.scene.name, index });
         let settings = slug::with_slugs(&with_fit(&tight, input.fit, options)?);
-        let (result, images) = scene::run(input, &settings, options, backends, on_event)?;
+        let (result, images) = scene::run(input, &settings, options, heat, backends, on_event)?;
         on_event(Event::SceneDone { result: &result });
         sink(&result, &images)?;
         scenes.push(result);

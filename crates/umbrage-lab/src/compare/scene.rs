@@ -34,7 +34,8 @@ pub struct SceneImages {
     pub masks: Vec<Option<Vec<f32>>>,
     /// Shaded pictures, PNG, one a row; none where a row isn't measured or colours weren't asked for.
     pub colors: Vec<Option<Vec<u8>>>,
-    /// Where maps are looked up, one a row; none where a row isn't measured or has no map.
+    /// Where maps are looked up, one a row; none where a row isn't measured or has no map, and none of comparisons of more
+    /// than three scenes, whose reports have no room for them.
     pub lookups: Vec<Option<Arc<Heat>>>,
 }
 
@@ -52,11 +53,12 @@ impl<'a> View3<'a> {
     }
 }
 
-/// Truth and all rows of a scene.
+/// Truth and all rows of a scene; with `heat`, where each row's maps are looked up.
 pub(super) fn run(
     input: &SceneInput,
     settings: &[Setting],
     options: &Options,
+    heat: bool,
     backends: &mut Backends,
     on_event: &OnEvent<'_>,
 ) -> Result<(SceneResult, SceneImages), LabError> {
@@ -74,6 +76,7 @@ pub(super) fn run(
         reference: Reference::new(truth.size, &truth.visibility, &truth.pixels)?,
         image: truth.image()?,
         options,
+        heat,
         rows: Vec::new(),
         masks: Vec::new(),
         controls: Vec::new(),
@@ -136,6 +139,8 @@ struct SceneRun<'a> {
     reference: Reference<'a>,
     image: TruthImage<'a>,
     options: &'a Options,
+    /// Whether to keep where maps are looked up.
+    heat: bool,
     rows: Vec<Row>,
     masks: Vec<Option<Vec<f32>>>,
     controls: Vec<super::Control>,
@@ -219,7 +224,8 @@ impl SceneRun<'_> {
             return Some(known.found.clone());
         }
         let footprint = footprint::measure(&self.view.core().with_receivers(receivers), recipe, receivers, reach);
-        let found = (footprint.total, footprint.heat(HEAT_SIDE).map(Arc::new));
+        let heat = if self.heat { footprint.heat(HEAT_SIDE) } else { None };
+        let found = (footprint.total, heat.map(Arc::new));
         if !varies {
             self.looked_up.push(LookedUp { maps, reach, found: found.clone() });
         }

@@ -58,6 +58,17 @@ fn rows_tell_errors_times_and_agreement() {
 /// The figures of rows are those of the measure asked by hand, on every backend; where nothing is looked up, there are none.
 #[test]
 fn rows_tell_how_maps_are_used() {
+    /// Technique, what its settings begin with, and how many texels its lookups go beyond the point; none without a map. A
+    /// kernel that is as wide as its penumbra has the least here, and says each receiver's itself.
+    const REACHES: [(&str, &str, Option<f32>); 7] = [
+        ("hard", "", Some(0.0)),
+        ("pcf", "3x3", Some(1.0)),
+        ("pcf", "5x5", Some(2.0)),
+        ("pcf", "7x7", Some(3.0)),
+        ("pcss", "", Some(0.0)),
+        ("traced", "", None),
+        ("volumes", "", None),
+    ];
     let options = quick(&["hard", "pcf", "pcss", "traced", "volumes"]);
     // On maps by hand, kernels of any reach share one light space.
     let input = SceneInput { fit: Some(umbrage_scenes::TEXTBOOK_FIT), ..input("cubes") };
@@ -72,12 +83,8 @@ fn rows_tell_how_maps_are_used() {
     let tight = options.settings(Fit::Tight).expect("known");
     for technique in with_fit(&tight, input.fit, &options).expect("known") {
         let settings = technique.settings();
-        // Kernels with one reach are told apart by their names; the others say it themselves.
-        let reach = match (technique.name(), settings.get(..1)) {
-            ("hard" | "pcss", _) => Some(0.0),
-            ("pcf", Some(side)) => side.parse::<f32>().ok().map(|side| (side - 1.0) / 2.0),
-            _ => None,
-        };
+        let known = REACHES.iter().find(|(name, begins, _)| *name == technique.name() && settings.starts_with(begins));
+        let reach = known.unwrap_or_else(|| panic!("{}, {settings}: no known reach", technique.name())).2;
         let recipe = technique.plan(&view).expect("supported");
         let [right, wrong] = [&receivers, &spoilt].map(|r| reach.map(|reach| measure(&view, &recipe, r, reach).total));
         let rows: Vec<_> = comparison.scenes[0].rows.iter().filter(|r| r.settings == settings).collect();
@@ -201,6 +208,23 @@ fn images_come_with_every_row() {
     };
     compare(&[input("cubes"), input("figure")], &quick(&["pcf"]), &mut cpu, sink, &|_| ()).expect("valid");
     assert_eq!(seen, 2);
+}
+
+/// What no report writes isn't kept.
+#[test]
+fn only_few_scenes_keep_where_maps_are_looked_up() {
+    let kept = |scenes: usize| {
+        let (mut cpu, mut kept) = (Backends::of(vec![Box::new(Cpu::new())]), 0);
+        let sink = &mut |r: &SceneResult, images: &SceneImages| {
+            assert!(r.rows.iter().all(|row| row.measured().is_some_and(|m| m.maps.is_some())), "figures are for all");
+            kept += images.lookups.iter().flatten().count();
+            Ok(())
+        };
+        compare(&vec![input("cubes"); scenes], &quick(&["hard"]), &mut cpu, sink, &|_| ()).expect("valid");
+        kept
+    };
+    assert!(kept(3) >= 3);
+    assert_eq!(kept(4), 0);
 }
 
 #[test]

@@ -18,8 +18,8 @@ use umbrage_core::{
     math::transform,
 };
 
-/// The share of receivers of which [`MapUse::texels`] and [`MapUse::side`] speak: a few see the light at a glance, and no
-/// map is fine enough for them.
+/// The share of receivers that face the light of which [`MapUse::texels`] and [`MapUse::side`] speak: the light grazes a few,
+/// and no map is fine enough for them.
 pub const QUANTILE: f32 = 0.9;
 
 /// The use of a recipe's maps.
@@ -48,12 +48,28 @@ pub struct MapUse {
 impl MapUse {
     /// For people, in one line.
     pub fn words(&self) -> String {
-        let unused = format!("{:.0} % of the map's texels never looked up", 100.0 * self.unused);
-        let fine = self.texels.zip(self.side).map(|(texels, side)| {
-            format!("; 9 in 10 pixels span at least {texels:.2} texels: a side of {side} would give them 1")
-        });
-        unused + &fine.unwrap_or_default()
+        words(&[*self]).unwrap_or_default()
     }
+}
+
+/// The use of one map, or from the least to the most of several, for people, in one line; none of no maps.
+pub fn words(maps: &[MapUse]) -> Option<String> {
+    let unused = range(maps.iter().map(|m| 100.0 * m.unused), 0)?;
+    let texels = range(maps.iter().filter_map(|m| m.texels.map(f64::from)), 2);
+    let sides = range(maps.iter().filter_map(|m| m.side.map(f64::from)), 0);
+    let fine = texels.zip(sides).map(|(texels, sides)| {
+        let tenths = 10.0 * QUANTILE;
+        format!(
+            "; {tenths:.0} in 10 pixels that face the light span at least {texels} texels: a side of {sides} would give them 1"
+        )
+    });
+    Some(format!("{unused} % of the map's texels never looked up{}", fine.unwrap_or_default()))
+}
+
+/// The least and the greatest figure, or the one that both round to; none of none.
+fn range(figures: impl Iterator<Item = f64> + Clone, digits: usize) -> Option<String> {
+    let [least, most] = [figures.clone().reduce(f64::min)?, figures.reduce(f64::max)?].map(|f| format!("{f:.digits$}"));
+    Some(if least == most { most } else { format!("{least} to {most}") })
 }
 
 /// The use of one layer of a map.

@@ -165,3 +165,17 @@ fn pictures_show_what_is_unused() {
     assert_eq!(grey, (SIDE * SIDE) as usize - 38 * 38);
     assert_eq!(image.get_pixel(32, 32).0, [255, 255, 255]);
 }
+
+/// One map's figures, and several maps' from the least to the most; what all share is said once.
+#[test]
+fn several_maps_are_told_by_their_ranges() {
+    let map = |unused, texels, side| MapUse { unused, texels, side, ..MapUse::default() };
+    let (coarse, fine) = (map(0.2, Some(0.5), Some(512)), map(0.4, Some(2.0), Some(512)));
+    let one = "20 % of the map's texels never looked up; 9 in 10 pixels that face the light span at least 0.50 texels: a side \
+               of 512 would give them 1";
+    assert_eq!(coarse.words(), one);
+    assert_eq!(words(&[coarse]).as_deref(), Some(one));
+    let both = words(&[fine, coarse, map(0.3, None, None)]).expect("some maps");
+    assert!(both.starts_with("20 to 40 % of") && both.contains("0.50 to 2.00 texels: a side of 512 would"), "{both}");
+    assert_eq!(words(&[]), None);
+}

@@ -6,8 +6,9 @@
 //! * `rows.csv`: one [`Line`] a row. `overall.csv`: one line a setting over all scenes. `results.json`: the [`Comparison`]
 //!   as it is.
 //! * `<scene>/truth.png`, `<scene>/<technique>.<backend>.png` and `.error.png`, with colours `.color.png`, of the Pareto
-//!   fronts, each technique's best, and faults; of comparisons of three scenes or fewer, of all rows, and there `.lookups.png`: where the maps are looked up. On request NumPy arrays, float32, H x W, row 0 on top, -1 where the camera
-//!   hits nothing: `<scene>/truth.npy`, `t.npy` (distance along the unit camera ray), `ambiguous.npy`,
+//!   fronts, each technique's best, and faults; of comparisons of three scenes or fewer, of all rows, and there
+//!   `.lookups.png`: where the maps are looked up. On request NumPy arrays, float32, H x W, row 0 on top, -1 where the
+//!   camera hits nothing: `<scene>/truth.npy`, `t.npy` (distance along the unit camera ray), `ambiguous.npy`,
 //!   `<technique>.<backend>.npy`. Where a technique has several settings, they are part of the name.
 //! * `<scene>/scene.json`: the scene's figures, for a run that goes on where another was stopped, and for [`merge`].
 //! * `run.json`: which scenes belong to the folder's last run. Folders of other runs' scenes are left alone and ignored.
@@ -132,7 +133,7 @@ impl Report {
 }
 
 /// Of so many scenes, every row gets its pictures: whoever names a scene wants to see it.
-const FEW_SCENES: usize = 3;
+pub(crate) const FEW_SCENES: usize = 3;
 
 /// Writes the pictures of a row, if it was measured.
 fn row_pictures(folder: &Folder, result: &SceneResult, images: &SceneImages, row: usize) -> Result<(), LabError> {

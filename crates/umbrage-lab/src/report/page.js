@@ -209,7 +209,7 @@ function figures(m) {
   term(list, "memory", bytes(m.bytes));
   if (m.maps) {
     term(list, "texels never looked up", `${(100 * m.maps.unused).toFixed(0)} %`);
-    // Of the pixels that see the light, nine in ten: the rest graze it, and no map is fine enough for them.
+    // Of the pixels that face the light, nine in ten: the rest graze it, and no map is fine enough for them.
     if (m.maps.texels !== null) term(list, "texels a pixel, 9 in 10", `≥ ${number(m.maps.texels, 2)}`);
     if (m.maps.side !== null) term(list, "side for 1 texel a pixel", m.maps.side.toLocaleString("en"));
   }

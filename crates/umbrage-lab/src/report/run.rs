@@ -2,12 +2,13 @@
 
 use super::{
     files::Folder,
-    store::{Plan, Stored},
+    store::{self, Plan, Stored},
 };
 use crate::LabError;
 use serde::{Deserialize, Serialize};
 use std::{
     fs,
+    io::ErrorKind,
     path::{Path, PathBuf},
 };
 use umbrage_core::Invalid;
@@ -22,6 +23,12 @@ pub(super) struct Run {
     pub(super) places: Vec<usize>,
 }
 
+/// Whether a folder has scenes in it, as those have that versions without a [`FILE`] wrote.
+fn holds_scenes(folder: &Path) -> bool {
+    let inside = fs::read_dir(folder).into_iter().flatten().flatten();
+    inside.into_iter().any(|entry| entry.path().join(store::FILE).is_file())
+}
+
 impl Run {
     pub(super) fn write(&self, folder: &Folder) -> Result<(), LabError> {
         let broken = |e: serde_json::Error| LabError::Write { path: FILE.into(), source: e.into() };
@@ -32,7 +39,14 @@ impl Run {
         let refuse = |why: String| {
             Invalid::new(format!("folder `{}`", folder.display()), why, "give folders that `compare --shard` wrote")
         };
-        let bytes = fs::read(folder.join(FILE)).map_err(|e| refuse(format!("holds no scenes ({FILE}: {e})")))?;
+        let bytes = fs::read(folder.join(FILE)).map_err(|e| match e.kind() {
+            ErrorKind::NotFound if holds_scenes(folder) => Invalid::new(
+                format!("folder `{}`", folder.display()),
+                format!("was not written by this version: it has no {FILE}"),
+                "measure it again with `compare --shard`",
+            ),
+            _ => refuse(format!("holds no scenes ({FILE}: {e})")),
+        })?;
         serde_json::from_slice(&bytes).map_err(|e| refuse(format!("has a damaged {FILE}: {e}")))
     }
 

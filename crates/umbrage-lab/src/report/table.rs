@@ -76,7 +76,7 @@ pub struct Line {
     pub texels_median: Option<f32>,
     /// The most.
     pub texels_greatest: Option<f32>,
-    /// What nine in ten pixels span at least: [`MapUse::texels`](crate::footprint::MapUse::texels).
+    /// What nine in ten pixels that face the light span at least: [`MapUse::texels`](crate::footprint::MapUse::texels).
     pub texels_of_nine_in_ten: Option<f32>,
     /// The side on which that is one texel: [`MapUse::side`](crate::footprint::MapUse::side).
     pub map_side_needed: Option<u32>,

@@ -152,7 +152,9 @@ fn how_maps_are_used_is_told() {
         (Some(0.5), Some(4.5), Some(0.75))
     );
     let hover = chart::traces(&chart::dots(&comparison.scenes[0], Clock::Wall)).to_string();
-    assert!(hover.contains("84 % of the map's texels never looked up; 9 in 10 pixels span at least 0.75 texels"));
+    assert!(hover.contains(
+        "84 % of the map's texels never looked up; 9 in 10 pixels that face the light span at least 0.75 texels"
+    ));
     let without = MapUse { texels: None, ..MapUse::default() };
     assert_eq!(without.words(), "0 % of the map's texels never looked up");
 }
@@ -233,6 +235,10 @@ fn shards_that_do_not_belong_together_are_refused() {
     let empty = dir.path().join("empty");
     fs::create_dir(&empty).expect("writable");
     assert!(refused(&[&empty]).contains("no scenes"));
+    // Folders from before `run.json` have scenes, and none of them is known to be of the last run.
+    fs::remove_file(a.join("run.json")).expect("there");
+    let old = refused(&[&a, &b]);
+    assert!(old.contains("was not written by this version") && old.contains("measure it again"), "{old}");
 }
 
 /// Folders that were used before, for another comparison and with another number of shards.

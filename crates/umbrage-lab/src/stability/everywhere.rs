@@ -1,4 +1,4 @@
-//! One recipe on every backend: figures are the first's, the others must agree with it.
+//! One recipe on every backend: figures are the first's, the others must agree with it where they serve the recipe.
 
 use super::guard::{self, NoMask};
 use crate::compare::agreement;
@@ -8,11 +8,11 @@ use umbrage_core::{Backend, Recipe, Shadows, View};
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Played {
     pub(super) mask: Vec<f32>,
-    /// On how many decided pixels the others differ from it; none with a single backend.
+    /// On how many decided pixels the others differ from it; none if no other serves the recipe.
     pub(super) disagreeing: Option<u64>,
 }
 
-/// Plays a recipe on each of these backends.
+/// Plays a recipe on each of these backends. What the first doesn't serve has no figure; others that don't are left out.
 pub(super) fn render(playing: &mut [Box<dyn Backend>], view: &View<'_>, recipe: &Recipe) -> Result<Played, NoMask> {
     let [first, others @ ..] = playing else {
         return Err(NoMask::Unsupported("there is no backend".to_owned()));
@@ -20,7 +20,10 @@ pub(super) fn render(playing: &mut [Box<dyn Backend>], view: &View<'_>, recipe: 
     let shadows = guard::render(&mut **first, view, recipe)?;
     let mut disagreeing = None;
     for other in others {
-        let of_other = guard::render(&mut **other, view, recipe)?;
+        let of_other = match guard::render(&mut **other, view, recipe) {
+            Err(NoMask::Unsupported(_)) => continue,
+            rendered => rendered?,
+        };
         disagreeing = sum(disagreeing, Some(differing(&mut **first, view, recipe, [&shadows, &of_other])?));
     }
     Ok(Played { mask: shadows.mask, disagreeing })

@@ -129,7 +129,7 @@ impl Measure {
             Self::Fill => "passes up to four pictures' worth of fragments; fails above sixteen",
             Self::Shimmer => "a mean change by a step of 255 a frame; fails at four",
             Self::ChangeError => {
-                "a mean change by a step of 255 a frame, more or less than truth's; fails at four, or near no movement"
+                "in blocks of 16 x 16 pixels, a mean change by a step of 255 a frame more or less than truth's; fails at four, or near no movement"
             }
         }
     }

@@ -94,7 +94,7 @@ impl<'a> Moving<'a> {
     /// How much the masks of its frames, at the first one's receivers, change though they should not.
     pub fn figure(&self, measure: Measure, masks: &[Vec<f32>]) -> f64 {
         match measure {
-            Measure::ChangeError => change_error(masks, &self.truth, &self.marked),
+            Measure::ChangeError => change_error(masks, &self.truth, &self.marked, self.ground.truth.size.x as usize),
             _ => shimmer(masks, &self.truth, &self.marked),
         }
     }

@@ -14,7 +14,7 @@ use std::{
         atomic::{AtomicU32, Ordering},
     },
 };
-use umbrage_core::{Backend, Fit, ShadowTechnique, Shadows, View};
+use umbrage_core::{Backend, BackendError, Fit, Invalid, Recipe, ShadowTechnique, Shadows, View};
 use umbrage_cpu::Cpu;
 use umbrage_techniques::{Bias, Hard, Pcss, Planar, SecondDepth, ShadowMap, ShadowVolumes, Traced};
 
@@ -266,6 +266,50 @@ fn moving_rows_play_their_first_and_last_frame_on_every_backend() {
         assert!(disagreeing == Some(1) && faults.len() == 1, "frame {k} of 2: {faults:?}");
         assert!(faults[0].contains("backends differ on 1 decided pixels"), "{faults:?}");
     }
+}
+
+/// Holds nothing.
+#[derive(Debug)]
+struct Tiny;
+
+impl Backend for Tiny {
+    fn name(&self) -> &str {
+        "tiny"
+    }
+
+    fn kind(&self) -> &'static str {
+        "tiny"
+    }
+
+    fn render(&mut self, _: &View<'_>, _: &Recipe) -> Result<Shadows, BackendError> {
+        Err(Invalid::new("map", "is larger than this backend holds", "make it smaller").into())
+    }
+}
+
+/// What another backend can't hold takes no figure from the first one, and no check from the rest.
+#[test]
+fn backends_that_serve_nothing_are_left_out() {
+    let played = |rows: &[&str], playing: Vec<Box<dyn Backend>>| {
+        let [rows, techniques] = [rows, &["hard"]].map(|names| names.iter().map(|n| (*n).to_owned()).collect());
+        let options = Options { rows, techniques, ..small() };
+        run(&options, &mut Backends::of(playing), &mut |_| {}).expect("plays").cases
+    };
+    let cpu = || Box::new(Cpu::new()) as Box<dyn Backend>;
+    let cheat = || Box::new(Cheat::new(darken_one)) as Box<dyn Backend>;
+    let cells = |playing| -> Vec<Cell> {
+        played(&["fence-pan", "thin-plate"], playing).into_iter().flat_map(|case| case.cells).collect()
+    };
+    let alone = cells(vec![cpu()]);
+    assert!(alone.iter().filter(|cell| cell.figure().is_some()).count() > 2, "{alone:?}");
+    let outcomes = |cells: &[Cell]| cells.iter().map(|c| (c.outcome.clone(), c.disagreeing)).collect::<Vec<_>>();
+    assert_eq!(outcomes(&cells(vec![cpu(), Box::new(Tiny)])), outcomes(&alone));
+    let checked = cells(vec![cpu(), Box::new(Tiny), cheat()]);
+    for (cell, alone) in checked.iter().zip(&alone) {
+        assert_eq!(cell.figure(), alone.figure());
+        assert_eq!(cell.disagreeing.is_some_and(|n| n > 0), cell.figure().is_some(), "{cell:?}");
+    }
+    // Figures are the first's: without it there are none.
+    assert!(cells(vec![Box::new(Tiny), cpu()]).iter().all(|cell| cell.figure().is_none()));
 }
 
 /// Where the light stands still, truth at points that stay doesn't change at all: whatever a mask changes is its own. Where

@@ -1,5 +1,7 @@
 //! Shimmer: what changes from frame to frame though it should not, and what stays though it should change.
 
+use std::collections::BTreeMap;
+
 /// Mean of |V_t - V_(t-1)| over all pairs of neighbouring frames and all marked points, 0..=1. Each frame holds the
 /// visibility of the same world-locked points.
 pub fn change(frames: &[Vec<f32>], marked: &[bool]) -> f64 {
@@ -11,11 +13,41 @@ pub fn shimmer(frames: &[Vec<f32>], truth: &[Vec<f32>], marked: &[bool]) -> f64 
     change(frames, marked) - change(truth, marked)
 }
 
-/// How far a method's change is from truth's, either way: the mean, over all pairs of neighbouring frames, of the absolute
-/// difference of their mean changes, 0..=1. A shadow that stands still while truth's moves is as wrong as one that crawls.
-pub fn change_error(frames: &[Vec<f32>], truth: &[Vec<f32>], marked: &[bool]) -> f64 {
-    let pairs = steps(frames, marked).into_iter().zip(steps(truth, marked));
-    mean(&pairs.map(|(a, b)| (a - b).abs()).collect::<Vec<_>>())
+/// Side of the blocks of pixels in which [`change_error`] compares changes: wide beside the steps of texels and the noise of
+/// edges, which cancel within a block, and small beside the picture, so that crawl here can't make up for rest there.
+pub const BLOCK: usize = 16;
+
+/// How far a method's change is from truth's: in each block of [`BLOCK`] x [`BLOCK`] pixels what brightens and what darkens
+/// from a frame to the next is added up, each apart, for the method and for truth. The sum of the absolute differences, a
+/// marked point and a pair of frames: 0..=2. A shadow that stands still while truth's moves is as wrong as one that crawls,
+/// and one that runs backwards is wrong twice. Points are the pixels of a picture `width` wide, rows from the top.
+pub fn change_error(frames: &[Vec<f32>], truth: &[Vec<f32>], marked: &[bool], width: usize) -> f64 {
+    let blocks = blocks(marked, width);
+    let count = blocks.iter().map(Vec::len).sum::<usize>().max(1) as f64;
+    let apart = |(ours, theirs): (&[Vec<f32>; 2], &[Vec<f32>; 2])| {
+        let of = |points: &Vec<usize>| {
+            let ([lit, darkened], [truly_lit, truly_darkened]) = (turned(ours, points), turned(theirs, points));
+            (lit - truly_lit).abs() + (darkened - truly_darkened).abs()
+        };
+        blocks.iter().map(of).sum::<f64>() / count
+    };
+    mean(&frames.array_windows().zip(truth.array_windows()).map(apart).collect::<Vec<_>>())
+}
+
+/// The marked points of each block that has some.
+fn blocks(marked: &[bool], width: usize) -> Vec<Vec<usize>> {
+    let width = width.max(1);
+    let mut blocks = BTreeMap::<[usize; 2], Vec<usize>>::new();
+    for i in (0..marked.len()).filter(|&i| marked[i]) {
+        blocks.entry([i / width / BLOCK, i % width / BLOCK]).or_default().push(i);
+    }
+    blocks.into_values().collect()
+}
+
+/// By how much points brighten and by how much they darken from one frame to the next, in all.
+fn turned([before, after]: &[Vec<f32>; 2], points: &[usize]) -> [f64; 2] {
+    let steps = points.iter().map(|&i| f64::from(after[i] - before[i]));
+    steps.fold([0.0; 2], |[lit, darkened], step| [lit + step.max(0.0), darkened - step.min(0.0)])
 }
 
 /// The mean of |V_t - V_(t-1)| over all marked points, for each pair of neighbouring frames.
@@ -52,15 +84,45 @@ mod tests {
     fn standing_still_is_as_wrong_as_crawling() {
         let still = vec![vec![0.0, 1.0]; 3];
         let moving = vec![vec![0.0, 1.0], vec![0.0, 0.5], vec![0.5, 0.5]];
+        let error =
+            |frames: &[Vec<f32>], truth: &[Vec<f32>], marked: [bool; 2]| change_error(frames, truth, &marked, 2);
         let all = [true; 2];
-        assert_eq!(change_error(&moving, &moving, &all), 0.0);
-        assert_eq!(change_error(&still, &moving, &all), 0.25);
-        assert_eq!(change_error(&moving, &still, &all), 0.25);
+        assert_eq!(error(&moving, &moving, all), 0.0);
+        assert_eq!(error(&still, &moving, all), 0.25);
+        assert_eq!(error(&moving, &still, all), 0.25);
         // A jump doesn't make up for a rest: frame by frame both are wrong, though they change as much in all.
         let jumping = vec![vec![0.0, 1.0], vec![0.0, 1.0], vec![0.5, 0.5]];
         assert_eq!(change(&jumping, &all), change(&moving, &all));
-        assert_eq!(change_error(&jumping, &moving, &all), 0.25);
-        assert_eq!(change_error(&still, &moving, &[true, false]), 0.25);
-        assert_eq!(change_error(&still, &moving, &[false; 2]), 0.0);
+        assert_eq!(error(&jumping, &moving, all), 0.25);
+        assert_eq!(error(&still, &moving, [true, false]), 0.25);
+        assert_eq!(error(&still, &moving, [false; 2]), 0.0);
+    }
+
+    /// A picture of two blocks beside one another and two below them, with two points in each corner.
+    fn picture(set: [(usize, usize, f32); 2]) -> Vec<f32> {
+        let mut out = vec![0.5; 4 * BLOCK * BLOCK];
+        set.into_iter().for_each(|(x, y, v)| out[y * 2 * BLOCK + x] = v);
+        out
+    }
+
+    #[test]
+    fn crawl_in_one_place_does_not_pay_for_rest_in_another() {
+        let (near, far) = ([0, 1], 2 * BLOCK - 1);
+        let error = |mask: [Vec<f32>; 2], truth: [Vec<f32>; 2]| {
+            change_error(&mask, &truth, &vec![true; 4 * BLOCK * BLOCK], 2 * BLOCK) * (4 * BLOCK * BLOCK) as f64
+        };
+        // Truth darkens one corner's point; the mask brightens that of the corner beside it, of that below, or darkens it.
+        for (x, y) in [(far, 0), (0, far), (far, far)] {
+            let truth = [[0.0, 1.0], [0.0, 0.0]].map(|[a, b]| picture([(0, 0, b), (x, y, a)]));
+            let lit = [[0.0, 1.0], [1.0, 1.0]].map(|[a, b]| picture([(0, 0, b), (x, y, a)]));
+            assert_eq!(error(lit, truth.clone()), 2.0);
+            let darkened = [1.0, 0.0].map(|v| picture([(0, 0, 1.0), (x, y, v)]));
+            assert_eq!(error(darkened, truth), 2.0);
+        }
+        // Within a block a pixel more or less of an edge is noise, but no shadow runs backwards.
+        let at = |x: usize, [from, to]: [f32; 2]| [from, to].map(|v| picture([(x, 0, v), (far, far, 0.0)]));
+        let truth = at(near[0], [1.0, 0.0]);
+        assert_eq!(error(at(near[1], [1.0, 0.0]), truth.clone()), 0.0);
+        assert_eq!(error(at(near[0], [0.0, 1.0]), truth), 2.0);
     }
 }
