@@ -10,7 +10,7 @@ use super::{
 use crate::{LabError, cost::CostModel};
 use std::collections::HashMap;
 use umbrage_core::{BackendError, PlanError};
-use umbrage_techniques::Preset;
+use umbrage_techniques::{Preset, ShadowMap};
 
 /// All that was tried.
 pub(super) struct Trial<'a> {
@@ -56,6 +56,18 @@ impl<'a> Trial<'a> {
         let mut all: Vec<&Setting> = self.tried.values().flatten().collect();
         all.sort_by(|a, b| (a.milliseconds.total_cmp(&b.milliseconds)).then_with(|| a.settings.cmp(&b.settings)));
         all
+    }
+
+    /// What was tried that differs from a setting in its bias alone, by rising error.
+    pub(super) fn alike(&self, setting: &Setting) -> Vec<Setting> {
+        let Some(map) = setting.preset.map() else { return Vec::new() };
+        let but_for_bias = |s: &&Setting| {
+            let own = s.preset.map().map(|own| ShadowMap { bias: map.bias, ..*own });
+            s.preset != setting.preset && own.is_some_and(|own| s.preset.with_map(own) == setting.preset)
+        };
+        let mut alike: Vec<Setting> = self.tried.values().flatten().filter(but_for_bias).cloned().collect();
+        alike.sort_by(|a, b| a.estimate.error.total_cmp(&b.estimate.error).then_with(|| a.settings.cmp(&b.settings)));
+        alike
     }
 
     /// What a preset costs; none if it isn't supported.
