@@ -147,12 +147,12 @@ impl ShadowMap {
     }
 
     /// The same map with the side that a view asks for: on it, for a share `quantile` (0..=1) of the `receivers` that
-    /// face the light, no texel is larger than a pixel, in whichever direction it is stretched (see
-    /// [`side_for`](umbrage_core::footprint::side_for)). More is finer than the screen shows; less shows texels as steps
-    /// along edges. 0.9 is a good quantile: near 1, a few receivers that the light grazes decide.
+    /// face the light, no texel is larger than a pixel, in whichever direction it is stretched (see [`side_for`]). More is
+    /// finer than the screen shows; less shows texels as steps along edges. 0.9 is a good quantile: near 1, a few receivers
+    /// that the light grazes decide.
     ///
-    /// `receivers` are what the view's camera sees. The side is a multiple of [`SIDE_STEP`]; where nothing
-    /// that is seen faces the light, it stays as it is.
+    /// `receivers` are what the view's camera sees. The side is a multiple of [`SIDE_STEP`]; where nothing that is seen faces
+    /// the light, it stays as it is.
     ///
     /// # Errors
     /// As [`ShadowMap::spaces`].
