@@ -145,6 +145,21 @@ fn second_looks_tell_of_whole_images() {
     assert!(compared > 40 && within * 5 >= compared * 4, "{within} of {compared}");
 }
 
+/// A second look that is taken again, even with the last of all seeds, says the same: it forgets nothing of the first sample.
+#[test]
+fn second_looks_can_be_repeated() {
+    with_planner("rising-boxes", |mut planner| {
+        planner.trial.verifier.seed = u32::MAX;
+        // Spoilt to be without a fault, as rare faults are.
+        let hard = planner.trial.play(&Preset::defaults()[1]).expect("plays").expect("supported");
+        let blind = Setting { estimate: Estimate::default(), ..hard };
+        let once = planner.trial.verify(&blind, Some(1e-3), &|_| {}).expect("plays");
+        assert!(once.estimate.error > 0.0);
+        let twice = planner.trial.verify(&once, Some(1e-3), &|_| {}).expect("plays");
+        assert_eq!(twice, once);
+    });
+}
+
 /// Without rays the first sample is all there is, and of what it finds nothing is forgotten.
 #[test]
 fn without_a_pilot_the_first_sample_must_do() {
@@ -157,6 +172,8 @@ fn without_a_pilot_the_first_sample_must_do() {
             assert!(first.estimate.error > 0.0);
             assert_eq!(again.estimate, first.estimate);
         }
+        // What was verified remembers its first estimate.
+        planner.trial.forget();
         let blind =
             Setting { estimate: Estimate::default(), ..planner.trial.play(&none).expect("plays").expect("supported") };
         let again = planner.trial.verify(&blind, None, &|_| {}).expect("plays").estimate;

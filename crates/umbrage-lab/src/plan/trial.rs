@@ -1,7 +1,7 @@
 //! Candidates tried on the sample, each once.
 
 use super::{
-    OnStep, Setting,
+    Estimate, OnStep, Setting,
     bias::{BiasKind, Scale, scales},
     families::Family,
     look::{Known, Look, Price},
@@ -20,6 +20,8 @@ pub(super) struct Trial<'a> {
     pub(super) cost: CostModel,
     /// By the preset's fields in words; none where it isn't supported.
     tried: HashMap<String, Option<Setting>>,
+    /// What the first sample said of those that were verified since.
+    firsts: HashMap<String, Estimate>,
     prices: HashMap<String, Option<Price>>,
 }
 
@@ -37,13 +39,14 @@ const OUT_OF_REACH_OF_OTHERS: f64 = 1.3;
 
 impl<'a> Trial<'a> {
     pub(super) fn new(look: Look<'a>, known: Known, verifier: Verifier, cost: CostModel) -> Self {
-        Self { look, known, verifier, cost, tried: HashMap::new(), prices: HashMap::new() }
+        Self { look, known, verifier, cost, tried: HashMap::new(), firsts: HashMap::new(), prices: HashMap::new() }
     }
 
     /// Forgets what was tried, as if truth were another.
     #[cfg(test)]
     pub(super) fn forget(&mut self) {
         self.tried.clear();
+        self.firsts.clear();
     }
 
     /// How many settings were played.
@@ -119,10 +122,12 @@ impl<'a> Trial<'a> {
         on_step: &OnStep<'_>,
     ) -> Result<Setting, LabError> {
         let recipe = self.look.recipe(&setting.preset)?;
-        let suspect = Suspect { recipe: &recipe, first: setting.estimate, bound };
+        let key = format!("{:?}", setting.preset);
+        let first = *self.firsts.entry(key.clone()).or_insert(setting.estimate);
+        let suspect = Suspect { recipe: &recipe, first, bound };
         let estimate = self.verifier.estimate(&mut self.look, &self.known, &suspect, on_step)?;
         let setting = Setting { estimate, ..setting.clone() };
-        self.tried.insert(format!("{:?}", setting.preset), Some(setting.clone()));
+        self.tried.insert(key, Some(setting.clone()));
         Ok(setting)
     }
 

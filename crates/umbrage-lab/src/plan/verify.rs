@@ -61,14 +61,14 @@ impl Verifier {
             false => shared(differences.map(f64::from).collect(), receives),
         };
         let mut found = suspect.first;
-        for (seed, times) in (self.seed..).zip(LOOKS) {
-            let drawn = Sample::draw(look.camera.size, &density, times * self.count, seed);
+        for (k, times) in (0..).zip(LOOKS) {
+            let drawn = Sample::draw(look.camera.size, &density, times * self.count, self.seed.wrapping_add(k));
             let is_all = drawn.chances.iter().all(|chance| *chance == 1.0);
             let (Known { sample, truth, .. }, there) = self.ask(look, drawn, &mask, on_step)?;
             found = if nowhere_else {
-                // Differences are at most 1, so their squares are no greater than they are.
                 let wrong = |k: &usize| truth[*k].visibility != there[*k];
                 let faults: f64 = (0..there.len()).filter(wrong).map(|k| 1.0 / sample.chances[k]).sum();
+                // Differences are at most 1, so their squares are no greater than they are.
                 let rays = f64::from(pilot.rays) * known.counted.most();
                 let unseen = if pilot.is_exact || rays == 0.0 { 0.0 } else { most(faults) / rays };
                 estimate_of_part(&sample, &truth, &there, known.counted, unseen)
