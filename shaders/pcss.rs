@@ -27,11 +27,10 @@
 //! [`Hard`](crate::Hard) does, and as every map: see [`shadow_map`](crate::shadow_map).
 //!
 //! Bias: taps wander far from the receiver, so anything constant is too little for wide lights or too much for narrow
-//! ones. [`Bias::RECEIVER_PLANE`](crate::Bias::RECEIVER_PLANE) compares each tap with the receiver's plane there, which is exact on planes of any width,
+//! ones. [`Bias::ADAPTIVE`](crate::Bias::ADAPTIVE) compares each tap with the receiver's plane there, which is exact on planes of any width,
 //! and is the default. Biases also shift z_r in the steps above, by themselves.
 
 use crate::{
-    Bias,
     batch::{BATCH, Batch, BatchTaps, look_up_span},
     light_extent::{self, LIGHT_EXTENT, LightExtent, light_axes},
     lookup::{Lookup, MapLookup, look_up},
@@ -69,7 +68,7 @@ pub struct Pcss {
 
 impl Default for Pcss {
     fn default() -> Self {
-        let map = ShadowMap { bias: Bias::RECEIVER_PLANE, ..ShadowMap::default() };
+        let map = ShadowMap::default();
         Self { map, blocker_taps: 16, filter_taps: 32, pattern: Pattern::Vogel, rotate: true }
     }
 }
@@ -96,7 +95,7 @@ impl ShadowTechnique for Pcss {
             turns: if self.rotate { TURNS - 1 } else { 0 },
         };
         let table = pattern.table.clone();
-        let mut recipe = self.map.maps(&spaces).recipe(PcssKernel { uniforms, pattern });
+        let mut recipe = self.map.maps(&spaces, 1.0).recipe(PcssKernel { uniforms, pattern });
         recipe.tables.push(table);
         recipe.receive.tables.push(0);
         Ok(recipe)

@@ -19,7 +19,7 @@ use umbrage_wgpu::Gpu;
 type Reaching = (Box<dyn ShadowTechnique>, f32);
 
 fn techniques() -> Vec<Reaching> {
-    let map = ShadowMap { size: 2048, bias: Bias::RECEIVER_PLANE, ..ShadowMap::default() };
+    let map = ShadowMap { size: 2048, bias: Bias::ADAPTIVE, ..ShadowMap::default() };
     let culled = ShadowMap { bias: Bias::FRONT_CULL, ..map };
     vec![
         (Box::new(Hard { map }), 0.0),

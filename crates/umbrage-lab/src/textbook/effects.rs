@@ -23,7 +23,7 @@ fn map(bias: Bias) -> ShadowMap {
 }
 
 /// Along the receiver's plane, with no more for rounding than 32-bit floats need.
-const FOR_FLOATS: Bias = Bias { constant: 1e-6, ..Bias::RECEIVER_PLANE };
+const FOR_FLOATS: Bias = Bias { constant: 1e-6, ..Bias::ADAPTIVE };
 
 /// Large enough texels to be seen.
 fn coarse() -> ShadowMap {
@@ -216,7 +216,7 @@ const ALL: &[Effect] = &[
         cure: Preset {
             label: "perspective, fitted",
             scene: cubes_under_spot,
-            technique: || hard(tight(1024, Bias::RECEIVER_PLANE)),
+            technique: || hard(tight(1024, Bias::ADAPTIVE)),
         },
         lowers_error: false,
     },
@@ -225,15 +225,11 @@ const ALL: &[Effect] = &[
         title: "One penumbra everywhere, and percentage-closer soft shadows",
         text: "A lamp with an extent throws shadows that are sharp where caster and receiver touch and soften with distance. A \
                fixed kernel has one width; PCSS first looks how far the blockers are.",
-        fault: Preset {
-            label: "5x5 comparisons",
-            scene: teapot,
-            technique: || pcf(tight(1024, Bias::RECEIVER_PLANE), 2),
-        },
+        fault: Preset { label: "5x5 comparisons", scene: teapot, technique: || pcf(tight(1024, Bias::ADAPTIVE), 2) },
         cure: Preset {
             label: "PCSS, 16 + 32 taps",
             scene: teapot,
-            technique: || Box::new(Pcss { map: tight(1024, Bias::RECEIVER_PLANE), ..Pcss::default() }),
+            technique: || Box::new(Pcss { map: tight(1024, Bias::ADAPTIVE), ..Pcss::default() }),
         },
         lowers_error: true,
     },
@@ -246,23 +242,15 @@ const ALL: &[Effect] = &[
             scene: room,
             technique: || hard(room_map(1024, Bias::NONE)),
         },
-        cure: Preset {
-            label: "cube, receiver plane",
-            scene: room,
-            technique: || hard(tight(1024, Bias::RECEIVER_PLANE)),
-        },
+        cure: Preset { label: "cube, receiver plane", scene: room, technique: || hard(tight(1024, Bias::ADAPTIVE)) },
         lowers_error: true,
     },
     Effect {
         name: "point-light-pcf",
         title: "A point light, filtered",
         text: "Each face of the cube is a little wider than 90 degrees, so a kernel never leaves its face and no seam shows.",
-        fault: Preset { label: "one comparison", scene: room, technique: || hard(room_map(256, Bias::RECEIVER_PLANE)) },
-        cure: Preset {
-            label: "3x3 comparisons",
-            scene: room,
-            technique: || pcf(room_map(256, Bias::RECEIVER_PLANE), 1),
-        },
+        fault: Preset { label: "one comparison", scene: room, technique: || hard(room_map(256, Bias::ADAPTIVE)) },
+        cure: Preset { label: "3x3 comparisons", scene: room, technique: || pcf(room_map(256, Bias::ADAPTIVE), 1) },
         lowers_error: false,
     },
     Effect {
@@ -318,8 +306,8 @@ const ALL: &[Effect] = &[
         title: "Normal mapping",
         text: "A texture of normals bends the light on a flat wall. Shadow lookups know nothing of it: their bias follows the \
                triangle's own normal, so the mask stays the same.",
-        fault: Preset { label: "flat", scene: smooth_wall, technique: || pcf(tight(1024, Bias::RECEIVER_PLANE), 1) },
-        cure: Preset { label: "normal map", scene: wall, technique: || pcf(tight(1024, Bias::RECEIVER_PLANE), 1) },
+        fault: Preset { label: "flat", scene: smooth_wall, technique: || pcf(tight(1024, Bias::ADAPTIVE), 1) },
+        cure: Preset { label: "normal map", scene: wall, technique: || pcf(tight(1024, Bias::ADAPTIVE), 1) },
         lowers_error: false,
     },
     Effect {
@@ -330,12 +318,12 @@ const ALL: &[Effect] = &[
         fault: Preset {
             label: "for the camera alone",
             scene: relief_of_the_camera_alone,
-            technique: || pcf(tight(2048, Bias::RECEIVER_PLANE), 1),
+            technique: || pcf(tight(2048, Bias::ADAPTIVE), 1),
         },
         cure: Preset {
             label: "for camera and light",
             scene: relief,
-            technique: || pcf(tight(2048, Bias::RECEIVER_PLANE), 1),
+            technique: || pcf(tight(2048, Bias::ADAPTIVE), 1),
         },
         lowers_error: false,
     },
