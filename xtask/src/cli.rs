@@ -1,9 +1,11 @@
 //! What can be typed.
 
+mod bias;
 mod merge;
 mod plan;
 mod stability;
 
+pub(crate) use bias::BiasOptions;
 pub(crate) use merge::{MergeOptions, Shard};
 #[cfg(feature = "measure")]
 pub(crate) use plan::PlanBackend;
@@ -36,6 +38,8 @@ pub(crate) enum Command {
     Stability(StabilityOptions),
     /// Find the least that a scene needs: the cheapest technique and setting within an error, time or memory
     Plan(PlanOptions),
+    /// Compare the default bias with the best that could be tuned by hand
+    Bias(BiasOptions),
     /// Join the reports of a comparison's shards
     Merge(MergeOptions),
     /// Run all tests, with a graphics adapter
