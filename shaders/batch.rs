@@ -213,6 +213,7 @@ mod tests {
             normal_offset,
             receiver_plane,
             deepest_tap: 1.0,
+            sample_gain: 1.0,
         }
     }
 

@@ -46,7 +46,7 @@ mod traced;
 mod unshadowed;
 mod volumes;
 
-pub use bias::Bias;
+pub use bias::{Bias, Footprint};
 pub use blinn_phong::{BlinnPhong, BlinnPhongKernel, BlinnPhongUniforms, Shading};
 pub use catalogue::{Entry, Settings, all, find};
 pub use hard::{Hard, HardKernel};

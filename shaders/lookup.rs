@@ -64,6 +64,9 @@ uniforms! {
         /// Clip depth down to which taps on the receiver's plane are compared where the receiver itself is nearer: 1, the far
         /// plane, or [`NEVER_DEEPER`].
         pub deepest_tap: f32,
+        /// Share of what the receiver's plane gains over a sample's four texels that is taken off the depth that the sample
+        /// compares: 1, or 0 where casters move away instead.
+        pub sample_gain: f32,
     }
 }
 
@@ -105,12 +108,19 @@ impl MapLookup {
             normal_offset: bias.normal_offset,
             receiver_plane: bias.plane_limit(),
             deepest_tap: if bias.adaptive { NEVER_DEEPER } else { 1.0 },
+            sample_gain: if bias.adaptive { 0.0 } else { 1.0 },
         }
     }
 
     /// The map for the Rust half.
     pub fn map<'a>(&self, image: &ImageView<'a>) -> DepthMap<'a> {
-        DepthMap { texels: image.texels, size: self.size as i32, packed: self.packed != 0, clamped: self.clamped != 0 }
+        DepthMap {
+            texels: image.texels,
+            size: self.size as i32,
+            packed: self.packed != 0,
+            clamped: self.clamped != 0,
+            sample_gain: self.sample_gain,
+        }
     }
 }
 
@@ -256,6 +266,8 @@ pub struct DepthMap<'a> {
     pub packed: bool,
     /// Whether its edge repeats.
     pub clamped: bool,
+    /// [`MapLookup::sample_gain`].
+    pub sample_gain: f32,
 }
 
 impl<'a> DepthMap<'a> {

@@ -18,6 +18,7 @@ struct MapLookup {
     normal_offset: f32,
     receiver_plane: f32,
     deepest_tap: f32,
+    sample_gain: f32,
 }
 
 struct Lookup {

@@ -32,6 +32,7 @@
 
 use crate::{
     batch::{BATCH, Batch, BatchTaps, look_up_span},
+    bias::Footprint,
     light_extent::{self, LIGHT_EXTENT, LightExtent, light_axes},
     lookup::{Lookup, MapLookup, look_up},
     pattern::{PATTERN, Pattern, PatternTable, TURNS, turned},
@@ -95,7 +96,8 @@ impl ShadowTechnique for Pcss {
             turns: if self.rotate { TURNS - 1 } else { 0 },
         };
         let table = pattern.table.clone();
-        let mut recipe = self.map.maps(&spaces, 1.0).recipe(PcssKernel { uniforms, pattern });
+        let mut recipe =
+            self.map.maps(&spaces, Footprint::Taps { reach: 1.0 }).recipe(PcssKernel { uniforms, pattern });
         recipe.tables.push(table);
         recipe.receive.tables.push(0);
         Ok(recipe)

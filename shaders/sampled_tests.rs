@@ -23,6 +23,7 @@ fn lookup(border: Border, receiver_plane: f32) -> MapLookup {
         normal_offset: 0.0,
         receiver_plane,
         deepest_tap: 1.0,
+        sample_gain: 1.0,
     }
 }
 
@@ -209,7 +210,7 @@ fn receiver_planes_are_free_of_acne() {
     assert!(acne(0.1, Vec3::Z).iter().all(|dark| *dark > points.len() / 2), "another plane must not do");
     let l =
         Lookup { texel: Vec2::new(9.9, 9.9), depth: depth(Vec2::new(9.9, 9.9)), gradient: slope, ..Lookup::default() };
-    let reference = sampling::reference_depth(l.depth, slope, 1.0, Vec2::ZERO);
+    let reference = sampling::reference_depth(l.depth, slope, 1.0, 1.0, Vec2::ZERO);
     let least = [(9.5, 9.5), (10.5, 9.5), (9.5, 10.5), (10.5, 10.5)].map(|(x, y)| depth(Vec2::new(x, y)));
     assert!(least.iter().all(|d| reference < *d) && least.iter().any(|d| l.depth > *d));
 }

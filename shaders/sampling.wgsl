@@ -1,7 +1,7 @@
 // Twin of sampling.rs: where samples of four texels lie, what they weigh, and which depth they compare.
 
-fn reference_depth(depth: f32, gradient: vec2f, deepest: f32, step: vec2f) -> f32 {
-    let gain = abs(gradient.x) + abs(gradient.y);
+fn reference_depth(depth: f32, gradient: vec2f, deepest: f32, share: f32, step: vec2f) -> f32 {
+    let gain = share * (abs(gradient.x) + abs(gradient.y));
     let moved = depth + gradient.x * step.x + gradient.y * step.y - gain;
     return min(moved, deepest);
 }

@@ -16,7 +16,7 @@
 //!   biases that follow the receiver closely ([`Bias::ADAPTIVE`]) show acne that flickers.
 //! * **16 bits** over a long range store depth in steps that show as acne under any bias that is right for 32.
 
-use crate::{Bias, lookup::MapLookup};
+use crate::{Bias, bias::Footprint, lookup::MapLookup};
 use glam::UVec2;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -164,15 +164,15 @@ impl ShadowMap {
     }
 
     /// The images, casts and filters that make the map: a recipe still without its lookup. The map to look up is the last
-    /// image: of depth, or `R32` ([`Surface::Midpoint`]), or `Rgba8` ([`MapFormat::Rgba8`]). `reach` is how far, in texels, the
-    /// kernel reaches beyond the receiver's own texel.
-    pub fn maps(&self, spaces: &LightSpaces, reach: f32) -> Maps {
+    /// image: of depth, or `R32` ([`Surface::Midpoint`]), or `Rgba8` ([`MapFormat::Rgba8`]). `footprint` is
+    /// what will look it up.
+    pub fn maps(&self, spaces: &LightSpaces, footprint: Footprint) -> Maps {
         let depth = if self.format == MapFormat::Depth16 { Format::Depth16 } else { Format::Depth32 };
         let mut maps = Maps::default();
         let nearest = maps.image(self.desc("shadow map", depth, spaces));
         // Peeling compares depths of one surface with itself, which a polygon offset would part.
         let peeled = self.surface == Surface::Midpoint;
-        let raster = if peeled { RasterBias::default() } else { self.bias.raster_for(reach) };
+        let raster = if peeled { RasterBias::default() } else { self.bias.raster_for(footprint) };
         self.cast(&mut maps, spaces, nearest, CastMode::Nearest, raster);
         if self.surface == Surface::Midpoint {
             let second = maps.image(self.desc("second depth", depth, spaces));
@@ -210,7 +210,9 @@ impl ShadowMap {
         kernel: impl FnOnce(MapLookup) -> K,
     ) -> Result<Recipe, PlanError> {
         let spaces = self.spaces(view, reach)?;
-        Ok(self.maps(&spaces, reach).recipe(kernel(MapLookup::new(self, view, &spaces))))
+        let kernel = kernel(MapLookup::new(self, view, &spaces));
+        let footprint = if kernel.compares() { Footprint::Samples } else { Footprint::Taps { reach } };
+        Ok(self.maps(&spaces, footprint).recipe(kernel))
     }
 
     fn validate(&self) -> Result<(), Invalid> {

@@ -4,6 +4,7 @@ mod agreement;
 mod causes;
 mod closed_form;
 mod closed_form_masks;
+mod convergence;
 mod culling;
 mod embedding;
 mod exact;
