@@ -9,6 +9,7 @@ mod embedding;
 mod exact;
 mod far_away;
 mod maps;
+mod not_finite;
 mod penumbra;
 mod pictures;
 mod plugin;
