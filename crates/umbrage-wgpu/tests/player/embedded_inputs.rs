@@ -70,6 +70,8 @@ fn ranges_end_with_the_last_position() {
         Drawable { layout: late, ..caster(0..3) },
         "caster 1, vertices: end at 3, and the buffer holds 2",
     );
+    #[expect(clippy::reversed_empty_ranges, reason = "that is what is refused")]
+    refused_caster(&e, caster(3..0), "caster 1, vertices: start at 3 and end at 0");
     let casters = [caster(0..3)];
     let mut renderer = e.renderer(Options::default());
     let frame = e.frame(&casters);
