@@ -138,7 +138,6 @@ impl ShadowMap {
     /// As [`Fit::light_spaces`]; and `Invalid` for bad parameters.
     pub fn spaces(&self, view: &View<'_>, reach: f32) -> Result<LightSpaces, PlanError> {
         self.validate()?;
-        view.light.validate()?;
         self.fit.light_spaces(self.layout, view, self.size, reach + self.bias.normal_offset.abs())
     }
 

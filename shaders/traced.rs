@@ -50,7 +50,7 @@ impl ShadowTechnique for Traced {
             let why = format!("are {}", self.samples);
             return Err(Invalid::new("traced samples", why, format!("use 1 to {MAX_SAMPLES}")).into());
         }
-        view.light.validate()?;
+        view.validate()?;
         let Some(geometry) = view.geometry else {
             return Err(PlanError::unsupported("rays need the scene's triangles, and this view has none"));
         };
