@@ -29,7 +29,7 @@ use rayon::prelude::*;
 use record::Record;
 use setup::{Group, SetupRules};
 use tile::{Tile, TileBuffer};
-use umbrage_core::{Cull, RasterBias, Simd, SimdTask};
+use umbrage_core::{Cull, RasterBias, Simd, SimdTask, Snapping};
 use viewport::Viewport;
 
 /// Triangles that one task sets up.
@@ -83,14 +83,22 @@ struct Worker {
 /// The rasteriser's working memory, kept between uses: one set of chunks is filled while the next is set up.
 #[derive(Debug, Default)]
 pub(crate) struct Rasterizer {
+    /// How vertices are rounded.
+    pub(crate) snapping: Snapping,
     filled: Vec<Worker>,
     set_up: Vec<Worker>,
 }
 
 impl Rasterizer {
+    /// Rounds vertices so.
+    pub(crate) fn new(snapping: Snapping) -> Self {
+        Self { snapping, ..Self::default() }
+    }
+
     /// Draws into the target.
     pub(crate) fn draw<P: Position>(&mut self, draw: &Draw<'_, P>, target: Target<'_>) {
         let (mode, simd, columns) = (draw.mode, draw.simd, target.width.div_ceil(TILE));
+        let snapping = self.snapping;
         let mut tiles = target.into_tiles(mode);
         let batch = self.prepare(draw.size);
         let mut ready = 0;
@@ -99,7 +107,7 @@ impl Rasterizer {
             let next = triangles.len().div_ceil(CHUNK);
             rayon::join(
                 || fill_tiles(&mut tiles, columns, &self.filled[..ready], simd, mode),
-                || set_up(&draw, &mut self.set_up[..next]),
+                || set_up(&draw, snapping, &mut self.set_up[..next]),
             );
             std::mem::swap(&mut self.filled, &mut self.set_up);
             ready = next;
@@ -128,11 +136,11 @@ impl Rasterizer {
 }
 
 /// Sets up a batch, one chunk a worker.
-fn set_up<P: Position>(draw: &Draw<'_, P>, workers: &mut [Worker]) {
+fn set_up<P: Position>(draw: &Draw<'_, P>, snapping: Snapping, workers: &mut [Worker]) {
     let parts = draw.triangles.par_chunks(CHUNK).zip(workers).enumerate();
     parts.for_each(|(k, (triangles, worker))| {
         let first_id = draw.first_id + (k * CHUNK) as u32;
-        draw.simd.run_task(SetUp { worker, draw: Draw { triangles, first_id, ..*draw } });
+        draw.simd.run_task(SetUp { worker, snapping, draw: Draw { triangles, first_id, ..*draw } });
     });
 }
 
@@ -157,6 +165,7 @@ fn fill_tiles(tiles: &mut [Tile<'_>], columns: usize, workers: &[Worker], simd: 
 /// Sets up one chunk.
 struct SetUp<'a, P> {
     worker: &'a mut Worker,
+    snapping: Snapping,
     draw: Draw<'a, P>,
 }
 
@@ -165,7 +174,7 @@ impl<P: Position> SimdTask for SetUp<'_, P> {
 
     #[inline(always)]
     fn run(self) {
-        self.worker.set_up(&self.draw);
+        self.worker.set_up(&self.draw, self.snapping);
     }
 }
 
@@ -214,9 +223,9 @@ impl FillTile<'_> {
 impl Worker {
     /// Transforms, clips, sets up and sorts a chunk of triangles.
     #[inline(always)]
-    fn set_up<P: Position>(&mut self, draw: &Draw<'_, P>) {
+    fn set_up<P: Position>(&mut self, draw: &Draw<'_, P>, snapping: Snapping) {
         let viewport = Viewport::new(draw.size);
-        let rules = SetupRules { size: draw.size, cull: draw.cull, bias: draw.bias, mode: draw.mode };
+        let rules = SetupRules { size: draw.size, cull: draw.cull, bias: draw.bias, mode: draw.mode, snapping };
         let first = self.transform(draw, &viewport);
         let mut group = Group::new();
         self.bins.clear(draw.size);

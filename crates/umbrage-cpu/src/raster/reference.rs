@@ -8,7 +8,7 @@ use super::{
     viewport::Viewport,
 };
 use glam::{IVec2, Vec3};
-use umbrage_core::{Cull, NO_TRIANGLE, RasterBias};
+use umbrage_core::{Cull, DepthPlanes, NO_TRIANGLE, RasterBias, Snapping};
 
 /// Texels and ids of an image.
 pub(crate) type Drawn = (Vec<f32>, Vec<u32>);
@@ -16,6 +16,11 @@ pub(crate) type Drawn = (Vec<f32>, Vec<u32>);
 /// What a clear image becomes when the triangles are drawn one after the other. `other` is the image that the mode
 /// reads.
 pub(crate) fn draw<P: Position>(draw: &Draw<'_, P>, other: &[f32]) -> Drawn {
+    draw_on(Snapping::default(), draw, other)
+}
+
+/// The same with vertices rounded so.
+pub(crate) fn draw_on<P: Position>(snapping: Snapping, draw: &Draw<'_, P>, other: &[f32]) -> Drawn {
     let n = (draw.size.x * draw.size.y) as usize;
     let start = if draw.mode == Mode::Count { 0.0 } else { 1.0 };
     let mut drawn = (vec![start; n], vec![NO_TRIANGLE; n]);
@@ -23,7 +28,7 @@ pub(crate) fn draw<P: Position>(draw: &Draw<'_, P>, other: &[f32]) -> Drawn {
     for (i, triangle) in draw.triangles.iter().enumerate() {
         let corners = triangle.map(|v| draw.positions[v as usize].to_clip(draw.clip_from_world));
         let codes = corners.map(outcode);
-        let mut piece = |window: [Vec3; 3]| fill(draw, window, draw.first_id + i as u32, other, &mut drawn);
+        let mut piece = |window: [Vec3; 3]| fill((draw, snapping), window, draw.first_id + i as u32, other, &mut drawn);
         if codes == [0; 3] {
             piece(corners.map(|c| viewport.project(c)));
         } else if codes[0] & codes[1] & codes[2] == 0 {
@@ -66,11 +71,27 @@ fn stored_steps(texel: f32) -> i64 {
     (f64::from(texel) * 65_535.0).round() as i64
 }
 
-fn fill<P>(draw: &Draw<'_, P>, window: [Vec3; 3], id: u32, other: &[f32], (texels, ids): &mut Drawn) {
+fn fill<P>(
+    (draw, snapping): (&Draw<'_, P>, Snapping),
+    window: [Vec3; 3],
+    id: u32,
+    other: &[f32],
+    (texels, ids): &mut Drawn,
+) {
+    let steps = 2.0_f32.powi(snapping.sub_pixel_bits as i32);
+    // In 256ths of a pixel, whatever the grid.
     let snapped = window.map(|v| {
-        let snap = |v: f32| ((v - 0.5) * 256.0).round_ties_even().clamp(-4_194_304.0, 4_194_304.0) as i32;
-        IVec2::new(snap(v.x), snap(v.y))
+        let snap = |v: f32| ((v - 0.5) * steps).round_ties_even() * (256.0 / steps);
+        let held = |v: f32| snap(v).clamp(-4_194_304.0, 4_194_304.0) as i32;
+        IVec2::new(held(v.x), held(v.y))
     });
+    let window = match snapping.planes {
+        DepthPlanes::Unsnapped => window,
+        DepthPlanes::Snapped => [0, 1, 2].map(|k| {
+            let on_grid = |v: f32| ((v - 0.5) * steps).round_ties_even() / steps + 0.5;
+            Vec3::new(on_grid(window[k].x), on_grid(window[k].y), window[k].z)
+        }),
+    };
     let [a, b, c] = snapped.map(|v| v.as_i64vec2());
     let area = (a.x - b.x) * (c.y - a.y) - (c.x - a.x) * (a.y - b.y);
     let culled = match draw.cull {
