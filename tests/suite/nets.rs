@@ -12,6 +12,7 @@ mod maps;
 mod penumbra;
 mod pictures;
 mod plugin;
+mod rasterisers;
 mod stable_fit;
 mod stages;
 mod threads;

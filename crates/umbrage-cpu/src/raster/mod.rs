@@ -15,6 +15,7 @@ mod setup;
 mod tests;
 mod tile;
 mod viewport;
+mod whole;
 
 pub(crate) use mode::Mode;
 pub(crate) use position::Position;
@@ -31,6 +32,7 @@ use setup::{Group, SetupRules};
 use tile::{Tile, TileBuffer};
 use umbrage_core::{Cull, RasterBias, Simd, SimdTask, Snapping};
 use viewport::Viewport;
+use whole::WholePlane;
 
 /// Triangles that one task sets up.
 const CHUNK: usize = 4096;
@@ -241,8 +243,16 @@ impl Worker {
                 group.push([a.window, b.window, c.window], id, &rules, &mut self.bins);
             } else if codes[0] & codes[1] & codes[2] == 0 {
                 let triangle = indices.map(|v| draw.positions[v as usize].to_clip(draw.clip_from_world));
-                let emit = |corners| group.push(corners, id, &rules, &mut self.bins);
-                clip(triangle, codes[0] | codes[1] | codes[2], &viewport, emit);
+                let mask = codes[0] | codes[1] | codes[2];
+                if let Some(plane) = WholePlane::new(triangle, &viewport, snapping) {
+                    group.flush(&rules, &mut self.bins);
+                    let emit = |piece: [Vec3; 3]| group.push(plane.place(piece), id, &rules, &mut self.bins);
+                    clip(triangle, mask, &viewport, emit);
+                    group.flush_pieces(plane.depth(), &rules, &mut self.bins);
+                } else {
+                    let emit = |piece| group.push(piece, id, &rules, &mut self.bins);
+                    clip(triangle, mask, &viewport, emit);
+                }
             }
         }
         group.flush(&rules, &mut self.bins);

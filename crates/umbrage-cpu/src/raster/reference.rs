@@ -1,11 +1,14 @@
 //! The rasterisation rules again, pixel by pixel and as plainly as can be: what the fast rasteriser is tested against.
-//! Only clipping is shared with it.
+//! Only clipping and the planes of clipped triangles are shared
+//! with it.
 
 use super::{
     Draw, Mode, Position,
     clip::{clip, outcode},
     mode::OFFSET_UNIT_16,
+    record::DepthPlane,
     viewport::Viewport,
+    whole::WholePlane,
 };
 use glam::{IVec2, Vec3};
 use umbrage_core::{Cull, DepthPlanes, NO_TRIANGLE, RasterBias, Snapping};
@@ -28,11 +31,17 @@ pub(crate) fn draw_on<P: Position>(snapping: Snapping, draw: &Draw<'_, P>, other
     for (i, triangle) in draw.triangles.iter().enumerate() {
         let corners = triangle.map(|v| draw.positions[v as usize].to_clip(draw.clip_from_world));
         let codes = corners.map(outcode);
-        let mut piece = |window: [Vec3; 3]| fill((draw, snapping), window, draw.first_id + i as u32, other, &mut drawn);
+        let mut piece = |window: [Vec3; 3], plane: Option<DepthPlane>| {
+            fill((draw, snapping), (window, plane), draw.first_id + i as u32, other, &mut drawn)
+        };
         if codes == [0; 3] {
-            piece(corners.map(|c| viewport.project(c)));
+            piece(corners.map(|c| viewport.project(c)), None);
         } else if codes[0] & codes[1] & codes[2] == 0 {
-            clip(corners, codes[0] | codes[1] | codes[2], &viewport, piece);
+            let plane = WholePlane::new(corners, &viewport, snapping);
+            clip(corners, codes[0] | codes[1] | codes[2], &viewport, |window| match &plane {
+                None => piece(window, None),
+                Some(plane) => piece(plane.place(window), Some(plane.depth())),
+            });
         }
     }
     drawn
@@ -73,7 +82,7 @@ fn stored_steps(texel: f32) -> i64 {
 
 fn fill<P>(
     (draw, snapping): (&Draw<'_, P>, Snapping),
-    window: [Vec3; 3],
+    (window, plane): ([Vec3; 3], Option<DepthPlane>),
     id: u32,
     other: &[f32],
     (texels, ids): &mut Drawn,
@@ -109,6 +118,7 @@ fn fill<P>(
     let dx = d01.z * (d20.y * r) - d20.z * (d01.y * r);
     let dy = d20.z * (d01.x * r) - d01.z * (d20.x * r);
     let at_origin = v0.z - (dx * (v0.x - 0.5) + dy * (v0.y - 0.5));
+    let (at_origin, dx, dy) = plane.map_or((at_origin, dx, dy), |plane| (plane.at_origin, plane.dx, plane.dy));
     let offset = offset(&draw.bias, draw.mode, [v0, v1, v2], r);
     for y in 0..draw.size.y {
         for x in 0..draw.size.x {

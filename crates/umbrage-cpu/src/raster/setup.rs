@@ -103,6 +103,21 @@ impl Group {
     /// Sets up what is there and appends a record for each triangle that may cover a pixel.
     #[inline(always)]
     pub(crate) fn flush(&mut self, rules: &SetupRules, out: &mut Bins) {
+        self.set_up(rules);
+        self.emit(rules, out);
+    }
+
+    /// The same for pieces of one triangle, whose plane is known.
+    #[cold]
+    pub(crate) fn flush_pieces(&mut self, plane: DepthPlane, rules: &SetupRules, out: &mut Bins) {
+        self.set_up(rules);
+        let l = &mut self.lanes;
+        (l.at_origin, l.dx, l.dy) = ([plane.at_origin; GROUP], [plane.dx; GROUP], [plane.dy; GROUP]);
+        self.emit(rules, out);
+    }
+
+    #[inline(always)]
+    fn set_up(&mut self, rules: &SetupRules) {
         if rules.snapping == Snapping::default() {
             self.snap_and_bound(rules.size);
         } else {
@@ -116,6 +131,10 @@ impl Group {
         if rules.bias.constant != 0 || rules.bias.slope != 0.0 {
             self.find_offsets(rules);
         }
+    }
+
+    #[inline(always)]
+    fn emit(&mut self, rules: &SetupRules, out: &mut Bins) {
         let mut drawn = self.drawn();
         while drawn != 0 {
             out.push(self.record(drawn.trailing_zeros() as usize, rules.mode));
