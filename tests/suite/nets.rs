@@ -15,6 +15,7 @@ mod penumbra;
 mod pictures;
 mod plugin;
 mod projections;
+mod rasterisers;
 mod stable_fit;
 mod stages;
 mod threads;

@@ -1,6 +1,6 @@
 //! The trait that a backend implements, and what it gives back.
 
-use crate::{Image, Invalid, Receivers, Recipe, View};
+use crate::{Image, Invalid, Receivers, Recipe, Snapping, View};
 use glam::UVec2;
 use std::time::Duration;
 
@@ -11,6 +11,11 @@ pub trait Backend {
 
     /// A short word for file names and columns: `cpu` or `wgpu`.
     fn kind(&self) -> &'static str;
+
+    /// How its rasteriser rounds vertices.
+    fn snapping(&self) -> Snapping {
+        Snapping::default()
+    }
 
     /// Plays a recipe. Without `view.receivers`, receivers come from `view.geometry`.
     ///

@@ -36,6 +36,7 @@ mod scene;
 mod shader;
 mod simd;
 mod slab;
+mod snapping;
 mod subdivide;
 mod technique;
 mod twin;
@@ -66,6 +67,7 @@ pub use recipe::{
 pub use scene::{Instance, Mesh, Scene};
 pub use shader::{Module, UniformLayout, Uniforms, join};
 pub use simd::{Simd, SimdTask};
+pub use snapping::{DepthPlanes, Snapping};
 pub use subdivide::MAX_SUBDIVIDED_TRIANGLES;
 pub use technique::{PlanError, ShadowTechnique, View};
 pub use twin::{Twin, Words};

@@ -1,9 +1,9 @@
 //! What a user may choose about the CPU player.
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use umbrage_core::{BackendError, Invalid, Simd};
+use umbrage_core::{BackendError, Invalid, Simd, Snapping};
 
-/// Options of [`Cpu::with_options`](crate::Cpu::with_options). Neither changes any result.
+/// Options of [`Cpu::with_options`](crate::Cpu::with_options). Threads and instructions change no result.
 ///
 /// ```
 /// # use umbrage_cpu::{Cpu, CpuOptions};
@@ -16,6 +16,9 @@ pub struct CpuOptions {
     pub threads: Option<usize>,
     /// The instructions that loops are compiled for.
     pub simd: Simd,
+    /// How the rasteriser rounds vertices: another device's way instead of that of Mesa's software drivers, to find out
+    /// what becomes of a picture there.
+    pub snapping: Snapping,
 }
 
 /// More threads than this are taken for a mistake.
@@ -32,6 +35,12 @@ impl CpuOptions {
     #[must_use]
     pub fn simd(self, simd: Simd) -> Self {
         Self { simd, ..self }
+    }
+
+    /// The same with another rounding of vertices.
+    #[must_use]
+    pub fn snapping(self, snapping: Snapping) -> Self {
+        Self { snapping, ..self }
     }
 
     /// Its own pool, if it asks for one.

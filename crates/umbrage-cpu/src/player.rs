@@ -5,7 +5,7 @@ use rayon::ThreadPool;
 use std::time::{Duration, Instant};
 use umbrage_core::{
     Backend, BackendError, Camera, Cast, Geometry, Image, Invalid, Limits, MAX_SIDE, Receivers, Recipe, Shadows, Simd,
-    Source, Timings, View,
+    Snapping, Source, Timings, View,
 };
 
 /// What the player takes on.
@@ -31,22 +31,23 @@ impl Default for Cpu {
 impl Cpu {
     /// Uses all cores and the best instructions there are.
     pub fn new() -> Self {
-        Self::build(None, Simd::Native)
+        Self::build(None, Simd::Native, Snapping::default())
     }
 
-    /// Uses threads and instructions of the caller's choice.
+    /// Uses threads, instructions and rounding of the caller's choice.
     ///
     /// # Errors
-    /// When the number of threads is zero or absurd, or they can't be started.
+    /// When the number of threads is zero or absurd, or they can't be started; when the rounding is not known.
     pub fn with_options(options: &CpuOptions) -> Result<Self, BackendError> {
-        Ok(Self::build(options.pool()?, options.simd))
+        options.snapping.validate()?;
+        Ok(Self::build(options.pool()?, options.simd, options.snapping))
     }
 
-    fn build(pool: Option<ThreadPool>, simd: Simd) -> Self {
+    fn build(pool: Option<ThreadPool>, simd: Simd, snapping: Snapping) -> Self {
         let threads = pool.as_ref().map_or_else(rayon::current_num_threads, ThreadPool::current_num_threads);
         let plural = if threads == 1 { "" } else { "s" };
         let name = format!("cpu ({threads} thread{plural}, {})", instructions(simd));
-        Self { name, pool, simd, rasterizer: Rasterizer::default(), images: Vec::new() }
+        Self { name, pool, simd, rasterizer: Rasterizer::new(snapping), images: Vec::new() }
     }
 
     /// Runs `f` on this player's threads.
@@ -129,6 +130,10 @@ impl Backend for Cpu {
 
     fn kind(&self) -> &'static str {
         "cpu"
+    }
+
+    fn snapping(&self) -> Snapping {
+        self.rasterizer.snapping
     }
 
     fn render(&mut self, view: &View<'_>, recipe: &Recipe) -> Result<Shadows, BackendError> {

@@ -15,6 +15,7 @@ mod setup;
 mod tests;
 mod tile;
 mod viewport;
+mod whole;
 
 pub(crate) use mode::Mode;
 pub(crate) use position::Position;
@@ -29,8 +30,9 @@ use rayon::prelude::*;
 use record::Record;
 use setup::{Group, SetupRules};
 use tile::{Tile, TileBuffer};
-use umbrage_core::{Cull, RasterBias, Simd, SimdTask};
+use umbrage_core::{Cull, RasterBias, Simd, SimdTask, Snapping};
 use viewport::Viewport;
+use whole::WholePlane;
 
 /// Triangles that one task sets up.
 const CHUNK: usize = 4096;
@@ -83,14 +85,22 @@ struct Worker {
 /// The rasteriser's working memory, kept between uses: one set of chunks is filled while the next is set up.
 #[derive(Debug, Default)]
 pub(crate) struct Rasterizer {
+    /// How vertices are rounded.
+    pub(crate) snapping: Snapping,
     filled: Vec<Worker>,
     set_up: Vec<Worker>,
 }
 
 impl Rasterizer {
+    /// Rounds vertices so.
+    pub(crate) fn new(snapping: Snapping) -> Self {
+        Self { snapping, ..Self::default() }
+    }
+
     /// Draws into the target.
     pub(crate) fn draw<P: Position>(&mut self, draw: &Draw<'_, P>, target: Target<'_>) {
         let (mode, simd, columns) = (draw.mode, draw.simd, target.width.div_ceil(TILE));
+        let snapping = self.snapping;
         let mut tiles = target.into_tiles(mode);
         let batch = self.prepare(draw.size);
         let mut ready = 0;
@@ -99,7 +109,7 @@ impl Rasterizer {
             let next = triangles.len().div_ceil(CHUNK);
             rayon::join(
                 || fill_tiles(&mut tiles, columns, &self.filled[..ready], simd, mode),
-                || set_up(&draw, &mut self.set_up[..next]),
+                || set_up(&draw, snapping, &mut self.set_up[..next]),
             );
             std::mem::swap(&mut self.filled, &mut self.set_up);
             ready = next;
@@ -128,11 +138,11 @@ impl Rasterizer {
 }
 
 /// Sets up a batch, one chunk a worker.
-fn set_up<P: Position>(draw: &Draw<'_, P>, workers: &mut [Worker]) {
+fn set_up<P: Position>(draw: &Draw<'_, P>, snapping: Snapping, workers: &mut [Worker]) {
     let parts = draw.triangles.par_chunks(CHUNK).zip(workers).enumerate();
     parts.for_each(|(k, (triangles, worker))| {
         let first_id = draw.first_id + (k * CHUNK) as u32;
-        draw.simd.run_task(SetUp { worker, draw: Draw { triangles, first_id, ..*draw } });
+        draw.simd.run_task(SetUp { worker, snapping, draw: Draw { triangles, first_id, ..*draw } });
     });
 }
 
@@ -157,6 +167,7 @@ fn fill_tiles(tiles: &mut [Tile<'_>], columns: usize, workers: &[Worker], simd: 
 /// Sets up one chunk.
 struct SetUp<'a, P> {
     worker: &'a mut Worker,
+    snapping: Snapping,
     draw: Draw<'a, P>,
 }
 
@@ -165,7 +176,7 @@ impl<P: Position> SimdTask for SetUp<'_, P> {
 
     #[inline(always)]
     fn run(self) {
-        self.worker.set_up(&self.draw);
+        self.worker.set_up(&self.draw, self.snapping);
     }
 }
 
@@ -214,9 +225,9 @@ impl FillTile<'_> {
 impl Worker {
     /// Transforms, clips, sets up and sorts a chunk of triangles.
     #[inline(always)]
-    fn set_up<P: Position>(&mut self, draw: &Draw<'_, P>) {
+    fn set_up<P: Position>(&mut self, draw: &Draw<'_, P>, snapping: Snapping) {
         let viewport = Viewport::new(draw.size);
-        let rules = SetupRules { size: draw.size, cull: draw.cull, bias: draw.bias, mode: draw.mode };
+        let rules = SetupRules { size: draw.size, cull: draw.cull, bias: draw.bias, mode: draw.mode, snapping };
         let first = self.transform(draw, &viewport);
         let mut group = Group::new();
         self.bins.clear(draw.size);
@@ -232,8 +243,16 @@ impl Worker {
                 group.push([a.window, b.window, c.window], id, &rules, &mut self.bins);
             } else if codes[0] & codes[1] & codes[2] == 0 {
                 let triangle = indices.map(|v| draw.positions[v as usize].to_clip(draw.clip_from_world));
-                let emit = |corners| group.push(corners, id, &rules, &mut self.bins);
-                clip(triangle, codes[0] | codes[1] | codes[2], &viewport, emit);
+                let mask = codes[0] | codes[1] | codes[2];
+                if let Some(plane) = WholePlane::new(triangle, &viewport, snapping) {
+                    group.flush(&rules, &mut self.bins);
+                    let emit = |piece: [Vec3; 3]| group.push(plane.place(piece), id, &rules, &mut self.bins);
+                    clip(triangle, mask, &viewport, emit);
+                    group.flush_pieces(plane.depth(), &rules, &mut self.bins);
+                } else {
+                    let emit = |piece| group.push(piece, id, &rules, &mut self.bins);
+                    clip(triangle, mask, &viewport, emit);
+                }
             }
         }
         group.flush(&rules, &mut self.bins);

@@ -1,14 +1,17 @@
 //! The rasterisation rules again, pixel by pixel and as plainly as can be: what the fast rasteriser is tested against.
-//! Only clipping is shared with it.
+//! Only clipping and the planes of clipped triangles are shared
+//! with it.
 
 use super::{
     Draw, Mode, Position,
     clip::{clip, outcode},
     mode::OFFSET_UNIT_16,
+    record::DepthPlane,
     viewport::Viewport,
+    whole::WholePlane,
 };
 use glam::{IVec2, Vec3};
-use umbrage_core::{Cull, NO_TRIANGLE, RasterBias};
+use umbrage_core::{Cull, DepthPlanes, NO_TRIANGLE, RasterBias, Snapping};
 
 /// Texels and ids of an image.
 pub(crate) type Drawn = (Vec<f32>, Vec<u32>);
@@ -16,6 +19,11 @@ pub(crate) type Drawn = (Vec<f32>, Vec<u32>);
 /// What a clear image becomes when the triangles are drawn one after the other. `other` is the image that the mode
 /// reads.
 pub(crate) fn draw<P: Position>(draw: &Draw<'_, P>, other: &[f32]) -> Drawn {
+    draw_on(Snapping::default(), draw, other)
+}
+
+/// The same with vertices rounded so.
+pub(crate) fn draw_on<P: Position>(snapping: Snapping, draw: &Draw<'_, P>, other: &[f32]) -> Drawn {
     let n = (draw.size.x * draw.size.y) as usize;
     let start = if draw.mode == Mode::Count { 0.0 } else { 1.0 };
     let mut drawn = (vec![start; n], vec![NO_TRIANGLE; n]);
@@ -23,11 +31,17 @@ pub(crate) fn draw<P: Position>(draw: &Draw<'_, P>, other: &[f32]) -> Drawn {
     for (i, triangle) in draw.triangles.iter().enumerate() {
         let corners = triangle.map(|v| draw.positions[v as usize].to_clip(draw.clip_from_world));
         let codes = corners.map(outcode);
-        let mut piece = |window: [Vec3; 3]| fill(draw, window, draw.first_id + i as u32, other, &mut drawn);
+        let mut piece = |window: [Vec3; 3], plane: Option<DepthPlane>| {
+            fill((draw, snapping), (window, plane), draw.first_id + i as u32, other, &mut drawn)
+        };
         if codes == [0; 3] {
-            piece(corners.map(|c| viewport.project(c)));
+            piece(corners.map(|c| viewport.project(c)), None);
         } else if codes[0] & codes[1] & codes[2] == 0 {
-            clip(corners, codes[0] | codes[1] | codes[2], &viewport, piece);
+            let plane = WholePlane::new(corners, &viewport, snapping);
+            clip(corners, codes[0] | codes[1] | codes[2], &viewport, |window| match &plane {
+                None => piece(window, None),
+                Some(plane) => piece(plane.place(window), Some(plane.depth())),
+            });
         }
     }
     drawn
@@ -66,11 +80,27 @@ fn stored_steps(texel: f32) -> i64 {
     (f64::from(texel) * 65_535.0).round() as i64
 }
 
-fn fill<P>(draw: &Draw<'_, P>, window: [Vec3; 3], id: u32, other: &[f32], (texels, ids): &mut Drawn) {
+fn fill<P>(
+    (draw, snapping): (&Draw<'_, P>, Snapping),
+    (window, plane): ([Vec3; 3], Option<DepthPlane>),
+    id: u32,
+    other: &[f32],
+    (texels, ids): &mut Drawn,
+) {
+    let steps = 2.0_f32.powi(snapping.sub_pixel_bits as i32);
+    // In 256ths of a pixel, whatever the grid.
     let snapped = window.map(|v| {
-        let snap = |v: f32| ((v - 0.5) * 256.0).round_ties_even().clamp(-4_194_304.0, 4_194_304.0) as i32;
-        IVec2::new(snap(v.x), snap(v.y))
+        let snap = |v: f32| ((v - 0.5) * steps).round_ties_even() * (256.0 / steps);
+        let held = |v: f32| snap(v).clamp(-4_194_304.0, 4_194_304.0) as i32;
+        IVec2::new(held(v.x), held(v.y))
     });
+    let window = match snapping.planes {
+        DepthPlanes::Unsnapped => window,
+        DepthPlanes::Snapped => [0, 1, 2].map(|k| {
+            let on_grid = |v: f32| ((v - 0.5) * steps).round_ties_even() / steps + 0.5;
+            Vec3::new(on_grid(window[k].x), on_grid(window[k].y), window[k].z)
+        }),
+    };
     let [a, b, c] = snapped.map(|v| v.as_i64vec2());
     let area = (a.x - b.x) * (c.y - a.y) - (c.x - a.x) * (a.y - b.y);
     let culled = match draw.cull {
@@ -88,6 +118,7 @@ fn fill<P>(draw: &Draw<'_, P>, window: [Vec3; 3], id: u32, other: &[f32], (texel
     let dx = d01.z * (d20.y * r) - d20.z * (d01.y * r);
     let dy = d20.z * (d01.x * r) - d01.z * (d20.x * r);
     let at_origin = v0.z - (dx * (v0.x - 0.5) + dy * (v0.y - 0.5));
+    let (at_origin, dx, dy) = plane.map_or((at_origin, dx, dy), |plane| (plane.at_origin, plane.dx, plane.dy));
     let offset = offset(&draw.bias, draw.mode, [v0, v1, v2], r);
     for y in 0..draw.size.y {
         for x in 0..draw.size.x {

@@ -3,9 +3,9 @@
 use super::bin::Bins;
 use super::mode::Mode;
 use super::record::{DepthPlane, Record, doubled_area, small_edge_function};
-use super::viewport::snap;
+use super::viewport::{on_grid, snap};
 use glam::{UVec2, Vec3};
-use umbrage_core::{Cull, RasterBias};
+use umbrage_core::{Cull, DepthPlanes, RasterBias, Snapping};
 
 /// Triangles a group: as many as bits in a word.
 pub(crate) const GROUP: usize = 64;
@@ -24,6 +24,8 @@ pub(crate) struct SetupRules {
     pub(crate) bias: RasterBias,
     /// What stays of what is drawn.
     pub(crate) mode: Mode,
+    /// How vertices are rounded.
+    pub(crate) snapping: Snapping,
 }
 
 /// Window-space triangles that wait for setup, one array a number.
@@ -101,7 +103,26 @@ impl Group {
     /// Sets up what is there and appends a record for each triangle that may cover a pixel.
     #[inline(always)]
     pub(crate) fn flush(&mut self, rules: &SetupRules, out: &mut Bins) {
-        self.snap_and_bound(rules.size);
+        self.set_up(rules);
+        self.emit(rules, out);
+    }
+
+    /// The same for pieces of one triangle, whose plane is known.
+    #[cold]
+    pub(crate) fn flush_pieces(&mut self, plane: DepthPlane, rules: &SetupRules, out: &mut Bins) {
+        self.set_up(rules);
+        let l = &mut self.lanes;
+        (l.at_origin, l.dx, l.dy) = ([plane.at_origin; GROUP], [plane.dx; GROUP], [plane.dy; GROUP]);
+        self.emit(rules, out);
+    }
+
+    #[inline(always)]
+    fn set_up(&mut self, rules: &SetupRules) {
+        if rules.snapping == Snapping::default() {
+            self.snap_and_bound(rules.size);
+        } else {
+            self.snap_otherwise(rules);
+        }
         self.find_signs(rules.cull);
         self.find_edges();
         self.drop_uncovered();
@@ -110,6 +131,10 @@ impl Group {
         if rules.bias.constant != 0 || rules.bias.slope != 0.0 {
             self.find_offsets(rules);
         }
+    }
+
+    #[inline(always)]
+    fn emit(&mut self, rules: &SetupRules, out: &mut Bins) {
         let mut drawn = self.drawn();
         while drawn != 0 {
             out.push(self.record(drawn.trailing_zeros() as usize, rules.mode));
@@ -147,6 +172,19 @@ impl Group {
         }
     }
 
+    /// The same on another grid, whose points all lie on the finest. Later steps find the corners that planes go through.
+    #[cold]
+    fn snap_otherwise(&mut self, rules: &SetupRules) {
+        let unsnapped = (self.x, self.y);
+        for v in self.x.as_flattened_mut().iter_mut().chain(self.y.as_flattened_mut()) {
+            *v = on_grid(*v, rules.snapping);
+        }
+        self.snap_and_bound(rules.size);
+        if rules.snapping.planes == DepthPlanes::Unsnapped {
+            (self.x, self.y) = unsnapped;
+        }
+    }
+
     #[inline(always)]
     fn find_signs(&mut self, cull: Cull) {
         let (keep_front, keep_back) = (i32::from(cull != Cull::Front), i32::from(cull != Cull::Back));
@@ -166,7 +204,7 @@ impl Group {
         if sign < 0 { (a - c, b - a) } else { (a - b, c - a) }
     }
 
-    /// The plane goes through the corners before snapping.
+    /// The plane goes through the corners before snapping, or as `snap_otherwise` left them.
     #[inline(always)]
     fn find_planes(&mut self) {
         let l = &mut self.lanes;

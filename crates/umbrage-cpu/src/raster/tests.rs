@@ -2,7 +2,7 @@
 
 use super::{Draw, Mode, Position, Rasterizer, Target, reference};
 use glam::{Mat4, UVec2, Vec3};
-use umbrage_core::{Cull, NO_TRIANGLE, RasterBias, Simd};
+use umbrage_core::{Cull, DepthPlanes, NO_TRIANGLE, RasterBias, Simd, Snapping};
 
 /// A small generator of random numbers (Marsaglia: Xorshift RNGs, 2003): the same triangles on every run.
 pub(crate) struct Random(pub(crate) u64);
@@ -75,10 +75,15 @@ pub(super) fn draw_of<'a, P>(positions: &'a [P], triangles: &'a [[u32; 3]]) -> D
 
 /// What the fast rasteriser makes of a spoilt image that it is to clear.
 pub(super) fn fast<P: Position>(draw: &Draw<'_, P>, other: &[f32]) -> reference::Drawn {
+    fast_on(Snapping::default(), draw, other)
+}
+
+/// The same with vertices rounded so.
+fn fast_on<P: Position>(snapping: Snapping, draw: &Draw<'_, P>, other: &[f32]) -> reference::Drawn {
     let n = (draw.size.x * draw.size.y) as usize;
     let (mut texels, mut ids) = (vec![0.5; n], vec![0; if draw.mode.has_ids() { n } else { 0 }]);
     let target = Target { width: draw.size.x as usize, texels: &mut texels, ids: &mut ids, other, clear: true };
-    Rasterizer::default().draw(draw, target);
+    Rasterizer::new(snapping).draw(draw, target);
     (texels, ids)
 }
 
@@ -134,6 +139,52 @@ fn triangle_soups_agree_with_every_setting() {
         };
         draw.clip_from_world = [Mat4::IDENTITY, perspective()][i / 5 % 2];
         compare(&draw, &format!("soup {i}"));
+    }
+}
+
+/// All ways to round vertices.
+fn snappings() -> impl Iterator<Item = Snapping> + Clone {
+    let planes = [DepthPlanes::Unsnapped, DepthPlanes::Snapped];
+    Snapping::BITS.flat_map(move |sub_pixel_bits| planes.map(|planes| Snapping { sub_pixel_bits, planes }))
+}
+
+#[test]
+fn every_rounding_agrees_with_the_plain_rasteriser() {
+    let mut r = Random(1_616);
+    for (i, snapping) in snappings().cycle().take(60).enumerate() {
+        let (positions, triangles) = soup(0..KINDS, 60, &mut r);
+        let mut draw = draw_of(&positions, &triangles);
+        draw.mode = Mode::LeastWithIds;
+        draw.bias = RasterBias { constant: 3, slope: [0.0, 2.0][i % 2], clamp: 0.0 };
+        draw.clip_from_world = [Mat4::IDENTITY, perspective()][i / 2 % 2];
+        draw.simd = [Simd::Native, Simd::Baseline][i / 4 % 2];
+        let (plain, quick) = (reference::draw_on(snapping, &draw, &[]), fast_on(snapping, &draw, &[]));
+        assert!(bits(&plain.0) == bits(&quick.0) && plain.1 == quick.1, "soup {i}: {snapping}");
+    }
+}
+
+/// The right edge of a triangle lies a little left of a column of pixel centres, and comes to lie on it, or further left, as
+/// its vertices move to the grid. The other way round for depths: only planes through vertices on the grid move.
+#[test]
+fn coarse_grids_move_edges_and_some_planes() {
+    let (size, column) = (UVec2::splat(64), 40);
+    for snapping in snappings() {
+        // 0.4 steps right of the column: on it once moved, and so not in it; 0.6 steps: a whole step right.
+        for (steps, covered) in [(0.4, false), (0.6, true)] {
+            let right = column as f32 + 0.5 + steps * snapping.step();
+            let corner = |x: f32, y: f32, z: f32| Vec3::new(x / 32.0 - 1.0, 1.0 - y / 32.0, z);
+            let positions = [corner(8.5, 32.5, 0.25), corner(right, 64.0, 0.75), corner(right, 0.0, 0.75)];
+            let draw = Draw { size, ..draw_of(&positions, &[[0, 1, 2]]) };
+            let depth = fast_on(snapping, &draw, &[]).0;
+            assert_eq!(depth[32 * 64 + column] < 1.0, covered, "{snapping}: {steps} steps");
+            let width = match snapping.planes {
+                DepthPlanes::Unsnapped => right - 8.5,
+                DepthPlanes::Snapped => right - 8.5 + (steps.round() - steps) * snapping.step(),
+            };
+            // The plane's depth half a step of the finest grid off would be 8e-6 off; rounding is below 1e-6.
+            let expected = 0.25 + 0.5 * 30.0 / width;
+            assert!((depth[32 * 64 + 38] - expected).abs() < 1e-6, "{snapping}: {steps} steps");
+        }
     }
 }
 

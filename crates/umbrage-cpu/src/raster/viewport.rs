@@ -1,6 +1,7 @@
 //! From clip space to the window, and from there to the grid of 1/256 pixels on which coverage is decided.
 
 use glam::{UVec2, Vec3, Vec4};
+use umbrage_core::Snapping;
 
 /// Sub-pixel steps a pixel.
 pub(crate) const SUBPIXELS: i32 = 256;
@@ -52,9 +53,32 @@ pub(crate) fn snap(v: f32) -> i32 {
     (v + MAGIC).to_bits().wrapping_sub(MAGIC.to_bits()) as i32
 }
 
+/// Moves a window coordinate to a grid, ties to even; pixel centres are points of all grids. For all coordinates within an
+/// image the result is exact: it takes 15 bits before the point and 8 after it.
+pub(crate) fn on_grid(v: f32, snapping: Snapping) -> f32 {
+    let steps = (1_u32 << snapping.sub_pixel_bits) as f32;
+    ((v - 0.5) * steps).round_ties_even() / steps + 0.5
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use umbrage_core::DepthPlanes;
+
+    #[test]
+    fn every_grid_lies_on_the_finest() {
+        for sub_pixel_bits in Snapping::BITS {
+            let grid = Snapping { sub_pixel_bits, planes: DepthPlanes::Snapped };
+            for i in 0..4860 {
+                // From the left edge of an image to the right edge of the widest.
+                let v = i as f32 * 3.37;
+                let moved = on_grid(v, grid);
+                assert!((moved - v).abs() <= 0.5 * grid.step(), "{v}: {moved}");
+                assert_eq!(snap(moved) as f32 / 256.0, moved - 0.5, "{v}: not on the finest grid");
+                assert_eq!(snap(moved) % (256 >> sub_pixel_bits), 0, "{v}: not on its own grid");
+            }
+        }
+    }
 
     #[test]
     fn snapping_rounds_ties_to_even() {

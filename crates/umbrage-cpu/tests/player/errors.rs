@@ -1,7 +1,7 @@
 //! Every error says what is wrong.
 
 use crate::stage::{camera, geometry, light, recipe, render};
-use umbrage_core::{Backend, Camera, Cast, Recipe, View, glam::UVec2};
+use umbrage_core::{Backend, Camera, Cast, Recipe, Snapping, View, glam::UVec2};
 use umbrage_cpu::{Cpu, CpuOptions};
 
 #[test]
@@ -28,6 +28,11 @@ fn errors_say_what_is_missing() {
     for threads in [0, 5000] {
         let error = Cpu::with_options(&CpuOptions::default().threads(threads)).unwrap_err().to_string();
         assert!(error.contains("1 to 1024"), "{error}");
+    }
+    for sub_pixel_bits in [3, 9] {
+        let snapping = Snapping { sub_pixel_bits, ..Snapping::default() };
+        let error = Cpu::with_options(&CpuOptions::default().snapping(snapping)).unwrap_err().to_string();
+        assert!(error.contains("use 4 to 8"), "{error}");
     }
     assert!(cpu.replay_filter(&recipe, 1, &render(&mut Cpu::new()).images).is_err());
     assert!(cpu.replay_receive(&view, &recipe, &[]).is_err());

@@ -1,7 +1,7 @@
 //! Whole recipes: same bits on any threads and instructions, receivers against plain geometry.
 
 use crate::stage::{SIZE, bits, camera, difference, geometry, light, recipe, render, same_on_all_players};
-use umbrage_core::{Backend, Image, NO_TRIANGLE, Recipe, Shadows, Simd, View, glam::UVec2};
+use umbrage_core::{Backend, Image, NO_TRIANGLE, Recipe, Shadows, Simd, Snapping, View, glam::UVec2};
 use umbrage_cpu::{Cpu, CpuOptions};
 
 #[test]
@@ -110,6 +110,20 @@ fn given_receivers_are_used_as_they_are() {
     assert_eq!(bits(&shadows.mask), bits(&render(&mut cpu).mask));
     receivers.receives.fill(false);
     assert!(cpu.render(&view.with_receivers(&receivers), &recipe).unwrap().mask.iter().all(|&v| v == 1.0));
+}
+
+/// Maps and receivers alike are drawn with the rounding asked for.
+#[test]
+fn another_rounding_of_vertices_reaches_maps_and_receivers() {
+    let exact = render(&mut Cpu::new());
+    let mut coarse = Cpu::with_options(&CpuOptions::default().snapping(Snapping::COARSEST)).unwrap();
+    assert_eq!(coarse.snapping(), Snapping::COARSEST);
+    let moved = render(&mut coarse);
+    assert_ne!(bits(&exact.images[0].texels), bits(&moved.images[0].texels));
+    let ids = |s: &Shadows| s.receivers.as_ref().unwrap().triangle.clone();
+    assert_ne!(ids(&exact), ids(&moved));
+    let default = Cpu::with_options(&CpuOptions::default().snapping(Snapping::default()));
+    assert_eq!(difference(&exact, &render(&mut default.unwrap())), None);
 }
 
 #[test]

@@ -5,7 +5,7 @@ mod clock;
 mod convert;
 mod faults;
 mod geometry;
-mod readback;
+pub(crate) mod readback;
 mod receivers;
 mod replay;
 mod requirements;
@@ -16,7 +16,7 @@ pub use requirements::check_adapter;
 
 use crate::{
     Counters, Frame, Options, ShadowRenderer, counters::Maker, counts::COUNTING, images::GpuImage,
-    renderer::check_size, scopes::Scopes,
+    probe::probe_snapping, renderer::check_size, scopes::Scopes,
 };
 use clock::{Clock, Played};
 use convert::Converter;
@@ -25,7 +25,8 @@ use geometry::Geometries;
 use readback::{ReadBack, Spare};
 use receivers::{Finder, ReceiverTextures};
 use shadows::Tickets;
-use umbrage_core::{Backend, BackendError, Invalid, Limits, Receivers, Recipe, Shadows, Source, View};
+use std::sync::{Mutex, PoisonError};
+use umbrage_core::{Backend, BackendError, Invalid, Limits, Receivers, Recipe, Shadows, Snapping, Source, View};
 use wgpu::{Adapter, AdapterInfo, CommandEncoder, Device, DeviceDescriptor, Features, Queue};
 
 /// Borrows only the fields needed, so that the others stay free.
@@ -56,6 +57,7 @@ pub struct Gpu {
     spare: Spare,
     converter: Converter,
     counters: Counters,
+    snapping: Snapping,
 }
 
 impl Gpu {
@@ -89,6 +91,7 @@ impl Gpu {
             spare: Spare::default(),
             converter: Converter::default(),
             counters,
+            snapping: snapping_of(&info, &device, &queue)?,
             adapter,
             device,
             queue,
@@ -218,6 +221,19 @@ impl Gpu {
     }
 }
 
+/// How an adapter rounds vertices: probed once a process.
+fn snapping_of(info: &AdapterInfo, device: &Device, queue: &Queue) -> Result<Snapping, BackendError> {
+    static KNOWN: Mutex<Vec<(AdapterInfo, Snapping)>> = Mutex::new(Vec::new());
+    // Held while it is probed, so that others wait rather than probe, too.
+    let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some((_, snapping)) = known.iter().find(|(of, _)| of == info) {
+        return Ok(*snapping);
+    }
+    let snapping = probe_snapping(device, queue)?;
+    known.push((info.clone(), snapping));
+    Ok(snapping)
+}
+
 impl Backend for Gpu {
     fn name(&self) -> &str {
         &self.name
@@ -225,6 +241,10 @@ impl Backend for Gpu {
 
     fn kind(&self) -> &'static str {
         "wgpu"
+    }
+
+    fn snapping(&self) -> Snapping {
+        self.snapping
     }
 
     fn render(&mut self, view: &View<'_>, recipe: &Recipe) -> Result<Shadows, BackendError> {

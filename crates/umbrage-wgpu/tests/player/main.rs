@@ -12,6 +12,7 @@ mod formats;
 mod from_depth;
 mod kernels;
 mod peeling;
+mod probing;
 mod random_faces;
 mod render;
 mod replay;

@@ -1,0 +1,95 @@
+//! How rasterisers round vertices.
+//!
+//! Rasterisers move vertices to a grid of 2^b steps a pixel before they decide which pixels a triangle covers. Vulkan and
+//! WebGPU ask for b >= 4; most hardware has 8. Some drivers also lay the triangle's depth plane through the moved vertices:
+//! depths then change by up to half a step times the plane's slope.
+
+use crate::Invalid;
+use std::{fmt, ops::RangeInclusive};
+
+/// How a rasteriser rounds vertices. The default is the rule of Mesa's software drivers, which the CPU backend follows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Snapping {
+    /// Binary digits of the sub-pixel grid, 4 to 8: vertices lie on multiples of 2^-bits pixels.
+    pub sub_pixel_bits: u32,
+    /// Which vertices depth planes go through.
+    pub planes: DepthPlanes,
+}
+
+/// Which vertices depth planes go through.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum DepthPlanes {
+    /// Those before rounding: depths don't depend on the grid.
+    #[default]
+    Unsnapped,
+    /// Those on the grid.
+    Snapped,
+}
+
+impl Snapping {
+    /// The digits that are known: no graphics API allows fewer, and grids finer than the last are taken for it.
+    pub const BITS: RangeInclusive<u32> = 4..=8;
+
+    /// The coarsest that graphics APIs allow: what to expect of a device that is not known.
+    pub const COARSEST: Self = Self { sub_pixel_bits: 4, planes: DepthPlanes::Snapped };
+
+    /// The grid's step, pixels.
+    pub fn step(self) -> f32 {
+        1.0 / (1_u32 << self.sub_pixel_bits) as f32
+    }
+
+    /// Objects to grids that are not known.
+    ///
+    /// # Errors
+    /// When the number of bits is not among [`Snapping::BITS`].
+    pub fn validate(self) -> Result<(), Invalid> {
+        if Self::BITS.contains(&self.sub_pixel_bits) {
+            return Ok(());
+        }
+        let mend = format!("use {} to {}", Self::BITS.start(), Self::BITS.end());
+        Err(Invalid::new("number of sub-pixel bits", format!("is {}", self.sub_pixel_bits), mend))
+    }
+}
+
+impl Default for Snapping {
+    fn default() -> Self {
+        Self { sub_pixel_bits: 8, planes: DepthPlanes::Unsnapped }
+    }
+}
+
+/// `8 sub-pixel bits, depth planes through unsnapped vertices`
+impl fmt::Display for Snapping {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let through = match self.planes {
+            DepthPlanes::Unsnapped => "unsnapped",
+            DepthPlanes::Snapped => "snapped",
+        };
+        write!(f, "{} sub-pixel bits, depth planes through {through} vertices", self.sub_pixel_bits)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_known_grids_are_valid() {
+        let of = |sub_pixel_bits| Snapping { sub_pixel_bits, ..Snapping::default() };
+        for bits in 4..=8 {
+            assert_eq!(of(bits).validate(), Ok(()));
+        }
+        for bits in [0, 3, 9, u32::MAX] {
+            let why = of(bits).validate().expect_err("not known").to_string();
+            assert!(why.contains(&format!("is {bits}; use 4 to 8")), "{why}");
+        }
+    }
+
+    #[test]
+    fn steps_and_words() {
+        assert_eq!((Snapping::default().step(), Snapping::COARSEST.step()), (1.0 / 256.0, 1.0 / 16.0));
+        let words = Snapping::COARSEST.to_string();
+        assert_eq!(words, "4 sub-pixel bits, depth planes through snapped vertices");
+    }
+}

@@ -1,0 +1,176 @@
+//! The CPU's rasteriser, told how the device rounds vertices, draws what the device draws.
+
+use glam::{DVec3, Mat4, UVec2, Vec4};
+use std::sync::Arc;
+use umbrage_core::{
+    Backend, Cast, DepthPlanes, Faces, Format, Geometry, ImageDesc, LightSpace, Recipe, ShadowTechnique, Snapping,
+    Source, View,
+};
+use umbrage_cpu::{Cpu, CpuOptions};
+use umbrage_techniques::Hard;
+use umbrage_tests::gpu::gpu;
+
+const SIDE: usize = 256;
+/// Triangles of a class, each in a layer of its own.
+const COUNT: usize = 96;
+const CLASSES: [&str; 6] = ["wide", "small", "tiny", "perspective", "across edges", "through the eye"];
+
+/// A small generator of random numbers (Marsaglia: Xorshift RNGs, 2003): the same triangles on every run.
+struct Random(u64);
+
+impl Random {
+    fn range(&mut self, lo: f32, hi: f32) -> f32 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        lo + (hi - lo) * ((self.0 >> 11) as f64 / (1_u64 << 53) as f64) as f32
+    }
+
+    /// A corner in clip space, at random within a square around a point.
+    fn corner(&mut self, centre: [f32; 2], radius: f32) -> Vec4 {
+        let [x, y] = centre.map(|c| c + self.range(-radius, radius));
+        Vec4::new(x, y, self.range(0.05, 0.95), 1.0)
+    }
+
+    fn triangle(&mut self, class: &str) -> [Vec4; 3] {
+        let (middle, centre) = ([0.0; 2], [self.range(-0.9, 0.9), self.range(-0.9, 0.9)]);
+        [0; 3].map(|_| match class {
+            "wide" => self.corner(middle, 0.99),
+            "small" => self.corner(centre, 0.06),
+            "tiny" => self.corner(centre, 0.01),
+            "perspective" => self.corner(middle, 0.99) * self.range(0.5, 3.0),
+            "across edges" => self.corner(middle, 2.0),
+            _ => {
+                let (at, w) = (self.corner(middle, 2.0), self.range(-1.0, 3.0));
+                // A projection whose near and far plane are at 0.1 and 10.
+                Vec4::new(at.x, at.y, (w - 0.1) * (10.0 / 9.9), w)
+            }
+        })
+    }
+}
+
+/// Draws each triangle into a layer of its own.
+fn recipe(triangles: &[[Vec4; 3]], view: &View<'_>) -> Recipe {
+    let space = LightSpace { view_from_world: Mat4::IDENTITY, clip_from_view: Mat4::IDENTITY };
+    let cast = |(layer, t): (u32, &[Vec4; 3])| {
+        let faces = Faces { vertices: t.to_vec(), triangles: vec![[0, 1, 2]] };
+        Cast { source: Source::Faces(Arc::new(faces)), ..Cast::nearest(0, layer, space) }
+    };
+    let (layers, size) = (triangles.len() as u32, UVec2::splat(SIDE as u32));
+    let of_hard = Hard::default().plan(view).expect("hard serves the sun");
+    Recipe {
+        images: vec![ImageDesc { label: "triangles", size, layers, format: Format::Depth32 }],
+        casts: (0..).zip(triangles).map(cast).collect(),
+        keep_images: true,
+        ..of_hard
+    }
+}
+
+fn cpu(snapping: Snapping) -> Cpu {
+    Cpu::with_options(&CpuOptions::default().snapping(snapping)).expect("a known rounding")
+}
+
+fn layers(backend: &mut dyn Backend, view: &View<'_>, recipe: &Recipe) -> Vec<Vec<f32>> {
+    let images = backend.render(view, recipe).expect("plays").images;
+    images[0].texels.chunks_exact(SIDE * SIDE).map(<[f32]>::to_vec).collect()
+}
+
+/// By how much two drivers' depths of a triangle may differ: each evaluates the plane through the corners in 32 bits,
+/// from an origin of its choice. Over 100,000 random triangles, the measured error of each was below 4 times this sum:
+/// of 1, of the plane's changes up to the origin, and of those across the image times the condition of the area (a
+/// difference of two products). Changes are a pixel's.
+fn depth_bound(triangle: &[Vec4; 3]) -> f32 {
+    let [a, b, c] = triangle.map(|v| {
+        let half = 0.5 * SIDE as f64;
+        DVec3::new(f64::from(v.x / v.w) * half, f64::from(v.y / v.w) * half, f64::from(v.z / v.w))
+    });
+    let (d, e) = (b - a, c - a);
+    let (first, second) = (d.x * e.y, d.y * e.x);
+    let normal = d.cross(e);
+    let across = SIDE as f64 * (normal.x.abs() + normal.y.abs()) / normal.z.abs();
+    let condition = (first.abs() + second.abs()) / (first - second).abs();
+    let rounding = 2.0_f64.powi(-24);
+    (2.0 * 4.0 * rounding * (1.0 + across + condition * across)) as f32
+}
+
+/// How a device's layers differ from the CPU's.
+#[derive(Debug, Default)]
+struct Differences {
+    /// Pixels covered by both.
+    both: usize,
+    /// Pixels covered by one alone.
+    coverage: usize,
+    /// Pixels whose depths differ by more than the bound.
+    depth: usize,
+    /// Pixels that aren't equal, bit by bit.
+    bits: usize,
+}
+
+fn compare(triangles: &[[Vec4; 3]], mine: &[Vec<f32>], theirs: &[Vec<f32>]) -> Differences {
+    let mut sum = Differences::default();
+    for ((triangle, mine), theirs) in triangles.iter().zip(mine).zip(theirs) {
+        let bound = depth_bound(triangle);
+        for (a, b) in mine.iter().zip(theirs) {
+            let both = *a < 1.0 && *b < 1.0;
+            sum.both += usize::from(both);
+            sum.coverage += usize::from((*a < 1.0) != (*b < 1.0));
+            sum.depth += usize::from(both && (a - b).abs() > bound);
+            sum.bits += usize::from(a.to_bits() != b.to_bits());
+        }
+    }
+    sum
+}
+
+/// Runs `check` on the triangles, recipe and device's layers of every class.
+fn for_each_class(mut check: impl FnMut(&str, &[[Vec4; 3]], &View<'_>, &Recipe, &[Vec<f32>])) {
+    let mut scene = (umbrage_scenes::find("cubes").expect("a built-in scene").build)();
+    scene.cameras[0].size = UVec2::splat(8);
+    let geometry = Geometry::bake(&scene).expect("built-in scenes are valid");
+    let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
+    let mut random = Random(77);
+    for class in CLASSES {
+        let triangles: Vec<_> = (0..COUNT).map(|_| random.triangle(class)).collect();
+        let recipe = recipe(&triangles, &view);
+        let theirs = layers(&mut *gpu(), &view, &recipe);
+        check(class, &triangles, &view, &recipe, &theirs);
+    }
+}
+
+#[test]
+fn the_cpu_draws_what_the_device_draws() {
+    let (snapping, exact) = {
+        let gpu = gpu();
+        (gpu.snapping(), gpu.is_pinned_lavapipe())
+    };
+    println!("{snapping}");
+    let mut covered = 0;
+    for_each_class(|class, triangles, view, recipe, theirs| {
+        let mine = layers(&mut cpu(snapping), view, recipe);
+        let differences = compare(triangles, &mine, theirs);
+        println!("{class}: {differences:?}");
+        assert_eq!((differences.coverage, differences.depth), (0, 0), "{class}: {differences:?}");
+        assert!(!exact || differences.bits == 0, "{class}: {differences:?}");
+        covered += differences.both;
+    });
+    assert!(covered > 1_000_000, "only {covered} pixels were covered");
+}
+
+/// Every other rounding is told from the device's by the same triangles.
+#[test]
+fn another_rounding_is_noticed() {
+    let snapping = gpu().snapping();
+    let planes = [DepthPlanes::Unsnapped, DepthPlanes::Snapped];
+    let others = Snapping::BITS.flat_map(|sub_pixel_bits| planes.map(|planes| Snapping { sub_pixel_bits, planes }));
+    let others: Vec<Snapping> = others.filter(|&other| other != snapping).collect();
+    for_each_class(|class, triangles, view, recipe, theirs| {
+        if class != "small" {
+            return;
+        }
+        for &other in &others {
+            let differences = compare(triangles, &layers(&mut cpu(other), view, recipe), theirs);
+            let moved = other.sub_pixel_bits == snapping.sub_pixel_bits || differences.coverage > 0;
+            let tilted = other.planes == snapping.planes || differences.depth > 0;
+            assert!(moved && tilted, "{other}: {differences:?}");
+        }
+    });
+}
