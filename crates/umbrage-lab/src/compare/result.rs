@@ -24,7 +24,7 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// What must not be: decided pixels on which backends differ, and negative controls without effect. One line each.
+    /// What must not be: decided pixels on which backends differ, and negative controls that fail. One line each.
     pub fn faults(&self) -> Vec<String> {
         self.scenes.iter().flat_map(SceneResult::faults).collect()
     }
@@ -72,7 +72,7 @@ pub struct SceneResult {
     pub rmse_of_none: [f64; 2],
     /// One entry a technique setting and backend.
     pub rows: Vec<Row>,
-    /// One entry a backend.
+    /// One entry a technique and backend.
     pub controls: Vec<Control>,
 }
 
@@ -94,9 +94,9 @@ impl SceneResult {
             }
         }
         for c in self.controls.iter().filter(|c| !c.holds) {
-            let why = match c.dark_without {
-                0 => "the mask stays the same".to_owned(),
-                n => format!("{n} pixels of the mask stay dark"),
+            let why = match c.wrong_without {
+                0 => format!("the mask stays the same, though {} pixels are in shadow with them", c.shadowed),
+                n => format!("{n} pixels of the mask are not as their own horizon leaves them"),
             };
             out.push(format!("{}: {} {}: without casters {why}", self.name, c.backend, c.technique));
         }
@@ -261,20 +261,23 @@ impl Spread {
     }
 }
 
-/// The negative control of one backend: with the casters removed, the mask must change wherever it was dark.
+/// The negative control of one technique on one backend: with the casters removed, its mask must change where the shadow was,
+/// and show nothing but the receivers' own horizon.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Control {
     /// Kind of backend.
     pub backend: String,
-    /// The technique that was played.
+    /// The technique that was played: the first of its settings that was measured.
     pub technique: String,
-    /// Counted pixels from which casters hide more than a quarter of the light, says truth.
+    /// Counted pixels from which casters hide all of the light that the technique owes them without casters.
     pub shadowed: u64,
     /// Those of them whose mask brightened by more than a quarter when the casters were removed.
     pub changed: u64,
-    /// Counted pixels that are dark without casters: not fully lit in a map's mask, darker by half than what their own
-    /// horizon leaves in a traced one. Must be 0.
-    pub dark_without: u64,
-    /// Whether the control did what it must: something changed if truth has a shadow, and nothing is left dark.
+    /// Counted pixels that without casters are darker or lighter than the technique owes: as light as their own horizon leaves
+    /// the points that it asks of the light. Must be 0.
+    #[serde(alias = "dark_without")]
+    pub wrong_without: u64,
+    /// Whether the control did what it must: nothing is wrong without casters, and something changed if truth has a shadow that
+    /// the technique cannot miss (maps with texels wider than it may, and those that keep the far sides of casters).
     pub holds: bool,
 }

@@ -279,10 +279,10 @@ impl SceneRun<'_> {
             return Ok(self.unsupported("this adapter cannot time its passes"));
         }
         self.check_receivers(&shadows, player.kind())?;
-        // A recipe that never looks at a caster has none to miss.
-        let looks = !(recipe.casts.is_empty() && recipe.tables.is_empty());
-        if looks && self.controls.iter().all(|c| c.backend != player.kind()) {
-            self.controls.push(control::run(player, &*setting.technique, &self.view, self.truth, &shadows)?);
+        let (kind, technique) = (player.kind(), setting.technique.name());
+        if self.controls.iter().all(|c| c.backend != kind || c.technique != technique) {
+            let played = (recipe, &shadows);
+            self.controls.extend(control::run(player, &*setting.technique, &self.view, self.truth, played)?);
         }
         let (errors, causes) = self.errors(of_cpu.as_ref(), &shadows)?;
         let agreement = agreement_with_cpu(&mut *backends.playing[0], &view, recipe, of_cpu.as_ref(), &shadows)?;
