@@ -34,7 +34,7 @@
 //! Of -(t gₐ + (1 - t) gₛ)·d nothing is left that the second doesn't take off where the stored facet slopes along one axis. (A
 //! polygon offset counts the steeper axis alone, so along the diagonal it would take twice as much to be sure.) Kernels
 //! that reach r texels farther meet facets that neither plane knows: .25 r texels of slope more do best over the built-in
-//! scenes and scanned models; comparison samples, each of which compares one depth with four texels, take 1.75 in all. Neither half detaches a shadow by more than about a texel's gain of the surface that it belongs to, and
+//! scenes and scanned models; comparison samples, each of which compares one depth with four texels, take 2 in all. Neither half detaches a shadow by more than about a texel's gain of the surface that it belongs to, and
 //! both are many times what rasterisers are off that snap vertices to 1/16 texel (1/32 texel's gain), the coarsest that
 //! Vulkan allows.
 //! `cargo xtask bias` compares it with the best of all others on any scene.
@@ -55,9 +55,9 @@ const STEEPEST: f32 = 1.0;
 const CASTER_TEXELS: f32 = 0.5;
 /// Texels of slope more for each texel that a kernel reaches: measured (`cargo xtask bias`).
 const CASTER_TEXELS_PER_REACH: f32 = 0.25;
-/// The same for comparison samples, each of which compares one depth with four texels up to a texel away: 2 would be sure on
-/// planes of any slope; measured.
-const CASTER_TEXELS_OF_SAMPLES: f32 = 1.75;
+/// The same for comparison samples, each of which compares one depth with four texels up to a texel away along both axes: over
+/// that way a plane gains at most twice what it gains along its steeper axis, which is what a polygon offset counts.
+const CASTER_TEXELS_OF_SAMPLES: f32 = 2.0;
 
 /// What looks a map up, as far as [`Bias::ADAPTIVE`] must know.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -88,16 +88,25 @@ impl ShadowTechnique for Pcss {
     fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
         let pattern = self.pattern_table(view)?;
         let spaces = light_extent::spaces(&self.map, view)?;
+        let ideal = view.light.is_ideal();
+        let mut lookup = MapLookup::new(&self.map, view, &spaces);
+        if !ideal {
+            // Wide taps meet blockers that lie deeper than the receiver, yet above its plane, as on any slope under a plate that
+            // is parallel to it. Only its plane tells those from the receiver's own surface.
+            lookup.deepest_tap = 1.0;
+        }
         let uniforms = PcssUniforms {
-            lookup: MapLookup::new(&self.map, view, &spaces),
+            lookup,
             extent: LightExtent::new(view.light, &spaces, self.map.size),
             blocker_taps: pattern.sets[0].count,
             filter_taps: pattern.sets[1].count,
             turns: if self.rotate { TURNS - 1 } else { 0 },
         };
         let table = pattern.table.clone();
-        let mut recipe =
-            self.map.maps(&spaces, Footprint::Taps { reach: 1.0 }).recipe(PcssKernel { uniforms, pattern });
+        let mut recipe = self
+            .map
+            .maps(&spaces, Footprint::Taps { reach: if ideal { 0.0 } else { 1.0 } })
+            .recipe(PcssKernel { uniforms, pattern });
         recipe.tables.push(table);
         recipe.receive.tables.push(0);
         Ok(recipe)

@@ -23,7 +23,7 @@ fn stretched(case: &Case, factor: f32) -> Fit {
 }
 
 /// Biases in texels, with no more for rounding than 32-bit floats need (a few 2^-24 of a depth near 1).
-const FOR_FLOATS: Bias = Bias { constant: 1e-6, ..Bias::ADAPTIVE };
+const FOR_FLOATS: Bias = Bias { constant: 1e-6, ..Bias::RECEIVER_PLANE };
 
 fn false_shadow(case: &Case, format: MapFormat, factor: f32) -> f64 {
     let map = ShadowMap { format, fit: stretched(case, factor), bias: FOR_FLOATS, ..ShadowMap::default() };
