@@ -1,9 +1,12 @@
 //! What looks slower is timed again, before it is called so.
 
-use super::{Changes, times::Suspect};
+use super::{
+    Changes,
+    times::{Asked, Sample, Suspect},
+};
 use crate::{
     LabError,
-    compare::{Backends, Options, Ranks, Runs, SceneInput, ratios},
+    compare::{Backends, Options, Ranks, Runs, SceneInput, again},
 };
 use std::collections::BTreeMap;
 
@@ -13,8 +16,8 @@ pub const ROUNDS: usize = 3;
 /// Runs of a row in a round.
 const RUNS: Runs = Runs { least: 9, most: 15, budget_ms: 200 };
 
-/// Fresh ratios by the scene's place and the row's stem.
-type Fresh = BTreeMap<(usize, String), Vec<f64>>;
+/// Fresh ratios, and the quickest run in milliseconds, by the scene's place and the row's stem.
+type Fresh = BTreeMap<(usize, String), (Vec<f64>, f64)>;
 
 /// Times again what looks slower, and moves what still does to [`Changes::worse`]. `inputs` are the scenes of the new results,
 /// in their order.
@@ -39,14 +42,18 @@ pub fn time_again(
         }
         for (scene, stems) in asked {
             let Some(input) = inputs.get(scene) else { continue };
-            let found = ratios(input, &stems, options, &RUNS, backends)?;
-            for (stem, more) in stems.into_iter().zip(found) {
-                fresh.entry((scene, stem)).or_default().extend(more);
+            let found = again(input, &stems, options, &RUNS, backends)?;
+            for (stem, (more, quickest)) in
+                stems.into_iter().zip(found).filter_map(|(stem, found)| Some((stem, found?)))
+            {
+                let (ratios, least) = fresh.entry((scene, stem)).or_insert((Vec::new(), f64::INFINITY));
+                ratios.extend(more);
+                *least = least.min(quickest);
             }
         }
-        open.retain(|suspect| !suspect.is_cleared(&ranks(suspect, &fresh)));
+        open.retain(|suspect| !suspect.is_cleared(&known(suspect, &fresh)));
     }
-    let worse: Vec<String> = open.iter().filter_map(|s| s.verdict(&ranks(s, &fresh))).collect();
+    let worse: Vec<String> = open.iter().filter_map(|s| s.verdict(&known(s, &fresh))).collect();
     if !suspects.is_empty() {
         let (all, left) = (suspects.len(), worse.len());
         changes.notes.push(format!("{all} rows or techniques looked slower and were timed again: {left} are slower."));
@@ -55,9 +62,12 @@ pub fn time_again(
     Ok(())
 }
 
-/// The fresh ratios of a suspect's rows.
-fn ranks(suspect: &Suspect, fresh: &Fresh) -> Vec<Option<Ranks>> {
-    let of = |row: &super::times::Asked| Ranks::of(fresh.get(&(row.scene, row.stem.clone()))?.clone());
+/// What was found of a suspect's rows.
+fn known(suspect: &Suspect, fresh: &Fresh) -> Vec<Option<Sample>> {
+    let of = |row: &Asked| {
+        let (ratios, least_ms) = fresh.get(&(row.scene, row.stem.clone()))?;
+        Some(Sample { ratio: Ranks::of(ratios.clone())?, least_ms: *least_ms })
+    };
     suspect.rows.iter().map(of).collect()
 }
 

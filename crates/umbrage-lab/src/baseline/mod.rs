@@ -191,8 +191,8 @@ impl<'a> Pair<'a> {
                 None => {}
             }
         }
-        let ratios = then.times.and_then(|t| t.ratio).zip(now.times.and_then(|t| t.ratio));
-        if let (true, Some((then, now))) = (self.timed, ratios) {
+        let sample = |times: Option<Times>| Some(times::Sample { ratio: times?.ratio?, least_ms: times?.total.least });
+        if let (true, Some(then), Some(now)) = (self.timed, sample(then.times), sample(now.times)) {
             timings.push(times::Timing { scene: (self.place, &self.now.name), row: new, then, now });
         }
     }

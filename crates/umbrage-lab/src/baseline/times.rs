@@ -11,7 +11,7 @@
 //!   run of the baseline lies below the fresh tenth with a chance of 1/10, whatever the noise's distribution; the quartile of 9
 //!   lies there if at least 7 of them do (36 / 10^7 at most), the greatest of 5 if all do (1 / 10^5). Besides, a factor of
 //!   [`APART`] must lie between: where noise is narrower than that, no chance is left at all. Fewer than [`FEWEST`] runs are not
-//!   judged.
+//!   judged, and a row of which one run is [as quick](AS_QUICK) as the baseline's quickest is no slower.
 //! * **A technique** on a backend, over all scenes and settings, is suspected if its rows' median is slower by more than
 //!   [`TECHNIQUE`], and by more than [`SIGMAS`] standard errors of a median (1.253 sigma / sqrt n, sigma from the median
 //!   absolute deviation: Rousseeuw and Croux 1993, "Alternatives to the median absolute deviation"). For normal noise that has
@@ -41,6 +41,10 @@ pub const TECHNIQUE: f64 = 1.3;
 /// Standard errors of a technique's median.
 pub const SIGMAS: f64 = 4.0;
 
+/// A row whose quickest run takes less than this times what the baseline's quickest run took is no slower, whatever its
+/// yardstick says.
+pub const AS_QUICK: f64 = 1.1;
+
 /// Fewer rows of a technique are judged one by one alone.
 pub const FEWEST_ROWS: usize = 8;
 
@@ -50,8 +54,17 @@ pub(super) struct Timing<'a> {
     /// The scene's place in the new results, and its name.
     pub(super) scene: (usize, &'a str),
     pub(super) row: &'a Row,
-    pub(super) then: Ranks,
-    pub(super) now: Ranks,
+    pub(super) then: Sample,
+    pub(super) now: Sample,
+}
+
+/// How long a row took.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// Over the yardstick.
+    pub ratio: Ranks,
+    /// The quickest run, milliseconds.
+    pub least_ms: f64,
 }
 
 /// What looks slower.
@@ -73,7 +86,7 @@ pub struct Asked {
     /// [`Row::stem`].
     pub stem: String,
     /// What the baseline says of it.
-    pub then: Ranks,
+    pub then: Sample,
 }
 
 /// What times say.
@@ -89,13 +102,13 @@ pub(super) fn judge(timings: &[Timing<'_>]) -> Judged {
     let mut techniques: BTreeMap<[&str; 2], Vec<&Timing<'_>>> = BTreeMap::new();
     for timing in timings {
         techniques.entry([&timing.row.technique, &timing.row.backend]).or_default().push(timing);
-        if bound(&timing.then).is_some_and(|bound| timing.now.high > bound) {
+        if bound(&timing.then.ratio).is_some_and(|bound| timing.now.ratio.high > bound) {
             let label = format!("{}: {}", timing.scene.1, timing.row.label());
             out.suspects.push(Suspect { label, rows: vec![timing.asked()], whole: false });
         }
     }
     for ([technique, backend], rows) in techniques {
-        let changes: Vec<f64> = rows.iter().filter_map(|t| change(&t.then, &t.now)).collect();
+        let changes: Vec<f64> = rows.iter().filter_map(|t| change(&t.then.ratio, &t.now.ratio)).collect();
         let label = format!("{technique} on {backend}");
         match slower(&changes) {
             Some((true, _)) => {
@@ -148,9 +161,9 @@ fn slower(changes: &[f64]) -> Option<(bool, f64)> {
 }
 
 impl Suspect {
-    /// What to say of it now that its rows were timed again: none if it is no slower. `fresh` are the new ratios of each
-    /// of its rows.
-    pub(super) fn verdict(&self, fresh: &[Option<Ranks>]) -> Option<String> {
+    /// What to say of it now that its rows were timed again: none if it is no slower. `fresh` is what was found of each of its
+    /// rows.
+    pub(super) fn verdict(&self, fresh: &[Option<Sample>]) -> Option<String> {
         if self.whole {
             let changes = self.changes(fresh);
             let (_, factor) = slower(&changes).filter(|(slower, _)| *slower)?;
@@ -158,27 +171,42 @@ impl Suspect {
             return Some(format!("{label}: slower by a factor of {factor:.2} in the median of {rows} rows"));
         }
         let (then, now) = (self.rows.first()?.then, (*fresh.first()?)?);
-        if now.tenth <= bound(&then)? {
+        if now.ratio.tenth <= bound(&then.ratio)? || as_quick(&then, &now) {
             return None;
         }
-        let (label, factor) = (&self.label, now.median / then.median);
-        let [a, b] = [then, now].map(|r| format!("{:.3} ({:.3} to {:.3})", r.median, r.tenth, r.greatest));
-        Some(format!("{label}: slower by a factor of {factor:.2}: {a} -> {b} yardsticks"))
+        let (label, factor) = (&self.label, now.ratio.median / then.ratio.median);
+        let [a, b] = [then, now].map(|s| {
+            let Sample { ratio: r, least_ms } = s;
+            format!("{:.3} yardsticks ({:.3} to {:.3}; at least {least_ms:.3} ms)", r.median, r.tenth, r.greatest)
+        });
+        Some(format!("{label}: slower by a factor of {factor:.2}: {a} -> {b}"))
     }
 
-    /// Whether fresh ratios clear it already, so that it need not be timed once more: half of them lie within the bound. (Nine
-    /// in ten may not yet of few runs.)
-    pub(super) fn is_cleared(&self, fresh: &[Option<Ranks>]) -> bool {
+    /// Whether fresh runs clear it already, so that it need not be timed once more: half of the ratios lie within the bound
+    /// (nine in ten may not yet, of few runs), or one run is as quick as ever.
+    pub(super) fn is_cleared(&self, fresh: &[Option<Sample>]) -> bool {
         if self.whole {
             return Ranks::of(self.changes(fresh)).is_none_or(|changes| changes.median <= TECHNIQUE.ln());
         }
-        let known = self.rows.first().zip(fresh.first().copied().flatten());
-        known.is_none_or(|(row, now)| bound(&row.then).is_none_or(|bound| now.median <= bound))
+        let Some((then, now)) = self.rows.first().map(|row| row.then).zip(fresh.first().copied().flatten()) else {
+            return true;
+        };
+        bound(&then.ratio).is_none_or(|bound| now.ratio.median <= bound) || as_quick(&then, &now)
     }
 
-    fn changes(&self, fresh: &[Option<Ranks>]) -> Vec<f64> {
-        self.rows.iter().zip(fresh).filter_map(|(row, now)| change(&row.then, now.as_ref()?)).collect()
+    /// By how much its rows changed; those with a run as quick as ever did not.
+    fn changes(&self, fresh: &[Option<Sample>]) -> Vec<f64> {
+        let pairs = self.rows.iter().zip(fresh).filter_map(|(row, now)| Some((row.then, (*now)?)));
+        let of = |(then, now): (Sample, Sample)| {
+            if as_quick(&then, &now) { Some(0.0) } else { change(&then.ratio, &now.ratio) }
+        };
+        pairs.filter_map(of).collect()
     }
+}
+
+/// Whether a run is as quick as the baseline's quickest.
+fn as_quick(then: &Sample, now: &Sample) -> bool {
+    now.least_ms < AS_QUICK * then.least_ms
 }
 
 #[cfg(test)]

@@ -23,7 +23,7 @@ pub use result::{
 };
 pub use scene::SceneImages;
 pub(crate) use slug::slug;
-pub(crate) use timing::ratios;
+pub(crate) use timing::again;
 pub use yardstick::{Yardstick, YardstickKernel, YardstickUniforms};
 
 use crate::{LabError, report::FEW_SCENES};

@@ -79,15 +79,15 @@ impl Timed {
     }
 }
 
-/// Times rows of a scene once more, by their [stems](super::Row::stem): each row's ratios, none where it can't be played any
-/// more.
-pub(crate) fn ratios(
+/// Times rows of a scene once more, by their [stems](super::Row::stem): each row's ratios, and its quickest run in milliseconds;
+/// none where it can't be played any more.
+pub(crate) fn again(
     input: &SceneInput,
     stems: &[String],
     options: &Options,
     runs: &Runs,
     backends: &mut Backends,
-) -> Result<Vec<Vec<f64>>, LabError> {
+) -> Result<Vec<Option<(Vec<f64>, f64)>>, LabError> {
     let (camera, light) = camera_and_light(&input.scene)?;
     let (camera, geometry) = (options.camera(camera), Geometry::bake(&input.scene)?);
     let receivers = backends.receivers.receivers(&camera, &geometry)?;
@@ -95,7 +95,7 @@ pub(crate) fn ratios(
     let settings = settings_of(input, options)?;
     let mut out = Vec::new();
     for stem in stems {
-        let mut found = Vec::new();
+        let mut found = None;
         let kind = stem.rsplit_once('.').map_or("", |(_, kind)| kind);
         let backend = backends.playing.iter_mut().find(|b| b.kind() == kind);
         let setting = settings.iter().find(|s| *stem == stem_of(&s.slug, kind));
@@ -105,7 +105,8 @@ pub(crate) fn ratios(
             let cost_ms = CostModel::of(kind).milliseconds(&Work::of(&view, &recipe));
             // Once before, since the first run compiles and uploads.
             backend.render(&view, &recipe)?;
-            found = time(&mut **backend, (&view, Some(&receivers)), &recipe, (runs, cost_ms))?.ratios();
+            let timed = time(&mut **backend, (&view, Some(&receivers)), &recipe, (runs, cost_ms))?;
+            found = Some((timed.ratios(), timed.times().total.least));
         }
         out.push(found);
     }

@@ -12,15 +12,15 @@ use umbrage_core::{
     light_sample::hash, uniforms,
 };
 
-/// Links of the chain in a unit of work, all receivers together: some milliseconds of a thread.
+/// Links of the chain in a unit of work, all receivers together: one or two milliseconds on two threads.
 const LINKS: u64 = 1 << 19;
 
 /// Rows of the table: 1 MiB, more than the caches next to a core hold and less than a map of middle size.
 const ROWS: u32 = 1 << 16;
 
 /// The yardstick for a row: it keeps the row's images and tables, so that nothing is freed and made anew between the two.
-/// It is as many units long as the row's counted cost asks for, since a short yardstick beside a long row measures another
-/// moment.
+/// It is about as long as the row by its counted cost, which is the same on every run. A yardstick of another length meets
+/// other noise: what fits between two turns of the system's scheduler is never held up, what is ten times as long always is.
 #[derive(Clone, Debug)]
 pub struct Yardstick {
     /// What is played.
@@ -30,9 +30,9 @@ pub struct Yardstick {
 }
 
 /// A unit takes about so many milliseconds of counted cost.
-const UNIT_MS: f64 = 2.0;
-/// Units of the longest yardstick: what a run is long is lost on the next row.
-const MOST_UNITS: f64 = 16.0;
+const UNIT_MS: f64 = 1.0;
+/// Units of the shortest yardstick, which is still far longer than a clock's step, and of the longest.
+const UNITS: [f64; 2] = [1.0 / 32.0, 64.0];
 
 impl Yardstick {
     /// None where nothing receives: there is no work then.
@@ -41,7 +41,7 @@ impl Yardstick {
         if count == 0 {
             return None;
         }
-        let wanted = (cost_ms / UNIT_MS).clamp(1.0, MOST_UNITS);
+        let wanted = (cost_ms / UNIT_MS).clamp(UNITS[0], UNITS[1]);
         let links = ((wanted * LINKS as f64 / count as f64).round() as u32).max(1);
         let tables: Vec<Table> =
             row.tables.iter().cloned().chain([Table { label: "yardstick", rows: table() }]).collect();
