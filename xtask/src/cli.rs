@@ -107,9 +107,12 @@ pub(crate) struct CompareOptions {
     #[arg(long, conflicts_with = "runs")]
     pub(crate) deterministic: bool,
     /// Compare with the results.json of an earlier run, kept in another folder than this report's, and fail if anything got
-    /// slower or less accurate beyond the noise
+    /// slower or less accurate beyond the noise, is missing or can't be compared any more
     #[arg(long, value_name = "RESULTS.JSON")]
     pub(crate) baseline: Option<PathBuf>,
+    /// What may be missing or changed since the baseline: a scene, technique, backend or `technique (settings)`; may be repeated
+    #[arg(long, value_name = "NAME", requires = "baseline")]
+    pub(crate) baseline_except: Vec<String>,
     /// Only every N-th scene, from the K-th on; `cargo xtask merge` joins the shards
     #[arg(long, value_name = "K/N", value_parser = parse_shard)]
     pub(crate) shard: Option<Shard>,

@@ -8,7 +8,7 @@ use umbrage_core::{
 };
 
 /// Version of this data's shape; grows with every change that a reader would notice.
-pub const SCHEMA: u32 = 4;
+pub const SCHEMA: u32 = 5;
 
 /// A whole comparison.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -68,6 +68,9 @@ pub struct SceneResult {
     pub fingerprint: String,
     /// How truth was made.
     pub truth: TruthSummary,
+    /// Why rows have no errors; none if they have.
+    #[serde(default)]
+    pub nothing_compared: Option<String>,
     /// RMSE of a mask that is lit everywhere, and of one that is dark everywhere.
     pub rmse_of_none: [f64; 2],
     /// One entry a technique setting and backend.
@@ -93,6 +96,14 @@ impl SceneResult {
                 ));
             }
         }
+        // Where nothing faces the light there is nothing to compare, and all is well; where truth itself can't tell, nothing was
+        // found out.
+        out.extend(
+            self.nothing_compared
+                .iter()
+                .filter(|_| self.truth.ambiguous > 0)
+                .map(|why| format!("{}: {why}", self.name)),
+        );
         for c in self.controls.iter().filter(|c| !c.holds) {
             let why = match c.wrong_without {
                 0 => format!("the mask stays the same, though {} pixels are in shadow with them", c.shadowed),
@@ -159,13 +170,18 @@ impl Row {
 
     /// A file name's stem that no other row of its scene has.
     pub fn stem(&self) -> String {
-        format!("{}.{}", self.slug, self.backend)
+        stem_of(&self.slug, &self.backend)
     }
 
     /// For people: `pcf (3x3, 1024, slope) on wgpu`.
     pub fn label(&self) -> String {
         format!("{} ({}) on {}", self.technique, self.settings, self.backend)
     }
+}
+
+/// [`Row::stem`] of a slug on a kind of backend.
+pub(super) fn stem_of(slug: &str, backend: &str) -> String {
+    format!("{slug}.{backend}")
 }
 
 /// What came of a row.
@@ -184,10 +200,11 @@ pub enum Outcome {
 /// A row's figures.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Measured {
-    /// Against truth.
-    pub errors: Errors,
-    /// What the errors come from.
-    pub causes: Causes,
+    /// Against truth; none where no pixel counts ([`SceneResult::nothing_compared`] says why): no error would mean that all is
+    /// right.
+    pub errors: Option<Errors>,
+    /// What the errors come from; none likewise.
+    pub causes: Option<Causes>,
     /// Times, without compilation, upload and read-back; none if they weren't asked for.
     pub times: Option<Times>,
     /// What the recipe takes, counted.
@@ -207,6 +224,11 @@ pub struct Measured {
 }
 
 impl Measured {
+    /// Root of the mean square error; none where no pixel counts.
+    pub fn rmse(&self) -> Option<f64> {
+        self.errors.map(|e| e.rmse)
+    }
+
     /// The median of the times, milliseconds, or the cost; none if it wasn't measured.
     pub fn milliseconds(&self, clock: Clock) -> Option<f64> {
         match clock {
@@ -236,6 +258,43 @@ pub struct Times {
     pub receive: Option<Spread>,
     /// Casts, filters and lookup of each run together.
     pub total: Spread,
+    /// A [yardstick](super::Yardstick) in turn with the runs, milliseconds a unit of its work; none where nothing receives, where
+    /// the adapter can't time it, and in results of schema 4 and before.
+    pub yardstick: Option<Spread>,
+    /// Each run over the mean of the yardsticks right before and after it: what is compared with other runs' results.
+    pub ratio: Option<Ranks>,
+}
+
+/// How some figures are spread, told by ranks, which a few outliers do not move.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Ranks {
+    /// A tenth lies below.
+    pub tenth: f64,
+    /// A quarter lies below.
+    pub low: f64,
+    /// Half lies below.
+    pub median: f64,
+    /// A quarter lies above.
+    pub high: f64,
+    /// The greatest.
+    pub greatest: f64,
+    /// How many figures.
+    pub runs: u32,
+}
+
+impl Ranks {
+    /// Of some figures, linear between neighbours; none of no figures.
+    pub fn of(mut figures: Vec<f64>) -> Option<Self> {
+        figures.sort_by(f64::total_cmp);
+        let last = figures.len().checked_sub(1)?;
+        let at = |share: f64| {
+            let place = share * last as f64;
+            let (before, after) = (figures[place.floor() as usize], figures[place.ceil() as usize]);
+            before + (after - before) * place.fract()
+        };
+        let [tenth, low, median, high, greatest] = [0.1, 0.25, 0.5, 0.75, 1.0].map(at);
+        Some(Self { tenth, low, median, high, greatest, runs: figures.len() as u32 })
+    }
 }
 
 /// Times of several runs, milliseconds.
