@@ -32,7 +32,7 @@ use setup::{Group, SetupRules};
 use tile::{Tile, TileBuffer};
 use umbrage_core::{Cull, RasterBias, Simd, SimdTask, Snapping};
 use viewport::Viewport;
-use whole::WholePlane;
+use whole::Whole;
 
 /// Triangles that one task sets up.
 const CHUNK: usize = 4096;
@@ -244,11 +244,14 @@ impl Worker {
             } else if codes[0] & codes[1] & codes[2] == 0 {
                 let triangle = indices.map(|v| draw.positions[v as usize].to_clip(draw.clip_from_world));
                 let mask = codes[0] | codes[1] | codes[2];
-                if let Some(plane) = WholePlane::new(triangle, &viewport, snapping) {
+                if let Some(whole) = Whole::new(triangle, &viewport, snapping) {
                     group.flush(&rules, &mut self.bins);
-                    let emit = |piece: [Vec3; 3]| group.push(plane.place(piece), id, &rules, &mut self.bins);
-                    clip(triangle, mask, &viewport, emit);
-                    group.flush_pieces(plane.depth(), &rules, &mut self.bins);
+                    clip(triangle, mask, &viewport, |piece| {
+                        if let Some(piece) = whole.place(piece) {
+                            group.push(piece, id, &rules, &mut self.bins);
+                        }
+                    });
+                    group.flush_pieces(whole.depth(), &rules, &mut self.bins);
                 } else {
                     let emit = |piece| group.push(piece, id, &rules, &mut self.bins);
                     clip(triangle, mask, &viewport, emit);

@@ -1,5 +1,5 @@
 //! The rasterisation rules again, pixel by pixel and as plainly as can be: what the fast rasteriser is tested against.
-//! Only clipping and the planes of clipped triangles are shared
+//! Clipping, and what becomes of clipped triangles, are shared
 //! with it.
 
 use super::{
@@ -8,7 +8,7 @@ use super::{
     mode::OFFSET_UNIT_16,
     record::DepthPlane,
     viewport::Viewport,
-    whole::WholePlane,
+    whole::Whole,
 };
 use glam::{IVec2, Vec3};
 use umbrage_core::{Cull, DepthPlanes, NO_TRIANGLE, RasterBias, Snapping};
@@ -37,10 +37,12 @@ pub(crate) fn draw_on<P: Position>(snapping: Snapping, draw: &Draw<'_, P>, other
         if codes == [0; 3] {
             piece(corners.map(|c| viewport.project(c)), None);
         } else if codes[0] & codes[1] & codes[2] == 0 {
-            let plane = WholePlane::new(corners, &viewport, snapping);
-            clip(corners, codes[0] | codes[1] | codes[2], &viewport, |window| match &plane {
+            let whole = Whole::new(corners, &viewport, snapping);
+            clip(corners, codes[0] | codes[1] | codes[2], &viewport, |window| match &whole {
                 None => piece(window, None),
-                Some(plane) => piece(plane.place(window), Some(plane.depth())),
+                Some(whole) => {
+                    whole.place(window).into_iter().for_each(|placed| piece(placed, Some(whole.depth())));
+                }
             });
         }
     }

@@ -1,46 +1,48 @@
-//! Depth planes of triangles that get clipped, on devices whose planes go through snapped vertices.
+//! Triangles that get clipped, on devices whose depth planes go through snapped vertices.
 //!
 //! There the plane goes through the triangle's own vertices, wherever on the window's plane they lie, not through those that
-//! clipping made (measured on SwiftShader; hardware with a guard band makes none at the window's edges).
+//! clipping made (measured on SwiftShader; hardware with a guard band makes none at the window's edges). They also tell which
+//! way the triangle turns: pieces that turn the other way once they are on the grid aren't drawn.
 
 use super::record::DepthPlane;
 use super::viewport::{Viewport, on_grid};
 use glam::{DVec3, Vec3, Vec4};
 use umbrage_core::{DepthPlanes, Snapping};
 
-/// The depth plane of a triangle before clipping, and the grid that its vertices were moved to.
+/// A triangle before clipping, its vertices moved to the grid.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct WholePlane {
+pub(crate) struct Whole {
     snapping: Snapping,
     /// A vertex, and the changes of depth a pixel to the right and down.
     vertex: DVec3,
     dx: f64,
     dy: f64,
+    /// Its sign tells how pieces turn on the window; 0: there are none.
+    turn: f64,
 }
 
-impl WholePlane {
-    /// None where planes go through vertices as they are, whole or clipped, and where this one is upright or has a vertex
-    /// that has no place in the window.
+impl Whole {
+    /// None where planes go through vertices as they are, whole or clipped, and where a vertex has no place in the window.
     #[cold]
     pub(crate) fn new(triangle: [Vec4; 3], viewport: &Viewport, snapping: Snapping) -> Option<Self> {
         if snapping.planes == DepthPlanes::Unsnapped {
             return None;
         }
-        let [a, b, c] = triangle.map(|clip| {
-            let v = viewport.project(clip);
-            Vec3::new(on_grid(v.x, snapping), on_grid(v.y, snapping), v.z).as_dvec3()
-        });
+        let [a, b, c] = triangle.map(|clip| snapped(viewport.project(clip), snapping).as_dvec3());
         let normal = (b - a).cross(c - a);
+        // What lies behind the eye is seen upside down and turned round.
+        let turn = triangle.iter().fold(normal.z, |turn, v| if v.w < 0.0 { -turn } else { turn });
         let (dx, dy) = (-normal.x / normal.z, -normal.y / normal.z);
-        (dx.is_finite() && dy.is_finite()).then_some(Self { snapping, vertex: a, dx, dy })
+        let whole = Self { snapping, vertex: a, dx, dy, turn };
+        normal.is_finite().then_some(whole)
     }
 
-    /// Moves a piece's corners to the grid and into the plane.
-    pub(crate) fn place(&self, piece: [Vec3; 3]) -> [Vec3; 3] {
-        piece.map(|corner| {
-            let (x, y) = (on_grid(corner.x, self.snapping), on_grid(corner.y, self.snapping));
-            Vec3::new(x, y, self.at(f64::from(x), f64::from(y)))
-        })
+    /// Moves a piece's corners to the grid and into the plane; none if the piece isn't drawn.
+    pub(crate) fn place(&self, piece: [Vec3; 3]) -> Option<[Vec3; 3]> {
+        let [a, b, c] = piece.map(|corner| snapped(corner, self.snapping).as_dvec3());
+        let area = (b - a).cross(c - a).z;
+        let placed = [a, b, c].map(|corner| Vec3::new(corner.x as f32, corner.y as f32, self.at(corner.x, corner.y)));
+        (area * self.turn > 0.0).then_some(placed)
     }
 
     /// The plane as records hold it. Pieces may be too thin to find it from their corners.
@@ -53,27 +55,48 @@ impl WholePlane {
     }
 }
 
+fn snapped(v: Vec3, snapping: Snapping) -> Vec3 {
+    Vec3::new(on_grid(v.x, snapping), on_grid(v.y, snapping), v.z)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use glam::UVec2;
 
+    /// A point of a window of 64 x 64 pixels.
+    fn clip(x: f32, y: f32, z: f32) -> Vec4 {
+        Vec4::new(x / 32.0 - 1.0, 1.0 - y / 32.0, z, 1.0)
+    }
+
+    fn whole(triangle: [Vec4; 3]) -> Option<Whole> {
+        Whole::new(triangle, &Viewport::new(UVec2::splat(64)), Snapping::COARSEST)
+    }
+
     #[test]
     fn corners_come_to_lie_on_the_plane_of_the_whole() {
-        let viewport = Viewport::new(UVec2::splat(64));
         // On the grid, depth grows from 0 by 1/96 a pixel; the right corner comes from 0.4 steps further right.
         let right = 64.0 + 32.0 + 0.4 / 16.0;
-        let clip = |x: f32, y: f32, z: f32| Vec4::new(x / 32.0 - 1.0, 1.0 - y / 32.0, z, 1.0);
         let triangle = [clip(0.0, 0.0, 0.0), clip(0.0, 64.0, 0.0), clip(right, 32.0, 1.0)];
-        assert!(WholePlane::new(triangle, &viewport, Snapping::default()).is_none());
-        let plane = WholePlane::new(triangle, &viewport, Snapping::COARSEST).expect("a plane");
-        let placed = plane.place([Vec3::new(48.02, 32.0, 0.9), Vec3::ZERO, Vec3::new(24.0, 0.0, 0.9)]);
-        assert_eq!(placed, [Vec3::new(48.0, 32.0, 0.5), Vec3::ZERO, Vec3::new(24.0, 0.0, 0.25)]);
+        assert!(Whole::new(triangle, &Viewport::new(UVec2::splat(64)), Snapping::default()).is_none());
+        let plane = whole(triangle).expect("all vertices have a place");
+        let piece = [Vec3::ZERO, Vec3::new(24.0, 0.0, 0.9), Vec3::new(48.02, 32.0, 0.9)];
+        let [a, b, c] = piece;
+        assert_eq!(plane.place([a, c, b]), Some([a, Vec3::new(48.0, 32.0, 0.5), Vec3::new(24.0, 0.0, 0.25)]));
+        assert_eq!(plane.place(piece), None, "it turns the other way");
         let depth = plane.depth();
         assert_eq!((depth.at_origin * 192.0, depth.dx * 96.0, depth.dy), (1.0, 1.0, 0.0));
-        let upright = [triangle[0], triangle[1], clip(0.0, 32.0, 1.0)];
-        assert!(WholePlane::new(upright, &viewport, Snapping::COARSEST).is_none());
         let at_the_eye = [triangle[0], triangle[1], Vec4::new(1.0, 0.0, 1.0, 0.0)];
-        assert!(WholePlane::new(at_the_eye, &viewport, Snapping::COARSEST).is_none());
+        assert!(whole(at_the_eye).is_none());
+    }
+
+    #[test]
+    fn what_has_no_area_on_the_grid_is_not_drawn() {
+        let sliver = [clip(0.0, 0.0, 0.0), clip(0.01, 0.01, 0.0), clip(96.0, 80.0, 1.0)];
+        let piece = [Vec3::ZERO, Vec3::new(64.0, 53.0, 0.0), Vec3::new(64.0, 54.0, 0.0)];
+        let [a, b, c] = piece;
+        for piece in [piece, [a, c, b]] {
+            assert_eq!(whole(sliver).expect("all vertices have a place").place(piece), None);
+        }
     }
 }
