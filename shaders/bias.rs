@@ -39,7 +39,9 @@
 //! Vulkan allows.
 //! `cargo xtask bias` compares it with the best of all others on any scene.
 //!
-//! Known failures: at grazing light no finite constant is enough; the offset of slope and normal grows past thin
+//! Known failures: comparison samples take the whole margin from the stored facet, so where a steep facet meets a flatter one
+//! at a convex edge, the flatter one's margin is too small and the steep one is up to some percent grey within a texel of the
+//! edge ([`Bias::RECEIVER_PLANE`] has none of that, and errs more on finely tessellated models). At grazing light no finite constant is enough; the offset of slope and normal grows past thin
 //! casters; the receiver's plane alone says nothing about a neighbouring triangle with another slope, so that under a low
 //! sun hills get acne along their creases, and finely tessellated models all over. Far from the origin positions are rounded: under directional light the constants of
 //! normal offset and receiver's plane grow with that, and shadows start as far behind their casters; lamps get acne there
