@@ -19,19 +19,13 @@ use umbrage_core::{
 };
 
 /// Comparisons with the middle between the nearest two surfaces.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Midpoint {
     /// The map looked up; [`ShadowMap::surface`] is taken to be [`Surface::Midpoint`].
     pub map: ShadowMap,
     /// As [`Pcf::radius`].
     pub radius: u32,
-}
-
-impl Default for Midpoint {
-    fn default() -> Self {
-        Self { map: ShadowMap::default(), radius: 0 }
-    }
 }
 
 impl Midpoint {

@@ -20,8 +20,8 @@
 //!   segment's line passes it, at Q's z, within the mean of those errors. With `w` the longest side of the triangle's box
 //!   and `D` the distance between Q and `o` along x, `|X|` and `|r Z|` are at most `D + w`, so that is `6u (D + w)`. The
 //!   same holds along y.
-//! * The box is grown by `8u w + 2u c` (c: its greatest coordinate), of which its own rounding takes `u c`. That covers the
-//!   part with w.
+//! * The box is grown by `16u w` or `4u c` (c: its greatest coordinate), whichever is more, hence by at least `8u w + 2u c`;
+//!   its own rounding takes about `u c` of that. What is left covers the part with w.
 //! * The other part moves the place `t` where a side is passed by no more than `6u t`; the slab test's difference, inverse
 //!   and product add `3u t`. So the box is entered before `t (1 + 9u)` and left after `t (1 - 9u)`, and `SLACK = 1 + 32u` is
 //!   more than their ratio.

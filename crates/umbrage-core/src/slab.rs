@@ -19,11 +19,11 @@ pub const SLAB: Module = Module { name: "slab", text: include_str!("slab.wgsl") 
 /// A segment may enter a box by this factor later than it leaves it: 32 roundings of 2^-24.
 pub(crate) const SLACK: f32 = 1.0 + 1.0 / 524_288.0;
 
-/// 8 roundings of 2^-24.
-const SIZE_PAD: f32 = 1.0 / 2_097_152.0;
+/// 16 roundings of 2^-24.
+const SIZE_PAD: f32 = 1.0 / 1_048_576.0;
 
-/// 2 roundings of 2^-24.
-const REACH_PAD: f32 = 1.0 / 8_388_608.0;
+/// 4 roundings of 2^-24.
+const REACH_PAD: f32 = 1.0 / 4_194_304.0;
 
 /// One over a segment's vector, for [`span`]. A component of zero gets a huge inverse instead of an
 /// infinite one, whose product with 0 is not a number.
@@ -53,15 +53,16 @@ pub(crate) fn enters_box(o: Vec3A, inverse: Vec3A, corners: [Vec3A; 2]) -> bool 
     entry <= exit * SLACK
 }
 
-/// The box around a triangle, grown on all sides by 2^-21 of its longest side and 2^-23 of its greatest coordinate: least
-/// and greatest corner.
+/// The box around a triangle, least and greatest corner, grown on all sides by 2^-20 of its longest side or by 2^-22 of
+/// its greatest coordinate, whichever is more. (Not by a sum: Mesa's lavapipe 22.3 adds `a + (b * c + d * e)` from left to
+/// right.)
 #[inline(always)]
 pub(crate) fn padded_box([a, b, c]: [Vec3A; 3]) -> [Vec3A; 2] {
     let low = a.min(b).min(c);
     let high = a.max(b).max(c);
     let size = (high - low).max_element();
     let reach = low.abs().max(high.abs()).max_element();
-    let pad = size * SIZE_PAD + reach * REACH_PAD;
+    let pad = (size * SIZE_PAD).max(reach * REACH_PAD);
     [low - pad, high + pad]
 }
 

@@ -2,9 +2,9 @@
 
 // 1 + 2^-19.
 const SLACK = 1.0000019;
-// 2^-21 and 2^-23.
-const SIZE_PAD = 4.7683716e-7;
-const REACH_PAD = 1.1920929e-7;
+// 2^-20 and 2^-22.
+const SIZE_PAD = 9.536743e-7;
+const REACH_PAD = 2.3841858e-7;
 
 fn safe_inverse(x: f32) -> f32 {
     return select(1.0 / x, select(-1e30, 1e30, x >= 0.0), abs(x) < 1e-30);
@@ -27,7 +27,7 @@ fn enters_box(o: vec3f, inverse: vec3f, low: vec3f, high: vec3f) -> bool {
 fn box_pad(low: vec3f, high: vec3f) -> f32 {
     let size = high - low;
     let reach = max(abs(low), abs(high));
-    return max(max(size.x, size.y), size.z) * SIZE_PAD + max(max(reach.x, reach.y), reach.z) * REACH_PAD;
+    return max(max(max(size.x, size.y), size.z) * SIZE_PAD, max(max(reach.x, reach.y), reach.z) * REACH_PAD);
 }
 
 fn padded_low(a: vec3f, b: vec3f, c: vec3f) -> vec3f {
