@@ -105,7 +105,8 @@ fn machines(old: &Comparison, new: &Comparison, notes: &mut Vec<String>) -> [boo
         let mut times = c.scenes.iter().flat_map(|s| &s.rows).filter_map(|r| r.measured()?.times);
         times.any(|t| has(&t))
     };
-    let (times, ratios): (fn(&Times) -> bool, fn(&Times) -> bool) = (|_| true, |t| t.ratio.is_some());
+    let times: fn(&Times) -> bool = |_| true;
+    let ratios: fn(&Times) -> bool = |t| t.ratio.is_some();
     let why = if machine(then) != machine(now) || !same_adapter {
         let [then, now] = [then, now].map(describe);
         Some(format!("the baseline was made on another machine ({then}; here: {now})"))

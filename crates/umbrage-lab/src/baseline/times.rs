@@ -126,7 +126,7 @@ pub(super) fn judge(timings: &[Timing<'_>]) -> Judged {
 const MOST_ROWS: usize = 16;
 
 /// At most so many, taken evenly.
-fn spread_out<'a, T>(all: &'a [T], most: usize) -> impl Iterator<Item = &'a T> {
+fn spread_out<T>(all: &[T], most: usize) -> impl Iterator<Item = &T> {
     let count = all.len().min(most);
     (0..count).map(move |i| &all[i * all.len() / count])
 }

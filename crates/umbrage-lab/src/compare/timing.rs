@@ -79,6 +79,9 @@ impl Timed {
     }
 }
 
+/// A row's ratios to its yardstick, and its quickest run in milliseconds.
+type TimedRow = (Vec<f64>, f64);
+
 /// Times rows of a scene once more, by their [stems](super::Row::stem): each row's ratios, and its quickest run in milliseconds;
 /// none where it can't be played any more.
 pub(crate) fn again(
@@ -87,7 +90,7 @@ pub(crate) fn again(
     options: &Options,
     runs: &Runs,
     backends: &mut Backends,
-) -> Result<Vec<Option<(Vec<f64>, f64)>>, LabError> {
+) -> Result<Vec<Option<TimedRow>>, LabError> {
     let (camera, light) = camera_and_light(&input.scene)?;
     let (camera, geometry) = (options.camera(camera), Geometry::bake(&input.scene)?);
     let receivers = backends.receivers.receivers(&camera, &geometry)?;
