@@ -17,7 +17,7 @@ const WORST: usize = 12;
 pub struct Summary {
     /// Rows.
     pub rows: usize,
-    /// Those with a ratio of at most [`GOOD`].
+    /// Those with a ratio of at most 1.1.
     pub good: usize,
     /// Geometric mean of the ratios.
     pub mean: f64,
