@@ -11,6 +11,7 @@ mod exact;
 mod far_away;
 mod maps;
 mod not_finite;
+mod order;
 mod penumbra;
 mod pictures;
 mod plugin;
