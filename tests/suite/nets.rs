@@ -20,3 +20,4 @@ mod rasterisers;
 mod stable_fit;
 mod stages;
 mod threads;
+mod yardstick;
