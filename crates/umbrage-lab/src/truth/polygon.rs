@@ -45,7 +45,18 @@ pub(super) fn cut<P: Copy + std::ops::Sub<Output = P> + std::ops::Add<Output = P
     out
 }
 
-/// The common part of two polygons.
+/// Whether a point lies in a polygon, or on its edge.
+pub(super) fn contains(p: &[DVec2], q: DVec2) -> bool {
+    edges(p).all(|[a, b]| (b - a).perp_dot(q - a) >= 0.0)
+}
+
+/// Some points in a polygon: the mean of its corners, and one near each corner.
+pub(super) fn spread(p: &[DVec2]) -> Vec<DVec2> {
+    let middle = p.iter().sum::<DVec2>() / p.len().max(1) as f64;
+    std::iter::once(middle).chain(p.iter().map(|&corner| middle.lerp(corner, 0.95))).collect()
+}
+
+/// The common part of two polygons. Nothing cuts nothing off: what is common with no corners at all is the other polygon.
 pub(super) fn common(p: &[DVec2], q: &[DVec2]) -> Polygon {
     edges(q).fold(p.to_vec(), |part, edge| left_of(&part, edge))
 }

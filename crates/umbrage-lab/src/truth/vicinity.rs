@@ -7,7 +7,7 @@
 
 use super::{
     Point,
-    polygon::{Polygon, area, common, counter_clockwise, cut, hull, without},
+    polygon::{Polygon, area, common, contains, counter_clockwise, cut, hull, spread, without},
 };
 use glam::{DVec2, DVec3, Vec3};
 use umbrage_core::{
@@ -37,6 +37,10 @@ const DUST: f64 = 1e-9;
 /// The lowest origin of a ray, as a share of the highest: 2^-24 of the lengths in play, the last place of 32 bits. Neighbours
 /// in one plane, whose corners are rounded to that, lie above each other by less: they don't shadow each other.
 const LOWEST: f64 = 1.0 / 32.0;
+
+/// Shadows so many that they leave more pieces than this are not told from light and shadow: the time to cut grows with the
+/// square. Only far from the origin, where vicinities are as wide as whole models, do points have so many.
+const MOST_PIECES: usize = 500;
 
 /// An ideal light, a camera, and casters.
 pub(super) struct Vicinity<'a> {
@@ -153,19 +157,38 @@ impl<'a> Vicinity<'a> {
     fn left(&self, surface: &Surface, vicinity: &Polygon, ids: &[u32], above: f64) -> Around {
         let whole = area(vicinity);
         let dust = DUST * whole;
+        let shadow = |id: &u32| surface.shadow(self.geometry.corners(*id).map(Vec3::as_dvec3), above);
+        let shadows: Vec<Polygon> = ids.iter().map(shadow).filter(|shadow| area(shadow) > dust).collect();
+        // Most of those that hold both are found by some points, before anything is cut.
+        let points = spread(vicinity);
+        let is_dark = |q: &&DVec2| shadows.iter().any(|shadow| contains(shadow, **q));
+        let dark = points.iter().filter(is_dark).count();
+        if dark > 0 && dark < points.len() {
+            return Around::Both;
+        }
+        let part = |shadow: &Polygon| {
+            let part = common(vicinity, shadow);
+            let size = area(&part);
+            (size > dust).then_some((size, part))
+        };
+        let mut shadows: Vec<(f64, Polygon)> = shadows.iter().filter_map(part).collect();
+        if shadows.is_empty() {
+            return Around::Light;
+        }
+        if dark == 0 {
+            return Around::Both;
+        }
+        // The largest first: then fewer pieces are left to be cut.
+        shadows.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
         let mut left = vec![vicinity.clone()];
-        for &id in ids {
-            let shadow = surface.shadow(self.geometry.corners(id).map(Vec3::as_dvec3), above);
-            left = without(left, &shadow, dust);
+        for (_, shadow) in &shadows {
+            left = without(left, shadow, dust);
+            if left.len() > MOST_PIECES {
+                return Around::Both;
+            }
         }
         let left: f64 = left.iter().map(|p| area(p)).sum();
-        if left >= whole - dust {
-            Around::Light
-        } else if left <= dust {
-            Around::Shadow
-        } else {
-            Around::Both
-        }
+        if left <= dust { Around::Shadow } else { Around::Both }
     }
 
     fn surface(&self, [a, b, c]: [DVec3; 3], pixel: [u32; 2]) -> Option<Surface> {
