@@ -15,8 +15,8 @@
 //!
 //!   These chances take for granted that runs are independent. They are not while others hold one of two cores: then a
 //!   yardstick may be slow beside all of a row's runs, while the row fits between two turns of the scheduler. So only runs
-//!   count beside which no yardstick took more than [`CALM`](crate::compare::CALM) times the quickest of that row, and rows
-//!   of which even that one took more than [`CALM`](crate::compare::CALM) times what it can are not judged, as are those of
+//!   count beside which no yardstick took more than [`CALM`] times the quickest of that row, and rows
+//!   of which even that one took more than [`CALM`] times what it can are not judged, as are those of
 //!   fewer than [`FEWEST`] such runs. Under the load above, of all rows the bound lay below what the row takes in 3 %; of
 //!   those whose yardstick's median was calm, in 1 of 2,393.
 //! * **A technique** on a backend, over all scenes and settings, is suspected if its rows' median is slower by more than

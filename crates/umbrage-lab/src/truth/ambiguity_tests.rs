@@ -107,13 +107,12 @@ fn cases() -> Vec<Case> {
         outer: 0.6,
         radius: 0.0,
     };
-    let shapes: [(&'static str, fn() -> Vec<[Vec3; 3]>); 4] =
-        [("boxes", boxes), ("wires", wires), ("contacts", contacts), ("ball", ball)];
+    let shapes = [("boxes", boxes()), ("wires", wires()), ("contacts", contacts()), ("ball", ball())];
     let lights = [sun(-0.5, -0.7, -0.3), low_sun, bulb, spot];
     let mut out = Vec::new();
     for (name, shape) in shapes {
         for (k, light) in lights.into_iter().enumerate() {
-            out.push(Case { name, corners: shape(), camera: camera(Vec3::ZERO, k == 2), light });
+            out.push(Case { name, corners: shape.clone(), camera: camera(Vec3::ZERO, k == 2), light });
         }
     }
     out
