@@ -17,6 +17,7 @@ mod pictures;
 mod plugin;
 mod projections;
 mod rasterisers;
+mod soft;
 mod stable_fit;
 mod stages;
 mod threads;
