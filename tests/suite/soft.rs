@@ -17,7 +17,7 @@ use umbrage_tests::gpu::gpu;
 const SIZE: UVec2 = UVec2::new(160, 120);
 /// Fewer scenes than this would mean that the catalogue isn't read as it should be.
 const LEAST_SCENES: usize = 12;
-/// By how much the issue lets the errors under two fits differ.
+/// By how much the errors under two fits may differ: fits place other texels under the same edges.
 const FITS_DIFFER: f64 = 0.005;
 /// What is left of the error with four times the taps on a map four times as fine, at most. What speaking of one blocker a
 /// receiver costs stays: without that it would be less than a half.
