@@ -4,12 +4,16 @@
 //! practical and robust shadows": walls from edges to infinity, and caps at both ends. Infinity is one point for a
 //! directional light, so that its walls are triangles and there is nothing to cap there.
 
-use crate::silhouette::{Silhouette, Welded};
-use glam::{DVec4, Vec4};
+use crate::{
+    silhouette::{Silhouette, Welded},
+    window::{Crossing, Part, Parts, Window},
+};
+use glam::{DVec3, DVec4, Vec4};
 use umbrage_core::Faces;
 
-/// The volumes' faces, counter-clockwise seen from outside. Each wall comes as often as its edge counts.
-pub(crate) fn extrude(mesh: &Welded, silhouette: &Silhouette, light: DVec4) -> Faces {
+/// The volumes' faces, counter-clockwise seen from outside. Each wall comes as often as its edge counts, as far as it is in the
+/// window.
+pub(crate) fn extrude(mesh: &Welded, silhouette: &Silhouette, light: DVec4, window: Option<&Window>) -> Faces {
     let far = Far { first: mesh.positions.len() as u32, is_one_point: light.w == 0.0 };
     let mut faces = Faces { vertices: mesh.positions.iter().map(|p| p.extend(1.0)).collect(), triangles: Vec::new() };
     let away = |p: &glam::Vec3| (p.as_dvec3() * light.w - light.truncate()).as_vec3().extend(0.0);
@@ -21,8 +25,13 @@ pub(crate) fn extrude(mesh: &Welded, silhouette: &Silhouette, light: DVec4) -> F
     for cap in &silhouette.caps {
         far.add_caps(cap.corners, &mut faces.triangles);
     }
+    let mut parts = Parts::default();
     for &(edge, count) in &silhouette.edges {
-        (0..count).for_each(|_| far.add_wall(edge, &mut faces.triangles));
+        let within = edge.map(|v| match window {
+            Some(window) => far.part(v, window, &mut parts, &mut faces.vertices),
+            None => Part::WHOLE,
+        });
+        (0..count).for_each(|_| far.add_wall(edge, within, &mut faces.triangles));
     }
     faces
 }
@@ -54,11 +63,40 @@ impl Far {
         }
     }
 
-    /// The cap has the edge from `a` to `b`, so the wall next to it has it from `b` to `a`.
-    fn add_wall(&self, [a, b]: [u32; 2], triangles: &mut Vec<[u32; 3]>) {
-        triangles.push([b, a, self.of(a)]);
-        if !self.is_one_point {
-            triangles.push([b, self.of(a), self.of(b)]);
+    /// The part within the window of the edge from a vertex to its point at infinity.
+    fn part(&self, v: u32, window: &Window, parts: &mut Parts, vertices: &mut Vec<Vec4>) -> Part<u32> {
+        let [from, towards] = [v, self.of(v)].map(|v| vertices[v as usize].as_dvec4());
+        let add = |at: DVec3| {
+            vertices.push(at.as_vec3().extend(1.0));
+            vertices.len() as u32 - 1
+        };
+        parts.of(v, || window.part(from.truncate(), towards), add)
+    }
+
+    /// The cap has the edge from `a` to `b`, so the wall next to it has it from `b` to `a`. The wall is cut where the edges to
+    /// both points at infinity cross the window; what lies beyond one of its planes is left out.
+    fn add_wall(&self, near: [u32; 2], within: [Part<u32>; 2], triangles: &mut Vec<[u32; 3]>) {
+        let far = near.map(|v| self.of(v));
+        let [a, b] = within;
+        let enter = [a.enters.map_or(near[0], |c| c.at), b.enters.map_or(near[1], |c| c.at)];
+        let leave = [a.leaves.map_or(far[0], |c| c.at), b.leaves.map_or(far[1], |c| c.at)];
+        let same_plane = |c: [Option<Crossing<u32>>; 2]| c[0].zip(c[1]).is_some_and(|(a, b)| a.plane == b.plane);
+        if !same_plane([a.enters, b.enters]) {
+            add_strip(near, enter, triangles);
         }
+        add_strip(enter, leave, triangles);
+        if !same_plane([a.leaves, b.leaves]) {
+            add_strip(leave, far, triangles);
+        }
+    }
+}
+
+/// A wall's part between two edges that run alike, but for triangles without area.
+fn add_strip([a, b]: [u32; 2], [far_a, far_b]: [u32; 2], triangles: &mut Vec<[u32; 3]>) {
+    if a != far_a {
+        triangles.push([b, a, far_a]);
+    }
+    if b != far_b && far_a != far_b {
+        triangles.push([b, far_a, far_b]);
     }
 }

@@ -45,6 +45,7 @@ mod texture;
 mod traced;
 mod unshadowed;
 mod volumes;
+mod window;
 
 pub use bias::Bias;
 pub use blinn_phong::{BlinnPhong, BlinnPhongKernel, BlinnPhongUniforms, Shading};

@@ -13,6 +13,7 @@ mod penumbra;
 mod pictures;
 mod plugin;
 mod rasterisers;
+mod scratch;
 mod stable_fit;
 mod stages;
 mod threads;

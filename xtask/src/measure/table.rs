@@ -36,7 +36,7 @@ pub(super) fn print(scenes: &[SceneResult]) {
         table.column_iter_mut().skip(3).for_each(|c| c.set_cell_alignment(CellAlignment::Right));
         let [w, h] = scene.size;
         println!("\n{}: {} light, {w} x {h}, {} triangles\n{table}", scene.name, scene.light, scene.triangles);
-        maps(&scene.rows).iter().for_each(|line| println!("{line}"));
+        maps(&scene.rows).iter().chain(&left_out(&scene.rows)).for_each(|line| println!("{line}"));
     }
     if !whole {
         println!(
@@ -49,6 +49,13 @@ pub(super) fn print(scenes: &[SceneResult]) {
 fn maps(rows: &[Row]) -> Option<String> {
     let used: Vec<_> = rows.iter().filter_map(|r| r.measured()?.maps).collect();
     Some(format!("maps: {}", footprint::words(&used)?))
+}
+
+/// How many pixels were left out of the errors, in a line; none if none were.
+fn left_out(rows: &[Row]) -> Option<String> {
+    let row = rows.iter().find(|r| r.measured().is_some_and(|m| m.errors.elsewhere > 0))?;
+    let pixels = row.measured()?.errors.elsewhere;
+    Some(format!("left out: {pixels} pixels at which {} sees other triangles than truth", row.backend))
 }
 
 fn cells(row: &Row) -> Vec<String> {

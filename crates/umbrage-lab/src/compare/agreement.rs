@@ -1,14 +1,17 @@
-//! Which of the CPU's answers hang on rounding, and how well another backend agrees on the rest.
+//! How well another backend agrees with the CPU.
+//!
+//! Devices move vertices to grids of 1/16 to 1/256 pixels, and some lay depth planes through the moved ones. That alone moves
+//! edges, of shadows and of what is seen. So the CPU plays the recipe once more, rounding vertices as the other backend's device
+//! does ([`Snapping`]), and that is what the other backend must agree with: on other grids the same answers are decided, no
+//! fewer.
 
 use crate::LabError;
 use glam::Vec2;
 use umbrage_core::{
-    Backend, Receivers, Recipe, Shadows, View,
-    metrics::{Agreement, Doubt},
+    Backend, Receivers, Recipe, Shadows, Snapping, View,
+    metrics::{AGREE, Agreement, Doubt},
 };
-
-/// How far light spaces are moved, texels: half of the finest sub-pixel grid's step (1/256) that drivers snap vertices to.
-const NUDGE_TEXELS: f32 = 1.0 / 512.0;
+use umbrage_cpu::{Cpu, CpuOptions};
 
 /// How far their depth is moved: 2^-20, 16 units in the last place of depths in 0.5..1.
 const NUDGE_DEPTH: f32 = 1.0 / 1_048_576.0;
@@ -16,34 +19,52 @@ const NUDGE_DEPTH: f32 = 1.0 / 1_048_576.0;
 /// How far receivers are moved where nothing is cast: a fraction of their greatest coordinate, 2^-21.
 const NUDGE_POSITION: f32 = 1.0 / 2_097_152.0;
 
-/// Compares another backend's mask with the CPU's. Pixels where the two see different triangles are set apart. Others that
-/// differ by more than is allowed are *undecided* when the CPU's answer changes, too, as the casts' light spaces are nudged
-/// (sideways by 1/512 texel, in depth by 2^-20), or, for recipes without casts, as its receivers are; else they are
-/// violations. Equal masks need no nudges, so none are rendered for them.
-pub(crate) fn compare(
-    cpu: &mut dyn Backend,
+/// Compares a backend's mask with the one that the CPU makes when it rounds vertices so, too. `of_cpu` is what it makes of
+/// the same recipe by its own rule; [`Agreement::differing`] and [`Agreement::largest`] tell the difference from that.
+///
+/// Pixels where the two see different triangles are set apart. Others that differ by more than is allowed are *undecided*
+/// when the CPU's answer changes, too, as the casts' light spaces are nudged (sideways by half a step of the grid, in depth
+/// by 2^-20), or, for recipes without casts, as its receivers are; else they are violations. Equal masks need no nudges, so
+/// none are rendered for them.
+///
+/// # Errors
+/// When the CPU cannot play the recipe, or masks differ in size or hold anything outside 0..=1.
+pub fn agree(
     view: &View<'_>,
     recipe: &Recipe,
     of_cpu: &Shadows,
     other: &Shadows,
+    snapping: Snapping,
 ) -> Result<Agreement, LabError> {
+    let mut cpu = Cpu::with_options(&CpuOptions::default().snapping(snapping))?;
+    let played = if snapping == cpu_rule() { None } else { Some(cpu.render(view, recipe)?) };
+    let expected = played.as_ref().unwrap_or(of_cpu);
     let tolerance = recipe.receive.kernel.tolerance();
-    let mut doubts = different_triangles(of_cpu.receivers.as_ref(), other.receivers.as_ref(), of_cpu.mask.len());
-    let agreement = |doubts: &[Doubt]| Agreement::measure(of_cpu.size, &of_cpu.mask, &other.mask, doubts, tolerance);
+    let mut doubts = different_triangles(expected.receivers.as_ref(), other.receivers.as_ref(), expected.mask.len());
+    let agreement =
+        |doubts: &[Doubt]| Agreement::measure(expected.size, &expected.mask, &other.mask, doubts, tolerance);
     let mut agreed = agreement(&doubts)?;
-    for nudge in nudges(recipe) {
+    for nudge in nudges(recipe, snapping) {
         if agreed.holds() {
             break;
         }
-        let nudged = nudge.render(cpu, view, recipe, of_cpu)?;
-        for (doubt, (a, b)) in doubts.iter_mut().zip(of_cpu.mask.iter().zip(&nudged.mask)) {
+        let nudged = nudge.render(&mut cpu, view, recipe, expected)?;
+        for (doubt, (a, b)) in doubts.iter_mut().zip(expected.mask.iter().zip(&nudged.mask)) {
             if a != b && *doubt == Doubt::None {
                 *doubt = Doubt::Rounding;
             }
         }
         agreed = agreement(&doubts)?;
     }
-    Ok(agreed)
+    let plain = Agreement::measure(of_cpu.size, &of_cpu.mask, &other.mask, &doubts, tolerance)?;
+    let moved = |(a, b): (&f32, &f32)| (a - b).abs() > AGREE + tolerance;
+    let by_grid = of_cpu.mask.iter().zip(&expected.mask).filter(|&pair| moved(pair)).count() as u64;
+    Ok(Agreement { differing: plain.differing, largest: plain.largest, by_grid, ..agreed })
+}
+
+/// How the CPU rounds if it isn't told otherwise.
+fn cpu_rule() -> Snapping {
+    Snapping::default()
 }
 
 /// A movement too small to see.
@@ -55,12 +76,13 @@ enum Nudge {
     Receivers(f32),
 }
 
-/// What to try on a recipe.
-fn nudges(recipe: &Recipe) -> Vec<Nudge> {
+/// What to try on a recipe. Half a step of the device's grid is as far as rounding moves a vertex; a device that rounds
+/// another way (down, say) moves it as much further.
+fn nudges(recipe: &Recipe, snapping: Snapping) -> Vec<Nudge> {
     if recipe.casts.is_empty() {
         return vec![Nudge::Receivers(NUDGE_POSITION), Nudge::Receivers(-NUDGE_POSITION)];
     }
-    let t = NUDGE_TEXELS;
+    let t = 0.5 * snapping.step();
     let sideways = [(t, t), (-t, t), (t, -t), (-t, -t)].map(|(x, y)| Nudge::Space(Vec2::new(x, y), 0.0));
     let in_depth = [NUDGE_DEPTH, -NUDGE_DEPTH].map(|depth| Nudge::Space(Vec2::ZERO, depth));
     [&sideways[..], &in_depth].concat()
@@ -68,14 +90,8 @@ fn nudges(recipe: &Recipe) -> Vec<Nudge> {
 
 impl Nudge {
     /// The recipe, moved so; what the CPU saw is known.
-    fn render(
-        self,
-        cpu: &mut dyn Backend,
-        view: &View<'_>,
-        recipe: &Recipe,
-        of_cpu: &Shadows,
-    ) -> Result<Shadows, LabError> {
-        let seen = of_cpu.receivers.as_ref().or(view.receivers);
+    fn render(self, cpu: &mut Cpu, view: &View<'_>, recipe: &Recipe, expected: &Shadows) -> Result<Shadows, LabError> {
+        let seen = expected.receivers.as_ref().or(view.receivers);
         Ok(match self {
             Self::Space(texels, depth) => {
                 let view = seen.map_or(*view, |r| view.with_receivers(r));
@@ -83,7 +99,7 @@ impl Nudge {
             }
             Self::Receivers(fraction) => match seen.map(|r| moved(r, fraction)) {
                 Some(moved) => cpu.render(&view.with_receivers(&moved), recipe)?,
-                None => of_cpu.clone(),
+                None => expected.clone(),
             },
         })
     }

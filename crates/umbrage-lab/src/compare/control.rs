@@ -10,12 +10,14 @@ use umbrage_core::{
     metrics::{FALSE, Pixel},
 };
 
-/// Plays a technique on the same triangles, none of which casts, and looks at what becomes of its mask.
+/// Plays a technique on the same triangles, none of which casts, and looks at what becomes of its mask at the pixels that
+/// count: these, or those that truth says.
 pub(super) fn run(
     backend: &mut dyn Backend,
     technique: &dyn ShadowTechnique,
     view: &View3<'_>,
     truth: &Truth,
+    pixels: Option<&[Pixel]>,
     with_casters: &Shadows,
 ) -> Result<Control, LabError> {
     let bare = view.geometry.without_casters();
@@ -25,7 +27,8 @@ pub(super) fn run(
     let horizon = horizon(view.camera, view.light, &bare, truth)?;
     // A map without casters says nothing but lit; rays still see the horizon, with noise.
     let least = |i: usize| if recipe.casts.is_empty() { horizon[i] - DARK } else { 1.0 };
-    let counted = || (0..truth.pixels.len()).filter(|&i| truth.pixels[i] == Pixel::Counted);
+    let pixels = pixels.unwrap_or(&truth.pixels);
+    let counted = || (0..pixels.len()).filter(|&i| pixels[i] == Pixel::Counted);
     let hidden = || counted().filter(|&i| horizon[i] - truth.visibility[i] > FALSE);
     let shadowed = hidden().count() as u64;
     let changed = hidden().filter(|&i| without.mask[i] - with_casters.mask[i] > FALSE).count() as u64;

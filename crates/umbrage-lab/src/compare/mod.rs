@@ -9,8 +9,10 @@ mod options;
 mod relative;
 mod result;
 mod scene;
+mod seen;
 mod slug;
 
+pub use agreement::agree;
 pub use backends::{BackendChoice, Backends};
 pub use event::{Event, OnEvent};
 pub use options::{Options, Runs, SceneInput};

@@ -8,7 +8,7 @@ use umbrage_core::{
 };
 
 /// Version of this data's shape; grows with every change that a reader would notice.
-pub const SCHEMA: u32 = 4;
+pub const SCHEMA: u32 = 5;
 
 /// A whole comparison.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -47,6 +47,9 @@ pub struct Environment {
     pub system: String,
     /// The graphics adapter; none if there is none or it wasn't asked for.
     pub adapter: Option<String>,
+    /// How it rounds vertices, in words; none without it.
+    #[serde(default)]
+    pub snapping: Option<String>,
     /// Names of the backends compared.
     pub backends: Vec<String>,
 }

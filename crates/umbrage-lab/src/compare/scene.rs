@@ -2,7 +2,7 @@
 
 use super::{
     Backends, Event, Measured, OnEvent, Options, Outcome, Row, Runs, SceneInput, SceneResult, Spread, Times,
-    TruthSummary, agreement, control, slug::Setting,
+    TruthSummary, agreement::agree, control, seen::Seen, slug::Setting,
 };
 use crate::{
     LabError, color,
@@ -17,8 +17,8 @@ use std::{
     time::{Duration, Instant},
 };
 use umbrage_core::{
-    Backend, BackendError, Camera, Cast, CastMode, Geometry, Invalid, Light, LightSpace, PlanError, Receivers, Recipe,
-    ShadowTechnique, Shadows, Timings, View, Work,
+    Backend, BackendError, Camera, Cast, CastMode, Geometry, Invalid, Light, LightSpace, PlanError, Recipe,
+    ShadowTechnique, Shadows, Snapping, Timings, View, Work,
     metrics::{Agreement, Causes, Errors, Pixel, Reference, TruthImage},
 };
 
@@ -84,6 +84,7 @@ pub(super) fn run(
         colors: Vec::new(),
         lookups: Vec::new(),
         looked_up: Vec::new(),
+        seen: backends.playing.iter().map(|_| None).collect(),
     };
     for setting in settings {
         run.setting(setting, backends, on_event)?;
@@ -148,6 +149,8 @@ struct SceneRun<'a> {
     colors: Vec<Option<Vec<u8>>>,
     lookups: Vec<Option<Arc<Heat>>>,
     looked_up: Vec<LookedUp>,
+    /// One entry a backend.
+    seen: Vec<Option<Seen>>,
 }
 
 /// A footprint that is known: most settings differ in their bias alone, and their maps are used alike.
@@ -278,14 +281,19 @@ impl SceneRun<'_> {
         if times.is_some() && shadows.timings.receive.is_none() {
             return Ok(self.unsupported("this adapter cannot time its passes"));
         }
-        self.check_receivers(&shadows, player.kind())?;
+        if !self.seen[backend].as_ref().is_some_and(|seen| seen.holds(&shadows)) {
+            self.seen[backend] =
+                Some(Seen::new(self.name, &self.view, self.truth, &self.options.truth, player, &shadows)?);
+        }
+        let pixels = self.seen[backend].as_ref().and_then(|seen| seen.pixels.as_deref());
+        let snapping = player.snapping();
         // A recipe that never looks at a caster has none to miss.
         let looks = !(recipe.casts.is_empty() && recipe.tables.is_empty());
         if looks && self.controls.iter().all(|c| c.backend != player.kind()) {
-            self.controls.push(control::run(player, &*setting.technique, &self.view, self.truth, &shadows)?);
+            self.controls.push(control::run(player, &*setting.technique, &self.view, self.truth, pixels, &shadows)?);
         }
-        let (errors, causes) = self.errors(of_cpu.as_ref(), &shadows)?;
-        let agreement = agreement_with_cpu(&mut *backends.playing[0], &view, recipe, of_cpu.as_ref(), &shadows)?;
+        let (errors, causes) = self.errors(of_cpu.as_ref(), &shadows, pixels)?;
+        let agreement = agreement_with_cpu(&view, recipe, of_cpu.as_ref(), &shadows, snapping)?;
         self.masks.push(Some(shadows.mask.clone()));
         let bytes = shadows.bytes;
         if backends.playing[backend].kind() == "cpu" {
@@ -298,65 +306,36 @@ impl SceneRun<'_> {
         Ok(Outcome::Measured(Box::new(measured)))
     }
 
-    /// Against truth, and what it comes from. A mask that equals the CPU's has its errors.
-    fn errors(&self, of_cpu: Option<&OfCpu>, shadows: &Shadows) -> Result<(Errors, Causes), Invalid> {
-        match of_cpu {
-            Some((cpu, errors, causes)) if cpu.mask == shadows.mask => Ok((*errors, *causes)),
-            _ => Ok((self.reference.errors(&shadows.mask)?, Causes::measure(&shadows.mask, &self.image)?)),
+    /// Against truth where these pixels count, or those that truth says, and what it comes from. A mask that equals the CPU's
+    /// has its errors.
+    fn errors(
+        &self,
+        of_cpu: Option<&OfCpu>,
+        shadows: &Shadows,
+        pixels: Option<&[Pixel]>,
+    ) -> Result<(Errors, Causes), Invalid> {
+        match (of_cpu, pixels) {
+            (Some((cpu, errors, causes)), None) if cpu.mask == shadows.mask => Ok((*errors, *causes)),
+            (_, None) => Ok((self.reference.errors(&shadows.mask)?, Causes::measure(&shadows.mask, &self.image)?)),
+            (_, Some(pixels)) => {
+                let errors = self.reference.with_pixels(pixels)?.errors(&shadows.mask)?;
+                Ok((errors, Causes::measure(&shadows.mask, &self.image.with_pixels(pixels)?)?))
+            }
         }
-    }
-
-    /// Truth and backend must have seen the same triangles.
-    fn check_receivers(&self, shadows: &Shadows, backend: &str) -> Result<(), LabError> {
-        let fault = |what: String| LabError::NotComparable { scene: self.name.to_owned(), what };
-        if self.view.geometry.fingerprint() != self.truth.fingerprint {
-            return Err(fault("truth was traced with other triangles".to_owned()));
-        }
-        let Some(seen) = &shadows.receivers else {
-            return Err(fault(format!("backend {backend} doesn't tell which receivers it saw")));
-        };
-        let truth = &self.truth.receivers;
-        if seen.size != truth.size {
-            return Err(fault(format!(
-                "backend {backend} sees an image of {}, truth one of {}",
-                seen.size, truth.size
-            )));
-        }
-        let [ids, surfaces] = different(truth, seen);
-        if ids as f64 > MOST_IDS * truth.len() as f64 || surfaces as f64 > MOST_SURFACES * truth.len() as f64 {
-            let of = truth.len();
-            let what =
-                format!("truth and backend {backend} see other triangles at {ids} of {of} pixels, {surfaces} far off");
-            return Err(fault(what));
-        }
-        Ok(())
     }
 }
 
 /// What the CPU made of a setting, and how far it is from truth.
 type OfCpu = (Shadows, Errors, Causes);
 
-/// Drivers round vertices to 2^-8 or 2^-4 pixels, so where triangles are as small as pixels some show their neighbour:
-/// this share of the pixels may ...
-const MOST_IDS: f64 = 0.05;
-/// ... but on outlines alone may it lie elsewhere.
-const MOST_SURFACES: f64 = 0.001;
-
-/// At how many pixels the triangles differ, and at how many their distances do by over a hundredth, too.
-fn different(a: &Receivers, b: &Receivers) -> [usize; 2] {
-    let ids = (0..a.len()).filter(|&i| a.triangle[i] != b.triangle[i]);
-    let far = |i: &usize| (a.distance[*i] - b.distance[*i]).abs() > 0.01 * a.distance[*i];
-    [ids.clone().count(), ids.filter(far).count()]
-}
-
 fn agreement_with_cpu(
-    cpu: &mut dyn Backend,
     view: &View<'_>,
     recipe: &Recipe,
     of_cpu: Option<&OfCpu>,
     shadows: &Shadows,
+    snapping: Snapping,
 ) -> Result<Option<Agreement>, LabError> {
-    of_cpu.map(|(of_cpu, ..)| agreement::compare(cpu, view, recipe, of_cpu, shadows)).transpose()
+    of_cpu.map(|(of_cpu, ..)| agree(view, recipe, of_cpu, shadows, snapping)).transpose()
 }
 
 /// Plays a recipe: once for the mask, which compiles, uploads and finds receivers, then until its time is known. The timed

@@ -5,8 +5,8 @@ use crate::LabError;
 use glam::Vec2;
 use umbrage_core::Light;
 
-/// How far the image is moved, pixels.
-const NUDGE: f32 = 0.02;
+/// How far the image is moved, pixels, unless told otherwise.
+pub(super) const NUDGE: f32 = 0.02;
 
 /// By how much the rays' offset is multiplied.
 const LIFT: f32 = 4.0;
@@ -14,12 +14,13 @@ const LIFT: f32 = 4.0;
 /// Images traced: as it is, with a greater offset, and moved in four directions.
 pub(super) const PROBES: usize = 6;
 
-/// Tells of each pixel whether its answer changes under a nudge. An answer is the fraction of the light seen, 0 where
+/// Tells of each pixel whether its answer changes under a nudge by so many pixels. An answer is the fraction of the light seen, 0 where
 /// unlit and 1 where nothing receives; for lights with an extent it must change by more than a threshold.
 pub(super) fn find(
     asked: &Asked<'_>,
     light: &Light,
     options: &TruthOptions,
+    nudge: f32,
     find_receivers: &mut FindReceivers<'_>,
     report: &(dyn Fn(usize) + Sync),
 ) -> Result<Vec<bool>, LabError> {
@@ -35,7 +36,7 @@ pub(super) fn find(
     };
     mark(&asked.trace(&tracer, LIFT, report));
     for direction in [Vec2::X, Vec2::NEG_X, Vec2::Y, Vec2::NEG_Y] {
-        let camera = asked.camera.nudged(direction * NUDGE);
+        let camera = asked.camera.nudged(direction * nudge);
         let receivers = find_receivers(&camera, asked.geometry)?;
         mark(&Asked { camera: &camera, receivers: &receivers, ..*asked }.trace(&tracer, 1.0, report));
     }
