@@ -93,7 +93,7 @@ impl Far {
 
 /// A wall's part between two edges that run alike, but for triangles without area.
 fn add_strip([a, b]: [u32; 2], [far_a, far_b]: [u32; 2], triangles: &mut Vec<[u32; 3]>) {
-    if a != far_a {
+    if a != far_a && b != far_a {
         triangles.push([b, a, far_a]);
     }
     if b != far_b && far_a != far_b {

@@ -13,6 +13,7 @@ mod tracer;
 pub use points::{Point, Seen, trace_points};
 
 use crate::LabError;
+use ambiguity::Nudge;
 use glam::UVec2;
 use points::Asked;
 use std::{
@@ -177,7 +178,7 @@ fn trace_asked(
     let total = asked.pixels.len() * (1 + ambiguity::PROBES);
     let report = |n: usize| progress(done.fetch_add(n, Ordering::Relaxed) + n, total);
     let seen = asked.trace(&Tracer::new(asked.geometry, light, options)?, 1.0, &report);
-    let ambiguous = ambiguity::find(asked, light, options, ambiguity::NUDGE, find, &report)?;
+    let ambiguous = ambiguity::find(asked, light, options, Nudge::ROUNDING, find, &report)?;
     Ok((seen, ambiguous))
 }
 
@@ -195,7 +196,8 @@ fn class(receives: bool, seen: Seen, ambiguous: bool) -> Pixel {
 ///
 /// Devices move a vertex by up to half a step right or left and as much up or down, and so an edge by up to `sqrt(1/2)` steps
 /// across itself. A shadow's edge is where two things meet, what throws it and what it falls on: `sqrt(2)` steps. Nudges of the
-/// image by two steps along each axis move every edge by as much at least.
+/// image by two steps along each axis move every edge by as much at least. Outlines count, too: there the device's depth is
+/// that of a plane beyond its edge.
 #[cfg(feature = "report")]
 pub(crate) fn ambiguous_on(
     step: f32,
@@ -204,8 +206,8 @@ pub(crate) fn ambiguous_on(
     options: &TruthOptions,
     find: &mut FindReceivers<'_>,
 ) -> Result<Option<Vec<bool>>, LabError> {
-    let nudge = 2.0 * step;
-    if nudge <= ambiguity::NUDGE {
+    let nudge = Nudge { pixels: 2.0 * step, outlines: true };
+    if nudge.pixels <= Nudge::ROUNDING.pixels {
         return Ok(None);
     }
     let (camera, light, geometry) = view;
