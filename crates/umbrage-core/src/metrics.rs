@@ -215,6 +215,10 @@ pub enum Doubt {
 /// where a surface shadows itself; were it more, a fault of the bias or of the light space could hide in it.
 pub const MOST_UNDECIDED: f64 = 0.001;
 
+/// How much a device's rounding may add to a mask's RMSE against truth ([`Agreement::excess`]): a bias that is too small for it
+/// darkens whole surfaces, which adds tenths; edges that move by a part of a pixel add thousandths.
+pub const MOST_EXCESS: f64 = 0.005;
+
 /// How well a mask agrees with the CPU's of the same view.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Agreement {
@@ -234,6 +238,10 @@ pub struct Agreement {
     /// device does ([`Snapping`](crate::Snapping)). There the other backend must agree with the changed mask.
     #[serde(default)]
     pub by_grid: u64,
+    /// How much greater the mask's RMSE against truth is than that of the CPU's mask over the same pixels; 0 if nobody
+    /// measured it.
+    #[serde(default)]
+    pub excess: f64,
 }
 
 impl Agreement {
@@ -264,6 +272,11 @@ impl Agreement {
     /// Whether all decided pixels agree.
     pub fn holds(&self) -> bool {
         self.violations == 0
+    }
+
+    /// Whether the mask is no farther from truth than the CPU's and [`MOST_EXCESS`].
+    pub fn is_accurate(&self) -> bool {
+        self.excess <= MOST_EXCESS
     }
 
     /// Whether no more pixels are excused by rounding than [`MOST_UNDECIDED`] allows.

@@ -112,6 +112,9 @@ fn disagreement(a: Agreement) -> Option<String> {
     if !a.holds() {
         return Some(format!("{} decided pixels differ from the CPU's", a.violations));
     }
+    if !a.is_accurate() {
+        return Some(format!("RMSE is {:.4} above that of the CPU's mask at the same pixels", a.excess));
+    }
     let (undecided, compared) = (a.undecided, a.compared);
     let why = format!("rounding alone lets {undecided} of {compared} pixels differ from the CPU's: too many");
     (!a.is_decided()).then_some(why)

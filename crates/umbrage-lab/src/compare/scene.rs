@@ -18,7 +18,7 @@ use std::{
 };
 use umbrage_core::{
     Backend, BackendError, Camera, Cast, CastMode, Geometry, Invalid, Light, LightSpace, PlanError, Recipe,
-    ShadowTechnique, Shadows, Snapping, Timings, View, Work,
+    ShadowTechnique, Shadows, Timings, View, Work,
     metrics::{Agreement, Causes, Errors, Pixel, Reference, TruthImage},
 };
 
@@ -293,7 +293,13 @@ impl SceneRun<'_> {
             self.controls.push(control::run(player, &*setting.technique, &self.view, self.truth, pixels, &shadows)?);
         }
         let (errors, causes) = self.errors(of_cpu.as_ref(), &shadows, pixels)?;
-        let agreement = agreement_with_cpu(&view, recipe, of_cpu.as_ref(), &shadows, snapping)?;
+        let agreement = match &of_cpu {
+            None => None,
+            Some((cpu, ..)) => {
+                let agreed = agree(&view, recipe, cpu, &shadows, snapping)?;
+                Some(Agreement { excess: errors.rmse - self.rmse(&cpu.mask, pixels)?, ..agreed })
+            }
+        };
         self.masks.push(Some(shadows.mask.clone()));
         let bytes = shadows.bytes;
         if backends.playing[backend].kind() == "cpu" {
@@ -304,6 +310,14 @@ impl SceneRun<'_> {
         let measured =
             Measured { errors, causes, times, work, cost_ms, bytes, agreement, color_differing: None, maps: None };
         Ok(Outcome::Measured(Box::new(measured)))
+    }
+
+    /// A mask's RMSE where these pixels count, or those that truth says.
+    fn rmse(&self, mask: &[f32], pixels: Option<&[Pixel]>) -> Result<f64, Invalid> {
+        Ok(match pixels {
+            None => self.reference.errors(mask)?.rmse,
+            Some(pixels) => self.reference.with_pixels(pixels)?.errors(mask)?.rmse,
+        })
     }
 
     /// Against truth where these pixels count, or those that truth says, and what it comes from. A mask that equals the CPU's
@@ -327,16 +341,6 @@ impl SceneRun<'_> {
 
 /// What the CPU made of a setting, and how far it is from truth.
 type OfCpu = (Shadows, Errors, Causes);
-
-fn agreement_with_cpu(
-    view: &View<'_>,
-    recipe: &Recipe,
-    of_cpu: Option<&OfCpu>,
-    shadows: &Shadows,
-    snapping: Snapping,
-) -> Result<Option<Agreement>, LabError> {
-    of_cpu.map(|(of_cpu, ..)| agree(view, recipe, of_cpu, shadows, snapping)).transpose()
-}
 
 /// Plays a recipe: once for the mask, which compiles, uploads and finds receivers, then until its time is known. The timed
 /// runs are given the receivers of the first, so that finding and reading them back costs no time again.
