@@ -23,7 +23,7 @@
 use crate::{
     backdrop::flatten,
     endless::Endless,
-    extrusion::{caps_apart, extrude},
+    extrusion::{beyond_all, caps_apart, extrude},
     facing::{FACING, homogeneous, turned_away},
     silhouette::Welded,
     window::Window,
@@ -65,7 +65,10 @@ impl ShadowTechnique for ShadowVolumes {
         let silhouette = mesh.silhouette(light.as_dvec4());
         let endless = Endless::new(view, geometry);
         let window = Window::new(&endless.space, view.camera.size);
-        let mut faces = extrude(&mesh, &silhouette, light.as_dvec4(), Some(&window));
+        // Without perspective, points at infinity have no place on the picture, and not all devices clip them well.
+        let reach =
+            endless.backdrop.is_some().then(|| beyond_all(&geometry.bounds(), &mesh, &silhouette, light.as_dvec4()));
+        let mut faces = extrude(&mesh, &silhouette, light.as_dvec4(), Some(&window), reach);
         if let Some(backdrop) = &endless.backdrop {
             faces = flatten(&faces, backdrop);
         }

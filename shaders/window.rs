@@ -57,9 +57,12 @@ impl Window {
         Self { planes: [w * inner.x + x, w * inner.x - x, w * inner.y + y, w * inner.y - y] }
     }
 
-    /// The part within the picture of the ray from a point towards another, maybe infinitely far away; none if there is none.
-    pub(crate) fn part(&self, from: DVec3, towards: DVec4) -> Option<Part<DVec3>> {
+    /// The part within the picture of the edge from a point to another, maybe infinitely far away (w = 0, else 1); none if
+    /// there is none.
+    pub(crate) fn part(&self, from: DVec3, to: DVec4) -> Option<Part<DVec3>> {
         let from = from.extend(1.0);
+        let towards = to - from * to.w;
+        let end = if to.w == 0.0 { f64::INFINITY } else { 1.0 };
         // Along `from + s * towards`, distances to planes grow from `here` by `there`.
         let (mut enters, mut leaves) = (None::<Crossing<f64>>, None::<Crossing<f64>>);
         for (plane, normal) in self.planes.iter().enumerate() {
@@ -75,13 +78,9 @@ impl Window {
                 leaves = crossing;
             }
         }
-        let before = enters.zip(leaves).is_none_or(|(enters, leaves)| enters.at < leaves.at);
-        before.then(|| {
-            Part { enters, leaves }.map(|s| {
-                let at = from + towards * s;
-                (at / at.w).truncate()
-            })
-        })
+        let leaves = leaves.filter(|c| c.at < end);
+        let before = enters.is_none_or(|enters| enters.at < leaves.map_or(end, |c| c.at));
+        before.then(|| Part { enters, leaves }.map(|s| (from + towards * s).truncate()))
     }
 }
 
@@ -153,7 +152,13 @@ mod tests {
     #[test]
     fn rays_outside_have_no_part_and_some_never_leave() {
         assert_eq!(part(DVec3::new(40.0, 0.0, 0.0), DVec3::Y.extend(0.0)), None, "right of the picture");
-        assert_eq!(part(DVec3::new(40.0, 0.0, 0.0), DVec4::new(0.0, 40.0, 0.0, 0.0)), None, "past its corner");
+        assert_eq!(part(DVec3::new(40.0, 0.0, 0.0), DVec4::new(0.0, 40.0, 0.0, 1.0)), None, "past its corner");
+        assert_eq!(
+            part(DVec3::new(40.0, 0.0, 0.0), DVec4::new(20.0, 0.0, 0.0, 1.0)),
+            None,
+            "not so far as to the picture"
+        );
+        assert_eq!(part(DVec3::ZERO, DVec4::new(0.1, 0.0, 0.0, 1.0)), Some(Part::WHOLE), "within the picture");
         assert_eq!(part(DVec3::new(0.0, 0.0, 6.0), DVec3::Z.extend(0.0)), None, "behind the eye");
         assert_eq!(part(DVec3::ZERO, DVec3::NEG_Z.extend(0.0)), Some(Part::WHOLE), "away from the eye");
     }
