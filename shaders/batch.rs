@@ -70,6 +70,8 @@ pub(crate) struct Batch {
     depth: [f32; BATCH],
     right: [f32; BATCH],
     down: [f32; BATCH],
+    /// [`MapLookup::deepest_tap`].
+    deepest_tap: f32,
     layer: [i32; BATCH],
     seen: [bool; BATCH],
 }
@@ -79,7 +81,9 @@ impl Batch {
     #[inline(always)]
     pub(crate) fn lookup(&self, i: usize) -> Lookup {
         let (texel, gradient) = (Vec2::new(self.x[i], self.y[i]), Vec2::new(self.right[i], self.down[i]));
-        Lookup { texel, depth: self.depth[i], gradient, layer: self.layer[i], seen: self.seen[i] }
+        let depth = self.depth[i];
+        let deepest = depth.max(self.deepest_tap);
+        Lookup { texel, depth, gradient, deepest, layer: self.layer[i], seen: self.seen[i] }
     }
 }
 
@@ -90,8 +94,16 @@ impl<T: BatchTaps, const WAY: u8> SimdTask for LookUpSpan<'_, T, WAY> {
     fn run(self) {
         let Self { m, span, out, taps } = self;
         let zero = [0.0; BATCH];
-        let mut b =
-            Batch { x: zero, y: zero, depth: zero, right: zero, down: zero, layer: [0; BATCH], seen: [false; BATCH] };
+        let mut b = Batch {
+            x: zero,
+            y: zero,
+            depth: zero,
+            right: zero,
+            down: zero,
+            deepest_tap: m.deepest_tap,
+            layer: [0; BATCH],
+            seen: [false; BATCH],
+        };
         for first in (0..out.len()).step_by(BATCH) {
             let count = BATCH.min(out.len() - first);
             match WAY {
@@ -200,6 +212,8 @@ mod tests {
             slope_min,
             normal_offset,
             receiver_plane,
+            deepest_tap: 1.0,
+            sample_gain: 1.0,
         }
     }
 
@@ -214,6 +228,7 @@ mod tests {
             assert_eq!(l.texel.to_array().map(f32::to_bits), plain.texel.to_array().map(f32::to_bits), "{i}");
             assert_eq!(l.gradient.to_array().map(f32::to_bits), plain.gradient.to_array().map(f32::to_bits), "{i}");
             assert_eq!((l.depth.to_bits(), l.seen), (plain.depth.to_bits(), plain.seen), "{i}");
+            assert_eq!(l.deepest.to_bits(), plain.deepest.to_bits(), "{i}");
             0.5
         }
     }

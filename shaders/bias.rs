@@ -12,18 +12,66 @@
 //! * **receiver plane** (Schüler 2006, "Eliminating surface acne with gradient shadow mapping"; Isidoro 2006, "Shadow
 //!   mapping: GPU-based tips and techniques"): each tap is compared with the depth that the receiver's plane has at the
 //!   tap. Analytic here: from the geometric normal, not from screen-space derivatives.
+//! * **both planes** ([`Bias::ADAPTIVE`], the default): see below.
 //! * **culling front faces** ([`Cull::Front`]; Wang and Molnar 1994, "Second-depth shadow mapping"): closed casters
 //!   store their far side. Leaks at contacts, fails on open casters.
 //!
-//! Known failures: at grazing light no finite constant is enough; the offset of slope and normal grows past thin
-//! casters; the receiver's plane says nothing about a neighbouring triangle with another slope, so that under a low sun
-//! hills get acne along their creases. Far from the origin positions are rounded: under directional light the constants of
+//! # The default
+//!
+//! Of two things that meet in a texel, the receiver's surface and the stored one, each is known as a plane. Between the
+//! receiver, whose depth is z at q, and the texel's centre c, a continuous surface changes its depth by the slopes of the
+//! facets that it crosses: by t gₐ·d on the receiver's own facet, and by (1 - t) gₛ·d on the stored one, where d = c - q is at
+//! most half a texel along each axis and t is the share of the way on the receiver's. Two corrections, each from one plane,
+//! keep such a surface from shadowing itself, however its facets lie:
+//!
+//! * the depth compared is min(z, z + gₐ·d): that of the receiver's plane at the texel, but never deeper than the
+//!   receiver. (The plane alone, Schüler's and Isidoro's rule, says how deep a tap *would* be if the facet went on to it. Where
+//!   facets are smaller than texels it doesn't, and a neighbour that is nearer than the plane, but deeper than the receiver,
+//!   is taken for a blocker. What is deeper than the receiver at the texel can't hide it unless it slopes.)
+//! * casters move away by half a texel of their own slope (a polygon offset of .5): what the stored facet may gain between
+//!   the texel's centre and its rim.
+//!
+//! Of -(t gₐ + (1 - t) gₛ)·d nothing is left that the second doesn't take off where the stored facet slopes along one axis. (A
+//! polygon offset counts the steeper axis alone, so along the diagonal it would take twice as much to be sure.) Kernels
+//! that reach r texels farther meet facets that neither plane knows: .25 r texels of slope more do best over the built-in
+//! scenes and scanned models; comparison samples, each of which compares one depth with four texels, take 2 in all. Neither half detaches a shadow by more than about a texel's gain of the surface that it belongs to, and
+//! both are many times what rasterisers are off that snap vertices to 1/16 texel (1/32 texel's gain), the coarsest that
+//! Vulkan allows.
+//! `cargo xtask bias` compares it with the best of all others on any scene.
+//!
+//! Known failures: comparison samples take the whole margin from the stored facet, so where a steep facet meets a flatter one
+//! at a convex edge, the flatter one's margin is too small and the steep one is up to some percent grey within a texel of the
+//! edge ([`Bias::RECEIVER_PLANE`] has none of that, and errs more on finely tessellated models). At grazing light no finite constant is enough; the offset of slope and normal grows past thin
+//! casters; the receiver's plane alone says nothing about a neighbouring triangle with another slope, so that under a low
+//! sun hills get acne along their creases, and finely tessellated models all over. Far from the origin positions are rounded: under directional light the constants of
 //! normal offset and receiver's plane grow with that, and shadows start as far behind their casters; lamps get acne there
 //! (shapes of a metre from a kilometre on). Constant and slope-scaled biases are clip depth: under a lamp, whose clip depth
 //! is crowded near it, they lose casters close to the lamp, and shadows start centimetres behind thin plates.
 
 use serde::{Deserialize, Serialize};
 use umbrage_core::{Cull, Invalid, RasterBias, invalid};
+
+/// All slopes that a light space can hold: from its near to its far plane within a texel.
+const STEEPEST: f32 = 1.0;
+/// Texels of their own slope by which [`Bias::ADAPTIVE`] moves casters for one comparison: half the texel's side.
+const CASTER_TEXELS: f32 = 0.5;
+/// Texels of slope more for each texel that a kernel reaches: measured (`cargo xtask bias`).
+const CASTER_TEXELS_PER_REACH: f32 = 0.25;
+/// The same for comparison samples, each of which compares one depth with four texels up to a texel away along both axes: over
+/// that way a plane gains at most twice what it gains along its steeper axis, which is what a polygon offset counts.
+const CASTER_TEXELS_OF_SAMPLES: f32 = 2.0;
+
+/// What looks a map up, as far as [`Bias::ADAPTIVE`] must know.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Footprint {
+    /// Comparisons with single texels.
+    Taps {
+        /// How far they reach beyond the receiver's own texel, texels.
+        reach: f32,
+    },
+    /// Comparison samples, each of which blends the answers of 2x2 texels.
+    Samples,
+}
 
 /// The bias of a map technique. `Default` is none at all.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -43,6 +91,9 @@ pub struct Bias {
     pub normal_offset: f32,
     /// Greatest depth slope, clip depth a texel, that taps follow along the receiver's plane; 0 switches it off.
     pub receiver_plane: f32,
+    /// Both planes, the receiver's and the stored surface's: see the module's page. Beside it `receiver_plane` has no meaning, and
+    /// `raster` is added to the casters' half of it.
+    pub adaptive: bool,
     /// Casters' faces left out.
     pub cull: Cull,
 }
@@ -56,8 +107,12 @@ impl Bias {
         raster: RasterBias { constant: 0, slope: 0.0, clamp: 0.0 },
         normal_offset: 0.0,
         receiver_plane: 0.0,
+        adaptive: false,
         cull: Cull::None,
     };
+    /// The default of all map techniques but those that cull front faces: both planes, without a number that depends on the
+    /// scene. The constant of 1e-5 covers the rounding of depths.
+    pub const ADAPTIVE: Self = Self { adaptive: true, constant: 1e-5, ..Self::NONE };
     /// The textbooks' constant bias of .005.
     pub const CONSTANT: Self = Self { constant: 0.005, ..Self::NONE };
     /// The textbooks' slope-scaled bias, `max(.05 (1 - n.l), .005)`.
@@ -66,14 +121,15 @@ impl Bias {
     pub const POLYGON_OFFSET: Self = Self { raster: RasterBias { constant: 4, slope: 2.0, clamp: 0.0 }, ..Self::NONE };
     /// The normal offset that one comparison needs: see [`Bias::normal_offset`].
     pub const NORMAL_OFFSET: Self = Self::normal_offset(0.0);
-    /// The receiver's plane up to a slope of .1 a texel, and 1e-5 for rounding.
+    /// Isidoro's receiver's plane, up to a slope of .1 a texel, and 1e-5 for rounding.
     pub const RECEIVER_PLANE: Self = Self { receiver_plane: 0.1, constant: 1e-5, ..Self::NONE };
     /// Front faces of the casters left out.
     pub const FRONT_CULL: Self = Self { cull: Cull::Front, ..Self::NONE };
 
     /// The named settings above.
-    pub const PRESETS: [(&'static str, Self); 7] = [
+    pub const PRESETS: [(&'static str, Self); 8] = [
         ("none", Self::NONE),
+        ("adaptive", Self::ADAPTIVE),
         ("constant .005", Self::CONSTANT),
         ("slope .05/.005", Self::SLOPE),
         ("polygon offset 2, 4", Self::POLYGON_OFFSET),
@@ -98,7 +154,22 @@ impl Bias {
 
     /// Whether its constant is there for rounding alone: the rest moves the receiver or its taps as far as geometry asks.
     pub(crate) fn covers_rounding(&self) -> bool {
-        self.constant > 0.0 && (self.receiver_plane > 0.0 || self.normal_offset > 0.0)
+        self.constant > 0.0 && (self.adaptive || self.receiver_plane > 0.0 || self.normal_offset > 0.0)
+    }
+
+    /// Greatest depth slope that taps follow, clip depth a texel; 0 where they follow none.
+    pub(crate) fn plane_limit(&self) -> f32 {
+        if self.adaptive { STEEPEST } else { self.receiver_plane }
+    }
+
+    /// The polygon offset of the casters, for what looks them up.
+    pub(crate) fn raster_for(&self, footprint: Footprint) -> RasterBias {
+        let texels = match footprint {
+            Footprint::Taps { reach } => CASTER_TEXELS + CASTER_TEXELS_PER_REACH * reach,
+            Footprint::Samples => CASTER_TEXELS_OF_SAMPLES,
+        };
+        let adaptive = if self.adaptive { texels } else { 0.0 };
+        RasterBias { slope: self.raster.slope + adaptive, ..self.raster }
     }
 
     /// A few words for tables: a preset's name, or the fields that are set.
@@ -117,6 +188,7 @@ impl Bias {
             (self.raster != RasterBias::default(), format!("polygon offset {slope}, {constant}{clamp}")),
             (self.normal_offset != 0.0, format!("normal offset {:.2}", self.normal_offset)),
             (self.receiver_plane != 0.0, format!("receiver plane to {}", self.receiver_plane)),
+            (self.adaptive, "adaptive".to_owned()),
             (self.cull != Cull::None, format!("{:?} cull", self.cull).to_lowercase()),
         ];
         let set: Vec<String> = fields.into_iter().filter_map(|(on, text)| on.then_some(text)).collect();

@@ -91,8 +91,7 @@ impl BlinnPhong {
     }
 
     fn uniforms(&self, view: &View<'_>) -> Result<BlinnPhongUniforms, Invalid> {
-        view.light.validate()?;
-        view.camera.validate()?;
+        view.validate()?;
         let (axis, cone) = cone_of(view.light);
         let light = homogeneous(view.light);
         let attenuation = if light.w == 0.0 { Vec3::X } else { self.attenuation };
@@ -110,6 +109,7 @@ impl BlinnPhong {
 
 /// The eye (w = 1); without perspective the unit direction to it (w = 0).
 fn eye_of(camera: &Camera) -> Vec4 {
+    let camera = camera.standard();
     if camera.clip_from_view.row(3) == Vec4::W {
         return Vec3::from(camera.world_from_view.matrix3.z_axis).normalize_or_zero().extend(0.0);
     }

@@ -6,7 +6,7 @@
 
 use glam::{DMat4, DVec3, DVec4, Mat4, Vec4};
 use umbrage_core::{
-    Camera, Geometry, LightSpace, NO_TRIANGLE, Receivers, View,
+    Geometry, LightSpace, NO_TRIANGLE, Receivers, View,
     depth_range::{Pyramid, depth_range},
 };
 
@@ -43,7 +43,7 @@ impl Endless {
         }
         let nearest = match view.receivers {
             Some(receivers) => nearest_pixel(&space, receivers),
-            None => nearest_triangle(view.camera, &space, geometry),
+            None => nearest_triangle(&space, geometry),
         };
         Self { space: endless_perspective(space, nearest * (1.0 - SLACK)), backdrop: None }
     }
@@ -90,8 +90,8 @@ fn nearest_pixel(space: &LightSpace, receivers: &Receivers) -> f64 {
 }
 
 /// The same, of all triangles' parts within the camera's pyramid.
-fn nearest_triangle(camera: &Camera, space: &LightSpace, geometry: &Geometry) -> f64 {
-    let (m, own) = (space.clip_from_view.as_dmat4(), w_at_near(&camera.clip_from_view));
+fn nearest_triangle(space: &LightSpace, geometry: &Geometry) -> f64 {
+    let (m, own) = (space.clip_from_view.as_dmat4(), w_at_near(&space.clip_from_view));
     let tangent = |scale: f64, shift: f64| (m.z_axis.w.abs() + shift.abs()) / scale.abs();
     let tangents = [tangent(m.x_axis.x, m.z_axis.x), tangent(m.y_axis.y, m.z_axis.y)];
     let pyramid = Pyramid { view_from_world: space.view_from_world, tangents };

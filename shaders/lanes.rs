@@ -28,14 +28,12 @@ pub(crate) fn square<const SIDE: usize, const LANES: usize>(
             }
         }
     } else {
-        // As `depth_on_plane`.
-        let farthest = l.depth.max(1.0);
         for row in 0..SIDE {
             let stored: &[f32; LANES] = window[row * stride..][..LANES].first_chunk()?;
             let down = l.gradient.y * ((y + row as i32) as f32 + 0.5 - l.texel.y);
             for (lane, lit) in lit.iter_mut().enumerate() {
                 let right = l.gradient.x * ((x + lane as i32) as f32 + 0.5 - l.texel.x);
-                *lit += u32::from((l.depth + right + down).min(farthest) <= stored[lane]);
+                *lit += u32::from((l.depth + right + down).min(l.deepest) <= stored[lane]);
             }
         }
     }

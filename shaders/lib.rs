@@ -47,7 +47,7 @@ mod unshadowed;
 mod volumes;
 mod window;
 
-pub use bias::Bias;
+pub use bias::{Bias, Footprint};
 pub use blinn_phong::{BlinnPhong, BlinnPhongKernel, BlinnPhongUniforms, Shading};
 pub use catalogue::{Entry, Settings, all, find};
 pub use hard::{Hard, HardKernel};

@@ -24,6 +24,9 @@ const LIT_BORDER: Module = Module { name: "lit_border", text: include_str!("lit_
 /// The comparison at one texel of the first image.
 pub const TAP: Module = Module { name: "tap", text: include_str!("tap.wgsl") };
 
+/// [`MapLookup::deepest_tap`] where no tap is compared deeper than the receiver: nearer than any depth.
+pub const NEVER_DEEPER: f32 = f32::MIN;
+
 uniforms! {
     /// What a lookup needs to know, in both halves.
     pub struct MapLookup {
@@ -56,8 +59,14 @@ uniforms! {
         pub slope_min: f32,
         /// See [`Bias::normal_offset`](crate::Bias::normal_offset).
         pub normal_offset: f32,
-        /// See [`Bias::receiver_plane`](crate::Bias::receiver_plane).
+        /// Greatest depth slope, clip depth a texel, that taps follow along the receiver's plane; 0 where they follow none.
         pub receiver_plane: f32,
+        /// Clip depth down to which taps on the receiver's plane are compared where the receiver itself is nearer: 1, the far
+        /// plane, or [`NEVER_DEEPER`].
+        pub deepest_tap: f32,
+        /// Share of what the receiver's plane gains over a sample's four texels that is taken off the depth that the sample
+        /// compares: 1, or 0 where casters move away instead.
+        pub sample_gain: f32,
     }
 }
 
@@ -97,13 +106,21 @@ impl MapLookup {
             slope: bias.slope,
             slope_min: bias.slope_min,
             normal_offset: bias.normal_offset,
-            receiver_plane: bias.receiver_plane,
+            receiver_plane: bias.plane_limit(),
+            deepest_tap: if bias.adaptive { NEVER_DEEPER } else { 1.0 },
+            sample_gain: if bias.adaptive { 0.0 } else { 1.0 },
         }
     }
 
     /// The map for the Rust half.
     pub fn map<'a>(&self, image: &ImageView<'a>) -> DepthMap<'a> {
-        DepthMap { texels: image.texels, size: self.size as i32, packed: self.packed != 0, clamped: self.clamped != 0 }
+        DepthMap {
+            texels: image.texels,
+            size: self.size as i32,
+            packed: self.packed != 0,
+            clamped: self.clamped != 0,
+            sample_gain: self.sample_gain,
+        }
     }
 }
 
@@ -129,6 +146,8 @@ pub struct Lookup {
     pub depth: f32,
     /// Change of that depth per texel right and down; zero unless the receiver's plane is followed.
     pub gradient: Vec2,
+    /// Greatest clip depth that any tap is compared with: not less than `depth`.
+    pub deepest: f32,
     /// The map's layer.
     pub layer: i32,
     /// Whether the map can say anything: before the far plane and not behind the light.
@@ -216,21 +235,24 @@ pub fn look_up(m: &MapLookup, p: Vec3, n: Vec3) -> Lookup {
     if m.receiver_plane > 0.0 {
         gradient = plane_gradient(clip_from_world, clip, n, m.size, m.receiver_plane);
     }
-    Lookup { texel: Vec2::new(t.x, t.y), depth: t.z - bias, gradient, layer, seen: clip.w > 0.0 && t.z <= m.farthest }
+    let depth = t.z - bias;
+    let deepest = depth.max(m.deepest_tap);
+    let seen = clip.w > 0.0 && t.z <= m.farthest;
+    Lookup { texel: Vec2::new(t.x, t.y), depth, gradient, deepest, layer, seen }
 }
 
 /// The depth to compare with the texel at (x, y).
 #[inline(always)]
 pub fn depth_at(l: &Lookup, x: i32, y: i32) -> f32 {
-    depth_on_plane(l.depth, l.gradient, l.texel, x, y)
+    depth_on_plane(l.depth, l.gradient, l.deepest, l.texel, x, y)
 }
 
-/// `depth` moved along `gradient` from `from` to the centre of texel (x, y). What lay before the far plane stays there, since
-/// texels that nothing was drawn to hold 1.
+/// `depth` moved along `gradient` from `from` to the centre of texel (x, y), but not beyond `deepest`. (What lay before the
+/// far plane must stay there, since texels that nothing was drawn to hold 1.)
 #[inline(always)]
-pub fn depth_on_plane(depth: f32, gradient: Vec2, from: Vec2, x: i32, y: i32) -> f32 {
+pub fn depth_on_plane(depth: f32, gradient: Vec2, deepest: f32, from: Vec2, x: i32, y: i32) -> f32 {
     let moved = depth + gradient.x * (x as f32 + 0.5 - from.x) + gradient.y * (y as f32 + 0.5 - from.y);
-    moved.min(depth.max(1.0))
+    moved.min(deepest)
 }
 
 /// A map, as kernels' Rust halves read it.
@@ -244,6 +266,8 @@ pub struct DepthMap<'a> {
     pub packed: bool,
     /// Whether its edge repeats.
     pub clamped: bool,
+    /// [`MapLookup::sample_gain`].
+    pub sample_gain: f32,
 }
 
 impl<'a> DepthMap<'a> {
@@ -291,5 +315,5 @@ pub const TWINS: &[Twin] = &[
     twin!(LOOKUP, texel_from_clip(clip: Vec4, size: f32) -> Vec3, needs [MATH, PLANE, OFFSET, SINGLE]),
     twin!(PLANE, slide(clip_from_world: Mat4, clip: Vec4, tangent: Vec3, size: f32) -> Vec3, needs [MATH, LOOKUP, OFFSET, SINGLE]),
     twin!(PLANE, plane_gradient(clip_from_world: Mat4, clip: Vec4, n: Vec3, size: f32, limit: f32) -> Vec2, needs [MATH, LOOKUP, OFFSET, SINGLE]),
-    twin!(PLANE, depth_on_plane(depth: f32, gradient: Vec2, from: Vec2, x: i32, y: i32) -> f32, needs [MATH, LOOKUP, OFFSET, SINGLE]),
+    twin!(PLANE, depth_on_plane(depth: f32, gradient: Vec2, deepest: f32, from: Vec2, x: i32, y: i32) -> f32, needs [MATH, LOOKUP, OFFSET, SINGLE]),
 ];

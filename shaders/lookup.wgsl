@@ -17,12 +17,15 @@ struct MapLookup {
     slope_min: f32,
     normal_offset: f32,
     receiver_plane: f32,
+    deepest_tap: f32,
+    sample_gain: f32,
 }
 
 struct Lookup {
     texel: vec2f,
     depth: f32,
     gradient: vec2f,
+    deepest: f32,
     layer: i32,
     seen: bool,
 }
@@ -63,5 +66,9 @@ fn look_up(m: MapLookup, p: vec3f, n: vec3f) -> Lookup {
     }
     let clip = transform(clip_from_world, p_offset);
     let t = texel_from_clip(clip, m.size);
-    return Lookup(t.xy, t.z - bias, lookup_gradient(m, clip_from_world, clip, n), layer, clip.w > 0.0 && t.z <= m.farthest);
+    let gradient = lookup_gradient(m, clip_from_world, clip, n);
+    let depth = t.z - bias;
+    let deepest = max(depth, m.deepest_tap);
+    let seen = clip.w > 0.0 && t.z <= m.farthest;
+    return Lookup(t.xy, depth, gradient, deepest, layer, seen);
 }

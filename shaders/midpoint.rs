@@ -4,13 +4,13 @@
 //! Woo 1992, "The shadow depth map revisited" (Graphics Gems III). The second surface is found by peeling: of all depths
 //! greater than the nearest, the least. On closed casters the margin on both sides is half their thickness. Near
 //! silhouettes both surfaces meet and the margin vanishes, while the surface slopes most under its texel: so lookups follow
-//! the receiver's plane by default ([`Bias::RECEIVER_PLANE`]), which takes the slope out and leaves the margin for the rest.
+//! the receiver's plane by default ([`Bias::ADAPTIVE`](crate::Bias::ADAPTIVE), of which it takes that half), which takes the slope out and leaves the margin for the rest.
 //! No single constant does as well over casters of different thickness. Known failures: open meshes put the middle between
 //! one caster and the next thing behind it, or, where nothing is behind, halfway to the far plane, so receivers close
 //! behind a lone sheet are lit; facets near the silhouette keep some acne; thin casters have thin margins; and every map's:
 //! see [`shadow_map`](crate::shadow_map).
 
-use crate::{Bias, Surface, pcf::Pcf, shadow_map::ShadowMap};
+use crate::{Surface, pcf::Pcf, shadow_map::ShadowMap};
 use glam::UVec2;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -19,19 +19,13 @@ use umbrage_core::{
 };
 
 /// Comparisons with the middle between the nearest two surfaces.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Midpoint {
     /// The map looked up; [`ShadowMap::surface`] is taken to be [`Surface::Midpoint`].
     pub map: ShadowMap,
     /// As [`Pcf::radius`].
     pub radius: u32,
-}
-
-impl Default for Midpoint {
-    fn default() -> Self {
-        Self { map: ShadowMap { bias: Bias::RECEIVER_PLANE, ..ShadowMap::default() }, radius: 0 }
-    }
 }
 
 impl Midpoint {

@@ -8,7 +8,6 @@
 //! are few for it; and as every map does: see [`shadow_map`](crate::shadow_map).
 
 use crate::{
-    Bias,
     batch::{Batch, BatchTaps, look_up_span},
     lookup::{Lookup, MapLookup},
     pattern::{PATTERN, Pattern, PatternTable, Shape, TURNS, turned},
@@ -44,7 +43,7 @@ pub struct PcfDisc {
 
 impl Default for PcfDisc {
     fn default() -> Self {
-        let map = ShadowMap { bias: Bias::RECEIVER_PLANE, ..ShadowMap::default() };
+        let map = ShadowMap::default();
         Self { map, radius: 3.0, taps: 16, pattern: Pattern::Vogel, rotate: true }
     }
 }

@@ -27,12 +27,12 @@
 //! [`Hard`](crate::Hard) does, and as every map: see [`shadow_map`](crate::shadow_map).
 //!
 //! Bias: taps wander far from the receiver, so anything constant is too little for wide lights or too much for narrow
-//! ones. [`Bias::RECEIVER_PLANE`](crate::Bias::RECEIVER_PLANE) compares each tap with the receiver's plane there, which is exact on planes of any width,
+//! ones. [`Bias::ADAPTIVE`](crate::Bias::ADAPTIVE) compares each tap with the receiver's plane there, which is exact on planes of any width,
 //! and is the default. Biases also shift z_r in the steps above, by themselves.
 
 use crate::{
-    Bias,
     batch::{BATCH, Batch, BatchTaps, look_up_span},
+    bias::Footprint,
     light_extent::{self, LIGHT_EXTENT, LightExtent, light_axes},
     lookup::{Lookup, MapLookup, look_up},
     pattern::{PATTERN, Pattern, PatternTable, TURNS, turned},
@@ -69,7 +69,7 @@ pub struct Pcss {
 
 impl Default for Pcss {
     fn default() -> Self {
-        let map = ShadowMap { bias: Bias::RECEIVER_PLANE, ..ShadowMap::default() };
+        let map = ShadowMap::default();
         Self { map, blocker_taps: 16, filter_taps: 32, pattern: Pattern::Vogel, rotate: true }
     }
 }
@@ -88,15 +88,25 @@ impl ShadowTechnique for Pcss {
     fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
         let pattern = self.pattern_table(view)?;
         let spaces = light_extent::spaces(&self.map, view)?;
+        let ideal = view.light.is_ideal();
+        let mut lookup = MapLookup::new(&self.map, view, &spaces);
+        if !ideal {
+            // Wide taps meet blockers that lie deeper than the receiver, yet above its plane, as on any slope under a plate that
+            // is parallel to it. Only its plane tells those from the receiver's own surface.
+            lookup.deepest_tap = 1.0;
+        }
         let uniforms = PcssUniforms {
-            lookup: MapLookup::new(&self.map, view, &spaces),
+            lookup,
             extent: LightExtent::new(view.light, &spaces, self.map.size),
             blocker_taps: pattern.sets[0].count,
             filter_taps: pattern.sets[1].count,
             turns: if self.rotate { TURNS - 1 } else { 0 },
         };
         let table = pattern.table.clone();
-        let mut recipe = self.map.maps(&spaces).recipe(PcssKernel { uniforms, pattern });
+        let mut recipe = self
+            .map
+            .maps(&spaces, Footprint::Taps { reach: if ideal { 0.0 } else { 1.0 } })
+            .recipe(PcssKernel { uniforms, pattern });
         recipe.tables.push(table);
         recipe.receive.tables.push(0);
         Ok(recipe)

@@ -55,7 +55,7 @@ impl ShadowTechnique for Planar {
             let why = format!("are {}", self.planes);
             return Err(Invalid::new("planar planes", why, format!("use 1 to {MAX_PLANES}")).into());
         }
-        view.light.validate()?;
+        view.validate()?;
         let Some(geometry) = view.geometry else {
             return Err(PlanError::unsupported("planes are found among the scene's triangles, and this view has none"));
         };

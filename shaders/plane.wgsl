@@ -24,9 +24,9 @@ fn plane_gradient(clip_from_world: mat4x4f, clip: vec4f, n: vec3f, size: f32, li
     return vec2f(max(min(gx, limit), -limit), max(min(gy, limit), -limit));
 }
 
-fn depth_on_plane(depth: f32, gradient: vec2f, from_texel: vec2f, x: i32, y: i32) -> f32 {
+fn depth_on_plane(depth: f32, gradient: vec2f, deepest: f32, from_texel: vec2f, x: i32, y: i32) -> f32 {
     let moved = depth + gradient.x * (f32(x) + 0.5 - from_texel.x) + gradient.y * (f32(y) + 0.5 - from_texel.y);
-    return min(moved, max(depth, 1.0));
+    return min(moved, deepest);
 }
 
 fn lookup_gradient(m: MapLookup, clip_from_world: mat4x4f, clip: vec4f, n: vec3f) -> vec2f {
@@ -34,5 +34,5 @@ fn lookup_gradient(m: MapLookup, clip_from_world: mat4x4f, clip: vec4f, n: vec3f
 }
 
 fn depth_at(l: Lookup, x: i32, y: i32) -> f32 {
-    return depth_on_plane(l.depth, l.gradient, l.texel, x, y);
+    return depth_on_plane(l.depth, l.gradient, l.deepest, l.texel, x, y);
 }

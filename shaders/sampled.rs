@@ -137,7 +137,7 @@ fn row<const STRIDE: usize>(texels: &[f32], first: usize, depth: f32, parts: &[f
 /// One sample, at `at` texels from the map's top left corner.
 #[inline(always)]
 pub(crate) fn sampled(map: &DepthMap<'_>, l: &Lookup, at: Vec2) -> f32 {
-    let depth = reference_depth(l.depth, l.gradient, at - l.texel);
+    let depth = reference_depth(l.depth, l.gradient, l.deepest, map.sample_gain, at - l.texel);
     let last = map.size as f32 - 0.5;
     if !map.clamped && (at.x < 0.5 || at.y < 0.5 || at.x > last || at.y > last) {
         return sampled_at_rim(map, l.layer, at, depth);

@@ -2,7 +2,7 @@
 // the border are blended by hand from four answers of texels that surely lie within the map.
 
 fn sampled(l: Lookup, size: f32, at: vec2f) -> f32 {
-    let depth = reference_depth(l.depth, l.gradient, at - l.texel);
+    let depth = reference_depth(l.depth, l.gradient, l.deepest, kernel.lookup.sample_gain, at - l.texel);
     if at.x < 0.5 || at.y < 0.5 || at.x > size - 0.5 || at.y > size - 0.5 {
         return sampled_at_rim(l, size, at, depth);
     }

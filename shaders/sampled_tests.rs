@@ -22,6 +22,8 @@ fn lookup(border: Border, receiver_plane: f32) -> MapLookup {
         slope_min: 0.0,
         normal_offset: 0.0,
         receiver_plane,
+        deepest_tap: 1.0,
+        sample_gain: 1.0,
     }
 }
 
@@ -141,7 +143,7 @@ fn lanes_equal_the_plain_loop() {
     let image = noisy();
     let mut in_lanes = 0;
     for p in points() {
-        let l = Lookup { texel: p.truncate(), depth: p.z, seen: true, ..Lookup::default() };
+        let l = Lookup { texel: p.truncate(), depth: p.z, deepest: p.z.max(1.0), seen: true, ..Lookup::default() };
         let map = lookup(Border::Lit, 0.0).map(&image.view());
         in_lanes += u32::from(same::<2, 1>(map, &l)) + u32::from(same::<3, 1>(map, &l));
         in_lanes += u32::from(same::<3, 2>(map, &l)) + u32::from(same::<4, 2>(map, &l));
@@ -208,7 +210,7 @@ fn receiver_planes_are_free_of_acne() {
     assert!(acne(0.1, Vec3::Z).iter().all(|dark| *dark > points.len() / 2), "another plane must not do");
     let l =
         Lookup { texel: Vec2::new(9.9, 9.9), depth: depth(Vec2::new(9.9, 9.9)), gradient: slope, ..Lookup::default() };
-    let reference = sampling::reference_depth(l.depth, slope, Vec2::ZERO);
+    let reference = sampling::reference_depth(l.depth, slope, 1.0, 1.0, Vec2::ZERO);
     let least = [(9.5, 9.5), (10.5, 9.5), (9.5, 10.5), (10.5, 10.5)].map(|(x, y)| depth(Vec2::new(x, y)));
     assert!(least.iter().all(|d| reference < *d) && least.iter().any(|d| l.depth > *d));
 }

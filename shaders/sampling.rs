@@ -22,13 +22,13 @@ pub const SAMPLING: Module = Module { name: "sampling", text: include_str!("samp
 
 /// The clip depth that a sample `step` texels from the receiver compares, given the receiver's `depth` and its change per
 /// texel. One depth serves four texels, whose centres lie up to one texel from the sample along each axis: the receiver's
-/// plane may gain |gx| + |gy| up to there, so as much is taken off (Isidoro 2006, "Shadow mapping: GPU-based tips and
-/// techniques"). What lay before the far plane stays there, since texels that nothing was drawn to hold 1.
+/// plane may gain |gx| + |gy| up to there, of which `share` is taken off (all of it in Isidoro 2006, "Shadow mapping: GPU-based
+/// tips and techniques"; nothing where casters move away by as much). Never beyond `deepest`.
 #[inline(always)]
-pub fn reference_depth(depth: f32, gradient: Vec2, step: Vec2) -> f32 {
-    let gain = gradient.x.abs() + gradient.y.abs();
+pub fn reference_depth(depth: f32, gradient: Vec2, deepest: f32, share: f32, step: Vec2) -> f32 {
+    let gain = share * (gradient.x.abs() + gradient.y.abs());
     let moved = depth + gradient.x * step.x + gradient.y * step.y - gain;
-    moved.min(depth.max(1.0))
+    moved.min(deepest)
 }
 
 /// Weight of the sample that stands for two texels, and where it lies between them (0..=1 from the first one's centre).
@@ -63,7 +63,7 @@ pub fn merged_rows(reach: usize) -> [Vec4; 4] {
 
 /// The pairs, for the lockstep tests.
 pub const TWINS: &[Twin] = &[
-    twin!(SAMPLING, reference_depth(depth: f32, gradient: Vec2, step: Vec2) -> f32, needs [MATH]),
+    twin!(SAMPLING, reference_depth(depth: f32, gradient: Vec2, deepest: f32, share: f32, step: Vec2) -> f32, needs [MATH]),
     twin!(SAMPLING, merged_sample(row: Vec4, s: f32) -> Vec2, needs [MATH]),
 ];
 
@@ -100,9 +100,9 @@ mod tests {
     #[test]
     fn depth_follows_the_plane_but_not_beyond_the_far_plane() {
         let gradient = Vec2::new(0.02, -0.01);
-        let moved = reference_depth(0.5, gradient, Vec2::new(2.0, 1.0));
+        let moved = reference_depth(0.5, gradient, 1.0, 1.0, Vec2::new(2.0, 1.0));
         assert!((moved - (0.5 + 0.04 - 0.01 - 0.03)).abs() < 1e-7, "{moved}");
-        assert_eq!(reference_depth(0.99, gradient, Vec2::new(9.0, 0.0)), 1.0);
-        assert_eq!(reference_depth(1.5, Vec2::ZERO, Vec2::ONE), 1.5);
+        assert_eq!(reference_depth(0.99, gradient, 1.0, 1.0, Vec2::new(9.0, 0.0)), 1.0);
+        assert_eq!(reference_depth(1.5, Vec2::ZERO, 1.5, 1.0, Vec2::ONE), 1.5);
     }
 }

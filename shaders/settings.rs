@@ -8,7 +8,8 @@ use std::sync::Arc;
 use umbrage_core::{Fit, Layout, ShadowTechnique};
 
 /// One comparison shows best what each bias does. The first is compared at every map size.
-const HARD_BIASES: [Bias; 7] = [
+const HARD_BIASES: [Bias; 8] = [
+    Bias::ADAPTIVE,
     Bias::RECEIVER_PLANE,
     Bias::NONE,
     Bias::CONSTANT,
@@ -20,12 +21,12 @@ const HARD_BIASES: [Bias; 7] = [
 
 /// Kernels that reach beyond the receiver's texel need more; the textbooks' slope bias is theirs for 3x3.
 fn wide_biases(reach: f32) -> [Bias; 4] {
-    [Bias::RECEIVER_PLANE, Bias::SLOPE, Bias::polygon_offset(reach), Bias::normal_offset(reach)]
+    [Bias::ADAPTIVE, Bias::SLOPE, Bias::polygon_offset(reach), Bias::normal_offset(reach)]
 }
 
 /// Two of them, for kernels whose neighbours in the list show the others.
 fn two_biases(reach: f32) -> [Bias; 2] {
-    [Bias::RECEIVER_PLANE, Bias::polygon_offset(reach)]
+    [Bias::ADAPTIVE, Bias::polygon_offset(reach)]
 }
 
 pub(crate) fn none(_: &[u32], _: Fit) -> Settings {
@@ -56,7 +57,7 @@ pub(crate) fn all_pcf_dithered(size: u32) -> Settings {
 
 pub(crate) fn pcf(sizes: &[u32], fit: Fit) -> Settings {
     let of = |radius: u32| sweep(sizes, fit, &wide_biases(radius as f32), move |map| Pcf { map, radius });
-    let between = middle(sizes, fit, &[Bias::RECEIVER_PLANE], |map| Pcf { map, radius: 2 });
+    let between = middle(sizes, fit, &[Bias::ADAPTIVE], |map| Pcf { map, radius: 2 });
     [of(1), between, of(3)].concat()
 }
 
@@ -67,7 +68,7 @@ pub(crate) fn all_pcf(size: u32) -> Settings {
 pub(crate) fn pcf_hardware(sizes: &[u32], fit: Fit) -> Settings {
     let of =
         |samples| sweep(sizes, fit, &two_biases(PcfHardware::reach(samples)), move |map| PcfHardware { map, samples });
-    let between = middle(sizes, fit, &[Bias::RECEIVER_PLANE], |map| PcfHardware { map, samples: 2 });
+    let between = middle(sizes, fit, &[Bias::ADAPTIVE], |map| PcfHardware { map, samples: 2 });
     [of(1), between, of(3)].concat()
 }
 
@@ -79,7 +80,7 @@ pub(crate) fn all_pcf_hardware(size: u32) -> Settings {
 
 pub(crate) fn pcf_merged(sizes: &[u32], fit: Fit) -> Settings {
     let of = |radius| sweep(sizes, fit, &two_biases(PcfMerged::reach(radius)), move |map| PcfMerged { map, radius });
-    [of(1), of(2), middle(sizes, fit, &[Bias::RECEIVER_PLANE], |map| PcfMerged { map, radius: 3 })].concat()
+    [of(1), of(2), middle(sizes, fit, &[Bias::ADAPTIVE], |map| PcfMerged { map, radius: 3 })].concat()
 }
 
 pub(crate) fn all_pcf_merged(size: u32) -> Settings {
@@ -90,7 +91,7 @@ pub(crate) fn all_pcf_merged(size: u32) -> Settings {
 
 pub(crate) fn pcf_disc(sizes: &[u32], fit: Fit) -> Settings {
     let of = |map, pattern, taps| PcfDisc { map, pattern, taps, ..PcfDisc::default() };
-    let bias = [Bias::RECEIVER_PLANE];
+    let bias = [Bias::ADAPTIVE];
     let taps = |taps| middle(sizes, fit, &bias, move |map| of(map, Pattern::Vogel, taps));
     let poisson = middle(sizes, fit, &bias, |map| PcfDisc { map, pattern: Pattern::Poisson, ..PcfDisc::default() });
     [taps(8), sweep(sizes, fit, &bias, |map| of(map, Pattern::Vogel, 16)), taps(32), poisson].concat()
@@ -105,8 +106,8 @@ pub(crate) fn all_pcf_disc(size: u32) -> Settings {
 pub(crate) fn pcss(sizes: &[u32], fit: Fit) -> Settings {
     let of =
         |[blocker_taps, filter_taps]: [u32; 2]| move |map| Pcss { map, blocker_taps, filter_taps, ..Pcss::default() };
-    let taps = |counts| middle(sizes, fit, &[Bias::RECEIVER_PLANE], of(counts));
-    let sizes_too = sweep(sizes, fit, &[Bias::RECEIVER_PLANE, Bias::SLOPE], of([16, 32]));
+    let taps = |counts| middle(sizes, fit, &[Bias::ADAPTIVE], of(counts));
+    let sizes_too = sweep(sizes, fit, &[Bias::ADAPTIVE, Bias::SLOPE], of([16, 32]));
     [taps([8, 16]), sizes_too, taps([32, 64])].concat()
 }
 
@@ -129,7 +130,7 @@ pub(crate) fn all_second_depth(size: u32) -> Settings {
 }
 
 pub(crate) fn midpoint(sizes: &[u32], fit: Fit) -> Settings {
-    sweep(sizes, fit, &[Bias::NONE, Bias::RECEIVER_PLANE], |map| Midpoint { map, radius: 0 })
+    sweep(sizes, fit, &[Bias::NONE, Bias::ADAPTIVE], |map| Midpoint { map, radius: 0 })
 }
 
 pub(crate) fn all_midpoint(size: u32) -> Settings {
@@ -203,7 +204,7 @@ fn every_bias<T: ShadowTechnique + 'static>(size: u32, make: impl Fn(ShadowMap) 
 
 /// A technique with two biases: for kernels that treat depth as another setting of theirs does.
 fn two<T: ShadowTechnique + 'static>(size: u32, make: impl Fn(ShadowMap) -> T) -> Settings {
-    maps(&[size], Fit::Tight, &[Bias::SLOPE, Bias::RECEIVER_PLANE], make)
+    maps(&[size], Fit::Tight, &[Bias::SLOPE, Bias::ADAPTIVE], make)
 }
 
 /// Every kind of map that differs in code path.

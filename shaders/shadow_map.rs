@@ -13,16 +13,16 @@
 //! * **Lights with an extent count as their middle**, but for [`Pcss`](crate::Pcss): penumbrae have the kernel's width or
 //!   none.
 //! * **Far from the origin** positions are rounded (to 8 mm at 1e5 m, 6 cm at 1e6 m): fits jump from frame to frame, and
-//!   biases that follow the receiver closely ([`Bias::RECEIVER_PLANE`]) show acne that flickers.
+//!   biases that follow the receiver closely ([`Bias::ADAPTIVE`]) show acne that flickers.
 //! * **16 bits** over a long range store depth in steps that show as acne under any bias that is right for 32.
 
-use crate::{Bias, lookup::MapLookup};
+use crate::{Bias, bias::Footprint, lookup::MapLookup};
 use glam::UVec2;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
     Cast, CastMode, Filter, Fit, Format, ImageDesc, ImageId, Invalid, Layout, LightSpaces, MAX_SIDE, PlanError,
-    Receive, ReceiveKernel, Receivers, Recipe, View, footprint::side_for,
+    RasterBias, Receive, ReceiveKernel, Receivers, Recipe, View, footprint::side_for,
 };
 
 /// Sides that [`ShadowMap::sized_for`] answers are multiples of this, texels.
@@ -101,7 +101,7 @@ impl Default for ShadowMap {
         Self {
             size: 1024,
             fit: Fit::Tight,
-            bias: Bias::SLOPE,
+            bias: Bias::ADAPTIVE,
             layout: Layout::Auto,
             surface: Surface::Nearest,
             format: MapFormat::Depth32,
@@ -126,14 +126,10 @@ impl ShadowMap {
             (self.beyond_far == BeyondFar::Compared, "dark beyond far"),
         ];
         words.extend(others.into_iter().filter(|(on, _)| *on).map(|(_, word)| word.to_owned()));
-        words.push(self.effective_bias().label());
+        // Midpoints take no polygon offset.
+        let raster = if self.surface == Surface::Midpoint { RasterBias::default() } else { self.bias.raster };
+        words.push(Bias { raster, ..self.bias }.label());
         words.join(", ")
-    }
-
-    /// The bias that is played: peeling compares depths of one surface with itself, which a polygon offset would part.
-    fn effective_bias(&self) -> Bias {
-        let raster = if self.surface == Surface::Midpoint { Default::default() } else { self.bias.raster };
-        Bias { raster, ..self.bias }
     }
 
     /// The light spaces for a kernel that reaches `reach` texels beyond the receiver's own.
@@ -142,7 +138,6 @@ impl ShadowMap {
     /// As [`Fit::light_spaces`]; and `Invalid` for bad parameters.
     pub fn spaces(&self, view: &View<'_>, reach: f32) -> Result<LightSpaces, PlanError> {
         self.validate()?;
-        view.light.validate()?;
         self.fit.light_spaces(self.layout, view, self.size, reach + self.bias.normal_offset.abs())
     }
 
@@ -168,15 +163,19 @@ impl ShadowMap {
     }
 
     /// The images, casts and filters that make the map: a recipe still without its lookup. The map to look up is the last
-    /// image: of depth, or `R32` ([`Surface::Midpoint`]), or `Rgba8` ([`MapFormat::Rgba8`]).
-    pub fn maps(&self, spaces: &LightSpaces) -> Maps {
+    /// image: of depth, or `R32` ([`Surface::Midpoint`]), or `Rgba8` ([`MapFormat::Rgba8`]). `footprint` is
+    /// what will look it up.
+    pub fn maps(&self, spaces: &LightSpaces, footprint: Footprint) -> Maps {
         let depth = if self.format == MapFormat::Depth16 { Format::Depth16 } else { Format::Depth32 };
         let mut maps = Maps::default();
         let nearest = maps.image(self.desc("shadow map", depth, spaces));
-        self.cast(&mut maps, spaces, nearest, CastMode::Nearest);
+        // Peeling compares depths of one surface with itself, which a polygon offset would part.
+        let peeled = self.surface == Surface::Midpoint;
+        let raster = if peeled { RasterBias::default() } else { self.bias.raster_for(footprint) };
+        self.cast(&mut maps, spaces, nearest, CastMode::Nearest, raster);
         if self.surface == Surface::Midpoint {
             let second = maps.image(self.desc("second depth", depth, spaces));
-            self.cast(&mut maps, spaces, second, CastMode::Behind(nearest));
+            self.cast(&mut maps, spaces, second, CastMode::Behind(nearest), raster);
             let middle = maps.image(self.desc("midpoint", Format::R32, spaces));
             maps.filter(crate::midpoint::between(), vec![nearest, second], middle);
         }
@@ -191,9 +190,8 @@ impl ShadowMap {
         ImageDesc { label, size: UVec2::splat(self.size), layers: spaces.spaces.len() as u32, format }
     }
 
-    fn cast(&self, maps: &mut Maps, spaces: &LightSpaces, image: ImageId, mode: CastMode) {
+    fn cast(&self, maps: &mut Maps, spaces: &LightSpaces, image: ImageId, mode: CastMode, bias: RasterBias) {
         let needed = (0..).zip(&spaces.spaces).zip(&spaces.needed).filter(|(_, needed)| **needed);
-        let bias = self.effective_bias().raster;
         maps.casts.extend(needed.map(|((layer, &space), _)| Cast {
             mode,
             cull: self.bias.cull,
@@ -211,7 +209,9 @@ impl ShadowMap {
         kernel: impl FnOnce(MapLookup) -> K,
     ) -> Result<Recipe, PlanError> {
         let spaces = self.spaces(view, reach)?;
-        Ok(self.maps(&spaces).recipe(kernel(MapLookup::new(self, view, &spaces))))
+        let kernel = kernel(MapLookup::new(self, view, &spaces));
+        let footprint = if kernel.compares() { Footprint::Samples } else { Footprint::Taps { reach } };
+        Ok(self.maps(&spaces, footprint).recipe(kernel))
     }
 
     fn validate(&self) -> Result<(), Invalid> {

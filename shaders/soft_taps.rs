@@ -84,6 +84,7 @@ pub(crate) struct Receivers {
     y: Lanes<f32>,
     right: Lanes<f32>,
     down: Lanes<f32>,
+    deepest: Lanes<f32>,
     shift: [Lanes<f32>; 2],
     /// Where its layer begins, texels.
     layer: Lanes<u32>,
@@ -104,6 +105,7 @@ impl Receivers {
             y: zero,
             right: zero,
             down: zero,
+            deepest: zero,
             shift: [zero; 2],
             layer: [0; BATCH],
         };
@@ -121,7 +123,7 @@ impl Receivers {
         let i = self.count;
         (self.number[i], self.layer[i]) = (number, (l.layer * size * size) as u32);
         (self.x[i], self.y[i], self.depth[i]) = (l.texel.x, l.texel.y, l.depth);
-        (self.right[i], self.down[i]) = (l.gradient.x, l.gradient.y);
+        (self.right[i], self.down[i], self.deepest[i]) = (l.gradient.x, l.gradient.y, l.deepest);
         (self.shift[0][i], self.shift[1][i]) = (laid.shift.x, laid.shift.y);
         [self.axes[0][i], self.axes[1][i], self.axes[2][i], self.axes[3][i]] = laid.axes.to_array();
         self.most[i] = laid.most;
@@ -148,7 +150,7 @@ impl Receivers {
         let [e, f] = &mut self.shift;
         let most = &mut self.most;
         let [x, y, right, down] = [&mut self.x, &mut self.y, &mut self.right, &mut self.down];
-        for field in [&mut self.depth, most, x, y, right, down, a, b, c, d, e, f] {
+        for field in [&mut self.depth, &mut self.deepest, most, x, y, right, down, a, b, c, d, e, f] {
             field[to] = field[from];
         }
         (self.number[to], self.layer[to]) = (self.number[from], self.layer[from]);
@@ -278,9 +280,7 @@ impl Comparisons<'_> {
             } else {
                 r.depth[i]
             };
-            // As `depth_on_plane`.
-            let farthest = if r.depth[i] > 1.0 { r.depth[i] } else { 1.0 };
-            depth[i] = if bent < farthest { bent } else { farthest };
+            depth[i] = if bent < r.deepest[i] { bent } else { r.deepest[i] };
         }
         depth
     }

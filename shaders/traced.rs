@@ -10,7 +10,7 @@ use std::sync::Arc;
 use umbrage_core::{
     Aabb, Asks, Bvh, Geometry, Inputs, Invalid, Kernel, Module, PlanError, Receive, ReceiveKernel, Recipe,
     ShadowTechnique, Span, Table, UniformLayout, Uniforms, View,
-    bvh::HIT,
+    bvh::{HIT, SLAB},
     light_sample::{LIGHT_SAMPLE, LightSampler, origin_offset, seed, segment, unit_square},
     math::dot3,
     uniforms,
@@ -50,7 +50,7 @@ impl ShadowTechnique for Traced {
             let why = format!("are {}", self.samples);
             return Err(Invalid::new("traced samples", why, format!("use 1 to {MAX_SAMPLES}")).into());
         }
-        view.light.validate()?;
+        view.validate()?;
         let Some(geometry) = view.geometry else {
             return Err(PlanError::unsupported("rays need the scene's triangles, and this view has none"));
         };
@@ -113,7 +113,7 @@ pub struct TracedKernel {
 
 impl Kernel for TracedKernel {
     fn modules(&self) -> Vec<Module> {
-        vec![HIT, LIGHT_SAMPLE, Module { name: "traced", text: include_str!("traced.wgsl") }]
+        vec![SLAB, HIT, LIGHT_SAMPLE, Module { name: "traced", text: include_str!("traced.wgsl") }]
     }
 
     fn uniform_bytes(&self) -> Vec<u8> {

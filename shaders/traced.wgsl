@@ -9,18 +9,6 @@ struct TracedUniforms {
 
 const STACK = 64;
 
-fn enters_box(o: vec3f, inverse: vec3f, low: vec3f, high: vec3f) -> bool {
-    let a = (low - o) * inverse;
-    let b = (high - o) * inverse;
-    let near = min(a, b);
-    let far = max(a, b);
-    return max(max(near.x, near.y), max(near.z, 0.0)) <= min(min(far.x, far.y), min(far.z, 1.0));
-}
-
-fn safe_inverse(x: f32) -> f32 {
-    return select(1.0 / x, select(-1e30, 1e30, x >= 0.0), abs(x) < 1e-30);
-}
-
 fn leaf_occludes(o: vec3f, d: vec3f, first: u32, count: u32, skip: u32) -> bool {
     for (var i = first; i < first + count; i++) {
         let a = table_1[3u * i];
@@ -34,7 +22,7 @@ fn leaf_occludes(o: vec3f, d: vec3f, first: u32, count: u32, skip: u32) -> bool 
 }
 
 fn occluded(o: vec3f, d: vec3f, skip: u32) -> bool {
-    let inverse = vec3f(safe_inverse(d.x), safe_inverse(d.y), safe_inverse(d.z));
+    let inverse = slab_inverse(d);
     var stack: array<u32, STACK>;
     var top = 1;
     stack[0] = 0u;

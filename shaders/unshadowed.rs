@@ -28,7 +28,7 @@ impl ShadowTechnique for Unshadowed {
     }
 
     fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
-        view.light.validate()?;
+        view.validate()?;
         let kernel = Arc::new(UnshadowedKernel(UnshadowedUniforms { light: homogeneous(view.light) }));
         Ok(Recipe {
             images: Vec::new(),

@@ -56,7 +56,7 @@ impl ShadowTechnique for ShadowVolumes {
     }
 
     fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
-        view.light.validate()?;
+        view.validate()?;
         let Some(geometry) = view.geometry else {
             return Err(PlanError::unsupported("volumes are made from the scene's triangles, and this view has none"));
         };

@@ -224,14 +224,16 @@ fn biases() -> impl Strategy<Value = Bias> {
     let culls = prop_oneof![Just(Cull::None), Just(Cull::Front), Just(Cull::Back)];
     let rasters = (-5000..5000_i32, -3.0..3.0_f32, prop_oneof![Just(0.0), -0.01..0.01_f32])
         .prop_map(|(constant, slope, clamp)| RasterBias { constant, slope, clamp });
-    let mixed = (-0.01..0.01_f32, 0.0..0.1_f32, 0.0..0.01_f32, rasters, -2.0..2.0_f32, 0.0..0.2_f32, culls).prop_map(
-        |(constant, slope, slope_min, raster, normal_offset, receiver_plane, cull)| Bias {
+    let planes = (0.0..0.2_f32, any::<bool>());
+    let mixed = (-0.01..0.01_f32, 0.0..0.1_f32, 0.0..0.01_f32, rasters, -2.0..2.0_f32, planes, culls).prop_map(
+        |(constant, slope, slope_min, raster, normal_offset, (receiver_plane, adaptive), cull)| Bias {
             constant,
             slope,
             slope_min,
             raster,
             normal_offset,
             receiver_plane,
+            adaptive,
             cull,
         },
     );

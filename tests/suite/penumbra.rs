@@ -86,7 +86,7 @@ fn ideal_lights_throw_hard_shadows() {
         let light = ideal(scene.lights[0]);
         let geometry = Geometry::bake(&scene).expect("built-in scenes are valid");
         let view = View::new(&scene.cameras[0], &light, &geometry);
-        let map = ShadowMap { bias: Bias::RECEIVER_PLANE, layout, ..ShadowMap::default() };
+        let map = ShadowMap { bias: Bias::ADAPTIVE, layout, ..ShadowMap::default() };
         let mask = |technique: &dyn ShadowTechnique| {
             let recipe = technique.plan(&view).expect("maps serve these lights");
             Cpu::new().render(&view, &recipe).expect("renders").mask

@@ -1,9 +1,11 @@
 //! What can be typed.
 
+mod bias;
 mod merge;
 mod plan;
 mod stability;
 
+pub(crate) use bias::BiasOptions;
 pub(crate) use merge::{MergeOptions, Shard};
 #[cfg(feature = "measure")]
 pub(crate) use plan::PlanBackend;
@@ -36,6 +38,8 @@ pub(crate) enum Command {
     Stability(StabilityOptions),
     /// Find the least that a scene needs: the cheapest technique and setting within an error, time or memory
     Plan(PlanOptions),
+    /// Compare the default bias with the best that could be tuned by hand
+    Bias(BiasOptions),
     /// Join the reports of a comparison's shards
     Merge(MergeOptions),
     /// Run all tests, with a graphics adapter
@@ -103,9 +107,12 @@ pub(crate) struct CompareOptions {
     #[arg(long, conflicts_with = "runs")]
     pub(crate) deterministic: bool,
     /// Compare with the results.json of an earlier run, kept in another folder than this report's, and fail if anything got
-    /// slower or less accurate beyond the noise
+    /// slower or less accurate beyond the noise, is missing or can't be compared any more
     #[arg(long, value_name = "RESULTS.JSON")]
     pub(crate) baseline: Option<PathBuf>,
+    /// What may be missing or changed since the baseline: a scene, technique, backend or `technique (settings)`; may be repeated
+    #[arg(long, value_name = "NAME", requires = "baseline")]
+    pub(crate) baseline_except: Vec<String>,
     /// Only every N-th scene, from the K-th on; `cargo xtask merge` joins the shards
     #[arg(long, value_name = "K/N", value_parser = parse_shard)]
     pub(crate) shard: Option<Shard>,

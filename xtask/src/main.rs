@@ -19,9 +19,12 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     let cli = Cli::parse();
     let done = match &cli.command {
-        Command::Compare(_) | Command::Merge(_) | Command::Stability(_) | Command::Plan(_) | Command::Bench(_) => {
-            measure::dispatch(&cli.command)
-        }
+        Command::Bias(_)
+        | Command::Compare(_)
+        | Command::Merge(_)
+        | Command::Stability(_)
+        | Command::Plan(_)
+        | Command::Bench(_) => measure::dispatch(&cli.command),
         Command::Bless(options) => bless::bless(options),
         Command::Test(options) => test::test(options),
         Command::Tidy => tidy::tidy(),

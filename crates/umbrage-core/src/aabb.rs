@@ -1,5 +1,6 @@
 //! Axis-aligned boxes.
 
+use crate::{Invalid, invalid};
 use glam::Vec3;
 
 /// An axis-aligned box; empty when `min > max` in any axis.
@@ -15,20 +16,32 @@ impl Aabb {
     /// The box that holds nothing.
     pub const EMPTY: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
 
-    /// The smallest box around the points.
+    /// The smallest box around the points. It holds NaN where one of them does, so that [`Aabb::validate`] objects to it.
     pub fn around(points: impl IntoIterator<Item = Vec3>) -> Self {
-        points.into_iter().fold(Self::EMPTY, |b, p| Self { min: b.min.min(p), max: b.max.max(p) })
+        points.into_iter().fold(Self::EMPTY, |b, p| b.union(&Self { min: p, max: p }))
     }
 
-    /// Whether the box holds nothing.
+    /// Whether the box holds nothing; also of a box that holds NaN.
     pub fn is_empty(&self) -> bool {
         !self.min.cmple(self.max).all()
     }
 
-    /// The smallest box around both.
+    /// Objects to numbers that are not finite, but not to those of [`Aabb::EMPTY`].
+    ///
+    /// # Errors
+    /// If there are any.
+    pub fn validate(&self) -> Result<(), Invalid> {
+        if *self == Self::EMPTY {
+            return Ok(());
+        }
+        invalid::finite("box's min", &self.min.to_array())?;
+        invalid::finite("box's max", &self.max.to_array())
+    }
+
+    /// The smallest box around both; NaN stays.
     #[must_use]
     pub fn union(&self, other: &Self) -> Self {
-        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+        Self { min: lesser(self.min, other.min), max: -lesser(-self.max, -other.max) }
     }
 
     /// The box common to both, maybe empty.
@@ -54,5 +67,31 @@ impl Aabb {
             let pick = |bit: i32, lo: f32, hi: f32| if i & bit == 0 { lo } else { hi };
             Vec3::new(pick(1, b.min.x, b.max.x), pick(2, b.min.y, b.max.y), pick(4, b.min.z, b.max.z))
         })
+    }
+}
+
+/// The lesser of each component, NaN if either is: `min` would drop it, and a box around NaN would be empty.
+fn lesser(a: Vec3, b: Vec3) -> Vec3 {
+    Vec3::select(a.is_nan_mask() | a.cmplt(b), a, b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn boxes_around_numbers_that_are_none_are_refused() {
+        let good = Vec3::new(1.0, -2.0, 3.0);
+        for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            for points in [vec![good.with_y(bad)], vec![good, good.with_x(bad), -good], vec![good.with_z(bad), good]] {
+                let error = Aabb::around(points).validate().unwrap_err();
+                assert!(error.to_string().contains("box's m"), "{error}");
+            }
+        }
+        let one = Aabb::around([good, -good]);
+        let none = Aabb { min: Vec3::NAN, max: Vec3::NAN };
+        assert!(one.union(&none).validate().is_err() && none.union(&one).validate().is_err());
+        assert!(one.validate().is_ok() && Aabb::EMPTY.validate().is_ok());
+        assert_eq!(one.union(&Aabb::EMPTY), one);
     }
 }

@@ -1,23 +1,24 @@
-//! Ray queries against the casters. Building and traversal are `obvhs`'s; the triangle test is ours, because truth needs
-//! one without cracks, and because it has a twin on the GPU.
+//! Ray queries against the casters. `obvhs` finds the hierarchies' shape; the tests of boxes and triangles are ours, because
+//! truth needs answers that have no cracks and don't depend on the order of the search (`hit.rs` says why they don't), and
+//! because they have twins on the GPU.
 
-pub use crate::hit::{HIT, Segment, TWINS, segment_hits};
+mod build;
+mod wide;
 
-use crate::{Geometry, hit::Corners};
-use glam::{Vec3, Vec3A};
-use obvhs::{
-    BvhBuildParams,
-    aabb::Aabb,
-    bvh2::{Bvh2, reinsertion::ReinsertionOptimizer},
-    cwbvh::{CwBvh, bvh2_to_cwbvh::bvh2_to_cwbvh},
-    ploc::PlocBuilder,
-    ray::{Ray, RayHit},
+pub use crate::{
+    hit::{HIT, Segment, TWINS, segment_hits},
+    slab::SLAB,
 };
+
+use crate::{Geometry, hit::Corners, slab::span};
+use glam::{Vec3, Vec3A};
+use obvhs::{bvh2::Bvh2, cwbvh::CwBvh};
+use wide::Wide;
 
 /// A hierarchy over the casters of a [`Geometry`].
 #[derive(Clone)]
 pub struct Bvh {
-    wide: CwBvh,
+    wide: Wide,
     narrow: Bvh2,
     corners: Vec<Corners>,
     ids: Vec<u32>,
@@ -35,32 +36,21 @@ impl Bvh {
     pub fn build(geometry: &Geometry) -> Self {
         let ids: Vec<u32> = geometry.casters().collect();
         if ids.is_empty() {
-            let (wide, narrow) = (CwBvh::default(), Bvh2::default());
+            let (wide, narrow) = (Wide::default(), Bvh2::default());
             return Self { wide, narrow, corners: Vec::new(), ids, narrow_order: Vec::new() };
         }
-        let bounds = geometry.bounds();
-        let reach = bounds.min.abs().max(bounds.max.abs()).max_element();
-        let boxes: Vec<Aabb> = ids.iter().map(|&i| padded_box(geometry.corners(i), reach)).collect();
-        let p = BvhBuildParams::medium_build();
-        let indices = (0..ids.len() as u32).collect();
-        let mut narrow = PlocBuilder::with_capacity(boxes.len()).build(
-            p.ploc_search_distance,
-            &boxes,
-            indices,
-            p.sort_precision,
-            p.search_depth_threshold,
-        );
-        ReinsertionOptimizer::default().run(&mut narrow, p.reinsertion_batch_ratio, None);
-        let wide = bvh2_to_cwbvh(&narrow, p.max_prims_per_leaf.clamp(1, 3), true, false);
+        let boxes = build::boxes_of(geometry, &ids);
+        let (narrow, tree) = build::trees(&boxes);
         // Triangles in the order in which leaves name them: one indirection less a test.
-        let order = wide.primitive_indices.clone();
-        let narrow_order = narrow.primitive_indices.clone();
+        let order = &tree.primitive_indices;
+        let in_order: Vec<_> = order.iter().map(|&i| boxes[i as usize]).collect();
+        let narrow_order = narrow.primitive_indices.iter().map(|&i| ids[i as usize]).collect();
         Self {
-            wide,
+            wide: Wide::new(&tree, &in_order),
             narrow,
-            ids: order.iter().map(|&i| ids[i as usize]).collect(),
             corners: order.iter().map(|&i| Corners::new(geometry.corners(ids[i as usize]))).collect(),
-            narrow_order: narrow_order.iter().map(|&i| ids[i as usize]).collect(),
+            ids: order.iter().map(|&i| ids[i as usize]).collect(),
+            narrow_order,
         }
     }
 
@@ -74,36 +64,33 @@ impl Bvh {
     /// segments by [`Bvh::hits`]. The number is the hierarchy's own, not a triangle id.
     #[inline]
     pub fn occluder(&self, o: Vec3, d: Vec3, skip: u32) -> Option<u32> {
-        if self.ids.is_empty() {
-            return None;
-        }
         let (segment, mut found) = (Segment::new(o, d), None);
-        self.wide.ray_traverse_miss(box_ray(o, d), |_, i| {
-            if segment.hits(&self.corners[i]) && self.ids[i] != skip {
+        self.wide.search(&segment, |i, _| {
+            let hit = segment.hits(&self.corners[i]) && self.ids[i] != skip;
+            if hit {
                 found = Some(i as u32);
-                return 0.0;
             }
-            f32::INFINITY
+            hit
         });
         found
     }
 
     /// Where the segment from `o` to `o + d` first meets a caster other than triangle `skip`: a fraction of `d`, 0..=1.
     pub fn nearest(&self, geometry: &Geometry, o: Vec3, d: Vec3, skip: u32) -> Option<f32> {
-        if self.ids.is_empty() {
-            return None;
-        }
-        let (segment, ray, mut hit) = (Segment::new(o, d), box_ray(o, d), RayHit::none());
-        self.wide.ray_traverse(ray, &mut hit, |_, i| {
-            if !segment.hits(&self.corners[i]) || self.ids[i] == skip {
-                return f32::INFINITY;
+        let (segment, mut nearest) = (Segment::new(o, d), None);
+        self.wide.search(&segment, |i, limit| {
+            if segment.hits(&self.corners[i]) && self.ids[i] != skip {
+                let [a, b, c] = geometry.corners(self.ids[i]).map(|corner| corner.as_dvec3());
+                let normal = (b - a).cross(c - a);
+                let t = normal.dot(a - o.as_dvec3()) / normal.dot(d.as_dvec3());
+                // Within the triangle's box, so that no box around it is passed over that is entered before.
+                let [entry, exit] = span(segment.origin, segment.inverse, self.corners[i].padded_box());
+                *limit = (t as f32).max(entry).min(exit).min(*limit);
+                nearest = Some(*limit);
             }
-            let [a, b, c] = geometry.corners(self.ids[i]).map(|corner| corner.as_dvec3());
-            let normal = (b - a).cross(c - a);
-            let t = normal.dot(a - o.as_dvec3()) / normal.dot(d.as_dvec3());
-            t.clamp(0.0, 1.0) as f32 * ray.tmax
+            false
         });
-        (hit.t <= ray.tmax).then(|| hit.t / ray.tmax)
+        nearest
     }
 
     /// Whether the caster that [`Bvh::occluder`] gave meets the segment, too, unless it is triangle `skip`.
@@ -179,38 +166,25 @@ impl Bvh {
         if rows.is_empty() { vec![[0; 4]; 3] } else { rows }
     }
 
-    /// The hierarchy that `obvhs` made, and each of its primitives' triangle id: to time it by itself.
-    pub fn parts(&self) -> (&CwBvh, &[u32]) {
-        (&self.wide, &self.ids)
+    /// The eight-way hierarchy as `obvhs` makes it of the casters, and each of its primitives' triangle id: to time `obvhs` by
+    /// itself. None if nothing casts.
+    pub fn obvhs_alone(geometry: &Geometry) -> Option<(CwBvh, Vec<u32>)> {
+        let ids: Vec<u32> = geometry.casters().collect();
+        let boxes = build::boxes_of(geometry, &ids);
+        let (narrow, _) = (!ids.is_empty()).then(|| build::trees(&boxes))?;
+        let tree = build::eight_way(&narrow);
+        let order = tree.primitive_indices.iter().map(|&i| ids[i as usize]).collect();
+        Some((tree, order))
     }
 }
 
-/// Whether a point lies outside a half space, whatever rounding (two units in the last place) does to it.
+/// Whether a point lies outside a half space, whatever rounding (eight units in the last place) does to it and to the hit
+/// of a triangle that has it as a corner (`hit.rs`).
 fn is_outside((n, distance): (Vec3, f32), p: Vec3) -> bool {
-    n.dot(p) < distance - 2.0 * f32::EPSILON * (n.abs().dot(p.abs()) + distance.abs())
+    n.dot(p) < distance - 8.0 * f32::EPSILON * (n.abs().dot(p.abs()) + distance.abs())
 }
 
-/// The segment as `obvhs`'s box test wants it. That test ignores boxes that end before t = 1e-4, a centimetre of a
-/// segment of 100 m: so t runs to 2^30 here, which leaves the box test's other numbers as they are.
-#[inline(always)]
-fn box_ray(o: Vec3, d: Vec3) -> Ray {
-    const LENGTH: f32 = 1_073_741_824.0;
-    // A component of zero gets a huge inverse of finite products instead of an infinite one, whose products may be NaN;
-    // and -0 a positive one, as the box test takes "negative" to be "less than 0".
-    let inverse = |x: f32| if x.abs() >= 1e-20 { 1.0 / x } else { 1e20_f32.copysign(if x < 0.0 { x } else { 0.0 }) };
-    let inv_direction = Vec3A::new(inverse(d.x), inverse(d.y), inverse(d.z)) * LENGTH;
-    Ray { origin: o.into(), direction: d.into(), inv_direction, tmin: 0.0, tmax: LENGTH }
-}
-
-/// A triangle's box, grown, because box tests round and truth must not lose a hit: by 2^-21 of the greatest coordinate in
-/// the scene (box tests err by about 2^-22 of the distance between ray origin and box), but not by more than an eighth of
-/// the box's size, so that tiny triangles amid a vast plain stay quick to search.
-fn padded_box([a, b, c]: [Vec3; 3], reach: f32) -> Aabb {
-    let (min, max) = (a.min(b).min(c), a.max(b).max(c));
-    let rounding = min.abs().max(max.abs()).max_element() / 1_048_576.0;
-    let pad = (reach / 2_097_152.0).min((max - min).max_element() / 8.0).max(rounding) + f32::MIN_POSITIVE;
-    Aabb { min: (min - pad).into(), max: (max + pad).into() }
-}
-
+#[cfg(test)]
+mod order_tests;
 #[cfg(test)]
 mod tests;

@@ -10,11 +10,15 @@ use glam::{Affine3A, DVec3, Mat4, UVec2, Vec2, Vec3, Vec4};
 pub const MAX_SIDE: u32 = 16_384;
 
 /// A pinhole or orthographic camera. Row 0 is the top row; pixel centres are at .5.
+///
+/// The constructors make cameras that look along their own -z, with depth 0 at near and 1 at far. Matrices of a renderer
+/// with reversed depth, without a far plane, or whose views are left-handed may be put in as they are: all that the library
+/// computes goes through [`Camera::standard`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// Where it stands; it looks along its own -z.
+    /// Where it stands; it looks along its own -z, or along +z if its projection is that of a left-handed view.
     pub world_from_view: Affine3A,
-    /// Its projection, depth 0 at near and 1 at far.
+    /// Its projection, depth in 0..1: 0 at near, or 1 at near if it is reversed.
     pub clip_from_view: Mat4,
     /// Image size, pixels.
     pub size: UVec2,
@@ -93,6 +97,9 @@ impl Camera {
         if self.clip_from_view.as_dmat4().determinant() == 0.0 {
             return Err(Invalid::new("camera projection", "is singular", "use a perspective or orthographic matrix"));
         }
+        if Mat4::from(self.world_from_view).as_dmat4().determinant() == 0.0 {
+            return Err(Invalid::new("camera matrix", "is singular", "use a rotation and a translation"));
+        }
         Ok(())
     }
 
@@ -101,10 +108,32 @@ impl Camera {
         self.world_from_view.translation.into()
     }
 
-    /// The camera as a light space.
+    /// The same image from a camera that looks along its own -z, with depth that grows from 0 at near; the same bits if
+    /// this one does already.
+    ///
+    /// The view is left-handed if clip w grows along +z. Without perspective w says nothing: then it is left-handed if depth
+    /// grows along +z and all that it shows lies there, so give left-handed views that are orthographic usual depth.
+    #[must_use]
+    pub fn standard(&self) -> Self {
+        let mut out = *self;
+        if looks_along_plus_z(&self.clip_from_view) {
+            // Mirrored twice: clip from world stays.
+            out.world_from_view.matrix3.z_axis = -out.world_from_view.matrix3.z_axis;
+            out.clip_from_view.z_axis = -out.clip_from_view.z_axis;
+        }
+        if is_reversed(&out.clip_from_view) {
+            // 1 - z / w.
+            let rows = out.clip_from_view.transpose();
+            out.clip_from_view = Mat4 { z_axis: rows.w_axis - rows.z_axis, ..rows }.transpose();
+        }
+        out
+    }
+
+    /// The camera as a light space: that of [`Camera::standard`].
     pub fn space(&self) -> LightSpace {
-        let world_from_view = Mat4::from(self.world_from_view).as_dmat4();
-        LightSpace { view_from_world: world_from_view.inverse().as_mat4(), clip_from_view: self.clip_from_view }
+        let camera = self.standard();
+        let world_from_view = Mat4::from(camera.world_from_view).as_dmat4();
+        LightSpace { view_from_world: world_from_view.inverse().as_mat4(), clip_from_view: camera.clip_from_view }
     }
 
     /// The same camera with another image size; what it sees vertically stays.
@@ -118,14 +147,16 @@ impl Camera {
     /// The same camera with its image moved by `pixels` right and down.
     #[must_use]
     pub fn nudged(&self, pixels: Vec2) -> Self {
-        Self { clip_from_view: self.space().nudged(pixels, 0.0, self.size).clip_from_view, ..*self }
+        let camera = self.standard();
+        Self { clip_from_view: camera.space().nudged(pixels, 0.0, self.size).clip_from_view, ..camera }
     }
 
     /// The rays through the pixels' centres.
     pub fn rays(&self) -> CameraRays {
-        let world_from_view = glam::DAffine3::from_mat4(Mat4::from(self.world_from_view).as_dmat4());
-        let view_from_clip = self.clip_from_view.as_dmat4().inverse();
-        let orthographic = self.clip_from_view.row(3) == Vec4::W;
+        let camera = self.standard();
+        let world_from_view = glam::DAffine3::from_mat4(Mat4::from(camera.world_from_view).as_dmat4());
+        let view_from_clip = camera.clip_from_view.as_dmat4().inverse();
+        let orthographic = camera.clip_from_view.row(3) == Vec4::W;
         let eye = world_from_view.translation;
         let ray = |fx: f64, fy: f64| {
             let ndc = DVec3::new(2.0 * fx / f64::from(self.size.x) - 1.0, 1.0 - 2.0 * fy / f64::from(self.size.y), 0.0);
@@ -142,6 +173,22 @@ impl Camera {
         let [dir, dir_dx, dir_dy] = [d, dx - d, dy - d].map(pack);
         CameraRays { origin, origin_dx, origin_dy, dir, dir_dx, dir_dy }
     }
+}
+
+/// Whether a projection is for a left-handed view: see [`Camera::standard`].
+fn looks_along_plus_z(clip_from_view: &Mat4) -> bool {
+    let (depth, w) = (clip_from_view.row(2), clip_from_view.row(3));
+    if w.z != 0.0 {
+        return w.z > 0.0;
+    }
+    // Depth is depth.z z + depth.w, so that of the plane z = 0 tells on which side all lies.
+    depth.z > 0.0 && depth.w <= 0.0
+}
+
+/// Whether depth falls along -z. Depth is (a z + b) / (c z + d), whose derivative has the sign of a d - b c.
+fn is_reversed(clip_from_view: &Mat4) -> bool {
+    let [z, w] = [2, 3].map(|i| clip_from_view.row(i).as_dvec4());
+    z.z * w.w - z.w * w.z > 0.0
 }
 
 fn check_size(size: UVec2) -> Result<(), Invalid> {

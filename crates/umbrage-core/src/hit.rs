@@ -1,22 +1,56 @@
-//! Whether a segment meets a triangle, without cracks between triangles.
+//! Whether a segment meets a triangle: without cracks between triangles, not from afar, and in any order.
 //!
-//! Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection": a shear that depends on the ray alone turns it into
-//! the z axis, and the rest happens in the plane. A corner lands on the same point for every triangle that has it, and
-//! the sign of `x0 y1 - y0 x1` is never wrong, since rounding is monotone: at worst it is 0. Edges count as inside
-//! here, so 0 needs no second look (the paper's double precision), and no ray slips between neighbours, whether at an
-//! edge or at a corner.
+//! A segment from `o` along `d` hits a triangle if three tests agree. They know the segment and the triangle, and nothing
+//! else: not the hierarchy, nor what was asked before.
+//!
+//! 1. Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection": a shear that depends on the segment alone turns it
+//!    into the z axis, and the rest happens in the plane. A corner lands on the same point for every triangle that has it.
+//!    The sign of `x0 y1 - y0 x1` is never wrong, since rounding is monotone: at worst it is 0. Edges count as inside
+//!    here, so 0 needs no second look (the paper's double precision).
+//! 2. The least rectangle around the triangle in that plane holds the origin.
+//! 3. The segment enters the triangle's own box, by the test that the hierarchies ask of theirs (`slab.rs`).
+//!
+//! **No cracks.** In a closed mesh some triangle holds the plane's origin once its corners are rounded: neighbours share
+//! rounded corners. It passes test 1, as no sign is wrong, and test 2. It passes test 3, too, if the segment meets it:
+//!
+//! * Let z be the longest axis of `d`, `r = d.x / d.z` (at most 1), `u = 2^-24` the greatest relative error of one rounding,
+//!   and (X, Y, Z) a corner less `o`. The sheared `x = X - r Z` errs by at most `2u |X| + 4u |r Z|`: the roundings of X, of
+//!   r, Z and their product, and of the sum, whose size is at most `|X| + |r Z|`.
+//! * Weigh the exact corners as the origin is weighed by the rounded ones: this gives a point Q of the triangle. The
+//!   segment's line passes it, at Q's z, within the mean of those errors. With `w` the longest side of the triangle's box
+//!   and `D` the distance between Q and `o` along x, `|X|` and `|r Z|` are at most `D + w`, so that is `6u (D + w)`. The
+//!   same holds along y.
+//! * The box is grown by `16u w` or `4u c` (c: its greatest coordinate), whichever is more, hence by at least `8u w + 2u c`;
+//!   its own rounding takes about `u c` of that. What is left covers the part with w.
+//! * The other part moves the place `t` where a side is passed by no more than `6u t`; the slab test's difference, inverse
+//!   and product add `3u t`. So the box is entered before `t (1 + 9u)` and left after `t (1 - 9u)`, and `SLACK = 1 + 32u` is
+//!   more than their ratio.
+//!
+//! **Not from afar.** Test 1 alone accepts what it cannot tell: where all products round to 0 or to each other, a small or
+//! thin triangle is "hit" from anywhere on the lines of its edges. Test 2 keeps the origin within a triangle's size of its
+//! corners. There a sign that is 0 by rounding puts it within a few `u` times that size of the edge, so a segment that
+//! hits comes within a few roundings of the triangle.
+//!
+//! **In any order.** By test 3 whatever is hit has a box that is entered, and so are all boxes around it (`slab.rs`). Every
+//! search that skips boxes by that test alone finds a hit if brute force does.
 
-use crate::{MATH, Module, Twin, twin};
+use crate::{
+    Module, Twin,
+    slab::{self, SLAB, enters_box, holds_origin, padded_box, slab_inverse},
+    twin,
+};
 use glam::{Vec3, Vec3A};
 
-/// The WGSL half of the triangle test.
+/// The WGSL half of the triangle test. It calls into [`SLAB`].
 pub const HIT: Module = Module { name: "hit", text: include_str!("hit.wgsl") };
 
 /// A segment, ready for many tests.
 #[derive(Clone, Copy, Debug)]
 pub struct Segment {
-    origin: Vec3A,
-    /// Rows of the shear that maps the segment's vector to (0, 0, 1).
+    pub(crate) origin: Vec3A,
+    /// One over its vector, for boxes.
+    pub(crate) inverse: Vec3A,
+    /// Rows of the shear that maps its vector to (0, 0, 1).
     rows: [Vec3A; 3],
 }
 
@@ -32,13 +66,20 @@ impl Corners {
     pub(crate) fn new([a, b, c]: [Vec3; 3]) -> Self {
         Self { x: Vec3A::new(a.x, b.x, c.x), y: Vec3A::new(a.y, b.y, c.y), z: Vec3A::new(a.z, b.z, c.z) }
     }
+
+    /// The triangle's own box of test 3.
+    #[inline(always)]
+    pub(crate) fn padded_box(&self) -> [Vec3A; 2] {
+        let Self { x, y, z } = self;
+        padded_box([Vec3A::new(x.x, y.x, z.x), Vec3A::new(x.y, y.y, z.y), Vec3A::new(x.z, y.z, z.z)])
+    }
 }
 
 impl Segment {
     /// The segment from `o` to `o + d`.
     #[inline(always)]
     pub fn new(o: Vec3, d: Vec3) -> Self {
-        Self { origin: o.into(), rows: shear_rows(d) }
+        Self { origin: o.into(), inverse: slab_inverse(d), rows: shear_rows(d) }
     }
 
     /// The three corners' coordinate along one row of the shear. Sums run from left to right, as in the twin.
@@ -63,7 +104,10 @@ impl Segment {
         let along = areas * self.along_row(2, t);
         let (whole, along) = (areas.x + areas.y + areas.z, along.x + along.y + along.z);
         // 0 <= along / whole <= 1, without the division.
-        if whole > 0.0 { along >= 0.0 && along <= whole } else { whole < 0.0 && along <= 0.0 && along >= whole }
+        let between =
+            if whole > 0.0 { along >= 0.0 && along <= whole } else { whole < 0.0 && along <= 0.0 && along >= whole };
+        // Few get here: the rest costs next to nothing.
+        between && holds_origin(x, y) && enters_box(self.origin, self.inverse, t.padded_box())
     }
 }
 
@@ -81,76 +125,27 @@ fn shear_rows(d: Vec3) -> [Vec3A; 3] {
     [row(0.0, -(d.z / d.y), 1.0), row(1.0, -(d.x / d.y), 0.0), row(0.0, 1.0 / d.y, 0.0)]
 }
 
-/// Whether the segment from `o` to `o + d` meets the triangle, edges and ends included.
+/// Whether the segment from `o` to `o + d` meets the triangle, edges and ends included. Never where a number is not finite,
+/// or `d` is zero.
 #[inline(always)]
 pub fn segment_hits(o: Vec3, d: Vec3, a: Vec3, b: Vec3, c: Vec3) -> bool {
     Segment::new(o, d).hits(&Corners::new([a, b, c]))
 }
 
 /// The pairs, for the lockstep tests.
-pub const TWINS: &[Twin] = &[twin!(HIT, hit_word(o: Vec3, d: Vec3, a: Vec3, b: Vec3, c: Vec3) -> u32, needs [MATH])];
+pub const TWINS: &[Twin] = &[
+    twin!(HIT, hit_word(o: Vec3, d: Vec3, a: Vec3, b: Vec3, c: Vec3) -> u32, needs [SLAB]),
+    slab::TWINS[0],
+    slab::TWINS[1],
+    slab::TWINS[2],
+    slab::TWINS[3],
+    slab::TWINS[4],
+];
 
 fn hit_word(o: Vec3, d: Vec3, a: Vec3, b: Vec3, c: Vec3) -> u32 {
     u32::from(segment_hits(o, d, a, b, c))
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    const A: Vec3 = Vec3::new(-1.0, 0.0, -1.0);
-    const B: Vec3 = Vec3::new(1.0, 0.0, -1.0);
-    const C: Vec3 = Vec3::new(0.0, 0.0, 1.0);
-
-    #[test]
-    fn both_sides_edges_corners_and_ends_are_hit() {
-        let down = |x: f32, z: f32| segment_hits(Vec3::new(x, 1.0, z), Vec3::new(0.0, -2.0, 0.0), A, B, C);
-        let up = |x: f32, z: f32| segment_hits(Vec3::new(x, -1.0, z), Vec3::new(0.0, 1.0, 0.0), A, B, C);
-        for (x, z) in [(0.0, 0.0), (0.0, -1.0), (-1.0, -1.0), (1.0, -1.0), (0.0, 1.0), (0.5, 0.0)] {
-            assert!(down(x, z) && up(x, z), "({x}, {z})");
-        }
-        for (x, z) in [(0.0, -1.001), (0.51, 0.0), (-0.51, 0.0), (0.0, 1.001)] {
-            assert!(!down(x, z) && !up(x, z), "({x}, {z})");
-        }
-    }
-
-    #[test]
-    fn segments_that_end_before_or_begin_behind_miss() {
-        let hit = |o: f32, d: f32| segment_hits(Vec3::new(0.0, o, 0.0), Vec3::new(0.0, d, 0.0), A, B, C);
-        assert!(hit(1.0, -1.0) && hit(0.0, 1.0));
-        assert!(!hit(1.0, -0.999) && !hit(-0.001, -1.0) && !hit(0.001, 1.0));
-    }
-
-    #[test]
-    fn flat_triangles_and_parallel_segments_miss() {
-        assert!(!segment_hits(Vec3::Y, Vec3::NEG_Y * 2.0, A, B, B));
-        assert!(!segment_hits(Vec3::Y, Vec3::X, A, B, C));
-        assert!(!segment_hits(Vec3::new(-5.0, 0.0, 0.0), Vec3::X * 10.0, A, B, C));
-    }
-
-    /// Segments aimed at the corners and edges of a fan that closes around the origin: each must hit one of its triangles.
-    #[test]
-    fn fans_have_no_cracks() {
-        let mut hash = 1_u32;
-        let mut random = || {
-            hash = crate::light_sample::hash(hash);
-            hash as f32 / 4_294_967_296.0 - 0.5
-        };
-        for _ in 0..2_000 {
-            let hub = Vec3::new(random(), random() * 0.1, random());
-            let rim: Vec<Vec3> = (0..7)
-                .map(|i| {
-                    let angle = i as f32 * 0.9 + random() * 0.2;
-                    hub + Vec3::new(angle.cos(), random() * 0.1, angle.sin())
-                })
-                .collect();
-            let triangles: Vec<[Vec3; 3]> = (0..7).map(|i| [hub, rim[i], rim[(i + 1) % 7]]).collect();
-            for (i, &corner) in rim.iter().enumerate() {
-                let target = hub.lerp(corner, (random() + 0.5) * 0.9 * (i % 2) as f32);
-                let o = target + Vec3::new(random() * 3.0, 4.0 + random(), random() * 3.0);
-                let d = (target - o) * 2.0;
-                assert!(triangles.iter().any(|t| segment_hits(o, d, t[0], t[1], t[2])), "a crack at {target}");
-            }
-        }
-    }
-}
+#[path = "hit_tests.rs"]
+mod tests;

@@ -1,4 +1,4 @@
-// Twin of hit.rs's triangle test.
+// Twin of hit.rs's triangle test. Calls into slab.wgsl.
 
 fn shear_rows(d: vec3f) -> mat3x3f {
     let size = abs(d);
@@ -34,10 +34,11 @@ fn segment_hits(o: vec3f, d: vec3f, pa: vec3f, pb: vec3f, pc: vec3f) -> bool {
     }
     let whole = u + v + w;
     let along = u * a.z + v * b.z + w * c.z;
-    if whole > 0.0 {
-        return along >= 0.0 && along <= whole;
-    }
-    return whole < 0.0 && along <= 0.0 && along >= whole;
+    let before = along >= 0.0 && along <= whole;
+    let behind = along <= 0.0 && along >= whole;
+    let between = (whole > 0.0 && before) || (whole < 0.0 && behind);
+    let inverse = slab_inverse(d);
+    return between && holds_origin(a.xy, b.xy, c.xy) && enters_box(o, inverse, padded_low(pa, pb, pc), padded_high(pa, pb, pc));
 }
 
 fn hit_word(o: vec3f, d: vec3f, a: vec3f, b: vec3f, c: vec3f) -> u32 {

@@ -35,6 +35,7 @@ pub mod resolve;
 mod scene;
 mod shader;
 mod simd;
+mod slab;
 mod snapping;
 mod subdivide;
 mod technique;

@@ -25,6 +25,7 @@ impl LightMarker {
     /// a place, or a light in the plane through the camera's eye across its view.
     pub fn place(&self, light: &Light, camera: &Camera) -> Option<(Vec3, f32)> {
         let at = light.position().or(self.directional_at)?;
+        let camera = camera.standard();
         let clip_from_view = camera.clip_from_view.as_dmat4();
         let in_view = Mat4::from(camera.world_from_view).as_dmat4().inverse().transform_point3(at.as_dvec3());
         // The image's half height there is w / m11, with perspective or without.

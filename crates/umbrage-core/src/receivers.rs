@@ -1,5 +1,6 @@
 //! What the camera sees, pixel by pixel.
 
+use crate::Invalid;
 use glam::{UVec2, Vec3};
 
 /// The triangle id of a pixel that shows nothing.
@@ -54,6 +55,30 @@ impl Receivers {
             triangle: vec![NO_TRIANGLE; n],
             receives: vec![false; n],
         }
+    }
+
+    /// Objects to arrays that are not as long as the image has pixels, and to positions and normals that are not finite
+    /// where a shadow may fall.
+    ///
+    /// # Errors
+    /// The first fault found.
+    pub fn validate(&self) -> Result<(), Invalid> {
+        let pixels = self.size.x as usize * self.size.y as usize;
+        let lengths = [&self.x, &self.y, &self.z, &self.nx, &self.ny, &self.nz].map(Vec::len);
+        if [self.triangle.len(), self.receives.len()].iter().chain(&lengths).any(|&n| n != pixels) {
+            let why =
+                format!("are an image of {} x {} pixels, and not all arrays are as long", self.size.x, self.size.y);
+            return Err(Invalid::new("receivers", why, format!("make all {pixels} long")));
+        }
+        let at_fault = (0..pixels).find(|&i| self.receives[i] && !(self.position(i) + self.normal(i)).is_finite());
+        let Some(i) = at_fault else { return Ok(()) };
+        let why = format!("is {} with the normal {}", self.position(i), self.normal(i));
+        let mend = "use finite numbers, or say in `receives` that no shadow falls there";
+        Err(Invalid::new(
+            format!("receiver at pixel ({}, {})", i as u32 % self.size.x, i as u32 / self.size.x),
+            why,
+            mend,
+        ))
     }
 
     /// How many pixels.

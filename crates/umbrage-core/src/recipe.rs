@@ -1,6 +1,6 @@
 //! Recipes: a shadow algorithm as plain data, to be played by any backend.
 
-use crate::{FilterKernel, Format, ImageDesc, Invalid, LightSpace, ReceiveKernel, ShadeKernel};
+use crate::{FilterKernel, Format, ImageDesc, Invalid, LightSpace, ReceiveKernel, ShadeKernel, invalid};
 use glam::Vec4;
 use std::sync::Arc;
 
@@ -219,7 +219,10 @@ impl Recipe {
                 return Err(Invalid::new(format!("table `{}`", table.label), why, "use a smaller scene"));
             }
         }
-        self.casts.iter().try_for_each(|cast| self.check_cast(cast))?;
+        for (i, cast) in self.casts.iter().enumerate() {
+            check_numbers(cast).map_err(|e| e.within(format!("cast {i}")))?;
+            self.check_cast(cast)?;
+        }
         for filter in &self.filters {
             self.check_ids("filter", &filter.inputs, &filter.tables)?;
             let image = self.images.get(filter.output);
@@ -289,6 +292,14 @@ impl Recipe {
         }
         Ok(())
     }
+}
+
+fn check_numbers(cast: &Cast) -> Result<(), Invalid> {
+    invalid::finite("view from world", &cast.space.view_from_world.to_cols_array())?;
+    invalid::finite("clip from view", &cast.space.clip_from_view.to_cols_array())?;
+    // Two finite matrices may have a product that isn't.
+    invalid::finite("clip from world", &cast.space.clip_from_world().to_cols_array())?;
+    invalid::finite("bias", &[cast.bias.slope, cast.bias.clamp])
 }
 
 fn check_image(image: &ImageDesc, limits: &Limits) -> Result<(), Invalid> {

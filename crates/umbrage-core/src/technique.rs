@@ -26,6 +26,17 @@ impl<'a> View<'a> {
         Self { camera, light, casters: geometry.caster_bounds(), geometry: Some(geometry), receivers: None, fits: None }
     }
 
+    /// Objects to a camera or a light that can't be used, and to boxes and receivers with numbers that are not finite.
+    ///
+    /// # Errors
+    /// The first fault found.
+    pub fn validate(&self) -> Result<(), Invalid> {
+        self.camera.validate()?;
+        self.light.validate()?;
+        self.casters.validate().map_err(|e| e.within("view's casters"))?;
+        self.receivers.map_or(Ok(()), Receivers::validate)
+    }
+
     /// The same view with its receivers known. Fits that were found for others are not taken along.
     #[must_use]
     pub fn with_receivers(self, receivers: &'a Receivers) -> Self {

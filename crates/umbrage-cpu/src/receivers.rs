@@ -118,13 +118,7 @@ pub(crate) fn check(r: &Receivers, size: UVec2) -> Result<(), Invalid> {
         let why = format!("are {} x {} pixels, but the camera's image is {} x {}", r.size.x, r.size.y, size.x, size.y);
         return Err(Invalid::new("receivers", why, "make them with the same camera"));
     }
-    let floats = [&r.x, &r.y, &r.z, &r.nx, &r.ny, &r.nz].map(Vec::len);
-    let n = size.x as usize * size.y as usize;
-    if floats.iter().chain([&r.triangle.len(), &r.receives.len()]).any(|&len| len != n) {
-        let why = format!("have arrays of lengths other than {n}");
-        return Err(Invalid::new("receivers", why, "give every array one entry a pixel"));
-    }
-    Ok(())
+    r.validate()
 }
 
 /// Bytes of all arrays.

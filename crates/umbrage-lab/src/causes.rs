@@ -28,7 +28,7 @@ pub fn faults() -> [Fault; 5] {
             technique: Arc::new(SecondDepth { map: map(512, Bias::FRONT_CULL), radius: 0 }),
             cause: Cause::Leak,
         },
-        Fault { scene: "cause-edge", technique: hard(64, Bias::RECEIVER_PLANE), cause: Cause::Edge },
-        Fault { scene: "cause-penumbra", technique: hard(1024, Bias::RECEIVER_PLANE), cause: Cause::Penumbra },
+        Fault { scene: "cause-edge", technique: hard(64, Bias::ADAPTIVE), cause: Cause::Edge },
+        Fault { scene: "cause-penumbra", technique: hard(1024, Bias::ADAPTIVE), cause: Cause::Penumbra },
     ]
 }

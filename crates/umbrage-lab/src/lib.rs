@@ -5,6 +5,7 @@
 //! * [`baseline`]: what got slower or less accurate than it was. [`figure`]: still charts.
 //! * [`footprint`]: how much of their maps techniques use, and how fine these are on screen.
 //! * [`textbook`]: the textbooks' effects, measured and pictured. [`mod@bench`]: paired timings.
+//! * [`mod@bias`]: the default bias against all that could be tuned by hand.
 //! * [`causes`]: an example of each cause of error ([`umbrage_core::metrics::Causes`]).
 //! * [`cost`]: milliseconds by counting, the same on every run.
 //! * [`stability`]: where methods fail, scene by scene.
@@ -19,6 +20,8 @@
 pub mod baseline;
 #[cfg(feature = "report")]
 pub mod bench;
+#[cfg(feature = "report")]
+pub mod bias;
 pub mod causes;
 #[cfg(all(test, feature = "report"))]
 mod cheat;

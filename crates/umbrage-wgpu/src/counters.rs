@@ -10,7 +10,7 @@ pub struct Counters {
     pub pipelines: u32,
     /// Images, masks and pictures.
     pub textures: u32,
-    /// Uniforms, tables and faces.
+    /// Uniforms, tables and faces, and what tells that an encoder was submitted.
     pub buffers: u32,
     /// Bindings of kernels and casts to what they read.
     pub bind_groups: u32,

@@ -2,8 +2,8 @@
 
 use glam::{Affine3A, UVec2};
 use std::ops::Range;
-use umbrage_core::{BackendError, Invalid, Recipe, Source};
-use wgpu::{Buffer, IndexFormat, TextureFormat, TextureView};
+use umbrage_core::{BackendError, Invalid, Recipe, Source, invalid};
+use wgpu::{Buffer, BufferUsages, IndexFormat, Limits, Texture, TextureFormat, TextureUsages, TextureView};
 
 /// One frame's casters and receivers.
 #[derive(Clone, Copy, Debug)]
@@ -46,9 +46,9 @@ pub struct Indices<'a> {
 /// Where a vertex buffer holds positions (three 32-bit floats each).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct VertexLayout {
-    /// Bytes from one vertex to the next; a multiple of 4.
+    /// Bytes from one vertex to the next; a multiple of 4, at least 12.
     pub stride: u64,
-    /// Bytes from the vertex to its position; a multiple of 4.
+    /// Bytes from the vertex to its position; a multiple of 4, at most the stride less 12.
     pub position_offset: u64,
 }
 
@@ -74,10 +74,11 @@ pub struct GBuffer<'a> {
 }
 
 impl Frame<'_> {
-    pub(crate) fn validate(&self, recipe: &Recipe) -> Result<(), BackendError> {
+    /// Objects to what the device would: later, in other words, and some of it only when the caller submits.
+    pub(crate) fn validate(&self, recipe: &Recipe, limits: &Limits) -> Result<(), BackendError> {
         for (what, drawables) in [("caster", self.casters), ("everything", self.everything)] {
             for (i, drawable) in drawables.iter().enumerate() {
-                drawable.validate().map_err(|e| e.within(format!("{what} {i}")))?;
+                drawable.validate(limits).map_err(|e| e.within(format!("{what} {i}")))?;
             }
         }
         self.check_everything(recipe)?;
@@ -108,29 +109,90 @@ impl Frame<'_> {
 }
 
 impl Drawable<'_> {
-    fn validate(&self) -> Result<(), Invalid> {
+    fn validate(&self, limits: &Limits) -> Result<(), Invalid> {
+        self.layout.validate(limits)?;
+        check_buffer(self.vertices, "vertex buffer", (BufferUsages::VERTEX, "VERTEX"))?;
+        if let Some(Indices { buffer, .. }) = self.indices {
+            check_buffer(buffer, "index buffer", (BufferUsages::INDEX, "INDEX"))?;
+        }
+        if let Some(place) = self.world_from_local {
+            invalid::finite("world from local", &place.to_cols_array())?;
+        }
+        self.check_range()
+    }
+
+    fn check_range(&self) -> Result<(), Invalid> {
         let (what, count) = match self.indices {
             Some(Indices { buffer, format }) => ("indices", buffer.size() / format.byte_size() as u64),
-            None => ("vertices", self.vertices.size() / self.layout.stride.max(1)),
+            None => ("vertices", self.layout.vertices(self.vertices.size())),
         };
+        if self.range.start > self.range.end {
+            let why = format!("start at {} and end at {}", self.range.start, self.range.end);
+            return Err(Invalid::new(what, why, "put the first one first"));
+        }
         if u64::from(self.range.end) > count {
             let why = format!("end at {}, and the buffer holds {count}", self.range.end);
             return Err(Invalid::new(what, why, "draw what is in the buffer"));
         }
-        if self.vertices.size() == 0 && !self.range.is_empty() {
-            return Err(Invalid::new("vertex buffer", "is empty", "leave the caster out"));
+        if self.layout.vertices(self.vertices.size()) == 0 && !self.range.is_empty() {
+            return Err(Invalid::new("vertex buffer", "holds no vertex", "leave the caster out"));
         }
         Ok(())
     }
 }
 
-fn check(view: &TextureView, what: &str, format: TextureFormat, size: UVec2) -> Result<(), BackendError> {
-    let texture = view.texture();
-    let found = UVec2::new(texture.width(), texture.height());
-    if (texture.format(), found) == (format, size) {
+impl VertexLayout {
+    /// Bytes of a position.
+    const POSITION: u64 = 12;
+
+    fn validate(self, limits: &Limits) -> Result<(), Invalid> {
+        let Self { stride, position_offset: offset } = self;
+        let most = u64::from(limits.max_vertex_buffer_array_stride);
+        if !stride.is_multiple_of(4) || stride < Self::POSITION || stride > most {
+            let mend =
+                format!("use a multiple of 4 from {} to {most}: a position is three 32-bit floats", Self::POSITION);
+            return Err(Invalid::new("vertex layout's stride", format!("is {stride} bytes"), mend));
+        }
+        if !offset.is_multiple_of(4) || offset > stride - Self::POSITION {
+            let why = format!("is {offset} bytes, in vertices of {stride}");
+            let mend = format!("use a multiple of 4 up to {}", stride - Self::POSITION);
+            return Err(Invalid::new("vertex layout's position offset", why, mend));
+        }
+        Ok(())
+    }
+
+    /// How many vertices lie in a buffer of this size. The last one may end with its position.
+    fn vertices(self, bytes: u64) -> u64 {
+        bytes.checked_sub(self.position_offset + Self::POSITION).map_or(0, |rest| rest / self.stride + 1)
+    }
+}
+
+fn check_buffer(buffer: &Buffer, what: &str, (usage, name): (BufferUsages, &str)) -> Result<(), Invalid> {
+    if buffer.usage().contains(usage) {
         return Ok(());
     }
-    let why = format!("is {:?} of {} x {} pixels", texture.format(), found.x, found.y);
-    let mend = format!("make it {format:?} of {} x {}, as the frame says", size.x, size.y);
-    Err(Invalid::new(format!("receivers' {what} texture"), why, mend).into())
+    let why = format!("was made without the usage `BufferUsages::{name}`");
+    Err(Invalid::new(what, why, "add it where the buffer is made"))
+}
+
+fn check(view: &TextureView, what: &str, format: TextureFormat, size: UVec2) -> Result<(), BackendError> {
+    let texture = view.texture();
+    let what = format!("receivers' {what} texture");
+    check_readable(texture, &what)?;
+    let found = UVec2::new(texture.width(), texture.height());
+    if (texture.format(), found) != (format, size) {
+        let why = format!("is {:?} of {} x {} pixels", texture.format(), found.x, found.y);
+        let mend = format!("make it {format:?} of {} x {}, as the frame says", size.x, size.y);
+        return Err(Invalid::new(what, why, mend).into());
+    }
+    Ok(())
+}
+
+/// Objects to textures that shaders can't read.
+pub(crate) fn check_readable(texture: &Texture, what: &str) -> Result<(), Invalid> {
+    if texture.usage().contains(TextureUsages::TEXTURE_BINDING) {
+        return Ok(());
+    }
+    let why = "was made without the usage `TextureUsages::TEXTURE_BINDING`";
+    Err(Invalid::new(what, why, "add it where the texture is made"))
 }

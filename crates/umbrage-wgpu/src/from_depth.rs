@@ -4,16 +4,16 @@ use crate::{
     bindings::{Binding, Bound, Layouts, Slot},
     counters::{Counters, Maker},
     filters::color_attachment,
-    frame::GBuffer,
+    frame::{GBuffer, check_readable},
     images::{GpuImage, fit_images},
     pipelines::{Targets, fullscreen_pipeline},
     scopes::Scopes,
     wgsl::FULLSCREEN,
 };
 use encase::{ShaderType, UniformBuffer};
-use glam::{Mat4, UVec2, Vec3};
+use glam::{DVec3, Mat4, UVec2};
 use std::collections::HashMap;
-use umbrage_core::{BackendError, Format, ImageDesc, Invalid, MATH, join};
+use umbrage_core::{BackendError, Format, ImageDesc, Invalid, MATH, invalid, join};
 use wgpu::{
     Buffer, BufferUsages, Color, CommandEncoder, Device, Queue, RenderPassDescriptor, RenderPipeline, ShaderStages,
     TextureFormat, TextureView,
@@ -61,12 +61,14 @@ impl GBufferFromDepth {
     /// Makes what isn't there yet, and writes the camera.
     ///
     /// # Errors
-    /// If the matrix is singular, or the depth buffer cannot be read as described.
+    /// If the matrix is singular, empty depth is where it sees what is nearest, or the depth buffer cannot be read as
+    /// described.
     pub fn prepare(&mut self, device: &Device, queue: &Queue, source: &DepthBuffer<'_>) -> Result<(), BackendError> {
+        source.validate()?;
         let camera = DepthCamera {
             world_from_clip: source.world_from_clip,
             empty: source.empty,
-            handedness: handedness(source)?,
+            handedness: source.handedness()?,
         };
         let scopes = Scopes::open(device);
         let mut counters = self.counters;
@@ -142,18 +144,58 @@ impl GBufferFromDepth {
     }
 }
 
-/// 1 if right x up points to the viewer, as in right-handed worlds; else -1.
-fn handedness(source: &DepthBuffer<'_>) -> Result<f32, BackendError> {
-    let near = 1.0 - source.empty;
-    let point = |x, y, z| source.world_from_clip.as_dmat4().project_point3(Vec3::new(x, y, z).as_dvec3());
-    let middle = point(0.0, 0.0, 0.5);
-    let [right, up, viewer] = [point(0.5, 0.0, 0.5), point(0.0, 0.5, 0.5), point(0.0, 0.0, near)].map(|p| p - middle);
-    let volume = right.cross(up).dot(viewer);
-    if volume.is_finite() && volume != 0.0 {
-        return Ok(volume.signum() as f32);
+impl DepthBuffer<'_> {
+    fn validate(&self) -> Result<(), Invalid> {
+        let (what, texture) = ("depth buffer", self.depth.texture());
+        check_readable(texture, what)?;
+        let format = texture.format();
+        if !format.has_depth_aspect() && format != TextureFormat::R32Float {
+            let mend = "hand in one of a depth format, or of `R32Float`";
+            return Err(Invalid::new(what, format!("is {format:?}"), mend));
+        }
+        invalid::finite("world from clip", &self.world_from_clip.to_cols_array())?;
+        if self.empty != 0.0 && self.empty != 1.0 {
+            let why = format!("is {}", self.empty);
+            return Err(Invalid::new("depth where nothing was drawn", why, "use 1, or 0 with reversed z"));
+        }
+        self.check_empty()
     }
-    let mend = "hand in the inverse of the camera's clip from world, and 0 or 1 for empty depth";
-    Err(Invalid::new("world from clip", "does not unproject the middle of the image", mend).into())
+
+    /// With perspective, the matrix tells which depth is nearer to the eye.
+    fn check_empty(&self) -> Result<(), Invalid> {
+        // All rays meet where clip x, y and w are 0.
+        let eye = self.world_from_clip.as_dmat4().z_axis;
+        // The fourth component is 1/far - 1/near, beside 1/near or 1/far; without perspective 0, or what inverting rounds.
+        if eye.w.abs() <= 1e-4 * f64::from(self.world_from_clip.w_axis.w.abs()) {
+            return Ok(());
+        }
+        let from_eye = |z: f64| self.middle(z).distance(eye.truncate() / eye.w);
+        // The middle of the depths is finite whatever lies at infinity.
+        if from_eye(f64::from(1.0 - self.empty)) < from_eye(0.5) {
+            return Ok(());
+        }
+        let why = format!("is {}, but that is where this camera sees what is nearest", self.empty);
+        Err(Invalid::new("depth where nothing was drawn", why, format!("use {}", 1.0 - self.empty)))
+    }
+
+    /// What is seen at this depth in the middle of the image.
+    fn middle(&self, z: f64) -> DVec3 {
+        self.world_from_clip.as_dmat4().project_point3(DVec3::new(0.0, 0.0, z))
+    }
+
+    /// 1 if right x up points to the viewer, as in right-handed worlds; else -1.
+    fn handedness(&self) -> Result<f32, Invalid> {
+        let point = |x, y| self.world_from_clip.as_dmat4().project_point3(DVec3::new(x, y, 0.5));
+        let middle = self.middle(0.5);
+        let viewer = self.middle(f64::from(1.0 - self.empty));
+        let [right, up, viewer] = [point(0.5, 0.0), point(0.0, 0.5), viewer].map(|p| p - middle);
+        let volume = right.cross(up).dot(viewer);
+        if volume.is_finite() && volume != 0.0 {
+            return Ok(volume.signum() as f32);
+        }
+        let mend = "hand in the inverse of the camera's clip from world";
+        Err(Invalid::new("world from clip", "does not unproject the middle of the image", mend))
+    }
 }
 
 fn shader_text(samples: bool) -> String {

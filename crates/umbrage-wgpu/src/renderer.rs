@@ -1,20 +1,15 @@
 //! [`ShadowRenderer`]: plays recipes on the caller's device, into the caller's encoder.
 
 use crate::{
-    casts::CastStage,
     counters::{Counters, Maker},
-    counts::{Pair, check_counting, pairs},
-    faces::{FaceBuffers, check_faces},
-    filters::FilterStage,
+    counts::{check_counting, pairs},
+    faces::check_faces,
     frame::Frame,
-    images::{GpuImage, fit_images},
-    kernels::Sources,
-    lookup::Lookup,
-    pipelines::Pipelines,
+    images::GpuImage,
+    resources::{Resources, Shared},
     scopes::Scopes,
-    shading::Shading,
     stamps::Stamps,
-    tables::Tables,
+    submissions::Submissions,
     targets::CastTarget,
 };
 use glam::UVec2;
@@ -48,26 +43,25 @@ pub struct Options {
 ///     renderer.encode(encoder)
 /// }
 /// ```
+///
+/// # Several lights
+/// One renderer serves several lights, whose recipes may differ: prepare and encode the first, then the second. What was
+/// recorded for one keeps its mask, images, uniforms and bind groups until the encoder is submitted or dropped; meanwhile
+/// `prepare` uses others, made when they are first needed. So all that is recorded between two submissions may read
+/// the masks and the [`receive_bind_group`](Self::receive_bind_group)s of all lights that were encoded there, and that many
+/// lights take that many masks and maps. After the submission the next `prepare` uses them again: take masks and bind
+/// groups anew after each, and submit all that reads them before it or together with the encoder.
 #[derive(Debug)]
 pub struct ShadowRenderer {
     options: Options,
     limits: Limits,
     counters: Counters,
-    held: Held,
-}
-
-/// What is kept from frame to frame.
-#[derive(Debug, Default)]
-struct Held {
-    pipelines: Pipelines,
-    tables: Tables,
-    images: Vec<GpuImage>,
-    faces: FaceBuffers,
-    casts: CastStage,
-    filters: FilterStage,
-    lookup: Lookup,
-    shading: Shading,
-    prepared: bool,
+    submissions: Submissions,
+    shared: Shared,
+    /// As many as lights were ever encoded between two submissions.
+    lights: Vec<Resources>,
+    /// The one that was prepared last.
+    prepared: Option<usize>,
 }
 
 impl ShadowRenderer {
@@ -81,14 +75,23 @@ impl ShadowRenderer {
             let why = format!("is {}", options.kernel_group);
             return Err(Invalid::new("bind group of the kernel", why, format!("use 0 to {}", groups - 1)).into());
         }
-        Ok(Self { options, limits: limits(device), counters: Counters::default(), held: Held::default() })
+        Ok(Self {
+            options,
+            limits: limits(device),
+            counters: Counters::default(),
+            submissions: Submissions::of(device),
+            shared: Shared::default(),
+            lights: Vec::new(),
+            prepared: None,
+        })
     }
 
-    /// Makes whatever the recipe needs and isn't there yet, and writes uniforms and new tables to the queue.
+    /// Makes whatever the recipe needs and isn't there yet, and writes uniforms and new tables to the queue. Where it has to
+    /// know whether what was encoded before has been submitted, it polls the device without waiting.
     ///
     /// # Errors
-    /// When the recipe or the frame cannot be used, memory runs out, or a kernel's WGSL is at fault (with the
-    /// compiler's message). After an error nothing is prepared, and everything is made anew.
+    /// When the recipe or the frame cannot be used, the device is another than the renderer's, memory runs out, or a kernel's
+    /// WGSL is at fault (with the compiler's message). After an error nothing is prepared, and everything is made anew.
     pub fn prepare(
         &mut self,
         device: &Device,
@@ -96,22 +99,40 @@ impl ShadowRenderer {
         recipe: &Recipe,
         frame: &Frame<'_>,
     ) -> Result<(), BackendError> {
-        self.held.prepared = false;
+        self.prepared = None;
+        check_device(device, self.submissions.device())?;
         recipe.validate(&self.limits)?;
         check_counting(recipe, device.features())?;
         check_faces(recipe, device.limits().max_buffer_size)?;
         check_size(frame.size, self.limits.image_side)?;
-        frame.validate(recipe)?;
+        frame.validate(recipe, &device.limits())?;
         let pairs = pairs(recipe)?;
+        let light = self.free(recipe, frame);
+        self.shared.tables.forget_unreachable();
+        self.shared.faces.forget_unreachable();
         let scopes = Scopes::open(device);
         let mut maker = Maker { device, queue, counters: &mut self.counters };
-        self.held.prepare(&mut maker, self.options, (recipe, &pairs), frame);
+        self.lights[light].prepare(&mut maker, &mut self.shared, self.options, (recipe, &pairs), frame);
         if let Err(e) = scopes.close() {
-            self.held = Held::default();
+            (self.shared, self.lights) = Default::default();
             return Err(e);
         }
-        self.held.prepared = true;
+        self.prepared = Some(light);
         Ok(())
+    }
+
+    /// The first of the resources that no unsubmitted encoder reads; if there are several, one that fits.
+    fn free(&mut self, recipe: &Recipe, frame: &Frame<'_>) -> usize {
+        if self.lights.iter().any(|light| !light.pending.is_over()) {
+            self.submissions.poll();
+        }
+        self.lights.iter_mut().for_each(Resources::release);
+        let free = || (0..self.lights.len()).filter(|&i| self.lights[i].pending.is_over());
+        let fitting = free().find(|&i| self.lights[i].fits(&recipe.images, frame.size));
+        fitting.or_else(|| free().next()).unwrap_or_else(|| {
+            self.lights.push(Resources::default());
+            self.lights.len() - 1
+        })
     }
 
     /// Records all passes and returns the mask: `R32Float`, visibility of the light, 1 where nothing receives. The
@@ -132,11 +153,11 @@ impl ShadowRenderer {
         encoder: &mut CommandEncoder,
         stamps: Option<&Stamps<'_>>,
     ) -> Result<&TextureView, BackendError> {
-        let held = self.held()?;
-        held.casts.encode(encoder, stamps);
-        held.filters.clear(encoder);
-        held.filters.encode(encoder, stamps);
-        held.encode_mask(encoder, self.options, stamps)
+        let light = self.recorded(encoder)?;
+        light.casts.encode(encoder, stamps);
+        light.filters.clear(encoder);
+        light.filters.encode(encoder, stamps);
+        light.encode_mask(encoder, self.options, stamps).ok_or_else(unprepared)
     }
 
     /// What is to be drawn into before [`encode_filters_and_receive`](Self::encode_filters_and_receive), for callers
@@ -147,7 +168,7 @@ impl ShadowRenderer {
     /// # Errors
     /// As [`encode`](Self::encode); and if there is such a cast.
     pub fn cast_targets(&self) -> Result<&[CastTarget], BackendError> {
-        let casts = &self.held()?.casts;
+        let casts = &self.light()?.casts;
         if casts.are_plain() {
             return Ok(&casts.targets);
         }
@@ -165,7 +186,7 @@ impl ShadowRenderer {
         encoder: &mut CommandEncoder,
         mut draw: impl FnMut(&mut CommandEncoder, &CastTarget),
     ) -> Result<(), BackendError> {
-        let casts = &self.held()?.casts;
+        let casts = &self.recorded(encoder)?.casts;
         casts.clear(encoder);
         for (i, target) in casts.targets.iter().enumerate() {
             if casts.draws_faces(i) {
@@ -182,8 +203,10 @@ impl ShadowRenderer {
     /// # Errors
     /// As [`encode`](Self::encode).
     pub fn encode_filters_and_receive(&self, encoder: &mut CommandEncoder) -> Result<&TextureView, BackendError> {
-        self.encode_filters(encoder)?;
-        self.held()?.encode_mask(encoder, self.options, None)
+        let light = self.recorded(encoder)?;
+        light.filters.clear(encoder);
+        light.filters.encode(encoder, None);
+        light.encode_mask(encoder, self.options, None).ok_or_else(unprepared)
     }
 
     /// Records casts alone; with [`encode_filters`](Self::encode_filters) and [`receive_bind_group`](Self::receive_bind_group)
@@ -192,7 +215,7 @@ impl ShadowRenderer {
     /// # Errors
     /// As [`encode`](Self::encode).
     pub fn encode_casts(&self, encoder: &mut CommandEncoder) -> Result<(), BackendError> {
-        self.held()?.casts.encode(encoder, None);
+        self.recorded(encoder)?.casts.encode(encoder, None);
         Ok(())
     }
 
@@ -201,18 +224,20 @@ impl ShadowRenderer {
     /// # Errors
     /// As [`encode`](Self::encode).
     pub fn encode_filters(&self, encoder: &mut CommandEncoder) -> Result<(), BackendError> {
-        self.held()?.filters.clear(encoder);
-        self.encode_filters_only(encoder)
+        let light = self.recorded(encoder)?;
+        light.filters.clear(encoder);
+        light.filters.encode(encoder, None);
+        Ok(())
     }
 
     /// Filters without the clearing of images that nothing writes.
     pub(crate) fn encode_filters_only(&self, encoder: &mut CommandEncoder) -> Result<(), BackendError> {
-        self.held()?.filters.encode(encoder, None);
+        self.recorded(encoder)?.filters.encode(encoder, None);
         Ok(())
     }
 
     pub(crate) fn encode_receive(&self, encoder: &mut CommandEncoder) -> Result<(), BackendError> {
-        self.held()?.encode_mask(encoder, self.options, None).map(|_| ())
+        self.recorded(encoder)?.encode_mask(encoder, self.options, None).map(|_| ()).ok_or_else(unprepared)
     }
 
     /// What the lookup reads, for [`receive_wgsl`](crate::receive_wgsl) in the caller's own shader: set it at
@@ -221,12 +246,12 @@ impl ShadowRenderer {
     /// # Errors
     /// As [`encode`](Self::encode).
     pub fn receive_bind_group(&self) -> Result<(&BindGroup, &BindGroupLayout), BackendError> {
-        self.held()?.lookup.kernel_group().ok_or_else(unprepared)
+        self.light()?.lookup.kernel_group().ok_or_else(unprepared)
     }
 
     /// An image of the recipe, all its layers, for showing it; counts are whole numbers (`texture_2d<u32>`).
     pub fn image(&self, id: usize) -> Option<&TextureView> {
-        self.held.images.get(id).map(|image| &image.whole)
+        self.gpu_images().get(id).map(|image| &image.whole)
     }
 
     /// The recipe's colours: `Rgba32Float`, linear; none before a recipe that shades is prepared.
@@ -236,7 +261,7 @@ impl ShadowRenderer {
 
     /// What was made so far.
     pub fn counters(&self) -> Counters {
-        self.counters
+        Counters { buffers: self.counters.buffers + self.submissions.made(), ..self.counters }
     }
 
     /// What recipes may ask of this device.
@@ -245,51 +270,27 @@ impl ShadowRenderer {
     }
 
     pub(crate) fn gpu_images(&self) -> &[GpuImage] {
-        &self.held.images
+        self.light().map_or(&[], |light| &light.images)
     }
 
     pub(crate) fn mask(&self) -> Option<&GpuImage> {
-        self.held.lookup.mask()
+        self.light().ok()?.lookup.mask()
     }
 
     pub(crate) fn gpu_picture(&self) -> Option<&GpuImage> {
-        self.held.shading.picture()
+        self.light().ok()?.shading.picture()
     }
 
-    fn held(&self) -> Result<&Held, BackendError> {
-        if self.held.prepared { Ok(&self.held) } else { Err(unprepared()) }
-    }
-}
-
-impl Held {
-    fn prepare(
-        &mut self,
-        maker: &mut Maker<'_>,
-        options: Options,
-        (recipe, pairs): (&Recipe, &[Pair]),
-        frame: &Frame<'_>,
-    ) {
-        self.tables.forget_unreachable();
-        self.faces.forget_unreachable();
-        fit_images(maker, &mut self.images, &recipe.images, pairs);
-        let pipelines = &mut self.pipelines;
-        self.casts.prepare(maker, pipelines, (&recipe.casts, &self.images), &mut self.faces, frame);
-        let mut sources = Sources { recipe, images: &self.images, tables: &mut self.tables };
-        self.filters.prepare(maker, pipelines, &mut sources);
-        let mask = self.lookup.prepare(maker, pipelines, &mut sources, options, frame);
-        self.shading.prepare(maker, pipelines, &mut sources, options, (frame, mask));
+    /// What was prepared last.
+    fn light(&self) -> Result<&Resources, BackendError> {
+        self.prepared.and_then(|i| self.lights.get(i)).ok_or_else(unprepared)
     }
 
-    /// The lookup and what follows it. Returns the mask.
-    fn encode_mask(
-        &self,
-        encoder: &mut CommandEncoder,
-        options: Options,
-        stamps: Option<&Stamps<'_>>,
-    ) -> Result<&TextureView, BackendError> {
-        let mask = self.lookup.encode(encoder, options, stamps).ok_or_else(unprepared)?;
-        self.shading.encode(encoder, options);
-        Ok(mask)
+    /// The same, not to be written before what the encoder records is submitted.
+    fn recorded(&self, encoder: &CommandEncoder) -> Result<&Resources, BackendError> {
+        let light = self.light()?;
+        self.submissions.watch(encoder, &light.pending);
+        Ok(light)
     }
 }
 
@@ -308,6 +309,14 @@ fn limits(device: &Device) -> Limits {
         layers: limits.max_texture_array_layers,
         table_bytes: limits.max_storage_buffer_binding_size.min(limits.max_buffer_size),
     }
+}
+
+fn check_device(device: &Device, own: &Device) -> Result<(), Invalid> {
+    if device == own {
+        return Ok(());
+    }
+    let mend = "prepare with the device that the renderer was made with, or make a renderer for each";
+    Err(Invalid::new("device", "is not the one that the shadow renderer was made with", mend))
 }
 
 pub(crate) fn check_size(size: UVec2, most: u32) -> Result<(), BackendError> {

@@ -22,12 +22,12 @@ fn map(bias: Bias) -> ShadowMap {
 
 /// Techniques with how far their kernels reach, texels.
 fn techniques() -> [(Box<dyn ShadowTechnique>, f32); 4] {
-    let pcf = |radius: u32| Pcf { map: map(Bias::RECEIVER_PLANE), radius };
+    let pcf = |radius: u32| Pcf { map: map(Bias::ADAPTIVE), radius };
     [
-        (Box::new(Hard { map: map(Bias::RECEIVER_PLANE) }), 0.5),
+        (Box::new(Hard { map: map(Bias::ADAPTIVE) }), 0.5),
         (Box::new(pcf(1)), 1.5),
         (Box::new(pcf(3)), 3.5),
-        (Box::new(Midpoint { map: map(Bias::RECEIVER_PLANE), radius: 0 }), 0.5),
+        (Box::new(Midpoint { map: map(Bias::ADAPTIVE), radius: 0 }), 0.5),
     ]
 }
 

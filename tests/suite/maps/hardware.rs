@@ -12,7 +12,7 @@ fn techniques() -> Vec<Box<dyn ShadowTechnique>> {
     let maps = [
         ShadowMap { bias: Bias::NONE, ..map },
         map,
-        ShadowMap { bias: Bias::RECEIVER_PLANE, ..map },
+        ShadowMap { bias: Bias::ADAPTIVE, ..map },
         ShadowMap { bias: Bias::normal_offset(1.5), border: Border::Clamp, ..map },
         ShadowMap { format: MapFormat::Depth16, ..map },
         ShadowMap { size: 1, ..map },

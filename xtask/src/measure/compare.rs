@@ -8,7 +8,7 @@ use crate::{
 use anyhow::{Result, bail};
 use umbrage_core::{Backend, glam::UVec2};
 use umbrage_lab::{
-    baseline::{Changes, apart, changes, read},
+    baseline::{Changes, Except, apart, changes, read, time_again},
     compare::{Backends, Comparison, Event, Options, Runs, SceneInput, compare as run},
     report::{Plan, Report},
 };
@@ -19,6 +19,10 @@ pub(super) fn compare(options: &CompareOptions) -> Result<()> {
     // A baseline that can't be read must not be found out after minutes of measuring.
     let baseline = options.baseline.as_deref().map(|path| apart(path, &out).and_then(|()| read(path)));
     let baseline = baseline.transpose().map_err(|e| Usage(e.to_string()))?;
+    let except = Except::new(options.baseline_except.iter().cloned());
+    if let Some(old) = &baseline {
+        except.check(old).map_err(|e| Usage(e.to_string()))?;
+    }
     let inputs = scenes(&options.scenes)?;
     let settings = settings(options)?;
     let places = places(inputs.len(), options.shard)?;
@@ -31,7 +35,19 @@ pub(super) fn compare(options: &CompareOptions) -> Result<()> {
     let (comparison, page) = report.finish()?;
     table::print(&comparison.scenes);
     println!("\nreport: {}", page.display());
-    let guarded = baseline.map_or(Ok(()), |old| guard(&changes(&old, &comparison)));
+    let guarded = baseline.map_or(Ok(()), |old| {
+        let old = of_shard(old, &inputs, &places);
+        let mut changes = changes(&old, &comparison, &except);
+        let inputs: Vec<SceneInput> = places.iter().map(|&place| inputs[place].clone()).collect();
+        if !changes.suspects.is_empty() {
+            println!(
+                "timing {} rows or techniques again, which look slower than the baseline's",
+                changes.suspects.len()
+            );
+        }
+        time_again(&mut changes, &inputs, &settings, &mut backends)?;
+        guard(&changes)
+    });
     verdict(&comparison).and(guarded)
 }
 
@@ -41,6 +57,15 @@ fn on(backend: &dyn Backend) -> String {
         "cpu" => format!("on {}", backend.name()),
         _ => format!("on {}: {}", backend.name(), backend.snapping()),
     }
+}
+
+/// The baseline without the scenes that other shards measure: this one can't lack them.
+fn of_shard(mut old: Comparison, inputs: &[SceneInput], places: &[usize]) -> Comparison {
+    let name = |place: &usize| inputs[*place].scene.name.as_str();
+    let own: Vec<&str> = places.iter().map(name).collect();
+    let others: Vec<&str> = (0..inputs.len()).filter(|place| !places.contains(place)).map(|p| name(&p)).collect();
+    old.scenes.retain(|scene| own.contains(&&*scene.name) || !others.contains(&&*scene.name));
+    old
 }
 
 /// The places of this run's scenes.
@@ -87,29 +112,44 @@ fn measure(
     Ok(())
 }
 
-/// Prints what has changed since the baseline; fails if anything got worse.
+/// Prints what has changed since the baseline; fails if anything got worse or was lost.
 fn guard(changes: &Changes) -> Result<()> {
     println!("\nagainst the baseline:");
     changes.notes.iter().for_each(|note| println!("note: {note}"));
-    let lists = [("better", &changes.better), ("new", &changes.new), ("missing", &changes.missing)];
-    for (word, lines) in lists.into_iter().filter(|(_, lines)| !lines.is_empty()) {
-        println!("{} {word}:", lines.len());
-        lines.iter().take(MOST_LINES).for_each(|line| println!("  {line}"));
-        if lines.len() > MOST_LINES {
-            println!("  and {} more", lines.len() - MOST_LINES);
+    for (word, lines) in [("better", &changes.better), ("new", &changes.new)] {
+        if !lines.is_empty() {
+            println!("{} {word}:\n  {}", lines.len(), some(lines));
         }
     }
+    let mut faults = Vec::new();
     if changes.compared == 0 {
-        bail!("not one row of the baseline could be compared: give it the same scenes and options");
+        faults.push("not one row of the baseline could be compared: give it the same scenes and options".to_owned());
     }
-    if changes.worse.is_empty() {
-        println!("nothing got worse in {} rows", changes.compared);
+    if !changes.worse.is_empty() {
+        let (count, lines) = (changes.worse.len(), changes.worse.join("\n  "));
+        faults.push(format!("{count} figures are worse than the baseline's:\n  {lines}"));
+    }
+    if !changes.lost.is_empty() {
+        let lines = some(&changes.lost);
+        let options: Vec<String> = changes.except.iter().map(|name| format!("--baseline-except '{name}'")).collect();
+        let help = format!("if that is meant, add {}", options.join(" "));
+        faults.push(format!("the baseline has what is not compared:\n  {lines}\n{help}"));
+    }
+    if faults.is_empty() {
+        println!("nothing got worse in {} rows, {} of them timed", changes.compared, changes.timed);
         return Ok(());
     }
-    bail!("{} figures are worse than the baseline's:\n  {}", changes.worse.len(), changes.worse.join("\n  "))
+    bail!("{}", faults.join("\n"))
 }
 
-/// So many lines of what is no fault; a new technique alone may have hundreds.
+/// The first lines, and how many more there are.
+fn some(lines: &[String]) -> String {
+    let shown = lines[..lines.len().min(MOST_LINES)].join("\n  ");
+    let rest = lines.len().saturating_sub(MOST_LINES);
+    if rest == 0 { shown } else { format!("{shown}\n  and {rest} more") }
+}
+
+/// So many lines of what is no figure; a new technique alone may have hundreds.
 const MOST_LINES: usize = 20;
 
 pub(super) fn verdict(comparison: &Comparison) -> Result<()> {

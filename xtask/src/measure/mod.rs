@@ -4,6 +4,8 @@
 #[cfg(feature = "measure")]
 mod bench;
 #[cfg(feature = "measure")]
+mod bias;
+#[cfg(feature = "measure")]
 mod compare;
 #[cfg(feature = "measure")]
 mod costs;
@@ -41,6 +43,7 @@ pub(crate) fn dispatch(command: &Command) -> Result<()> {
         Command::Plan(options) if options.regret => regret::regret(options),
         Command::Plan(options) => plan::plan(options),
         Command::Bench(options) => bench::bench(options),
+        Command::Bias(options) => bias::bias(options),
         _ => Ok(()),
     }
 }

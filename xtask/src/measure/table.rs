@@ -1,6 +1,7 @@
 //! A comparison's figures on the terminal.
 
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
+use umbrage_core::metrics::Errors;
 use umbrage_lab::{
     compare::{Measured, Outcome, Row, SceneResult},
     footprint,
@@ -36,6 +37,7 @@ pub(super) fn print(scenes: &[SceneResult]) {
         table.column_iter_mut().skip(3).for_each(|c| c.set_cell_alignment(CellAlignment::Right));
         let [w, h] = scene.size;
         println!("\n{}: {} light, {w} x {h}, {} triangles\n{table}", scene.name, scene.light, scene.triangles);
+        scene.nothing_compared.iter().for_each(|why| println!("-: {why}"));
         maps(&scene.rows).iter().chain(&left_out(&scene.rows)).for_each(|line| println!("{line}"));
     }
     if !whole {
@@ -53,8 +55,8 @@ fn maps(rows: &[Row]) -> Option<String> {
 
 /// How many pixels were left out of the errors, in a line; none if none were.
 fn left_out(rows: &[Row]) -> Option<String> {
-    let row = rows.iter().find(|r| r.measured().is_some_and(|m| m.errors.elsewhere > 0))?;
-    let pixels = row.measured()?.errors.elsewhere;
+    let left_out = |row: &Row| row.measured()?.errors.map(|e| e.elsewhere).filter(|pixels| *pixels > 0);
+    let (row, pixels) = rows.iter().find_map(|row| Some((row, left_out(row)?)))?;
     Some(format!("left out: {pixels} pixels at which {} sees other triangles than truth", row.backend))
 }
 
@@ -68,12 +70,15 @@ fn cells(row: &Row) -> Vec<String> {
 }
 
 fn figures(m: &Measured) -> Vec<String> {
-    let e = &m.errors;
+    // Where no pixel counts, no error is no merit.
+    let error = |digits: usize, of: fn(&Errors) -> f64| {
+        m.errors.as_ref().map_or_else(|| "-".to_owned(), |e| format!("{:.digits$}", of(e)))
+    };
     vec![
-        format!("{:.4}", e.rmse),
-        format!("{:.2}", e.false_shadow),
-        format!("{:.2}", e.false_light),
-        format!("{:.2}", e.acne),
+        error(4, |e| e.rmse),
+        error(2, |e| e.false_shadow),
+        error(2, |e| e.false_light),
+        error(2, |e| e.acne),
         format!("{:.2}", m.times.map_or(m.cost_ms, |t| t.total.median)),
         m.times.and_then(|t| t.receive).map_or_else(|| "-".to_owned(), |s| format!("{:.2}", s.median)),
         format!("{:.1}", m.bytes as f64 / f64::from(1 << 20)),
@@ -94,7 +99,8 @@ fn chosen(rows: &[Row], whole: bool) -> Vec<&Row> {
 
 fn best(rows: Vec<&Row>) -> Vec<&Row> {
     let point = |row: &&Row| {
-        row.measured().map_or([f64::NAN; 2], |m| [m.times.map_or(m.cost_ms, |t| t.total.median), m.errors.rmse])
+        row.measured()
+            .map_or([f64::NAN; 2], |m| [m.times.map_or(m.cost_ms, |t| t.total.median), m.rmse().unwrap_or_default()])
     };
     let points: Vec<_> = rows.iter().map(point).collect();
     front(&points).into_iter().map(|i| rows[i]).collect()

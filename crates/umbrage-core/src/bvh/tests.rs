@@ -3,21 +3,21 @@
 use crate::{Geometry, Instance, Mesh, NO_TRIANGLE, Scene, bvh::segment_hits, light_sample::hash};
 use glam::{Affine3A, Vec3};
 
-struct Random(u32);
+pub(super) struct Random(pub(super) u32);
 
 impl Random {
     /// -1..1.
-    fn signed(&mut self) -> f32 {
+    pub(super) fn signed(&mut self) -> f32 {
         self.0 = hash(self.0);
         self.0 as f32 / 2_147_483_648.0 - 1.0
     }
 
-    fn vector(&mut self) -> Vec3 {
+    pub(super) fn vector(&mut self) -> Vec3 {
         Vec3::new(self.signed(), self.signed(), self.signed())
     }
 }
 
-fn geometry(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Geometry {
+pub(super) fn geometry(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Geometry {
     let mesh = Mesh::new("test", positions, triangles).expect("valid");
     let instances = vec![Instance::new(0, Affine3A::IDENTITY)];
     Geometry::bake(&Scene { meshes: vec![mesh], instances, ..Scene::default() }).expect("valid")

@@ -17,7 +17,7 @@ pub use memory::FitMemory;
 pub use relevant::relevant_casters;
 
 use crate::{
-    Light, PlanError, View,
+    Invalid, Light, PlanError, View, invalid,
     layout::{Layout, LightSpaces},
     light_space::{Extents, LightSpace, look_along, orthographic},
 };
@@ -80,6 +80,13 @@ impl Fit {
     /// # Errors
     /// `Unsupported` when what matters surrounds the light, so that no single map can see it all; `Invalid` for bad input.
     pub fn light_space(&self, view: &View<'_>, size: u32, margin: f32) -> Result<LightSpace, PlanError> {
+        view.validate()?;
+        self.validate()?;
+        self.single(view, size, margin)
+    }
+
+    /// The light space of a valid fit for a valid view.
+    fn single(&self, view: &View<'_>, size: u32, margin: f32) -> Result<LightSpace, PlanError> {
         let view = &self.known(view);
         let Light::Directional { direction, .. } = *view.light else {
             return perspective::single(self, view, size, margin);
@@ -93,6 +100,15 @@ impl Fit {
                 clip_from_view: orthographic(extents)?,
             },
         })
+    }
+
+    /// Objects to numbers that are not finite; what depends on the light is left to its light space.
+    fn validate(&self) -> Result<(), Invalid> {
+        let Self::Manual { eye, extents } = self else { return Ok(()) };
+        invalid::finite("manual fit's eye", &eye.to_array())?;
+        let Extents { left, right, bottom, top, near, far } = *extents;
+        let named = [("left", left), ("right", right), ("bottom", bottom), ("top", top), ("near", near), ("far", far)];
+        named.iter().try_for_each(|(name, value)| invalid::finite(&format!("manual fit's {name}"), &[*value]))
     }
 
     /// What a fit may look at: those that stand still do not look at what is seen.
@@ -122,7 +138,9 @@ impl Fit {
     }
 
     fn find(&self, layout: Layout, view: &View<'_>, size: u32, margin: f32) -> Result<LightSpaces, PlanError> {
-        let single = || Ok(LightSpaces { spaces: vec![self.light_space(view, size, margin)?], needed: vec![true] });
+        view.validate()?;
+        self.validate()?;
+        let single = || Ok(LightSpaces { spaces: vec![self.single(view, size, margin)?], needed: vec![true] });
         let cube = |eye| perspective::cube(self, &self.known(view), eye, size, margin);
         let suffices =
             |one: &LightSpaces, eye| perspective::suffices(&one.spaces[0], &self.known(view), eye, size, margin);

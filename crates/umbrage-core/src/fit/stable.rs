@@ -109,9 +109,11 @@ fn around(b: &Aabb) -> Sphere {
 /// The sphere around what a camera sees up to `range` metres along its view: its centre on the line between the middles of
 /// the near and the far rectangle, as far from the corners of both as can be. The radius depends on the projection alone.
 fn seen(camera: &Camera, range: f64) -> Sphere {
+    let camera = camera.standard();
     let view_from_clip = camera.clip_from_view.as_dmat4().inverse();
     let at = |x: f64, y: f64, depth: f64| view_from_clip.project_point3(DVec3::new(x, y, depth));
     let last = -at(0.0, 0.0, 1.0).z;
+    // A far plane at infinity comes out as infinite, or beyond it by what the inverse rounds.
     let range = if last.is_finite() && last > 0.0 { range.min(last) } else { range };
     let perspective = camera.clip_from_view.row(3) != Vec4::W;
     let corners = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)].map(|(x, y)| {

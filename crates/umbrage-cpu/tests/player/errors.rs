@@ -21,7 +21,7 @@ fn errors_say_what_is_missing() {
     says(&View { camera: &other, ..view }.with_receivers(&receivers), &recipe, "97 x 61 pixels");
     let mut short = receivers.clone();
     short.ny.pop();
-    says(&view.with_receivers(&short), &recipe, "lengths");
+    says(&view.with_receivers(&short), &recipe, "not all arrays are as long");
     let mut huge = recipe.clone();
     huge.images[0].size.x = 16_385;
     says(&view, &huge, "16385");

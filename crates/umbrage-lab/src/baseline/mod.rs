@@ -7,81 +7,122 @@
 //!   different graphics adapters, whose rounding differs, as much as the [undecided pixels
 //!   allowed](umbrage_core::metrics::MOST_UNDECIDED) can make counts as noise.
 //! * **Cost** (counted work, at today's prices) and **bytes** are deterministic, too: any growth beyond rounding counts.
-//! * **Time** counts only on the same processor, threads, system and adapter, and only when each run's median lies outside
-//!   the other's spread and differs by more than [`TIME_NOISE`].
+//! * **Time** counts only on the same processor, threads, system and adapter. Rows are compared as multiples of the yardstick
+//!   that was timed in turn with them; [`mod@times`] says when one is slower, and how seldom that is said in vain. What looks slower
+//!   is [timed again](time_again) before it counts. Results of schema 4 and before have no yardstick: their times are not
+//!   compared.
 //!
-//! A row that was measured and is now refused counts as less accurate. New and missing rows are told, no more.
+//! A row that was measured and is now refused counts as less accurate. What the baseline has and the new results lack, and
+//! scenes that can't be compared since they changed, count as faults, too, unless they are [excepted](Except) by name: a
+//! guard that compares less than it did guards less. New rows are told, no more.
 
+mod again;
+mod except;
+mod figures;
 mod read;
+pub mod times;
 
+pub use again::{ROUNDS, time_again};
+pub use except::Except;
 pub use read::{apart, read};
 
-use crate::{
-    compare::{Comparison, Environment, Measured, Outcome, Row, SceneResult, Spread},
-    cost::CostModel,
-};
+use crate::compare::{Comparison, Environment, Outcome, Row, SceneResult, Times};
 use std::collections::HashMap;
-use umbrage_core::metrics::MOST_UNDECIDED;
+use times::Suspect;
 
 /// Sums over pixels may come out of another order of additions: relative growth up to this is none.
 pub const ROUNDING: f64 = 1e-9;
 
-/// Medians that differ by less are noise: software drivers scatter by 10 to 30 percent even on an idle machine.
-pub const TIME_NOISE: f64 = 0.3;
-
 /// What has changed, one line each.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Changes {
     /// Rows that both have and that could be compared: a guard that compared nothing guards nothing.
     pub compared: usize,
+    /// Of these, rows whose times could be compared.
+    pub timed: usize,
     /// Slower, dearer, larger or less accurate: what a guard refuses.
     pub worse: Vec<String>,
     /// The opposite.
     pub better: Vec<String>,
     /// Rows that the baseline lacks.
     pub new: Vec<String>,
-    /// Rows that only the baseline has.
-    pub missing: Vec<String>,
-    /// What could not be compared, and why.
+    /// What only the baseline has, and what can't be compared with it: what a guard refuses, too.
+    pub lost: Vec<String>,
+    /// The names that would except all that is lost.
+    pub except: Vec<String>,
+    /// What was excepted, and what the reader must know.
     pub notes: Vec<String>,
+    /// What looks slower, and is to be [timed again](time_again) before it is called so.
+    pub suspects: Vec<Suspect>,
 }
 
-/// What has changed since `old`.
-pub fn changes(old: &Comparison, new: &Comparison) -> Changes {
+/// What has changed since `old`; nothing that `except` names is missed.
+pub fn changes(old: &Comparison, new: &Comparison, except: &Except) -> Changes {
     let mut out = Changes::default();
-    let [timed, same_adapter] = machines(&old.environment, &new.environment, &mut out.notes);
-    let before: HashMap<&str, &SceneResult> = old.scenes.iter().map(|s| (s.name.as_str(), s)).collect();
-    for scene in &new.scenes {
-        let Some(then) = before.get(scene.name.as_str()) else {
+    let [timed, same_adapter] = machines(old, new, &mut out.notes);
+    let before: HashMap<_, &SceneResult> = numbered(&old.scenes).collect();
+    let mut lost = except::Lost::new(except);
+    let mut pairs = Vec::new();
+    for (place, (key, scene)) in numbered(&new.scenes).enumerate() {
+        let Some(then) = before.get(&key) else {
             out.new.push(format!("{}: the whole scene", scene.name));
             continue;
         };
-        if let Some(why) = incomparable(then, scene) {
-            out.notes.push(format!("{}: not compared, as {why}", scene.name));
-            continue;
+        match incomparable(then, scene) {
+            Some(why) => lost.scene(&scene.name, &format!("cannot be compared: {why}")),
+            None => pairs.push(Pair { place, then, now: scene, timed, same_adapter }),
         }
-        Pair { then, now: scene, timed, same_adapter }.compare(&mut out);
     }
-    let now: Vec<&str> = new.scenes.iter().map(|s| s.name.as_str()).collect();
-    let gone = old.scenes.iter().filter(|s| !now.contains(&s.name.as_str()));
-    out.missing.extend(gone.map(|s| format!("{}: the whole scene", s.name)));
+    let now: HashMap<_, &SceneResult> = numbered(&new.scenes).collect();
+    for (key, scene) in numbered(&old.scenes).filter(|(key, _)| !now.contains_key(key)) {
+        lost.scene(key.0, &format!("is missing with its {} rows", scene.rows.len()));
+    }
+    let mut timings = Vec::new();
+    for pair in &pairs {
+        pair.compare(&mut out, &mut lost, &mut timings);
+    }
+    out.timed = timings.len();
+    let judged = times::judge(&timings);
+    out.better.extend(judged.quicker);
+    out.suspects = judged.suspects;
+    lost.tell(&mut out);
     out
 }
 
+/// Scenes by name, and by number where several share one.
+fn numbered(scenes: &[SceneResult]) -> impl Iterator<Item = ((&str, usize), &SceneResult)> {
+    let number = |i: usize| scenes[..i].iter().filter(|s| s.name == scenes[i].name).count();
+    scenes.iter().enumerate().map(move |(i, s)| ((s.name.as_str(), number(i)), s))
+}
+
 /// Whether times can be compared, and whether graphics rounding is the same.
-fn machines(old: &Environment, new: &Environment, notes: &mut Vec<String>) -> [bool; 2] {
-    let same_adapter = old.adapter == new.adapter;
+fn machines(old: &Comparison, new: &Comparison, notes: &mut Vec<String>) -> [bool; 2] {
+    let (then, now) = (&old.environment, &new.environment);
+    let same_adapter = then.adapter == now.adapter;
     let machine = |e: &Environment| format!("{}, {} threads, {}", e.cpu, e.threads, e.system);
-    let same = machine(old) == machine(new) && same_adapter;
-    if !same {
-        let describe = |e: &Environment| format!("{}; {}", machine(e), e.adapter.as_deref().unwrap_or("no adapter"));
-        notes.push(format!(
-            "Times are not compared, only counted costs: the baseline was made on another machine ({}; here: {}).",
-            describe(old),
-            describe(new)
-        ));
-    }
-    [same, same_adapter]
+    let describe = |e: &Environment| format!("{}; {}", machine(e), e.adapter.as_deref().unwrap_or("no adapter"));
+    let any = |c: &Comparison, has: fn(&Times) -> bool| {
+        let mut times = c.scenes.iter().flat_map(|s| &s.rows).filter_map(|r| r.measured()?.times);
+        times.any(|t| has(&t))
+    };
+    let times: fn(&Times) -> bool = |_| true;
+    let ratios: fn(&Times) -> bool = |t| t.ratio.is_some();
+    let why = if machine(then) != machine(now) || !same_adapter {
+        let [then, now] = [then, now].map(describe);
+        Some(format!("the baseline was made on another machine ({then}; here: {now})"))
+    } else if !any(old, times) {
+        Some("the baseline has none".to_owned())
+    } else if !any(new, times) {
+        Some("this run has none".to_owned())
+    } else if !any(old, ratios) {
+        let schema = old.schema;
+        Some(format!("the baseline (schema {schema}) has no yardsticks beside them; make it anew to compare times"))
+    } else {
+        None
+    };
+    notes
+        .extend(why.iter().map(|why| format!("Times are not compared, only accuracy, counted cost and bytes: {why}.")));
+    [why.is_none(), same_adapter]
 }
 
 fn incomparable(old: &SceneResult, new: &SceneResult) -> Option<String> {
@@ -102,24 +143,28 @@ fn moved(old: [f64; 2], new: [f64; 2]) -> bool {
 
 /// One scene, then and now.
 struct Pair<'a> {
+    /// Among the new results.
+    place: usize,
     then: &'a SceneResult,
     now: &'a SceneResult,
     timed: bool,
     same_adapter: bool,
 }
 
-impl Pair<'_> {
-    fn compare(&self, out: &mut Changes) {
+impl<'a> Pair<'a> {
+    fn compare(&self, out: &mut Changes, lost: &mut except::Lost<'_>, timings: &mut Vec<times::Timing<'a>>) {
         let key = |r: &Row| [r.technique.clone(), r.settings.clone(), r.backend.clone()];
         let then: HashMap<_, &Row> = self.then.rows.iter().map(|r| (key(r), r)).collect();
+        let now: HashMap<_, &Row> = self.now.rows.iter().map(|r| (key(r), r)).collect();
         for row in &self.now.rows {
             match then.get(&key(row)) {
-                Some(old) => self.row(old, row, out),
+                Some(old) => self.row(old, row, out, timings),
                 None => out.new.push(self.say(row, "")),
             }
         }
-        let now: Vec<_> = self.now.rows.iter().map(key).collect();
-        out.missing.extend(self.then.rows.iter().filter(|r| !now.contains(&key(r))).map(|r| self.say(r, "")));
+        for row in &self.then.rows {
+            lost.row(&self.now.name, row, !now.contains_key(&key(row)));
+        }
     }
 
     fn say(&self, row: &Row, what: &str) -> String {
@@ -127,7 +172,7 @@ impl Pair<'_> {
         format!("{}: {}{colon}{what}", self.now.name, row.label())
     }
 
-    fn row(&self, old: &Row, new: &Row, out: &mut Changes) {
+    fn row(&self, old: &Row, new: &'a Row, out: &mut Changes, timings: &mut Vec<times::Timing<'a>>) {
         out.compared += 1;
         let (then, now) = match (&old.outcome, &new.outcome) {
             (Outcome::Measured(then), Outcome::Measured(now)) => (then, now),
@@ -140,80 +185,18 @@ impl Pair<'_> {
             _ => return,
         };
         let exact = new.backend == "cpu" || self.same_adapter;
-        for figure in figures(&new.backend, then, now, exact) {
+        for figure in figures::of(&new.backend, then, now, exact) {
             match figure.change() {
                 Some((true, what)) => out.worse.push(self.say(new, &what)),
                 Some((false, what)) => out.better.push(self.say(new, &what)),
                 None => {}
             }
         }
-        if let (true, Some(then), Some(now)) = (self.timed, then.times, now.times) {
-            match slower(&then.total, &now.total) {
-                Some(true) => out.worse.push(self.say(new, &times("slower", &then.total, &now.total))),
-                Some(false) => out.better.push(self.say(new, &times("quicker", &then.total, &now.total))),
-                None => {}
-            }
+        let sample = |times: Option<Times>| Some(times::Sample { ratio: times?.ratio?, least_ms: times?.total.least });
+        if let (true, Some(then), Some(now)) = (self.timed, sample(then.times), sample(now.times)) {
+            timings.push(times::Timing { scene: (self.place, &self.now.name), row: new, then, now });
         }
     }
-}
-
-/// A figure that should not grow.
-struct Figure {
-    name: &'static str,
-    then: f64,
-    now: f64,
-    noise: f64,
-}
-
-impl Figure {
-    /// Whether it grew, and what to say, if it changed beyond the noise.
-    fn change(&self) -> Option<(bool, String)> {
-        let difference = self.now - self.then;
-        let noise = self.noise + ROUNDING * self.then.abs().max(self.now.abs());
-        let what = || format!("{} {} -> {}", self.name, short(self.then), short(self.now));
-        (difference.abs() > noise).then(|| (difference > 0.0, what()))
-    }
-}
-
-fn figures(backend: &str, then: &Measured, now: &Measured, exact: bool) -> [Figure; 6] {
-    let (a, b) = (&then.errors, &now.errors);
-    // Undecided pixels may all flip: in a share of the image, that share; in a mean square, that much.
-    let share = if exact { 0.0 } else { 100.0 * MOST_UNDECIDED };
-    let rmse = if exact { 0.0 } else { (a.rmse.powi(2) + MOST_UNDECIDED).sqrt() - a.rmse };
-    let prices = CostModel::of(backend);
-    let [cost_then, cost_now] = [then, now].map(|m| prices.milliseconds(&m.work));
-    let figure = |name, then, now, noise| Figure { name, then, now, noise };
-    [
-        figure("RMSE", a.rmse, b.rmse, rmse),
-        figure("false shadow %", a.false_shadow, b.false_shadow, share),
-        figure("false light %", a.false_light, b.false_light, share),
-        figure("acne %", a.acne, b.acne, share),
-        figure("cost ms", cost_then, cost_now, 0.0),
-        figure("bytes", then.bytes as f64, now.bytes as f64, 0.0),
-    ]
-}
-
-/// Whether runs got slower (or quicker), if beyond the noise.
-fn slower(then: &Spread, now: &Spread) -> Option<bool> {
-    let beyond = |quick: &Spread, slow: &Spread| {
-        let outside = slow.median > quick.greatest && quick.median < slow.least;
-        outside && slow.median > (1.0 + TIME_NOISE) * quick.median
-    };
-    match (beyond(then, now), beyond(now, then)) {
-        (true, _) => Some(true),
-        (_, true) => Some(false),
-        _ => None,
-    }
-}
-
-fn times(word: &str, then: &Spread, now: &Spread) -> String {
-    let ms = |s: &Spread| format!("{} ({} to {}) ms", short(s.median), short(s.least), short(s.greatest));
-    format!("{word}: {} -> {}", ms(then), ms(now))
-}
-
-/// Four digits that count.
-fn short(v: f64) -> String {
-    if v == 0.0 || (0.01..1e6).contains(&v.abs()) { format!("{:.4}", v) } else { format!("{v:.3e}") }
 }
 
 #[cfg(test)]

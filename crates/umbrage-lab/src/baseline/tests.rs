@@ -1,18 +1,19 @@
 //! Baselines spoilt in every way that must be noticed, and in those that must not.
 
 use super::*;
-use crate::compare::{SCHEMA, Times};
+use crate::compare::{Measured, Ranks, SCHEMA, Spread};
 use umbrage_core::{
     Work,
     metrics::{Causes, Errors},
 };
 
 fn row(backend: &str) -> Row {
-    let total = Spread { median: 2.0, least: 1.9, greatest: 2.2, runs: 5 };
+    let total = Spread { median: 2.0, least: 1.9, greatest: 2.2, runs: 9 };
+    let ratio = Ranks::of(vec![1.0; 9]);
     let measured = Measured {
-        errors: Errors { rmse: 0.1, false_shadow: 1.0, false_light: 2.0, acne: 0.5, ..Errors::default() },
-        causes: Causes::default(),
-        times: Some(Times { total, ..Times::default() }),
+        errors: Some(Errors { rmse: 0.1, false_shadow: 1.0, false_light: 2.0, acne: 0.5, ..Errors::default() }),
+        causes: Some(Causes::default()),
+        times: Some(Times { total, ratio, ..Times::default() }),
         work: Work { taps: 1000, ..Work::default() },
         cost_ms: 0.1,
         bytes: 4096,
@@ -25,26 +26,41 @@ fn row(backend: &str) -> Row {
     Row { slug: technique.clone(), technique, settings, backend: backend.to_owned(), outcome }
 }
 
+fn scene(name: &str) -> SceneResult {
+    SceneResult { name: name.into(), rows: vec![row("cpu"), row("wgpu")], ..SceneResult::default() }
+}
+
 fn comparison() -> Comparison {
-    let scene = SceneResult { name: "cubes".into(), rows: vec![row("cpu"), row("wgpu")], ..SceneResult::default() };
-    Comparison { schema: SCHEMA, scenes: vec![scene], ..Comparison::default() }
+    Comparison { schema: SCHEMA, scenes: vec![scene("cubes")], ..Comparison::default() }
+}
+
+fn except(names: &[&str]) -> Except {
+    Except::new(names.iter().map(|name| (*name).to_owned()))
+}
+
+fn changes(old: &Comparison, new: &Comparison) -> Changes {
+    super::changes(old, new, &Except::default())
+}
+
+fn measured(comparison: &mut Comparison, row: usize) -> &mut Measured {
+    let Outcome::Measured(m) = &mut comparison.scenes[0].rows[row].outcome else { unreachable!("made so") };
+    m
+}
+
+fn errors(m: &mut Measured) -> &mut Errors {
+    m.errors.as_mut().expect("made so")
 }
 
 /// What changed when row `index` is changed so.
 fn after(index: usize, change: impl Fn(&mut Measured)) -> Changes {
     let mut new = comparison();
-    let Outcome::Measured(m) = &mut new.scenes[0].rows[index].outcome else { unreachable!("made so") };
-    change(m);
+    change(measured(&mut new, index));
     changes(&comparison(), &new)
-}
-
-fn total(m: &mut Measured) -> &mut Spread {
-    &mut m.times.as_mut().expect("made so").total
 }
 
 /// Both rows were compared, and nothing has changed.
 fn unchanged() -> Changes {
-    Changes { compared: 2, ..Changes::default() }
+    Changes { compared: 2, timed: 2, ..Changes::default() }
 }
 
 #[test]
@@ -52,7 +68,7 @@ fn another_light_or_camera_is_not_compared() {
     let mut moved = comparison();
     moved.scenes[0].rmse_of_none[0] += 0.01;
     let found = changes(&comparison(), &moved);
-    assert_eq!((found.compared, found.notes.len()), (0, 1), "{found:?}");
+    assert_eq!((found.compared, found.lost.len()), (0, 1), "{found:?}");
 }
 
 #[test]
@@ -63,10 +79,10 @@ fn the_same_is_no_change() {
 #[test]
 fn less_accurate_is_worse_and_more_accurate_better() {
     let worse: [fn(&mut Measured); 6] = [
-        |m| m.errors.rmse += 1e-6,
-        |m| m.errors.false_shadow += 1e-3,
-        |m| m.errors.false_light += 1e-3,
-        |m| m.errors.acne += 1e-3,
+        |m| errors(m).rmse += 1e-6,
+        |m| errors(m).false_shadow += 1e-3,
+        |m| errors(m).false_light += 1e-3,
+        |m| errors(m).acne += 1e-3,
         |m| m.work.taps += 1,
         |m| m.bytes += 1,
     ];
@@ -75,34 +91,62 @@ fn less_accurate_is_worse_and_more_accurate_better() {
         assert_eq!((found.worse.len(), found.better.len()), (1, 0), "{found:?}");
         assert!(found.worse[0].starts_with("cubes: pcf (3x3) on cpu: "), "{found:?}");
     }
-    let found = after(0, |m| m.errors.rmse -= 1e-6);
+    let found = after(0, |m| errors(m).rmse -= 1e-6);
     assert_eq!((found.worse.len(), found.better.len()), (0, 1));
-    assert_eq!(after(0, |m| m.errors.rmse *= 1.0 + 1e-12), unchanged(), "rounding");
+    assert_eq!(after(0, |m| errors(m).rmse *= 1.0 + 1e-12), unchanged(), "rounding");
+}
+
+/// Ratios of a row, each this many times as great.
+fn slowed(m: &mut Measured, factor: f64) {
+    m.times.as_mut().expect("made so").ratio = Ranks::of(vec![factor; 9]);
 }
 
 #[test]
-fn slower_counts_beyond_both_spreads_and_the_noise() {
-    let to = |median: f64, least: f64| after(0, move |m| *total(m) = Spread { median, least, ..*total(m) });
-    assert_eq!(to(3.0, 2.9).worse.len(), 1);
-    assert_eq!(to(1.0, 0.9).better.len(), 0, "its greatest run is as slow as before");
-    assert_eq!(to(3.0, 1.9), unchanged(), "its quickest run is as quick as before");
-    assert_eq!(to(2.5, 2.4), unchanged(), "a quarter is noise");
-    let quick = after(0, |m| *total(m) = Spread { median: 1.0, least: 0.9, greatest: 1.1, runs: 5 });
-    assert_eq!((quick.worse.len(), quick.better.len()), (0, 1));
+fn what_looks_slower_is_a_suspect_and_no_more() {
+    let found = after(0, |m| slowed(m, 2.0));
+    assert!(found.worse.is_empty() && found.suspects.len() == 1, "{found:?}");
+    assert_eq!(found.suspects[0].label, "cubes: pcf (3x3) on cpu");
+    let asked = &found.suspects[0].rows[0];
+    assert_eq!((asked.scene, &*asked.stem), (0, "pcf.cpu"));
+    assert_eq!(after(0, |m| slowed(m, 1.3)), unchanged(), "less than what counts");
+    assert_eq!(
+        after(0, |m| m.times.as_mut().expect("made so").total.median = 99.0),
+        unchanged(),
+        "the yardstick was slow, too"
+    );
 }
 
 #[test]
 fn on_another_machine_costs_count_and_times_do_not() {
     let mut new = comparison();
     new.environment.cpu = "another".into();
-    let Outcome::Measured(m) = &mut new.scenes[0].rows[0].outcome else { unreachable!("made so") };
-    *total(m) = Spread { median: 99.0, least: 98.0, greatest: 100.0, runs: 5 };
+    slowed(measured(&mut new, 0), 99.0);
     let found = changes(&comparison(), &new);
-    assert!(found.worse.is_empty() && found.notes.len() == 1 && found.notes[0].contains("another"), "{found:?}");
-    let Outcome::Measured(m) = &mut new.scenes[0].rows[0].outcome else { unreachable!("made so") };
+    assert!(found.worse.is_empty() && found.suspects.is_empty(), "{found:?}");
+    assert!(found.notes.len() == 1 && found.notes[0].contains("another"), "{found:?}");
+    let m = measured(&mut new, 0);
     m.work.rays += 100;
     m.work.casters = 10;
     assert_eq!(changes(&comparison(), &new).worse.len(), 1);
+}
+
+/// Results of schema 4 and before: accuracy is compared, and the reader is told that times aren't.
+#[test]
+fn without_yardsticks_accuracy_counts_and_times_do_not() {
+    let mut old = Comparison { schema: 4, ..comparison() };
+    (0..2).for_each(|row| measured(&mut old, row).times.as_mut().expect("made so").ratio = None);
+    let mut new = comparison();
+    slowed(measured(&mut new, 0), 99.0);
+    let found = changes(&old, &new);
+    assert!(found.suspects.is_empty() && (found.compared, found.timed) == (2, 0), "{found:?}");
+    assert!(found.notes.len() == 1 && found.notes[0].contains("schema 4") && found.notes[0].contains("yardstick"));
+    errors(measured(&mut new, 0)).rmse = 0.2;
+    assert_eq!(changes(&old, &new).worse.len(), 1);
+    let untimed = |c: &mut Comparison| (0..2).for_each(|row| measured(c, row).times = None);
+    untimed(&mut new);
+    assert!(changes(&comparison(), &new).notes[0].contains("this run has none"));
+    untimed(&mut old);
+    assert!(changes(&old, &comparison()).notes[0].contains("the baseline has none"));
 }
 
 #[test]
@@ -112,7 +156,7 @@ fn another_adapter_may_round_otherwise() {
         new.environment.adapter = Some("another".into());
         for row in &mut new.scenes[0].rows {
             let Outcome::Measured(m) = &mut row.outcome else { unreachable!("made so") };
-            m.errors.false_light += growth;
+            errors(m).false_light += growth;
         }
         changes(&comparison(), &new).worse
     };
@@ -121,42 +165,125 @@ fn another_adapter_may_round_otherwise() {
 }
 
 #[test]
-fn new_missing_and_refused_rows_are_told() {
+fn new_and_refused_rows_are_told() {
     let mut new = comparison();
-    new.scenes[0].rows[0].settings = "5x5".into();
-    let found = changes(&comparison(), &new);
-    assert_eq!((found.new.len(), found.missing.len(), found.worse.len()), (1, 1, 0), "{found:?}");
+    new.scenes[0].rows.push(Row { settings: "5x5".into(), ..row("cpu") });
+    assert_eq!(changes(&comparison(), &new), Changes { new: vec!["cubes: pcf (5x5) on cpu".into()], ..unchanged() });
     let mut new = comparison();
     new.scenes[0].rows[0].outcome = Outcome::Unsupported { reason: "no more".into() };
     assert_eq!(changes(&comparison(), &new).worse.len(), 1);
     assert_eq!(changes(&new, &comparison()).better.len(), 1);
     let none = Comparison { scenes: Vec::new(), ..comparison() };
-    assert_eq!(changes(&comparison(), &none).missing.len(), 1);
     assert_eq!(changes(&none, &comparison()).new.len(), 1);
 }
 
-#[test]
-fn other_scenes_are_not_compared() {
-    let mut new = comparison();
-    new.scenes[0].fingerprint = "other".into();
-    let Outcome::Measured(m) = &mut new.scenes[0].rows[0].outcome else { unreachable!("made so") };
-    m.errors.rmse = 1.0;
-    let found = changes(&comparison(), &new);
-    assert!(found.worse.is_empty() && found.notes[0].contains("triangles"), "{found:?}");
+/// Two scenes, in each of which two techniques have two settings on two backends.
+fn wide() -> Comparison {
+    let mut out = comparison();
+    out.scenes = ["cubes", "figure"].map(scene).to_vec();
+    for scene in &mut out.scenes {
+        let make = |technique: &str, settings: &str, backend: &str| Row {
+            technique: technique.into(),
+            settings: settings.into(),
+            ..row(backend)
+        };
+        let settings = |t, s| ["cpu", "wgpu"].map(|b| make(t, s, b));
+        scene.rows =
+            [("pcf", "3x3"), ("pcf", "5x5"), ("hard", "a"), ("hard", "b")].map(|(t, s)| settings(t, s)).concat();
+    }
+    out
 }
 
-/// Schema 3 lacked how maps are used, which no guard asks for.
+/// Each loss is told once, as widely as it is true, and excepted by the name that is offered.
+#[test]
+fn what_vanished_is_lost_unless_it_is_named() {
+    let lose = |keep: &dyn Fn(&str, &Row) -> bool| {
+        let mut new = wide();
+        for scene in &mut new.scenes {
+            let name = scene.name.clone();
+            scene.rows.retain(|row| keep(&name, row));
+        }
+        new
+    };
+    let without_figure = Comparison { scenes: wide().scenes[..1].to_vec(), ..wide() };
+    let cases: [(Comparison, &str, &str); 6] = [
+        (without_figure, "scene figure is missing with its 8 rows", "figure"),
+        (lose(&|_, r| r.technique != "pcf"), "pcf is missing: 8 rows", "pcf"),
+        (lose(&|_, r| r.backend != "wgpu"), "wgpu is missing: 8 rows", "wgpu"),
+        (lose(&|_, r| r.settings != "5x5"), "pcf (5x5) is missing: 4 rows", "pcf (5x5)"),
+        (lose(&|s, r| s != "figure" || r.settings != "a"), "figure: hard (a) on cpu is missing", "hard (a)"),
+        (
+            lose(&|s, r| s != "figure" || r.settings != "b" || r.backend == "cpu"),
+            "figure: hard (b) on wgpu is missing",
+            "hard (b)",
+        ),
+    ];
+    for (new, line, name) in cases {
+        let found = changes(&wide(), &new);
+        assert_eq!((&*found.lost[0], &found.except[..]), (line, &[name.to_owned()][..]), "{found:?}");
+        let excepted = super::changes(&wide(), &new, &except(&[name]));
+        assert!(excepted.lost.is_empty() && excepted.except.is_empty() && excepted.notes.len() == 1, "{excepted:?}");
+        assert!(!super::changes(&wide(), &new, &except(&["cube", "none"])).lost.is_empty(), "other names");
+    }
+    assert!(changes(&wide(), &wide()).lost.is_empty());
+}
+
+#[test]
+fn exceptions_that_mean_nothing_are_refused() {
+    for name in ["cubes", "pcf", "wgpu", "pcf (5x5)"] {
+        except(&[name]).check(&wide()).expect("known");
+    }
+    let refused = except(&["cubes", "pcff"]).check(&wide()).expect_err("unknown").to_string();
+    assert!(refused.contains("pcff") && refused.contains("name a scene"), "{refused}");
+}
+
+#[test]
+fn scenes_that_changed_are_lost_unless_they_are_named() {
+    let mut new = comparison();
+    new.scenes[0].fingerprint = "other".into();
+    errors(measured(&mut new, 0)).rmse = 1.0;
+    let found = changes(&comparison(), &new);
+    assert!(found.worse.is_empty() && found.lost.len() == 1 && found.lost[0].contains("triangles"), "{found:?}");
+    let found = super::changes(&comparison(), &new, &except(&["cubes"]));
+    assert!(found.lost.is_empty() && found.notes[0].contains("triangles"), "{found:?}");
+}
+
+/// Two scenes of one name are told apart by their order.
+#[test]
+fn scenes_of_one_name_are_compared_one_by_one() {
+    let twice = Comparison { scenes: ["cubes", "cubes"].map(scene).to_vec(), ..comparison() };
+    assert_eq!(changes(&twice, &twice).compared, 4);
+    let found = changes(&twice, &comparison());
+    assert_eq!((found.compared, found.lost.len()), (2, 1), "{found:?}");
+    let mut new = twice.clone();
+    new.scenes[1].fingerprint = "other".into();
+    assert_eq!(changes(&twice, &new).lost.len(), 1);
+}
+
+/// Schema 3 lacked how maps are used, and 4 the yardstick; both told controls otherwise.
 #[test]
 fn older_baselines_are_still_read() {
     let dir = tempfile::tempdir().expect("a temporary folder");
     let path = dir.path().join("results.json");
-    let old = Comparison { schema: 3, ..comparison() };
+    let mut old = Comparison { schema: 3, ..comparison() };
+    (0..2).for_each(|row| measured(&mut old, row).times.as_mut().expect("made so").ratio = None);
+    old.scenes[0].controls.push(crate::compare::Control { wrong_without: 7, ..Default::default() });
     let text = serde_json::to_string(&old).expect("memory");
-    let without = text.replace(",\"maps\":null", "");
-    assert_ne!(text, without);
+    let without = [
+        (",\"maps\":null", ""),
+        (",\"yardstick\":null", ""),
+        (",\"ratio\":null", ""),
+        (",\"nothing_compared\":null", ""),
+        ("wrong_without", "dark_without"),
+    ];
+    let without = without.iter().fold(text, |text, (new, old)| {
+        assert!(text.contains(new), "{new}");
+        text.replace(new, old)
+    });
     std::fs::write(&path, without).expect("writable");
     assert_eq!(read(&path).expect("old, but known"), old);
-    assert_eq!(changes(&old, &comparison()), unchanged());
+    let found = changes(&old, &comparison());
+    assert_eq!((found.compared, found.timed, found.worse.len(), found.lost.len()), (2, 0, 0, 0));
 }
 
 #[test]

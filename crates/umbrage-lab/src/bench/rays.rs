@@ -43,7 +43,7 @@ pub(super) fn compare(
     let far = 2.0 * geometry.bounds().extent().length();
     let shots = shots(receivers, &LightSampler::new(light), far);
     let bvh = geometry.bvh();
-    let (wide, ids) = bvh.parts();
+    let (wide, ids) = Bvh::obvhs_alone(geometry).unwrap_or_default();
     let triangles: Vec<RtTriangle> = ids
         .iter()
         .map(|&id| {

@@ -57,7 +57,7 @@ pub struct Backends {
     /// The graphics adapter and its driver, if one takes part.
     pub adapter: Option<String>,
     /// Finds what truth asks about.
-    pub(super) receivers: Cpu,
+    pub(crate) receivers: Cpu,
 }
 
 impl fmt::Debug for Backends {

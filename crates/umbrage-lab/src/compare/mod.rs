@@ -11,6 +11,8 @@ mod result;
 mod scene;
 mod seen;
 mod slug;
+mod timing;
+mod yardstick;
 
 pub use agreement::agree;
 pub use backends::{BackendChoice, Backends};
@@ -18,10 +20,13 @@ pub use event::{Event, OnEvent};
 pub use options::{Options, Runs, SceneInput};
 pub use relative::{LEAST_ERROR, Relative, relative};
 pub use result::{
-    Clock, Comparison, Control, Environment, Measured, Outcome, Row, SCHEMA, SceneResult, Spread, Times, TruthSummary,
+    Clock, Comparison, Control, Environment, Measured, Outcome, Ranks, Row, SCHEMA, SceneResult, Spread, Times,
+    TruthSummary,
 };
 pub use scene::SceneImages;
 pub(crate) use slug::slug;
+pub(crate) use timing::again;
+pub use yardstick::{Yardstick, YardstickKernel, YardstickUniforms};
 
 use crate::{LabError, report::FEW_SCENES};
 use std::sync::Arc;
@@ -50,7 +55,7 @@ pub fn compare(
     let heat = inputs.len() <= FEW_SCENES;
     for (index, input) in inputs.iter().enumerate() {
         on_event(Event::Scene { name: &input.scene.name, index });
-        let settings = slug::with_slugs(&with_fit(&tight, input.fit, options)?);
+        let settings = settings_of(input, options)?;
         let (result, images) = scene::run(input, &settings, options, heat, backends, on_event)?;
         on_event(Event::SceneDone { result: &result });
         sink(&result, &images)?;
@@ -58,6 +63,11 @@ pub fn compare(
     }
     let environment = backends.environment(options);
     Ok(Comparison { schema: SCHEMA, environment, notices: backends.notices.clone(), scenes })
+}
+
+/// All that is played on a scene.
+fn settings_of(input: &SceneInput, options: &Options) -> Result<Vec<slug::Setting>, LabError> {
+    Ok(slug::with_slugs(&with_fit(&options.settings(Fit::Tight)?, input.fit, options)?))
 }
 
 /// The settings, and those with the scene's own fit; settings without a map are alike and stay single.

@@ -43,7 +43,7 @@ pub struct Runs {
     pub least: u32,
     /// Never more often.
     pub most: u32,
-    /// In between, until this much time has been spent on the row, milliseconds.
+    /// In between, until this much time has been spent on the row, milliseconds; as much again goes into its yardstick.
     pub budget_ms: u32,
 }
 
@@ -61,9 +61,9 @@ impl Runs {
 }
 
 impl Default for Runs {
-    /// Three runs are the fewest with a median that one outlier cannot move far; quick rows get up to nine.
+    /// Five runs are the fewest that a [baseline](crate::baseline::times) judges; quick rows get up to fifteen.
     fn default() -> Self {
-        Self { least: 3, most: 9, budget_ms: 50 }
+        Self { least: 5, most: 15, budget_ms: 60 }
     }
 }
 
@@ -89,7 +89,7 @@ impl Options {
             most_settings: Some(3),
             size: Some(UVec2::new(160, 120)),
             truth: TruthOptions { samples: 64, probe_samples: 16, ..TruthOptions::default() },
-            runs: Some(Runs::exactly(3)),
+            runs: Some(Runs { most: 9, budget_ms: 20, ..Runs::default() }),
             ..Self::default()
         }
     }
@@ -128,7 +128,7 @@ mod tests {
     fn quick_rows_are_played_more_often_than_slow_ones() {
         let runs = Runs::default();
         let played = |ms: u64| (0..).find(|&n| runs.suffice(n, Duration::from_millis(ms * n as u64)));
-        assert_eq!([0, 5, 10, 1_000].map(played), [9, 9, 5, 3].map(Some));
+        assert_eq!([0, 4, 10, 1_000].map(played), [15, 15, 6, 5].map(Some));
         assert!(Runs::exactly(2).suffice(2, Duration::ZERO) && !Runs::exactly(2).suffice(1, Duration::MAX));
         assert!(!Runs::exactly(0).suffice(0, Duration::MAX), "no run, no time");
     }

@@ -109,7 +109,7 @@ impl Sums {
         self.scenes += 1;
         let Some(m) = row else { return };
         self.served += 1;
-        self.error += m.errors.rmse / none;
+        self.error += m.rmse().unwrap_or_default() / none;
         self.cost += (m.cost_ms / reference.cost_ms).ln();
         if let (Some(mine), Some(theirs)) = (m.times, reference.times) {
             let ratio = |of: f64| (of.max(f64::MIN_POSITIVE) / theirs.total.median.max(f64::MIN_POSITIVE)).ln();
@@ -157,8 +157,8 @@ mod tests {
     fn row(technique: &str, rmse: f64, ms: f64) -> Row {
         let total = Spread { median: ms, least: ms / 2.0, greatest: ms * 2.0, runs: 3 };
         let measured = Measured {
-            errors: Errors { rmse, ..Errors::default() },
-            causes: Causes::default(),
+            errors: Some(Errors { rmse, ..Errors::default() }),
+            causes: Some(Causes::default()),
             times: Some(Times { total, ..Times::default() }),
             work: Work { cleared: 1024, ..Work::default() },
             cost_ms: 10.0 * ms,

@@ -24,7 +24,7 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// What must not be: decided pixels on which backends differ, and negative controls without effect. One line each.
+    /// What must not be: decided pixels on which backends differ, and negative controls that fail. One line each.
     pub fn faults(&self) -> Vec<String> {
         self.scenes.iter().flat_map(SceneResult::faults).collect()
     }
@@ -71,11 +71,14 @@ pub struct SceneResult {
     pub fingerprint: String,
     /// How truth was made.
     pub truth: TruthSummary,
+    /// Why rows have no errors; none if they have.
+    #[serde(default)]
+    pub nothing_compared: Option<String>,
     /// RMSE of a mask that is lit everywhere, and of one that is dark everywhere.
     pub rmse_of_none: [f64; 2],
     /// One entry a technique setting and backend.
     pub rows: Vec<Row>,
-    /// One entry a backend.
+    /// One entry a technique and backend.
     pub controls: Vec<Control>,
 }
 
@@ -96,10 +99,18 @@ impl SceneResult {
                 ));
             }
         }
+        // Where nothing faces the light there is nothing to compare, and all is well; where truth itself can't tell, nothing was
+        // found out.
+        out.extend(
+            self.nothing_compared
+                .iter()
+                .filter(|_| self.truth.ambiguous > 0)
+                .map(|why| format!("{}: {why}", self.name)),
+        );
         for c in self.controls.iter().filter(|c| !c.holds) {
-            let why = match c.dark_without {
-                0 => "the mask stays the same".to_owned(),
-                n => format!("{n} pixels of the mask stay dark"),
+            let why = match c.wrong_without {
+                0 => format!("the mask stays the same, though {} pixels are in shadow with them", c.shadowed),
+                n => format!("{n} pixels of the mask are not as their own horizon leaves them"),
             };
             out.push(format!("{}: {} {}: without casters {why}", self.name, c.backend, c.technique));
         }
@@ -165,13 +176,18 @@ impl Row {
 
     /// A file name's stem that no other row of its scene has.
     pub fn stem(&self) -> String {
-        format!("{}.{}", self.slug, self.backend)
+        stem_of(&self.slug, &self.backend)
     }
 
     /// For people: `pcf (3x3, 1024, slope) on wgpu`.
     pub fn label(&self) -> String {
         format!("{} ({}) on {}", self.technique, self.settings, self.backend)
     }
+}
+
+/// [`Row::stem`] of a slug on a kind of backend.
+pub(super) fn stem_of(slug: &str, backend: &str) -> String {
+    format!("{slug}.{backend}")
 }
 
 /// What came of a row.
@@ -190,10 +206,11 @@ pub enum Outcome {
 /// A row's figures.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Measured {
-    /// Against truth.
-    pub errors: Errors,
-    /// What the errors come from.
-    pub causes: Causes,
+    /// Against truth; none where no pixel counts ([`SceneResult::nothing_compared`] says why): no error would mean that all is
+    /// right.
+    pub errors: Option<Errors>,
+    /// What the errors come from; none likewise.
+    pub causes: Option<Causes>,
     /// Times, without compilation, upload and read-back; none if they weren't asked for.
     pub times: Option<Times>,
     /// What the recipe takes, counted.
@@ -213,6 +230,11 @@ pub struct Measured {
 }
 
 impl Measured {
+    /// Root of the mean square error; none where no pixel counts.
+    pub fn rmse(&self) -> Option<f64> {
+        self.errors.map(|e| e.rmse)
+    }
+
     /// The median of the times, milliseconds, or the cost; none if it wasn't measured.
     pub fn milliseconds(&self, clock: Clock) -> Option<f64> {
         match clock {
@@ -242,6 +264,43 @@ pub struct Times {
     pub receive: Option<Spread>,
     /// Casts, filters and lookup of each run together.
     pub total: Spread,
+    /// A [yardstick](super::Yardstick) in turn with the runs, milliseconds a unit of its work; none where nothing receives, where
+    /// the adapter can't time it, and in results of schema 4 and before.
+    pub yardstick: Option<Spread>,
+    /// Each run over the mean of the yardsticks right before and after it: what is compared with other runs' results.
+    pub ratio: Option<Ranks>,
+}
+
+/// How some figures are spread, told by ranks, which a few outliers do not move.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Ranks {
+    /// A tenth lies below.
+    pub tenth: f64,
+    /// A quarter lies below.
+    pub low: f64,
+    /// Half lies below.
+    pub median: f64,
+    /// A quarter lies above.
+    pub high: f64,
+    /// The greatest.
+    pub greatest: f64,
+    /// How many figures.
+    pub runs: u32,
+}
+
+impl Ranks {
+    /// Of some figures, linear between neighbours; none of no figures.
+    pub fn of(mut figures: Vec<f64>) -> Option<Self> {
+        figures.sort_by(f64::total_cmp);
+        let last = figures.len().checked_sub(1)?;
+        let at = |share: f64| {
+            let place = share * last as f64;
+            let (before, after) = (figures[place.floor() as usize], figures[place.ceil() as usize]);
+            before + (after - before) * place.fract()
+        };
+        let [tenth, low, median, high, greatest] = [0.1, 0.25, 0.5, 0.75, 1.0].map(at);
+        Some(Self { tenth, low, median, high, greatest, runs: figures.len() as u32 })
+    }
 }
 
 /// Times of several runs, milliseconds.
@@ -267,20 +326,23 @@ impl Spread {
     }
 }
 
-/// The negative control of one backend: with the casters removed, the mask must change wherever it was dark.
+/// The negative control of one technique on one backend: with the casters removed, its mask must change where the shadow was,
+/// and show nothing but the receivers' own horizon.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Control {
     /// Kind of backend.
     pub backend: String,
-    /// The technique that was played.
+    /// The technique that was played: the first of its settings that was measured.
     pub technique: String,
-    /// Counted pixels from which casters hide more than a quarter of the light, says truth.
+    /// Counted pixels from which casters hide all of the light that the technique owes them without casters.
     pub shadowed: u64,
     /// Those of them whose mask brightened by more than a quarter when the casters were removed.
     pub changed: u64,
-    /// Counted pixels that are dark without casters: not fully lit in a map's mask, darker by half than what their own
-    /// horizon leaves in a traced one. Must be 0.
-    pub dark_without: u64,
-    /// Whether the control did what it must: something changed if truth has a shadow, and nothing is left dark.
+    /// Counted pixels that without casters are darker or lighter than the technique owes: as light as their own horizon leaves
+    /// the points that it asks of the light. Must be 0.
+    #[serde(alias = "dark_without")]
+    pub wrong_without: u64,
+    /// Whether the control did what it must: nothing is wrong without casters, and something changed if truth has a shadow that
+    /// the technique cannot miss (maps with texels wider than it may, and those that keep the far sides of casters).
     pub holds: bool,
 }

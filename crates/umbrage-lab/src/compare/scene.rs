@@ -1,8 +1,8 @@
 //! All rows of one scene.
 
 use super::{
-    Backends, Event, Measured, OnEvent, Options, Outcome, Row, Runs, SceneInput, SceneResult, Spread, Times,
-    TruthSummary, agreement::agree, control, seen::Seen, slug::Setting,
+    Backends, Event, Measured, OnEvent, Options, Outcome, Row, SceneInput, SceneResult, TruthSummary, agreement::agree,
+    control, seen::Seen, slug::Setting, timing::measure,
 };
 use crate::{
     LabError, color,
@@ -12,13 +12,10 @@ use crate::{
     truth::{self, Truth},
 };
 use glam::UVec2;
-use std::{
-    sync::Arc,
-    time::{Duration, Instant},
-};
+use std::sync::Arc;
 use umbrage_core::{
-    Backend, BackendError, Camera, Cast, CastMode, Geometry, Invalid, Light, LightSpace, PlanError, Recipe,
-    ShadowTechnique, Shadows, Timings, View, Work,
+    BackendError, Camera, Cast, CastMode, Geometry, Invalid, Light, LightSpace, PlanError, Recipe,
+    ShadowTechnique, Shadows, View, Work,
     metrics::{Agreement, Causes, Errors, Pixel, Reference, TruthImage},
 };
 
@@ -89,6 +86,7 @@ pub(super) fn run(
     for setting in settings {
         run.setting(setting, backends, on_event)?;
     }
+    let truth_summary = summary(&truth, options);
     let result = SceneResult {
         name: scene.name.clone(),
         summary: input.summary.clone(),
@@ -96,7 +94,8 @@ pub(super) fn run(
         size: camera.size.to_array(),
         triangles: geometry.triangles().len() as u64,
         fingerprint: format!("{:016x}", truth.fingerprint),
-        truth: summary(&truth, options),
+        nothing_compared: nothing_compared(&truth_summary, truth.pixels.len()),
+        truth: truth_summary,
         rmse_of_none: [1.0, 0.0].map(|v| run.reference.errors(&vec![v; truth.pixels.len()]).map_or(0.0, |e| e.rmse)),
         rows: run.rows,
         controls: run.controls,
@@ -111,7 +110,7 @@ fn color_stage(input: &SceneInput, camera: &Camera) -> Result<color::Stage, Inva
     color::Stage::new(&scene, input.fit)
 }
 
-fn camera_and_light(scene: &umbrage_core::Scene) -> Result<(&Camera, &Light), Invalid> {
+pub(super) fn camera_and_light(scene: &umbrage_core::Scene) -> Result<(&Camera, &Light), Invalid> {
     let missing = |what| Invalid::new(format!("scene `{}`", scene.name), format!("has no {what}"), "add one");
     let camera = scene.cameras.first().ok_or_else(|| missing("camera"))?;
     let light = scene.lights.first().ok_or_else(|| missing("light"))?;
@@ -130,6 +129,20 @@ fn summary(truth: &Truth, options: &Options) -> TruthSummary {
         unlit: count(Pixel::Unlit),
         seconds: options.runs.map(|_| truth.elapsed.as_secs_f64()),
     }
+}
+
+/// Why no pixel counts; none if one does.
+fn nothing_compared(truth: &TruthSummary, pixels: usize) -> Option<String> {
+    let TruthSummary { counted, ambiguous, unlit, .. } = *truth;
+    let empty = pixels as u64 - counted - ambiguous - unlit;
+    let help =
+        if ambiguous > 0 { "; bring the light nearer, or make the scene larger beside its distances" } else { "" };
+    (counted == 0).then(|| {
+        format!(
+            "no pixel was compared: of {pixels}, {empty} show nothing that receives, {unlit} face away from the light or lie \
+             outside its cone, and at {ambiguous} truth hangs on rounding{help}"
+        )
+    })
 }
 
 /// A scene while its rows are made.
@@ -272,7 +285,10 @@ impl SceneRun<'_> {
     ) -> Result<Outcome, LabError> {
         let view = self.view.core();
         let player = &mut *backends.playing[backend];
-        let (shadows, times) = match measure(player, &view, recipe, self.options.runs.as_ref()) {
+        let work = Work::of(&view.with_receivers(&self.truth.receivers), recipe);
+        let cost_ms = CostModel::of(player.kind()).milliseconds(&work);
+        let timed = (self.options.runs.as_ref(), cost_ms);
+        let (shadows, times) = match measure(player, &view, recipe, timed) {
             Ok(measured) => measured,
             // What a backend can't hold is told in the report; other backends may still play it.
             Err(BackendError::Invalid(e)) => return Ok(self.unsupported(&e.to_string())),
@@ -287,17 +303,18 @@ impl SceneRun<'_> {
         }
         let pixels = self.seen[backend].as_ref().and_then(|seen| seen.pixels.as_deref());
         let snapping = player.snapping();
-        // A recipe that never looks at a caster has none to miss.
-        let looks = !(recipe.casts.is_empty() && recipe.tables.is_empty());
-        if looks && self.controls.iter().all(|c| c.backend != player.kind()) {
-            self.controls.push(control::run(player, &*setting.technique, &self.view, self.truth, pixels, &shadows)?);
+        let (kind, technique) = (player.kind(), setting.technique.name());
+        if self.controls.iter().all(|c| c.backend != kind || c.technique != technique) {
+            let played = (recipe, &shadows);
+            self.controls.extend(control::run(player, &*setting.technique, &self.view, self.truth, played)?);
         }
         let (errors, causes) = self.errors(of_cpu.as_ref(), &shadows, pixels)?;
         let agreement = match &of_cpu {
             None => None,
             Some((cpu, ..)) => {
                 let agreed = agree(&view, recipe, cpu, &shadows, snapping)?;
-                Some(Agreement { excess: errors.rmse - self.rmse(&cpu.mask, pixels)?, ..agreed })
+                let of_cpu = self.rmse(&cpu.mask, pixels)?;
+                Some(Agreement { excess: errors.map_or(0.0, |e| e.rmse - of_cpu), ..agreed })
             }
         };
         self.masks.push(Some(shadows.mask.clone()));
@@ -305,8 +322,6 @@ impl SceneRun<'_> {
         if backends.playing[backend].kind() == "cpu" {
             *of_cpu = Some((shadows, errors, causes));
         }
-        let work = Work::of(&view.with_receivers(&self.truth.receivers), recipe);
-        let cost_ms = CostModel::of(backends.playing[backend].kind()).milliseconds(&work);
         let measured =
             Measured { errors, causes, times, work, cost_ms, bytes, agreement, color_differing: None, maps: None };
         Ok(Outcome::Measured(Box::new(measured)))
@@ -320,55 +335,26 @@ impl SceneRun<'_> {
         })
     }
 
-    /// Against truth where these pixels count, or those that truth says, and what it comes from. A mask that equals the CPU's
-    /// has its errors.
+    /// Against truth where these pixels count, or those that truth says, and what it comes from; none if no pixel counts. A mask
+    /// that equals the CPU's has its errors.
     fn errors(
         &self,
         of_cpu: Option<&OfCpu>,
         shadows: &Shadows,
         pixels: Option<&[Pixel]>,
-    ) -> Result<(Errors, Causes), Invalid> {
-        match (of_cpu, pixels) {
-            (Some((cpu, errors, causes)), None) if cpu.mask == shadows.mask => Ok((*errors, *causes)),
-            (_, None) => Ok((self.reference.errors(&shadows.mask)?, Causes::measure(&shadows.mask, &self.image)?)),
+    ) -> Result<(Option<Errors>, Option<Causes>), Invalid> {
+        let mask = &shadows.mask;
+        let (errors, causes) = match (of_cpu, pixels) {
+            (Some((cpu, errors, causes)), None) if cpu.mask == *mask => return Ok((*errors, *causes)),
+            (_, None) => (self.reference.errors(mask)?, Causes::measure(mask, &self.image)?),
             (_, Some(pixels)) => {
-                let errors = self.reference.with_pixels(pixels)?.errors(&shadows.mask)?;
-                Ok((errors, Causes::measure(&shadows.mask, &self.image.with_pixels(pixels)?)?))
+                let image = self.image.with_pixels(pixels)?;
+                (self.reference.with_pixels(pixels)?.errors(mask)?, Causes::measure(mask, &image)?)
             }
-        }
+        };
+        Ok(if errors.counted > 0 { (Some(errors), Some(causes)) } else { (None, None) })
     }
 }
 
 /// What the CPU made of a setting, and how far it is from truth.
-type OfCpu = (Shadows, Errors, Causes);
-
-/// Plays a recipe: once for the mask, which compiles, uploads and finds receivers, then until its time is known. The timed
-/// runs are given the receivers of the first, so that finding and reading them back costs no time again.
-fn measure(
-    backend: &mut dyn Backend,
-    view: &View<'_>,
-    recipe: &Recipe,
-    runs: Option<&Runs>,
-) -> Result<(Shadows, Option<Times>), BackendError> {
-    let first = backend.render(view, recipe)?;
-    let Some(runs) = runs else { return Ok((first, None)) };
-    let known = first.receivers.as_ref().map_or(*view, |r| view.with_receivers(r));
-    let (start, mut timings) = (Instant::now(), Vec::new());
-    while !runs.suffice(timings.len(), start.elapsed()) {
-        timings.push(backend.render(&known, recipe)?.timings);
-    }
-    let times = times(&timings);
-    Ok((first, Some(times)))
-}
-
-fn times(timings: &[Timings]) -> Times {
-    let milliseconds = |d: Duration| d.as_secs_f64() * 1e3;
-    let stage =
-        |of: fn(&Timings) -> Option<Duration>| Spread::of(timings.iter().filter_map(of).map(milliseconds).collect());
-    Times {
-        cast: stage(|t| t.cast),
-        filter: stage(|t| t.filter),
-        receive: stage(|t| t.receive),
-        total: stage(|t| Some(t.total())).unwrap_or_default(),
-    }
-}
+type OfCpu = (Shadows, Option<Errors>, Option<Causes>);

@@ -19,7 +19,7 @@ fn presets() -> Vec<Preset> {
     out.extend([Pattern::Vogel, Pattern::Grid].map(|pattern| Preset::from(disc(pattern))));
     let biased = |bias| move |p: &Preset| p.map().map(|&map| p.with_map(ShadowMap { size: 160, bias, ..map }));
     let of = |bias| out.iter().filter_map(biased(bias)).collect::<Vec<_>>();
-    of(Bias::NONE).into_iter().chain(of(Bias::RECEIVER_PLANE)).collect()
+    of(Bias::NONE).into_iter().chain(of(Bias::ADAPTIVE)).collect()
 }
 
 /// What receivers are answered from these images.

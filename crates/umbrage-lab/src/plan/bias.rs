@@ -11,8 +11,8 @@ use umbrage_techniques::{Bias, Preset};
 pub enum BiasKind {
     /// The receiver moves along its normal: [`Bias::normal_offset`](struct@Bias), texels.
     NormalOffset,
-    /// Taps follow the receiver's plane, and the receiver moves by so many texels besides.
-    ReceiverPlane,
+    /// [`Bias::ADAPTIVE`], and the receiver moves by so many texels besides.
+    Adaptive,
     /// Casters move away by their own slope: [`RasterBias::slope`], the depth that a surface gains over so many texels.
     PolygonOffset,
     /// Whatever the technique brings; there is nothing to find.
@@ -24,7 +24,7 @@ impl BiasKind {
     pub fn name(self) -> &'static str {
         match self {
             Self::NormalOffset => "normal offset",
-            Self::ReceiverPlane => "receiver plane and normal offset",
+            Self::Adaptive => "adaptive and normal offset",
             Self::PolygonOffset => "polygon offset",
             Self::Own => "the technique's own",
         }
@@ -34,7 +34,7 @@ impl BiasKind {
     pub fn bias(self, texels: f32, own: Bias) -> Bias {
         match self {
             Self::NormalOffset => Bias { normal_offset: texels, ..Bias::NORMAL_OFFSET },
-            Self::ReceiverPlane => Bias { normal_offset: texels, ..Bias::RECEIVER_PLANE },
+            Self::Adaptive => Bias { normal_offset: texels, ..Bias::ADAPTIVE },
             Self::PolygonOffset => {
                 let raster = RasterBias { slope: texels, ..Bias::POLYGON_OFFSET.raster };
                 Bias { raster, ..Bias::NONE }
@@ -63,7 +63,7 @@ pub(super) fn scales(preset: &Preset) -> Vec<Scale> {
     let offset = times((reach + 0.5) * SQRT_2, &[0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0]);
     let slope = times(2.0 * reach + 1.0, &[0.25, 0.5, 1.0, 2.0]);
     let plane = vec![0.0, 0.25, 0.5, 1.0, 2.0];
-    let mut out = vec![Scale { kind: BiasKind::ReceiverPlane, texels: plane, first: 0 }];
+    let mut out = vec![Scale { kind: BiasKind::Adaptive, texels: plane, first: 0 }];
     out.push(Scale { kind: BiasKind::NormalOffset, texels: offset, first: 4 });
     // Peeling takes no polygon offset.
     if !matches!(preset, Preset::Midpoint(_)) {
@@ -86,7 +86,7 @@ mod tests {
     fn first_tries_are_the_biases_that_free_planes_of_acne() {
         let pcf = Preset::defaults().into_iter().find(|p| matches!(p, Preset::Pcf(_))).unwrap();
         let firsts: Vec<Bias> = scales(&pcf).iter().map(|s| s.kind.bias(s.texels[s.first], Bias::NONE)).collect();
-        assert_eq!(firsts, [Bias::RECEIVER_PLANE, Bias::normal_offset(1.0), Bias::polygon_offset(1.0)]);
+        assert_eq!(firsts, [Bias::ADAPTIVE, Bias::normal_offset(1.0), Bias::polygon_offset(1.0)]);
     }
 
     #[test]

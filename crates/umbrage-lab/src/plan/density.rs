@@ -43,7 +43,7 @@ pub(super) fn density(look: &mut Look<'_>, pilot: Option<&Pilot>) -> Result<Vec<
     let receives = look.receivers.receives.clone();
     let pilot = pilot.map_or_else(|| vec![1.0; receives.len()], |pilot| pilot.mask.clone());
     let mut interest: Vec<f64> = spread(look.camera.size, &pilot, &receives).into_iter().map(f64::from).collect();
-    for (size, bias) in [(256, Bias::RECEIVER_PLANE), (1024, Bias::NORMAL_OFFSET)] {
+    for (size, bias) in [(256, Bias::ADAPTIVE), (1024, Bias::NORMAL_OFFSET)] {
         let hard = Hard { map: ShadowMap { size, bias, ..ShadowMap::default() } };
         let Some(mask) = mask(look, hard.into())? else { continue };
         let differences = interest.iter_mut().zip(mask.iter().zip(&pilot));

@@ -5,7 +5,7 @@ use crate::figure::{Figure, Marker, Point, Series, Style};
 
 /// The kinds of bias that have amounts, with colours that are told apart in black and white, too.
 const KINDS: [(BiasKind, &str); 3] =
-    [(BiasKind::NormalOffset, "#3b82e0"), (BiasKind::ReceiverPlane, "#ea7317"), (BiasKind::PolygonOffset, "#5b6472")];
+    [(BiasKind::NormalOffset, "#3b82e0"), (BiasKind::Adaptive, "#ea7317"), (BiasKind::PolygonOffset, "#5b6472")];
 
 /// Error against bias for the chosen setting: what is too dark (acne) falls, what is too light (the gap) grows, and the
 /// marked amount leaves the least of both. None for techniques without a bias to find, and where nothing was chosen.

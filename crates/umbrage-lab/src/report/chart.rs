@@ -61,10 +61,10 @@ pub(super) fn dots(result: &SceneResult, clock: Clock) -> Vec<Dot> {
             technique: row.technique.clone(),
             backend: row.backend.clone(),
             settings: row.settings.clone(),
-            xy: [m.milliseconds(clock)?.max(LEAST_TIME), m.errors.rmse.max(LEAST_ERROR)],
+            xy: [m.milliseconds(clock)?.max(LEAST_TIME), m.rmse()?.max(LEAST_ERROR)],
             range: m.times.filter(|_| clock == Clock::Wall).map(|t| range(t.total)),
             on_front: front.contains(&i),
-            hover: hover(row, m),
+            hover: hover(row, m)?,
         })
     };
     result.rows.iter().enumerate().filter_map(dot).collect()
@@ -184,8 +184,8 @@ fn points(
     trace
 }
 
-fn hover(row: &Row, m: &Measured) -> String {
-    let e = &m.errors;
+fn hover(row: &Row, m: &Measured) -> Option<String> {
+    let e = m.errors?;
     let times = m.times.map_or_else(String::new, |t| {
         let stage = |s: Option<Spread>| s.map_or("–".to_owned(), |s| format!("{:.3} ms", s.median));
         let total = t.total;
@@ -194,7 +194,7 @@ fn hover(row: &Row, m: &Measured) -> String {
         format!("<br>cast {cast}, lookup {lookup}, total {:.3} ms ({runs})", total.median)
     });
     let maps = m.maps.map_or_else(String::new, |maps| format!("<br>{}", maps.words()));
-    format!(
+    Some(format!(
         "<b>{}</b> on {}<br>{}<br>RMSE {:.5}, mean {:.5}<br>false shadow {:.2} %, false light {:.2} %, acne {:.2} %{times}\
          <br>cost {:.3} ms, {:.2} MB{maps}",
         text(&row.technique),
@@ -207,7 +207,7 @@ fn hover(row: &Row, m: &Measured) -> String {
         e.acne,
         m.cost_ms,
         m.bytes as f64 / 1e6,
-    )
+    ))
 }
 
 /// plotly.js reads its texts as a small markup: names must not be read so.

@@ -13,8 +13,9 @@ pub(super) fn rows(result: &SceneResult) -> BTreeSet<usize> {
     let mut chosen = BTreeSet::new();
     for (i, row, m) in measured(result) {
         let least = best.entry(&row.technique).or_insert((f64::INFINITY, i));
-        if m.errors.rmse < least.0 {
-            *least = (m.errors.rmse, i);
+        let rmse = m.rmse().unwrap_or_default();
+        if rmse < least.0 {
+            *least = (rmse, i);
         }
         if m.agreement.is_some_and(|a| a.differing > 0) {
             chosen.insert(i);
@@ -30,7 +31,7 @@ pub(super) fn fronts(result: &SceneResult, clock: Clock) -> Vec<usize> {
     let mut backends: BTreeMap<&str, Vec<(usize, [f64; 2])>> = BTreeMap::new();
     for (i, row, m) in measured(result) {
         if let Some(ms) = m.milliseconds(clock) {
-            backends.entry(&row.backend).or_default().push((i, [ms, m.errors.rmse]));
+            backends.entry(&row.backend).or_default().push((i, [ms, m.rmse().unwrap_or_default()]));
         }
     }
     let front = |points: &Vec<(usize, [f64; 2])>| {

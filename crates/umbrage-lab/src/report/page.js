@@ -24,6 +24,8 @@ let clock = data.overall.time || pages.some((p) => p.charts.time) ? "time" : "co
 const charts = [];
 const range = (s) => `${number(s.least, 2)} – ${number(s.greatest, 2)} ms`;
 const measured = (row) => row.outcome.measured || null;
+// Where no pixel counts a row has no errors.
+const rmseOf = (row) => { const m = measured(row); return m && m.errors ? m.errors.rmse : null; };
 
 function shot(id, caption, title) {
   const img = el("img", { class: "shot", src: images[id], alt: `${caption}: ${title}`, loading: "lazy", decoding: "async" });
@@ -76,7 +78,7 @@ function tiles() {
       tile(sum((a) => a.differing).toLocaleString("en"), `pixels differ at all; greatest difference ${number(largest, 4)}; ${sum((a) => a.undecided).toLocaleString("en")} undecided`),
     );
   }
-  out.push(tile(`${held} of ${controls.length}`, "negative controls hold: without casters the mask changes", held === controls.length ? "good" : "bad"));
+  out.push(tile(`${held} of ${controls.length}`, "negative controls hold: without casters masks show what is left of the light", held === controls.length ? "good" : "bad"));
   return el("div", { class: "tiles" }, ...out);
 }
 
@@ -99,7 +101,7 @@ function matrix() {
   const raster = (r) => r.technique !== "traced" && measured(r);
   // Where all are equally good there is no best.
   const best = scenes.map((s) => {
-    const all = s.rows.filter((r) => r.backend === backend && raster(r)).map((r) => measured(r).errors.rmse);
+    const all = s.rows.filter((r) => r.backend === backend && raster(r)).map(rmseOf).filter((e) => e !== null);
     return Math.min(...all) < Math.max(...all) ? Math.min(...all) : -1;
   });
   const head = el("tr", {}, el("th", {}), ...scenes.map((s, i) => el("th", {}, el("a", { href: `#scene-${i}` }, s.name))));
@@ -108,7 +110,8 @@ function matrix() {
       const row = find(s, label(key));
       const m = row && measured(row);
       if (!m) return el("td", { class: "none", title: row ? row.outcome.unsupported.reason : "" }, "–");
-      const rmse = m.errors.rmse;
+      const rmse = rmseOf(row);
+      if (rmse === null) return el("td", { class: "none", title: s.nothing_compared }, "–");
       const title = `${s.name}: ${row.technique}, ${row.settings}: RMSE ${number(rmse, 4)}, ${ms(m.times && m.times.total) === "–" ? `cost ${number(m.cost_ms, 2)} ms` : ms(m.times.total)}`;
       const text = rmse === 0 ? "0" : rmse.toFixed(3).replace(/^0/, "");
       return el("td", { style: heat(rmse), class: raster(row) && rmse === best[i] ? "best" : "", title }, text);
@@ -117,7 +120,7 @@ function matrix() {
   });
   return el("div", { class: "panel" },
     el("h2", {}, "All scenes"),
-    el("p", {}, `RMSE of visibility against truth on ${backend}, 0 to 1; the stronger the colour, the worse. Framed: the least error of a technique with a shadow map on that scene. A dash: not supported, hover for the reason.`),
+    el("p", {}, `RMSE of visibility against truth on ${backend}, 0 to 1; the stronger the colour, the worse. Framed: the least error of a technique with a shadow map on that scene. A dash: not supported, or nothing to compare; hover for the reason.`),
     el("div", { class: "scroll" }, el("table", { class: "matrix" }, el("thead", {}, head), el("tbody", {}, ...lines))));
 }
 
@@ -193,18 +196,23 @@ function term(list, name, value, state) {
 function figures(m) {
   const list = el("dl");
   const { errors: e, times: t, agreement: a } = m;
-  term(list, "RMSE", number(e.rmse, 4));
-  term(list, "mean error", number(e.mean, 4));
-  term(list, "false shadow", percent(e.false_shadow));
-  term(list, "false light", percent(e.false_light));
-  term(list, "acne off edges", percent(e.acne));
-  if (e.elsewhere) term(list, "left out: sees other triangles than truth", `${e.elsewhere} px`);
+  if (e) {
+    term(list, "RMSE", number(e.rmse, 4));
+    term(list, "mean error", number(e.mean, 4));
+    term(list, "false shadow", percent(e.false_shadow));
+    term(list, "false light", percent(e.false_light));
+    term(list, "acne off edges", percent(e.acne));
+    if (e.elsewhere) term(list, "left out: sees other triangles than truth", `${e.elsewhere} px`);
+  } else {
+    term(list, "RMSE", "–");
+  }
   if (t) {
     term(list, "cast", ms(t.cast));
     if (t.filter) term(list, "filter", ms(t.filter));
     term(list, "lookup", ms(t.receive));
     term(list, "total, median", ms(t.total));
     term(list, plural(t.total.runs, "run"), range(t.total));
+    if (t.ratio) term(list, "over the yardstick", `× ${number(t.ratio.median, 3)}`);
   }
   term(list, "counted cost", `${number(m.cost_ms, 2)} ms`);
   term(list, "memory", bytes(m.bytes));
@@ -248,7 +256,7 @@ function rowList(scene, page) {
   const front = new Set(best ? best.front : []);
   const state = { all: false, backend: "all", technique: "all", sort: "error" };
   const list = el("div", { class: "rows" });
-  const cost = { error: (m) => m.errors.rmse, time: (m) => (m.times ? m.times.total.median : m.cost_ms), cost: (m) => m.cost_ms, acne: (m) => m.errors.acne, memory: (m) => m.bytes };
+  const cost = { error: (m) => (m.errors ? m.errors.rmse : Infinity), time: (m) => (m.times ? m.times.total.median : m.cost_ms), cost: (m) => m.cost_ms, acne: (m) => (m.errors ? m.errors.acne : Infinity), memory: (m) => m.bytes };
   const more = el("button", { type: "button", onclick: () => { state.all = !state.all; fill(); } });
   const wanted = (i) => {
     const row = scene.rows[i];
@@ -298,7 +306,8 @@ function fillScene(section, scene, page) {
 
 function sceneSection(scene, page) {
   const section = el("section", { class: "scene", id: `scene-${page.index}` }, el("h2", {}, scene.name), el("p", { class: "lead" }, scene.summary),
-    el("p", { class: "facts" }, ...sceneFacts(scene).map((f) => el("span", {}, f))));
+    el("p", { class: "facts" }, ...sceneFacts(scene).map((f) => el("span", {}, f))),
+    scene.nothing_compared ? el("p", { class: "notice" }, scene.nothing_compared) : null);
   section.style.minHeight = "620px";
   // Charts and pictures are made when they come near the window: a report may have thousands.
   const observer = new IntersectionObserver((entries) => {

@@ -3,7 +3,8 @@
 use crate::compare::{Comparison, Row, SceneResult, Spread};
 use serde::{Deserialize, Serialize};
 
-/// A line of `rows.csv`. Times are medians in milliseconds; shares are percent; empty fields were not measured.
+/// A line of `rows.csv`. Times are medians in milliseconds; shares are percent; empty fields were not measured, errors among
+/// them where no pixel counts.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Line {
     /// The scene's name.
@@ -68,6 +69,8 @@ pub struct Line {
     pub total_least_ms: Option<f64>,
     /// The slowest run.
     pub total_greatest_ms: Option<f64>,
+    /// Median of the runs over the yardstick beside them.
+    pub yardsticks: Option<f64>,
     /// Bytes held.
     pub bytes: Option<u64>,
     /// Percent of the maps' texels that no lookup touches: [`MapUse::unused`](crate::footprint::MapUse::unused).
@@ -117,24 +120,24 @@ fn line(scene: &SceneResult, row: &Row) -> Line {
     let median = |s: Option<Spread>| s.map(|s| s.median);
     let texels = |i: usize| m.maps.and_then(|u| u.texels_per_pixel).map(|all| all[i]);
     Line {
-        rmse: Some(m.errors.rmse),
-        mean: Some(m.errors.mean),
-        bias: Some(m.errors.bias),
-        largest: Some(m.errors.largest),
-        false_shadow: Some(m.errors.false_shadow),
-        false_light: Some(m.errors.false_light),
-        acne: Some(m.errors.acne),
-        cause_acne: Some(m.causes.acne),
-        cause_gap: Some(m.causes.gap),
-        cause_leak: Some(m.causes.leak),
-        cause_edge: Some(m.causes.edge),
-        cause_penumbra: Some(m.causes.penumbra),
-        gap_metres: m.causes.gap_metres,
-        penumbra_width: m.causes.penumbra_width,
-        counted: Some(m.errors.counted),
-        ambiguous: Some(m.errors.ambiguous),
-        unlit: Some(m.errors.unlit),
-        other_triangles: Some(m.errors.elsewhere),
+        rmse: m.errors.map(|e| e.rmse),
+        mean: m.errors.map(|e| e.mean),
+        bias: m.errors.map(|e| e.bias),
+        largest: m.errors.map(|e| e.largest),
+        false_shadow: m.errors.map(|e| e.false_shadow),
+        false_light: m.errors.map(|e| e.false_light),
+        acne: m.errors.map(|e| e.acne),
+        cause_acne: m.causes.map(|c| c.acne),
+        cause_gap: m.causes.map(|c| c.gap),
+        cause_leak: m.causes.map(|c| c.leak),
+        cause_edge: m.causes.map(|c| c.edge),
+        cause_penumbra: m.causes.map(|c| c.penumbra),
+        gap_metres: m.causes.and_then(|c| c.gap_metres),
+        penumbra_width: m.causes.and_then(|c| c.penumbra_width),
+        counted: m.errors.map(|e| e.counted),
+        ambiguous: m.errors.map(|e| e.ambiguous),
+        unlit: m.errors.map(|e| e.unlit),
+        other_triangles: m.errors.map(|e| e.elsewhere),
         cost_ms: Some(m.cost_ms),
         cast_ms: m.times.and_then(|t| median(t.cast)),
         filter_ms: m.times.and_then(|t| median(t.filter)),
@@ -142,6 +145,7 @@ fn line(scene: &SceneResult, row: &Row) -> Line {
         total_ms: m.times.map(|t| t.total.median),
         total_least_ms: m.times.map(|t| t.total.least),
         total_greatest_ms: m.times.map(|t| t.total.greatest),
+        yardsticks: m.times.and_then(|t| t.ratio).map(|r| r.median),
         bytes: Some(m.bytes),
         map_unused: m.maps.map(|u| 100.0 * u.unused),
         texels_least: texels(0),

@@ -20,8 +20,8 @@ fn row(technique: &str, backend: &str, rmse: f64, median: f64) -> Row {
     let times = Times { receive: Some(total), total, ..Times::default() };
     let errors = Errors { rmse, counted: 12, ..Errors::default() };
     let outcome = Outcome::Measured(Box::new(Measured {
-        errors,
-        causes: Causes::default(),
+        errors: Some(errors),
+        causes: Some(Causes::default()),
         times: Some(times),
         work: Work::default(),
         cost_ms: median,

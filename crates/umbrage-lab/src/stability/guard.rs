@@ -74,7 +74,7 @@ pub fn is_as_new(used: &mut dyn Backend, fresh: &mut dyn Backend) -> Result<bool
     let scene = (entry.build)();
     let geometry = Geometry::bake(&scene)?;
     let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
-    let map = ShadowMap { size: 512, bias: Bias::RECEIVER_PLANE, ..ShadowMap::default() };
+    let map = ShadowMap { size: 512, bias: Bias::ADAPTIVE, ..ShadowMap::default() };
     let recipe = Pcf { map, radius: 1 }.plan(&view)?;
     let masks = [used.render(&view, &recipe)?.mask, fresh.render(&view, &recipe)?.mask];
     let bits = |mask: &[f32]| mask.iter().map(|v| v.to_bits()).collect::<Vec<_>>();

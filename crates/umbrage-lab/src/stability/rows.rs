@@ -55,7 +55,7 @@ fn hard(size: u32, format: MapFormat, biases: &[Bias]) -> Settings {
 
 /// Maps of 16 bits under two biases.
 fn coarse(size: u32) -> Settings {
-    hard(size, MapFormat::Depth16, &[Bias::POLYGON_OFFSET, Bias::RECEIVER_PLANE])
+    hard(size, MapFormat::Depth16, &[Bias::POLYGON_OFFSET, Bias::ADAPTIVE])
 }
 
 /// No bias, and those that a low sun and distance are too much for.
@@ -80,7 +80,7 @@ fn steady_far(size: u32) -> Settings {
 
 fn steady(size: u32, range: f32) -> Settings {
     let map = ShadowMap { size, fit: Fit::Stable { range }, bias: Bias::SLOPE, ..ShadowMap::default() };
-    let follows = ShadowMap { bias: Bias::RECEIVER_PLANE, ..map };
+    let follows = ShadowMap { bias: Bias::ADAPTIVE, ..map };
     vec![Arc::new(Hard { map }), Arc::new(Hard { map: follows }), Arc::new(Pcf { map, radius: 1 })]
 }
 

@@ -119,7 +119,7 @@ fn hard(bias: Bias) -> Box<dyn ShadowTechnique> {
 fn known_weaknesses_are_seen() {
     let too_much = Bias { constant: 0.1, ..Bias::NONE };
     let map = ShadowMap { size: 512, bias: Bias::FRONT_CULL, ..ShadowMap::default() };
-    let soft = ShadowMap { size: 512, bias: Bias::RECEIVER_PLANE, ..ShadowMap::default() };
+    let soft = ShadowMap { size: 512, bias: Bias::ADAPTIVE, ..ShadowMap::default() };
     let pcss = || Box::new(Pcss { map: soft, ..Pcss::default() }) as Box<dyn ShadowTechnique>;
     let known: [(&str, Box<dyn ShadowTechnique>); 11] = [
         ("thin-plate", hard(too_much)),
@@ -128,7 +128,7 @@ fn known_weaknesses_are_seen() {
         ("long-plane", hard(Bias::NONE)),
         ("open-shells", Box::new(SecondDepth { map, radius: 0 })),
         ("broken-meshes", Box::new(SecondDepth { map, radius: 0 })),
-        ("rising-boxes", hard(Bias::RECEIVER_PLANE)),
+        ("rising-boxes", hard(Bias::ADAPTIVE)),
         // One penumbra made of several blockers, widths from few taps.
         ("two-blockers", pcss()),
         ("rising-boxes", pcss()),
@@ -156,7 +156,7 @@ fn false_light(ground: &Ground, mask: &[f32]) -> f64 {
 fn relief_that_the_map_lacks_leaves_joints_lit() {
     let whole = ground_of(case("displaced-wall"), &small());
     let split = ground_of(case("relief-without-depth-pass"), &small());
-    let technique = hard(Bias::RECEIVER_PLANE);
+    let technique = hard(Bias::ADAPTIVE);
     let [with, without] = [&whole, &split].map(|ground| false_light(&whole, &mask(ground, &*technique)));
     assert!(without > 3.0 * with && without > 1.0, "{with} % with the relief, {without} % without");
 }
@@ -168,7 +168,7 @@ fn a_bias_along_shading_normals_spoils_a_flat_wall() {
     let relief = ground_of(case("displaced-wall"), &small()).truth.receivers;
     let mut bent = flat.truth.receivers.clone();
     (bent.nx, bent.ny, bent.nz) = (relief.nx, relief.ny, relief.nz);
-    let technique = hard(Bias::RECEIVER_PLANE);
+    let technique = hard(Bias::ADAPTIVE);
     let play = |receivers: &umbrage_core::Receivers| {
         let recipe = technique.plan(&flat.view(&flat.lights[0]).with_receivers(receivers)).expect("supported");
         let view = flat.view(&flat.lights[0]).with_receivers(receivers);

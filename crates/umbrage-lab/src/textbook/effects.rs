@@ -12,6 +12,10 @@ use umbrage_techniques::{
 
 type Technique = Box<dyn ShadowTechnique>;
 
+/// Of kernels that blur where truth has no penumbra.
+const IDEAL_LIGHT: &str = "Under a light without extent true edges are sharp, so every blurred pixel beside one counts as an \
+                           error: the blur trades steps, which the eye sees, for greys, which the figure does.";
+
 /// All effects, in the order in which a reader meets them.
 pub fn all() -> &'static [Effect] {
     ALL
@@ -26,8 +30,8 @@ fn map(bias: Bias) -> ShadowMap {
 const FOR_FLOATS: Bias = Bias { constant: 1e-6, ..Bias::RECEIVER_PLANE };
 
 /// Large enough texels to be seen.
-fn coarse() -> ShadowMap {
-    ShadowMap { size: 256, ..map(Bias::SLOPE) }
+fn coarse(bias: Bias) -> ShadowMap {
+    ShadowMap { size: 256, ..map(bias) }
 }
 
 /// A map that ends amid the picture.
@@ -147,7 +151,7 @@ const ALL: &[Effect] = &[
                its own depth: stripes. Taking max(.05 (1 - n.l), .005) off the receiver's depth clears them.",
         fault: cubes_with("no bias", || hard(map(Bias::NONE))),
         cure: cubes_with("bias .05 / .005", || hard(map(Bias::SLOPE))),
-        lowers_error: true,
+        worse: None,
     },
     Effect {
         name: "peter-panning",
@@ -160,7 +164,7 @@ const ALL: &[Effect] = &[
             technique: || hard(tight(1024, Bias { constant: 0.05, ..Bias::NONE })),
         },
         cure: Preset { label: "front faces culled", scene: plate, technique: || hard(tight(1024, Bias::FRONT_CULL)) },
-        lowers_error: true,
+        worse: None,
     },
     Effect {
         name: "polygon-offset",
@@ -171,7 +175,7 @@ const ALL: &[Effect] = &[
         cure: cubes_with("polygon offset 2, 4", || {
             hard(map(Bias { raster: RasterBias { constant: 4, slope: 2.0, clamp: 0.0 }, ..Bias::NONE }))
         }),
-        lowers_error: true,
+        worse: None,
     },
     Effect {
         name: "border",
@@ -180,7 +184,7 @@ const ALL: &[Effect] = &[
                edge throw endless bands; with a border of depth 1 all beside the map is lit.",
         fault: cubes_with("edge repeated", || hard(small_map(Border::Clamp))),
         cure: cubes_with("lit border", || hard(small_map(Border::Lit))),
-        lowers_error: true,
+        worse: None,
     },
     Effect {
         name: "far-plane",
@@ -189,53 +193,55 @@ const ALL: &[Effect] = &[
                says that they are lit.",
         fault: cubes_with("compared", || hard(short_map(BeyondFar::Compared))),
         cure: cubes_with("lit", || hard(short_map(BeyondFar::Lit))),
-        lowers_error: true,
+        worse: None,
     },
     Effect {
         name: "jagged",
         title: "Jagged edges, and percentage-closer filtering",
-        text: "One comparison a pixel shows the map's texels. The mean of 3x3 comparisons blurs the stairs over three texels.",
-        fault: cubes_with("one comparison", || hard(coarse())),
-        cure: cubes_with("3x3 comparisons", || pcf(coarse(), 1)),
-        lowers_error: false,
+        text: "One comparison a pixel shows the map's texels. The mean of 3x3 comparisons blurs the stairs over three texels. \
+               Its bias is three times as great: it has to free all nine texels of acne.",
+        fault: cubes_with("one comparison", || hard(coarse(Bias::normal_offset(0.0)))),
+        cure: cubes_with("3x3 comparisons", || pcf(coarse(Bias::normal_offset(1.0)), 1)),
+        worse: Some(IDEAL_LIGHT),
     },
     Effect {
         name: "dithered",
         title: "Four dithered comparisons",
         text: "A quarter of the cost of 4x4 comparisons: each pixel takes four of the sixteen, and neighbours take others.",
-        fault: cubes_with("one comparison", || hard(coarse())),
-        cure: cubes_with("4 of 16, by the pixel's parity", || Box::new(PcfDithered { map: coarse() })),
-        lowers_error: false,
+        fault: cubes_with("one comparison", || hard(coarse(Bias::normal_offset(0.0)))),
+        cure: cubes_with("4 of 16, by the pixel's parity", || {
+            Box::new(PcfDithered { map: coarse(Bias::normal_offset(1.5)) })
+        }),
+        worse: Some(IDEAL_LIGHT),
     },
     Effect {
         name: "perspective",
         title: "Orthographic and perspective light",
-        text: "The sun needs an orthographic map, a lamp one with perspective. A map of the same size fitted to what is seen \
-               resolves far more than one laid by hand: compare the edges.",
+        text: "The sun's rays are parallel, so its map is orthographic; a lamp's spread, so its map has perspective and its \
+               shadows grow. The one is laid by hand, the other fitted to what is seen.",
         fault: cubes_with("orthographic, by hand", || hard(map(Bias::SLOPE))),
         cure: Preset {
             label: "perspective, fitted",
             scene: cubes_under_spot,
-            technique: || hard(tight(1024, Bias::RECEIVER_PLANE)),
+            technique: || hard(tight(1024, Bias::ADAPTIVE)),
         },
-        lowers_error: false,
+        worse: Some(
+            "Each light is compared with its own truth: the lamp's shadows are larger, and so more pixels lie along their \
+             edges, which is where both err.",
+        ),
     },
     Effect {
         name: "soft",
         title: "One penumbra everywhere, and percentage-closer soft shadows",
         text: "A lamp with an extent throws shadows that are sharp where caster and receiver touch and soften with distance. A \
                fixed kernel has one width; PCSS first looks how far the blockers are.",
-        fault: Preset {
-            label: "5x5 comparisons",
-            scene: teapot,
-            technique: || pcf(tight(1024, Bias::RECEIVER_PLANE), 2),
-        },
+        fault: Preset { label: "5x5 comparisons", scene: teapot, technique: || pcf(tight(1024, Bias::ADAPTIVE), 2) },
         cure: Preset {
             label: "PCSS, 16 + 32 taps",
             scene: teapot,
-            technique: || Box::new(Pcss { map: tight(1024, Bias::RECEIVER_PLANE), ..Pcss::default() }),
+            technique: || Box::new(Pcss { map: tight(1024, Bias::ADAPTIVE), ..Pcss::default() }),
         },
-        lowers_error: true,
+        worse: None,
     },
     Effect {
         name: "point-light",
@@ -246,24 +252,16 @@ const ALL: &[Effect] = &[
             scene: room,
             technique: || hard(room_map(1024, Bias::NONE)),
         },
-        cure: Preset {
-            label: "cube, receiver plane",
-            scene: room,
-            technique: || hard(tight(1024, Bias::RECEIVER_PLANE)),
-        },
-        lowers_error: true,
+        cure: Preset { label: "cube, default bias", scene: room, technique: || hard(tight(1024, Bias::ADAPTIVE)) },
+        worse: None,
     },
     Effect {
         name: "point-light-pcf",
         title: "A point light, filtered",
         text: "Each face of the cube is a little wider than 90 degrees, so a kernel never leaves its face and no seam shows.",
-        fault: Preset { label: "one comparison", scene: room, technique: || hard(room_map(256, Bias::RECEIVER_PLANE)) },
-        cure: Preset {
-            label: "3x3 comparisons",
-            scene: room,
-            technique: || pcf(room_map(256, Bias::RECEIVER_PLANE), 1),
-        },
-        lowers_error: false,
+        fault: Preset { label: "one comparison", scene: room, technique: || hard(room_map(256, Bias::ADAPTIVE)) },
+        cure: Preset { label: "3x3 comparisons", scene: room, technique: || pcf(room_map(256, Bias::ADAPTIVE), 1) },
+        worse: Some(IDEAL_LIGHT),
     },
     Effect {
         name: "midpoint",
@@ -276,7 +274,7 @@ const ALL: &[Effect] = &[
             scene: figure,
             technique: || Box::new(Midpoint { map: tight(1024, Bias::NONE), radius: 0 }),
         },
-        lowers_error: true,
+        worse: None,
     },
     Effect {
         name: "sixteen-bits",
@@ -293,7 +291,7 @@ const ALL: &[Effect] = &[
             scene: far_range,
             technique: || hard(ShadowMap { format: MapFormat::Rgba8, ..tight(1024, FOR_FLOATS) }),
         },
-        lowers_error: true,
+        worse: None,
     },
     Effect {
         name: "contact",
@@ -302,7 +300,7 @@ const ALL: &[Effect] = &[
                boundaries and have neither texels nor bias.",
         fault: Preset { label: "bias .05 / .005", scene: plate, technique: || hard(tight(1024, Bias::SLOPE)) },
         cure: Preset { label: "shadow volumes", scene: plate, technique: || Box::new(ShadowVolumes::default()) },
-        lowers_error: true,
+        worse: None,
     },
     Effect {
         name: "planar",
@@ -311,16 +309,16 @@ const ALL: &[Effect] = &[
                they leave no anti-shadows.",
         fault: Preset { label: "one comparison", scene: flat, technique: || hard(tight(512, Bias::SLOPE)) },
         cure: Preset { label: "planar", scene: flat, technique: || Box::new(umbrage_techniques::Planar::default()) },
-        lowers_error: true,
+        worse: None,
     },
     Effect {
         name: "normal-mapping",
         title: "Normal mapping",
         text: "A texture of normals bends the light on a flat wall. Shadow lookups know nothing of it: their bias follows the \
                triangle's own normal, so the mask stays the same.",
-        fault: Preset { label: "flat", scene: smooth_wall, technique: || pcf(tight(1024, Bias::RECEIVER_PLANE), 1) },
-        cure: Preset { label: "normal map", scene: wall, technique: || pcf(tight(1024, Bias::RECEIVER_PLANE), 1) },
-        lowers_error: false,
+        fault: Preset { label: "flat", scene: smooth_wall, technique: || pcf(tight(1024, Bias::ADAPTIVE), 1) },
+        cure: Preset { label: "normal map", scene: wall, technique: || pcf(tight(1024, Bias::ADAPTIVE), 1) },
+        worse: None,
     },
     Effect {
         name: "displacement",
@@ -330,13 +328,16 @@ const ALL: &[Effect] = &[
         fault: Preset {
             label: "for the camera alone",
             scene: relief_of_the_camera_alone,
-            technique: || pcf(tight(2048, Bias::RECEIVER_PLANE), 1),
+            technique: || pcf(tight(2048, Bias::ADAPTIVE), 1),
         },
         cure: Preset {
             label: "for camera and light",
             scene: relief,
-            technique: || pcf(tight(2048, Bias::RECEIVER_PLANE), 1),
+            technique: || pcf(tight(2048, Bias::ADAPTIVE), 1),
         },
-        lowers_error: false,
+        worse: Some(
+            "Each half is compared with its own truth: on the left that of bricks without shadows, on the right that of \
+             hundreds of small shadows, along whose edges the mask errs.",
+        ),
     },
 ];

@@ -1,6 +1,6 @@
 //! All effects on one page that needs no other file.
 
-use super::{Effect, Played, Side};
+use super::{Effect, Played, Preset, Side};
 use base64::{Engine, engine::general_purpose::STANDARD};
 use std::fmt::Write;
 
@@ -13,7 +13,7 @@ figure { margin: 0; } figcaption { margin: .3rem 0; }
 img { width: 100%; border-radius: 4px; image-rendering: pixelated; display: block; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; font-size: 14px; }
 td, th { padding: 0 1rem 0 0; text-align: left; font-weight: normal; } th { color: #5b6b7c; }
-.better { color: #0a6b2d; } small { color: #5b6b7c; }
+.better { color: #0a6b2d; } small { color: #5b6b7c; } .worse { border-left: 3px solid #d9a441; padding-left: .8rem; }
 @media (max-width: 50rem) { .pair { grid-template-columns: 1fr; } }";
 
 /// The page. `backends` are their full names.
@@ -38,14 +38,13 @@ fn section(effect: &Effect, Played { fault, cure }: &Played) -> String {
         escaped(effect.title),
         escaped(effect.text)
     );
-    let (left, right) = (
-        figure(effect.fault.label, fault, None),
-        figure(effect.cure.label, cure, effect.lowers_error.then_some(fault)),
-    );
-    format!("{head}<div class=pair>\n{left}{right}</div>\n</section>\n")
+    let (left, right) = (figure(&effect.fault, fault, None), figure(&effect.cure, cure, Some(fault)));
+    let worse = effect.worse.map_or_else(String::new, |why| format!("<p class=worse>{}</p>\n", escaped(why)));
+    format!("{head}<div class=pair>\n{left}{right}</div>\n{worse}</section>\n")
 }
 
-fn figure(label: &str, side: &Side, than: Option<&Side>) -> String {
+fn figure(preset: &Preset, side: &Side, than: Option<&Side>) -> String {
+    let (label, technique) = (preset.label, (preset.technique)());
     let mut rows = String::new();
     for (i, (backend, errors)) in side.errors.iter().enumerate() {
         let other = than.and_then(|s| s.errors.get(i));
@@ -65,9 +64,11 @@ fn figure(label: &str, side: &Side, than: Option<&Side>) -> String {
         (_, n) => format!("<small>{n} pixels differ between the backends</small>"),
     };
     format!(
-        "<figure><figcaption>{}</figcaption>\n<div class=pictures>{}{}</div>\n\
+        "<figure><figcaption>{} <small>{}: {}</small></figcaption>\n<div class=pictures>{}{}</div>\n\
          <table><tr><th>backend<th>mean error<th>false shadow<th>false light</tr>\n{rows}</table>{differing}</figure>\n",
         escaped(label),
+        technique.name(),
+        escaped(&technique.settings()),
         picture(&side.picture, &format!("{label}: picture")),
         picture(&side.error, &format!("{label}: error"))
     )

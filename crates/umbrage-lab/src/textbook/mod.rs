@@ -35,8 +35,8 @@ pub struct Effect {
     pub fault: Preset,
     /// Without it, or with less of it.
     pub cure: Preset,
-    /// Whether the cure lowers the mask's error; else only the pictures tell.
-    pub lowers_error: bool,
+    /// Why the mask errs more with the cure, in a sentence for the page; none where it doesn't.
+    pub worse: Option<&'static str>,
 }
 
 /// The effect of this name.
@@ -51,16 +51,16 @@ mod tests {
     use umbrage_cpu::Cpu;
 
     #[test]
-    fn every_cure_lowers_the_error_that_it_is_for() {
+    fn no_cure_is_worse_than_its_fault_unless_the_page_says_why() {
         let mut backends: Vec<Box<dyn Backend>> = vec![Box::new(Cpu::new())];
         for effect in all() {
-            let Played { fault, cure } = play(effect, &mut backends).unwrap_or_else(|e| panic!("{}: {e}", effect.name));
-            let [before, after] = [&fault, &cure].map(|side| side.errors[0].1.mean);
-            if effect.lowers_error {
-                assert!(after < before, "{}: {before} to {after}", effect.name);
-            } else {
-                assert_ne!(fault.picture, cure.picture, "{}", effect.name);
-            }
+            let played = play(effect, &mut backends).unwrap_or_else(|e| panic!("{}: {e}", effect.name));
+            let [before, after] = [&played.fault, &played.cure].map(|side| side.errors[0].1.mean);
+            assert_eq!(after > before, effect.worse.is_some(), "{}: {before} to {after}", effect.name);
+            assert_ne!(played.fault.picture, played.cure.picture, "{}", effect.name);
+            let page = html(&[(effect, played)], &[]);
+            assert_eq!(page.contains("<p class=worse>"), effect.worse.is_some(), "{}", effect.name);
+            assert!(effect.worse.is_none_or(|why| page.contains(why)), "{}", effect.name);
         }
     }
 

@@ -216,15 +216,5 @@ pub(crate) fn ambiguous_on(
     ambiguity::find(&asked, light, options, nudge, find, &|_| {}).map(Some)
 }
 
-/// What the receivers' own horizon leaves of the light: truth on the same triangles when none casts (`bare`).
-#[cfg(feature = "report")]
-pub(crate) fn horizon(camera: &Camera, light: &Light, bare: &Geometry, truth: &Truth) -> Result<Vec<f32>, LabError> {
-    let options = TruthOptions { samples: 64, penumbra_factor: 1, ..TruthOptions::default() };
-    let pixels: Vec<u32> = (0..truth.receivers.len() as u32).collect();
-    let asked = Asked { camera, geometry: bare, receivers: &truth.receivers, pixels: &pixels };
-    let seen = asked.trace(&Tracer::new(bare, light, &options)?, 1.0, &|_| {});
-    Ok(seen.iter().map(|s| s.visibility).collect())
-}
-
 #[cfg(test)]
 mod tests;

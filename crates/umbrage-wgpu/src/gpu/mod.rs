@@ -257,11 +257,12 @@ impl Backend for Gpu {
 
 fn check(view: &View<'_>, recipe: &Recipe) -> Result<(), BackendError> {
     view.camera.validate()?;
-    if let Some(r) = view.receivers.filter(|r| r.size != view.camera.size || !whole(r)) {
-        let why = format!("are an image of {} x {} pixels, or not all arrays are as long", r.size.x, r.size.y);
+    if let Some(r) = view.receivers.filter(|r| r.size != view.camera.size) {
+        let why = format!("are an image of {} x {} pixels", r.size.x, r.size.y);
         let mend = format!("make them for this camera, {} x {}", view.camera.size.x, view.camera.size.y);
         return Err(Invalid::new("receivers", why, mend).into());
     }
+    view.receivers.map_or(Ok(()), Receivers::validate)?;
     if view.geometry.is_none() && recipe.casts.iter().any(|c| !matches!(c.source, Source::Faces(_))) {
         let mend = "give the view its geometry, or draw yours with `ShadowRenderer`";
         return Err(Invalid::new("view", "has no geometry, but the recipe casts", mend).into());
@@ -272,13 +273,6 @@ fn check(view: &View<'_>, recipe: &Recipe) -> Result<(), BackendError> {
 /// Mask, receivers, and the picture if there is one.
 fn bytes_a_pixel(recipe: &Recipe) -> u64 {
     4 + ReceiverTextures::BYTES + if recipe.shade.is_some() { 16 } else { 0 }
-}
-
-/// Whether all arrays hold all pixels.
-fn whole(r: &Receivers) -> bool {
-    let pixels = r.size.x as usize * r.size.y as usize;
-    let floats = [&r.x, &r.y, &r.z, &r.nx, &r.ny, &r.nz];
-    floats.iter().all(|v| v.len() == pixels) && r.triangle.len() == pixels && r.receives.len() == pixels
 }
 
 fn blind() -> BackendError {

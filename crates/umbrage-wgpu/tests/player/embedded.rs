@@ -27,7 +27,7 @@ const SCALE: f32 = 0.25;
 const SHIFT: Vec3 = Vec3::new(1.0, -2.0, 3.0);
 
 impl Embedded {
-    fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self::on(Foreign::new())
     }
 
@@ -64,6 +64,10 @@ impl Embedded {
 
     pub(crate) fn frame<'a>(&'a self, casters: &'a [Drawable<'a>]) -> Frame<'a> {
         Frame { size: self.size, casters, everything: &[], receivers: self.receivers() }
+    }
+
+    pub(crate) fn size(&self) -> UVec2 {
+        self.size
     }
 
     pub(crate) fn renderer(&self, options: Options) -> ShadowRenderer {

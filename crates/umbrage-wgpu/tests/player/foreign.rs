@@ -23,6 +23,14 @@ impl Foreign {
         Self { device, queue }
     }
 
+    /// Two devices of one adapter.
+    pub(crate) fn two() -> [Self; 2] {
+        let options = RequestAdapterOptions::default();
+        let adapter = pollster::block_on(Instance::default().request_adapter(&options)).expect("install a driver");
+        let open = || pollster::block_on(adapter.request_device(&DeviceDescriptor::default())).expect("small limits");
+        [open(), open()].map(|(device, queue)| Self { device, queue })
+    }
+
     pub(crate) fn encoder(&self) -> CommandEncoder {
         self.device.create_command_encoder(&CommandEncoderDescriptor::default())
     }
@@ -33,6 +41,16 @@ impl Foreign {
 
     pub(crate) fn texture(&self, format: TextureFormat, size: UVec2, bytes: &[u8]) -> TextureView {
         let usage = TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST | TextureUsages::COPY_SRC;
+        self.texture_for(usage, format, size, bytes)
+    }
+
+    pub(crate) fn texture_for(
+        &self,
+        usage: TextureUsages,
+        format: TextureFormat,
+        size: UVec2,
+        bytes: &[u8],
+    ) -> TextureView {
         let desc = descriptor(format, size, usage);
         let order = util::TextureDataOrder::LayerMajor;
         let texture = self.device.create_texture_with_data(&self.queue, &desc, order, bytes);

@@ -3,6 +3,8 @@
 mod comparing;
 mod counting;
 mod embedded;
+mod embedded_inputs;
+mod embedded_lights;
 mod embedded_modes;
 mod errors;
 mod foreign;

@@ -1,0 +1,124 @@
+//! Whole comparisons by a clock that a test sets: one row is slowed down, and only that.
+
+use super::*;
+use crate::{
+    baseline::{Except, changes},
+    compare::{Comparison, compare},
+    truth::TruthOptions,
+};
+use glam::UVec2;
+use std::{cell::Cell, rc::Rc, time::Duration};
+use umbrage_core::{Backend, BackendError, Recipe, Shadows, Timings, View};
+use umbrage_cpu::Cpu;
+
+/// What the clock says of a play: the row of this map size takes so many times its usual time.
+#[derive(Clone, Debug)]
+struct Clock {
+    slow_map: u32,
+    /// Set from outside; how often the row was played since.
+    factor: Rc<Cell<f64>>,
+    plays: Rc<Cell<u32>>,
+}
+
+struct Clocked {
+    cpu: Cpu,
+    clock: Clock,
+}
+
+impl Backend for Clocked {
+    fn name(&self) -> &str {
+        "a clock"
+    }
+    fn kind(&self) -> &'static str {
+        "cpu"
+    }
+    fn render(&mut self, view: &View<'_>, recipe: &Recipe) -> Result<Shadows, BackendError> {
+        let mut shadows = self.cpu.render(view, recipe)?;
+        let is_yardstick = recipe.receive.kernel.layout().name == "YardstickUniforms";
+        let is_slow = recipe.images.first().is_some_and(|image| image.size.x == self.clock.slow_map);
+        let mut milliseconds = 3.0;
+        if is_slow && !is_yardstick {
+            milliseconds *= self.clock.factor.get();
+            self.clock.plays.set(self.clock.plays.get() + 1);
+        }
+        let took = Some(Duration::from_secs_f64(milliseconds * 1e-3));
+        shadows.timings = Timings { receive: took, ..Timings::default() };
+        Ok(shadows)
+    }
+}
+
+struct Stage {
+    inputs: Vec<SceneInput>,
+    options: Options,
+    backends: Backends,
+    clock: Clock,
+}
+
+/// Hard shadows from maps of three sizes, on two scenes.
+fn stage() -> Stage {
+    let clock = Clock { slow_map: 48, factor: Rc::new(Cell::new(1.0)), plays: Rc::default() };
+    let input = |name: &str| {
+        let scene = (umbrage_scenes::find(name).expect("built in").build)();
+        SceneInput { scene, summary: String::new(), fit: None }
+    };
+    let options = Options {
+        techniques: vec!["hard".to_owned()],
+        map_sizes: vec![48, 64, 80],
+        most_settings: Some(3),
+        size: Some(UVec2::new(24, 16)),
+        truth: TruthOptions { samples: 4, probe_samples: 4, ..TruthOptions::default() },
+        runs: Some(Runs::exactly(9)),
+        color: false,
+    };
+    let player: Box<dyn Backend> = Box::new(Clocked { cpu: Cpu::new(), clock: clock.clone() });
+    Stage { inputs: vec![input("figure"), input("cubes")], options, backends: Backends::of(vec![player]), clock }
+}
+
+impl Stage {
+    fn compare(&mut self) -> Comparison {
+        compare(&self.inputs, &self.options, &mut self.backends, &mut |_, _| Ok(()), &|_| ()).expect("valid")
+    }
+
+    /// What the guard says of a run in which the row takes `first` times as long as in the baseline, and `later` times when it is
+    /// timed again.
+    fn guard(&mut self, first: f64, later: f64) -> crate::baseline::Changes {
+        self.clock.factor.set(1.0);
+        let old = self.compare();
+        self.clock.factor.set(first);
+        let new = self.compare();
+        let mut found = changes(&old, &new, &Except::default());
+        assert!(found.worse.is_empty() && found.timed == 6, "{found:?}");
+        self.clock.factor.set(later);
+        self.clock.plays.set(0);
+        time_again(&mut found, &self.inputs, &self.options, &mut self.backends).expect("valid");
+        assert!(found.suspects.is_empty(), "all are told one way or the other");
+        found
+    }
+}
+
+#[test]
+fn a_row_slowed_down_by_two_is_caught_and_no_other() {
+    let found = stage().guard(2.0, 2.0);
+    assert_eq!(found.worse.len(), 2, "in both scenes: {found:?}");
+    for (line, scene) in found.worse.iter().zip(["figure", "cubes"]) {
+        assert!(line.starts_with(&format!("{scene}: hard (48,")), "{line}");
+        assert!(line.contains("slower by a factor of 2.00"), "{line}");
+    }
+}
+
+#[test]
+fn what_is_as_quick_as_before_when_timed_again_is_no_alarm() {
+    let mut stage = stage();
+    let found = stage.guard(2.0, 1.0);
+    assert!(found.worse.is_empty() && found.notes.len() == 1, "{found:?}");
+    assert!(found.notes[0].contains("timed again: 0 are slower"), "{found:?}");
+    // One round clears it: a run that warms up and nine to fifteen that count, in each scene.
+    assert!((20..=32).contains(&stage.clock.plays.get()), "{}", stage.clock.plays.get());
+}
+
+#[test]
+fn unchanged_rows_are_not_timed_again() {
+    let mut stage = stage();
+    let found = stage.guard(1.0, 1.0);
+    assert!(found.worse.is_empty() && found.notes.is_empty() && stage.clock.plays.get() == 0, "{found:?}");
+}

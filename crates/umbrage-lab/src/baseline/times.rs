@@ -1,0 +1,214 @@
+//! When a row counts as slower, and how seldom that is said in vain.
+//!
+//! A row's time is compared as a multiple of the [yardstick](crate::compare::Yardstick) that was played before and after each of
+//! its runs. What is left is noise of single runs: on a shared machine with 2 cores and 8 busy programs, medians of 9 such ratios
+//! still scatter by a tenth in the middle half of all rows, and by a factor of 2 in one of a hundred. A comparison has thousands of
+//! rows, so single medians prove nothing. Two tests take their place:
+//!
+//! * **A row** is suspected if its ratios' upper quartile lies beyond its bound: [`APART`] times the baseline's upper quartile
+//!   (its greatest, of fewer than [`MANY`] runs). It is then timed again, in [`ROUNDS`](super::ROUNDS) rounds between which
+//!   all other suspects are. It is slower if nine in ten of these fresh ratios lie beyond the bound. If nothing has changed, a
+//!   run of the baseline lies below the fresh tenth with a chance of 1/10, whatever the noise's distribution; the quartile of 9
+//!   lies there if at least 7 of them do (36 / 10^7 at most), the greatest of 5 if all do (1 / 10^5). Besides, a factor of
+//!   [`APART`] must lie between: where noise is narrower than that, no chance is left at all. Fewer than [`FEWEST`] runs are not
+//!   judged, and a row of which one run is [as quick](AS_QUICK) as the baseline's quickest is no slower.
+//! * **A technique** on a backend, over all scenes and settings, is suspected if its rows' median is slower by more than
+//!   [`TECHNIQUE`], and by more than [`SIGMAS`] standard errors of a median (1.253 sigma / sqrt n, sigma from the median
+//!   absolute deviation: Rousseeuw and Croux 1993, "Alternatives to the median absolute deviation"). For normal noise that has
+//!   a chance of 3 / 10^5: with 26 techniques on backends, one comparison in 1,000. It is slower if the same is found when
+//!   rows of it are timed again. Fewer than [`FEWEST_ROWS`] rows are judged one by one alone.
+//!
+//! What this can't see: a single row that got slower by less than [`APART`] (more where the baseline itself is noisy), and a
+//! technique that did by less than [`TECHNIQUE`]. Counted cost sees every operation more, however small.
+
+use crate::compare::{Ranks, Row};
+use std::collections::BTreeMap;
+
+/// Between the slower of the usual runs then and the quicker of the usual runs now. Less than that is what another placement of code and
+/// data in memory may change.
+pub const APART: f64 = 1.4;
+
+/// From so many runs on, the upper quartile bounds the baseline's noise; before, the greatest does.
+pub const MANY: u32 = 9;
+
+/// Fewer runs are not judged.
+pub const FEWEST: u32 = 5;
+
+/// A technique's median over its rows that counts, beyond its error. Rows of one technique wait for the same part of
+/// the machine, and a yardstick that waits for another does not cancel all of that: medians of unchanged code moved by up to 1.2.
+pub const TECHNIQUE: f64 = 1.3;
+
+/// Standard errors of a technique's median.
+pub const SIGMAS: f64 = 4.0;
+
+/// A row whose quickest run takes less than this times what the baseline's quickest run took is no slower, whatever its
+/// yardstick says.
+pub const AS_QUICK: f64 = 1.1;
+
+/// Fewer rows of a technique are judged one by one alone.
+pub const FEWEST_ROWS: usize = 8;
+
+/// A row that was timed beside a yardstick, then and now.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Timing<'a> {
+    /// The scene's place in the new results, and its name.
+    pub(super) scene: (usize, &'a str),
+    pub(super) row: &'a Row,
+    pub(super) then: Sample,
+    pub(super) now: Sample,
+}
+
+/// How long a row took.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// Over the yardstick.
+    pub ratio: Ranks,
+    /// The quickest run, milliseconds.
+    pub least_ms: f64,
+}
+
+/// What looks slower.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Suspect {
+    /// For people: a row with its scene, or a technique with its backend.
+    pub label: String,
+    /// Rows to be timed again.
+    pub rows: Vec<Asked>,
+    /// Whether it is a technique as a whole.
+    pub whole: bool,
+}
+
+/// A row that is to be timed again.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Asked {
+    /// Its scene's place in the new results.
+    pub scene: usize,
+    /// [`Row::stem`].
+    pub stem: String,
+    /// What the baseline says of it.
+    pub then: Sample,
+}
+
+/// What times say.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Judged {
+    pub(super) suspects: Vec<Suspect>,
+    pub(super) quicker: Vec<String>,
+}
+
+/// What looks slower, and techniques that got quicker.
+pub(super) fn judge(timings: &[Timing<'_>]) -> Judged {
+    let mut out = Judged::default();
+    let mut techniques: BTreeMap<[&str; 2], Vec<&Timing<'_>>> = BTreeMap::new();
+    for timing in timings {
+        techniques.entry([&timing.row.technique, &timing.row.backend]).or_default().push(timing);
+        if bound(&timing.then.ratio).is_some_and(|bound| timing.now.ratio.high > bound) {
+            let label = format!("{}: {}", timing.scene.1, timing.row.label());
+            out.suspects.push(Suspect { label, rows: vec![timing.asked()], whole: false });
+        }
+    }
+    for ([technique, backend], rows) in techniques {
+        let changes: Vec<f64> = rows.iter().filter_map(|t| change(&t.then.ratio, &t.now.ratio)).collect();
+        let label = format!("{technique} on {backend}");
+        match slower(&changes) {
+            Some((true, _)) => {
+                let rows = spread_out(&rows, MOST_ROWS).map(|t| t.asked()).collect();
+                out.suspects.push(Suspect { label, rows, whole: true });
+            }
+            Some((false, factor)) => out.quicker.push(format!("{label}: quicker by a factor of {:.2}", 1.0 / factor)),
+            None => {}
+        }
+    }
+    out
+}
+
+/// So many rows of a technique are timed again.
+const MOST_ROWS: usize = 16;
+
+/// At most so many, taken evenly.
+fn spread_out<T>(all: &[T], most: usize) -> impl Iterator<Item = &T> {
+    let count = all.len().min(most);
+    (0..count).map(move |i| &all[i * all.len() / count])
+}
+
+impl Timing<'_> {
+    fn asked(&self) -> Asked {
+        Asked { scene: self.scene.0, stem: self.row.stem(), then: self.then }
+    }
+}
+
+/// What a row's ratios must lie beyond to be slower; none if the baseline has too few runs.
+fn bound(then: &Ranks) -> Option<f64> {
+    let usual = if then.runs < MANY { then.greatest } else { then.high };
+    (then.runs >= FEWEST).then_some(APART * usual)
+}
+
+/// By how much a row changed: the logarithm of its medians' ratio.
+fn change(then: &Ranks, now: &Ranks) -> Option<f64> {
+    Some((now.median / then.median).ln()).filter(|change| change.is_finite())
+}
+
+/// Whether rows as a whole got slower (or quicker), and by which factor.
+fn slower(changes: &[f64]) -> Option<(bool, f64)> {
+    if changes.len() < FEWEST_ROWS {
+        return None;
+    }
+    let median = Ranks::of(changes.to_vec())?.median;
+    let deviation = Ranks::of(changes.iter().map(|c| (c - median).abs()).collect())?.median;
+    let error = 1.253 * 1.4826 * deviation / (changes.len() as f64).sqrt();
+    let counts = median.abs() > TECHNIQUE.ln() && median.abs() > SIGMAS * error;
+    counts.then_some((median > 0.0, median.exp()))
+}
+
+impl Suspect {
+    /// What to say of it now that its rows were timed again: none if it is no slower. `fresh` is what was found of each of its
+    /// rows.
+    pub(super) fn verdict(&self, fresh: &[Option<Sample>]) -> Option<String> {
+        if self.whole {
+            let changes = self.changes(fresh);
+            let (_, factor) = slower(&changes).filter(|(slower, _)| *slower)?;
+            let (label, rows) = (&self.label, changes.len());
+            return Some(format!("{label}: slower by a factor of {factor:.2} in the median of {rows} rows"));
+        }
+        let (then, now) = (self.rows.first()?.then, (*fresh.first()?)?);
+        if now.ratio.tenth <= bound(&then.ratio)? || as_quick(&then, &now) {
+            return None;
+        }
+        let (label, factor) = (&self.label, now.ratio.median / then.ratio.median);
+        let [a, b] = [then, now].map(|s| {
+            let Sample { ratio: r, least_ms } = s;
+            format!("{:.3} yardsticks ({:.3} to {:.3}; at least {least_ms:.3} ms)", r.median, r.tenth, r.greatest)
+        });
+        Some(format!("{label}: slower by a factor of {factor:.2}: {a} -> {b}"))
+    }
+
+    /// Whether fresh runs clear it already, so that it need not be timed once more: half of the ratios lie within the bound
+    /// (nine in ten may not yet, of few runs), or one run is as quick as ever.
+    pub(super) fn is_cleared(&self, fresh: &[Option<Sample>]) -> bool {
+        if self.whole {
+            return Ranks::of(self.changes(fresh)).is_none_or(|changes| changes.median <= TECHNIQUE.ln());
+        }
+        let Some((then, now)) = self.rows.first().map(|row| row.then).zip(fresh.first().copied().flatten()) else {
+            return true;
+        };
+        bound(&then.ratio).is_none_or(|bound| now.ratio.median <= bound) || as_quick(&then, &now)
+    }
+
+    /// By how much its rows changed; those with a run as quick as ever did not.
+    fn changes(&self, fresh: &[Option<Sample>]) -> Vec<f64> {
+        let pairs = self.rows.iter().zip(fresh).filter_map(|(row, now)| Some((row.then, (*now)?)));
+        let of = |(then, now): (Sample, Sample)| {
+            if as_quick(&then, &now) { Some(0.0) } else { change(&then.ratio, &now.ratio) }
+        };
+        pairs.filter_map(of).collect()
+    }
+}
+
+/// Whether a run is as quick as the baseline's quickest.
+fn as_quick(then: &Sample, now: &Sample) -> bool {
+    now.least_ms < AS_QUICK * then.least_ms
+}
+
+#[cfg(test)]
+#[path = "times_tests.rs"]
+mod tests;

@@ -1,0 +1,144 @@
+//! Times with made-up noise, so much and so often that rare mistakes would show.
+
+use super::*;
+use crate::compare::Outcome;
+
+/// Noise with a seed: xorshift (Marsaglia 2003).
+struct Noise(u64);
+
+impl Noise {
+    /// 0 to 1.
+    fn uniform(&mut self) -> f64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn chance(&mut self, of: f64) -> bool {
+        self.uniform() < of
+    }
+
+    /// About normal: twelve uniform numbers have a variance of 1.
+    fn normal(&mut self) -> f64 {
+        (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0
+    }
+
+    /// Ratios of a row that takes `factor` yardsticks, on 2 cores that are shared with others. Measured there, in 30 rows of
+    /// 60 runs: most of the time they scatter by a fourteenth, one in 25 by more; in one row of four by a third, while now and then
+    /// a run or its yardstick is held up for several times its length.
+    fn ratios(&mut self, factor: f64, runs: usize) -> Vec<f64> {
+        let rough = self.chance(0.25);
+        let (scatter, held_up) = if rough { (0.3, 0.15) } else { (0.07, 0.04) };
+        let run = |noise: &mut Self| {
+            let row = if noise.chance(held_up) { 1.0 + 5.0 * noise.uniform() } else { 1.0 };
+            let yardstick = if noise.chance(held_up) { 1.0 + 2.0 * noise.uniform() } else { 1.0 };
+            factor * (scatter * noise.normal()).exp() * row / yardstick
+        };
+        (0..runs).map(|_| run(self)).collect()
+    }
+
+    fn sample(&mut self, factor: f64, runs: usize) -> Sample {
+        sample(self.ratios(factor, runs), factor)
+    }
+}
+
+/// Ratios, and a quickest run of so many milliseconds.
+fn sample(ratios: Vec<f64>, least_ms: f64) -> Sample {
+    Sample { ratio: Ranks::of(ratios).expect("some"), least_ms }
+}
+
+fn row(technique: &str, slug: usize) -> Row {
+    Row {
+        technique: technique.to_owned(),
+        settings: slug.to_string(),
+        slug: slug.to_string(),
+        backend: "cpu".to_owned(),
+        outcome: Outcome::Unsupported { reason: String::new() },
+    }
+}
+
+/// How many of `rows` rows and of their techniques count as slower when row `i` takes `now(i)` times as long as before.
+fn alarms(noise: &mut Noise, rows: usize, runs: usize, now: impl Fn(usize) -> f64) -> [usize; 2] {
+    let all: Vec<Row> = (0..rows).map(|i| row(["pcf", "hard", "pcss", "volumes"][i % 4], i)).collect();
+    let then: Vec<Sample> = (0..rows).map(|_| noise.sample(0.7, runs)).collect();
+    let after: Vec<Sample> = (0..rows).map(|i| noise.sample(0.7 * now(i), runs)).collect();
+    let timing = |i: usize| Timing { scene: (0, "made up"), row: &all[i], then: then[i], now: after[i] };
+    let timings: Vec<_> = (0..rows).map(timing).collect();
+    let mut out = [0, 0];
+    for suspect in judge(&timings).suspects {
+        let place = |asked: &Asked| asked.stem.trim_end_matches(".cpu").parse::<usize>().expect("a number");
+        // As if even the quickest runs told nothing: the ratios alone must do.
+        let known =
+            |fresh: &[Vec<f64>]| fresh.iter().map(|f| Some(sample(f.clone(), f64::INFINITY))).collect::<Vec<_>>();
+        let mut fresh: Vec<Vec<f64>> = vec![Vec::new(); suspect.rows.len()];
+        let mut open = true;
+        for _ in 0..super::super::ROUNDS {
+            for (fresh, asked) in fresh.iter_mut().zip(&suspect.rows) {
+                fresh.extend(noise.ratios(0.7 * now(place(asked)), 15));
+            }
+            open = open && !suspect.is_cleared(&known(&fresh));
+        }
+        if open && suspect.verdict(&known(&fresh)).is_some() {
+            out[usize::from(suspect.whole)] += 1;
+        }
+    }
+    out
+}
+
+#[test]
+fn two_hundred_comparisons_of_unchanged_code_raise_no_alarm() {
+    let mut noise = Noise(0x9e37_79b9_7f4a_7c15);
+    for runs in [5, 9, 15] {
+        for _ in 0..70 {
+            assert_eq!(alarms(&mut noise, 1000, runs, |_| 1.0), [0, 0], "{runs} runs");
+        }
+    }
+}
+
+/// Where noise is rough it hides some of them.
+#[test]
+fn a_row_that_takes_twice_as_long_is_caught() {
+    let mut noise = Noise(0x1234_5678_9abc_def1);
+    let slow = |i: usize| if i == 17 { 2.0 } else { 1.0 };
+    let caught: usize = (0..100).map(|_| alarms(&mut noise, 40, 9, slow)[0]).sum();
+    assert!(caught >= 60, "{caught} of 100");
+    let quiet = vec![1.0, 1.02, 0.98, 1.05, 1.0, 0.97, 1.1, 1.0, 1.03];
+    let slower = sample(quiet.iter().map(|r| 2.0 * r).collect(), 6.0);
+    let quiet = sample(quiet, 3.0);
+    let rows = [row("pcf", 0)];
+    let timing = Timing { scene: (3, "made up"), row: &rows[0], then: quiet, now: slower };
+    let judged = judge(&[timing]);
+    assert_eq!(judged.suspects.len(), 1);
+    let said = judged.suspects[0].verdict(&[Some(slower)]).expect("slower");
+    assert!(said.starts_with("made up: pcf (0) on cpu: slower by a factor of 2.00"), "{said}");
+    assert_eq!(judged.suspects[0].verdict(&[Some(quiet)]), None, "as before when timed again");
+    assert_eq!(judged.suspects[0].verdict(&[None]), None, "not played any more");
+    let held_up = Sample { least_ms: 3.2, ..slower };
+    assert_eq!(judged.suspects[0].verdict(&[Some(held_up)]), None, "a run as quick as ever");
+}
+
+#[test]
+fn few_runs_are_not_judged() {
+    let rows = [row("pcf", 0)];
+    let [then, now] = [1.0, 9.0].map(|r| sample(vec![r; FEWEST as usize - 1], r));
+    assert!(judge(&[Timing { scene: (0, ""), row: &rows[0], then, now }]).suspects.is_empty());
+}
+
+/// Each row alone is too noisy to say so.
+#[test]
+fn a_technique_that_gets_slower_by_half_is_caught() {
+    let mut noise = Noise(0x0dd_ba11);
+    for _ in 0..20 {
+        let [_, techniques] = alarms(&mut noise, 200, 5, |i| if i % 4 == 2 { 1.5 } else { 1.0 });
+        assert_eq!(techniques, 1);
+    }
+    let rows: Vec<Row> = (0..FEWEST_ROWS).map(|i| row("pcss", i)).collect();
+    let timing = |(row, scene): (_, usize)| {
+        let [then, now] = [1.0, 0.5].map(|r| sample(vec![r + 0.01 * scene as f64; 9], r));
+        Timing { scene: (scene, ""), row, then, now }
+    };
+    let timings: Vec<_> = rows.iter().zip(0..).map(timing).collect();
+    let quicker = judge(&timings).quicker;
+    assert!(quicker.len() == 1 && quicker[0].starts_with("pcss on cpu: quicker by a factor of 1.9"), "{quicker:?}");
+}

@@ -1,0 +1,181 @@
+//! Controls under lights of every kind, and inputs spoilt so that they must fail.
+
+use super::*;
+use crate::{
+    compare::{Backends, Comparison, Options, SceneInput, compare},
+    truth::{TruthOptions, trace},
+};
+use glam::Affine3A;
+use umbrage_core::{BackendError, Camera, Fit, Geometry, Instance, Mesh, Scene};
+use umbrage_cpu::Cpu;
+use umbrage_techniques::{Bias, Hard, SecondDepth, ShadowMap, Traced};
+
+fn options(techniques: &[&str]) -> Options {
+    Options {
+        techniques: techniques.iter().map(|t| (*t).to_owned()).collect(),
+        map_sizes: vec![1024],
+        most_settings: Some(1),
+        size: Some(UVec2::new(96, 72)),
+        truth: TruthOptions { samples: 64, probe_samples: 16, ..TruthOptions::default() },
+        runs: None,
+        color: false,
+    }
+}
+
+fn scene(name: &str) -> Scene {
+    (umbrage_scenes::find(name).expect("built in").build)()
+}
+
+fn lit_by(light: Light) -> Scene {
+    Scene { lights: vec![light], ..scene("cubes") }
+}
+
+fn compared(scene: Scene, options: &Options, player: Box<dyn Backend>) -> Comparison {
+    let input = SceneInput { scene, summary: String::new(), fit: None };
+    compare(&[input], options, &mut Backends::of(vec![player]), &mut |_, _| Ok(()), &|_| ()).expect("valid")
+}
+
+/// Lights that surfaces see in part over their own horizon, of every kind that has an extent, and ideal ones.
+fn lights() -> Vec<Scene> {
+    let position = Vec3::new(1.5, 1.1, 1.0);
+    let spot = |radius| Light::Spot { position, direction: -position, inner: 0.9, outer: 1.0, radius };
+    let sun = |angular_diameter| Light::Directional { direction: Vec3::new(-1.0, -0.05, -0.3), angular_diameter };
+    let lights = [spot(0.1), spot(0.0), sun(0.3), sun(0.0), Light::Point { position, radius: 0.4 }];
+    let lamps = ["teapot-lamp", "canopy", "rising-boxes"].map(scene);
+    lights.into_iter().map(lit_by).chain(lamps).collect()
+}
+
+#[test]
+fn what_is_right_holds_for_every_technique_under_every_light() {
+    for scene in lights() {
+        let (name, light) = (scene.name.clone(), format!("{:?}", scene.lights[0]));
+        let comparison = compared(scene, &options(&[]), Box::new(Cpu::new()));
+        let (result, faults) = (&comparison.scenes[0], comparison.faults());
+        assert!(faults.is_empty(), "{name}, {light}: {faults:?}");
+        let mut measured: Vec<&str> =
+            result.rows.iter().filter(|r| r.measured().is_some()).map(|r| &*r.technique).collect();
+        measured.dedup();
+        let controlled: Vec<&str> = result.controls.iter().map(|c| &*c.technique).collect();
+        assert_eq!(controlled, measured, "every technique is controlled, once");
+        let seen = result.controls.iter().filter(|c| c.changed > 0).count();
+        assert!(seen + 1 >= controlled.len(), "{name}, {light}: all but `none` see casters: {:?}", result.controls);
+    }
+}
+
+/// The CPU, whose masks are spoilt where the scene does (or doesn't) have casters.
+struct Spoilt<F> {
+    cpu: Cpu,
+    casters: bool,
+    spoil: F,
+}
+
+impl<F: FnMut(&mut Shadows, &View<'_>)> Backend for Spoilt<F> {
+    fn name(&self) -> &str {
+        "spoilt"
+    }
+    fn kind(&self) -> &'static str {
+        "cpu"
+    }
+    fn render(&mut self, view: &View<'_>, recipe: &Recipe) -> Result<Shadows, BackendError> {
+        let mut shadows = self.cpu.render(view, recipe)?;
+        if view.geometry.is_some_and(|g| g.casters().is_empty() != self.casters) {
+            (self.spoil)(&mut shadows, view);
+        }
+        Ok(shadows)
+    }
+}
+
+/// The controls of all techniques but `none`, of masks spoilt with (or without) casters.
+fn spoilt(casters: bool, scene: Scene, spoil: impl FnMut(&mut Shadows, &View<'_>) + 'static) -> Vec<Control> {
+    let player = Spoilt { cpu: Cpu::new(), casters, spoil };
+    let mut controls = compared(scene, &options(&[]), Box::new(player)).scenes.remove(0).controls;
+    controls.retain(|c| c.technique != "none");
+    assert!(controls.len() > 9, "{controls:?}");
+    controls
+}
+
+#[test]
+fn casters_that_leave_no_trace_are_noticed_in_every_technique() {
+    // Casters that are open or smaller than texels excuse: the cubes are closed and wide.
+    let lit = |shadows: &mut Shadows, _: &View<'_>| shadows.mask.fill(1.0);
+    for control in spoilt(true, scene("cubes"), lit) {
+        let keeps_far_sides = ["second_depth", "midpoint"].contains(&&*control.technique);
+        assert!(control.shadowed > 0 && control.changed == 0, "{control:?}");
+        assert_eq!(control.holds, keeps_far_sides, "{control:?}");
+    }
+}
+
+#[test]
+fn casters_that_stay_are_noticed_in_every_technique() {
+    // A floor under a sun from above owes light everywhere: one pixel that stays dark is one too many.
+    let one = |shadows: &mut Shadows, view: &View<'_>| {
+        let receives = &view.receivers.expect("given").receives;
+        let up = |i: &usize| view.receivers.expect("given").ny[*i] > 0.9;
+        let pixel = (0..receives.len()).filter(|&i| receives[i]).find(up).expect("a floor");
+        shadows.mask[pixel] = 0.0;
+    };
+    for control in spoilt(false, scene("cubes"), one) {
+        assert!(control.wrong_without == 1 && !control.holds, "{control:?}");
+    }
+}
+
+/// The control of one technique, however it is set.
+fn control(scene: &Scene, technique: &dyn ShadowTechnique, player: &mut dyn Backend) -> Control {
+    let (geometry, options) = (Geometry::bake(scene).expect("valid"), options(&[]));
+    let (camera, light) = (options.camera(&scene.cameras[0]), &scene.lights[0]);
+    let mut cpu = Cpu::new();
+    let find = &mut |c: &Camera, g: &Geometry| cpu.receivers(c, g);
+    let truth = trace(&camera, light, &geometry, &options.truth, find, &|_, _| ()).expect("valid");
+    let view = View3 { camera: &camera, light, geometry: &geometry };
+    let recipe = technique.plan(&view.core().with_receivers(&truth.receivers)).expect("supported");
+    let with_casters = player.render(&view.core(), &recipe).expect("valid");
+    run(player, technique, &view, &truth, (&recipe, &with_casters)).expect("valid").expect("planned")
+}
+
+/// Rays are counted, not estimated: a single one that is missing, or one too many, is noticed, where the light is seen whole
+/// and where the horizon cuts it.
+#[test]
+fn a_single_ray_is_noticed() {
+    let samples = 4;
+    let (lamp, traced) = (scene("teapot-lamp"), Traced { samples });
+    let whole = |v: f32| v == 1.0;
+    let cut = |v: f32| v > 0.0 && v < 1.0;
+    let spoilt = |change: f32, wanted: fn(f32) -> bool| {
+        let spoil = move |shadows: &mut Shadows, view: &View<'_>| {
+            let receives = &view.receivers.expect("given").receives;
+            // The last one: the image's upper rows may see the lamp's own level.
+            let pixel = (0..receives.len()).rfind(|&i| receives[i] && wanted(shadows.mask[i])).expect("there");
+            shadows.mask[pixel] += change;
+        };
+        control(&lamp, &traced, &mut Spoilt { cpu: Cpu::new(), casters: false, spoil })
+    };
+    assert!(spoilt(0.0, whole).holds);
+    let ray = 1.0 / samples as f32;
+    for (change, wanted) in [(-ray, whole as fn(f32) -> bool), (-ray, cut), (ray, cut)] {
+        let control = spoilt(change, wanted);
+        assert!(control.wrong_without == 1 && !control.holds, "{change}: {control:?}");
+    }
+}
+
+/// The cubes' floor alone, and a leaf of this half side a metre and a half over it.
+fn leaf(half: f32) -> Scene {
+    let mut scene = scene("cubes");
+    let corners = [(-half, -half), (-half, half), (half, half), (half, -half)].map(|(x, z)| Vec3::new(x, 1.0, z));
+    scene.meshes.push(Mesh::new("leaf", corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]).expect("valid"));
+    scene.instances.truncate(1);
+    scene.instances.push(Instance::new(scene.meshes.len() - 1, Affine3A::IDENTITY));
+    scene
+}
+
+/// A map with texels wider than all of the shadow, and one of far sides under a leaf, which has none, rightly show nothing.
+#[test]
+fn maps_may_miss_what_they_cannot_hold() {
+    let map = |size| ShadowMap { size, bias: Bias::RECEIVER_PLANE, fit: Fit::Whole, ..ShadowMap::default() };
+    let small = leaf(0.2);
+    let [coarse, fine] = [8, 1024].map(|size| control(&small, &Hard { map: map(size) }, &mut Cpu::new()));
+    assert!(coarse.holds && coarse.shadowed > 0 && coarse.changed == 0, "{coarse:?}");
+    assert!(fine.holds && fine.changed > 0, "{fine:?}");
+    let far_sides = control(&leaf(1.0), &SecondDepth::default(), &mut Cpu::new());
+    assert!(far_sides.holds && far_sides.shadowed > 0 && far_sides.changed == 0, "{far_sides:?}");
+    assert!(control(&leaf(1.0), &Hard::default(), &mut Cpu::new()).changed > 0);
+}

@@ -1,0 +1,124 @@
+//! A yardstick: fixed work, timed in turn with every row, so that rows of different runs are compared as multiples of it.
+//!
+//! What slows a machine down for a while (other programs, heat, a governor) slows the yardstick down, too, and cancels out of
+//! the ratio: duet benchmarking (Bulej, Horký, Tůma, Farquet and Prokopec 2020, "Duet Benchmarking: Improving Measurement
+//! Accuracy in the Cloud"). The work is a chain of table loads and integer products, played as a recipe: so it runs where the
+//! row runs, on the same threads or the same adapter, and is timed by the same clock. Nothing of the techniques, of the
+//! rasterisers or of the maps is in it; only the loop over receivers is shared with what it measures.
+
+use std::sync::{Arc, OnceLock};
+use umbrage_core::{
+    Asks, Inputs, Kernel, Module, Receive, ReceiveKernel, Receivers, Recipe, Span, Table, UniformLayout, Uniforms,
+    light_sample::hash, uniforms,
+};
+
+/// Links of the chain in a unit of work, all receivers together: one or two milliseconds on two threads.
+const LINKS: u64 = 1 << 19;
+
+/// Rows of the table: 1 MiB, more than the caches next to a core hold and less than a map of middle size.
+const ROWS: u32 = 1 << 16;
+
+/// The yardstick for a row: it keeps the row's images and tables, so that nothing is freed and made anew between the two.
+/// It is about as long as the row by its counted cost, which is the same on every run. A yardstick of another length meets
+/// other noise: what fits between two turns of the system's scheduler is never held up, what is ten times as long always is.
+#[derive(Clone, Debug)]
+pub struct Yardstick {
+    /// What is played.
+    pub recipe: Recipe,
+    /// Units of work in it.
+    pub units: f64,
+}
+
+/// A unit takes about so many milliseconds of counted cost.
+const UNIT_MS: f64 = 1.0;
+/// Units of the shortest yardstick, which is still far longer than a clock's step, and of the longest.
+const UNITS: [f64; 2] = [1.0 / 32.0, 64.0];
+
+impl Yardstick {
+    /// None where nothing receives: there is no work then.
+    pub fn new(row: &Recipe, receivers: &Receivers, cost_ms: f64) -> Option<Self> {
+        let count = receivers.receives.iter().filter(|&&r| r).count() as u64;
+        if count == 0 {
+            return None;
+        }
+        let wanted = (cost_ms / UNIT_MS).clamp(UNITS[0], UNITS[1]);
+        let links = ((wanted * LINKS as f64 / count as f64).round() as u32).max(1);
+        let tables: Vec<Table> =
+            row.tables.iter().cloned().chain([Table { label: "yardstick", rows: table() }]).collect();
+        let kernel = Arc::new(YardstickKernel { uniforms: YardstickUniforms { mask: ROWS - 1, links }, rows: table() });
+        let receive = Receive { kernel, inputs: Vec::new(), tables: vec![row.tables.len()] };
+        let recipe = Recipe {
+            images: row.images.clone(),
+            tables,
+            casts: Vec::new(),
+            filters: Vec::new(),
+            receive,
+            shade: None,
+            keep_images: false,
+        };
+        Some(Self { recipe, units: f64::from(links) * count as f64 / LINKS as f64 })
+    }
+}
+
+/// Words without a pattern, made once.
+fn table() -> Arc<[[u32; 4]]> {
+    static TABLE: OnceLock<Arc<[[u32; 4]]>> = OnceLock::new();
+    TABLE.get_or_init(|| (0..ROWS).map(|i| [hash(i), 0, 0, 0]).collect()).clone()
+}
+
+uniforms! {
+    /// Uniforms of [`YardstickKernel`].
+    pub struct YardstickUniforms {
+        /// One less than the table's rows, a power of two. It comes first since it is always the same: Mesa's lavapipe compiles
+        /// a shader that branches on uniforms anew for every value of their buffer's first word.
+        pub mask: u32,
+        /// Links of each receiver's chain.
+        pub links: u32,
+    }
+}
+
+/// A chain of loads and products.
+#[derive(Clone, Debug)]
+pub struct YardstickKernel {
+    uniforms: YardstickUniforms,
+    rows: Arc<[[u32; 4]]>,
+}
+
+impl Kernel for YardstickKernel {
+    fn modules(&self) -> Vec<Module> {
+        vec![Module { name: "yardstick", text: include_str!("yardstick.wgsl") }]
+    }
+
+    fn uniform_bytes(&self) -> Vec<u8> {
+        self.uniforms.to_bytes()
+    }
+
+    fn layout(&self) -> UniformLayout {
+        YardstickUniforms::layout()
+    }
+}
+
+impl ReceiveKernel for YardstickKernel {
+    fn receive(&self, _: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
+        for (i, out) in out.iter_mut().enumerate() {
+            *out = self.chain(span.first.x + i as u32, span.first.y);
+        }
+    }
+
+    fn asks(&self) -> Asks {
+        Asks::taps(self.uniforms.links)
+    }
+}
+
+impl YardstickKernel {
+    /// What comes out is of no use, but hangs on every link: nothing can be left out.
+    fn chain(&self, x: u32, y: u32) -> f32 {
+        let mut state = x.wrapping_mul(0x9e37_79b9).wrapping_add(y.wrapping_mul(0x85eb_ca6b));
+        for _ in 0..self.uniforms.links {
+            let row = self.rows[((state >> 7) & self.uniforms.mask) as usize];
+            state = (state ^ row[0]).wrapping_mul(0x2c1b_3c6d);
+            state ^= state >> 15;
+        }
+        (state >> 24) as f32 / 255.0
+    }
+}

@@ -1,0 +1,210 @@
+//! One renderer for several lights.
+
+use crate::{
+    embedded::Embedded,
+    foreign::{Foreign, read},
+    kernels::{Compare, Numbers},
+};
+use glam::Vec4;
+use std::sync::Arc;
+use umbrage_core::{Cast, Faces, LightSpace, Recipe, Source};
+use umbrage_wgpu::{
+    Options, ShadowRenderer, receive_wgsl,
+    wgpu::{CommandEncoder, Texture},
+};
+
+/// A map of this side that is drawn from a space and looked up there.
+fn light(e: &Embedded, space: LightSpace, side: u32) -> Recipe {
+    let numbers = Numbers { clip_from_world: space.clip_from_world(), numbers: Vec4::splat(0.0125) };
+    let recipe = e.stage.recipe_with(side, Arc::new(Compare(numbers)));
+    Recipe { casts: vec![Cast::nearest(0, 0, space)], ..recipe }
+}
+
+/// From straight above and aslant: same shape, other numbers.
+fn lights(e: &Embedded) -> [Recipe; 2] {
+    [light(e, e.stage.space(), 64), light(e, e.stage.tilted(), 64)]
+}
+
+fn prepare(e: &Embedded, renderer: &mut ShadowRenderer, recipe: &Recipe) {
+    let casters = [e.casters()];
+    renderer.prepare(&e.foreign.device, &e.foreign.queue, recipe, &e.frame(&casters)).expect("all is valid");
+}
+
+/// Prepares and encodes. Returns the mask.
+fn encode(e: &Embedded, renderer: &mut ShadowRenderer, encoder: &mut CommandEncoder, recipe: &Recipe) -> Texture {
+    prepare(e, renderer, recipe);
+    renderer.encode(encoder).expect("it was prepared").texture().clone()
+}
+
+fn submit(e: &Embedded, encoder: CommandEncoder) {
+    e.foreign.queue.submit([encoder.finish()]);
+}
+
+fn pixels(e: &Embedded, mask: &Texture) -> Vec<f32> {
+    read(&e.foreign, e.foreign.encoder(), mask)
+}
+
+/// What a renderer that has nothing else to do makes of a recipe.
+fn alone(e: &Embedded, recipe: &Recipe) -> Vec<f32> {
+    let (mut renderer, mut encoder) = (e.renderer(Options::default()), e.foreign.encoder());
+    let mask = encode(e, &mut renderer, &mut encoder, recipe);
+    read(&e.foreign, encoder, &mask)
+}
+
+#[test]
+fn two_lights_in_one_encoder_get_their_own_shadows() {
+    let e = Embedded::new();
+    let [above, aslant] = lights(&e);
+    let (of_above, of_aslant) = (alone(&e, &above), alone(&e, &aslant));
+    assert_ne!(of_above, of_aslant, "lights that shine alike prove nothing");
+    for (first, second, expected) in
+        [(&above, &aslant, [&of_above, &of_aslant]), (&aslant, &above, [&of_aslant, &of_above])]
+    {
+        let (mut renderer, mut encoder) = (e.renderer(Options::default()), e.foreign.encoder());
+        let masks = [first, second].map(|recipe| encode(&e, &mut renderer, &mut encoder, recipe));
+        submit(&e, encoder);
+        assert_eq!([&pixels(&e, &masks[0]), &pixels(&e, &masks[1])], expected);
+    }
+}
+
+#[test]
+fn encoders_may_be_submitted_in_any_order() {
+    let e = Embedded::new();
+    let recipes = lights(&e);
+    let mut renderer = e.renderer(Options::default());
+    let mut encoders = [e.foreign.encoder(), e.foreign.encoder()];
+    let masks = [0, 1].map(|i| encode(&e, &mut renderer, &mut encoders[i], &recipes[i]));
+    let [first, second] = encoders;
+    submit(&e, second);
+    submit(&e, first);
+    for (mask, recipe) in masks.iter().zip(&recipes) {
+        assert_eq!(pixels(&e, mask), alone(&e, recipe));
+    }
+}
+
+/// Both bind groups are made before anything is drawn with them.
+#[test]
+fn forward_shaders_may_read_the_maps_of_both() {
+    let e = Embedded::new();
+    let recipes = lights(&e);
+    let (mut renderer, mut encoder) = (e.renderer(Options { kernel_group: 1 }), e.foreign.encoder());
+    let groups = recipes.each_ref().map(|recipe| {
+        prepare(&e, &mut renderer, recipe);
+        renderer.encode_casts(&mut encoder).expect("it was prepared");
+        renderer.encode_filters(&mut encoder).expect("it was prepared");
+        let (group, layout) = renderer.receive_bind_group().expect("it was prepared");
+        (group.clone(), layout.clone())
+    });
+    let images = [0, 1].map(|i| {
+        let (text, (group, layout)) = (receive_wgsl(&recipes[i], 1), &groups[i]);
+        e.foreign.shade(&mut encoder, &text, (group, layout), e.receivers().position, e.size())
+    });
+    submit(&e, encoder);
+    for (image, recipe) in images.iter().zip(&recipes) {
+        assert_eq!(pixels(&e, image), alone(&e, recipe));
+    }
+}
+
+/// Buffers of faces are used again for others' once nobody can name them; but not while an encoder waits that draws them.
+#[test]
+fn faces_stay_until_they_are_drawn() {
+    let e = Embedded::new();
+    let part = |triangles: std::ops::Range<usize>| {
+        let vertices = e.stage.geometry.positions().iter().map(|p| p.extend(1.0)).collect();
+        let faces = Faces { vertices, triangles: e.stage.geometry.triangles()[triangles].to_vec() };
+        let mut recipe = light(&e, e.stage.space(), 64);
+        recipe.casts[0].source = Source::Faces(Arc::new(faces));
+        recipe
+    };
+    let parts = [0..2, 2..4];
+    let expected = parts.clone().map(|triangles| alone(&e, &part(triangles)));
+    assert_ne!(expected[0], expected[1]);
+    let (mut renderer, mut encoder) = (e.renderer(Options::default()), e.foreign.encoder());
+    let masks = parts.map(|triangles| encode(&e, &mut renderer, &mut encoder, &part(triangles)));
+    submit(&e, encoder);
+    assert_eq!(masks.map(|mask| pixels(&e, &mask)), expected);
+}
+
+/// One frame of two lights, without waiting for the device.
+fn frame(e: &Embedded, renderer: &mut ShadowRenderer, recipes: &[Recipe; 2]) -> [Texture; 2] {
+    let mut encoder = e.foreign.encoder();
+    let masks = recipes.each_ref().map(|recipe| encode(e, renderer, &mut encoder, recipe));
+    submit(e, encoder);
+    masks
+}
+
+#[test]
+fn later_frames_of_two_lights_make_nothing() {
+    let e = Embedded::new();
+    // Of two sizes, so that each has to find its own again.
+    let [above, aslant] = [light(&e, e.stage.space(), 64), light(&e, e.stage.tilted(), 32)];
+    let mut renderer = e.renderer(Options::default());
+    let both = [above, aslant];
+    let first = frame(&e, &mut renderer, &both);
+    let made = renderer.counters();
+    assert_eq!((made.pipelines, made.textures), (2, 4), "pipelines are shared, maps and masks are not");
+    for _ in 0..4 {
+        assert_eq!(frame(&e, &mut renderer, &both), first);
+        assert_eq!(renderer.counters(), made);
+    }
+    let [above, aslant] = both;
+    let turned = frame(&e, &mut renderer, &[aslant, above]);
+    assert_eq!(renderer.counters(), made);
+    assert_eq!([&turned[1], &turned[0]], [&first[0], &first[1]]);
+}
+
+#[test]
+fn lights_that_are_submitted_one_by_one_share_all() {
+    let e = Embedded::new();
+    let recipes = lights(&e);
+    let mut renderer = e.renderer(Options::default());
+    for (i, recipe) in [0, 1, 0, 1].map(|i| (i, &recipes[i])) {
+        let mut encoder = e.foreign.encoder();
+        let mask = encode(&e, &mut renderer, &mut encoder, recipe);
+        submit(&e, encoder);
+        assert_eq!(renderer.counters().textures, 2, "light {i}");
+        assert_eq!(pixels(&e, &mask), alone(&e, recipe));
+    }
+}
+
+#[test]
+fn encoders_that_are_dropped_hold_nothing() {
+    let e = Embedded::new();
+    let recipes = lights(&e);
+    let mut renderer = e.renderer(Options::default());
+    for recipe in recipes.iter().cycle().take(4) {
+        encode(&e, &mut renderer, &mut e.foreign.encoder(), recipe);
+        assert_eq!(renderer.counters().textures, 2);
+    }
+}
+
+#[test]
+fn another_device_is_refused() {
+    let [foreign, other] = Foreign::two();
+    let e = Embedded::on(foreign);
+    let mut renderer = ShadowRenderer::new(&other.device, Options::default()).expect("group 0 is there");
+    let casters = [e.casters()];
+    let prepared = renderer.prepare(&e.foreign.device, &e.foreign.queue, &e.stage.recipe(64), &e.frame(&casters));
+    let error = prepared.expect_err("it was made with another's");
+    assert!(error.to_string().contains("device: is not the one"), "{error}");
+}
+
+/// What is recorded twice, a stage at a time or into two encoders, waits for the last submission.
+#[test]
+fn all_encoders_count() {
+    let e = Embedded::new();
+    let [above, aslant] = lights(&e);
+    let expected = [alone(&e, &above), alone(&e, &aslant)];
+    let mut renderer = e.renderer(Options::default());
+    let mut encoders = [e.foreign.encoder(), e.foreign.encoder()];
+    prepare(&e, &mut renderer, &above);
+    renderer.encode_casts(&mut encoders[0]).expect("it was prepared");
+    let mask = renderer.encode_filters_and_receive(&mut encoders[1]).expect("it was prepared").texture().clone();
+    let [casts, rest] = encoders;
+    submit(&e, casts);
+    let mut encoder = e.foreign.encoder();
+    let other = encode(&e, &mut renderer, &mut encoder, &aslant);
+    submit(&e, rest);
+    submit(&e, encoder);
+    assert_eq!([pixels(&e, &mask), pixels(&e, &other)], expected);
+}

@@ -1,0 +1,159 @@
+//! Numbers that are none: every way into a plan or a backend refuses them, and says where they are.
+
+use glam::{Affine3A, Mat4, Vec3};
+use umbrage_core::{
+    Aabb, Backend, Camera, Extents, Fit, Geometry, Layout, Light, PlanError, Receivers, Recipe, ShadowTechnique, View,
+};
+use umbrage_cpu::Cpu;
+use umbrage_techniques::{Bias, Hard, ShadowMap};
+use umbrage_tests::{gpu::gpu, stage};
+
+const BAD: [f32; 3] = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
+
+/// A bulb over the stage: all techniques serve it.
+const BULB: Light = Light::Point { position: Vec3::new(0.5, 4.0, 1.0), radius: 0.0 };
+const SUN: Light = Light::Directional { direction: Vec3::new(0.3, -1.0, 0.2), angular_diameter: 0.0 };
+
+/// Asks all techniques, one setting of each, to plan; the error must hold `words`.
+fn refused(view: &View<'_>, words: &str) {
+    for entry in umbrage_techniques::all() {
+        let technique = &(entry.settings)(&[64], Fit::Tight)[0];
+        match technique.plan(view) {
+            Err(PlanError::Invalid(why)) => assert!(why.to_string().contains(words), "{}: {why}", entry.name),
+            Err(PlanError::Unsupported(why)) => panic!("{}: `{words}` should be at fault, not: {why}", entry.name),
+            Ok(_) => panic!("{} plans with a bad {words}", entry.name),
+        }
+    }
+}
+
+#[test]
+fn techniques_refuse_cameras() {
+    let (geometry, good) = (stage::geometry(1.0, Vec3::ZERO), stage::camera());
+    for bad in BAD {
+        let mut camera = good;
+        camera.world_from_view.translation.y = bad;
+        refused(&View::new(&camera, &BULB, &geometry), "camera matrix: holds");
+        let mut camera = good;
+        camera.clip_from_view.y_axis.y = bad;
+        refused(&View::new(&camera, &BULB, &geometry), "camera projection: holds");
+    }
+    let flat = Camera { world_from_view: Affine3A::from_scale(Vec3::new(1.0, 0.0, 1.0)), ..good };
+    refused(&View::new(&flat, &BULB, &geometry), "camera matrix: is singular");
+    let flat = Camera { clip_from_view: Mat4::ZERO, ..good };
+    refused(&View::new(&flat, &BULB, &geometry), "camera projection: is singular");
+}
+
+#[test]
+fn techniques_refuse_lights() {
+    let (geometry, camera) = (stage::geometry(1.0, Vec3::ZERO), stage::camera());
+    for bad in BAD {
+        let light = Light::Point { position: Vec3::new(0.0, bad, 0.0), radius: 0.0 };
+        refused(&View::new(&camera, &light, &geometry), "point light, position: holds");
+    }
+}
+
+#[test]
+fn techniques_refuse_boxes() {
+    let (geometry, camera) = (stage::geometry(1.0, Vec3::ZERO), stage::camera());
+    for bad in BAD {
+        let casters = Aabb::around([Vec3::ONE, Vec3::new(0.0, bad, 0.0), Vec3::NEG_ONE]);
+        refused(&View { casters, ..View::new(&camera, &BULB, &geometry) }, "view's casters, box's m");
+    }
+}
+
+/// Receivers of the stage, one of which is spoilt.
+fn spoilt(geometry: &Geometry, spoil: impl Fn(&mut Receivers, usize)) -> Receivers {
+    let mut receivers = Cpu::new().receivers(&stage::camera(), geometry).expect("a good camera");
+    let seen = receivers.receives.iter().position(|&r| r).expect("the floor is seen");
+    spoil(&mut receivers, seen);
+    receivers
+}
+
+#[test]
+fn techniques_and_backends_refuse_receivers() {
+    let (geometry, camera) = (stage::geometry(1.0, Vec3::ZERO), stage::camera());
+    let view = View::new(&camera, &SUN, &geometry);
+    let recipe = Hard::default().plan(&view).expect("it plans");
+    for bad in BAD {
+        for receivers in [spoilt(&geometry, |r, i| r.z[i] = bad), spoilt(&geometry, |r, i| r.nx[i] = bad)] {
+            let view = view.with_receivers(&receivers);
+            refused(&view, "receiver at pixel (");
+            for why in rendered(&view, &recipe) {
+                assert!(why.contains("receiver at pixel ("), "{why}");
+            }
+        }
+    }
+    // Where no shadow falls, anything may be.
+    let receivers = spoilt(&geometry, |r, i| (r.x[i], r.receives[i]) = (f32::NAN, false));
+    assert!(Hard::default().plan(&view.with_receivers(&receivers)).is_ok());
+    let short = spoilt(&geometry, |r, _| r.ny.truncate(1));
+    refused(&view.with_receivers(&short), "not all arrays are as long");
+}
+
+/// What both backends object to.
+fn rendered(view: &View<'_>, recipe: &Recipe) -> [String; 2] {
+    let cpu = Cpu::new().render(view, recipe).expect_err("the CPU refuses it");
+    let wgpu = gpu().render(view, recipe).expect_err("the GPU refuses it");
+    [cpu.to_string(), wgpu.to_string()]
+}
+
+#[test]
+fn manual_fits_name_the_field() {
+    let (geometry, camera) = (stage::geometry(1.0, Vec3::ZERO), stage::camera());
+    let good = Extents { left: -4.0, right: 4.0, bottom: -4.0, top: 4.0, near: 1.0, far: 9.0 };
+    for bad in BAD {
+        let cases = [
+            ("left", Extents { left: bad, ..good }),
+            ("right", Extents { right: bad, ..good }),
+            ("bottom", Extents { bottom: bad, ..good }),
+            ("top", Extents { top: bad, ..good }),
+            ("near", Extents { near: bad, ..good }),
+            ("far", Extents { far: bad, ..good }),
+        ];
+        for light in [SUN, BULB] {
+            let view = View::new(&camera, &light, &geometry);
+            for layout in [Layout::Single, Layout::Auto] {
+                for (name, extents) in cases {
+                    let fit = Fit::Manual { eye: Vec3::Y, extents };
+                    let why = fit.light_spaces(layout, &view, 64, 0.0).expect_err(name).to_string();
+                    assert!(why.contains(&format!("manual fit's {name}: holds")), "{why}");
+                }
+            }
+            let fit = Fit::Manual { eye: Vec3::new(bad, 0.0, 0.0), extents: good };
+            let why = fit.light_space(&view, 64, 0.0).expect_err("eye").to_string();
+            assert!(why.contains("manual fit's eye: holds"), "{why}");
+        }
+    }
+}
+
+#[test]
+fn backends_refuse_casts() {
+    let (geometry, camera) = (stage::geometry(1.0, Vec3::ZERO), stage::camera());
+    let view = View::new(&camera, &SUN, &geometry);
+    let bias = Bias { raster: umbrage_core::RasterBias { slope: 1.0, ..Default::default() }, ..Bias::NONE };
+    let map = ShadowMap { bias, ..ShadowMap::default() };
+    let good = Hard { map }.plan(&view).expect("it plans");
+    let spoilt = |spoil: &dyn Fn(&mut umbrage_core::Cast)| {
+        let mut recipe = good.clone();
+        spoil(&mut recipe.casts[0]);
+        rendered(&view, &recipe)
+    };
+    for bad in BAD {
+        for why in spoilt(&|cast| cast.space.view_from_world.w_axis.x = bad) {
+            assert!(why.contains("cast 0, view from world: holds"), "{why}");
+        }
+        for why in spoilt(&|cast| cast.space.clip_from_view.z_axis.z = bad) {
+            assert!(why.contains("cast 0, clip from view: holds"), "{why}");
+        }
+        for why in spoilt(&|cast| cast.bias.slope = bad) {
+            assert!(why.contains("cast 0, bias: holds"), "{why}");
+        }
+    }
+    for why in spoilt(&|cast| {
+        cast.space.view_from_world *= 1e30;
+        cast.space.clip_from_view *= 1e30;
+    }) {
+        assert!(why.contains("cast 0, clip from world: holds"), "{why}");
+    }
+    assert!(Cpu::new().render(&view, &good).is_ok());
+}
