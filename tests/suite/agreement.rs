@@ -33,14 +33,7 @@ fn random_scenes_agree() {
     let (rendered, shadowed) = (RefCell::new(BTreeMap::new()), Cell::new(0_u32));
     let excused = Cell::new([0_u64; 2]);
     let outcome = runner.run(&cases(), |case| {
-        let played = if std::env::var_os("DBG").is_some() {
-            agree(&case).unwrap_or_else(|e| {
-                println!("BAD {e}");
-                None
-            })
-        } else {
-            agree(&case).map_err(TestCaseError::fail)?
-        };
+        let played = agree(&case).map_err(TestCaseError::fail)?;
         *rendered.borrow_mut().entry(case.technique.name()).or_insert(0) += u32::from(played.is_some());
         let Some(Played { dark, agreement: a }) = played else { return Ok(()) };
         shadowed.set(shadowed.get() + u32::from(dark));
@@ -52,7 +45,6 @@ fn random_scenes_agree() {
         panic!("{why}");
     }
     let [undecided, compared] = excused.get();
-    println!("{undecided} of {compared} pixels differ and are excused");
     assert!(undecided as f64 <= MOST_UNDECIDED * compared as f64, "{undecided} of {compared} pixels are excused");
     let rendered = rendered.into_inner();
     let mapped: u32 = rendered.iter().filter(|(name, _)| !MAPLESS.contains(name)).map(|(_, n)| n).sum();
@@ -90,43 +82,6 @@ fn agree(case: &Case) -> Result<Option<Played>, String> {
         same_receivers(mine.ok_or("no receivers")?, theirs.ok_or("no receivers")?)?;
     }
     let agreement = compare::agree(&view, &recipe, &cpu, &other, gpu.snapping()).map_err(|e| e.to_string())?;
-    if std::env::var_os("DBG").is_some() && case.technique.name() == "volumes" {
-        let mut c = Cpu::new();
-        let mut find = |camera: &_, geometry: &_| c.receivers(camera, geometry);
-        let mid = match light.clone() {
-            umbrage_core::Light::Point { position, .. } => umbrage_core::Light::Point { position, radius: 0.0 },
-            l => l,
-        };
-        let t = umbrage_lab::truth::trace(
-            camera,
-            &mid,
-            &geometry,
-            &umbrage_lab::truth::TruthOptions::default(),
-            &mut find,
-            &|_, _| {},
-        )
-        .unwrap();
-        let wrong = |m: &[f32]| {
-            (0..m.len())
-                .filter(|&i| {
-                    t.pixels[i] == umbrage_core::metrics::Pixel::Counted
-                        && (t.visibility[i] == 0.0 || t.visibility[i] == 1.0)
-                        && m[i] != t.visibility[i]
-                })
-                .count()
-        };
-        println!("WRONG {} {} of {}", wrong(&cpu.mask), wrong(&other.mask), cpu.mask.len());
-        let dark = |m: &[f32]| m.iter().filter(|v| **v < 1.0).count();
-        println!(
-            "VOL {:?} {:?} ortho {} dark {} {} viol {}",
-            camera.size,
-            light,
-            camera.clip_from_view.row(3) == glam::Vec4::W,
-            dark(&cpu.mask),
-            dark(&other.mask),
-            agreement.violations
-        );
-    }
     let fine = if exact { agreement.differing == 0 } else { agreement.holds() };
     if !fine {
         return Err(format!("{} {}: {agreement:?}", case.technique.name(), case.technique.settings()));

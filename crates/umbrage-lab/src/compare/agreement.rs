@@ -8,7 +8,7 @@
 use crate::LabError;
 use glam::Vec2;
 use umbrage_core::{
-    Backend, Receivers, Recipe, Shadows, Snapping, View,
+    Backend, Cast, CastMode, Receivers, Recipe, Shadows, Snapping, View,
     metrics::{AGREE, Agreement, Doubt},
 };
 use umbrage_cpu::{Cpu, CpuOptions};
@@ -24,7 +24,7 @@ const NUDGE_POSITION: f32 = 1.0 / 2_097_152.0;
 ///
 /// Pixels where the two see different triangles are set apart. Others that differ by more than is allowed are *undecided*
 /// when the CPU's answer changes, too, as the casts' light spaces are nudged (sideways by half a step of the grid, in depth
-/// by 2^-20), or, for recipes without casts, as its receivers are; else they are violations. Equal masks need no nudges, so
+/// by 2^-20; second surfaces alone, too), or, for recipes without casts, as its receivers are; else they are violations. Equal masks need no nudges, so
 /// none are rendered for them.
 ///
 /// # Errors
@@ -72,6 +72,9 @@ fn cpu_rule() -> Snapping {
 enum Nudge {
     /// Of every cast's light space: texels, and depth.
     Space(Vec2, f32),
+    /// Of the light spaces of those casts that keep what lies behind another image, in depth. Two surfaces that meet are as far
+    /// apart as they are rounded, and the second of them may count or not. (Moved the other way, all lay behind themselves.)
+    Behind(f32),
     /// Of receivers along their normals: a fraction of their greatest coordinate.
     Receivers(f32),
 }
@@ -85,7 +88,9 @@ fn nudges(recipe: &Recipe, snapping: Snapping) -> Vec<Nudge> {
     let t = 0.5 * snapping.step();
     let sideways = [(t, t), (-t, t), (t, -t), (-t, -t)].map(|(x, y)| Nudge::Space(Vec2::new(x, y), 0.0));
     let in_depth = [NUDGE_DEPTH, -NUDGE_DEPTH].map(|depth| Nudge::Space(Vec2::ZERO, depth));
-    [&sideways[..], &in_depth].concat()
+    let peels = recipe.casts.iter().any(is_behind);
+    let behind = if peels { vec![Nudge::Behind(-NUDGE_DEPTH)] } else { Vec::new() };
+    [&sideways[..], &in_depth, &behind].concat()
 }
 
 impl Nudge {
@@ -95,7 +100,11 @@ impl Nudge {
         Ok(match self {
             Self::Space(texels, depth) => {
                 let view = seen.map_or(*view, |r| view.with_receivers(r));
-                cpu.render(&view, &nudged(recipe, texels, depth))?
+                cpu.render(&view, &nudged(recipe, texels, depth, |_| true))?
+            }
+            Self::Behind(depth) => {
+                let view = seen.map_or(*view, |r| view.with_receivers(r));
+                cpu.render(&view, &nudged(recipe, Vec2::ZERO, depth, is_behind))?
             }
             Self::Receivers(fraction) => match seen.map(|r| moved(r, fraction)) {
                 Some(moved) => cpu.render(&view.with_receivers(&moved), recipe)?,
@@ -105,10 +114,14 @@ impl Nudge {
     }
 }
 
-/// The recipe with every cast's light space moved; the lookup stays.
-fn nudged(recipe: &Recipe, texels: Vec2, depth: f32) -> Recipe {
+fn is_behind(cast: &Cast) -> bool {
+    matches!(cast.mode, CastMode::Behind(_))
+}
+
+/// The recipe with the light spaces of these casts moved; the lookup stays.
+fn nudged(recipe: &Recipe, texels: Vec2, depth: f32, which: impl Fn(&Cast) -> bool) -> Recipe {
     let mut nudged = recipe.clone();
-    for cast in &mut nudged.casts {
+    for cast in nudged.casts.iter_mut().filter(|cast| which(cast)) {
         cast.space = cast.space.nudged(texels, depth, recipe.images[cast.image].size);
     }
     nudged

@@ -14,8 +14,8 @@ use crate::{
 use glam::UVec2;
 use std::sync::Arc;
 use umbrage_core::{
-    BackendError, Camera, Cast, CastMode, Geometry, Invalid, Light, LightSpace, PlanError, Recipe,
-    ShadowTechnique, Shadows, View, Work,
+    BackendError, Camera, Cast, CastMode, Geometry, Invalid, Light, LightSpace, PlanError, Recipe, ShadowTechnique,
+    Shadows, View, Work,
     metrics::{Agreement, Causes, Errors, Pixel, Reference, TruthImage},
 };
 
