@@ -37,6 +37,7 @@
 //! scenes and scanned models; comparison samples, each of which compares one depth with four texels, take 2 in all. Neither half detaches a shadow by more than about a texel's gain of the surface that it belongs to, and
 //! both are many times what rasterisers are off that snap vertices to 1/16 texel (1/32 texel's gain), the coarsest that
 //! Vulkan allows.
+//! The CPU's models of coarser grids bear that out (`tests/suite/coarse_grids.rs`).
 //! `cargo xtask bias` compares it with the best of all others on any scene.
 //!
 //! Known failures: comparison samples take the whole margin from the stored facet, so where a steep facet meets a flatter one

@@ -115,7 +115,7 @@ fn unpack(package: &Path, folder: &Path) -> Result<()> {
     out.args(["--extract", "--strip-components=4", "--directory"]).arg(folder).arg(MEMBER).stdin(tar);
     let unpacked = crate::run::run(&mut out);
     // It may have ended before tar took all of it.
-    drop(archive.wait()?);
+    archive.wait()?;
     unpacked
 }
 

@@ -46,7 +46,7 @@ pub enum Cull {
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RasterBias {
-    /// In units of r: about 6e-8 near depth 1.
+    /// In units of r: about 6e-8 near depth 1 of 32 bits; of 16 bits one step of 65536 or two, as devices like.
     #[serde(default)]
     pub constant: i32,
     /// In units of m.
