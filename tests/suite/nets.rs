@@ -17,7 +17,6 @@ mod pictures;
 mod plugin;
 mod projections;
 mod rasterisers;
-mod second_driver;
 mod stable_fit;
 mod stages;
 mod threads;

@@ -25,19 +25,18 @@ fn compared(scenes: &[&str], backends: &mut Backends) -> Comparison {
     let input = |e: &umbrage_scenes::SceneEntry| SceneInput { scene: (e.build)(), summary: String::new(), fit: e.fit };
     let inputs: Vec<SceneInput> = umbrage_scenes::all().iter().filter(wanted).map(input).collect();
     let truth = TruthOptions { samples: 16, probe_samples: 8, penumbra_factor: 1, ..TruthOptions::default() };
-    let options = Options { truth, runs: None, ..Options::quick() };
+    let options = Options { truth, runs: None, most_settings: Some(2), ..Options::quick() };
     compare(&inputs, &options, backends, &mut |_, _| Ok(()), &|_| {}).expect("comparable")
 }
 
 /// No decided pixel differs, hardly any is undecided, and no mask is farther from truth than the CPU's and .005.
 #[test]
-#[ignore = "for a second driver: `cargo xtask test`"]
-fn the_suite_agrees() {
+fn the_suite_agrees_on_the_second_driver() {
     let mut backends = backends();
     let comparison = compared(&[], &mut backends);
     let rows = comparison.scenes.iter().flat_map(|scene| &scene.rows);
     let agreed = rows.filter(|row| row.measured().is_some_and(|m| m.agreement.is_some())).count();
-    assert!(agreed > 500, "only {agreed} rows were compared");
+    assert!(agreed > 400, "only {agreed} rows were compared");
     let faults: Vec<String> = comparison.faults().into_iter().filter(|fault| !is_known(fault)).collect();
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
@@ -50,8 +49,7 @@ fn is_known(fault: &str) -> bool {
 
 /// The catalogue of failures, small: what one backend fails the other fails, on the same pixels.
 #[test]
-#[ignore = "for a second driver: `cargo xtask test`"]
-fn failure_rows_agree() {
+fn failure_rows_agree_on_the_second_driver() {
     let truth = TruthOptions { samples: 16, penumbra_factor: 1, probe_samples: 8, ..TruthOptions::default() };
     let small = stability::Options { size: UVec2::new(96, 72), map_size: 256, frames: 2, truth, ..Default::default() };
     let played = stability::run(&small, &mut backends(), &mut |_| {}).expect("plays");
@@ -79,8 +77,7 @@ impl Backend for Liar {
 
 /// The net must catch what it is for.
 #[test]
-#[ignore = "for a second driver: `cargo xtask test`"]
-fn a_driver_that_lies_is_caught() {
+fn lies_are_caught_on_the_second_driver() {
     let gpu = Gpu::new(&named().expect("as above")).expect("an adapter");
     assert_eq!(gpu.snapping(), Snapping::COARSEST, "not the driver that these tests are for");
     let mut backends = Backends::of(vec![Box::new(Cpu::new()), Box::new(Liar(gpu))]);

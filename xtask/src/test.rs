@@ -48,11 +48,11 @@ pub(crate) fn test(options: &TestOptions) -> Result<()> {
     if failed == 0 { Ok(()) } else { bail!("{failed} tests or programs failed; what each says stands above") }
 }
 
-/// The nets that are played on the second driver, too. Its own are left out elsewhere.
+/// The nets that are played on the second driver, too, and its own.
 #[rustfmt::skip]
 const SECOND: [&str; 10] = [
-    "test", "--workspace", "--all-features", "--test", "nets", "--", "--include-ignored",
-    "agreement::", "rasterisers::", "second_driver::",
+    "test", "--workspace", "--all-features", "--no-fail-fast", "--test=nets", "--test=second_driver", "--",
+    "agreement::", "rasterisers::", "on_the_second_driver",
 ];
 
 /// The driver on which some tests are played once more. It must be there where drivers are installed; elsewhere its lack is told.
