@@ -69,7 +69,7 @@ impl Stage {
         let mut find = |camera: &_, geometry: &_| cpu.receivers(camera, geometry);
         let options = TruthOptions::default();
         let truth = trace(&camera, light, geometry, &options, &mut find, &|_, _| {}).expect("a built-in scene");
-        Self { geometry: geometry.clone(), camera, light: light.clone(), truth }
+        Self { geometry: geometry.clone(), camera, light: *light, truth }
     }
 
     /// By how much a technique's RMSE is greater by these rules than by the CPU's own; none where it isn't supported.
