@@ -48,6 +48,18 @@ impl Endless {
         Self { space: endless_perspective(space, nearest * (1.0 - SLACK)), backdrop: None }
     }
 
+    /// By how much a depth of this distance along the view may be rounded, metres: a unit in the last place of depths in 0.5..1
+    /// (2^-24) each of what is drawn and of what it is compared with.
+    pub(crate) fn rounding(&self, distance: f64) -> f64 {
+        let m = self.space.clip_from_view.as_dmat4();
+        let per_metre = match self.backdrop {
+            Some(_) => m.z_axis.z.abs(),
+            // Depth is 1 - near / distance.
+            None => -m.w_axis.z / m.z_axis.w.abs() / (distance * distance),
+        };
+        1.0 / f64::from(1 << 23) / per_metre
+    }
+
     fn orthographic(space: LightSpace, geometry: &Geometry) -> Self {
         let view = space.view_from_world.as_dmat4();
         let depth = -view.row(2);

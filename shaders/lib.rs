@@ -9,6 +9,7 @@ mod catalogue;
 mod endless;
 mod extrusion;
 pub mod facing;
+mod grazing;
 mod hard;
 mod interpolation;
 mod lane_plane;

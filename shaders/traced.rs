@@ -22,6 +22,9 @@ pub const MAX_SAMPLES: u32 = 65_536;
 /// Nodes that the shader can keep for later: `STACK` in traced.wgsl. Each level of the hierarchy leaves one.
 const STACK: usize = 64;
 
+/// Greatest length of rays towards directional lights, metres: what is within the range of 32 bits after a division.
+const FARTHEST: f32 = 1e38;
+
 /// Any-hit rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -83,7 +86,7 @@ impl Traced {
         let uniforms = TracedUniforms {
             light,
             reach: all.min.abs().max(all.max.abs()).max_element(),
-            far: 2.0 * all.extent().length(),
+            far: (2.0 * all.diagonal()).min(FARTHEST),
             samples: if light.is_ideal() { 1 } else { self.samples },
         };
         TracedKernel { uniforms, bvh: geometry.bvh().clone() }

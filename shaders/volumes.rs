@@ -17,14 +17,15 @@
 //! Known failures: the time goes into filling the volumes' faces, which often cover the image many times over; casters
 //! are triangles, so textures with holes cast whole; counts wrap, so a point under exactly 256 surfaces (or 512, ..)
 //! is lit; where light grazes a surface the volume's side lies within depth's rounding of it, about 2^-23 w^2 / near
-//! metres at distance w, and pixels there are noise; a closed mesh that is turned inside out in one part is lit inside
-//! that part.
+//! metres at distance w, and pixels there are noise (light that grazes whole planes is lifted off them, and refused where that
+//! is not enough: `grazing.rs`); a closed mesh that is turned inside out in one part is lit inside that part.
 
 use crate::{
     backdrop::flatten,
     endless::Endless,
     extrusion::{beyond_all, caps_apart, extrude},
     facing::{FACING, homogeneous, turned_away},
+    grazing::{LEAST_SHARE, Lifted},
     silhouette::Welded,
     window::Window,
 };
@@ -61,14 +62,24 @@ impl ShadowTechnique for ShadowVolumes {
             return Err(PlanError::unsupported("volumes are made from the scene's triangles, and this view has none"));
         };
         let light = homogeneous(view.light);
-        let mesh = Welded::new(geometry);
-        let silhouette = mesh.silhouette(light.as_dvec4());
         let endless = Endless::new(view, geometry);
+        let lifted = Lifted::new(geometry, light.as_dvec4());
+        let lost = view.receivers.map_or(0.0, |receivers| lifted.hopeless(view, receivers, &endless));
+        if lost > LEAST_SHARE {
+            let reason = format!(
+                "the light grazes the planes of {:.1} % of what is seen, and depth is too coarse there to tell them from the \
+                 volumes' sides: move the light, or use rays",
+                100.0 * lost
+            );
+            return Err(PlanError::unsupported(reason));
+        }
+        let mesh = Welded::new(geometry);
+        let silhouette = mesh.silhouette(lifted.light);
         let window = Window::new(&endless.space, view.camera.size);
         // Without perspective, points at infinity have no place on the picture, and not all devices clip them well.
         let reach =
-            endless.backdrop.is_some().then(|| beyond_all(&geometry.bounds(), &mesh, &silhouette, light.as_dvec4()));
-        let mut faces = extrude(&mesh, &silhouette, light.as_dvec4(), Some(&window), reach);
+            endless.backdrop.is_some().then(|| beyond_all(&geometry.bounds(), &mesh, &silhouette, lifted.light));
+        let mut faces = extrude(&mesh, &silhouette, lifted.light, Some(&window), reach);
         if let Some(backdrop) = &endless.backdrop {
             faces = flatten(&faces, backdrop);
         }

@@ -2,12 +2,18 @@
 
 use crate::{
     cli::{CiOptions, TestOptions},
-    run::{cargo, run},
+    run::{cargo, root, run},
     test, tidy,
 };
 use anyhow::{Context as _, Result, bail};
 use comfy_table::Table;
-use std::{process::Command, time::Instant};
+use std::{
+    fmt::Write as _,
+    fs,
+    path::{Path, PathBuf},
+    process::Command,
+    time::Instant,
+};
 
 type Step = (&'static str, Box<dyn Fn() -> Result<()>>);
 
@@ -57,27 +63,60 @@ fn doc() -> Command {
     command
 }
 
-/// Packs and builds every published package as its users would get it.
+/// Packs every published package, and checks what was packed as its users would get it: a file that a package lacks, or a
+/// dependency that it doesn't name, is an error there.
 fn package() -> Result<()> {
-    let names = published()?;
-    let names = names.iter().flat_map(|name| ["--package", name]);
-    // Cargo remembers what it unpacked by folder and version, so a second run in the same folder would build old code.
+    // A folder of its own: cargo takes what it knows by folder and version for unchanged.
     let folder = std::env::temp_dir().join(format!("umbrage-package-{}", std::process::id()));
-    // What is packed is the question here, not whether it is committed.
-    let mut command = cargo();
-    command.args(["package", "--allow-dirty"]).args(names).arg("--target-dir").arg(&folder);
-    // Whether it builds is the question, not how fast it runs: unoptimised, that takes half as long.
-    let result = run(command.env("CARGO_PROFILE_DEV_DEBUG", "0").env("CARGO_PROFILE_DEV_OPT_LEVEL", "0"));
+    let result = pack(&folder).and_then(|packed| check_packed(&folder, &packed));
     // Left-overs in the system's folder for them do no harm.
-    drop(std::fs::remove_dir_all(&folder));
+    drop(fs::remove_dir_all(&folder));
     result
 }
 
-/// The names of all packages that don't say `publish = false`.
-fn published() -> Result<Vec<String>> {
+/// A package's name, and the folder that it was unpacked to.
+type Packed = (String, PathBuf);
+
+fn pack(folder: &Path) -> Result<Vec<Packed>> {
+    let published = published()?;
+    let names = published.iter().flat_map(|(name, _)| ["--package", name]);
+    // What is packed is the question here, not whether it is committed; what is packed is checked below.
+    let mut command = cargo();
+    command.args(["package", "--allow-dirty", "--no-verify"]).args(names).arg("--target-dir").arg(folder);
+    run(&mut command)?;
+    let archives = folder.join("package");
+    let unpack = |(name, version): &(String, String)| {
+        let stem = format!("{name}-{version}");
+        run(Command::new("tar").arg("-xzf").arg(archives.join(format!("{stem}.crate"))).arg("-C").arg(folder))?;
+        Ok((name.clone(), folder.join(stem)))
+    };
+    published.iter().map(unpack).collect()
+}
+
+/// Checks unpacked packages in a workspace of their own, each with the others in place of those that a registry would give.
+/// What they depend on is taken from this workspace's target folder where clippy has checked it already.
+fn check_packed(folder: &Path, packed: &[Packed]) -> Result<()> {
+    let mut manifest = "[workspace]\nresolver = \"3\"\nmembers = [".to_owned();
+    let mut patches = String::from("[patch.crates-io]\n");
+    for (name, place) in packed {
+        let place = place.file_name().context("unpacked packages have folders")?.to_string_lossy();
+        write!(manifest, "\"{place}\", ")?;
+        writeln!(patches, "{name} = {{ path = \"{place}\" }}")?;
+    }
+    let profile = "[profile.dev]\nopt-level = 2\ndebug = \"line-tables-only\"\n";
+    fs::write(folder.join("Cargo.toml"), format!("{manifest}]\n{patches}{profile}"))?;
+    fs::copy(root().join("Cargo.lock"), folder.join("Cargo.lock"))?;
+    let mut command = cargo();
+    command.current_dir(folder).args(["check", "--workspace", "--all-features", "--target-dir"]);
+    run(command.arg(root().join("target")))
+}
+
+/// The names and versions of all packages that don't say `publish = false`.
+fn published() -> Result<Vec<(String, String)>> {
     let output = cargo().args(["metadata", "--format-version", "1", "--no-deps"]).output()?;
     let metadata: serde_json::Value = serde_json::from_slice(&output.stdout).context("cargo metadata is not JSON")?;
     let packages = metadata["packages"].as_array().context("cargo metadata names no packages")?;
     let public = packages.iter().filter(|p| p["publish"].is_null());
-    Ok(public.filter_map(|p| p["name"].as_str().map(str::to_owned)).collect())
+    let text = |value: &serde_json::Value| value.as_str().map(str::to_owned);
+    Ok(public.filter_map(|p| text(&p["name"]).zip(text(&p["version"]))).collect())
 }

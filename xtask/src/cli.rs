@@ -81,8 +81,8 @@ pub(crate) struct CompareOptions {
     /// Image size in pixels; else each scene's own
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub(crate) size: Option<[u32; 2]>,
-    /// Sides of the shadow maps, texels, rising; every setting is compared at the middle one, each technique's first at all;
-    /// else 512, 1024 and 2048, or 512 alone with --quick
+    /// Sides of the shadow maps, texels, rising; every setting is compared at the middle one, each technique's first at
+    /// all; else 512, 1024 and 2048, or 512 alone with --quick
     #[arg(long, value_name = "SIDE", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=16_384))]
     pub(crate) map_sizes: Vec<u32>,
     /// Truth's rays a pixel for lights with an extent
@@ -110,7 +110,8 @@ pub(crate) struct CompareOptions {
     /// slower or less accurate beyond the noise, is missing or can't be compared any more
     #[arg(long, value_name = "RESULTS.JSON")]
     pub(crate) baseline: Option<PathBuf>,
-    /// What may be missing or changed since the baseline: a scene, technique, backend or `technique (settings)`; may be repeated
+    /// What may be missing or changed since the baseline: a scene, technique, backend or `technique (settings)`; may be
+    /// repeated
     #[arg(long, value_name = "NAME", requires = "baseline")]
     pub(crate) baseline_except: Vec<String>,
     /// Only every N-th scene, from the K-th on; `cargo xtask merge` joins the shards

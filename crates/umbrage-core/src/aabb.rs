@@ -60,6 +60,12 @@ impl Aabb {
         (self.max - self.min).max(Vec3::ZERO)
     }
 
+    /// Length of the diagonal. Finite wherever the box is, though squares of lengths beyond 1e19 m are not.
+    pub fn diagonal(&self) -> f32 {
+        let (extent, length) = (self.extent(), self.extent().length());
+        if length.is_finite() { length } else { extent.as_dvec3().length().min(f64::from(f32::MAX)) as f32 }
+    }
+
     /// The eight corners; none for an empty box.
     pub fn corners(&self) -> impl Iterator<Item = Vec3> + use<> {
         let (b, count) = (*self, if self.is_empty() { 0 } else { 8 });

@@ -10,7 +10,11 @@ pub use crate::{
     slab::SLAB,
 };
 
-use crate::{Geometry, hit::Corners, slab::span};
+use crate::{
+    Geometry,
+    hit::Corners,
+    slab::{enters_box, slab_inverse, span},
+};
 use glam::{Vec3, Vec3A};
 use obvhs::{bvh2::Bvh2, cwbvh::CwBvh};
 use wide::Wide;
@@ -91,6 +95,30 @@ impl Bvh {
             false
         });
         nearest
+    }
+
+    /// Appends the triangle ids of the casters that may come within `radius` of the segment from `o` to `o + d`, measured
+    /// along each axis. Cautious: it may name others, too.
+    pub fn near(&self, o: Vec3, d: Vec3, radius: f32, out: &mut Vec<u32>) {
+        let inverse = slab_inverse(d);
+        // The sums below round, once more than the boxes allow for.
+        let grown = |low: Vec3A, high: Vec3A| {
+            let by = radius + low.abs().max(high.abs()).max_element() * f32::EPSILON;
+            [low - by, high + by]
+        };
+        let mut stack = if self.ids.is_empty() { Vec::new() } else { vec![0] };
+        while let Some(i) = stack.pop() {
+            let node = &self.narrow.nodes[i];
+            if !enters_box(o.into(), inverse, grown(node.aabb.min, node.aabb.max)) {
+                continue;
+            }
+            let first = node.first_index as usize;
+            if node.prim_count == 0 {
+                stack.extend([first, first + 1]);
+            } else {
+                out.extend(&self.narrow_order[first..first + node.prim_count as usize]);
+            }
+        }
     }
 
     /// Whether the caster that [`Bvh::occluder`] gave meets the segment, too, unless it is triangle `skip`.

@@ -72,3 +72,15 @@ fn frames_follow_turns_scales_and_mirrors() {
         assert!(b.abs_diff_eq(up, 1e-6), "{scale}: {b} is not {up}");
     }
 }
+
+#[test]
+fn long_names_are_refused_by_their_beginning() {
+    let named = |letter: &str, count| Scene { name: letter.repeat(count), ..Scene::default() };
+    assert!(named("x", crate::MOST_NAME).validate().is_ok());
+    // Letters of two bytes count twice, and are not cut in half.
+    for (scene, length) in [(named("x", 201), 201), (named("x", 5000), 5000), (named("é", 101), 202)] {
+        let why = scene.validate().expect_err("too long").to_string();
+        assert!(why.contains(&format!("a name of {length} bytes")) && why.contains("at most 200"), "{why}");
+        assert!(why.len() < 150, "{why}");
+    }
+}

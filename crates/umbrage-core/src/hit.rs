@@ -36,7 +36,7 @@
 
 use crate::{
     Module, Twin,
-    slab::{self, SLAB, enters_box, holds_origin, padded_box, slab_inverse},
+    slab::{self, SLAB, enters_box, holds_origin, inverse_power, padded_box, slab_inverse},
     twin,
 };
 use glam::{Vec3, Vec3A};
@@ -111,18 +111,21 @@ impl Segment {
     }
 }
 
-/// Rows of the shear (with a cyclic exchange of axes that brings the longest to the end) that maps `d` to (0, 0, 1).
+/// Rows of the shear (with a cyclic exchange of axes that brings the longest to the end) that maps `d` to (0, 0, 1). The
+/// first two are scaled by a power of two, so that the products of lengths in proportion to `d`, however large or small,
+/// stay within range; it changes no bit of their digits.
 #[inline(always)]
 fn shear_rows(d: Vec3) -> [Vec3A; 3] {
     let size = d.abs();
+    let s = inverse_power(size.max_element());
     let row = Vec3A::new;
     if size.z >= size.x && size.z >= size.y {
-        return [row(1.0, 0.0, -(d.x / d.z)), row(0.0, 1.0, -(d.y / d.z)), row(0.0, 0.0, 1.0 / d.z)];
+        return [row(s, 0.0, -(d.x / d.z) * s), row(0.0, s, -(d.y / d.z) * s), row(0.0, 0.0, 1.0 / d.z)];
     }
     if size.x >= size.y {
-        return [row(-(d.y / d.x), 1.0, 0.0), row(-(d.z / d.x), 0.0, 1.0), row(1.0 / d.x, 0.0, 0.0)];
+        return [row(-(d.y / d.x) * s, s, 0.0), row(-(d.z / d.x) * s, 0.0, s), row(1.0 / d.x, 0.0, 0.0)];
     }
-    [row(0.0, -(d.z / d.y), 1.0), row(1.0, -(d.x / d.y), 0.0), row(0.0, 1.0 / d.y, 0.0)]
+    [row(0.0, -(d.z / d.y) * s, s), row(s, -(d.x / d.y) * s, 0.0), row(0.0, 1.0 / d.y, 0.0)]
 }
 
 /// Whether the segment from `o` to `o + d` meets the triangle, edges and ends included. Never where a number is not finite,
@@ -140,6 +143,7 @@ pub const TWINS: &[Twin] = &[
     slab::TWINS[2],
     slab::TWINS[3],
     slab::TWINS[4],
+    slab::TWINS[5],
 ];
 
 fn hit_word(o: Vec3, d: Vec3, a: Vec3, b: Vec3, c: Vec3) -> u32 {

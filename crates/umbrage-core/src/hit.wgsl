@@ -2,13 +2,14 @@
 
 fn shear_rows(d: vec3f) -> mat3x3f {
     let size = abs(d);
+    let s = inverse_power(max(max(size.x, size.y), size.z));
     if size.z >= size.x && size.z >= size.y {
-        return mat3x3f(vec3f(1.0, 0.0, -(d.x / d.z)), vec3f(0.0, 1.0, -(d.y / d.z)), vec3f(0.0, 0.0, 1.0 / d.z));
+        return mat3x3f(vec3f(s, 0.0, -(d.x / d.z) * s), vec3f(0.0, s, -(d.y / d.z) * s), vec3f(0.0, 0.0, 1.0 / d.z));
     }
     if size.x >= size.y {
-        return mat3x3f(vec3f(-(d.y / d.x), 1.0, 0.0), vec3f(-(d.z / d.x), 0.0, 1.0), vec3f(1.0 / d.x, 0.0, 0.0));
+        return mat3x3f(vec3f(-(d.y / d.x) * s, s, 0.0), vec3f(-(d.z / d.x) * s, 0.0, s), vec3f(1.0 / d.x, 0.0, 0.0));
     }
-    return mat3x3f(vec3f(0.0, -(d.z / d.y), 1.0), vec3f(1.0, -(d.x / d.y), 0.0), vec3f(0.0, 1.0 / d.y, 0.0));
+    return mat3x3f(vec3f(0.0, -(d.z / d.y) * s, s), vec3f(s, -(d.x / d.y) * s, 0.0), vec3f(0.0, 1.0 / d.y, 0.0));
 }
 
 // Columns of the matrix are rows of the shear: each coordinate is written out, from left to right.

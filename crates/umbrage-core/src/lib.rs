@@ -64,7 +64,7 @@ pub use receivers::{NO_TRIANGLE, Receivers, Span};
 pub use recipe::{
     Cast, CastMode, Cull, Faces, Filter, ImageId, Limits, RasterBias, Receive, Recipe, Shade, Source, Table, TableId,
 };
-pub use scene::{Instance, Mesh, Scene};
+pub use scene::{Instance, MOST_NAME, Mesh, Scene};
 pub use shader::{Module, UniformLayout, Uniforms, join};
 pub use simd::{Simd, SimdTask};
 pub use snapping::{DepthPlanes, Snapping};

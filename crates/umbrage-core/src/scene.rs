@@ -103,10 +103,13 @@ impl Instance {
     }
 }
 
+/// Longest name of a scene, bytes: most file systems hold names of 255, and reports put a few letters around it.
+pub const MOST_NAME: usize = 200;
+
 /// All there is to see. The first light and the first camera are the ones compared.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {
-    /// A short name, fit for a file name once blanks are replaced.
+    /// A short name, at most [`MOST_NAME`] bytes, fit for a file name once blanks are replaced.
     pub name: String,
     /// Shapes.
     pub meshes: Vec<Mesh>,
@@ -128,7 +131,18 @@ impl Scene {
     /// # Errors
     /// The first fault found, with the scene's name.
     pub fn validate(&self) -> Result<(), Invalid> {
+        self.validate_name()?;
         self.validate_parts().map_err(|e| e.within(format!("scene `{}`", self.name)))
+    }
+
+    fn validate_name(&self) -> Result<(), Invalid> {
+        let length = self.name.len();
+        if length <= MOST_NAME {
+            return Ok(());
+        }
+        let start = &self.name[..self.name.floor_char_boundary(20)];
+        let why = format!("has a name of {length} bytes, and reports make it a folder's");
+        Err(Invalid::new(format!("scene `{start}..`"), why, format!("use at most {MOST_NAME}")))
     }
 
     fn validate_parts(&self) -> Result<(), Invalid> {

@@ -72,13 +72,20 @@ pub(crate) fn holds_origin(x: Vec3A, y: Vec3A) -> bool {
     x.min_element() <= 0.0 && y.min_element() <= 0.0 && x.max_element() >= 0.0 && y.max_element() >= 0.0
 }
 
+/// 2^-e of a number of size m 2^e, 1 <= m < 2: its exponent, mirrored. Products with it are exact.
+#[inline(always)]
+pub(crate) fn inverse_power(x: f32) -> f32 {
+    f32::from_bits(0x7f00_0000_u32.wrapping_sub(x.to_bits() & 0x7f80_0000))
+}
+
 /// The pairs, for the lockstep tests.
-pub(crate) const TWINS: [Twin; 5] = [
+pub(crate) const TWINS: [Twin; 6] = [
     twin!(SLAB, safe_inverse(x: f32) -> f32),
     twin!(SLAB, enters_word(o: Vec3, inverse: Vec3, low: Vec3, high: Vec3) -> u32),
     twin!(SLAB, padded_low(a: Vec3, b: Vec3, c: Vec3) -> Vec3),
     twin!(SLAB, padded_high(a: Vec3, b: Vec3, c: Vec3) -> Vec3),
     twin!(SLAB, holds_origin_word(a: Vec2, b: Vec2, c: Vec2) -> u32),
+    twin!(SLAB, inverse_power(x: f32) -> f32),
 ];
 
 fn enters_word(o: Vec3, inverse: Vec3, low: Vec3, high: Vec3) -> u32 {

@@ -49,6 +49,11 @@ fn holds_origin(a: vec2f, b: vec2f, c: vec2f) -> bool {
     return low.x <= 0.0 && low.y <= 0.0 && high.x >= 0.0 && high.y >= 0.0;
 }
 
+// 2^-e of a number of size m 2^e, 1 <= m < 2: its exponent, mirrored.
+fn inverse_power(x: f32) -> f32 {
+    return bitcast<f32>(0x7f000000u - (bitcast<u32>(x) & 0x7f800000u));
+}
+
 fn enters_word(o: vec3f, inverse: vec3f, low: vec3f, high: vec3f) -> u32 {
     return u32(enters_box(o, inverse, low, high));
 }

@@ -1,6 +1,6 @@
 //! `compare`: scenes in, a table and a report out. All the work is the lab's.
 
-use super::{inputs, progress::Progress, table};
+use super::{cost, inputs, progress::Progress, table};
 use crate::{
     cli::{CompareOptions, Shard},
     run::{Usage, root},
@@ -87,12 +87,20 @@ fn measure(
     fresh: bool,
 ) -> Result<()> {
     let environment = backends.environment(settings);
-    let (done, todo): (Vec<usize>, Vec<usize>) =
-        places.iter().copied().partition(|&place| !fresh && report.has(place, &environment));
+    let there = |&place: &usize| {
+        // What was changed or cut off is measured again, and nothing is lost; but the reader must know.
+        let there = if fresh { Ok(false) } else { report.has(place, &environment) };
+        there.unwrap_or_else(|why| {
+            println!("note: {why} (this is done now)");
+            false
+        })
+    };
+    let (done, todo): (Vec<usize>, Vec<usize>) = places.iter().copied().partition(there);
     if !done.is_empty() {
         println!("{} of {} scenes are there from an earlier run (--fresh measures anew)", done.len(), places.len());
     }
     let pending: Vec<SceneInput> = todo.iter().map(|&place| inputs[place].clone()).collect();
+    cost::tell(&pending, settings, backends)?;
     let notices = backends.notices.clone();
     let mut next = todo.into_iter();
     let progress = Progress::new();

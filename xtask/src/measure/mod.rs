@@ -8,6 +8,8 @@ mod bias;
 #[cfg(feature = "measure")]
 mod compare;
 #[cfg(feature = "measure")]
+mod cost;
+#[cfg(feature = "measure")]
 mod costs;
 #[cfg(feature = "measure")]
 mod inputs;

@@ -1,16 +1,28 @@
 //! How far a comparison is, and how long it still takes.
 
+use super::cost::spoken;
 use indicatif::{ProgressBar, ProgressStyle};
-use std::sync::Mutex;
+use std::{
+    sync::{
+        Mutex,
+        mpsc::{RecvTimeoutError, Sender, channel},
+    },
+    thread::JoinHandle,
+    time::{Duration, Instant},
+};
 use umbrage_lab::compare::Event;
 
 /// Steps of one scene: half for truth, half for its rows.
 const STEPS: u64 = 2_000;
 
-/// A bar for the whole comparison.
+/// Where there is no terminal for a bar, a line comes this often.
+const BEAT: Duration = Duration::from_secs(30);
+
+/// A bar for the whole comparison; in a log, lines.
 pub(super) struct Progress {
     bar: ProgressBar,
     at: Mutex<Place>,
+    heart: Option<Heart>,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -23,7 +35,14 @@ impl Progress {
     pub(super) fn new() -> Self {
         let style = ProgressStyle::with_template("{bar:30} {percent:>3} %  {elapsed} gone, {eta} to go  {wide_msg}");
         let bar = ProgressBar::new(0).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-        Self { bar, at: Mutex::default() }
+        let start = Instant::now();
+        let told = bar.clone();
+        let say = move || {
+            let done = told.position() as f64 / told.length().unwrap_or(0).max(1) as f64;
+            println!("{}", beat(done, start.elapsed(), &told.message()));
+        };
+        let heart = bar.is_hidden().then(|| Heart::new(BEAT, say));
+        Self { bar, at: Mutex::default(), heart }
     }
 
     /// Takes note of what happens; from any thread.
@@ -51,8 +70,53 @@ impl Progress {
     }
 
     pub(super) fn finish(&self) {
+        self.heart.iter().for_each(Heart::stop);
         self.bar.finish_and_clear();
     }
+}
+
+/// Does something again and again, until it is stopped: whatever else takes its time.
+struct Heart {
+    stop: Mutex<Option<Sender<()>>>,
+    thread: Mutex<Option<JoinHandle<()>>>,
+}
+
+impl Heart {
+    fn new(every: Duration, beat: impl Fn() + Send + 'static) -> Self {
+        let (stop, stopped) = channel();
+        let again = move || stopped.recv_timeout(every) == Err(RecvTimeoutError::Timeout);
+        let thread = std::thread::spawn(move || {
+            while again() {
+                beat();
+            }
+        });
+        Self { stop: Mutex::new(Some(stop)), thread: Mutex::new(Some(thread)) }
+    }
+
+    /// Ends it, and waits for a beat that has begun.
+    fn stop(&self) {
+        let take = |slot: &Mutex<Option<Sender<()>>>| slot.lock().ok().and_then(|mut slot| slot.take());
+        drop(take(&self.stop));
+        let thread = self.thread.lock().ok().and_then(|mut slot| slot.take());
+        // A thread that panicked has said so itself.
+        thread.into_iter().for_each(|thread| drop(thread.join()));
+    }
+}
+
+impl Drop for Heart {
+    fn drop(&mut self) {
+        self.stop();
+    }
+}
+
+/// A line of the log. `done` is 0 to 1.
+fn beat(done: f64, elapsed: Duration, message: &str) -> String {
+    let gone = spoken(elapsed);
+    let left = elapsed.as_secs_f64() * (1.0 - done) / done;
+    // Of the first hundredth no rest can be told.
+    let rest =
+        if done > 0.01 { format!(", about {} to go", spoken(Duration::from_secs_f64(left))) } else { String::new() };
+    format!("{:.0} %, {gone} gone{rest}: {message}", 100.0 * done)
 }
 
 fn message(event: Event<'_>) -> Option<String> {
@@ -78,8 +142,11 @@ fn position(at: Place, event: Event<'_>) -> Option<u64> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Place, STEPS, position};
-    use umbrage_lab::compare::Event;
+    use super::*;
+    use std::sync::{
+        Arc,
+        atomic::{AtomicUsize, Ordering},
+    };
 
     #[test]
     fn truth_is_the_first_half_of_a_scene() {
@@ -87,5 +154,31 @@ mod tests {
         assert_eq!(position(at, Event::Truth { done: 1, total: 2 }), Some(3 * STEPS + STEPS / 4));
         let row = Event::Row { technique: "", settings: "", backend: "", index: 5 };
         assert_eq!(position(at, row), Some(3 * STEPS + STEPS * 3 / 4));
+    }
+
+    /// Nothing happens meanwhile, as while one large row is played.
+    #[test]
+    fn a_log_hears_of_progress_though_nothing_happens() {
+        let beats = Arc::new(AtomicUsize::new(0));
+        let count = beats.clone();
+        let heart = Heart::new(Duration::from_millis(2), move || {
+            count.fetch_add(1, Ordering::Relaxed);
+        });
+        let start = Instant::now();
+        while beats.load(Ordering::Relaxed) < 3 && start.elapsed() < Duration::from_secs(60) {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        heart.stop();
+        let heard = beats.load(Ordering::Relaxed);
+        assert!(heard >= 3);
+        std::thread::sleep(Duration::from_millis(20));
+        assert_eq!(beats.load(Ordering::Relaxed), heard, "stopped");
+    }
+
+    #[test]
+    fn a_line_says_how_far_it_is() {
+        let minutes = |m: u64| Duration::from_secs(60 * m);
+        assert_eq!(beat(0.25, minutes(5), "cubes: truth"), "25 %, 5 min gone, about 15 min to go: cubes: truth");
+        assert_eq!(beat(0.0, minutes(5), "cubes: truth"), "0 %, 5 min gone: cubes: truth");
     }
 }

@@ -67,6 +67,25 @@ fn agrees_with_brute_force_at_every_scale() {
     }
 }
 
+/// Scaled by powers of two, up to the ends of what 32 bits hold, every answer stays as it is.
+#[test]
+fn answers_are_the_same_at_extreme_scales() {
+    let g = soup(&mut Random(29), 1000, 1.0);
+    for power in [-90, -60, -30, 30, 60, 90, 120] {
+        let scale = 2.0_f32.powi(power);
+        let scaled = geometry(g.positions().iter().map(|p| p * scale).collect(), g.triangles().to_vec());
+        let (mut random, mut hits) = (Random(8), 0);
+        for i in 0..2000 {
+            let (o, d, skip) = (random.vector() * 1.5, random.vector() * 3.0, i % 1000);
+            let expected = g.bvh().nearest(&g, o, d, skip);
+            hits += u32::from(expected.is_some());
+            assert_eq!(scaled.bvh().nearest(&scaled, o * scale, d * scale, skip), expected, "2^{power}: {o} along {d}");
+            assert_eq!(scaled.bvh().occluded(o * scale, d * scale, skip), expected.is_some(), "2^{power}");
+        }
+        assert!(hits > 200, "the test tells little: {hits} hits");
+    }
+}
+
 #[test]
 fn an_occluder_answers_like_the_search() {
     let mut random = Random(3);

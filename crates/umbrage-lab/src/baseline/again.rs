@@ -6,21 +6,24 @@ use super::{
 };
 use crate::{
     LabError,
-    compare::{Backends, Options, Ranks, Runs, SceneInput, again},
+    compare::{Again, Backends, Options, Ranks, Runs, SceneInput, again, calm},
 };
 use std::collections::BTreeMap;
 
-/// How often what looks slower is timed again, each time after all else: noise that lasts for seconds meets other rows.
+/// How often what looks slower is timed again, each time after all else: noise that lasts for seconds meets other rows ...
 pub const ROUNDS: usize = 3;
+
+/// ... and how often at most, until there are enough runs that nothing held up.
+const MOST_ROUNDS: usize = 10;
 
 /// Runs of a row in a round.
 const RUNS: Runs = Runs { least: 9, most: 15, budget_ms: 200 };
 
-/// Fresh ratios, and the quickest run in milliseconds, by the scene's place and the row's stem.
-type Fresh = BTreeMap<(usize, String), (Vec<f64>, f64)>;
+/// What was found, by the scene's place and the row's stem.
+type Fresh = BTreeMap<(usize, String), Again>;
 
-/// Times again what looks slower, and moves what still does to [`Changes::worse`]. `inputs` are the scenes of the new results,
-/// in their order.
+/// Times again what looks slower, and moves what still does to [`Changes::worse`]. `inputs` are the scenes of the new
+/// results, in their order.
 ///
 /// # Errors
 /// When a scene can't be played again.
@@ -32,41 +35,50 @@ pub fn time_again(
 ) -> Result<(), LabError> {
     let suspects = std::mem::take(&mut changes.suspects);
     let (mut fresh, mut open) = (Fresh::new(), suspects.iter().collect::<Vec<&Suspect>>());
-    for _ in 0..ROUNDS {
-        let mut asked: BTreeMap<usize, Vec<String>> = BTreeMap::new();
-        for row in open.iter().flat_map(|suspect| &suspect.rows) {
-            let stems = asked.entry(row.scene).or_default();
-            if !stems.contains(&row.stem) {
-                stems.push(row.stem.clone());
-            }
-        }
+    for round in 0..MOST_ROUNDS {
+        let wanted = |suspect: &&&Suspect| round < ROUNDS || suspect.is_untold(&known(suspect, &fresh));
+        let asked = asked(open.iter().filter(wanted).copied());
         for (scene, stems) in asked {
             let Some(input) = inputs.get(scene) else { continue };
             let found = again(input, &stems, options, &RUNS, backends)?;
-            for (stem, (more, quickest)) in
-                stems.into_iter().zip(found).filter_map(|(stem, found)| Some((stem, found?)))
-            {
-                let (ratios, least) = fresh.entry((scene, stem)).or_insert((Vec::new(), f64::INFINITY));
-                ratios.extend(more);
-                *least = least.min(quickest);
+            for (stem, more) in stems.into_iter().zip(found).filter_map(|(stem, found)| Some((stem, found?))) {
+                fresh.entry((scene, stem)).or_default().add(more);
             }
         }
         open.retain(|suspect| !suspect.is_cleared(&known(suspect, &fresh)));
     }
+    let untold = open.iter().filter(|suspect| suspect.is_untold(&known(suspect, &fresh))).count();
     let worse: Vec<String> = open.iter().filter_map(|s| s.verdict(&known(s, &fresh))).collect();
     if !suspects.is_empty() {
         let (all, left) = (suspects.len(), worse.len());
         changes.notes.push(format!("{all} rows or techniques looked slower and were timed again: {left} are slower."));
     }
+    if untold > 0 {
+        changes.notes.push(format!("The machine was too busy to tell of {untold} of them: try again when it is calm."));
+    }
     changes.worse.extend(worse);
     Ok(())
+}
+
+/// The rows of some suspects by their scenes, each once.
+fn asked<'a>(suspects: impl Iterator<Item = &'a Suspect>) -> BTreeMap<usize, Vec<String>> {
+    let mut out: BTreeMap<usize, Vec<String>> = BTreeMap::new();
+    for row in suspects.flat_map(|suspect| &suspect.rows) {
+        let stems = out.entry(row.scene).or_default();
+        if !stems.contains(&row.stem) {
+            stems.push(row.stem.clone());
+        }
+    }
+    out
 }
 
 /// What was found of a suspect's rows.
 fn known(suspect: &Suspect, fresh: &Fresh) -> Vec<Option<Sample>> {
     let of = |row: &Asked| {
-        let (ratios, least_ms) = fresh.get(&(row.scene, row.stem.clone()))?;
-        Some(Sample { ratio: Ranks::of(ratios.clone())?, least_ms: *least_ms })
+        let Again { windows, least_ms, yardstick } = fresh.get(&(row.scene, row.stem.clone()))?;
+        // None were calm yet: then there are no ranks, of no runs.
+        let ratio = Ranks::of(calm(windows, *yardstick)).unwrap_or_default();
+        Some(Sample { ratio, least_ms: *least_ms, yardstick: *yardstick })
     };
     suspect.rows.iter().map(of).collect()
 }

@@ -5,8 +5,8 @@ use crate::compare::{Comparison, Row};
 use std::collections::{BTreeMap, BTreeSet};
 use umbrage_core::Invalid;
 
-/// Names of what may be missing, or changed so that it can't be compared: scenes, techniques, backends, or single settings as
-/// reports spell them (`pcf (3x3, 1024, bias: none)`).
+/// Names of what may be missing, or changed so that it can't be compared: scenes, techniques, backends, or single settings
+/// as reports spell them (`pcf (3x3, 1024, bias: none)`).
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Except(BTreeSet<String>);
 

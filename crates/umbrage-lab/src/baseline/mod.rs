@@ -7,10 +7,10 @@
 //!   different graphics adapters, whose rounding differs, as much as the [undecided pixels
 //!   allowed](umbrage_core::metrics::MOST_UNDECIDED) can make counts as noise.
 //! * **Cost** (counted work, at today's prices) and **bytes** are deterministic, too: any growth beyond rounding counts.
-//! * **Time** counts only on the same processor, threads, system and adapter. Rows are compared as multiples of the yardstick
-//!   that was timed in turn with them; [`mod@times`] says when one is slower, and how seldom that is said in vain. What looks slower
-//!   is [timed again](time_again) before it counts. Results of schema 4 and before have no yardstick: their times are not
-//!   compared.
+//! * **Time** counts only on the same processor, threads, system and adapter. Rows are compared as multiples of the
+//!   yardstick that was timed in turn with them; [`mod@times`] says when one is slower, and how seldom that is said in
+//!   vain. What looks slower is [timed again](time_again) before it counts. Results of schema 4 and before have no
+//!   yardstick: their times are not compared.
 //!
 //! A row that was measured and is now refused counts as less accurate. What the baseline has and the new results lack, and
 //! scenes that can't be compared since they changed, count as faults, too, unless they are [excepted](Except) by name: a
@@ -85,6 +85,13 @@ pub fn changes(old: &Comparison, new: &Comparison, except: &Except) -> Changes {
     let judged = times::judge(&timings);
     out.better.extend(judged.quicker);
     out.suspects = judged.suspects;
+    if judged.rough > 0 {
+        let (rough, few) = (judged.rough, times::FEWEST);
+        out.notes.push(format!(
+            "{rough} rows have fewer than {few} calm runs in the baseline (--runs, or a busy machine): their times count with \
+             their techniques' alone."
+        ));
+    }
     lost.tell(&mut out);
     out
 }
@@ -106,7 +113,7 @@ fn machines(old: &Comparison, new: &Comparison, notes: &mut Vec<String>) -> [boo
         times.any(|t| has(&t))
     };
     let times: fn(&Times) -> bool = |_| true;
-    let ratios: fn(&Times) -> bool = |t| t.ratio.is_some();
+    let ratios: fn(&Times) -> bool = |t| t.yardstick.is_some();
     let why = if machine(then) != machine(now) || !same_adapter {
         let [then, now] = [then, now].map(describe);
         Some(format!("the baseline was made on another machine ({then}; here: {now})"))
@@ -192,7 +199,10 @@ impl<'a> Pair<'a> {
                 None => {}
             }
         }
-        let sample = |times: Option<Times>| Some(times::Sample { ratio: times?.ratio?, least_ms: times?.total.least });
+        let sample = |times: Option<Times>| {
+            let (ratio, yardstick) = (times?.ratio?, times?.yardstick?.least);
+            Some(times::Sample { ratio, least_ms: times?.total.least, yardstick })
+        };
         if let (true, Some(then), Some(now)) = (self.timed, sample(then.times), sample(now.times)) {
             timings.push(times::Timing { scene: (self.place, &self.now.name), row: new, then, now });
         }

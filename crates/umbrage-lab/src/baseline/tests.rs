@@ -13,7 +13,7 @@ fn row(backend: &str) -> Row {
     let measured = Measured {
         errors: Some(Errors { rmse: 0.1, false_shadow: 1.0, false_light: 2.0, acne: 0.5, ..Errors::default() }),
         causes: Some(Causes::default()),
-        times: Some(Times { total, ratio, ..Times::default() }),
+        times: Some(Times { total, ratio, yardstick: Some(total), ..Times::default() }),
         work: Work { taps: 1000, ..Work::default() },
         cost_ms: 0.1,
         bytes: 4096,
@@ -134,7 +134,10 @@ fn on_another_machine_costs_count_and_times_do_not() {
 #[test]
 fn without_yardsticks_accuracy_counts_and_times_do_not() {
     let mut old = Comparison { schema: 4, ..comparison() };
-    (0..2).for_each(|row| measured(&mut old, row).times.as_mut().expect("made so").ratio = None);
+    for row in 0..2 {
+        let times = measured(&mut old, row).times.as_mut().expect("made so");
+        (times.yardstick, times.ratio) = (None, None);
+    }
     let mut new = comparison();
     slowed(measured(&mut new, 0), 99.0);
     let found = changes(&old, &new);
@@ -266,7 +269,10 @@ fn older_baselines_are_still_read() {
     let dir = tempfile::tempdir().expect("a temporary folder");
     let path = dir.path().join("results.json");
     let mut old = Comparison { schema: 3, ..comparison() };
-    (0..2).for_each(|row| measured(&mut old, row).times.as_mut().expect("made so").ratio = None);
+    (0..2).for_each(|row| {
+        let times = measured(&mut old, row).times.as_mut().expect("made so");
+        (times.ratio, times.yardstick) = (None, None);
+    });
     old.scenes[0].controls.push(crate::compare::Control { wrong_without: 7, ..Default::default() });
     let text = serde_json::to_string(&old).expect("memory");
     let without = [

@@ -1,31 +1,39 @@
 //! When a row counts as slower, and how seldom that is said in vain.
 //!
-//! A row's time is compared as a multiple of the [yardstick](crate::compare::Yardstick) that was played before and after each of
-//! its runs. What is left is noise of single runs: on a shared machine with 2 cores and 8 busy programs, medians of 9 such ratios
-//! still scatter by a tenth in the middle half of all rows, and by a factor of 2 in one of a hundred. A comparison has thousands of
-//! rows, so single medians prove nothing. Two tests take their place:
+//! A row's time is compared as a multiple of the [yardstick](crate::compare::Yardstick) that was played before and after
+//! each of its runs. What is left is noise of single runs: on a shared machine with 2 cores and 8 to 18 busy programs, a
+//! row's median of 5 to 9 such ratios is off by a factor of 2 in one row of twenty. A comparison has thousands of rows, so
+//! single medians prove nothing. Two tests take their place:
 //!
-//! * **A row** is suspected if its ratios' upper quartile lies beyond its bound: [`APART`] times the baseline's upper quartile
-//!   (its greatest, of fewer than [`MANY`] runs). It is then timed again, in [`ROUNDS`](super::ROUNDS) rounds between which
-//!   all other suspects are. It is slower if nine in ten of these fresh ratios lie beyond the bound. If nothing has changed, a
-//!   run of the baseline lies below the fresh tenth with a chance of 1/10, whatever the noise's distribution; the quartile of 9
-//!   lies there if at least 7 of them do (36 / 10^7 at most), the greatest of 5 if all do (1 / 10^5). Besides, a factor of
-//!   [`APART`] must lie between: where noise is narrower than that, no chance is left at all. Fewer than [`FEWEST`] runs are not
-//!   judged, and a row of which one run is [as quick](AS_QUICK) as the baseline's quickest is no slower.
+//! * **A row** is suspected if its ratios' upper quartile lies beyond its bound: [`APART`] times the baseline's upper
+//!   quartile (its greatest, of fewer than [`MANY`] runs). It is then timed again, in [`ROUNDS`](super::ROUNDS) rounds
+//!   between which all other suspects are. It is slower if nine in ten of these fresh ratios lie beyond the bound, and if
+//!   the quickest of these runs took [`APART`] times as many milliseconds as the baseline's quickest, too. If nothing has
+//!   changed, a run of the baseline lies below the fresh tenth with a chance of 1/10, whatever the noise's distribution;
+//!   the quartile of 9 lies there if at least 7 of them do (36 / 10^7 at most), the greatest of 5 if all do (1 / 10^5).
+//!   Besides, a factor of [`APART`] must lie between: where noise is narrower than that, no chance is left at all.
+//!
+//!   These chances take for granted that runs are independent. They are not while others hold one of two cores: then a
+//!   yardstick may be slow beside all of a row's runs, while the row fits between two turns of the scheduler. So only runs
+//!   count beside which no yardstick took more than [`CALM`] times the quickest of that row, and rows
+//!   of which even that one took more than [`CALM`] times what it can are not judged, as are those of
+//!   fewer than [`FEWEST`] such runs. Under the load above, of all rows the bound lay below what the row takes in 3 %; of
+//!   those whose yardstick's median was calm, in 1 of 2,393.
 //! * **A technique** on a backend, over all scenes and settings, is suspected if its rows' median is slower by more than
 //!   [`TECHNIQUE`], and by more than [`SIGMAS`] standard errors of a median (1.253 sigma / sqrt n, sigma from the median
-//!   absolute deviation: Rousseeuw and Croux 1993, "Alternatives to the median absolute deviation"). For normal noise that has
-//!   a chance of 3 / 10^5: with 26 techniques on backends, one comparison in 1,000. It is slower if the same is found when
-//!   rows of it are timed again. Fewer than [`FEWEST_ROWS`] rows are judged one by one alone.
+//!   absolute deviation: Rousseeuw and Croux 1993, "Alternatives to the median absolute deviation"). For normal noise that
+//!   has a chance of 3 / 10^5: with 26 techniques on backends, one comparison in 1,000. It is slower if the same is found
+//!   when rows of it are timed again. Fewer than [`FEWEST_ROWS`] rows are judged one by one alone.
 //!
-//! What this can't see: a single row that got slower by less than [`APART`] (more where the baseline itself is noisy), and a
-//! technique that did by less than [`TECHNIQUE`]. Counted cost sees every operation more, however small.
+//! What this can't see: a single row that got slower by less than [`APART`] (more where the baseline itself is noisy, or
+//! where the machine got faster meanwhile), and a technique that did by less than [`TECHNIQUE`]. Counted cost sees every
+//! operation more, however small.
 
-use crate::compare::{Ranks, Row};
+use crate::compare::{CALM, Ranks, Row};
 use std::collections::BTreeMap;
 
-/// Between the slower of the usual runs then and the quicker of the usual runs now. Less than that is what another placement of code and
-/// data in memory may change.
+/// Between the slower of the usual runs then and the quicker of the usual runs now. Less than that is what another
+/// placement of code and data in memory may change.
 pub const APART: f64 = 1.4;
 
 /// From so many runs on, the upper quartile bounds the baseline's noise; before, the greatest does.
@@ -34,15 +42,16 @@ pub const MANY: u32 = 9;
 /// Fewer runs are not judged.
 pub const FEWEST: u32 = 5;
 
-/// A technique's median over its rows that counts, beyond its error. Rows of one technique wait for the same part of
-/// the machine, and a yardstick that waits for another does not cancel all of that: medians of unchanged code moved by up to 1.2.
+/// A technique's median over its rows that counts, beyond its error. Rows of one technique wait for the same part of the
+/// machine, and a yardstick that waits for another does not cancel all of that: medians of unchanged code moved by up to
+/// 1.2.
 pub const TECHNIQUE: f64 = 1.3;
 
 /// Standard errors of a technique's median.
 pub const SIGMAS: f64 = 4.0;
 
-/// A row whose quickest run takes less than this times what the baseline's quickest run took is no slower, whatever its
-/// yardstick says.
+/// Rows of a technique whose quickest run takes less than this times what the baseline's quickest run took count as
+/// unchanged, whatever their yardsticks say.
 pub const AS_QUICK: f64 = 1.1;
 
 /// Fewer rows of a technique are judged one by one alone.
@@ -61,10 +70,12 @@ pub(super) struct Timing<'a> {
 /// How long a row took.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// Over the yardstick.
+    /// Over the yardstick, of calm runs.
     pub ratio: Ranks,
     /// The quickest run, milliseconds.
     pub least_ms: f64,
+    /// The quickest yardstick, milliseconds a unit.
+    pub yardstick: f64,
 }
 
 /// What looks slower.
@@ -94,6 +105,8 @@ pub struct Asked {
 pub(super) struct Judged {
     pub(super) suspects: Vec<Suspect>,
     pub(super) quicker: Vec<String>,
+    /// Rows of too few calm runs to be judged one by one.
+    pub(super) rough: usize,
 }
 
 /// What looks slower, and techniques that got quicker.
@@ -102,9 +115,14 @@ pub(super) fn judge(timings: &[Timing<'_>]) -> Judged {
     let mut techniques: BTreeMap<[&str; 2], Vec<&Timing<'_>>> = BTreeMap::new();
     for timing in timings {
         techniques.entry([&timing.row.technique, &timing.row.backend]).or_default().push(timing);
-        if bound(&timing.then.ratio).is_some_and(|bound| timing.now.ratio.high > bound) {
-            let label = format!("{}: {}", timing.scene.1, timing.row.label());
-            out.suspects.push(Suspect { label, rows: vec![timing.asked()], whole: false });
+        match bound(&timing.then.ratio) {
+            None => out.rough += 1,
+            Some(_) if !is_calm(&timing.then, &timing.now) => out.rough += 1,
+            Some(bound) if timing.now.ratio.high > bound => {
+                let label = format!("{}: {}", timing.scene.1, timing.row.label());
+                out.suspects.push(Suspect { label, rows: vec![timing.asked()], whole: false });
+            }
+            Some(_) => {}
         }
     }
     for ([technique, backend], rows) in techniques {
@@ -143,6 +161,11 @@ fn bound(then: &Ranks) -> Option<f64> {
     (then.runs >= FEWEST).then_some(APART * usual)
 }
 
+/// Whether the baseline's yardstick was as quick as it can be, as far as is known.
+fn is_calm(then: &Sample, now: &Sample) -> bool {
+    then.yardstick <= CALM * now.yardstick
+}
+
 /// By how much a row changed: the logarithm of its medians' ratio.
 fn change(then: &Ranks, now: &Ranks) -> Option<f64> {
     Some((now.median / then.median).ln()).filter(|change| change.is_finite())
@@ -161,8 +184,8 @@ fn slower(changes: &[f64]) -> Option<(bool, f64)> {
 }
 
 impl Suspect {
-    /// What to say of it now that its rows were timed again: none if it is no slower. `fresh` is what was found of each of its
-    /// rows.
+    /// What to say of it now that its rows were timed again: none if it is no slower. `fresh` is what was found of each of
+    /// its rows.
     pub(super) fn verdict(&self, fresh: &[Option<Sample>]) -> Option<String> {
         if self.whole {
             let changes = self.changes(fresh);
@@ -171,19 +194,29 @@ impl Suspect {
             return Some(format!("{label}: slower by a factor of {factor:.2} in the median of {rows} rows"));
         }
         let (then, now) = (self.rows.first()?.then, (*fresh.first()?)?);
-        if now.ratio.tenth <= bound(&then.ratio)? || as_quick(&then, &now) {
+        if self.is_untold(fresh)
+            || now.ratio.tenth <= bound(&then.ratio)?
+            || as_quick(&then, &now, APART)
+            || !is_calm(&then, &now)
+        {
             return None;
         }
         let (label, factor) = (&self.label, now.ratio.median / then.ratio.median);
         let [a, b] = [then, now].map(|s| {
-            let Sample { ratio: r, least_ms } = s;
+            let Sample { ratio: r, least_ms, .. } = s;
             format!("{:.3} yardsticks ({:.3} to {:.3}; at least {least_ms:.3} ms)", r.median, r.tenth, r.greatest)
         });
         Some(format!("{label}: slower by a factor of {factor:.2}: {a} -> {b}"))
     }
 
+    /// Whether there are too few fresh runs that nothing held up: as many as make a quartile.
+    pub(super) fn is_untold(&self, fresh: &[Option<Sample>]) -> bool {
+        !self.whole && fresh.first().copied().flatten().is_some_and(|now| now.ratio.runs < MANY)
+    }
+
     /// Whether fresh runs clear it already, so that it need not be timed once more: half of the ratios lie within the bound
-    /// (nine in ten may not yet, of few runs), or one run is as quick as ever.
+    /// (nine in ten may not yet, of few runs), one run is nearly as quick as ever, or the yardstick can be quicker than it
+    /// was beside the baseline.
     pub(super) fn is_cleared(&self, fresh: &[Option<Sample>]) -> bool {
         if self.whole {
             return Ranks::of(self.changes(fresh)).is_none_or(|changes| changes.median <= TECHNIQUE.ln());
@@ -191,22 +224,23 @@ impl Suspect {
         let Some((then, now)) = self.rows.first().map(|row| row.then).zip(fresh.first().copied().flatten()) else {
             return true;
         };
-        bound(&then.ratio).is_none_or(|bound| now.ratio.median <= bound) || as_quick(&then, &now)
+        let usual = now.ratio.runs >= FEWEST && bound(&then.ratio).is_none_or(|bound| now.ratio.median <= bound);
+        usual || as_quick(&then, &now, APART) || !is_calm(&then, &now)
     }
 
     /// By how much its rows changed; those with a run as quick as ever did not.
     fn changes(&self, fresh: &[Option<Sample>]) -> Vec<f64> {
         let pairs = self.rows.iter().zip(fresh).filter_map(|(row, now)| Some((row.then, (*now)?)));
         let of = |(then, now): (Sample, Sample)| {
-            if as_quick(&then, &now) { Some(0.0) } else { change(&then.ratio, &now.ratio) }
+            if as_quick(&then, &now, AS_QUICK) { Some(0.0) } else { change(&then.ratio, &now.ratio) }
         };
         pairs.filter_map(of).collect()
     }
 }
 
-/// Whether a run is as quick as the baseline's quickest.
-fn as_quick(then: &Sample, now: &Sample) -> bool {
-    now.least_ms < AS_QUICK * then.least_ms
+/// Whether a run is as quick as the baseline's quickest, or slower by less than a factor.
+fn as_quick(then: &Sample, now: &Sample, factor: f64) -> bool {
+    now.least_ms < factor * then.least_ms
 }
 
 #[cfg(test)]

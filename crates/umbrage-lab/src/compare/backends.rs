@@ -9,7 +9,7 @@ use umbrage_wgpu::{AdapterChoice, Gpu};
 /// Which backends take part.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum BackendChoice {
-    /// The CPU, and wgpu if there is an adapter; else a notice says what to install.
+    /// The CPU, and wgpu if there is an adapter that can play; else a notice says why not, and what to do.
     #[default]
     Available,
     /// The CPU alone.
@@ -80,20 +80,27 @@ impl Backends {
         if choice == BackendChoice::Cpu {
             return Ok(out);
         }
-        match Gpu::new(adapter) {
+        out.add(Gpu::new(adapter), choice == BackendChoice::Available && adapter.name.is_none())?;
+        Ok(out)
+    }
+
+    /// Adds wgpu, or if the comparison may go `without` it, the reason why it is missing.
+    fn add(&mut self, gpu: Result<Gpu, BackendError>, without: bool) -> Result<(), BackendError> {
+        match gpu {
             Ok(gpu) => {
                 let info = gpu.adapter_info();
                 let driver = format!("{} {}", info.driver, info.driver_info);
-                out.adapter = Some(format!("{} ({}; {})", info.name, info.backend, driver.trim()));
-                out.playing.push(Box::new(gpu));
+                self.adapter = Some(format!("{} ({}; {})", info.name, info.backend, driver.trim()));
+                self.playing.push(Box::new(gpu));
             }
-            // An adapter asked for by name must be there.
-            Err(e @ BackendError::NoAdapter { .. }) if choice == BackendChoice::Available && adapter.name.is_none() => {
-                out.notices.push(format!("Compared on the CPU alone, as wgpu could not be opened: {e}."));
+            // An adapter asked for by name must be there. One that was merely found may be of no use: its driver may be too
+            // old, or the graphics API that the environment names may lack what is needed.
+            Err(e) if without => {
+                self.notices.push(format!("Compared on the CPU alone, as wgpu could not be opened: {e}."));
             }
             Err(e) => return Err(e),
         }
-        Ok(out)
+        Ok(())
     }
 
     /// Backends of the caller's own. Agreement is measured against the first if its kind is `cpu`.
@@ -107,5 +114,29 @@ impl Backends {
         let snapping = self.playing.iter().find(|b| b.kind() != "cpu").map(|b| b.snapping().to_string());
         let adapter = self.adapter.clone();
         Environment { adapter, snapping, backends, ..Environment::here(options.runs.is_some()) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An adapter that can't play is as good as none, whatever it can't do: asked for, it is an error; else the CPU goes on
+    /// and says why.
+    #[test]
+    fn an_adapter_that_cannot_play_leaves_the_cpu() {
+        let errors: [fn() -> BackendError; 3] = [
+            || Invalid::new("graphics adapter x (gl)", "cannot draw into R32Float images", "choose another").into(),
+            || BackendError::DeviceLost("gone".to_owned()),
+            || BackendError::NoAdapter { wanted: "any".into(), found: "none".into(), mend: "install one".into() },
+        ];
+        for error in errors {
+            let mut backends = Backends::of(vec![Box::new(Cpu::new())]);
+            assert!(backends.add(Err(error()), false).is_err() && backends.notices.is_empty(), "asked for by name");
+            backends.add(Err(error()), true).expect("the CPU plays");
+            let (notices, why) = (&backends.notices, error().to_string());
+            assert!(notices.len() == 1 && notices[0].contains(&why) && notices[0].contains("CPU alone"), "{notices:?}");
+            assert_eq!((backends.playing.len(), backends.playing[0].kind()), (1, "cpu"));
+        }
     }
 }

@@ -3,12 +3,13 @@
 //! Each technique is played on the same triangles, none of which casts. What its mask then owes is known, pixel by pixel:
 //!
 //! * Rays ask the light's points one by one, and see those above the receiver's tangent plane. Truth takes the same points
-//!   of the same sequence ([`light_sample`]), so the share that is right is counted, not estimated: there is no noise in it.
-//! * All others take the light for its middle. Where that is above the tangent plane they owe 1. Where it isn't, both 0 (those
-//!   that look which way a surface faces) and 1 (maps, which don't) are right.
+//!   of the same sequence ([`light_sample`]), so the share that is right is counted, not estimated: there is no noise in
+//!   it.
+//! * All others take the light for its middle. Where that is above the tangent plane they owe 1. Where it isn't, both 0
+//!   (those that look which way a surface faces) and 1 (maps, which don't) are right.
 //!
-//! Whether a point that lies within rounding of the tangent plane is above it hangs on how far a ray's origin is lifted and on
-//! the order of additions: there either answer is right.
+//! Whether a point that lies within rounding of the tangent plane is above it hangs on how far a ray's origin is lifted and
+//! on the order of additions: there either answer is right.
 
 use super::{Control, scene::View3};
 use crate::{LabError, footprint, truth::Truth};
@@ -148,9 +149,9 @@ fn extent(light: &Light) -> f32 {
 
 /// Whether a technique may rightly show nothing of a shadow: what it looks up need not hold it.
 ///
-/// Far sides of casters, which [`Cull::Front`] and peeling keep, are missing where casters are open. And a map's texels may be
-/// wider than all of the shadow: one that is darker than its surroundings must cover a texel and all that the kernel averages
-/// with it.
+/// Far sides of casters, which [`Cull::Front`] and peeling keep, are missing where casters are open. And a map's texels may
+/// be wider than all of the shadow: one that is darker than its surroundings must cover a texel and all that the kernel
+/// averages with it.
 fn may_miss(technique: &dyn ShadowTechnique, view: &View<'_>, recipe: &Recipe, truth: &Truth, shadow: &[bool]) -> bool {
     let far_side = recipe.casts.iter().any(|c| c.cull != Cull::None || matches!(c.mode, CastMode::Behind(_)));
     let Some(reach) = technique.kernel_reach() else { return far_side };

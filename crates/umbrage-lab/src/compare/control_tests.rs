@@ -132,8 +132,8 @@ fn control(scene: &Scene, technique: &dyn ShadowTechnique, player: &mut dyn Back
     run(player, technique, &view, &truth, (&recipe, &with_casters)).expect("valid").expect("planned")
 }
 
-/// Rays are counted, not estimated: a single one that is missing, or one too many, is noticed, where the light is seen whole
-/// and where the horizon cuts it.
+/// Rays are counted, not estimated: a single one that is missing, or one too many, is noticed, where the light is seen
+/// whole and where the horizon cuts it.
 #[test]
 fn a_single_ray_is_noticed() {
     let samples = 4;

@@ -5,6 +5,7 @@ mod backends;
 mod control;
 mod environment;
 mod event;
+mod expected;
 mod options;
 mod relative;
 mod result;
@@ -17,6 +18,7 @@ mod yardstick;
 pub use agreement::agree;
 pub use backends::{BackendChoice, Backends};
 pub use event::{Event, OnEvent};
+pub use expected::{Expected, pilot};
 pub use options::{Options, Runs, SceneInput};
 pub use relative::{LEAST_ERROR, Relative, relative};
 pub use result::{
@@ -25,7 +27,8 @@ pub use result::{
 };
 pub use scene::SceneImages;
 pub(crate) use slug::slug;
-pub(crate) use timing::again;
+pub use timing::CALM;
+pub(crate) use timing::{Again, again, calm};
 pub use yardstick::{Yardstick, YardstickKernel, YardstickUniforms};
 
 use crate::{LabError, report::FEW_SCENES};
@@ -48,6 +51,8 @@ pub fn compare(
     sink: &mut Sink<'_>,
     on_event: &OnEvent<'_>,
 ) -> Result<Comparison, LabError> {
+    // What can't be compared must not be found out after minutes of comparing others.
+    inputs.iter().try_for_each(|input| input.scene.validate())?;
     let tight = options.settings(Fit::Tight)?;
     on_event(Event::Started { scenes: inputs.len(), rows_per_scene: tight.len() * backends.playing.len() });
     let mut scenes = Vec::new();

@@ -58,6 +58,11 @@ impl Runs {
         let (least, budget) = (self.least.max(1) as usize, Duration::from_millis(self.budget_ms.into()));
         done >= least && (done >= self.most as usize || spent >= budget)
     }
+
+    /// Whether a row that was held up by others may be played on in the hope of calmer runs: for up to four times as long.
+    pub(super) fn hopes(&self, done: usize, spent: Duration) -> bool {
+        done < self.most as usize && spent < 4 * Duration::from_millis(self.budget_ms.into())
+    }
 }
 
 impl Default for Runs {
@@ -131,5 +136,7 @@ mod tests {
         assert_eq!([0, 4, 10, 1_000].map(played), [15, 15, 6, 5].map(Some));
         assert!(Runs::exactly(2).suffice(2, Duration::ZERO) && !Runs::exactly(2).suffice(1, Duration::MAX));
         assert!(!Runs::exactly(0).suffice(0, Duration::MAX), "no run, no time");
+        let hopes = |n, ms| runs.hopes(n, Duration::from_millis(ms));
+        assert!(hopes(14, 239) && !hopes(15, 100) && !hopes(5, 240) && !Runs::exactly(3).hopes(3, Duration::ZERO));
     }
 }

@@ -37,7 +37,8 @@ pub struct Environment {
     pub version: String,
     /// The working tree's commit, with `+` if files were changed since; none outside a repository.
     pub commit: Option<String>,
-    /// Coordinated universal time, `2026-11-21 03:45`; none of a comparison that is to come out the same whenever it is made.
+    /// Coordinated universal time, `2026-11-21 03:45`; none of a comparison that is to come out the same whenever it is
+    /// made.
     pub date: Option<String>,
     /// The processor's name.
     pub cpu: String,
@@ -99,8 +100,8 @@ impl SceneResult {
                 ));
             }
         }
-        // Where nothing faces the light there is nothing to compare, and all is well; where truth itself can't tell, nothing was
-        // found out.
+        // Where nothing faces the light there is nothing to compare, and all is well; where truth itself can't tell,
+        // nothing was found out.
         out.extend(
             self.nothing_compared
                 .iter()
@@ -206,8 +207,8 @@ pub enum Outcome {
 /// A row's figures.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Measured {
-    /// Against truth; none where no pixel counts ([`SceneResult::nothing_compared`] says why): no error would mean that all is
-    /// right.
+    /// Against truth; none where no pixel counts ([`SceneResult::nothing_compared`] says why): no error would mean that all
+    /// is right.
     pub errors: Option<Errors>,
     /// What the errors come from; none likewise.
     pub causes: Option<Causes>,
@@ -264,10 +265,11 @@ pub struct Times {
     pub receive: Option<Spread>,
     /// Casts, filters and lookup of each run together.
     pub total: Spread,
-    /// A [yardstick](super::Yardstick) in turn with the runs, milliseconds a unit of its work; none where nothing receives, where
-    /// the adapter can't time it, and in results of schema 4 and before.
+    /// A [yardstick](super::Yardstick) in turn with the runs, milliseconds a unit of its work; none where nothing receives,
+    /// where the adapter can't time it, and in results of schema 4 and before.
     pub yardstick: Option<Spread>,
-    /// Each run over the mean of the yardsticks right before and after it: what is compared with other runs' results.
+    /// Runs over the mean of the yardsticks right before and after, of those runs beside which no yardstick took more than
+    /// [`CALM`](super::CALM) times the quickest: what is compared with other runs' results. None where no run was calm.
     pub ratio: Option<Ranks>,
 }
 
@@ -326,8 +328,8 @@ impl Spread {
     }
 }
 
-/// The negative control of one technique on one backend: with the casters removed, its mask must change where the shadow was,
-/// and show nothing but the receivers' own horizon.
+/// The negative control of one technique on one backend: with the casters removed, its mask must change where the shadow
+/// was, and show nothing but the receivers' own horizon.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Control {
     /// Kind of backend.
@@ -338,11 +340,11 @@ pub struct Control {
     pub shadowed: u64,
     /// Those of them whose mask brightened by more than a quarter when the casters were removed.
     pub changed: u64,
-    /// Counted pixels that without casters are darker or lighter than the technique owes: as light as their own horizon leaves
-    /// the points that it asks of the light. Must be 0.
+    /// Counted pixels that without casters are darker or lighter than the technique owes: as light as their own horizon
+    /// leaves the points that it asks of the light. Must be 0.
     #[serde(alias = "dark_without")]
     pub wrong_without: u64,
-    /// Whether the control did what it must: nothing is wrong without casters, and something changed if truth has a shadow that
-    /// the technique cannot miss (maps with texels wider than it may, and those that keep the far sides of casters).
+    /// Whether the control did what it must: nothing is wrong without casters, and something changed if truth has a shadow
+    /// that the technique cannot miss (maps with texels wider than it may, and those that keep the far sides of casters).
     pub holds: bool,
 }

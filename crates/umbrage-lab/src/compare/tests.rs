@@ -230,6 +230,20 @@ fn unknown_techniques_are_named_and_listed() {
 }
 
 #[test]
+fn scenes_that_cannot_be_compared_are_refused_before_any_is() {
+    let mut long = input("figure");
+    long.scene.name = "x".repeat(5000);
+    let (mut cpu, mut seen) = (Backends::of(vec![Box::new(Cpu::new())]), 0);
+    let sink = &mut |_: &SceneResult, _: &SceneImages| {
+        seen += 1;
+        Ok(())
+    };
+    let e = compare(&[input("cubes"), long], &quick(&["hard"]), &mut cpu, sink, &|_| ()).expect_err("too long");
+    let e = e.to_string();
+    assert!(seen == 0 && e.contains("5000 bytes") && e.contains("at most 200") && e.len() < 200, "{e}");
+}
+
+#[test]
 fn another_size_keeps_the_vertical_field_of_view() {
     let camera = input("cubes").scene.cameras[0];
     let wider = quick(&[]).camera(&camera);

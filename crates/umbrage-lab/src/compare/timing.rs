@@ -39,15 +39,32 @@ fn time(
     };
     // The first one compiles and uploads.
     measure(backend)?;
-    let (mut spent, mut timings) = (Duration::ZERO, Vec::new());
-    let mut yards = vec![measure(backend)?];
-    while !runs.suffice(timings.len(), spent) {
+    let mut out = Timed { timings: Vec::new(), yards: vec![measure(backend)?] };
+    let mut spent = Duration::ZERO;
+    while !runs.suffice(out.timings.len(), spent) || runs.hopes(out.timings.len(), spent) && !out.is_calm(runs) {
         let start = Instant::now();
-        timings.push(backend.render(&view, recipe)?.timings);
+        out.timings.push(backend.render(&view, recipe)?.timings);
         spent += start.elapsed();
-        yards.push(measure(backend)?);
+        out.yards.push(measure(backend)?);
     }
-    Ok(Timed { timings, yards })
+    Ok(out)
+}
+
+/// Yardsticks beside a run that took more than this times the quickest of them tell that others held up the machine: such
+/// runs say nothing about the row.
+pub const CALM: f64 = 1.3;
+
+/// A run between two yardsticks, milliseconds; the yardsticks' a unit.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Window {
+    run: f64,
+    around: [f64; 2],
+}
+
+/// Ratios of the runs beside which no yardstick took more than [`CALM`] times `least`.
+pub(crate) fn calm(windows: &[Window], least: f64) -> Vec<f64> {
+    let calm = |w: &&Window| w.around[0].max(w.around[1]) <= CALM * least && w.around[0].min(w.around[1]) > 0.0;
+    windows.iter().filter(calm).map(|w| 2.0 * w.run / (w.around[0] + w.around[1])).collect()
 }
 
 /// Runs of a row, and the yardstick's times before the first and after each, milliseconds a unit.
@@ -67,30 +84,63 @@ impl Timed {
             receive: stage(|t| t.receive),
             total: stage(|t| Some(t.total())).unwrap_or_default(),
             yardstick: Spread::of(self.yards.iter().copied().flatten().collect()),
-            ratio: Ranks::of(self.ratios()),
+            ratio: Ranks::of(calm(&self.windows(), self.least())),
         }
     }
 
-    /// Each run over the mean of its two yardsticks.
-    fn ratios(&self) -> Vec<f64> {
-        let beside = |pair: &[Option<f64>]| Some((pair[0]? + pair[1]?) / 2.0).filter(|&mean| mean > 0.0);
-        let ratio = |(run, pair): (&Timings, &[Option<f64>])| Some(milliseconds(run.total()) / beside(pair)?);
-        self.timings.iter().zip(self.yards.windows(2)).filter_map(ratio).collect()
+    fn windows(&self) -> Vec<Window> {
+        let window = |(run, pair): (&Timings, &[Option<f64>])| {
+            Some(Window { run: milliseconds(run.total()), around: [pair[0]?, pair[1]?] })
+        };
+        self.timings.iter().zip(self.yards.windows(2)).filter_map(window).collect()
+    }
+
+    /// The quickest yardstick.
+    fn least(&self) -> f64 {
+        self.yards.iter().copied().flatten().fold(f64::INFINITY, f64::min)
+    }
+
+    /// Whether as many runs as are the least were calm, or the yardstick can't be timed.
+    fn is_calm(&self, runs: &Runs) -> bool {
+        let windows = self.windows();
+        windows.is_empty() || calm(&windows, self.least()).len() >= runs.least as usize
     }
 }
 
-/// A row's ratios to its yardstick, and its quickest run in milliseconds.
-type TimedRow = (Vec<f64>, f64);
+/// What timing a row again finds.
+#[derive(Clone, Debug)]
+pub(crate) struct Again {
+    /// Its runs.
+    pub(crate) windows: Vec<Window>,
+    /// The quickest run, milliseconds.
+    pub(crate) least_ms: f64,
+    /// The quickest yardstick, milliseconds a unit.
+    pub(crate) yardstick: f64,
+}
 
-/// Times rows of a scene once more, by their [stems](super::Row::stem): each row's ratios, and its quickest run in milliseconds;
-/// none where it can't be played any more.
+impl Default for Again {
+    fn default() -> Self {
+        Self { windows: Vec::new(), least_ms: f64::INFINITY, yardstick: f64::INFINITY }
+    }
+}
+
+impl Again {
+    /// Takes in another round.
+    pub(crate) fn add(&mut self, more: Self) {
+        self.windows.extend(more.windows);
+        self.least_ms = self.least_ms.min(more.least_ms);
+        self.yardstick = self.yardstick.min(more.yardstick);
+    }
+}
+
+/// Times rows of a scene once more, by their [stems](super::Row::stem); none where a row can't be played any more.
 pub(crate) fn again(
     input: &SceneInput,
     stems: &[String],
     options: &Options,
     runs: &Runs,
     backends: &mut Backends,
-) -> Result<Vec<Option<TimedRow>>, LabError> {
+) -> Result<Vec<Option<Again>>, LabError> {
     let (camera, light) = camera_and_light(&input.scene)?;
     let (camera, geometry) = (options.camera(camera), Geometry::bake(&input.scene)?);
     let receivers = backends.receivers.receivers(&camera, &geometry)?;
@@ -109,7 +159,8 @@ pub(crate) fn again(
             // Once before, since the first run compiles and uploads.
             backend.render(&view, &recipe)?;
             let timed = time(&mut **backend, (&view, Some(&receivers)), &recipe, (runs, cost_ms))?;
-            found = Some((timed.ratios(), timed.times().total.least));
+            let (windows, least_ms, yardstick) = (timed.windows(), timed.times().total.least, timed.least());
+            found = Some(Again { windows, least_ms, yardstick });
         }
         out.push(found);
     }
@@ -132,13 +183,38 @@ mod tests {
         Timed { timings, yards: yards.to_vec() }.times()
     }
 
-    /// A machine that gets slower and slower, and a row that takes three yardsticks all the time.
+    /// A machine that gets slower, and a row that takes three yardsticks all the time.
     #[test]
     fn what_slows_both_down_leaves_the_ratio() {
-        let found = timed(vec![run(6), run(12), run(18)], &[1.0, 3.0, 5.0, 7.0].map(Some));
-        assert_eq!(found.ratio, Ranks::of(vec![3.0; 3]));
-        assert_eq!((found.total.least, found.total.greatest), (6.0, 18.0));
-        assert_eq!(found.yardstick.map(|y| (y.median, y.runs)), Some((4.0, 4)));
+        let yards = [1.0, 1.04, 1.08, 1.12];
+        let runs: Vec<Timings> = yards
+            .windows(2)
+            .map(|pair| Timings {
+                receive: Some(Duration::from_secs_f64(1.5e-3 * (pair[0] + pair[1]))),
+                ..Timings::default()
+            })
+            .collect();
+        let found = timed(runs, &yards.map(Some));
+        let ratio = found.ratio.expect("calm");
+        assert!(
+            ratio.runs == 3 && (ratio.tenth - 3.0).abs() < 1e-5 && (ratio.greatest - 3.0).abs() < 1e-5,
+            "{ratio:?}"
+        );
+        assert!(
+            (found.total.least - 3.06).abs() < 1e-5 && (found.total.greatest - 3.3).abs() < 1e-5,
+            "{:?}",
+            found.total
+        );
+        assert_eq!(found.yardstick.map(|y| (y.median, y.runs)), Some((1.06, 4)));
+    }
+
+    /// The third yardstick was held up, and so may have been the runs beside it.
+    #[test]
+    fn runs_beside_a_yardstick_that_was_held_up_do_not_count() {
+        let found = timed(vec![run(6), run(60), run(600), run(6)], &[2.0, 2.0, 9.0, 2.0, 2.0].map(Some));
+        assert_eq!(found.ratio, Ranks::of(vec![3.0, 3.0]));
+        assert_eq!((found.total.greatest, found.total.runs), (600.0, 4), "plain times tell all");
+        assert_eq!(timed(vec![run(6)], &[2.0, 9.0].map(Some)).ratio, None, "never calm");
     }
 
     #[test]

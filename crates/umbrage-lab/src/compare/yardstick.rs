@@ -1,10 +1,10 @@
 //! A yardstick: fixed work, timed in turn with every row, so that rows of different runs are compared as multiples of it.
 //!
-//! What slows a machine down for a while (other programs, heat, a governor) slows the yardstick down, too, and cancels out of
-//! the ratio: duet benchmarking (Bulej, Horký, Tůma, Farquet and Prokopec 2020, "Duet Benchmarking: Improving Measurement
-//! Accuracy in the Cloud"). The work is a chain of table loads and integer products, played as a recipe: so it runs where the
-//! row runs, on the same threads or the same adapter, and is timed by the same clock. Nothing of the techniques, of the
-//! rasterisers or of the maps is in it; only the loop over receivers is shared with what it measures.
+//! What slows a machine down for a while (other programs, heat, a governor) slows the yardstick down, too, and cancels out
+//! of the ratio: duet benchmarking (Bulej, Horký, Tůma, Farquet and Prokopec 2020, "Duet Benchmarking: Improving
+//! Measurement Accuracy in the Cloud"). The work is a chain of table loads and integer products, played as a recipe: so it
+//! runs where the row runs, on the same threads or the same adapter, and is timed by the same clock. Nothing of the
+//! techniques, of the rasterisers or of the maps is in it; only the loop over receivers is shared with what it measures.
 
 use std::sync::{Arc, OnceLock};
 use umbrage_core::{
@@ -20,7 +20,8 @@ const ROWS: u32 = 1 << 16;
 
 /// The yardstick for a row: it keeps the row's images and tables, so that nothing is freed and made anew between the two.
 /// It is about as long as the row by its counted cost, which is the same on every run. A yardstick of another length meets
-/// other noise: what fits between two turns of the system's scheduler is never held up, what is ten times as long always is.
+/// other noise: what fits between two turns of the system's scheduler is never held up, what is ten times as long always
+/// is.
 #[derive(Clone, Debug)]
 pub struct Yardstick {
     /// What is played.
@@ -69,8 +70,8 @@ fn table() -> Arc<[[u32; 4]]> {
 uniforms! {
     /// Uniforms of [`YardstickKernel`].
     pub struct YardstickUniforms {
-        /// One less than the table's rows, a power of two. It comes first since it is always the same: Mesa's lavapipe compiles
-        /// a shader that branches on uniforms anew for every value of their buffer's first word.
+        /// One less than the table's rows, a power of two. It comes first since it is always the same: Mesa's lavapipe
+        /// compiles a shader that branches on uniforms anew for every value of their buffer's first word.
         pub mask: u32,
         /// Links of each receiver's chain.
         pub links: u32,

@@ -18,12 +18,15 @@ use umbrage_core::Invalid;
 /// Of each folder only its last run counts: scenes that an earlier one left there are ignored.
 ///
 /// # Errors
-/// When folders hold no scenes, scenes of different comparisons, one scene twice, or not all; or when a file cannot be
-/// read or written.
+/// When folders hold no scenes, scenes of different comparisons, one scene twice, figures that were changed, or not all scenes;
+/// or when a file cannot be read or written.
 pub fn merge(folders: &[PathBuf], out: &Path) -> Result<(Comparison, PathBuf), LabError> {
     let runs = folders.iter().map(|f| Run::read(f).map(|run| (f.as_path(), run))).collect::<Result<Vec<_>, _>>()?;
     let plan = one_plan(&runs)?.clone();
-    let mut found: Vec<_> = runs.iter().flat_map(|(folder, run)| run.scenes(folder)).collect();
+    let mut found = Vec::new();
+    for (folder, run) in &runs {
+        found.extend(run.scenes(folder)?);
+    }
     found.sort_by_key(|(_, s)| s.place);
     check(&plan, &found)?;
     let folder = Folder::create(out)?;

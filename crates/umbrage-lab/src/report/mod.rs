@@ -10,7 +10,8 @@
 //!   `.lookups.png`: where the maps are looked up. On request NumPy arrays, float32, H x W, row 0 on top, -1 where the
 //!   camera hits nothing: `<scene>/truth.npy`, `t.npy` (distance along the unit camera ray), `ambiguous.npy`,
 //!   `<technique>.<backend>.npy`. Where a technique has several settings, they are part of the name.
-//! * `<scene>/scene.json`: the scene's figures, for a run that goes on where another was stopped, and for [`merge`].
+//! * `<scene>/scene.json`: the scene's figures, for a run that goes on where another was stopped, and for [`merge`]; its first
+//!   entry is a checksum of the rest, so that figures which were changed by hand or cut off are not taken up.
 //! * `run.json`: which scenes belong to the folder's last run. Folders of other runs' scenes are left alone and ignored.
 //!
 //! Every file and every scene's folder is written whole under another name and then renamed.
@@ -43,6 +44,7 @@ use rayon::prelude::*;
 use run::Run;
 use std::path::{Path, PathBuf};
 use store::Stored;
+use umbrage_core::Invalid;
 
 /// A report in the making. Give it scenes as they come, then finish it.
 #[derive(Debug)]
@@ -70,16 +72,19 @@ impl Report {
 
     /// Whether the folder has this place's scene already, measured by this program, for the same plan, with the same
     /// backends and adapter, on the same kind of machine.
-    pub fn has(&self, place: usize, environment: &Environment) -> bool {
-        let Some(name) = self.run.plan.scenes.get(place) else { return false };
+    ///
+    /// # Errors
+    /// When it has figures that are not whole or were changed since: they are to be measured anew.
+    pub fn has(&self, place: usize, environment: &Environment) -> Result<bool, Invalid> {
+        let Some(name) = self.run.plan.scenes.get(place) else { return Ok(false) };
         let path = self.path.join(name);
         let arrays = !self.arrays || path.join("truth.npy").is_file();
         let undated = |e: &Environment| Environment { date: None, ..e.clone() };
-        Stored::read(&path).is_some_and(|s| {
+        Ok(Stored::read(&path)?.is_some_and(|s| {
             let known = !s.program.is_empty() && s.program == self.program;
             let same_run = known && undated(&s.environment) == undated(environment);
             arrays && same_run && s.place == place && s.plan == self.run.plan
-        })
+        }))
     }
 
     /// Writes a scene's figures, its pictures and, if asked for, its arrays.
@@ -124,8 +129,8 @@ impl Report {
     pub fn finish(self) -> Result<(Comparison, PathBuf), LabError> {
         let read = |&place: &usize| {
             let path = self.path.join(self.run.plan.scenes.get(place).map_or("", String::as_str));
-            let gone = || std::io::Error::other("the scene's figures are missing or damaged");
-            Stored::read(&path).ok_or_else(|| LabError::Write { path: path.join(store::FILE), source: gone() })
+            let gone = || std::io::Error::other("the scene's figures are missing");
+            Stored::read(&path)?.ok_or_else(|| LabError::Write { path: path.join(store::FILE), source: gone() })
         };
         let scenes = self.run.places.iter().map(read).collect::<Result<Vec<_>, _>>()?;
         assemble::write(&self.path, &self.folder, &scenes)

@@ -50,13 +50,17 @@ impl Run {
         serde_json::from_slice(&bytes).map_err(|e| refuse(format!("has a damaged {FILE}: {e}")))
     }
 
-    /// The run's scenes that are there, whole.
-    pub(super) fn scenes(&self, folder: &Path) -> Vec<(PathBuf, Stored)> {
-        let scene = |&place: &usize| {
-            let path = folder.join(self.plan.scenes.get(place)?);
-            let stored = Stored::read(&path)?;
-            (stored.place == place && stored.plan == self.plan).then_some((path, stored))
-        };
-        self.places.iter().filter_map(scene).collect()
+    /// The run's scenes that are there.
+    ///
+    /// # Errors
+    /// When one of them is damaged.
+    pub(super) fn scenes(&self, folder: &Path) -> Result<Vec<(PathBuf, Stored)>, Invalid> {
+        let mut out = Vec::new();
+        for &place in &self.places {
+            let Some(path) = self.plan.scenes.get(place).map(|name| folder.join(name)) else { continue };
+            let stored = Stored::read(&path)?.filter(|s| s.place == place && s.plan == self.plan);
+            out.extend(stored.map(|stored| (path, stored)));
+        }
+        Ok(out)
     }
 }

@@ -9,8 +9,10 @@ use serde::{Deserialize, Serialize};
 use std::{
     fs,
     hash::{DefaultHasher, Hash, Hasher},
+    io::ErrorKind,
     path::Path,
 };
+use umbrage_core::{Invalid, MOST_NAME};
 
 /// The file that makes a folder a scene's.
 pub(super) const FILE: &str = "scene.json";
@@ -50,21 +52,59 @@ pub(super) struct Stored {
     pub(super) result: SceneResult,
 }
 
+/// What the file begins with: the checksum of all that follows is its first entry, as sixteen hexadecimal digits.
+const BEFORE: &str = "{\n  \"checksum\": \"";
+/// What stands between the checksum and the rest.
+const AFTER: &str = "\",\n";
+
 impl Stored {
-    /// Reads a folder; none if it holds no scene, or a damaged one.
-    pub(super) fn read(folder: &Path) -> Option<Self> {
-        serde_json::from_slice(&fs::read(folder.join(FILE)).ok()?).ok()
+    /// Reads a folder; none if it holds no scene.
+    ///
+    /// # Errors
+    /// When the figures are not whole, or not as they were written.
+    pub(super) fn read(folder: &Path) -> Result<Option<Self>, Invalid> {
+        let path = folder.join(FILE);
+        let refuse = |why: String| {
+            let what = format!("`{}`", path.display());
+            Invalid::new(what, why, "measure the scene again: run the same command, or remove the scene's folder")
+        };
+        let text = match fs::read_to_string(&path) {
+            Ok(text) => text,
+            Err(e) if e.kind() == ErrorKind::NotFound => return Ok(None),
+            Err(e) => return Err(refuse(format!("cannot be read: {e}"))),
+        };
+        let parts = text.strip_prefix(BEFORE).and_then(|rest| rest.split_once(AFTER));
+        let Some((told, rest)) = parts else {
+            return Err(refuse("has no checksum: it is not whole, or another version wrote it".to_owned()));
+        };
+        let found = checksum(rest.as_bytes());
+        if told != found {
+            let why =
+                format!("was changed since it was written, or is not whole: its checksum is {found}, it says {told}");
+            return Err(refuse(why));
+        }
+        // What was written by this version and is whole can be read.
+        serde_json::from_str(&text).map(Some).map_err(|e| refuse(format!("is damaged: {e}")))
     }
 
     pub(super) fn write(&self, folder: &Folder) -> Result<(), LabError> {
         let broken = |e: serde_json::Error| LabError::Write { path: FILE.into(), source: e.into() };
-        folder.write(FILE, &serde_json::to_vec_pretty(self).map_err(broken)?)
+        let text = serde_json::to_string_pretty(self).map_err(broken)?;
+        let rest = text.strip_prefix("{\n").unwrap_or(&text);
+        folder.write(FILE, format!("{BEFORE}{}{AFTER}{rest}", checksum(rest.as_bytes())).as_bytes())
     }
 
     /// The folder's name.
     pub(super) fn name(&self) -> &str {
         self.plan.scenes.get(self.place).map_or("", String::as_str)
     }
+}
+
+/// FNV-1a of 64 bits (Fowler, Noll and Vo): the same for every version of the compiler, and different for any two texts that
+/// differ in one character.
+fn checksum(bytes: &[u8]) -> String {
+    let mix = |h: u64, b: &u8| (h ^ u64::from(*b)).wrapping_mul(0x0100_0000_01b3);
+    format!("{:016x}", bytes.iter().fold(0xcbf2_9ce4_8422_2325, mix))
 }
 
 /// A hash of the program that runs; empty if the system doesn't say where it is.
@@ -78,14 +118,42 @@ fn hash<T: Hash + ?Sized>(value: &T) -> String {
     format!("{:016x}", hasher.finish())
 }
 
+/// The report's own files: no scene's folder may have their names.
+const OWN: [&str; 9] = [
+    "index.html",
+    "rows.csv",
+    "overall.csv",
+    "results.json",
+    "run.json",
+    "chart-time.svg",
+    "chart-time.png",
+    "chart-cost.svg",
+    "chart-cost.png",
+];
+
 /// File names, numbered where scenes share a name.
 fn unique_names<'a>(scenes: impl Iterator<Item = &'a str>) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
-    for stem in scenes.map(slug) {
+    for scene in scenes {
+        // Scenes with longer names are refused; small letters may take more bytes than capital ones.
+        let mut stem = slug(scene);
+        stem.truncate(stem.floor_char_boundary(MOST_NAME));
         let numbered = (2..).map(|n| format!("{stem}-{n}"));
-        let free = |name: &String| !names.contains(name);
+        let free = |name: &String| !names.contains(name) && !OWN.contains(&&**name);
         let name = std::iter::once(stem.clone()).chain(numbered).find(free).unwrap_or(stem);
         names.push(name);
     }
     names
+}
+
+#[cfg(test)]
+mod tests {
+    use super::unique_names;
+
+    #[test]
+    fn folders_have_names_of_their_own() {
+        let names = ["Sun", "sun", "results.json", "con", "x.", "Ä", "ä"];
+        let folders = unique_names(names.into_iter());
+        assert_eq!(folders, ["sun", "sun-2", "results.json-2", "_con", "x", "ä", "ä-2"]);
+    }
 }

@@ -270,20 +270,48 @@ fn only_whole_scenes_of_the_same_run_are_taken_up() {
     let (out, here) = (dir.path().join("out"), Environment::default());
     let has = |plan: Plan, environment: &Environment, arrays| {
         let report = Report::create(&out, plan, &[0, 1], arrays).expect("writable");
-        [0, 1].map(|place| report.has(place, environment))
+        [0, 1].map(|place| report.has(place, environment).expect("whole"))
     };
     assert_eq!(has(plan(), &here, false), [true; 2]);
     assert_eq!(has(plan(), &Environment { date: Some("later".into()), ..here.clone() }, false), [true; 2]);
     assert_eq!(has(plan(), &Environment { commit: Some("other".into()), ..here.clone() }, false), [false; 2]);
     assert_eq!(has(Plan { options: "others".into(), ..plan() }, &here, false), [false; 2]);
     assert_eq!(has(plan(), &here, true), [false; 2], "arrays are asked for and not there");
-    let file = out.join(slug(NASTY)).join("scene.json");
-    let text = fs::read(&file).expect("there");
-    fs::write(&file, &text[..text.len() / 2]).expect("writable");
-    assert_eq!(has(plan(), &here, false), [false, true], "half a file is none");
-    let text = String::from_utf8(text).expect("text");
-    let program = store::program();
-    assert!(!program.is_empty() && text.contains(&program));
-    fs::write(&file, text.replace(&program, "another")).expect("writable");
+    let folder = out.join(slug(NASTY));
+    let stored = Stored::read(&folder).expect("whole").expect("there");
+    assert!(!stored.program.is_empty());
+    let other = Stored { program: "another".to_owned(), ..stored };
+    other.write(&Folder::create(&folder).expect("writable")).expect("writable");
     assert_eq!(has(plan(), &here, false), [false, true], "another program's figures");
+}
+
+/// One digit more or less, half a file, and a file of before there were checksums.
+#[test]
+fn figures_that_were_changed_are_not_taken_up() {
+    let (dir, _) = write(false);
+    let (out, here) = (dir.path().join("out"), Environment::default());
+    let file = out.join(slug(NASTY)).join("scene.json");
+    let text = fs::read_to_string(&file).expect("there");
+    let digit = text.replacen("\"rmse\": 0.2", "\"rmse\": 0.1", 1);
+    assert_ne!(digit, text);
+    let half = text[..text.len() / 2].to_owned();
+    let unmarked = format!("{{\n{}", text.split_once(",\n").expect("entries").1);
+    let emptied = String::new();
+    for spoilt in [digit, half, unmarked, emptied] {
+        fs::write(&file, &spoilt).expect("writable");
+        let report = Report::create(&out, plan(), &[0, 1], false).expect("writable");
+        let why = report.has(0, &here).expect_err("not as it was written").to_string();
+        assert!(why.contains("scene.json") && why.contains("checksum") && why.contains("again"), "{why}");
+        assert_eq!(report.has(1, &here), Ok(true), "the other scene is whole");
+        let why = merge(std::slice::from_ref(&out), &dir.path().join("merged")).expect_err("refused").to_string();
+        assert!(why.contains("scene.json") && why.contains("checksum"), "{why}");
+        let why = report.finish().expect_err("refused").to_string();
+        assert!(why.contains("scene.json"), "{why}");
+    }
+    fs::write(&file, &text).expect("writable");
+    let report = Report::create(&out, plan(), &[0, 1], false).expect("writable");
+    assert_eq!(report.has(0, &here), Ok(true));
+    // The checksum is an entry like any other to whoever reads the file.
+    let json: serde_json::Value = serde_json::from_str(&text).expect("valid");
+    assert!(json["checksum"].as_str().is_some_and(|sum| sum.len() == 16) && json["result"].is_object());
 }

@@ -7,8 +7,12 @@
 
 mod ambiguity;
 mod blockers;
+#[cfg(test)]
+mod oracle;
 mod points;
+mod polygon;
 mod tracer;
+mod vicinity;
 
 pub use points::{Point, Seen, trace_points};
 

@@ -34,7 +34,7 @@ impl Point {
     }
 
     /// The point at a pixel.
-    fn of_pixel(camera: &Camera, geometry: &Geometry, receivers: &Receivers, i: usize) -> Self {
+    pub(super) fn of_pixel(camera: &Camera, geometry: &Geometry, receivers: &Receivers, i: usize) -> Self {
         let (position, triangle) = (receivers.position(i), receivers.triangle[i]);
         let corners = geometry.corners(triangle).map(|c| (c - position).abs().max_element());
         let reach = corners.into_iter().fold((camera.eye() - position).length(), f32::max);

@@ -4,13 +4,16 @@ use super::{Point, Seen, TruthOptions};
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
 use umbrage_core::{
-    Bvh, Geometry, Invalid, Light,
+    Aabb, Bvh, Geometry, Invalid, Light,
     light_sample::{LightSampler, bitangent, kind, origin_offset, scrambled, segment, sobol_bits, tangent},
     math::dot3,
 };
 
 /// Blocks of samples whose scatter gives the standard error.
 const BLOCKS: u32 = 16;
+
+/// Greatest length of rays towards directional lights, metres: within the range of 32 bits after a division.
+const FARTHEST: f32 = 1e38;
 
 /// A light and the casters before it.
 pub(super) struct Tracer<'a> {
@@ -62,7 +65,7 @@ impl<'a> Tracer<'a> {
                 _ => None,
             },
             center: if empty { Vec3::ZERO } else { bounds.center() },
-            radius: if empty { 1.0 } else { bounds.extent().length() },
+            radius: if empty { 1.0 } else { bounds.diagonal() },
             sequence: (0..all_samples).map(sobol_bits).collect(),
             samples,
             all_samples,
@@ -73,7 +76,8 @@ impl<'a> Tracer<'a> {
     pub(super) fn ask(&self, point: &Point, lift: f32, memory: &mut Memory) -> Seen {
         let n = point.normal;
         let o = point.position + n * (lift * origin_offset(point.position, point.reach));
-        let far = 1.01 * ((o - self.center).length() + self.radius);
+        let to_center = Aabb::around([o, self.center]).diagonal();
+        let far = (1.01 * (to_center + self.radius)).min(FARTHEST);
         let mut blocks = Vec::new();
         let first = self.run(0..self.samples, point, o, far, memory, &mut blocks);
         let whole = if first.seen == 0 || first.seen == self.samples {

@@ -13,7 +13,7 @@ use crate::{SceneError, error::Place, obj};
 use std::path::Path;
 use table::{Source, Table};
 use toml::de::DeTable;
-use umbrage_core::{Geometry, Scene};
+use umbrage_core::{Geometry, MOST_NAME, Scene};
 
 /// Longest scene file that is read.
 const LONGEST: u64 = 16 << 20;
@@ -41,6 +41,8 @@ pub(crate) fn parse(text: &str, path: &Path, folder: &Path) -> Result<Scene, Sce
     if let Some(name) = root.get("name") {
         scene.name = name.text()?.to_owned();
         name.require(!scene.name.trim().is_empty(), "is empty", "give the scene a name, or leave it out")?;
+        let (length, mend) = (scene.name.len(), format!("use at most {MOST_NAME}: reports make it a folder's name"));
+        name.require(length <= MOST_NAME, &format!("is {length} bytes long"), &mend)?;
     }
     scene.lights = root.tables("light")?.iter().map(light::read).collect::<Result<_, _>>()?;
     root.require(!scene.lights.is_empty(), "has no [[light]]", "add one with kind = \"directional\" and a direction")?;

@@ -7,13 +7,13 @@ use super::{
 use crate::{
     SceneError,
     detail::{TextureFiles, with_tangents},
-    obj::{self, Part},
+    obj::{self, Part, SIZES},
     primitives::{block, grid, icosphere, mapped},
 };
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use umbrage_core::glam::{Affine3A, EulerRot, Mat4, Quat, Vec3, Vec4};
-use umbrage_core::{Instance, Mesh, Scene};
+use umbrage_core::{Aabb, Instance, Mesh, Scene};
 
 const KEYS: [&str; 8] = ["mesh", "shape", "matrix", "translate", "rotate_degrees", "scale", "casts", "receives"];
 const SHAPES: &[&str] = &["plane", "box", "sphere"];
@@ -39,6 +39,7 @@ pub(super) fn read_all(tables: &[Table<'_>], folder: &Path, scene: &mut Scene) -
         });
         let (casts, receives) = (table.flag_or_true("casts")?, table.flag_or_true("receives")?);
         let world_from_local = placement(table)?;
+        check_size(table, &item, world_from_local, parts.iter().map(|part| &scene.meshes[part.mesh]))?;
         let instance = |part: &Part| Instance {
             mesh: part.mesh,
             world_from_local,
@@ -49,6 +50,31 @@ pub(super) fn read_all(tables: &[Table<'_>], folder: &Path, scene: &mut Scene) -
         scene.instances.extend(parts.iter().map(instance));
     }
     Ok(())
+}
+
+/// Objects to sizes and places for which 32-bit geometry is too coarse, at the key that they come from.
+fn check_size<'a>(
+    table: &Table<'_>,
+    shape_or_mesh: &Item<'_>,
+    place: Affine3A,
+    meshes: impl Iterator<Item = &'a Mesh>,
+) -> Result<(), SceneError> {
+    let local = Aabb::around(meshes.flat_map(|mesh| mesh.positions.iter().copied()));
+    let first = |keys: &[&str]| keys.iter().find_map(|key| table.get(key)).unwrap_or_else(|| shape_or_mesh.clone());
+    let [least, most] = SIZES;
+    // Along its own axes; what is flat, such as a plane, has no size along one of them.
+    let axes = [place.matrix3.x_axis, place.matrix3.y_axis, place.matrix3.z_axis];
+    let sizes = axes.into_iter().zip(local.extent().to_array()).filter(|(_, size)| *size > 0.0);
+    let sizes: Vec<f32> = sizes.map(|(axis, size)| axis.as_dvec3().length() as f32 * size).collect();
+    // Nothing that isn't a number lies in a range.
+    if let Some(bad) = sizes.iter().find(|size| !(least..=most).contains(*size)) {
+        let why = format!("makes the object {bad:e} m across along one of its axes");
+        return Err(first(&["scale", "matrix"]).fault(&why, &format!("use sizes from {least:e} to {most:e} m")));
+    }
+    let far = local.corners().map(|p| place.transform_point3(p).abs().max_element());
+    let away = far.fold(0.0, f32::max);
+    let why = format!("puts the object {away:e} m from the origin");
+    first(&["translate", "matrix", "scale"]).require(away <= most, &why, &format!("use places within {most:e} m of it"))
 }
 
 /// What an object's look asks of its mesh; a model without needs brings its own looks.

@@ -225,14 +225,53 @@ fn faults_in_the_whole_are_told() {
         (format!("{LIGHT}{OBJECT}scale = 2\nmatrix = []"), "scene.toml:6: `object.scale`: stands beside `matrix`"),
         ("a = 1\nname = \"x".to_owned(), "scene.toml:2: "),
         ("name = \"x\"\nname = \"y\"".to_owned(), "scene.toml:2: "),
-        (format!("{LIGHT}{OBJECT}scale = 1e-9"), "scene.toml: is 2e-9 m across"),
+        (
+            format!("name = \"{}\"\n{LIGHT}{OBJECT}", "x".repeat(5000)),
+            "scene.toml:1: `name`: is 5000 bytes long; use at most 200",
+        ),
         (
             "[[light]]\nkind = \"rect\"\ncenter = [0, 1, 0]\nhalf_u = [1, 0, 0]\nhalf_v = [2, 0, 0]".to_owned(),
             "scene.toml:1: `light`: rect light, half_u x half_v is the zero vector",
         ),
     ];
+    check_all(&cases);
+}
+
+#[test]
+fn sizes_and_places_are_bounded() {
+    let cases = [
+        (
+            format!("{LIGHT}{OBJECT}scale = 1e-9"),
+            "scene.toml:6: `object.scale`: makes the object 2e-9 m across along one of its axes; use sizes from 1e-6 to 1e8 m",
+        ),
+        (
+            format!("{CAMERA}{LIGHT}{OBJECT}scale = 1e-20"),
+            "scene.toml:9: `object.scale`: makes the object 2e-20 m across",
+        ),
+        (
+            format!("{CAMERA}{LIGHT}{OBJECT}scale = 1e30"),
+            "scene.toml:9: `object.scale`: makes the object 2e30 m across",
+        ),
+        (
+            format!("{CAMERA}{LIGHT}{OBJECT}scale = [1, 1e-20, 1]"),
+            "scene.toml:9: `object.scale`: makes the object 2e-20",
+        ),
+        (
+            format!("{CAMERA}{LIGHT}{OBJECT}matrix = [[1e9,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]]"),
+            "scene.toml:9: `object.matrix`: makes the object 2e9 m across",
+        ),
+        (
+            format!("{CAMERA}{LIGHT}{OBJECT}scale = 2\ntranslate = [0, 1e30, 0]"),
+            "scene.toml:10: `object.translate`: puts the object 1e30 m from the origin; use places within 1e8 m",
+        ),
+    ];
+    check_all(&cases);
+}
+
+/// Each text is refused with a message that starts so.
+fn check_all(cases: &[(String, &str)]) {
     for (text, start) in cases {
-        let (_, message) = refused(&text);
+        let (_, message) = refused(text);
         assert!(message.starts_with(start), "{message}\nnot\n{start}");
     }
 }

@@ -27,7 +27,7 @@ const SUN_IN_VIEW: Vec3 = Vec3::new(0.75, -1.0, -0.15);
 /// The sun's width in the sky, degrees.
 const SUN_DEGREES: f32 = 0.53;
 /// Sizes in metres between which 32-bit geometry works: areas are squared on the way to unit normals.
-const SIZES: [f32; 2] = [1e-6, 1e8];
+pub(crate) const SIZES: [f32; 2] = [1e-6, 1e8];
 
 /// A model alone: framed, in the sun.
 pub(crate) fn load_scene(path: &Path) -> Result<Scene, SceneError> {

@@ -55,5 +55,6 @@ fn check_drawable(adapter: &Adapter, format: TextureFormat) -> Result<(), Backen
 fn missing(adapter: &Adapter, why: &str) -> BackendError {
     let info = adapter.get_info();
     let what = format!("graphics adapter {} ({})", info.name, info.backend);
-    Invalid::new(what, why, "choose another adapter or graphics API, or the CPU backend").into()
+    let mend = "choose another adapter (WGPU_ADAPTER_NAME) or graphics API (WGPU_BACKEND), or the CPU backend";
+    Invalid::new(what, why, mend).into()
 }

@@ -1,0 +1,158 @@
+//! What a comparison will take, told before it begins.
+
+use super::{Backends, Event, Options, SceneInput, compare, scene::camera_and_light, settings_of};
+use crate::LabError;
+use glam::UVec2;
+use std::{
+    sync::Mutex,
+    time::{Duration, Instant},
+};
+
+/// Bytes that are held for each pixel while rows are made, masks apart: receivers (eight floats, an id, a flag) of truth
+/// and of the backend, truth's answers, and the camera-sized images of techniques and adapters.
+const BYTES_A_PIXEL: u64 = 37 + 37 + 14 + 112;
+/// A mask's, one of which is kept for each row.
+const BYTES_A_MASK: u64 = 4;
+
+/// Images in which truth is traced once more to find out what is ambiguous.
+const PROBES: u64 = 6;
+
+/// The pilot's images, pixels at most. Their difference tells what a pixel takes, apart from what is the same at any size.
+const PILOTS: [u64; 2] = [64 * 48, 128 * 96];
+
+/// What a comparison takes, by counting.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Expected {
+    /// Scenes.
+    pub scenes: usize,
+    /// Rows of all scenes together.
+    pub rows: usize,
+    /// Pixels of all scenes' images together.
+    pub pixels: u64,
+    /// Rays that truth traces at most.
+    pub rays: u64,
+    /// Bytes held at a time, about: those of the scene that takes the most.
+    pub bytes: u64,
+}
+
+impl Expected {
+    /// Counts what comparing these scenes on so many backends takes.
+    ///
+    /// # Errors
+    /// When a scene has no camera or light, or the options are wrong.
+    pub fn new(inputs: &[SceneInput], options: &Options, backends: usize) -> Result<Self, LabError> {
+        let mut out = Self { scenes: inputs.len(), ..Self::default() };
+        for input in inputs {
+            let (camera, light) = camera_and_light(&input.scene)?;
+            let (pixels, rows) = (pixels(options.camera(camera).size), settings_of(input, options)?.len() * backends);
+            let truth = &options.truth;
+            let many = u64::from(truth.samples) * u64::from(truth.penumbra_factor);
+            let [most, probe] = if light.is_ideal() { [1, 1] } else { [many, u64::from(truth.probe_samples)] };
+            out.rows += rows;
+            out.pixels += pixels;
+            out.rays = out.rays.saturating_add(pixels.saturating_mul(most + PROBES * probe));
+            out.bytes = out.bytes.max(pixels * (BYTES_A_PIXEL + BYTES_A_MASK * rows as u64));
+        }
+        Ok(out)
+    }
+}
+
+fn pixels(size: UVec2) -> u64 {
+    u64::from(size.x) * u64::from(size.y)
+}
+
+/// About how long comparing these scenes takes, by comparing the largest of them at two small sizes: what a pixel adds
+/// is the same at any size.
+///
+/// # Errors
+/// When the scene can't be compared.
+pub fn pilot(inputs: &[SceneInput], options: &Options, backends: &mut Backends) -> Result<Duration, LabError> {
+    let size = |input: &SceneInput| Ok::<_, LabError>(options.camera(camera_and_light(&input.scene)?.0).size);
+    let sizes = inputs.iter().map(size).collect::<Result<Vec<_>, _>>()?;
+    let largest = inputs.iter().zip(&sizes).max_by_key(|(_, size)| pixels(**size));
+    let Some((input, &size)) = largest else { return Ok(Duration::ZERO) };
+    let [small, large] = PILOTS.map(|most| reduced(size, most));
+    // The first one compiles shaders, too.
+    once(input, options, small, backends)?;
+    let times = [once(input, options, small, backends)?, once(input, options, large, backends)?];
+    let wanted: Vec<u64> = sizes.iter().map(|&size| pixels(size)).collect();
+    Ok(Duration::from_secs_f64(extrapolated(times, [small, large].map(pixels), &wanted)))
+}
+
+/// Seconds for images of these sizes, from those of two sizes: linear, and never falling.
+fn extrapolated([at_small, at_large]: [f64; 2], [small, large]: [u64; 2], wanted: &[u64]) -> f64 {
+    let a_pixel = ((at_large - at_small) / (large.max(small + 1) - small) as f64).max(0.0);
+    let fixed = (at_small - a_pixel * small as f64).max(0.0);
+    wanted.iter().map(|&pixels| fixed + a_pixel * pixels as f64).sum()
+}
+
+/// The same shape with at most so many pixels.
+fn reduced(size: UVec2, most: u64) -> UVec2 {
+    let by = (most as f64 / pixels(size) as f64).sqrt().min(1.0);
+    (size.as_dvec2() * by).floor().as_uvec2().max(UVec2::ONE)
+}
+
+/// Seconds that a comparison of this size would take, with as many runs of each row as are the least.
+fn once(input: &SceneInput, options: &Options, size: UVec2, backends: &mut Backends) -> Result<f64, LabError> {
+    let untimed = Options { size: Some(size), runs: None, ..options.clone() };
+    let (start, first_row) = (Instant::now(), Mutex::new(None));
+    let note = |event: Event<'_>| {
+        if let (Event::Row { .. }, Ok(mut first)) = (event, first_row.lock()) {
+            first.get_or_insert_with(Instant::now);
+        }
+    };
+    compare(std::slice::from_ref(input), &untimed, backends, &mut |_, _| Ok(()), &note)?;
+    let end = Instant::now();
+    let rows_from = first_row.lock().ok().and_then(|first| *first).unwrap_or(end);
+    // A timed row is played once for its mask, and then in turn with its yardstick.
+    let plays = options.runs.map_or(1.0, |runs| 1.0 + 2.0 * f64::from(runs.least.max(1)));
+    Ok((rows_from - start).as_secs_f64() + plays * (end - rows_from).as_secs_f64())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::truth::TruthOptions;
+    use umbrage_cpu::Cpu;
+
+    fn input(name: &str) -> SceneInput {
+        let scene = (umbrage_scenes::find(name).expect("built in").build)();
+        SceneInput { scene, summary: String::new(), fit: None }
+    }
+
+    #[test]
+    fn a_huge_image_is_counted_before_it_is_made() {
+        let options = Options { techniques: vec!["hard".into()], size: Some(UVec2::splat(16_384)), ..Options::quick() };
+        let of = |name: &str| Expected::new(&[input(name)], &options, 2).expect("valid");
+        let (sun, lamp) = (of("cubes"), of("teapot-lamp"));
+        assert_eq!((sun.pixels, sun.rows, sun.rays), (1 << 28, 6, 7 << 28));
+        // 256 rays in penumbrae, and six probes of 16.
+        assert_eq!(lamp.rays, (256 + 96) << 28);
+        assert!(sun.bytes > 50 << 30, "{} GiB", sun.bytes >> 30);
+        let both = Expected::new(&[input("cubes"), input("teapot-lamp")], &options, 2).expect("valid");
+        assert_eq!((both.scenes, both.rows, both.pixels), (2, 12, 2 << 28));
+        assert_eq!((both.rays, both.bytes), (sun.rays + lamp.rays, lamp.bytes), "one scene at a time");
+    }
+
+    #[test]
+    fn time_grows_with_pixels_alone() {
+        let of = |times, wanted: &[u64]| extrapolated(times, [1000, 3000], wanted);
+        assert!((of([3.0, 5.0], &[1_000_000]) - 1002.0).abs() < 1e-6);
+        assert!((of([3.0, 5.0], &[1000, 2000]) - 7.0).abs() < 1e-9);
+        assert_eq!(of([5.0, 3.0], &[1_000_000]), 5.0, "noise must not make it negative");
+    }
+
+    #[test]
+    fn a_pilot_keeps_the_images_shape_and_ends() {
+        assert_eq!(reduced(UVec2::splat(16_384), 64 * 48), UVec2::splat(55));
+        assert_eq!(reduced(UVec2::new(16_384, 2), 64 * 48), UVec2::new(5016, 1));
+        assert_eq!(reduced(UVec2::new(8, 6), 64 * 48), UVec2::new(8, 6));
+        let truth = TruthOptions { samples: 4, probe_samples: 4, ..TruthOptions::default() };
+        let options =
+            Options { techniques: vec!["hard".into()], size: Some(UVec2::splat(2048)), truth, ..Options::quick() };
+        let mut cpu = Backends::of(vec![Box::new(Cpu::new())]);
+        let found = pilot(&[input("cubes")], &options, &mut cpu).expect("valid");
+        assert!(found > Duration::ZERO, "{found:?}");
+        assert_eq!(pilot(&[], &options, &mut cpu).expect("nothing"), Duration::ZERO);
+    }
+}

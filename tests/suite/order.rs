@@ -1,0 +1,93 @@
+//! Any-hit rays have one answer, whoever asks the triangles and in which order: the CPU's eight-way hierarchy, the
+//! shader's two-way one, and all triangles one after the other, shuffled; up to 1e6 m from the origin.
+
+use std::fmt::Write as _;
+use umbrage_core::{
+    Aabb, Backend, Geometry, Scene, ShadowTechnique, View,
+    bvh::segment_hits,
+    glam::{Vec2, Vec3},
+    light_sample::{LightSampler, hash, origin_offset, segment},
+};
+use umbrage_cpu::Cpu;
+use umbrage_techniques::Traced;
+use umbrage_tests::gpu::gpu;
+
+/// Spheres over a floor, so far from the origin along x and z. At 1e6 m positions lie on a grid of 6 cm, and most of the
+/// triangles lose their area: one was hit from anywhere in its plane, unless a hierarchy happened to skip it.
+fn far_scene(metres: f64, light: &str) -> Scene {
+    let at = |x: f64, y: f64, z: f64| format!("[{}, {y:?}, {}]", metres + x, metres + z);
+    let mut text = format!(
+        "name = \"far\"\n[camera]\neye = {}\ntarget = {}\nfov_y_degrees = 40\nsize = [160, 120]\n[[light]]\n{light}\n",
+        at(3.0, 3.0, 5.0),
+        at(0.0, 0.5, 0.0)
+    );
+    for (shape, scale, place) in
+        [("plane", 4.0, at(0.0, 0.0, 0.0)), ("sphere", 0.6, at(0.2, 0.8, 0.3)), ("sphere", 0.2, at(-1.0, 1.5, 0.5))]
+    {
+        writeln!(text, "[[object]]\nshape = \"{shape}\"\nscale = {scale}\ntranslate = {place}").expect("fits");
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("far.toml");
+    std::fs::write(&path, text).expect("written");
+    umbrage_scenes::by_argument(path.to_str().expect("plain")).expect("a good scene")
+}
+
+const SUN: &str = "kind = \"directional\"\ndirection = [-0.5, -0.7, -0.3]";
+
+/// What `traced` says of each pixel, found without a hierarchy.
+fn brute_force(view: &View<'_>, geometry: &Geometry, order: &[u32]) -> Vec<f32> {
+    let receivers = view.receivers.expect("given");
+    let eye = view.camera.eye();
+    let all = geometry.bounds().union(&Aabb::around([eye]));
+    let (reach, far) = (all.min.abs().max(all.max.abs()).max_element(), 2.0 * all.extent().length());
+    let light = LightSampler::new(view.light);
+    let lit = |i: usize| {
+        let (p, n): (Vec3, Vec3) = (receivers.position(i), receivers.normal(i));
+        let o = p + n * origin_offset(p, reach);
+        let d = segment(&light, o, Vec2::ZERO, far);
+        let hides = |&id: &u32| {
+            let [a, b, c] = geometry.corners(id);
+            id != receivers.triangle[i] && segment_hits(o, d, a, b, c)
+        };
+        n.dot(d) > 0.0 && !order.iter().any(hides)
+    };
+    (0..receivers.len()).map(|i| if !receivers.receives[i] || lit(i) { 1.0 } else { 0.0 }).collect()
+}
+
+#[test]
+fn hierarchies_and_lists_in_any_order_agree_up_to_a_million_metres() {
+    for metres in [0.0, 1e2, 1e4, 1e5, 1e6] {
+        let scene = far_scene(metres, SUN);
+        let geometry = Geometry::bake(&scene).expect("valid");
+        let mut cpu = Cpu::new();
+        let receivers = cpu.receivers(&scene.cameras[0], &geometry).expect("valid");
+        let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry).with_receivers(&receivers);
+        let recipe = Traced::default().plan(&view).expect("served");
+        let mine = cpu.render(&view, &recipe).expect("plays").mask;
+        let mut order: Vec<u32> = geometry.casters().collect();
+        order.sort_by_key(|&id| hash(id));
+        let expected = brute_force(&view, &geometry, &order);
+        let differing = |mask: &[f32]| mask.iter().zip(&expected).filter(|(a, b)| a != b).count();
+        assert_eq!(differing(&mine), 0, "pixels on the CPU at {metres} m");
+        let mut gpu = gpu();
+        let theirs = gpu.render(&view, &recipe).expect("plays").mask;
+        // Other drivers may divide in another way, and so shear.
+        if gpu.is_pinned_lavapipe() {
+            assert_eq!(differing(&theirs), 0, "pixels on the GPU at {metres} m");
+        }
+        let dark = expected.iter().filter(|v| **v == 0.0).count();
+        assert!((300..15_000).contains(&dark), "at {metres} m the test tells little: {dark} dark pixels");
+    }
+}
+
+/// The scene shows it: at 1e6 m many triangles are without area, yet have corners apart.
+#[test]
+fn far_away_triangles_lose_their_area() {
+    let geometry = Geometry::bake(&far_scene(1e6, SUN)).expect("valid");
+    let flat = |id: u32| {
+        let [a, b, c] = geometry.corners(id);
+        (b - a).cross(c - a) == Vec3::ZERO && a != b && b != c && c != a
+    };
+    let count = geometry.casters().filter(|&id| flat(id)).count();
+    assert!(count > 100, "{count}");
+}
