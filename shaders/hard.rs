@@ -7,6 +7,7 @@
 use crate::batch::{Taps, look_up_span};
 use crate::lookup::{DepthMap, Lookup, MapLookup, TAP};
 use crate::shadow_map::ShadowMap;
+use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
     Inputs, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span, UniformLayout, Uniforms, View,
@@ -63,6 +64,11 @@ impl ReceiveKernel for HardKernel {
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
         let taps = OneTap { map: self.0.map(&inputs.images[0]) };
         look_up_span(inputs.simd, &self.0, span, out, &taps);
+    }
+
+    /// Never beyond the receiver's own texel, also where a technique that reaches farther falls back on this kernel.
+    fn reach(&self, _: Vec3, _: Vec3) -> Option<f32> {
+        Some(0.0)
     }
 }
 

@@ -6,14 +6,17 @@ mod batch;
 mod bias;
 mod blinn_phong;
 mod catalogue;
+mod depth_in_reach;
 mod endless;
 mod extrusion;
 pub mod facing;
 mod grazing;
 mod hard;
+mod horizon;
 mod interpolation;
 mod lane_plane;
 mod lanes;
+mod least_depth;
 mod light_extent;
 mod lighting;
 pub mod lookup;
@@ -26,6 +29,7 @@ mod pcf_dithered;
 mod pcf_hardware;
 mod pcf_merged;
 pub mod pcss;
+mod pcss_lanes;
 mod planar;
 mod planar_flatten;
 mod planar_matrix;
@@ -51,7 +55,10 @@ mod window;
 pub use bias::{Bias, Footprint};
 pub use blinn_phong::{BlinnPhong, BlinnPhongKernel, BlinnPhongUniforms, Shading};
 pub use catalogue::{Entry, Settings, all, find};
+pub use depth_in_reach::{DepthInReachKernel, DepthInReachUniforms};
 pub use hard::{Hard, HardKernel};
+pub use horizon::Horizon;
+pub use least_depth::{LeastDepthKernel, LeastDepthUniforms};
 pub use light_extent::LightExtent;
 pub use midpoint::{BetweenKernel, BetweenUniforms, Midpoint};
 pub use pattern::Pattern;
@@ -85,6 +92,7 @@ pub fn twins() -> impl Iterator<Item = &'static Twin> {
         pattern::TWINS,
         soft_taps::TWINS,
         light_extent::TWINS,
+        horizon::TWINS,
         facing::TWINS,
     ]
     .into_iter()

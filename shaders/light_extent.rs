@@ -110,11 +110,26 @@ fn reach(shape: Shape, across: Vec4, along: Vec4, size: u32) -> f32 {
 
 /// The same for a receiver `from_middle` texels right and down of the map's middle.
 pub(crate) fn reach_at(shape: Shape, across: Vec4, along: Vec4, from_middle: Vec2) -> f32 {
-    let a = light_axes(across, along, from_middle).abs();
-    match shape {
-        Shape::Square => (a.x + a.z).max(a.y + a.w),
-        Shape::Disc => a.x.hypot(a.z).max(a.y.hypot(a.w)),
+    let square = u32::from(shape == Shape::Square);
+    reach_along(square, light_axes(across, along, from_middle)).max_element()
+}
+
+/// How far a parallelogram (`square` is 1) or an ellipse (0) with these half axes reaches from its middle, right and down.
+#[inline(always)]
+pub(crate) fn reach_along(square: u32, axes: Vec4) -> Vec2 {
+    let a = axes;
+    if square != 0 {
+        return Vec2::new(a.x.abs() + a.z.abs(), a.y.abs() + a.w.abs());
     }
+    Vec2::new((a.x * a.x + a.z * a.z).sqrt(), (a.y * a.y + a.w * a.w).sqrt())
+}
+
+/// The difference of clip depths that moves the light's rim by one texel, for what [`reach_along`] says of a unit of it.
+/// Bounded, so that its square is a number.
+#[inline(always)]
+pub(crate) fn texel_depth(reach: Vec2) -> f32 {
+    let farthest = if reach.x > reach.y { reach.x } else { reach.y };
+    1.0 / farthest.clamp(1e-9, 1e9)
 }
 
 /// [`LightExtent::across`] and [`LightExtent::along`] of one face.
@@ -123,8 +138,12 @@ fn axes_on(light: &Light, space: &LightSpace, size: u32) -> [Vec4; 2] {
     let half = f64::from(size) * 0.5;
     let (right, down) = (projection.x_axis.x * half, -projection.y_axis.y * half);
     let per_depth = per_depth(&space.clip_from_view);
-    let on_map = |s: DVec3| (DVec3::new(s.x * right, s.y * down, s.z) * per_depth).as_vec3().extend(0.0);
-    let [mut across, mut along] = match half_axes(light, &space.view_from_world.as_dmat4()) {
+    let view_from_world = space.view_from_world.as_dmat4();
+    let on_map = |axis: DVec3| {
+        let s = view_from_world.transform_vector3(axis);
+        (DVec3::new(s.x * right, s.y * down, s.z) * per_depth).as_vec3().extend(0.0)
+    };
+    let [mut across, mut along] = match half_axes(light, &view_from_world.inverse()) {
         HalfAxes::Flat(u, v) => [on_map(u), on_map(v)],
         HalfAxes::Ball(radius) => {
             [Vec4::new((radius * right * per_depth) as f32, 0.0, 0.0, (1.0 / right) as f32), Vec4::ZERO]
@@ -144,34 +163,39 @@ fn per_depth(clip_from_view: &Mat4) -> f64 {
     if clip_from_view.row(3) == Vec4::W { -1.0 / a } else { -1.0 / b }
 }
 
-enum HalfAxes {
-    /// Of a parallelogram or an ellipse, view space: metres, or tangents for suns.
+/// A light's half axes, world space.
+pub(crate) enum HalfAxes {
+    /// Of a parallelogram or an ellipse: metres, or tangents for suns.
     Flat(DVec3, DVec3),
     /// A ball's radius.
     Ball(f64),
 }
 
-fn half_axes(light: &Light, view_from_world: &DMat4) -> HalfAxes {
-    let in_view = |v: DVec3| view_from_world.transform_vector3(v);
+/// `world_from_view` is of the light's map: a sun's axes lie along it.
+pub(crate) fn half_axes(light: &Light, world_from_view: &DMat4) -> HalfAxes {
     let disc = |normal: glam::Vec3, radius: f32| {
         let (u, v) = normal.as_dvec3().normalize_or(DVec3::Y).any_orthonormal_pair();
-        HalfAxes::Flat(in_view(u) * f64::from(radius), in_view(v) * f64::from(radius))
+        HalfAxes::Flat(u * f64::from(radius), v * f64::from(radius))
     };
     match *light {
         Light::Directional { angular_diameter, .. } => {
             let tangent = (f64::from(angular_diameter) * 0.5).tan();
-            HalfAxes::Flat(DVec3::X * tangent, DVec3::Y * tangent)
+            let along = |axis: DVec3| world_from_view.transform_vector3(axis) * tangent;
+            HalfAxes::Flat(along(DVec3::X), along(DVec3::Y))
         }
         Light::Spot { direction, radius, .. } => disc(direction, radius),
         Light::Disc { normal, radius, .. } => disc(normal, radius),
-        Light::Rect { half_u, half_v, .. } => HalfAxes::Flat(in_view(half_u.as_dvec3()), in_view(half_v.as_dvec3())),
+        Light::Rect { half_u, half_v, .. } => HalfAxes::Flat(half_u.as_dvec3(), half_v.as_dvec3()),
         Light::Point { radius, .. } => HalfAxes::Ball(f64::from(radius)),
     }
 }
 
 /// The pairs, for the lockstep tests.
-pub(crate) const TWINS: &[Twin] =
-    &[twin!(LIGHT_EXTENT, light_axes(across: Vec4, along: Vec4, from_middle: Vec2) -> Vec4)];
+pub(crate) const TWINS: &[Twin] = &[
+    twin!(LIGHT_EXTENT, light_axes(across: Vec4, along: Vec4, from_middle: Vec2) -> Vec4),
+    twin!(LIGHT_EXTENT, reach_along(square: u32, axes: Vec4) -> Vec2),
+    twin!(LIGHT_EXTENT, texel_depth(reach: Vec2) -> f32),
+];
 
 #[cfg(test)]
 #[path = "light_extent_tests.rs"]

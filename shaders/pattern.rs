@@ -13,7 +13,7 @@
 //! Duty: Advanced Warfare"): bands become fine noise.
 
 use crate::soft_taps::TapSet;
-use glam::{DVec2, Vec2, Vec4};
+use glam::{DVec2, Vec2, Vec3, Vec4};
 use serde::{Deserialize, Serialize};
 use std::{
     f64::consts::TAU,
@@ -28,7 +28,7 @@ use umbrage_core::{
 /// The WGSL half. It reads the kernel's first table.
 pub const PATTERN: Module = Module { name: "pattern", text: include_str!("pattern.wgsl") };
 
-/// Most taps accepted: the blockers' depths, [`DEPTH_UNITS`](crate::pcss::DEPTH_UNITS) each, are added up in 31 bits.
+/// Most taps accepted. Of many more, those around the middle would no longer be told apart by their distance from it.
 pub const MAX_TAPS: u32 = 255;
 
 /// Into how many steps a pixel's turn is divided.
@@ -40,6 +40,10 @@ const CANDIDATES: u32 = 32;
 const POISSON_SEED: u32 = 0x5eed;
 /// Fraction of a turn between neighbours of Vogel's spiral: 2 minus the golden ratio.
 const GOLDEN: f64 = 0.381_966_011_250_105_1;
+
+/// No tap counts as nearer to the middle than this: less than the innermost of [`MAX_TAPS`] even ones,
+/// sqrt(1/2 / [`MAX_TAPS`]).
+const INNERMOST: f32 = 1.0 / 32.0;
 
 /// How taps are spread.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -139,7 +143,8 @@ fn distance_squared(shape: Shape, a: Vec2, b: Vec2) -> f32 {
 /// Sets of taps and all turns, as both halves read them.
 #[derive(Clone, Debug)]
 pub(crate) struct PatternTable {
-    /// A row (x, y, 0, 0) for each tap of each set in turn, then a row (cos, sin, shift x, shift y) for each turn.
+    /// A row (x, y, least distance from the middle, 0) for each tap of each set in turn, then a row (cos, sin, shift x, shift y)
+    /// for each turn. See [`from_middle`].
     pub(crate) table: Table,
     pub(crate) shape: Shape,
     pub(crate) sets: Vec<TapSet>,
@@ -176,12 +181,14 @@ impl PatternTable {
     }
 
     fn build(pattern: Pattern, shape: Shape, counts: &[u32]) -> Self {
-        let sets: Vec<Vec<Vec2>> = counts.iter().map(|&count| spread(pattern, shape, count)).collect();
+        let place = |q: Vec2| q.extend(if shape == Shape::Disc { q.length().max(INNERMOST) } else { INNERMOST });
+        let set = |&count: &u32| spread(pattern, shape, count).into_iter().map(place).collect();
+        let sets: Vec<Vec<Vec3>> = counts.iter().map(set).collect();
         let turns: Vec<Vec4> = (0..TURNS).map(|k| turn(shape, k)).collect();
-        let taps = sets.iter().flatten().map(|q| q.extend(0.0).extend(0.0));
+        let taps = sets.iter().flatten().map(|q| q.extend(0.0));
         let rows = taps.chain(turns.iter().copied()).map(|row| row.to_array().map(f32::to_bits)).collect();
         let table = Table { label: "sample pattern", rows };
-        Self { table, shape, sets: sets.into_iter().map(TapSet::new).collect(), turns }
+        Self { table, shape, sets: sets.into_iter().map(|taps| TapSet { taps }).collect(), turns }
     }
 }
 
@@ -220,11 +227,39 @@ pub fn wrapped(x: f32) -> f32 {
     if x >= 1.0 { x - 2.0 } else { x }
 }
 
+/// How far a tap lies from the pattern's middle; 1 is the rim. `least` is the third number of its row: for discs, whose taps
+/// keep their distance whichever way they are turned, all there is to know.
+#[inline(always)]
+pub fn from_middle(x: f32, y: f32, least: f32) -> f32 {
+    let farther = if x.abs() > y.abs() { x.abs() } else { y.abs() };
+    if farther > least { farther } else { least }
+}
+
+/// What draws a tap at the distance `m` from the middle closer to it, to the distance m^3: then half of the taps lie within a
+/// third of the rim's distance instead of within seven tenths. Searches for blockers take it, since the nearer a blocker is to
+/// the receiver, the nearer to the middle it must lie to hide any light.
+#[inline(always)]
+pub fn closer_by(m: f32) -> f32 {
+    m * m
+}
+
+/// What a blocker, `nearer` than the receiver by that much, weighs if it is found at a tap that was at the distance `m`: the
+/// share of the light that it hides, times a number that is the same for all taps. Drawn to the distance m^3, a tap stands
+/// for an area in proportion to d(m^6) / d(m^2) = 3 m^4; and seen past a blocker twice as near, the light is four times as
+/// large.
+#[inline(always)]
+pub fn tap_weight(m: f32, nearer: f32) -> f32 {
+    m * m * (m * m) / (nearer * nearer)
+}
+
 /// The pairs, for the lockstep tests.
 pub const TWINS: &[Twin] = &[
     twin!(PATTERN, noise_index(x: u32, y: u32) -> u32),
     twin!(PATTERN, turned(axes: Vec4, turn: Vec2) -> Vec4),
     twin!(PATTERN, wrapped(x: f32) -> f32),
+    twin!(PATTERN, closer_by(m: f32) -> f32),
+    twin!(PATTERN, tap_weight(m: f32, nearer: f32) -> f32),
+    twin!(PATTERN, from_middle(x: f32, y: f32, least: f32) -> f32),
 ];
 
 #[cfg(test)]

@@ -17,3 +17,15 @@ fn turned(axes: vec4f, turn: vec2f) -> vec4f {
 fn wrapped(x: f32) -> f32 {
     return select(x, x - 2.0, x >= 1.0);
 }
+
+fn from_middle(x: f32, y: f32, least: f32) -> f32 {
+    return max(max(abs(x), abs(y)), least);
+}
+
+fn closer_by(m: f32) -> f32 {
+    return m * m;
+}
+
+fn tap_weight(m: f32, nearer: f32) -> f32 {
+    return m * m * (m * m) / (nearer * nearer);
+}

@@ -62,3 +62,22 @@ fn bad_counts_are_refused_and_equal_tables_shared() {
     assert!(!Arc::ptr_eq(&make(5).table.rows, &make(6).table.rows));
     assert_eq!(make(5).table.rows.len(), 8 + TURNS as usize);
 }
+
+/// Taps drawn closer, each with its weight, stand for areas: those within a distance add up to the distance's square. A
+/// border may gain or lose a ring of taps, of which 255 lie in about 9 rings.
+#[test]
+fn taps_drawn_closer_keep_their_areas() {
+    for shape in [Shape::Disc, Shape::Square] {
+        let taps: Vec<(f32, f32)> = spread(Pattern::Vogel, shape, MAX_TAPS)
+            .iter()
+            .map(|q| if shape == Shape::Disc { q.length() } else { q.abs().max_element() })
+            .map(|m| (m * closer_by(m), tap_weight(m, 2.0)))
+            .collect();
+        let all: f32 = taps.iter().map(|tap| tap.1).sum();
+        for distance in [0.25_f32, 0.5, 0.75] {
+            let within: f32 = taps.iter().filter(|tap| tap.0 <= distance).map(|tap| tap.1).sum();
+            assert!((within / all - distance * distance).abs() < 0.03, "{shape:?} {distance}: {}", within / all);
+        }
+    }
+    assert_eq!(tap_weight(0.5, 1.0), 4.0 * tap_weight(0.5, 2.0));
+}

@@ -164,7 +164,7 @@ impl SimdTask for DiscBatch<'_> {
         let lay = |_: &Lookup, number| {
             let turn = turn_at(pattern, u.turns, disc.pixel, first + number);
             let axes = turned(Vec4::new(u.radius, 0.0, 0.0, u.radius), Vec2::new(turn.x, turn.y));
-            Laid { axes, shift: Vec2::ZERO, most: 1.0 }
+            Some(Laid { axes, ..Laid::default() })
         };
         let receivers = Receivers::seen(batch, out.len(), disc.at.map.size, lay);
         out.fill(1.0);

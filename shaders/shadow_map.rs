@@ -234,12 +234,17 @@ pub struct Maps {
 }
 
 impl Maps {
-    fn image(&mut self, desc: ImageDesc) -> ImageId {
+    pub(crate) fn image(&mut self, desc: ImageDesc) -> ImageId {
         self.images.push(desc);
         self.images.len() - 1
     }
 
-    fn filter(&mut self, kernel: Arc<dyn umbrage_core::FilterKernel>, inputs: Vec<ImageId>, output: ImageId) {
+    pub(crate) fn filter(
+        &mut self,
+        kernel: Arc<dyn umbrage_core::FilterKernel>,
+        inputs: Vec<ImageId>,
+        output: ImageId,
+    ) {
         self.filters.push(Filter { kernel, inputs, tables: Vec::new(), output });
     }
 

@@ -1,6 +1,6 @@
 //! Comparisons at the taps of a pattern, laid over an ellipse or a parallelogram of the map. Shared by what filters over
-//! patterns. Receivers are the lanes: all of a batch go to their first tap, then all to their second. Counts and sums are
-//! whole numbers, which add in any order: so lanes agree with the shader's loop to the bit.
+//! patterns. Receivers are the lanes: all of a batch go to their first tap, then all to their second. Each lane adds up in the
+//! order of the shader's loop, so both agree to the bit.
 
 use crate::{
     batch::{BATCH, Batch},
@@ -8,7 +8,7 @@ use crate::{
     packing::unpack_depth,
     pattern::{PatternTable, Shape, noise_index, wrapped},
 };
-use glam::{UVec2, Vec2, Vec4};
+use glam::{UVec2, Vec2, Vec3, Vec4};
 use umbrage_core::{Module, Twin, twin};
 
 /// The WGSL half. It reads the kernel's first image and table, and needs the modules `lookup` and `pattern`.
@@ -21,19 +21,12 @@ const NOWHERE: u32 = u32::MAX;
 /// 2^23: floats from here on are whole, and the bits below the exponent count from it.
 const WHOLE: f32 = 8_388_608.0;
 /// Batches at most this full are followed half as wide.
-const HALF: usize = BATCH / 2;
+pub(crate) const HALF: usize = BATCH / 2;
 
-/// One set of taps.
+/// One set of taps: x, y, least distance from the middle (see [`from_middle`](crate::pattern::from_middle)).
 #[derive(Clone, Debug)]
 pub(crate) struct TapSet {
-    pub(crate) count: u32,
-    taps: Vec<Vec2>,
-}
-
-impl TapSet {
-    pub(crate) fn new(taps: Vec<Vec2>) -> Self {
-        Self { count: taps.len() as u32, taps }
-    }
+    pub(crate) taps: Vec<Vec3>,
 }
 
 /// The pattern's turn at a pixel: (cos, sin, shift x, shift y). `mask` is 0 to turn it nowhere, else one less than the
@@ -47,13 +40,18 @@ pub(crate) fn turn_at(table: &PatternTable, mask: u32, first: UVec2, offset: usi
 /// driver was seen to add in another order.
 #[inline(always)]
 pub(crate) fn tap_place(from: Vec2, axes: Vec4, q: Vec2, shift: Vec2) -> Vec2 {
-    let (x, y) = (wrapped(q.x + shift.x), wrapped(q.y + shift.y));
-    Vec2::new(placed(from.x, axes.x, axes.z, [x, y]), placed(from.y, axes.y, axes.w, [x, y]))
+    place(from, axes, Vec2::new(wrapped(q.x + shift.x), wrapped(q.y + shift.y)))
 }
 
-/// One coordinate of [`tap_place`].
+/// The same for a tap that is not shifted.
 #[inline(always)]
-fn placed(from: f32, a: f32, b: f32, [x, y]: [f32; 2]) -> f32 {
+pub(crate) fn place(from: Vec2, axes: Vec4, q: Vec2) -> Vec2 {
+    Vec2::new(placed(from.x, axes.x, axes.z, [q.x, q.y]), placed(from.y, axes.y, axes.w, [q.x, q.y]))
+}
+
+/// One coordinate of [`place`].
+#[inline(always)]
+pub(crate) fn placed(from: f32, a: f32, b: f32, [x, y]: [f32; 2]) -> f32 {
     from + a * x + b * y
 }
 
@@ -63,13 +61,17 @@ pub(crate) type Lanes<T> = [T; BATCH];
 pub(crate) type Axes = [Lanes<f32>; 4];
 
 /// How a pattern lies over the map at one receiver.
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Laid {
     /// Half axes in texels: x, y of one, then of the other.
     pub(crate) axes: Vec4,
     pub(crate) shift: Vec2,
-    /// The most that the axes are multiplied by.
-    pub(crate) most: f32,
+    /// What belongs to the receiver besides, for whoever laid it.
+    pub(crate) more: [f32; MORE],
 }
+
+/// Numbers of [`Laid::more`].
+pub(crate) const MORE: usize = 6;
 
 /// Receivers in lanes, an array a field. Lanes from `count` on hold anything.
 #[derive(Clone)]
@@ -77,29 +79,35 @@ pub(crate) struct Receivers {
     pub(crate) count: usize,
     pub(crate) depth: Lanes<f32>,
     pub(crate) axes: Axes,
-    pub(crate) most: Lanes<f32>,
+    /// [`Laid::more`].
+    pub(crate) more: [Lanes<f32>; MORE],
     /// Each one's number in its batch.
     pub(crate) number: Lanes<usize>,
-    x: Lanes<f32>,
-    y: Lanes<f32>,
+    pub(crate) x: Lanes<f32>,
+    pub(crate) y: Lanes<f32>,
+    pub(crate) shift: [Lanes<f32>; 2],
     right: Lanes<f32>,
     down: Lanes<f32>,
     deepest: Lanes<f32>,
-    shift: [Lanes<f32>; 2],
     /// Where its layer begins, texels.
     layer: Lanes<u32>,
 }
 
 impl Receivers {
-    /// Those of a batch's first `count` that the map sees, each with the axes and the shift that `lay` gives it.
+    /// Those of a batch's first `count` that the map sees and for which `lay` lays out the pattern.
     #[inline(always)]
-    pub(crate) fn seen(batch: &Batch, count: usize, size: i32, lay: impl Fn(&Lookup, usize) -> Laid) -> Self {
+    pub(crate) fn seen(
+        batch: &Batch,
+        count: usize,
+        size: i32,
+        mut lay: impl FnMut(&Lookup, usize) -> Option<Laid>,
+    ) -> Self {
         let zero = [0.0; BATCH];
         let mut r = Self {
             count: 0,
             depth: zero,
             axes: [zero; 4],
-            most: zero,
+            more: [zero; MORE],
             number: [0; BATCH],
             x: zero,
             y: zero,
@@ -111,8 +119,10 @@ impl Receivers {
         };
         for number in 0..count.min(BATCH) {
             let l = batch.lookup(number);
-            if l.seen {
-                r.push(&l, number, size, lay(&l, number));
+            if l.seen
+                && let Some(laid) = lay(&l, number)
+            {
+                r.push(&l, number, size, laid);
             }
         }
         r
@@ -126,34 +136,10 @@ impl Receivers {
         (self.right[i], self.down[i], self.deepest[i]) = (l.gradient.x, l.gradient.y, l.deepest);
         (self.shift[0][i], self.shift[1][i]) = (laid.shift.x, laid.shift.y);
         [self.axes[0][i], self.axes[1][i], self.axes[2][i], self.axes[3][i]] = laid.axes.to_array();
-        self.most[i] = laid.most;
+        for (lanes, more) in self.more.iter_mut().zip(laid.more) {
+            lanes[i] = more;
+        }
         self.count += 1;
-    }
-
-    /// Keeps those that `keep` names, in order, and in `along` what belongs to them.
-    #[inline(always)]
-    pub(crate) fn retain(&mut self, along: &mut Lanes<f32>, keep: impl Fn(usize) -> bool) {
-        let mut kept = 0;
-        for i in 0..self.count {
-            if keep(i) {
-                along[kept] = along[i];
-                self.shift_down(i, kept);
-                kept += 1;
-            }
-        }
-        self.count = kept;
-    }
-
-    #[inline(always)]
-    fn shift_down(&mut self, from: usize, to: usize) {
-        let [a, b, c, d] = &mut self.axes;
-        let [e, f] = &mut self.shift;
-        let most = &mut self.most;
-        let [x, y, right, down] = [&mut self.x, &mut self.y, &mut self.right, &mut self.down];
-        for field in [&mut self.depth, &mut self.deepest, most, x, y, right, down, a, b, c, d, e, f] {
-            field[to] = field[from];
-        }
-        (self.number[to], self.layer[to]) = (self.number[from], self.layer[from]);
     }
 
     /// Each one's axes times what belongs to it.
@@ -180,9 +166,9 @@ pub(crate) struct Comparisons<'a> {
 }
 
 /// Of the receivers at one tap: the depths stored there, and their own.
-struct Depths {
-    stored: Lanes<f32>,
-    receiver: Lanes<f32>,
+pub(crate) struct Depths {
+    pub(crate) stored: Lanes<f32>,
+    pub(crate) receiver: Lanes<f32>,
 }
 
 impl Comparisons<'_> {
@@ -192,18 +178,11 @@ impl Comparisons<'_> {
         if r.count <= HALF { self.lit_in::<HALF>(r, axes, set) } else { self.lit_in::<BATCH>(r, axes, set) }
     }
 
-    /// How many taps see something nearer than each receiver, and by how much nearer in sum, in steps of 2^-23 of clip
-    /// depth; no tap counts for more than 1.
-    #[inline(always)]
-    pub(crate) fn blockers(&self, r: &Receivers, axes: &Axes, set: &TapSet) -> [Lanes<i32>; 2] {
-        if r.count <= HALF { self.blockers_in::<HALF>(r, axes, set) } else { self.blockers_in::<BATCH>(r, axes, set) }
-    }
-
     #[inline(always)]
     fn lit_in<const N: usize>(&self, r: &Receivers, axes: &Axes, set: &TapSet) -> Lanes<i32> {
         let mut lit = [0; BATCH];
         for &tap in &set.taps {
-            let d = self.depths::<N>(r, axes, tap);
+            let d = self.depths::<N>(r, axes, tap.truncate());
             for (i, lit) in lit[..N].iter_mut().enumerate() {
                 *lit += i32::from(d.receiver[i] <= d.stored[i]);
             }
@@ -212,24 +191,23 @@ impl Comparisons<'_> {
     }
 
     #[inline(always)]
-    fn blockers_in<const N: usize>(&self, r: &Receivers, axes: &Axes, set: &TapSet) -> [Lanes<i32>; 2] {
-        let (mut count, mut sum) = ([0; BATCH], [0; BATCH]);
-        for &tap in &set.taps {
-            let d = self.depths::<N>(r, axes, tap);
-            for i in 0..N {
-                let blocks = 1 - i32::from(d.receiver[i] <= d.stored[i]);
-                let nearer = d.receiver[i] - d.stored[i];
-                let nearer = if nearer < 1.0 { nearer } else { 1.0 };
-                count[i] += blocks;
-                sum[i] += (whole(floor(nearer * WHOLE)) as i32) & -blocks;
-            }
+    fn depths<const N: usize>(&self, r: &Receivers, axes: &Axes, tap: Vec2) -> Depths {
+        self.depths_in::<N>(r, self.texels::<N>(r, axes, tap))
+    }
+
+    /// At places in texels.
+    #[inline(always)]
+    pub(crate) fn depths_at<const N: usize>(&self, r: &Receivers, axes: &Axes, q: [&Lanes<f32>; 2]) -> Depths {
+        let (mut x, mut y) = ([0.0; BATCH], [0.0; BATCH]);
+        for i in 0..N {
+            x[i] = floor(placed(r.x[i], axes[0][i], axes[2][i], [q[0][i], q[1][i]]));
+            y[i] = floor(placed(r.y[i], axes[1][i], axes[3][i], [q[0][i], q[1][i]]));
         }
-        [count, sum]
+        self.depths_in::<N>(r, [x, y])
     }
 
     #[inline(always)]
-    fn depths<const N: usize>(&self, r: &Receivers, axes: &Axes, tap: Vec2) -> Depths {
-        let texels = self.texels::<N>(r, axes, tap);
+    fn depths_in<const N: usize>(&self, r: &Receivers, texels: [Lanes<f32>; 2]) -> Depths {
         let index = self.indices::<N>(r, &texels);
         Depths { receiver: self.receivers::<N>(r, &texels), stored: self.load(&index, r.count) }
     }
@@ -323,8 +301,10 @@ fn whole(x: f32) -> u32 {
 }
 
 /// The pairs, for the lockstep tests.
-pub(crate) const TWINS: &[Twin] =
-    &[twin!(PLACED, tap_place(from: Vec2, axes: Vec4, q: Vec2, shift: Vec2) -> Vec2, needs [crate::pattern::PATTERN])];
+pub(crate) const TWINS: &[Twin] = &[
+    twin!(PLACED, place(from: Vec2, axes: Vec4, q: Vec2) -> Vec2, needs [crate::pattern::PATTERN]),
+    twin!(PLACED, tap_place(from: Vec2, axes: Vec4, q: Vec2, shift: Vec2) -> Vec2, needs [crate::pattern::PATTERN]),
+];
 
 /// The part of [`SOFT_TAPS`] that reads nothing.
 pub(crate) const PLACED: Module = Module { name: "tap_place", text: include_str!("tap_place.wgsl") };

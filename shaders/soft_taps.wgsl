@@ -4,11 +4,10 @@ fn pattern_row(i: u32) -> vec4f {
     return bitcast<vec4f>(table_0[i]);
 }
 
-// The depth stored under a tap, and the receiver's there. Outside the map nothing is nearer, unless its edge repeats.
-fn tap_depths(l: Lookup, size: i32, axes: vec4f, tap: u32, shift: vec2f) -> vec2f {
-    let place = tap_place(l.texel, axes, pattern_row(tap).xy, shift);
-    let x = i32(floor(place.x));
-    let y = i32(floor(place.y));
+// The depth stored at a place, and the receiver's there. Outside the map nothing is nearer, unless its edge repeats.
+fn place_depths(l: Lookup, size: i32, at: vec2f) -> vec2f {
+    let x = i32(floor(at.x));
+    let y = i32(floor(at.y));
     let receiver = depth_at(l, x, y);
     let texel = vec2i(clamp(x, 0, size - 1), clamp(y, 0, size - 1));
     if kernel.lookup.clamped == 0u && (texel.x != x || texel.y != y) {
@@ -20,7 +19,7 @@ fn tap_depths(l: Lookup, size: i32, axes: vec4f, tap: u32, shift: vec2f) -> vec2
 fn lit_taps(l: Lookup, size: i32, axes: vec4f, first: u32, count: u32, shift: vec2f) -> i32 {
     var lit = 0;
     for (var tap = first; tap < first + count; tap++) {
-        let d = tap_depths(l, size, axes, tap, shift);
+        let d = place_depths(l, size, tap_place(l.texel, axes, pattern_row(tap).xy, shift));
         lit += select(0, 1, d.y <= d.x);
     }
     return lit;

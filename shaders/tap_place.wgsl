@@ -1,7 +1,9 @@
-// Twin of `tap_place` in soft_taps.rs. Its own module, since it reads neither image nor table.
+// Twin of `place` and `tap_place` in soft_taps.rs. Its own module, since it reads neither image nor table.
+
+fn place(at: vec2f, axes: vec4f, q: vec2f) -> vec2f {
+    return vec2f(at.x + axes.x * q.x + axes.z * q.y, at.y + axes.y * q.x + axes.w * q.y);
+}
 
 fn tap_place(at: vec2f, axes: vec4f, q: vec2f, shift: vec2f) -> vec2f {
-    let x = wrapped(q.x + shift.x);
-    let y = wrapped(q.y + shift.y);
-    return vec2f(at.x + axes.x * x + axes.z * y, at.y + axes.y * x + axes.w * y);
+    return place(at, axes, vec2f(wrapped(q.x + shift.x), wrapped(q.y + shift.y)));
 }

@@ -18,6 +18,7 @@ mod pictures;
 mod plugin;
 mod projections;
 mod rasterisers;
+mod soft;
 mod stable_fit;
 mod stages;
 mod threads;

@@ -1,13 +1,18 @@
 //! The CPU backend gives the same bits on one thread and on many, with and without vector instructions.
 
+use glam::UVec2;
 use umbrage_core::{Backend, Geometry, Simd, View};
 use umbrage_cpu::{Cpu, CpuOptions};
 use umbrage_techniques::all;
 
 #[test]
 fn threads_and_vectors_change_nothing() {
-    for name in ["cubes", "figure"] {
-        let scene = (umbrage_scenes::find(name).expect("a built-in scene").build)();
+    // The last one has a light with an extent, under which soft shadows search and filter.
+    for name in ["cubes", "figure", "teapot-lamp"] {
+        let mut scene = (umbrage_scenes::find(name).expect("a built-in scene").build)();
+        if !scene.lights[0].is_ideal() {
+            scene.cameras[0] = scene.cameras[0].resized(UVec2::new(160, 120));
+        }
         let geometry = Geometry::bake(&scene).expect("valid");
         let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
         for technique in all().iter().flat_map(|e| (e.exhaustive)(200)) {

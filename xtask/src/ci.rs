@@ -66,12 +66,11 @@ fn doc() -> Command {
 /// Packs every published package, and checks what was packed as its users would get it: a file that a package lacks, or a
 /// dependency that it doesn't name, is an error there.
 fn package() -> Result<()> {
-    // A folder of its own: cargo takes what it knows by folder and version for unchanged.
-    let folder = std::env::temp_dir().join(format!("umbrage-package-{}", std::process::id()));
-    let result = pack(&folder).and_then(|packed| check_packed(&folder, &packed));
-    // Left-overs in the system's folder for them do no harm.
+    let folder = root().join("target").join("packed");
+    // What an earlier run left is not what is asked about.
     drop(fs::remove_dir_all(&folder));
-    result
+    let packed = pack(&folder)?;
+    check_packed(&folder, &packed)
 }
 
 /// A package's name, and the folder that it was unpacked to.
@@ -87,7 +86,8 @@ fn pack(folder: &Path) -> Result<Vec<Packed>> {
     let archives = folder.join("package");
     let unpack = |(name, version): &(String, String)| {
         let stem = format!("{name}-{version}");
-        run(Command::new("tar").arg("-xzf").arg(archives.join(format!("{stem}.crate"))).arg("-C").arg(folder))?;
+        // Archives hold files of 2006, which cargo would take for unchanged: `m` leaves that time out.
+        run(Command::new("tar").arg("-xzmf").arg(archives.join(format!("{stem}.crate"))).arg("-C").arg(folder))?;
         Ok((name.clone(), folder.join(stem)))
     };
     published.iter().map(unpack).collect()

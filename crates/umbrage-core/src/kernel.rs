@@ -46,6 +46,12 @@ pub trait ReceiveKernel: Kernel {
         Asks::default()
     }
 
+    /// Whether it knows which part of a light with an extent the receiver's own tangent plane leaves, and answers that share where
+    /// nothing casts. Kernels that don't take the light for its middle, or ask single points of it.
+    fn knows_horizon(&self) -> bool {
+        false
+    }
+
     /// How far, in texels, the lookup of a receiver at `position` (world space) with the unit `normal` goes beyond the
     /// point of the map on which it falls, where that differs from one receiver to the next. None: as far as
     /// [`ShadowTechnique::kernel_reach`](crate::ShadowTechnique::kernel_reach) says of all.

@@ -118,6 +118,8 @@ pub(super) struct Need<'a> {
     behind: f64,
     /// Where lookups may go.
     column: Bounds,
+    /// Where casters count.
+    shown: Bounds,
     cell: DVec2,
     /// Of each cell, in rows: the greatest rank of the receivers whose lookups may go there.
     last: Vec<f64>,
@@ -134,7 +136,7 @@ impl<'a> Need<'a> {
         let side = (column.max - column.min).truncate();
         let cell = (side / CELLS as f64).max(DVec2::splat(f64::MIN_POSITIVE));
         let last = vec![f64::NEG_INFINITY; CELLS * CELLS];
-        let mut out = Self { space, geometry, behind: reach.behind, column, cell, last };
+        let mut out = Self { space, geometry, behind: reach.behind, column, shown: column, cell, last };
         for &p in &receivers.points {
             let i = out.cell_of(p);
             out.last[i] = out.last[i].max(p.z);
@@ -144,6 +146,12 @@ impl<'a> Need<'a> {
         }
         out.widen((reach.across / cell).ceil());
         Some(out)
+    }
+
+    /// The same, asked of a map that shows no more than `column`: lookups that leave it find nothing, so casters beside it
+    /// do not count.
+    pub(super) fn on_map(self, column: &Bounds) -> Self {
+        Self { shown: self.column.within(column), ..self }
     }
 
     /// The cell on which a point falls. Casts saturate: what lies outside counts for the outermost cells.
@@ -168,7 +176,7 @@ impl<'a> Need<'a> {
 
     /// Whether something with this box may matter.
     fn matters(&self, b: &Bounds) -> bool {
-        b.meets(&self.column) && self.cells(b).any(|i| self.last[i] + self.behind >= b.min.z)
+        b.meets(&self.shown) && self.cells(b).any(|i| self.last[i] + self.behind >= b.min.z)
     }
 
     /// Runs of casters of which some may matter, and a box around each.
@@ -181,16 +189,16 @@ impl<'a> Need<'a> {
     pub(super) fn around_casters(&self) -> Bounds {
         let mut found = Bounds::EMPTY;
         for (run, b) in self.runs() {
-            if adds_nothing(&b.within(&self.column), &found) {
+            if adds_nothing(&b.within(&self.shown), &found) {
                 continue;
             }
             for triangle in run {
                 let polygon = self.space.triangle(self.geometry.corners(triangle));
                 let b = Bounds::around(polygon.corners().iter().copied());
-                if adds_nothing(&b.within(&self.column), &found) || !self.matters(&b) {
+                if adds_nothing(&b.within(&self.shown), &found) || !self.matters(&b) {
                     continue;
                 }
-                let inside = b.within(&self.column) == b;
+                let inside = b.within(&self.shown) == b;
                 let part = if inside { b } else { self.part(&polygon) };
                 found = found.union(&part);
             }
@@ -198,9 +206,9 @@ impl<'a> Need<'a> {
         found
     }
 
-    /// A box around what of a caster lies within the column.
+    /// A box around what of a caster lies where casters count.
     fn part(&self, polygon: &super::polygon::Polygon) -> Bounds {
-        let (min, max) = (self.column.min, self.column.max);
+        let (min, max) = (self.shown.min, self.shown.max);
         let left = polygon.clip(DVec3::X, min.x).clip(DVec3::NEG_X, -max.x);
         let left = left.clip(DVec3::Y, min.y).clip(DVec3::NEG_Y, -max.y);
         Bounds::around(left.corners().iter().copied())

@@ -77,7 +77,7 @@ impl<'a> Lamp<'a> {
         for _ in 0..if self.view.light.is_ideal() { 1 } else { 2 } {
             let reach = lookups.reach(self.view.light, [first.unwrap_or(last), last]);
             let need = Need::new(space, self.geometry, &receivers, &reach);
-            found = need.map_or(Bounds::EMPTY, |need| need.around_casters());
+            found = need.map_or(Bounds::EMPTY, |need| need.on_map(&column).around_casters());
             first = Some(found.min.z);
         }
         found.within(&around)

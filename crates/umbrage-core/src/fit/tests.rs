@@ -38,6 +38,32 @@ fn a_floor_that_crosses_the_lamps_plane_costs_no_precision() {
     assert!(near > 3.5 && near < 4.2, "{near}");
 }
 
+/// A ceiling just below a lamp with an extent lies beside its map. Lookups near the map's edge would search there for blockers,
+/// but a map cannot show them: so they do not pull its near plane up to the lamp.
+#[test]
+fn casters_beside_the_map_cost_no_precision() {
+    let (position, direction) = (Vec3::new(0.0, 5.0, 0.0), Vec3::NEG_Y);
+    let lamp = Light::Spot { position, direction, inner: 0.3, outer: 0.6, radius: 0.5 };
+    let corner = |x, z| Vec3::new(x, 0.0, z);
+    let corners = vec![corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)];
+    let quad = Mesh::new("quad", corners, vec![[0, 1, 2], [0, 2, 3]]).unwrap();
+    let place = |at: Vec3, side: f32| {
+        Instance::new(0, Affine3A::from_translation(at) * Affine3A::from_scale(Vec3::new(side, 1.0, side)))
+    };
+    let floor = place(Vec3::ZERO, 4.0);
+    let table = place(Vec3::Y, 0.5);
+    let ceiling = [-1.0, 1.0].map(|side| place(Vec3::new(side * 2.4, 4.8, 0.0), 2.0));
+    let near = |instances: &[Instance]| {
+        let scene = Scene { meshes: vec![quad.clone()], instances: instances.to_vec(), ..Scene::default() };
+        let m = space(&lamp, &Geometry::bake(&scene).unwrap()).clip_from_view;
+        m.w_axis.z / m.z_axis.z
+    };
+    let bare = near(&[floor, table]);
+    assert!(bare > 3.5, "the table is the first caster: {bare}");
+    let [left, right] = ceiling;
+    assert_eq!(near(&[floor, table, left, right]), bare);
+}
+
 /// However the lamp is tilted, and with a caster close to it, no receiver is pushed beyond the far plane.
 #[test]
 fn rounding_keeps_receivers_before_the_far_plane() {

@@ -176,7 +176,9 @@ fn soft(stage: &Stage, runs: [usize; 2], cpu: &mut Cpu, gpu: &mut Gpu) -> Result
     let view = stage.view();
     let technique = Pcss { map: ShadowMap { size: MAP, ..Pcss::default().map }, ..Pcss::default() };
     let recipe = plan(&view, &technique)?;
-    let (ours, theirs, ratio) = both((&view, &recipe), |t| t.receive, runs, cpu, gpu)?;
+    // The grid that bounds the search belongs to its price.
+    let searched: StageTime = |t| t.receive.map(|receive| receive + t.filter.unwrap_or_default());
+    let (ours, theirs, ratio) = both((&view, &recipe), searched, runs, cpu, gpu)?;
     let Pcss { blocker_taps, filter_taps, .. } = technique;
     Ok(Pair {
         work: format!("PCSS of {blocker_taps} + {filter_taps} taps, {}x{}, {}", SCREEN.x, SCREEN.y, stage.name),

@@ -5,13 +5,16 @@
 //! * Rays ask the light's points one by one, and see those above the receiver's tangent plane. Truth takes the same points
 //!   of the same sequence ([`light_sample`]), so the share that is right is counted, not estimated: there is no noise in
 //!   it.
+//! * Kernels that know the receiver's horizon
+//!   ([`ReceiveKernel::knows_horizon`](umbrage_core::ReceiveKernel::knows_horizon)) owe the share of the light above it, for
+//!   which there are formulas ([`horizon`](super::horizon)).
 //! * All others take the light for its middle. Where that is above the tangent plane they owe 1. Where it isn't, both 0
 //!   (those that look which way a surface faces) and 1 (maps, which don't) are right.
 //!
 //! Whether a point that lies within rounding of the tangent plane is above it hangs on how far a ray's origin is lifted and
 //! on the order of additions: there either answer is right.
 
-use super::{Control, scene::View3};
+use super::{Control, horizon, scene::View3};
 use crate::{LabError, footprint, truth::Truth};
 use glam::{DVec3, UVec2, Vec2, Vec3};
 use rayon::prelude::*;
@@ -64,8 +67,8 @@ pub(super) fn run(
 
 /// For every pixel the least and the greatest visibility that is right when nothing casts.
 fn owed(view: &View3<'_>, truth: &Truth, recipe: &Recipe) -> Vec<[f32; 2]> {
-    let (rays, receivers) = (recipe.receive.kernel.asks().rays, &truth.receivers);
-    let question = Question::new(view, rays);
+    let (kernel, receivers) = (&recipe.receive.kernel, &truth.receivers);
+    let question = Question::new(view, kernel.asks().rays, kernel.knows_horizon());
     let at = |i: usize| {
         let pixel = UVec2::new(i as u32 % truth.size.x, i as u32 / truth.size.x);
         if receivers.receives[i] {
@@ -77,11 +80,19 @@ fn owed(view: &View3<'_>, truth: &Truth, recipe: &Recipe) -> Vec<[f32; 2]> {
     (0..receivers.len()).into_par_iter().map(at).collect()
 }
 
+/// What of the light a kernel asks for.
+enum Asked {
+    Middle,
+    /// So many points.
+    Points(u32),
+    /// The share above the horizon.
+    Share,
+}
+
 /// How much of a light receivers see over their own horizon.
 struct Question {
     light: LightSampler,
-    /// Points asked for: rays; 0 for the middle alone.
-    rays: u32,
+    asked: Asked,
     /// The light's middle; none for directions.
     middle: Option<Vec3>,
     /// The unit direction to a directional light.
@@ -91,32 +102,38 @@ struct Question {
 }
 
 impl Question {
-    fn new(view: &View3<'_>, rays: u32) -> Self {
+    fn new(view: &View3<'_>, rays: u32, knows_horizon: bool) -> Self {
         let all = view.geometry.bounds().union(&Aabb::around([view.camera.eye()]));
         let light = LightSampler::new(view.light);
         // One ray serves an ideal light, whatever was asked for.
-        let rays = if light.is_ideal() { rays.min(1) } else { rays };
+        let asked = match rays {
+            0 if knows_horizon => Asked::Share,
+            0 => Asked::Middle,
+            _ if light.is_ideal() => Asked::Points(1),
+            _ => Asked::Points(rays),
+        };
         let middle = view.light.position();
         let direction = if middle.is_none() { view.light.direction_from(Vec3::ZERO) } else { Vec3::ZERO };
         let reach = all.min.abs().max(all.max.abs()).max_element().max(extent(view.light));
-        Self { light, rays, middle, direction, lift: reach * LIFT }
+        Self { light, asked, middle, direction, lift: reach * LIFT }
     }
 
     fn owed(&self, p: Vec3, n: Vec3, pixel: UVec2) -> [f32; 2] {
-        if self.rays == 0 {
-            let to_light = self.middle.map_or(self.direction, |middle| middle - p);
-            let [surely, _] = self.above(n, to_light);
-            return [f32::from(u8::from(surely)), 1.0];
+        let to_middle = self.middle.map_or(self.direction, |middle| middle - p);
+        match self.asked {
+            Asked::Middle => {
+                let [surely, _] = self.above(n, to_middle);
+                [f32::from(u8::from(surely)), 1.0]
+            }
+            Asked::Points(count) => {
+                let scramble = seed(pixel.x, pixel.y);
+                let seen = (0..count).map(|i| self.sees(p, n, unit_square(i, scramble)));
+                let [least, most] =
+                    seen.fold([0_u32; 2], |sum, sees| [sum[0] + u32::from(sees[0]), sum[1] + u32::from(sees[1])]);
+                [least, most].map(|seen| seen as f32 / count as f32)
+            }
+            Asked::Share => horizon::share(&self.light, p, n, self.margin(to_middle)).map(|share| share as f32),
         }
-        let scramble = seed(pixel.x, pixel.y);
-        let (mut least, mut most) = (0_u32, 0_u32);
-        for i in 0..self.rays {
-            let uv = unit_square(i, scramble);
-            let [surely, maybe] = self.sees(p, n, uv);
-            least += u32::from(surely);
-            most += u32::from(maybe);
-        }
-        [least, most].map(|count| count as f32 / self.rays as f32)
     }
 
     /// Whether a point of the light is surely, and whether it may be, above the tangent plane: seen from the surface itself
@@ -127,13 +144,18 @@ impl Question {
         [a[0] && b[0], a[1] || b[1]]
     }
 
-    /// The same of a way to the light. Heights are wrong by a lift, which positions' rounding is a part of, and by the
-    /// rounding of a sum of three products: 2^-22 of the way's length.
+    /// The same of a way to the light.
     fn above(&self, n: Vec3, to_light: Vec3) -> [bool; 2] {
         let height = n.as_dvec3().dot(to_light.as_dvec3());
-        let lift = if self.middle.is_some() { f64::from(self.lift) } else { 0.0 };
-        let margin = lift + DVec3::length(to_light.as_dvec3()) / f64::from(1 << 22);
+        let margin = self.margin(to_light);
         [height > margin, height > -margin]
+    }
+
+    /// By how much the height of a way's end over the surface is wrong: by a lift, which positions' rounding is a part of, and by
+    /// the rounding of a sum of three products, 2^-22 of the way's length.
+    fn margin(&self, to_light: Vec3) -> f64 {
+        let lift = if self.middle.is_some() { f64::from(self.lift) } else { 0.0 };
+        lift + DVec3::length(to_light.as_dvec3()) / f64::from(1 << 22)
     }
 }
 

@@ -8,7 +8,7 @@ use crate::{
 use glam::Affine3A;
 use umbrage_core::{BackendError, Camera, Fit, Geometry, Instance, Mesh, Scene};
 use umbrage_cpu::Cpu;
-use umbrage_techniques::{Bias, Hard, SecondDepth, ShadowMap, Traced};
+use umbrage_techniques::{Bias, Hard, Pcss, SecondDepth, ShadowMap, Traced};
 
 fn options(techniques: &[&str]) -> Options {
     Options {
@@ -153,6 +153,25 @@ fn a_single_ray_is_noticed() {
     let ray = 1.0 / samples as f32;
     for (change, wanted) in [(-ray, whole as fn(f32) -> bool), (-ray, cut), (ray, cut)] {
         let control = spoilt(change, wanted);
+        assert!(control.wrong_without == 1 && !control.holds, "{change}: {control:?}");
+    }
+}
+
+/// Of a kernel that knows the horizon, a part of the light too many or too few is noticed, where the horizon cuts the lamp.
+#[test]
+fn a_share_that_is_wrong_is_noticed() {
+    let lamp = scene("teapot-lamp");
+    let spoilt = |change: f32| {
+        let spoil = move |shadows: &mut Shadows, _: &View<'_>| {
+            let cut = |v: &f32| *v > 0.1 && *v < 0.9;
+            let pixel = shadows.mask.iter().rposition(cut).expect("a pot turns some of its sides away");
+            shadows.mask[pixel] += change;
+        };
+        control(&lamp, &Pcss::default(), &mut Spoilt { cpu: Cpu::new(), casters: false, spoil })
+    };
+    assert!(spoilt(0.0).holds);
+    for change in [-0.01, 0.01] {
+        let control = spoilt(change);
         assert!(control.wrong_without == 1 && !control.holds, "{change}: {control:?}");
     }
 }

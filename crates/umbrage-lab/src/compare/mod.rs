@@ -6,6 +6,7 @@ mod control;
 mod environment;
 mod event;
 mod expected;
+mod horizon;
 mod options;
 mod relative;
 mod result;

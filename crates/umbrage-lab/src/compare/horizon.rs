@@ -1,0 +1,99 @@
+//! How much of a light a receiver sees over its own horizon, in 64 bits: what kernels owe that know it.
+
+use glam::{DVec2, DVec3, Vec3, Vec4};
+use std::f64::consts::PI;
+use umbrage_core::light_sample::{LightSampler, kind};
+
+/// The share of the light above the tangent plane at `p` with unit normal `n`: the least and the greatest that are right, if
+/// heights are wrong by no more than `margin`.
+pub(super) fn share(light: &LightSampler, p: Vec3, n: Vec3, margin: f64) -> [f64; 2] {
+    let n = n.as_dvec3();
+    let along = |v: Vec4| n.dot(v.truncate().as_dvec3());
+    let to_middle = light.center.truncate().as_dvec3() - p.as_dvec3();
+    let height = n.dot(to_middle);
+    let axes = DVec2::new(along(light.half_u), along(light.half_v));
+    // How much higher than the middle the rim of a disc is that faces the receiver, for each unit of its radius.
+    let rim = |to_light: DVec3| (1.0 - n.dot(to_light.normalize_or(n)).powi(2)).max(0.0).sqrt();
+    let least_and_most = |share: &dyn Fn(f64) -> f64, middle: f64| [share(middle - margin), share(middle + margin)];
+    match light.shape.x {
+        kind::RECT => least_and_most(&|h| square(h, axes), height),
+        kind::DISC => least_and_most(&|h| disc(h, axes.length()), height),
+        kind::BALL => least_and_most(&|h| disc(h, f64::from(light.half_u.w) * rim(to_middle)), height),
+        _ => {
+            let to_light = light.center.truncate().as_dvec3();
+            let cosine = 1.0 - f64::from(light.half_u.w);
+            let tangent = (1.0 - cosine * cosine).sqrt() / cosine;
+            let [least, most] = least_and_most(&|h| disc(h, tangent * rim(to_light)), n.dot(to_light));
+            // The cap of directions may count as flat. On a flat disc of radius 1, what lies at r weighs more than on the cap by
+            // 3/2 (r^2 - 1/2) of the tangent's square; over a segment that adds up to .052 of the square at most.
+            let curved = tangent * tangent / 16.0;
+            [least - curved, most + curved]
+        }
+    }
+}
+
+/// The share of a disc of which the middle is as high as `height`, the highest point higher by `rim`: a segment is cut off.
+fn disc(height: f64, rim: f64) -> f64 {
+    if height.abs() >= rim {
+        return f64::from(u8::from(height >= 0.0));
+    }
+    let t = height / rim;
+    1.0 - (t.acos() - t * (1.0 - t * t).sqrt()) / PI
+}
+
+/// The share of the square -1..1 on which `height + axes.x x + axes.y y` is positive. For each y it is a length, which is
+/// linear in y where it is neither 0 nor 1; the mean over y follows from its antiderivative.
+fn square(height: f64, axes: DVec2) -> f64 {
+    let (a, b) = (axes.abs().max_element(), axes.abs().min_element());
+    if height.abs() >= a + b {
+        return f64::from(u8::from(height >= 0.0));
+    }
+    let antiderivative = |length: f64| match length {
+        l if l <= 0.0 => 0.0,
+        l if l < 1.0 => 0.5 * l * l,
+        l => l - 0.5,
+    };
+    let [first, last] = [-b, b].map(|across| 0.5 * (1.0 + (height + across) / a));
+    if last - first < 1e-9 {
+        return first.clamp(0.0, 1.0);
+    }
+    (antiderivative(last) - antiderivative(first)) / (last - first)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use umbrage_core::{
+        Light,
+        light_sample::{segment, unit_square},
+    };
+
+    /// Points of the light that truth asks, of which 4,096 lie one in each of 64 x 64 cells: a line crosses at most 127.
+    #[test]
+    fn shares_are_those_of_truths_points() {
+        let (position, direction) = (Vec3::new(0.4, 3.0, -0.7), Vec3::new(0.3, -0.2, 0.4));
+        let lights = [
+            Light::Rect { center: position, half_u: Vec3::new(1.0, 0.3, 0.0), half_v: Vec3::new(-0.1, 0.5, 0.9) },
+            Light::Disc { center: position, normal: direction, radius: 0.9 },
+            Light::Point { position, radius: 0.8 },
+            Light::Directional { direction, angular_diameter: 0.4 },
+        ];
+        for light in lights.iter().map(LightSampler::new) {
+            let mut cut = 0;
+            for i in 0..200 {
+                let turn = f64::from(i) * 0.9;
+                let up = f64::from(i % 20) * 0.1 - 1.0;
+                let n = DVec3::new(turn.cos(), up, turn.sin()).normalize().as_vec3();
+                let p = Vec3::new((turn * 0.3).sin() as f32, 2.0 + up as f32, -0.5);
+                let above = |i: &u32| n.dot(segment(&light, p, unit_square(*i, 0), 1.0)) > 0.0;
+                let counted = (0..4096).filter(above).count() as f64 / 4096.0;
+                let [least, most] = share(&light, p, n, 0.0);
+                let slack = 127.0 / 4096.0;
+                assert!((least - slack..=most + slack).contains(&counted), "{light:?} {p} {n}: {counted}, {least}");
+                // On the whole, cells that a line crosses even out.
+                cut += usize::from(counted > 0.0 && counted < 1.0 && ((least + most) / 2.0 - counted).abs() < 0.005);
+            }
+            assert!(cut > 20, "{light:?}: only {cut} horizons cut it where they should");
+        }
+    }
+}
