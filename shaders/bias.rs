@@ -37,6 +37,7 @@
 //! scenes and scanned models; comparison samples, each of which compares one depth with four texels, take 2 in all. Neither half detaches a shadow by more than about a texel's gain of the surface that it belongs to, and
 //! both are many times what rasterisers are off that snap vertices to 1/16 texel (1/32 texel's gain), the coarsest that
 //! Vulkan allows.
+//! The CPU's models of coarser grids bear that out (`tests/suite/coarse_grids.rs`).
 //! `cargo xtask bias` compares it with the best of all others on any scene.
 //!
 //! Known failures: comparison samples take the whole margin from the stored facet, so where a steep facet meets a flatter one
@@ -49,6 +50,8 @@
 //! is crowded near it, they lose casters close to the lamp, and shadows start centimetres behind thin plates.
 
 use serde::{Deserialize, Serialize};
+#[cfg(doc)]
+use umbrage_core::Snapping;
 use umbrage_core::{Cull, Invalid, RasterBias, invalid};
 
 /// All slopes that a light space can hold: from its near to its far plane within a texel.
@@ -60,6 +63,12 @@ const CASTER_TEXELS_PER_REACH: f32 = 0.25;
 /// The same for comparison samples, each of which compares one depth with four texels up to a texel away along both axes: over
 /// that way a plane gains at most twice what it gains along its steeper axis, which is what a polygon offset counts.
 const CASTER_TEXELS_OF_SAMPLES: f32 = 2.0;
+
+/// The same where taps follow the receiver's plane alone, so that what is compared is equal but for rounding. The coarsest
+/// rasterisers ([`Snapping::COARSEST`]) store depths of a place that is up to half a step of their grid away along both axes, so by
+/// a step, 1/16 texel, of the steeper slope. Twice that, since some lay one plane through three corners of a clipped polygon: what
+/// lies beyond the three is farther off.
+const CASTER_TEXELS_BESIDE_THE_PLANE: f32 = 0.125;
 
 /// What looks a map up, as far as [`Bias::ADAPTIVE`] must know.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -121,7 +130,8 @@ impl Bias {
     pub const POLYGON_OFFSET: Self = Self { raster: RasterBias { constant: 4, slope: 2.0, clamp: 0.0 }, ..Self::NONE };
     /// The normal offset that one comparison needs: see [`Bias::normal_offset`].
     pub const NORMAL_OFFSET: Self = Self::normal_offset(0.0);
-    /// Isidoro's receiver's plane, up to a slope of .1 a texel, and 1e-5 for rounding.
+    /// Isidoro's receiver's plane, up to a slope of .1 a texel, and 1e-5 for the rounding of depths. Casters move away by 1/8
+    /// texel of their slope, for the rounding of vertices.
     pub const RECEIVER_PLANE: Self = Self { receiver_plane: 0.1, constant: 1e-5, ..Self::NONE };
     /// Front faces of the casters left out.
     pub const FRONT_CULL: Self = Self { cull: Cull::Front, ..Self::NONE };
@@ -162,14 +172,18 @@ impl Bias {
         if self.adaptive { STEEPEST } else { self.receiver_plane }
     }
 
-    /// The polygon offset of the casters, for what looks them up.
+    /// The polygon offset of the casters, for what looks them up, with what the bias itself adds.
     pub(crate) fn raster_for(&self, footprint: Footprint) -> RasterBias {
         let texels = match footprint {
             Footprint::Taps { reach } => CASTER_TEXELS + CASTER_TEXELS_PER_REACH * reach,
             Footprint::Samples => CASTER_TEXELS_OF_SAMPLES,
         };
-        let adaptive = if self.adaptive { texels } else { 0.0 };
-        RasterBias { slope: self.raster.slope + adaptive, ..self.raster }
+        let margin = match (self.adaptive, self.receiver_plane > 0.0) {
+            (true, _) => texels,
+            (false, true) => CASTER_TEXELS_BESIDE_THE_PLANE,
+            (false, false) => 0.0,
+        };
+        RasterBias { slope: self.raster.slope + margin, ..self.raster }
     }
 
     /// A few words for tables: a preset's name, or the fields that are set.

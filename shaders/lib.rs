@@ -50,6 +50,7 @@ mod texture;
 mod traced;
 mod unshadowed;
 mod volumes;
+mod window;
 
 pub use bias::{Bias, Footprint};
 pub use blinn_phong::{BlinnPhong, BlinnPhongKernel, BlinnPhongUniforms, Shading};

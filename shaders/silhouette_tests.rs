@@ -1,5 +1,10 @@
 use super::*;
-use crate::extrusion::extrude;
+use crate::{
+    extrusion::{beyond_all, extrude},
+    window::Window,
+};
+use glam::DVec3;
+use umbrage_core::{Aabb, Camera, glam::UVec2};
 
 const SUN: DVec4 = DVec4::new(0.0, 1.0, 0.0, 0.0);
 
@@ -39,7 +44,7 @@ fn one_loop(s: &Silhouette) -> Option<Vec<u32>> {
 
 /// Every edge of the volumes is met as often in one direction as in the other.
 fn is_closed(mesh: &Welded, s: &Silhouette, light: DVec4) -> bool {
-    net_edges(extrude(mesh, s, light).triangles.into_iter()).is_empty()
+    net_edges(extrude(mesh, s, light, None, None).triangles.into_iter()).is_empty()
 }
 
 #[test]
@@ -141,7 +146,7 @@ fn lights_in_a_triangles_plane_cast_nothing_from_it() {
 fn walls_lean_outwards() {
     let mesh = Welded::weld(&[Vec3::ZERO, Vec3::X, Vec3::Z], &[[0, 2, 1]]);
     let light = DVec4::new(0.2, 2.0, 0.3, 1.0);
-    let faces = extrude(&mesh, &mesh.silhouette(light), light);
+    let faces = extrude(&mesh, &mesh.silhouette(light), light, None, None);
     assert_eq!(faces.triangles.len(), 2 + 3 * 2);
     // A point of the volume, well below the triangle, is behind every face.
     let inside = DVec4::new(0.3, -1.0, 0.25, 1.0);
@@ -149,5 +154,42 @@ fn walls_lean_outwards() {
         let [a, b, c] = t.map(|v| faces.vertices[v as usize].as_dvec4());
         let side = glam::DMat4::from_cols(a, b, c, inside).determinant();
         assert!(side > 0.0, "{t:?}: {side}");
+    }
+}
+
+/// Walls may end where they leave the window: beyond, nobody sees that the volumes are open.
+#[test]
+fn volumes_are_closed_as_far_as_they_are_seen() {
+    let mesh = cube();
+    let (eye, size) = (Vec3::new(3.0, 2.0, 4.0), UVec2::new(64, 48));
+    for (light, at) in [(DVec4::new(0.8, 0.6, 0.0, 0.0), Vec3::ZERO), (DVec4::new(1.5, 3.0, 0.5, 1.0), Vec3::X)] {
+        let camera = Camera::perspective(eye, at, Vec3::Y, 0.9, [0.1, 100.0], size).expect("valid");
+        let window = Window::new(&camera.space(), size);
+        let faces = extrude(&mesh, &mesh.silhouette(light), light, Some(&window), None);
+        let open = net_edges(faces.triangles.iter().copied());
+        assert!(!open.is_empty(), "walls end at the window");
+        for (edge, _) in open {
+            let ends = edge.map(|v| faces.vertices[v as usize].as_dvec4());
+            assert!(window.hides(ends), "{light}: {ends:?} is seen");
+        }
+    }
+}
+
+/// A far cap's nearest point lies beyond the farthest corner, for a lamp right above a wide triangle, too.
+#[test]
+fn volumes_that_end_do_so_beyond_everything() {
+    let mesh =
+        Welded::weld(&[Vec3::new(-5.0, 0.0, -5.0), Vec3::new(5.0, 0.0, -5.0), Vec3::new(0.0, 0.0, 5.0)], &[[0, 2, 1]]);
+    let bounds = Aabb { min: Vec3::new(-6.0, -4.0, -6.0), max: Vec3::new(6.0, 1.0, 6.0) };
+    for light in [DVec4::new(0.0, 0.2, -1.0, 1.0), DVec4::new(3.0, 8.0, 1.0, 1.0), DVec4::new(0.6, 0.8, 0.0, 0.0)] {
+        let silhouette = mesh.silhouette(light);
+        let reach = beyond_all(&bounds, &mesh, &silhouette, light);
+        let faces = extrude(&mesh, &silhouette, light, None, Some(reach));
+        assert!(net_edges(faces.triangles.iter().copied()).is_empty() && faces.vertices.iter().all(|v| v.w == 1.0));
+        let [a, b, c] = faces.triangles[1].map(|v| faces.vertices[v as usize].as_dvec4().truncate());
+        let normal = (b - a).cross(c - a).normalize();
+        let beyond = |p: DVec3| normal.dot(p - a);
+        // Fronts look outwards, away from the light.
+        assert!(bounds.corners().all(|p| beyond(p.as_dvec3()) < 0.0), "{light}: {reach}");
     }
 }

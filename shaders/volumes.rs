@@ -23,18 +23,24 @@
 use crate::{
     backdrop::flatten,
     endless::Endless,
-    extrusion::{caps_apart, extrude},
+    extrusion::{beyond_all, caps_apart, extrude},
     facing::{FACING, homogeneous, turned_away},
     grazing::{LEAST_SHARE, Lifted},
     silhouette::Welded,
+    window::Window,
 };
 use glam::Vec4;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
-    Cast, CastMode, Faces, Format, ImageDesc, Inputs, Kernel, Module, PlanError, Receive, ReceiveKernel, Recipe,
-    ShadowTechnique, Source, Span, UniformLayout, Uniforms, View, uniforms,
+    Cast, CastMode, Faces, Format, ImageDesc, Inputs, Kernel, Module, PlanError, RasterBias, Receive, ReceiveKernel,
+    Recipe, ShadowTechnique, Source, Span, UniformLayout, Uniforms, View, uniforms,
 };
+
+/// How volumes' faces are drawn behind their place. A wall that begins at the edge of a seen surface has the surface's depth
+/// there, and must not come to lie before it by rounding: pixel centres lie on edges often on devices that move vertices to a
+/// coarse grid. A slope of 1/64 moves faces as 1/64 pixel on the image would, 4 units are their own rounding.
+const BEHIND: RasterBias = RasterBias { constant: 4, slope: 1.0 / 1024.0, clamp: 0.0 };
 
 /// Stencil shadow volumes. There is nothing to set.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -69,7 +75,11 @@ impl ShadowTechnique for ShadowVolumes {
         }
         let mesh = Welded::new(geometry);
         let silhouette = mesh.silhouette(lifted.light);
-        let mut faces = extrude(&mesh, &silhouette, lifted.light);
+        let window = Window::new(&endless.space, view.camera.size);
+        // Without perspective, points at infinity have no place on the picture, and not all devices clip them well.
+        let reach =
+            endless.backdrop.is_some().then(|| beyond_all(&geometry.bounds(), &mesh, &silhouette, lifted.light));
+        let mut faces = extrude(&mesh, &silhouette, lifted.light, Some(&window), reach);
         if let Some(backdrop) = &endless.backdrop {
             faces = flatten(&faces, backdrop);
         }
@@ -85,7 +95,8 @@ fn recipe(view: &View<'_>, endless: &Endless, faces: Faces, apart: Faces, light:
     if !apart.triangles.is_empty() {
         casts.push(nearest(Source::Faces(Arc::new(apart))));
     }
-    casts.push(Cast { image: 1, mode: CastMode::Count { depth: 0 }, ..nearest(Source::Faces(Arc::new(faces))) });
+    let mode = CastMode::Count { depth: 0 };
+    casts.push(Cast { image: 1, mode, bias: BEHIND, ..nearest(Source::Faces(Arc::new(faces))) });
     Recipe {
         images: vec![image("seen depth", Format::Depth32), image("volume count", Format::Stencil8)],
         tables: Vec::new(),

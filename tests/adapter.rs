@@ -25,7 +25,8 @@ pub fn device() -> &'static TestDevice {
     &DEVICE
 }
 
-/// Opens a device on the adapter that suits the tests best. OpenGL does not count: see `umbrage_wgpu::AdapterChoice`.
+/// Opens a device on the adapter that suits the tests best, or on the one that `WGPU_ADAPTER_NAME` asks for. OpenGL does not
+/// count: see `umbrage_wgpu::AdapterChoice`.
 ///
 /// # Errors
 /// When there is none, or it doesn't open; in words.
@@ -33,7 +34,9 @@ pub fn open() -> Result<TestDevice, String> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
     let mut adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::PRIMARY));
     adapters.sort_by_key(|a| preference(&a.get_info()));
-    let adapter = adapters.first().ok_or("no graphics adapter found")?;
+    let name = crate::gpu::named().and_then(|choice| choice.name).unwrap_or_default();
+    let fits = |a: &&wgpu::Adapter| a.get_info().name.to_lowercase().contains(&name.to_lowercase());
+    let adapter = adapters.iter().find(fits).ok_or("no graphics adapter found")?;
     let info = adapter.get_info();
     let name = format!("{} ({:?}, {})", info.name, info.backend, info.driver_info);
     let opened = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor::default()));

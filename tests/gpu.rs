@@ -18,8 +18,16 @@ pub fn gpu() -> MutexGuard<'static, Gpu> {
     GPU.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// The adapter that `WGPU_ADAPTER_NAME` asks for, and no other; none if it asks for none.
+pub fn named() -> Option<AdapterChoice> {
+    Some(AdapterChoice::from_env()).filter(|choice| choice.name.is_some())
+}
+
 /// Software drivers come first, as for [`device`](crate::adapter::device): of them bit-equality can be asked.
 fn open() -> Result<Gpu, BackendError> {
+    if let Some(named) = named() {
+        return Gpu::new(&named);
+    }
     let software = AdapterChoice { software: Software::Only, ..AdapterChoice::default() };
     Gpu::new(&software).or_else(|_| Gpu::new(&AdapterChoice::default()))
 }

@@ -4,6 +4,7 @@ mod agreement;
 mod causes;
 mod closed_form;
 mod closed_form_masks;
+mod coarse_grids;
 mod convergence;
 mod culling;
 mod embedding;

@@ -8,7 +8,13 @@ const PACKAGES: [&str; 2] = ["mesa-vulkan-drivers", "libvulkan1"];
 
 /// The name of the adapter that the tests will use. `cargo test` has built the program that tells, beside this one.
 pub(crate) fn find() -> Result<Option<String>> {
+    find_with(|_| ())
+}
+
+/// The same once the program's environment is prepared.
+pub(crate) fn find_with(prepare: impl FnOnce(&mut Command)) -> Result<Option<String>> {
     let mut program = beside("adapter")?;
+    prepare(&mut program);
     let output = with_runtime_dir(&mut program)?.output().context("the program `adapter` did not start")?;
     let name = String::from_utf8_lossy(&output.stdout).trim().to_owned();
     Ok(output.status.success().then_some(name))
@@ -49,14 +55,14 @@ pub(crate) fn by_hand() -> String {
     format!("{update} && {install}")
 }
 
-fn is_debian() -> bool {
+pub(crate) fn is_debian() -> bool {
     let text = fs::read_to_string("/etc/os-release").unwrap_or_default();
     let ids = text.lines().filter_map(|l| l.strip_prefix("ID=").or_else(|| l.strip_prefix("ID_LIKE=")));
     ids.flat_map(|l| l.trim_matches('"').split_whitespace()).any(|id| id == "debian" || id == "ubuntu")
 }
 
 /// What must stand before a command that installs: nothing for root, `sudo -n` if that works without asking.
-fn privilege() -> Option<&'static [&'static str]> {
+pub(crate) fn privilege() -> Option<&'static [&'static str]> {
     let id = Command::new("id").arg("-u").output().ok()?;
     if id.stdout.trim_ascii() == b"0" {
         return Some(&[]);
@@ -65,7 +71,7 @@ fn privilege() -> Option<&'static [&'static str]> {
     sudo.status.success().then_some(&["sudo", "-n"])
 }
 
-fn apt_get(prefix: &[&str]) -> Command {
+pub(crate) fn apt_get(prefix: &[&str]) -> Command {
     let mut words = prefix.iter().copied().chain(["apt-get"]);
     let mut command = Command::new(words.next().unwrap_or("apt-get"));
     command.args(words).env("DEBIAN_FRONTEND", "noninteractive");

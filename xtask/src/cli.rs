@@ -143,7 +143,8 @@ pub(crate) enum Backend {
   cargo xtask test --install-driver                 where there may be none, as in a container
   cargo xtask test -- -p umbrage-core light_space   further arguments go to `cargo test`")]
 pub(crate) struct TestOptions {
-    /// Where no graphics adapter is found, install a software driver (Debian and Ubuntu, as root or with sudo)
+    /// Where no graphics adapter is found, install a software driver (Debian and Ubuntu, as root or with sudo); and fetch a second
+    /// one, SwiftShader, into cargo's target folder (Debian)
     #[arg(long)]
     pub(crate) install_driver: bool,
     /// Further arguments of `cargo test`

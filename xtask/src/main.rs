@@ -9,6 +9,7 @@ mod ci;
 mod cli;
 mod measure;
 mod run;
+mod swiftshader;
 mod test;
 mod tidy;
 

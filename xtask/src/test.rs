@@ -1,14 +1,16 @@
-//! All tests, on a graphics adapter that is there or gets installed. Never without one.
+//! All tests, on a graphics adapter that is there or gets installed. Never without one. Nets between backends then play once more on
+//! a second driver.
 
 use crate::{
     adapter,
     cli::TestOptions,
     run::{cargo, run, spell},
+    swiftshader::{self, SwiftShader},
 };
 use anyhow::{Context as _, Result, bail};
 use std::{
     io::{BufRead as _, BufReader},
-    process::Stdio,
+    process::{Command, Stdio},
     time::Instant,
 };
 
@@ -27,15 +29,58 @@ pub(crate) fn test(options: &TestOptions) -> Result<()> {
             adapter::by_hand()
         ),
     };
+    let second = second_driver(options)?;
     println!("testing on {adapter}");
-    let totals = run_tests(&options.arguments)?;
+    let mut command = cargo();
+    command.args(["test", "--all-features", "--no-fail-fast"]);
+    if !options.arguments.iter().any(|a| a.starts_with("-p") || a.starts_with("--package")) {
+        command.arg("--workspace");
+    }
+    let mut failed = told(&run_tests(command.args(&options.arguments))?, start, &adapter);
+    if let Some(driver) = second {
+        println!("testing on SwiftShader");
+        let start = Instant::now();
+        let mut command = cargo();
+        driver.select(command.args(SECOND));
+        let totals = run_tests(&mut command)?;
+        failed += told(&totals, start, "SwiftShader") + usize::from(totals.passed == 0);
+    }
+    if failed == 0 { Ok(()) } else { bail!("{failed} tests or programs failed; what each says stands above") }
+}
+
+/// The nets that are played on the second driver, too, and its own.
+#[rustfmt::skip]
+const SECOND: [&str; 10] = [
+    "test", "--workspace", "--all-features", "--no-fail-fast", "--test=nets", "--test=second_driver", "--",
+    "agreement::", "rasterisers::", "on_the_second_driver",
+];
+
+/// The driver on which some tests are played once more. It must be there where drivers are installed; elsewhere its lack is told.
+/// None for tests that the user chose.
+fn second_driver(options: &TestOptions) -> Result<Option<SwiftShader>> {
+    if !options.arguments.is_empty() {
+        return Ok(None);
+    }
+    let there = SwiftShader::unpacked()?;
+    if there.is_none() && options.install_driver {
+        return SwiftShader::fetch().map(Some);
+    }
+    if there.is_none() {
+        println!("no tests on SwiftShader, a second driver that rounds otherwise: {}", swiftshader::MEND);
+    }
+    Ok(there)
+}
+
+/// Tells what tests came to, and how many failed.
+fn told(totals: &Totals, start: Instant, adapter: &str) -> usize {
     let minutes = start.elapsed().as_secs_f64() / 60.0;
-    let Totals { passed, failed, programs, .. } = totals;
+    let Totals { passed, failed, programs, .. } = *totals;
     let verdict = if totals.good { "passed" } else { "FAILED" };
     println!(
         "tests {verdict}: {passed} passed, {failed} failed in {programs} programs, {minutes:.1} min, on {adapter}"
     );
-    if totals.good { Ok(()) } else { bail!("{failed} tests failed; what each says stands above") }
+    // What doesn't even start counts as one.
+    failed.max(usize::from(!totals.good))
 }
 
 /// What all test programs say together.
@@ -62,16 +107,9 @@ impl Totals {
     }
 }
 
-fn run_tests(arguments: &[String]) -> Result<Totals> {
-    let mut command = cargo();
-    command.args(["test", "--all-features", "--no-fail-fast"]);
-    if !arguments.iter().any(|a| a.starts_with("-p") || a.starts_with("--package")) {
-        command.arg("--workspace");
-    }
-    command.args(arguments).stdout(Stdio::piped());
-    let line = spell(&command);
-    let mut child =
-        adapter::with_runtime_dir(&mut command)?.spawn().with_context(|| format!("`{line}` did not start"))?;
+fn run_tests(command: &mut Command) -> Result<Totals> {
+    let line = spell(command.stdout(Stdio::piped()));
+    let mut child = adapter::with_runtime_dir(command)?.spawn().with_context(|| format!("`{line}` did not start"))?;
     let mut totals = Totals::default();
     for line in child.stdout.take().map(BufReader::new).into_iter().flat_map(BufReader::lines) {
         let line = line?;

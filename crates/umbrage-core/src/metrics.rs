@@ -36,6 +36,8 @@ pub enum Pixel {
     Unlit,
     /// Truth itself is numerically ambiguous there.
     Ambiguous,
+    /// The mask's backend sees another triangle there than truth, as its device moves vertices to another grid.
+    Elsewhere,
 }
 
 /// How far a mask is from the truth. Shares are percentages of the counted pixels, 0..=100; all figures are 0 when no
@@ -62,6 +64,9 @@ pub struct Errors {
     pub ambiguous: u64,
     /// Pixels left out: they face away from the light or lie outside its cone.
     pub unlit: u64,
+    /// Pixels left out: the backend sees another triangle there than truth.
+    #[serde(default)]
+    pub elsewhere: u64,
 }
 
 /// Truth, ready to be compared with many masks.
@@ -86,6 +91,15 @@ impl<'a> Reference<'a> {
         Ok(Self { size, truth, pixels, near_edge })
     }
 
+    /// The same truth for a backend for which other pixels count; shadow edges stay where they are.
+    ///
+    /// # Errors
+    /// When there is not one class a pixel.
+    pub fn with_pixels<'b>(&'b self, pixels: &'b [Pixel]) -> Result<Reference<'b>, Invalid> {
+        check_len("pixel classes", self.size, pixels.len())?;
+        Ok(Reference { pixels, ..self.clone() })
+    }
+
     /// How far a mask is from it.
     ///
     /// # Errors
@@ -103,6 +117,7 @@ impl<'a> Reference<'a> {
                 Pixel::Empty => {}
                 Pixel::Unlit => out.unlit += 1,
                 Pixel::Ambiguous => out.ambiguous += 1,
+                Pixel::Elsewhere => out.elsewhere += 1,
             }
         }
         let n = out.counted.max(1) as f64;
@@ -200,7 +215,11 @@ pub enum Doubt {
 /// where a surface shadows itself; were it more, a fault of the bias or of the light space could hide in it.
 pub const MOST_UNDECIDED: f64 = 0.001;
 
-/// How well two masks of the same view agree.
+/// How much a device's rounding may add to a mask's RMSE against truth ([`Agreement::excess`]): a bias that is too small for it
+/// darkens whole surfaces, which adds tenths; edges that move by a part of a pixel add thousandths.
+pub const MOST_EXCESS: f64 = 0.005;
+
+/// How well a mask agrees with the CPU's of the same view.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Agreement {
     /// Pixels compared.
@@ -215,6 +234,14 @@ pub struct Agreement {
     pub largest: f64,
     /// Decided pixels that differ by more than [`AGREE`]: must be 0.
     pub violations: u64,
+    /// Pixels on which the CPU's own mask changes by more than is allowed once it rounds vertices as the other backend's
+    /// device does ([`Snapping`](crate::Snapping)). There the other backend must agree with the changed mask.
+    #[serde(default)]
+    pub by_grid: u64,
+    /// How much greater the mask's RMSE against truth is than that of the CPU's mask over the same pixels; 0 if nobody
+    /// measured it.
+    #[serde(default)]
+    pub excess: f64,
 }
 
 impl Agreement {
@@ -245,6 +272,11 @@ impl Agreement {
     /// Whether all decided pixels agree.
     pub fn holds(&self) -> bool {
         self.violations == 0
+    }
+
+    /// Whether the mask is no farther from truth than the CPU's and [`MOST_EXCESS`].
+    pub fn is_accurate(&self) -> bool {
+        self.excess <= MOST_EXCESS
     }
 
     /// Whether no more pixels are excused by rounding than [`MOST_UNDECIDED`] allows.

@@ -46,7 +46,7 @@ pub enum Cull {
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RasterBias {
-    /// In units of r: about 6e-8 near depth 1.
+    /// In units of r: about 6e-8 near depth 1 of 32 bits; of 16 bits one step of 65536 or two, as devices like.
     #[serde(default)]
     pub constant: i32,
     /// In units of m.
@@ -255,14 +255,15 @@ impl Recipe {
                 layer(depth).filter(|o| counts && o.format == Format::Depth32)
             }
         };
-        if other.is_none_or(|o| o.size != image.size || o.layers != image.layers) || cast.bias != RasterBias::default()
-        {
+        // What lies behind itself by a bias would be peeled for ever.
+        let biased = cast.bias != RasterBias::default() && matches!(cast.mode, CastMode::Behind(_));
+        if other.is_none_or(|o| o.size != image.size || o.layers != image.layers) || biased {
             let why =
                 format!("into image {} asks for {:?} with {:?} and {:?}", cast.image, cast.mode, cast.cull, cast.bias);
             return fault(
                 why,
                 "peel behind another depth image of the same kind, or count into a Stencil8 image against a \
-                              Depth32 image of its size; both without bias, counts without culling",
+                              Depth32 image of its size; peels without bias, counts without culling",
             );
         }
         self.check_source(cast)

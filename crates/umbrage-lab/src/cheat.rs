@@ -1,17 +1,24 @@
 //! A second backend for tests that must notice one that errs.
 
-use umbrage_core::{Backend, BackendError, Recipe, Shadows, View};
-use umbrage_cpu::Cpu;
+use umbrage_core::{Backend, BackendError, Recipe, Shadows, Snapping, View};
+use umbrage_cpu::{Cpu, CpuOptions};
 
 /// The CPU under wgpu's name, spoilt on the way out.
 pub(crate) struct Cheat<F> {
     cpu: Cpu,
     spoil: F,
+    says: Snapping,
 }
 
 impl<F: FnMut(&mut Shadows)> Cheat<F> {
     pub(crate) fn new(spoil: F) -> Self {
-        Self { cpu: Cpu::new(), spoil }
+        Self { cpu: Cpu::new(), spoil, says: Snapping::default() }
+    }
+
+    /// One that rounds vertices so, and says that it rounds otherwise.
+    pub(crate) fn rounding(does: Snapping, says: Snapping, spoil: F) -> Self {
+        let cpu = Cpu::with_options(&CpuOptions::default().snapping(does)).expect("a known rounding");
+        Self { cpu, spoil, says }
     }
 }
 
@@ -21,6 +28,9 @@ impl<F: FnMut(&mut Shadows)> Backend for Cheat<F> {
     }
     fn kind(&self) -> &'static str {
         "wgpu"
+    }
+    fn snapping(&self) -> Snapping {
+        self.says
     }
     fn render(&mut self, view: &View<'_>, recipe: &Recipe) -> Result<Shadows, BackendError> {
         let mut shadows = self.cpu.render(view, recipe)?;

@@ -49,12 +49,15 @@ pub(crate) fn png(size: UVec2, shadows: &Shadows) -> Option<ImageResult<Vec<u8>>
     shadows.picture_bytes().map(|rgb| crate::report::pictures::encode_rgb(size, &rgb))
 }
 
-/// At how many pixels two pictures differ by more than one step of 255 though their masks agree within one.
+/// At how many pixels two pictures differ by more than one step of 255 though their masks agree within one and they show the
+/// same triangle.
 pub(crate) fn differing(a: &Shadows, b: &Shadows) -> Option<u64> {
     let (colors, others) = (a.picture_bytes()?, b.picture_bytes()?);
     let alike = |(v, w): (&f32, &f32)| (v - w).abs() <= 1.0 / 255.0;
     let far = |(p, q): (&[u8], &[u8])| p.iter().zip(q).any(|(v, w)| v.abs_diff(*w) > 1);
-    let masks = a.mask.iter().zip(&b.mask).map(alike);
+    let triangle = |s: &Shadows, i: usize| s.receivers.as_ref().map(|r| r.triangle[i]);
+    let masks = a.mask.iter().zip(&b.mask).enumerate();
+    let masks = masks.map(|(i, pair)| alike(pair) && triangle(a, i) == triangle(b, i));
     let pixels = colors.chunks(3).zip(others.chunks(3)).map(far);
     Some(masks.zip(pixels).filter(|(alike, far)| *alike && *far).count() as u64)
 }

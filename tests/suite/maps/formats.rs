@@ -1,7 +1,7 @@
 //! What coarse and packed depth cost.
 
 use super::Case;
-use umbrage_core::{Backend, Extents, Fit, Light, ShadowTechnique};
+use umbrage_core::{Backend, Extents, Fit, Light, RasterBias, ShadowTechnique};
 use umbrage_cpu::Cpu;
 use umbrage_techniques::{Bias, Hard, MapFormat, ShadowMap};
 
@@ -22,8 +22,10 @@ fn stretched(case: &Case, factor: f32) -> Fit {
     Fit::Manual { eye, extents }
 }
 
-/// Biases in texels, with no more for rounding than 32-bit floats need (a few 2^-24 of a depth near 1).
-const FOR_FLOATS: Bias = Bias { constant: 1e-6, ..Bias::RECEIVER_PLANE };
+/// Biases in texels, with no more for rounding than 32-bit floats need (a few 2^-24 of a depth near 1). What the bias moves casters
+/// by, for grids that are coarser than the CPU's, is taken back.
+const FOR_FLOATS: Bias = Bias { constant: 1e-6, raster: TAKEN_BACK, ..Bias::RECEIVER_PLANE };
+const TAKEN_BACK: RasterBias = RasterBias { constant: 0, slope: -0.125, clamp: 0.0 };
 
 fn false_shadow(case: &Case, format: MapFormat, factor: f32) -> f64 {
     let map = ShadowMap { format, fit: stretched(case, factor), bias: FOR_FLOATS, ..ShadowMap::default() };

@@ -6,7 +6,7 @@ use crate::{
     run::{Usage, root},
 };
 use anyhow::{Result, bail};
-use umbrage_core::glam::UVec2;
+use umbrage_core::{Backend, glam::UVec2};
 use umbrage_lab::{
     baseline::{Changes, Except, apart, changes, read, time_again},
     compare::{Backends, Comparison, Event, Options, Runs, SceneInput, compare as run},
@@ -27,7 +27,7 @@ pub(super) fn compare(options: &CompareOptions) -> Result<()> {
     let settings = settings(options)?;
     let places = places(inputs.len(), options.shard)?;
     let mut backends = Backends::open(inputs::choice(options.backend), &inputs::adapter(options.adapter.as_ref()))?;
-    for line in backends.notices.iter().cloned().chain(backends.playing.iter().map(|b| format!("on {}", b.name()))) {
+    for line in backends.notices.iter().cloned().chain(backends.playing.iter().map(|b| on(&**b))) {
         println!("{line}");
     }
     let report = Report::create(&out, Plan::new(&inputs, &settings), &places, options.arrays)?;
@@ -49,6 +49,14 @@ pub(super) fn compare(options: &CompareOptions) -> Result<()> {
         guard(&changes)
     });
     verdict(&comparison).and(guarded)
+}
+
+/// A backend in words: its name, and how its device rounds.
+fn on(backend: &dyn Backend) -> String {
+    match backend.kind() {
+        "cpu" => format!("on {}", backend.name()),
+        _ => format!("on {}: {}", backend.name(), backend.snapping()),
+    }
 }
 
 /// The baseline without the scenes that other shards measure: this one can't lack them.

@@ -38,7 +38,7 @@ pub(super) fn print(scenes: &[SceneResult]) {
         let [w, h] = scene.size;
         println!("\n{}: {} light, {w} x {h}, {} triangles\n{table}", scene.name, scene.light, scene.triangles);
         scene.nothing_compared.iter().for_each(|why| println!("-: {why}"));
-        maps(&scene.rows).iter().for_each(|line| println!("{line}"));
+        maps(&scene.rows).iter().chain(&left_out(&scene.rows)).for_each(|line| println!("{line}"));
     }
     if !whole {
         println!(
@@ -51,6 +51,13 @@ pub(super) fn print(scenes: &[SceneResult]) {
 fn maps(rows: &[Row]) -> Option<String> {
     let used: Vec<_> = rows.iter().filter_map(|r| r.measured()?.maps).collect();
     Some(format!("maps: {}", footprint::words(&used)?))
+}
+
+/// How many pixels were left out of the errors, in a line; none if none were.
+fn left_out(rows: &[Row]) -> Option<String> {
+    let left_out = |row: &Row| row.measured()?.errors.map(|e| e.elsewhere).filter(|pixels| *pixels > 0);
+    let (row, pixels) = rows.iter().find_map(|row| Some((row, left_out(row)?)))?;
+    Some(format!("left out: {pixels} pixels at which {} sees other triangles than truth", row.backend))
 }
 
 fn cells(row: &Row) -> Vec<String> {

@@ -94,6 +94,17 @@ impl<'a> TruthImage<'a> {
     }
 }
 
+impl TruthImage<'_> {
+    /// The same for a backend for which other pixels count; shadow edges stay where they are.
+    ///
+    /// # Errors
+    /// When there is not one class a pixel.
+    pub fn with_pixels<'b>(&'b self, pixels: &'b [Pixel]) -> Result<TruthImage<'b>, Invalid> {
+        check_len("pixel classes", self.size, pixels.len())?;
+        Ok(TruthImage { pixels, ..self.clone() })
+    }
+}
+
 impl Causes {
     /// Tells a mask's error apart.
     ///

@@ -111,7 +111,9 @@ impl Backends {
     /// Where a comparison with these backends is made, and when, if it has times.
     pub fn environment(&self, options: &Options) -> Environment {
         let backends = self.playing.iter().map(|b| b.name().to_owned()).collect();
-        Environment { adapter: self.adapter.clone(), backends, ..Environment::here(options.runs.is_some()) }
+        let snapping = self.playing.iter().find(|b| b.kind() != "cpu").map(|b| b.snapping().to_string());
+        let adapter = self.adapter.clone();
+        Environment { adapter, snapping, backends, ..Environment::here(options.runs.is_some()) }
     }
 }
 

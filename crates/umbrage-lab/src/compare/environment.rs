@@ -17,6 +17,7 @@ impl Environment {
             threads: rayon::current_num_threads(),
             system: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
             adapter: None,
+            snapping: None,
             backends: Vec::new(),
         }
     }

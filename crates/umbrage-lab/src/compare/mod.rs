@@ -11,10 +11,12 @@ mod options;
 mod relative;
 mod result;
 mod scene;
+mod seen;
 mod slug;
 mod timing;
 mod yardstick;
 
+pub use agreement::agree;
 pub use backends::{BackendChoice, Backends};
 pub use event::{Event, OnEvent};
 pub use expected::{Expected, pilot};

@@ -48,6 +48,9 @@ pub struct Environment {
     pub system: String,
     /// The graphics adapter; none if there is none or it wasn't asked for.
     pub adapter: Option<String>,
+    /// How it rounds vertices, in words; none without it.
+    #[serde(default)]
+    pub snapping: Option<String>,
     /// Names of the backends compared.
     pub backends: Vec<String>,
 }
@@ -120,6 +123,9 @@ impl SceneResult {
 fn disagreement(a: Agreement) -> Option<String> {
     if !a.holds() {
         return Some(format!("{} decided pixels differ from the CPU's", a.violations));
+    }
+    if !a.is_accurate() {
+        return Some(format!("RMSE is {:.4} above that of the CPU's mask at the same pixels", a.excess));
     }
     let (undecided, compared) = (a.undecided, a.compared);
     let why = format!("rounding alone lets {undecided} of {compared} pixels differ from the CPU's: too many");

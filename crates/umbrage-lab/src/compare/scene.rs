@@ -1,8 +1,8 @@
 //! All rows of one scene.
 
 use super::{
-    Backends, Event, Measured, OnEvent, Options, Outcome, Row, SceneInput, SceneResult, TruthSummary, agreement,
-    control, slug::Setting, timing::measure,
+    Backends, Event, Measured, OnEvent, Options, Outcome, Row, SceneInput, SceneResult, TruthSummary, agreement::agree,
+    control, seen::Seen, slug::Setting, timing::measure,
 };
 use crate::{
     LabError, color,
@@ -14,8 +14,8 @@ use crate::{
 use glam::UVec2;
 use std::sync::Arc;
 use umbrage_core::{
-    Backend, BackendError, Camera, Cast, CastMode, Geometry, Invalid, Light, LightSpace, PlanError, Receivers, Recipe,
-    ShadowTechnique, Shadows, View, Work,
+    BackendError, Camera, Cast, CastMode, Geometry, Invalid, Light, LightSpace, PlanError, Recipe, ShadowTechnique,
+    Shadows, View, Work,
     metrics::{Agreement, Causes, Errors, Pixel, Reference, TruthImage},
 };
 
@@ -81,6 +81,7 @@ pub(super) fn run(
         colors: Vec::new(),
         lookups: Vec::new(),
         looked_up: Vec::new(),
+        seen: backends.playing.iter().map(|_| None).collect(),
     };
     for setting in settings {
         run.setting(setting, backends, on_event)?;
@@ -161,6 +162,8 @@ struct SceneRun<'a> {
     colors: Vec<Option<Vec<u8>>>,
     lookups: Vec<Option<Arc<Heat>>>,
     looked_up: Vec<LookedUp>,
+    /// One entry a backend.
+    seen: Vec<Option<Seen>>,
 }
 
 /// A footprint that is known: most settings differ in their bias alone, and their maps are used alike.
@@ -294,14 +297,26 @@ impl SceneRun<'_> {
         if times.is_some() && shadows.timings.receive.is_none() {
             return Ok(self.unsupported("this adapter cannot time its passes"));
         }
-        self.check_receivers(&shadows, player.kind())?;
+        if !self.seen[backend].as_ref().is_some_and(|seen| seen.holds(&shadows)) {
+            self.seen[backend] =
+                Some(Seen::new(self.name, &self.view, self.truth, &self.options.truth, player, &shadows)?);
+        }
+        let pixels = self.seen[backend].as_ref().and_then(|seen| seen.pixels.as_deref());
+        let snapping = player.snapping();
         let (kind, technique) = (player.kind(), setting.technique.name());
         if self.controls.iter().all(|c| c.backend != kind || c.technique != technique) {
             let played = (recipe, &shadows);
             self.controls.extend(control::run(player, &*setting.technique, &self.view, self.truth, played)?);
         }
-        let (errors, causes) = self.errors(of_cpu.as_ref(), &shadows)?;
-        let agreement = agreement_with_cpu(&mut *backends.playing[0], &view, recipe, of_cpu.as_ref(), &shadows)?;
+        let (errors, causes) = self.errors(of_cpu.as_ref(), &shadows, pixels)?;
+        let agreement = match &of_cpu {
+            None => None,
+            Some((cpu, ..)) => {
+                let agreed = agree(&view, recipe, cpu, &shadows, snapping)?;
+                let of_cpu = self.rmse(&cpu.mask, pixels)?;
+                Some(Agreement { excess: errors.map_or(0.0, |e| e.rmse - of_cpu), ..agreed })
+            }
+        };
         self.masks.push(Some(shadows.mask.clone()));
         let bytes = shadows.bytes;
         if backends.playing[backend].kind() == "cpu" {
@@ -312,64 +327,34 @@ impl SceneRun<'_> {
         Ok(Outcome::Measured(Box::new(measured)))
     }
 
-    /// Against truth, and what it comes from. A mask that equals the CPU's has its errors.
-    fn errors(&self, of_cpu: Option<&OfCpu>, shadows: &Shadows) -> Result<(Option<Errors>, Option<Causes>), Invalid> {
-        if let Some((_, errors, causes)) = of_cpu.filter(|(cpu, ..)| cpu.mask == shadows.mask) {
-            return Ok((*errors, *causes));
-        }
-        let (errors, causes) = (self.reference.errors(&shadows.mask)?, Causes::measure(&shadows.mask, &self.image)?);
-        Ok(if errors.counted > 0 { (Some(errors), Some(causes)) } else { (None, None) })
+    /// A mask's RMSE where these pixels count, or those that truth says.
+    fn rmse(&self, mask: &[f32], pixels: Option<&[Pixel]>) -> Result<f64, Invalid> {
+        Ok(match pixels {
+            None => self.reference.errors(mask)?.rmse,
+            Some(pixels) => self.reference.with_pixels(pixels)?.errors(mask)?.rmse,
+        })
     }
 
-    /// Truth and backend must have seen the same triangles.
-    fn check_receivers(&self, shadows: &Shadows, backend: &str) -> Result<(), LabError> {
-        let fault = |what: String| LabError::NotComparable { scene: self.name.to_owned(), what };
-        if self.view.geometry.fingerprint() != self.truth.fingerprint {
-            return Err(fault("truth was traced with other triangles".to_owned()));
-        }
-        let Some(seen) = &shadows.receivers else {
-            return Err(fault(format!("backend {backend} doesn't tell which receivers it saw")));
+    /// Against truth where these pixels count, or those that truth says, and what it comes from; none if no pixel counts. A mask
+    /// that equals the CPU's has its errors.
+    fn errors(
+        &self,
+        of_cpu: Option<&OfCpu>,
+        shadows: &Shadows,
+        pixels: Option<&[Pixel]>,
+    ) -> Result<(Option<Errors>, Option<Causes>), Invalid> {
+        let mask = &shadows.mask;
+        let (errors, causes) = match (of_cpu, pixels) {
+            (Some((cpu, errors, causes)), None) if cpu.mask == *mask => return Ok((*errors, *causes)),
+            (_, None) => (self.reference.errors(mask)?, Causes::measure(mask, &self.image)?),
+            (_, Some(pixels)) => {
+                let image = self.image.with_pixels(pixels)?;
+                (self.reference.with_pixels(pixels)?.errors(mask)?, Causes::measure(mask, &image)?)
+            }
         };
-        let truth = &self.truth.receivers;
-        if seen.size != truth.size {
-            return Err(fault(format!(
-                "backend {backend} sees an image of {}, truth one of {}",
-                seen.size, truth.size
-            )));
-        }
-        let [ids, surfaces] = different(truth, seen);
-        if ids as f64 > MOST_IDS * truth.len() as f64 || surfaces as f64 > MOST_SURFACES * truth.len() as f64 {
-            let of = truth.len();
-            let what =
-                format!("truth and backend {backend} see other triangles at {ids} of {of} pixels, {surfaces} far off");
-            return Err(fault(what));
-        }
-        Ok(())
+        Ok(if errors.counted > 0 { (Some(errors), Some(causes)) } else { (None, None) })
     }
 }
 
 /// What the CPU made of a setting, and how far it is from truth.
 type OfCpu = (Shadows, Option<Errors>, Option<Causes>);
-
-/// Drivers round vertices to 2^-8 or 2^-4 pixels, so where triangles are as small as pixels some show their neighbour:
-/// this share of the pixels may ...
-const MOST_IDS: f64 = 0.05;
-/// ... but on outlines alone may it lie elsewhere.
-const MOST_SURFACES: f64 = 0.001;
-
-/// At how many pixels the triangles differ, and at how many their distances do by over a hundredth, too.
-fn different(a: &Receivers, b: &Receivers) -> [usize; 2] {
-    let ids = (0..a.len()).filter(|&i| a.triangle[i] != b.triangle[i]);
-    let far = |i: &usize| (a.distance[*i] - b.distance[*i]).abs() > 0.01 * a.distance[*i];
-    [ids.clone().count(), ids.filter(far).count()]
-}
-
-fn agreement_with_cpu(
-    cpu: &mut dyn Backend,
-    view: &View<'_>,
-    recipe: &Recipe,
-    of_cpu: Option<&OfCpu>,
-    shadows: &Shadows,
-) -> Result<Option<Agreement>, LabError> {
-    of_cpu.map(|(of_cpu, ..)| agreement::compare(cpu, view, recipe, of_cpu, shadows)).transpose()
-}

@@ -6,7 +6,7 @@ use crate::{
     footprint::measure,
     truth::TruthOptions,
 };
-use umbrage_core::{Geometry, Shadows, View, glam::UVec2, metrics::Pixel};
+use umbrage_core::{Geometry, Shadows, Snapping, View, glam::UVec2, metrics::Pixel};
 use umbrage_cpu::Cpu;
 
 fn quick(techniques: &[&str]) -> Options {
@@ -122,6 +122,47 @@ fn one_wrong_pixel_is_a_fault() {
     let comparison = run("cubes", &quick(&["traced"]), &mut with_cheat(darken_one)).expect("valid");
     let faults = comparison.faults();
     assert!(faults.iter().any(|f| f.contains("decided pixels differ")), "{faults:?}");
+}
+
+fn rounding(does: Snapping, says: Snapping, spoil: fn(&mut Shadows)) -> Backends {
+    Backends::of(vec![Box::new(Cpu::new()), Box::new(Cheat::rounding(does, says, spoil))])
+}
+
+/// On a coarse grid other pixels are dark, and other triangles are seen, than on the CPU's own: all of that is right, and told.
+#[test]
+fn a_backend_is_compared_by_its_own_rounding() {
+    let (options, coarse) = (quick(&["volumes", "traced", "planar"]), Snapping::COARSEST);
+    let comparison = run("cubes", &options, &mut rounding(coarse, coarse, |_| ())).expect("comparable");
+    let rows: Vec<_> = comparison.scenes[0].rows.iter().filter(|r| r.backend == "wgpu").collect();
+    let volumes = rows.iter().find(|r| r.technique == "volumes").and_then(|r| r.measured()).expect("measured");
+    let agreed = volumes.agreement.expect("compared");
+    assert!(agreed.by_grid > 0 && agreed.differing > 0 && agreed.undecided == 0, "{agreed:?}");
+    let errors = volumes.errors.expect("pixels count");
+    assert!(errors.elsewhere > 0 && errors.rmse == 0.0, "{errors:?}");
+    assert!(comparison.faults().is_empty(), "{:?}", comparison.faults());
+    let told = comparison.environment.snapping.expect("told");
+    assert!(told.starts_with("4 sub-pixel bits"), "{told}");
+    // One wrong pixel is as wrong as on the CPU's grid.
+    let faults = run("cubes", &options, &mut rounding(coarse, coarse, darken_one)).expect("comparable").faults();
+    assert!(faults.iter().any(|f| f.contains("decided pixels differ")), "{faults:?}");
+    // Those who round otherwise than they say are found out.
+    let lies = run("cubes", &options, &mut rounding(coarse, Snapping::default(), |_| ())).expect("comparable").faults();
+    assert!(lies.iter().any(|f| f.contains("decided pixels differ")), "{lies:?}");
+}
+
+/// A backend may agree with the CPU on its own grid and still be wrong: a bias too small for it makes surfaces dark.
+#[test]
+fn masks_much_farther_from_truth_than_the_cpu_s_are_faults() {
+    let measured = |excess: f64| {
+        let mut comparison = run("cubes", &quick(&["traced"]), &mut with_cheat(|_| ())).expect("valid");
+        let row = comparison.scenes[0].rows.last_mut().expect("rows");
+        let Outcome::Measured(m) = &mut row.outcome else { panic!("measured") };
+        m.agreement.as_mut().expect("compared").excess = excess;
+        comparison.faults()
+    };
+    assert!(measured(0.005).is_empty());
+    let faults = measured(0.0051);
+    assert!(faults[0].contains("RMSE is 0.0051 above"), "{faults:?}");
 }
 
 #[test]

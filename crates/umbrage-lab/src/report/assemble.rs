@@ -83,6 +83,7 @@ fn common(all: &[&Environment]) -> Environment {
         threads: all.iter().map(|e| e.threads).min().unwrap_or_default(),
         system: joined(|e| Some(&e.system)).unwrap_or_default(),
         adapter: joined(|e| e.adapter.as_deref()),
+        snapping: joined(|e| e.snapping.as_deref()),
         backends: first.backends.clone(),
     }
 }

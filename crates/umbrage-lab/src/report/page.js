@@ -46,7 +46,7 @@ function header() {
   const e = comparison.environment;
   const facts = [
     `umbrage ${e.version}`, e.commit && `commit ${e.commit}`, e.date && `${e.date} UTC`, `${e.cpu}, ${plural(e.threads, "thread")}`, e.system,
-    e.adapter ? `adapter: ${e.adapter}` : "no graphics adapter",
+    e.adapter ? `adapter: ${e.adapter}` : "no graphics adapter", e.snapping,
   ];
   byId("environment").append(...facts.filter(Boolean).map((f) => el("span", {}, f)));
   byId("notices").append(
@@ -202,6 +202,7 @@ function figures(m) {
     term(list, "false shadow", percent(e.false_shadow));
     term(list, "false light", percent(e.false_light));
     term(list, "acne off edges", percent(e.acne));
+    if (e.elsewhere) term(list, "left out: sees other triangles than truth", `${e.elsewhere} px`);
   } else {
     term(list, "RMSE", "–");
   }
@@ -224,6 +225,7 @@ function figures(m) {
   if (a) {
     const word = a.violations ? `${a.violations} faults` : a.differing ? `${a.differing} px, ≤ ${number(a.largest, 3)}` : "bit-equal";
     term(list, "against CPU", word, a.violations ? "bad" : "good");
+    if (a.by_grid) term(list, "changed by its sub-pixel grid", `${a.by_grid} px`);
     if (a.undecided) term(list, "excused by rounding", `${a.undecided} px`);
     if (a.elsewhere) term(list, "other triangles", `${a.elsewhere} px`);
   }

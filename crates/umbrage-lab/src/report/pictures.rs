@@ -44,7 +44,7 @@ pub(crate) fn error_colors(mask: &[f32], truth: &[f32], pixels: &[Pixel]) -> Vec
         match pixels[i] {
             Pixel::Empty => EMPTY,
             Pixel::Unlit => Vec3::splat(0.70),
-            Pixel::Ambiguous => AMBIGUOUS,
+            Pixel::Ambiguous | Pixel::Elsewhere => AMBIGUOUS,
             Pixel::Counted => {
                 let difference = mask[i] - truth[i];
                 let hue = if difference < 0.0 { FALSE_SHADOW } else { FALSE_LIGHT };

@@ -53,6 +53,8 @@ pub struct Line {
     pub ambiguous: Option<u64>,
     /// Pixels left out as unlit.
     pub unlit: Option<u64>,
+    /// Pixels left out as the backend sees other triangles there than truth.
+    pub other_triangles: Option<u64>,
     /// What the work costs by the price list, the same on every run.
     pub cost_ms: Option<f64>,
     /// Casts.
@@ -85,6 +87,8 @@ pub struct Line {
     pub map_side_needed: Option<u32>,
     /// Pixels unlike the CPU's.
     pub differing: Option<u64>,
+    /// Pixels on which the CPU's mask changes once it rounds vertices as the device does.
+    pub by_grid: Option<u64>,
     /// Pixels unlike the CPU's that rounding excuses.
     pub undecided: Option<u64>,
     /// Pixels unlike the CPU's where the backends see different triangles.
@@ -133,6 +137,7 @@ fn line(scene: &SceneResult, row: &Row) -> Line {
         counted: m.errors.map(|e| e.counted),
         ambiguous: m.errors.map(|e| e.ambiguous),
         unlit: m.errors.map(|e| e.unlit),
+        other_triangles: m.errors.map(|e| e.elsewhere),
         cost_ms: Some(m.cost_ms),
         cast_ms: m.times.and_then(|t| median(t.cast)),
         filter_ms: m.times.and_then(|t| median(t.filter)),
@@ -149,6 +154,7 @@ fn line(scene: &SceneResult, row: &Row) -> Line {
         texels_of_nine_in_ten: m.maps.and_then(|u| u.texels),
         map_side_needed: m.maps.and_then(|u| u.side),
         differing: m.agreement.map(|a| a.differing),
+        by_grid: m.agreement.map(|a| a.by_grid),
         undecided: m.agreement.map(|a| a.undecided),
         elsewhere: m.agreement.map(|a| a.elsewhere),
         largest_difference: m.agreement.map(|a| a.largest),

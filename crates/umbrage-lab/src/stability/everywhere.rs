@@ -1,7 +1,7 @@
 //! One recipe on every backend: figures are the first's, the others must agree with it where they serve the recipe.
 
 use super::guard::{self, NoMask};
-use crate::compare::agreement;
+use crate::compare::agree;
 use umbrage_core::{Backend, Recipe, Shadows, View};
 
 /// The first backend's answer, and how far the others are from it.
@@ -24,7 +24,7 @@ pub(super) fn render(playing: &mut [Box<dyn Backend>], view: &View<'_>, recipe: 
             Err(NoMask::Unsupported(_)) => continue,
             rendered => rendered?,
         };
-        disagreeing = sum(disagreeing, Some(differing(&mut **first, view, recipe, [&shadows, &of_other])?));
+        disagreeing = sum(disagreeing, Some(differing([&**first, &**other], view, recipe, [&shadows, &of_other])?));
     }
     Ok(Played { mask: shadows.mask, disagreeing })
 }
@@ -41,11 +41,16 @@ pub(super) fn sum(a: Option<u64>, b: Option<u64>) -> Option<u64> {
 }
 
 /// Decided pixels on which two backends differ. Equal masks need no search for what is undecided.
-fn differing(first: &mut dyn Backend, view: &View<'_>, recipe: &Recipe, [a, b]: [&Shadows; 2]) -> Result<u64, NoMask> {
+fn differing(
+    [first, other]: [&dyn Backend; 2],
+    view: &View<'_>,
+    recipe: &Recipe,
+    [a, b]: [&Shadows; 2],
+) -> Result<u64, NoMask> {
     let equal = a.mask.iter().zip(&b.mask).all(|(a, b)| a.to_bits() == b.to_bits());
     if equal || first.kind() != "cpu" {
         return Ok(if equal { 0 } else { a.mask.len() as u64 });
     }
-    let found = agreement::compare(first, view, recipe, a, b).map_err(|e| NoMask::Fault(e.to_string()))?;
+    let found = agree(view, recipe, a, b, other.snapping()).map_err(|e| NoMask::Fault(e.to_string()))?;
     Ok(found.violations)
 }

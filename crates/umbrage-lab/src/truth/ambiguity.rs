@@ -27,8 +27,22 @@ use glam::Vec2;
 use rayon::prelude::*;
 use umbrage_core::Light;
 
-/// How far the image is moved, pixels.
+/// How far rounding alone may move the image, pixels.
 const NUDGE: f32 = 0.02;
+
+/// A movement of the image.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Nudge {
+    /// How far, pixels.
+    pub(super) pixels: f32,
+    /// Whether pixels are ambiguous, too, that come to show nothing that receives, or no longer do.
+    pub(super) outlines: bool,
+}
+
+impl Nudge {
+    /// What truth takes for rounding. Next to an outline it is no less sure of what is lit.
+    pub(super) const ROUNDING: Self = Self { pixels: NUDGE, outlines: false };
+}
 
 /// By how much the rays' offset is multiplied, for lights with an extent.
 const LIFT: f32 = 4.0;
@@ -42,6 +56,7 @@ pub(super) fn find(
     asked: &Asked<'_>,
     light: &Light,
     options: &TruthOptions,
+    nudge: Nudge,
     find_receivers: &mut FindReceivers<'_>,
     report: &(dyn Fn(usize) + Sync),
 ) -> Result<Vec<bool>, LabError> {
@@ -59,11 +74,15 @@ pub(super) fn find(
         changes(asked.trace(&tracer, LIFT, report))
     };
     for direction in [Vec2::X, Vec2::NEG_X, Vec2::Y, Vec2::NEG_Y] {
-        let camera = asked.camera.nudged(direction * NUDGE);
+        let camera = asked.camera.nudged(direction * nudge.pixels);
         let receivers = find_receivers(&camera, asked.geometry)?;
         let nudged: Vec<bool> =
             changes(Asked { camera: &camera, receivers: &receivers, ..*asked }.trace(&tracer, 1.0, report));
         out.iter_mut().zip(nudged).for_each(|(out, nudged)| *out |= nudged);
+        if nudge.outlines {
+            let outline = |i: usize| asked.receivers.receives[i] != receivers.receives[i];
+            out.iter_mut().zip(asked.pixels).for_each(|(out, &i)| *out |= outline(i as usize));
+        }
     }
     Ok(out)
 }

@@ -17,6 +17,7 @@ mod vicinity;
 pub use points::{Point, Seen, trace_points};
 
 use crate::LabError;
+use ambiguity::Nudge;
 use glam::UVec2;
 use points::Asked;
 use std::{
@@ -181,7 +182,7 @@ fn trace_asked(
     let total = asked.pixels.len() * (1 + ambiguity::PROBES);
     let report = |n: usize| progress(done.fetch_add(n, Ordering::Relaxed) + n, total);
     let seen = asked.trace(&Tracer::new(asked.geometry, light, options)?, 1.0, &report);
-    let ambiguous = ambiguity::find(asked, light, options, find, &report)?;
+    let ambiguous = ambiguity::find(asked, light, options, Nudge::ROUNDING, find, &report)?;
     Ok((seen, ambiguous))
 }
 
@@ -192,6 +193,31 @@ fn class(receives: bool, seen: Seen, ambiguous: bool) -> Pixel {
         (_, _, true) => Pixel::Ambiguous,
         _ => Pixel::Counted,
     }
+}
+
+/// Which of truth's pixels are ambiguous on a device whose grid of sub-pixels has this step; none if no more than for truth
+/// itself, which takes nudges by .02 pixels for rounding.
+///
+/// Devices move a vertex by up to half a step right or left and as much up or down, and so an edge by up to `sqrt(1/2)` steps
+/// across itself. A shadow's edge is where two things meet, what throws it and what it falls on: `sqrt(2)` steps. Nudges of the
+/// image by two steps along each axis move every edge by as much at least. Outlines count, too: there the device's depth is
+/// that of a plane beyond its edge.
+#[cfg(feature = "report")]
+pub(crate) fn ambiguous_on(
+    step: f32,
+    view: (&Camera, &Light, &Geometry),
+    truth: &Truth,
+    options: &TruthOptions,
+    find: &mut FindReceivers<'_>,
+) -> Result<Option<Vec<bool>>, LabError> {
+    let nudge = Nudge { pixels: 2.0 * step, outlines: true };
+    if nudge.pixels <= Nudge::ROUNDING.pixels {
+        return Ok(None);
+    }
+    let (camera, light, geometry) = view;
+    let pixels: Vec<u32> = (0..truth.receivers.len() as u32).collect();
+    let asked = Asked { camera, geometry, receivers: &truth.receivers, pixels: &pixels };
+    ambiguity::find(&asked, light, options, nudge, find, &|_| {}).map(Some)
 }
 
 #[cfg(test)]

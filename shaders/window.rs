@@ -1,0 +1,175 @@
+//! The part of shadow volumes' walls that lies in the picture.
+//!
+//! Walls reach infinity, so that devices clip most of them at the picture's borders. Some then round the clipped ends of
+//! neighbours apart, or leave out walls too thin for their grid of sub-pixels, and a pixel between the two is counted wrong. So
+//! walls begin and end at the border already, at points that neighbours share.
+
+use glam::{DMat4, DVec3, DVec4, UVec2};
+use std::collections::HashMap;
+use umbrage_core::LightSpace;
+
+/// How far inside of the border walls end, pixels: beyond the outermost pixels' centres, and more than any grid moves a vertex.
+const MARGIN: f64 = 0.25;
+
+/// The picture, a margin narrower, as the inner sides of planes through the eye.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Window {
+    /// Left, right, bottom, top: positive dot products with homogeneous world positions are inside.
+    planes: [DVec4; 4],
+}
+
+/// Where something crosses the border, and over which of its planes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Crossing<T> {
+    /// The place.
+    pub(crate) at: T,
+    /// The plane's number.
+    pub(crate) plane: usize,
+}
+
+/// The part of a ray within the picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Part<T> {
+    /// Where it enters; none if it begins inside.
+    pub(crate) enters: Option<Crossing<T>>,
+    /// Where it leaves; none if it never does.
+    pub(crate) leaves: Option<Crossing<T>>,
+}
+
+impl<T> Part<T> {
+    /// Outside, all of it: nothing of it is cut.
+    pub(crate) const WHOLE: Self = Self { enters: None, leaves: None };
+
+    /// The same with other places.
+    fn map<U>(self, mut f: impl FnMut(T) -> U) -> Part<U> {
+        let mut crossing = |c: Crossing<T>| Crossing { at: f(c.at), plane: c.plane };
+        Part { enters: self.enters.map(&mut crossing), leaves: self.leaves.map(&mut crossing) }
+    }
+}
+
+impl Window {
+    /// The picture of this size that is seen from a space.
+    pub(crate) fn new(space: &LightSpace, size: UVec2) -> Self {
+        let clip_from_world: DMat4 = space.clip_from_view.as_dmat4() * space.view_from_world.as_dmat4();
+        let [x, y, w] = [0, 1, 3].map(|i| clip_from_world.row(i));
+        // The picture is 2 wide and high in these coordinates.
+        let inner = 1.0 - 2.0 * MARGIN / size.as_dvec2();
+        Self { planes: [w * inner.x + x, w * inner.x - x, w * inner.y + y, w * inner.y - y] }
+    }
+
+    /// The part within the picture of the edge from a point to another, maybe infinitely far away (w = 0, else 1); none if
+    /// there is none.
+    pub(crate) fn part(&self, from: DVec3, to: DVec4) -> Option<Part<DVec3>> {
+        let from = from.extend(1.0);
+        let towards = to - from * to.w;
+        let end = if to.w == 0.0 { f64::INFINITY } else { 1.0 };
+        // Along `from + s * towards`, distances to planes grow from `here` by `there`.
+        let (mut enters, mut leaves) = (None::<Crossing<f64>>, None::<Crossing<f64>>);
+        for (plane, normal) in self.planes.iter().enumerate() {
+            let [here, there] = [normal.dot(from), normal.dot(towards)];
+            let crossing = Some(Crossing { at: -here / there, plane });
+            if here <= 0.0 && there <= 0.0 {
+                return None;
+            }
+            if here <= 0.0 && enters.is_none_or(|c| -here / there > c.at) {
+                enters = crossing;
+            }
+            if there < 0.0 && leaves.is_none_or(|c| -here / there < c.at) {
+                leaves = crossing;
+            }
+        }
+        let leaves = leaves.filter(|c| c.at < end);
+        let before = enters.is_none_or(|enters| enters.at < leaves.map_or(end, |c| c.at));
+        before.then(|| Part { enters, leaves }.map(|s| (from + towards * s).truncate()))
+    }
+}
+
+#[cfg(test)]
+impl Window {
+    /// Whether an edge lies outside of a plane, or on it but for the rounding of its ends to 32 bits.
+    pub(crate) fn hides(&self, edge: [DVec4; 2]) -> bool {
+        self.planes.iter().any(|plane| edge.iter().all(|end| plane.dot(*end) < 1e-5 * plane.abs().dot(end.abs())))
+    }
+}
+
+/// The parts of edges found so far, by the vertex at which they begin.
+#[derive(Debug, Default)]
+pub(crate) struct Parts(HashMap<u32, Part<u32>>);
+
+impl Parts {
+    /// The part of an edge, found once; `add` makes a vertex of a point.
+    pub(crate) fn of(
+        &mut self,
+        vertex: u32,
+        find: impl FnOnce() -> Option<Part<DVec3>>,
+        add: impl FnMut(DVec3) -> u32,
+    ) -> Part<u32> {
+        *self.0.entry(vertex).or_insert_with(|| find().map_or(Part::WHOLE, |part| part.map(add)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use umbrage_core::{Camera, glam::Vec3};
+
+    fn camera() -> Camera {
+        let (eye, size) = (Vec3::new(0.0, 0.0, 5.0), UVec2::new(100, 50));
+        Camera::perspective(eye, Vec3::ZERO, Vec3::Y, 1.0, [0.1, 100.0], size).expect("valid")
+    }
+
+    fn part(from: DVec3, towards: DVec4) -> Option<Part<DVec3>> {
+        Window::new(&camera().space(), camera().size).part(from, towards)
+    }
+
+    /// How far a point is seen from the picture's four borders, pixels.
+    fn borders(p: DVec3) -> [f64; 4] {
+        let clip = camera().space().clip_from_world().as_dmat4() * p.extend(1.0);
+        let [x, y] = [50.0 + 50.0 * clip.x / clip.w, 25.0 - 25.0 * clip.y / clip.w];
+        [x, 100.0 - x, 50.0 - y, y]
+    }
+
+    #[test]
+    fn rays_cross_a_quarter_pixel_inside_the_border() {
+        let from = DVec3::new(0.1, 0.2, 0.3);
+        for (towards, plane) in [(DVec3::NEG_X, 0), (DVec3::X, 1), (DVec3::NEG_Y, 2), (DVec3::new(0.3, 1.0, -0.2), 3)] {
+            let inside = part(from, towards.extend(0.0)).expect("it begins inside");
+            let leaves = inside.leaves.expect("it leaves");
+            assert_eq!((inside.enters, leaves.plane), (None, plane));
+            // The other way round, from beyond the border.
+            let beyond = leaves.at + (leaves.at - from);
+            let back = part(beyond, (from - beyond).extend(0.0)).expect("it enters");
+            let enters = back.enters.expect("it begins outside");
+            assert_eq!(enters.plane, plane);
+            for at in [leaves.at, enters.at] {
+                assert!((borders(at)[plane] - 0.25).abs() < 1e-4, "{towards}: {:?}", borders(at));
+                let across = (at - from).normalize().cross(towards.normalize()).length();
+                assert!(across < 1e-9, "{towards}: {at} is not on the ray");
+            }
+        }
+    }
+
+    #[test]
+    fn rays_outside_have_no_part_and_some_never_leave() {
+        assert_eq!(part(DVec3::new(40.0, 0.0, 0.0), DVec3::Y.extend(0.0)), None, "right of the picture");
+        assert_eq!(part(DVec3::new(40.0, 0.0, 0.0), DVec4::new(0.0, 40.0, 0.0, 1.0)), None, "past its corner");
+        assert_eq!(
+            part(DVec3::new(40.0, 0.0, 0.0), DVec4::new(20.0, 0.0, 0.0, 1.0)),
+            None,
+            "not so far as to the picture"
+        );
+        assert_eq!(part(DVec3::ZERO, DVec4::new(0.1, 0.0, 0.0, 1.0)), Some(Part::WHOLE), "within the picture");
+        assert_eq!(part(DVec3::new(0.0, 0.0, 6.0), DVec3::Z.extend(0.0)), None, "behind the eye");
+        assert_eq!(part(DVec3::ZERO, DVec3::NEG_Z.extend(0.0)), Some(Part::WHOLE), "away from the eye");
+    }
+
+    #[test]
+    fn a_part_is_found_once() {
+        let mut parts = Parts::default();
+        let found = Part { enters: None, leaves: Some(Crossing { at: DVec3::ONE, plane: 2 }) };
+        let kept = Part { enters: None, leaves: Some(Crossing { at: 9, plane: 2 }) };
+        assert_eq!(parts.of(5, || Some(found), |_| 9), kept);
+        assert_eq!(parts.of(5, || None, |_| 10), kept);
+        assert_eq!(parts.of(6, || None, |_| 10), Part::WHOLE);
+    }
+}

@@ -1,0 +1,139 @@
+//! The second software driver: Google's SwiftShader, which rounds vertices to the coarsest grid that Vulkan allows.
+//!
+//! Debian's package of Chromium's common files holds it. The browser isn't needed: the driver's library is taken out of the
+//! package and put into cargo's target folder. Nothing is installed.
+
+use crate::adapter;
+use anyhow::{Context as _, Result, bail, ensure};
+use std::{
+    ffi::OsStr,
+    fs,
+    path::{Path, PathBuf},
+    process::{Command, Stdio},
+};
+
+/// Part of the name that it gives its adapter.
+const ADAPTER: &str = "SwiftShader";
+const PACKAGE: &str = "chromium-common";
+const LIBRARY: &str = "libvk_swiftshader.so";
+/// Where the package has it.
+const MEMBER: &str = "./usr/lib/chromium/libvk_swiftshader.so";
+
+/// The driver, unpacked.
+#[derive(Debug)]
+pub(crate) struct SwiftShader {
+    manifest: PathBuf,
+}
+
+impl SwiftShader {
+    /// The one that an earlier run has unpacked.
+    pub(crate) fn unpacked() -> Result<Option<Self>> {
+        let folder = folder()?;
+        if !folder.join(LIBRARY).exists() {
+            return Ok(None);
+        }
+        Self::in_folder(&folder).map(Some)
+    }
+
+    /// Takes it from Debian's archive.
+    pub(crate) fn fetch() -> Result<Self> {
+        let folder = folder()?;
+        let by_hand = || format!("or put {LIBRARY} from elsewhere into {}", folder.display());
+        if !adapter::is_debian() {
+            bail!("--install-driver finds {ADAPTER} only in Debian's package {PACKAGE}: use Debian, {}", by_hand());
+        }
+        println!("fetching {ADAPTER} from Debian's package {PACKAGE}");
+        fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
+        let package = download(&folder).with_context(|| format!("no {ADAPTER}: try again, {}", by_hand()))?;
+        let unpacked = unpack(&package, &folder);
+        fs::remove_file(&package).with_context(|| format!("cannot remove {}", package.display()))?;
+        unpacked.with_context(|| format!("{} holds no {MEMBER}: {}", package.display(), by_hand()))?;
+        Self::in_folder(&folder)
+    }
+
+    /// Writes the manifest by which Vulkan's loader finds the library, and sees that its adapter is there.
+    fn in_folder(folder: &Path) -> Result<Self> {
+        let path = folder.join("vk_swiftshader_icd.json");
+        let text = manifest(&folder.join(LIBRARY));
+        fs::write(&path, text).with_context(|| format!("cannot write {}", path.display()))?;
+        let driver = Self { manifest: path };
+        let found = adapter::find_with(|program| driver.select(program))?;
+        let name = found.unwrap_or_else(|| "none".to_owned());
+        let mend = format!("remove {} and run `cargo xtask test --install-driver`", folder.display());
+        ensure!(is_ours(&name), "{ADAPTER} in {} gives no adapter (found: {name}); {mend}", folder.display());
+        Ok(driver)
+    }
+
+    /// Lets a program see this driver and no other.
+    pub(crate) fn select(&self, command: &mut Command) {
+        for variable in ["VK_DRIVER_FILES", "VK_ICD_FILENAMES"] {
+            command.env(variable, &self.manifest);
+        }
+        command.env("WGPU_ADAPTER_NAME", ADAPTER);
+    }
+}
+
+/// What to do where it isn't there.
+pub(crate) const MEND: &str = "`cargo xtask test --install-driver` fetches it (Debian)";
+
+fn is_ours(adapter: &str) -> bool {
+    adapter.contains(ADAPTER)
+}
+
+/// Beside the folder of this program, in cargo's target folder.
+fn folder() -> Result<PathBuf> {
+    let program = std::env::current_exe().context("this program does not know where it is")?;
+    let target = program.parent().and_then(Path::parent).context("this program is not in cargo's target folder")?;
+    Ok(target.join("swiftshader"))
+}
+
+/// Vulkan's loader takes the path as it stands here.
+fn manifest(library: &Path) -> String {
+    let icd = serde_json::json!({ "library_path": library, "api_version": "1.0.5" });
+    serde_json::json!({ "file_format_version": "1.0.0", "ICD": icd }).to_string()
+}
+
+/// The package's file. Its list of packages may be missing or old: then it is brought up to date.
+fn download(folder: &Path) -> Result<PathBuf> {
+    let fetch = || crate::run::run(adapter::apt_get(&[]).args(["download", PACKAGE]).current_dir(folder));
+    if fetch().is_err() {
+        let prefix = adapter::privilege().context("no rights to run `apt-get update`")?;
+        crate::run::run(adapter::apt_get(prefix).arg("update"))?;
+        fetch()?;
+    }
+    let files = fs::read_dir(folder)?.filter_map(|entry| Some(entry.ok()?.path()));
+    files.into_iter().find(|path| path.extension() == Some(OsStr::new("deb"))).context("apt-get left no package")
+}
+
+/// Takes the library out of the package.
+fn unpack(package: &Path, folder: &Path) -> Result<()> {
+    let mut archive = Command::new("dpkg-deb");
+    let mut archive = archive.arg("--fsys-tarfile").arg(package).stdout(Stdio::piped()).spawn()?;
+    let tar = archive.stdout.take().context("no pipe")?;
+    // The whole path of its folders is left away.
+    let mut out = Command::new("tar");
+    out.args(["--extract", "--strip-components=4", "--directory"]).arg(folder).arg(MEMBER).stdin(tar);
+    let unpacked = crate::run::run(&mut out);
+    // It may have ended before tar took all of it.
+    archive.wait()?;
+    unpacked
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_manifest_names_the_library_whatever_its_path() {
+        let json: serde_json::Value =
+            serde_json::from_str(&manifest(Path::new("/a \"b\"/libx.so"))).expect("valid JSON");
+        assert_eq!(json["ICD"]["library_path"], "/a \"b\"/libx.so");
+        assert_eq!(json["file_format_version"], "1.0.0");
+    }
+
+    #[test]
+    fn another_driver_is_not_taken_for_it() {
+        assert!(is_ours("SwiftShader Device (Subzero) (Vulkan, )"));
+        assert!(!is_ours("llvmpipe (LLVM 15.0.6, 256 bits) (Vulkan, Mesa 22.3.6)") && !is_ours("none"));
+    }
+}
