@@ -39,7 +39,7 @@ use umbrage_core::{
 
 /// How volumes' faces are drawn behind their place. A wall that begins at the edge of a seen surface has the surface's depth
 /// there, and must not come to lie before it by rounding: pixel centres lie on edges often on devices that move vertices to a
-/// coarse grid. A slope of 1/64 moves faces as 1/64 pixel on the image would, 4 units are their own rounding.
+/// coarse grid. A slope of 1/1024 moves faces as 1/1024 pixel on the image would, 4 units are their own rounding.
 const BEHIND: RasterBias = RasterBias { constant: 4, slope: 1.0 / 1024.0, clamp: 0.0 };
 
 /// Stencil shadow volumes. There is nothing to set.
