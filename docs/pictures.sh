@@ -6,7 +6,7 @@ report=target/pictures
 cargo xtask compare teapot-lamp --map-sizes 512 --out "$report"
 mkdir -p docs/compare/teapot-lamp
 cp "$report"/teapot-lamp/truth.png docs/compare/teapot-lamp/
-for row in hard-512-bias-none hard-512-bias-slope-.05-.005 pcf-7x7-512-bias-polygon-offset-7-4; do
+for row in hard-512-bias-none hard-512-bias-slope-.05-.005 pcf-7x7-512-bias-adaptive; do
   cp "$report/teapot-lamp/$row.cpu.png" "$report/teapot-lamp/$row.cpu.error.png" docs/compare/teapot-lamp/
 done
 cargo run --release --example causes -- docs/causes
