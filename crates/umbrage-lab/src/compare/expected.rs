@@ -105,7 +105,7 @@ fn once(input: &SceneInput, options: &Options, size: UVec2, backends: &mut Backe
     let end = Instant::now();
     let rows_from = first_row.lock().ok().and_then(|first| *first).unwrap_or(end);
     // A timed row is played once for its mask, and then in turn with its yardstick.
-    let plays = options.runs.map_or(1.0, |runs| 1.0 + 2.0 * f64::from(runs.least.max(1)));
+    let plays = options.runs.map_or(1.0, |runs| 1.0 + 1.25 * f64::from(runs.least.max(1)));
     Ok((rows_from - start).as_secs_f64() + plays * (end - rows_from).as_secs_f64())
 }
 

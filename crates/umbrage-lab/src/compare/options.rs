@@ -43,7 +43,7 @@ pub struct Runs {
     pub least: u32,
     /// Never more often.
     pub most: u32,
-    /// In between, until this much time has been spent on the row, milliseconds; as much again goes into its yardstick.
+    /// In between, until this much time has been spent on the row, milliseconds; a quarter more goes into its yardstick.
     pub budget_ms: u32,
 }
 
@@ -59,9 +59,9 @@ impl Runs {
         done >= least && (done >= self.most as usize || spent >= budget)
     }
 
-    /// Whether a row that was held up by others may be played on in the hope of calmer runs: for up to four times as long.
+    /// Whether a row that was held up by others may be played on in the hope of calmer runs: for up to twice as long.
     pub(super) fn hopes(&self, done: usize, spent: Duration) -> bool {
-        done < self.most as usize && spent < 4 * Duration::from_millis(self.budget_ms.into())
+        done < self.most as usize && spent < 2 * Duration::from_millis(self.budget_ms.into())
     }
 }
 
@@ -137,6 +137,6 @@ mod tests {
         assert!(Runs::exactly(2).suffice(2, Duration::ZERO) && !Runs::exactly(2).suffice(1, Duration::MAX));
         assert!(!Runs::exactly(0).suffice(0, Duration::MAX), "no run, no time");
         let hopes = |n, ms| runs.hopes(n, Duration::from_millis(ms));
-        assert!(hopes(14, 239) && !hopes(15, 100) && !hopes(5, 240) && !Runs::exactly(3).hopes(3, Duration::ZERO));
+        assert!(hopes(14, 119) && !hopes(15, 100) && !hopes(5, 120) && !Runs::exactly(3).hopes(3, Duration::ZERO));
     }
 }

@@ -19,9 +19,9 @@ const LINKS: u64 = 1 << 19;
 const ROWS: u32 = 1 << 16;
 
 /// The yardstick for a row: it keeps the row's images and tables, so that nothing is freed and made anew between the two.
-/// It is about as long as the row by its counted cost, which is the same on every run. A yardstick of another length meets
-/// other noise: what fits between two turns of the system's scheduler is never held up, what is ten times as long always
-/// is.
+/// It takes about a quarter of the row's time by its counted cost, which is the same on every run. A yardstick of quite another
+/// length meets other noise: what fits between two turns of the system's scheduler is never held up, what is ten times as
+/// long always is. One as long as the row would double what a comparison takes.
 #[derive(Clone, Debug)]
 pub struct Yardstick {
     /// What is played.
@@ -32,6 +32,8 @@ pub struct Yardstick {
 
 /// A unit takes about so many milliseconds of counted cost.
 const UNIT_MS: f64 = 1.0;
+/// A yardstick's length over its row's.
+const SHARE: f64 = 0.25;
 /// Units of the shortest yardstick, which is still far longer than a clock's step, and of the longest.
 const UNITS: [f64; 2] = [1.0 / 32.0, 64.0];
 
@@ -42,7 +44,7 @@ impl Yardstick {
         if count == 0 {
             return None;
         }
-        let wanted = (cost_ms / UNIT_MS).clamp(UNITS[0], UNITS[1]);
+        let wanted = (SHARE * cost_ms / UNIT_MS).clamp(UNITS[0], UNITS[1]);
         let links = ((wanted * LINKS as f64 / count as f64).round() as u32).max(1);
         let tables: Vec<Table> =
             row.tables.iter().cloned().chain([Table { label: "yardstick", rows: table() }]).collect();
