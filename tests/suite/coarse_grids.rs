@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use std::{fmt::Write as _, sync::Arc};
 use umbrage_core::{
     Aabb, Backend, Camera, DepthPlanes, Fit, Geometry, Light, RasterBias, Scene, ShadowTechnique, Snapping, View,
-    metrics::{MOST_EXCESS, Pixel, Reference},
+    metrics::{MOST_EXCESS, Reference},
 };
 use umbrage_cpu::{Cpu, CpuOptions};
 use umbrage_lab::truth::{Truth, TruthOptions, trace};
@@ -14,10 +14,6 @@ use umbrage_techniques::{Bias, Entry, Hard, ShadowMap};
 
 const SIZE: UVec2 = UVec2::new(160, 120);
 const SIDE: u32 = 512;
-
-/// So many more wrong pixels are left to chance. Every shadow's edge moves by a part of a texel, and at this size two pixels of an
-/// edge are an RMSE of .01 already where a quarter of the picture counts; a bias that is too small has hundreds.
-const FEW_PIXELS: f64 = 8.0;
 
 /// Scenes of more triangles are left out: what they cost is drawing, five times over.
 const MOST_TRIANGLES: usize = 20_000;
@@ -76,8 +72,7 @@ impl Stage {
         Self { geometry: geometry.clone(), camera, light: *light, truth }
     }
 
-    /// By how much a technique's RMSE is greater by these rules than by the CPU's own; none where it isn't supported. Where that
-    /// is a matter of a few pixels, it is 0.
+    /// By how much a technique's RMSE is greater by these rules than by the CPU's own; none where it isn't supported.
     fn excess(&self, technique: &dyn ShadowTechnique, rules: [Snapping; 2]) -> Option<[f64; 2]> {
         let view = View::new(&self.camera, &self.light, &self.geometry).with_receivers(&self.truth.receivers);
         let recipe = technique.plan(&view).ok()?;
@@ -88,13 +83,7 @@ impl Stage {
             reference.errors(&mask).expect("a mask").rmse
         };
         let own = rmse(Snapping::default());
-        let counted = self.truth.pixels.iter().filter(|p| **p == Pixel::Counted).count() as f64;
-        let excess = |rule| {
-            let by_rule = rmse(rule);
-            let wrong_pixels = counted * (by_rule * by_rule - own * own);
-            if wrong_pixels > FEW_PIXELS { by_rule - own } else { 0.0 }
-        };
-        Some(rules.map(excess))
+        Some(rules.map(|rule| rmse(rule) - own))
     }
 }
 
@@ -106,6 +95,8 @@ fn most_excess(scene: &str, light: &Light, technique: &str) -> f64 {
         ("c7-closed-room", _, "second_depth") => 0.01,
         // The shadow's edge lies on a row of texels' centres, so that a grid's step moves all of it by a texel.
         ("stairs-lamp", "point", "pcf_dithered") => 0.01,
+        // Three pixels of 6,934, on an edge: 5 are wrong instead of 2.
+        ("textbook-room", "spot", "second_depth" | "midpoint") => 0.01,
         _ => MOST_EXCESS,
     }
 }
