@@ -1,6 +1,6 @@
 //! How far the blockers are that shadows come from.
 
-use super::Seen;
+use super::{Seen, tracer::FARTHEST};
 use glam::Vec2;
 use rayon::prelude::*;
 use umbrage_core::{
@@ -14,7 +14,7 @@ use umbrage_core::{
 pub(super) fn find(light: &Light, geometry: &Geometry, receivers: &Receivers, seen: &[Seen]) -> Vec<f32> {
     let (sampler, bvh) = (LightSampler::new(light), geometry.bvh());
     // Receivers lie within the bounds, so this reaches beyond them from everywhere.
-    let reach = (2.0 * geometry.bounds().diagonal()).min(1e38);
+    let reach = (2.0 * geometry.bounds().diagonal()).min(FARTHEST);
     let distance = |i: usize| {
         let o = receivers.position(i);
         let d = segment(&sampler, o, Vec2::splat(0.5), reach);

@@ -13,7 +13,7 @@ use umbrage_core::{
 const BLOCKS: u32 = 16;
 
 /// Greatest length of rays towards directional lights, metres: within the range of 32 bits after a division.
-const FARTHEST: f32 = 1e38;
+pub(super) const FARTHEST: f32 = 1e38;
 
 /// A light and the casters before it.
 pub(super) struct Tracer<'a> {
