@@ -11,7 +11,9 @@ use umbrage_lab::{
 };
 
 fn main() -> anyhow::Result<()> {
-    let folder = std::env::args().nth(1).map_or_else(|| PathBuf::from("docs/causes"), PathBuf::from);
+    let folder = std::env::args()
+        .nth(1)
+        .map_or_else(|| PathBuf::from("docs/causes"), PathBuf::from);
     fs::create_dir_all(&folder)?;
     let mut cpu = Cpu::new();
     for fault in faults() {
@@ -19,13 +21,32 @@ fn main() -> anyhow::Result<()> {
         let geometry = Geometry::bake(&scene)?;
         let (camera, light) = (&scene.cameras[0], &scene.lights[0]);
         let find = &mut |c: &Camera, g: &Geometry| cpu.receivers(c, g);
-        let truth = trace(camera, light, &geometry, &TruthOptions::default(), find, &|_, _| {})?;
+        let truth = trace(
+            camera,
+            light,
+            &geometry,
+            &TruthOptions::default(),
+            find,
+            &|_, _| {},
+        )?;
         let view = View::new(camera, light, &geometry).with_receivers(&truth.receivers);
         let mask = cpu.render(&view, &fault.technique.plan(&view)?)?.mask;
         let causes = attribute(&mask, &truth.image()?)?;
-        fs::write(folder.join(format!("{}.mask.png", fault.scene)), pictures::mask(truth.size, &mask, &truth.pixels)?)?;
-        fs::write(folder.join(format!("{}.png", fault.scene)), pictures::causes(&truth, &causes)?)?;
-        println!("{}: {} ({}): {:?}", fault.scene, fault.technique.name(), fault.technique.settings(), fault.cause);
+        fs::write(
+            folder.join(format!("{}.mask.png", fault.scene)),
+            pictures::mask(truth.size, &mask, &truth.pixels)?,
+        )?;
+        fs::write(
+            folder.join(format!("{}.png", fault.scene)),
+            pictures::causes(&truth, &causes)?,
+        )?;
+        println!(
+            "{}: {} ({}): {:?}",
+            fault.scene,
+            fault.technique.name(),
+            fault.technique.settings(),
+            fault.cause
+        );
     }
     println!("pictures: {}", folder.display());
     Ok(())

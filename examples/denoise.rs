@@ -18,12 +18,26 @@ const MAP: UVec2 = UVec2::splat(256);
 const ROUNDS: u32 = 8;
 
 fn main() -> anyhow::Result<()> {
-    let folder = std::env::args().nth(1).map_or_else(|| PathBuf::from("target/denoise"), PathBuf::from);
-    fs::create_dir_all(&folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
+    let folder = std::env::args()
+        .nth(1)
+        .map_or_else(|| PathBuf::from("target/denoise"), PathBuf::from);
+    fs::create_dir_all(&folder)
+        .with_context(|| format!("cannot make the folder {}", folder.display()))?;
     let mut backend = umbrage::backend(Choice::Auto)?;
-    println!("mean distance to the clean surface, noise of {} mm:", 1e3 * NOISE);
-    for (name, solid) in [("sphere", Solid::Sphere { radius: 1.0 }), ("torus", Solid::Torus { major: 1.0, minor: 0.4 })]
-    {
+    println!(
+        "mean distance to the clean surface, noise of {} mm:",
+        1e3 * NOISE
+    );
+    for (name, solid) in [
+        ("sphere", Solid::Sphere { radius: 1.0 }),
+        (
+            "torus",
+            Solid::Torus {
+                major: 1.0,
+                minor: 0.4,
+            },
+        ),
+    ] {
         let noisy = roughened(&solid.mesh(), NOISE, 7);
         let map = DisplacementMap::from_noisy_keeping_shape(&noisy, MAP, ROUNDS)?;
         let path = folder.join(format!("{name}.map.png"));
@@ -31,9 +45,16 @@ fn main() -> anyhow::Result<()> {
         // What is applied is what the file holds.
         let clean = DisplacementMap::load(&path)?.applied(&noisy, -1.0)?;
         let [before, after] = [&noisy, &clean].map(|mesh| 1e3 * solid.mean_distance(mesh));
-        println!("  {name}: {before:.2} mm, denoised {after:.2} mm: {:.0} % of it remain", 100.0 * after / before);
+        println!(
+            "  {name}: {before:.2} mm, denoised {after:.2} mm: {:.0} % of it remain",
+            100.0 * after / before
+        );
         for (state, mesh) in [("noisy", noisy), ("denoised", clean)] {
-            paint(&mut *backend, mesh, &folder.join(format!("{name}.{state}.png")))?;
+            paint(
+                &mut *backend,
+                mesh,
+                &folder.join(format!("{name}.{state}.png")),
+            )?;
         }
     }
     println!("pictures and maps: {}", folder.display());
@@ -41,23 +62,50 @@ fn main() -> anyhow::Result<()> {
 }
 
 /// A shaded picture of a mesh under a distant light.
-fn paint(backend: &mut dyn umbrage::Backend, mesh: Mesh, path: &std::path::Path) -> anyhow::Result<()> {
-    let camera =
-        Camera::perspective(Vec3::new(1.5, 1.8, 2.6), Vec3::ZERO, Vec3::Y, 0.75, [0.1, 20.0], UVec2::splat(400))?;
+fn paint(
+    backend: &mut dyn umbrage::Backend,
+    mesh: Mesh,
+    path: &std::path::Path,
+) -> anyhow::Result<()> {
+    let camera = Camera::perspective(
+        Vec3::new(1.5, 1.8, 2.6),
+        Vec3::ZERO,
+        Vec3::Y,
+        0.75,
+        [0.1, 20.0],
+        UVec2::splat(400),
+    )?;
     let scene = Scene {
         name: "denoising".into(),
-        meshes: vec![Mesh { normals: Vec::new(), ..mesh }],
+        meshes: vec![Mesh {
+            normals: Vec::new(),
+            ..mesh
+        }],
         instances: vec![Instance::new(0, Affine3A::IDENTITY)],
-        lights: vec![Light::Directional { direction: Vec3::new(-1.0, -1.2, -0.3), angular_diameter: 0.0 }],
+        lights: vec![Light::Directional {
+            direction: Vec3::new(-1.0, -1.2, -0.3),
+            angular_diameter: 0.0,
+        }],
         cameras: vec![camera],
         ..Scene::default()
     };
     let geometry = Geometry::bake(&scene)?;
     let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
-    let map = ShadowMap { bias: Bias::normal_offset(2.0), ..ShadowMap::default() };
-    let recipe = BlinnPhong::default().shading(&scene, &view)?.add_to(Pcf { map, radius: 1 }.plan(&view)?);
+    let map = ShadowMap {
+        bias: Bias::normal_offset(2.0),
+        ..ShadowMap::default()
+    };
+    let recipe = BlinnPhong::default()
+        .shading(&scene, &view)?
+        .add_to(Pcf { map, radius: 1 }.plan(&view)?);
     let shadows = backend.render(&view, &recipe)?;
     let rgb = shadows.picture_bytes().context("the recipe shades")?;
-    image::save_buffer(path, &rgb, shadows.size.x, shadows.size.y, image::ColorType::Rgb8)
-        .with_context(|| format!("cannot write {}", path.display()))
+    image::save_buffer(
+        path,
+        &rgb,
+        shadows.size.x,
+        shadows.size.y,
+        image::ColorType::Rgb8,
+    )
+    .with_context(|| format!("cannot write {}", path.display()))
 }

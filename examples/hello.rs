@@ -3,14 +3,27 @@
 use umbrage::{Choice, Geometry, ShadowTechnique, View, techniques::Pcf};
 
 fn main() -> anyhow::Result<()> {
-    let path = std::env::args().nth(1).unwrap_or_else(|| "cubes".to_owned());
+    let path = std::env::args()
+        .nth(1)
+        .unwrap_or_else(|| "cubes".to_owned());
     let scene = umbrage::scenes::by_argument(&path)?;
     let geometry = Geometry::bake(&scene)?;
     let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
     let recipe = Pcf::default().plan(&view)?;
     let mut backend = umbrage::backend(Choice::Auto)?;
     let shadows = backend.render(&view, &recipe)?;
-    image::save_buffer("shadow.png", &shadows.mask_bytes(), shadows.size.x, shadows.size.y, image::ColorType::L8)?;
-    println!("{path}: shadow.png, {}x{}, made by {}", shadows.size.x, shadows.size.y, backend.name());
+    image::save_buffer(
+        "shadow.png",
+        &shadows.mask_bytes(),
+        shadows.size.x,
+        shadows.size.y,
+        image::ColorType::L8,
+    )?;
+    println!(
+        "{path}: shadow.png, {}x{}, made by {}",
+        shadows.size.x,
+        shadows.size.y,
+        backend.name()
+    );
     Ok(())
 }

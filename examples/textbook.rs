@@ -10,10 +10,16 @@ use umbrage_lab::{
 };
 
 fn main() -> anyhow::Result<()> {
-    let folder = std::env::args().nth(1).map_or_else(|| PathBuf::from("target/textbook"), PathBuf::from);
-    fs::create_dir_all(&folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
+    let folder = std::env::args()
+        .nth(1)
+        .map_or_else(|| PathBuf::from("target/textbook"), PathBuf::from);
+    fs::create_dir_all(&folder)
+        .with_context(|| format!("cannot make the folder {}", folder.display()))?;
     let mut backends = Backends::open(BackendChoice::Available, &AdapterChoice::from_env())?;
-    backends.notices.iter().for_each(|notice| println!("{notice}"));
+    backends
+        .notices
+        .iter()
+        .for_each(|notice| println!("{notice}"));
     let mut rows = Vec::new();
     for (i, effect) in all().iter().enumerate() {
         println!("{:2} of {}: {}", i + 1, all().len(), effect.title);
@@ -21,9 +27,14 @@ fn main() -> anyhow::Result<()> {
         write(&folder, effect.name, &played)?;
         rows.push((effect, played));
     }
-    let names: Vec<String> = backends.playing.iter().map(|b| b.name().to_owned()).collect();
+    let names: Vec<String> = backends
+        .playing
+        .iter()
+        .map(|b| b.name().to_owned())
+        .collect();
     let page = folder.join("index.html");
-    fs::write(&page, html(&rows, &names)).with_context(|| format!("cannot write {}", page.display()))?;
+    fs::write(&page, html(&rows, &names))
+        .with_context(|| format!("cannot write {}", page.display()))?;
     println!("gallery: {}", page.display());
     Ok(())
 }

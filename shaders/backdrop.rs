@@ -9,13 +9,25 @@ use umbrage_core::Faces;
 /// The faces, none beyond the backdrop.
 pub(crate) fn flatten(faces: &Faces, backdrop: &Backdrop) -> Faces {
     let vertices: Vec<DVec4> = faces.vertices.iter().map(|v| v.as_dvec4()).collect();
-    let before: Vec<f64> = vertices.iter().map(|v| backdrop.distance * v.w - backdrop.depth.dot(*v)).collect();
-    let mut cutter = Cutter { backdrop, vertices, before, flat: HashMap::new(), cuts: HashMap::new() };
+    let before: Vec<f64> = vertices
+        .iter()
+        .map(|v| backdrop.distance * v.w - backdrop.depth.dot(*v))
+        .collect();
+    let mut cutter = Cutter {
+        backdrop,
+        vertices,
+        before,
+        flat: HashMap::new(),
+        cuts: HashMap::new(),
+    };
     let mut triangles = Vec::with_capacity(faces.triangles.len());
     for &triangle in &faces.triangles {
         cutter.add(triangle, &mut triangles);
     }
-    Faces { vertices: cutter.vertices.iter().map(|v| v.as_vec4()).collect(), triangles }
+    Faces {
+        vertices: cutter.vertices.iter().map(|v| v.as_vec4()).collect(),
+        triangles,
+    }
 }
 
 struct Cutter<'a> {
@@ -92,28 +104,53 @@ mod tests {
     use super::*;
     use glam::{DVec3, Vec4};
 
-    const BACKDROP: Backdrop =
-        Backdrop { forward: DVec3::NEG_Z, depth: DVec4::new(0.0, 0.0, -1.0, 0.0), distance: 10.0 };
+    const BACKDROP: Backdrop = Backdrop {
+        forward: DVec3::NEG_Z,
+        depth: DVec4::new(0.0, 0.0, -1.0, 0.0),
+        distance: 10.0,
+    };
 
     #[test]
     fn what_is_before_stays() {
-        let vertices =
-            vec![Vec4::new(0.0, 0.0, -1.0, 1.0), Vec4::new(1.0, 0.0, -9.0, 1.0), Vec4::new(0.0, 1.0, 5.0, 1.0)];
-        let faces = Faces { vertices, triangles: vec![[0, 1, 2]] };
+        let vertices = vec![
+            Vec4::new(0.0, 0.0, -1.0, 1.0),
+            Vec4::new(1.0, 0.0, -9.0, 1.0),
+            Vec4::new(0.0, 1.0, 5.0, 1.0),
+        ];
+        let faces = Faces {
+            vertices,
+            triangles: vec![[0, 1, 2]],
+        };
         assert_eq!(flatten(&faces, &BACKDROP), faces);
     }
 
     /// A wall from two points 4 m away to infinity, slanted away: cut 6 m farther, at x = 12, and flat from there on.
     #[test]
     fn walls_to_infinity_are_cut_and_laid_flat() {
-        let vertices =
-            vec![Vec4::new(0.0, 0.0, -4.0, 1.0), Vec4::new(0.0, 1.0, -4.0, 1.0), Vec4::new(2.0, 0.0, -1.0, 0.0)];
-        let out = flatten(&Faces { vertices, triangles: vec![[0, 1, 2]] }, &BACKDROP);
+        let vertices = vec![
+            Vec4::new(0.0, 0.0, -4.0, 1.0),
+            Vec4::new(0.0, 1.0, -4.0, 1.0),
+            Vec4::new(2.0, 0.0, -1.0, 0.0),
+        ];
+        let out = flatten(
+            &Faces {
+                vertices,
+                triangles: vec![[0, 1, 2]],
+            },
+            &BACKDROP,
+        );
         let at = |i: u32| out.vertices[i as usize];
         assert_eq!(out.triangles.len(), 3);
-        let beyond = out.triangles.iter().flatten().filter(|&&v| -at(v).z > 10.0 * at(v).w);
+        let beyond = out
+            .triangles
+            .iter()
+            .flatten()
+            .filter(|&&v| -at(v).z > 10.0 * at(v).w);
         assert_eq!(beyond.count(), 0, "{out:?}");
         assert!(out.vertices.contains(&Vec4::new(12.0, 1.0, -10.0, 1.0)));
-        assert!(out.vertices.contains(&Vec4::new(2.0, 0.0, 0.0, 0.0)), "the direction without its part along the view");
+        assert!(
+            out.vertices.contains(&Vec4::new(2.0, 0.0, 0.0, 0.0)),
+            "the direction without its part along the view"
+        );
     }
 }

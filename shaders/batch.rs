@@ -29,16 +29,29 @@ impl<T: Taps> BatchTaps for T {
     fn visibilities(&self, batch: &Batch, first: usize, out: &mut [f32]) {
         for (i, out) in out.iter_mut().enumerate() {
             let l = batch.lookup(i);
-            *out = if l.seen { self.visibility(&l, first + i) } else { 1.0 };
+            *out = if l.seen {
+                self.visibility(&l, first + i)
+            } else {
+                1.0
+            };
         }
     }
 }
 
 /// Looks up a span of receivers.
 #[inline]
-pub(crate) fn look_up_span(simd: Simd, m: &MapLookup, span: &Span<'_>, out: &mut [f32], taps: &impl BatchTaps) {
+pub(crate) fn look_up_span(
+    simd: Simd,
+    m: &MapLookup,
+    span: &Span<'_>,
+    out: &mut [f32],
+    taps: &impl BatchTaps,
+) {
     // The offset along the normal projects twice, a cube has six matrices: they stay with the plain function.
-    let (plain, plane) = (m.normal_offset != 0.0 || m.layers > 1, m.receiver_plane > 0.0);
+    let (plain, plane) = (
+        m.normal_offset != 0.0 || m.layers > 1,
+        m.receiver_plane > 0.0,
+    );
     match (plain, m.light.w == 0.0, plane) {
         (true, ..) => simd.run_task(LookUpSpan::<_, PLAIN> { m, span, out, taps }),
         (_, true, false) => simd.run_task(LookUpSpan::<_, DISTANT> { m, span, out, taps }),
@@ -80,10 +93,20 @@ impl Batch {
     /// One of them.
     #[inline(always)]
     pub(crate) fn lookup(&self, i: usize) -> Lookup {
-        let (texel, gradient) = (Vec2::new(self.x[i], self.y[i]), Vec2::new(self.right[i], self.down[i]));
+        let (texel, gradient) = (
+            Vec2::new(self.x[i], self.y[i]),
+            Vec2::new(self.right[i], self.down[i]),
+        );
         let depth = self.depth[i];
         let deepest = depth.max(self.deepest_tap);
-        Lookup { texel, depth, gradient, deepest, layer: self.layer[i], seen: self.seen[i] }
+        Lookup {
+            texel,
+            depth,
+            gradient,
+            deepest,
+            layer: self.layer[i],
+            seen: self.seen[i],
+        }
     }
 }
 
@@ -160,7 +183,11 @@ fn in_lanes<const LOCAL: bool, const PLANE: bool>(
         let l = if LOCAL { to_light(m.light, p) } else { towards };
         let bias = m.constant + slope_bias(m.slope, m.slope_min, dot3(n, l));
         let w = row(&matrix, 3, p);
-        let (u, v, d) = (row(&matrix, 0, p) / w, row(&matrix, 1, p) / w, row(&matrix, 2, p) / w);
+        let (u, v, d) = (
+            row(&matrix, 0, p) / w,
+            row(&matrix, 1, p) / w,
+            row(&matrix, 2, p) / w,
+        );
         b.x[i] = ((u * 0.5 + 0.5) * size).min(1e6).max(-1e6);
         b.y[i] = ((0.5 - v * 0.5) * size).min(1e6).max(-1e6);
         b.depth[i] = d - bias;
@@ -225,9 +252,21 @@ mod tests {
     impl Taps for Check<'_> {
         fn visibility(&self, l: &Lookup, i: usize) -> f32 {
             let plain = look_up(self.m, self.span.position(i), self.span.normal(i));
-            assert_eq!(l.texel.to_array().map(f32::to_bits), plain.texel.to_array().map(f32::to_bits), "{i}");
-            assert_eq!(l.gradient.to_array().map(f32::to_bits), plain.gradient.to_array().map(f32::to_bits), "{i}");
-            assert_eq!((l.depth.to_bits(), l.seen), (plain.depth.to_bits(), plain.seen), "{i}");
+            assert_eq!(
+                l.texel.to_array().map(f32::to_bits),
+                plain.texel.to_array().map(f32::to_bits),
+                "{i}"
+            );
+            assert_eq!(
+                l.gradient.to_array().map(f32::to_bits),
+                plain.gradient.to_array().map(f32::to_bits),
+                "{i}"
+            );
+            assert_eq!(
+                (l.depth.to_bits(), l.seen),
+                (plain.depth.to_bits(), plain.seen),
+                "{i}"
+            );
             assert_eq!(l.deepest.to_bits(), plain.deepest.to_bits(), "{i}");
             0.5
         }
@@ -236,23 +275,43 @@ mod tests {
     /// Lanes and the plain function, over points before, behind and beside the light.
     #[test]
     fn lanes_equal_the_plain_function() {
-        let wave = |k: f32, scale: f32| (0..200).map(|i| (i as f32 * k).sin() * scale).collect::<Vec<f32>>();
+        let wave = |k: f32, scale: f32| {
+            (0..200)
+                .map(|i| (i as f32 * k).sin() * scale)
+                .collect::<Vec<f32>>()
+        };
         let (x, y, z) = (wave(0.7, 20.0), wave(1.3, 20.0), wave(2.3, 50.0));
         let (nx, ny, nz) = (wave(0.31, 0.5), wave(0.57, 0.5), wave(0.9, 0.5));
         let triangle = vec![0; 200];
         let first = glam::UVec2::ZERO;
-        let span = Span { first, x: &x, y: &y, z: &z, nx: &nx, ny: &ny, nz: &nz, triangle: &triangle };
+        let span = Span {
+            first,
+            x: &x,
+            y: &y,
+            z: &z,
+            nx: &nx,
+            ny: &ny,
+            nz: &nz,
+            triangle: &triangle,
+        };
         let (sun, lamp) = (Vec4::new(0.0, 1.0, 0.0, 0.0), Vec4::new(1.0, 4.0, 2.0, 1.0));
-        for (light, slope, plane) in
-            [(sun, 0.05, 0.0), (lamp, 0.05, 0.0), (Vec4::W, 0.0, 0.0), (sun, 0.0, 0.1), (lamp, 0.05, 1e-4)]
-        {
+        for (light, slope, plane) in [
+            (sun, 0.05, 0.0),
+            (lamp, 0.05, 0.0),
+            (Vec4::W, 0.0, 0.0),
+            (sun, 0.0, 0.1),
+            (lamp, 0.05, 1e-4),
+        ] {
             let m = lookup(light, slope, plane);
             let check = Check { m: &m, span: &span };
             for simd in [Simd::Baseline, Simd::Native] {
                 let mut out = vec![9.0; 200];
                 look_up_span(simd, &m, &span, &mut out, &check);
                 let seen = out.iter().filter(|&&v| v == 0.5).count();
-                assert!(seen > 20 && seen < 180, "{seen} of 200 are seen: too one-sided a test");
+                assert!(
+                    seen > 20 && seen < 180,
+                    "{seen} of 200 are seen: too one-sided a test"
+                );
             }
         }
     }

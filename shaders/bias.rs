@@ -113,7 +113,11 @@ impl Bias {
         constant: 0.0,
         slope: 0.0,
         slope_min: 0.0,
-        raster: RasterBias { constant: 0, slope: 0.0, clamp: 0.0 },
+        raster: RasterBias {
+            constant: 0,
+            slope: 0.0,
+            clamp: 0.0,
+        },
         normal_offset: 0.0,
         receiver_plane: 0.0,
         adaptive: false,
@@ -121,20 +125,45 @@ impl Bias {
     };
     /// The default of all map techniques but those that cull front faces: both planes, without a number that depends on the
     /// scene. The constant of 1e-5 covers the rounding of depths.
-    pub const ADAPTIVE: Self = Self { adaptive: true, constant: 1e-5, ..Self::NONE };
+    pub const ADAPTIVE: Self = Self {
+        adaptive: true,
+        constant: 1e-5,
+        ..Self::NONE
+    };
     /// The textbooks' constant bias of .005.
-    pub const CONSTANT: Self = Self { constant: 0.005, ..Self::NONE };
+    pub const CONSTANT: Self = Self {
+        constant: 0.005,
+        ..Self::NONE
+    };
     /// The textbooks' slope-scaled bias, `max(.05 (1 - n.l), .005)`.
-    pub const SLOPE: Self = Self { slope: 0.05, slope_min: 0.005, ..Self::NONE };
+    pub const SLOPE: Self = Self {
+        slope: 0.05,
+        slope_min: 0.005,
+        ..Self::NONE
+    };
     /// The textbooks' polygon offset: slope factor 2, 4 units.
-    pub const POLYGON_OFFSET: Self = Self { raster: RasterBias { constant: 4, slope: 2.0, clamp: 0.0 }, ..Self::NONE };
+    pub const POLYGON_OFFSET: Self = Self {
+        raster: RasterBias {
+            constant: 4,
+            slope: 2.0,
+            clamp: 0.0,
+        },
+        ..Self::NONE
+    };
     /// The normal offset that one comparison needs: see [`Bias::normal_offset`].
     pub const NORMAL_OFFSET: Self = Self::normal_offset(0.0);
     /// Isidoro's receiver's plane, up to a slope of .1 a texel, and 1e-5 for the rounding of depths. Casters move away by 1/8
     /// texel of their slope, for the rounding of vertices.
-    pub const RECEIVER_PLANE: Self = Self { receiver_plane: 0.1, constant: 1e-5, ..Self::NONE };
+    pub const RECEIVER_PLANE: Self = Self {
+        receiver_plane: 0.1,
+        constant: 1e-5,
+        ..Self::NONE
+    };
     /// Front faces of the casters left out.
-    pub const FRONT_CULL: Self = Self { cull: Cull::Front, ..Self::NONE };
+    pub const FRONT_CULL: Self = Self {
+        cull: Cull::Front,
+        ..Self::NONE
+    };
 
     /// The named settings above.
     pub const PRESETS: [(&'static str, Self); 8] = [
@@ -153,23 +182,39 @@ impl Bias {
     /// over a distance d, a plane at angle t to the light gains depth d tan(t), and moving the receiver by o sin(t) along
     /// its normal takes off o tan(t). The constant of 1e-5 covers the rounding of depths.
     pub const fn normal_offset(reach: f32) -> Self {
-        Self { normal_offset: (reach + 0.5) * std::f32::consts::SQRT_2, constant: 1e-5, ..Self::NONE }
+        Self {
+            normal_offset: (reach + 0.5) * std::f32::consts::SQRT_2,
+            constant: 1e-5,
+            ..Self::NONE
+        }
     }
 
     /// The least polygon offset that frees a plane of acne, for the same reach: depth grows by at most m a texel along
     /// each of two axes, so by (2 reach + 1) m to the farthest tap. Four units, as in the textbooks, cover rounding.
     pub const fn polygon_offset(reach: f32) -> Self {
-        Self { raster: RasterBias { constant: 4, slope: 2.0 * reach + 1.0, clamp: 0.0 }, ..Self::NONE }
+        Self {
+            raster: RasterBias {
+                constant: 4,
+                slope: 2.0 * reach + 1.0,
+                clamp: 0.0,
+            },
+            ..Self::NONE
+        }
     }
 
     /// Whether its constant is there for rounding alone: the rest moves the receiver or its taps as far as geometry asks.
     pub(crate) fn covers_rounding(&self) -> bool {
-        self.constant > 0.0 && (self.adaptive || self.receiver_plane > 0.0 || self.normal_offset > 0.0)
+        self.constant > 0.0
+            && (self.adaptive || self.receiver_plane > 0.0 || self.normal_offset > 0.0)
     }
 
     /// Greatest depth slope that taps follow, clip depth a texel; 0 where they follow none.
     pub(crate) fn plane_limit(&self) -> f32 {
-        if self.adaptive { STEEPEST } else { self.receiver_plane }
+        if self.adaptive {
+            STEEPEST
+        } else {
+            self.receiver_plane
+        }
     }
 
     /// The polygon offset of the casters, for what looks them up, with what the bias itself adds.
@@ -183,7 +228,10 @@ impl Bias {
             (false, true) => CASTER_TEXELS_BESIDE_THE_PLANE,
             (false, false) => 0.0,
         };
-        RasterBias { slope: self.raster.slope + margin, ..self.raster }
+        RasterBias {
+            slope: self.raster.slope + margin,
+            ..self.raster
+        }
     }
 
     /// A few words for tables: a preset's name, or the fields that are set.
@@ -191,21 +239,52 @@ impl Bias {
         if let Some((name, _)) = Self::PRESETS.iter().find(|(_, preset)| preset == self) {
             return format!("bias: {name}");
         }
-        if *self == (Self { normal_offset: self.normal_offset, ..Self::NORMAL_OFFSET }) {
+        if *self
+            == (Self {
+                normal_offset: self.normal_offset,
+                ..Self::NORMAL_OFFSET
+            })
+        {
             return format!("bias: normal offset {:.2}", self.normal_offset);
         }
-        let RasterBias { constant, slope, clamp } = self.raster;
-        let clamp = if clamp == 0.0 { String::new() } else { format!(" up to {clamp}") };
+        let RasterBias {
+            constant,
+            slope,
+            clamp,
+        } = self.raster;
+        let clamp = if clamp == 0.0 {
+            String::new()
+        } else {
+            format!(" up to {clamp}")
+        };
         let fields = [
             (self.constant != 0.0, format!("constant {}", self.constant)),
-            (self.slope != 0.0 || self.slope_min != 0.0, format!("slope {}/{}", self.slope, self.slope_min)),
-            (self.raster != RasterBias::default(), format!("polygon offset {slope}, {constant}{clamp}")),
-            (self.normal_offset != 0.0, format!("normal offset {:.2}", self.normal_offset)),
-            (self.receiver_plane != 0.0, format!("receiver plane to {}", self.receiver_plane)),
+            (
+                self.slope != 0.0 || self.slope_min != 0.0,
+                format!("slope {}/{}", self.slope, self.slope_min),
+            ),
+            (
+                self.raster != RasterBias::default(),
+                format!("polygon offset {slope}, {constant}{clamp}"),
+            ),
+            (
+                self.normal_offset != 0.0,
+                format!("normal offset {:.2}", self.normal_offset),
+            ),
+            (
+                self.receiver_plane != 0.0,
+                format!("receiver plane to {}", self.receiver_plane),
+            ),
             (self.adaptive, "adaptive".to_owned()),
-            (self.cull != Cull::None, format!("{:?} cull", self.cull).to_lowercase()),
+            (
+                self.cull != Cull::None,
+                format!("{:?} cull", self.cull).to_lowercase(),
+            ),
         ];
-        let set: Vec<String> = fields.into_iter().filter_map(|(on, text)| on.then_some(text)).collect();
+        let set: Vec<String> = fields
+            .into_iter()
+            .filter_map(|(on, text)| on.then_some(text))
+            .collect();
         format!("bias: {}", set.join(" + "))
     }
 
@@ -215,7 +294,17 @@ impl Bias {
     /// The first fault found.
     pub fn validate(&self) -> Result<(), Invalid> {
         let RasterBias { slope, clamp, .. } = self.raster;
-        invalid::finite("bias", &[self.constant, self.slope, self.slope_min, slope, clamp, self.normal_offset])?;
+        invalid::finite(
+            "bias",
+            &[
+                self.constant,
+                self.slope,
+                self.slope_min,
+                slope,
+                clamp,
+                self.normal_offset,
+            ],
+        )?;
         invalid::not_negative("receiver plane's greatest slope", self.receiver_plane)
     }
 }

@@ -29,8 +29,8 @@ use glam::{Vec2, Vec3, Vec4};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
-    Camera, Invalid, Kernel, Light, Module, Recipe, Scene, Shade, ShadeKernel, Span, UniformLayout, Uniforms, View,
-    invalid::not_negative, math::dot3, uniforms,
+    Camera, Invalid, Kernel, Light, Module, Recipe, Scene, Shade, ShadeKernel, Span, UniformLayout,
+    Uniforms, View, invalid::not_negative, math::dot3, uniforms,
 };
 
 /// How a picture is lit. Colours are linear.
@@ -65,13 +65,24 @@ impl BlinnPhong {
     /// # Errors
     /// When the view has no geometry, or not this scene's; when the scene, the light or a number here is bad.
     pub fn shading(&self, scene: &Scene, view: &View<'_>) -> Result<Shading, Invalid> {
-        self.validate().map_err(|e| e.within("Blinn-Phong shading"))?;
+        self.validate()
+            .map_err(|e| e.within("Blinn-Phong shading"))?;
         scene.validate()?;
         let Some(geometry) = view.geometry else {
-            return Err(Invalid::new("view", "has no triangles to shade", "make it with `View::new`"));
+            return Err(Invalid::new(
+                "view",
+                "has no triangles to shade",
+                "make it with `View::new`",
+            ));
         };
-        let kernel = BlinnPhongKernel { uniforms: self.uniforms(view)?, tables: SurfaceTables::new(scene, geometry)? };
-        Ok(Shading { settings: *self, kernel })
+        let kernel = BlinnPhongKernel {
+            uniforms: self.uniforms(view)?,
+            tables: SurfaceTables::new(scene, geometry)?,
+        };
+        Ok(Shading {
+            settings: *self,
+            kernel,
+        })
     }
 
     fn validate(&self) -> Result<(), Invalid> {
@@ -82,10 +93,17 @@ impl BlinnPhong {
             ("background", self.background),
         ];
         for (what, color) in named {
-            color.to_array().into_iter().try_for_each(|v| not_negative(what, v))?;
+            color
+                .to_array()
+                .into_iter()
+                .try_for_each(|v| not_negative(what, v))?;
         }
         if self.attenuation == Vec3::ZERO {
-            return Err(Invalid::new("attenuation", "is zero, which makes light infinite", "use (1, 0, 0) for none"));
+            return Err(Invalid::new(
+                "attenuation",
+                "is zero, which makes light infinite",
+                "use (1, 0, 0) for none",
+            ));
         }
         Ok(())
     }
@@ -94,7 +112,11 @@ impl BlinnPhong {
         view.validate()?;
         let (axis, cone) = cone_of(view.light);
         let light = homogeneous(view.light);
-        let attenuation = if light.w == 0.0 { Vec3::X } else { self.attenuation };
+        let attenuation = if light.w == 0.0 {
+            Vec3::X
+        } else {
+            self.attenuation
+        };
         Ok(BlinnPhongUniforms {
             eye: eye_of(view.camera),
             light,
@@ -111,18 +133,31 @@ impl BlinnPhong {
 fn eye_of(camera: &Camera) -> Vec4 {
     let camera = camera.standard();
     if camera.clip_from_view.row(3) == Vec4::W {
-        return Vec3::from(camera.world_from_view.matrix3.z_axis).normalize_or_zero().extend(0.0);
+        return Vec3::from(camera.world_from_view.matrix3.z_axis)
+            .normalize_or_zero()
+            .extend(0.0);
     }
     camera.eye().extend(1.0)
 }
 
 /// Unit vector against a spot's axis, and the [`cone`]'s outer cosine and scale; for other lights a cone that holds all.
 fn cone_of(light: &Light) -> (Vec3, Vec2) {
-    let Light::Spot { direction, inner, outer, .. } = *light else { return (Vec3::ZERO, Vec2::new(-1.0, 1.0)) };
+    let Light::Spot {
+        direction,
+        inner,
+        outer,
+        ..
+    } = *light
+    else {
+        return (Vec3::ZERO, Vec2::new(-1.0, 1.0));
+    };
     let (inner, outer) = (f64::from(inner).cos(), f64::from(outer).cos());
     // A huge but finite scale stands for a sharp edge, so that zero times it stays zero.
     let scale = (1.0 / (inner - outer).max(1e-9)) as f32;
-    (-direction.as_dvec3().normalize_or_zero().as_vec3(), Vec2::new(outer as f32, scale))
+    (
+        -direction.as_dvec3().normalize_or_zero().as_vec3(),
+        Vec2::new(outer as f32, scale),
+    )
 }
 
 /// Shades one view of one scene; add it to any technique's recipe. Cheap to clone.
@@ -141,7 +176,11 @@ impl Shading {
         recipe.tables.extend(self.kernel.tables.tables());
         let background = self.settings.background.extend(1.0).to_array();
         let tables = (first..recipe.tables.len()).collect();
-        recipe.shade = Some(Shade { kernel: Arc::new(self.kernel.clone()), tables, background });
+        recipe.shade = Some(Shade {
+            kernel: Arc::new(self.kernel.clone()),
+            tables,
+            background,
+        });
         recipe
     }
 
@@ -151,7 +190,13 @@ impl Shading {
     /// When the camera or the light is bad.
     pub fn with_view(&self, view: &View<'_>) -> Result<Self, Invalid> {
         let uniforms = self.settings.uniforms(view)?;
-        Ok(Self { kernel: BlinnPhongKernel { uniforms, ..self.kernel.clone() }, ..*self })
+        Ok(Self {
+            kernel: BlinnPhongKernel {
+                uniforms,
+                ..self.kernel.clone()
+            },
+            ..*self
+        })
     }
 }
 
@@ -184,7 +229,10 @@ pub struct BlinnPhongKernel {
 
 impl Kernel for BlinnPhongKernel {
     fn modules(&self) -> Vec<Module> {
-        let own = Module { name: "blinn_phong", text: include_str!("blinn_phong.wgsl") };
+        let own = Module {
+            name: "blinn_phong",
+            text: include_str!("blinn_phong.wgsl"),
+        };
         vec![TEXTURE, INTERPOLATION, SURFACE, LIGHTING, own]
     }
 
@@ -200,7 +248,12 @@ impl Kernel for BlinnPhongKernel {
 impl ShadeKernel for BlinnPhongKernel {
     fn shade(&self, span: &Span<'_>, visibility: &[f32], out: &mut [[f32; 4]]) {
         for (i, (out, &visibility)) in out.iter_mut().zip(visibility).enumerate() {
-            if let Some(color) = self.color(span.triangle[i], span.position(i), span.normal(i), visibility) {
+            if let Some(color) = self.color(
+                span.triangle[i],
+                span.position(i),
+                span.normal(i),
+                visibility,
+            ) {
                 *out = color.extend(1.0).to_array();
             }
         }

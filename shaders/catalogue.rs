@@ -36,7 +36,12 @@ const fn entry(
     settings: fn(&[u32], Fit) -> Settings,
     exhaustive: fn(u32) -> Settings,
 ) -> Entry {
-    Entry { name, summary, settings, exhaustive }
+    Entry {
+        name,
+        summary,
+        settings,
+        exhaustive,
+    }
 }
 
 #[rustfmt::skip]

@@ -16,7 +16,8 @@ use crate::{
 use glam::{UVec2, Vec2};
 use std::{ops::Range, sync::Arc};
 use umbrage_core::{
-    FilterKernel, Format, ImageDesc, ImageId, Inputs, Kernel, Module, SimdTask, UniformLayout, Uniforms, uniforms,
+    FilterKernel, Format, ImageDesc, ImageId, Inputs, Kernel, Module, SimdTask, UniformLayout,
+    Uniforms, uniforms,
 };
 
 /// Most cells along a side. More tell casters apart better, but the work grows with their fourth power.
@@ -39,7 +40,10 @@ impl Cells {
         while ratio * ratio * MOST_CELLS < size {
             ratio += 1;
         }
-        Self { ratio, count: size.div_ceil(ratio * ratio) }
+        Self {
+            ratio,
+            count: size.div_ceil(ratio * ratio),
+        }
     }
 
     /// Side of a cell, texels.
@@ -49,12 +53,28 @@ impl Cells {
 }
 
 /// Adds the grid to what makes a map of `size` texels, the last image so far.
-pub(crate) fn add(maps: &mut Maps, (size, packed): (u32, bool), shape: Shape, extent: LightExtent) -> ImageId {
+pub(crate) fn add(
+    maps: &mut Maps,
+    (size, packed): (u32, bool),
+    shape: Shape,
+    extent: LightExtent,
+) -> ImageId {
     let (cells, map) = (Cells::over(size), maps.images.len() - 1);
     let layers = maps.images[map].layers;
-    let image = |label, side| ImageDesc { label, size: UVec2::splat(side), layers, format: Format::R32 };
+    let image = |label, side| ImageDesc {
+        label,
+        size: UVec2::splat(side),
+        layers,
+        format: Format::R32,
+    };
     let tiles = size.div_ceil(cells.ratio);
-    let least = |size, packed| LeastDepthKernel { uniforms: LeastDepthUniforms { ratio: cells.ratio, size }, packed };
+    let least = |size, packed| LeastDepthKernel {
+        uniforms: LeastDepthUniforms {
+            ratio: cells.ratio,
+            size,
+        },
+        packed,
+    };
     let uniforms = DepthInReachUniforms {
         square: u32::from(shape == Shape::Square),
         cells: cells.count,
@@ -64,8 +84,16 @@ pub(crate) fn add(maps: &mut Maps, (size, packed): (u32, bool), shape: Shape, ex
     };
     let steps: [(_, _, Arc<dyn FilterKernel>); 3] = [
         ("least depth of tiles", tiles, Arc::new(least(size, packed))),
-        ("least depth of cells", cells.count, Arc::new(least(tiles, false))),
-        ("least depth in reach", cells.count, Arc::new(DepthInReachKernel { uniforms })),
+        (
+            "least depth of cells",
+            cells.count,
+            Arc::new(least(tiles, false)),
+        ),
+        (
+            "least depth in reach",
+            cells.count,
+            Arc::new(DepthInReachKernel { uniforms }),
+        ),
     ];
     steps.into_iter().fold(map, |input, (label, side, kernel)| {
         let output = maps.image(image(label, side));
@@ -99,7 +127,10 @@ pub struct DepthInReachKernel {
 
 impl Kernel for DepthInReachKernel {
     fn modules(&self) -> Vec<Module> {
-        let own = Module { name: "depth_in_reach", text: include_str!("depth_in_reach.wgsl") };
+        let own = Module {
+            name: "depth_in_reach",
+            text: include_str!("depth_in_reach.wgsl"),
+        };
         vec![LIGHT_EXTENT, own]
     }
 
@@ -118,7 +149,13 @@ impl FilterKernel for DepthInReachKernel {
         let first = image.index(0, 0, layer);
         let depths = &image.texels[first..first + cells * cells];
         let (y, layer) = (start.y as usize, layer as usize);
-        inputs.simd.run_task(Row { kernel: self, depths, y, layer, out });
+        inputs.simd.run_task(Row {
+            kernel: self,
+            depths,
+            y,
+            layer,
+            out,
+        });
     }
 }
 
@@ -165,7 +202,11 @@ impl Row<'_> {
             let down = gap(cell[1], y);
             let row = &self.depths[y * u.cells as usize..][..u.cells as usize];
             for ((least, &across), &depth) in least.iter_mut().zip(&across).zip(row) {
-                let nearer = if 1.0 - depth < most { 1.0 - depth } else { most };
+                let nearer = if 1.0 - depth < most {
+                    1.0 - depth
+                } else {
+                    most
+                };
                 let reached = (across <= reach.x * nearer) & (down <= reach.y * nearer);
                 let depth = if reached { depth } else { 1.0 };
                 *least = if depth < *least { depth } else { *least };
@@ -182,10 +223,16 @@ impl DepthInReachKernel {
     fn cell_reach(&self, [x, y]: [usize; 2], layer: usize) -> Vec2 {
         let u = &self.uniforms;
         let at = |i: usize| i as f32 * u.cell - u.half;
-        [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)].into_iter().fold(Vec2::ZERO, |most, (x, y)| {
-            let axes = light_axes(u.extent.across[layer], u.extent.along[layer], Vec2::new(at(x), at(y)));
-            most.max(reach_along(u.square, axes))
-        })
+        [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)]
+            .into_iter()
+            .fold(Vec2::ZERO, |most, (x, y)| {
+                let axes = light_axes(
+                    u.extent.across[layer],
+                    u.extent.along[layer],
+                    Vec2::new(at(x), at(y)),
+                );
+                most.max(reach_along(u.square, axes))
+            })
     }
 }
 

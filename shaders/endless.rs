@@ -45,7 +45,10 @@ impl Endless {
             Some(receivers) => nearest_pixel(&space, receivers),
             None => nearest_triangle(&space, geometry),
         };
-        Self { space: endless_perspective(space, nearest * (1.0 - SLACK)), backdrop: None }
+        Self {
+            space: endless_perspective(space, nearest * (1.0 - SLACK)),
+            backdrop: None,
+        }
     }
 
     /// By how much a depth of this distance along the view may be rounded, metres: a unit in the last place of depths in 0.5..1
@@ -63,7 +66,11 @@ impl Endless {
     fn orthographic(space: LightSpace, geometry: &Geometry) -> Self {
         let view = space.view_from_world.as_dmat4();
         let depth = -view.row(2);
-        let farthest = geometry.bounds().corners().map(|p| depth.dot(p.as_dvec3().extend(1.0))).fold(0.0, f64::max);
+        let farthest = geometry
+            .bounds()
+            .corners()
+            .map(|p| depth.dot(p.as_dvec3().extend(1.0)))
+            .fold(0.0, f64::max);
         let m = space.clip_from_view.as_dmat4();
         let near = m.w_axis.z / m.z_axis.z;
         let distance = near + (farthest - near).max(1.0 / m.z_axis.z.abs()) * (1.0 + SLACK);
@@ -71,8 +78,18 @@ impl Endless {
         let per_metre = 0.5 / (distance - near);
         let mut clip_from_view = m;
         (clip_from_view.z_axis.z, clip_from_view.w_axis.z) = (-per_metre, -near * per_metre);
-        let backdrop = Backdrop { forward: depth.truncate(), depth, distance };
-        Self { space: LightSpace { clip_from_view: clip_from_view.as_mat4(), ..space }, backdrop: Some(backdrop) }
+        let backdrop = Backdrop {
+            forward: depth.truncate(),
+            depth,
+            distance,
+        };
+        Self {
+            space: LightSpace {
+                clip_from_view: clip_from_view.as_mat4(),
+                ..space
+            },
+            backdrop: Some(backdrop),
+        }
     }
 }
 
@@ -80,11 +97,22 @@ impl Endless {
 fn endless_perspective(space: LightSpace, nearest: f64) -> LightSpace {
     let m = space.clip_from_view;
     let (own, w_per_metre) = (w_at_near(&m), f64::from(-m.z_axis.w));
-    let at_near = if nearest.is_finite() { own.max(nearest * w_per_metre) } else { own };
+    let at_near = if nearest.is_finite() {
+        own.max(nearest * w_per_metre)
+    } else {
+        own
+    };
     let mut clip_from_view = m;
-    (clip_from_view.x_axis.z, clip_from_view.y_axis.z, clip_from_view.z_axis.z) = (m.x_axis.w, m.y_axis.w, m.z_axis.w);
+    (
+        clip_from_view.x_axis.z,
+        clip_from_view.y_axis.z,
+        clip_from_view.z_axis.z,
+    ) = (m.x_axis.w, m.y_axis.w, m.z_axis.w);
     clip_from_view.w_axis.z = m.w_axis.w - at_near as f32;
-    LightSpace { clip_from_view, ..space }
+    LightSpace {
+        clip_from_view,
+        ..space
+    }
 }
 
 /// Clip w where clip z is 0, in the middle of the image.
@@ -98,20 +126,33 @@ fn w_at_near(clip_from_view: &Mat4) -> f64 {
 fn nearest_pixel(space: &LightSpace, receivers: &Receivers) -> f64 {
     let depth = -space.view_from_world.as_dmat4().row(2);
     let seen = (0..receivers.len()).filter(|&i| receivers.triangle[i] != NO_TRIANGLE);
-    seen.map(|i| depth.dot(receivers.position(i).as_dvec3().extend(1.0))).fold(f64::INFINITY, f64::min)
+    seen.map(|i| depth.dot(receivers.position(i).as_dvec3().extend(1.0)))
+        .fold(f64::INFINITY, f64::min)
 }
 
 /// The same, of all triangles' parts within the camera's pyramid.
 fn nearest_triangle(space: &LightSpace, geometry: &Geometry) -> f64 {
-    let (m, own) = (space.clip_from_view.as_dmat4(), w_at_near(&space.clip_from_view));
+    let (m, own) = (
+        space.clip_from_view.as_dmat4(),
+        w_at_near(&space.clip_from_view),
+    );
     let tangent = |scale: f64, shift: f64| (m.z_axis.w.abs() + shift.abs()) / scale.abs();
-    let tangents = [tangent(m.x_axis.x, m.z_axis.x), tangent(m.y_axis.y, m.z_axis.y)];
-    let pyramid = Pyramid { view_from_world: space.view_from_world, tangents };
+    let tangents = [
+        tangent(m.x_axis.x, m.z_axis.x),
+        tangent(m.y_axis.y, m.z_axis.y),
+    ];
+    let pyramid = Pyramid {
+        view_from_world: space.view_from_world,
+        tangents,
+    };
     let row = space.view_from_world.row(2);
     let mut nearest = f32::INFINITY;
     for t in 0..geometry.triangles().len() as u32 {
         let corners = geometry.corners(t);
-        let first = corners.map(|p| -row.dot(p.extend(1.0))).into_iter().fold(f32::INFINITY, f32::min);
+        let first = corners
+            .map(|p| -row.dot(p.extend(1.0)))
+            .into_iter()
+            .fold(f32::INFINITY, f32::min);
         // Most triangles lie behind what was found so far: only the others need to be clipped.
         if first < nearest && f64::from(nearest) > own {
             let range = depth_range(&pyramid, std::iter::once(corners));

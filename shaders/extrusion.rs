@@ -21,14 +21,22 @@ pub(crate) fn extrude(
     window: Option<&Window>,
     reach: Option<f64>,
 ) -> Faces {
-    let far = Far { first: mesh.positions.len() as u32, is_one_point: light.w == 0.0 && reach.is_none() };
-    let mut faces = Faces { vertices: mesh.positions.iter().map(|p| p.extend(1.0)).collect(), triangles: Vec::new() };
+    let far = Far {
+        first: mesh.positions.len() as u32,
+        is_one_point: light.w == 0.0 && reach.is_none(),
+    };
+    let mut faces = Faces {
+        vertices: mesh.positions.iter().map(|p| p.extend(1.0)).collect(),
+        triangles: Vec::new(),
+    };
     let away = |p: &glam::Vec3| {
         let p = p.as_dvec3();
         let direction = p * light.w - light.truncate();
         match reach {
             None => direction.as_vec3().extend(0.0),
-            Some(reach) => (p + direction.normalize_or_zero() * reach).as_vec3().extend(1.0),
+            Some(reach) => (p + direction.normalize_or_zero() * reach)
+                .as_vec3()
+                .extend(1.0),
         }
     };
     if far.is_one_point {
@@ -55,11 +63,18 @@ const NEAREST: f64 = 1.0 / 1024.0;
 
 /// A distance from their casters at which volumes may end: their far caps lie beyond the bounds of all there is, as seen from
 /// the light.
-pub(crate) fn beyond_all(bounds: &Aabb, mesh: &Welded, silhouette: &Silhouette, light: DVec4) -> f64 {
+pub(crate) fn beyond_all(
+    bounds: &Aabb,
+    mesh: &Welded,
+    silhouette: &Silhouette,
+    light: DVec4,
+) -> f64 {
     let corners = || bounds.corners().map(|p| p.as_dvec3());
     if light.w == 0.0 {
         let along = corners().map(|p| p.dot(light.truncate()));
-        let [least, most] = along.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], d| [a.min(d), b.max(d)]);
+        let [least, most] = along.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], d| {
+            [a.min(d), b.max(d)]
+        });
         return 2.0 * (most - least).max(f64::MIN_POSITIVE);
     }
     let lamp = light.truncate();
@@ -71,7 +86,11 @@ pub(crate) fn beyond_all(bounds: &Aabb, mesh: &Welded, silhouette: &Silhouette, 
         let height = (b - a).cross(c - a).normalize_or_zero().dot(a).abs();
         height / a.length().max(b.length()).max(c.length())
     };
-    let nearest = silhouette.caps.iter().map(|cap| cosine(cap.corners)).fold(1.0, f64::min);
+    let nearest = silhouette
+        .caps
+        .iter()
+        .map(|cap| cosine(cap.corners))
+        .fold(1.0, f64::min);
     2.0 * farthest / nearest.max(NEAREST)
 }
 
@@ -80,8 +99,15 @@ pub(crate) fn caps_apart(mesh: &Welded, silhouette: &Silhouette) -> Faces {
     let apart = silhouette.caps.iter().filter(|cap| !cap.in_scene);
     let triangles: Vec<[u32; 3]> = apart.map(|cap| cap.corners).collect();
     let point = |p: &glam::Vec3| -> Vec4 { p.extend(1.0) };
-    let vertices = if triangles.is_empty() { Vec::new() } else { mesh.positions.iter().map(point).collect() };
-    Faces { vertices, triangles }
+    let vertices = if triangles.is_empty() {
+        Vec::new()
+    } else {
+        mesh.positions.iter().map(point).collect()
+    };
+    Faces {
+        vertices,
+        triangles,
+    }
 }
 
 /// Where the points at infinity are among the vertices.
@@ -92,7 +118,11 @@ struct Far {
 
 impl Far {
     fn of(&self, near: u32) -> u32 {
-        if self.is_one_point { self.first } else { self.first + near }
+        if self.is_one_point {
+            self.first
+        } else {
+            self.first + near
+        }
     }
 
     fn add_caps(&self, [a, b, c]: [u32; 3], triangles: &mut Vec<[u32; 3]>) {
@@ -103,7 +133,13 @@ impl Far {
     }
 
     /// The part within the window of the edge from a vertex to its point at infinity.
-    fn part(&self, v: u32, window: &Window, parts: &mut Parts, vertices: &mut Vec<Vec4>) -> Part<u32> {
+    fn part(
+        &self,
+        v: u32,
+        window: &Window,
+        parts: &mut Parts,
+        vertices: &mut Vec<Vec4>,
+    ) -> Part<u32> {
         let [from, to] = [v, self.of(v)].map(|v| vertices[v as usize].as_dvec4());
         let add = |at: DVec3| {
             vertices.push(at.as_vec3().extend(1.0));
@@ -117,9 +153,16 @@ impl Far {
     fn add_wall(&self, near: [u32; 2], within: [Part<u32>; 2], triangles: &mut Vec<[u32; 3]>) {
         let far = near.map(|v| self.of(v));
         let [a, b] = within;
-        let enter = [a.enters.map_or(near[0], |c| c.at), b.enters.map_or(near[1], |c| c.at)];
-        let leave = [a.leaves.map_or(far[0], |c| c.at), b.leaves.map_or(far[1], |c| c.at)];
-        let same_plane = |c: [Option<Crossing<u32>>; 2]| c[0].zip(c[1]).is_some_and(|(a, b)| a.plane == b.plane);
+        let enter = [
+            a.enters.map_or(near[0], |c| c.at),
+            b.enters.map_or(near[1], |c| c.at),
+        ];
+        let leave = [
+            a.leaves.map_or(far[0], |c| c.at),
+            b.leaves.map_or(far[1], |c| c.at),
+        ];
+        let same_plane =
+            |c: [Option<Crossing<u32>>; 2]| c[0].zip(c[1]).is_some_and(|(a, b)| a.plane == b.plane);
         if !same_plane([a.enters, b.enters]) {
             add_strip(near, enter, triangles);
         }

@@ -4,7 +4,10 @@ use glam::{Vec3, Vec4};
 use umbrage_core::{Light, MATH, Module, Twin, math::dot3, twin};
 
 /// The WGSL half.
-pub const FACING: Module = Module { name: "facing", text: include_str!("facing.wgsl") };
+pub const FACING: Module = Module {
+    name: "facing",
+    text: include_str!("facing.wgsl"),
+};
 
 /// A light's middle in homogeneous coordinates: (x, y, z, 1), or for directional lights (unit direction to it, 0).
 /// From a point `p`, the light is along `xyz - w p`.
@@ -18,9 +21,14 @@ pub fn homogeneous(light: &Light) -> Vec4 {
 /// Whether a surface point `p` with normal `n` faces away from a [`homogeneous`] light or runs along its rays: 1 or 0.
 #[inline(always)]
 pub fn turned_away(light: Vec4, p: Vec3, n: Vec3) -> u32 {
-    let to_light = Vec3::new(light.x - p.x * light.w, light.y - p.y * light.w, light.z - p.z * light.w);
+    let to_light = Vec3::new(
+        light.x - p.x * light.w,
+        light.y - p.y * light.w,
+        light.z - p.z * light.w,
+    );
     u32::from(dot3(n, to_light) <= 0.0)
 }
 
 /// The pairs, for the lockstep tests.
-pub const TWINS: &[Twin] = &[twin!(FACING, turned_away(light: Vec4, p: Vec3, n: Vec3) -> u32, needs [MATH])];
+pub const TWINS: &[Twin] =
+    &[twin!(FACING, turned_away(light: Vec4, p: Vec3, n: Vec3) -> u32, needs [MATH])];

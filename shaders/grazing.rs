@@ -51,17 +51,29 @@ impl Lifted {
     /// Lifts a homogeneous light off the planes that receive.
     pub(crate) fn new(geometry: &Geometry, light: DVec4) -> Self {
         let bounds = geometry.bounds();
-        let reach =
-            if bounds.is_empty() { 0.0 } else { f64::from(bounds.min.abs().max(bounds.max.abs()).max_element()) };
+        let reach = if bounds.is_empty() {
+            0.0
+        } else {
+            f64::from(bounds.min.abs().max(bounds.max.abs()).max_element())
+        };
         let mut planes = grazed(geometry, light, reach);
         planes.sort_unstable_by(|a, b| b.area.total_cmp(&a.area));
         let light = lift(light, &planes);
-        Self { light, planes, reach: f64::from(bounds.extent().length()) }
+        Self {
+            light,
+            planes,
+            reach: f64::from(bounds.extent().length()),
+        }
     }
 
     /// The share of seen receivers that lie on a grazed plane, and where depth's rounding hides what the light was lifted
     /// by over the whole scene: there volumes can't tell a plane from what stands on it.
-    pub(crate) fn hopeless(&self, view: &View<'_>, receivers: &Receivers, endless: &Endless) -> f64 {
+    pub(crate) fn hopeless(
+        &self,
+        view: &View<'_>,
+        receivers: &Receivers,
+        endless: &Endless,
+    ) -> f64 {
         if self.planes.is_empty() {
             return 0.0;
         }
@@ -72,7 +84,13 @@ impl Lifted {
             let p = receivers.position(i).as_dvec3().extend(1.0);
             all += 1;
             let hidden = endless.rounding(view_depth.dot(p)) > GRAZE * self.reach;
-            lost += u64::from(hidden && self.planes.iter().any(|plane| plane.plane.dot(p).abs() <= tolerance));
+            lost += u64::from(
+                hidden
+                    && self
+                        .planes
+                        .iter()
+                        .any(|plane| plane.plane.dot(p).abs() <= tolerance),
+            );
         }
         lost as f64 / all.max(1) as f64
     }
@@ -84,10 +102,18 @@ fn grazed(geometry: &Geometry, light: DVec4, reach: f64) -> Vec<Plane> {
     for t in geometry.receivers() {
         let [a, b, c] = geometry.corners(t).map(|p| p.as_dvec3());
         let n = (b - a).cross(c - a);
-        let Some(unit) = n.try_normalize() else { continue };
+        let Some(unit) = n.try_normalize() else {
+            continue;
+        };
         area += n.length();
         let plane = unit.extend(-unit.dot(a));
-        let far = |p: DVec3| if light.w == 0.0 { 1.0 } else { light.truncate().distance(p) };
+        let far = |p: DVec3| {
+            if light.w == 0.0 {
+                1.0
+            } else {
+                light.truncate().distance(p)
+            }
+        };
         let distance = [a, b, c].map(far).into_iter().fold(0.0, f64::max);
         let sine = plane.dot(light) / distance;
         if sine == 0.0 || sine.abs() >= GRAZE || planes.len() > MOST_PLANES {
@@ -98,7 +124,11 @@ fn grazed(geometry: &Geometry, light: DVec4, reach: f64) -> Vec<Plane> {
                 known.area += n.length();
                 known.distance = known.distance.max(distance);
             }
-            None => planes.push(Plane { plane, area: n.length(), distance }),
+            None => planes.push(Plane {
+                plane,
+                area: n.length(),
+                distance,
+            }),
         }
     }
     planes.retain(|plane| plane.area > LEAST_SHARE * area);
@@ -108,7 +138,11 @@ fn grazed(geometry: &Geometry, light: DVec4, reach: f64) -> Vec<Plane> {
 impl Plane {
     /// Whether it is the same plane, whichever way it is turned.
     fn is_same(&self, other: DVec4, reach: f64) -> bool {
-        let turned = if self.plane.truncate().dot(other.truncate()) < 0.0 { -other } else { other };
+        let turned = if self.plane.truncate().dot(other.truncate()) < 0.0 {
+            -other
+        } else {
+            other
+        };
         let difference = self.plane - turned;
         difference.truncate().length() < SAME_PLANE && difference.w.abs() < SAME_PLANE * reach
     }
@@ -154,8 +188,15 @@ mod tests {
             Mesh::new("square", positions, vec![[0, 1, 2], [0, 2, 3]]).expect("valid")
         };
         let meshes: Vec<Mesh> = corners.iter().map(mesh).collect();
-        let instances = (0..meshes.len()).map(|i| Instance::new(i, Affine3A::IDENTITY)).collect();
-        Geometry::bake(&Scene { meshes, instances, ..Scene::default() }).expect("valid")
+        let instances = (0..meshes.len())
+            .map(|i| Instance::new(i, Affine3A::IDENTITY))
+            .collect();
+        Geometry::bake(&Scene {
+            meshes,
+            instances,
+            ..Scene::default()
+        })
+        .expect("valid")
     }
 
     const FLOOR: [Vec3; 3] = [Vec3::ZERO, Vec3::Z, Vec3::X];
@@ -165,28 +206,39 @@ mod tests {
     fn a_sun_that_grazes_planes_is_lifted_off_each_to_the_side_it_is_on() {
         let geometry = squares(&[FLOOR, WALL]);
         let lifted = Lifted::new(&geometry, DVec4::new(-1.0, 1e-7, -3e-7, 0.0)).light;
-        assert!((lifted - DVec4::new(-1.0, GRAZE, -GRAZE, 0.0)).length() < 1e-12, "{lifted}");
+        assert!(
+            (lifted - DVec4::new(-1.0, GRAZE, -GRAZE, 0.0)).length() < 1e-12,
+            "{lifted}"
+        );
         // Planes at an acute angle hold, too.
         let slope = [Vec3::ZERO, Vec3::X, Vec3::new(0.0, 0.6, 0.8)];
         let geometry = squares(&[FLOOR, slope]);
         let lifted = Lifted::new(&geometry, DVec4::new(-1.0, 1e-7, 2e-7, 0.0)).light;
         let sines = [DVec3::Y, DVec3::new(0.0, 0.8, -0.6)].map(|n| lifted.truncate().dot(n));
-        assert!((sines[0] - GRAZE).abs() < 1e-12 && (sines[1] + GRAZE).abs() < 1e-12, "{sines:?}");
+        assert!(
+            (sines[0] - GRAZE).abs() < 1e-12 && (sines[1] + GRAZE).abs() < 1e-12,
+            "{sines:?}"
+        );
     }
 
     #[test]
     fn a_lamp_is_lifted_in_proportion_to_how_far_it_shines() {
         let lifted = Lifted::new(&squares(&[FLOOR]), DVec4::new(5.0, 1e-6, 5.0, 1.0)).light;
-        assert!((lifted.y - GRAZE * 50.0_f64.sqrt()).abs() < 1e-9, "{lifted}");
+        assert!(
+            (lifted.y - GRAZE * 50.0_f64.sqrt()).abs() < 1e-9,
+            "{lifted}"
+        );
         assert_eq!(lifted.with_y(0.0), DVec4::new(5.0, 0.0, 5.0, 1.0));
     }
 
     #[test]
     fn light_that_grazes_nothing_or_lies_in_a_plane_stays() {
         let geometry = squares(&[FLOOR]);
-        for light in
-            [DVec4::new(-0.6, 0.8, 0.0, 0.0), DVec4::new(-1.0, 1e-4, 0.0, 0.0), DVec4::new(-1.0, 0.0, 0.0, 0.0)]
-        {
+        for light in [
+            DVec4::new(-0.6, 0.8, 0.0, 0.0),
+            DVec4::new(-1.0, 1e-4, 0.0, 0.0),
+            DVec4::new(-1.0, 0.0, 0.0, 0.0),
+        ] {
             assert_eq!(Lifted::new(&geometry, light).light, light);
         }
         // A facet of a thousandth of the area.
@@ -204,14 +256,24 @@ mod tests {
         let size = UVec2::new(2, 1);
         let share = |distance: f32| {
             let eye = Vec3::new(5.0, distance, 5.0);
-            let camera =
-                Camera::perspective(eye, Vec3::new(5.0, 0.0, 5.0), Vec3::X, 0.5, [1.0, 1e6], size).expect("valid");
+            let camera = Camera::perspective(
+                eye,
+                Vec3::new(5.0, 0.0, 5.0),
+                Vec3::X,
+                0.5,
+                [1.0, 1e6],
+                size,
+            )
+            .expect("valid");
             let mut receivers = Receivers::empty(size);
             (receivers.x, receivers.z) = (vec![5.0, 5.0], vec![5.0, 5.0]);
             // The other one stands before the eye.
             receivers.y = vec![0.0, distance - 1.0];
             (receivers.triangle, receivers.receives) = (vec![0, 1], vec![true, true]);
-            let light = umbrage_core::Light::Directional { direction: Vec3::X, angular_diameter: 0.0 };
+            let light = umbrage_core::Light::Directional {
+                direction: Vec3::X,
+                angular_diameter: 0.0,
+            };
             let view = View::new(&camera, &light, &geometry).with_receivers(&receivers);
             lifted.hopeless(&view, &receivers, &Endless::new(&view, &geometry))
         };

@@ -10,7 +10,8 @@ use crate::shadow_map::ShadowMap;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Inputs, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span, UniformLayout, Uniforms, View,
+    Inputs, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span, UniformLayout,
+    Uniforms, View,
 };
 
 /// One comparison a receiver.
@@ -48,7 +49,17 @@ pub struct HardKernel(
 
 impl Kernel for HardKernel {
     fn modules(&self) -> Vec<Module> {
-        self.0.modules().into_iter().chain([TAP, Module { name: "hard", text: include_str!("hard.wgsl") }]).collect()
+        self.0
+            .modules()
+            .into_iter()
+            .chain([
+                TAP,
+                Module {
+                    name: "hard",
+                    text: include_str!("hard.wgsl"),
+                },
+            ])
+            .collect()
     }
 
     fn uniform_bytes(&self) -> Vec<u8> {
@@ -62,7 +73,9 @@ impl Kernel for HardKernel {
 
 impl ReceiveKernel for HardKernel {
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
-        let taps = OneTap { map: self.0.map(&inputs.images[0]) };
+        let taps = OneTap {
+            map: self.0.map(&inputs.images[0]),
+        };
         look_up_span(inputs.simd, &self.0, span, out, &taps);
     }
 
@@ -79,6 +92,7 @@ struct OneTap<'a> {
 impl Taps for OneTap<'_> {
     #[inline(always)]
     fn visibility(&self, l: &Lookup, _: usize) -> f32 {
-        self.map.tap(l, l.texel.x.floor() as i32, l.texel.y.floor() as i32)
+        self.map
+            .tap(l, l.texel.x.floor() as i32, l.texel.y.floor() as i32)
     }
 }

@@ -10,7 +10,10 @@ use glam::{DMat4, Mat4, Vec2, Vec3, Vec4};
 use umbrage_core::{Light, LightSpaces, MATH, Module, Twin, math::dot3, twin, uniforms};
 
 /// The WGSL half.
-pub(crate) const HORIZON: Module = Module { name: "horizon", text: include_str!("horizon.wgsl") };
+pub(crate) const HORIZON: Module = Module {
+    name: "horizon",
+    text: include_str!("horizon.wgsl"),
+};
 
 uniforms! {
     /// The light's half axes in the world.
@@ -27,8 +30,14 @@ impl Horizon {
     pub fn new(light: &Light, spaces: &LightSpaces) -> Self {
         let world_from_view: DMat4 = spaces.spaces[0].view_from_world.as_dmat4().inverse();
         match half_axes(light, &world_from_view) {
-            HalfAxes::Flat(u, v) => Self { half_u: u.as_vec3().extend(0.0), half_v: v.as_vec3().extend(0.0) },
-            HalfAxes::Ball(radius) => Self { half_u: Vec4::new(0.0, 0.0, 0.0, radius as f32), half_v: Vec4::ZERO },
+            HalfAxes::Flat(u, v) => Self {
+                half_u: u.as_vec3().extend(0.0),
+                half_v: v.as_vec3().extend(0.0),
+            },
+            HalfAxes::Ball(radius) => Self {
+                half_u: Vec4::new(0.0, 0.0, 0.0, radius as f32),
+                half_v: Vec4::ZERO,
+            },
         }
     }
 
@@ -41,22 +50,43 @@ impl Horizon {
             let rim = ball_rim(self.half_u.w, middle, dot3(to_light, to_light));
             return disc_share(Vec3::new(middle, rim, 0.0));
         }
-        share_above(square, Vec3::new(middle, dot3(n, self.half_u.truncate()), dot3(n, self.half_v.truncate())))
+        share_above(
+            square,
+            Vec3::new(
+                middle,
+                dot3(n, self.half_u.truncate()),
+                dot3(n, self.half_v.truncate()),
+            ),
+        )
     }
 
     /// Heights over that plane: of the light's middle, and by how much they grow along the half axes that
     /// [`light_axes`](crate::light_extent::light_axes) gives. `face` looks at `p`, whose tangents right and down are `t`; `unit`
     /// is the tangent of half its angle.
     #[inline(always)]
-    pub(crate) fn heights(&self, light: Vec4, face: &Mat4, p: Vec3, n: Vec3, t: Vec2, unit: f32) -> Vec3 {
+    pub(crate) fn heights(
+        &self,
+        light: Vec4,
+        face: &Mat4,
+        p: Vec3,
+        n: Vec3,
+        t: Vec2,
+        unit: f32,
+    ) -> Vec3 {
         let middle = height_over_plane(light, p, n);
         if self.half_u.w > 0.0 {
-            let along = |row: usize| face.x_axis[row] * n.x + face.y_axis[row] * n.y + face.z_axis[row] * n.z;
+            let along = |row: usize| {
+                face.x_axis[row] * n.x + face.y_axis[row] * n.y + face.z_axis[row] * n.z
+            };
             let right_down = Vec2::new(along(0) * unit, -along(1) * unit);
             let grows = ball_heights(self.half_u.w, right_down, t);
             return Vec3::new(middle, grows.x, grows.y);
         }
-        Vec3::new(middle, dot3(n, self.half_u.truncate()), dot3(n, self.half_v.truncate()))
+        Vec3::new(
+            middle,
+            dot3(n, self.half_u.truncate()),
+            dot3(n, self.half_v.truncate()),
+        )
     }
 }
 
@@ -64,7 +94,14 @@ impl Horizon {
 /// `p`.
 #[inline(always)]
 pub(crate) fn height_over_plane(light: Vec4, p: Vec3, n: Vec3) -> f32 {
-    dot3(n, Vec3::new(light.x - light.w * p.x, light.y - light.w * p.y, light.z - light.w * p.z))
+    dot3(
+        n,
+        Vec3::new(
+            light.x - light.w * p.x,
+            light.y - light.w * p.y,
+            light.z - light.w * p.z,
+        ),
+    )
 }
 
 /// By how much heights grow along a ball's half axes (see [`light_axes`](crate::light_extent::light_axes), whose factors
@@ -73,7 +110,10 @@ pub(crate) fn height_over_plane(light: Vec4, p: Vec3, n: Vec3) -> f32 {
 pub(crate) fn ball_heights(radius: f32, n: Vec2, t: Vec2) -> Vec2 {
     let a = (1.0 + t.x * t.x).sqrt();
     let d = (1.0 + t.x * t.x + t.y * t.y).sqrt();
-    Vec2::new(radius * (n.x * a + n.y * (t.x * t.y / a)), radius * (n.y * (d / a)))
+    Vec2::new(
+        radius * (n.x * a + n.y * (t.x * t.y / a)),
+        radius * (n.y * (d / a)),
+    )
 }
 
 /// How much higher than its middle a ball is at the rim of the disc that faces the receiver, if the middle is `height` over the
@@ -110,7 +150,8 @@ pub(crate) fn disc_share(h: Vec3) -> f32 {
         return most;
     }
     let t = h.x.abs() / radius;
-    let arc = (1.0 - t).sqrt() * (1.570_728_8 + t * (-0.212_114_4 + t * (0.074_261_0 - t * 0.018_729_3)));
+    let arc =
+        (1.0 - t).sqrt() * (1.570_728_8 + t * (-0.212_114_4 + t * (0.074_261_0 - t * 0.018_729_3)));
     let less = (arc - t * (1.0 - t * t).sqrt()) * std::f32::consts::FRAC_1_PI;
     (most - less).abs()
 }
@@ -118,13 +159,21 @@ pub(crate) fn disc_share(h: Vec3) -> f32 {
 /// The share of a square (`square` is 1) or a disc (0) that lies above the horizon.
 #[inline(always)]
 pub(crate) fn share_above(square: u32, h: Vec3) -> f32 {
-    if square != 0 { square_share(h) } else { disc_share(h) }
+    if square != 0 {
+        square_share(h)
+    } else {
+        disc_share(h)
+    }
 }
 
 /// The heights along half axes that are [`turned`](crate::pattern::turned) by (cos, sin).
 #[inline(always)]
 pub(crate) fn turned_heights(h: Vec3, turn: Vec2) -> Vec3 {
-    Vec3::new(h.x, h.y * turn.x + h.z * turn.y, h.z * turn.x - h.y * turn.y)
+    Vec3::new(
+        h.x,
+        h.y * turn.x + h.z * turn.y,
+        h.z * turn.x - h.y * turn.y,
+    )
 }
 
 /// The pairs, for the lockstep tests.

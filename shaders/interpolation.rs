@@ -13,7 +13,10 @@ use umbrage_core::{
 };
 
 /// The WGSL half.
-pub(crate) const INTERPOLATION: Module = Module { name: "interpolation", text: include_str!("interpolation.wgsl") };
+pub(crate) const INTERPOLATION: Module = Module {
+    name: "interpolation",
+    text: include_str!("interpolation.wgsl"),
+};
 
 /// Weights of the corners at a point of their plane: signed areas, as multiples of the triangle's.
 #[inline(always)]
@@ -76,18 +79,33 @@ mod tests {
 
     #[test]
     fn corners_and_centre_have_their_weights() {
-        assert_eq!([A, B, C].map(|p| barycentric(p, A, B, C)), [Vec3::X, Vec3::Y, Vec3::Z]);
-        assert_eq!(barycentric(Vec3::new(2.0, 4.0, 0.0), A, B, C), Vec3::new(0.25, 0.25, 0.5));
+        assert_eq!(
+            [A, B, C].map(|p| barycentric(p, A, B, C)),
+            [Vec3::X, Vec3::Y, Vec3::Z]
+        );
+        assert_eq!(
+            barycentric(Vec3::new(2.0, 4.0, 0.0), A, B, C),
+            Vec3::new(0.25, 0.25, 0.5)
+        );
         // Which way around does not matter.
-        assert_eq!(barycentric(Vec3::new(2.0, 4.0, 0.0), A, C, B), Vec3::new(0.25, 0.5, 0.25));
+        assert_eq!(
+            barycentric(Vec3::new(2.0, 4.0, 0.0), A, C, B),
+            Vec3::new(0.25, 0.5, 0.25)
+        );
     }
 
     #[test]
     fn maps_bend_along_tangent_and_bitangent() {
         let (n, t) = (Vec3::Z, Vec4::new(1.0, 0.0, 0.0, 1.0));
-        assert_eq!(bent(n, t, Vec3::new(0.25, 0.5, 0.75)), Vec3::new(0.25, 0.5, 0.75));
+        assert_eq!(
+            bent(n, t, Vec3::new(0.25, 0.5, 0.75)),
+            Vec3::new(0.25, 0.5, 0.75)
+        );
         let mirrored = Vec4::new(1.0, 0.0, 0.0, -1.0);
-        assert_eq!(bent(n, mirrored, Vec3::new(0.25, 0.5, 0.75)), Vec3::new(0.25, -0.5, 0.75));
+        assert_eq!(
+            bent(n, mirrored, Vec3::new(0.25, 0.5, 0.75)),
+            Vec3::new(0.25, -0.5, 0.75)
+        );
         // A flat map gives the normal itself, whatever the frame.
         let (n, t) = (Vec3::new(0.1, -0.7, 0.3), Vec4::new(0.3, 0.9, 0.2, -1.0));
         assert_eq!(bent(n, t, Vec3::Z), n);
@@ -95,7 +113,10 @@ mod tests {
 
     #[test]
     fn vectors_without_length_fall_back() {
-        assert_eq!(unit_or(Vec3::new(0.0, 3.0, 4.0), Vec3::X), Vec3::new(0.0, 0.6, 0.8));
+        assert_eq!(
+            unit_or(Vec3::new(0.0, 3.0, 4.0), Vec3::X),
+            Vec3::new(0.0, 0.6, 0.8)
+        );
         assert_eq!(unit_or(Vec3::ZERO, Vec3::X), Vec3::X);
     }
 }

@@ -2,7 +2,9 @@
 
 use crate::packing::{stored, unpack_depth};
 use glam::{UVec2, Vec4};
-use umbrage_core::{FilterKernel, Inputs, Kernel, Module, SimdTask, UniformLayout, Uniforms, uniforms};
+use umbrage_core::{
+    FilterKernel, Inputs, Kernel, Module, SimdTask, UniformLayout, Uniforms, uniforms,
+};
 
 uniforms! {
     /// Uniforms of [`LeastDepthKernel`].
@@ -24,7 +26,10 @@ pub struct LeastDepthKernel {
 
 impl Kernel for LeastDepthKernel {
     fn modules(&self) -> Vec<Module> {
-        let own = Module { name: "least_depth", text: include_str!("least_depth.wgsl") };
+        let own = Module {
+            name: "least_depth",
+            text: include_str!("least_depth.wgsl"),
+        };
         stored(self.packed).into_iter().chain([own]).collect()
     }
 
@@ -49,10 +54,20 @@ impl FilterKernel for LeastDepthKernel {
         let mut column = vec![1.0_f32; size as usize];
         for row in rows {
             if self.packed {
-                let depths = row.as_chunks().0.iter().map(|&channels| unpack_depth(Vec4::from_array(channels)));
-                column.iter_mut().zip(depths).for_each(|(least, depth)| *least = least.min(depth));
+                let depths = row
+                    .as_chunks()
+                    .0
+                    .iter()
+                    .map(|&channels| unpack_depth(Vec4::from_array(channels)));
+                column
+                    .iter_mut()
+                    .zip(depths)
+                    .for_each(|(least, depth)| *least = least.min(depth));
             } else {
-                inputs.simd.run_task(LeastOf { least: &mut column, row });
+                inputs.simd.run_task(LeastOf {
+                    least: &mut column,
+                    row,
+                });
             }
         }
         for (out, tile) in out.iter_mut().zip(column.chunks(ratio as usize)) {

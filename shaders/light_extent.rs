@@ -18,7 +18,10 @@ use umbrage_core::{Light, LightSpace, LightSpaces, Module, PlanError, Twin, View
 use crate::pattern::Shape;
 
 /// The WGSL half.
-pub(crate) const LIGHT_EXTENT: Module = Module { name: "light_extent", text: include_str!("light_extent.wgsl") };
+pub(crate) const LIGHT_EXTENT: Module = Module {
+    name: "light_extent",
+    text: include_str!("light_extent.wgsl"),
+};
 
 /// Greatest part of a map's half side that is spent on what kernels reach beyond the receivers. Wider lights lose the
 /// shadows of casters outside the map on its outermost receivers.
@@ -50,28 +53,53 @@ pub(crate) fn light_axes(across: Vec4, along: Vec4, from_middle: Vec2) -> Vec4 {
         let (tx, ty) = (x * across.w, y * across.w);
         let a = (1.0 + tx * tx).sqrt();
         let d = (1.0 + tx * tx + ty * ty).sqrt();
-        return Vec4::new(across.x * a, across.x * (tx * ty / a), 0.0, across.x * (d / a));
+        return Vec4::new(
+            across.x * a,
+            across.x * (tx * ty / a),
+            0.0,
+            across.x * (d / a),
+        );
     }
-    Vec4::new(across.x + across.z * x, across.y + across.z * y, along.x + along.z * x, along.y + along.z * y)
+    Vec4::new(
+        across.x + across.z * x,
+        across.y + across.z * y,
+        along.x + along.z * x,
+        along.y + along.z * y,
+    )
 }
 
 /// The shape over which the light's points are spread.
 pub(crate) fn shape(light: &Light) -> Shape {
-    if matches!(light, Light::Rect { .. }) { Shape::Square } else { Shape::Disc }
+    if matches!(light, Light::Rect { .. }) {
+        Shape::Square
+    } else {
+        Shape::Disc
+    }
 }
 
 impl LightExtent {
     /// The extent of `light` on maps of `size` texels that lie in `spaces`.
     pub fn new(light: &Light, spaces: &LightSpaces, size: u32) -> Self {
-        let face = |i: usize| axes_on(light, &spaces.spaces[if i < spaces.spaces.len() { i } else { 0 }], size);
+        let face = |i: usize| {
+            axes_on(
+                light,
+                &spaces.spaces[if i < spaces.spaces.len() { i } else { 0 }],
+                size,
+            )
+        };
         let faces: [[Vec4; 2]; 6] = std::array::from_fn(face);
-        Self { across: faces.map(|f| f[0]), along: faces.map(|f| f[1]) }
+        Self {
+            across: faces.map(|f| f[0]),
+            along: faces.map(|f| f[1]),
+        }
     }
 
     /// How far taps reach beyond the receiver's texel on the faces that are needed, texels.
     fn reach(&self, light: &Light, spaces: &LightSpaces, size: u32) -> f32 {
         let needed = (0..spaces.spaces.len()).filter(|&i| spaces.needed[i]);
-        needed.map(|i| reach(shape(light), self.across[i], self.along[i], size)).fold(0.0, f32::max)
+        needed
+            .map(|i| reach(shape(light), self.across[i], self.along[i], size))
+            .fold(0.0, f32::max)
     }
 }
 
@@ -88,7 +116,8 @@ pub(crate) fn spaces(map: &ShadowMap, view: &View<'_>) -> Result<LightSpaces, Pl
         // In a map of which `inner` texels are left, `reach` texels become `e` of the half side that those had; and the
         // margin that is e times the new half side's inner part is found by solving for it.
         let inner = (map.size as f32 - 2.0 * margin - 2.0).max(1.0);
-        let reach = LightExtent::new(view.light, &spaces, map.size).reach(view.light, &spaces, map.size);
+        let reach =
+            LightExtent::new(view.light, &spaces, map.size).reach(view.light, &spaces, map.size);
         let e = (2.0 * reach / inner).min(MOST_REACH / (1.0 - MOST_REACH));
         let wanted = (map.size as f32 - 2.0) * 0.5 * e / (1.0 + e);
         if wanted <= margin * 1.01 {
@@ -104,8 +133,16 @@ pub(crate) fn spaces(map: &ShadowMap, view: &View<'_>) -> Result<LightSpaces, Pl
 /// grow towards the map's corners.
 fn reach(shape: Shape, across: Vec4, along: Vec4, size: u32) -> f32 {
     let half = size as f32 * 0.5;
-    let corners = [Vec2::new(half, half), Vec2::new(-half, half), Vec2::new(half, -half), Vec2::new(-half, -half)];
-    corners.into_iter().map(|corner| reach_at(shape, across, along, corner)).fold(0.0, f32::max)
+    let corners = [
+        Vec2::new(half, half),
+        Vec2::new(-half, half),
+        Vec2::new(half, -half),
+        Vec2::new(-half, -half),
+    ];
+    corners
+        .into_iter()
+        .map(|corner| reach_at(shape, across, along, corner))
+        .fold(0.0, f32::max)
 }
 
 /// The same for a receiver `from_middle` texels right and down of the map's middle.
@@ -121,7 +158,10 @@ pub(crate) fn reach_along(square: u32, axes: Vec4) -> Vec2 {
     if square != 0 {
         return Vec2::new(a.x.abs() + a.z.abs(), a.y.abs() + a.w.abs());
     }
-    Vec2::new((a.x * a.x + a.z * a.z).sqrt(), (a.y * a.y + a.w * a.w).sqrt())
+    Vec2::new(
+        (a.x * a.x + a.z * a.z).sqrt(),
+        (a.y * a.y + a.w * a.w).sqrt(),
+    )
 }
 
 /// The difference of clip depths that moves the light's rim by one texel, for what [`reach_along`] says of a unit of it.
@@ -141,26 +181,45 @@ fn axes_on(light: &Light, space: &LightSpace, size: u32) -> [Vec4; 2] {
     let view_from_world = space.view_from_world.as_dmat4();
     let on_map = |axis: DVec3| {
         let s = view_from_world.transform_vector3(axis);
-        (DVec3::new(s.x * right, s.y * down, s.z) * per_depth).as_vec3().extend(0.0)
+        (DVec3::new(s.x * right, s.y * down, s.z) * per_depth)
+            .as_vec3()
+            .extend(0.0)
     };
     let [mut across, mut along] = match half_axes(light, &view_from_world.inverse()) {
         HalfAxes::Flat(u, v) => [on_map(u), on_map(v)],
-        HalfAxes::Ball(radius) => {
-            [Vec4::new((radius * right * per_depth) as f32, 0.0, 0.0, (1.0 / right) as f32), Vec4::ZERO]
-        }
+        HalfAxes::Ball(radius) => [
+            Vec4::new(
+                (radius * right * per_depth) as f32,
+                0.0,
+                0.0,
+                (1.0 / right) as f32,
+            ),
+            Vec4::ZERO,
+        ],
     };
     if across.x == 0.0 && across.w > 0.0 {
         across = Vec4::ZERO;
     }
     let reach = reach(shape(light), across, along, size);
-    along.w = if reach > 0.0 { half as f32 / reach } else { 1.0 };
+    along.w = if reach > 0.0 {
+        half as f32 / reach
+    } else {
+        1.0
+    };
     [across, along]
 }
 
 /// What a unit of clip depth makes of 1/distance (with perspective) or of distance (without), per metre: positive.
 fn per_depth(clip_from_view: &Mat4) -> f64 {
-    let (a, b) = (f64::from(clip_from_view.z_axis.z), f64::from(clip_from_view.w_axis.z));
-    if clip_from_view.row(3) == Vec4::W { -1.0 / a } else { -1.0 / b }
+    let (a, b) = (
+        f64::from(clip_from_view.z_axis.z),
+        f64::from(clip_from_view.w_axis.z),
+    );
+    if clip_from_view.row(3) == Vec4::W {
+        -1.0 / a
+    } else {
+        -1.0 / b
+    }
 }
 
 /// A light's half axes, world space.
@@ -174,16 +233,23 @@ pub(crate) enum HalfAxes {
 /// `world_from_view` is of the light's map: a sun's axes lie along it.
 pub(crate) fn half_axes(light: &Light, world_from_view: &DMat4) -> HalfAxes {
     let disc = |normal: glam::Vec3, radius: f32| {
-        let (u, v) = normal.as_dvec3().normalize_or(DVec3::Y).any_orthonormal_pair();
+        let (u, v) = normal
+            .as_dvec3()
+            .normalize_or(DVec3::Y)
+            .any_orthonormal_pair();
         HalfAxes::Flat(u * f64::from(radius), v * f64::from(radius))
     };
     match *light {
-        Light::Directional { angular_diameter, .. } => {
+        Light::Directional {
+            angular_diameter, ..
+        } => {
             let tangent = (f64::from(angular_diameter) * 0.5).tan();
             let along = |axis: DVec3| world_from_view.transform_vector3(axis) * tangent;
             HalfAxes::Flat(along(DVec3::X), along(DVec3::Y))
         }
-        Light::Spot { direction, radius, .. } => disc(direction, radius),
+        Light::Spot {
+            direction, radius, ..
+        } => disc(direction, radius),
         Light::Disc { normal, radius, .. } => disc(normal, radius),
         Light::Rect { half_u, half_v, .. } => HalfAxes::Flat(half_u.as_dvec3(), half_v.as_dvec3()),
         Light::Point { radius, .. } => HalfAxes::Ball(f64::from(radius)),

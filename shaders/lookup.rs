@@ -9,20 +9,50 @@ use umbrage_core::{
 };
 
 /// The WGSL half. It needs the rest of [`MapLookup::modules`].
-pub const LOOKUP: Module = Module { name: "lookup", text: include_str!("lookup.wgsl") };
-const PLANE: Module = Module { name: "plane", text: include_str!("plane.wgsl") };
-const NO_PLANE: Module = Module { name: "no_plane", text: include_str!("no_plane.wgsl") };
-const OFFSET: Module = Module { name: "offset", text: include_str!("offset.wgsl") };
-const NO_OFFSET: Module = Module { name: "no_offset", text: include_str!("no_offset.wgsl") };
+pub const LOOKUP: Module = Module {
+    name: "lookup",
+    text: include_str!("lookup.wgsl"),
+};
+const PLANE: Module = Module {
+    name: "plane",
+    text: include_str!("plane.wgsl"),
+};
+const NO_PLANE: Module = Module {
+    name: "no_plane",
+    text: include_str!("no_plane.wgsl"),
+};
+const OFFSET: Module = Module {
+    name: "offset",
+    text: include_str!("offset.wgsl"),
+};
+const NO_OFFSET: Module = Module {
+    name: "no_offset",
+    text: include_str!("no_offset.wgsl"),
+};
 
-const SINGLE: Module = Module { name: "single", text: include_str!("single.wgsl") };
-const CUBE: Module = Module { name: "cube", text: include_str!("cube.wgsl") };
+const SINGLE: Module = Module {
+    name: "single",
+    text: include_str!("single.wgsl"),
+};
+const CUBE: Module = Module {
+    name: "cube",
+    text: include_str!("cube.wgsl"),
+};
 
-const CLAMPED: Module = Module { name: "clamped", text: include_str!("clamped.wgsl") };
-const LIT_BORDER: Module = Module { name: "lit_border", text: include_str!("lit_border.wgsl") };
+const CLAMPED: Module = Module {
+    name: "clamped",
+    text: include_str!("clamped.wgsl"),
+};
+const LIT_BORDER: Module = Module {
+    name: "lit_border",
+    text: include_str!("lit_border.wgsl"),
+};
 
 /// The comparison at one texel of the first image.
-pub const TAP: Module = Module { name: "tap", text: include_str!("tap.wgsl") };
+pub const TAP: Module = Module {
+    name: "tap",
+    text: include_str!("tap.wgsl"),
+};
 
 /// [`MapLookup::deepest_tap`] where no tap is compared deeper than the receiver: nearer than any depth.
 pub const NEVER_DEEPER: f32 = f32::MIN;
@@ -74,12 +104,28 @@ impl MapLookup {
     /// The WGSL of `look_up`, `depth_at` and `stored_depth`, with no more in it than this map needs: what is switched off
     /// costs nothing.
     pub fn modules(&self) -> Vec<Module> {
-        let plane = if self.receiver_plane > 0.0 { PLANE } else { NO_PLANE };
-        let offset = if self.normal_offset != 0.0 { OFFSET } else { NO_OFFSET };
+        let plane = if self.receiver_plane > 0.0 {
+            PLANE
+        } else {
+            NO_PLANE
+        };
+        let offset = if self.normal_offset != 0.0 {
+            OFFSET
+        } else {
+            NO_OFFSET
+        };
         let layout = if self.layers > 1 { CUBE } else { SINGLE };
         let lookup = [LOOKUP, plane, offset, layout];
-        let border = if self.clamped != 0 { CLAMPED } else { LIT_BORDER };
-        lookup.into_iter().chain(crate::packing::stored(self.packed != 0)).chain([border]).collect()
+        let border = if self.clamped != 0 {
+            CLAMPED
+        } else {
+            LIT_BORDER
+        };
+        lookup
+            .into_iter()
+            .chain(crate::packing::stored(self.packed != 0))
+            .chain([border])
+            .collect()
     }
 
     /// The lookup into a map of `view.light` that lies in `spaces`.
@@ -94,10 +140,16 @@ impl MapLookup {
             layers: spaces.len() as u32,
             packed: u32::from(map.format == MapFormat::Rgba8),
             clamped: u32::from(map.border == Border::Clamp),
-            farthest: if map.beyond_far == BeyondFar::Compared { f32::MAX } else { 1.0 },
+            farthest: if map.beyond_far == BeyondFar::Compared {
+                f32::MAX
+            } else {
+                1.0
+            },
             size,
             texel: 2.0 / (projection.x_axis.x.min(projection.y_axis.y) * size),
-            bends: u32::from(bias.slope != 0.0 || bias.slope_min != 0.0 || bias.normal_offset != 0.0),
+            bends: u32::from(
+                bias.slope != 0.0 || bias.slope_min != 0.0 || bias.normal_offset != 0.0,
+            ),
             constant: if bias.covers_rounding() {
                 bias.constant.max(rounding::of_positions(&spaces[0]))
             } else {
@@ -134,7 +186,11 @@ pub fn cube_face(light: Vec4, p: Vec3) -> i32 {
     }
     // By the sign bit: the greatest of three is only zero if the first is.
     let negative = |v: f32| (v.to_bits() >> 31) as i32;
-    if ay >= az { 2 + negative(y) } else { 4 + negative(z) }
+    if ay >= az {
+        2 + negative(y)
+    } else {
+        4 + negative(z)
+    }
 }
 
 /// A receiver, seen from the map.
@@ -157,7 +213,11 @@ pub struct Lookup {
 /// Unit direction from `p` to the light.
 #[inline(always)]
 pub fn to_light(light: Vec4, p: Vec3) -> Vec3 {
-    if light.w == 0.0 { light.truncate() } else { unit3(light.truncate() - p) }
+    if light.w == 0.0 {
+        light.truncate()
+    } else {
+        unit3(light.truncate() - p)
+    }
 }
 
 /// Slope-scaled receiver bias, clip depth: `max(slope (1 - n.l), least)`.
@@ -174,7 +234,10 @@ pub fn sine(cosine: f32) -> f32 {
 
 /// Texel coordinates and depth from clip space.
 #[inline(always)]
-#[expect(clippy::manual_clamp, reason = "`clamp` lets NaN through, and this must bound it as the shader does")]
+#[expect(
+    clippy::manual_clamp,
+    reason = "`clamp` lets NaN through, and this must bound it as the shader does"
+)]
 pub fn texel_from_clip(clip: Vec4, size: f32) -> Vec3 {
     let (x, y, z) = (clip.x / clip.w, clip.y / clip.w, clip.z / clip.w);
     // Bounded, so that conversion to integers means the same everywhere.
@@ -189,7 +252,10 @@ pub fn texel_from_clip(clip: Vec4, size: f32) -> Vec3 {
 pub fn plane_gradient(clip_from_world: Mat4, clip: Vec4, n: Vec3, size: f32, limit: f32) -> Vec2 {
     let axis = if n.x.abs() < 0.6 { Vec3::X } else { Vec3::Y };
     let t = cross3(n, axis);
-    let (a, b) = (slide(clip_from_world, clip, t, size), slide(clip_from_world, clip, cross3(n, t), size));
+    let (a, b) = (
+        slide(clip_from_world, clip, t, size),
+        slide(clip_from_world, clip, cross3(n, t), size),
+    );
     let det = a.x * b.y - b.x * a.y;
     if det == 0.0 {
         return Vec2::ZERO;
@@ -205,7 +271,11 @@ pub fn slide(clip_from_world: Mat4, clip: Vec4, tangent: Vec3, size: f32) -> Vec
     let c = m.x_axis * tangent.x + m.y_axis * tangent.y + m.z_axis * tangent.z;
     let half = size * 0.5;
     let (x, y, z) = (clip.x / clip.w, clip.y / clip.w, clip.z / clip.w);
-    Vec3::new((c.x - x * c.w) * half, (y * c.w - c.y) * half, c.z - z * c.w)
+    Vec3::new(
+        (c.x - x * c.w) * half,
+        (y * c.w - c.y) * half,
+        c.z - z * c.w,
+    )
 }
 
 /// Moves a receiver along its normal.
@@ -219,7 +289,11 @@ fn offset_along_normal(m: &MapLookup, layer: i32, p: Vec3, n: Vec3, n_dot_l: f32
 /// From a receiver to the map.
 #[inline(always)]
 pub fn look_up(m: &MapLookup, p: Vec3, n: Vec3) -> Lookup {
-    let layer = if m.layers > 1 { cube_face(m.light, p) } else { 0 };
+    let layer = if m.layers > 1 {
+        cube_face(m.light, p)
+    } else {
+        0
+    };
     let clip_from_world = m.faces[layer as usize];
     let (mut p_offset, mut bias) = (p, m.constant);
     if m.bends != 0 {
@@ -238,7 +312,14 @@ pub fn look_up(m: &MapLookup, p: Vec3, n: Vec3) -> Lookup {
     let depth = t.z - bias;
     let deepest = depth.max(m.deepest_tap);
     let seen = clip.w > 0.0 && t.z <= m.farthest;
-    Lookup { texel: Vec2::new(t.x, t.y), depth, gradient, deepest, layer, seen }
+    Lookup {
+        texel: Vec2::new(t.x, t.y),
+        depth,
+        gradient,
+        deepest,
+        layer,
+        seen,
+    }
 }
 
 /// The depth to compare with the texel at (x, y).
@@ -251,7 +332,8 @@ pub fn depth_at(l: &Lookup, x: i32, y: i32) -> f32 {
 /// far plane must stay there, since texels that nothing was drawn to hold 1.)
 #[inline(always)]
 pub fn depth_on_plane(depth: f32, gradient: Vec2, deepest: f32, from: Vec2, x: i32, y: i32) -> f32 {
-    let moved = depth + gradient.x * (x as f32 + 0.5 - from.x) + gradient.y * (y as f32 + 0.5 - from.y);
+    let moved =
+        depth + gradient.x * (x as f32 + 0.5 - from.x) + gradient.y * (y as f32 + 0.5 - from.y);
     moved.min(deepest)
 }
 
@@ -274,7 +356,8 @@ impl<'a> DepthMap<'a> {
     /// The depth at a texel of the map.
     #[inline(always)]
     pub fn load(&self, x: i32, y: i32, layer: i32) -> f32 {
-        let i = (layer as usize * self.size as usize + y as usize) * self.size as usize + x as usize;
+        let i =
+            (layer as usize * self.size as usize + y as usize) * self.size as usize + x as usize;
         if self.packed {
             let c = &self.texels[4 * i..4 * i + 4];
             return crate::packing::unpack_depth(Vec4::new(c[0], c[1], c[2], c[3]));
@@ -286,23 +369,39 @@ impl<'a> DepthMap<'a> {
     #[inline(always)]
     pub fn layer(&self, layer: i32) -> Option<&'a [f32]> {
         let texels = self.size as usize * self.size as usize;
-        if self.packed { None } else { self.texels.get(layer as usize * texels..) }
+        if self.packed {
+            None
+        } else {
+            self.texels.get(layer as usize * texels..)
+        }
     }
 
     /// Whether the receiver is lit as far as one texel tells, as 1 or 0. Outside the map it is, unless the edge repeats.
     #[inline(always)]
     pub fn tap(&self, l: &Lookup, x: i32, y: i32) -> f32 {
         if x < 0 || y < 0 || x >= self.size || y >= self.size {
-            return if self.clamped { self.tap_edge(l, x, y) } else { 1.0 };
+            return if self.clamped {
+                self.tap_edge(l, x, y)
+            } else {
+                1.0
+            };
         }
-        if depth_at(l, x, y) <= self.load(x, y, l.layer) { 1.0 } else { 0.0 }
+        if depth_at(l, x, y) <= self.load(x, y, l.layer) {
+            1.0
+        } else {
+            0.0
+        }
     }
 
     /// The tap at the nearest texel of the map.
     #[inline(never)]
     fn tap_edge(&self, l: &Lookup, x: i32, y: i32) -> f32 {
         let inside = |v: i32| v.clamp(0, self.size - 1);
-        if depth_at(l, x, y) <= self.load(inside(x), inside(y), l.layer) { 1.0 } else { 0.0 }
+        if depth_at(l, x, y) <= self.load(inside(x), inside(y), l.layer) {
+            1.0
+        } else {
+            0.0
+        }
     }
 }
 

@@ -15,7 +15,8 @@ use glam::UVec2;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
-    FilterKernel, Inputs, Kernel, Module, PlanError, Recipe, ShadowTechnique, UniformLayout, Uniforms, View, uniforms,
+    FilterKernel, Inputs, Kernel, Module, PlanError, Recipe, ShadowTechnique, UniformLayout,
+    Uniforms, View, uniforms,
 };
 
 /// Comparisons with the middle between the nearest two surfaces.
@@ -30,7 +31,13 @@ pub struct Midpoint {
 
 impl Midpoint {
     fn pcf(&self) -> Pcf {
-        Pcf { map: ShadowMap { surface: Surface::Midpoint, ..self.map }, radius: self.radius }
+        Pcf {
+            map: ShadowMap {
+                surface: Surface::Midpoint,
+                ..self.map
+            },
+            radius: self.radius,
+        }
     }
 }
 
@@ -71,7 +78,10 @@ pub struct BetweenKernel;
 
 impl Kernel for BetweenKernel {
     fn modules(&self) -> Vec<Module> {
-        vec![Module { name: "midpoint", text: include_str!("midpoint.wgsl") }]
+        vec![Module {
+            name: "midpoint",
+            text: include_str!("midpoint.wgsl"),
+        }]
     }
 
     fn uniform_bytes(&self) -> Vec<u8> {

@@ -8,12 +8,23 @@
 
 use glam::{UVec2, Vec4};
 use std::sync::Arc;
-use umbrage_core::{FilterKernel, Inputs, Kernel, MATH, Module, Twin, UniformLayout, Uniforms, twin, uniforms};
+use umbrage_core::{
+    FilterKernel, Inputs, Kernel, MATH, Module, Twin, UniformLayout, Uniforms, twin, uniforms,
+};
 
 /// The WGSL half.
-pub const PACKING: Module = Module { name: "packing", text: include_str!("packing.wgsl") };
-const STORED: Module = Module { name: "stored", text: include_str!("stored.wgsl") };
-const STORED_PACKED: Module = Module { name: "stored_packed", text: include_str!("stored_packed.wgsl") };
+pub const PACKING: Module = Module {
+    name: "packing",
+    text: include_str!("packing.wgsl"),
+};
+const STORED: Module = Module {
+    name: "stored",
+    text: include_str!("stored.wgsl"),
+};
+const STORED_PACKED: Module = Module {
+    name: "stored_packed",
+    text: include_str!("stored_packed.wgsl"),
+};
 
 /// The four channels, 0..=1, of a depth 0..=1.
 #[inline(always)]
@@ -38,7 +49,11 @@ pub fn unpack_depth(c: Vec4) -> f32 {
 
 /// WGSL's `stored_depth`.
 pub(crate) fn stored(packed: bool) -> Vec<Module> {
-    if packed { vec![PACKING, STORED_PACKED] } else { vec![STORED] }
+    if packed {
+        vec![PACKING, STORED_PACKED]
+    } else {
+        vec![STORED]
+    }
 }
 
 /// From an image of depth to one of four channels.
@@ -60,7 +75,13 @@ pub struct PackKernel;
 
 impl Kernel for PackKernel {
     fn modules(&self) -> Vec<Module> {
-        vec![PACKING, Module { name: "pack", text: include_str!("pack.wgsl") }]
+        vec![
+            PACKING,
+            Module {
+                name: "pack",
+                text: include_str!("pack.wgsl"),
+            },
+        ]
     }
 
     fn uniform_bytes(&self) -> Vec<u8> {
@@ -75,7 +96,9 @@ impl Kernel for PackKernel {
 impl FilterKernel for PackKernel {
     fn filter(&self, inputs: &Inputs<'_>, start: UVec2, layer: u32, out: &mut [f32]) {
         for (x, texel) in (start.x as i32..).zip(out.chunks_exact_mut(4)) {
-            texel.copy_from_slice(&pack_depth(inputs.images[0].load(x, start.y as i32, layer)).to_array());
+            texel.copy_from_slice(
+                &pack_depth(inputs.images[0].load(x, start.y as i32, layer)).to_array(),
+            );
         }
     }
 }
@@ -108,8 +131,13 @@ mod tests {
         for v in c.to_array() {
             assert!((v * 255.0 - (v * 255.0).round()).abs() < 1e-4, "{v}");
         }
-        let stored = c.to_array().map(|v| f64::from((v * 255.0).round()) as f32 * (1.0 / 255.0));
+        let stored = c
+            .to_array()
+            .map(|v| f64::from((v * 255.0).round()) as f32 * (1.0 / 255.0));
         assert_eq!(unpack_depth(Vec4::from_array(stored)), 0.713_456_7);
-        assert_ne!(unpack_depth(c + Vec4::new(0.0, 0.0, 1.0 / 255.0, 0.0)), 0.713_456_7);
+        assert_ne!(
+            unpack_depth(c + Vec4::new(0.0, 0.0, 1.0 / 255.0, 0.0)),
+            0.713_456_7
+        );
     }
 }

@@ -26,7 +26,10 @@ use umbrage_core::{
 };
 
 /// The WGSL half. It reads the kernel's first table.
-pub const PATTERN: Module = Module { name: "pattern", text: include_str!("pattern.wgsl") };
+pub const PATTERN: Module = Module {
+    name: "pattern",
+    text: include_str!("pattern.wgsl"),
+};
 
 /// Most taps accepted. Of many more, those around the middle would no longer be told apart by their distance from it.
 pub const MAX_TAPS: u32 = 255;
@@ -82,7 +85,9 @@ pub enum Shape {
 pub fn spread(pattern: Pattern, shape: Shape, count: u32) -> Vec<Vec2> {
     match (pattern, shape) {
         (Pattern::Vogel, Shape::Disc) => (0..count).map(|i| sunflower(i, count)).collect(),
-        (Pattern::Vogel, Shape::Square) => (0..count).map(|i| centred(fibonacci(i, count))).collect(),
+        (Pattern::Vogel, Shape::Square) => {
+            (0..count).map(|i| centred(fibonacci(i, count))).collect()
+        }
         (Pattern::Poisson, _) => poisson(shape, count),
         (Pattern::Grid, _) => grid(count).map(|uv| onto(shape, uv)).collect(),
     }
@@ -94,7 +99,11 @@ fn sunflower(i: u32, count: u32) -> Vec2 {
 }
 
 fn fibonacci(i: u32, count: u32) -> Vec2 {
-    DVec2::new((f64::from(i) + 0.5) / f64::from(count), (f64::from(i) * GOLDEN + 0.5).fract()).as_vec2()
+    DVec2::new(
+        (f64::from(i) + 0.5) / f64::from(count),
+        (f64::from(i) * GOLDEN + 0.5).fract(),
+    )
+    .as_vec2()
 }
 
 /// From the unit square to -1..1.
@@ -128,8 +137,14 @@ fn poisson(shape: Shape, count: u32) -> Vec<Vec2> {
             let k = 2 * (tap * CANDIDATES + c);
             onto(shape, Vec2::new(unit(k), unit(k + 1)))
         };
-        let room = |p: Vec2| taps.iter().map(|&q| distance_squared(shape, p, q)).fold(f32::INFINITY, f32::min);
-        let best = (0..CANDIDATES).map(candidate).max_by(|&a, &b| room(a).total_cmp(&room(b)));
+        let room = |p: Vec2| {
+            taps.iter()
+                .map(|&q| distance_squared(shape, p, q))
+                .fold(f32::INFINITY, f32::min)
+        };
+        let best = (0..CANDIDATES)
+            .map(candidate)
+            .max_by(|&a, &b| room(a).total_cmp(&room(b)));
         taps.extend(best);
     }
     taps
@@ -137,7 +152,11 @@ fn poisson(shape: Shape, count: u32) -> Vec<Vec2> {
 
 fn distance_squared(shape: Shape, a: Vec2, b: Vec2) -> f32 {
     let d = (a - b).abs();
-    if shape == Shape::Disc { d.length_squared() } else { d.min(Vec2::splat(2.0) - d).length_squared() }
+    if shape == Shape::Disc {
+        d.length_squared()
+    } else {
+        d.min(Vec2::splat(2.0) - d).length_squared()
+    }
 }
 
 /// Sets of taps and all turns, as both halves read them.
@@ -163,13 +182,25 @@ impl PatternTable {
     ///
     /// # Errors
     /// When a set has no taps or more than [`MAX_TAPS`].
-    pub(crate) fn new(pattern: Pattern, shape: Shape, counts: &[(&str, u32)]) -> Result<Arc<Self>, Invalid> {
+    pub(crate) fn new(
+        pattern: Pattern,
+        shape: Shape,
+        counts: &[(&str, u32)],
+    ) -> Result<Arc<Self>, Invalid> {
         for (what, count) in counts {
             if !(1..=MAX_TAPS).contains(count) {
-                return Err(Invalid::new(*what, format!("are {count}"), format!("use 1 to {MAX_TAPS}")));
+                return Err(Invalid::new(
+                    *what,
+                    format!("are {count}"),
+                    format!("use 1 to {MAX_TAPS}"),
+                ));
             }
         }
-        let key = (pattern, shape, counts.iter().map(|c| c.1).collect::<Vec<_>>());
+        let key = (
+            pattern,
+            shape,
+            counts.iter().map(|c| c.1).collect::<Vec<_>>(),
+        );
         let mut made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, table)) = made.iter().find(|(k, _)| *k == key) {
             return Ok(table.clone());
@@ -181,14 +212,36 @@ impl PatternTable {
     }
 
     fn build(pattern: Pattern, shape: Shape, counts: &[u32]) -> Self {
-        let place = |q: Vec2| q.extend(if shape == Shape::Disc { q.length().max(INNERMOST) } else { INNERMOST });
-        let set = |&count: &u32| spread(pattern, shape, count).into_iter().map(place).collect();
+        let place = |q: Vec2| {
+            q.extend(if shape == Shape::Disc {
+                q.length().max(INNERMOST)
+            } else {
+                INNERMOST
+            })
+        };
+        let set = |&count: &u32| {
+            spread(pattern, shape, count)
+                .into_iter()
+                .map(place)
+                .collect()
+        };
         let sets: Vec<Vec<Vec3>> = counts.iter().map(set).collect();
         let turns: Vec<Vec4> = (0..TURNS).map(|k| turn(shape, k)).collect();
         let taps = sets.iter().flatten().map(|q| q.extend(0.0));
-        let rows = taps.chain(turns.iter().copied()).map(|row| row.to_array().map(f32::to_bits)).collect();
-        let table = Table { label: "sample pattern", rows };
-        Self { table, shape, sets: sets.into_iter().map(|taps| TapSet { taps }).collect(), turns }
+        let rows = taps
+            .chain(turns.iter().copied())
+            .map(|row| row.to_array().map(f32::to_bits))
+            .collect();
+        let table = Table {
+            label: "sample pattern",
+            rows,
+        };
+        Self {
+            table,
+            shape,
+            sets: sets.into_iter().map(|taps| TapSet { taps }).collect(),
+            turns,
+        }
     }
 }
 
@@ -196,9 +249,17 @@ impl PatternTable {
 fn turn(shape: Shape, k: u32) -> Vec4 {
     let part = f64::from(k) / f64::from(TURNS);
     if shape == Shape::Disc {
-        return DVec2::from_angle(TAU * part).as_vec2().extend(0.0).extend(0.0);
+        return DVec2::from_angle(TAU * part)
+            .as_vec2()
+            .extend(0.0)
+            .extend(0.0);
     }
-    Vec4::new(1.0, 0.0, (2.0 * part) as f32, (2.0 * (f64::from(k) * GOLDEN).fract()) as f32)
+    Vec4::new(
+        1.0,
+        0.0,
+        (2.0 * part) as f32,
+        (2.0 * (f64::from(k) * GOLDEN).fract()) as f32,
+    )
 }
 
 /// A pixel's step, 0 to 63: Jimenez's fract(52.9829189 fract(.06711056 x + .00583715 y)) in 32-bit fixed point, so that it
@@ -206,8 +267,12 @@ fn turn(shape: Shape, k: u32) -> Vec4 {
 #[inline(always)]
 pub fn noise_index(x: u32, y: u32) -> u32 {
     // .06711056, .00583715 times 2^32; 52; .9829189 times 2^16.
-    let a = x.wrapping_mul(288_237_660).wrapping_add(y.wrapping_mul(25_070_368));
-    a.wrapping_mul(52).wrapping_add((a >> 16).wrapping_mul(64_417)) >> 26
+    let a = x
+        .wrapping_mul(288_237_660)
+        .wrapping_add(y.wrapping_mul(25_070_368));
+    a.wrapping_mul(52)
+        .wrapping_add((a >> 16).wrapping_mul(64_417))
+        >> 26
 }
 
 /// The two half axes (x, y of one, then of the other), turned by (cos, sin).

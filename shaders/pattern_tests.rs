@@ -10,13 +10,25 @@ fn taps_keep_areas() {
         for (shape, inner) in [(Shape::Disc, 0.25), (Shape::Square, 0.25)] {
             let taps = spread(pattern, shape, 64);
             assert_eq!(taps.len(), 64);
-            let share = |f: &dyn Fn(&Vec2) -> bool| taps.iter().filter(|q| f(q)).count() as f32 / 64.0;
-            let norm = |q: &Vec2| if shape == Shape::Disc { q.length() } else { q.abs().max_element() };
+            let share =
+                |f: &dyn Fn(&Vec2) -> bool| taps.iter().filter(|q| f(q)).count() as f32 / 64.0;
+            let norm = |q: &Vec2| {
+                if shape == Shape::Disc {
+                    q.length()
+                } else {
+                    q.abs().max_element()
+                }
+            };
             assert!(taps.iter().all(|q| norm(q) <= 1.0));
-            for (share, area) in
-                [(share(&|q| norm(q) < 0.5), inner), (share(&|q| q.x < 0.0), 0.5), (share(&|q| q.y < 0.0), 0.5)]
-            {
-                assert!((share - area).abs() <= 0.125, "{pattern:?} on {shape:?}: {share} of {area}");
+            for (share, area) in [
+                (share(&|q| norm(q) < 0.5), inner),
+                (share(&|q| q.x < 0.0), 0.5),
+                (share(&|q| q.y < 0.0), 0.5),
+            ] {
+                assert!(
+                    (share - area).abs() <= 0.125,
+                    "{pattern:?} on {shape:?}: {share} of {area}"
+                );
             }
         }
     }
@@ -32,7 +44,10 @@ fn poisson_taps_keep_apart() {
             .map(|(i, j)| distance_squared(shape, taps[i], taps[j]).sqrt())
             .fold(f32::INFINITY, f32::min);
         let packed = (2.0 * area / (3.0_f32.sqrt() * 128.0)).sqrt();
-        assert!(nearest > 0.5 * packed, "{shape:?}: {nearest}, packed {packed}");
+        assert!(
+            nearest > 0.5 * packed,
+            "{shape:?}: {nearest}, packed {packed}"
+        );
     }
 }
 
@@ -54,10 +69,15 @@ fn noise_is_jimenezs() {
 #[test]
 fn bad_counts_are_refused_and_equal_tables_shared() {
     for count in [0, MAX_TAPS + 1] {
-        let error = PatternTable::new(Pattern::Vogel, Shape::Disc, &[("pcss filter taps", count)]).unwrap_err();
-        assert!(error.to_string().starts_with("pcss filter taps: are"), "{error}");
+        let error = PatternTable::new(Pattern::Vogel, Shape::Disc, &[("pcss filter taps", count)])
+            .unwrap_err();
+        assert!(
+            error.to_string().starts_with("pcss filter taps: are"),
+            "{error}"
+        );
     }
-    let make = |count| PatternTable::new(Pattern::Grid, Shape::Square, &[("a", 3), ("b", count)]).unwrap();
+    let make =
+        |count| PatternTable::new(Pattern::Grid, Shape::Square, &[("a", 3), ("b", count)]).unwrap();
     assert!(Arc::ptr_eq(&make(5).table.rows, &make(5).table.rows));
     assert!(!Arc::ptr_eq(&make(5).table.rows, &make(6).table.rows));
     assert_eq!(make(5).table.rows.len(), 8 + TURNS as usize);
@@ -70,13 +90,27 @@ fn taps_drawn_closer_keep_their_areas() {
     for shape in [Shape::Disc, Shape::Square] {
         let taps: Vec<(f32, f32)> = spread(Pattern::Vogel, shape, MAX_TAPS)
             .iter()
-            .map(|q| if shape == Shape::Disc { q.length() } else { q.abs().max_element() })
+            .map(|q| {
+                if shape == Shape::Disc {
+                    q.length()
+                } else {
+                    q.abs().max_element()
+                }
+            })
             .map(|m| (m * closer_by(m), tap_weight(m, 2.0)))
             .collect();
         let all: f32 = taps.iter().map(|tap| tap.1).sum();
         for distance in [0.25_f32, 0.5, 0.75] {
-            let within: f32 = taps.iter().filter(|tap| tap.0 <= distance).map(|tap| tap.1).sum();
-            assert!((within / all - distance * distance).abs() < 0.03, "{shape:?} {distance}: {}", within / all);
+            let within: f32 = taps
+                .iter()
+                .filter(|tap| tap.0 <= distance)
+                .map(|tap| tap.1)
+                .sum();
+            assert!(
+                (within / all - distance * distance).abs() < 0.03,
+                "{shape:?} {distance}: {}",
+                within / all
+            );
         }
     }
     assert_eq!(tap_weight(0.5, 1.0), 4.0 * tap_weight(0.5, 2.0));

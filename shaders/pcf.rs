@@ -14,8 +14,8 @@ use crate::{
 };
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Asks, Inputs, Invalid, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span, UniformLayout,
-    Uniforms, View, uniforms,
+    Asks, Inputs, Invalid, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span,
+    UniformLayout, Uniforms, View, uniforms,
 };
 
 /// Greatest radius accepted: 1,089 taps.
@@ -33,7 +33,10 @@ pub struct Pcf {
 
 impl Default for Pcf {
     fn default() -> Self {
-        Self { map: ShadowMap::default(), radius: 1 }
+        Self {
+            map: ShadowMap::default(),
+            radius: 1,
+        }
     }
 }
 
@@ -53,7 +56,9 @@ impl ShadowTechnique for Pcf {
             return Err(Invalid::new("pcf radius", why, format!("use 0 to {MAX_RADIUS}")).into());
         }
         let radius = self.radius as i32;
-        self.map.recipe(view, radius as f32, |lookup| PcfKernel(PcfUniforms { lookup, radius }))
+        self.map.recipe(view, radius as f32, |lookup| {
+            PcfKernel(PcfUniforms { lookup, radius })
+        })
     }
 
     fn kernel_reach(&self) -> Option<f32> {
@@ -84,7 +89,13 @@ impl Kernel for PcfKernel {
             .lookup
             .modules()
             .into_iter()
-            .chain([TAP, Module { name: "pcf", text: include_str!("pcf.wgsl") }])
+            .chain([
+                TAP,
+                Module {
+                    name: "pcf",
+                    text: include_str!("pcf.wgsl"),
+                },
+            ])
             .collect()
     }
 
@@ -106,11 +117,41 @@ impl ReceiveKernel for PcfKernel {
         let simd = inputs.simd;
         // A known radius lets the compiler unroll rows; the others share one loop.
         match radius {
-            1 => look_up_span(simd, &lookup, span, out, &SquareOfTaps::<3, 4> { map, radius, count }),
-            2 => look_up_span(simd, &lookup, span, out, &SquareOfTaps::<5, 8> { map, radius, count }),
-            3 => look_up_span(simd, &lookup, span, out, &SquareOfTaps::<7, 8> { map, radius, count }),
-            4 => look_up_span(simd, &lookup, span, out, &SquareOfTaps::<9, 16> { map, radius, count }),
-            _ => look_up_span(simd, &lookup, span, out, &SquareOfTaps::<0, 0> { map, radius, count }),
+            1 => look_up_span(
+                simd,
+                &lookup,
+                span,
+                out,
+                &SquareOfTaps::<3, 4> { map, radius, count },
+            ),
+            2 => look_up_span(
+                simd,
+                &lookup,
+                span,
+                out,
+                &SquareOfTaps::<5, 8> { map, radius, count },
+            ),
+            3 => look_up_span(
+                simd,
+                &lookup,
+                span,
+                out,
+                &SquareOfTaps::<7, 8> { map, radius, count },
+            ),
+            4 => look_up_span(
+                simd,
+                &lookup,
+                span,
+                out,
+                &SquareOfTaps::<9, 16> { map, radius, count },
+            ),
+            _ => look_up_span(
+                simd,
+                &lookup,
+                span,
+                out,
+                &SquareOfTaps::<0, 0> { map, radius, count },
+            ),
         }
     }
 
@@ -132,7 +173,12 @@ impl<const SIDE: usize, const LANES: usize> Taps for SquareOfTaps<'_, SIDE, LANE
     fn visibility(&self, l: &Lookup, _: usize) -> f32 {
         let x = l.texel.x.floor() as i32 - self.radius;
         let y = l.texel.y.floor() as i32 - self.radius;
-        let in_lanes = if SIDE > 0 { lanes::square::<SIDE, LANES>(&self.map, l, x, y) } else { None };
-        in_lanes.unwrap_or_else(|| lanes::one_by_one(&self.map, l, [x, y], 2 * self.radius + 1)) / self.count
+        let in_lanes = if SIDE > 0 {
+            lanes::square::<SIDE, LANES>(&self.map, l, x, y)
+        } else {
+            None
+        };
+        in_lanes.unwrap_or_else(|| lanes::one_by_one(&self.map, l, [x, y], 2 * self.radius + 1))
+            / self.count
     }
 }

@@ -18,8 +18,8 @@ use glam::{UVec2, Vec2, Vec4};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
-    Asks, Inputs, Invalid, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Simd, SimdTask, Span,
-    UniformLayout, Uniforms, View, uniforms,
+    Asks, Inputs, Invalid, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Simd,
+    SimdTask, Span, UniformLayout, Uniforms, View, uniforms,
 };
 
 /// Greatest radius accepted, texels.
@@ -44,7 +44,13 @@ pub struct PcfDisc {
 impl Default for PcfDisc {
     fn default() -> Self {
         let map = ShadowMap::default();
-        Self { map, radius: 3.0, taps: 16, pattern: Pattern::Vogel, rotate: true }
+        Self {
+            map,
+            radius: 3.0,
+            taps: 16,
+            pattern: Pattern::Vogel,
+            rotate: true,
+        }
     }
 }
 
@@ -55,20 +61,36 @@ impl ShadowTechnique for PcfDisc {
 
     fn settings(&self) -> String {
         let still = if self.rotate { "" } else { " still" };
-        let taps = format!("radius {}, {} taps,{still} {}", self.radius, self.taps, self.pattern.name());
+        let taps = format!(
+            "radius {}, {} taps,{still} {}",
+            self.radius,
+            self.taps,
+            self.pattern.name()
+        );
         format!("{taps}, {}", self.map.label())
     }
 
     fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
         if !(0.0..=MAX_DISC_RADIUS).contains(&self.radius) {
             let why = format!("is {} texels", self.radius);
-            return Err(Invalid::new("pcf disc radius", why, format!("use 0 to {MAX_DISC_RADIUS}")).into());
+            return Err(Invalid::new(
+                "pcf disc radius",
+                why,
+                format!("use 0 to {MAX_DISC_RADIUS}"),
+            )
+            .into());
         }
-        let pattern = PatternTable::new(self.pattern, Shape::Disc, &[("pcf disc taps", self.taps)])?;
+        let pattern =
+            PatternTable::new(self.pattern, Shape::Disc, &[("pcf disc taps", self.taps)])?;
         let table = pattern.table.clone();
         let turns = if self.rotate { TURNS - 1 } else { 0 };
         let kernel = |lookup| {
-            let uniforms = PcfDiscUniforms { lookup, radius: self.radius, taps: self.taps, turns };
+            let uniforms = PcfDiscUniforms {
+                lookup,
+                radius: self.radius,
+                taps: self.taps,
+                turns,
+            };
             PcfDiscKernel { uniforms, pattern }
         };
         let mut recipe = self.map.recipe(view, self.radius, kernel)?;
@@ -105,8 +127,16 @@ pub struct PcfDiscKernel {
 
 impl Kernel for PcfDiscKernel {
     fn modules(&self) -> Vec<Module> {
-        let own = Module { name: "pcf_disc", text: include_str!("pcf_disc.wgsl") };
-        self.uniforms.lookup.modules().into_iter().chain([PATTERN, PLACED, SOFT_TAPS, own]).collect()
+        let own = Module {
+            name: "pcf_disc",
+            text: include_str!("pcf_disc.wgsl"),
+        };
+        self.uniforms
+            .lookup
+            .modules()
+            .into_iter()
+            .chain([PATTERN, PLACED, SOFT_TAPS, own])
+            .collect()
     }
 
     fn uniform_bytes(&self) -> Vec<u8> {
@@ -122,8 +152,23 @@ impl ReceiveKernel for PcfDiscKernel {
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
         let (lookup, simd) = (&self.uniforms.lookup, inputs.simd);
         let (map, shape) = (lookup.map(&inputs.images[0]), self.pattern.shape);
-        let at = Comparisons { map, shape, plane: lookup.receiver_plane > 0.0 };
-        look_up_span(simd, lookup, span, out, &DiscOfTaps { kernel: self, simd, at, pixel: span.first });
+        let at = Comparisons {
+            map,
+            shape,
+            plane: lookup.receiver_plane > 0.0,
+        };
+        look_up_span(
+            simd,
+            lookup,
+            span,
+            out,
+            &DiscOfTaps {
+                kernel: self,
+                simd,
+                at,
+                pixel: span.first,
+            },
+        );
     }
 
     fn asks(&self) -> Asks {
@@ -143,7 +188,12 @@ struct DiscOfTaps<'a> {
 impl BatchTaps for DiscOfTaps<'_> {
     fn visibilities(&self, batch: &Batch, first: usize, out: &mut [f32]) {
         // Its own task: once compiled for all ways to project.
-        self.simd.run_task(DiscBatch { disc: *self, batch, first, out });
+        self.simd.run_task(DiscBatch {
+            disc: *self,
+            batch,
+            first,
+            out,
+        });
     }
 }
 
@@ -159,12 +209,26 @@ impl SimdTask for DiscBatch<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { disc, batch, first, out } = self;
-        let PcfDiscKernel { uniforms: u, pattern } = disc.kernel;
+        let Self {
+            disc,
+            batch,
+            first,
+            out,
+        } = self;
+        let PcfDiscKernel {
+            uniforms: u,
+            pattern,
+        } = disc.kernel;
         let lay = |_: &Lookup, number| {
             let turn = turn_at(pattern, u.turns, disc.pixel, first + number);
-            let axes = turned(Vec4::new(u.radius, 0.0, 0.0, u.radius), Vec2::new(turn.x, turn.y));
-            Some(Laid { axes, ..Laid::default() })
+            let axes = turned(
+                Vec4::new(u.radius, 0.0, 0.0, u.radius),
+                Vec2::new(turn.x, turn.y),
+            );
+            Some(Laid {
+                axes,
+                ..Laid::default()
+            })
         };
         let receivers = Receivers::seen(batch, out.len(), disc.at.map.size, lay);
         out.fill(1.0);

@@ -12,8 +12,8 @@ use crate::shadow_map::ShadowMap;
 use glam::UVec2;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Asks, Inputs, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span, UniformLayout, Uniforms,
-    View,
+    Asks, Inputs, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span,
+    UniformLayout, Uniforms, View,
 };
 
 /// Four dithered comparisons.
@@ -54,7 +54,13 @@ impl Kernel for PcfDitheredKernel {
         self.0
             .modules()
             .into_iter()
-            .chain([TAP, Module { name: "pcf_dithered", text: include_str!("pcf_dithered.wgsl") }])
+            .chain([
+                TAP,
+                Module {
+                    name: "pcf_dithered",
+                    text: include_str!("pcf_dithered.wgsl"),
+                },
+            ])
             .collect()
     }
 
@@ -69,7 +75,10 @@ impl Kernel for PcfDitheredKernel {
 
 impl ReceiveKernel for PcfDitheredKernel {
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
-        let taps = DitheredTaps { map: self.0.map(&inputs.images[0]), first: span.first };
+        let taps = DitheredTaps {
+            map: self.0.map(&inputs.images[0]),
+            first: span.first,
+        };
         look_up_span(inputs.simd, &self.0, span, out, &taps);
     }
 

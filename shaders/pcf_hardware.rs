@@ -20,8 +20,8 @@ use crate::{
 };
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Asks, Inputs, Invalid, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span, UniformLayout,
-    Uniforms, View, uniforms,
+    Asks, Inputs, Invalid, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span,
+    UniformLayout, Uniforms, View, uniforms,
 };
 
 /// A square of samples.
@@ -36,7 +36,10 @@ pub struct PcfHardware {
 
 impl Default for PcfHardware {
     fn default() -> Self {
-        Self { map: ShadowMap::default(), samples: 1 }
+        Self {
+            map: ShadowMap::default(),
+            samples: 1,
+        }
     }
 }
 
@@ -62,7 +65,9 @@ impl ShadowTechnique for PcfHardware {
         check_map(&self.map)?;
         let samples = self.samples as i32;
         let reach = self.samples.div_ceil(2) as f32;
-        self.map.recipe(view, reach, |lookup| HardwareKernel(HardwareUniforms { lookup, samples }))
+        self.map.recipe(view, reach, |lookup| {
+            HardwareKernel(HardwareUniforms { lookup, samples })
+        })
     }
 
     fn kernel_reach(&self) -> Option<f32> {
@@ -76,7 +81,11 @@ pub(crate) fn check_samples(what: &str, samples: u32, least: u32) -> Result<(), 
         return Ok(());
     }
     let why = format!("takes {samples} samples a side");
-    Err(Invalid::new(what.to_owned(), why, format!("use {least} to {LANES}")))
+    Err(Invalid::new(
+        what.to_owned(),
+        why,
+        format!("use {least} to {LANES}"),
+    ))
 }
 
 /// Samplers compare with depth images alone.
@@ -108,8 +117,14 @@ pub struct HardwareKernel(
 
 impl Kernel for HardwareKernel {
     fn modules(&self) -> Vec<Module> {
-        let own = Module { name: "pcf_hardware", text: include_str!("pcf_hardware.wgsl") };
-        sampled::modules(&self.0.lookup).into_iter().chain([own]).collect()
+        let own = Module {
+            name: "pcf_hardware",
+            text: include_str!("pcf_hardware.wgsl"),
+        };
+        sampled::modules(&self.0.lookup)
+            .into_iter()
+            .chain([own])
+            .collect()
     }
 
     fn uniform_bytes(&self) -> Vec<u8> {

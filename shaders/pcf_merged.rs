@@ -20,8 +20,8 @@ use crate::{
 use glam::{Vec2, Vec4};
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Asks, Inputs, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span, UniformLayout, Uniforms,
-    View, uniforms,
+    Asks, Inputs, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span,
+    UniformLayout, Uniforms, View, uniforms,
 };
 
 /// A smooth filter.
@@ -36,7 +36,10 @@ pub struct PcfMerged {
 
 impl Default for PcfMerged {
     fn default() -> Self {
-        Self { map: ShadowMap::default(), radius: 1 }
+        Self {
+            map: ShadowMap::default(),
+            radius: 1,
+        }
     }
 }
 
@@ -61,7 +64,13 @@ impl ShadowTechnique for PcfMerged {
         check_samples("pcf_merged", self.radius.saturating_add(1), 2)?;
         check_map(&self.map)?;
         let (rows, samples) = (merged_rows(self.radius as usize), self.radius as i32 + 1);
-        self.map.recipe(view, samples as f32, |lookup| MergedKernel(MergedUniforms { lookup, rows, samples }))
+        self.map.recipe(view, samples as f32, |lookup| {
+            MergedKernel(MergedUniforms {
+                lookup,
+                rows,
+                samples,
+            })
+        })
     }
 
     fn kernel_reach(&self) -> Option<f32> {
@@ -90,8 +99,14 @@ pub struct MergedKernel(
 
 impl Kernel for MergedKernel {
     fn modules(&self) -> Vec<Module> {
-        let own = Module { name: "pcf_merged", text: include_str!("pcf_merged.wgsl") };
-        sampled::modules(&self.0.lookup).into_iter().chain([own]).collect()
+        let own = Module {
+            name: "pcf_merged",
+            text: include_str!("pcf_merged.wgsl"),
+        };
+        sampled::modules(&self.0.lookup)
+            .into_iter()
+            .chain([own])
+            .collect()
     }
 
     fn uniform_bytes(&self) -> Vec<u8> {
@@ -113,7 +128,11 @@ impl Kernel for MergedKernel {
 
 impl ReceiveKernel for MergedKernel {
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
-        let MergedUniforms { lookup, rows, samples } = self.0;
+        let MergedUniforms {
+            lookup,
+            rows,
+            samples,
+        } = self.0;
         let (map, simd) = (lookup.map(&inputs.images[0]), inputs.simd);
         match samples {
             2 => look_up_span(simd, &lookup, span, out, &MergedTaps::<2> { map, rows }),
@@ -135,7 +154,10 @@ struct MergedTaps<'a, const N: usize> {
 impl<const N: usize> Taps for MergedTaps<'_, N> {
     #[inline(always)]
     fn visibility(&self, l: &Lookup, _: usize) -> f32 {
-        let (x, y) = (axis::<N>(&self.rows, l.texel.x), axis::<N>(&self.rows, l.texel.y));
+        let (x, y) = (
+            axis::<N>(&self.rows, l.texel.x),
+            axis::<N>(&self.rows, l.texel.y),
+        );
         let (mut total, mut column) = (0.0, 0.0);
         y.weight[..N].iter().for_each(|w| column += w);
         x.weight[..N].iter().for_each(|w| total += w * column);

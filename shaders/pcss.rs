@@ -59,8 +59,8 @@ use glam::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
-    Asks, ImageView, Inputs, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Simd, SimdTask, Span,
-    UniformLayout, Uniforms, View, uniforms,
+    Asks, ImageView, Inputs, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique,
+    Simd, SimdTask, Span, UniformLayout, Uniforms, View, uniforms,
 };
 
 /// Penumbrae as wide as the light makes them.
@@ -82,7 +82,13 @@ pub struct Pcss {
 impl Default for Pcss {
     fn default() -> Self {
         let map = ShadowMap::default();
-        Self { map, blocker_taps: 16, filter_taps: 32, pattern: Pattern::Vogel, rotate: true }
+        Self {
+            map,
+            blocker_taps: 16,
+            filter_taps: 32,
+            pattern: Pattern::Vogel,
+            rotate: true,
+        }
     }
 }
 
@@ -93,7 +99,12 @@ impl ShadowTechnique for Pcss {
 
     fn settings(&self) -> String {
         let still = if self.rotate { "" } else { " still" };
-        let taps = format!("{} + {} taps,{still} {}", self.blocker_taps, self.filter_taps, self.pattern.name());
+        let taps = format!(
+            "{} + {} taps,{still} {}",
+            self.blocker_taps,
+            self.filter_taps,
+            self.pattern.name()
+        );
         format!("{taps}, {}", self.map.label())
     }
 
@@ -106,7 +117,10 @@ impl ShadowTechnique for Pcss {
         let extent = LightExtent::new(view.light, &spaces, size);
         // Wide taps meet blockers that lie deeper than the receiver, yet above its plane, as on any slope under a plate that
         // is parallel to it. Only its plane tells those from the receiver's own surface.
-        let lookup = MapLookup { deepest_tap: 1.0, ..MapLookup::new(&self.map, view, &spaces) };
+        let lookup = MapLookup {
+            deepest_tap: 1.0,
+            ..MapLookup::new(&self.map, view, &spaces)
+        };
         let uniforms = PcssUniforms {
             lookup,
             extent,
@@ -137,8 +151,15 @@ impl ShadowTechnique for Pcss {
 
 impl Pcss {
     fn pattern_table(&self, view: &View<'_>) -> Result<Arc<PatternTable>, PlanError> {
-        let sets = [("pcss blocker taps", self.blocker_taps), ("pcss filter taps", self.filter_taps)];
-        Ok(PatternTable::new(self.pattern, light_extent::shape(view.light), &sets)?)
+        let sets = [
+            ("pcss blocker taps", self.blocker_taps),
+            ("pcss filter taps", self.filter_taps),
+        ];
+        Ok(PatternTable::new(
+            self.pattern,
+            light_extent::shape(view.light),
+            &sets,
+        )?)
     }
 }
 
@@ -173,7 +194,10 @@ pub struct PcssKernel {
 
 impl Kernel for PcssKernel {
     fn modules(&self) -> Vec<Module> {
-        let own = Module { name: "pcss", text: include_str!("pcss.wgsl") };
+        let own = Module {
+            name: "pcss",
+            text: include_str!("pcss.wgsl"),
+        };
         self.uniforms
             .lookup
             .modules()
@@ -195,8 +219,24 @@ impl ReceiveKernel for PcssKernel {
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
         let (lookup, simd) = (&self.uniforms.lookup, inputs.simd);
         let (map, shape) = (lookup.map(&inputs.images[0]), self.pattern.shape);
-        let at = Comparisons { map, shape, plane: lookup.receiver_plane > 0.0 };
-        look_up_span(simd, lookup, span, out, &Search { kernel: self, simd, at, in_reach: &inputs.images[1], span });
+        let at = Comparisons {
+            map,
+            shape,
+            plane: lookup.receiver_plane > 0.0,
+        };
+        look_up_span(
+            simd,
+            lookup,
+            span,
+            out,
+            &Search {
+                kernel: self,
+                simd,
+                at,
+                in_reach: &inputs.images[1],
+                span,
+            },
+        );
     }
 
     /// Second looks are left out: they are few, and as many receivers need no search.
@@ -213,7 +253,10 @@ impl ReceiveKernel for PcssKernel {
     fn reach(&self, position: Vec3, normal: Vec3) -> Option<f32> {
         let u = &self.uniforms;
         let l = look_up(&u.lookup, position, normal);
-        let (across, along) = (u.extent.across[l.layer as usize], u.extent.along[l.layer as usize]);
+        let (across, along) = (
+            u.extent.across[l.layer as usize],
+            u.extent.along[l.layer as usize],
+        );
         let from_middle = l.texel - Vec2::splat(u.lookup.size * 0.5);
         let per_depth = light_extent::reach_at(self.pattern.shape, across, along, from_middle);
         let search = bounded(l.depth, along.w) * per_depth;
@@ -236,7 +279,12 @@ struct Search<'a> {
 impl BatchTaps for Search<'_> {
     fn visibilities(&self, batch: &Batch, first: usize, out: &mut [f32]) {
         // Its own task: once compiled for all ways to project.
-        self.simd.run_task(SearchBatch { search: *self, batch, first, out });
+        self.simd.run_task(SearchBatch {
+            search: *self,
+            batch,
+            first,
+            out,
+        });
     }
 }
 
@@ -252,8 +300,17 @@ impl SimdTask for SearchBatch<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { search, batch, first, out } = self;
-        let Search { kernel: PcssKernel { pattern, .. }, at, .. } = search;
+        let Self {
+            search,
+            batch,
+            first,
+            out,
+        } = self;
+        let Search {
+            kernel: PcssKernel { pattern, .. },
+            at,
+            ..
+        } = search;
         for (number, out) in out.iter_mut().enumerate() {
             *out = search.share(first + number);
         }
@@ -263,7 +320,11 @@ impl SimdTask for SearchBatch<'_> {
         let mean = mean_nearer(&at, &receivers, &pattern.sets[0]);
         let [lit, above] = seen_above(&at, &receivers, &mean, &pattern.sets[1]);
         for i in 0..receivers.count {
-            let seen = if above[i] > 0.0 { lit[i] / above[i] } else { 1.0 };
+            let seen = if above[i] > 0.0 {
+                lit[i] / above[i]
+            } else {
+                1.0
+            };
             out[receivers.number[i]] *= seen;
         }
     }
@@ -274,13 +335,21 @@ impl Search<'_> {
     #[inline(always)]
     fn share(&self, offset: usize) -> f32 {
         let u = &self.kernel.uniforms;
-        u.horizon.share(u.square, u.lookup.light, self.span.position(offset), self.span.normal(offset))
+        u.horizon.share(
+            u.square,
+            u.lookup.light,
+            self.span.position(offset),
+            self.span.normal(offset),
+        )
     }
 
     /// Lays out the pattern where something may hide a part of the `share` of the light above the horizon.
     #[inline(always)]
     fn lay(&self, l: &Lookup, offset: usize, share: f32) -> Option<Laid> {
-        let PcssKernel { uniforms: u, pattern } = self.kernel;
+        let PcssKernel {
+            uniforms: u,
+            pattern,
+        } = self.kernel;
         let (face, half) = (l.layer as usize, u.lookup.size * 0.5);
         let (across, along) = (u.extent.across[face], u.extent.along[face]);
         let off = Vec2::new(l.texel.x - half, l.texel.y - half);
@@ -292,8 +361,17 @@ impl Search<'_> {
         let (angle, shift) = (Vec2::new(turn.x, turn.y), Vec2::new(turn.z, turn.w));
         let axes = turned(light_axes(across, along, off), angle);
         let texel = texel_depth(reach_along(u.square, axes));
-        let heights = if share < 1.0 { turned_heights(self.heights(face, offset, off), angle) } else { Vec3::X };
-        let soft = Soft { most: along.w, texel, widest, heights };
+        let heights = if share < 1.0 {
+            turned_heights(self.heights(face, offset, off), angle)
+        } else {
+            Vec3::X
+        };
+        let soft = Soft {
+            most: along.w,
+            texel,
+            widest,
+            heights,
+        };
         Some(soft.laid(axes, shift))
     }
 
@@ -303,13 +381,23 @@ impl Search<'_> {
         let (p, n) = (self.span.position(offset), self.span.normal(offset));
         let tangent = u.extent.across[face].w;
         let unit = tangent * (u.lookup.size * 0.5);
-        u.horizon.heights(u.lookup.light, &u.lookup.faces[face], p, n, off * tangent, unit)
+        u.horizon.heights(
+            u.lookup.light,
+            &u.lookup.faces[face],
+            p,
+            n,
+            off * tangent,
+            unit,
+        )
     }
 
     /// How near to the light the first blocker may be.
     #[inline(always)]
     fn depth_in_reach(&self, l: &Lookup) -> f32 {
-        let (last, cell) = ((self.at.map.size - 1) as f32, self.kernel.uniforms.cell as i32);
+        let (last, cell) = (
+            (self.at.map.size - 1) as f32,
+            self.kernel.uniforms.cell as i32,
+        );
         // Bounded first: then conversion rounds down.
         let [x, y] = [l.texel.x, l.texel.y].map(|at| at.max(0.0).min(last) as i32 / cell);
         self.in_reach.load(x, y, l.layer as u32)

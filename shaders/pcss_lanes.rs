@@ -30,7 +30,11 @@ const HEIGHTS: [usize; 3] = [3, 4, 5];
 impl Soft {
     pub(crate) fn laid(self, axes: Vec4, shift: Vec2) -> Laid {
         let h = self.heights;
-        Laid { axes, shift, more: [self.most, self.texel, self.widest, h.x, h.y, h.z] }
+        Laid {
+            axes,
+            shift,
+            more: [self.most, self.texel, self.widest, h.x, h.y, h.z],
+        }
     }
 }
 
@@ -44,7 +48,11 @@ struct Spot {
 impl Spot {
     #[inline(always)]
     fn new<const N: usize>(r: &Receivers, tap: Vec3) -> Self {
-        let mut spot = Self { x: [0.0; BATCH], y: [0.0; BATCH], from_middle: [0.0; BATCH] };
+        let mut spot = Self {
+            x: [0.0; BATCH],
+            y: [0.0; BATCH],
+            from_middle: [0.0; BATCH],
+        };
         for i in 0..N {
             spot.x[i] = wrapped(tap.x + r.shift[0][i]);
             spot.y[i] = wrapped(tap.y + r.shift[1][i]);
@@ -57,7 +65,11 @@ impl Spot {
 /// By how much blockers are nearer in the mean; the whole search where it found none.
 #[inline(always)]
 pub(crate) fn mean_nearer(at: &Comparisons<'_>, r: &Receivers, set: &TapSet) -> Lanes<f32> {
-    if r.count <= HALF { mean_nearer_in::<HALF>(at, r, set) } else { mean_nearer_in::<BATCH>(at, r, set) }
+    if r.count <= HALF {
+        mean_nearer_in::<HALF>(at, r, set)
+    } else {
+        mean_nearer_in::<BATCH>(at, r, set)
+    }
 }
 
 #[inline(always)]
@@ -66,7 +78,11 @@ fn mean_nearer_in<const N: usize>(at: &Comparisons<'_>, r: &Receivers, set: &Tap
     let axes = r.scaled(widest);
     let (mut sum, mut weights) = ([0.0; BATCH], [0.0; BATCH]);
     for &tap in &set.taps {
-        let Spot { mut x, mut y, from_middle: m } = Spot::new::<N>(r, tap);
+        let Spot {
+            mut x,
+            mut y,
+            from_middle: m,
+        } = Spot::new::<N>(r, tap);
         for i in 0..N {
             x[i] *= closer_by(m[i]);
             y[i] *= closer_by(m[i]);
@@ -77,22 +93,39 @@ fn mean_nearer_in<const N: usize>(at: &Comparisons<'_>, r: &Receivers, set: &Tap
             let lit = d.receiver[i] <= d.stored[i];
             let hides = !lit & (nearer >= widest[i] * (m[i] * closer_by(m[i])));
             let counted = if nearer > texel[i] { nearer } else { texel[i] };
-            let weight = if hides { tap_weight(m[i], counted) } else { 0.0 };
+            let weight = if hides {
+                tap_weight(m[i], counted)
+            } else {
+                0.0
+            };
             sum[i] += weight * (d.receiver[i] - d.stored[i]);
             weights[i] += weight;
         }
     }
     let mut mean = [0.0; BATCH];
     for i in 0..N {
-        mean[i] = if weights[i] > 0.0 { sum[i] / weights[i] } else { widest[i] };
+        mean[i] = if weights[i] > 0.0 {
+            sum[i] / weights[i]
+        } else {
+            widest[i]
+        };
     }
     mean
 }
 
 /// Of the taps that lie above each receiver's horizon: how many are seen, and how many there are.
 #[inline(always)]
-pub(crate) fn seen_above(at: &Comparisons<'_>, r: &Receivers, mean: &Lanes<f32>, set: &TapSet) -> [Lanes<f32>; 2] {
-    if r.count <= HALF { seen_above_in::<HALF>(at, r, mean, set) } else { seen_above_in::<BATCH>(at, r, mean, set) }
+pub(crate) fn seen_above(
+    at: &Comparisons<'_>,
+    r: &Receivers,
+    mean: &Lanes<f32>,
+    set: &TapSet,
+) -> [Lanes<f32>; 2] {
+    if r.count <= HALF {
+        seen_above_in::<HALF>(at, r, mean, set)
+    } else {
+        seen_above_in::<BATCH>(at, r, mean, set)
+    }
 }
 
 #[inline(always)]
@@ -104,8 +137,16 @@ fn seen_above_in<const N: usize>(
 ) -> [Lanes<f32>; 2] {
     let mut reach = [0.0; BATCH];
     for i in 0..N {
-        let wide = if mean[i] > r.more[TEXEL][i] { mean[i] } else { r.more[TEXEL][i] };
-        reach[i] = if wide < r.more[MOST][i] { wide } else { r.more[MOST][i] };
+        let wide = if mean[i] > r.more[TEXEL][i] {
+            mean[i]
+        } else {
+            r.more[TEXEL][i]
+        };
+        reach[i] = if wide < r.more[MOST][i] {
+            wide
+        } else {
+            r.more[MOST][i]
+        };
     }
     let axes = r.scaled(&reach);
     let [h, hx, hy] = HEIGHTS.map(|i| &r.more[i]);
@@ -114,7 +155,11 @@ fn seen_above_in<const N: usize>(
         let q = Spot::new::<N>(r, tap);
         let hidden = hides::<N>(at, r, &axes, mean, &q);
         for i in 0..N {
-            let counts = if h[i] + hx[i] * q.x[i] + hy[i] * q.y[i] > 0.0 { 1.0 } else { 0.0 };
+            let counts = if h[i] + hx[i] * q.x[i] + hy[i] * q.y[i] > 0.0 {
+                1.0
+            } else {
+                0.0
+            };
             above[i] += counts;
             lit[i] += if hidden[i] == 0 { counts } else { 0.0 };
         }
@@ -125,7 +170,13 @@ fn seen_above_in<const N: usize>(
 /// Whether something hides the light's point at the tap, as 1 or 0: what is found there, or, if that is too low to be in the
 /// way, what the ray passes where it is as low.
 #[inline(always)]
-fn hides<const N: usize>(at: &Comparisons<'_>, r: &Receivers, axes: &Axes, mean: &Lanes<f32>, q: &Spot) -> Lanes<u32> {
+fn hides<const N: usize>(
+    at: &Comparisons<'_>,
+    r: &Receivers,
+    axes: &Axes,
+    mean: &Lanes<f32>,
+    q: &Spot,
+) -> Lanes<u32> {
     let d = at.depths_at::<N>(r, axes, [&q.x, &q.y]);
     let (mut hidden, mut low, mut nearer) = ([0; BATCH], [0; BATCH], [0.0; BATCH]);
     let mut any = 0;

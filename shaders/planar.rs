@@ -20,8 +20,9 @@ use glam::Vec4;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
-    Cast, Format, Geometry, ImageDesc, Inputs, Invalid, Kernel, Module, PlanError, Receive, ReceiveKernel, Recipe,
-    ShadowTechnique, Source, Span, Table, UniformLayout, Uniforms, View, uniforms,
+    Cast, Format, Geometry, ImageDesc, Inputs, Invalid, Kernel, Module, PlanError, Receive,
+    ReceiveKernel, Recipe, ShadowTechnique, Source, Span, Table, UniformLayout, Uniforms, View,
+    uniforms,
 };
 
 /// Most planes accepted: what every device has in layers.
@@ -53,11 +54,15 @@ impl ShadowTechnique for Planar {
     fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
         if !(1..=MAX_PLANES).contains(&self.planes) {
             let why = format!("are {}", self.planes);
-            return Err(Invalid::new("planar planes", why, format!("use 1 to {MAX_PLANES}")).into());
+            return Err(
+                Invalid::new("planar planes", why, format!("use 1 to {MAX_PLANES}")).into(),
+            );
         }
         view.validate()?;
         let Some(geometry) = view.geometry else {
-            return Err(PlanError::unsupported("planes are found among the scene's triangles, and this view has none"));
+            return Err(PlanError::unsupported(
+                "planes are found among the scene's triangles, and this view has none",
+            ));
         };
         let light = homogeneous(view.light);
         let planes = Planes::find(view, geometry, light, self.planes as usize);
@@ -76,17 +81,35 @@ fn recipe(view: &View<'_>, geometry: &Geometry, planes: &Planes, light: Vec4) ->
     let space = Endless::new(view, geometry).space;
     let cast = |(layer, &plane)| {
         let faces = flatten_casters(geometry, plane, light.as_dvec4(), planes.tolerance);
-        Cast { source: Source::Faces(Arc::new(faces)), ..Cast::nearest(0, layer as u32, space) }
+        Cast {
+            source: Source::Faces(Arc::new(faces)),
+            ..Cast::nearest(0, layer as u32, space)
+        }
     };
     let layers = planes.planes.len().max(1) as u32;
     let rows = rows(&planes.of_triangle);
-    let uniforms = PlanarUniforms { light, first: geometry.receivers().start };
+    let uniforms = PlanarUniforms {
+        light,
+        first: geometry.receivers().start,
+    };
     Recipe {
-        images: vec![ImageDesc { label: "flat shadows", size: view.camera.size, layers, format: Format::Depth32 }],
-        tables: vec![Table { label: "planes of triangles", rows: rows.clone() }],
+        images: vec![ImageDesc {
+            label: "flat shadows",
+            size: view.camera.size,
+            layers,
+            format: Format::Depth32,
+        }],
+        tables: vec![Table {
+            label: "planes of triangles",
+            rows: rows.clone(),
+        }],
         casts: planes.planes.iter().enumerate().map(cast).collect(),
         filters: Vec::new(),
-        receive: Receive { kernel: Arc::new(PlanarKernel { uniforms, rows }), inputs: vec![0], tables: vec![0] },
+        receive: Receive {
+            kernel: Arc::new(PlanarKernel { uniforms, rows }),
+            inputs: vec![0],
+            tables: vec![0],
+        },
         shade: None,
         keep_images: false,
     }
@@ -95,7 +118,11 @@ fn recipe(view: &View<'_>, geometry: &Geometry, planes: &Planes, light: Vec4) ->
 /// Plane numbers, four a row; at least one row.
 fn rows(of_triangle: &[u32]) -> Arc<[[u32; 4]]> {
     let row = |four: &[u32]| std::array::from_fn(|i| four.get(i).copied().unwrap_or(NO_PLANE));
-    if of_triangle.is_empty() { [[NO_PLANE; 4]].into() } else { of_triangle.chunks(4).map(row).collect() }
+    if of_triangle.is_empty() {
+        [[NO_PLANE; 4]].into()
+    } else {
+        of_triangle.chunks(4).map(row).collect()
+    }
 }
 
 uniforms! {
@@ -124,7 +151,13 @@ impl PlanarKernel {
 
 impl Kernel for PlanarKernel {
     fn modules(&self) -> Vec<Module> {
-        vec![FACING, Module { name: "planar", text: include_str!("planar.wgsl") }]
+        vec![
+            FACING,
+            Module {
+                name: "planar",
+                text: include_str!("planar.wgsl"),
+            },
+        ]
     }
 
     fn uniform_bytes(&self) -> Vec<u8> {

@@ -19,10 +19,24 @@ struct Slab {
 
 /// All casters' shadows on a plane (unit normal towards the light), as points on it. Casters are cut where they cross
 /// the plane and where they rise above the light.
-pub(crate) fn flatten_casters(geometry: &Geometry, plane: DVec4, light: DVec4, tolerance: f64) -> Faces {
+pub(crate) fn flatten_casters(
+    geometry: &Geometry,
+    plane: DVec4,
+    light: DVec4,
+    tolerance: f64,
+) -> Faces {
     let height = plane.dot(light);
-    let high = if light.w == 0.0 { f64::INFINITY } else { height * f64::from(SHORT) };
-    let slab = Slab { plane, light, low: tolerance, high };
+    let high = if light.w == 0.0 {
+        f64::INFINITY
+    } else {
+        height * f64::from(SHORT)
+    };
+    let slab = Slab {
+        plane,
+        light,
+        low: tolerance,
+        high,
+    };
     let onto_plane = exact(plane, light);
     let mut faces = Faces::default();
     for triangle in geometry.casters() {
@@ -38,7 +52,9 @@ fn add(polygon: &[DVec3], onto_plane: &DMat4, faces: &mut Faces) {
         let p = *onto_plane * p.extend(1.0);
         (p / p.w).as_vec4()
     }));
-    faces.triangles.extend((2..polygon.len() as u32).map(|i| [first, first + i - 1, first + i]));
+    faces
+        .triangles
+        .extend((2..polygon.len() as u32).map(|i| [first, first + i - 1, first + i]));
 }
 
 impl Slab {
@@ -46,7 +62,8 @@ impl Slab {
     fn clip(&self, corners: [DVec3; 3]) -> Vec<DVec3> {
         let height = |p: &DVec3| self.plane.dot(p.extend(1.0));
         let heights = corners.map(|p| height(&p));
-        let outside = heights.iter().all(|&h| h <= self.low) || heights.iter().all(|&h| h >= self.high);
+        let outside =
+            heights.iter().all(|&h| h <= self.low) || heights.iter().all(|&h| h >= self.high);
         if outside || self.is_edge_on(&corners) {
             return Vec::new();
         }
@@ -54,11 +71,18 @@ impl Slab {
             return corners.to_vec();
         }
         let above = cut(&corners, |p| height(p) - self.low);
-        if self.high.is_finite() { cut(&above, |p| self.high - height(p)) } else { above }
+        if self.high.is_finite() {
+            cut(&above, |p| self.high - height(p))
+        } else {
+            above
+        }
     }
 
     fn is_edge_on(&self, [a, b, c]: &[DVec3; 3]) -> bool {
-        let (n, to_light) = ((b - a).cross(c - a), self.light.truncate() - *a * self.light.w);
+        let (n, to_light) = (
+            (b - a).cross(c - a),
+            self.light.truncate() - *a * self.light.w,
+        );
         n.dot(to_light).abs() <= EDGE_ON * n.length() * to_light.length()
     }
 }
@@ -74,7 +98,11 @@ fn cut(polygon: &[DVec3], inside: impl Fn(&DVec3) -> f64) -> Vec<DVec3> {
             out.push(*p);
         }
         if (at_p >= 0.0) != (at_q >= 0.0) {
-            out.push(if at_p >= 0.0 { crossing(p, at_p, q, at_q) } else { crossing(q, at_q, p, at_p) });
+            out.push(if at_p >= 0.0 {
+                crossing(p, at_p, q, at_q)
+            } else {
+                crossing(q, at_q, p, at_p)
+            });
         }
     }
     out
@@ -94,17 +122,29 @@ mod tests {
 
     fn shadows(corners: [[f32; 3]; 3], light: DVec4) -> Faces {
         let mesh = Mesh::new("one", corners.map(Vec3::from).to_vec(), vec![[0, 1, 2]]).unwrap();
-        let scene =
-            Scene { meshes: vec![mesh], instances: vec![Instance::new(0, Affine3A::IDENTITY)], ..Scene::default() };
+        let scene = Scene {
+            meshes: vec![mesh],
+            instances: vec![Instance::new(0, Affine3A::IDENTITY)],
+            ..Scene::default()
+        };
         flatten_casters(&Geometry::bake(&scene).unwrap(), FLOOR, light, 1e-6)
     }
 
     #[test]
     fn casters_below_or_above_throw_nothing() {
         let lamp = DVec4::new(0.0, 2.0, 0.0, 1.0);
-        assert_eq!(shadows([[0.0, -1.0, 0.0], [1.0, -2.0, 0.0], [0.0, -1.0, 1.0]], lamp), Faces::default());
-        assert_eq!(shadows([[0.0, 3.0, 0.0], [1.0, 4.0, 0.0], [0.0, 3.0, 1.0]], lamp), Faces::default());
-        assert_eq!(shadows([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]], lamp), Faces::default());
+        assert_eq!(
+            shadows([[0.0, -1.0, 0.0], [1.0, -2.0, 0.0], [0.0, -1.0, 1.0]], lamp),
+            Faces::default()
+        );
+        assert_eq!(
+            shadows([[0.0, 3.0, 0.0], [1.0, 4.0, 0.0], [0.0, 3.0, 1.0]], lamp),
+            Faces::default()
+        );
+        assert_eq!(
+            shadows([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]], lamp),
+            Faces::default()
+        );
         let through = [[0.0, 1.0, 0.0], [0.0, 3.0, 0.0], [0.0, 1.0, 1.0]];
         assert_eq!(shadows(through, lamp), Faces::default(), "seen edge-on");
     }
@@ -112,10 +152,24 @@ mod tests {
     /// A triangle from below the floor to above the lamp becomes a quad on the floor, in front of the lamp.
     #[test]
     fn casters_that_cross_are_cut_on_both_sides() {
-        let out = shadows([[1.0, -1.0, -1.0], [1.0, -1.0, 1.0], [1.0, 3.0, 0.0]], DVec4::new(0.0, 2.0, 0.0, 1.0));
+        let out = shadows(
+            [[1.0, -1.0, -1.0], [1.0, -1.0, 1.0], [1.0, 3.0, 0.0]],
+            DVec4::new(0.0, 2.0, 0.0, 1.0),
+        );
         assert_eq!((out.vertices.len(), out.triangles.len()), (4, 2));
-        assert!(out.vertices.iter().all(|v| v.w == 1.0 && v.y.abs() < 1e-3 && v.x > 0.999_999), "{out:?}");
+        assert!(
+            out.vertices
+                .iter()
+                .all(|v| v.w == 1.0 && v.y.abs() < 1e-3 && v.x > 0.999_999),
+            "{out:?}"
+        );
         // At the floor it stands where it is: half way along its upper edges' first quarter.
-        assert!(out.vertices.iter().filter(|v| v.x < 1.000_01 && (v.z.abs() - 0.75).abs() < 1e-5).count() == 2);
+        assert!(
+            out.vertices
+                .iter()
+                .filter(|v| v.x < 1.000_01 && (v.z.abs() - 0.75).abs() < 1e-5)
+                .count()
+                == 2
+        );
     }
 }

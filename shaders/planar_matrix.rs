@@ -16,7 +16,12 @@ pub fn planar_shadow_matrix(plane: Vec4, light: Vec4) -> Mat4 {
 
 /// [`planar_shadow_matrix`] before rounding.
 pub(crate) fn exact(plane: DVec4, light: DVec4) -> DMat4 {
-    let outer = DMat4::from_cols(light * plane.x, light * plane.y, light * plane.z, light * plane.w);
+    let outer = DMat4::from_cols(
+        light * plane.x,
+        light * plane.y,
+        light * plane.z,
+        light * plane.w,
+    );
     DMat4::from_diagonal(DVec4::splat(plane.dot(light))) - outer
 }
 
@@ -34,9 +39,15 @@ mod tests {
     fn shadows_fall_where_a_pencil_puts_them() {
         let floor = Vec4::new(0.0, 1.0, 0.0, 0.0);
         // The sun at 45 degrees: as far to the side as the point is high.
-        assert_eq!(shadow(floor, Vec4::new(1.0, 1.0, 0.0, 0.0), 2.0, 3.0, 5.0), [-1.0, 0.0, 5.0]);
+        assert_eq!(
+            shadow(floor, Vec4::new(1.0, 1.0, 0.0, 0.0), 2.0, 3.0, 5.0),
+            [-1.0, 0.0, 5.0]
+        );
         // A lamp 4 m up, the point 1 m up: four thirds of its distance from below the lamp.
-        assert_eq!(shadow(floor, Vec4::new(1.0, 4.0, 0.0, 1.0), 4.0, 1.0, 3.0), [5.0, 0.0, 4.0]);
+        assert_eq!(
+            shadow(floor, Vec4::new(1.0, 4.0, 0.0, 1.0), 4.0, 1.0, 3.0),
+            [5.0, 0.0, 4.0]
+        );
         // A wall at x = 2, its plane given twice as long, the lamp at the origin.
         let wall = Vec4::new(-2.0, 0.0, 0.0, 4.0);
         assert_eq!(shadow(wall, Vec4::W, 1.0, 0.5, -1.0), [2.0, 1.0, -2.0]);
@@ -44,10 +55,16 @@ mod tests {
 
     #[test]
     fn points_of_the_plane_stay_and_points_above_the_lamp_turn_negative() {
-        let (floor, lamp) = (Vec4::new(0.0, 1.0, 0.0, -1.0), Vec4::new(0.0, 3.0, 0.0, 1.0));
+        let (floor, lamp) = (
+            Vec4::new(0.0, 1.0, 0.0, -1.0),
+            Vec4::new(0.0, 3.0, 0.0, 1.0),
+        );
         assert_eq!(shadow(floor, lamp, 7.0, 1.0, -2.0), [7.0, 1.0, -2.0]);
         assert!((planar_shadow_matrix(floor, lamp) * Vec4::new(1.0, 5.0, 0.0, 1.0)).w < 0.0);
         // Level with the lamp: infinitely far away.
-        assert_eq!((planar_shadow_matrix(floor, lamp) * Vec4::new(1.0, 3.0, 0.0, 1.0)).w, 0.0);
+        assert_eq!(
+            (planar_shadow_matrix(floor, lamp) * Vec4::new(1.0, 3.0, 0.0, 1.0)).w,
+            0.0
+        );
     }
 }

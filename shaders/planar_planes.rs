@@ -30,7 +30,10 @@ impl Planes {
             Some(receivers) => seen_lit(geometry, receivers, light),
             None => facing_both(geometry, view.camera, light),
         };
-        let mut candidates: Vec<(f64, u32)> = wanted.into_iter().map(|t| (normal(geometry, t).length(), t)).collect();
+        let mut candidates: Vec<(f64, u32)> = wanted
+            .into_iter()
+            .map(|t| (normal(geometry, t).length(), t))
+            .collect();
         candidates.retain(|&(area, _)| area > 0.0);
         candidates.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         let bounds = geometry.bounds();
@@ -53,7 +56,11 @@ impl Planes {
     /// The plane in which a triangle lies; its own is added if there is none.
     fn plane_of(&mut self, geometry: &Geometry, triangle: u32, light: Vec4) -> u32 {
         let corners = geometry.corners(triangle).map(|p| p.as_dvec3().extend(1.0));
-        let holds = |plane: &DVec4| corners.iter().all(|p| plane.dot(*p).abs() <= self.tolerance);
+        let holds = |plane: &DVec4| {
+            corners
+                .iter()
+                .all(|p| plane.dot(*p).abs() <= self.tolerance)
+        };
         if let Some(known) = self.planes.iter().position(holds) {
             return known as u32;
         }
@@ -98,5 +105,8 @@ fn facing_both(geometry: &Geometry, camera: &Camera, light: Vec4) -> Vec<u32> {
         let of = of.as_dvec4();
         normal(geometry, triangle).dot(of.truncate() - a * of.w)
     };
-    geometry.receivers().filter(|&t| side(t, eye) * side(t, light) > 0.0).collect()
+    geometry
+        .receivers()
+        .filter(|&t| side(t, eye) * side(t, light) > 0.0)
+        .collect()
 }

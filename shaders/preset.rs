@@ -1,8 +1,8 @@
 //! Techniques as data: any built-in one with its settings, to be kept in a file.
 
 use crate::{
-    Hard, Midpoint, Pcf, PcfDisc, PcfDithered, PcfHardware, PcfMerged, Pcss, Planar, SecondDepth, ShadowMap,
-    ShadowVolumes, Traced, Unshadowed,
+    Hard, Midpoint, Pcf, PcfDisc, PcfDithered, PcfHardware, PcfMerged, Pcss, Planar, SecondDepth,
+    ShadowMap, ShadowVolumes, Traced, Unshadowed,
 };
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -85,7 +85,10 @@ impl Preset {
     pub fn from_toml(text: &str) -> Result<Self, Invalid> {
         toml::from_str(text).map_err(|e| {
             let known: Vec<_> = crate::all().iter().map(|entry| entry.name).collect();
-            let mend = format!("write `technique = ..` with one of {}, then its fields", known.join(", "));
+            let mend = format!(
+                "write `technique = ..` with one of {}, then its fields",
+                known.join(", ")
+            );
             Invalid::new("preset", e.to_string().trim_end().to_owned(), mend)
         })
     }
@@ -95,7 +98,9 @@ impl Preset {
     /// # Errors
     /// Never with settings that a technique accepts.
     pub fn to_toml(&self) -> Result<String, Invalid> {
-        let told = |e: toml::ser::Error| Invalid::new("preset", e.to_string(), "use settings that are numbers");
+        let told = |e: toml::ser::Error| {
+            Invalid::new("preset", e.to_string(), "use settings that are numbers")
+        };
         toml::to_string(self).map_err(told)
     }
 
@@ -104,9 +109,15 @@ impl Preset {
         match self {
             Self::None(_) | Self::Planar(_) | Self::Volumes(_) | Self::Traced(_) => None,
             Self::Hard(Hard { map }) | Self::PcfDithered(PcfDithered { map }) => Some(map),
-            Self::SecondDepth(SecondDepth { map, .. }) | Self::Midpoint(Midpoint { map, .. }) => Some(map),
-            Self::PcfHardware(PcfHardware { map, .. }) | Self::PcfMerged(PcfMerged { map, .. }) => Some(map),
-            Self::Pcf(Pcf { map, .. }) | Self::PcfDisc(PcfDisc { map, .. }) | Self::Pcss(Pcss { map, .. }) => Some(map),
+            Self::SecondDepth(SecondDepth { map, .. }) | Self::Midpoint(Midpoint { map, .. }) => {
+                Some(map)
+            }
+            Self::PcfHardware(PcfHardware { map, .. }) | Self::PcfMerged(PcfMerged { map, .. }) => {
+                Some(map)
+            }
+            Self::Pcf(Pcf { map, .. })
+            | Self::PcfDisc(PcfDisc { map, .. })
+            | Self::Pcss(Pcss { map, .. }) => Some(map),
         }
     }
 

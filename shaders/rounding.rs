@@ -38,7 +38,10 @@ mod tests {
     fn sun(away: f32) -> LightSpace {
         let depth = Vec4::new(0.0, 0.0, -1.0 / 20.0, 0.0);
         let clip_from_view = Mat4::from_cols(Vec4::X / 5.0, Vec4::Y / 5.0, depth, Vec4::W);
-        LightSpace { view_from_world: Mat4::from_translation(Vec3::new(-away, 0.0, -10.0)), clip_from_view }
+        LightSpace {
+            view_from_world: Mat4::from_translation(Vec3::new(-away, 0.0, -10.0)),
+            clip_from_view,
+        }
     }
 
     #[test]
@@ -46,13 +49,23 @@ mod tests {
         let [near, far] = [0.0, 10_000.0].map(|away| of_positions(&sun(away)));
         assert!(near < 1e-6, "{near}");
         // 10 km / 2^20, of 20 m of depth.
-        assert!((far / (10_005.0 / 1_048_576.0 / 20.0) - 1.0).abs() < 1e-3, "{far}");
+        assert!(
+            (far / (10_005.0 / 1_048_576.0 / 20.0) - 1.0).abs() < 1e-3,
+            "{far}"
+        );
     }
 
     #[test]
     fn with_perspective_there_is_none() {
         let depth = Vec4::new(0.0, 0.0, -1.0, -1.0);
-        let clip_from_view = Mat4::from_cols(Vec4::X, Vec4::Y, depth, Vec4::new(0.0, 0.0, -0.1, 0.0));
-        assert_eq!(of_positions(&LightSpace { clip_from_view, ..sun(1e6) }), 0.0);
+        let clip_from_view =
+            Mat4::from_cols(Vec4::X, Vec4::Y, depth, Vec4::new(0.0, 0.0, -0.1, 0.0));
+        assert_eq!(
+            of_positions(&LightSpace {
+                clip_from_view,
+                ..sun(1e6)
+            }),
+            0.0
+        );
     }
 }

@@ -20,14 +20,26 @@ pub const WEIGHT_ERROR: f32 = 2.0 / 256.0;
 /// How many samples a side the lanes hold.
 pub(crate) const LANES: usize = 4;
 
-const SAMPLED: Module = Module { name: "sampled", text: include_str!("sampled.wgsl") };
-const CLAMPED: Module = Module { name: "sampled_clamped", text: include_str!("sampled_clamped.wgsl") };
-const LIT_BORDER: Module = Module { name: "sampled_lit_border", text: include_str!("sampled_lit_border.wgsl") };
+const SAMPLED: Module = Module {
+    name: "sampled",
+    text: include_str!("sampled.wgsl"),
+};
+const CLAMPED: Module = Module {
+    name: "sampled_clamped",
+    text: include_str!("sampled_clamped.wgsl"),
+};
+const LIT_BORDER: Module = Module {
+    name: "sampled_lit_border",
+    text: include_str!("sampled_lit_border.wgsl"),
+};
 
 /// WGSL's `sampled`.
 pub(crate) fn modules(m: &MapLookup) -> Vec<Module> {
     let border = if m.clamped != 0 { CLAMPED } else { LIT_BORDER };
-    m.modules().into_iter().chain([crate::sampling::SAMPLING, SAMPLED, border]).collect()
+    m.modules()
+        .into_iter()
+        .chain([crate::sampling::SAMPLING, SAMPLED, border])
+        .collect()
 }
 
 /// Samples along one axis: where they lie, texels from the map's edge, and what they weigh. Lanes after the last weigh 0.
@@ -55,7 +67,11 @@ fn between(at: f32, size: i32) -> Between {
     let w = size as f32;
     let c = ((at / w * w).min(w) - 0.5).max(0.0);
     let low = c.floor() as i32;
-    Between { low, high: (low + 1).min(size - 1), part: c - low as f32 }
+    Between {
+        low,
+        high: (low + 1).min(size - 1),
+        part: c - low as f32,
+    }
 }
 
 #[inline(always)]
@@ -67,7 +83,8 @@ impl<const N: usize, const STRIDE: usize> Samples<'_, N, STRIDE> {
     /// The weighted sum of the samples' answers, 0 to the sum of all weights.
     #[inline(always)]
     pub(crate) fn sum(&self, l: &Lookup, x: &Axis, y: &Axis) -> f32 {
-        self.in_lanes(l, x, y).unwrap_or_else(|| self.one_by_one(l, x, y))
+        self.in_lanes(l, x, y)
+            .unwrap_or_else(|| self.one_by_one(l, x, y))
     }
 
     fn one_by_one(&self, l: &Lookup, x: &Axis, y: &Axis) -> f32 {
@@ -88,13 +105,19 @@ impl<const N: usize, const STRIDE: usize> Samples<'_, N, STRIDE> {
         if N == 1 || l.gradient != Vec2::ZERO || l.depth > 1.0 {
             return None;
         }
-        let (texels, first, parts) = (self.map.layer(l.layer)?, self.first_column(x)?, self.parts(x));
+        let (texels, first, parts) = (
+            self.map.layer(l.layer)?,
+            self.first_column(x)?,
+            self.parts(x),
+        );
         let mut columns = [0.0; LANES];
         for j in 0..N {
             let b = self.inside(y.at[j])?;
             let rows = [b.low, b.high].map(|y| (y * self.map.size + first) as usize);
-            let [top, bottom] =
-                [row::<STRIDE>(texels, rows[0], l.depth, &parts)?, row::<STRIDE>(texels, rows[1], l.depth, &parts)?];
+            let [top, bottom] = [
+                row::<STRIDE>(texels, rows[0], l.depth, &parts)?,
+                row::<STRIDE>(texels, rows[1], l.depth, &parts)?,
+            ];
             for ((column, top), bottom) in columns.iter_mut().zip(top).zip(bottom) {
                 *column += y.weight[j] * b.part.mul_add(bottom - top, top);
             }
@@ -129,15 +152,32 @@ impl<const N: usize, const STRIDE: usize> Samples<'_, N, STRIDE> {
 
 /// One row's answers for samples `STRIDE` texels apart.
 #[inline(always)]
-fn row<const STRIDE: usize>(texels: &[f32], first: usize, depth: f32, parts: &[f32; LANES]) -> Option<[f32; LANES]> {
+fn row<const STRIDE: usize>(
+    texels: &[f32],
+    first: usize,
+    depth: f32,
+    parts: &[f32; LANES],
+) -> Option<[f32; LANES]> {
     let window: &[f32; 8] = texels.get(first..)?.first_chunk()?;
-    Some(std::array::from_fn(|i| row_of(depth <= window[STRIDE * i], depth <= window[STRIDE * i + 1], parts[i])))
+    Some(std::array::from_fn(|i| {
+        row_of(
+            depth <= window[STRIDE * i],
+            depth <= window[STRIDE * i + 1],
+            parts[i],
+        )
+    }))
 }
 
 /// One sample, at `at` texels from the map's top left corner.
 #[inline(always)]
 pub(crate) fn sampled(map: &DepthMap<'_>, l: &Lookup, at: Vec2) -> f32 {
-    let depth = reference_depth(l.depth, l.gradient, l.deepest, map.sample_gain, at - l.texel);
+    let depth = reference_depth(
+        l.depth,
+        l.gradient,
+        l.deepest,
+        map.sample_gain,
+        at - l.texel,
+    );
     let last = map.size as f32 - 0.5;
     if !map.clamped && (at.x < 0.5 || at.y < 0.5 || at.x > last || at.y > last) {
         return sampled_at_rim(map, l.layer, at, depth);

@@ -18,7 +18,10 @@ use glam::{Vec2, Vec4};
 use umbrage_core::{MATH, Module, Twin, twin};
 
 /// The WGSL half.
-pub const SAMPLING: Module = Module { name: "sampling", text: include_str!("sampling.wgsl") };
+pub const SAMPLING: Module = Module {
+    name: "sampling",
+    text: include_str!("sampling.wgsl"),
+};
 
 /// The clip depth that a sample `step` texels from the receiver compares, given the receiver's `depth` and its change per
 /// texel. One depth serves four texels, whose centres lie up to one texel from the sample along each axis: the receiver's
@@ -46,7 +49,9 @@ pub fn merged_sample(row: Vec4, s: f32) -> Vec2 {
 pub fn filter_row(reach: usize) -> Vec<f32> {
     let widen = |row: Vec<f32>| {
         let at = |i: usize| row.get(i).copied().unwrap_or(0.0);
-        (0..row.len() + 2).map(|i| (i.saturating_sub(2)..=i).map(at).sum()).collect()
+        (0..row.len() + 2)
+            .map(|i| (i.saturating_sub(2)..=i).map(at).sum())
+            .collect()
     };
     (1..reach).fold(vec![1.0, 2.0, 1.0], |row, _| widen(row))
 }
@@ -56,7 +61,8 @@ pub fn merged_rows(reach: usize) -> [Vec4; 4] {
     let row = filter_row(reach);
     let at = |i: Option<usize>| i.and_then(|i| row.get(i)).copied().unwrap_or(0.0);
     std::array::from_fn(|j| {
-        let [before, first, second] = [(2 * j).checked_sub(1), Some(2 * j), Some(2 * j + 1)].map(at);
+        let [before, first, second] =
+            [(2 * j).checked_sub(1), Some(2 * j), Some(2 * j + 1)].map(at);
         Vec4::new(first, before - first, second, first - second)
     })
 }
@@ -83,14 +89,24 @@ mod tests {
     fn samples_stand_for_all_texels() {
         for reach in 1..=3 {
             let row = filter_row(reach);
-            let at = |i: i32| usize::try_from(i).ok().and_then(|i| row.get(i)).copied().unwrap_or(0.0);
+            let at = |i: i32| {
+                usize::try_from(i)
+                    .ok()
+                    .and_then(|i| row.get(i))
+                    .copied()
+                    .unwrap_or(0.0)
+            };
             for s in [0.0, 0.125, 0.5, 0.71, 1.0] {
                 for (j, sample) in merged_rows(reach).iter().take(reach + 1).enumerate() {
                     let merged = merged_sample(*sample, s);
-                    let texels = [2 * j as i32, 2 * j as i32 + 1].map(|i| (1.0 - s) * at(i) + s * at(i - 1));
+                    let texels =
+                        [2 * j as i32, 2 * j as i32 + 1].map(|i| (1.0 - s) * at(i) + s * at(i - 1));
                     let parts = [merged.x * (1.0 - merged.y), merged.x * merged.y];
                     // Weights up to 18, a few roundings each.
-                    assert!((texels[0] - parts[0]).abs() < 4e-6 && (texels[1] - parts[1]).abs() < 4e-6, "{reach} {s}");
+                    assert!(
+                        (texels[0] - parts[0]).abs() < 4e-6 && (texels[1] - parts[1]).abs() < 4e-6,
+                        "{reach} {s}"
+                    );
                     assert!((0.0..=1.0).contains(&merged.y), "{reach} {s}");
                 }
             }
@@ -102,7 +118,10 @@ mod tests {
         let gradient = Vec2::new(0.02, -0.01);
         let moved = reference_depth(0.5, gradient, 1.0, 1.0, Vec2::new(2.0, 1.0));
         assert!((moved - (0.5 + 0.04 - 0.01 - 0.03)).abs() < 1e-7, "{moved}");
-        assert_eq!(reference_depth(0.99, gradient, 1.0, 1.0, Vec2::new(9.0, 0.0)), 1.0);
+        assert_eq!(
+            reference_depth(0.99, gradient, 1.0, 1.0, Vec2::new(9.0, 0.0)),
+            1.0
+        );
         assert_eq!(reference_depth(1.5, Vec2::ZERO, 1.5, 1.0, Vec2::ONE), 1.5);
     }
 }

@@ -34,7 +34,10 @@ pub(crate) fn split_at_seams(positions: &[Vec3], caps: Vec<Cap>) -> Vec<Cap> {
 }
 
 fn points_along(on_edge: &OnEdge, [from, to]: [u32; 2]) -> Vec<u32> {
-    let mut points = on_edge.get(&[from.min(to), from.max(to)]).cloned().unwrap_or_default();
+    let mut points = on_edge
+        .get(&[from.min(to), from.max(to)])
+        .cloned()
+        .unwrap_or_default();
     if from > to {
         points.reverse();
     }
@@ -47,14 +50,25 @@ fn split([a, b, c]: [u32; 3], sides: &[Vec<u32>; 3], out: &mut Vec<Cap>) {
     let [ab, bc, ca] = sides;
     if ab.is_empty() {
         if bc.is_empty() && ca.is_empty() {
-            return out.push(Cap { corners: [a, b, c], in_scene: false });
+            return out.push(Cap {
+                corners: [a, b, c],
+                in_scene: false,
+            });
         }
         return split([b, c, a], &[bc.clone(), ca.clone(), Vec::new()], out);
     }
     let middle = ab.len() / 2;
     let p = ab[middle];
-    split([a, p, c], &[ab[..middle].to_vec(), Vec::new(), ca.clone()], out);
-    split([p, b, c], &[ab[middle + 1..].to_vec(), bc.clone(), Vec::new()], out);
+    split(
+        [a, p, c],
+        &[ab[..middle].to_vec(), Vec::new(), ca.clone()],
+        out,
+    );
+    split(
+        [p, b, c],
+        &[ab[middle + 1..].to_vec(), bc.clone(), Vec::new()],
+        out,
+    );
 }
 
 /// Finds the ends of edges that lie inside other edges.
@@ -86,12 +100,25 @@ impl<'a> Grid<'a> {
     fn new(positions: &'a [Vec3], edges: &[([u32; 2], u32)], points: &[u32]) -> Self {
         let at = |v: u32| positions[v as usize].as_dvec3();
         let total: f64 = edges.iter().map(|&([a, b], _)| at(a).distance(at(b))).sum();
-        let reach = points.iter().map(|&v| at(v).abs().max_element()).fold(0.0, f64::max);
+        let reach = points
+            .iter()
+            .map(|&v| at(v).abs().max_element())
+            .fold(0.0, f64::max);
         // The bound keeps cells' numbers far below 2^63.
-        let cell = (total / edges.len().max(1) as f64).max(reach * ON_EDGE).max(f64::MIN_POSITIVE);
-        let mut out = Self { positions, cell, tolerance: reach * ON_EDGE, cells: HashMap::new() };
+        let cell = (total / edges.len().max(1) as f64)
+            .max(reach * ON_EDGE)
+            .max(f64::MIN_POSITIVE);
+        let mut out = Self {
+            positions,
+            cell,
+            tolerance: reach * ON_EDGE,
+            cells: HashMap::new(),
+        };
         for &point in points {
-            out.cells.entry(out.cell_of(at(point))).or_default().push(point);
+            out.cells
+                .entry(out.cell_of(at(point)))
+                .or_default()
+                .push(point);
         }
         out
     }
@@ -109,14 +136,20 @@ impl<'a> Grid<'a> {
             let [p, q] = [i, i + 1].map(|k| a.lerp(b, k as f64 / pieces as f64));
             self.near_piece(p, q, &mut found);
         }
-        let mut found: Vec<(f64, u32)> = found.into_iter().filter_map(|v| Some((self.along(a, b, v)?, v))).collect();
+        let mut found: Vec<(f64, u32)> = found
+            .into_iter()
+            .filter_map(|v| Some((self.along(a, b, v)?, v)))
+            .collect();
         found.sort_unstable_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
         found.dedup();
         found.into_iter().map(|(_, v)| v).collect()
     }
 
     fn near_piece(&self, p: DVec3, q: DVec3, found: &mut Vec<u32>) {
-        let [low, high] = [self.cell_of(p.min(q) - self.tolerance), self.cell_of(p.max(q) + self.tolerance)];
+        let [low, high] = [
+            self.cell_of(p.min(q) - self.tolerance),
+            self.cell_of(p.max(q) + self.tolerance),
+        ];
         for x in low[0]..=high[0] {
             for y in low[1]..=high[1] {
                 for z in low[2]..=high[2] {

@@ -24,15 +24,30 @@ pub struct SecondDepth {
 
 impl Default for SecondDepth {
     fn default() -> Self {
-        Self { map: ShadowMap { bias: Bias::FRONT_CULL, ..ShadowMap::default() }, radius: 0 }
+        Self {
+            map: ShadowMap {
+                bias: Bias::FRONT_CULL,
+                ..ShadowMap::default()
+            },
+            radius: 0,
+        }
     }
 }
 
 impl SecondDepth {
     /// What is played.
     fn pcf(&self) -> Pcf {
-        let map = ShadowMap { bias: Bias { cull: Cull::Front, ..self.map.bias }, ..self.map };
-        Pcf { map, radius: self.radius }
+        let map = ShadowMap {
+            bias: Bias {
+                cull: Cull::Front,
+                ..self.map.bias
+            },
+            ..self.map
+        };
+        Pcf {
+            map,
+            radius: self.radius,
+        }
     }
 }
 

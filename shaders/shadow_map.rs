@@ -21,8 +21,9 @@ use glam::UVec2;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
-    Cast, CastMode, Filter, Fit, Format, ImageDesc, ImageId, Invalid, Layout, LightSpaces, MAX_SIDE, PlanError,
-    RasterBias, Receive, ReceiveKernel, Receivers, Recipe, View, footprint::side_for,
+    Cast, CastMode, Filter, Fit, Format, ImageDesc, ImageId, Invalid, Layout, LightSpaces,
+    MAX_SIDE, PlanError, RasterBias, Receive, ReceiveKernel, Receivers, Recipe, View,
+    footprint::side_for,
 };
 
 /// Sides that [`ShadowMap::sized_for`] answers are multiples of this, texels.
@@ -125,10 +126,25 @@ impl ShadowMap {
             (self.border == Border::Clamp, "edge repeated"),
             (self.beyond_far == BeyondFar::Compared, "dark beyond far"),
         ];
-        words.extend(others.into_iter().filter(|(on, _)| *on).map(|(_, word)| word.to_owned()));
+        words.extend(
+            others
+                .into_iter()
+                .filter(|(on, _)| *on)
+                .map(|(_, word)| word.to_owned()),
+        );
         // Midpoints take no polygon offset.
-        let raster = if self.surface == Surface::Midpoint { RasterBias::default() } else { self.bias.raster };
-        words.push(Bias { raster, ..self.bias }.label());
+        let raster = if self.surface == Surface::Midpoint {
+            RasterBias::default()
+        } else {
+            self.bias.raster
+        };
+        words.push(
+            Bias {
+                raster,
+                ..self.bias
+            }
+            .label(),
+        );
         words.join(", ")
     }
 
@@ -138,7 +154,12 @@ impl ShadowMap {
     /// As [`Fit::light_spaces`]; and `Invalid` for bad parameters.
     pub fn spaces(&self, view: &View<'_>, reach: f32) -> Result<LightSpaces, PlanError> {
         self.validate()?;
-        self.fit.light_spaces(self.layout, view, self.size, reach + self.bias.normal_offset.abs())
+        self.fit.light_spaces(
+            self.layout,
+            view,
+            self.size,
+            reach + self.bias.normal_offset.abs(),
+        )
     }
 
     /// The same map with the side that a view asks for: on it, for a share `quantile` (0..=1) of the `receivers` that
@@ -151,13 +172,20 @@ impl ShadowMap {
     ///
     /// # Errors
     /// As [`ShadowMap::spaces`].
-    pub fn sized_for(&self, view: &View<'_>, receivers: &Receivers, quantile: f32) -> Result<Self, PlanError> {
+    pub fn sized_for(
+        &self,
+        view: &View<'_>,
+        receivers: &Receivers,
+        quantile: f32,
+    ) -> Result<Self, PlanError> {
         let view = view.with_receivers(receivers);
         let mut map = *self;
         // Fits leave a border of some texels, which is wider on a coarser map: a second look settles it.
         for _ in 0..2 {
             let side = side_for(&view, receivers, &map.spaces(&view, 0.0)?, quantile);
-            map.size = side.map_or(map.size, |side| side.next_multiple_of(SIDE_STEP).min(MAX_SIDE));
+            map.size = side.map_or(map.size, |side| {
+                side.next_multiple_of(SIDE_STEP).min(MAX_SIDE)
+            });
         }
         Ok(map)
     }
@@ -166,12 +194,20 @@ impl ShadowMap {
     /// image: of depth, or `R32` ([`Surface::Midpoint`]), or `Rgba8` ([`MapFormat::Rgba8`]). `footprint` is
     /// what will look it up.
     pub fn maps(&self, spaces: &LightSpaces, footprint: Footprint) -> Maps {
-        let depth = if self.format == MapFormat::Depth16 { Format::Depth16 } else { Format::Depth32 };
+        let depth = if self.format == MapFormat::Depth16 {
+            Format::Depth16
+        } else {
+            Format::Depth32
+        };
         let mut maps = Maps::default();
         let nearest = maps.image(self.desc("shadow map", depth, spaces));
         // Peeling compares depths of one surface with itself, which a polygon offset would part.
         let peeled = self.surface == Surface::Midpoint;
-        let raster = if peeled { RasterBias::default() } else { self.bias.raster_for(footprint) };
+        let raster = if peeled {
+            RasterBias::default()
+        } else {
+            self.bias.raster_for(footprint)
+        };
         self.cast(&mut maps, spaces, nearest, CastMode::Nearest, raster);
         if self.surface == Surface::Midpoint {
             let second = maps.image(self.desc("second depth", depth, spaces));
@@ -187,11 +223,26 @@ impl ShadowMap {
     }
 
     fn desc(&self, label: &'static str, format: Format, spaces: &LightSpaces) -> ImageDesc {
-        ImageDesc { label, size: UVec2::splat(self.size), layers: spaces.spaces.len() as u32, format }
+        ImageDesc {
+            label,
+            size: UVec2::splat(self.size),
+            layers: spaces.spaces.len() as u32,
+            format,
+        }
     }
 
-    fn cast(&self, maps: &mut Maps, spaces: &LightSpaces, image: ImageId, mode: CastMode, bias: RasterBias) {
-        let needed = (0..).zip(&spaces.spaces).zip(&spaces.needed).filter(|(_, needed)| **needed);
+    fn cast(
+        &self,
+        maps: &mut Maps,
+        spaces: &LightSpaces,
+        image: ImageId,
+        mode: CastMode,
+        bias: RasterBias,
+    ) {
+        let needed = (0..)
+            .zip(&spaces.spaces)
+            .zip(&spaces.needed)
+            .filter(|(_, needed)| **needed);
         maps.casts.extend(needed.map(|((layer, &space), _)| Cast {
             mode,
             cull: self.bias.cull,
@@ -210,13 +261,21 @@ impl ShadowMap {
     ) -> Result<Recipe, PlanError> {
         let spaces = self.spaces(view, reach)?;
         let kernel = kernel(MapLookup::new(self, view, &spaces));
-        let footprint = if kernel.compares() { Footprint::Samples } else { Footprint::Taps { reach } };
+        let footprint = if kernel.compares() {
+            Footprint::Samples
+        } else {
+            Footprint::Taps { reach }
+        };
         Ok(self.maps(&spaces, footprint).recipe(kernel))
     }
 
     fn validate(&self) -> Result<(), Invalid> {
         if self.size == 0 {
-            return Err(Invalid::new("shadow map", "has a side of 0 texels", "use 1 or more, such as 1024"));
+            return Err(Invalid::new(
+                "shadow map",
+                "has a side of 0 texels",
+                "use 1 or more, such as 1024",
+            ));
         }
         self.bias.validate().map_err(|e| e.within("shadow map"))
     }
@@ -245,7 +304,12 @@ impl Maps {
         inputs: Vec<ImageId>,
         output: ImageId,
     ) {
-        self.filters.push(Filter { kernel, inputs, tables: Vec::new(), output });
+        self.filters.push(Filter {
+            kernel,
+            inputs,
+            tables: Vec::new(),
+            output,
+        });
     }
 
     /// The recipe that looks up the last image alone.
@@ -256,7 +320,11 @@ impl Maps {
             tables: Vec::new(),
             casts: self.casts,
             filters: self.filters,
-            receive: Receive { kernel: Arc::new(kernel), inputs, tables: Vec::new() },
+            receive: Receive {
+                kernel: Arc::new(kernel),
+                inputs,
+                tables: Vec::new(),
+            },
             shade: None,
             keep_images: false,
         }

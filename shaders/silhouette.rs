@@ -46,7 +46,11 @@ impl Welded {
     pub(crate) fn new(geometry: &Geometry) -> Self {
         let casters = geometry.casters();
         let triangles = &geometry.triangles()[casters.start as usize..casters.end as usize];
-        let used = triangles.iter().flatten().max().map_or(0, |&v| v as usize + 1);
+        let used = triangles
+            .iter()
+            .flatten()
+            .max()
+            .map_or(0, |&v| v as usize + 1);
         Self::weld(&geometry.positions()[..used], triangles)
     }
 
@@ -55,7 +59,9 @@ impl Welded {
         let at = |v: u32| places.of_vertex()[v as usize];
         let whole = |[a, b, c]: &[u32; 3]| a != b && b != c && c != a;
         Self {
-            positions: (0..places.count() as u32).map(|p| positions[places.vertices(p)[0] as usize]).collect(),
+            positions: (0..places.count() as u32)
+                .map(|p| positions[places.vertices(p)[0] as usize])
+                .collect(),
             triangles: triangles.iter().map(|t| t.map(at)).filter(whole).collect(),
         }
     }
@@ -72,7 +78,14 @@ impl Welded {
             let away = |corners| self.faces_away(corners, light);
             let role = shells.shells[shell as usize].role(light);
             let flips = role == Role::Backs || role == Role::All && away(corners) == Some(true);
-            let cap = if flips { flipped(corners) } else { Cap { corners, in_scene: true } };
+            let cap = if flips {
+                flipped(corners)
+            } else {
+                Cap {
+                    corners,
+                    in_scene: true,
+                }
+            };
             match (role, away(cap.corners)) {
                 (_, None) => {}
                 (Role::All, _) => open.push(cap),
@@ -82,7 +95,10 @@ impl Welded {
         }
         closed.extend(split_at_seams(&self.positions, open));
         let edges = net_edges(closed.iter().map(|cap| cap.corners));
-        Silhouette { caps: closed, edges }
+        Silhouette {
+            caps: closed,
+            edges,
+        }
     }
 
     /// Whether a triangle's front faces away from the light; none if the light lies in it.
@@ -91,7 +107,10 @@ impl Welded {
         let (n, to_light) = ((b - a).cross(c - a), light.truncate() - a * light.w);
         let (along, area) = (n.dot(to_light), n.length());
         if light.w != 0.0 {
-            let reach = [a, b, c, light.truncate()].map(|p| p.abs().max_element()).into_iter().fold(0.0, f64::max);
+            let reach = [a, b, c, light.truncate()]
+                .map(|p| p.abs().max_element())
+                .into_iter()
+                .fold(0.0, f64::max);
             let at_corner = [a, b, c].contains(&light.truncate());
             if at_corner || along.abs() < TOUCHES * area * reach {
                 return None;
@@ -102,7 +121,10 @@ impl Welded {
 }
 
 fn flipped([a, b, c]: [u32; 3]) -> Cap {
-    Cap { corners: [a, c, b], in_scene: false }
+    Cap {
+        corners: [a, c, b],
+        in_scene: false,
+    }
 }
 
 /// Edges of triangles, the two directions of each subtracted from one another; sorted.
@@ -110,10 +132,15 @@ pub(crate) fn net_edges(triangles: impl Iterator<Item = [u32; 3]>) -> Vec<([u32;
     let mut edges: Vec<(u64, i32)> = triangles.flat_map(directed).collect();
     edges.sort_unstable();
     let runs = edges.chunk_by(|a, b| a.0 == b.0);
-    let net = runs.map(|run| (run[0].0, run.iter().map(|e| e.1).sum::<i32>())).filter(|&(_, net)| net != 0);
+    let net = runs
+        .map(|run| (run[0].0, run.iter().map(|e| e.1).sum::<i32>()))
+        .filter(|&(_, net)| net != 0);
     net.map(|(key, net)| {
         let (low, high) = ((key >> 32) as u32, key as u32);
-        (if net > 0 { [low, high] } else { [high, low] }, net.unsigned_abs())
+        (
+            if net > 0 { [low, high] } else { [high, low] },
+            net.unsigned_abs(),
+        )
     })
     .collect()
 }
@@ -154,43 +181,63 @@ struct Shells {
 }
 
 impl Shell {
-    const EMPTY: Self = Self { closed: true, volume: 0.0, bounds: Aabb::EMPTY };
+    const EMPTY: Self = Self {
+        closed: true,
+        volume: 0.0,
+        bounds: Aabb::EMPTY,
+    };
 
     fn role(&self, light: DVec4) -> Role {
         let p = light.truncate().as_vec3();
-        let inside = light.w != 0.0 && p.cmpge(self.bounds.min).all() && p.cmple(self.bounds.max).all();
+        let inside =
+            light.w != 0.0 && p.cmpge(self.bounds.min).all() && p.cmple(self.bounds.max).all();
         if !self.closed || inside || self.volume == 0.0 {
             return Role::All;
         }
-        if self.volume > 0.0 { Role::Fronts } else { Role::Backs }
+        if self.volume > 0.0 {
+            Role::Fronts
+        } else {
+            Role::Backs
+        }
     }
 }
 
 impl Shells {
     fn find(mesh: &Welded) -> Self {
-        let edge = |(i, &t): (usize, &[u32; 3])| directed(t).map(|(key, sign)| (key, i as u32, sign));
-        let mut edges: Vec<(u64, u32, i32)> = mesh.triangles.iter().enumerate().flat_map(edge).collect();
+        let edge =
+            |(i, &t): (usize, &[u32; 3])| directed(t).map(|(key, sign)| (key, i as u32, sign));
+        let mut edges: Vec<(u64, u32, i32)> =
+            mesh.triangles.iter().enumerate().flat_map(edge).collect();
         edges.sort_unstable();
         let mut sets = Sets::new(mesh.triangles.len());
         let mut torn = Vec::new();
         for run in edges.chunk_by(|a, b| a.0 == b.0) {
-            run.windows(2).for_each(|pair| sets.unite(pair[0].1, pair[1].1));
+            run.windows(2)
+                .for_each(|pair| sets.unite(pair[0].1, pair[1].1));
             if run.iter().map(|e| e.2).sum::<i32>() != 0 {
                 torn.push(run[0].1);
             }
         }
-        let of_triangle: Vec<u32> = (0..mesh.triangles.len() as u32).map(|t| sets.find(t)).collect();
+        let of_triangle: Vec<u32> = (0..mesh.triangles.len() as u32)
+            .map(|t| sets.find(t))
+            .collect();
         let mut shells = vec![Shell::EMPTY; of_triangle.len()];
-        torn.iter().for_each(|&t| shells[of_triangle[t as usize] as usize].closed = false);
+        torn.iter()
+            .for_each(|&t| shells[of_triangle[t as usize] as usize].closed = false);
         for (&t, &shell) in mesh.triangles.iter().zip(&of_triangle) {
             let shell = &mut shells[shell as usize];
             // Closed shells have the same volume seen from any origin; one of the mesh's corners keeps numbers small.
             let origin = mesh.positions[mesh.triangles[0][0] as usize].as_dvec3();
             let [a, b, c] = mesh.corners(t).map(|p| p - origin);
             shell.volume += a.dot(b.cross(c));
-            shell.bounds = shell.bounds.union(&Aabb::around(t.map(|v| mesh.positions[v as usize])));
+            shell.bounds = shell
+                .bounds
+                .union(&Aabb::around(t.map(|v| mesh.positions[v as usize])));
         }
-        Self { of_triangle, shells }
+        Self {
+            of_triangle,
+            shells,
+        }
     }
 }
 
@@ -201,7 +248,9 @@ struct Sets {
 
 impl Sets {
     fn new(count: usize) -> Self {
-        Self { parents: (0..count as u32).collect() }
+        Self {
+            parents: (0..count as u32).collect(),
+        }
     }
 
     fn find(&mut self, mut i: u32) -> u32 {

@@ -19,13 +19,20 @@ fn cube() -> Welded {
             positions.push(Vec3::from(p));
         }
         let t = [[0, 1, 2], [0, 2, 3]].map(|t| t.map(|v| v + first));
-        triangles.extend(if side > 0.0 { t } else { t.map(|[a, b, c]| [a, c, b]) });
+        triangles.extend(if side > 0.0 {
+            t
+        } else {
+            t.map(|[a, b, c]| [a, c, b])
+        });
     }
     Welded::weld(&positions, &triangles)
 }
 
 fn flip_all(mesh: &Welded) -> Welded {
-    Welded { triangles: mesh.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect(), ..mesh.clone() }
+    Welded {
+        triangles: mesh.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect(),
+        ..mesh.clone()
+    }
 }
 
 /// The corners that the silhouette's edges visit, in order, if they are one loop.
@@ -50,13 +57,18 @@ fn is_closed(mesh: &Welded, s: &Silhouette, light: DVec4) -> bool {
 #[test]
 fn a_cube_seen_from_its_corner_has_a_hexagon_around_it() {
     let mesh = cube();
-    for light in [DVec4::new(0.6, 0.64, 0.48, 0.0), DVec4::new(5.0, 4.0, 3.0, 1.0)] {
+    for light in [
+        DVec4::new(0.6, 0.64, 0.48, 0.0),
+        DVec4::new(5.0, 4.0, 3.0, 1.0),
+    ] {
         let s = mesh.silhouette(light);
         assert_eq!((s.caps.len(), s.edges.len()), (6, 6));
         let corners = one_loop(&s).expect("one loop");
         let at = |v: &u32| mesh.positions[*v as usize];
         assert!(
-            corners.iter().all(|v| at(v) != Vec3::ZERO && at(v) != Vec3::ONE),
+            corners
+                .iter()
+                .all(|v| at(v) != Vec3::ZERO && at(v) != Vec3::ONE),
             "the nearest and farthest are inside it"
         );
         assert!(s.edges.iter().all(|e| e.1 == 1) && s.caps.iter().all(|cap| cap.in_scene));
@@ -83,7 +95,11 @@ fn a_light_inside_makes_every_triangle_cast() {
 #[test]
 fn an_open_quad_is_turned_to_the_light() {
     let corners = [Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Z, Vec3::Z];
-    for triangles in [[[0, 1, 2], [0, 2, 3]], [[0, 2, 1], [0, 3, 2]], [[0, 1, 2], [0, 3, 2]]] {
+    for triangles in [
+        [[0, 1, 2], [0, 2, 3]],
+        [[0, 2, 1], [0, 3, 2]],
+        [[0, 1, 2], [0, 3, 2]],
+    ] {
         let mesh = Welded::weld(&corners, &triangles);
         let s = mesh.silhouette(SUN);
         assert_eq!((s.caps.len(), s.edges.len()), (2, 4), "{triangles:?}");
@@ -99,7 +115,11 @@ fn a_box_without_a_lid_has_all_its_edges_twice() {
     let light = DVec4::new(0.6, 0.64, 0.48, 0.0);
     let s = mesh.silhouette(light);
     assert_eq!(s.caps.len(), 10);
-    assert!(s.edges.iter().any(|e| e.1 == 2), "where a front meets a back, both leave a wall: {:?}", s.edges);
+    assert!(
+        s.edges.iter().any(|e| e.1 == 2),
+        "where a front meets a back, both leave a wall: {:?}",
+        s.edges
+    );
     assert!(is_closed(&mesh, &s, light));
 }
 
@@ -108,7 +128,10 @@ fn duplicates_count_twice() {
     let corners = [Vec3::ZERO, Vec3::Z, Vec3::X];
     let mesh = Welded::weld(&corners, &[[0, 1, 2], [0, 1, 2], [0, 2, 1]]);
     let s = mesh.silhouette(SUN);
-    assert!(s.edges.len() == 3 && s.edges.iter().all(|e| e.1 == 3), "{s:?}");
+    assert!(
+        s.edges.len() == 3 && s.edges.iter().all(|e| e.1 == 3),
+        "{s:?}"
+    );
     assert_eq!(s.caps.iter().filter(|cap| cap.in_scene).count(), 2);
     assert!(is_closed(&mesh, &s, SUN));
 }
@@ -117,7 +140,15 @@ fn duplicates_count_twice() {
 #[test]
 fn seams_have_no_walls() {
     let p = |x: f32, z: f32| Vec3::new(x, 0.1 * x + 0.3, z);
-    let corners = [p(0.0, 0.0), p(3.0, 0.0), p(1.5, 2.0), p(1.0, 0.0), p(1.0, -1.0), p(2.0, 0.0), p(2.0, -1.0)];
+    let corners = [
+        p(0.0, 0.0),
+        p(3.0, 0.0),
+        p(1.5, 2.0),
+        p(1.0, 0.0),
+        p(1.0, -1.0),
+        p(2.0, 0.0),
+        p(2.0, -1.0),
+    ];
     let triangles = [[0, 2, 1], [0, 3, 4], [3, 5, 4], [4, 5, 6], [6, 5, 1]];
     let mesh = Welded::weld(&corners, &triangles);
     let s = mesh.silhouette(SUN);
@@ -128,8 +159,10 @@ fn seams_have_no_walls() {
         let [a, b, c] = t.map(|v| mesh.positions[v as usize]);
         f64::from((b - a).cross(c - a).length())
     };
-    let (before, after): (f64, f64) =
-        (triangles.iter().map(area).sum(), s.caps.iter().map(|cap| area(&cap.corners)).sum());
+    let (before, after): (f64, f64) = (
+        triangles.iter().map(area).sum(),
+        s.caps.iter().map(|cap| area(&cap.corners)).sum(),
+    );
     // Corners were rounded to 32 bits.
     assert!((before - after).abs() < 1e-6, "{before} {after}");
 }
@@ -137,9 +170,18 @@ fn seams_have_no_walls() {
 #[test]
 fn lights_in_a_triangles_plane_cast_nothing_from_it() {
     let mesh = Welded::weld(&[Vec3::ZERO, Vec3::X, Vec3::Z], &[[0, 2, 1]]);
-    assert_eq!(mesh.silhouette(DVec4::new(0.25, 0.0, 0.25, 1.0)), Silhouette::default());
-    assert_eq!(mesh.silhouette(DVec4::new(0.0, 0.0, 0.0, 1.0)), Silhouette::default());
-    assert_eq!(mesh.silhouette(DVec4::new(0.25, 0.1, 0.25, 1.0)).caps.len(), 1);
+    assert_eq!(
+        mesh.silhouette(DVec4::new(0.25, 0.0, 0.25, 1.0)),
+        Silhouette::default()
+    );
+    assert_eq!(
+        mesh.silhouette(DVec4::new(0.0, 0.0, 0.0, 1.0)),
+        Silhouette::default()
+    );
+    assert_eq!(
+        mesh.silhouette(DVec4::new(0.25, 0.1, 0.25, 1.0)).caps.len(),
+        1
+    );
 }
 
 #[test]
@@ -162,7 +204,10 @@ fn walls_lean_outwards() {
 fn volumes_are_closed_as_far_as_they_are_seen() {
     let mesh = cube();
     let (eye, size) = (Vec3::new(3.0, 2.0, 4.0), UVec2::new(64, 48));
-    for (light, at) in [(DVec4::new(0.8, 0.6, 0.0, 0.0), Vec3::ZERO), (DVec4::new(1.5, 3.0, 0.5, 1.0), Vec3::X)] {
+    for (light, at) in [
+        (DVec4::new(0.8, 0.6, 0.0, 0.0), Vec3::ZERO),
+        (DVec4::new(1.5, 3.0, 0.5, 1.0), Vec3::X),
+    ] {
         let camera = Camera::perspective(eye, at, Vec3::Y, 0.9, [0.1, 100.0], size).expect("valid");
         let window = Window::new(&camera.space(), size);
         let faces = extrude(&mesh, &mesh.silhouette(light), light, Some(&window), None);
@@ -178,18 +223,38 @@ fn volumes_are_closed_as_far_as_they_are_seen() {
 /// A far cap's nearest point lies beyond the farthest corner, for a lamp right above a wide triangle, too.
 #[test]
 fn volumes_that_end_do_so_beyond_everything() {
-    let mesh =
-        Welded::weld(&[Vec3::new(-5.0, 0.0, -5.0), Vec3::new(5.0, 0.0, -5.0), Vec3::new(0.0, 0.0, 5.0)], &[[0, 2, 1]]);
-    let bounds = Aabb { min: Vec3::new(-6.0, -4.0, -6.0), max: Vec3::new(6.0, 1.0, 6.0) };
-    for light in [DVec4::new(0.0, 0.2, -1.0, 1.0), DVec4::new(3.0, 8.0, 1.0, 1.0), DVec4::new(0.6, 0.8, 0.0, 0.0)] {
+    let mesh = Welded::weld(
+        &[
+            Vec3::new(-5.0, 0.0, -5.0),
+            Vec3::new(5.0, 0.0, -5.0),
+            Vec3::new(0.0, 0.0, 5.0),
+        ],
+        &[[0, 2, 1]],
+    );
+    let bounds = Aabb {
+        min: Vec3::new(-6.0, -4.0, -6.0),
+        max: Vec3::new(6.0, 1.0, 6.0),
+    };
+    for light in [
+        DVec4::new(0.0, 0.2, -1.0, 1.0),
+        DVec4::new(3.0, 8.0, 1.0, 1.0),
+        DVec4::new(0.6, 0.8, 0.0, 0.0),
+    ] {
         let silhouette = mesh.silhouette(light);
         let reach = beyond_all(&bounds, &mesh, &silhouette, light);
         let faces = extrude(&mesh, &silhouette, light, None, Some(reach));
-        assert!(net_edges(faces.triangles.iter().copied()).is_empty() && faces.vertices.iter().all(|v| v.w == 1.0));
-        let [a, b, c] = faces.triangles[1].map(|v| faces.vertices[v as usize].as_dvec4().truncate());
+        assert!(
+            net_edges(faces.triangles.iter().copied()).is_empty()
+                && faces.vertices.iter().all(|v| v.w == 1.0)
+        );
+        let [a, b, c] =
+            faces.triangles[1].map(|v| faces.vertices[v as usize].as_dvec4().truncate());
         let normal = (b - a).cross(c - a).normalize();
         let beyond = |p: DVec3| normal.dot(p - a);
         // Fronts look outwards, away from the light.
-        assert!(bounds.corners().all(|p| beyond(p.as_dvec3()) < 0.0), "{light}: {reach}");
+        assert!(
+            bounds.corners().all(|p| beyond(p.as_dvec3()) < 0.0),
+            "{light}: {reach}"
+        );
     }
 }

@@ -12,7 +12,10 @@ use glam::{UVec2, Vec2, Vec3, Vec4};
 use umbrage_core::{Module, Twin, twin};
 
 /// The WGSL half. It reads the kernel's first image and table, and needs the modules `lookup` and `pattern`.
-pub(crate) const SOFT_TAPS: Module = Module { name: "soft_taps", text: include_str!("soft_taps.wgsl") };
+pub(crate) const SOFT_TAPS: Module = Module {
+    name: "soft_taps",
+    text: include_str!("soft_taps.wgsl"),
+};
 
 /// What taps outside the map read: farther than any depth, so they are lit and block nothing.
 const OUTSIDE: f32 = 2.0;
@@ -40,13 +43,20 @@ pub(crate) fn turn_at(table: &PatternTable, mask: u32, first: UVec2, offset: usi
 /// driver was seen to add in another order.
 #[inline(always)]
 pub(crate) fn tap_place(from: Vec2, axes: Vec4, q: Vec2, shift: Vec2) -> Vec2 {
-    place(from, axes, Vec2::new(wrapped(q.x + shift.x), wrapped(q.y + shift.y)))
+    place(
+        from,
+        axes,
+        Vec2::new(wrapped(q.x + shift.x), wrapped(q.y + shift.y)),
+    )
 }
 
 /// The same for a tap that is not shifted.
 #[inline(always)]
 pub(crate) fn place(from: Vec2, axes: Vec4, q: Vec2) -> Vec2 {
-    Vec2::new(placed(from.x, axes.x, axes.z, [q.x, q.y]), placed(from.y, axes.y, axes.w, [q.x, q.y]))
+    Vec2::new(
+        placed(from.x, axes.x, axes.z, [q.x, q.y]),
+        placed(from.y, axes.y, axes.w, [q.x, q.y]),
+    )
 }
 
 /// One coordinate of [`place`].
@@ -135,7 +145,12 @@ impl Receivers {
         (self.x[i], self.y[i], self.depth[i]) = (l.texel.x, l.texel.y, l.depth);
         (self.right[i], self.down[i], self.deepest[i]) = (l.gradient.x, l.gradient.y, l.deepest);
         (self.shift[0][i], self.shift[1][i]) = (laid.shift.x, laid.shift.y);
-        [self.axes[0][i], self.axes[1][i], self.axes[2][i], self.axes[3][i]] = laid.axes.to_array();
+        [
+            self.axes[0][i],
+            self.axes[1][i],
+            self.axes[2][i],
+            self.axes[3][i],
+        ] = laid.axes.to_array();
         for (lanes, more) in self.more.iter_mut().zip(laid.more) {
             lanes[i] = more;
         }
@@ -175,7 +190,11 @@ impl Comparisons<'_> {
     /// How many taps see each receiver lit.
     #[inline(always)]
     pub(crate) fn lit(&self, r: &Receivers, axes: &Axes, set: &TapSet) -> Lanes<i32> {
-        if r.count <= HALF { self.lit_in::<HALF>(r, axes, set) } else { self.lit_in::<BATCH>(r, axes, set) }
+        if r.count <= HALF {
+            self.lit_in::<HALF>(r, axes, set)
+        } else {
+            self.lit_in::<BATCH>(r, axes, set)
+        }
     }
 
     #[inline(always)]
@@ -197,7 +216,12 @@ impl Comparisons<'_> {
 
     /// At places in texels.
     #[inline(always)]
-    pub(crate) fn depths_at<const N: usize>(&self, r: &Receivers, axes: &Axes, q: [&Lanes<f32>; 2]) -> Depths {
+    pub(crate) fn depths_at<const N: usize>(
+        &self,
+        r: &Receivers,
+        axes: &Axes,
+        q: [&Lanes<f32>; 2],
+    ) -> Depths {
         let (mut x, mut y) = ([0.0; BATCH], [0.0; BATCH]);
         for i in 0..N {
             x[i] = floor(placed(r.x[i], axes[0][i], axes[2][i], [q[0][i], q[1][i]]));
@@ -209,7 +233,10 @@ impl Comparisons<'_> {
     #[inline(always)]
     fn depths_in<const N: usize>(&self, r: &Receivers, texels: [Lanes<f32>; 2]) -> Depths {
         let index = self.indices::<N>(r, &texels);
-        Depths { receiver: self.receivers::<N>(r, &texels), stored: self.load(&index, r.count) }
+        Depths {
+            receiver: self.receivers::<N>(r, &texels),
+            stored: self.load(&index, r.count),
+        }
     }
 
     /// Texels under a tap, whole numbers.
@@ -218,7 +245,10 @@ impl Comparisons<'_> {
         let (mut x, mut y) = ([0.0; BATCH], [0.0; BATCH]);
         if self.shape == Shape::Square {
             for i in 0..N {
-                let q = [wrapped(tap.x + r.shift[0][i]), wrapped(tap.y + r.shift[1][i])];
+                let q = [
+                    wrapped(tap.x + r.shift[0][i]),
+                    wrapped(tap.y + r.shift[1][i]),
+                ];
                 x[i] = floor(placed(r.x[i], a[0][i], a[2][i], q));
                 y[i] = floor(placed(r.y[i], a[1][i], a[3][i], q));
             }
@@ -240,8 +270,14 @@ impl Comparisons<'_> {
         let mut index = [NOWHERE; BATCH];
         for i in 0..N {
             let (column, row) = (within(x[i], last), within(y[i], last));
-            let outside = if (column == x[i]) & (row == y[i]) { 0 } else { anywhere };
-            let at = r.layer[i].wrapping_add(whole(row).wrapping_mul(size)).wrapping_add(whole(column));
+            let outside = if (column == x[i]) & (row == y[i]) {
+                0
+            } else {
+                anywhere
+            };
+            let at = r.layer[i]
+                .wrapping_add(whole(row).wrapping_mul(size))
+                .wrapping_add(whole(column));
             index[i] = at | outside;
         }
         index
@@ -258,7 +294,11 @@ impl Comparisons<'_> {
             } else {
                 r.depth[i]
             };
-            depth[i] = if bent < r.deepest[i] { bent } else { r.deepest[i] };
+            depth[i] = if bent < r.deepest[i] {
+                bent
+            } else {
+                r.deepest[i]
+            };
         }
         depth
     }
@@ -273,7 +313,9 @@ impl Comparisons<'_> {
                 *stored = channels.map_or(OUTSIDE, |&c| unpack_depth(Vec4::from_array(c)));
             });
         } else {
-            lanes.for_each(|(stored, &i)| *stored = texels.get(i as usize).copied().unwrap_or(OUTSIDE));
+            lanes.for_each(|(stored, &i)| {
+                *stored = texels.get(i as usize).copied().unwrap_or(OUTSIDE)
+            });
         }
         stored
     }
@@ -307,4 +349,7 @@ pub(crate) const TWINS: &[Twin] = &[
 ];
 
 /// The part of [`SOFT_TAPS`] that reads nothing.
-pub(crate) const PLACED: Module = Module { name: "tap_place", text: include_str!("tap_place.wgsl") };
+pub(crate) const PLACED: Module = Module {
+    name: "tap_place",
+    text: include_str!("tap_place.wgsl"),
+};

@@ -14,7 +14,10 @@ use glam::{UVec4, Vec2, Vec3, Vec4};
 use umbrage_core::Module;
 
 /// The WGSL half; it needs `texture`, `interpolation` and the tables of [`SurfaceTables`].
-pub(crate) const SURFACE: Module = Module { name: "surface", text: include_str!("surface.wgsl") };
+pub(crate) const SURFACE: Module = Module {
+    name: "surface",
+    text: include_str!("surface.wgsl"),
+};
 
 /// A seen point, for shading.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,17 +51,42 @@ impl SurfaceTables {
         if rows[3][1] > 0 {
             diffuse *= bilinear(&self.texels, UVec4::from_array(rows[3]), uv).truncate();
         }
-        let normal = self.shading_normal(weights, normal_v, triangle, UVec4::from_array(rows[4]), uv, facing);
-        Some(SurfacePoint { normal, diffuse, specular: color(1), shininess_log2: rows[0][3], emissive: color(2) })
+        let normal = self.shading_normal(
+            weights,
+            normal_v,
+            triangle,
+            UVec4::from_array(rows[4]),
+            uv,
+            facing,
+        );
+        Some(SurfacePoint {
+            normal,
+            diffuse,
+            specular: color(1),
+            shininess_log2: rows[0][3],
+            emissive: color(2),
+        })
     }
 
     #[inline(always)]
-    fn shading_normal(&self, weights: Vec3, n: Vec4, triangle: UVec4, map: UVec4, uv: Vec2, facing: Vec3) -> Vec3 {
+    fn shading_normal(
+        &self,
+        weights: Vec3,
+        n: Vec4,
+        triangle: UVec4,
+        map: UVec4,
+        uv: Vec2,
+        facing: Vec3,
+    ) -> Vec3 {
         let mut v = n.truncate();
         if map.y > 0 {
             let t = self.corners(triangle, 2);
             let texel = bilinear(&self.texels, map, uv);
-            let m = Vec3::new(texel.x * 2.0 - 1.0, texel.y * 2.0 - 1.0, texel.z * 2.0 - 1.0);
+            let m = Vec3::new(
+                texel.x * 2.0 - 1.0,
+                texel.y * 2.0 - 1.0,
+                texel.z * 2.0 - 1.0,
+            );
             v = bent(n.truncate(), weighted(weights, t[0], t[1], t[2]), m);
         }
         unit_or(on_side_of(n.truncate(), v, facing), facing)

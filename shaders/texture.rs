@@ -7,7 +7,10 @@ use glam::{UVec2, UVec4, Vec2, Vec4};
 use umbrage_core::{Module, Texture, Twin, twin};
 
 /// The WGSL half. Reading a table is the business of who declares it.
-pub(crate) const TEXTURE: Module = Module { name: "texture", text: include_str!("texture.wgsl") };
+pub(crate) const TEXTURE: Module = Module {
+    name: "texture",
+    text: include_str!("texture.wgsl"),
+};
 
 /// Along one axis, the two texels of `size` between whose centres the coordinate `u` lies.
 #[inline(always)]
@@ -18,7 +21,14 @@ pub(crate) fn neighbours(u: f32, size: u32) -> UVec2 {
     if x < 0.0 {
         return UVec2::new(last, first);
     }
-    UVec2::new(first, if first == last { 0 } else { first.wrapping_add(1) })
+    UVec2::new(
+        first,
+        if first == last {
+            0
+        } else {
+            first.wrapping_add(1)
+        },
+    )
 }
 
 /// How far `u` is from the first of its [`neighbours`] to the second, 0 to 1.
@@ -38,9 +48,14 @@ pub(crate) fn blend(a: Vec4, b: Vec4, t: f32) -> Vec4 {
 #[inline(always)]
 pub(crate) fn bilinear(texels: &[[u32; 4]], texture: UVec4, uv: Vec2) -> Vec4 {
     let (x, y) = (neighbours(uv.x, texture.y), neighbours(uv.y, texture.z));
-    let load = |x: u32, y: u32| Vec4::from_array(texels[(texture.x + y * texture.y + x) as usize].map(f32::from_bits));
+    let load = |x: u32, y: u32| {
+        Vec4::from_array(texels[(texture.x + y * texture.y + x) as usize].map(f32::from_bits))
+    };
     let s = fraction(uv.x, texture.y);
-    let (top, bottom) = (blend(load(x.x, y.x), load(x.y, y.x), s), blend(load(x.x, y.y), load(x.y, y.y), s));
+    let (top, bottom) = (
+        blend(load(x.x, y.x), load(x.y, y.x), s),
+        blend(load(x.x, y.y), load(x.y, y.y), s),
+    );
     blend(top, bottom, fraction(uv.y, texture.z))
 }
 
@@ -48,7 +63,12 @@ pub(crate) fn bilinear(texels: &[[u32; 4]], texture: UVec4, uv: Vec2) -> Vec4 {
 pub(crate) fn rows(textures: &[Texture]) -> (Vec<[u32; 4]>, Vec<UVec4>) {
     let (mut rows, mut places) = (Vec::new(), Vec::new());
     for texture in textures {
-        places.push(UVec4::new(rows.len() as u32, texture.size.x, texture.size.y, 0));
+        places.push(UVec4::new(
+            rows.len() as u32,
+            texture.size.x,
+            texture.size.y,
+            0,
+        ));
         rows.extend(texture.texels.iter().map(|t| t.map(f32::to_bits)));
     }
     if rows.is_empty() {
@@ -70,12 +90,28 @@ mod tests {
 
     /// Red, green over blue, white: no flip or turn leaves it as it is.
     fn texture() -> Texture {
-        let texels = vec![[1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 1.0], [0.0, 0.0, 1.0, 1.0], [1.0; 4]];
-        Texture { name: "2x2".to_owned(), size: UVec2::splat(2), texels }
+        let texels = vec![
+            [1.0, 0.0, 0.0, 1.0],
+            [0.0, 1.0, 0.0, 1.0],
+            [0.0, 0.0, 1.0, 1.0],
+            [1.0; 4],
+        ];
+        Texture {
+            name: "2x2".to_owned(),
+            size: UVec2::splat(2),
+            texels,
+        }
     }
 
     fn read(u: f32, v: f32) -> [f32; 4] {
-        let (rows, places) = rows(&[Texture { size: UVec2::ONE, texels: vec![[9.0; 4]], ..texture() }, texture()]);
+        let (rows, places) = rows(&[
+            Texture {
+                size: UVec2::ONE,
+                texels: vec![[9.0; 4]],
+                ..texture()
+            },
+            texture(),
+        ]);
         bilinear(&rows, places[1], Vec2::new(u, v)).to_array()
     }
 
@@ -83,7 +119,15 @@ mod tests {
     #[test]
     fn the_origin_is_top_left() {
         let [red, green, blue, white] = [0, 1, 2, 3].map(|i| texture().texels[i]);
-        assert_eq!([read(0.25, 0.25), read(0.75, 0.25), read(0.25, 0.75), read(0.75, 0.75)], [red, green, blue, white]);
+        assert_eq!(
+            [
+                read(0.25, 0.25),
+                read(0.75, 0.25),
+                read(0.25, 0.75),
+                read(0.75, 0.75)
+            ],
+            [red, green, blue, white]
+        );
     }
 
     #[test]
@@ -91,21 +135,37 @@ mod tests {
         assert_eq!(read(0.5, 0.25), [0.5, 0.5, 0.0, 1.0]);
         // Three quarters of the way from blue to white, and half of that with the row above.
         assert_eq!(read(0.625, 0.75), [0.75, 0.75, 1.0, 1.0]);
-        assert_eq!(read(0.0, 0.25), [0.5, 0.5, 0.0, 1.0], "half way from the last column to the first");
+        assert_eq!(
+            read(0.0, 0.25),
+            [0.5, 0.5, 0.0, 1.0],
+            "half way from the last column to the first"
+        );
         for (u, v) in [(0.375, 0.625), (0.0, 0.0), (0.9375, 0.125)] {
             for (x, y) in [(1.0, 0.0), (-3.0, 2.0), (0.0, -1.0)] {
-                assert_eq!(read(u + x, v + y), read(u, v), "({u}, {v}) moved by ({x}, {y})");
+                assert_eq!(
+                    read(u + x, v + y),
+                    read(u, v),
+                    "({u}, {v}) moved by ({x}, {y})"
+                );
             }
         }
     }
 
     #[test]
     fn flat_textures_are_flat_everywhere() {
-        let flat = Texture { name: "flat".to_owned(), size: UVec2::new(5, 3), texels: vec![[0.1, 0.5, 0.7, 1.0]; 15] };
+        let flat = Texture {
+            name: "flat".to_owned(),
+            size: UVec2::new(5, 3),
+            texels: vec![[0.1, 0.5, 0.7, 1.0]; 15],
+        };
         let (rows, places) = rows(&[flat]);
         for i in 0..1000 {
             let uv = Vec2::new(i as f32 * 0.377, i as f32 * -0.061);
-            assert_eq!(bilinear(&rows, places[0], uv).to_array(), [0.1, 0.5, 0.7, 1.0], "{uv}");
+            assert_eq!(
+                bilinear(&rows, places[0], uv).to_array(),
+                [0.1, 0.5, 0.7, 1.0],
+                "{uv}"
+            );
         }
     }
 

@@ -8,8 +8,8 @@
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
-    Aabb, Asks, Bvh, Geometry, Inputs, Invalid, Kernel, Module, PlanError, Receive, ReceiveKernel, Recipe,
-    ShadowTechnique, Span, Table, UniformLayout, Uniforms, View,
+    Aabb, Asks, Bvh, Geometry, Inputs, Invalid, Kernel, Module, PlanError, Receive, ReceiveKernel,
+    Recipe, ShadowTechnique, Span, Table, UniformLayout, Uniforms, View,
     bvh::{HIT, SLAB},
     light_sample::{LIGHT_SAMPLE, LightSampler, origin_offset, seed, segment, unit_square},
     math::dot3,
@@ -51,27 +51,43 @@ impl ShadowTechnique for Traced {
     fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
         if !(1..=MAX_SAMPLES).contains(&self.samples) {
             let why = format!("are {}", self.samples);
-            return Err(Invalid::new("traced samples", why, format!("use 1 to {MAX_SAMPLES}")).into());
+            return Err(
+                Invalid::new("traced samples", why, format!("use 1 to {MAX_SAMPLES}")).into(),
+            );
         }
         view.validate()?;
         let Some(geometry) = view.geometry else {
-            return Err(PlanError::unsupported("rays need the scene's triangles, and this view has none"));
+            return Err(PlanError::unsupported(
+                "rays need the scene's triangles, and this view has none",
+            ));
         };
         let depth = geometry.bvh().depth();
         if depth > STACK {
-            let reason = format!("the scene's hierarchy is {depth} nodes deep, and the shader's stack holds {STACK}");
+            let reason = format!(
+                "the scene's hierarchy is {depth} nodes deep, and the shader's stack holds {STACK}"
+            );
             return Err(PlanError::unsupported(reason));
         }
         let [nodes, triangles] = geometry.bvh_tables();
         Ok(Recipe {
             images: Vec::new(),
             tables: vec![
-                Table { label: "hierarchy", rows: nodes.clone() },
-                Table { label: "triangles", rows: triangles.clone() },
+                Table {
+                    label: "hierarchy",
+                    rows: nodes.clone(),
+                },
+                Table {
+                    label: "triangles",
+                    rows: triangles.clone(),
+                },
             ],
             casts: Vec::new(),
             filters: Vec::new(),
-            receive: Receive { kernel: Arc::new(self.kernel(view, geometry)), inputs: Vec::new(), tables: vec![0, 1] },
+            receive: Receive {
+                kernel: Arc::new(self.kernel(view, geometry)),
+                inputs: Vec::new(),
+                tables: vec![0, 1],
+            },
             shade: None,
             keep_images: false,
         })
@@ -89,7 +105,10 @@ impl Traced {
             far: (2.0 * all.diagonal()).min(FARTHEST),
             samples: if light.is_ideal() { 1 } else { self.samples },
         };
-        TracedKernel { uniforms, bvh: geometry.bvh().clone() }
+        TracedKernel {
+            uniforms,
+            bvh: geometry.bvh().clone(),
+        }
     }
 }
 
@@ -116,7 +135,15 @@ pub struct TracedKernel {
 
 impl Kernel for TracedKernel {
     fn modules(&self) -> Vec<Module> {
-        vec![SLAB, HIT, LIGHT_SAMPLE, Module { name: "traced", text: include_str!("traced.wgsl") }]
+        vec![
+            SLAB,
+            HIT,
+            LIGHT_SAMPLE,
+            Module {
+                name: "traced",
+                text: include_str!("traced.wgsl"),
+            },
+        ]
     }
 
     fn uniform_bytes(&self) -> Vec<u8> {

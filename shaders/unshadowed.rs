@@ -9,8 +9,8 @@ use glam::Vec4;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
-    Asks, Inputs, Kernel, Module, PlanError, Receive, ReceiveKernel, Recipe, ShadowTechnique, Span, UniformLayout,
-    Uniforms, View, uniforms,
+    Asks, Inputs, Kernel, Module, PlanError, Receive, ReceiveKernel, Recipe, ShadowTechnique, Span,
+    UniformLayout, Uniforms, View, uniforms,
 };
 
 /// No shadows. There is nothing to set.
@@ -29,13 +29,19 @@ impl ShadowTechnique for Unshadowed {
 
     fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
         view.validate()?;
-        let kernel = Arc::new(UnshadowedKernel(UnshadowedUniforms { light: homogeneous(view.light) }));
+        let kernel = Arc::new(UnshadowedKernel(UnshadowedUniforms {
+            light: homogeneous(view.light),
+        }));
         Ok(Recipe {
             images: Vec::new(),
             tables: Vec::new(),
             casts: Vec::new(),
             filters: Vec::new(),
-            receive: Receive { kernel, inputs: Vec::new(), tables: Vec::new() },
+            receive: Receive {
+                kernel,
+                inputs: Vec::new(),
+                tables: Vec::new(),
+            },
             shade: None,
             keep_images: false,
         })
@@ -59,7 +65,13 @@ pub struct UnshadowedKernel(
 
 impl Kernel for UnshadowedKernel {
     fn modules(&self) -> Vec<Module> {
-        vec![FACING, Module { name: "unshadowed", text: include_str!("unshadowed.wgsl") }]
+        vec![
+            FACING,
+            Module {
+                name: "unshadowed",
+                text: include_str!("unshadowed.wgsl"),
+            },
+        ]
     }
 
     fn uniform_bytes(&self) -> Vec<u8> {

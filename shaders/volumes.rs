@@ -33,14 +33,19 @@ use glam::Vec4;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
-    Cast, CastMode, Faces, Format, ImageDesc, Inputs, Kernel, Module, PlanError, RasterBias, Receive, ReceiveKernel,
-    Recipe, ShadowTechnique, Source, Span, UniformLayout, Uniforms, View, uniforms,
+    Cast, CastMode, Faces, Format, ImageDesc, Inputs, Kernel, Module, PlanError, RasterBias,
+    Receive, ReceiveKernel, Recipe, ShadowTechnique, Source, Span, UniformLayout, Uniforms, View,
+    uniforms,
 };
 
 /// How volumes' faces are drawn behind their place. A wall that begins at the edge of a seen surface has the surface's depth
 /// there, and must not come to lie before it by rounding: pixel centres lie on edges often on devices that move vertices to a
 /// coarse grid. A slope of 1/1024 moves faces as 1/1024 pixel on the image would, 4 units are their own rounding.
-const BEHIND: RasterBias = RasterBias { constant: 4, slope: 1.0 / 1024.0, clamp: 0.0 };
+const BEHIND: RasterBias = RasterBias {
+    constant: 4,
+    slope: 1.0 / 1024.0,
+    clamp: 0.0,
+};
 
 /// Stencil shadow volumes. There is nothing to set.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -59,12 +64,16 @@ impl ShadowTechnique for ShadowVolumes {
     fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
         view.validate()?;
         let Some(geometry) = view.geometry else {
-            return Err(PlanError::unsupported("volumes are made from the scene's triangles, and this view has none"));
+            return Err(PlanError::unsupported(
+                "volumes are made from the scene's triangles, and this view has none",
+            ));
         };
         let light = homogeneous(view.light);
         let endless = Endless::new(view, geometry);
         let lifted = Lifted::new(geometry, light.as_dvec4());
-        let lost = view.receivers.map_or(0.0, |receivers| lifted.hopeless(view, receivers, &endless));
+        let lost = view
+            .receivers
+            .map_or(0.0, |receivers| lifted.hopeless(view, receivers, &endless));
         if lost > LEAST_SHARE {
             let reason = format!(
                 "the light grazes the planes of {:.1} % of what is seen, and depth is too coarse there to tell them from the \
@@ -77,28 +86,52 @@ impl ShadowTechnique for ShadowVolumes {
         let silhouette = mesh.silhouette(lifted.light);
         let window = Window::new(&endless.space, view.camera.size);
         // Without perspective, points at infinity have no place on the picture, and not all devices clip them well.
-        let reach =
-            endless.backdrop.is_some().then(|| beyond_all(&geometry.bounds(), &mesh, &silhouette, lifted.light));
+        let reach = endless
+            .backdrop
+            .is_some()
+            .then(|| beyond_all(&geometry.bounds(), &mesh, &silhouette, lifted.light));
         let mut faces = extrude(&mesh, &silhouette, lifted.light, Some(&window), reach);
         if let Some(backdrop) = &endless.backdrop {
             faces = flatten(&faces, backdrop);
         }
-        Ok(recipe(view, &endless, faces, caps_apart(&mesh, &silhouette), light))
+        Ok(recipe(
+            view,
+            &endless,
+            faces,
+            caps_apart(&mesh, &silhouette),
+            light,
+        ))
     }
 }
 
 /// Image 0 holds the nearest depths, image 1 the counts.
 fn recipe(view: &View<'_>, endless: &Endless, faces: Faces, apart: Faces, light: Vec4) -> Recipe {
-    let image = |label, format| ImageDesc { label, size: view.camera.size, layers: 1, format };
-    let nearest = |source| Cast { source, ..Cast::nearest(0, 0, endless.space) };
+    let image = |label, format| ImageDesc {
+        label,
+        size: view.camera.size,
+        layers: 1,
+        format,
+    };
+    let nearest = |source| Cast {
+        source,
+        ..Cast::nearest(0, 0, endless.space)
+    };
     let mut casts = vec![nearest(Source::Everything)];
     if !apart.triangles.is_empty() {
         casts.push(nearest(Source::Faces(Arc::new(apart))));
     }
     let mode = CastMode::Count { depth: 0 };
-    casts.push(Cast { image: 1, mode, bias: BEHIND, ..nearest(Source::Faces(Arc::new(faces))) });
+    casts.push(Cast {
+        image: 1,
+        mode,
+        bias: BEHIND,
+        ..nearest(Source::Faces(Arc::new(faces)))
+    });
     Recipe {
-        images: vec![image("seen depth", Format::Depth32), image("volume count", Format::Stencil8)],
+        images: vec![
+            image("seen depth", Format::Depth32),
+            image("volume count", Format::Stencil8),
+        ],
         tables: Vec::new(),
         casts,
         filters: Vec::new(),
@@ -129,7 +162,13 @@ pub struct VolumesKernel(
 
 impl Kernel for VolumesKernel {
     fn modules(&self) -> Vec<Module> {
-        vec![FACING, Module { name: "volumes", text: include_str!("volumes.wgsl") }]
+        vec![
+            FACING,
+            Module {
+                name: "volumes",
+                text: include_str!("volumes.wgsl"),
+            },
+        ]
     }
 
     fn uniform_bytes(&self) -> Vec<u8> {

@@ -38,23 +38,40 @@ pub(crate) struct Part<T> {
 
 impl<T> Part<T> {
     /// Outside, all of it: nothing of it is cut.
-    pub(crate) const WHOLE: Self = Self { enters: None, leaves: None };
+    pub(crate) const WHOLE: Self = Self {
+        enters: None,
+        leaves: None,
+    };
 
     /// The same with other places.
     fn map<U>(self, mut f: impl FnMut(T) -> U) -> Part<U> {
-        let mut crossing = |c: Crossing<T>| Crossing { at: f(c.at), plane: c.plane };
-        Part { enters: self.enters.map(&mut crossing), leaves: self.leaves.map(&mut crossing) }
+        let mut crossing = |c: Crossing<T>| Crossing {
+            at: f(c.at),
+            plane: c.plane,
+        };
+        Part {
+            enters: self.enters.map(&mut crossing),
+            leaves: self.leaves.map(&mut crossing),
+        }
     }
 }
 
 impl Window {
     /// The picture of this size that is seen from a space.
     pub(crate) fn new(space: &LightSpace, size: UVec2) -> Self {
-        let clip_from_world: DMat4 = space.clip_from_view.as_dmat4() * space.view_from_world.as_dmat4();
+        let clip_from_world: DMat4 =
+            space.clip_from_view.as_dmat4() * space.view_from_world.as_dmat4();
         let [x, y, w] = [0, 1, 3].map(|i| clip_from_world.row(i));
         // The picture is 2 wide and high in these coordinates.
         let inner = 1.0 - 2.0 * MARGIN / size.as_dvec2();
-        Self { planes: [w * inner.x + x, w * inner.x - x, w * inner.y + y, w * inner.y - y] }
+        Self {
+            planes: [
+                w * inner.x + x,
+                w * inner.x - x,
+                w * inner.y + y,
+                w * inner.y - y,
+            ],
+        }
     }
 
     /// The part within the picture of the edge from a point to another, maybe infinitely far away (w = 0, else 1); none if
@@ -67,7 +84,10 @@ impl Window {
         let (mut enters, mut leaves) = (None::<Crossing<f64>>, None::<Crossing<f64>>);
         for (plane, normal) in self.planes.iter().enumerate() {
             let [here, there] = [normal.dot(from), normal.dot(towards)];
-            let crossing = Some(Crossing { at: -here / there, plane });
+            let crossing = Some(Crossing {
+                at: -here / there,
+                plane,
+            });
             if here <= 0.0 && there <= 0.0 {
                 return None;
             }
@@ -88,7 +108,10 @@ impl Window {
 impl Window {
     /// Whether an edge lies outside of a plane, or on it but for the rounding of its ends to 32 bits.
     pub(crate) fn hides(&self, edge: [DVec4; 2]) -> bool {
-        self.planes.iter().any(|plane| edge.iter().all(|end| plane.dot(*end) < 1e-5 * plane.abs().dot(end.abs())))
+        self.planes.iter().any(|plane| {
+            edge.iter()
+                .all(|end| plane.dot(*end) < 1e-5 * plane.abs().dot(end.abs()))
+        })
     }
 }
 
@@ -104,7 +127,10 @@ impl Parts {
         find: impl FnOnce() -> Option<Part<DVec3>>,
         add: impl FnMut(DVec3) -> u32,
     ) -> Part<u32> {
-        *self.0.entry(vertex).or_insert_with(|| find().map_or(Part::WHOLE, |part| part.map(add)))
+        *self
+            .0
+            .entry(vertex)
+            .or_insert_with(|| find().map_or(Part::WHOLE, |part| part.map(add)))
     }
 }
 
@@ -132,7 +158,12 @@ mod tests {
     #[test]
     fn rays_cross_a_quarter_pixel_inside_the_border() {
         let from = DVec3::new(0.1, 0.2, 0.3);
-        for (towards, plane) in [(DVec3::NEG_X, 0), (DVec3::X, 1), (DVec3::NEG_Y, 2), (DVec3::new(0.3, 1.0, -0.2), 3)] {
+        for (towards, plane) in [
+            (DVec3::NEG_X, 0),
+            (DVec3::X, 1),
+            (DVec3::NEG_Y, 2),
+            (DVec3::new(0.3, 1.0, -0.2), 3),
+        ] {
             let inside = part(from, towards.extend(0.0)).expect("it begins inside");
             let leaves = inside.leaves.expect("it leaves");
             assert_eq!((inside.enters, leaves.plane), (None, plane));
@@ -142,7 +173,11 @@ mod tests {
             let enters = back.enters.expect("it begins outside");
             assert_eq!(enters.plane, plane);
             for at in [leaves.at, enters.at] {
-                assert!((borders(at)[plane] - 0.25).abs() < 1e-4, "{towards}: {:?}", borders(at));
+                assert!(
+                    (borders(at)[plane] - 0.25).abs() < 1e-4,
+                    "{towards}: {:?}",
+                    borders(at)
+                );
                 let across = (at - from).normalize().cross(towards.normalize()).length();
                 assert!(across < 1e-9, "{towards}: {at} is not on the ray");
             }
@@ -151,23 +186,52 @@ mod tests {
 
     #[test]
     fn rays_outside_have_no_part_and_some_never_leave() {
-        assert_eq!(part(DVec3::new(40.0, 0.0, 0.0), DVec3::Y.extend(0.0)), None, "right of the picture");
-        assert_eq!(part(DVec3::new(40.0, 0.0, 0.0), DVec4::new(0.0, 40.0, 0.0, 1.0)), None, "past its corner");
+        assert_eq!(
+            part(DVec3::new(40.0, 0.0, 0.0), DVec3::Y.extend(0.0)),
+            None,
+            "right of the picture"
+        );
+        assert_eq!(
+            part(DVec3::new(40.0, 0.0, 0.0), DVec4::new(0.0, 40.0, 0.0, 1.0)),
+            None,
+            "past its corner"
+        );
         assert_eq!(
             part(DVec3::new(40.0, 0.0, 0.0), DVec4::new(20.0, 0.0, 0.0, 1.0)),
             None,
             "not so far as to the picture"
         );
-        assert_eq!(part(DVec3::ZERO, DVec4::new(0.1, 0.0, 0.0, 1.0)), Some(Part::WHOLE), "within the picture");
-        assert_eq!(part(DVec3::new(0.0, 0.0, 6.0), DVec3::Z.extend(0.0)), None, "behind the eye");
-        assert_eq!(part(DVec3::ZERO, DVec3::NEG_Z.extend(0.0)), Some(Part::WHOLE), "away from the eye");
+        assert_eq!(
+            part(DVec3::ZERO, DVec4::new(0.1, 0.0, 0.0, 1.0)),
+            Some(Part::WHOLE),
+            "within the picture"
+        );
+        assert_eq!(
+            part(DVec3::new(0.0, 0.0, 6.0), DVec3::Z.extend(0.0)),
+            None,
+            "behind the eye"
+        );
+        assert_eq!(
+            part(DVec3::ZERO, DVec3::NEG_Z.extend(0.0)),
+            Some(Part::WHOLE),
+            "away from the eye"
+        );
     }
 
     #[test]
     fn a_part_is_found_once() {
         let mut parts = Parts::default();
-        let found = Part { enters: None, leaves: Some(Crossing { at: DVec3::ONE, plane: 2 }) };
-        let kept = Part { enters: None, leaves: Some(Crossing { at: 9, plane: 2 }) };
+        let found = Part {
+            enters: None,
+            leaves: Some(Crossing {
+                at: DVec3::ONE,
+                plane: 2,
+            }),
+        };
+        let kept = Part {
+            enters: None,
+            leaves: Some(Crossing { at: 9, plane: 2 }),
+        };
         assert_eq!(parts.of(5, || Some(found), |_| 9), kept);
         assert_eq!(parts.of(5, || None, |_| 10), kept);
         assert_eq!(parts.of(6, || None, |_| 10), Part::WHOLE);

@@ -3,7 +3,8 @@
 use std::sync::LazyLock;
 
 /// What to do where there is none.
-pub const MEND: &str = "on Debian or Ubuntu, `cargo xtask test --install-driver` installs a software one";
+pub const MEND: &str =
+    "on Debian or Ubuntu, `cargo xtask test --install-driver` installs a software one";
 
 /// A device, and the name of its adapter.
 #[derive(Debug)]
@@ -21,7 +22,8 @@ pub struct TestDevice {
 /// # Panics
 /// When there is no adapter: a test that needs one fails, it is never skipped.
 pub fn device() -> &'static TestDevice {
-    static DEVICE: LazyLock<TestDevice> = LazyLock::new(|| open().unwrap_or_else(|why| panic!("{why}; {MEND}")));
+    static DEVICE: LazyLock<TestDevice> =
+        LazyLock::new(|| open().unwrap_or_else(|why| panic!("{why}; {MEND}")));
     &DEVICE
 }
 
@@ -34,17 +36,35 @@ pub fn open() -> Result<TestDevice, String> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
     let mut adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::PRIMARY));
     adapters.sort_by_key(|a| preference(&a.get_info()));
-    let name = crate::gpu::named().and_then(|choice| choice.name).unwrap_or_default();
-    let fits = |a: &&wgpu::Adapter| a.get_info().name.to_lowercase().contains(&name.to_lowercase());
-    let adapter = adapters.iter().find(fits).ok_or("no graphics adapter found")?;
+    let name = crate::gpu::named()
+        .and_then(|choice| choice.name)
+        .unwrap_or_default();
+    let fits = |a: &&wgpu::Adapter| {
+        a.get_info()
+            .name
+            .to_lowercase()
+            .contains(&name.to_lowercase())
+    };
+    let adapter = adapters
+        .iter()
+        .find(fits)
+        .ok_or("no graphics adapter found")?;
     let info = adapter.get_info();
     let name = format!("{} ({:?}, {})", info.name, info.backend, info.driver_info);
     let opened = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor::default()));
-    let (device, queue) = opened.map_err(|e| format!("the graphics adapter {name} gives no device: {e}"))?;
-    Ok(TestDevice { adapter: name, device, queue })
+    let (device, queue) =
+        opened.map_err(|e| format!("the graphics adapter {name} gives no device: {e}"))?;
+    Ok(TestDevice {
+        adapter: name,
+        device,
+        queue,
+    })
 }
 
 /// Software adapters come first: they neither contract nor reorder, so that twins can be asked to be bit-equal.
 fn preference(info: &wgpu::AdapterInfo) -> (bool, bool) {
-    (info.device_type != wgpu::DeviceType::Cpu, info.backend != wgpu::Backend::Vulkan)
+    (
+        info.device_type != wgpu::DeviceType::Cpu,
+        info.backend != wgpu::Backend::Vulkan,
+    )
 }

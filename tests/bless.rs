@@ -7,11 +7,22 @@ fn main() -> ExitCode {
     let names: Vec<String> = std::env::args().skip(1).collect();
     let known: Vec<String> = all().iter().map(Golden::name).collect();
     if let Some(unknown) = names.iter().find(|n| *n != "--all" && !known.contains(n)) {
-        eprintln!("error: there is no golden image `{unknown}`; use some of {}", known.join(", "));
+        eprintln!(
+            "error: there is no golden image `{unknown}`; use some of {}",
+            known.join(", ")
+        );
         return ExitCode::from(2);
     }
-    let faults = all().iter().filter_map(|g| visit(g, &names).err()).map(|why| eprintln!("error: {why}")).count();
-    if faults == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+    let faults = all()
+        .iter()
+        .filter_map(|g| visit(g, &names).err())
+        .map(|why| eprintln!("error: {why}"))
+        .count();
+    if faults == 0 {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::FAILURE
+    }
 }
 
 fn visit(golden: &Golden, names: &[String]) -> Result<(), String> {
@@ -21,10 +32,16 @@ fn visit(golden: &Golden, names: &[String]) -> Result<(), String> {
         return Ok(());
     };
     if names.iter().all(|n| *n != name && n != "--all") {
-        println!("differs  {} ({why}); to keep what is rendered now: cargo xtask bless {name}", path.display());
+        println!(
+            "differs  {} ({why}); to keep what is rendered now: cargo xtask bless {name}",
+            path.display()
+        );
         return Ok(());
     }
     golden.bless()?;
-    println!("written  {}: look at it before you commit it", path.display());
+    println!(
+        "written  {}: look at it before you commit it",
+        path.display()
+    );
     Ok(())
 }

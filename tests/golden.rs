@@ -4,7 +4,9 @@ use image::{GrayImage, ImageFormat};
 use std::{fs, io::Cursor, path::PathBuf};
 use umbrage_core::{Backend as _, Fit, Geometry, Layout, ShadowTechnique, View, glam::UVec2};
 use umbrage_cpu::Cpu;
-use umbrage_techniques::{BeyondFar, Bias, Border, Hard, MapFormat, Pcf, PcfDithered, ShadowMap, Surface, Traced};
+use umbrage_techniques::{
+    BeyondFar, Bias, Border, Hard, MapFormat, Pcf, PcfDithered, ShadowMap, Surface, Traced,
+};
 
 /// Sides, pixels.
 pub const SIDE: u32 = 128;
@@ -25,7 +27,10 @@ pub struct Golden {
 
 /// Wide enough an offset that the kernels used here, up to 3 texels wide, shadow no plane by itself: acne would drown all
 /// else, and change wherever a bit does.
-const BIAS: Bias = Bias { normal_offset: 3.0, ..Bias::NONE };
+const BIAS: Bias = Bias {
+    normal_offset: 3.0,
+    ..Bias::NONE
+};
 
 const MAP: ShadowMap = ShadowMap {
     size: 512,
@@ -40,9 +45,28 @@ const MAP: ShadowMap = ShadowMap {
 
 /// All golden images. Few: each shows what no other does, and all have to be looked at when they change.
 pub fn all() -> Vec<Golden> {
-    let hard = || Box::new(Hard { map: ShadowMap { bias: Bias::SLOPE, ..MAP } }) as Box<dyn ShadowTechnique>;
-    let unbiased = || Box::new(Hard { map: ShadowMap { bias: Bias::NONE, ..MAP } }) as Box<dyn ShadowTechnique>;
-    let pcf = || Box::new(Pcf { map: MAP, radius: 1 }) as Box<dyn ShadowTechnique>;
+    let hard = || {
+        Box::new(Hard {
+            map: ShadowMap {
+                bias: Bias::SLOPE,
+                ..MAP
+            },
+        }) as Box<dyn ShadowTechnique>
+    };
+    let unbiased = || {
+        Box::new(Hard {
+            map: ShadowMap {
+                bias: Bias::NONE,
+                ..MAP
+            },
+        }) as Box<dyn ShadowTechnique>
+    };
+    let pcf = || {
+        Box::new(Pcf {
+            map: MAP,
+            radius: 1,
+        }) as Box<dyn ShadowTechnique>
+    };
     let dithered = || Box::new(PcfDithered { map: MAP }) as Box<dyn ShadowTechnique>;
     let traced = || Box::new(Traced { samples: 16 }) as Box<dyn ShadowTechnique>;
     let list: [(&str, Make); 11] = [
@@ -58,7 +82,9 @@ pub fn all() -> Vec<Golden> {
         ("low-sun-5", unbiased),
         ("stairs", pcf),
     ];
-    list.into_iter().map(|(scene, technique)| Golden { scene, technique }).collect()
+    list.into_iter()
+        .map(|(scene, technique)| Golden { scene, technique })
+        .collect()
 }
 
 impl Golden {
@@ -69,7 +95,9 @@ impl Golden {
 
     /// Where it is kept.
     pub fn path(&self) -> PathBuf {
-        PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("goldens").join(format!("{}.png", self.name()))
+        PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+            .join("goldens")
+            .join(format!("{}.png", self.name()))
     }
 
     /// The mask as it is rendered now, on the CPU.
@@ -85,7 +113,11 @@ impl Golden {
         let view = View::new(&camera, &scene.lights[0], &geometry);
         let recipe = (self.technique)().plan(&view).map_err(|e| say(&e))?;
         let shadows = Cpu::new().render(&view, &recipe).map_err(|e| say(&e))?;
-        let pixels = shadows.mask.iter().map(|lit| (lit * 255.0).round() as u8).collect();
+        let pixels = shadows
+            .mask
+            .iter()
+            .map(|lit| (lit * 255.0).round() as u8)
+            .collect();
         GrayImage::from_raw(SIDE, SIDE, pixels).ok_or_else(|| say(&"the mask has another size"))
     }
 
@@ -105,7 +137,11 @@ impl Golden {
     pub fn bless(&self) -> Result<(), String> {
         let bytes = encode(&self.render()?)?;
         if bytes.len() > MAX_BYTES {
-            return Err(format!("{} takes {} bytes, over {MAX_BYTES}: use a plainer scene", self.name(), bytes.len()));
+            return Err(format!(
+                "{} takes {} bytes, over {MAX_BYTES}: use a plainer scene",
+                self.name(),
+                bytes.len()
+            ));
         }
         fs::write(self.path(), bytes).map_err(|e| format!("{}: {e}", self.path().display()))
     }
@@ -117,7 +153,9 @@ impl Golden {
 /// When the encoder fails; in words.
 pub fn encode(image: &GrayImage) -> Result<Vec<u8>, String> {
     let mut bytes = Cursor::new(Vec::new());
-    image.write_to(&mut bytes, ImageFormat::Png).map_err(|e| e.to_string())?;
+    image
+        .write_to(&mut bytes, ImageFormat::Png)
+        .map_err(|e| e.to_string())?;
     Ok(bytes.into_inner())
 }
 
@@ -126,11 +164,30 @@ pub fn encode(image: &GrayImage) -> Result<Vec<u8>, String> {
 /// # Errors
 /// How they differ, in words.
 pub fn compare(png: &[u8], now: &GrayImage) -> Result<(), String> {
-    let kept = image::load_from_memory_with_format(png, ImageFormat::Png).map_err(|e| e.to_string())?.into_luma8();
+    let kept = image::load_from_memory_with_format(png, ImageFormat::Png)
+        .map_err(|e| e.to_string())?
+        .into_luma8();
     if png.len() > MAX_BYTES || kept.dimensions() != now.dimensions() {
-        return Err(format!("{} bytes, {:?} pixels: too large", png.len(), kept.dimensions()));
+        return Err(format!(
+            "{} bytes, {:?} pixels: too large",
+            png.len(),
+            kept.dimensions()
+        ));
     }
-    let differing = kept.pixels().zip(now.pixels()).filter(|(a, b)| a != b).count();
-    let most = kept.pixels().zip(now.pixels()).map(|(a, b)| a.0[0].abs_diff(b.0[0])).max().unwrap_or(0);
-    if differing == 0 { Ok(()) } else { Err(format!("{differing} pixels differ, by up to {most} of 255")) }
+    let differing = kept
+        .pixels()
+        .zip(now.pixels())
+        .filter(|(a, b)| a != b)
+        .count();
+    let most = kept
+        .pixels()
+        .zip(now.pixels())
+        .map(|(a, b)| a.0[0].abs_diff(b.0[0]))
+        .max()
+        .unwrap_or(0);
+    if differing == 0 {
+        Ok(())
+    } else {
+        Err(format!("{differing} pixels differ, by up to {most} of 255"))
+    }
 }

@@ -28,6 +28,9 @@ fn open() -> Result<Gpu, BackendError> {
     if let Some(named) = named() {
         return Gpu::new(&named);
     }
-    let software = AdapterChoice { software: Software::Only, ..AdapterChoice::default() };
+    let software = AdapterChoice {
+        software: Software::Only,
+        ..AdapterChoice::default()
+    };
     Gpu::new(&software).or_else(|_| Gpu::new(&AdapterChoice::default()))
 }

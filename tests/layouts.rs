@@ -9,13 +9,24 @@ use umbrage_core::UniformLayout;
 /// # Errors
 /// When the structs don't compile, or none has that name.
 pub fn wgsl_layout(wgsl: &str, name: &str) -> Result<UniformLayout, String> {
-    let structs: String = wgsl.match_indices("struct ").filter_map(|(at, _)| declaration(&wgsl[at..])).collect();
+    let structs: String = wgsl
+        .match_indices("struct ")
+        .filter_map(|(at, _)| declaration(&wgsl[at..]))
+        .collect();
     let module = naga::front::wgsl::parse_str(&structs).map_err(|e| e.emit_to_string(&structs))?;
-    let found = module.types.iter().find(|(_, t)| t.name.as_deref() == Some(name));
+    let found = module
+        .types
+        .iter()
+        .find(|(_, t)| t.name.as_deref() == Some(name));
     match found.map(|(_, t)| &t.inner) {
         Some(TypeInner::Struct { members, span }) => {
-            let field = |m: &naga::StructMember| (m.name.clone().unwrap_or_default(), u64::from(m.offset));
-            Ok(layout(name, members.iter().map(field).collect(), u64::from(*span)))
+            let field =
+                |m: &naga::StructMember| (m.name.clone().unwrap_or_default(), u64::from(m.offset));
+            Ok(layout(
+                name,
+                members.iter().map(field).collect(),
+                u64::from(*span),
+            ))
         }
         _ => Err(format!("no struct `{name}` in\n{structs}")),
     }
@@ -28,7 +39,11 @@ fn declaration(text: &str) -> Option<&str> {
 fn layout(name: &str, fields: Vec<(String, u64)>, size: u64) -> UniformLayout {
     // Layouts name things for as long as the program lives; so few may be built here, too.
     let keep = |s: String| -> &'static str { s.leak() };
-    UniformLayout { name: keep(name.to_owned()), fields: fields.into_iter().map(|(n, o)| (keep(n), o)).collect(), size }
+    UniformLayout {
+        name: keep(name.to_owned()),
+        fields: fields.into_iter().map(|(n, o)| (keep(n), o)).collect(),
+        size,
+    }
 }
 
 /// Objects unless the shader lays the struct out as Rust does.

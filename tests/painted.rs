@@ -24,8 +24,10 @@ pub fn scene(light: Light, camera: Camera) -> Result<Scene, Invalid> {
         lights: vec![light],
         cameras: vec![camera],
     };
-    Ok(scene
-        .with_light_marker(LightMarker { directional_at: Some(Vec3::new(-1.5, 1.4, -1.0)), ..LightMarker::default() }))
+    Ok(scene.with_light_marker(LightMarker {
+        directional_at: Some(Vec3::new(-1.5, 1.4, -1.0)),
+        ..LightMarker::default()
+    }))
 }
 
 /// Every kind of light, all from the left; those with a place stand where both cameras see them.
@@ -33,11 +35,31 @@ pub fn lights() -> [Light; 5] {
     let position = Vec3::new(-1.2, 1.8, 1.0);
     let half = Vec3::new(0.3, 0.0, 0.0);
     [
-        Light::Directional { direction: Vec3::new(1.0, -2.0, -0.7), angular_diameter: 0.0 },
-        Light::Spot { position, direction: -position, inner: 0.4, outer: 0.7, radius: 0.0 },
-        Light::Point { position, radius: 0.0 },
-        Light::Rect { center: position, half_u: half, half_v: Vec3::new(0.0, 0.0, 0.2) },
-        Light::Disc { center: position, normal: Vec3::NEG_Y, radius: 0.3 },
+        Light::Directional {
+            direction: Vec3::new(1.0, -2.0, -0.7),
+            angular_diameter: 0.0,
+        },
+        Light::Spot {
+            position,
+            direction: -position,
+            inner: 0.4,
+            outer: 0.7,
+            radius: 0.0,
+        },
+        Light::Point {
+            position,
+            radius: 0.0,
+        },
+        Light::Rect {
+            center: position,
+            half_u: half,
+            half_v: Vec3::new(0.0, 0.0, 0.2),
+        },
+        Light::Disc {
+            center: position,
+            normal: Vec3::NEG_Y,
+            radius: 0.3,
+        },
     ]
 }
 
@@ -47,30 +69,60 @@ pub fn lights() -> [Light; 5] {
 /// Never: the cameras are good ones.
 pub fn cameras() -> Result<[Camera; 2], Invalid> {
     let (eye, target) = (Vec3::new(0.6, 2.4, 4.2), Vec3::new(0.0, 0.3, 0.0));
-    let flat = Extents { left: -2.4, right: 2.4, bottom: -1.8, top: 1.8, near: 0.1, far: 20.0 };
+    let flat = Extents {
+        left: -2.4,
+        right: 2.4,
+        bottom: -1.8,
+        top: 1.8,
+        near: 0.1,
+        far: 20.0,
+    };
     let perspective = Camera::perspective(eye, target, Vec3::Y, 0.8, [0.1, 50.0], SIZE)?;
-    Ok([perspective, Camera::orthographic(eye, target, Vec3::Y, flat, SIZE)?])
+    Ok([
+        perspective,
+        Camera::orthographic(eye, target, Vec3::Y, flat, SIZE)?,
+    ])
 }
 
 /// Two balls, one of them mirrored and without a texture's colour, over a floor; a third that names no material.
 fn instances() -> Vec<Instance> {
     let place = |mesh, scale: Vec3, at: Vec3, material| {
         let world_from_local = Affine3A::from_translation(at) * Affine3A::from_scale(scale);
-        Instance { material, ..Instance::new(mesh, world_from_local) }
+        Instance {
+            material,
+            ..Instance::new(mesh, world_from_local)
+        }
     };
     vec![
         place(0, Vec3::splat(3.0), Vec3::ZERO, Some(0)),
         place(1, Vec3::splat(0.7), Vec3::new(-0.9, 0.7, 0.0), Some(1)),
-        place(1, Vec3::new(-0.5, 0.6, 0.5), Vec3::new(0.6, 0.6, 0.6), Some(2)),
+        place(
+            1,
+            Vec3::new(-0.5, 0.6, 0.5),
+            Vec3::new(0.6, 0.6, 0.6),
+            Some(2),
+        ),
         place(1, Vec3::splat(0.3), Vec3::new(1.3, 0.3, -0.6), None),
     ]
 }
 
 fn materials() -> Vec<Material> {
-    let floor =
-        Material { diffuse: Vec3::splat(0.8), diffuse_texture: Some(0), normal_map: Some(1), ..Material::default() };
-    let shiny = Material { specular: Vec3::splat(0.6), shininess_log2: 7, ..floor };
-    let red = Material { diffuse: Vec3::new(0.6, 0.08, 0.05), diffuse_texture: None, ..shiny };
+    let floor = Material {
+        diffuse: Vec3::splat(0.8),
+        diffuse_texture: Some(0),
+        normal_map: Some(1),
+        ..Material::default()
+    };
+    let shiny = Material {
+        specular: Vec3::splat(0.6),
+        shininess_log2: 7,
+        ..floor
+    };
+    let red = Material {
+        diffuse: Vec3::new(0.6, 0.08, 0.05),
+        diffuse_texture: None,
+        ..shiny
+    };
     vec![floor, shiny, red]
 }
 
@@ -79,8 +131,18 @@ fn floor() -> Mesh {
     let corner = |x: f32, z: f32| Vec3::new(x, 0.0, z);
     Mesh {
         name: "floor".to_owned(),
-        positions: vec![corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)],
-        uvs: vec![Vec2::ZERO, Vec2::new(0.0, 3.0), Vec2::splat(3.0), Vec2::new(3.0, 0.0)],
+        positions: vec![
+            corner(-1.0, -1.0),
+            corner(-1.0, 1.0),
+            corner(1.0, 1.0),
+            corner(1.0, -1.0),
+        ],
+        uvs: vec![
+            Vec2::ZERO,
+            Vec2::new(0.0, 3.0),
+            Vec2::splat(3.0),
+            Vec2::new(3.0, 0.0),
+        ],
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         ..Mesh::default()
     }
@@ -90,11 +152,17 @@ fn floor() -> Mesh {
 fn ball() -> Mesh {
     const AROUND: u32 = 24;
     const DOWN: u32 = 12;
-    let mut mesh = Mesh { name: "ball".to_owned(), ..Mesh::default() };
+    let mut mesh = Mesh {
+        name: "ball".to_owned(),
+        ..Mesh::default()
+    };
     for i in 0..=DOWN {
         for j in 0..=AROUND {
             let (v, u) = (i as f32 / DOWN as f32, j as f32 / AROUND as f32);
-            let ((sin, cos), (z, x)) = ((v * std::f32::consts::PI).sin_cos(), (u * std::f32::consts::TAU).sin_cos());
+            let ((sin, cos), (z, x)) = (
+                (v * std::f32::consts::PI).sin_cos(),
+                (u * std::f32::consts::TAU).sin_cos(),
+            );
             mesh.positions.push(Vec3::new(x * sin, cos, -z * sin));
             mesh.uvs.push(Vec2::new(4.0 * u, 2.0 * v));
         }
@@ -110,14 +178,29 @@ fn ball() -> Mesh {
 
 /// No flip or turn leaves it as it is.
 fn checks() -> Texture {
-    let [light, dark, blue] = [[0.9, 0.85, 0.7, 1.0], [0.25, 0.2, 0.2, 1.0], [0.1, 0.3, 0.7, 1.0]];
+    let [light, dark, blue] = [
+        [0.9, 0.85, 0.7, 1.0],
+        [0.25, 0.2, 0.2, 1.0],
+        [0.1, 0.3, 0.7, 1.0],
+    ];
     let texels = [light, dark, light, dark, blue, dark, light, light];
-    Texture { name: "checks".to_owned(), size: UVec2::new(4, 2), texels: texels.to_vec() }
+    Texture {
+        name: "checks".to_owned(),
+        size: UVec2::new(4, 2),
+        texels: texels.to_vec(),
+    }
 }
 
 /// Heights 0 to 1: four waves one way, two the other.
 fn waves() -> Texture {
-    let wave = |i: u32, count: f32| 0.5 + 0.5 * (i as f32 / 32.0 * count * std::f32::consts::TAU).sin();
-    let texels = (0..32 * 32).map(|i| [wave(i % 32, 4.0) * wave(i / 32, 2.0); 4]).collect();
-    Texture { name: "waves".to_owned(), size: UVec2::splat(32), texels }
+    let wave =
+        |i: u32, count: f32| 0.5 + 0.5 * (i as f32 / 32.0 * count * std::f32::consts::TAU).sin();
+    let texels = (0..32 * 32)
+        .map(|i| [wave(i % 32, 4.0) * wave(i / 32, 2.0); 4])
+        .collect();
+    Texture {
+        name: "waves".to_owned(),
+        size: UVec2::splat(32),
+        texels,
+    }
 }

@@ -3,10 +3,13 @@
 use glam::{Affine3A, Quat, UVec2, Vec3};
 use proptest::{collection::vec, prelude::*};
 use std::sync::Arc;
-use umbrage_core::{Camera, Cull, Extents, Fit, Instance, Layout, Light, Mesh, RasterBias, Scene, ShadowTechnique};
+use umbrage_core::{
+    Camera, Cull, Extents, Fit, Instance, Layout, Light, Mesh, RasterBias, Scene, ShadowTechnique,
+};
 use umbrage_techniques::{
-    BeyondFar, Bias, Border, Hard, MapFormat, Midpoint, Pattern, Pcf, PcfDisc, PcfDithered, PcfHardware, PcfMerged,
-    Pcss, Planar, SecondDepth, ShadowMap, ShadowVolumes, Surface, Traced, Unshadowed,
+    BeyondFar, Bias, Border, Hard, MapFormat, Midpoint, Pattern, Pcf, PcfDisc, PcfDithered,
+    PcfHardware, PcfMerged, Pcss, Planar, SecondDepth, ShadowMap, ShadowVolumes, Surface, Traced,
+    Unshadowed,
 };
 
 /// Something to render: one scene, one technique.
@@ -25,8 +28,14 @@ pub fn cases() -> impl Strategy<Value = Case> {
 
 /// Scenes with a floor or without, of one to five objects.
 pub fn scenes() -> impl Strategy<Value = Scene> {
-    (vec(meshes(), 1..5), vec(placements(), 1..6), lights(), cameras(), any::<bool>()).prop_map(
-        |(mut meshes, placements, light, camera, floor)| {
+    (
+        vec(meshes(), 1..5),
+        vec(placements(), 1..6),
+        lights(),
+        cameras(),
+        any::<bool>(),
+    )
+        .prop_map(|(mut meshes, placements, light, camera, floor)| {
             let mut instances: Vec<Instance> = placements
                 .into_iter()
                 .enumerate()
@@ -42,32 +51,70 @@ pub fn scenes() -> impl Strategy<Value = Scene> {
                 meshes.push(quad());
             }
             let (name, lights, cameras) = ("random".into(), vec![light], vec![camera]);
-            Scene { name, meshes, instances, lights, cameras, ..Scene::default() }
-        },
-    )
+            Scene {
+                name,
+                meshes,
+                instances,
+                lights,
+                cameras,
+                ..Scene::default()
+            }
+        })
 }
 
 fn mesh(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Mesh {
-    Mesh { name: "random".into(), positions, triangles, ..Mesh::default() }
+    Mesh {
+        name: "random".into(),
+        positions,
+        triangles,
+        ..Mesh::default()
+    }
 }
 
 fn quad() -> Mesh {
     let corner = |x, z| Vec3::new(x, 0.0, z);
-    mesh(vec![corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)], vec![[0, 1, 2], [0, 2, 3]])
+    mesh(
+        vec![
+            corner(-1.0, -1.0),
+            corner(-1.0, 1.0),
+            corner(1.0, 1.0),
+            corner(1.0, -1.0),
+        ],
+        vec![[0, 1, 2], [0, 2, 3]],
+    )
 }
 
 /// A closed box, counter-clockwise seen from outside.
 fn cuboid() -> Mesh {
-    let corner = |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) * 2.0 - 1.0;
-    let sides = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
-    mesh((0..8).map(corner).collect(), sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect())
+    let corner =
+        |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) * 2.0 - 1.0;
+    let sides = [
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+    ];
+    mesh(
+        (0..8).map(corner).collect(),
+        sides
+            .iter()
+            .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]])
+            .collect(),
+    )
 }
 
 /// Any triangles: they cross, touch, repeat and degenerate.
 fn soup() -> impl Strategy<Value = Mesh> {
     vec((vec3(-1.0..1.0), vec3(-1.0..1.0), vec3(-1.0..1.0)), 1..30).prop_map(|corners| {
-        let positions: Vec<Vec3> = corners.into_iter().flat_map(|(a, b, c)| [a, b, c]).collect();
-        let triangles = (0..positions.len() as u32 / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        let positions: Vec<Vec3> = corners
+            .into_iter()
+            .flat_map(|(a, b, c)| [a, b, c])
+            .collect();
+        let triangles = (0..positions.len() as u32 / 3)
+            .map(|i| [3 * i, 3 * i + 1, 3 * i + 2])
+            .collect();
         mesh(positions, triangles)
     })
 }
@@ -77,7 +124,12 @@ fn meshes() -> impl Strategy<Value = Mesh> {
 }
 
 fn placements() -> impl Strategy<Value = (Affine3A, bool, bool)> {
-    let scale = (0.05..2.0_f32, 0.05..2.0_f32, 0.05..2.0_f32, prop_oneof![4 => Just(1.0), 1 => Just(-1.0)]);
+    let scale = (
+        0.05..2.0_f32,
+        0.05..2.0_f32,
+        0.05..2.0_f32,
+        prop_oneof![4 => Just(1.0), 1 => Just(-1.0)],
+    );
     (
         scale,
         rotations(),
@@ -85,10 +137,16 @@ fn placements() -> impl Strategy<Value = (Affine3A, bool, bool)> {
         prop_oneof![5 => Just(true), 1 => Just(false)],
         prop_oneof![5 => Just(true), 1 => Just(false)],
     )
-        .prop_map(|((x, y, z, mirror), rotation, translation, casts, receives)| {
-            let scale = Vec3::new(x * mirror, y, z);
-            (Affine3A::from_scale_rotation_translation(scale, rotation, translation), casts, receives)
-        })
+        .prop_map(
+            |((x, y, z, mirror), rotation, translation, casts, receives)| {
+                let scale = Vec3::new(x * mirror, y, z);
+                (
+                    Affine3A::from_scale_rotation_translation(scale, rotation, translation),
+                    casts,
+                    receives,
+                )
+            },
+        )
 }
 
 /// Axis-aligned ones are likely: they bring ties.
@@ -138,18 +196,38 @@ fn radii() -> impl Strategy<Value = f32> {
 
 fn cameras() -> impl Strategy<Value = Camera> {
     let eyes = (0.0..6.3_f32, 0.1..1.5_f32, 2.0..12.0_f32);
-    (eyes, vec3(-1.0..1.0), 20.0..100.0_f32, 1..97_u32, 1..70_u32, prop_oneof![4 => Just(false), 1 => Just(true)])
-        .prop_map(|((turn, height, distance), target, fov, width, rows, flat)| {
-            let around = Vec3::new(turn.cos() * height.cos(), height.sin(), turn.sin() * height.cos());
-            let (eye, size) = (target + around * distance, UVec2::new(width, rows));
-            let camera = if flat {
-                let extents = Extents { left: -4.0, right: 4.0, bottom: -3.0, top: 3.0, near: 0.0, far: 30.0 };
-                Camera::orthographic(eye, target, Vec3::Y, extents, size)
-            } else {
-                Camera::perspective(eye, target, Vec3::Y, fov.to_radians(), [0.5, 40.0], size)
-            };
-            camera.expect("the ranges above are valid")
-        })
+    (
+        eyes,
+        vec3(-1.0..1.0),
+        20.0..100.0_f32,
+        1..97_u32,
+        1..70_u32,
+        prop_oneof![4 => Just(false), 1 => Just(true)],
+    )
+        .prop_map(
+            |((turn, height, distance), target, fov, width, rows, flat)| {
+                let around = Vec3::new(
+                    turn.cos() * height.cos(),
+                    height.sin(),
+                    turn.sin() * height.cos(),
+                );
+                let (eye, size) = (target + around * distance, UVec2::new(width, rows));
+                let camera = if flat {
+                    let extents = Extents {
+                        left: -4.0,
+                        right: 4.0,
+                        bottom: -3.0,
+                        top: 3.0,
+                        near: 0.0,
+                        far: 30.0,
+                    };
+                    Camera::orthographic(eye, target, Vec3::Y, extents, size)
+                } else {
+                    Camera::perspective(eye, target, Vec3::Y, fov.to_radians(), [0.5, 40.0], size)
+                };
+                camera.expect("the ranges above are valid")
+            },
+        )
 }
 
 fn techniques() -> impl Strategy<Value = Arc<dyn ShadowTechnique>> {
@@ -179,29 +257,49 @@ fn techniques() -> impl Strategy<Value = Arc<dyn ShadowTechnique>> {
 }
 
 fn patterns() -> impl Strategy<Value = (Pattern, bool)> {
-    (prop_oneof![Just(Pattern::Vogel), Just(Pattern::Poisson), Just(Pattern::Grid)], any::<bool>())
+    (
+        prop_oneof![
+            Just(Pattern::Vogel),
+            Just(Pattern::Poisson),
+            Just(Pattern::Grid)
+        ],
+        any::<bool>(),
+    )
 }
 
 fn maps() -> impl Strategy<Value = ShadowMap> {
     let surfaces = prop_oneof![5 => Just(Surface::Nearest), 1 => Just(Surface::Midpoint)];
-    let layouts = prop_oneof![4 => Just(Layout::Auto), 1 => Just(Layout::Single), 1 => Just(Layout::Cube)];
-    (1..200_u32, biases(), fits(), layouts, surfaces, formats(), outside()).prop_map(
-        |(size, bias, fit, layout, surface, format, (border, beyond_far))| ShadowMap {
-            size,
-            fit,
-            bias,
-            layout,
-            surface,
-            format,
-            border,
-            beyond_far,
-        },
+    let layouts =
+        prop_oneof![4 => Just(Layout::Auto), 1 => Just(Layout::Single), 1 => Just(Layout::Cube)];
+    (
+        1..200_u32,
+        biases(),
+        fits(),
+        layouts,
+        surfaces,
+        formats(),
+        outside(),
     )
+        .prop_map(
+            |(size, bias, fit, layout, surface, format, (border, beyond_far))| ShadowMap {
+                size,
+                fit,
+                bias,
+                layout,
+                surface,
+                format,
+                border,
+                beyond_far,
+            },
+        )
 }
 
 fn outside() -> impl Strategy<Value = (Border, BeyondFar)> {
     let borders = prop_oneof![4 => Just(Border::Lit), 1 => Just(Border::Clamp)];
-    (borders, prop_oneof![4 => Just(BeyondFar::Lit), 1 => Just(BeyondFar::Compared)])
+    (
+        borders,
+        prop_oneof![4 => Just(BeyondFar::Lit), 1 => Just(BeyondFar::Compared)],
+    )
 }
 
 fn formats() -> impl Strategy<Value = MapFormat> {
@@ -210,10 +308,22 @@ fn formats() -> impl Strategy<Value = MapFormat> {
 
 /// Manual ones cut through casters and receivers, in depth, too.
 fn fits() -> impl Strategy<Value = Fit> {
-    let manual = (vec3(-3.0..3.0), 0.5..5.0_f32, 0.1..4.0_f32, 1.0..12.0_f32).prop_map(|(eye, half, near, depth)| {
-        let extents = Extents { left: -half, right: half, bottom: -half, top: half, near, far: near + depth };
-        Fit::Manual { eye: eye + Vec3::Y * 4.0, extents }
-    });
+    let manual = (vec3(-3.0..3.0), 0.5..5.0_f32, 0.1..4.0_f32, 1.0..12.0_f32).prop_map(
+        |(eye, half, near, depth)| {
+            let extents = Extents {
+                left: -half,
+                right: half,
+                bottom: -half,
+                top: half,
+                near,
+                far: near + depth,
+            };
+            Fit::Manual {
+                eye: eye + Vec3::Y * 4.0,
+                extents,
+            }
+        },
+    );
     let stable = (1.0..20.0_f32).prop_map(|range| Fit::Stable { range });
     prop_oneof![4 => Just(Fit::Tight), 1 => Just(Fit::Whole), 1 => stable, 1 => manual]
 }
@@ -222,20 +332,45 @@ fn fits() -> impl Strategy<Value = Fit> {
 fn biases() -> impl Strategy<Value = Bias> {
     let presets = (0..Bias::PRESETS.len()).prop_map(|i| Bias::PRESETS[i].1);
     let culls = prop_oneof![Just(Cull::None), Just(Cull::Front), Just(Cull::Back)];
-    let rasters = (-5000..5000_i32, -3.0..3.0_f32, prop_oneof![Just(0.0), -0.01..0.01_f32])
-        .prop_map(|(constant, slope, clamp)| RasterBias { constant, slope, clamp });
-    let planes = (0.0..0.2_f32, any::<bool>());
-    let mixed = (-0.01..0.01_f32, 0.0..0.1_f32, 0.0..0.01_f32, rasters, -2.0..2.0_f32, planes, culls).prop_map(
-        |(constant, slope, slope_min, raster, normal_offset, (receiver_plane, adaptive), cull)| Bias {
+    let rasters = (
+        -5000..5000_i32,
+        -3.0..3.0_f32,
+        prop_oneof![Just(0.0), -0.01..0.01_f32],
+    )
+        .prop_map(|(constant, slope, clamp)| RasterBias {
             constant,
             slope,
-            slope_min,
-            raster,
-            normal_offset,
-            receiver_plane,
-            adaptive,
-            cull,
-        },
-    );
+            clamp,
+        });
+    let planes = (0.0..0.2_f32, any::<bool>());
+    let mixed = (
+        -0.01..0.01_f32,
+        0.0..0.1_f32,
+        0.0..0.01_f32,
+        rasters,
+        -2.0..2.0_f32,
+        planes,
+        culls,
+    )
+        .prop_map(
+            |(
+                constant,
+                slope,
+                slope_min,
+                raster,
+                normal_offset,
+                (receiver_plane, adaptive),
+                cull,
+            )| Bias {
+                constant,
+                slope,
+                slope_min,
+                raster,
+                normal_offset,
+                receiver_plane,
+                adaptive,
+                cull,
+            },
+        );
     prop_oneof![presets, mixed]
 }

@@ -4,8 +4,8 @@
 
 use std::sync::Arc;
 use umbrage::{
-    Cast, Filter, FilterKernel, Format, ImageDesc, Inputs, Kernel, Layout, Module, PlanError, Receive, ReceiveKernel,
-    Recipe, ShadowTechnique, Span, UniformLayout, Uniforms, View,
+    Cast, Filter, FilterKernel, Format, ImageDesc, Inputs, Kernel, Layout, Module, PlanError,
+    Receive, ReceiveKernel, Recipe, ShadowTechnique, Span, UniformLayout, Uniforms, View,
     glam::{IVec2, UVec2},
     techniques::{
         ShadowMap,
@@ -41,11 +41,23 @@ impl ShadowTechnique for Variance {
 
     fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
         // One map: the filters below would do for six as well.
-        let map = ShadowMap { layout: Layout::Single, ..self.map };
+        let map = ShadowMap {
+            layout: Layout::Single,
+            ..self.map
+        };
         let spaces = map.spaces(view, self.radius as f32)?;
-        let image = |label, format| ImageDesc { label, size: UVec2::splat(self.map.size), layers: 1, format };
+        let image = |label, format| ImageDesc {
+            label,
+            size: UVec2::splat(self.map.size),
+            layers: 1,
+            format,
+        };
         let blur = |x, y| {
-            Blur(BlurUniforms { step: IVec2::new(x, y), radius: self.radius as i32, size: self.map.size as i32 })
+            Blur(BlurUniforms {
+                step: IVec2::new(x, y),
+                radius: self.radius as i32,
+                size: self.map.size as i32,
+            })
         };
         let filter = |kernel: Arc<dyn FilterKernel>, input, output| Filter {
             kernel,
@@ -54,7 +66,10 @@ impl ShadowTechnique for Variance {
             output,
         };
         let lookup = MapLookup::new(&map, view, &spaces);
-        let receive = Chebyshev(ChebyshevUniforms { lookup, least_variance: self.least_variance });
+        let receive = Chebyshev(ChebyshevUniforms {
+            lookup,
+            least_variance: self.least_variance,
+        });
         Ok(Recipe {
             images: vec![
                 image("depth", Format::Depth32),
@@ -72,7 +87,11 @@ impl ShadowTechnique for Variance {
                 filter(Arc::new(blur(1, 0)), 1, 2),
                 filter(Arc::new(blur(0, 1)), 2, 1),
             ],
-            receive: Receive { kernel: Arc::new(receive), inputs: vec![1], tables: Vec::new() },
+            receive: Receive {
+                kernel: Arc::new(receive),
+                inputs: vec![1],
+                tables: Vec::new(),
+            },
             shade: None,
             keep_images: false,
         })
@@ -93,7 +112,10 @@ pub(crate) struct Moments;
 
 impl Kernel for Moments {
     fn modules(&self) -> Vec<Module> {
-        vec![Module { name: "moments", text: include_str!("moments.wgsl") }]
+        vec![Module {
+            name: "moments",
+            text: include_str!("moments.wgsl"),
+        }]
     }
 
     fn uniform_bytes(&self) -> Vec<u8> {
@@ -132,7 +154,10 @@ pub(crate) struct Blur(BlurUniforms);
 
 impl Kernel for Blur {
     fn modules(&self) -> Vec<Module> {
-        vec![Module { name: "blur", text: include_str!("blur.wgsl") }]
+        vec![Module {
+            name: "blur",
+            text: include_str!("blur.wgsl"),
+        }]
     }
 
     fn uniform_bytes(&self) -> Vec<u8> {
@@ -154,7 +179,10 @@ impl FilterKernel for Blur {
                 let at = start.as_ivec2() + IVec2::new(x as i32, 0) + u.step * i;
                 let at = at.clamp(IVec2::ZERO, IVec2::splat(u.size - 1));
                 let first = image.index(at.x, at.y, layer);
-                sum = [sum[0] + image.texels[first], sum[1] + image.texels[first + 1]];
+                sum = [
+                    sum[0] + image.texels[first],
+                    sum[1] + image.texels[first + 1],
+                ];
             }
             texel.copy_from_slice(&[sum[0] / side, sum[1] / side]);
         }
@@ -181,7 +209,10 @@ impl Kernel for Chebyshev {
             .lookup
             .modules()
             .into_iter()
-            .chain([Module { name: "chebyshev", text: include_str!("receive.wgsl") }])
+            .chain([Module {
+                name: "chebyshev",
+                text: include_str!("receive.wgsl"),
+            }])
             .collect()
     }
 
@@ -199,7 +230,11 @@ impl ReceiveKernel for Chebyshev {
         let (u, image) = (&self.0, inputs.images[0]);
         for (i, out) in out.iter_mut().enumerate() {
             let l = look_up(&u.lookup, span.position(i), span.normal(i));
-            let (x, y, size) = (l.texel.x.floor() as i32, l.texel.y.floor() as i32, u.lookup.size as i32);
+            let (x, y, size) = (
+                l.texel.x.floor() as i32,
+                l.texel.y.floor() as i32,
+                u.lookup.size as i32,
+            );
             if !l.seen || x < 0 || y < 0 || x >= size || y >= size {
                 *out = 1.0;
                 continue;
@@ -208,7 +243,11 @@ impl ReceiveKernel for Chebyshev {
             let (mean, square) = (image.texels[first], image.texels[first + 1]);
             let variance = (square - mean * mean).max(u.least_variance);
             let d = l.depth - mean;
-            *out = if l.depth <= mean { 1.0 } else { variance / (variance + d * d) };
+            *out = if l.depth <= mean {
+                1.0
+            } else {
+                variance / (variance + d * d)
+            };
         }
     }
 }

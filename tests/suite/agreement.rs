@@ -28,14 +28,25 @@ const LEAST_EACH: u32 = 25;
 
 #[test]
 fn random_scenes_agree() {
-    let config = Config { cases: SCENES, failure_persistence: None, max_shrink_iters: 200, ..Config::default() };
-    let mut runner = TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha));
+    let config = Config {
+        cases: SCENES,
+        failure_persistence: None,
+        max_shrink_iters: 200,
+        ..Config::default()
+    };
+    let mut runner =
+        TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha));
     let (rendered, shadowed) = (RefCell::new(BTreeMap::new()), Cell::new(0_u32));
     let excused = Cell::new([0_u64; 2]);
     let outcome = runner.run(&cases(), |case| {
         let played = agree(&case).map_err(TestCaseError::fail)?;
-        *rendered.borrow_mut().entry(case.technique.name()).or_insert(0) += u32::from(played.is_some());
-        let Some(Played { dark, agreement: a }) = played else { return Ok(()) };
+        *rendered
+            .borrow_mut()
+            .entry(case.technique.name())
+            .or_insert(0) += u32::from(played.is_some());
+        let Some(Played { dark, agreement: a }) = played else {
+            return Ok(());
+        };
         shadowed.set(shadowed.get() + u32::from(dark));
         let [undecided, compared] = excused.get();
         excused.set([undecided + a.undecided + a.elsewhere, compared + a.compared]);
@@ -45,15 +56,33 @@ fn random_scenes_agree() {
         panic!("{why}");
     }
     let [undecided, compared] = excused.get();
-    assert!(undecided as f64 <= MOST_UNDECIDED * compared as f64, "{undecided} of {compared} pixels are excused");
+    assert!(
+        undecided as f64 <= MOST_UNDECIDED * compared as f64,
+        "{undecided} of {compared} pixels are excused"
+    );
     let rendered = rendered.into_inner();
-    let mapped: u32 = rendered.iter().filter(|(name, _)| !MAPLESS.contains(name)).map(|(_, n)| n).sum();
-    assert!(mapped >= 1_000, "only {mapped} scenes were rendered with maps: {rendered:?}");
+    let mapped: u32 = rendered
+        .iter()
+        .filter(|(name, _)| !MAPLESS.contains(name))
+        .map(|(_, n)| n)
+        .sum();
+    assert!(
+        mapped >= 1_000,
+        "only {mapped} scenes were rendered with maps: {rendered:?}"
+    );
     for entry in umbrage_techniques::all() {
         let count = rendered.get(entry.name).copied().unwrap_or(0);
-        assert!(count >= LEAST_EACH, "only {count} scenes were rendered by {}", entry.name);
+        assert!(
+            count >= LEAST_EACH,
+            "only {count} scenes were rendered by {}",
+            entry.name
+        );
     }
-    assert!(shadowed.get() >= 400, "only {} scenes had a shadow in them: the others prove little", shadowed.get());
+    assert!(
+        shadowed.get() >= 400,
+        "only {} scenes had a shadow in them: the others prove little",
+        shadowed.get()
+    );
 }
 
 /// What came of a case.
@@ -73,7 +102,9 @@ fn agree(case: &Case) -> Result<Option<Played>, String> {
         Err(PlanError::Unsupported(_)) => return Ok(None),
         Err(why) => return Err(why.to_string()),
     };
-    let cpu = Cpu::new().render(&view, &recipe).map_err(|e| e.to_string())?;
+    let cpu = Cpu::new()
+        .render(&view, &recipe)
+        .map_err(|e| e.to_string())?;
     let mut gpu = gpu();
     let exact = gpu.is_pinned_lavapipe();
     let other = gpu.render(&view, &recipe).map_err(|e| e.to_string())?;
@@ -81,12 +112,24 @@ fn agree(case: &Case) -> Result<Option<Played>, String> {
         let (mine, theirs) = (cpu.receivers.as_ref(), other.receivers.as_ref());
         same_receivers(mine.ok_or("no receivers")?, theirs.ok_or("no receivers")?)?;
     }
-    let agreement = compare::agree(&view, &recipe, &cpu, &other, gpu.snapping()).map_err(|e| e.to_string())?;
-    let fine = if exact { agreement.differing == 0 } else { agreement.holds() };
+    let agreement =
+        compare::agree(&view, &recipe, &cpu, &other, gpu.snapping()).map_err(|e| e.to_string())?;
+    let fine = if exact {
+        agreement.differing == 0
+    } else {
+        agreement.holds()
+    };
     if !fine {
-        return Err(format!("{} {}: {agreement:?}", case.technique.name(), case.technique.settings()));
+        return Err(format!(
+            "{} {}: {agreement:?}",
+            case.technique.name(),
+            case.technique.settings()
+        ));
     }
-    Ok(Some(Played { dark: cpu.mask.iter().any(|&v| v < 1.0), agreement }))
+    Ok(Some(Played {
+        dark: cpu.mask.iter().any(|&v| v < 1.0),
+        agreement,
+    }))
 }
 
 fn same_receivers(a: &Receivers, b: &Receivers) -> Result<(), String> {
@@ -98,8 +141,13 @@ fn same_receivers(a: &Receivers, b: &Receivers) -> Result<(), String> {
         };
         if bits(a) != bits(b) {
             let (x, y) = (i % a.size.x as usize, i / a.size.x as usize);
-            let show = |r: &Receivers| format!("{} {} {}", r.triangle[i], r.position(i), r.normal(i));
-            return Err(format!("receivers differ at pixel ({x}, {y}): {} and {}", show(a), show(b)));
+            let show =
+                |r: &Receivers| format!("{} {} {}", r.triangle[i], r.position(i), r.normal(i));
+            return Err(format!(
+                "receivers differ at pixel ({x}, {y}): {} and {}",
+                show(a),
+                show(b)
+            ));
         }
     }
     Ok(())
@@ -111,7 +159,8 @@ fn a_spoilt_pixel_is_caught() {
     let mask = vec![1.0; 64];
     let mut spoilt = mask.clone();
     spoilt[17] = 0.5;
-    let agreement = Agreement::measure(UVec2::splat(8), &mask, &spoilt, &[Doubt::None; 64], 0.0).expect("sizes fit");
+    let agreement = Agreement::measure(UVec2::splat(8), &mask, &spoilt, &[Doubt::None; 64], 0.0)
+        .expect("sizes fit");
     assert_eq!((agreement.differing, agreement.violations), (1, 1));
     let mut receivers = Receivers::empty(UVec2::splat(8));
     let other = receivers.clone();

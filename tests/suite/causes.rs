@@ -19,16 +19,37 @@ impl Stage {
     fn new(name: &str) -> Self {
         let scene = (umbrage_scenes::find(name).expect("a built-in scene").build)();
         let geometry = Geometry::bake(&scene).expect("built-in scenes are valid");
-        let options = TruthOptions { samples: 256, ..TruthOptions::default() };
+        let options = TruthOptions {
+            samples: 256,
+            ..TruthOptions::default()
+        };
         let mut cpu = Cpu::new();
         let find = &mut |c: &Camera, g: &Geometry| cpu.receivers(c, g);
-        let truth = trace(&scene.cameras[0], &scene.lights[0], &geometry, &options, find, &|_, _| {}).expect("valid");
-        Self { geometry, truth, scene }
+        let truth = trace(
+            &scene.cameras[0],
+            &scene.lights[0],
+            &geometry,
+            &options,
+            find,
+            &|_, _| {},
+        )
+        .expect("valid");
+        Self {
+            geometry,
+            truth,
+            scene,
+        }
     }
 
     fn causes(&self, technique: &dyn ShadowTechnique) -> Causes {
-        let view = View::new(&self.scene.cameras[0], &self.scene.lights[0], &self.geometry);
-        let recipe = technique.plan(&view.with_receivers(&self.truth.receivers)).expect("supported");
+        let view = View::new(
+            &self.scene.cameras[0],
+            &self.scene.lights[0],
+            &self.geometry,
+        );
+        let recipe = technique
+            .plan(&view.with_receivers(&self.truth.receivers))
+            .expect("supported");
         let mask = Cpu::new().render(&view, &recipe).expect("plays").mask;
         Causes::measure(&mask, &self.truth.image().expect("valid")).expect("valid")
     }
@@ -46,7 +67,12 @@ fn shares(c: &Causes) -> [(Cause, f64); 5] {
 
 #[test]
 fn each_cause_shows_alone_on_its_scene() {
-    for Fault { scene: name, technique, cause: expected } in faults() {
+    for Fault {
+        scene: name,
+        technique,
+        cause: expected,
+    } in faults()
+    {
         let causes = Stage::new(name).causes(&*technique);
         println!("{name}: {causes:?}");
         for (cause, share) in shares(&causes) {
@@ -63,11 +89,20 @@ fn each_cause_shows_alone_on_its_scene() {
 /// Truth's own technique has no error of any kind; under the lamp only the noise of its rays.
 #[test]
 fn truth_played_has_no_cause() {
-    for Fault { scene: name, cause: expected, .. } in faults() {
+    for Fault {
+        scene: name,
+        cause: expected,
+        ..
+    } in faults()
+    {
         let causes = Stage::new(name).causes(&Traced { samples: 1024 });
         for (cause, share) in shares(&causes) {
             // 1,024 stratified rays err by about 1/1024 to 1/32 of the light in penumbrae alone.
-            let noise = if cause == Cause::Penumbra && expected == Cause::Penumbra { 1e-3 } else { 0.0 };
+            let noise = if cause == Cause::Penumbra && expected == Cause::Penumbra {
+                1e-3
+            } else {
+                0.0
+            };
             assert!(share <= noise, "{name}: {causes:?}");
         }
     }
@@ -78,8 +113,20 @@ fn truth_played_has_no_cause() {
 fn a_gap_has_the_biases_length() {
     let stage = Stage::new("cause-gap");
     let gap = |constant| {
-        let bias = Bias { constant, ..Bias::NONE };
-        stage.causes(&Hard { map: ShadowMap { size: 2048, bias, ..ShadowMap::default() } }).gap_metres.expect("a gap")
+        let bias = Bias {
+            constant,
+            ..Bias::NONE
+        };
+        stage
+            .causes(&Hard {
+                map: ShadowMap {
+                    size: 2048,
+                    bias,
+                    ..ShadowMap::default()
+                },
+            })
+            .gap_metres
+            .expect("a gap")
     };
     let ratio = gap(0.06) / gap(0.03);
     // Rows of pixels are 8 mm apart on the ground, and the shorter gap is five times as long.

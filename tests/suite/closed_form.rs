@@ -5,7 +5,9 @@ use umbrage_lab::truth::{Point, TruthOptions, trace_points};
 use umbrage_scenes::{ClosedForm, Sample, SceneEntry, all};
 
 fn cases() -> impl Iterator<Item = (&'static SceneEntry, ClosedForm)> {
-    all().iter().filter_map(|entry| entry.closed_form.map(|make| (entry, make())))
+    all()
+        .iter()
+        .filter_map(|entry| entry.closed_form.map(|make| (entry, make())))
 }
 
 #[test]
@@ -27,13 +29,19 @@ fn truth_reproduces_every_closed_form() {
         }
         points += form.samples.len();
     }
-    assert!(cases().count() >= 15 && points > 100, "{points} points are too few");
+    assert!(
+        cases().count() >= 15 && points > 100,
+        "{points} points are too few"
+    );
 }
 
 fn ask(light: &Light, geometry: &Geometry, form: &ClosedForm) -> Vec<f32> {
     let point = |s: &Sample| {
         let triangle = s.triangle(geometry).expect("samples lie on receivers");
-        Point { triangle, ..Point::new(s.point, s.normal, geometry) }
+        Point {
+            triangle,
+            ..Point::new(s.point, s.normal, geometry)
+        }
     };
     let points: Vec<Point> = form.samples.iter().map(point).collect();
     let seen = trace_points(geometry, light, &points, &TruthOptions::default()).expect("valid");
@@ -45,8 +53,16 @@ fn ask(light: &Light, geometry: &Geometry, form: &ClosedForm) -> Vec<f32> {
 fn a_moved_light_fails_the_forms() {
     let (entry, form) = cases().next().expect("there are closed forms");
     let mut scene = (entry.build)();
-    scene.lights[0] = Light::Directional { direction: glam::Vec3::NEG_Y, angular_diameter: 0.0 };
+    scene.lights[0] = Light::Directional {
+        direction: glam::Vec3::NEG_Y,
+        angular_diameter: 0.0,
+    };
     let geometry = Geometry::bake(&scene).expect("valid");
     let traced = ask(&scene.lights[0], &geometry, &form);
-    assert!(form.samples.iter().zip(&traced).any(|(s, seen)| (seen - s.visibility).abs() > form.tolerance));
+    assert!(
+        form.samples
+            .iter()
+            .zip(&traced)
+            .any(|(s, seen)| (seen - s.visibility).abs() > form.tolerance)
+    );
 }

@@ -4,13 +4,15 @@
 use glam::{UVec2, Vec2, Vec3};
 use std::f32::consts::TAU;
 use umbrage_core::{
-    Backend, Geometry, Light, LightSpace, NO_TRIANGLE, PlanError, Receivers, Recipe, Scene, ShadowTechnique, View,
+    Backend, Geometry, Light, LightSpace, NO_TRIANGLE, PlanError, Receivers, Recipe, Scene,
+    ShadowTechnique, View,
 };
 use umbrage_cpu::Cpu;
 use umbrage_lab::truth::{Point, TruthOptions, trace_points};
 use umbrage_scenes::{ClosedForm, Sample, all};
 use umbrage_techniques::{
-    Bias, Hard, Midpoint, Pcf, PcfDisc, PcfDithered, PcfHardware, PcfMerged, Pcss, SecondDepth, ShadowMap, Traced,
+    Bias, Hard, Midpoint, Pcf, PcfDisc, PcfDithered, PcfHardware, PcfMerged, Pcss, SecondDepth,
+    ShadowMap, Traced,
 };
 use umbrage_tests::gpu::gpu;
 use umbrage_wgpu::Gpu;
@@ -19,28 +21,74 @@ use umbrage_wgpu::Gpu;
 type Reaching = (Box<dyn ShadowTechnique>, f32);
 
 fn techniques() -> Vec<Reaching> {
-    let map = ShadowMap { size: 2048, bias: Bias::ADAPTIVE, ..ShadowMap::default() };
-    let culled = ShadowMap { bias: Bias::FRONT_CULL, ..map };
+    let map = ShadowMap {
+        size: 2048,
+        bias: Bias::ADAPTIVE,
+        ..ShadowMap::default()
+    };
+    let culled = ShadowMap {
+        bias: Bias::FRONT_CULL,
+        ..map
+    };
     // The default leaves samples up to 6 % grey on a faceted sphere, where a facet meets a flatter one (`bias.rs` says why).
-    let sampled = ShadowMap { bias: Bias::RECEIVER_PLANE, ..map };
+    let sampled = ShadowMap {
+        bias: Bias::RECEIVER_PLANE,
+        ..map
+    };
     vec![
         (Box::new(Hard { map }), 0.0),
-        (Box::new(SecondDepth { map: culled, radius: 0 }), 0.0),
+        (
+            Box::new(SecondDepth {
+                map: culled,
+                radius: 0,
+            }),
+            0.0,
+        ),
         (Box::new(Midpoint { map, radius: 0 }), 0.0),
         (Box::new(PcfDithered { map }), 1.5),
-        (Box::new(PcfHardware { map: sampled, samples: 2 }), 1.0),
-        (Box::new(PcfMerged { map: sampled, radius: 1 }), PcfMerged::reach(1)),
+        (
+            Box::new(PcfHardware {
+                map: sampled,
+                samples: 2,
+            }),
+            1.0,
+        ),
+        (
+            Box::new(PcfMerged {
+                map: sampled,
+                radius: 1,
+            }),
+            PcfMerged::reach(1),
+        ),
         (Box::new(Pcf { map, radius: 1 }), 1.0),
-        (Box::new(PcfDisc { map, radius: 2.0, ..PcfDisc::default() }), 2.0),
+        (
+            Box::new(PcfDisc {
+                map,
+                radius: 2.0,
+                ..PcfDisc::default()
+            }),
+            2.0,
+        ),
         // An ideal light has no extent to search.
-        (Box::new(Pcss { map, ..Pcss::default() }), 0.0),
+        (
+            Box::new(Pcss {
+                map,
+                ..Pcss::default()
+            }),
+            0.0,
+        ),
         (Box::new(Traced { samples: 1 }), 0.0),
     ]
 }
 
 /// Second depth shows nothing but the far sides of bodies: sheets, and rooms without an outside, have none.
-const CLOSED_BODIES: [&str; 5] =
-    ["c1-box-sun", "c2-sphere-sun", "c3-sphere-bulb", "c3b-sphere-level-bulb", "c8-faceted-sphere"];
+const CLOSED_BODIES: [&str; 5] = [
+    "c1-box-sun",
+    "c2-sphere-sun",
+    "c3-sphere-bulb",
+    "c3b-sphere-level-bulb",
+    "c8-faceted-sphere",
+];
 
 /// A scene under an ideal light, whose formula knows only light and dark.
 struct Case {
@@ -52,22 +100,39 @@ struct Case {
 }
 
 fn cases() -> Vec<Case> {
-    let with_form = all().iter().filter_map(|entry| entry.closed_form.map(|form| (entry, form())));
+    let with_form = all()
+        .iter()
+        .filter_map(|entry| entry.closed_form.map(|form| (entry, form())));
     let ideal = with_form.map(|(entry, form)| Case::new(entry.name, (entry.build)(), form));
-    ideal.filter(|case| case.scene.lights[0].is_ideal() && !case.samples.is_empty()).collect()
+    ideal
+        .filter(|case| case.scene.lights[0].is_ideal() && !case.samples.is_empty())
+        .collect()
 }
 
 impl Case {
     fn new(name: &'static str, scene: Scene, form: ClosedForm) -> Self {
         let geometry = Geometry::bake(&scene).expect("built-in scenes are valid");
-        let samples: Vec<Sample> =
-            form.samples.into_iter().filter(|s| cosine(&scene.lights[0], s) > LEAST_COSINE).collect();
+        let samples: Vec<Sample> = form
+            .samples
+            .into_iter()
+            .filter(|s| cosine(&scene.lights[0], s) > LEAST_COSINE)
+            .collect();
         let receivers = receivers(&samples, &geometry);
-        Self { name, scene, geometry, samples, receivers }
+        Self {
+            name,
+            scene,
+            geometry,
+            samples,
+            receivers,
+        }
     }
 
     /// A recipe for the whole scene, played at the samples alone.
-    fn masks(&self, technique: &dyn ShadowTechnique, gpu: &mut Gpu) -> Option<(Recipe, [Vec<f32>; 2])> {
+    fn masks(
+        &self,
+        technique: &dyn ShadowTechnique,
+        gpu: &mut Gpu,
+    ) -> Option<(Recipe, [Vec<f32>; 2])> {
         let camera = self.scene.cameras[0].resized(self.receivers.size);
         let view = View::new(&camera, &self.scene.lights[0], &self.geometry);
         let recipe = match technique.plan(&view) {
@@ -87,16 +152,25 @@ impl Case {
         let at = |k: u32| {
             let (sin, cos) = (k as f32 / 16.0 * TAU).sin_cos();
             let along = u * cos + v * sin;
-            let radius = recipe.casts.iter().map(|c| step(&c.space, recipe.images[c.image].size, p, along, reach));
+            let radius = recipe
+                .casts
+                .iter()
+                .map(|c| step(&c.space, recipe.images[c.image].size, p, along, reach));
             Point {
                 triangle: self.receivers.triangle[i],
                 ..Point::new(p + along * radius.fold(0.0, f32::max), n, &self.geometry)
             }
         };
         let around: Vec<Point> = (0..16).map(at).collect();
-        let seen =
-            trace_points(&self.geometry, &self.scene.lights[0], &around, &TruthOptions::default()).expect("valid");
-        seen.iter().all(|s| s.visibility == self.samples[i].visibility)
+        let seen = trace_points(
+            &self.geometry,
+            &self.scene.lights[0],
+            &around,
+            &TruthOptions::default(),
+        )
+        .expect("valid");
+        seen.iter()
+            .all(|s| s.visibility == self.samples[i].visibility)
     }
 }
 
@@ -141,13 +215,26 @@ struct Answers {
 
 fn ask(cases: &[Case], (technique, reach): &Reaching, spoil: impl Fn(f32) -> f32) -> Answers {
     let (mut out, mut gpu) = (Answers::default(), gpu());
-    for case in cases.iter().filter(|case| technique.name() != "second_depth" || CLOSED_BODIES.contains(&case.name)) {
-        let Some((recipe, masks)) = case.masks(&**technique, &mut gpu) else { continue };
-        for (i, sample) in case.samples.iter().enumerate().filter(|(i, _)| case.is_decided(*i, &recipe, *reach)) {
+    for case in cases
+        .iter()
+        .filter(|case| technique.name() != "second_depth" || CLOSED_BODIES.contains(&case.name))
+    {
+        let Some((recipe, masks)) = case.masks(&**technique, &mut gpu) else {
+            continue;
+        };
+        for (i, sample) in case
+            .samples
+            .iter()
+            .enumerate()
+            .filter(|(i, _)| case.is_decided(*i, &recipe, *reach))
+        {
             out.decided[usize::from(sample.visibility > 0.5)] += 1;
             let expected = spoil(sample.visibility);
             if let Some(got) = masks.iter().map(|m| m[i]).find(|&got| got != expected) {
-                out.wrong.push(format!("{} at {}: {got} for {expected}", case.name, sample.point));
+                out.wrong.push(format!(
+                    "{} at {}: {got} for {expected}",
+                    case.name, sample.point
+                ));
             }
         }
     }

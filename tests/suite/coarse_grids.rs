@@ -5,7 +5,8 @@ use glam::{UVec2, Vec3};
 use rayon::prelude::*;
 use std::{fmt::Write as _, sync::Arc};
 use umbrage_core::{
-    Aabb, Backend, Camera, DepthPlanes, Fit, Geometry, Light, RasterBias, Scene, ShadowTechnique, Snapping, View,
+    Aabb, Backend, Camera, DepthPlanes, Fit, Geometry, Light, RasterBias, Scene, ShadowTechnique,
+    Snapping, View,
     metrics::{MOST_EXCESS, Reference},
 };
 use umbrage_cpu::{Cpu, CpuOptions};
@@ -23,16 +24,32 @@ const COARSEST: Snapping = Snapping::COARSEST;
 /// One of these, too, by turns: grids up to what most hardware has, with planes through moved vertices, and the coarsest with exact
 /// planes.
 const BY_TURNS: [Snapping; 4] = [
-    Snapping { sub_pixel_bits: 4, planes: DepthPlanes::Unsnapped },
-    Snapping { sub_pixel_bits: 5, planes: DepthPlanes::Snapped },
-    Snapping { sub_pixel_bits: 6, planes: DepthPlanes::Snapped },
-    Snapping { sub_pixel_bits: 8, planes: DepthPlanes::Snapped },
+    Snapping {
+        sub_pixel_bits: 4,
+        planes: DepthPlanes::Unsnapped,
+    },
+    Snapping {
+        sub_pixel_bits: 5,
+        planes: DepthPlanes::Snapped,
+    },
+    Snapping {
+        sub_pixel_bits: 6,
+        planes: DepthPlanes::Snapped,
+    },
+    Snapping {
+        sub_pixel_bits: 8,
+        planes: DepthPlanes::Snapped,
+    },
 ];
 
 /// Map techniques as they are by default: the first setting of each.
 fn techniques() -> Vec<Arc<dyn ShadowTechnique>> {
     let first = |entry: &Entry| (entry.settings)(&[SIDE], Fit::Tight).into_iter().next();
-    umbrage_techniques::all().iter().filter_map(first).filter(|t| t.kernel_reach().is_some()).collect()
+    umbrage_techniques::all()
+        .iter()
+        .filter_map(first)
+        .filter(|t| t.kernel_reach().is_some())
+        .collect()
 }
 
 /// A sun, a spot and a bulb where a scene's own light shines from.
@@ -48,9 +65,21 @@ fn lights(scene: &Scene, bounds: &Aabb) -> [Light; 3] {
     let direction = -from;
     let widest = 1.2;
     [
-        Light::Directional { direction, angular_diameter: 0.0 },
-        Light::Spot { position, direction, inner: widest, outer: widest, radius: 0.0 },
-        Light::Point { position, radius: 0.0 },
+        Light::Directional {
+            direction,
+            angular_diameter: 0.0,
+        },
+        Light::Spot {
+            position,
+            direction,
+            inner: widest,
+            outer: widest,
+            radius: 0.0,
+        },
+        Light::Point {
+            position,
+            radius: 0.0,
+        },
     ]
 }
 
@@ -68,17 +97,26 @@ impl Stage {
         let mut cpu = Cpu::new();
         let mut find = |camera: &_, geometry: &_| cpu.receivers(camera, geometry);
         let options = TruthOptions::default();
-        let truth = trace(&camera, light, geometry, &options, &mut find, &|_, _| {}).expect("a built-in scene");
-        Self { geometry: geometry.clone(), camera, light: *light, truth }
+        let truth = trace(&camera, light, geometry, &options, &mut find, &|_, _| {})
+            .expect("a built-in scene");
+        Self {
+            geometry: geometry.clone(),
+            camera,
+            light: *light,
+            truth,
+        }
     }
 
     /// By how much a technique's RMSE is greater by these rules than by the CPU's own; none where it isn't supported.
     fn excess(&self, technique: &dyn ShadowTechnique, rules: [Snapping; 2]) -> Option<[f64; 2]> {
-        let view = View::new(&self.camera, &self.light, &self.geometry).with_receivers(&self.truth.receivers);
+        let view = View::new(&self.camera, &self.light, &self.geometry)
+            .with_receivers(&self.truth.receivers);
         let recipe = technique.plan(&view).ok()?;
-        let reference = Reference::new(SIZE, &self.truth.visibility, &self.truth.pixels).expect("truth");
+        let reference =
+            Reference::new(SIZE, &self.truth.visibility, &self.truth.pixels).expect("truth");
         let rmse = |rule| {
-            let mut cpu = Cpu::with_options(&CpuOptions::default().snapping(rule)).expect("a known rule");
+            let mut cpu =
+                Cpu::with_options(&CpuOptions::default().snapping(rule)).expect("a known rule");
             let mask = cpu.render(&view, &recipe).expect("plays").mask;
             reference.errors(&mask).expect("a mask").rmse
         };
@@ -113,10 +151,16 @@ fn faults(scene: &Scene, turn: usize, techniques: &[Arc<dyn ShadowTechnique>]) -
         let rules = [COARSEST, BY_TURNS[(turn + i) % BY_TURNS.len()]];
         for technique in techniques {
             let (name, kind) = (technique.name(), light.kind());
-            let Some(excess) = stage.excess(&**technique, rules) else { continue };
+            let Some(excess) = stage.excess(&**technique, rules) else {
+                continue;
+            };
             compared += excess.len();
             let most = most_excess(&scene.name, light, name);
-            for (rule, excess) in rules.iter().zip(excess).filter(|(_, excess)| *excess > most) {
+            for (rule, excess) in rules
+                .iter()
+                .zip(excess)
+                .filter(|(_, excess)| *excess > most)
+            {
                 let what = format!("{}, {kind}: {name} ({})", scene.name, technique.settings());
                 writeln!(out, "{what} with {rule}: {excess:.4}").expect("into a string");
             }
@@ -127,26 +171,50 @@ fn faults(scene: &Scene, turn: usize, techniques: &[Arc<dyn ShadowTechnique>]) -
 
 #[test]
 fn default_biases_hold_on_coarse_grids() {
-    let scenes: Vec<Scene> = umbrage_scenes::all().iter().map(|entry| (entry.build)()).collect();
+    let scenes: Vec<Scene> = umbrage_scenes::all()
+        .iter()
+        .map(|entry| (entry.build)())
+        .collect();
     let of_scene = |(turn, scene): (usize, &Scene)| faults(scene, turn, &techniques());
     let found: Vec<(String, usize)> = scenes.par_iter().enumerate().map(of_scene).collect();
     let compared: usize = found.iter().map(|(_, compared)| compared).sum();
     let faults: String = found.into_iter().map(|(faults, _)| faults).collect();
-    assert!(faults.is_empty(), "RMSE above that of the CPU's own rule, of {compared} masks:\n{faults}");
+    assert!(
+        faults.is_empty(),
+        "RMSE above that of the CPU's own rule, of {compared} masks:\n{faults}"
+    );
     assert!(compared > 1_000, "only {compared} masks were compared");
 }
 
 /// The net must catch what it is for: a bias that leaves no room for moved vertices, but is right where none is moved.
 #[test]
 fn a_bias_without_margin_is_caught() {
-    let scene = (umbrage_scenes::find("cubes").expect("a built-in scene").build)();
+    let scene = (umbrage_scenes::find("cubes")
+        .expect("a built-in scene")
+        .build)();
     // Takes back what the bias moves casters by: on flat ground the receiver's plane alone is exact.
-    let bias = Bias { raster: RasterBias { slope: -0.5, ..RasterBias::default() }, ..Bias::ADAPTIVE };
-    let hard = Hard { map: ShadowMap { size: SIDE, bias, ..ShadowMap::default() } };
+    let bias = Bias {
+        raster: RasterBias {
+            slope: -0.5,
+            ..RasterBias::default()
+        },
+        ..Bias::ADAPTIVE
+    };
+    let hard = Hard {
+        map: ShadowMap {
+            size: SIDE,
+            bias,
+            ..ShadowMap::default()
+        },
+    };
     let settings = hard.settings();
     let (faults, compared) = faults(&scene, 0, &[Arc::new(hard)]);
     assert!(
-        compared > 0 && faults.contains(&format!("directional: {} ({settings}) with {COARSEST}", hard.name())),
+        compared > 0
+            && faults.contains(&format!(
+                "directional: {} ({settings}) with {COARSEST}",
+                hard.name()
+            )),
         "{faults}"
     );
 }

@@ -17,8 +17,16 @@ use umbrage_lab::{
 use umbrage_techniques::{Hard, Pcf, ShadowMap};
 
 /// Finely and coarsely tessellated, closed and open, smooth and with edges.
-const MODELS: [&str; 8] =
-    ["statue", "figure", "teapot-lamp", "c8-faceted-sphere", "broken-meshes", "open-shells", "rising-boxes", "stairs"];
+const MODELS: [&str; 8] = [
+    "statue",
+    "figure",
+    "teapot-lamp",
+    "c8-faceted-sphere",
+    "broken-meshes",
+    "open-shells",
+    "rising-boxes",
+    "stairs",
+];
 const COARSE: u32 = 512;
 const FINE: u32 = 8192;
 const SIZE: UVec2 = UVec2::new(320, 240);
@@ -29,7 +37,13 @@ const MOST_SIGNED: f64 = 1e-3;
 fn bounds_above_floor(geometry: &Geometry) -> Aabb {
     let floor = geometry.bounds().min.y;
     let height = geometry.bounds().extent().y;
-    Aabb::around(geometry.positions().iter().copied().filter(|p| p.y > floor + 0.02 * height))
+    Aabb::around(
+        geometry
+            .positions()
+            .iter()
+            .copied()
+            .filter(|p| p.y > floor + 0.02 * height),
+    )
 }
 
 fn errors(view: &View<'_>, technique: &dyn ShadowTechnique, reference: &Reference<'_>) -> Errors {
@@ -50,8 +64,16 @@ fn errors_fall_with_the_texel() {
         let geometry = Geometry::bake(&scene).expect("a good scene");
         let camera = scene.cameras[0].resized(SIZE);
         let lights = lights_around(bounds_above_floor(&geometry));
-        for (light_name, light) in lights.iter().filter(|(light_name, _)| light_name != "low sun") {
-            converges(&format!("{name} under the {light_name}"), &camera, light, &geometry);
+        for (light_name, light) in lights
+            .iter()
+            .filter(|(light_name, _)| light_name != "low sun")
+        {
+            converges(
+                &format!("{name} under the {light_name}"),
+                &camera,
+                light,
+                &geometry,
+            );
         }
     }
 }
@@ -59,22 +81,57 @@ fn errors_fall_with_the_texel() {
 fn converges(what: &str, camera: &Camera, light: &Light, geometry: &Geometry) {
     let mut cpu = Cpu::new();
     let mut find = |camera: &_, geometry: &_| cpu.receivers(camera, geometry);
-    let truth = trace(camera, light, geometry, &TruthOptions::default(), &mut find, &|_, _| {}).expect("valid");
-    let reference = Reference::new(truth.size, &truth.visibility, &truth.pixels).expect("truth fits itself");
+    let truth = trace(
+        camera,
+        light,
+        geometry,
+        &TruthOptions::default(),
+        &mut find,
+        &|_, _| {},
+    )
+    .expect("valid");
+    let reference =
+        Reference::new(truth.size, &truth.visibility, &truth.pixels).expect("truth fits itself");
     let fits = FitMemory::default();
-    let view = View::new(camera, light, geometry).with_receivers(&truth.receivers).with_fits(&fits);
-    let hard = |size| Hard { map: ShadowMap { size, ..ShadowMap::default() } };
-    let pcf = |size| Pcf { map: ShadowMap { size, ..ShadowMap::default() }, radius: 1 };
-    let techniques: [[Box<dyn ShadowTechnique>; 2]; 2] =
-        [[Box::new(hard(COARSE)), Box::new(hard(FINE))], [Box::new(pcf(COARSE)), Box::new(pcf(FINE))]];
+    let view = View::new(camera, light, geometry)
+        .with_receivers(&truth.receivers)
+        .with_fits(&fits);
+    let hard = |size| Hard {
+        map: ShadowMap {
+            size,
+            ..ShadowMap::default()
+        },
+    };
+    let pcf = |size| Pcf {
+        map: ShadowMap {
+            size,
+            ..ShadowMap::default()
+        },
+        radius: 1,
+    };
+    let techniques: [[Box<dyn ShadowTechnique>; 2]; 2] = [
+        [Box::new(hard(COARSE)), Box::new(hard(FINE))],
+        [Box::new(pcf(COARSE)), Box::new(pcf(FINE))],
+    ];
     for [coarse, fine] in techniques {
-        let [before, after] = [&coarse, &fine].map(|technique| errors(&view, &**technique, &reference));
+        let [before, after] =
+            [&coarse, &fine].map(|technique| errors(&view, &**technique, &reference));
         let expected = wrong(&before) / f64::from(FINE / COARSE);
         // As many pixels are wrong by chance as a Poisson distribution of that mean allows in one of 1,000 cases.
         let most = expected + 3.1 * expected.sqrt() + 3.1;
         let name = coarse.name();
-        println!("{what}, {name}: {:.1} wrong, then {:.1} of {most:.1}", wrong(&before), wrong(&after));
-        assert!(wrong(&after) <= most, "{what}, {name}: {before:?} at {COARSE}, {after:?} at {FINE}");
-        assert!(after.bias.abs() <= MOST_SIGNED, "{what}, {name}: {after:?} at {FINE}");
+        println!(
+            "{what}, {name}: {:.1} wrong, then {:.1} of {most:.1}",
+            wrong(&before),
+            wrong(&after)
+        );
+        assert!(
+            wrong(&after) <= most,
+            "{what}, {name}: {before:?} at {COARSE}, {after:?} at {FINE}"
+        );
+        assert!(
+            after.bias.abs() <= MOST_SIGNED,
+            "{what}, {name}: {after:?} at {FINE}"
+        );
     }
 }

@@ -6,8 +6,8 @@ use umbrage_cpu::Cpu;
 use umbrage_tests::adapter::{TestDevice, device};
 use umbrage_wgpu::{Drawable, Frame, GBuffer, Indices, Options, ShadowRenderer, VertexLayout};
 use wgpu::{
-    BufferUsages, Extent3d, IndexFormat, TexelCopyBufferLayout, TextureDescriptor, TextureDimension, TextureFormat,
-    TextureUsages, TextureView,
+    BufferUsages, Extent3d, IndexFormat, TexelCopyBufferLayout, TextureDescriptor,
+    TextureDimension, TextureFormat, TextureUsages, TextureView,
     util::{BufferInitDescriptor, DeviceExt},
 };
 
@@ -21,16 +21,27 @@ struct Program {
 }
 
 /// Vertices of 32 bytes with the position in the middle, as an engine might have them.
-const LAYOUT: VertexLayout = VertexLayout { stride: 32, position_offset: 8 };
+const LAYOUT: VertexLayout = VertexLayout {
+    stride: 32,
+    position_offset: 8,
+};
 
 impl Program {
     fn new(d: &TestDevice, geometry: &Geometry, receivers: &Receivers) -> Self {
-        let vertices: Vec<[f32; 8]> =
-            geometry.positions().iter().map(|p| [9.0, 9.0, p.x, p.y, p.z, 9.0, 9.0, 9.0]).collect();
+        let vertices: Vec<[f32; 8]> = geometry
+            .positions()
+            .iter()
+            .map(|p| [9.0, 9.0, p.x, p.y, p.z, 9.0, 9.0, 9.0])
+            .collect();
         let casters = geometry.casters().start as usize..geometry.casters().end as usize;
         let casters = &geometry.triangles()[casters];
-        let buffer =
-            |usage, contents| d.device.create_buffer_init(&BufferInitDescriptor { label: None, contents, usage });
+        let buffer = |usage, contents| {
+            d.device.create_buffer_init(&BufferInitDescriptor {
+                label: None,
+                contents,
+                usage,
+            })
+        };
         let texture = |texel: &dyn Fn(usize) -> [f32; 4]| {
             let data: Vec<[f32; 4]> = (0..receivers.len()).map(texel).collect();
             upload(d, receivers.size.to_array(), cast_slice(&data))
@@ -46,18 +57,40 @@ impl Program {
     }
 
     /// One frame of the foreign program, which submits.
-    fn frame(&self, d: &TestDevice, shadows: &mut ShadowRenderer, recipe: &Recipe, size: glam::UVec2) -> Vec<f32> {
+    fn frame(
+        &self,
+        d: &TestDevice,
+        shadows: &mut ShadowRenderer,
+        recipe: &Recipe,
+        size: glam::UVec2,
+    ) -> Vec<f32> {
         let casters = [Drawable {
             vertices: &self.vertices,
             layout: LAYOUT,
-            indices: Some(Indices { buffer: &self.indices, format: IndexFormat::Uint32 }),
+            indices: Some(Indices {
+                buffer: &self.indices,
+                format: IndexFormat::Uint32,
+            }),
             range: 0..self.count,
             world_from_local: None,
         }];
-        let receivers = GBuffer { position: &self.position, normal: &self.normal, triangle: None };
-        let frame = Frame { size, casters: &casters, everything: &[], receivers };
-        shadows.prepare(&d.device, &d.queue, recipe, &frame).expect("prepares");
-        let mut encoder = d.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let receivers = GBuffer {
+            position: &self.position,
+            normal: &self.normal,
+            triangle: None,
+        };
+        let frame = Frame {
+            size,
+            casters: &casters,
+            everything: &[],
+            receivers,
+        };
+        shadows
+            .prepare(&d.device, &d.queue, recipe, &frame)
+            .expect("prepares");
+        let mut encoder = d
+            .device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let mask = shadows.encode(&mut encoder).expect("was prepared").clone();
         read(d, encoder, &mask, size)
     }
@@ -66,7 +99,11 @@ impl Program {
 fn upload(d: &TestDevice, [width, height]: [u32; 2], data: &[u8]) -> TextureView {
     let texture = d.device.create_texture(&TextureDescriptor {
         label: None,
-        size: Extent3d { width, height, depth_or_array_layers: 1 },
+        size: Extent3d {
+            width,
+            height,
+            depth_or_array_layers: 1,
+        },
         mip_level_count: 1,
         sample_count: 1,
         dimension: TextureDimension::D2,
@@ -74,13 +111,23 @@ fn upload(d: &TestDevice, [width, height]: [u32; 2], data: &[u8]) -> TextureView
         usage: TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST,
         view_formats: &[],
     });
-    let layout = TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(16 * width), rows_per_image: None };
-    d.queue.write_texture(texture.as_image_copy(), data, layout, texture.size());
+    let layout = TexelCopyBufferLayout {
+        offset: 0,
+        bytes_per_row: Some(16 * width),
+        rows_per_image: None,
+    };
+    d.queue
+        .write_texture(texture.as_image_copy(), data, layout, texture.size());
     texture.create_view(&wgpu::TextureViewDescriptor::default())
 }
 
 /// Submits, and reads an `R32Float` texture.
-fn read(d: &TestDevice, mut encoder: wgpu::CommandEncoder, view: &TextureView, size: glam::UVec2) -> Vec<f32> {
+fn read(
+    d: &TestDevice,
+    mut encoder: wgpu::CommandEncoder,
+    view: &TextureView,
+    size: glam::UVec2,
+) -> Vec<f32> {
     let row = (4 * size.x).next_multiple_of(256);
     let buffer = d.device.create_buffer(&wgpu::BufferDescriptor {
         label: None,
@@ -88,15 +135,29 @@ fn read(d: &TestDevice, mut encoder: wgpu::CommandEncoder, view: &TextureView, s
         usage: BufferUsages::MAP_READ | BufferUsages::COPY_DST,
         mapped_at_creation: false,
     });
-    let layout = TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None };
-    let destination = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
-    encoder.copy_texture_to_buffer(view.texture().as_image_copy(), destination, view.texture().size());
+    let layout = TexelCopyBufferLayout {
+        offset: 0,
+        bytes_per_row: Some(row),
+        rows_per_image: None,
+    };
+    let destination = wgpu::TexelCopyBufferInfo {
+        buffer: &buffer,
+        layout,
+    };
+    encoder.copy_texture_to_buffer(
+        view.texture().as_image_copy(),
+        destination,
+        view.texture().size(),
+    );
     d.queue.submit([encoder.finish()]);
     buffer.map_async(wgpu::MapMode::Read, .., |_| {});
-    d.device.poll(wgpu::PollType::wait_indefinitely()).expect("the device lives");
+    d.device
+        .poll(wgpu::PollType::wait_indefinitely())
+        .expect("the device lives");
     let bytes = buffer.get_mapped_range(..).expect("mapped");
     let rows = bytes.chunks_exact(row as usize);
-    rows.flat_map(|r| bytemuck::pod_collect_to_vec::<u8, f32>(&r[..4 * size.x as usize])).collect()
+    rows.flat_map(|r| bytemuck::pod_collect_to_vec::<u8, f32>(&r[..4 * size.x as usize]))
+        .collect()
 }
 
 #[test]
@@ -111,9 +172,18 @@ fn a_foreign_program_gets_the_same_shadows() {
     let mut shadows = ShadowRenderer::new(&d.device, Options::default()).expect("fits");
     let mask = program.frame(d, &mut shadows, &recipe, cpu.size);
     assert!(mask.iter().any(|&v| v < 1.0));
-    let differing = mask.iter().zip(&cpu.mask).filter(|(a, b)| (*a - *b).abs() > 1.0 / 255.0).count();
+    let differing = mask
+        .iter()
+        .zip(&cpu.mask)
+        .filter(|(a, b)| (*a - *b).abs() > 1.0 / 255.0)
+        .count();
     // Bit-equal on software drivers; a GPU may decide a few edge texels otherwise.
-    assert!(differing <= mask.len() / 1000, "{differing} of {} pixels differ on {}", mask.len(), d.adapter);
+    assert!(
+        differing <= mask.len() / 1000,
+        "{differing} of {} pixels differ on {}",
+        mask.len(),
+        d.adapter
+    );
 }
 
 #[test]
@@ -133,7 +203,9 @@ fn later_frames_make_nothing() {
     }
     assert_eq!(shadows.counters(), first);
     // The counters do count: another kernel needs another pipeline.
-    let other = umbrage::techniques::Hard::default().plan(&view).expect("hard serves the sun");
+    let other = umbrage::techniques::Hard::default()
+        .plan(&view)
+        .expect("hard serves the sun");
     program.frame(d, &mut shadows, &other, receivers.size);
     assert_ne!(shadows.counters(), first);
 }

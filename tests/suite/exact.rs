@@ -88,7 +88,15 @@ fn truth_of(scene: &Scene, geometry: &Geometry) -> Truth {
     let (camera, light) = (&scene.cameras[0], &scene.lights[0]);
     let mut cpu = Cpu::new();
     let mut find = |camera: &_, geometry: &_| cpu.receivers(camera, geometry);
-    trace(camera, light, geometry, &TruthOptions::default(), &mut find, &|_, _| {}).expect("built-in scenes are valid")
+    trace(
+        camera,
+        light,
+        geometry,
+        &TruthOptions::default(),
+        &mut find,
+        &|_, _| {},
+    )
+    .expect("built-in scenes are valid")
 }
 
 /// What a mask is to truth.
@@ -120,7 +128,10 @@ fn play(
     // What is seen may be known beforehand, or not.
     for view in [view, view.with_receivers(&truth.receivers)] {
         let recipe = technique.plan(&view).map_err(|e| e.to_string())?;
-        let mine = Cpu::new().render(&view, &recipe).map_err(|e| e.to_string())?.mask;
+        let mine = Cpu::new()
+            .render(&view, &recipe)
+            .map_err(|e| e.to_string())?
+            .mask;
         let mut gpu = gpu();
         let theirs = gpu.render(&view, &recipe).map_err(|e| e.to_string())?.mask;
         compared = compare(&mine, truth);
@@ -130,7 +141,9 @@ fn play(
             return Err(format!("the backends differ in {differing} pixels"));
         }
         if compared.wrong + other.wrong > 0 {
-            return Err(format!("wrong: {compared:?} on the CPU, {other:?} on the GPU"));
+            return Err(format!(
+                "wrong: {compared:?} on the CPU, {other:?} on the GPU"
+            ));
         }
     }
     Ok(compared)
@@ -143,14 +156,22 @@ fn all_are_exact(technique: &dyn ShadowTechnique, names: &[&str]) {
         let geometry = Geometry::bake(&scene).expect("valid");
         match play(technique, &scene, &geometry, &truth_of(&scene, &geometry)) {
             Ok(c) => {
-                println!("{} {name}: {} pixels, {} dark, none wrong", technique.name(), c.pixels, c.dark);
+                println!(
+                    "{} {name}: {} pixels, {} dark, none wrong",
+                    technique.name(),
+                    c.pixels,
+                    c.dark
+                );
                 (sum.pixels, sum.dark) = (sum.pixels + c.pixels, sum.dark + c.dark);
             }
             Err(why) => faults.push(format!("{name}: {why}")),
         }
     }
     assert!(faults.is_empty(), "{faults:#?}");
-    assert!(sum.pixels > 100_000 && sum.dark > 10_000, "too little to prove anything: {sum:?}");
+    assert!(
+        sum.pixels > 100_000 && sum.dark > 10_000,
+        "too little to prove anything: {sum:?}"
+    );
 }
 
 #[test]
@@ -179,14 +200,25 @@ fn planar_shadows_refuse_curved_receivers() {
 fn a_missing_triangle_is_noticed() {
     let mut scene = built_in("c1-box-sun");
     let truth = truth_of(&scene, &Geometry::bake(&scene).expect("valid"));
-    let caster = scene.instances.iter().position(|i| i.casts).expect("something casts");
+    let caster = scene
+        .instances
+        .iter()
+        .position(|i| i.casts)
+        .expect("something casts");
     scene.meshes[scene.instances[caster].mesh].triangles.pop();
     let spoilt = Geometry::bake(&scene).expect("valid");
-    for technique in [&ShadowVolumes::default() as &dyn ShadowTechnique, &Planar::default()] {
+    for technique in [
+        &ShadowVolumes::default() as &dyn ShadowTechnique,
+        &Planar::default(),
+    ] {
         let view = View::new(&scene.cameras[0], &scene.lights[0], &spoilt);
         let recipe = technique.plan(&view).expect("supported");
         let mask = Cpu::new().render(&view, &recipe).expect("plays").mask;
-        assert!(compare(&mask, &truth).wrong > 0, "{} does not notice", technique.name());
+        assert!(
+            compare(&mask, &truth).wrong > 0,
+            "{} does not notice",
+            technique.name()
+        );
     }
 }
 
@@ -222,22 +254,38 @@ fn volumes_do_not_fight_with_floors_that_the_sun_grazes() {
     for sine in [1e-10, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4] {
         let scene = low_sun(sine);
         let geometry = Geometry::bake(&scene).expect("valid");
-        let receivers = Cpu::new().receivers(&scene.cameras[0], &geometry).expect("valid");
-        let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry).with_receivers(&receivers);
+        let receivers = Cpu::new()
+            .receivers(&scene.cameras[0], &geometry)
+            .expect("valid");
+        let view =
+            View::new(&scene.cameras[0], &scene.lights[0], &geometry).with_receivers(&receivers);
         let recipe = ShadowVolumes::default().plan(&view).expect("supported");
-        for played in [Cpu::new().render(&view, &recipe), gpu().render(&view, &recipe)] {
+        for played in [
+            Cpu::new().render(&view, &recipe),
+            gpu().render(&view, &recipe),
+        ] {
             let mask = played.expect("plays").mask;
             let mut compared = Compared::default();
-            for i in (0..mask.len()).filter(|&i| receivers.receives[i] && receivers.normal(i).y > 0.999) {
+            for i in
+                (0..mask.len()).filter(|&i| receivers.receives[i] && receivers.normal(i).y > 0.999)
+            {
                 let p = receivers.position(i);
-                let Some(dark) = is_behind_the_box(p).filter(|_| p.y.abs() < 1e-3) else { continue };
+                let Some(dark) = is_behind_the_box(p).filter(|_| p.y.abs() < 1e-3) else {
+                    continue;
+                };
                 compared.pixels += 1;
                 compared.dark += usize::from(dark);
                 compared.wrong += usize::from(mask[i] != if dark { 0.0 } else { 1.0 });
             }
-            assert!(compared.dark > 500 && compared.pixels > 30_000, "{sine}: {compared:?}");
+            assert!(
+                compared.dark > 500 && compared.pixels > 30_000,
+                "{sine}: {compared:?}"
+            );
             // One in ten thousand; without the lift it is one in nine at 1e-7, and every other at 1e-8.
-            assert!(compared.wrong * 10_000 <= compared.pixels, "{sine}: {compared:?}");
+            assert!(
+                compared.wrong * 10_000 <= compared.pixels,
+                "{sine}: {compared:?}"
+            );
         }
     }
 }

@@ -7,15 +7,32 @@ use umbrage_tests::{
 };
 
 fn all() -> Vec<Twin> {
-    let core = [math::TWINS, resolve::TWINS, bvh::TWINS, light_sample::TWINS, displacement::TWINS].concat();
-    core.into_iter().chain(umbrage_techniques::twins().copied()).collect()
+    let core = [
+        math::TWINS,
+        resolve::TWINS,
+        bvh::TWINS,
+        light_sample::TWINS,
+        displacement::TWINS,
+    ]
+    .concat();
+    core.into_iter()
+        .chain(umbrage_techniques::twins().copied())
+        .collect()
 }
 
 #[test]
 fn both_halves_give_the_same_bits() {
-    let faults: Vec<String> =
-        all().iter().filter_map(|t| check(device(), t, &draw(t)).err()).map(|e| e.to_string()).collect();
-    assert!(faults.is_empty(), "on {}:\n{}", device().adapter, faults.join("\n"));
+    let faults: Vec<String> = all()
+        .iter()
+        .filter_map(|t| check(device(), t, &draw(t)).err())
+        .map(|e| e.to_string())
+        .collect();
+    assert!(
+        faults.is_empty(),
+        "on {}:\n{}",
+        device().adapter,
+        faults.join("\n")
+    );
 }
 
 #[test]
@@ -37,8 +54,14 @@ fn every_changed_operator_is_caught() {
 }
 
 fn spoilt(text: &'static str) -> Twin {
-    let dot3 = math::TWINS.iter().find(|t| t.name == "dot3").expect("math has dot3");
-    Twin { module: Module { name: "math", text }, ..*dot3 }
+    let dot3 = math::TWINS
+        .iter()
+        .find(|t| t.name == "dot3")
+        .expect("math has dot3");
+    Twin {
+        module: Module { name: "math", text },
+        ..*dot3
+    }
 }
 
 #[test]
@@ -51,7 +74,10 @@ fn a_wrong_signature_is_caught() {
     ] {
         let twin = spoilt(text);
         let verdict = check(device(), &twin, &draw(&twin));
-        assert!(matches!(verdict, Err(Fault::Signature { .. })), "{verdict:?} for {text}");
+        assert!(
+            matches!(verdict, Err(Fault::Signature { .. })),
+            "{verdict:?} for {text}"
+        );
     }
 }
 
@@ -64,7 +90,10 @@ fn wgsl_that_does_not_compile_is_caught() {
 
 #[test]
 fn constant_results_prove_nothing_and_are_refused() {
-    let twin = Twin { call: |_| vec![0], ..spoilt("fn dot3(a: vec3f, b: vec3f) -> f32 { return 0.0; }") };
+    let twin = Twin {
+        call: |_| vec![0],
+        ..spoilt("fn dot3(a: vec3f, b: vec3f) -> f32 { return 0.0; }")
+    };
     let verdict = check(device(), &twin, &draw(&twin));
     assert!(matches!(verdict, Err(Fault::Dull { .. })), "{verdict:?}");
 }
@@ -75,8 +104,18 @@ fn ulps_count_neighbouring_floats() {
     assert_eq!(difference(1.0_f32.to_bits(), next(1.0), true), 1);
     assert_eq!(difference((-1.0_f32).to_bits(), next(-1.0), true), 1);
     assert_eq!(difference(0.0_f32.to_bits(), (-0.0_f32).to_bits(), true), 0);
-    assert_eq!(difference(1, 1 << 31 | 1, true), 2, "the least floats beside zero");
-    assert_eq!(difference(f32::NAN.to_bits(), f32::NAN.to_bits() + 3, true), 0);
-    assert_eq!(difference(f32::NAN.to_bits(), f32::INFINITY.to_bits(), true), u64::MAX);
+    assert_eq!(
+        difference(1, 1 << 31 | 1, true),
+        2,
+        "the least floats beside zero"
+    );
+    assert_eq!(
+        difference(f32::NAN.to_bits(), f32::NAN.to_bits() + 3, true),
+        0
+    );
+    assert_eq!(
+        difference(f32::NAN.to_bits(), f32::INFINITY.to_bits(), true),
+        u64::MAX
+    );
     assert_eq!(difference(5, 7, false), 2);
 }

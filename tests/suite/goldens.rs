@@ -15,8 +15,10 @@ fn masks_are_as_they_were() {
 #[test]
 fn every_golden_image_has_an_owner_and_shows_a_shadow() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/goldens");
-    let mut files: Vec<_> =
-        std::fs::read_dir(folder).expect("the folder is there").map(|e| e.expect("readable").path()).collect();
+    let mut files: Vec<_> = std::fs::read_dir(folder)
+        .expect("the folder is there")
+        .map(|e| e.expect("readable").path())
+        .collect();
     let mut owned: Vec<_> = all().iter().map(Golden::path).collect();
     files.sort();
     owned.sort();
@@ -24,7 +26,12 @@ fn every_golden_image_has_an_owner_and_shows_a_shadow() {
     for path in files {
         let image = image::open(&path).expect("a PNG").into_luma8();
         let dark = image.pixels().filter(|p| p.0[0] < 128).count();
-        assert!(dark > 20 && dark < image.len() - 20, "{}: {dark} dark pixels of {}", path.display(), image.len());
+        assert!(
+            dark > 20 && dark < image.len() - 20,
+            "{}: {dark} dark pixels of {}",
+            path.display(),
+            image.len()
+        );
     }
 }
 
@@ -36,7 +43,13 @@ fn one_changed_pixel_is_caught() {
     let mut spoilt = image.clone();
     spoilt.get_pixel_mut(77, 5).0[0] ^= 1;
     assert!(compare(&png, &spoilt).is_err());
-    assert!(compare(&encode(&image::GrayImage::new(SIDE, SIDE - 1)).expect("it encodes"), &image).is_err());
+    assert!(
+        compare(
+            &encode(&image::GrayImage::new(SIDE, SIDE - 1)).expect("it encodes"),
+            &image
+        )
+        .is_err()
+    );
     assert!(compare(b"no PNG", &image).is_err());
 }
 

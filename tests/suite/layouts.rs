@@ -1,6 +1,8 @@
 //! Net 2: uniforms, where Rust writes and where shaders read.
 
-use umbrage_core::{CameraRays, Kernel, Light, Recipe, Uniforms, View, glam::Vec3, join, resolve::RESOLVE};
+use umbrage_core::{
+    CameraRays, Kernel, Light, Recipe, Uniforms, View, glam::Vec3, join, resolve::RESOLVE,
+};
 use umbrage_tests::{layouts::check, stage};
 
 fn kernels(recipe: &Recipe) -> impl Iterator<Item = &dyn Kernel> {
@@ -11,9 +13,18 @@ fn kernels(recipe: &Recipe) -> impl Iterator<Item = &dyn Kernel> {
 #[test]
 fn every_kernel_writes_its_uniforms_where_its_shader_reads_them() {
     let (geometry, camera) = (stage::geometry(1.0, Vec3::ZERO), stage::camera());
-    let light = Light::Directional { direction: Vec3::new(1.0, -3.0, 1.0), angular_diameter: 0.0093 };
-    let bulb = Light::Point { position: Vec3::new(0.5, 4.0, 1.0), radius: 0.1 };
-    let views = [View::new(&camera, &light, &geometry), View::new(&camera, &bulb, &geometry)];
+    let light = Light::Directional {
+        direction: Vec3::new(1.0, -3.0, 1.0),
+        angular_diameter: 0.0093,
+    };
+    let bulb = Light::Point {
+        position: Vec3::new(0.5, 4.0, 1.0),
+        radius: 0.1,
+    };
+    let views = [
+        View::new(&camera, &light, &geometry),
+        View::new(&camera, &bulb, &geometry),
+    ];
     for entry in umbrage_techniques::all() {
         for technique in (entry.exhaustive)(64) {
             let name = format!("{}, {}", entry.name, technique.settings());
@@ -21,9 +32,13 @@ fn every_kernel_writes_its_uniforms_where_its_shader_reads_them() {
             let recipe = views.iter().find_map(|view| technique.plan(view).ok());
             let recipe = recipe.unwrap_or_else(|| panic!("{name}: serves neither light"));
             for kernel in kernels(&recipe) {
-                check(&kernel.layout(), &join(&kernel.modules())).unwrap_or_else(|e| panic!("{name}: {e}"));
+                check(&kernel.layout(), &join(&kernel.modules()))
+                    .unwrap_or_else(|e| panic!("{name}: {e}"));
                 // A buffer may end in padding, never before the struct does.
-                assert!(kernel.uniform_bytes().len() as u64 >= kernel.layout().size, "{name}: too few bytes");
+                assert!(
+                    kernel.uniform_bytes().len() as u64 >= kernel.layout().size,
+                    "{name}: too few bytes"
+                );
             }
         }
     }
@@ -36,8 +51,14 @@ fn the_first_word_of_uniforms_does_not_hang_on_the_light() {
     /// Their shaders branch on no uniform, so nothing is compiled anew. They begin with the light.
     const BRANCHLESS: [&str; 3] = ["none", "planar", "volumes"];
     let (geometry, camera) = (stage::geometry(1.0, Vec3::ZERO), stage::camera());
-    let sun = |x: f32| Light::Directional { direction: Vec3::new(x, -3.0, 1.0), angular_diameter: 0.0093 };
-    let bulb = |x: f32| Light::Point { position: Vec3::new(x, 4.0, 1.0), radius: 0.1 };
+    let sun = |x: f32| Light::Directional {
+        direction: Vec3::new(x, -3.0, 1.0),
+        angular_diameter: 0.0093,
+    };
+    let bulb = |x: f32| Light::Point {
+        position: Vec3::new(x, 4.0, 1.0),
+        radius: 0.1,
+    };
     let pairs = [[sun(1.0), sun(-0.5)], [bulb(0.5), bulb(-0.25)]];
     for entry in umbrage_techniques::all() {
         for technique in (entry.exhaustive)(64) {
@@ -47,8 +68,15 @@ fn the_first_word_of_uniforms_does_not_hang_on_the_light() {
             let both: Vec<_> = pairs.iter().filter_map(plans).collect();
             assert!(!both.is_empty(), "{name}: serves neither pair");
             for (a, b) in both {
-                let first = |r: &Recipe| kernels(r).map(|k| k.uniform_bytes()[..4].to_vec()).collect::<Vec<_>>();
-                assert!(first(&a) == first(&b) || BRANCHLESS.contains(&entry.name), "{name}");
+                let first = |r: &Recipe| {
+                    kernels(r)
+                        .map(|k| k.uniform_bytes()[..4].to_vec())
+                        .collect::<Vec<_>>()
+                };
+                assert!(
+                    first(&a) == first(&b) || BRANCHLESS.contains(&entry.name),
+                    "{name}"
+                );
             }
         }
     }
@@ -63,7 +91,10 @@ fn camera_rays_lie_where_the_shader_reads_them() {
 fn a_swapped_renamed_widened_or_missing_field_is_caught() {
     let good = RESOLVE.text;
     for (from, to) in [
-        ("origin_dx: vec4f,\n    origin_dy: vec4f", "origin_dy: vec4f,\n    origin_dx: vec4f"),
+        (
+            "origin_dx: vec4f,\n    origin_dy: vec4f",
+            "origin_dy: vec4f,\n    origin_dx: vec4f",
+        ),
         ("dir_dy: vec4f", "dir_dz: vec4f"),
         ("dir: vec4f", "dir: mat4x4f"),
         ("    dir_dy: vec4f,\n", ""),
@@ -71,6 +102,9 @@ fn a_swapped_renamed_widened_or_missing_field_is_caught() {
     ] {
         let bad = good.replace(from, to);
         assert_ne!(bad, good, "the spoilt text must differ");
-        assert!(check(&CameraRays::layout(), &bad).is_err(), "not caught: {from} -> {to}");
+        assert!(
+            check(&CameraRays::layout(), &bad).is_err(),
+            "not caught: {from} -> {to}"
+        );
     }
 }

@@ -15,7 +15,11 @@ fn fit(fit: Fit, light: &Light, geometry: &Geometry) -> Result<LightSpace, PlanE
 /// Six significant digits: what differs between processors' libraries is smaller by far.
 fn number(v: f32) -> String {
     let rounded: f64 = format!("{v:.5e}").parse().expect("a number, printed");
-    if rounded == 0.0 { "0".to_owned() } else { format!("{rounded:e}") }
+    if rounded == 0.0 {
+        "0".to_owned()
+    } else {
+        format!("{rounded:e}")
+    }
 }
 
 fn print(name: &str, space: &Result<LightSpace, PlanError>) -> String {
@@ -41,7 +45,12 @@ fn row(r: Vec4) -> String {
     const ROUNDING: f32 = 2e-7;
     let linear = r.truncate().abs().max_element() * ROUNDING;
     let clean = |v: f32, least: f32| if v.abs() <= least { 0.0 } else { v };
-    let r = [clean(r.x, linear), clean(r.y, linear), clean(r.z, linear), clean(r.w, ROUNDING)];
+    let r = [
+        clean(r.x, linear),
+        clean(r.y, linear),
+        clean(r.z, linear),
+        clean(r.w, ROUNDING),
+    ];
     r.map(|v| format!("{:>12}", number(v))).join(" ")
 }
 
@@ -52,20 +61,47 @@ fn lights(scale: f32, offset: Vec3) -> Vec<(&'static str, Light)> {
     let at = |x, y, z| offset + Vec3::new(x, y, z) * scale;
     let down = Vec3::NEG_Y;
     vec![
-        ("directional", Light::Directional { direction: Vec3::new(2.0, -4.0, 1.0), angular_diameter: 0.0 }),
-        ("directional, straight down", Light::Directional { direction: down, angular_diameter: 0.0093 }),
-        ("directional, straight up", Light::Directional { direction: Vec3::Y, angular_diameter: 0.0 }),
+        (
+            "directional",
+            Light::Directional {
+                direction: Vec3::new(2.0, -4.0, 1.0),
+                angular_diameter: 0.0,
+            },
+        ),
+        (
+            "directional, straight down",
+            Light::Directional {
+                direction: down,
+                angular_diameter: 0.0093,
+            },
+        ),
+        (
+            "directional, straight up",
+            Light::Directional {
+                direction: Vec3::Y,
+                angular_diameter: 0.0,
+            },
+        ),
         (
             "directional, nearly down",
-            Light::Directional { direction: Vec3::new(1e-6, -1.0, 0.0), angular_diameter: 0.0 },
+            Light::Directional {
+                direction: Vec3::new(1e-6, -1.0, 0.0),
+                angular_diameter: 0.0,
+            },
         ),
         (
             "directional, tiny vector",
-            Light::Directional { direction: Vec3::new(1e-30, -1e-30, 0.0), angular_diameter: 0.0 },
+            Light::Directional {
+                direction: Vec3::new(1e-30, -1e-30, 0.0),
+                angular_diameter: 0.0,
+            },
         ),
         (
             "directional, huge vector",
-            Light::Directional { direction: Vec3::new(1e30, -1e30, 0.0), angular_diameter: 0.0 },
+            Light::Directional {
+                direction: Vec3::new(1e30, -1e30, 0.0),
+                angular_diameter: 0.0,
+            },
         ),
         (
             "spot",
@@ -79,23 +115,70 @@ fn lights(scale: f32, offset: Vec3) -> Vec<(&'static str, Light)> {
         ),
         (
             "spot, straight down",
-            Light::Spot { position: at(0.0, 6.0, 0.0), direction: down, inner: 0.0, outer: 0.6, radius: 0.1 },
+            Light::Spot {
+                position: at(0.0, 6.0, 0.0),
+                direction: down,
+                inner: 0.0,
+                outer: 0.6,
+                radius: 0.1,
+            },
         ),
         (
             "spot, too wide",
-            Light::Spot { position: at(0.0, 6.0, 0.0), direction: down, inner: 1.0, outer: 1.5, radius: 0.0 },
+            Light::Spot {
+                position: at(0.0, 6.0, 0.0),
+                direction: down,
+                inner: 1.0,
+                outer: 1.5,
+                radius: 0.0,
+            },
         ),
-        ("point", Light::Point { position: at(-2.0, 6.0, 1.0), radius: 0.0 }),
-        ("point, right above", Light::Point { position: at(0.0, 6.0, 0.0), radius: 0.2 }),
-        ("point, within the caster", Light::Point { position: at(0.0, 1.5, 0.0), radius: 0.0 }),
-        ("rect", Light::Rect { center: at(1.0, 5.0, 0.0), half_u: Vec3::X, half_v: Vec3::Z }),
-        ("disc", Light::Disc { center: at(1.0, 5.0, 2.0), normal: Vec3::Y, radius: 0.5 }),
+        (
+            "point",
+            Light::Point {
+                position: at(-2.0, 6.0, 1.0),
+                radius: 0.0,
+            },
+        ),
+        (
+            "point, right above",
+            Light::Point {
+                position: at(0.0, 6.0, 0.0),
+                radius: 0.2,
+            },
+        ),
+        (
+            "point, within the caster",
+            Light::Point {
+                position: at(0.0, 1.5, 0.0),
+                radius: 0.0,
+            },
+        ),
+        (
+            "rect",
+            Light::Rect {
+                center: at(1.0, 5.0, 0.0),
+                half_u: Vec3::X,
+                half_v: Vec3::Z,
+            },
+        ),
+        (
+            "disc",
+            Light::Disc {
+                center: at(1.0, 5.0, 2.0),
+                normal: Vec3::Y,
+                radius: 0.5,
+            },
+        ),
     ]
 }
 
 fn suite(scale: f32, offset: Vec3) -> String {
     let geometry = geometry(scale, offset);
-    lights(scale, offset).iter().map(|(name, light)| print(name, &fit(Fit::Tight, light, &geometry))).collect()
+    lights(scale, offset)
+        .iter()
+        .map(|(name, light)| print(name, &fit(Fit::Tight, light, &geometry)))
+        .collect()
 }
 
 #[test]
@@ -114,9 +197,17 @@ fn stable() {
         let geometry = geometry(1.0, offset);
         let mut camera = camera();
         camera.world_from_view.translation += glam::Vec3A::from(offset);
-        let fitted =
-            |light: &Light| Fit::Stable { range: 20.0 }.light_space(&View::new(&camera, light, &geometry), 1024, 1.0);
-        lights(1.0, offset).iter().map(|(name, light)| print(name, &fitted(light))).collect()
+        let fitted = |light: &Light| {
+            Fit::Stable { range: 20.0 }.light_space(
+                &View::new(&camera, light, &geometry),
+                1024,
+                1.0,
+            )
+        };
+        lights(1.0, offset)
+            .iter()
+            .map(|(name, light)| print(name, &fitted(light)))
+            .collect()
     };
     insta::assert_snapshot!("stable_at_the_origin", suite(Vec3::ZERO));
     insta::assert_snapshot!("stable_far_away", suite(FAR_AWAY));
@@ -126,24 +217,42 @@ fn stable() {
 #[test]
 fn cube() {
     let geometry = geometry(1.0, Vec3::ZERO);
-    let light = Light::Point { position: Vec3::new(0.5, 4.0, 1.0), radius: 0.0 };
+    let light = Light::Point {
+        position: Vec3::new(0.5, 4.0, 1.0),
+        radius: 0.0,
+    };
     let camera = camera();
     let view = View::new(&camera, &light, &geometry);
-    let spaces = Fit::Tight.light_spaces(Layout::Cube, &view, 256, 3.0).expect("bulbs have a place");
+    let spaces = Fit::Tight
+        .light_spaces(Layout::Cube, &view, 256, 3.0)
+        .expect("bulbs have a place");
     let axes = ["+x", "-x", "+y", "-y", "+z", "-z"];
     let faces = axes.iter().zip(&spaces.spaces).zip(&spaces.needed);
-    let text: String =
-        faces.map(|((axis, space), needed)| print(&format!("{axis}, needed: {needed}"), &Ok(*space))).collect();
+    let text: String = faces
+        .map(|((axis, space), needed)| print(&format!("{axis}, needed: {needed}"), &Ok(*space)))
+        .collect();
     insta::assert_snapshot!(text);
 }
 
 #[test]
 fn by_hand() {
-    let extents = Extents { left: -10.0, right: 10.0, bottom: -10.0, top: 10.0, near: 1.0, far: 7.5 };
-    let manual = Fit::Manual { eye: Vec3::new(-2.0, 4.0, -1.0), extents };
+    let extents = Extents {
+        left: -10.0,
+        right: 10.0,
+        bottom: -10.0,
+        top: 10.0,
+        near: 1.0,
+        far: 7.5,
+    };
+    let manual = Fit::Manual {
+        eye: Vec3::new(-2.0, 4.0, -1.0),
+        extents,
+    };
     let geometry = geometry(1.0, Vec3::ZERO);
-    let out: String =
-        lights(1.0, Vec3::ZERO).iter().map(|(name, light)| print(name, &fit(manual, light, &geometry))).collect();
+    let out: String = lights(1.0, Vec3::ZERO)
+        .iter()
+        .map(|(name, light)| print(name, &fit(manual, light, &geometry)))
+        .collect();
     insta::assert_snapshot!(out);
 }
 
@@ -152,22 +261,53 @@ fn nothing_casts() {
     let geometry = geometry(1.0, Vec3::ZERO).without_casters();
     let lights = lights(1.0, Vec3::ZERO);
     insta::assert_snapshot!(
-        lights.iter().map(|(name, light)| print(name, &fit(Fit::Tight, light, &geometry))).collect::<String>()
+        lights
+            .iter()
+            .map(|(name, light)| print(name, &fit(Fit::Tight, light, &geometry)))
+            .collect::<String>()
     );
 }
 
 #[test]
 fn bad_projections_say_what_to_mend() {
-    let good = Extents { left: -1.0, right: 1.0, bottom: -1.0, top: 1.0, near: 1.0, far: 2.0 };
-    let light = Light::Directional { direction: Vec3::NEG_Y, angular_diameter: 0.0 };
+    let good = Extents {
+        left: -1.0,
+        right: 1.0,
+        bottom: -1.0,
+        top: 1.0,
+        near: 1.0,
+        far: 2.0,
+    };
+    let light = Light::Directional {
+        direction: Vec3::NEG_Y,
+        angular_diameter: 0.0,
+    };
     let geometry = geometry(1.0, Vec3::ZERO);
     let out: String = [
         ("near beyond far", Extents { near: 3.0, ..good }),
         ("no width", Extents { left: 1.0, ..good }),
-        ("not a number", Extents { top: f32::NAN, ..good }),
+        (
+            "not a number",
+            Extents {
+                top: f32::NAN,
+                ..good
+            },
+        ),
     ]
     .into_iter()
-    .map(|(name, extents)| print(name, &fit(Fit::Manual { eye: Vec3::ZERO, extents }, &light, &geometry)))
+    .map(|(name, extents)| {
+        print(
+            name,
+            &fit(
+                Fit::Manual {
+                    eye: Vec3::ZERO,
+                    extents,
+                },
+                &light,
+                &geometry,
+            ),
+        )
+    })
     .collect();
     let nowhere = fit(Fit::Stable { range: 0.0 }, &light, &geometry);
     let out = out + &print("seen up to nowhere", &nowhere);
@@ -184,16 +324,31 @@ fn holds(space: &LightSpace, points: impl Iterator<Item = Vec3>) -> bool {
 
 #[test]
 fn a_fitted_map_holds_every_caster() {
-    for (scale, offset) in [(1.0, Vec3::ZERO), (1e-3, Vec3::ZERO), (1e4, Vec3::ZERO), (1.0, FAR_AWAY)] {
+    for (scale, offset) in [
+        (1.0, Vec3::ZERO),
+        (1e-3, Vec3::ZERO),
+        (1e4, Vec3::ZERO),
+        (1.0, FAR_AWAY),
+    ] {
         let geometry = geometry(scale, offset);
         let casters = || geometry.vertices_of(geometry.casters());
         // Light from below meets the floor first: casters behind it need no place on the map.
-        let lights = lights(scale, offset).into_iter().filter(|(name, _)| !name.ends_with("up"));
+        let lights = lights(scale, offset)
+            .into_iter()
+            .filter(|(name, _)| !name.ends_with("up"));
         for (name, light) in lights {
-            let Ok(space) = fit(Fit::Tight, &light, &geometry) else { continue };
-            assert!(holds(&space, casters()), "{name} at scale {scale}: {space:?}");
+            let Ok(space) = fit(Fit::Tight, &light, &geometry) else {
+                continue;
+            };
+            assert!(
+                holds(&space, casters()),
+                "{name} at scale {scale}: {space:?}"
+            );
             let nudged = space.nudged(Vec3::splat(600.0).truncate(), 0.0, UVec2::splat(1024));
-            assert!(!holds(&nudged, casters()), "{name}: a map moved by half its size must not hold them");
+            assert!(
+                !holds(&nudged, casters()),
+                "{name}: a map moved by half its size must not hold them"
+            );
         }
     }
 }

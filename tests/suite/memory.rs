@@ -17,7 +17,13 @@ fn rendering_takes_at_most_three_times_what_it_holds() {
         let geometry = Geometry::bake(&scene).expect("valid");
         let camera = scene.cameras[0].resized(UVec2::new(640, 360));
         let view = View::new(&camera, &scene.lights[0], &geometry);
-        let technique = Pcf { map: ShadowMap { size: map, ..ShadowMap::default() }, radius: 1 };
+        let technique = Pcf {
+            map: ShadowMap {
+                size: map,
+                ..ShadowMap::default()
+            },
+            radius: 1,
+        };
         let recipe = technique.plan(&view).expect("pcf serves the sun");
         let before = ALLOCATIONS.current_usage();
         ALLOCATIONS.reset_peak_usage();
@@ -28,8 +34,15 @@ fn rendering_takes_at_most_three_times_what_it_holds() {
         }
         let peak = (ALLOCATIONS.peak_usage() - before) as f64;
         let ratio = peak / held as f64;
-        println!("{name}: {:.1} MB at the peak, {:.1} MB held: {ratio:.2}", peak / 1e6, held as f64 / 1e6);
+        println!(
+            "{name}: {:.1} MB at the peak, {:.1} MB held: {ratio:.2}",
+            peak / 1e6,
+            held as f64 / 1e6
+        );
         // Less than what is held would mean that nothing was counted.
-        assert!((1.0..=3.0).contains(&ratio), "{name}: {ratio:.2} times what it holds");
+        assert!(
+            (1.0..=3.0).contains(&ratio),
+            "{name}: {ratio:.2} times what it holds"
+        );
     }
 }

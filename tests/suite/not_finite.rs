@@ -2,7 +2,8 @@
 
 use glam::{Affine3A, Mat4, Vec3};
 use umbrage_core::{
-    Aabb, Backend, Camera, Extents, Fit, Geometry, Layout, Light, PlanError, Receivers, Recipe, ShadowTechnique, View,
+    Aabb, Backend, Camera, Extents, Fit, Geometry, Layout, Light, PlanError, Receivers, Recipe,
+    ShadowTechnique, View,
 };
 use umbrage_cpu::Cpu;
 use umbrage_techniques::{Bias, Hard, ShadowMap};
@@ -11,16 +12,26 @@ use umbrage_tests::{gpu::gpu, stage};
 const BAD: [f32; 3] = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
 
 /// A bulb over the stage: all techniques serve it.
-const BULB: Light = Light::Point { position: Vec3::new(0.5, 4.0, 1.0), radius: 0.0 };
-const SUN: Light = Light::Directional { direction: Vec3::new(0.3, -1.0, 0.2), angular_diameter: 0.0 };
+const BULB: Light = Light::Point {
+    position: Vec3::new(0.5, 4.0, 1.0),
+    radius: 0.0,
+};
+const SUN: Light = Light::Directional {
+    direction: Vec3::new(0.3, -1.0, 0.2),
+    angular_diameter: 0.0,
+};
 
 /// Asks all techniques, one setting of each, to plan; the error must hold `words`.
 fn refused(view: &View<'_>, words: &str) {
     for entry in umbrage_techniques::all() {
         let technique = &(entry.settings)(&[64], Fit::Tight)[0];
         match technique.plan(view) {
-            Err(PlanError::Invalid(why)) => assert!(why.to_string().contains(words), "{}: {why}", entry.name),
-            Err(PlanError::Unsupported(why)) => panic!("{}: `{words}` should be at fault, not: {why}", entry.name),
+            Err(PlanError::Invalid(why)) => {
+                assert!(why.to_string().contains(words), "{}: {why}", entry.name)
+            }
+            Err(PlanError::Unsupported(why)) => {
+                panic!("{}: `{words}` should be at fault, not: {why}", entry.name)
+            }
             Ok(_) => panic!("{} plans with a bad {words}", entry.name),
         }
     }
@@ -32,23 +43,47 @@ fn techniques_refuse_cameras() {
     for bad in BAD {
         let mut camera = good;
         camera.world_from_view.translation.y = bad;
-        refused(&View::new(&camera, &BULB, &geometry), "camera matrix: holds");
+        refused(
+            &View::new(&camera, &BULB, &geometry),
+            "camera matrix: holds",
+        );
         let mut camera = good;
         camera.clip_from_view.y_axis.y = bad;
-        refused(&View::new(&camera, &BULB, &geometry), "camera projection: holds");
+        refused(
+            &View::new(&camera, &BULB, &geometry),
+            "camera projection: holds",
+        );
     }
-    let flat = Camera { world_from_view: Affine3A::from_scale(Vec3::new(1.0, 0.0, 1.0)), ..good };
-    refused(&View::new(&flat, &BULB, &geometry), "camera matrix: is singular");
-    let flat = Camera { clip_from_view: Mat4::ZERO, ..good };
-    refused(&View::new(&flat, &BULB, &geometry), "camera projection: is singular");
+    let flat = Camera {
+        world_from_view: Affine3A::from_scale(Vec3::new(1.0, 0.0, 1.0)),
+        ..good
+    };
+    refused(
+        &View::new(&flat, &BULB, &geometry),
+        "camera matrix: is singular",
+    );
+    let flat = Camera {
+        clip_from_view: Mat4::ZERO,
+        ..good
+    };
+    refused(
+        &View::new(&flat, &BULB, &geometry),
+        "camera projection: is singular",
+    );
 }
 
 #[test]
 fn techniques_refuse_lights() {
     let (geometry, camera) = (stage::geometry(1.0, Vec3::ZERO), stage::camera());
     for bad in BAD {
-        let light = Light::Point { position: Vec3::new(0.0, bad, 0.0), radius: 0.0 };
-        refused(&View::new(&camera, &light, &geometry), "point light, position: holds");
+        let light = Light::Point {
+            position: Vec3::new(0.0, bad, 0.0),
+            radius: 0.0,
+        };
+        refused(
+            &View::new(&camera, &light, &geometry),
+            "point light, position: holds",
+        );
     }
 }
 
@@ -57,14 +92,26 @@ fn techniques_refuse_boxes() {
     let (geometry, camera) = (stage::geometry(1.0, Vec3::ZERO), stage::camera());
     for bad in BAD {
         let casters = Aabb::around([Vec3::ONE, Vec3::new(0.0, bad, 0.0), Vec3::NEG_ONE]);
-        refused(&View { casters, ..View::new(&camera, &BULB, &geometry) }, "view's casters, box's m");
+        refused(
+            &View {
+                casters,
+                ..View::new(&camera, &BULB, &geometry)
+            },
+            "view's casters, box's m",
+        );
     }
 }
 
 /// Receivers of the stage, one of which is spoilt.
 fn spoilt(geometry: &Geometry, spoil: impl Fn(&mut Receivers, usize)) -> Receivers {
-    let mut receivers = Cpu::new().receivers(&stage::camera(), geometry).expect("a good camera");
-    let seen = receivers.receives.iter().position(|&r| r).expect("the floor is seen");
+    let mut receivers = Cpu::new()
+        .receivers(&stage::camera(), geometry)
+        .expect("a good camera");
+    let seen = receivers
+        .receives
+        .iter()
+        .position(|&r| r)
+        .expect("the floor is seen");
     spoil(&mut receivers, seen);
     receivers
 }
@@ -75,7 +122,10 @@ fn techniques_and_backends_refuse_receivers() {
     let view = View::new(&camera, &SUN, &geometry);
     let recipe = Hard::default().plan(&view).expect("it plans");
     for bad in BAD {
-        for receivers in [spoilt(&geometry, |r, i| r.z[i] = bad), spoilt(&geometry, |r, i| r.nx[i] = bad)] {
+        for receivers in [
+            spoilt(&geometry, |r, i| r.z[i] = bad),
+            spoilt(&geometry, |r, i| r.nx[i] = bad),
+        ] {
             let view = view.with_receivers(&receivers);
             refused(&view, "receiver at pixel (");
             for why in rendered(&view, &recipe) {
@@ -84,15 +134,23 @@ fn techniques_and_backends_refuse_receivers() {
         }
     }
     // Where no shadow falls, anything may be.
-    let receivers = spoilt(&geometry, |r, i| (r.x[i], r.receives[i]) = (f32::NAN, false));
-    assert!(Hard::default().plan(&view.with_receivers(&receivers)).is_ok());
+    let receivers = spoilt(&geometry, |r, i| {
+        (r.x[i], r.receives[i]) = (f32::NAN, false)
+    });
+    assert!(
+        Hard::default()
+            .plan(&view.with_receivers(&receivers))
+            .is_ok()
+    );
     let short = spoilt(&geometry, |r, _| r.ny.truncate(1));
     refused(&view.with_receivers(&short), "not all arrays are as long");
 }
 
 /// What both backends object to.
 fn rendered(view: &View<'_>, recipe: &Recipe) -> [String; 2] {
-    let cpu = Cpu::new().render(view, recipe).expect_err("the CPU refuses it");
+    let cpu = Cpu::new()
+        .render(view, recipe)
+        .expect_err("the CPU refuses it");
     let wgpu = gpu().render(view, recipe).expect_err("the GPU refuses it");
     [cpu.to_string(), wgpu.to_string()]
 }
@@ -100,12 +158,25 @@ fn rendered(view: &View<'_>, recipe: &Recipe) -> [String; 2] {
 #[test]
 fn manual_fits_name_the_field() {
     let (geometry, camera) = (stage::geometry(1.0, Vec3::ZERO), stage::camera());
-    let good = Extents { left: -4.0, right: 4.0, bottom: -4.0, top: 4.0, near: 1.0, far: 9.0 };
+    let good = Extents {
+        left: -4.0,
+        right: 4.0,
+        bottom: -4.0,
+        top: 4.0,
+        near: 1.0,
+        far: 9.0,
+    };
     for bad in BAD {
         let cases = [
             ("left", Extents { left: bad, ..good }),
             ("right", Extents { right: bad, ..good }),
-            ("bottom", Extents { bottom: bad, ..good }),
+            (
+                "bottom",
+                Extents {
+                    bottom: bad,
+                    ..good
+                },
+            ),
             ("top", Extents { top: bad, ..good }),
             ("near", Extents { near: bad, ..good }),
             ("far", Extents { far: bad, ..good }),
@@ -114,13 +185,28 @@ fn manual_fits_name_the_field() {
             let view = View::new(&camera, &light, &geometry);
             for layout in [Layout::Single, Layout::Auto] {
                 for (name, extents) in cases {
-                    let fit = Fit::Manual { eye: Vec3::Y, extents };
-                    let why = fit.light_spaces(layout, &view, 64, 0.0).expect_err(name).to_string();
-                    assert!(why.contains(&format!("manual fit's {name}: holds")), "{why}");
+                    let fit = Fit::Manual {
+                        eye: Vec3::Y,
+                        extents,
+                    };
+                    let why = fit
+                        .light_spaces(layout, &view, 64, 0.0)
+                        .expect_err(name)
+                        .to_string();
+                    assert!(
+                        why.contains(&format!("manual fit's {name}: holds")),
+                        "{why}"
+                    );
                 }
             }
-            let fit = Fit::Manual { eye: Vec3::new(bad, 0.0, 0.0), extents: good };
-            let why = fit.light_space(&view, 64, 0.0).expect_err("eye").to_string();
+            let fit = Fit::Manual {
+                eye: Vec3::new(bad, 0.0, 0.0),
+                extents: good,
+            };
+            let why = fit
+                .light_space(&view, 64, 0.0)
+                .expect_err("eye")
+                .to_string();
             assert!(why.contains("manual fit's eye: holds"), "{why}");
         }
     }
@@ -130,8 +216,17 @@ fn manual_fits_name_the_field() {
 fn backends_refuse_casts() {
     let (geometry, camera) = (stage::geometry(1.0, Vec3::ZERO), stage::camera());
     let view = View::new(&camera, &SUN, &geometry);
-    let bias = Bias { raster: umbrage_core::RasterBias { slope: 1.0, ..Default::default() }, ..Bias::NONE };
-    let map = ShadowMap { bias, ..ShadowMap::default() };
+    let bias = Bias {
+        raster: umbrage_core::RasterBias {
+            slope: 1.0,
+            ..Default::default()
+        },
+        ..Bias::NONE
+    };
+    let map = ShadowMap {
+        bias,
+        ..ShadowMap::default()
+    };
     let good = Hard { map }.plan(&view).expect("it plans");
     let spoilt = |spoil: &dyn Fn(&mut umbrage_core::Cast)| {
         let mut recipe = good.clone();

@@ -21,10 +21,16 @@ fn far_scene(metres: f64, light: &str) -> Scene {
         at(3.0, 3.0, 5.0),
         at(0.0, 0.5, 0.0)
     );
-    for (shape, scale, place) in
-        [("plane", 4.0, at(0.0, 0.0, 0.0)), ("sphere", 0.6, at(0.2, 0.8, 0.3)), ("sphere", 0.2, at(-1.0, 1.5, 0.5))]
-    {
-        writeln!(text, "[[object]]\nshape = \"{shape}\"\nscale = {scale}\ntranslate = {place}").expect("fits");
+    for (shape, scale, place) in [
+        ("plane", 4.0, at(0.0, 0.0, 0.0)),
+        ("sphere", 0.6, at(0.2, 0.8, 0.3)),
+        ("sphere", 0.2, at(-1.0, 1.5, 0.5)),
+    ] {
+        writeln!(
+            text,
+            "[[object]]\nshape = \"{shape}\"\nscale = {scale}\ntranslate = {place}"
+        )
+        .expect("fits");
     }
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("far.toml");
@@ -39,7 +45,10 @@ fn brute_force(view: &View<'_>, geometry: &Geometry, order: &[u32]) -> Vec<f32> 
     let receivers = view.receivers.expect("given");
     let eye = view.camera.eye();
     let all = geometry.bounds().union(&Aabb::around([eye]));
-    let (reach, far) = (all.min.abs().max(all.max.abs()).max_element(), 2.0 * all.extent().length());
+    let (reach, far) = (
+        all.min.abs().max(all.max.abs()).max_element(),
+        2.0 * all.extent().length(),
+    );
     let light = LightSampler::new(view.light);
     let lit = |i: usize| {
         let (p, n): (Vec3, Vec3) = (receivers.position(i), receivers.normal(i));
@@ -51,7 +60,15 @@ fn brute_force(view: &View<'_>, geometry: &Geometry, order: &[u32]) -> Vec<f32> 
         };
         n.dot(d) > 0.0 && !order.iter().any(hides)
     };
-    (0..receivers.len()).map(|i| if !receivers.receives[i] || lit(i) { 1.0 } else { 0.0 }).collect()
+    (0..receivers.len())
+        .map(|i| {
+            if !receivers.receives[i] || lit(i) {
+                1.0
+            } else {
+                0.0
+            }
+        })
+        .collect()
 }
 
 #[test]
@@ -61,7 +78,8 @@ fn hierarchies_and_lists_in_any_order_agree_up_to_a_million_metres() {
         let geometry = Geometry::bake(&scene).expect("valid");
         let mut cpu = Cpu::new();
         let receivers = cpu.receivers(&scene.cameras[0], &geometry).expect("valid");
-        let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry).with_receivers(&receivers);
+        let view =
+            View::new(&scene.cameras[0], &scene.lights[0], &geometry).with_receivers(&receivers);
         let recipe = Traced::default().plan(&view).expect("served");
         let mine = cpu.render(&view, &recipe).expect("plays").mask;
         let mut order: Vec<u32> = geometry.casters().collect();
@@ -76,7 +94,10 @@ fn hierarchies_and_lists_in_any_order_agree_up_to_a_million_metres() {
             assert_eq!(differing(&theirs), 0, "pixels on the GPU at {metres} m");
         }
         let dark = expected.iter().filter(|v| **v == 0.0).count();
-        assert!((300..15_000).contains(&dark), "at {metres} m the test tells little: {dark} dark pixels");
+        assert!(
+            (300..15_000).contains(&dark),
+            "at {metres} m the test tells little: {dark} dark pixels"
+        );
     }
 }
 

@@ -10,7 +10,10 @@ use umbrage_tests::gpu::gpu;
 const TOLERANCE: f64 = 0.05;
 
 /// A scene and the true ramp: visibility is (x - start) / width between 0 and 1.
-const RAMPS: [(&str, f64, f64); 2] = [("c4-edge-square", -0.5, 1.0), ("c4b-low-edge-square", 0.042_857, 0.142_857)];
+const RAMPS: [(&str, f64, f64); 2] = [
+    ("c4-edge-square", -0.5, 1.0),
+    ("c4b-low-edge-square", 0.042_857, 0.142_857),
+];
 
 /// Penumbra's width over the true one. Of the floor's pixels whose true visibility is .25 to .75, a line is fitted to
 /// visibility against x; a ramp of its slope is as wide as the slope's inverse.
@@ -21,7 +24,11 @@ fn width_ratio(mask: &[f32], receivers: &Receivers, start: f64, width: f64) -> f
         (x, f64::from(mask[i]))
     });
     let middle: Vec<(f64, f64)> = ramp.filter(|(x, _)| (0.25..=0.75).contains(x)).collect();
-    assert!(middle.len() > 400, "{} pixels are too few to fit a line to", middle.len());
+    assert!(
+        middle.len() > 400,
+        "{} pixels are too few to fit a line to",
+        middle.len()
+    );
     let n = middle.len() as f64;
     let mean = |f: fn(&(f64, f64)) -> f64| middle.iter().map(f).sum::<f64>() / n;
     let (x, v) = (mean(|p| p.0), mean(|p| p.1));
@@ -30,7 +37,12 @@ fn width_ratio(mask: &[f32], receivers: &Receivers, start: f64, width: f64) -> f
 }
 
 /// The technique's ratio under a lamp whose sides are `scale` times the scene's.
-fn measured(backend: &mut dyn Backend, technique: &Pcss, (name, start, width): (&str, f64, f64), scale: f32) -> f64 {
+fn measured(
+    backend: &mut dyn Backend,
+    technique: &Pcss,
+    (name, start, width): (&str, f64, f64),
+    scale: f32,
+) -> f64 {
     let mut scene = (find(name).expect("a built-in scene").build)();
     if let Light::Rect { half_u, half_v, .. } = &mut scene.lights[0] {
         (*half_u, *half_v) = (*half_u * scale, *half_v * scale);
@@ -39,12 +51,22 @@ fn measured(backend: &mut dyn Backend, technique: &Pcss, (name, start, width): (
     let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
     let recipe = technique.plan(&view).expect("maps serve square lamps");
     let shadows = backend.render(&view, &recipe).expect("renders");
-    width_ratio(&shadows.mask, &shadows.receivers.expect("found from the geometry"), start, width)
+    width_ratio(
+        &shadows.mask,
+        &shadows.receivers.expect("found from the geometry"),
+        start,
+        width,
+    )
 }
 
 fn techniques() -> impl Iterator<Item = Pcss> {
     let patterns = [Pattern::Vogel, Pattern::Poisson, Pattern::Grid];
-    patterns.into_iter().map(|pattern| Pcss { pattern, blocker_taps: 64, filter_taps: 64, ..Pcss::default() })
+    patterns.into_iter().map(|pattern| Pcss {
+        pattern,
+        blocker_taps: 64,
+        filter_taps: 64,
+        ..Pcss::default()
+    })
 }
 
 fn check(backend: &mut dyn Backend) {
@@ -52,7 +74,11 @@ fn check(backend: &mut dyn Backend) {
         for ramp in RAMPS {
             let ratio = measured(backend, &technique, ramp, 1.0);
             let settings = technique.settings();
-            assert!((ratio - 1.0).abs() <= TOLERANCE, "{} {settings}: {ratio} of the true width", ramp.0);
+            assert!(
+                (ratio - 1.0).abs() <= TOLERANCE,
+                "{} {settings}: {ratio} of the true width",
+                ramp.0
+            );
         }
     }
 }
@@ -73,7 +99,12 @@ fn a_lamp_too_large_is_caught() {
     for technique in techniques() {
         for ramp in RAMPS {
             let ratio = measured(&mut Cpu::new(), &technique, ramp, 1.1);
-            assert!((ratio - 1.0).abs() > TOLERANCE, "{} {}: {ratio}", ramp.0, technique.settings());
+            assert!(
+                (ratio - 1.0).abs() > TOLERANCE,
+                "{} {}: {ratio}",
+                ramp.0,
+                technique.settings()
+            );
         }
     }
 }
@@ -81,17 +112,31 @@ fn a_lamp_too_large_is_caught() {
 /// Under an ideal light every tap is the receiver's own: the mask is the hard one's, bit for bit, and nothing is NaN.
 #[test]
 fn ideal_lights_throw_hard_shadows() {
-    for (name, layout) in [("cubes", Layout::Auto), ("figure", Layout::Cube), ("c3-sphere-bulb", Layout::Auto)] {
+    for (name, layout) in [
+        ("cubes", Layout::Auto),
+        ("figure", Layout::Cube),
+        ("c3-sphere-bulb", Layout::Auto),
+    ] {
         let scene = (find(name).expect("a built-in scene").build)();
         let light = ideal(scene.lights[0]);
         let geometry = Geometry::bake(&scene).expect("built-in scenes are valid");
         let view = View::new(&scene.cameras[0], &light, &geometry);
-        let map = ShadowMap { bias: Bias::ADAPTIVE, layout, ..ShadowMap::default() };
+        let map = ShadowMap {
+            bias: Bias::ADAPTIVE,
+            layout,
+            ..ShadowMap::default()
+        };
         let mask = |technique: &dyn ShadowTechnique| {
             let recipe = technique.plan(&view).expect("maps serve these lights");
             Cpu::new().render(&view, &recipe).expect("renders").mask
         };
-        let (hard, soft) = (mask(&Hard { map }), mask(&Pcss { map, ..Pcss::default() }));
+        let (hard, soft) = (
+            mask(&Hard { map }),
+            mask(&Pcss {
+                map,
+                ..Pcss::default()
+            }),
+        );
         assert!(hard.contains(&0.0), "{name} shows no shadow");
         assert!(hard == soft, "{name} {layout:?}");
     }
@@ -99,10 +144,23 @@ fn ideal_lights_throw_hard_shadows() {
 
 fn ideal(light: Light) -> Light {
     match light {
-        Light::Directional { direction, .. } => Light::Directional { direction, angular_diameter: 0.0 },
-        Light::Spot { position, direction, inner, outer, .. } => {
-            Light::Spot { position, direction, inner, outer, radius: 0.0 }
-        }
+        Light::Directional { direction, .. } => Light::Directional {
+            direction,
+            angular_diameter: 0.0,
+        },
+        Light::Spot {
+            position,
+            direction,
+            inner,
+            outer,
+            ..
+        } => Light::Spot {
+            position,
+            direction,
+            inner,
+            outer,
+            radius: 0.0,
+        },
         other => other,
     }
 }

@@ -6,8 +6,8 @@
 
 use std::sync::Arc;
 use umbrage_core::{
-    Backend as _, Geometry, Kernel, Module, Recipe, ShadeKernel, ShadowTechnique, Shadows, Span, UniformLayout,
-    Uniforms as _, View, join, picture,
+    Backend as _, Geometry, Kernel, Module, Recipe, ShadeKernel, ShadowTechnique, Shadows, Span,
+    UniformLayout, Uniforms as _, View, join, picture,
 };
 use umbrage_cpu::Cpu;
 use umbrage_techniques::{Bias, BlinnPhong, BlinnPhongUniforms, Hard, ShadowMap, Traced};
@@ -27,13 +27,19 @@ fn render(view: &View<'_>, recipe: &Recipe) -> Pair {
     let cpu = Cpu::new().render(view, recipe).expect("the CPU plays it");
     let mut gpu = gpu();
     let exact = gpu.is_pinned_lavapipe();
-    Pair { cpu, gpu: gpu.render(view, recipe).expect("the GPU plays it"), exact }
+    Pair {
+        cpu,
+        gpu: gpu.render(view, recipe).expect("the GPU plays it"),
+        exact,
+    }
 }
 
 /// How the pictures differ, in words; none if they don't by more than is allowed.
 fn fault(pair: &Pair) -> Option<String> {
     let pictures = [&pair.cpu, &pair.gpu].map(|s| s.picture.as_deref());
-    let [Some(cpu), Some(gpu)] = pictures else { return Some("a picture is missing".to_owned()) };
+    let [Some(cpu), Some(gpu)] = pictures else {
+        return Some("a picture is missing".to_owned());
+    };
     if cpu.len() != gpu.len() {
         return Some(format!("{} and {} pixels", cpu.len(), gpu.len()));
     }
@@ -42,12 +48,20 @@ fn fault(pair: &Pair) -> Option<String> {
             return cpu[*i].map(f32::to_bits) != gpu[*i].map(f32::to_bits);
         }
         let bytes = |p: [f32; 4]| [0, 1, 2].map(|k| picture::encode(p[k]));
-        let far = bytes(cpu[*i]).into_iter().zip(bytes(gpu[*i])).any(|(a, b)| a.abs_diff(b) > BOUND);
+        let far = bytes(cpu[*i])
+            .into_iter()
+            .zip(bytes(gpu[*i]))
+            .any(|(a, b)| a.abs_diff(b) > BOUND);
         far && same_seen(pair, *i)
     };
     let wrong: Vec<usize> = (0..cpu.len()).filter(differs).collect();
     let &first = wrong.first()?;
-    Some(format!("{} pixels differ; first {first}: {:?} and {:?}", wrong.len(), cpu[first], gpu[first]))
+    Some(format!(
+        "{} pixels differ; first {first}: {:?} and {:?}",
+        wrong.len(),
+        cpu[first],
+        gpu[first]
+    ))
 }
 
 /// Whether both backends see the same triangle with the same shadow on it.
@@ -58,17 +72,32 @@ fn same_seen(pair: &Pair, i: usize) -> bool {
 
 /// Calls `check` with a name, the view and a recipe that shades, for every light, camera and technique.
 fn each_case(mut check: impl FnMut(&str, &View<'_>, &Recipe)) {
-    let map = ShadowMap { size: 256, bias: Bias::SLOPE, ..ShadowMap::default() };
-    let techniques: [Arc<dyn ShadowTechnique>; 2] = [Arc::new(Hard { map }), Arc::new(Traced { samples: 4 })];
+    let map = ShadowMap {
+        size: 256,
+        bias: Bias::SLOPE,
+        ..ShadowMap::default()
+    };
+    let techniques: [Arc<dyn ShadowTechnique>; 2] =
+        [Arc::new(Hard { map }), Arc::new(Traced { samples: 4 })];
     for light in painted::lights() {
-        for (c, camera) in painted::cameras().expect("good cameras").into_iter().enumerate() {
+        for (c, camera) in painted::cameras()
+            .expect("good cameras")
+            .into_iter()
+            .enumerate()
+        {
             let scene = painted::scene(light, camera).expect("a good scene");
             let geometry = Geometry::bake(&scene).expect("a good scene");
             let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
-            let shading = BlinnPhong::default().shading(&scene, &view).expect("it shades");
+            let shading = BlinnPhong::default()
+                .shading(&scene, &view)
+                .expect("it shades");
             for technique in &techniques {
                 let recipe = technique.plan(&view).expect("it plans");
-                check(&format!("{}, camera {c}, {}", light.kind(), technique.name()), &view, &shading.add_to(recipe));
+                check(
+                    &format!("{}, camera {c}, {}", light.kind(), technique.name()),
+                    &view,
+                    &shading.add_to(recipe),
+                );
             }
         }
     }
@@ -88,10 +117,18 @@ fn both_backends_paint_the_same_picture() {
 /// Shadow, light, highlights, the marker and the background must all be in the picture, and many colours.
 fn proves_something(name: &str, shadows: &Shadows) {
     let picture = shadows.picture.as_deref().unwrap_or_default();
-    let count = |what: &dyn Fn(usize, [f32; 4]) -> bool| (0..picture.len()).filter(|&i| what(i, picture[i])).count();
+    let count = |what: &dyn Fn(usize, [f32; 4]) -> bool| {
+        (0..picture.len()).filter(|&i| what(i, picture[i])).count()
+    };
     let background = BlinnPhong::default().background.extend(1.0).to_array();
-    assert!(count(&|i, _| shadows.mask[i] == 0.0) > 100, "{name}: hardly a shadow");
-    assert!(count(&|_, p| p == background) > 100, "{name}: hardly a background");
+    assert!(
+        count(&|i, _| shadows.mask[i] == 0.0) > 100,
+        "{name}: hardly a shadow"
+    );
+    assert!(
+        count(&|_, p| p == background) > 100,
+        "{name}: hardly a background"
+    );
     assert!(count(&|_, p| p == [1.0; 4]) > 4, "{name}: no marker");
     let mut colors: Vec<_> = picture.iter().map(|p| p.map(picture::encode)).collect();
     colors.sort_unstable();
@@ -109,7 +146,10 @@ struct Spoilt {
 
 impl Kernel for Spoilt {
     fn modules(&self) -> Vec<Module> {
-        let spoil = |m: Module| Module { text: m.text.replace(self.from, self.to).leak(), ..m };
+        let spoil = |m: Module| Module {
+            text: m.text.replace(self.from, self.to).leak(),
+            ..m
+        };
         self.kernel.modules().into_iter().map(spoil).collect()
     }
 
@@ -132,9 +172,17 @@ impl ShadeKernel for Spoilt {
 fn uniforms_lie_where_the_shader_reads_them() {
     let mut checked = 0;
     each_case(|_, _, recipe| {
-        let kernel = recipe.shade.as_ref().map(|shade| &shade.kernel).expect("it shades");
-        layouts::check(&BlinnPhongUniforms::layout(), &join(&kernel.modules())).expect("same layout");
-        assert!(kernel.uniform_bytes().len() as u64 >= kernel.layout().size, "too few bytes");
+        let kernel = recipe
+            .shade
+            .as_ref()
+            .map(|shade| &shade.kernel)
+            .expect("it shades");
+        layouts::check(&BlinnPhongUniforms::layout(), &join(&kernel.modules()))
+            .expect("same layout");
+        assert!(
+            kernel.uniform_bytes().len() as u64 >= kernel.layout().size,
+            "too few bytes"
+        );
         checked += 1;
     });
     assert_eq!(checked, 20);
@@ -166,9 +214,12 @@ fn spoilt_pixels_and_spoilt_shaders_are_caught() {
         // One case will do.
         if cases == 1 {
             spoil_pixel(render(view, recipe));
-            SLIPS
-                .iter()
-                .for_each(|slip| assert!(is_caught(&mut spoil_shader(view, recipe, *slip)), "{name}: {slip:?}"));
+            SLIPS.iter().for_each(|slip| {
+                assert!(
+                    is_caught(&mut spoil_shader(view, recipe, *slip)),
+                    "{name}: {slip:?}"
+                )
+            });
         }
     });
     assert_eq!(cases, 20);
@@ -177,15 +228,29 @@ fn spoilt_pixels_and_spoilt_shaders_are_caught() {
 fn spoil_pixel(mut pair: Pair) {
     assert_eq!(fault(&pair), None);
     let picture = pair.gpu.picture.as_mut().expect("a picture");
-    let grey = picture.iter().position(|c| c[1] > 0.2 && c[1] < 0.3).expect("a pixel between black and white");
+    let grey = picture
+        .iter()
+        .position(|c| c[1] > 0.2 && c[1] < 0.3)
+        .expect("a pixel between black and white");
     picture[grey][1] += 0.02;
     assert!(is_caught(&mut pair));
 }
 
-fn spoil_shader(view: &View<'_>, recipe: &Recipe, (from, to): (&'static str, &'static str)) -> Pair {
+fn spoil_shader(
+    view: &View<'_>,
+    recipe: &Recipe,
+    (from, to): (&'static str, &'static str),
+) -> Pair {
     let mut recipe = recipe.clone();
     let shade = recipe.shade.as_mut().expect("it shades");
-    assert!(shade.kernel.modules().iter().any(|m| m.text.contains(from)), "nothing to spoil: {from}");
-    shade.kernel = Arc::new(Spoilt { kernel: shade.kernel.clone(), from, to });
+    assert!(
+        shade.kernel.modules().iter().any(|m| m.text.contains(from)),
+        "nothing to spoil: {from}"
+    );
+    shade.kernel = Arc::new(Spoilt {
+        kernel: shade.kernel.clone(),
+        from,
+        to,
+    });
     render(view, &recipe)
 }

@@ -7,7 +7,8 @@ use proptest::{
     test_runner::{Config, RngAlgorithm, TestCaseError, TestRng, TestRunner},
 };
 use umbrage_core::{
-    Aabb, Backend, Camera, Extents, Fit, Geometry, Light, LightSpace, Receivers, ShadowTechnique, View, math::transform,
+    Aabb, Backend, Camera, Extents, Fit, Geometry, Light, LightSpace, Receivers, ShadowTechnique,
+    View, math::transform,
 };
 use umbrage_cpu::Cpu;
 use umbrage_techniques::{Hard, Pcf, Planar, ShadowMap, ShadowVolumes, Traced};
@@ -25,7 +26,11 @@ struct Kind {
 
 /// All that a projection can be; without perspective, what [`Camera::standard`] can tell apart.
 fn kinds(perspective: bool) -> impl Iterator<Item = Kind> {
-    let bits = (0..8).map(|i| Kind { endless: i & 1 != 0, reversed: i & 2 != 0, left: i & 4 != 0 });
+    let bits = (0..8).map(|i| Kind {
+        endless: i & 1 != 0,
+        reversed: i & 2 != 0,
+        left: i & 4 != 0,
+    });
     bits.filter(move |k| perspective || !(k.endless || k.reversed && k.left))
 }
 
@@ -41,9 +46,20 @@ fn as_kind(camera: &Camera, kind: Kind, [near, far]: [f32; 2]) -> Camera {
         (false, _) => [-1.0 / (far - near), -near / (far - near)],
     };
     let usual = DVec4::new(0.0, 0.0, a, b);
-    let depth = if kind.reversed { rows.w_axis - usual } else { usual };
-    let clip_from_view = DMat4 { z_axis: depth, ..rows }.transpose();
-    let mut out = Camera { clip_from_view: clip_from_view.as_mat4(), ..*camera };
+    let depth = if kind.reversed {
+        rows.w_axis - usual
+    } else {
+        usual
+    };
+    let clip_from_view = DMat4 {
+        z_axis: depth,
+        ..rows
+    }
+    .transpose();
+    let mut out = Camera {
+        clip_from_view: clip_from_view.as_mat4(),
+        ..*camera
+    };
     if kind.left {
         out.clip_from_view.z_axis = -out.clip_from_view.z_axis;
         out.world_from_view.matrix3.z_axis = -out.world_from_view.matrix3.z_axis;
@@ -70,10 +86,18 @@ impl Setup {
         let (target, size) = (self.eye + self.ahead, UVec2::new(64, 48));
         let [near, far] = self.near_far;
         if self.perspective {
-            return Camera::perspective(self.eye, target, Vec3::Y, self.view, self.near_far, size).expect("valid");
+            return Camera::perspective(self.eye, target, Vec3::Y, self.view, self.near_far, size)
+                .expect("valid");
         }
         let (right, top) = (4.0 * self.view, 3.0 * self.view);
-        let extents = Extents { left: -right, right, bottom: -top, top, near, far };
+        let extents = Extents {
+            left: -right,
+            right,
+            bottom: -top,
+            top,
+            near,
+            far,
+        };
         Camera::orthographic(self.eye, target, Vec3::Y, extents, size).expect("valid")
     }
 
@@ -86,24 +110,47 @@ impl Setup {
 fn setups() -> impl Strategy<Value = Setup> {
     let place = || (-50.0_f32..50.0, -50.0_f32..50.0, -50.0_f32..50.0).prop_map(Vec3::from);
     let direction = || place().prop_filter("a direction", |d| d.length() > 1.0);
-    let near_far = (-4.0_f32..0.0, 1.0_f32..3.0).prop_map(|(n, ratio)| [10_f32.powf(n), 10_f32.powf(n + ratio)]);
-    let parts = (place(), direction(), direction(), 0.2_f32..2.4, near_far, 0.02_f32..0.9, any::<bool>());
-    parts.prop_map(|(eye, ahead, sun, view, near_far, share, perspective)| Setup {
-        eye,
-        ahead,
-        sun,
-        view,
+    let near_far = (-4.0_f32..0.0, 1.0_f32..3.0)
+        .prop_map(|(n, ratio)| [10_f32.powf(n), 10_f32.powf(n + ratio)]);
+    let parts = (
+        place(),
+        direction(),
+        direction(),
+        0.2_f32..2.4,
         near_far,
-        share,
-        perspective,
-    })
+        0.02_f32..0.9,
+        any::<bool>(),
+    );
+    parts.prop_map(
+        |(eye, ahead, sun, view, near_far, share, perspective)| Setup {
+            eye,
+            ahead,
+            sun,
+            view,
+            near_far,
+            share,
+            perspective,
+        },
+    )
 }
 
 /// The map of 1024 texels around what a camera sees up to `range`, where neither casters nor receivers are known.
 fn stable(camera: &Camera, sun: Vec3, range: f32) -> LightSpace {
-    let light = Light::Directional { direction: sun, angular_diameter: 0.0 };
-    let view = View { camera, light: &light, casters: Aabb::EMPTY, geometry: None, receivers: None, fits: None };
-    Fit::Stable { range }.light_space(&view, 1024, 0.0).expect("it fits")
+    let light = Light::Directional {
+        direction: sun,
+        angular_diameter: 0.0,
+    };
+    let view = View {
+        camera,
+        light: &light,
+        casters: Aabb::EMPTY,
+        geometry: None,
+        receivers: None,
+        fits: None,
+    };
+    Fit::Stable { range }
+        .light_space(&view, 1024, 0.0)
+        .expect("it fits")
 }
 
 /// What a camera sees at this distance along its view, at the image's corners.
@@ -113,17 +160,29 @@ fn corners(camera: &Camera, distance: f32) -> [Vec3; 4] {
     let eye = camera.eye().as_dvec3();
     [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)].map(|(x, y)| {
         // The line of a pixel, through two of its depths.
-        let [from, to] = [0.0, 0.5].map(|z| world_from_clip.project_point3(glam::DVec3::new(x, y, z)));
+        let [from, to] =
+            [0.0, 0.5].map(|z| world_from_clip.project_point3(glam::DVec3::new(x, y, z)));
         let per_step = (to - from).dot(forward);
-        (from + (to - from) * ((f64::from(distance) - (from - eye).dot(forward)) / per_step)).as_vec3()
+        (from + (to - from) * ((f64::from(distance) - (from - eye).dot(forward)) / per_step))
+            .as_vec3()
     })
 }
 
 /// Holds a property against random setups: the same ones in every run.
-fn each(setups: impl Strategy<Value = Setup>, property: impl Fn(Setup) -> Result<(), TestCaseError>) {
-    let config = Config { cases: 512, failure_persistence: None, ..Config::default() };
-    let mut runner = TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha));
-    runner.run(&setups, property).unwrap_or_else(|e| panic!("{e}"));
+fn each(
+    setups: impl Strategy<Value = Setup>,
+    property: impl Fn(Setup) -> Result<(), TestCaseError>,
+) {
+    let config = Config {
+        cases: 512,
+        failure_persistence: None,
+        ..Config::default()
+    };
+    let mut runner =
+        TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha));
+    runner
+        .run(&setups, property)
+        .unwrap_or_else(|e| panic!("{e}"));
 }
 
 /// 24 bits hold near and far: near to 1e-7 of itself, far (a small difference of two entries) to 1e-7 far / near.
@@ -139,11 +198,17 @@ fn stable_maps_hold_as_much_and_no_more() {
                 let camera = as_kind(&usual, kind, setup.near_far);
                 let space = stable(&camera, setup.sun, range);
                 let ratio = space.clip_from_view.x_axis.x / expected.clip_from_view.x_axis.x;
-                prop_assert!((ratio - 1.0).abs() <= rounding, "{kind:?} up to {range} m: scale {ratio}");
+                prop_assert!(
+                    (ratio - 1.0).abs() <= rounding,
+                    "{kind:?} up to {range} m: scale {ratio}"
+                );
                 let clip_from_world = space.clip_from_world();
                 let last = range.min(far) * (1.0 - rounding);
                 // What positions are rounded by is less than the two texels beside the sphere.
-                for p in corners(&usual, near).into_iter().chain(corners(&usual, last)) {
+                for p in corners(&usual, near)
+                    .into_iter()
+                    .chain(corners(&usual, last))
+                {
                     let clip = transform(clip_from_world, p);
                     let on_map = clip.x.abs().max(clip.y.abs()) <= 1.0 && clip.z <= 1.0;
                     prop_assert!(on_map, "{kind:?}: {p} falls on {clip}");
@@ -157,19 +222,29 @@ fn stable_maps_hold_as_much_and_no_more() {
 /// A camera without far plane sees up to the range, however great.
 #[test]
 fn stable_maps_end_at_the_range_without_a_far_plane() {
-    each(setups().prop_filter("perspective", |s| s.perspective), |setup| {
-        let usual = setup.camera();
-        let range = 20.0 * setup.near_far[1];
-        for kind in kinds(true).filter(|k| k.endless) {
-            let camera = as_kind(&usual, kind, setup.near_far);
-            let side = 2.0 / stable(&camera, setup.sun, range).clip_from_view.x_axis.x;
-            // No smaller than what is seen there is wide, and no larger than the sphere around the eye through its corners.
-            let [a, b, _, d] = corners(&camera, range);
-            prop_assert!(side >= a.distance(b) * 0.999, "{kind:?}: {side} m for {}", a.distance(b));
-            prop_assert!(side <= 2.0 * d.distance(usual.eye()) * 1.01, "{kind:?}: {side} m");
-        }
-        Ok(())
-    });
+    each(
+        setups().prop_filter("perspective", |s| s.perspective),
+        |setup| {
+            let usual = setup.camera();
+            let range = 20.0 * setup.near_far[1];
+            for kind in kinds(true).filter(|k| k.endless) {
+                let camera = as_kind(&usual, kind, setup.near_far);
+                let side = 2.0 / stable(&camera, setup.sun, range).clip_from_view.x_axis.x;
+                // No smaller than what is seen there is wide, and no larger than the sphere around the eye through its corners.
+                let [a, b, _, d] = corners(&camera, range);
+                prop_assert!(
+                    side >= a.distance(b) * 0.999,
+                    "{kind:?}: {side} m for {}",
+                    a.distance(b)
+                );
+                prop_assert!(
+                    side <= 2.0 * d.distance(usual.eye()) * 1.01,
+                    "{kind:?}: {side} m"
+                );
+            }
+            Ok(())
+        },
+    );
 }
 
 #[test]
@@ -181,7 +256,10 @@ fn rays_are_those_of_the_usual_camera() {
             let (expected, found) = (usual.rays(), camera.rays());
             // Entries of the projection are rounded, and near without perspective is a quotient of two.
             let near = |a: Vec4, b: Vec4| a.distance(b) <= 1e-5 * (1.0 + a.length());
-            prop_assert!(near(expected.dir, found.dir) && near(expected.dir_dx, found.dir_dx), "{kind:?}: {found:?}");
+            prop_assert!(
+                near(expected.dir, found.dir) && near(expected.dir_dx, found.dir_dx),
+                "{kind:?}: {found:?}"
+            );
             prop_assert!(near(expected.origin, found.origin), "{kind:?}: {found:?}");
             prop_assert_eq!(camera.standard().standard(), camera.standard());
         }
@@ -198,7 +276,11 @@ fn scene() -> (Geometry, Light) {
 
 /// Techniques that look at the camera in ways of their own.
 fn techniques() -> [Box<dyn ShadowTechnique>; 5] {
-    let stable = ShadowMap { fit: Fit::Stable { range: 6.0 }, size: 256, ..ShadowMap::default() };
+    let stable = ShadowMap {
+        fit: Fit::Stable { range: 6.0 },
+        size: 256,
+        ..ShadowMap::default()
+    };
     [
         Box::new(Hard { map: stable }),
         Box::new(Pcf::default()),
@@ -215,12 +297,23 @@ fn pictures_are_those_of_the_usual_camera() {
     let (geometry, light) = scene();
     let near_far = [0.1, 100.0];
     let (eye, size) = (Vec3::new(3.0, 4.0, 6.0), UVec2::new(96, 72));
-    let perspective = Camera::perspective(eye, Vec3::ZERO, Vec3::Y, 0.8, near_far, size).expect("valid");
-    let extents = Extents { left: -4.0, right: 4.0, bottom: -3.0, top: 3.0, near: 0.1, far: 100.0 };
+    let perspective =
+        Camera::perspective(eye, Vec3::ZERO, Vec3::Y, 0.8, near_far, size).expect("valid");
+    let extents = Extents {
+        left: -4.0,
+        right: 4.0,
+        bottom: -3.0,
+        top: 3.0,
+        near: 0.1,
+        far: 100.0,
+    };
     let flat = Camera::orthographic(eye, Vec3::ZERO, Vec3::Y, extents, size).expect("valid");
     for (usual, with_perspective) in [(perspective, true), (flat, false)] {
         let seen = Cpu::new().receivers(&usual, &geometry).expect("valid");
-        let masks: Vec<_> = techniques().iter().map(|t| mask(&**t, &usual, &light, &geometry)).collect();
+        let masks: Vec<_> = techniques()
+            .iter()
+            .map(|t| mask(&**t, &usual, &light, &geometry))
+            .collect();
         for kind in kinds(with_perspective) {
             let camera = as_kind(&usual, kind, near_far);
             let found: Receivers = Cpu::new().receivers(&camera, &geometry).expect("valid");
@@ -228,14 +321,28 @@ fn pictures_are_those_of_the_usual_camera() {
             for (technique, expected) in techniques().iter().zip(&masks) {
                 let mask = mask(&**technique, &camera, &light, &geometry);
                 let differing = mask.iter().zip(expected).filter(|(a, b)| a != b).count();
-                assert!(expected.contains(&0.0) && expected.contains(&1.0), "{} shows no edge", technique.name());
-                assert_eq!(differing, 0, "{} seen by {kind:?}, perspective {with_perspective}", technique.name());
+                assert!(
+                    expected.contains(&0.0) && expected.contains(&1.0),
+                    "{} shows no edge",
+                    technique.name()
+                );
+                assert_eq!(
+                    differing,
+                    0,
+                    "{} seen by {kind:?}, perspective {with_perspective}",
+                    technique.name()
+                );
             }
         }
     }
 }
 
-fn mask(technique: &dyn ShadowTechnique, camera: &Camera, light: &Light, geometry: &Geometry) -> Vec<f32> {
+fn mask(
+    technique: &dyn ShadowTechnique,
+    camera: &Camera,
+    light: &Light,
+    geometry: &Geometry,
+) -> Vec<f32> {
     let view = View::new(camera, light, geometry);
     let recipe = technique.plan(&view).expect("it plans");
     Cpu::new().render(&view, &recipe).expect("it renders").mask

@@ -3,8 +3,8 @@
 use glam::{DVec3, Mat4, UVec2, Vec4};
 use std::sync::Arc;
 use umbrage_core::{
-    Backend, Cast, DepthPlanes, Faces, Format, Geometry, ImageDesc, LightSpace, Recipe, ShadowTechnique, Snapping,
-    Source, View,
+    Backend, Cast, DepthPlanes, Faces, Format, Geometry, ImageDesc, LightSpace, Recipe,
+    ShadowTechnique, Snapping, Source, View,
 };
 use umbrage_cpu::{Cpu, CpuOptions};
 use umbrage_techniques::Hard;
@@ -13,7 +13,14 @@ use umbrage_tests::gpu::gpu;
 const SIDE: usize = 256;
 /// Triangles of a class, each in a layer of its own.
 const COUNT: usize = 96;
-const CLASSES: [&str; 6] = ["wide", "small", "tiny", "perspective", "across edges", "through the eye"];
+const CLASSES: [&str; 6] = [
+    "wide",
+    "small",
+    "tiny",
+    "perspective",
+    "across edges",
+    "through the eye",
+];
 
 /// A small generator of random numbers (Marsaglia: Xorshift RNGs, 2003): the same triangles on every run.
 struct Random(u64);
@@ -51,15 +58,29 @@ impl Random {
 
 /// Draws each triangle into a layer of its own.
 fn recipe(triangles: &[[Vec4; 3]], view: &View<'_>) -> Recipe {
-    let space = LightSpace { view_from_world: Mat4::IDENTITY, clip_from_view: Mat4::IDENTITY };
+    let space = LightSpace {
+        view_from_world: Mat4::IDENTITY,
+        clip_from_view: Mat4::IDENTITY,
+    };
     let cast = |(layer, t): (u32, &[Vec4; 3])| {
-        let faces = Faces { vertices: t.to_vec(), triangles: vec![[0, 1, 2]] };
-        Cast { source: Source::Faces(Arc::new(faces)), ..Cast::nearest(0, layer, space) }
+        let faces = Faces {
+            vertices: t.to_vec(),
+            triangles: vec![[0, 1, 2]],
+        };
+        Cast {
+            source: Source::Faces(Arc::new(faces)),
+            ..Cast::nearest(0, layer, space)
+        }
     };
     let (layers, size) = (triangles.len() as u32, UVec2::splat(SIDE as u32));
     let of_hard = Hard::default().plan(view).expect("hard serves the sun");
     Recipe {
-        images: vec![ImageDesc { label: "triangles", size, layers, format: Format::Depth32 }],
+        images: vec![ImageDesc {
+            label: "triangles",
+            size,
+            layers,
+            format: Format::Depth32,
+        }],
         casts: (0..).zip(triangles).map(cast).collect(),
         keep_images: true,
         ..of_hard
@@ -72,7 +93,11 @@ fn cpu(snapping: Snapping) -> Cpu {
 
 fn layers(backend: &mut dyn Backend, view: &View<'_>, recipe: &Recipe) -> Vec<Vec<f32>> {
     let images = backend.render(view, recipe).expect("plays").images;
-    images[0].texels.chunks_exact(SIDE * SIDE).map(<[f32]>::to_vec).collect()
+    images[0]
+        .texels
+        .chunks_exact(SIDE * SIDE)
+        .map(<[f32]>::to_vec)
+        .collect()
 }
 
 /// By how much two drivers' depths of a triangle may differ: each evaluates the plane through the corners in 32 bits,
@@ -82,7 +107,11 @@ fn layers(backend: &mut dyn Backend, view: &View<'_>, recipe: &Recipe) -> Vec<Ve
 fn depth_bound(triangle: &[Vec4; 3]) -> f32 {
     let [a, b, c] = triangle.map(|v| {
         let half = 0.5 * SIDE as f64;
-        DVec3::new(f64::from(v.x / v.w) * half, f64::from(v.y / v.w) * half, f64::from(v.z / v.w))
+        DVec3::new(
+            f64::from(v.x / v.w) * half,
+            f64::from(v.y / v.w) * half,
+            f64::from(v.z / v.w),
+        )
     });
     let (d, e) = (b - a, c - a);
     let (first, second) = (d.x * e.y, d.y * e.x);
@@ -123,7 +152,9 @@ fn compare(triangles: &[[Vec4; 3]], mine: &[Vec<f32>], theirs: &[Vec<f32>]) -> D
 
 /// Runs `check` on the triangles, recipe and device's layers of every class.
 fn for_each_class(mut check: impl FnMut(&str, &[[Vec4; 3]], &View<'_>, &Recipe, &[Vec<f32>])) {
-    let mut scene = (umbrage_scenes::find("cubes").expect("a built-in scene").build)();
+    let mut scene = (umbrage_scenes::find("cubes")
+        .expect("a built-in scene")
+        .build)();
     scene.cameras[0].size = UVec2::splat(8);
     let geometry = Geometry::bake(&scene).expect("built-in scenes are valid");
     let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
@@ -148,7 +179,11 @@ fn the_cpu_draws_what_the_device_draws() {
         let mine = layers(&mut cpu(snapping), view, recipe);
         let differences = compare(triangles, &mine, theirs);
         println!("{class}: {differences:?}");
-        assert_eq!((differences.coverage, differences.depth), (0, 0), "{class}: {differences:?}");
+        assert_eq!(
+            (differences.coverage, differences.depth),
+            (0, 0),
+            "{class}: {differences:?}"
+        );
         assert!(!exact || differences.bits == 0, "{class}: {differences:?}");
         covered += differences.both;
     });
@@ -160,7 +195,12 @@ fn the_cpu_draws_what_the_device_draws() {
 fn another_rounding_is_noticed() {
     let snapping = gpu().snapping();
     let planes = [DepthPlanes::Unsnapped, DepthPlanes::Snapped];
-    let others = Snapping::BITS.flat_map(|sub_pixel_bits| planes.map(|planes| Snapping { sub_pixel_bits, planes }));
+    let others = Snapping::BITS.flat_map(|sub_pixel_bits| {
+        planes.map(|planes| Snapping {
+            sub_pixel_bits,
+            planes,
+        })
+    });
     let others: Vec<Snapping> = others.filter(|&other| other != snapping).collect();
     for_each_class(|class, triangles, view, recipe, theirs| {
         if class != "small" {

@@ -14,18 +14,43 @@ use umbrage_wgpu::Gpu;
 
 /// The CPU and the driver.
 fn backends() -> Backends {
-    let adapter =
-        named().expect("these tests are for an adapter by name: run `cargo xtask test`, or set WGPU_ADAPTER_NAME");
+    let adapter = named().expect(
+        "these tests are for an adapter by name: run `cargo xtask test`, or set WGPU_ADAPTER_NAME",
+    );
     Backends::open(BackendChoice::Both, &adapter).unwrap_or_else(|why| panic!("{why}"))
 }
 
 /// Small enough for all of the suite to take seconds, and large enough for single pixels to weigh little in RMSE.
 fn compared(scenes: &[&str], backends: &mut Backends) -> Comparison {
-    let wanted = |e: &&umbrage_scenes::SceneEntry| if scenes.is_empty() { e.suite } else { scenes.contains(&e.name) };
-    let input = |e: &umbrage_scenes::SceneEntry| SceneInput { scene: (e.build)(), summary: String::new(), fit: e.fit };
-    let inputs: Vec<SceneInput> = umbrage_scenes::all().iter().filter(wanted).map(input).collect();
-    let truth = TruthOptions { samples: 16, probe_samples: 8, penumbra_factor: 1, ..TruthOptions::default() };
-    let options = Options { truth, runs: None, most_settings: Some(2), ..Options::quick() };
+    let wanted = |e: &&umbrage_scenes::SceneEntry| {
+        if scenes.is_empty() {
+            e.suite
+        } else {
+            scenes.contains(&e.name)
+        }
+    };
+    let input = |e: &umbrage_scenes::SceneEntry| SceneInput {
+        scene: (e.build)(),
+        summary: String::new(),
+        fit: e.fit,
+    };
+    let inputs: Vec<SceneInput> = umbrage_scenes::all()
+        .iter()
+        .filter(wanted)
+        .map(input)
+        .collect();
+    let truth = TruthOptions {
+        samples: 16,
+        probe_samples: 8,
+        penumbra_factor: 1,
+        ..TruthOptions::default()
+    };
+    let options = Options {
+        truth,
+        runs: None,
+        most_settings: Some(2),
+        ..Options::quick()
+    };
     compare(&inputs, &options, backends, &mut |_, _| Ok(()), &|_| {}).expect("comparable")
 }
 
@@ -35,9 +60,15 @@ fn the_suite_agrees_on_the_second_driver() {
     let mut backends = backends();
     let comparison = compared(&[], &mut backends);
     let rows = comparison.scenes.iter().flat_map(|scene| &scene.rows);
-    let agreed = rows.filter(|row| row.measured().is_some_and(|m| m.agreement.is_some())).count();
+    let agreed = rows
+        .filter(|row| row.measured().is_some_and(|m| m.agreement.is_some()))
+        .count();
     assert!(agreed > 400, "only {agreed} rows were compared");
-    let faults: Vec<String> = comparison.faults().into_iter().filter(|fault| !is_known(fault)).collect();
+    let faults: Vec<String> = comparison
+        .faults()
+        .into_iter()
+        .filter(|fault| !is_known(fault))
+        .collect();
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
@@ -50,10 +81,25 @@ fn is_known(fault: &str) -> bool {
 /// The catalogue of failures, small: what one backend fails the other fails, on the same pixels.
 #[test]
 fn failure_rows_agree_on_the_second_driver() {
-    let truth = TruthOptions { samples: 16, penumbra_factor: 1, probe_samples: 8, ..TruthOptions::default() };
-    let small = stability::Options { size: UVec2::new(96, 72), map_size: 256, frames: 2, truth, ..Default::default() };
+    let truth = TruthOptions {
+        samples: 16,
+        penumbra_factor: 1,
+        probe_samples: 8,
+        ..TruthOptions::default()
+    };
+    let small = stability::Options {
+        size: UVec2::new(96, 72),
+        map_size: 256,
+        frames: 2,
+        truth,
+        ..Default::default()
+    };
     let played = stability::run(&small, &mut backends(), &mut |_| {}).expect("plays");
-    assert!(played.cases.len() >= 30, "only {} cases were played", played.cases.len());
+    assert!(
+        played.cases.len() >= 30,
+        "only {} cases were played",
+        played.cases.len()
+    );
     assert!(played.faults.is_empty(), "{}", played.faults.join("\n"));
 }
 
@@ -79,8 +125,17 @@ impl Backend for Liar {
 #[test]
 fn lies_are_caught_on_the_second_driver() {
     let gpu = Gpu::new(&named().expect("as above")).expect("an adapter");
-    assert_eq!(gpu.snapping(), Snapping::COARSEST, "not the driver that these tests are for");
+    assert_eq!(
+        gpu.snapping(),
+        Snapping::COARSEST,
+        "not the driver that these tests are for"
+    );
     let mut backends = Backends::of(vec![Box::new(Cpu::new()), Box::new(Liar(gpu))]);
     let faults = compared(&["cubes"], &mut backends).faults();
-    assert!(faults.iter().any(|fault| fault.contains("decided pixels differ")), "{faults:?}");
+    assert!(
+        faults
+            .iter()
+            .any(|fault| fault.contains("decided pixels differ")),
+        "{faults:?}"
+    );
 }

@@ -45,34 +45,67 @@ impl Case {
     fn new(name: &'static str, mut scene: Scene) -> Self {
         scene.cameras[0] = scene.cameras[0].resized(SIZE);
         let geometry = Geometry::bake(&scene).expect("built-in scenes are valid");
-        let options = TruthOptions { samples: 256, ..TruthOptions::default() };
+        let options = TruthOptions {
+            samples: 256,
+            ..TruthOptions::default()
+        };
         let mut cpu = Cpu::new();
         let mut find = |c: &Camera, g: &Geometry| cpu.receivers(c, g);
-        let truth = trace(&scene.cameras[0], &scene.lights[0], &geometry, &options, &mut find, &|_, _| {});
-        Self { name, scene, geometry, truth: truth.expect("built-in scenes are traced"), fits: FitMemory::default() }
+        let truth = trace(
+            &scene.cameras[0],
+            &scene.lights[0],
+            &geometry,
+            &options,
+            &mut find,
+            &|_, _| {},
+        );
+        Self {
+            name,
+            scene,
+            geometry,
+            truth: truth.expect("built-in scenes are traced"),
+            fits: FitMemory::default(),
+        }
     }
 
     fn view(&self) -> View<'_> {
-        let view = View::new(&self.scene.cameras[0], &self.scene.lights[0], &self.geometry);
-        view.with_receivers(&self.truth.receivers).with_fits(&self.fits)
+        let view = View::new(
+            &self.scene.cameras[0],
+            &self.scene.lights[0],
+            &self.geometry,
+        );
+        view.with_receivers(&self.truth.receivers)
+            .with_fits(&self.fits)
     }
 
     fn mask(&self, technique: &dyn ShadowTechnique) -> Vec<f32> {
-        let recipe = technique.plan(&self.view()).expect("maps serve lights with an extent");
-        Cpu::new().render(&self.view(), &recipe).expect("plays").mask
+        let recipe = technique
+            .plan(&self.view())
+            .expect("maps serve lights with an extent");
+        Cpu::new()
+            .render(&self.view(), &recipe)
+            .expect("plays")
+            .mask
     }
 
     /// Root mean square error.
     fn error(&self, technique: &dyn ShadowTechnique) -> f64 {
-        let reference = Reference::new(SIZE, &self.truth.visibility, &self.truth.pixels).expect("truth fits itself");
-        reference.errors(&self.mask(technique)).expect("a mask of this size").rmse
+        let reference = Reference::new(SIZE, &self.truth.visibility, &self.truth.pixels)
+            .expect("truth fits itself");
+        reference
+            .errors(&self.mask(technique))
+            .expect("a mask of this size")
+            .rmse
     }
 }
 
 /// Every built-in scene under a light with an extent, but for those that are there to be slow.
 fn cases() -> &'static [Case] {
     static CASES: LazyLock<Vec<Case>> = LazyLock::new(|| {
-        let scenes = all().iter().filter(|entry| entry.kind != Kind::Speed).map(|entry| (entry.name, (entry.build)()));
+        let scenes = all()
+            .iter()
+            .filter(|entry| entry.kind != Kind::Speed)
+            .map(|entry| (entry.name, (entry.build)()));
         let soft = scenes.filter(|(_, scene)| !scene.lights[0].is_ideal());
         soft.map(|(name, scene)| Case::new(name, scene)).collect()
     });
@@ -81,22 +114,39 @@ fn cases() -> &'static [Case] {
 }
 
 fn map(fit: Fit, size: u32) -> ShadowMap {
-    ShadowMap { fit, size, ..ShadowMap::default() }
+    ShadowMap {
+        fit,
+        size,
+        ..ShadowMap::default()
+    }
 }
 
 /// As by default, but with `times` the taps.
 fn pcss(map: ShadowMap, times: u32) -> Pcss {
     let default = Pcss::default();
     let (blocker_taps, filter_taps) = (default.blocker_taps * times, default.filter_taps * times);
-    Pcss { map, blocker_taps, filter_taps, ..default }
+    Pcss {
+        map,
+        blocker_taps,
+        filter_taps,
+        ..default
+    }
 }
 
 /// Kernels of one width: squares with every tap in them, and discs with as many taps as PCSS filters with.
 fn rivals(map: ShadowMap) -> impl Iterator<Item = Box<dyn ShadowTechnique>> {
     let taps = Pcss::default().filter_taps;
-    let squares = [1, 2, 3, 5, 8, 12, 16].map(|radius| Box::new(Pcf { map, radius }) as Box<dyn ShadowTechnique>);
+    let squares = [1, 2, 3, 5, 8, 12, 16]
+        .map(|radius| Box::new(Pcf { map, radius }) as Box<dyn ShadowTechnique>);
     let discs = [2.0, 3.0, 5.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0, 64.0];
-    let discs = discs.map(|radius| Box::new(PcfDisc { map, radius, taps, ..PcfDisc::default() }) as _);
+    let discs = discs.map(|radius| {
+        Box::new(PcfDisc {
+            map,
+            radius,
+            taps,
+            ..PcfDisc::default()
+        }) as _
+    });
     squares.into_iter().chain(discs)
 }
 
@@ -105,11 +155,21 @@ fn better_rivals(map: ShadowMap, taps: [u32; 2]) -> Vec<String> {
     let [blocker_taps, filter_taps] = taps;
     let mut out = Vec::new();
     for case in cases() {
-        let own = case.error(&Pcss { map, blocker_taps, filter_taps, ..Pcss::default() });
+        let own = case.error(&Pcss {
+            map,
+            blocker_taps,
+            filter_taps,
+            ..Pcss::default()
+        });
         for rival in rivals(map) {
             let error = case.error(&*rival);
             if error < own {
-                out.push(format!("{}: {error} by {} {}, {own} by pcss", case.name, rival.name(), rival.settings()));
+                out.push(format!(
+                    "{}: {error} by {} {}, {own} by pcss",
+                    case.name,
+                    rival.name(),
+                    rival.settings()
+                ));
             }
         }
     }
@@ -118,7 +178,12 @@ fn better_rivals(map: ShadowMap, taps: [u32; 2]) -> Vec<String> {
 
 #[test]
 fn no_kernel_of_one_width_is_better() {
-    let Pcss { blocker_taps, filter_taps, map, .. } = Pcss::default();
+    let Pcss {
+        blocker_taps,
+        filter_taps,
+        map,
+        ..
+    } = Pcss::default();
     for fit in [Fit::Tight, Fit::Whole] {
         let better = better_rivals(ShadowMap { fit, ..map }, [blocker_taps, filter_taps]);
         assert!(better.is_empty(), "{fit:?}: {better:#?}");
@@ -136,7 +201,8 @@ fn better_kernels_are_found() {
 fn fits_agree() {
     for case in cases() {
         let size = ShadowMap::default().size;
-        let [tight, whole] = [Fit::Tight, Fit::Whole].map(|fit| case.error(&pcss(map(fit, size), 1)));
+        let [tight, whole] =
+            [Fit::Tight, Fit::Whole].map(|fit| case.error(&pcss(map(fit, size), 1)));
         assert!(
             (tight - whole).abs() <= FITS_DIFFER,
             "{}: {tight} under the tight fit, {whole} under the whole",
@@ -153,9 +219,18 @@ fn more_taps_and_finer_maps_are_better() {
         let name = case.name;
         println!("{name}: {coarse}, {fine}, {fine_and_many}");
         // Edges parallel to the texels' are exact on any map: equal errors are right there.
-        assert!(fine <= coarse, "{name}: the finer map makes {fine} of {coarse}");
-        assert!(fine_and_many < fine, "{name}: more taps make {fine_and_many} of {fine}");
-        assert!(fine_and_many < FINEST_LEFT * coarse, "{name}: both make {fine_and_many} of {coarse}");
+        assert!(
+            fine <= coarse,
+            "{name}: the finer map makes {fine} of {coarse}"
+        );
+        assert!(
+            fine_and_many < fine,
+            "{name}: more taps make {fine_and_many} of {fine}"
+        );
+        assert!(
+            fine_and_many < FINEST_LEFT * coarse,
+            "{name}: both make {fine_and_many} of {coarse}"
+        );
     }
 }
 
@@ -170,9 +245,14 @@ struct Place {
 fn place(case: &Case, lamp: Vec3, pixel: usize) -> Place {
     let receivers = &case.truth.receivers;
     let (d, n) = (receivers.position(pixel) - lamp, receivers.normal(pixel));
-    let axis = (0..3).max_by(|&a, &b| d[a].abs().total_cmp(&d[b].abs())).expect("three axes");
+    let axis = (0..3)
+        .max_by(|&a, &b| d[a].abs().total_cmp(&d[b].abs()))
+        .expect("three axes");
     let plane = (n.extend(d.dot(n)) * 1000.0).round().as_ivec4().to_array();
-    Place { face: 2 * axis + usize::from(d[axis] > 0.0), plane }
+    Place {
+        face: 2 * axis + usize::from(d[axis] > 0.0),
+        plane,
+    }
 }
 
 /// Of neighbouring pixels that lie on one plane but on two faces: the mean step of the error from the first face to the
@@ -180,24 +260,44 @@ fn place(case: &Case, lamp: Vec3, pixel: usize) -> Place {
 fn steps(case: &Case, mask: &[f32]) -> BTreeMap<[Place; 2], f64> {
     let lamp = case.scene.lights[0].position().expect("a lamp");
     let error = |i: usize| f64::from(mask[i] - case.truth.visibility[i]);
-    let (width, counted) = (SIZE.x as usize, |i: usize| case.truth.pixels[i] == Pixel::Counted);
-    let beside = (0..mask.len()).filter(|i| (i + 1) % width > 0).map(|i| (i, i + 1));
+    let (width, counted) = (SIZE.x as usize, |i: usize| {
+        case.truth.pixels[i] == Pixel::Counted
+    });
+    let beside = (0..mask.len())
+        .filter(|i| (i + 1) % width > 0)
+        .map(|i| (i, i + 1));
     let below = (0..mask.len() - width).map(|i| (i, i + width));
     let mut found: BTreeMap<[Place; 2], Vec<f64>> = BTreeMap::new();
-    for (i, j) in beside.chain(below).filter(|&(i, j)| counted(i) && counted(j)) {
+    for (i, j) in beside
+        .chain(below)
+        .filter(|&(i, j)| counted(i) && counted(j))
+    {
         let [a, b] = [i, j].map(|pixel| place(case, lamp, pixel));
         if a.plane == b.plane && a.face != b.face {
-            let step = if a.face < b.face { error(j) - error(i) } else { error(i) - error(j) };
+            let step = if a.face < b.face {
+                error(j) - error(i)
+            } else {
+                error(i) - error(j)
+            };
             found.entry([a.min(b), a.max(b)]).or_default().push(step);
         }
     }
     found.retain(|_, steps| steps.len() >= LEAST_PAIRS);
-    found.into_iter().map(|(places, steps)| (places, steps.iter().sum::<f64>() / steps.len() as f64)).collect()
+    found
+        .into_iter()
+        .map(|(places, steps)| (places, steps.iter().sum::<f64>() / steps.len() as f64))
+        .collect()
 }
 
 fn lamp_in_room() -> (&'static Case, Vec<f32>) {
-    let case = cases().iter().find(|case| case.name == "glowing-lamp-in-room").expect("a built-in scene");
-    let cube = ShadowMap { layout: Layout::Cube, ..ShadowMap::default() };
+    let case = cases()
+        .iter()
+        .find(|case| case.name == "glowing-lamp-in-room")
+        .expect("a built-in scene");
+    let cube = ShadowMap {
+        layout: Layout::Cube,
+        ..ShadowMap::default()
+    };
     (case, case.mask(&pcss(cube, 4)))
 }
 
@@ -216,13 +316,20 @@ fn faces_of_a_cube_meet_without_steps() {
 fn a_darker_face_is_caught() {
     let (case, mut mask) = lamp_in_room();
     let lamp = case.scene.lights[0].position().expect("a lamp");
-    let darker = |i: &usize| case.truth.pixels[*i] == Pixel::Counted && place(case, lamp, *i).face == 2;
+    let darker =
+        |i: &usize| case.truth.pixels[*i] == Pixel::Counted && place(case, lamp, *i).face == 2;
     for i in (0..mask.len()).filter(darker) {
         mask[i] -= 2.0 * MOST_STEP as f32;
     }
     let steps = steps(case, &mask);
-    let mut seams = steps.iter().filter(|(places, _)| places.iter().any(|place| place.face == 2)).peekable();
-    assert!(seams.peek().is_some() && seams.all(|(_, step)| step.abs() > MOST_STEP), "{steps:#?}");
+    let mut seams = steps
+        .iter()
+        .filter(|(places, _)| places.iter().any(|place| place.face == 2))
+        .peekable();
+    assert!(
+        seams.peek().is_some() && seams.all(|(_, step)| step.abs() > MOST_STEP),
+        "{steps:#?}"
+    );
 }
 
 /// Surfaces that the whole lamp shines on stay lit, also in corners, where the map shows one wall nearer to the light than the
@@ -231,13 +338,30 @@ fn a_darker_face_is_caught() {
 fn lit_corners_stay_lit() {
     for case in cases() {
         let mask = case.mask(&Pcss::default());
-        let is_lit = |i: &usize| case.truth.pixels[*i] == Pixel::Counted && case.truth.visibility[*i] == 1.0;
-        let lit: Vec<f64> = (0..mask.len()).filter(is_lit).map(|i| f64::from(mask[i])).collect();
+        let is_lit =
+            |i: &usize| case.truth.pixels[*i] == Pixel::Counted && case.truth.visibility[*i] == 1.0;
+        let lit: Vec<f64> = (0..mask.len())
+            .filter(is_lit)
+            .map(|i| f64::from(mask[i]))
+            .collect();
         let darkened = lit.iter().map(|seen| 1.0 - seen).sum::<f64>() / lit.len() as f64;
         let dark = lit.iter().filter(|&&seen| seen < DARK).count();
-        println!("{}: {} lit, darkened by {darkened}, {dark} dark", case.name, lit.len());
-        assert!(darkened <= MOST_DARKENED, "{}: lit pixels are darkened by {darkened} in the mean", case.name);
-        assert!(dark * 1000 <= lit.len(), "{}: {dark} of {} lit pixels are dark", case.name, lit.len());
+        println!(
+            "{}: {} lit, darkened by {darkened}, {dark} dark",
+            case.name,
+            lit.len()
+        );
+        assert!(
+            darkened <= MOST_DARKENED,
+            "{}: lit pixels are darkened by {darkened} in the mean",
+            case.name
+        );
+        assert!(
+            dark * 1000 <= lit.len(),
+            "{}: {dark} of {} lit pixels are dark",
+            case.name,
+            lit.len()
+        );
     }
 }
 
@@ -247,14 +371,30 @@ fn both_halves_agree() {
     for case in cases() {
         let technique = Pcss::default();
         let cpu = case.mask(&technique);
-        let recipe = technique.plan(&case.view()).expect("maps serve lights with an extent");
+        let recipe = technique
+            .plan(&case.view())
+            .expect("maps serve lights with an extent");
         let mut gpu = gpu();
         let other = gpu.render(&case.view(), &recipe).expect("plays").mask;
         let exact = gpu.is_pinned_lavapipe();
-        let differ = |a: f32, b: f32| if exact { a.to_bits() != b.to_bits() } else { (a - b).abs() > 1.0 / 255.0 };
-        let differing = cpu.iter().zip(&other).filter(|(a, b)| differ(**a, **b)).count();
+        let differ = |a: f32, b: f32| {
+            if exact {
+                a.to_bits() != b.to_bits()
+            } else {
+                (a - b).abs() > 1.0 / 255.0
+            }
+        };
+        let differing = cpu
+            .iter()
+            .zip(&other)
+            .filter(|(a, b)| differ(**a, **b))
+            .count();
         // Elsewhere one pixel in 1,000 may hang on rounding, as in the other nets.
         let most = if exact { 0 } else { cpu.len() / 1000 };
-        assert!(differing <= most, "{}: {differing} pixels differ", case.name);
+        assert!(
+            differing <= most,
+            "{}: {differing} pixels differ",
+            case.name
+        );
     }
 }

@@ -2,7 +2,8 @@
 
 use glam::{Affine3A, Mat4, UVec2, Vec2, Vec3};
 use umbrage_core::{
-    Backend, Camera, Fit, Geometry, Instance, Light, Mesh, Receivers, Scene, ShadowTechnique, View, math::transform,
+    Backend, Camera, Fit, Geometry, Instance, Light, Mesh, Receivers, Scene, ShadowTechnique, View,
+    math::transform,
 };
 use umbrage_cpu::Cpu;
 use umbrage_techniques::{Bias, Hard, ShadowMap};
@@ -12,36 +13,76 @@ const RANGE: f32 = 40.0;
 const FRAMES: i32 = 30;
 /// 45 m of ground are seen around the sphere's middle: a texel is some 10 cm, and the camera goes 1.7 cm a frame.
 const STEP: Vec3 = Vec3::new(0.013, 0.0, -0.011);
-const SUN: Light = Light::Directional { direction: Vec3::new(0.7, -1.0, 0.45), angular_diameter: 0.0 };
+const SUN: Light = Light::Directional {
+    direction: Vec3::new(0.7, -1.0, 0.45),
+    angular_diameter: 0.0,
+};
 
 /// Frame by frame: pans by less than a texel, and yaws by a tenth of a degree.
 fn camera(frame: i32, offset: Vec3) -> Camera {
     let turn = (frame as f32 * 0.1).to_radians();
     let eye = offset + Vec3::new(0.0, 3.0, 0.0) + STEP * frame as f32;
     let ahead = Vec3::new(turn.sin(), -0.15, -turn.cos());
-    Camera::perspective(eye, eye + ahead, Vec3::Y, 1.0, [0.1, 200.0], UVec2::new(64, 48)).expect("a good camera")
+    Camera::perspective(
+        eye,
+        eye + ahead,
+        Vec3::Y,
+        1.0,
+        [0.1, 200.0],
+        UVec2::new(64, 48),
+    )
+    .expect("a good camera")
 }
 
 /// Boxes of half a metre to three on 400 m of ground that casts nothing, and one that hangs 300 m up towards the sun.
 fn town(offset: Vec3) -> Geometry {
-    let corner = |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) * 2.0 - 1.0;
-    let sides = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
-    let triangles = sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    let corner =
+        |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) * 2.0 - 1.0;
+    let sides = [
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+    ];
+    let triangles = sides
+        .iter()
+        .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]])
+        .collect();
     let cube = Mesh::new("cube", (0..8).map(corner).collect(), triangles).expect("a good mesh");
-    let place =
-        |scale: Vec3, at: Vec3| Instance::new(0, Affine3A::from_translation(offset + at) * Affine3A::from_scale(scale));
+    let place = |scale: Vec3, at: Vec3| {
+        Instance::new(
+            0,
+            Affine3A::from_translation(offset + at) * Affine3A::from_scale(scale),
+        )
+    };
     let mut instances: Vec<Instance> = (0..400)
         .map(|i| {
-            let (x, z, tall) =
-                ((i % 20) as f32 * 7.0 - 70.0, (i / 20) as f32 * -7.0 + 40.0, 0.5 + (i % 7) as f32 * 0.4);
+            let (x, z, tall) = (
+                (i % 20) as f32 * 7.0 - 70.0,
+                (i / 20) as f32 * -7.0 + 40.0,
+                0.5 + (i % 7) as f32 * 0.4,
+            );
             let lean = (i as f32 * 2.399).sin();
-            place(Vec3::new(0.6 + lean * 0.3, tall, 0.7), Vec3::new(x + lean, tall, z - lean))
+            place(
+                Vec3::new(0.6 + lean * 0.3, tall, 0.7),
+                Vec3::new(x + lean, tall, z - lean),
+            )
         })
         .collect();
     let ground = place(Vec3::new(200.0, 0.5, 200.0), Vec3::NEG_Y * 0.5);
-    instances.push(Instance { casts: false, ..ground });
+    instances.push(Instance {
+        casts: false,
+        ..ground
+    });
     instances.push(place(Vec3::splat(2.0), Vec3::new(-210.0, 300.0, -150.0)));
-    let scene = Scene { name: "town".into(), meshes: vec![cube], instances, ..Scene::default() };
+    let scene = Scene {
+        name: "town".into(),
+        meshes: vec![cube],
+        instances,
+        ..Scene::default()
+    };
     Geometry::bake(&scene).expect("a good scene")
 }
 
@@ -59,14 +100,24 @@ fn ground(offset: Vec3) -> Receivers {
 }
 
 fn technique(fit: Fit) -> Hard {
-    Hard { map: ShadowMap { size: SIZE, fit, bias: Bias::SLOPE, ..ShadowMap::default() } }
+    Hard {
+        map: ShadowMap {
+            size: SIZE,
+            fit,
+            bias: Bias::SLOPE,
+            ..ShadowMap::default()
+        },
+    }
 }
 
 /// Where the points fall within their texels: f32 arithmetic, as lookups do it.
 fn places(clip_from_world: Mat4, points: &Receivers) -> Vec<Vec2> {
     let place = |p: Vec3| {
         let clip = transform(clip_from_world, p);
-        let t = Vec2::new((clip.x / clip.w * 0.5 + 0.5) * SIZE as f32, (0.5 - clip.y / clip.w * 0.5) * SIZE as f32);
+        let t = Vec2::new(
+            (clip.x / clip.w * 0.5 + 0.5) * SIZE as f32,
+            (0.5 - clip.y / clip.w * 0.5) * SIZE as f32,
+        );
         t - t.floor()
     };
     points.positions().map(place).collect()
@@ -79,7 +130,12 @@ fn drift(fit: Fit, offset: Vec3, geometry: &Geometry) -> (f32, f32) {
     let space = |frame: i32, cpu: &mut Cpu| {
         let camera = camera(frame, offset);
         let seen = cpu.receivers(&camera, geometry).expect("a good camera");
-        fit.light_space(&View::new(&camera, &SUN, geometry).with_receivers(&seen), SIZE, 0.0).expect("it fits")
+        fit.light_space(
+            &View::new(&camera, &SUN, geometry).with_receivers(&seen),
+            SIZE,
+            0.0,
+        )
+        .expect("it fits")
     };
     let first = space(0, &mut cpu).clip_from_world();
     let (start, mut most, mut moved) = (places(first, &points), 0.0_f32, 0.0_f32);
@@ -89,7 +145,15 @@ fn drift(fit: Fit, offset: Vec3, geometry: &Geometry) -> (f32, f32) {
             let d = (*a - b).abs();
             most = most.max(d.min(1.0 - d).max_element());
         }
-        moved = moved.max((now.w_axis - first.w_axis).truncate().truncate().abs().max_element() * 0.5 * SIZE as f32);
+        moved = moved.max(
+            (now.w_axis - first.w_axis)
+                .truncate()
+                .truncate()
+                .abs()
+                .max_element()
+                * 0.5
+                * SIZE as f32,
+        );
     }
     (most, moved)
 }
@@ -100,13 +164,26 @@ const ROUNDING: f32 = 2e-3;
 
 #[test]
 fn world_points_keep_their_place_within_a_texel() {
-    for offset in [Vec3::ZERO, Vec3::new(1e5, 0.0, -1e5), Vec3::new(1e6, 0.0, 1e6)] {
+    for offset in [
+        Vec3::ZERO,
+        Vec3::new(1e5, 0.0, -1e5),
+        Vec3::new(1e6, 0.0, 1e6),
+    ] {
         let geometry = town(offset);
         let (stable, moved) = drift(Fit::Stable { range: RANGE }, offset, &geometry);
-        assert!(stable <= ROUNDING, "points drift by {stable} texels, {offset} from the origin");
-        assert!(moved >= 2.0, "the map moved by only {moved} texels: a fit that never moves proves nothing");
+        assert!(
+            stable <= ROUNDING,
+            "points drift by {stable} texels, {offset} from the origin"
+        );
+        assert!(
+            moved >= 2.0,
+            "the map moved by only {moved} texels: a fit that never moves proves nothing"
+        );
         let (tight, _) = drift(Fit::Tight, offset, &geometry);
-        assert!(tight > 0.3, "a tight fit is expected to crawl, but drifts by only {tight} texels");
+        assert!(
+            tight > 0.3,
+            "a tight fit is expected to crawl, but drifts by only {tight} texels"
+        );
     }
 }
 
@@ -119,9 +196,16 @@ fn shimmer(fit: Fit, offset: Vec3) -> (usize, usize) {
         let camera = camera(frame, offset);
         let seen = cpu.receivers(&camera, &geometry).expect("a good camera");
         let view = View::new(&camera, &SUN, &geometry);
-        let recipe = technique(fit).plan(&view.with_receivers(&seen)).expect("it plans");
-        let mask = cpu.render(&view.with_receivers(&points), &recipe).expect("it renders").mask;
-        changes += last.map_or(0, |last| last.iter().zip(&mask).filter(|(a, b)| a != b).count());
+        let recipe = technique(fit)
+            .plan(&view.with_receivers(&seen))
+            .expect("it plans");
+        let mask = cpu
+            .render(&view.with_receivers(&points), &recipe)
+            .expect("it renders")
+            .mask;
+        changes += last.map_or(0, |last| {
+            last.iter().zip(&mask).filter(|(a, b)| a != b).count()
+        });
         dark = mask.iter().filter(|&&v| v == 0.0).count();
         last = Some(mask);
     }
@@ -134,9 +218,15 @@ fn stable_shadows_do_not_shimmer() {
     for offset in [Vec3::ZERO, Vec3::new(1e5, 0.0, -1e5)] {
         let (stable, dark) = shimmer(Fit::Stable { range: RANGE }, offset);
         assert!(dark > 100, "only {dark} points are in shadow");
-        assert_eq!(stable, 0, "{stable} answers changed, {offset} from the origin");
+        assert_eq!(
+            stable, 0,
+            "{stable} answers changed, {offset} from the origin"
+        );
         let (tight, _) = shimmer(Fit::Tight, offset);
-        assert!(tight > 100, "a tight fit is expected to shimmer, but only {tight} answers changed");
+        assert!(
+            tight > 100,
+            "a tight fit is expected to shimmer, but only {tight} answers changed"
+        );
     }
 }
 
@@ -147,29 +237,50 @@ fn all_that_matters_is_on_the_map() {
     for (frame, margin) in [(0, 0.0), (17, 3.0), (900, 40.0)] {
         let camera = camera(frame, Vec3::ZERO);
         let view = View::new(&camera, &SUN, &geometry);
-        let fitted = Fit::Stable { range: RANGE }.light_space(&view, SIZE, margin).expect("it fits").clip_from_world();
-        let seen = Cpu::new().receivers(&camera, &geometry).expect("a good camera");
+        let fitted = Fit::Stable { range: RANGE }
+            .light_space(&view, SIZE, margin)
+            .expect("it fits")
+            .clip_from_world();
+        let seen = Cpu::new()
+            .receivers(&camera, &geometry)
+            .expect("a good camera");
         let view_from_world = camera.space().view_from_world;
         let room = 1.0 - 2.0 * margin / SIZE as f32;
-        for p in seen.positions().filter(|p| -transform(view_from_world, *p).z <= RANGE) {
+        for p in seen
+            .positions()
+            .filter(|p| -transform(view_from_world, *p).z <= RANGE)
+        {
             let clip = transform(fitted, p);
-            assert!(clip.x.abs().max(clip.y.abs()) <= room && clip.z <= 1.0, "{p} falls on {clip}");
+            assert!(
+                clip.x.abs().max(clip.y.abs()) <= room && clip.z <= 1.0,
+                "{p} falls on {clip}"
+            );
         }
         for p in geometry.vertices_of(geometry.casters()) {
             let clip = transform(fitted, p);
             let beside = clip.x.abs().max(clip.y.abs()) > 1.0;
-            assert!(beside || clip.z >= 0.0, "the caster at {p} is cut by the near plane: {clip}");
+            assert!(
+                beside || clip.z >= 0.0,
+                "the caster at {p} is cut by the near plane: {clip}"
+            );
         }
     }
     // One of them is far up, so that the near plane had to be drawn back.
     let high = transform(
         Fit::Stable { range: RANGE }
-            .light_space(&View::new(&camera(0, Vec3::ZERO), &SUN, &geometry), SIZE, 0.0)
+            .light_space(
+                &View::new(&camera(0, Vec3::ZERO), &SUN, &geometry),
+                SIZE,
+                0.0,
+            )
             .expect("it fits")
             .clip_from_world(),
         Vec3::new(-210.0, 300.0, -150.0),
     );
-    assert!(high.truncate().truncate().abs().max_element() < 1.0, "the high box is not over the map: {high}");
+    assert!(
+        high.truncate().truncate().abs().max_element() < 1.0,
+        "the high box is not over the map: {high}"
+    );
 }
 
 /// Lamps' stable fits hang on nothing that is seen; tight ones do.
@@ -183,17 +294,28 @@ fn lamps_stand_still() {
         outer: 0.6,
         radius: 0.0,
     };
-    let bulb = Light::Point { position: Vec3::new(0.0, 60.0, -20.0), radius: 0.0 };
+    let bulb = Light::Point {
+        position: Vec3::new(0.0, 60.0, -20.0),
+        radius: 0.0,
+    };
     for light in [lamp, bulb] {
         let spaces = |fit: Fit, frame: i32| {
             let camera = camera(frame, Vec3::ZERO);
-            let seen = Cpu::new().receivers(&camera, &geometry).expect("a good camera");
+            let seen = Cpu::new()
+                .receivers(&camera, &geometry)
+                .expect("a good camera");
             let view = View::new(&camera, &light, &geometry).with_receivers(&seen);
-            fit.light_spaces(Default::default(), &view, SIZE, 1.0).expect("it fits")
+            fit.light_spaces(Default::default(), &view, SIZE, 1.0)
+                .expect("it fits")
         };
         let stable = Fit::Stable { range: RANGE };
         assert_eq!(spaces(stable, 0), spaces(stable, 500), "{}", light.kind());
-        assert_ne!(spaces(Fit::Tight, 0), spaces(Fit::Tight, 500), "{}", light.kind());
+        assert_ne!(
+            spaces(Fit::Tight, 0),
+            spaces(Fit::Tight, 500),
+            "{}",
+            light.kind()
+        );
     }
 }
 
@@ -203,8 +325,18 @@ fn it_reads_and_writes_as_the_others() {
     let json = serde_json::to_string(&fit).expect("it writes");
     assert_eq!(json, r#"{"stable":{"range":50.0}}"#);
     assert_eq!(serde_json::from_str::<Fit>(&json).expect("it reads"), fit);
-    assert_eq!(serde_json::from_str::<Fit>("\"whole\"").expect("it reads"), Fit::Whole);
+    assert_eq!(
+        serde_json::from_str::<Fit>("\"whole\"").expect("it reads"),
+        Fit::Whole
+    );
     assert!(serde_json::from_str::<Fit>(r#"{"stable":{"reach":50.0}}"#).is_err());
-    let map = ShadowMap { fit, ..ShadowMap::default() };
-    assert!(map.label().contains("stable fit to 50 m"), "{}", map.label());
+    let map = ShadowMap {
+        fit,
+        ..ShadowMap::default()
+    };
+    assert!(
+        map.label().contains("stable fit to 50 m"),
+        "{}",
+        map.label()
+    );
 }

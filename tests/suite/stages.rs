@@ -23,8 +23,15 @@ struct Played {
 fn play(view: &View<'_>, technique: &dyn ShadowTechnique) -> Option<Played> {
     let mut recipe = technique.plan(view).ok()?;
     recipe.keep_images = true;
-    let shadows = Cpu::new().render(view, &recipe).expect("built-in scenes render");
-    Some(Played { recipe, receivers: shadows.receivers?, images: shadows.images, mask: shadows.mask })
+    let shadows = Cpu::new()
+        .render(view, &recipe)
+        .expect("built-in scenes render");
+    Some(Played {
+        recipe,
+        receivers: shadows.receivers?,
+        images: shadows.images,
+        mask: shadows.mask,
+    })
 }
 
 /// Runs `check` for every technique, with all its kernels and biases, over the scenes.
@@ -35,7 +42,14 @@ fn for_each_recipe(check: impl Fn(&View<'_>, Played, &str)) {
         scene.cameras[0].size = UVec2::new(160, 120);
         let geometry = Geometry::bake(&scene).expect("built-in scenes are valid");
         let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
-        let own = Variance { map: ShadowMap { size: 128, ..ShadowMap::default() }, radius: 2, least_variance: 1e-6 };
+        let own = Variance {
+            map: ShadowMap {
+                size: 128,
+                ..ShadowMap::default()
+            },
+            radius: 2,
+            least_variance: 1e-6,
+        };
         let built_in = all().iter().flat_map(|entry| (entry.exhaustive)(128));
         for technique in built_in.chain([std::sync::Arc::new(own) as _]) {
             let label = format!("{name}: {} {}", technique.name(), technique.settings());
@@ -55,11 +69,33 @@ const LOOSE_SHARE: f64 = 1e-3;
 fn equal(what: &str, label: &str, cpu: &[f32], gpu: &[f32]) {
     assert_eq!(cpu.len(), gpu.len(), "{label}: {what}");
     let exact = umbrage_tests::gpu::gpu().is_pinned_lavapipe();
-    let differ = |a: f32, b: f32| if exact { a.to_bits() != b.to_bits() } else { (a - b).abs() > 1.0 / 255.0 };
-    let differing = cpu.iter().zip(gpu).filter(|(a, b)| differ(**a, **b)).count();
-    let largest = cpu.iter().zip(gpu).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
-    let most = if exact { 0 } else { (cpu.len() as f64 * LOOSE_SHARE) as usize };
-    assert!(differing <= most, "{label}: {what}: {differing} of {} differ, by {largest} at most", cpu.len());
+    let differ = |a: f32, b: f32| {
+        if exact {
+            a.to_bits() != b.to_bits()
+        } else {
+            (a - b).abs() > 1.0 / 255.0
+        }
+    };
+    let differing = cpu
+        .iter()
+        .zip(gpu)
+        .filter(|(a, b)| differ(**a, **b))
+        .count();
+    let largest = cpu
+        .iter()
+        .zip(gpu)
+        .map(|(a, b)| (a - b).abs())
+        .fold(0.0, f32::max);
+    let most = if exact {
+        0
+    } else {
+        (cpu.len() as f64 * LOOSE_SHARE) as usize
+    };
+    assert!(
+        differing <= most,
+        "{label}: {what}: {differing} of {} differ, by {largest} at most",
+        cpu.len()
+    );
 }
 
 #[test]
@@ -79,9 +115,18 @@ fn filters_are_equal() {
     for_each_recipe(|_, p, label| {
         for index in 0..p.recipe.filters.len() {
             let output = p.recipe.filters[index].output;
-            let cpu = Cpu::new().replay_filter(&p.recipe, index, &p.images).expect("plays");
-            let gpu = gpu().replay_filter(&p.recipe, index, &p.images).expect("plays");
-            equal(p.recipe.images[output].label, label, &cpu.texels, &gpu.texels);
+            let cpu = Cpu::new()
+                .replay_filter(&p.recipe, index, &p.images)
+                .expect("plays");
+            let gpu = gpu()
+                .replay_filter(&p.recipe, index, &p.images)
+                .expect("plays");
+            equal(
+                p.recipe.images[output].label,
+                label,
+                &cpu.texels,
+                &gpu.texels,
+            );
         }
     });
 }
@@ -90,7 +135,9 @@ fn filters_are_equal() {
 fn lookups_are_equal() {
     for_each_recipe(|view, p, label| {
         let view = view.with_receivers(&p.receivers);
-        let gpu = gpu().replay_receive(&view, &p.recipe, &p.images).expect("plays");
+        let gpu = gpu()
+            .replay_receive(&view, &p.recipe, &p.images)
+            .expect("plays");
         equal("mask", label, &p.mask, &gpu);
     });
 }
@@ -101,10 +148,20 @@ fn a_spoilt_map_is_caught() {
     let scene = (find("cubes").expect("a built-in scene").build)();
     let geometry = Geometry::bake(&scene).expect("valid");
     let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
-    let technique = umbrage_techniques::Hard { map: ShadowMap { size: 16, ..ShadowMap::default() } };
+    let technique = umbrage_techniques::Hard {
+        map: ShadowMap {
+            size: 16,
+            ..ShadowMap::default()
+        },
+    };
     let mut p = play(&view, &technique).expect("hard serves the sun");
-    p.images[0].texels.iter_mut().for_each(|depth| *depth = 1.0 - *depth);
+    p.images[0]
+        .texels
+        .iter_mut()
+        .for_each(|depth| *depth = 1.0 - *depth);
     let view = view.with_receivers(&p.receivers);
-    let spoilt = gpu().replay_receive(&view, &p.recipe, &p.images).expect("plays");
+    let spoilt = gpu()
+        .replay_receive(&view, &p.recipe, &p.images)
+        .expect("plays");
     assert!(p.mask.iter().zip(&spoilt).any(|(a, b)| a != b));
 }

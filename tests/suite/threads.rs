@@ -16,7 +16,9 @@ fn threads_and_vectors_change_nothing() {
         let geometry = Geometry::bake(&scene).expect("valid");
         let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
         for technique in all().iter().flat_map(|e| (e.exhaustive)(200)) {
-            let Ok(mut recipe) = technique.plan(&view) else { continue };
+            let Ok(mut recipe) = technique.plan(&view) else {
+                continue;
+            };
             recipe.keep_images = true;
             let render = |threads: usize, simd: Simd| {
                 let options = CpuOptions::default().threads(threads).simd(simd);
@@ -24,12 +26,22 @@ fn threads_and_vectors_change_nothing() {
                 let s = cpu.render(&view, &recipe).expect("plays");
                 let bits = |v: &[f32]| v.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
                 let images: Vec<_> = s.images.iter().map(|i| bits(&i.texels)).collect();
-                (bits(&s.mask), images, s.receivers.expect("made here").triangle)
+                (
+                    bits(&s.mask),
+                    images,
+                    s.receivers.expect("made here").triangle,
+                )
             };
             let one = render(1, Simd::Baseline);
             let label = format!("{name}: {} {}", technique.name(), technique.settings());
-            assert!(one == render(1, Simd::Native), "{label}: vector instructions changed the result");
-            assert!(one == render(5, Simd::Native), "{label}: threads changed the result");
+            assert!(
+                one == render(1, Simd::Native),
+                "{label}: vector instructions changed the result"
+            );
+            assert!(
+                one == render(5, Simd::Native),
+                "{label}: threads changed the result"
+            );
         }
     }
 }

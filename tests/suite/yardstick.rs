@@ -14,19 +14,37 @@ fn the_yardstick_is_the_same_work_on_both_backends() {
     let receivers = Cpu::new().receivers(&camera, &geometry).expect("valid");
     let view = View::new(&camera, &scene.lights[0], &geometry).with_receivers(&receivers);
     let row = Hard::default().plan(&view).expect("supported");
-    let [short, long] = [0.1, 10.0].map(|cost| Yardstick::new(&row, &receivers, cost).expect("something receives"));
-    assert!(long.units > 50.0 * short.units, "{} against {}", long.units, short.units);
+    let [short, long] =
+        [0.1, 10.0].map(|cost| Yardstick::new(&row, &receivers, cost).expect("something receives"));
+    assert!(
+        long.units > 50.0 * short.units,
+        "{} against {}",
+        long.units,
+        short.units
+    );
     for yardstick in [short, long] {
         let kernel = &yardstick.recipe.receive.kernel;
-        check(&kernel.layout(), &join(&kernel.modules())).expect("uniforms lie where the shader reads them");
-        let mine = Cpu::new().render(&view, &yardstick.recipe).expect("plays").mask;
+        check(&kernel.layout(), &join(&kernel.modules()))
+            .expect("uniforms lie where the shader reads them");
+        let mine = Cpu::new()
+            .render(&view, &yardstick.recipe)
+            .expect("plays")
+            .mask;
         let theirs = gpu().render(&view, &yardstick.recipe).expect("plays").mask;
         // Whole numbers throughout, but for the last division.
-        let differing = mine.iter().zip(&theirs).filter(|(a, b)| (*a - *b).abs() > 1e-6).count();
+        let differing = mine
+            .iter()
+            .zip(&theirs)
+            .filter(|(a, b)| (*a - *b).abs() > 1e-6)
+            .count();
         assert_eq!(differing, 0);
         let mut values: Vec<u32> = mine.iter().map(|v| (v * 255.0) as u32).collect();
         values.sort_unstable();
         values.dedup();
-        assert!(values.len() > 200, "every chain ends elsewhere: {} values", values.len());
+        assert!(
+            values.len() > 200,
+            "every chain ends elsewhere: {} values",
+            values.len()
+        );
     }
 }

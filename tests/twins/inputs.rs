@@ -17,10 +17,21 @@ pub const COUNT: usize = 65_536;
 /// # Panics
 /// Never: no strategy here rejects a value.
 pub fn draw(twin: &Twin) -> Vec<u32> {
-    let scalars: Vec<_> = twin.parameters.iter().flat_map(|t| std::iter::repeat_n(scalar(t), count(t))).collect();
-    let strategies = [Mood::Cube, Mood::Grid, Mood::Scales, Mood::Any]
-        .map(|mood| scalars.iter().map(|s| component(s, mood)).collect::<Vec<_>>());
-    let mut runner = TestRunner::new_with_rng(Config::default(), TestRng::from_seed(RngAlgorithm::ChaCha, &[7; 32]));
+    let scalars: Vec<_> = twin
+        .parameters
+        .iter()
+        .flat_map(|t| std::iter::repeat_n(scalar(t), count(t)))
+        .collect();
+    let strategies = [Mood::Cube, Mood::Grid, Mood::Scales, Mood::Any].map(|mood| {
+        scalars
+            .iter()
+            .map(|s| component(s, mood))
+            .collect::<Vec<_>>()
+    });
+    let mut runner = TestRunner::new_with_rng(
+        Config::default(),
+        TestRng::from_seed(RngAlgorithm::ChaCha, &[7; 32]),
+    );
     (0..COUNT)
         .flat_map(|i| {
             let tree = strategies[i % strategies.len()].new_tree(&mut runner);
@@ -59,14 +70,32 @@ fn float(mood: Mood) -> BoxedStrategy<f32> {
             .boxed(),
         Mood::Any => {
             let special = select(&SPECIAL[..]);
-            prop_oneof![float(Mood::Cube), float(Mood::Grid), float(Mood::Scales), special].boxed()
+            prop_oneof![
+                float(Mood::Cube),
+                float(Mood::Grid),
+                float(Mood::Scales),
+                special
+            ]
+            .boxed()
         }
     }
 }
 
 /// Extremes whose products still are normal numbers or overflow: drivers may flush denormal ones.
-const SPECIAL: [f32; 12] =
-    [0.0, -0.0, 1.0, -1.0, 0.5, -0.5, 1e-9, -1e-9, 1e30, -1e30, 16_777_216.0, 1.0 - f32::EPSILON / 2.0];
+const SPECIAL: [f32; 12] = [
+    0.0,
+    -0.0,
+    1.0,
+    -1.0,
+    0.5,
+    -0.5,
+    1e-9,
+    -1e-9,
+    1e30,
+    -1e30,
+    16_777_216.0,
+    1.0 - f32::EPSILON / 2.0,
+];
 
 fn unsigned(mood: Mood) -> BoxedStrategy<u32> {
     match mood {

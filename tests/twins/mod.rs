@@ -36,7 +36,9 @@ pub enum Fault {
         wgsl: String,
     },
     /// The halves disagree.
-    #[error("`{twin}` differs on {count} of {COUNT} inputs, allowed {allowed} ulps; worst: {worst}")]
+    #[error(
+        "`{twin}` differs on {count} of {COUNT} inputs, allowed {allowed} ulps; worst: {worst}"
+    )]
     Differs {
         /// The pair.
         twin: &'static str,
@@ -68,7 +70,12 @@ pub fn check(on: &TestDevice, twin: &Twin, inputs: &[u32]) -> Result<u64, Fault>
     let words: usize = twin.parameters.iter().map(|t| wrapper::count(t)).sum();
     let expected: Vec<u32> = inputs.chunks_exact(words).flat_map(twin.call).collect();
     ulps::useful(twin, &expected)?;
-    let got = run::run(on, &text, inputs, expected.len(), inputs.len() / words)
-        .map_err(|message| Fault::Wgsl { twin: twin.name, message })?;
+    let got =
+        run::run(on, &text, inputs, expected.len(), inputs.len() / words).map_err(|message| {
+            Fault::Wgsl {
+                twin: twin.name,
+                message,
+            }
+        })?;
     ulps::compare(twin, inputs, &expected, &got)
 }

@@ -33,8 +33,14 @@ pub fn mutants(twin: &Twin) -> Vec<Mutant> {
     let mut out = Vec::new();
     for body in reached(text, twin.name) {
         for (from, to) in SLIPS {
-            let slips = text[body.clone()].match_indices(from).map(|(at, _)| body.start + at);
-            out.extend(slips.map(|at| with_text(twin, [&text[..at], to, &text[at + from.len()..]].concat())));
+            let slips = text[body.clone()]
+                .match_indices(from)
+                .map(|(at, _)| body.start + at);
+            out.extend(
+                slips.map(|at| {
+                    with_text(twin, [&text[..at], to, &text[at + from.len()..]].concat())
+                }),
+            );
         }
     }
     out
@@ -46,13 +52,23 @@ fn reached(text: &str, function: &str) -> Vec<Range<usize>> {
     let mut names = vec![function];
     let mut next = 0;
     while let Some(name) = names.get(next).copied() {
-        let body = bodies.iter().find(|(n, _)| *n == name).map_or("", |(_, r)| &text[r.clone()]);
-        let called = bodies.iter().map(|(n, _)| *n).filter(|n| body.contains(&format!("{n}(")) && !names.contains(n));
+        let body = bodies
+            .iter()
+            .find(|(n, _)| *n == name)
+            .map_or("", |(_, r)| &text[r.clone()]);
+        let called = bodies
+            .iter()
+            .map(|(n, _)| *n)
+            .filter(|n| body.contains(&format!("{n}(")) && !names.contains(n));
         let called: Vec<_> = called.collect();
         names.extend(called);
         next += 1;
     }
-    bodies.into_iter().filter(|(n, _)| names.contains(n)).map(|(_, r)| r).collect()
+    bodies
+        .into_iter()
+        .filter(|(n, _)| names.contains(n))
+        .map(|(_, r)| r)
+        .collect()
 }
 
 /// Every function's name, and its range from the opening brace on. A closing brace in the first column ends it.
@@ -66,8 +82,20 @@ fn bodies(text: &str) -> Vec<(&str, Range<usize>)> {
 }
 
 fn with_text(twin: &Twin, text: String) -> Mutant {
-    let spoilt = text.lines().zip(twin.module.text.lines()).find(|(a, b)| a != b);
+    let spoilt = text
+        .lines()
+        .zip(twin.module.text.lines())
+        .find(|(a, b)| a != b);
     let line = spoilt.map_or("", |(line, _)| line.trim()).to_owned();
     // A module's text lives as long as the program; so few spoilt ones may, too.
-    (Twin { module: Module { text: text.leak(), ..twin.module }, ..*twin }, line)
+    (
+        Twin {
+            module: Module {
+                text: text.leak(),
+                ..twin.module
+            },
+            ..*twin
+        },
+        line,
+    )
 }

@@ -12,18 +12,22 @@ pub(super) fn run(
     count: usize,
 ) -> Result<Vec<u32>, String> {
     let scope = on.device.push_error_scope(wgpu::ErrorFilter::Validation);
-    let module = on.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some("twin"),
-        source: wgpu::ShaderSource::Wgsl(wgsl.into()),
-    });
-    let pipeline = on.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-        label: Some("twin"),
-        layout: None,
-        module: &module,
-        entry_point: Some("twin_main"),
-        compilation_options: wgpu::PipelineCompilationOptions::default(),
-        cache: None,
-    });
+    let module = on
+        .device
+        .create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some("twin"),
+            source: wgpu::ShaderSource::Wgsl(wgsl.into()),
+        });
+    let pipeline = on
+        .device
+        .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some("twin"),
+            layout: None,
+            module: &module,
+            entry_point: Some("twin_main"),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            cache: None,
+        });
     match pollster::block_on(scope.pop()) {
         Some(error) => Err(error.to_string()),
         None => Ok(dispatch(on, &pipeline, inputs, outputs, count)),
@@ -37,26 +41,47 @@ fn dispatch(
     outputs: usize,
     count: usize,
 ) -> Vec<u32> {
-    let input = on.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-        label: Some("twin inputs"),
-        contents: bytemuck::cast_slice(inputs),
-        usage: wgpu::BufferUsages::STORAGE,
-    });
+    let input = on
+        .device
+        .create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: Some("twin inputs"),
+            contents: bytemuck::cast_slice(inputs),
+            usage: wgpu::BufferUsages::STORAGE,
+        });
     let buffer = |label, usage| {
         let size = 4 * outputs as u64;
-        on.device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
+        on.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size,
+            usage,
+            mapped_at_creation: false,
+        })
     };
-    let output = buffer("twin outputs", wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC);
-    let back = buffer("twin outputs, read back", wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST);
+    let output = buffer(
+        "twin outputs",
+        wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC,
+    );
+    let back = buffer(
+        "twin outputs, read back",
+        wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+    );
     let group = on.device.create_bind_group(&wgpu::BindGroupDescriptor {
         label: Some("twin"),
         layout: &pipeline.get_bind_group_layout(0),
         entries: &[
-            wgpu::BindGroupEntry { binding: 0, resource: input.as_entire_binding() },
-            wgpu::BindGroupEntry { binding: 1, resource: output.as_entire_binding() },
+            wgpu::BindGroupEntry {
+                binding: 0,
+                resource: input.as_entire_binding(),
+            },
+            wgpu::BindGroupEntry {
+                binding: 1,
+                resource: output.as_entire_binding(),
+            },
         ],
     });
-    let mut encoder = on.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    let mut encoder = on
+        .device
+        .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     {
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
         pass.set_pipeline(pipeline);
@@ -69,8 +94,12 @@ fn dispatch(
 }
 
 fn read(on: &TestDevice, buffer: &wgpu::Buffer) -> Vec<u32> {
-    buffer.map_async(wgpu::MapMode::Read, .., |result| result.expect("the buffer is mappable and not in use"));
-    on.device.poll(wgpu::PollType::wait_indefinitely()).expect("the device answers");
+    buffer.map_async(wgpu::MapMode::Read, .., |result| {
+        result.expect("the buffer is mappable and not in use")
+    });
+    on.device
+        .poll(wgpu::PollType::wait_indefinitely())
+        .expect("the device answers");
     let view = buffer.get_mapped_range(..).expect("the buffer is mapped");
     bytemuck::cast_slice(&view).to_vec()
 }

@@ -22,14 +22,38 @@ pub struct Difference {
 impl fmt::Display for Difference {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [input, result] = &self.floats;
-        write!(f, "{} ulps on {}: Rust gives ", self.ulps, spell(&self.input, input))?;
-        write!(f, "{}, WGSL {}", spell(&self.rust, result), spell(&self.wgsl, result))
+        write!(
+            f,
+            "{} ulps on {}: Rust gives ",
+            self.ulps,
+            spell(&self.input, input)
+        )?;
+        write!(
+            f,
+            "{}, WGSL {}",
+            spell(&self.rust, result),
+            spell(&self.wgsl, result)
+        )
     }
 }
 
 fn spell(words: &[u32], floats: &[bool]) -> String {
-    let word = |(&w, &float): (&u32, &bool)| if float { format!("{:?}", f32::from_bits(w)) } else { w.to_string() };
-    format!("[{}]", words.iter().zip(floats).map(word).collect::<Vec<_>>().join(", "))
+    let word = |(&w, &float): (&u32, &bool)| {
+        if float {
+            format!("{:?}", f32::from_bits(w))
+        } else {
+            w.to_string()
+        }
+    };
+    format!(
+        "[{}]",
+        words
+            .iter()
+            .zip(floats)
+            .map(word)
+            .collect::<Vec<_>>()
+            .join(", ")
+    )
 }
 
 /// How far two words are apart: floats in ulps, where all that are no numbers count as equal; integers as such.
@@ -47,32 +71,62 @@ pub fn difference(a: u32, b: u32, float: bool) -> u64 {
 /// Floats in order of value. Both zeros count as one: WGSL leaves open which of them `min` and `max` return.
 fn ordered(bits: u32) -> i64 {
     let magnitude = i64::from(bits & 0x7fff_ffff);
-    if bits >> 31 == 1 { -magnitude } else { magnitude }
+    if bits >> 31 == 1 {
+        -magnitude
+    } else {
+        magnitude
+    }
 }
 
 fn floats(types: &[&str]) -> Vec<bool> {
-    types.iter().flat_map(|t| std::iter::repeat_n(wrapper::scalar(t) == "f32", wrapper::count(t))).collect()
+    types
+        .iter()
+        .flat_map(|t| std::iter::repeat_n(wrapper::scalar(t) == "f32", wrapper::count(t)))
+        .collect()
 }
 
 /// The greatest difference, or a fault with the worst case if it is not allowed.
-pub(super) fn compare(twin: &Twin, inputs: &[u32], expected: &[u32], got: &[u32]) -> Result<u64, Fault> {
+pub(super) fn compare(
+    twin: &Twin,
+    inputs: &[u32],
+    expected: &[u32],
+    got: &[u32],
+) -> Result<u64, Fault> {
     let kinds = [floats(twin.parameters), floats(&[twin.result])];
     let [given, gives] = [kinds[0].len(), kinds[1].len()];
     let ulps = |i: usize| {
         let at = i * gives..(i + 1) * gives;
         let words = expected[at.clone()].iter().zip(&got[at]).zip(&kinds[1]);
-        words.map(|((&a, &b), &float)| difference(a, b, float)).max().unwrap_or(0)
+        words
+            .map(|((&a, &b), &float)| difference(a, b, float))
+            .max()
+            .unwrap_or(0)
     };
     let all: Vec<u64> = (0..inputs.len() / given).map(ulps).collect();
-    let (worst, &most) = all.iter().enumerate().max_by_key(|&(_, u)| u).unwrap_or((0, &0));
+    let (worst, &most) = all
+        .iter()
+        .enumerate()
+        .max_by_key(|&(_, u)| u)
+        .unwrap_or((0, &0));
     if most <= u64::from(twin.ulps) {
         return Ok(most);
     }
     let cut = |words: &[u32], n: usize| words[worst * n..][..n].to_vec();
     let [input, rust, wgsl] = [cut(inputs, given), cut(expected, gives), cut(got, gives)];
-    let worst = Box::new(Difference { ulps: most, input, rust, wgsl, floats: kinds });
+    let worst = Box::new(Difference {
+        ulps: most,
+        input,
+        rust,
+        wgsl,
+        floats: kinds,
+    });
     let count = all.iter().filter(|&&u| u > u64::from(twin.ulps)).count();
-    Err(Fault::Differs { twin: twin.name, count, allowed: twin.ulps, worst })
+    Err(Fault::Differs {
+        twin: twin.name,
+        count,
+        allowed: twin.ulps,
+        worst,
+    })
 }
 
 /// Objects when under one in a hundred results says something.
@@ -80,10 +134,23 @@ pub(super) fn useful(twin: &Twin, expected: &[u32]) -> Result<(), Fault> {
     let kinds = floats(&[twin.result]);
     let mut counts: HashMap<&[u32], usize> = HashMap::new();
     for result in expected.chunks_exact(kinds.len()) {
-        let number = result.iter().zip(&kinds).all(|(&w, &float)| !float || !f32::from_bits(w).is_nan());
+        let number = result
+            .iter()
+            .zip(&kinds)
+            .all(|(&w, &float)| !float || !f32::from_bits(w).is_nan());
         *counts.entry(result).or_default() += usize::from(number);
     }
-    let (numbers, commonest) = (counts.values().sum::<usize>(), counts.values().max().copied().unwrap_or(0));
+    let (numbers, commonest) = (
+        counts.values().sum::<usize>(),
+        counts.values().max().copied().unwrap_or(0),
+    );
     let useful = numbers - commonest;
-    if useful * 100 >= COUNT { Ok(()) } else { Err(Fault::Dull { twin: twin.name, useful }) }
+    if useful * 100 >= COUNT {
+        Ok(())
+    } else {
+        Err(Fault::Dull {
+            twin: twin.name,
+            useful,
+        })
+    }
 }

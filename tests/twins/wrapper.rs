@@ -6,8 +6,16 @@ use umbrage_core::{MATH, Module, Twin, join};
 
 /// How many 32-bit words a WGSL type takes: its own digits say so.
 pub(super) fn count(wgsl: &str) -> usize {
-    let digits: Vec<usize> = wgsl.chars().filter_map(|c| c.to_digit(10)).map(|d| d as usize).collect();
-    match (wgsl.split_once(|c: char| c.is_ascii_digit()).map(|(stem, _)| stem), &digits[..]) {
+    let digits: Vec<usize> = wgsl
+        .chars()
+        .filter_map(|c| c.to_digit(10))
+        .map(|d| d as usize)
+        .collect();
+    match (
+        wgsl.split_once(|c: char| c.is_ascii_digit())
+            .map(|(stem, _)| stem),
+        &digits[..],
+    ) {
         (Some("vec"), [n]) => *n,
         (Some("mat"), [columns, rows]) => columns * rows,
         _ => 1,
@@ -29,8 +37,10 @@ pub(super) fn scalar(wgsl: &str) -> &'static str {
 /// When the half doesn't compile by itself, is missing, or has another signature than the Rust half.
 pub fn shader(twin: &Twin) -> Result<String, Fault> {
     let modules = join(&modules(twin));
-    let naga = naga::front::wgsl::parse_str(&modules)
-        .map_err(|e| Fault::Wgsl { twin: twin.name, message: e.emit_to_string(&modules) })?;
+    let naga = naga::front::wgsl::parse_str(&modules).map_err(|e| Fault::Wgsl {
+        twin: twin.name,
+        message: e.emit_to_string(&modules),
+    })?;
     check_signature(twin, &naga)?;
     Ok(modules + &wrapper(twin))
 }
@@ -49,9 +59,15 @@ fn modules(twin: &Twin) -> Vec<Module> {
 
 /// The types of a function's parameters and result, as WGSL spells them for short; nothing if it is missing.
 pub fn wgsl_types(naga: &Naga, function: &str) -> Option<(Vec<String>, String)> {
-    let (_, f) = naga.functions.iter().find(|(_, f)| f.name.as_deref() == Some(function))?;
+    let (_, f) = naga
+        .functions
+        .iter()
+        .find(|(_, f)| f.name.as_deref() == Some(function))?;
     let spell = |ty| spell(&naga.types[ty]);
-    let result = f.result.as_ref().map_or("nothing".to_owned(), |r| spell(r.ty));
+    let result = f
+        .result
+        .as_ref()
+        .map_or("nothing".to_owned(), |r| spell(r.ty));
     Some((f.arguments.iter().map(|a| spell(a.ty)).collect(), result))
 }
 
@@ -65,21 +81,40 @@ fn spell(ty: &naga::Type) -> String {
     match ty.inner {
         TypeInner::Scalar(s) => format!("{}{}", letter(s.kind), 8 * s.width),
         TypeInner::Vector { size, scalar } => format!("vec{}{}", size as u8, letter(scalar.kind)),
-        TypeInner::Matrix { columns, rows, scalar } => {
+        TypeInner::Matrix {
+            columns,
+            rows,
+            scalar,
+        } => {
             format!("mat{}x{}{}", columns as u8, rows as u8, letter(scalar.kind))
         }
-        _ => ty.name.clone().unwrap_or_else(|| "an unnamed type".to_owned()),
+        _ => ty
+            .name
+            .clone()
+            .unwrap_or_else(|| "an unnamed type".to_owned()),
     }
 }
 
 fn check_signature(twin: &Twin, naga: &Naga) -> Result<(), Fault> {
-    let signature = |parameters: &[String], result: &str| format!("({}) -> {result}", parameters.join(", "));
-    let rust = signature(&twin.parameters.iter().map(|&p| p.to_owned()).collect::<Vec<_>>(), twin.result);
+    let signature =
+        |parameters: &[String], result: &str| format!("({}) -> {result}", parameters.join(", "));
+    let rust = signature(
+        &twin
+            .parameters
+            .iter()
+            .map(|&p| p.to_owned())
+            .collect::<Vec<_>>(),
+        twin.result,
+    );
     let wgsl = wgsl_types(naga, twin.name).map_or("missing".to_owned(), |(p, r)| signature(&p, &r));
     if rust == wgsl {
         return Ok(());
     }
-    Err(Fault::Signature { twin: twin.name, rust, wgsl })
+    Err(Fault::Signature {
+        twin: twin.name,
+        rust,
+        wgsl,
+    })
 }
 
 fn wrapper(twin: &Twin) -> String {
@@ -90,13 +125,19 @@ fn wrapper(twin: &Twin) -> String {
         .map(|ty| {
             let first = next;
             next += count(ty);
-            let words = (first..next).map(|i| format!("bitcast<{}>(twin_in[i + {i}u])", scalar(ty)));
+            let words =
+                (first..next).map(|i| format!("bitcast<{}>(twin_in[i + {i}u])", scalar(ty)));
             format!("{ty}({})", words.collect::<Vec<_>>().join(", "))
         })
         .collect();
     let outputs = count(twin.result);
     let stores: String = (0..outputs)
-        .map(|k| format!("    twin_out[o + {k}u] = bitcast<u32>(result{});\n", component(twin.result, k)))
+        .map(|k| {
+            format!(
+                "    twin_out[o + {k}u] = bitcast<u32>(result{});\n",
+                component(twin.result, k)
+            )
+        })
         .collect();
     format!(
         "@group(0) @binding(0) var<storage, read> twin_in: array<u32>;\n\

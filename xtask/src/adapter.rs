@@ -15,7 +15,9 @@ pub(crate) fn find() -> Result<Option<String>> {
 pub(crate) fn find_with(prepare: impl FnOnce(&mut Command)) -> Result<Option<String>> {
     let mut program = beside("adapter")?;
     prepare(&mut program);
-    let output = with_runtime_dir(&mut program)?.output().context("the program `adapter` did not start")?;
+    let output = with_runtime_dir(&mut program)?
+        .output()
+        .context("the program `adapter` did not start")?;
     let name = String::from_utf8_lossy(&output.stdout).trim().to_owned();
     Ok(output.status.success().then_some(name))
 }
@@ -35,15 +37,25 @@ pub(crate) fn with_runtime_dir(command: &mut Command) -> Result<&mut Command> {
 /// Installs Mesa's software driver on Debian and Ubuntu.
 pub(crate) fn install_driver() -> Result<()> {
     if !is_debian() {
-        bail!("no graphics adapter, and --install-driver only knows Debian and Ubuntu: install a Vulkan driver");
+        bail!(
+            "no graphics adapter, and --install-driver only knows Debian and Ubuntu: install a Vulkan driver"
+        );
     }
     let Some(prefix) = privilege() else {
-        bail!("no graphics adapter, and no rights to install one: as root, run `{}`", by_hand());
+        bail!(
+            "no graphics adapter, and no rights to install one: as root, run `{}`",
+            by_hand()
+        );
     };
-    println!("no graphics adapter found: installing {} with apt-get", PACKAGES.join(" and "));
+    println!(
+        "no graphics adapter found: installing {} with apt-get",
+        PACKAGES.join(" and ")
+    );
     // A container's package lists may be missing or old.
     run(apt_get(prefix).arg("update"))?;
-    run(apt_get(prefix).args(["install", "-y", "--no-install-recommends"]).args(PACKAGES))?;
+    run(apt_get(prefix)
+        .args(["install", "-y", "--no-install-recommends"])
+        .args(PACKAGES))?;
     println!("installed {}", PACKAGES.join(" and "));
     Ok(())
 }
@@ -51,14 +63,21 @@ pub(crate) fn install_driver() -> Result<()> {
 /// The one line that does what [`install_driver`] does.
 pub(crate) fn by_hand() -> String {
     let update = spell(apt_get(&[]).arg("update"));
-    let install = spell(apt_get(&[]).args(["install", "-y", "--no-install-recommends"]).args(PACKAGES));
+    let install = spell(
+        apt_get(&[])
+            .args(["install", "-y", "--no-install-recommends"])
+            .args(PACKAGES),
+    );
     format!("{update} && {install}")
 }
 
 pub(crate) fn is_debian() -> bool {
     let text = fs::read_to_string("/etc/os-release").unwrap_or_default();
-    let ids = text.lines().filter_map(|l| l.strip_prefix("ID=").or_else(|| l.strip_prefix("ID_LIKE=")));
-    ids.flat_map(|l| l.trim_matches('"').split_whitespace()).any(|id| id == "debian" || id == "ubuntu")
+    let ids = text
+        .lines()
+        .filter_map(|l| l.strip_prefix("ID=").or_else(|| l.strip_prefix("ID_LIKE=")));
+    ids.flat_map(|l| l.trim_matches('"').split_whitespace())
+        .any(|id| id == "debian" || id == "ubuntu")
 }
 
 /// What must stand before a command that installs: nothing for root, `sudo -n` if that works without asking.

@@ -31,15 +31,28 @@ pub(crate) fn ci(options: &CiOptions) -> Result<()> {
             failed.push(name);
         }
         let verdict = if result.is_ok() { "ok" } else { "FAILED" };
-        table.add_row([name, verdict, &format!("{:.0}", start.elapsed().as_secs_f64())]);
+        table.add_row([
+            name,
+            verdict,
+            &format!("{:.0}", start.elapsed().as_secs_f64()),
+        ]);
     }
     println!("{table}");
-    if failed.is_empty() { Ok(()) } else { bail!("failed: {}", failed.join(", ")) }
+    if failed.is_empty() {
+        Ok(())
+    } else {
+        bail!("failed: {}", failed.join(", "))
+    }
 }
 
 fn steps(options: &CiOptions) -> Vec<Step> {
     let install_driver = options.install_driver;
-    let test = move || test::test(&TestOptions { install_driver, arguments: Vec::new() });
+    let test = move || {
+        test::test(&TestOptions {
+            install_driver,
+            arguments: Vec::new(),
+        })
+    };
     let mut steps: Vec<Step> = Vec::new();
     if !options.after_tests {
         steps.push(("test", Box::new(test)));
@@ -49,13 +62,24 @@ fn steps(options: &CiOptions) -> Vec<Step> {
         ("tidy", Box::new(tidy::tidy)),
         ("format", Box::new(words(&["fmt", "--all", "--check"]))),
         ("clippy", Box::new(words(&CLIPPY))),
-        ("doc", Box::new(|| run(doc().env("RUSTDOCFLAGS", "-D warnings")))),
+        (
+            "doc",
+            Box::new(|| run(doc().env("RUSTDOCFLAGS", "-D warnings"))),
+        ),
         ("package", Box::new(package)),
     ]);
     steps
 }
 
-const CLIPPY: [&str; 7] = ["clippy", "--workspace", "--all-targets", "--all-features", "--", "-D", "warnings"];
+const CLIPPY: [&str; 7] = [
+    "clippy",
+    "--workspace",
+    "--all-targets",
+    "--all-features",
+    "--",
+    "-D",
+    "warnings",
+];
 
 fn doc() -> Command {
     let mut command = cargo();
@@ -81,13 +105,21 @@ fn pack(folder: &Path) -> Result<Vec<Packed>> {
     let names = published.iter().flat_map(|(name, _)| ["--package", name]);
     // What is packed is the question here, not whether it is committed; what is packed is checked below.
     let mut command = cargo();
-    command.args(["package", "--allow-dirty", "--no-verify"]).args(names).arg("--target-dir").arg(folder);
+    command
+        .args(["package", "--allow-dirty", "--no-verify"])
+        .args(names)
+        .arg("--target-dir")
+        .arg(folder);
     run(&mut command)?;
     let archives = folder.join("package");
     let unpack = |(name, version): &(String, String)| {
         let stem = format!("{name}-{version}");
         // Archives hold files of 2006, which cargo would take for unchanged: `m` leaves that time out.
-        run(Command::new("tar").arg("-xzmf").arg(archives.join(format!("{stem}.crate"))).arg("-C").arg(folder))?;
+        run(Command::new("tar")
+            .arg("-xzmf")
+            .arg(archives.join(format!("{stem}.crate")))
+            .arg("-C")
+            .arg(folder))?;
         Ok((name.clone(), folder.join(stem)))
     };
     published.iter().map(unpack).collect()
@@ -99,24 +131,39 @@ fn check_packed(folder: &Path, packed: &[Packed]) -> Result<()> {
     let mut manifest = "[workspace]\nresolver = \"3\"\nmembers = [".to_owned();
     let mut patches = String::from("[patch.crates-io]\n");
     for (name, place) in packed {
-        let place = place.file_name().context("unpacked packages have folders")?.to_string_lossy();
+        let place = place
+            .file_name()
+            .context("unpacked packages have folders")?
+            .to_string_lossy();
         write!(manifest, "\"{place}\", ")?;
         writeln!(patches, "{name} = {{ path = \"{place}\" }}")?;
     }
     let profile = "[profile.dev]\nopt-level = 2\ndebug = \"line-tables-only\"\n";
-    fs::write(folder.join("Cargo.toml"), format!("{manifest}]\n{patches}{profile}"))?;
+    fs::write(
+        folder.join("Cargo.toml"),
+        format!("{manifest}]\n{patches}{profile}"),
+    )?;
     fs::copy(root().join("Cargo.lock"), folder.join("Cargo.lock"))?;
     let mut command = cargo();
-    command.current_dir(folder).args(["check", "--workspace", "--all-features", "--target-dir"]);
+    command
+        .current_dir(folder)
+        .args(["check", "--workspace", "--all-features", "--target-dir"]);
     run(command.arg(root().join("target")))
 }
 
 /// The names and versions of all packages that don't say `publish = false`.
 fn published() -> Result<Vec<(String, String)>> {
-    let output = cargo().args(["metadata", "--format-version", "1", "--no-deps"]).output()?;
-    let metadata: serde_json::Value = serde_json::from_slice(&output.stdout).context("cargo metadata is not JSON")?;
-    let packages = metadata["packages"].as_array().context("cargo metadata names no packages")?;
+    let output = cargo()
+        .args(["metadata", "--format-version", "1", "--no-deps"])
+        .output()?;
+    let metadata: serde_json::Value =
+        serde_json::from_slice(&output.stdout).context("cargo metadata is not JSON")?;
+    let packages = metadata["packages"]
+        .as_array()
+        .context("cargo metadata names no packages")?;
     let public = packages.iter().filter(|p| p["publish"].is_null());
     let text = |value: &serde_json::Value| value.as_str().map(str::to_owned);
-    Ok(public.filter_map(|p| text(&p["name"]).zip(text(&p["version"]))).collect())
+    Ok(public
+        .filter_map(|p| text(&p["name"]).zip(text(&p["version"])))
+        .collect())
 }

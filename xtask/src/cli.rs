@@ -18,7 +18,11 @@ use std::path::PathBuf;
 
 /// umbrage's own commands.
 #[derive(Debug, Parser)]
-#[command(name = "cargo xtask", bin_name = "cargo xtask", disable_help_subcommand = true)]
+#[command(
+    name = "cargo xtask",
+    bin_name = "cargo xtask",
+    disable_help_subcommand = true
+)]
 #[command(after_help = "Examples:
   cargo xtask compare                   every built-in scene, technique and backend: table and report
   cargo xtask stability --quick         where each technique fails: a matrix with pictures
@@ -194,7 +198,9 @@ pub(crate) struct CiOptions {
 }
 
 fn parse_size(text: &str) -> Result<[u32; 2], String> {
-    let sides = text.split_once('x').and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+    let sides = text
+        .split_once('x')
+        .and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
     match sides {
         Some(size) if size.iter().all(|s| (1..=16_384).contains(s)) => Ok(size),
         Some(_) => Err("each side must be 1 to 16384 pixels".to_owned()),
@@ -215,7 +221,9 @@ mod tests {
         for name in command().get_subcommands().map(|c| c.get_name().to_owned()) {
             let mut whole = command();
             whole.build();
-            let one = whole.find_subcommand_mut(&name).map(|c| c.render_long_help().to_string());
+            let one = whole
+                .find_subcommand_mut(&name)
+                .map(|c| c.render_long_help().to_string());
             text += &format!("\n==== {name} --help\n{}", one.unwrap_or_default());
         }
         insta::assert_snapshot!(text);
@@ -252,7 +260,8 @@ mod tests {
             &["ci", "--after-tests", "--install-driver"],
         ];
         let say = |arguments: &[&str]| {
-            let error = Cli::try_parse_from(std::iter::once(&"xtask").chain(arguments)).expect_err("wrong usage");
+            let error = Cli::try_parse_from(std::iter::once(&"xtask").chain(arguments))
+                .expect_err("wrong usage");
             assert_eq!(error.exit_code(), 2, "{arguments:?}");
             format!("$ cargo xtask {}\n{error}\n", arguments.join(" "))
         };

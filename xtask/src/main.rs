@@ -31,7 +31,9 @@ fn main() -> ExitCode {
         Command::Tidy => tidy::tidy(),
         Command::Ci(options) => ci::ci(options),
     };
-    let Err(error) = done else { return ExitCode::SUCCESS };
+    let Err(error) = done else {
+        return ExitCode::SUCCESS;
+    };
     eprintln!("error: {error:#}");
     // Wrong usage that only the command itself can see, such as a scene's name.
     ExitCode::from(if error.is::<run::Usage>() { 2 } else { 1 })

@@ -28,14 +28,20 @@ macro_rules! eprintln {
 /// Writes a line. Other faults than a closed pipe, such as a full disk, leave nowhere to tell them but the exit code.
 pub(crate) fn line(to: impl Write, text: Arguments<'_>) {
     if let Err(kind) = write(to, text) {
-        std::process::exit(if kind == ErrorKind::BrokenPipe { CLOSED_PIPE } else { 1 });
+        std::process::exit(if kind == ErrorKind::BrokenPipe {
+            CLOSED_PIPE
+        } else {
+            1
+        });
     }
 }
 
 fn write(mut to: impl Write, text: Arguments<'_>) -> Result<(), ErrorKind> {
     // One piece, so that lines of several threads do not mix.
     let text = format!("{text}\n");
-    to.write_all(text.as_bytes()).and_then(|()| to.flush()).map_err(|e| e.kind())
+    to.write_all(text.as_bytes())
+        .and_then(|()| to.flush())
+        .map_err(|e| e.kind())
 }
 
 #[cfg(test)]
@@ -50,6 +56,9 @@ mod tests {
         assert_eq!(bytes, b"1 of 2\n");
         let (reader, writer) = std::io::pipe().expect("a pipe");
         drop(reader);
-        assert_eq!(write(writer, format_args!("unread")), Err(ErrorKind::BrokenPipe));
+        assert_eq!(
+            write(writer, format_args!("unread")),
+            Err(ErrorKind::BrokenPipe)
+        );
     }
 }

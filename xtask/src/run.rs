@@ -17,7 +17,8 @@ impl std::error::Error for Usage {}
 
 /// The cargo that runs this program.
 pub(crate) fn cargo() -> Command {
-    let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo")));
+    let mut command =
+        Command::new(std::env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo")));
     command.current_dir(root());
     command
 }
@@ -31,13 +32,18 @@ pub(crate) fn root() -> &'static std::path::Path {
 /// A program of ours that cargo has built beside this one.
 pub(crate) fn beside(name: &str) -> Result<Command> {
     let program = std::env::current_exe().context("this program does not know where it is")?;
-    Ok(Command::new(program.with_file_name(format!("{name}{}", std::env::consts::EXE_SUFFIX))))
+    Ok(Command::new(program.with_file_name(format!(
+        "{name}{}",
+        std::env::consts::EXE_SUFFIX
+    ))))
 }
 
 /// Runs a program to its end.
 pub(crate) fn run(command: &mut Command) -> Result<()> {
     let line = spell(command);
-    let status = command.status().with_context(|| format!("`{line}` did not start"))?;
+    let status = command
+        .status()
+        .with_context(|| format!("`{line}` did not start"))?;
     if !status.success() {
         bail!("`{line}` ended with {status}");
     }
@@ -49,7 +55,11 @@ pub(crate) fn spell(command: &Command) -> String {
     let words = std::iter::once(command.get_program()).chain(command.get_args());
     let name = |w: &std::ffi::OsStr| {
         let word = w.to_string_lossy();
-        if word.ends_with("/cargo") { "cargo".to_owned() } else { word.into_owned() }
+        if word.ends_with("/cargo") {
+            "cargo".to_owned()
+        } else {
+            word.into_owned()
+        }
     };
     words.map(name).collect::<Vec<_>>().join(" ")
 }

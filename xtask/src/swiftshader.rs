@@ -40,14 +40,20 @@ impl SwiftShader {
         let folder = folder()?;
         let by_hand = || format!("or put {LIBRARY} from elsewhere into {}", folder.display());
         if !adapter::is_debian() {
-            bail!("--install-driver finds {ADAPTER} only in Debian's package {PACKAGE}: use Debian, {}", by_hand());
+            bail!(
+                "--install-driver finds {ADAPTER} only in Debian's package {PACKAGE}: use Debian, {}",
+                by_hand()
+            );
         }
         println!("fetching {ADAPTER} from Debian's package {PACKAGE}");
         fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
-        let package = download(&folder).with_context(|| format!("no {ADAPTER}: try again, {}", by_hand()))?;
+        let package =
+            download(&folder).with_context(|| format!("no {ADAPTER}: try again, {}", by_hand()))?;
         let unpacked = unpack(&package, &folder);
-        fs::remove_file(&package).with_context(|| format!("cannot remove {}", package.display()))?;
-        unpacked.with_context(|| format!("{} holds no {MEMBER}: {}", package.display(), by_hand()))?;
+        fs::remove_file(&package)
+            .with_context(|| format!("cannot remove {}", package.display()))?;
+        unpacked
+            .with_context(|| format!("{} holds no {MEMBER}: {}", package.display(), by_hand()))?;
         Self::in_folder(&folder)
     }
 
@@ -59,8 +65,15 @@ impl SwiftShader {
         let driver = Self { manifest: path };
         let found = adapter::find_with(|program| driver.select(program))?;
         let name = found.unwrap_or_else(|| "none".to_owned());
-        let mend = format!("remove {} and run `cargo xtask test --install-driver`", folder.display());
-        ensure!(is_ours(&name), "{ADAPTER} in {} gives no adapter (found: {name}); {mend}", folder.display());
+        let mend = format!(
+            "remove {} and run `cargo xtask test --install-driver`",
+            folder.display()
+        );
+        ensure!(
+            is_ours(&name),
+            "{ADAPTER} in {} gives no adapter (found: {name}); {mend}",
+            folder.display()
+        );
         Ok(driver)
     }
 
@@ -83,7 +96,10 @@ fn is_ours(adapter: &str) -> bool {
 /// Beside the folder of this program, in cargo's target folder.
 fn folder() -> Result<PathBuf> {
     let program = std::env::current_exe().context("this program does not know where it is")?;
-    let target = program.parent().and_then(Path::parent).context("this program is not in cargo's target folder")?;
+    let target = program
+        .parent()
+        .and_then(Path::parent)
+        .context("this program is not in cargo's target folder")?;
     Ok(target.join("swiftshader"))
 }
 
@@ -95,24 +111,40 @@ fn manifest(library: &Path) -> String {
 
 /// The package's file. Its list of packages may be missing or old: then it is brought up to date.
 fn download(folder: &Path) -> Result<PathBuf> {
-    let fetch = || crate::run::run(adapter::apt_get(&[]).args(["download", PACKAGE]).current_dir(folder));
+    let fetch = || {
+        crate::run::run(
+            adapter::apt_get(&[])
+                .args(["download", PACKAGE])
+                .current_dir(folder),
+        )
+    };
     if fetch().is_err() {
         let prefix = adapter::privilege().context("no rights to run `apt-get update`")?;
         crate::run::run(adapter::apt_get(prefix).arg("update"))?;
         fetch()?;
     }
     let files = fs::read_dir(folder)?.filter_map(|entry| Some(entry.ok()?.path()));
-    files.into_iter().find(|path| path.extension() == Some(OsStr::new("deb"))).context("apt-get left no package")
+    files
+        .into_iter()
+        .find(|path| path.extension() == Some(OsStr::new("deb")))
+        .context("apt-get left no package")
 }
 
 /// Takes the library out of the package.
 fn unpack(package: &Path, folder: &Path) -> Result<()> {
     let mut archive = Command::new("dpkg-deb");
-    let mut archive = archive.arg("--fsys-tarfile").arg(package).stdout(Stdio::piped()).spawn()?;
+    let mut archive = archive
+        .arg("--fsys-tarfile")
+        .arg(package)
+        .stdout(Stdio::piped())
+        .spawn()?;
     let tar = archive.stdout.take().context("no pipe")?;
     // The whole path of its folders is left away.
     let mut out = Command::new("tar");
-    out.args(["--extract", "--strip-components=4", "--directory"]).arg(folder).arg(MEMBER).stdin(tar);
+    out.args(["--extract", "--strip-components=4", "--directory"])
+        .arg(folder)
+        .arg(MEMBER)
+        .stdin(tar);
     let unpacked = crate::run::run(&mut out);
     // It may have ended before tar took all of it.
     archive.wait()?;
@@ -134,6 +166,8 @@ mod tests {
     #[test]
     fn another_driver_is_not_taken_for_it() {
         assert!(is_ours("SwiftShader Device (Subzero) (Vulkan, )"));
-        assert!(!is_ours("llvmpipe (LLVM 15.0.6, 256 bits) (Vulkan, Mesa 22.3.6)") && !is_ours("none"));
+        assert!(
+            !is_ours("llvmpipe (LLVM 15.0.6, 256 bits) (Vulkan, Mesa 22.3.6)") && !is_ours("none")
+        );
     }
 }

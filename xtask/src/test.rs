@@ -33,10 +33,18 @@ pub(crate) fn test(options: &TestOptions) -> Result<()> {
     println!("testing on {adapter}");
     let mut command = cargo();
     command.args(["test", "--all-features", "--no-fail-fast"]);
-    if !options.arguments.iter().any(|a| a.starts_with("-p") || a.starts_with("--package")) {
+    if !options
+        .arguments
+        .iter()
+        .any(|a| a.starts_with("-p") || a.starts_with("--package"))
+    {
         command.arg("--workspace");
     }
-    let mut failed = told(&run_tests(command.args(&options.arguments))?, start, &adapter);
+    let mut failed = told(
+        &run_tests(command.args(&options.arguments))?,
+        start,
+        &adapter,
+    );
     if let Some(driver) = second {
         println!("testing on SwiftShader");
         let start = Instant::now();
@@ -45,7 +53,11 @@ pub(crate) fn test(options: &TestOptions) -> Result<()> {
         let totals = run_tests(&mut command)?;
         failed += told(&totals, start, "SwiftShader") + usize::from(totals.passed == 0);
     }
-    if failed == 0 { Ok(()) } else { bail!("{failed} tests or programs failed; what each says stands above") }
+    if failed == 0 {
+        Ok(())
+    } else {
+        bail!("{failed} tests or programs failed; what each says stands above")
+    }
 }
 
 /// The nets that are played on the second driver, too, and its own.
@@ -66,7 +78,10 @@ fn second_driver(options: &TestOptions) -> Result<Option<SwiftShader>> {
         return SwiftShader::fetch().map(Some);
     }
     if there.is_none() {
-        println!("no tests on SwiftShader, a second driver that rounds otherwise: {}", swiftshader::MEND);
+        println!(
+            "no tests on SwiftShader, a second driver that rounds otherwise: {}",
+            swiftshader::MEND
+        );
     }
     Ok(there)
 }
@@ -74,7 +89,12 @@ fn second_driver(options: &TestOptions) -> Result<Option<SwiftShader>> {
 /// Tells what tests came to, and how many failed.
 fn told(totals: &Totals, start: Instant, adapter: &str) -> usize {
     let minutes = start.elapsed().as_secs_f64() / 60.0;
-    let Totals { passed, failed, programs, .. } = *totals;
+    let Totals {
+        passed,
+        failed,
+        programs,
+        ..
+    } = *totals;
     let verdict = if totals.good { "passed" } else { "FAILED" };
     println!(
         "tests {verdict}: {passed} passed, {failed} failed in {programs} programs, {minutes:.1} min, on {adapter}"
@@ -95,7 +115,9 @@ struct Totals {
 impl Totals {
     /// Reads a line such as `test result: ok. 3 passed; 0 failed; 0 ignored; ..`.
     fn add(&mut self, line: &str) {
-        let Some(rest) = line.strip_prefix("test result: ") else { return };
+        let Some(rest) = line.strip_prefix("test result: ") else {
+            return;
+        };
         let words: Vec<&str> = rest.split([' ', ';']).collect();
         let before = |word| {
             let at = words.iter().position(|&w| w == word)?;
@@ -109,9 +131,17 @@ impl Totals {
 
 fn run_tests(command: &mut Command) -> Result<Totals> {
     let line = spell(command.stdout(Stdio::piped()));
-    let mut child = adapter::with_runtime_dir(command)?.spawn().with_context(|| format!("`{line}` did not start"))?;
+    let mut child = adapter::with_runtime_dir(command)?
+        .spawn()
+        .with_context(|| format!("`{line}` did not start"))?;
     let mut totals = Totals::default();
-    for line in child.stdout.take().map(BufReader::new).into_iter().flat_map(BufReader::lines) {
+    for line in child
+        .stdout
+        .take()
+        .map(BufReader::new)
+        .into_iter()
+        .flat_map(BufReader::lines)
+    {
         let line = line?;
         println!("{line}");
         totals.add(&line);
@@ -130,6 +160,14 @@ mod tests {
         totals.add("running 3 tests");
         totals.add("test result: ok. 3 passed; 0 failed; 0 ignored; 0 measured; 0 filtered out; finished in 0.00s");
         totals.add("test result: FAILED. 4 passed; 2 failed; 0 ignored; 0 measured; 0 filtered out; finished in 0.00s");
-        assert_eq!(totals, Totals { passed: 7, failed: 2, programs: 2, good: false });
+        assert_eq!(
+            totals,
+            Totals {
+                passed: 7,
+                failed: 2,
+                programs: 2,
+                good: false
+            }
+        );
     }
 }

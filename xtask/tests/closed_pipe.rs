@@ -6,20 +6,46 @@ use std::process::{Command, ExitStatus, Stdio};
 fn unread(arguments: &[&str], errors_too: bool) -> (ExitStatus, String) {
     let (reader, writer) = std::io::pipe().expect("a pipe");
     drop(reader);
-    let errors = || if errors_too { Stdio::from(writer.try_clone().expect("a pipe")) } else { Stdio::piped() };
+    let errors = || {
+        if errors_too {
+            Stdio::from(writer.try_clone().expect("a pipe"))
+        } else {
+            Stdio::piped()
+        }
+    };
     let mut command = Command::new(env!("CARGO_BIN_EXE_xtask"));
-    command.args(arguments).stdin(Stdio::null()).stderr(errors()).stdout(writer.try_clone().expect("a pipe"));
-    let done = command.spawn().expect("the program starts").wait_with_output().expect("the program ends");
-    (done.status, String::from_utf8_lossy(&done.stderr).into_owned())
+    command
+        .args(arguments)
+        .stdin(Stdio::null())
+        .stderr(errors())
+        .stdout(writer.try_clone().expect("a pipe"));
+    let done = command
+        .spawn()
+        .expect("the program starts")
+        .wait_with_output()
+        .expect("the program ends");
+    (
+        done.status,
+        String::from_utf8_lossy(&done.stderr).into_owned(),
+    )
 }
 
 fn read(arguments: &[&str]) -> Option<i32> {
     let mut command = Command::new(env!("CARGO_BIN_EXE_xtask"));
-    command.args(arguments).output().expect("the program starts").status.code()
+    command
+        .args(arguments)
+        .output()
+        .expect("the program starts")
+        .status
+        .code()
 }
 
 fn ends_quietly(arguments: &[&str]) {
-    assert_eq!(read(arguments), Some(0), "{arguments:?} works where it is read");
+    assert_eq!(
+        read(arguments),
+        Some(0),
+        "{arguments:?} works where it is read"
+    );
     let (status, errors) = unread(arguments, false);
     assert_eq!(errors, "", "{arguments:?}");
     // What shells say of a tool that a closed pipe ended; so the write did fail, and the program noticed.
@@ -51,6 +77,9 @@ fn help_does_not_panic() {
 fn errors_that_nobody_reads_do_not_panic() {
     for arguments in [&["compere"][..], &["plan"], &["merge", "s1"]] {
         let (status, _) = unread(arguments, true);
-        assert!(matches!(status.code(), Some(code) if code != 101 && code != 0), "{arguments:?}: {status}");
+        assert!(
+            matches!(status.code(), Some(code) if code != 101 && code != 0),
+            "{arguments:?}: {status}"
+        );
     }
 }

@@ -14,11 +14,16 @@ pub struct Aabb {
 
 impl Aabb {
     /// The box that holds nothing.
-    pub const EMPTY: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
+    pub const EMPTY: Self = Self {
+        min: Vec3::INFINITY,
+        max: Vec3::NEG_INFINITY,
+    };
 
     /// The smallest box around the points. It holds NaN where one of them does, so that [`Aabb::validate`] objects to it.
     pub fn around(points: impl IntoIterator<Item = Vec3>) -> Self {
-        points.into_iter().fold(Self::EMPTY, |b, p| b.union(&Self { min: p, max: p }))
+        points
+            .into_iter()
+            .fold(Self::EMPTY, |b, p| b.union(&Self { min: p, max: p }))
     }
 
     /// Whether the box holds nothing; also of a box that holds NaN.
@@ -41,13 +46,19 @@ impl Aabb {
     /// The smallest box around both; NaN stays.
     #[must_use]
     pub fn union(&self, other: &Self) -> Self {
-        Self { min: lesser(self.min, other.min), max: -lesser(-self.max, -other.max) }
+        Self {
+            min: lesser(self.min, other.min),
+            max: -lesser(-self.max, -other.max),
+        }
     }
 
     /// The box common to both, maybe empty.
     #[must_use]
     pub fn intersection(&self, other: &Self) -> Self {
-        Self { min: self.min.max(other.min), max: self.max.min(other.max) }
+        Self {
+            min: self.min.max(other.min),
+            max: self.max.min(other.max),
+        }
     }
 
     /// The middle of the box; meaningless for an empty one.
@@ -63,7 +74,11 @@ impl Aabb {
     /// Length of the diagonal. Finite wherever the box is, though squares of lengths beyond 1e19 m are not.
     pub fn diagonal(&self) -> f32 {
         let (extent, length) = (self.extent(), self.extent().length());
-        if length.is_finite() { length } else { extent.as_dvec3().length().min(f64::from(f32::MAX)) as f32 }
+        if length.is_finite() {
+            length
+        } else {
+            extent.as_dvec3().length().min(f64::from(f32::MAX)) as f32
+        }
     }
 
     /// The eight corners; none for an empty box.
@@ -71,7 +86,11 @@ impl Aabb {
         let (b, count) = (*self, if self.is_empty() { 0 } else { 8 });
         (0..count).map(move |i| {
             let pick = |bit: i32, lo: f32, hi: f32| if i & bit == 0 { lo } else { hi };
-            Vec3::new(pick(1, b.min.x, b.max.x), pick(2, b.min.y, b.max.y), pick(4, b.min.z, b.max.z))
+            Vec3::new(
+                pick(1, b.min.x, b.max.x),
+                pick(2, b.min.y, b.max.y),
+                pick(4, b.min.z, b.max.z),
+            )
         })
     }
 }
@@ -89,13 +108,20 @@ mod tests {
     fn boxes_around_numbers_that_are_none_are_refused() {
         let good = Vec3::new(1.0, -2.0, 3.0);
         for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
-            for points in [vec![good.with_y(bad)], vec![good, good.with_x(bad), -good], vec![good.with_z(bad), good]] {
+            for points in [
+                vec![good.with_y(bad)],
+                vec![good, good.with_x(bad), -good],
+                vec![good.with_z(bad), good],
+            ] {
                 let error = Aabb::around(points).validate().unwrap_err();
                 assert!(error.to_string().contains("box's m"), "{error}");
             }
         }
         let one = Aabb::around([good, -good]);
-        let none = Aabb { min: Vec3::NAN, max: Vec3::NAN };
+        let none = Aabb {
+            min: Vec3::NAN,
+            max: Vec3::NAN,
+        };
         assert!(one.union(&none).validate().is_err() && none.union(&one).validate().is_err());
         assert!(one.validate().is_ok() && Aabb::EMPTY.validate().is_ok());
         assert_eq!(one.union(&Aabb::EMPTY), one);

@@ -46,7 +46,10 @@ pub struct Shadows {
 impl Shadows {
     /// The mask as bytes, 0 dark to 255 lit, for saving as an 8-bit grey picture.
     pub fn mask_bytes(&self) -> Vec<u8> {
-        self.mask.iter().map(|v| (v.clamp(0.0, 1.0) * 255.0).round() as u8).collect()
+        self.mask
+            .iter()
+            .map(|v| (v.clamp(0.0, 1.0) * 255.0).round() as u8)
+            .collect()
     }
 }
 
@@ -66,7 +69,10 @@ pub struct Timings {
 impl Timings {
     /// Casts, filters and lookup together: what shadows cost a frame.
     pub fn total(&self) -> Duration {
-        [self.cast, self.filter, self.receive].into_iter().flatten().sum()
+        [self.cast, self.filter, self.receive]
+            .into_iter()
+            .flatten()
+            .sum()
     }
 }
 

@@ -14,13 +14,21 @@ pub(crate) struct Blocks(Vec<Aabb>);
 impl Blocks {
     pub(crate) fn new(geometry: &Geometry) -> Self {
         let count = geometry.triangles().len() as u32;
-        let box_of = |first: u32| Aabb::around(geometry.vertices_of(first..(first + RUN).min(count)));
+        let box_of =
+            |first: u32| Aabb::around(geometry.vertices_of(first..(first + RUN).min(count)));
         Self((0..count).step_by(RUN as usize).map(box_of).collect())
     }
 
     /// The runs that a range of triangles consists of. At its ends, boxes may be larger than their runs.
-    pub(crate) fn of(&self, triangles: Range<u32>) -> impl Iterator<Item = (Range<u32>, Aabb)> + '_ {
-        let runs = if triangles.is_empty() { 0..0 } else { triangles.start / RUN..(triangles.end - 1) / RUN + 1 };
+    pub(crate) fn of(
+        &self,
+        triangles: Range<u32>,
+    ) -> impl Iterator<Item = (Range<u32>, Aabb)> + '_ {
+        let runs = if triangles.is_empty() {
+            0..0
+        } else {
+            triangles.start / RUN..(triangles.end - 1) / RUN + 1
+        };
         runs.map(move |i| {
             let run = (i * RUN).max(triangles.start)..((i + 1) * RUN).min(triangles.end);
             (run, self.0[i as usize])

@@ -31,7 +31,9 @@ pub struct Bvh {
 
 impl std::fmt::Debug for Bvh {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Bvh").field("triangles", &self.ids.len()).finish_non_exhaustive()
+        f.debug_struct("Bvh")
+            .field("triangles", &self.ids.len())
+            .finish_non_exhaustive()
     }
 }
 
@@ -41,18 +43,31 @@ impl Bvh {
         let ids: Vec<u32> = geometry.casters().collect();
         if ids.is_empty() {
             let (wide, narrow) = (Wide::default(), Bvh2::default());
-            return Self { wide, narrow, corners: Vec::new(), ids, narrow_order: Vec::new() };
+            return Self {
+                wide,
+                narrow,
+                corners: Vec::new(),
+                ids,
+                narrow_order: Vec::new(),
+            };
         }
         let boxes = build::boxes_of(geometry, &ids);
         let (narrow, tree) = build::trees(&boxes);
         // Triangles in the order in which leaves name them: one indirection less a test.
         let order = &tree.primitive_indices;
         let in_order: Vec<_> = order.iter().map(|&i| boxes[i as usize]).collect();
-        let narrow_order = narrow.primitive_indices.iter().map(|&i| ids[i as usize]).collect();
+        let narrow_order = narrow
+            .primitive_indices
+            .iter()
+            .map(|&i| ids[i as usize])
+            .collect();
         Self {
             wide: Wide::new(&tree, &in_order),
             narrow,
-            corners: order.iter().map(|&i| Corners::new(geometry.corners(ids[i as usize]))).collect(),
+            corners: order
+                .iter()
+                .map(|&i| Corners::new(geometry.corners(ids[i as usize])))
+                .collect(),
             ids: order.iter().map(|&i| ids[i as usize]).collect(),
             narrow_order,
         }
@@ -84,11 +99,17 @@ impl Bvh {
         let (segment, mut nearest) = (Segment::new(o, d), None);
         self.wide.search(&segment, |i, limit| {
             if segment.hits(&self.corners[i]) && self.ids[i] != skip {
-                let [a, b, c] = geometry.corners(self.ids[i]).map(|corner| corner.as_dvec3());
+                let [a, b, c] = geometry
+                    .corners(self.ids[i])
+                    .map(|corner| corner.as_dvec3());
                 let normal = (b - a).cross(c - a);
                 let t = normal.dot(a - o.as_dvec3()) / normal.dot(d.as_dvec3());
                 // Within the triangle's box, so that no box around it is passed over that is entered before.
-                let [entry, exit] = span(segment.origin, segment.inverse, self.corners[i].padded_box());
+                let [entry, exit] = span(
+                    segment.origin,
+                    segment.inverse,
+                    self.corners[i].padded_box(),
+                );
                 *limit = (t as f32).max(entry).min(exit).min(*limit);
                 nearest = Some(*limit);
             }
@@ -106,7 +127,11 @@ impl Bvh {
             let by = radius + low.abs().max(high.abs()).max_element() * f32::EPSILON;
             [low - by, high + by]
         };
-        let mut stack = if self.ids.is_empty() { Vec::new() } else { vec![0] };
+        let mut stack = if self.ids.is_empty() {
+            Vec::new()
+        } else {
+            vec![0]
+        };
         while let Some(i) = stack.pop() {
             let node = &self.narrow.nodes[i];
             if !enters_box(o.into(), inverse, grown(node.aabb.min, node.aabb.max)) {
@@ -136,9 +161,15 @@ impl Bvh {
     pub fn is_clear(&self, geometry: &Geometry, planes: &[(Vec3, f32)]) -> bool {
         // Of a box the corner that is farthest along the normal decides.
         let outside = |low: Vec3, high: Vec3| {
-            planes.iter().any(|&plane| is_outside(plane, Vec3::select(plane.0.cmpge(Vec3::ZERO), high, low)))
+            planes
+                .iter()
+                .any(|&plane| is_outside(plane, Vec3::select(plane.0.cmpge(Vec3::ZERO), high, low)))
         };
-        let mut stack = if self.ids.is_empty() { Vec::new() } else { vec![0] };
+        let mut stack = if self.ids.is_empty() {
+            Vec::new()
+        } else {
+            vec![0]
+        };
         while let Some(i) = stack.pop() {
             let node = &self.narrow.nodes[i];
             if outside(node.aabb.min.into(), node.aabb.max.into()) {
@@ -151,9 +182,14 @@ impl Bvh {
             }
             let clear = |&id: &u32| {
                 let corners = geometry.corners(id);
-                planes.iter().any(|&plane| corners.iter().all(|&c| is_outside(plane, c)))
+                planes
+                    .iter()
+                    .any(|&plane| corners.iter().all(|&c| is_outside(plane, c)))
             };
-            if !self.narrow_order[first..first + node.prim_count as usize].iter().all(clear) {
+            if !self.narrow_order[first..first + node.prim_count as usize]
+                .iter()
+                .all(clear)
+            {
                 return false;
             }
         }
@@ -164,7 +200,11 @@ impl Bvh {
     pub fn depth(&self) -> usize {
         let nodes = &self.narrow.nodes;
         let mut deepest = 0;
-        let mut open = if nodes.is_empty() { Vec::new() } else { vec![(0_usize, 1_usize)] };
+        let mut open = if nodes.is_empty() {
+            Vec::new()
+        } else {
+            vec![(0_usize, 1_usize)]
+        };
         while let Some((node, depth)) = open.pop() {
             deepest = deepest.max(depth);
             if nodes[node].prim_count == 0 {
@@ -181,17 +221,35 @@ impl Bvh {
     pub fn node_rows(&self) -> Vec<[u32; 4]> {
         let row = |v: Vec3A, w: u32| [v.x.to_bits(), v.y.to_bits(), v.z.to_bits(), w];
         let nodes = self.narrow.nodes.iter();
-        let rows: Vec<_> =
-            nodes.flat_map(|n| [row(n.aabb.min, n.first_index), row(n.aabb.max, n.prim_count)]).collect();
-        if rows.is_empty() { vec![[0; 4]; 2] } else { rows }
+        let rows: Vec<_> = nodes
+            .flat_map(|n| {
+                [
+                    row(n.aabb.min, n.first_index),
+                    row(n.aabb.max, n.prim_count),
+                ]
+            })
+            .collect();
+        if rows.is_empty() {
+            vec![[0; 4]; 2]
+        } else {
+            rows
+        }
     }
 
     /// The triangles in the order in which [`Bvh::node_rows`] names them, three rows each: corners, and the id in the
     /// first row's fourth word.
     pub fn triangle_rows(&self, geometry: &Geometry) -> Vec<[u32; 4]> {
         let row = |v: Vec3, w: u32| [v.x.to_bits(), v.y.to_bits(), v.z.to_bits(), w];
-        let rows: Vec<_> = self.narrow_order.iter().flat_map(|&id| geometry.corners(id).map(|v| row(v, id))).collect();
-        if rows.is_empty() { vec![[0; 4]; 3] } else { rows }
+        let rows: Vec<_> = self
+            .narrow_order
+            .iter()
+            .flat_map(|&id| geometry.corners(id).map(|v| row(v, id)))
+            .collect();
+        if rows.is_empty() {
+            vec![[0; 4]; 3]
+        } else {
+            rows
+        }
     }
 
     /// The eight-way hierarchy as `obvhs` makes it of the casters, and each of its primitives' triangle id: to time `obvhs` by
@@ -201,7 +259,11 @@ impl Bvh {
         let boxes = build::boxes_of(geometry, &ids);
         let (narrow, _) = (!ids.is_empty()).then(|| build::trees(&boxes))?;
         let tree = build::eight_way(&narrow);
-        let order = tree.primitive_indices.iter().map(|&i| ids[i as usize]).collect();
+        let order = tree
+            .primitive_indices
+            .iter()
+            .map(|&i| ids[i as usize])
+            .collect();
         Some((tree, order))
     }
 }

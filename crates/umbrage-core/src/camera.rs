@@ -58,7 +58,12 @@ impl Camera {
         size: UVec2,
     ) -> Result<Self, Invalid> {
         check_size(size)?;
-        let projection = perspective(fov_y, size.x as f32 / size.y as f32, near_far[0], near_far[1]);
+        let projection = perspective(
+            fov_y,
+            size.x as f32 / size.y as f32,
+            near_far[0],
+            near_far[1],
+        );
         Self::new(eye, target, up, projection, size)
     }
 
@@ -66,7 +71,13 @@ impl Camera {
     ///
     /// # Errors
     /// As [`Camera::perspective`].
-    pub fn orthographic(eye: Vec3, target: Vec3, up: Vec3, extents: Extents, size: UVec2) -> Result<Self, Invalid> {
+    pub fn orthographic(
+        eye: Vec3,
+        target: Vec3,
+        up: Vec3,
+        extents: Extents,
+        size: UVec2,
+    ) -> Result<Self, Invalid> {
         Self::new(eye, target, up, orthographic(extents), size)
     }
 
@@ -80,8 +91,13 @@ impl Camera {
         let build = || {
             check_size(size)?;
             let view_from_world = look_along(eye, target - eye, up)?;
-            let world_from_view = Affine3A::from_mat4(view_from_world.as_dmat4().inverse().as_mat4());
-            Ok(Self { world_from_view, clip_from_view: clip_from_view?, size })
+            let world_from_view =
+                Affine3A::from_mat4(view_from_world.as_dmat4().inverse().as_mat4());
+            Ok(Self {
+                world_from_view,
+                clip_from_view: clip_from_view?,
+                size,
+            })
         };
         build().map_err(|e: Invalid| e.within("camera"))
     }
@@ -95,10 +111,18 @@ impl Camera {
         invalid::finite("camera matrix", &self.world_from_view.to_cols_array())?;
         invalid::finite("camera projection", &self.clip_from_view.to_cols_array())?;
         if self.clip_from_view.as_dmat4().determinant() == 0.0 {
-            return Err(Invalid::new("camera projection", "is singular", "use a perspective or orthographic matrix"));
+            return Err(Invalid::new(
+                "camera projection",
+                "is singular",
+                "use a perspective or orthographic matrix",
+            ));
         }
         if Mat4::from(self.world_from_view).as_dmat4().determinant() == 0.0 {
-            return Err(Invalid::new("camera matrix", "is singular", "use a rotation and a translation"));
+            return Err(Invalid::new(
+                "camera matrix",
+                "is singular",
+                "use a rotation and a translation",
+            ));
         }
         Ok(())
     }
@@ -124,7 +148,11 @@ impl Camera {
         if is_reversed(&out.clip_from_view) {
             // 1 - z / w.
             let rows = out.clip_from_view.transpose();
-            out.clip_from_view = Mat4 { z_axis: rows.w_axis - rows.z_axis, ..rows }.transpose();
+            out.clip_from_view = Mat4 {
+                z_axis: rows.w_axis - rows.z_axis,
+                ..rows
+            }
+            .transpose();
         }
         out
     }
@@ -133,7 +161,10 @@ impl Camera {
     pub fn space(&self) -> LightSpace {
         let camera = self.standard();
         let world_from_view = Mat4::from(camera.world_from_view).as_dmat4();
-        LightSpace { view_from_world: world_from_view.inverse().as_mat4(), clip_from_view: camera.clip_from_view }
+        LightSpace {
+            view_from_world: world_from_view.inverse().as_mat4(),
+            clip_from_view: camera.clip_from_view,
+        }
     }
 
     /// The same camera with another image size; what it sees vertically stays.
@@ -141,37 +172,63 @@ impl Camera {
     pub fn resized(&self, size: UVec2) -> Self {
         let aspect = |s: UVec2| f64::from(s.x) / f64::from(s.y);
         let widen = glam::DMat4::from_scale(DVec3::new(aspect(self.size) / aspect(size), 1.0, 1.0));
-        Self { clip_from_view: (widen * self.clip_from_view.as_dmat4()).as_mat4(), size, ..*self }
+        Self {
+            clip_from_view: (widen * self.clip_from_view.as_dmat4()).as_mat4(),
+            size,
+            ..*self
+        }
     }
 
     /// The same camera with its image moved by `pixels` right and down.
     #[must_use]
     pub fn nudged(&self, pixels: Vec2) -> Self {
         let camera = self.standard();
-        Self { clip_from_view: camera.space().nudged(pixels, 0.0, self.size).clip_from_view, ..camera }
+        Self {
+            clip_from_view: camera.space().nudged(pixels, 0.0, self.size).clip_from_view,
+            ..camera
+        }
     }
 
     /// The rays through the pixels' centres.
     pub fn rays(&self) -> CameraRays {
         let camera = self.standard();
-        let world_from_view = glam::DAffine3::from_mat4(Mat4::from(camera.world_from_view).as_dmat4());
+        let world_from_view =
+            glam::DAffine3::from_mat4(Mat4::from(camera.world_from_view).as_dmat4());
         let view_from_clip = camera.clip_from_view.as_dmat4().inverse();
         let orthographic = camera.clip_from_view.row(3) == Vec4::W;
         let eye = world_from_view.translation;
         let ray = |fx: f64, fy: f64| {
-            let ndc = DVec3::new(2.0 * fx / f64::from(self.size.x) - 1.0, 1.0 - 2.0 * fy / f64::from(self.size.y), 0.0);
+            let ndc = DVec3::new(
+                2.0 * fx / f64::from(self.size.x) - 1.0,
+                1.0 - 2.0 * fy / f64::from(self.size.y),
+                0.0,
+            );
             let near = view_from_clip.project_point3(ndc);
             if orthographic {
-                (world_from_view.transform_point3(near), world_from_view.transform_vector3(-DVec3::Z))
+                (
+                    world_from_view.transform_point3(near),
+                    world_from_view.transform_vector3(-DVec3::Z),
+                )
             } else {
                 (eye, world_from_view.transform_vector3(near / -near.z))
             }
         };
-        let ([o, d], [ox, dx], [oy, dy]) = (ray(0.0, 0.0).into(), ray(1.0, 0.0).into(), ray(0.0, 1.0).into());
+        let ([o, d], [ox, dx], [oy, dy]) = (
+            ray(0.0, 0.0).into(),
+            ray(1.0, 0.0).into(),
+            ray(0.0, 1.0).into(),
+        );
         let pack = |v: DVec3| v.as_vec3().extend(0.0);
         let [origin, origin_dx, origin_dy] = [o, ox - o, oy - o].map(pack);
         let [dir, dir_dx, dir_dy] = [d, dx - d, dy - d].map(pack);
-        CameraRays { origin, origin_dx, origin_dy, dir, dir_dx, dir_dy }
+        CameraRays {
+            origin,
+            origin_dx,
+            origin_dy,
+            dir,
+            dir_dx,
+            dir_dy,
+        }
     }
 }
 
@@ -194,7 +251,11 @@ fn is_reversed(clip_from_view: &Mat4) -> bool {
 fn check_size(size: UVec2) -> Result<(), Invalid> {
     if size.min_element() == 0 || size.max_element() > MAX_SIDE {
         let why = format!("is {} x {} pixels", size.x, size.y);
-        return Err(Invalid::new("image size", why, format!("use 1 to {MAX_SIDE} on each side")));
+        return Err(Invalid::new(
+            "image size",
+            why,
+            format!("use 1 to {MAX_SIDE} on each side"),
+        ));
     }
     Ok(())
 }

@@ -27,7 +27,10 @@ impl Pyramid {
 }
 
 /// Distances, along the view, of planes just before and just behind all that is seen; none if nothing is.
-pub fn depth_range(pyramid: &Pyramid, triangles: impl Iterator<Item = [Vec3; 3]>) -> Option<[f32; 2]> {
+pub fn depth_range(
+    pyramid: &Pyramid,
+    triangles: impl Iterator<Item = [Vec3; 3]>,
+) -> Option<[f32; 2]> {
     let view_from_world = DAffine3::from_mat4(pyramid.view_from_world.as_dmat4());
     let (mut near, mut far) = (f64::INFINITY, 0.0_f64);
     for corners in triangles {
@@ -43,13 +46,19 @@ pub fn depth_range(pyramid: &Pyramid, triangles: impl Iterator<Item = [Vec3; 3]>
 /// The corners of what is left of a triangle inside the pyramid: Sutherland and Hodgman 1974, "Reentrant Polygon
 /// Clipping". The four sides meet in the eye, so that nothing behind it is left.
 fn seen_part(corners: &[DVec3; 3], [tx, ty]: [f64; 2]) -> Vec<DVec3> {
-    let sides =
-        [DVec3::new(1.0, 0.0, -tx), DVec3::new(-1.0, 0.0, -tx), DVec3::new(0.0, 1.0, -ty), DVec3::new(0.0, -1.0, -ty)];
+    let sides = [
+        DVec3::new(1.0, 0.0, -tx),
+        DVec3::new(-1.0, 0.0, -tx),
+        DVec3::new(0.0, 1.0, -ty),
+        DVec3::new(0.0, -1.0, -ty),
+    ];
     let outside = |side: &DVec3| corners.iter().all(|p| side.dot(*p) < 0.0);
     if sides.iter().any(outside) {
         return Vec::new();
     }
-    sides.iter().fold(corners.to_vec(), |polygon, &side| clip(&polygon, side))
+    sides
+        .iter()
+        .fold(corners.to_vec(), |polygon, &side| clip(&polygon, side))
 }
 
 fn clip(polygon: &[DVec3], side: DVec3) -> Vec<DVec3> {
@@ -74,17 +83,30 @@ mod tests {
 
     fn range(triangles: &[[Vec3; 3]]) -> Option<[f32; 2]> {
         let view_from_world = look_along(Vec3::new(0.0, 0.0, 10.0), Vec3::NEG_Z, Vec3::Y).unwrap();
-        depth_range(&Pyramid { view_from_world, tangents: [1.0, 0.5] }, triangles.iter().copied())
+        depth_range(
+            &Pyramid {
+                view_from_world,
+                tangents: [1.0, 0.5],
+            },
+            triangles.iter().copied(),
+        )
     }
 
     fn at(z: f32, half: f32) -> [Vec3; 3] {
-        [Vec3::new(-half, -half, z), Vec3::new(half, -half, z), Vec3::new(0.0, half, z)]
+        [
+            Vec3::new(-half, -half, z),
+            Vec3::new(half, -half, z),
+            Vec3::new(0.0, half, z),
+        ]
     }
 
     #[test]
     fn planes_hug_what_is_seen() {
         let [near, far] = range(&[at(8.0, 0.1), at(-10.0, 0.1)]).unwrap();
-        assert!(near < 2.0 && near > 1.99 && far > 20.0 && far < 20.1, "{near} {far}");
+        assert!(
+            near < 2.0 && near > 1.99 && far > 20.0 && far < 20.1,
+            "{near} {far}"
+        );
     }
 
     #[test]
@@ -92,7 +114,10 @@ mod tests {
         let behind = at(12.0, 0.1);
         let beside = at(9.0, 0.1).map(|p| p + Vec3::X * 5.0);
         assert_eq!(range(&[behind, beside]), None);
-        assert_eq!(range(&[behind, beside, at(0.0, 0.1)]), range(&[at(0.0, 0.1)]));
+        assert_eq!(
+            range(&[behind, beside, at(0.0, 0.1)]),
+            range(&[at(0.0, 0.1)])
+        );
     }
 
     #[test]
@@ -100,14 +125,22 @@ mod tests {
         // Its corners are far outside, but its middle fills the view 2 m ahead.
         assert_eq!(range(&[at(8.0, 1e4)]), range(&[at(8.0, 0.1)]));
         // A floor under the eye reaches behind it, yet is first seen where the lower side of the pyramid meets it.
-        let floor = [Vec3::new(-99.0, -2.0, 99.0), Vec3::new(99.0, -2.0, 99.0), Vec3::new(0.0, -2.0, -99.0)];
+        let floor = [
+            Vec3::new(-99.0, -2.0, 99.0),
+            Vec3::new(99.0, -2.0, 99.0),
+            Vec3::new(0.0, -2.0, -99.0),
+        ];
         let [near, _] = range(&[floor]).unwrap();
         assert!(near < 4.0 && near > 3.99, "{near}");
     }
 
     #[test]
     fn a_surface_through_the_eye_leaves_a_usable_range() {
-        let through = [Vec3::new(-1.0, 0.0, 20.0), Vec3::new(1.0, 0.0, 20.0), Vec3::new(0.0, 0.0, -20.0)];
+        let through = [
+            Vec3::new(-1.0, 0.0, 20.0),
+            Vec3::new(1.0, 0.0, 20.0),
+            Vec3::new(0.0, 0.0, -20.0),
+        ];
         let [near, far] = range(&[through]).unwrap();
         assert!(near > 0.0 && near < far);
     }
@@ -118,14 +151,23 @@ mod tests {
             let eye = Vec3::new(0.0, 0.0, 10.0 * s);
             let view_from_world = look_along(eye, Vec3::NEG_Z, Vec3::Y).unwrap();
             let triangle = [at(8.0, 0.1).map(|p| p * s)];
-            let [near, far] =
-                depth_range(&Pyramid { view_from_world, tangents: [1.0, 0.5] }, triangle.into_iter()).unwrap();
+            let [near, far] = depth_range(
+                &Pyramid {
+                    view_from_world,
+                    tangents: [1.0, 0.5],
+                },
+                triangle.into_iter(),
+            )
+            .unwrap();
             [near / s, far / s]
         };
         for s in [1e-6, 1e-3, 1e4, 1e8] {
             let (a, b) = (scaled(1.0), scaled(s));
             // Positions round once to f32.
-            assert!((a[0] - b[0]).abs() < 1e-5 && (a[1] - b[1]).abs() < 1e-5, "{a:?} {b:?}");
+            assert!(
+                (a[0] - b[0]).abs() < 1e-5 && (a[1] - b[1]).abs() < 1e-5,
+                "{a:?} {b:?}"
+            );
         }
     }
 }

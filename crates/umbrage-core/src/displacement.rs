@@ -40,7 +40,10 @@ use crate::{Module, Texture, Twin, twin};
 use glam::{UVec2, Vec2, Vec3};
 
 /// The WGSL half: needs no other module.
-pub const DISPLACEMENT: Module = Module { name: "displacement", text: include_str!("displacement.wgsl") };
+pub const DISPLACEMENT: Module = Module {
+    name: "displacement",
+    text: include_str!("displacement.wgsl"),
+};
 
 /// What is left of a texture coordinate after whole repeats: 0 to below 1.
 #[inline(always)]
@@ -74,7 +77,10 @@ pub fn bilinear_first(uv: Vec2, size: UVec2) -> UVec2 {
 #[inline(always)]
 pub fn bilinear_second(first: UVec2, size: UVec2) -> UVec2 {
     let next = UVec2::new(first.x.wrapping_add(1), first.y.wrapping_add(1));
-    UVec2::new(if next.x >= size.x { 0 } else { next.x }, if next.y >= size.y { 0 } else { next.y })
+    UVec2::new(
+        if next.x >= size.x { 0 } else { next.x },
+        if next.y >= size.y { 0 } else { next.y },
+    )
 }
 
 /// How far `uv` is from the first texel's centre towards the second's, each 0 to 1.
@@ -87,7 +93,13 @@ pub fn bilinear_weights(uv: Vec2, size: UVec2) -> Vec2 {
 
 /// Blends along x, then along y.
 #[inline(always)]
-pub fn bilinear_blend(top_left: f32, top_right: f32, bottom_left: f32, bottom_right: f32, weights: Vec2) -> f32 {
+pub fn bilinear_blend(
+    top_left: f32,
+    top_right: f32,
+    bottom_left: f32,
+    bottom_right: f32,
+    weights: Vec2,
+) -> f32 {
     let top = top_left + (top_right - top_left) * weights.x;
     let bottom = bottom_left + (bottom_right - bottom_left) * weights.x;
     top + (bottom - top) * weights.y
@@ -97,7 +109,11 @@ pub fn bilinear_blend(top_left: f32, top_right: f32, bottom_left: f32, bottom_ri
 #[inline(always)]
 pub fn displaced(position: Vec3, normal: Vec3, h: f32, lambda: f32) -> Vec3 {
     let metres = lambda * (2.0 * h - 1.0);
-    Vec3::new(position.x + normal.x * metres, position.y + normal.y * metres, position.z + normal.z * metres)
+    Vec3::new(
+        position.x + normal.x * metres,
+        position.y + normal.y * metres,
+        position.z + normal.z * metres,
+    )
 }
 
 /// The first channel of a valid texture at `uv` (origin top left), bilinear and repeating.
@@ -108,7 +124,13 @@ pub fn height(texture: &Texture, uv: Vec2) -> f32 {
         let index = u64::from(y) * u64::from(texture.size.x) + u64::from(x);
         texture.texels[index as usize][0]
     };
-    bilinear_blend(at(a.x, a.y), at(b.x, a.y), at(a.x, b.y), at(b.x, b.y), bilinear_weights(uv, texture.size))
+    bilinear_blend(
+        at(a.x, a.y),
+        at(b.x, a.y),
+        at(a.x, b.y),
+        at(b.x, b.y),
+        bilinear_weights(uv, texture.size),
+    )
 }
 
 /// The pairs, for the lockstep tests.

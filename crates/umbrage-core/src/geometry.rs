@@ -40,8 +40,15 @@ impl Geometry {
         scene.validate()?;
         let mut out = Self::default();
         let mut ends = [0_u32; 4];
-        for (end, class) in ends.iter_mut().zip([(true, false), (true, true), (false, true), (false, false)]) {
-            for instance in scene.instances.iter().filter(|i| (i.casts, i.receives) == class) {
+        for (end, class) in
+            ends.iter_mut()
+                .zip([(true, false), (true, true), (false, true), (false, false)])
+        {
+            for instance in scene
+                .instances
+                .iter()
+                .filter(|i| (i.casts, i.receives) == class)
+            {
                 out.append(scene, instance)?;
             }
             *end = out.triangles.len() as u32;
@@ -65,7 +72,11 @@ impl Geometry {
         let mesh = &*relief::applied(scene, instance, self.triangles.len())?;
         let base = self.positions.len() as u32;
         let world_from_local = instance.world_from_local;
-        self.positions.extend(mesh.positions.iter().map(|&p| world_from_local.transform_point3(p)));
+        self.positions.extend(
+            mesh.positions
+                .iter()
+                .map(|&p| world_from_local.transform_point3(p)),
+        );
         let mirrored = world_from_local.matrix3.determinant() < 0.0;
         self.triangles.extend(mesh.triangles.iter().map(|t| {
             let t = t.map(|v| v + base);
@@ -81,7 +92,11 @@ impl Geometry {
         if !mesh.normals.is_empty() {
             let m = Mat3::from(instance.world_from_local.matrix3);
             let cofactors = m.inverse().transpose();
-            return self.normals.extend(mesh.normals.iter().map(|&n| (cofactors * n).normalize_or_zero()));
+            return self.normals.extend(
+                mesh.normals
+                    .iter()
+                    .map(|&n| (cofactors * n).normalize_or_zero()),
+            );
         }
         // Area-weighted: the cross product's length is twice the triangle's area.
         self.normals.resize(self.positions.len(), Vec3::ZERO);
@@ -91,7 +106,9 @@ impl Geometry {
             t.iter().for_each(|&v| self.normals[v as usize] += n);
         }
         let first = self.positions.len() - mesh.positions.len();
-        self.normals[first..].iter_mut().for_each(|n| *n = n.normalize_or_zero());
+        self.normals[first..]
+            .iter_mut()
+            .for_each(|n| *n = n.normalize_or_zero());
     }
 
     /// What only shading reads stays empty until something has it; what came before is padded then.
@@ -105,12 +122,17 @@ impl Geometry {
             let m = Mat3::from(instance.world_from_local.matrix3);
             // A mirror keeps u and v where they are on the surface, but turns n x t around.
             let handedness = if mirrored { -1.0 } else { 1.0 };
-            let world = |t: &Vec4| (m * t.truncate()).normalize_or_zero().extend(t.w * handedness);
+            let world = |t: &Vec4| {
+                (m * t.truncate())
+                    .normalize_or_zero()
+                    .extend(t.w * handedness)
+            };
             self.tangents.resize(first, Vec4::ZERO);
             self.tangents.extend(mesh.tangents.iter().map(world));
         }
         if let Some(material) = instance.material {
-            self.materials.resize(self.triangles.len() - mesh.triangles.len(), NO_MATERIAL);
+            self.materials
+                .resize(self.triangles.len() - mesh.triangles.len(), NO_MATERIAL);
             self.materials.resize(self.triangles.len(), material as u32);
         }
     }
@@ -118,23 +140,41 @@ impl Geometry {
     fn pad_attributes(&mut self) {
         let (vertices, triangles) = (self.positions.len(), self.triangles.len());
         let unless_empty = |len: usize, full: usize| if len == 0 { 0 } else { full };
-        self.uvs.resize(unless_empty(self.uvs.len(), vertices), Vec2::ZERO);
-        self.tangents.resize(unless_empty(self.tangents.len(), vertices), Vec4::ZERO);
-        self.materials.resize(unless_empty(self.materials.len(), triangles), NO_MATERIAL);
+        self.uvs
+            .resize(unless_empty(self.uvs.len(), vertices), Vec2::ZERO);
+        self.tangents
+            .resize(unless_empty(self.tangents.len(), vertices), Vec4::ZERO);
+        self.materials
+            .resize(unless_empty(self.materials.len(), triangles), NO_MATERIAL);
     }
 
     /// FNV-1a over the bits of all that the backends draw.
     fn hash(&self) -> u64 {
-        let words = self.positions.iter().flat_map(|p| p.to_array().map(f32::to_bits));
+        let words = self
+            .positions
+            .iter()
+            .flat_map(|p| p.to_array().map(f32::to_bits));
         let words = words.chain(self.triangles.iter().flatten().copied());
-        let words = words.chain([self.casters.start, self.casters.end, self.receivers.start, self.receivers.end]);
-        words.fold(0xcbf2_9ce4_8422_2325, |h, w| (h ^ u64::from(w)).wrapping_mul(0x0100_0000_01b3))
+        let words = words.chain([
+            self.casters.start,
+            self.casters.end,
+            self.receivers.start,
+            self.receivers.end,
+        ]);
+        words.fold(0xcbf2_9ce4_8422_2325, |h, w| {
+            (h ^ u64::from(w)).wrapping_mul(0x0100_0000_01b3)
+        })
     }
 
     /// The same triangles, none of which casts: the negative control of every comparison.
     #[must_use]
     pub fn without_casters(&self) -> Self {
-        let mut out = Self { casters: 0..0, bvh: OnceLock::new(), bvh_tables: OnceLock::new(), ..self.clone() };
+        let mut out = Self {
+            casters: 0..0,
+            bvh: OnceLock::new(),
+            bvh_tables: OnceLock::new(),
+            ..self.clone()
+        };
         out.fingerprint = out.hash();
         out
     }
@@ -192,7 +232,10 @@ impl Geometry {
     /// The vertices of a range of triangles, each as often as it is used.
     pub fn vertices_of(&self, triangles: Range<u32>) -> impl Iterator<Item = Vec3> + '_ {
         let range = triangles.start as usize..triangles.end as usize;
-        self.triangles[range].iter().flatten().map(|&v| self.positions[v as usize])
+        self.triangles[range]
+            .iter()
+            .flatten()
+            .map(|&v| self.positions[v as usize])
     }
 
     /// The box around everything.

@@ -16,17 +16,42 @@ fn triangle() -> Mesh {
 }
 
 fn bare() -> Mesh {
-    Mesh { normals: Vec::new(), uvs: Vec::new(), tangents: Vec::new(), ..triangle() }
+    Mesh {
+        normals: Vec::new(),
+        uvs: Vec::new(),
+        tangents: Vec::new(),
+        ..triangle()
+    }
 }
 
 fn bake(meshes: Vec<Mesh>, instances: Vec<Instance>) -> Geometry {
-    let textures = vec![Texture { name: "grey".to_owned(), size: UVec2::ONE, texels: vec![[0.5; 4]] }];
-    let materials = vec![Material::default(), Material { diffuse_texture: Some(0), ..Material::default() }];
-    Geometry::bake(&Scene { meshes, instances, materials, textures, ..Scene::default() }).unwrap()
+    let textures = vec![Texture {
+        name: "grey".to_owned(),
+        size: UVec2::ONE,
+        texels: vec![[0.5; 4]],
+    }];
+    let materials = vec![
+        Material::default(),
+        Material {
+            diffuse_texture: Some(0),
+            ..Material::default()
+        },
+    ];
+    Geometry::bake(&Scene {
+        meshes,
+        instances,
+        materials,
+        textures,
+        ..Scene::default()
+    })
+    .unwrap()
 }
 
 fn place(mesh: usize, material: Option<usize>, world_from_local: Affine3A) -> Instance {
-    Instance { material, ..Instance::new(mesh, world_from_local) }
+    Instance {
+        material,
+        ..Instance::new(mesh, world_from_local)
+    }
 }
 
 #[test]
@@ -38,7 +63,9 @@ fn what_nobody_has_stays_empty() {
 #[test]
 fn what_some_have_is_padded_for_the_others() {
     let order = [(0, None), (1, Some(1)), (0, Some(0)), (0, None)];
-    let instances = order.map(|(mesh, material)| place(mesh, material, Affine3A::IDENTITY)).to_vec();
+    let instances = order
+        .map(|(mesh, material)| place(mesh, material, Affine3A::IDENTITY))
+        .to_vec();
     let g = bake(vec![bare(), triangle()], instances);
     assert_eq!(g.materials(), [NO_MATERIAL, 1, 0, NO_MATERIAL]);
     assert_eq!((g.uvs().len(), g.tangents().len()), (12, 12));
@@ -50,23 +77,41 @@ fn what_some_have_is_padded_for_the_others() {
 /// Casters come first in the list, whatever the scene's order: attributes must follow.
 #[test]
 fn attributes_follow_the_order_of_roles() {
-    let neither = Instance { casts: false, receives: false, ..place(0, Some(0), Affine3A::IDENTITY) };
-    let g = bake(vec![bare(), triangle()], vec![neither, place(1, Some(1), Affine3A::IDENTITY)]);
+    let neither = Instance {
+        casts: false,
+        receives: false,
+        ..place(0, Some(0), Affine3A::IDENTITY)
+    };
+    let g = bake(
+        vec![bare(), triangle()],
+        vec![neither, place(1, Some(1), Affine3A::IDENTITY)],
+    );
     assert_eq!(g.materials(), [1, 0]);
     assert_eq!(g.uvs(), [triangle().uvs, vec![Vec2::ZERO; 3]].concat());
     let control = g.without_casters();
-    assert_eq!((control.materials(), control.uvs(), control.tangents()), (g.materials(), g.uvs(), g.tangents()));
+    assert_eq!(
+        (control.materials(), control.uvs(), control.tangents()),
+        (g.materials(), g.uvs(), g.tangents())
+    );
 }
 
 /// On the surface, the tangent must stay on the way of u and the bitangent against that of v, however it is placed.
 #[test]
 fn frames_follow_turns_scales_and_mirrors() {
     let turned = Affine3A::from_rotation_x(0.7) * Affine3A::from_rotation_z(1.1);
-    for scale in [Vec3::ONE, Vec3::new(-2.0, 3.0, 0.5), Vec3::new(1.0, 1.0, -4.0), Vec3::splat(-0.1)] {
+    for scale in [
+        Vec3::ONE,
+        Vec3::new(-2.0, 3.0, 0.5),
+        Vec3::new(1.0, 1.0, -4.0),
+        Vec3::splat(-0.1),
+    ] {
         let m = turned * Affine3A::from_scale(scale);
         let g = bake(vec![triangle()], vec![place(0, None, m)]);
         let (n, t) = (g.normals()[0], g.tangents()[0]);
-        let (u, up) = (m.transform_vector3(Vec3::X).normalize(), m.transform_vector3(Vec3::Y).normalize());
+        let (u, up) = (
+            m.transform_vector3(Vec3::X).normalize(),
+            m.transform_vector3(Vec3::Y).normalize(),
+        );
         assert!(t.truncate().abs_diff_eq(u, 1e-6), "{scale}: {t} is not {u}");
         let b = n.cross(t.truncate()) * t.w;
         assert!(b.abs_diff_eq(up, 1e-6), "{scale}: {b} is not {up}");
@@ -75,12 +120,22 @@ fn frames_follow_turns_scales_and_mirrors() {
 
 #[test]
 fn long_names_are_refused_by_their_beginning() {
-    let named = |letter: &str, count| Scene { name: letter.repeat(count), ..Scene::default() };
+    let named = |letter: &str, count| Scene {
+        name: letter.repeat(count),
+        ..Scene::default()
+    };
     assert!(named("x", crate::MOST_NAME).validate().is_ok());
     // Letters of two bytes count twice, and are not cut in half.
-    for (scene, length) in [(named("x", 201), 201), (named("x", 5000), 5000), (named("é", 101), 202)] {
+    for (scene, length) in [
+        (named("x", 201), 201),
+        (named("x", 5000), 5000),
+        (named("é", 101), 202),
+    ] {
         let why = scene.validate().expect_err("too long").to_string();
-        assert!(why.contains(&format!("a name of {length} bytes")) && why.contains("at most 200"), "{why}");
+        assert!(
+            why.contains(&format!("a name of {length} bytes")) && why.contains("at most 200"),
+            "{why}"
+        );
         assert!(why.len() < 150, "{why}");
     }
 }

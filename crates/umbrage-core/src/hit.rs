@@ -42,7 +42,10 @@ use crate::{
 use glam::{Vec3, Vec3A};
 
 /// The WGSL half of the triangle test. It calls into [`SLAB`].
-pub const HIT: Module = Module { name: "hit", text: include_str!("hit.wgsl") };
+pub const HIT: Module = Module {
+    name: "hit",
+    text: include_str!("hit.wgsl"),
+};
 
 /// A segment, ready for many tests.
 #[derive(Clone, Copy, Debug)]
@@ -64,14 +67,22 @@ pub(crate) struct Corners {
 
 impl Corners {
     pub(crate) fn new([a, b, c]: [Vec3; 3]) -> Self {
-        Self { x: Vec3A::new(a.x, b.x, c.x), y: Vec3A::new(a.y, b.y, c.y), z: Vec3A::new(a.z, b.z, c.z) }
+        Self {
+            x: Vec3A::new(a.x, b.x, c.x),
+            y: Vec3A::new(a.y, b.y, c.y),
+            z: Vec3A::new(a.z, b.z, c.z),
+        }
     }
 
     /// The triangle's own box of test 3.
     #[inline(always)]
     pub(crate) fn padded_box(&self) -> [Vec3A; 2] {
         let Self { x, y, z } = self;
-        padded_box([Vec3A::new(x.x, y.x, z.x), Vec3A::new(x.y, y.y, z.y), Vec3A::new(x.z, y.z, z.z)])
+        padded_box([
+            Vec3A::new(x.x, y.x, z.x),
+            Vec3A::new(x.y, y.y, z.y),
+            Vec3A::new(x.z, y.z, z.z),
+        ])
     }
 }
 
@@ -79,7 +90,11 @@ impl Segment {
     /// The segment from `o` to `o + d`.
     #[inline(always)]
     pub fn new(o: Vec3, d: Vec3) -> Self {
-        Self { origin: o.into(), inverse: slab_inverse(d), rows: shear_rows(d) }
+        Self {
+            origin: o.into(),
+            inverse: slab_inverse(d),
+            rows: shear_rows(d),
+        }
     }
 
     /// The three corners' coordinate along one row of the shear. Sums run from left to right, as in the twin.
@@ -104,8 +119,11 @@ impl Segment {
         let along = areas * self.along_row(2, t);
         let (whole, along) = (areas.x + areas.y + areas.z, along.x + along.y + along.z);
         // 0 <= along / whole <= 1, without the division.
-        let between =
-            if whole > 0.0 { along >= 0.0 && along <= whole } else { whole < 0.0 && along <= 0.0 && along >= whole };
+        let between = if whole > 0.0 {
+            along >= 0.0 && along <= whole
+        } else {
+            whole < 0.0 && along <= 0.0 && along >= whole
+        };
         // Few get here: the rest costs next to nothing.
         between && holds_origin(x, y) && enters_box(self.origin, self.inverse, t.padded_box())
     }
@@ -120,12 +138,24 @@ fn shear_rows(d: Vec3) -> [Vec3A; 3] {
     let s = inverse_power(size.max_element());
     let row = Vec3A::new;
     if size.z >= size.x && size.z >= size.y {
-        return [row(s, 0.0, -(d.x / d.z) * s), row(0.0, s, -(d.y / d.z) * s), row(0.0, 0.0, 1.0 / d.z)];
+        return [
+            row(s, 0.0, -(d.x / d.z) * s),
+            row(0.0, s, -(d.y / d.z) * s),
+            row(0.0, 0.0, 1.0 / d.z),
+        ];
     }
     if size.x >= size.y {
-        return [row(-(d.y / d.x) * s, s, 0.0), row(-(d.z / d.x) * s, 0.0, s), row(1.0 / d.x, 0.0, 0.0)];
+        return [
+            row(-(d.y / d.x) * s, s, 0.0),
+            row(-(d.z / d.x) * s, 0.0, s),
+            row(1.0 / d.x, 0.0, 0.0),
+        ];
     }
-    [row(0.0, -(d.z / d.y) * s, s), row(s, -(d.x / d.y) * s, 0.0), row(0.0, 1.0 / d.y, 0.0)]
+    [
+        row(0.0, -(d.z / d.y) * s, s),
+        row(s, -(d.x / d.y) * s, 0.0),
+        row(0.0, 1.0 / d.y, 0.0),
+    ]
 }
 
 /// Whether the segment from `o` to `o + d` meets the triangle, edges and ends included. Never where a number is not finite,

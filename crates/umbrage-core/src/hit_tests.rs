@@ -8,9 +8,18 @@ const C: Vec3 = Vec3::new(0.0, 0.0, 1.0);
 
 #[test]
 fn both_sides_edges_corners_and_ends_are_hit() {
-    let down = |x: f32, z: f32| segment_hits(Vec3::new(x, 1.0, z), Vec3::new(0.0, -2.0, 0.0), A, B, C);
-    let up = |x: f32, z: f32| segment_hits(Vec3::new(x, -1.0, z), Vec3::new(0.0, 1.0, 0.0), A, B, C);
-    for (x, z) in [(0.0, 0.0), (0.0, -1.0), (-1.0, -1.0), (1.0, -1.0), (0.0, 1.0), (0.5, 0.0)] {
+    let down =
+        |x: f32, z: f32| segment_hits(Vec3::new(x, 1.0, z), Vec3::new(0.0, -2.0, 0.0), A, B, C);
+    let up =
+        |x: f32, z: f32| segment_hits(Vec3::new(x, -1.0, z), Vec3::new(0.0, 1.0, 0.0), A, B, C);
+    for (x, z) in [
+        (0.0, 0.0),
+        (0.0, -1.0),
+        (-1.0, -1.0),
+        (1.0, -1.0),
+        (0.0, 1.0),
+        (0.5, 0.0),
+    ] {
         assert!(down(x, z) && up(x, z), "({x}, {z})");
     }
     for (x, z) in [(0.0, -1.001), (0.51, 0.0), (-0.51, 0.0), (0.0, 1.001)] {
@@ -20,7 +29,8 @@ fn both_sides_edges_corners_and_ends_are_hit() {
 
 #[test]
 fn segments_that_end_before_or_begin_behind_miss() {
-    let hit = |o: f32, d: f32| segment_hits(Vec3::new(0.0, o, 0.0), Vec3::new(0.0, d, 0.0), A, B, C);
+    let hit =
+        |o: f32, d: f32| segment_hits(Vec3::new(0.0, o, 0.0), Vec3::new(0.0, d, 0.0), A, B, C);
     assert!(hit(1.0, -1.0) && hit(0.0, 1.0));
     assert!(!hit(1.0, -0.999) && !hit(-0.001, -1.0) && !hit(0.001, 1.0));
 }
@@ -29,7 +39,13 @@ fn segments_that_end_before_or_begin_behind_miss() {
 fn flat_triangles_and_parallel_segments_miss() {
     assert!(!segment_hits(Vec3::Y, Vec3::NEG_Y * 2.0, A, B, B));
     assert!(!segment_hits(Vec3::Y, Vec3::X, A, B, C));
-    assert!(!segment_hits(Vec3::new(-5.0, 0.0, 0.0), Vec3::X * 10.0, A, B, C));
+    assert!(!segment_hits(
+        Vec3::new(-5.0, 0.0, 0.0),
+        Vec3::X * 10.0,
+        A,
+        B,
+        C
+    ));
 }
 
 /// Segments aimed at the corners and edges of a fan that closes around the origin: each must hit one of its triangles.
@@ -53,7 +69,12 @@ fn fans_have_no_cracks() {
             let target = hub.lerp(corner, (random() + 0.5) * 0.9 * (i % 2) as f32);
             let o = target + Vec3::new(random() * 3.0, 4.0 + random(), random() * 3.0);
             let d = (target - o) * 2.0;
-            assert!(triangles.iter().any(|t| segment_hits(o, d, t[0], t[1], t[2])), "a crack at {target}");
+            assert!(
+                triangles
+                    .iter()
+                    .any(|t| segment_hits(o, d, t[0], t[1], t[2])),
+                "a crack at {target}"
+            );
         }
     }
 }
@@ -71,14 +92,22 @@ fn random_vector(state: &mut u32) -> Vec3 {
 /// Triangles of all kinds about `middle`: of one size, thin, tiny, flat in one axis, and without area.
 fn triangle(state: &mut u32, kind: u32, middle: Vec3) -> [Vec3; 3] {
     let at = |v: Vec3| middle + v;
-    let (p, along, aside) = (random_vector(state), random_vector(state), random_vector(state));
+    let (p, along, aside) = (
+        random_vector(state),
+        random_vector(state),
+        random_vector(state),
+    );
     match kind {
         0 => [at(p), at(along), at(aside)],
         1 => [at(p), at(p + along), at(p + along * 0.4 + aside * 1e-5)],
         2 => [at(p), at(p + along * 1e-5), at(p + aside * 1e-5)],
         3 => [p, along, aside].map(|v| at(v * Vec3::new(1.0, 0.0, 1.0))),
         4 => [at(p), at(p + along), at(p + along * (0.5 + random(state)))],
-        _ => [at(p), at(p + Vec3::X * along.x), at(p + Vec3::new(along.x * 0.5, aside.x * 1e-4, aside.y * 1e-4))],
+        _ => [
+            at(p),
+            at(p + Vec3::X * along.x),
+            at(p + Vec3::new(along.x * 0.5, aside.x * 1e-4, aside.y * 1e-4)),
+        ],
     }
 }
 
@@ -128,15 +157,24 @@ fn rectangle_and_box_refuse_no_triangle_that_holds_the_origin() {
         let far = [3.0, 100.0, 1e4][(i / 90 % 3) as usize];
         let (o, d) = towards(&mut state, corners, far * size);
         let (segment, t) = (Segment::new(o, d), Corners::new(corners));
-        let Some(weights) = exact_weights(&segment, &t) else { continue };
+        let Some(weights) = exact_weights(&segment, &t) else {
+            continue;
+        };
         let depths = segment.along_row(2, &t).to_array();
-        let depth: f64 = weights.iter().zip(depths).map(|(w, z)| w * f64::from(z)).sum();
+        let depth: f64 = weights
+            .iter()
+            .zip(depths)
+            .map(|(w, z)| w * f64::from(z))
+            .sum();
         if !(0.0..=1.0).contains(&depth) {
             continue;
         }
         held += 1;
         let (x, y) = (segment.along_row(0, &t), segment.along_row(1, &t));
-        assert!(holds_origin(x, y), "the rectangle of {corners:?}, from {o} along {d}");
+        assert!(
+            holds_origin(x, y),
+            "the rectangle of {corners:?}, from {o} along {d}"
+        );
         assert!(
             enters_box(segment.origin, segment.inverse, t.padded_box()),
             "the box of {corners:?}, from {o} along {d}"
@@ -160,23 +198,35 @@ fn miss([o, d]: [Vec3; 2], corners: [Vec3; 3]) -> f64 {
     let edge = |i: usize| {
         let (a, b) = (sheared[i].0, sheared[(i + 1) % 3].0);
         let along = (-a.dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
-        if along.is_finite() { a.lerp(b, along).length() } else { a.length() }
+        if along.is_finite() {
+            a.lerp(b, along).length()
+        } else {
+            a.length()
+        }
     };
     let signs = [0, 1, 2].map(|i| sheared[i].0.perp_dot(sheared[(i + 1) % 3].0));
     let inside = signs.iter().all(|s| *s > 0.0) || signs.iter().all(|s| *s < 0.0);
-    if inside { 0.0 } else { (0..3).map(edge).fold(f64::INFINITY, f64::min) }
+    if inside {
+        0.0
+    } else {
+        (0..3).map(edge).fold(f64::INFINITY, f64::min)
+    }
 }
 
 /// A needle of no area, its corners exactly in line along an axis or a diagonal, and a segment that passes it: in the plane
 /// of the needle and its own direction, or so nearly along the needle that this looks like a point.
 fn needle_and_passer(state: &mut u32, distance: f32) -> ([Vec3; 3], [Vec3; 2]) {
     let on_grid = |v: Vec3| (v * 1024.0).round() / 1024.0;
-    let place = (Vec3::new(0.8, 0.1, -0.6) * distance * 16.0).round() / 16.0 + on_grid(random_vector(state));
+    let place = (Vec3::new(0.8, 0.1, -0.6) * distance * 16.0).round() / 16.0
+        + on_grid(random_vector(state));
     if random(state) > 0.0 {
         let end = Vec3::Y * random(state);
         let d = random_vector(state) * 8.0;
         let o = place + end * (1.0 + 40.0 * random(state)) - d * (random(state) + 0.5);
-        ([place, place + end, place + end * (random(state) + 0.5)], [o, d])
+        (
+            [place, place + end, place + end * (random(state) + 0.5)],
+            [o, d],
+        )
     } else {
         let ends = [1.0, 0.5 + random(state)].map(|t| place + on_grid(Vec3::splat(t)));
         let ulps = |state: &mut u32| (random(state) * 8.0).round() * f32::EPSILON;
@@ -204,7 +254,10 @@ fn nothing_is_hit_from_afar() {
             continue;
         }
         hits += 1;
-        let length = corners.iter().map(|c| (c - o).abs().max_element()).fold(0.0, f32::max);
+        let length = corners
+            .iter()
+            .map(|c| (c - o).abs().max_element())
+            .fold(0.0, f32::max);
         worst = worst.max(miss([o, d], corners) / f64::from(length * f32::EPSILON / 2.0));
     }
     assert!(hits > 50_000, "the test tells little: {hits} hits");

@@ -101,12 +101,18 @@ pub struct Image {
 impl Image {
     /// An image whose every float is `value`.
     pub fn filled(desc: ImageDesc, value: f32) -> Self {
-        Self { desc, texels: vec![value; desc.floats() as usize] }
+        Self {
+            desc,
+            texels: vec![value; desc.floats() as usize],
+        }
     }
 
     /// For reading in kernels.
     pub fn view(&self) -> ImageView<'_> {
-        ImageView { desc: self.desc, texels: &self.texels }
+        ImageView {
+            desc: self.desc,
+            texels: &self.texels,
+        }
     }
 
     /// The floats of one layer.

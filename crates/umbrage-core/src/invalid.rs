@@ -15,7 +15,11 @@ pub struct Invalid {
 impl Invalid {
     /// Builds the error from its three parts.
     pub fn new(what: impl Into<String>, why: impl Into<String>, mend: impl Into<String>) -> Self {
-        Self { what: what.into(), why: why.into(), mend: mend.into() }
+        Self {
+            what: what.into(),
+            why: why.into(),
+            mend: mend.into(),
+        }
     }
 
     /// The same error, seen from a container: `what` becomes `outer, what`.
@@ -30,7 +34,11 @@ impl Invalid {
 pub fn finite(what: &str, values: &[f32]) -> Result<(), Invalid> {
     match values.iter().find(|v| !v.is_finite()) {
         None => Ok(()),
-        Some(v) => Err(Invalid::new(what, format!("holds {v}"), "use finite numbers")),
+        Some(v) => Err(Invalid::new(
+            what,
+            format!("holds {v}"),
+            "use finite numbers",
+        )),
     }
 }
 
@@ -40,7 +48,11 @@ pub fn positive(what: &str, value: f32) -> Result<(), Invalid> {
     if value > 0.0 {
         return Ok(());
     }
-    Err(Invalid::new(what, format!("is {value}"), "use a number greater than zero"))
+    Err(Invalid::new(
+        what,
+        format!("is {value}"),
+        "use a number greater than zero",
+    ))
 }
 
 /// Objects unless `value` is finite and at least zero.
@@ -49,7 +61,11 @@ pub fn not_negative(what: &str, value: f32) -> Result<(), Invalid> {
     if value >= 0.0 {
         return Ok(());
     }
-    Err(Invalid::new(what, format!("is {value}"), "use zero or more"))
+    Err(Invalid::new(
+        what,
+        format!("is {value}"),
+        "use zero or more",
+    ))
 }
 
 /// Objects unless `v` is finite and longer than zero.
@@ -58,5 +74,9 @@ pub fn direction(what: &str, v: glam::Vec3) -> Result<(), Invalid> {
     if v.as_dvec3().length_squared() > 0.0 {
         return Ok(());
     }
-    Err(Invalid::new(what, "is the zero vector", "use a direction of any length greater than zero"))
+    Err(Invalid::new(
+        what,
+        "is the zero vector",
+        "use a direction of any length greater than zero",
+    ))
 }

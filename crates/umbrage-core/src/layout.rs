@@ -4,7 +4,9 @@ use crate::{Invalid, LightSpace, light_space::look_along};
 use glam::{Mat4, Vec3};
 
 /// Into how many light spaces the surroundings of a light are divided. Each has its own layer of a map.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum Layout {
     /// One space where one can hold all that matters with texels no larger than a cube's, or all casters; else a cube.
@@ -29,5 +31,12 @@ pub struct LightSpaces {
 /// The view of each face of a cube around `eye`.
 pub(crate) fn cube_face_views(eye: Vec3) -> Result<[Mat4; 6], Invalid> {
     let view = |axis: Vec3| look_along(eye, axis, Vec3::Y);
-    Ok([view(Vec3::X)?, view(-Vec3::X)?, view(Vec3::Y)?, view(-Vec3::Y)?, view(Vec3::Z)?, view(-Vec3::Z)?])
+    Ok([
+        view(Vec3::X)?,
+        view(-Vec3::X)?,
+        view(Vec3::Y)?,
+        view(-Vec3::Y)?,
+        view(Vec3::Z)?,
+        view(-Vec3::Z)?,
+    ])
 }

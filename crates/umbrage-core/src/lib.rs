@@ -62,7 +62,8 @@ pub use material::{Displacement, MAX_SHININESS_LOG2, MAX_SUBDIVISIONS, Material,
 pub use math::MATH;
 pub use receivers::{NO_TRIANGLE, Receivers, Span};
 pub use recipe::{
-    Cast, CastMode, Cull, Faces, Filter, ImageId, Limits, RasterBias, Receive, Recipe, Shade, Source, Table, TableId,
+    Cast, CastMode, Cull, Faces, Filter, ImageId, Limits, RasterBias, Receive, Recipe, Shade,
+    Source, Table, TableId,
 };
 pub use scene::{Instance, MOST_NAME, Mesh, Scene};
 pub use shader::{Module, UniformLayout, Uniforms, join};

@@ -72,7 +72,10 @@ impl Light {
     /// Whether every receiver sees the light whole or not at all.
     pub fn is_ideal(&self) -> bool {
         match *self {
-            Self::Directional { angular_diameter: extent, .. }
+            Self::Directional {
+                angular_diameter: extent,
+                ..
+            }
             | Self::Spot { radius: extent, .. }
             | Self::Point { radius: extent, .. } => extent == 0.0,
             Self::Rect { .. } | Self::Disc { .. } => false,
@@ -102,7 +105,8 @@ impl Light {
     /// # Errors
     /// The first fault found, with the light's kind.
     pub fn validate(&self) -> Result<(), Invalid> {
-        self.validate_fields().map_err(|e| e.within(format!("{} light", self.kind())))
+        self.validate_fields()
+            .map_err(|e| e.within(format!("{} light", self.kind())))
     }
 
     fn validate_fields(&self) -> Result<(), Invalid> {
@@ -110,11 +114,20 @@ impl Light {
             finite("position", &p.to_array())?;
         }
         match *self {
-            Self::Directional { direction: d, angular_diameter } => {
+            Self::Directional {
+                direction: d,
+                angular_diameter,
+            } => {
                 direction("direction", d)?;
                 angle("angular diameter", angular_diameter, 180.0)
             }
-            Self::Spot { direction: d, inner, outer, radius, .. } => {
+            Self::Spot {
+                direction: d,
+                inner,
+                outer,
+                radius,
+                ..
+            } => {
                 direction("direction", d)?;
                 not_negative("radius", radius)?;
                 positive("outer angle", outer)?;
@@ -123,14 +136,29 @@ impl Light {
                 if inner <= outer {
                     return Ok(());
                 }
-                let why = format!("is {} degrees, the outer one {}", inner.to_degrees(), outer.to_degrees());
-                Err(Invalid::new("inner angle", why, "make the inner angle the smaller"))
+                let why = format!(
+                    "is {} degrees, the outer one {}",
+                    inner.to_degrees(),
+                    outer.to_degrees()
+                );
+                Err(Invalid::new(
+                    "inner angle",
+                    why,
+                    "make the inner angle the smaller",
+                ))
             }
             Self::Point { radius, .. } => not_negative("radius", radius),
             Self::Rect { half_u, half_v, .. } => {
                 direction("half_u", half_u)?;
                 direction("half_v", half_v)?;
-                direction("half_u x half_v", half_u.as_dvec3().cross(half_v.as_dvec3()).normalize_or_zero().as_vec3())
+                direction(
+                    "half_u x half_v",
+                    half_u
+                        .as_dvec3()
+                        .cross(half_v.as_dvec3())
+                        .normalize_or_zero()
+                        .as_vec3(),
+                )
             }
             Self::Disc { normal, radius, .. } => {
                 direction("normal", normal)?;
@@ -146,5 +174,9 @@ fn angle(what: &str, radians: f32, below: f32) -> Result<(), Invalid> {
     if radians >= 0.0 && degrees < below {
         return Ok(());
     }
-    Err(Invalid::new(what, format!("is {degrees} degrees"), format!("use 0 to less than {below}")))
+    Err(Invalid::new(
+        what,
+        format!("is {degrees} degrees"),
+        format!("use 0 to less than {below}"),
+    ))
 }

@@ -16,7 +16,11 @@ pub struct LightMarker {
 
 impl Default for LightMarker {
     fn default() -> Self {
-        Self { color: Vec3::ONE, height: 1.0 / 40.0, directional_at: None }
+        Self {
+            color: Vec3::ONE,
+            height: 1.0 / 40.0,
+            directional_at: None,
+        }
     }
 }
 
@@ -27,9 +31,13 @@ impl LightMarker {
         let at = light.position().or(self.directional_at)?;
         let camera = camera.standard();
         let clip_from_view = camera.clip_from_view.as_dmat4();
-        let in_view = Mat4::from(camera.world_from_view).as_dmat4().inverse().transform_point3(at.as_dvec3());
+        let in_view = Mat4::from(camera.world_from_view)
+            .as_dmat4()
+            .inverse()
+            .transform_point3(at.as_dvec3());
         // The image's half height there is w / m11, with perspective or without.
-        let half_height = (clip_from_view.row(3).dot(in_view.extend(1.0)) / clip_from_view.y_axis.y).abs();
+        let half_height =
+            (clip_from_view.row(3).dot(in_view.extend(1.0)) / clip_from_view.y_axis.y).abs();
         let half = (half_height * f64::from(self.height)) as f32;
         (half.is_finite() && half > 0.0 && at.is_finite()).then_some((at, half))
     }
@@ -43,13 +51,25 @@ impl Scene {
     #[must_use]
     pub fn with_light_marker(&self, marker: LightMarker) -> Self {
         let mut scene = self.clone();
-        let (Some(light), Some(camera)) = (self.lights.first(), self.cameras.first()) else { return scene };
-        let Some((at, half)) = marker.place(light, camera) else { return scene };
-        let black = Material { diffuse: Vec3::ZERO, specular: Vec3::ZERO, ..Material::default() };
+        let (Some(light), Some(camera)) = (self.lights.first(), self.cameras.first()) else {
+            return scene;
+        };
+        let Some((at, half)) = marker.place(light, camera) else {
+            return scene;
+        };
+        let black = Material {
+            diffuse: Vec3::ZERO,
+            specular: Vec3::ZERO,
+            ..Material::default()
+        };
         let (mesh, material) = (scene.meshes.len(), scene.materials.len());
-        let world_from_local = Affine3A::from_translation(at) * Affine3A::from_scale(Vec3::splat(half));
+        let world_from_local =
+            Affine3A::from_translation(at) * Affine3A::from_scale(Vec3::splat(half));
         scene.meshes.push(cube());
-        scene.materials.push(Material { emissive: marker.color, ..black });
+        scene.materials.push(Material {
+            emissive: marker.color,
+            ..black
+        });
         scene.instances.push(Instance {
             mesh,
             world_from_local,
@@ -63,10 +83,26 @@ impl Scene {
 
 /// From -1 to 1.
 fn cube() -> Mesh {
-    let corner = |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) * 2.0 - 1.0;
-    let sides = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
-    let triangles = sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
-    Mesh { name: "light marker".to_owned(), positions: (0..8).map(corner).collect(), triangles, ..Mesh::default() }
+    let corner =
+        |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) * 2.0 - 1.0;
+    let sides = [
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+    ];
+    let triangles = sides
+        .iter()
+        .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]])
+        .collect();
+    Mesh {
+        name: "light marker".to_owned(),
+        positions: (0..8).map(corner).collect(),
+        triangles,
+        ..Mesh::default()
+    }
 }
 
 #[cfg(test)]
@@ -80,13 +116,26 @@ mod tests {
     fn scene(light: Light, camera: Camera) -> Scene {
         let mut floor = cube();
         floor.name = "floor".to_owned();
-        let instances = vec![Instance::new(0, Affine3A::from_scale(Vec3::new(9.0, 0.1, 9.0)))];
+        let instances = vec![Instance::new(
+            0,
+            Affine3A::from_scale(Vec3::new(9.0, 0.1, 9.0)),
+        )];
         let (meshes, lights, cameras) = (vec![floor], vec![light], vec![camera]);
-        Scene { name: "test".to_owned(), meshes, instances, lights, cameras, ..Scene::default() }
+        Scene {
+            name: "test".to_owned(),
+            meshes,
+            instances,
+            lights,
+            cameras,
+            ..Scene::default()
+        }
     }
 
     fn lamp(distance: f32) -> Light {
-        Light::Point { position: Vec3::new(0.3, 0.2, -distance), radius: 0.0 }
+        Light::Point {
+            position: Vec3::new(0.3, 0.2, -distance),
+            radius: 0.0,
+        }
     }
 
     fn camera() -> Camera {
@@ -105,12 +154,26 @@ mod tests {
 
     #[test]
     fn the_cube_is_as_high_in_the_image_at_any_distance() {
-        let flat = Extents { left: -4.0, right: 4.0, bottom: -2.0, top: 2.0, near: 0.1, far: 99.0 };
+        let flat = Extents {
+            left: -4.0,
+            right: 4.0,
+            bottom: -2.0,
+            top: 2.0,
+            near: 0.1,
+            far: 99.0,
+        };
         let flat = Camera::orthographic(Vec3::ZERO, Vec3::NEG_Z, Vec3::Y, flat, SIZE).unwrap();
         for (camera, distance) in [(camera(), 1.0), (camera(), 40.0), (flat, 1.0), (flat, 40.0)] {
-            let marker = LightMarker { height: 0.05, ..LightMarker::default() };
+            let marker = LightMarker {
+                height: 0.05,
+                ..LightMarker::default()
+            };
             let (at, half) = marker.place(&lamp(distance), &camera).unwrap();
-            assert!((rows(&camera, at, half) - 5.0).abs() < 1e-3, "{distance} m: {} rows", rows(&camera, at, half));
+            assert!(
+                (rows(&camera, at, half) - 5.0).abs() < 1e-3,
+                "{distance} m: {} rows",
+                rows(&camera, at, half)
+            );
         }
     }
 
@@ -119,27 +182,45 @@ mod tests {
         let plain = scene(lamp(7.0), camera());
         let marked = plain.with_light_marker(LightMarker::default());
         marked.validate().unwrap();
-        let (before, after) = (Geometry::bake(&plain).unwrap(), Geometry::bake(&marked).unwrap());
-        assert_eq!((before.casters(), before.receivers()), (after.casters(), after.receivers()));
+        let (before, after) = (
+            Geometry::bake(&plain).unwrap(),
+            Geometry::bake(&marked).unwrap(),
+        );
+        assert_eq!(
+            (before.casters(), before.receivers()),
+            (after.casters(), after.receivers())
+        );
         let added = Geometry::vertices_of(&after, 12..24);
         let center = added.sum::<Vec3>() / 36.0;
-        assert!(center.abs_diff_eq(Vec3::new(0.3, 0.2, -7.0), 1e-5), "{center}");
+        assert!(
+            center.abs_diff_eq(Vec3::new(0.3, 0.2, -7.0), 1e-5),
+            "{center}"
+        );
         assert_eq!(after.materials()[12..], [0; 12]);
         assert_eq!(after.materials()[..12], [crate::NO_MATERIAL; 12]);
     }
 
     #[test]
     fn directional_lights_are_marked_only_where_one_asks_for_it() {
-        let sun = Light::Directional { direction: Vec3::NEG_Y, angular_diameter: 0.0 };
+        let sun = Light::Directional {
+            direction: Vec3::NEG_Y,
+            angular_diameter: 0.0,
+        };
         let plain = scene(sun, camera());
         assert_eq!(plain.with_light_marker(LightMarker::default()), plain);
-        let at = LightMarker { directional_at: Some(Vec3::new(0.0, 3.0, -9.0)), ..LightMarker::default() };
+        let at = LightMarker {
+            directional_at: Some(Vec3::new(0.0, 3.0, -9.0)),
+            ..LightMarker::default()
+        };
         assert_eq!(plain.with_light_marker(at).instances.len(), 2);
     }
 
     #[test]
     fn a_light_at_the_eye_is_not_marked() {
-        let light = Light::Point { position: Vec3::ZERO, radius: 0.0 };
+        let light = Light::Point {
+            position: Vec3::ZERO,
+            radius: 0.0,
+        };
         assert_eq!(LightMarker::default().place(&light, &camera()), None);
     }
 }

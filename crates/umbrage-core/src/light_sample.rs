@@ -11,7 +11,10 @@ use crate::{Light, MATH, Module, Twin, math::dot3, twin, uniforms};
 use glam::{UVec4, Vec2, Vec3, Vec4};
 
 /// The WGSL half.
-pub const LIGHT_SAMPLE: Module = Module { name: "light_sample", text: include_str!("light_sample.wgsl") };
+pub const LIGHT_SAMPLE: Module = Module {
+    name: "light_sample",
+    text: include_str!("light_sample.wgsl"),
+};
 
 /// Kinds of [`LightSampler`]: the first component of `shape`.
 pub mod kind {
@@ -67,25 +70,55 @@ impl LightSampler {
             let n = normal.as_dvec3().normalize_or(glam::DVec3::Y);
             let (u, v) = n.any_orthonormal_pair();
             let r = f64::from(radius);
-            make(kind::DISC, center, (u * r).as_vec3().extend(0.0), (v * r).as_vec3())
+            make(
+                kind::DISC,
+                center,
+                (u * r).as_vec3().extend(0.0),
+                (v * r).as_vec3(),
+            )
         };
         match *light {
-            Light::Directional { direction, angular_diameter } => {
+            Light::Directional {
+                direction,
+                angular_diameter,
+            } => {
                 let to_light = -direction.as_dvec3().normalize_or(glam::DVec3::NEG_Y);
                 let (u, v) = to_light.any_orthonormal_pair();
                 let cap = 2.0 * (0.25 * f64::from(angular_diameter)).sin().powi(2);
-                let kind = if angular_diameter > 0.0 { kind::CAP } else { kind::DIRECTION };
-                make(kind, to_light.as_vec3(), u.as_vec3().extend(cap as f32), v.as_vec3())
+                let kind = if angular_diameter > 0.0 {
+                    kind::CAP
+                } else {
+                    kind::DIRECTION
+                };
+                make(
+                    kind,
+                    to_light.as_vec3(),
+                    u.as_vec3().extend(cap as f32),
+                    v.as_vec3(),
+                )
             }
-            Light::Spot { position, direction, radius, .. } if radius > 0.0 => disc(position, direction, radius),
+            Light::Spot {
+                position,
+                direction,
+                radius,
+                ..
+            } if radius > 0.0 => disc(position, direction, radius),
             Light::Point { position, radius } if radius > 0.0 => {
                 make(kind::BALL, position, Vec3::ZERO.extend(radius), Vec3::ZERO)
             }
             Light::Spot { position, .. } | Light::Point { position, .. } => {
                 make(kind::POINT, position, Vec4::ZERO, Vec3::ZERO)
             }
-            Light::Rect { center, half_u, half_v } => make(kind::RECT, center, half_u.extend(0.0), half_v),
-            Light::Disc { center, normal, radius } => disc(center, normal, radius),
+            Light::Rect {
+                center,
+                half_u,
+                half_v,
+            } => make(kind::RECT, center, half_u.extend(0.0), half_v),
+            Light::Disc {
+                center,
+                normal,
+                radius,
+            } => disc(center, normal, radius),
         }
     }
 
@@ -168,7 +201,11 @@ pub fn small_cos(x: f32) -> f32 {
 pub fn tangent(n: Vec3) -> Vec3 {
     let sign = if n.z >= 0.0 { 1.0 } else { -1.0 };
     let a = -1.0 / (sign + n.z);
-    Vec3::new(1.0 + sign * n.x * n.x * a, sign * (n.x * n.y * a), -sign * n.x)
+    Vec3::new(
+        1.0 + sign * n.x * n.x * a,
+        sign * (n.x * n.y * a),
+        -sign * n.x,
+    )
 }
 
 /// A unit vector across the unit vector `n` and its [`tangent`].
@@ -284,7 +321,10 @@ mod tests {
                     let (cx, cy) = ((p.x * columns as f32) as u32, (p.y * rows as f32) as u32);
                     counts[(cy * columns + cx) as usize] += 1;
                 }
-                assert!(counts.iter().all(|&n| n == 1), "seed {seed}, {columns} x {rows}: {counts:?}");
+                assert!(
+                    counts.iter().all(|&n| n == 1),
+                    "seed {seed}, {columns} x {rows}: {counts:?}"
+                );
             }
         }
     }
@@ -311,7 +351,10 @@ mod tests {
 
     #[test]
     fn caps_are_unit_vectors_within_their_angle() {
-        let light = Light::Directional { direction: Vec3::new(1.0, -2.0, 0.5), angular_diameter: 0.4 };
+        let light = Light::Directional {
+            direction: Vec3::new(1.0, -2.0, 0.5),
+            angular_diameter: 0.4,
+        };
         let s = LightSampler::new(&light);
         let axis = s.center.truncate();
         let angles: Vec<f32> = (0..1024)
@@ -331,7 +374,10 @@ mod tests {
 
     #[test]
     fn balls_face_the_receiver() {
-        let light = Light::Point { position: Vec3::new(1.0, 4.0, -2.0), radius: 0.5 };
+        let light = Light::Point {
+            position: Vec3::new(1.0, 4.0, -2.0),
+            radius: 0.5,
+        };
         let (s, p) = (LightSampler::new(&light), Vec3::new(-3.0, 0.0, 1.0));
         let to_center = Vec3::new(4.0, 4.0, -3.0);
         for i in 0..256 {

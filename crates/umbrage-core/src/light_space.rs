@@ -31,7 +31,10 @@ impl LightSpace {
 
     /// Texture coordinates (u, v) and depth from world positions: the textbooks' bias matrix times clip from world.
     pub fn texture_from_world(&self) -> Mat4 {
-        (TEXTURE_FROM_CLIP.as_dmat4() * self.clip_from_view.as_dmat4() * self.view_from_world.as_dmat4()).as_mat4()
+        (TEXTURE_FROM_CLIP.as_dmat4()
+            * self.clip_from_view.as_dmat4()
+            * self.view_from_world.as_dmat4())
+        .as_mat4()
     }
 
     /// The same space seen from elsewhere: the image moves by `texels` right and down, depth grows by `depth`.
@@ -41,7 +44,10 @@ impl LightSpace {
         let ndc = texels.as_dvec2() * 2.0 / size.as_dvec2();
         // Left of the projection, so that w multiplies the shift.
         let shift = DMat4::from_translation(DVec3::new(ndc.x, -ndc.y, f64::from(depth)));
-        Self { clip_from_view: (shift * self.clip_from_view.as_dmat4()).as_mat4(), ..*self }
+        Self {
+            clip_from_view: (shift * self.clip_from_view.as_dmat4()).as_mat4(),
+            ..*self
+        }
     }
 }
 
@@ -105,10 +111,15 @@ pub struct Extents {
 /// # Errors
 /// When a number is not finite, or an extent is empty or reversed.
 pub fn orthographic(e: Extents) -> Result<Mat4, Invalid> {
-    invalid::finite("orthographic extents", &[e.left, e.right, e.bottom, e.top, e.near, e.far])?;
-    for (lo, hi, names) in
-        [(e.left, e.right, "left and right"), (e.bottom, e.top, "bottom and top"), (e.near, e.far, "near and far")]
-    {
+    invalid::finite(
+        "orthographic extents",
+        &[e.left, e.right, e.bottom, e.top, e.near, e.far],
+    )?;
+    for (lo, hi, names) in [
+        (e.left, e.right, "left and right"),
+        (e.bottom, e.top, "bottom and top"),
+        (e.near, e.far, "near and far"),
+    ] {
         if lo >= hi {
             return Err(Invalid::new(
                 format!("orthographic {names}"),
@@ -130,11 +141,21 @@ pub fn perspective(fov_y: f32, aspect: f32, near: f32, far: f32) -> Result<Mat4,
     invalid::positive("aspect ratio", aspect)?;
     if !(fov_y > 0.0 && fov_y < std::f32::consts::PI) {
         let why = format!("is {} degrees", fov_y.to_degrees());
-        return Err(Invalid::new("field of view", why, "use more than 0 and less than 180"));
+        return Err(Invalid::new(
+            "field of view",
+            why,
+            "use more than 0 and less than 180",
+        ));
     }
     if !(near > 0.0 && near < far) {
         let why = format!("are {near} and {far}");
         return Err(Invalid::new("near and far", why, "use 0 < near < far"));
     }
-    Ok(directx::perspective(f64::from(fov_y), f64::from(aspect), f64::from(near), f64::from(far)).as_mat4())
+    Ok(directx::perspective(
+        f64::from(fov_y),
+        f64::from(aspect),
+        f64::from(near),
+        f64::from(far),
+    )
+    .as_mat4())
 }

@@ -77,10 +77,23 @@ impl Texture {
         let what = || format!("texture `{}`", self.name);
         let texels = u64::from(self.size.x) * u64::from(self.size.y);
         if texels == 0 || texels != self.texels.len() as u64 {
-            let why = format!("has {} texels and a size of {} x {}", self.texels.len(), self.size.x, self.size.y);
-            return Err(Invalid::new(what(), why, "give width times height texels, at least one"));
+            let why = format!(
+                "has {} texels and a size of {} x {}",
+                self.texels.len(),
+                self.size.x,
+                self.size.y
+            );
+            return Err(Invalid::new(
+                what(),
+                why,
+                "give width times height texels, at least one",
+            ));
         }
-        match self.texels.iter().position(|t| t.iter().any(|v| !v.is_finite())) {
+        match self
+            .texels
+            .iter()
+            .position(|t| t.iter().any(|v| !v.is_finite()))
+        {
             None => Ok(()),
             Some(i) => finite(&format!("texel {i}"), &self.texels[i]).map_err(|e| e.within(what())),
         }
@@ -94,10 +107,15 @@ impl Material {
     /// # Errors
     /// The first fault found.
     pub fn validate(&self, textures: usize) -> Result<(), Invalid> {
-        for (what, color) in
-            [("diffuse colour", self.diffuse), ("specular colour", self.specular), ("emission", self.emissive)]
-        {
-            color.to_array().into_iter().try_for_each(|v| not_negative(what, v))?;
+        for (what, color) in [
+            ("diffuse colour", self.diffuse),
+            ("specular colour", self.specular),
+            ("emission", self.emissive),
+        ] {
+            color
+                .to_array()
+                .into_iter()
+                .try_for_each(|v| not_negative(what, v))?;
         }
         let relief = self.displacement;
         for (what, id) in [
@@ -107,13 +125,34 @@ impl Material {
         ] {
             if let Some(id) = id.filter(|&id| id >= textures) {
                 let why = format!("is texture {id} of {textures}");
-                return Err(Invalid::new(what, why, "use the index of a texture of this scene"));
+                return Err(Invalid::new(
+                    what,
+                    why,
+                    "use the index of a texture of this scene",
+                ));
             }
         }
-        at_most("shininess", self.shininess_log2, MAX_SHININESS_LOG2, "as a power of two")?;
-        let Some(Displacement { lambda, subdivisions, .. }) = relief else { return Ok(()) };
+        at_most(
+            "shininess",
+            self.shininess_log2,
+            MAX_SHININESS_LOG2,
+            "as a power of two",
+        )?;
+        let Some(Displacement {
+            lambda,
+            subdivisions,
+            ..
+        }) = relief
+        else {
+            return Ok(());
+        };
         finite("lambda of the displacement", &[lambda])?;
-        at_most("displacement", subdivisions, MAX_SUBDIVISIONS, "subdivisions")
+        at_most(
+            "displacement",
+            subdivisions,
+            MAX_SUBDIVISIONS,
+            "subdivisions",
+        )
     }
 }
 
@@ -121,5 +160,9 @@ fn at_most(what: &str, value: u32, most: u32, unit: &str) -> Result<(), Invalid>
     if value <= most {
         return Ok(());
     }
-    Err(Invalid::new(what, format!("is {value} {unit}"), format!("use 0 to {most}")))
+    Err(Invalid::new(
+        what,
+        format!("is {value} {unit}"),
+        format!("use 0 to {most}"),
+    ))
 }

@@ -6,7 +6,10 @@ use crate::{Module, Twin, twin};
 use glam::{Mat4, Vec3, Vec4};
 
 /// The WGSL half.
-pub const MATH: Module = Module { name: "math", text: include_str!("math.wgsl") };
+pub const MATH: Module = Module {
+    name: "math",
+    text: include_str!("math.wgsl"),
+};
 
 /// Columns times components, added from left to right.
 #[inline(always)]
@@ -23,7 +26,11 @@ pub fn dot3(a: Vec3, b: Vec3) -> f32 {
 /// Cross product.
 #[inline(always)]
 pub fn cross3(a: Vec3, b: Vec3) -> Vec3 {
-    Vec3::new(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
+    Vec3::new(
+        a.y * b.z - a.z * b.y,
+        a.z * b.x - a.x * b.z,
+        a.x * b.y - a.y * b.x,
+    )
 }
 
 /// `v` over its length; not finite for the zero vector.

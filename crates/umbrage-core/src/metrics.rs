@@ -88,7 +88,12 @@ impl<'a> Reference<'a> {
         check("truth", size, truth)?;
         check_len("pixel classes", size, pixels.len())?;
         let near_edge = near(size, &edges(size, truth, pixels), ACNE_DISTANCE);
-        Ok(Self { size, truth, pixels, near_edge })
+        Ok(Self {
+            size,
+            truth,
+            pixels,
+            near_edge,
+        })
     }
 
     /// The same truth for a backend for which other pixels count; shadow edges stay where they are.
@@ -97,7 +102,10 @@ impl<'a> Reference<'a> {
     /// When there is not one class a pixel.
     pub fn with_pixels<'b>(&'b self, pixels: &'b [Pixel]) -> Result<Reference<'b>, Invalid> {
         check_len("pixel classes", self.size, pixels.len())?;
-        Ok(Reference { pixels, ..self.clone() })
+        Ok(Reference {
+            pixels,
+            ..self.clone()
+        })
     }
 
     /// How far a mask is from it.
@@ -135,7 +143,12 @@ impl Errors {
     ///
     /// # Errors
     /// When sizes differ or a value is not within 0..=1.
-    pub fn measure(size: UVec2, mask: &[f32], truth: &[f32], pixels: &[Pixel]) -> Result<Self, Invalid> {
+    pub fn measure(
+        size: UVec2,
+        mask: &[f32],
+        truth: &[f32],
+        pixels: &[Pixel],
+    ) -> Result<Self, Invalid> {
         Reference::new(size, truth, pixels)?.errors(mask)
     }
 
@@ -159,7 +172,8 @@ impl Errors {
 /// Pixels on true shadow edges, as [`Errors::measure`] defines them.
 pub fn edges(size: UVec2, truth: &[f32], pixels: &[Pixel]) -> Vec<bool> {
     let (w, h) = (size.x as usize, size.y as usize);
-    let differs = |i: usize, j: usize| pixels[j] != Pixel::Empty && (truth[i] - truth[j]).abs() > FALSE;
+    let differs =
+        |i: usize, j: usize| pixels[j] != Pixel::Empty && (truth[i] - truth[j]).abs() > FALSE;
     let is_edge = |i: usize| {
         let (x, y) = (i % w, i / w);
         pixels[i] != Pixel::Empty
@@ -250,11 +264,20 @@ impl Agreement {
     ///
     /// # Errors
     /// When sizes differ or a value is not within 0..=1.
-    pub fn measure(size: UVec2, a: &[f32], b: &[f32], doubts: &[Doubt], tolerance: f32) -> Result<Self, Invalid> {
+    pub fn measure(
+        size: UVec2,
+        a: &[f32],
+        b: &[f32],
+        doubts: &[Doubt],
+        tolerance: f32,
+    ) -> Result<Self, Invalid> {
         check("first mask", size, a)?;
         check("second mask", size, b)?;
         check_len("doubts", size, doubts.len())?;
-        let mut out = Self { compared: a.len() as u64, ..Self::default() };
+        let mut out = Self {
+            compared: a.len() as u64,
+            ..Self::default()
+        };
         for ((&a, &b), doubt) in a.iter().zip(b).zip(doubts) {
             let difference = (a - b).abs();
             out.differing += u64::from(a != b);
@@ -290,7 +313,12 @@ fn check(what: &str, size: UVec2, mask: &[f32]) -> Result<(), Invalid> {
     match mask.iter().position(|v| !(0.0..=1.0).contains(v)) {
         None => Ok(()),
         Some(i) => {
-            let why = format!("holds {} at pixel ({}, {})", mask[i], i % size.x as usize, i / size.x as usize);
+            let why = format!(
+                "holds {} at pixel ({}, {})",
+                mask[i],
+                i % size.x as usize,
+                i / size.x as usize
+            );
             Err(Invalid::new(what, why, "compare visibilities from 0 to 1"))
         }
     }
@@ -301,7 +329,11 @@ fn check_len(what: &str, size: UVec2, len: usize) -> Result<(), Invalid> {
         return Ok(());
     }
     let why = format!("holds {len} values for {} x {} pixels", size.x, size.y);
-    Err(Invalid::new(what, why, "compare images of one size, at least one pixel large"))
+    Err(Invalid::new(
+        what,
+        why,
+        "compare images of one size, at least one pixel large",
+    ))
 }
 
 #[cfg(test)]

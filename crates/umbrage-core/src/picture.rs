@@ -24,7 +24,10 @@ pub fn encode(linear: f32) -> u8 {
 
 /// Red, green and blue of linear colours as sRGB bytes, three a pixel; what lies beyond 0..=1 is cut off.
 pub fn rgb_bytes(picture: &[[f32; 4]]) -> Vec<u8> {
-    picture.iter().flat_map(|&[r, g, b, _]| [r, g, b].map(encode)).collect()
+    picture
+        .iter()
+        .flat_map(|&[r, g, b, _]| [r, g, b].map(encode))
+        .collect()
 }
 
 impl Shadows {
@@ -37,11 +40,16 @@ impl Shadows {
 /// Inverse transfer function of a byte, whole or not.
 fn linear(byte: f64) -> f64 {
     let encoded = byte / 255.0;
-    if encoded <= 12.92 * 0.003_130_8 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
+    if encoded <= 12.92 * 0.003_130_8 {
+        encoded / 12.92
+    } else {
+        ((encoded + 0.055) / 1.055).powf(2.4)
+    }
 }
 
 /// Where one byte ends and the next begins: entry k belongs to byte k + 1.
-static BORDERS: LazyLock<[f32; 255]> = LazyLock::new(|| std::array::from_fn(|k| linear(k as f64 + 0.5) as f32));
+static BORDERS: LazyLock<[f32; 255]> =
+    LazyLock::new(|| std::array::from_fn(|k| linear(k as f64 + 0.5) as f32));
 
 #[cfg(test)]
 mod tests {
@@ -50,7 +58,14 @@ mod tests {
     /// Values by the standard's formula, worked out by hand; 18 % grey is the photographer's, which is 118 of 255 in sRGB.
     #[test]
     fn known_values() {
-        for (linear, byte) in [(0.0, 0), (1.0, 255), (0.18, 118), (0.5, 188), (0.215_861, 128), (0.003_130_8, 10)] {
+        for (linear, byte) in [
+            (0.0, 0),
+            (1.0, 255),
+            (0.18, 118),
+            (0.5, 188),
+            (0.215_861, 128),
+            (0.003_130_8, 10),
+        ] {
             assert_eq!(encode(linear), byte, "{linear}");
         }
         assert!((decode(128) - 0.215_861).abs() < 1e-6, "{}", decode(128));
@@ -67,7 +82,11 @@ mod tests {
     fn the_search_follows_the_formula() {
         for i in 0..=20_000 {
             let l = f64::from(i) / 20_000.0;
-            let encoded = if l <= 0.003_130_8 { 12.92 * l } else { 1.055 * l.powf(1.0 / 2.4) - 0.055 };
+            let encoded = if l <= 0.003_130_8 {
+                12.92 * l
+            } else {
+                1.055 * l.powf(1.0 / 2.4) - 0.055
+            };
             let away = (encoded * 255.0 - f64::from(encode(l as f32))).abs();
             // Half a byte, and the rounding of a 32-bit float where the curve is steepest (12.92 * 255).
             assert!(away <= 0.5 + 1e-4, "{l}: {away}");
@@ -76,7 +95,10 @@ mod tests {
 
     #[test]
     fn what_is_out_of_range_is_cut_off() {
-        assert_eq!([-1.0, f32::NAN, f32::NEG_INFINITY, 1.5, f32::INFINITY].map(encode), [0, 0, 0, 255, 255]);
+        assert_eq!(
+            [-1.0, f32::NAN, f32::NEG_INFINITY, 1.5, f32::INFINITY].map(encode),
+            [0, 0, 0, 255, 255]
+        );
         assert_eq!(rgb_bytes(&[[0.0, 0.18, 2.0, 0.3]]), [0, 118, 255]);
     }
 }

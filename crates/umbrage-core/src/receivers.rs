@@ -65,17 +65,32 @@ impl Receivers {
     pub fn validate(&self) -> Result<(), Invalid> {
         let pixels = self.size.x as usize * self.size.y as usize;
         let lengths = [&self.x, &self.y, &self.z, &self.nx, &self.ny, &self.nz].map(Vec::len);
-        if [self.triangle.len(), self.receives.len()].iter().chain(&lengths).any(|&n| n != pixels) {
-            let why =
-                format!("are an image of {} x {} pixels, and not all arrays are as long", self.size.x, self.size.y);
-            return Err(Invalid::new("receivers", why, format!("make all {pixels} long")));
+        if [self.triangle.len(), self.receives.len()]
+            .iter()
+            .chain(&lengths)
+            .any(|&n| n != pixels)
+        {
+            let why = format!(
+                "are an image of {} x {} pixels, and not all arrays are as long",
+                self.size.x, self.size.y
+            );
+            return Err(Invalid::new(
+                "receivers",
+                why,
+                format!("make all {pixels} long"),
+            ));
         }
-        let at_fault = (0..pixels).find(|&i| self.receives[i] && !(self.position(i) + self.normal(i)).is_finite());
+        let at_fault = (0..pixels)
+            .find(|&i| self.receives[i] && !(self.position(i) + self.normal(i)).is_finite());
         let Some(i) = at_fault else { return Ok(()) };
         let why = format!("is {} with the normal {}", self.position(i), self.normal(i));
         let mend = "use finite numbers, or say in `receives` that no shadow falls there";
         Err(Invalid::new(
-            format!("receiver at pixel ({}, {})", i as u32 % self.size.x, i as u32 / self.size.x),
+            format!(
+                "receiver at pixel ({}, {})",
+                i as u32 % self.size.x,
+                i as u32 / self.size.x
+            ),
             why,
             mend,
         ))
@@ -103,7 +118,9 @@ impl Receivers {
 
     /// World positions of all pixels on which a shadow may fall.
     pub fn positions(&self) -> impl Iterator<Item = Vec3> + '_ {
-        (0..self.len()).filter(|&i| self.receives[i]).map(|i| self.position(i))
+        (0..self.len())
+            .filter(|&i| self.receives[i])
+            .map(|i| self.position(i))
     }
 
     /// Pixels `first..first + count`, which must lie in one row.

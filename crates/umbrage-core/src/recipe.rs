@@ -1,6 +1,8 @@
 //! Recipes: a shadow algorithm as plain data, to be played by any backend.
 
-use crate::{FilterKernel, Format, ImageDesc, Invalid, LightSpace, ReceiveKernel, ShadeKernel, invalid};
+use crate::{
+    FilterKernel, Format, ImageDesc, Invalid, LightSpace, ReceiveKernel, ShadeKernel, invalid,
+};
 use glam::Vec4;
 use std::sync::Arc;
 
@@ -29,7 +31,9 @@ pub struct Recipe {
 }
 
 /// Which casters' faces are left out.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum Cull {
     /// Draw both sides.
@@ -80,7 +84,15 @@ impl Cast {
     /// The casters' least depth, without culling and bias.
     pub fn nearest(image: ImageId, layer: u32, space: LightSpace) -> Self {
         let (source, mode) = (Source::Casters, CastMode::Nearest);
-        Self { image, layer, space, source, mode, cull: Cull::None, bias: RasterBias::default() }
+        Self {
+            image,
+            layer,
+            space,
+            source,
+            mode,
+            cull: Cull::None,
+            bias: RasterBias::default(),
+        }
     }
 }
 
@@ -113,9 +125,16 @@ impl Faces {
     pub fn validate(&self) -> Result<(), Invalid> {
         let count = self.vertices.len();
         let finite = self.vertices.iter().all(|v| v.is_finite());
-        if !finite || self.triangles.iter().flatten().any(|&v| v as usize >= count) {
-            let why =
-                format!("draws faces with an index beyond their {count} vertices, or a vertex that is not finite");
+        if !finite
+            || self
+                .triangles
+                .iter()
+                .flatten()
+                .any(|&v| v as usize >= count)
+        {
+            let why = format!(
+                "draws faces with an index beyond their {count} vertices, or a vertex that is not finite"
+            );
             return Err(Invalid::new("cast", why, "mend the faces"));
         }
         Ok(())
@@ -211,12 +230,21 @@ impl Recipe {
     /// # Errors
     /// The first fault found.
     pub fn validate(&self, limits: &Limits) -> Result<(), Invalid> {
-        self.images.iter().try_for_each(|i| check_image(i, limits))?;
+        self.images
+            .iter()
+            .try_for_each(|i| check_image(i, limits))?;
         for table in &self.tables {
             let bytes = 16 * table.rows.len() as u64;
             if bytes == 0 || bytes > limits.table_bytes {
-                let why = format!("takes {bytes} bytes, and this backend holds 1 to {}", limits.table_bytes);
-                return Err(Invalid::new(format!("table `{}`", table.label), why, "use a smaller scene"));
+                let why = format!(
+                    "takes {bytes} bytes, and this backend holds 1 to {}",
+                    limits.table_bytes
+                );
+                return Err(Invalid::new(
+                    format!("table `{}`", table.label),
+                    why,
+                    "use a smaller scene",
+                ));
             }
         }
         for (i, cast) in self.casts.iter().enumerate() {
@@ -226,15 +254,20 @@ impl Recipe {
         for filter in &self.filters {
             self.check_ids("filter", &filter.inputs, &filter.tables)?;
             let image = self.images.get(filter.output);
-            if filter.inputs.contains(&filter.output) || image.is_none_or(|i| i.format.is_cast_only()) {
+            if filter.inputs.contains(&filter.output)
+                || image.is_none_or(|i| i.format.is_cast_only())
+            {
                 let why = format!("writes image {}", filter.output);
-                let mend = "write an image that it doesn't read and that holds neither depth nor counts";
+                let mend =
+                    "write an image that it doesn't read and that holds neither depth nor counts";
                 return Err(Invalid::new("filter", why, mend));
             }
         }
         self.check_ids("receive", &self.receive.inputs, &self.receive.tables)?;
         self.check_compared()?;
-        self.shade.as_ref().map_or(Ok(()), |shade| self.check_ids("shading", &[], &shade.tables))
+        self.shade.as_ref().map_or(Ok(()), |shade| {
+            self.check_ids("shading", &[], &shade.tables)
+        })
     }
 
     fn check_cast(&self, cast: &Cast) -> Result<(), Invalid> {
@@ -246,10 +279,14 @@ impl Recipe {
         };
         let other = match cast.mode {
             CastMode::Nearest if image.format.is_depth() => return self.check_source(cast),
-            CastMode::Nearest => return fault(format!("writes image {}", cast.image), "name one of a depth format"),
-            CastMode::Behind(id) => {
-                layer(id).filter(|o| id != cast.image && o.format == image.format && o.format.is_depth())
+            CastMode::Nearest => {
+                return fault(
+                    format!("writes image {}", cast.image),
+                    "name one of a depth format",
+                );
             }
+            CastMode::Behind(id) => layer(id)
+                .filter(|o| id != cast.image && o.format == image.format && o.format.is_depth()),
             CastMode::Count { depth } => {
                 let counts = image.format == Format::Stencil8 && cast.cull == Cull::None;
                 layer(depth).filter(|o| counts && o.format == Format::Depth32)
@@ -258,8 +295,10 @@ impl Recipe {
         // What lies behind itself by a bias would be peeled for ever.
         let biased = cast.bias != RasterBias::default() && matches!(cast.mode, CastMode::Behind(_));
         if other.is_none_or(|o| o.size != image.size || o.layers != image.layers) || biased {
-            let why =
-                format!("into image {} asks for {:?} with {:?} and {:?}", cast.image, cast.mode, cast.cull, cast.bias);
+            let why = format!(
+                "into image {} asks for {:?} with {:?} and {:?}",
+                cast.image, cast.mode, cast.cull, cast.bias
+            );
             return fault(
                 why,
                 "peel behind another depth image of the same kind, or count into a Stencil8 image against a \
@@ -270,24 +309,41 @@ impl Recipe {
     }
 
     fn check_source(&self, cast: &Cast) -> Result<(), Invalid> {
-        let Source::Faces(faces) = &cast.source else { return Ok(()) };
+        let Source::Faces(faces) = &cast.source else {
+            return Ok(());
+        };
         faces.validate()
     }
 
     /// Comparison samplers read depth alone.
     fn check_compared(&self) -> Result<(), Invalid> {
-        let depth = |&i: &ImageId| self.images.get(i).is_some_and(|image| image.format.is_depth());
+        let depth = |&i: &ImageId| {
+            self.images
+                .get(i)
+                .is_some_and(|image| image.format.is_depth())
+        };
         if !self.receive.kernel.compares() || self.receive.inputs.iter().any(depth) {
             return Ok(());
         }
-        Err(Invalid::new("receive", "compares, but reads no depth image", "name a depth image among its inputs"))
+        Err(Invalid::new(
+            "receive",
+            "compares, but reads no depth image",
+            "name a depth image among its inputs",
+        ))
     }
 
     fn check_ids(&self, what: &str, images: &[ImageId], tables: &[TableId]) -> Result<(), Invalid> {
         let missing = |ids: &[usize], count: usize| ids.iter().find(|&&i| i >= count).copied();
-        for (kind, ids, count) in [("image", images, self.images.len()), ("table", tables, self.tables.len())] {
+        for (kind, ids, count) in [
+            ("image", images, self.images.len()),
+            ("table", tables, self.tables.len()),
+        ] {
             if let Some(i) = missing(ids, count) {
-                return Err(Invalid::new(what, format!("reads {kind} {i} of {count}"), "name one of the recipe's"));
+                return Err(Invalid::new(
+                    what,
+                    format!("reads {kind} {i} of {count}"),
+                    "name one of the recipe's",
+                ));
             }
         }
         Ok(())
@@ -295,10 +351,16 @@ impl Recipe {
 }
 
 fn check_numbers(cast: &Cast) -> Result<(), Invalid> {
-    invalid::finite("view from world", &cast.space.view_from_world.to_cols_array())?;
+    invalid::finite(
+        "view from world",
+        &cast.space.view_from_world.to_cols_array(),
+    )?;
     invalid::finite("clip from view", &cast.space.clip_from_view.to_cols_array())?;
     // Two finite matrices may have a product that isn't.
-    invalid::finite("clip from world", &cast.space.clip_from_world().to_cols_array())?;
+    invalid::finite(
+        "clip from world",
+        &cast.space.clip_from_world().to_cols_array(),
+    )?;
     invalid::finite("bias", &[cast.bias.slope, cast.bias.clamp])
 }
 
@@ -306,7 +368,11 @@ fn check_image(image: &ImageDesc, limits: &Limits) -> Result<(), Invalid> {
     let what = || format!("image `{}`", image.label);
     if image.size.min_element() == 0 || image.size.max_element() > limits.image_side {
         let why = format!("is {} x {} texels", image.size.x, image.size.y);
-        return Err(Invalid::new(what(), why, format!("use 1 to {} on each side", limits.image_side)));
+        return Err(Invalid::new(
+            what(),
+            why,
+            format!("use 1 to {} on each side", limits.image_side),
+        ));
     }
     if image.layers == 0 || image.layers > limits.layers {
         return Err(Invalid::new(

@@ -16,17 +16,27 @@ const SMOOTH: f32 = 0.5;
 const FAN: usize = 64;
 
 /// The mesh of a valid scene's instance, displaced if its material says so. `baked` triangles are there already.
-pub(crate) fn applied<'a>(scene: &'a Scene, instance: &Instance, baked: usize) -> Result<Cow<'a, Mesh>, Invalid> {
+pub(crate) fn applied<'a>(
+    scene: &'a Scene,
+    instance: &Instance,
+    baked: usize,
+) -> Result<Cow<'a, Mesh>, Invalid> {
     let mesh = &scene.meshes[instance.mesh];
     let material = instance.material.map(|id| &scene.materials[id]);
     let Some((material, relief)) = material.and_then(|m| Some((m, m.displacement?))) else {
         return Ok(Cow::Borrowed(mesh));
     };
-    mesh.check_subdivisions(relief.subdivisions, MAX_SUBDIVIDED_TRIANGLES.saturating_sub(baked))?;
+    mesh.check_subdivisions(
+        relief.subdivisions,
+        MAX_SUBDIVIDED_TRIANGLES.saturating_sub(baked),
+    )?;
     let fine = with_normals(mesh).subdivided(relief.subdivisions)?;
     let moved = moved(&fine, &scene.textures[relief.texture], relief.lambda);
     Ok(Cow::Owned(if material.normal_map.is_some() {
-        Mesh { positions: moved, ..fine }
+        Mesh {
+            positions: moved,
+            ..fine
+        }
     } else {
         with_fitting_normals(fine, moved)
     }))
@@ -44,7 +54,10 @@ impl Mesh {
         heights.validate()?;
         crate::invalid::finite("lambda of the displacement", &[lambda])?;
         if self.uvs.is_empty() {
-            let (what, why) = (format!("mesh `{}`", self.name), "has no texture coordinates to look up heights with");
+            let (what, why) = (
+                format!("mesh `{}`", self.name),
+                "has no texture coordinates to look up heights with",
+            );
             return Err(Invalid::new(what, why, "give it uvs"));
         }
         let mesh = with_normals(self).into_owned();
@@ -62,31 +75,50 @@ fn with_normals(mesh: &Mesh) -> Cow<'_, Mesh> {
     }
     let mut sums = vec![DVec3::ZERO; mesh.positions.len()];
     corner_normals(mesh).for_each(|(v, n)| sums[v as usize] += n);
-    Cow::Owned(Mesh { normals: sums.into_iter().map(unit).collect(), ..mesh.clone() })
+    Cow::Owned(Mesh {
+        normals: sums.into_iter().map(unit).collect(),
+        ..mesh.clone()
+    })
 }
 
 /// Where the vertices go; those of one place stay together.
 fn moved(mesh: &Mesh, heights: &Texture, lambda: f32) -> Vec<Vec3> {
     let places = Places::new(&mesh.positions);
-    let offset = |(&n, &uv): (&Vec3, _)| displaced(Vec3::ZERO, unit(n.as_dvec3()), height(heights, uv), lambda);
+    let offset = |(&n, &uv): (&Vec3, _)| {
+        displaced(Vec3::ZERO, unit(n.as_dvec3()), height(heights, uv), lambda)
+    };
     let offsets: Vec<Vec3> = mesh.normals.iter().zip(&mesh.uvs).map(offset).collect();
     // A mean of one is itself: a lone vertex goes where `displaced` would send it, bit for bit.
-    mesh.positions.iter().zip(places.shared_mean(&offsets)).map(|(&p, offset)| p + offset).collect()
+    mesh.positions
+        .iter()
+        .zip(places.shared_mean(&offsets))
+        .map(|(&p, offset)| p + offset)
+        .collect()
 }
 
 /// The mesh at new positions, its normals averaged from them: over all vertices of a place between which the surface
 /// was smooth.
 fn with_fitting_normals(mesh: Mesh, positions: Vec<Vec3>) -> Mesh {
     let places = Places::new(&mesh.positions);
-    let old = mesh.normals.iter().map(|n| unit(n.as_dvec3())).collect::<Vec<_>>();
+    let old = mesh
+        .normals
+        .iter()
+        .map(|n| unit(n.as_dvec3()))
+        .collect::<Vec<_>>();
     let mut out = Mesh { positions, ..mesh };
     let mut sums = vec![DVec3::ZERO; old.len()];
     corner_normals(&out).for_each(|(v, n)| sums[v as usize] += n);
     for place in 0..places.count() as u32 {
         let vertices = places.vertices(place);
         for &v in vertices {
-            let smooth = |&&w: &&u32| vertices.len() > FAN || w == v || old[v as usize].dot(old[w as usize]) > SMOOTH;
-            let sum: DVec3 = vertices.iter().filter(smooth).map(|&w| sums[w as usize]).sum();
+            let smooth = |&&w: &&u32| {
+                vertices.len() > FAN || w == v || old[v as usize].dot(old[w as usize]) > SMOOTH
+            };
+            let sum: DVec3 = vertices
+                .iter()
+                .filter(smooth)
+                .map(|&w| sums[w as usize])
+                .sum();
             out.normals[v as usize] = unit(sum);
         }
     }

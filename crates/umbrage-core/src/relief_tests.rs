@@ -4,38 +4,58 @@ use glam::{Affine3A, UVec2, Vec2};
 use std::collections::HashSet;
 
 fn texture(size: u32, height: impl Fn(u32, u32) -> f32) -> Texture {
-    let texels = (0..size * size).map(|i| [height(i % size, i / size), 0.0, 0.0, 1.0]).collect();
-    Texture { name: "relief".to_owned(), size: UVec2::splat(size), texels }
+    let texels = (0..size * size)
+        .map(|i| [height(i % size, i / size), 0.0, 0.0, 1.0])
+        .collect();
+    Texture {
+        name: "relief".to_owned(),
+        size: UVec2::splat(size),
+        texels,
+    }
 }
 
 /// A unit square in x and z that faces up, u along x, v along z.
 fn square() -> Mesh {
     let positions = vec![Vec3::ZERO, Vec3::Z, Vec3::X + Vec3::Z, Vec3::X];
     let uvs = positions.iter().map(|p| Vec2::new(p.x, p.z)).collect();
-    Mesh { uvs, ..Mesh::new("square", positions, vec![[0, 1, 2], [0, 2, 3]]).unwrap() }
+    Mesh {
+        uvs,
+        ..Mesh::new("square", positions, vec![[0, 1, 2], [0, 2, 3]]).unwrap()
+    }
 }
 
 /// A box of six squares with normals of their own; `uv` tells the coordinates of each side's corners.
 fn cube(uv: impl Fn(usize, usize) -> Vec2) -> Mesh {
-    let mut mesh = Mesh { name: "cube".to_owned(), ..Mesh::default() };
+    let mut mesh = Mesh {
+        name: "cube".to_owned(),
+        ..Mesh::default()
+    };
     for side in 0..6 {
         let n = Vec3::AXES[side / 2] * if side % 2 == 0 { 1.0 } else { -1.0 };
         let u = Vec3::AXES[(side / 2 + 1) % 3];
         let v = n.cross(u);
         let base = mesh.positions.len() as u32;
-        for (i, (a, b)) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].into_iter().enumerate() {
+        for (i, (a, b)) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+            .into_iter()
+            .enumerate()
+        {
             mesh.positions.push(n + u * a + v * b);
             mesh.normals.push(n);
             mesh.uvs.push(uv(side, i));
         }
-        mesh.triangles.extend([[0, 1, 2], [0, 2, 3]].map(|t| t.map(|i| i + base)));
+        mesh.triangles
+            .extend([[0, 1, 2], [0, 2, 3]].map(|t| t.map(|i| i + base)));
     }
     mesh
 }
 
 /// Whether each directed edge, by position, has its counterpart.
 fn is_closed(mesh: &Mesh) -> bool {
-    let key = |v: u32| mesh.positions[v as usize].to_array().map(|x| (x + 0.0).to_bits());
+    let key = |v: u32| {
+        mesh.positions[v as usize]
+            .to_array()
+            .map(|x| (x + 0.0).to_bits())
+    };
     let edges: HashSet<_> = mesh
         .triangles
         .iter()
@@ -46,20 +66,32 @@ fn is_closed(mesh: &Mesh) -> bool {
 }
 
 fn scene(mesh: Mesh, texture: Texture, lambda: f32, subdivisions: u32) -> Scene {
-    let displacement = Some(Displacement { texture: 0, lambda, subdivisions });
+    let displacement = Some(Displacement {
+        texture: 0,
+        lambda,
+        subdivisions,
+    });
     Scene {
         name: "s".to_owned(),
         meshes: vec![mesh],
-        materials: vec![Material { displacement, ..Material::default() }],
+        materials: vec![Material {
+            displacement,
+            ..Material::default()
+        }],
         textures: vec![texture],
-        instances: vec![Instance { material: Some(0), ..Instance::new(0, Affine3A::IDENTITY) }],
+        instances: vec![Instance {
+            material: Some(0),
+            ..Instance::new(0, Affine3A::IDENTITY)
+        }],
         ..Scene::default()
     }
 }
 
 /// Waves along u that fit a repeat of 32 texels.
 fn waves() -> Texture {
-    texture(32, |x, _| 0.5 + 0.5 * (x as f32 / 32.0 * std::f32::consts::TAU).sin())
+    texture(32, |x, _| {
+        0.5 + 0.5 * (x as f32 / 32.0 * std::f32::consts::TAU).sin()
+    })
 }
 
 #[test]
@@ -69,7 +101,11 @@ fn the_baked_list_has_the_relief() {
     assert_eq!(baked.triangles().len(), 2 * 4_usize.pow(5));
     for p in baked.positions() {
         let h = height(&scene.textures[0], Vec2::new(p.x, p.z));
-        assert_eq!(*p, displaced(Vec3::new(p.x, 0.0, p.z), Vec3::Y, h, 0.1), "bit for bit what a shader would do");
+        assert_eq!(
+            *p,
+            displaced(Vec3::new(p.x, 0.0, p.z), Vec3::Y, h, 0.1),
+            "bit for bit what a shader would do"
+        );
     }
     let [low, high] = [baked.bounds().min.y, baked.bounds().max.y];
     assert!(low < -0.09 && high > 0.09, "{low} {high}");
@@ -77,7 +113,11 @@ fn the_baked_list_has_the_relief() {
 
 #[test]
 fn fingerprints_tell_reliefs_apart() {
-    let print = |lambda| Geometry::bake(&scene(square(), waves(), lambda, 2)).unwrap().fingerprint();
+    let print = |lambda| {
+        Geometry::bake(&scene(square(), waves(), lambda, 2))
+            .unwrap()
+            .fingerprint()
+    };
     assert_ne!(print(0.1), print(0.2));
     assert_eq!(print(0.1), print(0.1));
 }
@@ -87,7 +127,11 @@ fn normals_fit_the_slope() {
     // Heights rise by 1 along u over 64 texels, apart from the jump at the repeat: 45 degrees at lambda 1/2.
     let ramp = texture(64, |x, _| (x as f32 + 0.5) / 64.0);
     let baked = Geometry::bake(&scene(square(), ramp, 0.5, 5)).unwrap();
-    let inner = baked.positions().iter().zip(baked.normals()).filter(|(p, _)| p.x > 0.1 && p.x < 0.9);
+    let inner = baked
+        .positions()
+        .iter()
+        .zip(baked.normals())
+        .filter(|(p, _)| p.x > 0.1 && p.x < 0.9);
     let expected = Vec3::new(-1.0, 1.0, 0.0).normalize();
     let off = inner.map(|(_, n)| n.distance(expected)).fold(0.0, f32::max);
     // Roundings of positions at 1e-7 over triangles of 1/32.
@@ -106,7 +150,12 @@ fn a_normal_map_keeps_the_smooth_normals() {
 
 #[test]
 fn seams_do_not_tear() {
-    let seamed = cube(|side, corner| Vec2::new(0.13 * side as f32 + 0.31 * corner as f32, 0.27 * corner as f32));
+    let seamed = cube(|side, corner| {
+        Vec2::new(
+            0.13 * side as f32 + 0.31 * corner as f32,
+            0.27 * corner as f32,
+        )
+    });
     assert!(is_closed(&seamed));
     let moved = scene(seamed.clone(), waves(), 0.2, 3);
     let applied = applied(&moved, &moved.instances[0], 0).unwrap();
@@ -114,7 +163,9 @@ fn seams_do_not_tear() {
     // The control: each vertex alone would tear it.
     let fine = seamed.subdivided(3).unwrap();
     let alone = fine.positions.iter().zip(&fine.normals).zip(&fine.uvs);
-    let positions = alone.map(|((&p, &n), &uv)| displaced(p, n, height(&moved.textures[0], uv), 0.2)).collect();
+    let positions = alone
+        .map(|((&p, &n), &uv)| displaced(p, n, height(&moved.textures[0], uv), 0.2))
+        .collect();
     assert!(!is_closed(&Mesh { positions, ..fine }));
 }
 
@@ -126,15 +177,21 @@ fn sharp_edges_stay_sharp_and_smooth_ones_smooth() {
     for (n, old) in sharp.normals.iter().zip(&cube.normals) {
         assert!(n.distance(*old) < 1e-6, "{n} was {old}");
     }
-    let round = Mesh { normals: cube.positions.iter().map(|p| p.normalize()).collect(), ..cube };
+    let round = Mesh {
+        normals: cube.positions.iter().map(|p| p.normalize()).collect(),
+        ..cube
+    };
     let smooth = round.displaced(&flat, 0.1).unwrap();
     for (n, p) in smooth.normals.iter().zip(&smooth.positions) {
         assert!(n.distance(p.normalize()) < 0.2, "{n} at {p}");
     }
     let places = Places::new(&round.positions);
     for place in 0..places.count() as u32 {
-        let normals: HashSet<_> =
-            places.vertices(place).iter().map(|&v| smooth.normals[v as usize].to_array().map(f32::to_bits)).collect();
+        let normals: HashSet<_> = places
+            .vertices(place)
+            .iter()
+            .map(|&v| smooth.normals[v as usize].to_array().map(f32::to_bits))
+            .collect();
         assert_eq!(normals.len(), 1, "shared across the seam");
     }
 }
@@ -147,11 +204,17 @@ fn meshes_without_normals_move_along_averaged_ones() {
 
 #[test]
 fn what_cannot_be_displaced_is_refused() {
-    let bare = Mesh { uvs: Vec::new(), ..square() };
+    let bare = Mesh {
+        uvs: Vec::new(),
+        ..square()
+    };
     let message = |mesh: &Mesh, lambda| mesh.displaced(&waves(), lambda).unwrap_err().to_string();
     assert!(message(&bare, 0.1).contains("has no texture coordinates"));
     assert!(message(&square(), f32::NAN).contains("holds NaN"));
-    let empty = Texture { texels: Vec::new(), ..waves() };
+    let empty = Texture {
+        texels: Vec::new(),
+        ..waves()
+    };
     assert!(square().displaced(&empty, 0.1).is_err());
 }
 
@@ -159,13 +222,24 @@ fn what_cannot_be_displaced_is_refused() {
 fn too_many_triangles_are_refused_for_the_scene_as_a_whole() {
     let mut scene = scene(square(), waves(), 0.1, 3);
     let room = |triangles| MAX_SUBDIVIDED_TRIANGLES - triangles;
-    assert_eq!(applied(&scene, &scene.instances[0], room(128)).unwrap().triangles.len(), 128);
-    let error = applied(&scene, &scene.instances[0], room(127)).unwrap_err().to_string();
+    assert_eq!(
+        applied(&scene, &scene.instances[0], room(128))
+            .unwrap()
+            .triangles
+            .len(),
+        128
+    );
+    let error = applied(&scene, &scene.instances[0], room(127))
+        .unwrap_err()
+        .to_string();
     assert_eq!(
         error,
         "mesh `square`: would have 128 triangles of 2 after 3 subdivisions, and there is room for 127; use at most 2 \
          subdivisions"
     );
     scene.materials[0].displacement = None;
-    assert!(applied(&scene, &scene.instances[0], room(0)).is_ok(), "what is not subdivided needs no room");
+    assert!(
+        applied(&scene, &scene.instances[0], room(0)).is_ok(),
+        "what is not subdivided needs no room"
+    );
 }

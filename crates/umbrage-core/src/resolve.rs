@@ -11,7 +11,10 @@ use crate::{
 use glam::{Vec3, Vec4};
 
 /// The WGSL half.
-pub const RESOLVE: Module = Module { name: "resolve", text: include_str!("resolve.wgsl") };
+pub const RESOLVE: Module = Module {
+    name: "resolve",
+    text: include_str!("resolve.wgsl"),
+};
 
 /// A plane through three points: its normal (twice the triangle's area long, right-handed).
 #[inline(always)]
@@ -36,7 +39,11 @@ pub fn facing_normal(n: Vec3, d: Vec3) -> Vec3 {
 #[inline(always)]
 pub fn at_pixel(base: Vec4, dx: Vec4, dy: Vec4, x: u32, y: u32) -> Vec3 {
     let (fx, fy) = (x as f32 + 0.5, y as f32 + 0.5);
-    Vec3::new(base.x + dx.x * fx + dy.x * fy, base.y + dx.y * fx + dy.y * fy, base.z + dx.z * fx + dy.z * fy)
+    Vec3::new(
+        base.x + dx.x * fx + dy.x * fy,
+        base.y + dx.y * fx + dy.y * fy,
+        base.z + dx.z * fx + dy.z * fy,
+    )
 }
 
 /// A receiver: position, facing unit normal, and distance along the pixel's (not unit) ray.
@@ -59,7 +66,11 @@ pub fn resolve(rays: &CameraRays, x: u32, y: u32, [a, b, c]: [Vec3; 3]) -> Optio
     let t = plane_distance(o, d, a, n);
     let normal = facing_normal(n, d);
     let position = Vec3::new(o.x + d.x * t, o.y + d.y * t, o.z + d.z * t);
-    (t.abs() < 3.0e38).then_some(Resolved { position, normal, t })
+    (t.abs() < 3.0e38).then_some(Resolved {
+        position,
+        normal,
+        t,
+    })
 }
 
 /// The pairs, for the lockstep tests.

@@ -25,8 +25,17 @@ impl Mesh {
     ///
     /// # Errors
     /// As [`Mesh::validate`].
-    pub fn new(name: impl Into<String>, positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Self, Invalid> {
-        let mesh = Self { name: name.into(), positions, triangles, ..Self::default() };
+    pub fn new(
+        name: impl Into<String>,
+        positions: Vec<Vec3>,
+        triangles: Vec<[u32; 3]>,
+    ) -> Result<Self, Invalid> {
+        let mesh = Self {
+            name: name.into(),
+            positions,
+            triangles,
+            ..Self::default()
+        };
         mesh.validate()?;
         Ok(mesh)
     }
@@ -39,10 +48,18 @@ impl Mesh {
         let what = || format!("mesh `{}`", self.name);
         let count = self.positions.len();
         if self.triangles.is_empty() || count == 0 {
-            return Err(Invalid::new(what(), "has no triangles", "give it at least one, or leave the mesh out"));
+            return Err(Invalid::new(
+                what(),
+                "has no triangles",
+                "give it at least one, or leave the mesh out",
+            ));
         }
         if u32::try_from(count).is_err() || u32::try_from(self.triangles.len()).is_err() {
-            return Err(Invalid::new(what(), "has over 2^32 vertices or triangles", "split it"));
+            return Err(Invalid::new(
+                what(),
+                "has over 2^32 vertices or triangles",
+                "split it",
+            ));
         }
         for (kind, len) in [
             ("normals", self.normals.len()),
@@ -55,26 +72,57 @@ impl Mesh {
             }
         }
         self.validate_numbers().map_err(|e| e.within(what()))?;
-        match self.triangles.iter().position(|t| t.iter().any(|&v| v as usize >= count)) {
+        match self
+            .triangles
+            .iter()
+            .position(|t| t.iter().any(|&v| v as usize >= count))
+        {
             None => Ok(()),
             Some(i) => {
-                let why = format!("triangle {i} is {:?}, but there are {count} vertices", self.triangles[i]);
-                Err(Invalid::new(what(), why, format!("use indices from 0 to {}", count - 1)))
+                let why = format!(
+                    "triangle {i} is {:?}, but there are {count} vertices",
+                    self.triangles[i]
+                );
+                Err(Invalid::new(
+                    what(),
+                    why,
+                    format!("use indices from 0 to {}", count - 1),
+                ))
             }
         }
     }
 
     fn validate_numbers(&self) -> Result<(), Invalid> {
-        for (i, p) in self.positions.iter().enumerate().filter(|(_, p)| !p.is_finite()) {
+        for (i, p) in self
+            .positions
+            .iter()
+            .enumerate()
+            .filter(|(_, p)| !p.is_finite())
+        {
             finite(&format!("vertex {i}"), &p.to_array())?;
         }
-        for (i, n) in self.normals.iter().enumerate().filter(|(_, n)| !n.is_finite()) {
+        for (i, n) in self
+            .normals
+            .iter()
+            .enumerate()
+            .filter(|(_, n)| !n.is_finite())
+        {
             finite(&format!("normal {i}"), &n.to_array())?;
         }
-        for (i, uv) in self.uvs.iter().enumerate().filter(|(_, uv)| !uv.is_finite()) {
+        for (i, uv) in self
+            .uvs
+            .iter()
+            .enumerate()
+            .filter(|(_, uv)| !uv.is_finite())
+        {
             finite(&format!("texture coordinate {i}"), &uv.to_array())?;
         }
-        for (i, t) in self.tangents.iter().enumerate().filter(|(_, t)| !t.is_finite()) {
+        for (i, t) in self
+            .tangents
+            .iter()
+            .enumerate()
+            .filter(|(_, t)| !t.is_finite())
+        {
             finite(&format!("tangent {i}"), &t.to_array())?;
         }
         Ok(())
@@ -99,7 +147,13 @@ pub struct Instance {
 impl Instance {
     /// An instance that casts and receives.
     pub fn new(mesh: usize, world_from_local: Affine3A) -> Self {
-        Self { mesh, world_from_local, casts: true, receives: true, material: None }
+        Self {
+            mesh,
+            world_from_local,
+            casts: true,
+            receives: true,
+            material: None,
+        }
     }
 }
 
@@ -132,7 +186,8 @@ impl Scene {
     /// The first fault found, with the scene's name.
     pub fn validate(&self) -> Result<(), Invalid> {
         self.validate_name()?;
-        self.validate_parts().map_err(|e| e.within(format!("scene `{}`", self.name)))
+        self.validate_parts()
+            .map_err(|e| e.within(format!("scene `{}`", self.name)))
     }
 
     fn validate_name(&self) -> Result<(), Invalid> {
@@ -142,17 +197,24 @@ impl Scene {
         }
         let start = &self.name[..self.name.floor_char_boundary(20)];
         let why = format!("has a name of {length} bytes, and reports make it a folder's");
-        Err(Invalid::new(format!("scene `{start}..`"), why, format!("use at most {MOST_NAME}")))
+        Err(Invalid::new(
+            format!("scene `{start}..`"),
+            why,
+            format!("use at most {MOST_NAME}"),
+        ))
     }
 
     fn validate_parts(&self) -> Result<(), Invalid> {
         self.meshes.iter().try_for_each(Mesh::validate)?;
         self.textures.iter().try_for_each(Texture::validate)?;
         for (i, material) in self.materials.iter().enumerate() {
-            material.validate(self.textures.len()).map_err(|e| e.within(format!("material {i}")))?;
+            material
+                .validate(self.textures.len())
+                .map_err(|e| e.within(format!("material {i}")))?;
         }
         for (i, instance) in self.instances.iter().enumerate() {
-            self.validate_instance(instance).map_err(|e| e.within(format!("object {i}")))?;
+            self.validate_instance(instance)
+                .map_err(|e| e.within(format!("object {i}")))?;
         }
         self.lights.iter().try_for_each(Light::validate)?;
         self.cameras.iter().try_for_each(Camera::validate)
@@ -161,28 +223,47 @@ impl Scene {
     fn validate_instance(&self, instance: &Instance) -> Result<(), Invalid> {
         if instance.mesh >= self.meshes.len() {
             let why = format!("names mesh {} of {}", instance.mesh, self.meshes.len());
-            return Err(Invalid::new("instance", why, "use the index of a mesh of this scene"));
+            return Err(Invalid::new(
+                "instance",
+                why,
+                "use the index of a mesh of this scene",
+            ));
         }
         self.validate_material(instance)?;
         finite("matrix", &instance.world_from_local.to_cols_array())?;
         let det = instance.world_from_local.matrix3.as_dmat3().determinant();
         if det == 0.0 {
-            return Err(Invalid::new("matrix", "is singular: it flattens the object", "use a scale other than zero"));
+            return Err(Invalid::new(
+                "matrix",
+                "is singular: it flattens the object",
+                "use a scale other than zero",
+            ));
         }
         Ok(())
     }
 
     fn validate_material(&self, instance: &Instance) -> Result<(), Invalid> {
-        let Some(id) = instance.material else { return Ok(()) };
+        let Some(id) = instance.material else {
+            return Ok(());
+        };
         let Some(material) = self.materials.get(id) else {
             let why = format!("names material {id} of {}", self.materials.len());
-            return Err(Invalid::new("instance", why, "use the index of a material of this scene"));
+            return Err(Invalid::new(
+                "instance",
+                why,
+                "use the index of a material of this scene",
+            ));
         };
         let mesh = &self.meshes[instance.mesh];
-        let textured = material.diffuse_texture.or(material.normal_map).is_some() || material.displacement.is_some();
+        let textured = material.diffuse_texture.or(material.normal_map).is_some()
+            || material.displacement.is_some();
         if textured && mesh.uvs.is_empty() {
             let why = "has no texture coordinates, but its material has a texture";
-            return Err(Invalid::new(format!("mesh `{}`", mesh.name), why, "give it uvs, or leave textures out"));
+            return Err(Invalid::new(
+                format!("mesh `{}`", mesh.name),
+                why,
+                "give it uvs, or leave textures out",
+            ));
         }
         if material.normal_map.is_some() && mesh.tangents.is_empty() {
             let why = "has no tangents, but its material has a normal map";

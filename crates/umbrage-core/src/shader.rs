@@ -14,7 +14,10 @@ pub struct Module {
 
 /// Modules in order, joined.
 pub fn join(modules: &[Module]) -> String {
-    modules.iter().map(|m| format!("// ---- {}.wgsl\n{}\n", m.name, m.text)).collect()
+    modules
+        .iter()
+        .map(|m| format!("// ---- {}.wgsl\n{}\n", m.name, m.text))
+        .collect()
 }
 
 /// A struct that Rust fills and WGSL reads, laid out by `encase`. Declare it with [`uniforms!`](crate::uniforms).
@@ -28,7 +31,11 @@ pub trait Uniforms: ShaderType + WriteInto {
     /// Name, fields and size, without the type.
     fn layout() -> UniformLayout {
         let fields = Self::FIELDS.iter().copied().zip(Self::offsets()).collect();
-        UniformLayout { name: Self::NAME, fields, size: Self::min_size().get() }
+        UniformLayout {
+            name: Self::NAME,
+            fields,
+            size: Self::min_size().get(),
+        }
     }
     /// The bytes as the shader wants them.
     ///

@@ -14,7 +14,10 @@ use crate::{Module, Twin, twin};
 use glam::{Vec2, Vec3, Vec3A};
 
 /// The WGSL half.
-pub const SLAB: Module = Module { name: "slab", text: include_str!("slab.wgsl") };
+pub const SLAB: Module = Module {
+    name: "slab",
+    text: include_str!("slab.wgsl"),
+};
 
 /// A segment may enter a box by this factor later than it leaves it: 32 roundings of 2^-24.
 pub(crate) const SLACK: f32 = 1.0 + 1.0 / 524_288.0;
@@ -34,7 +37,11 @@ pub(crate) fn slab_inverse(d: Vec3) -> Vec3A {
 
 #[inline(always)]
 fn safe_inverse(x: f32) -> f32 {
-    if x.abs() < 1e-30 { if x >= 0.0 { 1e30 } else { -1e30 } } else { 1.0 / x }
+    if x.abs() < 1e-30 {
+        if x >= 0.0 { 1e30 } else { -1e30 }
+    } else {
+        1.0 / x
+    }
 }
 
 /// Where the segment from `o` is within a box: from which to which fraction of its vector. It enters it if the first is at
@@ -43,7 +50,10 @@ fn safe_inverse(x: f32) -> f32 {
 pub(crate) fn span(o: Vec3A, inverse: Vec3A, [low, high]: [Vec3A; 2]) -> [f32; 2] {
     let a = (low - o) * inverse;
     let b = (high - o) * inverse;
-    [a.min(b).max_element().max(0.0), a.max(b).min_element().min(1.0)]
+    [
+        a.min(b).max_element().max(0.0),
+        a.max(b).min_element().min(1.0),
+    ]
 }
 
 /// Whether a segment enters a box, the least and the greatest corner of which are given.
@@ -69,7 +79,10 @@ pub(crate) fn padded_box([a, b, c]: [Vec3A; 3]) -> [Vec3A; 2] {
 /// Whether the least rectangle around a triangle holds the origin; the triangle as the x and the y of its corners.
 #[inline(always)]
 pub(crate) fn holds_origin(x: Vec3A, y: Vec3A) -> bool {
-    x.min_element() <= 0.0 && y.min_element() <= 0.0 && x.max_element() >= 0.0 && y.max_element() >= 0.0
+    x.min_element() <= 0.0
+        && y.min_element() <= 0.0
+        && x.max_element() >= 0.0
+        && y.max_element() >= 0.0
 }
 
 /// 2^-e of a number of size m 2^e, 1 <= m < 2: its exponent, mirrored. Products with it are exact.
@@ -89,7 +102,11 @@ pub(crate) const TWINS: [Twin; 6] = [
 ];
 
 fn enters_word(o: Vec3, inverse: Vec3, low: Vec3, high: Vec3) -> u32 {
-    u32::from(enters_box(o.into(), inverse.into(), [low.into(), high.into()]))
+    u32::from(enters_box(
+        o.into(),
+        inverse.into(),
+        [low.into(), high.into()],
+    ))
 }
 
 fn padded_low(a: Vec3, b: Vec3, c: Vec3) -> Vec3 {
@@ -101,7 +118,10 @@ fn padded_high(a: Vec3, b: Vec3, c: Vec3) -> Vec3 {
 }
 
 fn holds_origin_word(a: Vec2, b: Vec2, c: Vec2) -> u32 {
-    u32::from(holds_origin(Vec3A::new(a.x, b.x, c.x), Vec3A::new(a.y, b.y, c.y)))
+    u32::from(holds_origin(
+        Vec3A::new(a.x, b.x, c.x),
+        Vec3A::new(a.y, b.y, c.y),
+    ))
 }
 
 #[cfg(test)]
@@ -116,7 +136,11 @@ mod tests {
             (*state >> 8) as f32 / 8_388_608.0 - 1.0
         };
         let (value, power) = (next(), next());
-        if power > 0.8 { (value * 4.0).round() } else { value * 10.0_f32.powf(power * 5.0 + 1.0) }
+        if power > 0.8 {
+            (value * 4.0).round()
+        } else {
+            value * 10.0_f32.powf(power * 5.0 + 1.0)
+        }
     }
 
     fn vector(state: &mut u32) -> Vec3 {
@@ -133,28 +157,52 @@ mod tests {
             // Often just one unit in the last place wider, on one side.
             let outer = match i % 3 {
                 0 => [inner[0].map(f32::next_down), inner[1]],
-                1 => [inner[0], Vec3A::new(inner[1].x, inner[1].y.next_up(), inner[1].z)],
-                _ => [inner[0].min(vector(&mut state).into()), inner[1].max(vector(&mut state).into())],
+                1 => [
+                    inner[0],
+                    Vec3A::new(inner[1].x, inner[1].y.next_up(), inner[1].z),
+                ],
+                _ => [
+                    inner[0].min(vector(&mut state).into()),
+                    inner[1].max(vector(&mut state).into()),
+                ],
             };
             // Towards a point of the box's surface, where rounding decides.
             let o = vector(&mut state);
-            let target = p.lerp(q, random(&mut state).abs().min(1.0)).with_x(if i % 2 == 0 { p.x } else { q.x });
+            let target = p
+                .lerp(q, random(&mut state).abs().min(1.0))
+                .with_x(if i % 2 == 0 { p.x } else { q.x });
             let d = (target - o) * [1.0, 0.5, 2.0, 1.0 - f32::EPSILON][i % 4];
             let (o, inverse) = (Vec3A::from(o), slab_inverse(d));
             let enters = enters_box(o, inverse, inner);
             entered += u32::from(enters);
-            assert!(!enters || enters_box(o, inverse, outer), "{inner:?} in {outer:?}, from {o} along {d}");
+            assert!(
+                !enters || enters_box(o, inverse, outer),
+                "{inner:?} in {outer:?}, from {o} along {d}"
+            );
         }
-        assert!((50_000..350_000).contains(&entered), "the test tells little: {entered}");
+        assert!(
+            (50_000..350_000).contains(&entered),
+            "the test tells little: {entered}"
+        );
     }
 
     #[test]
     fn vectors_along_an_axis_enter_what_they_run_through() {
         let corners = [Vec3A::ZERO, Vec3A::ONE];
         let enters = |o: Vec3, d: Vec3| enters_box(o.into(), slab_inverse(d), corners);
-        for d in [Vec3::X, Vec3::new(1.0, -0.0, 0.0), Vec3::new(2.0, 1e-38, -1e-38)] {
-            assert!(enters(Vec3::new(-0.5, 1e-6, 0.999_999), d) && enters(Vec3::new(0.5, 0.999_999, 1e-6), d));
-            assert!(!enters(Vec3::new(-0.5, -1e-6, 0.5), d) && !enters(Vec3::new(-0.5, 0.5, 1.000_001), d));
+        for d in [
+            Vec3::X,
+            Vec3::new(1.0, -0.0, 0.0),
+            Vec3::new(2.0, 1e-38, -1e-38),
+        ] {
+            assert!(
+                enters(Vec3::new(-0.5, 1e-6, 0.999_999), d)
+                    && enters(Vec3::new(0.5, 0.999_999, 1e-6), d)
+            );
+            assert!(
+                !enters(Vec3::new(-0.5, -1e-6, 0.5), d)
+                    && !enters(Vec3::new(-0.5, 0.5, 1.000_001), d)
+            );
             assert!(!enters(Vec3::new(-2.5, 0.5, 0.5), d) && !enters(Vec3::new(1.5, 0.5, 0.5), d));
         }
     }

@@ -18,7 +18,9 @@ pub struct Snapping {
 }
 
 /// Which vertices depth planes go through.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum DepthPlanes {
     /// Those before rounding: depths don't depend on the grid.
@@ -33,7 +35,10 @@ impl Snapping {
     pub const BITS: RangeInclusive<u32> = 4..=8;
 
     /// The coarsest that graphics APIs allow: what to expect of a device that is not known.
-    pub const COARSEST: Self = Self { sub_pixel_bits: 4, planes: DepthPlanes::Snapped };
+    pub const COARSEST: Self = Self {
+        sub_pixel_bits: 4,
+        planes: DepthPlanes::Snapped,
+    };
 
     /// The grid's step, pixels.
     pub fn step(self) -> f32 {
@@ -49,13 +54,20 @@ impl Snapping {
             return Ok(());
         }
         let mend = format!("use {} to {}", Self::BITS.start(), Self::BITS.end());
-        Err(Invalid::new("number of sub-pixel bits", format!("is {}", self.sub_pixel_bits), mend))
+        Err(Invalid::new(
+            "number of sub-pixel bits",
+            format!("is {}", self.sub_pixel_bits),
+            mend,
+        ))
     }
 }
 
 impl Default for Snapping {
     fn default() -> Self {
-        Self { sub_pixel_bits: 8, planes: DepthPlanes::Unsnapped }
+        Self {
+            sub_pixel_bits: 8,
+            planes: DepthPlanes::Unsnapped,
+        }
     }
 }
 
@@ -66,7 +78,11 @@ impl fmt::Display for Snapping {
             DepthPlanes::Unsnapped => "unsnapped",
             DepthPlanes::Snapped => "snapped",
         };
-        write!(f, "{} sub-pixel bits, depth planes through {through} vertices", self.sub_pixel_bits)
+        write!(
+            f,
+            "{} sub-pixel bits, depth planes through {through} vertices",
+            self.sub_pixel_bits
+        )
     }
 }
 
@@ -76,7 +92,10 @@ mod tests {
 
     #[test]
     fn only_known_grids_are_valid() {
-        let of = |sub_pixel_bits| Snapping { sub_pixel_bits, ..Snapping::default() };
+        let of = |sub_pixel_bits| Snapping {
+            sub_pixel_bits,
+            ..Snapping::default()
+        };
         for bits in 4..=8 {
             assert_eq!(of(bits).validate(), Ok(()));
         }
@@ -88,8 +107,14 @@ mod tests {
 
     #[test]
     fn steps_and_words() {
-        assert_eq!((Snapping::default().step(), Snapping::COARSEST.step()), (1.0 / 256.0, 1.0 / 16.0));
+        assert_eq!(
+            (Snapping::default().step(), Snapping::COARSEST.step()),
+            (1.0 / 256.0, 1.0 / 16.0)
+        );
         let words = Snapping::COARSEST.to_string();
-        assert_eq!(words, "4 sub-pixel bits, depth planes through snapped vertices");
+        assert_eq!(
+            words,
+            "4 sub-pixel bits, depth planes through snapped vertices"
+        );
     }
 }

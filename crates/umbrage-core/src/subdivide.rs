@@ -25,13 +25,20 @@ impl Mesh {
         if times == 0 || times <= MAX_SUBDIVISIONS && count(times) <= room as u128 {
             return Ok(());
         }
-        let most = (0..=MAX_SUBDIVISIONS).rev().find(|&t| count(t) <= room as u128).unwrap_or(0);
+        let most = (0..=MAX_SUBDIVISIONS)
+            .rev()
+            .find(|&t| count(t) <= room as u128)
+            .unwrap_or(0);
         let why = format!(
             "would have {} triangles of {} after {times} subdivisions, and there is room for {room}",
             count(times),
             self.triangles.len()
         );
-        Err(Invalid::new(format!("mesh `{}`", self.name), why, format!("use at most {most} subdivisions")))
+        Err(Invalid::new(
+            format!("mesh `{}`", self.name),
+            why,
+            format!("use at most {most} subdivisions"),
+        ))
     }
 
     fn split(mut self) -> Self {
@@ -39,9 +46,13 @@ impl Mesh {
         let coarse = std::mem::take(&mut self.triangles);
         self.triangles.reserve_exact(4 * coarse.len());
         for [a, b, c] in coarse {
-            let [ab, bc, ca] = [(a, b), (b, c), (c, a)]
-                .map(|(p, q)| *middles.entry((p.min(q), p.max(q))).or_insert_with(|| self.push_middle(p, q)));
-            self.triangles.extend([[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]);
+            let [ab, bc, ca] = [(a, b), (b, c), (c, a)].map(|(p, q)| {
+                *middles
+                    .entry((p.min(q), p.max(q)))
+                    .or_insert_with(|| self.push_middle(p, q))
+            });
+            self.triangles
+                .extend([[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]);
         }
         self
     }
@@ -50,7 +61,8 @@ impl Mesh {
     fn push_middle(&mut self, p: u32, q: u32) -> u32 {
         let (p, q) = (p as usize, q as usize);
         // Halved before adding: the sum of two may leave the range of f32.
-        self.positions.push(self.positions[p] * 0.5 + self.positions[q] * 0.5);
+        self.positions
+            .push(self.positions[p] * 0.5 + self.positions[q] * 0.5);
         if !self.normals.is_empty() {
             self.normals.push(between(self.normals[p], self.normals[q]));
         }
@@ -100,27 +112,50 @@ mod tests {
     fn four_for_one_with_shared_edges() {
         let fine = bent().subdivided(1).unwrap();
         fine.validate().unwrap();
-        assert_eq!((fine.triangles.len(), fine.positions.len()), (8, 9), "the common edge has one middle");
+        assert_eq!(
+            (fine.triangles.len(), fine.positions.len()),
+            (8, 9),
+            "the common edge has one middle"
+        );
         assert_eq!(area(&fine), 1.0);
         let twice = bent().subdivided(3).unwrap();
         assert_eq!((twice.triangles.len(), twice.positions.len()), (128, 81));
-        assert!(twice.triangles.iter().all(|t| area(&Mesh { triangles: vec![*t], ..twice.clone() }) > 0.0));
+        assert!(twice.triangles.iter().all(|t| area(&Mesh {
+            triangles: vec![*t],
+            ..twice.clone()
+        }) > 0.0));
     }
 
     #[test]
     fn attributes_are_blended() {
         let fine = bent().subdivided(1).unwrap();
-        let middle = fine.positions.iter().position(|p| *p == Vec3::X * 0.5).unwrap();
-        assert!(fine.normals[middle].distance(Vec3::new(1.0, 0.0, 1.0).normalize()) < 1e-6, "each counts the same");
-        assert_eq!((fine.uvs[middle], fine.tangents[middle]), (Vec2::X * 0.5, Vec4::new(1.0, 0.0, 0.0, -1.0)));
+        let middle = fine
+            .positions
+            .iter()
+            .position(|p| *p == Vec3::X * 0.5)
+            .unwrap();
+        assert!(
+            fine.normals[middle].distance(Vec3::new(1.0, 0.0, 1.0).normalize()) < 1e-6,
+            "each counts the same"
+        );
+        assert_eq!(
+            (fine.uvs[middle], fine.tangents[middle]),
+            (Vec2::X * 0.5, Vec4::new(1.0, 0.0, 0.0, -1.0))
+        );
     }
 
     #[test]
     fn too_many_are_refused_with_what_would_do() {
         let error = bent().subdivided(9).unwrap_err().to_string();
-        assert!(error.contains("mesh `bent`: would have 524288 triangles of 2 after 9"), "{error}");
+        assert!(
+            error.contains("mesh `bent`: would have 524288 triangles of 2 after 9"),
+            "{error}"
+        );
         let error = bent().check_subdivisions(5, 600).unwrap_err().to_string();
-        assert!(error.ends_with("there is room for 600; use at most 4 subdivisions"), "{error}");
+        assert!(
+            error.ends_with("there is room for 600; use at most 4 subdivisions"),
+            "{error}"
+        );
         assert!(bent().subdivided(u32::MAX).is_err());
     }
 }

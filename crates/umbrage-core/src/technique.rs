@@ -23,7 +23,14 @@ pub struct View<'a> {
 impl<'a> View<'a> {
     /// A view of a scene's triangles.
     pub fn new(camera: &'a Camera, light: &'a Light, geometry: &'a Geometry) -> Self {
-        Self { camera, light, casters: geometry.caster_bounds(), geometry: Some(geometry), receivers: None, fits: None }
+        Self {
+            camera,
+            light,
+            casters: geometry.caster_bounds(),
+            geometry: Some(geometry),
+            receivers: None,
+            fits: None,
+        }
     }
 
     /// Objects to a camera or a light that can't be used, and to boxes and receivers with numbers that are not finite.
@@ -33,20 +40,29 @@ impl<'a> View<'a> {
     pub fn validate(&self) -> Result<(), Invalid> {
         self.camera.validate()?;
         self.light.validate()?;
-        self.casters.validate().map_err(|e| e.within("view's casters"))?;
+        self.casters
+            .validate()
+            .map_err(|e| e.within("view's casters"))?;
         self.receivers.map_or(Ok(()), Receivers::validate)
     }
 
     /// The same view with its receivers known. Fits that were found for others are not taken along.
     #[must_use]
     pub fn with_receivers(self, receivers: &'a Receivers) -> Self {
-        Self { receivers: Some(receivers), fits: None, ..self }
+        Self {
+            receivers: Some(receivers),
+            fits: None,
+            ..self
+        }
     }
 
     /// The same view, whose fits are remembered. A memory serves one view: one camera, light, geometry and set of receivers.
     #[must_use]
     pub fn with_fits(self, fits: &'a FitMemory) -> Self {
-        Self { fits: Some(fits), ..self }
+        Self {
+            fits: Some(fits),
+            ..self
+        }
     }
 }
 

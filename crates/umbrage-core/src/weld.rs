@@ -27,11 +27,17 @@ impl Places {
             })
             .collect();
         let mut starts = vec![0_u32; known.len() + 1];
-        of_vertex.iter().for_each(|&place| starts[place as usize + 1] += 1);
+        of_vertex
+            .iter()
+            .for_each(|&place| starts[place as usize + 1] += 1);
         (1..starts.len()).for_each(|i| starts[i] += starts[i - 1]);
         let mut order: Vec<u32> = (0..positions.len() as u32).collect();
         order.sort_by_key(|&v| of_vertex[v as usize]);
-        Self { of_vertex, order, starts }
+        Self {
+            of_vertex,
+            order,
+            starts,
+        }
     }
 
     /// How many there are.
@@ -60,7 +66,10 @@ impl Places {
                 vertices.iter().map(|&v| values[v as usize]).sum::<Vec3>() / vertices.len() as f32
             })
             .collect();
-        self.of_vertex.iter().map(|&place| means[place as usize]).collect()
+        self.of_vertex
+            .iter()
+            .map(|&place| means[place as usize])
+            .collect()
     }
 
     /// Unit normals of the places, averaged from the triangles around them by area; zero where these have none.
@@ -94,9 +103,19 @@ mod tests {
 
     #[test]
     fn equal_positions_are_one_place() {
-        let places = Places::new(&[Vec3::X, Vec3::ZERO, Vec3::X, Vec3::Y, -Vec3::ZERO, Vec3::X * 1.000_001]);
+        let places = Places::new(&[
+            Vec3::X,
+            Vec3::ZERO,
+            Vec3::X,
+            Vec3::Y,
+            -Vec3::ZERO,
+            Vec3::X * 1.000_001,
+        ]);
         assert_eq!(places.of_vertex(), [0, 1, 0, 2, 1, 3]);
-        assert_eq!((places.vertices(0), places.vertices(1), places.count()), (&[0, 2][..], &[1, 4][..], 4));
+        assert_eq!(
+            (places.vertices(0), places.vertices(1), places.count()),
+            (&[0, 2][..], &[1, 4][..], 4)
+        );
         assert_eq!(Places::new(&[]).count(), 0);
     }
 
@@ -110,7 +129,15 @@ mod tests {
     #[test]
     fn normals_weigh_by_area_across_seams() {
         // Two triangles that meet at a right angle in an edge whose vertices are double; one has thrice the area.
-        let positions = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::ZERO, Vec3::Z * 3.0, Vec3::X].to_vec();
+        let positions = [
+            Vec3::ZERO,
+            Vec3::X,
+            Vec3::Y,
+            Vec3::ZERO,
+            Vec3::Z * 3.0,
+            Vec3::X,
+        ]
+        .to_vec();
         let mesh = Mesh::new("hinge", positions, vec![[0, 1, 2], [3, 4, 5]]).unwrap();
         let normals = Places::new(&mesh.positions).normals(&mesh);
         let expected = Vec3::new(0.0, 3.0, 1.0).normalize();

@@ -25,22 +25,36 @@ impl Default for Asks {
 impl Asks {
     /// Taps alone.
     pub const fn taps(taps: u32) -> Self {
-        Self { taps, samples: 0, rays: 0 }
+        Self {
+            taps,
+            samples: 0,
+            rays: 0,
+        }
     }
 
     /// Comparison samples alone.
     pub const fn samples(samples: u32) -> Self {
-        Self { taps: 0, samples, rays: 0 }
+        Self {
+            taps: 0,
+            samples,
+            rays: 0,
+        }
     }
 
     /// Rays alone.
     pub const fn rays(rays: u32) -> Self {
-        Self { taps: 0, samples: 0, rays }
+        Self {
+            taps: 0,
+            samples: 0,
+            rays,
+        }
     }
 }
 
 /// What playing a recipe takes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize,
+)]
 pub struct Work {
     /// Draws and dispatches: casts, filters, the lookup.
     pub passes: u64,
@@ -71,7 +85,9 @@ impl Work {
     /// without `view.geometry` only faces that the technique made are counted as drawn.
     pub fn of(view: &View<'_>, recipe: &Recipe) -> Self {
         let pixels = u64::from(view.camera.size.x) * u64::from(view.camera.size.y);
-        let receivers = view.receivers.map_or(pixels, |r| r.receives.iter().filter(|&&r| r).count() as u64);
+        let receivers = view
+            .receivers
+            .map_or(pixels, |r| r.receives.iter().filter(|&&r| r).count() as u64);
         let asks = recipe.receive.kernel.asks();
         let mut work = Self {
             passes: (recipe.casts.len() + recipe.filters.len() + 1) as u64,
@@ -105,25 +121,46 @@ fn drawn(geometry: Option<&Geometry>, cast: &Cast, size: UVec2) -> (u64, u64) {
     let (count, area) = match (&cast.source, geometry) {
         (Source::Faces(faces), _) => {
             let corner = |v: u32| faces.vertices[v as usize].as_dvec4();
-            (faces.triangles.len(), sum(&faces.triangles, clip_from_world, cast.cull, corner))
+            (
+                faces.triangles.len(),
+                sum(&faces.triangles, clip_from_world, cast.cull, corner),
+            )
         }
         (_, None) => (0, 0.0),
         (source, Some(g)) => {
             let all = g.triangles();
             let casters = g.casters().start as usize..g.casters().end as usize;
-            let triangles = if matches!(source, Source::Casters) { &all[casters] } else { all };
+            let triangles = if matches!(source, Source::Casters) {
+                &all[casters]
+            } else {
+                all
+            };
             let corner = |v: u32| g.positions()[v as usize].as_dvec3().extend(1.0);
-            (triangles.len(), sum(triangles, clip_from_world, cast.cull, corner))
+            (
+                triangles.len(),
+                sum(triangles, clip_from_world, cast.cull, corner),
+            )
         }
     };
-    (count as u64, (area * 0.25 * f64::from(size.x) * f64::from(size.y)).round() as u64)
+    (
+        count as u64,
+        (area * 0.25 * f64::from(size.x) * f64::from(size.y)).round() as u64,
+    )
 }
 
 /// The triangles' area in the view of 2 x 2 clip units.
-fn sum(triangles: &[[u32; 3]], clip_from_world: DMat4, cull: Cull, corner: impl Fn(u32) -> DVec4 + Sync) -> f64 {
+fn sum(
+    triangles: &[[u32; 3]],
+    clip_from_world: DMat4,
+    cull: Cull,
+    corner: impl Fn(u32) -> DVec4 + Sync,
+) -> f64 {
     let area = |t: &[u32; 3]| area(t.map(|v| clip_from_world * corner(v)), cull);
     // Chunks are added up in order, so that the sum is the same on any number of threads.
-    let parts: Vec<f64> = triangles.par_chunks(1024).map(|part| part.iter().map(area).sum()).collect();
+    let parts: Vec<f64> = triangles
+        .par_chunks(1024)
+        .map(|part| part.iter().map(area).sum())
+        .collect();
     parts.into_iter().sum()
 }
 
@@ -157,7 +194,9 @@ fn signed_area(corners: [DVec4; 3]) -> f64 {
         (polygon, len) = cut(&polygon[..len], plane);
     }
     let point = |i: usize| DVec2::new(polygon[i].x, polygon[i].y) / polygon[i].w;
-    (1..len.max(2) - 1).map(|i| 0.5 * (point(i) - point(0)).perp_dot(point(i + 1) - point(0))).sum()
+    (1..len.max(2) - 1)
+        .map(|i| 0.5 * (point(i) - point(0)).perp_dot(point(i + 1) - point(0)))
+        .sum()
 }
 
 /// The part of a convex polygon on a plane's positive side.
@@ -209,7 +248,11 @@ mod tests {
 
     #[test]
     fn a_triangle_through_the_eyes_plane_has_a_finite_area() {
-        let triangle = [corner(-1.0, -1.0), corner(1.0, -1.0), DVec4::new(0.0, 3.0, -1.0, -1.0)];
+        let triangle = [
+            corner(-1.0, -1.0),
+            corner(1.0, -1.0),
+            DVec4::new(0.0, 3.0, -1.0, -1.0),
+        ];
         let area = area(triangle, Cull::None);
         // Its sides leave the view before they reach the plane of depth 0, which they meet at the top.
         assert!((area - 4.0).abs() < 1e-12, "{area}");

@@ -14,30 +14,53 @@ impl Cpu {
     ///
     /// # Errors
     /// As [`Backend::render`](umbrage_core::Backend::render); when the view has no receivers, or not that many.
-    pub fn ask(&mut self, view: &View<'_>, recipe: &Recipe, pixels: &[u32]) -> Result<Vec<f32>, BackendError> {
-        let Some(receivers) = view.receivers else { return Err(player::nothing_seen().into()) };
+    pub fn ask(
+        &mut self,
+        view: &View<'_>,
+        recipe: &Recipe,
+        pixels: &[u32],
+    ) -> Result<Vec<f32>, BackendError> {
+        let Some(receivers) = view.receivers else {
+            return Err(player::nothing_seen().into());
+        };
         if let Some(beyond) = pixels.iter().find(|&&i| i as usize >= receivers.len()) {
             let why = format!("is asked about, and there are {}", receivers.len());
-            return Err(Invalid::new(format!("pixel {beyond}"), why, "count from 0, row by row").into());
+            return Err(
+                Invalid::new(format!("pixel {beyond}"), why, "count from 0, row by row").into(),
+            );
         }
         self.install(|cpu| {
             cpu.draw(view, recipe)?;
             let inputs = stages::views(&cpu.images, &recipe.receive.inputs);
-            let inputs = Inputs { images: &inputs, simd: cpu.simd };
+            let inputs = Inputs {
+                images: &inputs,
+                simd: cpu.simd,
+            };
             let mut out = vec![1.0; pixels.len()];
-            out.par_chunks_mut(CHUNK).zip(pixels.par_chunks(CHUNK)).for_each(|(out, pixels)| {
-                for (out, &pixel) in out.iter_mut().zip(pixels) {
-                    ask_one(&inputs, recipe, receivers, pixel as usize, out);
-                }
-            });
+            out.par_chunks_mut(CHUNK)
+                .zip(pixels.par_chunks(CHUNK))
+                .for_each(|(out, pixels)| {
+                    for (out, &pixel) in out.iter_mut().zip(pixels) {
+                        ask_one(&inputs, recipe, receivers, pixel as usize, out);
+                    }
+                });
             Ok(out)
         })
     }
 }
 
 /// One receiver is a span of its own, at its own place in the image: kernels' patterns are those of the whole mask.
-fn ask_one(inputs: &Inputs<'_>, recipe: &Recipe, receivers: &Receivers, pixel: usize, out: &mut f32) {
+fn ask_one(
+    inputs: &Inputs<'_>,
+    recipe: &Recipe,
+    receivers: &Receivers,
+    pixel: usize,
+    out: &mut f32,
+) {
     if receivers.receives[pixel] {
-        recipe.receive.kernel.receive(inputs, &receivers.span(pixel, 1), std::slice::from_mut(out));
+        recipe
+            .receive
+            .kernel
+            .receive(inputs, &receivers.span(pixel, 1), std::slice::from_mut(out));
     }
 }

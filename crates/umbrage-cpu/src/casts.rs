@@ -24,13 +24,19 @@ pub(crate) fn other(mode: CastMode) -> Option<ImageId> {
 /// Whether no earlier cast of the recipe draws into the layer: then the cast clears it.
 pub(crate) fn is_first(recipe: &Recipe, index: usize) -> bool {
     let layer = |cast: &Cast| (cast.image, cast.layer);
-    !recipe.casts[..index].iter().any(|cast| layer(cast) == layer(&recipe.casts[index]))
+    !recipe.casts[..index]
+        .iter()
+        .any(|cast| layer(cast) == layer(&recipe.casts[index]))
 }
 
 /// Whether the cast that uses a layer first clears it.
 pub(crate) fn clears(recipe: &Recipe, image: ImageId, layer: u32) -> bool {
     let uses = |c: &&Cast| c.layer == layer && (c.image == image || other(c.mode) == Some(image));
-    recipe.casts.iter().find(uses).is_some_and(|c| c.image == image)
+    recipe
+        .casts
+        .iter()
+        .find(uses)
+        .is_some_and(|c| c.image == image)
 }
 
 /// Plays a recipe's cast number `index`.
@@ -45,9 +51,16 @@ pub(crate) fn play(
     let cast = &recipe.casts[index];
     // The image is taken out, since the other one is read meanwhile; they differ.
     let desc = images[cast.image].desc;
-    let mut image = Image { desc, texels: std::mem::take(&mut images[cast.image].texels) };
+    let mut image = Image {
+        desc,
+        texels: std::mem::take(&mut images[cast.image].texels),
+    };
     let other = other(cast.mode).map_or(&[][..], |id| layer(&images[id], cast.layer));
-    let canvas = Canvas { image: &mut image, other, clear: is_first(recipe, index) };
+    let canvas = Canvas {
+        image: &mut image,
+        other,
+        clear: is_first(recipe, index),
+    };
     draw(rasterizer, canvas, cast, geometry, simd);
     images[cast.image] = image;
 }
@@ -58,7 +71,13 @@ fn layer(image: &Image, layer: u32) -> &[f32] {
 }
 
 /// Draws what a cast draws.
-pub(crate) fn draw(rasterizer: &mut Rasterizer, canvas: Canvas<'_>, cast: &Cast, geometry: &Geometry, simd: Simd) {
+pub(crate) fn draw(
+    rasterizer: &mut Rasterizer,
+    canvas: Canvas<'_>,
+    cast: &Cast,
+    geometry: &Geometry,
+    simd: Simd,
+) {
     let (positions, triangles) = (geometry.positions(), geometry.triangles());
     match &cast.source {
         Source::Casters => {
@@ -66,9 +85,17 @@ pub(crate) fn draw(rasterizer: &mut Rasterizer, canvas: Canvas<'_>, cast: &Cast,
             let triangles = &triangles[casters.start as usize..casters.end as usize];
             draw_triangles(rasterizer, canvas, cast, (positions, triangles), simd);
         }
-        Source::Everything => draw_triangles(rasterizer, canvas, cast, (positions, triangles), simd),
+        Source::Everything => {
+            draw_triangles(rasterizer, canvas, cast, (positions, triangles), simd)
+        }
         Source::Faces(faces) => {
-            draw_triangles(rasterizer, canvas, cast, (&faces.vertices, &faces.triangles), simd);
+            draw_triangles(
+                rasterizer,
+                canvas,
+                cast,
+                (&faces.vertices, &faces.triangles),
+                simd,
+            );
         }
     }
 }
@@ -80,7 +107,11 @@ fn draw_triangles<P: Position>(
     (positions, triangles): (&[P], &[[u32; 3]]),
     simd: Simd,
 ) {
-    let Canvas { image, other, clear } = canvas;
+    let Canvas {
+        image,
+        other,
+        clear,
+    } = canvas;
     let draw = Draw {
         positions,
         triangles,
@@ -93,7 +124,16 @@ fn draw_triangles<P: Position>(
         simd,
     };
     let width = image.desc.size.x as usize;
-    rasterizer.draw(&draw, Target { width, texels: image.layer_mut(cast.layer), ids: &mut [], other, clear });
+    rasterizer.draw(
+        &draw,
+        Target {
+            width,
+            texels: image.layer_mut(cast.layer),
+            ids: &mut [],
+            other,
+            clear,
+        },
+    );
 }
 
 fn mode(mode: CastMode, format: Format) -> Mode {

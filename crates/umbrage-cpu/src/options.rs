@@ -28,7 +28,10 @@ impl CpuOptions {
     /// The same with a number of threads.
     #[must_use]
     pub fn threads(self, threads: usize) -> Self {
-        Self { threads: Some(threads), ..self }
+        Self {
+            threads: Some(threads),
+            ..self
+        }
     }
 
     /// The same with other instructions.
@@ -45,12 +48,19 @@ impl CpuOptions {
 
     /// Its own pool, if it asks for one.
     pub(crate) fn pool(&self) -> Result<Option<ThreadPool>, BackendError> {
-        let Some(threads) = self.threads else { return Ok(None) };
+        let Some(threads) = self.threads else {
+            return Ok(None);
+        };
         if threads == 0 || threads > MAX_THREADS {
             let mend = format!("use 1 to {MAX_THREADS}, or none for one a core");
             return Err(Invalid::new("number of threads", format!("is {threads}"), mend).into());
         }
-        let pool = ThreadPoolBuilder::new().num_threads(threads).thread_name(|i| format!("umbrage-cpu-{i}")).build();
-        pool.map(Some).map_err(|e| BackendError::OutOfMemory(format!("{threads} threads could not be started ({e})")))
+        let pool = ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .thread_name(|i| format!("umbrage-cpu-{i}"))
+            .build();
+        pool.map(Some).map_err(|e| {
+            BackendError::OutOfMemory(format!("{threads} threads could not be started ({e})"))
+        })
     }
 }

@@ -4,12 +4,16 @@ use crate::{CpuOptions, casts, raster::Rasterizer, receivers, stages};
 use rayon::ThreadPool;
 use std::time::{Duration, Instant};
 use umbrage_core::{
-    Backend, BackendError, Camera, Cast, Geometry, Image, Invalid, Limits, MAX_SIDE, Receivers, Recipe, Shadows, Simd,
-    Snapping, Source, Timings, View,
+    Backend, BackendError, Camera, Cast, Geometry, Image, Invalid, Limits, MAX_SIDE, Receivers,
+    Recipe, Shadows, Simd, Snapping, Source, Timings, View,
 };
 
 /// What the player takes on.
-const LIMITS: Limits = Limits { image_side: MAX_SIDE, layers: 2048, table_bytes: 2 << 30 };
+const LIMITS: Limits = Limits {
+    image_side: MAX_SIDE,
+    layers: 2048,
+    table_bytes: 2 << 30,
+};
 
 /// The CPU player. Its images and working memory are kept from call to call, so rendering views of the same size again
 /// allocates nothing but what it hands out.
@@ -44,16 +48,26 @@ impl Cpu {
     }
 
     fn build(pool: Option<ThreadPool>, simd: Simd, snapping: Snapping) -> Self {
-        let threads = pool.as_ref().map_or_else(rayon::current_num_threads, ThreadPool::current_num_threads);
+        let threads = pool
+            .as_ref()
+            .map_or_else(rayon::current_num_threads, ThreadPool::current_num_threads);
         let plural = if threads == 1 { "" } else { "s" };
         let name = format!("cpu ({threads} thread{plural}, {})", instructions(simd));
-        Self { name, pool, simd, rasterizer: Rasterizer::new(snapping), images: Vec::new() }
+        Self {
+            name,
+            pool,
+            simd,
+            rasterizer: Rasterizer::new(snapping),
+            images: Vec::new(),
+        }
     }
 
     /// Runs `f` on this player's threads.
     pub(crate) fn install<R: Send>(&mut self, f: impl FnOnce(&mut Self) -> R + Send) -> R {
         // The pool steps aside, so that `f` can have the rest.
-        let Some(pool) = self.pool.take() else { return f(self) };
+        let Some(pool) = self.pool.take() else {
+            return f(self);
+        };
         let result = pool.install(|| f(self));
         self.pool = Some(pool);
         result
@@ -63,7 +77,11 @@ impl Cpu {
     ///
     /// # Errors
     /// When the camera is unusable.
-    pub fn receivers(&mut self, camera: &Camera, geometry: &Geometry) -> Result<Receivers, BackendError> {
+    pub fn receivers(
+        &mut self,
+        camera: &Camera,
+        geometry: &Geometry,
+    ) -> Result<Receivers, BackendError> {
         camera.validate()?;
         Ok(self.install(|cpu| receivers::find(&mut cpu.rasterizer, cpu.simd, camera, geometry)))
     }
@@ -72,7 +90,11 @@ impl Cpu {
     ///
     /// # Errors
     /// When the camera is unusable.
-    pub fn shaded_receivers(&mut self, camera: &Camera, geometry: &Geometry) -> Result<Receivers, BackendError> {
+    pub fn shaded_receivers(
+        &mut self,
+        camera: &Camera,
+        geometry: &Geometry,
+    ) -> Result<Receivers, BackendError> {
         let mut found = self.receivers(camera, geometry)?;
         self.install(|_| receivers::shade(&mut found, camera, geometry));
         Ok(found)
@@ -87,22 +109,45 @@ impl Cpu {
         check(view, recipe)?;
         let mut timings = Timings::default();
         let made = match (view.receivers, view.geometry) {
-            (None, Some(geometry)) => Some(timed(&mut timings.receivers, || self.receivers(view.camera, geometry))?),
+            (None, Some(geometry)) => Some(timed(&mut timings.receivers, || {
+                self.receivers(view.camera, geometry)
+            })?),
             _ => None,
         };
-        let Some(receivers) = view.receivers.or(made.as_ref()) else { return Err(nothing_seen().into()) };
+        let Some(receivers) = view.receivers.or(made.as_ref()) else {
+            return Err(nothing_seen().into());
+        };
         stages::prepare_images(&mut self.images, recipe);
         if !recipe.casts.is_empty() {
             timed(&mut timings.cast, || self.cast_all(view.geometry, recipe));
         }
         if !recipe.filters.is_empty() {
-            timed(&mut timings.filter, || stages::filter_all(&mut self.images, recipe, self.simd));
+            timed(&mut timings.filter, || {
+                stages::filter_all(&mut self.images, recipe, self.simd)
+            });
         }
-        let mask = timed(&mut timings.receive, || stages::receive(&self.images, recipe, receivers, self.simd));
-        let picture = recipe.shade.as_ref().map(|shade| stages::shade(shade, receivers, &mask));
+        let mask = timed(&mut timings.receive, || {
+            stages::receive(&self.images, recipe, receivers, self.simd)
+        });
+        let picture = recipe
+            .shade
+            .as_ref()
+            .map(|shade| stages::shade(shade, receivers, &mask));
         let bytes = image_bytes(recipe) + recipe.table_bytes() + receivers::bytes(receivers);
-        let images = if recipe.keep_images { self.images.clone() } else { Vec::new() };
-        Ok(Shadows { size: view.camera.size, mask, receivers: made, picture, images, timings, bytes })
+        let images = if recipe.keep_images {
+            self.images.clone()
+        } else {
+            Vec::new()
+        };
+        Ok(Shadows {
+            size: view.camera.size,
+            mask,
+            receivers: made,
+            picture,
+            images,
+            timings,
+            bytes,
+        })
     }
 
     /// Plays all that comes before the lookup.
@@ -118,7 +163,14 @@ impl Cpu {
         let nothing = Geometry::default();
         for index in 0..recipe.casts.len() {
             let geometry = geometry.unwrap_or(&nothing);
-            casts::play(&mut self.rasterizer, &mut self.images, recipe, index, geometry, self.simd);
+            casts::play(
+                &mut self.rasterizer,
+                &mut self.images,
+                recipe,
+                index,
+                geometry,
+                self.simd,
+            );
         }
     }
 }
@@ -151,7 +203,11 @@ fn timed<R>(slot: &mut Option<Duration>, f: impl FnOnce() -> R) -> R {
 
 fn instructions(simd: Simd) -> String {
     match simd {
-        Simd::Native => format!("{:?}", pulp::Arch::new()).split(['(', ' ']).next().unwrap_or("native").to_owned(),
+        Simd::Native => format!("{:?}", pulp::Arch::new())
+            .split(['(', ' '])
+            .next()
+            .unwrap_or("native")
+            .to_owned(),
         Simd::Baseline => "baseline".to_owned(),
     }
 }
@@ -164,7 +220,8 @@ fn check(view: &View<'_>, recipe: &Recipe) -> Result<(), Invalid> {
     if view.geometry.is_none() && recipe.casts.iter().any(from_geometry) {
         return Err(nothing_to_cast());
     }
-    view.receivers.map_or(Ok(()), |r| receivers::check(r, view.camera.size))
+    view.receivers
+        .map_or(Ok(()), |r| receivers::check(r, view.camera.size))
 }
 
 /// Objects to recipes that this player cannot play.
@@ -178,9 +235,17 @@ fn image_bytes(recipe: &Recipe) -> u64 {
 }
 
 fn nothing_to_cast() -> Invalid {
-    Invalid::new("view", "has no geometry, but the recipe casts", "set `geometry`: the CPU player draws its triangles")
+    Invalid::new(
+        "view",
+        "has no geometry, but the recipe casts",
+        "set `geometry`: the CPU player draws its triangles",
+    )
 }
 
 pub(crate) fn nothing_seen() -> Invalid {
-    Invalid::new("view", "has neither receivers nor geometry", "set `receivers`, or `geometry` to find them from")
+    Invalid::new(
+        "view",
+        "has neither receivers nor geometry",
+        "set `receivers`, or `geometry` to find them from",
+    )
 }

@@ -10,7 +10,12 @@ use umbrage_core::{
 };
 
 /// What a valid camera sees.
-pub(crate) fn find(rasterizer: &mut Rasterizer, simd: Simd, camera: &Camera, geometry: &Geometry) -> Receivers {
+pub(crate) fn find(
+    rasterizer: &mut Rasterizer,
+    simd: Simd,
+    camera: &Camera,
+    geometry: &Geometry,
+) -> Receivers {
     let mut found = Receivers::empty(camera.size);
     let draw = Draw {
         positions: geometry.positions(),
@@ -25,7 +30,16 @@ pub(crate) fn find(rasterizer: &mut Rasterizer, simd: Simd, camera: &Camera, geo
     };
     let width = camera.size.x as usize;
     let (texels, ids) = (&mut found.depth, &mut found.triangle);
-    rasterizer.draw(&draw, Target { width, texels, ids, other: &[], clear: true });
+    rasterizer.draw(
+        &draw,
+        Target {
+            width,
+            texels,
+            ids,
+            other: &[],
+            clear: true,
+        },
+    );
     resolve_all(&mut found, camera, geometry);
     found
 }
@@ -42,25 +56,36 @@ struct Row<'a> {
 
 fn resolve_all(r: &mut Receivers, camera: &Camera, geometry: &Geometry) {
     let (width, rays, receivers) = (camera.size.x as usize, camera.rays(), geometry.receivers());
-    let positions = (r.x.par_chunks_mut(width), r.y.par_chunks_mut(width), r.z.par_chunks_mut(width));
-    let normals = (r.nx.par_chunks_mut(width), r.ny.par_chunks_mut(width), r.nz.par_chunks_mut(width));
+    let positions = (
+        r.x.par_chunks_mut(width),
+        r.y.par_chunks_mut(width),
+        r.z.par_chunks_mut(width),
+    );
+    let normals = (
+        r.nx.par_chunks_mut(width),
+        r.ny.par_chunks_mut(width),
+        r.nz.par_chunks_mut(width),
+    );
     let others = (
         r.depth.par_chunks_mut(width),
         r.distance.par_chunks_mut(width),
         r.triangle.par_chunks_mut(width),
         r.receives.par_chunks_mut(width),
     );
-    (positions, normals, others).into_par_iter().enumerate().for_each(|(y, (p, n, o))| {
-        let row = Row {
-            position: [p.0, p.1, p.2],
-            normal: [n.0, n.1, n.2],
-            depth: o.0,
-            distance: o.1,
-            triangle: o.2,
-            receives: o.3,
-        };
-        row.resolve(y as u32, &rays, geometry, &receivers);
-    });
+    (positions, normals, others)
+        .into_par_iter()
+        .enumerate()
+        .for_each(|(y, (p, n, o))| {
+            let row = Row {
+                position: [p.0, p.1, p.2],
+                normal: [n.0, n.1, n.2],
+                depth: o.0,
+                distance: o.1,
+                triangle: o.2,
+                receives: o.3,
+            };
+            row.resolve(y as u32, &rays, geometry, &receivers);
+        });
 }
 
 impl Row<'_> {
@@ -94,11 +119,22 @@ impl Row<'_> {
 pub(crate) fn shade(r: &mut Receivers, camera: &Camera, geometry: &Geometry) {
     let (width, rays) = (r.size.x as usize, camera.rays());
     let mut normals = vec![Vec3::ZERO; r.len()];
-    normals.par_iter_mut().enumerate().filter(|(i, _)| r.triangle[*i] != NO_TRIANGLE).for_each(|(i, out)| {
-        let d = at_pixel(rays.dir, rays.dir_dx, rays.dir_dy, (i % width) as u32, (i / width) as u32);
-        let shaded = shading_normal(geometry, r.triangle[i], r.position(i)).normalize_or(r.normal(i));
-        *out = if shaded.dot(d) > 0.0 { -shaded } else { shaded };
-    });
+    normals
+        .par_iter_mut()
+        .enumerate()
+        .filter(|(i, _)| r.triangle[*i] != NO_TRIANGLE)
+        .for_each(|(i, out)| {
+            let d = at_pixel(
+                rays.dir,
+                rays.dir_dx,
+                rays.dir_dy,
+                (i % width) as u32,
+                (i / width) as u32,
+            );
+            let shaded =
+                shading_normal(geometry, r.triangle[i], r.position(i)).normalize_or(r.normal(i));
+            *out = if shaded.dot(d) > 0.0 { -shaded } else { shaded };
+        });
     r.shading_normals = normals;
 }
 
@@ -109,14 +145,26 @@ fn shading_normal(geometry: &Geometry, triangle: u32, p: Vec3) -> Vec3 {
     let weight = |q: Vec3, r: Vec3| n.dot((q - p).cross(r - p));
     let weights = [weight(b, c), weight(c, a), weight(a, b)];
     let corners = geometry.triangles()[triangle as usize];
-    corners.iter().zip(weights).map(|(&v, w)| geometry.normals()[v as usize] * w).sum::<Vec3>() / n.length_squared()
+    corners
+        .iter()
+        .zip(weights)
+        .map(|(&v, w)| geometry.normals()[v as usize] * w)
+        .sum::<Vec3>()
+        / n.length_squared()
 }
 
 /// Objects to receivers that don't belong to an image of this size.
 pub(crate) fn check(r: &Receivers, size: UVec2) -> Result<(), Invalid> {
     if r.size != size {
-        let why = format!("are {} x {} pixels, but the camera's image is {} x {}", r.size.x, r.size.y, size.x, size.y);
-        return Err(Invalid::new("receivers", why, "make them with the same camera"));
+        let why = format!(
+            "are {} x {} pixels, but the camera's image is {} x {}",
+            r.size.x, r.size.y, size.x, size.y
+        );
+        return Err(Invalid::new(
+            "receivers",
+            why,
+            "make them with the same camera",
+        ));
     }
     r.validate()
 }

@@ -7,8 +7,8 @@ use crate::{
     receivers, stages,
 };
 use umbrage_core::{
-    BackendError, Cast, CastMode, Format, Geometry, Image, ImageDesc, Invalid, MAX_SIDE, Receivers, Recipe, Source,
-    View, glam::UVec2,
+    BackendError, Cast, CastMode, Format, Geometry, Image, ImageDesc, Invalid, MAX_SIDE, Receivers,
+    Recipe, Source, View, glam::UVec2,
 };
 
 impl Cpu {
@@ -17,14 +17,34 @@ impl Cpu {
     ///
     /// # Errors
     /// When the size is zero or too large, or the cast is of another mode.
-    pub fn cast(&mut self, geometry: &Geometry, cast: &Cast, size: UVec2) -> Result<Image, BackendError> {
+    pub fn cast(
+        &mut self,
+        geometry: &Geometry,
+        cast: &Cast,
+        size: UVec2,
+    ) -> Result<Image, BackendError> {
         if size.min_element() == 0 || size.max_element() > MAX_SIDE {
             let why = format!("is {} x {} texels", size.x, size.y);
             let mend = format!("use 1 to {MAX_SIDE} on each side");
             return Err(Invalid::new("depth image", why, mend).into());
         }
-        let mut image = Image::filled(ImageDesc { label: "depth", size, layers: 1, format: Format::Depth32 }, 1.0);
-        self.cast_into(geometry, &Cast { layer: 0, ..cast.clone() }, &mut image)?;
+        let mut image = Image::filled(
+            ImageDesc {
+                label: "depth",
+                size,
+                layers: 1,
+                format: Format::Depth32,
+            },
+            1.0,
+        );
+        self.cast_into(
+            geometry,
+            &Cast {
+                layer: 0,
+                ..cast.clone()
+            },
+            &mut image,
+        )?;
         Ok(image)
     }
 
@@ -33,11 +53,21 @@ impl Cpu {
     ///
     /// # Errors
     /// When the image holds no depth, or doesn't have the cast's layer, or the cast is of another mode.
-    pub fn cast_into(&mut self, geometry: &Geometry, cast: &Cast, image: &mut Image) -> Result<(), BackendError> {
+    pub fn cast_into(
+        &mut self,
+        geometry: &Geometry,
+        cast: &Cast,
+        image: &mut Image,
+    ) -> Result<(), BackendError> {
         let fits = image.desc.format.is_depth() && image.texels.len() as u64 == image.desc.floats();
         if !fits || cast.layer >= image.desc.layers {
             let why = format!("has no layer {} of depth", cast.layer);
-            return Err(Invalid::new(format!("image `{}`", image.desc.label), why, "use a depth image").into());
+            return Err(Invalid::new(
+                format!("image `{}`", image.desc.label),
+                why,
+                "use a depth image",
+            )
+            .into());
         }
         if cast.mode != CastMode::Nearest {
             let why = format!("is {:?}, which reads another image", cast.mode);
@@ -46,7 +76,11 @@ impl Cpu {
         if let Source::Faces(faces) = &cast.source {
             faces.validate()?;
         }
-        let canvas = Canvas { image, other: &[], clear: true };
+        let canvas = Canvas {
+            image,
+            other: &[],
+            clear: true,
+        };
         self.install(|cpu| casts::draw(&mut cpu.rasterizer, canvas, cast, geometry, cpu.simd));
         Ok(())
     }
@@ -65,9 +99,21 @@ impl Cpu {
     ) -> Result<Image, BackendError> {
         check_recipe(recipe)?;
         check_images(recipe, images)?;
-        let cast = recipe.casts.get(index).ok_or_else(|| no_such("casts", recipe.casts.len(), index))?;
+        let cast = recipe
+            .casts
+            .get(index)
+            .ok_or_else(|| no_such("casts", recipe.casts.len(), index))?;
         let mut images = images.to_vec();
-        self.install(|cpu| casts::play(&mut cpu.rasterizer, &mut images, recipe, index, geometry, cpu.simd));
+        self.install(|cpu| {
+            casts::play(
+                &mut cpu.rasterizer,
+                &mut images,
+                recipe,
+                index,
+                geometry,
+                cpu.simd,
+            )
+        });
         Ok(images.swap_remove(cast.image))
     }
 
@@ -75,9 +121,17 @@ impl Cpu {
     ///
     /// # Errors
     /// When the recipe has no such filter, or the images are not the recipe's.
-    pub fn replay_filter(&mut self, recipe: &Recipe, index: usize, images: &[Image]) -> Result<Image, BackendError> {
+    pub fn replay_filter(
+        &mut self,
+        recipe: &Recipe,
+        index: usize,
+        images: &[Image],
+    ) -> Result<Image, BackendError> {
         check_images(recipe, images)?;
-        let filter = recipe.filters.get(index).ok_or_else(|| no_such("filters", recipe.filters.len(), index))?;
+        let filter = recipe
+            .filters
+            .get(index)
+            .ok_or_else(|| no_such("filters", recipe.filters.len(), index))?;
         let desc = images[filter.output].desc;
         let mut out = Image::filled(desc, 0.0);
         self.install(|cpu| stages::filter(images, filter, &desc, &mut out.texels, cpu.simd));
@@ -96,7 +150,9 @@ impl Cpu {
         images: &[Image],
     ) -> Result<Vec<f32>, BackendError> {
         check_images(recipe, images)?;
-        self.with_receivers(view, |cpu, receivers| stages::receive(images, recipe, receivers, cpu.simd))
+        self.with_receivers(view, |cpu, receivers| {
+            stages::receive(images, recipe, receivers, cpu.simd)
+        })
     }
 
     /// Plays a recipe's shading from a mask: the picture. The view needs its receivers, or geometry.
@@ -137,16 +193,25 @@ impl Cpu {
 }
 
 fn no_such(what: &str, count: usize, index: usize) -> Invalid {
-    Invalid::new("recipe", format!("has {count} {what}, and number {index} was asked for"), "count from 0")
+    Invalid::new(
+        "recipe",
+        format!("has {count} {what}, and number {index} was asked for"),
+        "count from 0",
+    )
 }
 
 fn check_images(recipe: &Recipe, images: &[Image]) -> Result<(), Invalid> {
     let fits = |(image, desc): (&Image, &ImageDesc)| {
-        let same = (image.desc.size, image.desc.layers, image.desc.format) == (desc.size, desc.layers, desc.format);
+        let same = (image.desc.size, image.desc.layers, image.desc.format)
+            == (desc.size, desc.layers, desc.format);
         same && image.texels.len() as u64 == desc.floats()
     };
     if images.len() == recipe.images.len() && images.iter().zip(&recipe.images).all(fits) {
         return Ok(());
     }
-    Err(Invalid::new("images", "differ in number, size or format from the recipe's", "give what the recipe describes"))
+    Err(Invalid::new(
+        "images",
+        "differ in number, size or format from the recipe's",
+        "give what the recipe describes",
+    ))
 }

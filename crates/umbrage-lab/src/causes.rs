@@ -17,18 +17,51 @@ pub struct Fault {
 
 /// One fault a cause.
 pub fn faults() -> [Fault; 5] {
-    let map = |size, bias| ShadowMap { size, bias, ..ShadowMap::default() };
-    let hard = |size, bias| Arc::new(Hard { map: map(size, bias) });
+    let map = |size, bias| ShadowMap {
+        size,
+        bias,
+        ..ShadowMap::default()
+    };
+    let hard = |size, bias| {
+        Arc::new(Hard {
+            map: map(size, bias),
+        })
+    };
     [
-        Fault { scene: "cause-acne", technique: hard(512, Bias::NONE), cause: Cause::Acne },
+        Fault {
+            scene: "cause-acne",
+            technique: hard(512, Bias::NONE),
+            cause: Cause::Acne,
+        },
         // A fiftieth of the depth range: a bare constant, such as first attempts use.
-        Fault { scene: "cause-gap", technique: hard(2048, Bias { constant: 0.02, ..Bias::NONE }), cause: Cause::Gap },
+        Fault {
+            scene: "cause-gap",
+            technique: hard(
+                2048,
+                Bias {
+                    constant: 0.02,
+                    ..Bias::NONE
+                },
+            ),
+            cause: Cause::Gap,
+        },
         Fault {
             scene: "cause-leak",
-            technique: Arc::new(SecondDepth { map: map(512, Bias::FRONT_CULL), radius: 0 }),
+            technique: Arc::new(SecondDepth {
+                map: map(512, Bias::FRONT_CULL),
+                radius: 0,
+            }),
             cause: Cause::Leak,
         },
-        Fault { scene: "cause-edge", technique: hard(64, Bias::ADAPTIVE), cause: Cause::Edge },
-        Fault { scene: "cause-penumbra", technique: hard(1024, Bias::ADAPTIVE), cause: Cause::Penumbra },
+        Fault {
+            scene: "cause-edge",
+            technique: hard(64, Bias::ADAPTIVE),
+            cause: Cause::Edge,
+        },
+        Fault {
+            scene: "cause-penumbra",
+            technique: hard(1024, Bias::ADAPTIVE),
+            cause: Cause::Penumbra,
+        },
     ]
 }

@@ -12,12 +12,17 @@ pub(crate) struct Cheat<F> {
 
 impl<F: FnMut(&mut Shadows)> Cheat<F> {
     pub(crate) fn new(spoil: F) -> Self {
-        Self { cpu: Cpu::new(), spoil, says: Snapping::default() }
+        Self {
+            cpu: Cpu::new(),
+            spoil,
+            says: Snapping::default(),
+        }
     }
 
     /// One that rounds vertices so, and says that it rounds otherwise.
     pub(crate) fn rounding(does: Snapping, says: Snapping, spoil: F) -> Self {
-        let cpu = Cpu::with_options(&CpuOptions::default().snapping(does)).expect("a known rounding");
+        let cpu =
+            Cpu::with_options(&CpuOptions::default().snapping(does)).expect("a known rounding");
         Self { cpu, spoil, says }
     }
 }
@@ -41,6 +46,10 @@ impl<F: FnMut(&mut Shadows)> Backend for Cheat<F> {
 
 /// Darkens a pixel that is lit, far from any doubt: the last one.
 pub(crate) fn darken_one(shadows: &mut Shadows) {
-    let lit = shadows.mask.iter().rposition(|v| *v == 1.0).expect("something is lit");
+    let lit = shadows
+        .mask
+        .iter()
+        .rposition(|v| *v == 1.0)
+        .expect("something is lit");
     shadows.mask[lit] = 0.0;
 }

@@ -3,7 +3,8 @@
 use glam::UVec2;
 use image::ImageResult;
 use umbrage_core::{
-    Fit, Geometry, Invalid, LightMarker, PlanError, Receivers, Recipe, Scene, ShadowTechnique, Shadows, View,
+    Fit, Geometry, Invalid, LightMarker, PlanError, Receivers, Recipe, Scene, ShadowTechnique,
+    Shadows, View,
 };
 use umbrage_techniques::{BlinnPhong, Shading};
 
@@ -19,12 +20,25 @@ impl Stage {
     /// Of a scene with a light and a camera. A directional light is marked at the eye of the scene's own fit, if it has
     /// one.
     pub(crate) fn new(scene: &Scene, fit: Option<Fit>) -> Result<Self, Invalid> {
-        let directional_at = fit.and_then(|fit| if let Fit::Manual { eye, .. } = fit { Some(eye) } else { None });
-        let scene = scene.with_light_marker(LightMarker { directional_at, ..LightMarker::default() });
+        let directional_at = fit.and_then(|fit| {
+            if let Fit::Manual { eye, .. } = fit {
+                Some(eye)
+            } else {
+                None
+            }
+        });
+        let scene = scene.with_light_marker(LightMarker {
+            directional_at,
+            ..LightMarker::default()
+        });
         let geometry = Geometry::bake(&scene)?;
         let view = view(&scene, &geometry)?;
         let shading = BlinnPhong::default().shading(&scene, &view)?;
-        Ok(Self { scene, geometry, shading })
+        Ok(Self {
+            scene,
+            geometry,
+            shading,
+        })
     }
 
     /// What the camera sees of it.
@@ -33,20 +47,38 @@ impl Stage {
     }
 
     /// A technique's recipe that also shades. `receivers` are those of the scene; the marker is none of them.
-    pub(crate) fn plan(&self, technique: &dyn ShadowTechnique, receivers: &Receivers) -> Result<Recipe, PlanError> {
-        Ok(self.shading.add_to(technique.plan(&self.view()?.with_receivers(receivers))?))
+    pub(crate) fn plan(
+        &self,
+        technique: &dyn ShadowTechnique,
+        receivers: &Receivers,
+    ) -> Result<Recipe, PlanError> {
+        Ok(self
+            .shading
+            .add_to(technique.plan(&self.view()?.with_receivers(receivers))?))
     }
 }
 
 fn view<'a>(scene: &'a Scene, geometry: &'a Geometry) -> Result<View<'a>, Invalid> {
-    let missing = || Invalid::new(format!("scene `{}`", scene.name), "has no camera or no light", "add one");
-    let (camera, light) = scene.cameras.first().zip(scene.lights.first()).ok_or_else(missing)?;
+    let missing = || {
+        Invalid::new(
+            format!("scene `{}`", scene.name),
+            "has no camera or no light",
+            "add one",
+        )
+    };
+    let (camera, light) = scene
+        .cameras
+        .first()
+        .zip(scene.lights.first())
+        .ok_or_else(missing)?;
     Ok(View::new(camera, light, geometry))
 }
 
 /// A shaded picture as a PNG; none if the recipe didn't shade.
 pub(crate) fn png(size: UVec2, shadows: &Shadows) -> Option<ImageResult<Vec<u8>>> {
-    shadows.picture_bytes().map(|rgb| crate::report::pictures::encode_rgb(size, &rgb))
+    shadows
+        .picture_bytes()
+        .map(|rgb| crate::report::pictures::encode_rgb(size, &rgb))
 }
 
 /// At how many pixels two pictures differ by more than one step of 255 though their masks agree within one and they show the
@@ -59,7 +91,12 @@ pub(crate) fn differing(a: &Shadows, b: &Shadows) -> Option<u64> {
     let masks = a.mask.iter().zip(&b.mask).enumerate();
     let masks = masks.map(|(i, pair)| alike(pair) && triangle(a, i) == triangle(b, i));
     let pixels = colors.chunks(3).zip(others.chunks(3)).map(far);
-    Some(masks.zip(pixels).filter(|(alike, far)| *alike && *far).count() as u64)
+    Some(
+        masks
+            .zip(pixels)
+            .filter(|(alike, far)| *alike && *far)
+            .count() as u64,
+    )
 }
 
 #[cfg(test)]
@@ -83,12 +120,25 @@ mod tests {
     fn colours_must_agree_where_masks_do() {
         let a = shadows([1.0, 0.0], [0.5, 0.1]);
         assert_eq!(differing(&a, &shadows([1.0, 0.0], [0.5, 0.1])), Some(0));
-        assert_eq!(differing(&a, &shadows([1.0, 0.0], [0.6, 0.1])), Some(1), "a spoilt colour");
+        assert_eq!(
+            differing(&a, &shadows([1.0, 0.0], [0.6, 0.1])),
+            Some(1),
+            "a spoilt colour"
+        );
         assert_eq!(
             differing(&a, &shadows([1.0, 1.0], [0.5, 0.9])),
             Some(0),
             "masks differ there: not a fault of shading"
         );
-        assert_eq!(differing(&a, &Shadows { picture: None, ..a.clone() }), None);
+        assert_eq!(
+            differing(
+                &a,
+                &Shadows {
+                    picture: None,
+                    ..a.clone()
+                }
+            ),
+            None
+        );
     }
 }

@@ -10,7 +10,9 @@
 //! ```
 
 use crate::LabError;
-use kuva::prelude::{Layout, LegendPosition, LinePlot, MarkerShape, Plot, ReferenceLine, ScatterPlot, TickFormat};
+use kuva::prelude::{
+    Layout, LegendPosition, LinePlot, MarkerShape, Plot, ReferenceLine, ScatterPlot, TickFormat,
+};
 use std::sync::Arc;
 
 /// A chart.
@@ -145,24 +147,45 @@ pub struct Point {
 impl Point {
     /// Without error bars and text.
     pub fn at(x: f64, y: f64) -> Self {
-        Self { x, y, ..Self::default() }
+        Self {
+            x,
+            y,
+            ..Self::default()
+        }
     }
 }
 
 impl Series {
     /// Markers of a usual size.
-    pub fn points(name: impl Into<String>, color: &str, marker: Marker, points: Vec<Point>) -> Self {
-        Self { name: name.into(), color: color.to_owned(), style: Style::Points(marker, 5.0, 0.9), points }
+    pub fn points(
+        name: impl Into<String>,
+        color: &str,
+        marker: Marker,
+        points: Vec<Point>,
+    ) -> Self {
+        Self {
+            name: name.into(),
+            color: color.to_owned(),
+            style: Style::Points(marker, 5.0, 0.9),
+            points,
+        }
     }
 
     /// A line.
     pub fn line(name: impl Into<String>, color: &str, points: Vec<Point>) -> Self {
-        Self { name: name.into(), color: color.to_owned(), style: Style::Line(2.0), points }
+        Self {
+            name: name.into(),
+            color: color.to_owned(),
+            style: Style::Line(2.0),
+            points,
+        }
     }
 }
 
 /// Colours for series, which all kinds of colour vision tell apart (Okabe, Ito 2008, "Color Universal Design").
-pub const COLORS: [&str; 7] = ["#0072b2", "#e69f00", "#009e73", "#d55e00", "#cc79a7", "#56b4e9", "#555555"];
+pub const COLORS: [&str; 7] = [
+    "#0072b2", "#e69f00", "#009e73", "#d55e00", "#cc79a7", "#56b4e9", "#555555",
+];
 
 /// Lines of reference, darker than all series.
 const REFERENCE: &str = "#7a1f1a";
@@ -192,7 +215,10 @@ impl Figure {
     /// Makes axes logarithmic.
     #[must_use]
     pub fn log(self, x: bool, y: bool) -> Self {
-        Self { log: [x, y], ..self }
+        Self {
+            log: [x, y],
+            ..self
+        }
     }
 
     /// Adds a series.
@@ -208,7 +234,11 @@ impl Figure {
         let svg = kuva::render_to_svg(plots, layout);
         // Without a view box it would be cropped, not scaled, where a page shows it at another size.
         let [width, height] = self.size;
-        unnumbered(&svg).replacen("<svg ", &format!("<svg viewBox=\"0 0 {width} {height}\" "), 1)
+        unnumbered(&svg).replacen(
+            "<svg ",
+            &format!("<svg viewBox=\"0 0 {width} {height}\" "),
+            1,
+        )
     }
 
     /// As a picture of pixels.
@@ -217,7 +247,10 @@ impl Figure {
     /// When the renderer fails.
     pub fn png(&self) -> Result<Vec<u8>, LabError> {
         let (plots, layout) = self.plots();
-        let failed = |e: String| LabError::Write { path: "figure".into(), source: std::io::Error::other(e) };
+        let failed = |e: String| LabError::Write {
+            path: "figure".into(),
+            source: std::io::Error::other(e),
+        };
         kuva::render_to_png(plots, layout, PNG_SCALE).map_err(failed)
     }
 
@@ -227,8 +260,10 @@ impl Figure {
             // The renderer needs something to lay its axes out for.
             let corners = vec![Point::at(1.0, 1.0), Point::at(10.0, 10.0)];
             let unseen = Style::Points(Marker::Circle, 0.1, 1.0);
-            plots
-                .extend(self.plot(&Series { style: unseen, ..Series::points("", "#ffffff", Marker::Circle, corners) }));
+            plots.extend(self.plot(&Series {
+                style: unseen,
+                ..Series::points("", "#ffffff", Marker::Circle, corners)
+            }));
         }
         // A marker too small to see carries the text.
         let notes = Series {
@@ -237,11 +272,23 @@ impl Figure {
         };
         plots.extend(self.plot(&notes));
         // Drawn where something is anyway, and as small: only the legend shows their shapes.
-        let anywhere = self.series.iter().flat_map(|s| &s.points).find(|p| self.shows(p));
-        for Key { name, marker, color } in anywhere.iter().flat_map(|_| &self.keys) {
+        let anywhere = self
+            .series
+            .iter()
+            .flat_map(|s| &s.points)
+            .find(|p| self.shows(p));
+        for Key {
+            name,
+            marker,
+            color,
+        } in anywhere.iter().flat_map(|_| &self.keys)
+        {
             let style = Style::Points(*marker, 0.1, 1.0);
             let places = anywhere.map(|p| Point::at(p.x, p.y)).into_iter().collect();
-            plots.extend(self.plot(&Series { style, ..Series::points(name, color, *marker, places) }));
+            plots.extend(self.plot(&Series {
+                style,
+                ..Series::points(name, color, *marker, places)
+            }));
         }
         let mut layout = Layout::auto_from_plots(&plots)
             .with_title(&self.title)
@@ -273,8 +320,12 @@ impl Figure {
 
     fn reference(&self, reference: &Reference) -> Option<ReferenceLine> {
         let (line, label, shown) = match reference {
-            Reference::Across(v, label) => (ReferenceLine::vertical(*v), label, fits(*v, self.log[0])),
-            Reference::Up(v, label) => (ReferenceLine::horizontal(*v), label, fits(*v, self.log[1])),
+            Reference::Across(v, label) => {
+                (ReferenceLine::vertical(*v), label, fits(*v, self.log[0]))
+            }
+            Reference::Up(v, label) => {
+                (ReferenceLine::horizontal(*v), label, fits(*v, self.log[1]))
+            }
         };
         shown.then(|| line.with_color(REFERENCE).with_label(label.clone()))
     }
@@ -287,17 +338,31 @@ impl Figure {
         let xy = points.iter().map(|p| (p.x, p.y));
         Some(match series.style {
             Style::Line(width) | Style::Dashed(width) => {
-                let mut line = LinePlot::new().with_data(xy).with_color(&series.color).with_stroke_width(width);
+                let mut line = LinePlot::new()
+                    .with_data(xy)
+                    .with_color(&series.color)
+                    .with_stroke_width(width);
                 if matches!(series.style, Style::Dashed(_)) {
                     line = line.with_dashed();
                 }
-                if series.name.is_empty() { line.into() } else { line.with_legend(&series.name).into() }
+                if series.name.is_empty() {
+                    line.into()
+                } else {
+                    line.with_legend(&series.name).into()
+                }
             }
             Style::Points(marker, radius, opacity) => {
-                let scatter = ScatterPlot::new().with_data(xy).with_color(&series.color).with_marker(marker.shape());
+                let scatter = ScatterPlot::new()
+                    .with_data(xy)
+                    .with_color(&series.color)
+                    .with_marker(marker.shape());
                 let scatter = scatter.with_size(radius).with_marker_opacity(opacity);
                 let scatter = annotated(scatter, &points);
-                if series.name.is_empty() { scatter.into() } else { scatter.with_legend(&series.name).into() }
+                if series.name.is_empty() {
+                    scatter.into()
+                } else {
+                    scatter.with_legend(&series.name).into()
+                }
             }
         })
     }
@@ -321,7 +386,9 @@ fn annotated(mut scatter: ScatterPlot, points: &[&Point]) -> ScatterPlot {
         scatter = scatter.with_y_err_asymmetric(points.iter().map(|p| arms(p.y, p.y_range)));
     }
     if points.iter().any(|p| !p.label.is_empty()) {
-        scatter = scatter.with_labels(points.iter().map(|p| p.label.clone())).with_repel_labels();
+        scatter = scatter
+            .with_labels(points.iter().map(|p| p.label.clone()))
+            .with_repel_labels();
     }
     scatter
 }
@@ -331,7 +398,9 @@ fn unnumbered(svg: &str) -> String {
     let mark = "kuva-clip-";
     let mut parts = svg.split(mark);
     let first = parts.next().unwrap_or_default().to_owned();
-    parts.fold(first, |out, part| out + "clip" + part.trim_start_matches(|c: char| c.is_ascii_digit()))
+    parts.fold(first, |out, part| {
+        out + "clip" + part.trim_start_matches(|c: char| c.is_ascii_digit())
+    })
 }
 
 /// `0.001`, `0.5`, `20`, `1e6`: as short as it goes.

@@ -18,9 +18,17 @@ impl Page<'_> {
     /// # Errors
     /// When the data can't be written as JSON.
     pub(crate) fn html(&self, data: &impl Serialize) -> serde_json::Result<String> {
-        let Self { title, style, body, scripts } = self;
+        let Self {
+            title,
+            style,
+            body,
+            scripts,
+        } = self;
         let data = for_script(&serde_json::to_string(data)?);
-        let scripts: String = scripts.iter().map(|script| format!("<script>{script}</script>\n")).collect();
+        let scripts: String = scripts
+            .iter()
+            .map(|script| format!("<script>{script}</script>\n"))
+            .collect();
         Ok(format!(
             r#"<!doctype html>
 <html lang="en">
@@ -42,7 +50,9 @@ impl Page<'_> {
 
 /// JSON that no script element ends within: `<` is written as an escape.
 fn for_script(json: &str) -> String {
-    json.replace('<', "\\u003c").replace('\u{2028}', "\\u2028").replace('\u{2029}', "\\u2029")
+    json.replace('<', "\\u003c")
+        .replace('\u{2028}', "\\u2028")
+        .replace('\u{2029}', "\\u2029")
 }
 
 #[cfg(test)]
@@ -51,13 +61,27 @@ mod tests {
 
     #[test]
     fn data_cannot_end_its_element_and_comes_back() {
-        let page = Page { title: "t", style: "s { }", body: "<main></main>\n", scripts: &["one()", "two()"] };
+        let page = Page {
+            title: "t",
+            style: "s { }",
+            body: "<main></main>\n",
+            scripts: &["one()", "two()"],
+        };
         let data = "</script><img> {style} \u{2028}";
         let html = page.html(&data).expect("a string");
-        assert_eq!((html.matches("</script>").count(), html.matches("<img>").count()), (3, 0));
+        assert_eq!(
+            (
+                html.matches("</script>").count(),
+                html.matches("<img>").count()
+            ),
+            (3, 0)
+        );
         let (_, rest) = html.split_once("id=\"data\">").expect("there");
         let (json, rest) = rest.split_once("</script>").expect("there");
         assert_eq!(serde_json::from_str::<String>(json).expect("valid"), data);
-        assert_eq!(rest, "\n<script>one()</script>\n<script>two()</script>\n</body>\n</html>\n");
+        assert_eq!(
+            rest,
+            "\n<script>one()</script>\n<script>two()</script>\n</body>\n</html>\n"
+        );
     }
 }

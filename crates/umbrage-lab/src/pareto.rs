@@ -3,9 +3,14 @@
 /// Indices of the points (cost, error), less being better, to which no other is better in one and at least as good in the
 /// other; by rising cost. Equal points are all kept; points that hold NaN never are.
 pub fn front(points: &[[f64; 2]]) -> Vec<usize> {
-    let beaten = |p: &[f64; 2]| points.iter().any(|q| q[0] <= p[0] && q[1] <= p[1] && (q[0] < p[0] || q[1] < p[1]));
-    let mut front: Vec<usize> =
-        (0..points.len()).filter(|&i| !points[i].iter().any(|v| v.is_nan()) && !beaten(&points[i])).collect();
+    let beaten = |p: &[f64; 2]| {
+        points
+            .iter()
+            .any(|q| q[0] <= p[0] && q[1] <= p[1] && (q[0] < p[0] || q[1] < p[1]))
+    };
+    let mut front: Vec<usize> = (0..points.len())
+        .filter(|&i| !points[i].iter().any(|v| v.is_nan()) && !beaten(&points[i]))
+        .collect();
     front.sort_by(|&a, &b| points[a][0].total_cmp(&points[b][0]));
     front
 }
@@ -16,7 +21,14 @@ mod tests {
 
     #[test]
     fn beaten_points_are_left_out() {
-        let points = [[3.0, 1.0], [1.0, 3.0], [2.0, 2.0], [2.5, 2.5], [4.0, 1.0], [1.0, 3.0]];
+        let points = [
+            [3.0, 1.0],
+            [1.0, 3.0],
+            [2.0, 2.0],
+            [2.5, 2.5],
+            [4.0, 1.0],
+            [1.0, 3.0],
+        ];
         assert_eq!(front(&points), [1, 5, 2, 0]);
     }
 

@@ -3,7 +3,10 @@
 use crate::builtin::{
     causes,
     closed::{area, everywhere, point_like, room, slits},
-    failures::{distant, fine, lamps, nothing, penumbrae, relief, rooms, scale, shells, stairs, sunlit, volumes},
+    failures::{
+        distant, fine, lamps, nothing, penumbrae, relief, rooms, scale, shells, stairs, sunlit,
+        volumes,
+    },
     figure::figure,
     speed::{hall, statue, terrain, town},
     teapot::teapot_lamp,
@@ -26,18 +29,39 @@ pub fn find(name: &str) -> Option<&'static SceneEntry> {
 type Build = fn() -> Scene;
 
 const fn entry(name: &'static str, kind: Kind, build: Build, summary: &'static str) -> SceneEntry {
-    SceneEntry { name, summary, kind, suite: true, build, fit: None, closed_form: None }
+    SceneEntry {
+        name,
+        summary,
+        kind,
+        suite: true,
+        build,
+        fit: None,
+        closed_form: None,
+    }
 }
 
-const fn closed(name: &'static str, build: Build, samples: fn() -> ClosedForm, summary: &'static str) -> SceneEntry {
-    SceneEntry { closed_form: Some(samples), ..entry(name, Kind::ClosedForm, build, summary) }
+const fn closed(
+    name: &'static str,
+    build: Build,
+    samples: fn() -> ClosedForm,
+    summary: &'static str,
+) -> SceneEntry {
+    SceneEntry {
+        closed_form: Some(samples),
+        ..entry(name, Kind::ClosedForm, build, summary)
+    }
 }
 
 const fn cause(name: &'static str, build: Build, summary: &'static str) -> SceneEntry {
     entry(name, Kind::Cause, build, summary).by_name_only()
 }
 
-const fn failure(name: &'static str, failure: Failure, build: Build, summary: &'static str) -> SceneEntry {
+const fn failure(
+    name: &'static str,
+    failure: Failure,
+    build: Build,
+    summary: &'static str,
+) -> SceneEntry {
     entry(name, Kind::Failure(failure), build, summary)
 }
 
@@ -48,11 +72,17 @@ const fn speed(name: &'static str, build: Build, summary: &'static str) -> Scene
 impl SceneEntry {
     /// Leaves the scene out of the suite.
     const fn by_name_only(self) -> Self {
-        Self { suite: false, ..self }
+        Self {
+            suite: false,
+            ..self
+        }
     }
 
     const fn with_fit(self, fit: umbrage_core::Fit) -> Self {
-        Self { fit: Some(fit), ..self }
+        Self {
+            fit: Some(fit),
+            ..self
+        }
     }
 }
 

@@ -8,7 +8,13 @@ use umbrage_core::{Aabb, Camera, Geometry, Instance, Mesh};
 fn seen(camera: &Camera, triangles: impl Iterator<Item = [Vec3; 3]>) -> Option<[f32; 2]> {
     let space = camera.space();
     let tangents = [0, 1].map(|i| 1.0 / f64::from(space.clip_from_view.col(i)[i]));
-    depth_range(&Pyramid { view_from_world: space.view_from_world, tangents }, triangles)
+    depth_range(
+        &Pyramid {
+            view_from_world: space.view_from_world,
+            tangents,
+        },
+        triangles,
+    )
 }
 
 #[test]
@@ -17,7 +23,10 @@ fn names_are_unique_and_fit_for_a_command_line() {
     for entry in all() {
         assert!(names.insert(entry.name), "{} twice", entry.name);
         assert!(
-            entry.name.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'-'),
+            entry
+                .name
+                .bytes()
+                .all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'-'),
             "{}",
             entry.name
         );
@@ -33,8 +42,16 @@ fn every_scene_is_valid_and_shows_something() {
         let scene = (entry.build)();
         assert_eq!(scene.name, entry.name);
         scene.validate().unwrap();
-        assert!(!scene.lights.is_empty() && scene.cameras.len() == 1, "{}", entry.name);
-        assert!(scene.instances.iter().all(|i| i.material.is_some()), "{}", entry.name);
+        assert!(
+            !scene.lights.is_empty() && scene.cameras.len() == 1,
+            "{}",
+            entry.name
+        );
+        assert!(
+            scene.instances.iter().all(|i| i.material.is_some()),
+            "{}",
+            entry.name
+        );
         let geometry = Geometry::bake(&scene).unwrap();
         let all_triangles = (0..geometry.triangles().len() as u32).map(|t| geometry.corners(t));
         let shows = seen(&scene.cameras[0], all_triangles).is_some();
@@ -71,10 +88,13 @@ fn each_demanded_row_of_the_failures_is_there() {
     assert_eq!(
         found,
         HashSet::from([
-            1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 14, 15, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30
+            1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 14, 15, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27,
+            28, 29, 30
         ])
     );
-    let nothing = all().iter().filter(|entry| entry.kind == Kind::Failure(Failure::Nothing));
+    let nothing = all()
+        .iter()
+        .filter(|entry| entry.kind == Kind::Failure(Failure::Nothing));
     assert_eq!(nothing.count(), 3);
 }
 
@@ -97,7 +117,10 @@ fn speed_scenes_are_as_big_as_they_say() {
 fn roles_are_as_named() {
     let roles = |name: &str| {
         let geometry = Geometry::bake(&(find(name).unwrap().build)()).unwrap();
-        [geometry.casters().is_empty(), geometry.receivers().is_empty()]
+        [
+            geometry.casters().is_empty(),
+            geometry.receivers().is_empty(),
+        ]
     };
     assert_eq!(roles("no-casters"), [true, false]);
     assert_eq!(roles("no-receivers"), [false, true]);
@@ -108,14 +131,26 @@ fn roles_are_as_named() {
 fn the_tower_is_out_of_view_and_its_shadow_is_in_view() {
     let scene = (find("tower-out-of-view").unwrap().build)();
     let geometry = Geometry::bake(&scene).unwrap();
-    let is_tower = |t: &u32| geometry.corners(*t).iter().any(|p| p.y > 0.0 || p.x == -11.0);
+    let is_tower = |t: &u32| {
+        geometry
+            .corners(*t)
+            .iter()
+            .any(|p| p.y > 0.0 || p.x == -11.0)
+    };
     let camera = &scene.cameras[0];
-    let tower: Vec<_> = geometry.casters().filter(is_tower).map(|t| geometry.corners(t)).collect();
+    let tower: Vec<_> = geometry
+        .casters()
+        .filter(is_tower)
+        .map(|t| geometry.corners(t))
+        .collect();
     assert_eq!(tower.len(), 12);
     assert_eq!(seen(camera, tower.into_iter()), None);
     let to_light = scene.lights[0].direction_from(camera.eye()) * 100.0;
     let p = Vec3::new(0.0, 1e-3, 0.5);
-    assert!(geometry.bvh().occluded(p, to_light, u32::MAX), "no shadow in the middle of the picture");
+    assert!(
+        geometry.bvh().occluded(p, to_light, u32::MAX),
+        "no shadow in the middle of the picture"
+    );
 }
 
 #[test]
@@ -124,13 +159,26 @@ fn scaled_cubes_are_the_cubes_scaled() {
         let scene = (find(name).unwrap().build)();
         let geometry = Geometry::bake(&scene).unwrap();
         let camera = scene.cameras[0];
-        (geometry.positions().iter().map(|p| *p / scale).collect::<Vec<_>>(), camera.eye() / scale)
+        (
+            geometry
+                .positions()
+                .iter()
+                .map(|p| *p / scale)
+                .collect::<Vec<_>>(),
+            camera.eye() / scale,
+        )
     };
     let (plain, eye) = corner("cubes", 1.0);
     for (name, scale) in [("cubes-tiny", 1e-3), ("cubes-huge", 1e4)] {
         let (scaled, scaled_eye) = corner(name, scale);
         // A few roundings of 32-bit floats at up to 25 m.
-        assert!(plain.iter().zip(&scaled).all(|(a, b)| a.distance(*b) < 1e-5) && eye.distance(scaled_eye) < 1e-5);
+        assert!(
+            plain
+                .iter()
+                .zip(&scaled)
+                .all(|(a, b)| a.distance(*b) < 1e-5)
+                && eye.distance(scaled_eye) < 1e-5
+        );
     }
 }
 
@@ -155,7 +203,11 @@ fn the_eye_is_in_an_umbra_whose_side_cuts_the_near_plane() {
     for name in ["eye-in-umbra", "eye-in-umbra-lamp"] {
         let (scene, geometry) = built(name);
         let (camera, light) = (&scene.cameras[0], scene.lights[0]);
-        let is_dark = |p: Vec3| geometry.bvh().occluded(p, light.direction_from(p) * 100.0, u32::MAX);
+        let is_dark = |p: Vec3| {
+            geometry
+                .bvh()
+                .occluded(p, light.direction_from(p) * 100.0, u32::MAX)
+        };
         let world_from_clip = camera.space().clip_from_world().inverse();
         let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
         let near = corners.map(|(x, y)| world_from_clip.project_point3(Vec3::new(x, y, 0.0)));
@@ -163,7 +215,11 @@ fn the_eye_is_in_an_umbra_whose_side_cuts_the_near_plane() {
         // 10 cm away along the view; its corners by the picture's shape.
         let along = (near[0] + near[2]) * 0.5 - camera.eye();
         assert!((along.length() - 0.1).abs() < 1e-4, "{name}: {along}");
-        assert_eq!(near.map(is_dark).iter().filter(|d| **d).count(), 2, "{name}");
+        assert_eq!(
+            near.map(is_dark).iter().filter(|d| **d).count(),
+            2,
+            "{name}"
+        );
     }
 }
 
@@ -188,8 +244,15 @@ fn flat_receivers_meet_casters_on_all_sides() {
     assert_eq!(geometry.casters().end, geometry.receivers().start);
     let lamp = scene.lights[0].position().unwrap();
     let around = |i: &Instance| Aabb::around(scene.meshes[i.mesh].positions.iter().copied());
-    let casters: Vec<Aabb> = scene.instances.iter().filter(|i| i.casts).map(around).collect();
-    let has = |what: &str, is: fn(&Aabb, Vec3) -> bool| assert!(casters.iter().any(|b| is(b, lamp)), "none {what}");
+    let casters: Vec<Aabb> = scene
+        .instances
+        .iter()
+        .filter(|i| i.casts)
+        .map(around)
+        .collect();
+    let has = |what: &str, is: fn(&Aabb, Vec3) -> bool| {
+        assert!(casters.iter().any(|b| is(b, lamp)), "none {what}")
+    };
     has("through the floor", |b, _| b.min.y < 0.0 && b.max.y > 0.0);
     has("below the floor", |b, _| b.max.y < 0.0);
     has("through the wall", |b, _| b.min.z < -2.5 && b.max.z > -2.5);
@@ -199,11 +262,20 @@ fn flat_receivers_meet_casters_on_all_sides() {
 
 /// Each directed edge, by position, must be met by exactly one in the other direction.
 fn is_closed(mesh: &Mesh) -> bool {
-    let key = |v: u32| mesh.positions[v as usize].to_array().map(|x| (x + 0.0).to_bits());
-    let edges = mesh.triangles.iter().flat_map(|t| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])]);
+    let key = |v: u32| {
+        mesh.positions[v as usize]
+            .to_array()
+            .map(|x| (x + 0.0).to_bits())
+    };
+    let edges = mesh
+        .triangles
+        .iter()
+        .flat_map(|t| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])]);
     let edges: Vec<_> = edges.map(|(a, b)| (key(a), key(b))).collect();
     let count = |edge| edges.iter().filter(|e| **e == edge).count();
-    edges.iter().all(|&(a, b)| count((a, b)) == 1 && count((b, a)) == 1)
+    edges
+        .iter()
+        .all(|&(a, b)| count((a, b)) == 1 && count((b, a)) == 1)
 }
 
 #[test]
@@ -219,14 +291,27 @@ fn broken_meshes_are_broken_each_in_its_way() {
 #[test]
 fn the_wall_is_displaced_and_the_flat_caster_is_not() {
     let depths = |vertices: &mut dyn Iterator<Item = Vec3>| {
-        vertices.filter(|p| p.y > 2.2).fold([f32::MAX, f32::MIN], |[a, b], p| [a.min(p.z), b.max(p.z)])
+        vertices
+            .filter(|p| p.y > 2.2)
+            .fold([f32::MAX, f32::MIN], |[a, b], p| [a.min(p.z), b.max(p.z)])
     };
-    let near = |found: [f32; 2], [a, b]: [f32; 2]| (found[0] - a).abs() < 1e-5 && (found[1] - b).abs() < 1e-5;
+    let near = |found: [f32; 2], [a, b]: [f32; 2]| {
+        (found[0] - a).abs() < 1e-5 && (found[1] - b).abs() < 1e-5
+    };
     let (_, relief) = built("displaced-wall");
-    assert!(near(depths(&mut relief.vertices_of(relief.casters())), [-0.025, 0.025]));
+    assert!(near(
+        depths(&mut relief.vertices_of(relief.casters())),
+        [-0.025, 0.025]
+    ));
     let (_, split) = built("relief-without-depth-pass");
-    assert!(near(depths(&mut split.vertices_of(split.casters())), [-0.03, -0.03]));
-    assert!(near(depths(&mut split.vertices_of(split.receivers())), [-0.025, 0.025]));
+    assert!(near(
+        depths(&mut split.vertices_of(split.casters())),
+        [-0.03, -0.03]
+    ));
+    assert!(near(
+        depths(&mut split.vertices_of(split.receivers())),
+        [-0.025, 0.025]
+    ));
 }
 
 /// Flat sheets have their tangents by hand; MikkTSpace makes the same.
@@ -234,10 +319,24 @@ fn the_wall_is_displaced_and_the_flat_caster_is_not() {
 fn tangents_of_flat_walls_are_those_of_mikktspace() {
     let mut checked = 0;
     for name in ["normal-mapped-wall", "textbook-wall", "displaced-wall"] {
-        for mesh in built(name).0.meshes.iter().filter(|mesh| !mesh.tangents.is_empty()) {
-            let made = crate::with_tangents(&Mesh { tangents: Vec::new(), ..mesh.clone() }).unwrap();
+        for mesh in built(name)
+            .0
+            .meshes
+            .iter()
+            .filter(|mesh| !mesh.tangents.is_empty())
+        {
+            let made = crate::with_tangents(&Mesh {
+                tangents: Vec::new(),
+                ..mesh.clone()
+            })
+            .unwrap();
             assert_eq!(made.positions.len(), mesh.positions.len(), "{name}");
-            assert!(made.tangents.iter().all(|t| t.distance(mesh.tangents[0]) < 1e-6), "{name}");
+            assert!(
+                made.tangents
+                    .iter()
+                    .all(|t| t.distance(mesh.tangents[0]) < 1e-6),
+                "{name}"
+            );
             checked += 1;
         }
     }

@@ -39,7 +39,10 @@ pub(crate) fn damaged(text: &str, count: i32) -> impl Iterator<Item = Vec<u8>> {
         for cut in 0..1 + pick(0, 3) as i32 {
             let start = pick(4 * cut + 1, bytes.len() + 1);
             let end = (start + pick(4 * cut + 2, 4)).min(bytes.len());
-            bytes.splice(start..end, ODD[pick(4 * cut + 3, ODD.len())].iter().copied());
+            bytes.splice(
+                start..end,
+                ODD[pick(4 * cut + 3, ODD.len())].iter().copied(),
+            );
         }
         bytes
     })

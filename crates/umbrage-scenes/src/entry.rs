@@ -145,7 +145,9 @@ impl Sample {
     pub fn triangle(&self, geometry: &Geometry) -> Option<u32> {
         let reach = 1e-4 * self.point.length().max(1.0);
         let distance = |t: &u32| outside(self.point, geometry.corners(*t));
-        let nearest = geometry.receivers().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+        let nearest = geometry
+            .receivers()
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
         (distance(&nearest) <= reach).then_some(nearest)
     }
 }
@@ -154,5 +156,12 @@ impl Sample {
 fn outside(p: Vec3, [a, b, c]: [Vec3; 3]) -> f32 {
     let n = (b - a).cross(c - a).normalize_or_zero();
     let beyond = |a: Vec3, b: Vec3| (b - a).cross(n).normalize_or_zero().dot(p - a);
-    [(p - a).dot(n).abs(), beyond(a, b), beyond(b, c), beyond(c, a)].into_iter().fold(0.0, f32::max)
+    [
+        (p - a).dot(n).abs(),
+        beyond(a, b),
+        beyond(b, c),
+        beyond(c, a),
+    ]
+    .into_iter()
+    .fold(0.0, f32::max)
 }

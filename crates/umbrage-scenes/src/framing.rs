@@ -24,18 +24,36 @@ pub(crate) struct Shot {
 
 impl Shot {
     /// The camera; near and far are fitted to what is seen where they aren't given.
-    pub(crate) fn camera(&self, geometry: &Geometry, near_far: [Option<f32>; 2]) -> Result<Camera, Invalid> {
+    pub(crate) fn camera(
+        &self,
+        geometry: &Geometry,
+        near_far: [Option<f32>; 2],
+    ) -> Result<Camera, Invalid> {
         let near_far = match near_far {
             [Some(near), Some(far)] => [near, far],
             given => complete(given, self.fitted_range(geometry)?),
         };
-        Camera::perspective(self.eye, self.target, self.up, self.fov_y, near_far, self.size)
+        Camera::perspective(
+            self.eye,
+            self.target,
+            self.up,
+            self.fov_y,
+            near_far,
+            self.size,
+        )
     }
 
     fn fitted_range(&self, geometry: &Geometry) -> Result<[f32; 2], Invalid> {
-        let view_from_world = look_along(self.eye, self.target - self.eye, self.up).map_err(|e| e.within("camera"))?;
+        let view_from_world = look_along(self.eye, self.target - self.eye, self.up)
+            .map_err(|e| e.within("camera"))?;
         let triangles = (0..geometry.triangles().len() as u32).map(|t| geometry.corners(t));
-        let seen = depth_range(&Pyramid { view_from_world, tangents: self.tangents() }, triangles);
+        let seen = depth_range(
+            &Pyramid {
+                view_from_world,
+                tangents: self.tangents(),
+            },
+            triangles,
+        );
         // Only sky: any range does, and the target tells the scale.
         let distance = self.eye.distance(self.target);
         Ok(seen.unwrap_or([0.01 * distance, 100.0 * distance]))
@@ -63,14 +81,25 @@ pub(crate) fn frame(geometry: &Geometry, fov_y: f32, size: UVec2) -> Option<Shot
     let forward = -best_side(geometry).normalize();
     let right = forward.cross(DVec3::Y).normalize();
     let up = right.cross(forward);
-    let mut shot = Shot { eye: Vec3::ZERO, target: Vec3::ZERO, up: Vec3::Y, fov_y, size };
+    let mut shot = Shot {
+        eye: Vec3::ZERO,
+        target: Vec3::ZERO,
+        up: Vec3::Y,
+        fov_y,
+        size,
+    };
     let [tx, ty] = shot.tangents().map(|t| t * (1.0 - 2.0 * BORDER));
     // A pair of the pyramid's sides touches the points where these reach furthest; the eye's place follows.
     let mut reach = [f64::NEG_INFINITY; 4];
     for p in geometry.positions() {
         let p = p.as_dvec3() - origin;
         let (x, y, depth) = (p.dot(right), p.dot(up), p.dot(forward));
-        let ahead = [x - depth * tx, -x - depth * tx, y - depth * ty, -y - depth * ty];
+        let ahead = [
+            x - depth * tx,
+            -x - depth * tx,
+            y - depth * ty,
+            -y - depth * ty,
+        ];
         reach.iter_mut().zip(ahead).for_each(|(r, a)| *r = r.max(a));
     }
     let [right_most, left_most, top, bottom] = reach;
@@ -95,7 +124,10 @@ fn best_side(geometry: &Geometry) -> DVec3 {
     let DVec3 { x, y, z } = THREE_QUARTER;
     let sides = [(x, z), (z, -x), (-x, -z), (-z, x)].map(|(x, z)| DVec3::new(x, y, z));
     let better = |a: DVec3, b: DVec3| vector_area.dot(a - b) > BETTER * area;
-    sides.into_iter().fold(THREE_QUARTER, |best, side| if better(side, best) { side } else { best })
+    sides.into_iter().fold(
+        THREE_QUARTER,
+        |best, side| if better(side, best) { side } else { best },
+    )
 }
 
 #[cfg(test)]
@@ -107,7 +139,14 @@ mod tests {
 
     fn side_of(mesh: Mesh) -> DVec3 {
         let instances = vec![Instance::new(0, Affine3A::IDENTITY)];
-        best_side(&Geometry::bake(&Scene { meshes: vec![mesh], instances, ..Scene::default() }).unwrap())
+        best_side(
+            &Geometry::bake(&Scene {
+                meshes: vec![mesh],
+                instances,
+                ..Scene::default()
+            })
+            .unwrap(),
+        )
     }
 
     /// A box that is seen only from inside, open towards one side.
@@ -124,7 +163,10 @@ mod tests {
         assert_eq!(side_of(block(Vec3::NEG_ONE, Vec3::ONE)), THREE_QUARTER);
         for (axis, sign) in [(0, 1.0), (0, -1.0), (2, 1.0), (2, -1.0)] {
             let side = side_of(room(axis, sign));
-            assert!(side[axis] * f64::from(sign) > 1.0, "open to {sign} along {axis}: seen from {side}");
+            assert!(
+                side[axis] * f64::from(sign) > 1.0,
+                "open to {sign} along {axis}: seen from {side}"
+            );
         }
     }
 }

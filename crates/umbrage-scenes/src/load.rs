@@ -18,11 +18,22 @@ pub fn by_argument(argument: &str) -> Result<Scene, SceneError> {
         None if Kind::of(Path::new(argument)).is_some() => load(Path::new(argument)),
         None => {
             let near = nearest(argument, all().iter().map(|entry| entry.name));
-            let meant = if near.is_empty() { String::new() } else { format!("did you mean {}, or ", listed(&near)) };
-            let list = if near.is_empty() { "name a built-in scene, or give " } else { "" };
+            let meant = if near.is_empty() {
+                String::new()
+            } else {
+                format!("did you mean {}, or ", listed(&near))
+            };
+            let list = if near.is_empty() {
+                "name a built-in scene, or give "
+            } else {
+                ""
+            };
             let end = if near.is_empty() { "" } else { "?" };
             let mend = format!("{meant}{list}the path of a .toml or .obj file{end}");
-            Err(SceneError::Unknown { argument: argument.to_owned(), mend })
+            Err(SceneError::Unknown {
+                argument: argument.to_owned(),
+                mend,
+            })
         }
     }
 }

@@ -12,18 +12,27 @@ fn arguments_are_names_or_paths() {
 #[test]
 fn unknown_names_bring_near_ones() {
     let message = by_argument("teapot").unwrap_err().to_string();
-    assert_eq!(message, "there is no scene `teapot`; did you mean `teapot-lamp`, or the path of a .toml or .obj file?");
+    assert_eq!(
+        message,
+        "there is no scene `teapot`; did you mean `teapot-lamp`, or the path of a .toml or .obj file?"
+    );
     let message = by_argument("cube").unwrap_err().to_string();
     assert!(message.contains("`cubes`"), "{message}");
     let message = by_argument("").unwrap_err().to_string();
-    assert_eq!(message, "there is no scene ``; name a built-in scene, or give the path of a .toml or .obj file");
+    assert_eq!(
+        message,
+        "there is no scene ``; name a built-in scene, or give the path of a .toml or .obj file"
+    );
 }
 
 #[test]
 fn other_files_are_refused() {
     for name in ["scene.gltf", "scene", "", "a.obj.zip"] {
         let message = load(name).unwrap_err().to_string();
-        assert!(message.contains("neither a .toml nor a .obj file"), "{message}");
+        assert!(
+            message.contains("neither a .toml nor a .obj file"),
+            "{message}"
+        );
     }
 }
 
@@ -31,5 +40,10 @@ fn other_files_are_refused() {
 fn text_is_read_without_a_file() {
     let text = "[[light]]\nkind = \"point\"\nposition = [0, 3, 0]\n[[object]]\nshape = \"sphere\"";
     assert_eq!(parse(text, "inline.toml", "").unwrap().name, "inline");
-    assert!(parse("light", "inline.toml", "").unwrap_err().to_string().starts_with("inline.toml:1: "));
+    assert!(
+        parse("light", "inline.toml", "")
+            .unwrap_err()
+            .to_string()
+            .starts_with("inline.toml:1: ")
+    );
 }

@@ -1,23 +1,25 @@
 //! Suggestions for misspelt words.
 
 /// The candidates that `word` may have been meant to be, likeliest first: few edits away, or begun alike.
-pub(crate) fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
+pub(crate) fn nearest<'a>(
+    word: &str,
+    candidates: impl IntoIterator<Item = &'a str>,
+) -> Vec<&'a str> {
     let word = word.to_lowercase();
     // A third of the letters may differ, but at least one.
     let reach = (word.chars().count() / 3).max(1);
-    let mut near: Vec<(usize, &str)> =
-        candidates
-            .into_iter()
-            .map(|c| (strsim::damerau_levenshtein(&word, c), c))
-            .map(|(edits, c)| {
-                if word.len() > 2 && (c.contains(&word) || word.contains(c)) {
-                    (edits.min(reach), c)
-                } else {
-                    (edits, c)
-                }
-            })
-            .filter(|&(edits, _)| edits <= reach)
-            .collect();
+    let mut near: Vec<(usize, &str)> = candidates
+        .into_iter()
+        .map(|c| (strsim::damerau_levenshtein(&word, c), c))
+        .map(|(edits, c)| {
+            if word.len() > 2 && (c.contains(&word) || word.contains(c)) {
+                (edits.min(reach), c)
+            } else {
+                (edits, c)
+            }
+        })
+        .filter(|&(edits, _)| edits <= reach)
+        .collect();
     near.sort_by_key(|&(edits, _)| edits);
     near.into_iter().map(|(_, c)| c).take(3).collect()
 }
@@ -37,7 +39,15 @@ mod tests {
 
     #[test]
     fn slips_are_understood() {
-        let keys = ["eye", "target", "up", "fov_y_degrees", "size", "near", "far"];
+        let keys = [
+            "eye",
+            "target",
+            "up",
+            "fov_y_degrees",
+            "size",
+            "near",
+            "far",
+        ];
         assert_eq!(nearest("tagret", keys), ["target"]);
         assert_eq!(nearest("fov", keys), ["fov_y_degrees"]);
         assert_eq!(nearest("EYE", keys), ["eye"]);

@@ -9,7 +9,9 @@ pub(crate) fn triangulate(corners: &[Vec3]) -> Vec<[u32; 3]> {
     let mut left: Vec<u32> = (0..corners.len() as u32).collect();
     let mut out = Vec::with_capacity(corners.len().saturating_sub(2));
     while left.len() > 3 && !is_convex(&flat, &left) {
-        let Some(ear) = (0..left.len()).find(|&i| is_ear(&flat, &left, i)) else { break };
+        let Some(ear) = (0..left.len()).find(|&i| is_ear(&flat, &left, i)) else {
+            break;
+        };
         out.push(around(&left, ear));
         left.remove(ear);
     }
@@ -19,17 +21,25 @@ pub(crate) fn triangulate(corners: &[Vec3]) -> Vec<[u32; 3]> {
 
 /// Along the polygon's mean normal (Newell's method), so that it turns left throughout when convex.
 fn flatten(corners: &[Vec3]) -> Vec<DVec2> {
-    let Some(first) = corners.first().map(|c| c.as_dvec3()) else { return Vec::new() };
+    let Some(first) = corners.first().map(|c| c.as_dvec3()) else {
+        return Vec::new();
+    };
     let at = |i: usize| corners[i % corners.len()].as_dvec3() - first;
     let normal: DVec3 = (0..corners.len()).map(|i| at(i).cross(at(i + 1))).sum();
     let normal = normal.normalize_or(DVec3::Z);
     let u = normal.any_orthonormal_vector();
     let v = normal.cross(u);
-    (0..corners.len()).map(|i| DVec2::new(at(i).dot(u), at(i).dot(v))).collect()
+    (0..corners.len())
+        .map(|i| DVec2::new(at(i).dot(u), at(i).dot(v)))
+        .collect()
 }
 
 fn around(left: &[u32], i: usize) -> [u32; 3] {
-    [left[(i + left.len() - 1) % left.len()], left[i], left[(i + 1) % left.len()]]
+    [
+        left[(i + left.len() - 1) % left.len()],
+        left[i],
+        left[(i + 1) % left.len()],
+    ]
 }
 
 /// Twice the signed area.
@@ -45,9 +55,17 @@ fn is_convex(flat: &[DVec2], left: &[u32]) -> bool {
 
 fn is_ear(flat: &[DVec2], left: &[u32], i: usize) -> bool {
     let [a, b, c] = around(left, i);
-    let inside = |p: u32| [[a, b, p], [b, c, p], [c, a, p]].iter().all(|&t| area(flat, t) >= 0.0);
+    let inside = |p: u32| {
+        [[a, b, p], [b, c, p], [c, a, p]]
+            .iter()
+            .all(|&t| area(flat, t) >= 0.0)
+    };
     // Corners at the same place as one of the ear's (bridges to holes) don't count against it.
-    let elsewhere = |p: u32| [a, b, c].iter().all(|&q| flat[q as usize] != flat[p as usize]);
+    let elsewhere = |p: u32| {
+        [a, b, c]
+            .iter()
+            .all(|&q| flat[q as usize] != flat[p as usize])
+    };
     area(flat, [a, b, c]) > 0.0 && !left.iter().any(|&p| elsewhere(p) && inside(p))
 }
 

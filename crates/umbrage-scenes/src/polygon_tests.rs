@@ -2,17 +2,26 @@ use super::*;
 
 fn area(corners: &[Vec3], triangles: &[[u32; 3]]) -> Vec3 {
     let at = |i: u32| corners[i as usize];
-    triangles.iter().map(|&[a, b, c]| (at(b) - at(a)).cross(at(c) - at(a)) * 0.5).sum()
+    triangles
+        .iter()
+        .map(|&[a, b, c]| (at(b) - at(a)).cross(at(c) - at(a)) * 0.5)
+        .sum()
 }
 
 /// The sum of the triangles' areas, whichever way they face.
 fn covered(corners: &[Vec3], triangles: &[[u32; 3]]) -> f32 {
-    triangles.iter().map(|&t| area(corners, &[t]).length()).sum()
+    triangles
+        .iter()
+        .map(|&t| area(corners, &[t]).length())
+        .sum()
 }
 
 fn outline(points: &[[f32; 2]]) -> Vec<Vec3> {
     // In a slanted plane, so that the projection matters.
-    points.iter().map(|&[x, y]| Vec3::new(x, y, 0.5 * x - 0.25 * y + 3.0)).collect()
+    points
+        .iter()
+        .map(|&[x, y]| Vec3::new(x, y, 0.5 * x - 0.25 * y + 3.0))
+        .collect()
 }
 
 fn shapes() -> Vec<Vec<Vec3>> {
@@ -20,8 +29,24 @@ fn shapes() -> Vec<Vec<Vec3>> {
         outline(&[[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]),
         outline(&[[0.0, 0.0], [2.0, 0.0], [0.5, 0.5], [0.0, 2.0]]),
         outline(&[[0.5, 0.5], [0.0, 2.0], [0.0, 0.0], [2.0, 0.0]]),
-        outline(&[[0.0, 0.0], [3.0, 0.0], [3.0, 3.0], [2.0, 3.0], [2.0, 1.0], [1.0, 1.0], [1.0, 3.0], [0.0, 3.0]]),
-        outline(&[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 0.2], [0.0, 1.0]]),
+        outline(&[
+            [0.0, 0.0],
+            [3.0, 0.0],
+            [3.0, 3.0],
+            [2.0, 3.0],
+            [2.0, 1.0],
+            [1.0, 1.0],
+            [1.0, 3.0],
+            [0.0, 3.0],
+        ]),
+        outline(&[
+            [0.0, 0.0],
+            [1.0, 0.0],
+            [2.0, 0.0],
+            [2.0, 1.0],
+            [1.0, 0.2],
+            [0.0, 1.0],
+        ]),
     ]
 }
 
@@ -31,11 +56,19 @@ fn concave_polygons_are_covered_once_and_keep_their_side() {
         for corners in [shape.clone(), shape.iter().rev().copied().collect()] {
             let triangles = triangulate(&corners);
             assert_eq!(triangles.len(), corners.len() - 2);
-            let fan: Vec<_> = (1..corners.len() as u32 - 1).map(|i| [0, i, i + 1]).collect();
+            let fan: Vec<_> = (1..corners.len() as u32 - 1)
+                .map(|i| [0, i, i + 1])
+                .collect();
             // The vector area does not depend on the cut; covering twice or outside adds to the plain one.
             let (whole, parts) = (area(&corners, &fan), covered(&corners, &triangles));
-            assert!(area(&corners, &triangles).distance(whole) < 1e-5, "{corners:?}");
-            assert!((parts - whole.length()).abs() < 1e-5, "{corners:?}: {triangles:?}");
+            assert!(
+                area(&corners, &triangles).distance(whole) < 1e-5,
+                "{corners:?}"
+            );
+            assert!(
+                (parts - whole.length()).abs() < 1e-5,
+                "{corners:?}: {triangles:?}"
+            );
         }
     }
 }
@@ -44,8 +77,13 @@ fn concave_polygons_are_covered_once_and_keep_their_side() {
 fn a_fan_of_a_concave_polygon_would_not_pass() {
     let corners = &shapes()[2];
     let fan: Vec<_> = (1..3).map(|i| [0, i, i + 1]).collect();
-    assert!((covered(&shapes()[1], &[[1, 2, 3], [1, 3, 0]]) - area(&shapes()[1], &fan).length()).abs() > 0.1);
-    assert!((covered(corners, &[[0, 1, 2], [0, 2, 3]]) - area(corners, &fan).length()).abs() < 1e-5);
+    assert!(
+        (covered(&shapes()[1], &[[1, 2, 3], [1, 3, 0]]) - area(&shapes()[1], &fan).length()).abs()
+            > 0.1
+    );
+    assert!(
+        (covered(corners, &[[0, 1, 2], [0, 2, 3]]) - area(corners, &fan).length()).abs() < 1e-5
+    );
 }
 
 #[test]

@@ -15,7 +15,12 @@ pub(crate) struct Stage {
 
 impl Stage {
     pub(crate) fn new(name: &str) -> Self {
-        Self { scene: Scene { name: name.to_owned(), ..Scene::default() } }
+        Self {
+            scene: Scene {
+                name: name.to_owned(),
+                ..Scene::default()
+            },
+        }
     }
 
     /// A mesh as it is, casting and receiving.
@@ -24,22 +29,32 @@ impl Stage {
     }
 
     /// Copies of one mesh, casting and receiving.
-    pub(crate) fn put_many(mut self, mesh: Mesh, places: impl IntoIterator<Item = Affine3A>) -> Self {
+    pub(crate) fn put_many(
+        mut self,
+        mesh: Mesh,
+        places: impl IntoIterator<Item = Affine3A>,
+    ) -> Self {
         let index = self.scene.meshes.len();
         self.scene.meshes.push(mesh);
-        self.scene.instances.extend(places.into_iter().map(|place| Instance::new(index, place)));
+        self.scene
+            .instances
+            .extend(places.into_iter().map(|place| Instance::new(index, place)));
         self
     }
 
     /// Gives everything so far these roles.
     pub(crate) fn roles(mut self, casts: bool, receives: bool) -> Self {
-        self.scene.instances.iter_mut().for_each(|i| (i.casts, i.receives) = (casts, receives));
+        self.scene
+            .instances
+            .iter_mut()
+            .for_each(|i| (i.casts, i.receives) = (casts, receives));
         self
     }
 
     /// Gives the mesh put last these roles.
     pub(crate) fn last_roles(mut self, casts: bool, receives: bool) -> Self {
-        self.last().for_each(|i| (i.casts, i.receives) = (casts, receives));
+        self.last()
+            .for_each(|i| (i.casts, i.receives) = (casts, receives));
         self
     }
 
@@ -54,7 +69,10 @@ impl Stage {
 
     fn last(&mut self) -> impl Iterator<Item = &mut Instance> {
         let meshes = self.scene.meshes.len();
-        self.scene.instances.iter_mut().filter(move |i| i.mesh + 1 == meshes)
+        self.scene
+            .instances
+            .iter_mut()
+            .filter(move |i| i.mesh + 1 == meshes)
     }
 
     pub(crate) fn light(mut self, light: Light) -> Self {
@@ -66,8 +84,20 @@ impl Stage {
     ///
     /// # Panics
     /// If the scene is invalid: it is written in this crate, and a test builds each.
-    pub(crate) fn shoot(self, eye: Vec3, target: Vec3, fov_y_degrees: f32, size: [u32; 2]) -> Scene {
-        let shot = Shot { eye, target, up: Vec3::Y, fov_y: fov_y_degrees.to_radians(), size: UVec2::from(size) };
+    pub(crate) fn shoot(
+        self,
+        eye: Vec3,
+        target: Vec3,
+        fov_y_degrees: f32,
+        size: [u32; 2],
+    ) -> Scene {
+        let shot = Shot {
+            eye,
+            target,
+            up: Vec3::Y,
+            fov_y: fov_y_degrees.to_radians(),
+            size: UVec2::from(size),
+        };
         self.shoot_from(&shot, None)
     }
 
@@ -78,17 +108,37 @@ impl Stage {
     pub(crate) fn shoot_from(mut self, shot: &Shot, near: Option<f32>) -> Scene {
         self.paint_the_rest();
         let geometry = Geometry::bake(&self.scene).expect("built-in scenes are valid");
-        self.scene.cameras.push(shot.camera(&geometry, [near, None]).expect("built-in cameras are valid"));
+        self.scene.cameras.push(
+            shot.camera(&geometry, [near, None])
+                .expect("built-in cameras are valid"),
+        );
         self.scene
     }
 
     /// What has no look yet gets colours in turn; the first thing is nearly always a floor.
     fn paint_the_rest(&mut self) {
         let (first, colors) = (self.scene.materials.len(), PALETTE.len());
-        let number = |n: usize| if n == 0 { 0 } else { 1 + (n - 1) % (colors - 1) };
-        let bare = self.scene.instances.iter_mut().enumerate().filter(|(_, i)| i.material.is_none());
-        if bare.map(|(n, instance)| instance.material = Some(first + number(n))).count() > 0 {
-            self.scene.materials.extend(PALETTE.map(|color| matte(color).material));
+        let number = |n: usize| {
+            if n == 0 {
+                0
+            } else {
+                1 + (n - 1) % (colors - 1)
+            }
+        };
+        let bare = self
+            .scene
+            .instances
+            .iter_mut()
+            .enumerate()
+            .filter(|(_, i)| i.material.is_none());
+        if bare
+            .map(|(n, instance)| instance.material = Some(first + number(n)))
+            .count()
+            > 0
+        {
+            self.scene
+                .materials
+                .extend(PALETTE.map(|color| matte(color).material));
         }
     }
 }
@@ -99,17 +149,26 @@ fn moved(material: Material, first: usize) -> Material {
     Material {
         diffuse_texture: from(material.diffuse_texture),
         normal_map: from(material.normal_map),
-        displacement: material.displacement.map(|d| Displacement { texture: d.texture + first, ..d }),
+        displacement: material.displacement.map(|d| Displacement {
+            texture: d.texture + first,
+            ..d
+        }),
         ..material
     }
 }
 
 /// The sun as an ideal light.
 pub(crate) fn sun(x: f32, y: f32, z: f32) -> Light {
-    Light::Directional { direction: Vec3::new(x, y, z), angular_diameter: 0.0 }
+    Light::Directional {
+        direction: Vec3::new(x, y, z),
+        angular_diameter: 0.0,
+    }
 }
 
 /// A point light without extent.
 pub(crate) fn bulb(x: f32, y: f32, z: f32) -> Light {
-    Light::Point { position: Vec3::new(x, y, z), radius: 0.0 }
+    Light::Point {
+        position: Vec3::new(x, y, z),
+        radius: 0.0,
+    }
 }

@@ -3,9 +3,10 @@
 use crate::counters::Maker;
 use std::{collections::HashMap, num::NonZeroU64};
 use wgpu::{
-    BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindGroupLayoutDescriptor, BindGroupLayoutEntry,
-    BindingResource, BindingType, Buffer, BufferBinding, BufferBindingType, Sampler, SamplerBindingType, ShaderStages,
-    TextureSampleType, TextureView, TextureViewDimension,
+    BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindGroupLayoutDescriptor,
+    BindGroupLayoutEntry, BindingResource, BindingType, Buffer, BufferBinding, BufferBindingType,
+    Sampler, SamplerBindingType, ShaderStages, TextureSampleType, TextureView,
+    TextureViewDimension,
 };
 
 /// The kind of one binding.
@@ -35,11 +36,19 @@ pub(crate) enum Slot {
 
 impl Slot {
     fn ty(self) -> BindingType {
-        let buffer = |ty, window| BindingType::Buffer { ty, has_dynamic_offset: window, min_binding_size: None };
+        let buffer = |ty, window| BindingType::Buffer {
+            ty,
+            has_dynamic_offset: window,
+            min_binding_size: None,
+        };
         let floats = TextureSampleType::Float { filterable: false };
         let texture = |sample_type, layered, multisampled| BindingType::Texture {
             sample_type,
-            view_dimension: if layered { TextureViewDimension::D2Array } else { TextureViewDimension::D2 },
+            view_dimension: if layered {
+                TextureViewDimension::D2Array
+            } else {
+                TextureViewDimension::D2
+            },
             multisampled,
         };
         match self {
@@ -60,18 +69,37 @@ impl Slot {
 pub(crate) struct Layouts(HashMap<(ShaderStages, Vec<Slot>), BindGroupLayout>);
 
 impl Layouts {
-    pub(crate) fn get(&mut self, maker: &Maker<'_>, visibility: ShaderStages, slots: &[Slot]) -> BindGroupLayout {
+    pub(crate) fn get(
+        &mut self,
+        maker: &Maker<'_>,
+        visibility: ShaderStages,
+        slots: &[Slot],
+    ) -> BindGroupLayout {
         let make = || {
-            let entries: Vec<_> = (0..).zip(slots).map(|(binding, s)| entry(binding, visibility, *s)).collect();
-            let desc = BindGroupLayoutDescriptor { label: Some("umbrage"), entries: &entries };
+            let entries: Vec<_> = (0..)
+                .zip(slots)
+                .map(|(binding, s)| entry(binding, visibility, *s))
+                .collect();
+            let desc = BindGroupLayoutDescriptor {
+                label: Some("umbrage"),
+                entries: &entries,
+            };
             maker.device.create_bind_group_layout(&desc)
         };
-        self.0.entry((visibility, slots.to_vec())).or_insert_with(make).clone()
+        self.0
+            .entry((visibility, slots.to_vec()))
+            .or_insert_with(make)
+            .clone()
     }
 }
 
 fn entry(binding: u32, visibility: ShaderStages, slot: Slot) -> BindGroupLayoutEntry {
-    BindGroupLayoutEntry { binding, visibility, ty: slot.ty(), count: None }
+    BindGroupLayoutEntry {
+        binding,
+        visibility,
+        ty: slot.ty(),
+        count: None,
+    }
 }
 
 /// Something bound.
@@ -87,9 +115,11 @@ impl Bound {
     fn resource(&self) -> BindingResource<'_> {
         match self {
             Self::Buffer(buffer) => buffer.as_entire_binding(),
-            Self::Window(buffer, size) => {
-                BindingResource::Buffer(BufferBinding { buffer, offset: 0, size: Some(*size) })
-            }
+            Self::Window(buffer, size) => BindingResource::Buffer(BufferBinding {
+                buffer,
+                offset: 0,
+                size: Some(*size),
+            }),
             Self::View(view) => BindingResource::TextureView(view),
             Self::Sampler(sampler) => BindingResource::Sampler(sampler),
         }
@@ -105,13 +135,28 @@ pub(crate) struct Binding {
 }
 
 impl Binding {
-    pub(crate) fn set(&mut self, maker: &mut Maker<'_>, label: &str, layout: &BindGroupLayout, bound: Vec<Bound>) {
+    pub(crate) fn set(
+        &mut self,
+        maker: &mut Maker<'_>,
+        label: &str,
+        layout: &BindGroupLayout,
+        bound: Vec<Bound>,
+    ) {
         if self.layout.as_ref() == Some(layout) && self.bound == bound {
             return;
         }
-        let entries: Vec<_> =
-            (0..).zip(&bound).map(|(binding, b)| BindGroupEntry { binding, resource: b.resource() }).collect();
-        let desc = BindGroupDescriptor { label: Some(label), layout, entries: &entries };
+        let entries: Vec<_> = (0..)
+            .zip(&bound)
+            .map(|(binding, b)| BindGroupEntry {
+                binding,
+                resource: b.resource(),
+            })
+            .collect();
+        let desc = BindGroupDescriptor {
+            label: Some(label),
+            layout,
+            entries: &entries,
+        };
         maker.counters.bind_groups += 1;
         self.group = Some(maker.device.create_bind_group(&desc));
         self.layout = Some(layout.clone());

@@ -15,7 +15,8 @@ use crate::{
 };
 use umbrage_core::{Cast, CastMode, Format, Source};
 use wgpu::{
-    BindGroupLayout, CommandEncoder, RenderPass, RenderPassDescriptor, RenderPipeline, ShaderStages, TextureView,
+    BindGroupLayout, CommandEncoder, RenderPass, RenderPassDescriptor, RenderPipeline,
+    ShaderStages, TextureView,
 };
 
 /// Ready to be encoded.
@@ -44,29 +45,50 @@ impl CastStage {
         faces: &mut FaceBuffers,
         frame: &Frame<'_>,
     ) {
-        self.targets = (0..casts.len()).map(|i| CastTarget::new(casts, i, images)).collect();
-        self.faces = casts.iter().map(|c| matches!(c.source, Source::Faces(_))).collect();
+        self.targets = (0..casts.len())
+            .map(|i| CastTarget::new(casts, i, images))
+            .collect();
+        self.faces = casts
+            .iter()
+            .map(|c| matches!(c.source, Source::Faces(_)))
+            .collect();
         self.list = DrawList::new(maker, faces, casts, frame);
         self.clears = read_unwritten(casts, images);
-        self.spaces.write(maker, pipelines, self.targets.iter().map(|t| t.clip_from_world));
+        self.spaces.write(
+            maker,
+            pipelines,
+            self.targets.iter().map(|t| t.clip_from_world),
+        );
         self.places.write(maker, pipelines, self.list.places());
         let layouts = Layouts::new(maker, pipelines);
         self.bind_others(maker, &layouts);
         let mut pipeline = |target: &CastTarget, draw: &Draw| {
-            let key =
-                CastKey { depth: target.state(), layout: draw.layout, vertex: draw.vertex, peel: Peel::of(target) };
+            let key = CastKey {
+                depth: target.state(),
+                layout: draw.layout,
+                vertex: draw.vertex,
+                peel: Peel::of(target),
+            };
             pipelines.cast(maker, key, &layouts.of(&key))
         };
         let parts = self.targets.iter().zip(&self.list.casts);
         let draws = &self.list.draws;
-        self.pipelines = parts.map(|(t, part)| draws[part.clone()].iter().map(|d| pipeline(t, d)).collect()).collect();
+        self.pipelines = parts
+            .map(|(t, part)| draws[part.clone()].iter().map(|d| pipeline(t, d)).collect())
+            .collect();
     }
 
     fn bind_others(&mut self, maker: &mut Maker<'_>, layouts: &Layouts) {
-        self.others.resize_with(self.targets.len(), Binding::default);
+        self.others
+            .resize_with(self.targets.len(), Binding::default);
         for (binding, target) in self.others.iter_mut().zip(&self.targets) {
             if let Some(other) = &target.behind {
-                binding.set(maker, "umbrage peeled layer", &layouts.other, vec![Bound::View(other.clone())]);
+                binding.set(
+                    maker,
+                    "umbrage peeled layer",
+                    &layouts.other,
+                    vec![Bound::View(other.clone())],
+                );
             }
         }
     }
@@ -84,7 +106,9 @@ impl CastStage {
 
     /// Gives layers that casts read, and that none wrote before, what the recipe promises.
     pub(crate) fn clear(&self, encoder: &mut CommandEncoder) {
-        self.clears.iter().for_each(|(format, view)| clear(encoder, *format, view));
+        self.clears
+            .iter()
+            .for_each(|(format, view)| clear(encoder, *format, view));
     }
 
     pub(crate) fn encode(&self, encoder: &mut CommandEncoder, stamps: Option<&Stamps<'_>>) {
@@ -93,7 +117,12 @@ impl CastStage {
     }
 
     /// One cast without the clearing of what it reads.
-    pub(crate) fn encode_one(&self, encoder: &mut CommandEncoder, i: usize, stamps: Option<&Stamps<'_>>) {
+    pub(crate) fn encode_one(
+        &self,
+        encoder: &mut CommandEncoder,
+        i: usize,
+        stamps: Option<&Stamps<'_>>,
+    ) {
         let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
             label: Some("umbrage cast"),
             depth_stencil_attachment: Some(self.targets[i].attachment()),
@@ -131,21 +160,34 @@ struct Layouts {
 impl Layouts {
     fn new(maker: &Maker<'_>, pipelines: &mut Pipelines) -> Self {
         let matrix = matrix_layout(maker, pipelines);
-        let other = pipelines.layouts.get(maker, ShaderStages::FRAGMENT, &[Slot::Floats { layered: false }]);
+        let other = pipelines.layouts.get(
+            maker,
+            ShaderStages::FRAGMENT,
+            &[Slot::Floats { layered: false }],
+        );
         Self { matrix, other }
     }
 
     fn of(&self, key: &CastKey) -> [Option<&BindGroupLayout>; 3] {
         let place = (key.vertex == Vertex::Local).then_some(&self.matrix);
-        [Some(&self.matrix), place, (key.peel != Peel::Nothing).then_some(&self.other)]
+        [
+            Some(&self.matrix),
+            place,
+            (key.peel != Peel::Nothing).then_some(&self.other),
+        ]
     }
 }
 
 fn read_unwritten(casts: &[Cast], images: &[GpuImage]) -> Vec<(Format, TextureView)> {
     let mut out = Vec::new();
     for (i, cast) in casts.iter().enumerate() {
-        let (CastMode::Behind(other) | CastMode::Count { depth: other }) = cast.mode else { continue };
-        if !casts[..i].iter().any(|c| (c.image, c.layer) == (other, cast.layer)) {
+        let (CastMode::Behind(other) | CastMode::Count { depth: other }) = cast.mode else {
+            continue;
+        };
+        if !casts[..i]
+            .iter()
+            .any(|c| (c.image, c.layer) == (other, cast.layer))
+        {
             let image = &images[other];
             out.push((image.desc.format, image.layers[cast.layer as usize].clone()));
         }

@@ -32,7 +32,12 @@ impl Maker<'_> {
     pub(crate) fn buffer(&mut self, label: &str, usage: BufferUsages, size: u64) -> Buffer {
         self.counters.buffers += 1;
         let usage = usage | BufferUsages::COPY_DST;
-        self.device.create_buffer(&BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
+        self.device.create_buffer(&BufferDescriptor {
+            label: Some(label),
+            size,
+            usage,
+            mapped_at_creation: false,
+        })
     }
 
     /// Writes bytes into the slot's buffer, which is made anew only when they don't fit.

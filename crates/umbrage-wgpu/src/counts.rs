@@ -21,10 +21,21 @@ pub(crate) const COUNTING: Features = Features::DEPTH32FLOAT_STENCIL8;
 pub(crate) fn pairs(recipe: &Recipe) -> Result<Vec<Pair>, Invalid> {
     let mut pairs: Vec<Pair> = Vec::new();
     for cast in &recipe.casts {
-        let CastMode::Count { depth } = cast.mode else { continue };
-        let pair = Pair { depth, counts: cast.image };
-        if pairs.iter().any(|p| *p != pair && (p.depth == depth || p.counts == cast.image)) {
-            let why = format!("into image {} against image {depth} has a rival for one of the two", cast.image);
+        let CastMode::Count { depth } = cast.mode else {
+            continue;
+        };
+        let pair = Pair {
+            depth,
+            counts: cast.image,
+        };
+        if pairs
+            .iter()
+            .any(|p| *p != pair && (p.depth == depth || p.counts == cast.image))
+        {
+            let why = format!(
+                "into image {} against image {depth} has a rival for one of the two",
+                cast.image
+            );
             let mend = "give each image of counts a depth image of its own, and draw into both";
             return Err(Invalid::new("counting cast", why, mend));
         }
@@ -37,11 +48,19 @@ pub(crate) fn pairs(recipe: &Recipe) -> Result<Vec<Pair>, Invalid> {
 
 /// Objects to recipes that count on a device or adapter with these features.
 pub(crate) fn check_counting(recipe: &Recipe, features: Features) -> Result<(), BackendError> {
-    let counts = recipe.casts.iter().any(|c| matches!(c.mode, CastMode::Count { .. }));
+    let counts = recipe
+        .casts
+        .iter()
+        .any(|c| matches!(c.mode, CastMode::Count { .. }));
     if !counts || features.contains(COUNTING) {
         return Ok(());
     }
     let mend = "request the feature `DEPTH32FLOAT_STENCIL8` when the device is made; if its adapter hasn't got it, \
                 choose another adapter, another technique or the CPU backend";
-    Err(Invalid::new("counting cast", "needs a format that this device can't use", mend).into())
+    Err(Invalid::new(
+        "counting cast",
+        "needs a format that this device can't use",
+        mend,
+    )
+    .into())
 }

@@ -41,18 +41,33 @@ pub(crate) struct DrawList {
 }
 
 impl DrawList {
-    pub(crate) fn new(maker: &mut Maker<'_>, faces: &mut FaceBuffers, casts: &[Cast], frame: &Frame<'_>) -> Self {
+    pub(crate) fn new(
+        maker: &mut Maker<'_>,
+        faces: &mut FaceBuffers,
+        casts: &[Cast],
+        frame: &Frame<'_>,
+    ) -> Self {
         let mut draws = Vec::new();
         let casters = append(&mut draws, frame.casters);
         let uses_everything = casts.iter().any(|c| matches!(c.source, Source::Everything));
-        let everything = append(&mut draws, if uses_everything { frame.everything } else { &[] });
+        let everything = append(
+            &mut draws,
+            if uses_everything {
+                frame.everything
+            } else {
+                &[]
+            },
+        );
         let mut part = |cast: &Cast| match &cast.source {
             Source::Casters => casters.clone(),
             Source::Everything => everything.clone(),
             Source::Faces(drawn) => {
                 let buffers = faces.get(maker, drawn);
                 let first = draws.len();
-                draws.extend((!drawn.triangles.is_empty()).then(|| Draw::faces(buffers, drawn.triangles.len())));
+                draws.extend(
+                    (!drawn.triangles.is_empty())
+                        .then(|| Draw::faces(buffers, drawn.triangles.len())),
+                );
                 first..draws.len()
             }
         };
@@ -62,13 +77,20 @@ impl DrawList {
 
     /// Where each draw's vertices are to be placed.
     pub(crate) fn places(&self) -> impl Iterator<Item = Mat4> + '_ {
-        self.draws.iter().map(|d| d.world_from_local.map_or(Mat4::IDENTITY, Mat4::from))
+        self.draws
+            .iter()
+            .map(|d| d.world_from_local.map_or(Mat4::IDENTITY, Mat4::from))
     }
 }
 
 fn append(draws: &mut Vec<Draw>, drawables: &[Drawable<'_>]) -> Range<usize> {
     let first = draws.len();
-    draws.extend(drawables.iter().filter(|d| !d.range.is_empty()).map(Draw::new));
+    draws.extend(
+        drawables
+            .iter()
+            .filter(|d| !d.range.is_empty())
+            .map(Draw::new),
+    );
     first..draws.len()
 }
 
@@ -79,7 +101,11 @@ impl Draw {
             indices: drawable.indices.map(|i| (i.buffer.clone(), i.format)),
             range: drawable.range.clone(),
             layout: drawable.layout,
-            vertex: if drawable.world_from_local.is_some() { Vertex::Local } else { Vertex::World },
+            vertex: if drawable.world_from_local.is_some() {
+                Vertex::Local
+            } else {
+                Vertex::World
+            },
             world_from_local: drawable.world_from_local,
         }
     }
@@ -89,7 +115,10 @@ impl Draw {
             vertices,
             indices: Some((indices, IndexFormat::Uint32)),
             range: 0..3 * triangles as u32,
-            layout: VertexLayout { stride: 16, position_offset: 0 },
+            layout: VertexLayout {
+                stride: 16,
+                position_offset: 0,
+            },
             vertex: Vertex::Homogeneous,
             world_from_local: None,
         }

@@ -22,43 +22,79 @@ struct Held {
 impl FaceBuffers {
     /// Vertices and indices.
     pub(crate) fn get(&mut self, maker: &mut Maker<'_>, faces: &Arc<Faces>) -> [Buffer; 2] {
-        if let Some(held) = self.held.iter().find(|held| Arc::ptr_eq(&held.faces, faces)) {
+        if let Some(held) = self
+            .held
+            .iter()
+            .find(|held| Arc::ptr_eq(&held.faces, faces))
+        {
             return held.buffers.clone();
         }
         let (vertices, indices) = bytes(faces);
-        let fits = |[v, i]: &[Buffer; 2]| v.size() >= vertices.len() as u64 && i.size() >= indices.len() as u64;
-        let spare = self.spare.iter().position(fits).map(|i| self.spare.swap_remove(i));
+        let fits = |[v, i]: &[Buffer; 2]| {
+            v.size() >= vertices.len() as u64 && i.size() >= indices.len() as u64
+        };
+        let spare = self
+            .spare
+            .iter()
+            .position(fits)
+            .map(|i| self.spare.swap_remove(i));
         let [mut v, mut i] = spare.map_or([None, None], |buffers| buffers.map(Some));
         let buffers = [
-            maker.write(&mut v, "umbrage faces' vertices", BufferUsages::VERTEX, vertices),
-            maker.write(&mut i, "umbrage faces' triangles", BufferUsages::INDEX, indices),
+            maker.write(
+                &mut v,
+                "umbrage faces' vertices",
+                BufferUsages::VERTEX,
+                vertices,
+            ),
+            maker.write(
+                &mut i,
+                "umbrage faces' triangles",
+                BufferUsages::INDEX,
+                indices,
+            ),
         ];
-        self.held.push(Held { faces: faces.clone(), buffers: buffers.clone() });
+        self.held.push(Held {
+            faces: faces.clone(),
+            buffers: buffers.clone(),
+        });
         buffers
     }
 
     /// Lets go of faces that nobody else holds: no recipe can name them any more.
     pub(crate) fn forget_unreachable(&mut self) {
         self.spare.clear();
-        let gone = self.held.extract_if(.., |held| Arc::strong_count(&held.faces) == 1);
+        let gone = self
+            .held
+            .extract_if(.., |held| Arc::strong_count(&held.faces) == 1);
         self.spare.extend(gone.map(|held| held.buffers));
     }
 }
 
 fn bytes(faces: &Faces) -> (&[u8], &[u8]) {
-    (bytemuck::cast_slice(&faces.vertices), bytemuck::cast_slice(&faces.triangles))
+    (
+        bytemuck::cast_slice(&faces.vertices),
+        bytemuck::cast_slice(&faces.triangles),
+    )
 }
 
 /// Objects to faces that no buffer of `most` bytes holds.
 pub(crate) fn check_faces(recipe: &Recipe, most: u64) -> Result<(), Invalid> {
     for cast in &recipe.casts {
-        let Source::Faces(faces) = &cast.source else { continue };
+        let Source::Faces(faces) = &cast.source else {
+            continue;
+        };
         let (vertices, indices) = bytes(faces);
         let bytes = vertices.len().max(indices.len()) as u64;
         // Buffers grow to powers of two.
         if bytes.next_power_of_two() > most {
-            let why = format!("take {bytes} bytes, and this graphics adapter holds at most {most} in one buffer");
-            return Err(Invalid::new("faces of a cast", why, "use a smaller scene or the CPU backend"));
+            let why = format!(
+                "take {bytes} bytes, and this graphics adapter holds at most {most} in one buffer"
+            );
+            return Err(Invalid::new(
+                "faces of a cast",
+                why,
+                "use a smaller scene or the CPU backend",
+            ));
         }
     }
     Ok(())

@@ -11,7 +11,8 @@ use crate::{
 };
 use umbrage_core::{Format, Recipe};
 use wgpu::{
-    Color, CommandEncoder, LoadOp, Operations, RenderPassColorAttachment, RenderPassDescriptor, StoreOp, TextureView,
+    Color, CommandEncoder, LoadOp, Operations, RenderPassColorAttachment, RenderPassDescriptor,
+    StoreOp, TextureView,
 };
 
 /// Ready to be encoded.
@@ -22,31 +23,51 @@ pub(crate) struct FilterStage {
 }
 
 impl FilterStage {
-    pub(crate) fn prepare(&mut self, maker: &mut Maker<'_>, pipelines: &mut Pipelines, sources: &mut Sources<'_>) {
+    pub(crate) fn prepare(
+        &mut self,
+        maker: &mut Maker<'_>,
+        pipelines: &mut Pipelines,
+        sources: &mut Sources<'_>,
+    ) {
         let recipe = sources.recipe;
         self.clears = unwritten_layers(recipe, sources.images);
         self.filters.truncate(recipe.filters.len());
-        self.filters.resize_with(recipe.filters.len(), Default::default);
+        self.filters
+            .resize_with(recipe.filters.len(), Default::default);
         for ((stage, targets), filter) in self.filters.iter_mut().zip(&recipe.filters) {
             let kernel = &*filter.kernel;
-            let shape = stage.bind(maker, pipelines, sources, kernel, (&filter.inputs, &filter.tables));
-            let text = (filter_shader(&kernel_wgsl(kernel, &shape, 0)), "umbrage_filter");
+            let shape = stage.bind(
+                maker,
+                pipelines,
+                sources,
+                kernel,
+                (&filter.inputs, &filter.tables),
+            );
+            let text = (
+                filter_shader(&kernel_wgsl(kernel, &shape, 0)),
+                "umbrage_filter",
+            );
             let output = &sources.images[filter.output];
             let format = texture_format(output.desc.format);
             let label = format!("umbrage filter into {}", output.desc.label);
-            stage.pipeline = Some(pipelines.kernel(maker, &label, text, format, &[stage.binding.layout()]));
+            stage.pipeline =
+                Some(pipelines.kernel(maker, &label, text, format, &[stage.binding.layout()]));
             targets.clone_from(&output.layers);
         }
     }
 
     /// Clears what may be read but isn't written.
     pub(crate) fn clear(&self, encoder: &mut CommandEncoder) {
-        self.clears.iter().for_each(|(format, view)| clear(encoder, *format, view));
+        self.clears
+            .iter()
+            .for_each(|(format, view)| clear(encoder, *format, view));
     }
 
     pub(crate) fn encode(&self, encoder: &mut CommandEncoder, stamps: Option<&Stamps<'_>>) {
         let passes = self.filters.iter().flat_map(|(stage, layers)| {
-            (0..).zip(layers).filter_map(move |(layer, view)| Some((stage, stage.pipeline.as_ref()?, layer, view)))
+            (0..).zip(layers).filter_map(move |(layer, view)| {
+                Some((stage, stage.pipeline.as_ref()?, layer, view))
+            })
         });
         let count = passes.clone().count();
         for (i, (stage, pipeline, layer, view)) in passes.enumerate() {
@@ -64,8 +85,16 @@ impl FilterStage {
 }
 
 pub(crate) fn color_attachment(view: &TextureView, clear: Color) -> RenderPassColorAttachment<'_> {
-    let ops = Operations { load: LoadOp::Clear(clear), store: StoreOp::Store };
-    RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops }
+    let ops = Operations {
+        load: LoadOp::Clear(clear),
+        store: StoreOp::Store,
+    };
+    RenderPassColorAttachment {
+        view,
+        depth_slice: None,
+        resolve_target: None,
+        ops,
+    }
 }
 
 /// Gives a layer what it holds before anything is written.
@@ -86,7 +115,10 @@ fn unwritten_layers(recipe: &Recipe, images: &[GpuImage]) -> Vec<(Format, Textur
     let mut out = Vec::new();
     for (id, image) in images.iter().enumerate() {
         for (layer, view) in (0..).zip(&image.layers) {
-            let cast = recipe.casts.iter().any(|c| (c.image, c.layer) == (id, layer));
+            let cast = recipe
+                .casts
+                .iter()
+                .any(|c| (c.image, c.layer) == (id, layer));
             if !cast && !filtered_before_read(recipe, id) {
                 out.push((image.desc.format, view.clone()));
             }
@@ -96,6 +128,10 @@ fn unwritten_layers(recipe: &Recipe, images: &[GpuImage]) -> Vec<(Format, Textur
 }
 
 fn filtered_before_read(recipe: &Recipe, image: usize) -> bool {
-    let Some(writer) = recipe.filters.iter().position(|f| f.output == image) else { return false };
-    !recipe.filters[..writer].iter().any(|f| f.inputs.contains(&image))
+    let Some(writer) = recipe.filters.iter().position(|f| f.output == image) else {
+        return false;
+    };
+    !recipe.filters[..writer]
+        .iter()
+        .any(|f| f.inputs.contains(&image))
 }

@@ -3,7 +3,9 @@
 use glam::{Affine3A, UVec2};
 use std::ops::Range;
 use umbrage_core::{BackendError, Invalid, Recipe, Source, invalid};
-use wgpu::{Buffer, BufferUsages, IndexFormat, Limits, Texture, TextureFormat, TextureUsages, TextureView};
+use wgpu::{
+    Buffer, BufferUsages, IndexFormat, Limits, Texture, TextureFormat, TextureUsages, TextureView,
+};
 
 /// One frame's casters and receivers.
 #[derive(Clone, Copy, Debug)]
@@ -54,7 +56,10 @@ pub struct VertexLayout {
 
 impl VertexLayout {
     /// Positions and nothing else.
-    pub const PACKED: Self = Self { stride: 12, position_offset: 0 };
+    pub const PACKED: Self = Self {
+        stride: 12,
+        position_offset: 0,
+    };
 }
 
 /// What the camera sees: textures of [`Frame::size`] with usage `TEXTURE_BINDING`.
@@ -78,24 +83,45 @@ impl Frame<'_> {
     pub(crate) fn validate(&self, recipe: &Recipe, limits: &Limits) -> Result<(), BackendError> {
         for (what, drawables) in [("caster", self.casters), ("everything", self.everything)] {
             for (i, drawable) in drawables.iter().enumerate() {
-                drawable.validate(limits).map_err(|e| e.within(format!("{what} {i}")))?;
+                drawable
+                    .validate(limits)
+                    .map_err(|e| e.within(format!("{what} {i}")))?;
             }
         }
         self.check_everything(recipe)?;
         self.check_triangles(recipe)?;
-        check(self.receivers.position, "position", TextureFormat::Rgba32Float, self.size)?;
-        check(self.receivers.normal, "normal", TextureFormat::Rgba32Float, self.size)?;
-        self.receivers.triangle.map_or(Ok(()), |v| check(v, "triangle", TextureFormat::R32Uint, self.size))
+        check(
+            self.receivers.position,
+            "position",
+            TextureFormat::Rgba32Float,
+            self.size,
+        )?;
+        check(
+            self.receivers.normal,
+            "normal",
+            TextureFormat::Rgba32Float,
+            self.size,
+        )?;
+        self.receivers.triangle.map_or(Ok(()), |v| {
+            check(v, "triangle", TextureFormat::R32Uint, self.size)
+        })
     }
 
     /// Without casters, too, the caller draws all casts.
     fn check_everything(&self, recipe: &Recipe) -> Result<(), Invalid> {
-        let needed = recipe.casts.iter().any(|c| matches!(c.source, Source::Everything));
+        let needed = recipe
+            .casts
+            .iter()
+            .any(|c| matches!(c.source, Source::Everything));
         if !needed || !self.everything.is_empty() || self.casters.is_empty() {
             return Ok(());
         }
         let why = "has casters but not everything, which a cast of the recipe draws";
-        Err(Invalid::new("frame", why, "list all that the camera may see in `Frame::everything`"))
+        Err(Invalid::new(
+            "frame",
+            why,
+            "list all that the camera may see in `Frame::everything`",
+        ))
     }
 
     fn check_triangles(&self, recipe: &Recipe) -> Result<(), Invalid> {
@@ -103,15 +129,24 @@ impl Frame<'_> {
         if !needed || self.receivers.triangle.is_some() {
             return Ok(());
         }
-        let mend = "hand in triangle ids in `GBuffer::triangle`, or take a recipe that does without";
-        Err(Invalid::new("frame", "has no triangle ids, which tell this recipe what is seen", mend))
+        let mend =
+            "hand in triangle ids in `GBuffer::triangle`, or take a recipe that does without";
+        Err(Invalid::new(
+            "frame",
+            "has no triangle ids, which tell this recipe what is seen",
+            mend,
+        ))
     }
 }
 
 impl Drawable<'_> {
     fn validate(&self, limits: &Limits) -> Result<(), Invalid> {
         self.layout.validate(limits)?;
-        check_buffer(self.vertices, "vertex buffer", (BufferUsages::VERTEX, "VERTEX"))?;
+        check_buffer(
+            self.vertices,
+            "vertex buffer",
+            (BufferUsages::VERTEX, "VERTEX"),
+        )?;
         if let Some(Indices { buffer, .. }) = self.indices {
             check_buffer(buffer, "index buffer", (BufferUsages::INDEX, "INDEX"))?;
         }
@@ -123,11 +158,16 @@ impl Drawable<'_> {
 
     fn check_range(&self) -> Result<(), Invalid> {
         let (what, count) = match self.indices {
-            Some(Indices { buffer, format }) => ("indices", buffer.size() / format.byte_size() as u64),
+            Some(Indices { buffer, format }) => {
+                ("indices", buffer.size() / format.byte_size() as u64)
+            }
             None => ("vertices", self.layout.vertices(self.vertices.size())),
         };
         if self.range.start > self.range.end {
-            let why = format!("start at {} and end at {}", self.range.start, self.range.end);
+            let why = format!(
+                "start at {} and end at {}",
+                self.range.start, self.range.end
+            );
             return Err(Invalid::new(what, why, "put the first one first"));
         }
         if u64::from(self.range.end) > count {
@@ -135,7 +175,11 @@ impl Drawable<'_> {
             return Err(Invalid::new(what, why, "draw what is in the buffer"));
         }
         if self.layout.vertices(self.vertices.size()) == 0 && !self.range.is_empty() {
-            return Err(Invalid::new("vertex buffer", "holds no vertex", "leave the caster out"));
+            return Err(Invalid::new(
+                "vertex buffer",
+                "holds no vertex",
+                "leave the caster out",
+            ));
         }
         Ok(())
     }
@@ -146,12 +190,21 @@ impl VertexLayout {
     const POSITION: u64 = 12;
 
     fn validate(self, limits: &Limits) -> Result<(), Invalid> {
-        let Self { stride, position_offset: offset } = self;
+        let Self {
+            stride,
+            position_offset: offset,
+        } = self;
         let most = u64::from(limits.max_vertex_buffer_array_stride);
         if !stride.is_multiple_of(4) || stride < Self::POSITION || stride > most {
-            let mend =
-                format!("use a multiple of 4 from {} to {most}: a position is three 32-bit floats", Self::POSITION);
-            return Err(Invalid::new("vertex layout's stride", format!("is {stride} bytes"), mend));
+            let mend = format!(
+                "use a multiple of 4 from {} to {most}: a position is three 32-bit floats",
+                Self::POSITION
+            );
+            return Err(Invalid::new(
+                "vertex layout's stride",
+                format!("is {stride} bytes"),
+                mend,
+            ));
         }
         if !offset.is_multiple_of(4) || offset > stride - Self::POSITION {
             let why = format!("is {offset} bytes, in vertices of {stride}");
@@ -163,11 +216,17 @@ impl VertexLayout {
 
     /// How many vertices lie in a buffer of this size. The last one may end with its position.
     fn vertices(self, bytes: u64) -> u64 {
-        bytes.checked_sub(self.position_offset + Self::POSITION).map_or(0, |rest| rest / self.stride + 1)
+        bytes
+            .checked_sub(self.position_offset + Self::POSITION)
+            .map_or(0, |rest| rest / self.stride + 1)
     }
 }
 
-fn check_buffer(buffer: &Buffer, what: &str, (usage, name): (BufferUsages, &str)) -> Result<(), Invalid> {
+fn check_buffer(
+    buffer: &Buffer,
+    what: &str,
+    (usage, name): (BufferUsages, &str),
+) -> Result<(), Invalid> {
     if buffer.usage().contains(usage) {
         return Ok(());
     }
@@ -175,14 +234,27 @@ fn check_buffer(buffer: &Buffer, what: &str, (usage, name): (BufferUsages, &str)
     Err(Invalid::new(what, why, "add it where the buffer is made"))
 }
 
-fn check(view: &TextureView, what: &str, format: TextureFormat, size: UVec2) -> Result<(), BackendError> {
+fn check(
+    view: &TextureView,
+    what: &str,
+    format: TextureFormat,
+    size: UVec2,
+) -> Result<(), BackendError> {
     let texture = view.texture();
     let what = format!("receivers' {what} texture");
     check_readable(texture, &what)?;
     let found = UVec2::new(texture.width(), texture.height());
     if (texture.format(), found) != (format, size) {
-        let why = format!("is {:?} of {} x {} pixels", texture.format(), found.x, found.y);
-        let mend = format!("make it {format:?} of {} x {}, as the frame says", size.x, size.y);
+        let why = format!(
+            "is {:?} of {} x {} pixels",
+            texture.format(),
+            found.x,
+            found.y
+        );
+        let mend = format!(
+            "make it {format:?} of {} x {}, as the frame says",
+            size.x, size.y
+        );
         return Err(Invalid::new(what, why, mend).into());
     }
     Ok(())

@@ -15,8 +15,8 @@ use glam::{DVec3, Mat4, UVec2};
 use std::collections::HashMap;
 use umbrage_core::{BackendError, Format, ImageDesc, Invalid, MATH, invalid, join};
 use wgpu::{
-    Buffer, BufferUsages, Color, CommandEncoder, Device, Queue, RenderPassDescriptor, RenderPipeline, ShaderStages,
-    TextureFormat, TextureView,
+    Buffer, BufferUsages, Color, CommandEncoder, Device, Queue, RenderPassDescriptor,
+    RenderPipeline, ShaderStages, TextureFormat, TextureView,
 };
 
 /// Makes a [`GBuffer`] from the caller's depth buffer in one full-screen pass. Normals come from neighbouring pixels, so
@@ -63,7 +63,12 @@ impl GBufferFromDepth {
     /// # Errors
     /// If the matrix is singular, empty depth is where it sees what is nearest, or the depth buffer cannot be read as
     /// described.
-    pub fn prepare(&mut self, device: &Device, queue: &Queue, source: &DepthBuffer<'_>) -> Result<(), BackendError> {
+    pub fn prepare(
+        &mut self,
+        device: &Device,
+        queue: &Queue,
+        source: &DepthBuffer<'_>,
+    ) -> Result<(), BackendError> {
         source.validate()?;
         let camera = DepthCamera {
             world_from_clip: source.world_from_clip,
@@ -72,7 +77,15 @@ impl GBufferFromDepth {
         };
         let scopes = Scopes::open(device);
         let mut counters = self.counters;
-        self.prepare_with(&mut Maker { device, queue, counters: &mut counters }, source, &camera);
+        self.prepare_with(
+            &mut Maker {
+                device,
+                queue,
+                counters: &mut counters,
+            },
+            source,
+            &camera,
+        );
         let closed = scopes.close();
         if closed.is_err() {
             *self = Self::default();
@@ -81,19 +94,45 @@ impl GBufferFromDepth {
         closed
     }
 
-    fn prepare_with(&mut self, maker: &mut Maker<'_>, source: &DepthBuffer<'_>, camera: &DepthCamera) {
+    fn prepare_with(
+        &mut self,
+        maker: &mut Maker<'_>,
+        source: &DepthBuffer<'_>,
+        camera: &DepthCamera,
+    ) {
         let texture = source.depth.texture();
         let size = UVec2::new(texture.width(), texture.height());
         self.samples = texture.sample_count() > 1;
-        let image = |label| ImageDesc { label, size, layers: 1, format: Format::Rgba32 };
-        fit_images(maker, &mut self.images, &[image("umbrage positions"), image("umbrage normals")], &[]);
+        let image = |label| ImageDesc {
+            label,
+            size,
+            layers: 1,
+            format: Format::Rgba32,
+        };
+        fit_images(
+            maker,
+            &mut self.images,
+            &[image("umbrage positions"), image("umbrage normals")],
+            &[],
+        );
         let mut bytes = UniformBuffer::new(Vec::new());
         // Writing to a growing vector cannot fail.
         bytes.write(camera).unwrap_or_default();
         let usage = BufferUsages::UNIFORM;
-        let uniforms = maker.write(&mut self.uniforms, "umbrage camera", usage, &bytes.into_inner());
-        let depth = if self.samples { Slot::Samples } else { Slot::Floats { layered: false } };
-        let layout = self.layouts.get(maker, ShaderStages::FRAGMENT, &[Slot::Uniform, depth]);
+        let uniforms = maker.write(
+            &mut self.uniforms,
+            "umbrage camera",
+            usage,
+            &bytes.into_inner(),
+        );
+        let depth = if self.samples {
+            Slot::Samples
+        } else {
+            Slot::Floats { layered: false }
+        };
+        let layout = self
+            .layouts
+            .get(maker, ShaderStages::FRAGMENT, &[Slot::Uniform, depth]);
         let bound = vec![Bound::Buffer(uniforms), Bound::View(source.depth.clone())];
         self.binding.set(maker, "umbrage depth", &layout, bound);
         self.pipelines.entry(self.samples).or_insert_with(|| {
@@ -101,7 +140,14 @@ impl GBufferFromDepth {
             let text = shader_text(self.samples);
             let entries = ["umbrage_fullscreen", "unproject_pixel"];
             let targets = Targets::Colors(&[TextureFormat::Rgba32Float; 2]);
-            fullscreen_pipeline(maker.device, "umbrage unproject", &text, entries, &targets, &[Some(&layout)])
+            fullscreen_pipeline(
+                maker.device,
+                "umbrage unproject",
+                &text,
+                entries,
+                &targets,
+                &[Some(&layout)],
+            )
         });
     }
 
@@ -110,7 +156,9 @@ impl GBufferFromDepth {
     /// # Errors
     /// If [`prepare`](Self::prepare) has not succeeded before.
     pub fn encode(&self, encoder: &mut CommandEncoder) -> Result<GBuffer<'_>, BackendError> {
-        let (Some(pipeline), [position, normal]) = (self.pipelines.get(&self.samples), &self.images[..]) else {
+        let (Some(pipeline), [position, normal]) =
+            (self.pipelines.get(&self.samples), &self.images[..])
+        else {
             let mend = "call `prepare` first, and look at its error";
             return Err(Invalid::new("G-buffer from depth", "has nothing prepared", mend).into());
         };
@@ -124,18 +172,30 @@ impl GBufferFromDepth {
         pass.set_bind_group(0, self.binding.group(), &[]);
         pass.draw(0..3, 0..1);
         drop(pass);
-        Ok(GBuffer { position: &position.whole, normal: &normal.whole, triangle: None })
+        Ok(GBuffer {
+            position: &position.whole,
+            normal: &normal.whole,
+            triangle: None,
+        })
     }
 
     /// The G-buffer's size, for [`Frame::size`](crate::Frame::size); zero before the first frame.
     pub fn size(&self) -> UVec2 {
-        self.images.first().map_or(UVec2::ZERO, |image| image.desc.size)
+        self.images
+            .first()
+            .map_or(UVec2::ZERO, |image| image.desc.size)
     }
 
     /// The textures that [`encode`](Self::encode) writes: there as soon as a frame is prepared.
     pub fn gbuffer(&self) -> Option<GBuffer<'_>> {
-        let [position, normal] = &self.images[..] else { return None };
-        Some(GBuffer { position: &position.whole, normal: &normal.whole, triangle: None })
+        let [position, normal] = &self.images[..] else {
+            return None;
+        };
+        Some(GBuffer {
+            position: &position.whole,
+            normal: &normal.whole,
+            triangle: None,
+        })
     }
 
     /// What was made so far.
@@ -156,7 +216,11 @@ impl DepthBuffer<'_> {
         invalid::finite("world from clip", &self.world_from_clip.to_cols_array())?;
         if self.empty != 0.0 && self.empty != 1.0 {
             let why = format!("is {}", self.empty);
-            return Err(Invalid::new("depth where nothing was drawn", why, "use 1, or 0 with reversed z"));
+            return Err(Invalid::new(
+                "depth where nothing was drawn",
+                why,
+                "use 1, or 0 with reversed z",
+            ));
         }
         self.check_empty()
     }
@@ -174,18 +238,31 @@ impl DepthBuffer<'_> {
         if from_eye(f64::from(1.0 - self.empty)) < from_eye(0.5) {
             return Ok(());
         }
-        let why = format!("is {}, but that is where this camera sees what is nearest", self.empty);
-        Err(Invalid::new("depth where nothing was drawn", why, format!("use {}", 1.0 - self.empty)))
+        let why = format!(
+            "is {}, but that is where this camera sees what is nearest",
+            self.empty
+        );
+        Err(Invalid::new(
+            "depth where nothing was drawn",
+            why,
+            format!("use {}", 1.0 - self.empty),
+        ))
     }
 
     /// What is seen at this depth in the middle of the image.
     fn middle(&self, z: f64) -> DVec3 {
-        self.world_from_clip.as_dmat4().project_point3(DVec3::new(0.0, 0.0, z))
+        self.world_from_clip
+            .as_dmat4()
+            .project_point3(DVec3::new(0.0, 0.0, z))
     }
 
     /// 1 if right x up points to the viewer, as in right-handed worlds; else -1.
     fn handedness(&self) -> Result<f32, Invalid> {
-        let point = |x, y| self.world_from_clip.as_dmat4().project_point3(DVec3::new(x, y, 0.5));
+        let point = |x, y| {
+            self.world_from_clip
+                .as_dmat4()
+                .project_point3(DVec3::new(x, y, 0.5))
+        };
         let middle = self.middle(0.5);
         let viewer = self.middle(f64::from(1.0 - self.empty));
         let [right, up, viewer] = [point(0.5, 0.0), point(0.0, 0.5), viewer].map(|p| p - middle);
@@ -194,12 +271,20 @@ impl DepthBuffer<'_> {
             return Ok(volume.signum() as f32);
         }
         let mend = "hand in the inverse of the camera's clip from world";
-        Err(Invalid::new("world from clip", "does not unproject the middle of the image", mend))
+        Err(Invalid::new(
+            "world from clip",
+            "does not unproject the middle of the image",
+            mend,
+        ))
     }
 }
 
 fn shader_text(samples: bool) -> String {
-    let ty = if samples { "texture_multisampled_2d<f32>" } else { "texture_2d<f32>" };
+    let ty = if samples {
+        "texture_multisampled_2d<f32>"
+    } else {
+        "texture_2d<f32>"
+    };
     let access = format!(
         "@group(0) @binding(1) var depth_texture: {ty};
 fn load_depth(pixel: vec2i) -> f32 {{ return textureLoad(depth_texture, pixel, 0).x; }}

@@ -38,13 +38,28 @@ impl KernelStage {
     ) -> Shape {
         let shape = Shape::new(sources.recipe, kernel, images, tables);
         let name = kernel.layout().name;
-        let uniforms = maker.write(&mut self.uniforms, name, BufferUsages::UNIFORM, &kernel.uniform_bytes());
+        let uniforms = maker.write(
+            &mut self.uniforms,
+            name,
+            BufferUsages::UNIFORM,
+            &kernel.uniform_bytes(),
+        );
         let mut bound = vec![Bound::Buffer(uniforms)];
-        bound.extend(images.iter().map(|&i| Bound::View(sources.images[i].whole.clone())));
+        bound.extend(
+            images
+                .iter()
+                .map(|&i| Bound::View(sources.images[i].whole.clone())),
+        );
         for &table in tables {
-            bound.push(Bound::Buffer(sources.tables.get(maker, &sources.recipe.tables[table])));
+            bound.push(Bound::Buffer(
+                sources.tables.get(maker, &sources.recipe.tables[table]),
+            ));
         }
-        bound.extend(shape.compares().then(|| Bound::Sampler(pipelines.sampler(maker.device))));
+        bound.extend(
+            shape
+                .compares()
+                .then(|| Bound::Sampler(pipelines.sampler(maker.device))),
+        );
         // Compute, too, so that callers can use the bind group with the pasted text in either kind of shader.
         let visibility = ShaderStages::FRAGMENT | ShaderStages::COMPUTE;
         let layout = pipelines.layouts.get(maker, visibility, &slots(&shape));
@@ -61,5 +76,10 @@ fn slots(shape: &Shape) -> Vec<Slot> {
     });
     let tables = (0..shape.tables).map(|_| Slot::Table);
     let sampler = shape.compares().then_some(Slot::Sampler);
-    [Slot::Uniform].into_iter().chain(images).chain(tables).chain(sampler).collect()
+    [Slot::Uniform]
+        .into_iter()
+        .chain(images)
+        .chain(tables)
+        .chain(sampler)
+        .collect()
 }

@@ -14,7 +14,8 @@ use crate::{
 };
 use umbrage_core::{Format, ImageDesc};
 use wgpu::{
-    BindGroup, BindGroupLayout, Color, CommandEncoder, RenderPassDescriptor, ShaderStages, TextureFormat, TextureView,
+    BindGroup, BindGroupLayout, Color, CommandEncoder, RenderPassDescriptor, ShaderStages,
+    TextureFormat, TextureView,
 };
 
 /// Ready to be encoded.
@@ -35,19 +36,31 @@ impl Lookup {
         options: Options,
         frame: &Frame<'_>,
     ) -> &GpuImage {
-        let mask = ImageDesc { label: "umbrage mask", size: frame.size, layers: 1, format: Format::R32 };
+        let mask = ImageDesc {
+            label: "umbrage mask",
+            size: frame.size,
+            layers: 1,
+            format: Format::R32,
+        };
         fit_images(maker, &mut self.mask, &[mask], &[]);
         let receive = &sources.recipe.receive;
         let reads = (&receive.inputs[..], &receive.tables[..]);
-        let shape = self.kernel.bind(maker, pipelines, sources, &*receive.kernel, reads);
+        let shape = self
+            .kernel
+            .bind(maker, pipelines, sources, &*receive.kernel, reads);
         let (slots, bound) = gbuffer(&frame.receivers);
         let layout = pipelines.layouts.get(maker, ShaderStages::FRAGMENT, &slots);
         self.gbuffer.set(maker, "umbrage receivers", &layout, bound);
         let text = kernel_wgsl(&*receive.kernel, &shape, options.kernel_group);
-        let text = receive_shader(&text, options.gbuffer_group(), frame.receivers.triangle.is_some());
+        let text = receive_shader(
+            &text,
+            options.gbuffer_group(),
+            frame.receivers.triangle.is_some(),
+        );
         let groups = groups(options, &self.kernel, &layout);
         let (label, text) = ("umbrage receive", (text, "umbrage_receive"));
-        self.kernel.pipeline = Some(pipelines.kernel(maker, label, text, TextureFormat::R32Float, &groups));
+        self.kernel.pipeline =
+            Some(pipelines.kernel(maker, label, text, TextureFormat::R32Float, &groups));
         &self.mask[0]
     }
 
@@ -79,7 +92,10 @@ impl Lookup {
 
     /// What the kernel reads.
     pub(crate) fn kernel_group(&self) -> Option<(&BindGroup, &BindGroupLayout)> {
-        self.kernel.binding.group().zip(self.kernel.binding.layout())
+        self.kernel
+            .binding
+            .group()
+            .zip(self.kernel.binding.layout())
     }
 }
 
@@ -88,8 +104,19 @@ pub(crate) fn gbuffer(receivers: &GBuffer<'_>) -> (Vec<Slot>, Vec<Bound>) {
     let floats = Slot::Floats { layered: false };
     let mut slots = vec![floats, floats];
     slots.extend(receivers.triangle.map(|_| Slot::Whole { layered: false }));
-    let views = [Some(receivers.position), Some(receivers.normal), receivers.triangle];
-    (slots, views.into_iter().flatten().map(|v| Bound::View(v.clone())).collect())
+    let views = [
+        Some(receivers.position),
+        Some(receivers.normal),
+        receivers.triangle,
+    ];
+    (
+        slots,
+        views
+            .into_iter()
+            .flatten()
+            .map(|v| Bound::View(v.clone()))
+            .collect(),
+    )
 }
 
 /// The bind group layouts of a pipeline that asks a kernel about what the camera sees.

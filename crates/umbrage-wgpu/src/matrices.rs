@@ -12,7 +12,9 @@ use wgpu::{BindGroupLayout, Buffer, BufferUsages, RenderPass, ShaderStages};
 const MATRIX: NonZeroU64 = NonZeroU64::new(64).unwrap();
 
 pub(crate) fn matrix_layout(maker: &Maker<'_>, pipelines: &mut Pipelines) -> BindGroupLayout {
-    pipelines.layouts.get(maker, ShaderStages::VERTEX, &[Slot::Window(MATRIX)])
+    pipelines
+        .layouts
+        .get(maker, ShaderStages::VERTEX, &[Slot::Window(MATRIX)])
 }
 
 /// A uniform buffer of matrices, bound one at a time.
@@ -30,7 +32,11 @@ impl Matrices {
         pipelines: &mut Pipelines,
         matrices: impl Iterator<Item = Mat4>,
     ) {
-        self.stride = maker.device.limits().min_uniform_buffer_offset_alignment.max(64);
+        self.stride = maker
+            .device
+            .limits()
+            .min_uniform_buffer_offset_alignment
+            .max(64);
         let mut bytes = Vec::new();
         for (i, matrix) in matrices.enumerate() {
             bytes.resize(i * self.stride as usize, 0);
@@ -39,9 +45,19 @@ impl Matrices {
         if bytes.is_empty() {
             return;
         }
-        let buffer = maker.write(&mut self.buffer, "umbrage matrices", BufferUsages::UNIFORM, &bytes);
+        let buffer = maker.write(
+            &mut self.buffer,
+            "umbrage matrices",
+            BufferUsages::UNIFORM,
+            &bytes,
+        );
         let layout = matrix_layout(maker, pipelines);
-        self.binding.set(maker, "umbrage matrices", &layout, vec![Bound::Window(buffer, MATRIX)]);
+        self.binding.set(
+            maker,
+            "umbrage matrices",
+            &layout,
+            vec![Bound::Window(buffer, MATRIX)],
+        );
     }
 
     pub(crate) fn bind(&self, pass: &mut RenderPass<'_>, group: u32, index: usize) {

@@ -10,10 +10,11 @@ use crate::{
 use std::collections::HashMap;
 use umbrage_core::{Format, MATH, join};
 use wgpu::{
-    BindGroupLayout, CompareFunction, DepthBiasState, DepthStencilState, Device, FilterMode, FragmentState,
-    MultisampleState, PipelineCompilationOptions, PipelineLayoutDescriptor, PrimitiveState, RenderPipeline,
-    RenderPipelineDescriptor, Sampler, SamplerDescriptor, ShaderModule, ShaderModuleDescriptor, ShaderSource,
-    StencilState, TextureFormat, VertexAttribute, VertexBufferLayout, VertexFormat, VertexState, VertexStepMode,
+    BindGroupLayout, CompareFunction, DepthBiasState, DepthStencilState, Device, FilterMode,
+    FragmentState, MultisampleState, PipelineCompilationOptions, PipelineLayoutDescriptor,
+    PrimitiveState, RenderPipeline, RenderPipelineDescriptor, Sampler, SamplerDescriptor,
+    ShaderModule, ShaderModuleDescriptor, ShaderSource, StencilState, TextureFormat,
+    VertexAttribute, VertexBufferLayout, VertexFormat, VertexState, VertexStepMode,
 };
 
 /// What distinguishes the pipelines of casts.
@@ -74,9 +75,13 @@ impl Pipelines {
         if let Some(pipeline) = self.casts.get(&key) {
             return pipeline.clone();
         }
-        let shader = self
-            .cast_shader
-            .get_or_insert_with(|| shader(maker.device, "umbrage cast", &(join(&[MATH]) + include_str!("cast.wgsl"))));
+        let shader = self.cast_shader.get_or_insert_with(|| {
+            shader(
+                maker.device,
+                "umbrage cast",
+                &(join(&[MATH]) + include_str!("cast.wgsl")),
+            )
+        });
         maker.counters.pipelines += 1;
         let pipeline = cast_pipeline(maker.device, shader, key, groups);
         self.casts.entry(key).insert_entry(pipeline).get().clone()
@@ -91,7 +96,9 @@ impl Pipelines {
             compare: Some(CompareFunction::LessEqual),
             ..SamplerDescriptor::default()
         };
-        self.sampler.get_or_insert_with(|| device.create_sampler(&desc)).clone()
+        self.sampler
+            .get_or_insert_with(|| device.create_sampler(&desc))
+            .clone()
     }
 
     /// A full-screen pipeline for a kernel.
@@ -122,7 +129,10 @@ impl Pipelines {
 
 pub(crate) fn shader(device: &Device, label: &str, text: &str) -> ShaderModule {
     let source = ShaderSource::Wgsl(text.into());
-    device.create_shader_module(ShaderModuleDescriptor { label: Some(label), source })
+    device.create_shader_module(ShaderModuleDescriptor {
+        label: Some(label),
+        source,
+    })
 }
 
 fn cast_pipeline(
@@ -137,14 +147,22 @@ fn cast_pipeline(
         Vertex::Local => ("from_local", VertexFormat::Float32x3),
         Vertex::Homogeneous => ("from_homogeneous", VertexFormat::Float32x4),
     };
-    let attribute = VertexAttribute { format, offset: key.layout.position_offset, shader_location: 0 };
+    let attribute = VertexAttribute {
+        format,
+        offset: key.layout.position_offset,
+        shader_location: 0,
+    };
     let buffer = VertexBufferLayout {
         array_stride: key.layout.stride,
         step_mode: VertexStepMode::Vertex,
         attributes: &[attribute],
     };
-    let vertex =
-        VertexState { module, entry_point: Some(entry), compilation_options: options(), buffers: &[Some(buffer)] };
+    let vertex = VertexState {
+        module,
+        entry_point: Some(entry),
+        compilation_options: options(),
+        buffers: &[Some(buffer)],
+    };
     device.create_render_pipeline(&RenderPipelineDescriptor {
         label: Some("umbrage cast"),
         layout: Some(&pipeline_layout(device, groups)),
@@ -189,7 +207,12 @@ pub(crate) fn fullscreen_pipeline(
     device.create_render_pipeline(&RenderPipelineDescriptor {
         label: Some(label),
         layout: Some(&pipeline_layout(device, groups)),
-        vertex: VertexState { module, entry_point: Some(entries[0]), compilation_options: options(), buffers: &[] },
+        vertex: VertexState {
+            module,
+            entry_point: Some(entries[0]),
+            compilation_options: options(),
+            buffers: &[],
+        },
         primitive: PrimitiveState::default(),
         depth_stencil: depth.map(overwrite_depth),
         multisample: MultisampleState::default(),
@@ -214,7 +237,14 @@ fn overwrite_depth(format: TextureFormat) -> DepthStencilState {
     }
 }
 
-pub(crate) fn pipeline_layout(device: &Device, groups: &[Option<&BindGroupLayout>]) -> wgpu::PipelineLayout {
-    let desc = PipelineLayoutDescriptor { label: Some("umbrage"), bind_group_layouts: groups, immediate_size: 0 };
+pub(crate) fn pipeline_layout(
+    device: &Device,
+    groups: &[Option<&BindGroupLayout>],
+) -> wgpu::PipelineLayout {
+    let desc = PipelineLayoutDescriptor {
+        label: Some("umbrage"),
+        bind_group_layouts: groups,
+        immediate_size: 0,
+    };
     device.create_pipeline_layout(&desc)
 }

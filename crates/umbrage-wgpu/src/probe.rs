@@ -13,8 +13,8 @@ use crate::{
 };
 use umbrage_core::{BackendError, DepthPlanes, Snapping};
 use wgpu::{
-    Color, CommandEncoderDescriptor, Device, Extent3d, Queue, RenderPassDescriptor, TextureDescriptor,
-    TextureDimension, TextureFormat, TextureUsages, TextureViewDescriptor,
+    Color, CommandEncoderDescriptor, Device, Extent3d, Queue, RenderPassDescriptor,
+    TextureDescriptor, TextureDimension, TextureFormat, TextureUsages, TextureViewDescriptor,
 };
 
 /// Triangles, and pixels between them.
@@ -35,10 +35,19 @@ pub fn probe_snapping(device: &Device, queue: &Queue) -> Result<Snapping, Backen
 fn draw(device: &Device, queue: &Queue) -> Result<Vec<f32>, BackendError> {
     let (mut counters, mut spare) = (Counters::default(), Spare::default());
     let (label, format) = ("umbrage probe", TextureFormat::R32Float);
-    let size = Extent3d { width: (STRIPS * STRIP) as u32, height: ROWS as u32, depth_or_array_layers: 1 };
+    let size = Extent3d {
+        width: (STRIPS * STRIP) as u32,
+        height: ROWS as u32,
+        depth_or_array_layers: 1,
+    };
     let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC;
     let (dimension, mip_level_count, sample_count) = (TextureDimension::D2, 1, 1);
-    let image = Maker { device, queue, counters: &mut counters }.texture(&TextureDescriptor {
+    let image = Maker {
+        device,
+        queue,
+        counters: &mut counters,
+    }
+    .texture(&TextureDescriptor {
         label: Some(label),
         size,
         mip_level_count,
@@ -49,8 +58,14 @@ fn draw(device: &Device, queue: &Queue) -> Result<Vec<f32>, BackendError> {
         view_formats: &[],
     });
     let entries = ["place", "depth"];
-    let pipeline =
-        fullscreen_pipeline(device, label, include_str!("probe.wgsl"), entries, &Targets::Colors(&[format]), &[]);
+    let pipeline = fullscreen_pipeline(
+        device,
+        label,
+        include_str!("probe.wgsl"),
+        entries,
+        &Targets::Colors(&[format]),
+        &[],
+    );
     let mut encoder = device.create_command_encoder(&CommandEncoderDescriptor::default());
     let view = image.create_view(&TextureViewDescriptor::default());
     let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
@@ -70,7 +85,9 @@ fn draw(device: &Device, queue: &Queue) -> Result<Vec<f32>, BackendError> {
 
 /// What the image says. One that makes no sense is taken for the coarsest device's.
 fn of_image(depths: &[f32]) -> Snapping {
-    let rows: Vec<usize> = (0..STRIPS).map(|strip| rows_beyond(depths, strip)).collect();
+    let rows: Vec<usize> = (0..STRIPS)
+        .map(|strip| rows_beyond(depths, strip))
+        .collect();
     if rows.contains(&0) {
         return Snapping::COARSEST;
     }
@@ -80,7 +97,10 @@ fn of_image(depths: &[f32]) -> Snapping {
     // An eighth of a pixel is 2^(bits - 3) steps. Rounding to nearest reaches the points at both ends, which is one more
     // place than there are steps; rounding down doesn't.
     let bits = (places.len().ilog2() + 3).clamp(*Snapping::BITS.start(), *Snapping::BITS.end());
-    let found = Snapping { sub_pixel_bits: bits, planes: DepthPlanes::Unsnapped };
+    let found = Snapping {
+        sub_pixel_bits: bits,
+        planes: DepthPlanes::Unsnapped,
+    };
     // The squares of the distances from the depths drawn to those of each rule.
     let mut far = [0.0; 2];
     for (strip, &rows) in rows.iter().enumerate() {
@@ -90,7 +110,11 @@ fn of_image(depths: &[f32]) -> Snapping {
         far[0] += (depth_beside(beyond_grid(strip)) - drawn).powi(2);
         far[1] += (depth_beside(moved) - drawn).powi(2);
     }
-    let planes = if far[1] < far[0] { DepthPlanes::Snapped } else { DepthPlanes::Unsnapped };
+    let planes = if far[1] < far[0] {
+        DepthPlanes::Snapped
+    } else {
+        DepthPlanes::Unsnapped
+    };
     Snapping { planes, ..found }
 }
 
@@ -117,11 +141,16 @@ fn upper_end(rows: usize) -> f64 {
 /// The depth at the first row's pixel left of the column, of the plane through a triangle whose right edge begins so far
 /// right of the grid's point. Places are relative to the column's centres and the image's upper edge.
 fn depth_beside(beginning: f64) -> f64 {
-    let [a, b, c] = [[beginning - 0.25, 0.0, 0.25], [0.125, ROWS as f64, 0.25], [-3.0, 0.0, 0.75]];
+    let [a, b, c] = [
+        [beginning - 0.25, 0.0, 0.25],
+        [0.125, ROWS as f64, 0.25],
+        [-3.0, 0.0, 0.75],
+    ];
     let [x, y] = [-1.0, 0.5];
     // Barycentric weight of `c`; the other two have the same depth.
-    let twice_area =
-        |p: [f64; 3], q: [f64; 3], r: [f64; 2]| (q[0] - p[0]) * (r[1] - p[1]) - (r[0] - p[0]) * (q[1] - p[1]);
+    let twice_area = |p: [f64; 3], q: [f64; 3], r: [f64; 2]| {
+        (q[0] - p[0]) * (r[1] - p[1]) - (r[0] - p[0]) * (q[1] - p[1])
+    };
     let of_c = twice_area(a, b, [x, y]) / twice_area(a, b, [c[0], c[1]]);
     a[2] + (c[2] - a[2]) * of_c
 }
@@ -153,7 +182,10 @@ mod tests {
             let nearest = |v: f64| (v * steps).round_ties_even() / steps;
             let down = |v: f64| (v * steps).floor() / steps;
             let [unsnapped, snapped] =
-                [DepthPlanes::Unsnapped, DepthPlanes::Snapped].map(|planes| Snapping { sub_pixel_bits: bits, planes });
+                [DepthPlanes::Unsnapped, DepthPlanes::Snapped].map(|planes| Snapping {
+                    sub_pixel_bits: bits,
+                    planes,
+                });
             assert_eq!(of_image(&image(nearest, |v| v)), unsnapped);
             assert_eq!(of_image(&image(nearest, nearest)), snapped);
             assert_eq!(of_image(&image(down, |v| v)), unsnapped);
@@ -170,10 +202,20 @@ mod tests {
 
     #[test]
     fn images_without_sense_are_taken_for_the_coarsest() {
-        assert_eq!(of_image(&vec![0.0; STRIPS * STRIP * ROWS]), Snapping::COARSEST);
-        assert_eq!(of_image(&vec![f32::NAN; STRIPS * STRIP * ROWS]), Snapping::COARSEST);
+        assert_eq!(
+            of_image(&vec![0.0; STRIPS * STRIP * ROWS]),
+            Snapping::COARSEST
+        );
+        assert_eq!(
+            of_image(&vec![f32::NAN; STRIPS * STRIP * ROWS]),
+            Snapping::COARSEST
+        );
         let mut one_missing = image(|v| v, |v| v);
-        one_missing.iter_mut().skip(3).step_by(STRIPS * STRIP).for_each(|depth| *depth = 0.0);
+        one_missing
+            .iter_mut()
+            .skip(3)
+            .step_by(STRIPS * STRIP)
+            .for_each(|depth| *depth = 0.0);
         assert_eq!(of_image(&one_missing), Snapping::COARSEST);
     }
 }

@@ -73,7 +73,12 @@ impl ShadowRenderer {
         let groups = device.limits().max_bind_groups;
         if options.kernel_group >= groups {
             let why = format!("is {}", options.kernel_group);
-            return Err(Invalid::new("bind group of the kernel", why, format!("use 0 to {}", groups - 1)).into());
+            return Err(Invalid::new(
+                "bind group of the kernel",
+                why,
+                format!("use 0 to {}", groups - 1),
+            )
+            .into());
         }
         Ok(Self {
             options,
@@ -111,8 +116,18 @@ impl ShadowRenderer {
         self.shared.tables.forget_unreachable();
         self.shared.faces.forget_unreachable();
         let scopes = Scopes::open(device);
-        let mut maker = Maker { device, queue, counters: &mut self.counters };
-        self.lights[light].prepare(&mut maker, &mut self.shared, self.options, (recipe, &pairs), frame);
+        let mut maker = Maker {
+            device,
+            queue,
+            counters: &mut self.counters,
+        };
+        self.lights[light].prepare(
+            &mut maker,
+            &mut self.shared,
+            self.options,
+            (recipe, &pairs),
+            frame,
+        );
         if let Err(e) = scopes.close() {
             (self.shared, self.lights) = Default::default();
             return Err(e);
@@ -157,7 +172,9 @@ impl ShadowRenderer {
         light.casts.encode(encoder, stamps);
         light.filters.clear(encoder);
         light.filters.encode(encoder, stamps);
-        light.encode_mask(encoder, self.options, stamps).ok_or_else(unprepared)
+        light
+            .encode_mask(encoder, self.options, stamps)
+            .ok_or_else(unprepared)
     }
 
     /// What is to be drawn into before [`encode_filters_and_receive`](Self::encode_filters_and_receive), for callers
@@ -173,7 +190,12 @@ impl ShadowRenderer {
             return Ok(&casts.targets);
         }
         let why = "peel, count or draw faces of the technique's own, so targets alone don't tell what to draw";
-        Err(Invalid::new("casts", why, "call `encode_casts_with`, which draws what callers can't").into())
+        Err(Invalid::new(
+            "casts",
+            why,
+            "call `encode_casts_with`, which draws what callers can't",
+        )
+        .into())
     }
 
     /// Records all casts in order: those of faces that the technique made itself, and for each that draws casters or
@@ -202,11 +224,16 @@ impl ShadowRenderer {
     ///
     /// # Errors
     /// As [`encode`](Self::encode).
-    pub fn encode_filters_and_receive(&self, encoder: &mut CommandEncoder) -> Result<&TextureView, BackendError> {
+    pub fn encode_filters_and_receive(
+        &self,
+        encoder: &mut CommandEncoder,
+    ) -> Result<&TextureView, BackendError> {
         let light = self.recorded(encoder)?;
         light.filters.clear(encoder);
         light.filters.encode(encoder, None);
-        light.encode_mask(encoder, self.options, None).ok_or_else(unprepared)
+        light
+            .encode_mask(encoder, self.options, None)
+            .ok_or_else(unprepared)
     }
 
     /// Records casts alone; with [`encode_filters`](Self::encode_filters) and [`receive_bind_group`](Self::receive_bind_group)
@@ -231,13 +258,19 @@ impl ShadowRenderer {
     }
 
     /// Filters without the clearing of images that nothing writes.
-    pub(crate) fn encode_filters_only(&self, encoder: &mut CommandEncoder) -> Result<(), BackendError> {
+    pub(crate) fn encode_filters_only(
+        &self,
+        encoder: &mut CommandEncoder,
+    ) -> Result<(), BackendError> {
         self.recorded(encoder)?.filters.encode(encoder, None);
         Ok(())
     }
 
     pub(crate) fn encode_receive(&self, encoder: &mut CommandEncoder) -> Result<(), BackendError> {
-        self.recorded(encoder)?.encode_mask(encoder, self.options, None).map(|_| ()).ok_or_else(unprepared)
+        self.recorded(encoder)?
+            .encode_mask(encoder, self.options, None)
+            .map(|_| ())
+            .ok_or_else(unprepared)
     }
 
     /// What the lookup reads, for [`receive_wgsl`](crate::receive_wgsl) in the caller's own shader: set it at
@@ -261,7 +294,10 @@ impl ShadowRenderer {
 
     /// What was made so far.
     pub fn counters(&self) -> Counters {
-        Counters { buffers: self.counters.buffers + self.submissions.made(), ..self.counters }
+        Counters {
+            buffers: self.counters.buffers + self.submissions.made(),
+            ..self.counters
+        }
     }
 
     /// What recipes may ask of this device.
@@ -283,7 +319,9 @@ impl ShadowRenderer {
 
     /// What was prepared last.
     fn light(&self) -> Result<&Resources, BackendError> {
-        self.prepared.and_then(|i| self.lights.get(i)).ok_or_else(unprepared)
+        self.prepared
+            .and_then(|i| self.lights.get(i))
+            .ok_or_else(unprepared)
     }
 
     /// The same, not to be written before what the encoder records is submitted.
@@ -307,7 +345,9 @@ fn limits(device: &Device) -> Limits {
     Limits {
         image_side: limits.max_texture_dimension_2d,
         layers: limits.max_texture_array_layers,
-        table_bytes: limits.max_storage_buffer_binding_size.min(limits.max_buffer_size),
+        table_bytes: limits
+            .max_storage_buffer_binding_size
+            .min(limits.max_buffer_size),
     }
 }
 
@@ -315,8 +355,13 @@ fn check_device(device: &Device, own: &Device) -> Result<(), Invalid> {
     if device == own {
         return Ok(());
     }
-    let mend = "prepare with the device that the renderer was made with, or make a renderer for each";
-    Err(Invalid::new("device", "is not the one that the shadow renderer was made with", mend))
+    let mend =
+        "prepare with the device that the renderer was made with, or make a renderer for each";
+    Err(Invalid::new(
+        "device",
+        "is not the one that the shadow renderer was made with",
+        mend,
+    ))
 }
 
 pub(crate) fn check_size(size: UVec2, most: u32) -> Result<(), BackendError> {
@@ -328,5 +373,10 @@ pub(crate) fn check_size(size: UVec2, most: u32) -> Result<(), BackendError> {
 }
 
 fn unprepared() -> BackendError {
-    Invalid::new("shadow renderer", "has nothing prepared", "call `prepare` first, and look at its error").into()
+    Invalid::new(
+        "shadow renderer",
+        "has nothing prepared",
+        "call `prepare` first, and look at its error",
+    )
+    .into()
 }

@@ -52,14 +52,31 @@ impl Resources {
         (recipe, pairs): (&Recipe, &[Pair]),
         frame: &Frame<'_>,
     ) {
-        let Shared { pipelines, tables, faces } = shared;
+        let Shared {
+            pipelines,
+            tables,
+            faces,
+        } = shared;
         fit_images(maker, &mut self.images, &recipe.images, pairs);
-        self.casts.prepare(maker, pipelines, (&recipe.casts, &self.images), faces, frame);
+        self.casts.prepare(
+            maker,
+            pipelines,
+            (&recipe.casts, &self.images),
+            faces,
+            frame,
+        );
         self.faces = recipe.casts.iter().filter_map(faces_of).collect();
-        let mut sources = Sources { recipe, images: &self.images, tables };
+        let mut sources = Sources {
+            recipe,
+            images: &self.images,
+            tables,
+        };
         self.filters.prepare(maker, pipelines, &mut sources);
-        let mask = self.lookup.prepare(maker, pipelines, &mut sources, options, frame);
-        self.shading.prepare(maker, pipelines, &mut sources, options, (frame, mask));
+        let mask = self
+            .lookup
+            .prepare(maker, pipelines, &mut sources, options, frame);
+        self.shading
+            .prepare(maker, pipelines, &mut sources, options, (frame, mask));
     }
 
     /// Lets go of the faces, if no encoder that draws them waits to be submitted.
@@ -72,7 +89,10 @@ impl Resources {
     /// Whether no texture has to be made for these images and a mask of this size.
     pub(crate) fn fits(&self, images: &[ImageDesc], mask: UVec2) -> bool {
         self.images.iter().map(|image| &image.desc).eq(images)
-            && self.lookup.mask().is_some_and(|held| held.desc.size == mask)
+            && self
+                .lookup
+                .mask()
+                .is_some_and(|held| held.desc.size == mask)
     }
 
     /// Records the lookup and what follows it. Returns the mask.

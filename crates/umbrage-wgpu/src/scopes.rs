@@ -18,7 +18,11 @@ impl Scopes {
         let internal = device.push_error_scope(ErrorFilter::Internal);
         let memory = device.push_error_scope(ErrorFilter::OutOfMemory);
         let validation = device.push_error_scope(ErrorFilter::Validation);
-        Self { validation, memory, internal }
+        Self {
+            validation,
+            memory,
+            internal,
+        }
     }
 
     /// The worst error since the scopes were opened: without memory, validation errors are only what follows from it.
@@ -27,7 +31,10 @@ impl Scopes {
         let validation = pollster::block_on(self.validation.pop());
         let memory = pollster::block_on(self.memory.pop());
         let internal = pollster::block_on(self.internal.pop());
-        memory.or(internal).or(validation).map_or(Ok(()), |e| Err(backend_error(&e)))
+        memory
+            .or(internal)
+            .or(validation)
+            .map_or(Ok(()), |e| Err(backend_error(&e)))
     }
 }
 

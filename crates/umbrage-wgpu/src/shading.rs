@@ -33,25 +33,44 @@ impl Shading {
         options: Options,
         (frame, mask): (&Frame<'_>, &GpuImage),
     ) {
-        let Some(shade) = &sources.recipe.shade else { return *self = Self::default() };
-        let picture = ImageDesc { label: "umbrage picture", size: frame.size, layers: 1, format: Format::Rgba32 };
+        let Some(shade) = &sources.recipe.shade else {
+            return *self = Self::default();
+        };
+        let picture = ImageDesc {
+            label: "umbrage picture",
+            size: frame.size,
+            layers: 1,
+            format: Format::Rgba32,
+        };
         fit_images(maker, &mut self.picture, &[picture], &[]);
         self.background = background(shade);
-        let shape = self.kernel.bind(maker, pipelines, sources, &*shade.kernel, (&[], &shade.tables));
+        let shape = self.kernel.bind(
+            maker,
+            pipelines,
+            sources,
+            &*shade.kernel,
+            (&[], &shade.tables),
+        );
         let (mut slots, mut bound) = gbuffer(&frame.receivers);
         slots.push(Slot::Floats { layered: false });
         bound.push(Bound::View(mask.whole.clone()));
         let layout = pipelines.layouts.get(maker, ShaderStages::FRAGMENT, &slots);
         self.gbuffer.set(maker, "umbrage seen", &layout, bound);
-        let text = shade_shader(&kernel_wgsl(&*shade.kernel, &shape, options.kernel_group), options.gbuffer_group());
+        let text = shade_shader(
+            &kernel_wgsl(&*shade.kernel, &shape, options.kernel_group),
+            options.gbuffer_group(),
+        );
         let groups = groups(options, &self.kernel, &layout);
         let (label, text) = ("umbrage shade", (text, "umbrage_shade"));
-        self.kernel.pipeline = Some(pipelines.kernel(maker, label, text, TextureFormat::Rgba32Float, &groups));
+        self.kernel.pipeline =
+            Some(pipelines.kernel(maker, label, text, TextureFormat::Rgba32Float, &groups));
     }
 
     /// Records the pass, if the recipe shades.
     pub(crate) fn encode(&self, encoder: &mut CommandEncoder, options: Options) {
-        let (Some(picture), Some(pipeline)) = (self.picture(), &self.kernel.pipeline) else { return };
+        let (Some(picture), Some(pipeline)) = (self.picture(), &self.kernel.pipeline) else {
+            return;
+        };
         let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
             label: Some("umbrage shade"),
             color_attachments: &[Some(color_attachment(&picture.whole, self.background))],

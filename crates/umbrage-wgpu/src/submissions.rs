@@ -34,7 +34,11 @@ impl Pending {
 
 impl Submissions {
     pub(crate) fn of(device: &Device) -> Self {
-        Self { device: device.clone(), spare: Arc::default(), made: AtomicU32::new(0) }
+        Self {
+            device: device.clone(),
+            spare: Arc::default(),
+            made: AtomicU32::new(0),
+        }
     }
 
     pub(crate) fn device(&self) -> &Device {
@@ -72,7 +76,12 @@ impl Submissions {
         self.made.fetch_add(1, Ordering::Relaxed);
         // Read by nobody: only that it is mapped counts.
         let usage = BufferUsages::MAP_READ | BufferUsages::COPY_DST;
-        let desc = BufferDescriptor { label: Some("umbrage submission"), size: 4, usage, mapped_at_creation: false };
+        let desc = BufferDescriptor {
+            label: Some("umbrage submission"),
+            size: 4,
+            usage,
+            mapped_at_creation: false,
+        };
         self.device.create_buffer(&desc)
     }
 }

@@ -11,7 +11,11 @@ pub(crate) struct Tables(Vec<(Arc<[[u32; 4]]>, Buffer)>);
 
 impl Tables {
     pub(crate) fn get(&mut self, maker: &mut Maker<'_>, table: &Table) -> Buffer {
-        if let Some((_, buffer)) = self.0.iter().find(|(rows, _)| Arc::ptr_eq(rows, &table.rows)) {
+        if let Some((_, buffer)) = self
+            .0
+            .iter()
+            .find(|(rows, _)| Arc::ptr_eq(rows, &table.rows))
+        {
             return buffer.clone();
         }
         let bytes: &[u8] = bytemuck::cast_slice(&table.rows);

@@ -4,9 +4,9 @@ use crate::images::GpuImage;
 use glam::{Mat4, UVec2};
 use umbrage_core::{Cast, CastMode, Cull, Format, RasterBias, Source};
 use wgpu::{
-    CompareFunction, DepthBiasState, DepthStencilState, Face, FrontFace, LoadOp, Operations, PrimitiveState,
-    RenderPassDepthStencilAttachment, StencilFaceState, StencilOperation, StencilState, StoreOp, TextureFormat,
-    TextureView,
+    CompareFunction, DepthBiasState, DepthStencilState, Face, FrontFace, LoadOp, Operations,
+    PrimitiveState, RenderPassDepthStencilAttachment, StencilFaceState, StencilOperation,
+    StencilState, StoreOp, TextureFormat, TextureView,
 };
 
 /// One cast to be drawn: begin a pass with [`attachment`](Self::attachment), and draw all casters (or
@@ -40,9 +40,14 @@ impl CastTarget {
     pub(crate) fn new(casts: &[Cast], index: usize, images: &[GpuImage]) -> Self {
         let cast = &casts[index];
         let (image, layer) = (&images[cast.image], cast.layer as usize);
-        let CastMode::Behind(other) = cast.mode else { return Self::plain(casts, index, image) };
+        let CastMode::Behind(other) = cast.mode else {
+            return Self::plain(casts, index, image);
+        };
         let behind = Some(images[other].reads[layer].clone());
-        Self { behind, ..Self::plain(casts, index, image) }
+        Self {
+            behind,
+            ..Self::plain(casts, index, image)
+        }
     }
 
     fn plain(casts: &[Cast], index: usize, image: &GpuImage) -> Self {
@@ -50,7 +55,9 @@ impl CastTarget {
         Self {
             layer: image.layers[cast.layer as usize].clone(),
             size: image.desc.size,
-            clears: !casts[..index].iter().any(|c| (c.image, c.layer) == (cast.image, cast.layer)),
+            clears: !casts[..index]
+                .iter()
+                .any(|c| (c.image, c.layer) == (cast.image, cast.layer)),
             clip_from_world: cast.space.clip_from_world(),
             everything: matches!(cast.source, Source::Everything),
             behind: None,
@@ -76,7 +83,11 @@ impl CastTarget {
     }
 
     pub(crate) fn state(&self) -> DepthState {
-        let RasterBias { constant, slope, clamp } = self.bias;
+        let RasterBias {
+            constant,
+            slope,
+            clamp,
+        } = self.bias;
         DepthState {
             format: self.layer.texture().format(),
             counts: self.format == Format::Stencil8,
@@ -94,9 +105,27 @@ impl CastTarget {
 }
 
 /// Attaches a layer of an image of depth or counts; of a shared texture, the other part is only read.
-pub(crate) fn attachment(view: &TextureView, format: Format, clear: bool) -> RenderPassDepthStencilAttachment<'_> {
-    let depth = Operations { load: if clear { LoadOp::Clear(1.0) } else { LoadOp::Load }, store: StoreOp::Store };
-    let counts = Operations { load: if clear { LoadOp::Clear(0) } else { LoadOp::Load }, store: StoreOp::Store };
+pub(crate) fn attachment(
+    view: &TextureView,
+    format: Format,
+    clear: bool,
+) -> RenderPassDepthStencilAttachment<'_> {
+    let depth = Operations {
+        load: if clear {
+            LoadOp::Clear(1.0)
+        } else {
+            LoadOp::Load
+        },
+        store: StoreOp::Store,
+    };
+    let counts = Operations {
+        load: if clear {
+            LoadOp::Clear(0)
+        } else {
+            LoadOp::Load
+        },
+        store: StoreOp::Store,
+    };
     let is_depth = format.is_depth();
     RenderPassDepthStencilAttachment {
         view,
@@ -133,7 +162,11 @@ impl DepthState {
             Cull::Front => Some(Face::Front),
             Cull::Back => Some(Face::Back),
         };
-        PrimitiveState { front_face: FrontFace::Ccw, cull_mode, ..PrimitiveState::default() }
+        PrimitiveState {
+            front_face: FrontFace::Ccw,
+            cull_mode,
+            ..PrimitiveState::default()
+        }
     }
 
     pub(crate) fn depth_stencil(self) -> DepthStencilState {
@@ -141,7 +174,11 @@ impl DepthState {
             format: self.format,
             depth_write_enabled: Some(!self.counts),
             depth_compare: Some(CompareFunction::Less),
-            stencil: if self.counts { depth_fail_counting() } else { StencilState::default() },
+            stencil: if self.counts {
+                depth_fail_counting()
+            } else {
+                StencilState::default()
+            },
             bias: DepthBiasState {
                 constant: self.constant,
                 slope_scale: f32::from_bits(self.slope_bits),

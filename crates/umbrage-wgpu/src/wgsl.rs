@@ -23,21 +23,37 @@ pub(crate) enum InputKind {
 }
 
 impl Shape {
-    pub(crate) fn new(recipe: &Recipe, kernel: &dyn Kernel, images: &[usize], tables: &[usize]) -> Self {
+    pub(crate) fn new(
+        recipe: &Recipe,
+        kernel: &dyn Kernel,
+        images: &[usize],
+        tables: &[usize],
+    ) -> Self {
         let compares = kernel.compares();
         let kind = |format: Format| match format {
             Format::Stencil8 => InputKind::Counts,
             _ if compares && format.is_depth() => InputKind::Compared,
             _ => InputKind::Floats,
         };
-        let read =
-            |&i: &usize| recipe.images.get(i).map_or((InputKind::Floats, false), |d| (kind(d.format), d.layers > 1));
-        Self { images: images.iter().map(read).collect(), tables: tables.len() as u32 }
+        let read = |&i: &usize| {
+            recipe
+                .images
+                .get(i)
+                .map_or((InputKind::Floats, false), |d| {
+                    (kind(d.format), d.layers > 1)
+                })
+        };
+        Self {
+            images: images.iter().map(read).collect(),
+            tables: tables.len() as u32,
+        }
     }
 
     /// Whether it reads through the comparison sampler.
     pub(crate) fn compares(&self) -> bool {
-        self.images.iter().any(|&(kind, _)| kind == InputKind::Compared)
+        self.images
+            .iter()
+            .any(|&(kind, _)| kind == InputKind::Compared)
     }
 }
 
@@ -76,7 +92,10 @@ fn declare(text: &mut String, uniforms: &str, shape: &Shape, group: u32) {
     };
     declare(text, &format!("var<uniform> kernel: {uniforms}"));
     for (i, &(kind, layered)) in shape.images.iter().enumerate() {
-        declare(text, &format!("var image_{i}: {}", texture_type(kind, layered)));
+        declare(
+            text,
+            &format!("var image_{i}: {}", texture_type(kind, layered)),
+        );
         text.push_str(&image_functions(i, kind, layered));
     }
     (0..shape.tables).for_each(|j| declare(text, &format!("var<storage> table_{j}: array<vec4u>")));

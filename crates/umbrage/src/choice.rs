@@ -23,7 +23,11 @@ impl FromStr for Choice {
             "auto" => Ok(Self::Auto),
             "cpu" => Ok(Self::Cpu),
             "wgpu" | "gpu" => Ok(Self::Wgpu),
-            _ => Err(Invalid::new("backend", format!("there is none called `{name}`"), "use auto, cpu or wgpu")),
+            _ => Err(Invalid::new(
+                "backend",
+                format!("there is none called `{name}`"),
+                "use auto, cpu or wgpu",
+            )),
         }
     }
 }
@@ -63,8 +67,15 @@ fn cpu() -> Result<Box<dyn Backend>, BackendError> {
 #[cfg(feature = "wgpu")]
 fn gpu(software: bool) -> Result<Box<dyn Backend>, BackendError> {
     use umbrage_wgpu::{AdapterChoice, Software};
-    let software = if software { Software::Allowed } else { Software::Never };
-    let choice = AdapterChoice { software, ..AdapterChoice::from_env() };
+    let software = if software {
+        Software::Allowed
+    } else {
+        Software::Never
+    };
+    let choice = AdapterChoice {
+        software,
+        ..AdapterChoice::from_env()
+    };
     Ok(Box::new(umbrage_wgpu::Gpu::new(&choice)?))
 }
 

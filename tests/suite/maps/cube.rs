@@ -17,17 +17,36 @@ use umbrage_techniques::{Bias, Hard, Midpoint, Pcf, ShadowMap};
 const SIZE: u32 = 512;
 
 fn map(bias: Bias) -> ShadowMap {
-    ShadowMap { size: SIZE, bias, layout: Layout::Cube, ..ShadowMap::default() }
+    ShadowMap {
+        size: SIZE,
+        bias,
+        layout: Layout::Cube,
+        ..ShadowMap::default()
+    }
 }
 
 /// Techniques with how far their kernels reach, texels.
 fn techniques() -> [(Box<dyn ShadowTechnique>, f32); 4] {
-    let pcf = |radius: u32| Pcf { map: map(Bias::ADAPTIVE), radius };
+    let pcf = |radius: u32| Pcf {
+        map: map(Bias::ADAPTIVE),
+        radius,
+    };
     [
-        (Box::new(Hard { map: map(Bias::ADAPTIVE) }), 0.5),
+        (
+            Box::new(Hard {
+                map: map(Bias::ADAPTIVE),
+            }),
+            0.5,
+        ),
         (Box::new(pcf(1)), 1.5),
         (Box::new(pcf(3)), 3.5),
-        (Box::new(Midpoint { map: map(Bias::ADAPTIVE), radius: 0 }), 0.5),
+        (
+            Box::new(Midpoint {
+                map: map(Bias::ADAPTIVE),
+                radius: 0,
+            }),
+            0.5,
+        ),
     ]
 }
 
@@ -42,11 +61,21 @@ impl OnFace {
     /// Texels are those of faces exactly 90 degrees wide; true ones are a little larger.
     fn of(d: Vec3) -> Self {
         let unit = [Vec3::X, Vec3::Y, Vec3::Z];
-        let major = (0..3).max_by(|&i, &j| d[i].abs().total_cmp(&d[j].abs())).expect("three axes");
-        let axes = [unit[major] * d[major].signum(), unit[(major + 1) % 3], unit[(major + 2) % 3]];
+        let major = (0..3)
+            .max_by(|&i, &j| d[i].abs().total_cmp(&d[j].abs()))
+            .expect("three axes");
+        let axes = [
+            unit[major] * d[major].signum(),
+            unit[(major + 1) % 3],
+            unit[(major + 2) % 3],
+        ];
         let distance = d.dot(axes[0]);
         let texel = Vec2::new(d.dot(axes[1]), d.dot(axes[2])) / distance * (SIZE as f32 / 2.0);
-        Self { axes, distance, texel }
+        Self {
+            axes,
+            distance,
+            texel,
+        }
     }
 
     /// Texels to the nearest edge of the face.
@@ -74,53 +103,94 @@ fn near_edge(case: &Case, pixel: usize, texels: f32) -> bool {
     let (lamp, receivers) = (lamp(case), &case.truth.receivers);
     let (p, n) = (receivers.position(pixel), receivers.normal(pixel));
     let face = on_face(case, pixel);
-    let rings =
-        (1..=8).flat_map(|ring| (0..24).map(move |k| (ring as f32 / 8.0, k as f32 * std::f32::consts::TAU / 24.0)));
-    let rays = rings.map(|(r, turn)| face.beside(Vec2::from_angle(turn) * r * texels * std::f32::consts::SQRT_2));
+    let rings = (1..=8).flat_map(|ring| {
+        (0..24).map(move |k| (ring as f32 / 8.0, k as f32 * std::f32::consts::TAU / 24.0))
+    });
+    let rays = rings.map(|(r, turn)| {
+        face.beside(Vec2::from_angle(turn) * r * texels * std::f32::consts::SQRT_2)
+    });
     let on_plane = rays.map(|ray| lamp + ray * ((p - lamp).dot(n) / ray.dot(n)));
-    let points: Vec<Point> =
-        on_plane.map(|q| Point { triangle: receivers.triangle[pixel], ..Point::new(q, n, &case.geometry) }).collect();
-    let seen = trace_points(&case.geometry, case.light(), &points, &TruthOptions::default()).expect("valid points");
-    seen.iter().any(|s| s.visibility != case.truth.visibility[pixel])
+    let points: Vec<Point> = on_plane
+        .map(|q| Point {
+            triangle: receivers.triangle[pixel],
+            ..Point::new(q, n, &case.geometry)
+        })
+        .collect();
+    let seen = trace_points(
+        &case.geometry,
+        case.light(),
+        &points,
+        &TruthOptions::default(),
+    )
+    .expect("valid points");
+    seen.iter()
+        .any(|s| s.visibility != case.truth.visibility[pixel])
 }
 
 /// False pixels in the seam band and elsewhere.
 fn false_pixels(case: &Case, mask: &[f32]) -> [Vec<usize>; 2] {
     let wrong = |&i: &usize| (mask[i] - case.truth.visibility[i]).abs() > FALSE;
-    let (band, elsewhere) = case.counted().filter(wrong).partition(|&i| on_face(case, i).to_edge() <= 2.0);
+    let (band, elsewhere) = case
+        .counted()
+        .filter(wrong)
+        .partition(|&i| on_face(case, i).to_edge() <= 2.0);
     [band, elsewhere]
 }
 
 /// In the seam band and elsewhere.
 fn unexplained(case: &Case, mask: &[f32], reach: f32) -> [usize; 2] {
-    false_pixels(case, mask).map(|wrong| wrong.into_iter().filter(|&i| !near_edge(case, i, reach + 2.0)).count())
+    false_pixels(case, mask).map(|wrong| {
+        wrong
+            .into_iter()
+            .filter(|&i| !near_edge(case, i, reach + 2.0))
+            .count()
+    })
 }
 
 /// Pixels that count in the seam band.
 fn band(case: &Case) -> usize {
-    case.counted().filter(|&i| on_face(case, i).to_edge() <= 2.0).count()
+    case.counted()
+        .filter(|&i| on_face(case, i).to_edge() <= 2.0)
+        .count()
 }
 
 #[test]
 fn faces_meet_without_seams() {
     let case = Case::named("lamp-in-room");
-    let shadowed = case.counted().filter(|&i| on_face(&case, i).to_edge() <= 2.0 && case.truth.visibility[i] == 0.0);
-    assert!(band(&case) > 400 && shadowed.count() > 40, "too little is seen of the seams: {}", band(&case));
+    let shadowed = case
+        .counted()
+        .filter(|&i| on_face(&case, i).to_edge() <= 2.0 && case.truth.visibility[i] == 0.0);
+    assert!(
+        band(&case) > 400 && shadowed.count() > 40,
+        "too little is seen of the seams: {}",
+        band(&case)
+    );
     for (technique, reach) in techniques() {
         let mask = case.mask(&*technique);
-        assert_eq!(unexplained(&case, &mask, reach), [0, 0], "{} {}", technique.name(), technique.settings());
+        assert_eq!(
+            unexplained(&case, &mask, reach),
+            [0, 0],
+            "{} {}",
+            technique.name(),
+            technique.settings()
+        );
     }
 }
 
 fn render(case: &Case, recipe: &Recipe) -> Vec<f32> {
-    Cpu::new().render(&case.view(), recipe).expect("renders").mask
+    Cpu::new()
+        .render(&case.view(), recipe)
+        .expect("renders")
+        .mask
 }
 
 /// A face that is turned by a few texels must show up as a seam.
 #[test]
 fn a_turned_face_is_caught() {
     let case = Case::named("lamp-in-room");
-    let technique = Hard { map: map(Bias::NORMAL_OFFSET) };
+    let technique = Hard {
+        map: map(Bias::NORMAL_OFFSET),
+    };
     let mut recipe = technique.plan(&case.view()).expect("cubes serve bulbs");
     for cast in &mut recipe.casts {
         cast.space = cast.space.nudged(Vec2::splat(6.0), 0.0, UVec2::splat(SIZE));
@@ -133,7 +203,11 @@ fn a_turned_face_is_caught() {
 #[test]
 fn faces_are_drawn_if_they_are_needed() {
     let case = Case::of(one_octant());
-    let recipe = Hard { map: map(Bias::NORMAL_OFFSET) }.plan(&case.view()).expect("cubes serve bulbs");
+    let recipe = Hard {
+        map: map(Bias::NORMAL_OFFSET),
+    }
+    .plan(&case.view())
+    .expect("cubes serve bulbs");
     let drawn: Vec<u32> = recipe.casts.iter().map(|cast| cast.layer).collect();
     assert_eq!(drawn, [0, 3, 4], "+x, -y and +z alone hold casters");
     let whole = render(&case, &recipe);
@@ -147,24 +221,49 @@ fn faces_are_drawn_if_they_are_needed() {
 
 /// A bulb over a floor, and three balls in the octant +x, -y, +z of the bulb, one before each of its faces.
 fn one_octant() -> Scene {
-    let mut scene = (umbrage_scenes::find("lamp-in-room").expect("built in").build)();
+    let mut scene = (umbrage_scenes::find("lamp-in-room")
+        .expect("built in")
+        .build)();
     let floor = Mesh::new(
         "floor",
-        [(-9.0, -9.0), (-9.0, 9.0), (9.0, 9.0), (9.0, -9.0)].map(|(x, z)| Vec3::new(x, 0.0, z)).to_vec(),
+        [(-9.0, -9.0), (-9.0, 9.0), (9.0, 9.0), (9.0, -9.0)]
+            .map(|(x, z)| Vec3::new(x, 0.0, z))
+            .to_vec(),
         vec![[0, 1, 2], [0, 2, 3]],
     )
     .expect("valid");
     let tetrahedron = |center: Vec3, name: &str| {
-        let corners = [(1.0, 1.0, 1.0), (1.0, -1.0, -1.0), (-1.0, 1.0, -1.0), (-1.0, -1.0, 1.0)];
-        let at = corners.map(|(x, y, z)| center + Vec3::new(x, y, z) * 0.15).to_vec();
+        let corners = [
+            (1.0, 1.0, 1.0),
+            (1.0, -1.0, -1.0),
+            (-1.0, 1.0, -1.0),
+            (-1.0, -1.0, 1.0),
+        ];
+        let at = corners
+            .map(|(x, y, z)| center + Vec3::new(x, y, z) * 0.15)
+            .to_vec();
         Mesh::new(name, at, vec![[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]]).expect("valid")
     };
     let lamp = Vec3::Y * 2.0;
-    let casters = [Vec3::new(1.5, -0.6, 0.5), Vec3::new(0.4, -1.2, 0.4), Vec3::new(0.5, -0.6, 1.5)];
+    let casters = [
+        Vec3::new(1.5, -0.6, 0.5),
+        Vec3::new(0.4, -1.2, 0.4),
+        Vec3::new(0.5, -0.6, 1.5),
+    ];
     scene.meshes = vec![floor];
-    scene.meshes.extend(casters.map(|at| tetrahedron(lamp + at, "caster")));
-    scene.instances = (0..4).map(|i| Instance { casts: i > 0, ..Instance::new(i, glam::Affine3A::IDENTITY) }).collect();
-    scene.lights = vec![umbrage_core::Light::Point { position: lamp, radius: 0.0 }];
+    scene
+        .meshes
+        .extend(casters.map(|at| tetrahedron(lamp + at, "caster")));
+    scene.instances = (0..4)
+        .map(|i| Instance {
+            casts: i > 0,
+            ..Instance::new(i, glam::Affine3A::IDENTITY)
+        })
+        .collect();
+    scene.lights = vec![umbrage_core::Light::Point {
+        position: lamp,
+        radius: 0.0,
+    }];
     let camera = Camera::perspective(
         Vec3::new(9.0, 8.0, 9.0),
         Vec3::new(2.0, 0.0, 2.0),

@@ -3,23 +3,43 @@
 use super::Case;
 use umbrage_core::{Backend, PlanError, ShadowTechnique, metrics::Errors};
 use umbrage_cpu::Cpu;
-use umbrage_techniques::{Bias, Border, Hard, MapFormat, PcfHardware, PcfMerged, ShadowMap, Surface, WEIGHT_ERROR};
+use umbrage_techniques::{
+    Bias, Border, Hard, MapFormat, PcfHardware, PcfMerged, ShadowMap, Surface, WEIGHT_ERROR,
+};
 use umbrage_tests::gpu::gpu;
 
 /// Every kernel with every path: borders, layouts, formats, biases.
 fn techniques() -> Vec<Box<dyn ShadowTechnique>> {
-    let map = ShadowMap { size: 200, ..ShadowMap::default() };
+    let map = ShadowMap {
+        size: 200,
+        ..ShadowMap::default()
+    };
     let maps = [
-        ShadowMap { bias: Bias::NONE, ..map },
+        ShadowMap {
+            bias: Bias::NONE,
+            ..map
+        },
         map,
-        ShadowMap { bias: Bias::ADAPTIVE, ..map },
-        ShadowMap { bias: Bias::normal_offset(1.5), border: Border::Clamp, ..map },
-        ShadowMap { format: MapFormat::Depth16, ..map },
+        ShadowMap {
+            bias: Bias::ADAPTIVE,
+            ..map
+        },
+        ShadowMap {
+            bias: Bias::normal_offset(1.5),
+            border: Border::Clamp,
+            ..map
+        },
+        ShadowMap {
+            format: MapFormat::Depth16,
+            ..map
+        },
         ShadowMap { size: 1, ..map },
     ];
     let kernels = |map: ShadowMap| -> Vec<Box<dyn ShadowTechnique>> {
-        let hardware = [1, 2, 3, 4].map(|samples| Box::new(PcfHardware { map, samples }) as Box<dyn ShadowTechnique>);
-        let merged = [1, 2, 3].map(|radius| Box::new(PcfMerged { map, radius }) as Box<dyn ShadowTechnique>);
+        let hardware = [1, 2, 3, 4]
+            .map(|samples| Box::new(PcfHardware { map, samples }) as Box<dyn ShadowTechnique>);
+        let merged =
+            [1, 2, 3].map(|radius| Box::new(PcfMerged { map, radius }) as Box<dyn ShadowTechnique>);
         hardware.into_iter().chain(merged).collect()
     };
     maps.into_iter().flat_map(kernels).collect()
@@ -47,14 +67,29 @@ fn both_halves_agree() {
             };
             recipe.keep_images = true;
             let cpu = Cpu::new().render(&case.view(), &recipe).expect("renders");
-            let theirs = gpu().replay_receive(&case.view(), &recipe, &cpu.images).expect("renders");
+            let theirs = gpu()
+                .replay_receive(&case.view(), &recipe, &cpu.images)
+                .expect("renders");
             let exact = gpu().is_pinned_lavapipe();
             let bound = if exact { 0.0 } else { WEIGHT_ERROR };
-            let off = cpu.mask.iter().zip(&theirs).filter(|(a, b)| (**a - **b).abs() > bound).count();
+            let off = cpu
+                .mask
+                .iter()
+                .zip(&theirs)
+                .filter(|(a, b)| (**a - **b).abs() > bound)
+                .count();
             let most = if exact { 0 } else { cpu.mask.len() / 1000 };
-            let largest = cpu.mask.iter().zip(&theirs).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+            let largest = cpu
+                .mask
+                .iter()
+                .zip(&theirs)
+                .map(|(a, b)| (a - b).abs())
+                .fold(0.0, f32::max);
             if off > most {
-                faults.push(format!("{label}: {off} of {} differ, by {largest} at most", cpu.mask.len()));
+                faults.push(format!(
+                    "{label}: {off} of {} differ, by {largest} at most",
+                    cpu.mask.len()
+                ));
             }
             played += 1;
         }
@@ -68,13 +103,27 @@ fn both_halves_agree() {
 #[test]
 fn another_kernel_is_caught() {
     let case = Case::named("figure");
-    let map = ShadowMap { size: 200, ..ShadowMap::default() };
-    let plan = |radius| PcfMerged { map, radius }.plan(&case.view()).expect("serves the scene");
+    let map = ShadowMap {
+        size: 200,
+        ..ShadowMap::default()
+    };
+    let plan = |radius| {
+        PcfMerged { map, radius }
+            .plan(&case.view())
+            .expect("serves the scene")
+    };
     let mut recipe = plan(2);
     recipe.keep_images = true;
     let cpu = Cpu::new().render(&case.view(), &recipe).expect("renders");
-    let theirs = gpu().replay_receive(&case.view(), &plan(1), &cpu.images).expect("renders");
-    let off = cpu.mask.iter().zip(&theirs).filter(|(a, b)| (**a - **b).abs() > WEIGHT_ERROR).count();
+    let theirs = gpu()
+        .replay_receive(&case.view(), &plan(1), &cpu.images)
+        .expect("renders");
+    let off = cpu
+        .mask
+        .iter()
+        .zip(&theirs)
+        .filter(|(a, b)| (**a - **b).abs() > WEIGHT_ERROR)
+        .count();
     assert!(off > cpu.mask.len() / 1000, "only {off} differ");
 }
 
@@ -84,13 +133,32 @@ fn blended_edges_are_closer_to_truth() {
     let case = Case::named("figure");
     let map = |samples: u32| {
         let bias = Bias::normal_offset(PcfHardware::reach(samples));
-        ShadowMap { size: 512, bias, ..ShadowMap::default() }
+        ShadowMap {
+            size: 512,
+            bias,
+            ..ShadowMap::default()
+        }
     };
-    let hard = case.errors(&Hard { map: ShadowMap { bias: Bias::NORMAL_OFFSET, ..map(1) } });
-    let one = case.errors(&PcfHardware { map: map(1), samples: 1 });
+    let hard = case.errors(&Hard {
+        map: ShadowMap {
+            bias: Bias::NORMAL_OFFSET,
+            ..map(1)
+        },
+    });
+    let one = case.errors(&PcfHardware {
+        map: map(1),
+        samples: 1,
+    });
     assert!(one.rmse < hard.rmse, "{} against {}", one.rmse, hard.rmse);
     assert_eq!((one.acne, hard.acne), (0.0, 0.0));
-    let all: Vec<Errors> = (1..=3).map(|r| case.errors(&PcfMerged { map: map(2 * r + 1), radius: r })).collect();
+    let all: Vec<Errors> = (1..=3)
+        .map(|r| {
+            case.errors(&PcfMerged {
+                map: map(2 * r + 1),
+                radius: r,
+            })
+        })
+        .collect();
     assert!(all.iter().all(|e| e.acne == 0.0), "{all:?}");
 }
 
@@ -98,18 +166,32 @@ fn blended_edges_are_closer_to_truth() {
 fn maps_that_hold_no_depth_are_not_supported() {
     let case = Case::named("figure");
     for map in [
-        ShadowMap { format: MapFormat::Rgba8, ..ShadowMap::default() },
-        ShadowMap { surface: Surface::Midpoint, ..ShadowMap::default() },
+        ShadowMap {
+            format: MapFormat::Rgba8,
+            ..ShadowMap::default()
+        },
+        ShadowMap {
+            surface: Surface::Midpoint,
+            ..ShadowMap::default()
+        },
     ] {
         let why = PcfHardware { map, samples: 1 }.plan(&case.view());
         assert!(matches!(why, Err(PlanError::Unsupported(_))), "{why:?}");
     }
     for samples in [0, 5] {
-        let why = PcfHardware { samples, ..PcfHardware::default() }.plan(&case.view());
+        let why = PcfHardware {
+            samples,
+            ..PcfHardware::default()
+        }
+        .plan(&case.view());
         assert!(matches!(why, Err(PlanError::Invalid(_))), "{why:?}");
     }
     for radius in [0, 4, u32::MAX] {
-        let why = PcfMerged { radius, ..PcfMerged::default() }.plan(&case.view());
+        let why = PcfMerged {
+            radius,
+            ..PcfMerged::default()
+        }
+        .plan(&case.view());
         assert!(matches!(why, Err(PlanError::Invalid(_))), "{why:?}");
     }
 }

@@ -5,15 +5,25 @@ use umbrage_core::ShadowTechnique;
 use umbrage_techniques::{Bias, Hard, Midpoint, SecondDepth, ShadowMap};
 
 fn map(bias: Bias) -> ShadowMap {
-    ShadowMap { size: 1024, bias, ..ShadowMap::default() }
+    ShadowMap {
+        size: 1024,
+        bias,
+        ..ShadowMap::default()
+    }
 }
 
 fn midpoint() -> Midpoint {
-    Midpoint { map: map(Bias::ADAPTIVE), radius: 0 }
+    Midpoint {
+        map: map(Bias::ADAPTIVE),
+        radius: 0,
+    }
 }
 
 fn second_depth() -> SecondDepth {
-    SecondDepth { map: map(Bias::FRONT_CULL), radius: 0 }
+    SecondDepth {
+        map: map(Bias::FRONT_CULL),
+        radius: 0,
+    }
 }
 
 /// Share of wrong pixels, summed over the scenes.
@@ -24,12 +34,29 @@ fn wrong(cases: &[Case], technique: &dyn ShadowTechnique) -> f64 {
 /// Closed casters of different thickness under different lights: each has a constant that suits it, and none suits all.
 #[test]
 fn every_constant_is_worse_on_closed_meshes() {
-    let cases = ["figure", "c8-faceted-sphere", "c2-sphere-sun", "c3-sphere-bulb"].map(Case::named);
+    let cases = [
+        "figure",
+        "c8-faceted-sphere",
+        "c2-sphere-sun",
+        "c3-sphere-bulb",
+    ]
+    .map(Case::named);
     let (midpoint, second) = (wrong(&cases, &midpoint()), wrong(&cases, &second_depth()));
     for i in 0..=40 {
         let constant = 10.0_f32.powf(-6.0 + i as f32 / 8.0);
-        let other = wrong(&cases, &Hard { map: map(Bias { constant, ..Bias::NONE }) });
-        assert!(midpoint < other && second < other, "{constant}: {midpoint} and {second} against {other}");
+        let other = wrong(
+            &cases,
+            &Hard {
+                map: map(Bias {
+                    constant,
+                    ..Bias::NONE
+                }),
+            },
+        );
+        assert!(
+            midpoint < other && second < other,
+            "{constant}: {midpoint} and {second} against {other}"
+        );
     }
 }
 
@@ -37,10 +64,21 @@ fn every_constant_is_worse_on_closed_meshes() {
 #[test]
 fn open_meshes_defeat_both() {
     let case = [Case::named("open-shells")];
-    let hard = wrong(&case, &Hard { map: map(Bias::ADAPTIVE) });
-    let bare = Midpoint { map: map(Bias::NONE), radius: 0 };
+    let hard = wrong(
+        &case,
+        &Hard {
+            map: map(Bias::ADAPTIVE),
+        },
+    );
+    let bare = Midpoint {
+        map: map(Bias::NONE),
+        radius: 0,
+    };
     let (second, bare) = (wrong(&case, &second_depth()), wrong(&case, &bare));
-    assert!(second > 10.0 * hard && bare > 1.5 * hard, "{second} and {bare} against {hard}");
+    assert!(
+        second > 10.0 * hard && bare > 1.5 * hard,
+        "{second} and {bare} against {hard}"
+    );
 }
 
 /// Walls one texel thick: light leaks past their far sides, and not past a midpoint or the near sides.
@@ -49,5 +87,13 @@ fn thin_walls_leak_by_second_depth() {
     let case = Case::named("sealed-room");
     let light = |technique: &dyn ShadowTechnique| case.errors(technique).false_light;
     assert!(light(&second_depth()) > 0.0);
-    assert_eq!([light(&midpoint()), light(&Hard { map: map(Bias::ADAPTIVE) })], [0.0, 0.0]);
+    assert_eq!(
+        [
+            light(&midpoint()),
+            light(&Hard {
+                map: map(Bias::ADAPTIVE)
+            })
+        ],
+        [0.0, 0.0]
+    );
 }

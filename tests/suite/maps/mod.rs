@@ -28,11 +28,19 @@ impl Case {
 
     fn of(scene: Scene) -> Self {
         let geometry = Geometry::bake(&scene).expect("built-in scenes are valid");
-        let options = TruthOptions { samples: 64, ..TruthOptions::default() };
+        let options = TruthOptions {
+            samples: 64,
+            ..TruthOptions::default()
+        };
         let (camera, light, mut cpu) = (&scene.cameras[0], &scene.lights[0], Cpu::new());
         let find = &mut |c: &Camera, g: &Geometry| cpu.receivers(c, g);
-        let truth = trace(camera, light, &geometry, &options, find, &|_, _| {}).expect("built-in scenes are traced");
-        Self { scene, geometry, truth }
+        let truth = trace(camera, light, &geometry, &options, find, &|_, _| {})
+            .expect("built-in scenes are traced");
+        Self {
+            scene,
+            geometry,
+            truth,
+        }
     }
 
     fn light(&self) -> &Light {
@@ -40,13 +48,19 @@ impl Case {
     }
 
     fn view(&self) -> View<'_> {
-        View::new(&self.scene.cameras[0], self.light(), &self.geometry).with_receivers(&self.truth.receivers)
+        View::new(&self.scene.cameras[0], self.light(), &self.geometry)
+            .with_receivers(&self.truth.receivers)
     }
 
     /// The CPU's mask.
     fn mask(&self, technique: &dyn ShadowTechnique) -> Vec<f32> {
-        let recipe = technique.plan(&self.view()).expect("the technique serves the scene");
-        Cpu::new().render(&self.view(), &recipe).expect("built-in scenes render").mask
+        let recipe = technique
+            .plan(&self.view())
+            .expect("the technique serves the scene");
+        Cpu::new()
+            .render(&self.view(), &recipe)
+            .expect("built-in scenes render")
+            .mask
     }
 
     fn errors(&self, technique: &dyn ShadowTechnique) -> Errors {
@@ -54,7 +68,13 @@ impl Case {
     }
 
     fn errors_of(&self, mask: &[f32]) -> Errors {
-        Errors::measure(self.truth.size, mask, &self.truth.visibility, &self.truth.pixels).expect("masks are valid")
+        Errors::measure(
+            self.truth.size,
+            mask,
+            &self.truth.visibility,
+            &self.truth.pixels,
+        )
+        .expect("masks are valid")
     }
 
     /// Pixels that count.

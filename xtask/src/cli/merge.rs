@@ -33,7 +33,12 @@ impl Shard {
 }
 
 pub(super) fn parse_shard(text: &str) -> Result<Shard, String> {
-    let parts = text.split_once('/').and_then(|(k, n)| Some(Shard { k: k.parse().ok()?, n: n.parse().ok()? }));
+    let parts = text.split_once('/').and_then(|(k, n)| {
+        Some(Shard {
+            k: k.parse().ok()?,
+            n: n.parse().ok()?,
+        })
+    });
     match parts {
         Some(shard) if (1..=shard.n).contains(&shard.k) => Ok(shard),
         Some(_) => Err("K must be 1 to N".to_owned()),

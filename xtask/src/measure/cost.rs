@@ -12,7 +12,11 @@ const MANY_PIXELS: u64 = 1 << 23;
 ///
 /// # Errors
 /// When it doesn't fit into this machine's memory.
-pub(super) fn tell(inputs: &[SceneInput], options: &Options, backends: &mut Backends) -> Result<()> {
+pub(super) fn tell(
+    inputs: &[SceneInput],
+    options: &Options,
+    backends: &mut Backends,
+) -> Result<()> {
     if inputs.is_empty() {
         return Ok(());
     }
@@ -23,13 +27,22 @@ pub(super) fn tell(inputs: &[SceneInput], options: &Options, backends: &mut Back
     }
     if expected.pixels > MANY_PIXELS {
         println!("trying it at a small size, to tell how long it takes ..");
-        println!("this takes about {} here", spoken(pilot(inputs, options, backends)?));
+        println!(
+            "this takes about {} here",
+            spoken(pilot(inputs, options, backends)?)
+        );
     }
     Ok(())
 }
 
 fn counted(expected: &Expected) -> String {
-    let Expected { scenes, rows, pixels, rays, bytes } = *expected;
+    let Expected {
+        scenes,
+        rows,
+        pixels,
+        rays,
+        bytes,
+    } = *expected;
     let plural = |count: usize| if count == 1 { "" } else { "s" };
     let [of_scenes, of_rows] = [scenes, rows].map(plural);
     format!(
@@ -53,7 +66,9 @@ fn refusal(bytes: u64, memory: Option<u64>) -> Option<String> {
 /// The machine's memory, bytes, where the system tells.
 fn memory() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/meminfo").ok()?;
-    let line = text.lines().find_map(|line| line.strip_prefix("MemTotal:"))?;
+    let line = text
+        .lines()
+        .find_map(|line| line.strip_prefix("MemTotal:"))?;
     let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
     Some(kibibytes * 1024)
 }
@@ -66,12 +81,19 @@ fn short(count: u64) -> String {
         let digits = if value < 10.0 { 1 } else { 0 };
         format!("{value:.digits$}{name}")
     };
-    units.into_iter().find(|(unit, _)| count as f64 >= *unit).map_or_else(|| count.to_string(), of)
+    units
+        .into_iter()
+        .find(|(unit, _)| count as f64 >= *unit)
+        .map_or_else(|| count.to_string(), of)
 }
 
 fn size(bytes: u64) -> String {
     let mebibytes = bytes as f64 / f64::from(1 << 20);
-    if mebibytes < 1024.0 { format!("{:.0} MiB", mebibytes.max(1.0)) } else { format!("{:.1} GiB", mebibytes / 1024.0) }
+    if mebibytes < 1024.0 {
+        format!("{:.0} MiB", mebibytes.max(1.0))
+    } else {
+        format!("{:.1} GiB", mebibytes / 1024.0)
+    }
 }
 
 /// A length of time in one unit.
@@ -91,10 +113,25 @@ mod tests {
 
     #[test]
     fn the_cost_is_said_in_units_that_people_know() {
-        let expected = Expected { scenes: 1, rows: 154, pixels: 1 << 28, rays: 7 << 28, bytes: 219 << 30 };
+        let expected = Expected {
+            scenes: 1,
+            rows: 154,
+            pixels: 1 << 28,
+            rays: 7 << 28,
+            bytes: 219 << 30,
+        };
         let line = counted(&expected);
-        assert_eq!(line, "1 scene, 154 rows, 268 M pixels; at most 1.9 G rays for truth, about 219.0 GiB of memory");
-        let small = Expected { scenes: 2, rows: 6, pixels: 600, rays: 4200, bytes: 1000 };
+        assert_eq!(
+            line,
+            "1 scene, 154 rows, 268 M pixels; at most 1.9 G rays for truth, about 219.0 GiB of memory"
+        );
+        let small = Expected {
+            scenes: 2,
+            rows: 6,
+            pixels: 600,
+            rays: 4200,
+            bytes: 1000,
+        };
         assert_eq!(
             counted(&small),
             "2 scenes, 6 rows, 600 pixels; at most 4.2 k rays for truth, about 1 MiB of memory"
@@ -107,7 +144,9 @@ mod tests {
     fn what_cannot_fit_is_refused_with_what_to_do() {
         let refused = refusal(219 << 30, Some(8 << 30)).expect("too much");
         assert!(
-            refused.contains("219.0 GiB") && refused.contains("8.0 GiB") && refused.contains("--size"),
+            refused.contains("219.0 GiB")
+                && refused.contains("8.0 GiB")
+                && refused.contains("--size"),
             "{refused}"
         );
         assert_eq!(refusal(1 << 30, Some(8 << 30)), None);

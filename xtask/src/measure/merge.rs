@@ -7,7 +7,11 @@ use umbrage_lab::report::merge as join;
 /// Joins, and fails if any shard had faults.
 pub(super) fn merge(options: &MergeOptions) -> Result<()> {
     let (comparison, page) = join(&options.folders, &options.out)?;
-    println!("{} scenes of {} folders", comparison.scenes.len(), options.folders.len());
+    println!(
+        "{} scenes of {} folders",
+        comparison.scenes.len(),
+        options.folders.len()
+    );
     println!("report: {}", page.display());
     super::compare::verdict(&comparison)
 }

@@ -56,8 +56,19 @@ pub(crate) fn dispatch(_command: &Command) -> Result<()> {
     use crate::run::{cargo, root, spell};
     use anyhow::Context as _;
     let mut again = cargo();
-    again.args(["run", "--release", "--package", "xtask", "--features", "measure", "--manifest-path"]);
-    again.arg(root().join("Cargo.toml")).arg("--").args(std::env::args_os().skip(1));
+    again.args([
+        "run",
+        "--release",
+        "--package",
+        "xtask",
+        "--features",
+        "measure",
+        "--manifest-path",
+    ]);
+    again
+        .arg(root().join("Cargo.toml"))
+        .arg("--")
+        .args(std::env::args_os().skip(1));
     // Paths that were typed count from where they were typed.
     again.current_dir(std::env::current_dir()?);
     if is_built() {
@@ -66,7 +77,9 @@ pub(crate) fn dispatch(_command: &Command) -> Result<()> {
         println!("building what measures, optimised: this takes some minutes the first time");
     }
     let line = spell(&again);
-    let status = again.status().with_context(|| format!("`{line}` did not start"))?;
+    let status = again
+        .status()
+        .with_context(|| format!("`{line}` did not start"))?;
     std::process::exit(status.code().unwrap_or(1));
 }
 
@@ -75,5 +88,9 @@ pub(crate) fn dispatch(_command: &Command) -> Result<()> {
 fn is_built() -> bool {
     let here = std::env::current_exe().ok();
     let target = here.as_deref().and_then(|p| p.parent()?.parent());
-    target.is_some_and(|t| t.join("release").join(format!("xtask{}", std::env::consts::EXE_SUFFIX)).is_file())
+    target.is_some_and(|t| {
+        t.join("release")
+            .join(format!("xtask{}", std::env::consts::EXE_SUFFIX))
+            .is_file()
+    })
 }

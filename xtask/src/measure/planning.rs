@@ -12,7 +12,8 @@ pub(super) struct Progress {
 impl Progress {
     pub(super) fn new() -> Self {
         let style = ProgressStyle::with_template("{bar:30} {elapsed} gone  {prefix}{wide_msg}");
-        let bar = ProgressBar::new(1000).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        let bar = ProgressBar::new(1000)
+            .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
         bar.enable_steady_tick(Duration::from_millis(200));
         Self { bar }
     }
@@ -28,16 +29,23 @@ impl Progress {
             Step::Looking => self.bar.set_message("looking for where visibility varies"),
             Step::Truth(done, total) => {
                 self.bar.set_message("tracing truth");
-                self.bar.set_position(1000 * done as u64 / total.max(1) as u64);
+                self.bar
+                    .set_position(1000 * done as u64 / total.max(1) as u64);
             }
-            Step::Trying(technique, before) => self.bar.set_message(format!("trying {technique} ({before} tried)")),
+            Step::Trying(technique, before) => self
+                .bar
+                .set_message(format!("trying {technique} ({before} tried)")),
             Step::Explaining => self.bar.set_message("writing down why"),
         }
     }
 
     /// A line above the bar.
     pub(super) fn say(&self, line: &str) {
-        if self.bar.is_hidden() { println!("{line}") } else { self.bar.println(line) }
+        if self.bar.is_hidden() {
+            println!("{line}")
+        } else {
+            self.bar.println(line)
+        }
     }
 
     pub(super) fn finish(&self) {

@@ -33,8 +33,11 @@ struct Place {
 
 impl Progress {
     pub(super) fn new() -> Self {
-        let style = ProgressStyle::with_template("{bar:30} {percent:>3} %  {elapsed} gone, {eta} to go  {wide_msg}");
-        let bar = ProgressBar::new(0).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        let style = ProgressStyle::with_template(
+            "{bar:30} {percent:>3} %  {elapsed} gone, {eta} to go  {wide_msg}",
+        );
+        let bar =
+            ProgressBar::new(0).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
         let start = Instant::now();
         let told = bar.clone();
         let say = move || {
@@ -42,18 +45,28 @@ impl Progress {
             println!("{}", beat(done, start.elapsed(), &told.message()));
         };
         let heart = bar.is_hidden().then(|| Heart::new(BEAT, say));
-        Self { bar, at: Mutex::default(), heart }
+        Self {
+            bar,
+            at: Mutex::default(),
+            heart,
+        }
     }
 
     /// Takes note of what happens; from any thread.
     pub(super) fn note(&self, event: Event<'_>) {
         // A panic elsewhere must not hide behind the bar's.
-        let mut at = self.at.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let mut at = self
+            .at
+            .lock()
+            .unwrap_or_else(std::sync::PoisonError::into_inner);
         if let Some(message) = message(event) {
             self.bar.set_message(message);
         }
         match event {
-            Event::Started { scenes, rows_per_scene } => {
+            Event::Started {
+                scenes,
+                rows_per_scene,
+            } => {
                 self.bar.set_length(scenes as u64 * STEPS);
                 at.rows = rows_per_scene as u64;
             }
@@ -90,12 +103,16 @@ impl Heart {
                 beat();
             }
         });
-        Self { stop: Mutex::new(Some(stop)), thread: Mutex::new(Some(thread)) }
+        Self {
+            stop: Mutex::new(Some(stop)),
+            thread: Mutex::new(Some(thread)),
+        }
     }
 
     /// Ends it, and waits for a beat that has begun.
     fn stop(&self) {
-        let take = |slot: &Mutex<Option<Sender<()>>>| slot.lock().ok().and_then(|mut slot| slot.take());
+        let take =
+            |slot: &Mutex<Option<Sender<()>>>| slot.lock().ok().and_then(|mut slot| slot.take());
         drop(take(&self.stop));
         let thread = self.thread.lock().ok().and_then(|mut slot| slot.take());
         // A thread that panicked has said so itself.
@@ -114,15 +131,23 @@ fn beat(done: f64, elapsed: Duration, message: &str) -> String {
     let gone = spoken(elapsed);
     let left = elapsed.as_secs_f64() * (1.0 - done) / done;
     // Of the first hundredth no rest can be told.
-    let rest =
-        if done > 0.01 { format!(", about {} to go", spoken(Duration::from_secs_f64(left))) } else { String::new() };
+    let rest = if done > 0.01 {
+        format!(", about {} to go", spoken(Duration::from_secs_f64(left)))
+    } else {
+        String::new()
+    };
     format!("{:.0} %, {gone} gone{rest}: {message}", 100.0 * done)
 }
 
 fn message(event: Event<'_>) -> Option<String> {
     match event {
         Event::Scene { name, .. } => Some(format!("{name}: truth")),
-        Event::Row { technique, settings, backend, .. } => Some(format!("{technique} ({settings}) on {backend}")),
+        Event::Row {
+            technique,
+            settings,
+            backend,
+            ..
+        } => Some(format!("{technique} ({settings}) on {backend}")),
         Event::Writing => Some("writing the report".to_owned()),
         _ => None,
     }
@@ -151,8 +176,16 @@ mod tests {
     #[test]
     fn truth_is_the_first_half_of_a_scene() {
         let at = Place { scene: 3, rows: 10 };
-        assert_eq!(position(at, Event::Truth { done: 1, total: 2 }), Some(3 * STEPS + STEPS / 4));
-        let row = Event::Row { technique: "", settings: "", backend: "", index: 5 };
+        assert_eq!(
+            position(at, Event::Truth { done: 1, total: 2 }),
+            Some(3 * STEPS + STEPS / 4)
+        );
+        let row = Event::Row {
+            technique: "",
+            settings: "",
+            backend: "",
+            index: 5,
+        };
         assert_eq!(position(at, row), Some(3 * STEPS + STEPS * 3 / 4));
     }
 
@@ -178,7 +211,13 @@ mod tests {
     #[test]
     fn a_line_says_how_far_it_is() {
         let minutes = |m: u64| Duration::from_secs(60 * m);
-        assert_eq!(beat(0.25, minutes(5), "cubes: truth"), "25 %, 5 min gone, about 15 min to go: cubes: truth");
-        assert_eq!(beat(0.0, minutes(5), "cubes: truth"), "0 %, 5 min gone: cubes: truth");
+        assert_eq!(
+            beat(0.25, minutes(5), "cubes: truth"),
+            "25 %, 5 min gone, about 15 min to go: cubes: truth"
+        );
+        assert_eq!(
+            beat(0.0, minutes(5), "cubes: truth"),
+            "0 %, 5 min gone: cubes: truth"
+        );
     }
 }

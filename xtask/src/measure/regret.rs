@@ -9,7 +9,9 @@ use crate::cli::PlanOptions;
 use anyhow::{Result, bail};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
 use umbrage_core::Scene;
-use umbrage_lab::plan::{LEAST_KEPT, MOST_REGRET, Options, Regret, regret as measure, write_regret};
+use umbrage_lab::plan::{
+    LEAST_KEPT, MOST_REGRET, Options, Regret, regret as measure, write_regret,
+};
 
 /// One row a scene, light and bound; fails if too many bounds are broken, or a choice costs too much.
 pub(super) fn regret(options: &PlanOptions) -> Result<()> {
@@ -20,8 +22,13 @@ pub(super) fn regret(options: &PlanOptions) -> Result<()> {
         progress.prefix(format!("{} ({} of {}): ", scene.name, i + 1, scenes.len()));
         // The library says what a scene without lights lacks.
         for light in 0..scene.lights.len().max(1) {
-            let settings = Options { light, ..settings(options) };
-            let found = measure(scene, &options.errors, &settings, &|step| progress.note(step));
+            let settings = Options {
+                light,
+                ..settings(options)
+            };
+            let found = measure(scene, &options.errors, &settings, &|step| {
+                progress.note(step)
+            });
             let found = found.inspect_err(|_| progress.finish())?;
             found.iter().for_each(|r| progress.say(&line(r)));
             all.extend(found);
@@ -36,7 +43,11 @@ pub(super) fn regret(options: &PlanOptions) -> Result<()> {
 
 fn scenes(names: &[String]) -> Result<Vec<Scene>> {
     if names.is_empty() {
-        return Ok(umbrage_scenes::all().iter().filter(|e| e.suite).map(|e| (e.build)()).collect());
+        return Ok(umbrage_scenes::all()
+            .iter()
+            .filter(|e| e.suite)
+            .map(|e| (e.build)())
+            .collect());
     }
     names.iter().map(|name| scene(name)).collect()
 }
@@ -52,10 +63,18 @@ fn cells(r: &Regret) -> Vec<String> {
         r.scene.clone(),
         format!("{}: {}", r.light_number, r.light),
         format!("{}", r.bound),
-        r.chosen.as_ref().map_or_else(|| "nothing".to_owned(), |c| c.label()),
-        r.chosen.as_ref().map_or_else(dash, |c| format!("{:.4} ({:.4})", c.estimate.error, c.estimate.high)),
-        r.chosen.as_ref().map_or_else(dash, |_| format!("{:.4}", r.error)),
-        r.chosen.as_ref().map_or_else(dash, |c| format!("{:.3}", c.milliseconds)),
+        r.chosen
+            .as_ref()
+            .map_or_else(|| "nothing".to_owned(), |c| c.label()),
+        r.chosen.as_ref().map_or_else(dash, |c| {
+            format!("{:.4} ({:.4})", c.estimate.error, c.estimate.high)
+        }),
+        r.chosen
+            .as_ref()
+            .map_or_else(dash, |_| format!("{:.4}", r.error)),
+        r.chosen
+            .as_ref()
+            .map_or_else(dash, |c| format!("{:.3}", c.milliseconds)),
         r.cheapest.clone().unwrap_or_else(|| "nothing".to_owned()),
         r.ratio().map_or_else(dash, |ratio| format!("{ratio:.2}")),
         format!("{:.1}", r.seconds),
@@ -83,7 +102,10 @@ fn line(r: &Regret) -> String {
 
 fn table(all: &[Regret]) -> Table {
     let mut table = Table::new();
-    table.load_style(UTF8_FULL_CONDENSED).set_content_arrangement(ContentArrangement::Dynamic).set_header(HEADER);
+    table
+        .load_style(UTF8_FULL_CONDENSED)
+        .set_content_arrangement(ContentArrangement::Dynamic)
+        .set_header(HEADER);
     for r in all {
         table.add_row(cells(r));
     }
@@ -98,10 +120,19 @@ fn table(all: &[Regret]) -> Table {
 fn verdict(all: &[Regret]) -> Result<()> {
     let count = all.len().max(1) as f64;
     let kept = all.iter().filter(|r| r.keeps()).count();
-    let mut ratios: Vec<f64> = all.iter().filter(|r| r.keeps()).filter_map(Regret::ratio).collect();
+    let mut ratios: Vec<f64> = all
+        .iter()
+        .filter(|r| r.keeps())
+        .filter_map(Regret::ratio)
+        .collect();
     ratios.sort_by(f64::total_cmp);
     let dear = ratios.iter().filter(|r| **r > MOST_REGRET).count();
-    let at = |share: f64| ratios.get(((ratios.len() as f64 - 1.0) * share).round() as usize).copied().unwrap_or(1.0);
+    let at = |share: f64| {
+        ratios
+            .get(((ratios.len() as f64 - 1.0) * share).round() as usize)
+            .copied()
+            .unwrap_or(1.0)
+    };
     let summary = format!(
         "{kept} of {} plans keep their bound on the whole image ({:.1} %); cost over the least: median {:.2}, \
          9 in 10 within {:.2}, greatest {:.2}; {dear} cost more than {MOST_REGRET} times the least",
@@ -113,7 +144,10 @@ fn verdict(all: &[Regret]) -> Result<()> {
     );
     println!("{summary}");
     if (kept as f64) < LEAST_KEPT * count || dear > 0 {
-        bail!("plans miss their targets: {:.0} % kept, at most {MOST_REGRET} times the least cost", 100.0 * LEAST_KEPT);
+        bail!(
+            "plans miss their targets: {:.0} % kept, at most {MOST_REGRET} times the least cost",
+            100.0 * LEAST_KEPT
+        );
     }
     Ok(())
 }

@@ -27,12 +27,17 @@ pub(super) fn stability(options: &StabilityOptions) -> Result<()> {
     let open = || Backends::open(choice(options), &inputs::adapter(options.adapter.as_ref()));
     let mut backends = open()?;
     backends.notices.iter().for_each(|line| println!("{line}"));
-    backends.playing.iter().for_each(|b| println!("on {}", b.name()));
+    backends
+        .playing
+        .iter()
+        .for_each(|b| println!("on {}", b.name()));
     let start = Instant::now();
     let mut stability = play(&settings, &mut backends)?;
     println!("{}", matrix(&stability));
     let [pass, degraded, fails] = stability.counts();
-    println!("✓ {pass} pass   ~ {degraded} degraded   ✗ {fails} fail   – not served   ! must not be");
+    println!(
+        "✓ {pass} pass   ~ {degraded} degraded   ✗ {fails} fail   – not served   ! must not be"
+    );
     let sweeps = if options.rows.is_empty() && options.techniques.is_empty() {
         turn(&settings, &mut backends).unwrap_or_else(|e| {
             // What the rows found is kept; the run fails all the same.
@@ -42,27 +47,50 @@ pub(super) fn stability(options: &StabilityOptions) -> Result<()> {
     } else {
         Vec::new()
     };
-    stability.faults.extend(sweeps.iter().filter_map(Sweep::fault));
-    stability.faults.extend(check_state(&mut backends.playing, &mut open()?.playing)?);
+    stability
+        .faults
+        .extend(sweeps.iter().filter_map(Sweep::fault));
+    stability
+        .faults
+        .extend(check_state(&mut backends.playing, &mut open()?.playing)?);
     let page = report::write(&folder(options), &stability, &sweeps)?;
-    println!("report: {} ({:.0} s)", page.display(), start.elapsed().as_secs_f64());
+    println!(
+        "report: {} ({:.0} s)",
+        page.display(),
+        start.elapsed().as_secs_f64()
+    );
     verdict(&stability)
 }
 
 fn folder(options: &StabilityOptions) -> std::path::PathBuf {
-    options.out.clone().unwrap_or_else(|| root().join("target/stability"))
+    options
+        .out
+        .clone()
+        .unwrap_or_else(|| root().join("target/stability"))
 }
 
 fn settings(options: &StabilityOptions) -> Result<Options> {
-    let base = if options.quick { Options::quick() } else { Options::default() };
-    let out = Options { rows: options.rows.clone(), techniques: options.techniques.clone(), ..base };
-    out.validate().map_err(|e| Usage(format!("{e} (see `cargo xtask stability --list`)")))?;
+    let base = if options.quick {
+        Options::quick()
+    } else {
+        Options::default()
+    };
+    let out = Options {
+        rows: options.rows.clone(),
+        techniques: options.techniques.clone(),
+        ..base
+    };
+    out.validate()
+        .map_err(|e| Usage(format!("{e} (see `cargo xtask stability --list`)")))?;
     Ok(out)
 }
 
 fn play(settings: &Options, backends: &mut Backends) -> Result<Stability> {
-    let style = ProgressStyle::with_template("{bar:30} {pos:>3}/{len}  {elapsed} gone, {eta} to go  {wide_msg}");
-    let bar = ProgressBar::new(0).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    let style = ProgressStyle::with_template(
+        "{bar:30} {pos:>3}/{len}  {elapsed} gone, {eta} to go  {wide_msg}",
+    );
+    let bar =
+        ProgressBar::new(0).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
     let stability = run(settings, backends, &mut |event| match event {
         Event::Case { name, index, of } => {
             bar.set_length(of as u64);
@@ -90,29 +118,52 @@ fn turn(settings: &Options, backends: &mut Backends) -> Result<Vec<Sweep>> {
 /// One case in a line, for logs.
 fn line(result: &CaseResult) -> String {
     let signs: String = result.cells.iter().map(Cell::sign).collect();
-    format!("{:>2} {:<26} {signs}  {}", result.row, result.case, result.measure)
+    format!(
+        "{:>2} {:<26} {signs}  {}",
+        result.row, result.case, result.measure
+    )
 }
 
 /// The matrix: a line a case, a column a technique, in each cell a sign and a figure for each of its settings.
 fn matrix(stability: &Stability) -> Table {
     let techniques = stability.techniques();
     let mut table = Table::new();
-    table.load_style(UTF8_FULL_CONDENSED).set_content_arrangement(ContentArrangement::Disabled);
-    let head = ["#", "case", "measure", "pass", "fail"].map(str::to_owned).into_iter();
+    table
+        .load_style(UTF8_FULL_CONDENSED)
+        .set_content_arrangement(ContentArrangement::Disabled);
+    let head = ["#", "case", "measure", "pass", "fail"]
+        .map(str::to_owned)
+        .into_iter();
     table.set_header(head.chain(techniques.iter().map(|t| (*t).to_owned())));
     for result in &stability.cases {
-        let unit = if result.unit.is_empty() { String::new() } else { format!(", {}", result.unit) };
-        let words = [result.row.to_string(), result.case.clone(), format!("{}{unit}", result.measure)];
+        let unit = if result.unit.is_empty() {
+            String::new()
+        } else {
+            format!(", {}", result.unit)
+        };
+        let words = [
+            result.row.to_string(),
+            result.case.clone(),
+            format!("{}{unit}", result.measure),
+        ];
         let limits = [result.limits.pass, result.limits.fails].map(number);
         let cells = techniques.iter().map(|technique| {
             let its = result.cells.iter().filter(|c| c.technique == *technique);
-            its.map(|c| c.figure().map_or(c.sign().to_string(), |f| format!("{} {}", c.sign(), number(f))))
-                .collect::<Vec<_>>()
-                .join("\n")
+            its.map(|c| {
+                c.figure().map_or(c.sign().to_string(), |f| {
+                    format!("{} {}", c.sign(), number(f))
+                })
+            })
+            .collect::<Vec<_>>()
+            .join("\n")
         });
         table.add_row(words.into_iter().chain(limits).chain(cells));
     }
-    table.column_iter_mut().skip(3).take(2).for_each(|c| c.set_cell_alignment(CellAlignment::Right));
+    table
+        .column_iter_mut()
+        .skip(3)
+        .take(2)
+        .for_each(|c| c.set_cell_alignment(CellAlignment::Right));
     table
 }
 
@@ -160,11 +211,19 @@ fn verdict(stability: &Stability) -> Result<()> {
     if stability.faults.is_empty() {
         return Ok(());
     }
-    bail!("{} results must not be:\n  {}", stability.faults.len(), stability.faults.join("\n  "))
+    bail!(
+        "{} results must not be:\n  {}",
+        stability.faults.len(),
+        stability.faults.join("\n  ")
+    )
 }
 
 /// A software driver is too slow for a first look.
 fn choice(options: &StabilityOptions) -> BackendChoice {
-    let otherwise = if options.quick { Backend::Cpu } else { Backend::Available };
+    let otherwise = if options.quick {
+        Backend::Cpu
+    } else {
+        Backend::Available
+    };
     inputs::choice(options.backend.unwrap_or(otherwise))
 }

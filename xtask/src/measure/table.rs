@@ -30,15 +30,30 @@ pub(super) fn print(scenes: &[SceneResult]) {
     let whole = scenes.iter().map(|s| s.rows.len()).sum::<usize>() <= ALL_ROWS;
     for scene in scenes {
         let mut table = Table::new();
-        table.load_style(UTF8_FULL_CONDENSED).set_content_arrangement(ContentArrangement::Dynamic).set_header(HEADER);
+        table
+            .load_style(UTF8_FULL_CONDENSED)
+            .set_content_arrangement(ContentArrangement::Dynamic)
+            .set_header(HEADER);
         for row in chosen(&scene.rows, whole) {
             table.add_row(cells(row));
         }
-        table.column_iter_mut().skip(3).for_each(|c| c.set_cell_alignment(CellAlignment::Right));
+        table
+            .column_iter_mut()
+            .skip(3)
+            .for_each(|c| c.set_cell_alignment(CellAlignment::Right));
         let [w, h] = scene.size;
-        println!("\n{}: {} light, {w} x {h}, {} triangles\n{table}", scene.name, scene.light, scene.triangles);
-        scene.nothing_compared.iter().for_each(|why| println!("-: {why}"));
-        maps(&scene.rows).iter().chain(&left_out(&scene.rows)).for_each(|line| println!("{line}"));
+        println!(
+            "\n{}: {} light, {w} x {h}, {} triangles\n{table}",
+            scene.name, scene.light, scene.triangles
+        );
+        scene
+            .nothing_compared
+            .iter()
+            .for_each(|why| println!("-: {why}"));
+        maps(&scene.rows)
+            .iter()
+            .chain(&left_out(&scene.rows))
+            .for_each(|line| println!("{line}"));
     }
     if !whole {
         println!(
@@ -55,9 +70,17 @@ fn maps(rows: &[Row]) -> Option<String> {
 
 /// How many pixels were left out of the errors, in a line; none if none were.
 fn left_out(rows: &[Row]) -> Option<String> {
-    let left_out = |row: &Row| row.measured()?.errors.map(|e| e.elsewhere).filter(|pixels| *pixels > 0);
+    let left_out = |row: &Row| {
+        row.measured()?
+            .errors
+            .map(|e| e.elsewhere)
+            .filter(|pixels| *pixels > 0)
+    };
     let (row, pixels) = rows.iter().find_map(|row| Some((row, left_out(row)?)))?;
-    Some(format!("left out: {pixels} pixels at which {} sees other triangles than truth", row.backend))
+    Some(format!(
+        "left out: {pixels} pixels at which {} sees other triangles than truth",
+        row.backend
+    ))
 }
 
 fn cells(row: &Row) -> Vec<String> {
@@ -72,7 +95,9 @@ fn cells(row: &Row) -> Vec<String> {
 fn figures(m: &Measured) -> Vec<String> {
     // Where no pixel counts, no error is no merit.
     let error = |digits: usize, of: fn(&Errors) -> f64| {
-        m.errors.as_ref().map_or_else(|| "-".to_owned(), |e| format!("{:.digits$}", of(e)))
+        m.errors
+            .as_ref()
+            .map_or_else(|| "-".to_owned(), |e| format!("{:.digits$}", of(e)))
     };
     vec![
         error(4, |e| e.rmse),
@@ -80,9 +105,12 @@ fn figures(m: &Measured) -> Vec<String> {
         error(2, |e| e.false_light),
         error(2, |e| e.acne),
         format!("{:.2}", m.times.map_or(m.cost_ms, |t| t.total.median)),
-        m.times.and_then(|t| t.receive).map_or_else(|| "-".to_owned(), |s| format!("{:.2}", s.median)),
+        m.times
+            .and_then(|t| t.receive)
+            .map_or_else(|| "-".to_owned(), |s| format!("{:.2}", s.median)),
         format!("{:.1}", m.bytes as f64 / f64::from(1 << 20)),
-        m.agreement.map_or_else(String::new, |a| a.differing.to_string()),
+        m.agreement
+            .map_or_else(String::new, |a| a.differing.to_string()),
     ]
 }
 
@@ -94,13 +122,20 @@ fn chosen(rows: &[Row], whole: bool) -> Vec<&Row> {
     let mut backends: Vec<&str> = rows.iter().map(|r| r.backend.as_str()).collect();
     backends.sort_unstable();
     backends.dedup();
-    backends.into_iter().flat_map(|backend| best(rows.iter().filter(|r| r.backend == backend).collect())).collect()
+    backends
+        .into_iter()
+        .flat_map(|backend| best(rows.iter().filter(|r| r.backend == backend).collect()))
+        .collect()
 }
 
 fn best(rows: Vec<&Row>) -> Vec<&Row> {
     let point = |row: &&Row| {
-        row.measured()
-            .map_or([f64::NAN; 2], |m| [m.times.map_or(m.cost_ms, |t| t.total.median), m.rmse().unwrap_or_default()])
+        row.measured().map_or([f64::NAN; 2], |m| {
+            [
+                m.times.map_or(m.cost_ms, |t| t.total.median),
+                m.rmse().unwrap_or_default(),
+            ]
+        })
     };
     let points: Vec<_> = rows.iter().map(point).collect();
     front(&points).into_iter().map(|i| rows[i]).collect()

@@ -26,7 +26,9 @@ pub(crate) fn read_all(root: &Path) -> Result<Vec<Source>> {
 }
 
 fn read_folder(folder: &Path, prefix: &str, out: &mut Vec<Source>) -> Result<()> {
-    for entry in fs::read_dir(folder).with_context(|| format!("cannot read {}", folder.display()))? {
+    for entry in
+        fs::read_dir(folder).with_context(|| format!("cannot read {}", folder.display()))?
+    {
         let entry = entry?;
         let name = entry.file_name().to_string_lossy().into_owned();
         let path = format!("{prefix}{name}");
@@ -35,8 +37,12 @@ fn read_folder(folder: &Path, prefix: &str, out: &mut Vec<Source>) -> Result<()>
             if name != "target" && !name.starts_with('.') {
                 read_folder(&entry.path(), &format!("{path}/"), out)?;
             }
-        } else if matches!(name.rsplit_once('.'), Some((_, "rs" | "wgsl" | "toml" | "md"))) {
-            let text = fs::read_to_string(entry.path()).with_context(|| format!("cannot read {path}"))?;
+        } else if matches!(
+            name.rsplit_once('.'),
+            Some((_, "rs" | "wgsl" | "toml" | "md"))
+        ) {
+            let text =
+                fs::read_to_string(entry.path()).with_context(|| format!("cannot read {path}"))?;
             out.push(Source { path, text });
         }
     }

@@ -11,8 +11,12 @@ use comfy_table::Table;
 use files::Source;
 
 /// Longest Rust function, Rust file, WGSL function and WGSL file, lines.
-const LIMITS: [(&str, usize); 4] =
-    [("Rust functions", 70), ("Rust files", 450), ("WGSL functions", 70), ("WGSL files", 200)];
+const LIMITS: [(&str, usize); 4] = [
+    ("Rust functions", 70),
+    ("Rust files", 450),
+    ("WGSL functions", 70),
+    ("WGSL files", 200),
+];
 
 /// A length in lines, and whose.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -40,7 +44,10 @@ pub(crate) fn tidy() -> Result<()> {
 fn measure(sources: &[Source]) -> Result<[Vec<Length>; 4]> {
     let mut out: [Vec<Length>; 4] = Default::default();
     for source in sources {
-        let file = Length { lines: source.text.lines().count(), place: source.path.clone() };
+        let file = Length {
+            lines: source.text.lines().count(),
+            place: source.path.clone(),
+        };
         match source.extension() {
             "rs" => {
                 out[0].extend(functions::lengths(source)?);
@@ -59,24 +66,50 @@ fn measure(sources: &[Source]) -> Result<[Vec<Length>; 4]> {
 
 fn table(lengths: &[Vec<Length>; 4]) -> Table {
     let mut table = Table::new();
-    table.set_header(["lines of", "count", "median", "90 %", "longest", "limit", "the longest"]);
+    table.set_header([
+        "lines of",
+        "count",
+        "median",
+        "90 %",
+        "longest",
+        "limit",
+        "the longest",
+    ]);
     for ((name, limit), lengths) in LIMITS.iter().zip(lengths) {
-        let at = |part: usize| lengths.get((lengths.len() * part / 100).min(lengths.len().saturating_sub(1)));
+        let at = |part: usize| {
+            lengths.get((lengths.len() * part / 100).min(lengths.len().saturating_sub(1)))
+        };
         let lines = |part| at(part).map_or_else(|| "-".to_owned(), |l| l.lines.to_string());
         let longest = at(100).map_or("-", |l| &l.place);
         let (count, limit) = (lengths.len().to_string(), limit.to_string());
-        table.add_row([*name, &count, &lines(50), &lines(90), &lines(100), &limit, longest]);
+        table.add_row([
+            *name,
+            &count,
+            &lines(50),
+            &lines(90),
+            &lines(100),
+            &limit,
+            longest,
+        ]);
     }
     table
 }
 
 fn too_long(lengths: &[Vec<Length>; 4]) -> Vec<String> {
-    let over = LIMITS.iter().zip(lengths).flat_map(|((name, limit), lengths)| {
-        lengths
-            .iter()
-            .filter(move |l| l.lines > *limit)
-            .map(move |l| format!("{}: {} lines, and {name} may have {limit}: split it", l.place, l.lines))
-    });
+    let over = LIMITS
+        .iter()
+        .zip(lengths)
+        .flat_map(|((name, limit), lengths)| {
+            lengths
+                .iter()
+                .filter(move |l| l.lines > *limit)
+                .map(move |l| {
+                    format!(
+                        "{}: {} lines, and {name} may have {limit}: split it",
+                        l.place, l.lines
+                    )
+                })
+        });
     over.collect()
 }
 
@@ -85,7 +118,13 @@ mod tests {
     use super::{Source, measure, too_long};
 
     fn faults(path: &str, text: String) -> Vec<String> {
-        too_long(&measure(&[Source { path: path.to_owned(), text }]).expect("good code"))
+        too_long(
+            &measure(&[Source {
+                path: path.to_owned(),
+                text,
+            }])
+            .expect("good code"),
+        )
     }
 
     #[test]
@@ -95,6 +134,10 @@ mod tests {
         assert_eq!(faults("a.rs", function(71)).len(), 1);
         assert_eq!(faults("a.wgsl", function(71)).len(), 1);
         assert_eq!(faults("a.rs", function(70).repeat(7)).len(), 1, "490 lines");
-        assert_eq!(faults("a.wgsl", function(67).repeat(3)).len(), 1, "201 lines");
+        assert_eq!(
+            faults("a.wgsl", function(67).repeat(3)).len(),
+            1,
+            "201 lines"
+        );
     }
 }

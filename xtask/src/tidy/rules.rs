@@ -34,7 +34,9 @@ fn lines(source: &Source) -> Vec<String> {
             out.push(format!("{place}: a tab; indent with blanks"));
         }
         if line.ends_with(' ') {
-            out.push(format!("{place}: a blank at the end of the line; remove it"));
+            out.push(format!(
+                "{place}: a blank at the end of the line; remove it"
+            ));
         }
         for word in LATER.iter().filter(|w| code && line.contains(**w)) {
             out.push(format!("{place}: `{word}`; do it, or leave it out"));
@@ -50,7 +52,12 @@ fn silent_allows(source: &Source) -> Vec<String> {
     if let Ok(file) = syn::parse_file(&source.text) {
         visitor.visit_file(&file);
     }
-    let fault = |line| format!("{}:{line}: an `allow` or `expect` without `reason = ..`; give one", source.path);
+    let fault = |line| {
+        format!(
+            "{}:{line}: an `allow` or `expect` without `reason = ..`; give one",
+            source.path
+        )
+    };
     visitor.0.into_iter().map(fault).collect()
 }
 
@@ -59,7 +66,10 @@ struct Allows(Vec<usize>);
 impl Visit<'_> for Allows {
     fn visit_attribute(&mut self, attribute: &Attribute) {
         let silences = attribute.path().is_ident("allow") || attribute.path().is_ident("expect");
-        let reason = attribute.meta.require_list().is_ok_and(|l| l.tokens.to_string().contains("reason ="));
+        let reason = attribute
+            .meta
+            .require_list()
+            .is_ok_and(|l| l.tokens.to_string().contains("reason ="));
         if silences && !reason {
             self.0.push(attribute.pound_token.span.start().line);
         }
@@ -71,12 +81,22 @@ mod tests {
     use super::{Source, faults};
 
     fn count(path: &str, text: &str) -> usize {
-        faults(&Source { path: path.to_owned(), text: text.to_owned() }).len()
+        faults(&Source {
+            path: path.to_owned(),
+            text: text.to_owned(),
+        })
+        .len()
     }
 
     #[test]
     fn a_tidy_file_passes() {
-        assert_eq!(count("x.rs", "#[expect(dead_code, reason = \"why\")]\nfn f() {}\n"), 0);
+        assert_eq!(
+            count(
+                "x.rs",
+                "#[expect(dead_code, reason = \"why\")]\nfn f() {}\n"
+            ),
+            0
+        );
         assert_eq!(count("x.wgsl", "fn f() {}\n"), 0);
     }
 

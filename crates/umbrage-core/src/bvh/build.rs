@@ -15,8 +15,13 @@ pub(super) fn trees(boxes: &[Aabb]) -> (Bvh2, CwBvh) {
     let scaled = in_unit_cube(boxes);
     let indices = (0..boxes.len() as u32).collect();
     let mut builder = PlocBuilder::with_capacity(boxes.len());
-    let mut narrow =
-        builder.build(p.ploc_search_distance, &scaled, indices, p.sort_precision, p.search_depth_threshold);
+    let mut narrow = builder.build(
+        p.ploc_search_distance,
+        &scaled,
+        indices,
+        p.sort_precision,
+        p.search_depth_threshold,
+    );
     ReinsertionOptimizer::default().run(&mut narrow, p.reinsertion_batch_ratio, None);
     let wide = eight_way(&narrow);
     refit(&mut narrow, boxes);
@@ -31,7 +36,9 @@ pub(super) fn eight_way(narrow: &Bvh2) -> CwBvh {
 /// The boxes of triangles that the triangle test asks for (`hit.rs`).
 pub(super) fn boxes_of(geometry: &Geometry, ids: &[u32]) -> Vec<Aabb> {
     let padded = |&id: &u32| {
-        let [min, max] = Corners::new(geometry.corners(id)).padded_box().map(Into::into);
+        let [min, max] = Corners::new(geometry.corners(id))
+            .padded_box()
+            .map(Into::into);
         Aabb { min, max }
     };
     ids.iter().map(padded).collect()
@@ -42,9 +49,17 @@ fn in_unit_cube(boxes: &[Aabb]) -> Vec<aabb::Aabb> {
     let all = boxes.iter().fold(Aabb::EMPTY, |all, b| all.union(b));
     let reach = all.min.abs().max(all.max.abs()).max_element();
     // The bits of the exponent alone are a power of two.
-    let power = f32::from_bits(reach.to_bits() & 0x7f80_0000).clamp(f32::MIN_POSITIVE, 1.701_411_8e38);
-    let scaled = |v: glam::Vec3| Vec3A::from(v / power).clamp(Vec3A::splat(-4.0), Vec3A::splat(4.0));
-    boxes.iter().map(|b| aabb::Aabb { min: scaled(b.min), max: scaled(b.max) }).collect()
+    let power =
+        f32::from_bits(reach.to_bits() & 0x7f80_0000).clamp(f32::MIN_POSITIVE, 1.701_411_8e38);
+    let scaled =
+        |v: glam::Vec3| Vec3A::from(v / power).clamp(Vec3A::splat(-4.0), Vec3A::splat(4.0));
+    boxes
+        .iter()
+        .map(|b| aabb::Aabb {
+            min: scaled(b.min),
+            max: scaled(b.max),
+        })
+        .collect()
 }
 
 /// Gives every node the box around its triangles' boxes, to the last bit.
@@ -66,8 +81,13 @@ fn refit(tree: &mut Bvh2, boxes: &[Aabb]) {
             tree.nodes[first].aabb().union(tree.nodes[first + 1].aabb())
         } else {
             let triangles = &tree.primitive_indices[first..first + node.prim_count as usize];
-            let all = triangles.iter().fold(Aabb::EMPTY, |all, &t| all.union(&boxes[t as usize]));
-            aabb::Aabb { min: all.min.into(), max: all.max.into() }
+            let all = triangles
+                .iter()
+                .fold(Aabb::EMPTY, |all, &t| all.union(&boxes[t as usize]));
+            aabb::Aabb {
+                min: all.min.into(),
+                max: all.max.into(),
+            }
         };
         tree.nodes[i].aabb = around;
     }

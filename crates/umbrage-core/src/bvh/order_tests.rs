@@ -20,11 +20,20 @@ struct Tables {
 
 impl Tables {
     fn of(g: &Geometry) -> Self {
-        Self { nodes: g.bvh().node_rows(), triangles: g.bvh().triangle_rows(g) }
+        Self {
+            nodes: g.bvh().node_rows(),
+            triangles: g.bvh().triangle_rows(g),
+        }
     }
 
     fn occluded(&self, o: Vec3, d: Vec3, skip: u32, mut turn: impl FnMut() -> bool) -> bool {
-        let vector = |row: [u32; 4]| Vec3::new(f32::from_bits(row[0]), f32::from_bits(row[1]), f32::from_bits(row[2]));
+        let vector = |row: [u32; 4]| {
+            Vec3::new(
+                f32::from_bits(row[0]),
+                f32::from_bits(row[1]),
+                f32::from_bits(row[2]),
+            )
+        };
         let (segment, inverse) = (Segment::new(o, d), slab_inverse(d));
         let mut stack = vec![0];
         while let Some(node) = stack.pop() {
@@ -35,7 +44,11 @@ impl Tables {
             let (first, count) = (low[3] as usize, high[3] as usize);
             if count == 0 {
                 let children = [first, first + 1];
-                stack.extend(if turn() { children } else { [children[1], children[0]] });
+                stack.extend(if turn() {
+                    children
+                } else {
+                    [children[1], children[0]]
+                });
             }
             for i in first..first + count {
                 let rows = [0, 1, 2].map(|k| self.triangles[3 * i + k]);
@@ -83,7 +96,11 @@ fn far_scene(metres: f32) -> Geometry {
     for i in -40..40 {
         let foot = Vec3::new(i as f32 * 0.1, 0.0, -1.5);
         add([foot, foot + Vec3::Y, foot + Vec3::new(0.002, 1.0, 0.0)]);
-        add([foot + Vec3::Y * 0.5, foot + Vec3::new(3.0, 0.5, 0.0), foot + Vec3::new(3.0, 0.501, 0.0)]);
+        add([
+            foot + Vec3::Y * 0.5,
+            foot + Vec3::new(3.0, 0.5, 0.0),
+            foot + Vec3::new(3.0, 0.501, 0.0),
+        ]);
     }
     for (x, z) in (-8..8).flat_map(|x| (-8..8).map(move |z| (x as f32 * 0.5, z as f32 * 0.5))) {
         let corner = |i: f32, k: f32| Vec3::new(x + i * 0.5, 0.0, z + k * 0.5);
@@ -99,7 +116,9 @@ fn far_scene(metres: f32) -> Geometry {
 fn segment(g: &Geometry, random: &mut Random, i: u32) -> (Vec3, Vec3, u32) {
     let id = hash(i) % g.triangles().len() as u32;
     let [a, b, c] = g.corners(id);
-    let p = a.lerp(b, random.signed().abs()).lerp(c, random.signed().abs());
+    let p = a
+        .lerp(b, random.signed().abs())
+        .lerp(c, random.signed().abs());
     let o = p + Vec3::Y * origin_offset(p, 0.0);
     let d = match i % 8 {
         0 => Vec3::new(random.signed(), 0.02, random.signed()) * 12.0,
@@ -127,7 +146,9 @@ fn every_order_gives_the_same_answer() {
             let [a, b, c] = g.corners(id);
             // The same triangle has another number in the other list; duplicates of it count as well.
             let segment = Segment::new(o, d);
-            let expected = g.casters().any(|k| k != id && segment.hits(&Corners::new(g.corners(k))));
+            let expected = g
+                .casters()
+                .any(|k| k != id && segment.hits(&Corners::new(g.corners(k))));
             let twin = |k: &u32| other.corners(*k) == [a, b, c];
             let other_id = other.casters().find(twin).expect("all are there");
             hits += u32::from(expected);
@@ -140,9 +161,15 @@ fn every_order_gives_the_same_answer() {
                 other.bvh().occluded(o, d, other_id),
                 tables[1].occluded(o, d, other_id, &mut turn),
             ];
-            assert_eq!(answers, [expected; 6], "at {metres} m, triangle {id}, from {o} along {d}");
+            assert_eq!(
+                answers, [expected; 6],
+                "at {metres} m, triangle {id}, from {o} along {d}"
+            );
         }
-        assert!((400..3_600).contains(&hits), "at {metres} m the test tells little: {hits} hits");
+        assert!(
+            (400..3_600).contains(&hits),
+            "at {metres} m the test tells little: {hits} hits"
+        );
     }
 }
 
@@ -156,7 +183,11 @@ fn the_nearest_hit_is_the_same_in_every_order() {
         for i in 0..4_000 {
             let (o, d, _) = segment(&g, &mut random, i);
             let [found, expected] = [&g, &other].map(|g| g.bvh().nearest(g, o, d, u32::MAX));
-            assert_eq!(found.map(f32::to_bits), expected.map(f32::to_bits), "at {metres} m, from {o} along {d}");
+            assert_eq!(
+                found.map(f32::to_bits),
+                expected.map(f32::to_bits),
+                "at {metres} m, from {o} along {d}"
+            );
         }
     }
 }
@@ -169,22 +200,40 @@ fn deep_trees_are_searched_to_the_end() {
     for size in (-50..60).map(|e| 2.0_f32.powi(e)) {
         for _ in 0..12 {
             let corner = Vec3::splat(size) + random.vector() * size * 0.3;
-            positions.extend([Vec3::ZERO, random.vector(), random.vector()].map(|v| corner + v * size * 0.1));
+            positions.extend(
+                [Vec3::ZERO, random.vector(), random.vector()].map(|v| corner + v * size * 0.1),
+            );
         }
     }
     let count = positions.len() as u32 / 3;
-    let g = geometry(positions, (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect());
-    assert!(g.bvh().wide.depth > SHALLOW, "only {} deep", g.bvh().wide.depth);
+    let g = geometry(
+        positions,
+        (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
+    );
+    assert!(
+        g.bvh().wide.depth > SHALLOW,
+        "only {} deep",
+        g.bvh().wide.depth
+    );
     let tables = Tables::of(&g);
     let mut hits = 0;
     for i in 0..count {
         let outward = Vec3::ONE + random.vector() * 0.3;
         let target = g.corners(i).iter().sum::<Vec3>() / 3.0;
-        for (o, d) in [(Vec3::ZERO, outward * 1e19), (Vec3::ZERO, target * 1.01), (target * 1.01, -target)] {
+        for (o, d) in [
+            (Vec3::ZERO, outward * 1e19),
+            (Vec3::ZERO, target * 1.01),
+            (target * 1.01, -target),
+        ] {
             let segment = Segment::new(o, d);
-            let expected = g.casters().any(|k| segment.hits(&Corners::new(g.corners(k))));
+            let expected = g
+                .casters()
+                .any(|k| segment.hits(&Corners::new(g.corners(k))));
             hits += u32::from(expected);
-            let answers = [g.bvh().occluded(o, d, u32::MAX), tables.occluded(o, d, u32::MAX, || true)];
+            let answers = [
+                g.bvh().occluded(o, d, u32::MAX),
+                tables.occluded(o, d, u32::MAX, || true),
+            ];
             assert_eq!(answers, [expected; 2], "triangle {i}, from {o} along {d}");
         }
     }

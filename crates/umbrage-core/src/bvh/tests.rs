@@ -20,7 +20,12 @@ impl Random {
 pub(super) fn geometry(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Geometry {
     let mesh = Mesh::new("test", positions, triangles).expect("valid");
     let instances = vec![Instance::new(0, Affine3A::IDENTITY)];
-    Geometry::bake(&Scene { meshes: vec![mesh], instances, ..Scene::default() }).expect("valid")
+    Geometry::bake(&Scene {
+        meshes: vec![mesh],
+        instances,
+        ..Scene::default()
+    })
+    .expect("valid")
 }
 
 /// Small triangles, some of them axis-aligned.
@@ -36,7 +41,10 @@ fn soup(random: &mut Random, count: u32, scale: f32) -> Geometry {
             positions.push(center + corner);
         }
     }
-    geometry(positions, (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect())
+    geometry(
+        positions,
+        (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
+    )
 }
 
 fn brute_force(g: &Geometry, o: Vec3, d: Vec3, skip: u32) -> bool {
@@ -63,7 +71,10 @@ fn agrees_with_brute_force_at_every_scale() {
             hits += u32::from(expected);
             assert_eq!(g.bvh().occluded(o, d, skip), expected, "from {o} along {d}");
         }
-        assert!((200..3800).contains(&hits), "the test tells little: {hits} hits");
+        assert!(
+            (200..3800).contains(&hits),
+            "the test tells little: {hits} hits"
+        );
     }
 }
 
@@ -73,14 +84,25 @@ fn answers_are_the_same_at_extreme_scales() {
     let g = soup(&mut Random(29), 1000, 1.0);
     for power in [-90, -60, -30, 30, 60, 90, 120] {
         let scale = 2.0_f32.powi(power);
-        let scaled = geometry(g.positions().iter().map(|p| p * scale).collect(), g.triangles().to_vec());
+        let scaled = geometry(
+            g.positions().iter().map(|p| p * scale).collect(),
+            g.triangles().to_vec(),
+        );
         let (mut random, mut hits) = (Random(8), 0);
         for i in 0..2000 {
             let (o, d, skip) = (random.vector() * 1.5, random.vector() * 3.0, i % 1000);
             let expected = g.bvh().nearest(&g, o, d, skip);
             hits += u32::from(expected.is_some());
-            assert_eq!(scaled.bvh().nearest(&scaled, o * scale, d * scale, skip), expected, "2^{power}: {o} along {d}");
-            assert_eq!(scaled.bvh().occluded(o * scale, d * scale, skip), expected.is_some(), "2^{power}");
+            assert_eq!(
+                scaled.bvh().nearest(&scaled, o * scale, d * scale, skip),
+                expected,
+                "2^{power}: {o} along {d}"
+            );
+            assert_eq!(
+                scaled.bvh().occluded(o * scale, d * scale, skip),
+                expected.is_some(),
+                "2^{power}"
+            );
         }
         assert!(hits > 200, "the test tells little: {hits} hits");
     }
@@ -105,15 +127,25 @@ fn occluders_close_to_the_origin_are_found() {
     let g = geometry(vec![Vec3::ZERO, Vec3::X, Vec3::Z], vec![[0, 1, 2]]);
     for gap in [1e-1, 1e-3, 1e-5] {
         let o = Vec3::new(0.2, -gap, 0.2);
-        assert!(g.bvh().occluded(o, Vec3::new(3.0, 1000.0, 5.0), NO_TRIANGLE), "a gap of {gap} m");
-        assert!(!g.bvh().occluded(o, Vec3::new(3.0, -1000.0, 5.0), NO_TRIANGLE));
+        assert!(
+            g.bvh()
+                .occluded(o, Vec3::new(3.0, 1000.0, 5.0), NO_TRIANGLE),
+            "a gap of {gap} m"
+        );
+        assert!(
+            !g.bvh()
+                .occluded(o, Vec3::new(3.0, -1000.0, 5.0), NO_TRIANGLE)
+        );
     }
 }
 
 #[test]
 fn nothing_casts_nothing_occludes() {
     let g = geometry(vec![Vec3::ZERO, Vec3::X, Vec3::Z], vec![[0, 1, 2]]).without_casters();
-    assert!(!g.bvh().occluded(Vec3::new(0.2, 1.0, 0.2), Vec3::NEG_Y * 2.0, NO_TRIANGLE));
+    assert!(
+        !g.bvh()
+            .occluded(Vec3::new(0.2, 1.0, 0.2), Vec3::NEG_Y * 2.0, NO_TRIANGLE)
+    );
 }
 
 /// From within a closed, finely cut ball no segment escapes, wherever it is aimed: at corners, edges or insides.
@@ -148,7 +180,10 @@ fn closed_meshes_have_no_cracks() {
             _ => (corners[0] + corners[1] + corners[2]) / 3.0,
         };
         let o = random.vector() * 0.5;
-        assert!(g.bvh().occluded(o, (target - o) * 3.0, NO_TRIANGLE), "from {o} to {target}");
+        assert!(
+            g.bvh().occluded(o, (target - o) * 3.0, NO_TRIANGLE),
+            "from {o} to {target}"
+        );
     }
 }
 
@@ -161,7 +196,12 @@ fn clear_regions_hide_nothing() {
     for _ in 0..3000 {
         let (o, center) = (random.vector() * 2.0, random.vector() * 2.0);
         let [u, v] = [random.vector() * 0.1, random.vector() * 0.1];
-        let corners = [center + u + v, center - u + v, center - u - v, center + u - v];
+        let corners = [
+            center + u + v,
+            center - u + v,
+            center - u - v,
+            center + u - v,
+        ];
         let planes = [0, 1, 2, 3].map(|k| {
             let n = (corners[k] - o).cross(corners[(k + 1) % 4] - o);
             let inward = if n.dot(center - o) < 0.0 { -n } else { n };
@@ -176,7 +216,10 @@ fn clear_regions_hide_nothing() {
             hidden += u32::from(occluded);
         }
     }
-    assert!(clear > 300 && hidden > 3000, "the test tells little: {clear} clear, {hidden} hidden");
+    assert!(
+        clear > 300 && hidden > 3000,
+        "the test tells little: {clear} clear, {hidden} hidden"
+    );
 }
 
 /// The nearest hit against the least over all triangles.
@@ -192,12 +235,24 @@ fn the_nearest_hit_is_the_nearest() {
             let n = (b - a).cross(c - a).as_dvec3();
             segment_hits(o, d, a, b, c).then(|| n.dot((a - o).as_dvec3()) / n.dot(d.as_dvec3()))
         };
-        let expected = g.casters().filter(|&id| id != skip).filter_map(fraction).min_by(f64::total_cmp);
+        let expected = g
+            .casters()
+            .filter(|&id| id != skip)
+            .filter_map(fraction)
+            .min_by(f64::total_cmp);
         let found = g.bvh().nearest(&g, o, d, skip).map(f64::from);
         hits += u32::from(found.is_some());
         assert_eq!(found.is_some(), expected.is_some(), "from {o} along {d}");
         // Both are rounded to 32 bits once.
-        assert!(found.zip(expected).is_none_or(|(a, b)| (a - b).abs() < 1e-6), "{found:?} for {expected:?}");
+        assert!(
+            found
+                .zip(expected)
+                .is_none_or(|(a, b)| (a - b).abs() < 1e-6),
+            "{found:?} for {expected:?}"
+        );
     }
-    assert!((100..1900).contains(&hits), "the test tells little: {hits} hits");
+    assert!(
+        (100..1900).contains(&hits),
+        "the test tells little: {hits} hits"
+    );
 }

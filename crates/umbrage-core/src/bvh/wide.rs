@@ -39,7 +39,12 @@ type Group = (u32, u32);
 impl Wide {
     /// Of a tree's shape and the boxes of its triangles, in the order in which its leaves name them.
     pub(super) fn new(tree: &CwBvh, boxes: &[Aabb]) -> Self {
-        let empty = Node { planes: [[Vec4::ZERO; 2]; 6], first: [0; 8], count: [0; 8], inner: 0 };
+        let empty = Node {
+            planes: [[Vec4::ZERO; 2]; 6],
+            first: [0; 8],
+            count: [0; 8],
+            inner: 0,
+        };
         let mut nodes = vec![empty; tree.nodes.len()];
         let mut around = vec![(Aabb::EMPTY, 1); nodes.len()];
         for (i, node) in tree.nodes.iter().enumerate().rev() {
@@ -81,7 +86,12 @@ impl Wide {
     }
 
     #[inline(always)]
-    fn search_with(&self, stack: &mut [Group], segment: &Segment, mut visit: impl FnMut(usize, &mut f32) -> bool) {
+    fn search_with(
+        &self,
+        stack: &mut [Group],
+        segment: &Segment,
+        mut visit: impl FnMut(usize, &mut f32) -> bool,
+    ) {
         let lanes = Lanes::new(segment);
         let mut limit = 1.0;
         let mut waiting = 0;
@@ -140,10 +150,16 @@ impl Lanes {
         let backward = [inverse.x < 0.0, inverse.y < 0.0, inverse.z < 0.0];
         Self {
             origin: [Vec4::splat(o.x), Vec4::splat(o.y), Vec4::splat(o.z)],
-            inverse: [Vec4::splat(inverse.x), Vec4::splat(inverse.y), Vec4::splat(inverse.z)],
+            inverse: [
+                Vec4::splat(inverse.x),
+                Vec4::splat(inverse.y),
+                Vec4::splat(inverse.z),
+            ],
             near: [0, 1, 2].map(|axis| if backward[axis] { axis + 3 } else { axis }),
             far: [0, 1, 2].map(|axis| if backward[axis] { axis } else { axis + 3 }),
-            octant: u32::from(!backward[0]) << 2 | u32::from(!backward[1]) << 1 | u32::from(!backward[2]),
+            octant: u32::from(!backward[0]) << 2
+                | u32::from(!backward[1]) << 1
+                | u32::from(!backward[2]),
         }
     }
 
@@ -153,7 +169,9 @@ impl Lanes {
     fn entered(&self, node: &Node, limit: f32) -> u32 {
         let mut out = 0;
         for half in 0..2 {
-            let at = |axis: usize, plane: usize| (node.planes[plane][half] - self.origin[axis]) * self.inverse[axis];
+            let at = |axis: usize, plane: usize| {
+                (node.planes[plane][half] - self.origin[axis]) * self.inverse[axis]
+            };
             let near = [0, 1, 2].map(|axis| at(axis, self.near[axis]));
             let far = [0, 1, 2].map(|axis| at(axis, self.far[axis]));
             let entry = near[0].max(near[1]).max(near[2].max(Vec4::ZERO));
@@ -193,7 +211,12 @@ mod tests {
         let mut entered = 0;
         for i in 0..40_000_u32 {
             let distance = [0.0, 10.0, 1e6][i as usize % 3];
-            let mut node = Node { planes: [[Vec4::ZERO; 2]; 6], first: [0; 8], count: [0; 8], inner: 0 };
+            let mut node = Node {
+                planes: [[Vec4::ZERO; 2]; 6],
+                first: [0; 8],
+                count: [0; 8],
+                inner: 0,
+            };
             let boxes = [0; 8].map(|_| {
                 let (p, q) = (random.vector() + distance, random.vector() + distance);
                 [p.min(q), p.max(q)]
@@ -208,15 +231,27 @@ mod tests {
             let [low, high] = boxes[i as usize % 8];
             let o = low.with_x(high.x) + random.vector();
             let target = low.with_x(high.x).lerp(high, random.signed().abs());
-            let d = if i % 4 == 0 { Vec3::Y.into() } else { Vec3A::from(target - o) * 2.0 };
+            let d = if i % 4 == 0 {
+                Vec3::Y.into()
+            } else {
+                Vec3A::from(target - o) * 2.0
+            };
             let segment = Segment::new(o, d.into());
             let bits = Lanes::new(&segment).entered(&node, 1.0);
             for (child, corners) in boxes.iter().enumerate() {
-                let expected = enters_box(segment.origin, segment.inverse, corners.map(Vec3A::from));
-                assert_eq!(bits >> child & 1 == 1, expected, "{corners:?} from {o} along {d}");
+                let expected =
+                    enters_box(segment.origin, segment.inverse, corners.map(Vec3A::from));
+                assert_eq!(
+                    bits >> child & 1 == 1,
+                    expected,
+                    "{corners:?} from {o} along {d}"
+                );
                 entered += u32::from(expected);
             }
         }
-        assert!((40_000..300_000).contains(&entered), "the test tells little: {entered}");
+        assert!(
+            (40_000..300_000).contains(&entered),
+            "the test tells little: {entered}"
+        );
     }
 }

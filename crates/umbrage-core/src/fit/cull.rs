@@ -50,16 +50,25 @@ impl Lookups {
         let search = extent(light) * (1.0 + self.tangent) * range;
         let across = self.texel * (self.margin + OWN_TEXEL) + search + self.rounding;
         let texels = (across / self.texel.max(DVec2::splat(f64::MIN_POSITIVE))).max_element();
-        Reach { across, behind: range * (STEEPEST * texels).clamp(DEEPEST_BIAS, 1.0) }
+        Reach {
+            across,
+            behind: range * (STEEPEST * texels).clamp(DEEPEST_BIAS, 1.0),
+        }
     }
 }
 
 /// Half the size of a light: a tangent if it is far, else metres.
 fn extent(light: &Light) -> f64 {
     match *light {
-        Light::Directional { angular_diameter, .. } => (f64::from(angular_diameter) * 0.5).tan(),
-        Light::Spot { radius, .. } | Light::Point { radius, .. } | Light::Disc { radius, .. } => f64::from(radius),
-        Light::Rect { half_u, half_v, .. } => f64::from(half_u.length()) + f64::from(half_v.length()),
+        Light::Directional {
+            angular_diameter, ..
+        } => (f64::from(angular_diameter) * 0.5).tan(),
+        Light::Spot { radius, .. } | Light::Point { radius, .. } | Light::Disc { radius, .. } => {
+            f64::from(radius)
+        }
+        Light::Rect { half_u, half_v, .. } => {
+            f64::from(half_u.length()) + f64::from(half_v.length())
+        }
     }
 }
 
@@ -77,16 +86,26 @@ pub(super) struct Receiving {
 
 impl Receiving {
     /// What may receive within `column`: the seen points, if they are known.
-    pub(super) fn new(seen: Option<&[Vec3]>, geometry: &Geometry, space: &MapSpace, column: &Bounds) -> Self {
+    pub(super) fn new(
+        seen: Option<&[Vec3]>,
+        geometry: &Geometry,
+        space: &MapSpace,
+        column: &Bounds,
+    ) -> Self {
         let mut out = Self::default();
         match seen {
             Some(points) => {
                 out.points.reserve(points.len());
-                out.points.extend(points.iter().filter_map(|&p| space.point_within(p, column)));
+                out.points
+                    .extend(points.iter().filter_map(|&p| space.point_within(p, column)));
             }
             None => {
-                let boxes = geometry.blocks().of(geometry.receivers()).map(|(_, b)| space.block(&b));
-                out.boxes.extend(boxes.filter(|b| b.meets(column)).map(|b| b.within(column)));
+                let boxes = geometry
+                    .blocks()
+                    .of(geometry.receivers())
+                    .map(|(_, b)| space.block(&b));
+                out.boxes
+                    .extend(boxes.filter(|b| b.meets(column)).map(|b| b.within(column)));
             }
         }
         out
@@ -94,7 +113,10 @@ impl Receiving {
 
     /// All of a box.
     pub(super) fn within(b: Bounds) -> Self {
-        Self { points: Vec::new(), boxes: vec![b] }
+        Self {
+            points: Vec::new(),
+            boxes: vec![b],
+        }
     }
 
     /// A box around all of it.
@@ -106,8 +128,14 @@ impl Receiving {
 
 /// The least rank that any caster may have within `column`; none if there are no casters.
 pub(super) fn first_rank(geometry: &Geometry, space: &MapSpace, column: &Bounds) -> Option<f64> {
-    let blocks = geometry.blocks().of(geometry.casters()).map(|(_, b)| space.block(&b));
-    blocks.filter(|b| b.meets(column)).map(|b| b.min.z).reduce(f64::min)
+    let blocks = geometry
+        .blocks()
+        .of(geometry.casters())
+        .map(|(_, b)| space.block(&b));
+    blocks
+        .filter(|b| b.meets(column))
+        .map(|b| b.min.z)
+        .reduce(f64::min)
 }
 
 /// What is asked of casters.
@@ -127,7 +155,12 @@ pub(super) struct Need<'a> {
 
 impl<'a> Need<'a> {
     /// None if nothing receives.
-    pub(super) fn new(space: MapSpace, geometry: &'a Geometry, receivers: &Receiving, reach: &Reach) -> Option<Self> {
+    pub(super) fn new(
+        space: MapSpace,
+        geometry: &'a Geometry,
+        receivers: &Receiving,
+        reach: &Reach,
+    ) -> Option<Self> {
         let all = receivers.bounds();
         if all.is_empty() {
             return None;
@@ -136,13 +169,22 @@ impl<'a> Need<'a> {
         let side = (column.max - column.min).truncate();
         let cell = (side / CELLS as f64).max(DVec2::splat(f64::MIN_POSITIVE));
         let last = vec![f64::NEG_INFINITY; CELLS * CELLS];
-        let mut out = Self { space, geometry, behind: reach.behind, column, shown: column, cell, last };
+        let mut out = Self {
+            space,
+            geometry,
+            behind: reach.behind,
+            column,
+            shown: column,
+            cell,
+            last,
+        };
         for &p in &receivers.points {
             let i = out.cell_of(p);
             out.last[i] = out.last[i].max(p.z);
         }
         for b in &receivers.boxes {
-            out.cells(b).for_each(|i| out.last[i] = out.last[i].max(b.max.z));
+            out.cells(b)
+                .for_each(|i| out.last[i] = out.last[i].max(b.max.z));
         }
         out.widen((reach.across / cell).ceil());
         Some(out)
@@ -151,7 +193,10 @@ impl<'a> Need<'a> {
     /// The same, asked of a map that shows no more than `column`: lookups that leave it find nothing, so casters beside it
     /// do not count.
     pub(super) fn on_map(self, column: &Bounds) -> Self {
-        Self { shown: self.column.within(column), ..self }
+        Self {
+            shown: self.column.within(column),
+            ..self
+        }
     }
 
     /// The cell on which a point falls. Casts saturate: what lies outside counts for the outermost cells.
@@ -164,7 +209,8 @@ impl<'a> Need<'a> {
     fn cells(&self, b: &Bounds) -> impl Iterator<Item = usize> + use<> {
         let (from, to) = (self.cell_of(b.min), self.cell_of(b.max));
         let columns = from % CELLS..to % CELLS + 1;
-        (from / CELLS..to / CELLS + 1).flat_map(move |y| columns.clone().map(move |x| y * CELLS + x))
+        (from / CELLS..to / CELLS + 1)
+            .flat_map(move |y| columns.clone().map(move |x| y * CELLS + x))
     }
 
     /// Lets every receiver count in cells up to `by` away.
@@ -182,7 +228,8 @@ impl<'a> Need<'a> {
     /// Runs of casters of which some may matter, and a box around each.
     fn runs(&self) -> impl Iterator<Item = (Range<u32>, Bounds)> + '_ {
         let runs = self.geometry.blocks().of(self.geometry.casters());
-        runs.map(|(run, b)| (run, self.space.block(&b))).filter(|(_, b)| self.matters(b))
+        runs.map(|(run, b)| (run, self.space.block(&b)))
+            .filter(|(_, b)| self.matters(b))
     }
 
     /// A box around those parts of casters that may matter; empty if there are none.
@@ -230,7 +277,12 @@ fn adds_nothing(b: &Bounds, found: &Bounds) -> bool {
 }
 
 /// Of each cell, the greatest value up to `by` steps away; `fits` tells whether a cell has a neighbour so many steps on.
-fn spread(values: &[f64], by: usize, fits: impl Fn(usize, usize) -> bool, stride: usize) -> Vec<f64> {
+fn spread(
+    values: &[f64],
+    by: usize,
+    fits: impl Fn(usize, usize) -> bool,
+    stride: usize,
+) -> Vec<f64> {
     let (mut out, mut reached) = (values.to_vec(), 0);
     // What has spread by r each way leaves no gap after a step of up to r + 1 both ways.
     while reached < by {

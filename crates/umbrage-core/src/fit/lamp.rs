@@ -44,7 +44,10 @@ impl<'a> Lamp<'a> {
         let geometry = view.geometry?;
         let seen = cull::seen(view);
         let farthest = |points: &mut dyn Iterator<Item = Vec3>| {
-            points.map(|p| p.as_dvec3().distance_squared(eye.as_dvec3())).fold(0.0, f64::max).sqrt()
+            points
+                .map(|p| p.as_dvec3().distance_squared(eye.as_dvec3()))
+                .fold(0.0, f64::max)
+                .sqrt()
         };
         let farthest = match &seen {
             Some(points) => farthest(&mut points.iter().copied()),
@@ -52,7 +55,15 @@ impl<'a> Lamp<'a> {
         };
         // Where nothing receives, any distance will do.
         let far = if farthest > 0.0 { 2.0 * farthest } else { 1.0 };
-        Some(Self { view, geometry, eye, size, margin, seen, far })
+        Some(Self {
+            view,
+            geometry,
+            eye,
+            size,
+            margin,
+            seen,
+            far,
+        })
     }
 
     /// A box, in map space, around what casts onto receivers within a pyramid of this tangent: sideways where something
@@ -64,9 +75,15 @@ impl<'a> Lamp<'a> {
     /// As [`Lamp::needed`], if these are the points seen in the pyramid.
     fn needed_of(&self, seen: Option<&[Vec3]>, view_from_world: &Mat4, tangent: f64) -> Bounds {
         let view_from_world = DAffine3::from_mat4(view_from_world.as_dmat4());
-        let space = MapSpace { view_from_world, nearest: Some(self.far * f64::from(NEAREST)) };
+        let space = MapSpace {
+            view_from_world,
+            nearest: Some(self.far * f64::from(NEAREST)),
+        };
         let side = DVec3::splat(tangent * (1.0 + SLACK));
-        let column = Bounds { min: -side, max: side };
+        let column = Bounds {
+            min: -side,
+            max: side,
+        };
         let receivers = Receiving::new(seen, self.geometry, &space, &column);
         let around = receivers.bounds();
         let last = space.rank(self.far);
@@ -85,7 +102,11 @@ impl<'a> Lamp<'a> {
 
     fn lookups(&self, space: &MapSpace, receivers: &Bounds, tangent: f64) -> Lookups {
         let texel = 2.0 * tangent / f64::from(inner(self.size, self.margin));
-        let nearest = if receivers.is_empty() { self.far } else { space.distance(receivers.min.z) };
+        let nearest = if receivers.is_empty() {
+            self.far
+        } else {
+            space.distance(receivers.min.z)
+        };
         let world = self.eye.abs().max_element().max(caster_reach(self.view));
         Lookups {
             texel: glam::DVec2::splat(texel),
@@ -103,12 +124,17 @@ impl<'a> Lamp<'a> {
 
     /// As [`Lamp::near`], of all faces of a cube.
     pub(super) fn nears(&self, tangent: f64) -> Result<[Option<f32>; 6], Invalid> {
-        Ok(self.faces(tangent)?.map(|(_, needed)| first_distance(&needed)))
+        Ok(self
+            .faces(tangent)?
+            .map(|(_, needed)| first_distance(&needed)))
     }
 
     /// What each face of a cube needs, and its view. Points are dealt out first, since each is seen in a face or two.
     fn faces(&self, tangent: f64) -> Result<[(Mat4, Bounds); 6], Invalid> {
-        let seen = self.seen.as_ref().map(|points| dealt_out(points, self.eye, tangent as f32));
+        let seen = self
+            .seen
+            .as_ref()
+            .map(|points| dealt_out(points, self.eye, tangent as f32));
         let views = cube_face_views(self.eye)?;
         Ok(std::array::from_fn(|i| {
             let seen = seen.as_ref().map(|seen| &seen[i][..]);
@@ -123,9 +149,17 @@ impl<'a> Lamp<'a> {
         if needed.is_empty() {
             return Ok((axis, tangent));
         }
-        let straight = needed.min.abs().max(needed.max.abs()).truncate().max_element().min(tangent);
+        let straight = needed
+            .min
+            .abs()
+            .max(needed.max.abs())
+            .truncate()
+            .max_element()
+            .min(tangent);
         let turned = self.around(&corners(&view_from_world, &needed))?;
-        Ok(turned.filter(|n| n.1 < straight * WORTHWHILE).unwrap_or((axis, straight)))
+        Ok(turned
+            .filter(|n| n.1 < straight * WORTHWHILE)
+            .unwrap_or((axis, straight)))
     }
 
     /// The pyramid around all that matters in any direction; none if it would be too wide. Anything if nothing matters.
@@ -154,7 +188,10 @@ impl<'a> Lamp<'a> {
             }
             let direction = axis.normalize().as_vec3();
             let view_from_world = look_along(self.eye, direction, Vec3::Y)?.as_dmat4();
-            let in_view: Vec<DVec3> = directions.iter().map(|&d| view_from_world.transform_vector3(d)).collect();
+            let in_view: Vec<DVec3> = directions
+                .iter()
+                .map(|&d| view_from_world.transform_vector3(d))
+                .collect();
             if in_view.is_empty() || in_view.iter().any(|d| -d.z < 1e-6 * d.length()) {
                 break;
             }
@@ -163,7 +200,9 @@ impl<'a> Lamp<'a> {
             if best.is_none_or(|best| tangent < best.1) {
                 best = Some((direction, tangent));
             }
-            axis = view_from_world.transpose().transform_vector3(((b.min + b.max) * 0.5).with_z(-1.0));
+            axis = view_from_world
+                .transpose()
+                .transform_vector3(((b.min + b.max) * 0.5).with_z(-1.0));
         }
         Ok(best)
     }
@@ -197,5 +236,10 @@ fn corners(view_from_world: &Mat4, b: &Bounds) -> Vec<DVec3> {
     }
     let world_from_view = view_from_world.as_dmat4().transpose();
     let corner = |x: f64, y: f64| world_from_view.transform_vector3(DVec3::new(x, y, -1.0));
-    vec![corner(b.min.x, b.min.y), corner(b.min.x, b.max.y), corner(b.max.x, b.min.y), corner(b.max.x, b.max.y)]
+    vec![
+        corner(b.min.x, b.min.y),
+        corner(b.min.x, b.max.y),
+        corner(b.max.x, b.min.y),
+        corner(b.max.x, b.max.y),
+    ]
 }

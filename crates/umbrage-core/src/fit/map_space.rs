@@ -24,14 +24,22 @@ pub(super) struct Bounds {
 }
 
 impl Bounds {
-    pub(super) const EMPTY: Self = Self { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
+    pub(super) const EMPTY: Self = Self {
+        min: DVec3::INFINITY,
+        max: DVec3::NEG_INFINITY,
+    };
 
     pub(super) fn around(points: impl IntoIterator<Item = DVec3>) -> Self {
-        points.into_iter().fold(Self::EMPTY, |b, p| b.union(&Self { min: p, max: p }))
+        points
+            .into_iter()
+            .fold(Self::EMPTY, |b, p| b.union(&Self { min: p, max: p }))
     }
 
     pub(super) fn union(&self, other: &Self) -> Self {
-        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+        Self {
+            min: self.min.min(other.min),
+            max: self.max.max(other.max),
+        }
     }
 
     pub(super) fn is_empty(&self) -> bool {
@@ -54,7 +62,10 @@ impl Bounds {
 
     /// What is left of this beside the other: the common part sideways, this one's ranks.
     pub(super) fn within(&self, other: &Self) -> Self {
-        Self { min: self.min.max(other.min.with_z(self.min.z)), max: self.max.min(other.max.with_z(self.max.z)) }
+        Self {
+            min: self.min.max(other.min.with_z(self.min.z)),
+            max: self.max.min(other.max.with_z(self.max.z)),
+        }
     }
 }
 
@@ -72,17 +83,29 @@ impl MapSpace {
 
     /// A distance along the view as a rank.
     pub(super) fn rank(&self, distance: f64) -> f64 {
-        if self.nearest.is_some() { -1.0 / distance } else { distance }
+        if self.nearest.is_some() {
+            -1.0 / distance
+        } else {
+            distance
+        }
     }
 
     /// A rank as a distance along the view.
     pub(super) fn distance(&self, rank: f64) -> f64 {
-        if self.nearest.is_some() { -1.0 / rank } else { rank }
+        if self.nearest.is_some() {
+            -1.0 / rank
+        } else {
+            rank
+        }
     }
 
     /// A point of the light's view; with perspective it must lie before the light.
     fn project(&self, p: DVec3) -> DVec3 {
-        if self.nearest.is_some() { DVec3::new(p.x / -p.z, p.y / -p.z, 1.0 / p.z) } else { p.with_z(-p.z) }
+        if self.nearest.is_some() {
+            DVec3::new(p.x / -p.z, p.y / -p.z, 1.0 / p.z)
+        } else {
+            p.with_z(-p.z)
+        }
     }
 
     /// A point of the world; none if it falls beside the column, is too near, or behind.
@@ -90,17 +113,24 @@ impl MapSpace {
     pub(super) fn point_within(&self, p: Vec3, column: &Bounds) -> Option<DVec3> {
         let p = self.view_from_world.transform_point3(p.as_dvec3());
         // Asked without dividing: most points fall beside most of a cube's faces.
-        let (near, along) = self.nearest.map_or((true, 1.0), |nearest| (-p.z >= nearest, -p.z));
+        let (near, along) = self
+            .nearest
+            .map_or((true, 1.0), |nearest| (-p.z >= nearest, -p.z));
         let within = |v: f64, min: f64, max: f64| v >= min * along && v <= max * along;
-        let inside = near && within(p.x, column.min.x, column.max.x) && within(p.y, column.min.y, column.max.y);
+        let inside = near
+            && within(p.x, column.min.x, column.max.x)
+            && within(p.y, column.min.y, column.max.y);
         inside.then(|| self.project(p))
     }
 
     /// A triangle of the world, or what of it is far enough.
     pub(super) fn triangle(&self, corners: [Vec3; 3]) -> Polygon {
-        let in_view = Polygon::triangle(corners.map(|p| self.view_from_world.transform_point3(p.as_dvec3())));
+        let in_view =
+            Polygon::triangle(corners.map(|p| self.view_from_world.transform_point3(p.as_dvec3())));
         let polygon = match self.nearest {
-            Some(nearest) if in_view.corners().iter().any(|p| -p.z < nearest) => in_view.clip(DVec3::NEG_Z, nearest),
+            Some(nearest) if in_view.corners().iter().any(|p| -p.z < nearest) => {
+                in_view.clip(DVec3::NEG_Z, nearest)
+            }
             _ => in_view,
         };
         polygon.map(|p| self.project(p))
@@ -111,13 +141,19 @@ impl MapSpace {
         if b.is_empty() {
             return Bounds::EMPTY;
         }
-        let (center, half) = ((b.min.as_dvec3() + b.max.as_dvec3()) * 0.5, (b.max.as_dvec3() - b.min.as_dvec3()) * 0.5);
+        let (center, half) = (
+            (b.min.as_dvec3() + b.max.as_dvec3()) * 0.5,
+            (b.max.as_dvec3() - b.min.as_dvec3()) * 0.5,
+        );
         let m = self.view_from_world.matrix3;
         let half = m.x_axis.abs() * half.x + m.y_axis.abs() * half.y + m.z_axis.abs() * half.z;
         let center = self.view_from_world.transform_point3(center);
         let (min, max) = (center - half, center + half);
         let Some(nearest) = self.nearest else {
-            return Bounds { min: min.with_z(-max.z), max: max.with_z(-min.z) };
+            return Bounds {
+                min: min.with_z(-max.z),
+                max: max.with_z(-min.z),
+            };
         };
         let (near, far) = ((-max.z).max(nearest), -min.z);
         if far < nearest {

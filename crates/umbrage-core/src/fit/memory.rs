@@ -28,7 +28,11 @@ impl FitMemory {
         find: impl FnOnce() -> Result<LightSpaces, PlanError>,
     ) -> Result<LightSpaces, PlanError> {
         // A thread that panicked while it held the lock has left whole entries behind.
-        let lock = || self.found.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let lock = || {
+            self.found
+                .lock()
+                .unwrap_or_else(std::sync::PoisonError::into_inner)
+        };
         if let Some((_, known)) = lock().iter().find(|(before, _)| *before == asked) {
             return known.clone();
         }

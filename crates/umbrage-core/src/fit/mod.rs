@@ -79,7 +79,12 @@ impl Fit {
     ///
     /// # Errors
     /// `Unsupported` when what matters surrounds the light, so that no single map can see it all; `Invalid` for bad input.
-    pub fn light_space(&self, view: &View<'_>, size: u32, margin: f32) -> Result<LightSpace, PlanError> {
+    pub fn light_space(
+        &self,
+        view: &View<'_>,
+        size: u32,
+        margin: f32,
+    ) -> Result<LightSpace, PlanError> {
         view.validate()?;
         self.validate()?;
         self.single(view, size, margin)
@@ -104,18 +109,39 @@ impl Fit {
 
     /// Objects to numbers that are not finite; what depends on the light is left to its light space.
     fn validate(&self) -> Result<(), Invalid> {
-        let Self::Manual { eye, extents } = self else { return Ok(()) };
+        let Self::Manual { eye, extents } = self else {
+            return Ok(());
+        };
         invalid::finite("manual fit's eye", &eye.to_array())?;
-        let Extents { left, right, bottom, top, near, far } = *extents;
-        let named = [("left", left), ("right", right), ("bottom", bottom), ("top", top), ("near", near), ("far", far)];
-        named.iter().try_for_each(|(name, value)| invalid::finite(&format!("manual fit's {name}"), &[*value]))
+        let Extents {
+            left,
+            right,
+            bottom,
+            top,
+            near,
+            far,
+        } = *extents;
+        let named = [
+            ("left", left),
+            ("right", right),
+            ("bottom", bottom),
+            ("top", top),
+            ("near", near),
+            ("far", far),
+        ];
+        named.iter().try_for_each(|(name, value)| {
+            invalid::finite(&format!("manual fit's {name}"), &[*value])
+        })
     }
 
     /// What a fit may look at: those that stand still do not look at what is seen.
     fn known<'a>(&self, view: &View<'a>) -> View<'a> {
         match self {
             Self::Tight | Self::Manual { .. } => *view,
-            Self::Whole | Self::Stable { .. } => View { receivers: None, ..*view },
+            Self::Whole | Self::Stable { .. } => View {
+                receivers: None,
+                ..*view
+            },
         }
     }
 
@@ -132,23 +158,43 @@ impl Fit {
     ) -> Result<LightSpaces, PlanError> {
         let find = || self.find(layout, view, size, margin);
         match view.fits {
-            Some(memory) => memory.recall(memory::Asked { fit: *self, layout, size, margin }, find),
+            Some(memory) => memory.recall(
+                memory::Asked {
+                    fit: *self,
+                    layout,
+                    size,
+                    margin,
+                },
+                find,
+            ),
             None => find(),
         }
     }
 
-    fn find(&self, layout: Layout, view: &View<'_>, size: u32, margin: f32) -> Result<LightSpaces, PlanError> {
+    fn find(
+        &self,
+        layout: Layout,
+        view: &View<'_>,
+        size: u32,
+        margin: f32,
+    ) -> Result<LightSpaces, PlanError> {
         view.validate()?;
         self.validate()?;
-        let single = || Ok(LightSpaces { spaces: vec![self.single(view, size, margin)?], needed: vec![true] });
+        let single = || {
+            Ok(LightSpaces {
+                spaces: vec![self.single(view, size, margin)?],
+                needed: vec![true],
+            })
+        };
         let cube = |eye| perspective::cube(self, &self.known(view), eye, size, margin);
-        let suffices =
-            |one: &LightSpaces, eye| perspective::suffices(&one.spaces[0], &self.known(view), eye, size, margin);
+        let suffices = |one: &LightSpaces, eye| {
+            perspective::suffices(&one.spaces[0], &self.known(view), eye, size, margin)
+        };
         match (layout, view.light.position()) {
             (Layout::Single, _) | (Layout::Auto, None) => single(),
-            (Layout::Cube, None) => {
-                Err(PlanError::unsupported("a directional light has no place to put a cube around"))
-            }
+            (Layout::Cube, None) => Err(PlanError::unsupported(
+                "a directional light has no place to put a cube around",
+            )),
             (Layout::Cube, Some(eye)) => cube(eye),
             (Layout::Auto, Some(eye)) => match single() {
                 Err(PlanError::Unsupported(_)) => cube(eye),

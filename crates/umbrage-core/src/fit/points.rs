@@ -42,18 +42,33 @@ pub(super) fn bounds_in(view_from_world: &Mat4, points: impl Iterator<Item = Vec
 /// `world`) that lookups start from.
 pub(super) fn padded(b: Aabb, world: f32) -> Aabb {
     let pad = rounding(&b, world);
-    Aabb { min: b.min - pad, max: b.max + pad }
+    Aabb {
+        min: b.min - pad,
+        max: b.max + pad,
+    }
 }
 
 /// How far rounding may move a point in view space, metres.
 pub(super) fn rounding(b: &Aabb, world: f32) -> f32 {
     let reach = b.min.abs().max(b.max.abs()).max_element();
-    if reach.is_finite() { (reach / 65_536.0).max(world / 2_097_152.0) } else { 0.0 }
+    if reach.is_finite() {
+        (reach / 65_536.0).max(world / 2_097_152.0)
+    } else {
+        0.0
+    }
 }
 
 /// Greatest coordinate of the casters.
 pub(super) fn caster_reach(view: &View<'_>) -> f32 {
-    if view.casters.is_empty() { 0.0 } else { view.casters.min.abs().max(view.casters.max.abs()).max_element() }
+    if view.casters.is_empty() {
+        0.0
+    } else {
+        view.casters
+            .min
+            .abs()
+            .max(view.casters.max.abs())
+            .max_element()
+    }
 }
 
 /// A box around all casters on a map; loose.

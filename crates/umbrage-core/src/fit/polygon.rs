@@ -25,12 +25,18 @@ impl Polygon {
 
     /// The same shape, corner by corner.
     pub(super) fn map(&self, f: impl Fn(DVec3) -> DVec3) -> Self {
-        Self { corners: self.corners.map(f), count: self.count }
+        Self {
+            corners: self.corners.map(f),
+            count: self.count,
+        }
     }
 
     /// What is left where `normal . p >= distance`: Sutherland and Hodgman 1974, "Reentrant Polygon Clipping".
     pub(super) fn clip(&self, normal: DVec3, distance: f64) -> Self {
-        let mut out = Self { corners: [DVec3::ZERO; MOST], count: 0 };
+        let mut out = Self {
+            corners: [DVec3::ZERO; MOST],
+            count: 0,
+        };
         for (i, &p) in self.corners().iter().enumerate() {
             let q = self.corners[(i + 1) % self.count];
             let (at_p, at_q) = (normal.dot(p) - distance, normal.dot(q) - distance);

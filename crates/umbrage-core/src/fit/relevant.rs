@@ -18,9 +18,16 @@ use glam::DVec3;
 ///
 /// In order, each once; empty where the view has no triangles.
 pub fn relevant_casters(view: &View<'_>, spaces: &LightSpaces, size: u32, margin: f32) -> Vec<u32> {
-    let Some(geometry) = view.geometry else { return Vec::new() };
+    let Some(geometry) = view.geometry else {
+        return Vec::new();
+    };
     let mut out: Vec<u32> = Vec::new();
-    for (space, _) in spaces.spaces.iter().zip(&spaces.needed).filter(|(_, needed)| **needed) {
+    for (space, _) in spaces
+        .spaces
+        .iter()
+        .zip(&spaces.needed)
+        .filter(|(_, needed)| **needed)
+    {
         out.extend(on_map(view, geometry, space, size, margin));
     }
     out.sort_unstable();
@@ -28,7 +35,13 @@ pub fn relevant_casters(view: &View<'_>, spaces: &LightSpaces, size: u32, margin
     out
 }
 
-fn on_map(view: &View<'_>, geometry: &Geometry, space: &LightSpace, size: u32, margin: f32) -> Vec<u32> {
+fn on_map(
+    view: &View<'_>,
+    geometry: &Geometry,
+    space: &LightSpace,
+    size: u32,
+    margin: f32,
+) -> Vec<u32> {
     let map = MapSpace::of(space);
     let column = column(space, &map);
     let side = (column.max - column.min).truncate();
@@ -39,7 +52,11 @@ fn on_map(view: &View<'_>, geometry: &Geometry, space: &LightSpace, size: u32, m
         texel: side / f64::from(size.max(1)),
         margin: f64::from(margin),
         rounding: world / 2_097_152.0 / map.nearest.unwrap_or(1.0),
-        tangent: if map.nearest.is_some() { side.max_element() * 0.5 } else { 0.0 },
+        tangent: if map.nearest.is_some() {
+            side.max_element() * 0.5
+        } else {
+            0.0
+        },
     };
     let reach = lookups.reach(view.light, [column.min.z, column.max.z]);
     Need::new(map, geometry, &receivers, &reach).map_or(Vec::new(), |need| need.casters().collect())
@@ -50,7 +67,11 @@ fn column(space: &LightSpace, map: &MapSpace) -> Bounds {
     let view_from_clip = space.clip_from_view.as_dmat4().inverse();
     let corner = |x: f64, y: f64, depth: f64| {
         let p = view_from_clip.project_point3(DVec3::new(x, y, depth));
-        let across = if map.nearest.is_some() { p.truncate() / -p.z } else { p.truncate() };
+        let across = if map.nearest.is_some() {
+            p.truncate() / -p.z
+        } else {
+            p.truncate()
+        };
         across.extend(map.rank(-p.z))
     };
     Bounds::around([corner(-1.0, -1.0, 0.0), corner(1.0, 1.0, 1.0)])

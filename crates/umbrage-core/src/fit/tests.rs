@@ -7,25 +7,51 @@ use glam::{Affine3A, UVec2};
 /// A floor of 20 m through (0, 0, 0) and a small quad `h` above it.
 fn floor_and_quad(h: f32) -> Geometry {
     let corner = |x, z| Vec3::new(x, 0.0, z);
-    let corners = vec![corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)];
+    let corners = vec![
+        corner(-1.0, -1.0),
+        corner(-1.0, 1.0),
+        corner(1.0, 1.0),
+        corner(1.0, -1.0),
+    ];
     let quad = Mesh::new("quad", corners, vec![[0, 1, 2], [0, 2, 3]]).unwrap();
     let place = |scale: f32, y: f32| {
         let up = Affine3A::from_translation(Vec3::Y * y);
         Instance::new(0, up * Affine3A::from_scale(Vec3::new(scale, 1.0, scale)))
     };
     let instances = vec![place(10.0, 0.0), place(0.002, h)];
-    let scene = Scene { name: "test".into(), meshes: vec![quad], instances, ..Scene::default() };
+    let scene = Scene {
+        name: "test".into(),
+        meshes: vec![quad],
+        instances,
+        ..Scene::default()
+    };
     Geometry::bake(&scene).unwrap()
 }
 
 fn spot(position: Vec3, direction: Vec3) -> Light {
-    Light::Spot { position, direction, inner: 0.3, outer: 0.6, radius: 0.0 }
+    Light::Spot {
+        position,
+        direction,
+        inner: 0.3,
+        outer: 0.6,
+        radius: 0.0,
+    }
 }
 
 fn space(light: &Light, geometry: &Geometry) -> LightSpace {
     let size = UVec2::splat(8);
-    let camera = Camera::perspective(Vec3::splat(9.0), Vec3::ZERO, Vec3::Y, 1.0, [0.1, 99.0], size).unwrap();
-    Fit::Tight.light_space(&View::new(&camera, light, geometry), 1024, 1.0).unwrap()
+    let camera = Camera::perspective(
+        Vec3::splat(9.0),
+        Vec3::ZERO,
+        Vec3::Y,
+        1.0,
+        [0.1, 99.0],
+        size,
+    )
+    .unwrap();
+    Fit::Tight
+        .light_space(&View::new(&camera, light, geometry), 1024, 1.0)
+        .unwrap()
 }
 
 /// The floor reaches behind the lamp's plane, but not into its cone above the ground.
@@ -43,18 +69,36 @@ fn a_floor_that_crosses_the_lamps_plane_costs_no_precision() {
 #[test]
 fn casters_beside_the_map_cost_no_precision() {
     let (position, direction) = (Vec3::new(0.0, 5.0, 0.0), Vec3::NEG_Y);
-    let lamp = Light::Spot { position, direction, inner: 0.3, outer: 0.6, radius: 0.5 };
+    let lamp = Light::Spot {
+        position,
+        direction,
+        inner: 0.3,
+        outer: 0.6,
+        radius: 0.5,
+    };
     let corner = |x, z| Vec3::new(x, 0.0, z);
-    let corners = vec![corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)];
+    let corners = vec![
+        corner(-1.0, -1.0),
+        corner(-1.0, 1.0),
+        corner(1.0, 1.0),
+        corner(1.0, -1.0),
+    ];
     let quad = Mesh::new("quad", corners, vec![[0, 1, 2], [0, 2, 3]]).unwrap();
     let place = |at: Vec3, side: f32| {
-        Instance::new(0, Affine3A::from_translation(at) * Affine3A::from_scale(Vec3::new(side, 1.0, side)))
+        Instance::new(
+            0,
+            Affine3A::from_translation(at) * Affine3A::from_scale(Vec3::new(side, 1.0, side)),
+        )
     };
     let floor = place(Vec3::ZERO, 4.0);
     let table = place(Vec3::Y, 0.5);
     let ceiling = [-1.0, 1.0].map(|side| place(Vec3::new(side * 2.4, 4.8, 0.0), 2.0));
     let near = |instances: &[Instance]| {
-        let scene = Scene { meshes: vec![quad.clone()], instances: instances.to_vec(), ..Scene::default() };
+        let scene = Scene {
+            meshes: vec![quad.clone()],
+            instances: instances.to_vec(),
+            ..Scene::default()
+        };
         let m = space(&lamp, &Geometry::bake(&scene).unwrap()).clip_from_view;
         m.w_axis.z / m.z_axis.z
     };
@@ -71,10 +115,15 @@ fn rounding_keeps_receivers_before_the_far_plane() {
         let turn = i as f32 * 0.37;
         let direction = Vec3::new(turn.cos() * 0.4, -1.0, turn.sin() * 0.4);
         let geometry = floor_and_quad(4.99);
-        let clip_from_world = space(&spot(Vec3::new(0.0, 5.0, 0.0), direction), &geometry).clip_from_world();
+        let clip_from_world =
+            space(&spot(Vec3::new(0.0, 5.0, 0.0), direction), &geometry).clip_from_world();
         for p in geometry.vertices_of(geometry.receivers()) {
             let clip = transform(clip_from_world, p);
-            assert!(clip.w <= 0.0 || clip.z / clip.w <= 1.0, "{p} at tilt {i}: {}", clip.z / clip.w);
+            assert!(
+                clip.w <= 0.0 || clip.z / clip.w <= 1.0,
+                "{p} at tilt {i}: {}",
+                clip.z / clip.w
+            );
         }
     }
 }
@@ -84,22 +133,47 @@ fn rounding_keeps_receivers_before_the_far_plane() {
 fn a_memory_gives_what_was_found() {
     let light = spot(Vec3::new(0.0, 5.0, 0.0), Vec3::new(0.28, -0.96, 0.0));
     let size = UVec2::splat(8);
-    let camera = Camera::perspective(Vec3::splat(9.0), Vec3::ZERO, Vec3::Y, 1.0, [0.1, 99.0], size).unwrap();
+    let camera = Camera::perspective(
+        Vec3::splat(9.0),
+        Vec3::ZERO,
+        Vec3::Y,
+        1.0,
+        [0.1, 99.0],
+        size,
+    )
+    .unwrap();
     let [low, high] = [1.0, 3.0].map(floor_and_quad);
     let memory = FitMemory::default();
     let fit = |geometry: &Geometry, memory: Option<&FitMemory>, size, layout| {
-        let view = View { fits: memory, ..View::new(&camera, &light, geometry) };
+        let view = View {
+            fits: memory,
+            ..View::new(&camera, &light, geometry)
+        };
         Fit::Tight.light_spaces(layout, &view, size, 1.0)
     };
     let mut found = Vec::new();
-    for (size, layout) in [(256, Layout::Single), (512, Layout::Single), (256, Layout::Cube)] {
+    for (size, layout) in [
+        (256, Layout::Single),
+        (512, Layout::Single),
+        (256, Layout::Cube),
+    ] {
         let anew = fit(&low, None, size, layout);
         assert_eq!(fit(&low, Some(&memory), size, layout), anew);
-        assert_ne!(fit(&high, None, size, layout), anew, "the scenes are not told apart");
+        assert_ne!(
+            fit(&high, None, size, layout),
+            anew,
+            "the scenes are not told apart"
+        );
         assert_eq!(fit(&high, Some(&memory), size, layout), anew);
         found.push(anew);
     }
     assert!(found[0] != found[1] && found[0] != found[2]);
     let receivers = crate::Receivers::default();
-    assert!(View::new(&camera, &light, &low).with_fits(&memory).with_receivers(&receivers).fits.is_none());
+    assert!(
+        View::new(&camera, &light, &low)
+            .with_fits(&memory)
+            .with_receivers(&receivers)
+            .fits
+            .is_none()
+    );
 }

@@ -90,7 +90,15 @@ impl<'a> TruthImage<'a> {
         let soft = penumbrae(visibility, pixels);
         let near_soft = near(size, &soft, ACNE_DISTANCE);
         let near_edge = near(size, &edges(size, visibility, pixels), ACNE_DISTANCE);
-        Ok(Self { size, visibility, pixels, blocker, contact, near_soft, near_edge })
+        Ok(Self {
+            size,
+            visibility,
+            pixels,
+            blocker,
+            contact,
+            near_soft,
+            near_edge,
+        })
     }
 }
 
@@ -101,7 +109,10 @@ impl TruthImage<'_> {
     /// When there is not one class a pixel.
     pub fn with_pixels<'b>(&'b self, pixels: &'b [Pixel]) -> Result<TruthImage<'b>, Invalid> {
         check_len("pixel classes", self.size, pixels.len())?;
-        Ok(TruthImage { pixels, ..self.clone() })
+        Ok(TruthImage {
+            pixels,
+            ..self.clone()
+        })
     }
 }
 
@@ -121,12 +132,25 @@ impl Causes {
                 gaps.push(truth.blocker[i]);
             }
         }
-        let counted = truth.pixels.iter().filter(|p| **p == Pixel::Counted).count().max(1) as f64;
-        [Cause::Acne, Cause::Gap, Cause::Leak, Cause::Edge, Cause::Penumbra]
-            .into_iter()
-            .for_each(|cause| *out.share(cause) /= counted);
+        let counted = truth
+            .pixels
+            .iter()
+            .filter(|p| **p == Pixel::Counted)
+            .count()
+            .max(1) as f64;
+        [
+            Cause::Acne,
+            Cause::Gap,
+            Cause::Leak,
+            Cause::Edge,
+            Cause::Penumbra,
+        ]
+        .into_iter()
+        .for_each(|cause| *out.share(cause) /= counted);
         gaps.sort_by(f32::total_cmp);
-        out.gap_metres = gaps.get(gaps.len() * 19 / 20).map(|&metres| f64::from(metres));
+        out.gap_metres = gaps
+            .get(gaps.len() * 19 / 20)
+            .map(|&metres| f64::from(metres));
         out.penumbra_width = width(mask, truth);
         Ok(out)
     }
@@ -173,8 +197,12 @@ fn flood(size: UVec2, start: impl Fn(usize) -> bool, spread: impl Fn(usize) -> b
     let mut open: Vec<usize> = (0..n).filter(|&i| set[i]).collect();
     while let Some(i) = open.pop() {
         let x = i % w;
-        let sides =
-            [(x > 0).then(|| i - 1), (x + 1 < w).then(|| i + 1), i.checked_sub(w), Some(i + w).filter(|&j| j < n)];
+        let sides = [
+            (x > 0).then(|| i - 1),
+            (x + 1 < w).then(|| i + 1),
+            i.checked_sub(w),
+            Some(i + w).filter(|&j| j < n),
+        ];
         for j in sides.into_iter().flatten() {
             if !set[j] && spread(j) {
                 set[j] = true;
@@ -191,12 +219,21 @@ pub fn is_penumbra(visibility: f32) -> bool {
 }
 
 fn penumbrae(visibility: &[f32], pixels: &[Pixel]) -> Vec<bool> {
-    visibility.iter().zip(pixels).map(|(&v, &p)| p == Pixel::Counted && is_penumbra(v)).collect()
+    visibility
+        .iter()
+        .zip(pixels)
+        .map(|(&v, &p)| p == Pixel::Counted && is_penumbra(v))
+        .collect()
 }
 
 fn width(mask: &[f32], truth: &TruthImage<'_>) -> Option<f64> {
     let counts = |i: &usize| truth.pixels[*i] == Pixel::Counted && truth.near_soft[*i];
-    let soft = |values: &[f32]| (0..mask.len()).filter(counts).filter(|&i| is_penumbra(values[i])).count();
+    let soft = |values: &[f32]| {
+        (0..mask.len())
+            .filter(counts)
+            .filter(|&i| is_penumbra(values[i]))
+            .count()
+    };
     let (ours, theirs) = (soft(mask), soft(truth.visibility));
     (theirs > 0).then(|| ours as f64 / theirs as f64)
 }
@@ -226,7 +263,10 @@ mod tests {
             4..20 => 3.0,
             _ => f32::INFINITY,
         };
-        Truth { visibility: (0..N).map(visibility).collect(), blocker: (0..N).map(blocker).collect() }
+        Truth {
+            visibility: (0..N).map(visibility).collect(),
+            blocker: (0..N).map(blocker).collect(),
+        }
     }
 
     fn measure_with(mask: &[f32], pixels: &[Pixel]) -> Causes {
@@ -245,14 +285,30 @@ mod tests {
     #[test]
     fn truth_has_no_cause() {
         let causes = measure_with(&truth().visibility, &[Pixel::Counted; N]);
-        assert_eq!(causes, Causes { penumbra_width: Some(1.0), ..Causes::default() });
+        assert_eq!(
+            causes,
+            Causes {
+                penumbra_width: Some(1.0),
+                ..Causes::default()
+            }
+        );
     }
 
     #[test]
     fn each_place_has_its_cause() {
         let one = 1.0 / N as f64;
-        let right = Causes { penumbra_width: Some(1.0), ..Causes::default() };
-        assert_eq!(spoilt(2, 1.0), Causes { gap: one, gap_metres: Some(0.25), ..right });
+        let right = Causes {
+            penumbra_width: Some(1.0),
+            ..Causes::default()
+        };
+        assert_eq!(
+            spoilt(2, 1.0),
+            Causes {
+                gap: one,
+                gap_metres: Some(0.25),
+                ..right
+            }
+        );
         assert_eq!(spoilt(6, 1.0), Causes { leak: one, ..right });
         assert_eq!(spoilt(18, 1.0), Causes { edge: one, ..right });
         assert_eq!(spoilt(22, 0.0), Causes { edge: one, ..right });
@@ -269,7 +325,10 @@ mod tests {
         let causes = measure_with(&mask, &[Pixel::Counted; N]);
         let one = 1.0 / N as f64;
         assert!((causes.gap - 8.0 * one).abs() < 1e-12, "{causes:?}");
-        assert_eq!((causes.leak, causes.edge, causes.gap_metres), (one, one, Some(3.0)));
+        assert_eq!(
+            (causes.leak, causes.edge, causes.gap_metres),
+            (one, one, Some(3.0))
+        );
     }
 
     #[test]
@@ -277,14 +336,21 @@ mod tests {
         let hard: Vec<f32> = truth().visibility.iter().map(|v| v.round()).collect();
         let causes = measure_with(&hard, &[Pixel::Counted; N]);
         assert_eq!(causes.penumbra_width, Some(0.0));
-        assert!(causes.penumbra > 0.0 && causes.acne + causes.gap + causes.leak + causes.edge == 0.0);
+        assert!(
+            causes.penumbra > 0.0 && causes.acne + causes.gap + causes.leak + causes.edge == 0.0
+        );
     }
 
     #[test]
     fn a_penumbra_twice_as_wide_measures_two() {
         let mut wide = truth().visibility;
-        (0..N).filter(|i| (45..50).contains(&(i % 60))).for_each(|i| wide[i] = 0.8);
-        assert_eq!(measure_with(&wide, &[Pixel::Counted; N]).penumbra_width, Some(2.0));
+        (0..N)
+            .filter(|i| (45..50).contains(&(i % 60)))
+            .for_each(|i| wide[i] = 0.8);
+        assert_eq!(
+            measure_with(&wide, &[Pixel::Counted; N]).penumbra_width,
+            Some(2.0)
+        );
     }
 
     #[test]
@@ -294,9 +360,14 @@ mod tests {
         let mut pixels = [Pixel::Counted; N];
         (0..N).step_by(7).for_each(|i| pixels[i] = Pixel::Ambiguous);
         let causes = measure_with(&mask, &pixels);
-        let errors = super::super::Errors::measure(SIZE, &mask, &truth().visibility, &pixels).expect("valid");
+        let errors = super::super::Errors::measure(SIZE, &mask, &truth().visibility, &pixels)
+            .expect("valid");
         let sum = causes.acne + causes.gap + causes.leak + causes.edge + causes.penumbra;
-        assert!((sum - errors.mean).abs() < 1e-12, "{sum} for {}", errors.mean);
+        assert!(
+            (sum - errors.mean).abs() < 1e-12,
+            "{sum} for {}",
+            errors.mean
+        );
     }
 
     #[test]

@@ -7,7 +7,9 @@ const N: usize = 1200;
 
 /// Dark left of column 20.
 fn truth() -> Vec<f32> {
-    (0..N).map(|i| if i % 40 < 20 { 0.0 } else { 1.0 }).collect()
+    (0..N)
+        .map(|i| if i % 40 < 20 { 0.0 } else { 1.0 })
+        .collect()
 }
 
 fn measure(mask: &[f32]) -> Errors {
@@ -16,7 +18,13 @@ fn measure(mask: &[f32]) -> Errors {
 
 #[test]
 fn truth_has_no_error() {
-    assert_eq!(measure(&truth()), Errors { counted: 1200, ..Errors::default() });
+    assert_eq!(
+        measure(&truth()),
+        Errors {
+            counted: 1200,
+            ..Errors::default()
+        }
+    );
 }
 
 #[test]
@@ -34,7 +42,10 @@ fn one_flipped_pixel_far_from_the_edge_is_acne() {
 #[test]
 fn acne_begins_beyond_its_distance_from_the_edge() {
     // Column 20 is an edge pixel, so column 20 + ACNE_DISTANCE is still near, the next one is not.
-    for (column, acne) in [(20 + ACNE_DISTANCE as usize, 0.0), (21 + ACNE_DISTANCE as usize, 100.0 / 1200.0)] {
+    for (column, acne) in [
+        (20 + ACNE_DISTANCE as usize, 0.0),
+        (21 + ACNE_DISTANCE as usize, 100.0 / 1200.0),
+    ] {
         let mut mask = truth();
         mask[15 * 40 + column] = 0.0;
         assert_eq!(measure(&mask).acne, acne, "column {column}");
@@ -46,7 +57,10 @@ fn one_lit_pixel_in_shadow_is_false_light() {
     let mut mask = truth();
     mask[3] = 1.0;
     let e = measure(&mask);
-    assert_eq!((e.false_shadow, e.false_light, e.acne), (0.0, 100.0 / 1200.0, 0.0));
+    assert_eq!(
+        (e.false_shadow, e.false_light, e.acne),
+        (0.0, 100.0 / 1200.0, 0.0)
+    );
     assert!(e.bias > 0.0);
 }
 
@@ -92,7 +106,13 @@ fn empty_pixels_make_no_edges() {
         pixels[y * 40 + 19] = Pixel::Empty;
     }
     assert!(edges(SIZE, &truth(), &pixels).iter().all(|&e| !e));
-    assert_eq!(edges(SIZE, &truth(), &[Pixel::Counted; N]).iter().filter(|&&e| e).count(), 60);
+    assert_eq!(
+        edges(SIZE, &truth(), &[Pixel::Counted; N])
+            .iter()
+            .filter(|&&e| e)
+            .count(),
+        60
+    );
 }
 
 #[test]
@@ -103,7 +123,10 @@ fn spoilt_masks_are_refused() {
         mask[41] = bad;
         let e = Errors::measure(SIZE, &mask, &truth(), &pixels).expect_err("spoilt");
         assert!(e.to_string().contains("pixel (1, 1)"), "{e}");
-        assert!(Errors::measure(SIZE, &truth(), &mask, &pixels).is_err(), "spoilt truth");
+        assert!(
+            Errors::measure(SIZE, &truth(), &mask, &pixels).is_err(),
+            "spoilt truth"
+        );
         assert!(Agreement::measure(SIZE, &mask, &truth(), &[Doubt::None; N], 0.0).is_err());
         assert!(Agreement::measure(SIZE, &truth(), &mask, &[Doubt::None; N], 0.0).is_err());
     }
@@ -124,7 +147,13 @@ fn wrong_sizes_are_refused() {
 #[test]
 fn equal_masks_agree() {
     let a = Agreement::measure(SIZE, &truth(), &truth(), &[Doubt::None; N], 0.0).expect("valid");
-    assert_eq!(a, Agreement { compared: 1200, ..Agreement::default() });
+    assert_eq!(
+        a,
+        Agreement {
+            compared: 1200,
+            ..Agreement::default()
+        }
+    );
     assert!(a.holds());
 }
 
@@ -133,22 +162,45 @@ fn one_decided_pixel_breaks_agreement_and_an_undecided_one_does_not() {
     let mut mask = truth();
     mask[7] = 0.5;
     let a = Agreement::measure(SIZE, &mask, &truth(), &[Doubt::None; N], 0.0).expect("valid");
-    assert_eq!((a.differing, a.largest, a.violations, a.holds()), (1, 0.5, 1, false));
+    assert_eq!(
+        (a.differing, a.largest, a.violations, a.holds()),
+        (1, 0.5, 1, false)
+    );
     let mut doubts = [Doubt::None; N];
     // Doubts where the masks agree excuse nothing.
     (doubts[7], doubts[8]) = (Doubt::Rounding, Doubt::Rounding);
     let a = Agreement::measure(SIZE, &mask, &truth(), &doubts, 0.0).expect("valid");
-    assert_eq!((a.differing, a.undecided, a.elsewhere, a.violations, a.holds()), (1, 1, 0, 0, true));
+    assert_eq!(
+        (
+            a.differing,
+            a.undecided,
+            a.elsewhere,
+            a.violations,
+            a.holds()
+        ),
+        (1, 1, 0, 0, true)
+    );
     doubts[7] = Doubt::Triangle;
     let a = Agreement::measure(SIZE, &mask, &truth(), &doubts, 0.0).expect("valid");
-    assert_eq!((a.differing, a.undecided, a.elsewhere, a.violations, a.holds()), (1, 0, 1, 0, true));
+    assert_eq!(
+        (
+            a.differing,
+            a.undecided,
+            a.elsewhere,
+            a.violations,
+            a.holds()
+        ),
+        (1, 0, 1, 0, true)
+    );
 }
 
 #[test]
 fn rounding_excuses_one_pixel_in_a_thousand() {
     let mut mask = truth();
     let decided = |mask: &[f32]| {
-        Agreement::measure(SIZE, mask, &truth(), &[Doubt::Rounding; N], 0.0).expect("valid").is_decided()
+        Agreement::measure(SIZE, mask, &truth(), &[Doubt::Rounding; N], 0.0)
+            .expect("valid")
+            .is_decided()
     };
     mask[7] = 0.5;
     assert!(decided(&mask), "1 of 1200");
@@ -169,7 +221,10 @@ fn a_tiny_difference_is_told_but_tolerated() {
 fn kernels_may_ask_for_tolerance() {
     let mut mask = truth();
     mask[0] = (mask[0] - 0.01).abs();
-    let violations =
-        |tolerance| Agreement::measure(SIZE, &mask, &truth(), &[Doubt::None; N], tolerance).expect("valid").violations;
+    let violations = |tolerance| {
+        Agreement::measure(SIZE, &mask, &truth(), &[Doubt::None; N], tolerance)
+            .expect("valid")
+            .violations
+    };
     assert_eq!([0.0, 0.005, 0.008].map(violations), [1, 1, 0]);
 }

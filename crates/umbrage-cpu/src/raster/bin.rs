@@ -35,7 +35,10 @@ impl Touched {
     #[inline(always)]
     fn by(r: &Record) -> Self {
         let tile = |pixel: u16| (pixel / TILE as u16) as u8;
-        Self { min: [tile(r.min[0]), tile(r.min[1])], max: [tile(r.max[0]), tile(r.max[1])] }
+        Self {
+            min: [tile(r.min[0]), tile(r.min[1])],
+            max: [tile(r.max[0]), tile(r.max[1])],
+        }
     }
 
     /// The numbers of its tiles, counted row by row in the image.
@@ -106,7 +109,11 @@ impl Bins {
     /// Copies the triangles with these (at most `FETCH`) numbers. They lie far apart, beyond the nearest caches, so
     /// fetching some together takes little longer than fetching one.
     #[inline(always)]
-    pub(crate) fn fetch<'a>(&self, numbers: &[u32], fetched: &'a mut [Record; FETCH]) -> &'a [Record] {
+    pub(crate) fn fetch<'a>(
+        &self,
+        numbers: &[u32],
+        fetched: &'a mut [Record; FETCH],
+    ) -> &'a [Record] {
         for (record, &i) in fetched.iter_mut().zip(numbers) {
             *record = self.records[i as usize];
         }

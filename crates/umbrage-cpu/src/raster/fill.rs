@@ -44,11 +44,17 @@ pub(crate) struct Canvas<'a> {
 /// Draws a triangle into a tile.
 #[inline(always)]
 pub(crate) fn fill<P: Plot>(canvas: &mut Canvas<'_>, r: &Record) {
-    let (width, height) = (i32::from(r.max[0] - r.min[0]), i32::from(r.max[1] - r.min[1]));
+    let (width, height) = (
+        i32::from(r.max[0] - r.min[0]),
+        i32::from(r.max[1] - r.min[1]),
+    );
     let patch = Patch::new(r, canvas.origin);
     if width < LANES as i32 && height < TINY_ROWS {
         // A fixed number of rows, as the processor can't guess theirs; those below the triangle are outside its edges.
-        let first = [patch.min[0] - i32::from(r.min[0]), patch.min[1] - i32::from(r.min[1])];
+        let first = [
+            patch.min[0] - i32::from(r.min[0]),
+            patch.min[1] - i32::from(r.min[1]),
+        ];
         let edges = Edges::new(r.at_min, &patch, first);
         fill_strip::<P, true>(canvas, r, edges, patch.min, TINY_ROWS);
     } else if width < SMALL && height < SMALL {
@@ -79,8 +85,14 @@ impl Patch {
         let (ax, ay) = (-r.edge_a[1], r.edge_a[0]);
         let (bx, by) = (-r.edge_b[1], r.edge_b[0]);
         Self {
-            min: [i32::from(r.min[0]).max(origin[0]), i32::from(r.min[1]).max(origin[1])],
-            max: [i32::from(r.max[0]).min(origin[0] + last), i32::from(r.max[1]).min(origin[1] + last)],
+            min: [
+                i32::from(r.min[0]).max(origin[0]),
+                i32::from(r.min[1]).max(origin[1]),
+            ],
+            max: [
+                i32::from(r.max[0]).min(origin[0] + last),
+                i32::from(r.max[1]).min(origin[1] + last),
+            ],
             at_min: [0; 3],
             dx: [ax, bx, -(ax + bx)],
             dy: [ay, by, -(ay + by)],
@@ -100,7 +112,10 @@ impl Patch {
         let height = i64::from(self.max[1] - self.min[1]);
         for (k, &(corner, edge)) in starts.iter().enumerate() {
             let value = edge_function(corner, edge, pixel);
-            let (right, down) = (i64::from(self.dx[k]) * width, i64::from(self.dy[k]) * height);
+            let (right, down) = (
+                i64::from(self.dx[k]) * width,
+                i64::from(self.dy[k]) * height,
+            );
             if value + right.max(0) + down.max(0) < 0 {
                 return None;
             }
@@ -164,7 +179,10 @@ struct Edges {
 }
 
 impl Edges {
-    const NONE: Self = Self { values: [[0; LANES]; 3], dy: [0; 3] };
+    const NONE: Self = Self {
+        values: [[0; LANES]; 3],
+        dy: [0; 3],
+    };
 
     /// Edge functions some pixels right of and below a place where they are `at`.
     #[inline(always)]
@@ -173,10 +191,15 @@ impl Edges {
         for k in 0..3 {
             for i in 0..LANES {
                 let right = patch.dx[k].wrapping_mul(LANE[i] + right);
-                values[k][i] = at[k].wrapping_add(right).wrapping_add(patch.dy[k].wrapping_mul(down));
+                values[k][i] = at[k]
+                    .wrapping_add(right)
+                    .wrapping_add(patch.dy[k].wrapping_mul(down));
             }
         }
-        Self { values, dy: patch.dy }
+        Self {
+            values,
+            dy: patch.dy,
+        }
     }
 
     /// Negative in the lanes outside the triangle.
@@ -209,17 +232,28 @@ fn fill_strip<P: Plot, const TEST: bool>(
     first: [i32; 2],
     rows: i32,
 ) {
-    let start = (first[1] - canvas.origin[1]) as usize * STRIDE + (first[0] - canvas.origin[0]) as usize;
+    let start =
+        (first[1] - canvas.origin[1]) as usize * STRIDE + (first[0] - canvas.origin[0]) as usize;
     let (px, mut py) = (first[0] as f32, first[1] as f32);
     let mut column = [0.0_f32; LANES];
     for i in 0..LANES {
         column[i] = r.plane.dx.mul_add(px + LANE_F[i], r.plane.at_origin);
     }
     let TileBuffer { texels, ids, other } = &mut *canvas.buffer;
-    let mut ids = if P::MODE.has_ids() { &mut ids[start..] } else { &mut [] };
-    let mut other = if P::MODE.reads() { &other[start..] } else { &[] };
+    let mut ids = if P::MODE.has_ids() {
+        &mut ids[start..]
+    } else {
+        &mut []
+    };
+    let mut other = if P::MODE.reads() {
+        &other[start..]
+    } else {
+        &[]
+    };
     for row in texels[start..].chunks_exact_mut(STRIDE).take(rows as usize) {
-        let Some(stored) = row.first_chunk_mut::<LANES>() else { return };
+        let Some(stored) = row.first_chunk_mut::<LANES>() else {
+            return;
+        };
         let outside = if TEST { edges.outside() } else { [0; LANES] };
         let mut z = [0.0; LANES];
         for i in 0..LANES {

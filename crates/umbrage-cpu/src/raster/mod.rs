@@ -71,7 +71,10 @@ impl Vertex {
     #[inline(always)]
     fn new<P: Position>(p: P, clip_from_world: Mat4, viewport: &Viewport) -> Self {
         let clip = p.to_clip(clip_from_world);
-        Self { window: viewport.project(clip), outcode: outcode(clip) }
+        Self {
+            window: viewport.project(clip),
+            outcode: outcode(clip),
+        }
     }
 }
 
@@ -94,7 +97,10 @@ pub(crate) struct Rasterizer {
 impl Rasterizer {
     /// Rounds vertices so.
     pub(crate) fn new(snapping: Snapping) -> Self {
-        Self { snapping, ..Self::default() }
+        Self {
+            snapping,
+            ..Self::default()
+        }
     }
 
     /// Draws into the target.
@@ -105,7 +111,11 @@ impl Rasterizer {
         let batch = self.prepare(draw.size);
         let mut ready = 0;
         for (i, triangles) in draw.triangles.chunks(batch).enumerate() {
-            let draw = Draw { triangles, first_id: draw.first_id + (i * batch) as u32, ..*draw };
+            let draw = Draw {
+                triangles,
+                first_id: draw.first_id + (i * batch) as u32,
+                ..*draw
+            };
             let next = triangles.len().div_ceil(CHUNK);
             rayon::join(
                 || fill_tiles(&mut tiles, columns, &self.filled[..ready], simd, mode),
@@ -142,7 +152,15 @@ fn set_up<P: Position>(draw: &Draw<'_, P>, snapping: Snapping, workers: &mut [Wo
     let parts = draw.triangles.par_chunks(CHUNK).zip(workers).enumerate();
     parts.for_each(|(k, (triangles, worker))| {
         let first_id = draw.first_id + (k * CHUNK) as u32;
-        draw.simd.run_task(SetUp { worker, snapping, draw: Draw { triangles, first_id, ..*draw } });
+        draw.simd.run_task(SetUp {
+            worker,
+            snapping,
+            draw: Draw {
+                triangles,
+                first_id,
+                ..*draw
+            },
+        });
     });
 }
 
@@ -158,7 +176,13 @@ fn fill_tiles(tiles: &mut [Tile<'_>], columns: usize, workers: &[Worker], simd: 
                 return;
             }
             tile.load(buffer);
-            simd.run_task(FillTile { buffer, workers, tile: i, columns, mode });
+            simd.run_task(FillTile {
+                buffer,
+                workers,
+                tile: i,
+                columns,
+                mode,
+            });
             tile.store(buffer);
         },
     );
@@ -208,8 +232,14 @@ impl SimdTask for FillTile<'_> {
 impl FillTile<'_> {
     #[inline(always)]
     fn fill_all<P: Plot>(self) {
-        let origin = [self.tile % self.columns * TILE, self.tile / self.columns * TILE];
-        let mut canvas = Canvas { buffer: self.buffer, origin: [origin[0] as i32, origin[1] as i32] };
+        let origin = [
+            self.tile % self.columns * TILE,
+            self.tile / self.columns * TILE,
+        ];
+        let mut canvas = Canvas {
+            buffer: self.buffer,
+            origin: [origin[0] as i32, origin[1] as i32],
+        };
         let mut fetched = [Record::default(); FETCH];
         for worker in self.workers {
             for numbers in worker.bins.of_tile(self.tile).chunks(FETCH) {
@@ -227,7 +257,13 @@ impl Worker {
     #[inline(always)]
     fn set_up<P: Position>(&mut self, draw: &Draw<'_, P>, snapping: Snapping) {
         let viewport = Viewport::new(draw.size);
-        let rules = SetupRules { size: draw.size, cull: draw.cull, bias: draw.bias, mode: draw.mode, snapping };
+        let rules = SetupRules {
+            size: draw.size,
+            cull: draw.cull,
+            bias: draw.bias,
+            mode: draw.mode,
+            snapping,
+        };
         let first = self.transform(draw, &viewport);
         let mut group = Group::new();
         self.bins.clear(draw.size);
@@ -237,12 +273,17 @@ impl Worker {
                 Some(first) => [indices[0] - first, indices[1] - first, indices[2] - first],
                 None => [3 * i as u32, 3 * i as u32 + 1, 3 * i as u32 + 2],
             };
-            let (a, b, c) = (&self.vertices[a as usize], &self.vertices[b as usize], &self.vertices[c as usize]);
+            let (a, b, c) = (
+                &self.vertices[a as usize],
+                &self.vertices[b as usize],
+                &self.vertices[c as usize],
+            );
             let codes = [a.outcode, b.outcode, c.outcode];
             if codes[0] | codes[1] | codes[2] == 0 {
                 group.push([a.window, b.window, c.window], id, &rules, &mut self.bins);
             } else if codes[0] & codes[1] & codes[2] == 0 {
-                let triangle = indices.map(|v| draw.positions[v as usize].to_clip(draw.clip_from_world));
+                let triangle =
+                    indices.map(|v| draw.positions[v as usize].to_clip(draw.clip_from_world));
                 let mask = codes[0] | codes[1] | codes[2];
                 if let Some(whole) = Whole::new(triangle, &viewport, snapping) {
                     group.flush(&rules, &mut self.bins);
@@ -279,7 +320,8 @@ impl Worker {
             }
             return Some(least);
         }
-        self.vertices.resize(3 * draw.triangles.len(), Vertex::default());
+        self.vertices
+            .resize(3 * draw.triangles.len(), Vertex::default());
         for (vertex, &v) in self.vertices.iter_mut().zip(draw.triangles.as_flattened()) {
             *vertex = Vertex::new(draw.positions[v as usize], draw.clip_from_world, viewport);
         }

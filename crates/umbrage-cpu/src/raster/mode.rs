@@ -24,7 +24,11 @@ pub(crate) enum Mode {
 impl Mode {
     /// What a clear image holds.
     pub(crate) const fn start(self) -> f32 {
-        if matches!(self, Self::Count) { 0.0 } else { 1.0 }
+        if matches!(self, Self::Count) {
+            0.0
+        } else {
+            1.0
+        }
     }
 
     /// Whether it writes ids.
@@ -39,7 +43,11 @@ impl Mode {
 
     /// The r of polygon offset where it is the same for all triangles: that of an image in fixed point.
     pub(crate) const fn offset_unit(self) -> Option<f32> {
-        if matches!(self, Self::Least16 | Self::Behind16) { Some(OFFSET_UNIT_16) } else { None }
+        if matches!(self, Self::Least16 | Self::Behind16) {
+            Some(OFFSET_UNIT_16)
+        } else {
+            None
+        }
     }
 }
 
@@ -58,7 +66,13 @@ pub(crate) trait Plot {
 
     /// Draws depths 0..=1 over what is stored. In the lanes where `outside` is negative they are 1, which never is
     /// nearer than what is stored. `tag` is the record's.
-    fn put(stored: &mut [f32; LANES], beside: Beside<'_>, z: &[f32; LANES], outside: &[i32; LANES], tag: u32);
+    fn put(
+        stored: &mut [f32; LANES],
+        beside: Beside<'_>,
+        z: &[f32; LANES],
+        outside: &[i32; LANES],
+        tag: u32,
+    );
 
     /// Ends the drawing of some triangles into a tile.
     fn settle(_: &mut TileBuffer) {}
@@ -92,8 +106,16 @@ impl Plot for LeastWithIds {
     /// Triangles come in any order, yet the first one is to win: so of equal depths the lower id stays. Depth 1 is
     /// never drawn, as the image is cleared to it.
     #[inline(always)]
-    fn put(stored: &mut [f32; LANES], beside: Beside<'_>, z: &[f32; LANES], _: &[i32; LANES], id: u32) {
-        let Some(ids) = beside.ids.first_chunk_mut::<LANES>() else { return };
+    fn put(
+        stored: &mut [f32; LANES],
+        beside: Beside<'_>,
+        z: &[f32; LANES],
+        _: &[i32; LANES],
+        id: u32,
+    ) {
+        let Some(ids) = beside.ids.first_chunk_mut::<LANES>() else {
+            return;
+        };
         for i in 0..LANES {
             let nearer = (z[i] < stored[i]) | ((z[i] == stored[i]) & (id < ids[i]) & (z[i] < 1.0));
             ids[i] = if nearer { id } else { ids[i] };
@@ -116,7 +138,13 @@ impl Plot for Behind {
     const MODE: Mode = Mode::Behind;
 
     #[inline(always)]
-    fn put(stored: &mut [f32; LANES], beside: Beside<'_>, z: &[f32; LANES], _: &[i32; LANES], _: u32) {
+    fn put(
+        stored: &mut [f32; LANES],
+        beside: Beside<'_>,
+        z: &[f32; LANES],
+        _: &[i32; LANES],
+        _: u32,
+    ) {
         keep_beyond(stored, beside, z);
     }
 }
@@ -126,7 +154,13 @@ impl Plot for Behind16 {
 
     /// The other image holds whole steps, too: so what it took cannot lie behind it.
     #[inline(always)]
-    fn put(stored: &mut [f32; LANES], beside: Beside<'_>, z: &[f32; LANES], _: &[i32; LANES], _: u32) {
+    fn put(
+        stored: &mut [f32; LANES],
+        beside: Beside<'_>,
+        z: &[f32; LANES],
+        _: &[i32; LANES],
+        _: u32,
+    ) {
         keep_beyond(stored, beside, &z.map(stored16));
     }
 }
@@ -136,8 +170,16 @@ impl Plot for Count {
 
     /// Counts are whole numbers far below 2^24, so sums of floats are exact in any order.
     #[inline(always)]
-    fn put(stored: &mut [f32; LANES], beside: Beside<'_>, z: &[f32; LANES], outside: &[i32; LANES], turn: u32) {
-        let Some(other) = beside.other.first_chunk::<LANES>() else { return };
+    fn put(
+        stored: &mut [f32; LANES],
+        beside: Beside<'_>,
+        z: &[f32; LANES],
+        outside: &[i32; LANES],
+        turn: u32,
+    ) {
+        let Some(other) = beside.other.first_chunk::<LANES>() else {
+            return;
+        };
         let by = turn as i32 as f32;
         for i in 0..LANES {
             let before = z[i] < other[i];
@@ -163,7 +205,9 @@ fn keep_least(stored: &mut [f32; LANES], z: &[f32; LANES]) {
 
 #[inline(always)]
 fn keep_beyond(stored: &mut [f32; LANES], beside: Beside<'_>, z: &[f32; LANES]) {
-    let Some(other) = beside.other.first_chunk::<LANES>() else { return };
+    let Some(other) = beside.other.first_chunk::<LANES>() else {
+        return;
+    };
     let mut beyond = [1.0; LANES];
     for i in 0..LANES {
         beyond[i] = if z[i] > other[i] { z[i] } else { 1.0 };

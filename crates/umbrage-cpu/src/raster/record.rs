@@ -40,7 +40,8 @@ pub(crate) struct Record {
 /// Twice a triangle's area in sub-pixels, positive for counter-clockwise on screen (window y points down).
 #[inline(always)]
 pub(crate) fn doubled_area(x: [i32; 3], y: [i32; 3]) -> i64 {
-    i64::from(x[0] - x[1]) * i64::from(y[2] - y[0]) - i64::from(x[2] - x[0]) * i64::from(y[0] - y[1])
+    i64::from(x[0] - x[1]) * i64::from(y[2] - y[0])
+        - i64::from(x[2] - x[0]) * i64::from(y[0] - y[1])
 }
 
 /// The function of the edge from (x, y) along (dx, dy) at sub-pixel (px, py), divided by 256. It is negative outside;
@@ -57,6 +58,8 @@ pub(crate) fn edge_function([x, y]: [i32; 2], [dx, dy]: [i32; 2], [px, py]: [i32
 #[inline(always)]
 pub(crate) fn small_edge_function([x, y]: [i32; 2], [dx, dy]: [i32; 2], [px, py]: [i32; 2]) -> i32 {
     let top_left = (dy < 0) | ((dy == 0) & (dx > 0));
-    let value = dx.wrapping_mul(py - y).wrapping_sub(dy.wrapping_mul(px - x));
+    let value = dx
+        .wrapping_mul(py - y)
+        .wrapping_sub(dy.wrapping_mul(px - x));
     value.wrapping_sub(i32::from(!top_left)) >> 8
 }

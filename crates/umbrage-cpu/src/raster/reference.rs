@@ -32,18 +32,32 @@ pub(crate) fn draw_on<P: Position>(snapping: Snapping, draw: &Draw<'_, P>, other
         let corners = triangle.map(|v| draw.positions[v as usize].to_clip(draw.clip_from_world));
         let codes = corners.map(outcode);
         let mut piece = |window: [Vec3; 3], plane: Option<DepthPlane>| {
-            fill((draw, snapping), (window, plane), draw.first_id + i as u32, other, &mut drawn)
+            fill(
+                (draw, snapping),
+                (window, plane),
+                draw.first_id + i as u32,
+                other,
+                &mut drawn,
+            )
         };
         if codes == [0; 3] {
             piece(corners.map(|c| viewport.project(c)), None);
         } else if codes[0] & codes[1] & codes[2] == 0 {
             let whole = Whole::new(corners, &viewport, snapping);
-            clip(corners, codes[0] | codes[1] | codes[2], &viewport, |window| match &whole {
-                None => piece(window, None),
-                Some(whole) => {
-                    whole.place(window).into_iter().for_each(|placed| piece(placed, Some(whole.depth())));
-                }
-            });
+            clip(
+                corners,
+                codes[0] | codes[1] | codes[2],
+                &viewport,
+                |window| match &whole {
+                    None => piece(window, None),
+                    Some(whole) => {
+                        whole
+                            .place(window)
+                            .into_iter()
+                            .for_each(|placed| piece(placed, Some(whole.depth())));
+                    }
+                },
+            );
         }
     }
     drawn
@@ -113,14 +127,20 @@ fn fill<P>(
     if culled {
         return;
     }
-    let [v0, v1, v2] = if area > 0 { window } else { [window[0], window[2], window[1]] };
+    let [v0, v1, v2] = if area > 0 {
+        window
+    } else {
+        [window[0], window[2], window[1]]
+    };
     let clockwise = if area > 0 { [a, c, b] } else { [a, b, c] };
     let (d01, d20) = (v0 - v1, v2 - v0);
     let r = 1.0 / (d01.x * d20.y - d01.y * d20.x);
     let dx = d01.z * (d20.y * r) - d20.z * (d01.y * r);
     let dy = d20.z * (d01.x * r) - d01.z * (d20.x * r);
     let at_origin = v0.z - (dx * (v0.x - 0.5) + dy * (v0.y - 0.5));
-    let (at_origin, dx, dy) = plane.map_or((at_origin, dx, dy), |plane| (plane.at_origin, plane.dx, plane.dy));
+    let (at_origin, dx, dy) = plane.map_or((at_origin, dx, dy), |plane| {
+        (plane.at_origin, plane.dx, plane.dy)
+    });
     let offset = offset(&draw.bias, draw.mode, [v0, v1, v2], r);
     for y in 0..draw.size.y {
         for x in 0..draw.size.x {
@@ -131,7 +151,8 @@ fn fill<P>(
                 let e = d.x * (p.y - from.y) - d.y * (p.x - from.x);
                 e > 0 || (e == 0 && (d.y < 0 || (d.y == 0 && d.x > 0)))
             });
-            let z = (dy.mul_add(y as f32, dx.mul_add(x as f32, at_origin)) + offset).clamp(0.0, 1.0);
+            let z =
+                (dy.mul_add(y as f32, dx.mul_add(x as f32, at_origin)) + offset).clamp(0.0, 1.0);
             let i = (y * draw.size.x + x) as usize;
             let kept = drawn_over(draw.mode, texels[i], other.get(i), z, area > 0);
             if let Some(texel) = kept.filter(|_| inside) {
@@ -149,8 +170,16 @@ fn offset(bias: &RasterBias, mode: Mode, [v0, v1, v2]: [Vec3; 3], r: f32) -> f32
     let dzdx = ((d20.z * d01.y - d20.y * d01.z) * r).abs();
     let dzdy = ((d20.x * d01.z - d20.z * d01.x) * r).abs();
     let greatest = v0.z.abs().max(v1.z.abs()).max(v2.z.abs());
-    let unit = if greatest < 2.0_f32.powi(-126) { 0.0 } else { 2.0_f32.powf(greatest.log2().floor() - 23.0) };
-    let unit = if matches!(mode, Mode::Least16 | Mode::Behind16) { OFFSET_UNIT_16 } else { unit };
+    let unit = if greatest < 2.0_f32.powi(-126) {
+        0.0
+    } else {
+        2.0_f32.powf(greatest.log2().floor() - 23.0)
+    };
+    let unit = if matches!(mode, Mode::Least16 | Mode::Behind16) {
+        OFFSET_UNIT_16
+    } else {
+        unit
+    };
     let offset = unit * bias.constant as f32 + dzdx.max(dzdy) * bias.slope;
     match bias.clamp {
         c if c > 0.0 => offset.min(c),

@@ -81,7 +81,14 @@ impl Group {
     /// No triangles.
     pub(crate) fn new() -> Self {
         let zero = [[0.0; GROUP]; 3];
-        Self { x: zero, y: zero, z: zero, id: [0; GROUP], len: 0, lanes: Lanes::ZERO }
+        Self {
+            x: zero,
+            y: zero,
+            z: zero,
+            id: [0; GROUP],
+            len: 0,
+            lanes: Lanes::ZERO,
+        }
     }
 
     /// Adds a triangle, and sets the group up once it is full.
@@ -112,7 +119,11 @@ impl Group {
     pub(crate) fn flush_pieces(&mut self, plane: DepthPlane, rules: &SetupRules, out: &mut Bins) {
         self.set_up(rules);
         let l = &mut self.lanes;
-        (l.at_origin, l.dx, l.dy) = ([plane.at_origin; GROUP], [plane.dx; GROUP], [plane.dy; GROUP]);
+        (l.at_origin, l.dx, l.dy) = (
+            [plane.at_origin; GROUP],
+            [plane.dx; GROUP],
+            [plane.dy; GROUP],
+        );
         self.emit(rules, out);
     }
 
@@ -151,7 +162,11 @@ impl Group {
             bits |= u64::from(self.lanes.sign[i] != 0) << i;
         }
         // All of the group, or what there is of it.
-        if self.len == GROUP { bits } else { bits & ((1 << self.len) - 1) }
+        if self.len == GROUP {
+            bits
+        } else {
+            bits & ((1 << self.len) - 1)
+        }
     }
 
     /// A triangle covers pixels from its least coordinate, rounded up, to just below its greatest: those on the right
@@ -176,7 +191,12 @@ impl Group {
     #[cold]
     fn snap_otherwise(&mut self, rules: &SetupRules) {
         let unsnapped = (self.x, self.y);
-        for v in self.x.as_flattened_mut().iter_mut().chain(self.y.as_flattened_mut()) {
+        for v in self
+            .x
+            .as_flattened_mut()
+            .iter_mut()
+            .chain(self.y.as_flattened_mut())
+        {
             *v = on_grid(*v, rules.snapping);
         }
         self.snap_and_bound(rules.size);
@@ -187,10 +207,16 @@ impl Group {
 
     #[inline(always)]
     fn find_signs(&mut self, cull: Cull) {
-        let (keep_front, keep_back) = (i32::from(cull != Cull::Front), i32::from(cull != Cull::Back));
+        let (keep_front, keep_back) = (
+            i32::from(cull != Cull::Front),
+            i32::from(cull != Cull::Back),
+        );
         let l = &mut self.lanes;
         for i in 0..GROUP {
-            let area = doubled_area([l.x[0][i], l.x[1][i], l.x[2][i]], [l.y[0][i], l.y[1][i], l.y[2][i]]);
+            let area = doubled_area(
+                [l.x[0][i], l.x[1][i], l.x[2][i]],
+                [l.y[0][i], l.y[1][i], l.y[2][i]],
+            );
             let sign = i32::from(area > 0) * keep_front - i32::from(area < 0) * keep_back;
             let bounded = l.min_x[i] <= l.max_x[i] && l.min_y[i] <= l.max_y[i];
             l.sign[i] = sign * i32::from(bounded);
@@ -201,7 +227,11 @@ impl Group {
     #[inline(always)]
     fn differences(v: &[Floats; 3], sign: i32, i: usize) -> (f32, f32) {
         let [a, b, c] = [v[0][i], v[1][i], v[2][i]];
-        if sign < 0 { (a - c, b - a) } else { (a - b, c - a) }
+        if sign < 0 {
+            (a - c, b - a)
+        } else {
+            (a - b, c - a)
+        }
     }
 
     /// The plane goes through the corners before snapping, or as `snap_otherwise` left them.
@@ -233,7 +263,10 @@ impl Group {
             let r = 1.0 / (x01 * y20 - y01 * x20);
             let slope_x = ((z20 * y01 - y20 * z01) * r).abs();
             let slope_y = ((x20 * z01 - z20 * x01) * r).abs();
-            let greatest = self.z[0][i].abs().max(self.z[1][i].abs()).max(self.z[2][i].abs());
+            let greatest = self.z[0][i]
+                .abs()
+                .max(self.z[1][i].abs())
+                .max(self.z[2][i].abs());
             let unit = unit.unwrap_or_else(|| spacing(greatest));
             let offset = unit * bias.constant as f32 + slope_x.max(slope_y) * bias.slope;
             l.offset[i] = clamped(offset, bias.clamp);
@@ -246,7 +279,10 @@ impl Group {
         let l = &mut self.lanes;
         for i in 0..GROUP {
             let flip = l.sign[i] > 0;
-            let ([px, x1, x2], [py, y1, y2]) = ([l.x[0][i], l.x[1][i], l.x[2][i]], [l.y[0][i], l.y[1][i], l.y[2][i]]);
+            let ([px, x1, x2], [py, y1, y2]) = (
+                [l.x[0][i], l.x[1][i], l.x[2][i]],
+                [l.y[0][i], l.y[1][i], l.y[2][i]],
+            );
             let (qx, rx) = if flip { (x2, x1) } else { (x1, x2) };
             let (qy, ry) = if flip { (y2, y1) } else { (y1, y2) };
             let (ax, ay, bx, by) = (qx - px, qy - py, rx - qx, ry - qy);
@@ -264,13 +300,20 @@ impl Group {
     fn drop_uncovered(&mut self) {
         let l = &mut self.lanes;
         for i in 0..GROUP {
-            let (ax, ay, bx, by) = (l.edge_x[0][i], l.edge_y[0][i], l.edge_x[1][i], l.edge_y[1][i]);
+            let (ax, ay, bx, by) = (
+                l.edge_x[0][i],
+                l.edge_y[0][i],
+                l.edge_x[1][i],
+                l.edge_y[1][i],
+            );
             let [a, b, c] = [l.at_min[0][i], l.at_min[1][i], l.at_min[2][i]];
             // Outside an edge, the sign bit is set: here, and so many pixels to the right and down.
             let outside = |right: i32, down: i32| {
                 let a = a.wrapping_sub(ay * right).wrapping_add(ax * down);
                 let b = b.wrapping_sub(by * right).wrapping_add(bx * down);
-                let c = c.wrapping_add((ay + by) * right).wrapping_sub((ax + bx) * down);
+                let c = c
+                    .wrapping_add((ay + by) * right)
+                    .wrapping_sub((ax + bx) * down);
                 a | b | c
             };
             let none = outside(0, 0) & outside(1, 0) & outside(0, 1) & outside(1, 1) < 0;
@@ -289,10 +332,19 @@ impl Group {
             edge_a: [l.edge_x[0][i], l.edge_y[0][i]],
             edge_b: [l.edge_x[1][i], l.edge_y[1][i]],
             at_min: [l.at_min[0][i], l.at_min[1][i], l.at_min[2][i]],
-            plane: DepthPlane { at_origin: l.at_origin[i], dx: l.dx[i], dy: l.dy[i], offset: l.offset[i] },
+            plane: DepthPlane {
+                at_origin: l.at_origin[i],
+                dx: l.dx[i],
+                dy: l.dy[i],
+                offset: l.offset[i],
+            },
             min: [l.min_x[i] as u16, l.min_y[i] as u16],
             max: [l.max_x[i] as u16, l.max_y[i] as u16],
-            tag: if mode == Mode::Count { turn } else { self.id[i] },
+            tag: if mode == Mode::Count {
+                turn
+            } else {
+                self.id[i]
+            },
         }
     }
 }

@@ -21,7 +21,11 @@ impl Random {
     }
 
     fn point(&mut self, radius: f32) -> Vec3 {
-        Vec3::new(self.range(-radius, radius), self.range(-radius, radius), self.range(0.0, 1.0))
+        Vec3::new(
+            self.range(-radius, radius),
+            self.range(-radius, radius),
+            self.range(0.0, 1.0),
+        )
     }
 }
 
@@ -54,9 +58,20 @@ fn triangle(kind: usize, r: &mut Random) -> [Vec3; 3] {
 pub(super) const KINDS: usize = 10;
 
 /// Random triangles: positions and indices.
-pub(super) fn soup(kinds: std::ops::Range<usize>, count: usize, r: &mut Random) -> (Vec<Vec3>, Vec<[u32; 3]>) {
-    let positions = (0..count).flat_map(|i| triangle(kinds.start + i % kinds.len(), r)).collect();
-    (positions, (0..count as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect())
+pub(super) fn soup(
+    kinds: std::ops::Range<usize>,
+    count: usize,
+    r: &mut Random,
+) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    let positions = (0..count)
+        .flat_map(|i| triangle(kinds.start + i % kinds.len(), r))
+        .collect();
+    (
+        positions,
+        (0..count as u32)
+            .map(|i| [3 * i, 3 * i + 1, 3 * i + 2])
+            .collect(),
+    )
 }
 
 pub(super) fn draw_of<'a, P>(positions: &'a [P], triangles: &'a [[u32; 3]]) -> Draw<'a, P> {
@@ -81,8 +96,17 @@ pub(super) fn fast<P: Position>(draw: &Draw<'_, P>, other: &[f32]) -> reference:
 /// The same with vertices rounded so.
 fn fast_on<P: Position>(snapping: Snapping, draw: &Draw<'_, P>, other: &[f32]) -> reference::Drawn {
     let n = (draw.size.x * draw.size.y) as usize;
-    let (mut texels, mut ids) = (vec![0.5; n], vec![0; if draw.mode.has_ids() { n } else { 0 }]);
-    let target = Target { width: draw.size.x as usize, texels: &mut texels, ids: &mut ids, other, clear: true };
+    let (mut texels, mut ids) = (
+        vec![0.5; n],
+        vec![0; if draw.mode.has_ids() { n } else { 0 }],
+    );
+    let target = Target {
+        width: draw.size.x as usize,
+        texels: &mut texels,
+        ids: &mut ids,
+        other,
+        clear: true,
+    };
     Rasterizer::new(snapping).draw(draw, target);
     (texels, ids)
 }
@@ -99,15 +123,26 @@ pub(super) fn bits(depth: &[f32]) -> Vec<u32> {
 /// Panics unless both rasterisers give the same bits, with ids and without.
 fn compare(draw: &Draw<'_>, what: &str) {
     let (depth, ids) = reference::draw(draw, &[]);
-    let (fast_depth, fast_ids) = fast(&Draw { mode: Mode::LeastWithIds, ..*draw }, &[]);
+    let (fast_depth, fast_ids) = fast(
+        &Draw {
+            mode: Mode::LeastWithIds,
+            ..*draw
+        },
+        &[],
+    );
     assert!(bits(&depth) == bits(&fast_depth), "{what}: depth differs");
     assert!(ids == fast_ids, "{what}: ids differ");
-    assert!(bits(&depth) == bits(&fast(draw, &[]).0), "{what}: depth without ids differs");
+    assert!(
+        bits(&depth) == bits(&fast(draw, &[]).0),
+        "{what}: depth without ids differs"
+    );
 }
 
 /// A matrix that divides by a w of about 1 to 3, and puts some triangles before the near plane.
 pub(super) fn perspective() -> Mat4 {
-    Mat4::from_cols_array(&[1.5, 0.0, 0.0, 0.0, 0.0, 1.5, 0.0, 0.0, 0.0, 0.0, 1.4, 2.0, 0.1, 0.0, -0.2, 1.0])
+    Mat4::from_cols_array(&[
+        1.5, 0.0, 0.0, 0.0, 0.0, 1.5, 0.0, 0.0, 0.0, 0.0, 1.4, 2.0, 0.1, 0.0, -0.2, 1.0,
+    ])
 }
 
 #[test]
@@ -131,7 +166,12 @@ fn triangle_soups_agree_with_every_setting() {
         let mut draw = draw_of(&positions, &triangles);
         draw.cull = [Cull::None, Cull::Front, Cull::Back][i % 3];
         draw.simd = [Simd::Native, Simd::Baseline][i % 2];
-        draw.size = [UVec2::new(150, 75), UVec2::new(64, 64), UVec2::new(1, 130), UVec2::new(257, 3)][i % 4];
+        draw.size = [
+            UVec2::new(150, 75),
+            UVec2::new(64, 64),
+            UVec2::new(1, 130),
+            UVec2::new(257, 3),
+        ][i % 4];
         draw.bias = RasterBias {
             constant: [0, 2, -70_000, 1 << 20][i / 3 % 4],
             slope: [0.0, 4.0, -1.5][i / 2 % 3],
@@ -145,7 +185,12 @@ fn triangle_soups_agree_with_every_setting() {
 /// All ways to round vertices.
 fn snappings() -> impl Iterator<Item = Snapping> + Clone {
     let planes = [DepthPlanes::Unsnapped, DepthPlanes::Snapped];
-    Snapping::BITS.flat_map(move |sub_pixel_bits| planes.map(|planes| Snapping { sub_pixel_bits, planes }))
+    Snapping::BITS.flat_map(move |sub_pixel_bits| {
+        planes.map(|planes| Snapping {
+            sub_pixel_bits,
+            planes,
+        })
+    })
 }
 
 #[test]
@@ -155,11 +200,21 @@ fn every_rounding_agrees_with_the_plain_rasteriser() {
         let (positions, triangles) = soup(0..KINDS, 60, &mut r);
         let mut draw = draw_of(&positions, &triangles);
         draw.mode = Mode::LeastWithIds;
-        draw.bias = RasterBias { constant: 3, slope: [0.0, 2.0][i % 2], clamp: 0.0 };
+        draw.bias = RasterBias {
+            constant: 3,
+            slope: [0.0, 2.0][i % 2],
+            clamp: 0.0,
+        };
         draw.clip_from_world = [Mat4::IDENTITY, perspective()][i / 2 % 2];
         draw.simd = [Simd::Native, Simd::Baseline][i / 4 % 2];
-        let (plain, quick) = (reference::draw_on(snapping, &draw, &[]), fast_on(snapping, &draw, &[]));
-        assert!(bits(&plain.0) == bits(&quick.0) && plain.1 == quick.1, "soup {i}: {snapping}");
+        let (plain, quick) = (
+            reference::draw_on(snapping, &draw, &[]),
+            fast_on(snapping, &draw, &[]),
+        );
+        assert!(
+            bits(&plain.0) == bits(&quick.0) && plain.1 == quick.1,
+            "soup {i}: {snapping}"
+        );
     }
 }
 
@@ -173,17 +228,31 @@ fn coarse_grids_move_edges_and_some_planes() {
         for (steps, covered) in [(0.4, false), (0.6, true)] {
             let right = column as f32 + 0.5 + steps * snapping.step();
             let corner = |x: f32, y: f32, z: f32| Vec3::new(x / 32.0 - 1.0, 1.0 - y / 32.0, z);
-            let positions = [corner(8.5, 32.5, 0.25), corner(right, 64.0, 0.75), corner(right, 0.0, 0.75)];
-            let draw = Draw { size, ..draw_of(&positions, &[[0, 1, 2]]) };
+            let positions = [
+                corner(8.5, 32.5, 0.25),
+                corner(right, 64.0, 0.75),
+                corner(right, 0.0, 0.75),
+            ];
+            let draw = Draw {
+                size,
+                ..draw_of(&positions, &[[0, 1, 2]])
+            };
             let depth = fast_on(snapping, &draw, &[]).0;
-            assert_eq!(depth[32 * 64 + column] < 1.0, covered, "{snapping}: {steps} steps");
+            assert_eq!(
+                depth[32 * 64 + column] < 1.0,
+                covered,
+                "{snapping}: {steps} steps"
+            );
             let width = match snapping.planes {
                 DepthPlanes::Unsnapped => right - 8.5,
                 DepthPlanes::Snapped => right - 8.5 + (steps.round() - steps) * snapping.step(),
             };
             // The plane's depth half a step of the finest grid off would be 8e-6 off; rounding is below 1e-6.
             let expected = 0.25 + 0.5 * 30.0 / width;
-            assert!((depth[32 * 64 + 38] - expected).abs() < 1e-6, "{snapping}: {steps} steps");
+            assert!(
+                (depth[32 * 64 + 38] - expected).abs() < 1e-6,
+                "{snapping}: {steps} steps"
+            );
         }
     }
 }
@@ -193,7 +262,13 @@ fn the_widest_and_the_highest_images_agree() {
     let mut r = Random(3);
     for size in [UVec2::new(16_384, 2), UVec2::new(2, 16_384)] {
         let (positions, triangles) = soup(0..KINDS, 40, &mut r);
-        compare(&Draw { size, ..draw_of(&positions, &triangles) }, &format!("{size}"));
+        compare(
+            &Draw {
+                size,
+                ..draw_of(&positions, &triangles)
+            },
+            &format!("{size}"),
+        );
     }
 }
 
@@ -213,11 +288,18 @@ fn many_batches_and_shared_vertices_agree() {
     let mut r = Random(77);
     let side = 60_u32;
     let positions: Vec<Vec3> = (0..side * side)
-        .map(|i| Vec3::new((i % side) as f32 / 30.0 - 1.0, (i / side) as f32 / 30.0 - 1.0, r.range(0.2, 0.8)))
+        .map(|i| {
+            Vec3::new(
+                (i % side) as f32 / 30.0 - 1.0,
+                (i / side) as f32 / 30.0 - 1.0,
+                r.range(0.2, 0.8),
+            )
+        })
         .collect();
     let cells = (0..side - 1).flat_map(|y| (0..side - 1).map(move |x| y * side + x));
-    let mut triangles: Vec<[u32; 3]> =
-        cells.flat_map(|i| [[i, i + 1, i + side], [i + side, i + 1, i + side + 1]]).collect();
+    let mut triangles: Vec<[u32; 3]> = cells
+        .flat_map(|i| [[i, i + 1, i + side], [i + side, i + 1, i + side + 1]])
+        .collect();
     triangles.extend((0..300).map(|i| [i, side * side - 1 - i, 7 * i % 3000]));
     compare(&draw_of(&positions, &triangles), "grid");
 }
@@ -227,14 +309,28 @@ fn the_top_left_rule_leaves_neither_gaps_nor_doubles() {
     // Each pixel of a fan whose edges run through pixel centres belongs to one triangle: the sum of covers is 1.
     let corner = |x: f32, y: f32| Vec3::new(x / 32.0 - 1.0, 1.0 - y / 32.0, 0.5);
     let middle = corner(32.5, 32.5);
-    let rim =
-        [[0.5, 0.5], [32.5, 0.5], [63.5, 0.5], [63.5, 32.5], [63.5, 63.5], [32.5, 63.5], [0.5, 63.5], [0.5, 32.5]];
+    let rim = [
+        [0.5, 0.5],
+        [32.5, 0.5],
+        [63.5, 0.5],
+        [63.5, 32.5],
+        [63.5, 63.5],
+        [32.5, 63.5],
+        [0.5, 63.5],
+        [0.5, 32.5],
+    ];
     let mut covers = vec![0; 64 * 64];
     for i in 0..rim.len() {
         let [a, b] = [rim[i], rim[(i + 1) % rim.len()]].map(|p: [f32; 2]| corner(p[0], p[1]));
         let positions = [middle, a, b];
-        let draw = Draw { size: UVec2::splat(64), ..draw_of(&positions, &[[0, 1, 2]]) };
-        depth(&draw).iter().zip(&mut covers).for_each(|(&z, n)| *n += u32::from(z < 1.0));
+        let draw = Draw {
+            size: UVec2::splat(64),
+            ..draw_of(&positions, &[[0, 1, 2]])
+        };
+        depth(&draw)
+            .iter()
+            .zip(&mut covers)
+            .for_each(|(&z, n)| *n += u32::from(z < 1.0));
     }
     for (i, &n) in covers.iter().enumerate() {
         // The fan's own right and bottom rim at 63.5 is outside.
@@ -245,9 +341,19 @@ fn the_top_left_rule_leaves_neither_gaps_nor_doubles() {
 
 #[test]
 fn faces_are_culled_by_their_turn_on_screen() {
-    let positions = [Vec3::new(-0.5, -0.5, 0.5), Vec3::new(0.5, -0.5, 0.5), Vec3::new(0.0, 0.5, 0.5)];
-    let drawn =
-        |triangle: [u32; 3], cull| depth(&Draw { cull, ..draw_of(&positions, &[triangle]) }).iter().any(|&z| z < 1.0);
+    let positions = [
+        Vec3::new(-0.5, -0.5, 0.5),
+        Vec3::new(0.5, -0.5, 0.5),
+        Vec3::new(0.0, 0.5, 0.5),
+    ];
+    let drawn = |triangle: [u32; 3], cull| {
+        depth(&Draw {
+            cull,
+            ..draw_of(&positions, &[triangle])
+        })
+        .iter()
+        .any(|&z| z < 1.0)
+    };
     let (front, back) = ([0, 1, 2], [0, 2, 1]);
     assert!(drawn(front, Cull::None) && drawn(back, Cull::None));
     assert!(!drawn(front, Cull::Front) && drawn(back, Cull::Front));
@@ -257,10 +363,22 @@ fn faces_are_culled_by_their_turn_on_screen() {
 #[test]
 fn slope_bias_moves_a_slanted_plane_by_its_slope() {
     // z grows by 1/64 a pixel to the right over 32 pixels: slope 2 adds 2/64 everywhere, and the clamp cuts it off.
-    let positions = [Vec3::new(-1.0, -3.0, 0.25), Vec3::new(-1.0, 3.0, 0.25), Vec3::new(1.0, 0.0, 0.75)];
+    let positions = [
+        Vec3::new(-1.0, -3.0, 0.25),
+        Vec3::new(-1.0, 3.0, 0.25),
+        Vec3::new(1.0, 0.0, 0.75),
+    ];
     let biased = |slope, clamp| {
-        let bias = RasterBias { constant: 0, slope, clamp };
-        depth(&Draw { size: UVec2::splat(32), bias, ..draw_of(&positions, &[[0, 1, 2]]) })[16 * 32 + 10]
+        let bias = RasterBias {
+            constant: 0,
+            slope,
+            clamp,
+        };
+        depth(&Draw {
+            size: UVec2::splat(32),
+            bias,
+            ..draw_of(&positions, &[[0, 1, 2]])
+        })[16 * 32 + 10]
     };
     let plain = biased(0.0, 0.0);
     assert!((biased(2.0, 0.0) - plain - 2.0 / 64.0).abs() < 1e-6);
@@ -270,22 +388,58 @@ fn slope_bias_moves_a_slanted_plane_by_its_slope() {
 
 #[test]
 fn equal_depths_show_the_first_triangle() {
-    let positions = [Vec3::new(-1.0, -1.0, 0.5), Vec3::new(1.0, -1.0, 0.5), Vec3::new(0.0, 1.0, 0.5)];
+    let positions = [
+        Vec3::new(-1.0, -1.0, 0.5),
+        Vec3::new(1.0, -1.0, 0.5),
+        Vec3::new(0.0, 1.0, 0.5),
+    ];
     let triangles = [[0, 1, 2], [2, 0, 1], [0, 2, 1]];
-    let (_, ids) = fast(&Draw { mode: Mode::LeastWithIds, ..draw_of(&positions, &triangles) }, &[]);
+    let (_, ids) = fast(
+        &Draw {
+            mode: Mode::LeastWithIds,
+            ..draw_of(&positions, &triangles)
+        },
+        &[],
+    );
     assert!(ids.iter().all(|&id| id == 7 || id == NO_TRIANGLE) && ids.contains(&7));
 }
 
 #[test]
 fn drawing_again_without_clearing_keeps_the_least() {
-    let near = [Vec3::new(-1.0, -1.0, 0.25), Vec3::new(0.0, -1.0, 0.25), Vec3::new(-1.0, 1.0, 0.25)];
-    let far = [Vec3::new(-1.0, -1.0, 0.75), Vec3::new(1.0, -1.0, 0.75), Vec3::new(0.0, 1.0, 0.75)];
+    let near = [
+        Vec3::new(-1.0, -1.0, 0.25),
+        Vec3::new(0.0, -1.0, 0.25),
+        Vec3::new(-1.0, 1.0, 0.25),
+    ];
+    let far = [
+        Vec3::new(-1.0, -1.0, 0.75),
+        Vec3::new(1.0, -1.0, 0.75),
+        Vec3::new(0.0, 1.0, 0.75),
+    ];
     let (mut depth, size) = (vec![0.0; 64 * 64], UVec2::splat(64));
     for (positions, clear) in [(&near, true), (&far, false)] {
-        let target = Target { width: 64, texels: &mut depth, ids: &mut [], other: &[], clear };
-        Rasterizer::default().draw(&Draw { size, ..draw_of(positions, &[[0, 1, 2]]) }, target);
+        let target = Target {
+            width: 64,
+            texels: &mut depth,
+            ids: &mut [],
+            other: &[],
+            clear,
+        };
+        Rasterizer::default().draw(
+            &Draw {
+                size,
+                ..draw_of(positions, &[[0, 1, 2]])
+            },
+            target,
+        );
     }
     let both: Vec<Vec3> = near.into_iter().chain(far).collect();
-    let expected = reference::draw(&Draw { size, ..draw_of(&both, &[[0, 1, 2], [3, 4, 5]]) }, &[]);
+    let expected = reference::draw(
+        &Draw {
+            size,
+            ..draw_of(&both, &[[0, 1, 2], [3, 4, 5]])
+        },
+        &[],
+    );
     assert!(bits(&depth) == bits(&expected.0));
 }

@@ -105,12 +105,34 @@ impl<'a> Target<'a> {
     pub(crate) fn into_tiles(self, mode: Mode) -> Vec<Tile<'a>> {
         let (width, start, filled) = (self.width, mode.start(), !self.clear);
         let columns = width.div_ceil(TILE);
-        let texels = split(self.texels.chunks_mut(width).map(|row| row.chunks_mut(TILE)), columns);
-        let mut ids = split(self.ids.chunks_mut(width).map(|row| row.chunks_mut(TILE)), columns).into_iter();
-        let mut other = split(self.other.chunks(width).map(|row| row.chunks(TILE)), columns).into_iter();
+        let texels = split(
+            self.texels
+                .chunks_mut(width)
+                .map(|row| row.chunks_mut(TILE)),
+            columns,
+        );
+        let mut ids = split(
+            self.ids.chunks_mut(width).map(|row| row.chunks_mut(TILE)),
+            columns,
+        )
+        .into_iter();
+        let mut other = split(
+            self.other.chunks(width).map(|row| row.chunks(TILE)),
+            columns,
+        )
+        .into_iter();
         let tile = |texels| {
-            let (ids, other) = (ids.next().unwrap_or_default(), other.next().unwrap_or_default());
-            Tile { texels, ids, other, start, filled }
+            let (ids, other) = (
+                ids.next().unwrap_or_default(),
+                other.next().unwrap_or_default(),
+            );
+            Tile {
+                texels,
+                ids,
+                other,
+                start,
+                filled,
+            }
         };
         texels.into_iter().map(tile).collect()
     }
@@ -124,7 +146,10 @@ fn split<T>(rows: impl Iterator<Item = impl Iterator<Item = T>>, columns: usize)
             tiles.extend((0..columns).map(|_| Vec::with_capacity(TILE)));
         }
         let first = tiles.len() - columns;
-        tiles[first..].iter_mut().zip(parts).for_each(|(tile, part)| tile.push(part));
+        tiles[first..]
+            .iter_mut()
+            .zip(parts)
+            .for_each(|(tile, part)| tile.push(part));
     }
     tiles
 }

@@ -19,7 +19,12 @@ impl Viewport {
     /// The viewport that covers a whole image.
     pub(crate) fn new(size: UVec2) -> Self {
         let (x, y) = (0.5 * size.x as f32, 0.5 * size.y as f32);
-        Self { scale_x: x, offset_x: x, scale_y: -y, offset_y: y }
+        Self {
+            scale_x: x,
+            offset_x: x,
+            scale_y: -y,
+            offset_y: y,
+        }
     }
 
     /// Window position of a vertex, with the fused multiplication that drivers compile their vertex stage to.
@@ -34,7 +39,11 @@ impl Viewport {
     /// Window position of a vertex that clipping made: nothing is fused in that (rare) stage.
     pub(crate) fn project_clipped(&self, clip: Vec4) -> Vec3 {
         let r = 1.0 / clip.w;
-        Vec3::new(clip.x * r * self.scale_x + self.offset_x, clip.y * r * self.scale_y + self.offset_y, clip.z * r)
+        Vec3::new(
+            clip.x * r * self.scale_x + self.offset_x,
+            clip.y * r * self.scale_y + self.offset_y,
+            clip.z * r,
+        )
     }
 }
 
@@ -68,14 +77,25 @@ mod tests {
     #[test]
     fn every_grid_lies_on_the_finest() {
         for sub_pixel_bits in Snapping::BITS {
-            let grid = Snapping { sub_pixel_bits, planes: DepthPlanes::Snapped };
+            let grid = Snapping {
+                sub_pixel_bits,
+                planes: DepthPlanes::Snapped,
+            };
             for i in 0..4860 {
                 // From the left edge of an image to the right edge of the widest.
                 let v = i as f32 * 3.37;
                 let moved = on_grid(v, grid);
                 assert!((moved - v).abs() <= 0.5 * grid.step(), "{v}: {moved}");
-                assert_eq!(snap(moved) as f32 / 256.0, moved - 0.5, "{v}: not on the finest grid");
-                assert_eq!(snap(moved) % (256 >> sub_pixel_bits), 0, "{v}: not on its own grid");
+                assert_eq!(
+                    snap(moved) as f32 / 256.0,
+                    moved - 0.5,
+                    "{v}: not on the finest grid"
+                );
+                assert_eq!(
+                    snap(moved) % (256 >> sub_pixel_bits),
+                    0,
+                    "{v}: not on its own grid"
+                );
             }
         }
     }
@@ -86,7 +106,11 @@ mod tests {
             let v = i as f32 * 0.37 + 0.5;
             assert_eq!(snap(v), ((v - 0.5) * 256.0).round_ties_even() as i32, "{v}");
             let tie = i as f32 / 512.0 + 0.5;
-            assert_eq!(snap(tie), ((tie - 0.5) * 256.0).round_ties_even() as i32, "{tie}");
+            assert_eq!(
+                snap(tie),
+                ((tie - 0.5) * 256.0).round_ties_even() as i32,
+                "{tie}"
+            );
         }
     }
 
@@ -100,7 +124,13 @@ mod tests {
     #[test]
     fn corners_of_clip_space_are_corners_of_the_window() {
         let viewport = Viewport::new(UVec2::new(300, 200));
-        assert_eq!(viewport.project(Vec4::new(-2.0, 2.0, 1.0, 2.0)), Vec3::new(0.0, 0.0, 0.5));
-        assert_eq!(viewport.project_clipped(Vec4::new(1.0, -1.0, 1.0, 1.0)), Vec3::new(300.0, 200.0, 1.0));
+        assert_eq!(
+            viewport.project(Vec4::new(-2.0, 2.0, 1.0, 2.0)),
+            Vec3::new(0.0, 0.0, 0.5)
+        );
+        assert_eq!(
+            viewport.project_clipped(Vec4::new(1.0, -1.0, 1.0, 1.0)),
+            Vec3::new(300.0, 200.0, 1.0)
+        );
     }
 }

@@ -24,16 +24,28 @@ pub(crate) struct Whole {
 impl Whole {
     /// None where planes go through vertices as they are, whole or clipped, and where a vertex has no place in the window.
     #[cold]
-    pub(crate) fn new(triangle: [Vec4; 3], viewport: &Viewport, snapping: Snapping) -> Option<Self> {
+    pub(crate) fn new(
+        triangle: [Vec4; 3],
+        viewport: &Viewport,
+        snapping: Snapping,
+    ) -> Option<Self> {
         if snapping.planes == DepthPlanes::Unsnapped {
             return None;
         }
         let [a, b, c] = triangle.map(|clip| snapped(viewport.project(clip), snapping).as_dvec3());
         let normal = (b - a).cross(c - a);
         // What lies behind the eye is seen upside down and turned round.
-        let turn = triangle.iter().fold(normal.z, |turn, v| if v.w < 0.0 { -turn } else { turn });
+        let turn = triangle
+            .iter()
+            .fold(normal.z, |turn, v| if v.w < 0.0 { -turn } else { turn });
         let (dx, dy) = (-normal.x / normal.z, -normal.y / normal.z);
-        let whole = Self { snapping, vertex: a, dx, dy, turn };
+        let whole = Self {
+            snapping,
+            vertex: a,
+            dx,
+            dy,
+            turn,
+        };
         normal.is_finite().then_some(whole)
     }
 
@@ -41,13 +53,24 @@ impl Whole {
     pub(crate) fn place(&self, piece: [Vec3; 3]) -> Option<[Vec3; 3]> {
         let [a, b, c] = piece.map(|corner| snapped(corner, self.snapping).as_dvec3());
         let area = (b - a).cross(c - a).z;
-        let placed = [a, b, c].map(|corner| Vec3::new(corner.x as f32, corner.y as f32, self.at(corner.x, corner.y)));
+        let placed = [a, b, c].map(|corner| {
+            Vec3::new(
+                corner.x as f32,
+                corner.y as f32,
+                self.at(corner.x, corner.y),
+            )
+        });
         (area * self.turn > 0.0).then_some(placed)
     }
 
     /// The plane as records hold it. Pieces may be too thin to find it from their corners.
     pub(crate) fn depth(&self) -> DepthPlane {
-        DepthPlane { at_origin: self.at(0.5, 0.5), dx: self.dx as f32, dy: self.dy as f32, offset: 0.0 }
+        DepthPlane {
+            at_origin: self.at(0.5, 0.5),
+            dx: self.dx as f32,
+            dy: self.dy as f32,
+            offset: 0.0,
+        }
     }
 
     fn at(&self, x: f64, y: f64) -> f32 {
@@ -70,33 +93,71 @@ mod tests {
     }
 
     fn whole(triangle: [Vec4; 3]) -> Option<Whole> {
-        Whole::new(triangle, &Viewport::new(UVec2::splat(64)), Snapping::COARSEST)
+        Whole::new(
+            triangle,
+            &Viewport::new(UVec2::splat(64)),
+            Snapping::COARSEST,
+        )
     }
 
     #[test]
     fn corners_come_to_lie_on_the_plane_of_the_whole() {
         // On the grid, depth grows from 0 by 1/96 a pixel; the right corner comes from 0.4 steps further right.
         let right = 64.0 + 32.0 + 0.4 / 16.0;
-        let triangle = [clip(0.0, 0.0, 0.0), clip(0.0, 64.0, 0.0), clip(right, 32.0, 1.0)];
-        assert!(Whole::new(triangle, &Viewport::new(UVec2::splat(64)), Snapping::default()).is_none());
+        let triangle = [
+            clip(0.0, 0.0, 0.0),
+            clip(0.0, 64.0, 0.0),
+            clip(right, 32.0, 1.0),
+        ];
+        assert!(
+            Whole::new(
+                triangle,
+                &Viewport::new(UVec2::splat(64)),
+                Snapping::default()
+            )
+            .is_none()
+        );
         let plane = whole(triangle).expect("all vertices have a place");
-        let piece = [Vec3::ZERO, Vec3::new(24.0, 0.0, 0.9), Vec3::new(48.02, 32.0, 0.9)];
+        let piece = [
+            Vec3::ZERO,
+            Vec3::new(24.0, 0.0, 0.9),
+            Vec3::new(48.02, 32.0, 0.9),
+        ];
         let [a, b, c] = piece;
-        assert_eq!(plane.place([a, c, b]), Some([a, Vec3::new(48.0, 32.0, 0.5), Vec3::new(24.0, 0.0, 0.25)]));
+        assert_eq!(
+            plane.place([a, c, b]),
+            Some([a, Vec3::new(48.0, 32.0, 0.5), Vec3::new(24.0, 0.0, 0.25)])
+        );
         assert_eq!(plane.place(piece), None, "it turns the other way");
         let depth = plane.depth();
-        assert_eq!((depth.at_origin * 192.0, depth.dx * 96.0, depth.dy), (1.0, 1.0, 0.0));
+        assert_eq!(
+            (depth.at_origin * 192.0, depth.dx * 96.0, depth.dy),
+            (1.0, 1.0, 0.0)
+        );
         let at_the_eye = [triangle[0], triangle[1], Vec4::new(1.0, 0.0, 1.0, 0.0)];
         assert!(whole(at_the_eye).is_none());
     }
 
     #[test]
     fn what_has_no_area_on_the_grid_is_not_drawn() {
-        let sliver = [clip(0.0, 0.0, 0.0), clip(0.01, 0.01, 0.0), clip(96.0, 80.0, 1.0)];
-        let piece = [Vec3::ZERO, Vec3::new(64.0, 53.0, 0.0), Vec3::new(64.0, 54.0, 0.0)];
+        let sliver = [
+            clip(0.0, 0.0, 0.0),
+            clip(0.01, 0.01, 0.0),
+            clip(96.0, 80.0, 1.0),
+        ];
+        let piece = [
+            Vec3::ZERO,
+            Vec3::new(64.0, 53.0, 0.0),
+            Vec3::new(64.0, 54.0, 0.0),
+        ];
         let [a, b, c] = piece;
         for piece in [piece, [a, c, b]] {
-            assert_eq!(whole(sliver).expect("all vertices have a place").place(piece), None);
+            assert_eq!(
+                whole(sliver)
+                    .expect("all vertices have a place")
+                    .place(piece),
+                None
+            );
         }
     }
 }

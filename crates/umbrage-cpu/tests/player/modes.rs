@@ -3,8 +3,8 @@
 use crate::stage::{bits, geometry, play, recipe, same_on_all_players, space};
 use std::sync::Arc;
 use umbrage_core::{
-    Cast, CastMode, Cull, Faces, Filter, FilterKernel, Format, Geometry, Image, ImageDesc, Inputs, Kernel, Module,
-    RasterBias, Recipe, Source, UniformLayout,
+    Cast, CastMode, Cull, Faces, Filter, FilterKernel, Format, Geometry, Image, ImageDesc, Inputs,
+    Kernel, Module, RasterBias, Recipe, Source, UniformLayout,
     glam::{UVec2, Vec3, Vec4},
 };
 use umbrage_cpu::Cpu;
@@ -21,7 +21,11 @@ impl Kernel for Ramp {
         Vec::new()
     }
     fn layout(&self) -> UniformLayout {
-        UniformLayout { name: "Ramp", fields: Vec::new(), size: 0 }
+        UniformLayout {
+            name: "Ramp",
+            fields: Vec::new(),
+            size: 0,
+        }
     }
 }
 
@@ -50,19 +54,46 @@ fn faces() -> Arc<Faces> {
     let base = [[-0.5, -0.5], [-0.5, 0.5], [0.5, 0.5], [0.5, -0.5]];
     let mut vertices: Vec<Vec4> = base.map(|[x, z]| point(x, 0.7, z)).into();
     vertices.push(point(0.0, -0.4, 0.0));
-    let top = [point(0.8, 0.9, 0.8), point(1.4, 0.9, 0.8), point(1.0, 0.9, 1.4)];
-    vertices.extend(top.into_iter().chain(top.map(|p| p + Vec4::new(-0.1, -1.9, 0.2, 0.0))));
+    let top = [
+        point(0.8, 0.9, 0.8),
+        point(1.4, 0.9, 0.8),
+        point(1.0, 0.9, 1.4),
+    ];
+    vertices.extend(
+        top.into_iter()
+            .chain(top.map(|p| p + Vec4::new(-0.1, -1.9, 0.2, 0.0))),
+    );
     let mut triangles = vec![[0, 1, 2], [0, 2, 3], [5, 7, 6], [8, 9, 10]];
     triangles.extend((0..4).map(|i| [(i + 1) % 4, i, 4]));
-    triangles.extend([[5, 7], [7, 6], [6, 5]].iter().flat_map(|&[a, b]| [[b, a, a + 3], [b, a + 3, b + 3]]));
-    Arc::new(Faces { vertices, triangles })
+    triangles.extend(
+        [[5, 7], [7, 6], [6, 5]]
+            .iter()
+            .flat_map(|&[a, b]| [[b, a, a + 3], [b, a + 3, b + 3]]),
+    );
+    Arc::new(Faces {
+        vertices,
+        triangles,
+    })
 }
 
 /// Every mode, source and format.
 fn every_mode() -> Recipe {
-    let image = |label, format| ImageDesc { label, size: SIZE, layers: 1, format };
-    let all = |image, mode| Cast { source: Source::Everything, mode, ..Cast::nearest(image, 0, space()) };
-    let bias = RasterBias { constant: 3, slope: 1.5, clamp: 0.0 };
+    let image = |label, format| ImageDesc {
+        label,
+        size: SIZE,
+        layers: 1,
+        format,
+    };
+    let all = |image, mode| Cast {
+        source: Source::Everything,
+        mode,
+        ..Cast::nearest(image, 0, space())
+    };
+    let bias = RasterBias {
+        constant: 3,
+        slope: 1.5,
+        clamp: 0.0,
+    };
     let counts = Source::Faces(faces());
     let output = BYTES;
     Recipe {
@@ -77,12 +108,30 @@ fn every_mode() -> Recipe {
         casts: vec![
             all(DEPTH, CastMode::Nearest),
             all(SECOND, CastMode::Behind(DEPTH)),
-            Cast { bias, cull: Cull::Back, ..all(STEPS, CastMode::Nearest) },
-            Cast { cull: Cull::Back, ..all(SECOND_STEPS, CastMode::Behind(STEPS)) },
-            Cast { source: counts, ..all(COUNTS, CastMode::Count { depth: DEPTH }) },
+            Cast {
+                bias,
+                cull: Cull::Back,
+                ..all(STEPS, CastMode::Nearest)
+            },
+            Cast {
+                cull: Cull::Back,
+                ..all(SECOND_STEPS, CastMode::Behind(STEPS))
+            },
+            Cast {
+                source: counts,
+                ..all(COUNTS, CastMode::Count { depth: DEPTH })
+            },
         ],
-        filters: vec![Filter { kernel: Arc::new(Ramp), inputs: vec![DEPTH], tables: Vec::new(), output }],
-        receive: umbrage_core::Receive { inputs: vec![DEPTH], ..recipe().receive },
+        filters: vec![Filter {
+            kernel: Arc::new(Ramp),
+            inputs: vec![DEPTH],
+            tables: Vec::new(),
+            output,
+        }],
+        receive: umbrage_core::Receive {
+            inputs: vec![DEPTH],
+            ..recipe().receive
+        },
         ..recipe()
     }
 }
@@ -94,8 +143,17 @@ fn threads_and_instructions_change_no_bit_of_any_mode() {
         let mut values = bits(&image.texels);
         values.sort_unstable();
         values.dedup();
-        let least = if image.desc.format == Format::Stencil8 { 2 } else { 100 };
-        assert!(values.len() >= least, "{} has {} values", image.desc.label, values.len());
+        let least = if image.desc.format == Format::Stencil8 {
+            2
+        } else {
+            100
+        };
+        assert!(
+            values.len() >= least,
+            "{} has {} values",
+            image.desc.label,
+            values.len()
+        );
     }
 }
 
@@ -104,17 +162,26 @@ fn the_second_layer_lies_behind_the_first() {
     let images = play(&mut Cpu::new(), &every_mode()).images;
     let pairs = || images[DEPTH].texels.iter().zip(&images[SECOND].texels);
     assert!(pairs().all(|(a, b)| a < b || *b == 1.0));
-    assert!(pairs().filter(|(_, b)| **b < 1.0).count() > 200, "the sheet lies over the ground");
+    assert!(
+        pairs().filter(|(_, b)| **b < 1.0).count() > 200,
+        "the sheet lies over the ground"
+    );
 }
 
 #[test]
 fn sixteen_bits_are_the_same_depth_in_whole_steps() {
     let mut recipe = every_mode();
-    recipe.casts[STEPS] = Cast { image: STEPS, ..recipe.casts[DEPTH].clone() };
+    recipe.casts[STEPS] = Cast {
+        image: STEPS,
+        ..recipe.casts[DEPTH].clone()
+    };
     let images = play(&mut Cpu::new(), &recipe).images;
     for (z, steps) in images[DEPTH].texels.iter().zip(&images[STEPS].texels) {
         // Half a step, and the rounding of the division to f32.
-        assert!((z - steps).abs() <= 0.5 / 65_535.0 + f32::EPSILON, "{z} became {steps}");
+        assert!(
+            (z - steps).abs() <= 0.5 / 65_535.0 + f32::EPSILON,
+            "{z} became {steps}"
+        );
         let k = f64::from(*steps) * 65_535.0;
         assert!((k - k.round()).abs() < 1e-2, "{steps} is {k} steps");
     }
@@ -127,7 +194,11 @@ fn counts_are_the_volumes_that_end_behind_the_surface() {
     let of = |n: f32| counts.iter().filter(|&&c| c == n).count();
     // The pyramid lies behind the sheet, front and back.
     assert!(of(1.0) > 30, "ground within the prism");
-    assert_eq!(of(0.0) + of(1.0), counts.len(), "closed volumes are left as often as they are entered");
+    assert_eq!(
+        of(0.0) + of(1.0),
+        counts.len(),
+        "closed volumes are left as often as they are entered"
+    );
 }
 
 #[test]
@@ -135,7 +206,11 @@ fn bytes_are_rounded_to_what_shaders_load() {
     let shadows = play(&mut Cpu::new(), &every_mode());
     let texels = &shadows.images[BYTES].texels;
     let k = |v: f32| (v * 255.0).round() as i32;
-    assert!(texels.iter().all(|&v| v == k(v) as f32 * (1.0 / 255.0) && (0..=255).contains(&k(v))));
+    assert!(
+        texels
+            .iter()
+            .all(|&v| v == k(v) as f32 * (1.0 / 255.0) && (0..=255).contains(&k(v)))
+    );
     assert!((0..=255).all(|n| texels.iter().any(|&v| k(v) == n)));
     assert_eq!(texels[7], 0.0, "what is no number becomes 0");
 }
@@ -144,15 +219,29 @@ fn bytes_are_rounded_to_what_shaders_load() {
 fn sources_draw_what_they_say() {
     let (geometry, mut cpu) = (geometry(), Cpu::new());
     let casters = Cast::nearest(0, 0, space());
-    let everything = Cast { source: Source::Everything, ..casters.clone() };
+    let everything = Cast {
+        source: Source::Everything,
+        ..casters.clone()
+    };
     let vertices = geometry.positions().iter().map(|p| p.extend(1.0)).collect();
-    let faces = Arc::new(Faces { vertices, triangles: geometry.triangles().to_vec() });
-    let faces = Cast { source: Source::Faces(faces), ..casters.clone() };
-    let mut draw = |geometry: &Geometry, cast| bits(&cpu.cast(geometry, cast, SIZE).unwrap().texels);
+    let faces = Arc::new(Faces {
+        vertices,
+        triangles: geometry.triangles().to_vec(),
+    });
+    let faces = Cast {
+        source: Source::Faces(faces),
+        ..casters.clone()
+    };
+    let mut draw =
+        |geometry: &Geometry, cast| bits(&cpu.cast(geometry, cast, SIZE).unwrap().texels);
     let expected = draw(&geometry, &casters);
     assert!(expected.iter().any(|&z| z != 1.0_f32.to_bits()));
     let none = geometry.without_casters();
-    assert!(draw(&none, &casters).iter().all(|&z| z == 1.0_f32.to_bits()));
+    assert!(
+        draw(&none, &casters)
+            .iter()
+            .all(|&z| z == 1.0_f32.to_bits())
+    );
     assert_eq!(draw(&none, &everything), expected);
     assert_eq!(draw(&Geometry::default(), &faces), expected);
 }
@@ -163,27 +252,47 @@ fn what_is_read_before_it_is_drawn_is_clear() {
     recipe.casts.swap(0, 1);
     let mut cpu = Cpu::new();
     let first = play(&mut cpu, &recipe).images;
-    assert!(first[SECOND].texels.iter().all(|&z| z == 1.0), "nothing is behind the far plane");
-    assert_eq!(bits(&play(&mut cpu, &recipe).images[SECOND].texels), bits(&first[SECOND].texels));
+    assert!(
+        first[SECOND].texels.iter().all(|&z| z == 1.0),
+        "nothing is behind the far plane"
+    );
+    assert_eq!(
+        bits(&play(&mut cpu, &recipe).images[SECOND].texels),
+        bits(&first[SECOND].texels)
+    );
 }
 
 #[test]
 fn replayed_casts_give_what_the_whole_gave() {
     let (mut cpu, mut recipe) = (Cpu::new(), every_mode());
     // A second cast into a layer goes on from the first.
-    recipe.casts.push(Cast { source: Source::Faces(faces()), ..recipe.casts[SECOND].clone() });
+    recipe.casts.push(Cast {
+        source: Source::Faces(faces()),
+        ..recipe.casts[SECOND].clone()
+    });
     let whole = play(&mut cpu, &recipe).images;
     let spoilt = |image: &Image| Image::filled(image.desc, 0.625);
     let mut images: Vec<Image> = whole.iter().map(spoilt).collect();
     for (index, cast) in recipe.casts.iter().enumerate() {
-        images[cast.image] = cpu.replay_cast(&geometry(), &recipe, index, &images).unwrap();
+        images[cast.image] = cpu
+            .replay_cast(&geometry(), &recipe, index, &images)
+            .unwrap();
     }
-    for (a, b) in images.iter().zip(&whole).filter(|(image, _)| image.desc.format != Format::Rgba8) {
+    for (a, b) in images
+        .iter()
+        .zip(&whole)
+        .filter(|(image, _)| image.desc.format != Format::Rgba8)
+    {
         assert!(bits(&a.texels) == bits(&b.texels), "{}", a.desc.label);
     }
     images[DEPTH].texels.fill(0.0);
-    let other = cpu.replay_cast(&geometry(), &recipe, SECOND, &images).unwrap();
-    assert!(bits(&other.texels) != bits(&whole[SECOND].texels), "the other image is read");
+    let other = cpu
+        .replay_cast(&geometry(), &recipe, SECOND, &images)
+        .unwrap();
+    assert!(
+        bits(&other.texels) != bits(&whole[SECOND].texels),
+        "the other image is read"
+    );
 }
 
 #[test]
@@ -196,11 +305,26 @@ fn errors_tell_what_cannot_be_cast() {
     };
     let mut itself = recipe.clone();
     itself.casts[SECOND].mode = CastMode::Behind(SECOND);
-    refused(cpu.replay_cast(&geometry, &itself, 1, &images), "another depth image");
+    refused(
+        cpu.replay_cast(&geometry, &itself, 1, &images),
+        "another depth image",
+    );
     refused(cpu.replay_cast(&geometry, &recipe, 9, &images), "number 9");
-    refused(cpu.replay_cast(&geometry, &recipe, 0, &images[1..]), "images");
-    refused(cpu.cast(&geometry, &recipe.casts[SECOND], SIZE), "replay_cast");
-    let hole = Faces { vertices: vec![Vec3::ZERO.extend(1.0)], triangles: vec![[0, 0, 1]] };
-    let hole = Cast { source: Source::Faces(Arc::new(hole)), ..recipe.casts[0].clone() };
+    refused(
+        cpu.replay_cast(&geometry, &recipe, 0, &images[1..]),
+        "images",
+    );
+    refused(
+        cpu.cast(&geometry, &recipe.casts[SECOND], SIZE),
+        "replay_cast",
+    );
+    let hole = Faces {
+        vertices: vec![Vec3::ZERO.extend(1.0)],
+        triangles: vec![[0, 0, 1]],
+    };
+    let hole = Cast {
+        source: Source::Faces(Arc::new(hole)),
+        ..recipe.casts[0].clone()
+    };
     refused(cpu.cast(&geometry, &hole, SIZE), "beyond their 1 vertices");
 }

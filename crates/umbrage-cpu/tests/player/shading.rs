@@ -3,7 +3,8 @@
 use crate::stage::{bits, camera, geometry, light, play, recipe, same_on_all_players};
 use std::sync::Arc;
 use umbrage_core::{
-    Backend, Faces, Kernel, Module, NO_TRIANGLE, Recipe, Shade, ShadeKernel, Source, Span, UniformLayout, View,
+    Backend, Faces, Kernel, Module, NO_TRIANGLE, Recipe, Shade, ShadeKernel, Source, Span,
+    UniformLayout, View,
 };
 use umbrage_cpu::Cpu;
 
@@ -19,14 +20,23 @@ impl Kernel for Telling {
         Vec::new()
     }
     fn layout(&self) -> UniformLayout {
-        UniformLayout { name: "Telling", fields: Vec::new(), size: 0 }
+        UniformLayout {
+            name: "Telling",
+            fields: Vec::new(),
+            size: 0,
+        }
     }
 }
 
 impl ShadeKernel for Telling {
     fn shade(&self, span: &Span<'_>, visibility: &[f32], out: &mut [[f32; 4]]) {
         for (i, out) in out.iter_mut().enumerate() {
-            *out = [span.x[i], span.ny[i], span.triangle[i] as f32, visibility[i]];
+            *out = [
+                span.x[i],
+                span.ny[i],
+                span.triangle[i] as f32,
+                visibility[i],
+            ];
         }
     }
 }
@@ -34,8 +44,15 @@ impl ShadeKernel for Telling {
 const BACKGROUND: [f32; 4] = [0.1, 0.2, 0.3, 0.4];
 
 fn shading() -> Recipe {
-    let shade = Shade { kernel: Arc::new(Telling), tables: Vec::new(), background: BACKGROUND };
-    Recipe { shade: Some(shade), ..recipe() }
+    let shade = Shade {
+        kernel: Arc::new(Telling),
+        tables: Vec::new(),
+        background: BACKGROUND,
+    };
+    Recipe {
+        shade: Some(shade),
+        ..recipe()
+    }
 }
 
 #[test]
@@ -49,13 +66,29 @@ fn every_pixel_that_shows_a_triangle_is_coloured() {
             assert_eq!(*color, BACKGROUND);
             continue;
         }
-        assert_eq!(*color, [receivers.x[i], receivers.ny[i], id as f32, shadows.mask[i]]);
+        assert_eq!(
+            *color,
+            [receivers.x[i], receivers.ny[i], id as f32, shadows.mask[i]]
+        );
         lit[usize::from(color[3] == 1.0)] += 1;
     }
-    assert!(lit.iter().all(|&n| n > 50) && picture.contains(&BACKGROUND), "{lit:?}");
-    let sheet = receivers.receives.iter().zip(&receivers.triangle).zip(&picture);
-    let sheet: Vec<f32> = sheet.filter(|((r, t), _)| !**r && **t != NO_TRIANGLE).map(|(_, c)| c[3]).collect();
-    assert!(!sheet.is_empty() && sheet.iter().all(|&v| v == 1.0), "what doesn't receive is lit");
+    assert!(
+        lit.iter().all(|&n| n > 50) && picture.contains(&BACKGROUND),
+        "{lit:?}"
+    );
+    let sheet = receivers
+        .receives
+        .iter()
+        .zip(&receivers.triangle)
+        .zip(&picture);
+    let sheet: Vec<f32> = sheet
+        .filter(|((r, t), _)| !**r && **t != NO_TRIANGLE)
+        .map(|(_, c)| c[3])
+        .collect();
+    assert!(
+        !sheet.is_empty() && sheet.iter().all(|&v| v == 1.0),
+        "what doesn't receive is lit"
+    );
 }
 
 #[test]
@@ -71,10 +104,15 @@ fn replayed_shading_gives_what_the_whole_gave() {
     let expected = whole.picture.unwrap();
     let picture = cpu.replay_shade(&view, &recipe, &whole.mask).unwrap();
     assert_eq!(bits(picture.as_flattened()), bits(expected.as_flattened()));
-    let dark = cpu.replay_shade(&view, &recipe, &vec![0.0; whole.mask.len()]).unwrap();
+    let dark = cpu
+        .replay_shade(&view, &recipe, &vec![0.0; whole.mask.len()])
+        .unwrap();
     assert_ne!(bits(dark.as_flattened()), bits(expected.as_flattened()));
     assert!(cpu.replay_shade(&view, &recipe, &whole.mask[1..]).is_err());
-    assert!(cpu.replay_shade(&view, &crate::stage::recipe(), &whole.mask).is_err());
+    assert!(
+        cpu.replay_shade(&view, &crate::stage::recipe(), &whole.mask)
+            .is_err()
+    );
 }
 
 #[test]
@@ -83,7 +121,15 @@ fn faces_alone_need_no_geometry() {
     let mut cpu = Cpu::new();
     let receivers = cpu.receivers(&camera, &geometry).unwrap();
     recipe.casts[0].source = Source::Faces(Arc::new(Faces::default()));
-    let view = View { geometry: None, ..View::new(&camera, &light, &geometry) };
-    let shadows = cpu.render(&view.with_receivers(&receivers), &recipe).unwrap();
-    assert!(shadows.images[0].texels.iter().all(|&z| z == 1.0), "no faces, no depth");
+    let view = View {
+        geometry: None,
+        ..View::new(&camera, &light, &geometry)
+    };
+    let shadows = cpu
+        .render(&view.with_receivers(&receivers), &recipe)
+        .unwrap();
+    assert!(
+        shadows.images[0].texels.iter().all(|&z| z == 1.0),
+        "no faces, no depth"
+    );
 }

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 use umbrage_core::{
-    Backend, Camera, Cast, Extents, Filter, FilterKernel, Format, Geometry, ImageDesc, Inputs, Instance, Kernel, Light,
-    LightSpace, Mesh, Module, RasterBias, Receive, ReceiveKernel, Recipe, Scene, Shadows, Simd, Span, UniformLayout,
-    View,
+    Backend, Camera, Cast, Extents, Filter, FilterKernel, Format, Geometry, ImageDesc, Inputs,
+    Instance, Kernel, Light, LightSpace, Mesh, Module, RasterBias, Receive, ReceiveKernel, Recipe,
+    Scene, Shadows, Simd, Span, UniformLayout, View,
     glam::{Affine3A, UVec2, Vec3},
     light_space::{look_along, orthographic},
 };
@@ -24,7 +24,11 @@ impl Kernel for Plain {
         Vec::new()
     }
     fn layout(&self) -> UniformLayout {
-        UniformLayout { name: "Plain", fields: Vec::new(), size: 0 }
+        UniformLayout {
+            name: "Plain",
+            fields: Vec::new(),
+            size: 0,
+        }
     }
 }
 
@@ -37,7 +41,11 @@ impl ReceiveKernel for Plain {
             let last = map.desc.size.as_ivec2() - 1;
             let texel = texel.clamp(UVec2::ZERO.as_ivec2(), last);
             let stored = map.texels[map.index(texel.x, texel.y, 0)];
-            *out = if p.z - 0.01 <= stored { 1.0 } else { stored * 0.5 };
+            *out = if p.z - 0.01 <= stored {
+                1.0
+            } else {
+                stored * 0.5
+            };
         }
     }
 }
@@ -61,42 +69,105 @@ pub(crate) fn geometry() -> Geometry {
     let side = 40_u32;
     let height = |x: u32, z: u32| ((x * 7 + z * 13) % 11) as f32 * 0.02;
     let points = (0..side * side).map(|i| (i % side, i / side));
-    let positions = points.map(|(x, z)| Vec3::new(x as f32 * 0.1 - 2.0, height(x, z), z as f32 * 0.1 - 2.0)).collect();
+    let positions = points
+        .map(|(x, z)| Vec3::new(x as f32 * 0.1 - 2.0, height(x, z), z as f32 * 0.1 - 2.0))
+        .collect();
     let cells = (0..side - 1).flat_map(|z| (0..side - 1).map(move |x| z * side + x));
-    let triangles = cells.flat_map(|i| [[i, i + side, i + 1], [i + 1, i + side, i + side + 1]]).collect();
+    let triangles = cells
+        .flat_map(|i| [[i, i + side, i + 1], [i + 1, i + side, i + side + 1]])
+        .collect();
     let ground = Mesh::new("ground", positions, triangles).unwrap();
-    let corners = [[-0.5, -0.5], [-0.5, 0.5], [0.5, 0.5], [0.5, -0.5]].map(|[x, z]| Vec3::new(x, 0.8, z));
+    let corners =
+        [[-0.5, -0.5], [-0.5, 0.5], [0.5, 0.5], [0.5, -0.5]].map(|[x, z]| Vec3::new(x, 0.8, z));
     let sheet = Mesh::new("sheet", corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]).unwrap();
-    let mut instances = [Instance::new(0, Affine3A::IDENTITY), Instance::new(1, Affine3A::IDENTITY)];
+    let mut instances = [
+        Instance::new(0, Affine3A::IDENTITY),
+        Instance::new(1, Affine3A::IDENTITY),
+    ];
     instances[1].receives = false;
-    Geometry::bake(&Scene { meshes: vec![ground, sheet], instances: instances.into(), ..Scene::default() }).unwrap()
+    Geometry::bake(&Scene {
+        meshes: vec![ground, sheet],
+        instances: instances.into(),
+        ..Scene::default()
+    })
+    .unwrap()
 }
 
 pub(crate) fn camera() -> Camera {
-    Camera::perspective(Vec3::new(2.0, 3.0, 4.0), Vec3::ZERO, Vec3::Y, 0.9, [0.1, 20.0], SIZE).unwrap()
+    Camera::perspective(
+        Vec3::new(2.0, 3.0, 4.0),
+        Vec3::ZERO,
+        Vec3::Y,
+        0.9,
+        [0.1, 20.0],
+        SIZE,
+    )
+    .unwrap()
 }
 
 pub(crate) fn light() -> Light {
-    Light::Directional { direction: Vec3::new(0.3, -1.0, 0.2), angular_diameter: 0.0 }
+    Light::Directional {
+        direction: Vec3::new(0.3, -1.0, 0.2),
+        angular_diameter: 0.0,
+    }
 }
 
 pub(crate) fn space() -> LightSpace {
-    let extents = Extents { left: -3.0, right: 3.0, bottom: -3.0, top: 3.0, near: 0.0, far: 10.0 };
-    let view_from_world = look_along(Vec3::new(-1.5, 5.0, -1.0), Vec3::new(0.3, -1.0, 0.2), Vec3::Y).unwrap();
-    LightSpace { view_from_world, clip_from_view: orthographic(extents).unwrap() }
+    let extents = Extents {
+        left: -3.0,
+        right: 3.0,
+        bottom: -3.0,
+        top: 3.0,
+        near: 0.0,
+        far: 10.0,
+    };
+    let view_from_world = look_along(
+        Vec3::new(-1.5, 5.0, -1.0),
+        Vec3::new(0.3, -1.0, 0.2),
+        Vec3::Y,
+    )
+    .unwrap();
+    LightSpace {
+        view_from_world,
+        clip_from_view: orthographic(extents).unwrap(),
+    }
 }
 
 /// Two depth layers, of which the first is drawn; both filtered into two channels; looked up.
 pub(crate) fn recipe() -> Recipe {
     let (space, kernel) = (space(), Arc::new(Plain { space: space() }));
-    let image = |label, format| ImageDesc { label, size: UVec2::new(130, 75), layers: 2, format };
-    let bias = RasterBias { constant: 3, slope: 1.5, clamp: 0.0 };
+    let image = |label, format| ImageDesc {
+        label,
+        size: UVec2::new(130, 75),
+        layers: 2,
+        format,
+    };
+    let bias = RasterBias {
+        constant: 3,
+        slope: 1.5,
+        clamp: 0.0,
+    };
     Recipe {
-        images: vec![image("depth", Format::Depth32), image("blurred", Format::Rg32)],
+        images: vec![
+            image("depth", Format::Depth32),
+            image("blurred", Format::Rg32),
+        ],
         tables: Vec::new(),
-        casts: vec![Cast { bias, ..Cast::nearest(0, 0, space) }],
-        filters: vec![Filter { kernel: kernel.clone(), inputs: vec![0], tables: Vec::new(), output: 1 }],
-        receive: Receive { kernel, inputs: vec![1], tables: Vec::new() },
+        casts: vec![Cast {
+            bias,
+            ..Cast::nearest(0, 0, space)
+        }],
+        filters: vec![Filter {
+            kernel: kernel.clone(),
+            inputs: vec![0],
+            tables: Vec::new(),
+            output: 1,
+        }],
+        receive: Receive {
+            kernel,
+            inputs: vec![1],
+            tables: Vec::new(),
+        },
         shade: None,
         keep_images: true,
     }
@@ -129,12 +200,16 @@ pub(crate) fn render(cpu: &mut Cpu) -> Shadows {
 /// What a player makes of a recipe.
 pub(crate) fn play(cpu: &mut Cpu, recipe: &Recipe) -> Shadows {
     let (camera, light, geometry) = (camera(), light(), geometry());
-    cpu.render(&View::new(&camera, &light, &geometry), recipe).unwrap()
+    cpu.render(&View::new(&camera, &light, &geometry), recipe)
+        .unwrap()
 }
 
 /// Panics if threads or instructions change a bit of what comes of a recipe; returns what does.
 pub(crate) fn same_on_all_players(recipe: &Recipe) -> Shadows {
-    let expected = play(&mut Cpu::with_options(&CpuOptions::default().threads(1)).unwrap(), recipe);
+    let expected = play(
+        &mut Cpu::with_options(&CpuOptions::default().threads(1)).unwrap(),
+        recipe,
+    );
     for (threads, simd) in [(1, Simd::Baseline), (4, Simd::Native), (3, Simd::Baseline)] {
         let options = CpuOptions::default().threads(threads).simd(simd);
         let found = play(&mut Cpu::with_options(&options).unwrap(), recipe);

@@ -17,7 +17,11 @@ pub const ROUNDS: usize = 3;
 const MOST_ROUNDS: usize = 10;
 
 /// Runs of a row in a round.
-const RUNS: Runs = Runs { least: 9, most: 15, budget_ms: 200 };
+const RUNS: Runs = Runs {
+    least: 9,
+    most: 15,
+    budget_ms: 200,
+};
 
 /// What was found, by the scene's place and the row's stem.
 type Fresh = BTreeMap<(usize, String), Again>;
@@ -36,25 +40,42 @@ pub fn time_again(
     let suspects = std::mem::take(&mut changes.suspects);
     let (mut fresh, mut open) = (Fresh::new(), suspects.iter().collect::<Vec<&Suspect>>());
     for round in 0..MOST_ROUNDS {
-        let wanted = |suspect: &&&Suspect| round < ROUNDS || suspect.is_untold(&known(suspect, &fresh));
+        let wanted =
+            |suspect: &&&Suspect| round < ROUNDS || suspect.is_untold(&known(suspect, &fresh));
         let asked = asked(open.iter().filter(wanted).copied());
         for (scene, stems) in asked {
-            let Some(input) = inputs.get(scene) else { continue };
+            let Some(input) = inputs.get(scene) else {
+                continue;
+            };
             let found = again(input, &stems, options, &RUNS, backends)?;
-            for (stem, more) in stems.into_iter().zip(found).filter_map(|(stem, found)| Some((stem, found?))) {
+            for (stem, more) in stems
+                .into_iter()
+                .zip(found)
+                .filter_map(|(stem, found)| Some((stem, found?)))
+            {
                 fresh.entry((scene, stem)).or_default().add(more);
             }
         }
         open.retain(|suspect| !suspect.is_cleared(&known(suspect, &fresh)));
     }
-    let untold = open.iter().filter(|suspect| suspect.is_untold(&known(suspect, &fresh))).count();
-    let worse: Vec<String> = open.iter().filter_map(|s| s.verdict(&known(s, &fresh))).collect();
+    let untold = open
+        .iter()
+        .filter(|suspect| suspect.is_untold(&known(suspect, &fresh)))
+        .count();
+    let worse: Vec<String> = open
+        .iter()
+        .filter_map(|s| s.verdict(&known(s, &fresh)))
+        .collect();
     if !suspects.is_empty() {
         let (all, left) = (suspects.len(), worse.len());
-        changes.notes.push(format!("{all} rows or techniques looked slower and were timed again: {left} are slower."));
+        changes.notes.push(format!(
+            "{all} rows or techniques looked slower and were timed again: {left} are slower."
+        ));
     }
     if untold > 0 {
-        changes.notes.push(format!("The machine was too busy to tell of {untold} of them: try again when it is calm."));
+        changes.notes.push(format!(
+            "The machine was too busy to tell of {untold} of them: try again when it is calm."
+        ));
     }
     changes.worse.extend(worse);
     Ok(())
@@ -75,10 +96,18 @@ fn asked<'a>(suspects: impl Iterator<Item = &'a Suspect>) -> BTreeMap<usize, Vec
 /// What was found of a suspect's rows.
 fn known(suspect: &Suspect, fresh: &Fresh) -> Vec<Option<Sample>> {
     let of = |row: &Asked| {
-        let Again { windows, least_ms, yardstick } = fresh.get(&(row.scene, row.stem.clone()))?;
+        let Again {
+            windows,
+            least_ms,
+            yardstick,
+        } = fresh.get(&(row.scene, row.stem.clone()))?;
         // None were calm yet: then there are no ranks, of no runs.
         let ratio = Ranks::of(calm(windows, *yardstick)).unwrap_or_default();
-        Some(Sample { ratio, least_ms: *least_ms, yardstick: *yardstick })
+        Some(Sample {
+            ratio,
+            least_ms: *least_ms,
+            yardstick: *yardstick,
+        })
     };
     suspect.rows.iter().map(of).collect()
 }

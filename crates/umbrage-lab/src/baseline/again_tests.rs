@@ -35,14 +35,20 @@ impl Backend for Clocked {
     fn render(&mut self, view: &View<'_>, recipe: &Recipe) -> Result<Shadows, BackendError> {
         let mut shadows = self.cpu.render(view, recipe)?;
         let is_yardstick = recipe.receive.kernel.layout().name == "YardstickUniforms";
-        let is_slow = recipe.images.first().is_some_and(|image| image.size.x == self.clock.slow_map);
+        let is_slow = recipe
+            .images
+            .first()
+            .is_some_and(|image| image.size.x == self.clock.slow_map);
         let mut milliseconds = 3.0;
         if is_slow && !is_yardstick {
             milliseconds *= self.clock.factor.get();
             self.clock.plays.set(self.clock.plays.get() + 1);
         }
         let took = Some(Duration::from_secs_f64(milliseconds * 1e-3));
-        shadows.timings = Timings { receive: took, ..Timings::default() };
+        shadows.timings = Timings {
+            receive: took,
+            ..Timings::default()
+        };
         Ok(shadows)
     }
 }
@@ -56,27 +62,54 @@ struct Stage {
 
 /// Hard shadows from maps of three sizes, on two scenes.
 fn stage() -> Stage {
-    let clock = Clock { slow_map: 48, factor: Rc::new(Cell::new(1.0)), plays: Rc::default() };
+    let clock = Clock {
+        slow_map: 48,
+        factor: Rc::new(Cell::new(1.0)),
+        plays: Rc::default(),
+    };
     let input = |name: &str| {
         let scene = (umbrage_scenes::find(name).expect("built in").build)();
-        SceneInput { scene, summary: String::new(), fit: None }
+        SceneInput {
+            scene,
+            summary: String::new(),
+            fit: None,
+        }
     };
     let options = Options {
         techniques: vec!["hard".to_owned()],
         map_sizes: vec![48, 64, 80],
         most_settings: Some(3),
         size: Some(UVec2::new(24, 16)),
-        truth: TruthOptions { samples: 4, probe_samples: 4, ..TruthOptions::default() },
+        truth: TruthOptions {
+            samples: 4,
+            probe_samples: 4,
+            ..TruthOptions::default()
+        },
         runs: Some(Runs::exactly(9)),
         color: false,
     };
-    let player: Box<dyn Backend> = Box::new(Clocked { cpu: Cpu::new(), clock: clock.clone() });
-    Stage { inputs: vec![input("figure"), input("cubes")], options, backends: Backends::of(vec![player]), clock }
+    let player: Box<dyn Backend> = Box::new(Clocked {
+        cpu: Cpu::new(),
+        clock: clock.clone(),
+    });
+    Stage {
+        inputs: vec![input("figure"), input("cubes")],
+        options,
+        backends: Backends::of(vec![player]),
+        clock,
+    }
 }
 
 impl Stage {
     fn compare(&mut self) -> Comparison {
-        compare(&self.inputs, &self.options, &mut self.backends, &mut |_, _| Ok(()), &|_| ()).expect("valid")
+        compare(
+            &self.inputs,
+            &self.options,
+            &mut self.backends,
+            &mut |_, _| Ok(()),
+            &|_| (),
+        )
+        .expect("valid")
     }
 
     /// What the guard says of a run in which the row takes `first` times as long as in the baseline, and `later` times when
@@ -91,7 +124,10 @@ impl Stage {
         self.clock.factor.set(later);
         self.clock.plays.set(0);
         time_again(&mut found, &self.inputs, &self.options, &mut self.backends).expect("valid");
-        assert!(found.suspects.is_empty(), "all are told one way or the other");
+        assert!(
+            found.suspects.is_empty(),
+            "all are told one way or the other"
+        );
         found
     }
 }
@@ -110,15 +146,28 @@ fn a_row_slowed_down_by_two_is_caught_and_no_other() {
 fn what_is_as_quick_as_before_when_timed_again_is_no_alarm() {
     let mut stage = stage();
     let found = stage.guard(2.0, 1.0);
-    assert!(found.worse.is_empty() && found.notes.len() == 1, "{found:?}");
-    assert!(found.notes[0].contains("timed again: 0 are slower"), "{found:?}");
+    assert!(
+        found.worse.is_empty() && found.notes.len() == 1,
+        "{found:?}"
+    );
+    assert!(
+        found.notes[0].contains("timed again: 0 are slower"),
+        "{found:?}"
+    );
     // One round clears it: a run that warms up and nine to fifteen that count, in each scene.
-    assert!((20..=32).contains(&stage.clock.plays.get()), "{}", stage.clock.plays.get());
+    assert!(
+        (20..=32).contains(&stage.clock.plays.get()),
+        "{}",
+        stage.clock.plays.get()
+    );
 }
 
 #[test]
 fn unchanged_rows_are_not_timed_again() {
     let mut stage = stage();
     let found = stage.guard(1.0, 1.0);
-    assert!(found.worse.is_empty() && found.notes.is_empty() && stage.clock.plays.get() == 0, "{found:?}");
+    assert!(
+        found.worse.is_empty() && found.notes.is_empty() && stage.clock.plays.get() == 0,
+        "{found:?}"
+    );
 }

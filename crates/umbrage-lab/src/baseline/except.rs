@@ -23,13 +23,21 @@ impl Except {
     pub fn check(&self, baseline: &Comparison) -> Result<(), Invalid> {
         let known = |name: &&String| {
             let of_row = |row: &Row| names(row).contains(name);
-            baseline.scenes.iter().any(|s| s.name == **name || s.rows.iter().any(of_row))
+            baseline
+                .scenes
+                .iter()
+                .any(|s| s.name == **name || s.rows.iter().any(of_row))
         };
         match self.0.iter().find(|name| !known(name)) {
             None => Ok(()),
             Some(name) => {
-                let mend = "name a scene, a technique, a backend, or a setting as `technique (settings)`";
-                Err(Invalid::new("exception", format!("`{name}` is nothing that the baseline has"), mend))
+                let mend =
+                    "name a scene, a technique, a backend, or a setting as `technique (settings)`";
+                Err(Invalid::new(
+                    "exception",
+                    format!("`{name}` is nothing that the baseline has"),
+                    mend,
+                ))
             }
         }
     }
@@ -41,7 +49,11 @@ impl Except {
 
 /// What a row may be excepted by, the widest first.
 fn names(row: &Row) -> [String; 3] {
-    [row.backend.clone(), row.technique.clone(), format!("{} ({})", row.technique, row.settings)]
+    [
+        row.backend.clone(),
+        row.technique.clone(),
+        format!("{} ({})", row.technique, row.settings),
+    ]
 }
 
 /// What is lost, while scenes are gone through.
@@ -57,7 +69,12 @@ pub(super) struct Lost<'a> {
 
 impl<'a> Lost<'a> {
     pub(super) fn new(except: &'a Except) -> Self {
-        Self { except, scenes: Vec::new(), rows: BTreeMap::new(), missing: Vec::new() }
+        Self {
+            except,
+            scenes: Vec::new(),
+            rows: BTreeMap::new(),
+            missing: Vec::new(),
+        }
     }
 
     pub(super) fn scene(&mut self, name: &str, what: &str) {
@@ -72,7 +89,8 @@ impl<'a> Lost<'a> {
             *lost += usize::from(missing);
         }
         if missing {
-            self.missing.push((scene.to_owned(), row.label(), names(row)));
+            self.missing
+                .push((scene.to_owned(), row.label(), names(row)));
         }
     }
 
@@ -95,10 +113,13 @@ impl<'a> Lost<'a> {
                 continue;
             }
             // The widest of its names of which nothing is left.
-            let whole = names.iter().find(|name| self.rows[*name][0] == self.rows[*name][1]);
+            let whole = names
+                .iter()
+                .find(|name| self.rows[*name][0] == self.rows[*name][1]);
             match whole {
                 Some(name) if told.insert(name.clone()) => {
-                    out.lost.push(format!("{name} is missing: {} rows", self.rows[name][1]));
+                    out.lost
+                        .push(format!("{name} is missing: {} rows", self.rows[name][1]));
                 }
                 Some(_) => {}
                 None => out.lost.push(format!("{scene}: {label} is missing")),
@@ -106,7 +127,9 @@ impl<'a> Lost<'a> {
             except.insert(whole.unwrap_or(&names[2]).clone());
         }
         if excepted > 0 {
-            out.notes.push(format!("excepted: {excepted} rows of the baseline are missing"));
+            out.notes.push(format!(
+                "excepted: {excepted} rows of the baseline are missing"
+            ));
         }
         out.except = except.into_iter().collect();
     }

@@ -27,12 +27,21 @@ impl Figure {
 pub(super) fn of(backend: &str, then: &Measured, now: &Measured, exact: bool) -> Vec<Figure> {
     let prices = CostModel::of(backend);
     let [cost_then, cost_now] = [then, now].map(|m| prices.milliseconds(&m.work));
-    let figure = |name, then, now, noise| Figure { name, then, now, noise };
+    let figure = |name, then, now, noise| Figure {
+        name,
+        then,
+        now,
+        noise,
+    };
     let mut out = Vec::new();
     if let (Some(a), Some(b)) = (&then.errors, &now.errors) {
         // Undecided pixels may all flip: in a share of the image, that share; in a mean square, that much.
         let share = if exact { 0.0 } else { 100.0 * MOST_UNDECIDED };
-        let rmse = if exact { 0.0 } else { (a.rmse.powi(2) + MOST_UNDECIDED).sqrt() - a.rmse };
+        let rmse = if exact {
+            0.0
+        } else {
+            (a.rmse.powi(2) + MOST_UNDECIDED).sqrt() - a.rmse
+        };
         out.extend([
             figure("RMSE", a.rmse, b.rmse, rmse),
             figure("false shadow %", a.false_shadow, b.false_shadow, share),
@@ -47,5 +56,9 @@ pub(super) fn of(backend: &str, then: &Measured, now: &Measured, exact: bool) ->
 
 /// Four digits that count.
 pub(super) fn short(v: f64) -> String {
-    if v == 0.0 || (0.01..1e6).contains(&v.abs()) { format!("{:.4}", v) } else { format!("{v:.3e}") }
+    if v == 0.0 || (0.01..1e6).contains(&v.abs()) {
+        format!("{:.4}", v)
+    } else {
+        format!("{v:.3e}")
+    }
 }

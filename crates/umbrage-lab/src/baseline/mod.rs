@@ -70,12 +70,21 @@ pub fn changes(old: &Comparison, new: &Comparison, except: &Except) -> Changes {
         };
         match incomparable(then, scene) {
             Some(why) => lost.scene(&scene.name, &format!("cannot be compared: {why}")),
-            None => pairs.push(Pair { place, then, now: scene, timed, same_adapter }),
+            None => pairs.push(Pair {
+                place,
+                then,
+                now: scene,
+                timed,
+                same_adapter,
+            }),
         }
     }
     let now: HashMap<_, &SceneResult> = numbered(&new.scenes).collect();
     for (key, scene) in numbered(&old.scenes).filter(|(key, _)| !now.contains_key(key)) {
-        lost.scene(key.0, &format!("is missing with its {} rows", scene.rows.len()));
+        lost.scene(
+            key.0,
+            &format!("is missing with its {} rows", scene.rows.len()),
+        );
     }
     let mut timings = Vec::new();
     for pair in &pairs {
@@ -98,8 +107,16 @@ pub fn changes(old: &Comparison, new: &Comparison, except: &Except) -> Changes {
 
 /// Scenes by name, and by number where several share one.
 fn numbered(scenes: &[SceneResult]) -> impl Iterator<Item = ((&str, usize), &SceneResult)> {
-    let number = |i: usize| scenes[..i].iter().filter(|s| s.name == scenes[i].name).count();
-    scenes.iter().enumerate().map(move |(i, s)| ((s.name.as_str(), number(i)), s))
+    let number = |i: usize| {
+        scenes[..i]
+            .iter()
+            .filter(|s| s.name == scenes[i].name)
+            .count()
+    };
+    scenes
+        .iter()
+        .enumerate()
+        .map(move |(i, s)| ((s.name.as_str(), number(i)), s))
 }
 
 /// Whether times can be compared, and whether graphics rounding is the same.
@@ -107,45 +124,74 @@ fn machines(old: &Comparison, new: &Comparison, notes: &mut Vec<String>) -> [boo
     let (then, now) = (&old.environment, &new.environment);
     let same_adapter = then.adapter == now.adapter;
     let machine = |e: &Environment| format!("{}, {} threads, {}", e.cpu, e.threads, e.system);
-    let describe = |e: &Environment| format!("{}; {}", machine(e), e.adapter.as_deref().unwrap_or("no adapter"));
+    let describe = |e: &Environment| {
+        format!(
+            "{}; {}",
+            machine(e),
+            e.adapter.as_deref().unwrap_or("no adapter")
+        )
+    };
     let any = |c: &Comparison, has: fn(&Times) -> bool| {
-        let mut times = c.scenes.iter().flat_map(|s| &s.rows).filter_map(|r| r.measured()?.times);
+        let mut times = c
+            .scenes
+            .iter()
+            .flat_map(|s| &s.rows)
+            .filter_map(|r| r.measured()?.times);
         times.any(|t| has(&t))
     };
     let times: fn(&Times) -> bool = |_| true;
     let ratios: fn(&Times) -> bool = |t| t.yardstick.is_some();
     let why = if machine(then) != machine(now) || !same_adapter {
         let [then, now] = [then, now].map(describe);
-        Some(format!("the baseline was made on another machine ({then}; here: {now})"))
+        Some(format!(
+            "the baseline was made on another machine ({then}; here: {now})"
+        ))
     } else if !any(old, times) {
         Some("the baseline has none".to_owned())
     } else if !any(new, times) {
         Some("this run has none".to_owned())
     } else if !any(old, ratios) {
         let schema = old.schema;
-        Some(format!("the baseline (schema {schema}) has no yardsticks beside them; make it anew to compare times"))
+        Some(format!(
+            "the baseline (schema {schema}) has no yardsticks beside them; make it anew to compare times"
+        ))
     } else {
         None
     };
-    notes
-        .extend(why.iter().map(|why| format!("Times are not compared, only accuracy, counted cost and bytes: {why}.")));
+    notes.extend(why.iter().map(|why| {
+        format!("Times are not compared, only accuracy, counted cost and bytes: {why}.")
+    }));
     [why.is_none(), same_adapter]
 }
 
 fn incomparable(old: &SceneResult, new: &SceneResult) -> Option<String> {
     let facts = [
-        ("its triangles differ", old.fingerprint != new.fingerprint || old.light != new.light),
+        (
+            "its triangles differ",
+            old.fingerprint != new.fingerprint || old.light != new.light,
+        ),
         ("its image has another size", old.size != new.size),
-        ("its truth has other samples", old.truth.samples != new.truth.samples),
+        (
+            "its truth has other samples",
+            old.truth.samples != new.truth.samples,
+        ),
         ("other pixels count", old.truth.counted != new.truth.counted),
-        ("its light or camera moved", moved(old.rmse_of_none, new.rmse_of_none)),
+        (
+            "its light or camera moved",
+            moved(old.rmse_of_none, new.rmse_of_none),
+        ),
     ];
-    facts.iter().find(|(_, differs)| *differs).map(|(why, _)| (*why).to_owned())
+    facts
+        .iter()
+        .find(|(_, differs)| *differs)
+        .map(|(why, _)| (*why).to_owned())
 }
 
 /// How much is in shadow depends on truth alone: it changes with light and camera, not with techniques.
 fn moved(old: [f64; 2], new: [f64; 2]) -> bool {
-    old.iter().zip(new).any(|(old, new)| (old - new).abs() > ROUNDING * old.abs().max(new.abs()))
+    old.iter()
+        .zip(new)
+        .any(|(old, new)| (old - new).abs() > ROUNDING * old.abs().max(new.abs()))
 }
 
 /// One scene, then and now.
@@ -159,7 +205,12 @@ struct Pair<'a> {
 }
 
 impl<'a> Pair<'a> {
-    fn compare(&self, out: &mut Changes, lost: &mut except::Lost<'_>, timings: &mut Vec<times::Timing<'a>>) {
+    fn compare(
+        &self,
+        out: &mut Changes,
+        lost: &mut except::Lost<'_>,
+        timings: &mut Vec<times::Timing<'a>>,
+    ) {
         let key = |r: &Row| [r.technique.clone(), r.settings.clone(), r.backend.clone()];
         let then: HashMap<_, &Row> = self.then.rows.iter().map(|r| (key(r), r)).collect();
         let now: HashMap<_, &Row> = self.now.rows.iter().map(|r| (key(r), r)).collect();
@@ -179,12 +230,20 @@ impl<'a> Pair<'a> {
         format!("{}: {}{colon}{what}", self.now.name, row.label())
     }
 
-    fn row(&self, old: &Row, new: &'a Row, out: &mut Changes, timings: &mut Vec<times::Timing<'a>>) {
+    fn row(
+        &self,
+        old: &Row,
+        new: &'a Row,
+        out: &mut Changes,
+        timings: &mut Vec<times::Timing<'a>>,
+    ) {
         out.compared += 1;
         let (then, now) = match (&old.outcome, &new.outcome) {
             (Outcome::Measured(then), Outcome::Measured(now)) => (then, now),
             (Outcome::Measured(_), Outcome::Unsupported { reason }) => {
-                return out.worse.push(self.say(new, &format!("refused now: {reason}")));
+                return out
+                    .worse
+                    .push(self.say(new, &format!("refused now: {reason}")));
             }
             (Outcome::Unsupported { .. }, Outcome::Measured(_)) => {
                 return out.better.push(self.say(new, "measured now"));
@@ -201,10 +260,19 @@ impl<'a> Pair<'a> {
         }
         let sample = |times: Option<Times>| {
             let (ratio, yardstick) = (times?.ratio?, times?.yardstick?.least);
-            Some(times::Sample { ratio, least_ms: times?.total.least, yardstick })
+            Some(times::Sample {
+                ratio,
+                least_ms: times?.total.least,
+                yardstick,
+            })
         };
         if let (true, Some(then), Some(now)) = (self.timed, sample(then.times), sample(now.times)) {
-            timings.push(times::Timing { scene: (self.place, &self.now.name), row: new, then, now });
+            timings.push(times::Timing {
+                scene: (self.place, &self.now.name),
+                row: new,
+                then,
+                now,
+            });
         }
     }
 }

@@ -26,10 +26,15 @@ pub fn read(path: &Path) -> Result<Comparison, Invalid> {
     let mend = "give the results.json that `cargo xtask compare` wrote";
     let refuse = |why: String| Invalid::new(what.clone(), why, mend);
     let text = std::fs::read(path).map_err(|e| refuse(format!("cannot be read: {e}")))?;
-    let version: Version = serde_json::from_slice(&text).map_err(|e| refuse(format!("holds no results: {e}")))?;
+    let version: Version =
+        serde_json::from_slice(&text).map_err(|e| refuse(format!("holds no results: {e}")))?;
     if !(OLDEST..=SCHEMA).contains(&version.schema) {
         let why = format!("has schema {}, this program's is {SCHEMA}", version.schema);
-        return Err(Invalid::new(what, why, "make the baseline anew with this version"));
+        return Err(Invalid::new(
+            what,
+            why,
+            "make the baseline anew with this version",
+        ));
     }
     serde_json::from_slice(&text).map_err(|e| refuse(format!("is damaged: {e}")))
 }
@@ -46,7 +51,11 @@ pub fn apart(baseline: &Path, report: &Path) -> Result<(), Invalid> {
         (Some(file), Some(results)) if file == results => {
             let what = format!("baseline `{}`", baseline.display());
             let why = "is what the report is written to, and would be overwritten";
-            Err(Invalid::new(what, why, "copy it elsewhere, or give another folder with --out"))
+            Err(Invalid::new(
+                what,
+                why,
+                "copy it elsewhere, or give another folder with --out",
+            ))
         }
         _ => Ok(()),
     }
@@ -69,7 +78,9 @@ mod tests {
         }
         assert!(apart(&elsewhere, &report).is_ok());
         assert!(apart(&elsewhere, &dir.path().join("not yet made")).is_ok());
-        let refused = |from: &str| apart(&report.join("results.json"), &dir.path().join(from)).expect_err("refused");
+        let refused = |from: &str| {
+            apart(&report.join("results.json"), &dir.path().join(from)).expect_err("refused")
+        };
         assert!(refused("report").to_string().contains("--out"));
         refused("empty/../report");
         // A copy under another name stays as it is, wherever it lies; a link is what it leads to.

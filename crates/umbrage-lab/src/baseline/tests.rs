@@ -8,13 +8,32 @@ use umbrage_core::{
 };
 
 fn row(backend: &str) -> Row {
-    let total = Spread { median: 2.0, least: 1.9, greatest: 2.2, runs: 9 };
+    let total = Spread {
+        median: 2.0,
+        least: 1.9,
+        greatest: 2.2,
+        runs: 9,
+    };
     let ratio = Ranks::of(vec![1.0; 9]);
     let measured = Measured {
-        errors: Some(Errors { rmse: 0.1, false_shadow: 1.0, false_light: 2.0, acne: 0.5, ..Errors::default() }),
+        errors: Some(Errors {
+            rmse: 0.1,
+            false_shadow: 1.0,
+            false_light: 2.0,
+            acne: 0.5,
+            ..Errors::default()
+        }),
         causes: Some(Causes::default()),
-        times: Some(Times { total, ratio, yardstick: Some(total), ..Times::default() }),
-        work: Work { taps: 1000, ..Work::default() },
+        times: Some(Times {
+            total,
+            ratio,
+            yardstick: Some(total),
+            ..Times::default()
+        }),
+        work: Work {
+            taps: 1000,
+            ..Work::default()
+        },
         cost_ms: 0.1,
         bytes: 4096,
         agreement: None,
@@ -23,15 +42,29 @@ fn row(backend: &str) -> Row {
     };
     let outcome = Outcome::Measured(Box::new(measured));
     let (technique, settings) = ("pcf".to_owned(), "3x3".to_owned());
-    Row { slug: technique.clone(), technique, settings, backend: backend.to_owned(), outcome }
+    Row {
+        slug: technique.clone(),
+        technique,
+        settings,
+        backend: backend.to_owned(),
+        outcome,
+    }
 }
 
 fn scene(name: &str) -> SceneResult {
-    SceneResult { name: name.into(), rows: vec![row("cpu"), row("wgpu")], ..SceneResult::default() }
+    SceneResult {
+        name: name.into(),
+        rows: vec![row("cpu"), row("wgpu")],
+        ..SceneResult::default()
+    }
 }
 
 fn comparison() -> Comparison {
-    Comparison { schema: SCHEMA, scenes: vec![scene("cubes")], ..Comparison::default() }
+    Comparison {
+        schema: SCHEMA,
+        scenes: vec![scene("cubes")],
+        ..Comparison::default()
+    }
 }
 
 fn except(names: &[&str]) -> Except {
@@ -43,7 +76,9 @@ fn changes(old: &Comparison, new: &Comparison) -> Changes {
 }
 
 fn measured(comparison: &mut Comparison, row: usize) -> &mut Measured {
-    let Outcome::Measured(m) = &mut comparison.scenes[0].rows[row].outcome else { unreachable!("made so") };
+    let Outcome::Measured(m) = &mut comparison.scenes[0].rows[row].outcome else {
+        unreachable!("made so")
+    };
     m
 }
 
@@ -60,7 +95,11 @@ fn after(index: usize, change: impl Fn(&mut Measured)) -> Changes {
 
 /// Both rows were compared, and nothing has changed.
 fn unchanged() -> Changes {
-    Changes { compared: 2, timed: 2, ..Changes::default() }
+    Changes {
+        compared: 2,
+        timed: 2,
+        ..Changes::default()
+    }
 }
 
 #[test]
@@ -89,11 +128,18 @@ fn less_accurate_is_worse_and_more_accurate_better() {
     for spoil in worse {
         let found = after(0, spoil);
         assert_eq!((found.worse.len(), found.better.len()), (1, 0), "{found:?}");
-        assert!(found.worse[0].starts_with("cubes: pcf (3x3) on cpu: "), "{found:?}");
+        assert!(
+            found.worse[0].starts_with("cubes: pcf (3x3) on cpu: "),
+            "{found:?}"
+        );
     }
     let found = after(0, |m| errors(m).rmse -= 1e-6);
     assert_eq!((found.worse.len(), found.better.len()), (0, 1));
-    assert_eq!(after(0, |m| errors(m).rmse *= 1.0 + 1e-12), unchanged(), "rounding");
+    assert_eq!(
+        after(0, |m| errors(m).rmse *= 1.0 + 1e-12),
+        unchanged(),
+        "rounding"
+    );
 }
 
 /// Ratios of a row, each this many times as great.
@@ -104,13 +150,21 @@ fn slowed(m: &mut Measured, factor: f64) {
 #[test]
 fn what_looks_slower_is_a_suspect_and_no_more() {
     let found = after(0, |m| slowed(m, 2.0));
-    assert!(found.worse.is_empty() && found.suspects.len() == 1, "{found:?}");
+    assert!(
+        found.worse.is_empty() && found.suspects.len() == 1,
+        "{found:?}"
+    );
     assert_eq!(found.suspects[0].label, "cubes: pcf (3x3) on cpu");
     let asked = &found.suspects[0].rows[0];
     assert_eq!((asked.scene, &*asked.stem), (0, "pcf.cpu"));
-    assert_eq!(after(0, |m| slowed(m, 1.3)), unchanged(), "less than what counts");
     assert_eq!(
-        after(0, |m| m.times.as_mut().expect("made so").total.median = 99.0),
+        after(0, |m| slowed(m, 1.3)),
+        unchanged(),
+        "less than what counts"
+    );
+    assert_eq!(
+        after(0, |m| m.times.as_mut().expect("made so").total.median =
+            99.0),
         unchanged(),
         "the yardstick was slow, too"
     );
@@ -122,8 +176,14 @@ fn on_another_machine_costs_count_and_times_do_not() {
     new.environment.cpu = "another".into();
     slowed(measured(&mut new, 0), 99.0);
     let found = changes(&comparison(), &new);
-    assert!(found.worse.is_empty() && found.suspects.is_empty(), "{found:?}");
-    assert!(found.notes.len() == 1 && found.notes[0].contains("another"), "{found:?}");
+    assert!(
+        found.worse.is_empty() && found.suspects.is_empty(),
+        "{found:?}"
+    );
+    assert!(
+        found.notes.len() == 1 && found.notes[0].contains("another"),
+        "{found:?}"
+    );
     let m = measured(&mut new, 0);
     m.work.rays += 100;
     m.work.casters = 10;
@@ -133,7 +193,10 @@ fn on_another_machine_costs_count_and_times_do_not() {
 /// Results of schema 4 and before: accuracy is compared, and the reader is told that times aren't.
 #[test]
 fn without_yardsticks_accuracy_counts_and_times_do_not() {
-    let mut old = Comparison { schema: 4, ..comparison() };
+    let mut old = Comparison {
+        schema: 4,
+        ..comparison()
+    };
     for row in 0..2 {
         let times = measured(&mut old, row).times.as_mut().expect("made so");
         (times.yardstick, times.ratio) = (None, None);
@@ -141,8 +204,15 @@ fn without_yardsticks_accuracy_counts_and_times_do_not() {
     let mut new = comparison();
     slowed(measured(&mut new, 0), 99.0);
     let found = changes(&old, &new);
-    assert!(found.suspects.is_empty() && (found.compared, found.timed) == (2, 0), "{found:?}");
-    assert!(found.notes.len() == 1 && found.notes[0].contains("schema 4") && found.notes[0].contains("yardstick"));
+    assert!(
+        found.suspects.is_empty() && (found.compared, found.timed) == (2, 0),
+        "{found:?}"
+    );
+    assert!(
+        found.notes.len() == 1
+            && found.notes[0].contains("schema 4")
+            && found.notes[0].contains("yardstick")
+    );
     errors(measured(&mut new, 0)).rmse = 0.2;
     assert_eq!(changes(&old, &new).worse.len(), 1);
     let untimed = |c: &mut Comparison| (0..2).for_each(|row| measured(c, row).times = None);
@@ -158,7 +228,9 @@ fn another_adapter_may_round_otherwise() {
         let mut new = comparison();
         new.environment.adapter = Some("another".into());
         for row in &mut new.scenes[0].rows {
-            let Outcome::Measured(m) = &mut row.outcome else { unreachable!("made so") };
+            let Outcome::Measured(m) = &mut row.outcome else {
+                unreachable!("made so")
+            };
             errors(m).false_light += growth;
         }
         changes(&comparison(), &new).worse
@@ -170,13 +242,27 @@ fn another_adapter_may_round_otherwise() {
 #[test]
 fn new_and_refused_rows_are_told() {
     let mut new = comparison();
-    new.scenes[0].rows.push(Row { settings: "5x5".into(), ..row("cpu") });
-    assert_eq!(changes(&comparison(), &new), Changes { new: vec!["cubes: pcf (5x5) on cpu".into()], ..unchanged() });
+    new.scenes[0].rows.push(Row {
+        settings: "5x5".into(),
+        ..row("cpu")
+    });
+    assert_eq!(
+        changes(&comparison(), &new),
+        Changes {
+            new: vec!["cubes: pcf (5x5) on cpu".into()],
+            ..unchanged()
+        }
+    );
     let mut new = comparison();
-    new.scenes[0].rows[0].outcome = Outcome::Unsupported { reason: "no more".into() };
+    new.scenes[0].rows[0].outcome = Outcome::Unsupported {
+        reason: "no more".into(),
+    };
     assert_eq!(changes(&comparison(), &new).worse.len(), 1);
     assert_eq!(changes(&new, &comparison()).better.len(), 1);
-    let none = Comparison { scenes: Vec::new(), ..comparison() };
+    let none = Comparison {
+        scenes: Vec::new(),
+        ..comparison()
+    };
     assert_eq!(changes(&none, &comparison()).new.len(), 1);
 }
 
@@ -191,8 +277,9 @@ fn wide() -> Comparison {
             ..row(backend)
         };
         let settings = |t, s| ["cpu", "wgpu"].map(|b| make(t, s, b));
-        scene.rows =
-            [("pcf", "3x3"), ("pcf", "5x5"), ("hard", "a"), ("hard", "b")].map(|(t, s)| settings(t, s)).concat();
+        scene.rows = [("pcf", "3x3"), ("pcf", "5x5"), ("hard", "a"), ("hard", "b")]
+            .map(|(t, s)| settings(t, s))
+            .concat();
     }
     out
 }
@@ -208,13 +295,36 @@ fn what_vanished_is_lost_unless_it_is_named() {
         }
         new
     };
-    let without_figure = Comparison { scenes: wide().scenes[..1].to_vec(), ..wide() };
+    let without_figure = Comparison {
+        scenes: wide().scenes[..1].to_vec(),
+        ..wide()
+    };
     let cases: [(Comparison, &str, &str); 6] = [
-        (without_figure, "scene figure is missing with its 8 rows", "figure"),
-        (lose(&|_, r| r.technique != "pcf"), "pcf is missing: 8 rows", "pcf"),
-        (lose(&|_, r| r.backend != "wgpu"), "wgpu is missing: 8 rows", "wgpu"),
-        (lose(&|_, r| r.settings != "5x5"), "pcf (5x5) is missing: 4 rows", "pcf (5x5)"),
-        (lose(&|s, r| s != "figure" || r.settings != "a"), "figure: hard (a) on cpu is missing", "hard (a)"),
+        (
+            without_figure,
+            "scene figure is missing with its 8 rows",
+            "figure",
+        ),
+        (
+            lose(&|_, r| r.technique != "pcf"),
+            "pcf is missing: 8 rows",
+            "pcf",
+        ),
+        (
+            lose(&|_, r| r.backend != "wgpu"),
+            "wgpu is missing: 8 rows",
+            "wgpu",
+        ),
+        (
+            lose(&|_, r| r.settings != "5x5"),
+            "pcf (5x5) is missing: 4 rows",
+            "pcf (5x5)",
+        ),
+        (
+            lose(&|s, r| s != "figure" || r.settings != "a"),
+            "figure: hard (a) on cpu is missing",
+            "hard (a)",
+        ),
         (
             lose(&|s, r| s != "figure" || r.settings != "b" || r.backend == "cpu"),
             "figure: hard (b) on wgpu is missing",
@@ -223,10 +333,22 @@ fn what_vanished_is_lost_unless_it_is_named() {
     ];
     for (new, line, name) in cases {
         let found = changes(&wide(), &new);
-        assert_eq!((&*found.lost[0], &found.except[..]), (line, &[name.to_owned()][..]), "{found:?}");
+        assert_eq!(
+            (&*found.lost[0], &found.except[..]),
+            (line, &[name.to_owned()][..]),
+            "{found:?}"
+        );
         let excepted = super::changes(&wide(), &new, &except(&[name]));
-        assert!(excepted.lost.is_empty() && excepted.except.is_empty() && excepted.notes.len() == 1, "{excepted:?}");
-        assert!(!super::changes(&wide(), &new, &except(&["cube", "none"])).lost.is_empty(), "other names");
+        assert!(
+            excepted.lost.is_empty() && excepted.except.is_empty() && excepted.notes.len() == 1,
+            "{excepted:?}"
+        );
+        assert!(
+            !super::changes(&wide(), &new, &except(&["cube", "none"]))
+                .lost
+                .is_empty(),
+            "other names"
+        );
     }
     assert!(changes(&wide(), &wide()).lost.is_empty());
 }
@@ -236,8 +358,14 @@ fn exceptions_that_mean_nothing_are_refused() {
     for name in ["cubes", "pcf", "wgpu", "pcf (5x5)"] {
         except(&[name]).check(&wide()).expect("known");
     }
-    let refused = except(&["cubes", "pcff"]).check(&wide()).expect_err("unknown").to_string();
-    assert!(refused.contains("pcff") && refused.contains("name a scene"), "{refused}");
+    let refused = except(&["cubes", "pcff"])
+        .check(&wide())
+        .expect_err("unknown")
+        .to_string();
+    assert!(
+        refused.contains("pcff") && refused.contains("name a scene"),
+        "{refused}"
+    );
 }
 
 #[test]
@@ -246,15 +374,24 @@ fn scenes_that_changed_are_lost_unless_they_are_named() {
     new.scenes[0].fingerprint = "other".into();
     errors(measured(&mut new, 0)).rmse = 1.0;
     let found = changes(&comparison(), &new);
-    assert!(found.worse.is_empty() && found.lost.len() == 1 && found.lost[0].contains("triangles"), "{found:?}");
+    assert!(
+        found.worse.is_empty() && found.lost.len() == 1 && found.lost[0].contains("triangles"),
+        "{found:?}"
+    );
     let found = super::changes(&comparison(), &new, &except(&["cubes"]));
-    assert!(found.lost.is_empty() && found.notes[0].contains("triangles"), "{found:?}");
+    assert!(
+        found.lost.is_empty() && found.notes[0].contains("triangles"),
+        "{found:?}"
+    );
 }
 
 /// Two scenes of one name are told apart by their order.
 #[test]
 fn scenes_of_one_name_are_compared_one_by_one() {
-    let twice = Comparison { scenes: ["cubes", "cubes"].map(scene).to_vec(), ..comparison() };
+    let twice = Comparison {
+        scenes: ["cubes", "cubes"].map(scene).to_vec(),
+        ..comparison()
+    };
     assert_eq!(changes(&twice, &twice).compared, 4);
     let found = changes(&twice, &comparison());
     assert_eq!((found.compared, found.lost.len()), (2, 1), "{found:?}");
@@ -268,12 +405,18 @@ fn scenes_of_one_name_are_compared_one_by_one() {
 fn older_baselines_are_still_read() {
     let dir = tempfile::tempdir().expect("a temporary folder");
     let path = dir.path().join("results.json");
-    let mut old = Comparison { schema: 3, ..comparison() };
+    let mut old = Comparison {
+        schema: 3,
+        ..comparison()
+    };
     (0..2).for_each(|row| {
         let times = measured(&mut old, row).times.as_mut().expect("made so");
         (times.ratio, times.yardstick) = (None, None);
     });
-    old.scenes[0].controls.push(crate::compare::Control { wrong_without: 7, ..Default::default() });
+    old.scenes[0].controls.push(crate::compare::Control {
+        wrong_without: 7,
+        ..Default::default()
+    });
     let text = serde_json::to_string(&old).expect("memory");
     let without = [
         (",\"maps\":null", ""),
@@ -289,7 +432,15 @@ fn older_baselines_are_still_read() {
     std::fs::write(&path, without).expect("writable");
     assert_eq!(read(&path).expect("old, but known"), old);
     let found = changes(&old, &comparison());
-    assert_eq!((found.compared, found.timed, found.worse.len(), found.lost.len()), (2, 0, 0, 0));
+    assert_eq!(
+        (
+            found.compared,
+            found.timed,
+            found.worse.len(),
+            found.lost.len()
+        ),
+        (2, 0, 0, 0)
+    );
 }
 
 #[test]

@@ -114,26 +114,43 @@ pub(super) fn judge(timings: &[Timing<'_>]) -> Judged {
     let mut out = Judged::default();
     let mut techniques: BTreeMap<[&str; 2], Vec<&Timing<'_>>> = BTreeMap::new();
     for timing in timings {
-        techniques.entry([&timing.row.technique, &timing.row.backend]).or_default().push(timing);
+        techniques
+            .entry([&timing.row.technique, &timing.row.backend])
+            .or_default()
+            .push(timing);
         match bound(&timing.then.ratio) {
             None => out.rough += 1,
             Some(_) if !is_calm(&timing.then, &timing.now) => out.rough += 1,
             Some(bound) if timing.now.ratio.high > bound => {
                 let label = format!("{}: {}", timing.scene.1, timing.row.label());
-                out.suspects.push(Suspect { label, rows: vec![timing.asked()], whole: false });
+                out.suspects.push(Suspect {
+                    label,
+                    rows: vec![timing.asked()],
+                    whole: false,
+                });
             }
             Some(_) => {}
         }
     }
     for ([technique, backend], rows) in techniques {
-        let changes: Vec<f64> = rows.iter().filter_map(|t| change(&t.then.ratio, &t.now.ratio)).collect();
+        let changes: Vec<f64> = rows
+            .iter()
+            .filter_map(|t| change(&t.then.ratio, &t.now.ratio))
+            .collect();
         let label = format!("{technique} on {backend}");
         match slower(&changes) {
             Some((true, _)) => {
                 let rows = spread_out(&rows, MOST_ROWS).map(|t| t.asked()).collect();
-                out.suspects.push(Suspect { label, rows, whole: true });
+                out.suspects.push(Suspect {
+                    label,
+                    rows,
+                    whole: true,
+                });
             }
-            Some((false, factor)) => out.quicker.push(format!("{label}: quicker by a factor of {:.2}", 1.0 / factor)),
+            Some((false, factor)) => out.quicker.push(format!(
+                "{label}: quicker by a factor of {:.2}",
+                1.0 / factor
+            )),
             None => {}
         }
     }
@@ -151,13 +168,21 @@ fn spread_out<T>(all: &[T], most: usize) -> impl Iterator<Item = &T> {
 
 impl Timing<'_> {
     fn asked(&self) -> Asked {
-        Asked { scene: self.scene.0, stem: self.row.stem(), then: self.then }
+        Asked {
+            scene: self.scene.0,
+            stem: self.row.stem(),
+            then: self.then,
+        }
     }
 }
 
 /// What a row's ratios must lie beyond to be slower; none if the baseline has too few runs.
 fn bound(then: &Ranks) -> Option<f64> {
-    let usual = if then.runs < MANY { then.greatest } else { then.high };
+    let usual = if then.runs < MANY {
+        then.greatest
+    } else {
+        then.high
+    };
     (then.runs >= FEWEST).then_some(APART * usual)
 }
 
@@ -191,7 +216,9 @@ impl Suspect {
             let changes = self.changes(fresh);
             let (_, factor) = slower(&changes).filter(|(slower, _)| *slower)?;
             let (label, rows) = (&self.label, changes.len());
-            return Some(format!("{label}: slower by a factor of {factor:.2} in the median of {rows} rows"));
+            return Some(format!(
+                "{label}: slower by a factor of {factor:.2} in the median of {rows} rows"
+            ));
         }
         let (then, now) = (self.rows.first()?.then, (*fresh.first()?)?);
         if self.is_untold(fresh)
@@ -203,15 +230,27 @@ impl Suspect {
         }
         let (label, factor) = (&self.label, now.ratio.median / then.ratio.median);
         let [a, b] = [then, now].map(|s| {
-            let Sample { ratio: r, least_ms, .. } = s;
-            format!("{:.3} yardsticks ({:.3} to {:.3}; at least {least_ms:.3} ms)", r.median, r.tenth, r.greatest)
+            let Sample {
+                ratio: r, least_ms, ..
+            } = s;
+            format!(
+                "{:.3} yardsticks ({:.3} to {:.3}; at least {least_ms:.3} ms)",
+                r.median, r.tenth, r.greatest
+            )
         });
-        Some(format!("{label}: slower by a factor of {factor:.2}: {a} -> {b}"))
+        Some(format!(
+            "{label}: slower by a factor of {factor:.2}: {a} -> {b}"
+        ))
     }
 
     /// Whether there are too few fresh runs that nothing held up: as many as make a quartile.
     pub(super) fn is_untold(&self, fresh: &[Option<Sample>]) -> bool {
-        !self.whole && fresh.first().copied().flatten().is_some_and(|now| now.ratio.runs < MANY)
+        !self.whole
+            && fresh
+                .first()
+                .copied()
+                .flatten()
+                .is_some_and(|now| now.ratio.runs < MANY)
     }
 
     /// Whether fresh runs clear it already, so that it need not be timed once more: half of the ratios lie within the bound
@@ -219,20 +258,35 @@ impl Suspect {
     /// was beside the baseline.
     pub(super) fn is_cleared(&self, fresh: &[Option<Sample>]) -> bool {
         if self.whole {
-            return Ranks::of(self.changes(fresh)).is_none_or(|changes| changes.median <= TECHNIQUE.ln());
+            return Ranks::of(self.changes(fresh))
+                .is_none_or(|changes| changes.median <= TECHNIQUE.ln());
         }
-        let Some((then, now)) = self.rows.first().map(|row| row.then).zip(fresh.first().copied().flatten()) else {
+        let Some((then, now)) = self
+            .rows
+            .first()
+            .map(|row| row.then)
+            .zip(fresh.first().copied().flatten())
+        else {
             return true;
         };
-        let usual = now.ratio.runs >= FEWEST && bound(&then.ratio).is_none_or(|bound| now.ratio.median <= bound);
+        let usual = now.ratio.runs >= FEWEST
+            && bound(&then.ratio).is_none_or(|bound| now.ratio.median <= bound);
         usual || as_quick(&then, &now, APART) || !is_calm(&then, &now)
     }
 
     /// By how much its rows changed; those with a run as quick as ever did not.
     fn changes(&self, fresh: &[Option<Sample>]) -> Vec<f64> {
-        let pairs = self.rows.iter().zip(fresh).filter_map(|(row, now)| Some((row.then, (*now)?)));
+        let pairs = self
+            .rows
+            .iter()
+            .zip(fresh)
+            .filter_map(|(row, now)| Some((row.then, (*now)?)));
         let of = |(then, now): (Sample, Sample)| {
-            if as_quick(&then, &now, AS_QUICK) { Some(0.0) } else { change(&then.ratio, &now.ratio) }
+            if as_quick(&then, &now, AS_QUICK) {
+                Some(0.0)
+            } else {
+                change(&then.ratio, &now.ratio)
+            }
         };
         pairs.filter_map(of).collect()
     }

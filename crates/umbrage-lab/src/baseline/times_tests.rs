@@ -31,8 +31,16 @@ impl Noise {
         let rough = self.chance(0.25);
         let (scatter, held_up) = if rough { (0.3, 0.15) } else { (0.07, 0.04) };
         let run = |noise: &mut Self| {
-            let row = if noise.chance(held_up) { 1.0 + 5.0 * noise.uniform() } else { 1.0 };
-            let yardstick = if noise.chance(held_up) { 1.0 + 2.0 * noise.uniform() } else { 1.0 };
+            let row = if noise.chance(held_up) {
+                1.0 + 5.0 * noise.uniform()
+            } else {
+                1.0
+            };
+            let yardstick = if noise.chance(held_up) {
+                1.0 + 2.0 * noise.uniform()
+            } else {
+                1.0
+            };
             factor * (scatter * noise.normal()).exp() * row / yardstick
         };
         (0..runs).map(|_| run(self)).collect()
@@ -45,7 +53,11 @@ impl Noise {
 
 /// Ratios, and a quickest run of so many milliseconds.
 fn sample(ratios: Vec<f64>, least_ms: f64) -> Sample {
-    Sample { ratio: Ranks::of(ratios).expect("some"), least_ms, yardstick: 1.0 }
+    Sample {
+        ratio: Ranks::of(ratios).expect("some"),
+        least_ms,
+        yardstick: 1.0,
+    }
 }
 
 fn row(technique: &str, slug: usize) -> Row {
@@ -54,23 +66,44 @@ fn row(technique: &str, slug: usize) -> Row {
         settings: slug.to_string(),
         slug: slug.to_string(),
         backend: "cpu".to_owned(),
-        outcome: Outcome::Unsupported { reason: String::new() },
+        outcome: Outcome::Unsupported {
+            reason: String::new(),
+        },
     }
 }
 
 /// How many of `rows` rows and of their techniques count as slower when row `i` takes `now(i)` times as long as before.
 fn alarms(noise: &mut Noise, rows: usize, runs: usize, now: impl Fn(usize) -> f64) -> [usize; 2] {
-    let all: Vec<Row> = (0..rows).map(|i| row(["pcf", "hard", "pcss", "volumes"][i % 4], i)).collect();
+    let all: Vec<Row> = (0..rows)
+        .map(|i| row(["pcf", "hard", "pcss", "volumes"][i % 4], i))
+        .collect();
     let then: Vec<Sample> = (0..rows).map(|_| noise.sample(0.7, runs)).collect();
-    let after: Vec<Sample> = (0..rows).map(|i| noise.sample(0.7 * now(i), runs)).collect();
-    let timing = |i: usize| Timing { scene: (0, "made up"), row: &all[i], then: then[i], now: after[i] };
+    let after: Vec<Sample> = (0..rows)
+        .map(|i| noise.sample(0.7 * now(i), runs))
+        .collect();
+    let timing = |i: usize| Timing {
+        scene: (0, "made up"),
+        row: &all[i],
+        then: then[i],
+        now: after[i],
+    };
     let timings: Vec<_> = (0..rows).map(timing).collect();
     let mut out = [0, 0];
     for suspect in judge(&timings).suspects {
-        let place = |asked: &Asked| asked.stem.trim_end_matches(".cpu").parse::<usize>().expect("a number");
+        let place = |asked: &Asked| {
+            asked
+                .stem
+                .trim_end_matches(".cpu")
+                .parse::<usize>()
+                .expect("a number")
+        };
         // As if even the quickest runs told nothing: the ratios alone must do.
-        let known =
-            |fresh: &[Vec<f64>]| fresh.iter().map(|f| Some(sample(f.clone(), f64::INFINITY))).collect::<Vec<_>>();
+        let known = |fresh: &[Vec<f64>]| {
+            fresh
+                .iter()
+                .map(|f| Some(sample(f.clone(), f64::INFINITY)))
+                .collect::<Vec<_>>()
+        };
         let mut fresh: Vec<Vec<f64>> = vec![Vec::new(); suspect.rows.len()];
         let mut open = true;
         for _ in 0..super::super::ROUNDS {
@@ -91,7 +124,11 @@ fn two_hundred_comparisons_of_unchanged_code_raise_no_alarm() {
     let mut noise = Noise(0x9e37_79b9_7f4a_7c15);
     for runs in [5, 9, 15] {
         for _ in 0..70 {
-            assert_eq!(alarms(&mut noise, 1000, runs, |_| 1.0), [0, 0], "{runs} runs");
+            assert_eq!(
+                alarms(&mut noise, 1000, runs, |_| 1.0),
+                [0, 0],
+                "{runs} runs"
+            );
         }
     }
 }
@@ -107,35 +144,81 @@ fn a_row_that_takes_twice_as_long_is_caught() {
     let slower = sample(quiet.iter().map(|r| 2.0 * r).collect(), 6.0);
     let quiet = sample(quiet, 3.0);
     let rows = [row("pcf", 0)];
-    let timing = Timing { scene: (3, "made up"), row: &rows[0], then: quiet, now: slower };
+    let timing = Timing {
+        scene: (3, "made up"),
+        row: &rows[0],
+        then: quiet,
+        now: slower,
+    };
     let judged = judge(&[timing]);
     assert_eq!(judged.suspects.len(), 1);
     let said = judged.suspects[0].verdict(&[Some(slower)]).expect("slower");
-    assert!(said.starts_with("made up: pcf (0) on cpu: slower by a factor of 2.00"), "{said}");
-    assert_eq!(judged.suspects[0].verdict(&[Some(quiet)]), None, "as before when timed again");
-    assert_eq!(judged.suspects[0].verdict(&[None]), None, "not played any more");
+    assert!(
+        said.starts_with("made up: pcf (0) on cpu: slower by a factor of 2.00"),
+        "{said}"
+    );
+    assert_eq!(
+        judged.suspects[0].verdict(&[Some(quiet)]),
+        None,
+        "as before when timed again"
+    );
+    assert_eq!(
+        judged.suspects[0].verdict(&[None]),
+        None,
+        "not played any more"
+    );
     // A yardstick that was held up beside all of the baseline's runs: as this run's or later ones tell.
-    let quicker = Sample { yardstick: 0.7, ..slower };
-    let found = judge(&[Timing { now: quicker, ..timing }]);
+    let quicker = Sample {
+        yardstick: 0.7,
+        ..slower
+    };
+    let found = judge(&[Timing {
+        now: quicker,
+        ..timing
+    }]);
     assert!(found.suspects.is_empty() && found.rough == 1, "{found:?}");
     assert_eq!(judged.suspects[0].verdict(&[Some(quicker)]), None);
     assert!(judged.suspects[0].is_cleared(&[Some(quicker)]));
     // Too few fresh runs that nothing held up, or none.
     for runs in [0, MANY - 1] {
-        let few = Sample { ratio: Ranks { runs, ..slower.ratio }, ..slower };
-        assert!(judged.suspects[0].is_untold(&[Some(few)]) && !judged.suspects[0].is_cleared(&[Some(few)]));
+        let few = Sample {
+            ratio: Ranks {
+                runs,
+                ..slower.ratio
+            },
+            ..slower
+        };
+        assert!(
+            judged.suspects[0].is_untold(&[Some(few)])
+                && !judged.suspects[0].is_cleared(&[Some(few)])
+        );
         assert_eq!(judged.suspects[0].verdict(&[Some(few)]), None);
     }
-    let held_up = Sample { least_ms: 3.9, ..slower };
-    assert_eq!(judged.suspects[0].verdict(&[Some(held_up)]), None, "a run nearly as quick as ever");
+    let held_up = Sample {
+        least_ms: 3.9,
+        ..slower
+    };
+    assert_eq!(
+        judged.suspects[0].verdict(&[Some(held_up)]),
+        None,
+        "a run nearly as quick as ever"
+    );
 }
 
 #[test]
 fn few_runs_are_not_judged() {
     let rows = [row("pcf", 0)];
     let [then, now] = [1.0, 9.0].map(|r| sample(vec![r; FEWEST as usize - 1], r));
-    let judged = judge(&[Timing { scene: (0, ""), row: &rows[0], then, now }]);
-    assert!(judged.suspects.is_empty() && judged.rough == 1, "{judged:?}");
+    let judged = judge(&[Timing {
+        scene: (0, ""),
+        row: &rows[0],
+        then,
+        now,
+    }]);
+    assert!(
+        judged.suspects.is_empty() && judged.rough == 1,
+        "{judged:?}"
+    );
 }
 
 /// Each row alone is too noisy to say so.
@@ -149,9 +232,17 @@ fn a_technique_that_gets_slower_by_half_is_caught() {
     let rows: Vec<Row> = (0..FEWEST_ROWS).map(|i| row("pcss", i)).collect();
     let timing = |(row, scene): (_, usize)| {
         let [then, now] = [1.0, 0.5].map(|r| sample(vec![r + 0.01 * scene as f64; 9], r));
-        Timing { scene: (scene, ""), row, then, now }
+        Timing {
+            scene: (scene, ""),
+            row,
+            then,
+            now,
+        }
     };
     let timings: Vec<_> = rows.iter().zip(0..).map(timing).collect();
     let quicker = judge(&timings).quicker;
-    assert!(quicker.len() == 1 && quicker[0].starts_with("pcss on cpu: quicker by a factor of 1.9"), "{quicker:?}");
+    assert!(
+        quicker.len() == 1 && quicker[0].starts_with("pcss on cpu: quicker by a factor of 1.9"),
+        "{quicker:?}"
+    );
 }

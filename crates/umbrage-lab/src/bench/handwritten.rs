@@ -41,10 +41,20 @@ impl HandWritten {
         (size, radius): (u32, i32),
     ) -> Self {
         let source = ShaderSource::Wgsl(Cow::Borrowed(include_str!("handwritten.wgsl")));
-        let module = device.create_shader_module(ShaderModuleDescriptor { label: Some("by hand"), source });
-        let (cast, shade) = (cast_pipeline(device, &module), shade_pipeline(device, &module));
+        let module = device.create_shader_module(ShaderModuleDescriptor {
+            label: Some("by hand"),
+            source,
+        });
+        let (cast, shade) = (
+            cast_pipeline(device, &module),
+            shade_pipeline(device, &module),
+        );
         let buffer = |usage, contents: &[u8]| {
-            device.create_buffer_init(&util::BufferInitDescriptor { label: None, contents, usage })
+            device.create_buffer_init(&util::BufferInitDescriptor {
+                label: None,
+                contents,
+                usage,
+            })
         };
         let uniforms = buffer(BufferUsages::UNIFORM, &uniforms(space, to_light, radius));
         let map = texture(device, [size, size], TextureFormat::Depth32Float);
@@ -60,20 +70,37 @@ impl HandWritten {
         let triangles = geometry.casters().start as usize..geometry.casters().end as usize;
         let casters = &geometry.triangles()[triangles];
         let group = |pipeline: &RenderPipeline, views: &[&TextureView]| {
-            let first = BindGroupEntry { binding: 0, resource: uniforms.as_entire_binding() };
+            let first = BindGroupEntry {
+                binding: 0,
+                resource: uniforms.as_entire_binding(),
+            };
             let views = (1..).zip(views);
-            let views = views.map(|(binding, v)| BindGroupEntry { binding, resource: BindingResource::TextureView(v) });
+            let views = views.map(|(binding, v)| BindGroupEntry {
+                binding,
+                resource: BindingResource::TextureView(v),
+            });
             let entries: Vec<_> = std::iter::once(first).chain(views).collect();
             let layout = &pipeline.get_bind_group_layout(0);
-            device.create_bind_group(&BindGroupDescriptor { label: None, layout, entries: &entries })
+            device.create_bind_group(&BindGroupDescriptor {
+                label: None,
+                layout,
+                entries: &entries,
+            })
         };
         Self {
             cast_group: group(&cast, &[]),
             shade_group: group(&shade, &[&map, &position, &normal]),
-            vertices: buffer(BufferUsages::VERTEX, bytemuck::cast_slice(geometry.positions())),
+            vertices: buffer(
+                BufferUsages::VERTEX,
+                bytemuck::cast_slice(geometry.positions()),
+            ),
             indices: buffer(BufferUsages::INDEX, bytemuck::cast_slice(casters)),
             count: 3 * casters.len() as u32,
-            stamps: device.create_query_set(&QuerySetDescriptor { label: None, ty: QueryType::Timestamp, count: 4 }),
+            stamps: device.create_query_set(&QuerySetDescriptor {
+                label: None,
+                ty: QueryType::Timestamp,
+                count: 4,
+            }),
             resolved: stamp_buffer(device, BufferUsages::QUERY_RESOLVE | BufferUsages::COPY_SRC),
             read_back: stamp_buffer(device, BufferUsages::MAP_READ | BufferUsages::COPY_DST),
             device: device.clone(),
@@ -87,7 +114,9 @@ impl HandWritten {
 
     /// Draws one frame and waits for it.
     pub(super) fn frame(&self) -> Result<FrameTimes, String> {
-        let mut encoder = self.device.create_command_encoder(&CommandEncoderDescriptor::default());
+        let mut encoder = self
+            .device
+            .create_command_encoder(&CommandEncoderDescriptor::default());
         self.encode_cast(&mut encoder);
         self.encode_shade(&mut encoder);
         encoder.resolve_query_set(&self.stamps, 0..4, &self.resolved, 0);
@@ -97,7 +126,10 @@ impl HandWritten {
     }
 
     fn encode_cast(&self, encoder: &mut CommandEncoder) {
-        let depth_ops = Some(Operations { load: LoadOp::Clear(1.0), store: StoreOp::Store });
+        let depth_ops = Some(Operations {
+            load: LoadOp::Clear(1.0),
+            store: StoreOp::Store,
+        });
         let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
             depth_stencil_attachment: Some(RenderPassDepthStencilAttachment {
                 view: &self.map,
@@ -115,8 +147,16 @@ impl HandWritten {
     }
 
     fn encode_shade(&self, encoder: &mut CommandEncoder) {
-        let ops = Operations { load: LoadOp::Clear(Color::BLACK), store: StoreOp::Store };
-        let target = RenderPassColorAttachment { view: &self.mask, depth_slice: None, resolve_target: None, ops };
+        let ops = Operations {
+            load: LoadOp::Clear(Color::BLACK),
+            store: StoreOp::Store,
+        };
+        let target = RenderPassColorAttachment {
+            view: &self.mask,
+            depth_slice: None,
+            resolve_target: None,
+            ops,
+        };
         let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
             color_attachments: &[Some(target)],
             timestamp_writes: Some(self.writes(2)),
@@ -137,51 +177,94 @@ impl HandWritten {
 
     fn times(&self) -> Result<FrameTimes, String> {
         self.read_back.map_async(MapMode::Read, .., |_| {});
-        self.device.poll(PollType::wait_indefinitely()).map_err(|e| e.to_string())?;
+        self.device
+            .poll(PollType::wait_indefinitely())
+            .map_err(|e| e.to_string())?;
         let stamps: Vec<u64> = {
-            let bytes = self.read_back.get_mapped_range(..).map_err(|e| e.to_string())?;
+            let bytes = self
+                .read_back
+                .get_mapped_range(..)
+                .map_err(|e| e.to_string())?;
             bytemuck::pod_collect_to_vec(&bytes)
         };
         self.read_back.unmap();
         let period = f64::from(self.queue.get_timestamp_period());
-        let between = |i: usize| Duration::from_nanos((stamps[i + 1].saturating_sub(stamps[i]) as f64 * period) as u64);
-        Ok(FrameTimes { cast: between(0), receive: between(2) })
+        let between = |i: usize| {
+            Duration::from_nanos((stamps[i + 1].saturating_sub(stamps[i]) as f64 * period) as u64)
+        };
+        Ok(FrameTimes {
+            cast: between(0),
+            receive: between(2),
+        })
     }
 }
 
 fn stamp_buffer(device: &Device, usage: BufferUsages) -> Buffer {
-    device.create_buffer(&BufferDescriptor { label: None, size: 32, usage, mapped_at_creation: false })
+    device.create_buffer(&BufferDescriptor {
+        label: None,
+        size: 32,
+        usage,
+        mapped_at_creation: false,
+    })
 }
 
 fn uniforms(space: &LightSpace, to_light: Vec3, radius: i32) -> Vec<u8> {
-    let floats = space.clip_from_world().to_cols_array().into_iter().chain(to_light.to_array());
-    floats.flat_map(f32::to_le_bytes).chain(radius.to_le_bytes()).collect()
+    let floats = space
+        .clip_from_world()
+        .to_cols_array()
+        .into_iter()
+        .chain(to_light.to_array());
+    floats
+        .flat_map(f32::to_le_bytes)
+        .chain(radius.to_le_bytes())
+        .collect()
 }
 
 fn texture(device: &Device, [width, height]: [u32; 2], format: TextureFormat) -> TextureView {
     let desc = TextureDescriptor {
         label: None,
-        size: Extent3d { width, height, depth_or_array_layers: 1 },
+        size: Extent3d {
+            width,
+            height,
+            depth_or_array_layers: 1,
+        },
         mip_level_count: 1,
         sample_count: 1,
         dimension: TextureDimension::D2,
         format,
-        usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST,
+        usage: TextureUsages::RENDER_ATTACHMENT
+            | TextureUsages::TEXTURE_BINDING
+            | TextureUsages::COPY_DST,
         view_formats: &[],
     };
-    device.create_texture(&desc).create_view(&TextureViewDescriptor::default())
+    device
+        .create_texture(&desc)
+        .create_view(&TextureViewDescriptor::default())
 }
 
 fn upload(device: &Device, queue: &Queue, size: [u32; 2], data: &[u8]) -> TextureView {
     let view = texture(device, size, TextureFormat::Rgba32Float);
-    let layout = TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(16 * size[0]), rows_per_image: None };
-    queue.write_texture(view.texture().as_image_copy(), data, layout, view.texture().size());
+    let layout = TexelCopyBufferLayout {
+        offset: 0,
+        bytes_per_row: Some(16 * size[0]),
+        rows_per_image: None,
+    };
+    queue.write_texture(
+        view.texture().as_image_copy(),
+        data,
+        layout,
+        view.texture().size(),
+    );
     view
 }
 
 fn cast_pipeline(device: &Device, module: &ShaderModule) -> RenderPipeline {
     let attributes = &wgpu::vertex_attr_array![0 => Float32x3];
-    let buffer = VertexBufferLayout { array_stride: 12, step_mode: VertexStepMode::Vertex, attributes };
+    let buffer = VertexBufferLayout {
+        array_stride: 12,
+        step_mode: VertexStepMode::Vertex,
+        attributes,
+    };
     device.create_render_pipeline(&RenderPipelineDescriptor {
         label: Some("cast by hand"),
         layout: None,

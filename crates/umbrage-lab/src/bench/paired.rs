@@ -64,7 +64,11 @@ pub fn paired<E>(
         }
     }
     let ratio = Times::of(times.iter().map(|(a, b)| b / a.max(1e-6))).median;
-    Ok((Times::of(times.iter().map(|t| t.0)), Times::of(times.iter().map(|t| t.1)), ratio))
+    Ok((
+        Times::of(times.iter().map(|t| t.0)),
+        Times::of(times.iter().map(|t| t.1)),
+        ratio,
+    ))
 }
 
 fn milliseconds(d: Duration) -> f64 {
@@ -76,9 +80,23 @@ impl Times {
     fn of(values: impl Iterator<Item = f64>) -> Self {
         let mut sorted: Vec<f64> = values.collect();
         sorted.sort_by(f64::total_cmp);
-        let at = |share: f64| sorted.get(((sorted.len() - 1) as f64 * share).round() as usize).copied();
-        let at = |share| if sorted.is_empty() { f64::NAN } else { at(share).unwrap_or(f64::NAN) };
-        Self { least: at(0.0), median: at(0.5), high: at(0.9) }
+        let at = |share: f64| {
+            sorted
+                .get(((sorted.len() - 1) as f64 * share).round() as usize)
+                .copied()
+        };
+        let at = |share| {
+            if sorted.is_empty() {
+                f64::NAN
+            } else {
+                at(share).unwrap_or(f64::NAN)
+            }
+        };
+        Self {
+            least: at(0.0),
+            median: at(0.5),
+            high: at(0.9),
+        }
     }
 }
 

@@ -27,7 +27,13 @@ fn shots(receivers: &Receivers, light: &LightSampler, far: f32) -> Vec<Shot> {
     lit.flat_map(|i| {
         let (p, n) = (receivers.position(i), receivers.normal(i));
         let o = p + n * origin_offset(p, far);
-        (0..4).map(move |s| (o, segment(light, o, unit_square(s, i as u32), far), receivers.triangle[i]))
+        (0..4).map(move |s| {
+            (
+                o,
+                segment(light, o, unit_square(s, i as u32), far),
+                receivers.triangle[i],
+            )
+        })
     })
     .collect()
 }
@@ -55,12 +61,18 @@ pub(super) fn compare(
         let ray = Ray::new(o.into(), d.into(), 0.0, 1.0);
         !wide.ray_traverse_miss(ray, |ray, i| triangles[i].intersect(ray))
     };
-    let (ours, theirs, ratio) =
-        paired(runs, || Ok::<_, Infallible>(time(&shots, |s| ours_hits(bvh, s))), || Ok(time(&shots, obvhs_hits)))
-            .unwrap_or_else(|never| match never {});
+    let (ours, theirs, ratio) = paired(
+        runs,
+        || Ok::<_, Infallible>(time(&shots, |s| ours_hits(bvh, s))),
+        || Ok(time(&shots, obvhs_hits)),
+    )
+    .unwrap_or_else(|never| match never {});
     Pair {
         work: format!("{:.1} M any-hit rays, {name}", shots.len() as f64 / 1e6),
-        who: ["umbrage's test in obvhs's hierarchy".into(), "obvhs alone".into()],
+        who: [
+            "umbrage's test in obvhs's hierarchy".into(),
+            "obvhs alone".into(),
+        ],
         ours,
         theirs,
         ratio,
@@ -75,7 +87,10 @@ fn ours_hits(bvh: &Bvh, &(o, d, skip): &Shot) -> bool {
 
 fn time(shots: &[Shot], hits: impl Fn(&Shot) -> bool + Sync) -> Duration {
     let start = Instant::now();
-    let count: usize = shots.par_chunks(TASK).map(|task| task.iter().filter(|s| hits(s)).count()).sum();
+    let count: usize = shots
+        .par_chunks(TASK)
+        .map(|task| task.iter().filter(|s| hits(s)).count())
+        .sum();
     black_box(count);
     start.elapsed()
 }

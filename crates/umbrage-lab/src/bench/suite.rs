@@ -8,7 +8,8 @@ use super::{
 };
 use std::time::Duration;
 use umbrage_core::{
-    Backend, BackendError, Camera, Geometry, Light, Receivers, Recipe, Scene, ShadowTechnique, View,
+    Backend, BackendError, Camera, Geometry, Light, Receivers, Recipe, Scene, ShadowTechnique,
+    View,
     glam::{UVec2, Vec3},
 };
 use umbrage_cpu::{Cpu, CpuOptions};
@@ -29,7 +30,11 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { runs: 20, warm_up: 3, threads: 2 }
+        Self {
+            runs: 20,
+            warm_up: 3,
+            threads: 2,
+        }
     }
 }
 
@@ -50,22 +55,43 @@ struct Stage {
 }
 
 impl Stage {
-    fn new(name: &'static str, scene: &Scene, size: UVec2, cpu: &mut Cpu) -> Result<Self, BackendError> {
+    fn new(
+        name: &'static str,
+        scene: &Scene,
+        size: UVec2,
+        cpu: &mut Cpu,
+    ) -> Result<Self, BackendError> {
         let geometry = Geometry::bake(scene)?;
         let camera = scene.cameras[0].resized(size);
         let receivers = cpu.receivers(&camera, &geometry)?;
-        Ok(Self { name, geometry, camera, light: scene.lights[0], receivers })
+        Ok(Self {
+            name,
+            geometry,
+            camera,
+            light: scene.lights[0],
+            receivers,
+        })
     }
 
     /// The same with a light that has an extent: the sun's, or a tenth of a metre.
     fn with_extent(&self) -> Self {
         let mut light = self.light;
         match &mut light {
-            Light::Directional { angular_diameter: extent, .. } => *extent = 0.0093,
-            Light::Spot { radius: extent, .. } | Light::Point { radius: extent, .. } => *extent = 0.1,
+            Light::Directional {
+                angular_diameter: extent,
+                ..
+            } => *extent = 0.0093,
+            Light::Spot { radius: extent, .. } | Light::Point { radius: extent, .. } => {
+                *extent = 0.1
+            }
             Light::Rect { .. } | Light::Disc { .. } => {}
         }
-        Self { geometry: self.geometry.clone(), receivers: self.receivers.clone(), light, ..*self }
+        Self {
+            geometry: self.geometry.clone(),
+            receivers: self.receivers.clone(),
+            light,
+            ..*self
+        }
     }
 
     fn view(&self) -> View<'_> {
@@ -77,10 +103,18 @@ impl Stage {
 ///
 /// # Errors
 /// When a backend fails.
-pub fn run(options: Options, gpu: Option<&mut Gpu>, mut tell: impl FnMut(Pair)) -> Result<(), BackendError> {
+pub fn run(
+    options: Options,
+    gpu: Option<&mut Gpu>,
+    mut tell: impl FnMut(Pair),
+) -> Result<(), BackendError> {
     let mut cpu = Cpu::with_options(&CpuOptions::default().threads(options.threads))?;
     let runs = [options.warm_up, options.runs];
-    let entries = || umbrage_scenes::all().iter().filter(|e| e.kind == Kind::Speed);
+    let entries = || {
+        umbrage_scenes::all()
+            .iter()
+            .filter(|e| e.kind == Kind::Speed)
+    };
     if let Some(gpu) = gpu {
         for entry in entries() {
             let stage = Stage::new(entry.name, &(entry.build)(), SCREEN, &mut cpu)?;
@@ -95,22 +129,35 @@ pub fn run(options: Options, gpu: Option<&mut Gpu>, mut tell: impl FnMut(Pair)) 
             by_hand(&stage, runs, gpu)?.into_iter().for_each(&mut tell);
         }
     }
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(options.threads).build();
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(options.threads)
+        .build();
     let pool = pool.map_err(|e| BackendError::OutOfMemory(e.to_string()))?;
     for entry in entries() {
         let stage = Stage::new(entry.name, &(entry.build)(), RAY_SCREEN, &mut cpu)?;
-        let Stage { geometry, receivers, light, .. } = &stage;
+        let Stage {
+            geometry,
+            receivers,
+            light,
+            ..
+        } = &stage;
         tell(pool.install(|| rays::compare(entry.name, geometry, receivers, light, runs)));
     }
     Ok(())
 }
 
 fn plan(view: &View<'_>, technique: &dyn ShadowTechnique) -> Result<Recipe, BackendError> {
-    technique.plan(view).map_err(|e| BackendError::Validation(format!("{}: {e}", technique.name())))
+    technique
+        .plan(view)
+        .map_err(|e| BackendError::Validation(format!("{}: {e}", technique.name())))
 }
 
 fn map() -> ShadowMap {
-    ShadowMap { size: MAP, bias: Bias::SLOPE, ..ShadowMap::default() }
+    ShadowMap {
+        size: MAP,
+        bias: Bias::SLOPE,
+        ..ShadowMap::default()
+    }
 }
 
 /// Which of a hand-written frame's times.
@@ -128,18 +175,28 @@ fn both(
 ) -> Result<(super::Times, super::Times, f64), BackendError> {
     let time = |backend: &mut dyn Backend| -> Result<Duration, BackendError> {
         let shadows = backend.render(view, recipe)?;
-        let missing = || BackendError::Validation(format!("{} cannot time its passes", backend.name()));
+        let missing =
+            || BackendError::Validation(format!("{} cannot time its passes", backend.name()));
         stage(&shadows.timings).ok_or_else(missing)
     };
     paired(runs, || time(cpu), || time(gpu))
 }
 
-fn depth(stage: &Stage, runs: [usize; 2], cpu: &mut Cpu, gpu: &mut Gpu) -> Result<Pair, BackendError> {
+fn depth(
+    stage: &Stage,
+    runs: [usize; 2],
+    cpu: &mut Cpu,
+    gpu: &mut Gpu,
+) -> Result<Pair, BackendError> {
     let view = stage.view();
     let recipe = plan(&view, &Hard { map: map() })?;
     let (ours, theirs, ratio) = both((&view, &recipe), |t| t.cast, runs, cpu, gpu)?;
     Ok(Pair {
-        work: format!("depth {MAP}x{MAP}, {} ({} triangles)", stage.name, stage.geometry.casters().len()),
+        work: format!(
+            "depth {MAP}x{MAP}, {} ({} triangles)",
+            stage.name,
+            stage.geometry.casters().len()
+        ),
         who: [cpu.name().into(), gpu.name().into()],
         ours,
         theirs,
@@ -162,7 +219,10 @@ fn lookup(
     let (ours, theirs, ratio) = both((&view, &recipe), |t| t.receive, runs, cpu, gpu)?;
     let taps = (2 * radius + 1).pow(2);
     Ok(Pair {
-        work: format!("PCF of {taps} taps, {}x{}, {}", SCREEN.x, SCREEN.y, stage.name),
+        work: format!(
+            "PCF of {taps} taps, {}x{}, {}",
+            SCREEN.x, SCREEN.y, stage.name
+        ),
         who: [cpu.name().into(), gpu.name().into()],
         ours,
         theirs,
@@ -172,16 +232,37 @@ fn lookup(
     })
 }
 
-fn soft(stage: &Stage, runs: [usize; 2], cpu: &mut Cpu, gpu: &mut Gpu) -> Result<Pair, BackendError> {
+fn soft(
+    stage: &Stage,
+    runs: [usize; 2],
+    cpu: &mut Cpu,
+    gpu: &mut Gpu,
+) -> Result<Pair, BackendError> {
     let view = stage.view();
-    let technique = Pcss { map: ShadowMap { size: MAP, ..Pcss::default().map }, ..Pcss::default() };
+    let technique = Pcss {
+        map: ShadowMap {
+            size: MAP,
+            ..Pcss::default().map
+        },
+        ..Pcss::default()
+    };
     let recipe = plan(&view, &technique)?;
     // The grid that bounds the search belongs to its price.
-    let searched: StageTime = |t| t.receive.map(|receive| receive + t.filter.unwrap_or_default());
+    let searched: StageTime = |t| {
+        t.receive
+            .map(|receive| receive + t.filter.unwrap_or_default())
+    };
     let (ours, theirs, ratio) = both((&view, &recipe), searched, runs, cpu, gpu)?;
-    let Pcss { blocker_taps, filter_taps, .. } = technique;
+    let Pcss {
+        blocker_taps,
+        filter_taps,
+        ..
+    } = technique;
     Ok(Pair {
-        work: format!("PCSS of {blocker_taps} + {filter_taps} taps, {}x{}, {}", SCREEN.x, SCREEN.y, stage.name),
+        work: format!(
+            "PCSS of {blocker_taps} + {filter_taps} taps, {}x{}, {}",
+            SCREEN.x, SCREEN.y, stage.name
+        ),
         who: [cpu.name().into(), gpu.name().into()],
         ours,
         theirs,
@@ -194,22 +275,53 @@ fn soft(stage: &Stage, runs: [usize; 2], cpu: &mut Cpu, gpu: &mut Gpu) -> Result
 /// The wgpu player's passes against a program written for this one technique.
 fn by_hand(stage: &Stage, runs: [usize; 2], gpu: &mut Gpu) -> Result<Vec<Pair>, BackendError> {
     let view = stage.view();
-    let recipe = plan(&view, &Pcf { map: map(), radius: 1 })?;
-    let light = (&recipe.casts[0].space, stage.light.direction_from(Vec3::ZERO));
-    let program = HandWritten::new(gpu.device(), &stage.geometry, &stage.receivers, light, (MAP, 1));
+    let recipe = plan(
+        &view,
+        &Pcf {
+            map: map(),
+            radius: 1,
+        },
+    )?;
+    let light = (
+        &recipe.casts[0].space,
+        stage.light.direction_from(Vec3::ZERO),
+    );
+    let program = HandWritten::new(
+        gpu.device(),
+        &stage.geometry,
+        &stage.receivers,
+        light,
+        (MAP, 1),
+    );
     let who = [format!("umbrage on {}", gpu.name()), "by hand".to_owned()];
-    let passes: [(&str, StageTime, FrameTime); 2] =
-        [("depth", |t| t.cast, |t| t.cast), ("PCF of 9 taps", |t| t.receive, |t| t.receive)];
+    let passes: [(&str, StageTime, FrameTime); 2] = [
+        ("depth", |t| t.cast, |t| t.cast),
+        ("PCF of 9 taps", |t| t.receive, |t| t.receive),
+    ];
     let mut pairs = Vec::new();
     for (name, ours_time, theirs_time) in passes {
         let ours = || {
             let timings = gpu.render(&view, &recipe)?.timings;
-            ours_time(&timings).ok_or_else(|| BackendError::Validation("passes cannot be timed here".into()))
+            ours_time(&timings)
+                .ok_or_else(|| BackendError::Validation("passes cannot be timed here".into()))
         };
-        let theirs = || program.frame().map(theirs_time).map_err(BackendError::Validation);
+        let theirs = || {
+            program
+                .frame()
+                .map(theirs_time)
+                .map_err(BackendError::Validation)
+        };
         let (ours, theirs, ratio) = paired(runs, ours, theirs)?;
         let work = format!("{name} on wgpu, {}", stage.name);
-        pairs.push(Pair { work, who: who.clone(), ours, theirs, ratio, bar: Some(1.0 / 1.15), runs: runs[1] });
+        pairs.push(Pair {
+            work,
+            who: who.clone(),
+            ours,
+            theirs,
+            ratio,
+            bar: Some(1.0 / 1.15),
+            runs: runs[1],
+        });
     }
     Ok(pairs)
 }

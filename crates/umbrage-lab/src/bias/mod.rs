@@ -20,7 +20,9 @@ use crate::{
 };
 use glam::UVec2;
 use serde::{Deserialize, Serialize};
-use umbrage_core::{Backend, FitMemory, Geometry, PlanError, ShadowTechnique, View, metrics::Reference};
+use umbrage_core::{
+    Backend, FitMemory, Geometry, PlanError, ShadowTechnique, View, metrics::Reference,
+};
 use umbrage_techniques::{Bias, Hard, Pcf, PcfDisc, PcfHardware, PcfMerged, ShadowMap};
 
 /// As many wrong pixels are left to chance. (A shadow's edge that is some hundred pixels long is moved by every bias.)
@@ -37,7 +39,10 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { size: None, sides: vec![512, 2048] }
+        Self {
+            size: None,
+            sides: vec![512, 2048],
+        }
     }
 }
 
@@ -80,7 +85,10 @@ pub struct BiasRow {
 impl BiasRow {
     /// The default's [`BiasRow::ratio_of`], the greatest over the backends.
     pub fn ratio(&self) -> f64 {
-        self.played.iter().map(|played| self.ratio_of(played.rmse)).fold(0.0, f64::max)
+        self.played
+            .iter()
+            .map(|played| self.ratio_of(played.rmse))
+            .fold(0.0, f64::max)
     }
 
     /// An error over the best rival's, both with [`FEW`] wrong pixels added in squares.
@@ -99,30 +107,59 @@ pub const KERNELS: [Kernel; 6] = [
     ("hard", |map| Box::new(Hard { map })),
     ("pcf 3x3", |map| Box::new(Pcf { map, radius: 1 })),
     ("pcf 7x7", |map| Box::new(Pcf { map, radius: 3 })),
-    ("pcf_hardware 1x1", |map| Box::new(PcfHardware { map, samples: 1 })),
-    ("pcf_merged 3x3", |map| Box::new(PcfMerged { map, radius: 1 })),
-    ("pcf_disc", |map| Box::new(PcfDisc { map, ..PcfDisc::default() })),
+    ("pcf_hardware 1x1", |map| {
+        Box::new(PcfHardware { map, samples: 1 })
+    }),
+    ("pcf_merged 3x3", |map| {
+        Box::new(PcfMerged { map, radius: 1 })
+    }),
+    ("pcf_disc", |map| {
+        Box::new(PcfDisc {
+            map,
+            ..PcfDisc::default()
+        })
+    }),
 ];
 
 /// Plays the default and all rivals under every light of a staged scene. Rows in order of light, kernel and side.
 ///
 /// # Errors
 /// When the scene is not valid or a backend fails. Kernels and maps that can't serve a light are left out.
-pub fn measure(staged: &Staged, options: &Options, backends: &mut Backends) -> Result<Vec<BiasRow>, LabError> {
+pub fn measure(
+    staged: &Staged,
+    options: &Options,
+    backends: &mut Backends,
+) -> Result<Vec<BiasRow>, LabError> {
     let scene = &staged.scene;
     let geometry = Geometry::bake(scene)?;
-    let camera = options.size.map_or(scene.cameras[0], |size| scene.cameras[0].resized(size));
+    let camera = options
+        .size
+        .map_or(scene.cameras[0], |size| scene.cameras[0].resized(size));
     let mut rows = Vec::new();
     for (light_name, light) in &staged.lights {
         let receivers = &mut backends.receivers;
         let mut find = |camera: &_, geometry: &_| receivers.receivers(camera, geometry);
-        let truth = truth::trace(&camera, light, &geometry, &TruthOptions::default(), &mut find, &|_, _| {})?;
+        let truth = truth::trace(
+            &camera,
+            light,
+            &geometry,
+            &TruthOptions::default(),
+            &mut find,
+            &|_, _| {},
+        )?;
         let fits = FitMemory::default();
-        let view = View::new(&camera, light, &geometry).with_receivers(&truth.receivers).with_fits(&fits);
-        let case = Case { view, reference: Reference::new(truth.size, &truth.visibility, &truth.pixels)? };
+        let view = View::new(&camera, light, &geometry)
+            .with_receivers(&truth.receivers)
+            .with_fits(&fits);
+        let case = Case {
+            view,
+            reference: Reference::new(truth.size, &truth.visibility, &truth.pixels)?,
+        };
         for kernel in KERNELS {
             for &side in &options.sides {
-                let Some(figures) = case.play(kernel, side, backends)? else { continue };
+                let Some(figures) = case.play(kernel, side, backends)? else {
+                    continue;
+                };
                 rows.push(BiasRow {
                     scene: scene.name.clone(),
                     light: light_name.clone(),
@@ -145,18 +182,36 @@ struct Case<'a> {
 
 impl Case<'_> {
     /// The figures of one kernel and side, without the names; none where the light is not served.
-    fn play(&self, kernel: Kernel, side: u32, backends: &mut Backends) -> Result<Option<BiasRow>, LabError> {
-        let with = |bias: Bias| kernel.1(ShadowMap { size: side, bias, ..ShadowMap::default() });
+    fn play(
+        &self,
+        kernel: Kernel,
+        side: u32,
+        backends: &mut Backends,
+    ) -> Result<Option<BiasRow>, LabError> {
+        let with = |bias: Bias| {
+            kernel.1(ShadowMap {
+                size: side,
+                bias,
+                ..ShadowMap::default()
+            })
+        };
         let mut played = Vec::new();
         let mut counted = 0;
         for backend in &mut backends.playing {
-            let Some((rmse, pixels)) = self.error(&*with(Bias::ADAPTIVE), &mut **backend)? else { return Ok(None) };
-            played.push(Played { backend: backend.name().to_owned(), rmse });
+            let Some((rmse, pixels)) = self.error(&*with(Bias::ADAPTIVE), &mut **backend)? else {
+                return Ok(None);
+            };
+            played.push(Played {
+                backend: backend.name().to_owned(),
+                rmse,
+            });
             counted = pixels;
         }
         let cpu = &mut backends.receivers;
-        let mut of =
-            |bias: Bias| self.error(&*with(bias), cpu).map(|found| found.map_or(f64::INFINITY, |(rmse, _)| rmse));
+        let mut of = |bias: Bias| {
+            self.error(&*with(bias), cpu)
+                .map(|found| found.map_or(f64::INFINITY, |(rmse, _)| rmse))
+        };
         let (mut best, mut best_bias) = (f64::INFINITY, Bias::NONE);
         for rival in rivals(with(Bias::NONE).kernel_reach().unwrap_or(0.0)) {
             let rmse = of(rival)?;

@@ -18,19 +18,44 @@ const BESIDE_THE_PLANE: [f32; 4] = [0.0, 0.25, 0.5, 1.0];
 /// Every kind of bias but [`Bias::ADAPTIVE`] in many amounts, for a kernel that reaches `reach` texels beyond the receiver's
 /// own.
 pub fn rivals(reach: f32) -> Vec<Bias> {
-    let constants = CONSTANTS.map(|constant| Bias { constant, ..Bias::NONE });
+    let constants = CONSTANTS.map(|constant| Bias {
+        constant,
+        ..Bias::NONE
+    });
     let slopes = SLOPES.map(|share| Bias {
         slope: share * Bias::SLOPE.slope,
         slope_min: share * Bias::SLOPE.slope_min,
         ..Bias::NONE
     });
-    let normal = OFFSETS.map(|share| Bias { normal_offset: share * (reach + 0.5) * SQRT_2, ..Bias::NORMAL_OFFSET });
+    let normal = OFFSETS.map(|share| Bias {
+        normal_offset: share * (reach + 0.5) * SQRT_2,
+        ..Bias::NORMAL_OFFSET
+    });
     let polygon = POLYGON_OFFSETS.map(|share| Bias {
-        raster: RasterBias { slope: share * (2.0 * reach + 1.0), ..Bias::POLYGON_OFFSET.raster },
+        raster: RasterBias {
+            slope: share * (2.0 * reach + 1.0),
+            ..Bias::POLYGON_OFFSET.raster
+        },
         ..Bias::NONE
     });
-    let plane = BESIDE_THE_PLANE.map(|normal_offset| Bias { normal_offset, ..Bias::RECEIVER_PLANE });
-    let plane_and_polygon = [0.5, 1.0, 2.0]
-        .map(|slope| Bias { raster: RasterBias { slope, ..Bias::POLYGON_OFFSET.raster }, ..Bias::RECEIVER_PLANE });
-    [&constants[..], &slopes, &normal, &polygon, &plane, &plane_and_polygon].concat()
+    let plane = BESIDE_THE_PLANE.map(|normal_offset| Bias {
+        normal_offset,
+        ..Bias::RECEIVER_PLANE
+    });
+    let plane_and_polygon = [0.5, 1.0, 2.0].map(|slope| Bias {
+        raster: RasterBias {
+            slope,
+            ..Bias::POLYGON_OFFSET.raster
+        },
+        ..Bias::RECEIVER_PLANE
+    });
+    [
+        &constants[..],
+        &slopes,
+        &normal,
+        &polygon,
+        &plane,
+        &plane_and_polygon,
+    ]
+    .concat()
 }

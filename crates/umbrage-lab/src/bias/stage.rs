@@ -27,21 +27,50 @@ pub fn staged(scene: Scene, is_model: bool) -> Result<Staged, LabError> {
     if is_model {
         return on_a_floor(scene);
     }
-    let own = scene.lights.iter().enumerate().map(|(i, light)| (format!("{i} {}", light.kind()), ideal(light)));
-    Ok(Staged { lights: own.collect(), scene })
+    let own = scene
+        .lights
+        .iter()
+        .enumerate()
+        .map(|(i, light)| (format!("{i} {}", light.kind()), ideal(light)));
+    Ok(Staged {
+        lights: own.collect(),
+        scene,
+    })
 }
 
 /// The same light without extent.
 pub(super) fn ideal(light: &Light) -> Light {
     match *light {
-        Light::Directional { direction, .. } => Light::Directional { direction, angular_diameter: 0.0 },
-        Light::Spot { position, direction, inner, outer, .. } => {
-            Light::Spot { position, direction, inner, outer, radius: 0.0 }
+        Light::Directional { direction, .. } => Light::Directional {
+            direction,
+            angular_diameter: 0.0,
+        },
+        Light::Spot {
+            position,
+            direction,
+            inner,
+            outer,
+            ..
+        } => Light::Spot {
+            position,
+            direction,
+            inner,
+            outer,
+            radius: 0.0,
+        },
+        Light::Point { position, .. } => Light::Point {
+            position,
+            radius: 0.0,
+        },
+        Light::Rect {
+            center: position, ..
         }
-        Light::Point { position, .. } => Light::Point { position, radius: 0.0 },
-        Light::Rect { center: position, .. } | Light::Disc { center: position, .. } => {
-            Light::Point { position, radius: 0.0 }
-        }
+        | Light::Disc {
+            center: position, ..
+        } => Light::Point {
+            position,
+            radius: 0.0,
+        },
     }
 }
 
@@ -50,18 +79,35 @@ fn on_a_floor(mut scene: Scene) -> Result<Staged, LabError> {
     let (center, extent) = (bounds.center(), bounds.extent());
     let reach = extent.max_element();
     scene.meshes.push(floor(bounds, 3.0 * reach)?);
-    scene.instances.push(Instance::new(scene.meshes.len() - 1, Affine3A::IDENTITY));
+    scene
+        .instances
+        .push(Instance::new(scene.meshes.len() - 1, Affine3A::IDENTITY));
     let eye = center + Vec3::new(1.0, 0.8, 1.4).normalize() * (1.9 * reach);
     let target = center - Vec3::Y * (0.1 * reach);
-    scene.cameras = vec![Camera::perspective(eye, target, Vec3::Y, FOV_Y, [0.05 * reach, 10.0 * reach], SIZE)?];
+    scene.cameras = vec![Camera::perspective(
+        eye,
+        target,
+        Vec3::Y,
+        FOV_Y,
+        [0.05 * reach, 10.0 * reach],
+        SIZE,
+    )?];
     scene.lights.clear();
-    Ok(Staged { scene, lights: lights_around(bounds) })
+    Ok(Staged {
+        scene,
+        lights: lights_around(bounds),
+    })
 }
 
 fn floor(bounds: Aabb, half: f32) -> Result<Mesh, LabError> {
     let center = bounds.center();
     let corner = |x: f32, z: f32| Vec3::new(center.x + x * half, bounds.min.y, center.z + z * half);
-    let corners = vec![corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)];
+    let corners = vec![
+        corner(-1.0, -1.0),
+        corner(-1.0, 1.0),
+        corner(1.0, 1.0),
+        corner(1.0, -1.0),
+    ];
     Ok(Mesh::new("floor", corners, vec![[0, 1, 2], [0, 2, 3]])?)
 }
 
@@ -69,12 +115,29 @@ fn floor(bounds: Aabb, half: f32) -> Result<Mesh, LabError> {
 pub fn lights_around(bounds: Aabb) -> Vec<(String, Light)> {
     let (center, extent) = (bounds.center(), bounds.extent());
     let reach = extent.max_element();
-    let sun = |x, y, z| Light::Directional { direction: Vec3::new(x, y, z), angular_diameter: 0.0 };
+    let sun = |x, y, z| Light::Directional {
+        direction: Vec3::new(x, y, z),
+        angular_diameter: 0.0,
+    };
     let above = center + Vec3::new(-0.9, 1.3, 0.7) * reach;
     let target = center - Vec3::Y * (0.4 * extent.y);
     let direction = (target - above).normalize();
-    let spot = Light::Spot { position: above, direction, inner: 0.5, outer: 0.6, radius: 0.0 };
-    let bulb = Light::Point { position: center + Vec3::new(-0.7, 0.5, 0.9) * reach, radius: 0.0 };
-    let named = [("sun", sun(-0.5, -1.0, 0.3)), ("low sun", sun(-1.0, -0.2, 0.2)), ("spot", spot), ("bulb", bulb)];
+    let spot = Light::Spot {
+        position: above,
+        direction,
+        inner: 0.5,
+        outer: 0.6,
+        radius: 0.0,
+    };
+    let bulb = Light::Point {
+        position: center + Vec3::new(-0.7, 0.5, 0.9) * reach,
+        radius: 0.0,
+    };
+    let named = [
+        ("sun", sun(-0.5, -1.0, 0.3)),
+        ("low sun", sun(-1.0, -0.2, 0.2)),
+        ("spot", spot),
+        ("bulb", bulb),
+    ];
     named.map(|(name, light)| (name.to_owned(), light)).to_vec()
 }

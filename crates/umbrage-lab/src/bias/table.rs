@@ -48,9 +48,18 @@ impl Summary {
     }
 
     fn line(&self, name: &str) -> String {
-        let Self { rows, good, mean, most, textbook, plane } = self;
+        let Self {
+            rows,
+            good,
+            mean,
+            most,
+            textbook,
+            plane,
+        } = self;
         let share = 100.0 * *good as f64 / (*rows).max(1) as f64;
-        format!("| {name} | {rows} | {share:.0} % | {mean:.3} | {most:.2} | {textbook:.2} | {plane:.2} |\n")
+        format!(
+            "| {name} | {rows} | {share:.0} % | {mean:.3} | {most:.2} | {textbook:.2} | {plane:.2} |\n"
+        )
     }
 }
 
@@ -68,7 +77,9 @@ pub fn markdown(rows: &[BiasRow]) -> String {
         }
     }
     for (kernel, side) in groups {
-        let of_group = rows.iter().filter(|row| row.kernel == kernel && row.side == side);
+        let of_group = rows
+            .iter()
+            .filter(|row| row.kernel == kernel && row.side == side);
         out += &Summary::of(of_group).line(&format!("{kernel}, {side}"));
     }
     out += &Summary::of(rows.iter()).line("all");
@@ -76,8 +87,20 @@ pub fn markdown(rows: &[BiasRow]) -> String {
     let mut worst: Vec<&BiasRow> = rows.iter().filter(|row| row.ratio() > GOOD).collect();
     worst.sort_by(|a, b| b.ratio().total_cmp(&a.ratio()));
     for row in worst.into_iter().take(WORST) {
-        let own = row.played.iter().map(|played| played.rmse).fold(0.0, f64::max);
-        let BiasRow { scene, light, kernel, side, best, best_bias, .. } = row;
+        let own = row
+            .played
+            .iter()
+            .map(|played| played.rmse)
+            .fold(0.0, f64::max);
+        let BiasRow {
+            scene,
+            light,
+            kernel,
+            side,
+            best,
+            best_bias,
+            ..
+        } = row;
         let ratio = row.ratio();
         let line = writeln!(
             out,
@@ -94,7 +117,10 @@ pub fn markdown(rows: &[BiasRow]) -> String {
 /// When they cannot be written.
 pub fn write(rows: &[BiasRow], folder: &Path) -> Result<PathBuf, LabError> {
     let path = folder.join("bias.csv");
-    let fault = |source: std::io::Error| LabError::Write { path: path.clone(), source };
+    let fault = |source: std::io::Error| LabError::Write {
+        path: path.clone(),
+        source,
+    };
     let table = csv(rows).map_err(|e| fault(e.into()))?;
     let out = Folder::create(folder)?;
     out.write("bias.csv", &table)?;

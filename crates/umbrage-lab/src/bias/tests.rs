@@ -10,7 +10,10 @@ fn row(rmse: f64, best: f64) -> BiasRow {
         kernel: "hard".to_owned(),
         side: 512,
         counted: 100_000,
-        played: vec![Played { backend: "cpu".to_owned(), rmse }],
+        played: vec![Played {
+            backend: "cpu".to_owned(),
+            rmse,
+        }],
         best,
         best_bias: "bias: none".to_owned(),
         textbook: 0.2,
@@ -33,7 +36,8 @@ fn sums_count_what_is_good_and_name_what_is_not() {
     assert_eq!((summary.rows, summary.good), (2, 1));
     let page = markdown(&rows);
     assert!(
-        page.contains("| hard, 512 | 2 | 50 % |") && page.contains("| cubes | sun | hard | 512 | 0.2000 |"),
+        page.contains("| hard, 512 | 2 | 50 % |")
+            && page.contains("| cubes | sun | hard | 512 | 0.2000 |"),
         "{page}"
     );
 }
@@ -41,7 +45,10 @@ fn sums_count_what_is_good_and_name_what_is_not() {
 fn stairs_on(backend: Box<dyn Backend>) -> Vec<BiasRow> {
     let scene = (umbrage_scenes::find("stairs").expect("built in").build)();
     let staged = staged(scene, false).expect("valid");
-    let options = Options { size: Some(UVec2::new(160, 120)), sides: vec![512] };
+    let options = Options {
+        size: Some(UVec2::new(160, 120)),
+        sides: vec![512],
+    };
     measure(&staged, &options, &mut Backends::of(vec![backend])).expect("valid")
 }
 
@@ -55,17 +62,30 @@ fn the_default_is_near_the_best_and_a_spoilt_one_is_not() {
         shadows.mask.iter_mut().step_by(20).for_each(|v| *v = 0.0);
     })));
     let summary = Summary::of(spoilt.iter());
-    assert!(summary.good == 0 && summary.mean > 1.5, "{}", markdown(&spoilt));
+    assert!(
+        summary.good == 0 && summary.mean > 1.5,
+        "{}",
+        markdown(&spoilt)
+    );
 }
 
 #[test]
 fn models_get_a_floor_and_four_ideal_lights() {
-    let mut model = (umbrage_scenes::find("c8-faceted-sphere").expect("built in").build)();
+    let mut model = (umbrage_scenes::find("c8-faceted-sphere")
+        .expect("built in")
+        .build)();
     model.lights.clear();
     let count = model.instances.len();
     let staged = staged(model, true).expect("valid");
-    assert_eq!((staged.scene.instances.len(), staged.lights.len()), (count + 1, 4));
+    assert_eq!(
+        (staged.scene.instances.len(), staged.lights.len()),
+        (count + 1, 4)
+    );
     assert!(staged.lights.iter().all(|(_, light)| light.is_ideal()));
-    let wide = Light::Disc { center: Vec3::Y, normal: Vec3::NEG_Y, radius: 1.0 };
+    let wide = Light::Disc {
+        center: Vec3::Y,
+        normal: Vec3::NEG_Y,
+        radius: 1.0,
+    };
     assert!(super::stage::ideal(&wide).is_ideal());
 }

@@ -45,19 +45,37 @@ pub fn agree(
     snapping: Snapping,
 ) -> Result<Agreement, LabError> {
     let mut cpu = Cpu::with_options(&CpuOptions::default().snapping(snapping))?;
-    let played = if snapping == cpu_rule() { None } else { Some(cpu.render(view, recipe)?) };
+    let played = if snapping == cpu_rule() {
+        None
+    } else {
+        Some(cpu.render(view, recipe)?)
+    };
     let expected = played.as_ref().unwrap_or(of_cpu);
     let tolerance = recipe.receive.kernel.tolerance();
-    let mut doubts = different_triangles(expected.receivers.as_ref(), other.receivers.as_ref(), expected.mask.len());
-    let agreement =
-        |doubts: &[Doubt]| Agreement::measure(expected.size, &expected.mask, &other.mask, doubts, tolerance);
+    let mut doubts = different_triangles(
+        expected.receivers.as_ref(),
+        other.receivers.as_ref(),
+        expected.mask.len(),
+    );
+    let agreement = |doubts: &[Doubt]| {
+        Agreement::measure(
+            expected.size,
+            &expected.mask,
+            &other.mask,
+            doubts,
+            tolerance,
+        )
+    };
     let mut agreed = agreement(&doubts)?;
     for nudge in nudges(recipe, snapping) {
         if agreed.holds() {
             break;
         }
         let nudged = nudge.render(&mut cpu, view, recipe, expected)?;
-        for (doubt, (a, b)) in doubts.iter_mut().zip(expected.mask.iter().zip(&nudged.mask)) {
+        for (doubt, (a, b)) in doubts
+            .iter_mut()
+            .zip(expected.mask.iter().zip(&nudged.mask))
+        {
             if a != b && *doubt == Doubt::None {
                 *doubt = Doubt::Rounding;
             }
@@ -66,8 +84,18 @@ pub fn agree(
     }
     let plain = Agreement::measure(of_cpu.size, &of_cpu.mask, &other.mask, &doubts, tolerance)?;
     let moved = |(a, b): (&f32, &f32)| (a - b).abs() > AGREE + tolerance;
-    let by_grid = of_cpu.mask.iter().zip(&expected.mask).filter(|&pair| moved(pair)).count() as u64;
-    Ok(Agreement { differing: plain.differing, largest: plain.largest, by_grid, ..agreed })
+    let by_grid = of_cpu
+        .mask
+        .iter()
+        .zip(&expected.mask)
+        .filter(|&pair| moved(pair))
+        .count() as u64;
+    Ok(Agreement {
+        differing: plain.differing,
+        largest: plain.largest,
+        by_grid,
+        ..agreed
+    })
 }
 
 /// How the CPU rounds if it isn't told otherwise.
@@ -95,10 +123,14 @@ enum Nudge {
 /// another way (down, say) moves it as much further.
 fn nudges(recipe: &Recipe, snapping: Snapping) -> Vec<Nudge> {
     if recipe.casts.is_empty() {
-        return vec![Nudge::Receivers(NUDGE_POSITION), Nudge::Receivers(-NUDGE_POSITION)];
+        return vec![
+            Nudge::Receivers(NUDGE_POSITION),
+            Nudge::Receivers(-NUDGE_POSITION),
+        ];
     }
     let t = 0.5 * snapping.step();
-    let sideways = [(t, t), (-t, t), (t, -t), (-t, -t)].map(|(x, y)| Nudge::Sideways(Vec2::new(x, y)));
+    let sideways =
+        [(t, t), (-t, t), (t, -t), (-t, -t)].map(|(x, y)| Nudge::Sideways(Vec2::new(x, y)));
     let in_depth = [1.0, -1.0].map(Nudge::Depth);
     let mut out = [&sideways[..], &in_depth].concat();
     if recipe.casts.iter().any(|cast| has_units(cast, recipe)) {
@@ -113,7 +145,13 @@ fn nudges(recipe: &Recipe, snapping: Snapping) -> Vec<Nudge> {
 
 impl Nudge {
     /// The recipe, moved so; what the CPU saw is known.
-    fn render(self, cpu: &mut Cpu, view: &View<'_>, recipe: &Recipe, expected: &Shadows) -> Result<Shadows, LabError> {
+    fn render(
+        self,
+        cpu: &mut Cpu,
+        view: &View<'_>,
+        recipe: &Recipe,
+        expected: &Shadows,
+    ) -> Result<Shadows, LabError> {
         let seen = expected.receivers.as_ref().or(view.receivers);
         let known = seen.map_or(*view, |r| view.with_receivers(r));
         Ok(match self {
@@ -124,7 +162,11 @@ impl Nudge {
             }
             Self::HalfUnits => {
                 let mut halved = recipe.clone();
-                halved.casts.iter_mut().filter(|cast| has_units(cast, recipe)).for_each(|cast| cast.bias.constant /= 2);
+                halved
+                    .casts
+                    .iter_mut()
+                    .filter(|cast| has_units(cast, recipe))
+                    .for_each(|cast| cast.bias.constant /= 2);
                 cpu.render(&known, &halved)?
             }
             Self::Behind(depth) => {
@@ -152,7 +194,11 @@ fn has_units(cast: &Cast, recipe: &Recipe) -> bool {
 /// How far apart devices may be in a cast's depth by rounding. For floats, a unit of polygon offset is the last place of a
 /// primitive's greatest depth, on some before it is clipped, when it may be many times 1: up to 8 here.
 fn depth_rounding(cast: &Cast, recipe: &Recipe) -> f32 {
-    let units = if has_units(cast, recipe) { 0.0 } else { cast.bias.constant as f32 };
+    let units = if has_units(cast, recipe) {
+        0.0
+    } else {
+        cast.bias.constant as f32
+    };
     NUDGE_DEPTH + units.abs() * (8.0 * f32::EPSILON)
 }
 
@@ -161,7 +207,9 @@ fn nudged(recipe: &Recipe, by: impl Fn(&Cast) -> (Vec2, f32)) -> Recipe {
     let mut nudged = recipe.clone();
     for cast in &mut nudged.casts {
         let (texels, depth) = by(cast);
-        cast.space = cast.space.nudged(texels, depth, recipe.images[cast.image].size);
+        cast.space = cast
+            .space
+            .nudged(texels, depth, recipe.images[cast.image].size);
     }
     nudged
 }
@@ -178,9 +226,19 @@ fn moved(receivers: &Receivers, fraction: f32) -> Receivers {
 }
 
 fn different_triangles(a: Option<&Receivers>, b: Option<&Receivers>, len: usize) -> Vec<Doubt> {
-    let (Some(a), Some(b)) = (a, b) else { return vec![Doubt::None; len] };
+    let (Some(a), Some(b)) = (a, b) else {
+        return vec![Doubt::None; len];
+    };
     if a.len() != len || b.len() != len {
         return vec![Doubt::None; len];
     }
-    (0..len).map(|i| if a.triangle[i] == b.triangle[i] { Doubt::None } else { Doubt::Triangle }).collect()
+    (0..len)
+        .map(|i| {
+            if a.triangle[i] == b.triangle[i] {
+                Doubt::None
+            } else {
+                Doubt::Triangle
+            }
+        })
+        .collect()
 }

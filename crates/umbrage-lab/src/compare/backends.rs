@@ -31,7 +31,11 @@ impl FromStr for BackendChoice {
             "both" => Ok(Self::Both),
             _ => {
                 let why = format!("there is none called `{name}`");
-                Err(Invalid::new("backend", why, "use available, cpu, wgpu or both"))
+                Err(Invalid::new(
+                    "backend",
+                    why,
+                    "use available, cpu, wgpu or both",
+                ))
             }
         }
     }
@@ -63,7 +67,10 @@ pub struct Backends {
 impl fmt::Debug for Backends {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let names: Vec<&str> = self.playing.iter().map(|b| b.name()).collect();
-        f.debug_struct("Backends").field("playing", &names).field("notices", &self.notices).finish_non_exhaustive()
+        f.debug_struct("Backends")
+            .field("playing", &names)
+            .field("notices", &self.notices)
+            .finish_non_exhaustive()
     }
 }
 
@@ -80,7 +87,10 @@ impl Backends {
         if choice == BackendChoice::Cpu {
             return Ok(out);
         }
-        out.add(Gpu::new(adapter), choice == BackendChoice::Available && adapter.name.is_none())?;
+        out.add(
+            Gpu::new(adapter),
+            choice == BackendChoice::Available && adapter.name.is_none(),
+        )?;
         Ok(out)
     }
 
@@ -90,13 +100,20 @@ impl Backends {
             Ok(gpu) => {
                 let info = gpu.adapter_info();
                 let driver = format!("{} {}", info.driver, info.driver_info);
-                self.adapter = Some(format!("{} ({}; {})", info.name, info.backend, driver.trim()));
+                self.adapter = Some(format!(
+                    "{} ({}; {})",
+                    info.name,
+                    info.backend,
+                    driver.trim()
+                ));
                 self.playing.push(Box::new(gpu));
             }
             // An adapter asked for by name must be there. One that was merely found may be of no use: its driver may be too
             // old, or the graphics API that the environment names may lack what is needed.
             Err(e) if without => {
-                self.notices.push(format!("Compared on the CPU alone, as wgpu could not be opened: {e}."));
+                self.notices.push(format!(
+                    "Compared on the CPU alone, as wgpu could not be opened: {e}."
+                ));
             }
             Err(e) => return Err(e),
         }
@@ -105,15 +122,29 @@ impl Backends {
 
     /// Backends of the caller's own. Agreement is measured against the first if its kind is `cpu`.
     pub fn of(playing: Vec<Box<dyn Backend>>) -> Self {
-        Self { playing, notices: Vec::new(), adapter: None, receivers: Cpu::new() }
+        Self {
+            playing,
+            notices: Vec::new(),
+            adapter: None,
+            receivers: Cpu::new(),
+        }
     }
 
     /// Where a comparison with these backends is made, and when, if it has times.
     pub fn environment(&self, options: &Options) -> Environment {
         let backends = self.playing.iter().map(|b| b.name().to_owned()).collect();
-        let snapping = self.playing.iter().find(|b| b.kind() != "cpu").map(|b| b.snapping().to_string());
+        let snapping = self
+            .playing
+            .iter()
+            .find(|b| b.kind() != "cpu")
+            .map(|b| b.snapping().to_string());
         let adapter = self.adapter.clone();
-        Environment { adapter, snapping, backends, ..Environment::here(options.runs.is_some()) }
+        Environment {
+            adapter,
+            snapping,
+            backends,
+            ..Environment::here(options.runs.is_some())
+        }
     }
 }
 
@@ -126,17 +157,37 @@ mod tests {
     #[test]
     fn an_adapter_that_cannot_play_leaves_the_cpu() {
         let errors: [fn() -> BackendError; 3] = [
-            || Invalid::new("graphics adapter x (gl)", "cannot draw into R32Float images", "choose another").into(),
+            || {
+                Invalid::new(
+                    "graphics adapter x (gl)",
+                    "cannot draw into R32Float images",
+                    "choose another",
+                )
+                .into()
+            },
             || BackendError::DeviceLost("gone".to_owned()),
-            || BackendError::NoAdapter { wanted: "any".into(), found: "none".into(), mend: "install one".into() },
+            || BackendError::NoAdapter {
+                wanted: "any".into(),
+                found: "none".into(),
+                mend: "install one".into(),
+            },
         ];
         for error in errors {
             let mut backends = Backends::of(vec![Box::new(Cpu::new())]);
-            assert!(backends.add(Err(error()), false).is_err() && backends.notices.is_empty(), "asked for by name");
+            assert!(
+                backends.add(Err(error()), false).is_err() && backends.notices.is_empty(),
+                "asked for by name"
+            );
             backends.add(Err(error()), true).expect("the CPU plays");
             let (notices, why) = (&backends.notices, error().to_string());
-            assert!(notices.len() == 1 && notices[0].contains(&why) && notices[0].contains("CPU alone"), "{notices:?}");
-            assert_eq!((backends.playing.len(), backends.playing[0].kind()), (1, "cpu"));
+            assert!(
+                notices.len() == 1 && notices[0].contains(&why) && notices[0].contains("CPU alone"),
+                "{notices:?}"
+            );
+            assert_eq!(
+                (backends.playing.len(), backends.playing[0].kind()),
+                (1, "cpu")
+            );
         }
     }
 }

@@ -34,7 +34,10 @@ pub(super) fn run(
     (recipe, with_casters): (&Recipe, &Shadows),
 ) -> Result<Option<Control>, LabError> {
     let bare = view.geometry.without_casters();
-    let bare_view = View3 { geometry: &bare, ..*view };
+    let bare_view = View3 {
+        geometry: &bare,
+        ..*view
+    };
     // Truth's receivers, so that a backend that sees a neighbouring triangle somewhere isn't judged by another's plane.
     let seen = bare_view.core().with_receivers(&truth.receivers);
     let bare_recipe = match technique.plan(&seen) {
@@ -53,7 +56,8 @@ pub(super) fn run(
     let wrong_without = (0..owed.len()).filter(counted).filter(wrong).count() as u64;
     let looks = !(recipe.casts.is_empty() && recipe.tables.is_empty());
     // Of a light that is hidden whole, the middle and every sample are hidden, too.
-    let hidden = |i: usize| looks && counted(&i) && truth.visibility[i] == 0.0 && owed[i][0] > FALSE;
+    let hidden =
+        |i: usize| looks && counted(&i) && truth.visibility[i] == 0.0 && owed[i][0] > FALSE;
     let shadow: Vec<bool> = (0..owed.len()).map(hidden).collect();
     let brightened = |i: usize| shadow[i] && without.mask[i] - with_casters.mask[i] > FALSE;
     let changed = (0..owed.len()).filter(|&i| brightened(i)).count() as u64;
@@ -62,7 +66,14 @@ pub(super) fn run(
     let excused = blind && may_miss(technique, &view.core(), recipe, truth, &shadow);
     let holds = wrong_without == 0 && (!blind || excused);
     let (backend, technique) = (backend.kind().to_owned(), technique.name().to_owned());
-    Ok(Some(Control { backend, technique, shadowed, changed, wrong_without, holds }))
+    Ok(Some(Control {
+        backend,
+        technique,
+        shadowed,
+        changed,
+        wrong_without,
+        holds,
+    }))
 }
 
 /// For every pixel the least and the greatest visibility that is right when nothing casts.
@@ -103,7 +114,10 @@ struct Question {
 
 impl Question {
     fn new(view: &View3<'_>, rays: u32, knows_horizon: bool) -> Self {
-        let all = view.geometry.bounds().union(&Aabb::around([view.camera.eye()]));
+        let all = view
+            .geometry
+            .bounds()
+            .union(&Aabb::around([view.camera.eye()]));
         let light = LightSampler::new(view.light);
         // One ray serves an ideal light, whatever was asked for.
         let asked = match rays {
@@ -113,9 +127,24 @@ impl Question {
             _ => Asked::Points(rays),
         };
         let middle = view.light.position();
-        let direction = if middle.is_none() { view.light.direction_from(Vec3::ZERO) } else { Vec3::ZERO };
-        let reach = all.min.abs().max(all.max.abs()).max_element().max(extent(view.light));
-        Self { light, asked, middle, direction, lift: reach * LIFT }
+        let direction = if middle.is_none() {
+            view.light.direction_from(Vec3::ZERO)
+        } else {
+            Vec3::ZERO
+        };
+        let reach = all
+            .min
+            .abs()
+            .max(all.max.abs())
+            .max_element()
+            .max(extent(view.light));
+        Self {
+            light,
+            asked,
+            middle,
+            direction,
+            lift: reach * LIFT,
+        }
     }
 
     fn owed(&self, p: Vec3, n: Vec3, pixel: UVec2) -> [f32; 2] {
@@ -128,11 +157,14 @@ impl Question {
             Asked::Points(count) => {
                 let scramble = seed(pixel.x, pixel.y);
                 let seen = (0..count).map(|i| self.sees(p, n, unit_square(i, scramble)));
-                let [least, most] =
-                    seen.fold([0_u32; 2], |sum, sees| [sum[0] + u32::from(sees[0]), sum[1] + u32::from(sees[1])]);
+                let [least, most] = seen.fold([0_u32; 2], |sum, sees| {
+                    [sum[0] + u32::from(sees[0]), sum[1] + u32::from(sees[1])]
+                });
                 [least, most].map(|seen| seen as f32 / count as f32)
             }
-            Asked::Share => horizon::share(&self.light, p, n, self.margin(to_middle)).map(|share| share as f32),
+            Asked::Share => {
+                horizon::share(&self.light, p, n, self.margin(to_middle)).map(|share| share as f32)
+            }
         }
     }
 
@@ -140,7 +172,8 @@ impl Question {
     /// and from as far above it as rays may start. (A ball's disc turns with the receiver, and its axes jump where they
     /// change their sign: so both ends are asked.)
     fn sees(&self, p: Vec3, n: Vec3, uv: Vec2) -> [bool; 2] {
-        let [a, b] = [0.0, self.lift].map(|lift| self.above(n, segment(&self.light, p + n * lift, uv, 1.0)));
+        let [a, b] =
+            [0.0, self.lift].map(|lift| self.above(n, segment(&self.light, p + n * lift, uv, 1.0)));
         [a[0] && b[0], a[1] || b[1]]
     }
 
@@ -154,7 +187,11 @@ impl Question {
     /// By how much the height of a way's end over the surface is wrong: by a lift, which positions' rounding is a part of, and by
     /// the rounding of a sum of three products, 2^-22 of the way's length.
     fn margin(&self, to_light: Vec3) -> f64 {
-        let lift = if self.middle.is_some() { f64::from(self.lift) } else { 0.0 };
+        let lift = if self.middle.is_some() {
+            f64::from(self.lift)
+        } else {
+            0.0
+        };
         lift + DVec3::length(to_light.as_dvec3()) / f64::from(1 << 22)
     }
 }
@@ -165,7 +202,8 @@ fn extent(light: &Light) -> f32 {
     if matches!(sampler.shape.x, kind::DIRECTION | kind::CAP) {
         return 0.0;
     }
-    let across = sampler.half_u.truncate().abs() + sampler.half_v.truncate().abs() + sampler.half_u.w;
+    let across =
+        sampler.half_u.truncate().abs() + sampler.half_v.truncate().abs() + sampler.half_u.w;
     (sampler.center.truncate().abs() + across).max_element()
 }
 
@@ -174,13 +212,26 @@ fn extent(light: &Light) -> f32 {
 /// Far sides of casters, which [`Cull::Front`] and peeling keep, are missing where casters are open. And a map's texels may
 /// be wider than all of the shadow: one that is darker than its surroundings must cover a texel and all that the kernel
 /// averages with it.
-fn may_miss(technique: &dyn ShadowTechnique, view: &View<'_>, recipe: &Recipe, truth: &Truth, shadow: &[bool]) -> bool {
-    let far_side = recipe.casts.iter().any(|c| c.cull != Cull::None || matches!(c.mode, CastMode::Behind(_)));
-    let Some(reach) = technique.kernel_reach() else { return far_side };
+fn may_miss(
+    technique: &dyn ShadowTechnique,
+    view: &View<'_>,
+    recipe: &Recipe,
+    truth: &Truth,
+    shadow: &[bool],
+) -> bool {
+    let far_side = recipe
+        .casts
+        .iter()
+        .any(|c| c.cull != Cull::None || matches!(c.mode, CastMode::Behind(_)));
+    let Some(reach) = technique.kernel_reach() else {
+        return far_side;
+    };
     let mut asked = truth.receivers.clone();
     asked.receives.copy_from_slice(shadow);
     let used = footprint::measure(&view.with_receivers(&asked), recipe, &asked, reach).total;
-    let Some(texels_per_pixel) = used.texels else { return true };
+    let Some(texels_per_pixel) = used.texels else {
+        return true;
+    };
     // Half a texel to the middle of the one looked up, half a texel more to what covers that middle.
     let texels = reach + 1.0;
     let radius = (texels / texels_per_pixel.max(f32::MIN_POSITIVE)).ceil();

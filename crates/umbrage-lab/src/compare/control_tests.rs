@@ -16,7 +16,11 @@ fn options(techniques: &[&str]) -> Options {
         map_sizes: vec![1024],
         most_settings: Some(1),
         size: Some(UVec2::new(96, 72)),
-        truth: TruthOptions { samples: 64, probe_samples: 16, ..TruthOptions::default() },
+        truth: TruthOptions {
+            samples: 64,
+            probe_samples: 16,
+            ..TruthOptions::default()
+        },
         runs: None,
         color: false,
     }
@@ -27,20 +31,52 @@ fn scene(name: &str) -> Scene {
 }
 
 fn lit_by(light: Light) -> Scene {
-    Scene { lights: vec![light], ..scene("cubes") }
+    Scene {
+        lights: vec![light],
+        ..scene("cubes")
+    }
 }
 
 fn compared(scene: Scene, options: &Options, player: Box<dyn Backend>) -> Comparison {
-    let input = SceneInput { scene, summary: String::new(), fit: None };
-    compare(&[input], options, &mut Backends::of(vec![player]), &mut |_, _| Ok(()), &|_| ()).expect("valid")
+    let input = SceneInput {
+        scene,
+        summary: String::new(),
+        fit: None,
+    };
+    compare(
+        &[input],
+        options,
+        &mut Backends::of(vec![player]),
+        &mut |_, _| Ok(()),
+        &|_| (),
+    )
+    .expect("valid")
 }
 
 /// Lights that surfaces see in part over their own horizon, of every kind that has an extent, and ideal ones.
 fn lights() -> Vec<Scene> {
     let position = Vec3::new(1.5, 1.1, 1.0);
-    let spot = |radius| Light::Spot { position, direction: -position, inner: 0.9, outer: 1.0, radius };
-    let sun = |angular_diameter| Light::Directional { direction: Vec3::new(-1.0, -0.05, -0.3), angular_diameter };
-    let lights = [spot(0.1), spot(0.0), sun(0.3), sun(0.0), Light::Point { position, radius: 0.4 }];
+    let spot = |radius| Light::Spot {
+        position,
+        direction: -position,
+        inner: 0.9,
+        outer: 1.0,
+        radius,
+    };
+    let sun = |angular_diameter| Light::Directional {
+        direction: Vec3::new(-1.0, -0.05, -0.3),
+        angular_diameter,
+    };
+    let lights = [
+        spot(0.1),
+        spot(0.0),
+        sun(0.3),
+        sun(0.0),
+        Light::Point {
+            position,
+            radius: 0.4,
+        },
+    ];
     let lamps = ["teapot-lamp", "canopy", "rising-boxes"].map(scene);
     lights.into_iter().map(lit_by).chain(lamps).collect()
 }
@@ -52,13 +88,21 @@ fn what_is_right_holds_for_every_technique_under_every_light() {
         let comparison = compared(scene, &options(&[]), Box::new(Cpu::new()));
         let (result, faults) = (&comparison.scenes[0], comparison.faults());
         assert!(faults.is_empty(), "{name}, {light}: {faults:?}");
-        let mut measured: Vec<&str> =
-            result.rows.iter().filter(|r| r.measured().is_some()).map(|r| &*r.technique).collect();
+        let mut measured: Vec<&str> = result
+            .rows
+            .iter()
+            .filter(|r| r.measured().is_some())
+            .map(|r| &*r.technique)
+            .collect();
         measured.dedup();
         let controlled: Vec<&str> = result.controls.iter().map(|c| &*c.technique).collect();
         assert_eq!(controlled, measured, "every technique is controlled, once");
         let seen = result.controls.iter().filter(|c| c.changed > 0).count();
-        assert!(seen + 1 >= controlled.len(), "{name}, {light}: all but `none` see casters: {:?}", result.controls);
+        assert!(
+            seen + 1 >= controlled.len(),
+            "{name}, {light}: all but `none` see casters: {:?}",
+            result.controls
+        );
     }
 }
 
@@ -78,7 +122,10 @@ impl<F: FnMut(&mut Shadows, &View<'_>)> Backend for Spoilt<F> {
     }
     fn render(&mut self, view: &View<'_>, recipe: &Recipe) -> Result<Shadows, BackendError> {
         let mut shadows = self.cpu.render(view, recipe)?;
-        if view.geometry.is_some_and(|g| g.casters().is_empty() != self.casters) {
+        if view
+            .geometry
+            .is_some_and(|g| g.casters().is_empty() != self.casters)
+        {
             (self.spoil)(&mut shadows, view);
         }
         Ok(shadows)
@@ -86,9 +133,20 @@ impl<F: FnMut(&mut Shadows, &View<'_>)> Backend for Spoilt<F> {
 }
 
 /// The controls of all techniques but `none`, of masks spoilt with (or without) casters.
-fn spoilt(casters: bool, scene: Scene, spoil: impl FnMut(&mut Shadows, &View<'_>) + 'static) -> Vec<Control> {
-    let player = Spoilt { cpu: Cpu::new(), casters, spoil };
-    let mut controls = compared(scene, &options(&[]), Box::new(player)).scenes.remove(0).controls;
+fn spoilt(
+    casters: bool,
+    scene: Scene,
+    spoil: impl FnMut(&mut Shadows, &View<'_>) + 'static,
+) -> Vec<Control> {
+    let player = Spoilt {
+        cpu: Cpu::new(),
+        casters,
+        spoil,
+    };
+    let mut controls = compared(scene, &options(&[]), Box::new(player))
+        .scenes
+        .remove(0)
+        .controls;
     controls.retain(|c| c.technique != "none");
     assert!(controls.len() > 9, "{controls:?}");
     controls
@@ -111,7 +169,10 @@ fn casters_that_stay_are_noticed_in_every_technique() {
     let one = |shadows: &mut Shadows, view: &View<'_>| {
         let receives = &view.receivers.expect("given").receives;
         let up = |i: &usize| view.receivers.expect("given").ny[*i] > 0.9;
-        let pixel = (0..receives.len()).filter(|&i| receives[i]).find(up).expect("a floor");
+        let pixel = (0..receives.len())
+            .filter(|&i| receives[i])
+            .find(up)
+            .expect("a floor");
         shadows.mask[pixel] = 0.0;
     };
     for control in spoilt(false, scene("cubes"), one) {
@@ -126,10 +187,18 @@ fn control(scene: &Scene, technique: &dyn ShadowTechnique, player: &mut dyn Back
     let mut cpu = Cpu::new();
     let find = &mut |c: &Camera, g: &Geometry| cpu.receivers(c, g);
     let truth = trace(&camera, light, &geometry, &options.truth, find, &|_, _| ()).expect("valid");
-    let view = View3 { camera: &camera, light, geometry: &geometry };
-    let recipe = technique.plan(&view.core().with_receivers(&truth.receivers)).expect("supported");
+    let view = View3 {
+        camera: &camera,
+        light,
+        geometry: &geometry,
+    };
+    let recipe = technique
+        .plan(&view.core().with_receivers(&truth.receivers))
+        .expect("supported");
     let with_casters = player.render(&view.core(), &recipe).expect("valid");
-    run(player, technique, &view, &truth, (&recipe, &with_casters)).expect("valid").expect("planned")
+    run(player, technique, &view, &truth, (&recipe, &with_casters))
+        .expect("valid")
+        .expect("planned")
 }
 
 /// Rays are counted, not estimated: a single one that is missing, or one too many, is noticed, where the light is seen
@@ -144,16 +213,29 @@ fn a_single_ray_is_noticed() {
         let spoil = move |shadows: &mut Shadows, view: &View<'_>| {
             let receives = &view.receivers.expect("given").receives;
             // The last one: the image's upper rows may see the lamp's own level.
-            let pixel = (0..receives.len()).rfind(|&i| receives[i] && wanted(shadows.mask[i])).expect("there");
+            let pixel = (0..receives.len())
+                .rfind(|&i| receives[i] && wanted(shadows.mask[i]))
+                .expect("there");
             shadows.mask[pixel] += change;
         };
-        control(&lamp, &traced, &mut Spoilt { cpu: Cpu::new(), casters: false, spoil })
+        control(
+            &lamp,
+            &traced,
+            &mut Spoilt {
+                cpu: Cpu::new(),
+                casters: false,
+                spoil,
+            },
+        )
     };
     assert!(spoilt(0.0, whole).holds);
     let ray = 1.0 / samples as f32;
     for (change, wanted) in [(-ray, whole as fn(f32) -> bool), (-ray, cut), (ray, cut)] {
         let control = spoilt(change, wanted);
-        assert!(control.wrong_without == 1 && !control.holds, "{change}: {control:?}");
+        assert!(
+            control.wrong_without == 1 && !control.holds,
+            "{change}: {control:?}"
+        );
     }
 }
 
@@ -164,37 +246,69 @@ fn a_share_that_is_wrong_is_noticed() {
     let spoilt = |change: f32| {
         let spoil = move |shadows: &mut Shadows, _: &View<'_>| {
             let cut = |v: &f32| *v > 0.1 && *v < 0.9;
-            let pixel = shadows.mask.iter().rposition(cut).expect("a pot turns some of its sides away");
+            let pixel = shadows
+                .mask
+                .iter()
+                .rposition(cut)
+                .expect("a pot turns some of its sides away");
             shadows.mask[pixel] += change;
         };
-        control(&lamp, &Pcss::default(), &mut Spoilt { cpu: Cpu::new(), casters: false, spoil })
+        control(
+            &lamp,
+            &Pcss::default(),
+            &mut Spoilt {
+                cpu: Cpu::new(),
+                casters: false,
+                spoil,
+            },
+        )
     };
     assert!(spoilt(0.0).holds);
     for change in [-0.01, 0.01] {
         let control = spoilt(change);
-        assert!(control.wrong_without == 1 && !control.holds, "{change}: {control:?}");
+        assert!(
+            control.wrong_without == 1 && !control.holds,
+            "{change}: {control:?}"
+        );
     }
 }
 
 /// The cubes' floor alone, and a leaf of this half side a metre and a half over it.
 fn leaf(half: f32) -> Scene {
     let mut scene = scene("cubes");
-    let corners = [(-half, -half), (-half, half), (half, half), (half, -half)].map(|(x, z)| Vec3::new(x, 1.0, z));
-    scene.meshes.push(Mesh::new("leaf", corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]).expect("valid"));
+    let corners = [(-half, -half), (-half, half), (half, half), (half, -half)]
+        .map(|(x, z)| Vec3::new(x, 1.0, z));
+    scene
+        .meshes
+        .push(Mesh::new("leaf", corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]).expect("valid"));
     scene.instances.truncate(1);
-    scene.instances.push(Instance::new(scene.meshes.len() - 1, Affine3A::IDENTITY));
+    scene
+        .instances
+        .push(Instance::new(scene.meshes.len() - 1, Affine3A::IDENTITY));
     scene
 }
 
 /// A map with texels wider than all of the shadow, and one of far sides under a leaf, which has none, rightly show nothing.
 #[test]
 fn maps_may_miss_what_they_cannot_hold() {
-    let map = |size| ShadowMap { size, bias: Bias::RECEIVER_PLANE, fit: Fit::Whole, ..ShadowMap::default() };
+    let map = |size| ShadowMap {
+        size,
+        bias: Bias::RECEIVER_PLANE,
+        fit: Fit::Whole,
+        ..ShadowMap::default()
+    };
     let small = leaf(0.2);
-    let [coarse, fine] = [8, 1024].map(|size| control(&small, &Hard { map: map(size) }, &mut Cpu::new()));
-    assert!(coarse.holds && coarse.shadowed > 0 && coarse.changed == 0, "{coarse:?}");
+    let [coarse, fine] =
+        [8, 1024].map(|size| control(&small, &Hard { map: map(size) }, &mut Cpu::new()));
+    assert!(
+        coarse.holds && coarse.shadowed > 0 && coarse.changed == 0,
+        "{coarse:?}"
+    );
     assert!(fine.holds && fine.changed > 0, "{fine:?}");
     let far_sides = control(&leaf(1.0), &SecondDepth::default(), &mut Cpu::new());
-    assert!(far_sides.holds && far_sides.shadowed > 0 && far_sides.changed == 0, "{far_sides:?}");
+    assert!(
+        far_sides.holds && far_sides.shadowed > 0 && far_sides.changed == 0,
+        "{far_sides:?}"
+    );
     assert!(control(&leaf(1.0), &Hard::default(), &mut Cpu::new()).changed > 0);
 }

@@ -12,7 +12,13 @@ impl Environment {
         Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             commit: commit(),
-            date: dated.then(|| date(SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs()))),
+            date: dated.then(|| {
+                date(
+                    SystemTime::now()
+                        .duration_since(UNIX_EPOCH)
+                        .map_or(0, |d| d.as_secs()),
+                )
+            }),
             cpu: processor(),
             threads: rayon::current_num_threads(),
             system: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
@@ -24,13 +30,18 @@ impl Environment {
 }
 
 fn output(program: &str, arguments: &[&str]) -> Option<String> {
-    let out = Command::new(program).args(arguments).output().ok().filter(|o| o.status.success())?;
+    let out = Command::new(program)
+        .args(arguments)
+        .output()
+        .ok()
+        .filter(|o| o.status.success())?;
     Some(String::from_utf8_lossy(&out.stdout).trim().to_owned())
 }
 
 fn commit() -> Option<String> {
     let hash = output("git", &["rev-parse", "--short=12", "HEAD"]).filter(|h| !h.is_empty())?;
-    let changed = output("git", &["status", "--porcelain", "--untracked-files=no"]).is_some_and(|s| !s.is_empty());
+    let changed = output("git", &["status", "--porcelain", "--untracked-files=no"])
+        .is_some_and(|s| !s.is_empty());
     Some(if changed { hash + "+" } else { hash })
 }
 
@@ -42,20 +53,32 @@ fn processor() -> String {
     };
     let apple = || output("sysctl", &["-n", "machdep.cpu.brand_string"]);
     let windows = || std::env::var("PROCESSOR_IDENTIFIER").ok();
-    linux().or_else(apple).or_else(windows).unwrap_or_else(|| "unknown".to_owned())
+    linux()
+        .or_else(apple)
+        .or_else(windows)
+        .unwrap_or_else(|| "unknown".to_owned())
 }
 
 /// Date and time of day from seconds since 1970. Hinnant 2013, "chrono-Compatible Low-Level Date Algorithms".
 fn date(seconds: u64) -> String {
     let (days, second) = (seconds / 86_400 + 719_468, seconds % 86_400);
     let (era, day_of_era) = (days / 146_097, days % 146_097);
-    let year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
+    let year_of_era =
+        (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
     let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
     let shifted_month = (5 * day_of_year + 2) / 153;
     let day = day_of_year - (153 * shifted_month + 2) / 5 + 1;
-    let month = if shifted_month < 10 { shifted_month + 3 } else { shifted_month - 9 };
+    let month = if shifted_month < 10 {
+        shifted_month + 3
+    } else {
+        shifted_month - 9
+    };
     let year = year_of_era + era * 400 + u64::from(month <= 2);
-    format!("{year:04}-{month:02}-{day:02} {:02}:{:02}", second / 3600, second / 60 % 60)
+    format!(
+        "{year:04}-{month:02}-{day:02} {:02}:{:02}",
+        second / 3600,
+        second / 60 % 60
+    )
 }
 
 #[cfg(test)]

@@ -40,18 +40,36 @@ impl Expected {
     ///
     /// # Errors
     /// When a scene has no camera or light, or the options are wrong.
-    pub fn new(inputs: &[SceneInput], options: &Options, backends: usize) -> Result<Self, LabError> {
-        let mut out = Self { scenes: inputs.len(), ..Self::default() };
+    pub fn new(
+        inputs: &[SceneInput],
+        options: &Options,
+        backends: usize,
+    ) -> Result<Self, LabError> {
+        let mut out = Self {
+            scenes: inputs.len(),
+            ..Self::default()
+        };
         for input in inputs {
             let (camera, light) = camera_and_light(&input.scene)?;
-            let (pixels, rows) = (pixels(options.camera(camera).size), settings_of(input, options)?.len() * backends);
+            let (pixels, rows) = (
+                pixels(options.camera(camera).size),
+                settings_of(input, options)?.len() * backends,
+            );
             let truth = &options.truth;
             let many = u64::from(truth.samples) * u64::from(truth.penumbra_factor);
-            let [most, probe] = if light.is_ideal() { [1, 1] } else { [many, u64::from(truth.probe_samples)] };
+            let [most, probe] = if light.is_ideal() {
+                [1, 1]
+            } else {
+                [many, u64::from(truth.probe_samples)]
+            };
             out.rows += rows;
             out.pixels += pixels;
-            out.rays = out.rays.saturating_add(pixels.saturating_mul(most + PROBES * probe));
-            out.bytes = out.bytes.max(pixels * (BYTES_A_PIXEL + BYTES_A_MASK * rows as u64));
+            out.rays = out
+                .rays
+                .saturating_add(pixels.saturating_mul(most + PROBES * probe));
+            out.bytes = out
+                .bytes
+                .max(pixels * (BYTES_A_PIXEL + BYTES_A_MASK * rows as u64));
         }
         Ok(out)
     }
@@ -66,24 +84,45 @@ fn pixels(size: UVec2) -> u64 {
 ///
 /// # Errors
 /// When the scene can't be compared.
-pub fn pilot(inputs: &[SceneInput], options: &Options, backends: &mut Backends) -> Result<Duration, LabError> {
-    let size = |input: &SceneInput| Ok::<_, LabError>(options.camera(camera_and_light(&input.scene)?.0).size);
+pub fn pilot(
+    inputs: &[SceneInput],
+    options: &Options,
+    backends: &mut Backends,
+) -> Result<Duration, LabError> {
+    let size = |input: &SceneInput| {
+        Ok::<_, LabError>(options.camera(camera_and_light(&input.scene)?.0).size)
+    };
     let sizes = inputs.iter().map(size).collect::<Result<Vec<_>, _>>()?;
-    let largest = inputs.iter().zip(&sizes).max_by_key(|(_, size)| pixels(**size));
-    let Some((input, &size)) = largest else { return Ok(Duration::ZERO) };
+    let largest = inputs
+        .iter()
+        .zip(&sizes)
+        .max_by_key(|(_, size)| pixels(**size));
+    let Some((input, &size)) = largest else {
+        return Ok(Duration::ZERO);
+    };
     let [small, large] = PILOTS.map(|most| reduced(size, most));
     // The first one compiles shaders, too.
     once(input, options, small, backends)?;
-    let times = [once(input, options, small, backends)?, once(input, options, large, backends)?];
+    let times = [
+        once(input, options, small, backends)?,
+        once(input, options, large, backends)?,
+    ];
     let wanted: Vec<u64> = sizes.iter().map(|&size| pixels(size)).collect();
-    Ok(Duration::from_secs_f64(extrapolated(times, [small, large].map(pixels), &wanted)))
+    Ok(Duration::from_secs_f64(extrapolated(
+        times,
+        [small, large].map(pixels),
+        &wanted,
+    )))
 }
 
 /// Seconds for images of these sizes, from those of two sizes: linear, and never falling.
 fn extrapolated([at_small, at_large]: [f64; 2], [small, large]: [u64; 2], wanted: &[u64]) -> f64 {
     let a_pixel = ((at_large - at_small) / (large.max(small + 1) - small) as f64).max(0.0);
     let fixed = (at_small - a_pixel * small as f64).max(0.0);
-    wanted.iter().map(|&pixels| fixed + a_pixel * pixels as f64).sum()
+    wanted
+        .iter()
+        .map(|&pixels| fixed + a_pixel * pixels as f64)
+        .sum()
 }
 
 /// The same shape with at most so many pixels.
@@ -93,19 +132,40 @@ fn reduced(size: UVec2, most: u64) -> UVec2 {
 }
 
 /// Seconds that a comparison of this size would take, with as many runs of each row as are the least.
-fn once(input: &SceneInput, options: &Options, size: UVec2, backends: &mut Backends) -> Result<f64, LabError> {
-    let untimed = Options { size: Some(size), runs: None, ..options.clone() };
+fn once(
+    input: &SceneInput,
+    options: &Options,
+    size: UVec2,
+    backends: &mut Backends,
+) -> Result<f64, LabError> {
+    let untimed = Options {
+        size: Some(size),
+        runs: None,
+        ..options.clone()
+    };
     let (start, first_row) = (Instant::now(), Mutex::new(None));
     let note = |event: Event<'_>| {
         if let (Event::Row { .. }, Ok(mut first)) = (event, first_row.lock()) {
             first.get_or_insert_with(Instant::now);
         }
     };
-    compare(std::slice::from_ref(input), &untimed, backends, &mut |_, _| Ok(()), &note)?;
+    compare(
+        std::slice::from_ref(input),
+        &untimed,
+        backends,
+        &mut |_, _| Ok(()),
+        &note,
+    )?;
     let end = Instant::now();
-    let rows_from = first_row.lock().ok().and_then(|first| *first).unwrap_or(end);
+    let rows_from = first_row
+        .lock()
+        .ok()
+        .and_then(|first| *first)
+        .unwrap_or(end);
     // A timed row is played once for its mask, and then in turn with its yardstick.
-    let plays = options.runs.map_or(1.0, |runs| 1.0 + 1.25 * f64::from(runs.least.max(1)));
+    let plays = options
+        .runs
+        .map_or(1.0, |runs| 1.0 + 1.25 * f64::from(runs.least.max(1)));
     Ok((rows_from - start).as_secs_f64() + plays * (end - rows_from).as_secs_f64())
 }
 
@@ -117,21 +177,34 @@ mod tests {
 
     fn input(name: &str) -> SceneInput {
         let scene = (umbrage_scenes::find(name).expect("built in").build)();
-        SceneInput { scene, summary: String::new(), fit: None }
+        SceneInput {
+            scene,
+            summary: String::new(),
+            fit: None,
+        }
     }
 
     #[test]
     fn a_huge_image_is_counted_before_it_is_made() {
-        let options = Options { techniques: vec!["hard".into()], size: Some(UVec2::splat(16_384)), ..Options::quick() };
+        let options = Options {
+            techniques: vec!["hard".into()],
+            size: Some(UVec2::splat(16_384)),
+            ..Options::quick()
+        };
         let of = |name: &str| Expected::new(&[input(name)], &options, 2).expect("valid");
         let (sun, lamp) = (of("cubes"), of("teapot-lamp"));
         assert_eq!((sun.pixels, sun.rows, sun.rays), (1 << 28, 6, 7 << 28));
         // 256 rays in penumbrae, and six probes of 16.
         assert_eq!(lamp.rays, (256 + 96) << 28);
         assert!(sun.bytes > 50 << 30, "{} GiB", sun.bytes >> 30);
-        let both = Expected::new(&[input("cubes"), input("teapot-lamp")], &options, 2).expect("valid");
+        let both =
+            Expected::new(&[input("cubes"), input("teapot-lamp")], &options, 2).expect("valid");
         assert_eq!((both.scenes, both.rows, both.pixels), (2, 12, 2 << 28));
-        assert_eq!((both.rays, both.bytes), (sun.rays + lamp.rays, lamp.bytes), "one scene at a time");
+        assert_eq!(
+            (both.rays, both.bytes),
+            (sun.rays + lamp.rays, lamp.bytes),
+            "one scene at a time"
+        );
     }
 
     #[test]
@@ -139,7 +212,11 @@ mod tests {
         let of = |times, wanted: &[u64]| extrapolated(times, [1000, 3000], wanted);
         assert!((of([3.0, 5.0], &[1_000_000]) - 1002.0).abs() < 1e-6);
         assert!((of([3.0, 5.0], &[1000, 2000]) - 7.0).abs() < 1e-9);
-        assert_eq!(of([5.0, 3.0], &[1_000_000]), 5.0, "noise must not make it negative");
+        assert_eq!(
+            of([5.0, 3.0], &[1_000_000]),
+            5.0,
+            "noise must not make it negative"
+        );
     }
 
     #[test]
@@ -147,12 +224,23 @@ mod tests {
         assert_eq!(reduced(UVec2::splat(16_384), 64 * 48), UVec2::splat(55));
         assert_eq!(reduced(UVec2::new(16_384, 2), 64 * 48), UVec2::new(5016, 1));
         assert_eq!(reduced(UVec2::new(8, 6), 64 * 48), UVec2::new(8, 6));
-        let truth = TruthOptions { samples: 4, probe_samples: 4, ..TruthOptions::default() };
-        let options =
-            Options { techniques: vec!["hard".into()], size: Some(UVec2::splat(2048)), truth, ..Options::quick() };
+        let truth = TruthOptions {
+            samples: 4,
+            probe_samples: 4,
+            ..TruthOptions::default()
+        };
+        let options = Options {
+            techniques: vec!["hard".into()],
+            size: Some(UVec2::splat(2048)),
+            truth,
+            ..Options::quick()
+        };
         let mut cpu = Backends::of(vec![Box::new(Cpu::new())]);
         let found = pilot(&[input("cubes")], &options, &mut cpu).expect("valid");
         assert!(found > Duration::ZERO, "{found:?}");
-        assert_eq!(pilot(&[], &options, &mut cpu).expect("nothing"), Duration::ZERO);
+        assert_eq!(
+            pilot(&[], &options, &mut cpu).expect("nothing"),
+            Duration::ZERO
+        );
     }
 }

@@ -13,17 +13,26 @@ pub(super) fn share(light: &LightSampler, p: Vec3, n: Vec3, margin: f64) -> [f64
     let height = n.dot(to_middle);
     let axes = DVec2::new(along(light.half_u), along(light.half_v));
     // How much higher than the middle the rim of a disc is that faces the receiver, for each unit of its radius.
-    let rim = |to_light: DVec3| (1.0 - n.dot(to_light.normalize_or(n)).powi(2)).max(0.0).sqrt();
-    let least_and_most = |share: &dyn Fn(f64) -> f64, middle: f64| [share(middle - margin), share(middle + margin)];
+    let rim = |to_light: DVec3| {
+        (1.0 - n.dot(to_light.normalize_or(n)).powi(2))
+            .max(0.0)
+            .sqrt()
+    };
+    let least_and_most =
+        |share: &dyn Fn(f64) -> f64, middle: f64| [share(middle - margin), share(middle + margin)];
     match light.shape.x {
         kind::RECT => least_and_most(&|h| square(h, axes), height),
         kind::DISC => least_and_most(&|h| disc(h, axes.length()), height),
-        kind::BALL => least_and_most(&|h| disc(h, f64::from(light.half_u.w) * rim(to_middle)), height),
+        kind::BALL => least_and_most(
+            &|h| disc(h, f64::from(light.half_u.w) * rim(to_middle)),
+            height,
+        ),
         _ => {
             let to_light = light.center.truncate().as_dvec3();
             let cosine = 1.0 - f64::from(light.half_u.w);
             let tangent = (1.0 - cosine * cosine).sqrt() / cosine;
-            let [least, most] = least_and_most(&|h| disc(h, tangent * rim(to_light)), n.dot(to_light));
+            let [least, most] =
+                least_and_most(&|h| disc(h, tangent * rim(to_light)), n.dot(to_light));
             // The cap of directions may count as flat. On a flat disc of radius 1, what lies at r weighs more than on the cap by
             // 3/2 (r^2 - 1/2) of the tangent's square; over a segment that adds up to .052 of the square at most.
             let curved = tangent * tangent / 16.0;
@@ -73,10 +82,24 @@ mod tests {
     fn shares_are_those_of_truths_points() {
         let (position, direction) = (Vec3::new(0.4, 3.0, -0.7), Vec3::new(0.3, -0.2, 0.4));
         let lights = [
-            Light::Rect { center: position, half_u: Vec3::new(1.0, 0.3, 0.0), half_v: Vec3::new(-0.1, 0.5, 0.9) },
-            Light::Disc { center: position, normal: direction, radius: 0.9 },
-            Light::Point { position, radius: 0.8 },
-            Light::Directional { direction, angular_diameter: 0.4 },
+            Light::Rect {
+                center: position,
+                half_u: Vec3::new(1.0, 0.3, 0.0),
+                half_v: Vec3::new(-0.1, 0.5, 0.9),
+            },
+            Light::Disc {
+                center: position,
+                normal: direction,
+                radius: 0.9,
+            },
+            Light::Point {
+                position,
+                radius: 0.8,
+            },
+            Light::Directional {
+                direction,
+                angular_diameter: 0.4,
+            },
         ];
         for light in lights.iter().map(LightSampler::new) {
             let mut cut = 0;
@@ -89,11 +112,21 @@ mod tests {
                 let counted = (0..4096).filter(above).count() as f64 / 4096.0;
                 let [least, most] = share(&light, p, n, 0.0);
                 let slack = 127.0 / 4096.0;
-                assert!((least - slack..=most + slack).contains(&counted), "{light:?} {p} {n}: {counted}, {least}");
+                assert!(
+                    (least - slack..=most + slack).contains(&counted),
+                    "{light:?} {p} {n}: {counted}, {least}"
+                );
                 // On the whole, cells that a line crosses even out.
-                cut += usize::from(counted > 0.0 && counted < 1.0 && ((least + most) / 2.0 - counted).abs() < 0.005);
+                cut += usize::from(
+                    counted > 0.0
+                        && counted < 1.0
+                        && ((least + most) / 2.0 - counted).abs() < 0.005,
+                );
             }
-            assert!(cut > 20, "{light:?}: only {cut} horizons cut it where they should");
+            assert!(
+                cut > 20,
+                "{light:?}: only {cut} horizons cut it where they should"
+            );
         }
     }
 }

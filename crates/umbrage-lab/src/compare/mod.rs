@@ -23,8 +23,8 @@ pub use expected::{Expected, pilot};
 pub use options::{Options, Runs, SceneInput};
 pub use relative::{LEAST_ERROR, Relative, relative};
 pub use result::{
-    Clock, Comparison, Control, Environment, Measured, Outcome, Ranks, Row, SCHEMA, SceneResult, Spread, Times,
-    TruthSummary,
+    Clock, Comparison, Control, Environment, Measured, Outcome, Ranks, Row, SCHEMA, SceneResult,
+    Spread, Times, TruthSummary,
 };
 pub use scene::SceneImages;
 pub(crate) use slug::slug;
@@ -55,12 +55,18 @@ pub fn compare(
     // What can't be compared must not be found out after minutes of comparing others.
     inputs.iter().try_for_each(|input| input.scene.validate())?;
     let tight = options.settings(Fit::Tight)?;
-    on_event(Event::Started { scenes: inputs.len(), rows_per_scene: tight.len() * backends.playing.len() });
+    on_event(Event::Started {
+        scenes: inputs.len(),
+        rows_per_scene: tight.len() * backends.playing.len(),
+    });
     let mut scenes = Vec::new();
     // Not the report's own count, which may be greater: of fewer scenes it never writes more.
     let heat = inputs.len() <= FEW_SCENES;
     for (index, input) in inputs.iter().enumerate() {
-        on_event(Event::Scene { name: &input.scene.name, index });
+        on_event(Event::Scene {
+            name: &input.scene.name,
+            index,
+        });
         let settings = settings_of(input, options)?;
         let (result, images) = scene::run(input, &settings, options, heat, backends, on_event)?;
         on_event(Event::SceneDone { result: &result });
@@ -68,19 +74,34 @@ pub fn compare(
         scenes.push(result);
     }
     let environment = backends.environment(options);
-    Ok(Comparison { schema: SCHEMA, environment, notices: backends.notices.clone(), scenes })
+    Ok(Comparison {
+        schema: SCHEMA,
+        environment,
+        notices: backends.notices.clone(),
+        scenes,
+    })
 }
 
 /// All that is played on a scene.
 fn settings_of(input: &SceneInput, options: &Options) -> Result<Vec<slug::Setting>, LabError> {
-    Ok(slug::with_slugs(&with_fit(&options.settings(Fit::Tight)?, input.fit, options)?))
+    Ok(slug::with_slugs(&with_fit(
+        &options.settings(Fit::Tight)?,
+        input.fit,
+        options,
+    )?))
 }
 
 /// The settings, and those with the scene's own fit; settings without a map are alike and stay single.
-fn with_fit(tight: &[Arc<dyn ShadowTechnique>], fit: Option<Fit>, options: &Options) -> Result<Settings, LabError> {
+fn with_fit(
+    tight: &[Arc<dyn ShadowTechnique>],
+    fit: Option<Fit>,
+    options: &Options,
+) -> Result<Settings, LabError> {
     let by_hand = fit.map_or(Ok(Settings::new()), |fit| options.settings(fit))?;
     let label = |s: &Arc<dyn ShadowTechnique>| (s.name(), s.settings());
-    let new = by_hand.into_iter().filter(|s| tight.iter().all(|t| label(t) != label(s)));
+    let new = by_hand
+        .into_iter()
+        .filter(|s| tight.iter().all(|t| label(t) != label(s)));
     Ok(tight.iter().cloned().chain(new).collect())
 }
 

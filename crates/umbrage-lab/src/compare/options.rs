@@ -50,12 +50,19 @@ pub struct Runs {
 impl Runs {
     /// So many, however long they take.
     pub fn exactly(count: u32) -> Self {
-        Self { least: count, most: count, budget_ms: 0 }
+        Self {
+            least: count,
+            most: count,
+            budget_ms: 0,
+        }
     }
 
     /// Whether `done` runs that took `spent` are enough.
     pub(super) fn suffice(&self, done: usize, spent: Duration) -> bool {
-        let (least, budget) = (self.least.max(1) as usize, Duration::from_millis(self.budget_ms.into()));
+        let (least, budget) = (
+            self.least.max(1) as usize,
+            Duration::from_millis(self.budget_ms.into()),
+        );
         done >= least && (done >= self.most as usize || spent >= budget)
     }
 
@@ -68,7 +75,11 @@ impl Runs {
 impl Default for Runs {
     /// Five runs are the fewest that a [baseline](crate::baseline::times) judges; quick rows get up to fifteen.
     fn default() -> Self {
-        Self { least: 5, most: 15, budget_ms: 60 }
+        Self {
+            least: 5,
+            most: 15,
+            budget_ms: 60,
+        }
     }
 }
 
@@ -93,8 +104,16 @@ impl Options {
             map_sizes: vec![512],
             most_settings: Some(3),
             size: Some(UVec2::new(160, 120)),
-            truth: TruthOptions { samples: 64, probe_samples: 16, ..TruthOptions::default() },
-            runs: Some(Runs { most: 9, budget_ms: 20, ..Runs::default() }),
+            truth: TruthOptions {
+                samples: 64,
+                probe_samples: 16,
+                ..TruthOptions::default()
+            },
+            runs: Some(Runs {
+                most: 9,
+                budget_ms: 20,
+                ..Runs::default()
+            }),
             ..Self::default()
         }
     }
@@ -106,17 +125,33 @@ impl Options {
     pub(super) fn settings(&self, fit: Fit) -> Result<Vec<Arc<dyn ShadowTechnique>>, LabError> {
         let all = umbrage_techniques::all();
         let known = || all.iter().map(|e| e.name).collect::<Vec<_>>().join(", ");
-        if let Some(unknown) = self.techniques.iter().find(|n| all.iter().all(|e| e.name != n.as_str())) {
+        if let Some(unknown) = self
+            .techniques
+            .iter()
+            .find(|n| all.iter().all(|e| e.name != n.as_str()))
+        {
             let why = format!("there is none called `{unknown}`");
             return Err(Invalid::new("technique", why, format!("use some of {}", known())).into());
         }
         if self.map_sizes.is_empty() {
-            return Err(Invalid::new("map sizes", "are missing", "give at least one, such as 1024").into());
+            return Err(Invalid::new(
+                "map sizes",
+                "are missing",
+                "give at least one, such as 1024",
+            )
+            .into());
         }
-        let wanted = |name: &str| self.techniques.is_empty() || self.techniques.iter().any(|n| n == name);
+        let wanted =
+            |name: &str| self.techniques.is_empty() || self.techniques.iter().any(|n| n == name);
         let most = self.most_settings.unwrap_or(usize::MAX);
-        let settings = |e: &umbrage_techniques::Entry| (e.settings)(&self.map_sizes, fit).into_iter().take(most);
-        Ok(all.iter().filter(|e| wanted(e.name)).flat_map(settings).collect())
+        let settings = |e: &umbrage_techniques::Entry| {
+            (e.settings)(&self.map_sizes, fit).into_iter().take(most)
+        };
+        Ok(all
+            .iter()
+            .filter(|e| wanted(e.name))
+            .flat_map(settings)
+            .collect())
     }
 
     /// A scene's camera at the size wanted.
@@ -132,11 +167,23 @@ mod tests {
     #[test]
     fn quick_rows_are_played_more_often_than_slow_ones() {
         let runs = Runs::default();
-        let played = |ms: u64| (0..).find(|&n| runs.suffice(n, Duration::from_millis(ms * n as u64)));
+        let played =
+            |ms: u64| (0..).find(|&n| runs.suffice(n, Duration::from_millis(ms * n as u64)));
         assert_eq!([0, 4, 10, 1_000].map(played), [15, 15, 6, 5].map(Some));
-        assert!(Runs::exactly(2).suffice(2, Duration::ZERO) && !Runs::exactly(2).suffice(1, Duration::MAX));
-        assert!(!Runs::exactly(0).suffice(0, Duration::MAX), "no run, no time");
+        assert!(
+            Runs::exactly(2).suffice(2, Duration::ZERO)
+                && !Runs::exactly(2).suffice(1, Duration::MAX)
+        );
+        assert!(
+            !Runs::exactly(0).suffice(0, Duration::MAX),
+            "no run, no time"
+        );
         let hopes = |n, ms| runs.hopes(n, Duration::from_millis(ms));
-        assert!(hopes(14, 119) && !hopes(15, 100) && !hopes(5, 120) && !Runs::exactly(3).hopes(3, Duration::ZERO));
+        assert!(
+            hopes(14, 119)
+                && !hopes(15, 100)
+                && !hopes(5, 120)
+                && !Runs::exactly(3).hopes(3, Duration::ZERO)
+        );
     }
 }

@@ -74,7 +74,9 @@ pub fn relative(comparison: &Comparison) -> Vec<Relative> {
         scenes += 1;
         for row in &scene.rows {
             let key = [&row.technique, &row.settings, &row.backend].map(String::as_str);
-            let Some(reference) = references.get(key[2]) else { continue };
+            let Some(reference) = references.get(key[2]) else {
+                continue;
+            };
             let sum = sums.entry(key).or_insert_with(|| {
                 order.push(key);
                 Sums::default()
@@ -82,8 +84,13 @@ pub fn relative(comparison: &Comparison) -> Vec<Relative> {
             sum.add(row.measured(), none, reference);
         }
     }
-    let whole = order.into_iter().filter_map(|key| Some((key, *sums.get(&key)?)));
-    whole.filter(|(_, s)| s.scenes == scenes && s.served > 0).map(|(key, s)| s.mean(key)).collect()
+    let whole = order
+        .into_iter()
+        .filter_map(|key| Some((key, *sums.get(&key)?)));
+    whole
+        .filter(|(_, s)| s.scenes == scenes && s.served > 0)
+        .map(|(key, s)| s.mean(key))
+        .collect()
 }
 
 /// For each backend, the measurement that its others are compared with.
@@ -101,7 +108,10 @@ fn references(scene: &SceneResult) -> HashMap<&str, &Measured> {
         let size = *sizes.get(sizes.len() / 2)?;
         rows.iter().position(|(_, m)| m.work.cleared == size)
     };
-    of_backend.into_iter().filter_map(|(b, rows)| Some((b, rows[middle(rows.clone())?].1))).collect()
+    of_backend
+        .into_iter()
+        .filter_map(|(b, rows)| Some((b, rows[middle(rows.clone())?].1)))
+        .collect()
 }
 
 impl Sums {
@@ -112,9 +122,14 @@ impl Sums {
         self.error += m.rmse().unwrap_or_default() / none;
         self.cost += (m.cost_ms / reference.cost_ms).ln();
         if let (Some(mine), Some(theirs)) = (m.times, reference.times) {
-            let ratio = |of: f64| (of.max(f64::MIN_POSITIVE) / theirs.total.median.max(f64::MIN_POSITIVE)).ln();
+            let ratio = |of: f64| {
+                (of.max(f64::MIN_POSITIVE) / theirs.total.median.max(f64::MIN_POSITIVE)).ln()
+            };
             let times = [mine.total.median, mine.total.least, mine.total.greatest].map(ratio);
-            self.time.iter_mut().zip(times).for_each(|(sum, t)| *sum += t);
+            self.time
+                .iter_mut()
+                .zip(times)
+                .for_each(|(sum, t)| *sum += t);
             self.timed += 1;
             self.runs += mine.total.runs;
         }
@@ -122,14 +137,23 @@ impl Sums {
 
     fn mean(&self, [technique, settings, backend]: [&str; 3]) -> Relative {
         let unserved = (self.scenes - self.served) as f64;
-        let (all, served, timed) = (self.scenes.max(1) as f64, self.served.max(1) as f64, self.timed.max(1) as f64);
+        let (all, served, timed) = (
+            self.scenes.max(1) as f64,
+            self.served.max(1) as f64,
+            self.timed.max(1) as f64,
+        );
         let [median, least, greatest] = self.time.map(|sum| (sum / timed).exp());
         Relative {
             technique: technique.to_owned(),
             settings: settings.to_owned(),
             backend: backend.to_owned(),
             error: (self.error + unserved) / all,
-            time: (self.timed > 0).then_some(Spread { median, least, greatest, runs: self.runs }),
+            time: (self.timed > 0).then_some(Spread {
+                median,
+                least,
+                greatest,
+                runs: self.runs,
+            }),
             cost: (self.cost / served).exp(),
             served: self.served,
             scenes: self.scenes,
@@ -155,12 +179,26 @@ mod tests {
     };
 
     fn row(technique: &str, rmse: f64, ms: f64) -> Row {
-        let total = Spread { median: ms, least: ms / 2.0, greatest: ms * 2.0, runs: 3 };
+        let total = Spread {
+            median: ms,
+            least: ms / 2.0,
+            greatest: ms * 2.0,
+            runs: 3,
+        };
         let measured = Measured {
-            errors: Some(Errors { rmse, ..Errors::default() }),
+            errors: Some(Errors {
+                rmse,
+                ..Errors::default()
+            }),
             causes: Some(Causes::default()),
-            times: Some(Times { total, ..Times::default() }),
-            work: Work { cleared: 1024, ..Work::default() },
+            times: Some(Times {
+                total,
+                ..Times::default()
+            }),
+            work: Work {
+                cleared: 1024,
+                ..Work::default()
+            },
             cost_ms: 10.0 * ms,
             bytes: 1,
             agreement: None,
@@ -178,31 +216,63 @@ mod tests {
     }
 
     fn scene(rmse_of_none: [f64; 2], rows: Vec<Row>) -> SceneResult {
-        SceneResult { rmse_of_none, rows, ..SceneResult::default() }
+        SceneResult {
+            rmse_of_none,
+            rows,
+            ..SceneResult::default()
+        }
     }
 
     fn find<'a>(all: &'a [Relative], technique: &str) -> &'a Relative {
-        all.iter().find(|r| r.technique == technique).expect("there")
+        all.iter()
+            .find(|r| r.technique == technique)
+            .expect("there")
     }
 
     #[test]
     fn figures_are_relative_and_times_averaged_as_ratios() {
-        let one = scene([0.5, 0.9], vec![row("hard", 0.05, 1.0), row("pcf", 0.005, 4.0)]);
-        let two = scene([0.1, 0.9], vec![row("hard", 0.01, 10.0), row("pcf", 0.1, 10.0)]);
-        let all = relative(&Comparison { scenes: vec![one, two], ..Comparison::default() });
+        let one = scene(
+            [0.5, 0.9],
+            vec![row("hard", 0.05, 1.0), row("pcf", 0.005, 4.0)],
+        );
+        let two = scene(
+            [0.1, 0.9],
+            vec![row("hard", 0.01, 10.0), row("pcf", 0.1, 10.0)],
+        );
+        let all = relative(&Comparison {
+            scenes: vec![one, two],
+            ..Comparison::default()
+        });
         let (hard, pcf) = (find(&all, "hard"), find(&all, "pcf"));
-        assert!((hard.error - 0.1).abs() < 1e-12 && (pcf.error - 0.505).abs() < 1e-12, "{hard:?} {pcf:?}");
+        assert!(
+            (hard.error - 0.1).abs() < 1e-12 && (pcf.error - 0.505).abs() < 1e-12,
+            "{hard:?} {pcf:?}"
+        );
         let time = pcf.time.expect("timed");
-        assert!((time.median - 2.0).abs() < 1e-12 && (time.least - 1.0).abs() < 1e-12, "{time:?}");
+        assert!(
+            (time.median - 2.0).abs() < 1e-12 && (time.least - 1.0).abs() < 1e-12,
+            "{time:?}"
+        );
         assert!((pcf.cost - 2.0).abs() < 1e-12 && (hard.cost - 1.0).abs() < 1e-12);
     }
 
     #[test]
     fn where_a_technique_cannot_serve_it_draws_no_shadow() {
-        let dash = Row { outcome: Outcome::Unsupported { reason: "no".into() }, ..row("planar", 0.0, 0.0) };
-        let one = scene([0.5, 0.9], vec![row("hard", 0.05, 1.0), row("planar", 0.0, 1.0)]);
+        let dash = Row {
+            outcome: Outcome::Unsupported {
+                reason: "no".into(),
+            },
+            ..row("planar", 0.0, 0.0)
+        };
+        let one = scene(
+            [0.5, 0.9],
+            vec![row("hard", 0.05, 1.0), row("planar", 0.0, 1.0)],
+        );
         let two = scene([0.5, 0.9], vec![row("hard", 0.05, 1.0), dash]);
-        let all = relative(&Comparison { scenes: vec![one, two], ..Comparison::default() });
+        let all = relative(&Comparison {
+            scenes: vec![one, two],
+            ..Comparison::default()
+        });
         let planar = find(&all, "planar");
         assert_eq!((planar.served, planar.scenes), (1, 2));
         assert_eq!(planar.error, 0.5);
@@ -210,12 +280,21 @@ mod tests {
 
     #[test]
     fn scenes_that_tell_nothing_and_settings_not_compared_everywhere_are_left_out() {
-        let one = scene([0.5, 0.9], vec![row("hard", 0.05, 1.0), row("once", 0.1, 1.0)]);
+        let one = scene(
+            [0.5, 0.9],
+            vec![row("hard", 0.05, 1.0), row("once", 0.1, 1.0)],
+        );
         let two = scene([0.0, 1.0], vec![row("hard", 0.1, 1.0)]);
         let empty = scene([0.0, 0.0], vec![row("hard", 0.0, 1.0)]);
-        let all = relative(&Comparison { scenes: vec![one, two, empty], ..Comparison::default() });
+        let all = relative(&Comparison {
+            scenes: vec![one, two, empty],
+            ..Comparison::default()
+        });
         assert_eq!(all.len(), 1);
-        assert!((find(&all, "hard").error - 0.1).abs() < 1e-12, "all dark counts where nothing is in shadow");
+        assert!(
+            (find(&all, "hard").error - 0.1).abs() < 1e-12,
+            "all dark counts where nothing is in shadow"
+        );
         assert!(relative(&Comparison::default()).is_empty());
     }
 }

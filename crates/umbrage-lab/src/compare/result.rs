@@ -87,10 +87,15 @@ impl SceneResult {
     fn faults(&self) -> Vec<String> {
         let mut out = Vec::new();
         for row in &self.rows {
-            out.extend(row.measured().and_then(|m| m.agreement).and_then(disagreement).map(|what| {
-                let (scene, row) = (&self.name, row.label());
-                format!("{scene}: {row}: {what}")
-            }));
+            out.extend(
+                row.measured()
+                    .and_then(|m| m.agreement)
+                    .and_then(disagreement)
+                    .map(|what| {
+                        let (scene, row) = (&self.name, row.label());
+                        format!("{scene}: {row}: {what}")
+                    }),
+            );
             let colors = row.measured().and_then(|m| m.color_differing).unwrap_or(0);
             if colors > 0 {
                 out.push(format!(
@@ -110,10 +115,16 @@ impl SceneResult {
         );
         for c in self.controls.iter().filter(|c| !c.holds) {
             let why = match c.wrong_without {
-                0 => format!("the mask stays the same, though {} pixels are in shadow with them", c.shadowed),
+                0 => format!(
+                    "the mask stays the same, though {} pixels are in shadow with them",
+                    c.shadowed
+                ),
                 n => format!("{n} pixels of the mask are not as their own horizon leaves them"),
             };
-            out.push(format!("{}: {} {}: without casters {why}", self.name, c.backend, c.technique));
+            out.push(format!(
+                "{}: {} {}: without casters {why}",
+                self.name, c.backend, c.technique
+            ));
         }
         out
     }
@@ -122,13 +133,21 @@ impl SceneResult {
 /// What is wrong with an agreement, if anything is.
 fn disagreement(a: Agreement) -> Option<String> {
     if !a.holds() {
-        return Some(format!("{} decided pixels differ from the CPU's", a.violations));
+        return Some(format!(
+            "{} decided pixels differ from the CPU's",
+            a.violations
+        ));
     }
     if !a.is_accurate() {
-        return Some(format!("RMSE is {:.4} above that of the CPU's mask at the same pixels", a.excess));
+        return Some(format!(
+            "RMSE is {:.4} above that of the CPU's mask at the same pixels",
+            a.excess
+        ));
     }
     let (undecided, compared) = (a.undecided, a.compared);
-    let why = format!("rounding alone lets {undecided} of {compared} pixels differ from the CPU's: too many");
+    let why = format!(
+        "rounding alone lets {undecided} of {compared} pixels differ from the CPU's: too many"
+    );
     (!a.is_decided()).then_some(why)
 }
 
@@ -297,11 +316,21 @@ impl Ranks {
         let last = figures.len().checked_sub(1)?;
         let at = |share: f64| {
             let place = share * last as f64;
-            let (before, after) = (figures[place.floor() as usize], figures[place.ceil() as usize]);
+            let (before, after) = (
+                figures[place.floor() as usize],
+                figures[place.ceil() as usize],
+            );
             before + (after - before) * place.fract()
         };
         let [tenth, low, median, high, greatest] = [0.1, 0.25, 0.5, 0.75, 1.0].map(at);
-        Some(Self { tenth, low, median, high, greatest, runs: figures.len() as u32 })
+        Some(Self {
+            tenth,
+            low,
+            median,
+            high,
+            greatest,
+            runs: figures.len() as u32,
+        })
     }
 }
 
@@ -324,7 +353,12 @@ impl Spread {
         times.sort_by(f64::total_cmp);
         let n = times.len();
         let (least, greatest) = (*times.first()?, *times.last()?);
-        Some(Self { median: (times[(n - 1) / 2] + times[n / 2]) / 2.0, least, greatest, runs: n as u32 })
+        Some(Self {
+            median: (times[(n - 1) / 2] + times[n / 2]) / 2.0,
+            least,
+            greatest,
+            runs: n as u32,
+        })
     }
 }
 

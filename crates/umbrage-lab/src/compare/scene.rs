@@ -1,8 +1,8 @@
 //! All rows of one scene.
 
 use super::{
-    Backends, Event, Measured, OnEvent, Options, Outcome, Row, SceneInput, SceneResult, TruthSummary, agreement::agree,
-    control, seen::Seen, slug::Setting, timing::measure,
+    Backends, Event, Measured, OnEvent, Options, Outcome, Row, SceneInput, SceneResult,
+    TruthSummary, agreement::agree, control, seen::Seen, slug::Setting, timing::measure,
 };
 use crate::{
     LabError, color,
@@ -14,8 +14,8 @@ use crate::{
 use glam::UVec2;
 use std::sync::Arc;
 use umbrage_core::{
-    BackendError, Camera, Cast, CastMode, Geometry, Invalid, Light, LightSpace, PlanError, Recipe, ShadowTechnique,
-    Shadows, View, Work,
+    BackendError, Camera, Cast, CastMode, Geometry, Invalid, Light, LightSpace, PlanError, Recipe,
+    ShadowTechnique, Shadows, View, Work,
     metrics::{Agreement, Causes, Errors, Pixel, Reference, TruthImage},
 };
 
@@ -62,7 +62,11 @@ pub(super) fn run(
     let scene = &input.scene;
     let (camera, light) = camera_and_light(scene)?;
     let (camera, geometry) = (options.camera(camera), Geometry::bake(scene)?);
-    let view = View3 { camera: &camera, light, geometry: &geometry };
+    let view = View3 {
+        camera: &camera,
+        light,
+        geometry: &geometry,
+    };
     let progress = |done, total| on_event(Event::Truth { done, total });
     let find = &mut |c: &Camera, g: &Geometry| backends.receivers.receivers(c, g);
     let truth = truth::trace(&camera, light, &geometry, &options.truth, find, &progress)?;
@@ -77,7 +81,10 @@ pub(super) fn run(
         rows: Vec::new(),
         masks: Vec::new(),
         controls: Vec::new(),
-        stage: options.color.then(|| color_stage(input, &camera)).transpose()?,
+        stage: options
+            .color
+            .then(|| color_stage(input, &camera))
+            .transpose()?,
         colors: Vec::new(),
         lookups: Vec::new(),
         looked_up: Vec::new(),
@@ -96,22 +103,43 @@ pub(super) fn run(
         fingerprint: format!("{:016x}", truth.fingerprint),
         nothing_compared: nothing_compared(&truth_summary, truth.pixels.len()),
         truth: truth_summary,
-        rmse_of_none: [1.0, 0.0].map(|v| run.reference.errors(&vec![v; truth.pixels.len()]).map_or(0.0, |e| e.rmse)),
+        rmse_of_none: [1.0, 0.0].map(|v| {
+            run.reference
+                .errors(&vec![v; truth.pixels.len()])
+                .map_or(0.0, |e| e.rmse)
+        }),
         rows: run.rows,
         controls: run.controls,
     };
     let (masks, colors, lookups) = (run.masks, run.colors, run.lookups);
-    Ok((result, SceneImages { truth, masks, colors, lookups }))
+    Ok((
+        result,
+        SceneImages {
+            truth,
+            masks,
+            colors,
+            lookups,
+        },
+    ))
 }
 
 /// The scene as this camera sees it, marked for pictures.
 fn color_stage(input: &SceneInput, camera: &Camera) -> Result<color::Stage, Invalid> {
-    let scene = umbrage_core::Scene { cameras: vec![*camera], ..input.scene.clone() };
+    let scene = umbrage_core::Scene {
+        cameras: vec![*camera],
+        ..input.scene.clone()
+    };
     color::Stage::new(&scene, input.fit)
 }
 
 pub(super) fn camera_and_light(scene: &umbrage_core::Scene) -> Result<(&Camera, &Light), Invalid> {
-    let missing = |what| Invalid::new(format!("scene `{}`", scene.name), format!("has no {what}"), "add one");
+    let missing = |what| {
+        Invalid::new(
+            format!("scene `{}`", scene.name),
+            format!("has no {what}"),
+            "add one",
+        )
+    };
     let camera = scene.cameras.first().ok_or_else(|| missing("camera"))?;
     let light = scene.lights.first().ok_or_else(|| missing("light"))?;
     Ok((camera, light))
@@ -133,10 +161,18 @@ fn summary(truth: &Truth, options: &Options) -> TruthSummary {
 
 /// Why no pixel counts; none if one does.
 fn nothing_compared(truth: &TruthSummary, pixels: usize) -> Option<String> {
-    let TruthSummary { counted, ambiguous, unlit, .. } = *truth;
+    let TruthSummary {
+        counted,
+        ambiguous,
+        unlit,
+        ..
+    } = *truth;
     let empty = pixels as u64 - counted - ambiguous - unlit;
-    let help =
-        if ambiguous > 0 { "; bring the light nearer, or make the scene larger beside its distances" } else { "" };
+    let help = if ambiguous > 0 {
+        "; bring the light nearer, or make the scene larger beside its distances"
+    } else {
+        ""
+    };
     (counted == 0).then(|| {
         format!(
             "no pixel was compared: of {pixels}, {empty} show nothing that receives, {unlit} face away from the light or lie \
@@ -176,7 +212,12 @@ struct LookedUp {
 
 impl SceneRun<'_> {
     /// One setting on all backends: the recipe is planned once, so that all play the same.
-    fn setting(&mut self, setting: &Setting, backends: &mut Backends, on_event: &OnEvent<'_>) -> Result<(), LabError> {
+    fn setting(
+        &mut self,
+        setting: &Setting,
+        backends: &mut Backends,
+        on_event: &OnEvent<'_>,
+    ) -> Result<(), LabError> {
         let technique = &*setting.technique;
         let recipe = match technique.plan(&self.view.core().with_receivers(&self.truth.receivers)) {
             Ok(recipe) => Ok(recipe),
@@ -187,7 +228,12 @@ impl SceneRun<'_> {
         for i in 0..backends.playing.len() {
             let backend = backends.playing[i].kind();
             let (technique, settings) = (technique.name(), &*technique.settings());
-            on_event(Event::Row { technique, settings, backend, index: self.rows.len() });
+            on_event(Event::Row {
+                technique,
+                settings,
+                backend,
+                index: self.rows.len(),
+            });
             let outcome = match &recipe {
                 Ok(recipe) => self.play(setting, recipe, i, &mut of_cpu, backends)?,
                 Err(reason) => self.unsupported(reason),
@@ -206,16 +252,25 @@ impl SceneRun<'_> {
             self.look_at_maps(technique, recipe, backends.playing.len());
         }
         self.lookups.resize(self.rows.len(), None);
-        if recipe.is_ok() { self.shade(technique, backends) } else { Ok(()) }
+        if recipe.is_ok() {
+            self.shade(technique, backends)
+        } else {
+            Ok(())
+        }
     }
 
     /// How the last setting's maps are used, of its `rows` rows that were measured: once, since all backends play the same.
     fn look_at_maps(&mut self, technique: &dyn ShadowTechnique, recipe: &Recipe, rows: usize) {
         let first = self.rows.len() - rows;
-        if self.rows[first..].iter().all(|row| row.measured().is_none()) {
+        if self.rows[first..]
+            .iter()
+            .all(|row| row.measured().is_none())
+        {
             return;
         }
-        let Some((total, heat)) = self.map_use(technique, recipe) else { return };
+        let Some((total, heat)) = self.map_use(technique, recipe) else {
+            return;
+        };
         for row in &mut self.rows[first..] {
             let Outcome::Measured(measured) = &mut row.outcome else {
                 self.lookups.push(None);
@@ -227,30 +282,75 @@ impl SceneRun<'_> {
     }
 
     /// The use of a recipe's maps, and where they are looked up; none without maps.
-    fn map_use(&mut self, technique: &dyn ShadowTechnique, recipe: &Recipe) -> Option<(MapUse, Option<Arc<Heat>>)> {
+    fn map_use(
+        &mut self,
+        technique: &dyn ShadowTechnique,
+        recipe: &Recipe,
+    ) -> Option<(MapUse, Option<Arc<Heat>>)> {
         let (reach, receivers) = (technique.kernel_reach()?, &self.truth.receivers);
-        let nearest = recipe.casts.iter().filter(|cast| cast.mode == CastMode::Nearest);
-        let map = |cast: &Cast| (cast.space, recipe.images[cast.image].size, recipe.images[cast.image].layers);
+        let nearest = recipe
+            .casts
+            .iter()
+            .filter(|cast| cast.mode == CastMode::Nearest);
+        let map = |cast: &Cast| {
+            (
+                cast.space,
+                recipe.images[cast.image].size,
+                recipe.images[cast.image].layers,
+            )
+        };
         let maps: Vec<_> = nearest.map(map).collect();
         // A kernel that says each receiver's reach may differ from others though all else is the same.
-        let says = |i| recipe.receive.kernel.reach(receivers.position(i), receivers.normal(i)).is_some();
-        let varies = receivers.receives.iter().position(|receives| *receives).is_some_and(says);
-        let known = self.looked_up.iter().find(|known| !varies && known.maps == maps && known.reach == reach);
+        let says = |i| {
+            recipe
+                .receive
+                .kernel
+                .reach(receivers.position(i), receivers.normal(i))
+                .is_some()
+        };
+        let varies = receivers
+            .receives
+            .iter()
+            .position(|receives| *receives)
+            .is_some_and(says);
+        let known = self
+            .looked_up
+            .iter()
+            .find(|known| !varies && known.maps == maps && known.reach == reach);
         if let Some(known) = known {
             return Some(known.found.clone());
         }
-        let footprint = footprint::measure(&self.view.core().with_receivers(receivers), recipe, receivers, reach);
-        let heat = if self.heat { footprint.heat(HEAT_SIDE) } else { None };
+        let footprint = footprint::measure(
+            &self.view.core().with_receivers(receivers),
+            recipe,
+            receivers,
+            reach,
+        );
+        let heat = if self.heat {
+            footprint.heat(HEAT_SIDE)
+        } else {
+            None
+        };
         let found = (footprint.total, heat.map(Arc::new));
         if !varies {
-            self.looked_up.push(LookedUp { maps, reach, found: found.clone() });
+            self.looked_up.push(LookedUp {
+                maps,
+                reach,
+                found: found.clone(),
+            });
         }
         Some(found)
     }
 
     /// Colour pictures of the last setting's measured rows, compared with the first backend's.
-    fn shade(&mut self, technique: &dyn ShadowTechnique, backends: &mut Backends) -> Result<(), LabError> {
-        let Some(stage) = &self.stage else { return Ok(()) };
+    fn shade(
+        &mut self,
+        technique: &dyn ShadowTechnique,
+        backends: &mut Backends,
+    ) -> Result<(), LabError> {
+        let Some(stage) = &self.stage else {
+            return Ok(());
+        };
         let recipe = match stage.plan(technique, &self.truth.receivers) {
             Ok(recipe) => recipe,
             // The light's marker may be what the technique can't serve; the mask was made without it.
@@ -260,10 +360,16 @@ impl SceneRun<'_> {
         let first_row = self.rows.len() - backends.playing.len();
         let mut first: Option<Shadows> = None;
         for (backend, row) in backends.playing.iter_mut().zip(first_row..) {
-            let Outcome::Measured(measured) = &mut self.rows[row].outcome else { continue };
+            let Outcome::Measured(measured) = &mut self.rows[row].outcome else {
+                continue;
+            };
             let shadows = backend.render(&stage.view()?, &recipe)?;
-            measured.color_differing = first.as_ref().and_then(|first| color::differing(first, &shadows));
-            self.colors[row] = color::png(self.truth.size, &shadows).map(picture).transpose()?;
+            measured.color_differing = first
+                .as_ref()
+                .and_then(|first| color::differing(first, &shadows));
+            self.colors[row] = color::png(self.truth.size, &shadows)
+                .map(picture)
+                .transpose()?;
             first.get_or_insert(shadows);
         }
         Ok(())
@@ -271,7 +377,9 @@ impl SceneRun<'_> {
 
     fn unsupported(&mut self, reason: &str) -> Outcome {
         self.masks.push(None);
-        Outcome::Unsupported { reason: reason.to_owned() }
+        Outcome::Unsupported {
+            reason: reason.to_owned(),
+        }
     }
 
     /// One recipe on one backend.
@@ -297,16 +405,37 @@ impl SceneRun<'_> {
         if times.is_some() && shadows.timings.receive.is_none() {
             return Ok(self.unsupported("this adapter cannot time its passes"));
         }
-        if !self.seen[backend].as_ref().is_some_and(|seen| seen.holds(&shadows)) {
-            self.seen[backend] =
-                Some(Seen::new(self.name, &self.view, self.truth, &self.options.truth, player, &shadows)?);
+        if !self.seen[backend]
+            .as_ref()
+            .is_some_and(|seen| seen.holds(&shadows))
+        {
+            self.seen[backend] = Some(Seen::new(
+                self.name,
+                &self.view,
+                self.truth,
+                &self.options.truth,
+                player,
+                &shadows,
+            )?);
         }
-        let pixels = self.seen[backend].as_ref().and_then(|seen| seen.pixels.as_deref());
+        let pixels = self.seen[backend]
+            .as_ref()
+            .and_then(|seen| seen.pixels.as_deref());
         let snapping = player.snapping();
         let (kind, technique) = (player.kind(), setting.technique.name());
-        if self.controls.iter().all(|c| c.backend != kind || c.technique != technique) {
+        if self
+            .controls
+            .iter()
+            .all(|c| c.backend != kind || c.technique != technique)
+        {
             let played = (recipe, &shadows);
-            self.controls.extend(control::run(player, &*setting.technique, &self.view, self.truth, played)?);
+            self.controls.extend(control::run(
+                player,
+                &*setting.technique,
+                &self.view,
+                self.truth,
+                played,
+            )?);
         }
         let (errors, causes) = self.errors(of_cpu.as_ref(), &shadows, pixels)?;
         let agreement = match &of_cpu {
@@ -314,7 +443,10 @@ impl SceneRun<'_> {
             Some((cpu, ..)) => {
                 let agreed = agree(&view, recipe, cpu, &shadows, snapping)?;
                 let of_cpu = self.rmse(&cpu.mask, pixels)?;
-                Some(Agreement { excess: errors.map_or(0.0, |e| e.rmse - of_cpu), ..agreed })
+                Some(Agreement {
+                    excess: errors.map_or(0.0, |e| e.rmse - of_cpu),
+                    ..agreed
+                })
             }
         };
         self.masks.push(Some(shadows.mask.clone()));
@@ -322,8 +454,17 @@ impl SceneRun<'_> {
         if backends.playing[backend].kind() == "cpu" {
             *of_cpu = Some((shadows, errors, causes));
         }
-        let measured =
-            Measured { errors, causes, times, work, cost_ms, bytes, agreement, color_differing: None, maps: None };
+        let measured = Measured {
+            errors,
+            causes,
+            times,
+            work,
+            cost_ms,
+            bytes,
+            agreement,
+            color_differing: None,
+            maps: None,
+        };
         Ok(Outcome::Measured(Box::new(measured)))
     }
 
@@ -345,14 +486,26 @@ impl SceneRun<'_> {
     ) -> Result<(Option<Errors>, Option<Causes>), Invalid> {
         let mask = &shadows.mask;
         let (errors, causes) = match (of_cpu, pixels) {
-            (Some((cpu, errors, causes)), None) if cpu.mask == *mask => return Ok((*errors, *causes)),
-            (_, None) => (self.reference.errors(mask)?, Causes::measure(mask, &self.image)?),
+            (Some((cpu, errors, causes)), None) if cpu.mask == *mask => {
+                return Ok((*errors, *causes));
+            }
+            (_, None) => (
+                self.reference.errors(mask)?,
+                Causes::measure(mask, &self.image)?,
+            ),
             (_, Some(pixels)) => {
                 let image = self.image.with_pixels(pixels)?;
-                (self.reference.with_pixels(pixels)?.errors(mask)?, Causes::measure(mask, &image)?)
+                (
+                    self.reference.with_pixels(pixels)?.errors(mask)?,
+                    Causes::measure(mask, &image)?,
+                )
             }
         };
-        Ok(if errors.counted > 0 { (Some(errors), Some(causes)) } else { (None, None) })
+        Ok(if errors.counted > 0 {
+            (Some(errors), Some(causes))
+        } else {
+            (None, None)
+        })
     }
 }
 

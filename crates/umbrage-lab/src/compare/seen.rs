@@ -34,16 +34,24 @@ impl Seen {
         backend: &dyn Backend,
         shadows: &Shadows,
     ) -> Result<Self, LabError> {
-        let fault = |what: String| LabError::NotComparable { scene: scene.to_owned(), what };
+        let fault = |what: String| LabError::NotComparable {
+            scene: scene.to_owned(),
+            what,
+        };
         let kind = backend.kind();
         if view.geometry.fingerprint() != truth.fingerprint {
             return Err(fault("truth was traced with other triangles".to_owned()));
         }
         let Some(seen) = &shadows.receivers else {
-            return Err(fault(format!("backend {kind} doesn't tell which receivers it saw")));
+            return Err(fault(format!(
+                "backend {kind} doesn't tell which receivers it saw"
+            )));
         };
         if seen.size != truth.size {
-            return Err(fault(format!("backend {kind} sees an image of {}, truth one of {}", seen.size, truth.size)));
+            return Err(fault(format!(
+                "backend {kind} sees an image of {}, truth one of {}",
+                seen.size, truth.size
+            )));
         }
         let rounded;
         let expected = if backend.snapping() == Snapping::default() {
@@ -62,14 +70,21 @@ impl Seen {
             return Err(fault(what));
         }
         let view = (view.camera, view.light, view.geometry);
-        let find = &mut |camera: &Camera, geometry: &Geometry| Cpu::new().receivers(camera, geometry);
+        let find =
+            &mut |camera: &Camera, geometry: &Geometry| Cpu::new().receivers(camera, geometry);
         let ambiguous = ambiguous_on(backend.snapping().step(), view, truth, options, find)?;
-        Ok(Self { triangle: seen.triangle.clone(), pixels: classes(truth, seen, ambiguous.as_deref()) })
+        Ok(Self {
+            triangle: seen.triangle.clone(),
+            pixels: classes(truth, seen, ambiguous.as_deref()),
+        })
     }
 
     /// Whether a later rendering shows the same triangles.
     pub(super) fn holds(&self, shadows: &Shadows) -> bool {
-        shadows.receivers.as_ref().is_some_and(|seen| seen.triangle == self.triangle)
+        shadows
+            .receivers
+            .as_ref()
+            .is_some_and(|seen| seen.triangle == self.triangle)
     }
 }
 

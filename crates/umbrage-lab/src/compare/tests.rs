@@ -16,18 +16,32 @@ fn quick(techniques: &[&str]) -> Options {
         map_sizes: vec![256],
         most_settings: None,
         size: Some(UVec2::new(96, 64)),
-        truth: TruthOptions { samples: 16, probe_samples: 8, ..TruthOptions::default() },
+        truth: TruthOptions {
+            samples: 16,
+            probe_samples: 8,
+            ..TruthOptions::default()
+        },
         runs: Some(Runs::exactly(2)),
     }
 }
 
 fn input(name: &str) -> SceneInput {
     let entry = umbrage_scenes::find(name).expect("built in");
-    SceneInput { scene: (entry.build)(), summary: entry.summary.to_owned(), fit: None }
+    SceneInput {
+        scene: (entry.build)(),
+        summary: entry.summary.to_owned(),
+        fit: None,
+    }
 }
 
 fn run(scene: &str, options: &Options, backends: &mut Backends) -> Result<Comparison, LabError> {
-    compare(&[input(scene)], options, backends, &mut |_, _| Ok(()), &|_| ())
+    compare(
+        &[input(scene)],
+        options,
+        backends,
+        &mut |_, _| Ok(()),
+        &|_| (),
+    )
 }
 
 fn with_cheat(spoil: fn(&mut Shadows)) -> Backends {
@@ -36,23 +50,45 @@ fn with_cheat(spoil: fn(&mut Shadows)) -> Backends {
 
 #[test]
 fn rows_tell_errors_times_and_agreement() {
-    let comparison = run("cubes", &quick(&["hard", "traced"]), &mut with_cheat(|_| ())).expect("valid");
+    let comparison = run(
+        "cubes",
+        &quick(&["hard", "traced"]),
+        &mut with_cheat(|_| ()),
+    )
+    .expect("valid");
     let scene = &comparison.scenes[0];
     assert_eq!((scene.size, scene.rows.len() % 2), ([96, 64], 0));
     for pair in scene.rows.chunks(2) {
         let [cpu, other] = [0, 1].map(|i| pair[i].measured().expect("supported"));
         assert_eq!((&*pair[0].backend, &*pair[1].backend), ("cpu", "wgpu"));
         assert_eq!(cpu.errors, other.errors);
-        assert!(cpu.agreement.is_none() && other.agreement.is_some_and(|a| a.holds() && a.differing == 0));
+        assert!(
+            cpu.agreement.is_none()
+                && other
+                    .agreement
+                    .is_some_and(|a| a.holds() && a.differing == 0)
+        );
         let times = cpu.times.expect("asked for");
         assert_eq!(times.total.runs, 2);
         assert!(cpu.cost_ms > 0.0 && cpu.work.receivers > 0);
         assert_eq!(times.cast.is_some(), pair[0].technique == "hard");
     }
-    let traced = scene.rows.iter().find(|r| r.technique == "traced").and_then(Row::measured).expect("there");
+    let traced = scene
+        .rows
+        .iter()
+        .find(|r| r.technique == "traced")
+        .and_then(Row::measured)
+        .expect("there");
     let rmse = traced.rmse().expect("compared");
     assert!(rmse < 0.02, "one ray a receiver is the truth: {rmse}");
-    assert!(scene.controls.iter().all(|c| c.holds && c.shadowed > 0 && c.changed > 0), "{:?}", scene.controls);
+    assert!(
+        scene
+            .controls
+            .iter()
+            .all(|c| c.holds && c.shadowed > 0 && c.changed > 0),
+        "{:?}",
+        scene.controls
+    );
     assert!(comparison.faults().is_empty());
 }
 
@@ -72,32 +108,64 @@ fn rows_tell_how_maps_are_used() {
     ];
     let options = quick(&["hard", "pcf", "pcss", "traced", "volumes"]);
     // On maps by hand, kernels of any reach share one light space.
-    let input = SceneInput { fit: Some(umbrage_scenes::TEXTBOOK_FIT), ..input("cubes") };
-    let (inputs, sink) = ([input.clone()], &mut |_: &SceneResult, _: &SceneImages| Ok(()));
-    let comparison = compare(&inputs, &options, &mut with_cheat(|_| ()), sink, &|_| ()).expect("valid");
-    let (camera, geometry) = (options.camera(&input.scene.cameras[0]), Geometry::bake(&input.scene).expect("valid"));
+    let input = SceneInput {
+        fit: Some(umbrage_scenes::TEXTBOOK_FIT),
+        ..input("cubes")
+    };
+    let (inputs, sink) = ([input.clone()], &mut |_: &SceneResult, _: &SceneImages| {
+        Ok(())
+    });
+    let comparison =
+        compare(&inputs, &options, &mut with_cheat(|_| ()), sink, &|_| ()).expect("valid");
+    let (camera, geometry) = (
+        options.camera(&input.scene.cameras[0]),
+        Geometry::bake(&input.scene).expect("valid"),
+    );
     let receivers = Cpu::new().receivers(&camera, &geometry).expect("valid");
     let view = View::new(&camera, &input.scene.lights[0], &geometry).with_receivers(&receivers);
     let mut spoilt = receivers.clone();
-    spoilt.receives.iter_mut().step_by(2).for_each(|receives| *receives = false);
+    spoilt
+        .receives
+        .iter_mut()
+        .step_by(2)
+        .for_each(|receives| *receives = false);
     let mut seen = std::collections::HashSet::new();
     let tight = options.settings(Fit::Tight).expect("known");
     for technique in with_fit(&tight, input.fit, &options).expect("known") {
         let settings = technique.settings();
-        let known = REACHES.iter().find(|(name, begins, _)| *name == technique.name() && settings.starts_with(begins));
-        let reach = known.unwrap_or_else(|| panic!("{}, {settings}: no known reach", technique.name())).2;
+        let known = REACHES
+            .iter()
+            .find(|(name, begins, _)| *name == technique.name() && settings.starts_with(begins));
+        let reach = known
+            .unwrap_or_else(|| panic!("{}, {settings}: no known reach", technique.name()))
+            .2;
         let recipe = technique.plan(&view).expect("supported");
-        let [right, wrong] = [&receivers, &spoilt].map(|r| reach.map(|reach| measure(&view, &recipe, r, reach).total));
-        let rows: Vec<_> = comparison.scenes[0].rows.iter().filter(|r| r.settings == settings).collect();
+        let [right, wrong] = [&receivers, &spoilt]
+            .map(|r| reach.map(|reach| measure(&view, &recipe, r, reach).total));
+        let rows: Vec<_> = comparison.scenes[0]
+            .rows
+            .iter()
+            .filter(|r| r.settings == settings)
+            .collect();
         assert!(rows.len() >= 2, "{settings}");
         for row in rows.into_iter().filter(|r| r.technique == technique.name()) {
             let maps = row.measured().expect("supported").maps;
             assert_eq!(maps, right, "{}", row.label());
-            assert!(maps.is_none() || maps != wrong, "{}: other receivers, other figures", row.label());
+            assert!(
+                maps.is_none() || maps != wrong,
+                "{}: other receivers, other figures",
+                row.label()
+            );
             seen.insert((technique.name(), maps.is_some()));
         }
     }
-    let told = [("hard", true), ("pcf", true), ("pcss", true), ("traced", false), ("volumes", false)];
+    let told = [
+        ("hard", true),
+        ("pcf", true),
+        ("pcss", true),
+        ("traced", false),
+        ("volumes", false),
+    ];
     assert_eq!(seen, told.into_iter().collect());
 }
 
@@ -105,58 +173,112 @@ fn rows_tell_how_maps_are_used() {
 fn a_fit_by_hand_adds_rows_for_maps_alone() {
     let options = quick(&["hard", "traced"]);
     let count = |fit: Option<Fit>| {
-        let input = SceneInput { fit, ..input("cubes") };
+        let input = SceneInput {
+            fit,
+            ..input("cubes")
+        };
         let sink = &mut |_: &SceneResult, _: &SceneImages| Ok(());
-        let comparison = compare(&[input], &options, &mut Backends::of(vec![Box::new(Cpu::new())]), sink, &|_| ());
+        let comparison = compare(
+            &[input],
+            &options,
+            &mut Backends::of(vec![Box::new(Cpu::new())]),
+            sink,
+            &|_| (),
+        );
         let rows = comparison.expect("valid").scenes.remove(0).rows;
-        let by_hand = rows.iter().filter(|r| r.settings.contains("manual fit")).count();
-        (by_hand, rows.iter().filter(|r| r.technique == "hard").count(), rows.len())
+        let by_hand = rows
+            .iter()
+            .filter(|r| r.settings.contains("manual fit"))
+            .count();
+        (
+            by_hand,
+            rows.iter().filter(|r| r.technique == "hard").count(),
+            rows.len(),
+        )
     };
     let (none, hard, all) = count(None);
     assert_eq!(none, 0);
-    assert_eq!(count(Some(umbrage_scenes::TEXTBOOK_FIT)), (hard, 2 * hard, all + hard));
+    assert_eq!(
+        count(Some(umbrage_scenes::TEXTBOOK_FIT)),
+        (hard, 2 * hard, all + hard)
+    );
 }
 
 #[test]
 fn one_wrong_pixel_is_a_fault() {
     let comparison = run("cubes", &quick(&["traced"]), &mut with_cheat(darken_one)).expect("valid");
     let faults = comparison.faults();
-    assert!(faults.iter().any(|f| f.contains("decided pixels differ")), "{faults:?}");
+    assert!(
+        faults.iter().any(|f| f.contains("decided pixels differ")),
+        "{faults:?}"
+    );
 }
 
 fn rounding(does: Snapping, says: Snapping, spoil: fn(&mut Shadows)) -> Backends {
-    Backends::of(vec![Box::new(Cpu::new()), Box::new(Cheat::rounding(does, says, spoil))])
+    Backends::of(vec![
+        Box::new(Cpu::new()),
+        Box::new(Cheat::rounding(does, says, spoil)),
+    ])
 }
 
 /// On a coarse grid other pixels are dark, and other triangles are seen, than on the CPU's own: all of that is right, and told.
 #[test]
 fn a_backend_is_compared_by_its_own_rounding() {
     let (options, coarse) = (quick(&["volumes", "traced", "planar"]), Snapping::COARSEST);
-    let comparison = run("cubes", &options, &mut rounding(coarse, coarse, |_| ())).expect("comparable");
-    let rows: Vec<_> = comparison.scenes[0].rows.iter().filter(|r| r.backend == "wgpu").collect();
-    let volumes = rows.iter().find(|r| r.technique == "volumes").and_then(|r| r.measured()).expect("measured");
+    let comparison =
+        run("cubes", &options, &mut rounding(coarse, coarse, |_| ())).expect("comparable");
+    let rows: Vec<_> = comparison.scenes[0]
+        .rows
+        .iter()
+        .filter(|r| r.backend == "wgpu")
+        .collect();
+    let volumes = rows
+        .iter()
+        .find(|r| r.technique == "volumes")
+        .and_then(|r| r.measured())
+        .expect("measured");
     let agreed = volumes.agreement.expect("compared");
-    assert!(agreed.by_grid > 0 && agreed.differing > 0 && agreed.undecided == 0, "{agreed:?}");
+    assert!(
+        agreed.by_grid > 0 && agreed.differing > 0 && agreed.undecided == 0,
+        "{agreed:?}"
+    );
     let errors = volumes.errors.expect("pixels count");
     assert!(errors.elsewhere > 0 && errors.rmse == 0.0, "{errors:?}");
     assert!(comparison.faults().is_empty(), "{:?}", comparison.faults());
     let told = comparison.environment.snapping.expect("told");
     assert!(told.starts_with("4 sub-pixel bits"), "{told}");
     // One wrong pixel is as wrong as on the CPU's grid.
-    let faults = run("cubes", &options, &mut rounding(coarse, coarse, darken_one)).expect("comparable").faults();
-    assert!(faults.iter().any(|f| f.contains("decided pixels differ")), "{faults:?}");
+    let faults = run("cubes", &options, &mut rounding(coarse, coarse, darken_one))
+        .expect("comparable")
+        .faults();
+    assert!(
+        faults.iter().any(|f| f.contains("decided pixels differ")),
+        "{faults:?}"
+    );
     // Those who round otherwise than they say are found out.
-    let lies = run("cubes", &options, &mut rounding(coarse, Snapping::default(), |_| ())).expect("comparable").faults();
-    assert!(lies.iter().any(|f| f.contains("decided pixels differ")), "{lies:?}");
+    let lies = run(
+        "cubes",
+        &options,
+        &mut rounding(coarse, Snapping::default(), |_| ()),
+    )
+    .expect("comparable")
+    .faults();
+    assert!(
+        lies.iter().any(|f| f.contains("decided pixels differ")),
+        "{lies:?}"
+    );
 }
 
 /// A backend may agree with the CPU on its own grid and still be wrong: a bias too small for it makes surfaces dark.
 #[test]
 fn masks_much_farther_from_truth_than_the_cpu_s_are_faults() {
     let measured = |excess: f64| {
-        let mut comparison = run("cubes", &quick(&["traced"]), &mut with_cheat(|_| ())).expect("valid");
+        let mut comparison =
+            run("cubes", &quick(&["traced"]), &mut with_cheat(|_| ())).expect("valid");
         let row = comparison.scenes[0].rows.last_mut().expect("rows");
-        let Outcome::Measured(m) = &mut row.outcome else { panic!("measured") };
+        let Outcome::Measured(m) = &mut row.outcome else {
+            panic!("measured")
+        };
         m.agreement.as_mut().expect("compared").excess = excess;
         comparison.faults()
     };
@@ -178,8 +300,13 @@ fn a_mask_that_ignores_casters_fails_the_control() {
 #[test]
 fn other_triangles_cannot_be_compared() {
     // Timed runs are given the first one's receivers and make none.
-    let shifted = |s: &mut Shadows| s.receivers.iter_mut().for_each(|seen| seen.triangle.rotate_left(40));
-    let e = run("cubes", &quick(&["traced"]), &mut with_cheat(shifted)).expect_err("different triangles");
+    let shifted = |s: &mut Shadows| {
+        s.receivers
+            .iter_mut()
+            .for_each(|seen| seen.triangle.rotate_left(40))
+    };
+    let e = run("cubes", &quick(&["traced"]), &mut with_cheat(shifted))
+        .expect_err("different triangles");
     assert!(matches!(e, LabError::NotComparable { .. }), "{e}");
     let elsewhere = |s: &mut Shadows| {
         let Some(seen) = &mut s.receivers else { return };
@@ -195,7 +322,10 @@ fn other_triangles_cannot_be_compared() {
 #[test]
 fn spoilt_masks_stop_the_comparison() {
     let nan = |s: &mut Shadows| s.mask[3] = f32::NAN;
-    assert!(matches!(run("cubes", &quick(&["traced"]), &mut with_cheat(nan)), Err(LabError::Invalid(_))));
+    assert!(matches!(
+        run("cubes", &quick(&["traced"]), &mut with_cheat(nan)),
+        Err(LabError::Invalid(_))
+    ));
 }
 
 #[test]
@@ -210,9 +340,16 @@ fn what_is_not_supported_is_told_with_its_reason() {
     // Nothing to render must not stop anything either.
     for scene in ["no-casters", "no-receivers", "only-sky"] {
         let comparison = run(scene, &quick(&[]), &mut cpu).expect("empty scenes are fine");
-        let rows: Vec<_> = comparison.scenes[0].rows.iter().filter_map(Row::measured).collect();
+        let rows: Vec<_> = comparison.scenes[0]
+            .rows
+            .iter()
+            .filter_map(Row::measured)
+            .collect();
         let nothing = comparison.scenes[0].nothing_compared.as_deref();
-        assert!(!rows.is_empty() && comparison.faults().is_empty(), "{scene}");
+        assert!(
+            !rows.is_empty() && comparison.faults().is_empty(),
+            "{scene}"
+        );
         // All that is compared is right; where nothing is, that is told, and not as an error of 0.
         let right = if nothing.is_none() { Some(0.0) } else { None };
         assert!(rows.iter().all(|m| m.rmse() == right), "{scene}");
@@ -223,9 +360,14 @@ fn what_is_not_supported_is_told_with_its_reason() {
 #[test]
 fn unknown_techniques_are_named_and_listed() {
     let mut cpu = Backends::of(vec![Box::new(Cpu::new())]);
-    let e = run("cubes", &quick(&["magic"]), &mut cpu).expect_err("unknown").to_string();
+    let e = run("cubes", &quick(&["magic"]), &mut cpu)
+        .expect_err("unknown")
+        .to_string();
     assert!(e.contains("magic") && e.contains("pcf"), "{e}");
-    let no_maps = Options { map_sizes: Vec::new(), ..quick(&[]) };
+    let no_maps = Options {
+        map_sizes: Vec::new(),
+        ..quick(&[])
+    };
     assert!(run("cubes", &no_maps, &mut cpu).is_err());
 }
 
@@ -238,9 +380,19 @@ fn scenes_that_cannot_be_compared_are_refused_before_any_is() {
         seen += 1;
         Ok(())
     };
-    let e = compare(&[input("cubes"), long], &quick(&["hard"]), &mut cpu, sink, &|_| ()).expect_err("too long");
+    let e = compare(
+        &[input("cubes"), long],
+        &quick(&["hard"]),
+        &mut cpu,
+        sink,
+        &|_| (),
+    )
+    .expect_err("too long");
     let e = e.to_string();
-    assert!(seen == 0 && e.contains("5000 bytes") && e.contains("at most 200") && e.len() < 200, "{e}");
+    assert!(
+        seen == 0 && e.contains("5000 bytes") && e.contains("at most 200") && e.len() < 200,
+        "{e}"
+    );
 }
 
 #[test]
@@ -260,14 +412,30 @@ fn images_come_with_every_row() {
     let mut cpu = Backends::of(vec![Box::new(Cpu::new())]);
     let mut seen = 0;
     let sink = &mut |r: &SceneResult, images: &SceneImages| {
-        assert_eq!([r.rows.len(); 2], [images.masks.len(), images.lookups.len()]);
-        assert!(images.lookups.iter().flatten().all(|heat| heat.size == [256; 2]));
+        assert_eq!(
+            [r.rows.len(); 2],
+            [images.masks.len(), images.lookups.len()]
+        );
+        assert!(
+            images
+                .lookups
+                .iter()
+                .flatten()
+                .all(|heat| heat.size == [256; 2])
+        );
         assert!(images.masks.iter().flatten().all(|m| m.len() == 96 * 64));
         assert!(images.truth.pixels.contains(&Pixel::Counted));
         seen += 1;
         Ok(())
     };
-    compare(&[input("cubes"), input("figure")], &quick(&["pcf"]), &mut cpu, sink, &|_| ()).expect("valid");
+    compare(
+        &[input("cubes"), input("figure")],
+        &quick(&["pcf"]),
+        &mut cpu,
+        sink,
+        &|_| (),
+    )
+    .expect("valid");
     assert_eq!(seen, 2);
 }
 
@@ -277,11 +445,23 @@ fn only_few_scenes_keep_where_maps_are_looked_up() {
     let kept = |scenes: usize| {
         let (mut cpu, mut kept) = (Backends::of(vec![Box::new(Cpu::new())]), 0);
         let sink = &mut |r: &SceneResult, images: &SceneImages| {
-            assert!(r.rows.iter().all(|row| row.measured().is_some_and(|m| m.maps.is_some())), "figures are for all");
+            assert!(
+                r.rows
+                    .iter()
+                    .all(|row| row.measured().is_some_and(|m| m.maps.is_some())),
+                "figures are for all"
+            );
             kept += images.lookups.iter().flatten().count();
             Ok(())
         };
-        compare(&vec![input("cubes"); scenes], &quick(&["hard"]), &mut cpu, sink, &|_| ()).expect("valid");
+        compare(
+            &vec![input("cubes"); scenes],
+            &quick(&["hard"]),
+            &mut cpu,
+            sink,
+            &|_| (),
+        )
+        .expect("valid");
         kept
     };
     assert!(kept(3) >= 3);
@@ -291,6 +471,14 @@ fn only_few_scenes_keep_where_maps_are_looked_up() {
 #[test]
 fn medians_and_extremes() {
     assert_eq!(Spread::of(Vec::new()), None);
-    assert_eq!(Spread::of(vec![3.0, 1.0, 8.0]), Some(Spread { median: 3.0, least: 1.0, greatest: 8.0, runs: 3 }));
+    assert_eq!(
+        Spread::of(vec![3.0, 1.0, 8.0]),
+        Some(Spread {
+            median: 3.0,
+            least: 1.0,
+            greatest: 8.0,
+            runs: 3
+        })
+    );
     assert_eq!(Spread::of(vec![4.0, 1.0]).map(|s| s.median), Some(2.5));
 }

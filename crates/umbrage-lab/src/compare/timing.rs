@@ -1,12 +1,14 @@
 //! How long a row takes, in turn with a yardstick.
 
 use super::{
-    Backends, Options, Ranks, Runs, SceneInput, Spread, Times, Yardstick, result::stem_of, scene::camera_and_light,
-    settings_of,
+    Backends, Options, Ranks, Runs, SceneInput, Spread, Times, Yardstick, result::stem_of,
+    scene::camera_and_light, settings_of,
 };
 use crate::{LabError, cost::CostModel};
 use std::time::{Duration, Instant};
-use umbrage_core::{Backend, BackendError, Geometry, Receivers, Recipe, Shadows, Timings, View, Work};
+use umbrage_core::{
+    Backend, BackendError, Geometry, Receivers, Recipe, Shadows, Timings, View, Work,
+};
 
 /// Plays a recipe: once for the mask, which compiles, uploads and finds receivers, then until its time is known. The timed
 /// runs are given the receivers of the first, so that finding and reading them back costs no time again.
@@ -17,7 +19,9 @@ pub(super) fn measure(
     (runs, cost_ms): (Option<&Runs>, f64),
 ) -> Result<(Shadows, Option<Times>), BackendError> {
     let first = backend.render(view, recipe)?;
-    let Some(runs) = runs else { return Ok((first, None)) };
+    let Some(runs) = runs else {
+        return Ok((first, None));
+    };
     let receivers = first.receivers.as_ref().or(view.receivers);
     let times = time(backend, (view, receivers), recipe, (runs, cost_ms))?.times();
     Ok((first, Some(times)))
@@ -33,15 +37,24 @@ fn time(
     let view = receivers.map_or(*view, |r| view.with_receivers(r));
     let yardstick = receivers.and_then(|r| Yardstick::new(recipe, r, cost_ms));
     let measure = |backend: &mut dyn Backend| -> Result<Option<f64>, BackendError> {
-        let Some(yardstick) = &yardstick else { return Ok(None) };
+        let Some(yardstick) = &yardstick else {
+            return Ok(None);
+        };
         let timings = backend.render(&view, &yardstick.recipe)?.timings;
-        Ok(timings.receive.map(|took| milliseconds(took) / yardstick.units))
+        Ok(timings
+            .receive
+            .map(|took| milliseconds(took) / yardstick.units))
     };
     // The first one compiles and uploads.
     measure(backend)?;
-    let mut out = Timed { timings: Vec::new(), yards: vec![measure(backend)?] };
+    let mut out = Timed {
+        timings: Vec::new(),
+        yards: vec![measure(backend)?],
+    };
     let mut spent = Duration::ZERO;
-    while !runs.suffice(out.timings.len(), spent) || runs.hopes(out.timings.len(), spent) && !out.is_calm(runs) {
+    while !runs.suffice(out.timings.len(), spent)
+        || runs.hopes(out.timings.len(), spent) && !out.is_calm(runs)
+    {
         let start = Instant::now();
         out.timings.push(backend.render(&view, recipe)?.timings);
         spent += start.elapsed();
@@ -63,8 +76,14 @@ pub(crate) struct Window {
 
 /// Ratios of the runs beside which no yardstick took more than [`CALM`] times `least`.
 pub(crate) fn calm(windows: &[Window], least: f64) -> Vec<f64> {
-    let calm = |w: &&Window| w.around[0].max(w.around[1]) <= CALM * least && w.around[0].min(w.around[1]) > 0.0;
-    windows.iter().filter(calm).map(|w| 2.0 * w.run / (w.around[0] + w.around[1])).collect()
+    let calm = |w: &&Window| {
+        w.around[0].max(w.around[1]) <= CALM * least && w.around[0].min(w.around[1]) > 0.0
+    };
+    windows
+        .iter()
+        .filter(calm)
+        .map(|w| 2.0 * w.run / (w.around[0] + w.around[1]))
+        .collect()
 }
 
 /// Runs of a row, and the yardstick's times before the first and after each, milliseconds a unit.
@@ -76,7 +95,13 @@ struct Timed {
 impl Timed {
     fn times(&self) -> Times {
         let stage = |of: fn(&Timings) -> Option<Duration>| {
-            Spread::of(self.timings.iter().filter_map(of).map(milliseconds).collect())
+            Spread::of(
+                self.timings
+                    .iter()
+                    .filter_map(of)
+                    .map(milliseconds)
+                    .collect(),
+            )
         };
         Times {
             cast: stage(|t| t.cast),
@@ -90,14 +115,25 @@ impl Timed {
 
     fn windows(&self) -> Vec<Window> {
         let window = |(run, pair): (&Timings, &[Option<f64>])| {
-            Some(Window { run: milliseconds(run.total()), around: [pair[0]?, pair[1]?] })
+            Some(Window {
+                run: milliseconds(run.total()),
+                around: [pair[0]?, pair[1]?],
+            })
         };
-        self.timings.iter().zip(self.yards.windows(2)).filter_map(window).collect()
+        self.timings
+            .iter()
+            .zip(self.yards.windows(2))
+            .filter_map(window)
+            .collect()
     }
 
     /// The quickest yardstick.
     fn least(&self) -> f64 {
-        self.yards.iter().copied().flatten().fold(f64::INFINITY, f64::min)
+        self.yards
+            .iter()
+            .copied()
+            .flatten()
+            .fold(f64::INFINITY, f64::min)
     }
 
     /// Whether as many runs as are the least were calm, or the yardstick can't be timed.
@@ -120,7 +156,11 @@ pub(crate) struct Again {
 
 impl Default for Again {
     fn default() -> Self {
-        Self { windows: Vec::new(), least_ms: f64::INFINITY, yardstick: f64::INFINITY }
+        Self {
+            windows: Vec::new(),
+            least_ms: f64::INFINITY,
+            yardstick: f64::INFINITY,
+        }
     }
 }
 
@@ -158,9 +198,19 @@ pub(crate) fn again(
             let cost_ms = CostModel::of(kind).milliseconds(&Work::of(&view, &recipe));
             // Once before, since the first run compiles and uploads.
             backend.render(&view, &recipe)?;
-            let timed = time(&mut **backend, (&view, Some(&receivers)), &recipe, (runs, cost_ms))?;
-            let (windows, least_ms, yardstick) = (timed.windows(), timed.times().total.least, timed.least());
-            found = Some(Again { windows, least_ms, yardstick });
+            let timed = time(
+                &mut **backend,
+                (&view, Some(&receivers)),
+                &recipe,
+                (runs, cost_ms),
+            )?;
+            let (windows, least_ms, yardstick) =
+                (timed.windows(), timed.times().total.least, timed.least());
+            found = Some(Again {
+                windows,
+                least_ms,
+                yardstick,
+            });
         }
         out.push(found);
     }
@@ -176,11 +226,18 @@ mod tests {
     use super::*;
 
     fn run(ms: u64) -> Timings {
-        Timings { receive: Some(Duration::from_millis(ms)), ..Timings::default() }
+        Timings {
+            receive: Some(Duration::from_millis(ms)),
+            ..Timings::default()
+        }
     }
 
     fn timed(timings: Vec<Timings>, yards: &[Option<f64>]) -> Times {
-        Timed { timings, yards: yards.to_vec() }.times()
+        Timed {
+            timings,
+            yards: yards.to_vec(),
+        }
+        .times()
     }
 
     /// A machine that gets slower, and a row that takes three yardsticks all the time.
@@ -197,7 +254,9 @@ mod tests {
         let found = timed(runs, &yards.map(Some));
         let ratio = found.ratio.expect("calm");
         assert!(
-            ratio.runs == 3 && (ratio.tenth - 3.0).abs() < 1e-5 && (ratio.greatest - 3.0).abs() < 1e-5,
+            ratio.runs == 3
+                && (ratio.tenth - 3.0).abs() < 1e-5
+                && (ratio.greatest - 3.0).abs() < 1e-5,
             "{ratio:?}"
         );
         assert!(
@@ -211,16 +270,34 @@ mod tests {
     /// The third yardstick was held up, and so may have been the runs beside it.
     #[test]
     fn runs_beside_a_yardstick_that_was_held_up_do_not_count() {
-        let found = timed(vec![run(6), run(60), run(600), run(6)], &[2.0, 2.0, 9.0, 2.0, 2.0].map(Some));
+        let found = timed(
+            vec![run(6), run(60), run(600), run(6)],
+            &[2.0, 2.0, 9.0, 2.0, 2.0].map(Some),
+        );
         assert_eq!(found.ratio, Ranks::of(vec![3.0, 3.0]));
-        assert_eq!((found.total.greatest, found.total.runs), (600.0, 4), "plain times tell all");
-        assert_eq!(timed(vec![run(6)], &[2.0, 9.0].map(Some)).ratio, None, "never calm");
+        assert_eq!(
+            (found.total.greatest, found.total.runs),
+            (600.0, 4),
+            "plain times tell all"
+        );
+        assert_eq!(
+            timed(vec![run(6)], &[2.0, 9.0].map(Some)).ratio,
+            None,
+            "never calm"
+        );
     }
 
     #[test]
     fn without_a_yardstick_there_is_no_ratio() {
         let found = timed(vec![run(6)], &[None, None]);
-        assert_eq!((found.ratio, found.yardstick, found.total.median), (None, None, 6.0));
-        assert_eq!(timed(vec![run(6)], &[Some(0.0), Some(0.0)]).ratio, None, "a clock that didn't move");
+        assert_eq!(
+            (found.ratio, found.yardstick, found.total.median),
+            (None, None, 6.0)
+        );
+        assert_eq!(
+            timed(vec![run(6)], &[Some(0.0), Some(0.0)]).ratio,
+            None,
+            "a clock that didn't move"
+        );
     }
 }

@@ -8,8 +8,8 @@
 
 use std::sync::{Arc, OnceLock};
 use umbrage_core::{
-    Asks, Inputs, Kernel, Module, Receive, ReceiveKernel, Receivers, Recipe, Span, Table, UniformLayout, Uniforms,
-    light_sample::hash, uniforms,
+    Asks, Inputs, Kernel, Module, Receive, ReceiveKernel, Receivers, Recipe, Span, Table,
+    UniformLayout, Uniforms, light_sample::hash, uniforms,
 };
 
 /// Links of the chain in a unit of work, all receivers together: one or two milliseconds on two threads.
@@ -46,10 +46,27 @@ impl Yardstick {
         }
         let wanted = (SHARE * cost_ms / UNIT_MS).clamp(UNITS[0], UNITS[1]);
         let links = ((wanted * LINKS as f64 / count as f64).round() as u32).max(1);
-        let tables: Vec<Table> =
-            row.tables.iter().cloned().chain([Table { label: "yardstick", rows: table() }]).collect();
-        let kernel = Arc::new(YardstickKernel { uniforms: YardstickUniforms { mask: ROWS - 1, links }, rows: table() });
-        let receive = Receive { kernel, inputs: Vec::new(), tables: vec![row.tables.len()] };
+        let tables: Vec<Table> = row
+            .tables
+            .iter()
+            .cloned()
+            .chain([Table {
+                label: "yardstick",
+                rows: table(),
+            }])
+            .collect();
+        let kernel = Arc::new(YardstickKernel {
+            uniforms: YardstickUniforms {
+                mask: ROWS - 1,
+                links,
+            },
+            rows: table(),
+        });
+        let receive = Receive {
+            kernel,
+            inputs: Vec::new(),
+            tables: vec![row.tables.len()],
+        };
         let recipe = Recipe {
             images: row.images.clone(),
             tables,
@@ -59,14 +76,19 @@ impl Yardstick {
             shade: None,
             keep_images: false,
         };
-        Some(Self { recipe, units: f64::from(links) * count as f64 / LINKS as f64 })
+        Some(Self {
+            recipe,
+            units: f64::from(links) * count as f64 / LINKS as f64,
+        })
     }
 }
 
 /// Words without a pattern, made once.
 fn table() -> Arc<[[u32; 4]]> {
     static TABLE: OnceLock<Arc<[[u32; 4]]>> = OnceLock::new();
-    TABLE.get_or_init(|| (0..ROWS).map(|i| [hash(i), 0, 0, 0]).collect()).clone()
+    TABLE
+        .get_or_init(|| (0..ROWS).map(|i| [hash(i), 0, 0, 0]).collect())
+        .clone()
 }
 
 uniforms! {
@@ -89,7 +111,10 @@ pub struct YardstickKernel {
 
 impl Kernel for YardstickKernel {
     fn modules(&self) -> Vec<Module> {
-        vec![Module { name: "yardstick", text: include_str!("yardstick.wgsl") }]
+        vec![Module {
+            name: "yardstick",
+            text: include_str!("yardstick.wgsl"),
+        }]
     }
 
     fn uniform_bytes(&self) -> Vec<u8> {
@@ -116,7 +141,9 @@ impl ReceiveKernel for YardstickKernel {
 impl YardstickKernel {
     /// What comes out is of no use, but hangs on every link: nothing can be left out.
     fn chain(&self, x: u32, y: u32) -> f32 {
-        let mut state = x.wrapping_mul(0x9e37_79b9).wrapping_add(y.wrapping_mul(0x85eb_ca6b));
+        let mut state = x
+            .wrapping_mul(0x9e37_79b9)
+            .wrapping_add(y.wrapping_mul(0x85eb_ca6b));
         for _ in 0..self.uniforms.links {
             let row = self.rows[((state >> 7) & self.uniforms.mask) as usize];
             state = (state ^ row[0]).wrapping_mul(0x2c1b_3c6d);

@@ -4,7 +4,9 @@ use super::{CostModel, counts, least_squares::solve};
 use crate::LabError;
 use glam::UVec2;
 use std::sync::Arc;
-use umbrage_core::{Backend, BackendError, Bvh, Geometry, PlanError, Scene, ShadowTechnique, View, Work};
+use umbrage_core::{
+    Backend, BackendError, Bvh, Geometry, PlanError, Scene, ShadowTechnique, View, Work,
+};
 use umbrage_cpu::Cpu;
 
 /// One recipe's work and time.
@@ -46,7 +48,9 @@ pub fn calibrate(
     let mut samples = Vec::new();
     for scene in scenes {
         let geometry = Geometry::bake(scene)?;
-        let (Some(camera), Some(light)) = (scene.cameras.first(), scene.lights.first()) else { continue };
+        let (Some(camera), Some(light)) = (scene.cameras.first(), scene.lights.first()) else {
+            continue;
+        };
         // Rays need it; building it is no part of a frame.
         let _: &Arc<Bvh> = geometry.bvh();
         for &size in sizes {
@@ -54,8 +58,13 @@ pub fn calibrate(
             let receivers = Cpu::new().receivers(&camera, &geometry)?;
             let view = View::new(&camera, light, &geometry).with_receivers(&receivers);
             for technique in settings {
-                let Some(sample) = measure(backend, &view, &**technique, runs)? else { continue };
-                let sample = Sample { label: format!("{} {size} {}", scene.name, sample.label), ..sample };
+                let Some(sample) = measure(backend, &view, &**technique, runs)? else {
+                    continue;
+                };
+                let sample = Sample {
+                    label: format!("{} {size} {}", scene.name, sample.label),
+                    ..sample
+                };
                 on_sample(&sample);
                 samples.push(sample);
             }
@@ -79,7 +88,9 @@ fn measure(
     // The first run compiles and uploads.
     for run in 0..=runs.max(1) {
         match backend.render(view, &recipe) {
-            Ok(shadows) if run > 0 => least = least.min(shadows.timings.total().as_secs_f64() * 1e3),
+            Ok(shadows) if run > 0 => {
+                least = least.min(shadows.timings.total().as_secs_f64() * 1e3)
+            }
             Ok(_) => {}
             // What this device can't hold has no price on it.
             Err(BackendError::Invalid(_)) => return Ok(None),
@@ -87,23 +98,40 @@ fn measure(
         }
     }
     let label = format!("{} ({})", technique.name(), technique.settings());
-    Ok(Some(Sample { label, work: Work::of(view, &recipe), milliseconds: least }))
+    Ok(Some(Sample {
+        label,
+        work: Work::of(view, &recipe),
+        milliseconds: least,
+    }))
 }
 
 /// Fits prices to measurements, so that the sum of the squared relative errors is least: a factor of two matters as much at
 /// a tenth of a millisecond as at a hundred.
 pub fn fit(samples: Vec<Sample>) -> Calibration {
-    let relative = |s: &Sample| counts(&s.work).map(|count| count * 1e-6 / s.milliseconds.max(1e-6));
-    let model = CostModel { nanoseconds: solve(&samples.iter().map(relative).collect::<Vec<_>>()) };
+    let relative =
+        |s: &Sample| counts(&s.work).map(|count| count * 1e-6 / s.milliseconds.max(1e-6));
+    let model = CostModel {
+        nanoseconds: solve(&samples.iter().map(relative).collect::<Vec<_>>()),
+    };
     let factor = |s: &Sample| {
         let ratio = model.milliseconds(&s.work) / s.milliseconds.max(1e-6);
         ratio.max(1.0 / ratio.max(1e-9))
     };
     let mut factors: Vec<f64> = samples.iter().map(factor).collect();
     factors.sort_by(f64::total_cmp);
-    let at = |share: f64| factors.get((factors.len() as f64 * share) as usize).copied().unwrap_or(1.0);
+    let at = |share: f64| {
+        factors
+            .get((factors.len() as f64 * share) as usize)
+            .copied()
+            .unwrap_or(1.0)
+    };
     let (typical_factor, most_factor) = (at(0.5), at(0.9));
-    Calibration { model, samples, typical_factor, most_factor }
+    Calibration {
+        model,
+        samples,
+        typical_factor,
+        most_factor,
+    }
 }
 
 #[cfg(test)]
@@ -131,25 +159,37 @@ mod tests {
     }
 
     fn samples(model: &CostModel) -> Vec<Sample> {
-        let sample = |work: Work| Sample { label: String::new(), milliseconds: model.milliseconds(&work), work };
+        let sample = |work: Work| Sample {
+            label: String::new(),
+            milliseconds: model.milliseconds(&work),
+            work,
+        };
         works().into_iter().map(sample).collect()
     }
 
     #[test]
     fn known_prices_are_found_again() {
-        let known = CostModel { nanoseconds: [900.0, 20.0, 3.0, 1.0, 6.0, 5.0, 2.0, 12.0, 40.0] };
+        let known = CostModel {
+            nanoseconds: [900.0, 20.0, 3.0, 1.0, 6.0, 5.0, 2.0, 12.0, 40.0],
+        };
         let found = fit(samples(&known));
         assert!(found.most_factor < 1.001, "{}", found.most_factor);
         for k in 0..KINDS {
             let (found, known) = (found.model.nanoseconds[k], known.nanoseconds[k]);
-            assert!((found / known - 1.0).abs() < 0.01, "{k}: {found} for {known}");
+            assert!(
+                (found / known - 1.0).abs() < 0.01,
+                "{k}: {found} for {known}"
+            );
         }
     }
 
     #[test]
     fn times_that_are_no_sum_of_work_are_told_by_the_factor() {
         let mut spoilt = samples(&CostModel::CPU);
-        spoilt.iter_mut().step_by(2).for_each(|s| s.milliseconds *= 5.0);
+        spoilt
+            .iter_mut()
+            .step_by(2)
+            .for_each(|s| s.milliseconds *= 5.0);
         assert!(fit(spoilt).most_factor > 1.5);
     }
 }

@@ -13,7 +13,9 @@ pub(super) fn solve<const N: usize>(rows: &[[f64; N]]) -> [f64; N] {
             let to = (x[k] - slope / squares[k]).max(0.0);
             let step = to - x[k];
             x[k] = to;
-            rows.iter().zip(&mut residuals).for_each(|(row, r)| *r += row[k] * step);
+            rows.iter()
+                .zip(&mut residuals)
+                .for_each(|(row, r)| *r += row[k] * step);
             // How much the step matters, whatever the unit: its share of what the rows are to sum up to.
             moved = moved.max(step.abs() * squares[k].sqrt());
         }

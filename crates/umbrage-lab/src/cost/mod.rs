@@ -40,14 +40,22 @@ impl CostModel {
     /// The CPU backend on 2 threads of an Intel Xeon at 2.5 GHz (AVX2), by `cargo xtask bench --costs`: half of 312
     /// times are predicted within a factor of 1.5, nine of ten within 2.9. Packing depth costs six times what a filtered
     /// texel does here.
-    pub const CPU: Self = Self { nanoseconds: [0.0, 78.9, 0.804, 0.889, 1.36, 1.95, 1.03, 9.41, 7.29] };
+    pub const CPU: Self = Self {
+        nanoseconds: [0.0, 78.9, 0.804, 0.889, 1.36, 1.95, 1.03, 9.41, 7.29],
+    };
 
     /// Mesa's software driver (llvmpipe, LLVM 15) on the same machine: half within 1.3, nine of ten within 1.8.
-    pub const SOFTWARE_GPU: Self = Self { nanoseconds: [76_957.0, 241.0, 2.29, 2.83, 10.3, 18.8, 5.01, 20.0, 32.5] };
+    pub const SOFTWARE_GPU: Self = Self {
+        nanoseconds: [76_957.0, 241.0, 2.29, 2.83, 10.3, 18.8, 5.01, 20.0, 32.5],
+    };
 
     /// The prices for a kind of backend: `cpu`'s own, the software driver's for all others.
     pub fn of(kind: &str) -> Self {
-        if kind == "cpu" { Self::CPU } else { Self::SOFTWARE_GPU }
+        if kind == "cpu" {
+            Self::CPU
+        } else {
+            Self::SOFTWARE_GPU
+        }
     }
 
     /// Nine of ten times measured where the built-in prices come from are within this factor of what [`CostModel::of`] says.
@@ -57,7 +65,10 @@ impl CostModel {
 
     /// What the work costs, milliseconds.
     pub fn milliseconds(&self, work: &Work) -> f64 {
-        let products = counts(work).into_iter().zip(self.nanoseconds).map(|(count, price)| count * price);
+        let products = counts(work)
+            .into_iter()
+            .zip(self.nanoseconds)
+            .map(|(count, price)| count * price);
         products.sum::<f64>() * 1e-6
     }
 }
@@ -87,14 +98,29 @@ mod tests {
 
     #[test]
     fn more_work_costs_more() {
-        let little = Work { passes: 1, receivers: 1000, taps: 1000, casters: 100, ..Work::default() };
+        let little = Work {
+            passes: 1,
+            receivers: 1000,
+            taps: 1000,
+            casters: 100,
+            ..Work::default()
+        };
         for model in [CostModel::CPU, CostModel::SOFTWARE_GPU] {
             let base = model.milliseconds(&little);
             for more in [
-                Work { taps: 9000, ..little },
+                Work {
+                    taps: 9000,
+                    ..little
+                },
                 Work { rays: 1, ..little },
-                Work { cleared: 1 << 20, ..little },
-                Work { triangles: 100, ..little },
+                Work {
+                    cleared: 1 << 20,
+                    ..little
+                },
+                Work {
+                    triangles: 100,
+                    ..little
+                },
             ] {
                 assert!(model.milliseconds(&more) > base, "{more:?}");
             }
@@ -103,10 +129,17 @@ mod tests {
 
     #[test]
     fn prices_come_a_piece() {
-        let mut model = CostModel { nanoseconds: [0.0; KINDS] };
+        let mut model = CostModel {
+            nanoseconds: [0.0; KINDS],
+        };
         model.nanoseconds[6] = 2.0;
         model.nanoseconds[8] = 10.0;
-        let work = Work { taps: 500_000, rays: 1000, casters: 8, ..Work::default() };
+        let work = Work {
+            taps: 500_000,
+            rays: 1000,
+            casters: 8,
+            ..Work::default()
+        };
         // 500,000 taps of 2 ns, and 1,000 rays down 3 + 1 levels of 10 ns.
         assert!((model.milliseconds(&work) - 1.04).abs() < 1e-12);
     }

@@ -15,27 +15,64 @@ fn presets() -> Vec<Preset> {
     out.extend([2, 5].map(|radius| Preset::from(Pcf { map, radius })));
     out.extend([2, 3, 4].map(|samples| Preset::from(PcfHardware { map, samples })));
     out.extend([2, 3].map(|radius| Preset::from(PcfMerged { map, radius })));
-    let disc = |pattern| PcfDisc { radius: 6.5, taps: 32, pattern, ..PcfDisc::default() };
+    let disc = |pattern| PcfDisc {
+        radius: 6.5,
+        taps: 32,
+        pattern,
+        ..PcfDisc::default()
+    };
     out.extend([Pattern::Vogel, Pattern::Grid].map(|pattern| Preset::from(disc(pattern))));
-    let biased = |bias| move |p: &Preset| p.map().map(|&map| p.with_map(ShadowMap { size: 160, bias, ..map }));
+    let biased = |bias| {
+        move |p: &Preset| {
+            p.map().map(|&map| {
+                p.with_map(ShadowMap {
+                    size: 160,
+                    bias,
+                    ..map
+                })
+            })
+        }
+    };
     let of = |bias| out.iter().filter_map(biased(bias)).collect::<Vec<_>>();
-    of(Bias::NONE).into_iter().chain(of(Bias::ADAPTIVE)).collect()
+    of(Bias::NONE)
+        .into_iter()
+        .chain(of(Bias::ADAPTIVE))
+        .collect()
 }
 
 /// What receivers are answered from these images.
 fn asked(recipe: &Recipe, images: &[Image], receivers: &Receivers) -> Vec<f32> {
-    let views: Vec<_> = recipe.receive.inputs.iter().map(|&id| images[id].view()).collect();
-    let inputs = Inputs { images: &views, simd: Simd::Native };
+    let views: Vec<_> = recipe
+        .receive
+        .inputs
+        .iter()
+        .map(|&id| images[id].view())
+        .collect();
+    let inputs = Inputs {
+        images: &views,
+        simd: Simd::Native,
+    };
     let width = receivers.size.x as usize;
     let mut out = vec![1.0; receivers.len()];
     for (y, row) in out.chunks_mut(width).enumerate() {
-        recipe.receive.kernel.receive(&inputs, &receivers.span(y * width, width), row);
+        recipe
+            .receive
+            .kernel
+            .receive(&inputs, &receivers.span(y * width, width), row);
     }
-    (0..out.len()).filter(|&i| receivers.receives[i]).map(|i| out[i]).collect()
+    (0..out.len())
+        .filter(|&i| receivers.receives[i])
+        .map(|i| out[i])
+        .collect()
 }
 
 /// Whatever a texel held, something at the light now casts on all that look it up, if `chosen` says so of its lookups.
-fn spoilt(recipe: &Recipe, images: &[Image], footprint: &Footprint, chosen: impl Fn(u32) -> bool) -> Vec<Image> {
+fn spoilt(
+    recipe: &Recipe,
+    images: &[Image],
+    footprint: &Footprint,
+    chosen: impl Fn(u32) -> bool,
+) -> Vec<Image> {
     let mut images = images.to_vec();
     for cast in &footprint.casts {
         let image = &mut images[recipe.receive.inputs[0]];
@@ -59,7 +96,9 @@ fn texels_never_looked_up_may_hold_anything() {
         let view = View::new(&camera, &scene.lights[0], &geometry).with_receivers(&receivers);
         for technique in presets().iter().map(Preset::technique) {
             let label = format!("{name}: {} ({})", technique.name(), technique.settings());
-            let Ok(mut recipe) = technique.plan(&view) else { continue };
+            let Ok(mut recipe) = technique.plan(&view) else {
+                continue;
+            };
             recipe.keep_images = true;
             let images = Cpu::new().render(&view, &recipe).unwrap().images;
             let footprint = of(&*technique, &view, &recipe, &receivers).expect("it has a map");
@@ -67,7 +106,11 @@ fn texels_never_looked_up_may_hold_anything() {
             let unused = spoilt(&recipe, &images, &footprint, |n| n == 0);
             assert_eq!(asked(&recipe, &unused, &receivers), right, "{label}");
             let used = spoilt(&recipe, &images, &footprint, |n| n > 0);
-            assert_ne!(asked(&recipe, &used, &receivers), right, "{label}: nothing was looked up");
+            assert_ne!(
+                asked(&recipe, &used, &receivers),
+                right,
+                "{label}: nothing was looked up"
+            );
             checked += usize::from(footprint.total.unused > 0.0);
         }
     }

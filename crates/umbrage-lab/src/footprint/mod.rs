@@ -63,13 +63,21 @@ pub fn words(maps: &[MapUse]) -> Option<String> {
             "; {tenths:.0} in 10 pixels that face the light span at least {texels} texels: a side of {sides} would give them 1"
         )
     });
-    Some(format!("{unused} % of the map's texels never looked up{}", fine.unwrap_or_default()))
+    Some(format!(
+        "{unused} % of the map's texels never looked up{}",
+        fine.unwrap_or_default()
+    ))
 }
 
 /// The least and the greatest figure, or the one that both round to; none of none.
 fn range(figures: impl Iterator<Item = f64> + Clone, digits: usize) -> Option<String> {
-    let [least, most] = [figures.clone().reduce(f64::min)?, figures.reduce(f64::max)?].map(|f| format!("{f:.digits$}"));
-    Some(if least == most { most } else { format!("{least} to {most}") })
+    let [least, most] = [figures.clone().reduce(f64::min)?, figures.reduce(f64::max)?]
+        .map(|f| format!("{f:.digits$}"));
+    Some(if least == most {
+        most
+    } else {
+        format!("{least} to {most}")
+    })
 }
 
 /// The use of one layer of a map.
@@ -95,7 +103,9 @@ pub fn of(
     recipe: &Recipe,
     receivers: &Receivers,
 ) -> Option<Footprint> {
-    technique.kernel_reach().map(|reach| measure(view, recipe, receivers, reach))
+    technique
+        .kernel_reach()
+        .map(|reach| measure(view, recipe, receivers, reach))
 }
 
 /// Measures the use of a recipe's maps. `receivers` are what the view's camera sees; `reach` is how far, in texels, the
@@ -104,8 +114,14 @@ pub fn of(
 /// square within reach, whether each of its texels is tapped or not. That a bias may move receivers along their normals is
 /// neglected. Peeled layers are left out, since they are looked up as their first ones are.
 pub fn measure(view: &View<'_>, recipe: &Recipe, receivers: &Receivers, reach: f32) -> Footprint {
-    let nearest = recipe.casts.iter().filter(|cast| cast.mode == CastMode::Nearest);
-    let casts: Vec<CastFootprint> = nearest.clone().map(|cast| of_cast(cast, recipe, receivers, reach)).collect();
+    let nearest = recipe
+        .casts
+        .iter()
+        .filter(|cast| cast.mode == CastMode::Nearest);
+    let casts: Vec<CastFootprint> = nearest
+        .clone()
+        .map(|cast| of_cast(cast, recipe, receivers, reach))
+        .collect();
     let texels: usize = casts.iter().map(|c| c.lookups.len()).sum();
     let untouched: usize = casts.iter().map(CastFootprint::untouched).sum();
     let spaces: Vec<_> = nearest.map(|cast| cast.space).collect();
@@ -113,7 +129,10 @@ pub fn measure(view: &View<'_>, recipe: &Recipe, receivers: &Receivers, reach: f
     let size = casts.first().map_or(1, |cast| cast.size[0]) as f32;
     let mut sizes = texels_per_pixel(view, receivers, &LightSpaces { spaces, needed }, 1);
     sizes.sort_unstable_by(f32::total_cmp);
-    let overview = sizes.first().zip(sizes.last()).map(|(least, most)| [*least, sizes[sizes.len() / 2], *most]);
+    let overview = sizes
+        .first()
+        .zip(sizes.last())
+        .map(|(least, most)| [*least, sizes[sizes.len() / 2], *most]);
     let total = MapUse {
         unused: untouched as f64 / texels.max(1) as f64,
         texels_per_pixel: overview.map(|sizes| sizes.map(|texels| texels * size)),
@@ -144,11 +163,18 @@ impl Heat {
 impl Footprint {
     /// All maps side by side, three in a row, each at most `side` pixels wide; none without maps.
     pub fn heat(&self, side: u32) -> Option<Heat> {
-        let widest = self.casts.iter().map(|cast| cast.size[0].max(cast.size[1])).max()?;
+        let widest = self
+            .casts
+            .iter()
+            .map(|cast| cast.size[0].max(cast.size[1]))
+            .max()?;
         let step = widest.div_ceil(side.max(1)).max(1);
         let (cell, count) = (widest.div_ceil(step), self.casts.len() as u32);
         let along = |count: u32| count * (cell + Heat::BETWEEN) - Heat::BETWEEN;
-        let size = [along(count.min(Heat::ROW)), along(count.div_ceil(Heat::ROW))];
+        let size = [
+            along(count.min(Heat::ROW)),
+            along(count.div_ceil(Heat::ROW)),
+        ];
         let mut lookups = vec![Heat::GAP; size[0] as usize * size[1] as usize];
         for (i, cast) in (0..).zip(&self.casts) {
             let corner = [i % Heat::ROW, i / Heat::ROW].map(|i| i * (cell + Heat::BETWEEN));
@@ -157,7 +183,11 @@ impl Footprint {
                 let start = (corner[1] + y / step) * size[0] + corner[0];
                 for (x, n) in (0..).zip(row) {
                     let at = &mut lookups[(start + x / step) as usize];
-                    *at = if *at == Heat::GAP { *n } else { at.saturating_add(*n).min(Heat::GAP - 1) };
+                    *at = if *at == Heat::GAP {
+                        *n
+                    } else {
+                        at.saturating_add(*n).min(Heat::GAP - 1)
+                    };
                 }
             }
         }
@@ -177,7 +207,10 @@ fn of_cast(cast: &Cast, recipe: &Recipe, receivers: &Receivers, reach: f32) -> C
     let (clip_from_world, size) = (cast.space.clip_from_world(), desc.size.as_vec2());
     for i in (0..receivers.len()).filter(|&i| receivers.receives[i]) {
         let p = receivers.position(i);
-        let (clip, in_view) = (transform(clip_from_world, p), transform(cast.space.view_from_world, p));
+        let (clip, in_view) = (
+            transform(clip_from_world, p),
+            transform(cast.space.view_from_world, p),
+        );
         // A cube's face is wider than what is looked up from it: its neighbours serve the rest.
         let beside = desc.layers > 1 && in_view.x.abs().max(in_view.y.abs()) > -in_view.z;
         if clip.w > 0.0 && !beside {
@@ -188,8 +221,13 @@ fn of_cast(cast: &Cast, recipe: &Recipe, receivers: &Receivers, reach: f32) -> C
         }
     }
     let lookups = counts.sums();
-    let mut out =
-        CastFootprint { image: cast.image, layer: cast.layer, size: desc.size.to_array(), lookups, unused: 0.0 };
+    let mut out = CastFootprint {
+        image: cast.image,
+        layer: cast.layer,
+        size: desc.size.to_array(),
+        lookups,
+        unused: 0.0,
+    };
     out.unused = out.untouched() as f64 / out.lookups.len().max(1) as f64;
     out
 }
@@ -203,7 +241,10 @@ struct Counts {
 
 impl Counts {
     fn new(size: UVec2) -> Self {
-        Self { size, differences: vec![0; (size.x as usize + 1) * (size.y as usize + 1)] }
+        Self {
+            size,
+            differences: vec![0; (size.x as usize + 1) * (size.y as usize + 1)],
+        }
     }
 
     fn add(&mut self, least: [f32; 2], most: [f32; 2]) {
@@ -216,7 +257,12 @@ impl Counts {
         let [left, right] = along(least[0], most[0], self.size.x);
         let [top, bottom] = along(least[1], most[1], self.size.y);
         let stride = self.size.x as usize + 1;
-        for (x, y, sign) in [(left, top, 1), (right, top, -1), (left, bottom, -1), (right, bottom, 1)] {
+        for (x, y, sign) in [
+            (left, top, 1),
+            (right, top, -1),
+            (left, bottom, -1),
+            (right, bottom, 1),
+        ] {
             self.differences[y * stride + x] += sign;
         }
     }
@@ -234,6 +280,7 @@ impl Counts {
             }
         }
         let rows = self.differences.chunks(stride).take(height);
-        rows.flat_map(|row| row[..width].iter().map(|&n| n.max(0) as u32)).collect()
+        rows.flat_map(|row| row[..width].iter().map(|&n| n.max(0) as u32))
+            .collect()
     }
 }

@@ -8,8 +8,12 @@ use umbrage_core::glam::{UVec2, Vec3};
 const UNTOUCHED: Vec3 = Vec3::splat(0.12);
 /// Between maps.
 const BETWEEN: Vec3 = Vec3::splat(0.6);
-const RAMP: [Vec3; 4] =
-    [Vec3::new(0.13, 0.25, 0.65), Vec3::new(0.1, 0.6, 0.45), Vec3::new(0.95, 0.85, 0.2), Vec3::new(1.0, 1.0, 1.0)];
+const RAMP: [Vec3; 4] = [
+    Vec3::new(0.13, 0.25, 0.65),
+    Vec3::new(0.1, 0.6, 0.45),
+    Vec3::new(0.95, 0.85, 0.2),
+    Vec3::new(1.0, 1.0, 1.0),
+];
 
 /// A picture of maps' lookups, as a PNG: texels that none touches are dark grey, the others blue to white by the logarithm
 /// of how many touch them.
@@ -17,10 +21,20 @@ const RAMP: [Vec3; 4] =
 /// # Errors
 /// When the encoder fails.
 pub fn picture(heat: &Heat) -> Result<Vec<u8>, LabError> {
-    let most = heat.lookups.iter().copied().filter(|&n| n != Heat::GAP).max().unwrap_or(0).max(1);
+    let most = heat
+        .lookups
+        .iter()
+        .copied()
+        .filter(|&n| n != Heat::GAP)
+        .max()
+        .unwrap_or(0)
+        .max(1);
     let whole = f64::from(most).ln().max(f64::MIN_POSITIVE);
     let bytes: Vec<u8> = heat.lookups.iter().flat_map(|&n| color(n, whole)).collect();
-    report::picture(report::pictures::encode_rgb(UVec2::from_array(heat.size), &bytes))
+    report::picture(report::pictures::encode_rgb(
+        UVec2::from_array(heat.size),
+        &bytes,
+    ))
 }
 
 fn color(lookups: u32, whole: f64) -> [u8; 3] {

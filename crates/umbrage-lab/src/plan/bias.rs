@@ -33,11 +33,23 @@ impl BiasKind {
     /// This kind of bias, so many texels of it; `own` for [`BiasKind::Own`].
     pub fn bias(self, texels: f32, own: Bias) -> Bias {
         match self {
-            Self::NormalOffset => Bias { normal_offset: texels, ..Bias::NORMAL_OFFSET },
-            Self::Adaptive => Bias { normal_offset: texels, ..Bias::ADAPTIVE },
+            Self::NormalOffset => Bias {
+                normal_offset: texels,
+                ..Bias::NORMAL_OFFSET
+            },
+            Self::Adaptive => Bias {
+                normal_offset: texels,
+                ..Bias::ADAPTIVE
+            },
             Self::PolygonOffset => {
-                let raster = RasterBias { slope: texels, ..Bias::POLYGON_OFFSET.raster };
-                Bias { raster, ..Bias::NONE }
+                let raster = RasterBias {
+                    slope: texels,
+                    ..Bias::POLYGON_OFFSET.raster
+                };
+                Bias {
+                    raster,
+                    ..Bias::NONE
+                }
             }
             Self::Own => own,
         }
@@ -56,18 +68,37 @@ pub(super) struct Scale {
 /// The kinds of bias worth trying with a technique, with amounts about what frees a plane of acne.
 pub(super) fn scales(preset: &Preset) -> Vec<Scale> {
     let Some(reach) = reach(preset) else {
-        return vec![Scale { kind: BiasKind::Own, texels: vec![0.0], first: 0 }];
+        return vec![Scale {
+            kind: BiasKind::Own,
+            texels: vec![0.0],
+            first: 0,
+        }];
     };
     let times = |unit: f32, factors: &[f32]| factors.iter().map(|f| unit * f).collect();
     // As in `Bias::normal_offset` and `Bias::polygon_offset`, which are sure on planes and often too much.
-    let offset = times((reach + 0.5) * SQRT_2, &[0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0]);
+    let offset = times(
+        (reach + 0.5) * SQRT_2,
+        &[0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0],
+    );
     let slope = times(2.0 * reach + 1.0, &[0.25, 0.5, 1.0, 2.0]);
     let plane = vec![0.0, 0.25, 0.5, 1.0, 2.0];
-    let mut out = vec![Scale { kind: BiasKind::Adaptive, texels: plane, first: 0 }];
-    out.push(Scale { kind: BiasKind::NormalOffset, texels: offset, first: 4 });
+    let mut out = vec![Scale {
+        kind: BiasKind::Adaptive,
+        texels: plane,
+        first: 0,
+    }];
+    out.push(Scale {
+        kind: BiasKind::NormalOffset,
+        texels: offset,
+        first: 4,
+    });
     // Peeling takes no polygon offset.
     if !matches!(preset, Preset::Midpoint(_)) {
-        out.push(Scale { kind: BiasKind::PolygonOffset, texels: slope, first: 2 });
+        out.push(Scale {
+            kind: BiasKind::PolygonOffset,
+            texels: slope,
+            first: 2,
+        });
     }
     out
 }
@@ -75,7 +106,11 @@ pub(super) fn scales(preset: &Preset) -> Vec<Scale> {
 /// How far a kernel reaches beyond the receiver's texel, texels; none where there is no bias to choose.
 fn reach(preset: &Preset) -> Option<f32> {
     // Far sides are their own bias.
-    if matches!(preset, Preset::SecondDepth(_)) { None } else { preset.technique().kernel_reach() }
+    if matches!(preset, Preset::SecondDepth(_)) {
+        None
+    } else {
+        preset.technique().kernel_reach()
+    }
 }
 
 #[cfg(test)]
@@ -84,15 +119,31 @@ mod tests {
 
     #[test]
     fn first_tries_are_the_biases_that_free_planes_of_acne() {
-        let pcf = Preset::defaults().into_iter().find(|p| matches!(p, Preset::Pcf(_))).unwrap();
-        let firsts: Vec<Bias> = scales(&pcf).iter().map(|s| s.kind.bias(s.texels[s.first], Bias::NONE)).collect();
-        assert_eq!(firsts, [Bias::ADAPTIVE, Bias::normal_offset(1.0), Bias::polygon_offset(1.0)]);
+        let pcf = Preset::defaults()
+            .into_iter()
+            .find(|p| matches!(p, Preset::Pcf(_)))
+            .unwrap();
+        let firsts: Vec<Bias> = scales(&pcf)
+            .iter()
+            .map(|s| s.kind.bias(s.texels[s.first], Bias::NONE))
+            .collect();
+        assert_eq!(
+            firsts,
+            [
+                Bias::ADAPTIVE,
+                Bias::normal_offset(1.0),
+                Bias::polygon_offset(1.0)
+            ]
+        );
     }
 
     #[test]
     fn amounts_rise() {
         for scale in Preset::defaults().iter().flat_map(scales) {
-            assert!(scale.texels.windows(2).all(|w| w[0] < w[1]) && scale.first < scale.texels.len(), "{scale:?}");
+            assert!(
+                scale.texels.windows(2).all(|w| w[0] < w[1]) && scale.first < scale.texels.len(),
+                "{scale:?}"
+            );
         }
     }
 }

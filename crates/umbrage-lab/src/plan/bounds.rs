@@ -18,22 +18,32 @@ pub struct Bounds {
 impl Bounds {
     /// At most this error, as cheap as it goes.
     pub fn error(max_error: f64) -> Self {
-        Self { max_error: Some(max_error), ..Self::default() }
+        Self {
+            max_error: Some(max_error),
+            ..Self::default()
+        }
     }
 
     /// At most this many milliseconds, as accurate as it goes.
     pub fn milliseconds(max_ms: f64) -> Self {
-        Self { max_ms: Some(max_ms), ..Self::default() }
+        Self {
+            max_ms: Some(max_ms),
+            ..Self::default()
+        }
     }
 
     /// At most this many bytes, as accurate as it goes.
     pub fn bytes(max_bytes: u64) -> Self {
-        Self { max_bytes: Some(max_bytes), ..Self::default() }
+        Self {
+            max_bytes: Some(max_bytes),
+            ..Self::default()
+        }
     }
 
     /// Whether cost and memory are within their bounds.
     pub fn affords(&self, milliseconds: f64, bytes: u64) -> bool {
-        self.max_ms.is_none_or(|max| milliseconds <= max) && self.max_bytes.is_none_or(|max| bytes <= max)
+        self.max_ms.is_none_or(|max| milliseconds <= max)
+            && self.max_bytes.is_none_or(|max| bytes <= max)
     }
 
     /// Objects to bounds that nothing or everything meets.
@@ -42,11 +52,17 @@ impl Bounds {
     /// When none is given; when one is NaN or negative; when the error's is over 1.
     pub fn validate(&self) -> Result<(), Invalid> {
         if *self == Self::default() {
-            return Err(Invalid::new("bounds", "are missing", "give a greatest error, time or number of bytes"));
+            return Err(Invalid::new(
+                "bounds",
+                "are missing",
+                "give a greatest error, time or number of bytes",
+            ));
         }
         let fault = |what, v: f64, mend| Err(Invalid::new(what, format!("is {v}"), mend));
         match (self.max_error, self.max_ms) {
-            (Some(e), _) if !(0.0..=1.0).contains(&e) => fault("greatest error", e, "use 0 to 1, such as 0.05"),
+            (Some(e), _) if !(0.0..=1.0).contains(&e) => {
+                fault("greatest error", e, "use 0 to 1, such as 0.05")
+            }
             (_, Some(ms)) if !(ms >= 0.0 && ms.is_finite()) => {
                 fault("greatest time", ms, "use milliseconds, 0 or more")
             }
@@ -79,14 +95,22 @@ mod tests {
         for ms in [f64::NAN, -1.0, f64::INFINITY] {
             assert!(Bounds::milliseconds(ms).validate().is_err(), "{ms}");
         }
-        for bounds in [Bounds::error(0.0), Bounds::milliseconds(0.5), Bounds::bytes(0)] {
+        for bounds in [
+            Bounds::error(0.0),
+            Bounds::milliseconds(0.5),
+            Bounds::bytes(0),
+        ] {
             assert!(bounds.validate().is_ok(), "{bounds}");
         }
     }
 
     #[test]
     fn both_time_and_memory_must_be_within() {
-        let bounds = Bounds { max_ms: Some(2.0), max_bytes: Some(100), ..Bounds::default() };
+        let bounds = Bounds {
+            max_ms: Some(2.0),
+            max_bytes: Some(100),
+            ..Bounds::default()
+        };
         assert!(bounds.affords(2.0, 100));
         assert!(!bounds.affords(2.1, 100) && !bounds.affords(2.0, 101));
     }

@@ -34,7 +34,11 @@ impl Pilot {
         let is_exact = look.light.is_ideal();
         let rays = if is_exact { 1 } else { RAYS };
         let mask = mask(look, Traced { samples: rays }.into())?;
-        Ok(mask.map(|mask| Self { mask, rays, is_exact }))
+        Ok(mask.map(|mask| Self {
+            mask,
+            rays,
+            is_exact,
+        }))
     }
 }
 
@@ -42,10 +46,21 @@ impl Pilot {
 pub(super) fn density(look: &mut Look<'_>, pilot: Option<&Pilot>) -> Result<Vec<f64>, LabError> {
     let receives = look.receivers.receives.clone();
     let pilot = pilot.map_or_else(|| vec![1.0; receives.len()], |pilot| pilot.mask.clone());
-    let mut interest: Vec<f64> = spread(look.camera.size, &pilot, &receives).into_iter().map(f64::from).collect();
+    let mut interest: Vec<f64> = spread(look.camera.size, &pilot, &receives)
+        .into_iter()
+        .map(f64::from)
+        .collect();
     for (size, bias) in [(256, Bias::ADAPTIVE), (1024, Bias::NORMAL_OFFSET)] {
-        let hard = Hard { map: ShadowMap { size, bias, ..ShadowMap::default() } };
-        let Some(mask) = mask(look, hard.into())? else { continue };
+        let hard = Hard {
+            map: ShadowMap {
+                size,
+                bias,
+                ..ShadowMap::default()
+            },
+        };
+        let Some(mask) = mask(look, hard.into())? else {
+            continue;
+        };
         let differences = interest.iter_mut().zip(mask.iter().zip(&pilot));
         differences.for_each(|(out, (a, b))| *out += OF_MAPS * f64::from((a - b).abs()));
     }
@@ -63,7 +78,11 @@ fn mask(look: &mut Look<'_>, preset: Preset) -> Result<Option<Vec<f32>>, LabErro
 
 /// A part for all receivers alike, the rest in proportion to their interest.
 pub(super) fn shared(mut interest: Vec<f64>, receives: &[bool]) -> Vec<f64> {
-    interest.iter_mut().zip(receives).filter(|(_, receives)| !**receives).for_each(|(i, _)| *i = 0.0);
+    interest
+        .iter_mut()
+        .zip(receives)
+        .filter(|(_, receives)| !**receives)
+        .for_each(|(i, _)| *i = 0.0);
     let sum: f64 = interest.iter().sum();
     let count = receives.iter().filter(|r| **r).count().max(1) as f64;
     let evenly = if sum > 0.0 { EVENLY } else { 1.0 } / count;
@@ -75,13 +94,28 @@ pub(super) fn shared(mut interest: Vec<f64>, receives: &[bool]) -> Vec<f64> {
 /// By how much visibility varies within [`NEAR`] pixels of each, 0..=1, over what receives.
 fn spread(size: UVec2, mask: &[f32], receives: &[bool]) -> Vec<f32> {
     let (w, h) = (size.x as usize, size.y as usize);
-    let own = |i: usize| if receives[i] { [mask[i]; 2] } else { [f32::INFINITY, f32::NEG_INFINITY] };
+    let own = |i: usize| {
+        if receives[i] {
+            [mask[i]; 2]
+        } else {
+            [f32::INFINITY, f32::NEG_INFINITY]
+        }
+    };
     let widest = |a: [f32; 2], b: [f32; 2]| [a[0].min(b[0]), a[1].max(b[1])];
     let nothing = [f32::INFINITY, f32::NEG_INFINITY];
     let around = |x: usize, n: usize| x.saturating_sub(NEAR)..(x + NEAR + 1).min(n);
-    let in_rows: Vec<_> =
-        (0..w * h).map(|i| around(i % w, w).map(|x| own(i - i % w + x)).fold(nothing, widest)).collect();
-    let of = |i: usize| around(i / w, h).map(|y| in_rows[y * w + i % w]).fold(nothing, widest);
+    let in_rows: Vec<_> = (0..w * h)
+        .map(|i| {
+            around(i % w, w)
+                .map(|x| own(i - i % w + x))
+                .fold(nothing, widest)
+        })
+        .collect();
+    let of = |i: usize| {
+        around(i / w, h)
+            .map(|y| in_rows[y * w + i % w])
+            .fold(nothing, widest)
+    };
     (0..w * h).map(|i| (of(i)[1] - of(i)[0]).max(0.0)).collect()
 }
 
@@ -92,7 +126,9 @@ mod tests {
     #[test]
     fn edges_are_of_interest_and_what_is_no_receiver_is_not() {
         let size = UVec2::new(12, 3);
-        let mask: Vec<f32> = (0..36).map(|i| if i % 12 < 6 { 1.0 } else { 0.0 }).collect();
+        let mask: Vec<f32> = (0..36)
+            .map(|i| if i % 12 < 6 { 1.0 } else { 0.0 })
+            .collect();
         let mut receives = vec![true; 36];
         receives[23] = false;
         let spread = spread(size, &mask, &receives);
@@ -106,7 +142,10 @@ mod tests {
 
     #[test]
     fn where_nothing_varies_all_are_alike() {
-        assert_eq!(shared(vec![0.0; 4], &[true, true, false, true]), [1.0 / 3.0, 1.0 / 3.0, 0.0, 1.0 / 3.0]);
+        assert_eq!(
+            shared(vec![0.0; 4], &[true, true, false, true]),
+            [1.0 / 3.0, 1.0 / 3.0, 0.0, 1.0 / 3.0]
+        );
         assert_eq!(shared(vec![0.0; 2], &[false, false]), [0.0, 0.0]);
     }
 }

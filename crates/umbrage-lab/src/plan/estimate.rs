@@ -29,7 +29,11 @@ pub struct Estimate {
 /// population": pixels that were sure to be drawn add none. Of a mask without a fault it knows no uncertainty: see
 /// [`Verifier`](super::verify::Verifier).
 pub(super) fn estimate(sample: &Sample, truth: &[PixelTruth], mask: &[f32]) -> Estimate {
-    let compared = Compared { sample, truth, mask };
+    let compared = Compared {
+        sample,
+        truth,
+        mask,
+    };
     let all = compared.sum(|_| 1.0);
     if all == 0.0 {
         return Estimate::default();
@@ -47,13 +51,21 @@ pub(super) fn estimate_of_part(
     all: Counted,
     unseen: f64,
 ) -> Estimate {
-    let compared = Compared { sample, truth, mask };
+    let compared = Compared {
+        sample,
+        truth,
+        mask,
+    };
     if all.count == 0.0 {
         return Estimate::default();
     }
     let squares = compared.squares().map(|sum| sum / all.count);
     let of_count = all.reach / all.count * (squares[0] + squares[1]);
-    Estimate::new(squares, of_count.hypot(compared.reach(0.0) / all.count), unseen)
+    Estimate::new(
+        squares,
+        of_count.hypot(compared.reach(0.0) / all.count),
+        unseen,
+    )
 }
 
 /// How many of an image's receivers count, by a sample of them.
@@ -72,12 +84,20 @@ impl Counted {
         if all == 0.0 {
             return Self::default();
         }
-        let share = drawn.clone().filter(|(_, counts)| *counts).map(|(chance, _)| 1.0 / chance).sum::<f64>() / all;
+        let share = drawn
+            .clone()
+            .filter(|(_, counts)| *counts)
+            .map(|(chance, _)| 1.0 / chance)
+            .sum::<f64>()
+            / all;
         let off = |(chance, counts): (f64, bool)| {
             (1.0 - chance) / chance.powi(2) * (f64::from(u8::from(counts)) - share).powi(2)
         };
         let reach = ONE_IN_TWENTY * drawn.map(off).sum::<f64>().sqrt() / all;
-        Self { count: share * receivers as f64, reach: reach * receivers as f64 }
+        Self {
+            count: share * receivers as f64,
+            reach: reach * receivers as f64,
+        }
     }
 
     /// As many as there may be.
@@ -133,18 +153,26 @@ impl Compared<'_> {
     fn sum(&self, of: impl Fn(usize) -> f64) -> f64 {
         let counted = (0..self.mask.len()).filter(|&k| self.truth[k].pixel == Pixel::Counted);
         // From 0: floats sum up nothing to -0.
-        counted.map(|k| of(k) / self.sample.chances[k]).fold(0.0, |sum, v| sum + v)
+        counted
+            .map(|k| of(k) / self.sample.chances[k])
+            .fold(0.0, |sum, v| sum + v)
     }
 
     /// Sums of squared differences, too dark and too light.
     fn squares(&self) -> [f64; 2] {
-        [self.sum(|k| self.difference(k).min(0.0).powi(2)), self.sum(|k| self.difference(k).max(0.0).powi(2))]
+        [
+            self.sum(|k| self.difference(k).min(0.0).powi(2)),
+            self.sum(|k| self.difference(k).max(0.0).powi(2)),
+        ]
     }
 
     /// What one in twenty sums of squares errs by, about their mean.
     fn reach(&self, mean: f64) -> f64 {
         let unsure = |k: usize| (1.0 - self.sample.chances[k]) / self.sample.chances[k];
-        ONE_IN_TWENTY * self.sum(|k| unsure(k) * (self.difference(k).powi(2) - mean).powi(2)).sqrt()
+        ONE_IN_TWENTY
+            * self
+                .sum(|k| unsure(k) * (self.difference(k).powi(2) - mean).powi(2))
+                .sqrt()
     }
 }
 
@@ -161,7 +189,11 @@ mod tests {
         let truth = |i: u32| PixelTruth {
             visibility: 0.5,
             error: 0.0,
-            pixel: if hash(i).is_multiple_of(10) { Pixel::Ambiguous } else { Pixel::Counted },
+            pixel: if hash(i).is_multiple_of(10) {
+                Pixel::Ambiguous
+            } else {
+                Pixel::Counted
+            },
         };
         let mask = |i: u32| match hash(i + 9999) % 640 {
             n if n < i % 64 => 1.0,
@@ -185,14 +217,22 @@ mod tests {
         assert_eq!((whole.low, whole.high), (whole.error, whole.error));
         assert!((whole.too_dark.hypot(whole.too_light) - whole.error).abs() < 1e-12);
         let density: Vec<f64> = (0..4096).map(|i| 1.0 + f64::from(i % 64) / 8.0).collect();
-        let estimates: Vec<_> = (0..500).map(|s| of_sample(&Sample::draw(SIZE, &density, 400, s), &image)).collect();
+        let estimates: Vec<_> = (0..500)
+            .map(|s| of_sample(&Sample::draw(SIZE, &density, 400, s), &image))
+            .collect();
         let squares = estimates.iter().map(|e| e.error * e.error).sum::<f64>() / 500.0;
         // The standard error of one sample is about a tenth of the mean square; 500 of them have a twentieth of that.
-        assert!((squares / whole.error.powi(2) - 1.0).abs() < 0.015, "{squares}");
+        assert!(
+            (squares / whole.error.powi(2) - 1.0).abs() < 0.015,
+            "{squares}"
+        );
         let above = estimates.iter().filter(|e| e.high < whole.error).count();
         let below = estimates.iter().filter(|e| e.low > whole.error).count();
         // One in twenty is 25; five standard deviations of the count are 24.
-        assert!(above < 50 && below < 50 && above + below > 5, "{above} {below}");
+        assert!(
+            above < 50 && below < 50 && above + below > 5,
+            "{above} {below}"
+        );
     }
 
     #[test]
@@ -206,8 +246,15 @@ mod tests {
 
     #[test]
     fn nothing_that_counts_is_no_error() {
-        let sample = Sample { pixels: vec![0], chances: vec![0.5] };
-        let truth = [PixelTruth { visibility: 0.0, error: 0.0, pixel: Pixel::Unlit }];
+        let sample = Sample {
+            pixels: vec![0],
+            chances: vec![0.5],
+        };
+        let truth = [PixelTruth {
+            visibility: 0.0,
+            error: 0.0,
+            pixel: Pixel::Unlit,
+        }];
         assert_eq!(estimate(&sample, &truth, &[1.0]), Estimate::default());
     }
 }

@@ -34,7 +34,10 @@ pub fn write(plan: &Plan, folder: &Path) -> Result<Vec<Written>, LabError> {
         match text {
             Some(text) => {
                 into.write(&name, text.as_bytes())?;
-                written.push(Written { what, path: folder.join(name) });
+                written.push(Written {
+                    what,
+                    path: folder.join(name),
+                });
             }
             None => into.remove(&name)?,
         }
@@ -46,10 +49,16 @@ pub fn write(plan: &Plan, folder: &Path) -> Result<Vec<Written>, LabError> {
 type Text = (&'static str, &'static str, Option<String>);
 
 fn texts(plan: &Plan) -> Result<[Text; 4], LabError> {
-    let preset = plan.chosen.as_ref().map(|chosen| chosen.preset.to_toml()).transpose()?;
+    let preset = plan
+        .chosen
+        .as_ref()
+        .map(|chosen| chosen.preset.to_toml())
+        .transpose()?;
     let json = serde_json::to_string_pretty(plan).map_err(|e| failed("plan", e))?;
-    let curve =
-        (!plan.curve.is_empty()).then(|| curve(&plan.curve)).transpose().map_err(|e| failed("bias curve", e))?;
+    let curve = (!plan.curve.is_empty())
+        .then(|| curve(&plan.curve))
+        .transpose()
+        .map_err(|e| failed("bias curve", e))?;
     let chart = curve_figure(plan).map(|figure| figure.svg());
     Ok([
         ("preset", ".preset.toml", preset),
@@ -60,7 +69,10 @@ fn texts(plan: &Plan) -> Result<[Text; 4], LabError> {
 }
 
 fn failed(what: &str, e: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> LabError {
-    LabError::Write { path: what.into(), source: std::io::Error::other(e) }
+    LabError::Write {
+        path: what.into(),
+        source: std::io::Error::other(e),
+    }
 }
 
 /// A line of the bias curve: acne falls with the bias, the gap grows.
@@ -77,11 +89,25 @@ struct CurveLine {
 fn curve(points: &[CurvePoint]) -> Result<String, csv::Error> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     for p in points {
-        let CurvePoint { texels, chosen, estimate: e, .. } = *p;
+        let CurvePoint {
+            texels,
+            chosen,
+            estimate: e,
+            ..
+        } = *p;
         let (too_dark, too_light) = (e.too_dark, e.too_light);
-        writer.serialize(CurveLine { kind: p.kind.name(), texels, too_dark, too_light, error: e.error, chosen })?;
+        writer.serialize(CurveLine {
+            kind: p.kind.name(),
+            texels,
+            too_dark,
+            too_light,
+            error: e.error,
+            chosen,
+        })?;
     }
-    let bytes = writer.into_inner().map_err(csv::IntoInnerError::into_error)?;
+    let bytes = writer
+        .into_inner()
+        .map_err(csv::IntoInnerError::into_error)?;
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
@@ -93,7 +119,11 @@ mod tests {
     use umbrage_techniques::Preset;
 
     fn plan(scene: &str, chosen: bool) -> Plan {
-        let estimate = Estimate { error: 0.25, too_dark: 0.125, ..Estimate::default() };
+        let estimate = Estimate {
+            error: 0.25,
+            too_dark: 0.125,
+            ..Estimate::default()
+        };
         let preset = Preset::defaults()[0];
         let setting = Setting {
             preset,
@@ -103,7 +133,12 @@ mod tests {
             milliseconds: 1.0,
             bytes: 4,
         };
-        let point = CurvePoint { kind: BiasKind::NormalOffset, texels: 0.5, estimate, chosen: true };
+        let point = CurvePoint {
+            kind: BiasKind::NormalOffset,
+            texels: 0.5,
+            estimate,
+            chosen: true,
+        };
         Plan {
             scene: scene.to_owned(),
             light: "parallel".to_owned(),
@@ -124,22 +159,54 @@ mod tests {
         let dir = tempfile::tempdir().expect("a temporary folder");
         let plan = plan("../A scene", true);
         let written = write(&plan, &dir.path().join("plans")).expect("writable");
-        let name = |w: &Written| w.path.file_name().expect("named").to_string_lossy().into_owned();
+        let name = |w: &Written| {
+            w.path
+                .file_name()
+                .expect("named")
+                .to_string_lossy()
+                .into_owned()
+        };
         let names: Vec<String> = written.iter().map(name).collect();
-        assert_eq!(names, ["a-scene.preset.toml", "a-scene.plan.json", "a-scene.bias.csv", "a-scene.bias.svg"]);
+        assert_eq!(
+            names,
+            [
+                "a-scene.preset.toml",
+                "a-scene.plan.json",
+                "a-scene.bias.csv",
+                "a-scene.bias.svg"
+            ]
+        );
         let text = |i: usize| fs::read_to_string(&written[i].path).expect("there");
-        assert_eq!(Preset::from_toml(&text(0)).expect("a preset"), Preset::defaults()[0]);
-        assert_eq!(serde_json::from_str::<Plan>(&text(1)).expect("a plan"), plan);
-        assert_eq!(text(2), "kind,texels,too_dark,too_light,error,chosen\nnormal offset,0.5,0.125,0.0,0.25,true\n");
+        assert_eq!(
+            Preset::from_toml(&text(0)).expect("a preset"),
+            Preset::defaults()[0]
+        );
+        assert_eq!(
+            serde_json::from_str::<Plan>(&text(1)).expect("a plan"),
+            plan
+        );
+        assert_eq!(
+            text(2),
+            "kind,texels,too_dark,too_light,error,chosen\nnormal offset,0.5,0.125,0.0,0.25,true\n"
+        );
         assert!(text(3).contains("</svg>"));
-        assert_eq!(fs::read_dir(dir.path().join("plans")).expect("there").count(), 4, "nothing unfinished is left");
+        assert_eq!(
+            fs::read_dir(dir.path().join("plans"))
+                .expect("there")
+                .count(),
+            4,
+            "nothing unfinished is left"
+        );
     }
 
     /// One light's plan must not take another's place.
     #[test]
     fn lights_have_files_of_their_own() {
         let dir = tempfile::tempdir().expect("a temporary folder");
-        let second = Plan { light_number: 2, ..plan("cubes", true) };
+        let second = Plan {
+            light_number: 2,
+            ..plan("cubes", true)
+        };
         for plan in [plan("cubes", true), second] {
             write(&plan, dir.path()).expect("writable");
         }
@@ -155,7 +222,13 @@ mod tests {
         write(&plan("cubes", true), dir.path()).expect("writable");
         let written = write(&plan("cubes", false), dir.path()).expect("writable");
         assert_eq!(written.iter().map(|w| w.what).collect::<Vec<_>>(), ["plan"]);
-        assert!(!dir.path().join("cubes.preset.toml").exists() && dir.path().join("cubes.plan.json").exists());
-        assert_eq!(fs::read(dir.path().join("cubes.toml")).expect("there"), b"a scene");
+        assert!(
+            !dir.path().join("cubes.preset.toml").exists()
+                && dir.path().join("cubes.plan.json").exists()
+        );
+        assert_eq!(
+            fs::read(dir.path().join("cubes.toml")).expect("there"),
+            b"a scene"
+        );
     }
 }

@@ -11,8 +11,8 @@ use crate::{
 };
 use std::collections::HashMap;
 use umbrage_core::{
-    Backend as _, BackendError, Camera, FitMemory, Geometry, Light, PlanError, Receivers, Recipe, View, Work,
-    metrics::Pixel,
+    Backend as _, BackendError, Camera, FitMemory, Geometry, Light, PlanError, Receivers, Recipe,
+    View, Work, metrics::Pixel,
 };
 use umbrage_cpu::Cpu;
 use umbrage_techniques::Preset;
@@ -38,15 +38,29 @@ pub(super) struct Price {
 }
 
 impl<'a> Look<'a> {
-    pub(super) fn new(camera: &'a Camera, light: &'a Light, geometry: &'a Geometry) -> Result<Self, LabError> {
+    pub(super) fn new(
+        camera: &'a Camera,
+        light: &'a Light,
+        geometry: &'a Geometry,
+    ) -> Result<Self, LabError> {
         let mut cpu = Cpu::new();
         let receivers = cpu.receivers(camera, geometry)?;
-        Ok(Self { camera, light, geometry, receivers, cpu, fits: FitMemory::default(), truth: HashMap::new() })
+        Ok(Self {
+            camera,
+            light,
+            geometry,
+            receivers,
+            cpu,
+            fits: FitMemory::default(),
+            truth: HashMap::new(),
+        })
     }
 
     /// What a technique may look at: all receivers, so that its map lies as it will.
     pub(super) fn view(&self) -> View<'_> {
-        View::new(self.camera, self.light, self.geometry).with_receivers(&self.receivers).with_fits(&self.fits)
+        View::new(self.camera, self.light, self.geometry)
+            .with_receivers(&self.receivers)
+            .with_fits(&self.fits)
     }
 
     pub(super) fn recipe(&self, preset: &Preset) -> Result<Recipe, PlanError> {
@@ -55,7 +69,10 @@ impl<'a> Look<'a> {
 
     pub(super) fn price(&self, recipe: &Recipe, cost: &CostModel) -> Price {
         let work = Work::of(&self.view(), recipe);
-        Price { milliseconds: cost.milliseconds(&work), work }
+        Price {
+            milliseconds: cost.milliseconds(&work),
+            work,
+        }
     }
 
     /// The whole image's mask.
@@ -66,13 +83,19 @@ impl<'a> Look<'a> {
 
     /// As [`Look::mask`], by recipe.
     pub(super) fn render(&mut self, recipe: &Recipe) -> Result<Vec<f32>, BackendError> {
-        let view = View::new(self.camera, self.light, self.geometry).with_receivers(&self.receivers);
+        let view =
+            View::new(self.camera, self.light, self.geometry).with_receivers(&self.receivers);
         Ok(self.cpu.render(&view, recipe)?.mask)
     }
 
     /// The mask at some pixels.
-    pub(super) fn ask(&mut self, recipe: &Recipe, pixels: &[u32]) -> Result<Vec<f32>, BackendError> {
-        let view = View::new(self.camera, self.light, self.geometry).with_receivers(&self.receivers);
+    pub(super) fn ask(
+        &mut self,
+        recipe: &Recipe,
+        pixels: &[u32],
+    ) -> Result<Vec<f32>, BackendError> {
+        let view =
+            View::new(self.camera, self.light, self.geometry).with_receivers(&self.receivers);
         self.cpu.ask(&view, recipe, pixels)
     }
 
@@ -83,10 +106,28 @@ impl<'a> Look<'a> {
         options: &TruthOptions,
         progress: &crate::truth::Progress<'_>,
     ) -> Result<Vec<PixelTruth>, LabError> {
-        let Self { camera, light, geometry, receivers, cpu, truth, .. } = self;
-        let new: Vec<u32> = pixels.iter().copied().filter(|i| !truth.contains_key(i)).collect();
+        let Self {
+            camera,
+            light,
+            geometry,
+            receivers,
+            cpu,
+            truth,
+            ..
+        } = self;
+        let new: Vec<u32> = pixels
+            .iter()
+            .copied()
+            .filter(|i| !truth.contains_key(i))
+            .collect();
         let find = &mut |camera: &Camera, geometry: &Geometry| cpu.receivers(camera, geometry);
-        let traced = trace_pixels((camera, light, geometry, receivers), &new, options, find, progress)?;
+        let traced = trace_pixels(
+            (camera, light, geometry, receivers),
+            &new,
+            options,
+            find,
+            progress,
+        )?;
         truth.extend(new.into_iter().zip(traced));
         Ok(pixels.iter().map(|i| truth[i]).collect())
     }
@@ -109,18 +150,33 @@ impl Known {
         let pixels = kept.iter().map(|&k| sample.pixels[k]).collect();
         let chances = kept.iter().map(|&k| sample.chances[k]).collect();
         let sample = Sample { pixels, chances };
-        Self { sample, truth: kept.into_iter().map(|k| truth[k]).collect(), counted: Counted::default() }
+        Self {
+            sample,
+            truth: kept.into_iter().map(|k| truth[k]).collect(),
+            counted: Counted::default(),
+        }
     }
 
     /// As [`Known::new`], of a sample of all of so many receivers: how many count is then known, too.
     pub(super) fn of_all(receivers: usize, sample: Sample, truth: Vec<PixelTruth>) -> Self {
-        let drawn = sample.chances.iter().zip(&truth).map(|(chance, t)| (*chance, t.pixel == Pixel::Counted));
+        let drawn = sample
+            .chances
+            .iter()
+            .zip(&truth)
+            .map(|(chance, t)| (*chance, t.pixel == Pixel::Counted));
         let counted = Counted::of(receivers, drawn);
-        Self { counted, ..Self::new(sample, truth) }
+        Self {
+            counted,
+            ..Self::new(sample, truth)
+        }
     }
 
     /// A recipe's errors.
-    pub(super) fn ask(&self, look: &mut Look<'_>, recipe: &Recipe) -> Result<Estimate, BackendError> {
+    pub(super) fn ask(
+        &self,
+        look: &mut Look<'_>,
+        recipe: &Recipe,
+    ) -> Result<Estimate, BackendError> {
         let mask = look.ask(recipe, &self.sample.pixels)?;
         Ok(estimate(&self.sample, &self.truth, &mask))
     }

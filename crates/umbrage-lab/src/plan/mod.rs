@@ -76,8 +76,18 @@ pub struct Options {
 impl Default for Options {
     fn default() -> Self {
         // A quarter of a comparison's rays: their noise of about .005 is far below the errors that are told apart.
-        let truth = TruthOptions { samples: 256, ..TruthOptions::default() };
-        Self { samples: 4096, seed: 1, truth, cost: CostModel::CPU, light: 0, size: None }
+        let truth = TruthOptions {
+            samples: 256,
+            ..TruthOptions::default()
+        };
+        Self {
+            samples: 4096,
+            seed: 1,
+            truth,
+            cost: CostModel::CPU,
+            light: 0,
+            size: None,
+        }
     }
 }
 
@@ -102,12 +112,21 @@ pub type OnStep<'a> = dyn Fn(Step<'_>) + Sync + 'a;
 /// # Errors
 /// When the scene has neither, or is not valid; when bounds are missing or bad. That no candidate is within the bounds is
 /// no error: see [`Plan::preset`].
-pub fn plan(scene: &Scene, bounds: &Bounds, options: &Options, on_step: &OnStep<'_>) -> Result<Plan, LabError> {
+pub fn plan(
+    scene: &Scene,
+    bounds: &Bounds,
+    options: &Options,
+    on_step: &OnStep<'_>,
+) -> Result<Plan, LabError> {
     bounds.validate()?;
     let (camera, light) = seen(scene, options)?;
     let geometry = Geometry::bake(scene)?;
     let plan = Planner::new(&camera, light, &geometry, options, on_step)?.plan(bounds)?;
-    Ok(Plan { scene: scene.name.clone(), light_number: options.light + 1, ..plan })
+    Ok(Plan {
+        scene: scene.name.clone(),
+        light_number: options.light + 1,
+        ..plan
+    })
 }
 
 /// The camera and the light that options are about.
@@ -119,7 +138,10 @@ fn seen<'a>(scene: &'a Scene, options: &Options) -> Result<(Camera, &'a Light), 
     let count = scene.lights.len();
     let light = scene.lights.get(options.light).ok_or_else(|| match count {
         0 => none("light"),
-        _ => invalid(format!("has no light {}", options.light + 1), format!("ask for one from 1 to {count}")),
+        _ => invalid(
+            format!("has no light {}", options.light + 1),
+            format!("ask for one from 1 to {count}"),
+        ),
     })?;
     Ok((camera, light))
 }

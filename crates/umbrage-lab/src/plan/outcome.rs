@@ -37,7 +37,10 @@ impl Plan {
     /// # Errors
     /// When nothing is within the bounds.
     pub fn preset(&self) -> Result<Preset, Box<Miss>> {
-        self.chosen.as_ref().map(|chosen| chosen.preset).ok_or_else(|| Box::new(self.miss.clone().unwrap_or_default()))
+        self.chosen
+            .as_ref()
+            .map(|chosen| chosen.preset)
+            .ok_or_else(|| Box::new(self.miss.clone().unwrap_or_default()))
     }
 }
 

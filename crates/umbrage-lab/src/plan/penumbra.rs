@@ -37,15 +37,23 @@ impl Penumbra {
         let half = self.across * 0.5;
         let on = |space: &LightSpace| {
             let middle = place(space, self.position)?;
-            let ends = [place(space, self.position - half)?, place(space, self.position + half)?];
-            (middle.abs().max_element() <= 1.0).then(|| (ends[1] - ends[0]).length() * 0.5 * f64::from(size))
+            let ends = [
+                place(space, self.position - half)?,
+                place(space, self.position + half)?,
+            ];
+            (middle.abs().max_element() <= 1.0)
+                .then(|| (ends[1] - ends[0]).length() * 0.5 * f64::from(size))
         };
         spaces.iter().find_map(on)
     }
 }
 
 /// Penumbrae at some of the sampled receivers; none under ideal lights.
-pub(super) fn find(look: &Look<'_>, known: &Known, options: &TruthOptions) -> Result<Vec<Penumbra>, LabError> {
+pub(super) fn find(
+    look: &Look<'_>,
+    known: &Known,
+    options: &TruthOptions,
+) -> Result<Vec<Penumbra>, LabError> {
     let in_middle: Vec<usize> = (0..known.truth.len())
         .filter(|&k| MIDDLE.contains(&known.truth[k].visibility) && !look.light.is_ideal())
         .map(|k| known.sample.pixels[k] as usize)
@@ -54,18 +62,27 @@ pub(super) fn find(look: &Look<'_>, known: &Known, options: &TruthOptions) -> Re
     let chosen: Vec<usize> = in_middle.into_iter().step_by(step).collect();
     let rays = look.camera.rays();
     let pixel = rays.dir_dx.length() / rays.dir.length();
-    let asked: Vec<[Point; 4]> =
-        chosen.iter().map(|&i| around(look, i, STEP * pixel * look.receivers.distance[i])).collect();
+    let asked: Vec<[Point; 4]> = chosen
+        .iter()
+        .map(|&i| around(look, i, STEP * pixel * look.receivers.distance[i]))
+        .collect();
     let seen = trace_points(look.geometry, look.light, asked.as_flattened(), options)?;
     let penumbra = |(points, seen): (&[Point; 4], &[crate::truth::Seen])| {
         let [a, b, c, d] = [0, 1, 2, 3].map(|k| seen[k].visibility);
-        let (u, v) = (points[1].position - points[0].position, points[3].position - points[2].position);
+        let (u, v) = (
+            points[1].position - points[0].position,
+            points[3].position - points[2].position,
+        );
         let slope = u * ((b - a) / u.length_squared()) + v * ((d - c) / v.length_squared());
         let position = (points[0].position + points[1].position) * 0.5;
         let across = slope / slope.length_squared();
         across.is_finite().then_some(Penumbra { position, across })
     };
-    Ok(asked.iter().zip(seen.chunks_exact(4)).filter_map(penumbra).collect())
+    Ok(asked
+        .iter()
+        .zip(seen.chunks_exact(4))
+        .filter_map(penumbra)
+        .collect())
 }
 
 /// A step to each side of a receiver along its surface, two sides after two.
@@ -81,8 +98,15 @@ fn around(look: &Look<'_>, i: usize, step: f32) -> [Point; 4] {
 
 /// The widths that a tenth of the penumbrae is narrower and a tenth wider than, texels on such a map; none without any.
 pub(super) fn texels(penumbrae: &[Penumbra], spaces: &[LightSpace], size: u32) -> Option<[f64; 2]> {
-    let mut widths: Vec<f64> = penumbrae.iter().filter_map(|p| p.texels(spaces, size)).collect();
+    let mut widths: Vec<f64> = penumbrae
+        .iter()
+        .filter_map(|p| p.texels(spaces, size))
+        .collect();
     widths.sort_by(f64::total_cmp);
-    let at = |share: f64| widths.get((widths.len().saturating_sub(1) as f64 * share).round() as usize).copied();
+    let at = |share: f64| {
+        widths
+            .get((widths.len().saturating_sub(1) as f64 * share).round() as usize)
+            .copied()
+    };
     Some([at(0.1)?, at(0.9)?])
 }

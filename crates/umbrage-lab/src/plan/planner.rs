@@ -38,10 +38,22 @@ struct Draw {
 const MORE_OF_IDEAL: usize = 4;
 
 impl Draw {
-    fn known(&self, look: &mut Look<'_>, density: &[f64], on_step: &OnStep<'_>) -> Result<Known, LabError> {
+    fn known(
+        &self,
+        look: &mut Look<'_>,
+        density: &[f64],
+        on_step: &OnStep<'_>,
+    ) -> Result<Known, LabError> {
         let sample = Sample::draw(look.camera.size, density, self.count(look.light), self.seed);
-        let truth = look.truth(&sample.pixels, &self.truth, &|done, total| on_step(Step::Truth(done, total)))?;
-        let receivers = look.receivers.receives.iter().filter(|receives| **receives).count();
+        let truth = look.truth(&sample.pixels, &self.truth, &|done, total| {
+            on_step(Step::Truth(done, total))
+        })?;
+        let receivers = look
+            .receivers
+            .receives
+            .iter()
+            .filter(|receives| **receives)
+            .count();
         Ok(Known::of_all(receivers, sample, truth))
     }
 
@@ -57,7 +69,9 @@ impl Draw {
 
 impl std::fmt::Debug for Planner<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Planner").field("settings tried", &self.trial.played()).finish_non_exhaustive()
+        f.debug_struct("Planner")
+            .field("settings tried", &self.trial.played())
+            .finish_non_exhaustive()
     }
 }
 
@@ -80,12 +94,27 @@ impl<'a> Planner<'a> {
         let mut look = Look::new(camera, light, geometry)?;
         let pilot = Pilot::new(&mut look)?;
         let density = density(&mut look, pilot.as_ref())?;
-        let drawn = Draw { count: options.samples as usize, seed: options.seed, truth: options.truth };
+        let drawn = Draw {
+            count: options.samples as usize,
+            seed: options.seed,
+            truth: options.truth,
+        };
         let known = drawn.known(&mut look, &density, on_step)?;
-        let verifier = Verifier { pilot, truth: options.truth, count: drawn.count(light), seed: drawn.second_seed() };
+        let verifier = Verifier {
+            pilot,
+            truth: options.truth,
+            count: drawn.count(light),
+            seed: drawn.second_seed(),
+        };
         let trial = Trial::new(look, known, verifier, options.cost);
         let looking = start.elapsed().as_secs_f64();
-        Ok(Self { trial, families: Vec::new(), on_step, drawn, looking })
+        Ok(Self {
+            trial,
+            families: Vec::new(),
+            on_step,
+            drawn,
+            looking,
+        })
     }
 
     /// Seconds that receivers, sample and truth took.
@@ -146,40 +175,87 @@ impl<'a> Planner<'a> {
     ) -> Result<(Setting, Vec<CurvePoint>), LabError> {
         let Place { family, size } = place;
         let family = self.families[family].clone();
-        let points = if family.preset().map().is_some() { self.trial.curve(&family, size)? } else { Vec::new() };
-        let affordable = points.iter().map(|(.., s)| s).filter(|s| bounds.affords(s.milliseconds, s.bytes));
+        let points = if family.preset().map().is_some() {
+            self.trial.curve(&family, size)?
+        } else {
+            Vec::new()
+        };
+        let affordable = points
+            .iter()
+            .map(|(.., s)| s)
+            .filter(|s| bounds.affords(s.milliseconds, s.bytes));
         let best = affordable.min_by(|a, b| a.estimate.error.total_cmp(&b.estimate.error));
         // What was chosen was verified: another bias must hold as well.
-        let best = best.filter(|b| b.estimate.error < chosen.estimate.error).cloned();
-        let best = best.map(|b| self.trial.verify(&b, bounds.max_error, self.on_step)).transpose()?;
-        let surely = |s: &Setting| bounds.max_error.is_none_or(|error| s.estimate.is_surely_within(error));
-        let best = best.filter(|b| surely(b) && b.estimate.error < chosen.estimate.error).unwrap_or(chosen);
+        let best = best
+            .filter(|b| b.estimate.error < chosen.estimate.error)
+            .cloned();
+        let best = best
+            .map(|b| self.trial.verify(&b, bounds.max_error, self.on_step))
+            .transpose()?;
+        let surely = |s: &Setting| {
+            bounds
+                .max_error
+                .is_none_or(|error| s.estimate.is_surely_within(error))
+        };
+        let best = best
+            .filter(|b| surely(b) && b.estimate.error < chosen.estimate.error)
+            .unwrap_or(chosen);
         let point = |(kind, texels, setting): &(_, _, Setting)| {
             let chosen = setting.preset == best.preset;
-            let estimate = if chosen { best.estimate } else { setting.estimate };
-            CurvePoint { kind: *kind, texels: *texels, estimate, chosen }
+            let estimate = if chosen {
+                best.estimate
+            } else {
+                setting.estimate
+            };
+            CurvePoint {
+                kind: *kind,
+                texels: *texels,
+                estimate,
+                chosen,
+            }
         };
         // One point is no curve: there was nothing to find.
-        let curve = if points.len() > 1 { points.iter().map(point).collect() } else { Vec::new() };
+        let curve = if points.len() > 1 {
+            points.iter().map(point).collect()
+        } else {
+            Vec::new()
+        };
         Ok((best, curve))
     }
 
     /// Of each technique and map the best bias; of these the front of cost and error, nearest to the chosen one.
     fn runners_up(&self, chosen: Option<&Setting>) -> Vec<Setting> {
         let mut best: Vec<(Preset, &Setting)> = Vec::new();
-        for setting in self.trial.all().into_iter().filter(|s| chosen.is_none_or(|c| c.preset != s.preset)) {
-            let unbiased = setting.preset.map().map(|&map| ShadowMap { bias: Bias::NONE, ..map });
+        for setting in self
+            .trial
+            .all()
+            .into_iter()
+            .filter(|s| chosen.is_none_or(|c| c.preset != s.preset))
+        {
+            let unbiased = setting.preset.map().map(|&map| ShadowMap {
+                bias: Bias::NONE,
+                ..map
+            });
             let key = unbiased.map_or(setting.preset, |map| setting.preset.with_map(map));
             match best.iter_mut().find(|(other, _)| *other == key) {
-                Some((_, other)) if setting.estimate.error < other.estimate.error => *other = setting,
+                Some((_, other)) if setting.estimate.error < other.estimate.error => {
+                    *other = setting
+                }
                 Some(_) => {}
                 None => best.push((key, setting)),
             }
         }
-        let points: Vec<[f64; 2]> = best.iter().map(|(_, s)| [s.milliseconds, s.estimate.error]).collect();
+        let points: Vec<[f64; 2]> = best
+            .iter()
+            .map(|(_, s)| [s.milliseconds, s.estimate.error])
+            .collect();
         let mut front: Vec<&Setting> = front(&points).into_iter().map(|i| best[i].1).collect();
         // By how many times they cost more or less.
-        let far = |s: &Setting| chosen.map_or(0.0, |c| (s.milliseconds / c.milliseconds.max(1e-9)).ln().abs());
+        let far = |s: &Setting| {
+            chosen.map_or(0.0, |c| {
+                (s.milliseconds / c.milliseconds.max(1e-9)).ln().abs()
+            })
+        };
         front.sort_by(|a, b| far(a).total_cmp(&far(b)));
         front.truncate(RUNNERS_UP);
         front.sort_by(|a, b| a.milliseconds.total_cmp(&b.milliseconds));

@@ -30,7 +30,9 @@ impl Facts {
         let share = |is: &dyn Fn(f32) -> bool| {
             let part = |all: bool| -> f64 {
                 let of = known.truth.iter().zip(&known.sample.chances);
-                of.filter(|(t, _)| all || is(t.visibility)).map(|(_, chance)| 1.0 / chance).sum()
+                of.filter(|(t, _)| all || is(t.visibility))
+                    .map(|(_, chance)| 1.0 / chance)
+                    .sum()
             };
             part(false) / part(true).max(f64::MIN_POSITIVE)
         };
@@ -73,15 +75,27 @@ impl Facts {
             (true, _) => "; the light has no extent, so every edge is sharp".to_owned(),
             (false, share) => format!(", {} in penumbra", percent(share)),
         };
-        format!("{} of what is seen lies in shadow{soft}", percent(self.shadowed))
+        format!(
+            "{} of what is seen lies in shadow{soft}",
+            percent(self.shadowed)
+        )
     }
 
     /// How wide penumbrae are on the chosen map, or on one of 512.
-    fn widths(&self, trial: &Trial<'_>, chosen: Option<&Setting>) -> Result<Option<String>, LabError> {
-        let map = ShadowMap { size: SIZES[3], ..ShadowMap::default() };
+    fn widths(
+        &self,
+        trial: &Trial<'_>,
+        chosen: Option<&Setting>,
+    ) -> Result<Option<String>, LabError> {
+        let map = ShadowMap {
+            size: SIZES[3],
+            ..ShadowMap::default()
+        };
         let own = chosen.map(|c| c.preset).filter(|p| p.map().is_some());
         let preset = own.unwrap_or(Preset::from(Hard { map }));
-        let Ok(recipe) = trial.look.recipe(&preset) else { return Ok(None) };
+        let Ok(recipe) = trial.look.recipe(&preset) else {
+            return Ok(None);
+        };
         let spaces: Vec<_> = recipe.casts.iter().map(|cast| cast.space).collect();
         let size = preset.map().map_or(map.size, |map| map.size);
         let widths = penumbra::texels(&self.penumbrae, &spaces, size);
@@ -97,12 +111,20 @@ impl Facts {
 /// What is known of techniques without a map.
 fn exactness(trial: &Trial<'_>, chosen: &Setting) -> Result<Option<String>, LabError> {
     Ok(match chosen.preset {
-        Preset::None(_) if chosen.estimate.error > 0.0 => {
-            Some(format!("leaving all shadows out errs by only {:.4}", chosen.estimate.error))
-        }
+        Preset::None(_) if chosen.estimate.error > 0.0 => Some(format!(
+            "leaving all shadows out errs by only {:.4}",
+            chosen.estimate.error
+        )),
         Preset::Planar(_) => {
-            let layers = trial.look.recipe(&chosen.preset)?.images.first().map_or(0, |image| image.layers);
-            Some(format!("all that is seen lit is flat, in {layers} planes: flattened casters have exact edges there"))
+            let layers = trial
+                .look
+                .recipe(&chosen.preset)?
+                .images
+                .first()
+                .map_or(0, |image| image.layers);
+            Some(format!(
+                "all that is seen lit is flat, in {layers} planes: flattened casters have exact edges there"
+            ))
         }
         Preset::Volumes(_) => Some("volumes have exact edges".to_owned()),
         Preset::Traced(_) => Some("rays need no map, and no bias".to_owned()),
@@ -130,7 +152,9 @@ fn smaller_map(all: &[&Setting], chosen: &Setting) -> Option<String> {
 /// The best of each technique that is cheaper and was left out.
 fn cheaper(all: &[&Setting], chosen: &Setting, bounds: &Bounds) -> Vec<String> {
     let mut best: Vec<&Setting> = Vec::new();
-    let left = all.iter().filter(|s| s.milliseconds < chosen.milliseconds && s.technique != chosen.technique);
+    let left = all
+        .iter()
+        .filter(|s| s.milliseconds < chosen.milliseconds && s.technique != chosen.technique);
     for &setting in left {
         match best.iter_mut().find(|b| b.technique == setting.technique) {
             Some(b) if setting.estimate.error < b.estimate.error => *b = setting,
@@ -141,8 +165,15 @@ fn cheaper(all: &[&Setting], chosen: &Setting, bounds: &Bounds) -> Vec<String> {
     best.sort_by(|a, b| a.estimate.error.total_cmp(&b.estimate.error));
     let line = |s: &&Setting| {
         let over = bounds.max_error.filter(|&e| s.estimate.high > e);
-        let bound = over.map_or(String::new(), |e| format!(", more than {e} with its uncertainty"));
-        format!("{} is cheaper ({:.3} ms) and errs by {:.4}{bound}", s.label(), s.milliseconds, s.estimate.error)
+        let bound = over.map_or(String::new(), |e| {
+            format!(", more than {e} with its uncertainty")
+        });
+        format!(
+            "{} is cheaper ({:.3} ms) and errs by {:.4}{bound}",
+            s.label(),
+            s.milliseconds,
+            s.estimate.error
+        )
     };
     best.iter().take(NAMED).map(line).collect()
 }
@@ -152,10 +183,18 @@ fn bias(curve: &[CurvePoint]) -> Option<String> {
     let chosen = curve.iter().find(|p| p.chosen)?;
     let kind: Vec<&CurvePoint> = curve.iter().filter(|p| p.kind == chosen.kind).collect();
     let told = |p: &CurvePoint| {
-        format!("{:.2} texels: {:.4} too dark, {:.4} too light", p.texels, p.estimate.too_dark, p.estimate.too_light)
+        format!(
+            "{:.2} texels: {:.4} too dark, {:.4} too light",
+            p.texels, p.estimate.too_dark, p.estimate.too_light
+        )
     };
     let (chosen_name, best) = (chosen.kind.name(), told(chosen));
-    let ends = [kind.first()?, kind.last()?].into_iter().filter(|end| end.texels != chosen.texels).map(|end| told(end));
+    let ends = [kind.first()?, kind.last()?]
+        .into_iter()
+        .filter(|end| end.texels != chosen.texels)
+        .map(|end| told(end));
     let ends = ends.collect::<Vec<_>>().join("; ");
-    Some(format!("of all biases tried {chosen_name} leaves the least acne and gap: {best} (others: {ends})"))
+    Some(format!(
+        "of all biases tried {chosen_name} leaves the least acne and gap: {best} (others: {ends})"
+    ))
 }

@@ -1,6 +1,8 @@
 //! Whether plans are right: against an exhaustive sweep of the same candidates over the whole image.
 
-use super::{Bounds, OnStep, Options, Planner, Setting, Step, bias::scales, families::families_for, seen};
+use super::{
+    Bounds, OnStep, Options, Planner, Setting, Step, bias::scales, families::families_for, seen,
+};
 use crate::LabError;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
@@ -50,7 +52,11 @@ impl Regret {
     pub fn ratio(&self) -> Option<f64> {
         let chosen = self.chosen.as_ref()?;
         self.cheapest.as_ref()?;
-        Some(if self.least_milliseconds > 0.0 { chosen.milliseconds / self.least_milliseconds } else { 1.0 })
+        Some(if self.least_milliseconds > 0.0 {
+            chosen.milliseconds / self.least_milliseconds
+        } else {
+            1.0
+        })
     }
 
     /// Whether it is found wanting: the bound broken, or more than [`MOST_REGRET`] paid.
@@ -64,7 +70,12 @@ impl Regret {
 ///
 /// # Errors
 /// When the scene has no camera or light, or is not valid.
-pub fn regret(scene: &Scene, bounds: &[f64], options: &Options, on_step: &OnStep<'_>) -> Result<Vec<Regret>, LabError> {
+pub fn regret(
+    scene: &Scene,
+    bounds: &[f64],
+    options: &Options,
+    on_step: &OnStep<'_>,
+) -> Result<Vec<Regret>, LabError> {
     let (camera, light) = seen(scene, options)?;
     let geometry = Geometry::bake(scene)?;
     let new = || Planner::new(&camera, light, &geometry, options, on_step);
@@ -74,7 +85,10 @@ pub fn regret(scene: &Scene, bounds: &[f64], options: &Options, on_step: &OnStep
         let mut planner = new()?;
         let looking = planner.looking();
         let plan = planner.plan(&Bounds::error(bound))?;
-        let error = plan.chosen.as_ref().map_or(Ok(f64::NAN), |chosen| sweep.error(&chosen.preset))?;
+        let error = plan
+            .chosen
+            .as_ref()
+            .map_or(Ok(f64::NAN), |chosen| sweep.error(&chosen.preset))?;
         out.push(Regret {
             scene: scene.name.clone(),
             light: plan.light,
@@ -106,14 +120,26 @@ impl<'a> Sweep<'a> {
         let look = &mut planner.trial.look;
         let all: Vec<u32> = (0..look.receivers.len() as u32).collect();
         let on_step = planner.on_step;
-        let truth = look.truth(&all, &options.truth, &|done, total| on_step(Step::Truth(done, total)))?;
+        let truth = look.truth(&all, &options.truth, &|done, total| {
+            on_step(Step::Truth(done, total))
+        })?;
         let (truth, pixels) = truth.iter().map(|t| (t.visibility, t.pixel)).unzip();
-        Ok(Self { planner, truth, pixels })
+        Ok(Self {
+            planner,
+            truth,
+            pixels,
+        })
     }
 
     fn error(&mut self, preset: &Preset) -> Result<f64, LabError> {
         let mask = self.planner.trial.look.mask(preset)?;
-        Ok(Errors::measure(self.planner.trial.look.camera.size, &mask, &self.truth, &self.pixels)?.rmse)
+        Ok(Errors::measure(
+            self.planner.trial.look.camera.size,
+            &mask,
+            &self.truth,
+            &self.pixels,
+        )?
+        .rmse)
     }
 
     /// Every candidate with every size and bias, by rising cost, which no bias changes but by a rounding of the map's fit.
@@ -122,9 +148,15 @@ impl<'a> Sweep<'a> {
         for family in families_for(&self.planner.trial.look, false) {
             for size in 0..family.rungs.len() {
                 let scales = scales(&family.preset());
-                let amounts = scales.iter().flat_map(|s| s.texels.iter().map(|&texels| (s.kind, texels)));
-                let presets: Vec<Preset> = amounts.map(|(kind, texels)| family.at(size, kind, texels)).collect();
-                let Some(price) = self.planner.trial.price(&presets[0])? else { continue };
+                let amounts = scales
+                    .iter()
+                    .flat_map(|s| s.texels.iter().map(|&texels| (s.kind, texels)));
+                let presets: Vec<Preset> = amounts
+                    .map(|(kind, texels)| family.at(size, kind, texels))
+                    .collect();
+                let Some(price) = self.planner.trial.price(&presets[0])? else {
+                    continue;
+                };
                 rungs.push((price.milliseconds, presets));
             }
         }
@@ -137,7 +169,9 @@ impl<'a> Sweep<'a> {
             if regrets.iter().all(|r| r.cheapest.is_some()) {
                 break;
             }
-            let Some(setting) = self.planner.trial.play(&preset)? else { continue };
+            let Some(setting) = self.planner.trial.play(&preset)? else {
+                continue;
+            };
             if is_hopeless(&setting, regrets) {
                 continue;
             }
@@ -150,7 +184,10 @@ impl<'a> Sweep<'a> {
                 Err(LabError::Backend(umbrage_core::BackendError::Invalid(_))) => continue,
                 Err(e) => return Err(e),
             };
-            for regret in regrets.iter_mut().filter(|r| r.cheapest.is_none() && error <= r.bound) {
+            for regret in regrets
+                .iter_mut()
+                .filter(|r| r.cheapest.is_none() && error <= r.bound)
+            {
                 regret.cheapest = Some(format!("{} ({})", technique.name(), technique.settings()));
                 regret.least_milliseconds = milliseconds;
             }
@@ -164,6 +201,9 @@ impl<'a> Sweep<'a> {
 fn is_hopeless(setting: &Setting, regrets: &[Regret]) -> bool {
     let (error, high) = (setting.estimate.error, setting.estimate.high);
     let least_square = error.powi(2) - FAR * (high.powi(2) - error.powi(2));
-    let open = regrets.iter().filter(|r| r.cheapest.is_none()).map(|r| r.bound);
+    let open = regrets
+        .iter()
+        .filter(|r| r.cheapest.is_none())
+        .map(|r| r.bound);
     least_square > open.fold(0.0, f64::max).powi(2)
 }

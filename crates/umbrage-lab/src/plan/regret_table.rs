@@ -73,7 +73,10 @@ impl From<&Regret> for RegretLine {
 /// When it cannot be written.
 pub fn write_regret(all: &[Regret], folder: &Path) -> Result<PathBuf, LabError> {
     let path = folder.join(FILE);
-    let bytes = csv(all).map_err(|e| LabError::Write { path: path.clone(), source: e.into() })?;
+    let bytes = csv(all).map_err(|e| LabError::Write {
+        path: path.clone(),
+        source: e.into(),
+    })?;
     Folder::create(folder)?.write(FILE, &bytes)?;
     Ok(path)
 }
@@ -96,9 +99,20 @@ mod tests {
 
     #[test]
     fn every_figure_has_a_column_of_its_own() {
-        let estimate = Estimate { error: 0.25, high: 0.5, ..Estimate::default() };
+        let estimate = Estimate {
+            error: 0.25,
+            high: 0.5,
+            ..Estimate::default()
+        };
         let (preset, settings) = (Preset::defaults()[0], "3x3, 512".to_owned());
-        let chosen = Setting { preset, technique: "pcf".to_owned(), settings, estimate, milliseconds: 1.5, bytes: 4 };
+        let chosen = Setting {
+            preset,
+            technique: "pcf".to_owned(),
+            settings,
+            estimate,
+            milliseconds: 1.5,
+            bytes: 4,
+        };
         let found = Regret {
             scene: "a, b".to_owned(),
             light: "point".to_owned(),
@@ -110,16 +124,41 @@ mod tests {
             least_milliseconds: 1.0,
             seconds: 2.0,
         };
-        let nothing =
-            Regret { chosen: None, error: f64::NAN, cheapest: None, least_milliseconds: f64::NAN, ..found.clone() };
+        let nothing = Regret {
+            chosen: None,
+            error: f64::NAN,
+            cheapest: None,
+            least_milliseconds: f64::NAN,
+            ..found.clone()
+        };
         let dir = tempfile::tempdir().expect("a temporary folder");
         let path = write_regret(&[found.clone(), nothing.clone()], dir.path()).expect("writable");
         let mut reader = csv::Reader::from_path(path).expect("there");
         let lines: Vec<RegretLine> = reader.deserialize().map(|l| l.expect("a line")).collect();
-        assert_eq!(lines, [RegretLine::from(&found), RegretLine::from(&nothing)]);
-        let figures = [lines[0].predicted, lines[0].predicted_most, lines[0].error, lines[0].ms, lines[0].ratio];
+        assert_eq!(
+            lines,
+            [RegretLine::from(&found), RegretLine::from(&nothing)]
+        );
+        let figures = [
+            lines[0].predicted,
+            lines[0].predicted_most,
+            lines[0].error,
+            lines[0].ms,
+            lines[0].ratio,
+        ];
         assert_eq!(figures, [0.25, 0.5, 0.26, 1.5, 1.5].map(Some));
-        assert_eq!([lines[1].predicted, lines[1].error, lines[1].least_ms, lines[1].ratio], [None; 4]);
-        assert!(lines[0].keeps && lines[0].misses, "within its bound, but dear");
+        assert_eq!(
+            [
+                lines[1].predicted,
+                lines[1].error,
+                lines[1].least_ms,
+                lines[1].ratio
+            ],
+            [None; 4]
+        );
+        assert!(
+            lines[0].keeps && lines[0].misses,
+            "within its bound, but dear"
+        );
     }
 }

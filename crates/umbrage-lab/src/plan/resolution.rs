@@ -10,13 +10,21 @@ use umbrage_techniques::ShadowMap;
 /// The side of a map of default fit on which, for nine in ten of the receivers that face the light, no texel is larger
 /// than a pixel; none where the light has no map.
 pub(super) fn side(look: &Look<'_>) -> Option<u32> {
-    ShadowMap::default().sized_for(&look.view(), &look.receivers, QUANTILE).ok().map(|map| map.size)
+    ShadowMap::default()
+        .sized_for(&look.view(), &look.receivers, QUANTILE)
+        .ok()
+        .map(|map| map.size)
 }
 
 /// How well a chosen map is used; none without one.
 pub(super) fn reason(look: &Look<'_>, chosen: &Setting) -> Result<Option<String>, LabError> {
     let recipe = look.recipe(&chosen.preset)?;
-    let found = footprint::of(&*chosen.preset.technique(), &look.view(), &recipe, &look.receivers);
+    let found = footprint::of(
+        &*chosen.preset.technique(),
+        &look.view(),
+        &recipe,
+        &look.receivers,
+    );
     Ok(found.map(|footprint| footprint.total.words()))
 }
 
@@ -30,7 +38,8 @@ mod tests {
     fn with_look<R>(name: &str, size: UVec2, f: impl FnOnce(Look<'_>) -> R) -> R {
         let scene = umbrage_scenes::by_argument(name).unwrap();
         let camera: Camera = scene.cameras[0].resized(size);
-        let (light, geometry): (&Light, Geometry) = (&scene.lights[0], Geometry::bake(&scene).unwrap());
+        let (light, geometry): (&Light, Geometry) =
+            (&scene.lights[0], Geometry::bake(&scene).unwrap());
         f(Look::new(&camera, light, &geometry).unwrap())
     }
 
@@ -38,10 +47,19 @@ mod tests {
     fn more(name: &str, size: UVec2) -> Vec<u32> {
         with_look(name, size, |look| {
             let families = families_for(&look, true);
-            let sides = families.iter().flat_map(|f| &f.rungs).filter_map(|rung| Some(rung.map()?.size));
+            let sides = families
+                .iter()
+                .flat_map(|f| &f.rungs)
+                .filter_map(|rung| Some(rung.map()?.size));
             let mut sides: Vec<u32> = sides.filter(|side| !SIZES.contains(side)).collect();
-            let mapped = families.iter().filter(|f| f.preset().map().is_some()).count();
-            assert!(sides.is_empty() || sides.len() == mapped, "each family has it");
+            let mapped = families
+                .iter()
+                .filter(|f| f.preset().map().is_some())
+                .count();
+            assert!(
+                sides.is_empty() || sides.len() == mapped,
+                "each family has it"
+            );
             sides.dedup();
             sides
         })

@@ -82,7 +82,11 @@ mod tests {
         let mut chances = [0.0; 32];
         for seed in 0..4000 {
             let sample = Sample::draw(size, &density, 10, seed);
-            assert!((9..=11).contains(&sample.pixels.len()), "{}", sample.pixels.len());
+            assert!(
+                (9..=11).contains(&sample.pixels.len()),
+                "{}",
+                sample.pixels.len()
+            );
             for (&i, &chance) in sample.pixels.iter().zip(&sample.chances) {
                 drawn[i as usize] += 1;
                 chances[i as usize] = chance;
@@ -92,7 +96,11 @@ mod tests {
         for i in 0..32 {
             let share = f64::from(drawn[i]) / 4000.0;
             // Five standard deviations of 4,000 throws.
-            assert!((share - chances[i]).abs() < 5.0 * 0.5 / 4000.0_f64.sqrt(), "{i}: {share} for {}", chances[i]);
+            assert!(
+                (share - chances[i]).abs() < 5.0 * 0.5 / 4000.0_f64.sqrt(),
+                "{i}: {share} for {}",
+                chances[i]
+            );
         }
     }
 
@@ -110,6 +118,9 @@ mod tests {
         let density = [100.0, 1.0, 1.0, 1.0, 1.0];
         let sample = Sample::draw(UVec2::new(5, 1), &density, 2, 3);
         assert_eq!(sample.pixels.len(), 2);
-        assert_eq!(sample.chances[sample.pixels.iter().position(|&i| i == 0).unwrap()], 1.0);
+        assert_eq!(
+            sample.chances[sample.pixels.iter().position(|&i| i == 0).unwrap()],
+            1.0
+        );
     }
 }

@@ -26,7 +26,14 @@ impl Setting {
         let technique = preset.technique();
         let (milliseconds, bytes) = (price.milliseconds, price.work.bytes);
         let (name, settings) = (technique.name().to_owned(), technique.settings());
-        Self { preset, technique: name, settings, estimate, milliseconds, bytes }
+        Self {
+            preset,
+            technique: name,
+            settings,
+            estimate,
+            milliseconds,
+            bytes,
+        }
     }
 
     /// For people: `pcf (3x3, 512, bias: receiver plane)`.

@@ -39,7 +39,15 @@ const OUT_OF_REACH_OF_OTHERS: f64 = 1.3;
 
 impl<'a> Trial<'a> {
     pub(super) fn new(look: Look<'a>, known: Known, verifier: Verifier, cost: CostModel) -> Self {
-        Self { look, known, verifier, cost, tried: HashMap::new(), firsts: HashMap::new(), prices: HashMap::new() }
+        Self {
+            look,
+            known,
+            verifier,
+            cost,
+            tried: HashMap::new(),
+            firsts: HashMap::new(),
+            prices: HashMap::new(),
+        }
     }
 
     /// Forgets what was tried, as if truth were another.
@@ -57,19 +65,38 @@ impl<'a> Trial<'a> {
     /// All that was tried and is supported, by rising cost.
     pub(super) fn all(&self) -> Vec<&Setting> {
         let mut all: Vec<&Setting> = self.tried.values().flatten().collect();
-        all.sort_by(|a, b| (a.milliseconds.total_cmp(&b.milliseconds)).then_with(|| a.settings.cmp(&b.settings)));
+        all.sort_by(|a, b| {
+            (a.milliseconds.total_cmp(&b.milliseconds)).then_with(|| a.settings.cmp(&b.settings))
+        });
         all
     }
 
     /// What was tried that differs from a setting in its bias alone, by rising error.
     pub(super) fn alike(&self, setting: &Setting) -> Vec<Setting> {
-        let Some(map) = setting.preset.map() else { return Vec::new() };
-        let but_for_bias = |s: &&Setting| {
-            let own = s.preset.map().map(|own| ShadowMap { bias: map.bias, ..*own });
-            s.preset != setting.preset && own.is_some_and(|own| s.preset.with_map(own) == setting.preset)
+        let Some(map) = setting.preset.map() else {
+            return Vec::new();
         };
-        let mut alike: Vec<Setting> = self.tried.values().flatten().filter(but_for_bias).cloned().collect();
-        alike.sort_by(|a, b| a.estimate.error.total_cmp(&b.estimate.error).then_with(|| a.settings.cmp(&b.settings)));
+        let but_for_bias = |s: &&Setting| {
+            let own = s.preset.map().map(|own| ShadowMap {
+                bias: map.bias,
+                ..*own
+            });
+            s.preset != setting.preset
+                && own.is_some_and(|own| s.preset.with_map(own) == setting.preset)
+        };
+        let mut alike: Vec<Setting> = self
+            .tried
+            .values()
+            .flatten()
+            .filter(but_for_bias)
+            .cloned()
+            .collect();
+        alike.sort_by(|a, b| {
+            a.estimate
+                .error
+                .total_cmp(&b.estimate.error)
+                .then_with(|| a.settings.cmp(&b.settings))
+        });
         alike
     }
 
@@ -124,9 +151,18 @@ impl<'a> Trial<'a> {
         let recipe = self.look.recipe(&setting.preset)?;
         let key = format!("{:?}", setting.preset);
         let first = *self.firsts.entry(key.clone()).or_insert(setting.estimate);
-        let suspect = Suspect { recipe: &recipe, first, bound };
-        let estimate = self.verifier.estimate(&mut self.look, &self.known, &suspect, on_step)?;
-        let setting = Setting { estimate, ..setting.clone() };
+        let suspect = Suspect {
+            recipe: &recipe,
+            first,
+            bound,
+        };
+        let estimate = self
+            .verifier
+            .estimate(&mut self.look, &self.known, &suspect, on_step)?;
+        let setting = Setting {
+            estimate,
+            ..setting.clone()
+        };
         self.tried.insert(key, Some(setting.clone()));
         Ok(setting)
     }
@@ -144,17 +180,25 @@ impl<'a> Trial<'a> {
         let mut firsts: Vec<(&Scale, Setting)> = Vec::new();
         for scale in &scales {
             let preset = family.at(size, scale.kind, scale.texels[scale.first]);
-            let Some(setting) = self.play(&preset)? else { continue };
+            let Some(setting) = self.play(&preset)? else {
+                continue;
+            };
             if met(&setting) {
                 return Ok(Some(setting));
             }
             firsts.push((scale, setting));
         }
         firsts.sort_by(|(_, a), (_, b)| a.estimate.error.total_cmp(&b.estimate.error));
-        let Some((_, mut best)) = firsts.first().cloned() else { return Ok(None) };
+        let Some((_, mut best)) = firsts.first().cloned() else {
+            return Ok(None);
+        };
         let aim = goal.map_or(best.estimate.error, |goal| goal.error);
         for (i, (scale, first)) in firsts.into_iter().enumerate() {
-            let reach = if i == 0 { OUT_OF_REACH } else { OUT_OF_REACH_OF_OTHERS };
+            let reach = if i == 0 {
+                OUT_OF_REACH
+            } else {
+                OUT_OF_REACH_OF_OTHERS
+            };
             if first.estimate.error > reach * aim {
                 break;
             }
@@ -179,11 +223,14 @@ impl<'a> Trial<'a> {
         count: usize,
     ) -> Result<Setting, LabError> {
         let mut best = first_try;
-        let (down, up): (Vec<usize>, Vec<usize>) = ((0..first).rev().collect(), (first + 1..count).collect());
+        let (down, up): (Vec<usize>, Vec<usize>) =
+            ((0..first).rev().collect(), (first + 1..count).collect());
         for way in [down, up] {
             let mut better = false;
             for k in way {
-                let Some(setting) = self.play(&preset(k))? else { break };
+                let Some(setting) = self.play(&preset(k))? else {
+                    break;
+                };
                 if setting.estimate.error >= best.estimate.error {
                     break;
                 }
@@ -197,7 +244,11 @@ impl<'a> Trial<'a> {
     }
 
     /// Every amount of every kind of bias of a family at a map size: kind, texels, and what came of it.
-    pub(super) fn curve(&mut self, family: &Family, size: usize) -> Result<Vec<(BiasKind, f32, Setting)>, LabError> {
+    pub(super) fn curve(
+        &mut self,
+        family: &Family,
+        size: usize,
+    ) -> Result<Vec<(BiasKind, f32, Setting)>, LabError> {
         let mut out = Vec::new();
         for scale in scales(&family.preset()) {
             for texels in scale.texels {

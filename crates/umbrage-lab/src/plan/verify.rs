@@ -51,10 +51,18 @@ impl Verifier {
         suspect: &Suspect<'_>,
         on_step: &OnStep<'_>,
     ) -> Result<Estimate, LabError> {
-        let Some(pilot) = &self.pilot else { return Ok(unseen_by(known, suspect.first)) };
+        let Some(pilot) = &self.pilot else {
+            return Ok(unseen_by(known, suspect.first));
+        };
         let mask = look.render(suspect.recipe)?;
         let receives = &look.receivers.receives;
-        let differences = (0..mask.len()).map(|i| if receives[i] { (mask[i] - pilot.mask[i]).abs() } else { 0.0 });
+        let differences = (0..mask.len()).map(|i| {
+            if receives[i] {
+                (mask[i] - pilot.mask[i]).abs()
+            } else {
+                0.0
+            }
+        });
         let nowhere_else = pilot.is_exact || suspect.first.error == 0.0;
         let density: Vec<f64> = match nowhere_else {
             true => differences.map(|d| f64::from(u8::from(d > 0.0))).collect(),
@@ -62,20 +70,36 @@ impl Verifier {
         };
         let mut found = suspect.first;
         for (k, times) in (0..).zip(LOOKS) {
-            let drawn = Sample::draw(look.camera.size, &density, times * self.count, self.seed.wrapping_add(k));
+            let drawn = Sample::draw(
+                look.camera.size,
+                &density,
+                times * self.count,
+                self.seed.wrapping_add(k),
+            );
             let is_all = drawn.chances.iter().all(|chance| *chance == 1.0);
             let (Known { sample, truth, .. }, there) = self.ask(look, drawn, &mask, on_step)?;
             found = if nowhere_else {
                 let wrong = |k: &usize| truth[*k].visibility != there[*k];
-                let faults: f64 = (0..there.len()).filter(wrong).map(|k| 1.0 / sample.chances[k]).sum();
+                let faults: f64 = (0..there.len())
+                    .filter(wrong)
+                    .map(|k| 1.0 / sample.chances[k])
+                    .sum();
                 // Differences are at most 1, so their squares are no greater than they are.
                 let rays = f64::from(pilot.rays) * known.counted.most();
-                let unseen = if pilot.is_exact || rays == 0.0 { 0.0 } else { most(faults) / rays };
+                let unseen = if pilot.is_exact || rays == 0.0 {
+                    0.0
+                } else {
+                    most(faults) / rays
+                };
                 estimate_of_part(&sample, &truth, &there, known.counted, unseen)
             } else {
                 estimate(&sample, &truth, &there)
             };
-            if is_all || suspect.bound.is_none_or(|b| found.is_surely_within(b) || found.is_surely_above(b)) {
+            if is_all
+                || suspect
+                    .bound
+                    .is_none_or(|b| found.is_surely_within(b) || found.is_surely_above(b))
+            {
                 break;
             }
         }
@@ -90,9 +114,16 @@ impl Verifier {
         mask: &[f32],
         on_step: &OnStep<'_>,
     ) -> Result<(Known, Vec<f32>), LabError> {
-        let truth = look.truth(&sample.pixels, &self.truth, &|done, total| on_step(Step::Truth(done, total)))?;
+        let truth = look.truth(&sample.pixels, &self.truth, &|done, total| {
+            on_step(Step::Truth(done, total))
+        })?;
         let known = Known::new(sample, truth);
-        let there = known.sample.pixels.iter().map(|&i| mask[i as usize]).collect();
+        let there = known
+            .sample
+            .pixels
+            .iter()
+            .map(|&i| mask[i as usize])
+            .collect();
         Ok((known, there))
     }
 }
@@ -105,7 +136,10 @@ fn unseen_by(known: &Known, first: Estimate) -> Estimate {
     if first.error > 0.0 || least == 1.0 || all == 0.0 {
         return first;
     }
-    Estimate { high: (most(0.0) / (least * all)).sqrt(), ..first }
+    Estimate {
+        high: (most(0.0) / (least * all)).sqrt(),
+        ..first
+    }
 }
 
 /// What a count's mean is at most, but for one case in twenty: 3 for none ("rule of three"). Within a hundredth of Poisson's
@@ -123,7 +157,11 @@ mod tests {
     #[test]
     fn upper_limits_are_those_of_tables() {
         for (count, limit) in [(0.0, 2.996), (1.0, 4.744), (5.0, 10.513), (20.0, 29.062)] {
-            assert!((most(count) / limit - 1.0).abs() < 0.01, "{count}: {}", most(count));
+            assert!(
+                (most(count) / limit - 1.0).abs() < 0.01,
+                "{count}: {}",
+                most(count)
+            );
         }
     }
 }

@@ -52,7 +52,10 @@ impl Planner<'_> {
                 rungs.extend(self.finer(&rung, setting.estimate.error, error)?);
             } else if bounds.affords(setting.milliseconds, setting.bytes) {
                 return Ok(Found::Chosen(rung.place, setting));
-            } else if too_dear.as_ref().is_none_or(|other| setting.milliseconds < other.milliseconds) {
+            } else if too_dear
+                .as_ref()
+                .is_none_or(|other| setting.milliseconds < other.milliseconds)
+            {
                 too_dear = Some(setting);
             }
         }
@@ -62,7 +65,11 @@ impl Planner<'_> {
     /// A setting verified; if it does not keep the bound, the first of those that differ in bias alone that does. Of some
     /// that err alike, a shared sample may well prefer the wrong one.
     fn look_again(&mut self, setting: Setting, error: f64) -> Result<Setting, LabError> {
-        let mut others = self.trial.alike(&setting).into_iter().filter(|s| !s.estimate.is_surely_above(error));
+        let mut others = self
+            .trial
+            .alike(&setting)
+            .into_iter()
+            .filter(|s| !s.estimate.is_surely_above(error));
         if setting.estimate.is_surely_above(error) {
             return Ok(setting);
         }
@@ -75,7 +82,11 @@ impl Planner<'_> {
             let Some(other) = others.next() else { break };
             verified = self.trial.verify(&other, Some(error), self.on_step)?;
         }
-        Ok(if verified.estimate.is_surely_within(error) { verified } else { first })
+        Ok(if verified.estimate.is_surely_within(error) {
+            verified
+        } else {
+            first
+        })
     }
 
     /// The most accurate candidate within the bounds of time and memory: of each family the finest two maps that are.
@@ -85,11 +96,15 @@ impl Planner<'_> {
             let mut tried = 0;
             for size in (0..self.families[family].rungs.len()).rev() {
                 let place = Place { family, size };
-                let Some(rung) = self.exactly(place, [f64::INFINITY; 2])? else { continue };
+                let Some(rung) = self.exactly(place, [f64::INFINITY; 2])? else {
+                    continue;
+                };
                 if !bounds.affords(rung.milliseconds, 0) {
                     continue;
                 }
-                let Some(setting) = self.settle(place, None)? else { continue };
+                let Some(setting) = self.settle(place, None)? else {
+                    continue;
+                };
                 if !bounds.affords(setting.milliseconds, setting.bytes) {
                     continue;
                 }
@@ -109,7 +124,10 @@ impl Planner<'_> {
     }
 
     /// The candidate with the least error, looked at again: the next ones, too, as long as one may be better.
-    fn best_of(&mut self, mut left: Vec<(Place, Setting)>) -> Result<Option<(Place, Setting)>, LabError> {
+    fn best_of(
+        &mut self,
+        mut left: Vec<(Place, Setting)>,
+    ) -> Result<Option<(Place, Setting)>, LabError> {
         let key = |s: &Setting| (s.estimate.error, s.milliseconds);
         let order = |a: &Setting, b: &Setting| {
             let (a, b) = (key(a), key(b));
@@ -118,11 +136,17 @@ impl Planner<'_> {
         left.sort_by(|a, b| order(&b.1, &a.1));
         let mut best: Option<(Place, Setting)> = None;
         while let Some((place, first)) = left.pop() {
-            if best.as_ref().is_some_and(|(_, best)| order(best, &first).is_le()) {
+            if best
+                .as_ref()
+                .is_some_and(|(_, best)| order(best, &first).is_le())
+            {
                 break;
             }
             let setting = self.trial.verify(&first, None, self.on_step)?;
-            if best.as_ref().is_none_or(|(_, best)| order(&setting, best).is_lt()) {
+            if best
+                .as_ref()
+                .is_none_or(|(_, best)| order(&setting, best).is_lt())
+            {
                 best = Some((place, setting));
             }
         }
@@ -131,7 +155,10 @@ impl Planner<'_> {
 
     fn settle(&mut self, place: Place, goal: Option<Goal>) -> Result<Option<Setting>, LabError> {
         let family = self.families[place.family].clone();
-        (self.on_step)(Step::Trying(family.preset().technique().name(), self.trial.played()));
+        (self.on_step)(Step::Trying(
+            family.preset().technique().name(),
+            self.trial.played(),
+        ));
         self.trial.settle(&family, place.size, goal)
     }
 
@@ -149,8 +176,14 @@ impl Planner<'_> {
     fn exactly(&mut self, place: Place, last: [f64; 2]) -> Result<Option<Rung>, LabError> {
         let family = &self.families[place.family];
         let scale = &scales(&family.preset())[0];
-        let price = self.trial.price(&family.at(place.size, scale.kind, scale.texels[scale.first]))?;
-        Ok(price.map(|price| Rung { milliseconds: price.milliseconds, place, last }))
+        let price =
+            self.trial
+                .price(&family.at(place.size, scale.kind, scale.texels[scale.first]))?;
+        Ok(price.map(|price| Rung {
+            milliseconds: price.milliseconds,
+            place,
+            last,
+        }))
     }
 
     /// The next size that may be within the bound, if any.
@@ -168,13 +201,23 @@ impl Planner<'_> {
             (next, reachable) = (next + 1, reachable / most_gain);
         }
         // Sizes in between would have been no worse.
-        let last = if next == size + 1 { [error, coarser] } else { [error, f64::INFINITY] };
+        let last = if next == size + 1 {
+            [error, coarser]
+        } else {
+            [error, f64::INFINITY]
+        };
         self.rung(Place { family, size: next }, last)
     }
 
     fn miss(&self, bounds: &Bounds, too_dear: Option<Setting>) -> Miss {
-        let affordable = self.trial.all().into_iter().filter(|s| bounds.affords(s.milliseconds, s.bytes));
-        let best = affordable.min_by(|a, b| a.estimate.error.total_cmp(&b.estimate.error)).cloned();
+        let affordable = self
+            .trial
+            .all()
+            .into_iter()
+            .filter(|s| bounds.affords(s.milliseconds, s.bytes));
+        let best = affordable
+            .min_by(|a, b| a.estimate.error.total_cmp(&b.estimate.error))
+            .cloned();
         let reason = match (&best, &too_dear, bounds.max_error) {
             (_, Some(dear), Some(error)) => {
                 let (label, ms, bytes) = (dear.label(), dear.milliseconds, dear.bytes);

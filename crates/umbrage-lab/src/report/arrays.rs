@@ -11,16 +11,26 @@ use std::io;
 use umbrage_core::{NO_TRIANGLE, Receivers};
 
 /// Writes truth, distance along the unit camera ray, ambiguity, and one visibility array a measured row.
-pub(super) fn write(folder: &Folder, result: &SceneResult, images: &SceneImages) -> Result<(), LabError> {
+pub(super) fn write(
+    folder: &Folder,
+    result: &SceneResult,
+    images: &SceneImages,
+) -> Result<(), LabError> {
     let truth = &images.truth;
     let put = |name: &str, values: &dyn Fn(usize) -> f32| -> Result<(), LabError> {
-        let bytes = npy(truth.size, &masked(&truth.receivers, values))
-            .map_err(|source| LabError::Write { path: name.into(), source })?;
+        let bytes = npy(truth.size, &masked(&truth.receivers, values)).map_err(|source| {
+            LabError::Write {
+                path: name.into(),
+                source,
+            }
+        })?;
         folder.write(name, &bytes)
     };
     put("truth.npy", &|i| truth.visibility[i])?;
     put("t.npy", &|i| truth.receivers.distance[i])?;
-    put("ambiguous.npy", &|i| f32::from(u8::from(truth.ambiguous[i])))?;
+    put("ambiguous.npy", &|i| {
+        f32::from(u8::from(truth.ambiguous[i]))
+    })?;
     for (row, mask) in result.rows.iter().zip(&images.masks) {
         if let Some(mask) = mask {
             put(&format!("{}.{}.npy", row.slug, row.backend), &|i| mask[i])?;
@@ -30,14 +40,23 @@ pub(super) fn write(folder: &Folder, result: &SceneResult, images: &SceneImages)
 }
 
 fn masked(receivers: &Receivers, value: &dyn Fn(usize) -> f32) -> Vec<f32> {
-    receivers.triangle.iter().enumerate().map(|(i, &t)| if t == NO_TRIANGLE { -1.0 } else { value(i) }).collect()
+    receivers
+        .triangle
+        .iter()
+        .enumerate()
+        .map(|(i, &t)| if t == NO_TRIANGLE { -1.0 } else { value(i) })
+        .collect()
 }
 
 /// A two-dimensional array in NumPy's format.
 pub(super) fn npy(size: UVec2, values: &[f32]) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     let shape = [u64::from(size.y), u64::from(size.x)];
-    let mut writer = npyz::WriteOptions::new().default_dtype().shape(&shape).writer(&mut bytes).begin_nd()?;
+    let mut writer = npyz::WriteOptions::new()
+        .default_dtype()
+        .shape(&shape)
+        .writer(&mut bytes)
+        .begin_nd()?;
     writer.extend(values.iter().copied())?;
     writer.finish()?;
     Ok(bytes)

@@ -19,7 +19,11 @@ use std::{
 };
 
 /// Writes everything but the scenes' own folders, which lie in `path`.
-pub(super) fn write(path: &Path, folder: &Folder, scenes: &[Stored]) -> Result<(Comparison, PathBuf), LabError> {
+pub(super) fn write(
+    path: &Path,
+    folder: &Folder,
+    scenes: &[Stored],
+) -> Result<(Comparison, PathBuf), LabError> {
     let comparison = comparison(scenes);
     let broken = |what: &str, e: &dyn std::fmt::Display| LabError::Write {
         path: path.join(what),
@@ -29,11 +33,19 @@ pub(super) fn write(path: &Path, folder: &Folder, scenes: &[Stored]) -> Result<(
     let json = serde_json::to_vec_pretty(&comparison).map_err(|e| broken("results.json", &e))?;
     let all = relative(&comparison);
     let mut images = ImageStore::default();
-    let pages = scenes.iter().enumerate().map(|(i, s)| scene_page(path, i, s, &mut images)).collect::<Vec<_>>();
+    let pages = scenes
+        .iter()
+        .enumerate()
+        .map(|(i, s)| scene_page(path, i, s, &mut images))
+        .collect::<Vec<_>>();
     let overall = charts(|clock| chart::relative_dots(&all, clock));
-    let page = page::html(&comparison, &pages, &overall, &images).map_err(|e| broken("index.html", &e))?;
+    let page =
+        page::html(&comparison, &pages, &overall, &images).map_err(|e| broken("index.html", &e))?;
     folder.write("rows.csv", &csv)?;
-    folder.write("overall.csv", &overall_csv(&all).map_err(|e| broken("overall.csv", &e))?)?;
+    folder.write(
+        "overall.csv",
+        &overall_csv(&all).map_err(|e| broken("overall.csv", &e))?,
+    )?;
     folder.write("results.json", &json)?;
     for (name, clock) in [("time", Clock::Wall), ("cost", Clock::Cost)] {
         let dots = chart::relative_dots(&all, clock);
@@ -42,7 +54,10 @@ pub(super) fn write(path: &Path, folder: &Folder, scenes: &[Stored]) -> Result<(
             folder.remove(&format!("chart-{name}.svg"))?;
             folder.remove(&format!("chart-{name}.png"))?;
         } else {
-            let figure = still::figure(&dots, &still::of_all(all.iter().map(|r| r.scenes).max().unwrap_or(0), clock));
+            let figure = still::figure(
+                &dots,
+                &still::of_all(all.iter().map(|r| r.scenes).max().unwrap_or(0), clock),
+            );
             folder.write(&format!("chart-{name}.svg"), figure.svg().as_bytes())?;
             folder.write(&format!("chart-{name}.png"), &figure.png()?)?;
         }
@@ -60,12 +75,19 @@ fn comparison(scenes: &[Stored]) -> Comparison {
         }
     }
     let environment = common(&scenes.iter().map(|s| &s.environment).collect::<Vec<_>>());
-    Comparison { schema: SCHEMA, environment, notices, scenes: scenes.iter().map(|s| s.result.clone()).collect() }
+    Comparison {
+        schema: SCHEMA,
+        environment,
+        notices,
+        scenes: scenes.iter().map(|s| s.result.clone()).collect(),
+    }
 }
 
 /// The earliest date; of everything else what was met, joined where it differs.
 fn common(all: &[&Environment]) -> Environment {
-    let Some(first) = all.first() else { return Environment::default() };
+    let Some(first) = all.first() else {
+        return Environment::default();
+    };
     let joined = |of: fn(&Environment) -> Option<&str>| {
         let mut met: Vec<&str> = Vec::new();
         all.iter().filter_map(|e| of(e)).for_each(|v| {
@@ -95,7 +117,10 @@ fn scene_page(path: &Path, index: usize, scene: &Stored, images: &mut ImageStore
     let mut add = |name: String| fs::read(folder.join(name)).ok().map(|png| images.add(&png));
     let truth = add("truth.png".to_owned());
     let mut row = |stem: String| {
-        let (mask, error) = (add(format!("{stem}.png"))?, add(format!("{stem}.error.png"))?);
+        let (mask, error) = (
+            add(format!("{stem}.png"))?,
+            add(format!("{stem}.error.png"))?,
+        );
         Some(RowPictures {
             mask,
             error,
@@ -104,15 +129,26 @@ fn scene_page(path: &Path, index: usize, scene: &Stored, images: &mut ImageStore
         })
     };
     let rows = result.rows.iter().map(|r| row(r.stem())).collect();
-    ScenePage { index, truth, rows, charts: charts(|clock| chart::dots(result, clock)) }
+    ScenePage {
+        index,
+        truth,
+        rows,
+        charts: charts(|clock| chart::dots(result, clock)),
+    }
 }
 
 fn charts(dots: impl Fn(Clock) -> Vec<chart::Dot>) -> Charts {
     let chart = |clock| {
         let dots = dots(clock);
-        (!dots.is_empty()).then(|| page::Chart { front: chart::front(&dots), traces: chart::traces(&dots) })
+        (!dots.is_empty()).then(|| page::Chart {
+            front: chart::front(&dots),
+            traces: chart::traces(&dots),
+        })
     };
-    Charts { time: chart(Clock::Wall), cost: chart(Clock::Cost) }
+    Charts {
+        time: chart(Clock::Wall),
+        cost: chart(Clock::Cost),
+    }
 }
 
 fn overall_csv(all: &[Relative]) -> Result<Vec<u8>, csv::Error> {
@@ -130,11 +166,26 @@ fn overall_csv(all: &[Relative]) -> Result<Vec<u8>, csv::Error> {
         "scenes",
     ])?;
     for r in all {
-        let time =
-            |of: fn(&crate::compare::Spread) -> f64| r.time.as_ref().map_or(String::new(), |t| of(t).to_string());
-        let figures = [r.error.to_string(), time(|t| t.median), time(|t| t.least), time(|t| t.greatest)];
-        let counts = [r.cost.to_string(), r.served.to_string(), r.scenes.to_string()];
-        writer.write_record([&r.technique, &r.settings, &r.backend].into_iter().chain(&figures).chain(&counts))?;
+        let time = |of: fn(&crate::compare::Spread) -> f64| {
+            r.time.as_ref().map_or(String::new(), |t| of(t).to_string())
+        };
+        let figures = [
+            r.error.to_string(),
+            time(|t| t.median),
+            time(|t| t.least),
+            time(|t| t.greatest),
+        ];
+        let counts = [
+            r.cost.to_string(),
+            r.served.to_string(),
+            r.scenes.to_string(),
+        ];
+        writer.write_record(
+            [&r.technique, &r.settings, &r.backend]
+                .into_iter()
+                .chain(&figures)
+                .chain(&counts),
+        )?;
     }
     writer.into_inner().map_err(|e| e.into_error().into())
 }

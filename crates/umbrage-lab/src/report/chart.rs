@@ -61,8 +61,14 @@ pub(super) fn dots(result: &SceneResult, clock: Clock) -> Vec<Dot> {
             technique: row.technique.clone(),
             backend: row.backend.clone(),
             settings: row.settings.clone(),
-            xy: [m.milliseconds(clock)?.max(LEAST_TIME), m.rmse()?.max(LEAST_ERROR)],
-            range: m.times.filter(|_| clock == Clock::Wall).map(|t| range(t.total)),
+            xy: [
+                m.milliseconds(clock)?.max(LEAST_TIME),
+                m.rmse()?.max(LEAST_ERROR),
+            ],
+            range: m
+                .times
+                .filter(|_| clock == Clock::Wall)
+                .map(|t| range(t.total)),
             on_front: front.contains(&i),
             hover: hover(row, m)?,
         })
@@ -72,20 +78,31 @@ pub(super) fn dots(result: &SceneResult, clock: Clock) -> Vec<Dot> {
 
 /// All scenes' settings by one clock.
 pub(super) fn relative_dots(all: &[Relative], clock: Clock) -> Vec<Dot> {
-    let mut dots: Vec<Dot> = all.iter().enumerate().filter_map(|(i, r)| relative_dot(i, r, clock)).collect();
+    let mut dots: Vec<Dot> = all
+        .iter()
+        .enumerate()
+        .filter_map(|(i, r)| relative_dot(i, r, clock))
+        .collect();
     let mut backends: Vec<String> = dots.iter().map(|d| d.backend.clone()).collect();
     backends.dedup();
     for backend in backends {
-        let of: Vec<usize> = (0..dots.len()).filter(|&i| dots[i].backend == backend).collect();
+        let of: Vec<usize> = (0..dots.len())
+            .filter(|&i| dots[i].backend == backend)
+            .collect();
         let points: Vec<[f64; 2]> = of.iter().map(|&i| dots[i].xy).collect();
-        pareto::front(&points).into_iter().for_each(|k| dots[of[k]].on_front = true);
+        pareto::front(&points)
+            .into_iter()
+            .for_each(|k| dots[of[k]].on_front = true);
     }
     dots
 }
 
 fn relative_dot(place: usize, r: &Relative, clock: Clock) -> Option<Dot> {
     let x = r.take(clock)?;
-    let range = r.time.filter(|_| clock == Clock::Wall).map(|t| [t.least, t.greatest]);
+    let range = r
+        .time
+        .filter(|_| clock == Clock::Wall)
+        .map(|t| [t.least, t.greatest]);
     Some(Dot {
         place,
         technique: r.technique.clone(),
@@ -109,7 +126,10 @@ fn relative_dot(place: usize, r: &Relative, clock: Clock) -> Option<Dot> {
 
 /// Places of the rows on a front.
 pub(super) fn front(dots: &[Dot]) -> Vec<usize> {
-    dots.iter().filter(|d| d.on_front).map(|d| d.place).collect()
+    dots.iter()
+        .filter(|d| d.on_front)
+        .map(|d| d.place)
+        .collect()
 }
 
 /// Curves for plotly.js: each backend's front, then each technique's points, those that the front beats faint.
@@ -121,7 +141,11 @@ pub(super) fn traces(dots: &[Dot]) -> serde_json::Value {
         let of_backend: Vec<&Dot> = dots.iter().filter(|d| d.backend == backend).collect();
         plot.add_trace(front_line(&of_backend, backend, b));
         for (technique, look) in techniques.iter().zip(&looks) {
-            let of: Vec<&Dot> = of_backend.iter().filter(|d| d.technique == *technique).copied().collect();
+            let of: Vec<&Dot> = of_backend
+                .iter()
+                .filter(|d| d.technique == *technique)
+                .copied()
+                .collect();
             let (best, beaten): (Vec<&Dot>, Vec<&Dot>) = of.into_iter().partition(|d| d.on_front);
             let in_legend = best.is_empty();
             for (dots, bright) in [(best, true), (beaten, false)] {
@@ -174,11 +198,24 @@ fn points(
         .custom_data(dots.iter().map(|d| d.place as f64).collect::<Vec<_>>())
         .hover_info(HoverInfo::Text)
         .hover_text_array(dots.iter().map(|d| d.hover.clone()).collect::<Vec<_>>())
-        .marker(Marker::new().color(color).symbol(symbol).size(size).opacity(opacity));
+        .marker(
+            Marker::new()
+                .color(color)
+                .symbol(symbol)
+                .size(size)
+                .opacity(opacity),
+        );
     // Bars on beaten points would hide the others.
     if bright && dots.iter().any(|d| d.range.is_some()) {
-        let arm = |end: usize| dots.iter().map(|d| d.range.map_or(0.0, |r| (r[end] - d.xy[0]).abs())).collect();
-        let bars = ErrorData::new(ErrorType::Data).symmetric(false).array(arm(1)).array_minus(arm(0));
+        let arm = |end: usize| {
+            dots.iter()
+                .map(|d| d.range.map_or(0.0, |r| (r[end] - d.xy[0]).abs()))
+                .collect()
+        };
+        let bars = ErrorData::new(ErrorType::Data)
+            .symmetric(false)
+            .array(arm(1))
+            .array_minus(arm(0));
         trace = trace.error_x(bars.color(color).thickness(1.0).width(3));
     }
     trace
@@ -187,13 +224,22 @@ fn points(
 fn hover(row: &Row, m: &Measured) -> Option<String> {
     let e = m.errors?;
     let times = m.times.map_or_else(String::new, |t| {
-        let stage = |s: Option<Spread>| s.map_or("–".to_owned(), |s| format!("{:.3} ms", s.median));
+        let stage =
+            |s: Option<Spread>| s.map_or("–".to_owned(), |s| format!("{:.3} ms", s.median));
         let total = t.total;
         let [cast, lookup] = [stage(t.cast), stage(t.receive)];
-        let runs = format!("{:.3} – {:.3} in {} runs", total.least, total.greatest, total.runs);
-        format!("<br>cast {cast}, lookup {lookup}, total {:.3} ms ({runs})", total.median)
+        let runs = format!(
+            "{:.3} – {:.3} in {} runs",
+            total.least, total.greatest, total.runs
+        );
+        format!(
+            "<br>cast {cast}, lookup {lookup}, total {:.3} ms ({runs})",
+            total.median
+        )
     });
-    let maps = m.maps.map_or_else(String::new, |maps| format!("<br>{}", maps.words()));
+    let maps = m
+        .maps
+        .map_or_else(String::new, |maps| format!("<br>{}", maps.words()));
     Some(format!(
         "<b>{}</b> on {}<br>{}<br>RMSE {:.5}, mean {:.5}<br>false shadow {:.2} %, false light {:.2} %, acne {:.2} %{times}\
          <br>cost {:.3} ms, {:.2} MB{maps}",
@@ -212,5 +258,8 @@ fn hover(row: &Row, m: &Measured) -> Option<String> {
 
 /// plotly.js reads its texts as a small markup: names must not be read so.
 fn text(plain: &str) -> String {
-    plain.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+    plain
+        .replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
 }

@@ -22,7 +22,11 @@ pub(super) fn rows(result: &SceneResult) -> BTreeSet<usize> {
         }
     }
     chosen.extend(best.values().map(|(_, i)| *i));
-    chosen.extend([Clock::Wall, Clock::Cost].map(|clock| fronts(result, clock)).concat());
+    chosen.extend(
+        [Clock::Wall, Clock::Cost]
+            .map(|clock| fronts(result, clock))
+            .concat(),
+    );
     chosen
 }
 
@@ -31,15 +35,28 @@ pub(super) fn fronts(result: &SceneResult, clock: Clock) -> Vec<usize> {
     let mut backends: BTreeMap<&str, Vec<(usize, [f64; 2])>> = BTreeMap::new();
     for (i, row, m) in measured(result) {
         if let Some(ms) = m.milliseconds(clock) {
-            backends.entry(&row.backend).or_default().push((i, [ms, m.rmse().unwrap_or_default()]));
+            backends
+                .entry(&row.backend)
+                .or_default()
+                .push((i, [ms, m.rmse().unwrap_or_default()]));
         }
     }
     let front = |points: &Vec<(usize, [f64; 2])>| {
-        pareto::front(&points.iter().map(|(_, p)| *p).collect::<Vec<_>>()).into_iter().map(|k| points[k].0).collect()
+        pareto::front(&points.iter().map(|(_, p)| *p).collect::<Vec<_>>())
+            .into_iter()
+            .map(|k| points[k].0)
+            .collect()
     };
-    backends.values().flat_map(|points| -> Vec<usize> { front(points) }).collect()
+    backends
+        .values()
+        .flat_map(|points| -> Vec<usize> { front(points) })
+        .collect()
 }
 
 fn measured(result: &SceneResult) -> impl Iterator<Item = (usize, &Row, &Measured)> {
-    result.rows.iter().enumerate().filter_map(|(i, r)| Some((i, r, r.measured()?)))
+    result
+        .rows
+        .iter()
+        .enumerate()
+        .filter_map(|(i, r)| Some((i, r, r.measured()?)))
 }

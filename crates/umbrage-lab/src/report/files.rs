@@ -13,7 +13,10 @@ pub(crate) struct Folder(PathBuf);
 impl Folder {
     /// Makes the folder and those above it.
     pub(crate) fn create(path: &Path) -> Result<Self, LabError> {
-        fs::create_dir_all(path).map_err(|source| LabError::Write { path: path.to_owned(), source })?;
+        fs::create_dir_all(path).map_err(|source| LabError::Write {
+            path: path.to_owned(),
+            source,
+        })?;
         Ok(Self(path.to_owned()))
     }
 
@@ -31,7 +34,10 @@ impl Folder {
 
     /// Gives a folder inside its name; one that had it before is removed.
     pub(super) fn finish(&self, name: &str) -> Result<(), LabError> {
-        let (unfinished, path) = (self.0.join(format!(".{name}.unfinished")), self.0.join(name));
+        let (unfinished, path) = (
+            self.0.join(format!(".{name}.unfinished")),
+            self.0.join(name),
+        );
         remove(&path)?;
         fs::rename(&unfinished, &path).map_err(|source| LabError::Write { path, source })
     }
@@ -40,7 +46,9 @@ impl Folder {
     pub(crate) fn remove(&self, name: &str) -> Result<(), LabError> {
         let path = self.0.join(name);
         match fs::remove_file(&path) {
-            Err(source) if source.kind() != io::ErrorKind::NotFound => Err(LabError::Write { path, source }),
+            Err(source) if source.kind() != io::ErrorKind::NotFound => {
+                Err(LabError::Write { path, source })
+            }
             _ => Ok(()),
         }
     }
@@ -48,7 +56,9 @@ impl Folder {
     /// Writes a file.
     pub(crate) fn write(&self, name: &str, bytes: &[u8]) -> Result<(), LabError> {
         let path = self.0.join(name);
-        let unfinished = self.0.join(format!(".{name}.{}.unfinished", std::process::id()));
+        let unfinished = self
+            .0
+            .join(format!(".{name}.{}.unfinished", std::process::id()));
         let written = fs::write(&unfinished, bytes).and_then(|()| fs::rename(&unfinished, &path));
         written.map_err(|source: io::Error| {
             // Nothing is lost if the leftover can't be removed either: the error is told anyway.
@@ -61,7 +71,10 @@ impl Folder {
 /// Removes a folder, if it is there.
 fn remove(path: &Path) -> Result<(), LabError> {
     match fs::remove_dir_all(path) {
-        Err(e) if e.kind() != io::ErrorKind::NotFound => Err(LabError::Write { path: path.to_owned(), source: e }),
+        Err(e) if e.kind() != io::ErrorKind::NotFound => Err(LabError::Write {
+            path: path.to_owned(),
+            source: e,
+        }),
         _ => Ok(()),
     }
 }
@@ -76,8 +89,14 @@ mod tests {
         let folder = Folder::create(&dir.path().join("a/b")).expect("writable");
         folder.write("x.txt", b"one").expect("writable");
         folder.write("x.txt", b"two").expect("writable");
-        assert_eq!(fs::read(dir.path().join("a/b/x.txt")).expect("there"), b"two");
-        assert_eq!(fs::read_dir(dir.path().join("a/b")).expect("there").count(), 1);
+        assert_eq!(
+            fs::read(dir.path().join("a/b/x.txt")).expect("there"),
+            b"two"
+        );
+        assert_eq!(
+            fs::read_dir(dir.path().join("a/b")).expect("there").count(),
+            1
+        );
     }
 
     #[test]
@@ -87,6 +106,12 @@ mod tests {
         let e = Folder::create(&dir.path().join("file/inside")).expect_err("a file is in the way");
         assert!(e.to_string().contains("inside"), "{e}");
         let folder = Folder::create(dir.path()).expect("writable");
-        assert!(folder.write("none/x.txt", b"").expect_err("no such folder").to_string().contains("x.txt"));
+        assert!(
+            folder
+                .write("none/x.txt", b"")
+                .expect_err("no such folder")
+                .to_string()
+                .contains("x.txt")
+        );
     }
 }

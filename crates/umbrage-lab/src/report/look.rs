@@ -20,11 +20,19 @@ const LOOKS: usize = TONES * Marker::ALL.len();
 type Tones = [&'static str; TONES];
 
 /// Backends, readable on light and dark: blue and orange; any third is grey.
-const COLORS: [Tones; 3] = [["#3b82e0", "#1e4fa8"], ["#ea7317", "#a13f00"], ["#8a94a3", "#5b6472"]];
+const COLORS: [Tones; 3] = [
+    ["#3b82e0", "#1e4fa8"],
+    ["#ea7317", "#a13f00"],
+    ["#8a94a3", "#5b6472"],
+];
 
 /// The same for points that the front beats: seen, but not looked at. Paler rather than transparent, since not every viewer
 /// blends.
-const FAINT: [Tones; 3] = [["#c5daf6", "#a3b8da"], ["#fad5b9", "#dfb395"], ["#dcdfe4", "#c3c8d0"]];
+const FAINT: [Tones; 3] = [
+    ["#c5daf6", "#a3b8da"],
+    ["#fad5b9", "#dfb395"],
+    ["#dcdfe4", "#c3c8d0"],
+];
 
 /// For legends, where no backend is meant.
 const INK: Tones = ["#7d8796", "#2b3340"];
@@ -33,7 +41,10 @@ impl Look {
     /// The look of the technique at a place. From [`LOOKS`] on they come again.
     fn nth(place: usize) -> Self {
         let (shapes, place) = (Marker::ALL.len(), place % LOOKS);
-        Self { marker: Marker::ALL[place % shapes], tone: place / shapes }
+        Self {
+            marker: Marker::ALL[place % shapes],
+            tone: place / shapes,
+        }
     }
 
     /// In the colour of a backend.
@@ -62,7 +73,12 @@ pub(super) fn color(backend: usize) -> &'static str {
 pub(super) fn looks(techniques: &[&str]) -> Vec<Look> {
     let all = umbrage_techniques::all();
     let mut others = all.len()..;
-    let place = |name: &&str| all.iter().position(|e| e.name == *name).or_else(|| others.next()).unwrap_or_default();
+    let place = |name: &&str| {
+        all.iter()
+            .position(|e| e.name == *name)
+            .or_else(|| others.next())
+            .unwrap_or_default()
+    };
     techniques.iter().map(place).map(Look::nth).collect()
 }
 
@@ -75,8 +91,18 @@ mod tests {
     #[test]
     fn every_technique_of_the_catalogue_has_a_look_of_its_own() {
         let names: Vec<&str> = umbrage_techniques::all().iter().map(|e| e.name).collect();
-        assert!(names.len() < LOOKS, "{} techniques, {LOOKS} looks, one of them for a user's own", names.len());
-        let drawn = |look: &Look| (look.marker, [0, 1, 2].map(|b| [look.color(b), look.faint(b)]), look.ink());
+        assert!(
+            names.len() < LOOKS,
+            "{} techniques, {LOOKS} looks, one of them for a user's own",
+            names.len()
+        );
+        let drawn = |look: &Look| {
+            (
+                look.marker,
+                [0, 1, 2].map(|b| [look.color(b), look.faint(b)]),
+                look.ink(),
+            )
+        };
         let all: HashSet<_> = looks(&names).iter().map(drawn).collect();
         assert_eq!(all.len(), names.len());
         // And the test would see a collision.
@@ -87,8 +113,13 @@ mod tests {
     fn looks_do_not_depend_on_what_else_is_drawn() {
         let names: Vec<&str> = umbrage_techniques::all().iter().map(|e| e.name).collect();
         let all = looks(&names);
-        assert_eq!(looks(&[names[5], "mine", names[2], "yours"])[..3], [all[5], Look::nth(names.len()), all[2]]);
-        let [mine, yours] = looks(&["mine", "yours"])[..] else { panic!("two") };
+        assert_eq!(
+            looks(&[names[5], "mine", names[2], "yours"])[..3],
+            [all[5], Look::nth(names.len()), all[2]]
+        );
+        let [mine, yours] = looks(&["mine", "yours"])[..] else {
+            panic!("two")
+        };
         assert!(mine != yours && !all.contains(&mine) && !all.contains(&yours));
     }
 

@@ -21,7 +21,10 @@ use umbrage_core::Invalid;
 /// When folders hold no scenes, scenes of different comparisons, one scene twice, figures that were changed, or not all scenes;
 /// or when a file cannot be read or written.
 pub fn merge(folders: &[PathBuf], out: &Path) -> Result<(Comparison, PathBuf), LabError> {
-    let runs = folders.iter().map(|f| Run::read(f).map(|run| (f.as_path(), run))).collect::<Result<Vec<_>, _>>()?;
+    let runs = folders
+        .iter()
+        .map(|f| Run::read(f).map(|run| (f.as_path(), run)))
+        .collect::<Result<Vec<_>, _>>()?;
     let plan = one_plan(&runs)?.clone();
     let mut found = Vec::new();
     for (folder, run) in &runs {
@@ -33,20 +36,47 @@ pub fn merge(folders: &[PathBuf], out: &Path) -> Result<(Comparison, PathBuf), L
     for (from, scene) in &found {
         let to = folder.unfinished(scene.name())?;
         for entry in list(from)? {
-            let name = entry.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            to.write(&name, &fs::read(&entry).map_err(|source| LabError::Write { path: entry.clone(), source })?)?;
+            let name = entry
+                .file_name()
+                .unwrap_or_default()
+                .to_string_lossy()
+                .into_owned();
+            to.write(
+                &name,
+                &fs::read(&entry).map_err(|source| LabError::Write {
+                    path: entry.clone(),
+                    source,
+                })?,
+            )?;
         }
         folder.finish(scene.name())?;
     }
-    Run { places: (0..plan.scenes.len()).collect(), plan }.write(&folder)?;
-    assemble::write(out, &folder, &found.into_iter().map(|(_, scene)| scene).collect::<Vec<_>>())
+    Run {
+        places: (0..plan.scenes.len()).collect(),
+        plan,
+    }
+    .write(&folder)?;
+    assemble::write(
+        out,
+        &folder,
+        &found
+            .into_iter()
+            .map(|(_, scene)| scene)
+            .collect::<Vec<_>>(),
+    )
 }
 
 /// What lies in a folder, in a fixed order.
 fn list(folder: &Path) -> Result<Vec<PathBuf>, LabError> {
-    let broken = |source| LabError::Write { path: folder.to_owned(), source };
+    let broken = |source| LabError::Write {
+        path: folder.to_owned(),
+        source,
+    };
     let entries = fs::read_dir(folder).map_err(broken)?;
-    let mut paths = entries.map(|e| e.map(|e| e.path())).collect::<Result<Vec<_>, _>>().map_err(broken)?;
+    let mut paths = entries
+        .map(|e| e.map(|e| e.path()))
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(broken)?;
     paths.sort();
     Ok(paths)
 }
@@ -54,14 +84,23 @@ fn list(folder: &Path) -> Result<Vec<PathBuf>, LabError> {
 /// The plan that all runs share.
 fn one_plan<'a>(runs: &'a [(&Path, Run)]) -> Result<&'a Plan, Invalid> {
     let Some((first, run)) = runs.first() else {
-        return Err(Invalid::new("shards", "are missing", "give at least one folder"));
+        return Err(Invalid::new(
+            "shards",
+            "are missing",
+            "give at least one folder",
+        ));
     };
     match runs.iter().find(|(_, other)| other.plan != run.plan) {
         None => Ok(&run.plan),
         Some((folder, _)) => {
             let why = format!("was made for another comparison than `{}`", first.display());
-            let mend = "give shards of one list of scenes with the same options, and no other folders";
-            Err(Invalid::new(format!("folder `{}`", folder.display()), why, mend))
+            let mend =
+                "give shards of one list of scenes with the same options, and no other folders";
+            Err(Invalid::new(
+                format!("folder `{}`", folder.display()),
+                why,
+                mend,
+            ))
         }
     }
 }
@@ -74,7 +113,10 @@ fn check(plan: &Plan, found: &[(PathBuf, Stored)]) -> Result<(), Invalid> {
             && scene.environment.commit == first.environment.commit
             && scene.environment.backends.len() == first.environment.backends.len();
         if !same_code {
-            let why = format!("was measured by other code, or on other backends, than `{}`", first_path.display());
+            let why = format!(
+                "was measured by other code, or on other backends, than `{}`",
+                first_path.display()
+            );
             let mend = "run all shards with one commit, then merge again";
             return Err(Invalid::new(format!("`{}`", path.display()), why, mend));
         }
@@ -82,14 +124,29 @@ fn check(plan: &Plan, found: &[(PathBuf, Stored)]) -> Result<(), Invalid> {
     if let Some(pair) = found.windows(2).find(|p| p[0].1.place == p[1].1.place) {
         let why = format!("is the same scene as `{}`", pair[0].0.display());
         let mend = "give each shard once, all of one number of shards";
-        return Err(Invalid::new(format!("`{}`", pair[1].0.display()), why, mend));
+        return Err(Invalid::new(
+            format!("`{}`", pair[1].0.display()),
+            why,
+            mend,
+        ));
     }
     let there = |place: &usize| found.iter().any(|(_, s)| s.place == *place);
-    let missing: Vec<&str> =
-        (0..plan.scenes.len()).filter(|place| !there(place)).map(|place| plan.scenes[place].as_str()).collect();
+    let missing: Vec<&str> = (0..plan.scenes.len())
+        .filter(|place| !there(place))
+        .map(|place| plan.scenes[place].as_str())
+        .collect();
     if missing.is_empty() {
         return Ok(());
     }
-    let why = format!("lack {} of {} scenes: {}", missing.len(), plan.scenes.len(), missing.join(", "));
-    Err(Invalid::new("shards", why, "run the missing shards, or those that were stopped, then merge again"))
+    let why = format!(
+        "lack {} of {} scenes: {}",
+        missing.len(),
+        plan.scenes.len(),
+        missing.join(", ")
+    );
+    Err(Invalid::new(
+        "shards",
+        why,
+        "run the missing shards, or those that were stopped, then merge again",
+    ))
 }

@@ -62,12 +62,26 @@ impl Report {
     ///
     /// # Errors
     /// When the folder cannot be made or written.
-    pub fn create(path: &Path, plan: Plan, places: &[usize], arrays: bool) -> Result<Self, LabError> {
+    pub fn create(
+        path: &Path,
+        plan: Plan,
+        places: &[usize],
+        arrays: bool,
+    ) -> Result<Self, LabError> {
         let folder = Folder::create(path)?;
-        let run = Run { plan, places: places.to_vec() };
+        let run = Run {
+            plan,
+            places: places.to_vec(),
+        };
         // Now, not in the end: a run that is stopped must not pass for the one before it.
         run.write(&folder)?;
-        Ok(Self { path: path.to_owned(), folder, run, program: store::program(), arrays })
+        Ok(Self {
+            path: path.to_owned(),
+            folder,
+            run,
+            program: store::program(),
+            arrays,
+        })
     }
 
     /// Whether the folder has this place's scene already, measured by this program, for the same plan, with the same
@@ -76,10 +90,15 @@ impl Report {
     /// # Errors
     /// When it has figures that are not whole or were changed since: they are to be measured anew.
     pub fn has(&self, place: usize, environment: &Environment) -> Result<bool, Invalid> {
-        let Some(name) = self.run.plan.scenes.get(place) else { return Ok(false) };
+        let Some(name) = self.run.plan.scenes.get(place) else {
+            return Ok(false);
+        };
         let path = self.path.join(name);
         let arrays = !self.arrays || path.join("truth.npy").is_file();
-        let undated = |e: &Environment| Environment { date: None, ..e.clone() };
+        let undated = |e: &Environment| Environment {
+            date: None,
+            ..e.clone()
+        };
         Ok(Stored::read(&path)?.is_some_and(|s| {
             let known = !s.program.is_empty() && s.program == self.program;
             let same_run = known && undated(&s.environment) == undated(environment);
@@ -99,13 +118,18 @@ impl Report {
         result: &SceneResult,
         images: &SceneImages,
     ) -> Result<(), LabError> {
-        let Some(name) = self.run.plan.scenes.get(place) else { return Ok(()) };
+        let Some(name) = self.run.plan.scenes.get(place) else {
+            return Ok(());
+        };
         let folder = self.folder.unfinished(name)?;
         if self.arrays {
             arrays::write(&folder, result, images)?;
         }
         let truth = &images.truth;
-        folder.write("truth.png", &picture(pictures::mask(truth.size, &truth.visibility, &truth.pixels))?)?;
+        folder.write(
+            "truth.png",
+            &picture(pictures::mask(truth.size, &truth.visibility, &truth.pixels))?,
+        )?;
         let chosen = chosen::rows(result);
         let all = self.run.plan.scenes.len() <= FEW_SCENES;
         let pictured = |i: &usize| all || chosen.contains(i) || images.colors[*i].is_some();
@@ -114,11 +138,21 @@ impl Report {
             .filter(pictured)
             .try_for_each(|i| row_pictures(&folder, result, images, i))?;
         if all {
-            (0..result.rows.len()).into_par_iter().try_for_each(|i| heat_picture(&folder, result, images, i))?;
+            (0..result.rows.len())
+                .into_par_iter()
+                .try_for_each(|i| heat_picture(&folder, result, images, i))?;
         }
         let (environment, notices) = (environment.clone(), notices.to_vec());
         let (plan, program, result) = (self.run.plan.clone(), self.program.clone(), result.clone());
-        Stored { plan, place, program, environment, notices, result }.write(&folder)?;
+        Stored {
+            plan,
+            place,
+            program,
+            environment,
+            notices,
+            result,
+        }
+        .write(&folder)?;
         self.folder.finish(name)
     }
 
@@ -128,11 +162,21 @@ impl Report {
     /// When a scene is missing, or a file cannot be written.
     pub fn finish(self) -> Result<(Comparison, PathBuf), LabError> {
         let read = |&place: &usize| {
-            let path = self.path.join(self.run.plan.scenes.get(place).map_or("", String::as_str));
+            let path = self
+                .path
+                .join(self.run.plan.scenes.get(place).map_or("", String::as_str));
             let gone = || std::io::Error::other("the scene's figures are missing");
-            Stored::read(&path)?.ok_or_else(|| LabError::Write { path: path.join(store::FILE), source: gone() })
+            Stored::read(&path)?.ok_or_else(|| LabError::Write {
+                path: path.join(store::FILE),
+                source: gone(),
+            })
         };
-        let scenes = self.run.places.iter().map(read).collect::<Result<Vec<_>, _>>()?;
+        let scenes = self
+            .run
+            .places
+            .iter()
+            .map(read)
+            .collect::<Result<Vec<_>, _>>()?;
         assemble::write(&self.path, &self.folder, &scenes)
     }
 }
@@ -141,23 +185,53 @@ impl Report {
 pub(crate) const FEW_SCENES: usize = 3;
 
 /// Writes the pictures of a row, if it was measured.
-fn row_pictures(folder: &Folder, result: &SceneResult, images: &SceneImages, row: usize) -> Result<(), LabError> {
-    let (truth, Some(mask)) = (&images.truth, &images.masks[row]) else { return Ok(()) };
+fn row_pictures(
+    folder: &Folder,
+    result: &SceneResult,
+    images: &SceneImages,
+    row: usize,
+) -> Result<(), LabError> {
+    let (truth, Some(mask)) = (&images.truth, &images.masks[row]) else {
+        return Ok(());
+    };
     let stem = result.rows[row].stem();
-    folder.write(&format!("{stem}.png"), &picture(pictures::mask(truth.size, mask, &truth.pixels))?)?;
-    let error = picture(pictures::error(truth.size, mask, &truth.visibility, &truth.pixels))?;
+    folder.write(
+        &format!("{stem}.png"),
+        &picture(pictures::mask(truth.size, mask, &truth.pixels))?,
+    )?;
+    let error = picture(pictures::error(
+        truth.size,
+        mask,
+        &truth.visibility,
+        &truth.pixels,
+    ))?;
     folder.write(&format!("{stem}.error.png"), &error)?;
-    images.colors[row].as_ref().map_or(Ok(()), |png| folder.write(&format!("{stem}.color.png"), png))
+    images.colors[row].as_ref().map_or(Ok(()), |png| {
+        folder.write(&format!("{stem}.color.png"), png)
+    })
 }
 
 /// Writes where a row's maps are looked up, if it has any.
-fn heat_picture(folder: &Folder, result: &SceneResult, images: &SceneImages, row: usize) -> Result<(), LabError> {
-    let Some(heat) = &images.lookups[row] else { return Ok(()) };
-    folder.write(&format!("{}.lookups.png", result.rows[row].stem()), &footprint::picture(heat)?)
+fn heat_picture(
+    folder: &Folder,
+    result: &SceneResult,
+    images: &SceneImages,
+    row: usize,
+) -> Result<(), LabError> {
+    let Some(heat) = &images.lookups[row] else {
+        return Ok(());
+    };
+    folder.write(
+        &format!("{}.lookups.png", result.rows[row].stem()),
+        &footprint::picture(heat)?,
+    )
 }
 
 pub(crate) fn picture(encoded: image::ImageResult<Vec<u8>>) -> Result<Vec<u8>, LabError> {
-    encoded.map_err(|e| LabError::Write { path: "picture".into(), source: std::io::Error::other(e) })
+    encoded.map_err(|e| LabError::Write {
+        path: "picture".into(),
+        source: std::io::Error::other(e),
+    })
 }
 
 #[cfg(test)]

@@ -32,7 +32,8 @@ impl ImageStore {
             return id;
         }
         let id = self.uris.len();
-        self.uris.push(format!("data:image/png;base64,{}", STANDARD.encode(png)));
+        self.uris
+            .push(format!("data:image/png;base64,{}", STANDARD.encode(png)));
         self.ids.insert(png.to_vec(), id);
         id
     }
@@ -90,16 +91,32 @@ pub(super) fn html(
     images: &ImageStore,
 ) -> serde_json::Result<String> {
     let faults = comparison.faults();
-    let data = Data { comparison, faults, pages, overall, images: &images.uris, legend: LEGEND };
+    let data = Data {
+        comparison,
+        faults,
+        pages,
+        overall,
+        images: &images.uris,
+        legend: LEGEND,
+    };
     let title = "umbrage: shadows against truth";
-    Page { title, style: STYLE, body: BODY, scripts: &[&plotly_source(), SCRIPT] }.html(&data)
+    Page {
+        title,
+        style: STYLE,
+        body: BODY,
+        scripts: &[&plotly_source(), SCRIPT],
+    }
+    .html(&data)
 }
 
 /// plotly.js, as the `plotly` crate carries it: the first script of its offline sources; the other sets formulas.
 fn plotly_source() -> String {
     let sources = plotly::Plot::offline_js_sources();
     let script = sources.split_once('>').map_or("", |(_, after)| after);
-    script.split_once("</script>").map_or(script, |(script, _)| script).to_owned()
+    script
+        .split_once("</script>")
+        .map_or(script, |(script, _)| script)
+        .to_owned()
 }
 
 #[cfg(test)]
@@ -117,7 +134,10 @@ mod tests {
     #[test]
     fn equal_pictures_are_kept_once() {
         let mut store = ImageStore::default();
-        assert_eq!([store.add(b"a"), store.add(b"b"), store.add(b"a")], [0, 1, 0]);
+        assert_eq!(
+            [store.add(b"a"), store.add(b"b"), store.add(b"a")],
+            [0, 1, 0]
+        );
         assert_eq!(store.uris.len(), 2);
     }
 }

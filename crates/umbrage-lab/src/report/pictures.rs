@@ -25,7 +25,13 @@ pub fn mask(size: UVec2, mask: &[f32], pixels: &[Pixel]) -> ImageResult<Vec<u8>>
 
 /// [`mask`]'s colours.
 pub(crate) fn mask_colors(mask: &[f32], pixels: &[Pixel]) -> Vec<Vec3> {
-    let color = |i: usize| if pixels[i] == Pixel::Empty { EMPTY } else { Vec3::splat(mask[i]) };
+    let color = |i: usize| {
+        if pixels[i] == Pixel::Empty {
+            EMPTY
+        } else {
+            Vec3::splat(mask[i])
+        }
+    };
     (0..mask.len()).map(color).collect()
 }
 
@@ -47,7 +53,11 @@ pub(crate) fn error_colors(mask: &[f32], truth: &[f32], pixels: &[Pixel]) -> Vec
             Pixel::Ambiguous | Pixel::Elsewhere => AMBIGUOUS,
             Pixel::Counted => {
                 let difference = mask[i] - truth[i];
-                let hue = if difference < 0.0 { FALSE_SHADOW } else { FALSE_LIGHT };
+                let hue = if difference < 0.0 {
+                    FALSE_SHADOW
+                } else {
+                    FALSE_LIGHT
+                };
                 // The root makes small errors visible.
                 ground.lerp(hue, difference.abs().sqrt())
             }
@@ -91,8 +101,11 @@ pub(crate) fn encode(size: UVec2, colors: impl Iterator<Item = Vec3>) -> ImageRe
 /// A PNG of three bytes a pixel.
 pub(crate) fn encode_rgb(size: UVec2, texels: &[u8]) -> ImageResult<Vec<u8>> {
     let mut bytes = Vec::new();
-    let encoder =
-        png::PngEncoder::new_with_quality(&mut bytes, png::CompressionType::Default, png::FilterType::Adaptive);
+    let encoder = png::PngEncoder::new_with_quality(
+        &mut bytes,
+        png::CompressionType::Default,
+        png::FilterType::Adaptive,
+    );
     encoder.write_image(texels, size.x, size.y, ExtendedColorType::Rgb8)?;
     Ok(bytes)
 }
@@ -104,8 +117,16 @@ mod tests {
     #[test]
     fn each_kind_of_error_has_its_hue() {
         let size = UVec2::new(3, 1);
-        let bytes = error(size, &[0.0, 1.0, 1.0], &[1.0, 0.0, 1.0], &[Pixel::Counted; 3]).expect("memory");
-        let picture = image::load_from_memory(&bytes).expect("a picture").to_rgb8();
+        let bytes = error(
+            size,
+            &[0.0, 1.0, 1.0],
+            &[1.0, 0.0, 1.0],
+            &[Pixel::Counted; 3],
+        )
+        .expect("memory");
+        let picture = image::load_from_memory(&bytes)
+            .expect("a picture")
+            .to_rgb8();
         let [shadow, light, right] = [0, 1, 2].map(|x| picture.get_pixel(x, 0).0);
         assert!(shadow[2] > 180 && shadow[0] < 20, "{shadow:?}");
         assert!(light[0] > 220 && light[2] < 20, "{light:?}");
@@ -114,8 +135,15 @@ mod tests {
 
     #[test]
     fn masks_are_grey_and_left_out_pixels_are_not() {
-        let bytes = mask(UVec2::new(2, 1), &[0.5, 1.0], &[Pixel::Counted, Pixel::Empty]).expect("memory");
-        let picture = image::load_from_memory(&bytes).expect("a picture").to_rgb8();
+        let bytes = mask(
+            UVec2::new(2, 1),
+            &[0.5, 1.0],
+            &[Pixel::Counted, Pixel::Empty],
+        )
+        .expect("memory");
+        let picture = image::load_from_memory(&bytes)
+            .expect("a picture")
+            .to_rgb8();
         assert_eq!(picture.get_pixel(0, 0).0, [128; 3]);
         assert_ne!(picture.get_pixel(1, 0).0[0], picture.get_pixel(1, 0).0[2]);
     }

@@ -26,18 +26,27 @@ pub(super) struct Run {
 /// Whether a folder has scenes in it, as those have that versions without a [`FILE`] wrote.
 fn holds_scenes(folder: &Path) -> bool {
     let inside = fs::read_dir(folder).into_iter().flatten().flatten();
-    inside.into_iter().any(|entry| entry.path().join(store::FILE).is_file())
+    inside
+        .into_iter()
+        .any(|entry| entry.path().join(store::FILE).is_file())
 }
 
 impl Run {
     pub(super) fn write(&self, folder: &Folder) -> Result<(), LabError> {
-        let broken = |e: serde_json::Error| LabError::Write { path: FILE.into(), source: e.into() };
+        let broken = |e: serde_json::Error| LabError::Write {
+            path: FILE.into(),
+            source: e.into(),
+        };
         folder.write(FILE, &serde_json::to_vec_pretty(self).map_err(broken)?)
     }
 
     pub(super) fn read(folder: &Path) -> Result<Self, Invalid> {
         let refuse = |why: String| {
-            Invalid::new(format!("folder `{}`", folder.display()), why, "give folders that `compare --shard` wrote")
+            Invalid::new(
+                format!("folder `{}`", folder.display()),
+                why,
+                "give folders that `compare --shard` wrote",
+            )
         };
         let bytes = fs::read(folder.join(FILE)).map_err(|e| match e.kind() {
             ErrorKind::NotFound if holds_scenes(folder) => Invalid::new(
@@ -57,7 +66,9 @@ impl Run {
     pub(super) fn scenes(&self, folder: &Path) -> Result<Vec<(PathBuf, Stored)>, Invalid> {
         let mut out = Vec::new();
         for &place in &self.places {
-            let Some(path) = self.plan.scenes.get(place).map(|name| folder.join(name)) else { continue };
+            let Some(path) = self.plan.scenes.get(place).map(|name| folder.join(name)) else {
+                continue;
+            };
             let stored = Stored::read(&path)?.filter(|s| s.place == place && s.plan == self.plan);
             out.extend(stored.map(|stored| (path, stored)));
         }

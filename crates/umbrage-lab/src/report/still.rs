@@ -43,21 +43,32 @@ pub(super) fn figure(dots: &[Dot], words: &Words<'_>) -> Figure {
     let looks = looks(&techniques);
     let backends = distinct(dots, |d| &d.backend);
     let of = |technique: &str, backend: &str, on_front: bool| -> Vec<Point> {
-        let mine = |d: &&Dot| d.technique == technique && d.backend == backend && d.on_front == on_front;
+        let mine =
+            |d: &&Dot| d.technique == technique && d.backend == backend && d.on_front == on_front;
         dots.iter().filter(mine).map(point).collect()
     };
     // What is beaten lies below; one backend's shapes explain the other's.
     for (b, backend) in backends.iter().enumerate() {
         for (technique, look) in techniques.iter().zip(&looks) {
             let style = Style::Points(look.marker, FAINT_RADIUS, 1.0);
-            let faint = Series::points("", look.faint(b), look.marker, of(technique, backend, false));
+            let faint = Series::points(
+                "",
+                look.faint(b),
+                look.marker,
+                of(technique, backend, false),
+            );
             figure.series.push(Series { style, ..faint });
         }
     }
     for (b, backend) in backends.iter().enumerate() {
         figure.series.push(front_line(dots, backend, b));
         for (technique, look) in techniques.iter().zip(&looks) {
-            figure.series.push(Series::points("", look.color(b), look.marker, of(technique, backend, true)));
+            figure.series.push(Series::points(
+                "",
+                look.color(b),
+                look.marker,
+                of(technique, backend, true),
+            ));
         }
     }
     let key = |(name, look): (&&str, &Look)| Key {
@@ -71,19 +82,32 @@ pub(super) fn figure(dots: &[Dot], words: &Words<'_>) -> Figure {
 }
 
 fn front_line(dots: &[Dot], backend: &str, b: usize) -> Series {
-    let mut front: Vec<[f64; 2]> = dots.iter().filter(|d| d.on_front && d.backend == backend).map(|d| d.xy).collect();
+    let mut front: Vec<[f64; 2]> = dots
+        .iter()
+        .filter(|d| d.on_front && d.backend == backend)
+        .map(|d| d.xy)
+        .collect();
     front.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let corners = front.iter().map(|xy| Point::at(xy[0], xy[1])).collect();
-    Series { style: Style::Dashed(1.5), ..Series::line(format!("Pareto front, {backend}"), color(b), corners) }
+    Series {
+        style: Style::Dashed(1.5),
+        ..Series::line(format!("Pareto front, {backend}"), color(b), corners)
+    }
 }
 
 fn point(dot: &Dot) -> Point {
-    Point { x_range: dot.range.filter(|_| dot.on_front), ..Point::at(dot.xy[0], dot.xy[1]) }
+    Point {
+        x_range: dot.range.filter(|_| dot.on_front),
+        ..Point::at(dot.xy[0], dot.xy[1])
+    }
 }
 
 /// Names of the points on fronts.
 fn notes(dots: &[Dot]) -> Vec<Point> {
-    let note = |d: &Dot| Point { label: short(d), ..Point::at(d.xy[0], d.xy[1]) };
+    let note = |d: &Dot| Point {
+        label: short(d),
+        ..Point::at(d.xy[0], d.xy[1])
+    };
     dots.iter().filter(|d| d.on_front).map(note).collect()
 }
 

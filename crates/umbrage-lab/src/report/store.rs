@@ -35,7 +35,12 @@ impl Plan {
     pub fn new(inputs: &[SceneInput], options: &Options) -> Self {
         let scenes = unique_names(inputs.iter().map(|i| i.scene.name.as_str()));
         let contents = inputs.iter().map(|i| hash(&format!("{i:?}"))).collect();
-        Self { schema: SCHEMA, options: format!("{options:?}"), scenes, contents }
+        Self {
+            schema: SCHEMA,
+            options: format!("{options:?}"),
+            scenes,
+            contents,
+        }
     }
 }
 
@@ -66,32 +71,49 @@ impl Stored {
         let path = folder.join(FILE);
         let refuse = |why: String| {
             let what = format!("`{}`", path.display());
-            Invalid::new(what, why, "measure the scene again: run the same command, or remove the scene's folder")
+            Invalid::new(
+                what,
+                why,
+                "measure the scene again: run the same command, or remove the scene's folder",
+            )
         };
         let text = match fs::read_to_string(&path) {
             Ok(text) => text,
             Err(e) if e.kind() == ErrorKind::NotFound => return Ok(None),
             Err(e) => return Err(refuse(format!("cannot be read: {e}"))),
         };
-        let parts = text.strip_prefix(BEFORE).and_then(|rest| rest.split_once(AFTER));
+        let parts = text
+            .strip_prefix(BEFORE)
+            .and_then(|rest| rest.split_once(AFTER));
         let Some((told, rest)) = parts else {
-            return Err(refuse("has no checksum: it is not whole, or another version wrote it".to_owned()));
+            return Err(refuse(
+                "has no checksum: it is not whole, or another version wrote it".to_owned(),
+            ));
         };
         let found = checksum(rest.as_bytes());
         if told != found {
-            let why =
-                format!("was changed since it was written, or is not whole: its checksum is {found}, it says {told}");
+            let why = format!(
+                "was changed since it was written, or is not whole: its checksum is {found}, it says {told}"
+            );
             return Err(refuse(why));
         }
         // What was written by this version and is whole can be read.
-        serde_json::from_str(&text).map(Some).map_err(|e| refuse(format!("is damaged: {e}")))
+        serde_json::from_str(&text)
+            .map(Some)
+            .map_err(|e| refuse(format!("is damaged: {e}")))
     }
 
     pub(super) fn write(&self, folder: &Folder) -> Result<(), LabError> {
-        let broken = |e: serde_json::Error| LabError::Write { path: FILE.into(), source: e.into() };
+        let broken = |e: serde_json::Error| LabError::Write {
+            path: FILE.into(),
+            source: e.into(),
+        };
         let text = serde_json::to_string_pretty(self).map_err(broken)?;
         let rest = text.strip_prefix("{\n").unwrap_or(&text);
-        folder.write(FILE, format!("{BEFORE}{}{AFTER}{rest}", checksum(rest.as_bytes())).as_bytes())
+        folder.write(
+            FILE,
+            format!("{BEFORE}{}{AFTER}{rest}", checksum(rest.as_bytes())).as_bytes(),
+        )
     }
 
     /// The folder's name.
@@ -109,7 +131,10 @@ fn checksum(bytes: &[u8]) -> String {
 
 /// A hash of the program that runs; empty if the system doesn't say where it is.
 pub(super) fn program() -> String {
-    std::env::current_exe().and_then(fs::read).map(|bytes| hash(&bytes)).unwrap_or_default()
+    std::env::current_exe()
+        .and_then(fs::read)
+        .map(|bytes| hash(&bytes))
+        .unwrap_or_default()
 }
 
 fn hash<T: Hash + ?Sized>(value: &T) -> String {
@@ -140,7 +165,10 @@ fn unique_names<'a>(scenes: impl Iterator<Item = &'a str>) -> Vec<String> {
         stem.truncate(stem.floor_char_boundary(MOST_NAME));
         let numbered = (2..).map(|n| format!("{stem}-{n}"));
         let free = |name: &String| !names.contains(name) && !OWN.contains(&&**name);
-        let name = std::iter::once(stem.clone()).chain(numbered).find(free).unwrap_or(stem);
+        let name = std::iter::once(stem.clone())
+            .chain(numbered)
+            .find(free)
+            .unwrap_or(stem);
         names.push(name);
     }
     names
@@ -154,6 +182,9 @@ mod tests {
     fn folders_have_names_of_their_own() {
         let names = ["Sun", "sun", "results.json", "con", "x.", "Ä", "ä"];
         let folders = unique_names(names.into_iter());
-        assert_eq!(folders, ["sun", "sun-2", "results.json-2", "_con", "x", "ä", "ä-2"]);
+        assert_eq!(
+            folders,
+            ["sun", "sun-2", "results.json-2", "_con", "x", "ä", "ä-2"]
+        );
     }
 }

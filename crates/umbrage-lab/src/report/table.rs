@@ -101,7 +101,11 @@ pub struct Line {
 
 /// All rows as lines.
 pub fn lines(comparison: &Comparison) -> Vec<Line> {
-    comparison.scenes.iter().flat_map(|s| s.rows.iter().map(move |r| line(s, r))).collect()
+    comparison
+        .scenes
+        .iter()
+        .flat_map(|s| s.rows.iter().map(move |r| line(s, r)))
+        .collect()
 }
 
 fn line(scene: &SceneResult, row: &Row) -> Line {
@@ -114,7 +118,12 @@ fn line(scene: &SceneResult, row: &Row) -> Line {
         ..Line::default()
     };
     let m = match &row.outcome {
-        crate::compare::Outcome::Unsupported { reason } => return Line { unsupported: reason.clone(), ..named },
+        crate::compare::Outcome::Unsupported { reason } => {
+            return Line {
+                unsupported: reason.clone(),
+                ..named
+            };
+        }
         crate::compare::Outcome::Measured(m) => m,
     };
     let median = |s: Option<Spread>| s.map(|s| s.median);
@@ -188,9 +197,18 @@ mod tests {
             unsupported: "<b>".into(),
             ..Line::default()
         };
-        let lines = vec![awkward, Line { technique: "pcf".into(), ..Line::default() }];
+        let lines = vec![
+            awkward,
+            Line {
+                technique: "pcf".into(),
+                ..Line::default()
+            },
+        ];
         let bytes = to_csv(&lines).expect("memory");
-        let read: Vec<Line> = csv::Reader::from_reader(&bytes[..]).deserialize().map(|l| l.expect("a line")).collect();
+        let read: Vec<Line> = csv::Reader::from_reader(&bytes[..])
+            .deserialize()
+            .map(|l| l.expect("a line"))
+            .collect();
         assert_eq!(read, lines);
     }
 }

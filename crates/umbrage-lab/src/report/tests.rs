@@ -16,9 +16,22 @@ use umbrage_core::{
 const NASTY: &str = "</script><img src=x onerror=alert(1)> & \"co\"";
 
 fn row(technique: &str, backend: &str, rmse: f64, median: f64) -> Row {
-    let total = Spread { median, least: median, greatest: median, runs: 1 };
-    let times = Times { receive: Some(total), total, ..Times::default() };
-    let errors = Errors { rmse, counted: 12, ..Errors::default() };
+    let total = Spread {
+        median,
+        least: median,
+        greatest: median,
+        runs: 1,
+    };
+    let times = Times {
+        receive: Some(total),
+        total,
+        ..Times::default()
+    };
+    let errors = Errors {
+        rmse,
+        counted: 12,
+        ..Errors::default()
+    };
     let outcome = Outcome::Measured(Box::new(Measured {
         errors: Some(errors),
         causes: Some(Causes::default()),
@@ -36,20 +49,35 @@ fn row(technique: &str, backend: &str, rmse: f64, median: f64) -> Row {
         }),
     }));
     let (technique, settings) = (technique.to_owned(), NASTY.to_owned());
-    Row { slug: slug(&technique), technique, settings, backend: backend.to_owned(), outcome }
+    Row {
+        slug: slug(&technique),
+        technique,
+        settings,
+        backend: backend.to_owned(),
+        outcome,
+    }
 }
 
 fn scene() -> (SceneResult, SceneImages) {
-    let unsupported = Outcome::Unsupported { reason: NASTY.to_owned() };
+    let unsupported = Outcome::Unsupported {
+        reason: NASTY.to_owned(),
+    };
     let rows = vec![
         row("good", "cpu", 0.0, 3.0),
         row("quick", "cpu", 0.2, 1.0),
         row("beaten", "cpu", 0.3, 2.0),
-        Row { outcome: unsupported, ..row("dash", "cpu", 0.0, 0.0) },
+        Row {
+            outcome: unsupported,
+            ..row("dash", "cpu", 0.0, 0.0)
+        },
     ];
     let size = UVec2::new(4, 3);
     let mut receivers = Receivers::empty(size);
-    (receivers.triangle[5], receivers.distance[5], receivers.receives[5]) = (0, 2.5, true);
+    (
+        receivers.triangle[5],
+        receivers.distance[5],
+        receivers.receives[5],
+    ) = (0, 2.5, true);
     let truth = Truth {
         size,
         visibility: vec![1.0; 12],
@@ -62,19 +90,47 @@ fn scene() -> (SceneResult, SceneImages) {
         fingerprint: 1,
         elapsed: Duration::ZERO,
     };
-    let masks = vec![Some(vec![1.0; 12]), Some(vec![0.5; 12]), Some(vec![0.0; 12]), None];
-    let controls = vec![Control { backend: "cpu".into(), ..Control::default() }];
-    let result = SceneResult { name: NASTY.to_owned(), size: [4, 3], rows, controls, ..SceneResult::default() };
+    let masks = vec![
+        Some(vec![1.0; 12]),
+        Some(vec![0.5; 12]),
+        Some(vec![0.0; 12]),
+        None,
+    ];
+    let controls = vec![Control {
+        backend: "cpu".into(),
+        ..Control::default()
+    }];
+    let result = SceneResult {
+        name: NASTY.to_owned(),
+        size: [4, 3],
+        rows,
+        controls,
+        ..SceneResult::default()
+    };
     let colors = vec![None; masks.len()];
     let mut lookups = vec![None; masks.len()];
-    lookups[0] = Some(Arc::new(Heat { size: [2, 1], lookups: vec![0, 3] }));
-    (result, SceneImages { truth, masks, colors, lookups })
+    lookups[0] = Some(Arc::new(Heat {
+        size: [2, 1],
+        lookups: vec![0, 3],
+    }));
+    (
+        result,
+        SceneImages {
+            truth,
+            masks,
+            colors,
+            lookups,
+        },
+    )
 }
 
 /// A comparison of two scenes of one name.
 fn plan() -> Plan {
     let scene = || SceneInput {
-        scene: umbrage_core::Scene { name: NASTY.into(), ..Default::default() },
+        scene: umbrage_core::Scene {
+            name: NASTY.into(),
+            ..Default::default()
+        },
         summary: String::new(),
         fit: None,
     };
@@ -83,14 +139,26 @@ fn plan() -> Plan {
 
 fn write(arrays: bool) -> (tempfile::TempDir, Comparison) {
     let dir = tempfile::tempdir().expect("a temporary folder");
-    let report = Report::create(&dir.path().join("out"), plan(), &[0, 1], arrays).expect("writable");
+    let report =
+        Report::create(&dir.path().join("out"), plan(), &[0, 1], arrays).expect("writable");
     let (result, images) = scene();
     for place in [0, 1] {
-        report.scene(place, &Environment::default(), &[NASTY.to_owned()], &result, &images).expect("writable");
+        report
+            .scene(
+                place,
+                &Environment::default(),
+                &[NASTY.to_owned()],
+                &result,
+                &images,
+            )
+            .expect("writable");
     }
     let (comparison, page) = report.finish().expect("writable");
     assert_eq!(page, dir.path().join("out/index.html"));
-    assert_eq!((comparison.scenes.len(), &*comparison.notices), (2, &[NASTY.to_owned()][..]));
+    assert_eq!(
+        (comparison.scenes.len(), &*comparison.notices),
+        (2, &[NASTY.to_owned()][..])
+    );
     (dir, comparison)
 }
 
@@ -101,7 +169,10 @@ fn names_cannot_smuggle_in_markup() {
     assert!(!page.contains("<img src=x"), "a name became an element");
     // The page's three scripts, and not one more end of a script than starts.
     assert_eq!(page.matches("</script").count(), 3);
-    assert!(page.contains("onerror=alert"), "the name must still be told, as text");
+    assert!(
+        page.contains("onerror=alert"),
+        "the name must still be told, as text"
+    );
 }
 
 #[test]
@@ -109,7 +180,10 @@ fn the_page_asks_for_nothing_from_elsewhere() {
     let (dir, _) = write(false);
     let page = fs::read_to_string(dir.path().join("out/index.html")).expect("there");
     for loader in ["<script src", "<link", "@import", "url(http"] {
-        assert!(!page[..page.find("plotly.js v").expect("plotly")].contains(loader), "{loader}");
+        assert!(
+            !page[..page.find("plotly.js v").expect("plotly")].contains(loader),
+            "{loader}"
+        );
     }
 }
 
@@ -117,10 +191,16 @@ fn the_page_asks_for_nothing_from_elsewhere() {
 fn results_come_back_from_json() {
     let (dir, comparison) = write(false);
     let json = fs::read(dir.path().join("out/results.json")).expect("there");
-    assert_eq!(serde_json::from_slice::<Comparison>(&json).expect("valid"), comparison);
+    assert_eq!(
+        serde_json::from_slice::<Comparison>(&json).expect("valid"),
+        comparison
+    );
     let mut spoilt = comparison.clone();
     spoilt.scenes[0].rows[0].backend = "wgpu".into();
-    assert_ne!(serde_json::from_slice::<Comparison>(&json).expect("valid"), spoilt);
+    assert_ne!(
+        serde_json::from_slice::<Comparison>(&json).expect("valid"),
+        spoilt
+    );
 }
 
 #[test]
@@ -129,14 +209,32 @@ fn scenes_of_one_name_get_folders_of_their_own() {
     let stem = slug(NASTY);
     for folder in [stem.clone(), format!("{stem}-2")] {
         let folder = dir.path().join("out").join(folder);
-        for file in
-            ["truth.png", "good.cpu.png", "good.cpu.error.png", "truth.npy", "t.npy", "ambiguous.npy", "good.cpu.npy"]
-        {
-            assert!(folder.join(file).is_file(), "{file} in {}", folder.display());
+        for file in [
+            "truth.png",
+            "good.cpu.png",
+            "good.cpu.error.png",
+            "truth.npy",
+            "t.npy",
+            "ambiguous.npy",
+            "good.cpu.npy",
+        ] {
+            assert!(
+                folder.join(file).is_file(),
+                "{file} in {}",
+                folder.display()
+            );
         }
         assert!(!folder.join("dash.cpu.png").exists());
     }
-    assert!(!write(false).0.path().join("out").join(stem).join("truth.npy").exists());
+    assert!(
+        !write(false)
+            .0
+            .path()
+            .join("out")
+            .join(stem)
+            .join("truth.npy")
+            .exists()
+    );
 }
 
 /// In the table, under the pointer and as a picture.
@@ -144,18 +242,31 @@ fn scenes_of_one_name_get_folders_of_their_own() {
 fn how_maps_are_used_is_told() {
     let (dir, comparison) = write(false);
     let folder = dir.path().join("out").join(slug(NASTY));
-    assert!(folder.join("good.cpu.lookups.png").is_file() && !folder.join("quick.cpu.lookups.png").exists());
+    assert!(
+        folder.join("good.cpu.lookups.png").is_file()
+            && !folder.join("quick.cpu.lookups.png").exists()
+    );
     let line = &lines(&comparison)[0];
-    assert_eq!((line.map_unused, line.texels_median, line.map_side_needed), (Some(84.0), Some(1.5), Some(683)));
     assert_eq!(
-        (line.texels_least, line.texels_greatest, line.texels_of_nine_in_ten),
+        (line.map_unused, line.texels_median, line.map_side_needed),
+        (Some(84.0), Some(1.5), Some(683))
+    );
+    assert_eq!(
+        (
+            line.texels_least,
+            line.texels_greatest,
+            line.texels_of_nine_in_ten
+        ),
         (Some(0.5), Some(4.5), Some(0.75))
     );
     let hover = chart::traces(&chart::dots(&comparison.scenes[0], Clock::Wall)).to_string();
     assert!(hover.contains(
         "84 % of the map's texels never looked up; 9 in 10 pixels that face the light span at least 0.75 texels"
     ));
-    let without = MapUse { texels: None, ..MapUse::default() };
+    let without = MapUse {
+        texels: None,
+        ..MapUse::default()
+    };
     assert_eq!(without.words(), "0 % of the map's texels never looked up");
 }
 
@@ -176,8 +287,14 @@ fn fronts_and_failed_controls_are_told() {
     let dots = chart::dots(&result, Clock::Wall);
     assert_eq!(chart::front(&dots), [0, 1]);
     let traces = chart::traces(&dots);
-    assert!(!traces.to_string().contains("<img"), "hover texts are markup to plotly");
-    let comparison = Comparison { scenes: vec![result], ..Comparison::default() };
+    assert!(
+        !traces.to_string().contains("<img"),
+        "hover texts are markup to plotly"
+    );
+    let comparison = Comparison {
+        scenes: vec![result],
+        ..Comparison::default()
+    };
     assert_eq!(comparison.faults().len(), 1, "the control doesn't hold");
 }
 
@@ -186,9 +303,17 @@ fn files(folder: &std::path::Path) -> std::collections::BTreeMap<String, Vec<u8>
     let mut out = std::collections::BTreeMap::new();
     for entry in fs::read_dir(folder).expect("there") {
         let path = entry.expect("readable").path();
-        let name = path.file_name().expect("named").to_string_lossy().into_owned();
+        let name = path
+            .file_name()
+            .expect("named")
+            .to_string_lossy()
+            .into_owned();
         if path.is_dir() {
-            out.extend(files(&path).into_iter().map(|(inner, bytes)| (format!("{name}/{inner}"), bytes)));
+            out.extend(
+                files(&path)
+                    .into_iter()
+                    .map(|(inner, bytes)| (format!("{name}/{inner}"), bytes)),
+            );
         } else {
             out.insert(name, fs::read(&path).expect("readable"));
         }
@@ -200,7 +325,15 @@ fn files(folder: &std::path::Path) -> std::collections::BTreeMap<String, Vec<u8>
 fn shard(dir: &std::path::Path, name: &str, place: usize) -> PathBuf {
     let report = Report::create(&dir.join(name), plan(), &[place], false).expect("writable");
     let (result, images) = scene();
-    report.scene(place, &Environment::default(), &[NASTY.to_owned()], &result, &images).expect("writable");
+    report
+        .scene(
+            place,
+            &Environment::default(),
+            &[NASTY.to_owned()],
+            &result,
+            &images,
+        )
+        .expect("writable");
     report.finish().expect("writable");
     dir.join(name)
 }
@@ -210,10 +343,22 @@ fn merged_shards_are_byte_for_byte_one_run() {
     let (dir, _) = write(false);
     let shards = [shard(dir.path(), "b", 1), shard(dir.path(), "a", 0)];
     merge(&shards, &dir.path().join("merged")).expect("all there");
-    assert_eq!(files(&dir.path().join("merged")), files(&dir.path().join("out")));
-    fs::write(shards[0].join(format!("{}-2", slug(NASTY))).join("truth.png"), b"spoilt").expect("writable");
+    assert_eq!(
+        files(&dir.path().join("merged")),
+        files(&dir.path().join("out"))
+    );
+    fs::write(
+        shards[0]
+            .join(format!("{}-2", slug(NASTY)))
+            .join("truth.png"),
+        b"spoilt",
+    )
+    .expect("writable");
     merge(&shards, &dir.path().join("spoilt")).expect("all there");
-    assert_ne!(files(&dir.path().join("spoilt")), files(&dir.path().join("out")));
+    assert_ne!(
+        files(&dir.path().join("spoilt")),
+        files(&dir.path().join("out"))
+    );
 }
 
 #[test]
@@ -222,15 +367,25 @@ fn shards_that_do_not_belong_together_are_refused() {
     let (a, b) = (shard(dir.path(), "a", 0), shard(dir.path(), "b", 1));
     let refused = |folders: &[&PathBuf]| {
         let folders: Vec<PathBuf> = folders.iter().map(|p| (*p).clone()).collect();
-        merge(&folders, &dir.path().join("out")).expect_err("refused").to_string()
+        merge(&folders, &dir.path().join("out"))
+            .expect_err("refused")
+            .to_string()
     };
-    assert!(refused(&[&a]).contains(&format!("{}-2", slug(NASTY))), "what is missing is named");
+    assert!(
+        refused(&[&a]).contains(&format!("{}-2", slug(NASTY))),
+        "what is missing is named"
+    );
     assert!(refused(&[&a, &b, &shard(dir.path(), "c", 1)]).contains("same scene"));
     assert!(refused(&[&dir.path().join("none")]).contains("none"));
-    let other = Plan { options: "others".into(), ..plan() };
+    let other = Plan {
+        options: "others".into(),
+        ..plan()
+    };
     let report = Report::create(&dir.path().join("d"), other, &[1], false).expect("writable");
     let (result, images) = scene();
-    report.scene(1, &Environment::default(), &[], &result, &images).expect("writable");
+    report
+        .scene(1, &Environment::default(), &[], &result, &images)
+        .expect("writable");
     assert!(refused(&[&a, &dir.path().join("d")]).contains("another comparison"));
     let empty = dir.path().join("empty");
     fs::create_dir(&empty).expect("writable");
@@ -238,7 +393,10 @@ fn shards_that_do_not_belong_together_are_refused() {
     // Folders from before `run.json` have scenes, and none of them is known to be of the last run.
     fs::remove_file(a.join("run.json")).expect("there");
     let old = refused(&[&a, &b]);
-    assert!(old.contains("was not written by this version") && old.contains("measure it again"), "{old}");
+    assert!(
+        old.contains("was not written by this version") && old.contains("measure it again"),
+        "{old}"
+    );
 }
 
 /// Folders that were used before, for another comparison and with another number of shards.
@@ -246,22 +404,59 @@ fn shards_that_do_not_belong_together_are_refused() {
 fn scenes_of_earlier_runs_are_ignored() {
     let (dir, _) = write(false);
     let a = dir.path().join("a");
-    let other = Plan { options: "others".into(), scenes: vec!["stray".into(), "x".into()], ..plan() };
+    let other = Plan {
+        options: "others".into(),
+        scenes: vec!["stray".into(), "x".into()],
+        ..plan()
+    };
     let report = Report::create(&a, other, &[0], false).expect("writable");
     let (result, images) = scene();
-    report.scene(0, &Environment::default(), &[], &result, &images).expect("writable");
+    report
+        .scene(0, &Environment::default(), &[], &result, &images)
+        .expect("writable");
     shard(dir.path(), "a", 1);
     let shards = [shard(dir.path(), "a", 0), shard(dir.path(), "b", 1)];
-    assert!(a.join("stray/scene.json").is_file(), "what an earlier run measured is not deleted");
+    assert!(
+        a.join("stray/scene.json").is_file(),
+        "what an earlier run measured is not deleted"
+    );
     merge(&shards, &dir.path().join("merged")).expect("all there, nothing twice");
-    assert_eq!(files(&dir.path().join("merged")), files(&dir.path().join("out")));
+    assert_eq!(
+        files(&dir.path().join("merged")),
+        files(&dir.path().join("out"))
+    );
     // A run that was stopped before its first scene is not the one before it.
-    Report::create(&a, Plan { contents: vec![String::new(); 2], ..plan() }, &[0], false).expect("writable");
-    let refused = merge(&shards, &dir.path().join("merged")).expect_err("refused").to_string();
+    Report::create(
+        &a,
+        Plan {
+            contents: vec![String::new(); 2],
+            ..plan()
+        },
+        &[0],
+        false,
+    )
+    .expect("writable");
+    let refused = merge(&shards, &dir.path().join("merged"))
+        .expect_err("refused")
+        .to_string();
     assert!(refused.contains("another comparison"), "{refused}");
-    Report::create(&a, Plan { contents: vec![String::new(); 2], ..plan() }, &[0], false).expect("writable");
-    let stopped = merge(&[a], &dir.path().join("merged")).expect_err("refused").to_string();
-    assert!(stopped.contains("lack 2 of 2 scenes") && stopped.contains("stopped"), "{stopped}");
+    Report::create(
+        &a,
+        Plan {
+            contents: vec![String::new(); 2],
+            ..plan()
+        },
+        &[0],
+        false,
+    )
+    .expect("writable");
+    let stopped = merge(&[a], &dir.path().join("merged"))
+        .expect_err("refused")
+        .to_string();
+    assert!(
+        stopped.contains("lack 2 of 2 scenes") && stopped.contains("stopped"),
+        "{stopped}"
+    );
 }
 
 #[test]
@@ -273,16 +468,59 @@ fn only_whole_scenes_of_the_same_run_are_taken_up() {
         [0, 1].map(|place| report.has(place, environment).expect("whole"))
     };
     assert_eq!(has(plan(), &here, false), [true; 2]);
-    assert_eq!(has(plan(), &Environment { date: Some("later".into()), ..here.clone() }, false), [true; 2]);
-    assert_eq!(has(plan(), &Environment { commit: Some("other".into()), ..here.clone() }, false), [false; 2]);
-    assert_eq!(has(Plan { options: "others".into(), ..plan() }, &here, false), [false; 2]);
-    assert_eq!(has(plan(), &here, true), [false; 2], "arrays are asked for and not there");
+    assert_eq!(
+        has(
+            plan(),
+            &Environment {
+                date: Some("later".into()),
+                ..here.clone()
+            },
+            false
+        ),
+        [true; 2]
+    );
+    assert_eq!(
+        has(
+            plan(),
+            &Environment {
+                commit: Some("other".into()),
+                ..here.clone()
+            },
+            false
+        ),
+        [false; 2]
+    );
+    assert_eq!(
+        has(
+            Plan {
+                options: "others".into(),
+                ..plan()
+            },
+            &here,
+            false
+        ),
+        [false; 2]
+    );
+    assert_eq!(
+        has(plan(), &here, true),
+        [false; 2],
+        "arrays are asked for and not there"
+    );
     let folder = out.join(slug(NASTY));
     let stored = Stored::read(&folder).expect("whole").expect("there");
     assert!(!stored.program.is_empty());
-    let other = Stored { program: "another".to_owned(), ..stored };
-    other.write(&Folder::create(&folder).expect("writable")).expect("writable");
-    assert_eq!(has(plan(), &here, false), [false, true], "another program's figures");
+    let other = Stored {
+        program: "another".to_owned(),
+        ..stored
+    };
+    other
+        .write(&Folder::create(&folder).expect("writable"))
+        .expect("writable");
+    assert_eq!(
+        has(plan(), &here, false),
+        [false, true],
+        "another program's figures"
+    );
 }
 
 /// One digit more or less, half a file, and a file of before there were checksums.
@@ -300,11 +538,22 @@ fn figures_that_were_changed_are_not_taken_up() {
     for spoilt in [digit, half, unmarked, emptied] {
         fs::write(&file, &spoilt).expect("writable");
         let report = Report::create(&out, plan(), &[0, 1], false).expect("writable");
-        let why = report.has(0, &here).expect_err("not as it was written").to_string();
-        assert!(why.contains("scene.json") && why.contains("checksum") && why.contains("again"), "{why}");
+        let why = report
+            .has(0, &here)
+            .expect_err("not as it was written")
+            .to_string();
+        assert!(
+            why.contains("scene.json") && why.contains("checksum") && why.contains("again"),
+            "{why}"
+        );
         assert_eq!(report.has(1, &here), Ok(true), "the other scene is whole");
-        let why = merge(std::slice::from_ref(&out), &dir.path().join("merged")).expect_err("refused").to_string();
-        assert!(why.contains("scene.json") && why.contains("checksum"), "{why}");
+        let why = merge(std::slice::from_ref(&out), &dir.path().join("merged"))
+            .expect_err("refused")
+            .to_string();
+        assert!(
+            why.contains("scene.json") && why.contains("checksum"),
+            "{why}"
+        );
         let why = report.finish().expect_err("refused").to_string();
         assert!(why.contains("scene.json"), "{why}");
     }
@@ -313,5 +562,7 @@ fn figures_that_were_changed_are_not_taken_up() {
     assert_eq!(report.has(0, &here), Ok(true));
     // The checksum is an entry like any other to whoever reads the file.
     let json: serde_json::Value = serde_json::from_str(&text).expect("valid");
-    assert!(json["checksum"].as_str().is_some_and(|sum| sum.len() == 16) && json["result"].is_object());
+    assert!(
+        json["checksum"].as_str().is_some_and(|sum| sum.len() == 16) && json["result"].is_object()
+    );
 }

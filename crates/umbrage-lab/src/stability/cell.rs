@@ -122,7 +122,8 @@ impl Stability {
     /// How many cells there are of each verdict: pass, degraded, fails.
     pub fn counts(&self) -> [usize; 3] {
         let cells = || self.cases.iter().flat_map(|c| &c.cells);
-        [Verdict::Pass, Verdict::Degraded, Verdict::Fails].map(|v| cells().filter(|c| c.verdict() == Some(v)).count())
+        [Verdict::Pass, Verdict::Degraded, Verdict::Fails]
+            .map(|v| cells().filter(|c| c.verdict() == Some(v)).count())
     }
 
     /// The names of all techniques, in the order of their first cell.

@@ -13,7 +13,11 @@ pub(super) struct Played {
 }
 
 /// Plays a recipe on each of these backends. What the first doesn't serve has no figure; others that don't are left out.
-pub(super) fn render(playing: &mut [Box<dyn Backend>], view: &View<'_>, recipe: &Recipe) -> Result<Played, NoMask> {
+pub(super) fn render(
+    playing: &mut [Box<dyn Backend>],
+    view: &View<'_>,
+    recipe: &Recipe,
+) -> Result<Played, NoMask> {
     let [first, others @ ..] = playing else {
         return Err(NoMask::Unsupported("there is no backend".to_owned()));
     };
@@ -24,14 +28,29 @@ pub(super) fn render(playing: &mut [Box<dyn Backend>], view: &View<'_>, recipe: 
             Err(NoMask::Unsupported(_)) => continue,
             rendered => rendered?,
         };
-        disagreeing = sum(disagreeing, Some(differing([&**first, &**other], view, recipe, [&shadows, &of_other])?));
+        disagreeing = sum(
+            disagreeing,
+            Some(differing(
+                [&**first, &**other],
+                view,
+                recipe,
+                [&shadows, &of_other],
+            )?),
+        );
     }
-    Ok(Played { mask: shadows.mask, disagreeing })
+    Ok(Played {
+        mask: shadows.mask,
+        disagreeing,
+    })
 }
 
 /// All backends, or the first alone.
 pub(super) fn those(playing: &mut [Box<dyn Backend>], all: bool) -> &mut [Box<dyn Backend>] {
-    let count = if all { playing.len() } else { playing.len().min(1) };
+    let count = if all {
+        playing.len()
+    } else {
+        playing.len().min(1)
+    };
     &mut playing[..count]
 }
 
@@ -47,10 +66,15 @@ fn differing(
     recipe: &Recipe,
     [a, b]: [&Shadows; 2],
 ) -> Result<u64, NoMask> {
-    let equal = a.mask.iter().zip(&b.mask).all(|(a, b)| a.to_bits() == b.to_bits());
+    let equal = a
+        .mask
+        .iter()
+        .zip(&b.mask)
+        .all(|(a, b)| a.to_bits() == b.to_bits());
     if equal || first.kind() != "cpu" {
         return Ok(if equal { 0 } else { a.mask.len() as u64 });
     }
-    let found = agree(view, recipe, a, b, other.snapping()).map_err(|e| NoMask::Fault(e.to_string()))?;
+    let found =
+        agree(view, recipe, a, b, other.snapping()).map_err(|e| NoMask::Fault(e.to_string()))?;
     Ok(found.violations)
 }

@@ -55,15 +55,36 @@ impl Ground {
         let mut cpu = Cpu::new();
         let mut layers = Vec::new();
         for light in &lights {
-            layers.push(Layer::new(&camera, light, &geometry, map_size, options, &mut cpu)?);
+            layers.push(Layer::new(
+                &camera, light, &geometry, map_size, options, &mut cpu,
+            )?);
         }
         let merged = layers.into_iter().reduce(Layer::merged_with);
         let missing = || Invalid::new(format!("scene `{}`", scene.name), "has no light", "add one");
-        let Layer { truth, ideal, hard, open, lights: count } = merged.ok_or_else(missing)?;
+        let Layer {
+            truth,
+            ideal,
+            hard,
+            open,
+            lights: count,
+        } = merged.ok_or_else(missing)?;
         let mean = |values: Vec<f32>| values.into_iter().map(|v| v / count).collect::<Vec<f32>>();
-        let truth = Truth { visibility: mean(truth.visibility.clone()), ..truth };
+        let truth = Truth {
+            visibility: mean(truth.visibility.clone()),
+            ..truth
+        };
         let (ideal, hard) = (mean(ideal), mean(hard));
-        Ok(Self { scene, geometry, camera, lights, truth, ideal, hard, open, map_size })
+        Ok(Self {
+            scene,
+            geometry,
+            camera,
+            lights,
+            truth,
+            ideal,
+            hard,
+            open,
+            map_size,
+        })
     }
 
     /// The view of one of the lights.
@@ -115,7 +136,13 @@ impl Layer {
             None => truth.visibility.clone(),
         };
         let open = open(texels.as_ref(), &center, geometry, &truth, &hard, options)?;
-        Ok(Self { truth, ideal, hard, open, lights: 1.0 })
+        Ok(Self {
+            truth,
+            ideal,
+            hard,
+            open,
+            lights: 1.0,
+        })
     }
 
     /// Sums of visibilities; a pixel counts if it counts under both.
@@ -130,26 +157,56 @@ impl Layer {
                 self.truth.pixels[i] = other.truth.pixels[i];
             }
         }
-        Self { lights: self.lights + other.lights, ..self }
+        Self {
+            lights: self.lights + other.lights,
+            ..self
+        }
     }
 }
 
 /// The same light as a point in its middle, or as a direction.
 pub fn without_extent(light: &Light) -> Light {
     match *light {
-        Light::Directional { direction, .. } => Light::Directional { direction, angular_diameter: 0.0 },
-        Light::Point { position, .. } => Light::Point { position, radius: 0.0 },
-        Light::Spot { position, direction, inner, outer, .. } => {
-            Light::Spot { position, direction, inner, outer, radius: 0.0 }
-        }
-        Light::Rect { center, .. } | Light::Disc { center, .. } => Light::Point { position: center, radius: 0.0 },
+        Light::Directional { direction, .. } => Light::Directional {
+            direction,
+            angular_diameter: 0.0,
+        },
+        Light::Point { position, .. } => Light::Point {
+            position,
+            radius: 0.0,
+        },
+        Light::Spot {
+            position,
+            direction,
+            inner,
+            outer,
+            ..
+        } => Light::Spot {
+            position,
+            direction,
+            inner,
+            outer,
+            radius: 0.0,
+        },
+        Light::Rect { center, .. } | Light::Disc { center, .. } => Light::Point {
+            position: center,
+            radius: 0.0,
+        },
     }
 }
 
 /// Truth's points under another light.
-fn visibility(geometry: &Geometry, light: &Light, truth: &Truth, options: &TruthOptions) -> Result<Vec<f32>, Invalid> {
+fn visibility(
+    geometry: &Geometry,
+    light: &Light,
+    truth: &Truth,
+    options: &TruthOptions,
+) -> Result<Vec<f32>, Invalid> {
     let seen = trace_at_receivers(geometry, light, truth, options)?;
-    Ok(seen.into_iter().map(|s| s.map_or(1.0, |s| s.visibility)).collect())
+    Ok(seen
+        .into_iter()
+        .map(|s| s.map_or(1.0, |s| s.visibility))
+        .collect())
 }
 
 /// Visibility at each of truth's receivers; none where nothing receives.
@@ -165,7 +222,10 @@ pub(super) fn trace_at_receivers(
     let point = |&i: &usize| point_at(&any, r, i, r.position(i));
     let points: Vec<truth::Point> = receiving.iter().map(point).collect();
     let mut out = vec![None; r.len()];
-    for (i, seen) in receiving.into_iter().zip(truth::trace_points(geometry, light, &points, options)?) {
+    for (i, seen) in receiving
+        .into_iter()
+        .zip(truth::trace_points(geometry, light, &points, options)?)
+    {
         out[i] = Some(seen);
     }
     Ok(out)
@@ -192,10 +252,15 @@ fn ideal(
     let answer = |i: usize| {
         let (place, seen) = snapped[i]?;
         let far = pixel(place).distance(pixel(truth.receivers.position(i)));
-        let class = REACHES.iter().position(|&reach| far + 1.0 <= reach as f32).unwrap_or(REACHES.len() - 1);
+        let class = REACHES
+            .iter()
+            .position(|&reach| far + 1.0 <= reach as f32)
+            .unwrap_or(REACHES.len() - 1);
         near_edge[class][i].then_some(seen.visibility)
     };
-    Ok((0..truth.visibility.len()).map(|i| answer(i).unwrap_or(truth.visibility[i])).collect())
+    Ok((0..truth.visibility.len())
+        .map(|i| answer(i).unwrap_or(truth.visibility[i]))
+        .collect())
 }
 
 /// Distances in pixels that edges are looked for in.
@@ -212,13 +277,34 @@ fn open(
     hard: &[f32],
     options: &TruthOptions,
 ) -> Result<Vec<bool>, Invalid> {
-    let decided = |i: usize| truth.pixels[i] == Pixel::Counted && [0.0, 1.0].contains(&truth.visibility[i]);
-    let mut open: Vec<bool> = (0..hard.len()).map(|i| decided(i) && truth.visibility[i] == hard[i]).collect();
-    let Some(texels) = texels else { return Ok(open) };
+    let decided =
+        |i: usize| truth.pixels[i] == Pixel::Counted && [0.0, 1.0].contains(&truth.visibility[i]);
+    let mut open: Vec<bool> = (0..hard.len())
+        .map(|i| decided(i) && truth.visibility[i] == hard[i])
+        .collect();
+    let Some(texels) = texels else {
+        return Ok(open);
+    };
     for reach in [OPEN_TEXELS, 0.5 * OPEN_TEXELS] {
-        for (x, y) in [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)] {
+        for (x, y) in [
+            (1, 0),
+            (1, 1),
+            (0, 1),
+            (-1, 1),
+            (-1, 0),
+            (-1, -1),
+            (0, -1),
+            (1, -1),
+        ] {
             let by = DVec2::new(f64::from(x), f64::from(y)) * reach;
-            let seen = texels.seen(geometry, center, &truth.receivers, options, |t| t + by, |_, q| q)?;
+            let seen = texels.seen(
+                geometry,
+                center,
+                &truth.receivers,
+                options,
+                |t| t + by,
+                |_, q| q,
+            )?;
             for (open, (seen, hard)) in open.iter_mut().zip(seen.iter().zip(hard)) {
                 *open &= seen.is_none_or(|(_, s)| s.visibility == *hard);
             }

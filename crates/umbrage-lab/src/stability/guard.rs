@@ -2,7 +2,9 @@
 
 use crate::LabError;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use umbrage_core::{Backend, BackendError, Geometry, PlanError, Recipe, ShadowTechnique, Shadows, View};
+use umbrage_core::{
+    Backend, BackendError, Geometry, PlanError, Recipe, ShadowTechnique, Shadows, View,
+};
 use umbrage_techniques::{Bias, Pcf, ShadowMap};
 
 /// Why a cell has no mask.
@@ -37,7 +39,9 @@ impl From<BackendError> for NoMask {
 pub(super) fn guarded<T>(f: impl FnOnce() -> Result<T, NoMask>) -> Result<T, NoMask> {
     catch_unwind(AssertUnwindSafe(f)).unwrap_or_else(|panic| {
         let text = panic.downcast_ref::<String>().map(String::as_str);
-        let text = text.or(panic.downcast_ref::<&str>().copied()).unwrap_or("without a message");
+        let text = text
+            .or(panic.downcast_ref::<&str>().copied())
+            .unwrap_or("without a message");
         Err(NoMask::Fault(format!("panicked: {text}")))
     })
 }
@@ -48,7 +52,11 @@ pub(super) fn plan(technique: &dyn ShadowTechnique, view: &View<'_>) -> Result<R
 }
 
 /// A recipe's mask, checked.
-pub(super) fn render(backend: &mut dyn Backend, view: &View<'_>, recipe: &Recipe) -> Result<Shadows, NoMask> {
+pub(super) fn render(
+    backend: &mut dyn Backend,
+    view: &View<'_>,
+    recipe: &Recipe,
+) -> Result<Shadows, NoMask> {
     guarded(|| {
         let shadows = backend.render(view, recipe)?;
         check(&shadows.mask).map_err(NoMask::Fault)?;
@@ -60,7 +68,10 @@ pub(super) fn render(backend: &mut dyn Backend, view: &View<'_>, recipe: &Recipe
 pub(super) fn check(mask: &[f32]) -> Result<(), String> {
     match mask.iter().position(|v| !(0.0..=1.0).contains(v)) {
         None => Ok(()),
-        Some(i) => Err(format!("visibility {} at pixel {i} is not within 0..=1", mask[i])),
+        Some(i) => Err(format!(
+            "visibility {} at pixel {i} is not within 0..=1",
+            mask[i]
+        )),
     }
 }
 
@@ -70,13 +81,22 @@ pub(super) fn check(mask: &[f32]) -> Result<(), String> {
 /// # Errors
 /// When either can't play it.
 pub fn is_as_new(used: &mut dyn Backend, fresh: &mut dyn Backend) -> Result<bool, LabError> {
-    let Some(entry) = umbrage_scenes::find("cubes") else { return Ok(true) };
+    let Some(entry) = umbrage_scenes::find("cubes") else {
+        return Ok(true);
+    };
     let scene = (entry.build)();
     let geometry = Geometry::bake(&scene)?;
     let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
-    let map = ShadowMap { size: 512, bias: Bias::ADAPTIVE, ..ShadowMap::default() };
+    let map = ShadowMap {
+        size: 512,
+        bias: Bias::ADAPTIVE,
+        ..ShadowMap::default()
+    };
     let recipe = Pcf { map, radius: 1 }.plan(&view)?;
-    let masks = [used.render(&view, &recipe)?.mask, fresh.render(&view, &recipe)?.mask];
+    let masks = [
+        used.render(&view, &recipe)?.mask,
+        fresh.render(&view, &recipe)?.mask,
+    ];
     let bits = |mask: &[f32]| mask.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
     Ok(bits(&masks[0]) == bits(&masks[1]))
 }
@@ -107,7 +127,11 @@ mod tests {
             fn kind(&self) -> &'static str {
                 "cpu"
             }
-            fn render(&mut self, view: &View<'_>, recipe: &Recipe) -> Result<Shadows, BackendError> {
+            fn render(
+                &mut self,
+                view: &View<'_>,
+                recipe: &Recipe,
+            ) -> Result<Shadows, BackendError> {
                 let mut shadows = self.0.render(view, recipe)?;
                 shadows.mask[0] = 0.25;
                 Ok(shadows)

@@ -94,7 +94,11 @@ impl Measure {
             Self::Gap(_) => "mm",
             Self::EdgeDisplacement => "px",
             Self::Fill => "M fragments",
-            Self::Rmse | Self::PenumbraRmse | Self::ScaleDrift(_) | Self::Shimmer | Self::ChangeError => "",
+            Self::Rmse
+            | Self::PenumbraRmse
+            | Self::ScaleDrift(_)
+            | Self::Shimmer
+            | Self::ChangeError => "",
             _ => "%",
         }
     }
@@ -123,7 +127,9 @@ impl Measure {
             Self::PenumbraRmse => {
                 "passes up to the noise of 16 independent rays a pixel; fails above half the error of a lamp without extent"
             }
-            Self::PenumbraWidth => "passes within a quarter of the true width; fails if off by more than half of it",
+            Self::PenumbraWidth => {
+                "passes within a quarter of the true width; fails if off by more than half of it"
+            }
             Self::AllLit => "nothing may darken: any pixel fails",
             Self::ScaleDrift(_) => "a step of 255; fails at four",
             Self::Fill => "passes up to four pictures' worth of fragments; fails above sixteen",
@@ -140,24 +146,40 @@ impl Measure {
         let (receivers, counts) = (&ground.truth.receivers, |i: usize| ground.counts(i));
         match *self {
             Self::Acne => open::acne(mask, truth, open),
-            Self::AcneByDistance => worst(open::acne_by_distance(mask, truth, open, &receivers.distance)),
+            Self::AcneByDistance => worst(open::acne_by_distance(
+                mask,
+                truth,
+                open,
+                &receivers.distance,
+            )),
             Self::Leak => open::leak(mask, truth, open),
             Self::Wrong => open::wrong(mask, truth, open),
             Self::Rmse | Self::ScaleDrift(_) => rmse(ground, mask),
             Self::Gap(contact) => 1e3 * contact.gap(mask, truth, receivers, counts),
-            Self::ContactLeak(contact, reach) => contact.leak(mask, truth, receivers, reach, counts),
-            Self::LeakAround(places, reach) => gap::leak_around(places, reach, mask, truth, receivers, counts),
-            Self::EdgeDisplacement => edge::displacement(ground.truth.size, mask, truth, &ground.truth.pixels),
+            Self::ContactLeak(contact, reach) => {
+                contact.leak(mask, truth, receivers, reach, counts)
+            }
+            Self::LeakAround(places, reach) => {
+                gap::leak_around(places, reach, mask, truth, receivers, counts)
+            }
+            Self::EdgeDisplacement => {
+                edge::displacement(ground.truth.size, mask, truth, &ground.truth.pixels)
+            }
             Self::Seams => seams::wrong_within(mask, truth, |i| counts(i) && on_seam(ground, i)),
             Self::PenumbraRmse => penumbra::rmse(mask, truth, counts),
             Self::PenumbraWidth => {
                 let widths = shadows(ground).widths(mask, truth, receivers, LEVEL, counts);
-                let off: Vec<f64> = widths.into_iter().flatten().map(|w| (w - 1.0).abs()).collect();
+                let off: Vec<f64> = widths
+                    .into_iter()
+                    .flatten()
+                    .map(|w| (w - 1.0).abs())
+                    .collect();
                 100.0 * off.iter().sum::<f64>() / off.len().max(1) as f64
             }
             Self::AllLit => {
                 use umbrage_core::metrics::Pixel::{Counted, Empty};
-                let here = (0..mask.len()).filter(|&i| matches!(ground.truth.pixels[i], Counted | Empty));
+                let here =
+                    (0..mask.len()).filter(|&i| matches!(ground.truth.pixels[i], Counted | Empty));
                 open::share(here.map(|i| mask[i] < 1.0))
             }
             Self::Fill | Self::Shimmer | Self::ChangeError => 0.0,
@@ -177,7 +199,9 @@ impl Measure {
                 let pixel = contact.pixel(&ground.truth.receivers, NEAR_CONTACT, counts);
                 Limits::over_ideal(ideal, 1e3 * pixel).below(none())
             }
-            Self::ContactLeak(..) | Self::LeakAround(..) => Limits::over_ideal(ideal, BAND_SHARE).below(none()),
+            Self::ContactLeak(..) | Self::LeakAround(..) => {
+                Limits::over_ideal(ideal, BAND_SHARE).below(none())
+            }
             Self::EdgeDisplacement => Limits::over_ideal(ideal, HALF_PIXEL).below(none()),
             Self::Seams => Limits::over_ideal(ideal, SMALL_SHARE).below(none()),
             Self::PenumbraRmse => Limits::new(
@@ -207,13 +231,18 @@ fn worst(bins: [f64; open::BINS]) -> f64 {
 /// RMSE over the pixels that count. What is no mask has no figure: NaN, which fails.
 pub(super) fn rmse(ground: &Ground, mask: &[f32]) -> f64 {
     let truth = &ground.truth;
-    Errors::measure(truth.size, mask, &truth.visibility, &truth.pixels).map_or(f64::NAN, |errors| errors.rmse)
+    Errors::measure(truth.size, mask, &truth.visibility, &truth.pixels)
+        .map_or(f64::NAN, |errors| errors.rmse)
 }
 
 fn on_seam(ground: &Ground, i: usize) -> bool {
     let at = |light: &umbrage_core::Light| light.position();
     let from = ground.lights.first().and_then(at).unwrap_or_default();
-    seams::on_seam(ground.truth.receivers.position(i) - from, ground.map_size, SEAM_TEXELS)
+    seams::on_seam(
+        ground.truth.receivers.position(i) - from,
+        ground.map_size,
+        SEAM_TEXELS,
+    )
 }
 
 /// Places along each caster's upright axis.
@@ -226,9 +255,15 @@ fn shadows(ground: &Ground) -> penumbra::Shadows {
     let from = light.and_then(|l| l.position()).unwrap_or_default();
     let of = |instance: &umbrage_core::Instance| {
         let mesh = &ground.scene.meshes[instance.mesh];
-        let corners = mesh.positions.iter().map(|p| instance.world_from_local.transform_point3(*p));
+        let corners = mesh
+            .positions
+            .iter()
+            .map(|p| instance.world_from_local.transform_point3(*p));
         let b = umbrage_core::Aabb::around(corners);
-        let at = |k: usize| b.center().with_y(b.min.y + (b.max.y - b.min.y) * k as f32 / (PLACES - 1) as f32);
+        let at = |k: usize| {
+            b.center()
+                .with_y(b.min.y + (b.max.y - b.min.y) * k as f32 / (PLACES - 1) as f32)
+        };
         let fall = |p: Vec3| from + (p - from) * (from.y / (from.y - p.y));
         (0..PLACES).map(|k| fall(at(k))).collect()
     };

@@ -59,7 +59,11 @@ const WIDENING: [f64; 2] = [75.0, 90.0];
 
 /// The camera that a motion starts from.
 pub(super) fn first_camera(camera: &Camera, motion: Motion) -> Camera {
-    if motion == Motion::Widening { with_fov(camera, WIDENING[0]) } else { *camera }
+    if motion == Motion::Widening {
+        with_fov(camera, WIDENING[0])
+    } else {
+        *camera
+    }
 }
 
 fn with_fov(camera: &Camera, degrees: f64) -> Camera {
@@ -75,7 +79,12 @@ impl<'a> Moving<'a> {
     ///
     /// # Errors
     /// When the scene holds numbers that can't be used.
-    pub fn new(ground: &'a Ground, motion: Motion, count: u32, options: &TruthOptions) -> Result<Self, LabError> {
+    pub fn new(
+        ground: &'a Ground,
+        motion: Motion,
+        count: u32,
+        options: &TruthOptions,
+    ) -> Result<Self, LabError> {
         let mut cpu = Cpu::new();
         let texel = texel(ground)?;
         let mut frames = Vec::new();
@@ -84,17 +93,37 @@ impl<'a> Moving<'a> {
             let (camera, light) = at(ground, motion, t, count, texel);
             let receivers = cpu.receivers(&camera, &ground.geometry)?;
             let seen = trace_at_receivers(&ground.geometry, &light, &ground.truth, options)?;
-            truth.push(seen.into_iter().map(|s| s.map_or(1.0, |s| s.visibility)).collect());
-            frames.push(Frame { camera, light, receivers });
+            truth.push(
+                seen.into_iter()
+                    .map(|s| s.map_or(1.0, |s| s.visibility))
+                    .collect(),
+            );
+            frames.push(Frame {
+                camera,
+                light,
+                receivers,
+            });
         }
-        let marked = (0..ground.open.len()).map(|i| is_marked(ground, &frames, i)).collect();
-        Ok(Self { ground, frames, truth, marked })
+        let marked = (0..ground.open.len())
+            .map(|i| is_marked(ground, &frames, i))
+            .collect();
+        Ok(Self {
+            ground,
+            frames,
+            truth,
+            marked,
+        })
     }
 
     /// How much the masks of its frames, at the first one's receivers, change though they should not.
     pub fn figure(&self, measure: Measure, masks: &[Vec<f32>]) -> f64 {
         match measure {
-            Measure::ChangeError => change_error(masks, &self.truth, &self.marked, self.ground.truth.size.x as usize),
+            Measure::ChangeError => change_error(
+                masks,
+                &self.truth,
+                &self.marked,
+                self.ground.truth.size.x as usize,
+            ),
             _ => shimmer(masks, &self.truth, &self.marked),
         }
     }
@@ -123,8 +152,14 @@ impl<'a> Moving<'a> {
         let figure = self.figure(measure, &masks);
         let verdict = self.limits(measure).judge(figure);
         let worse = verdict != Verdict::Pass;
-        let picture = worse.then(|| pictures::strip(self.ground, &masks, &self.marked)).transpose()?;
-        Ok(Cell { picture, disagreeing, ..cell(technique, Outcome::Measured { figure, verdict }) })
+        let picture = worse
+            .then(|| pictures::strip(self.ground, &masks, &self.marked))
+            .transpose()?;
+        Ok(Cell {
+            picture,
+            disagreeing,
+            ..cell(technique, Outcome::Measured { figure, verdict })
+        })
     }
 
     /// The mask at the first frame's receivers, frame by frame, and on how many decided pixels backends differ.
@@ -151,7 +186,11 @@ impl<'a> Moving<'a> {
         playing: &mut [Box<dyn Backend>],
     ) -> Result<everywhere::Played, NoMask> {
         let view = View::new(&frame.camera, &frame.light, &self.ground.geometry);
-        let still = View { camera: &self.ground.camera, ..view }.with_receivers(&self.ground.truth.receivers);
+        let still = View {
+            camera: &self.ground.camera,
+            ..view
+        }
+        .with_receivers(&self.ground.truth.receivers);
         let mut recipe = guard::plan(technique, &view.with_receivers(&frame.receivers))?;
         if draws_the_picture(&recipe, &frame.camera) {
             recipe = guard::plan(technique, &still)?;
@@ -174,7 +213,10 @@ fn at(ground: &Ground, motion: Motion, t: u32, count: u32, texel: f64) -> (Camer
         Motion::Yaw => (yawed(&camera, steps * YAW), light),
         Motion::Widening => {
             let part = steps / f64::from(count.max(2) - 1);
-            (with_fov(&camera, WIDENING[0] + part * (WIDENING[1] - WIDENING[0])), light)
+            (
+                with_fov(&camera, WIDENING[0] + part * (WIDENING[1] - WIDENING[0])),
+                light,
+            )
         }
         Motion::Sun => (camera, turned(&light, steps * TURN)),
     }
@@ -183,7 +225,8 @@ fn at(ground: &Ground, motion: Motion, t: u32, count: u32, texel: f64) -> (Camer
 fn panned(camera: &Camera, by: f64) -> Camera {
     let mut out = *camera;
     let right = out.world_from_view.matrix3.x_axis.as_dvec3().normalize();
-    out.world_from_view.translation = (out.world_from_view.translation.as_dvec3() + right * by).as_vec3a();
+    out.world_from_view.translation =
+        (out.world_from_view.translation.as_dvec3() + right * by).as_vec3a();
     out
 }
 
@@ -196,9 +239,15 @@ fn yawed(camera: &Camera, degrees: f64) -> Camera {
 
 fn turned(light: &Light, degrees: f64) -> Light {
     match *light {
-        Light::Directional { direction, angular_diameter } => {
+        Light::Directional {
+            direction,
+            angular_diameter,
+        } => {
             let turn = glam::DQuat::from_rotation_y(degrees.to_radians());
-            Light::Directional { direction: (turn * direction.as_dvec3()).as_vec3(), angular_diameter }
+            Light::Directional {
+                direction: (turn * direction.as_dvec3()).as_vec3(),
+                angular_diameter,
+            }
         }
         other => other,
     }
@@ -206,9 +255,14 @@ fn turned(light: &Light, degrees: f64) -> Light {
 
 /// Width of a texel of the first frame's map, metres.
 fn texel(ground: &Ground) -> Result<f64, LabError> {
-    let view = ground.view(&ground.lights[0]).with_receivers(&ground.truth.receivers);
+    let view = ground
+        .view(&ground.lights[0])
+        .with_receivers(&ground.truth.receivers);
     let spaces = Fit::Tight.light_spaces(Layout::Auto, &view, ground.map_size, 0.0)?;
-    let across = spaces.spaces.first().map_or(1.0, |s| f64::from(s.clip_from_view.x_axis.x));
+    let across = spaces
+        .spaces
+        .first()
+        .map_or(1.0, |s| f64::from(s.clip_from_view.x_axis.x));
     Ok(2.0 / (across * f64::from(ground.map_size)))
 }
 
@@ -218,11 +272,19 @@ fn is_marked(ground: &Ground, frames: &[Frame], i: usize) -> bool {
 }
 
 fn is_seen(ground: &Ground, camera: &Camera, i: usize) -> bool {
-    let (p, n) = (ground.truth.receivers.position(i), ground.truth.receivers.normal(i));
+    let (p, n) = (
+        ground.truth.receivers.position(i),
+        ground.truth.receivers.normal(i),
+    );
     let q = camera.space().clip_from_world() * p.extend(1.0);
     let inside = q.w > 0.0 && q.x.abs() < q.w && q.y.abs() < q.w;
     let to_eye: Vec3 = camera.eye() - p;
     // A thousandth of the way off the surface, so that its neighbours don't hide the point from the eye.
     let lift = n * (1e-3 * to_eye.length());
-    inside && !ground.geometry.bvh().occluded(p + lift, to_eye - lift, ground.truth.receivers.triangle[i])
+    inside
+        && !ground.geometry.bvh().occluded(
+            p + lift,
+            to_eye - lift,
+            ground.truth.receivers.triangle[i],
+        )
 }

@@ -26,16 +26,30 @@ pub(super) fn beside(ground: &Ground, mask: &[f32]) -> Result<Vec<u8>, LabError>
 }
 
 /// The first frames' masks side by side, then where they change: orange. A PNG.
-pub(super) fn strip(ground: &Ground, masks: &[Vec<f32>], marked: &[bool]) -> Result<Vec<u8>, LabError> {
+pub(super) fn strip(
+    ground: &Ground,
+    masks: &[Vec<f32>],
+    marked: &[bool],
+) -> Result<Vec<u8>, LabError> {
     let pixels = &ground.truth.pixels;
-    let mut parts: Vec<Vec<Vec3>> = masks.iter().take(FRAMES).map(|m| pictures::mask_colors(m, pixels)).collect();
+    let mut parts: Vec<Vec<Vec3>> = masks
+        .iter()
+        .take(FRAMES)
+        .map(|m| pictures::mask_colors(m, pixels))
+        .collect();
     parts.push(changes(masks, marked));
     row(ground.truth.size, &parts)
 }
 
 fn changes(masks: &[Vec<f32>], marked: &[bool]) -> Vec<Vec3> {
     let pairs = masks.len().saturating_sub(1).max(1) as f32;
-    let mean = |i: usize| masks.array_windows().map(|[a, b]| (a[i] - b[i]).abs()).sum::<f32>() / pairs;
+    let mean = |i: usize| {
+        masks
+            .array_windows()
+            .map(|[a, b]| (a[i] - b[i]).abs())
+            .sum::<f32>()
+            / pairs
+    };
     let color = |i: usize| {
         let ground = Vec3::splat(if marked[i] { 0.85 } else { 0.95 });
         ground.lerp(pictures::FALSE_LIGHT, (mean(i) / CHANGE).min(1.0))
@@ -54,5 +68,8 @@ fn row(size: UVec2, parts: &[Vec<Vec3>]) -> Result<Vec<u8>, LabError> {
             colors[start..start + w].copy_from_slice(&part[y * w..][..w]);
         }
     }
-    picture(pictures::encode(UVec2::new(whole as u32, size.y), colors.into_iter()))
+    picture(pictures::encode(
+        UVec2::new(whole as u32, size.y),
+        colors.into_iter(),
+    ))
 }

@@ -31,29 +31,48 @@ struct Played {
 
 impl Still<'_> {
     /// One setting's cell.
-    pub(super) fn cell(&self, technique: &dyn ShadowTechnique, backends: &mut Backends) -> Result<Cell, LabError> {
+    pub(super) fn cell(
+        &self,
+        technique: &dyn ShadowTechnique,
+        backends: &mut Backends,
+    ) -> Result<Cell, LabError> {
         let played = match play(self.ground, technique, backends) {
             Ok(played) => played,
             Err(why) => return Ok(no_mask(technique, why)),
         };
         let figure = match (self.case.measure, self.reference) {
             (Measure::Fill, _) => played.fill,
-            (Measure::ScaleDrift(_), Some(reference)) => match play(reference, technique, backends) {
-                Ok(at_one) => (rmse(self.ground, &played.mask) - rmse(reference, &at_one.mask)).abs(),
+            (Measure::ScaleDrift(_), Some(reference)) => match play(reference, technique, backends)
+            {
+                Ok(at_one) => {
+                    (rmse(self.ground, &played.mask) - rmse(reference, &at_one.mask)).abs()
+                }
                 Err(why) => return Ok(no_mask(technique, why)),
             },
             (measure, _) => measure.figure(self.ground, &played.mask),
         };
         let verdict = self.limits.judge(figure);
         let worse = verdict != Verdict::Pass;
-        let picture = worse.then(|| pictures::beside(self.ground, &played.mask)).transpose()?;
-        Ok(Cell { picture, disagreeing: played.disagreeing, ..cell(technique, Outcome::Measured { figure, verdict }) })
+        let picture = worse
+            .then(|| pictures::beside(self.ground, &played.mask))
+            .transpose()?;
+        Ok(Cell {
+            picture,
+            disagreeing: played.disagreeing,
+            ..cell(technique, Outcome::Measured { figure, verdict })
+        })
     }
 }
 
 pub(super) fn cell(technique: &dyn ShadowTechnique, outcome: Outcome) -> Cell {
     let (technique, settings) = (technique.name().to_owned(), technique.settings());
-    Cell { technique, settings, outcome, disagreeing: None, picture: None }
+    Cell {
+        technique,
+        settings,
+        outcome,
+        disagreeing: None,
+        picture: None,
+    }
 }
 
 pub(super) fn no_mask(technique: &dyn ShadowTechnique, why: NoMask) -> Cell {
@@ -65,7 +84,11 @@ pub(super) fn no_mask(technique: &dyn ShadowTechnique, why: NoMask) -> Cell {
 }
 
 /// The mean mask over the ground's lights on the first backend; the others must agree with it.
-fn play(ground: &Ground, technique: &dyn ShadowTechnique, backends: &mut Backends) -> Result<Played, NoMask> {
+fn play(
+    ground: &Ground,
+    technique: &dyn ShadowTechnique,
+    backends: &mut Backends,
+) -> Result<Played, NoMask> {
     let mut all: Option<Played> = None;
     for light in &ground.lights {
         let one = under(light, ground, technique, backends)?;
@@ -82,7 +105,10 @@ fn play(ground: &Ground, technique: &dyn ShadowTechnique, backends: &mut Backend
 
 impl Played {
     fn plus(mut self, other: Self) -> Self {
-        self.mask.iter_mut().zip(&other.mask).for_each(|(a, b)| *a += b);
+        self.mask
+            .iter_mut()
+            .zip(&other.mask)
+            .for_each(|(a, b)| *a += b);
         self.fill += other.fill;
         self.disagreeing = everywhere::sum(self.disagreeing, other.disagreeing);
         self
@@ -97,8 +123,13 @@ fn under(
 ) -> Result<Played, NoMask> {
     let view = ground.view(light);
     let recipe = guard::plan(technique, &view.with_receivers(&ground.truth.receivers))?;
-    let everywhere::Played { mask, disagreeing } = everywhere::render(&mut backends.playing, &view, &recipe)?;
-    Ok(Played { fill: fill(&recipe, &view), mask, disagreeing })
+    let everywhere::Played { mask, disagreeing } =
+        everywhere::render(&mut backends.playing, &view, &recipe)?;
+    Ok(Played {
+        fill: fill(&recipe, &view),
+        mask,
+        disagreeing,
+    })
 }
 
 /// Fragments that casts draw, millions, for a picture of [`SCREEN`]: casts into images of the camera's size grow with its
@@ -106,10 +137,17 @@ fn under(
 fn fill(recipe: &Recipe, view: &View<'_>) -> f64 {
     let covered = Work::of(view, recipe).covered as f64 * 1e-6;
     let pixels = f64::from(view.camera.size.x) * f64::from(view.camera.size.y) * 1e-6;
-    if draws_the_picture(recipe, view.camera) { covered * SCREEN / pixels } else { covered }
+    if draws_the_picture(recipe, view.camera) {
+        covered * SCREEN / pixels
+    } else {
+        covered
+    }
 }
 
 /// Whether a recipe casts into the camera's own picture.
 pub(super) fn draws_the_picture(recipe: &Recipe, camera: &Camera) -> bool {
-    recipe.casts.iter().any(|cast| recipe.images[cast.image].size == camera.size)
+    recipe
+        .casts
+        .iter()
+        .any(|cast| recipe.images[cast.image].size == camera.size)
 }

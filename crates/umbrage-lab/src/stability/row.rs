@@ -67,13 +67,28 @@ impl Motion {
 impl Case {
     /// A still scene.
     pub(super) const fn still(scene: &'static str, measure: Measure) -> Self {
-        Self { name: scene, scene, lights: 1, motion: Motion::Still, measure, extra: None }
+        Self {
+            name: scene,
+            scene,
+            lights: 1,
+            motion: Motion::Still,
+            measure,
+            extra: None,
+        }
     }
 
     /// A moving scene. Under a light that stands still nothing may change; else as much as truth does.
     pub(super) const fn moving(name: &'static str, scene: &'static str, motion: Motion) -> Self {
-        let measure = if matches!(motion, Motion::Sun) { Measure::ChangeError } else { Measure::Shimmer };
-        Self { name, motion, ..Self::still(scene, measure) }
+        let measure = if matches!(motion, Motion::Sun) {
+            Measure::ChangeError
+        } else {
+            Measure::Shimmer
+        };
+        Self {
+            name,
+            motion,
+            ..Self::still(scene, measure)
+        }
     }
 
     /// The same case under another name: a scene with two measures.
@@ -83,7 +98,10 @@ impl Case {
 
     /// The same case with more settings.
     pub(super) const fn with(self, extra: fn(map_size: u32) -> Settings) -> Self {
-        Self { extra: Some(extra), ..self }
+        Self {
+            extra: Some(extra),
+            ..self
+        }
     }
 
     /// The scene in the catalogue of scenes; none only if this list has a name wrong, which a test refuses.

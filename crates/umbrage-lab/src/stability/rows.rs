@@ -17,16 +17,24 @@ pub fn rows() -> &'static [Row] {
 
 /// All cases with their rows.
 pub fn cases() -> impl Iterator<Item = (&'static Row, &'static Case)> {
-    ROWS.iter().flat_map(|row| row.cases.iter().map(move |case| (row, case)))
+    ROWS.iter()
+        .flat_map(|row| row.cases.iter().map(move |case| (row, case)))
 }
 
 /// Where `thin-plate`'s plate stands; its shadow falls along +z.
-pub const PLATE: Contact =
-    Contact { from: Vec3::new(-0.45, 0.0, 0.001), to: Vec3::new(0.45, 0.0, 0.001), along: Vec3::Z };
+pub const PLATE: Contact = Contact {
+    from: Vec3::new(-0.45, 0.0, 0.001),
+    to: Vec3::new(0.45, 0.0, 0.001),
+    along: Vec3::Z,
+};
 
 /// The middles of `hovering-feet`'s feet on the floor.
-const FEET: [Vec3; 4] =
-    [Vec3::new(-0.9, 0.0, 0.2), Vec3::new(-0.6, 0.0, 0.0), Vec3::new(0.4, 0.0, 0.3), Vec3::new(0.7, 0.0, 0.1)];
+const FEET: [Vec3; 4] = [
+    Vec3::new(-0.9, 0.0, 0.2),
+    Vec3::new(-0.6, 0.0, 0.0),
+    Vec3::new(0.4, 0.0, 0.3),
+    Vec3::new(0.7, 0.0, 0.1),
+];
 
 /// The feet's radius and 10 cm around it, metres.
 const AROUND_FEET: f32 = 0.11 + 0.10;
@@ -35,19 +43,38 @@ const fn still(scene: &'static str, measure: Measure) -> Case {
     Case::still(scene, measure)
 }
 
-const fn row(number: u8, title: &'static str, weakness: &'static str, cases: &'static [Case]) -> Row {
-    Row { number, title, weakness, not_yet: None, cases }
+const fn row(
+    number: u8,
+    title: &'static str,
+    weakness: &'static str,
+    cases: &'static [Case],
+) -> Row {
+    Row {
+        number,
+        title,
+        weakness,
+        not_yet: None,
+        cases,
+    }
 }
 
 impl Row {
     const fn without(self, techniques: &'static str) -> Self {
-        Self { not_yet: Some(techniques), ..self }
+        Self {
+            not_yet: Some(techniques),
+            ..self
+        }
     }
 }
 
 fn hard(size: u32, format: MapFormat, biases: &[Bias]) -> Settings {
     let of = |&bias| {
-        let map = ShadowMap { size, bias, format, ..ShadowMap::default() };
+        let map = ShadowMap {
+            size,
+            bias,
+            format,
+            ..ShadowMap::default()
+        };
         Arc::new(Hard { map }) as Arc<dyn ShadowTechnique>
     };
     biases.iter().map(of).collect()
@@ -55,17 +82,29 @@ fn hard(size: u32, format: MapFormat, biases: &[Bias]) -> Settings {
 
 /// Maps of 16 bits under two biases.
 fn coarse(size: u32) -> Settings {
-    hard(size, MapFormat::Depth16, &[Bias::POLYGON_OFFSET, Bias::ADAPTIVE])
+    hard(
+        size,
+        MapFormat::Depth16,
+        &[Bias::POLYGON_OFFSET, Bias::ADAPTIVE],
+    )
 }
 
 /// No bias, and those that a low sun and distance are too much for.
 fn too_little(size: u32) -> Settings {
-    hard(size, MapFormat::Depth32, &[Bias::NONE, Bias::CONSTANT, Bias::NORMAL_OFFSET])
+    hard(
+        size,
+        MapFormat::Depth32,
+        &[Bias::NONE, Bias::CONSTANT, Bias::NORMAL_OFFSET],
+    )
 }
 
 /// What lets light into rooms and under thin casters.
 fn leaky(size: u32) -> Settings {
-    hard(size, MapFormat::Depth32, &[Bias::NORMAL_OFFSET, Bias::FRONT_CULL])
+    hard(
+        size,
+        MapFormat::Depth32,
+        &[Bias::NORMAL_OFFSET, Bias::FRONT_CULL],
+    )
 }
 
 /// Fits that move by whole texels, for cameras that see some metres far.
@@ -79,9 +118,21 @@ fn steady_far(size: u32) -> Settings {
 }
 
 fn steady(size: u32, range: f32) -> Settings {
-    let map = ShadowMap { size, fit: Fit::Stable { range }, bias: Bias::SLOPE, ..ShadowMap::default() };
-    let follows = ShadowMap { bias: Bias::ADAPTIVE, ..map };
-    vec![Arc::new(Hard { map }), Arc::new(Hard { map: follows }), Arc::new(Pcf { map, radius: 1 })]
+    let map = ShadowMap {
+        size,
+        fit: Fit::Stable { range },
+        bias: Bias::SLOPE,
+        ..ShadowMap::default()
+    };
+    let follows = ShadowMap {
+        bias: Bias::ADAPTIVE,
+        ..map
+    };
+    vec![
+        Arc::new(Hard { map }),
+        Arc::new(Hard { map: follows }),
+        Arc::new(Pcf { map, radius: 1 }),
+    ]
 }
 
 const MOMENTS: &str = "moment maps (VSM, EVSM, MSM)";

@@ -35,16 +35,38 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        let truth = TruthOptions { samples: 256, probe_samples: 32, ..TruthOptions::default() };
-        Self { rows: Vec::new(), techniques: Vec::new(), size: UVec2::new(240, 180), map_size: 1024, frames: 10, truth }
+        let truth = TruthOptions {
+            samples: 256,
+            probe_samples: 32,
+            ..TruthOptions::default()
+        };
+        Self {
+            rows: Vec::new(),
+            techniques: Vec::new(),
+            size: UVec2::new(240, 180),
+            map_size: 1024,
+            frames: 10,
+            truth,
+        }
     }
 }
 
 impl Options {
     /// For a first look: small images, small maps, few frames and samples.
     pub fn quick() -> Self {
-        let truth = TruthOptions { samples: 64, probe_samples: 16, penumbra_factor: 2, ..TruthOptions::default() };
-        Self { size: UVec2::new(120, 90), map_size: 512, frames: 5, truth, ..Self::default() }
+        let truth = TruthOptions {
+            samples: 64,
+            probe_samples: 16,
+            penumbra_factor: 2,
+            ..TruthOptions::default()
+        };
+        Self {
+            size: UVec2::new(120, 90),
+            map_size: 512,
+            frames: 5,
+            truth,
+            ..Self::default()
+        }
     }
 
     fn wants(&self, row: &Row, case: &Case) -> bool {
@@ -58,17 +80,30 @@ impl Options {
     /// The first that doesn't, with what there is.
     pub fn validate(&self) -> Result<(), Invalid> {
         let known = |word: &&String| {
-            cases().any(|(row, case)| row.is_called(word) || case.name == *word || case.scene == *word)
+            cases()
+                .any(|(row, case)| row.is_called(word) || case.name == *word || case.scene == *word)
         };
         if let Some(unknown) = self.rows.iter().find(|word| !known(word)) {
             let mend = "use a row's number, 1 to 30, or the name of a case, such as thin-plate";
-            return Err(Invalid::new("row", format!("there is none called `{unknown}`"), mend));
+            return Err(Invalid::new(
+                "row",
+                format!("there is none called `{unknown}`"),
+                mend,
+            ));
         }
         let all = umbrage_techniques::all();
-        if let Some(unknown) = self.techniques.iter().find(|t| umbrage_techniques::find(t).is_none()) {
+        if let Some(unknown) = self
+            .techniques
+            .iter()
+            .find(|t| umbrage_techniques::find(t).is_none())
+        {
             let names: Vec<_> = all.iter().map(|e| e.name).collect();
             let why = format!("there is none called `{unknown}`");
-            return Err(Invalid::new("technique", why, format!("use some of {}", names.join(", "))));
+            return Err(Invalid::new(
+                "technique",
+                why,
+                format!("use some of {}", names.join(", ")),
+            ));
         }
         Ok(())
     }
@@ -106,9 +141,15 @@ pub fn run(
 ) -> Result<Stability, LabError> {
     options.validate()?;
     some_backend(backends)?;
-    let wanted: Vec<(&Row, &Case)> = cases().filter(|(row, case)| options.wants(row, case)).collect();
+    let wanted: Vec<(&Row, &Case)> = cases()
+        .filter(|(row, case)| options.wants(row, case))
+        .collect();
     let mut out = Stability {
-        backends: backends.playing.iter().map(|b| b.kind().to_owned()).collect(),
+        backends: backends
+            .playing
+            .iter()
+            .map(|b| b.kind().to_owned())
+            .collect(),
         map_size: options.map_size,
         size: options.size.to_array(),
         frames: options.frames,
@@ -116,7 +157,11 @@ pub fn run(
     };
     let mut last: Option<(&Case, Ground)> = None;
     for (index, (row, case)) in wanted.iter().copied().enumerate() {
-        on_event(Event::Case { name: case.name, index, of: wanted.len() });
+        on_event(Event::Case {
+            name: case.name,
+            index,
+            of: wanted.len(),
+        });
         // Neighbours in the list often share a scene; its truth is traced once.
         let ground = match last.take() {
             Some((before, ground)) if is_same_ground(before, case) => ground,
@@ -141,7 +186,13 @@ fn is_same_ground(a: &Case, b: &Case) -> bool {
 /// # Errors
 /// When the scene doesn't exist or can't be used.
 pub fn ground(case: &Case, scene: &str, options: &Options) -> Result<Ground, LabError> {
-    let unknown = || Invalid::new("scene", format!("there is none called `{scene}`"), "use a built-in one");
+    let unknown = || {
+        Invalid::new(
+            "scene",
+            format!("there is none called `{scene}`"),
+            "use a built-in one",
+        )
+    };
     let scene = (umbrage_scenes::find(scene).ok_or_else(unknown)?.build)();
     let camera = first_camera(&scene.cameras[0].resized(options.size), case.motion);
     let lights = scene.lights.iter().take(case.lights).copied().collect();
@@ -158,10 +209,16 @@ fn play_case(
     let chosen = chosen(case, options);
     let (limits, cells) = if case.motion == Motion::Still {
         let limits = case.measure.limits(ground);
-        (limits, still_cells(case, ground, limits, &chosen, options, backends)?)
+        (
+            limits,
+            still_cells(case, ground, limits, &chosen, options, backends)?,
+        )
     } else {
         let moving = Moving::new(ground, case.motion, options.frames, &options.truth)?;
-        let cells = chosen.iter().map(|t| moving.cell(&**t, case.measure, backends)).collect::<Result<_, _>>()?;
+        let cells = chosen
+            .iter()
+            .map(|t| moving.cell(&**t, case.measure, backends))
+            .collect::<Result<_, _>>()?;
         (moving.limits(case.measure), cells)
     };
     Ok(CaseResult {
@@ -184,14 +241,19 @@ fn play_case(
 /// Objects to no backend at all.
 pub(super) fn some_backend(backends: &Backends) -> Result<(), Invalid> {
     let none = || Invalid::new("stability", "has no backend", "open at least one");
-    if backends.playing.is_empty() { Err(none()) } else { Ok(()) }
+    if backends.playing.is_empty() {
+        Err(none())
+    } else {
+        Ok(())
+    }
 }
 
 /// The settings of a case.
 fn chosen(case: &Case, options: &Options) -> Settings {
     let mut chosen = settings(&options.techniques, options.map_size, Fit::Tight);
     let extra = case.extra.map_or_else(Vec::new, |f| f(options.map_size));
-    let wanted = |name: &str| options.techniques.is_empty() || options.techniques.iter().any(|t| t == name);
+    let wanted =
+        |name: &str| options.techniques.is_empty() || options.techniques.iter().any(|t| t == name);
     chosen.extend(extra.into_iter().filter(|t| wanted(t.name())));
     chosen
 }
@@ -208,15 +270,26 @@ fn still_cells(
         Measure::ScaleDrift(scene) => Some(self::ground(case, scene, options)?),
         _ => None,
     };
-    let still = Still { case, ground, reference: at_one.as_ref(), limits };
-    chosen.iter().map(|technique| still.cell(&**technique, backends)).collect()
+    let still = Still {
+        case,
+        ground,
+        reference: at_one.as_ref(),
+        limits,
+    };
+    chosen
+        .iter()
+        .map(|technique| still.cell(&**technique, backends))
+        .collect()
 }
 
 fn faults(result: &CaseResult) -> Vec<String> {
     let name = |cell: &Cell| format!("{}: {} ({})", result.case, cell.technique, cell.settings);
     let of = |cell: &Cell| match (&cell.outcome, cell.disagreeing) {
         (Outcome::Fault { what }, _) => Some(format!("{}: {what}", name(cell))),
-        (_, Some(n)) if n > 0 => Some(format!("{}: backends differ on {n} decided pixels", name(cell))),
+        (_, Some(n)) if n > 0 => Some(format!(
+            "{}: backends differ on {n} decided pixels",
+            name(cell)
+        )),
         _ => None,
     };
     result.cells.iter().filter_map(of).collect()
@@ -226,12 +299,20 @@ fn faults(result: &CaseResult) -> Vec<String> {
 ///
 /// # Errors
 /// When a control can't be played.
-pub fn check_state(used: &mut [Box<dyn Backend>], fresh: &mut [Box<dyn Backend>]) -> Result<Vec<String>, LabError> {
+pub fn check_state(
+    used: &mut [Box<dyn Backend>],
+    fresh: &mut [Box<dyn Backend>],
+) -> Result<Vec<String>, LabError> {
     let mut out = Vec::new();
     for used in used {
-        let Some(fresh) = fresh.iter_mut().find(|f| f.kind() == used.kind()) else { continue };
+        let Some(fresh) = fresh.iter_mut().find(|f| f.kind() == used.kind()) else {
+            continue;
+        };
         if !guard::is_as_new(&mut **used, &mut **fresh)? {
-            out.push(format!("{}: a control picture after the run differs from a fresh backend's", used.name()));
+            out.push(format!(
+                "{}: a control picture after the run differs from a fresh backend's",
+                used.name()
+            ));
         }
     }
     Ok(out)

@@ -9,15 +9,27 @@ use umbrage_techniques::Settings;
 pub fn settings(techniques: &[String], map_size: u32, fit: Fit) -> Settings {
     let wanted = |name: &str| techniques.is_empty() || techniques.iter().any(|t| t == name);
     let entries = umbrage_techniques::all().iter().filter(|e| wanted(e.name));
-    entries.flat_map(|e| two_of((e.settings)(&[map_size], fit))).collect()
+    entries
+        .flat_map(|e| two_of((e.settings)(&[map_size], fit)))
+        .collect()
 }
 
 fn two_of(all: Settings) -> Settings {
     let says = |t: &Arc<dyn ShadowTechnique>, word: &str| t.settings().contains(word);
-    let textbook = all.iter().find(|t| says(t, "slope") || says(t, "polygon offset")).or(all.first());
-    let best = all.iter().rev().find(|t| says(t, "receiver plane")).or(all.last());
+    let textbook = all
+        .iter()
+        .find(|t| says(t, "slope") || says(t, "polygon offset"))
+        .or(all.first());
+    let best = all
+        .iter()
+        .rev()
+        .find(|t| says(t, "receiver plane"))
+        .or(all.last());
     let mut out: Settings = textbook.into_iter().cloned().collect();
-    out.extend(best.filter(|b| out.iter().all(|t| t.settings() != b.settings())).cloned());
+    out.extend(
+        best.filter(|b| out.iter().all(|t| t.settings() != b.settings()))
+            .cloned(),
+    );
     out
 }
 
@@ -29,10 +41,24 @@ mod tests {
     fn every_technique_has_one_or_two_settings_that_differ() {
         let chosen = settings(&[], 256, Fit::Tight);
         for entry in umbrage_techniques::all() {
-            let its: Vec<String> = chosen.iter().filter(|t| t.name() == entry.name).map(|t| t.settings()).collect();
-            assert!(matches!(its.len(), 1 | 2) && its.first() != its.get(1), "{}: {its:?}", entry.name);
+            let its: Vec<String> = chosen
+                .iter()
+                .filter(|t| t.name() == entry.name)
+                .map(|t| t.settings())
+                .collect();
+            assert!(
+                matches!(its.len(), 1 | 2) && its.first() != its.get(1),
+                "{}: {its:?}",
+                entry.name
+            );
         }
-        let hard: Vec<String> = settings(&["hard".to_owned()], 256, Fit::Tight).iter().map(|t| t.settings()).collect();
-        assert!(hard.len() == 2 && hard[0].contains("slope") && hard[1].contains("receiver plane"), "{hard:?}");
+        let hard: Vec<String> = settings(&["hard".to_owned()], 256, Fit::Tight)
+            .iter()
+            .map(|t| t.settings())
+            .collect();
+        assert!(
+            hard.len() == 2 && hard[0].contains("slope") && hard[1].contains("receiver plane"),
+            "{hard:?}"
+        );
     }
 }

@@ -20,12 +20,26 @@ use umbrage_techniques::{Bias, Hard, Pcss, Planar, SecondDepth, ShadowMap, Shado
 
 /// Small enough that all cases take seconds.
 fn small() -> Options {
-    let truth = TruthOptions { samples: 64, penumbra_factor: 1, probe_samples: 16, ..TruthOptions::default() };
-    Options { size: UVec2::new(96, 72), map_size: 512, frames: 4, truth, ..Options::quick() }
+    let truth = TruthOptions {
+        samples: 64,
+        penumbra_factor: 1,
+        probe_samples: 16,
+        ..TruthOptions::default()
+    };
+    Options {
+        size: UVec2::new(96, 72),
+        map_size: 512,
+        frames: 4,
+        truth,
+        ..Options::quick()
+    }
 }
 
 fn case(name: &str) -> &'static Case {
-    cases().find(|(_, case)| case.name == name).map(|(_, case)| case).expect("in the list")
+    cases()
+        .find(|(_, case)| case.name == name)
+        .map(|(_, case)| case)
+        .expect("in the list")
 }
 
 fn ground_of(case: &Case, options: &Options) -> Ground {
@@ -39,13 +53,17 @@ fn mask(ground: &Ground, technique: &dyn ShadowTechnique) -> Vec<f32> {
         let view: View<'_> = ground.view(light).with_receivers(&ground.truth.receivers);
         let recipe = technique.plan(&view).expect("supported");
         let shadows = Cpu::new().render(&view, &recipe).expect("plays");
-        sum.iter_mut().zip(&shadows.mask).for_each(|(s, v)| *s += v / ground.lights.len() as f32);
+        sum.iter_mut()
+            .zip(&shadows.mask)
+            .for_each(|(s, v)| *s += v / ground.lights.len() as f32);
     }
     sum
 }
 
 fn verdict(case: &Case, ground: &Ground, mask: &[f32]) -> Verdict {
-    case.measure.limits(ground).judge(case.measure.figure(ground, mask))
+    case.measure
+        .limits(ground)
+        .judge(case.measure.figure(ground, mask))
 }
 
 #[test]
@@ -55,7 +73,12 @@ fn the_list_holds_every_row_once_and_every_scene_exists() {
     let mut names = HashSet::new();
     for (_, case) in cases() {
         assert!(names.insert(case.name), "{} twice", case.name);
-        assert!(case.entry().is_some(), "{}: no scene {}", case.name, case.scene);
+        assert!(
+            case.entry().is_some(),
+            "{}: no scene {}",
+            case.name,
+            case.scene
+        );
     }
 }
 
@@ -78,47 +101,87 @@ fn scenes_of_failures_are_played() {
 fn every_still_row_can_pass_and_can_fail() {
     let options = small();
     // No single mask tells these; and 10,000 boxes are for the command alone.
-    let by_mask = |m: Measure| !matches!(m, Measure::Fill | Measure::Shimmer | Measure::ChangeError);
+    let by_mask =
+        |m: Measure| !matches!(m, Measure::Fill | Measure::Shimmer | Measure::ChangeError);
     for (_, case) in cases().filter(|(_, c)| by_mask(c.measure)) {
         let ground = ground_of(case, &options);
         let traced = mask(&ground, &Traced { samples: 256 });
-        assert_eq!(verdict(case, &ground, &traced), Verdict::Pass, "{}: traced", case.name);
+        assert_eq!(
+            verdict(case, &ground, &traced),
+            Verdict::Pass,
+            "{}: traced",
+            case.name
+        );
         if case.measure == Measure::AllLit && ground.counted().count() == 0 {
             continue;
         }
         let n = traced.len();
         let spoilt = [vec![0.0; n], vec![1.0; n]].map(|mask| verdict(case, &ground, &mask));
-        assert!(spoilt.contains(&Verdict::Fails), "{}: {spoilt:?}", case.name);
+        assert!(
+            spoilt.contains(&Verdict::Fails),
+            "{}: {spoilt:?}",
+            case.name
+        );
     }
 }
 
 #[test]
 fn without_casters_no_shadow_is_left() {
     let options = small();
-    for name in
-        ["thin-plate", "stacked-slices", "hovering-feet", "fence", "hills", "long-plane", "into-light", "two-lights"]
-    {
+    for name in [
+        "thin-plate",
+        "stacked-slices",
+        "hovering-feet",
+        "fence",
+        "hills",
+        "long-plane",
+        "into-light",
+        "two-lights",
+    ] {
         let case = case(name);
         let ground = ground_of(case, &options);
         assert!(ground.truth.has_shadow(), "{name}: nothing to see");
         let bare = ground.geometry.without_casters();
         for light in &ground.lights {
-            let find = &mut |c: &umbrage_core::Camera, g: &umbrage_core::Geometry| Cpu::new().receivers(c, g);
-            let truth = truth::trace(&ground.camera, light, &bare, &options.truth, find, &|_, _| {}).expect("valid");
+            let find = &mut |c: &umbrage_core::Camera, g: &umbrage_core::Geometry| {
+                Cpu::new().receivers(c, g)
+            };
+            let truth = truth::trace(
+                &ground.camera,
+                light,
+                &bare,
+                &options.truth,
+                find,
+                &|_, _| {},
+            )
+            .expect("valid");
             assert!(!truth.has_shadow(), "{name}: shadows without casters");
         }
     }
 }
 
 fn hard(bias: Bias) -> Box<dyn ShadowTechnique> {
-    Box::new(Hard { map: ShadowMap { size: 512, bias, ..ShadowMap::default() } })
+    Box::new(Hard {
+        map: ShadowMap {
+            size: 512,
+            bias,
+            ..ShadowMap::default()
+        },
+    })
 }
 
 /// Weaknesses that a technique is known to have are seen, and truth's technique has none of them.
 #[test]
 fn known_weaknesses_are_seen() {
-    let too_much = Bias { constant: 0.1, ..Bias::NONE };
-    let map = ShadowMap { size: 512, bias: Bias::FRONT_CULL, ..ShadowMap::default() };
+    let too_much = Bias {
+        constant: 0.1,
+        ..Bias::NONE
+    };
+    let map = ShadowMap {
+        size: 512,
+        bias: Bias::FRONT_CULL,
+        ..ShadowMap::default()
+    };
     let known: [(&str, Box<dyn ShadowTechnique>); 10] = [
         ("thin-plate", hard(too_much)),
         ("thin-plate-leak", hard(too_much)),
@@ -136,21 +199,40 @@ fn known_weaknesses_are_seen() {
         let ground = ground_of(case, &small());
         let figure = case.measure.figure(&ground, &mask(&ground, &*technique));
         let limits = case.measure.limits(&ground);
-        assert_ne!(limits.judge(figure), Verdict::Pass, "{name}: {figure} passes {limits:?}");
+        assert_ne!(
+            limits.judge(figure),
+            Verdict::Pass,
+            "{name}: {figure} passes {limits:?}"
+        );
     }
 }
 
 /// Where several blockers make one penumbra, and where each has a width of its own, PCSS at its defaults does what it is for.
 #[test]
 fn soft_shadows_pass_under_lamps() {
-    let technique = Pcss { map: ShadowMap { size: 512, ..ShadowMap::default() }, ..Pcss::default() };
-    for name in ["two-blockers", "rising-boxes", "rising-boxes-disc", "canopy"] {
+    let technique = Pcss {
+        map: ShadowMap {
+            size: 512,
+            ..ShadowMap::default()
+        },
+        ..Pcss::default()
+    };
+    for name in [
+        "two-blockers",
+        "rising-boxes",
+        "rising-boxes-disc",
+        "canopy",
+    ] {
         let case = case(name);
         let ground = ground_of(case, &small());
         let figure = case.measure.figure(&ground, &mask(&ground, &technique));
         let limits = case.measure.limits(&ground);
         println!("{name}: {figure} of {limits:?}");
-        assert_eq!(limits.judge(figure), Verdict::Pass, "{name}: {figure} does not pass {limits:?}");
+        assert_eq!(
+            limits.judge(figure),
+            Verdict::Pass,
+            "{name}: {figure} does not pass {limits:?}"
+        );
     }
 }
 
@@ -167,8 +249,12 @@ fn relief_that_the_map_lacks_leaves_joints_lit() {
     let whole = ground_of(case("displaced-wall"), &small());
     let split = ground_of(case("relief-without-depth-pass"), &small());
     let technique = hard(Bias::ADAPTIVE);
-    let [with, without] = [&whole, &split].map(|ground| false_light(&whole, &mask(ground, &*technique)));
-    assert!(without > 3.0 * with && without > 1.0, "{with} % with the relief, {without} % without");
+    let [with, without] =
+        [&whole, &split].map(|ground| false_light(&whole, &mask(ground, &*technique)));
+    assert!(
+        without > 3.0 * with && without > 1.0,
+        "{with} % with the relief, {without} % without"
+    );
 }
 
 /// Shadows on a normal-mapped wall are a flat wall's. A bias that follows the relief's normals gives them acne.
@@ -180,12 +266,20 @@ fn a_bias_along_shading_normals_spoils_a_flat_wall() {
     (bent.nx, bent.ny, bent.nz) = (relief.nx, relief.ny, relief.nz);
     let technique = hard(Bias::ADAPTIVE);
     let play = |receivers: &umbrage_core::Receivers| {
-        let recipe = technique.plan(&flat.view(&flat.lights[0]).with_receivers(receivers)).expect("supported");
+        let recipe = technique
+            .plan(&flat.view(&flat.lights[0]).with_receivers(receivers))
+            .expect("supported");
         let view = flat.view(&flat.lights[0]).with_receivers(receivers);
-        Measure::Rmse.figure(&flat, &Cpu::new().render(&view, &recipe).expect("plays").mask)
+        Measure::Rmse.figure(
+            &flat,
+            &Cpu::new().render(&view, &recipe).expect("plays").mask,
+        )
     };
     let [geometric, shading] = [play(&flat.truth.receivers), play(&bent)];
-    assert!(shading > 1.2 * geometric, "{geometric} along geometric normals, {shading} along shading normals");
+    assert!(
+        shading > 1.2 * geometric,
+        "{geometric} along geometric normals, {shading} along shading normals"
+    );
 }
 
 /// Shadow volumes count exactly, also with the eye in an umbra and meshes that don't close.
@@ -194,7 +288,12 @@ fn volumes_are_exact_where_counts_start_inside() {
     for name in ["eye-in-umbra", "eye-in-umbra-lamp"] {
         let case = case(name);
         let ground = ground_of(case, &small());
-        assert_eq!(case.measure.figure(&ground, &mask(&ground, &ShadowVolumes::default())), 0.0, "{name}");
+        assert_eq!(
+            case.measure
+                .figure(&ground, &mask(&ground, &ShadowVolumes::default())),
+            0.0,
+            "{name}"
+        );
     }
 }
 
@@ -213,11 +312,25 @@ fn open_pixels_are_right_on_a_perfect_map() {
     let ground = ground_of(case("stairs"), &small());
     let open = ground.open.iter().filter(|o| **o).count();
     assert!(open * 4 > ground.open.len(), "{open} open pixels");
-    assert_eq!(super::measures::open::wrong(&ground.ideal, &ground.truth.visibility, &ground.open), 0.0);
-    assert!(Measure::Rmse.figure(&ground, &ground.ideal) > 0.0, "edges must alias");
+    assert_eq!(
+        super::measures::open::wrong(&ground.ideal, &ground.truth.visibility, &ground.open),
+        0.0
+    );
+    assert!(
+        Measure::Rmse.figure(&ground, &ground.ideal) > 0.0,
+        "edges must alias"
+    );
     // A map of a quarter of the side errs more.
-    let coarse = ground_of(case("stairs"), &Options { map_size: 128, ..small() });
-    assert!(Measure::Rmse.figure(&coarse, &coarse.ideal) > Measure::Rmse.figure(&ground, &ground.ideal));
+    let coarse = ground_of(
+        case("stairs"),
+        &Options {
+            map_size: 128,
+            ..small()
+        },
+    );
+    assert!(
+        Measure::Rmse.figure(&coarse, &coarse.ideal) > Measure::Rmse.figure(&ground, &ground.ideal)
+    );
 }
 
 /// A mask of the wrong size, or with a value that is no visibility, has no RMSE and so passes nowhere.
@@ -228,8 +341,14 @@ fn what_is_no_mask_has_no_rmse() {
     let mut spoilt = ground.truth.visibility.clone();
     assert_eq!(Measure::Rmse.figure(&ground, &spoilt), 0.0);
     spoilt[0] = f32::NAN;
-    assert!(Measure::Rmse.figure(&ground, &spoilt).is_nan() && Measure::Rmse.figure(&ground, &[]).is_nan());
-    assert_eq!(Measure::Rmse.limits(&ground).judge(f64::NAN), Verdict::Fails);
+    assert!(
+        Measure::Rmse.figure(&ground, &spoilt).is_nan()
+            && Measure::Rmse.figure(&ground, &[]).is_nan()
+    );
+    assert_eq!(
+        Measure::Rmse.limits(&ground).judge(f64::NAN),
+        Verdict::Fails
+    );
 }
 
 /// A tight fit crawls under a panning camera; rays don't, and stable fits take the crawl away, to the bit.
@@ -242,10 +361,25 @@ fn panning_shimmers_on_a_tight_fit_and_not_when_traced() {
     };
     let mut backends = Backends::of(vec![Box::new(Cpu::new())]);
     let stability = run(&options, &mut backends, &mut |_| {}).expect("plays");
-    let of = |name: &str| stability.cases[0].cells.iter().filter(|c| c.technique == name).collect::<Vec<_>>();
-    let (stable, tight): (Vec<_>, Vec<_>) = of("hard").into_iter().partition(|c| c.settings.contains("stable fit"));
-    assert!(tight.iter().all(|c| c.verdict() == Some(Verdict::Fails) && c.picture.is_some()));
-    assert!(stable.len() == 2 && stable.iter().all(|c| c.figure() == Some(0.0)), "{stable:?}");
+    let of = |name: &str| {
+        stability.cases[0]
+            .cells
+            .iter()
+            .filter(|c| c.technique == name)
+            .collect::<Vec<_>>()
+    };
+    let (stable, tight): (Vec<_>, Vec<_>) = of("hard")
+        .into_iter()
+        .partition(|c| c.settings.contains("stable fit"));
+    assert!(
+        tight
+            .iter()
+            .all(|c| c.verdict() == Some(Verdict::Fails) && c.picture.is_some())
+    );
+    assert!(
+        stable.len() == 2 && stable.iter().all(|c| c.figure() == Some(0.0)),
+        "{stable:?}"
+    );
     assert!(of("traced").iter().all(|c| c.figure() == Some(0.0)));
     assert!(stability.faults.is_empty());
 }
@@ -253,7 +387,11 @@ fn panning_shimmers_on_a_tight_fit_and_not_when_traced() {
 /// Runs one moving case with one technique beside a second backend that errs in its `k`th rendering, from 1; 0 for never.
 /// Returns the disagreement, what must not be, and how often the second one played.
 fn beside_a_cheat(k: u32) -> (Option<u64>, Vec<String>, u32) {
-    let options = Options { rows: vec!["fence-pan".to_owned()], techniques: vec!["traced".to_owned()], ..small() };
+    let options = Options {
+        rows: vec!["fence-pan".to_owned()],
+        techniques: vec!["traced".to_owned()],
+        ..small()
+    };
     let played = Arc::new(AtomicU32::new(0));
     let count = played.clone();
     let cheat = Cheat::new(move |shadows: &mut Shadows| {
@@ -263,18 +401,31 @@ fn beside_a_cheat(k: u32) -> (Option<u64>, Vec<String>, u32) {
     });
     let mut backends = Backends::of(vec![Box::new(Cpu::new()), Box::new(cheat)]);
     let Stability { cases, faults, .. } = run(&options, &mut backends, &mut |_| {}).expect("plays");
-    (cases[0].cells[0].disagreeing, faults, played.load(Ordering::Relaxed))
+    (
+        cases[0].cells[0].disagreeing,
+        faults,
+        played.load(Ordering::Relaxed),
+    )
 }
 
 #[test]
 fn moving_rows_play_their_first_and_last_frame_on_every_backend() {
     let (disagreeing, faults, played) = beside_a_cheat(0);
     let settings = played / 2;
-    assert!(disagreeing == Some(0) && faults.is_empty() && played == 2 * settings && settings > 0, "{faults:?}");
+    assert!(
+        disagreeing == Some(0) && faults.is_empty() && played == 2 * settings && settings > 0,
+        "{faults:?}"
+    );
     for k in [1, 2] {
         let (disagreeing, faults, _) = beside_a_cheat(k);
-        assert!(disagreeing == Some(1) && faults.len() == 1, "frame {k} of 2: {faults:?}");
-        assert!(faults[0].contains("backends differ on 1 decided pixels"), "{faults:?}");
+        assert!(
+            disagreeing == Some(1) && faults.len() == 1,
+            "frame {k} of 2: {faults:?}"
+        );
+        assert!(
+            faults[0].contains("backends differ on 1 decided pixels"),
+            "{faults:?}"
+        );
     }
 }
 
@@ -292,7 +443,12 @@ impl Backend for Tiny {
     }
 
     fn render(&mut self, _: &View<'_>, _: &Recipe) -> Result<Shadows, BackendError> {
-        Err(Invalid::new("map", "is larger than this backend holds", "make it smaller").into())
+        Err(Invalid::new(
+            "map",
+            "is larger than this backend holds",
+            "make it smaller",
+        )
+        .into())
     }
 }
 
@@ -300,26 +456,55 @@ impl Backend for Tiny {
 #[test]
 fn backends_that_serve_nothing_are_left_out() {
     let played = |rows: &[&str], playing: Vec<Box<dyn Backend>>| {
-        let [rows, techniques] = [rows, &["hard"]].map(|names| names.iter().map(|n| (*n).to_owned()).collect());
-        let options = Options { rows, techniques, ..small() };
-        run(&options, &mut Backends::of(playing), &mut |_| {}).expect("plays").cases
+        let [rows, techniques] =
+            [rows, &["hard"]].map(|names| names.iter().map(|n| (*n).to_owned()).collect());
+        let options = Options {
+            rows,
+            techniques,
+            ..small()
+        };
+        run(&options, &mut Backends::of(playing), &mut |_| {})
+            .expect("plays")
+            .cases
     };
     let cpu = || Box::new(Cpu::new()) as Box<dyn Backend>;
     let cheat = || Box::new(Cheat::new(darken_one)) as Box<dyn Backend>;
     let cells = |playing| -> Vec<Cell> {
-        played(&["fence-pan", "thin-plate"], playing).into_iter().flat_map(|case| case.cells).collect()
+        played(&["fence-pan", "thin-plate"], playing)
+            .into_iter()
+            .flat_map(|case| case.cells)
+            .collect()
     };
     let alone = cells(vec![cpu()]);
-    assert!(alone.iter().filter(|cell| cell.figure().is_some()).count() > 2, "{alone:?}");
-    let outcomes = |cells: &[Cell]| cells.iter().map(|c| (c.outcome.clone(), c.disagreeing)).collect::<Vec<_>>();
-    assert_eq!(outcomes(&cells(vec![cpu(), Box::new(Tiny)])), outcomes(&alone));
+    assert!(
+        alone.iter().filter(|cell| cell.figure().is_some()).count() > 2,
+        "{alone:?}"
+    );
+    let outcomes = |cells: &[Cell]| {
+        cells
+            .iter()
+            .map(|c| (c.outcome.clone(), c.disagreeing))
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(
+        outcomes(&cells(vec![cpu(), Box::new(Tiny)])),
+        outcomes(&alone)
+    );
     let checked = cells(vec![cpu(), Box::new(Tiny), cheat()]);
     for (cell, alone) in checked.iter().zip(&alone) {
         assert_eq!(cell.figure(), alone.figure());
-        assert_eq!(cell.disagreeing.is_some_and(|n| n > 0), cell.figure().is_some(), "{cell:?}");
+        assert_eq!(
+            cell.disagreeing.is_some_and(|n| n > 0),
+            cell.figure().is_some(),
+            "{cell:?}"
+        );
     }
     // Figures are the first's: without it there are none.
-    assert!(cells(vec![Box::new(Tiny), cpu()]).iter().all(|cell| cell.figure().is_none()));
+    assert!(
+        cells(vec![Box::new(Tiny), cpu()])
+            .iter()
+            .all(|cell| cell.figure().is_none())
+    );
 }
 
 /// Where the light stands still, truth at points that stay doesn't change at all: whatever a mask changes is its own. Where
@@ -329,11 +514,27 @@ fn truth_moves_with_the_light_alone() {
     let options = small();
     for (_, case) in cases().filter(|(_, c)| c.motion != Motion::Still) {
         let ground = ground_of(case, &options);
-        let moving = Moving::new(&ground, case.motion, options.frames, &options.truth).expect("a built-in scene");
+        let moving = Moving::new(&ground, case.motion, options.frames, &options.truth)
+            .expect("a built-in scene");
         let change = measures::shimmer::change(&moving.truth, &moving.marked);
-        assert!(moving.points() > 50, "{}: {} points", case.name, moving.points());
-        assert_eq!(change > 0.0, case.motion == Motion::Sun, "{}: {change}", case.name);
-        assert_eq!(case.measure == Measure::ChangeError, case.motion == Motion::Sun, "{}", case.name);
+        assert!(
+            moving.points() > 50,
+            "{}: {} points",
+            case.name,
+            moving.points()
+        );
+        assert_eq!(
+            change > 0.0,
+            case.motion == Motion::Sun,
+            "{}: {change}",
+            case.name
+        );
+        assert_eq!(
+            case.measure == Measure::ChangeError,
+            case.motion == Motion::Sun,
+            "{}",
+            case.name
+        );
     }
 }
 
@@ -341,15 +542,35 @@ fn truth_moves_with_the_light_alone() {
 #[test]
 fn what_stands_still_under_a_turning_sun_fails() {
     let names = ["none", "traced"].map(str::to_owned).to_vec();
-    let options = Options { rows: vec!["13".to_owned()], techniques: names, ..small() };
+    let options = Options {
+        rows: vec!["13".to_owned()],
+        techniques: names,
+        ..small()
+    };
     let mut backends = Backends::of(vec![Box::new(Cpu::new())]);
-    let result = run(&options, &mut backends, &mut |_| {}).expect("plays").cases.remove(0);
+    let result = run(&options, &mut backends, &mut |_| {})
+        .expect("plays")
+        .cases
+        .remove(0);
     let verdicts = |name: &str| -> Vec<Option<Verdict>> {
-        result.cells.iter().filter(|c| c.technique == name).map(Cell::verdict).collect()
+        result
+            .cells
+            .iter()
+            .filter(|c| c.technique == name)
+            .map(Cell::verdict)
+            .collect()
     };
     let [none, traced] = ["none", "traced"].map(verdicts);
-    assert!(!none.is_empty() && none.iter().all(|v| *v == Some(Verdict::Fails)), "{:?}", result.cells);
-    assert!(!traced.is_empty() && traced.iter().all(|v| *v == Some(Verdict::Pass)), "{:?}", result.cells);
+    assert!(
+        !none.is_empty() && none.iter().all(|v| *v == Some(Verdict::Fails)),
+        "{:?}",
+        result.cells
+    );
+    assert!(
+        !traced.is_empty() && traced.iter().all(|v| *v == Some(Verdict::Pass)),
+        "{:?}",
+        result.cells
+    );
 }
 
 /// However slow the movement, standing still is worse than what passes.
@@ -358,43 +579,92 @@ fn limits_of_slow_movement_are_below_standing_still() {
     let options = small();
     let case = case("hills-sun");
     let ground = ground_of(case, &options);
-    let mut moving = Moving::new(&ground, case.motion, options.frames, &options.truth).expect("a built-in scene");
+    let mut moving = Moving::new(&ground, case.motion, options.frames, &options.truth)
+        .expect("a built-in scene");
     // Truth that moves a hundred times more slowly.
     let first = moving.truth[0].clone();
-    let slower = |frame: &mut Vec<f32>| frame.iter_mut().zip(&first).for_each(|(v, f)| *v = f + (*v - f) / 100.0);
+    let slower = |frame: &mut Vec<f32>| {
+        frame
+            .iter_mut()
+            .zip(&first)
+            .for_each(|(v, f)| *v = f + (*v - f) / 100.0)
+    };
     moving.truth.iter_mut().for_each(slower);
     let still = moving.figure(case.measure, &vec![first.clone(); moving.truth.len()]);
     let limits = moving.limits(case.measure);
-    assert!(still > 0.0 && still < case.measure.limits(&ground).pass, "{still}: too fast to tell anything");
-    assert_eq!(limits.judge(still), Verdict::Fails, "{still} against {limits:?}");
-    assert_eq!(limits.judge(moving.figure(case.measure, &moving.truth)), Verdict::Pass);
+    assert!(
+        still > 0.0 && still < case.measure.limits(&ground).pass,
+        "{still}: too fast to tell anything"
+    );
+    assert_eq!(
+        limits.judge(still),
+        Verdict::Fails,
+        "{still} against {limits:?}"
+    );
+    assert_eq!(
+        limits.judge(moving.figure(case.measure, &moving.truth)),
+        Verdict::Pass
+    );
 }
 
 #[test]
 fn without_a_backend_nothing_runs() {
     let none = || Backends::of(Vec::new());
-    assert!(run(&small(), &mut none(), &mut |_| {}).expect_err("nothing plays").to_string().contains("backend"));
+    assert!(
+        run(&small(), &mut none(), &mut |_| {})
+            .expect_err("nothing plays")
+            .to_string()
+            .contains("backend")
+    );
     assert!(sweeps::sweeps(&small(), &mut none(), &mut |_| {}).is_err());
 }
 
 #[test]
 fn unknown_names_are_refused_with_what_there_is() {
-    let rows = Options { rows: vec!["31".to_owned()], ..small() };
-    assert!(rows.validate().expect_err("no such row").to_string().contains("1 to 30"));
-    let techniques = Options { techniques: vec!["vsm2".to_owned()], ..small() };
-    assert!(techniques.validate().expect_err("no such technique").to_string().contains("pcf"));
-    let known = Options { rows: vec!["3".to_owned(), "hills-pan".to_owned(), "fence".to_owned()], ..small() };
+    let rows = Options {
+        rows: vec!["31".to_owned()],
+        ..small()
+    };
+    assert!(
+        rows.validate()
+            .expect_err("no such row")
+            .to_string()
+            .contains("1 to 30")
+    );
+    let techniques = Options {
+        techniques: vec!["vsm2".to_owned()],
+        ..small()
+    };
+    assert!(
+        techniques
+            .validate()
+            .expect_err("no such technique")
+            .to_string()
+            .contains("pcf")
+    );
+    let known = Options {
+        rows: vec!["3".to_owned(), "hills-pan".to_owned(), "fence".to_owned()],
+        ..small()
+    };
     assert!(known.validate().is_ok());
 }
 
 /// The same run gives the same figures, and another backend state doesn't matter.
 #[test]
 fn runs_repeat_to_the_bit() {
-    let options = Options { rows: vec!["3".to_owned(), "17".to_owned()], ..small() };
+    let options = Options {
+        rows: vec!["3".to_owned(), "17".to_owned()],
+        ..small()
+    };
     let mut backends = Backends::of(vec![Box::new(Cpu::new())]);
     let mut figures = || {
         let stability = run(&options, &mut backends, &mut |_| {}).expect("plays");
-        stability.cases.iter().flat_map(|c| &c.cells).map(|c| c.figure().map(f64::to_bits)).collect::<Vec<_>>()
+        stability
+            .cases
+            .iter()
+            .flat_map(|c| &c.cells)
+            .map(|c| c.figure().map(f64::to_bits))
+            .collect::<Vec<_>>()
     };
     assert_eq!(figures(), figures());
 }

@@ -22,10 +22,14 @@ impl Texels {
     /// Texels of maps of `size` texels a side that lie so.
     pub fn new(spaces: &LightSpaces, size: u32) -> Self {
         let pair = |space: &umbrage_core::LightSpace| {
-            let clip_from_world = space.clip_from_view.as_dmat4() * space.view_from_world.as_dmat4();
+            let clip_from_world =
+                space.clip_from_view.as_dmat4() * space.view_from_world.as_dmat4();
             [clip_from_world, clip_from_world.inverse()]
         };
-        Self { spaces: spaces.spaces.iter().map(pair).collect(), size: f64::from(size) }
+        Self {
+            spaces: spaces.spaces.iter().map(pair).collect(),
+            size: f64::from(size),
+        }
     }
 
     /// The point of the plane through `p` with normal `n` that is seen where `to` takes p's place on the map, texels from
@@ -39,7 +43,9 @@ impl Texels {
         let [clip_from_world, world_from_clip] = self.spaces.iter().find(on_map)?;
         let ndc = clip_from_world.project_point3(p);
         let texel = to(DVec2::new(0.5 + 0.5 * ndc.x, 0.5 - 0.5 * ndc.y) * self.size) / self.size;
-        let at = |z: f64| world_from_clip.project_point3(DVec3::new(2.0 * texel.x - 1.0, 1.0 - 2.0 * texel.y, z));
+        let at = |z: f64| {
+            world_from_clip.project_point3(DVec3::new(2.0 * texel.x - 1.0, 1.0 - 2.0 * texel.y, z))
+        };
         let (near, far) = (at(0.0), at(1.0));
         let along = far - near;
         let slope = n.dot(along);
@@ -71,7 +77,10 @@ impl Texels {
         let point = |&(i, p): &(usize, Vec3)| point_at(&any, receivers, i, p);
         let points: Vec<Point> = places.iter().map(point).collect();
         let mut out = vec![None; receivers.len()];
-        for ((i, p), seen) in places.into_iter().zip(trace_points(geometry, light, &points, options)?) {
+        for ((i, p), seen) in places
+            .into_iter()
+            .zip(trace_points(geometry, light, &points, options)?)
+        {
             out[i] = Some((p, seen));
         }
         Ok(out)
@@ -82,7 +91,13 @@ impl Texels {
 pub(super) fn point_at(any: &Point, receivers: &Receivers, i: usize, position: Vec3) -> Point {
     let (x, y) = (i as u32 % receivers.size.x, i as u32 / receivers.size.x);
     let (triangle, normal) = (receivers.triangle[i], receivers.normal(i));
-    Point { position, normal, triangle, seed: light_sample::seed(x, y), ..*any }
+    Point {
+        position,
+        normal,
+        triangle,
+        seed: light_sample::seed(x, y),
+        ..*any
+    }
 }
 
 /// As far along the way from `p` to `q`, both on a triangle's plane, as the triangle reaches; p where it is outside itself.
@@ -92,7 +107,13 @@ pub(super) fn within(p: Vec3, q: Vec3, [a, b, c]: [Vec3; 3]) -> Vec3 {
         let inward = n.cross(b - a);
         [inward.dot(p - a), inward.dot(q - a)]
     });
-    let part = |[at_p, at_q]: [f32; 2]| if at_q >= 0.0 { 1.0 } else { (at_p / (at_p - at_q)).max(0.0) };
+    let part = |[at_p, at_q]: [f32; 2]| {
+        if at_q >= 0.0 {
+            1.0
+        } else {
+            (at_p / (at_p - at_q)).max(0.0)
+        }
+    };
     p + (q - p) * edges.map(part).into_iter().fold(1.0, f32::min)
 }
 
@@ -108,21 +129,39 @@ mod tests {
 
     /// A map of 10 texels that looks straight down on 10 x 10 m.
     fn texels() -> Texels {
-        let view_from_world = light_space::look_along(Vec3::Y * 5.0, Vec3::NEG_Y, Vec3::NEG_Z).expect("valid");
-        let extents = light_space::Extents { left: -5.0, right: 5.0, bottom: -5.0, top: 5.0, near: 0.0, far: 10.0 };
+        let view_from_world =
+            light_space::look_along(Vec3::Y * 5.0, Vec3::NEG_Y, Vec3::NEG_Z).expect("valid");
+        let extents = light_space::Extents {
+            left: -5.0,
+            right: 5.0,
+            bottom: -5.0,
+            top: 5.0,
+            near: 0.0,
+            far: 10.0,
+        };
         let clip_from_view: Mat4 = light_space::orthographic(extents).expect("valid");
-        let spaces = LightSpaces { spaces: vec![LightSpace { view_from_world, clip_from_view }], needed: vec![true] };
+        let spaces = LightSpaces {
+            spaces: vec![LightSpace {
+                view_from_world,
+                clip_from_view,
+            }],
+            needed: vec![true],
+        };
         Texels::new(&spaces, 10)
     }
 
     #[test]
     fn places_snap_to_texel_centres_along_the_receivers_plane() {
         let t = texels();
-        let flat = t.moved(Vec3::new(0.2, 1.0, 3.9), Vec3::Y, to_center).expect("on the map");
+        let flat = t
+            .moved(Vec3::new(0.2, 1.0, 3.9), Vec3::Y, to_center)
+            .expect("on the map");
         assert!(flat.distance(Vec3::new(0.5, 1.0, 3.5)) < 1e-5, "{flat}");
         // A plane that rises by one along x: moving .3 m in x raises the point by as much.
         let n = Vec3::new(-1.0, 1.0, 0.0).normalize();
-        let sloped = t.moved(Vec3::new(0.2, 1.0, 3.5), n, to_center).expect("on the map");
+        let sloped = t
+            .moved(Vec3::new(0.2, 1.0, 3.5), n, to_center)
+            .expect("on the map");
         assert!(sloped.distance(Vec3::new(0.5, 1.3, 3.5)) < 1e-5, "{sloped}");
     }
 
@@ -142,7 +181,10 @@ mod tests {
 
     #[test]
     fn beside_the_map_and_edge_on_there_is_no_answer() {
-        assert_eq!(texels().moved(Vec3::new(5.2, 0.0, 0.0), Vec3::Y, to_center), None);
+        assert_eq!(
+            texels().moved(Vec3::new(5.2, 0.0, 0.0), Vec3::Y, to_center),
+            None
+        );
         assert_eq!(texels().moved(Vec3::ZERO, Vec3::X, to_center), None);
     }
 }

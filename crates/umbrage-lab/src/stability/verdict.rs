@@ -58,13 +58,23 @@ impl Limits {
     /// that is visible; fails above [`FAILS_AT`] times that.
     pub fn over_ideal(ideal: f64, visible: f64) -> Self {
         let pass = 2.0 * ideal + visible;
-        Self { pass, fails: FAILS_AT * pass }
+        Self {
+            pass,
+            fails: FAILS_AT * pass,
+        }
     }
 
     /// No looser than what no shadow at all shows, `none`: a pass has at most half of that, and more than three quarters
     /// fail, however coarse the map.
     pub fn below(self, none: f64) -> Self {
-        if none > 0.0 { Self { pass: self.pass.min(0.5 * none), fails: self.fails.min(0.75 * none) } } else { self }
+        if none > 0.0 {
+            Self {
+                pass: self.pass.min(0.5 * none),
+                fails: self.fails.min(0.75 * none),
+            }
+        } else {
+            self
+        }
     }
 
     /// The verdict. Figures that are not finite fail.

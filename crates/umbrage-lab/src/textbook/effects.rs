@@ -7,7 +7,8 @@ use umbrage_core::{
 };
 use umbrage_scenes::TEXTBOOK_FIT;
 use umbrage_techniques::{
-    BeyondFar, Bias, Border, Hard, MapFormat, Midpoint, Pcf, PcfDithered, Pcss, ShadowMap, ShadowVolumes,
+    BeyondFar, Bias, Border, Hard, MapFormat, Midpoint, Pcf, PcfDithered, Pcss, ShadowMap,
+    ShadowVolumes,
 };
 
 type Technique = Box<dyn ShadowTechnique>;
@@ -23,21 +24,38 @@ pub fn all() -> &'static [Effect] {
 
 /// The textbooks' map: 1024 texels, laid by hand from (-2, 4, -1), 10 m to each side, near 1, far 7.5.
 fn map(bias: Bias) -> ShadowMap {
-    ShadowMap { size: 1024, fit: TEXTBOOK_FIT, bias, ..ShadowMap::default() }
+    ShadowMap {
+        size: 1024,
+        fit: TEXTBOOK_FIT,
+        bias,
+        ..ShadowMap::default()
+    }
 }
 
 /// Along the receiver's plane, with no more for rounding than 32-bit floats need.
-const FOR_FLOATS: Bias = Bias { constant: 1e-6, ..Bias::RECEIVER_PLANE };
+const FOR_FLOATS: Bias = Bias {
+    constant: 1e-6,
+    ..Bias::RECEIVER_PLANE
+};
 
 /// Large enough texels to be seen.
 fn coarse(bias: Bias) -> ShadowMap {
-    ShadowMap { size: 256, ..map(bias) }
+    ShadowMap {
+        size: 256,
+        ..map(bias)
+    }
 }
 
 /// A map that ends amid the picture.
 fn small_map(border: Border) -> ShadowMap {
     ShadowMap {
-        fit: extents(|e| Extents { left: -1.2, right: 1.2, bottom: -1.2, top: 1.2, ..e }),
+        fit: extents(|e| Extents {
+            left: -1.2,
+            right: 1.2,
+            bottom: -1.2,
+            top: 1.2,
+            ..e
+        }),
         border,
         ..map(Bias::SLOPE)
     }
@@ -45,25 +63,42 @@ fn small_map(border: Border) -> ShadowMap {
 
 /// A map whose far plane cuts the floor.
 fn short_map(beyond_far: BeyondFar) -> ShadowMap {
-    ShadowMap { fit: extents(|e| Extents { far: 5.0, ..e }), beyond_far, ..map(Bias::SLOPE) }
+    ShadowMap {
+        fit: extents(|e| Extents { far: 5.0, ..e }),
+        beyond_far,
+        ..map(Bias::SLOPE)
+    }
 }
 
 fn extents(change: fn(Extents) -> Extents) -> Fit {
     match TEXTBOOK_FIT {
-        Fit::Manual { eye, extents } => Fit::Manual { eye, extents: change(extents) },
+        Fit::Manual { eye, extents } => Fit::Manual {
+            eye,
+            extents: change(extents),
+        },
         fit => fit,
     }
 }
 
 /// Tight maps, for scenes that no textbook laid by hand.
 fn tight(size: u32, bias: Bias) -> ShadowMap {
-    ShadowMap { size, bias, ..ShadowMap::default() }
+    ShadowMap {
+        size,
+        bias,
+        ..ShadowMap::default()
+    }
 }
 
 /// The textbooks' cube around a point light: near 1, far 25.
 fn room_map(size: u32, bias: Bias) -> ShadowMap {
-    let fit = umbrage_scenes::find("textbook-room").and_then(|e| e.fit).unwrap_or_default();
-    ShadowMap { fit, layout: Layout::Cube, ..tight(size, bias) }
+    let fit = umbrage_scenes::find("textbook-room")
+        .and_then(|e| e.fit)
+        .unwrap_or_default();
+    ShadowMap {
+        fit,
+        layout: Layout::Cube,
+        ..tight(size, bias)
+    }
 }
 
 fn hard(map: ShadowMap) -> Technique {
@@ -75,12 +110,17 @@ fn pcf(map: ShadowMap, radius: u32) -> Technique {
 }
 
 fn built_in(name: &str) -> Scene {
-    umbrage_scenes::find(name).map(|e| (e.build)()).unwrap_or_default()
+    umbrage_scenes::find(name)
+        .map(|e| (e.build)())
+        .unwrap_or_default()
 }
 
 /// The scene with its camera's picture at the gallery's size.
 fn sized(mut scene: Scene) -> Scene {
-    scene.cameras.iter_mut().for_each(|c| *c = c.resized(UVec2::new(400, 300)));
+    scene
+        .cameras
+        .iter_mut()
+        .for_each(|c| *c = c.resized(UVec2::new(400, 300)));
     scene
 }
 
@@ -92,7 +132,13 @@ fn cubes() -> Scene {
 fn cubes_under_spot() -> Scene {
     let mut scene = cubes();
     let position = Vec3::new(-2.0, 4.0, -1.0);
-    scene.lights = vec![Light::Spot { position, direction: -position, inner: 0.7, outer: 0.78, radius: 0.0 }];
+    scene.lights = vec![Light::Spot {
+        position,
+        direction: -position,
+        inner: 0.7,
+        outer: 0.78,
+        radius: 0.0,
+    }];
     scene
 }
 
@@ -140,7 +186,11 @@ fn plate() -> Scene {
 }
 
 const fn cubes_with(label: &'static str, technique: fn() -> Technique) -> Preset {
-    Preset { label, scene: cubes, technique }
+    Preset {
+        label,
+        scene: cubes,
+        technique,
+    }
 }
 
 const ALL: &[Effect] = &[
@@ -161,9 +211,21 @@ const ALL: &[Effect] = &[
         fault: Preset {
             label: "constant bias .05",
             scene: plate,
-            technique: || hard(tight(1024, Bias { constant: 0.05, ..Bias::NONE })),
+            technique: || {
+                hard(tight(
+                    1024,
+                    Bias {
+                        constant: 0.05,
+                        ..Bias::NONE
+                    },
+                ))
+            },
         },
-        cure: Preset { label: "front faces culled", scene: plate, technique: || hard(tight(1024, Bias::FRONT_CULL)) },
+        cure: Preset {
+            label: "front faces culled",
+            scene: plate,
+            technique: || hard(tight(1024, Bias::FRONT_CULL)),
+        },
         worse: None,
     },
     Effect {
@@ -173,7 +235,14 @@ const ALL: &[Effect] = &[
                on the slope and 4 steps of the depth format.",
         fault: cubes_with("no bias", || hard(map(Bias::NONE))),
         cure: cubes_with("polygon offset 2, 4", || {
-            hard(map(Bias { raster: RasterBias { constant: 4, slope: 2.0, clamp: 0.0 }, ..Bias::NONE }))
+            hard(map(Bias {
+                raster: RasterBias {
+                    constant: 4,
+                    slope: 2.0,
+                    clamp: 0.0,
+                },
+                ..Bias::NONE
+            }))
         }),
         worse: None,
     },
@@ -201,7 +270,9 @@ const ALL: &[Effect] = &[
         text: "One comparison a pixel shows the map's texels. The mean of 3x3 comparisons blurs the stairs over three texels. \
                Its bias is three times as great: it has to free all nine texels of acne.",
         fault: cubes_with("one comparison", || hard(coarse(Bias::normal_offset(0.0)))),
-        cure: cubes_with("3x3 comparisons", || pcf(coarse(Bias::normal_offset(1.0)), 1)),
+        cure: cubes_with("3x3 comparisons", || {
+            pcf(coarse(Bias::normal_offset(1.0)), 1)
+        }),
         worse: Some(IDEAL_LIGHT),
     },
     Effect {
@@ -210,7 +281,9 @@ const ALL: &[Effect] = &[
         text: "A quarter of the cost of 4x4 comparisons: each pixel takes four of the sixteen, and neighbours take others.",
         fault: cubes_with("one comparison", || hard(coarse(Bias::normal_offset(0.0)))),
         cure: cubes_with("4 of 16, by the pixel's parity", || {
-            Box::new(PcfDithered { map: coarse(Bias::normal_offset(1.5)) })
+            Box::new(PcfDithered {
+                map: coarse(Bias::normal_offset(1.5)),
+            })
         }),
         worse: Some(IDEAL_LIGHT),
     },
@@ -235,11 +308,20 @@ const ALL: &[Effect] = &[
         title: "One penumbra everywhere, and percentage-closer soft shadows",
         text: "A lamp with an extent throws shadows that are sharp where caster and receiver touch and soften with distance. A \
                fixed kernel has one width; PCSS first looks how far the blockers are.",
-        fault: Preset { label: "5x5 comparisons", scene: teapot, technique: || pcf(tight(1024, Bias::ADAPTIVE), 2) },
+        fault: Preset {
+            label: "5x5 comparisons",
+            scene: teapot,
+            technique: || pcf(tight(1024, Bias::ADAPTIVE), 2),
+        },
         cure: Preset {
             label: "PCSS, 16 + 32 taps",
             scene: teapot,
-            technique: || Box::new(Pcss { map: tight(1024, Bias::ADAPTIVE), ..Pcss::default() }),
+            technique: || {
+                Box::new(Pcss {
+                    map: tight(1024, Bias::ADAPTIVE),
+                    ..Pcss::default()
+                })
+            },
         },
         worse: None,
     },
@@ -252,15 +334,27 @@ const ALL: &[Effect] = &[
             scene: room,
             technique: || hard(room_map(1024, Bias::NONE)),
         },
-        cure: Preset { label: "cube, default bias", scene: room, technique: || hard(tight(1024, Bias::ADAPTIVE)) },
+        cure: Preset {
+            label: "cube, default bias",
+            scene: room,
+            technique: || hard(tight(1024, Bias::ADAPTIVE)),
+        },
         worse: None,
     },
     Effect {
         name: "point-light-pcf",
         title: "A point light, filtered",
         text: "Each face of the cube is a little wider than 90 degrees, so a kernel never leaves its face and no seam shows.",
-        fault: Preset { label: "one comparison", scene: room, technique: || hard(room_map(256, Bias::ADAPTIVE)) },
-        cure: Preset { label: "3x3 comparisons", scene: room, technique: || pcf(room_map(256, Bias::ADAPTIVE), 1) },
+        fault: Preset {
+            label: "one comparison",
+            scene: room,
+            technique: || hard(room_map(256, Bias::ADAPTIVE)),
+        },
+        cure: Preset {
+            label: "3x3 comparisons",
+            scene: room,
+            technique: || pcf(room_map(256, Bias::ADAPTIVE), 1),
+        },
         worse: Some(IDEAL_LIGHT),
     },
     Effect {
@@ -268,11 +362,20 @@ const ALL: &[Effect] = &[
         title: "Midpoint maps",
         text: "Between the nearest surface and the second one there is room for any rounding: compare with the middle, and \
                closed casters need no bias at all.",
-        fault: Preset { label: "no bias", scene: figure, technique: || hard(tight(1024, Bias::NONE)) },
+        fault: Preset {
+            label: "no bias",
+            scene: figure,
+            technique: || hard(tight(1024, Bias::NONE)),
+        },
         cure: Preset {
             label: "midpoint, no bias",
             scene: figure,
-            technique: || Box::new(Midpoint { map: tight(1024, Bias::NONE), radius: 0 }),
+            technique: || {
+                Box::new(Midpoint {
+                    map: tight(1024, Bias::NONE),
+                    radius: 0,
+                })
+            },
         },
         worse: None,
     },
@@ -284,12 +387,22 @@ const ALL: &[Effect] = &[
         fault: Preset {
             label: "16 bit, receiver plane + 1e-6",
             scene: far_range,
-            technique: || hard(ShadowMap { format: MapFormat::Depth16, ..tight(1024, FOR_FLOATS) }),
+            technique: || {
+                hard(ShadowMap {
+                    format: MapFormat::Depth16,
+                    ..tight(1024, FOR_FLOATS)
+                })
+            },
         },
         cure: Preset {
             label: "RGBA8, receiver plane + 1e-6",
             scene: far_range,
-            technique: || hard(ShadowMap { format: MapFormat::Rgba8, ..tight(1024, FOR_FLOATS) }),
+            technique: || {
+                hard(ShadowMap {
+                    format: MapFormat::Rgba8,
+                    ..tight(1024, FOR_FLOATS)
+                })
+            },
         },
         worse: None,
     },
@@ -298,8 +411,16 @@ const ALL: &[Effect] = &[
         title: "Contact, and shadow volumes",
         text: "A plate 2 mm thick stands on a floor: the textbooks' bias opens a gap. Shadow volumes count crossings of exact \
                boundaries and have neither texels nor bias.",
-        fault: Preset { label: "bias .05 / .005", scene: plate, technique: || hard(tight(1024, Bias::SLOPE)) },
-        cure: Preset { label: "shadow volumes", scene: plate, technique: || Box::new(ShadowVolumes::default()) },
+        fault: Preset {
+            label: "bias .05 / .005",
+            scene: plate,
+            technique: || hard(tight(1024, Bias::SLOPE)),
+        },
+        cure: Preset {
+            label: "shadow volumes",
+            scene: plate,
+            technique: || Box::new(ShadowVolumes::default()),
+        },
         worse: None,
     },
     Effect {
@@ -307,8 +428,16 @@ const ALL: &[Effect] = &[
         title: "Planar shadows",
         text: "On a flat receiver the casters can be flattened by one matrix and drawn. Cut at the light and at the plane, \
                they leave no anti-shadows.",
-        fault: Preset { label: "one comparison", scene: flat, technique: || hard(tight(512, Bias::SLOPE)) },
-        cure: Preset { label: "planar", scene: flat, technique: || Box::new(umbrage_techniques::Planar::default()) },
+        fault: Preset {
+            label: "one comparison",
+            scene: flat,
+            technique: || hard(tight(512, Bias::SLOPE)),
+        },
+        cure: Preset {
+            label: "planar",
+            scene: flat,
+            technique: || Box::new(umbrage_techniques::Planar::default()),
+        },
         worse: None,
     },
     Effect {
@@ -316,8 +445,16 @@ const ALL: &[Effect] = &[
         title: "Normal mapping",
         text: "A texture of normals bends the light on a flat wall. Shadow lookups know nothing of it: their bias follows the \
                triangle's own normal, so the mask stays the same.",
-        fault: Preset { label: "flat", scene: smooth_wall, technique: || pcf(tight(1024, Bias::ADAPTIVE), 1) },
-        cure: Preset { label: "normal map", scene: wall, technique: || pcf(tight(1024, Bias::ADAPTIVE), 1) },
+        fault: Preset {
+            label: "flat",
+            scene: smooth_wall,
+            technique: || pcf(tight(1024, Bias::ADAPTIVE), 1),
+        },
+        cure: Preset {
+            label: "normal map",
+            scene: wall,
+            technique: || pcf(tight(1024, Bias::ADAPTIVE), 1),
+        },
         worse: None,
     },
     Effect {

@@ -38,8 +38,13 @@ fn section(effect: &Effect, Played { fault, cure }: &Played) -> String {
         escaped(effect.title),
         escaped(effect.text)
     );
-    let (left, right) = (figure(&effect.fault, fault, None), figure(&effect.cure, cure, Some(fault)));
-    let worse = effect.worse.map_or_else(String::new, |why| format!("<p class=worse>{}</p>\n", escaped(why)));
+    let (left, right) = (
+        figure(&effect.fault, fault, None),
+        figure(&effect.cure, cure, Some(fault)),
+    );
+    let worse = effect.worse.map_or_else(String::new, |why| {
+        format!("<p class=worse>{}</p>\n", escaped(why))
+    });
     format!("{head}<div class=pair>\n{left}{right}</div>\n{worse}</section>\n")
 }
 
@@ -48,7 +53,11 @@ fn figure(preset: &Preset, side: &Side, than: Option<&Side>) -> String {
     let mut rows = String::new();
     for (i, (backend, errors)) in side.errors.iter().enumerate() {
         let other = than.and_then(|s| s.errors.get(i));
-        let class = if other.is_some_and(|(_, o)| errors.mean < o.mean) { " class=better" } else { "" };
+        let class = if other.is_some_and(|(_, o)| errors.mean < o.mean) {
+            " class=better"
+        } else {
+            ""
+        };
         let percent = |share: f64| format!("{share:.2} %");
         rows.write_fmt(format_args!(
             "<tr><td>{backend}<td{class}>{}<td>{}<td>{}</tr>\n",
@@ -75,9 +84,15 @@ fn figure(preset: &Preset, side: &Side, than: Option<&Side>) -> String {
 }
 
 fn picture(png: &[u8], alt: &str) -> String {
-    format!("<img alt=\"{}\" src=\"data:image/png;base64,{}\">", escaped(alt), STANDARD.encode(png))
+    format!(
+        "<img alt=\"{}\" src=\"data:image/png;base64,{}\">",
+        escaped(alt),
+        STANDARD.encode(png)
+    )
 }
 
 fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('"', "&quot;")
 }

@@ -54,13 +54,28 @@ mod tests {
     fn no_cure_is_worse_than_its_fault_unless_the_page_says_why() {
         let mut backends: Vec<Box<dyn Backend>> = vec![Box::new(Cpu::new())];
         for effect in all() {
-            let played = play(effect, &mut backends).unwrap_or_else(|e| panic!("{}: {e}", effect.name));
+            let played =
+                play(effect, &mut backends).unwrap_or_else(|e| panic!("{}: {e}", effect.name));
             let [before, after] = [&played.fault, &played.cure].map(|side| side.errors[0].1.mean);
-            assert_eq!(after > before, effect.worse.is_some(), "{}: {before} to {after}", effect.name);
+            assert_eq!(
+                after > before,
+                effect.worse.is_some(),
+                "{}: {before} to {after}",
+                effect.name
+            );
             assert_ne!(played.fault.picture, played.cure.picture, "{}", effect.name);
             let page = html(&[(effect, played)], &[]);
-            assert_eq!(page.contains("<p class=worse>"), effect.worse.is_some(), "{}", effect.name);
-            assert!(effect.worse.is_none_or(|why| page.contains(why)), "{}", effect.name);
+            assert_eq!(
+                page.contains("<p class=worse>"),
+                effect.worse.is_some(),
+                "{}",
+                effect.name
+            );
+            assert!(
+                effect.worse.is_none_or(|why| page.contains(why)),
+                "{}",
+                effect.name
+            );
         }
     }
 
@@ -68,7 +83,11 @@ mod tests {
     fn names_are_file_names_and_differ() {
         let names: std::collections::HashSet<_> = all().iter().map(|e| e.name).collect();
         assert_eq!(names.len(), all().len());
-        assert!(names.iter().all(|n| n.chars().all(|c| c.is_ascii_lowercase() || c == '-')));
+        assert!(
+            names
+                .iter()
+                .all(|n| n.chars().all(|c| c.is_ascii_lowercase() || c == '-'))
+        );
         assert!(find("acne").is_some() && find("beauty").is_none());
     }
 }

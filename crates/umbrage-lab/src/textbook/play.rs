@@ -42,29 +42,57 @@ pub struct Side {
 /// # Errors
 /// When a preset's scene is missing or its technique doesn't serve it, or a backend fails.
 pub fn play(effect: &Effect, backends: &mut [Box<dyn Backend>]) -> Result<Played, LabError> {
-    Ok(Played { fault: side(&effect.fault, backends)?, cure: side(&effect.cure, backends)? })
+    Ok(Played {
+        fault: side(&effect.fault, backends)?,
+        cure: side(&effect.cure, backends)?,
+    })
 }
 
 fn side(preset: &Preset, backends: &mut [Box<dyn Backend>]) -> Result<Side, LabError> {
-    let fault =
-        |why: String| Invalid::new(format!("preset `{}`", preset.label), why, "choose another scene or technique");
+    let fault = |why: String| {
+        Invalid::new(
+            format!("preset `{}`", preset.label),
+            why,
+            "choose another scene or technique",
+        )
+    };
     let scene = (preset.scene)();
-    let stage = color::Stage::new(&scene, umbrage_scenes::find(&scene.name).and_then(|entry| entry.fit))?;
+    let stage = color::Stage::new(
+        &scene,
+        umbrage_scenes::find(&scene.name).and_then(|entry| entry.fit),
+    )?;
     let view = stage.view()?;
     // Coarser than a comparison's truth: the gallery shows faults, not thousandths.
-    let options = TruthOptions { samples: 256, ..TruthOptions::default() };
-    let geometry = view.geometry.ok_or_else(|| fault("has no triangles".to_owned()))?;
+    let options = TruthOptions {
+        samples: 256,
+        ..TruthOptions::default()
+    };
+    let geometry = view
+        .geometry
+        .ok_or_else(|| fault("has no triangles".to_owned()))?;
     let mut finder = Cpu::new();
-    let truth =
-        truth::trace(view.camera, view.light, geometry, &options, &mut |c, g| finder.receivers(c, g), &|_, _| {})?;
+    let truth = truth::trace(
+        view.camera,
+        view.light,
+        geometry,
+        &options,
+        &mut |c, g| finder.receivers(c, g),
+        &|_, _| {},
+    )?;
     let recipe = match stage.plan(&*(preset.technique)(), &truth.receivers) {
         Err(PlanError::Unsupported(why)) => return Err(fault(why).into()),
         planned => planned?,
     };
-    let played: Vec<(&'static str, Shadows)> =
-        backends.iter_mut().map(|b| Ok((b.kind(), b.render(&view, &recipe)?))).collect::<Result<_, LabError>>()?;
-    let measure = |s: &Shadows| Errors::measure(truth.size, &s.mask, &truth.visibility, &truth.pixels);
-    let errors = played.iter().map(|(kind, s)| Ok((*kind, measure(s)?))).collect::<Result<_, LabError>>()?;
+    let played: Vec<(&'static str, Shadows)> = backends
+        .iter_mut()
+        .map(|b| Ok((b.kind(), b.render(&view, &recipe)?)))
+        .collect::<Result<_, LabError>>()?;
+    let measure =
+        |s: &Shadows| Errors::measure(truth.size, &s.mask, &truth.visibility, &truth.pixels);
+    let errors = played
+        .iter()
+        .map(|(kind, s)| Ok((*kind, measure(s)?)))
+        .collect::<Result<_, LabError>>()?;
     let Some((_, first)) = played.first() else {
         return Err(Invalid::new("gallery", "has no backend", "open at least one").into());
     };
@@ -72,7 +100,12 @@ fn side(preset: &Preset, backends: &mut [Box<dyn Backend>]) -> Result<Side, LabE
     Ok(Side {
         size: truth.size,
         picture: picture(color)?,
-        error: picture(pictures::error(truth.size, &first.mask, &truth.visibility, &truth.pixels))?,
+        error: picture(pictures::error(
+            truth.size,
+            &first.mask,
+            &truth.visibility,
+            &truth.pixels,
+        ))?,
         errors,
         differing: differing(&played, &truth.pixels),
     })

@@ -41,7 +41,10 @@ pub(super) struct Nudge {
 
 impl Nudge {
     /// What truth takes for rounding. Next to an outline it is no less sure of what is lit.
-    pub(super) const ROUNDING: Self = Self { pixels: NUDGE, outlines: false };
+    pub(super) const ROUNDING: Self = Self {
+        pixels: NUDGE,
+        outlines: false,
+    };
 }
 
 /// By how much the rays' offset is multiplied, for lights with an extent.
@@ -60,12 +63,24 @@ pub(super) fn find(
     find_receivers: &mut FindReceivers<'_>,
     report: &(dyn Fn(usize) + Sync),
 ) -> Result<Vec<bool>, LabError> {
-    let probe = TruthOptions { samples: options.probe_samples, penumbra_factor: 1, ..*options };
+    let probe = TruthOptions {
+        samples: options.probe_samples,
+        penumbra_factor: 1,
+        ..*options
+    };
     let tracer = Tracer::new(asked.geometry, light, &probe)?;
-    let change = if light.is_ideal() { 0.0 } else { options.ambiguous_change };
+    let change = if light.is_ideal() {
+        0.0
+    } else {
+        options.ambiguous_change
+    };
     let base = asked.trace(&tracer, 1.0, report);
-    let changes =
-        |nudged: Vec<Seen>| base.iter().zip(nudged).map(|(a, b)| (answer(a) - answer(&b)).abs() > change).collect();
+    let changes = |nudged: Vec<Seen>| {
+        base.iter()
+            .zip(nudged)
+            .map(|(a, b)| (answer(a) - answer(&b)).abs() > change)
+            .collect()
+    };
     let mut out: Vec<bool> = if light.is_ideal() {
         let out = light_and_shadow(asked, light, &base);
         report(out.len());
@@ -76,12 +91,22 @@ pub(super) fn find(
     for direction in [Vec2::X, Vec2::NEG_X, Vec2::Y, Vec2::NEG_Y] {
         let camera = asked.camera.nudged(direction * nudge.pixels);
         let receivers = find_receivers(&camera, asked.geometry)?;
-        let nudged: Vec<bool> =
-            changes(Asked { camera: &camera, receivers: &receivers, ..*asked }.trace(&tracer, 1.0, report));
-        out.iter_mut().zip(nudged).for_each(|(out, nudged)| *out |= nudged);
+        let nudged: Vec<bool> = changes(
+            Asked {
+                camera: &camera,
+                receivers: &receivers,
+                ..*asked
+            }
+            .trace(&tracer, 1.0, report),
+        );
+        out.iter_mut()
+            .zip(nudged)
+            .for_each(|(out, nudged)| *out |= nudged);
         if nudge.outlines {
             let outline = |i: usize| asked.receivers.receives[i] != receivers.receives[i];
-            out.iter_mut().zip(asked.pixels).for_each(|(out, &i)| *out |= outline(i as usize));
+            out.iter_mut()
+                .zip(asked.pixels)
+                .for_each(|(out, &i)| *out |= outline(i as usize));
         }
     }
     Ok(out)
@@ -101,7 +126,12 @@ fn light_and_shadow(asked: &Asked<'_>, light: &Light, base: &[Seen]) -> Vec<bool
             }
         }
     };
-    asked.pixels.par_iter().zip(base).map_init(Vec::new, both).collect()
+    asked
+        .pixels
+        .par_iter()
+        .zip(base)
+        .map_init(Vec::new, both)
+        .collect()
 }
 
 fn answer(seen: &Seen) -> f32 {

@@ -29,23 +29,51 @@ fn quad(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> [[Vec3; 3]; 2] {
 
 fn floor(side: f32) -> Vec<[Vec3; 3]> {
     let corner = |x: f32, z: f32| Vec3::new(x, 0.0, z) * side;
-    quad(corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)).to_vec()
+    quad(
+        corner(-1.0, -1.0),
+        corner(-1.0, 1.0),
+        corner(1.0, 1.0),
+        corner(1.0, -1.0),
+    )
+    .to_vec()
 }
 
 fn cuboid(at: Affine3A) -> Vec<[Vec3; 3]> {
-    let corner =
-        |i: u32| at.transform_point3(Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) * 2.0 - 1.0);
-    let sides = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
-    sides.iter().flat_map(|s| quad(corner(s[0]), corner(s[1]), corner(s[2]), corner(s[3]))).collect()
+    let corner = |i: u32| {
+        at.transform_point3(
+            Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) * 2.0 - 1.0,
+        )
+    };
+    let sides = [
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+    ];
+    sides
+        .iter()
+        .flat_map(|s| quad(corner(s[0]), corner(s[1]), corner(s[2]), corner(s[3])))
+        .collect()
 }
 
 /// Boxes turned every way, some through the floor.
 fn boxes() -> Vec<[Vec3; 3]> {
     let mut out = floor(4.0);
     for i in 0..8 {
-        let turn = Quat::from_euler(EulerRot::XYZ, random(7 * i) * 3.0, random(7 * i + 1) * 3.0, 0.4);
+        let turn = Quat::from_euler(
+            EulerRot::XYZ,
+            random(7 * i) * 3.0,
+            random(7 * i + 1) * 3.0,
+            0.4,
+        );
         let place = (random_vector(100 + i) * 2.0 - 1.0) * Vec3::new(2.5, 0.5, 2.5) + Vec3::Y * 0.5;
-        out.extend(cuboid(Affine3A::from_scale_rotation_translation(random_vector(200 + i) * 0.6 + 0.05, turn, place)));
+        out.extend(cuboid(Affine3A::from_scale_rotation_translation(
+            random_vector(200 + i) * 0.6 + 0.05,
+            turn,
+            place,
+        )));
     }
     out
 }
@@ -54,10 +82,14 @@ fn boxes() -> Vec<[Vec3; 3]> {
 fn wires() -> Vec<[Vec3; 3]> {
     let mut out = floor(6.0);
     for i in 0..60 {
-        let foot = Vec3::new(random(3 * i) * 8.0 - 4.0, 0.0, random(3 * i + 1) * 8.0 - 4.0);
+        let foot = Vec3::new(
+            random(3 * i) * 8.0 - 4.0,
+            0.0,
+            random(3 * i + 1) * 8.0 - 4.0,
+        );
         let along = [Vec3::Y, Vec3::new(2.0, 0.4, 1.0), Vec3::new(-0.7, 1.0, 0.3)][i as usize % 3];
-        let across =
-            Vec3::new(random(i + 500) - 0.5, 0.1, random(i + 600) - 0.5).normalize() * 0.2 / 4.0_f32.powi(i as i32 % 6);
+        let across = Vec3::new(random(i + 500) - 0.5, 0.1, random(i + 600) - 0.5).normalize() * 0.2
+            / 4.0_f32.powi(i as i32 % 6);
         out.push([foot, foot + along, foot + along + across]);
         out.push([foot, foot + along + across, foot + across]);
     }
@@ -68,15 +100,29 @@ fn wires() -> Vec<[Vec3; 3]> {
 fn contacts() -> Vec<[Vec3; 3]> {
     let mut out = floor(4.0);
     for i in 0..10 {
-        let place = Vec3::new(random(5 * i) * 6.0 - 3.0, 0.0, random(5 * i + 1) * 6.0 - 3.0);
+        let place = Vec3::new(
+            random(5 * i) * 6.0 - 3.0,
+            0.0,
+            random(5 * i + 1) * 6.0 - 3.0,
+        );
         let turn = Quat::from_rotation_y(random(5 * i + 2) * 3.0);
         if i % 2 == 0 {
             let half = Vec3::new(0.3, 0.4, 0.2);
-            out.extend(cuboid(Affine3A::from_scale_rotation_translation(half, turn, place + Vec3::Y * half.y)));
+            out.extend(cuboid(Affine3A::from_scale_rotation_translation(
+                half,
+                turn,
+                place + Vec3::Y * half.y,
+            )));
         } else {
-            let corner =
-                |x: f32, z: f32| place + turn * Vec3::new(x, 0.0, z) + Vec3::Y * 10.0_f32.powi(i as i32 / 2 - 6);
-            out.extend(quad(corner(-0.5, -0.5), corner(-0.5, 0.5), corner(0.5, 0.5), corner(0.5, -0.5)));
+            let corner = |x: f32, z: f32| {
+                place + turn * Vec3::new(x, 0.0, z) + Vec3::Y * 10.0_f32.powi(i as i32 / 2 - 6)
+            };
+            out.extend(quad(
+                corner(-0.5, -0.5),
+                corner(-0.5, 0.5),
+                corner(0.5, 0.5),
+                corner(0.5, -0.5),
+            ));
         }
     }
     out
@@ -92,14 +138,22 @@ fn ball() -> Vec<[Vec3; 3]> {
     let sides = (0..16).flat_map(|ring| (0..24).map(move |side| (ring, side)));
     floor(4.0)
         .into_iter()
-        .chain(sides.flat_map(|(r, k)| quad(at(r, k), at(r, k + 1), at(r + 1, k + 1), at(r + 1, k))))
+        .chain(
+            sides.flat_map(|(r, k)| quad(at(r, k), at(r, k + 1), at(r + 1, k + 1), at(r + 1, k))),
+        )
         .collect()
 }
 
 fn cases() -> Vec<Case> {
-    let sun = |x: f32, y: f32, z: f32| Light::Directional { direction: Vec3::new(x, y, z), angular_diameter: 0.0 };
+    let sun = |x: f32, y: f32, z: f32| Light::Directional {
+        direction: Vec3::new(x, y, z),
+        angular_diameter: 0.0,
+    };
     let low_sun = sun(-0.8, -0.03, -0.5);
-    let bulb = Light::Point { position: Vec3::new(-1.5, 2.7, 1.0), radius: 0.0 };
+    let bulb = Light::Point {
+        position: Vec3::new(-1.5, 2.7, 1.0),
+        radius: 0.0,
+    };
     let spot = Light::Spot {
         position: Vec3::new(2.0, 4.0, 2.0),
         direction: Vec3::new(-0.5, -1.0, -0.6),
@@ -107,12 +161,22 @@ fn cases() -> Vec<Case> {
         outer: 0.6,
         radius: 0.0,
     };
-    let shapes = [("boxes", boxes()), ("wires", wires()), ("contacts", contacts()), ("ball", ball())];
+    let shapes = [
+        ("boxes", boxes()),
+        ("wires", wires()),
+        ("contacts", contacts()),
+        ("ball", ball()),
+    ];
     let lights = [sun(-0.5, -0.7, -0.3), low_sun, bulb, spot];
     let mut out = Vec::new();
     for (name, shape) in shapes {
         for (k, light) in lights.into_iter().enumerate() {
-            out.push(Case { name, corners: shape.clone(), camera: camera(Vec3::ZERO, k == 2), light });
+            out.push(Case {
+                name,
+                corners: shape.clone(),
+                camera: camera(Vec3::ZERO, k == 2),
+                light,
+            });
         }
     }
     out
@@ -122,14 +186,29 @@ fn cases() -> Vec<Case> {
 fn far_case(metres: f32) -> Case {
     let at = Vec3::new(1.0, 0.0, 0.9) * metres;
     let corners = boxes().into_iter().map(|t| t.map(|c| c + at)).collect();
-    let light = Light::Directional { direction: Vec3::new(-0.5, -0.7, -0.3), angular_diameter: 0.0 };
-    Case { name: "boxes far away", corners, camera: camera(at, false), light }
+    let light = Light::Directional {
+        direction: Vec3::new(-0.5, -0.7, -0.3),
+        angular_diameter: 0.0,
+    };
+    Case {
+        name: "boxes far away",
+        corners,
+        camera: camera(at, false),
+        light,
+    }
 }
 
 fn camera(at: Vec3, parallel: bool) -> Camera {
     let (eye, size) = (at + Vec3::new(4.0, 3.5, 6.0), UVec2::new(96, 64));
     if parallel {
-        let extents = Extents { left: -4.2, right: 4.2, bottom: -2.8, top: 2.8, near: 0.5, far: 30.0 };
+        let extents = Extents {
+            left: -4.2,
+            right: 4.2,
+            bottom: -2.8,
+            top: 2.8,
+            near: 0.5,
+            far: 30.0,
+        };
         return Camera::orthographic(eye, at, Vec3::Y, extents, size).expect("a good camera");
     }
     Camera::perspective(eye, at, Vec3::Y, 0.7, [0.5, 50.0], size).expect("a good camera")
@@ -137,14 +216,29 @@ fn camera(at: Vec3, parallel: bool) -> Camera {
 
 fn truth_of(case: &Case) -> (Geometry, Truth) {
     let positions = case.corners.iter().flatten().copied().collect();
-    let triangles = (0..case.corners.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    let triangles = (0..case.corners.len() as u32)
+        .map(|i| [3 * i, 3 * i + 1, 3 * i + 2])
+        .collect();
     let mesh = Mesh::new(case.name, positions, triangles).expect("a good mesh");
     let instances = vec![Instance::new(0, Affine3A::IDENTITY)];
-    let geometry = Geometry::bake(&Scene { meshes: vec![mesh], instances, ..Scene::default() }).expect("a good scene");
+    let geometry = Geometry::bake(&Scene {
+        meshes: vec![mesh],
+        instances,
+        ..Scene::default()
+    })
+    .expect("a good scene");
     let mut cpu = Cpu::new();
     let mut find = |camera: &_, geometry: &_| cpu.receivers(camera, geometry);
     let options = TruthOptions::default();
-    let truth = trace(&case.camera, &case.light, &geometry, &options, &mut find, &|_, _| {}).expect("valid");
+    let truth = trace(
+        &case.camera,
+        &case.light,
+        &geometry,
+        &options,
+        &mut find,
+        &|_, _| {},
+    )
+    .expect("valid");
     (geometry, truth)
 }
 
@@ -152,17 +246,30 @@ fn truth_of(case: &Case) -> (Geometry, Truth) {
 type Asked = ([u32; 2], Option<u32>, f64);
 
 /// Of the pixels that are marked, or of those that aren't: how many the oracle contradicts, and how many there are.
-fn contradicted(case: &Case, marked: bool, contradicts: impl Fn(&Oracle<'_>, Asked) -> bool + Sync) -> [usize; 2] {
+fn contradicted(
+    case: &Case,
+    marked: bool,
+    contradicts: impl Fn(&Oracle<'_>, Asked) -> bool + Sync,
+) -> [usize; 2] {
     let (geometry, truth) = truth_of(case);
     let oracle = Oracle::new(&geometry, &case.camera, &case.light);
-    let pixels: Vec<usize> = (0..truth.pixels.len()).filter(|&i| truth.ambiguous[i] == marked).collect();
+    let pixels: Vec<usize> = (0..truth.pixels.len())
+        .filter(|&i| truth.ambiguous[i] == marked)
+        .collect();
     let is_wrong = |&&i: &&usize| {
-        let value = if truth.pixels[i] == Pixel::Unlit { 0.0 } else { truth.visibility[i] };
+        let value = if truth.pixels[i] == Pixel::Unlit {
+            0.0
+        } else {
+            truth.visibility[i]
+        };
         let pixel = [i as u32 % truth.size.x, i as u32 / truth.size.x];
         let shown = truth.receivers.receives[i].then_some(truth.receivers.triangle[i]);
         let wrong = contradicts(&oracle, (pixel, shown, f64::from(value)));
         if wrong {
-            println!("{} under {:?}: pixel {pixel:?}, {:?}, {value}", case.name, case.light, truth.pixels[i]);
+            println!(
+                "{} under {:?}: pixel {pixel:?}, {:?}, {value}",
+                case.name, case.light, truth.pixels[i]
+            );
         }
         wrong
     };
@@ -175,9 +282,14 @@ fn answers_that_are_not_ambiguous_are_right() {
     for case in cases() {
         // The vicinity holds a circle of cos(pi / 16) times its radius.
         let [wrong, pixels] = contradicted(&case, false, |oracle, (pixel, shown, value)| {
-            oracle.answer(pixel, None) != value || shown.is_some() && oracle.changes(pixel, shown, [0.0196, 1.0], 24)
+            oracle.answer(pixel, None) != value
+                || shown.is_some() && oracle.changes(pixel, shown, [0.0196, 1.0], 24)
         });
-        assert_eq!(wrong, 0, "of {pixels} of {} under {:?}", case.name, case.light);
+        assert_eq!(
+            wrong, 0,
+            "of {pixels} of {} under {:?}",
+            case.name, case.light
+        );
     }
 }
 
@@ -186,10 +298,14 @@ fn answers_that_are_not_ambiguous_are_right() {
 #[test]
 fn answers_far_from_the_origin_are_right_where_they_are_not_ambiguous() {
     for (metres, least) in [(1e3, 6_000), (1e4, 5_000), (1e5, 3_000), (1e6, 1_000)] {
-        let [wrong, pixels] = contradicted(&far_case(metres), false, |oracle, (pixel, shown, value)| {
-            oracle.answer(pixel, shown) != value
-        });
-        assert!(wrong == 0 && pixels >= least, "{wrong} of {pixels} at {metres} m");
+        let [wrong, pixels] =
+            contradicted(&far_case(metres), false, |oracle, (pixel, shown, value)| {
+                oracle.answer(pixel, shown) != value
+            });
+        assert!(
+            wrong == 0 && pixels >= least,
+            "{wrong} of {pixels} at {metres} m"
+        );
     }
 }
 
@@ -200,9 +316,15 @@ fn ambiguous_answers_change_within_rounding() {
     let mut marked = 0;
     for case in cases() {
         let [firm, pixels] = contradicted(&case, true, |oracle, (pixel, shown, _)| {
-            ![None, shown].iter().any(|&shown| oracle.changes(pixel, shown, [0.0215, 1.1], 4_000))
+            ![None, shown]
+                .iter()
+                .any(|&shown| oracle.changes(pixel, shown, [0.0215, 1.1], 4_000))
         });
-        assert_eq!(firm, 0, "of {pixels} of {} under {:?}", case.name, case.light);
+        assert_eq!(
+            firm, 0,
+            "of {pixels} of {} under {:?}",
+            case.name, case.light
+        );
         marked += pixels;
     }
     assert!(marked > 200, "the test tells little: {marked}");

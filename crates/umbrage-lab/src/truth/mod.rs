@@ -47,7 +47,12 @@ pub struct TruthOptions {
 
 impl Default for TruthOptions {
     fn default() -> Self {
-        Self { samples: 1024, penumbra_factor: 4, probe_samples: 64, ambiguous_change: 0.125 }
+        Self {
+            samples: 1024,
+            penumbra_factor: 4,
+            probe_samples: 64,
+            ambiguous_change: 0.125,
+        }
     }
 }
 
@@ -79,7 +84,13 @@ pub struct Truth {
 impl Truth {
     /// Mean and greatest standard error over the pixels that count.
     pub fn standard_error(&self) -> [f32; 2] {
-        let counted = || self.error.iter().zip(&self.pixels).filter(|(_, p)| **p == Pixel::Counted).map(|(e, _)| *e);
+        let counted = || {
+            self.error
+                .iter()
+                .zip(&self.pixels)
+                .filter(|(_, p)| **p == Pixel::Counted)
+                .map(|(e, _)| *e)
+        };
         let n = counted().count().max(1);
         let sum: f64 = counted().map(f64::from).sum();
         [(sum / n as f64) as f32, counted().fold(0.0, f32::max)]
@@ -90,12 +101,21 @@ impl Truth {
     /// # Errors
     /// When the fields don't fit each other.
     pub fn image(&self) -> Result<TruthImage<'_>, Invalid> {
-        TruthImage::new(self.size, &self.visibility, &self.pixels, &self.blocker, self.contact)
+        TruthImage::new(
+            self.size,
+            &self.visibility,
+            &self.pixels,
+            &self.blocker,
+            self.contact,
+        )
     }
 
     /// Whether the light's shadow, or part of it, falls on any pixel that counts.
     pub fn has_shadow(&self) -> bool {
-        self.visibility.iter().zip(&self.pixels).any(|(v, p)| *v < 1.0 && *p == Pixel::Counted)
+        self.visibility
+            .iter()
+            .zip(&self.pixels)
+            .any(|(v, p)| *v < 1.0 && *p == Pixel::Counted)
     }
 }
 
@@ -121,13 +141,20 @@ pub fn trace(
     let start = Instant::now();
     let receivers = find(camera, geometry)?;
     let pixels: Vec<u32> = (0..receivers.len() as u32).collect();
-    let asked = Asked { camera, geometry, receivers: &receivers, pixels: &pixels };
+    let asked = Asked {
+        camera,
+        geometry,
+        receivers: &receivers,
+        pixels: &pixels,
+    };
     let (seen, ambiguous) = trace_asked(&asked, light, options, find, progress)?;
     Ok(Truth {
         size: receivers.size,
         visibility: seen.iter().map(|s| s.visibility).collect(),
         error: seen.iter().map(|s| s.error).collect(),
-        pixels: (0..seen.len()).map(|i| class(receivers.receives[i], seen[i], ambiguous[i])).collect(),
+        pixels: (0..seen.len())
+            .map(|i| class(receivers.receives[i], seen[i], ambiguous[i]))
+            .collect(),
         ambiguous,
         blocker: blockers::find(light, geometry, &receivers, &seen),
         contact: blockers::contact(&receivers),
@@ -161,14 +188,24 @@ pub fn trace_pixels(
     progress: &Progress<'_>,
 ) -> Result<Vec<PixelTruth>, LabError> {
     let (camera, light, geometry, receivers) = view;
-    let asked = Asked { camera, geometry, receivers, pixels };
+    let asked = Asked {
+        camera,
+        geometry,
+        receivers,
+        pixels,
+    };
     let (seen, ambiguous) = trace_asked(&asked, light, options, find, progress)?;
     let pixel = |((seen, ambiguous), &i): ((Seen, bool), &u32)| PixelTruth {
         visibility: seen.visibility,
         error: seen.error,
         pixel: class(receivers.receives[i as usize], seen, ambiguous),
     };
-    Ok(seen.into_iter().zip(ambiguous).zip(pixels).map(pixel).collect())
+    Ok(seen
+        .into_iter()
+        .zip(ambiguous)
+        .zip(pixels)
+        .map(pixel)
+        .collect())
 }
 
 fn trace_asked(
@@ -210,13 +247,21 @@ pub(crate) fn ambiguous_on(
     options: &TruthOptions,
     find: &mut FindReceivers<'_>,
 ) -> Result<Option<Vec<bool>>, LabError> {
-    let nudge = Nudge { pixels: 2.0 * step, outlines: true };
+    let nudge = Nudge {
+        pixels: 2.0 * step,
+        outlines: true,
+    };
     if nudge.pixels <= Nudge::ROUNDING.pixels {
         return Ok(None);
     }
     let (camera, light, geometry) = view;
     let pixels: Vec<u32> = (0..truth.receivers.len() as u32).collect();
-    let asked = Asked { camera, geometry, receivers: &truth.receivers, pixels: &pixels };
+    let asked = Asked {
+        camera,
+        geometry,
+        receivers: &truth.receivers,
+        pixels: &pixels,
+    };
     ambiguity::find(&asked, light, options, nudge, find, &|_| {}).map(Some)
 }
 

@@ -32,7 +32,9 @@ impl<'a> Oracle<'a> {
     pub(super) fn new(geometry: &Geometry, camera: &'a Camera, light: &'a Light) -> Self {
         let corners = |i| geometry.corners(i).map(Vec3::as_dvec3);
         Self {
-            corners: (0..geometry.triangles().len() as u32).map(corners).collect(),
+            corners: (0..geometry.triangles().len() as u32)
+                .map(corners)
+                .collect(),
             casters: geometry.casters(),
             receivers: geometry.receivers(),
             camera,
@@ -48,25 +50,43 @@ impl<'a> Oracle<'a> {
 
     fn ask(&self, pixel: [u32; 2], moved: Moved, shown: Option<u32>) -> f64 {
         let (eye, d) = self.ray(center(pixel) + moved.pixels);
-        let distances = (0..).zip(&self.corners).filter_map(|(id, t)| Some((meets(eye, d, t)?, id)));
-        let nearest = || distances.filter(|(t, _)| *t > 1e-9).min_by(|a, b| a.0.total_cmp(&b.0));
+        let distances = (0..)
+            .zip(&self.corners)
+            .filter_map(|(id, t)| Some((meets(eye, d, t)?, id)));
+        let nearest = || {
+            distances
+                .filter(|(t, _)| *t > 1e-9)
+                .min_by(|a, b| a.0.total_cmp(&b.0))
+        };
         let on_plane = |id: u32| (distance_to_plane(eye, d, &self.corners[id as usize]), id);
         let first = shown.map(on_plane).or_else(nearest);
-        let Some((t, id)) = first.filter(|(_, id)| self.receivers.contains(id)) else { return 1.0 };
+        let Some((t, id)) = first.filter(|(_, id)| self.receivers.contains(id)) else {
+            return 1.0;
+        };
         let p = eye + d * t;
         let corners = self.corners[id as usize];
-        let across = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize();
+        let across = (corners[1] - corners[0])
+            .cross(corners[2] - corners[0])
+            .normalize();
         let normal = if across.dot(d) > 0.0 { -across } else { across };
         let (u, v) = normal.any_orthonormal_pair();
         let lengths = corners.map(|c| (c - p).abs().max_element());
-        let length = lengths.into_iter().fold((eye - p).length().max(p.abs().max_element()), f64::max);
+        let length = lengths
+            .into_iter()
+            .fold((eye - p).length().max(p.abs().max_element()), f64::max);
         let by = moved.offsets * length * f64::from(LIFT);
         // The least height keeps neighbours in the same plane, whose corners are rounded, from shadowing each other.
         let o = p + u * by.x + v * by.y + normal * by.z.max(length * 2.0_f64.powi(-24));
         let to_light = self.to_light(o, length);
         let lit = normal.dot(to_light) > 0.0 && !self.outside_cone(o);
-        let hides = |id: u32| meets(o, to_light, &self.corners[id as usize]).is_some_and(|t| (0.0..=1.0).contains(&t));
-        let seen = lit && !self.casters.clone().any(|caster| caster != id && hides(caster));
+        let hides = |id: u32| {
+            meets(o, to_light, &self.corners[id as usize]).is_some_and(|t| (0.0..=1.0).contains(&t))
+        };
+        let seen = lit
+            && !self
+                .casters
+                .clone()
+                .any(|caster| caster != id && hides(caster));
         f64::from(u8::from(seen))
     }
 
@@ -82,9 +102,15 @@ impl<'a> Oracle<'a> {
     ) -> bool {
         let as_it_is = self.answer(pixel, shown);
         (0..samples).any(|i| {
-            let random = |k: u32| f64::from(hash(hash(i * 8 + k) ^ pixel[0] ^ (pixel[1] << 16))) / 4_294_967_296.0;
+            let random = |k: u32| {
+                f64::from(hash(hash(i * 8 + k) ^ pixel[0] ^ (pixel[1] << 16))) / 4_294_967_296.0
+            };
             // The first ones to the rim, along the axes.
-            let (angle, share) = if i < 4 { (0.25 * f64::from(i), 1.0) } else { (random(0), random(1).sqrt()) };
+            let (angle, share) = if i < 4 {
+                (0.25 * f64::from(i), 1.0)
+            } else {
+                (random(0), random(1).sqrt())
+            };
             let aside = DVec2::new(random(2), random(3)) * 2.0 - 1.0;
             let moved = Moved {
                 pixels: DVec2::from_angle(std::f64::consts::TAU * angle) * pixels * share,
@@ -101,29 +127,51 @@ impl<'a> Oracle<'a> {
     }
 
     fn ray(&self, at: DVec2) -> (DVec3, DVec3) {
-        let world_from_view = DAffine3::from_mat4(Mat4::from(self.camera.world_from_view).as_dmat4());
+        let world_from_view =
+            DAffine3::from_mat4(Mat4::from(self.camera.world_from_view).as_dmat4());
         let view_from_clip: DMat4 = self.camera.clip_from_view.as_dmat4().inverse();
         let ndc = DVec2::new(2.0, -2.0) * at / self.camera.size.as_dvec2() + DVec2::new(-1.0, 1.0);
         let near = view_from_clip.project_point3(ndc.extend(0.0));
         if self.camera.clip_from_view.row(3) == Vec4::W {
-            return (world_from_view.transform_point3(near), world_from_view.transform_vector3(-DVec3::Z));
+            return (
+                world_from_view.transform_point3(near),
+                world_from_view.transform_vector3(-DVec3::Z),
+            );
         }
-        (world_from_view.translation, world_from_view.transform_vector3(near / -near.z))
+        (
+            world_from_view.translation,
+            world_from_view.transform_vector3(near / -near.z),
+        )
     }
 
     fn to_light(&self, o: DVec3, length: f64) -> DVec3 {
         match *self.light {
-            Light::Directional { direction, .. } => -direction.as_dvec3().normalize() * 10.0 * length,
+            Light::Directional { direction, .. } => {
+                -direction.as_dvec3().normalize() * 10.0 * length
+            }
             Light::Point { position, .. } | Light::Spot { position, .. } => {
                 (position.as_dvec3() - o) * f64::from(SHORT)
             }
-            Light::Rect { .. } | Light::Disc { .. } => panic!("the oracle knows ideal lights alone"),
+            Light::Rect { .. } | Light::Disc { .. } => {
+                panic!("the oracle knows ideal lights alone")
+            }
         }
     }
 
     fn outside_cone(&self, o: DVec3) -> bool {
-        let Light::Spot { position, direction, outer, .. } = *self.light else { return false };
-        (o - position.as_dvec3()).normalize().dot(direction.as_dvec3().normalize()) < f64::from(outer).cos()
+        let Light::Spot {
+            position,
+            direction,
+            outer,
+            ..
+        } = *self.light
+        else {
+            return false;
+        };
+        (o - position.as_dvec3())
+            .normalize()
+            .dot(direction.as_dvec3().normalize())
+            < f64::from(outer).cos()
     }
 }
 

@@ -6,7 +6,9 @@ use super::{
 };
 use glam::Vec3;
 use rayon::prelude::*;
-use umbrage_core::{Camera, Geometry, Invalid, Light, NO_TRIANGLE, Receivers, invalid::finite, light_sample};
+use umbrage_core::{
+    Camera, Geometry, Invalid, Light, NO_TRIANGLE, Receivers, invalid::finite, light_sample,
+};
 
 /// A point that may be lit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,17 +31,41 @@ impl Point {
     pub fn new(position: Vec3, normal: Vec3, geometry: &Geometry) -> Self {
         let bounds = geometry.bounds();
         let reach = bounds.min.abs().max(bounds.max.abs()).max_element();
-        let seed = light_sample::seed(position.x.to_bits() ^ position.y.to_bits(), position.z.to_bits());
-        Self { position, normal, triangle: NO_TRIANGLE, reach: if reach.is_finite() { reach } else { 0.0 }, seed }
+        let seed = light_sample::seed(
+            position.x.to_bits() ^ position.y.to_bits(),
+            position.z.to_bits(),
+        );
+        Self {
+            position,
+            normal,
+            triangle: NO_TRIANGLE,
+            reach: if reach.is_finite() { reach } else { 0.0 },
+            seed,
+        }
     }
 
     /// The point at a pixel.
-    pub(super) fn of_pixel(camera: &Camera, geometry: &Geometry, receivers: &Receivers, i: usize) -> Self {
+    pub(super) fn of_pixel(
+        camera: &Camera,
+        geometry: &Geometry,
+        receivers: &Receivers,
+        i: usize,
+    ) -> Self {
         let (position, triangle) = (receivers.position(i), receivers.triangle[i]);
-        let corners = geometry.corners(triangle).map(|c| (c - position).abs().max_element());
-        let reach = corners.into_iter().fold((camera.eye() - position).length(), f32::max);
+        let corners = geometry
+            .corners(triangle)
+            .map(|c| (c - position).abs().max_element());
+        let reach = corners
+            .into_iter()
+            .fold((camera.eye() - position).length(), f32::max);
         let (x, y) = (i as u32 % receivers.size.x, i as u32 / receivers.size.x);
-        Self { position, normal: receivers.normal(i), triangle, reach, seed: light_sample::seed(x, y) }
+        Self {
+            position,
+            normal: receivers.normal(i),
+            triangle,
+            reach,
+            seed: light_sample::seed(x, y),
+        }
     }
 }
 
@@ -56,7 +82,11 @@ pub struct Seen {
 
 impl Seen {
     /// What counts as the answer where nothing receives.
-    pub(super) const NOTHING: Self = Self { visibility: 1.0, error: 0.0, unlit: false };
+    pub(super) const NOTHING: Self = Self {
+        visibility: 1.0,
+        error: 0.0,
+        unlit: false,
+    };
 }
 
 /// Traces truth at given points, on all cores.
@@ -70,10 +100,16 @@ pub fn trace_points(
     options: &TruthOptions,
 ) -> Result<Vec<Seen>, Invalid> {
     for (i, p) in points.iter().enumerate() {
-        finite(&format!("point {i}"), &[p.position.to_array(), p.normal.to_array()].concat())?;
+        finite(
+            &format!("point {i}"),
+            &[p.position.to_array(), p.normal.to_array()].concat(),
+        )?;
     }
     let tracer = Tracer::new(geometry, light, options)?;
-    Ok(points.par_iter().map_init(Memory::default, |memory, p| tracer.ask(p, 1.0, memory)).collect())
+    Ok(points
+        .par_iter()
+        .map_init(Memory::default, |memory, p| tracer.ask(p, 1.0, memory))
+        .collect())
 }
 
 /// What truth is asked about: seen points of an image.
@@ -91,17 +127,28 @@ const CHUNK: usize = 256;
 
 impl Asked<'_> {
     /// Traces truth at the pixels, in their order; `lift` multiplies the rays' offset.
-    pub(super) fn trace(&self, tracer: &Tracer, lift: f32, report: &(dyn Fn(usize) + Sync)) -> Vec<Seen> {
+    pub(super) fn trace(
+        &self,
+        tracer: &Tracer,
+        lift: f32,
+        report: &(dyn Fn(usize) + Sync),
+    ) -> Vec<Seen> {
         let mut out = vec![Seen::NOTHING; self.pixels.len()];
-        out.par_chunks_mut(CHUNK).zip(self.pixels.par_chunks(CHUNK)).for_each(|(out, pixels)| {
-            let mut memory = Memory::default();
-            let asked = out.iter_mut().zip(pixels).filter(|(_, i)| self.receivers.receives[**i as usize]);
-            for (seen, &i) in asked {
-                let point = Point::of_pixel(self.camera, self.geometry, self.receivers, i as usize);
-                *seen = tracer.ask(&point, lift, &mut memory);
-            }
-            report(pixels.len());
-        });
+        out.par_chunks_mut(CHUNK)
+            .zip(self.pixels.par_chunks(CHUNK))
+            .for_each(|(out, pixels)| {
+                let mut memory = Memory::default();
+                let asked = out
+                    .iter_mut()
+                    .zip(pixels)
+                    .filter(|(_, i)| self.receivers.receives[**i as usize]);
+                for (seen, &i) in asked {
+                    let point =
+                        Point::of_pixel(self.camera, self.geometry, self.receivers, i as usize);
+                    *seen = tracer.ask(&point, lift, &mut memory);
+                }
+                report(pixels.len());
+            });
         out
     }
 }

@@ -9,7 +9,10 @@ pub(super) type Polygon = Vec<DVec2>;
 pub(super) fn area(p: &[DVec2]) -> f64 {
     let Some(&first) = p.first() else { return 0.0 };
     // From one corner, so that digits are not lost far from the origin.
-    p.windows(2).map(|w| (w[0] - first).perp_dot(w[1] - first)).sum::<f64>() / 2.0
+    p.windows(2)
+        .map(|w| (w[0] - first).perp_dot(w[1] - first))
+        .sum::<f64>()
+        / 2.0
 }
 
 /// Corners in counter-clockwise order, whichever they come in.
@@ -27,7 +30,9 @@ pub(super) fn left_of(p: &[DVec2], [a, b]: [DVec2; 2]) -> Polygon {
 
 /// The part of a polygon, of points of any kind, where a linear function is at least 0: Sutherland, Hodgman 1974,
 /// "Reentrant Polygon Clipping".
-pub(super) fn cut<P: Copy + std::ops::Sub<Output = P> + std::ops::Add<Output = P> + std::ops::Mul<f64, Output = P>>(
+pub(super) fn cut<
+    P: Copy + std::ops::Sub<Output = P> + std::ops::Add<Output = P> + std::ops::Mul<f64, Output = P>,
+>(
     p: &[P],
     side: impl Fn(P) -> f64,
 ) -> Vec<P> {
@@ -53,7 +58,9 @@ pub(super) fn contains(p: &[DVec2], q: DVec2) -> bool {
 /// Some points in a polygon: the mean of its corners, and one near each corner.
 pub(super) fn spread(p: &[DVec2]) -> Vec<DVec2> {
     let middle = p.iter().sum::<DVec2>() / p.len().max(1) as f64;
-    std::iter::once(middle).chain(p.iter().map(|&corner| middle.lerp(corner, 0.95))).collect()
+    std::iter::once(middle)
+        .chain(p.iter().map(|&corner| middle.lerp(corner, 0.95)))
+        .collect()
 }
 
 /// The common part of two polygons. Nothing cuts nothing off: what is common with no corners at all is the other polygon.

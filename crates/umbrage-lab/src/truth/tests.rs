@@ -8,7 +8,10 @@ use umbrage_scenes::{ClosedForm, SceneEntry};
 /// Checks a scene's closed form under a light that may be spoilt; how many samples are off by more than they may.
 fn samples_off(entry: &SceneEntry, closed_form: &ClosedForm, light: &Light) -> usize {
     let geometry = Geometry::bake(&(entry.build)()).expect("built in");
-    let unknown = closed_form.samples.iter().map(|s| Point::new(s.point, s.normal, &geometry));
+    let unknown = closed_form
+        .samples
+        .iter()
+        .map(|s| Point::new(s.point, s.normal, &geometry));
     let known = closed_form.samples.iter().map(|s| Point {
         triangle: s.triangle(&geometry).unwrap_or(NO_TRIANGLE),
         ..Point::new(s.point, s.normal, &geometry)
@@ -16,7 +19,10 @@ fn samples_off(entry: &SceneEntry, closed_form: &ClosedForm, light: &Light) -> u
     let points: Vec<Point> = unknown.chain(known).collect();
     let seen = trace_points(&geometry, light, &points, &TruthOptions::default()).expect("valid");
     let expected = closed_form.samples.iter().chain(&closed_form.samples);
-    seen.iter().zip(expected).filter(|(s, e)| (s.visibility - e.visibility).abs() > closed_form.tolerance).count()
+    seen.iter()
+        .zip(expected)
+        .filter(|(s, e)| (s.visibility - e.visibility).abs() > closed_form.tolerance)
+        .count()
 }
 
 /// Every closed form, with the point's triangle known and unknown.
@@ -24,44 +30,98 @@ fn samples_off(entry: &SceneEntry, closed_form: &ClosedForm, light: &Light) -> u
 fn closed_forms_hold() {
     let mut checked = 0;
     for entry in umbrage_scenes::all() {
-        let Some(closed_form) = entry.closed_form.map(|f| f()) else { continue };
+        let Some(closed_form) = entry.closed_form.map(|f| f()) else {
+            continue;
+        };
         let light = (entry.build)().lights[0];
-        assert_eq!(samples_off(entry, &closed_form, &light), 0, "{}", entry.name);
+        assert_eq!(
+            samples_off(entry, &closed_form, &light),
+            0,
+            "{}",
+            entry.name
+        );
         // Stratified samples of an area light must come this close; ideal lights must be exact.
-        assert!(closed_form.tolerance <= if light.is_ideal() { 0.0 } else { 0.005 }, "{}", entry.name);
+        assert!(
+            closed_form.tolerance <= if light.is_ideal() { 0.0 } else { 0.005 },
+            "{}",
+            entry.name
+        );
         checked += closed_form.samples.len();
     }
-    assert!(checked > 100, "only {checked} samples: where are the scenes?");
+    assert!(
+        checked > 100,
+        "only {checked} samples: where are the scenes?"
+    );
 }
 
 /// The closed forms can tell: an area light 5 % too large breaks each of its cases, and one moved a little all others.
 #[test]
 fn spoilt_lights_break_closed_forms() {
-    for name in ["c4-edge-square", "c4d-edge-disc", "c1-box-sun", "c3-sphere-bulb"] {
+    for name in [
+        "c4-edge-square",
+        "c4d-edge-disc",
+        "c1-box-sun",
+        "c3-sphere-bulb",
+    ] {
         let entry = umbrage_scenes::find(name).expect("built in");
         let closed_form = entry.closed_form.expect("has one")();
         let spoilt = match (entry.build)().lights[0] {
-            Light::Rect { center, half_u, half_v } => {
-                Light::Rect { center, half_u: half_u * 1.05, half_v: half_v * 1.05 }
-            }
-            Light::Disc { center, normal, radius } => Light::Disc { center, normal, radius: radius * 1.05 },
-            Light::Directional { direction, angular_diameter } => {
-                Light::Directional { direction: direction + Vec3::X * 0.03, angular_diameter }
-            }
-            Light::Point { position, radius } => Light::Point { position: position + Vec3::X * 0.05, radius },
+            Light::Rect {
+                center,
+                half_u,
+                half_v,
+            } => Light::Rect {
+                center,
+                half_u: half_u * 1.05,
+                half_v: half_v * 1.05,
+            },
+            Light::Disc {
+                center,
+                normal,
+                radius,
+            } => Light::Disc {
+                center,
+                normal,
+                radius: radius * 1.05,
+            },
+            Light::Directional {
+                direction,
+                angular_diameter,
+            } => Light::Directional {
+                direction: direction + Vec3::X * 0.03,
+                angular_diameter,
+            },
+            Light::Point { position, radius } => Light::Point {
+                position: position + Vec3::X * 0.05,
+                radius,
+            },
             spot @ Light::Spot { .. } => spot,
         };
-        assert!(samples_off(entry, &closed_form, &spoilt) > 0, "{name} doesn't notice");
+        assert!(
+            samples_off(entry, &closed_form, &spoilt) > 0,
+            "{name} doesn't notice"
+        );
     }
 }
 
 fn scene_truth(name: &str, options: &TruthOptions) -> Truth {
     let scene = (umbrage_scenes::find(name).expect("built in").build)();
     let geometry = Geometry::bake(&scene).expect("built in");
-    let camera = Camera { size: glam::UVec2::new(120, 68), ..scene.cameras[0] };
+    let camera = Camera {
+        size: glam::UVec2::new(120, 68),
+        ..scene.cameras[0]
+    };
     let mut cpu = umbrage_cpu::Cpu::new();
     let find = &mut |c: &Camera, g: &Geometry| cpu.receivers(c, g);
-    trace(&camera, &scene.lights[0], &geometry, options, find, &|_, _| ()).expect("valid")
+    trace(
+        &camera,
+        &scene.lights[0],
+        &geometry,
+        options,
+        find,
+        &|_, _| (),
+    )
+    .expect("valid")
 }
 
 /// The same scene at 1e-3, 1 and 1e4: equal masks, but for pixels on outlines, which scaling by a factor that is no power
@@ -75,12 +135,21 @@ fn truth_is_the_same_at_every_scale() {
         let scaled = scene_truth(name, &options);
         for i in 0..truth.visibility.len() {
             let decided = !truth.ambiguous[i] && !scaled.ambiguous[i];
-            assert!(!decided || truth.visibility[i] == scaled.visibility[i], "{name}: pixel {i}");
-            assert!(!decided || truth.pixels[i] == scaled.pixels[i], "{name}: pixel {i}");
+            assert!(
+                !decided || truth.visibility[i] == scaled.visibility[i],
+                "{name}: pixel {i}"
+            );
+            assert!(
+                !decided || truth.pixels[i] == scaled.pixels[i],
+                "{name}: pixel {i}"
+            );
         }
         let share = scaled.ambiguous.iter().filter(|a| **a).count();
         // .04 px either way of outlines some hundreds of pixels long.
-        assert!(share * 100 < truth.visibility.len(), "{name}: {share} pixels are ambiguous");
+        assert!(
+            share * 100 < truth.visibility.len(),
+            "{name}: {share} pixels are ambiguous"
+        );
     }
 }
 
@@ -89,42 +158,99 @@ fn truth_is_the_same_at_every_scale() {
 fn nothing_leaks_and_nothing_shadows_itself() {
     let options = TruthOptions::default();
     let room = scene_truth("c7-closed-room", &options);
-    let lit = room.visibility.iter().zip(&room.pixels).filter(|(v, p)| **v > 0.0 && **p != Pixel::Empty).count();
+    let lit = room
+        .visibility
+        .iter()
+        .zip(&room.pixels)
+        .filter(|(v, p)| **v > 0.0 && **p != Pixel::Empty)
+        .count();
     assert_eq!(lit, 0, "light in a closed room");
     for name in ["c9-bare-floor", "c8-faceted-sphere"] {
         let truth = scene_truth(name, &options);
-        let dark =
-            truth.visibility.iter().zip(&truth.pixels).filter(|(v, p)| **v < 1.0 && **p == Pixel::Counted).count();
+        let dark = truth
+            .visibility
+            .iter()
+            .zip(&truth.pixels)
+            .filter(|(v, p)| **v < 1.0 && **p == Pixel::Counted)
+            .count();
         assert_eq!(dark, 0, "{name}: acne");
     }
 }
 
 #[test]
 fn area_lights_tell_their_error_and_ambiguity_is_rare() {
-    let options = TruthOptions { samples: 256, penumbra_factor: 4, ..TruthOptions::default() };
+    let options = TruthOptions {
+        samples: 256,
+        penumbra_factor: 4,
+        ..TruthOptions::default()
+    };
     let truth = scene_truth("teapot-lamp", &options);
     let [mean, largest] = truth.standard_error();
-    assert!(mean > 0.0 && mean < 0.002 && largest < 0.02, "{mean} {largest}");
-    let penumbra = truth.visibility.iter().filter(|v| **v > 0.0 && **v < 1.0).count();
+    assert!(
+        mean > 0.0 && mean < 0.002 && largest < 0.02,
+        "{mean} {largest}"
+    );
+    let penumbra = truth
+        .visibility
+        .iter()
+        .filter(|v| **v > 0.0 && **v < 1.0)
+        .count();
     assert!(penumbra > 300, "{penumbra} pixels of penumbra");
-    let ambiguous = truth.pixels.iter().filter(|p| **p == Pixel::Ambiguous).count();
-    assert!(ambiguous * 100 < truth.visibility.len(), "{ambiguous} pixels are ambiguous");
+    let ambiguous = truth
+        .pixels
+        .iter()
+        .filter(|p| **p == Pixel::Ambiguous)
+        .count();
+    assert!(
+        ambiguous * 100 < truth.visibility.len(),
+        "{ambiguous} pixels are ambiguous"
+    );
 }
 
 /// A floor under lights that shine from below, from beside and past it.
 #[test]
 fn unlit_points_are_told() {
-    let mesh = Mesh::new("floor", vec![Vec3::ZERO, Vec3::Z, Vec3::X], vec![[0, 1, 2]]).expect("valid");
+    let mesh =
+        Mesh::new("floor", vec![Vec3::ZERO, Vec3::Z, Vec3::X], vec![[0, 1, 2]]).expect("valid");
     let instances = vec![Instance::new(0, Affine3A::IDENTITY)];
-    let geometry = Geometry::bake(&Scene { meshes: vec![mesh], instances, ..Scene::default() }).expect("valid");
+    let geometry = Geometry::bake(&Scene {
+        meshes: vec![mesh],
+        instances,
+        ..Scene::default()
+    })
+    .expect("valid");
     let point = Point::new(Vec3::new(0.2, 0.0, 0.2), Vec3::Y, &geometry);
-    let ask = |light: Light| trace_points(&geometry, &light, &[point], &TruthOptions::default()).expect("valid")[0];
-    let sun = |direction: Vec3, angular_diameter: f32| ask(Light::Directional { direction, angular_diameter });
-    assert_eq!(sun(Vec3::NEG_Y, 0.0), Seen { visibility: 1.0, error: 0.0, unlit: false });
-    assert_eq!(sun(Vec3::Y, 0.0), Seen { visibility: 0.0, error: 0.0, unlit: true });
+    let ask = |light: Light| {
+        trace_points(&geometry, &light, &[point], &TruthOptions::default()).expect("valid")[0]
+    };
+    let sun = |direction: Vec3, angular_diameter: f32| {
+        ask(Light::Directional {
+            direction,
+            angular_diameter,
+        })
+    };
+    assert_eq!(
+        sun(Vec3::NEG_Y, 0.0),
+        Seen {
+            visibility: 1.0,
+            error: 0.0,
+            unlit: false
+        }
+    );
+    assert_eq!(
+        sun(Vec3::Y, 0.0),
+        Seen {
+            visibility: 0.0,
+            error: 0.0,
+            unlit: true
+        }
+    );
     // Half of a sun on the horizon is above it.
     let half = sun(Vec3::X, 0.1);
-    assert!((half.visibility - 0.5).abs() < 0.005 && !half.unlit, "{half:?}");
+    assert!(
+        (half.visibility - 0.5).abs() < 0.005 && !half.unlit,
+        "{half:?}"
+    );
     let spot = |outer: f32| Light::Spot {
         position: Vec3::new(2.0, 1.0, 0.2),
         direction: Vec3::NEG_Y,
@@ -132,17 +258,37 @@ fn unlit_points_are_told() {
         outer,
         radius: 0.0,
     };
-    assert_eq!(ask(spot(1.2)), Seen { visibility: 1.0, error: 0.0, unlit: false });
+    assert_eq!(
+        ask(spot(1.2)),
+        Seen {
+            visibility: 1.0,
+            error: 0.0,
+            unlit: false
+        }
+    );
     // Outside the cone occlusion is traced all the same.
-    assert_eq!(ask(spot(0.8)), Seen { visibility: 1.0, error: 0.0, unlit: true });
+    assert_eq!(
+        ask(spot(0.8)),
+        Seen {
+            visibility: 1.0,
+            error: 0.0,
+            unlit: true
+        }
+    );
 }
 
 #[test]
 fn points_that_are_not_finite_are_refused() {
     let geometry = Geometry::default();
-    let light = Light::Point { position: Vec3::Y, radius: 0.0 };
+    let light = Light::Point {
+        position: Vec3::Y,
+        radius: 0.0,
+    };
     let point = Point::new(Vec3::new(f32::NAN, 0.0, 0.0), Vec3::Y, &geometry);
     assert!(trace_points(&geometry, &light, &[point], &TruthOptions::default()).is_err());
-    let light = Light::Point { position: Vec3::Y, radius: -1.0 };
+    let light = Light::Point {
+        position: Vec3::Y,
+        radius: -1.0,
+    };
     assert!(trace_points(&geometry, &light, &[], &TruthOptions::default()).is_err());
 }

@@ -5,7 +5,9 @@ use glam::{Vec2, Vec3};
 use std::sync::Arc;
 use umbrage_core::{
     Aabb, Bvh, Geometry, Invalid, Light,
-    light_sample::{LightSampler, bitangent, kind, origin_offset, scrambled, segment, sobol_bits, tangent},
+    light_sample::{
+        LightSampler, bitangent, kind, origin_offset, scrambled, segment, sobol_bits, tangent,
+    },
     math::dot3,
 };
 
@@ -47,11 +49,23 @@ struct Count {
 }
 
 impl<'a> Tracer<'a> {
-    pub(super) fn new(geometry: &'a Geometry, light: &Light, options: &TruthOptions) -> Result<Self, Invalid> {
+    pub(super) fn new(
+        geometry: &'a Geometry,
+        light: &Light,
+        options: &TruthOptions,
+    ) -> Result<Self, Invalid> {
         light.validate()?;
         let sampler = LightSampler::new(light);
-        let samples = if sampler.is_ideal() { 1 } else { options.samples.max(1) };
-        let all_samples = if sampler.is_ideal() { 1 } else { samples.saturating_mul(options.penumbra_factor.max(1)) };
+        let samples = if sampler.is_ideal() {
+            1
+        } else {
+            options.samples.max(1)
+        };
+        let all_samples = if sampler.is_ideal() {
+            1
+        } else {
+            samples.saturating_mul(options.penumbra_factor.max(1))
+        };
         let bounds = geometry.caster_bounds();
         let empty = bounds.is_empty();
         Ok(Self {
@@ -59,9 +73,16 @@ impl<'a> Tracer<'a> {
             geometry,
             light: sampler,
             cone: match *light {
-                Light::Spot { position, direction, outer, .. } => {
-                    Some((position, direction.as_dvec3().normalize().as_vec3(), outer.cos()))
-                }
+                Light::Spot {
+                    position,
+                    direction,
+                    outer,
+                    ..
+                } => Some((
+                    position,
+                    direction.as_dvec3().normalize().as_vec3(),
+                    outer.cos(),
+                )),
                 _ => None,
             },
             center: if empty { Vec3::ZERO } else { bounds.center() },
@@ -84,7 +105,10 @@ impl<'a> Tracer<'a> {
             (first, self.samples)
         } else {
             blocks.clear();
-            (self.run(0..self.all_samples, point, o, far, memory, &mut blocks), self.all_samples)
+            (
+                self.run(0..self.all_samples, point, o, far, memory, &mut blocks),
+                self.all_samples,
+            )
         };
         let visibility = whole.0.seen as f32 / whole.1 as f32;
         Seen {
@@ -104,7 +128,10 @@ impl<'a> Tracer<'a> {
         memory: &mut Memory,
         blocks: &mut Vec<f32>,
     ) -> Count {
-        let mut count = Count { clear: self.is_clear(point, o), ..Count::default() };
+        let mut count = Count {
+            clear: self.is_clear(point, o),
+            ..Count::default()
+        };
         let size = (range.len() as u32).div_ceil(BLOCKS);
         for start in range.clone().step_by(size as usize) {
             let (before, end) = (count.seen, (start + size).min(range.end));
@@ -118,7 +145,15 @@ impl<'a> Tracer<'a> {
     }
 
     #[inline(always)]
-    fn sample(&self, uv: Vec2, point: &Point, o: Vec3, far: f32, memory: &mut Memory, count: &mut Count) {
+    fn sample(
+        &self,
+        uv: Vec2,
+        point: &Point,
+        o: Vec3,
+        far: f32,
+        memory: &mut Memory,
+        count: &mut Count,
+    ) {
         let d = segment(&self.light, o, uv, far);
         if dot3(point.normal, d) <= 0.0 {
             return;
@@ -128,7 +163,10 @@ impl<'a> Tracer<'a> {
             count.seen += 1;
             return;
         }
-        if memory.occluder.is_some_and(|i| self.bvh.hits(i, o, d, point.triangle)) {
+        if memory
+            .occluder
+            .is_some_and(|i| self.bvh.hits(i, o, d, point.triangle))
+        {
             return;
         }
         match self.bvh.occluder(o, d, point.triangle) {
@@ -147,7 +185,10 @@ impl<'a> Tracer<'a> {
             kind::BALL => {
                 let c = s.center.truncate() - o;
                 let across = c.normalize_or_zero();
-                (c, [tangent(across), bitangent(across)].map(|a| a * s.half_u.w))
+                (
+                    c,
+                    [tangent(across), bitangent(across)].map(|a| a * s.half_u.w),
+                )
             }
             // Beyond 1 radian the pyramid would be too blunt to be of use.
             kind::CAP if s.half_u.w < 0.46 => {
@@ -156,7 +197,12 @@ impl<'a> Tracer<'a> {
             }
             _ => return false,
         };
-        let corners = [center + u + v, center - u + v, center - u - v, center + u - v];
+        let corners = [
+            center + u + v,
+            center - u + v,
+            center - u - v,
+            center + u - v,
+        ];
         let mut planes = [(n, n.dot(o)); 6];
         for k in 0..4 {
             let side = corners[k].cross(corners[(k + 1) % 4]);

@@ -94,7 +94,9 @@ impl Surface {
     fn shadow(&self, corners: [DVec3; 3], above: f64) -> Polygon {
         let mut part = cut(&corners, |q| self.height(q) - above);
         if self.light_height.is_finite() {
-            part = cut(&part, |q| self.light_height * f64::from(SHORT) - self.height(q));
+            part = cut(&part, |q| {
+                self.light_height * f64::from(SHORT) - self.height(q)
+            });
         }
         counter_clockwise(part.into_iter().map(|q| self.fall(q)).collect())
     }
@@ -104,7 +106,8 @@ impl Surface {
         let (h, offset) = (self.height(q), q - self.p);
         if self.light_height.is_finite() {
             let from_light = offset - self.to_light;
-            return self.flat(self.to_light + from_light * (self.light_height / (self.light_height - h)));
+            return self
+                .flat(self.to_light + from_light * (self.light_height / (self.light_height - h)));
         }
         self.flat(offset - self.to_light * (h / self.to_light.dot(self.axes[2])))
     }
@@ -117,14 +120,26 @@ impl<'a> Vicinity<'a> {
         Self {
             geometry,
             light: match *light {
-                Light::Directional { direction, .. } => To::Direction(-direction.as_dvec3().normalize()),
-                Light::Point { position, .. } | Light::Spot { position, .. } => To::Position(position.as_dvec3()),
+                Light::Directional { direction, .. } => {
+                    To::Direction(-direction.as_dvec3().normalize())
+                }
+                Light::Point { position, .. } | Light::Spot { position, .. } => {
+                    To::Position(position.as_dvec3())
+                }
                 Light::Rect { .. } | Light::Disc { .. } => To::Everywhere,
             },
             rays: camera.rays(),
             pixels,
-            center: if empty { DVec3::ZERO } else { bounds.center().as_dvec3() },
-            radius: if empty { 0.0 } else { (bounds.max.as_dvec3() - bounds.min.as_dvec3()).length() },
+            center: if empty {
+                DVec3::ZERO
+            } else {
+                bounds.center().as_dvec3()
+            },
+            radius: if empty {
+                0.0
+            } else {
+                (bounds.max.as_dvec3() - bounds.min.as_dvec3()).length()
+            },
         }
     }
 
@@ -132,7 +147,9 @@ impl<'a> Vicinity<'a> {
     pub(super) fn around(&self, point: &Point, pixel: [u32; 2], ids: &mut Vec<u32>) -> Around {
         let corners = self.geometry.corners(point.triangle).map(Vec3::as_dvec3);
         // Seen along its plane to the last bit, it could lie anywhere.
-        let Some(surface) = self.surface(corners, pixel) else { return Around::Both };
+        let Some(surface) = self.surface(corners, pixel) else {
+            return Around::Both;
+        };
         if surface.sine().abs() < f64::from(LIFT) {
             return Around::Grazed;
         }
@@ -150,15 +167,24 @@ impl<'a> Vicinity<'a> {
         self.casters_near(&surface, radius, ids);
         ids.retain(|&id| id != point.triangle);
         let low = self.left(&surface, &vicinity, ids, highest * LOWEST);
-        if low == Around::Both || low == self.left(&surface, &vicinity, ids, highest) { low } else { Around::Both }
+        if low == Around::Both || low == self.left(&surface, &vicinity, ids, highest) {
+            low
+        } else {
+            Around::Both
+        }
     }
 
     /// What the shadows of all that is higher than `above` leave of a polygon.
     fn left(&self, surface: &Surface, vicinity: &Polygon, ids: &[u32], above: f64) -> Around {
         let whole = area(vicinity);
         let dust = DUST * whole;
-        let shadow = |id: &u32| surface.shadow(self.geometry.corners(*id).map(Vec3::as_dvec3), above);
-        let shadows: Vec<Polygon> = ids.iter().map(shadow).filter(|shadow| area(shadow) > dust).collect();
+        let shadow =
+            |id: &u32| surface.shadow(self.geometry.corners(*id).map(Vec3::as_dvec3), above);
+        let shadows: Vec<Polygon> = ids
+            .iter()
+            .map(shadow)
+            .filter(|shadow| area(shadow) > dust)
+            .collect();
         // Most of those that hold both are found by some points, before anything is cut.
         let points = spread(vicinity);
         let is_dark = |q: &&DVec2| shadows.iter().any(|shadow| contains(shadow, **q));
@@ -188,7 +214,11 @@ impl<'a> Vicinity<'a> {
             }
         }
         let left: f64 = left.iter().map(|p| area(p)).sum();
-        if left <= dust { Around::Shadow } else { Around::Both }
+        if left <= dust {
+            Around::Shadow
+        } else {
+            Around::Both
+        }
     }
 
     fn surface(&self, [a, b, c]: [DVec3; 3], pixel: [u32; 2]) -> Option<Surface> {
@@ -203,7 +233,12 @@ impl<'a> Vicinity<'a> {
             To::Position(position) => (position - p, (position - p).dot(n)),
             To::Everywhere => return None,
         };
-        p.is_finite().then_some(Surface { p, axes: [u, v, n], to_light, light_height })
+        p.is_finite().then_some(Surface {
+            p,
+            axes: [u, v, n],
+            to_light,
+            light_height,
+        })
     }
 
     /// The ray through a pixel's centre, moved.
@@ -213,7 +248,10 @@ impl<'a> Vicinity<'a> {
             (base.as_dvec4() + dx.as_dvec4() * fx + dy.as_dvec4() * fy).truncate()
         };
         let r = &self.rays;
-        (at(r.origin, r.origin_dx, r.origin_dy), at(r.dir, r.dir_dx, r.dir_dy))
+        (
+            at(r.origin, r.origin_dx, r.origin_dy),
+            at(r.dir, r.dir_dx, r.dir_dy),
+        )
     }
 
     /// The vicinity, for rays whose origins may be moved by `offset`.
@@ -223,7 +261,10 @@ impl<'a> Vicinity<'a> {
         let back = s.flat(s.to_light) * (-2.0 * offset / s.to_light.dot(s.axes[2]));
         let mut points = Vec::with_capacity(128);
         for k in 0..16 {
-            let (o, d) = self.ray(pixel, DVec2::from_angle(std::f64::consts::FRAC_PI_8 * f64::from(k)) * self.pixels);
+            let (o, d) = self.ray(
+                pixel,
+                DVec2::from_angle(std::f64::consts::FRAC_PI_8 * f64::from(k)) * self.pixels,
+            );
             let t = s.axes[2].dot(s.p - o) / s.axes[2].dot(d);
             if !(t > 0.0 && t.is_finite()) {
                 // The plane's horizon is that near: any point of the triangle may be seen.
@@ -241,13 +282,17 @@ impl<'a> Vicinity<'a> {
     /// The casters whose shadows may fall within `radius` of the seen point.
     fn casters_near(&self, s: &Surface, radius: f64, ids: &mut Vec<u32>) {
         let to_light = match self.light {
-            To::Direction(to_light) => to_light * (1.01 * ((s.p - self.center).length() + self.radius)),
+            To::Direction(to_light) => {
+                to_light * (1.01 * ((s.p - self.center).length() + self.radius))
+            }
             To::Position(_) | To::Everywhere => s.to_light,
         };
         let (o, d) = (s.p.as_vec3(), to_light.as_vec3());
         // Both ends are rounded to 32 bits.
         let rounding = (o.abs().max_element() + d.abs().max_element()) * f32::EPSILON;
         ids.clear();
-        self.geometry.bvh().near(o, d, radius as f32 + rounding, ids);
+        self.geometry
+            .bvh()
+            .near(o, d, radius as f32 + rounding, ids);
     }
 }

@@ -11,12 +11,10 @@ use umbrage_core::{Light, Scene};
 
 /// Nothing but a lit floor: all that can go wrong is that it shadows itself.
 pub(crate) fn acne() -> Scene {
-    Stage::new("cause-acne").put(floor(5.0)).light(sun(1.0, -0.8, 0.3)).shoot(
-        Vec3::new(0.5, 3.0, 3.5),
-        Vec3::ZERO,
-        36.0,
-        SIZE,
-    )
+    Stage::new("cause-acne")
+        .put(floor(5.0))
+        .light(sun(1.0, -0.8, 0.3))
+        .shoot(Vec3::new(0.5, 3.0, 3.5), Vec3::ZERO, 36.0, SIZE)
 }
 
 /// The foot of a plate 1 cm thick, seen from its dark side; where its shadow ends is out of view.
@@ -25,17 +23,21 @@ pub(crate) fn gap() -> Scene {
         .put(floor(4.0))
         .put(block(Vec3::new(-0.01, 0.0, -3.0), Vec3::new(0.0, 2.0, 3.0)))
         .light(sun(1.0, -1.0, 0.1))
-        .shoot(Vec3::new(1.1, 0.9, 0.0), Vec3::new(0.3, 0.0, 0.0), 30.0, SIZE)
+        .shoot(
+            Vec3::new(1.1, 0.9, 0.0),
+            Vec3::new(0.3, 0.0, 0.0),
+            30.0,
+            SIZE,
+        )
 }
 
 /// A floor wholly in the shadow of a sheet high above it.
 pub(crate) fn leak() -> Scene {
-    Stage::new("cause-leak").put(floor(6.0)).put(sheet([-5.0, 5.0], [-5.0, 5.0], 2.0)).light(sun(0.2, -1.0, 0.1)).shoot(
-        Vec3::new(0.5, 1.5, 2.5),
-        Vec3::ZERO,
-        30.0,
-        SIZE,
-    )
+    Stage::new("cause-leak")
+        .put(floor(6.0))
+        .put(sheet([-5.0, 5.0], [-5.0, 5.0], 2.0))
+        .light(sun(0.2, -1.0, 0.1))
+        .shoot(Vec3::new(0.5, 1.5, 2.5), Vec3::ZERO, 30.0, SIZE)
 }
 
 /// The edge of a sheet's hard shadow.
@@ -46,16 +48,24 @@ pub(crate) fn edge() -> Scene {
 /// The same edge under a lamp of 40 cm.
 pub(crate) fn penumbra() -> Scene {
     let half = 0.2;
-    let lamp = Light::Rect { center: Vec3::new(0.0, 4.0, 0.0), half_u: Vec3::X * half, half_v: Vec3::Z * half };
+    let lamp = Light::Rect {
+        center: Vec3::new(0.0, 4.0, 0.0),
+        half_u: Vec3::X * half,
+        half_v: Vec3::Z * half,
+    };
     under_sheet("cause-penumbra", lamp)
 }
 
 /// A sheet 1 m above the floor, one of whose edges throws its shadow slantwise through the picture.
 fn under_sheet(name: &str, light: Light) -> Scene {
-    Stage::new(name).put(floor(4.0)).put(sheet([-1.5, 0.0], [-1.5, 1.5], 1.0)).light(light).shoot(
-        Vec3::new(2.2, 0.8, 0.6),
-        Vec3::new(0.2, 0.0, 0.0),
-        32.0,
-        SIZE,
-    )
+    Stage::new(name)
+        .put(floor(4.0))
+        .put(sheet([-1.5, 0.0], [-1.5, 1.5], 1.0))
+        .light(light)
+        .shoot(
+            Vec3::new(2.2, 0.8, 0.6),
+            Vec3::new(0.2, 0.0, 0.0),
+            32.0,
+            SIZE,
+        )
 }

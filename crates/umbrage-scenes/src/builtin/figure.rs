@@ -18,9 +18,22 @@ pub(crate) fn figure() -> Scene {
     body()
         .into_iter()
         .zip(CLOTHES)
-        .fold(stage, |stage, (part, color)| stage.put(part).look(matte(color)))
-        .light(Light::Spot { position, direction, inner, outer, radius: 0.0 })
-        .shoot(Vec3::new(1.6, 1.9, 4.2), Vec3::new(0.5, 0.75, -0.2), 40.0, SIZE)
+        .fold(stage, |stage, (part, color)| {
+            stage.put(part).look(matte(color))
+        })
+        .light(Light::Spot {
+            position,
+            direction,
+            inner,
+            outer,
+            radius: 0.0,
+        })
+        .shoot(
+            Vec3::new(1.6, 1.9, 4.2),
+            Vec3::new(0.5, 0.75, -0.2),
+            40.0,
+            SIZE,
+        )
 }
 
 const SHIRT: [f32; 3] = [0.09, 0.25, 0.48];
@@ -28,7 +41,9 @@ const SKIN: [f32; 3] = [0.56, 0.34, 0.24];
 const TROUSERS: [f32; 3] = [0.14, 0.13, 0.16];
 const SHOES: [f32; 3] = [0.24, 0.11, 0.05];
 /// Of the parts of the [`body`], in their order.
-const CLOTHES: [[f32; 3]; 11] = [SHIRT, SKIN, SKIN, TROUSERS, TROUSERS, SHIRT, SHIRT, SKIN, SKIN, SHOES, SHOES];
+const CLOTHES: [[f32; 3]; 11] = [
+    SHIRT, SKIN, SKIN, TROUSERS, TROUSERS, SHIRT, SHIRT, SKIN, SKIN, SHOES, SHOES,
+];
 
 /// 1.8 m tall, facing +z, one arm raised.
 fn body() -> [Mesh; CLOTHES.len()] {
@@ -37,19 +52,41 @@ fn body() -> [Mesh; CLOTHES.len()] {
         let path: Vec<_> = points
             .iter()
             .enumerate()
-            .map(|(i, &p)| (Vec3::from(p), radii[0] + (radii[1] - radii[0]) * i as f32 / last))
+            .map(|(i, &p)| {
+                (
+                    Vec3::from(p),
+                    radii[0] + (radii[1] - radii[0]) * i as f32 / last,
+                )
+            })
             .collect();
         tube(&path, 16)
     };
-    let foot = |x: f32| block(Vec3::new(x - 0.05, 0.0, -0.08), Vec3::new(x + 0.05, 0.07, 0.18));
+    let foot = |x: f32| {
+        block(
+            Vec3::new(x - 0.05, 0.0, -0.08),
+            Vec3::new(x + 0.05, 0.07, 0.18),
+        )
+    };
     [
         torso(),
         icosphere(Vec3::new(0.0, 1.66, 0.02), 0.13, 3),
         limb(&[[0.0, 1.4, 0.0], [0.0, 1.6, 0.01]], [0.06, 0.055]),
-        limb(&[[-0.1, 0.86, 0.0], [-0.12, 0.47, 0.03], [-0.13, 0.05, 0.0]], [0.095, 0.05]),
-        limb(&[[0.1, 0.86, 0.0], [0.12, 0.47, 0.03], [0.13, 0.05, 0.0]], [0.095, 0.05]),
-        limb(&[[-0.2, 1.42, 0.0], [-0.32, 1.15, 0.02], [-0.28, 0.86, 0.12]], [0.055, 0.035]),
-        limb(&[[0.2, 1.42, 0.0], [0.42, 1.5, 0.04], [0.52, 1.8, 0.08]], [0.055, 0.035]),
+        limb(
+            &[[-0.1, 0.86, 0.0], [-0.12, 0.47, 0.03], [-0.13, 0.05, 0.0]],
+            [0.095, 0.05],
+        ),
+        limb(
+            &[[0.1, 0.86, 0.0], [0.12, 0.47, 0.03], [0.13, 0.05, 0.0]],
+            [0.095, 0.05],
+        ),
+        limb(
+            &[[-0.2, 1.42, 0.0], [-0.32, 1.15, 0.02], [-0.28, 0.86, 0.12]],
+            [0.055, 0.035],
+        ),
+        limb(
+            &[[0.2, 1.42, 0.0], [0.42, 1.5, 0.04], [0.52, 1.8, 0.08]],
+            [0.055, 0.035],
+        ),
         icosphere(Vec3::new(-0.275, 0.82, 0.13), 0.05, 2),
         icosphere(Vec3::new(0.535, 1.85, 0.085), 0.05, 2),
         foot(-0.13),

@@ -12,13 +12,21 @@ pub(crate) fn teapot_lamp() -> Scene {
     let floor = tiled(grid([12.0, 12.0], [4, 4], |_, _| 0.0), Vec2::splat(6.0));
     let stage = Stage::new("teapot-lamp").put(floor).look(checker());
     let glazed = |stage: Stage, mesh| stage.put(mesh).look(glossy([0.12, 0.34, 0.42]));
-    let light = Light::Rect { center: Vec3::new(0.0, 9.0, 0.0), half_u: Vec3::X, half_v: Vec3::Z };
-    [body(), lid(), handle(), spout()].into_iter().fold(stage, glazed).light(light).shoot(
-        Vec3::new(5.0, 5.2, 9.0),
-        Vec3::new(0.0, 1.0, 0.0),
-        36.0,
-        [320, 240],
-    )
+    let light = Light::Rect {
+        center: Vec3::new(0.0, 9.0, 0.0),
+        half_u: Vec3::X,
+        half_v: Vec3::Z,
+    };
+    [body(), lid(), handle(), spout()]
+        .into_iter()
+        .fold(stage, glazed)
+        .light(light)
+        .shoot(
+            Vec3::new(5.0, 5.2, 9.0),
+            Vec3::new(0.0, 1.0, 0.0),
+            36.0,
+            [320, 240],
+        )
 }
 
 fn body() -> Mesh {
@@ -66,7 +74,10 @@ fn handle() -> Mesh {
     let path: Vec<_> = (0..=32)
         .map(|i| {
             let (along, out) = on_circle(f64::from(i) / 64.0);
-            (Vec3::new(-1.65 - 1.35 * out, 1.45 + 0.75 * along, 0.0), 0.16)
+            (
+                Vec3::new(-1.65 - 1.35 * out, 1.45 + 0.75 * along, 0.0),
+                0.16,
+            )
         })
         .collect();
     tube(&path, 24)
@@ -79,7 +90,10 @@ fn spout() -> Mesh {
             let t = i as f32 / 24.0;
             // An S: level where it leaves the body, steep in the middle, level at its mouth.
             let rise = t * t * (3.0 - 2.0 * t);
-            (Vec3::new(1.6 + 1.75 * t, 0.85 + 1.55 * rise, 0.0), 0.48 - 0.28 * t)
+            (
+                Vec3::new(1.6 + 1.75 * t, 0.85 + 1.55 * rise, 0.0),
+                0.48 - 0.28 * t,
+            )
         })
         .collect();
     tube(&path, 32)

@@ -22,7 +22,14 @@ pub(crate) const fn textbook_fit(scale: f32) -> Fit {
     let side = 10.0 * scale;
     Fit::Manual {
         eye: Vec3::new(LIGHT.x * scale, LIGHT.y * scale, LIGHT.z * scale),
-        extents: Extents { left: -side, right: side, bottom: -side, top: side, near: scale, far: 7.5 * scale },
+        extents: Extents {
+            left: -side,
+            right: side,
+            bottom: -side,
+            top: side,
+            near: scale,
+            far: 7.5 * scale,
+        },
     }
 }
 
@@ -38,15 +45,29 @@ pub(crate) fn cubes_at(name: &str, scale: f32) -> Scene {
         (Vec3::splat(0.5), Quat::IDENTITY, Vec3::new(2.0, 0.0, 1.0)),
         (Vec3::splat(0.25), turned, Vec3::new(-1.0, 0.0, 2.0)),
     ]
-    .map(|(size, turn, at)| Affine3A::from_scale_rotation_translation(size * scale, turn, at * scale));
+    .map(|(size, turn, at)| {
+        Affine3A::from_scale_rotation_translation(size * scale, turn, at * scale)
+    });
     Stage::new(name)
-        .put_many(tiled(grid([25.0, 25.0], [1, 1], |_, _| 0.0), Vec2::splat(12.5)), [floor_place(scale)])
+        .put_many(
+            tiled(grid([25.0, 25.0], [1, 1], |_, _| 0.0), Vec2::splat(12.5)),
+            [floor_place(scale)],
+        )
         .look(wood())
         .put_many(block(Vec3::NEG_ONE, Vec3::ONE), places)
         .light(sun(-LIGHT.x, -LIGHT.y, -LIGHT.z))
-        .shoot(Vec3::new(1.5, 3.5, 6.5) * scale, Vec3::new(0.5, 0.4, 0.5) * scale, 45.0, SIZE)
+        .shoot(
+            Vec3::new(1.5, 3.5, 6.5) * scale,
+            Vec3::new(0.5, 0.4, 0.5) * scale,
+            45.0,
+            SIZE,
+        )
 }
 
 fn floor_place(scale: f32) -> Affine3A {
-    Affine3A::from_scale_rotation_translation(Vec3::splat(scale), Quat::IDENTITY, Vec3::new(0.0, -0.5, 0.0) * scale)
+    Affine3A::from_scale_rotation_translation(
+        Vec3::splat(scale),
+        Quat::IDENTITY,
+        Vec3::new(0.0, -0.5, 0.0) * scale,
+    )
 }

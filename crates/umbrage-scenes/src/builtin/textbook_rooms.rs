@@ -13,7 +13,14 @@ use umbrage_core::{Fit, Mesh, Scene};
 /// The textbook's planes for a lamp: near 1, far 25. They belong to the scene `textbook-room`; only near and far count.
 pub(crate) const ROOM_FIT: Fit = Fit::Manual {
     eye: Vec3::ZERO,
-    extents: Extents { left: -25.0, right: 25.0, bottom: -25.0, top: 25.0, near: 1.0, far: 25.0 },
+    extents: Extents {
+        left: -25.0,
+        right: 25.0,
+        bottom: -25.0,
+        top: 25.0,
+        near: 1.0,
+        far: 25.0,
+    },
 };
 
 /// A room of 10 m with five cubes about the lamp in its middle.
@@ -26,20 +33,33 @@ pub(crate) fn textbook_room() -> Scene {
         (0.5, Quat::IDENTITY, Vec3::new(-1.5, 1.0, 1.5)),
         (0.75, turned, Vec3::new(-1.5, 2.0, -3.0)),
     ];
-    let places = cubes.map(|(half, turn, at)| Affine3A::from_scale_rotation_translation(Vec3::splat(half), turn, at));
+    let places = cubes.map(|(half, turn, at)| {
+        Affine3A::from_scale_rotation_translation(Vec3::splat(half), turn, at)
+    });
     Stage::new("textbook-room")
-        .put(tiled(room(Vec3::splat(-5.0), Vec3::splat(5.0)), Vec2::splat(2.0)))
+        .put(tiled(
+            room(Vec3::splat(-5.0), Vec3::splat(5.0)),
+            Vec2::splat(2.0),
+        ))
         .look(wood())
         .put_many(block(Vec3::NEG_ONE, Vec3::ONE), places)
         .look(wood())
         .light(bulb(0.0, 0.0, 0.0))
-        .shoot(Vec3::new(0.6, 0.9, 4.8), Vec3::new(-0.1, 0.0, 0.0), 72.0, SIZE)
+        .shoot(
+            Vec3::new(0.6, 0.9, 4.8),
+            Vec3::new(-0.1, 0.0, 0.0),
+            72.0,
+            SIZE,
+        )
 }
 
 /// A brick wall with a normal map, the lamp half a metre before it: the wall's relief shows by shading alone, while a shelf
 /// and a bar throw shadows.
 pub(crate) fn textbook_wall() -> Scene {
-    let bricks = Bricks { tile: 1.5, depth: 0.04 };
+    let bricks = Bricks {
+        tile: 1.5,
+        depth: 0.04,
+    };
     let sheet = tiled(grid([3.0, 1.5], [1, 1], |_, _| 0.0), Vec2::new(4.0, 2.0));
     let tangents = vec![Vec4::new(1.0, 0.0, 0.0, 1.0); sheet.positions.len()];
     let upright = Mat3::from_cols(Vec3::X, Vec3::Z, Vec3::NEG_Y);
@@ -47,10 +67,21 @@ pub(crate) fn textbook_wall() -> Scene {
     Stage::new("textbook-wall")
         .put_many(Mesh { tangents, ..sheet }, [place])
         .look(bricks.bumpy())
-        .put(tiled(grid([3.0, 1.6], [1, 1], |_, _| 0.0), Vec2::new(3.0, 1.6)))
+        .put(tiled(
+            grid([3.0, 1.6], [1, 1], |_, _| 0.0),
+            Vec2::new(3.0, 1.6),
+        ))
         .look(wood())
         .put(block(Vec3::new(0.4, 1.0, 0.0), Vec3::new(1.5, 1.06, 0.3)))
-        .put_many(pillar(0.05, 1.2, 24), [Affine3A::from_translation(Vec3::new(-0.8, 0.0, 0.3))])
+        .put_many(
+            pillar(0.05, 1.2, 24),
+            [Affine3A::from_translation(Vec3::new(-0.8, 0.0, 0.3))],
+        )
         .light(bulb(-0.2, 1.7, 0.5))
-        .shoot(Vec3::new(0.8, 1.6, 3.6), Vec3::new(0.0, 1.1, 0.0), 46.0, SIZE)
+        .shoot(
+            Vec3::new(0.8, 1.6, 3.6),
+            Vec3::new(0.0, 1.1, 0.0),
+            46.0,
+            SIZE,
+        )
 }

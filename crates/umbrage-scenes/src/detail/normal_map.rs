@@ -13,10 +13,17 @@ use umbrage_core::{Invalid, Texture, invalid};
 ///
 /// # Errors
 /// When the texture is invalid, lambda not finite or a size not above zero.
-pub fn fitting_normal_map(heights: &Texture, lambda: f32, square: Vec2) -> Result<Texture, Invalid> {
+pub fn fitting_normal_map(
+    heights: &Texture,
+    lambda: f32,
+    square: Vec2,
+) -> Result<Texture, Invalid> {
     heights.validate()?;
     invalid::finite("lambda of the displacement", &[lambda])?;
-    square.to_array().iter().try_for_each(|&side| invalid::positive("size of the texture's square", side))?;
+    square
+        .to_array()
+        .iter()
+        .try_for_each(|&side| invalid::positive("size of the texture's square", side))?;
     let [width, height] = heights.size.to_array().map(|n| n as usize);
     // The relief's difference is 2 lambda times the heights'; two texels are 2 / n of the square.
     let scale = heights.size.as_vec2() * lambda / square;
@@ -28,7 +35,11 @@ pub fn fitting_normal_map(heights: &Texture, lambda: f32, square: Vec2) -> Resul
         let normal = Vec3::new(-along_u * scale.x, down * scale.y, 1.0).normalize();
         ((normal + 1.0) * 0.5).extend(1.0).to_array()
     });
-    Ok(Texture { name: format!("normals of {}", heights.name), size: heights.size, texels: texels.collect() })
+    Ok(Texture {
+        name: format!("normals of {}", heights.name),
+        size: heights.size,
+        texels: texels.collect(),
+    })
 }
 
 #[cfg(test)]
@@ -50,7 +61,10 @@ mod tests {
     /// The relief is `lambda (2 h - 1) = 0.05 (sin(tau u) + cos(tau v))` for lambda 0.1, u = x / 2, v = -y.
     fn exact(u: f64, v: f64) -> Vec3 {
         let tau = std::f64::consts::TAU;
-        let (dx, dy) = (0.05 * tau / 2.0 * (tau * u).cos(), 0.05 * tau * (tau * v).sin());
+        let (dx, dy) = (
+            0.05 * tau / 2.0 * (tau * u).cos(),
+            0.05 * tau * (tau * v).sin(),
+        );
         Vec3::new(-dx as f32, -dy as f32, 1.0).normalize()
     }
 
@@ -59,7 +73,9 @@ mod tests {
         let centre = |i: u32| (f64::from(i) + 0.5) / f64::from(n);
         let stored = |t: &[f32; 4]| Vec3::from_slice(t) * 2.0 - 1.0;
         let pairs = (0..n * n).zip(&map.texels);
-        pairs.map(|(i, t)| stored(t).distance(expected(centre(i % n), centre(i / n)))).fold(0.0, f32::max)
+        pairs
+            .map(|(i, t)| stored(t).distance(expected(centre(i % n), centre(i / n))))
+            .fold(0.0, f32::max)
     }
 
     #[test]
@@ -74,15 +90,27 @@ mod tests {
 
     #[test]
     fn finer_maps_are_better_by_the_square() {
-        let error = |n| worst(&fitting_normal_map(&waves(n), 0.1, Vec2::new(2.0, 1.0)).unwrap(), exact);
+        let error = |n| {
+            worst(
+                &fitting_normal_map(&waves(n), 0.1, Vec2::new(2.0, 1.0)).unwrap(),
+                exact,
+            )
+        };
         let ratio = error(16) / error(64);
         assert!((14.0..18.0).contains(&ratio), "{ratio}");
     }
 
     #[test]
     fn flat_heights_give_the_flat_normal() {
-        let flat = Texture { name: "flat".to_owned(), size: UVec2::new(1, 2), texels: vec![[0.3; 4]; 2] };
-        assert_eq!(fitting_normal_map(&flat, 9.0, Vec2::ONE).unwrap().texels, [[0.5, 0.5, 1.0, 1.0]; 2]);
+        let flat = Texture {
+            name: "flat".to_owned(),
+            size: UVec2::new(1, 2),
+            texels: vec![[0.3; 4]; 2],
+        };
+        assert_eq!(
+            fitting_normal_map(&flat, 9.0, Vec2::ONE).unwrap().texels,
+            [[0.5, 0.5, 1.0, 1.0]; 2]
+        );
     }
 
     #[test]

@@ -24,8 +24,16 @@ pub(crate) enum Meaning {
 pub(crate) fn load_texture(path: &Path, meaning: Meaning) -> Result<Texture, SceneError> {
     let image = load_image(path)?;
     let size = UVec2::new(image.width(), image.height());
-    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-    Ok(Texture { name, size, texels: texels(&image, meaning) })
+    let name = path
+        .file_name()
+        .unwrap_or(path.as_os_str())
+        .to_string_lossy()
+        .into_owned();
+    Ok(Texture {
+        name,
+        size,
+        texels: texels(&image, meaning),
+    })
 }
 
 pub(super) fn load_image(path: &Path) -> Result<DynamicImage, SceneError> {
@@ -50,7 +58,10 @@ fn texels(image: &DynamicImage, meaning: Meaning) -> Vec<[f32; 4]> {
             Meaning::Data => |word| f32::from(word) / 65535.0,
         };
         let wide = image.to_rgba16();
-        return wide.pixels().map(|p| texel(p.0.map(value), f32::from(p.0[3]) / 65535.0)).collect();
+        return wide
+            .pixels()
+            .map(|p| texel(p.0.map(value), f32::from(p.0[3]) / 65535.0))
+            .collect();
     }
     let value = match meaning {
         Meaning::Color => picture::decode,
@@ -59,7 +70,15 @@ fn texels(image: &DynamicImage, meaning: Meaning) -> Vec<[f32; 4]> {
     // A power for each texel would take longer than reading the file.
     let table: [f32; 256] = std::array::from_fn(|i| value(i as u8));
     let narrow = image.to_rgba8();
-    narrow.pixels().map(|p| texel(p.0.map(|byte| table[usize::from(byte)]), f32::from(p.0[3]) / 255.0)).collect()
+    narrow
+        .pixels()
+        .map(|p| {
+            texel(
+                p.0.map(|byte| table[usize::from(byte)]),
+                f32::from(p.0[3]) / 255.0,
+            )
+        })
+        .collect()
 }
 
 /// Alpha is never encoded.

@@ -14,27 +14,57 @@ fn read(image: &DynamicImage, meaning: Meaning) -> Texture {
 fn colours_are_decoded_once_and_data_never() {
     let image = DynamicImage::from(ImageBuffer::from_pixel(2, 1, Rgb([128_u8, 255, 0])));
     let color = read(&image, Meaning::Color);
-    assert_eq!((color.name.as_str(), color.size), ("some.png", UVec2::new(2, 1)));
+    assert_eq!(
+        (color.name.as_str(), color.size),
+        ("some.png", UVec2::new(2, 1))
+    );
     // By the formula of IEC 61966-2-1, worked out by hand.
-    assert!((color.texels[1][0] - 0.215_861).abs() < 1e-6, "{:?}", color.texels);
+    assert!(
+        (color.texels[1][0] - 0.215_861).abs() < 1e-6,
+        "{:?}",
+        color.texels
+    );
     assert_eq!(color.texels[1][1..], [1.0, 0.0, 1.0]);
-    assert_eq!(read(&image, Meaning::Data).texels[0], [128.0 / 255.0, 1.0, 0.0, 1.0]);
+    assert_eq!(
+        read(&image, Meaning::Data).texels[0],
+        [128.0 / 255.0, 1.0, 0.0, 1.0]
+    );
 }
 
 #[test]
 fn sixteen_bits_keep_their_precision() {
-    let image = DynamicImage::from(ImageBuffer::from_fn(2, 1, |x, _| Luma([32_768_u16 + x as u16])));
+    let image = DynamicImage::from(ImageBuffer::from_fn(2, 1, |x, _| {
+        Luma([32_768_u16 + x as u16])
+    }));
     let heights = read(&image, Meaning::Data).texels;
-    assert_eq!([heights[0][0], heights[1][0]], [32_768.0 / 65535.0, 32_769.0 / 65535.0]);
-    let colors = read(&DynamicImage::from(ImageBuffer::from_pixel(1, 1, Luma([128_u16 * 257]))), Meaning::Color);
-    assert_eq!(colors.texels[0][0], picture::decode(128), "the same grey in 8 and in 16 bits");
+    assert_eq!(
+        [heights[0][0], heights[1][0]],
+        [32_768.0 / 65535.0, 32_769.0 / 65535.0]
+    );
+    let colors = read(
+        &DynamicImage::from(ImageBuffer::from_pixel(1, 1, Luma([128_u16 * 257]))),
+        Meaning::Color,
+    );
+    assert_eq!(
+        colors.texels[0][0],
+        picture::decode(128),
+        "the same grey in 8 and in 16 bits"
+    );
 }
 
 #[test]
 fn alpha_is_not_encoded_and_rows_run_from_the_top() {
-    let image = DynamicImage::from(ImageBuffer::from_fn(1, 2, |_, y| Rgba([0, 0, 255 * y as u8, 128_u8])));
+    let image = DynamicImage::from(ImageBuffer::from_fn(1, 2, |_, y| {
+        Rgba([0, 0, 255 * y as u8, 128_u8])
+    }));
     let texels = read(&image, Meaning::Color).texels;
-    assert_eq!(texels, [[0.0, 0.0, 0.0, 128.0 / 255.0], [0.0, 0.0, 1.0, 128.0 / 255.0]]);
+    assert_eq!(
+        texels,
+        [
+            [0.0, 0.0, 0.0, 128.0 / 255.0],
+            [0.0, 0.0, 1.0, 128.0 / 255.0]
+        ]
+    );
 }
 
 #[test]
@@ -44,12 +74,26 @@ fn what_is_no_png_is_refused() {
     let message = || load_texture(&path, Meaning::Color).unwrap_err().to_string();
     assert!(message().contains("check the path"), "{}", message());
     std::fs::write(&path, b"GIF89a").unwrap();
-    assert!(message().contains("can't be read as a PNG image"), "{}", message());
+    assert!(
+        message().contains("can't be read as a PNG image"),
+        "{}",
+        message()
+    );
     let image = DynamicImage::from(ImageBuffer::from_pixel(64, 64, Luma([7_u8])));
     image.save(&path).unwrap();
     let whole = std::fs::read(&path).unwrap();
     std::fs::write(&path, &whole[..whole.len() / 2]).unwrap();
-    assert!(message().contains("can't be read as a PNG image"), "{}", message());
-    DynamicImage::from(ImageBuffer::from_pixel(MAX_SIDE + 1, 1, Luma([7_u8]))).save(&path).unwrap();
-    assert!(message().contains("at most 8192 texels a side"), "{}", message());
+    assert!(
+        message().contains("can't be read as a PNG image"),
+        "{}",
+        message()
+    );
+    DynamicImage::from(ImageBuffer::from_pixel(MAX_SIDE + 1, 1, Luma([7_u8])))
+        .save(&path)
+        .unwrap();
+    assert!(
+        message().contains("at most 8192 texels a side"),
+        "{}",
+        message()
+    );
 }

@@ -19,12 +19,24 @@ use umbrage_core::{Invalid, Mesh, Places};
 pub fn with_tangents(mesh: &Mesh) -> Result<Mesh, Invalid> {
     mesh.validate()?;
     if mesh.uvs.is_empty() {
-        let (what, why) = (format!("mesh `{}`", mesh.name), "has no texture coordinates for tangents to run along");
+        let (what, why) = (
+            format!("mesh `{}`", mesh.name),
+            "has no texture coordinates for tangents to run along",
+        );
         return Err(Invalid::new(what, why, "give it uvs"));
     }
-    let mut frames = Frames { mesh: smooth(mesh), corners: vec![Vec4::ZERO; 3 * mesh.triangles.len()] };
+    let mut frames = Frames {
+        mesh: smooth(mesh),
+        corners: vec![Vec4::ZERO; 3 * mesh.triangles.len()],
+    };
     let made = generate_tangents(&mut frames);
-    made.map_err(|e| Invalid::new(format!("mesh `{}`", mesh.name), format!("{e:?}"), "check its texture coordinates"))?;
+    made.map_err(|e| {
+        Invalid::new(
+            format!("mesh `{}`", mesh.name),
+            format!("{e:?}"),
+            "check its texture coordinates",
+        )
+    })?;
     Ok(split(&frames))
 }
 
@@ -33,9 +45,15 @@ fn smooth(mesh: &Mesh) -> Mesh {
     if mesh.normals.is_empty() {
         let places = Places::new(&mesh.positions);
         let normals = places.normals(&mesh);
-        mesh.normals = places.of_vertex().iter().map(|&place| normals[place as usize]).collect();
+        mesh.normals = places
+            .of_vertex()
+            .iter()
+            .map(|&place| normals[place as usize])
+            .collect();
     }
-    mesh.normals.iter_mut().for_each(|n| *n = n.normalize_or_zero());
+    mesh.normals
+        .iter_mut()
+        .for_each(|n| *n = n.normalize_or_zero());
     mesh
 }
 
@@ -78,8 +96,13 @@ impl Geometry for Frames {
         let normal = self.mesh.normals[self.vertex(face, corner)];
         let frame = tangent.map_or(Vec4::ZERO, |t| Vec4::from_array(t.tangent_encoded()));
         let usable = frame.is_finite() && frame.truncate().length_squared() > 0.5;
-        let any =
-            || normal.try_normalize().map_or(Vec4::new(1.0, 0.0, 0.0, 1.0), |n| n.any_orthonormal_vector().extend(1.0));
+        let any = || {
+            normal
+                .try_normalize()
+                .map_or(Vec4::new(1.0, 0.0, 0.0, 1.0), |n| {
+                    n.any_orthonormal_vector().extend(1.0)
+                })
+        };
         self.corners[3 * face + corner] = if usable { frame } else { any() };
     }
 }
@@ -87,18 +110,23 @@ impl Geometry for Frames {
 /// One vertex for each frame that a vertex has.
 fn split(frames: &Frames) -> Mesh {
     let old = &frames.mesh;
-    let mut out = Mesh { name: old.name.clone(), ..Mesh::default() };
+    let mut out = Mesh {
+        name: old.name.clone(),
+        ..Mesh::default()
+    };
     let mut known = HashMap::with_capacity(old.positions.len());
     let corners = old.triangles.iter().flatten().zip(&frames.corners);
     let vertices: Vec<u32> = corners
         .map(|(&v, &frame)| {
-            *known.entry((v, frame.to_array().map(f32::to_bits))).or_insert_with(|| {
-                out.positions.push(old.positions[v as usize]);
-                out.normals.push(old.normals[v as usize]);
-                out.uvs.push(old.uvs[v as usize]);
-                out.tangents.push(frame);
-                out.positions.len() as u32 - 1
-            })
+            *known
+                .entry((v, frame.to_array().map(f32::to_bits)))
+                .or_insert_with(|| {
+                    out.positions.push(old.positions[v as usize]);
+                    out.normals.push(old.normals[v as usize]);
+                    out.uvs.push(old.uvs[v as usize]);
+                    out.tangents.push(frame);
+                    out.positions.len() as u32 - 1
+                })
         })
         .collect();
     out.triangles = vertices.as_chunks::<3>().0.to_vec();

@@ -8,7 +8,9 @@ fn bitangent(mesh: &Mesh, v: usize) -> Vec3 {
 
 /// Greatest distance of unit vectors, over all vertices.
 fn worst(mesh: &Mesh, found: impl Fn(usize) -> Vec3, expected: impl Fn(Vec3) -> Vec3) -> f32 {
-    (0..mesh.positions.len()).map(|v| found(v).distance(expected(mesh.positions[v]))).fold(0.0, f32::max)
+    (0..mesh.positions.len())
+        .map(|v| found(v).distance(expected(mesh.positions[v])))
+        .fold(0.0, f32::max)
 }
 
 #[test]
@@ -18,19 +20,43 @@ fn tangents_run_along_u_and_bitangents_against_v() {
     mesh.validate().unwrap();
     assert!(worst(&mesh, |v| mesh.tangents[v].truncate(), |_| Vec3::X) < 1e-6);
     assert!(worst(&mesh, |v| bitangent(&mesh, v), |_| Vec3::NEG_Z) < 1e-6);
-    assert_eq!((mesh.positions.len(), mesh.triangles.len()), (16, 18), "nothing is split without need");
+    assert_eq!(
+        (mesh.positions.len(), mesh.triangles.len()),
+        (16, 18),
+        "nothing is split without need"
+    );
 }
 
 #[test]
 fn mirrored_coordinates_flip_the_handedness_and_split_vertices() {
     let plain = grid([2.0, 2.0], [2, 1], |_, _| 0.0);
     // A texture that is mirrored in the middle, as on symmetric models.
-    let uvs = plain.uvs.iter().map(|uv| Vec2::new((uv.x - 0.5).abs(), uv.y)).collect();
+    let uvs = plain
+        .uvs
+        .iter()
+        .map(|uv| Vec2::new((uv.x - 0.5).abs(), uv.y))
+        .collect();
     let mesh = with_tangents(&Mesh { uvs, ..plain }).unwrap();
-    assert_eq!(mesh.positions.len(), 8, "the two vertices in the middle are double");
-    for (v, p) in mesh.positions.iter().enumerate().filter(|(_, p)| p.x != 0.0) {
-        assert_eq!(mesh.tangents[v], Vec4::new(p.x.signum(), 0.0, 0.0, p.x.signum()), "at {p}");
-        assert!(bitangent(&mesh, v).distance(Vec3::NEG_Z) < 1e-6, "green is up on both halves");
+    assert_eq!(
+        mesh.positions.len(),
+        8,
+        "the two vertices in the middle are double"
+    );
+    for (v, p) in mesh
+        .positions
+        .iter()
+        .enumerate()
+        .filter(|(_, p)| p.x != 0.0)
+    {
+        assert_eq!(
+            mesh.tangents[v],
+            Vec4::new(p.x.signum(), 0.0, 0.0, p.x.signum()),
+            "at {p}"
+        );
+        assert!(
+            bitangent(&mesh, v).distance(Vec3::NEG_Z) < 1e-6,
+            "green is up on both halves"
+        );
     }
 }
 
@@ -54,7 +80,12 @@ fn frames_are_orthonormal_on_a_sphere_with_poles() {
     for (v, t) in mesh.tangents.iter().enumerate() {
         let t3 = t.truncate();
         // Mikkelsen's are unit vectors in the plane of the normal, up to rounding.
-        assert!((t3.length() - 1.0).abs() < 1e-5 && t3.dot(mesh.normals[v]).abs() < 1e-5 && t.w.abs() == 1.0, "{t}");
+        assert!(
+            (t3.length() - 1.0).abs() < 1e-5
+                && t3.dot(mesh.normals[v]).abs() < 1e-5
+                && t.w.abs() == 1.0,
+            "{t}"
+        );
     }
 }
 
@@ -72,12 +103,32 @@ fn meshes_without_normals_get_them() {
 #[test]
 fn degenerate_coordinates_still_give_frames() {
     let flat = grid([1.0, 1.0], [1, 1], |_, _| 0.0);
-    let mesh = with_tangents(&Mesh { uvs: vec![Vec2::splat(0.5); 4], ..flat.clone() }).unwrap();
+    let mesh = with_tangents(&Mesh {
+        uvs: vec![Vec2::splat(0.5); 4],
+        ..flat.clone()
+    })
+    .unwrap();
     mesh.validate().unwrap();
-    assert!(mesh.tangents.iter().all(|t| (t.truncate().length() - 1.0).abs() < 1e-5), "{:?}", mesh.tangents);
-    let point = Mesh { positions: vec![Vec3::ONE; 4], normals: Vec::new(), ..flat.clone() };
+    assert!(
+        mesh.tangents
+            .iter()
+            .all(|t| (t.truncate().length() - 1.0).abs() < 1e-5),
+        "{:?}",
+        mesh.tangents
+    );
+    let point = Mesh {
+        positions: vec![Vec3::ONE; 4],
+        normals: Vec::new(),
+        ..flat.clone()
+    };
     with_tangents(&point).unwrap().validate().unwrap();
     assert!(
-        with_tangents(&Mesh { uvs: Vec::new(), ..flat }).unwrap_err().to_string().contains("no texture coordinates")
+        with_tangents(&Mesh {
+            uvs: Vec::new(),
+            ..flat
+        })
+        .unwrap_err()
+        .to_string()
+        .contains("no texture coordinates")
     );
 }

@@ -9,7 +9,15 @@ use crate::{
 use umbrage_core::glam::{UVec2, Vec3};
 use umbrage_core::{Camera, Geometry, invalid};
 
-const KEYS: &[&str] = &["eye", "target", "up", "fov_y_degrees", "size", "near", "far"];
+const KEYS: &[&str] = &[
+    "eye",
+    "target",
+    "up",
+    "fov_y_degrees",
+    "size",
+    "near",
+    "far",
+];
 
 pub(super) fn read(table: &Table<'_>, geometry: &Geometry) -> Result<Camera, SceneError> {
     table.only(KEYS)?;
@@ -17,29 +25,55 @@ pub(super) fn read(table: &Table<'_>, geometry: &Geometry) -> Result<Camera, Sce
     let shot = Shot {
         eye,
         target: target.vec3()?,
-        up: table.get("up").map_or(Ok(Vec3::Y), |item| item.direction())?,
+        up: table
+            .get("up")
+            .map_or(Ok(Vec3::Y), |item| item.direction())?,
         fov_y: field_of_view(table)?.to_radians(),
         size: size(table)?,
     };
-    target.require(shot.eye != shot.target, "is where the eye is", "move one of the two")?;
-    let plane = |key| table.get(key).map(|item| item.checked(invalid::positive)).transpose();
+    target.require(
+        shot.eye != shot.target,
+        "is where the eye is",
+        "move one of the two",
+    )?;
+    let plane = |key| {
+        table
+            .get(key)
+            .map(|item| item.checked(invalid::positive))
+            .transpose()
+    };
     let near_far = [plane("near")?, plane("far")?];
     if let ([Some(near), Some(far)], Some(item)) = (near_far, table.get("far")) {
-        item.require(near < far, &format!("is {far}, and near is {near}"), "make near the smaller")?;
+        item.require(
+            near < far,
+            &format!("is {far}, and near is {near}"),
+            "make near the smaller",
+        )?;
     }
     table.check(shot.camera(geometry, near_far))
 }
 
 fn field_of_view(table: &Table<'_>) -> Result<f32, SceneError> {
-    let Some(item) = table.get("fov_y_degrees") else { return Ok(FOV_Y_DEGREES) };
+    let Some(item) = table.get("fov_y_degrees") else {
+        return Ok(FOV_Y_DEGREES);
+    };
     let degrees = item.checked(invalid::positive)?;
-    item.require(degrees < 180.0, &format!("is {degrees}"), "use more than 0 and less than 180")?;
+    item.require(
+        degrees < 180.0,
+        &format!("is {degrees}"),
+        "use more than 0 and less than 180",
+    )?;
     Ok(degrees)
 }
 
 fn size(table: &Table<'_>) -> Result<UVec2, SceneError> {
-    let Some(item) = table.get("size") else { return Ok(SIZE) };
-    let sides: Vec<u32> =
-        item.list(2, "[width, height]")?.iter().map(|side| side.pixels()).collect::<Result<_, _>>()?;
+    let Some(item) = table.get("size") else {
+        return Ok(SIZE);
+    };
+    let sides: Vec<u32> = item
+        .list(2, "[width, height]")?
+        .iter()
+        .map(|side| side.pixels())
+        .collect::<Result<_, _>>()?;
     Ok(UVec2::from_slice(&sides))
 }

@@ -24,16 +24,29 @@ fn directional(table: &Table<'_>) -> Result<Light, SceneError> {
         Some(item) => angle(&item, 180.0)?,
         None => 0.0,
     };
-    Ok(Light::Directional { direction: table.direction("direction")?, angular_diameter })
+    Ok(Light::Directional {
+        direction: table.direction("direction")?,
+        angular_diameter,
+    })
 }
 
 fn point(table: &Table<'_>) -> Result<Light, SceneError> {
     table.only(&["kind", "position", "radius"])?;
-    Ok(Light::Point { position: table.vec3("position")?, radius: table.size_or_zero("radius")? })
+    Ok(Light::Point {
+        position: table.vec3("position")?,
+        radius: table.size_or_zero("radius")?,
+    })
 }
 
 fn spot(table: &Table<'_>) -> Result<Light, SceneError> {
-    table.only(&["kind", "position", "direction", "inner_degrees", "outer_degrees", "radius"])?;
+    table.only(&[
+        "kind",
+        "position",
+        "direction",
+        "inner_degrees",
+        "outer_degrees",
+        "radius",
+    ])?;
     let (position, direction) = (table.vec3("position")?, table.direction("direction")?);
     let outer_item = table.need("outer_degrees", "30")?;
     let outer = angle(&outer_item, 90.0)?;
@@ -41,29 +54,51 @@ fn spot(table: &Table<'_>) -> Result<Light, SceneError> {
     let inner = match table.get("inner_degrees") {
         Some(item) => {
             let inner = angle(&item, 90.0)?;
-            item.require(inner <= outer, "is wider than outer_degrees", "make it the smaller")?;
+            item.require(
+                inner <= outer,
+                "is wider than outer_degrees",
+                "make it the smaller",
+            )?;
             inner
         }
         None => outer,
     };
-    Ok(Light::Spot { position, direction, inner, outer, radius: table.size_or_zero("radius")? })
+    Ok(Light::Spot {
+        position,
+        direction,
+        inner,
+        outer,
+        radius: table.size_or_zero("radius")?,
+    })
 }
 
 fn rect(table: &Table<'_>) -> Result<Light, SceneError> {
     table.only(&["kind", "center", "half_u", "half_v"])?;
     let [half_u, half_v] = [table.direction("half_u")?, table.direction("half_v")?];
-    Ok(Light::Rect { center: table.vec3("center")?, half_u, half_v })
+    Ok(Light::Rect {
+        center: table.vec3("center")?,
+        half_u,
+        half_v,
+    })
 }
 
 fn disc(table: &Table<'_>) -> Result<Light, SceneError> {
     table.only(&["kind", "center", "normal", "radius"])?;
     let radius = table.need("radius", "0.5")?.checked(invalid::positive)?;
-    Ok(Light::Disc { center: table.vec3("center")?, normal: table.direction("normal")?, radius })
+    Ok(Light::Disc {
+        center: table.vec3("center")?,
+        normal: table.direction("normal")?,
+        radius,
+    })
 }
 
 /// Degrees of 0 to less than `below`, as radians.
 fn angle(item: &Item<'_>, below: f32) -> Result<f32, SceneError> {
     let degrees = item.checked(invalid::not_negative)?;
-    item.require(degrees < below, &format!("is {degrees}"), &format!("use 0 to less than {below}"))?;
+    item.require(
+        degrees < below,
+        &format!("is {degrees}"),
+        &format!("use 0 to less than {below}"),
+    )?;
     Ok(degrees.to_radians())
 }

@@ -41,38 +41,73 @@ pub(super) fn read<'a>(
         return Ok(None);
     }
     let mut texture = |key: &str, meaning| -> Result<Option<usize>, SceneError> {
-        let Some(item) = table.get(key) else { return Ok(None) };
+        let Some(item) = table.get(key) else {
+            return Ok(None);
+        };
         let path = folder.join(item.text()?);
-        let is_png = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
-        item.require(is_png, &format!("is `{}`, not a .png file", path.display()), "name a PNG image")?;
-        let named = |source| SceneError::Named { place: item.place(), source: Box::new(source) };
-        files.index(&path, meaning, &mut scene.textures).map(Some).map_err(named)
+        let is_png = path
+            .extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("png"));
+        item.require(
+            is_png,
+            &format!("is `{}`, not a .png file", path.display()),
+            "name a PNG image",
+        )?;
+        let named = |source| SceneError::Named {
+            place: item.place(),
+            source: Box::new(source),
+        };
+        files
+            .index(&path, meaning, &mut scene.textures)
+            .map(Some)
+            .map_err(named)
     };
     let diffuse_texture = texture("texture", Meaning::Color)?;
-    let (normal_map, height_map) = (texture("normal_map", Meaning::Data)?, texture("height_map", Meaning::Data)?);
-    let plain = Material { diffuse_texture, normal_map, ..Material::default() };
+    let (normal_map, height_map) = (
+        texture("normal_map", Meaning::Data)?,
+        texture("height_map", Meaning::Data)?,
+    );
+    let plain = Material {
+        diffuse_texture,
+        normal_map,
+        ..Material::default()
+    };
     let material = Material {
-        diffuse: color(table, "color")?.unwrap_or(if diffuse_texture.is_some() { Vec3::ONE } else { plain.diffuse }),
+        diffuse: color(table, "color")?.unwrap_or(if diffuse_texture.is_some() {
+            Vec3::ONE
+        } else {
+            plain.diffuse
+        }),
         specular: specular(table)?.unwrap_or(plain.specular),
         shininess_log2: shininess(table)?.unwrap_or(plain.shininess_log2),
         emissive: emissive(table)?,
         displacement: displacement(table, height_map)?,
         ..plain
     };
-    let textured = ["texture", "normal_map", "height_map"].iter().find_map(|key| table.get(key));
+    let textured = ["texture", "normal_map", "height_map"]
+        .iter()
+        .find_map(|key| table.get(key));
     Ok(Some(Look { material, textured }))
 }
 
-fn displacement(table: &Table<'_>, height_map: Option<usize>) -> Result<Option<Displacement>, SceneError> {
+fn displacement(
+    table: &Table<'_>,
+    height_map: Option<usize>,
+) -> Result<Option<Displacement>, SceneError> {
     let items = ["height_map", "displacement", "subdivisions"].map(|key| table.get(key));
     match (height_map, items) {
         (None, [_, None, None]) => Ok(None),
-        (None, [_, Some(item), _] | [_, _, Some(item)]) => {
-            Err(item.fault("stands without `height_map`", "add height_map = \"heights.png\""))
-        }
+        (None, [_, Some(item), _] | [_, _, Some(item)]) => Err(item.fault(
+            "stands without `height_map`",
+            "add height_map = \"heights.png\"",
+        )),
         (Some(texture), [_, Some(metres), subdivisions]) => {
             let subdivisions = subdivisions.map_or(Ok(0), |item| item.whole(MAX_SUBDIVISIONS))?;
-            Ok(Some(Displacement { texture, lambda: metres.number()?, subdivisions }))
+            Ok(Some(Displacement {
+                texture,
+                lambda: metres.number()?,
+                subdivisions,
+            }))
         }
         (Some(_), _) => {
             table.need("displacement", "0.05")?;
@@ -83,10 +118,16 @@ fn displacement(table: &Table<'_>, height_map: Option<usize>) -> Result<Option<D
 
 /// Linear, 0 to 1.
 fn color(table: &Table<'_>, key: &str) -> Result<Option<Vec3>, SceneError> {
-    let Some(item) = table.get(key) else { return Ok(None) };
+    let Some(item) = table.get(key) else {
+        return Ok(None);
+    };
     let color = item.vec3()?;
     let fits = color.to_array().iter().all(|v| (0.0..=1.0).contains(v));
-    item.require(fits, &format!("is {color}"), "use numbers from 0 to 1 (linear, not sRGB)")?;
+    item.require(
+        fits,
+        &format!("is {color}"),
+        "use numbers from 0 to 1 (linear, not sRGB)",
+    )?;
     Ok(Some(color))
 }
 
@@ -96,20 +137,31 @@ fn specular(table: &Table<'_>) -> Result<Option<Vec3>, SceneError> {
         return color(table, "specular");
     };
     let number = item.number()?;
-    item.require((0.0..=1.0).contains(&number), &format!("is {number}"), "use 0 to 1")?;
+    item.require(
+        (0.0..=1.0).contains(&number),
+        &format!("is {number}"),
+        "use 0 to 1",
+    )?;
     Ok(Some(Vec3::splat(number)))
 }
 
 fn emissive(table: &Table<'_>) -> Result<Vec3, SceneError> {
-    let Some(item) = table.get("emissive") else { return Ok(Vec3::ZERO) };
+    let Some(item) = table.get("emissive") else {
+        return Ok(Vec3::ZERO);
+    };
     let color = item.vec3()?;
-    color.to_array().into_iter().try_for_each(|v| item.check(invalid::not_negative("", v)))?;
+    color
+        .to_array()
+        .into_iter()
+        .try_for_each(|v| item.check(invalid::not_negative("", v)))?;
     Ok(color)
 }
 
 /// The exponent of a power of two.
 fn shininess(table: &Table<'_>) -> Result<Option<u32>, SceneError> {
-    let Some(item) = table.get("shininess") else { return Ok(None) };
+    let Some(item) = table.get("shininess") else {
+        return Ok(None);
+    };
     let most = 1 << MAX_SHININESS_LOG2;
     let power = item.whole(most)?;
     let mend = format!("use a power of two: 1, 2, 4, 8 and so on to {most}");

@@ -10,10 +10,16 @@ const LIGHT: &str = "[[light]]\nkind = \"directional\"\ndirection = [0, -1, 0.5]
 fn scene(objects: &str) -> Result<Scene, SceneError> {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
-    image::RgbImage::from_pixel(2, 2, image::Rgb([128, 0, 255])).save(at("color.png")).unwrap();
-    image::RgbImage::from_pixel(2, 2, image::Rgb([128, 128, 255])).save(at("flat.png")).unwrap();
+    image::RgbImage::from_pixel(2, 2, image::Rgb([128, 0, 255]))
+        .save(at("color.png"))
+        .unwrap();
+    image::RgbImage::from_pixel(2, 2, image::Rgb([128, 128, 255]))
+        .save(at("flat.png"))
+        .unwrap();
     let heights = image::ImageBuffer::from_fn(2, 2, |x, _| image::Luma([65_535 * x as u16]));
-    image::DynamicImage::from(heights).save(at("heights.png")).unwrap();
+    image::DynamicImage::from(heights)
+        .save(at("heights.png"))
+        .unwrap();
     std::fs::write(at("bare.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3").unwrap();
     std::fs::write(at("broken.png"), "no picture").unwrap();
     std::fs::write(at("scene.toml"), format!("{LIGHT}{objects}")).unwrap();
@@ -21,14 +27,15 @@ fn scene(objects: &str) -> Result<Scene, SceneError> {
 }
 
 fn message(object: &str) -> String {
-    let text = scene(&format!("[[object]]\n{object}")).unwrap_err().to_string();
+    let text = scene(&format!("[[object]]\n{object}"))
+        .unwrap_err()
+        .to_string();
     text[text.find("scene.toml").unwrap()..].to_owned()
 }
 
 #[test]
 fn looks_are_read() {
-    let text =
-        "[[object]]\nshape = \"box\"\ncolor = [0.8, 0.2, 0]\nshininess = 64\nspecular = 0.5\nemissive = [0, 0, 3]\n";
+    let text = "[[object]]\nshape = \"box\"\ncolor = [0.8, 0.2, 0]\nshininess = 64\nspecular = 0.5\nemissive = [0, 0, 3]\n";
     let scene = scene(text).unwrap();
     let expected = Material {
         diffuse: Vec3::new(0.8, 0.2, 0.0),
@@ -37,13 +44,25 @@ fn looks_are_read() {
         emissive: Vec3::Z * 3.0,
         ..Material::default()
     };
-    assert_eq!((scene.materials[0], scene.instances[0].material), (expected, Some(0)));
+    assert_eq!(
+        (scene.materials[0], scene.instances[0].material),
+        (expected, Some(0))
+    );
 }
 
 #[test]
 fn objects_without_looks_have_no_material() {
-    let scene = scene("[[object]]\nshape = \"box\"\n[[object]]\nshape = \"box\"\ncolor = [1, 1, 1]\n").unwrap();
-    assert_eq!(scene.instances.iter().map(|i| i.material).collect::<Vec<_>>(), [None, Some(0)]);
+    let scene =
+        scene("[[object]]\nshape = \"box\"\n[[object]]\nshape = \"box\"\ncolor = [1, 1, 1]\n")
+            .unwrap();
+    assert_eq!(
+        scene
+            .instances
+            .iter()
+            .map(|i| i.material)
+            .collect::<Vec<_>>(),
+        [None, Some(0)]
+    );
 }
 
 #[test]
@@ -61,10 +80,23 @@ fn textures_are_read_once_and_decoded_by_meaning() {
     assert!((first(0) - 0.215_861).abs() < 1e-6, "{}", first(0));
     assert_eq!((first(1), first(2)), (128.0 / 255.0, 1.0));
     let [plane, sphere, block] = [0, 1, 2].map(|i| scene.materials[i]);
-    let displacement = Some(Displacement { texture: 2, lambda: 0.25, subdivisions: 2 });
-    assert_eq!((plane.diffuse, plane.diffuse_texture, plane.normal_map), (Vec3::ONE, Some(0), Some(1)));
-    assert_eq!((plane.displacement, block.displacement, sphere.displacement), (displacement, displacement, None));
-    assert_eq!(scene.meshes[0].tangents.len(), scene.meshes[0].positions.len());
+    let displacement = Some(Displacement {
+        texture: 2,
+        lambda: 0.25,
+        subdivisions: 2,
+    });
+    assert_eq!(
+        (plane.diffuse, plane.diffuse_texture, plane.normal_map),
+        (Vec3::ONE, Some(0), Some(1))
+    );
+    assert_eq!(
+        (plane.displacement, block.displacement, sphere.displacement),
+        (displacement, displacement, None)
+    );
+    assert_eq!(
+        scene.meshes[0].tangents.len(),
+        scene.meshes[0].positions.len()
+    );
     let baked = Geometry::bake(&scene).unwrap();
     assert_eq!(baked.triangles().len(), 2 * 16 + 5120 + 12 * 16);
 }
@@ -86,46 +118,91 @@ fn one_mesh_serves_looks_with_the_same_needs() {
          [[object]]\nshape = \"sphere\"\ncolor = [0, 1, 0]\n[[object]]\nshape = \"sphere\"\ntexture = \"color.png\"\n",
     )
     .unwrap();
-    assert_eq!(scene.instances.iter().map(|i| i.mesh).collect::<Vec<_>>(), [0, 1, 1, 2]);
+    assert_eq!(
+        scene.instances.iter().map(|i| i.mesh).collect::<Vec<_>>(),
+        [0, 1, 1, 2]
+    );
 }
 
 #[test]
 fn faults_name_the_line_and_the_key() {
     let cases = [
         ("color = [1, 0]", "`object.color`: has 2 entries, not 3"),
-        ("color = [1, 0, 1.5]", "`object.color`: is [1, 0, 1.5]; use numbers from 0 to 1"),
-        ("colour = [1, 0, 1]", "`object.colour`: is not a known key here; did you mean `color`?"),
+        (
+            "color = [1, 0, 1.5]",
+            "`object.color`: is [1, 0, 1.5]; use numbers from 0 to 1",
+        ),
+        (
+            "colour = [1, 0, 1]",
+            "`object.colour`: is not a known key here; did you mean `color`?",
+        ),
         ("specular = 2", "`object.specular`: is 2; use 0 to 1"),
         ("emissive = [0, -1, 0]", "`object.emissive`: is -1"),
-        ("shininess = 33", "`object.shininess`: is 33; use a power of two: 1, 2, 4, 8 and so on to 4096"),
-        ("shininess = 8192", "`object.shininess`: is 8192; use a whole number from 0 to 4096"),
-        ("shininess = 0", "`object.shininess`: is 0; use a power of two"),
-        ("shininess = 2.5", "`object.shininess`: is a float, not a whole number"),
+        (
+            "shininess = 33",
+            "`object.shininess`: is 33; use a power of two: 1, 2, 4, 8 and so on to 4096",
+        ),
+        (
+            "shininess = 8192",
+            "`object.shininess`: is 8192; use a whole number from 0 to 4096",
+        ),
+        (
+            "shininess = 0",
+            "`object.shininess`: is 0; use a power of two",
+        ),
+        (
+            "shininess = 2.5",
+            "`object.shininess`: is a float, not a whole number",
+        ),
         ("texture = \"none.png\"", "`object.texture`: "),
         ("texture = \"broken.png\"", "`object.texture`: "),
         ("texture = \"color.jpg\"", "`object.texture`: is `"),
         ("texture = 3", "`object.texture`: is an integer, not text"),
-        ("displacement = 0.1", "`object.displacement`: stands without `height_map`; add height_map = "),
-        ("subdivisions = 2", "`object.subdivisions`: stands without `height_map`"),
-        ("height_map = \"heights.png\"", "`object.displacement`: is missing; add `displacement = 0.05`"),
+        (
+            "displacement = 0.1",
+            "`object.displacement`: stands without `height_map`; add height_map = ",
+        ),
+        (
+            "subdivisions = 2",
+            "`object.subdivisions`: stands without `height_map`",
+        ),
+        (
+            "height_map = \"heights.png\"",
+            "`object.displacement`: is missing; add `displacement = 0.05`",
+        ),
     ];
     for (line, start) in cases {
         let text = message(&format!("shape = \"box\"\n{line}\n"));
         let at = if line.starts_with("height_map") { 4 } else { 6 };
-        assert!(text.starts_with(&format!("scene.toml:{at}: {start}")), "{text}\nnot\n{start}");
+        assert!(
+            text.starts_with(&format!("scene.toml:{at}: {start}")),
+            "{text}\nnot\n{start}"
+        );
     }
     assert!(message("shape = \"box\"\ntexture = \"none.png\"").contains("none.png: can't be read"));
-    assert!(message("shape = \"box\"\ntexture = \"broken.png\"").contains("can't be read as a PNG image"));
-    let deep = "shape = \"box\"\nheight_map = \"heights.png\"\ndisplacement = 1\nsubdivisions = 9";
-    assert!(message(deep).starts_with("scene.toml:8: `object.subdivisions`: is 9; use a whole number from 0 to 8"));
-    let bare = "mesh = \"bare.obj\"\ntexture = \"color.png\"";
     assert!(
-        message(bare).starts_with("scene.toml:6: `object.texture`: needs texture coordinates, and `bare` has none")
+        message("shape = \"box\"\ntexture = \"broken.png\"")
+            .contains("can't be read as a PNG image")
     );
+    let deep = "shape = \"box\"\nheight_map = \"heights.png\"\ndisplacement = 1\nsubdivisions = 9";
+    assert!(
+        message(deep).starts_with(
+            "scene.toml:8: `object.subdivisions`: is 9; use a whole number from 0 to 8"
+        )
+    );
+    let bare = "mesh = \"bare.obj\"\ntexture = \"color.png\"";
+    assert!(message(bare).starts_with(
+        "scene.toml:6: `object.texture`: needs texture coordinates, and `bare` has none"
+    ));
 }
 
 #[test]
 fn text_without_a_folder_finds_no_textures() {
     let text = format!("{LIGHT}[[object]]\nshape = \"box\"\ntexture = \"nowhere.png\"");
-    assert!(parse(&text, Path::new("scene.toml"), Path::new("")).unwrap_err().to_string().contains("nowhere.png"));
+    assert!(
+        parse(&text, Path::new("scene.toml"), Path::new(""))
+            .unwrap_err()
+            .to_string()
+            .contains("nowhere.png")
+    );
 }

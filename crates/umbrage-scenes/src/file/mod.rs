@@ -31,34 +31,78 @@ pub(crate) fn load(path: &Path) -> Result<Scene, SceneError> {
 }
 
 pub(crate) fn parse(text: &str, path: &Path, folder: &Path) -> Result<Scene, SceneError> {
-    let source = Source { file: path.display().to_string(), text };
+    let source = Source {
+        file: path.display().to_string(),
+        text,
+    };
     let document = DeTable::parse(text).map_err(|e| {
-        source.fault(e.span().unwrap_or(0..0), None, e.message().trim(), "see https://toml.io for the syntax")
+        source.fault(
+            e.span().unwrap_or(0..0),
+            None,
+            e.message().trim(),
+            "see https://toml.io for the syntax",
+        )
     })?;
     let root = Table::root(&source, &document);
     root.only(&["name", "camera", "light", "object"])?;
-    let mut scene = Scene { name: obj::name_of(path), ..Scene::default() };
+    let mut scene = Scene {
+        name: obj::name_of(path),
+        ..Scene::default()
+    };
     if let Some(name) = root.get("name") {
         scene.name = name.text()?.to_owned();
-        name.require(!scene.name.trim().is_empty(), "is empty", "give the scene a name, or leave it out")?;
-        let (length, mend) = (scene.name.len(), format!("use at most {MOST_NAME}: reports make it a folder's name"));
-        name.require(length <= MOST_NAME, &format!("is {length} bytes long"), &mend)?;
+        name.require(
+            !scene.name.trim().is_empty(),
+            "is empty",
+            "give the scene a name, or leave it out",
+        )?;
+        let (length, mend) = (
+            scene.name.len(),
+            format!("use at most {MOST_NAME}: reports make it a folder's name"),
+        );
+        name.require(
+            length <= MOST_NAME,
+            &format!("is {length} bytes long"),
+            &mend,
+        )?;
     }
-    scene.lights = root.tables("light")?.iter().map(light::read).collect::<Result<_, _>>()?;
-    root.require(!scene.lights.is_empty(), "has no [[light]]", "add one with kind = \"directional\" and a direction")?;
+    scene.lights = root
+        .tables("light")?
+        .iter()
+        .map(light::read)
+        .collect::<Result<_, _>>()?;
+    root.require(
+        !scene.lights.is_empty(),
+        "has no [[light]]",
+        "add one with kind = \"directional\" and a direction",
+    )?;
     let objects = root.tables("object")?;
-    root.require(!objects.is_empty(), "has no [[object]]", "add one with shape = \"box\" or mesh = \"model.obj\"")?;
+    root.require(
+        !objects.is_empty(),
+        "has no [[object]]",
+        "add one with shape = \"box\" or mesh = \"model.obj\"",
+    )?;
     object::read_all(&objects, folder, &mut scene)?;
     add_camera(&root, &mut scene)?;
     Ok(scene)
 }
 
 fn add_camera(root: &Table<'_>, scene: &mut Scene) -> Result<(), SceneError> {
-    let invalid = |source| SceneError::Invalid { file: root.source.file.clone(), source };
+    let invalid = |source| SceneError::Invalid {
+        file: root.source.file.clone(),
+        source,
+    };
     let geometry = Geometry::bake(scene).map_err(invalid)?;
     let camera = match root.table("camera")? {
         Some(table) => camera::read(&table, &geometry)?,
-        None => obj::framed(&geometry, Place { file: root.source.file.clone(), line: None, key: None })?,
+        None => obj::framed(
+            &geometry,
+            Place {
+                file: root.source.file.clone(),
+                line: None,
+                key: None,
+            },
+        )?,
     };
     scene.cameras.push(camera);
     scene.validate().map_err(invalid)

@@ -12,17 +12,23 @@ impl Item<'_> {
     /// A finite number, whole or not.
     pub(super) fn number(&self) -> Result<f32, SceneError> {
         let parsed = match self.value {
-            DeValue::Integer(i) => i64::from_str_radix(i.as_str(), i.radix()).ok().map(|i| i as f32),
+            DeValue::Integer(i) => i64::from_str_radix(i.as_str(), i.radix())
+                .ok()
+                .map(|i| i as f32),
             DeValue::Float(f) => f.as_str().parse().ok(),
             _ => return Err(self.wrong_type("a number", "write it as 2 or 1.5, without quotes")),
         };
-        let number: f32 = parsed.ok_or_else(|| self.fault("is out of range", "use a smaller number"))?;
+        let number: f32 =
+            parsed.ok_or_else(|| self.fault("is out of range", "use a smaller number"))?;
         self.check(invalid::finite("", &[number]))?;
         Ok(number)
     }
 
     /// A finite number that passes a check of core's.
-    pub(super) fn checked(&self, check: fn(&str, f32) -> Result<(), Invalid>) -> Result<f32, SceneError> {
+    pub(super) fn checked(
+        &self,
+        check: fn(&str, f32) -> Result<(), Invalid>,
+    ) -> Result<f32, SceneError> {
         let number = self.number()?;
         self.check(check("", number))?;
         Ok(number)
@@ -32,21 +38,33 @@ impl Item<'_> {
     pub(super) fn pixels(&self) -> Result<u32, SceneError> {
         let most = umbrage_core::MAX_SIDE;
         let mend = format!("use whole numbers from 1 to {most}");
-        let DeValue::Integer(i) = self.value else { return Err(self.wrong_type("a whole number", &mend)) };
-        let number = u32::from_str_radix(i.as_str(), i.radix()).ok().filter(|n| (1..=most).contains(n));
+        let DeValue::Integer(i) = self.value else {
+            return Err(self.wrong_type("a whole number", &mend));
+        };
+        let number = u32::from_str_radix(i.as_str(), i.radix())
+            .ok()
+            .filter(|n| (1..=most).contains(n));
         number.ok_or_else(|| self.fault(&format!("holds {i}"), &mend))
     }
 
     /// A whole number of 0 to `most`.
     pub(super) fn whole(&self, most: u32) -> Result<u32, SceneError> {
         let mend = format!("use a whole number from 0 to {most}");
-        let DeValue::Integer(i) = self.value else { return Err(self.wrong_type("a whole number", &mend)) };
-        let number = u32::from_str_radix(i.as_str(), i.radix()).ok().filter(|n| *n <= most);
+        let DeValue::Integer(i) = self.value else {
+            return Err(self.wrong_type("a whole number", &mend));
+        };
+        let number = u32::from_str_radix(i.as_str(), i.radix())
+            .ok()
+            .filter(|n| *n <= most);
         number.ok_or_else(|| self.fault(&format!("is {i}"), &mend))
     }
 
     pub(super) fn vec3(&self) -> Result<Vec3, SceneError> {
-        let numbers: Vec<f32> = self.list(3, TRIPLE)?.iter().map(Item::number).collect::<Result<_, _>>()?;
+        let numbers: Vec<f32> = self
+            .list(3, TRIPLE)?
+            .iter()
+            .map(Item::number)
+            .collect::<Result<_, _>>()?;
         Ok(Vec3::from_slice(&numbers))
     }
 
@@ -69,7 +87,8 @@ impl Table<'_> {
 
     /// Metres or degrees, not negative; 0 where absent.
     pub(super) fn size_or_zero(&self, key: &str) -> Result<f32, SceneError> {
-        self.get(key).map_or(Ok(0.0), |item| item.checked(invalid::not_negative))
+        self.get(key)
+            .map_or(Ok(0.0), |item| item.checked(invalid::not_negative))
     }
 
     pub(super) fn flag_or_true(&self, key: &str) -> Result<bool, SceneError> {

@@ -15,13 +15,26 @@ use std::path::{Path, PathBuf};
 use umbrage_core::glam::{Affine3A, EulerRot, Mat4, Quat, Vec3, Vec4};
 use umbrage_core::{Aabb, Instance, Mesh, Scene};
 
-const KEYS: [&str; 8] = ["mesh", "shape", "matrix", "translate", "rotate_degrees", "scale", "casts", "receives"];
+const KEYS: [&str; 8] = [
+    "mesh",
+    "shape",
+    "matrix",
+    "translate",
+    "rotate_degrees",
+    "scale",
+    "casts",
+    "receives",
+];
 const SHAPES: &[&str] = &["plane", "box", "sphere"];
 /// Splits of an icosahedron: 5,120 triangles.
 const SPHERE_SPLITS: u32 = 4;
 
 /// Adds meshes, each once, and instances.
-pub(super) fn read_all(tables: &[Table<'_>], folder: &Path, scene: &mut Scene) -> Result<(), SceneError> {
+pub(super) fn read_all(
+    tables: &[Table<'_>],
+    folder: &Path,
+    scene: &mut Scene,
+) -> Result<(), SceneError> {
     let (mut known, mut files) = (HashMap::new(), TextureFiles::default());
     for table in tables {
         table.only(&[KEYS.as_slice(), &look::KEYS].concat())?;
@@ -37,9 +50,17 @@ pub(super) fn read_all(tables: &[Table<'_>], folder: &Path, scene: &mut Scene) -
             scene.materials.push(look.material);
             scene.materials.len() - 1
         });
-        let (casts, receives) = (table.flag_or_true("casts")?, table.flag_or_true("receives")?);
+        let (casts, receives) = (
+            table.flag_or_true("casts")?,
+            table.flag_or_true("receives")?,
+        );
         let world_from_local = placement(table)?;
-        check_size(table, &item, world_from_local, parts.iter().map(|part| &scene.meshes[part.mesh]))?;
+        check_size(
+            table,
+            &item,
+            world_from_local,
+            parts.iter().map(|part| &scene.meshes[part.mesh]),
+        )?;
         let instance = |part: &Part| Instance {
             mesh: part.mesh,
             world_from_local,
@@ -60,21 +81,41 @@ fn check_size<'a>(
     meshes: impl Iterator<Item = &'a Mesh>,
 ) -> Result<(), SceneError> {
     let local = Aabb::around(meshes.flat_map(|mesh| mesh.positions.iter().copied()));
-    let first = |keys: &[&str]| keys.iter().find_map(|key| table.get(key)).unwrap_or_else(|| shape_or_mesh.clone());
+    let first = |keys: &[&str]| {
+        keys.iter()
+            .find_map(|key| table.get(key))
+            .unwrap_or_else(|| shape_or_mesh.clone())
+    };
     let [least, most] = SIZES;
     // Along its own axes; what is flat, such as a plane, has no size along one of them.
-    let axes = [place.matrix3.x_axis, place.matrix3.y_axis, place.matrix3.z_axis];
-    let sizes = axes.into_iter().zip(local.extent().to_array()).filter(|(_, size)| *size > 0.0);
-    let sizes: Vec<f32> = sizes.map(|(axis, size)| axis.as_dvec3().length() as f32 * size).collect();
+    let axes = [
+        place.matrix3.x_axis,
+        place.matrix3.y_axis,
+        place.matrix3.z_axis,
+    ];
+    let sizes = axes
+        .into_iter()
+        .zip(local.extent().to_array())
+        .filter(|(_, size)| *size > 0.0);
+    let sizes: Vec<f32> = sizes
+        .map(|(axis, size)| axis.as_dvec3().length() as f32 * size)
+        .collect();
     // Nothing that isn't a number lies in a range.
     if let Some(bad) = sizes.iter().find(|size| !(least..=most).contains(*size)) {
         let why = format!("makes the object {bad:e} m across along one of its axes");
-        return Err(first(&["scale", "matrix"]).fault(&why, &format!("use sizes from {least:e} to {most:e} m")));
+        return Err(first(&["scale", "matrix"])
+            .fault(&why, &format!("use sizes from {least:e} to {most:e} m")));
     }
-    let far = local.corners().map(|p| place.transform_point3(p).abs().max_element());
+    let far = local
+        .corners()
+        .map(|p| place.transform_point3(p).abs().max_element());
     let away = far.fold(0.0, f32::max);
     let why = format!("puts the object {away:e} m from the origin");
-    first(&["translate", "matrix", "scale"]).require(away <= most, &why, &format!("use places within {most:e} m of it"))
+    first(&["translate", "matrix", "scale"]).require(
+        away <= most,
+        &why,
+        &format!("use places within {most:e} m of it"),
+    )
 }
 
 /// What an object's look asks of its mesh; a model without needs brings its own looks.
@@ -101,11 +142,24 @@ impl Needs {
     }
 }
 
-fn check_coordinates(look: Option<&Look<'_>>, parts: &[Part], scene: &Scene) -> Result<(), SceneError> {
-    let Some(item) = look.and_then(|look| look.textured.as_ref()) else { return Ok(()) };
-    let bare = parts.iter().map(|part| &scene.meshes[part.mesh]).find(|mesh| mesh.uvs.is_empty());
+fn check_coordinates(
+    look: Option<&Look<'_>>,
+    parts: &[Part],
+    scene: &Scene,
+) -> Result<(), SceneError> {
+    let Some(item) = look.and_then(|look| look.textured.as_ref()) else {
+        return Ok(());
+    };
+    let bare = parts
+        .iter()
+        .map(|part| &scene.meshes[part.mesh])
+        .find(|mesh| mesh.uvs.is_empty());
     let why = bare.map(|mesh| format!("needs texture coordinates, and `{}` has none", mesh.name));
-    item.require(why.is_none(), why.as_deref().unwrap_or(""), "export the model with them (`vt` lines)")
+    item.require(
+        why.is_none(),
+        why.as_deref().unwrap_or(""),
+        "export the model with them (`vt` lines)",
+    )
 }
 
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -119,14 +173,21 @@ fn shape_or_mesh<'a>(table: &Table<'a>, folder: &Path) -> Result<(Source, Item<'
         (Some(item), None) => Ok((Source::Shape(item.word(SHAPES)?.to_owned()), item)),
         (None, Some(item)) => {
             let path = folder.join(item.text()?);
-            let is_obj = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj"));
-            item.require(is_obj, &format!("is `{}`, not a .obj file", path.display()), "name a Wavefront OBJ file")?;
+            let is_obj = path
+                .extension()
+                .is_some_and(|e| e.eq_ignore_ascii_case("obj"));
+            item.require(
+                is_obj,
+                &format!("is `{}`, not a .obj file", path.display()),
+                "name a Wavefront OBJ file",
+            )?;
             Ok((Source::Model(path), item))
         }
         (Some(_), Some(item)) => Err(item.fault("stands beside `shape`", "keep one of the two")),
-        (None, None) => {
-            Err(table.fault("has neither `shape` nor `mesh`", "add shape = \"box\" or mesh = \"model.obj\""))
-        }
+        (None, None) => Err(table.fault(
+            "has neither `shape` nor `mesh`",
+            "add shape = \"box\" or mesh = \"model.obj\"",
+        )),
     }
 }
 
@@ -138,13 +199,21 @@ fn make(
 ) -> Result<Vec<Part>, SceneError> {
     let parts = match source {
         Source::Shape(name) => {
-            scene.meshes.push(Mesh { name: name.clone(), ..shape(name, needs.textured()) });
-            vec![Part { mesh: scene.meshes.len() - 1, material: None }]
+            scene.meshes.push(Mesh {
+                name: name.clone(),
+                ..shape(name, needs.textured())
+            });
+            vec![Part {
+                mesh: scene.meshes.len() - 1,
+                material: None,
+            }]
         }
         Source::Model(path) => {
             let files = (*needs == Needs::OwnLooks).then_some(files);
-            obj::add(path, files, scene)
-                .map_err(|source| SceneError::Named { place: item.place(), source: Box::new(source) })?
+            obj::add(path, files, scene).map_err(|source| SceneError::Named {
+                place: item.place(),
+                source: Box::new(source),
+            })?
         }
     };
     for part in parts.iter().filter(|_| *needs == Needs::Tangents) {
@@ -170,20 +239,32 @@ fn shape(name: &str, textured: bool) -> Mesh {
 
 fn placement(table: &Table<'_>) -> Result<Affine3A, SceneError> {
     let steps = ["translate", "rotate_degrees", "scale"].map(|key| table.get(key));
-    let Some(item) = table.get("matrix") else { return from_steps(&steps) };
+    let Some(item) = table.get("matrix") else {
+        return from_steps(&steps);
+    };
     if let Some(other) = steps.iter().flatten().next() {
-        return Err(other.fault("stands beside `matrix`", "keep either the matrix or the steps"));
+        return Err(other.fault(
+            "stands beside `matrix`",
+            "keep either the matrix or the steps",
+        ));
     }
     let rows = item.list(4, "four rows of four numbers")?;
     let rows: Vec<Vec4> = rows.iter().map(row).collect::<Result<_, _>>()?;
     let matrix = Mat4::from_cols(rows[0], rows[1], rows[2], rows[3]).transpose();
-    item.require(rows[3] == Vec4::W, &format!("ends in the row {}", rows[3]), "end it in [0, 0, 0, 1]")?;
+    item.require(
+        rows[3] == Vec4::W,
+        &format!("ends in the row {}", rows[3]),
+        "end it in [0, 0, 0, 1]",
+    )?;
     not_flat(&item, Affine3A::from_mat4(matrix))
 }
 
 fn row(item: &Item<'_>) -> Result<Vec4, SceneError> {
-    let numbers: Vec<f32> =
-        item.list(4, "rows of four numbers")?.iter().map(|number| number.number()).collect::<Result<_, _>>()?;
+    let numbers: Vec<f32> = item
+        .list(4, "rows of four numbers")?
+        .iter()
+        .map(|number| number.number())
+        .collect::<Result<_, _>>()?;
     Ok(Vec4::from_slice(&numbers))
 }
 
@@ -192,8 +273,13 @@ fn from_steps([translate, rotate, scale]: &[Option<Item<'_>>; 3]) -> Result<Affi
     let vec3 = |item: &Option<Item<'_>>| item.as_ref().map_or(Ok(Vec3::ZERO), Item::vec3);
     let angles = vec3(rotate)? * std::f32::consts::PI / 180.0;
     let turn = Quat::from_euler(EulerRot::XYZEx, angles.x, angles.y, angles.z);
-    let place =
-        |size| -> Result<_, SceneError> { Ok(Affine3A::from_scale_rotation_translation(size, turn, vec3(translate)?)) };
+    let place = |size| -> Result<_, SceneError> {
+        Ok(Affine3A::from_scale_rotation_translation(
+            size,
+            turn,
+            vec3(translate)?,
+        ))
+    };
     match scale {
         Some(item) => not_flat(item, place(scale_of(item)?)?),
         None => place(Vec3::ONE),
@@ -202,7 +288,11 @@ fn from_steps([translate, rotate, scale]: &[Option<Item<'_>>; 3]) -> Result<Affi
 
 /// One number for all axes, or one for each.
 fn scale_of(item: &Item<'_>) -> Result<Vec3, SceneError> {
-    if item.value.is_array() { item.vec3() } else { item.number().map(Vec3::splat) }
+    if item.value.is_array() {
+        item.vec3()
+    } else {
+        item.number().map(Vec3::splat)
+    }
 }
 
 fn not_flat(item: &Item<'_>, place: Affine3A) -> Result<Affine3A, SceneError> {

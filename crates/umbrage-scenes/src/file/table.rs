@@ -19,14 +19,28 @@ pub(super) struct Source<'a> {
 
 impl Source<'_> {
     /// An error at a range of bytes.
-    pub(super) fn fault(&self, at: Range<usize>, key: Option<&str>, why: &str, mend: &str) -> SceneError {
-        SceneError::Fault { place: self.place(at, key), why: why.to_owned(), mend: mend.to_owned() }
+    pub(super) fn fault(
+        &self,
+        at: Range<usize>,
+        key: Option<&str>,
+        why: &str,
+        mend: &str,
+    ) -> SceneError {
+        SceneError::Fault {
+            place: self.place(at, key),
+            why: why.to_owned(),
+            mend: mend.to_owned(),
+        }
     }
 
     pub(super) fn place(&self, at: Range<usize>, key: Option<&str>) -> Place {
         let before = &self.text.as_bytes()[..at.start.min(self.text.len())];
         let line = 1 + before.iter().filter(|&&b| b == b'\n').count();
-        Place { file: self.file.clone(), line: Some(line), key: key.map(str::to_owned) }
+        Place {
+            file: self.file.clone(),
+            line: Some(line),
+            key: key.map(str::to_owned),
+        }
     }
 }
 
@@ -52,43 +66,72 @@ pub(super) struct Item<'a> {
 
 impl<'a> Table<'a> {
     pub(super) fn root(source: &'a Source<'a>, document: &'a Spanned<DeTable<'a>>) -> Self {
-        Self { source, name: "", entries: document.get_ref(), span: 0..0 }
+        Self {
+            source,
+            name: "",
+            entries: document.get_ref(),
+            span: 0..0,
+        }
     }
 
     /// Objects to keys that aren't known here.
     pub(super) fn only(&self, known: &[&str]) -> Result<(), SceneError> {
         // The first in the file, not in the alphabet.
-        let unknown = self.entries.keys().filter(|key| !known.contains(&key.get_ref().as_ref()));
-        let Some(key) = unknown.min_by_key(|key| key.span().start) else { return Ok(()) };
+        let unknown = self
+            .entries
+            .keys()
+            .filter(|key| !known.contains(&key.get_ref().as_ref()));
+        let Some(key) = unknown.min_by_key(|key| key.span().start) else {
+            return Ok(());
+        };
         let name = key.get_ref();
         let near = nearest(name, known.iter().copied());
         let mend = match near.is_empty() {
             true => format!("use {}", listed(known)),
             false => format!("did you mean {}?", listed(&near)),
         };
-        Err(self.source.fault(key.span(), Some(&self.path(name)), "is not a known key here", &mend))
+        Err(self.source.fault(
+            key.span(),
+            Some(&self.path(name)),
+            "is not a known key here",
+            &mend,
+        ))
     }
 
     fn path(&self, key: &str) -> String {
-        if self.name.is_empty() { key.to_owned() } else { format!("{}.{key}", self.name) }
+        if self.name.is_empty() {
+            key.to_owned()
+        } else {
+            format!("{}.{key}", self.name)
+        }
     }
 
     pub(super) fn get(&self, key: &str) -> Option<Item<'a>> {
         let value = self.entries.get(key)?;
-        Some(Item { source: self.source, key: self.path(key), value: value.get_ref(), span: value.span() })
+        Some(Item {
+            source: self.source,
+            key: self.path(key),
+            value: value.get_ref(),
+            span: value.span(),
+        })
     }
 
     /// The value of a key that must be there; `example` shows how to write it.
     pub(super) fn need(&self, key: &str, example: &str) -> Result<Item<'a>, SceneError> {
         self.get(key).ok_or_else(|| {
             let (path, mend) = (self.path(key), format!("add `{key} = {example}`"));
-            self.source.fault(self.span.clone(), Some(&path), "is missing", &mend)
+            self.source
+                .fault(self.span.clone(), Some(&path), "is missing", &mend)
         })
     }
 
     /// Objects to the table as a whole.
     pub(super) fn require(&self, holds: bool, why: &str, mend: &str) -> Result<(), SceneError> {
-        if holds { Ok(()) } else { Err(self.fault(why, mend)) }
+        if holds {
+            Ok(())
+        } else {
+            Err(self.fault(why, mend))
+        }
     }
 
     /// An error about the table as a whole.
@@ -104,21 +147,40 @@ impl<'a> Table<'a> {
 
     /// The table under a key: `[name]`.
     pub(super) fn table(&self, name: &'static str) -> Result<Option<Self>, SceneError> {
-        let Some(item) = self.get(name) else { return Ok(None) };
+        let Some(item) = self.get(name) else {
+            return Ok(None);
+        };
         match item.value {
-            DeValue::Table(entries) => Ok(Some(Self { source: self.source, name, entries, span: item.span })),
-            DeValue::Array(_) => Err(item.fault("is a list, but there is only one", &format!("write [{name}]"))),
+            DeValue::Table(entries) => Ok(Some(Self {
+                source: self.source,
+                name,
+                entries,
+                span: item.span,
+            })),
+            DeValue::Array(_) => Err(item.fault(
+                "is a list, but there is only one",
+                &format!("write [{name}]"),
+            )),
             _ => Err(item.wrong_type("a table", &format!("write [{name}]"))),
         }
     }
 
     /// The tables under a key: `[[name]]`.
     pub(super) fn tables(&self, name: &'static str) -> Result<Vec<Self>, SceneError> {
-        let Some(item) = self.get(name) else { return Ok(Vec::new()) };
+        let Some(item) = self.get(name) else {
+            return Ok(Vec::new());
+        };
         let mend = format!("write [[{name}]]");
-        let DeValue::Array(array) = item.value else { return Err(item.wrong_type("a list of tables", &mend)) };
+        let DeValue::Array(array) = item.value else {
+            return Err(item.wrong_type("a list of tables", &mend));
+        };
         let table = |value: &'a Spanned<DeValue<'a>>| match value.get_ref() {
-            DeValue::Table(entries) => Ok(Self { source: self.source, name, entries, span: value.span() }),
+            DeValue::Table(entries) => Ok(Self {
+                source: self.source,
+                name,
+                entries,
+                span: value.span(),
+            }),
             _ => Err(item.wrong_type("a list of tables", &mend)),
         };
         array.iter().map(table).collect()
@@ -127,7 +189,8 @@ impl<'a> Table<'a> {
 
 impl<'a> Item<'a> {
     pub(super) fn fault(&self, why: &str, mend: &str) -> SceneError {
-        self.source.fault(self.span.clone(), Some(&self.key), why, mend)
+        self.source
+            .fault(self.span.clone(), Some(&self.key), why, mend)
     }
 
     pub(super) fn place(&self) -> Place {
@@ -136,12 +199,20 @@ impl<'a> Item<'a> {
 
     pub(super) fn wrong_type(&self, wanted: &str, mend: &str) -> SceneError {
         let found = self.value.type_str();
-        let article = if found.starts_with(['a', 'i']) { "an" } else { "a" };
+        let article = if found.starts_with(['a', 'i']) {
+            "an"
+        } else {
+            "a"
+        };
         self.fault(&format!("is {article} {found}, not {wanted}"), mend)
     }
 
     pub(super) fn require(&self, holds: bool, why: &str, mend: &str) -> Result<(), SceneError> {
-        if holds { Ok(()) } else { Err(self.fault(why, mend)) }
+        if holds {
+            Ok(())
+        } else {
+            Err(self.fault(why, mend))
+        }
     }
 
     /// A check of core's, with this value's place.
@@ -150,11 +221,15 @@ impl<'a> Item<'a> {
     }
 
     pub(super) fn text(&self) -> Result<&'a str, SceneError> {
-        self.value.as_str().ok_or_else(|| self.wrong_type("text", "put it in quotes"))
+        self.value
+            .as_str()
+            .ok_or_else(|| self.wrong_type("text", "put it in quotes"))
     }
 
     pub(super) fn flag(&self) -> Result<bool, SceneError> {
-        self.value.as_bool().ok_or_else(|| self.wrong_type("true or false", "write true or false"))
+        self.value
+            .as_bool()
+            .ok_or_else(|| self.wrong_type("true or false", "write true or false"))
     }
 
     /// One of these words.
@@ -169,8 +244,15 @@ impl<'a> Item<'a> {
     /// The values of a list of `n`.
     pub(super) fn list(&self, n: usize, example: &str) -> Result<Vec<Item<'a>>, SceneError> {
         let mend = format!("write {example}");
-        let array = self.value.as_array().ok_or_else(|| self.wrong_type(&format!("a list of {n}"), &mend))?;
-        self.require(array.len() == n, &format!("has {} entries, not {n}", array.len()), &mend)?;
+        let array = self
+            .value
+            .as_array()
+            .ok_or_else(|| self.wrong_type(&format!("a list of {n}"), &mend))?;
+        self.require(
+            array.len() == n,
+            &format!("has {} entries, not {n}", array.len()),
+            &mend,
+        )?;
         let item = |v: &'a Spanned<DeValue<'a>>| Item {
             source: self.source,
             key: self.key.clone(),

@@ -12,7 +12,8 @@ const OBJECT: &str = "[[object]]\nshape = \"box\"\n";
 
 /// A light and an object read from these lines.
 fn one(light: &str, object: &str) -> Result<(Light, Affine3A), SceneError> {
-    read(&format!("[[light]]\n{light}\n[[object]]\n{object}\n")).map(|s| (s.lights[0], s.instances[0].world_from_local))
+    read(&format!("[[light]]\n{light}\n[[object]]\n{object}\n"))
+        .map(|s| (s.lights[0], s.instances[0].world_from_local))
 }
 
 fn light(text: &str) -> Light {
@@ -22,7 +23,11 @@ fn light(text: &str) -> Light {
 #[test]
 fn the_example_of_the_documentation_is_read_as_written() {
     let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("teapot.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3").unwrap();
+    std::fs::write(
+        folder.path().join("teapot.obj"),
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3",
+    )
+    .unwrap();
     let text = r#"
 name = "teapot under a lamp"
 [camera]
@@ -48,26 +53,74 @@ receives = false
     assert_eq!(scene.name, "teapot under a lamp");
     assert_eq!(scene.cameras[0].size, UVec2::new(320, 240));
     assert!(scene.cameras[0].eye().distance(Vec3::new(5.0, 5.2, 9.0)) < 1e-5);
-    assert_eq!(scene.lights, [Light::Rect { center: Vec3::Y * 9.0, half_u: Vec3::X, half_v: Vec3::Z }]);
+    assert_eq!(
+        scene.lights,
+        [Light::Rect {
+            center: Vec3::Y * 9.0,
+            half_u: Vec3::X,
+            half_v: Vec3::Z
+        }]
+    );
     let object = scene.instances[0];
     assert_eq!((object.casts, object.receives), (true, false));
-    assert_eq!(object.world_from_local.transform_point3(Vec3::ONE), Vec3::new(8.0, 10.0, 10.0));
+    assert_eq!(
+        object.world_from_local.transform_point3(Vec3::ONE),
+        Vec3::new(8.0, 10.0, 10.0)
+    );
     assert_eq!(scene.meshes[0].name, "teapot");
 }
 
 #[test]
 fn every_kind_of_light_is_read() {
     let (position, direction) = (Vec3::new(1.0, 2.0, 3.0), Vec3::NEG_Y);
-    let sun = light("kind = \"directional\"\ndirection = [0, -1, 0]\nangular_diameter_degrees = 180e-1");
-    assert_eq!(sun, Light::Directional { direction, angular_diameter: 18.0_f32.to_radians() });
-    assert_eq!(light("kind = \"point\"\nposition = [1, 2, 3]"), Light::Point { position, radius: 0.0 });
+    let sun =
+        light("kind = \"directional\"\ndirection = [0, -1, 0]\nangular_diameter_degrees = 180e-1");
+    assert_eq!(
+        sun,
+        Light::Directional {
+            direction,
+            angular_diameter: 18.0_f32.to_radians()
+        }
+    );
+    assert_eq!(
+        light("kind = \"point\"\nposition = [1, 2, 3]"),
+        Light::Point {
+            position,
+            radius: 0.0
+        }
+    );
     let spot = "kind = \"spot\"\nposition = [1, 2, 3]\ndirection = [0, -1, 0]\nouter_degrees = 30\nradius = 0x2";
     let [inner, outer] = [20.0_f32, 30.0].map(f32::to_radians);
-    assert_eq!(light(spot), Light::Spot { position, direction, inner: outer, outer, radius: 2.0 });
+    assert_eq!(
+        light(spot),
+        Light::Spot {
+            position,
+            direction,
+            inner: outer,
+            outer,
+            radius: 2.0
+        }
+    );
     let soft = light(&format!("{spot}\ninner_degrees = 20"));
-    assert_eq!(soft, Light::Spot { position, direction, inner, outer, radius: 2.0 });
+    assert_eq!(
+        soft,
+        Light::Spot {
+            position,
+            direction,
+            inner,
+            outer,
+            radius: 2.0
+        }
+    );
     let disc = light("kind = \"disc\"\ncenter = [1, 2, 3]\nnormal = [0, -1, 0]\nradius = 0.5");
-    assert_eq!(disc, Light::Disc { center: position, normal: direction, radius: 0.5 });
+    assert_eq!(
+        disc,
+        Light::Disc {
+            center: position,
+            normal: direction,
+            radius: 0.5
+        }
+    );
 }
 
 #[test]
@@ -78,12 +131,24 @@ fn placements_scale_then_turn_about_x_y_z_then_move() {
     // Sines and cosines of right angles are off by a rounding.
     let near = |a: Vec3, b: Vec3| assert!(a.distance(b) < 1e-5, "{a} {b}");
     near(p("", Vec3::ONE), Vec3::ONE);
-    near(p("scale = 2\ntranslate = [1, 0, 0]", Vec3::ONE), Vec3::new(3.0, 2.0, 2.0));
-    near(p("scale = [1, 2, -3]", Vec3::ONE), Vec3::new(1.0, 2.0, -3.0));
+    near(
+        p("scale = 2\ntranslate = [1, 0, 0]", Vec3::ONE),
+        Vec3::new(3.0, 2.0, 2.0),
+    );
+    near(
+        p("scale = [1, 2, -3]", Vec3::ONE),
+        Vec3::new(1.0, 2.0, -3.0),
+    );
     near(p("rotate_degrees = [90, 0, 0]", Vec3::Y), Vec3::Z);
     near(p("rotate_degrees = [0, 90, 0]", Vec3::Z), Vec3::X);
     near(p("rotate_degrees = [0, 0, 90]", Vec3::X), Vec3::Y);
-    near(p("rotate_degrees = [90, 90, 0]\nscale = 2\ntranslate = [0, 0, 1]", Vec3::Y), Vec3::new(2.0, 0.0, 1.0));
+    near(
+        p(
+            "rotate_degrees = [90, 90, 0]\nscale = 2\ntranslate = [0, 0, 1]",
+            Vec3::Y,
+        ),
+        Vec3::new(2.0, 0.0, 1.0),
+    );
 }
 
 #[test]
@@ -93,16 +158,32 @@ fn shapes_reach_from_minus_one_to_one() {
         let bounds = Geometry::bake(&scene).unwrap().bounds();
         let expected = Vec3::new(1.0, height, 1.0);
         // A sphere's vertices need not lie on the axes.
-        assert!(bounds.max.distance(expected) < 0.01 && bounds.min.distance(-expected) < 0.01, "{shape} {bounds:?}");
+        assert!(
+            bounds.max.distance(expected) < 0.01 && bounds.min.distance(-expected) < 0.01,
+            "{shape} {bounds:?}"
+        );
     }
 }
 
 #[test]
 fn defaults_are_as_documented() {
     let scene = read(&format!("{LIGHT}{OBJECT}{OBJECT}casts = false")).unwrap();
-    assert_eq!((scene.name.as_str(), scene.cameras[0].size), ("scene", UVec2::new(640, 360)));
-    assert_eq!(scene.lights[0], Light::Directional { direction: Vec3::new(0.0, -1.0, 0.5), angular_diameter: 0.0 });
-    let roles: Vec<_> = scene.instances.iter().map(|i| (i.casts, i.receives)).collect();
+    assert_eq!(
+        (scene.name.as_str(), scene.cameras[0].size),
+        ("scene", UVec2::new(640, 360))
+    );
+    assert_eq!(
+        scene.lights[0],
+        Light::Directional {
+            direction: Vec3::new(0.0, -1.0, 0.5),
+            angular_diameter: 0.0
+        }
+    );
+    let roles: Vec<_> = scene
+        .instances
+        .iter()
+        .map(|i| (i.casts, i.receives))
+        .collect();
     assert_eq!(roles, [(true, true), (false, true)]);
     assert_eq!(scene.meshes.len(), 1, "the same shape twice is one mesh");
 }
@@ -115,7 +196,10 @@ fn near_and_far_are_fitted_where_absent() {
         [m.w_axis.z / m.z_axis.z, m.w_axis.z / (m.z_axis.z + 1.0)]
     };
     let near = |a: [f32; 2], b: [f32; 2]| {
-        assert!((a[0] / b[0] - 1.0).abs() < 1e-2 && (a[1] / b[1] - 1.0).abs() < 1e-2, "{a:?}")
+        assert!(
+            (a[0] / b[0] - 1.0).abs() < 1e-2 && (a[1] / b[1] - 1.0).abs() < 1e-2,
+            "{a:?}"
+        )
     };
     // The box from -1 to 1, seen from (0, 1, 5) towards the origin.
     near(range(""), [3.92, 6.27]);
@@ -142,50 +226,218 @@ fn faults_name_line_key_and_remedy() {
     let spot = "[[light]]\nkind = \"spot\"\nposition = [0, 3, 0]\ndirection = [0, -1, 0]\n";
     let disc = "[[light]]\nkind = \"disc\"\ncenter = [0, 3, 0]\nnormal = [0, -1, 0]\n";
     let cases = [
-        (CAMERA, "tagret = [0, 0, 0]", "`camera.tagret`", "did you mean `target`?"),
-        (CAMERA, "up = [0, 0, 0]", "`camera.up`", "use a direction of any length greater than zero"),
+        (
+            CAMERA,
+            "tagret = [0, 0, 0]",
+            "`camera.tagret`",
+            "did you mean `target`?",
+        ),
+        (
+            CAMERA,
+            "up = [0, 0, 0]",
+            "`camera.up`",
+            "use a direction of any length greater than zero",
+        ),
         (CAMERA, "up = [0, 1]", "`camera.up`", "write [x, y, z]"),
-        (CAMERA, "up = 1", "`camera.up`: is an integer, not a list of 3", "write [x, y, z]"),
-        (CAMERA, "up = [0, \"1\", 0]", "`camera.up`: is a string, not a number", "without quotes"),
-        (CAMERA, "up = [0, nan, 0]", "`camera.up`: holds NaN", "use finite numbers"),
-        (CAMERA, "fov_y_degrees = 180", "`camera.fov_y_degrees`: is 180", "less than 180"),
-        (CAMERA, "fov_y_degrees = 0", "`camera.fov_y_degrees`: is 0", "greater than zero"),
-        (CAMERA, "size = [0, 10]", "`camera.size`: holds 0", "from 1 to 16384"),
-        (CAMERA, "size = [100000, 10]", "`camera.size`: holds 100000", "from 1 to 16384"),
-        (CAMERA, "size = [1.5, 10]", "`camera.size`: is a float, not a whole number", "from 1 to 16384"),
-        (CAMERA, "size = 640", "`camera.size`", "write [width, height]"),
-        (CAMERA, "near = -1", "`camera.near`: is -1", "greater than zero"),
-        (CAMERA, "far = inf", "`camera.far`: holds inf", "use finite numbers"),
-        (CAMERA, "near = 2\nfar = 1", "`camera.far`: is 1, and near is 2", "make near the smaller"),
+        (
+            CAMERA,
+            "up = 1",
+            "`camera.up`: is an integer, not a list of 3",
+            "write [x, y, z]",
+        ),
+        (
+            CAMERA,
+            "up = [0, \"1\", 0]",
+            "`camera.up`: is a string, not a number",
+            "without quotes",
+        ),
+        (
+            CAMERA,
+            "up = [0, nan, 0]",
+            "`camera.up`: holds NaN",
+            "use finite numbers",
+        ),
+        (
+            CAMERA,
+            "fov_y_degrees = 180",
+            "`camera.fov_y_degrees`: is 180",
+            "less than 180",
+        ),
+        (
+            CAMERA,
+            "fov_y_degrees = 0",
+            "`camera.fov_y_degrees`: is 0",
+            "greater than zero",
+        ),
+        (
+            CAMERA,
+            "size = [0, 10]",
+            "`camera.size`: holds 0",
+            "from 1 to 16384",
+        ),
+        (
+            CAMERA,
+            "size = [100000, 10]",
+            "`camera.size`: holds 100000",
+            "from 1 to 16384",
+        ),
+        (
+            CAMERA,
+            "size = [1.5, 10]",
+            "`camera.size`: is a float, not a whole number",
+            "from 1 to 16384",
+        ),
+        (
+            CAMERA,
+            "size = 640",
+            "`camera.size`",
+            "write [width, height]",
+        ),
+        (
+            CAMERA,
+            "near = -1",
+            "`camera.near`: is -1",
+            "greater than zero",
+        ),
+        (
+            CAMERA,
+            "far = inf",
+            "`camera.far`: holds inf",
+            "use finite numbers",
+        ),
+        (
+            CAMERA,
+            "near = 2\nfar = 1",
+            "`camera.far`: is 1, and near is 2",
+            "make near the smaller",
+        ),
         (CAMERA, "near = 1e99", "`camera.near`", "use"),
-        (LIGHT, "radius = 1", "`light.radius`: is not a known key here", "use `kind`, `direction` or `angular_diam"),
-        (LIGHT, "angular_diameter_degrees = -1", "`light.angular_diameter_degrees`: is -1", "use zero or more"),
-        (LIGHT, "angular_diameter_degrees = 200", "`light.angular_diameter_degrees`: is 200", "0 to less than 180"),
-        (spot, "outer_degrees = 90", "`light.outer_degrees`: is 90", "0 to less than 90"),
-        (spot, "outer_degrees = 0", "`light.outer_degrees`: is 0", "greater than zero"),
-        (spot, "outer_degrees = 20\ninner_degrees = 30", "`light.inner_degrees`: is wider", "make it the smaller"),
-        (disc, "radius = 0", "`light.radius`: is 0", "greater than zero"),
-        (disc, "radius = true", "`light.radius`: is a boolean, not a number", "write it as"),
-        (OBJECT, "casts = \"no\"", "`object.casts`: is a string, not true or false", "write true or false"),
+        (
+            LIGHT,
+            "radius = 1",
+            "`light.radius`: is not a known key here",
+            "use `kind`, `direction` or `angular_diam",
+        ),
+        (
+            LIGHT,
+            "angular_diameter_degrees = -1",
+            "`light.angular_diameter_degrees`: is -1",
+            "use zero or more",
+        ),
+        (
+            LIGHT,
+            "angular_diameter_degrees = 200",
+            "`light.angular_diameter_degrees`: is 200",
+            "0 to less than 180",
+        ),
+        (
+            spot,
+            "outer_degrees = 90",
+            "`light.outer_degrees`: is 90",
+            "0 to less than 90",
+        ),
+        (
+            spot,
+            "outer_degrees = 0",
+            "`light.outer_degrees`: is 0",
+            "greater than zero",
+        ),
+        (
+            spot,
+            "outer_degrees = 20\ninner_degrees = 30",
+            "`light.inner_degrees`: is wider",
+            "make it the smaller",
+        ),
+        (
+            disc,
+            "radius = 0",
+            "`light.radius`: is 0",
+            "greater than zero",
+        ),
+        (
+            disc,
+            "radius = true",
+            "`light.radius`: is a boolean, not a number",
+            "write it as",
+        ),
+        (
+            OBJECT,
+            "casts = \"no\"",
+            "`object.casts`: is a string, not true or false",
+            "write true or false",
+        ),
         (OBJECT, "shadow = true", "`object.shadow`", "use `mesh`"),
-        (OBJECT, "recieves = true", "`object.recieves`", "did you mean `receives`?"),
-        (OBJECT, "mesh = \"a.obj\"", "`object.mesh`: stands beside `shape`", "keep one"),
-        (OBJECT, "scale = 0", "`object.scale`: flattens", "sizes other than zero"),
-        (OBJECT, "scale = [1, 0, 1]", "`object.scale`: flattens", "sizes other than zero"),
-        (OBJECT, "matrix = [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,1,1]]", "`object.matrix`: ends in", "[0, 0, 0, 1]"),
-        (OBJECT, "matrix = [[1,0,0,0],[0,1,0,0],[0,0,0,0],[0,0,0,1]]", "`object.matrix`: flattens", "other than zero"),
-        (OBJECT, "matrix = [[1,0,0],[0,1,0],[0,0,1]]", "`object.matrix`: has 3 entries, not 4", "four rows"),
-        (OBJECT, "matrix = 3", "`object.matrix`: is an integer", "four rows"),
-        (OBJECT, "translate = [1, 2, 1e39]", "`object.translate`: holds inf", "use finite numbers"),
+        (
+            OBJECT,
+            "recieves = true",
+            "`object.recieves`",
+            "did you mean `receives`?",
+        ),
+        (
+            OBJECT,
+            "mesh = \"a.obj\"",
+            "`object.mesh`: stands beside `shape`",
+            "keep one",
+        ),
+        (
+            OBJECT,
+            "scale = 0",
+            "`object.scale`: flattens",
+            "sizes other than zero",
+        ),
+        (
+            OBJECT,
+            "scale = [1, 0, 1]",
+            "`object.scale`: flattens",
+            "sizes other than zero",
+        ),
+        (
+            OBJECT,
+            "matrix = [[1,0,0,0],[0,1,0,0],[0,0,1,0],[0,0,1,1]]",
+            "`object.matrix`: ends in",
+            "[0, 0, 0, 1]",
+        ),
+        (
+            OBJECT,
+            "matrix = [[1,0,0,0],[0,1,0,0],[0,0,0,0],[0,0,0,1]]",
+            "`object.matrix`: flattens",
+            "other than zero",
+        ),
+        (
+            OBJECT,
+            "matrix = [[1,0,0],[0,1,0],[0,0,1]]",
+            "`object.matrix`: has 3 entries, not 4",
+            "four rows",
+        ),
+        (
+            OBJECT,
+            "matrix = 3",
+            "`object.matrix`: is an integer",
+            "four rows",
+        ),
+        (
+            OBJECT,
+            "translate = [1, 2, 1e39]",
+            "`object.translate`: holds inf",
+            "use finite numbers",
+        ),
     ];
     for (table, line, why, mend) in cases {
-        let rest = [CAMERA, LIGHT, OBJECT].into_iter().filter(|t| t.lines().next() != table.lines().next());
+        let rest = [CAMERA, LIGHT, OBJECT]
+            .into_iter()
+            .filter(|t| t.lines().next() != table.lines().next());
         let text = format!("name = \"x\"\n{table}{line}\n{}", rest.collect::<String>());
         let expected = 1 + table.lines().count() + line.lines().count();
         let (at, message) = refused(&text);
         assert_eq!(at, Some(expected), "{message}\nfor\n{text}");
-        assert!(message.starts_with(&format!("scene.toml:{expected}: ")), "{message}");
-        assert!(message.contains(why) && message.contains(mend), "{line}: {message}");
+        assert!(
+            message.starts_with(&format!("scene.toml:{expected}: ")),
+            "{message}"
+        );
+        assert!(
+            message.contains(why) && message.contains(mend),
+            "{line}: {message}"
+        );
     }
 }
 
@@ -283,10 +535,16 @@ fn faults_of_a_model_are_told_with_both_places() {
     let scene = format!("{LIGHT}[[object]]\nmesh = \"broken.obj\"\n");
     std::fs::write(&path, scene).unwrap();
     let message = load(&path).unwrap_err().to_string();
-    assert!(message.contains("scene.toml:5: `object.mesh`: ") && message.contains("can't be read"), "{message}");
+    assert!(
+        message.contains("scene.toml:5: `object.mesh`: ") && message.contains("can't be read"),
+        "{message}"
+    );
     std::fs::write(folder.path().join("broken.obj"), "v 0 0 0\nf 1 2 3").unwrap();
     let message = load(&path).unwrap_err().to_string();
-    assert!(message.contains("scene.toml:5: `object.mesh`: ") && message.contains("broken.obj:2: "), "{message}");
+    assert!(
+        message.contains("scene.toml:5: `object.mesh`: ") && message.contains("broken.obj:2: "),
+        "{message}"
+    );
 }
 
 #[test]
@@ -304,7 +562,8 @@ fn files_that_hold_no_text_are_refused() {
 fn damaged_files_are_read_or_refused_without_panic() {
     let turned = "matrix = [[1,0,0,0],[0,2,0,0],[0,0,1,0],[0,0,0,1]]\nreceives = false\n";
     let spot = "[[light]]\nkind = \"spot\"\nposition = [0, 3, 0]\ndirection = [0, -1, 0]\nouter_degrees = 30\n";
-    let text = format!("name = \"x\"\n{CAMERA}size = [64, 48]\nnear = 0.1\n{LIGHT}{spot}{OBJECT}{turned}");
+    let text =
+        format!("name = \"x\"\n{CAMERA}size = [64, 48]\nnear = 0.1\n{LIGHT}{spot}{OBJECT}{turned}");
     read(&text).unwrap();
     let (mut refused, mut usable) = (0, 0);
     for damaged in crate::damage::damaged(&text, 4000) {
@@ -317,5 +576,8 @@ fn damaged_files_are_read_or_refused_without_panic() {
         }
     }
     // TOML forgives little.
-    assert!(refused > 400 && usable > 40, "{refused} refused, {usable} read");
+    assert!(
+        refused > 400 && usable > 40,
+        "{refused} refused, {usable} read"
+    );
 }

@@ -30,26 +30,47 @@ impl Bricks {
     /// Colour and normals: relief that changes no shadow.
     pub(crate) fn bumpy(self) -> Look {
         let look = self.flat();
-        let material = Material { normal_map: Some(1), ..look.material };
-        Look { material, textures: [look.textures, vec![self.normals()]].concat() }
+        let material = Material {
+            normal_map: Some(1),
+            ..look.material
+        };
+        Look {
+            material,
+            textures: [look.textures, vec![self.normals()]].concat(),
+        }
     }
 
     /// Colour and relief: the wall's plane is half way between joints and faces.
     pub(crate) fn carved(self, subdivisions: u32) -> Look {
         let look = self.flat();
-        let relief = Displacement { texture: 1, lambda: 0.5 * self.depth, subdivisions };
+        let relief = Displacement {
+            texture: 1,
+            lambda: 0.5 * self.depth,
+            subdivisions,
+        };
         let heights = texture("brick heights", SIDE, |uv| Vec3::splat(height(uv)));
-        let material = Material { displacement: Some(relief), ..look.material };
-        Look { material, textures: [look.textures, vec![heights]].concat() }
+        let material = Material {
+            displacement: Some(relief),
+            ..look.material
+        };
+        Look {
+            material,
+            textures: [look.textures, vec![heights]].concat(),
+        }
     }
 
     /// Tangent-space normals of the relief, by differences over two texels, green up.
     fn normals(self) -> Texture {
         let step = 1.0 / SIDE as f32;
-        let slope = |uv: Vec2, d: Vec2| (height(uv + d) - height(uv - d)) * self.depth / (2.0 * step * self.tile);
+        let slope = |uv: Vec2, d: Vec2| {
+            (height(uv + d) - height(uv - d)) * self.depth / (2.0 * step * self.tile)
+        };
         texture("brick normals", SIDE, |uv| {
             // v runs down the picture, green up.
-            let (along_u, along_v) = (slope(uv, Vec2::new(step, 0.0)), slope(uv, Vec2::new(0.0, step)));
+            let (along_u, along_v) = (
+                slope(uv, Vec2::new(step, 0.0)),
+                slope(uv, Vec2::new(0.0, step)),
+            );
             0.5 + 0.5 * Vec3::new(-along_u, along_v, 1.0).normalize()
         })
     }
@@ -62,7 +83,10 @@ fn brick(uv: Vec2) -> (IVec3, Vec2) {
     let along = wrapped.x * COURSES * 0.5 + 0.5 * (course % 2.0);
     // A brick may lie across the texture's edge.
     let number = along.floor() % (0.5 * COURSES);
-    (IVec3::new(number as i32, course as i32, 3), Vec2::new(along.fract(), (wrapped.y * COURSES).fract()))
+    (
+        IVec3::new(number as i32, course as i32, 3),
+        Vec2::new(along.fract(), (wrapped.y * COURSES).fract()),
+    )
 }
 
 /// Distance from the middle of the nearest joint, parts of a tile.

@@ -33,20 +33,40 @@ pub(crate) const PALETTE: [[f32; 3]; 8] = [
 
 /// One colour with a faint highlight.
 pub(crate) fn matte(color: [f32; 3]) -> Look {
-    let material = Material { diffuse: Vec3::from(color), specular: Vec3::splat(0.05), ..Material::default() };
-    Look { material, textures: Vec::new() }
+    let material = Material {
+        diffuse: Vec3::from(color),
+        specular: Vec3::splat(0.05),
+        ..Material::default()
+    };
+    Look {
+        material,
+        textures: Vec::new(),
+    }
 }
 
 /// One colour with a small bright highlight.
 pub(crate) fn glossy(color: [f32; 3]) -> Look {
     let look = matte(color);
-    Look { material: Material { specular: Vec3::splat(0.5), shininess_log2: 6, ..look.material }, ..look }
+    Look {
+        material: Material {
+            specular: Vec3::splat(0.5),
+            shininess_log2: 6,
+            ..look.material
+        },
+        ..look
+    }
 }
 
 /// The texture's own colours.
 fn textured(texture: Texture) -> Look {
     let look = matte([1.0; 3]);
-    Look { material: Material { diffuse_texture: Some(0), ..look.material }, textures: vec![texture] }
+    Look {
+        material: Material {
+            diffuse_texture: Some(0),
+            ..look.material
+        },
+        textures: vec![texture],
+    }
 }
 
 /// A square texture of `side` texels from what is at each texel's centre (u, v), origin top left.

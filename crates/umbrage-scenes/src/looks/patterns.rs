@@ -9,7 +9,13 @@ const PLANKS: f32 = 4.0;
 
 /// Two greys, two by two squares.
 pub(crate) fn checker() -> Look {
-    textured(texture("checker", 16, |uv| Vec3::splat(if (uv.x < 0.5) == (uv.y < 0.5) { 0.55 } else { 0.3 })))
+    textured(texture("checker", 16, |uv| {
+        Vec3::splat(if (uv.x < 0.5) == (uv.y < 0.5) {
+            0.55
+        } else {
+            0.3
+        })
+    }))
 }
 
 /// Four planks along u, each with its grain.

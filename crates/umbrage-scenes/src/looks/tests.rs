@@ -1,6 +1,9 @@
 use super::*;
 
-const WALL: Bricks = Bricks { tile: 1.0, depth: 0.1 };
+const WALL: Bricks = Bricks {
+    tile: 1.0,
+    depth: 0.1,
+};
 
 fn texel(texture: &Texture, x: u32, y: u32) -> Vec3 {
     Vec3::from_slice(&texture.texels[(y * texture.size.x + x) as usize])
@@ -8,12 +11,32 @@ fn texel(texture: &Texture, x: u32, y: u32) -> Vec3 {
 
 #[test]
 fn looks_are_valid_and_within_range() {
-    for look in [matte(PALETTE[1]), glossy(PALETTE[2]), checker(), wood(), WALL.flat(), WALL.bumpy(), WALL.carved(3)] {
+    for look in [
+        matte(PALETTE[1]),
+        glossy(PALETTE[2]),
+        checker(),
+        wood(),
+        WALL.flat(),
+        WALL.bumpy(),
+        WALL.carved(3),
+    ] {
         look.material.validate(look.textures.len()).unwrap();
         for texture in &look.textures {
             texture.validate().unwrap();
-            assert!(texture.texels.iter().flatten().all(|v| (0.0..=1.0).contains(v)), "{}", texture.name);
-            assert!(texture.texels.iter().any(|t| *t != texture.texels[0]), "{} is plain", texture.name);
+            assert!(
+                texture
+                    .texels
+                    .iter()
+                    .flatten()
+                    .all(|v| (0.0..=1.0).contains(v)),
+                "{}",
+                texture.name
+            );
+            assert!(
+                texture.texels.iter().any(|t| *t != texture.texels[0]),
+                "{} is plain",
+                texture.name
+            );
         }
     }
 }
@@ -26,11 +49,19 @@ fn normals_lean_as_the_relief_does() {
     let normals = &textures[1];
     let courses: Vec<Vec3> = (0..32).map(|y| texel(normals, 32, y)).collect();
     let (upper, lower) = (courses[4], courses[27]);
-    assert!(upper.y > 0.6 && lower.y < 0.4, "{upper} above, {lower} below");
+    assert!(
+        upper.y > 0.6 && lower.y < 0.4,
+        "{upper} above, {lower} below"
+    );
     let (left, right) = (texel(normals, 4, 16), texel(normals, 59, 16));
     assert!(left.x < 0.4 && right.x > 0.6, "{left} left, {right} right");
     assert_eq!(courses[16], Vec3::new(0.5, 0.5, 1.0));
-    assert!(normals.texels.iter().all(|t| ((Vec3::from_slice(t) * 2.0 - 1.0).length() - 1.0).abs() < 1e-5));
+    assert!(
+        normals
+            .texels
+            .iter()
+            .all(|t| ((Vec3::from_slice(t) * 2.0 - 1.0).length() - 1.0).abs() < 1e-5)
+    );
 }
 
 #[test]
@@ -41,7 +72,19 @@ fn the_wall_repeats_without_a_seam() {
     for i in 0..=last {
         // A rim rises by 1 over .025 of 128 texels.
         let steepest = 1.0 / (0.025 * 128.0) + 1e-5;
-        assert!((texel(heights, 0, i) - texel(heights, last, i)).abs().max_element() <= steepest, "row {i}");
-        assert!((texel(heights, i, 0) - texel(heights, i, last)).abs().max_element() <= steepest, "column {i}");
+        assert!(
+            (texel(heights, 0, i) - texel(heights, last, i))
+                .abs()
+                .max_element()
+                <= steepest,
+            "row {i}"
+        );
+        assert!(
+            (texel(heights, i, 0) - texel(heights, i, last))
+                .abs()
+                .max_element()
+                <= steepest,
+            "column {i}"
+        );
     }
 }

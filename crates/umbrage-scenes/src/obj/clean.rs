@@ -47,13 +47,26 @@ impl<R: BufRead> Cleaner<R> {
         let (counts, greatest) = ([0; 3], [(0, 0); 3]);
         let (continued, clean) = (String::new(), io::Cursor::default());
         let (faces, looks, fault, failure) = (0, Looks::default(), None, None);
-        Self { source, line: 0, continued, clean, counts, greatest, faces, looks, fault, failure }
+        Self {
+            source,
+            line: 0,
+            continued,
+            clean,
+            counts,
+            greatest,
+            faces,
+            looks,
+            fault,
+            failure,
+        }
     }
 
     /// Cleans up to the next line feed. False at the end.
     fn advance(&mut self) -> io::Result<bool> {
         let mut bytes = Vec::new();
-        let read = (&mut self.source).take(LONGEST_LINE).read_until(b'\n', &mut bytes);
+        let read = (&mut self.source)
+            .take(LONGEST_LINE)
+            .read_until(b'\n', &mut bytes);
         if read.or_else(|error| self.fail(error))? == 0 {
             let rest = std::mem::take(&mut self.continued);
             let end = self.statement(&rest).and_then(|()| self.check_greatest());
@@ -79,11 +92,21 @@ impl<R: BufRead> Cleaner<R> {
     }
 
     fn clean_line(&mut self, bytes: &[u8]) -> Result<(), Fault> {
-        let bytes = if self.line == 0 { bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes) } else { bytes };
-        let odd = [(bytes.contains(&0), "is not text"), (bytes.len() as u64 == LONGEST_LINE, "is over 16 MiB long")];
+        let bytes = if self.line == 0 {
+            bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
+        } else {
+            bytes
+        };
+        let odd = [
+            (bytes.contains(&0), "is not text"),
+            (bytes.len() as u64 == LONGEST_LINE, "is over 16 MiB long"),
+        ];
         if let Some((_, why)) = odd.iter().find(|(odd, _)| *odd) {
             self.line += 1;
-            return self.fault((*why).to_owned(), "save the model as a Wavefront OBJ in ASCII or UTF-8");
+            return self.fault(
+                (*why).to_owned(),
+                "save the model as a Wavefront OBJ in ASCII or UTF-8",
+            );
         }
         let bytes = bytes.strip_suffix(b"\n").unwrap_or(bytes);
         let bytes = bytes.strip_suffix(b"\r").unwrap_or(bytes);
@@ -121,8 +144,15 @@ impl<R: BufRead> Cleaner<R> {
     }
 
     /// Looks are kept aside: `tobj` would split the mesh at each, and doesn't say which file a name is from.
-    fn look(&mut self, keep: impl FnOnce(&mut Looks, usize, String), text: &str) -> Result<(), Fault> {
-        let name = text.trim().split_once(char::is_whitespace).map_or("", |(_, name)| name.trim());
+    fn look(
+        &mut self,
+        keep: impl FnOnce(&mut Looks, usize, String),
+        text: &str,
+    ) -> Result<(), Fault> {
+        let name = text
+            .trim()
+            .split_once(char::is_whitespace)
+            .map_or("", |(_, name)| name.trim());
         keep(&mut self.looks, self.faces, name.to_owned());
         Ok(())
     }
@@ -130,9 +160,17 @@ impl<R: BufRead> Cleaner<R> {
     fn vertex(&mut self, words: &[&str]) -> Result<(), Fault> {
         let xyz = self.numbers::<3>("vertex", words)?;
         // Exactly four numbers: the last is a weight. Beyond that they are a colour.
-        let w = if words.len() == 4 { self.numbers::<1>("weight", &words[3..])?[0] } else { 1.0 };
+        let w = if words.len() == 4 {
+            self.numbers::<1>("weight", &words[3..])?[0]
+        } else {
+            1.0
+        };
         if let Some(bad) = xyz.iter().find(|x| !(*x / w).is_finite()) {
-            let why = if w == 1.0 { format!("vertex holds {bad}") } else { format!("vertex holds {bad} over {w}") };
+            let why = if w == 1.0 {
+                format!("vertex holds {bad}")
+            } else {
+                format!("vertex holds {bad} over {w}")
+            };
             return self.fault(why, "use finite numbers below 3.4e38");
         }
         self.counts[0] += 1;
@@ -143,7 +181,11 @@ impl<R: BufRead> Cleaner<R> {
 
     fn texture_coordinate(&mut self, words: &[&str]) -> Result<(), Fault> {
         let u = self.numbers::<1>("texture coordinate", words)?[0];
-        let v = if words.len() > 1 { self.numbers::<1>("texture coordinate", &words[1..])?[0] } else { 0.0 };
+        let v = if words.len() > 1 {
+            self.numbers::<1>("texture coordinate", &words[1..])?[0]
+        } else {
+            0.0
+        };
         self.counts[1] += 1;
         self.emit("vt", &[&u.to_string(), &v.to_string()]);
         Ok(())
@@ -160,7 +202,10 @@ impl<R: BufRead> Cleaner<R> {
         words.iter().try_for_each(|word| self.corner(word))?;
         if words.len() > MOST_CORNERS {
             let why = format!("face has {} corners", words.len());
-            return self.fault(why, "export the model as triangles: a face may have at most 4,096 corners");
+            return self.fault(
+                why,
+                "export the model as triangles: a face may have at most 4,096 corners",
+            );
         }
         // With fewer corners it has no area, and casts no shadow.
         if words.len() >= 3 {
@@ -174,7 +219,9 @@ impl<R: BufRead> Cleaner<R> {
         const MEND: &str = "write corners as `v`, `v/vt`, `v//vn` or `v/vt/vn` with whole numbers";
         for (kind, part) in word.split('/').enumerate() {
             match part.parse::<i64>() {
-                _ if kind > 2 => return self.fault(format!("face corner `{word}` has too many parts"), MEND),
+                _ if kind > 2 => {
+                    return self.fault(format!("face corner `{word}` has too many parts"), MEND);
+                }
                 Ok(index) => self.index(kind, index)?,
                 Err(_) if part.is_empty() && kind > 0 => {}
                 Err(_) => return self.fault(format!("face corner `{word}` is not an index"), MEND),
@@ -193,7 +240,10 @@ impl<R: BufRead> Cleaner<R> {
             return Ok(());
         }
         if index == 0 || size > count {
-            let why = format!("face names {} {index}, but there are {count} before it", KINDS[kind]);
+            let why = format!(
+                "face names {} {index}, but there are {count} before it",
+                KINDS[kind]
+            );
             return self.fault(why, "use indices from 1, or from -1 backwards");
         }
         Ok(())
@@ -203,7 +253,11 @@ impl<R: BufRead> Cleaner<R> {
         for ((kind, (index, line)), count) in KINDS.iter().zip(self.greatest).zip(self.counts) {
             if index > count {
                 let why = format!("face names {kind} {index}, but the file has {count}");
-                return Err(Fault { line, why, mend: "check that the file is complete" });
+                return Err(Fault {
+                    line,
+                    why,
+                    mend: "check that the file is complete",
+                });
             }
         }
         Ok(())
@@ -220,14 +274,21 @@ impl<R: BufRead> Cleaner<R> {
                         "write numbers as 1.5 or 2e-3",
                     )?;
                 }
-                None => self.fault(format!("{what} has {i} numbers of {N}"), "check that the file is complete")?,
+                None => self.fault(
+                    format!("{what} has {i} numbers of {N}"),
+                    "check that the file is complete",
+                )?,
             }
         }
         Ok(out)
     }
 
     fn fault(&self, why: String, mend: &'static str) -> Result<(), Fault> {
-        Err(Fault { line: self.line, why, mend })
+        Err(Fault {
+            line: self.line,
+            why,
+            mend,
+        })
     }
 
     fn emit(&mut self, keyword: &str, words: &[&str]) {

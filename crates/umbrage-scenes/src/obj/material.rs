@@ -46,13 +46,24 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<Vec<Entry>, SceneError> {
         let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
         if keyword.eq_ignore_ascii_case("newmtl") {
             let (color_map, normal_map) = (None, None);
-            entries.push(Entry { name: rest.trim().to_owned(), material: Material::default(), color_map, normal_map });
+            entries.push(Entry {
+                name: rest.trim().to_owned(),
+                material: Material::default(),
+                color_map,
+                normal_map,
+            });
         } else if let Some(entry) = entries.last_mut() {
-            entry.set(&keyword.to_ascii_lowercase(), rest.trim(), folder).map_err(|why| SceneError::Fault {
-                place: Place { file: path.display().to_string(), line: Some(i + 1), key: Some(keyword.to_owned()) },
-                why,
-                mend: "write numbers as 0.5, one or three".to_owned(),
-            })?;
+            entry
+                .set(&keyword.to_ascii_lowercase(), rest.trim(), folder)
+                .map_err(|why| SceneError::Fault {
+                    place: Place {
+                        file: path.display().to_string(),
+                        line: Some(i + 1),
+                        key: Some(keyword.to_owned()),
+                    },
+                    why,
+                    mend: "write numbers as 0.5, one or three".to_owned(),
+                })?;
         }
     }
     Ok(entries)
@@ -66,7 +77,9 @@ impl Entry {
             "ke" => self.material.emissive = color(rest)?,
             "ns" => self.material.shininess_log2 = shininess(numbers(rest)?[0]),
             "map_kd" => self.color_map = file(rest, folder),
-            "norm" | "map_bump" | "bump" => self.normal_map = file(rest, folder).or(self.normal_map.take()),
+            "norm" | "map_bump" | "bump" => {
+                self.normal_map = file(rest, folder).or(self.normal_map.take())
+            }
             _ => {}
         }
         Ok(())
@@ -79,7 +92,10 @@ impl Entry {
         files: &mut TextureFiles,
         textures: &mut Vec<Texture>,
     ) -> Result<Material, SceneError> {
-        let mut index = |map: &Option<PathBuf>, meaning| match map.as_deref().filter(|path| mapped && path.is_file()) {
+        let mut index = |map: &Option<PathBuf>, meaning| match map
+            .as_deref()
+            .filter(|path| mapped && path.is_file())
+        {
             Some(path) => files.index(path, meaning, textures).map(Some),
             None => Ok(None),
         };
@@ -88,21 +104,31 @@ impl Entry {
         let grey = |t: &[f32; 4]| t[0] == t[1] && t[1] == t[2];
         // Grey ones are heights, whose scale nobody tells.
         let normal_map = normal_map.filter(|&map| !textures[map].texels.iter().all(grey));
-        Ok(Material { diffuse_texture, normal_map, ..self.material })
+        Ok(Material {
+            diffuse_texture,
+            normal_map,
+            ..self.material
+        })
     }
 }
 
 /// One or three numbers, cut off at 0 and 1.
 fn color(rest: &str) -> Result<Vec3, String> {
     let numbers = numbers(rest)?;
-    let color = if numbers.len() < 3 { Vec3::splat(numbers[0]) } else { Vec3::from_slice(&numbers) };
+    let color = if numbers.len() < 3 {
+        Vec3::splat(numbers[0])
+    } else {
+        Vec3::from_slice(&numbers)
+    };
     Ok(color.clamp(Vec3::ZERO, Vec3::ONE))
 }
 
 /// At least one finite number, at most three.
 fn numbers(rest: &str) -> Result<Vec<f32>, String> {
     let words: Vec<&str> = rest.split_whitespace().take(3).collect();
-    let parsed = words.iter().map(|w| w.parse().ok().filter(|x: &f32| x.is_finite()).ok_or(*w));
+    let parsed = words
+        .iter()
+        .map(|w| w.parse().ok().filter(|x: &f32| x.is_finite()).ok_or(*w));
     match parsed.collect::<Result<Vec<_>, _>>() {
         Ok(numbers) if numbers.is_empty() => Err("holds nothing".to_owned()),
         Ok(numbers) => Ok(numbers),
@@ -119,7 +145,13 @@ fn shininess(power: f32) -> u32 {
 
 /// A PNG file's path; other kinds of image are left aside. Options come before it.
 fn file(rest: &str, folder: &Path) -> Option<PathBuf> {
-    let name = if rest.starts_with('-') { rest.split_whitespace().last()? } else { rest };
+    let name = if rest.starts_with('-') {
+        rest.split_whitespace().last()?
+    } else {
+        rest
+    };
     let path = folder.join(name.replace('\\', "/"));
-    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")).then_some(path)
+    path.extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("png"))
+        .then_some(path)
 }

@@ -15,7 +15,9 @@ fn load(mtl: Option<&str>, images: &[(&str, [u8; 3])]) -> Result<Scene, SceneErr
         std::fs::write(folder.path().join("looks.mtl"), mtl).unwrap();
     }
     for (name, color) in images {
-        image::RgbImage::from_pixel(2, 2, image::Rgb(*color)).save(folder.path().join(name)).unwrap();
+        image::RgbImage::from_pixel(2, 2, image::Rgb(*color))
+            .save(folder.path().join(name))
+            .unwrap();
     }
     load_scene(&folder.path().join("m.obj"))
 }
@@ -25,19 +27,38 @@ const LOOKS: &str = "# by hand\nnewmtl red\nKd 0.8 0.1 0\nKs .5\nNs 50 # near 64
 
 #[test]
 fn faces_are_grouped_by_material() {
-    let scene = load(Some(LOOKS), &[("brick.png", [128, 255, 0]), ("bumps.png", [128, 128, 255])]).unwrap();
+    let scene = load(
+        Some(LOOKS),
+        &[("brick.png", [128, 255, 0]), ("bumps.png", [128, 128, 255])],
+    )
+    .unwrap();
     scene.validate().unwrap();
-    let triangles: Vec<_> = scene.meshes.iter().map(|mesh| mesh.triangles.len()).collect();
-    assert_eq!(triangles, [3, 1, 1], "red twice, brick, and what nobody knows");
+    let triangles: Vec<_> = scene
+        .meshes
+        .iter()
+        .map(|mesh| mesh.triangles.len())
+        .collect();
+    assert_eq!(
+        triangles,
+        [3, 1, 1],
+        "red twice, brick, and what nobody knows"
+    );
     let materials: Vec<_> = scene.instances.iter().map(|i| i.material).collect();
     assert_eq!(materials, [Some(0), Some(1), None]);
     let red = scene.materials[0];
-    assert_eq!((red.diffuse, red.specular, red.shininess_log2), (Vec3::new(0.8, 0.1, 0.0), Vec3::splat(0.5), 6));
+    assert_eq!(
+        (red.diffuse, red.specular, red.shininess_log2),
+        (Vec3::new(0.8, 0.1, 0.0), Vec3::splat(0.5), 6)
+    );
     assert_eq!(red.emissive, Vec3::Z, "cut off at 1");
     let brick = scene.materials[1];
-    let [color, normals] = [brick.diffuse_texture, brick.normal_map].map(|id| scene.textures[id.unwrap()].texels[0]);
+    let [color, normals] =
+        [brick.diffuse_texture, brick.normal_map].map(|id| scene.textures[id.unwrap()].texels[0]);
     // sRGB 128 by the standard's formula; normals as they are.
-    assert!((color[0] - 0.215_861).abs() < 1e-6 && normals[0] == 128.0 / 255.0, "{color:?} {normals:?}");
+    assert!(
+        (color[0] - 0.215_861).abs() < 1e-6 && normals[0] == 128.0 / 255.0,
+        "{color:?} {normals:?}"
+    );
     assert!(!scene.meshes[1].tangents.is_empty() && scene.meshes[0].tangents.is_empty());
     assert_eq!(Geometry::bake(&scene).unwrap().triangles().len(), 5);
 }
@@ -59,24 +80,40 @@ fn what_is_not_there_is_left_aside() {
 fn broken_looks_are_refused_with_their_line() {
     let message = |mtl: &str| load(Some(mtl), &[]).unwrap_err().to_string();
     let text = message("newmtl red\n\nKd red\n");
-    assert!(
-        text.ends_with("looks.mtl:3: `Kd`: holds `red`, which is not a number; write numbers as 0.5, one or three")
-    );
+    assert!(text.ends_with(
+        "looks.mtl:3: `Kd`: holds `red`, which is not a number; write numbers as 0.5, one or three"
+    ));
     assert!(message("newmtl red\nNs\n").contains("looks.mtl:2: `Ns`: holds nothing"));
     assert!(message("newmtl red\nKs 1 nan 0\n").contains("holds `nan`"));
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("m.obj"), QUADS).unwrap();
     std::fs::write(folder.path().join("looks.mtl"), LOOKS).unwrap();
     std::fs::write(folder.path().join("brick.png"), "no picture").unwrap();
-    let text = load_scene(&folder.path().join("m.obj")).unwrap_err().to_string();
-    assert!(text.contains("brick.png: can't be read as a PNG image"), "{text}");
+    let text = load_scene(&folder.path().join("m.obj"))
+        .unwrap_err()
+        .to_string();
+    assert!(
+        text.contains("brick.png: can't be read as a PNG image"),
+        "{text}"
+    );
 }
 
 #[test]
 fn powers_are_rounded_to_powers_of_two() {
-    for (ns, expected) in [("0", 0), ("-3", 0), ("1", 0), ("1.5", 1), ("10", 3), ("32", 5), ("250", 8), ("1e9", 12)] {
+    for (ns, expected) in [
+        ("0", 0),
+        ("-3", 0),
+        ("1", 0),
+        ("1.5", 1),
+        ("10", 3),
+        ("32", 5),
+        ("250", 8),
+        ("1e9", 12),
+    ] {
         let entries = parse(&format!("newmtl a\nNs {ns}"), Path::new("a.mtl")).unwrap();
-        let material = entries[0].material(false, &mut Default::default(), &mut Vec::new()).unwrap();
+        let material = entries[0]
+            .material(false, &mut Default::default(), &mut Vec::new())
+            .unwrap();
         assert_eq!(material.shininess_log2, expected, "{ns}");
     }
 }
@@ -90,5 +127,8 @@ fn damaged_files_are_read_or_refused_without_panic() {
             Err(_) => refused += 1,
         }
     }
-    assert!(refused > 100 && usable > 100, "{refused} refused, {usable} read");
+    assert!(
+        refused > 100 && usable > 100,
+        "{refused} refused, {usable} read"
+    );
 }

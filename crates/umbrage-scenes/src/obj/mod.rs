@@ -32,15 +32,34 @@ pub(crate) const SIZES: [f32; 2] = [1e-6, 1e8];
 /// A model alone: framed, in the sun.
 pub(crate) fn load_scene(path: &Path) -> Result<Scene, SceneError> {
     let file = path.display().to_string();
-    let invalid = |source| SceneError::Invalid { file: file.clone(), source };
-    let mut scene = Scene { name: name_of(path), ..Scene::default() };
+    let invalid = |source| SceneError::Invalid {
+        file: file.clone(),
+        source,
+    };
+    let mut scene = Scene {
+        name: name_of(path),
+        ..Scene::default()
+    };
     let parts = add(path, Some(&mut TextureFiles::default()), &mut scene)?;
-    let instance = |part: Part| Instance { material: part.material, ..Instance::new(part.mesh, Affine3A::IDENTITY) };
+    let instance = |part: Part| Instance {
+        material: part.material,
+        ..Instance::new(part.mesh, Affine3A::IDENTITY)
+    };
     scene.instances = parts.into_iter().map(instance).collect();
     let geometry = Geometry::bake(&scene).map_err(invalid)?;
-    let camera = framed(&geometry, Place { file: file.clone(), line: None, key: None })?;
+    let camera = framed(
+        &geometry,
+        Place {
+            file: file.clone(),
+            line: None,
+            key: None,
+        },
+    )?;
     let direction = camera.world_from_view.transform_vector3(SUN_IN_VIEW);
-    scene.lights.push(Light::Directional { direction, angular_diameter: SUN_DEGREES.to_radians() });
+    scene.lights.push(Light::Directional {
+        direction,
+        angular_diameter: SUN_DEGREES.to_radians(),
+    });
     scene.cameras.push(camera);
     Ok(scene)
 }
@@ -50,9 +69,12 @@ pub(crate) fn framed(geometry: &Geometry, place: Place) -> Result<Camera, SceneE
     let extent = geometry.bounds().extent().max_element();
     let shot = frame(geometry, FOV_Y_DEGREES.to_radians(), SIZE);
     match shot.filter(|_| (SIZES[0]..=SIZES[1]).contains(&extent)) {
-        Some(shot) => {
-            shot.camera(geometry, [None, None]).map_err(|source| SceneError::Invalid { file: place.file, source })
-        }
+        Some(shot) => shot
+            .camera(geometry, [None, None])
+            .map_err(|source| SceneError::Invalid {
+                file: place.file,
+                source,
+            }),
         None => Err(SceneError::Fault {
             place,
             why: format!("is {extent:e} m across"),
@@ -63,12 +85,19 @@ pub(crate) fn framed(geometry: &Geometry, place: Place) -> Result<Camera, SceneE
 
 /// A scene's name from its file's.
 pub(crate) fn name_of(path: &Path) -> String {
-    path.file_stem().map_or_else(|| "scene".to_owned(), |stem| stem.to_string_lossy().into_owned())
+    path.file_stem().map_or_else(
+        || "scene".to_owned(),
+        |stem| stem.to_string_lossy().into_owned(),
+    )
 }
 
 /// Adds the faces of an OBJ file to a scene: a mesh for each material, or one mesh without looks if no `files` are
 /// given.
-pub(crate) fn add(path: &Path, files: Option<&mut TextureFiles>, scene: &mut Scene) -> Result<Vec<Part>, SceneError> {
+pub(crate) fn add(
+    path: &Path,
+    files: Option<&mut TextureFiles>,
+    scene: &mut Scene,
+) -> Result<Vec<Part>, SceneError> {
     parts::add(load(path)?, path, files, scene)
 }
 
@@ -76,7 +105,11 @@ fn load(path: &Path) -> Result<Model, SceneError> {
     let open = || {
         let file = std::fs::File::open(path)?;
         // Else a directory opens, and fails on reading with less to say; a pipe might never end.
-        if file.metadata()?.is_file() { Ok(file) } else { Err(std::io::Error::other("is not a file")) }
+        if file.metadata()?.is_file() {
+            Ok(file)
+        } else {
+            Err(std::io::Error::other("is not a file"))
+        }
     };
     let file = open().map_err(|e| SceneError::unreadable(path, &e))?;
     read(path, BufReader::new(file))
@@ -84,12 +117,24 @@ fn load(path: &Path) -> Result<Model, SceneError> {
 
 fn read(path: &Path, source: impl BufRead) -> Result<Model, SceneError> {
     let mut clean = BufReader::new(Cleaner::new(source));
-    let options = tobj::LoadOptions { single_index: true, triangulate: false, ..tobj::GPU_LOAD_OPTIONS };
+    let options = tobj::LoadOptions {
+        single_index: true,
+        triangulate: false,
+        ..tobj::GPU_LOAD_OPTIONS
+    };
     let parsed = tobj::load_obj_buf(&mut clean, &options, |_| Ok(Default::default()));
     let clean = clean.into_inner();
     let fault = |line, why: String, mend: &str| {
-        let place = Place { file: path.display().to_string(), line, key: None };
-        SceneError::Fault { place, why, mend: mend.to_owned() }
+        let place = Place {
+            file: path.display().to_string(),
+            line,
+            key: None,
+        };
+        SceneError::Fault {
+            place,
+            why,
+            mend: mend.to_owned(),
+        }
     };
     if let Some(f) = clean.fault {
         return Err(fault(Some(f.line), f.why, f.mend));
@@ -97,26 +142,48 @@ fn read(path: &Path, source: impl BufRead) -> Result<Model, SceneError> {
     if let Some(error) = clean.failure {
         return Err(SceneError::unreadable(path, &error));
     }
-    let (models, _) = parsed.map_err(|e| fault(None, format!("can't be parsed: {e}"), "export the model again"))?;
+    let (models, _) = parsed.map_err(|e| {
+        fault(
+            None,
+            format!("can't be parsed: {e}"),
+            "export the model again",
+        )
+    })?;
     // Nothing that would split it was handed on, so there is one.
     match models.into_iter().next().map(|model| model.mesh) {
         Some(mesh) if clean.faces > 0 => {
             let (mesh, face) = convert(name_of(path), &mesh);
-            Ok(Model { mesh, face, looks: clean.looks })
+            Ok(Model {
+                mesh,
+                face,
+                looks: clean.looks,
+            })
         }
-        _ => Err(fault(None, "has no face".to_owned(), "export the model with its faces (`f` lines)")),
+        _ => Err(fault(
+            None,
+            "has no face".to_owned(),
+            "export the model with its faces (`f` lines)",
+        )),
     }
 }
 
 /// The mesh, and of which face each triangle is.
 fn convert(name: String, mesh: &tobj::Mesh) -> (Mesh, Vec<u32>) {
-    let positions: Vec<Vec3> = mesh.positions.chunks_exact(3).map(Vec3::from_slice).collect();
+    let positions: Vec<Vec3> = mesh
+        .positions
+        .chunks_exact(3)
+        .map(Vec3::from_slice)
+        .collect();
     // `tobj` skips what some corners lack, and the rest no longer lines up.
     let whole = |len: usize| len == positions.len();
     let normals: Vec<Vec3> = mesh.normals.chunks_exact(3).map(Vec3::from_slice).collect();
     let usable = whole(normals.len()) && normals.iter().all(|n| n.is_finite() && *n != Vec3::ZERO);
     // OBJ counts v from the bottom.
-    let uvs: Vec<Vec2> = mesh.texcoords.chunks_exact(2).map(|uv| Vec2::new(uv[0], 1.0 - uv[1])).collect();
+    let uvs: Vec<Vec2> = mesh
+        .texcoords
+        .chunks_exact(2)
+        .map(|uv| Vec2::new(uv[0], 1.0 - uv[1]))
+        .collect();
     let mapped = whole(uvs.len()) && uvs.iter().all(|uv| uv.is_finite());
     let (triangles, face) = triangles(mesh, &positions);
     let mesh = Mesh {
@@ -136,12 +203,19 @@ fn triangles(mesh: &tobj::Mesh, positions: &[Vec3]) -> (Vec<[u32; 3]>, Vec<u32>)
         let count = triangles.len() as u32;
         return (triangles, (0..count).collect());
     }
-    let (mut out, mut rest) = (Vec::with_capacity(mesh.indices.len() / 2), mesh.indices.as_slice());
+    let (mut out, mut rest) = (
+        Vec::with_capacity(mesh.indices.len() / 2),
+        mesh.indices.as_slice(),
+    );
     for (i, &arity) in (0..).zip(&mesh.face_arities) {
         let (face, others) = rest.split_at(arity as usize);
         rest = others;
         let corners: Vec<Vec3> = face.iter().map(|&v| positions[v as usize]).collect();
-        out.extend(triangulate(&corners).into_iter().map(|t| (t.map(|c| face[c as usize]), i)));
+        out.extend(
+            triangulate(&corners)
+                .into_iter()
+                .map(|t| (t.map(|c| face[c as usize]), i)),
+        );
     }
     out.into_iter().unzip()
 }

@@ -38,16 +38,30 @@ pub(super) fn add(
     };
     let (Some(files), false) = (files, entries.is_empty()) else {
         scene.meshes.push(model.mesh);
-        return Ok(vec![Part { mesh: scene.meshes.len() - 1, material: None }]);
+        return Ok(vec![Part {
+            mesh: scene.meshes.len() - 1,
+            material: None,
+        }]);
     };
     let parts = model.split(&entries).into_iter().map(|(entry, mesh)| {
-        let material =
-            entry.map(|i| entries[i].material(!mesh.uvs.is_empty(), files, &mut scene.textures)).transpose()?;
+        let material = entry
+            .map(|i| entries[i].material(!mesh.uvs.is_empty(), files, &mut scene.textures))
+            .transpose()?;
         let bumpy = material.is_some_and(|m| m.normal_map.is_some());
-        let invalid = |source| SceneError::Invalid { file: path.display().to_string(), source };
-        scene.meshes.push(if bumpy { with_tangents(&mesh).map_err(invalid)? } else { mesh });
+        let invalid = |source| SceneError::Invalid {
+            file: path.display().to_string(),
+            source,
+        };
+        scene.meshes.push(if bumpy {
+            with_tangents(&mesh).map_err(invalid)?
+        } else {
+            mesh
+        });
         scene.materials.extend(material);
-        Ok(Part { mesh: scene.meshes.len() - 1, material: material.map(|_| scene.materials.len() - 1) })
+        Ok(Part {
+            mesh: scene.meshes.len() - 1,
+            material: material.map(|_| scene.materials.len() - 1),
+        })
     });
     parts.collect()
 }
@@ -73,8 +87,12 @@ pub(super) struct Model {
 impl Model {
     /// Meshes by entry, in order of their first faces; faces without a known material share one.
     fn split(&self, entries: &[Entry]) -> Vec<(Option<usize>, Mesh)> {
-        let named: Vec<(usize, Option<usize>)> =
-            self.looks.runs.iter().map(|(face, name)| (*face, entries.iter().position(|e| e.name == *name))).collect();
+        let named: Vec<(usize, Option<usize>)> = self
+            .looks
+            .runs
+            .iter()
+            .map(|(face, name)| (*face, entries.iter().position(|e| e.name == *name)))
+            .collect();
         let mut parts: Vec<(Option<usize>, Vec<[u32; 3]>)> = Vec::new();
         for (triangle, &face) in self.mesh.triangles.iter().zip(&self.face) {
             let run = named.partition_point(|(first, _)| *first <= face as usize);
@@ -84,13 +102,19 @@ impl Model {
                 None => parts.push((entry, vec![*triangle])),
             }
         }
-        parts.into_iter().map(|(entry, triangles)| (entry, self.part(&triangles))).collect()
+        parts
+            .into_iter()
+            .map(|(entry, triangles)| (entry, self.part(&triangles)))
+            .collect()
     }
 
     /// Some triangles, with the vertices that they use.
     fn part(&self, triangles: &[[u32; 3]]) -> Mesh {
         let (old, mut known) = (&self.mesh, HashMap::new());
-        let mut out = Mesh { name: old.name.clone(), ..Mesh::default() };
+        let mut out = Mesh {
+            name: old.name.clone(),
+            ..Mesh::default()
+        };
         let mut vertex = |v: u32| {
             *known.entry(v).or_insert_with(|| {
                 out.positions.push(old.positions[v as usize]);

@@ -55,11 +55,24 @@ fn names_in_other_encodings_do_no_harm() {
 
 #[test]
 fn normals_and_texture_coordinates_are_kept_where_all_corners_have_them() {
-    let mesh = read(format!("{TRIANGLE}vt 0.25 0\nvt .5\nvt 1 1 0\nvn 0 0 2\nf 1/1/1 2/2/1 3/3/-1")).unwrap();
+    let mesh = read(format!(
+        "{TRIANGLE}vt 0.25 0\nvt .5\nvt 1 1 0\nvn 0 0 2\nf 1/1/1 2/2/1 3/3/-1"
+    ))
+    .unwrap();
     assert_eq!(mesh.normals, [Vec3::Z * 2.0; 3]);
     // The first row of a texture is its top.
-    assert_eq!(mesh.uvs, [Vec2::new(0.25, 1.0), Vec2::new(0.5, 1.0), Vec2::new(1.0, 0.0)]);
-    let half = read(format!("{TRIANGLE}v 1 1 0\nvn 0 0 1\nvn 0 1 0\nf 1//1 2//2 3//1\nf 4 3 2")).unwrap();
+    assert_eq!(
+        mesh.uvs,
+        [
+            Vec2::new(0.25, 1.0),
+            Vec2::new(0.5, 1.0),
+            Vec2::new(1.0, 0.0)
+        ]
+    );
+    let half = read(format!(
+        "{TRIANGLE}v 1 1 0\nvn 0 0 1\nvn 0 1 0\nf 1//1 2//2 3//1\nf 4 3 2"
+    ))
+    .unwrap();
     assert!(half.normals.is_empty());
     half.validate().unwrap();
 }
@@ -67,7 +80,13 @@ fn normals_and_texture_coordinates_are_kept_where_all_corners_have_them() {
 #[test]
 fn polygons_are_cut_along_their_inside() {
     let arrow = "v 0 0 0\nv 2 0 0\nv .5 .5 0\nv 0 2 0\n";
-    assert_eq!(read(format!("{arrow}f 2 3 4 1\nf 1 2 3")).unwrap().triangles.len(), 3);
+    assert_eq!(
+        read(format!("{arrow}f 2 3 4 1\nf 1 2 3"))
+            .unwrap()
+            .triangles
+            .len(),
+        3
+    );
     let mesh = read(format!("{arrow}f 2 3 4 1")).unwrap();
     let area = |t: &[u32; 3]| {
         let [a, b, c] = t.map(|v| mesh.positions[v as usize]);
@@ -80,7 +99,10 @@ fn polygons_are_cut_along_their_inside() {
 
 #[test]
 fn groups_become_one_mesh_with_shared_vertices() {
-    let mesh = read(format!("o a\n{TRIANGLE}f 1 2 3\no b\nusemtl x\nv 1 1 0\nf 2 4 3")).unwrap();
+    let mesh = read(format!(
+        "o a\n{TRIANGLE}f 1 2 3\no b\nusemtl x\nv 1 1 0\nf 2 4 3"
+    ))
+    .unwrap();
     assert_eq!((mesh.positions.len(), mesh.triangles.len()), (4, 2));
 }
 
@@ -97,13 +119,41 @@ fn faults_are_refused_with_their_line() {
         ("vt\n", 4, "texture coordinate has 0 numbers"),
         ("f 1 2 4\n", 4, "names vertex 4, but the file has 3"),
         ("f 1 2 0\n", 4, "names vertex 0"),
-        ("f 1 2 -4\n", 4, "names vertex -4, but there are 3 before it"),
-        ("f 1 2 -9223372036854775808\n", 4, "names vertex -9223372036854775808"),
-        ("f 1 2 9223372036854775807\n", 4, "names vertex 9223372036854775807"),
-        ("f 1 2 99999999999999999999\n", 4, "`99999999999999999999` is not an index"),
-        ("f 1/1 2/1 3/1\n", 4, "names texture coordinate 1, but the file has 0"),
-        ("\n\nf 1/-9223372036854775808 2 3\n", 6, "names texture coordinate"),
-        ("f 1//9223372036854775807 2 3\n", 4, "names normal 9223372036854775807"),
+        (
+            "f 1 2 -4\n",
+            4,
+            "names vertex -4, but there are 3 before it",
+        ),
+        (
+            "f 1 2 -9223372036854775808\n",
+            4,
+            "names vertex -9223372036854775808",
+        ),
+        (
+            "f 1 2 9223372036854775807\n",
+            4,
+            "names vertex 9223372036854775807",
+        ),
+        (
+            "f 1 2 99999999999999999999\n",
+            4,
+            "`99999999999999999999` is not an index",
+        ),
+        (
+            "f 1/1 2/1 3/1\n",
+            4,
+            "names texture coordinate 1, but the file has 0",
+        ),
+        (
+            "\n\nf 1/-9223372036854775808 2 3\n",
+            6,
+            "names texture coordinate",
+        ),
+        (
+            "f 1//9223372036854775807 2 3\n",
+            4,
+            "names normal 9223372036854775807",
+        ),
         ("f 1/1/1/1 2 3\n", 4, "too many parts"),
         ("f a b c\n", 4, "`a` is not an index"),
         ("f 1.5 2 3\n", 4, "`1.5` is not an index"),
@@ -114,21 +164,38 @@ fn faults_are_refused_with_their_line() {
         let (at, message) = refused(format!("{TRIANGLE}{text}f 1 2 3\n"));
         assert_eq!(at, Some(line), "{text}: {message}");
         assert!(message.contains(why), "{text}: {message}");
-        assert!(message.starts_with(&format!("model.obj:{line}: ")) && message.contains("; "), "{message}");
+        assert!(
+            message.starts_with(&format!("model.obj:{line}: ")) && message.contains("; "),
+            "{message}"
+        );
     }
 }
 
 #[test]
 fn files_without_faces_are_refused() {
-    for text in ["", "\n\n", "# nothing", TRIANGLE, "v 0 0 0\nl 1 1", "\u{feff}"] {
+    for text in [
+        "",
+        "\n\n",
+        "# nothing",
+        TRIANGLE,
+        "v 0 0 0\nl 1 1",
+        "\u{feff}",
+    ] {
         let (line, message) = refused(text);
-        assert_eq!((line, message.contains("has no face")), (None, true), "{message}");
+        assert_eq!(
+            (line, message.contains("has no face")),
+            (None, true),
+            "{message}"
+        );
     }
 }
 
 #[test]
 fn what_is_no_obj_is_refused() {
-    let utf_16: Vec<u8> = "v 0 0 0\nf 1 1 1".encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let utf_16: Vec<u8> = "v 0 0 0\nf 1 1 1"
+        .encode_utf16()
+        .flat_map(u16::to_le_bytes)
+        .collect();
     assert!(refused(utf_16).1.contains("is not text"));
     let endless = vec![b'v'; 17 << 20];
     assert!(refused(endless).1.contains("is over 16 MiB long"));
@@ -153,8 +220,13 @@ fn paths_that_hold_no_file_are_refused() {
     let folder = tempfile::Builder::new().suffix(".obj").tempdir().unwrap();
     let error = load_scene(folder.path()).unwrap_err().to_string();
     assert!(error.contains("is not a file"), "{error}");
-    let error = load_scene(&folder.path().join("missing.obj")).unwrap_err().to_string();
-    assert!(error.contains("missing.obj: can't be read") && error.contains("check the path"), "{error}");
+    let error = load_scene(&folder.path().join("missing.obj"))
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("missing.obj: can't be read") && error.contains("check the path"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -164,7 +236,10 @@ fn a_big_file_is_read_whole() {
         text += &format!("v {i} 0 0\nv {i} 1 0\nv {i} 0 1\nf -1 -2 -3\n");
     }
     let mesh = read(text).unwrap();
-    assert_eq!((mesh.positions.len(), mesh.triangles.len()), (180_000, 60_000));
+    assert_eq!(
+        (mesh.positions.len(), mesh.triangles.len()),
+        (180_000, 60_000)
+    );
     assert_eq!(mesh.positions[179_997], Vec3::new(59_999.0, 0.0, 1.0));
 }
 
@@ -184,20 +259,40 @@ fn model_file(scale: f32, offset: f32) -> tempfile::TempDir {
 /// The corners' places in the picture, -1 to 1, and whether near and far hold them.
 fn framed_corners(scene: &Scene) -> Vec<Vec3> {
     let clip_from_world = scene.cameras[0].space().clip_from_world();
-    scene.meshes[0].positions.iter().map(|&p| clip_from_world.project_point3(p)).collect()
+    scene.meshes[0]
+        .positions
+        .iter()
+        .map(|&p| clip_from_world.project_point3(p))
+        .collect()
 }
 
 #[test]
 fn models_of_any_size_fill_the_picture() {
-    for (scale, offset) in [(1.0, 0.0), (5e-3, 0.0), (3_700.0, -900.0), (1e-6, 0.0), (1e8, 0.0), (1.0, 1000.0)] {
+    for (scale, offset) in [
+        (1.0, 0.0),
+        (5e-3, 0.0),
+        (3_700.0, -900.0),
+        (1e-6, 0.0),
+        (1e8, 0.0),
+        (1.0, 1000.0),
+    ] {
         let folder = model_file(scale, offset);
         let scene = load_scene(&folder.path().join("cube.obj")).unwrap();
         scene.validate().unwrap();
         assert_eq!((scene.name.as_str(), scene.lights.len()), ("cube", 1));
         let corners = framed_corners(&scene);
-        let reach = corners.iter().map(|p| p.truncate().abs().max_element()).fold(0.0, f32::max);
-        assert!(reach > 0.9 && reach < 0.95, "scale {scale}: reaches {reach}");
-        assert!(corners.iter().all(|p| p.z > 0.0 && p.z < 1.0), "scale {scale}: {corners:?}");
+        let reach = corners
+            .iter()
+            .map(|p| p.truncate().abs().max_element())
+            .fold(0.0, f32::max);
+        assert!(
+            reach > 0.9 && reach < 0.95,
+            "scale {scale}: reaches {reach}"
+        );
+        assert!(
+            corners.iter().all(|p| p.z > 0.0 && p.z < 1.0),
+            "scale {scale}: {corners:?}"
+        );
     }
 }
 
@@ -205,8 +300,13 @@ fn models_of_any_size_fill_the_picture() {
 fn models_beyond_32_bit_floats_are_refused() {
     for scale in [0.0, 1e-9, 1e12] {
         let folder = model_file(scale, 0.0);
-        let error = load_scene(&folder.path().join("cube.obj")).unwrap_err().to_string();
-        assert!(error.contains("m across; scale it to between 1e-6 and 1e8 m"), "{error}");
+        let error = load_scene(&folder.path().join("cube.obj"))
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.contains("m across; scale it to between 1e-6 and 1e8 m"),
+            "{error}"
+        );
     }
 }
 
@@ -214,12 +314,26 @@ fn models_beyond_32_bit_floats_are_refused() {
 #[test]
 fn the_parser_alone_would_misread() {
     let alone = |text: String| {
-        let read = tobj::load_obj_buf(&mut Cursor::new(text), &tobj::GPU_LOAD_OPTIONS, |_| Ok(Default::default()));
-        read.map(|(models, _)| models.iter().map(|m| m.mesh.indices.len() / 3).sum::<usize>())
+        let read = tobj::load_obj_buf(&mut Cursor::new(text), &tobj::GPU_LOAD_OPTIONS, |_| {
+            Ok(Default::default())
+        });
+        read.map(|(models, _)| {
+            models
+                .iter()
+                .map(|m| m.mesh.indices.len() / 3)
+                .sum::<usize>()
+        })
     };
     assert_eq!(alone(format!("{TRIANGLE}f 1 2 3")), Ok(1));
-    assert_eq!(alone(format!("{TRIANGLE}l 1 2 3")), Ok(1), "a line is no face");
-    assert!(alone(format!("\u{feff}{TRIANGLE}f 1 2 3")).is_err(), "the first vertex got lost");
+    assert_eq!(
+        alone(format!("{TRIANGLE}l 1 2 3")),
+        Ok(1),
+        "a line is no face"
+    );
+    assert!(
+        alone(format!("\u{feff}{TRIANGLE}f 1 2 3")).is_err(),
+        "the first vertex got lost"
+    );
     assert!(alone(format!("{TRIANGLE}f 1 2 3 # comment")).is_err());
     assert!(alone(format!("{TRIANGLE}f 1 2 \\\n3")).is_err());
     assert!(alone("v 0 0 0 1 1 1\nv 1 0 0\nv 0 1 0\nf 1 2 3".to_owned()).is_err());
@@ -228,8 +342,9 @@ fn the_parser_alone_would_misread() {
 
 #[test]
 fn damaged_files_are_read_or_refused_without_panic() {
-    let text =
-        format!("o a\n{TRIANGLE}v 1 1 -1 1\nvt 0 .5\nvn 0 0 1\nf 1//1 2//-1 3/1/1\nf 1/1 2/-1 4/1 3/1 \\\n-1\nl 1 2");
+    let text = format!(
+        "o a\n{TRIANGLE}v 1 1 -1 1\nvt 0 .5\nvn 0 0 1\nf 1//1 2//-1 3/1/1\nf 1/1 2/-1 4/1 3/1 \\\n-1\nl 1 2"
+    );
     let (mut refused, mut usable) = (0, 0);
     for damaged in crate::damage::damaged(&text, 4000) {
         match read(damaged) {
@@ -240,5 +355,8 @@ fn damaged_files_are_read_or_refused_without_panic() {
             Err(_) => refused += 1,
         }
     }
-    assert!(refused > 400 && usable > 400, "{refused} refused, {usable} read");
+    assert!(
+        refused > 400 && usable > 400,
+        "{refused} refused, {usable} read"
+    );
 }

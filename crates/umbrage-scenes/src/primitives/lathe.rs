@@ -23,7 +23,10 @@ pub(crate) fn lathe(profile: &[(f32, f32)], segments: u32) -> Mesh {
 
 /// An upright cylinder that stands at height 0.
 pub(crate) fn pillar(radius: f32, height: f32, segments: u32) -> Mesh {
-    lathe(&[(0.0, 0.0), (radius, 0.0), (radius, height), (0.0, height)], segments)
+    lathe(
+        &[(0.0, 0.0), (radius, 0.0), (radius, height), (0.0, height)],
+        segments,
+    )
 }
 
 /// Triangles between `rings` rings of `segments` vertices, each counter-clockwise seen against the direction in which

@@ -11,18 +11,23 @@ const POLE: f64 = 1e-9;
 /// from -z through -x, v from the top. Vertices are doubled where longitudes part and at the poles; triangles across
 /// the seam reach beyond u = 1.
 pub(crate) fn mapped(mesh: &Mesh) -> Mesh {
-    let mut out = Mesh { name: mesh.name.clone(), ..Mesh::default() };
+    let mut out = Mesh {
+        name: mesh.name.clone(),
+        ..Mesh::default()
+    };
     let mut known = HashMap::new();
     for t in &mesh.triangles {
         let uvs = unwrapped(t.map(|v| mesh.positions[v as usize].as_dvec3()));
         let corners = [0, 1, 2].map(|i| {
             let (v, uv): (u32, Vec2) = (t[i], uvs[i]);
-            *known.entry((v, uv.to_array().map(f32::to_bits))).or_insert_with(|| {
-                out.positions.push(mesh.positions[v as usize]);
-                out.normals.extend(mesh.normals.get(v as usize));
-                out.uvs.push(uv);
-                out.positions.len() as u32 - 1
-            })
+            *known
+                .entry((v, uv.to_array().map(f32::to_bits)))
+                .or_insert_with(|| {
+                    out.positions.push(mesh.positions[v as usize]);
+                    out.normals.extend(mesh.normals.get(v as usize));
+                    out.uvs.push(uv);
+                    out.positions.len() as u32 - 1
+                })
         });
         out.triangles.push(corners);
     }
@@ -33,11 +38,20 @@ pub(crate) fn mapped(mesh: &Mesh) -> Mesh {
 fn unwrapped(corners: [DVec3; 3]) -> [Vec2; 3] {
     let mut longitudes = corners.map(longitude);
     let most = longitudes.iter().flatten().copied().fold(0.0, f64::max);
-    longitudes.iter_mut().flatten().filter(|u| most - **u > 0.5).for_each(|u| *u += 1.0);
+    longitudes
+        .iter_mut()
+        .flatten()
+        .filter(|u| most - **u > 0.5)
+        .for_each(|u| *u += 1.0);
     let known: Vec<f64> = longitudes.iter().flatten().copied().collect();
     let mean = known.iter().sum::<f64>() / known.len().max(1) as f64;
     let latitude = |p: DVec3| (p.y / p.length()).clamp(-1.0, 1.0).acos() / std::f64::consts::PI;
-    [0, 1, 2].map(|i| Vec2::new(longitudes[i].unwrap_or(mean) as f32, latitude(corners[i]) as f32))
+    [0, 1, 2].map(|i| {
+        Vec2::new(
+            longitudes[i].unwrap_or(mean) as f32,
+            latitude(corners[i]) as f32,
+        )
+    })
 }
 
 /// 0 to below 1; none at the poles.

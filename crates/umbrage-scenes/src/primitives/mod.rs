@@ -24,7 +24,12 @@ use umbrage_core::glam::Vec3;
 
 /// A mesh whose shading normals core averages.
 fn bare(name: &str, positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Mesh {
-    Mesh { name: name.to_owned(), positions, triangles, ..Mesh::default() }
+    Mesh {
+        name: name.to_owned(),
+        positions,
+        triangles,
+        ..Mesh::default()
+    }
 }
 
 /// The point at `turn` (of a full turn) on the unit circle, from +x towards +y. In `f64`, so that every platform's

@@ -16,32 +16,50 @@ pub(crate) fn grid(half: [f32; 2], cells: [u32; 2], height: impl Fn(f32, f32) ->
             Vec3::new(x, height(x, z), z)
         }));
     }
-    let uvs = (0..=nz).flat_map(|k| (0..=nx).map(move |i| Vec2::new(i as f32 / nx as f32, k as f32 / nz as f32)));
+    let uvs = (0..=nz)
+        .flat_map(|k| (0..=nx).map(move |i| Vec2::new(i as f32 / nx as f32, k as f32 / nz as f32)));
     let corner = |i: u32, k: u32| k * (nx + 1) + i;
     let triangles = (0..nz).flat_map(|k| {
         (0..nx).flat_map(move |i| {
-            let [a, b, c, d] = [corner(i, k), corner(i, k + 1), corner(i + 1, k + 1), corner(i + 1, k)];
+            let [a, b, c, d] = [
+                corner(i, k),
+                corner(i, k + 1),
+                corner(i + 1, k + 1),
+                corner(i + 1, k),
+            ];
             [[a, b, c], [a, c, d]]
         })
     });
-    Mesh { uvs: uvs.collect(), ..bare("grid", positions, triangles.collect()) }
+    Mesh {
+        uvs: uvs.collect(),
+        ..bare("grid", positions, triangles.collect())
+    }
 }
 
 /// One quad from its corners in order, open; it faces where they run counter-clockwise. The first is its texture's
 /// bottom left.
 pub(crate) fn quad(corners: [Vec3; 4]) -> Mesh {
     let uvs = [Vec2::Y, Vec2::ONE, Vec2::X, Vec2::ZERO].to_vec();
-    Mesh { uvs, ..bare("quad", corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]) }
+    Mesh {
+        uvs,
+        ..bare("quad", corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]])
+    }
 }
 
 /// The same mesh, its texture repeated: `times` along u and v.
 pub(crate) fn tiled(mesh: Mesh, times: Vec2) -> Mesh {
-    Mesh { uvs: mesh.uvs.iter().map(|uv| *uv * times).collect(), ..mesh }
+    Mesh {
+        uvs: mesh.uvs.iter().map(|uv| *uv * times).collect(),
+        ..mesh
+    }
 }
 
 /// A box that is seen from inside: it faces in.
 pub(crate) fn room(min: Vec3, max: Vec3) -> Mesh {
-    let mut mesh = Mesh { name: "room".to_owned(), ..block(min, max) };
+    let mut mesh = Mesh {
+        name: "room".to_owned(),
+        ..block(min, max)
+    };
     mesh.triangles.iter_mut().for_each(|t| t.swap(0, 1));
     mesh.normals.iter_mut().for_each(|n| *n = -*n);
     mesh.uvs.iter_mut().for_each(|uv| uv.x = 1.0 - uv.x);
@@ -66,7 +84,11 @@ pub(crate) fn slabs_around(min: Vec3, max: Vec3, wall: f32) -> [Mesh; 6] {
 /// Where a box's corner (0 or 1 along each axis) lies in the texture of the side that faces along `normal`: upright on
 /// walls, and as from above, -z on top, on the floor.
 fn side_uv(corner: Vec3, normal: Vec3) -> Vec2 {
-    let up = if normal.y == 0.0 { Vec3::Y } else { Vec3::NEG_Z };
+    let up = if normal.y == 0.0 {
+        Vec3::Y
+    } else {
+        Vec3::NEG_Z
+    };
     let p = corner - 0.5;
     Vec2::new(0.5 + p.dot(up.cross(normal)), 0.5 - p.dot(up))
 }
@@ -89,7 +111,11 @@ pub(crate) fn block(min: Vec3, max: Vec3) -> Mesh {
                 mesh.normals.push(normal);
                 mesh.uvs.push(side_uv(corner, normal));
             }
-            let sides = if sign > 0.0 { [[0, 1, 2], [0, 2, 3]] } else { [[0, 2, 1], [0, 3, 2]] };
+            let sides = if sign > 0.0 {
+                [[0, 1, 2], [0, 2, 3]]
+            } else {
+                [[0, 2, 1], [0, 3, 2]]
+            };
             mesh.triangles.extend(sides.map(|t| t.map(|v| v + base)));
         }
     }

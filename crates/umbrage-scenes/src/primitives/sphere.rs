@@ -12,17 +12,32 @@ pub(crate) fn icosphere(center: Vec3, radius: f32, splits: u32) -> Mesh {
 /// A sphere of `8 * 4^splits` triangles, from an octahedron: less equal ones, but the poles are vertices and every
 /// quarter turn a meridian is made of edges, where a texture can begin and end.
 pub(crate) fn octasphere(radius: f32, splits: u32) -> Mesh {
-    let directions = [DVec3::Y, DVec3::Z, DVec3::X, DVec3::NEG_Z, DVec3::NEG_X, DVec3::NEG_Y];
+    let directions = [
+        DVec3::Y,
+        DVec3::Z,
+        DVec3::X,
+        DVec3::NEG_Z,
+        DVec3::NEG_X,
+        DVec3::NEG_Y,
+    ];
     let upper = (1..5).map(|i| [0, i, i % 4 + 1]);
     let lower = (1..5).map(|i| [5, i % 4 + 1, i]);
-    sphere(Vec3::ZERO, radius, splits, (directions.to_vec(), upper.chain(lower).collect()))
+    sphere(
+        Vec3::ZERO,
+        radius,
+        splits,
+        (directions.to_vec(), upper.chain(lower).collect()),
+    )
 }
 
 fn sphere(center: Vec3, radius: f32, splits: u32, polyhedron: (Vec<DVec3>, Vec<[u32; 3]>)) -> Mesh {
     let (mut directions, mut triangles) = polyhedron;
     for _ in 0..splits {
         let mut middles = HashMap::new();
-        triangles = triangles.into_iter().flat_map(|t| split(t, &mut directions, &mut middles)).collect();
+        triangles = triangles
+            .into_iter()
+            .flat_map(|t| split(t, &mut directions, &mut middles))
+            .collect();
     }
     let place = |d: &DVec3| (center.as_dvec3() + *d * f64::from(radius)).as_vec3();
     Mesh {
@@ -34,7 +49,11 @@ fn sphere(center: Vec3, radius: f32, splits: u32, polyhedron: (Vec<DVec3>, Vec<[
     }
 }
 
-fn split([a, b, c]: [u32; 3], directions: &mut Vec<DVec3>, middles: &mut HashMap<(u32, u32), u32>) -> [[u32; 3]; 4] {
+fn split(
+    [a, b, c]: [u32; 3],
+    directions: &mut Vec<DVec3>,
+    middles: &mut HashMap<(u32, u32), u32>,
+) -> [[u32; 3]; 4] {
     let [ab, bc, ca] = [(a, b), (b, c), (c, a)].map(|(p, q)| {
         *middles.entry((p.min(q), p.max(q))).or_insert_with(|| {
             directions.push((directions[p as usize] + directions[q as usize]).normalize());
@@ -47,14 +66,23 @@ fn split([a, b, c]: [u32; 3], directions: &mut Vec<DVec3>, middles: &mut HashMap
 fn icosahedron() -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let golden = (1.0 + 5.0_f64.sqrt()) / 2.0;
     let mut directions = Vec::new();
-    for (one, phi) in [(-1.0, golden), (1.0, golden), (-1.0, -golden), (1.0, -golden)] {
+    for (one, phi) in [
+        (-1.0, golden),
+        (1.0, golden),
+        (-1.0, -golden),
+        (1.0, -golden),
+    ] {
         directions.push(DVec3::new(one, phi, 0.0).normalize());
     }
     directions.extend_from_within(..);
     directions.extend_from_within(..4);
     // The three golden rectangles are turns of one another about the diagonal.
-    directions[4..8].iter_mut().for_each(|d| *d = DVec3::new(d.z, d.x, d.y));
-    directions[8..].iter_mut().for_each(|d| *d = DVec3::new(d.y, d.z, d.x));
+    directions[4..8]
+        .iter_mut()
+        .for_each(|d| *d = DVec3::new(d.z, d.x, d.y));
+    directions[8..]
+        .iter_mut()
+        .for_each(|d| *d = DVec3::new(d.y, d.z, d.x));
     let triangles = [
         [0, 11, 5],
         [0, 5, 1],

@@ -8,7 +8,10 @@ use umbrage_core::glam::{Vec2, Vec3};
 /// and around the tube. u runs around the axis and v around the tube, once each; the seams' vertices are double.
 pub(crate) fn torus(major: f32, minor: f32, segments: [u32; 2]) -> Mesh {
     let [around, across] = segments;
-    let mut mesh = Mesh { name: "torus".to_owned(), ..Mesh::default() };
+    let mut mesh = Mesh {
+        name: "torus".to_owned(),
+        ..Mesh::default()
+    };
     for j in 0..=across {
         for i in 0..=around {
             // The last is the first again, bit for bit.
@@ -17,14 +20,22 @@ pub(crate) fn torus(major: f32, minor: f32, segments: [u32; 2]) -> Mesh {
             let r = major + minor * out;
             mesh.positions.push(Vec3::new(r * x, minor * up, -r * z));
             mesh.normals.push(Vec3::new(out * x, up, -out * z));
-            mesh.uvs.push(Vec2::new(i as f32 / around as f32, 1.0 - j as f32 / across as f32));
+            mesh.uvs.push(Vec2::new(
+                i as f32 / around as f32,
+                1.0 - j as f32 / across as f32,
+            ));
         }
     }
     let corner = |i: u32, j: u32| j * (around + 1) + i;
     let quads = (0..across).flat_map(|j| (0..around).map(move |i| (i, j)));
     mesh.triangles = quads
         .flat_map(|(i, j)| {
-            let [a, b, c, d] = [corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)];
+            let [a, b, c, d] = [
+                corner(i, j),
+                corner(i + 1, j),
+                corner(i + 1, j + 1),
+                corner(i, j + 1),
+            ];
             [[a, b, c], [a, c, d]]
         })
         .collect();

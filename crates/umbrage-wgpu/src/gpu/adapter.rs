@@ -31,7 +31,12 @@ pub enum Software {
 
 impl Default for AdapterChoice {
     fn default() -> Self {
-        Self { name: None, power: PowerPreference::None, software: Software::Allowed, backends: Backends::PRIMARY }
+        Self {
+            name: None,
+            power: PowerPreference::None,
+            software: Software::Allowed,
+            backends: Backends::PRIMARY,
+        }
     }
 }
 
@@ -41,7 +46,9 @@ impl AdapterChoice {
     pub fn from_env() -> Self {
         let default = Self::default();
         Self {
-            name: std::env::var("WGPU_ADAPTER_NAME").ok().filter(|name| !name.is_empty()),
+            name: std::env::var("WGPU_ADAPTER_NAME")
+                .ok()
+                .filter(|name| !name.is_empty()),
             power: PowerPreference::from_env().unwrap_or(default.power),
             backends: Backends::from_env().unwrap_or(default.backends),
             ..default
@@ -55,11 +62,15 @@ impl AdapterChoice {
         let adapters = pollster::block_on(Instance::new(desc).enumerate_adapters(self.backends));
         let found: Vec<String> = adapters.iter().map(|a| describe(&a.get_info())).collect();
         let fits = adapters.into_iter().filter(|a| self.fits(&a.get_info()));
-        fits.min_by_key(|a| self.rank(&a.get_info())).ok_or_else(|| self.no_adapter(&found))
+        fits.min_by_key(|a| self.rank(&a.get_info()))
+            .ok_or_else(|| self.no_adapter(&found))
     }
 
     fn fits(&self, info: &wgpu::AdapterInfo) -> bool {
-        let named = self.name.as_ref().is_none_or(|n| info.name.to_lowercase().contains(&n.to_lowercase()));
+        let named = self
+            .name
+            .as_ref()
+            .is_none_or(|n| info.name.to_lowercase().contains(&n.to_lowercase()));
         let software = info.device_type == DeviceType::Cpu;
         named
             && match self.software {
@@ -83,14 +94,23 @@ impl AdapterChoice {
     }
 
     fn no_adapter(&self, found: &[String]) -> BackendError {
-        let mut mend = "install the graphics card's Vulkan driver, or a software one (Debian and Ubuntu: \
+        let mut mend =
+            "install the graphics card's Vulkan driver, or a software one (Debian and Ubuntu: \
                         `apt-get install mesa-vulkan-drivers libvulkan1`)"
-            .to_owned();
+                .to_owned();
         if !found.is_empty() {
             mend = format!("ask for one of those found, or {mend}");
         }
-        let found = if found.is_empty() { "none".to_owned() } else { found.join("; ") };
-        BackendError::NoAdapter { wanted: self.to_string(), found, mend }
+        let found = if found.is_empty() {
+            "none".to_owned()
+        } else {
+            found.join("; ")
+        };
+        BackendError::NoAdapter {
+            wanted: self.to_string(),
+            found,
+            mend,
+        }
     }
 }
 
@@ -102,12 +122,26 @@ impl std::fmt::Display for AdapterChoice {
             Software::Never => "a hardware adapter",
         };
         f.write_str(software)?;
-        self.name.as_ref().map_or(Ok(()), |name| write!(f, " named `{name}`"))?;
+        self.name
+            .as_ref()
+            .map_or(Ok(()), |name| write!(f, " named `{name}`"))?;
         if self.backends == Self::default().backends {
             return Ok(());
         }
-        let names: Vec<_> = self.backends.iter_names().map(|(name, _)| name.to_lowercase()).collect();
-        write!(f, " for {}", if names.is_empty() { "no graphics API".to_owned() } else { names.join(" or ") })
+        let names: Vec<_> = self
+            .backends
+            .iter_names()
+            .map(|(name, _)| name.to_lowercase())
+            .collect();
+        write!(
+            f,
+            " for {}",
+            if names.is_empty() {
+                "no graphics API".to_owned()
+            } else {
+                names.join(" or ")
+            }
+        )
     }
 }
 

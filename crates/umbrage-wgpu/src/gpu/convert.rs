@@ -13,7 +13,10 @@ use crate::{
 };
 use std::collections::HashMap;
 use umbrage_core::{Format, Image, ImageDesc};
-use wgpu::{BindGroupLayout, Color, CommandEncoder, RenderPassDescriptor, RenderPipeline, ShaderStages, TextureView};
+use wgpu::{
+    BindGroupLayout, Color, CommandEncoder, RenderPassDescriptor, RenderPipeline, ShaderStages,
+    TextureView,
+};
 
 /// Converts all layers of images.
 #[derive(Debug, Default)]
@@ -67,13 +70,21 @@ impl Converter {
         images: &[GpuImage],
         contents: &[Image],
     ) {
-        for (to, from) in images.iter().zip(contents).filter(|(to, _)| !to.desc.format.is_depth()) {
+        for (to, from) in images
+            .iter()
+            .zip(contents)
+            .filter(|(to, _)| !to.desc.format.is_depth())
+        {
             write(maker.queue, &to.texture, &bytes(from));
         }
         let jobs = self.fit_floats(maker, images, |f| f.is_depth().then_some(Format::R32));
         let mut layers = Vec::new();
         for (i, floats) in jobs.into_iter().zip(&self.floats) {
-            write(maker.queue, &floats.texture, bytemuck::cast_slice(&contents[i].texels));
+            write(
+                maker.queue,
+                &floats.texture,
+                bytemuck::cast_slice(&contents[i].texels),
+            );
             layers.extend(pair_layers(&floats.reads, &images[i]));
         }
         self.convert(maker, encoder, &layers);
@@ -88,7 +99,13 @@ impl Converter {
     ) -> Vec<usize> {
         let wanted = (0..).zip(images).filter_map(|(i, image)| {
             let format = floats(image.desc.format)?;
-            Some((i, ImageDesc { format, ..image.desc }))
+            Some((
+                i,
+                ImageDesc {
+                    format,
+                    ..image.desc
+                },
+            ))
         });
         let (jobs, descs): (Vec<usize>, Vec<ImageDesc>) = wanted.unzip();
         fit_images(maker, &mut self.floats, &descs, &[]);
@@ -97,10 +114,22 @@ impl Converter {
 
     fn convert(&mut self, maker: &mut Maker<'_>, encoder: &mut CommandEncoder, layers: &[Layer]) {
         self.bindings.resize_with(layers.len(), Binding::default);
-        let layout = self.layouts.get(maker, ShaderStages::FRAGMENT, &[Slot::Floats { layered: false }]);
+        let layout = self.layouts.get(
+            maker,
+            ShaderStages::FRAGMENT,
+            &[Slot::Floats { layered: false }],
+        );
         for (layer, binding) in layers.iter().zip(&mut self.bindings) {
-            binding.set(maker, "umbrage conversion", &layout, vec![Bound::View(layer.from.clone())]);
-            let pipeline = self.pipelines.entry(layer.format).or_insert_with(|| pipeline(maker, layer.format, &layout));
+            binding.set(
+                maker,
+                "umbrage conversion",
+                &layout,
+                vec![Bound::View(layer.from.clone())],
+            );
+            let pipeline = self
+                .pipelines
+                .entry(layer.format)
+                .or_insert_with(|| pipeline(maker, layer.format, &layout));
             layer.encode(encoder, pipeline, binding);
         }
     }
@@ -124,7 +153,11 @@ impl Layer {
 
 fn pair_layers<'a>(from: &'a [TextureView], to: &'a GpuImage) -> impl Iterator<Item = Layer> + 'a {
     let format = to.desc.format;
-    from.iter().zip(&to.layers).map(move |(from, to)| Layer { from: from.clone(), to: to.clone(), format })
+    from.iter().zip(&to.layers).map(move |(from, to)| Layer {
+        from: from.clone(),
+        to: to.clone(),
+        format,
+    })
 }
 
 fn pipeline(maker: &mut Maker<'_>, to: Format, layout: &BindGroupLayout) -> RenderPipeline {
@@ -136,12 +169,25 @@ fn pipeline(maker: &mut Maker<'_>, to: Format, layout: &BindGroupLayout) -> Rend
         false => ("load_texel", Targets::Colors(&[format])),
     };
     let entries = ["umbrage_fullscreen", entry];
-    fullscreen_pipeline(maker.device, "umbrage conversion", &text, entries, &targets, &[Some(layout)])
+    fullscreen_pipeline(
+        maker.device,
+        "umbrage conversion",
+        &text,
+        entries,
+        &targets,
+        &[Some(layout)],
+    )
 }
 
 /// An image's texels as its own format has them.
 fn bytes(image: &Image) -> Vec<u8> {
-    let whole = |scale: f32| image.texels.iter().map(|v| (v * scale).round() as u8).collect();
+    let whole = |scale: f32| {
+        image
+            .texels
+            .iter()
+            .map(|v| (v * scale).round() as u8)
+            .collect()
+    };
     match image.desc.format {
         Format::Stencil8 => whole(1.0),
         Format::Rgba8 => whole(255.0),

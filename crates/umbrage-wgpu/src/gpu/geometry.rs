@@ -24,16 +24,25 @@ impl GpuGeometry {
         let positions: &[u8] = bytemuck::cast_slice(geometry.positions());
         let indices: &[u8] = bytemuck::cast_slice(geometry.triangles());
         let limits = maker.device.limits();
-        let most = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+        let most = limits
+            .max_storage_buffer_binding_size
+            .min(limits.max_buffer_size);
         for (what, bytes) in [("vertices", positions), ("triangles", indices)] {
             let bytes = bytes.len() as u64;
             if bytes > most {
-                let why = format!("take {bytes} bytes, and this graphics adapter binds at most {most}");
-                return Err(Invalid::new(what, why, "use a smaller scene or the CPU backend").into());
+                let why =
+                    format!("take {bytes} bytes, and this graphics adapter binds at most {most}");
+                return Err(
+                    Invalid::new(what, why, "use a smaller scene or the CPU backend").into(),
+                );
             }
         }
         let mut upload = |label, usage, bytes: &[u8]| {
-            let buffer = maker.buffer(label, usage | BufferUsages::STORAGE, (bytes.len() as u64).max(16));
+            let buffer = maker.buffer(
+                label,
+                usage | BufferUsages::STORAGE,
+                (bytes.len() as u64).max(16),
+            );
             maker.queue.write_buffer(&buffer, 0, bytes);
             buffer
         };
@@ -59,7 +68,10 @@ impl GpuGeometry {
         Drawable {
             vertices: &self.positions,
             layout: VertexLayout::PACKED,
-            indices: Some(Indices { buffer: &self.indices, format: IndexFormat::Uint32 }),
+            indices: Some(Indices {
+                buffer: &self.indices,
+                format: IndexFormat::Uint32,
+            }),
             range: 3 * triangles.start..3 * triangles.end,
             world_from_local: None,
         }
@@ -74,8 +86,16 @@ impl Geometries {
     /// A scene and the same scene without casters, its negative control, take turns.
     const KEPT: usize = 2;
 
-    pub(crate) fn get(&mut self, maker: &mut Maker<'_>, geometry: &Geometry) -> Result<&GpuGeometry, BackendError> {
-        match self.0.iter().position(|g| g.fingerprint == geometry.fingerprint()) {
+    pub(crate) fn get(
+        &mut self,
+        maker: &mut Maker<'_>,
+        geometry: &Geometry,
+    ) -> Result<&GpuGeometry, BackendError> {
+        match self
+            .0
+            .iter()
+            .position(|g| g.fingerprint == geometry.fingerprint())
+        {
             Some(i) => self.0[..=i].rotate_right(1),
             None => {
                 self.0.truncate(Self::KEPT - 1);

@@ -26,13 +26,19 @@ use readback::{ReadBack, Spare};
 use receivers::{Finder, ReceiverTextures};
 use shadows::Tickets;
 use std::sync::{Mutex, PoisonError};
-use umbrage_core::{Backend, BackendError, Invalid, Limits, Receivers, Recipe, Shadows, Snapping, Source, View};
+use umbrage_core::{
+    Backend, BackendError, Invalid, Limits, Receivers, Recipe, Shadows, Snapping, Source, View,
+};
 use wgpu::{Adapter, AdapterInfo, CommandEncoder, Device, DeviceDescriptor, Features, Queue};
 
 /// Borrows only the fields needed, so that the others stay free.
 macro_rules! maker {
     ($gpu:expr) => {
-        $crate::counters::Maker { device: &$gpu.device, queue: &$gpu.queue, counters: &mut $gpu.counters }
+        $crate::counters::Maker {
+            device: &$gpu.device,
+            queue: &$gpu.queue,
+            counters: &mut $gpu.counters,
+        }
     };
 }
 use maker;
@@ -83,7 +89,11 @@ impl Gpu {
         let mut counters = Counters::default();
         let gpu = Self {
             name: format!("wgpu: {} ({})", info.name, info.backend),
-            finder: Finder::new(&Maker { device: &device, queue: &queue, counters: &mut counters }),
+            finder: Finder::new(&Maker {
+                device: &device,
+                queue: &queue,
+                counters: &mut counters,
+            }),
             clock: Clock::new(&device, &queue),
             renderer: ShadowRenderer::new(&device, Options::default())?,
             geometries: Geometries::default(),
@@ -138,7 +148,10 @@ impl Gpu {
     }
 
     /// Runs `f` with every error of the device turned into `Err`.
-    fn guarded<R>(&mut self, f: impl FnOnce(&mut Self) -> Result<R, BackendError>) -> Result<R, BackendError> {
+    fn guarded<R>(
+        &mut self,
+        f: impl FnOnce(&mut Self) -> Result<R, BackendError>,
+    ) -> Result<R, BackendError> {
         self.faults.check()?;
         let scopes = Scopes::open(&self.device);
         let result = f(self);
@@ -155,7 +168,10 @@ impl Gpu {
     fn play(&mut self, view: &View<'_>, recipe: &Recipe) -> Result<Shadows, BackendError> {
         let found = self.prepare(view, recipe)?;
         let mut encoder = self.begin(found);
-        self.renderer.encode_timed(&mut encoder, self.clock.as_ref().map(Clock::stamps).as_ref())?;
+        self.renderer.encode_timed(
+            &mut encoder,
+            self.clock.as_ref().map(Clock::stamps).as_ref(),
+        )?;
         self.finish(encoder, view, recipe, found.is_some())
     }
 
@@ -163,33 +179,51 @@ impl Gpu {
     fn prepare(&mut self, view: &View<'_>, recipe: &Recipe) -> Result<Option<u32>, BackendError> {
         let mut maker = maker!(self);
         let textures = ReceiverTextures::fit(&mut self.receivers, &mut maker, view.camera.size);
-        let geometry = view.geometry.map(|g| self.geometries.get(&mut maker, g)).transpose()?;
+        let geometry = view
+            .geometry
+            .map(|g| self.geometries.get(&mut maker, g))
+            .transpose()?;
         match (view.receivers, geometry) {
             (Some(receivers), _) => textures.upload(&maker, receivers),
-            (None, Some(geometry)) => self.finder.prepare(&mut maker, view.camera, geometry, textures),
+            (None, Some(geometry)) => {
+                self.finder
+                    .prepare(&mut maker, view.camera, geometry, textures)
+            }
             (None, None) => return Err(blind()),
         }
         let casters: Vec<_> = geometry.iter().map(|g| g.casters()).collect();
         let everything: Vec<_> = geometry.iter().map(|g| g.everything()).collect();
         let (size, receivers) = (view.camera.size, textures.gbuffer());
-        let frame = Frame { size, casters: &casters, everything: &everything, receivers };
-        self.renderer.prepare(&self.device, &self.queue, recipe, &frame)?;
-        Ok(geometry.filter(|_| view.receivers.is_none()).map(|g| g.triangles))
+        let frame = Frame {
+            size,
+            casters: &casters,
+            everything: &everything,
+            receivers,
+        };
+        self.renderer
+            .prepare(&self.device, &self.queue, recipe, &frame)?;
+        Ok(geometry
+            .filter(|_| view.receivers.is_none())
+            .map(|g| g.triangles))
     }
 
     /// An encoder, with the passes that find receivers if they are to be found.
     fn begin(&self, found: Option<u32>) -> CommandEncoder {
-        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut encoder = self
+            .device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         if let (Some(triangles), Some(textures)) = (found, &self.receivers) {
             let queries = self.clock.as_ref().map(|c| &c.queries);
-            self.finder.encode(&mut encoder, textures, triangles, queries);
+            self.finder
+                .encode(&mut encoder, textures, triangles, queries);
         }
         encoder
     }
 
     /// The recipe's images, or floats in their place, as copies of memory can read them.
     fn readable_images(&mut self, encoder: &mut CommandEncoder) -> Vec<GpuImage> {
-        self.converter.read(&mut maker!(self), encoder, self.renderer.gpu_images())
+        self.converter
+            .read(&mut maker!(self), encoder, self.renderer.gpu_images())
     }
 
     /// Submits, waits, and reads back.
@@ -201,11 +235,22 @@ impl Gpu {
         found: bool,
     ) -> Result<Shadows, BackendError> {
         let played = Played::new(recipe, found);
-        let kept = if recipe.keep_images { self.readable_images(&mut encoder) } else { Vec::new() };
+        let kept = if recipe.keep_images {
+            self.readable_images(&mut encoder)
+        } else {
+            Vec::new()
+        };
         let mut back = ReadBack::new(&self.device, &mut self.counters, &mut self.spare);
         let tickets = Tickets::record(&mut encoder, &mut back, &self.renderer, &kept);
-        let receivers = self.receivers.as_ref().filter(|_| found).map(|t| t.record(&mut encoder, &mut back));
-        let clock = self.clock.as_ref().map(|c| (c, c.read(&mut encoder, played, &mut back)));
+        let receivers = self
+            .receivers
+            .as_ref()
+            .filter(|_| found)
+            .map(|t| t.record(&mut encoder, &mut back));
+        let clock = self
+            .clock
+            .as_ref()
+            .map(|c| (c, c.read(&mut encoder, played, &mut back)));
         self.queue.submit([encoder.finish()]);
         back.wait()?;
         let pixels = u64::from(view.camera.size.x) * u64::from(view.camera.size.y);
@@ -215,14 +260,21 @@ impl Gpu {
             picture: tickets.picture(&back)?,
             images: tickets.images(&back, recipe)?,
             receivers: receivers.map(|t| t.read(&back, view)).transpose()?,
-            timings: clock.map(|(c, t)| c.timings(played, &back, t)).transpose()?.unwrap_or_default(),
+            timings: clock
+                .map(|(c, t)| c.timings(played, &back, t))
+                .transpose()?
+                .unwrap_or_default(),
             bytes: recipe.image_bytes() + recipe.table_bytes() + pixels * bytes_a_pixel(recipe),
         })
     }
 }
 
 /// How an adapter rounds vertices: probed once a process.
-fn snapping_of(info: &AdapterInfo, device: &Device, queue: &Queue) -> Result<Snapping, BackendError> {
+fn snapping_of(
+    info: &AdapterInfo,
+    device: &Device,
+    queue: &Queue,
+) -> Result<Snapping, BackendError> {
     static KNOWN: Mutex<Vec<(AdapterInfo, Snapping)>> = Mutex::new(Vec::new());
     // Held while it is probed, so that others wait rather than probe, too.
     let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
@@ -259,11 +311,19 @@ fn check(view: &View<'_>, recipe: &Recipe) -> Result<(), BackendError> {
     view.camera.validate()?;
     if let Some(r) = view.receivers.filter(|r| r.size != view.camera.size) {
         let why = format!("are an image of {} x {} pixels", r.size.x, r.size.y);
-        let mend = format!("make them for this camera, {} x {}", view.camera.size.x, view.camera.size.y);
+        let mend = format!(
+            "make them for this camera, {} x {}",
+            view.camera.size.x, view.camera.size.y
+        );
         return Err(Invalid::new("receivers", why, mend).into());
     }
     view.receivers.map_or(Ok(()), Receivers::validate)?;
-    if view.geometry.is_none() && recipe.casts.iter().any(|c| !matches!(c.source, Source::Faces(_))) {
+    if view.geometry.is_none()
+        && recipe
+            .casts
+            .iter()
+            .any(|c| !matches!(c.source, Source::Faces(_)))
+    {
         let mend = "give the view its geometry, or draw yours with `ShadowRenderer`";
         return Err(Invalid::new("view", "has no geometry, but the recipe casts", mend).into());
     }
@@ -276,5 +336,10 @@ fn bytes_a_pixel(recipe: &Recipe) -> u64 {
 }
 
 fn blind() -> BackendError {
-    Invalid::new("view", "has neither geometry nor receivers", "give it one of them").into()
+    Invalid::new(
+        "view",
+        "has neither geometry nor receivers",
+        "give it one of them",
+    )
+    .into()
 }

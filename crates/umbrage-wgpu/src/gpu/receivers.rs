@@ -15,10 +15,11 @@ use encase::{ShaderType, UniformBuffer};
 use glam::{Mat4, UVec2};
 use umbrage_core::{Camera, CameraRays, Format, MATH, Receivers, join, resolve::RESOLVE};
 use wgpu::{
-    BindGroupLayout, Buffer, BufferUsages, Color, CommandEncoder, Device, FragmentState, MultisampleState,
-    PipelineCompilationOptions, QuerySet, Queue, RenderPassDescriptor, RenderPassTimestampWrites, RenderPipeline,
-    RenderPipelineDescriptor, ShaderStages, TexelCopyBufferLayout, Texture, TextureDescriptor, TextureDimension,
-    TextureFormat, TextureUsages, TextureView, VertexState,
+    BindGroupLayout, Buffer, BufferUsages, Color, CommandEncoder, Device, FragmentState,
+    MultisampleState, PipelineCompilationOptions, QuerySet, Queue, RenderPassDescriptor,
+    RenderPassTimestampWrites, RenderPipeline, RenderPipelineDescriptor, ShaderStages,
+    TexelCopyBufferLayout, Texture, TextureDescriptor, TextureDimension, TextureFormat,
+    TextureUsages, TextureView, VertexState,
 };
 
 /// Twin of `Seen` in visibility.wgsl.
@@ -67,13 +68,21 @@ impl ReceiverTextures {
     }
 
     /// Textures of this size: those held, if they fit.
-    pub(crate) fn fit<'a>(held: &'a mut Option<Self>, maker: &mut Maker<'_>, size: UVec2) -> &'a Self {
+    pub(crate) fn fit<'a>(
+        held: &'a mut Option<Self>,
+        maker: &mut Maker<'_>,
+        size: UVec2,
+    ) -> &'a Self {
         let fitting = held.take().filter(|t| t.size == size);
         held.insert(fitting.unwrap_or_else(|| Self::new(maker, size)))
     }
 
     pub(crate) fn gbuffer(&self) -> GBuffer<'_> {
-        GBuffer { position: &self.position.1, normal: &self.normal.1, triangle: Some(&self.triangle.1) }
+        GBuffer {
+            position: &self.position.1,
+            normal: &self.normal.1,
+            triangle: Some(&self.triangle.1),
+        }
     }
 
     /// Bytes a pixel, the depth among them.
@@ -85,9 +94,17 @@ impl ReceiverTextures {
         };
         let positions = four(&r.x, &r.y, &r.z, &|i| f32::from(u8::from(r.receives[i])));
         let normals = four(&r.nx, &r.ny, &r.nz, &|_| 0.0);
-        write(maker.queue, &self.position.0, bytemuck::cast_slice(&positions));
+        write(
+            maker.queue,
+            &self.position.0,
+            bytemuck::cast_slice(&positions),
+        );
         write(maker.queue, &self.normal.0, bytemuck::cast_slice(&normals));
-        write(maker.queue, &self.triangle.0, bytemuck::cast_slice(&r.triangle));
+        write(
+            maker.queue,
+            &self.triangle.0,
+            bytemuck::cast_slice(&r.triangle),
+        );
     }
 }
 
@@ -120,8 +137,16 @@ impl Finder {
         let stage = ShaderStages::VERTEX;
         let ids_layout = layouts.get(maker, stage, &[Slot::Uniform, Slot::Table, Slot::Table]);
         let stage = ShaderStages::FRAGMENT;
-        let points_layout =
-            layouts.get(maker, stage, &[Slot::Uniform, Slot::Table, Slot::Table, Slot::Whole { layered: false }]);
+        let points_layout = layouts.get(
+            maker,
+            stage,
+            &[
+                Slot::Uniform,
+                Slot::Table,
+                Slot::Table,
+                Slot::Whole { layered: false },
+            ],
+        );
         let common = join(&[MATH, RESOLVE]) + include_str!("visibility.wgsl");
         let text = common.clone() + include_str!("resolve.wgsl") + FULLSCREEN;
         Self {
@@ -152,11 +177,24 @@ impl Finder {
         // Writing to a growing vector cannot fail.
         bytes.write(&seen).unwrap_or_default();
         let usage = BufferUsages::UNIFORM;
-        let uniforms = maker.write(&mut self.uniforms, "umbrage camera", usage, &bytes.into_inner());
-        let mut bound = [uniforms, geometry.positions.clone(), geometry.indices.clone()].map(Bound::Buffer).to_vec();
-        self.ids_binding.set(maker, "umbrage visibility", &self.ids_layout, bound.clone());
+        let uniforms = maker.write(
+            &mut self.uniforms,
+            "umbrage camera",
+            usage,
+            &bytes.into_inner(),
+        );
+        let mut bound = [
+            uniforms,
+            geometry.positions.clone(),
+            geometry.indices.clone(),
+        ]
+        .map(Bound::Buffer)
+        .to_vec();
+        self.ids_binding
+            .set(maker, "umbrage visibility", &self.ids_layout, bound.clone());
         bound.push(Bound::View(textures.triangle.1.clone()));
-        self.points_binding.set(maker, "umbrage resolve", &self.points_layout, bound);
+        self.points_binding
+            .set(maker, "umbrage resolve", &self.points_layout, bound);
     }
 
     /// Records both passes; `queries` get timestamps 0 and 1.
@@ -167,7 +205,10 @@ impl Finder {
         triangles: u32,
         queries: Option<&QuerySet>,
     ) {
-        let none = Color { r: f64::from(u32::MAX), ..Color::TRANSPARENT };
+        let none = Color {
+            r: f64::from(u32::MAX),
+            ..Color::TRANSPARENT
+        };
         let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
             label: Some("umbrage visibility"),
             color_attachments: &[Some(color_attachment(&textures.triangle.1, none))],
@@ -194,8 +235,16 @@ impl Finder {
     }
 }
 
-fn stamp(query_set: &QuerySet, begin: Option<u32>, end: Option<u32>) -> RenderPassTimestampWrites<'_> {
-    RenderPassTimestampWrites { query_set, beginning_of_pass_write_index: begin, end_of_pass_write_index: end }
+fn stamp(
+    query_set: &QuerySet,
+    begin: Option<u32>,
+    end: Option<u32>,
+) -> RenderPassTimestampWrites<'_> {
+    RenderPassTimestampWrites {
+        query_set,
+        beginning_of_pass_write_index: begin,
+        end_of_pass_write_index: end,
+    }
 }
 
 fn ids_pipeline(device: &Device, text: &str, layout: &BindGroupLayout) -> RenderPipeline {
@@ -204,7 +253,12 @@ fn ids_pipeline(device: &Device, text: &str, layout: &BindGroupLayout) -> Render
     device.create_render_pipeline(&RenderPipelineDescriptor {
         label: Some("umbrage visibility"),
         layout: Some(&pipeline_layout(device, &[Some(layout)])),
-        vertex: VertexState { module, entry_point: Some("show"), compilation_options: options(), buffers: &[] },
+        vertex: VertexState {
+            module,
+            entry_point: Some("show"),
+            compilation_options: options(),
+            buffers: &[],
+        },
         primitive: DepthState::NEAREST.primitive(),
         depth_stencil: Some(DepthState::NEAREST.depth_stencil()),
         multisample: MultisampleState::default(),
@@ -222,5 +276,12 @@ fn ids_pipeline(device: &Device, text: &str, layout: &BindGroupLayout) -> Render
 fn points_pipeline(device: &Device, text: &str, layout: &BindGroupLayout) -> RenderPipeline {
     let entries = ["umbrage_fullscreen", "resolve_pixel"];
     let targets = Targets::Colors(&[TextureFormat::Rgba32Float; 2]);
-    fullscreen_pipeline(device, "umbrage resolve", text, entries, &targets, &[Some(layout)])
+    fullscreen_pipeline(
+        device,
+        "umbrage resolve",
+        text,
+        entries,
+        &targets,
+        &[Some(layout)],
+    )
 }

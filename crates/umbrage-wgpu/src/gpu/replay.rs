@@ -21,7 +21,10 @@ impl Gpu {
         images: &[Image],
     ) -> Result<Vec<f32>, BackendError> {
         check(view, recipe)?;
-        let recipe = Recipe { filters: Vec::new(), ..still(recipe, images)? };
+        let recipe = Recipe {
+            filters: Vec::new(),
+            ..still(recipe, images)?
+        };
         self.guarded(|gpu| {
             let found = gpu.prepare(view, &recipe)?;
             let mut encoder = gpu.begin(found);
@@ -39,14 +42,22 @@ impl Gpu {
     ///
     /// # Errors
     /// As [`replay_receive`](Self::replay_receive); and if there is no such filter.
-    pub fn replay_filter(&mut self, recipe: &Recipe, filter: usize, images: &[Image]) -> Result<Image, BackendError> {
+    pub fn replay_filter(
+        &mut self,
+        recipe: &Recipe,
+        filter: usize,
+        images: &[Image],
+    ) -> Result<Image, BackendError> {
         let recipe = still(recipe, images)?;
         let Some(filter) = recipe.filters.get(filter).cloned() else {
             let why = format!("has {} filters", recipe.filters.len());
             return Err(Invalid::new("recipe", why, "replay one of them").into());
         };
         let output = filter.output;
-        let recipe = Recipe { filters: vec![filter], ..recipe };
+        let recipe = Recipe {
+            filters: vec![filter],
+            ..recipe
+        };
         self.guarded(|gpu| {
             gpu.prepare_blind(&recipe)?;
             let mut encoder = gpu.begin(None);
@@ -65,22 +76,39 @@ impl Gpu {
     fn prepare_blind(&mut self, recipe: &Recipe) -> Result<(), BackendError> {
         let mut maker = maker!(self);
         let textures = ReceiverTextures::fit(&mut self.receivers, &mut maker, UVec2::ONE);
-        let frame = Frame { size: UVec2::ONE, casters: &[], everything: &[], receivers: textures.gbuffer() };
-        self.renderer.prepare(&self.device, &self.queue, recipe, &frame)
+        let frame = Frame {
+            size: UVec2::ONE,
+            casters: &[],
+            everything: &[],
+            receivers: textures.gbuffer(),
+        };
+        self.renderer
+            .prepare(&self.device, &self.queue, recipe, &frame)
     }
 
     fn write_images(&mut self, encoder: &mut CommandEncoder, images: &[Image]) {
-        self.converter.write(&mut maker!(self), encoder, self.renderer.gpu_images(), images);
+        self.converter.write(
+            &mut maker!(self),
+            encoder,
+            self.renderer.gpu_images(),
+            images,
+        );
     }
 }
 
 /// The recipe without casts and colours.
 fn still(recipe: &Recipe, images: &[Image]) -> Result<Recipe, BackendError> {
-    let same = |desc: &ImageDesc, i: &Image| *desc == i.desc && i.texels.len() as u64 == desc.floats();
-    let fits = recipe.images.len() == images.len() && recipe.images.iter().zip(images).all(|(d, i)| same(d, i));
+    let same =
+        |desc: &ImageDesc, i: &Image| *desc == i.desc && i.texels.len() as u64 == desc.floats();
+    let fits = recipe.images.len() == images.len()
+        && recipe.images.iter().zip(images).all(|(d, i)| same(d, i));
     if !fits {
         let mend = "hand in those of `Shadows::images`, rendered with `keep_images`";
         return Err(Invalid::new("images to replay", "differ from the recipe's", mend).into());
     }
-    Ok(Recipe { casts: Vec::new(), shade: None, ..recipe.clone() })
+    Ok(Recipe {
+        casts: Vec::new(),
+        shade: None,
+        ..recipe.clone()
+    })
 }

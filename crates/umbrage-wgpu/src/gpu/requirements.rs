@@ -25,7 +25,12 @@ pub fn check_adapter(adapter: &Adapter, recipe: &Recipe) -> Result<(), BackendEr
     let clamps = recipe.casts.iter().any(|c| c.bias.clamp != 0.0);
     if clamps && !flags.contains(DownlevelFlags::DEPTH_BIAS_CLAMP) {
         let mend = "set the clamp to 0, or choose another adapter or backend";
-        return Err(Invalid::new("polygon offset", "has a clamp, which this adapter can't do", mend).into());
+        return Err(Invalid::new(
+            "polygon offset",
+            "has a clamp, which this adapter can't do",
+            mend,
+        )
+        .into());
     }
     if recipe.receive.kernel.compares() && !flags.contains(DownlevelFlags::COMPARISON_SAMPLERS) {
         return Err(missing(adapter, "has no comparison samplers"));
@@ -35,13 +40,24 @@ pub fn check_adapter(adapter: &Adapter, recipe: &Recipe) -> Result<(), BackendEr
 
 /// What finding receivers needs.
 pub(crate) fn check_player(adapter: &Adapter) -> Result<(), BackendError> {
-    [TextureFormat::R32Float, TextureFormat::Rgba32Float, TextureFormat::R32Uint]
-        .into_iter()
-        .try_for_each(|format| check_drawable(adapter, format))?;
-    if adapter.get_downlevel_capabilities().flags.contains(DownlevelFlags::VERTEX_STORAGE) {
+    [
+        TextureFormat::R32Float,
+        TextureFormat::Rgba32Float,
+        TextureFormat::R32Uint,
+    ]
+    .into_iter()
+    .try_for_each(|format| check_drawable(adapter, format))?;
+    if adapter
+        .get_downlevel_capabilities()
+        .flags
+        .contains(DownlevelFlags::VERTEX_STORAGE)
+    {
         return Ok(());
     }
-    Err(missing(adapter, "cannot read storage buffers in vertex shaders"))
+    Err(missing(
+        adapter,
+        "cannot read storage buffers in vertex shaders",
+    ))
 }
 
 fn check_drawable(adapter: &Adapter, format: TextureFormat) -> Result<(), BackendError> {
@@ -49,7 +65,10 @@ fn check_drawable(adapter: &Adapter, format: TextureFormat) -> Result<(), Backen
     if usages.contains(TextureUsages::RENDER_ATTACHMENT) {
         return Ok(());
     }
-    Err(missing(adapter, &format!("cannot draw into {format:?} images")))
+    Err(missing(
+        adapter,
+        &format!("cannot draw into {format:?} images"),
+    ))
 }
 
 fn missing(adapter: &Adapter, why: &str) -> BackendError {

@@ -9,7 +9,10 @@ use crate::{
     images::GpuImage,
 };
 use glam::Vec3;
-use umbrage_core::{BackendError, Format, Image, NO_TRIANGLE, Receivers, Recipe, View, math::dot3, resolve::at_pixel};
+use umbrage_core::{
+    BackendError, Format, Image, NO_TRIANGLE, Receivers, Recipe, View, math::dot3,
+    resolve::at_pixel,
+};
 use wgpu::CommandEncoder;
 
 /// Copies of the mask, of the picture and of kept images.
@@ -40,13 +43,27 @@ impl Tickets {
         self.mask.map_or_else(|| Ok(Vec::new()), |t| back.read(t))
     }
 
-    pub(crate) fn picture(&self, back: &ReadBack<'_>) -> Result<Option<Vec<[f32; 4]>>, BackendError> {
+    pub(crate) fn picture(
+        &self,
+        back: &ReadBack<'_>,
+    ) -> Result<Option<Vec<[f32; 4]>>, BackendError> {
         self.picture.map(|t| back.read(t)).transpose()
     }
 
-    pub(crate) fn images(&self, back: &ReadBack<'_>, recipe: &Recipe) -> Result<Vec<Image>, BackendError> {
+    pub(crate) fn images(
+        &self,
+        back: &ReadBack<'_>,
+        recipe: &Recipe,
+    ) -> Result<Vec<Image>, BackendError> {
         let pairs = self.images.iter().zip(&recipe.images);
-        pairs.map(|(&t, &desc)| Ok(Image { desc, texels: texels(desc.format, back, t)? })).collect()
+        pairs
+            .map(|(&t, &desc)| {
+                Ok(Image {
+                    desc,
+                    texels: texels(desc.format, back, t)?,
+                })
+            })
+            .collect()
     }
 }
 
@@ -54,7 +71,11 @@ fn texels(format: Format, back: &ReadBack<'_>, ticket: Ticket) -> Result<Vec<f32
     if format != Format::Stencil8 {
         return back.read(ticket);
     }
-    Ok(back.read::<u8>(ticket)?.into_iter().map(f32::from).collect())
+    Ok(back
+        .read::<u8>(ticket)?
+        .into_iter()
+        .map(f32::from)
+        .collect())
 }
 
 /// Copies of receivers.
@@ -67,7 +88,11 @@ pub(crate) struct ReceiverTickets {
 }
 
 impl ReceiverTextures {
-    pub(crate) fn record(&self, encoder: &mut CommandEncoder, back: &mut ReadBack<'_>) -> ReceiverTickets {
+    pub(crate) fn record(
+        &self,
+        encoder: &mut CommandEncoder,
+        back: &mut ReadBack<'_>,
+    ) -> ReceiverTickets {
         let mut copy = |texture| back.texture(encoder, texture);
         ReceiverTickets {
             position: copy(&self.position.0),
@@ -79,7 +104,11 @@ impl ReceiverTextures {
 }
 
 impl ReceiverTickets {
-    pub(crate) fn read(&self, back: &ReadBack<'_>, view: &View<'_>) -> Result<Receivers, BackendError> {
+    pub(crate) fn read(
+        &self,
+        back: &ReadBack<'_>,
+        view: &View<'_>,
+    ) -> Result<Receivers, BackendError> {
         let positions: Vec<[f32; 4]> = back.read(self.position)?;
         let normals: Vec<[f32; 4]> = back.read(self.normal)?;
         let triangles: Vec<u32> = back.read(self.triangle)?;

@@ -7,8 +7,12 @@ use crate::{
 };
 use glam::{UVec2, Vec2, Vec4};
 use std::sync::Arc;
-use umbrage_core::{Format, Image, ImageDesc, Inputs, NO_TRIANGLE, Receive, ReceiveKernel, Receivers, Recipe, Span};
-use umbrage_wgpu::{Frame, GBuffer, Gpu, Options, ShadowRenderer, receive_wgsl, wgpu::TextureFormat};
+use umbrage_core::{
+    Format, Image, ImageDesc, Inputs, NO_TRIANGLE, Receive, ReceiveKernel, Receivers, Recipe, Span,
+};
+use umbrage_wgpu::{
+    Frame, GBuffer, Gpu, Options, ShadowRenderer, receive_wgsl, wgpu::TextureFormat,
+};
 
 kernel!(
     Sampled,
@@ -54,38 +58,72 @@ fn noise(i: usize) -> f32 {
 }
 
 fn map(layers: u32, format: Format) -> Image {
-    let desc = ImageDesc { label: "noise", size: UVec2::new(9, 7), layers, format };
+    let desc = ImageDesc {
+        label: "noise",
+        size: UVec2::new(9, 7),
+        layers,
+        format,
+    };
     let texels = (0..desc.floats() as usize).map(noise);
     // In 16 bits, only whole steps are held.
-    let step = |z: f32| if format == Format::Depth16 { (z * 65_535.0).round() / 65_535.0 } else { z };
-    Image { desc, texels: texels.map(step).collect() }
+    let step = |z: f32| {
+        if format == Format::Depth16 {
+            (z * 65_535.0).round() / 65_535.0
+        } else {
+            z
+        }
+    };
+    Image {
+        desc,
+        texels: texels.map(step).collect(),
+    }
 }
 
 /// Where to look: (u, v) from -.1 to 1.1, so that the border is met, and the depth to compare with.
 fn questions() -> Receivers {
     let mut r = Receivers::empty(UVec2::new(64, 32));
     for i in 0..r.len() {
-        (r.x[i], r.y[i], r.z[i]) = (noise(3 * i) * 1.2 - 0.1, noise(3 * i + 1) * 1.2 - 0.1, noise(3 * i + 2));
+        (r.x[i], r.y[i], r.z[i]) = (
+            noise(3 * i) * 1.2 - 0.1,
+            noise(3 * i + 1) * 1.2 - 0.1,
+            noise(3 * i + 2),
+        );
         (r.triangle[i], r.receives[i]) = (0, true);
     }
     r
 }
 
 fn recipe(map: &Image, kernel: Arc<dyn ReceiveKernel>) -> Recipe {
-    let receive = Receive { kernel, inputs: vec![0], tables: vec![] };
-    Recipe { images: vec![map.desc], casts: vec![], receive, ..Stage::new().recipe(8) }
+    let receive = Receive {
+        kernel,
+        inputs: vec![0],
+        tables: vec![],
+    };
+    Recipe {
+        images: vec![map.desc],
+        casts: vec![],
+        receive,
+        ..Stage::new().recipe(8)
+    }
 }
 
 fn numbers(layer: u32) -> Numbers {
     Stage::new().numbers(Vec4::splat(layer as f32))
 }
 
-fn ask(gpu: &mut Gpu, map: &Image, questions: &Receivers, kernel: Arc<dyn ReceiveKernel>) -> Vec<f32> {
+fn ask(
+    gpu: &mut Gpu,
+    map: &Image,
+    questions: &Receivers,
+    kernel: Arc<dyn ReceiveKernel>,
+) -> Vec<f32> {
     let stage = Stage::new();
     let mut camera = stage.camera;
     camera.size = questions.size;
-    let view = umbrage_core::View::new(&camera, &stage.light, &stage.geometry).with_receivers(questions);
-    gpu.replay_receive(&view, &recipe(map, kernel), std::slice::from_ref(map)).unwrap_or_else(|e| panic!("{e}"))
+    let view =
+        umbrage_core::View::new(&camera, &stage.light, &stage.geometry).with_receivers(questions);
+    gpu.replay_receive(&view, &recipe(map, kernel), std::slice::from_ref(map))
+        .unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// Of the four texels around a place, in the order of gathering, whether `depth` is at most what each holds; and the
@@ -95,7 +133,15 @@ fn around(map: &Image, layer: u32, uv: Vec2, depth: f32) -> ([f32; 4], Vec2) {
     let c = ((uv * size).min(size) - 0.5).max(Vec2::ZERO);
     let (lo, hi) = (c.floor().as_ivec2(), (c.floor().as_ivec2() + 1).min(last));
     let lit = |x, y| f32::from(u8::from(depth <= map.view().load(x, y, layer)));
-    ([lit(lo.x, hi.y), lit(hi.x, hi.y), lit(hi.x, lo.y), lit(lo.x, lo.y)], c - c.floor())
+    (
+        [
+            lit(lo.x, hi.y),
+            lit(hi.x, hi.y),
+            lit(hi.x, lo.y),
+            lit(lo.x, lo.y),
+        ],
+        c - c.floor(),
+    )
 }
 
 /// The rule measured of lavapipe; others weigh with at least 8 bits.
@@ -108,7 +154,11 @@ fn blend([low_left, low_right, high_right, high_left]: [f32; 4], at: Vec2) -> f3
 #[test]
 fn comparisons_blend_four_texels() {
     let (gpu, questions) = (&mut gpu(), questions());
-    let tolerance = if gpu.is_pinned_lavapipe() { 0.0 } else { 2.0 / 256.0 };
+    let tolerance = if gpu.is_pinned_lavapipe() {
+        0.0
+    } else {
+        2.0 / 256.0
+    };
     for (layers, layer) in [(1, 0), (3, 0), (3, 2)] {
         for format in [Format::Depth32, Format::Depth16] {
             let map = map(layers, format);
@@ -118,12 +168,21 @@ fn comparisons_blend_four_texels() {
                 let (lit, at) = around(&map, layer, p.truncate(), p.z);
                 blend(lit, at)
             };
-            let wrong =
-                |layer| (0..answers.len()).filter(|&i| (answers[i] - expected(i, layer)).abs() > tolerance).count();
+            let wrong = |layer| {
+                (0..answers.len())
+                    .filter(|&i| (answers[i] - expected(i, layer)).abs() > tolerance)
+                    .count()
+            };
             assert_eq!(wrong(layer), 0, "{format:?}, layer {layer} of {layers}");
             let between = answers.iter().filter(|&&v| v > 0.1 && v < 0.9).count();
-            assert!(between > answers.len() / 4, "{between} answers are between dark and lit");
-            assert!(layers == 1 || wrong(1) > answers.len() / 4, "another layer must show");
+            assert!(
+                between > answers.len() / 4,
+                "{between} answers are between dark and lit"
+            );
+            assert!(
+                layers == 1 || wrong(1) > answers.len() / 4,
+                "another layer must show"
+            );
         }
     }
 }
@@ -141,8 +200,15 @@ fn gathered_comparisons_come_in_wgsl_order() {
             let clear = [at.x, at.y].iter().all(|&s| s > 1e-3 && s < 1.0 - 1e-3);
             clear.then_some(a + 10.0 * b + 100.0 * c + 1000.0 * d)
         };
-        let clear: Vec<_> = (0..answers.len()).filter_map(|i| Some((answers[i], expected(i)?))).collect();
-        assert!(clear.len() > answers.len() / 2, "{} of {} places are clear", clear.len(), answers.len());
+        let clear: Vec<_> = (0..answers.len())
+            .filter_map(|i| Some((answers[i], expected(i)?)))
+            .collect();
+        assert!(
+            clear.len() > answers.len() / 2,
+            "{} of {} places are clear",
+            clear.len(),
+            answers.len()
+        );
         assert!(clear.iter().all(|(have, wanted)| have == wanted));
     }
 }
@@ -168,18 +234,43 @@ fn pasted_text_compares_on_a_foreign_device() {
     let recipe = stage.recipe_with(64, Arc::new(Sampled(numbers(0))));
     let q = questions();
     let flat: Vec<Vec4> = (0..q.len()).map(|i| q.position(i).extend(1.0)).collect();
-    let texture = foreign.texture(TextureFormat::Rgba32Float, q.size, bytemuck::cast_slice(&flat));
-    let receivers = GBuffer { position: &texture, normal: &texture, triangle: None };
-    let mut renderer = ShadowRenderer::new(&foreign.device, Options { kernel_group: 1 }).expect("there are two groups");
-    let frame = Frame { size: q.size, casters: &[], everything: &[], receivers };
-    renderer.prepare(&foreign.device, &foreign.queue, &recipe, &frame).expect("all is valid");
+    let texture = foreign.texture(
+        TextureFormat::Rgba32Float,
+        q.size,
+        bytemuck::cast_slice(&flat),
+    );
+    let receivers = GBuffer {
+        position: &texture,
+        normal: &texture,
+        triangle: None,
+    };
+    let mut renderer = ShadowRenderer::new(&foreign.device, Options { kernel_group: 1 })
+        .expect("there are two groups");
+    let frame = Frame {
+        size: q.size,
+        casters: &[],
+        everything: &[],
+        receivers,
+    };
+    renderer
+        .prepare(&foreign.device, &foreign.queue, &recipe, &frame)
+        .expect("all is valid");
     let mut encoder = foreign.encoder();
     for target in renderer.cast_targets().expect("it was prepared") {
         foreign.draw_casters(&mut encoder, target, &stage.geometry);
     }
-    let mask = renderer.encode_filters_and_receive(&mut encoder).expect("it was prepared").clone();
+    let mask = renderer
+        .encode_filters_and_receive(&mut encoder)
+        .expect("it was prepared")
+        .clone();
     let kernel = renderer.receive_bind_group().expect("it was prepared");
-    let pasted = foreign.shade(&mut encoder, &receive_wgsl(&recipe, 1), kernel, &texture, q.size);
+    let pasted = foreign.shade(
+        &mut encoder,
+        &receive_wgsl(&recipe, 1),
+        kernel,
+        &texture,
+        q.size,
+    );
     let pasted = read(&foreign, encoder, &pasted);
     let own = read(&foreign, foreign.encoder(), mask.texture());
     assert_eq!(pasted, own);

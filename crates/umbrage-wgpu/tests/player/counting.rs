@@ -6,7 +6,9 @@ use crate::{
 };
 use glam::{UVec2, Vec4};
 use std::sync::Arc;
-use umbrage_core::{Backend, Cast, CastMode, Faces, Filter, Format, ImageDesc, Recipe, Shadows, Source};
+use umbrage_core::{
+    Backend, Cast, CastMode, Faces, Filter, Format, ImageDesc, Recipe, Shadows, Source,
+};
 use umbrage_wgpu::Gpu;
 
 pub(crate) const SIDE: u32 = 40;
@@ -15,28 +17,66 @@ pub(crate) const SIDE: u32 = 40;
 pub(crate) fn column(bottom: f32, top: f32) -> Faces {
     let corner = |i: u32| {
         let pick = |bit: u32, low: f32, high: f32| if i & bit == 0 { low } else { high };
-        Vec4::new(pick(1, -2.0, 2.0), pick(2, bottom, top), pick(4, -2.0, 2.0), 1.0)
+        Vec4::new(
+            pick(1, -2.0, 2.0),
+            pick(2, bottom, top),
+            pick(4, -2.0, 2.0),
+            1.0,
+        )
     };
     // Counter-clockwise seen from outside: -x, +x, -y, +y, -z, +z.
-    let sides = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
-    let halves = sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
-    Faces { vertices: (0..8).map(corner).collect(), triangles: halves.collect() }
+    let sides = [
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+    ];
+    let halves = sides
+        .iter()
+        .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
+    Faces {
+        vertices: (0..8).map(corner).collect(),
+        triangles: halves.collect(),
+    }
 }
 
 pub(crate) fn desc(label: &'static str, format: Format) -> ImageDesc {
-    ImageDesc { label, size: UVec2::splat(SIDE), layers: 1, format }
+    ImageDesc {
+        label,
+        size: UVec2::splat(SIDE),
+        layers: 1,
+        format,
+    }
 }
 
 /// Counts the volumes that what is seen from above lies in, and lets a filter say what it loads.
 pub(crate) fn counting(stage: &Stage, volumes: Vec<Faces>) -> Recipe {
     let mode = CastMode::Count { depth: 0 };
     let source = |faces| Source::Faces(Arc::new(faces));
-    let count = |faces| Cast { mode, source: source(faces), ..Cast::nearest(1, 0, stage.space()) };
+    let count = |faces| Cast {
+        mode,
+        source: source(faces),
+        ..Cast::nearest(1, 0, stage.space())
+    };
     let same = Arc::new(Same(stage.numbers(Vec4::ZERO)));
     Recipe {
-        images: vec![desc("depth", Format::Depth32), desc("counts", Format::Stencil8), desc("loaded", Format::R32)],
-        casts: [Cast::nearest(0, 0, stage.space())].into_iter().chain(volumes.into_iter().map(count)).collect(),
-        filters: vec![Filter { kernel: same, inputs: vec![1], tables: vec![], output: 2 }],
+        images: vec![
+            desc("depth", Format::Depth32),
+            desc("counts", Format::Stencil8),
+            desc("loaded", Format::R32),
+        ],
+        casts: [Cast::nearest(0, 0, stage.space())]
+            .into_iter()
+            .chain(volumes.into_iter().map(count))
+            .collect(),
+        filters: vec![Filter {
+            kernel: same,
+            inputs: vec![1],
+            tables: vec![],
+            output: 2,
+        }],
         ..stage.recipe(SIDE)
     }
 }
@@ -48,10 +88,15 @@ fn counts(shadows: &Shadows) -> [f32; 3] {
     // Texels are .25 m: the plate covers 8 in the middle, columns 16.
     let at = |(x, y): (usize, usize)| texels[y * SIDE as usize + x];
     let places = [(20, 20), (13, 20), (3, 20)];
-    let within = |x: usize, y: usize, half: usize| [x, y].iter().all(|v| (20 - half..20 + half).contains(v));
+    let within =
+        |x: usize, y: usize, half: usize| [x, y].iter().all(|v| (20 - half..20 + half).contains(v));
     for (i, &count) in texels.iter().enumerate() {
         let (x, y) = (i % SIDE as usize, i / SIDE as usize);
-        let place = if within(x, y, 4) { 0 } else { 1 + usize::from(!within(x, y, 8)) };
+        let place = if within(x, y, 4) {
+            0
+        } else {
+            1 + usize::from(!within(x, y, 8))
+        };
         assert_eq!(count, at(places[place]), "texel {x}, {y}");
     }
     places.map(at)
@@ -66,12 +111,30 @@ fn render(gpu: &mut Gpu, volumes: Vec<Faces>) -> [f32; 3] {
 fn counts_tell_which_volumes_a_surface_is_in() {
     let gpu = &mut gpu();
     assert_eq!(render(gpu, vec![]), [0.0; 3]);
-    assert_eq!(render(gpu, vec![column(-0.5, 0.5)]), [0.0, 1.0, 0.0], "around the floor");
-    assert_eq!(render(gpu, vec![column(0.5, 1.5)]), [1.0, 0.0, 0.0], "around the plate");
-    assert_eq!(render(gpu, vec![column(-0.5, 1.5)]), [1.0, 1.0, 0.0], "around both");
+    assert_eq!(
+        render(gpu, vec![column(-0.5, 0.5)]),
+        [0.0, 1.0, 0.0],
+        "around the floor"
+    );
+    assert_eq!(
+        render(gpu, vec![column(0.5, 1.5)]),
+        [1.0, 0.0, 0.0],
+        "around the plate"
+    );
+    assert_eq!(
+        render(gpu, vec![column(-0.5, 1.5)]),
+        [1.0, 1.0, 0.0],
+        "around both"
+    );
     assert_eq!(render(gpu, vec![column(2.0, 3.0)]), [0.0; 3], "above");
     assert_eq!(render(gpu, vec![column(-2.0, -1.0)]), [0.0; 3], "below");
-    assert_eq!(render(gpu, vec![column(-0.5, 0.5), column(-1.0, 1.5), column(0.25, 2.0)]), [2.0, 2.0, 0.0]);
+    assert_eq!(
+        render(
+            gpu,
+            vec![column(-0.5, 0.5), column(-1.0, 1.5), column(0.25, 2.0)]
+        ),
+        [2.0, 2.0, 0.0]
+    );
 }
 
 #[test]
@@ -84,7 +147,10 @@ fn faces_turned_inside_out_count_down() {
 #[test]
 fn counts_wrap_at_256() {
     let one = column(-0.5, 0.5);
-    let many = Faces { triangles: vec![one.triangles.clone(); 300].concat(), ..one };
+    let many = Faces {
+        triangles: vec![one.triangles.clone(); 300].concat(),
+        ..one
+    };
     assert_eq!(render(&mut gpu(), vec![many]), [0.0, 44.0, 0.0]);
 }
 
@@ -108,18 +174,30 @@ fn a_second_frame_starts_from_zero_and_makes_nothing() {
     // Against depth that nothing writes: all is at depth 1, behind everything.
     let mut recipe = counting(&stage, vec![column(-0.5, 0.5)]);
     recipe.casts.remove(0);
-    assert!(stage.render(&mut gpu, &recipe).images[1].texels.iter().all(|&v| v == 0.0));
+    assert!(
+        stage.render(&mut gpu, &recipe).images[1]
+            .texels
+            .iter()
+            .all(|&v| v == 0.0)
+    );
 }
 
 #[test]
 fn casters_can_be_counted_in_layers() {
     let (stage, mut gpu) = (Stage::new(), gpu());
     let mut recipe = counting(&stage, vec![]);
-    (recipe.images[0].layers, recipe.images[1].layers, recipe.images[2].layers) = (2, 2, 2);
+    (
+        recipe.images[0].layers,
+        recipe.images[1].layers,
+        recipe.images[2].layers,
+    ) = (2, 2, 2);
     let mode = CastMode::Count { depth: 0 };
     // Layer 0 has no depth, layer 1 has: there, floor and plate turn their fronts up and are not before themselves.
     recipe.casts[0].layer = 1;
-    recipe.casts.extend((0..2).map(|layer| Cast { mode, ..Cast::nearest(1, layer, stage.space()) }));
+    recipe.casts.extend((0..2).map(|layer| Cast {
+        mode,
+        ..Cast::nearest(1, layer, stage.space())
+    }));
     let images = stage.render(&mut gpu, &recipe).images;
     let (first, second) = images[1].texels.split_at(1600);
     assert!(first.iter().all(|&v| v == 0.0));
@@ -133,8 +211,18 @@ fn two_counts_of_one_depth_are_refused() {
     let (stage, mut gpu) = (Stage::new(), gpu());
     let mut recipe = counting(&stage, vec![column(-0.5, 0.5)]);
     recipe.images.push(desc("more counts", Format::Stencil8));
-    let other = Cast { image: 3, ..recipe.casts[1].clone() };
+    let other = Cast {
+        image: 3,
+        ..recipe.casts[1].clone()
+    };
     recipe.casts.push(other);
-    let error = gpu.render(&stage.view(), &recipe).expect_err("they cannot share");
-    assert!(error.to_string().contains("give each image of counts a depth image of its own"), "{error}");
+    let error = gpu
+        .render(&stage.view(), &recipe)
+        .expect_err("they cannot share");
+    assert!(
+        error
+            .to_string()
+            .contains("give each image of counts a depth image of its own"),
+        "{error}"
+    );
 }

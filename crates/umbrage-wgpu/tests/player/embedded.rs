@@ -50,20 +50,37 @@ impl Embedded {
     pub(crate) fn casters(&self) -> Drawable<'_> {
         Drawable {
             vertices: &self.vertices,
-            layout: VertexLayout { stride: 20, position_offset: 8 },
-            indices: Some(Indices { buffer: &self.indices, format: IndexFormat::Uint16 }),
+            layout: VertexLayout {
+                stride: 20,
+                position_offset: 8,
+            },
+            indices: Some(Indices {
+                buffer: &self.indices,
+                format: IndexFormat::Uint16,
+            }),
             range: 0..12,
-            world_from_local: Some(Affine3A::from_translation(SHIFT) * Affine3A::from_scale(Vec3::splat(1.0 / SCALE))),
+            world_from_local: Some(
+                Affine3A::from_translation(SHIFT) * Affine3A::from_scale(Vec3::splat(1.0 / SCALE)),
+            ),
         }
     }
 
     pub(crate) fn receivers(&self) -> GBuffer<'_> {
         let [position, normal, triangle] = &self.textures;
-        GBuffer { position, normal, triangle: Some(triangle) }
+        GBuffer {
+            position,
+            normal,
+            triangle: Some(triangle),
+        }
     }
 
     pub(crate) fn frame<'a>(&'a self, casters: &'a [Drawable<'a>]) -> Frame<'a> {
-        Frame { size: self.size, casters, everything: &[], receivers: self.receivers() }
+        Frame {
+            size: self.size,
+            casters,
+            everything: &[],
+            receivers: self.receivers(),
+        }
     }
 
     pub(crate) fn size(&self) -> UVec2 {
@@ -71,24 +88,47 @@ impl Embedded {
     }
 
     pub(crate) fn renderer(&self, options: Options) -> ShadowRenderer {
-        ShadowRenderer::new(&self.foreign.device, options).expect("the group is one of the device's")
+        ShadowRenderer::new(&self.foreign.device, options)
+            .expect("the group is one of the device's")
     }
 }
 
 fn buffers(geometry: &Geometry) -> (Vec<[f32; 5]>, Vec<u16>) {
     let local = geometry.positions().iter().map(|&p| (p - SHIFT) * SCALE);
     let vertices = local.map(|p| [7.0, 8.0, p.x, p.y, p.z]).collect();
-    (vertices, geometry.triangles().iter().flatten().map(|&v| v as u16).collect())
+    (
+        vertices,
+        geometry
+            .triangles()
+            .iter()
+            .flatten()
+            .map(|&v| v as u16)
+            .collect(),
+    )
 }
 
 fn textures(foreign: &Foreign, r: &Receivers) -> [TextureView; 3] {
     let flag = |i: usize| f32::from(u8::from(r.receives[i]));
-    let positions: Vec<_> = (0..r.len()).map(|i| r.position(i).extend(flag(i))).collect();
+    let positions: Vec<_> = (0..r.len())
+        .map(|i| r.position(i).extend(flag(i)))
+        .collect();
     let normals: Vec<_> = (0..r.len()).map(|i| r.normal(i).extend(0.0)).collect();
     [
-        foreign.texture(TextureFormat::Rgba32Float, r.size, bytemuck::cast_slice(&positions)),
-        foreign.texture(TextureFormat::Rgba32Float, r.size, bytemuck::cast_slice(&normals)),
-        foreign.texture(TextureFormat::R32Uint, r.size, bytemuck::cast_slice(&r.triangle)),
+        foreign.texture(
+            TextureFormat::Rgba32Float,
+            r.size,
+            bytemuck::cast_slice(&positions),
+        ),
+        foreign.texture(
+            TextureFormat::Rgba32Float,
+            r.size,
+            bytemuck::cast_slice(&normals),
+        ),
+        foreign.texture(
+            TextureFormat::R32Uint,
+            r.size,
+            bytemuck::cast_slice(&r.triangle),
+        ),
     ]
 }
 
@@ -99,10 +139,19 @@ fn a_foreign_device_gives_the_same_mask() {
     for kernel_group in 0..3 {
         let mut renderer = e.renderer(Options { kernel_group });
         let Foreign { device, queue } = &e.foreign;
-        renderer.prepare(device, queue, &e.stage.recipe(64), &e.frame(&casters)).expect("all is valid");
+        renderer
+            .prepare(device, queue, &e.stage.recipe(64), &e.frame(&casters))
+            .expect("all is valid");
         let mut encoder = e.foreign.encoder();
-        let mask = renderer.encode(&mut encoder).expect("it was prepared").clone();
-        assert_eq!(read(&e.foreign, encoder, mask.texture()), e.mask, "group {kernel_group}");
+        let mask = renderer
+            .encode(&mut encoder)
+            .expect("it was prepared")
+            .clone();
+        assert_eq!(
+            read(&e.foreign, encoder, mask.texture()),
+            e.mask,
+            "group {kernel_group}"
+        );
     }
 }
 
@@ -110,12 +159,28 @@ fn a_foreign_device_gives_the_same_mask() {
 fn triangle_ids_may_be_missing() {
     let e = Embedded::new();
     let casters = [e.casters()];
-    let receivers = GBuffer { triangle: None, ..e.receivers() };
+    let receivers = GBuffer {
+        triangle: None,
+        ..e.receivers()
+    };
     let mut renderer = e.renderer(Options::default());
-    let frame = Frame { receivers, ..e.frame(&casters) };
-    renderer.prepare(&e.foreign.device, &e.foreign.queue, &e.stage.recipe(64), &frame).expect("all is valid");
+    let frame = Frame {
+        receivers,
+        ..e.frame(&casters)
+    };
+    renderer
+        .prepare(
+            &e.foreign.device,
+            &e.foreign.queue,
+            &e.stage.recipe(64),
+            &frame,
+        )
+        .expect("all is valid");
     let mut encoder = e.foreign.encoder();
-    let mask = renderer.encode(&mut encoder).expect("it was prepared").clone();
+    let mask = renderer
+        .encode(&mut encoder)
+        .expect("it was prepared")
+        .clone();
     assert_eq!(read(&e.foreign, encoder, mask.texture()), e.mask);
 }
 
@@ -123,17 +188,35 @@ fn triangle_ids_may_be_missing() {
 fn callers_may_draw_the_casts_themselves() {
     let e = Embedded::new();
     let mut renderer = e.renderer(Options::default());
-    renderer.prepare(&e.foreign.device, &e.foreign.queue, &e.stage.recipe(64), &e.frame(&[])).expect("all is valid");
+    renderer
+        .prepare(
+            &e.foreign.device,
+            &e.foreign.queue,
+            &e.stage.recipe(64),
+            &e.frame(&[]),
+        )
+        .expect("all is valid");
     let mut encoder = e.foreign.encoder();
     for target in renderer.cast_targets().expect("it was prepared") {
-        e.foreign.draw_casters(&mut encoder, target, &e.stage.geometry);
+        e.foreign
+            .draw_casters(&mut encoder, target, &e.stage.geometry);
     }
-    let mask = renderer.encode_filters_and_receive(&mut encoder).expect("it was prepared").clone();
+    let mask = renderer
+        .encode_filters_and_receive(&mut encoder)
+        .expect("it was prepared")
+        .clone();
     assert_eq!(read(&e.foreign, encoder, mask.texture()), e.mask);
     // Without the caller's draws nothing casts.
     let mut encoder = e.foreign.encoder();
-    let mask = renderer.encode(&mut encoder).expect("it was prepared").clone();
-    assert!(read(&e.foreign, encoder, mask.texture()).iter().all(|&v| v == 1.0));
+    let mask = renderer
+        .encode(&mut encoder)
+        .expect("it was prepared")
+        .clone();
+    assert!(
+        read(&e.foreign, encoder, mask.texture())
+            .iter()
+            .all(|&v| v == 1.0)
+    );
 }
 
 #[test]
@@ -142,12 +225,29 @@ fn pasted_text_gives_the_same_mask() {
     let casters = [e.casters()];
     let recipe = e.stage.recipe(64);
     let mut renderer = e.renderer(Options { kernel_group: 1 });
-    renderer.prepare(&e.foreign.device, &e.foreign.queue, &recipe, &e.frame(&casters)).expect("all is valid");
+    renderer
+        .prepare(
+            &e.foreign.device,
+            &e.foreign.queue,
+            &recipe,
+            &e.frame(&casters),
+        )
+        .expect("all is valid");
     let mut encoder = e.foreign.encoder();
-    renderer.encode_casts(&mut encoder).expect("it was prepared");
-    renderer.encode_filters(&mut encoder).expect("it was prepared");
+    renderer
+        .encode_casts(&mut encoder)
+        .expect("it was prepared");
+    renderer
+        .encode_filters(&mut encoder)
+        .expect("it was prepared");
     let kernel = renderer.receive_bind_group().expect("it was prepared");
-    let image = e.foreign.shade(&mut encoder, &receive_wgsl(&recipe, 1), kernel, &e.textures[0], e.size);
+    let image = e.foreign.shade(
+        &mut encoder,
+        &receive_wgsl(&recipe, 1),
+        kernel,
+        &e.textures[0],
+        e.size,
+    );
     assert_eq!(read(&e.foreign, encoder, &image), e.mask);
 }
 
@@ -160,9 +260,19 @@ fn a_second_frame_makes_nothing() {
         let mut casters = e.casters();
         casters.world_from_local = Some(Affine3A::from_translation(Vec3::X * step as f32));
         let mut recipe = e.stage.recipe(64);
-        recipe.casts[0].space = recipe.casts[0].space.nudged(glam::Vec2::splat(step as f32), 0.0, UVec2::splat(64));
+        recipe.casts[0].space =
+            recipe.casts[0]
+                .space
+                .nudged(glam::Vec2::splat(step as f32), 0.0, UVec2::splat(64));
         let casters = [casters];
-        renderer.prepare(&e.foreign.device, &e.foreign.queue, &recipe, &e.frame(&casters)).expect("all is valid");
+        renderer
+            .prepare(
+                &e.foreign.device,
+                &e.foreign.queue,
+                &recipe,
+                &e.frame(&casters),
+            )
+            .expect("all is valid");
         counts.push(renderer.counters());
     }
     assert_eq!(counts[0].pipelines, 2, "one cast, one lookup");
@@ -173,19 +283,53 @@ fn a_second_frame_makes_nothing() {
 fn misuse_is_an_error() {
     let e = Embedded::new();
     let Foreign { device, queue } = &e.foreign;
-    let error = ShadowRenderer::new(device, Options { kernel_group: 99 }).expect_err("no device has 100 groups");
-    assert!(error.to_string().contains("bind group of the kernel: is 99"), "{error}");
+    let error = ShadowRenderer::new(device, Options { kernel_group: 99 })
+        .expect_err("no device has 100 groups");
+    assert!(
+        error
+            .to_string()
+            .contains("bind group of the kernel: is 99"),
+        "{error}"
+    );
     let mut renderer = e.renderer(Options::default());
-    let error = renderer.encode(&mut e.foreign.encoder()).expect_err("nothing is prepared");
-    assert!(error.to_string().contains("call `prepare` first"), "{error}");
-    let frame = Frame { size: UVec2::new(8, 8), ..e.frame(&[]) };
-    let error = renderer.prepare(device, queue, &e.stage.recipe(64), &frame).expect_err("8 x 8 is not its size");
+    let error = renderer
+        .encode(&mut e.foreign.encoder())
+        .expect_err("nothing is prepared");
+    assert!(
+        error.to_string().contains("call `prepare` first"),
+        "{error}"
+    );
+    let frame = Frame {
+        size: UVec2::new(8, 8),
+        ..e.frame(&[])
+    };
+    let error = renderer
+        .prepare(device, queue, &e.stage.recipe(64), &frame)
+        .expect_err("8 x 8 is not its size");
     assert!(error.to_string().contains("position texture"), "{error}");
-    let casters = [Drawable { layout: VertexLayout { stride: 2, position_offset: 1 }, ..e.casters() }];
-    let error = renderer.prepare(device, queue, &e.stage.recipe(64), &e.frame(&casters)).expect_err("odd stride");
+    let casters = [Drawable {
+        layout: VertexLayout {
+            stride: 2,
+            position_offset: 1,
+        },
+        ..e.casters()
+    }];
+    let error = renderer
+        .prepare(device, queue, &e.stage.recipe(64), &e.frame(&casters))
+        .expect_err("odd stride");
     assert!(error.to_string().contains("stride"), "{error}");
     assert!(renderer.encode(&mut e.foreign.encoder()).is_err());
-    let casters = [Drawable { range: 0..13, ..e.casters() }];
-    let error = renderer.prepare(device, queue, &e.stage.recipe(64), &e.frame(&casters)).expect_err("there are 12");
-    assert!(error.to_string().contains("caster 0, indices: end at 13, and the buffer holds 12"), "{error}");
+    let casters = [Drawable {
+        range: 0..13,
+        ..e.casters()
+    }];
+    let error = renderer
+        .prepare(device, queue, &e.stage.recipe(64), &e.frame(&casters))
+        .expect_err("there are 12");
+    assert!(
+        error
+            .to_string()
+            .contains("caster 0, indices: end at 13, and the buffer holds 12"),
+        "{error}"
+    );
 }

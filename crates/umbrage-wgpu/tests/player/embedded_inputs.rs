@@ -11,7 +11,12 @@ use umbrage_wgpu::{
 /// The `Invalid` that a frame is refused with; it names what is wrong.
 fn refused(e: &Embedded, frame: &Frame<'_>, words: &str) {
     let mut renderer = e.renderer(Options::default());
-    let prepared = renderer.prepare(&e.foreign.device, &e.foreign.queue, &e.stage.recipe(64), frame);
+    let prepared = renderer.prepare(
+        &e.foreign.device,
+        &e.foreign.queue,
+        &e.stage.recipe(64),
+        frame,
+    );
     let error = prepared.expect_err(words);
     assert!(matches!(error, BackendError::Invalid(_)), "{error:?}");
     assert!(error.to_string().contains(words), "{error}");
@@ -27,16 +32,40 @@ fn buffers_need_their_usages() {
     let e = Embedded::new();
     let bytes = [0; 240];
     let elsewhere = e.foreign.buffer(BufferUsages::COPY_SRC, &bytes);
-    let words = "caster 1, vertex buffer: was made without the usage `BufferUsages::VERTEX`; add it";
-    refused_caster(&e, Drawable { vertices: &elsewhere, ..e.casters() }, words);
-    let indices = Some(Indices { buffer: &elsewhere, ..e.casters().indices.expect("it has some") });
+    let words =
+        "caster 1, vertex buffer: was made without the usage `BufferUsages::VERTEX`; add it";
+    refused_caster(
+        &e,
+        Drawable {
+            vertices: &elsewhere,
+            ..e.casters()
+        },
+        words,
+    );
+    let indices = Some(Indices {
+        buffer: &elsewhere,
+        ..e.casters().indices.expect("it has some")
+    });
     let words = "caster 1, index buffer: was made without the usage `BufferUsages::INDEX`; add it";
-    refused_caster(&e, Drawable { indices, ..e.casters() }, words);
+    refused_caster(
+        &e,
+        Drawable {
+            indices,
+            ..e.casters()
+        },
+        words,
+    );
     let casters = [e.casters()];
-    let everything = [Drawable { vertices: &elsewhere, ..e.casters() }];
+    let everything = [Drawable {
+        vertices: &elsewhere,
+        ..e.casters()
+    }];
     refused(
         &e,
-        &Frame { everything: &everything, ..e.frame(&casters) },
+        &Frame {
+            everything: &everything,
+            ..e.frame(&casters)
+        },
         "everything 0, vertex buffer: was made without",
     );
 }
@@ -45,14 +74,38 @@ fn buffers_need_their_usages() {
 fn vertices_hold_a_position() {
     let e = Embedded::new();
     for stride in [0, 2, 6, 8, 14, 4096] {
-        let layout = VertexLayout { stride, position_offset: 0 };
-        let words = format!("caster 1, vertex layout's stride: is {stride} bytes; use a multiple of 4 from 12 to 2048");
-        refused_caster(&e, Drawable { layout, ..e.casters() }, &words);
+        let layout = VertexLayout {
+            stride,
+            position_offset: 0,
+        };
+        let words = format!(
+            "caster 1, vertex layout's stride: is {stride} bytes; use a multiple of 4 from 12 to 2048"
+        );
+        refused_caster(
+            &e,
+            Drawable {
+                layout,
+                ..e.casters()
+            },
+            &words,
+        );
     }
     for position_offset in [2, 10, 12, 20, u64::MAX] {
-        let layout = VertexLayout { stride: 20, position_offset };
-        let words = format!("caster 1, vertex layout's position offset: is {position_offset} bytes, in vertices of 20");
-        refused_caster(&e, Drawable { layout, ..e.casters() }, &words);
+        let layout = VertexLayout {
+            stride: 20,
+            position_offset,
+        };
+        let words = format!(
+            "caster 1, vertex layout's position offset: is {position_offset} bytes, in vertices of 20"
+        );
+        refused_caster(
+            &e,
+            Drawable {
+                layout,
+                ..e.casters()
+            },
+            &words,
+        );
     }
 }
 
@@ -60,22 +113,52 @@ fn vertices_hold_a_position() {
 #[test]
 fn ranges_end_with_the_last_position() {
     let e = Embedded::new();
-    let layout = VertexLayout { stride: 20, position_offset: 0 };
+    let layout = VertexLayout {
+        stride: 20,
+        position_offset: 0,
+    };
     let vertices = e.foreign.buffer(BufferUsages::VERTEX, &[0; 2 * 20 + 12]);
-    let caster = |range| Drawable { vertices: &vertices, layout, indices: None, range, world_from_local: None };
-    refused_caster(&e, caster(0..4), "caster 1, vertices: end at 4, and the buffer holds 3");
-    let late = VertexLayout { stride: 20, position_offset: 8 };
+    let caster = |range| Drawable {
+        vertices: &vertices,
+        layout,
+        indices: None,
+        range,
+        world_from_local: None,
+    };
     refused_caster(
         &e,
-        Drawable { layout: late, ..caster(0..3) },
+        caster(0..4),
+        "caster 1, vertices: end at 4, and the buffer holds 3",
+    );
+    let late = VertexLayout {
+        stride: 20,
+        position_offset: 8,
+    };
+    refused_caster(
+        &e,
+        Drawable {
+            layout: late,
+            ..caster(0..3)
+        },
         "caster 1, vertices: end at 3, and the buffer holds 2",
     );
     #[expect(clippy::reversed_empty_ranges, reason = "that is what is refused")]
-    refused_caster(&e, caster(3..0), "caster 1, vertices: start at 3 and end at 0");
+    refused_caster(
+        &e,
+        caster(3..0),
+        "caster 1, vertices: start at 3 and end at 0",
+    );
     let casters = [caster(0..3)];
     let mut renderer = e.renderer(Options::default());
     let frame = e.frame(&casters);
-    renderer.prepare(&e.foreign.device, &e.foreign.queue, &e.stage.recipe(64), &frame).expect("all is there");
+    renderer
+        .prepare(
+            &e.foreign.device,
+            &e.foreign.queue,
+            &e.stage.recipe(64),
+            &frame,
+        )
+        .expect("all is there");
     let mut encoder = e.foreign.encoder();
     renderer.encode(&mut encoder).expect("it was prepared");
     e.foreign.queue.submit([encoder.finish()]);
@@ -87,7 +170,14 @@ fn places_are_finite() {
     for bad in [f32::NAN, f32::INFINITY] {
         let world_from_local = Some(Affine3A::from_translation(Vec3::new(0.0, bad, 0.0)));
         let words = format!("caster 1, world from local: holds {bad}");
-        refused_caster(&e, Drawable { world_from_local, ..e.casters() }, &words);
+        refused_caster(
+            &e,
+            Drawable {
+                world_from_local,
+                ..e.casters()
+            },
+            &words,
+        );
     }
 }
 
@@ -96,20 +186,54 @@ fn gbuffers_can_be_read() {
     let e = Embedded::new();
     let pixels = vec![0; 16 * (e.size().x * e.size().y) as usize];
     let texture = |format: TextureFormat, pixels: &[u8]| {
-        e.foreign.texture_for(TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_DST, format, e.size(), pixels)
+        e.foreign.texture_for(
+            TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_DST,
+            format,
+            e.size(),
+            pixels,
+        )
     };
     let floats = texture(TextureFormat::Rgba32Float, &pixels);
     let ids = texture(TextureFormat::R32Uint, &pixels[..pixels.len() / 4]);
-    let frame = |receivers| Frame { receivers, ..e.frame(&[]) };
-    let without =
-        |what: &str| format!("receivers' {what} texture: was made without the usage `TextureUsages::TEXTURE_BINDING`");
-    refused(&e, &frame(GBuffer { position: &floats, ..e.receivers() }), &without("position"));
-    refused(&e, &frame(GBuffer { normal: &floats, ..e.receivers() }), &without("normal"));
-    refused(&e, &frame(GBuffer { triangle: Some(&ids), ..e.receivers() }), &without("triangle"));
+    let frame = |receivers| Frame {
+        receivers,
+        ..e.frame(&[])
+    };
+    let without = |what: &str| {
+        format!(
+            "receivers' {what} texture: was made without the usage `TextureUsages::TEXTURE_BINDING`"
+        )
+    };
+    refused(
+        &e,
+        &frame(GBuffer {
+            position: &floats,
+            ..e.receivers()
+        }),
+        &without("position"),
+    );
+    refused(
+        &e,
+        &frame(GBuffer {
+            normal: &floats,
+            ..e.receivers()
+        }),
+        &without("normal"),
+    );
+    refused(
+        &e,
+        &frame(GBuffer {
+            triangle: Some(&ids),
+            ..e.receivers()
+        }),
+        &without("triangle"),
+    );
 }
 
 fn refused_depth(foreign: &Foreign, source: &DepthBuffer<'_>, words: &str) {
-    let error = GBufferFromDepth::new().prepare(&foreign.device, &foreign.queue, source).expect_err(words);
+    let error = GBufferFromDepth::new()
+        .prepare(&foreign.device, &foreign.queue, source)
+        .expect_err(words);
     assert!(matches!(error, BackendError::Invalid(_)), "{error:?}");
     assert!(error.to_string().contains(words), "{error}");
 }
@@ -120,7 +244,11 @@ fn depth_buffers_can_be_read() {
     let size = stage.camera.size;
     let bytes = vec![0; 4 * (size.x * size.y) as usize];
     let world_from_clip = stage.camera.space().clip_from_world().inverse();
-    let source = |depth| DepthBuffer { depth, world_from_clip, empty: 1.0 };
+    let source = |depth| DepthBuffer {
+        depth,
+        world_from_clip,
+        empty: 1.0,
+    };
     let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_DST;
     let unread = foreign.texture_for(usage, TextureFormat::R32Float, size, &bytes);
     refused_depth(
@@ -129,7 +257,11 @@ fn depth_buffers_can_be_read() {
         "depth buffer: was made without the usage `TextureUsages::TEXTURE_BINDING`",
     );
     let whole = foreign.texture(TextureFormat::R32Uint, size, &bytes);
-    refused_depth(&foreign, &source(&whole), "depth buffer: is R32Uint; hand in one of a depth format");
+    refused_depth(
+        &foreign,
+        &source(&whole),
+        "depth buffer: is R32Uint; hand in one of a depth format",
+    );
     let good = foreign.texture(TextureFormat::R32Float, size, &bytes);
     for bad in [f32::NAN, f32::INFINITY] {
         let mut source = source(&good);
@@ -137,8 +269,15 @@ fn depth_buffers_can_be_read() {
         refused_depth(&foreign, &source, &format!("world from clip: holds {bad}"));
     }
     for empty in [f32::NAN, 0.5, 2.0] {
-        let source = DepthBuffer { empty, ..source(&good) };
-        refused_depth(&foreign, &source, &format!("depth where nothing was drawn: is {empty}"));
+        let source = DepthBuffer {
+            empty,
+            ..source(&good)
+        };
+        refused_depth(
+            &foreign,
+            &source,
+            &format!("depth where nothing was drawn: is {empty}"),
+        );
     }
 }
 
@@ -146,7 +285,11 @@ fn depth_buffers_can_be_read() {
 #[test]
 fn empty_depth_is_not_the_nearest() {
     let (stage, foreign) = (Stage::new(), Foreign::new());
-    let depth: TextureView = foreign.texture(TextureFormat::R32Float, stage.camera.size, &vec![0; 97 * 61 * 4]);
+    let depth: TextureView = foreign.texture(
+        TextureFormat::R32Float,
+        stage.camera.size,
+        &vec![0; 97 * 61 * 4],
+    );
     let usual = stage.camera.space();
     for (reversed, endless) in [(false, false), (true, false), (false, true), (true, true)] {
         let mut rows = usual.clip_from_view.transpose();
@@ -159,8 +302,13 @@ fn empty_depth_is_not_the_nearest() {
         let clip_from_world: Mat4 = rows.transpose() * usual.view_from_world;
         let world_from_clip = clip_from_world.as_dmat4().inverse().as_mat4();
         let [right, wrong] = if reversed { [0.0, 1.0] } else { [1.0, 0.0] };
-        let source = |empty| DepthBuffer { depth: &depth, world_from_clip, empty };
-        let words = format!("is {wrong}, but that is where this camera sees what is nearest; use {right}");
+        let source = |empty| DepthBuffer {
+            depth: &depth,
+            world_from_clip,
+            empty,
+        };
+        let words =
+            format!("is {wrong}, but that is where this camera sees what is nearest; use {right}");
         refused_depth(&foreign, &source(wrong), &words);
         GBufferFromDepth::new()
             .prepare(&foreign.device, &foreign.queue, &source(right))
@@ -172,13 +320,23 @@ fn empty_depth_is_not_the_nearest() {
 #[test]
 fn flat_cameras_take_either_empty_depth() {
     let (stage, foreign) = (Stage::new(), Foreign::new());
-    let depth: TextureView = foreign.texture(TextureFormat::R32Float, stage.camera.size, &vec![0; 97 * 61 * 4]);
+    let depth: TextureView = foreign.texture(
+        TextureFormat::R32Float,
+        stage.camera.size,
+        &vec![0; 97 * 61 * 4],
+    );
     for space in [stage.space(), stage.tilted()] {
         // Inverted in 32 bits, as programs do.
         let world_from_clip = space.clip_from_world().inverse();
         for empty in [0.0, 1.0] {
-            let source = DepthBuffer { depth: &depth, world_from_clip, empty };
-            GBufferFromDepth::new().prepare(&foreign.device, &foreign.queue, &source).expect("the camera is a camera");
+            let source = DepthBuffer {
+                depth: &depth,
+                world_from_clip,
+                empty,
+            };
+            GBufferFromDepth::new()
+                .prepare(&foreign.device, &foreign.queue, &source)
+                .expect("the camera is a camera");
         }
     }
 }

@@ -15,25 +15,50 @@ use umbrage_wgpu::{
 
 /// A map of this side that is drawn from a space and looked up there.
 fn light(e: &Embedded, space: LightSpace, side: u32) -> Recipe {
-    let numbers = Numbers { clip_from_world: space.clip_from_world(), numbers: Vec4::splat(0.0125) };
+    let numbers = Numbers {
+        clip_from_world: space.clip_from_world(),
+        numbers: Vec4::splat(0.0125),
+    };
     let recipe = e.stage.recipe_with(side, Arc::new(Compare(numbers)));
-    Recipe { casts: vec![Cast::nearest(0, 0, space)], ..recipe }
+    Recipe {
+        casts: vec![Cast::nearest(0, 0, space)],
+        ..recipe
+    }
 }
 
 /// From straight above and aslant: same shape, other numbers.
 fn lights(e: &Embedded) -> [Recipe; 2] {
-    [light(e, e.stage.space(), 64), light(e, e.stage.tilted(), 64)]
+    [
+        light(e, e.stage.space(), 64),
+        light(e, e.stage.tilted(), 64),
+    ]
 }
 
 fn prepare(e: &Embedded, renderer: &mut ShadowRenderer, recipe: &Recipe) {
     let casters = [e.casters()];
-    renderer.prepare(&e.foreign.device, &e.foreign.queue, recipe, &e.frame(&casters)).expect("all is valid");
+    renderer
+        .prepare(
+            &e.foreign.device,
+            &e.foreign.queue,
+            recipe,
+            &e.frame(&casters),
+        )
+        .expect("all is valid");
 }
 
 /// Prepares and encodes. Returns the mask.
-fn encode(e: &Embedded, renderer: &mut ShadowRenderer, encoder: &mut CommandEncoder, recipe: &Recipe) -> Texture {
+fn encode(
+    e: &Embedded,
+    renderer: &mut ShadowRenderer,
+    encoder: &mut CommandEncoder,
+    recipe: &Recipe,
+) -> Texture {
     prepare(e, renderer, recipe);
-    renderer.encode(encoder).expect("it was prepared").texture().clone()
+    renderer
+        .encode(encoder)
+        .expect("it was prepared")
+        .texture()
+        .clone()
 }
 
 fn submit(e: &Embedded, encoder: CommandEncoder) {
@@ -57,9 +82,10 @@ fn two_lights_in_one_encoder_get_their_own_shadows() {
     let [above, aslant] = lights(&e);
     let (of_above, of_aslant) = (alone(&e, &above), alone(&e, &aslant));
     assert_ne!(of_above, of_aslant, "lights that shine alike prove nothing");
-    for (first, second, expected) in
-        [(&above, &aslant, [&of_above, &of_aslant]), (&aslant, &above, [&of_aslant, &of_above])]
-    {
+    for (first, second, expected) in [
+        (&above, &aslant, [&of_above, &of_aslant]),
+        (&aslant, &above, [&of_aslant, &of_above]),
+    ] {
         let (mut renderer, mut encoder) = (e.renderer(Options::default()), e.foreign.encoder());
         let masks = [first, second].map(|recipe| encode(&e, &mut renderer, &mut encoder, recipe));
         submit(&e, encoder);
@@ -87,17 +113,28 @@ fn encoders_may_be_submitted_in_any_order() {
 fn forward_shaders_may_read_the_maps_of_both() {
     let e = Embedded::new();
     let recipes = lights(&e);
-    let (mut renderer, mut encoder) = (e.renderer(Options { kernel_group: 1 }), e.foreign.encoder());
+    let (mut renderer, mut encoder) =
+        (e.renderer(Options { kernel_group: 1 }), e.foreign.encoder());
     let groups = recipes.each_ref().map(|recipe| {
         prepare(&e, &mut renderer, recipe);
-        renderer.encode_casts(&mut encoder).expect("it was prepared");
-        renderer.encode_filters(&mut encoder).expect("it was prepared");
+        renderer
+            .encode_casts(&mut encoder)
+            .expect("it was prepared");
+        renderer
+            .encode_filters(&mut encoder)
+            .expect("it was prepared");
         let (group, layout) = renderer.receive_bind_group().expect("it was prepared");
         (group.clone(), layout.clone())
     });
     let images = [0, 1].map(|i| {
         let (text, (group, layout)) = (receive_wgsl(&recipes[i], 1), &groups[i]);
-        e.foreign.shade(&mut encoder, &text, (group, layout), e.receivers().position, e.size())
+        e.foreign.shade(
+            &mut encoder,
+            &text,
+            (group, layout),
+            e.receivers().position,
+            e.size(),
+        )
     });
     submit(&e, encoder);
     for (image, recipe) in images.iter().zip(&recipes) {
@@ -110,8 +147,17 @@ fn forward_shaders_may_read_the_maps_of_both() {
 fn faces_stay_until_they_are_drawn() {
     let e = Embedded::new();
     let part = |triangles: std::ops::Range<usize>| {
-        let vertices = e.stage.geometry.positions().iter().map(|p| p.extend(1.0)).collect();
-        let faces = Faces { vertices, triangles: e.stage.geometry.triangles()[triangles].to_vec() };
+        let vertices = e
+            .stage
+            .geometry
+            .positions()
+            .iter()
+            .map(|p| p.extend(1.0))
+            .collect();
+        let faces = Faces {
+            vertices,
+            triangles: e.stage.geometry.triangles()[triangles].to_vec(),
+        };
         let mut recipe = light(&e, e.stage.space(), 64);
         recipe.casts[0].source = Source::Faces(Arc::new(faces));
         recipe
@@ -128,7 +174,9 @@ fn faces_stay_until_they_are_drawn() {
 /// One frame of two lights, without waiting for the device.
 fn frame(e: &Embedded, renderer: &mut ShadowRenderer, recipes: &[Recipe; 2]) -> [Texture; 2] {
     let mut encoder = e.foreign.encoder();
-    let masks = recipes.each_ref().map(|recipe| encode(e, renderer, &mut encoder, recipe));
+    let masks = recipes
+        .each_ref()
+        .map(|recipe| encode(e, renderer, &mut encoder, recipe));
     submit(e, encoder);
     masks
 }
@@ -137,12 +185,19 @@ fn frame(e: &Embedded, renderer: &mut ShadowRenderer, recipes: &[Recipe; 2]) -> 
 fn later_frames_of_two_lights_make_nothing() {
     let e = Embedded::new();
     // Of two sizes, so that each has to find its own again.
-    let [above, aslant] = [light(&e, e.stage.space(), 64), light(&e, e.stage.tilted(), 32)];
+    let [above, aslant] = [
+        light(&e, e.stage.space(), 64),
+        light(&e, e.stage.tilted(), 32),
+    ];
     let mut renderer = e.renderer(Options::default());
     let both = [above, aslant];
     let first = frame(&e, &mut renderer, &both);
     let made = renderer.counters();
-    assert_eq!((made.pipelines, made.textures), (2, 4), "pipelines are shared, maps and masks are not");
+    assert_eq!(
+        (made.pipelines, made.textures),
+        (2, 4),
+        "pipelines are shared, maps and masks are not"
+    );
     for _ in 0..4 {
         assert_eq!(frame(&e, &mut renderer, &both), first);
         assert_eq!(renderer.counters(), made);
@@ -182,11 +237,20 @@ fn encoders_that_are_dropped_hold_nothing() {
 fn another_device_is_refused() {
     let [foreign, other] = Foreign::two();
     let e = Embedded::on(foreign);
-    let mut renderer = ShadowRenderer::new(&other.device, Options::default()).expect("group 0 is there");
+    let mut renderer =
+        ShadowRenderer::new(&other.device, Options::default()).expect("group 0 is there");
     let casters = [e.casters()];
-    let prepared = renderer.prepare(&e.foreign.device, &e.foreign.queue, &e.stage.recipe(64), &e.frame(&casters));
+    let prepared = renderer.prepare(
+        &e.foreign.device,
+        &e.foreign.queue,
+        &e.stage.recipe(64),
+        &e.frame(&casters),
+    );
     let error = prepared.expect_err("it was made with another's");
-    assert!(error.to_string().contains("device: is not the one"), "{error}");
+    assert!(
+        error.to_string().contains("device: is not the one"),
+        "{error}"
+    );
 }
 
 /// What is recorded twice, a stage at a time or into two encoders, waits for the last submission.
@@ -198,8 +262,14 @@ fn all_encoders_count() {
     let mut renderer = e.renderer(Options::default());
     let mut encoders = [e.foreign.encoder(), e.foreign.encoder()];
     prepare(&e, &mut renderer, &above);
-    renderer.encode_casts(&mut encoders[0]).expect("it was prepared");
-    let mask = renderer.encode_filters_and_receive(&mut encoders[1]).expect("it was prepared").texture().clone();
+    renderer
+        .encode_casts(&mut encoders[0])
+        .expect("it was prepared");
+    let mask = renderer
+        .encode_filters_and_receive(&mut encoders[1])
+        .expect("it was prepared")
+        .texture()
+        .clone();
     let [casts, rest] = encoders;
     submit(&e, casts);
     let mut encoder = e.foreign.encoder();

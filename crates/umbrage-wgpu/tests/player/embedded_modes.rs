@@ -18,8 +18,14 @@ use umbrage_wgpu::{
 fn modes(e: &Embedded) -> Recipe {
     let mut recipe = counting(&e.stage, vec![column(-0.5, 1.5)]);
     recipe.images.push(desc("peeled", Format::Depth32));
-    recipe.casts.push(Cast { mode: CastMode::Behind(0), ..Cast::nearest(3, 0, e.stage.space()) });
-    recipe.casts.push(Cast { mode: CastMode::Count { depth: 0 }, ..Cast::nearest(1, 0, e.stage.space()) });
+    recipe.casts.push(Cast {
+        mode: CastMode::Behind(0),
+        ..Cast::nearest(3, 0, e.stage.space())
+    });
+    recipe.casts.push(Cast {
+        mode: CastMode::Count { depth: 0 },
+        ..Cast::nearest(1, 0, e.stage.space())
+    });
     recipe
 }
 
@@ -29,8 +35,17 @@ fn counting_device() -> Foreign {
 
 /// What was drawn: depth behind depth, and the counts as a filter loads them.
 fn drawn(e: &Embedded, renderer: &ShadowRenderer, encoder: wgpu::CommandEncoder) -> [Vec<f32>; 2] {
-    let texture = |id: usize| renderer.image(id).expect("the recipe has it").texture().clone();
-    [read(&e.foreign, encoder, &texture(3)), read(&e.foreign, e.foreign.encoder(), &texture(2))]
+    let texture = |id: usize| {
+        renderer
+            .image(id)
+            .expect("the recipe has it")
+            .texture()
+            .clone()
+    };
+    [
+        read(&e.foreign, encoder, &texture(3)),
+        read(&e.foreign, e.foreign.encoder(), &texture(2)),
+    ]
 }
 
 #[test]
@@ -40,20 +55,35 @@ fn callers_may_draw_casters_while_the_player_draws_faces() {
     let recipe = modes(&e);
     let expected = e.stage.render(&mut gpu(), &recipe).images;
     let mut renderer = e.renderer(Options::default());
-    renderer.prepare(device, queue, &recipe, &e.frame(&[])).expect("all is valid");
+    renderer
+        .prepare(device, queue, &recipe, &e.frame(&[]))
+        .expect("all is valid");
     let mut encoder = e.foreign.encoder();
     let mut calls = Vec::new();
     let draw = |encoder: &mut wgpu::CommandEncoder, target: &umbrage_wgpu::CastTarget| {
         calls.push((target.behind.is_some(), target.everything));
         e.foreign.draw_casters(encoder, target, &e.stage.geometry);
     };
-    renderer.encode_casts_with(&mut encoder, draw).expect("it was prepared");
-    renderer.encode_filters_and_receive(&mut encoder).expect("it was prepared");
-    assert_eq!(calls, [(false, false), (true, false), (false, false)], "the faces are none of the caller's");
+    renderer
+        .encode_casts_with(&mut encoder, draw)
+        .expect("it was prepared");
+    renderer
+        .encode_filters_and_receive(&mut encoder)
+        .expect("it was prepared");
+    assert_eq!(
+        calls,
+        [(false, false), (true, false), (false, false)],
+        "the faces are none of the caller's"
+    );
     let [peeled, counts] = drawn(&e, &renderer, encoder);
-    assert_eq!((&peeled, &counts), (&expected[3].texels, &expected[1].texels));
+    assert_eq!(
+        (&peeled, &counts),
+        (&expected[3].texels, &expected[1].texels)
+    );
     assert!(peeled.iter().any(|&d| d < 1.0) && counts.contains(&255.0) && counts.contains(&0.0));
-    let error = renderer.cast_targets().expect_err("targets alone don't tell what to draw");
+    let error = renderer
+        .cast_targets()
+        .expect_err("targets alone don't tell what to draw");
     assert!(error.to_string().contains("encode_casts_with"), "{error}");
 }
 
@@ -66,11 +96,21 @@ fn the_player_draws_all_modes_on_a_foreign_device_and_makes_nothing_twice() {
     let casters = [e.casters()];
     let mut counters = Vec::new();
     for _ in 0..2 {
-        renderer.prepare(&e.foreign.device, &e.foreign.queue, &recipe, &e.frame(&casters)).expect("all is valid");
+        renderer
+            .prepare(
+                &e.foreign.device,
+                &e.foreign.queue,
+                &recipe,
+                &e.frame(&casters),
+            )
+            .expect("all is valid");
         let mut encoder = e.foreign.encoder();
         renderer.encode(&mut encoder).expect("it was prepared");
         let [peeled, counts] = drawn(&e, &renderer, encoder);
-        assert_eq!((&peeled, &counts), (&expected[3].texels, &expected[1].texels));
+        assert_eq!(
+            (&peeled, &counts),
+            (&expected[3].texels, &expected[1].texels)
+        );
         counters.push(renderer.counters());
     }
     assert_eq!(counters[0], counters[1]);
@@ -81,9 +121,16 @@ fn a_device_that_cannot_count_says_so() {
     let e = Embedded::on(Foreign::new());
     let mut renderer = e.renderer(Options::default());
     let recipe = modes(&e);
-    let error = renderer.prepare(&e.foreign.device, &e.foreign.queue, &recipe, &e.frame(&[])).expect_err("no feature");
+    let error = renderer
+        .prepare(&e.foreign.device, &e.foreign.queue, &recipe, &e.frame(&[]))
+        .expect_err("no feature");
     assert!(matches!(error, BackendError::Invalid(_)), "{error:?}");
-    assert!(error.to_string().contains("request the feature `DEPTH32FLOAT_STENCIL8`"), "{error}");
+    assert!(
+        error
+            .to_string()
+            .contains("request the feature `DEPTH32FLOAT_STENCIL8`"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -91,14 +138,29 @@ fn a_picture_on_a_foreign_device_is_the_same() {
     let e = Embedded::on(Foreign::new());
     let casters = [e.casters()];
     let recipe = shaded(&e.stage);
-    let expected = e.stage.render(&mut gpu(), &recipe).picture.expect("the recipe shades");
+    let expected = e
+        .stage
+        .render(&mut gpu(), &recipe)
+        .picture
+        .expect("the recipe shades");
     for kernel_group in [0, 2] {
         let mut renderer = e.renderer(Options { kernel_group });
         assert!(renderer.picture().is_none());
-        renderer.prepare(&e.foreign.device, &e.foreign.queue, &recipe, &e.frame(&casters)).expect("all is valid");
+        renderer
+            .prepare(
+                &e.foreign.device,
+                &e.foreign.queue,
+                &recipe,
+                &e.frame(&casters),
+            )
+            .expect("all is valid");
         let mut encoder = e.foreign.encoder();
         renderer.encode(&mut encoder).expect("it was prepared");
-        let picture = renderer.picture().expect("the recipe shades").texture().clone();
+        let picture = renderer
+            .picture()
+            .expect("the recipe shades")
+            .texture()
+            .clone();
         let expected: Vec<Vec4> = expected.iter().copied().map(Vec4::from).collect();
         assert_eq!(read_four(&e.foreign, encoder, &picture), expected);
     }
@@ -110,30 +172,65 @@ fn missing_input_is_named() {
     let Foreign { device, queue } = &e.foreign;
     let casters = [e.casters()];
     let mut renderer = e.renderer(Options::default());
-    let frame = Frame { receivers: GBuffer { triangle: None, ..e.receivers() }, ..e.frame(&casters) };
-    let error = renderer.prepare(device, queue, &shaded(&e.stage), &frame).expect_err("no ids");
-    assert!(error.to_string().contains("hand in triangle ids in `GBuffer::triangle`"), "{error}");
+    let frame = Frame {
+        receivers: GBuffer {
+            triangle: None,
+            ..e.receivers()
+        },
+        ..e.frame(&casters)
+    };
+    let error = renderer
+        .prepare(device, queue, &shaded(&e.stage), &frame)
+        .expect_err("no ids");
+    assert!(
+        error
+            .to_string()
+            .contains("hand in triangle ids in `GBuffer::triangle`"),
+        "{error}"
+    );
     let mut recipe = e.stage.recipe(40);
     recipe.casts[0].source = Source::Everything;
-    let error = renderer.prepare(device, queue, &recipe, &e.frame(&casters)).expect_err("casters alone");
-    assert!(error.to_string().contains("list all that the camera may see in `Frame::everything`"), "{error}");
-    let frame = Frame { everything: &casters, ..e.frame(&casters) };
-    renderer.prepare(device, queue, &recipe, &frame).expect("all is there");
+    let error = renderer
+        .prepare(device, queue, &recipe, &e.frame(&casters))
+        .expect_err("casters alone");
+    assert!(
+        error
+            .to_string()
+            .contains("list all that the camera may see in `Frame::everything`"),
+        "{error}"
+    );
+    let frame = Frame {
+        everything: &casters,
+        ..e.frame(&casters)
+    };
+    renderer
+        .prepare(device, queue, &recipe, &frame)
+        .expect("all is there");
     // With no drawables at all, the caller draws.
-    renderer.prepare(device, queue, &recipe, &e.frame(&[])).expect("nothing is drawn");
+    renderer
+        .prepare(device, queue, &recipe, &e.frame(&[]))
+        .expect("nothing is drawn");
     assert!(renderer.cast_targets().expect("it was prepared")[0].everything);
 }
 
 #[test]
 fn faces_beyond_a_buffer_are_refused() {
     let most = 1 << 20;
-    let limits = Limits { max_buffer_size: most, ..Limits::downlevel_defaults() };
+    let limits = Limits {
+        max_buffer_size: most,
+        ..Limits::downlevel_defaults()
+    };
     let e = Embedded::on(Foreign::with(Features::empty(), limits));
     let vertices = vec![Vec4::W; (most / 16 + 1) as usize];
-    let faces = Faces { vertices, triangles: vec![[0, 1, 2]] };
+    let faces = Faces {
+        vertices,
+        triangles: vec![[0, 1, 2]],
+    };
     let mut recipe = e.stage.recipe(40);
     recipe.casts[0].source = Source::Faces(faces.into());
     let mut renderer = e.renderer(Options::default());
-    let error = renderer.prepare(&e.foreign.device, &e.foreign.queue, &recipe, &e.frame(&[])).expect_err("too many");
+    let error = renderer
+        .prepare(&e.foreign.device, &e.foreign.queue, &recipe, &e.frame(&[]))
+        .expect_err("too many");
     assert!(error.to_string().contains("faces of a cast"), "{error}");
 }

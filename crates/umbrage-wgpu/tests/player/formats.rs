@@ -11,16 +11,32 @@ use umbrage_core::{Cast, Filter, FilterKernel, Format, Image, ImageDesc, Inputs,
 const SIDE: u32 = 50;
 
 fn desc(label: &'static str, format: Format) -> ImageDesc {
-    ImageDesc { label, size: UVec2::splat(SIDE), layers: 1, format }
+    ImageDesc {
+        label,
+        size: UVec2::splat(SIDE),
+        layers: 1,
+        format,
+    }
 }
 
 /// Casts into 32 and into 16 bits, and lets a filter say what it loads from the latter.
 fn two_depths(stage: &Stage) -> Recipe {
     let same = Same(stage.numbers(Vec4::ZERO));
     Recipe {
-        images: vec![desc("fine", Format::Depth32), desc("coarse", Format::Depth16), desc("loaded", Format::R32)],
-        casts: (0..2).map(|image| Cast::nearest(image, 0, stage.tilted())).collect(),
-        filters: vec![Filter { kernel: Arc::new(same), inputs: vec![1], tables: vec![], output: 2 }],
+        images: vec![
+            desc("fine", Format::Depth32),
+            desc("coarse", Format::Depth16),
+            desc("loaded", Format::R32),
+        ],
+        casts: (0..2)
+            .map(|image| Cast::nearest(image, 0, stage.tilted()))
+            .collect(),
+        filters: vec![Filter {
+            kernel: Arc::new(same),
+            inputs: vec![1],
+            tables: vec![],
+            output: 2,
+        }],
         ..stage.recipe(SIDE)
     }
 }
@@ -28,19 +44,32 @@ fn two_depths(stage: &Stage) -> Recipe {
 #[test]
 fn depth_of_16_bits_is_rounded_depth_of_32() {
     let stage = Stage::new();
-    let [fine, coarse, loaded] = <[Image; 3]>::try_from(stage.render(&mut gpu(), &two_depths(&stage)).images)
-        .expect("three images were asked for");
-    assert_eq!(coarse.texels, loaded.texels, "what is handed out is what shaders load");
+    let [fine, coarse, loaded] =
+        <[Image; 3]>::try_from(stage.render(&mut gpu(), &two_depths(&stage)).images)
+            .expect("three images were asked for");
+    assert_eq!(
+        coarse.texels, loaded.texels,
+        "what is handed out is what shaders load"
+    );
     let mut off = 0;
     for (fine, coarse) in fine.texels.iter().zip(&coarse.texels) {
         let (fine, coarse) = (f64::from(*fine) * 65_535.0, f64::from(*coarse) * 65_535.0);
         // A step's float has a relative error of at most 2^-23.
-        assert!((coarse - coarse.round()).abs() <= coarse * 2.0_f64.powi(-23), "{coarse} is no whole step");
+        assert!(
+            (coarse - coarse.round()).abs() <= coarse * 2.0_f64.powi(-23),
+            "{coarse} is no whole step"
+        );
         // The driver rounds the product to a float before it rounds to a step: 2^-8 of a step at most.
-        assert!((fine - coarse.round()).abs() <= 0.5 + 1.0 / 256.0, "{fine} became {coarse}");
+        assert!(
+            (fine - coarse.round()).abs() <= 0.5 + 1.0 / 256.0,
+            "{fine} became {coarse}"
+        );
         off += usize::from((fine - coarse).abs() > 0.1);
     }
-    assert!(off > SIDE as usize * 10, "only {off} texels were rounded by much");
+    assert!(
+        off > SIDE as usize * 10,
+        "only {off} texels were rounded by much"
+    );
 }
 
 /// Mesa's software driver: the product is rounded to a float, that to a step, and the step times a float is loaded.
@@ -62,7 +91,11 @@ fn the_pinned_driver_rounds_depth_by_a_known_rule() {
     let rule = |z: &f32| (z * 65_535.0).round_ties_even() * (1.0 / 65_535.0);
     assert_eq!(coarse, fine.iter().map(rule).collect::<Vec<_>>());
     let quotient = |z: &f32| (z * 65_535.0).round_ties_even() / 65_535.0;
-    assert_ne!(coarse, fine.iter().map(quotient).collect::<Vec<_>>(), "the comparison must notice");
+    assert_ne!(
+        coarse,
+        fine.iter().map(quotient).collect::<Vec<_>>(),
+        "the comparison must notice"
+    );
 }
 
 /// A unit of constant bias is two steps of 16 bits on that driver.
@@ -94,8 +127,18 @@ fn bytes_of_colour_are_what_shaders_load() {
         images: vec![desc("bytes", Format::Rgba8), desc("loaded", Format::Rgba32)],
         casts: Vec::new(),
         filters: vec![
-            Filter { kernel: Arc::new(paint), inputs: vec![], tables: vec![], output: 0 },
-            Filter { kernel: Arc::new(same), inputs: vec![0], tables: vec![], output: 1 },
+            Filter {
+                kernel: Arc::new(paint),
+                inputs: vec![],
+                tables: vec![],
+                output: 0,
+            },
+            Filter {
+                kernel: Arc::new(same),
+                inputs: vec![0],
+                tables: vec![],
+                output: 1,
+            },
         ],
         ..stage.recipe(SIDE)
     };
@@ -105,9 +148,15 @@ fn bytes_of_colour_are_what_shaders_load() {
         let painted = [(i % 50) as f32, (i / 50) as f32, 0.0, 1.0];
         for (have, painted) in texel.iter().zip(painted) {
             let (step, painted) = (have * 255.0, painted * 0.01 * 255.0);
-            assert!((step - step.round()).abs() < 1e-4, "texel {i}: {step} is no whole step");
+            assert!(
+                (step - step.round()).abs() < 1e-4,
+                "texel {i}: {step} is no whole step"
+            );
             // Halves may go either way.
-            assert!((step - painted).abs() < 0.5001, "texel {i} is {step}, painted {painted}");
+            assert!(
+                (step - painted).abs() < 0.5001,
+                "texel {i} is {step}, painted {painted}"
+            );
         }
     }
 }
@@ -148,17 +197,32 @@ fn the_pinned_driver_rounds_colour_by_a_known_rule() {
     };
     let images = stage.render(&mut gpu, &recipe).images;
     let rule = |v: &f32| (v * 255.0).round_ties_even() * (1.0 / 255.0);
-    assert_eq!(images[1].texels, images[0].texels.iter().map(rule).collect::<Vec<_>>());
+    assert_eq!(
+        images[1].texels,
+        images[0].texels.iter().map(rule).collect::<Vec<_>>()
+    );
     // The comparison must notice other roundings: of halves, and of the quotient.
     let other_halves = |v: &f32| (v * 255.0 + 0.5).floor() * (1.0 / 255.0);
     let quotient = |v: &f32| (v * 255.0).round_ties_even() / 255.0;
-    assert_ne!(images[1].texels, images[0].texels.iter().map(other_halves).collect::<Vec<_>>());
-    assert_ne!(images[1].texels, images[0].texels.iter().map(quotient).collect::<Vec<_>>());
+    assert_ne!(
+        images[1].texels,
+        images[0]
+            .texels
+            .iter()
+            .map(other_halves)
+            .collect::<Vec<_>>()
+    );
+    assert_ne!(
+        images[1].texels,
+        images[0].texels.iter().map(quotient).collect::<Vec<_>>()
+    );
 }
 
 /// Every whole step that fits into the image, times `unit`.
 fn steps(desc: ImageDesc, count: usize, unit: f32) -> Image {
-    let texels = (0..desc.floats() as usize).map(|i| (i * 37 % count) as f32 * unit).collect();
+    let texels = (0..desc.floats() as usize)
+        .map(|i| (i * 37 % count) as f32 * unit)
+        .collect();
     Image { desc, texels }
 }
 
@@ -166,14 +230,28 @@ fn steps(desc: ImageDesc, count: usize, unit: f32) -> Image {
 fn replayed(given: &Image, loaded: Format) -> Image {
     let stage = Stage::new();
     let same = Same(stage.numbers(Vec4::ZERO));
-    let output = ImageDesc { format: loaded, ..given.desc };
+    let output = ImageDesc {
+        format: loaded,
+        ..given.desc
+    };
     let recipe = Recipe {
         images: vec![stage.recipe(4).images[0], given.desc, output],
-        filters: vec![Filter { kernel: Arc::new(same), inputs: vec![1], tables: vec![], output: 2 }],
+        filters: vec![Filter {
+            kernel: Arc::new(same),
+            inputs: vec![1],
+            tables: vec![],
+            output: 2,
+        }],
         ..stage.recipe(4)
     };
-    let images = [Image::filled(recipe.images[0], 1.0), given.clone(), Image::filled(output, 0.0)];
-    gpu().replay_filter(&recipe, 0, &images).expect("the recipe is valid")
+    let images = [
+        Image::filled(recipe.images[0], 1.0),
+        given.clone(),
+        Image::filled(output, 0.0),
+    ];
+    gpu()
+        .replay_filter(&recipe, 0, &images)
+        .expect("the recipe is valid")
 }
 
 #[test]
@@ -188,14 +266,35 @@ fn given_images_of_all_formats_are_loaded_as_given() {
         (Format::Rgba32, Format::Rgba32, 3000, -7.0),
     ] {
         for layers in [1, 3] {
-            let given = steps(ImageDesc { label: "given", size, layers, format }, count, unit);
+            let given = steps(
+                ImageDesc {
+                    label: "given",
+                    size,
+                    layers,
+                    format,
+                },
+                count,
+                unit,
+            );
             let once = replayed(&given, loaded);
             for (have, wanted) in once.texels.iter().zip(&given.texels) {
                 // Drivers differ in the last bit of a step's float.
-                assert!((have - wanted).abs() <= f32::EPSILON * wanted.abs(), "{format:?}: {have} for {wanted}");
+                assert!(
+                    (have - wanted).abs() <= f32::EPSILON * wanted.abs(),
+                    "{format:?}: {have} for {wanted}"
+                );
             }
-            let again = replayed(&Image { desc: given.desc, texels: once.texels.clone() }, loaded);
-            assert_eq!(again.texels, once.texels, "{format:?}: what was handed out is loaded bit for bit");
+            let again = replayed(
+                &Image {
+                    desc: given.desc,
+                    texels: once.texels.clone(),
+                },
+                loaded,
+            );
+            assert_eq!(
+                again.texels, once.texels,
+                "{format:?}: what was handed out is loaded bit for bit"
+            );
             assert!(once.texels.iter().any(|v| *v != once.texels[0]));
         }
     }

@@ -17,11 +17,20 @@ struct Seen {
 /// `reverse` maps z to 1 - z, `mirror` flips the world's x, as a left-handed engine would see it.
 fn unproject(stage: &Stage, r: &Receivers, [reverse, mirror]: [bool; 2]) -> Seen {
     let foreign = Foreign::new();
-    let depth: Vec<f32> = r.depth.iter().map(|&z| if reverse { 1.0 - z } else { z }).collect();
-    let depth = foreign.texture(TextureFormat::R32Float, r.size, bytemuck::cast_slice(&depth));
+    let depth: Vec<f32> = r
+        .depth
+        .iter()
+        .map(|&z| if reverse { 1.0 - z } else { z })
+        .collect();
+    let depth = foreign.texture(
+        TextureFormat::R32Float,
+        r.size,
+        bytemuck::cast_slice(&depth),
+    );
     let mut clip_from_world = stage.camera.space().clip_from_world();
     if reverse {
-        let one_minus_z = Mat4::from_cols(Vec4::X, Vec4::Y, Vec4::NEG_Z, Vec4::new(0.0, 0.0, 1.0, 1.0));
+        let one_minus_z =
+            Mat4::from_cols(Vec4::X, Vec4::Y, Vec4::NEG_Z, Vec4::new(0.0, 0.0, 1.0, 1.0));
         clip_from_world = one_minus_z * clip_from_world;
     }
     if mirror {
@@ -31,16 +40,29 @@ fn unproject(stage: &Stage, r: &Receivers, [reverse, mirror]: [bool; 2]) -> Seen
     let empty = if reverse { 0.0 } else { 1.0 };
     let mut maker = GBufferFromDepth::new();
     for _ in 0..2 {
-        let source = DepthBuffer { depth: &depth, world_from_clip, empty };
-        maker.prepare(&foreign.device, &foreign.queue, &source).expect("the camera is a camera");
+        let source = DepthBuffer {
+            depth: &depth,
+            world_from_clip,
+            empty,
+        };
+        maker
+            .prepare(&foreign.device, &foreign.queue, &source)
+            .expect("the camera is a camera");
     }
-    assert_eq!((maker.counters().pipelines, maker.counters().textures), (1, 2), "the second frame makes nothing");
+    assert_eq!(
+        (maker.counters().pipelines, maker.counters().textures),
+        (1, 2),
+        "the second frame makes nothing"
+    );
     assert_eq!(maker.size(), r.size);
     let mut encoder = foreign.encoder();
     let gbuffer = maker.encode(&mut encoder).expect("it was prepared");
     let (position, normal) = (gbuffer.position.texture(), gbuffer.normal.texture());
     let positions = read_four(&foreign, encoder, position);
-    Seen { positions, normals: read_four(&foreign, foreign.encoder(), normal) }
+    Seen {
+        positions,
+        normals: read_four(&foreign, foreign.encoder(), normal),
+    }
 }
 
 /// Pixels whose neighbours show the same plane, two each way: edges are allowed to be rough.
@@ -60,35 +82,71 @@ fn inner(r: &Receivers, i: usize) -> bool {
 #[test]
 fn positions_and_normals_come_from_depth() {
     let stage = Stage::new();
-    let r = stage.render(&mut gpu(), &stage.recipe(8)).receivers.expect("the view had none");
+    let r = stage
+        .render(&mut gpu(), &stage.recipe(8))
+        .receivers
+        .expect("the view had none");
     for (reverse, mirror) in [(false, false), (true, false), (false, true), (true, true)] {
         let seen = unproject(&stage, &r, [reverse, mirror]);
         let flip = Vec3::new(if mirror { -1.0 } else { 1.0 }, 1.0, 1.0);
         let mut tested = 0;
         for i in 0..r.len() {
-            assert_eq!(seen.positions[i].w, f32::from(u8::from(r.triangle[i] != NO_TRIANGLE)), "pixel {i}");
+            assert_eq!(
+                seen.positions[i].w,
+                f32::from(u8::from(r.triangle[i] != NO_TRIANGLE)),
+                "pixel {i}"
+            );
             if r.triangle[i] == NO_TRIANGLE || !inner(&r, i) {
                 continue;
             }
             // Depth has a step of 6e-8, which 10 m away and with near at .5 m is 1e-5 m; three such meet in a position.
-            let (position, normal) = (seen.positions[i].truncate() * flip, seen.normals[i].truncate() * flip);
-            assert!(position.distance(r.position(i)) < 1e-4, "{position} is not {}", r.position(i));
+            let (position, normal) = (
+                seen.positions[i].truncate() * flip,
+                seen.normals[i].truncate() * flip,
+            );
+            assert!(
+                position.distance(r.position(i)) < 1e-4,
+                "{position} is not {}",
+                r.position(i)
+            );
             // Neighbours are some .1 m apart, so their steps turn a normal by up to 1e-3.
-            assert!(normal.distance(r.normal(i)) < 5e-3, "{normal} is not {} at {i}", r.normal(i));
+            assert!(
+                normal.distance(r.normal(i)) < 5e-3,
+                "{normal} is not {} at {i}",
+                r.normal(i)
+            );
             tested += 1;
         }
-        assert!(tested > r.len() / 4, "{tested} of {} pixels tested", r.len());
+        assert!(
+            tested > r.len() / 4,
+            "{tested} of {} pixels tested",
+            r.len()
+        );
     }
 }
 
 #[test]
 fn a_singular_camera_is_refused() {
     let (stage, foreign) = (Stage::new(), Foreign::new());
-    let depth = foreign.texture(TextureFormat::R32Float, stage.camera.size, &vec![0; 97 * 61 * 4]);
-    let source = DepthBuffer { depth: &depth, world_from_clip: Mat4::ZERO, empty: 1.0 };
+    let depth = foreign.texture(
+        TextureFormat::R32Float,
+        stage.camera.size,
+        &vec![0; 97 * 61 * 4],
+    );
+    let source = DepthBuffer {
+        depth: &depth,
+        world_from_clip: Mat4::ZERO,
+        empty: 1.0,
+    };
     let mut maker = GBufferFromDepth::new();
-    let error = maker.prepare(&foreign.device, &foreign.queue, &source).expect_err("zero is no camera");
+    let error = maker
+        .prepare(&foreign.device, &foreign.queue, &source)
+        .expect_err("zero is no camera");
     assert!(error.to_string().contains("world from clip"), "{error}");
     assert!(maker.encode(&mut foreign.encoder()).is_err());
-    assert!(read(&foreign, foreign.encoder(), depth.texture()).iter().all(|&v| v == 0.0));
+    assert!(
+        read(&foreign, foreign.encoder(), depth.texture())
+            .iter()
+            .all(|&v| v == 0.0)
+    );
 }

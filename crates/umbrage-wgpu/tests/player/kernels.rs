@@ -13,8 +13,10 @@ uniforms! {
     }
 }
 
-pub(crate) const STRUCT: Module =
-    Module { name: "numbers", text: "struct Numbers { clip_from_world: mat4x4f, numbers: vec4f }\n" };
+pub(crate) const STRUCT: Module = Module {
+    name: "numbers",
+    text: "struct Numbers { clip_from_world: mat4x4f, numbers: vec4f }\n",
+};
 
 macro_rules! kernel {
     ($name:ident, $text:expr $(, compares $compares:literal)?) => {
@@ -95,7 +97,12 @@ impl FilterKernel for Paint {
     fn filter(&self, inputs: &Inputs<'_>, start: UVec2, layer: u32, out: &mut [f32]) {
         assert!(inputs.images.is_empty(), "it paints from nothing");
         for (i, texel) in out.chunks_exact_mut(4).enumerate() {
-            let v = Vec4::new((start.x as usize + i) as f32, start.y as f32, layer as f32, 1.0);
+            let v = Vec4::new(
+                (start.x as usize + i) as f32,
+                start.y as f32,
+                layer as f32,
+                1.0,
+            );
             texel.copy_from_slice(&(v * self.0.numbers.x).to_array());
         }
     }
@@ -111,11 +118,16 @@ kernel!(
 impl FilterKernel for Halve {
     fn filter(&self, inputs: &Inputs<'_>, start: UVec2, layer: u32, out: &mut [f32]) {
         let first = inputs.images[0].index(start.x as i32, start.y as i32, layer);
-        out.iter_mut().zip(&inputs.images[0].texels[first..]).for_each(|(to, from)| *to = from * 0.5);
+        out.iter_mut()
+            .zip(&inputs.images[0].texels[first..])
+            .for_each(|(to, from)| *to = from * 0.5);
     }
 }
 
-kernel!(Same, "fn filter_texel(texel: vec2i, layer: i32) -> vec4f { return load_0(texel, layer); }");
+kernel!(
+    Same,
+    "fn filter_texel(texel: vec2i, layer: i32) -> vec4f { return load_0(texel, layer); }"
+);
 
 /// What a shader loads, in floats.
 impl FilterKernel for Same {
@@ -125,7 +137,10 @@ impl FilterKernel for Same {
     }
 }
 
-kernel!(Broken, "fn receive(r: Receiver) -> f32 { return no_such_name; }");
+kernel!(
+    Broken,
+    "fn receive(r: Receiver) -> f32 { return no_such_name; }"
+);
 
 impl ReceiveKernel for Broken {
     fn receive(&self, _: &Inputs<'_>, _: &Span<'_>, out: &mut [f32]) {
@@ -140,7 +155,10 @@ pub(crate) fn reference(
     receivers: &umbrage_core::Receivers,
 ) -> Vec<f32> {
     let views: Vec<_> = images.iter().map(umbrage_core::Image::view).collect();
-    let inputs = Inputs { images: &views, simd: umbrage_core::Simd::Native };
+    let inputs = Inputs {
+        images: &views,
+        simd: umbrage_core::Simd::Native,
+    };
     let width = receivers.size.x as usize;
     let mut mask = vec![1.0; receivers.len()];
     for (row, out) in mask.chunks_exact_mut(width).enumerate() {

@@ -11,18 +11,41 @@ fn peels(stage: &Stage, space: LightSpace, format: Format) -> Recipe {
     let mut recipe = stage.recipe(40);
     recipe.images[0].format = format;
     recipe.images = vec![recipe.images[0]; 3];
-    let behind = |image: usize| Cast { mode: CastMode::Behind(image - 1), ..Cast::nearest(image, 0, space) };
+    let behind = |image: usize| Cast {
+        mode: CastMode::Behind(image - 1),
+        ..Cast::nearest(image, 0, space)
+    };
     recipe.casts = vec![Cast::nearest(0, 0, space), behind(1), behind(2)];
     recipe
 }
 
 /// The depth of the floor alone.
 fn floor(stage: &Stage, gpu: &mut Gpu, space: LightSpace, format: Format) -> Image {
-    let vertices = stage.geometry.positions().iter().map(|p: &Vec3| p.extend(1.0)).collect();
+    let vertices = stage
+        .geometry
+        .positions()
+        .iter()
+        .map(|p: &Vec3| p.extend(1.0))
+        .collect();
     let is_floor = |t: &&[u32; 3]| stage.geometry.positions()[t[0] as usize].y == 0.0;
-    let triangles = stage.geometry.triangles().iter().filter(is_floor).copied().collect();
-    let source = Source::Faces(Arc::new(Faces { vertices, triangles }));
-    let mut recipe = Recipe { casts: vec![Cast { source, ..Cast::nearest(0, 0, space) }], ..stage.recipe(40) };
+    let triangles = stage
+        .geometry
+        .triangles()
+        .iter()
+        .filter(is_floor)
+        .copied()
+        .collect();
+    let source = Source::Faces(Arc::new(Faces {
+        vertices,
+        triangles,
+    }));
+    let mut recipe = Recipe {
+        casts: vec![Cast {
+            source,
+            ..Cast::nearest(0, 0, space)
+        }],
+        ..stage.recipe(40)
+    };
     recipe.images[0].format = format;
     stage.render(gpu, &recipe).images.swap_remove(0)
 }
@@ -43,8 +66,14 @@ fn the_floor_is_behind_the_plate_and_nothing_behind_the_floor() {
                 plates += usize::from(plate && expected < 1.0);
                 floors += usize::from(!plate && nearest < 1.0);
             }
-            assert!(plates > 20 && floors > 200, "{plates} texels of plate, {floors} of floor");
-            assert!(images[2].texels.iter().all(|&d| d == 1.0), "{format:?}: nothing is behind the floor");
+            assert!(
+                plates > 20 && floors > 200,
+                "{plates} texels of plate, {floors} of floor"
+            );
+            assert!(
+                images[2].texels.iter().all(|&d| d == 1.0),
+                "{format:?}: nothing is behind the floor"
+            );
         }
     }
 }

@@ -23,5 +23,8 @@ fn known_drivers_round_as_is_known() {
 fn probing_again_finds_the_same() {
     let gpu = gpu();
     let (device, queue) = gpu.device();
-    assert_eq!(probe_snapping(device, queue).expect("the device works"), gpu.snapping());
+    assert_eq!(
+        probe_snapping(device, queue).expect("the device works"),
+        gpu.snapping()
+    );
 }

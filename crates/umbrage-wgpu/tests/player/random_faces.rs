@@ -16,20 +16,32 @@ fn noise(i: usize) -> f32 {
 
 /// Triangles about the origin, some across the frustum's planes, and every seventh with a corner at infinity.
 fn triangles() -> Vec<[Vec4; 3]> {
-    let corner = |i: usize| (Vec3::new(noise(3 * i), noise(3 * i + 1), noise(3 * i + 2)) * 5.0).extend(1.0);
+    let corner =
+        |i: usize| (Vec3::new(noise(3 * i), noise(3 * i + 1), noise(3 * i + 2)) * 5.0).extend(1.0);
     let at_infinity = |p: Vec4| Vec4::new(p.x, p.y, p.z, 0.0);
     let triangle = |i: usize| [corner(3 * i), corner(3 * i + 1), corner(3 * i + 2)];
-    let some = |(i, [a, b, c]): (usize, [Vec4; 3])| [a, b, if i % 7 == 3 { at_infinity(c) } else { c }];
+    let some =
+        |(i, [a, b, c]): (usize, [Vec4; 3])| [a, b, if i % 7 == 3 { at_infinity(c) } else { c }];
     (0..COUNT).map(triangle).enumerate().map(some).collect()
 }
 
 fn faces(triangles: &[[Vec4; 3]]) -> Source {
-    let indices = (0..triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-    Source::Faces(Arc::new(Faces { vertices: triangles.concat(), triangles: indices }))
+    let indices = (0..triangles.len() as u32)
+        .map(|i| [3 * i, 3 * i + 1, 3 * i + 2])
+        .collect();
+    Source::Faces(Arc::new(Faces {
+        vertices: triangles.concat(),
+        triangles: indices,
+    }))
 }
 
 fn image(label: &'static str, layers: u32, format: Format) -> ImageDesc {
-    ImageDesc { label, size: UVec2::splat(SIDE), layers, format }
+    ImageDesc {
+        label,
+        size: UVec2::splat(SIDE),
+        layers,
+        format,
+    }
 }
 
 /// Each triangle's depths by itself.
@@ -43,8 +55,15 @@ fn alone(stage: &Stage, space: LightSpace, format: Format) -> Vec<Vec<f32>> {
         casts: (0..).zip(&triangles()).map(cast).collect(),
         ..stage.recipe(SIDE)
     };
-    let layers = stage.render(&mut gpu(), &recipe).images.swap_remove(0).texels;
-    layers.chunks_exact((SIDE * SIDE) as usize).map(<[f32]>::to_vec).collect()
+    let layers = stage
+        .render(&mut gpu(), &recipe)
+        .images
+        .swap_remove(0)
+        .texels;
+    layers
+        .chunks_exact((SIDE * SIDE) as usize)
+        .map(<[f32]>::to_vec)
+        .collect()
 }
 
 #[test]
@@ -56,7 +75,10 @@ fn peels_are_the_least_the_second_least_and_so_on() {
         (stage.camera.space(), Format::Depth16),
     ] {
         let (alone, all) = (alone(&stage, space, format), triangles());
-        let nearest = Cast { source: faces(&all), ..Cast::nearest(0, 0, space) };
+        let nearest = Cast {
+            source: faces(&all),
+            ..Cast::nearest(0, 0, space)
+        };
         let behind = |image| Cast {
             image,
             mode: CastMode::Behind(image - 1),
@@ -65,18 +87,28 @@ fn peels_are_the_least_the_second_least_and_so_on() {
         };
         let recipe = Recipe {
             images: vec![image("peel", 1, format); 4],
-            casts: [nearest.clone()].into_iter().chain((1..4).map(behind)).collect(),
+            casts: [nearest.clone()]
+                .into_iter()
+                .chain((1..4).map(behind))
+                .collect(),
             ..stage.recipe(SIDE)
         };
         let images = stage.render(&mut gpu(), &recipe).images;
         let mut layered = 0;
         for texel in 0..(SIDE * SIDE) as usize {
-            let mut depths: Vec<f32> = alone.iter().map(|layer| layer[texel]).filter(|&d| d < 1.0).collect();
+            let mut depths: Vec<f32> = alone
+                .iter()
+                .map(|layer| layer[texel])
+                .filter(|&d| d < 1.0)
+                .collect();
             depths.sort_by(f32::total_cmp);
             depths.dedup();
             for (peel, image) in images.iter().enumerate() {
                 let expected = depths.get(peel).copied().unwrap_or(1.0);
-                assert_eq!(image.texels[texel], expected, "{format:?}, texel {texel}, peel {peel}");
+                assert_eq!(
+                    image.texels[texel], expected,
+                    "{format:?}, texel {texel}, peel {peel}"
+                );
             }
             layered += usize::from(depths.len() > 3);
         }
@@ -86,7 +118,9 @@ fn peels_are_the_least_the_second_least_and_so_on() {
 
 /// 1 for a face whose front is seen, -1 for one whose back is seen: on screen, counter-clockwise is front.
 fn facing(clip_from_world: DMat4, triangle: &[Vec4; 3]) -> i32 {
-    let [a, b, c] = triangle.map(|v| clip_from_world * v.as_dvec4()).map(|v| glam::DVec3::new(v.x, v.y, v.w));
+    let [a, b, c] = triangle
+        .map(|v| clip_from_world * v.as_dvec4())
+        .map(|v| glam::DVec3::new(v.x, v.y, v.w));
     if a.dot(b.cross(c)) > 0.0 { 1 } else { -1 }
 }
 
@@ -97,11 +131,22 @@ fn counts_are_backs_minus_fronts_that_are_not_before() {
     let (alone, all) = (alone(&stage, space, Format::Depth32), triangles());
     let mode = CastMode::Count { depth: 0 };
     let recipe = Recipe {
-        images: vec![image("depth", 1, Format::Depth32), image("counts", 1, Format::Stencil8)],
+        images: vec![
+            image("depth", 1, Format::Depth32),
+            image("counts", 1, Format::Stencil8),
+        ],
         casts: vec![
             Cast::nearest(0, 0, space),
-            Cast { mode, source: faces(&all[..20]), ..Cast::nearest(1, 0, space) },
-            Cast { mode, source: faces(&all[20..]), ..Cast::nearest(1, 0, space) },
+            Cast {
+                mode,
+                source: faces(&all[..20]),
+                ..Cast::nearest(1, 0, space)
+            },
+            Cast {
+                mode,
+                source: faces(&all[20..]),
+                ..Cast::nearest(1, 0, space)
+            },
         ],
         ..stage.recipe(SIDE)
     };
@@ -113,10 +158,20 @@ fn counts_are_backs_minus_fronts_that_are_not_before() {
         if stored == 1.0 {
             continue;
         }
-        let fails = all.iter().zip(&alone).filter(|(_, z)| z[texel] < 1.0 && z[texel] >= stored);
+        let fails = all
+            .iter()
+            .zip(&alone)
+            .filter(|(_, z)| z[texel] < 1.0 && z[texel] >= stored);
         let sum: i32 = fails.map(|(t, _)| -facing(clip_from_world, t)).sum();
-        assert_eq!(images[1].texels[texel], sum.rem_euclid(256) as f32, "texel {texel}");
+        assert_eq!(
+            images[1].texels[texel],
+            sum.rem_euclid(256) as f32,
+            "texel {texel}"
+        );
         kinds.insert(sum);
     }
-    assert!(kinds.len() > 4 && kinds.iter().any(|&k| k < 0), "only these sums occur: {kinds:?}");
+    assert!(
+        kinds.len() > 4 && kinds.iter().any(|&k| k < 0),
+        "only these sums occur: {kinds:?}"
+    );
 }

@@ -18,9 +18,18 @@ kernel!(
 
 impl ShadeKernel for Reads {
     fn shade(&self, span: &Span<'_>, visibility: &[f32], out: &mut [[f32; 4]]) {
-        for (i, out) in out.iter_mut().enumerate().filter(|(i, _)| span.triangle[*i] != NO_TRIANGLE) {
+        for (i, out) in out
+            .iter_mut()
+            .enumerate()
+            .filter(|(i, _)| span.triangle[*i] != NO_TRIANGLE)
+        {
             let red = span.x[i] + visibility[i] * self.0.numbers.x;
-            *out = [red, span.ny[i], span.first.y as f32, 7.0 * span.triangle[i] as f32];
+            *out = [
+                red,
+                span.ny[i],
+                span.first.y as f32,
+                7.0 * span.triangle[i] as f32,
+            ];
         }
     }
 }
@@ -28,27 +37,51 @@ impl ShadeKernel for Reads {
 const BACKGROUND: [f32; 4] = [0.1, -2.0, 3.5, 0.25];
 
 fn kernel_of(stage: &Stage) -> Reads {
-    let Numbers { clip_from_world, .. } = stage.numbers(Vec4::ZERO);
-    Reads(Numbers { clip_from_world, numbers: Vec4::splat(100.0) })
+    let Numbers {
+        clip_from_world, ..
+    } = stage.numbers(Vec4::ZERO);
+    Reads(Numbers {
+        clip_from_world,
+        numbers: Vec4::splat(100.0),
+    })
 }
 
 pub(crate) fn shaded(stage: &Stage) -> Recipe {
     let rows: Vec<[u32; 4]> = (0..4).map(|i| [0, 0, 7 * i, 0]).collect();
     Recipe {
-        tables: vec![Table { label: "rows", rows: rows.into() }],
-        shade: Some(Shade { kernel: Arc::new(kernel_of(stage)), tables: vec![0], background: BACKGROUND }),
+        tables: vec![Table {
+            label: "rows",
+            rows: rows.into(),
+        }],
+        shade: Some(Shade {
+            kernel: Arc::new(kernel_of(stage)),
+            tables: vec![0],
+            background: BACKGROUND,
+        }),
         ..stage.recipe(64)
     }
 }
 
 /// What the Rust half says of every pixel.
-pub(crate) fn reference(kernel: &dyn ShadeKernel, receivers: &Receivers, mask: &[f32]) -> Vec<[f32; 4]> {
+pub(crate) fn reference(
+    kernel: &dyn ShadeKernel,
+    receivers: &Receivers,
+    mask: &[f32],
+) -> Vec<[f32; 4]> {
     let mut picture = vec![[0.0; 4]; mask.len()];
     let width = receivers.size.x as usize;
     for (row, out) in picture.chunks_exact_mut(width).enumerate() {
-        kernel.shade(&receivers.span(row * width, width), &mask[row * width..][..width], out);
+        kernel.shade(
+            &receivers.span(row * width, width),
+            &mask[row * width..][..width],
+            out,
+        );
     }
-    for (color, _) in picture.iter_mut().zip(&receivers.triangle).filter(|(_, t)| **t == NO_TRIANGLE) {
+    for (color, _) in picture
+        .iter_mut()
+        .zip(&receivers.triangle)
+        .filter(|(_, t)| **t == NO_TRIANGLE)
+    {
         *color = BACKGROUND;
     }
     picture
@@ -58,17 +91,34 @@ pub(crate) fn reference(kernel: &dyn ShadeKernel, receivers: &Receivers, mask: &
 fn the_picture_is_what_the_rust_half_says() {
     let (stage, mut gpu) = (Stage::new(), gpu());
     let shadows = stage.render(&mut gpu, &shaded(&stage));
-    let (picture, r) = (shadows.picture.expect("the recipe shades"), shadows.receivers.expect("the view had none"));
+    let (picture, r) = (
+        shadows.picture.expect("the recipe shades"),
+        shadows.receivers.expect("the view had none"),
+    );
     let expected = reference(&kernel_of(&stage), &r, &shadows.mask);
     assert_eq!(picture, expected);
-    let kinds =
-        |wanted: fn(&Receivers, usize, f32) -> bool| (0..r.len()).filter(|&i| wanted(&r, i, shadows.mask[i])).count();
+    let kinds = |wanted: fn(&Receivers, usize, f32) -> bool| {
+        (0..r.len())
+            .filter(|&i| wanted(&r, i, shadows.mask[i]))
+            .count()
+    };
     assert!(kinds(|r, i, _| r.triangle[i] == NO_TRIANGLE) > 100, "sky");
-    assert!(kinds(|r, i, _| r.triangle[i] != NO_TRIANGLE && !r.receives[i]) > 100, "the plate, which receives nothing");
+    assert!(
+        kinds(|r, i, _| r.triangle[i] != NO_TRIANGLE && !r.receives[i]) > 100,
+        "the plate, which receives nothing"
+    );
     assert!(kinds(|_, _, v| v == 0.0) > 50, "shadow");
     let spoilt: Vec<f32> = shadows.mask.iter().map(|v| v * 0.5).collect();
-    assert_ne!(picture, reference(&kernel_of(&stage), &r, &spoilt), "the comparison must notice");
-    assert_eq!(shadows.mask, stage.render(&mut gpu, &stage.recipe(64)).mask, "shading leaves the mask alone");
+    assert_ne!(
+        picture,
+        reference(&kernel_of(&stage), &r, &spoilt),
+        "the comparison must notice"
+    );
+    assert_eq!(
+        shadows.mask,
+        stage.render(&mut gpu, &stage.recipe(64)).mask,
+        "shading leaves the mask alone"
+    );
 }
 
 #[test]
@@ -76,7 +126,9 @@ fn given_receivers_give_the_same_picture() {
     let (stage, mut gpu) = (Stage::new(), gpu());
     let first = stage.render(&mut gpu, &shaded(&stage));
     let receivers = first.receivers.expect("the view had none");
-    let second = gpu.render(&stage.view().with_receivers(&receivers), &shaded(&stage)).expect("it rendered before");
+    let second = gpu
+        .render(&stage.view().with_receivers(&receivers), &shaded(&stage))
+        .expect("it rendered before");
     assert_eq!(first.picture, second.picture);
 }
 
@@ -93,9 +145,17 @@ fn a_second_picture_makes_nothing_and_a_mask_alone_has_none() {
     }
     let second = stage.render(&mut gpu, &second);
     assert_eq!(gpu.counters(), counters);
-    assert_eq!(second.picture.expect("the recipe shades")[0], [9.0; 4], "the corner shows sky");
+    assert_eq!(
+        second.picture.expect("the recipe shades")[0],
+        [9.0; 4],
+        "the corner shows sky"
+    );
     let pixels = u64::from(stage.camera.size.element_product());
     let plain = stage.render(&mut gpu, &stage.recipe(64));
     assert_eq!(plain.picture, None);
-    assert_eq!(first.bytes - plain.bytes, 16 * pixels + 4 * 16, "the picture and the table");
+    assert_eq!(
+        first.bytes - plain.bytes,
+        16 * pixels + 4 * 16,
+        "the picture and the table"
+    );
 }

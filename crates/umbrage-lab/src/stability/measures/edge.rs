@@ -6,10 +6,15 @@ use umbrage_core::metrics::{Pixel, edges};
 /// Mean displacement of shadow edges, pixels: the area on which mask and truth are on different sides of a half, over the
 /// length of truth's edges (half the count of the pixels along both sides of them). 0 without edges and errors.
 pub fn displacement(size: UVec2, mask: &[f32], truth: &[f32], pixels: &[Pixel]) -> f64 {
-    let sharp: Vec<f32> = truth.iter().map(|v| if *v < 0.5 { 0.0 } else { 1.0 }).collect();
+    let sharp: Vec<f32> = truth
+        .iter()
+        .map(|v| if *v < 0.5 { 0.0 } else { 1.0 })
+        .collect();
     let on_edge = edges(size, &sharp, pixels);
     let counted = || (0..mask.len()).filter(|&i| pixels[i] == Pixel::Counted);
-    let area = counted().filter(|&i| (mask[i] < 0.5) != (truth[i] < 0.5)).count();
+    let area = counted()
+        .filter(|&i| (mask[i] < 0.5) != (truth[i] < 0.5))
+        .count();
     let length = 0.5 * counted().filter(|&i| on_edge[i]).count() as f64;
     area as f64 / length.max(1.0)
 }
@@ -21,13 +26,25 @@ mod tests {
     #[test]
     fn an_edge_moved_by_three_pixels_is_displaced_by_three() {
         let size = UVec2::new(64, 32);
-        let edge_at = |x: usize| -> Vec<f32> { (0..64 * 32).map(|i| if i % 64 < x { 0.0 } else { 1.0 }).collect() };
+        let edge_at = |x: usize| -> Vec<f32> {
+            (0..64 * 32)
+                .map(|i| if i % 64 < x { 0.0 } else { 1.0 })
+                .collect()
+        };
         let truth = edge_at(30);
         for (x, expected) in [(30, 0.0), (33, 3.0), (28, 2.0)] {
-            assert_eq!(displacement(size, &edge_at(x), &truth, &[Pixel::Counted; 64 * 32]), expected);
+            assert_eq!(
+                displacement(size, &edge_at(x), &truth, &[Pixel::Counted; 64 * 32]),
+                expected
+            );
         }
         // A ramp about the edge blurs, but displaces nothing.
-        let ramp: Vec<f32> = (0..64 * 32).map(|i| ((i % 64) as f32 - 25.0).clamp(0.0, 9.0) / 9.0).collect();
-        assert_eq!(displacement(size, &ramp, &truth, &[Pixel::Counted; 64 * 32]), 0.0);
+        let ramp: Vec<f32> = (0..64 * 32)
+            .map(|i| ((i % 64) as f32 - 25.0).clamp(0.0, 9.0) / 9.0)
+            .collect();
+        assert_eq!(
+            displacement(size, &ramp, &truth, &[Pixel::Counted; 64 * 32]),
+            0.0
+        );
     }
 }

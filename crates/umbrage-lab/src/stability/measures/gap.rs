@@ -47,14 +47,24 @@ impl Contact {
     /// The gap: distance on the ground, metres, from the contact to the first dark pixel (below half), the mean over 16
     /// strips along the contact, less the same of truth. Where a strip has no dark pixel, the gap is as long as the true
     /// shadow there.
-    pub fn gap(&self, mask: &[f32], truth: &[f32], receivers: &Receivers, counts: impl Fn(usize) -> bool) -> f64 {
+    pub fn gap(
+        &self,
+        mask: &[f32],
+        truth: &[f32],
+        receivers: &Receivers,
+        counts: impl Fn(usize) -> bool,
+    ) -> f64 {
         let mut first = [[f32::MAX; 2]; STRIPS];
         let mut last = [0.0_f32; STRIPS];
         for (i, strip, t) in self.pixels(receivers, counts) {
             for (slot, v) in first[strip].iter_mut().zip([mask[i], truth[i]]) {
                 *slot = if v < 0.5 { slot.min(t) } else { *slot };
             }
-            last[strip] = if truth[i] < 0.5 { last[strip].max(t) } else { last[strip] };
+            last[strip] = if truth[i] < 0.5 {
+                last[strip].max(t)
+            } else {
+                last[strip]
+            };
         }
         let seen = || (0..STRIPS).filter(|&s| first[s][1] < f32::MAX);
         let gap = |s: usize| f64::from((first[s][0].min(last[s]) - first[s][1]).max(0.0));
@@ -70,14 +80,18 @@ impl Contact {
         reach: f32,
         counts: impl Fn(usize) -> bool,
     ) -> f64 {
-        let dark = self.pixels(receivers, counts).filter(|(i, _, t)| *t <= reach && truth[*i] < 0.5);
+        let dark = self
+            .pixels(receivers, counts)
+            .filter(|(i, _, t)| *t <= reach && truth[*i] < 0.5);
         share(dark.map(|(i, ..)| mask[i] - truth[i] > FALSE))
     }
 
     /// How far apart rows of pixels lie on the ground within `reach` of the contact, metres: what a gap can be told by.
     pub fn pixel(&self, receivers: &Receivers, reach: f32, counts: impl Fn(usize) -> bool) -> f64 {
         let width = receivers.size.x as usize;
-        let near = self.pixels(receivers, counts).filter(|(_, _, t)| *t <= reach);
+        let near = self
+            .pixels(receivers, counts)
+            .filter(|(_, _, t)| *t <= reach);
         let rows: std::collections::BTreeSet<usize> = near.map(|(i, ..)| i / width).collect();
         f64::from(reach) / rows.len().max(1) as f64
     }
@@ -95,9 +109,13 @@ pub fn leak_around(
 ) -> f64 {
     let near = |i: &usize| {
         let p = receivers.position(*i);
-        places.iter().any(|c| (p.y - c.y).abs() < LEVEL && (p - *c).length() <= reach)
+        places
+            .iter()
+            .any(|c| (p.y - c.y).abs() < LEVEL && (p - *c).length() <= reach)
     };
-    let dark = (0..mask.len()).filter(|&i| counts(i) && truth[i] < 0.5).filter(near);
+    let dark = (0..mask.len())
+        .filter(|&i| counts(i) && truth[i] < 0.5)
+        .filter(near);
     share(dark.map(|i| mask[i] - truth[i] > FALSE))
 }
 
@@ -108,7 +126,11 @@ mod tests {
 
     /// A plate of a metre along x, seen on 160 rows of ground of 1 cm each behind it; its shadow is .5 m long.
     fn stage() -> (Contact, Receivers, Vec<f32>) {
-        let contact = Contact { from: Vec3::ZERO, to: Vec3::X, along: Vec3::Z };
+        let contact = Contact {
+            from: Vec3::ZERO,
+            to: Vec3::X,
+            along: Vec3::Z,
+        };
         let size = UVec2::new(32, 160);
         let mut receivers = Receivers::empty(size);
         let mut truth = Vec::new();
@@ -126,14 +148,24 @@ mod tests {
     fn a_shadow_that_starts_late_has_a_gap_and_leaks() {
         let (contact, receivers, truth) = stage();
         let late = |gap: f32| -> Vec<f32> {
-            truth.iter().zip(&receivers.z).map(|(v, z)| if *z < gap { 1.0 } else { *v }).collect()
+            truth
+                .iter()
+                .zip(&receivers.z)
+                .map(|(v, z)| if *z < gap { 1.0 } else { *v })
+                .collect()
         };
         for gap in [0.0, 0.1, 0.3] {
             let found = contact.gap(&late(gap), &truth, &receivers, |_| true);
             assert!((found - f64::from(gap)).abs() < 1e-6, "{gap}: {found}");
         }
-        assert_eq!(contact.leak(&late(0.02), &truth, &receivers, 0.05, |_| true), 40.0);
-        assert_eq!(contact.leak(&truth, &truth, &receivers, 0.05, |_| true), 0.0);
+        assert_eq!(
+            contact.leak(&late(0.02), &truth, &receivers, 0.05, |_| true),
+            40.0
+        );
+        assert_eq!(
+            contact.leak(&truth, &truth, &receivers, 0.05, |_| true),
+            0.0
+        );
         assert!((contact.pixel(&receivers, 0.05, |_| true) - 0.01).abs() < 1e-6);
     }
 

@@ -7,25 +7,44 @@ use umbrage_core::metrics::FALSE;
 
 /// Acne: percent of the open lit pixels that the mask darkens by more than [`FALSE`].
 pub fn acne(mask: &[f32], truth: &[f32], open: &[bool]) -> f64 {
-    share((0..mask.len()).filter(|&i| open[i] && truth[i] == 1.0).map(|i| truth[i] - mask[i] > FALSE))
+    share(
+        (0..mask.len())
+            .filter(|&i| open[i] && truth[i] == 1.0)
+            .map(|i| truth[i] - mask[i] > FALSE),
+    )
 }
 
 /// Leaks: percent of the open dark pixels that the mask lights by more than [`FALSE`].
 pub fn leak(mask: &[f32], truth: &[f32], open: &[bool]) -> f64 {
-    share((0..mask.len()).filter(|&i| open[i] && truth[i] == 0.0).map(|i| mask[i] - truth[i] > FALSE))
+    share(
+        (0..mask.len())
+            .filter(|&i| open[i] && truth[i] == 0.0)
+            .map(|i| mask[i] - truth[i] > FALSE),
+    )
 }
 
 /// Either: percent of the open pixels that are wrong by more than [`FALSE`].
 pub fn wrong(mask: &[f32], truth: &[f32], open: &[bool]) -> f64 {
-    share((0..mask.len()).filter(|&i| open[i]).map(|i| (mask[i] - truth[i]).abs() > FALSE))
+    share(
+        (0..mask.len())
+            .filter(|&i| open[i])
+            .map(|i| (mask[i] - truth[i]).abs() > FALSE),
+    )
 }
 
 /// Bins that pixels are sorted into by distance.
 pub const BINS: usize = 5;
 
 /// [`acne`] in [`BINS`] bins of distance from the eye (`distance`, metres), each of as many open lit pixels, near first.
-pub fn acne_by_distance(mask: &[f32], truth: &[f32], open: &[bool], distance: &[f32]) -> [f64; BINS] {
-    let mut lit: Vec<usize> = (0..mask.len()).filter(|&i| open[i] && truth[i] == 1.0).collect();
+pub fn acne_by_distance(
+    mask: &[f32],
+    truth: &[f32],
+    open: &[bool],
+    distance: &[f32],
+) -> [f64; BINS] {
+    let mut lit: Vec<usize> = (0..mask.len())
+        .filter(|&i| open[i] && truth[i] == 1.0)
+        .collect();
     lit.sort_by(|a, b| distance[*a].total_cmp(&distance[*b]));
     std::array::from_fn(|bin| {
         let here = &lit[bin * lit.len() / BINS..(bin + 1) * lit.len() / BINS];
@@ -49,9 +68,19 @@ mod tests {
         let open = [true, true, true, false, true, true];
         let mask = [0.0, 0.9, 1.0, 0.0, 0.3, 0.0];
         let third = 100.0 / 3.0;
-        assert_eq!([acne(&mask, &truth, &open), leak(&mask, &truth, &open)], [third, 50.0]);
+        assert_eq!(
+            [acne(&mask, &truth, &open), leak(&mask, &truth, &open)],
+            [third, 50.0]
+        );
         assert_eq!(wrong(&mask, &truth, &open), 40.0);
-        assert_eq!([acne(&truth, &truth, &open), leak(&truth, &truth, &open), acne(&[], &[], &[])], [0.0; 3]);
+        assert_eq!(
+            [
+                acne(&truth, &truth, &open),
+                leak(&truth, &truth, &open),
+                acne(&[], &[], &[])
+            ],
+            [0.0; 3]
+        );
     }
 
     #[test]

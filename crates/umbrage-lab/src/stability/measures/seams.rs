@@ -14,7 +14,11 @@ pub fn on_seam(from_light: Vec3, size: u32, texels: f32) -> bool {
 
 /// Percent of the marked pixels on which mask and truth are on different sides of a half.
 pub fn wrong_within(mask: &[f32], truth: &[f32], marked: impl Fn(usize) -> bool) -> f64 {
-    share((0..mask.len()).filter(|&i| marked(i)).map(|i| (mask[i] < 0.5) != (truth[i] < 0.5)))
+    share(
+        (0..mask.len())
+            .filter(|&i| marked(i))
+            .map(|i| (mask[i] < 0.5) != (truth[i] < 0.5)),
+    )
 }
 
 #[cfg(test)]

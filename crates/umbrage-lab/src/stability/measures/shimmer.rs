@@ -26,12 +26,19 @@ pub fn change_error(frames: &[Vec<f32>], truth: &[Vec<f32>], marked: &[bool], wi
     let count = blocks.iter().map(Vec::len).sum::<usize>().max(1) as f64;
     let apart = |(ours, theirs): (&[Vec<f32>; 2], &[Vec<f32>; 2])| {
         let of = |points: &Vec<usize>| {
-            let ([lit, darkened], [truly_lit, truly_darkened]) = (turned(ours, points), turned(theirs, points));
+            let ([lit, darkened], [truly_lit, truly_darkened]) =
+                (turned(ours, points), turned(theirs, points));
             (lit - truly_lit).abs() + (darkened - truly_darkened).abs()
         };
         blocks.iter().map(of).sum::<f64>() / count
     };
-    mean(&frames.array_windows().zip(truth.array_windows()).map(apart).collect::<Vec<_>>())
+    mean(
+        &frames
+            .array_windows()
+            .zip(truth.array_windows())
+            .map(apart)
+            .collect::<Vec<_>>(),
+    )
 }
 
 /// The marked points of each block that has some.
@@ -39,7 +46,10 @@ fn blocks(marked: &[bool], width: usize) -> Vec<Vec<usize>> {
     let width = width.max(1);
     let mut blocks = BTreeMap::<[usize; 2], Vec<usize>>::new();
     for i in (0..marked.len()).filter(|&i| marked[i]) {
-        blocks.entry([i / width / BLOCK, i % width / BLOCK]).or_default().push(i);
+        blocks
+            .entry([i / width / BLOCK, i % width / BLOCK])
+            .or_default()
+            .push(i);
     }
     blocks.into_values().collect()
 }
@@ -47,14 +57,22 @@ fn blocks(marked: &[bool], width: usize) -> Vec<Vec<usize>> {
 /// By how much points brighten and by how much they darken from one frame to the next, in all.
 fn turned([before, after]: &[Vec<f32>; 2], points: &[usize]) -> [f64; 2] {
     let steps = points.iter().map(|&i| f64::from(after[i] - before[i]));
-    steps.fold([0.0; 2], |[lit, darkened], step| [lit + step.max(0.0), darkened - step.min(0.0)])
+    steps.fold([0.0; 2], |[lit, darkened], step| {
+        [lit + step.max(0.0), darkened - step.min(0.0)]
+    })
 }
 
 /// The mean of |V_t - V_(t-1)| over all marked points, for each pair of neighbouring frames.
 fn steps(frames: &[Vec<f32>], marked: &[bool]) -> Vec<f64> {
     let points: Vec<usize> = (0..marked.len()).filter(|&i| marked[i]).collect();
-    let step =
-        |[a, b]: &[Vec<f32>; 2]| mean(&points.iter().map(|&i| f64::from((a[i] - b[i]).abs())).collect::<Vec<_>>());
+    let step = |[a, b]: &[Vec<f32>; 2]| {
+        mean(
+            &points
+                .iter()
+                .map(|&i| f64::from((a[i] - b[i]).abs()))
+                .collect::<Vec<_>>(),
+        )
+    };
     frames.array_windows().map(step).collect()
 }
 
@@ -69,7 +87,11 @@ mod tests {
     #[test]
     fn crawling_edges_shimmer_and_true_motion_does_not() {
         let still = vec![vec![0.0, 1.0, 1.0]; 3];
-        let crawling = vec![vec![0.0, 1.0, 1.0], vec![0.0, 0.0, 1.0], vec![0.0, 1.0, 1.0]];
+        let crawling = vec![
+            vec![0.0, 1.0, 1.0],
+            vec![0.0, 0.0, 1.0],
+            vec![0.0, 1.0, 1.0],
+        ];
         let all = [true; 3];
         assert_eq!(shimmer(&still, &still, &all), 0.0);
         assert!((shimmer(&crawling, &still, &all) - 1.0 / 3.0).abs() < 1e-12);
@@ -84,8 +106,9 @@ mod tests {
     fn standing_still_is_as_wrong_as_crawling() {
         let still = vec![vec![0.0, 1.0]; 3];
         let moving = vec![vec![0.0, 1.0], vec![0.0, 0.5], vec![0.5, 0.5]];
-        let error =
-            |frames: &[Vec<f32>], truth: &[Vec<f32>], marked: [bool; 2]| change_error(frames, truth, &marked, 2);
+        let error = |frames: &[Vec<f32>], truth: &[Vec<f32>], marked: [bool; 2]| {
+            change_error(frames, truth, &marked, 2)
+        };
         let all = [true; 2];
         assert_eq!(error(&moving, &moving, all), 0.0);
         assert_eq!(error(&still, &moving, all), 0.25);
@@ -101,7 +124,8 @@ mod tests {
     /// A picture of two blocks beside one another and two below them, with two points in each corner.
     fn picture(set: [(usize, usize, f32); 2]) -> Vec<f32> {
         let mut out = vec![0.5; 4 * BLOCK * BLOCK];
-        set.into_iter().for_each(|(x, y, v)| out[y * 2 * BLOCK + x] = v);
+        set.into_iter()
+            .for_each(|(x, y, v)| out[y * 2 * BLOCK + x] = v);
         out
     }
 
@@ -109,7 +133,8 @@ mod tests {
     fn crawl_in_one_place_does_not_pay_for_rest_in_another() {
         let (near, far) = ([0, 1], 2 * BLOCK - 1);
         let error = |mask: [Vec<f32>; 2], truth: [Vec<f32>; 2]| {
-            change_error(&mask, &truth, &vec![true; 4 * BLOCK * BLOCK], 2 * BLOCK) * (4 * BLOCK * BLOCK) as f64
+            change_error(&mask, &truth, &vec![true; 4 * BLOCK * BLOCK], 2 * BLOCK)
+                * (4 * BLOCK * BLOCK) as f64
         };
         // Truth darkens one corner's point; the mask brightens that of the corner beside it, of that below, or darkens it.
         for (x, y) in [(far, 0), (0, far), (far, far)] {
@@ -120,7 +145,9 @@ mod tests {
             assert_eq!(error(darkened, truth), 2.0);
         }
         // Within a block a pixel more or less of an edge is noise, but no shadow runs backwards.
-        let at = |x: usize, [from, to]: [f32; 2]| [from, to].map(|v| picture([(x, 0, v), (far, far, 0.0)]));
+        let at = |x: usize, [from, to]: [f32; 2]| {
+            [from, to].map(|v| picture([(x, 0, v), (far, far, 0.0)]))
+        };
         let truth = at(near[0], [1.0, 0.0]);
         assert_eq!(error(at(near[1], [1.0, 0.0]), truth.clone()), 0.0);
         assert_eq!(error(at(near[0], [0.0, 1.0]), truth), 2.0);

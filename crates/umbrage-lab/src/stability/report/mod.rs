@@ -30,7 +30,10 @@ pub fn write(folder: &Path, stability: &Stability, sweeps: &[Sweep]) -> Result<P
 
 /// Pretty, so that changes show line by line.
 fn json(data: &impl serde::Serialize) -> Result<Vec<u8>, LabError> {
-    serde_json::to_vec_pretty(data).map_err(|e| LabError::Write { path: "results.json".into(), source: e.into() })
+    serde_json::to_vec_pretty(data).map_err(|e| LabError::Write {
+        path: "results.json".into(),
+        source: e.into(),
+    })
 }
 
 const HEADER: [&str; 14] = [
@@ -52,7 +55,10 @@ const HEADER: [&str; 14] = [
 
 /// One line a cell.
 fn csv(stability: &Stability) -> Result<Vec<u8>, LabError> {
-    let failed = |source| LabError::Write { path: "matrix.csv".into(), source };
+    let failed = |source| LabError::Write {
+        path: "matrix.csv".into(),
+        source,
+    };
     let mut out = csv::Writer::from_writer(Vec::new());
     out.write_record(HEADER).map_err(|e| failed(e.into()))?;
     for case in &stability.cases {
@@ -64,7 +70,8 @@ fn csv(stability: &Stability) -> Result<Vec<u8>, LabError> {
             };
             let figure = cell.figure().map_or_else(String::new, |f| f.to_string());
             let limits = [case.limits.pass, case.limits.fails, case.ideal].map(|v| v.to_string());
-            let [row, pass, fails, ideal] = [&case.row.to_string(), &limits[0], &limits[1], &limits[2]];
+            let [row, pass, fails, ideal] =
+                [&case.row.to_string(), &limits[0], &limits[1], &limits[2]];
             let record = [
                 row,
                 &case.case,

@@ -28,14 +28,33 @@ struct Chart<'a> {
 
 /// The whole page.
 pub(super) fn html(stability: &Stability, sweeps: &[Sweep]) -> Result<String, LabError> {
-    let uri = |kind: &str, bytes: &[u8]| format!("data:image/{kind};base64,{}", STANDARD.encode(bytes));
-    let pictures = stability
-        .cases
-        .iter()
-        .map(|case| case.cells.iter().map(|cell| cell.picture.as_deref().map(|png| uri("png", png))).collect());
-    let charts = sweeps.iter().map(|s| Chart { name: &s.title, svg: uri("svg+xml", s.svg().as_bytes()) });
-    let data = Data { stability, pictures: pictures.collect(), sweeps: charts.collect() };
+    let uri =
+        |kind: &str, bytes: &[u8]| format!("data:image/{kind};base64,{}", STANDARD.encode(bytes));
+    let pictures = stability.cases.iter().map(|case| {
+        case.cells
+            .iter()
+            .map(|cell| cell.picture.as_deref().map(|png| uri("png", png)))
+            .collect()
+    });
+    let charts = sweeps.iter().map(|s| Chart {
+        name: &s.title,
+        svg: uri("svg+xml", s.svg().as_bytes()),
+    });
+    let data = Data {
+        stability,
+        pictures: pictures.collect(),
+        sweeps: charts.collect(),
+    };
     let title = "umbrage: where shadow methods fail";
-    let page = Page { title, style: STYLE, body: BODY, scripts: &[SCRIPT] }.html(&data);
-    page.map_err(|e| LabError::Write { path: "index.html".into(), source: e.into() })
+    let page = Page {
+        title,
+        style: STYLE,
+        body: BODY,
+        scripts: &[SCRIPT],
+    }
+    .html(&data);
+    page.map_err(|e| LabError::Write {
+        path: "index.html".into(),
+        source: e.into(),
+    })
 }

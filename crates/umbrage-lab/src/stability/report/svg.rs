@@ -23,9 +23,14 @@ fn colors(cell: &Cell) -> [&'static str; 2] {
 /// The whole picture; empty without cases.
 pub(super) fn matrix(stability: &Stability) -> String {
     // Settings that only single rows try are the page's: the picture has those that all rows try.
-    let Some(least) = stability.cases.iter().min_by_key(|c| c.cells.len()) else { return String::new() };
+    let Some(least) = stability.cases.iter().min_by_key(|c| c.cells.len()) else {
+        return String::new();
+    };
     let columns: Vec<String> = least.cells.iter().map(head).collect();
-    let (w, h) = (LEFT + columns.len() * CELL[0] + 90, TOP + stability.cases.len() * CELL[1] + BOTTOM);
+    let (w, h) = (
+        LEFT + columns.len() * CELL[0] + 90,
+        TOP + stability.cases.len() * CELL[1] + BOTTOM,
+    );
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {w} {h}\" width=\"{w}\" height=\"{h}\" \
          font-family=\"system-ui, 'Segoe UI', 'DejaVu Sans', sans-serif\" font-size=\"11.5\">\n\
@@ -40,10 +45,25 @@ pub(super) fn matrix(stability: &Stability) -> String {
         );
     }
     for (k, case) in stability.cases.iter().enumerate() {
-        line(&mut out, case, k, [columns.len(), stability.cases[..k].iter().filter(|c| c.row == case.row).count()]);
+        line(
+            &mut out,
+            case,
+            k,
+            [
+                columns.len(),
+                stability.cases[..k]
+                    .iter()
+                    .filter(|c| c.row == case.row)
+                    .count(),
+            ],
+        );
     }
     let legend = "✓ passes   ~ degraded   ✗ fails   – not made for it; limits and figures: cargo xtask stability";
-    let _ = writeln!(out, "<text x=\"12\" y=\"{}\" fill=\"#5b6675\">{legend}</text>\n</svg>", h - 12);
+    let _ = writeln!(
+        out,
+        "<text x=\"12\" y=\"{}\" fill=\"#5b6675\">{legend}</text>\n</svg>",
+        h - 12
+    );
     out
 }
 
@@ -58,7 +78,11 @@ fn line(out: &mut String, case: &CaseResult, k: usize, [columns, before]: [usize
     let y = TOP + k * CELL[1];
     let base = y + 14;
     if before == 0 {
-        let _ = writeln!(out, "<text x=\"12\" y=\"{base}\" fill=\"#5b6675\">{}</text>", case.row);
+        let _ = writeln!(
+            out,
+            "<text x=\"12\" y=\"{base}\" fill=\"#5b6675\">{}</text>",
+            case.row
+        );
     }
     let _ = writeln!(
         out,
@@ -68,7 +92,9 @@ fn line(out: &mut String, case: &CaseResult, k: usize, [columns, before]: [usize
     );
     for (i, cell) in case.cells.iter().take(columns).enumerate() {
         let (x, [ground, ink]) = (LEFT + i * CELL[0], colors(cell));
-        let figure = cell.figure().map_or_else(String::new, |f| format!(": {f:.3} {}", case.unit));
+        let figure = cell
+            .figure()
+            .map_or_else(String::new, |f| format!(": {f:.3} {}", case.unit));
         let _ = writeln!(
             out,
             "<g><title>{} ({}){figure}</title><rect x=\"{x}\" y=\"{y}\" width=\"{}\" height=\"{}\" rx=\"3\" fill=\"{ground}\"/>\
@@ -85,5 +111,7 @@ fn line(out: &mut String, case: &CaseResult, k: usize, [columns, before]: [usize
 
 /// Text that holds no markup.
 fn text(s: &str) -> String {
-    s.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+    s.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
 }

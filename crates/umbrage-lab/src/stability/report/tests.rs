@@ -27,7 +27,12 @@ fn sample() -> Stability {
         cells: vec![
             cell("3x3, bias: <none>", measured(0.5, Verdict::Pass)),
             cell("7x7, bias: slope", measured(9.0, Verdict::Fails)),
-            cell("cube", Outcome::Unsupported { reason: "no, \"never\"".to_owned() }),
+            cell(
+                "cube",
+                Outcome::Unsupported {
+                    reason: "no, \"never\"".to_owned(),
+                },
+            ),
         ],
     };
     Stability {
@@ -45,15 +50,30 @@ fn everything_is_written_and_reads_back() {
     let dir = tempfile::tempdir().expect("a temporary folder");
     let page = write(dir.path(), &sample(), &[]).expect("writable");
     let html = std::fs::read_to_string(page).expect("there");
-    assert_eq!(html.matches("</script>").count(), 2, "names can't end the script");
+    assert_eq!(
+        html.matches("</script>").count(),
+        2,
+        "names can't end the script"
+    );
     assert!(html.contains("data:image/png;base64,AQID") && !html.contains("{{"));
-    assert!(!html.contains("src=\"http") && !html.contains("href=\"http"), "self-contained");
+    assert!(
+        !html.contains("src=\"http") && !html.contains("href=\"http"),
+        "self-contained"
+    );
     let json = std::fs::read(dir.path().join("results.json")).expect("there");
     let (back, _): (Stability, Vec<Sweep>) = serde_json::from_slice(&json).expect("as written");
     assert_eq!(back.cases[0].cells[1].figure(), Some(9.0));
     let svg = std::fs::read_to_string(dir.path().join("matrix.svg")).expect("there");
-    assert!(["✓", "✗", "–", "&lt;none&gt;"].iter().all(|s| svg.contains(s)), "{svg}");
+    assert!(
+        ["✓", "✗", "–", "&lt;none&gt;"]
+            .iter()
+            .all(|s| svg.contains(s)),
+        "{svg}"
+    );
     let csv = std::fs::read_to_string(dir.path().join("matrix.csv")).expect("there");
     assert_eq!(csv.lines().count(), 4);
-    assert!(csv.contains("thin-plate") && csv.contains("unsupported,\"no, \"\"never\"\"\""), "{csv}");
+    assert!(
+        csv.contains("thin-plate") && csv.contains("unsupported,\"no, \"\"never\"\"\""),
+        "{csv}"
+    );
 }

@@ -35,20 +35,42 @@ pub(super) struct Kind {
 const STEPS: u32 = 25;
 
 fn constant(v: f32) -> Bias {
-    Bias { constant: v, ..Bias::NONE }
+    Bias {
+        constant: v,
+        ..Bias::NONE
+    }
 }
 
 fn polygon_offset(v: f32) -> Bias {
-    Bias { raster: RasterBias { constant: 4, slope: v, clamp: 0.0 }, ..Bias::NONE }
+    Bias {
+        raster: RasterBias {
+            constant: 4,
+            slope: v,
+            clamp: 0.0,
+        },
+        ..Bias::NONE
+    }
 }
 
 fn normal_offset(v: f32) -> Bias {
-    Bias { normal_offset: v, constant: 1e-5, ..Bias::NONE }
+    Bias {
+        normal_offset: v,
+        constant: 1e-5,
+        ..Bias::NONE
+    }
 }
 
 const fn kind(name: &'static str, scene: &'static str, loss: Measure) -> Kind {
     let x = "normal offset, texels";
-    Kind { name, title: "", scene, x, loss, range: [0.02, 50.0], bias: normal_offset }
+    Kind {
+        name,
+        title: "",
+        scene,
+        x,
+        loss,
+        range: [0.02, 50.0],
+        bias: normal_offset,
+    }
 }
 
 #[rustfmt::skip]
@@ -62,14 +84,24 @@ pub(super) const ALL: &[Kind] = &[
     Kind { title: "stairs: normal offset", ..kind("bias-stairs", "stairs", Measure::Rmse) },
 ];
 
-pub(super) fn sweep(kind: &Kind, options: &Options, backends: &mut Backends) -> Result<Sweep, LabError> {
+pub(super) fn sweep(
+    kind: &Kind,
+    options: &Options,
+    backends: &mut Backends,
+) -> Result<Sweep, LabError> {
     let ground = ground(&Case::still(kind.scene, kind.loss), kind.scene, options)?;
     let values: Vec<f32> = (0..STEPS).map(|i| at(kind.range, i)).collect();
     let played = masks(kind, &values, &ground, options, backends)?;
     let curve = |measure: Measure| {
         let pass = measure.limits(&ground).pass;
-        let points = values.iter().zip(&played).map(|(v, p)| [f64::from(*v), measure.figure(&ground, &p.mask) / pass]);
-        Curve { label: format!("{} (limit {})", measure.name(), limit(pass, measure.unit())), points: points.collect() }
+        let points = values
+            .iter()
+            .zip(&played)
+            .map(|(v, p)| [f64::from(*v), measure.figure(&ground, &p.mask) / pass]);
+        Curve {
+            label: format!("{} (limit {})", measure.name(), limit(pass, measure.unit())),
+            points: points.collect(),
+        }
     };
     let curves = vec![curve(Measure::Acne), curve(kind.loss)];
     let best = best(&curves);
@@ -81,7 +113,10 @@ pub(super) fn sweep(kind: &Kind, options: &Options, backends: &mut Backends) -> 
         curves,
         best,
         limit: Some(1.0),
-        disagreeing: played.iter().map(|p| p.disagreeing).fold(None, everywhere::sum),
+        disagreeing: played
+            .iter()
+            .map(|p| p.disagreeing)
+            .fold(None, everywhere::sum),
     })
 }
 
@@ -102,10 +137,16 @@ fn masks(
     backends: &mut Backends,
 ) -> Result<Vec<Played>, LabError> {
     let one = |(i, v): (usize, &f32)| {
-        let map = ShadowMap { size: options.map_size, bias: (kind.bias)(*v), ..ShadowMap::default() };
+        let map = ShadowMap {
+            size: options.map_size,
+            bias: (kind.bias)(*v),
+            ..ShadowMap::default()
+        };
         match play(ground, &Hard { map }, backends, [i, values.len()]) {
             // A perfect score, or a gap that nobody sees, would hide that hard shadows are not served.
-            Err(NoMask::Unsupported(why) | NoMask::Fault(why)) => Err(not_played(ground, &Hard { map }, &why)),
+            Err(NoMask::Unsupported(why) | NoMask::Fault(why)) => {
+                Err(not_played(ground, &Hard { map }, &why))
+            }
             Ok(played) => Ok(played),
         }
     };
@@ -133,19 +174,33 @@ mod tests {
 
     #[test]
     fn the_best_is_between_acne_and_gap() {
-        let falling = Curve { label: String::new(), points: vec![[1.0, 9.0], [2.0, 3.0], [4.0, 0.0], [8.0, 0.0]] };
-        let rising = Curve { label: String::new(), points: vec![[1.0, 0.0], [2.0, 0.5], [4.0, 1.0], [8.0, 7.0]] };
+        let falling = Curve {
+            label: String::new(),
+            points: vec![[1.0, 9.0], [2.0, 3.0], [4.0, 0.0], [8.0, 0.0]],
+        };
+        let rising = Curve {
+            label: String::new(),
+            points: vec![[1.0, 0.0], [2.0, 0.5], [4.0, 1.0], [8.0, 7.0]],
+        };
         assert_eq!(best(&[falling, rising]), Some(4.0));
     }
 
     #[test]
     fn acne_falls_and_the_gap_grows() {
         let sweep = on(vec![Box::new(Cpu::new())]).expect("valid");
-        let [acne, gap] = &sweep.curves[..] else { panic!("two curves") };
+        let [acne, gap] = &sweep.curves[..] else {
+            panic!("two curves")
+        };
         let ends = |c: &Curve| [c.points[0][1], c.points[c.points.len() - 1][1]];
         let ([acne_least, acne_most], [gap_least, gap_most]) = (ends(acne), ends(gap));
-        assert!(acne_least > 10.0 && acne_most == 0.0, "acne {acne_least} to {acne_most}");
-        assert!(gap_least <= 1.0 && gap_most > 4.0, "gap {gap_least} to {gap_most}");
+        assert!(
+            acne_least > 10.0 && acne_most == 0.0,
+            "acne {acne_least} to {acne_most}"
+        );
+        assert!(
+            gap_least <= 1.0 && gap_most > 4.0,
+            "gap {gap_least} to {gap_most}"
+        );
     }
 
     #[test]
@@ -163,7 +218,11 @@ mod tests {
         // The last of three, and one that never comes.
         for (k, disagreeing) in [(3, 1), (4, 0)] {
             let sweep = beside(k);
-            assert_eq!((sweep.disagreeing, sweep.fault().is_some()), (Some(disagreeing), disagreeing > 0), "{k}");
+            assert_eq!(
+                (sweep.disagreeing, sweep.fault().is_some()),
+                (Some(disagreeing), disagreeing > 0),
+                "{k}"
+            );
         }
     }
 
@@ -182,7 +241,12 @@ mod tests {
                 Err(Invalid::new("map", "is too large", "use a smaller one").into())
             }
         }
-        let why = on(vec![Box::new(Refuses)]).expect_err("nothing is served").to_string();
-        assert!(why.contains("thin-plate") && why.contains("hard") && why.contains("too large"), "{why}");
+        let why = on(vec![Box::new(Refuses)])
+            .expect_err("nothing is served")
+            .to_string();
+        assert!(
+            why.contains("thin-plate") && why.contains("hard") && why.contains("too large"),
+            "{why}"
+        );
     }
 }

@@ -14,14 +14,28 @@ pub(super) fn figure(sweep: &Sweep) -> Figure {
     let mut figure = Figure::new(&sweep.title, &sweep.x, &sweep.y).log(true, true);
     figure.size = [900.0, 420.0];
     for (i, curve) in sweep.curves.iter().enumerate() {
-        let points = curve.points.iter().map(|[x, y]| Point::at(*x, y.max(floor))).collect();
+        let points = curve
+            .points
+            .iter()
+            .map(|[x, y]| Point::at(*x, y.max(floor)))
+            .collect();
         let line = Series::line(&curve.label, COLORS[i % COLORS.len()], points);
         // Where colours come again, lines are dashed.
-        let style = if i < COLORS.len() { line.style } else { Style::Dashed(2.0) };
+        let style = if i < COLORS.len() {
+            line.style
+        } else {
+            Style::Dashed(2.0)
+        };
         figure.series.push(Series { style, ..line });
     }
-    figure.references.extend(sweep.best.map(|x| Reference::Across(x, format!("best: {}", two_digits(x)))));
-    figure.references.extend(sweep.limit.map(|y| Reference::Up(y, "limit".to_owned())));
+    figure.references.extend(
+        sweep
+            .best
+            .map(|x| Reference::Across(x, format!("best: {}", two_digits(x)))),
+    );
+    figure
+        .references
+        .extend(sweep.limit.map(|y| Reference::Up(y, "limit".to_owned())));
     figure
 }
 
@@ -39,12 +53,18 @@ mod tests {
 
     #[test]
     fn two_digits_count() {
-        assert_eq!([0.000_731, 0.376, 1.25, 48.2].map(two_digits), ["0.00073", "0.38", "1.2", "48"]);
+        assert_eq!(
+            [0.000_731, 0.376, 1.25, 48.2].map(two_digits),
+            ["0.00073", "0.38", "1.2", "48"]
+        );
     }
 
     #[test]
     fn what_is_nothing_lies_at_the_bottom_and_curves_look_unlike() {
-        let curve = |i: usize| Curve { label: i.to_string(), points: vec![[1.0, 0.0], [2.0, 5.0]] };
+        let curve = |i: usize| Curve {
+            label: i.to_string(),
+            points: vec![[1.0, 0.0], [2.0, 5.0]],
+        };
         let sweep = Sweep {
             name: "n".to_owned(),
             title: "t".to_owned(),
@@ -56,8 +76,18 @@ mod tests {
             disagreeing: None,
         };
         let figure = figure(&sweep);
-        assert_eq!(figure.series[0].points, [Point::at(1.0, 0.01), Point::at(2.0, 5.0)]);
-        let looks: HashSet<String> = figure.series.iter().map(|s| format!("{} {:?}", s.color, s.style)).collect();
-        assert_eq!((looks.len(), figure.references.len(), figure.log), (10, 2, [true; 2]));
+        assert_eq!(
+            figure.series[0].points,
+            [Point::at(1.0, 0.01), Point::at(2.0, 5.0)]
+        );
+        let looks: HashSet<String> = figure
+            .series
+            .iter()
+            .map(|s| format!("{} {:?}", s.color, s.style))
+            .collect();
+        assert_eq!(
+            (looks.len(), figure.references.len(), figure.log),
+            (10, 2, [true; 2])
+        );
     }
 }

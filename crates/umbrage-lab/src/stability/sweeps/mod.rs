@@ -80,7 +80,10 @@ impl Sweep {
     /// That backends disagree, if they do.
     pub fn fault(&self) -> Option<String> {
         let n = self.disagreeing.filter(|n| *n > 0)?;
-        Some(format!("sweep {}: backends differ on {n} decided pixels", self.name))
+        Some(format!(
+            "sweep {}: backends differ on {n} decided pixels",
+            self.name
+        ))
     }
 
     /// The curves' points: `curve,x,y`.
@@ -89,8 +92,12 @@ impl Sweep {
     /// When memory runs out.
     pub fn csv(&self) -> Result<Vec<u8>, LabError> {
         let mut out = csv::Writer::from_writer(Vec::new());
-        let failed = |source| LabError::Write { path: self.name.clone().into(), source };
-        out.write_record(["curve", &self.x, &self.y]).map_err(|e| failed(e.into()))?;
+        let failed = |source| LabError::Write {
+            path: self.name.clone().into(),
+            source,
+        };
+        out.write_record(["curve", &self.x, &self.y])
+            .map_err(|e| failed(e.into()))?;
         for curve in &self.curves {
             for [x, y] in &curve.points {
                 let record = [curve.label.clone(), x.to_string(), y.to_string()];
@@ -108,13 +115,22 @@ fn play(
     backends: &mut Backends,
     [i, of]: [usize; 2],
 ) -> Result<Played, NoMask> {
-    let view = ground.view(&ground.lights[0]).with_receivers(&ground.truth.receivers);
+    let view = ground
+        .view(&ground.lights[0])
+        .with_receivers(&ground.truth.receivers);
     let recipe = guard::plan(technique, &view)?;
     let is_checked = [0, of / 2, of - 1].contains(&i);
-    everywhere::render(everywhere::those(&mut backends.playing, is_checked), &view, &recipe)
+    everywhere::render(
+        everywhere::those(&mut backends.playing, is_checked),
+        &view,
+        &recipe,
+    )
 }
 
 /// What must not be in a sweep.
 fn not_played(ground: &Ground, technique: &dyn ShadowTechnique, why: &str) -> LabError {
-    LabError::NotComparable { scene: ground.scene.name.clone(), what: format!("{}: {why}", technique.name()) }
+    LabError::NotComparable {
+        scene: ground.scene.name.clone(),
+        what: format!("{}: {why}", technique.name()),
+    }
 }

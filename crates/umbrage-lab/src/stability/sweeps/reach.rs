@@ -24,7 +24,15 @@ pub(super) struct Kind {
 }
 
 const fn kind(name: &'static str, scene: &'static str, values: &'static [f64]) -> Kind {
-    Kind { name, title: "", scene, x: "", values, turn: same, is_map_size: false }
+    Kind {
+        name,
+        title: "",
+        scene,
+        x: "",
+        values,
+        turn: same,
+        is_map_size: false,
+    }
 }
 
 fn same(scene: &Scene, _: f64) -> Scene {
@@ -55,27 +63,52 @@ pub(super) const ALL: &[Kind] = &[
 /// The techniques drawn: few enough to tell their curves apart.
 const TECHNIQUES: [&str; 4] = ["hard", "pcf", "second_depth", "volumes"];
 
-pub(super) fn sweep(kind: &Kind, options: &Options, backends: &mut Backends) -> Result<Sweep, LabError> {
+pub(super) fn sweep(
+    kind: &Kind,
+    options: &Options,
+    backends: &mut Backends,
+) -> Result<Sweep, LabError> {
     let entry = umbrage_scenes::find(kind.scene);
     let scene = entry.map(|e| (e.build)()).unwrap_or_default();
-    let mut curves = vec![Curve { label: "perfect map".to_owned(), points: Vec::new() }];
+    let mut curves = vec![Curve {
+        label: "perfect map".to_owned(),
+        points: Vec::new(),
+    }];
     let mut disagreeing = None;
     for (place, &value) in kind.values.iter().enumerate() {
-        let size = if kind.is_map_size { value as u32 } else { options.map_size };
+        let size = if kind.is_map_size {
+            value as u32
+        } else {
+            options.map_size
+        };
         let variant = (kind.turn)(&scene, value);
-        let (camera, lights) = (variant.cameras[0].resized(options.size), variant.lights[..1].to_vec());
+        let (camera, lights) = (
+            variant.cameras[0].resized(options.size),
+            variant.lights[..1].to_vec(),
+        );
         let ground = Ground::new(variant, camera, lights, size, &options.truth)?;
-        add(&mut curves[0], value, Measure::Rmse.figure(&ground, &ground.ideal));
+        add(
+            &mut curves[0],
+            value,
+            Measure::Rmse.figure(&ground, &ground.ideal),
+        );
         let wanted = TECHNIQUES.map(str::to_owned);
         for (i, technique) in settings(&wanted, size, Fit::Tight).iter().enumerate() {
             if curves.len() < i + 2 {
                 let label = format!("{} ({})", technique.name(), technique.settings());
                 // The side is on the axis, or in the title of none.
-                curves.push(Curve { label: label.replace(&format!("{size}, "), ""), points: Vec::new() });
+                curves.push(Curve {
+                    label: label.replace(&format!("{size}, "), ""),
+                    points: Vec::new(),
+                });
             }
             match play(&ground, &**technique, backends, [place, kind.values.len()]) {
                 Ok(played) => {
-                    add(&mut curves[i + 1], value, Measure::Rmse.figure(&ground, &played.mask));
+                    add(
+                        &mut curves[i + 1],
+                        value,
+                        Measure::Rmse.figure(&ground, &played.mask),
+                    );
                     disagreeing = everywhere::sum(disagreeing, played.disagreeing);
                 }
                 Err(NoMask::Unsupported(_)) => {}

@@ -7,13 +7,16 @@ use umbrage_core::{Light, Scene};
 pub fn scaled(scene: &Scene, by: f32) -> Scene {
     let mut out = scene.clone();
     for instance in &mut out.instances {
-        instance.world_from_local = Affine3A::from_scale(Vec3::splat(by)) * instance.world_from_local;
+        instance.world_from_local =
+            Affine3A::from_scale(Vec3::splat(by)) * instance.world_from_local;
     }
     for camera in &mut out.cameras {
         camera.world_from_view.translation *= by;
         camera.clip_from_view *= Mat4::from_scale(Vec3::splat(1.0 / by));
     }
-    out.lights.iter_mut().for_each(|light| *light = placed(light, |p| p * by, by));
+    out.lights
+        .iter_mut()
+        .for_each(|light| *light = placed(light, |p| p * by, by));
     out
 }
 
@@ -26,7 +29,9 @@ pub fn moved(scene: &Scene, by: Vec3) -> Scene {
     for camera in &mut out.cameras {
         camera.world_from_view.translation += Vec3A::from(by);
     }
-    out.lights.iter_mut().for_each(|light| *light = placed(light, |p| p + by, 1.0));
+    out.lights
+        .iter_mut()
+        .for_each(|light| *light = placed(light, |p| p + by, 1.0));
     out
 }
 
@@ -34,14 +39,41 @@ pub fn moved(scene: &Scene, by: Vec3) -> Scene {
 fn placed(light: &Light, place: impl Fn(Vec3) -> Vec3, by: f32) -> Light {
     match *light {
         directional @ Light::Directional { .. } => directional,
-        Light::Point { position, radius } => Light::Point { position: place(position), radius: radius * by },
-        Light::Spot { position, direction, inner, outer, radius } => {
-            Light::Spot { position: place(position), direction, inner, outer, radius: radius * by }
-        }
-        Light::Rect { center, half_u, half_v } => {
-            Light::Rect { center: place(center), half_u: half_u * by, half_v: half_v * by }
-        }
-        Light::Disc { center, normal, radius } => Light::Disc { center: place(center), normal, radius: radius * by },
+        Light::Point { position, radius } => Light::Point {
+            position: place(position),
+            radius: radius * by,
+        },
+        Light::Spot {
+            position,
+            direction,
+            inner,
+            outer,
+            radius,
+        } => Light::Spot {
+            position: place(position),
+            direction,
+            inner,
+            outer,
+            radius: radius * by,
+        },
+        Light::Rect {
+            center,
+            half_u,
+            half_v,
+        } => Light::Rect {
+            center: place(center),
+            half_u: half_u * by,
+            half_v: half_v * by,
+        },
+        Light::Disc {
+            center,
+            normal,
+            radius,
+        } => Light::Disc {
+            center: place(center),
+            normal,
+            radius: radius * by,
+        },
     }
 }
 
@@ -49,10 +81,17 @@ fn placed(light: &Light, place: impl Fn(Vec3) -> Vec3, by: f32) -> Light {
 pub fn under_sun(scene: &Scene, degrees: f64) -> Scene {
     let height = degrees.to_radians();
     let across = height.cos().max(0.0);
-    let direction = Vec3::new((0.3 * across) as f32, -height.sin() as f32, (-0.954 * across) as f32);
+    let direction = Vec3::new(
+        (0.3 * across) as f32,
+        -height.sin() as f32,
+        (-0.954 * across) as f32,
+    );
     let mut out = scene.clone();
     if let Some(light) = out.lights.first_mut() {
-        *light = Light::Directional { direction, angular_diameter: 0.0 };
+        *light = Light::Directional {
+            direction,
+            angular_diameter: 0.0,
+        };
     }
     out
 }
@@ -69,13 +108,28 @@ mod tests {
         let see = |scene: &Scene| {
             let camera: Camera = scene.cameras[0].resized(glam::UVec2::new(80, 60));
             let geometry = Geometry::bake(scene).expect("valid");
-            Cpu::new().receivers(&camera, &geometry).expect("valid").triangle
+            Cpu::new()
+                .receivers(&camera, &geometry)
+                .expect("valid")
+                .triangle
         };
         let plain = see(&scene);
-        for other in [scaled(&scene, 1e-3), scaled(&scene, 1e4), moved(&scene, Vec3::new(100.0, 0.0, -50.0))] {
-            let differing = see(&other).iter().zip(&plain).filter(|(a, b)| a != b).count();
+        for other in [
+            scaled(&scene, 1e-3),
+            scaled(&scene, 1e4),
+            moved(&scene, Vec3::new(100.0, 0.0, -50.0)),
+        ] {
+            let differing = see(&other)
+                .iter()
+                .zip(&plain)
+                .filter(|(a, b)| a != b)
+                .count();
             // Pixels on outlines alone may round otherwise.
-            assert!(differing * 200 < plain.len(), "{differing} of {}", plain.len());
+            assert!(
+                differing * 200 < plain.len(),
+                "{differing} of {}",
+                plain.len()
+            );
         }
     }
 }

@@ -13,9 +13,17 @@ const ROOM: [Vec3; 2] = [Vec3::new(-2.0, 0.0, -2.0), Vec3::new(2.0, 3.0, 2.0)];
 
 pub(crate) fn closed_room() -> Scene {
     Stage::new("c7-closed-room")
-        .put(Mesh { name: "room".to_owned(), ..block(ROOM[0], ROOM[1]) })
+        .put(Mesh {
+            name: "room".to_owned(),
+            ..block(ROOM[0], ROOM[1])
+        })
         .light(sun(1.0, -2.0, 0.5))
-        .shoot(Vec3::new(1.7, 1.5, 1.7), Vec3::new(-0.6, 1.4, -0.6), 75.0, SIZE)
+        .shoot(
+            Vec3::new(1.7, 1.5, 1.7),
+            Vec3::new(-0.6, 1.4, -0.6),
+            75.0,
+            SIZE,
+        )
 }
 
 /// Walls without thickness, the sun outside: no inner point is lit, up to a thousandth from the corners.
@@ -31,11 +39,19 @@ pub(crate) fn closed_room_samples() -> ClosedForm {
                 (t[(axis + 1) % 3], t[(axis + 2) % 3]) = (at(i), at(k));
                 let mut point = min + (max - min) * t;
                 point[axis] = wall[axis];
-                samples.push(Sample { point, normal: Vec3::AXES[axis] * inward, visibility: 0.0, weighted: None });
+                samples.push(Sample {
+                    point,
+                    normal: Vec3::AXES[axis] * inward,
+                    visibility: 0.0,
+                    weighted: None,
+                });
             }
         }
     }
-    ClosedForm { samples, tolerance: 0.0 }
+    ClosedForm {
+        samples,
+        tolerance: 0.0,
+    }
 }
 
 /// The way c8's light travels.
@@ -44,18 +60,33 @@ const TOWARDS: Vec3 = Vec3::new(1.0, -2.0, 0.5);
 fn faceted_mesh() -> Mesh {
     // Each facet with vertices of its own, so that shading is faceted as well.
     let smooth = icosphere(Vec3::new(0.0, 1.0, 0.0), 1.0, 2);
-    let positions: Vec<Vec3> = smooth.triangles.iter().flatten().map(|&v| smooth.positions[v as usize]).collect();
-    let triangles = (0..positions.len() as u32 / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-    Mesh { name: "sphere".to_owned(), positions, triangles, ..Mesh::default() }
+    let positions: Vec<Vec3> = smooth
+        .triangles
+        .iter()
+        .flatten()
+        .map(|&v| smooth.positions[v as usize])
+        .collect();
+    let triangles = (0..positions.len() as u32 / 3)
+        .map(|i| [3 * i, 3 * i + 1, 3 * i + 2])
+        .collect();
+    Mesh {
+        name: "sphere".to_owned(),
+        positions,
+        triangles,
+        ..Mesh::default()
+    }
 }
 
 pub(crate) fn faceted_sphere() -> Scene {
-    Stage::new("c8-faceted-sphere").put(faceted_mesh()).light(sun(TOWARDS.x, TOWARDS.y, TOWARDS.z)).shoot(
-        Vec3::new(1.5, 2.4, 4.2),
-        Vec3::new(0.0, 1.0, 0.0),
-        34.0,
-        SIZE,
-    )
+    Stage::new("c8-faceted-sphere")
+        .put(faceted_mesh())
+        .light(sun(TOWARDS.x, TOWARDS.y, TOWARDS.z))
+        .shoot(
+            Vec3::new(1.5, 2.4, 4.2),
+            Vec3::new(0.0, 1.0, 0.0),
+            34.0,
+            SIZE,
+        )
 }
 
 /// Nothing else is there and the sphere is convex: a facet is lit exactly if it faces the light. Four points on each of
@@ -75,22 +106,30 @@ pub(crate) fn faceted_sphere_samples() -> ClosedForm {
             weighted: None,
         })
     });
-    ClosedForm { samples: samples.collect(), tolerance: 0.0 }
+    ClosedForm {
+        samples: samples.collect(),
+        tolerance: 0.0,
+    }
 }
 
 pub(crate) fn bare_floor() -> Scene {
     let height = 0.5_f64.to_radians();
-    Stage::new("c9-bare-floor").put(floor(10.0)).light(sun(height.cos() as f32, -height.sin() as f32, 0.0)).shoot(
-        Vec3::new(0.0, 12.0, 19.0),
-        Vec3::new(0.0, 0.0, -1.0),
-        60.0,
-        SIZE,
-    )
+    Stage::new("c9-bare-floor")
+        .put(floor(10.0))
+        .light(sun(height.cos() as f32, -height.sin() as f32, 0.0))
+        .shoot(
+            Vec3::new(0.0, 12.0, 19.0),
+            Vec3::new(0.0, 0.0, -1.0),
+            60.0,
+            SIZE,
+        )
 }
 
 /// The sun half a degree high over nothing: all is lit.
 pub(crate) fn bare_floor_samples() -> ClosedForm {
     let at = |i: i32| i as f32 * 0.39;
-    let points: Vec<_> = (-25..=25).flat_map(|i| (-25..=25).map(move |k| (at(i), at(k), 1.0))).collect();
+    let points: Vec<_> = (-25..=25)
+        .flat_map(|i| (-25..=25).map(move |k| (at(i), at(k), 1.0)))
+        .collect();
     exact(&points)
 }

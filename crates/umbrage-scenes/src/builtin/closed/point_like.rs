@@ -17,7 +17,12 @@ pub(crate) fn box_sun() -> Scene {
         .put(floor(4.0))
         .put(block(Vec3::new(-1.0, 0.0, -1.0), Vec3::new(1.0, 2.0, 1.0)))
         .light(sun(1.0, -2.0, 0.5))
-        .shoot(Vec3::new(1.5, 9.0, 5.0), Vec3::new(0.4, 0.0, 0.4), 36.0, SIZE)
+        .shoot(
+            Vec3::new(1.5, 9.0, 5.0),
+            Vec3::new(0.4, 0.0, 0.4),
+            36.0,
+            SIZE,
+        )
 }
 
 /// The shadow is the hexagon (-1,-1) (1,-1) (2,-.5) (2,1.5) (0,1.5) (-1,1) in (x, z).
@@ -44,7 +49,12 @@ pub(crate) fn sphere_sun() -> Scene {
         .put(floor(7.0))
         .put(icosphere(Vec3::new(0.0, 2.0, 0.0), 1.0, SPLITS))
         .light(sun(thirty.cos() as f32, -thirty.sin() as f32, 0.0))
-        .shoot(Vec3::new(4.0, 7.0, 7.0), Vec3::new(2.8, 0.0, 0.0), 42.0, SIZE)
+        .shoot(
+            Vec3::new(4.0, 7.0, 7.0),
+            Vec3::new(2.8, 0.0, 0.0),
+            42.0,
+            SIZE,
+        )
 }
 
 /// The shadow is the ellipse ((x - 2 sqrt 3) / 2)^2 + z^2 < 1.
@@ -64,7 +74,12 @@ pub(crate) fn sphere_bulb() -> Scene {
         .put(floor(5.0))
         .put(icosphere(Vec3::new(1.0, 2.0, 0.0), 0.5, SPLITS))
         .light(bulb(0.0, 4.0, 0.0))
-        .shoot(Vec3::new(3.5, 4.5, 5.0), Vec3::new(1.9, 0.3, 0.0), 42.0, SIZE)
+        .shoot(
+            Vec3::new(3.5, 4.5, 5.0),
+            Vec3::new(1.9, 0.3, 0.0),
+            42.0,
+            SIZE,
+        )
 }
 
 /// The shadow is bounded by the ellipse (x + 8)^2 = 4.75 (x^2 + z^2 + 16).
@@ -84,7 +99,12 @@ pub(crate) fn sphere_level_bulb() -> Scene {
         .put(floor(40.0))
         .put(icosphere(Vec3::new(1.5, 2.0, 0.0), 0.5, SPLITS))
         .light(bulb(0.0, 2.0, 0.0))
-        .shoot(Vec3::new(14.0, 22.0, 30.0), Vec3::new(16.0, 0.0, 2.0), 48.0, SIZE)
+        .shoot(
+            Vec3::new(14.0, 22.0, 30.0),
+            Vec3::new(16.0, 0.0, 2.0),
+            48.0,
+            SIZE,
+        )
 }
 
 /// The light is as high as the sphere's middle: the shadow is bounded by one branch of the hyperbola

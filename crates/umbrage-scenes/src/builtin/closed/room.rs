@@ -14,29 +14,61 @@ use umbrage_core::glam::Vec3;
 
 pub(super) const BULB: Vec3 = Vec3::new(0.0, 4.0, 0.0);
 /// Centres and radii: c3's; one towards the seam between -x and -y; one towards the corner of -x, -y and +z.
-pub(super) const SPHERES: [(Vec3, f32); 3] =
-    [(Vec3::new(1.0, 2.0, 0.0), 0.5), (Vec3::new(-1.5, 2.5, 0.0), 0.4), (Vec3::new(-1.2, 2.8, 1.2), 0.35)];
+pub(super) const SPHERES: [(Vec3, f32); 3] = [
+    (Vec3::new(1.0, 2.0, 0.0), 0.5),
+    (Vec3::new(-1.5, 2.5, 0.0), 0.4),
+    (Vec3::new(-1.2, 2.8, 1.2), 0.35),
+];
 
 pub(crate) fn room() -> Scene {
     // c3's keeps its 20,480 triangles; the others' outlines are within half a millimetre of their spheres with 5,120.
-    let spheres = SPHERES.iter().zip([5, 4, 4]).map(|(&(center, radius), splits)| icosphere(center, radius, splits));
+    let spheres = SPHERES
+        .iter()
+        .zip([5, 4, 4])
+        .map(|(&(center, radius), splits)| icosphere(center, radius, splits));
     let slabs = slabs_around(Vec3::new(-8.0, 0.0, -8.0), Vec3::new(8.0, 7.0, 8.0), 0.2);
-    slabs.into_iter().chain(spheres).fold(Stage::new("c3-room"), Stage::put).light(bulb(BULB.x, BULB.y, BULB.z)).shoot(
-        Vec3::new(-1.2, 6.6, -7.4),
-        Vec3::new(-1.3, 0.0, 0.6),
-        64.0,
-        SIZE,
-    )
+    slabs
+        .into_iter()
+        .chain(spheres)
+        .fold(Stage::new("c3-room"), Stage::put)
+        .light(bulb(BULB.x, BULB.y, BULB.z))
+        .shoot(
+            Vec3::new(-1.2, 6.6, -7.4),
+            Vec3::new(-1.3, 0.0, 0.6),
+            64.0,
+            SIZE,
+        )
 }
 
 /// c3's samples; across the seam at x = -4, where the second sphere's shadow reaches from -5.902 to -2.711; and along
 /// the diagonal z = -x, where the third's reaches from 2.832 to 5.914 and the corner is at 4.
 pub(crate) fn room_samples() -> ClosedForm {
     let mut out = super::point_like::sphere_bulb_samples();
-    let seam = [(-2.69, 1.0), (-2.73, 0.0), (-3.99, 0.0), (-4.0, 0.0), (-4.01, 0.0), (-5.88, 0.0), (-5.93, 1.0)];
-    let corner = [(2.81, 1.0), (2.86, 0.0), (3.99, 0.0), (4.0, 0.0), (4.01, 0.0), (5.88, 0.0), (5.95, 1.0)];
+    let seam = [
+        (-2.69, 1.0),
+        (-2.73, 0.0),
+        (-3.99, 0.0),
+        (-4.0, 0.0),
+        (-4.01, 0.0),
+        (-5.88, 0.0),
+        (-5.93, 1.0),
+    ];
+    let corner = [
+        (2.81, 1.0),
+        (2.86, 0.0),
+        (3.99, 0.0),
+        (4.0, 0.0),
+        (4.01, 0.0),
+        (5.88, 0.0),
+        (5.95, 1.0),
+    ];
     // Lit on the seams between the shadows, and beyond them.
-    let between = [(-4.0, -3.0, 1.0), (4.0, 4.0, 1.0), (0.0, 4.0, 1.0), (4.0, 0.0, 1.0)];
+    let between = [
+        (-4.0, -3.0, 1.0),
+        (4.0, 4.0, 1.0),
+        (0.0, 4.0, 1.0),
+        (4.0, 0.0, 1.0),
+    ];
     let points: Vec<_> = (seam.iter().map(|&(x, v)| (x, 0.0, v)))
         .chain(corner.iter().map(|&(d, v)| (-d, d, v)))
         .chain(between)

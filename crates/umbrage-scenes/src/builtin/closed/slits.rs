@@ -10,22 +10,35 @@ use umbrage_core::glam::Vec3;
 use umbrage_core::{Mesh, Scene};
 
 fn beside_slit(name: &str, [left, right]: [Mesh; 2]) -> Scene {
-    Stage::new(name).put(floor(4.0)).put(left).put(right).light(sun(1.0, -2.0, 0.0)).shoot(
-        Vec3::new(0.9, 0.75, 2.0),
-        Vec3::new(0.5, 0.0, 0.0),
-        40.0,
-        SIZE,
-    )
+    Stage::new(name)
+        .put(floor(4.0))
+        .put(left)
+        .put(right)
+        .light(sun(1.0, -2.0, 0.0))
+        .shoot(
+            Vec3::new(0.9, 0.75, 2.0),
+            Vec3::new(0.5, 0.0, 0.0),
+            40.0,
+            SIZE,
+        )
 }
 
 pub(crate) fn slit() -> Scene {
-    let sides = [sheet([-3.0, -0.01], [-3.0, 3.0], 1.0), sheet([0.01, 3.0], [-3.0, 3.0], 1.0)];
+    let sides = [
+        sheet([-3.0, -0.01], [-3.0, 3.0], 1.0),
+        sheet([0.01, 3.0], [-3.0, 3.0], 1.0),
+    ];
     beside_slit("c6-slit", sides)
 }
 
 /// Lit where .49 < x < .51.
 pub(crate) fn slit_samples() -> ClosedForm {
-    exact(&[(0.489, 0.0, 0.0), (0.491, 0.0, 1.0), (0.509, 0.0, 1.0), (0.511, 0.0, 0.0)])
+    exact(&[
+        (0.489, 0.0, 0.0),
+        (0.491, 0.0, 1.0),
+        (0.509, 0.0, 1.0),
+        (0.511, 0.0, 0.0),
+    ])
 }
 
 pub(crate) fn thick_slit() -> Scene {
@@ -35,17 +48,30 @@ pub(crate) fn thick_slit() -> Scene {
 
 /// The slabs' thickness takes half of itself off the gap: lit where .505 < x < .51.
 pub(crate) fn thick_slit_samples() -> ClosedForm {
-    exact(&[(0.504, 0.0, 0.0), (0.506, 0.0, 1.0), (0.509, 0.0, 1.0), (0.511, 0.0, 0.0)])
+    exact(&[
+        (0.504, 0.0, 0.0),
+        (0.506, 0.0, 1.0),
+        (0.509, 0.0, 1.0),
+        (0.511, 0.0, 0.0),
+    ])
 }
 
 pub(crate) fn seam() -> Scene {
-    beside_slit("c6c-seam", [sheet([-3.0, 0.0], [-3.0, 3.0], 1.0), sheet([0.0, 3.0], [-3.0, 3.0], 1.0)])
+    beside_slit(
+        "c6c-seam",
+        [
+            sheet([-3.0, 0.0], [-3.0, 3.0], 1.0),
+            sheet([0.0, 3.0], [-3.0, 3.0], 1.0),
+        ],
+    )
 }
 
 /// Two sheets share an edge but no vertices: nothing below is lit.
 pub(crate) fn seam_samples() -> ClosedForm {
     // Dense about x = .5, where light through the seam would fall; 2^-10 steps meet it exactly.
     let xs = (-64..=64).map(|i| 0.5 + i as f32 / 1024.0);
-    let points: Vec<_> = xs.flat_map(|x| (-8..=8).map(move |k| (x, k as f32 / 16.0, 0.0))).collect();
+    let points: Vec<_> = xs
+        .flat_map(|x| (-8..=8).map(move |k| (x, k as f32 / 16.0, 0.0)))
+        .collect();
     exact(&points)
 }

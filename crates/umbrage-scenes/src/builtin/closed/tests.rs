@@ -15,7 +15,10 @@ const DIGITS: f64 = 2e-6;
 fn holds(name: &str, formula: impl Fn(f64, f64) -> f64) {
     for s in samples(name) {
         let v = formula(f64::from(s.point.x), f64::from(s.point.z));
-        assert!((v - f64::from(s.visibility)).abs() < DIGITS, "{name}: {v} at {s:?}");
+        assert!(
+            (v - f64::from(s.visibility)).abs() < DIGITS,
+            "{name}: {v} at {s:?}"
+        );
     }
 }
 
@@ -25,7 +28,14 @@ fn lit(is_lit: bool) -> f64 {
 
 #[test]
 fn ideal_lights_follow_their_formulas() {
-    let hexagon = [(-1.0, -1.0), (1.0, -1.0), (2.0, -0.5), (2.0, 1.5), (0.0, 1.5), (-1.0, 1.0)];
+    let hexagon = [
+        (-1.0, -1.0),
+        (1.0, -1.0),
+        (2.0, -0.5),
+        (2.0, 1.5),
+        (0.0, 1.5),
+        (-1.0, 1.0),
+    ];
     holds("c1-box-sun", |x, z| {
         let left_of = |i: usize| {
             let ((ax, az), (bx, bz)) = (hexagon[i], hexagon[(i + 1) % 6]);
@@ -33,9 +43,15 @@ fn ideal_lights_follow_their_formulas() {
         };
         lit(!(0..6).all(left_of))
     });
-    holds("c2-sphere-sun", |x, z| lit(((x - 12.0_f64.sqrt()) / 2.0).powi(2) + z * z > 1.0));
-    holds("c3-sphere-bulb", |x, z| lit((x + 8.0).powi(2) < 4.75 * (x * x + z * z + 16.0)));
-    holds("c3b-sphere-level-bulb", |x, z| lit(x * x / 32.0 - z * z / 4.0 < 1.0));
+    holds("c2-sphere-sun", |x, z| {
+        lit(((x - 12.0_f64.sqrt()) / 2.0).powi(2) + z * z > 1.0)
+    });
+    holds("c3-sphere-bulb", |x, z| {
+        lit((x + 8.0).powi(2) < 4.75 * (x * x + z * z + 16.0))
+    });
+    holds("c3b-sphere-level-bulb", |x, z| {
+        lit(x * x / 32.0 - z * z / 4.0 < 1.0)
+    });
     holds("c6-slit", |x, _| lit(x > 0.49 && x < 0.51));
     holds("c6b-thick-slit", |x, _| lit(x > 0.505 && x < 0.51));
 }
@@ -45,10 +61,15 @@ fn ideal_lights_follow_their_formulas() {
 #[test]
 fn spheres_around_a_bulb_follow_their_cones() {
     let in_cone = |x: f64, z: f64, (center, radius): (Vec3, f32)| {
-        let (to_point, to_center) = (DVec3::new(x, 0.0, z) - room::BULB.as_dvec3(), (center - room::BULB).as_dvec3());
+        let (to_point, to_center) = (
+            DVec3::new(x, 0.0, z) - room::BULB.as_dvec3(),
+            (center - room::BULB).as_dvec3(),
+        );
         to_point.angle_between(to_center) < (f64::from(radius) / to_center.length()).asin()
     };
-    holds("c3-room", |x, z| lit(!room::SPHERES.iter().any(|&sphere| in_cone(x, z, sphere))));
+    holds("c3-room", |x, z| {
+        lit(!room::SPHERES.iter().any(|&sphere| in_cone(x, z, sphere)))
+    });
 }
 
 /// Where the edge cuts the lamp, seen from the floor at x: height h, edge at e, lamp at 4.
@@ -71,19 +92,26 @@ fn lamps_follow_their_formulas() {
     });
     holds("c4c-edge-turned-square", |x, _| {
         let t = (edge_on_lamp(x, 2.0, 0.0) * 2.0_f64.sqrt()).clamp(-1.0, 1.0);
-        if t < 0.0 { 1.0 - (1.0 + t).powi(2) / 2.0 } else { (1.0 - t).powi(2) / 2.0 }
+        if t < 0.0 {
+            1.0 - (1.0 + t).powi(2) / 2.0
+        } else {
+            (1.0 - t).powi(2) / 2.0
+        }
     });
     holds("c4d-edge-disc", |x, _| {
         let t = (edge_on_lamp(x, 2.0, 0.0) / 0.5).clamp(-1.0, 1.0);
         (t.acos() - t * (1.0 - t * t).sqrt()) / std::f64::consts::PI
     });
-    holds("c5-corner-square", |x, z| 1.0 - (1.0 - ramp(x)) * (1.0 - ramp(z)));
+    holds("c5-corner-square", |x, z| {
+        1.0 - (1.0 - ramp(x)) * (1.0 - ramp(z))
+    });
 }
 
 /// Irradiance of a floor point under a polygon of even radiance pi (Lambert 1760): the sum over its edges of the angle
 /// they span times the slope of the plane through them.
 fn lambert(from: f64, to: f64, x: f64) -> f64 {
-    let corners = [(from, -0.5), (from, 0.5), (to, 0.5), (to, -0.5)].map(|(lx, lz)| DVec3::new(lx - x, 4.0, lz));
+    let corners = [(from, -0.5), (from, 0.5), (to, 0.5), (to, -0.5)]
+        .map(|(lx, lz)| DVec3::new(lx - x, 4.0, lz));
     let edge = |i: usize| {
         let (a, b) = (corners[i].normalize(), corners[(i + 1) % 4].normalize());
         a.dot(b).acos() * a.cross(b).normalize().y
@@ -93,13 +121,19 @@ fn lambert(from: f64, to: f64, x: f64) -> f64 {
 
 #[test]
 fn weighted_visibility_is_a_ratio_of_irradiances() {
-    for (name, h, e) in [("c4-edge-square", 2.0, 0.0), ("c4b-low-edge-square", 0.5, 0.1)] {
+    for (name, h, e) in [
+        ("c4-edge-square", 2.0, 0.0),
+        ("c4b-low-edge-square", 0.5, 0.1),
+    ] {
         for s in samples(name) {
             let Some(weighted) = s.weighted else { continue };
             let x = f64::from(s.point.x);
             let ratio = lambert(edge_on_lamp(x, h, e), 0.5, x) / lambert(-0.5, 0.5, x);
             // Six digits, and the low edge's rounded positions on its steep ramp.
-            assert!((ratio - f64::from(weighted)).abs() < 1e-5, "{name}: {ratio} at {s:?}");
+            assert!(
+                (ratio - f64::from(weighted)).abs() < 1e-5,
+                "{name}: {ratio} at {s:?}"
+            );
         }
     }
 }
@@ -115,20 +149,32 @@ fn traced(geometry: &Geometry, light: &Light, s: &Sample, triangle: u32) -> f32 
     // Off the surface by far less than any distance in these scenes.
     let origin = s.point + s.normal * 1e-5;
     let sees = |d: Vec3| d.dot(s.normal) > 0.0 && !geometry.bvh().occluded(origin, d, triangle);
-    let grid = (0..SIDE * SIDE).map(|i| [i % SIDE, i / SIDE].map(|k| (k as f32 + 0.5) / SIDE as f32 * 2.0 - 1.0));
+    let grid = (0..SIDE * SIDE)
+        .map(|i| [i % SIDE, i / SIDE].map(|k| (k as f32 + 0.5) / SIDE as f32 * 2.0 - 1.0));
     let fraction = |points: Vec<Vec3>| {
         let seen = points.iter().filter(|p| sees(**p - origin)).count();
         seen as f32 / points.len() as f32
     };
     match *light {
-        Light::Directional { direction, .. } => f32::from(u8::from(sees(-direction.normalize() * 1e3))),
-        Light::Point { position, .. } => fraction(vec![position]),
-        Light::Rect { center, half_u, half_v } => {
-            fraction(grid.map(|[u, v]| center + half_u * u + half_v * v).collect())
+        Light::Directional { direction, .. } => {
+            f32::from(u8::from(sees(-direction.normalize() * 1e3)))
         }
+        Light::Point { position, .. } => fraction(vec![position]),
+        Light::Rect {
+            center,
+            half_u,
+            half_v,
+        } => fraction(
+            grid.map(|[u, v]| center + half_u * u + half_v * v)
+                .collect(),
+        ),
         Light::Disc { center, radius, .. } => {
             let inside = grid.filter(|[u, v]| u * u + v * v < 1.0);
-            fraction(inside.map(|[u, v]| center + Vec3::new(u, 0.0, v) * radius).collect())
+            fraction(
+                inside
+                    .map(|[u, v]| center + Vec3::new(u, 0.0, v) * radius)
+                    .collect(),
+            )
         }
         Light::Spot { .. } => f32::NAN,
     }
@@ -137,7 +183,9 @@ fn traced(geometry: &Geometry, light: &Light, s: &Sample, triangle: u32) -> f32 
 /// The largest difference between samples and rays.
 fn worst(geometry: &Geometry, light: &Light, samples: &[Sample]) -> f32 {
     let error = |s: &Sample| {
-        let triangle = s.triangle(geometry).unwrap_or_else(|| panic!("no triangle at {s:?}"));
+        let triangle = s
+            .triangle(geometry)
+            .unwrap_or_else(|| panic!("no triangle at {s:?}"));
         (traced(geometry, light, s, triangle) - s.visibility).abs()
     };
     samples.iter().map(error).fold(0.0, f32::max)
@@ -155,7 +203,11 @@ fn rays_agree_with_the_samples() {
         assert!(found <= allowed, "{}: {found}", entry.name);
         let mut spoilt = closed.samples[0];
         spoilt.visibility += if spoilt.visibility < 0.5 { 0.05 } else { -0.05 };
-        assert!(worst(&geometry, &light, &[spoilt]) > allowed, "{}: spoilt unnoticed", entry.name);
+        assert!(
+            worst(&geometry, &light, &[spoilt]) > allowed,
+            "{}: spoilt unnoticed",
+            entry.name
+        );
     }
 }
 
@@ -164,17 +216,25 @@ fn is_seen(geometry: &Geometry, scene: &Scene, s: &Sample) -> bool {
     let camera = &scene.cameras[0];
     let clip = camera.space().clip_from_world() * s.point.extend(1.0);
     let inside = clip.w > 0.0 && clip.truncate().abs().max_element() < clip.w && clip.z > 0.0;
-    let (eye, Some(triangle)) = (camera.eye(), s.triangle(geometry)) else { return false };
+    let (eye, Some(triangle)) = (camera.eye(), s.triangle(geometry)) else {
+        return false;
+    };
     inside
         && (eye - s.point).dot(s.normal) > 0.0
-        && !geometry.bvh().occluded(s.point + s.normal * 1e-4, eye - s.point, triangle)
+        && !geometry
+            .bvh()
+            .occluded(s.point + s.normal * 1e-4, eye - s.point, triangle)
 }
 
 #[test]
 fn cameras_see_the_samples() {
     for (entry, scene, closed) in cases() {
         let geometry = Geometry::bake(&scene).unwrap();
-        let seen = closed.samples.iter().filter(|s| is_seen(&geometry, &scene, s)).count();
+        let seen = closed
+            .samples
+            .iter()
+            .filter(|s| is_seen(&geometry, &scene, s))
+            .count();
         let least = match entry.name {
             // Contact is probed on two sides of the box, and one of them is always hidden.
             "c1-box-sun" => closed.samples.len() - 1,
@@ -182,8 +242,16 @@ fn cameras_see_the_samples() {
             "c7-closed-room" | "c8-faceted-sphere" => closed.samples.len() / 4,
             _ => closed.samples.len(),
         };
-        assert!(seen >= least, "{}: {seen} of {}", entry.name, closed.samples.len());
-        let hidden = Sample { point: closed.samples[0].point - Vec3::Y * 50.0, ..closed.samples[0] };
+        assert!(
+            seen >= least,
+            "{}: {seen} of {}",
+            entry.name,
+            closed.samples.len()
+        );
+        let hidden = Sample {
+            point: closed.samples[0].point - Vec3::Y * 50.0,
+            ..closed.samples[0]
+        };
         assert!(!is_seen(&geometry, &scene, &hidden));
     }
 }

@@ -11,12 +11,22 @@ use umbrage_core::{Light, Scene};
 
 /// Balls along 300 m of floor: what is near is seen a hundred times as finely as what is far, and one bias serves both.
 fn long_plane(name: &str, light: Light) -> Scene {
-    let places = (0..14).map(|i| Affine3A::from_translation(Vec3::new(-1.5 + (i % 3) as f32, 1.0, -21.0 * i as f32)));
+    let places = (0..14).map(|i| {
+        Affine3A::from_translation(Vec3::new(-1.5 + (i % 3) as f32, 1.0, -21.0 * i as f32))
+    });
     Stage::new(name)
-        .put_many(grid([60.0, 160.0], [1, 1], |_, _| 0.0), [Affine3A::from_translation(Vec3::Z * -145.0)])
+        .put_many(
+            grid([60.0, 160.0], [1, 1], |_, _| 0.0),
+            [Affine3A::from_translation(Vec3::Z * -145.0)],
+        )
         .put_many(icosphere(Vec3::ZERO, 1.0, 3), places)
         .light(light)
-        .shoot(Vec3::new(6.0, 5.0, 11.0), Vec3::new(-1.0, 0.0, -14.0), 45.0, SMALL)
+        .shoot(
+            Vec3::new(6.0, 5.0, 11.0),
+            Vec3::new(-1.0, 0.0, -14.0),
+            45.0,
+            SMALL,
+        )
 }
 
 pub(crate) fn long_plane_sun() -> Scene {
@@ -45,7 +55,12 @@ fn hills_at(name: &str, offset: f32) -> Scene {
         .put_many(grid([80.0, 80.0], [CELLS, CELLS], height), [place])
         .put_many(pillar(0.5, 8.0, 16), (0..9).map(post))
         .light(sun(0.8, -0.23, 0.45))
-        .shoot(away + Vec3::new(-14.0, 20.0, 62.0), away + Vec3::new(0.0, -2.0, 0.0), 45.0, SMALL)
+        .shoot(
+            away + Vec3::new(-14.0, 20.0, 62.0),
+            away + Vec3::new(0.0, -2.0, 0.0),
+            45.0,
+            SMALL,
+        )
 }
 
 pub(crate) fn hills() -> Scene {
@@ -63,12 +78,25 @@ pub(crate) fn hills_1e6() -> Scene {
 /// The camera looks towards the sun over posts whose shadows come at it: the light's map and the picture run against
 /// each other, the case that perspective warps degenerate in.
 pub(crate) fn into_light() -> Scene {
-    let post =
-        |i: i32| Affine3A::from_translation(Vec3::new(-7.0 + 3.5 * (i % 5) as f32, 0.0, -4.0 - 7.0 * (i / 5) as f32));
+    let post = |i: i32| {
+        Affine3A::from_translation(Vec3::new(
+            -7.0 + 3.5 * (i % 5) as f32,
+            0.0,
+            -4.0 - 7.0 * (i / 5) as f32,
+        ))
+    };
     Stage::new("into-light")
         .put(grid([30.0, 40.0], [1, 1], |_, _| 0.0))
         .put_many(pillar(0.25, 2.2, 24), (0..15).map(post))
-        .put(block(Vec3::new(-1.6, 0.0, -2.2), Vec3::new(-0.6, 0.9, -1.2)))
+        .put(block(
+            Vec3::new(-1.6, 0.0, -2.2),
+            Vec3::new(-0.6, 0.9, -1.2),
+        ))
         .light(sun(0.05, -0.42, 1.0))
-        .shoot(Vec3::new(0.0, 2.4, 7.0), Vec3::new(0.0, 0.4, -6.0), 50.0, SMALL)
+        .shoot(
+            Vec3::new(0.0, 2.4, 7.0),
+            Vec3::new(0.0, 0.4, -6.0),
+            50.0,
+            SMALL,
+        )
 }

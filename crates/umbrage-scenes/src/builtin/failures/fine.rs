@@ -18,10 +18,21 @@ pub(crate) fn stacked_slices() -> Scene {
     };
     (0..6)
         .map(slice)
-        .fold(Stage::new("stacked-slices").put(grid([3.0, 3.0], [1, 1], |_, _| 0.0)), Stage::put)
-        .put_many(pillar(0.04, 1.1, 16), [Affine3A::from_translation(Vec3::new(-0.1, 0.3, 0.1))])
+        .fold(
+            Stage::new("stacked-slices").put(grid([3.0, 3.0], [1, 1], |_, _| 0.0)),
+            Stage::put,
+        )
+        .put_many(
+            pillar(0.04, 1.1, 16),
+            [Affine3A::from_translation(Vec3::new(-0.1, 0.3, 0.1))],
+        )
         .light(sun(0.7, -1.0, -0.3))
-        .shoot(Vec3::new(1.5, 1.7, 2.4), Vec3::new(0.05, 0.2, 0.0), 42.0, SMALL)
+        .shoot(
+            Vec3::new(1.5, 1.7, 2.4),
+            Vec3::new(0.05, 0.2, 0.0),
+            42.0,
+            SMALL,
+        )
 }
 
 /// Height of the feet's soles over the floor, metres.
@@ -30,7 +41,14 @@ const HOVER: f32 = 0.01;
 /// Pairs of feet 1 cm above the floor under bodies a metre up: near each foot's rim a filter finds both, and what leaks
 /// is right at the contact, where eyes look first.
 pub(crate) fn hovering_feet() -> Scene {
-    let foot = [(0.0, HOVER), (0.1, HOVER), (0.11, HOVER + 0.05), (0.05, 0.3), (0.05, 0.9), (0.0, 0.9)];
+    let foot = [
+        (0.0, HOVER),
+        (0.1, HOVER),
+        (0.11, HOVER + 0.05),
+        (0.05, 0.3),
+        (0.05, 0.9),
+        (0.0, 0.9),
+    ];
     let places = [(-0.9, 0.2), (-0.6, 0.0), (0.4, 0.3), (0.7, 0.1)];
     let at = |(x, z): (f32, f32)| Affine3A::from_translation(Vec3::new(x, 0.0, z));
     Stage::new("hovering-feet")
@@ -39,7 +57,12 @@ pub(crate) fn hovering_feet() -> Scene {
         .put(icosphere(Vec3::new(-0.75, 1.2, 0.1), 0.4, 3))
         .put(block(Vec3::new(0.3, 0.9, 0.0), Vec3::new(0.8, 1.5, 0.4)))
         .light(sun(0.45, -1.0, -0.35))
-        .shoot(Vec3::new(0.5, 1.1, 2.3), Vec3::new(0.0, 0.2, 0.05), 42.0, SMALL)
+        .shoot(
+            Vec3::new(0.5, 1.1, 2.3),
+            Vec3::new(0.0, 0.2, 0.05),
+            42.0,
+            SMALL,
+        )
 }
 
 /// A fence of upright wires 12 mm thick and of three rails: one to two pixels of the picture each, and about as many
@@ -54,5 +77,10 @@ pub(crate) fn fence() -> Scene {
         .put(rail(0.6))
         .put(rail(1.1))
         .light(sun(0.35, -1.0, 0.9))
-        .shoot(Vec3::new(1.2, 1.9, 3.4), Vec3::new(0.0, 0.25, 0.4), 44.0, SMALL)
+        .shoot(
+            Vec3::new(1.2, 1.9, 3.4),
+            Vec3::new(0.0, 0.25, 0.4),
+            44.0,
+            SMALL,
+        )
 }

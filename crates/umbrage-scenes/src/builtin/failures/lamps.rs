@@ -18,13 +18,21 @@ fn at_seams(name: &str, light: Light) -> Scene {
     let posts = [(-1.0, -1.0), (1.1, -1.1), (-0.8, 0.8), (1.2, 1.2)];
     Stage::new(name)
         .put(room(Vec3::new(-2.2, 0.0, -2.2), Vec3::new(2.2, 3.0, 2.2)))
-        .put_many(pillar(0.05, 3.0, 16), posts.map(|(x, z)| Affine3A::from_translation(Vec3::new(x, 0.0, z))))
+        .put_many(
+            pillar(0.05, 3.0, 16),
+            posts.map(|(x, z)| Affine3A::from_translation(Vec3::new(x, 0.0, z))),
+        )
         .put(block(at(-1.04, -1.04, -0.6), at(-0.96, -0.96, 0.5)))
         .put(block(at(-0.7, 0.86, -0.94), at(0.8, 0.94, -0.86)))
         .put(block(at(-0.5, -0.74, -0.74), at(0.3, -0.66, -0.66)))
         .put(icosphere(at(0.6, -0.6, -0.6), 0.14, 3))
         .light(light)
-        .shoot(Vec3::new(0.35, 2.1, 2.1), Vec3::new(-0.1, 1.15, -0.6), 88.0, SMALL)
+        .shoot(
+            Vec3::new(0.35, 2.1, 2.1),
+            Vec3::new(-0.1, 1.15, -0.6),
+            88.0,
+            SMALL,
+        )
 }
 
 pub(crate) fn lamp_in_room() -> Scene {
@@ -32,7 +40,13 @@ pub(crate) fn lamp_in_room() -> Scene {
 }
 
 pub(crate) fn glowing_lamp_in_room() -> Scene {
-    at_seams("glowing-lamp-in-room", Light::Point { position: LAMP, radius: 0.1 })
+    at_seams(
+        "glowing-lamp-in-room",
+        Light::Point {
+            position: LAMP,
+            radius: 0.1,
+        },
+    )
 }
 
 /// Planes alone receive: a floor and a wall. Casters, which don't, lie wholly and partly below the floor, through the
@@ -49,13 +63,22 @@ pub(crate) fn flat_receivers() -> Scene {
         icosphere(Vec3::new(0.5, 0.9, 0.1), 0.35, 3),
         block(Vec3::new(-0.9, 1.1, -1.6), Vec3::new(-0.2, 1.2, -0.9)),
     ];
-    let stage = Stage::new("flat-receivers").put(grid([3.0, 2.5], [1, 1], |_, _| 0.0)).last_roles(false, true);
+    let stage = Stage::new("flat-receivers")
+        .put(grid([3.0, 2.5], [1, 1], |_, _| 0.0))
+        .last_roles(false, true);
     let stage = stage.put(wall).last_roles(false, true);
     casters
         .into_iter()
-        .fold(stage, |stage, caster| stage.put(caster).last_roles(true, false))
+        .fold(stage, |stage, caster| {
+            stage.put(caster).last_roles(true, false)
+        })
         .light(bulb(0.1, 3.2, 0.7))
-        .shoot(Vec3::new(2.6, 2.9, 5.3), Vec3::new(-0.05, 0.85, -0.8), 44.0, SMALL)
+        .shoot(
+            Vec3::new(2.6, 2.9, 5.3),
+            Vec3::new(-0.05, 0.85, -0.8),
+            44.0,
+            SMALL,
+        )
 }
 
 /// Two spots on one caster: each has a shadow of its own, and what is wrong in either is wrong in their sum.
@@ -63,7 +86,13 @@ pub(crate) fn two_lights() -> Scene {
     let spot = |x: f32, z: f32| {
         let position = Vec3::new(x, 4.0, z);
         let [inner, outer] = [30.0_f32, 34.0].map(f32::to_radians);
-        Light::Spot { position, direction: Vec3::Y * 0.5 - position, inner, outer, radius: 0.0 }
+        Light::Spot {
+            position,
+            direction: Vec3::Y * 0.5 - position,
+            inner,
+            outer,
+            radius: 0.0,
+        }
     };
     Stage::new("two-lights")
         .put(grid([4.0, 4.0], [1, 1], |_, _| 0.0))
@@ -71,5 +100,10 @@ pub(crate) fn two_lights() -> Scene {
         .put(icosphere(Vec3::new(0.0, 1.3, 0.0), 0.3, 3))
         .light(spot(-2.2, 0.9))
         .light(spot(1.8, 1.4))
-        .shoot(Vec3::new(0.6, 3.2, 4.6), Vec3::new(0.0, 0.3, -0.3), 44.0, SMALL)
+        .shoot(
+            Vec3::new(0.6, 3.2, 4.6),
+            Vec3::new(0.0, 0.3, -0.3),
+            44.0,
+            SMALL,
+        )
 }

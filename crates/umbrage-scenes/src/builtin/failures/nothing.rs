@@ -18,11 +18,15 @@ fn block_on_floor(name: &str) -> Stage {
 const EYE: Vec3 = Vec3::new(2.5, 2.5, 4.0);
 
 pub(crate) fn no_casters() -> Scene {
-    block_on_floor("no-casters").roles(false, true).shoot(EYE, Vec3::ZERO, 45.0, SIZE)
+    block_on_floor("no-casters")
+        .roles(false, true)
+        .shoot(EYE, Vec3::ZERO, 45.0, SIZE)
 }
 
 pub(crate) fn no_receivers() -> Scene {
-    block_on_floor("no-receivers").roles(true, false).shoot(EYE, Vec3::ZERO, 45.0, SIZE)
+    block_on_floor("no-receivers")
+        .roles(true, false)
+        .shoot(EYE, Vec3::ZERO, 45.0, SIZE)
 }
 
 pub(crate) fn only_sky() -> Scene {

@@ -13,13 +13,28 @@ use umbrage_core::{Light, Mesh, Scene};
 /// A pole close to the lamp crosses, in its shadow, the shadow of a wall on the floor. Where both hide the lamp, a
 /// search for blockers finds both and answers the mean of their depths: the wall's sharp edge blurs under the pole.
 pub(crate) fn two_blockers() -> Scene {
-    let pole = tube(&[(Vec3::new(-2.4, 3.1, 0.25), 0.07), (Vec3::new(2.8, 3.1, -0.25), 0.07)], 24);
+    let pole = tube(
+        &[
+            (Vec3::new(-2.4, 3.1, 0.25), 0.07),
+            (Vec3::new(2.8, 3.1, -0.25), 0.07),
+        ],
+        24,
+    );
     Stage::new("two-blockers")
         .put(grid([4.0, 4.0], [1, 1], |_, _| 0.0))
         .put(pole)
         .put(block(Vec3::new(0.2, 0.0, -1.1), Vec3::new(0.3, 0.9, 1.1)))
-        .light(Light::Rect { center: Vec3::new(-1.4, 4.6, 0.0), half_u: Vec3::X * 0.35, half_v: Vec3::Z * 0.35 })
-        .shoot(Vec3::new(2.9, 3.0, 3.1), Vec3::new(0.6, 0.15, 0.0), 42.0, SMALL)
+        .light(Light::Rect {
+            center: Vec3::new(-1.4, 4.6, 0.0),
+            half_u: Vec3::X * 0.35,
+            half_v: Vec3::Z * 0.35,
+        })
+        .shoot(
+            Vec3::new(2.9, 3.0, 3.1),
+            Vec3::new(0.6, 0.15, 0.0),
+            42.0,
+            SMALL,
+        )
 }
 
 /// The lamps' middle.
@@ -30,22 +45,48 @@ const LAMP_HALF: f32 = 0.4;
 /// of a width of its own: (receiver - blocker) / blocker times the lamp's.
 fn rising(name: &str, light: Light) -> Scene {
     let boxes = [0.05, 0.25, 0.55, 0.95, 1.5].into_iter().enumerate();
-    let places = boxes.map(|(i, y)| Affine3A::from_translation(Vec3::new(0.75 * i as f32 - 1.3, y, 0.3)));
+    let places =
+        boxes.map(|(i, y)| Affine3A::from_translation(Vec3::new(0.75 * i as f32 - 1.3, y, 0.3)));
     Stage::new(name)
         .put(grid([5.0, 4.0], [1, 1], |_, _| 0.0))
-        .put_many(block(Vec3::new(-0.22, 0.0, -0.22), Vec3::new(0.22, 0.44, 0.22)), places)
-        .put_many(pillar(0.06, 1.5, 24), [Affine3A::from_translation(Vec3::new(-1.8, 0.0, -0.4))])
+        .put_many(
+            block(Vec3::new(-0.22, 0.0, -0.22), Vec3::new(0.22, 0.44, 0.22)),
+            places,
+        )
+        .put_many(
+            pillar(0.06, 1.5, 24),
+            [Affine3A::from_translation(Vec3::new(-1.8, 0.0, -0.4))],
+        )
         .light(light)
-        .shoot(Vec3::new(0.7, 3.6, 4.8), Vec3::new(0.6, 0.3, -0.2), 44.0, SMALL)
+        .shoot(
+            Vec3::new(0.7, 3.6, 4.8),
+            Vec3::new(0.6, 0.3, -0.2),
+            44.0,
+            SMALL,
+        )
 }
 
 pub(crate) fn rising_boxes() -> Scene {
     let (half_u, half_v) = (Vec3::X * LAMP_HALF, Vec3::Z * LAMP_HALF);
-    rising("rising-boxes", Light::Rect { center: LAMP, half_u, half_v })
+    rising(
+        "rising-boxes",
+        Light::Rect {
+            center: LAMP,
+            half_u,
+            half_v,
+        },
+    )
 }
 
 pub(crate) fn rising_boxes_disc() -> Scene {
-    rising("rising-boxes-disc", Light::Disc { center: LAMP, normal: Vec3::NEG_Y, radius: LAMP_HALF })
+    rising(
+        "rising-boxes-disc",
+        Light::Disc {
+            center: LAMP,
+            normal: Vec3::NEG_Y,
+            radius: LAMP_HALF,
+        },
+    )
 }
 
 /// A canopy of single leaves over a trunk under a lamp as wide as the canopy: each leaf has a penumbra of its own, and
@@ -57,24 +98,48 @@ pub(crate) fn canopy() -> Scene {
         .look(matte([0.22, 0.12, 0.06]))
         .put(leaves())
         .look(matte([0.10, 0.32, 0.07]))
-        .light(Light::Disc { center: Vec3::new(-1.6, 6.0, 1.2), normal: Vec3::new(0.25, -1.0, -0.2), radius: 0.9 })
-        .shoot(Vec3::new(2.2, 2.6, 5.4), Vec3::new(0.2, 0.95, 0.0), 44.0, SMALL)
+        .light(Light::Disc {
+            center: Vec3::new(-1.6, 6.0, 1.2),
+            normal: Vec3::new(0.25, -1.0, -0.2),
+            radius: 0.9,
+        })
+        .shoot(
+            Vec3::new(2.2, 2.6, 5.4),
+            Vec3::new(0.2, 0.95, 0.0),
+            44.0,
+            SMALL,
+        )
 }
 
 fn trunk() -> Mesh {
-    let profile = [(0.0, 0.0), (0.26, 0.0), (0.17, 0.15), (0.13, 0.6), (0.11, 1.6), (0.05, 2.3), (0.0, 2.3)];
-    Mesh { name: "trunk".to_owned(), ..lathe(&profile, 24) }
+    let profile = [
+        (0.0, 0.0),
+        (0.26, 0.0),
+        (0.17, 0.15),
+        (0.13, 0.6),
+        (0.11, 1.6),
+        (0.05, 2.3),
+        (0.0, 2.3),
+    ];
+    Mesh {
+        name: "trunk".to_owned(),
+        ..lathe(&profile, 24)
+    }
 }
 
 const LEAVES: i32 = 260;
 
 /// Leaves all through a flat ball, turned every way.
 fn leaves() -> Mesh {
-    let mut mesh = Mesh { name: "leaves".to_owned(), ..Mesh::default() };
+    let mut mesh = Mesh {
+        name: "leaves".to_owned(),
+        ..Mesh::default()
+    };
     for leaf in (0..LEAVES).map(leaf) {
         let base = mesh.positions.len() as u32;
         mesh.positions.extend(&leaf.positions);
-        mesh.triangles.extend(leaf.triangles.iter().map(|t| t.map(|v| v + base)));
+        mesh.triangles
+            .extend(leaf.triangles.iter().map(|t| t.map(|v| v + base)));
     }
     mesh
 }
@@ -83,11 +148,15 @@ fn leaf(i: i32) -> Mesh {
     let number = |what: i32| uniform(IVec3::new(i, what, 18));
     // Even over directions (Archimedes: height on a sphere is even) and over the ball's volume.
     let direction = |what: i32| {
-        let (y, (cos, sin)) = (2.0 * number(what) - 1.0, on_circle(f64::from(number(what + 1))));
+        let (y, (cos, sin)) = (
+            2.0 * number(what) - 1.0,
+            on_circle(f64::from(number(what + 1))),
+        );
         let r = (1.0 - y * y).max(0.0).sqrt();
         Vec3::new(r * cos, y, r * sin)
     };
-    let at = Vec3::new(0.0, 2.2, 0.0) + direction(0) * number(2).cbrt() * Vec3::new(1.15, 0.75, 1.15);
+    let at =
+        Vec3::new(0.0, 2.2, 0.0) + direction(0) * number(2).cbrt() * Vec3::new(1.15, 0.75, 1.15);
     let along = direction(3) * 0.15;
     let across = along.cross(direction(5)).normalize_or(Vec3::Y) * 0.075;
     quad([at - along, at + across, at + along, at - across])

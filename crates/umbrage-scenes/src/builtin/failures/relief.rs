@@ -12,7 +12,10 @@ use umbrage_core::{Mesh, Scene};
 const HALF: [f32; 2] = [1.8, 1.2];
 /// Quads of 20 cm.
 const CELLS: [u32; 2] = [18, 12];
-const BRICKS: Bricks = Bricks { tile: 1.2, depth: 0.05 };
+const BRICKS: Bricks = Bricks {
+    tile: 1.2,
+    depth: 0.05,
+};
 /// Each quad's sides are cut in 8, so that a joint of 5 cm is two triangles wide.
 const SUBDIVISIONS: u32 = 3;
 
@@ -23,7 +26,11 @@ const BEHIND: f32 = 0.005;
 fn sheet() -> Mesh {
     let tiles = Vec2::from(HALF) * 2.0 / BRICKS.tile;
     let mesh = tiled(grid(HALF, CELLS, |_, _| 0.0), tiles);
-    Mesh { name: "wall".to_owned(), tangents: vec![Vec4::new(1.0, 0.0, 0.0, 1.0); mesh.positions.len()], ..mesh }
+    Mesh {
+        name: "wall".to_owned(),
+        tangents: vec![Vec4::new(1.0, 0.0, 0.0, 1.0); mesh.positions.len()],
+        ..mesh
+    }
 }
 
 /// Upright: what faced up faces +z, and the texture's top is on top.
@@ -36,14 +43,27 @@ fn upright(z: f32) -> Affine3A {
 fn around(stage: Stage) -> Scene {
     stage
         .put(grid([2.4, 1.5], [1, 1], |_, _| 0.0))
-        .put(block(Vec3::new(-0.3, 1.5, -0.02), Vec3::new(0.9, 1.58, 0.22)))
-        .put_many(pillar(0.08, 2.0, 24), [Affine3A::from_translation(Vec3::new(-0.9, 0.0, 0.3))])
+        .put(block(
+            Vec3::new(-0.3, 1.5, -0.02),
+            Vec3::new(0.9, 1.58, 0.22),
+        ))
+        .put_many(
+            pillar(0.08, 2.0, 24),
+            [Affine3A::from_translation(Vec3::new(-0.9, 0.0, 0.3))],
+        )
         .light(sun(1.0, -0.45, -0.3))
-        .shoot(Vec3::new(1.2, 1.7, 3.6), Vec3::new(0.05, 1.0, 0.0), 40.0, SMALL)
+        .shoot(
+            Vec3::new(1.2, 1.7, 3.6),
+            Vec3::new(0.05, 1.0, 0.0),
+            40.0,
+            SMALL,
+        )
 }
 
 fn wall(name: &str, look: Look) -> Stage {
-    Stage::new(name).put_many(sheet(), [upright(0.0)]).look(look)
+    Stage::new(name)
+        .put_many(sheet(), [upright(0.0)])
+        .look(look)
 }
 
 /// Bricks that stand out by 5 cm, as geometry: each throws a shadow into the joint behind it.
@@ -60,6 +80,12 @@ pub(crate) fn normal_mapped_wall() -> Scene {
 /// What comes out when the depth pass leaves out displacement: the relief of `displaced-wall` receives, and a flat wall
 /// right behind it, where the camera doesn't see it, casts in its place. Bricks throw no shadow into the joints.
 pub(crate) fn without_depth_pass() -> Scene {
-    let stage = wall("relief-without-depth-pass", BRICKS.carved(SUBDIVISIONS)).last_roles(false, true);
-    around(stage.put_many(sheet(), [upright(-0.5 * BRICKS.depth - BEHIND)]).look(BRICKS.flat()).last_roles(true, false))
+    let stage =
+        wall("relief-without-depth-pass", BRICKS.carved(SUBDIVISIONS)).last_roles(false, true);
+    around(
+        stage
+            .put_many(sheet(), [upright(-0.5 * BRICKS.depth - BEHIND)])
+            .look(BRICKS.flat())
+            .last_roles(true, false),
+    )
 }

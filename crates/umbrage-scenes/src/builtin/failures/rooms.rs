@@ -26,12 +26,29 @@ pub(crate) fn sealed_room() -> Scene {
 /// than the bar loses it.
 pub(crate) fn bar_at_lamp() -> Scene {
     let lamp = Vec3::new(0.0, 3.0, 0.0);
-    let bar = block(lamp + Vec3::new(-0.002, -0.011, -0.02), lamp + Vec3::new(0.002, -0.01, 0.02));
+    let bar = block(
+        lamp + Vec3::new(-0.002, -0.011, -0.02),
+        lamp + Vec3::new(0.002, -0.01, 0.02),
+    );
     let [inner, outer] = [35.0_f32, 40.0].map(f32::to_radians);
     Stage::new("bar-at-lamp")
         .put(grid([4.0, 4.0], [1, 1], |_, _| 0.0))
         .put(bar)
-        .put_many(pillar(0.2, 0.8, 32), [Affine3A::from_translation(Vec3::new(1.2, 0.0, 0.4))])
-        .light(Light::Spot { position: lamp, direction: Vec3::NEG_Y, inner, outer, radius: 0.0 })
-        .shoot(Vec3::new(2.2, 2.4, 4.6), Vec3::new(0.0, 0.1, 0.0), 46.0, SIZE)
+        .put_many(
+            pillar(0.2, 0.8, 32),
+            [Affine3A::from_translation(Vec3::new(1.2, 0.0, 0.4))],
+        )
+        .light(Light::Spot {
+            position: lamp,
+            direction: Vec3::NEG_Y,
+            inner,
+            outer,
+            radius: 0.0,
+        })
+        .shoot(
+            Vec3::new(2.2, 2.4, 4.6),
+            Vec3::new(0.0, 0.1, 0.0),
+            46.0,
+            SIZE,
+        )
 }

@@ -14,7 +14,10 @@ fn steps() -> Vec<(f32, f32)> {
     let mut outline = vec![(-1.2, 0.0), (1.2, 0.0)];
     for i in 0..STEPS {
         let rise = 0.18 * (i + 1) as f32;
-        outline.extend([(1.2 - 0.3 * i as f32, rise), (1.2 - 0.3 * (i + 1) as f32, rise)]);
+        outline.extend([
+            (1.2 - 0.3 * i as f32, rise),
+            (1.2 - 0.3 * (i + 1) as f32, rise),
+        ]);
     }
     outline
 }
@@ -23,13 +26,21 @@ fn staircase(name: &str) -> Stage {
     Stage::new(name)
         .put(grid([5.0, 5.0], [1, 1], |_, _| 0.0))
         .put(prism(&steps(), 1.0, -1.0))
-        .put_many(pillar(0.05, 2.2, 24), [Affine3A::from_translation(Vec3::new(0.1, 0.0, 0.3))])
+        .put_many(
+            pillar(0.05, 2.2, 24),
+            [Affine3A::from_translation(Vec3::new(0.1, 0.0, 0.3))],
+        )
         .put(icosphere(Vec3::new(0.75, 0.79, -0.4), 0.25, 4))
-        .put(block(Vec3::new(-0.9, 1.44, -0.7), Vec3::new(-0.5, 1.9, -0.2)))
+        .put(block(
+            Vec3::new(-0.9, 1.44, -0.7),
+            Vec3::new(-0.5, 1.9, -0.2),
+        ))
 }
 
 pub(crate) fn stairs() -> Scene {
-    staircase("stairs").light(sun(0.7, -1.3, 0.8)).shoot(EYE, TARGET, 38.0, SIZE)
+    staircase("stairs")
+        .light(sun(0.7, -1.3, 0.8))
+        .shoot(EYE, TARGET, 38.0, SIZE)
 }
 
 /// A lamp above the steps, and a slab above the lamp that must not throw a shadow downwards.
@@ -39,7 +50,13 @@ pub(crate) fn stairs_lamp() -> Scene {
     let direction = Vec3::new(0.05, -1.0, 0.1);
     staircase("stairs-lamp")
         .put(block(Vec3::new(-0.4, 3.9, -0.8), Vec3::new(0.8, 4.0, 0.4)))
-        .light(Light::Spot { position, direction, inner, outer, radius: 0.0 })
+        .light(Light::Spot {
+            position,
+            direction,
+            inner,
+            outer,
+            radius: 0.0,
+        })
         .shoot(EYE, TARGET, 38.0, SIZE)
 }
 

@@ -10,12 +10,22 @@ use umbrage_core::{Light, Scene};
 
 fn low_sun(name: &str, degrees: f64) -> Scene {
     let height = degrees.to_radians();
-    let places = (0..16).map(|i| Affine3A::from_translation(Vec3::new(-45.0 + 6.0 * i as f32, 1.0, 0.0)));
+    let places =
+        (0..16).map(|i| Affine3A::from_translation(Vec3::new(-45.0 + 6.0 * i as f32, 1.0, 0.0)));
     Stage::new(name)
         .put(grid([50.0, 50.0], [1, 1], |_, _| 0.0))
         .put_many(icosphere(Vec3::ZERO, 1.0, 3), places)
-        .light(sun((0.3 * height.cos()) as f32, -height.sin() as f32, (-0.954 * height.cos()) as f32))
-        .shoot(Vec3::new(-14.0, 6.0, 26.0), Vec3::new(0.0, 0.0, -6.0), 45.0, SIZE)
+        .light(sun(
+            (0.3 * height.cos()) as f32,
+            -height.sin() as f32,
+            (-0.954 * height.cos()) as f32,
+        ))
+        .shoot(
+            Vec3::new(-14.0, 6.0, 26.0),
+            Vec3::new(0.0, 0.0, -6.0),
+            45.0,
+            SIZE,
+        )
 }
 
 pub(crate) fn low_sun_2() -> Scene {
@@ -34,31 +44,61 @@ pub(crate) fn low_sun_10() -> Scene {
 /// kilometre. A 16-bit one tells steps of some 5 mm apart, which across a map's wide texels are stripes of acne.
 pub(crate) fn far_range() -> Scene {
     let height = 8.0_f64.to_radians();
-    let at = |x: f32, z: f32| (0..13).map(move |i| Affine3A::from_translation(Vec3::new(x, 0.0, z - 24.0 * i as f32)));
+    let at = |x: f32, z: f32| {
+        (0..13).map(move |i| Affine3A::from_translation(Vec3::new(x, 0.0, z - 24.0 * i as f32)))
+    };
     Stage::new("far-range")
-        .put_many(grid([150.0, 170.0], [1, 1], |_, _| 0.0), [Affine3A::from_translation(Vec3::Z * -140.0)])
+        .put_many(
+            grid([150.0, 170.0], [1, 1], |_, _| 0.0),
+            [Affine3A::from_translation(Vec3::Z * -140.0)],
+        )
         .put_many(icosphere(Vec3::Y, 1.0, 3), at(-1.5, 0.0))
         .put_many(pillar(0.3, 6.0, 24), at(4.5, -8.0))
-        .light(sun((-0.35 * height.cos()) as f32, -height.sin() as f32, (-0.937 * height.cos()) as f32))
-        .shoot(Vec3::new(15.0, 11.0, 16.0), Vec3::new(-3.0, 0.0, -22.0), 45.0, SIZE)
+        .light(sun(
+            (-0.35 * height.cos()) as f32,
+            -height.sin() as f32,
+            (-0.937 * height.cos()) as f32,
+        ))
+        .shoot(
+            Vec3::new(15.0, 11.0, 16.0),
+            Vec3::new(-3.0, 0.0, -22.0),
+            45.0,
+            SIZE,
+        )
 }
 
 /// 2 mm thick, half a metre high, lit from behind at 45 degrees.
 pub(crate) fn thin_plate() -> Scene {
     Stage::new("thin-plate")
         .put(grid([2.0, 2.0], [1, 1], |_, _| 0.0))
-        .put(block(Vec3::new(-0.5, 0.0, -0.001), Vec3::new(0.5, 0.5, 0.001)))
+        .put(block(
+            Vec3::new(-0.5, 0.0, -0.001),
+            Vec3::new(0.5, 0.5, 0.001),
+        ))
         .light(sun(0.0, -1.0, 1.0))
-        .shoot(Vec3::new(0.55, 0.6, 1.5), Vec3::new(0.05, 0.1, 0.1), 40.0, SIZE)
+        .shoot(
+            Vec3::new(0.55, 0.6, 1.5),
+            Vec3::new(0.05, 0.1, 0.1),
+            40.0,
+            SIZE,
+        )
 }
 
 /// A tower stands to the left of the picture, and only its shadow is in it.
 pub(crate) fn tower_out_of_view() -> Scene {
     Stage::new("tower-out-of-view")
         .put(grid([30.0, 30.0], [2, 2], |_, _| 0.0))
-        .put(block(Vec3::new(-13.0, 0.0, -1.5), Vec3::new(-11.0, 9.0, 1.5)))
+        .put(block(
+            Vec3::new(-13.0, 0.0, -1.5),
+            Vec3::new(-11.0, 9.0, 1.5),
+        ))
         .light(sun(1.0, -0.65, 0.08))
-        .shoot(Vec3::new(0.0, 5.0, 9.0), Vec3::new(0.0, 0.0, 0.0), 42.0, SIZE)
+        .shoot(
+            Vec3::new(0.0, 5.0, 9.0),
+            Vec3::new(0.0, 0.0, 0.0),
+            42.0,
+            SIZE,
+        )
 }
 
 fn posts(name: &str, light: Light) -> Scene {
@@ -68,7 +108,12 @@ fn posts(name: &str, light: Light) -> Scene {
         .put(block(Vec3::new(1.2, 0.6, -0.8), Vec3::new(2.4, 0.8, 0.8)))
         .put(icosphere(Vec3::new(-1.8, 1.2, 0.3), 0.6, 4))
         .light(light)
-        .shoot(Vec3::new(2.5, 3.2, 6.0), Vec3::new(0.2, 0.4, 0.0), 40.0, SIZE)
+        .shoot(
+            Vec3::new(2.5, 3.2, 6.0),
+            Vec3::new(0.2, 0.4, 0.0),
+            40.0,
+            SIZE,
+        )
 }
 
 /// The light's direction is exactly opposite to the up vector that a look-at would be given.
@@ -79,5 +124,14 @@ pub(crate) fn sun_above() -> Scene {
 pub(crate) fn spot_above() -> Scene {
     let [inner, outer] = [25.0_f32, 30.0].map(f32::to_radians);
     let position = Vec3::new(0.4, 7.0, 0.1);
-    posts("spot-above", Light::Spot { position, direction: Vec3::NEG_Y, inner, outer, radius: 0.0 })
+    posts(
+        "spot-above",
+        Light::Spot {
+            position,
+            direction: Vec3::NEG_Y,
+            inner,
+            outer,
+            radius: 0.0,
+        },
+    )
 }

@@ -34,11 +34,15 @@ fn under_slab(name: &str, light: Light) -> Scene {
     let post = Affine3A::from_translation(EYE.with_y(0.0) + Vec3::new(-0.1, 0.0, 0.02));
     Stage::new(name)
         .put(grid([6.0, 6.0], [1, 1], |_, _| 0.0))
-        .put(block(Vec3::new(-4.0, SLAB[0], -1.5), Vec3::new(slab_edge(), SLAB[1], 5.5)))
+        .put(block(
+            Vec3::new(-4.0, SLAB[0], -1.5),
+            Vec3::new(slab_edge(), SLAB[1], 5.5),
+        ))
         .put_many(pillar(0.03, 2.0, 12), [post])
         .put_many(
             pillar(0.12, 1.9, 24),
-            [(-0.7, 0.3), (1.3, 0.6)].map(|(x, z)| Affine3A::from_translation(Vec3::new(x, 0.0, z))),
+            [(-0.7, 0.3), (1.3, 0.6)]
+                .map(|(x, z)| Affine3A::from_translation(Vec3::new(x, 0.0, z))),
         )
         .put(icosphere(Vec3::new(0.5, 0.6, 1.6), 0.22, 3))
         .light(light)
@@ -64,14 +68,42 @@ pub(crate) fn eye_in_umbra_lamp() -> Scene {
 /// that winds the wrong way.
 fn broken(name: &str, light: Light) -> Scene {
     let unit = || block(Vec3::new(-0.35, 0.0, -0.35), Vec3::new(0.35, 0.8, 0.35));
-    let meshes = [doubled(unit()), with_t_junction(unit()), holed(unit()), finned(unit()), touching(), flipped(unit())];
+    let meshes = [
+        doubled(unit()),
+        with_t_junction(unit()),
+        holed(unit()),
+        finned(unit()),
+        touching(),
+        flipped(unit()),
+    ];
     let stage = Stage::new(name).put(grid([4.5, 4.0], [1, 1], |_, _| 0.0));
-    let places = [(-2.0, -0.9), (0.0, -1.1), (2.0, -0.9), (-1.9, 0.9), (0.0, 0.8), (1.9, 0.9)];
-    let stage = meshes.into_iter().zip(places).fold(stage, |stage, (mesh, (x, z))| {
-        let turn = Quat::from_rotation_y(0.3 * x + 0.2);
-        stage.put_many(mesh, [Affine3A::from_rotation_translation(turn, Vec3::new(x, 0.0, z))])
-    });
-    stage.light(light).shoot(Vec3::new(0.6, 4.6, 5.2), Vec3::new(0.15, 0.1, 0.05), 44.0, SMALL)
+    let places = [
+        (-2.0, -0.9),
+        (0.0, -1.1),
+        (2.0, -0.9),
+        (-1.9, 0.9),
+        (0.0, 0.8),
+        (1.9, 0.9),
+    ];
+    let stage = meshes
+        .into_iter()
+        .zip(places)
+        .fold(stage, |stage, (mesh, (x, z))| {
+            let turn = Quat::from_rotation_y(0.3 * x + 0.2);
+            stage.put_many(
+                mesh,
+                [Affine3A::from_rotation_translation(
+                    turn,
+                    Vec3::new(x, 0.0, z),
+                )],
+            )
+        });
+    stage.light(light).shoot(
+        Vec3::new(0.6, 4.6, 5.2),
+        Vec3::new(0.15, 0.1, 0.05),
+        44.0,
+        SMALL,
+    )
 }
 
 pub(crate) fn broken_meshes() -> Scene {
@@ -89,7 +121,8 @@ fn doubled(mut mesh: Mesh) -> Mesh {
 
 /// The triangles that face along `normal`.
 fn side(mesh: &Mesh, normal: Vec3) -> impl Iterator<Item = usize> + '_ {
-    (0..mesh.triangles.len()).filter(move |&i| mesh.normals[mesh.triangles[i][0] as usize] == normal)
+    (0..mesh.triangles.len())
+        .filter(move |&i| mesh.normals[mesh.triangles[i][0] as usize] == normal)
 }
 
 /// The lid's edge towards +z gets a corner in its middle, which the side below doesn't have.
@@ -97,7 +130,13 @@ fn with_t_junction(mut mesh: Mesh) -> Mesh {
     let lid: Vec<usize> = side(&mesh, Vec3::Y).collect();
     let [min, max] = [Vec3::new(-0.35, 0.8, -0.35), Vec3::new(0.35, 0.8, 0.35)];
     let base = mesh.positions.len() as u32;
-    mesh.positions.extend([min.with_z(max.z), Vec3::new(0.0, 0.8, max.z), max, max.with_z(min.z), min]);
+    mesh.positions.extend([
+        min.with_z(max.z),
+        Vec3::new(0.0, 0.8, max.z),
+        max,
+        max.with_z(min.z),
+        min,
+    ]);
     mesh.normals.extend([Vec3::Y; 5]);
     mesh.uvs.clear();
     mesh.triangles[lid[0]] = [base, base + 1, base + 4];
@@ -120,7 +159,8 @@ fn finned(mut mesh: Mesh) -> Mesh {
     mesh.positions.extend(&fin.positions);
     mesh.normals.extend([Vec3::NEG_X; 4]);
     mesh.uvs.clear();
-    mesh.triangles.extend(fin.triangles.iter().map(|t| t.map(|v| v + base)));
+    mesh.triangles
+        .extend(fin.triangles.iter().map(|t| t.map(|v| v + base)));
     mesh
 }
 
@@ -132,7 +172,8 @@ fn touching() -> Mesh {
     mesh.positions.extend(other.positions);
     mesh.normals.extend(other.normals);
     mesh.uvs.extend(other.uvs);
-    mesh.triangles.extend(other.triangles.iter().map(|t| t.map(|v| v + base)));
+    mesh.triangles
+        .extend(other.triangles.iter().map(|t| t.map(|v| v + base)));
     mesh
 }
 
@@ -148,9 +189,17 @@ pub(crate) fn ten_thousand_boxes() -> Scene {
     let place = |i: i32, k: i32| {
         let number = |what: i32| uniform(IVec3::new(i, k, what));
         let along = |i: i32, shift: f32| i as f32 - 0.5 * (SIDE as f32 - 1.0) + 0.6 * (shift - 0.5);
-        let size = Vec3::new(0.2 + 0.2 * number(2), 0.1 + 0.5 * number(3), 0.2 + 0.2 * number(4));
+        let size = Vec3::new(
+            0.2 + 0.2 * number(2),
+            0.1 + 0.5 * number(3),
+            0.2 + 0.2 * number(4),
+        );
         let turn = Quat::from_rotation_y(3.0 * number(5));
-        Affine3A::from_scale_rotation_translation(size, turn, Vec3::new(along(i, number(0)), 0.0, along(k, number(1))))
+        Affine3A::from_scale_rotation_translation(
+            size,
+            turn,
+            Vec3::new(along(i, number(0)), 0.0, along(k, number(1))),
+        )
     };
     let half = 0.5 * SIDE as f32 + 1.0;
     Stage::new("ten-thousand-boxes")
@@ -160,5 +209,10 @@ pub(crate) fn ten_thousand_boxes() -> Scene {
             (0..SIDE).flat_map(|i| (0..SIDE).map(move |k| place(i, k))),
         )
         .light(sun(1.0, -0.12, 0.3))
-        .shoot(Vec3::new(-6.0, 9.0, 40.0), Vec3::new(0.0, 0.0, 14.0), 45.0, speed::SIZE)
+        .shoot(
+            Vec3::new(-6.0, 9.0, 40.0),
+            Vec3::new(0.0, 0.0, 14.0),
+            45.0,
+            speed::SIZE,
+        )
 }

@@ -22,9 +22,14 @@ pub(crate) fn hall() -> Scene {
     let at = |x: f32, y: f32, z: f32| Affine3A::from_translation(Vec3::new(x, y, z));
     let ends = (0..=BAYS).flat_map(|i| [-ROW, ROW].map(|z| at(BAY * i as f32 - LENGTH, 0.0, z)));
     let bays = (0..BAYS).map(|i| BAY * (i as f32 + 0.5) - LENGTH);
-    let rows = bays.clone().flat_map(|x| [-ROW, ROW].map(|z| at(x, SPRING, z)));
+    let rows = bays
+        .clone()
+        .flat_map(|x| [-ROW, ROW].map(|z| at(x, SPRING, z)));
     let walls = bays.flat_map(|x| [-WIDTH, WIDTH].map(|z| at(x, 0.0, z)));
-    let roof = block(Vec3::new(-LENGTH, HEIGHT, -WIDTH), Vec3::new(LENGTH, HEIGHT + 0.3, WIDTH));
+    let roof = block(
+        Vec3::new(-LENGTH, HEIGHT, -WIDTH),
+        Vec3::new(LENGTH, HEIGHT + 0.3, WIDTH),
+    );
     let end = block(Vec3::new(-0.3, 0.0, -WIDTH), Vec3::new(0.0, HEIGHT, WIDTH));
     Stage::new("hall")
         .put(grid([LENGTH, WIDTH], [72, 28], |_, _| 0.0))
@@ -34,18 +39,40 @@ pub(crate) fn hall() -> Scene {
         .put_many(end, [at(-LENGTH, 0.0, 0.0), at(LENGTH + 0.3, 0.0, 0.0)])
         .put(roof)
         .light(sun(0.25, -0.75, 0.8))
-        .shoot(Vec3::new(-LENGTH + 1.2, 2.6, 1.1), Vec3::new(0.0, 2.2, -0.6), 62.0, SIZE)
+        .shoot(
+            Vec3::new(-LENGTH + 1.2, 2.6, 1.1),
+            Vec3::new(0.0, 2.2, -0.6),
+            62.0,
+            SIZE,
+        )
 }
 
 /// Base, tapering shaft and capital.
 fn column() -> Mesh {
-    let mut profile = vec![(0.0, 0.0), (0.52, 0.0), (0.52, 0.18), (0.47, 0.2), (0.48, 0.3), (0.42, 0.36)];
+    let mut profile = vec![
+        (0.0, 0.0),
+        (0.52, 0.0),
+        (0.52, 0.18),
+        (0.47, 0.2),
+        (0.48, 0.3),
+        (0.42, 0.36),
+    ];
     profile.extend((0..=14).map(|i| {
         let t = i as f32 / 14.0;
         (0.36 - 0.06 * t * t, 0.4 + 3.2 * t)
     }));
-    profile.extend([(0.36, 3.65), (0.34, 3.72), (0.46, 3.9), (0.56, 4.0), (0.56, SPRING), (0.0, SPRING)]);
-    Mesh { name: "column".to_owned(), ..lathe(&profile, 50) }
+    profile.extend([
+        (0.36, 3.65),
+        (0.34, 3.72),
+        (0.46, 3.9),
+        (0.56, 4.0),
+        (0.56, SPRING),
+        (0.0, SPRING),
+    ]);
+    Mesh {
+        name: "column".to_owned(),
+        ..lathe(&profile, 50)
+    }
 }
 
 /// A wall over one bay with a round opening; its foot is at the springing line.
@@ -56,16 +83,29 @@ fn arch() -> Mesh {
         let (cos, sin) = on_circle(0.5 - f64::from(i) / 128.0);
         (1.6 * cos, 1.6 * sin)
     }));
-    Mesh { name: "arch".to_owned(), ..prism(&outline, 0.3, -0.3) }
+    Mesh {
+        name: "arch".to_owned(),
+        ..prism(&outline, 0.3, -0.3)
+    }
 }
 
 /// An outer wall of one bay around an arched opening that reaches down to the floor.
 fn outer_wall() -> Mesh {
     let half = 0.5 * BAY;
-    let mut outline = vec![(0.8, 0.0), (half, 0.0), (half, HEIGHT), (-half, HEIGHT), (-half, 0.0), (-0.8, 0.0)];
+    let mut outline = vec![
+        (0.8, 0.0),
+        (half, 0.0),
+        (half, HEIGHT),
+        (-half, HEIGHT),
+        (-half, 0.0),
+        (-0.8, 0.0),
+    ];
     outline.extend((0..=48).map(|i| {
         let (cos, sin) = on_circle(0.5 - f64::from(i) / 96.0);
         (0.8 * cos, 4.6 + 0.8 * sin)
     }));
-    Mesh { name: "outer wall".to_owned(), ..prism(&outline, 0.2, -0.2) }
+    Mesh {
+        name: "outer wall".to_owned(),
+        ..prism(&outline, 0.2, -0.2)
+    }
 }

@@ -5,7 +5,8 @@ use umbrage_core::glam::{IVec3, Vec3};
 /// A well-mixed word from three (the finaliser of MurmurHash3, Appleby 2011, over a weighted sum).
 pub(crate) fn hash(v: IVec3) -> u32 {
     let [x, y, z] = v.to_array().map(|c| c as u32);
-    let mut h = x.wrapping_mul(0x9e37_79b1) ^ y.wrapping_mul(0x85eb_ca77) ^ z.wrapping_mul(0xc2b2_ae3d);
+    let mut h =
+        x.wrapping_mul(0x9e37_79b1) ^ y.wrapping_mul(0x85eb_ca77) ^ z.wrapping_mul(0xc2b2_ae3d);
     h = (h ^ (h >> 16)).wrapping_mul(0x85eb_ca6b);
     h = (h ^ (h >> 13)).wrapping_mul(0xc2b2_ae35);
     h ^ (h >> 16)
@@ -23,7 +24,13 @@ fn smooth(p: Vec3) -> f32 {
     let t = t * t * t * (t * (t * 6.0 - 15.0) + 10.0);
     let cell = cell.as_ivec3();
     let mix = |a: f32, b: f32, t: f32| a + (b - a) * t;
-    let along_x = |y, z| mix(uniform(cell + IVec3::new(0, y, z)), uniform(cell + IVec3::new(1, y, z)), t.x);
+    let along_x = |y, z| {
+        mix(
+            uniform(cell + IVec3::new(0, y, z)),
+            uniform(cell + IVec3::new(1, y, z)),
+            t.x,
+        )
+    };
     let along_y = |z| mix(along_x(0, z), along_x(1, z), t.y);
     mix(along_y(0), along_y(1), t.z)
 }

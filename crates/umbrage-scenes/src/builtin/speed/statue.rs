@@ -14,10 +14,18 @@ const RINGS: u32 = 131;
 
 pub(crate) fn statue() -> Scene {
     Stage::new("statue")
-        .put_many(pillar(1.3, 0.3, 64), [Affine3A::from_translation(Vec3::new(0.0, -1.6, 0.0))])
+        .put_many(
+            pillar(1.3, 0.3, 64),
+            [Affine3A::from_translation(Vec3::new(0.0, -1.6, 0.0))],
+        )
         .put(stone())
         .light(sun(0.7, -1.0, -0.6))
-        .shoot(Vec3::new(1.6, 1.4, 4.6), Vec3::new(0.0, -0.05, 0.0), 40.0, SIZE)
+        .shoot(
+            Vec3::new(1.6, 1.4, 4.6),
+            Vec3::new(0.0, -0.05, 0.0),
+            40.0,
+            SIZE,
+        )
 }
 
 /// A ball of 1 m pushed in and out by noise until it is all bulges and folds.
@@ -28,10 +36,14 @@ fn stone() -> Mesh {
             (sin, -cos)
         })
         .collect();
-    let mut mesh = Mesh { name: "stone".to_owned(), ..lathe(&profile, SEGMENTS) };
+    let mut mesh = Mesh {
+        name: "stone".to_owned(),
+        ..lathe(&profile, SEGMENTS)
+    };
     for p in &mut mesh.positions {
         let folds = 1.0 - 2.0 * fractal(*p * 2.5 + Vec3::splat(40.0), 5).abs();
-        *p *= Vec3::new(0.9, 1.25, 0.9) * (0.8 + 0.3 * folds + 0.15 * fractal(*p * 1.3 + Vec3::splat(7.0), 3));
+        *p *= Vec3::new(0.9, 1.25, 0.9)
+            * (0.8 + 0.3 * folds + 0.15 * fractal(*p * 1.3 + Vec3::splat(7.0), 3));
     }
     mesh
 }

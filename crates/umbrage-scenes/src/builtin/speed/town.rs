@@ -18,15 +18,25 @@ pub(crate) fn town() -> Scene {
     let houses = (0..SIDE).flat_map(|i| (0..SIDE).map(move |k| house(i, k)));
     Stage::new("town")
         .put(grid([half, half], [32, 32], |_, _| 0.0))
-        .put_many(block(Vec3::new(-0.5, 0.0, -0.5), Vec3::new(0.5, 1.0, 0.5)), houses)
+        .put_many(
+            block(Vec3::new(-0.5, 0.0, -0.5), Vec3::new(0.5, 1.0, 0.5)),
+            houses,
+        )
         .light(sun(0.75, -0.5, 0.35))
-        .shoot(Vec3::new(-260.0, 170.0, 520.0), Vec3::new(0.0, 0.0, 40.0), 45.0, SIZE)
+        .shoot(
+            Vec3::new(-260.0, 170.0, 520.0),
+            Vec3::new(0.0, 0.0, 40.0),
+            45.0,
+            SIZE,
+        )
 }
 
 /// The place of a unit box; every fifth row and column is pushed aside for a wider street.
 fn house(i: i32, k: i32) -> Affine3A {
     let number = |what: i32| uniform(IVec3::new(i, k, what));
-    let along = |i: i32| PITCH * (i as f32 - 0.5 * (SIDE as f32 - 1.0)) + if i % 5 == 0 { 1.5 } else { 0.0 };
+    let along = |i: i32| {
+        PITCH * (i as f32 - 0.5 * (SIDE as f32 - 1.0)) + if i % 5 == 0 { 1.5 } else { 0.0 }
+    };
     // Few are tall.
     let height = 5.0 + 45.0 * number(0).powi(6) + 6.0 * number(1);
     let size = Vec3::new(7.0 + 3.0 * number(2), height, 7.0 + 3.0 * number(3));

@@ -20,23 +20,41 @@ impl Surface {
         check(mesh)?;
         let places = Places::new(&mesh.positions);
         let edges = edges(mesh, &places);
-        if let Some(&(a, b)) = edges.iter().find(|&&(a, b)| edges.binary_search(&(b, a)).is_err()) {
+        if let Some(&(a, b)) = edges
+            .iter()
+            .find(|&&(a, b)| edges.binary_search(&(b, a)).is_err())
+        {
             let [p, q] = [a, b].map(|place| mesh.positions[places.vertices(place)[0] as usize]);
             let why = format!("is open: no second triangle meets the edge from {p} to {q}");
-            return Err(Invalid::new(format!("mesh `{}`", mesh.name), why, "close its holes"));
+            return Err(Invalid::new(
+                format!("mesh `{}`", mesh.name),
+                why,
+                "close its holes",
+            ));
         }
         let normals = places.normals(mesh);
         let mut deltas = deltas(mesh, &places, &edges, &normals);
         if rounds > 0 {
             let shared = (0..rounds).fold(deltas.clone(), |values, _| averaged(&values, &edges));
-            deltas.iter_mut().zip(shared).for_each(|(delta, shared)| *delta -= shared);
+            deltas
+                .iter_mut()
+                .zip(shared)
+                .for_each(|(delta, shared)| *delta -= shared);
         }
-        Ok(Self { places, normals, deltas })
+        Ok(Self {
+            places,
+            normals,
+            deltas,
+        })
     }
 
     /// The mesh's normals: equal for all vertices of a place.
     pub(super) fn vertex_normals(&self) -> Vec<Vec3> {
-        self.places.of_vertex().iter().map(|&place| self.normals[place as usize]).collect()
+        self.places
+            .of_vertex()
+            .iter()
+            .map(|&place| self.normals[place as usize])
+            .collect()
     }
 
     pub(super) fn vertex_delta(&self, vertex: usize) -> f32 {
@@ -46,13 +64,23 @@ impl Surface {
 
 fn check(mesh: &Mesh) -> Result<(), Invalid> {
     mesh.validate()?;
-    let invalid = |why: String, mend: &str| Err(Invalid::new(format!("mesh `{}`", mesh.name), why, mend));
+    let invalid =
+        |why: String, mend: &str| Err(Invalid::new(format!("mesh `{}`", mesh.name), why, mend));
     if mesh.uvs.is_empty() {
-        return invalid("has no texture coordinates to store a map over".to_owned(), "give it uvs");
+        return invalid(
+            "has no texture coordinates to store a map over".to_owned(),
+            "give it uvs",
+        );
     }
-    match mesh.uvs.iter().find(|uv| uv.min_element() < 0.0 || uv.max_element() > 1.0) {
+    match mesh
+        .uvs
+        .iter()
+        .find(|uv| uv.min_element() < 0.0 || uv.max_element() > 1.0)
+    {
         Some(uv) => invalid(
-            format!("has the texture coordinates {uv}: beyond 0 to 1, a texel would stand for several places"),
+            format!(
+                "has the texture coordinates {uv}: beyond 0 to 1, a texel would stand for several places"
+            ),
             "lay its uvs out in one square",
         ),
         None => Ok(()),
@@ -61,8 +89,13 @@ fn check(mesh: &Mesh) -> Result<(), Invalid> {
 
 /// Directed edges between places in order, each once; those without length left out.
 fn edges(mesh: &Mesh, places: &Places) -> Vec<(u32, u32)> {
-    let corners = mesh.triangles.iter().map(|t| t.map(|v| places.of_vertex()[v as usize]));
-    let edges = corners.flat_map(|[a, b, c]| [(a, b), (b, c), (c, a)]).filter(|(a, b)| a != b);
+    let corners = mesh
+        .triangles
+        .iter()
+        .map(|t| t.map(|v| places.of_vertex()[v as usize]));
+    let edges = corners
+        .flat_map(|[a, b, c]| [(a, b), (b, c), (c, a)])
+        .filter(|(a, b)| a != b);
     // Sorted, so that sums round alike in every run.
     edges.collect::<BTreeSet<_>>().into_iter().collect()
 }
@@ -88,5 +121,7 @@ fn averaged(values: &[f32], edges: &[(u32, u32)]) -> Vec<f32> {
         let (sum, count) = &mut sums[a as usize];
         (*sum, *count) = (*sum + f64::from(values[b as usize]), *count + 1);
     }
-    sums.into_iter().map(|(sum, count)| (sum / f64::from(count)) as f32).collect()
+    sums.into_iter()
+        .map(|(sum, count)| (sum / f64::from(count)) as f32)
+        .collect()
 }

@@ -22,9 +22,12 @@ impl DisplacementMap {
             why: format!("can't be written: {why}"),
             mend: "check that its folder is there and may be written to".to_owned(),
         };
-        let image = ImageBuffer::<Luma<u16>, _>::from_raw(self.size.x, self.size.y, self.greys.clone());
+        let image =
+            ImageBuffer::<Luma<u16>, _>::from_raw(self.size.x, self.size.y, self.greys.clone());
         let image = image.ok_or_else(|| failed(path, &"its size doesn't fit its texels"))?;
-        image.save_with_format(path, image::ImageFormat::Png).map_err(|e| failed(path, &e))?;
+        image
+            .save_with_format(path, image::ImageFormat::Png)
+            .map_err(|e| failed(path, &e))?;
         let metres = beside(path);
         let text = format!(
             "# Metres of a displacement map: bias + scale (2 h - 1), where h is 0 for black and 1 for white.\n\
@@ -46,7 +49,12 @@ impl DisplacementMap {
         let size = UVec2::new(image.width(), image.height());
         let file = path.display().to_string();
         super::map::check_size(size).map_err(|source| SceneError::Invalid { file, source })?;
-        Ok(Self { size, greys: image.pixels().map(|p| p.0[0]).collect(), scale, bias })
+        Ok(Self {
+            size,
+            greys: image.pixels().map(|p| p.0[0]).collect(),
+            scale,
+            bias,
+        })
     }
 }
 
@@ -60,14 +68,27 @@ fn beside(path: &Path) -> PathBuf {
 fn read_metres(path: &Path) -> Result<[f32; 2], SceneError> {
     let text = std::fs::read_to_string(path).map_err(|e| SceneError::unreadable(path, &e))?;
     let file = path.display().to_string();
-    let invalid = |source| SceneError::Invalid { file: file.clone(), source };
+    let invalid = |source| SceneError::Invalid {
+        file: file.clone(),
+        source,
+    };
     let table: toml::Table = text
         .parse()
-        .map_err(|e: toml::de::Error| Invalid::new("the map's metres", e.message(), "save the map again"))
+        .map_err(|e: toml::de::Error| {
+            Invalid::new("the map's metres", e.message(), "save the map again")
+        })
         .map_err(invalid)?;
     let number = |key: &str| {
-        let value = table.get(key).and_then(|v| v.as_float().or_else(|| v.as_integer().map(|i| i as f64)));
-        let missing = || Invalid::new(format!("`{key}`"), "is missing or no number", format!("add `{key} = 0.01`"));
+        let value = table
+            .get(key)
+            .and_then(|v| v.as_float().or_else(|| v.as_integer().map(|i| i as f64)));
+        let missing = || {
+            Invalid::new(
+                format!("`{key}`"),
+                "is missing or no number",
+                format!("add `{key} = 0.01`"),
+            )
+        };
         value.map(|v| v as f32).ok_or_else(missing).map_err(invalid)
     };
     let [scale, bias] = [number("scale")?, number("bias")?];

@@ -14,13 +14,27 @@ pub(super) fn nearest_vertices(mesh: &Mesh, size: UVec2) -> Result<Vec<u32>, Inv
         Invalid::new(format!("mesh `{}`", mesh.name), why, "lay them out anew")
     })?;
     let centre = |i: u32| [(i % size.x) as f32 + 0.5, (i / size.x) as f32 + 0.5];
-    let nearest = |i| tree.query(&centre(i)).nearest_one::<SquaredEuclidean<f32>>().execute().item;
-    Ok((0..size.element_product()).map(|i| vertices[nearest(i) as usize]).collect())
+    let nearest = |i| {
+        tree.query(&centre(i))
+            .nearest_one::<SquaredEuclidean<f32>>()
+            .execute()
+            .item
+    };
+    Ok((0..size.element_product())
+        .map(|i| vertices[nearest(i) as usize])
+        .collect())
 }
 
 /// Vertices with different texture coordinates, and these in texels.
 fn distinct(mesh: &Mesh, size: Vec2) -> (Vec<u32>, Vec<[f32; 2]>) {
     let mut known = HashSet::with_capacity(mesh.uvs.len());
-    let points = mesh.uvs.iter().map(|uv| (*uv * size).to_array()).enumerate();
-    points.filter(|(_, p)| known.insert(p.map(|x| (x + 0.0).to_bits()))).map(|(v, p)| (v as u32, p)).unzip()
+    let points = mesh
+        .uvs
+        .iter()
+        .map(|uv| (*uv * size).to_array())
+        .enumerate();
+    points
+        .filter(|(_, p)| known.insert(p.map(|x| (x + 0.0).to_bits())))
+        .map(|(v, p)| (v as u32, p))
+        .unzip()
 }

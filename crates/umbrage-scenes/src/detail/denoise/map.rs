@@ -39,11 +39,19 @@ impl DisplacementMap {
     ///
     /// # Errors
     /// As [`DisplacementMap::from_noisy`].
-    pub fn from_noisy_keeping_shape(noisy: &Mesh, size: UVec2, rounds: u32) -> Result<Self, Invalid> {
+    pub fn from_noisy_keeping_shape(
+        noisy: &Mesh,
+        size: UVec2,
+        rounds: u32,
+    ) -> Result<Self, Invalid> {
         check_size(size)?;
         let surface = Surface::new(noisy, rounds)?;
         let least = surface.deltas.iter().copied().fold(f32::INFINITY, f32::min);
-        let most = surface.deltas.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+        let most = surface
+            .deltas
+            .iter()
+            .copied()
+            .fold(f32::NEG_INFINITY, f32::max);
         let (scale, bias) = (0.5 * (most - least), 0.5 * (most + least));
         let range = f64::from(most) - f64::from(least);
         let grey = |delta: f32| match range > 0.0 {
@@ -51,8 +59,16 @@ impl DisplacementMap {
             false => 0,
         };
         let vertices = nearest_vertices(noisy, size)?;
-        let greys = vertices.into_iter().map(|v| grey(surface.vertex_delta(v as usize))).collect();
-        Ok(Self { size, greys, scale, bias })
+        let greys = vertices
+            .into_iter()
+            .map(|v| grey(surface.vertex_delta(v as usize)))
+            .collect();
+        Ok(Self {
+            size,
+            greys,
+            scale,
+            bias,
+        })
     }
 
     /// The mesh with each vertex moved along its normal by `factor` times the map's metres there: -1 takes away what
@@ -65,19 +81,44 @@ impl DisplacementMap {
         // Textures repeat, and the border of a map is seldom the other border's neighbour: half a texel keeps them
         // apart.
         let border = 0.5 / self.size.as_vec2();
-        let uvs = mesh.uvs.iter().map(|uv| uv.clamp(border, 1.0 - border)).collect();
-        let inset = Mesh { uvs, normals: surface.vertex_normals(), tangents: Vec::new(), ..mesh.clone() };
+        let uvs = mesh
+            .uvs
+            .iter()
+            .map(|uv| uv.clamp(border, 1.0 - border))
+            .collect();
+        let inset = Mesh {
+            uvs,
+            normals: surface.vertex_normals(),
+            tangents: Vec::new(),
+            ..mesh.clone()
+        };
         let (texture, lambda) = self.texture();
-        Ok(Mesh { uvs: mesh.uvs.clone(), ..inset.displaced(&texture, factor * lambda)? })
+        Ok(Mesh {
+            uvs: mesh.uvs.clone(),
+            ..inset.displaced(&texture, factor * lambda)?
+        })
     }
 
     /// The map as a material's displacement: a texture, and the lambda that makes `lambda (2 h - 1)` the map's metres;
     /// minus lambda denoises. The bias is part of the texture.
     pub fn texture(&self) -> (Texture, f32) {
         let lambda = self.scale + self.bias.abs();
-        let height = |grey: &u16| if lambda > 0.0 { 0.5 + 0.5 * self.metres(*grey) / lambda } else { 0.5 };
+        let height = |grey: &u16| {
+            if lambda > 0.0 {
+                0.5 + 0.5 * self.metres(*grey) / lambda
+            } else {
+                0.5
+            }
+        };
         let texels = self.greys.iter().map(height).map(|h| [h, h, h, 1.0]);
-        (Texture { name: "displacement map".to_owned(), size: self.size, texels: texels.collect() }, lambda)
+        (
+            Texture {
+                name: "displacement map".to_owned(),
+                size: self.size,
+                texels: texels.collect(),
+            },
+            lambda,
+        )
     }
 
     fn metres(&self, grey: u16) -> f32 {
@@ -94,8 +135,14 @@ impl DisplacementMap {
         let surface = Surface::new(noisy, rounds)?;
         let (texture, lambda) = self.texture();
         let border = 0.5 / self.size.as_vec2();
-        let found = |uv: Vec2| lambda * (2.0 * displacement::height(&texture, uv.clamp(border, 1.0 - border)) - 1.0);
-        let errors = noisy.uvs.iter().enumerate().map(|(v, &uv)| (found(uv) - surface.vertex_delta(v)).abs());
+        let found = |uv: Vec2| {
+            lambda * (2.0 * displacement::height(&texture, uv.clamp(border, 1.0 - border)) - 1.0)
+        };
+        let errors = noisy
+            .uvs
+            .iter()
+            .enumerate()
+            .map(|(v, &uv)| (found(uv) - surface.vertex_delta(v)).abs());
         Ok(errors.fold(0.0, f32::max))
     }
 
@@ -131,5 +178,9 @@ pub(super) fn check_size(size: UVec2) -> Result<(), Invalid> {
         return Ok(());
     }
     let why = format!("is {} x {} texels", size.x, size.y);
-    Err(Invalid::new("displacement map", why, format!("use {} to {} a side", SIDES.start(), SIDES.end())))
+    Err(Invalid::new(
+        "displacement map",
+        why,
+        format!("use {} to {} a side", SIDES.start(), SIDES.end()),
+    ))
 }

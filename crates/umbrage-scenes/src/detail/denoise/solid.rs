@@ -50,7 +50,10 @@ impl Solid {
     pub fn mean_distance(&self, mesh: &Mesh) -> f64 {
         let places = Places::new(&mesh.positions);
         let first = |place| mesh.positions[places.vertices(place)[0] as usize];
-        (0..places.count() as u32).map(|place| self.distance(first(place))).sum::<f64>() / places.count() as f64
+        (0..places.count() as u32)
+            .map(|place| self.distance(first(place)))
+            .sum::<f64>()
+            / places.count() as f64
     }
 }
 
@@ -62,6 +65,16 @@ pub fn roughened(mesh: &Mesh, amplitude: f32, seed: i32) -> Mesh {
     let normals = places.normals(mesh);
     let offset = |place: u32| amplitude * (2.0 * uniform(IVec3::new(place as i32, seed, 0)) - 1.0);
     let moved = |(&p, &place): (&Vec3, &u32)| p + normals[place as usize] * offset(place);
-    let positions = mesh.positions.iter().zip(places.of_vertex()).map(moved).collect();
-    Mesh { positions, normals: Vec::new(), tangents: Vec::new(), ..mesh.clone() }
+    let positions = mesh
+        .positions
+        .iter()
+        .zip(places.of_vertex())
+        .map(moved)
+        .collect();
+    Mesh {
+        positions,
+        normals: Vec::new(),
+        tangents: Vec::new(),
+        ..mesh.clone()
+    }
 }
