@@ -1,8 +1,10 @@
 //! Techniques as data: any built-in one with its settings, to be kept in a file.
 
 use crate::{
-    Hard, Midpoint, Pcf, PcfDisc, PcfDithered, PcfHardware, PcfMerged, Pcss, Planar, SecondDepth,
-    ShadowMap, ShadowVolumes, Traced, Unshadowed,
+    Midpoint, PcfDisc, PcfDithered, PcfHardware, PcfMerged, Planar, SecondDepth, ShadowVolumes,
+    Traced, Unshadowed,
+    shadow_map::ShadowMap,
+    techniques::{hard::Hard, pcf::Pcf, pcss::Pcss},
 };
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;

@@ -1,6 +1,10 @@
 //! No technique is forgotten, and files bring back what was written.
 
-use crate::{Bias, Border, MapFormat, Pcss, Preset, ShadowMap};
+use crate::{
+    Preset,
+    shadow_map::{Bias, Border, MapFormat, ShadowMap},
+    techniques::pcss::Pcss,
+};
 use umbrage_core::{Fit, glam::Vec3};
 
 #[test]

@@ -1,9 +1,11 @@
 //! Which settings of each technique are worth comparing, and which reach every path of its code.
 
 use crate::{
-    BeyondFar, Bias, Border, Hard, MapFormat, Midpoint, Pattern, Pcf, PcfDisc, PcfDithered,
-    PcfHardware, PcfMerged, Pcss, Planar, SecondDepth, ShadowMap, ShadowVolumes, Surface, Traced,
-    Unshadowed, catalogue::Settings,
+    Midpoint, Pattern, PcfDisc, PcfDithered, PcfHardware, PcfMerged, Planar, SecondDepth,
+    ShadowVolumes, Traced, Unshadowed,
+    catalogue::Settings,
+    shadow_map::{BeyondFar, Bias, Border, MapFormat, ShadowMap, Surface},
+    techniques::{hard::Hard, pcf::Pcf, pcss::Pcss},
 };
 use std::sync::Arc;
 use umbrage_core::{Fit, Layout, ShadowTechnique};

@@ -9,7 +9,7 @@ use umbrage::{
     glam::{IVec2, UVec2},
     techniques::{
         ShadowMap,
-        lookup::{MapLookup, look_up},
+        shadow_map::lookup::{ShadowMapUniforms, shadow_coord},
     },
     uniforms,
 };
@@ -65,7 +65,7 @@ impl ShadowTechnique for Variance {
             tables: Vec::new(),
             output,
         };
-        let lookup = MapLookup::new(&map, view, &spaces);
+        let lookup = ShadowMapUniforms::new(&map, view, &spaces);
         let receive = Chebyshev(ChebyshevUniforms {
             lookup,
             least_variance: self.least_variance,
@@ -193,7 +193,7 @@ uniforms! {
     /// Uniforms of [`Chebyshev`].
     pub struct ChebyshevUniforms {
         /// The way to the map.
-        pub lookup: MapLookup,
+        pub lookup: ShadowMapUniforms,
         /// Least variance, squared clip depth.
         pub least_variance: f32,
     }
@@ -229,7 +229,7 @@ impl ReceiveKernel for Chebyshev {
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
         let (u, image) = (&self.0, inputs.images[0]);
         for (i, out) in out.iter_mut().enumerate() {
-            let l = look_up(&u.lookup, span.position(i), span.normal(i));
+            let l = shadow_coord(&u.lookup, span.position(i), span.normal(i));
             let (x, y, size) = (
                 l.texel.x.floor() as i32,
                 l.texel.y.floor() as i32,

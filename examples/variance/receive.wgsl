@@ -1,12 +1,12 @@
 // Twin of `Chebyshev` in variance.rs.
 
 struct ChebyshevUniforms {
-    lookup: MapLookup,
+    lookup: ShadowMapUniforms,
     least_variance: f32,
 }
 
 fn receive(r: Receiver) -> f32 {
-    let l = look_up(kernel.lookup, r.position, r.normal);
+    let l = shadow_coord(kernel.lookup, r.position, r.normal);
     let x = i32(floor(l.texel.x));
     let y = i32(floor(l.texel.y));
     let size = i32(kernel.lookup.size);

@@ -1,0 +1,192 @@
+//! The light's horizon: which part of a light with an extent lies above a receiver's own tangent plane. A light point below
+//! the plane is not seen ([`light_sample`](umbrage_core::light_sample)), whatever a map holds.
+//!
+//! Over the plane of a receiver, the light's point at (x, y) of -1..1 along its half axes has the height
+//! `h.x + h.y x + h.z y`: metres, or for suns sines. So the horizon is a straight line across the square or the disc, and the
+//! share above it has a closed form.
+
+use crate::filtering::light_extent::{HalfAxes, half_axes};
+use glam::{DMat4, Mat4, Vec2, Vec3, Vec4};
+use umbrage_core::{Light, LightSpaces, MATH, Module, Twin, math::dot3, twin, uniforms};
+
+/// The WGSL half.
+pub(crate) const HORIZON: Module = Module {
+    name: "horizon",
+    text: include_str!("horizon.wgsl"),
+};
+
+uniforms! {
+    /// The light's half axes in the world.
+    pub struct Horizon {
+        /// Metres, or for suns tangents; w: a ball's radius (then the rest is 0), else 0.
+        pub half_u: Vec4,
+        /// The other half axis. w: 0.
+        pub half_v: Vec4,
+    }
+}
+
+impl Horizon {
+    /// Of `light`, whose maps lie in `spaces`.
+    pub fn new(light: &Light, spaces: &LightSpaces) -> Self {
+        let world_from_view: DMat4 = spaces.spaces[0].view_from_world.as_dmat4().inverse();
+        match half_axes(light, &world_from_view) {
+            HalfAxes::Flat(u, v) => Self {
+                half_u: u.as_vec3().extend(0.0),
+                half_v: v.as_vec3().extend(0.0),
+            },
+            HalfAxes::Ball(radius) => Self {
+                half_u: Vec4::new(0.0, 0.0, 0.0, radius as f32),
+                half_v: Vec4::ZERO,
+            },
+        }
+    }
+
+    /// The share of the light above the plane with unit normal `n` through `p`. `square`: see [`share_above`].
+    #[inline(always)]
+    pub(crate) fn share(&self, square: u32, light: Vec4, p: Vec3, n: Vec3) -> f32 {
+        let middle = height_over_plane(light, p, n);
+        if self.half_u.w > 0.0 {
+            let to_light = Vec3::new(light.x - p.x, light.y - p.y, light.z - p.z);
+            let rim = ball_rim(self.half_u.w, middle, dot3(to_light, to_light));
+            return disc_share(Vec3::new(middle, rim, 0.0));
+        }
+        share_above(
+            square,
+            Vec3::new(
+                middle,
+                dot3(n, self.half_u.truncate()),
+                dot3(n, self.half_v.truncate()),
+            ),
+        )
+    }
+
+    /// Heights over that plane: of the light's middle, and by how much they grow along the half axes that
+    /// [`light_axes`](crate::filtering::light_extent::light_axes) gives. `face` looks at `p`, whose tangents right and down are `t`; `unit`
+    /// is the tangent of half its angle.
+    #[inline(always)]
+    pub(crate) fn heights(
+        &self,
+        light: Vec4,
+        face: &Mat4,
+        p: Vec3,
+        n: Vec3,
+        t: Vec2,
+        unit: f32,
+    ) -> Vec3 {
+        let middle = height_over_plane(light, p, n);
+        if self.half_u.w > 0.0 {
+            let along = |row: usize| {
+                face.x_axis[row] * n.x + face.y_axis[row] * n.y + face.z_axis[row] * n.z
+            };
+            let right_down = Vec2::new(along(0) * unit, -along(1) * unit);
+            let grows = ball_heights(self.half_u.w, right_down, t);
+            return Vec3::new(middle, grows.x, grows.y);
+        }
+        Vec3::new(
+            middle,
+            dot3(n, self.half_u.truncate()),
+            dot3(n, self.half_v.truncate()),
+        )
+    }
+}
+
+/// The height of a light's middle ([`homogeneous`](crate::shading::facing::homogeneous)) over the plane with unit normal `n` through
+/// `p`.
+#[inline(always)]
+pub(crate) fn height_over_plane(light: Vec4, p: Vec3, n: Vec3) -> f32 {
+    dot3(
+        n,
+        Vec3::new(
+            light.x - light.w * p.x,
+            light.y - light.w * p.y,
+            light.z - light.w * p.z,
+        ),
+    )
+}
+
+/// By how much heights grow along a ball's half axes (see [`light_axes`](crate::filtering::light_extent::light_axes), whose factors
+/// these are): `n` are the normal's parts right and down on the map, `t` the receiver's tangents.
+#[inline(always)]
+pub(crate) fn ball_heights(radius: f32, n: Vec2, t: Vec2) -> Vec2 {
+    let a = (1.0 + t.x * t.x).sqrt();
+    let d = (1.0 + t.x * t.x + t.y * t.y).sqrt();
+    Vec2::new(
+        radius * (n.x * a + n.y * (t.x * t.y / a)),
+        radius * (n.y * (d / a)),
+    )
+}
+
+/// How much higher than its middle a ball is at the rim of the disc that faces the receiver, if the middle is `height` over the
+/// receiver's plane, and as far from the receiver as the root of `distance_squared`.
+#[inline(always)]
+pub(crate) fn ball_rim(radius: f32, height: f32, distance_squared: f32) -> f32 {
+    radius * (1.0 - height * height / distance_squared).max(0.0).sqrt()
+}
+
+/// The share of the square -1..1 that lies above the horizon: below it is a trapezium, or a triangle at a corner.
+#[inline(always)]
+pub(crate) fn square_share(h: Vec3) -> f32 {
+    let (a, b) = (h.y.abs().max(h.z.abs()), h.y.abs().min(h.z.abs()));
+    let most = if h.x >= 0.0 { 1.0 } else { 0.0 };
+    if h.x.abs() >= a + b {
+        return most;
+    }
+    let (height, slant) = (h.x.abs() / a, b / a);
+    let mut less = 0.5 - height * 0.5;
+    if height > 1.0 - slant {
+        let corner = 1.0 + slant - height;
+        less = corner * corner / (8.0 * slant);
+    }
+    (most - less).abs()
+}
+
+/// The share of the unit disc that lies above the horizon: below it is a segment, of area acos t - t sqrt(1 - t^2). The arc
+/// cosine is Hastings' polynomial (Abramowitz and Stegun 1964, 4.4.45), wrong by 7e-5 at most.
+#[inline(always)]
+pub(crate) fn disc_share(h: Vec3) -> f32 {
+    let radius = (h.y * h.y + h.z * h.z).sqrt();
+    let most = if h.x >= 0.0 { 1.0 } else { 0.0 };
+    if h.x.abs() >= radius {
+        return most;
+    }
+    let t = h.x.abs() / radius;
+    let arc =
+        (1.0 - t).sqrt() * (1.570_728_8 + t * (-0.212_114_4 + t * (0.074_261_0 - t * 0.018_729_3)));
+    let less = (arc - t * (1.0 - t * t).sqrt()) * std::f32::consts::FRAC_1_PI;
+    (most - less).abs()
+}
+
+/// The share of a square (`square` is 1) or a disc (0) that lies above the horizon.
+#[inline(always)]
+pub(crate) fn share_above(square: u32, h: Vec3) -> f32 {
+    if square != 0 {
+        square_share(h)
+    } else {
+        disc_share(h)
+    }
+}
+
+/// The heights along half axes that are [`turned`](crate::filtering::sample_pattern::turned) by (cos, sin).
+#[inline(always)]
+pub(crate) fn turned_heights(h: Vec3, turn: Vec2) -> Vec3 {
+    Vec3::new(
+        h.x,
+        h.y * turn.x + h.z * turn.y,
+        h.z * turn.x - h.y * turn.y,
+    )
+}
+
+/// The pairs, for the lockstep tests.
+pub(crate) const TWINS: &[Twin] = &[
+    twin!(HORIZON, height_over_plane(light: Vec4, p: Vec3, n: Vec3) -> f32, needs [MATH]),
+    twin!(HORIZON, ball_heights(radius: f32, n: Vec2, t: Vec2) -> Vec2, needs [MATH]),
+    twin!(HORIZON, ball_rim(radius: f32, height: f32, distance_squared: f32) -> f32, needs [MATH]),
+    twin!(HORIZON, square_share(h: Vec3) -> f32, needs [MATH]),
+    twin!(HORIZON, disc_share(h: Vec3) -> f32, needs [MATH]),
+    twin!(HORIZON, share_above(square: u32, h: Vec3) -> f32, needs [MATH]),
+    twin!(HORIZON, turned_heights(h: Vec3, turn: Vec2) -> Vec3, needs [MATH]),
+];
+
+#[cfg(test)]
+#[path = "horizon_tests.rs"]
+mod tests;

@@ -1,0 +1,94 @@
+//! The least depth of each tile of a map: a level of a pyramid of least depths.
+
+use crate::shadow_map::packing::{stored, unpack_depth};
+use glam::{UVec2, Vec4};
+use umbrage_core::{
+    FilterKernel, Inputs, Kernel, Module, SimdTask, UniformLayout, Uniforms, uniforms,
+};
+
+uniforms! {
+    /// Uniforms of [`LeastDepthKernel`].
+    pub struct LeastDepthUniforms {
+        /// Side of a tile, texels of the input.
+        pub ratio: u32,
+        /// Side of the input, texels.
+        pub size: u32,
+    }
+}
+
+/// From a square map to one whose texels hold the least depth of `ratio` x `ratio` of its texels.
+#[derive(Clone, Copy, Debug)]
+pub struct LeastDepthKernel {
+    pub(crate) uniforms: LeastDepthUniforms,
+    /// Whether each depth of the input takes four channels.
+    pub(crate) packed: bool,
+}
+
+impl Kernel for LeastDepthKernel {
+    fn modules(&self) -> Vec<Module> {
+        let own = Module {
+            name: "least_depth",
+            text: include_str!("least_depth.wgsl"),
+        };
+        stored(self.packed).into_iter().chain([own]).collect()
+    }
+
+    fn uniform_bytes(&self) -> Vec<u8> {
+        self.uniforms.to_bytes()
+    }
+
+    fn layout(&self) -> UniformLayout {
+        LeastDepthUniforms::layout()
+    }
+}
+
+impl FilterKernel for LeastDepthKernel {
+    fn filter(&self, inputs: &Inputs<'_>, start: UVec2, layer: u32, out: &mut [f32]) {
+        let LeastDepthUniforms { ratio, size } = self.uniforms;
+        let (image, first) = (&inputs.images[0], start.y * ratio);
+        let rows = (first..(first + ratio).min(size)).map(|y| {
+            let row = image.index(0, y as i32, layer);
+            &image.texels[row..row + size as usize * image.desc.format.channels()]
+        });
+        // Whole rows first: that runs in lanes, and leaves little to do within tiles.
+        let mut column = vec![1.0_f32; size as usize];
+        for row in rows {
+            if self.packed {
+                let depths = row
+                    .as_chunks()
+                    .0
+                    .iter()
+                    .map(|&channels| unpack_depth(Vec4::from_array(channels)));
+                column
+                    .iter_mut()
+                    .zip(depths)
+                    .for_each(|(least, depth)| *least = least.min(depth));
+            } else {
+                inputs.simd.run_task(LeastOf {
+                    least: &mut column,
+                    row,
+                });
+            }
+        }
+        for (out, tile) in out.iter_mut().zip(column.chunks(ratio as usize)) {
+            *out = tile.iter().copied().fold(1.0, f32::min);
+        }
+    }
+}
+
+/// The lesser of both, number by number.
+struct LeastOf<'a> {
+    least: &'a mut [f32],
+    row: &'a [f32],
+}
+
+impl SimdTask for LeastOf<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for (least, &depth) in self.least.iter_mut().zip(self.row) {
+            *least = if depth < *least { depth } else { *least };
+        }
+    }
+}

@@ -1,0 +1,337 @@
+//! Sample patterns: where the taps of a soft filter go. Tables that both halves read.
+//!
+//! Each pattern exists for the disc and for the square, evenly spread over the area, in coordinates -1..1:
+//!
+//! * **Vogel** (Vogel 1979, "A better way to construct the sunflower head"): on the disc radius sqrt((i + 1/2) / n) at i
+//!   golden angles; on the square the same lattice in x and y, the Fibonacci lattice.
+//! * **Poisson**: no two taps close together. Best of many candidates (Mitchell 1991, "Spectrally optimal sampling for
+//!   distribution ray tracing"), drawn from a hash of their number; distances wrap around on the square.
+//! * **Grid**: rows of cells of equal area; on the disc through Shirley and Chiu's map, which keeps areas.
+//!
+//! A pattern used alike at every pixel shows as bands. So each pixel turns it (disc) or shifts it around (square) by one
+//! of [`TURNS`] steps, chosen by interleaved gradient noise (Jimenez 2014, "Next generation post processing in Call of
+//! Duty: Advanced Warfare"): bands become fine noise.
+
+use glam::{DVec2, Vec2, Vec3, Vec4};
+use serde::{Deserialize, Serialize};
+use std::{
+    f64::consts::TAU,
+    sync::{Arc, Mutex, PoisonError},
+};
+use umbrage_core::{
+    Invalid, Module, Table, Twin,
+    light_sample::{disc_point, hash},
+    twin,
+};
+
+/// The WGSL half. It reads the kernel's first table.
+pub const PATTERN: Module = Module {
+    name: "sample_pattern",
+    text: include_str!("sample_pattern.wgsl"),
+};
+
+/// Most taps accepted. Of many more, those around the middle would no longer be told apart by their distance from it.
+pub const MAX_TAPS: u32 = 255;
+
+/// Into how many steps a pixel's turn is divided.
+pub const TURNS: u32 = 64;
+
+/// Candidates among which the Poisson pattern takes the one farthest from all taps so far.
+const CANDIDATES: u32 = 32;
+/// What the Poisson pattern's hash starts from.
+const POISSON_SEED: u32 = 0x5eed;
+/// Fraction of a turn between neighbours of Vogel's spiral: 2 minus the golden ratio.
+const GOLDEN: f64 = 0.381_966_011_250_105_1;
+
+/// No tap counts as nearer to the middle than this: less than the innermost of [`MAX_TAPS`] even ones,
+/// sqrt(1/2 / [`MAX_TAPS`]).
+const INNERMOST: f32 = 1.0 / 32.0;
+
+/// One set of taps: x, y, least distance from the middle (see [`from_middle`]).
+#[derive(Clone, Debug)]
+pub(crate) struct TapSet {
+    pub(crate) taps: Vec<Vec3>,
+}
+
+/// How taps are spread.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Pattern {
+    /// A sunflower's spiral; on squares the Fibonacci lattice.
+    #[default]
+    Vogel,
+    /// Random, but never close together.
+    Poisson,
+    /// Cells in rows.
+    Grid,
+}
+
+impl Pattern {
+    /// Its name for tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Vogel => "vogel",
+            Self::Poisson => "poisson",
+            Self::Grid => "grid",
+        }
+    }
+}
+
+/// What taps are spread over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Shape {
+    /// The unit disc.
+    Disc,
+    /// The square -1..1.
+    Square,
+}
+
+/// `count` taps within -1..1, evenly spread over the shape.
+pub fn spread(pattern: Pattern, shape: Shape, count: u32) -> Vec<Vec2> {
+    match (pattern, shape) {
+        (Pattern::Vogel, Shape::Disc) => (0..count).map(|i| sunflower(i, count)).collect(),
+        (Pattern::Vogel, Shape::Square) => {
+            (0..count).map(|i| centred(fibonacci(i, count))).collect()
+        }
+        (Pattern::Poisson, _) => poisson(shape, count),
+        (Pattern::Grid, _) => grid(count).map(|uv| onto(shape, uv)).collect(),
+    }
+}
+
+fn sunflower(i: u32, count: u32) -> Vec2 {
+    let radius = ((f64::from(i) + 0.5) / f64::from(count)).sqrt();
+    (DVec2::from_angle(TAU * GOLDEN * f64::from(i)) * radius).as_vec2()
+}
+
+fn fibonacci(i: u32, count: u32) -> Vec2 {
+    DVec2::new(
+        (f64::from(i) + 0.5) / f64::from(count),
+        (f64::from(i) * GOLDEN + 0.5).fract(),
+    )
+    .as_vec2()
+}
+
+/// From the unit square to -1..1.
+fn centred(uv: Vec2) -> Vec2 {
+    uv * 2.0 - 1.0
+}
+
+fn onto(shape: Shape, uv: Vec2) -> Vec2 {
+    match shape {
+        Shape::Disc => disc_point(uv),
+        Shape::Square => centred(uv),
+    }
+}
+
+/// Cell centres of the unit square: about as many rows as columns, each row as high as its share of the cells.
+fn grid(count: u32) -> impl Iterator<Item = Vec2> {
+    let rows = count.isqrt().max(1);
+    let start = move |row: u32| row * count / rows;
+    (0..rows).flat_map(move |row| {
+        let (first, end) = (start(row), start(row + 1));
+        let y = (first + end) as f32 * 0.5 / count as f32;
+        (first..end).map(move |i| Vec2::new(((i - first) as f32 + 0.5) / (end - first) as f32, y))
+    })
+}
+
+fn poisson(shape: Shape, count: u32) -> Vec<Vec2> {
+    let mut taps: Vec<Vec2> = Vec::new();
+    let unit = |k: u32| (hash(POISSON_SEED.wrapping_add(k)) >> 8) as f32 / 16_777_216.0;
+    for tap in 0..count {
+        let candidate = |c: u32| {
+            let k = 2 * (tap * CANDIDATES + c);
+            onto(shape, Vec2::new(unit(k), unit(k + 1)))
+        };
+        let room = |p: Vec2| {
+            taps.iter()
+                .map(|&q| distance_squared(shape, p, q))
+                .fold(f32::INFINITY, f32::min)
+        };
+        let best = (0..CANDIDATES)
+            .map(candidate)
+            .max_by(|&a, &b| room(a).total_cmp(&room(b)));
+        taps.extend(best);
+    }
+    taps
+}
+
+fn distance_squared(shape: Shape, a: Vec2, b: Vec2) -> f32 {
+    let d = (a - b).abs();
+    if shape == Shape::Disc {
+        d.length_squared()
+    } else {
+        d.min(Vec2::splat(2.0) - d).length_squared()
+    }
+}
+
+/// Sets of taps and all turns, as both halves read them.
+#[derive(Clone, Debug)]
+pub(crate) struct PatternTable {
+    /// A row (x, y, least distance from the middle, 0) for each tap of each set in turn, then a row (cos, sin, shift x, shift y)
+    /// for each turn. See [`from_middle`].
+    pub(crate) table: Table,
+    pub(crate) shape: Shape,
+    pub(crate) sets: Vec<TapSet>,
+    pub(crate) turns: Vec<Vec4>,
+}
+
+type Key = (Pattern, Shape, Vec<u32>);
+
+/// Tables made lately, so that equal plans share one and no backend uploads it twice.
+static MADE: Mutex<Vec<(Key, Arc<PatternTable>)>> = Mutex::new(Vec::new());
+/// How many of them are kept.
+const KEPT: usize = 32;
+
+impl PatternTable {
+    /// The table with sets of `counts` taps.
+    ///
+    /// # Errors
+    /// When a set has no taps or more than [`MAX_TAPS`].
+    pub(crate) fn new(
+        pattern: Pattern,
+        shape: Shape,
+        counts: &[(&str, u32)],
+    ) -> Result<Arc<Self>, Invalid> {
+        for (what, count) in counts {
+            if !(1..=MAX_TAPS).contains(count) {
+                return Err(Invalid::new(
+                    *what,
+                    format!("are {count}"),
+                    format!("use 1 to {MAX_TAPS}"),
+                ));
+            }
+        }
+        let key = (
+            pattern,
+            shape,
+            counts.iter().map(|c| c.1).collect::<Vec<_>>(),
+        );
+        let mut made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, table)) = made.iter().find(|(k, _)| *k == key) {
+            return Ok(table.clone());
+        }
+        let table = Arc::new(Self::build(pattern, shape, &key.2));
+        made.truncate(KEPT - 1);
+        made.insert(0, (key, table.clone()));
+        Ok(table)
+    }
+
+    fn build(pattern: Pattern, shape: Shape, counts: &[u32]) -> Self {
+        let place = |q: Vec2| {
+            q.extend(if shape == Shape::Disc {
+                q.length().max(INNERMOST)
+            } else {
+                INNERMOST
+            })
+        };
+        let set = |&count: &u32| {
+            spread(pattern, shape, count)
+                .into_iter()
+                .map(place)
+                .collect()
+        };
+        let sets: Vec<Vec<Vec3>> = counts.iter().map(set).collect();
+        let turns: Vec<Vec4> = (0..TURNS).map(|k| turn(shape, k)).collect();
+        let taps = sets.iter().flatten().map(|q| q.extend(0.0));
+        let rows = taps
+            .chain(turns.iter().copied())
+            .map(|row| row.to_array().map(f32::to_bits))
+            .collect();
+        let table = Table {
+            label: "sample pattern",
+            rows,
+        };
+        Self {
+            table,
+            shape,
+            sets: sets.into_iter().map(|taps| TapSet { taps }).collect(),
+            turns,
+        }
+    }
+}
+
+/// Step `k`: discs turn by it; squares are shifted by a point of the Fibonacci lattice.
+fn turn(shape: Shape, k: u32) -> Vec4 {
+    let part = f64::from(k) / f64::from(TURNS);
+    if shape == Shape::Disc {
+        return DVec2::from_angle(TAU * part)
+            .as_vec2()
+            .extend(0.0)
+            .extend(0.0);
+    }
+    Vec4::new(
+        1.0,
+        0.0,
+        (2.0 * part) as f32,
+        (2.0 * (f64::from(k) * GOLDEN).fract()) as f32,
+    )
+}
+
+/// A pixel's step, 0 to 63: Jimenez's fract(52.9829189 fract(.06711056 x + .00583715 y)) in 32-bit fixed point, so that it
+/// is the same everywhere.
+#[inline(always)]
+pub fn noise_index(x: u32, y: u32) -> u32 {
+    // .06711056, .00583715 times 2^32; 52; .9829189 times 2^16.
+    let a = x
+        .wrapping_mul(288_237_660)
+        .wrapping_add(y.wrapping_mul(25_070_368));
+    a.wrapping_mul(52)
+        .wrapping_add((a >> 16).wrapping_mul(64_417))
+        >> 26
+}
+
+/// The two half axes (x, y of one, then of the other), turned by (cos, sin).
+#[inline(always)]
+pub fn turned(axes: Vec4, turn: Vec2) -> Vec4 {
+    Vec4::new(
+        axes.x * turn.x + axes.z * turn.y,
+        axes.y * turn.x + axes.w * turn.y,
+        axes.z * turn.x - axes.x * turn.y,
+        axes.w * turn.x - axes.y * turn.y,
+    )
+}
+
+/// Brings back into -1..1 what a shift of 0..2 took out.
+#[inline(always)]
+pub fn wrapped(x: f32) -> f32 {
+    if x >= 1.0 { x - 2.0 } else { x }
+}
+
+/// How far a tap lies from the pattern's middle; 1 is the rim. `least` is the third number of its row: for discs, whose taps
+/// keep their distance whichever way they are turned, all there is to know.
+#[inline(always)]
+pub fn from_middle(x: f32, y: f32, least: f32) -> f32 {
+    let farther = if x.abs() > y.abs() { x.abs() } else { y.abs() };
+    if farther > least { farther } else { least }
+}
+
+/// What draws a tap at the distance `m` from the middle closer to it, to the distance m^3: then half of the taps lie within a
+/// third of the rim's distance instead of within seven tenths. Searches for blockers take it, since the nearer a blocker is to
+/// the receiver, the nearer to the middle it must lie to hide any light.
+#[inline(always)]
+pub fn closer_by(m: f32) -> f32 {
+    m * m
+}
+
+/// What a blocker, `nearer` than the receiver by that much, weighs if it is found at a tap that was at the distance `m`: the
+/// share of the light that it hides, times a number that is the same for all taps. Drawn to the distance m^3, a tap stands
+/// for an area in proportion to d(m^6) / d(m^2) = 3 m^4; and seen past a blocker twice as near, the light is four times as
+/// large.
+#[inline(always)]
+pub fn tap_weight(m: f32, nearer: f32) -> f32 {
+    m * m * (m * m) / (nearer * nearer)
+}
+
+/// The pairs, for the lockstep tests.
+pub const TWINS: &[Twin] = &[
+    twin!(PATTERN, noise_index(x: u32, y: u32) -> u32),
+    twin!(PATTERN, turned(axes: Vec4, turn: Vec2) -> Vec4),
+    twin!(PATTERN, wrapped(x: f32) -> f32),
+    twin!(PATTERN, closer_by(m: f32) -> f32),
+    twin!(PATTERN, tap_weight(m: f32, nearer: f32) -> f32),
+    twin!(PATTERN, from_middle(x: f32, y: f32, least: f32) -> f32),
+];
+
+#[cfg(test)]
+#[path = "sample_pattern_tests.rs"]
+mod tests;

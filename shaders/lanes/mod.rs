@@ -1,0 +1,5 @@
+//! Lookups of many receivers at once on the CPU, in vector lanes.
+
+pub(crate) mod batch;
+pub(crate) mod plane;
+pub(crate) mod square;

@@ -1,0 +1,53 @@
+//! Counting lit texels of a square, a row of lanes at a time. Counts are small integers in floats, which add exactly in
+//! any order: so the lanes agree with the shader's loop to the bit.
+
+use crate::shadow_map::lookup::{DepthMap, ShadowCoord};
+
+/// How many taps of the square whose least texel is (x, y) are lit. None unless it lies wholly within the map and its
+/// rows may be read `LANES` wide; lanes beyond `SIDE` are not counted.
+#[inline(always)]
+pub(crate) fn square<const SIDE: usize, const LANES: usize>(
+    map: &DepthMap<'_>,
+    l: &ShadowCoord,
+    x: i32,
+    y: i32,
+) -> Option<f32> {
+    let (texels, size) = (map.layer(l.layer)?, map.size);
+    let side = SIDE as i32;
+    if x < 0 || y < 0 || x + side > size || y + side > size {
+        return None;
+    }
+    let (stride, first) = (size as usize, y as usize * size as usize + x as usize);
+    let window = texels.get(first..first + (SIDE - 1) * stride + LANES)?;
+    let mut lit = [0_u32; LANES];
+    if l.gradient == glam::Vec2::ZERO {
+        for row in 0..SIDE {
+            let stored: &[f32; LANES] = window[row * stride..][..LANES].first_chunk()?;
+            for (lit, stored) in lit.iter_mut().zip(stored) {
+                *lit += u32::from(l.depth <= *stored);
+            }
+        }
+    } else {
+        for row in 0..SIDE {
+            let stored: &[f32; LANES] = window[row * stride..][..LANES].first_chunk()?;
+            let down = l.gradient.y * ((y + row as i32) as f32 + 0.5 - l.texel.y);
+            for (lane, lit) in lit.iter_mut().enumerate() {
+                let right = l.gradient.x * ((x + lane as i32) as f32 + 0.5 - l.texel.x);
+                *lit += u32::from((l.depth + right + down).min(l.deepest) <= stored[lane]);
+            }
+        }
+    }
+    Some(lit[..SIDE].iter().sum::<u32>() as f32)
+}
+
+/// The same for any square: taps outside the map count as lit.
+#[inline]
+pub(crate) fn one_by_one(map: &DepthMap<'_>, l: &ShadowCoord, [x, y]: [i32; 2], side: i32) -> f32 {
+    let mut lit = 0.0;
+    for dy in 0..side {
+        for dx in 0..side {
+            lit += map.tap(l, x + dx, y + dy);
+        }
+    }
+    lit
+}

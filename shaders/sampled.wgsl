@@ -1,8 +1,0 @@
-// Twin of sampled.rs: the sampler's blend of four comparisons.
-
-fn compared(l: Lookup, size: f32, at: vec2f, depth: f32) -> f32 {
-    if depth > 1.0 {
-        return 0.0;
-    }
-    return compare_0(at / size, l.layer, depth);
-}

@@ -1,0 +1,298 @@
+//! Colour pictures: Blinn-Phong shading of what is seen, with any technique's mask as the light's visibility.
+//!
+//! `colour = emission + ambient * diffuse + visibility * light * (diffuse * n.l + specular * (n.h)^s)`. Phong 1975,
+//! "Illumination for computer generated pictures"; Blinn 1977, "Models of light reflection for computer synthesized
+//! pictures", for h, halfway between light and eye. Shadows darken the lamp's light alone: ambient light and emission stay.
+//! All of it is linear; [`picture`](umbrage_core::picture) encodes sRGB.
+//!
+//! * Masks know nothing of normal maps and smooth normals: biases go along the geometric normal, since what a map stores is
+//!   the geometry's depth.
+//! * Shading normals are interpolated, and bent by normal maps. But where the *geometric* normal turns from the light, no light
+//!   arrives, whatever the shading normal says: a surface shadows itself there, maps with a bias don't say so reliably,
+//!   and no figure counts such pixels ([`Pixel::Unlit`](umbrage_core::metrics::Pixel)), so no picture may show them lit.
+//! * A light with an extent shines from its middle; only its visibility knows of the extent.
+//! * A spot's light falls off between its angles, linearly in the cosine. Light does not fall off with distance unless
+//!   [`BlinnPhong::attenuation`] says so: the textbooks' doesn't.
+//!
+//! Known failures: smooth normals over few triangles show the triangles where light grazes, since visibility and the rule
+//! above follow the geometry; a highlight may end there at a straight line.
+
+use crate::shading::{
+    facing::homogeneous,
+    interpolation::{INTERPOLATION, unit_or},
+    lighting::{LIGHTING, attenuation, blinn, cone},
+    surface::SURFACE,
+    surface_tables::SurfaceTables,
+    texture::TEXTURE,
+};
+use glam::{Vec2, Vec3, Vec4};
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+use umbrage_core::{
+    Camera, Invalid, Kernel, Light, Module, Recipe, Scene, Shade, ShadeKernel, Span, UniformLayout,
+    Uniforms, View, invalid::not_negative, math::dot3, uniforms,
+};
+
+/// How a picture is lit. Colours are linear.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct BlinnPhong {
+    /// Light from everywhere, which shadows don't touch; multiplied with the diffuse colour.
+    pub ambient: Vec3,
+    /// The lamp's colour times its intensity.
+    pub light: Vec3,
+    /// Constant, linear (1/m) and quadratic (1/m^2) factors of `1 / (c + l d + q d^2)`, d being the distance to the light's
+    /// middle; not all zero. Directional lights have no distance and don't fall off.
+    pub attenuation: Vec3,
+    /// Colour where nothing is seen.
+    pub background: Vec3,
+}
+
+impl Default for BlinnPhong {
+    fn default() -> Self {
+        Self {
+            ambient: Vec3::splat(0.15),
+            light: Vec3::ONE,
+            attenuation: Vec3::X,
+            background: Vec3::new(0.30, 0.38, 0.50),
+        }
+    }
+}
+
+impl BlinnPhong {
+    /// What shades this view of a scene. `view.geometry` must be baked from `scene`.
+    ///
+    /// # Errors
+    /// When the view has no geometry, or not this scene's; when the scene, the light or a number here is bad.
+    pub fn shading(&self, scene: &Scene, view: &View<'_>) -> Result<Shading, Invalid> {
+        self.validate()
+            .map_err(|e| e.within("Blinn-Phong shading"))?;
+        scene.validate()?;
+        let Some(geometry) = view.geometry else {
+            return Err(Invalid::new(
+                "view",
+                "has no triangles to shade",
+                "make it with `View::new`",
+            ));
+        };
+        let kernel = BlinnPhongKernel {
+            uniforms: self.uniforms(view)?,
+            tables: SurfaceTables::new(scene, geometry)?,
+        };
+        Ok(Shading {
+            settings: *self,
+            kernel,
+        })
+    }
+
+    fn validate(&self) -> Result<(), Invalid> {
+        let named = [
+            ("ambient", self.ambient),
+            ("light", self.light),
+            ("attenuation", self.attenuation),
+            ("background", self.background),
+        ];
+        for (what, color) in named {
+            color
+                .to_array()
+                .into_iter()
+                .try_for_each(|v| not_negative(what, v))?;
+        }
+        if self.attenuation == Vec3::ZERO {
+            return Err(Invalid::new(
+                "attenuation",
+                "is zero, which makes light infinite",
+                "use (1, 0, 0) for none",
+            ));
+        }
+        Ok(())
+    }
+
+    fn uniforms(&self, view: &View<'_>) -> Result<BlinnPhongUniforms, Invalid> {
+        view.validate()?;
+        let (axis, cone) = cone_of(view.light);
+        let light = homogeneous(view.light);
+        let attenuation = if light.w == 0.0 {
+            Vec3::X
+        } else {
+            self.attenuation
+        };
+        Ok(BlinnPhongUniforms {
+            eye: eye_of(view.camera),
+            light,
+            axis: axis.extend(0.0),
+            color: self.light.extend(0.0),
+            ambient: self.ambient.extend(0.0),
+            attenuation: attenuation.extend(0.0),
+            cone,
+        })
+    }
+}
+
+/// The eye (w = 1); without perspective the unit direction to it (w = 0).
+fn eye_of(camera: &Camera) -> Vec4 {
+    let camera = camera.standard();
+    if camera.clip_from_view.row(3) == Vec4::W {
+        return Vec3::from(camera.world_from_view.matrix3.z_axis)
+            .normalize_or_zero()
+            .extend(0.0);
+    }
+    camera.eye().extend(1.0)
+}
+
+/// Unit vector against a spot's axis, and the [`cone`]'s outer cosine and scale; for other lights a cone that holds all.
+fn cone_of(light: &Light) -> (Vec3, Vec2) {
+    let Light::Spot {
+        direction,
+        inner,
+        outer,
+        ..
+    } = *light
+    else {
+        return (Vec3::ZERO, Vec2::new(-1.0, 1.0));
+    };
+    let (inner, outer) = (f64::from(inner).cos(), f64::from(outer).cos());
+    // A huge but finite scale stands for a sharp edge, so that zero times it stays zero.
+    let scale = (1.0 / (inner - outer).max(1e-9)) as f32;
+    (
+        -direction.as_dvec3().normalize_or_zero().as_vec3(),
+        Vec2::new(outer as f32, scale),
+    )
+}
+
+/// Shades one view of one scene; add it to any technique's recipe. Cheap to clone.
+#[derive(Clone, Debug)]
+pub struct Shading {
+    settings: BlinnPhong,
+    kernel: BlinnPhongKernel,
+}
+
+impl Shading {
+    /// The recipe with a colour picture on top: backends then answer [`Shadows::picture`](umbrage_core::Shadows::picture).
+    /// What the recipe shaded with before is replaced.
+    #[must_use]
+    pub fn add_to(&self, mut recipe: Recipe) -> Recipe {
+        let first = recipe.tables.len();
+        recipe.tables.extend(self.kernel.tables.tables());
+        let background = self.settings.background.extend(1.0).to_array();
+        let tables = (first..recipe.tables.len()).collect();
+        recipe.shade = Some(Shade {
+            kernel: Arc::new(self.kernel.clone()),
+            tables,
+            background,
+        });
+        recipe
+    }
+
+    /// The same scene's shading with another camera or light. Tables are shared, so that backends need no upload.
+    ///
+    /// # Errors
+    /// When the camera or the light is bad.
+    pub fn with_view(&self, view: &View<'_>) -> Result<Self, Invalid> {
+        let uniforms = self.settings.uniforms(view)?;
+        Ok(Self {
+            kernel: BlinnPhongKernel {
+                uniforms,
+                ..self.kernel.clone()
+            },
+            ..*self
+        })
+    }
+}
+
+uniforms! {
+    /// Uniforms of [`BlinnPhongKernel`].
+    pub struct BlinnPhongUniforms {
+        /// The eye (w = 1), or the unit direction to it (w = 0).
+        pub eye: Vec4,
+        /// The light's middle (w = 1), or the unit direction to it (w = 0).
+        pub light: Vec4,
+        /// Unit vector against a spot's axis; zero for other lights.
+        pub axis: Vec4,
+        /// The lamp's colour times its intensity.
+        pub color: Vec4,
+        /// Light from everywhere.
+        pub ambient: Vec4,
+        /// Constant, linear and quadratic factors.
+        pub attenuation: Vec4,
+        /// Cosine of the outer angle; 1 over the difference of the inner angle's cosine to it.
+        pub cone: Vec2,
+    }
+}
+
+/// The kernel.
+#[derive(Clone, Debug)]
+pub struct BlinnPhongKernel {
+    uniforms: BlinnPhongUniforms,
+    tables: SurfaceTables,
+}
+
+impl Kernel for BlinnPhongKernel {
+    fn modules(&self) -> Vec<Module> {
+        let own = Module {
+            name: "blinn_phong",
+            text: include_str!("blinn_phong.wgsl"),
+        };
+        vec![TEXTURE, INTERPOLATION, SURFACE, LIGHTING, own]
+    }
+
+    fn uniform_bytes(&self) -> Vec<u8> {
+        self.uniforms.to_bytes()
+    }
+
+    fn layout(&self) -> UniformLayout {
+        BlinnPhongUniforms::layout()
+    }
+}
+
+impl ShadeKernel for BlinnPhongKernel {
+    fn shade(&self, span: &Span<'_>, visibility: &[f32], out: &mut [[f32; 4]]) {
+        for (i, (out, &visibility)) in out.iter_mut().zip(visibility).enumerate() {
+            if let Some(color) = self.color(
+                span.triangle[i],
+                span.position(i),
+                span.normal(i),
+                visibility,
+            ) {
+                *out = color.extend(1.0).to_array();
+            }
+        }
+    }
+}
+
+/// From `p` to a point (w = 1), or along a direction (w = 0).
+#[inline(always)]
+fn towards(to: Vec4, p: Vec3) -> Vec3 {
+    Vec3::new(to.x - p.x * to.w, to.y - p.y * to.w, to.z - p.z * to.w)
+}
+
+impl BlinnPhongKernel {
+    /// Linear colour of a seen point; none if there is no such triangle.
+    #[inline(always)]
+    fn color(&self, triangle: u32, p: Vec3, n: Vec3, visibility: f32) -> Option<Vec3> {
+        let (u, s) = (&self.uniforms, self.tables.surface(triangle, p, n)?);
+        let l = unit_or(towards(u.light, p), Vec3::ZERO);
+        let v = unit_or(towards(u.eye, p), Vec3::ZERO);
+        let lit = self.arriving(p, n, l, visibility);
+        let share = blinn(s.normal, l, v, s.shininess_log2);
+        let reflected = s.diffuse * share.x + s.specular * share.y;
+        Some(s.emissive + u.ambient.truncate() * s.diffuse + lit * reflected)
+    }
+
+    /// Linear light from the lamp at a point whose geometric normal is `n`; `l` is the unit direction to it.
+    #[inline(always)]
+    fn arriving(&self, p: Vec3, n: Vec3, l: Vec3, visibility: f32) -> Vec3 {
+        if dot3(n, l) <= 0.0 {
+            return Vec3::ZERO;
+        }
+        let u = &self.uniforms;
+        let to_light = towards(u.light, p);
+        let distance = dot3(to_light, to_light).sqrt();
+        let share = cone(dot3(u.axis.truncate(), l), u.cone.x, u.cone.y);
+        u.color.truncate() * (visibility * share * attenuation(u.attenuation.truncate(), distance))
+    }
+}
+
+#[cfg(test)]
+#[path = "blinn_phong_tests.rs"]
+mod tests;

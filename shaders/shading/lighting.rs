@@ -1,0 +1,117 @@
+//! How much of the light a surface sends on: Lambert's diffuse and Blinn's specular reflection, a spot's cone, and
+//! classic attenuation.
+
+use crate::shading::interpolation::{INTERPOLATION, unit_or};
+use glam::{Vec2, Vec3};
+use umbrage_core::{MAX_SHININESS_LOG2, Module, Twin, math::dot3, twin};
+
+/// The WGSL half; it needs `interpolation`.
+pub(crate) const LIGHTING: Module = Module {
+    name: "lighting",
+    text: include_str!("lighting.wgsl"),
+};
+
+/// `x` to the power of 2^`log2` (at most [`MAX_SHININESS_LOG2`]), by repeated squaring.
+#[inline(always)]
+pub(crate) fn power(x: f32, log2: u32) -> f32 {
+    (0..log2.min(MAX_SHININESS_LOG2)).fold(x, |y, _| y * y)
+}
+
+/// Diffuse and specular share of the light from `l` seen from `v`, all unit vectors: Lambert's n.l, and Blinn 1977,
+/// "Models of light reflection for computer synthesized pictures": (n.h)^(2^`shininess_log2`) with h halfway between `l`
+/// and `v`. Both are 0 where the normal turns from the light.
+#[inline(always)]
+pub(crate) fn blinn(n: Vec3, l: Vec3, v: Vec3, shininess_log2: u32) -> Vec2 {
+    let diffuse = dot3(n, l).max(0.0);
+    if diffuse > 0.0 {
+        let h = unit_or(l + v, n);
+        return Vec2::new(diffuse, power(dot3(n, h).max(0.0), shininess_log2));
+    }
+    Vec2::ZERO
+}
+
+/// Share of a spot's light at an angle to its axis, linear in the cosine: 0 at the outer angle, whose cosine is `outer`, 1
+/// at the inner one, where `(cos - outer) * scale` reaches 1.
+#[inline(always)]
+#[expect(
+    clippy::manual_clamp,
+    reason = "`clamp` lets NaN through, and this must bound it as the shader does"
+)]
+pub(crate) fn cone(cosine: f32, outer: f32, scale: f32) -> f32 {
+    ((cosine - outer) * scale).max(0.0).min(1.0)
+}
+
+/// `1 / (c + l d + q d^2)`, `factors` being (c, l, q): the attenuation of OpenGL 1.
+#[inline(always)]
+pub(crate) fn attenuation(factors: Vec3, distance: f32) -> f32 {
+    1.0 / (factors.x + factors.y * distance + factors.z * distance * distance)
+}
+
+/// The pairs, for the lockstep tests.
+pub(crate) const TWINS: &[Twin] = &[
+    twin!(LIGHTING, power(x: f32, log2: u32) -> f32, needs [INTERPOLATION]),
+    twin!(LIGHTING, blinn(n: Vec3, l: Vec3, v: Vec3, shininess_log2: u32) -> Vec2, needs [INTERPOLATION]),
+    twin!(LIGHTING, cone(cosine: f32, outer: f32, scale: f32) -> f32, needs [INTERPOLATION]),
+    twin!(LIGHTING, attenuation(factors: Vec3, distance: f32) -> f32, needs [INTERPOLATION]),
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn powers_by_squaring() {
+        assert_eq!(
+            [0, 1, 2, 5].map(|n| power(0.5, n)),
+            [0.5, 0.25, 0.0625, 1.0 / 4_294_967_296.0]
+        );
+        assert_eq!((power(1.0, 12), power(0.0, 12)), (1.0, 0.0));
+    }
+
+    /// One step more of shininess squares the highlight, and leaves the diffuse share.
+    #[test]
+    fn a_step_of_shininess_doubles_the_power() {
+        let (n, l, v) = (
+            Vec3::Z,
+            Vec3::new(0.6, 0.0, 0.8),
+            Vec3::new(0.0, 0.28, 0.96),
+        );
+        for log2 in 0..8 {
+            let (once, twice) = (blinn(n, l, v, log2), blinn(n, l, v, log2 + 1));
+            assert_eq!((twice.x, twice.y), (0.8, once.y * once.y), "{log2}");
+        }
+    }
+
+    #[test]
+    fn highlights_by_hand() {
+        // Light and eye mirror each other: h is the normal.
+        let mirror = blinn(
+            Vec3::Z,
+            Vec3::new(0.6, 0.0, 0.8),
+            Vec3::new(-0.6, 0.0, 0.8),
+            5,
+        );
+        assert_eq!(mirror, Vec2::new(0.8, 1.0));
+        // h = (1, 0, 1) / sqrt 2 between z and x: cos 45 degrees to the fourth is a quarter.
+        let corner = blinn(Vec3::Z, Vec3::Z, Vec3::X, 2);
+        assert!(
+            (corner - Vec2::new(1.0, 0.25)).abs().max_element() < 1e-6,
+            "{corner}"
+        );
+        assert_eq!(
+            blinn(Vec3::Z, Vec3::NEG_Z, Vec3::Z, 0),
+            Vec2::ZERO,
+            "from behind"
+        );
+    }
+
+    #[test]
+    fn cones_fall_off_between_their_angles() {
+        assert_eq!(
+            [0.4, 0.5, 0.625, 0.75, 0.9].map(|c| cone(c, 0.5, 4.0)),
+            [0.0, 0.0, 0.5, 1.0, 1.0]
+        );
+        assert_eq!(attenuation(Vec3::X, 1e9), 1.0);
+        assert_eq!(attenuation(Vec3::new(1.0, 0.5, 0.25), 2.0), 1.0 / 3.0);
+    }
+}

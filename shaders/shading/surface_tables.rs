@@ -1,0 +1,138 @@
+//! A scene's looks as tables that both languages read: vertices, triangles, materials, texels.
+
+use crate::shading::texture;
+use glam::{UVec4, Vec2, Vec3, Vec4};
+use std::sync::Arc;
+use umbrage_core::{Geometry, Invalid, Material, NO_MATERIAL, Scene, Table};
+
+/// Rows a vertex: position and u; shading normal and v; tangent and handedness.
+pub(crate) const VERTEX_ROWS: usize = 3;
+/// Rows a material: diffuse colour and shininess (an integer); specular colour; emission; diffuse texture; normal map.
+pub(crate) const MATERIAL_ROWS: usize = 5;
+
+/// Rows of four words.
+type Rows = Arc<[[u32; 4]]>;
+
+/// The tables. Cheap to clone.
+#[derive(Clone, Debug)]
+pub(crate) struct SurfaceTables {
+    pub(crate) vertices: Rows,
+    /// A row each: vertices, and the material in the fourth word.
+    pub(crate) triangles: Rows,
+    pub(crate) materials: Rows,
+    pub(crate) texels: Rows,
+}
+
+impl SurfaceTables {
+    /// The looks of a valid scene that the geometry was baked from.
+    ///
+    /// # Errors
+    /// When the geometry names materials that the scene doesn't have.
+    pub(crate) fn new(scene: &Scene, geometry: &Geometry) -> Result<Self, Invalid> {
+        let count = scene.materials.len() as u32;
+        if let Some(id) = geometry
+            .materials()
+            .iter()
+            .find(|&&id| id >= count && id != NO_MATERIAL)
+        {
+            let why = format!("uses material {id}, but scene `{}` has {count}", scene.name);
+            return Err(Invalid::new(
+                "geometry",
+                why,
+                "shade it with the scene that it was baked from",
+            ));
+        }
+        let (texels, places) = texture::rows(&scene.textures);
+        // The default material comes last.
+        let materials = scene
+            .materials
+            .iter()
+            .chain([&Material::default()])
+            .flat_map(|m| material_rows(m, &places))
+            .collect();
+        Ok(Self {
+            vertices: or_zeros(vertex_rows(geometry), VERTEX_ROWS),
+            triangles: or_zeros(triangle_rows(geometry, count), 1),
+            materials,
+            texels: texels.into(),
+        })
+    }
+
+    /// In the order in which `surface.wgsl` numbers them.
+    pub(crate) fn tables(&self) -> [Table; 4] {
+        [
+            Table {
+                label: "vertices",
+                rows: self.vertices.clone(),
+            },
+            Table {
+                label: "triangles",
+                rows: self.triangles.clone(),
+            },
+            Table {
+                label: "materials",
+                rows: self.materials.clone(),
+            },
+            Table {
+                label: "texels",
+                rows: self.texels.clone(),
+            },
+        ]
+    }
+}
+
+/// A table has at least one row; an empty scene, none of whose rows is ever read, gets zeros.
+fn or_zeros(rows: Vec<[u32; 4]>, least: usize) -> Rows {
+    if rows.is_empty() {
+        vec![[0; 4]; least].into()
+    } else {
+        rows.into()
+    }
+}
+
+fn vertex_rows(geometry: &Geometry) -> Vec<[u32; 4]> {
+    let row = |v: Vec3, w: f32| v.extend(w).to_array().map(f32::to_bits);
+    let vertices = geometry
+        .positions()
+        .iter()
+        .zip(geometry.normals())
+        .enumerate();
+    let rows = vertices.flat_map(|(i, (&p, &n))| {
+        let uv = geometry.uvs().get(i).copied().unwrap_or(Vec2::ZERO);
+        let t = geometry.tangents().get(i).copied().unwrap_or(Vec4::ZERO);
+        [row(p, uv.x), row(n, uv.y), row(t.truncate(), t.w)]
+    });
+    rows.collect()
+}
+
+fn triangle_rows(geometry: &Geometry, default: u32) -> Vec<[u32; 4]> {
+    let material = |i: usize| {
+        geometry
+            .materials()
+            .get(i)
+            .copied()
+            .filter(|&m| m != NO_MATERIAL)
+            .unwrap_or(default)
+    };
+    geometry
+        .triangles()
+        .iter()
+        .enumerate()
+        .map(|(i, &[a, b, c])| [a, b, c, material(i)])
+        .collect()
+}
+
+fn material_rows(m: &Material, places: &[UVec4]) -> [[u32; 4]; MATERIAL_ROWS] {
+    let color = |c: Vec3, w: u32| [c.x.to_bits(), c.y.to_bits(), c.z.to_bits(), w];
+    let texture = |id: Option<usize>| {
+        id.and_then(|id| places.get(id))
+            .map_or([0; 4], |place| place.to_array())
+    };
+    [
+        color(m.diffuse, m.shininess_log2),
+        color(m.specular, 0),
+        color(m.emissive, 0),
+        texture(m.diffuse_texture),
+        texture(m.normal_map),
+    ]
+}

@@ -1,0 +1,316 @@
+//! What is set of a shadow map, and what makes it: its images, casts and filters.
+
+use crate::shadow_map::{Bias, Footprint, between, lookup::ShadowMapUniforms, packing};
+use glam::UVec2;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+use umbrage_core::{
+    Cast, CastMode, Filter, Fit, Format, ImageDesc, ImageId, Invalid, Layout, LightSpaces,
+    MAX_SIDE, PlanError, RasterBias, Receive, ReceiveKernel, Receivers, Recipe, View,
+    footprint::side_for,
+};
+
+/// Sides that [`ShadowMap::sized_for`] answers are multiples of this, texels.
+pub const SIDE_STEP: u32 = 16;
+
+/// Which depth a map keeps of the surfaces that its texels show.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Surface {
+    /// The nearest surface's.
+    #[default]
+    Nearest,
+    /// The mean of the nearest two: see [`Midpoint`](crate::Midpoint).
+    Midpoint,
+}
+
+/// How a map stores depth.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MapFormat {
+    /// 32-bit floats.
+    #[default]
+    Depth32,
+    /// 16 bits: half the memory, steps of 1/65535.
+    Depth16,
+    /// Four 8-bit channels, for devices that cannot read depth images: see [`packing`].
+    Rgba8,
+}
+
+/// What a lookup beside the map finds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Border {
+    /// Nothing: it is lit, as if the map had a border of depth 1.
+    #[default]
+    Lit,
+    /// The nearest texel of the map's edge, repeated: casters at the edge throw shadow bands without end.
+    Clamp,
+}
+
+/// What becomes of receivers beyond the map's far plane.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum BeyondFar {
+    /// They are lit.
+    #[default]
+    Lit,
+    /// They are compared as all others; no stored depth is beyond 1, so they are dark.
+    Compared,
+}
+
+/// Square depth maps of a light, one a light space.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ShadowMap {
+    /// Side, texels.
+    pub size: u32,
+    /// Where it lies.
+    pub fit: Fit,
+    /// What keeps receivers from shadowing themselves. Midpoints take no polygon offset.
+    pub bias: Bias,
+    /// One space or six.
+    pub layout: Layout,
+    /// Which depth is kept.
+    pub surface: Surface,
+    /// How it is stored.
+    pub format: MapFormat,
+    /// What lies beside it.
+    pub border: Border,
+    /// What lies behind it.
+    pub beyond_far: BeyondFar,
+}
+
+impl Default for ShadowMap {
+    fn default() -> Self {
+        Self {
+            size: 1024,
+            fit: Fit::Tight,
+            bias: Bias::ADAPTIVE,
+            layout: Layout::Auto,
+            surface: Surface::Nearest,
+            format: MapFormat::Depth32,
+            border: Border::Lit,
+            beyond_far: BeyondFar::Lit,
+        }
+    }
+}
+
+impl ShadowMap {
+    /// A few words for tables.
+    pub fn label(&self) -> String {
+        let mut words = vec![self.size.to_string(), self.fit.label()];
+        words.retain(|word| !word.is_empty());
+        let others = [
+            (self.layout == Layout::Single, "one map"),
+            (self.layout == Layout::Cube, "cube"),
+            (self.surface == Surface::Midpoint, "midpoint"),
+            (self.format == MapFormat::Depth16, "16 bit"),
+            (self.format == MapFormat::Rgba8, "rgba8"),
+            (self.border == Border::Clamp, "edge repeated"),
+            (self.beyond_far == BeyondFar::Compared, "dark beyond far"),
+        ];
+        words.extend(
+            others
+                .into_iter()
+                .filter(|(on, _)| *on)
+                .map(|(_, word)| word.to_owned()),
+        );
+        // Midpoints take no polygon offset.
+        let raster = if self.surface == Surface::Midpoint {
+            RasterBias::default()
+        } else {
+            self.bias.raster
+        };
+        words.push(
+            Bias {
+                raster,
+                ..self.bias
+            }
+            .label(),
+        );
+        words.join(", ")
+    }
+
+    /// The light spaces for a kernel that reaches `reach` texels beyond the receiver's own.
+    ///
+    /// # Errors
+    /// As [`Fit::light_spaces`]; and `Invalid` for bad parameters.
+    pub fn spaces(&self, view: &View<'_>, reach: f32) -> Result<LightSpaces, PlanError> {
+        self.validate()?;
+        self.fit.light_spaces(
+            self.layout,
+            view,
+            self.size,
+            reach + self.bias.normal_offset.abs(),
+        )
+    }
+
+    /// The same map with the side that a view asks for: on it, for a share `quantile` (0..=1) of the `receivers` that
+    /// face the light, no texel is larger than a pixel, in whichever direction it is stretched (see [`side_for`]). More is
+    /// finer than the screen shows; less shows texels as steps along edges. 0.9 is a good quantile: near 1, a few receivers
+    /// that the light grazes decide.
+    ///
+    /// `receivers` are what the view's camera sees. The side is a multiple of [`SIDE_STEP`]; where nothing that is seen faces
+    /// the light, it stays as it is.
+    ///
+    /// # Errors
+    /// As [`ShadowMap::spaces`].
+    pub fn sized_for(
+        &self,
+        view: &View<'_>,
+        receivers: &Receivers,
+        quantile: f32,
+    ) -> Result<Self, PlanError> {
+        let view = view.with_receivers(receivers);
+        let mut map = *self;
+        // Fits leave a border of some texels, which is wider on a coarser map: a second look settles it.
+        for _ in 0..2 {
+            let side = side_for(&view, receivers, &map.spaces(&view, 0.0)?, quantile);
+            map.size = side.map_or(map.size, |side| {
+                side.next_multiple_of(SIDE_STEP).min(MAX_SIDE)
+            });
+        }
+        Ok(map)
+    }
+
+    /// The images, casts and filters that make the map: a recipe still without its lookup. The map to look up is the last
+    /// image: of depth, or `R32` ([`Surface::Midpoint`]), or `Rgba8` ([`MapFormat::Rgba8`]). `footprint` is
+    /// what will look it up.
+    pub fn maps(&self, spaces: &LightSpaces, footprint: Footprint) -> Maps {
+        let depth = if self.format == MapFormat::Depth16 {
+            Format::Depth16
+        } else {
+            Format::Depth32
+        };
+        let mut maps = Maps::default();
+        let nearest = maps.image(self.desc("shadow map", depth, spaces));
+        // Peeling compares depths of one surface with itself, which a polygon offset would part.
+        let peeled = self.surface == Surface::Midpoint;
+        let raster = if peeled {
+            RasterBias::default()
+        } else {
+            self.bias.raster_for(footprint)
+        };
+        self.cast(&mut maps, spaces, nearest, CastMode::Nearest, raster);
+        if self.surface == Surface::Midpoint {
+            let second = maps.image(self.desc("second depth", depth, spaces));
+            self.cast(&mut maps, spaces, second, CastMode::Behind(nearest), raster);
+            let middle = maps.image(self.desc("midpoint", Format::R32, spaces));
+            maps.filter(between::between(), vec![nearest, second], middle);
+        }
+        if self.format == MapFormat::Rgba8 {
+            let packed = maps.image(self.desc("packed depth", Format::Rgba8, spaces));
+            maps.filter(packing::pack(), vec![packed - 1], packed);
+        }
+        maps
+    }
+
+    fn desc(&self, label: &'static str, format: Format, spaces: &LightSpaces) -> ImageDesc {
+        ImageDesc {
+            label,
+            size: UVec2::splat(self.size),
+            layers: spaces.spaces.len() as u32,
+            format,
+        }
+    }
+
+    fn cast(
+        &self,
+        maps: &mut Maps,
+        spaces: &LightSpaces,
+        image: ImageId,
+        mode: CastMode,
+        bias: RasterBias,
+    ) {
+        let needed = (0..)
+            .zip(&spaces.spaces)
+            .zip(&spaces.needed)
+            .filter(|(_, needed)| **needed);
+        maps.casts.extend(needed.map(|((layer, &space), _)| Cast {
+            mode,
+            cull: self.bias.cull,
+            bias,
+            ..Cast::nearest(image, layer, space)
+        }));
+    }
+
+    /// The recipe of a technique that draws maps and looks them up with `kernel`, which reaches `reach` texels beyond the
+    /// receiver's own.
+    pub(crate) fn recipe<K: ReceiveKernel + 'static>(
+        &self,
+        view: &View<'_>,
+        reach: f32,
+        kernel: impl FnOnce(ShadowMapUniforms) -> K,
+    ) -> Result<Recipe, PlanError> {
+        let spaces = self.spaces(view, reach)?;
+        let kernel = kernel(ShadowMapUniforms::new(self, view, &spaces));
+        let footprint = if kernel.compares() {
+            Footprint::Samples
+        } else {
+            Footprint::Taps { reach }
+        };
+        Ok(self.maps(&spaces, footprint).recipe(kernel))
+    }
+
+    fn validate(&self) -> Result<(), Invalid> {
+        if self.size == 0 {
+            return Err(Invalid::new(
+                "shadow map",
+                "has a side of 0 texels",
+                "use 1 or more, such as 1024",
+            ));
+        }
+        self.bias.validate().map_err(|e| e.within("shadow map"))
+    }
+}
+
+/// What makes a map: see [`ShadowMap::maps`].
+#[derive(Clone, Debug, Default)]
+pub struct Maps {
+    /// As [`Recipe::images`].
+    pub images: Vec<ImageDesc>,
+    /// As [`Recipe::casts`].
+    pub casts: Vec<Cast>,
+    /// As [`Recipe::filters`].
+    pub filters: Vec<Filter>,
+}
+
+impl Maps {
+    pub(crate) fn image(&mut self, desc: ImageDesc) -> ImageId {
+        self.images.push(desc);
+        self.images.len() - 1
+    }
+
+    pub(crate) fn filter(
+        &mut self,
+        kernel: Arc<dyn umbrage_core::FilterKernel>,
+        inputs: Vec<ImageId>,
+        output: ImageId,
+    ) {
+        self.filters.push(Filter {
+            kernel,
+            inputs,
+            tables: Vec::new(),
+            output,
+        });
+    }
+
+    /// The recipe that looks up the last image alone.
+    pub fn recipe<K: ReceiveKernel + 'static>(self, kernel: K) -> Recipe {
+        let inputs = vec![self.images.len() - 1];
+        Recipe {
+            images: self.images,
+            tables: Vec::new(),
+            casts: self.casts,
+            filters: self.filters,
+            receive: Receive {
+                kernel: Arc::new(kernel),
+                inputs,
+                tables: Vec::new(),
+            },
+            shade: None,
+            keep_images: false,
+        }
+    }
+}

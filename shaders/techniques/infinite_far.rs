@@ -1,0 +1,163 @@
+//! The camera's view without a far plane, for what lies infinitely far away.
+//!
+//! Everitt and Kilgard 2002, "Practical and robust stenciled shadow volumes": with far at infinity, clip z is w less a
+//! constant, and so the points at infinity have z = w, just inside. Without perspective there is no such projection;
+//! there a [`FarClampPlane`] takes its place.
+
+use glam::{DMat4, DVec3, DVec4, Mat4, Vec4};
+use umbrage_core::{
+    Geometry, LightSpace, NO_TRIANGLE, Receivers, View,
+    depth_range::{Pyramid, depth_range},
+};
+
+/// Slack of planes that must not cut what is seen, as a fraction of their distance.
+const SLACK: f64 = 1e-3;
+
+/// The camera's space, moved so that nothing is too far.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct InfiniteFarView {
+    /// Draws as the camera does: same pixels, other depths.
+    pub(crate) space: LightSpace,
+    /// Onto which to flatten what is farther away; none with perspective.
+    pub(crate) clamp_plane: Option<FarClampPlane>,
+}
+
+/// A plane across the view, beyond all there is to see.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct FarClampPlane {
+    /// Unit vector along the view.
+    pub(crate) forward: DVec3,
+    /// Distance along the view of a homogeneous point, times its w: the dot product with this.
+    pub(crate) depth: DVec4,
+    /// The plane's own distance along the view, metres.
+    pub(crate) distance: f64,
+}
+
+impl InfiniteFarView {
+    /// The space for what a view sees of a geometry. Its near plane is put right before the nearest thing seen, since
+    /// depth is told apart to about 2^-23 w^2 / near.
+    pub(crate) fn new(view: &View<'_>, geometry: &Geometry) -> Self {
+        let space = view.camera.space();
+        if space.clip_from_view.row(3) == Vec4::W {
+            return Self::orthographic(space, geometry);
+        }
+        let nearest = match view.receivers {
+            Some(receivers) => nearest_pixel(&space, receivers),
+            None => nearest_triangle(&space, geometry),
+        };
+        Self {
+            space: endless_perspective(space, nearest * (1.0 - SLACK)),
+            clamp_plane: None,
+        }
+    }
+
+    /// By how much a depth of this distance along the view may be rounded, metres: a unit in the last place of depths in 0.5..1
+    /// (2^-24) each of what is drawn and of what it is compared with.
+    pub(crate) fn rounding(&self, distance: f64) -> f64 {
+        let m = self.space.clip_from_view.as_dmat4();
+        let per_metre = match self.clamp_plane {
+            Some(_) => m.z_axis.z.abs(),
+            // Depth is 1 - near / distance.
+            None => -m.w_axis.z / m.z_axis.w.abs() / (distance * distance),
+        };
+        1.0 / f64::from(1 << 23) / per_metre
+    }
+
+    fn orthographic(space: LightSpace, geometry: &Geometry) -> Self {
+        let view = space.view_from_world.as_dmat4();
+        let depth = -view.row(2);
+        let farthest = geometry
+            .bounds()
+            .corners()
+            .map(|p| depth.dot(p.as_dvec3().extend(1.0)))
+            .fold(0.0, f64::max);
+        let m = space.clip_from_view.as_dmat4();
+        let near = m.w_axis.z / m.z_axis.z;
+        let distance = near + (farthest - near).max(1.0 / m.z_axis.z.abs()) * (1.0 + SLACK);
+        // The clamp_plane lies halfway: rounding pushes nothing beyond the far plane.
+        let per_metre = 0.5 / (distance - near);
+        let mut clip_from_view = m;
+        (clip_from_view.z_axis.z, clip_from_view.w_axis.z) = (-per_metre, -near * per_metre);
+        let clamp_plane = FarClampPlane {
+            forward: depth.truncate(),
+            depth,
+            distance,
+        };
+        Self {
+            space: LightSpace {
+                clip_from_view: clip_from_view.as_mat4(),
+                ..space
+            },
+            clamp_plane: Some(clamp_plane),
+        }
+    }
+}
+
+/// Clip z becomes w less its value on the near plane, which is at least `nearest` metres away.
+fn endless_perspective(space: LightSpace, nearest: f64) -> LightSpace {
+    let m = space.clip_from_view;
+    let (own, w_per_metre) = (w_at_near(&m), f64::from(-m.z_axis.w));
+    let at_near = if nearest.is_finite() {
+        own.max(nearest * w_per_metre)
+    } else {
+        own
+    };
+    let mut clip_from_view = m;
+    (
+        clip_from_view.x_axis.z,
+        clip_from_view.y_axis.z,
+        clip_from_view.z_axis.z,
+    ) = (m.x_axis.w, m.y_axis.w, m.z_axis.w);
+    clip_from_view.w_axis.z = m.w_axis.w - at_near as f32;
+    LightSpace {
+        clip_from_view,
+        ..space
+    }
+}
+
+/// Clip w where clip z is 0, in the middle of the image.
+fn w_at_near(clip_from_view: &Mat4) -> f64 {
+    let m: DMat4 = clip_from_view.as_dmat4();
+    let p = m.inverse() * DVec4::W;
+    1.0 / p.w
+}
+
+/// Metres along the view to the nearest thing seen; infinite if there is none.
+fn nearest_pixel(space: &LightSpace, receivers: &Receivers) -> f64 {
+    let depth = -space.view_from_world.as_dmat4().row(2);
+    let seen = (0..receivers.len()).filter(|&i| receivers.triangle[i] != NO_TRIANGLE);
+    seen.map(|i| depth.dot(receivers.position(i).as_dvec3().extend(1.0)))
+        .fold(f64::INFINITY, f64::min)
+}
+
+/// The same, of all triangles' parts within the camera's pyramid.
+fn nearest_triangle(space: &LightSpace, geometry: &Geometry) -> f64 {
+    let (m, own) = (
+        space.clip_from_view.as_dmat4(),
+        w_at_near(&space.clip_from_view),
+    );
+    let tangent = |scale: f64, shift: f64| (m.z_axis.w.abs() + shift.abs()) / scale.abs();
+    let tangents = [
+        tangent(m.x_axis.x, m.z_axis.x),
+        tangent(m.y_axis.y, m.z_axis.y),
+    ];
+    let pyramid = Pyramid {
+        view_from_world: space.view_from_world,
+        tangents,
+    };
+    let row = space.view_from_world.row(2);
+    let mut nearest = f32::INFINITY;
+    for t in 0..geometry.triangles().len() as u32 {
+        let corners = geometry.corners(t);
+        let first = corners
+            .map(|p| -row.dot(p.extend(1.0)))
+            .into_iter()
+            .fold(f32::INFINITY, f32::min);
+        // Most triangles lie behind what was found so far: only the others need to be clipped.
+        if first < nearest && f64::from(nearest) > own {
+            let range = depth_range(&pyramid, std::iter::once(corners));
+            nearest = range.map_or(nearest, |[near, _]| nearest.min(near));
+        }
+    }
+    f64::from(nearest)
+}

@@ -1,0 +1,188 @@
+//! Percentage-closer filtering on a grid: the mean of (2r + 1)² comparisons around the receiver's texel.
+//!
+//! Reeves, Salesin and Cook 1987, "Rendering antialiased shadows with depth maps": compare first, then average; r = 1 is
+//! the textbooks' 3x3. Penumbrae have one width everywhere, in texels. Wide kernels need more bias: their outer taps
+//! see the receiver's own surface r texels away. Known failures: light leaks into contacts and under feet as far as the
+//! kernel reaches; the receiver's plane leads outer taps astray across creases (acne on stairs and hills); the penumbra's
+//! one width is wrong for every lamp; and those of every map: see [`shadow_map`](crate::shadow_map).
+
+use crate::{
+    lanes::{
+        batch::{Taps, look_up_span},
+        square,
+    },
+    shadow_map::{
+        ShadowMap,
+        lookup::{DepthMap, ShadowCoord, ShadowMapUniforms, TAP},
+    },
+};
+use serde::{Deserialize, Serialize};
+use umbrage_core::{
+    Asks, Inputs, Invalid, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span,
+    UniformLayout, Uniforms, View, uniforms,
+};
+
+/// Greatest radius accepted: 1,089 taps.
+pub const MAX_RADIUS: u32 = 16;
+
+/// A square of comparisons.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Pcf {
+    /// The map looked up.
+    pub map: ShadowMap,
+    /// Texels to each side, 0 to [`MAX_RADIUS`]; 1 is the textbooks' 3x3.
+    pub radius: u32,
+}
+
+impl Default for Pcf {
+    fn default() -> Self {
+        Self {
+            map: ShadowMap::default(),
+            radius: 1,
+        }
+    }
+}
+
+impl ShadowTechnique for Pcf {
+    fn name(&self) -> &'static str {
+        "pcf"
+    }
+
+    fn settings(&self) -> String {
+        let side = 2 * self.radius + 1;
+        format!("{side}x{side}, {}", self.map.label())
+    }
+
+    fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
+        if self.radius > MAX_RADIUS {
+            let why = format!("is {} texels", self.radius);
+            return Err(Invalid::new("pcf radius", why, format!("use 0 to {MAX_RADIUS}")).into());
+        }
+        let radius = self.radius as i32;
+        self.map.recipe(view, radius as f32, |lookup| {
+            PcfKernel(PcfUniforms { lookup, radius })
+        })
+    }
+
+    fn kernel_reach(&self) -> Option<f32> {
+        Some(self.radius as f32)
+    }
+}
+
+uniforms! {
+    /// Uniforms of [`PcfKernel`].
+    pub struct PcfUniforms {
+        /// The way to the map.
+        pub lookup: ShadowMapUniforms,
+        /// Texels to each side.
+        pub radius: i32,
+    }
+}
+
+/// The lookup.
+#[derive(Clone, Copy, Debug)]
+pub struct PcfKernel(
+    /// Uniforms.
+    pub PcfUniforms,
+);
+
+impl Kernel for PcfKernel {
+    fn modules(&self) -> Vec<Module> {
+        self.0
+            .lookup
+            .modules()
+            .into_iter()
+            .chain([
+                TAP,
+                Module {
+                    name: "pcf",
+                    text: include_str!("pcf.wgsl"),
+                },
+            ])
+            .collect()
+    }
+
+    fn uniform_bytes(&self) -> Vec<u8> {
+        self.0.to_bytes()
+    }
+
+    fn layout(&self) -> UniformLayout {
+        PcfUniforms::layout()
+    }
+}
+
+impl ReceiveKernel for PcfKernel {
+    fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
+        let PcfUniforms { lookup, radius } = self.0;
+        let map = lookup.map(&inputs.images[0]);
+        let side = (2 * radius + 1) as f32;
+        let count = side * side;
+        let simd = inputs.simd;
+        // A known radius lets the compiler unroll rows; the others share one loop.
+        match radius {
+            1 => look_up_span(
+                simd,
+                &lookup,
+                span,
+                out,
+                &SquareOfTaps::<3, 4> { map, radius, count },
+            ),
+            2 => look_up_span(
+                simd,
+                &lookup,
+                span,
+                out,
+                &SquareOfTaps::<5, 8> { map, radius, count },
+            ),
+            3 => look_up_span(
+                simd,
+                &lookup,
+                span,
+                out,
+                &SquareOfTaps::<7, 8> { map, radius, count },
+            ),
+            4 => look_up_span(
+                simd,
+                &lookup,
+                span,
+                out,
+                &SquareOfTaps::<9, 16> { map, radius, count },
+            ),
+            _ => look_up_span(
+                simd,
+                &lookup,
+                span,
+                out,
+                &SquareOfTaps::<0, 0> { map, radius, count },
+            ),
+        }
+    }
+
+    fn asks(&self) -> Asks {
+        let side = 2 * self.0.radius.unsigned_abs() + 1;
+        Asks::taps(side * side)
+    }
+}
+
+/// `SIDE` and `LANES` as in [`square::square`]; 0 for any side.
+struct SquareOfTaps<'a, const SIDE: usize, const LANES: usize> {
+    map: DepthMap<'a>,
+    radius: i32,
+    count: f32,
+}
+
+impl<const SIDE: usize, const LANES: usize> Taps for SquareOfTaps<'_, SIDE, LANES> {
+    #[inline(always)]
+    fn visibility(&self, l: &ShadowCoord, _: usize) -> f32 {
+        let x = l.texel.x.floor() as i32 - self.radius;
+        let y = l.texel.y.floor() as i32 - self.radius;
+        let in_lanes = if SIDE > 0 {
+            square::square::<SIDE, LANES>(&self.map, l, x, y)
+        } else {
+            None
+        };
+        in_lanes.unwrap_or_else(|| square::one_by_one(&self.map, l, [x, y], 2 * self.radius + 1))
+            / self.count
+    }
+}

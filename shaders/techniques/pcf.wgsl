@@ -1,0 +1,24 @@
+// Twin of pcf.rs: the mean of comparisons over a square of texels.
+
+struct PcfUniforms {
+    lookup: ShadowMapUniforms,
+    radius: i32,
+}
+
+fn receive(r: Receiver) -> f32 {
+    let l = shadow_coord(kernel.lookup, r.position, r.normal);
+    if !l.seen {
+        return 1.0;
+    }
+    let size = i32(kernel.lookup.size);
+    let x = i32(floor(l.texel.x));
+    let y = i32(floor(l.texel.y));
+    var lit = 0.0;
+    for (var dy = -kernel.radius; dy <= kernel.radius; dy++) {
+        for (var dx = -kernel.radius; dx <= kernel.radius; dx++) {
+            lit += tap(size, l, x + dx, y + dy);
+        }
+    }
+    let side = f32(2 * kernel.radius + 1);
+    return lit / (side * side);
+}

@@ -1,0 +1,246 @@
+//! Percentage-closer filtering over a disc: the mean of comparisons at the taps of a pattern.
+//!
+//! Reeves, Salesin and Cook 1987, "Rendering antialiased shadows with depth maps", with taps spread over a disc instead of
+//! a square of texels: the radius need not be whole, the cost is the number of taps whatever the radius, and edges look
+//! alike from all sides. Turned by each pixel's noise, few taps give fine noise instead of bands. The blur is as wide
+//! everywhere and tells nothing of the light's size: see [`Pcss`](crate::Pcss). Fails like [`Pcf`](crate::Pcf) by acne
+//! that grows with the radius, by light that leaks into contacts, by one width for all penumbrae, and by noise where taps
+//! are few for it; and as every map does: see [`shadow_map`](crate::shadow_map).
+
+use crate::{
+    filtering::{
+        pattern_taps::{
+            Comparisons, KernelPlacement, PATTERN_TAPS, PLACED, ReceiverLanes, turn_at,
+        },
+        sample_pattern::{PATTERN, Pattern, PatternTable, Shape, TURNS, turned},
+    },
+    lanes::batch::{Batch, BatchTaps, look_up_span},
+    shadow_map::{
+        ShadowMap,
+        lookup::{ShadowCoord, ShadowMapUniforms},
+    },
+};
+use glam::{UVec2, Vec2, Vec4};
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+use umbrage_core::{
+    Asks, Inputs, Invalid, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Simd,
+    SimdTask, Span, UniformLayout, Uniforms, View, uniforms,
+};
+
+/// Greatest radius accepted, texels.
+pub const MAX_DISC_RADIUS: f32 = 64.0;
+
+/// A disc of comparisons.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PcfDisc {
+    /// The map looked up.
+    pub map: ShadowMap,
+    /// Texels, 0 to [`MAX_DISC_RADIUS`].
+    pub radius: f32,
+    /// Taps, 1 to [`MAX_TAPS`](crate::filtering::sample_pattern::MAX_TAPS).
+    pub taps: u32,
+    /// How they are spread.
+    pub pattern: Pattern,
+    /// Whether each pixel turns the pattern by its own noise.
+    pub rotate: bool,
+}
+
+impl Default for PcfDisc {
+    fn default() -> Self {
+        let map = ShadowMap::default();
+        Self {
+            map,
+            radius: 3.0,
+            taps: 16,
+            pattern: Pattern::Vogel,
+            rotate: true,
+        }
+    }
+}
+
+impl ShadowTechnique for PcfDisc {
+    fn name(&self) -> &'static str {
+        "pcf_disc"
+    }
+
+    fn settings(&self) -> String {
+        let still = if self.rotate { "" } else { " still" };
+        let taps = format!(
+            "radius {}, {} taps,{still} {}",
+            self.radius,
+            self.taps,
+            self.pattern.name()
+        );
+        format!("{taps}, {}", self.map.label())
+    }
+
+    fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
+        if !(0.0..=MAX_DISC_RADIUS).contains(&self.radius) {
+            let why = format!("is {} texels", self.radius);
+            return Err(Invalid::new(
+                "pcf disc radius",
+                why,
+                format!("use 0 to {MAX_DISC_RADIUS}"),
+            )
+            .into());
+        }
+        let pattern =
+            PatternTable::new(self.pattern, Shape::Disc, &[("pcf disc taps", self.taps)])?;
+        let table = pattern.table.clone();
+        let turns = if self.rotate { TURNS - 1 } else { 0 };
+        let kernel = |lookup| {
+            let uniforms = PcfDiscUniforms {
+                lookup,
+                radius: self.radius,
+                taps: self.taps,
+                turns,
+            };
+            PcfDiscKernel { uniforms, pattern }
+        };
+        let mut recipe = self.map.recipe(view, self.radius, kernel)?;
+        recipe.tables.push(table);
+        recipe.receive.tables.push(0);
+        Ok(recipe)
+    }
+
+    fn kernel_reach(&self) -> Option<f32> {
+        Some(self.radius)
+    }
+}
+
+uniforms! {
+    /// Uniforms of [`PcfDiscKernel`].
+    pub struct PcfDiscUniforms {
+        /// The way to the map.
+        pub lookup: ShadowMapUniforms,
+        /// Texels.
+        pub radius: f32,
+        /// Taps: the table's first.
+        pub taps: u32,
+        /// Greatest turn of the pattern: one less than the number of turns, or 0.
+        pub turns: u32,
+    }
+}
+
+/// The lookup.
+#[derive(Clone, Debug)]
+pub struct PcfDiscKernel {
+    uniforms: PcfDiscUniforms,
+    pattern: Arc<PatternTable>,
+}
+
+impl Kernel for PcfDiscKernel {
+    fn modules(&self) -> Vec<Module> {
+        let own = Module {
+            name: "pcf_disc",
+            text: include_str!("pcf_disc.wgsl"),
+        };
+        self.uniforms
+            .lookup
+            .modules()
+            .into_iter()
+            .chain([PATTERN, PLACED, PATTERN_TAPS, own])
+            .collect()
+    }
+
+    fn uniform_bytes(&self) -> Vec<u8> {
+        self.uniforms.to_bytes()
+    }
+
+    fn layout(&self) -> UniformLayout {
+        PcfDiscUniforms::layout()
+    }
+}
+
+impl ReceiveKernel for PcfDiscKernel {
+    fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
+        let (lookup, simd) = (&self.uniforms.lookup, inputs.simd);
+        let (map, shape) = (lookup.map(&inputs.images[0]), self.pattern.shape);
+        let at = Comparisons {
+            map,
+            shape,
+            plane: lookup.receiver_plane > 0.0,
+        };
+        look_up_span(
+            simd,
+            lookup,
+            span,
+            out,
+            &DiscOfTaps {
+                kernel: self,
+                simd,
+                at,
+                pixel: span.first,
+            },
+        );
+    }
+
+    fn asks(&self) -> Asks {
+        Asks::taps(self.uniforms.taps)
+    }
+}
+
+/// The disc over one span, whose first pixel is `pixel`.
+#[derive(Clone, Copy)]
+struct DiscOfTaps<'a> {
+    kernel: &'a PcfDiscKernel,
+    simd: Simd,
+    at: Comparisons<'a>,
+    pixel: UVec2,
+}
+
+impl BatchTaps for DiscOfTaps<'_> {
+    fn visibilities(&self, batch: &Batch, first: usize, out: &mut [f32]) {
+        // Its own task: once compiled for all ways to project.
+        self.simd.run_task(DiscBatch {
+            disc: *self,
+            batch,
+            first,
+            out,
+        });
+    }
+}
+
+struct DiscBatch<'a> {
+    disc: DiscOfTaps<'a>,
+    batch: &'a Batch,
+    first: usize,
+    out: &'a mut [f32],
+}
+
+impl SimdTask for DiscBatch<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self {
+            disc,
+            batch,
+            first,
+            out,
+        } = self;
+        let PcfDiscKernel {
+            uniforms: u,
+            pattern,
+        } = disc.kernel;
+        let placement = |_: &ShadowCoord, number| {
+            let turn = turn_at(pattern, u.turns, disc.pixel, first + number);
+            let axes = turned(
+                Vec4::new(u.radius, 0.0, 0.0, u.radius),
+                Vec2::new(turn.x, turn.y),
+            );
+            Some(KernelPlacement {
+                axes,
+                ..KernelPlacement::default()
+            })
+        };
+        let receivers = ReceiverLanes::seen(batch, out.len(), disc.at.map.size, placement);
+        out.fill(1.0);
+        let lit = disc.at.lit(&receivers, &receivers.axes, &pattern.sets[0]);
+        for i in 0..receivers.count {
+            out[receivers.number[i]] = lit[i] as f32 / u.taps as f32;
+        }
+    }
+}

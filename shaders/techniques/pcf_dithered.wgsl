@@ -1,0 +1,17 @@
+// Twin of pcf_dithered.rs: four taps, two texels apart, shifted by the pixel's parity.
+
+fn receive(r: Receiver) -> f32 {
+    let l = shadow_coord(kernel, r.position, r.normal);
+    if !l.seen {
+        return 1.0;
+    }
+    let size = i32(kernel.size);
+    let ox = f32(r.pixel.x & 1u);
+    let oy = f32((r.pixel.x ^ r.pixel.y) & 1u);
+    let left = i32(floor(l.texel.x + (ox - 1.5)));
+    let right = i32(floor(l.texel.x + (ox + 0.5)));
+    let top = i32(floor(l.texel.y + (oy - 1.5)));
+    let bottom = i32(floor(l.texel.y + (oy + 0.5)));
+    let lit = tap(size, l, left, top) + tap(size, l, right, top) + tap(size, l, left, bottom) + tap(size, l, right, bottom);
+    return lit / 4.0;
+}

@@ -1,0 +1,187 @@
+//! Percentage-closer filtering by the comparison sampler: the mean of n² samples, a texel apart, each of which blends four
+//! comparisons by where it lies between their texels.
+//!
+//! One sample is what "hardware shadow maps" mean; n² of them make a tent-edged square of (n + 1)² texels, without the
+//! steps of [`Pcf`](crate::Pcf): visibility is continuous, as the filter follows the receiver within a texel (Reeves,
+//! Salesin and Cook 1987, "Rendering antialiased shadows with depth maps", in the form that graphics chips have).
+//! Depth less than or equal to the stored one is lit. Beside the map all is lit, as a sampler with a border of depth 1
+//! would find, blended at the rim; or [`Border::Clamp`](crate::Border) repeats the edge, as `CLAMP_TO_EDGE` does.
+//!
+//! Known failures: graphics chips hold the weights in 8 bits, so that masks of two devices may differ by
+//! [`WEIGHT_ERROR`](crate::WEIGHT_ERROR). Four texels share one depth, so the receiver's plane is followed from sample to
+//! sample only, and the bias for the rest grows with the slope. Depth must be stored as depth: neither packed nor averaged.
+//! Light leaks into contacts as far as the samples reach; and every map's: see [`shadow_map`](crate::shadow_map).
+
+use crate::{
+    filtering::comparison_sampler::{self, Axis, LANES, Samples},
+    lanes::batch::{Taps, look_up_span},
+    shadow_map::{
+        MapFormat, ShadowMap, Surface,
+        lookup::{DepthMap, ShadowCoord, ShadowMapUniforms},
+    },
+};
+use serde::{Deserialize, Serialize};
+use umbrage_core::{
+    Asks, Inputs, Invalid, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span,
+    UniformLayout, Uniforms, View, uniforms,
+};
+
+/// A square of samples.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PcfHardware {
+    /// The map looked up.
+    pub map: ShadowMap,
+    /// Samples a side, 1 to 4.
+    pub samples: u32,
+}
+
+impl Default for PcfHardware {
+    fn default() -> Self {
+        Self {
+            map: ShadowMap::default(),
+            samples: 1,
+        }
+    }
+}
+
+impl PcfHardware {
+    /// How far the samples' texels reach beyond what [`Bias::normal_offset`](crate::Bias::normal_offset) and
+    /// [`Bias::polygon_offset`](crate::Bias::polygon_offset) take for the receiver's own, in texels.
+    pub const fn reach(samples: u32) -> f32 {
+        samples as f32 * 0.5
+    }
+}
+
+impl ShadowTechnique for PcfHardware {
+    fn name(&self) -> &'static str {
+        "pcf_hardware"
+    }
+
+    fn settings(&self) -> String {
+        format!("{0}x{0}, {1}", self.samples, self.map.label())
+    }
+
+    fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
+        check_samples("pcf_hardware", self.samples, 1)?;
+        check_map(&self.map)?;
+        let samples = self.samples as i32;
+        let reach = self.samples.div_ceil(2) as f32;
+        self.map.recipe(view, reach, |lookup| {
+            HardwareKernel(HardwareUniforms { lookup, samples })
+        })
+    }
+
+    fn kernel_reach(&self) -> Option<f32> {
+        Some(Self::reach(self.samples))
+    }
+}
+
+/// Objects to more samples than lanes.
+pub(crate) fn check_samples(what: &str, samples: u32, least: u32) -> Result<(), Invalid> {
+    if (least..=LANES as u32).contains(&samples) {
+        return Ok(());
+    }
+    let why = format!("takes {samples} samples a side");
+    Err(Invalid::new(
+        what.to_owned(),
+        why,
+        format!("use {least} to {LANES}"),
+    ))
+}
+
+/// Samplers compare with depth images alone.
+pub(crate) fn check_map(map: &ShadowMap) -> Result<(), PlanError> {
+    if map.format == MapFormat::Rgba8 || map.surface == Surface::Midpoint {
+        return Err(PlanError::unsupported(
+            "comparison samplers read depth images, and this map's depth is packed or averaged: use `pcf`",
+        ));
+    }
+    Ok(())
+}
+
+uniforms! {
+    /// Uniforms of [`HardwareKernel`].
+    pub struct HardwareUniforms {
+        /// The way to the map.
+        pub lookup: ShadowMapUniforms,
+        /// Samples a side.
+        pub samples: i32,
+    }
+}
+
+/// The lookup.
+#[derive(Clone, Copy, Debug)]
+pub struct HardwareKernel(
+    /// Uniforms.
+    pub HardwareUniforms,
+);
+
+impl Kernel for HardwareKernel {
+    fn modules(&self) -> Vec<Module> {
+        let own = Module {
+            name: "pcf_hardware",
+            text: include_str!("pcf_hardware.wgsl"),
+        };
+        comparison_sampler::modules(&self.0.lookup)
+            .into_iter()
+            .chain([own])
+            .collect()
+    }
+
+    fn uniform_bytes(&self) -> Vec<u8> {
+        self.0.to_bytes()
+    }
+
+    fn layout(&self) -> UniformLayout {
+        HardwareUniforms::layout()
+    }
+
+    fn compares(&self) -> bool {
+        true
+    }
+
+    fn tolerance(&self) -> f32 {
+        crate::WEIGHT_ERROR
+    }
+}
+
+impl ReceiveKernel for HardwareKernel {
+    fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
+        let HardwareUniforms { lookup, samples } = self.0;
+        let (map, simd) = (lookup.map(&inputs.images[0]), inputs.simd);
+        match samples {
+            1 => look_up_span(simd, &lookup, span, out, &SquareOfSamples::<1> { map }),
+            2 => look_up_span(simd, &lookup, span, out, &SquareOfSamples::<2> { map }),
+            3 => look_up_span(simd, &lookup, span, out, &SquareOfSamples::<3> { map }),
+            _ => look_up_span(simd, &lookup, span, out, &SquareOfSamples::<4> { map }),
+        }
+    }
+
+    fn asks(&self) -> Asks {
+        Asks::samples(self.0.samples.unsigned_abs().pow(2))
+    }
+}
+
+struct SquareOfSamples<'a, const N: usize> {
+    map: DepthMap<'a>,
+}
+
+impl<const N: usize> Taps for SquareOfSamples<'_, N> {
+    #[inline(always)]
+    fn visibility(&self, l: &ShadowCoord, _: usize) -> f32 {
+        let side = N as f32;
+        let samples = Samples::<N, 1> { map: self.map };
+        samples.sum(l, &axis::<N>(l.texel.x), &axis::<N>(l.texel.y)) / (side * side)
+    }
+}
+
+/// Samples a texel apart, centred on `texel`.
+#[inline(always)]
+fn axis<const N: usize>(texel: f32) -> Axis {
+    let first = texel + (0.5 - 0.5 * N as f32);
+    Axis {
+        at: std::array::from_fn(|i| first + i as f32),
+        weight: std::array::from_fn(|i| if i < N { 1.0 } else { 0.0 }),
+    }
+}

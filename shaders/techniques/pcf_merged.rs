@@ -1,0 +1,186 @@
+//! Percentage-closer filtering with a smooth filter, four texels merged into each sample of the comparison sampler: (r + 1)²
+//! samples for a filter of (2r + 1)² texels.
+//!
+//! Castaño 2013, "Shadow mapping summary, part 1" (The Witness): 3x3 in four samples, 5x5 in nine; 7x7 takes sixteen. The
+//! filter and how it is merged: see [`sampling`](crate::filtering::bilinear_weights). The merged sum is the filter's own to the rounding of
+//! texel coordinates. Smoother than the square of [`PcfHardware`](crate::PcfHardware) at the same count of samples, since
+//! the filter falls off to its edge.
+//!
+//! Known failures: those of [`PcfHardware`](crate::PcfHardware); samples lie between texels, where chips round the place to
+//! 1/256 texel, so the filter is off by as much.
+
+use crate::{
+    filtering::{
+        bilinear_weights::{merged_rows, merged_sample},
+        comparison_sampler::{self, Axis, Samples},
+    },
+    lanes::batch::{Taps, look_up_span},
+    shadow_map::{
+        ShadowMap,
+        lookup::{DepthMap, ShadowCoord, ShadowMapUniforms},
+    },
+    techniques::pcf_hardware::{check_map, check_samples},
+};
+use glam::{Vec2, Vec4};
+use serde::{Deserialize, Serialize};
+use umbrage_core::{
+    Asks, Inputs, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span,
+    UniformLayout, Uniforms, View, uniforms,
+};
+
+/// A smooth filter.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PcfMerged {
+    /// The map looked up.
+    pub map: ShadowMap,
+    /// Texels to each side, 1 to 3; 1 is 3x3 in four samples.
+    pub radius: u32,
+}
+
+impl Default for PcfMerged {
+    fn default() -> Self {
+        Self {
+            map: ShadowMap::default(),
+            radius: 1,
+        }
+    }
+}
+
+impl PcfMerged {
+    /// As [`PcfHardware::reach`](crate::PcfHardware::reach).
+    pub const fn reach(radius: u32) -> f32 {
+        radius as f32 + 0.5
+    }
+}
+
+impl ShadowTechnique for PcfMerged {
+    fn name(&self) -> &'static str {
+        "pcf_merged"
+    }
+
+    fn settings(&self) -> String {
+        let side = 2 * self.radius + 1;
+        format!("{side}x{side}, {}", self.map.label())
+    }
+
+    fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
+        check_samples("pcf_merged", self.radius.saturating_add(1), 2)?;
+        check_map(&self.map)?;
+        let (rows, samples) = (merged_rows(self.radius as usize), self.radius as i32 + 1);
+        self.map.recipe(view, samples as f32, |lookup| {
+            MergedKernel(MergedUniforms {
+                lookup,
+                rows,
+                samples,
+            })
+        })
+    }
+
+    fn kernel_reach(&self) -> Option<f32> {
+        Some(Self::reach(self.radius))
+    }
+}
+
+uniforms! {
+    /// Uniforms of [`MergedKernel`].
+    pub struct MergedUniforms {
+        /// The way to the map.
+        pub lookup: ShadowMapUniforms,
+        /// As [`merged_rows`] makes them.
+        pub rows: [Vec4; 4],
+        /// Samples a side.
+        pub samples: i32,
+    }
+}
+
+/// The lookup.
+#[derive(Clone, Copy, Debug)]
+pub struct MergedKernel(
+    /// Uniforms.
+    pub MergedUniforms,
+);
+
+impl Kernel for MergedKernel {
+    fn modules(&self) -> Vec<Module> {
+        let own = Module {
+            name: "pcf_merged",
+            text: include_str!("pcf_merged.wgsl"),
+        };
+        comparison_sampler::modules(&self.0.lookup)
+            .into_iter()
+            .chain([own])
+            .collect()
+    }
+
+    fn uniform_bytes(&self) -> Vec<u8> {
+        self.0.to_bytes()
+    }
+
+    fn layout(&self) -> UniformLayout {
+        MergedUniforms::layout()
+    }
+
+    fn compares(&self) -> bool {
+        true
+    }
+
+    fn tolerance(&self) -> f32 {
+        crate::WEIGHT_ERROR
+    }
+}
+
+impl ReceiveKernel for MergedKernel {
+    fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
+        let MergedUniforms {
+            lookup,
+            rows,
+            samples,
+        } = self.0;
+        let (map, simd) = (lookup.map(&inputs.images[0]), inputs.simd);
+        match samples {
+            2 => look_up_span(simd, &lookup, span, out, &MergedTaps::<2> { map, rows }),
+            3 => look_up_span(simd, &lookup, span, out, &MergedTaps::<3> { map, rows }),
+            _ => look_up_span(simd, &lookup, span, out, &MergedTaps::<4> { map, rows }),
+        }
+    }
+
+    fn asks(&self) -> Asks {
+        Asks::samples(self.0.samples.unsigned_abs().pow(2))
+    }
+}
+
+struct MergedTaps<'a, const N: usize> {
+    map: DepthMap<'a>,
+    rows: [Vec4; 4],
+}
+
+impl<const N: usize> Taps for MergedTaps<'_, N> {
+    #[inline(always)]
+    fn visibility(&self, l: &ShadowCoord, _: usize) -> f32 {
+        let (x, y) = (
+            axis::<N>(&self.rows, l.texel.x),
+            axis::<N>(&self.rows, l.texel.y),
+        );
+        let (mut total, mut column) = (0.0, 0.0);
+        y.weight[..N].iter().for_each(|w| column += w);
+        x.weight[..N].iter().for_each(|w| total += w * column);
+        (Samples::<N, 2> { map: self.map }.sum(l, &x, &y) / total).min(1.0)
+    }
+}
+
+/// Samples about two texels apart, which make up the filter around `texel`.
+#[inline(always)]
+fn axis<const N: usize>(rows: &[Vec4; 4], texel: f32) -> Axis {
+    let centre = (texel - 0.5).floor();
+    let part = texel - 0.5 - centre;
+    let first = centre + (1.5 - N as f32);
+    let merged: [Vec2; 4] = std::array::from_fn(|i| {
+        // Lanes after the last repeat it, so that nothing divides by zero.
+        merged_sample(rows[if i < N { i } else { N - 1 }], part)
+    });
+    Axis {
+        at: std::array::from_fn(|i| first + ((2 * i) as f32 + merged[i].y)),
+        weight: std::array::from_fn(|i| if i < N { merged[i].x } else { 0.0 }),
+    }
+}

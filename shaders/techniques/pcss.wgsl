@@ -1,0 +1,134 @@
+// Twin of pcss.rs: bounds the search, searches for blockers, concludes the penumbra's width, filters that widely.
+
+struct PcssUniforms {
+    lookup: ShadowMapUniforms,
+    extent: LightExtent,
+    horizon: Horizon,
+    blocker_taps: u32,
+    filter_taps: u32,
+    turns: u32,
+    square: u32,
+    cell: u32,
+}
+
+// A receiver before its map: the light's half axes there, a texel's worth of clip depth, the heights of the light's points.
+struct Soft {
+    l: ShadowCoord,
+    size: i32,
+    axes: vec4f,
+    most: f32,
+    texel: f32,
+    shift: vec2f,
+    heights: vec3f,
+}
+
+// A tap: its place in the pattern, and how far that is from the middle.
+fn spot(s: Soft, tap: u32) -> vec3f {
+    let row = pattern_row(tap);
+    let x = wrapped(row.x + s.shift.x);
+    let y = wrapped(row.y + s.shift.y);
+    return vec3f(x, y, from_middle(x, y, row.z));
+}
+
+// By how much blockers are nearer in the mean; the whole search if it finds none.
+fn mean_nearer(s: Soft, widest: f32) -> f32 {
+    let axes = s.axes * widest;
+    var sum = 0.0;
+    var weights = 0.0;
+    for (var tap = 0u; tap < kernel.blocker_taps; tap++) {
+        let q = spot(s, tap);
+        let closer = closer_by(q.z);
+        let d = place_depths(s.l, s.size, place(s.l.texel, axes, q.xy * closer));
+        let nearer = s.l.depth - d.x;
+        if !(d.y <= d.x) && nearer >= widest * (q.z * closer) {
+            let weight = tap_weight(q.z, max(nearer, s.texel));
+            sum += weight * (d.y - d.x);
+            weights += weight;
+        }
+    }
+    if weights > 0.0 {
+        return sum / weights;
+    }
+    return widest;
+}
+
+// Whether something hides the light's point at the tap: what is found there, or, if that is too low to be in the way, what the
+// ray passes where it is as low.
+fn hides(s: Soft, q: vec3f, axes: vec4f, mean: f32) -> bool {
+    let d = place_depths(s.l, s.size, place(s.l.texel, axes, q.xy));
+    if d.y <= d.x {
+        return false;
+    }
+    let nearer = s.l.depth - d.x;
+    if nearer >= mean * q.z {
+        return true;
+    }
+    if nearer <= 0.0 {
+        return false;
+    }
+    let lower = place_depths(s.l, s.size, place(s.l.texel, s.axes * nearer, q.xy));
+    return !(lower.y <= lower.x) && s.l.depth - lower.x >= nearer * 0.5;
+}
+
+// The share of the light above the horizon that is seen: 1 where no tap is above it.
+fn filtered(s: Soft, mean: f32) -> f32 {
+    let axes = s.axes * min(max(mean, s.texel), s.most);
+    var above = 0;
+    var lit = 0;
+    for (var tap = kernel.blocker_taps; tap < kernel.blocker_taps + kernel.filter_taps; tap++) {
+        let q = spot(s, tap);
+        if s.heights.x + s.heights.y * q.x + s.heights.z * q.y > 0.0 {
+            above += 1;
+            lit += select(1, 0, hides(s, q, axes, mean));
+        }
+    }
+    return select(1.0, f32(lit) / f32(above), above > 0);
+}
+
+fn heights_of_light(r: Receiver, layer: i32, from_middle: vec2f) -> vec3f {
+    let middle = height_over_plane(kernel.lookup.light, r.position, r.normal);
+    let h = kernel.horizon;
+    if h.half_u.w > 0.0 {
+        let face = lookup_face(kernel.lookup, layer);
+        let tangent = kernel.extent.half_axis_u[layer].w;
+        let unit = tangent * (kernel.lookup.size * 0.5);
+        let right = face[0].x * r.normal.x + face[1].x * r.normal.y + face[2].x * r.normal.z;
+        let up = face[0].y * r.normal.x + face[1].y * r.normal.y + face[2].y * r.normal.z;
+        let grows = ball_heights(h.half_u.w, vec2f(right * unit, -up * unit), from_middle * tangent);
+        return vec3f(middle, grows);
+    }
+    return vec3f(middle, dot3(r.normal, h.half_u.xyz), dot3(r.normal, h.half_v.xyz));
+}
+
+// How near to the light the first blocker may be.
+fn depth_in_reach(l: ShadowCoord) -> f32 {
+    let last = i32(kernel.lookup.size) - 1;
+    let x = clamp(i32(floor(l.texel.x)), 0, last) / i32(kernel.cell);
+    let y = clamp(i32(floor(l.texel.y)), 0, last) / i32(kernel.cell);
+    return load_1(vec2i(x, y), l.layer).x;
+}
+
+fn receive(r: Receiver) -> f32 {
+    let share = light_share(kernel.horizon, kernel.square, kernel.lookup.light, r.position, r.normal);
+    let l = shadow_coord(kernel.lookup, r.position, r.normal);
+    if !l.seen {
+        return share;
+    }
+    let half_axis_v = kernel.extent.half_axis_v[l.layer];
+    let widest = min(max(l.depth - depth_in_reach(l), 0.0), half_axis_v.w);
+    if share == 0.0 || widest == 0.0 {
+        return share;
+    }
+    let half = kernel.lookup.size * 0.5;
+    let off = vec2f(l.texel.x - half, l.texel.y - half);
+    let all = kernel.blocker_taps + kernel.filter_taps;
+    let turn = pattern_row(all + (noise_index(r.pixel.x, r.pixel.y) & kernel.turns));
+    let axes = turned(light_axes(kernel.extent.half_axis_u[l.layer], half_axis_v, off), turn.xy);
+    let texel = texel_depth(reach_along(kernel.square, axes));
+    var heights = vec3f(1.0, 0.0, 0.0);
+    if share < 1.0 {
+        heights = turned_heights(heights_of_light(r, l.layer, off), turn.xy);
+    }
+    let s = Soft(l, i32(kernel.lookup.size), axes, half_axis_v.w, texel, turn.zw, heights);
+    return share * filtered(s, mean_nearer(s, widest));
+}

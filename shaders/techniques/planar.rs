@@ -1,0 +1,196 @@
+//! Planar projected shadows: casters flattened onto each flat receiver, seen from the camera.
+//!
+//! Blinn 1988, "Me and my (fake) shadow": [`planar_shadow_matrix`] maps a caster to its
+//! shadow on a plane. Each plane that the camera sees lit has a layer as large as the camera's image, into which the
+//! flattened casters are drawn; a pixel is dark if its own plane's layer is covered there. So shadows end where their
+//! receiver does, and its neighbours keep their own. Casters are cut to the slab between plane and light first:
+//! without that, those behind the light throw anti-shadows, and those below the plane are projected up to it.
+//!
+//! Exact on flat receivers, without bias. Lights with an extent count as their middle. Known failures: receivers that
+//! are curved, which need a plane a triangle (not supported beyond [`Planar::planes`]); casters are triangles, so
+//! textures with holes cast whole; every plane draws all casters again.
+
+mod flatten;
+mod matrix;
+mod planes;
+
+pub use matrix::planar_shadow_matrix;
+
+use crate::{
+    shading::facing::{FACING, homogeneous, turned_away},
+    techniques::{
+        infinite_far::InfiniteFarView,
+        planar::{
+            flatten::flatten_casters,
+            planes::{NO_PLANE, Planes},
+        },
+    },
+};
+use glam::Vec4;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+use umbrage_core::{
+    Cast, Format, Geometry, ImageDesc, Inputs, Invalid, Kernel, Module, PlanError, Receive,
+    ReceiveKernel, Recipe, ShadowTechnique, Source, Span, Table, UniformLayout, Uniforms, View,
+    uniforms,
+};
+
+/// Most planes accepted: what every device has in layers.
+pub const MAX_PLANES: u32 = 256;
+
+/// Casters flattened onto planes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Planar {
+    /// Most planes that may be seen lit, 1 to [`MAX_PLANES`]; each takes a layer of the camera's size.
+    pub planes: u32,
+}
+
+impl Default for Planar {
+    fn default() -> Self {
+        Self { planes: 16 }
+    }
+}
+
+impl ShadowTechnique for Planar {
+    fn name(&self) -> &'static str {
+        "planar"
+    }
+
+    fn settings(&self) -> String {
+        format!("up to {} planes", self.planes)
+    }
+
+    fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
+        if !(1..=MAX_PLANES).contains(&self.planes) {
+            let why = format!("are {}", self.planes);
+            return Err(
+                Invalid::new("planar planes", why, format!("use 1 to {MAX_PLANES}")).into(),
+            );
+        }
+        view.validate()?;
+        let Some(geometry) = view.geometry else {
+            return Err(PlanError::unsupported(
+                "planes are found among the scene's triangles, and this view has none",
+            ));
+        };
+        let light = homogeneous(view.light);
+        let planes = Planes::find(view, geometry, light, self.planes as usize);
+        if planes.planes.len() > self.planes as usize {
+            return Err(PlanError::unsupported(format!(
+                "the lit receivers that are seen lie in more than {} planes: this is for flat receivers",
+                self.planes
+            )));
+        }
+        Ok(recipe(view, geometry, &planes, light))
+    }
+}
+
+/// One layer a plane.
+fn recipe(view: &View<'_>, geometry: &Geometry, planes: &Planes, light: Vec4) -> Recipe {
+    let space = InfiniteFarView::new(view, geometry).space;
+    let cast = |(layer, &plane)| {
+        let faces = flatten_casters(geometry, plane, light.as_dvec4(), planes.tolerance);
+        Cast {
+            source: Source::Faces(Arc::new(faces)),
+            ..Cast::nearest(0, layer as u32, space)
+        }
+    };
+    let layers = planes.planes.len().max(1) as u32;
+    let rows = rows(&planes.of_triangle);
+    let uniforms = PlanarUniforms {
+        light,
+        first: geometry.receivers().start,
+    };
+    Recipe {
+        images: vec![ImageDesc {
+            label: "flat shadows",
+            size: view.camera.size,
+            layers,
+            format: Format::Depth32,
+        }],
+        tables: vec![Table {
+            label: "planes of triangles",
+            rows: rows.clone(),
+        }],
+        casts: planes.planes.iter().enumerate().map(cast).collect(),
+        filters: Vec::new(),
+        receive: Receive {
+            kernel: Arc::new(PlanarKernel { uniforms, rows }),
+            inputs: vec![0],
+            tables: vec![0],
+        },
+        shade: None,
+        keep_images: false,
+    }
+}
+
+/// Plane numbers, four a row; at least one row.
+fn rows(of_triangle: &[u32]) -> Arc<[[u32; 4]]> {
+    let row = |four: &[u32]| std::array::from_fn(|i| four.get(i).copied().unwrap_or(NO_PLANE));
+    if of_triangle.is_empty() {
+        [[NO_PLANE; 4]].into()
+    } else {
+        of_triangle.chunks(4).map(row).collect()
+    }
+}
+
+uniforms! {
+    /// Uniforms of [`PlanarKernel`].
+    pub struct PlanarUniforms {
+        /// The light's middle, homogeneous: a unit direction to it (w = 0) or its position (w = 1).
+        pub light: Vec4,
+        /// Id of the first receiving triangle: the first entry of the table.
+        pub first: u32,
+    }
+}
+
+/// Dark where the layer of the pixel's plane is covered, or where the surface faces away.
+#[derive(Clone, Debug)]
+pub struct PlanarKernel {
+    uniforms: PlanarUniforms,
+    rows: Arc<[[u32; 4]]>,
+}
+
+impl PlanarKernel {
+    fn plane(&self, triangle: u32) -> u32 {
+        let i = triangle.wrapping_sub(self.uniforms.first) as usize;
+        self.rows.get(i / 4).map_or(NO_PLANE, |row| row[i % 4])
+    }
+}
+
+impl Kernel for PlanarKernel {
+    fn modules(&self) -> Vec<Module> {
+        vec![
+            FACING,
+            Module {
+                name: "planar",
+                text: include_str!("planar.wgsl"),
+            },
+        ]
+    }
+
+    fn uniform_bytes(&self) -> Vec<u8> {
+        self.uniforms.to_bytes()
+    }
+
+    fn layout(&self) -> UniformLayout {
+        PlanarUniforms::layout()
+    }
+
+    fn needs_triangles(&self) -> bool {
+        true
+    }
+}
+
+impl ReceiveKernel for PlanarKernel {
+    fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
+        let (x, y) = (span.first.x as i32, span.first.y as i32);
+        for (i, out) in out.iter_mut().enumerate() {
+            let plane = self.plane(span.triangle[i]);
+            let lit = || plane == NO_PLANE || inputs.images[0].load(x + i as i32, y, plane) >= 1.0;
+            let away = turned_away(self.uniforms.light, span.position(i), span.normal(i));
+            *out = if away == 0 && lit() { 1.0 } else { 0.0 };
+        }
+    }
+}

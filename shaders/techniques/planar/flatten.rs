@@ -1,0 +1,175 @@
+//! Casters flattened onto a plane.
+
+use crate::techniques::planar::matrix::exact;
+use glam::{DMat4, DVec3, DVec4};
+use umbrage_core::{Faces, Geometry, light_sample::SHORT};
+
+/// Triangles within this angle (sine) of the light's ray are seen edge-on from there and hide nothing.
+const EDGE_ON: f64 = 1e-6;
+
+/// Between which heights above a plane casters throw shadows on it.
+struct Slab {
+    plane: DVec4,
+    light: DVec4,
+    /// Just above the plane, so that what lies in it is no caster.
+    low: f64,
+    /// Just below the light, as rays end before it; infinite for directions.
+    high: f64,
+}
+
+/// All casters' shadows on a plane (unit normal towards the light), as points on it. Casters are cut where they cross
+/// the plane and where they rise above the light.
+pub(crate) fn flatten_casters(
+    geometry: &Geometry,
+    plane: DVec4,
+    light: DVec4,
+    tolerance: f64,
+) -> Faces {
+    let height = plane.dot(light);
+    let high = if light.w == 0.0 {
+        f64::INFINITY
+    } else {
+        height * f64::from(SHORT)
+    };
+    let slab = Slab {
+        plane,
+        light,
+        low: tolerance,
+        high,
+    };
+    let onto_plane = exact(plane, light);
+    let mut faces = Faces::default();
+    for triangle in geometry.casters() {
+        let polygon = slab.clip(geometry.corners(triangle).map(|p| p.as_dvec3()));
+        add(&polygon, &onto_plane, &mut faces);
+    }
+    faces
+}
+
+fn add(polygon: &[DVec3], onto_plane: &DMat4, faces: &mut Faces) {
+    let first = faces.vertices.len() as u32;
+    faces.vertices.extend(polygon.iter().map(|p| {
+        let p = *onto_plane * p.extend(1.0);
+        (p / p.w).as_vec4()
+    }));
+    faces
+        .triangles
+        .extend((2..polygon.len() as u32).map(|i| [first, first + i - 1, first + i]));
+}
+
+impl Slab {
+    /// The part of a triangle inside: Sutherland and Hodgman 1974, "Reentrant polygon clipping".
+    fn clip(&self, corners: [DVec3; 3]) -> Vec<DVec3> {
+        let height = |p: &DVec3| self.plane.dot(p.extend(1.0));
+        let heights = corners.map(|p| height(&p));
+        let outside =
+            heights.iter().all(|&h| h <= self.low) || heights.iter().all(|&h| h >= self.high);
+        if outside || self.is_edge_on(&corners) {
+            return Vec::new();
+        }
+        if heights.iter().all(|&h| h >= self.low && h <= self.high) {
+            return corners.to_vec();
+        }
+        let above = cut(&corners, |p| height(p) - self.low);
+        if self.high.is_finite() {
+            cut(&above, |p| self.high - height(p))
+        } else {
+            above
+        }
+    }
+
+    fn is_edge_on(&self, [a, b, c]: &[DVec3; 3]) -> bool {
+        let (n, to_light) = (
+            (b - a).cross(c - a),
+            self.light.truncate() - *a * self.light.w,
+        );
+        n.dot(to_light).abs() <= EDGE_ON * n.length() * to_light.length()
+    }
+}
+
+/// The part of a polygon where `inside` is not negative. Crossings are measured from the inner end, whichever way the
+/// edge is walked, so that neighbours get the same one.
+fn cut(polygon: &[DVec3], inside: impl Fn(&DVec3) -> f64) -> Vec<DVec3> {
+    let mut out = Vec::with_capacity(polygon.len() + 1);
+    for (i, p) in polygon.iter().enumerate() {
+        let q = &polygon[(i + 1) % polygon.len()];
+        let (at_p, at_q) = (inside(p), inside(q));
+        if at_p >= 0.0 {
+            out.push(*p);
+        }
+        if (at_p >= 0.0) != (at_q >= 0.0) {
+            out.push(if at_p >= 0.0 {
+                crossing(p, at_p, q, at_q)
+            } else {
+                crossing(q, at_q, p, at_p)
+            });
+        }
+    }
+    out
+}
+
+fn crossing(inner: &DVec3, at_inner: f64, outer: &DVec3, at_outer: f64) -> DVec3 {
+    inner.lerp(*outer, at_inner / (at_inner - at_outer))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{Affine3A, Vec3};
+    use umbrage_core::{Instance, Mesh, Scene};
+
+    const FLOOR: DVec4 = DVec4::new(0.0, 1.0, 0.0, 0.0);
+
+    fn shadows(corners: [[f32; 3]; 3], light: DVec4) -> Faces {
+        let mesh = Mesh::new("one", corners.map(Vec3::from).to_vec(), vec![[0, 1, 2]]).unwrap();
+        let scene = Scene {
+            meshes: vec![mesh],
+            instances: vec![Instance::new(0, Affine3A::IDENTITY)],
+            ..Scene::default()
+        };
+        flatten_casters(&Geometry::bake(&scene).unwrap(), FLOOR, light, 1e-6)
+    }
+
+    #[test]
+    fn casters_below_or_above_throw_nothing() {
+        let lamp = DVec4::new(0.0, 2.0, 0.0, 1.0);
+        assert_eq!(
+            shadows([[0.0, -1.0, 0.0], [1.0, -2.0, 0.0], [0.0, -1.0, 1.0]], lamp),
+            Faces::default()
+        );
+        assert_eq!(
+            shadows([[0.0, 3.0, 0.0], [1.0, 4.0, 0.0], [0.0, 3.0, 1.0]], lamp),
+            Faces::default()
+        );
+        assert_eq!(
+            shadows([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]], lamp),
+            Faces::default()
+        );
+        let through = [[0.0, 1.0, 0.0], [0.0, 3.0, 0.0], [0.0, 1.0, 1.0]];
+        assert_eq!(shadows(through, lamp), Faces::default(), "seen edge-on");
+    }
+
+    /// A triangle from below the floor to above the lamp becomes a quad on the floor, in front of the lamp.
+    #[test]
+    fn casters_that_cross_are_cut_on_both_sides() {
+        let out = shadows(
+            [[1.0, -1.0, -1.0], [1.0, -1.0, 1.0], [1.0, 3.0, 0.0]],
+            DVec4::new(0.0, 2.0, 0.0, 1.0),
+        );
+        assert_eq!((out.vertices.len(), out.triangles.len()), (4, 2));
+        assert!(
+            out.vertices
+                .iter()
+                .all(|v| v.w == 1.0 && v.y.abs() < 1e-3 && v.x > 0.999_999),
+            "{out:?}"
+        );
+        // At the floor it stands where it is: half way along its upper edges' first quarter.
+        assert!(
+            out.vertices
+                .iter()
+                .filter(|v| v.x < 1.000_01 && (v.z.abs() - 0.75).abs() < 1e-5)
+                .count()
+                == 2
+        );
+    }
+}

@@ -1,0 +1,210 @@
+//! Shadow volumes: what each caster hides from the light is a solid, and a seen point is lit if it lies in none.
+//!
+//! Crow 1977, "Shadow algorithms for computer graphics"; counted by depth-fail, which takes no notice of where the eye
+//! is: Everitt and Kilgard 2002, "Practical and robust stenciled shadow volumes for hardware-accelerated rendering";
+//! McGuire et al. 2003, "Fast, practical and robust shadows". Along a pixel's ray, the volumes' back faces less their
+//! front faces that are not before the seen surface are the volumes that it lies in. Volumes reach infinity, and the
+//! view has no far plane to cut them.
+//!
+//! * Closed casters extrude the edges between faces turned to the light and faces turned away; all others, and those
+//!   with the light inside their bounds, extrude each triangle, and edges that two of these share cancel (Bergeron
+//!   1986, "A general version of Crow's shadow volumes"). Triangles are split where a corner of one lies on another's
+//!   edge.
+//! * A lit surface is its own volume's cap. The depth image holds every cap as it is drawn, so none ever lies before
+//!   what is seen, and no bias is needed.
+//! * Edges are as sharp as pixels; there is no map. Lights with an extent count as their middle.
+//!
+//! Known failures: the time goes into filling the volumes' faces, which often cover the image many times over; casters
+//! are triangles, so textures with holes cast whole; counts wrap, so a point under exactly 256 surfaces (or 512, ..)
+//! is lit; where light grazes a surface the volume's side lies within depth's rounding of it, about 2^-23 w^2 / near
+//! metres at distance w, and pixels there are noise (light that grazes whole planes is lifted off them, and refused where that
+//! is not enough: `grazing.rs`); a closed mesh that is turned inside out in one part is lit inside that part.
+
+mod depth_clamp;
+mod extrusion;
+mod grazing;
+mod silhouette;
+mod t_junctions;
+mod window;
+
+use crate::{
+    shading::facing::{FACING, homogeneous, turned_away},
+    techniques::{
+        infinite_far::InfiniteFarView,
+        volumes::{
+            depth_clamp::flatten,
+            extrusion::{beyond_all, caps_apart, extrude},
+            grazing::{LEAST_SHARE, Lifted},
+            silhouette::Welded,
+            window::Window,
+        },
+    },
+};
+use glam::Vec4;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+use umbrage_core::{
+    Cast, CastMode, Faces, Format, ImageDesc, Inputs, Kernel, Module, PlanError, RasterBias,
+    Receive, ReceiveKernel, Recipe, ShadowTechnique, Source, Span, UniformLayout, Uniforms, View,
+    uniforms,
+};
+
+/// How volumes' faces are drawn behind their place. A wall that begins at the edge of a seen surface has the surface's depth
+/// there, and must not come to lie before it by rounding: pixel centres lie on edges often on devices that move vertices to a
+/// coarse grid. A slope of 1/1024 moves faces as 1/1024 pixel on the image would, 4 units are their own rounding.
+const BEHIND: RasterBias = RasterBias {
+    constant: 4,
+    slope: 1.0 / 1024.0,
+    clamp: 0.0,
+};
+
+/// Stencil shadow volumes. There is nothing to set.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ShadowVolumes {}
+
+impl ShadowTechnique for ShadowVolumes {
+    fn name(&self) -> &'static str {
+        "volumes"
+    }
+
+    fn settings(&self) -> String {
+        "depth-fail".to_owned()
+    }
+
+    fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
+        view.validate()?;
+        let Some(geometry) = view.geometry else {
+            return Err(PlanError::unsupported(
+                "volumes are made from the scene's triangles, and this view has none",
+            ));
+        };
+        let light = homogeneous(view.light);
+        let endless = InfiniteFarView::new(view, geometry);
+        let lifted = Lifted::new(geometry, light.as_dvec4());
+        let lost = view
+            .receivers
+            .map_or(0.0, |receivers| lifted.hopeless(view, receivers, &endless));
+        if lost > LEAST_SHARE {
+            let reason = format!(
+                "the light grazes the planes of {:.1} % of what is seen, and depth is too coarse there to tell them from the \
+                 volumes' sides: move the light, or use rays",
+                100.0 * lost
+            );
+            return Err(PlanError::unsupported(reason));
+        }
+        let mesh = Welded::new(geometry);
+        let silhouette = mesh.silhouette(lifted.light);
+        let window = Window::new(&endless.space, view.camera.size);
+        // Without perspective, points at infinity have no place on the picture, and not all devices clip them well.
+        let reach = endless
+            .clamp_plane
+            .is_some()
+            .then(|| beyond_all(&geometry.bounds(), &mesh, &silhouette, lifted.light));
+        let mut faces = extrude(&mesh, &silhouette, lifted.light, Some(&window), reach);
+        if let Some(clamp_plane) = &endless.clamp_plane {
+            faces = flatten(&faces, clamp_plane);
+        }
+        Ok(recipe(
+            view,
+            &endless,
+            faces,
+            caps_apart(&mesh, &silhouette),
+            light,
+        ))
+    }
+}
+
+/// Image 0 holds the nearest depths, image 1 the counts.
+fn recipe(
+    view: &View<'_>,
+    endless: &InfiniteFarView,
+    faces: Faces,
+    apart: Faces,
+    light: Vec4,
+) -> Recipe {
+    let image = |label, format| ImageDesc {
+        label,
+        size: view.camera.size,
+        layers: 1,
+        format,
+    };
+    let nearest = |source| Cast {
+        source,
+        ..Cast::nearest(0, 0, endless.space)
+    };
+    let mut casts = vec![nearest(Source::Everything)];
+    if !apart.triangles.is_empty() {
+        casts.push(nearest(Source::Faces(Arc::new(apart))));
+    }
+    let mode = CastMode::Count { depth: 0 };
+    casts.push(Cast {
+        image: 1,
+        mode,
+        bias: BEHIND,
+        ..nearest(Source::Faces(Arc::new(faces)))
+    });
+    Recipe {
+        images: vec![
+            image("seen depth", Format::Depth32),
+            image("volume count", Format::Stencil8),
+        ],
+        tables: Vec::new(),
+        casts,
+        filters: Vec::new(),
+        receive: Receive {
+            kernel: Arc::new(VolumesKernel(VolumesUniforms { light })),
+            inputs: vec![1],
+            tables: Vec::new(),
+        },
+        shade: None,
+        keep_images: false,
+    }
+}
+
+uniforms! {
+    /// Uniforms of [`VolumesKernel`].
+    pub struct VolumesUniforms {
+        /// The light's middle, homogeneous: a unit direction to it (w = 0) or its position (w = 1).
+        pub light: Vec4,
+    }
+}
+
+/// Lit if the pixel's count is 0 and its surface does not face away.
+#[derive(Clone, Copy, Debug)]
+pub struct VolumesKernel(
+    /// Uniforms.
+    pub VolumesUniforms,
+);
+
+impl Kernel for VolumesKernel {
+    fn modules(&self) -> Vec<Module> {
+        vec![
+            FACING,
+            Module {
+                name: "volumes",
+                text: include_str!("volumes.wgsl"),
+            },
+        ]
+    }
+
+    fn uniform_bytes(&self) -> Vec<u8> {
+        self.0.to_bytes()
+    }
+
+    fn layout(&self) -> UniformLayout {
+        VolumesUniforms::layout()
+    }
+}
+
+impl ReceiveKernel for VolumesKernel {
+    fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
+        let image = &inputs.images[0];
+        let first = image.index(span.first.x as i32, span.first.y as i32, 0);
+        let counts = &image.texels[first..first + out.len()];
+        for (i, (out, &count)) in out.iter_mut().zip(counts).enumerate() {
+            let away = turned_away(self.0.light, span.position(i), span.normal(i));
+            *out = if away == 0 && count == 0.0 { 1.0 } else { 0.0 };
+        }
+    }
+}

@@ -1,0 +1,156 @@
+//! Flattens what lies beyond a clamp_plane onto it, along the view: seen without perspective it stays where it is, and
+//! closed surfaces stay closed. What graphics cards call depth clamping, for faces that reach infinity.
+
+use crate::techniques::infinite_far::FarClampPlane;
+use glam::DVec4;
+use std::collections::HashMap;
+use umbrage_core::Faces;
+
+/// The faces, none beyond the clamp_plane.
+pub(crate) fn flatten(faces: &Faces, clamp_plane: &FarClampPlane) -> Faces {
+    let vertices: Vec<DVec4> = faces.vertices.iter().map(|v| v.as_dvec4()).collect();
+    let before: Vec<f64> = vertices
+        .iter()
+        .map(|v| clamp_plane.distance * v.w - clamp_plane.depth.dot(*v))
+        .collect();
+    let mut cutter = Cutter {
+        clamp_plane,
+        vertices,
+        before,
+        flat: HashMap::new(),
+        cuts: HashMap::new(),
+    };
+    let mut triangles = Vec::with_capacity(faces.triangles.len());
+    for &triangle in &faces.triangles {
+        cutter.add(triangle, &mut triangles);
+    }
+    Faces {
+        vertices: cutter.vertices.iter().map(|v| v.as_vec4()).collect(),
+        triangles,
+    }
+}
+
+struct Cutter<'a> {
+    clamp_plane: &'a FarClampPlane,
+    vertices: Vec<DVec4>,
+    /// Distances before the clamp_plane, times w, of the given vertices.
+    before: Vec<f64>,
+    /// Vertices flattened, by what they were.
+    flat: HashMap<u32, u32>,
+    /// Vertices on the clamp_plane, by the edge cut there.
+    cuts: HashMap<[u32; 2], u32>,
+}
+
+impl Cutter<'_> {
+    fn is_before(&self, v: u32) -> bool {
+        self.before[v as usize] >= 0.0
+    }
+
+    /// Adds the part of a triangle before the clamp_plane, and the rest flattened.
+    fn add(&mut self, triangle: [u32; 3], out: &mut Vec<[u32; 3]>) {
+        if triangle.iter().all(|&v| self.is_before(v)) {
+            return out.push(triangle);
+        }
+        let (mut near, mut far) = (Vec::with_capacity(4), Vec::with_capacity(4));
+        for i in 0..3 {
+            let (v, next) = (triangle[i], triangle[(i + 1) % 3]);
+            if self.is_before(v) {
+                near.push(v);
+            } else {
+                far.push(self.flattened(v));
+            }
+            if self.is_before(v) != self.is_before(next) {
+                let cut = self.cut([v.min(next), v.max(next)]);
+                near.push(cut);
+                far.push(cut);
+            }
+        }
+        for polygon in [near, far] {
+            out.extend((2..polygon.len()).map(|i| [polygon[0], polygon[i - 1], polygon[i]]));
+        }
+    }
+
+    fn flattened(&mut self, v: u32) -> u32 {
+        if let Some(&known) = self.flat.get(&v) {
+            return known;
+        }
+        let along = self.clamp_plane.forward * self.before[v as usize];
+        let flat = self.push(self.vertices[v as usize] + along.extend(0.0));
+        self.flat.insert(v, flat);
+        flat
+    }
+
+    fn cut(&mut self, edge: [u32; 2]) -> u32 {
+        if let Some(&known) = self.cuts.get(&edge) {
+            return known;
+        }
+        let [p, q] = edge.map(|v| self.vertices[v as usize]);
+        let [hp, hq] = edge.map(|v| self.before[v as usize].abs());
+        let at = p * hq + q * hp;
+        // A mix of ends both at infinity is at infinity, too.
+        let cut = self.push(if at.w > 0.0 { at / at.w } else { at });
+        self.cuts.insert(edge, cut);
+        cut
+    }
+
+    fn push(&mut self, v: DVec4) -> u32 {
+        self.vertices.push(v);
+        self.vertices.len() as u32 - 1
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{DVec3, Vec4};
+
+    const BACKDROP: FarClampPlane = FarClampPlane {
+        forward: DVec3::NEG_Z,
+        depth: DVec4::new(0.0, 0.0, -1.0, 0.0),
+        distance: 10.0,
+    };
+
+    #[test]
+    fn what_is_before_stays() {
+        let vertices = vec![
+            Vec4::new(0.0, 0.0, -1.0, 1.0),
+            Vec4::new(1.0, 0.0, -9.0, 1.0),
+            Vec4::new(0.0, 1.0, 5.0, 1.0),
+        ];
+        let faces = Faces {
+            vertices,
+            triangles: vec![[0, 1, 2]],
+        };
+        assert_eq!(flatten(&faces, &BACKDROP), faces);
+    }
+
+    /// A wall from two points 4 m away to infinity, slanted away: cut 6 m farther, at x = 12, and flat from there on.
+    #[test]
+    fn walls_to_infinity_are_cut_and_laid_flat() {
+        let vertices = vec![
+            Vec4::new(0.0, 0.0, -4.0, 1.0),
+            Vec4::new(0.0, 1.0, -4.0, 1.0),
+            Vec4::new(2.0, 0.0, -1.0, 0.0),
+        ];
+        let out = flatten(
+            &Faces {
+                vertices,
+                triangles: vec![[0, 1, 2]],
+            },
+            &BACKDROP,
+        );
+        let at = |i: u32| out.vertices[i as usize];
+        assert_eq!(out.triangles.len(), 3);
+        let beyond = out
+            .triangles
+            .iter()
+            .flatten()
+            .filter(|&&v| -at(v).z > 10.0 * at(v).w);
+        assert_eq!(beyond.count(), 0, "{out:?}");
+        assert!(out.vertices.contains(&Vec4::new(12.0, 1.0, -10.0, 1.0)));
+        assert!(
+            out.vertices.contains(&Vec4::new(2.0, 0.0, 0.0, 0.0)),
+            "the direction without its part along the view"
+        );
+    }
+}

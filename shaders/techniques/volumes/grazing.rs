@@ -1,0 +1,282 @@
+//! Light that grazes receiving planes, lifted so far that depth can tell the difference.
+//!
+//! A shadow volume's side runs along the light's rays. Where these graze a plane by the sine s, the side of what stands on
+//! the plane, and of the plane itself, lies within s x of it at the distance x from its edge: for a sun 1e-7 above a floor,
+//! a micrometre after ten metres. Camera depth is rounded to about 2^-23 w^2 / near metres at the distance w, so that the
+//! two fight, and lit floors lie in their own volume.
+//!
+//! So volumes are made for a light that is moved off such planes, to [`GRAZE`] above them (or below those that face away).
+//! That moves no shadow's edge by more than that part of its distance, a hundredth of a pixel, and shortens
+//! no shadow on the plane to less than 1/GRAZE of its caster's height. Which surfaces face away is still asked of the
+//! light itself.
+
+use crate::techniques::infinite_far::InfiniteFarView;
+use glam::{DVec3, DVec4};
+use umbrage_core::{Geometry, Receivers, View};
+
+/// Sine of the angle to which light is lifted off a plane: 2^-17, .0004 degrees; 76 micrometres after ten metres.
+const GRAZE: f64 = 1.0 / 131_072.0;
+
+/// Planes with a smaller share of the area that receives are left alone: of curved surfaces every facet is grazed by some
+/// light.
+pub(crate) const LEAST_SHARE: f64 = 0.001;
+
+/// Most planes looked at: with more the surface is curved, and each is small.
+const MOST_PLANES: usize = 64;
+
+/// Triangles are in one plane if their normals, and their distances along them as a fraction of the greatest coordinate,
+/// differ by less than this (2^-20, what placing an instance may round).
+const SAME_PLANE: f64 = 1.0 / 1_048_576.0;
+
+/// The light as volumes take it, and the planes that it grazes.
+#[derive(Clone, Debug)]
+pub(crate) struct Lifted {
+    /// Homogeneous.
+    pub(crate) light: DVec4,
+    planes: Vec<Plane>,
+    reach: f64,
+}
+
+/// A receiving plane that the light grazes.
+#[derive(Clone, Copy, Debug)]
+struct Plane {
+    /// (n, d) with `n . p + d = 0`, n of unit length.
+    plane: DVec4,
+    area: f64,
+    /// The farthest of its corners from a lamp, metres; 1 for directions.
+    distance: f64,
+}
+
+impl Lifted {
+    /// Lifts a homogeneous light off the planes that receive.
+    pub(crate) fn new(geometry: &Geometry, light: DVec4) -> Self {
+        let bounds = geometry.bounds();
+        let reach = if bounds.is_empty() {
+            0.0
+        } else {
+            f64::from(bounds.min.abs().max(bounds.max.abs()).max_element())
+        };
+        let mut planes = grazed(geometry, light, reach);
+        planes.sort_unstable_by(|a, b| b.area.total_cmp(&a.area));
+        let light = lift(light, &planes);
+        Self {
+            light,
+            planes,
+            reach: f64::from(bounds.extent().length()),
+        }
+    }
+
+    /// The share of seen receivers that lie on a grazed plane, and where depth's rounding hides what the light was lifted
+    /// by over the whole scene: there volumes can't tell a plane from what stands on it.
+    pub(crate) fn hopeless(
+        &self,
+        view: &View<'_>,
+        receivers: &Receivers,
+        endless: &InfiniteFarView,
+    ) -> f64 {
+        if self.planes.is_empty() {
+            return 0.0;
+        }
+        let tolerance = SAME_PLANE * self.reach.max(f64::MIN_POSITIVE);
+        let view_depth = -view.camera.space().view_from_world.as_dmat4().row(2);
+        let (mut all, mut lost) = (0_u64, 0_u64);
+        for i in (0..receivers.len()).filter(|&i| receivers.receives[i]) {
+            let p = receivers.position(i).as_dvec3().extend(1.0);
+            all += 1;
+            let hidden = endless.rounding(view_depth.dot(p)) > GRAZE * self.reach;
+            lost += u64::from(
+                hidden
+                    && self
+                        .planes
+                        .iter()
+                        .any(|plane| plane.plane.dot(p).abs() <= tolerance),
+            );
+        }
+        lost as f64 / all.max(1) as f64
+    }
+}
+
+/// The planes of receiving triangles that the light grazes, but is not in, of more than [`LEAST_SHARE`] of the area.
+fn grazed(geometry: &Geometry, light: DVec4, reach: f64) -> Vec<Plane> {
+    let (mut planes, mut area): (Vec<Plane>, f64) = (Vec::new(), 0.0);
+    for t in geometry.receivers() {
+        let [a, b, c] = geometry.corners(t).map(|p| p.as_dvec3());
+        let n = (b - a).cross(c - a);
+        let Some(unit) = n.try_normalize() else {
+            continue;
+        };
+        area += n.length();
+        let plane = unit.extend(-unit.dot(a));
+        let far = |p: DVec3| {
+            if light.w == 0.0 {
+                1.0
+            } else {
+                light.truncate().distance(p)
+            }
+        };
+        let distance = [a, b, c].map(far).into_iter().fold(0.0, f64::max);
+        let sine = plane.dot(light) / distance;
+        if sine == 0.0 || sine.abs() >= GRAZE || planes.len() > MOST_PLANES {
+            continue;
+        }
+        match planes.iter_mut().find(|known| known.is_same(plane, reach)) {
+            Some(known) => {
+                known.area += n.length();
+                known.distance = known.distance.max(distance);
+            }
+            None => planes.push(Plane {
+                plane,
+                area: n.length(),
+                distance,
+            }),
+        }
+    }
+    planes.retain(|plane| plane.area > LEAST_SHARE * area);
+    planes
+}
+
+impl Plane {
+    /// Whether it is the same plane, whichever way it is turned.
+    fn is_same(&self, other: DVec4, reach: f64) -> bool {
+        let turned = if self.plane.truncate().dot(other.truncate()) < 0.0 {
+            -other
+        } else {
+            other
+        };
+        let difference = self.plane - turned;
+        difference.truncate().length() < SAME_PLANE && difference.w.abs() < SAME_PLANE * reach
+    }
+}
+
+/// Moves a light off planes by the shortest way: along up to three of their normals that do not depend on each other, the
+/// largest planes' first.
+fn lift(light: DVec4, planes: &[Plane]) -> DVec4 {
+    // Orthonormal directions in turn (Gram and Schmidt): each plane moves the light along what is left of its normal.
+    let mut basis: Vec<DVec3> = Vec::new();
+    let mut lifted = light;
+    for plane in planes {
+        let n = plane.plane.truncate();
+        let rest = basis.iter().fold(n, |n, b| n - *b * n.dot(*b));
+        // Nearly in the span of the others: moving along it would move the light far.
+        if rest.length() < 0.1 {
+            continue;
+        }
+        let side = plane.plane.dot(light).signum();
+        let wanted = side * GRAZE * plane.distance;
+        let along = (wanted - plane.plane.dot(lifted)) / rest.length_squared();
+        lifted += (rest * along).extend(0.0);
+        basis.push(rest.normalize());
+        if basis.len() == 3 {
+            break;
+        }
+    }
+    lifted
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use umbrage_core::{
+        Camera, Instance, Mesh, Scene,
+        glam::{Affine3A, UVec2, Vec3},
+    };
+
+    /// Squares of 10 m, each by its corner and two sides.
+    fn squares(corners: &[[Vec3; 3]]) -> Geometry {
+        let mesh = |&[p, u, v]: &[Vec3; 3]| {
+            let positions = vec![p, p + u * 10.0, p + u * 10.0 + v * 10.0, p + v * 10.0];
+            Mesh::new("square", positions, vec![[0, 1, 2], [0, 2, 3]]).expect("valid")
+        };
+        let meshes: Vec<Mesh> = corners.iter().map(mesh).collect();
+        let instances = (0..meshes.len())
+            .map(|i| Instance::new(i, Affine3A::IDENTITY))
+            .collect();
+        Geometry::bake(&Scene {
+            meshes,
+            instances,
+            ..Scene::default()
+        })
+        .expect("valid")
+    }
+
+    const FLOOR: [Vec3; 3] = [Vec3::ZERO, Vec3::Z, Vec3::X];
+    const WALL: [Vec3; 3] = [Vec3::ZERO, Vec3::X, Vec3::Y];
+
+    #[test]
+    fn a_sun_that_grazes_planes_is_lifted_off_each_to_the_side_it_is_on() {
+        let geometry = squares(&[FLOOR, WALL]);
+        let lifted = Lifted::new(&geometry, DVec4::new(-1.0, 1e-7, -3e-7, 0.0)).light;
+        assert!(
+            (lifted - DVec4::new(-1.0, GRAZE, -GRAZE, 0.0)).length() < 1e-12,
+            "{lifted}"
+        );
+        // Planes at an acute angle hold, too.
+        let slope = [Vec3::ZERO, Vec3::X, Vec3::new(0.0, 0.6, 0.8)];
+        let geometry = squares(&[FLOOR, slope]);
+        let lifted = Lifted::new(&geometry, DVec4::new(-1.0, 1e-7, 2e-7, 0.0)).light;
+        let sines = [DVec3::Y, DVec3::new(0.0, 0.8, -0.6)].map(|n| lifted.truncate().dot(n));
+        assert!(
+            (sines[0] - GRAZE).abs() < 1e-12 && (sines[1] + GRAZE).abs() < 1e-12,
+            "{sines:?}"
+        );
+    }
+
+    #[test]
+    fn a_lamp_is_lifted_in_proportion_to_how_far_it_shines() {
+        let lifted = Lifted::new(&squares(&[FLOOR]), DVec4::new(5.0, 1e-6, 5.0, 1.0)).light;
+        assert!(
+            (lifted.y - GRAZE * 50.0_f64.sqrt()).abs() < 1e-9,
+            "{lifted}"
+        );
+        assert_eq!(lifted.with_y(0.0), DVec4::new(5.0, 0.0, 5.0, 1.0));
+    }
+
+    #[test]
+    fn light_that_grazes_nothing_or_lies_in_a_plane_stays() {
+        let geometry = squares(&[FLOOR]);
+        for light in [
+            DVec4::new(-0.6, 0.8, 0.0, 0.0),
+            DVec4::new(-1.0, 1e-4, 0.0, 0.0),
+            DVec4::new(-1.0, 0.0, 0.0, 0.0),
+        ] {
+            assert_eq!(Lifted::new(&geometry, light).light, light);
+        }
+        // A facet of a thousandth of the area.
+        let facet = [Vec3::ZERO, Vec3::X * 0.01, Vec3::Y * 0.01];
+        let light = DVec4::new(-0.6, 0.8, 1e-7, 0.0);
+        assert_eq!(Lifted::new(&squares(&[FLOOR, facet]), light).light, light);
+    }
+
+    /// Seen from 30 m depth tells a lifted sun's shadows; seen from 30 km, with the near plane before one's feet, it
+    /// doesn't.
+    #[test]
+    fn where_depth_is_too_coarse_there_is_no_hope() {
+        let geometry = squares(&[FLOOR]);
+        let lifted = Lifted::new(&geometry, DVec4::new(-1.0, 1e-7, 0.0, 0.0));
+        let size = UVec2::new(2, 1);
+        let share = |distance: f32| {
+            let eye = Vec3::new(5.0, distance, 5.0);
+            let camera = Camera::perspective(
+                eye,
+                Vec3::new(5.0, 0.0, 5.0),
+                Vec3::X,
+                0.5,
+                [1.0, 1e6],
+                size,
+            )
+            .expect("valid");
+            let mut receivers = Receivers::empty(size);
+            (receivers.x, receivers.z) = (vec![5.0, 5.0], vec![5.0, 5.0]);
+            // The other one stands before the eye.
+            receivers.y = vec![0.0, distance - 1.0];
+            (receivers.triangle, receivers.receives) = (vec![0, 1], vec![true, true]);
+            let light = umbrage_core::Light::Directional {
+                direction: Vec3::X,
+                angular_diameter: 0.0,
+            };
+            let view = View::new(&camera, &light, &geometry).with_receivers(&receivers);
+            lifted.hopeless(&view, &receivers, &InfiniteFarView::new(&view, &geometry))
+        };
+        assert_eq!([share(30.0), share(30_000.0)], [0.0, 0.5]);
+    }
+}

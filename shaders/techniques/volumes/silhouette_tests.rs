@@ -1,0 +1,260 @@
+use super::*;
+use crate::techniques::volumes::{
+    extrusion::{beyond_all, extrude},
+    window::Window,
+};
+use glam::DVec3;
+use umbrage_core::{Aabb, Camera, glam::UVec2};
+
+const SUN: DVec4 = DVec4::new(0.0, 1.0, 0.0, 0.0);
+
+/// A unit cube from the origin, fronts outside; every face has corners of its own.
+fn cube() -> Welded {
+    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    for (axis, side) in [(0, 0.0), (0, 1.0), (1, 0.0), (1, 1.0), (2, 0.0), (2, 1.0)] {
+        let first = positions.len() as u32;
+        for (u, v) in [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)] {
+            let mut p = [0.0; 3];
+            (p[axis], p[(axis + 1) % 3], p[(axis + 2) % 3]) = (side, u, v);
+            positions.push(Vec3::from(p));
+        }
+        let t = [[0, 1, 2], [0, 2, 3]].map(|t| t.map(|v| v + first));
+        triangles.extend(if side > 0.0 {
+            t
+        } else {
+            t.map(|[a, b, c]| [a, c, b])
+        });
+    }
+    Welded::weld(&positions, &triangles)
+}
+
+fn flip_all(mesh: &Welded) -> Welded {
+    Welded {
+        triangles: mesh.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect(),
+        ..mesh.clone()
+    }
+}
+
+/// The corners that the silhouette's edges visit, in order, if they are one loop.
+fn one_loop(s: &Silhouette) -> Option<Vec<u32>> {
+    let next = |v: u32| s.edges.iter().find(|e| e.0[0] == v).map(|e| e.0[1]);
+    let mut out = vec![s.edges.first()?.0[0]];
+    while out.len() <= s.edges.len() {
+        let v = next(*out.last()?)?;
+        if v == out[0] {
+            return (out.len() == s.edges.len()).then_some(out);
+        }
+        out.push(v);
+    }
+    None
+}
+
+/// Every edge of the volumes is met as often in one direction as in the other.
+fn is_closed(mesh: &Welded, s: &Silhouette, light: DVec4) -> bool {
+    net_edges(extrude(mesh, s, light, None, None).triangles.into_iter()).is_empty()
+}
+
+#[test]
+fn a_cube_seen_from_its_corner_has_a_hexagon_around_it() {
+    let mesh = cube();
+    for light in [
+        DVec4::new(0.6, 0.64, 0.48, 0.0),
+        DVec4::new(5.0, 4.0, 3.0, 1.0),
+    ] {
+        let s = mesh.silhouette(light);
+        assert_eq!((s.caps.len(), s.edges.len()), (6, 6));
+        let corners = one_loop(&s).expect("one loop");
+        let at = |v: &u32| mesh.positions[*v as usize];
+        assert!(
+            corners
+                .iter()
+                .all(|v| at(v) != Vec3::ZERO && at(v) != Vec3::ONE),
+            "the nearest and farthest are inside it"
+        );
+        assert!(s.edges.iter().all(|e| e.1 == 1) && s.caps.iter().all(|cap| cap.in_scene));
+        assert!(is_closed(&mesh, &s, light));
+    }
+}
+
+#[test]
+fn fronts_inside_make_the_same_volume() {
+    let (mesh, light) = (cube(), DVec4::new(5.0, 4.0, 3.0, 1.0));
+    let [out, inside] = [mesh.silhouette(light), flip_all(&mesh).silhouette(light)];
+    assert_eq!(out.edges, inside.edges);
+    assert!(inside.caps.len() == 6 && inside.caps.iter().all(|cap| !cap.in_scene));
+}
+
+#[test]
+fn a_light_inside_makes_every_triangle_cast() {
+    let (mesh, light) = (cube(), DVec4::new(0.5, 0.4, 0.3, 1.0));
+    let s = mesh.silhouette(light);
+    assert_eq!((s.caps.len(), s.edges.len()), (12, 0));
+    assert!(is_closed(&mesh, &s, light));
+}
+
+#[test]
+fn an_open_quad_is_turned_to_the_light() {
+    let corners = [Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Z, Vec3::Z];
+    for triangles in [
+        [[0, 1, 2], [0, 2, 3]],
+        [[0, 2, 1], [0, 3, 2]],
+        [[0, 1, 2], [0, 3, 2]],
+    ] {
+        let mesh = Welded::weld(&corners, &triangles);
+        let s = mesh.silhouette(SUN);
+        assert_eq!((s.caps.len(), s.edges.len()), (2, 4), "{triangles:?}");
+        assert!(one_loop(&s).is_some());
+        assert!(is_closed(&mesh, &s, SUN));
+    }
+}
+
+#[test]
+fn a_box_without_a_lid_has_all_its_edges_twice() {
+    let mut mesh = cube();
+    mesh.triangles.truncate(10);
+    let light = DVec4::new(0.6, 0.64, 0.48, 0.0);
+    let s = mesh.silhouette(light);
+    assert_eq!(s.caps.len(), 10);
+    assert!(
+        s.edges.iter().any(|e| e.1 == 2),
+        "where a front meets a back, both leave a wall: {:?}",
+        s.edges
+    );
+    assert!(is_closed(&mesh, &s, light));
+}
+
+#[test]
+fn duplicates_count_twice() {
+    let corners = [Vec3::ZERO, Vec3::Z, Vec3::X];
+    let mesh = Welded::weld(&corners, &[[0, 1, 2], [0, 1, 2], [0, 2, 1]]);
+    let s = mesh.silhouette(SUN);
+    assert!(
+        s.edges.len() == 3 && s.edges.iter().all(|e| e.1 == 3),
+        "{s:?}"
+    );
+    assert_eq!(s.caps.iter().filter(|cap| cap.in_scene).count(), 2);
+    assert!(is_closed(&mesh, &s, SUN));
+}
+
+/// One triangle's edge meets two of its neighbours, another's is met off its end: four corners lie on others' edges.
+#[test]
+fn seams_have_no_walls() {
+    let p = |x: f32, z: f32| Vec3::new(x, 0.1 * x + 0.3, z);
+    let corners = [
+        p(0.0, 0.0),
+        p(3.0, 0.0),
+        p(1.5, 2.0),
+        p(1.0, 0.0),
+        p(1.0, -1.0),
+        p(2.0, 0.0),
+        p(2.0, -1.0),
+    ];
+    let triangles = [[0, 2, 1], [0, 3, 4], [3, 5, 4], [4, 5, 6], [6, 5, 1]];
+    let mesh = Welded::weld(&corners, &triangles);
+    let s = mesh.silhouette(SUN);
+    assert_eq!(s.caps.len(), 3 + 4);
+    assert_eq!(s.edges.len(), 2 + 3, "the outline alone: {:?}", s.edges);
+    assert!(one_loop(&s).is_some() && is_closed(&mesh, &s, SUN));
+    let area = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(|v| mesh.positions[v as usize]);
+        f64::from((b - a).cross(c - a).length())
+    };
+    let (before, after): (f64, f64) = (
+        triangles.iter().map(area).sum(),
+        s.caps.iter().map(|cap| area(&cap.corners)).sum(),
+    );
+    // Corners were rounded to 32 bits.
+    assert!((before - after).abs() < 1e-6, "{before} {after}");
+}
+
+#[test]
+fn lights_in_a_triangles_plane_cast_nothing_from_it() {
+    let mesh = Welded::weld(&[Vec3::ZERO, Vec3::X, Vec3::Z], &[[0, 2, 1]]);
+    assert_eq!(
+        mesh.silhouette(DVec4::new(0.25, 0.0, 0.25, 1.0)),
+        Silhouette::default()
+    );
+    assert_eq!(
+        mesh.silhouette(DVec4::new(0.0, 0.0, 0.0, 1.0)),
+        Silhouette::default()
+    );
+    assert_eq!(
+        mesh.silhouette(DVec4::new(0.25, 0.1, 0.25, 1.0)).caps.len(),
+        1
+    );
+}
+
+#[test]
+fn walls_lean_outwards() {
+    let mesh = Welded::weld(&[Vec3::ZERO, Vec3::X, Vec3::Z], &[[0, 2, 1]]);
+    let light = DVec4::new(0.2, 2.0, 0.3, 1.0);
+    let faces = extrude(&mesh, &mesh.silhouette(light), light, None, None);
+    assert_eq!(faces.triangles.len(), 2 + 3 * 2);
+    // A point of the volume, well below the triangle, is behind every face.
+    let inside = DVec4::new(0.3, -1.0, 0.25, 1.0);
+    for t in &faces.triangles {
+        let [a, b, c] = t.map(|v| faces.vertices[v as usize].as_dvec4());
+        let side = glam::DMat4::from_cols(a, b, c, inside).determinant();
+        assert!(side > 0.0, "{t:?}: {side}");
+    }
+}
+
+/// Walls may end where they leave the window: beyond, nobody sees that the volumes are open.
+#[test]
+fn volumes_are_closed_as_far_as_they_are_seen() {
+    let mesh = cube();
+    let (eye, size) = (Vec3::new(3.0, 2.0, 4.0), UVec2::new(64, 48));
+    for (light, at) in [
+        (DVec4::new(0.8, 0.6, 0.0, 0.0), Vec3::ZERO),
+        (DVec4::new(1.5, 3.0, 0.5, 1.0), Vec3::X),
+    ] {
+        let camera = Camera::perspective(eye, at, Vec3::Y, 0.9, [0.1, 100.0], size).expect("valid");
+        let window = Window::new(&camera.space(), size);
+        let faces = extrude(&mesh, &mesh.silhouette(light), light, Some(&window), None);
+        let open = net_edges(faces.triangles.iter().copied());
+        assert!(!open.is_empty(), "walls end at the window");
+        for (edge, _) in open {
+            let ends = edge.map(|v| faces.vertices[v as usize].as_dvec4());
+            assert!(window.hides(ends), "{light}: {ends:?} is seen");
+        }
+    }
+}
+
+/// A far cap's nearest point lies beyond the farthest corner, for a lamp right above a wide triangle, too.
+#[test]
+fn volumes_that_end_do_so_beyond_everything() {
+    let mesh = Welded::weld(
+        &[
+            Vec3::new(-5.0, 0.0, -5.0),
+            Vec3::new(5.0, 0.0, -5.0),
+            Vec3::new(0.0, 0.0, 5.0),
+        ],
+        &[[0, 2, 1]],
+    );
+    let bounds = Aabb {
+        min: Vec3::new(-6.0, -4.0, -6.0),
+        max: Vec3::new(6.0, 1.0, 6.0),
+    };
+    for light in [
+        DVec4::new(0.0, 0.2, -1.0, 1.0),
+        DVec4::new(3.0, 8.0, 1.0, 1.0),
+        DVec4::new(0.6, 0.8, 0.0, 0.0),
+    ] {
+        let silhouette = mesh.silhouette(light);
+        let reach = beyond_all(&bounds, &mesh, &silhouette, light);
+        let faces = extrude(&mesh, &silhouette, light, None, Some(reach));
+        assert!(
+            net_edges(faces.triangles.iter().copied()).is_empty()
+                && faces.vertices.iter().all(|v| v.w == 1.0)
+        );
+        let [a, b, c] =
+            faces.triangles[1].map(|v| faces.vertices[v as usize].as_dvec4().truncate());
+        let normal = (b - a).cross(c - a).normalize();
+        let beyond = |p: DVec3| normal.dot(p - a);
+        // Fronts look outwards, away from the light.
+        assert!(
+            bounds.corners().all(|p| beyond(p.as_dvec3()) < 0.0),
+            "{light}: {reach}"
+        );
+    }
+}
