@@ -44,7 +44,9 @@ use umbrage_core::Twin;
 /// Every pair of functions that the techniques share between the languages, for the lockstep tests.
 pub fn twins() -> impl Iterator<Item = &'static Twin> {
     [
-        shadow_map::lookup::TWINS,
+        shadow_map::layers::TWINS,
+        shadow_map::coord::TWINS,
+        shadow_map::texel_compare::TWINS,
         shadow_map::packing::TWINS,
         filtering::bilinear_weights::TWINS,
         shading::interpolation::TWINS,

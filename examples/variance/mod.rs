@@ -9,7 +9,7 @@ use umbrage::{
     glam::{IVec2, UVec2},
     techniques::{
         ShadowMap,
-        shadow_map::lookup::{ShadowMapUniforms, shadow_coord},
+        shadow_map::{coord::shadow_coord, layers::ShadowMapUniforms},
     },
     uniforms,
 };

@@ -6,8 +6,8 @@
 //! there; graphics chips hold them in 8 bits: see [`WEIGHT_ERROR`].
 
 use crate::{
-    filtering::bilinear_weights::reference_depth,
-    shadow_map::lookup::{DepthMap, ShadowCoord, ShadowMapUniforms},
+    filtering::bilinear_weights::{BILINEAR_WEIGHTS, reference_depth},
+    shadow_map::{coord::ShadowCoord, layers::ShadowMapUniforms, texel_compare::DepthMap},
 };
 use glam::Vec2;
 use umbrage_core::Module;
@@ -25,25 +25,20 @@ const SAMPLED: Module = Module {
     text: include_str!("comparison_sampler.wgsl"),
 };
 const CLAMPED: Module = Module {
-    name: "comparison_sampler_clamped",
-    text: include_str!("comparison_sampler_clamped.wgsl"),
+    name: "choice: samples beside the map read its edge",
+    text: "fn sampled(l: ShadowCoord, size: f32, at: vec2f) -> f32 { return sampled_clamped(l, size, at); }\n",
 };
 const LIT_BORDER: Module = Module {
-    name: "comparison_sampler_lit_border",
-    text: include_str!("comparison_sampler_lit_border.wgsl"),
+    name: "choice: samples beside the map are lit",
+    text: "fn sampled(l: ShadowCoord, size: f32, at: vec2f) -> f32 { return sampled_lit(l, size, at); }\n",
 };
 
-/// WGSL's `sampled`.
+/// Returns the WGSL of `sampled`, after that of the map's lookup.
 pub(crate) fn modules(m: &ShadowMapUniforms) -> Vec<Module> {
     let border = if m.clamped != 0 { CLAMPED } else { LIT_BORDER };
-    m.modules()
-        .into_iter()
-        .chain([
-            crate::filtering::bilinear_weights::BILINEAR_WEIGHTS,
-            SAMPLED,
-            border,
-        ])
-        .collect()
+    let mut modules = m.modules();
+    modules.extend([BILINEAR_WEIGHTS, SAMPLED, border]);
+    modules
 }
 
 /// Samples along one axis: where they lie, texels from the map's edge, and what they weigh. Lanes after the last weigh 0.

@@ -1,8 +1,51 @@
-// Twin of comparison_sampler.rs: the sampler's blend of four comparisons.
+// Twin of comparison_sampler.rs: the sampler's blend of four comparisons. `sampled` is the map's choice between `sampled_clamped`
+// and `sampled_lit`.
 
 fn compared(l: ShadowCoord, size: f32, at: vec2f, depth: f32) -> f32 {
     if depth > 1.0 {
         return 0.0;
     }
     return compare_0(at / size, l.layer, depth);
+}
+
+// Where the map's edge repeats: as the sampler does by itself.
+fn sampled_clamped(l: ShadowCoord, size: f32, at: vec2f) -> f32 {
+    return compared(l, size, at, reference_depth(l.depth, l.gradient, l.deepest, kernel.lookup.sample_gain, at - l.texel));
+}
+
+// Where all beside the map is lit. Samplers that know borders are not in WebGPU: samples that touch the border are blended by hand
+// from four answers of texels that surely lie within the map.
+fn sampled_lit(l: ShadowCoord, size: f32, at: vec2f) -> f32 {
+    let depth = reference_depth(l.depth, l.gradient, l.deepest, kernel.lookup.sample_gain, at - l.texel);
+    if at.x < 0.5 || at.y < 0.5 || at.x > size - 0.5 || at.y > size - 0.5 {
+        return sampled_at_rim(l, size, at, depth);
+    }
+    return compared(l, size, at, depth);
+}
+
+fn sampled_at_rim(l: ShadowCoord, size: f32, at: vec2f, depth: f32) -> f32 {
+    let first = floor(at - 0.5);
+    let part = at - 0.5 - first;
+    let inner = max(min(first, vec2f(size - 2.0)), vec2f(0.0));
+    let gathered = gather_compare_0((inner + 1.0) / size, l.layer, depth);
+    let four = select(gathered, vec4f(0.0), depth > 1.0);
+    let top = rim_row(size, first.x, inner.x, part.x, four.wz);
+    let bottom = rim_row(size, first.x, inner.x, part.x, four.xy);
+    let above = rim_answer(size, first.y, inner.y, vec2f(top, bottom));
+    let below = rim_answer(size, first.y + 1.0, inner.y, vec2f(top, bottom));
+    return above + (below - above) * part.y;
+}
+
+fn rim_row(size: f32, first: f32, inner: f32, part: f32, pair: vec2f) -> f32 {
+    let left = rim_answer(size, first, inner, pair);
+    let right = rim_answer(size, first + 1.0, inner, pair);
+    return left + (right - left) * part;
+}
+
+// What coordinate `at` answers, of which the pair knows `inner` and the next one.
+fn rim_answer(size: f32, at: f32, inner: f32, pair: vec2f) -> f32 {
+    if at < 0.0 || at >= size {
+        return 1.0;
+    }
+    return select(pair.x, pair.y, at > inner);
 }

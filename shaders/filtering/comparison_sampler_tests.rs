@@ -3,7 +3,7 @@ use crate::{
         bilinear_weights,
         comparison_sampler::{Axis, Samples, WEIGHT_ERROR},
     },
-    shadow_map::{Border, lookup::*},
+    shadow_map::{Border, coord::*, layers::*, texel_compare::*},
     techniques::{
         pcf_hardware::{HardwareKernel, HardwareUniforms},
         pcf_merged::{MergedKernel, MergedUniforms},
@@ -14,24 +14,30 @@ use umbrage_core::{Format, Image, ImageDesc, Inputs, ReceiveKernel, Simd, Span};
 
 const SIZE: i32 = 23;
 
-/// Clip space is world space here: x and y -1..1 across the map, z the depth.
-fn lookup(border: Border, receiver_plane: f32) -> ShadowMapUniforms {
-    ShadowMapUniforms {
-        faces: [Mat4::IDENTITY; 6],
-        light: Vec4::NEG_Z,
-        layers: 1,
-        packed: 0,
-        clamped: u32::from(border == Border::Clamp),
-        farthest: 1.0,
-        size: SIZE as f32,
+fn layer(receiver_plane: f32) -> MapLayer {
+    MapLayer {
+        clip_from_world: Mat4::IDENTITY,
         texel: 1.0,
-        has_receiver_bias: 0,
+        far: 1.0,
         constant: 0.0,
         slope: 0.0,
         slope_min: 0.0,
         normal_offset: 0.0,
         receiver_plane,
         deepest_tap: 1.0,
+    }
+}
+
+/// Clip space is world space here: x and y -1..1 across the map, z the depth.
+fn lookup(border: Border, receiver_plane: f32) -> ShadowMapUniforms {
+    ShadowMapUniforms {
+        layer_count: 1,
+        packed: 0,
+        clamped: u32::from(border == Border::Clamp),
+        has_receiver_bias: 0,
+        layers: [layer(receiver_plane); MAX_LAYERS],
+        light: Vec4::NEG_Z,
+        size: SIZE as f32,
         sample_gain: 1.0,
     }
 }
@@ -337,8 +343,8 @@ fn receiver_planes_are_free_of_acne() {
     .normalize();
     let acne = |receiver_plane: f32, n: Vec3| {
         let mut kernels = (hardware(3, Border::Lit), merged(3, Border::Lit));
-        kernels.0.0.lookup.receiver_plane = receiver_plane;
-        kernels.1.0.lookup.receiver_plane = receiver_plane;
+        kernels.0.0.lookup.layers = [layer(receiver_plane); MAX_LAYERS];
+        kernels.1.0.lookup.layers = [layer(receiver_plane); MAX_LAYERS];
         let masks = [&kernels.0 as &dyn ReceiveKernel, &kernels.1]
             .map(|k| ask(k, &plane, &points, n, Simd::Native));
         masks.map(|mask| mask.iter().filter(|v| **v < 1.0).count())

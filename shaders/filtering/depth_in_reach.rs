@@ -108,7 +108,7 @@ uniforms! {
     /// Uniforms of [`DepthInReachKernel`].
     pub struct DepthInReachUniforms {
         /// 1 if the light is a square's image, 0 if it is a disc's. It comes first: see
-        /// [`ShadowMapUniforms::layers`](crate::shadow_map::lookup::ShadowMapUniforms::layers).
+        /// [`ShadowMapUniforms::layer_count`](crate::shadow_map::layers::ShadowMapUniforms::layer_count).
         pub square: u32,
         /// Cells along a side.
         pub cells: u32,

@@ -1,6 +1,6 @@
 //! The least depth of each tile of a map: a level of a pyramid of least depths.
 
-use crate::shadow_map::packing::{stored, unpack_depth};
+use crate::shadow_map::{choices::stored_depth, packing::unpack_depth};
 use glam::{UVec2, Vec4};
 use umbrage_core::{
     FilterKernel, Inputs, Kernel, Module, SimdTask, UniformLayout, Uniforms, uniforms,
@@ -30,7 +30,7 @@ impl Kernel for LeastDepthKernel {
             name: "least_depth",
             text: include_str!("least_depth.wgsl"),
         };
-        stored(self.packed).into_iter().chain([own]).collect()
+        stored_depth(self.packed).into_iter().chain([own]).collect()
     }
 
     fn uniform_bytes(&self) -> Vec<u8> {

@@ -1,10 +1,9 @@
 use super::*;
-use crate::shadow_map::lookup::texel_from_clip;
+use crate::shadow_map::coord::{clip_w, point_over_w, texel_from_point};
 use glam::Vec3;
 use umbrage_core::{
     Extents,
     light_space::{look_along, orthographic, perspective},
-    math::transform,
 };
 
 const SIZE: u32 = 512;
@@ -26,7 +25,9 @@ fn one(space: LightSpace) -> LightSpaces {
 
 /// Texel coordinates and depth.
 fn project(space: &LightSpace, p: Vec3) -> Vec3 {
-    texel_from_clip(transform(space.clip_from_world(), p), SIZE as f32)
+    let clip_from_world = space.clip_from_world();
+    let w = clip_w(&clip_from_world, p);
+    texel_from_point(point_over_w(&clip_from_world, p, w), SIZE as f32)
 }
 
 /// Where the ray from `receiver` to the light's point `q` (of its half axes) passes `blocker_y`, as texels away from the

@@ -6,8 +6,8 @@ use crate::{
     filtering::sample_pattern::{PatternTable, Shape, TapSet, noise_index, wrapped},
     lanes::batch::{BATCH, Batch},
     shadow_map::{
-        lookup::{DepthMap, ShadowCoord},
-        packing::unpack_depth,
+        coord::ShadowCoord,
+        texel_compare::DepthMap,
     },
 };
 use glam::{UVec2, Vec2, Vec4};
@@ -301,17 +301,9 @@ impl Comparisons<'_> {
 
     #[inline(always)]
     fn load(&self, index: &Lanes<u32>, count: usize) -> Lanes<f32> {
-        let (mut stored, texels) = ([0.0; BATCH], self.map.texels);
-        let lanes = stored.iter_mut().zip(index).take(count);
-        if self.map.packed {
-            lanes.for_each(|(stored, &i)| {
-                let channels = texels.get(4 * i as usize..).and_then(|t| t.first_chunk());
-                *stored = channels.map_or(OUTSIDE, |&c| unpack_depth(Vec4::from_array(c)));
-            });
-        } else {
-            lanes.for_each(|(stored, &i)| {
-                *stored = texels.get(i as usize).copied().unwrap_or(OUTSIDE)
-            });
+        let mut stored = [0.0; BATCH];
+        for (stored, &index) in stored.iter_mut().zip(index).take(count) {
+            *stored = self.map.depth(index as usize).unwrap_or(OUTSIDE);
         }
         stored
     }

@@ -1,26 +1,30 @@
 //! Lookups of many receivers: projecting is arithmetic and runs in vector lanes over batches, tapping is memory and
-//! follows one receiver at a time. The arithmetic is `shadow_coord`'s, spelled in scalars so that the compiler finds its lanes.
+//! follows one receiver at a time. The arithmetic is that of [`coord`](crate::shadow_map::coord), whose functions are inlined into
+//! loops over arrays.
 
-use crate::{
-    lanes::plane::gradient,
-    shadow_map::lookup::{ShadowCoord, ShadowMapUniforms, shadow_coord, slope_bias, to_light},
+use crate::shadow_map::{
+    coord::{
+        ShadowCoord, clip_w, is_seen, offset_along_normal, plane_gradient, point_over_w,
+        slope_bias, texel_from_point, to_light,
+    },
+    layers::{MapLayer, ShadowMapUniforms, layer_at},
 };
-use glam::{Mat4, Vec2, Vec3};
+use glam::{Vec2, Vec3};
 use umbrage_core::{Simd, SimdTask, Span, math::dot3};
 
 /// How many receivers are projected before the taps begin.
-pub(crate) const BATCH: usize = 64;
+pub const BATCH: usize = 64;
 
 /// What a technique makes of one lookup. A trait and not a closure, since a method can insist on being inlined into the
 /// loop that is compiled for vector instructions: mark it `#[inline(always)]`.
-pub(crate) trait Taps {
-    /// Visibility 0..=1; `offset` is the pixel's place in the span.
+pub trait Taps {
+    /// Returns the visibility, 0..=1; `offset` is the pixel's place in the span.
     fn visibility(&self, l: &ShadowCoord, offset: usize) -> f32;
 }
 
 /// What a technique makes of a batch of lookups: all that has [`Taps`] follows one at a time.
-pub(crate) trait BatchTaps {
-    /// Visibilities 0..=1, as many as `out` holds; `first` is the first pixel's place in the span.
+pub trait BatchTaps {
+    /// Writes visibilities 0..=1, as many as `out` holds; `first` is the first pixel's place in the span.
     fn visibilities(&self, batch: &Batch, first: usize, out: &mut [f32]);
 }
 
@@ -38,213 +42,327 @@ impl<T: Taps> BatchTaps for T {
     }
 }
 
-/// Looks up a span of receivers.
+/// Looks up a span of receivers in a map, and writes what `taps` makes of each into `out`, of the span's length.
 #[inline]
-pub(crate) fn look_up_span(
+pub fn look_up_span(
     simd: Simd,
     m: &ShadowMapUniforms,
     span: &Span<'_>,
     out: &mut [f32],
     taps: &impl BatchTaps,
 ) {
-    // The offset along the normal projects twice, a cube has six matrices: they stay with the plain function.
-    let (plain, plane) = (
-        m.normal_offset != 0.0 || m.layers > 1,
-        m.receiver_plane > 0.0,
-    );
-    match (plain, m.light.w == 0.0, plane) {
-        (true, ..) => simd.run_task(LookUpSpan::<_, PLAIN> { m, span, out, taps }),
-        (_, true, false) => simd.run_task(LookUpSpan::<_, DISTANT> { m, span, out, taps }),
-        (_, false, false) => simd.run_task(LookUpSpan::<_, NEAR> { m, span, out, taps }),
-        (_, true, true) => simd.run_task(LookUpSpan::<_, DISTANT_PLANE> { m, span, out, taps }),
-        (_, false, true) => simd.run_task(LookUpSpan::<_, NEAR_PLANE> { m, span, out, taps }),
+    let mut batch = Batch::new();
+    for first in (0..out.len()).step_by(BATCH) {
+        let count = BATCH.min(out.len() - first);
+        project(simd, m, span, first, count, &mut batch);
+        simd.run_task(FollowTaps {
+            taps,
+            batch: &batch,
+            first,
+            out: &mut out[first..first + count],
+        });
     }
 }
 
-/// Ways to project.
-const PLAIN: u8 = 0;
-const DISTANT: u8 = 1;
-const NEAR: u8 = 2;
-/// With the receiver's plane.
-const DISTANT_PLANE: u8 = 3;
-const NEAR_PLANE: u8 = 4;
-
-struct LookUpSpan<'a, T, const WAY: u8> {
-    m: &'a ShadowMapUniforms,
-    span: &'a Span<'a>,
-    out: &'a mut [f32],
+struct FollowTaps<'a, T> {
     taps: &'a T,
+    batch: &'a Batch,
+    first: usize,
+    out: &'a mut [f32],
 }
 
-/// Lookups, an array a field.
-pub(crate) struct Batch {
-    x: [f32; BATCH],
-    y: [f32; BATCH],
-    depth: [f32; BATCH],
-    right: [f32; BATCH],
-    down: [f32; BATCH],
-    /// [`ShadowMapUniforms::deepest_tap`].
-    deepest_tap: f32,
-    layer: [i32; BATCH],
-    seen: [bool; BATCH],
-}
-
-impl Batch {
-    /// One of them.
-    #[inline(always)]
-    pub(crate) fn lookup(&self, i: usize) -> ShadowCoord {
-        let (texel, gradient) = (
-            Vec2::new(self.x[i], self.y[i]),
-            Vec2::new(self.right[i], self.down[i]),
-        );
-        let depth = self.depth[i];
-        let deepest = depth.max(self.deepest_tap);
-        ShadowCoord {
-            texel,
-            depth,
-            gradient,
-            deepest,
-            layer: self.layer[i],
-            seen: self.seen[i],
-        }
-    }
-}
-
-impl<T: BatchTaps, const WAY: u8> SimdTask for LookUpSpan<'_, T, WAY> {
+impl<T: BatchTaps> SimdTask for FollowTaps<'_, T> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let Self { m, span, out, taps } = self;
+        self.taps.visibilities(self.batch, self.first, self.out);
+    }
+}
+
+/// A number of each receiver of a batch.
+type Lanes<T> = [T; BATCH];
+
+/// Lookups, an array a field of [`ShadowCoord`].
+#[derive(Clone, Debug)]
+pub struct Batch {
+    x: Lanes<f32>,
+    y: Lanes<f32>,
+    depth: Lanes<f32>,
+    deepest: Lanes<f32>,
+    right: Lanes<f32>,
+    down: Lanes<f32>,
+    layer: Lanes<i32>,
+    seen: Lanes<bool>,
+}
+
+impl Batch {
+    fn new() -> Self {
         let zero = [0.0; BATCH];
-        let mut b = Batch {
+        Self {
             x: zero,
             y: zero,
             depth: zero,
+            deepest: zero,
             right: zero,
             down: zero,
-            deepest_tap: m.deepest_tap,
             layer: [0; BATCH],
             seen: [false; BATCH],
-        };
-        for first in (0..out.len()).step_by(BATCH) {
-            let count = BATCH.min(out.len() - first);
-            match WAY {
-                PLAIN => one_by_one(m, span, first, count, &mut b),
-                DISTANT => in_lanes::<false, false>(m, span, first, count, &mut b),
-                NEAR => in_lanes::<true, false>(m, span, first, count, &mut b),
-                DISTANT_PLANE => in_lanes::<false, true>(m, span, first, count, &mut b),
-                _ => in_lanes::<true, true>(m, span, first, count, &mut b),
+        }
+    }
+
+    /// Returns one of the lookups.
+    #[inline(always)]
+    pub fn lookup(&self, i: usize) -> ShadowCoord {
+        ShadowCoord {
+            texel: Vec2::new(self.x[i], self.y[i]),
+            depth: self.depth[i],
+            gradient: Vec2::new(self.right[i], self.down[i]),
+            deepest: self.deepest[i],
+            layer: self.layer[i],
+            seen: self.seen[i],
+        }
+    }
+
+    /// Takes over the lookups in one layer from a batch of which every receiver was looked up there.
+    fn take_layer(&mut self, layer: i32, all: &Batch) {
+        for i in 0..BATCH {
+            if self.layer[i] != layer {
+                continue;
             }
-            taps.visibilities(&b, first, &mut out[first..first + count]);
+            self.x[i] = all.x[i];
+            self.y[i] = all.y[i];
+            self.depth[i] = all.depth[i];
+            self.deepest[i] = all.deepest[i];
+            self.right[i] = all.right[i];
+            self.down[i] = all.down[i];
+            self.seen[i] = all.seen[i];
         }
     }
 }
 
-#[inline(always)]
-fn one_by_one(m: &ShadowMapUniforms, span: &Span<'_>, first: usize, count: usize, b: &mut Batch) {
-    for i in 0..count {
-        let l = shadow_coord(m, span.position(first + i), span.normal(first + i));
-        (b.x[i], b.y[i], b.depth[i]) = (l.texel.x, l.texel.y, l.depth);
-        (b.right[i], b.down[i]) = (l.gradient.x, l.gradient.y);
-        (b.layer[i], b.seen[i]) = (l.layer, l.seen);
+/// Some of a span's receivers, an array a coordinate. Lanes from the last receiver on hold 0.
+struct Receivers {
+    x: Lanes<f32>,
+    y: Lanes<f32>,
+    z: Lanes<f32>,
+    nx: Lanes<f32>,
+    ny: Lanes<f32>,
+    nz: Lanes<f32>,
+}
+
+impl Receivers {
+    fn of(span: &Span<'_>, first: usize, count: usize) -> Self {
+        Self {
+            x: lanes_of(span.x, first, count),
+            y: lanes_of(span.y, first, count),
+            z: lanes_of(span.z, first, count),
+            nx: lanes_of(span.nx, first, count),
+            ny: lanes_of(span.ny, first, count),
+            nz: lanes_of(span.nz, first, count),
+        }
+    }
+
+    #[inline(always)]
+    fn position(&self, i: usize) -> Vec3 {
+        Vec3::new(self.x[i], self.y[i], self.z[i])
+    }
+
+    #[inline(always)]
+    fn normal(&self, i: usize) -> Vec3 {
+        Vec3::new(self.nx[i], self.ny[i], self.nz[i])
     }
 }
 
-/// A row of the matrix times a point, from left to right.
-#[inline(always)]
-fn row(m: &Mat4, i: usize, p: Vec3) -> f32 {
-    let [x, y, z, w] = [m.x_axis[i], m.y_axis[i], m.z_axis[i], m.w_axis[i]];
-    x * p.x + y * p.y + z * p.z + w
+fn lanes_of(values: &[f32], first: usize, count: usize) -> Lanes<f32> {
+    let mut lanes = [0.0; BATCH];
+    lanes[..count].copy_from_slice(&values[first..first + count]);
+    lanes
 }
 
-#[inline(always)]
-#[expect(clippy::manual_clamp, reason = "as in `texel_from_clip`")]
-fn in_lanes<const LOCAL: bool, const PLANE: bool>(
+/// Looks up a batch of receivers, each in the layer in which it lies.
+fn project(
+    simd: Simd,
     m: &ShadowMapUniforms,
     span: &Span<'_>,
     first: usize,
     count: usize,
-    b: &mut Batch,
+    batch: &mut Batch,
 ) {
-    let part = |values: &[f32]| -> [f32; BATCH] {
-        let mut out = [0.0; BATCH];
-        out[..count].copy_from_slice(&values[first..first + count]);
-        out
-    };
-    let (x, y, z) = (part(span.x), part(span.y), part(span.z));
-    let (nx, ny, nz) = (part(span.nx), part(span.ny), part(span.nz));
-    let (matrix, size) = (m.faces[0], m.size);
-    // A light without a position has one direction for all.
-    let towards = m.light.truncate();
-    let mut clip = [[0.0; BATCH]; 3];
-    for i in 0..BATCH {
-        let (p, n) = (Vec3::new(x[i], y[i], z[i]), Vec3::new(nx[i], ny[i], nz[i]));
-        let l = if LOCAL { to_light(m.light, p) } else { towards };
-        let bias = m.constant + slope_bias(m.slope, m.slope_min, dot3(n, l));
-        let w = row(&matrix, 3, p);
-        let (u, v, d) = (
-            row(&matrix, 0, p) / w,
-            row(&matrix, 1, p) / w,
-            row(&matrix, 2, p) / w,
-        );
-        b.x[i] = ((u * 0.5 + 0.5) * size).min(1e6).max(-1e6);
-        b.y[i] = ((0.5 - v * 0.5) * size).min(1e6).max(-1e6);
-        b.depth[i] = d - bias;
-        b.seen[i] = w > 0.0 && d <= m.farthest;
-        clip[0][i] = u;
-        clip[1][i] = v;
-        clip[2][i] = d;
+    let receivers = Receivers::of(span, first, count);
+    if m.layer_count == 1 {
+        project_into(simd, m, &m.layers[0], &receivers, batch);
+        return;
     }
-    if PLANE {
-        planes(m, &clip, &[nx, ny, nz], b);
+    let mut present = 0_u32;
+    for i in 0..BATCH {
+        batch.layer[i] = layer_at(m, receivers.position(i));
+        present |= 1 << batch.layer[i];
+    }
+    // Neighbours mostly lie in one layer. Where a batch has several, all its receivers are looked up in each.
+    let mut all = Batch::new();
+    for (layer, uniforms) in (0..).zip(m.used_layers()) {
+        if present & (1 << layer) != 0 {
+            project_into(simd, m, uniforms, &receivers, &mut all);
+            batch.take_layer(layer, &all);
+        }
+    }
+}
+
+/// Looks up receivers in one layer, in the loop that fits light and bias.
+fn project_into(
+    simd: Simd,
+    m: &ShadowMapUniforms,
+    layer: &MapLayer,
+    receivers: &Receivers,
+    out: &mut Batch,
+) {
+    // A light without a position has one direction for all.
+    let has_position = m.light.w != 0.0;
+    match (has_position, layer.moves_receivers()) {
+        (false, false) => simd.run_task(Project::<false, false>::new(m, layer, receivers, out)),
+        (false, true) => simd.run_task(Project::<false, true>::new(m, layer, receivers, out)),
+        (true, false) => simd.run_task(Project::<true, false>::new(m, layer, receivers, out)),
+        (true, true) => simd.run_task(Project::<true, true>::new(m, layer, receivers, out)),
+    }
+}
+
+/// Looks up receivers in one layer: those of a light with a position if `LOCAL`; moved along their normals if `OFFSET`.
+struct Project<'a, const LOCAL: bool, const OFFSET: bool> {
+    m: &'a ShadowMapUniforms,
+    layer: &'a MapLayer,
+    receivers: &'a Receivers,
+    out: &'a mut Batch,
+}
+
+impl<'a, const LOCAL: bool, const OFFSET: bool> Project<'a, LOCAL, OFFSET> {
+    fn new(
+        m: &'a ShadowMapUniforms,
+        layer: &'a MapLayer,
+        receivers: &'a Receivers,
+        out: &'a mut Batch,
+    ) -> Self {
+        Self {
+            m,
+            layer,
+            receivers,
+            out,
+        }
+    }
+}
+
+impl<const LOCAL: bool, const OFFSET: bool> SimdTask for Project<'_, LOCAL, OFFSET> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self {
+            m,
+            layer,
+            receivers,
+            out,
+        } = self;
+        let direction = m.light.truncate();
+        let zero = [0.0; BATCH];
+        let mut points = [zero; 3];
+        for i in 0..BATCH {
+            let p = receivers.position(i);
+            let n = receivers.normal(i);
+            let to_light = if LOCAL {
+                to_light(m.light, p)
+            } else {
+                direction
+            };
+            let n_dot_l = dot3(n, to_light);
+            let bias = layer.constant + slope_bias(layer.slope, layer.slope_min, n_dot_l);
+            let p = if OFFSET {
+                offset_along_normal(layer, p, n, n_dot_l)
+            } else {
+                p
+            };
+            let w = clip_w(&layer.clip_from_world, p);
+            let point = point_over_w(&layer.clip_from_world, p, w);
+            let texel = texel_from_point(point, m.size);
+            let depth = point.z - bias;
+            out.x[i] = texel.x;
+            out.y[i] = texel.y;
+            out.depth[i] = depth;
+            out.deepest[i] = depth.max(layer.deepest_tap);
+            out.seen[i] = is_seen(layer, point.z, w);
+            points[0][i] = point.x;
+            points[1][i] = point.y;
+            points[2][i] = point.z;
+        }
+        out.right = zero;
+        out.down = zero;
+        if layer.follows_plane() {
+            follow_planes(m.size, layer, &points, receivers, out);
+        }
     }
 }
 
 /// The receivers' planes, in a loop of their own: with the rest of the arithmetic the compiler loses sight of its lanes.
 #[inline(always)]
-fn planes(
-    m: &ShadowMapUniforms,
-    clip: &[[f32; BATCH]; 3],
-    normal: &[[f32; BATCH]; 3],
-    b: &mut Batch,
+fn follow_planes(
+    size: f32,
+    layer: &MapLayer,
+    points: &[Lanes<f32>; 3],
+    receivers: &Receivers,
+    out: &mut Batch,
 ) {
-    let (columns, size, limit) = (m.faces[0].to_cols_array_2d(), m.size, m.receiver_plane);
-    let (mut right, mut down) = ([0.0; BATCH], [0.0; BATCH]);
+    let mut right = [0.0; BATCH];
+    let mut down = [0.0; BATCH];
     for i in 0..BATCH {
-        let at = |field: &[[f32; BATCH]; 3]| [field[0][i], field[1][i], field[2][i]];
-        let g = gradient(&columns, at(clip), at(normal), size, limit);
-        right[i] = g.x;
-        down[i] = g.y;
+        let point = Vec3::new(points[0][i], points[1][i], points[2][i]);
+        let n = receivers.normal(i);
+        let limit = layer.receiver_plane;
+        let gradient = plane_gradient(layer.clip_from_world, point, n, size, limit);
+        right[i] = gradient.x;
+        down[i] = gradient.y;
     }
-    (b.right, b.down) = (right, down);
+    out.right = right;
+    out.down = down;
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::{Vec4, dcamera::rh::proj::directx};
+    use crate::shadow_map::{coord::shadow_coord, layers::MAX_LAYERS};
+    use glam::{Mat4, Quat, Vec4, dcamera::rh::proj::directx};
 
-    fn lookup(light: Vec4, slope: f32, receiver_plane: f32) -> ShadowMapUniforms {
-        let clip_from_world = directx::perspective(1.2, 1.0, 0.3, 40.0).as_mat4();
-        let texel = 0.01;
-        let (constant, slope_min, normal_offset) = (1e-3, slope * 0.1, 0.0);
+    /// A bias's slope, normal offset and receiver plane.
+    struct BiasCase {
+        slope: f32,
+        normal_offset: f32,
+        receiver_plane: f32,
+    }
+
+    fn map(light: Vec4, layer_count: u32, bias: &BiasCase) -> ShadowMapUniforms {
+        let clip_from_view = directx::perspective(1.2, 1.0, 0.3, 40.0).as_mat4();
+        let layer = |i: usize| {
+            // Layers look elsewhere, and differ in all that layers have of their own.
+            let turn = Mat4::from_quat(Quat::from_rotation_y(i as f32));
+            let share = 1.0 + i as f32;
+            MapLayer {
+                clip_from_world: clip_from_view * turn,
+                texel: 0.01 * share,
+                far: 1.0,
+                constant: 1e-3 * share,
+                slope: bias.slope * share,
+                slope_min: bias.slope * 0.1,
+                normal_offset: bias.normal_offset * share,
+                receiver_plane: bias.receiver_plane * share,
+                deepest_tap: 1.0,
+            }
+        };
         ShadowMapUniforms {
-            faces: [clip_from_world; 6],
-            light,
-            layers: 1,
+            layer_count,
             packed: 0,
             clamped: 0,
-            farthest: 1.0,
+            has_receiver_bias: u32::from(bias.slope != 0.0 || bias.normal_offset != 0.0),
+            layers: std::array::from_fn(layer),
+            light,
             size: 300.0,
-            texel,
-            has_receiver_bias: u32::from(slope != 0.0),
-            constant,
-            slope,
-            slope_min,
-            normal_offset,
-            receiver_plane,
-            deepest_tap: 1.0,
             sample_gain: 1.0,
         }
     }
@@ -254,43 +372,44 @@ mod tests {
         span: &'a Span<'a>,
     }
 
+    fn bits(l: &ShadowCoord) -> [u32; 6] {
+        [
+            l.texel.x,
+            l.texel.y,
+            l.depth,
+            l.gradient.x,
+            l.gradient.y,
+            l.deepest,
+        ]
+        .map(f32::to_bits)
+    }
+
     impl Taps for Check<'_> {
         fn visibility(&self, l: &ShadowCoord, i: usize) -> f32 {
             let plain = shadow_coord(self.m, self.span.position(i), self.span.normal(i));
-            assert_eq!(
-                l.texel.to_array().map(f32::to_bits),
-                plain.texel.to_array().map(f32::to_bits),
-                "{i}"
-            );
-            assert_eq!(
-                l.gradient.to_array().map(f32::to_bits),
-                plain.gradient.to_array().map(f32::to_bits),
-                "{i}"
-            );
-            assert_eq!(
-                (l.depth.to_bits(), l.seen),
-                (plain.depth.to_bits(), plain.seen),
-                "{i}"
-            );
-            assert_eq!(l.deepest.to_bits(), plain.deepest.to_bits(), "{i}");
+            assert_eq!(bits(l), bits(&plain), "{i}");
+            assert_eq!((l.layer, l.seen), (plain.layer, plain.seen), "{i}");
             0.5
         }
+    }
+
+    fn wave(frequency: f32, scale: f32) -> Vec<f32> {
+        let value = |i: i32| (i as f32 * frequency).sin() * scale;
+        (0..200).map(value).collect()
     }
 
     /// Lanes and the plain function, over points before, behind and beside the light.
     #[test]
     fn lanes_equal_the_plain_function() {
-        let wave = |k: f32, scale: f32| {
-            (0..200)
-                .map(|i| (i as f32 * k).sin() * scale)
-                .collect::<Vec<f32>>()
-        };
-        let (x, y, z) = (wave(0.7, 20.0), wave(1.3, 20.0), wave(2.3, 50.0));
-        let (nx, ny, nz) = (wave(0.31, 0.5), wave(0.57, 0.5), wave(0.9, 0.5));
+        let x = wave(0.7, 20.0);
+        let y = wave(1.3, 20.0);
+        let z = wave(2.3, 50.0);
+        let nx = wave(0.31, 0.5);
+        let ny = wave(0.57, 0.5);
+        let nz = wave(0.9, 0.5);
         let triangle = vec![0; 200];
-        let first = glam::UVec2::ZERO;
         let span = Span {
-            first,
+            first: glam::UVec2::ZERO,
             x: &x,
             y: &y,
             z: &z,
@@ -299,24 +418,30 @@ mod tests {
             nz: &nz,
             triangle: &triangle,
         };
-        let (sun, lamp) = (Vec4::new(0.0, 1.0, 0.0, 0.0), Vec4::new(1.0, 4.0, 2.0, 1.0));
-        for (light, slope, plane) in [
-            (sun, 0.05, 0.0),
-            (lamp, 0.05, 0.0),
-            (Vec4::W, 0.0, 0.0),
-            (sun, 0.0, 0.1),
-            (lamp, 0.05, 1e-4),
-        ] {
-            let m = lookup(light, slope, plane);
-            let check = Check { m: &m, span: &span };
-            for simd in [Simd::Baseline, Simd::Native] {
-                let mut out = vec![9.0; 200];
-                look_up_span(simd, &m, &span, &mut out, &check);
-                let seen = out.iter().filter(|&&v| v == 0.5).count();
-                assert!(
-                    seen > 20 && seen < 180,
-                    "{seen} of 200 are seen: too one-sided a test"
-                );
+        let sun = Vec4::new(0.0, 1.0, 0.0, 0.0);
+        let lamp = Vec4::new(1.0, 4.0, 2.0, 1.0);
+        for (light, layers) in [(sun, 1), (lamp, 1), (lamp, MAX_LAYERS as u32)] {
+            for [slope, normal_offset, receiver_plane] in [
+                [0.05, 0.0, 0.0],
+                [0.0, 0.0, 0.0],
+                [0.0, 0.0, 0.1],
+                [0.05, 0.0, 1e-4],
+                [0.0, 1.5, 0.0],
+                [0.05, 1.5, 0.1],
+            ] {
+                let bias = BiasCase {
+                    slope,
+                    normal_offset,
+                    receiver_plane,
+                };
+                let m = map(light, layers, &bias);
+                let check = Check { m: &m, span: &span };
+                for simd in [Simd::Baseline, Simd::Native] {
+                    let mut out = vec![9.0; 200];
+                    look_up_span(simd, &m, &span, &mut out, &check);
+                    let seen = out.iter().filter(|&&v| v == 0.5).count();
+                    assert!((20..180).contains(&seen), "{seen} of 200 are seen");
+                }
             }
         }
     }

@@ -1,7 +1,7 @@
 //! Counting lit texels of a square, a row of lanes at a time. Counts are small integers in floats, which add exactly in
 //! any order: so the lanes agree with the shader's loop to the bit.
 
-use crate::shadow_map::lookup::{DepthMap, ShadowCoord};
+use crate::shadow_map::{coord::ShadowCoord, texel_compare::DepthMap};
 
 /// How many taps of the square whose least texel is (x, y) are lit. None unless it lies wholly within the map and its
 /// rows may be read `LANES` wide; lanes beyond `SIDE` are not counted.

@@ -1,5 +1,5 @@
 //! What all techniques with a shadow map share: the map, its fit and bias. The way from a receiver to
-//! a texel is [`lookup`]'s.
+//! a texel is [`coord`]'s.
 //!
 //! Williams 1978, "Casting curved shadows on curved surfaces": draw the scene's depth as the light sees it; a point is
 //! lit if, seen from the light, nothing nearer was drawn at its texel. Points outside the map, beyond its far plane or
@@ -18,10 +18,13 @@
 
 mod between;
 mod bias;
-pub mod lookup;
+pub(crate) mod choices;
+pub mod coord;
+pub mod layers;
 pub mod packing;
 pub(crate) mod position_error;
 mod settings;
+pub mod texel_compare;
 
 pub use between::{BetweenKernel, BetweenUniforms};
 pub use bias::{Bias, Footprint};

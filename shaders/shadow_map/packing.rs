@@ -17,14 +17,6 @@ pub const PACKING: Module = Module {
     name: "packing",
     text: include_str!("packing.wgsl"),
 };
-const STORED: Module = Module {
-    name: "stored",
-    text: include_str!("stored.wgsl"),
-};
-const STORED_PACKED: Module = Module {
-    name: "stored_packed",
-    text: include_str!("stored_packed.wgsl"),
-};
 
 /// The four channels, 0..=1, of a depth 0..=1.
 #[inline(always)]
@@ -45,15 +37,6 @@ pub fn pack_depth(z: f32) -> Vec4 {
 pub fn unpack_depth(c: Vec4) -> f32 {
     let digit = |v: f32| (v * 255.0 + 0.5).floor();
     (digit(c.x) + (digit(c.y) + (digit(c.z) + digit(c.w) / 256.0) / 256.0) / 256.0) / 256.0
-}
-
-/// WGSL's `stored_depth`.
-pub(crate) fn stored(packed: bool) -> Vec<Module> {
-    if packed {
-        vec![PACKING, STORED_PACKED]
-    } else {
-        vec![STORED]
-    }
 }
 
 /// From an image of depth to one of four channels.

@@ -1,6 +1,6 @@
 //! What is set of a shadow map, and what makes it: its images, casts and filters.
 
-use crate::shadow_map::{Bias, Footprint, between, lookup::ShadowMapUniforms, packing};
+use crate::shadow_map::{Bias, Footprint, between, layers::ShadowMapUniforms, packing};
 use glam::UVec2;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;

@@ -8,7 +8,7 @@ use crate::{
     lanes::batch::{Taps, look_up_span},
     shadow_map::{
         ShadowMap,
-        lookup::{DepthMap, ShadowCoord, ShadowMapUniforms, TAP},
+        coord::ShadowCoord, layers::ShadowMapUniforms, texel_compare::DepthMap,
     },
 };
 use glam::Vec3;
@@ -57,7 +57,6 @@ impl Kernel for HardKernel {
             .modules()
             .into_iter()
             .chain([
-                TAP,
                 Module {
                     name: "hard",
                     text: include_str!("hard.wgsl"),

@@ -13,7 +13,7 @@ use crate::{
     },
     shadow_map::{
         ShadowMap,
-        lookup::{DepthMap, ShadowCoord, ShadowMapUniforms, TAP},
+        coord::ShadowCoord, layers::ShadowMapUniforms, texel_compare::DepthMap,
     },
 };
 use serde::{Deserialize, Serialize};
@@ -94,7 +94,6 @@ impl Kernel for PcfKernel {
             .modules()
             .into_iter()
             .chain([
-                TAP,
                 Module {
                     name: "pcf",
                     text: include_str!("pcf.wgsl"),

@@ -17,7 +17,7 @@ use crate::{
     lanes::batch::{Batch, BatchTaps, look_up_span},
     shadow_map::{
         ShadowMap,
-        lookup::{ShadowCoord, ShadowMapUniforms},
+        coord::ShadowCoord, layers::ShadowMapUniforms,
     },
 };
 use glam::{UVec2, Vec2, Vec4};
@@ -161,7 +161,7 @@ impl ReceiveKernel for PcfDiscKernel {
         let at = Comparisons {
             map,
             shape,
-            plane: lookup.receiver_plane > 0.0,
+            plane: lookup.layers[0].follows_plane(),
         };
         look_up_span(
             simd,

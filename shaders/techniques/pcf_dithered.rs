@@ -10,7 +10,7 @@ use crate::{
     lanes::batch::{Taps, look_up_span},
     shadow_map::{
         ShadowMap,
-        lookup::{DepthMap, ShadowCoord, ShadowMapUniforms, TAP},
+        coord::ShadowCoord, layers::ShadowMapUniforms, texel_compare::DepthMap,
     },
 };
 use glam::UVec2;
@@ -59,7 +59,6 @@ impl Kernel for PcfDitheredKernel {
             .modules()
             .into_iter()
             .chain([
-                TAP,
                 Module {
                     name: "pcf_dithered",
                     text: include_str!("pcf_dithered.wgsl"),

@@ -17,7 +17,7 @@ use crate::{
     lanes::batch::{Taps, look_up_span},
     shadow_map::{
         MapFormat, ShadowMap, Surface,
-        lookup::{DepthMap, ShadowCoord, ShadowMapUniforms},
+        coord::ShadowCoord, layers::ShadowMapUniforms, texel_compare::DepthMap,
     },
 };
 use serde::{Deserialize, Serialize};

@@ -17,7 +17,7 @@ use crate::{
     lanes::batch::{Taps, look_up_span},
     shadow_map::{
         ShadowMap,
-        lookup::{DepthMap, ShadowCoord, ShadowMapUniforms},
+        coord::ShadowCoord, layers::ShadowMapUniforms, texel_compare::DepthMap,
     },
     techniques::pcf_hardware::{check_map, check_samples},
 };

@@ -57,7 +57,7 @@ use crate::{
     lanes::batch::{Batch, BatchTaps, look_up_span},
     shadow_map::{
         Footprint, MapFormat, ShadowMap,
-        lookup::{ShadowCoord, ShadowMapUniforms, shadow_coord},
+        coord::{ShadowCoord, shadow_coord}, layers::ShadowMapUniforms,
     },
     techniques::{
         hard::Hard,
@@ -126,10 +126,10 @@ impl ShadowTechnique for Pcss {
         let extent = LightExtent::new(view.light, &spaces, size);
         // Wide taps meet blockers that lie deeper than the receiver, yet above its plane, as on any slope under a plate that
         // is parallel to it. Only its plane tells those from the receiver's own surface.
-        let lookup = ShadowMapUniforms {
-            deepest_tap: 1.0,
-            ..ShadowMapUniforms::new(&self.map, view, &spaces)
-        };
+        let mut lookup = ShadowMapUniforms::new(&self.map, view, &spaces);
+        for layer in &mut lookup.layers {
+            layer.deepest_tap = 1.0;
+        }
         let uniforms = PcssUniforms {
             lookup,
             extent,
@@ -231,7 +231,7 @@ impl ReceiveKernel for PcssKernel {
         let at = Comparisons {
             map,
             shape,
-            plane: lookup.receiver_plane > 0.0,
+            plane: lookup.layers[0].follows_plane(),
         };
         look_up_span(
             simd,
@@ -394,7 +394,7 @@ impl Search<'_> {
         let unit = tangent * (u.lookup.size * 0.5);
         u.horizon.heights(
             u.lookup.light,
-            &u.lookup.faces[face],
+            &u.lookup.layers[face].clip_from_world,
             p,
             n,
             off * tangent,

@@ -89,7 +89,7 @@ fn heights_of_light(r: Receiver, layer: i32, from_middle: vec2f) -> vec3f {
     let middle = height_over_plane(kernel.lookup.light, r.position, r.normal);
     let h = kernel.horizon;
     if h.half_u.w > 0.0 {
-        let face = lookup_face(kernel.lookup, layer);
+        let face = map_layer(layer).clip_from_world;
         let tangent = kernel.extent.half_axis_u[layer].w;
         let unit = tangent * (kernel.lookup.size * 0.5);
         let right = face[0].x * r.normal.x + face[1].x * r.normal.y + face[2].x * r.normal.z;

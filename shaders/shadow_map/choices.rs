@@ -1,0 +1,116 @@
+//! Which variants of the WGSL rules a map uses. Both variants of each rule stand side by side in their file; the modules of this
+//! one give the chosen variant the name by which the others call it, so that what is switched off costs nothing.
+
+use super::{
+    coord::{COORD, PROJECTION},
+    layers::{LAYERS, ShadowMapUniforms},
+    packing::PACKING,
+    texel_compare::{DEPTH_ON_PLANE, STORED_DEPTH, TEXEL_COMPARE},
+};
+use umbrage_core::Module;
+
+macro_rules! choice {
+    ($name:literal, $text:literal) => {
+        Module {
+            name: $name,
+            text: $text,
+        }
+    };
+}
+
+const SINGLE_MAP: Module = choice!(
+    "choice: one map",
+    "fn layer_at(light: vec4f, p: vec3f) -> i32 { return 0; }
+fn map_layer(layer: i32) -> MapLayer { return kernel.lookup.layers[0]; }
+"
+);
+const CUBE: Module = choice!(
+    "choice: a cube of maps",
+    "fn layer_at(light: vec4f, p: vec3f) -> i32 { return cube_face(light, p); }
+fn map_layer(layer: i32) -> MapLayer { return kernel.lookup.layers[layer]; }
+"
+);
+const RECEIVER_STAYS: Module = choice!(
+    "choice: no normal offset",
+    "fn moved_receiver(layer: MapLayer, p: vec3f, n: vec3f, n_dot_l: f32) -> vec3f { return p; }
+"
+);
+const NORMAL_OFFSET: Module = choice!(
+    "choice: normal offset",
+    "fn moved_receiver(layer: MapLayer, p: vec3f, n: vec3f, n_dot_l: f32) -> vec3f {
+    return offset_along_normal(layer, p, n, n_dot_l);
+}
+"
+);
+const ONE_DEPTH: Module = choice!(
+    "choice: one depth for all taps",
+    "fn receiver_gradient(layer: MapLayer, point: vec3f, n: vec3f, size: f32) -> vec2f { return vec2f(0.0, 0.0); }
+fn depth_at(l: ShadowCoord, x: i32, y: i32) -> f32 { return depth_at_receiver(l, x, y); }
+"
+);
+const RECEIVER_PLANE: Module = choice!(
+    "choice: taps follow the receiver's plane",
+    "fn receiver_gradient(layer: MapLayer, point: vec3f, n: vec3f, size: f32) -> vec2f {
+    return plane_gradient(layer.clip_from_world, point, n, size, layer.receiver_plane);
+}
+fn depth_at(l: ShadowCoord, x: i32, y: i32) -> f32 { return depth_at_on_plane(l, x, y); }
+"
+);
+const PLAIN_DEPTH: Module = choice!(
+    "choice: plain depth",
+    "fn stored_depth(texel: vec2i, layer: i32) -> f32 { return stored_depth_plain(texel, layer); }
+"
+);
+const PACKED_DEPTH: Module = choice!(
+    "choice: packed depth",
+    "fn stored_depth(texel: vec2i, layer: i32) -> f32 { return stored_depth_packed(texel, layer); }
+"
+);
+const LIT_BORDER: Module = choice!(
+    "choice: lit border",
+    "fn tap_outside(size: i32, l: ShadowCoord, x: i32, y: i32) -> f32 { return tap_outside_lit(size, l, x, y); }
+"
+);
+const CLAMPED_BORDER: Module = choice!(
+    "choice: the edge repeats",
+    "fn tap_outside(size: i32, l: ShadowCoord, x: i32, y: i32) -> f32 { return tap_outside_clamped(size, l, x, y); }
+"
+);
+
+impl ShadowMapUniforms {
+    /// Returns the WGSL of `shadow_coord`, `depth_at`, `stored_depth` and `tap`, as this map needs them. Its uniforms must be
+    /// the kernel's field `lookup`.
+    pub fn modules(&self) -> Vec<Module> {
+        let mut modules = vec![
+            LAYERS,
+            PROJECTION,
+            COORD,
+            DEPTH_ON_PLANE,
+            TEXEL_COMPARE,
+        ];
+        modules.extend(stored_depth(self.packed != 0));
+        modules.extend(self.choices());
+        modules
+    }
+
+    fn choices(&self) -> [Module; 4] {
+        // Layers share their bias.
+        let layer = &self.layers[0];
+        [
+            either(self.layer_count > 1, CUBE, SINGLE_MAP),
+            either(layer.moves_receivers(), NORMAL_OFFSET, RECEIVER_STAYS),
+            either(layer.follows_plane(), RECEIVER_PLANE, ONE_DEPTH),
+            either(self.clamped != 0, CLAMPED_BORDER, LIT_BORDER),
+        ]
+    }
+}
+
+/// Returns the WGSL of `stored_depth`, which reads the kernel's first image.
+pub(crate) fn stored_depth(packed: bool) -> [Module; 3] {
+    let choice = either(packed, PACKED_DEPTH, PLAIN_DEPTH);
+    [PACKING, STORED_DEPTH, choice]
+}
+
+fn either(condition: bool, yes: Module, no: Module) -> Module {
+    if condition { yes } else { no }
+}

@@ -1,0 +1,211 @@
+//! From a receiver to a texel of a shadow map: what every map technique's kernel begins with, in both halves.
+//!
+//! The rules are functions of plain numbers, so that compilers find vector lanes in loops over them:
+//! [`lanes::batch`](crate::lanes::batch) calls the same ones for many receivers.
+
+use super::layers::{LAYERS, MapLayer, ShadowMapUniforms, layer_at};
+use glam::{Mat4, Vec2, Vec3, Vec4};
+use umbrage_core::{
+    MATH, Module, Twin,
+    math::{cross3, dot3, unit3},
+    twin,
+};
+
+/// The WGSL half. It needs the modules [`MATH`], [`LAYERS`] and the map's choices.
+pub const COORD: Module = Module {
+    name: "coord",
+    text: include_str!("coord.wgsl"),
+};
+
+/// The rules that read nothing, which [`COORD`] is made of.
+pub const PROJECTION: Module = Module {
+    name: "projection",
+    text: include_str!("projection.wgsl"),
+};
+
+/// A receiver, seen from the map.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ShadowCoord {
+    /// Texel coordinates, origin top left, centres at .5.
+    pub texel: Vec2,
+    /// Clip depth to compare with, biased.
+    pub depth: f32,
+    /// Change of that depth per texel right and down; zero unless the receiver's plane is followed.
+    pub gradient: Vec2,
+    /// Greatest clip depth that any tap is compared with: not less than `depth`.
+    pub deepest: f32,
+    /// The map's layer.
+    pub layer: i32,
+    /// Whether the map can say anything: before the far plane and not behind the light.
+    pub seen: bool,
+}
+
+/// Returns the unit direction from `p` to the light.
+#[inline(always)]
+pub fn to_light(light: Vec4, p: Vec3) -> Vec3 {
+    if light.w == 0.0 {
+        light.truncate()
+    } else {
+        unit3(light.truncate() - p)
+    }
+}
+
+/// Returns the slope-scaled receiver bias, clip depth: `max(slope (1 - n.l), least)`.
+#[inline(always)]
+pub fn slope_bias(slope: f32, least: f32, n_dot_l: f32) -> f32 {
+    (slope * (1.0 - n_dot_l)).max(least)
+}
+
+/// Returns the sine of the angle of incidence from its cosine.
+#[inline(always)]
+pub fn sine(cosine: f32) -> f32 {
+    (1.0 - cosine * cosine).max(0.0).sqrt()
+}
+
+/// Returns a row of the matrix times a point, summed from left to right.
+#[inline(always)]
+fn row(m: &Mat4, i: usize, p: Vec3) -> f32 {
+    let x = m.x_axis[i] * p.x;
+    let y = m.y_axis[i] * p.y;
+    let z = m.z_axis[i] * p.z;
+    x + y + z + m.w_axis[i]
+}
+
+/// Returns the clip w of a point: metres before the light with perspective, else 1.
+#[inline(always)]
+pub fn clip_w(clip_from_world: &Mat4, p: Vec3) -> f32 {
+    row(clip_from_world, 3, p)
+}
+
+/// Returns a point's clip coordinates over its clip `w`.
+#[inline(always)]
+pub fn point_over_w(clip_from_world: &Mat4, p: Vec3, w: f32) -> Vec3 {
+    Vec3::new(
+        row(clip_from_world, 0, p) / w,
+        row(clip_from_world, 1, p) / w,
+        row(clip_from_world, 2, p) / w,
+    )
+}
+
+/// Returns texel coordinates and depth, from clip coordinates over w.
+#[inline(always)]
+#[expect(
+    clippy::manual_clamp,
+    reason = "`clamp` lets NaN through, and this must bound it as the shader does"
+)]
+pub fn texel_from_point(point: Vec3, size: f32) -> Vec3 {
+    let u = (point.x * 0.5 + 0.5) * size;
+    let v = (0.5 - point.y * 0.5) * size;
+    // Bounded, so that conversion to integers means the same everywhere.
+    Vec3::new(u.min(1e6).max(-1e6), v.min(1e6).max(-1e6), point.z)
+}
+
+/// Returns the depth change per texel, right and down, along the plane with normal `n` through the point with these clip
+/// coordinates over w: a projection maps planes to planes, so two tangents and a two-by-two system give it exactly. Zero for a
+/// plane seen edge-on, and never beyond `limit`.
+#[inline(always)]
+pub fn plane_gradient(clip_from_world: Mat4, point: Vec3, n: Vec3, size: f32, limit: f32) -> Vec2 {
+    let along_x = n.x.abs() < 0.6;
+    let axis = Vec3::new(
+        if along_x { 1.0 } else { 0.0 },
+        if along_x { 0.0 } else { 1.0 },
+        0.0,
+    );
+    let t = cross3(n, axis);
+    let a = slide(clip_from_world, point, t, size);
+    let b = slide(clip_from_world, point, cross3(n, t), size);
+    let det = a.x * b.y - b.x * a.y;
+    let right = (a.z * b.y - b.z * a.y) / det;
+    let down = (a.x * b.z - b.x * a.z) / det;
+    // No early return, which would keep compilers from vector lanes.
+    let edge_on = det == 0.0;
+    Vec2::new(
+        if edge_on { 0.0 } else { within(right, limit) },
+        if edge_on { 0.0 } else { within(down, limit) },
+    )
+}
+
+/// Returns `g` within -limit..=limit, and `limit` for NaN.
+#[inline(always)]
+fn within(g: f32, limit: f32) -> f32 {
+    let g = if g < limit { g } else { limit };
+    if g > -limit { g } else { -limit }
+}
+
+/// Returns how texel coordinates and depth change along a world-space tangent, times the point's clip w (which cancels).
+#[inline(always)]
+pub fn slide(clip_from_world: Mat4, point: Vec3, tangent: Vec3, size: f32) -> Vec3 {
+    let m = clip_from_world;
+    let along =
+        |i: usize| m.x_axis[i] * tangent.x + m.y_axis[i] * tangent.y + m.z_axis[i] * tangent.z;
+    let half = size * 0.5;
+    let w = along(3);
+    Vec3::new(
+        (along(0) - point.x * w) * half,
+        (point.y * w - along(1)) * half,
+        along(2) - point.z * w,
+    )
+}
+
+/// Returns a receiver moved along its normal by the layer's offset: in texels of the receiver's distance, times the sine of the
+/// angle of incidence.
+#[inline(always)]
+pub fn offset_along_normal(layer: &MapLayer, p: Vec3, n: Vec3, n_dot_l: f32) -> Vec3 {
+    let texel = layer.texel * clip_w(&layer.clip_from_world, p);
+    let metres = layer.normal_offset * sine(n_dot_l) * texel;
+    Vec3::new(p.x + n.x * metres, p.y + n.y * metres, p.z + n.z * metres)
+}
+
+/// Returns where a receiver at `p` with the unit normal `n` (world space) is looked up in the map.
+#[inline(always)]
+pub fn shadow_coord(m: &ShadowMapUniforms, p: Vec3, n: Vec3) -> ShadowCoord {
+    let index = layer_at(m, p);
+    let layer = &m.layers[index as usize];
+    let mut moved = p;
+    let mut bias = layer.constant;
+    if m.has_receiver_bias != 0 {
+        let n_dot_l = dot3(n, to_light(m.light, p));
+        bias += slope_bias(layer.slope, layer.slope_min, n_dot_l);
+        if layer.moves_receivers() {
+            moved = offset_along_normal(layer, p, n, n_dot_l);
+        }
+    }
+    let w = clip_w(&layer.clip_from_world, moved);
+    let point = point_over_w(&layer.clip_from_world, moved, w);
+    let texel = texel_from_point(point, m.size);
+    let mut gradient = Vec2::ZERO;
+    if layer.follows_plane() {
+        gradient = plane_gradient(
+            layer.clip_from_world,
+            point,
+            n,
+            m.size,
+            layer.receiver_plane,
+        );
+    }
+    let depth = point.z - bias;
+    ShadowCoord {
+        texel: Vec2::new(texel.x, texel.y),
+        depth,
+        gradient,
+        deepest: depth.max(layer.deepest_tap),
+        layer: index,
+        seen: is_seen(layer, point.z, w),
+    }
+}
+
+/// Returns whether a layer can say anything of a point: it lies before the far bound and not behind the light.
+#[inline(always)]
+pub fn is_seen(layer: &MapLayer, depth: f32, w: f32) -> bool {
+    w > 0.0 && depth <= layer.far
+}
+
+/// The pairs, for the lockstep tests.
+pub const TWINS: &[Twin] = &[
+    twin!(PROJECTION, to_light(light: Vec4, p: Vec3) -> Vec3, needs [MATH, LAYERS]),
+    twin!(PROJECTION, slope_bias(slope: f32, least: f32, n_dot_l: f32) -> f32, needs [MATH, LAYERS]),
+    twin!(PROJECTION, sine(cosine: f32) -> f32, needs [MATH, LAYERS]),
+    twin!(PROJECTION, texel_from_point(point: Vec3, size: f32) -> Vec3, needs [MATH, LAYERS]),
+    twin!(PROJECTION, slide(clip_from_world: Mat4, point: Vec3, tangent: Vec3, size: f32) -> Vec3, needs [MATH, LAYERS]),
+    twin!(PROJECTION, plane_gradient(clip_from_world: Mat4, point: Vec3, n: Vec3, size: f32, limit: f32) -> Vec2, needs [MATH, LAYERS]),
+];

@@ -1,0 +1,31 @@
+// Twin of coord.rs: from a receiver to a texel of the map. `layer_at`, `map_layer`, `moved_receiver` and `receiver_gradient` are
+// this map's choices: see choices.rs.
+
+struct ShadowCoord {
+    texel: vec2f,
+    depth: f32,
+    gradient: vec2f,
+    deepest: f32,
+    layer: i32,
+    seen: bool,
+}
+
+fn shadow_coord(m: ShadowMapUniforms, p: vec3f, n: vec3f) -> ShadowCoord {
+    let index = layer_at(m.light, p);
+    let layer = map_layer(index);
+    var moved = p;
+    var bias = layer.constant;
+    if m.has_receiver_bias != 0u {
+        let n_dot_l = dot3(n, to_light(m.light, p));
+        bias += slope_bias(layer.slope, layer.slope_min, n_dot_l);
+        moved = moved_receiver(layer, p, n, n_dot_l);
+    }
+    let clip = transform(layer.clip_from_world, moved);
+    let point = vec3f(clip.x / clip.w, clip.y / clip.w, clip.z / clip.w);
+    let texel = texel_from_point(point, m.size);
+    let gradient = receiver_gradient(layer, point, n, m.size);
+    let depth = point.z - bias;
+    let deepest = max(depth, layer.deepest_tap);
+    let seen = clip.w > 0.0 && point.z <= layer.far;
+    return ShadowCoord(texel.xy, depth, gradient, deepest, index, seen);
+}

@@ -1,0 +1,173 @@
+//! A shadow map's layers, as kernels know them: one for a single map, six for a cube. Each has its own transform, texel size, bias
+//! and far bound. [`layer_at`] is the one place that picks a receiver's layer.
+
+use super::{BeyondFar, Border, MapFormat, ShadowMap, position_error};
+use crate::shading::facing::homogeneous;
+use glam::{Mat4, Vec3, Vec4};
+use umbrage_core::{LightSpace, LightSpaces, Module, Twin, View, twin, uniforms};
+
+/// The WGSL half: the structs, and `cube_face`.
+pub const LAYERS: Module = Module {
+    name: "layers",
+    text: include_str!("layers.wgsl"),
+};
+
+/// Most layers of a map.
+pub const MAX_LAYERS: usize = 6;
+
+/// [`MapLayer::deepest_tap`] where no tap is compared deeper than the receiver: nearer than any depth.
+pub const NEVER_DEEPER: f32 = f32::MIN;
+
+uniforms! {
+    /// One layer of a shadow map: where it lies, and how its depths are compared.
+    pub struct MapLayer {
+        /// From world space to the light's clip space.
+        pub clip_from_world: Mat4,
+        /// Longer side of a texel: metres without perspective; metres at one metre's distance with it.
+        pub texel: f32,
+        /// Greatest clip depth that is compared: 1, or without bound.
+        pub far: f32,
+        /// Constant part of the bias, clip depth. See [`Bias::constant`](crate::Bias::constant).
+        pub constant: f32,
+        /// See [`Bias::slope`](crate::Bias::slope).
+        pub slope: f32,
+        /// See [`Bias::slope_min`](crate::Bias::slope_min).
+        pub slope_min: f32,
+        /// Texels. See [`Bias::normal_offset`](crate::Bias::normal_offset).
+        pub normal_offset: f32,
+        /// Greatest depth slope, clip depth a texel, that taps follow along the receiver's plane; 0 where they follow none.
+        pub receiver_plane: f32,
+        /// Clip depth down to which taps on the receiver's plane are compared where the receiver itself is nearer: 1, the far
+        /// plane, or [`NEVER_DEEPER`].
+        pub deepest_tap: f32,
+    }
+}
+
+uniforms! {
+    /// What a lookup in a shadow map needs to know, in both halves.
+    pub struct ShadowMapUniforms {
+        /// 1 or 6. It comes first since it has few values: Mesa's lavapipe (seen in 22.3) compiles a shader that branches on
+        /// uniforms anew for every value of their buffer's first word.
+        pub layer_count: u32,
+        /// 1 if depth is packed into four channels, else 0.
+        pub packed: u32,
+        /// 1 if the map's edge repeats, else 0.
+        pub clamped: u32,
+        /// 1 if the bias has a slope or a normal offset, else 0. Shaders branch on this word and not on the layers' floats:
+        /// software drivers compile a variant for each value that a branch depends on.
+        pub has_receiver_bias: u32,
+        /// The layers: one, or six in the order of [`Layout::Cube`](umbrage_core::Layout::Cube). Unused ones repeat the first.
+        pub layers: [MapLayer; MAX_LAYERS],
+        /// xyz: unit direction to the light (w = 0) or the light's position (w = 1), world space.
+        pub light: Vec4,
+        /// Side of each layer, texels.
+        pub size: f32,
+        /// Share of what the receiver's plane gains over a sample's four texels that is taken off the depth that the sample
+        /// compares: 1, or 0 where casters move away instead.
+        pub sample_gain: f32,
+    }
+}
+
+impl MapLayer {
+    /// Returns the layer of `map` that lies in `space`.
+    pub fn new(map: &ShadowMap, space: &LightSpace) -> Self {
+        let bias = map.bias;
+        let projection = space.clip_from_view;
+        // The scale of the longer side is the smaller one.
+        let scale = projection.x_axis.x.min(projection.y_axis.y);
+        let constant = if bias.covers_rounding() {
+            bias.constant.max(position_error::of_positions(space))
+        } else {
+            bias.constant
+        };
+        Self {
+            clip_from_world: space.clip_from_world(),
+            texel: 2.0 / (scale * map.size as f32),
+            far: match map.beyond_far {
+                BeyondFar::Lit => 1.0,
+                BeyondFar::Compared => f32::MAX,
+            },
+            constant,
+            slope: bias.slope,
+            slope_min: bias.slope_min,
+            normal_offset: bias.normal_offset,
+            receiver_plane: bias.plane_limit(),
+            deepest_tap: if bias.adaptive { NEVER_DEEPER } else { 1.0 },
+        }
+    }
+
+    /// Returns whether taps follow the receiver's plane.
+    #[inline(always)]
+    pub fn follows_plane(&self) -> bool {
+        self.receiver_plane > 0.0
+    }
+
+    /// Returns whether receivers are moved along their normals.
+    #[inline(always)]
+    pub fn moves_receivers(&self) -> bool {
+        self.normal_offset != 0.0
+    }
+}
+
+impl ShadowMapUniforms {
+    /// Returns what a lookup needs to know of a map of `view.light` whose layers lie in `spaces`.
+    ///
+    /// Panics if there are no spaces.
+    pub fn new(map: &ShadowMap, view: &View<'_>, spaces: &LightSpaces) -> Self {
+        let bias = map.bias;
+        let spaces = &spaces.spaces;
+        let layer = |i: usize| MapLayer::new(map, spaces.get(i).unwrap_or(&spaces[0]));
+        let bends = bias.slope != 0.0 || bias.slope_min != 0.0 || bias.normal_offset != 0.0;
+        Self {
+            layer_count: spaces.len() as u32,
+            packed: u32::from(map.format == MapFormat::Rgba8),
+            clamped: u32::from(map.border == Border::Clamp),
+            has_receiver_bias: u32::from(bends),
+            layers: std::array::from_fn(layer),
+            light: homogeneous(view.light),
+            size: map.size as f32,
+            sample_gain: if bias.adaptive { 0.0 } else { 1.0 },
+        }
+    }
+
+    /// Returns the layers that are used.
+    #[inline(always)]
+    pub fn used_layers(&self) -> &[MapLayer] {
+        &self.layers[..self.layer_count as usize]
+    }
+}
+
+/// Returns the index of the layer in which a receiver at `p` (world space) is looked up. WGSL's `layer_at`.
+#[inline(always)]
+pub fn layer_at(m: &ShadowMapUniforms, p: Vec3) -> i32 {
+    if m.layer_count > 1 {
+        cube_face(m.light, p)
+    } else {
+        0
+    }
+}
+
+/// Returns the face of a cube around `light` in which `p` lies: that of the axis along which it is farthest. Ties go to the first.
+#[inline(always)]
+pub fn cube_face(light: Vec4, p: Vec3) -> i32 {
+    let (x, y, z) = (p.x - light.x, p.y - light.y, p.z - light.z);
+    let (ax, ay, az) = (x.abs(), y.abs(), z.abs());
+    if ax >= ay && ax >= az {
+        return if x >= 0.0 { 0 } else { 1 };
+    }
+    // By the sign bit: the greatest of three is only zero if the first is.
+    if ay >= az {
+        2 + sign_bit(y)
+    } else {
+        4 + sign_bit(z)
+    }
+}
+
+/// Returns 1 for negative numbers and -0, else 0.
+#[inline(always)]
+fn sign_bit(v: f32) -> i32 {
+    (v.to_bits() >> 31) as i32
+}
+
+/// The pairs, for the lockstep tests.
+pub const TWINS: &[Twin] = &[twin!(LAYERS, cube_face(light: Vec4, p: Vec3) -> i32, needs [])];

@@ -1,0 +1,35 @@
+// Twin of layers.rs: a shadow map's layers, and the face of a cube in which a receiver lies. `layer_at` and `map_layer` are this
+// map's choices: see choices.rs.
+
+struct MapLayer {
+    clip_from_world: mat4x4f,
+    texel: f32,
+    far: f32,
+    constant: f32,
+    slope: f32,
+    slope_min: f32,
+    normal_offset: f32,
+    receiver_plane: f32,
+    deepest_tap: f32,
+}
+
+struct ShadowMapUniforms {
+    layer_count: u32,
+    packed: u32,
+    clamped: u32,
+    has_receiver_bias: u32,
+    layers: array<MapLayer, 6>,
+    light: vec4f,
+    size: f32,
+    sample_gain: f32,
+}
+
+fn cube_face(light: vec4f, p: vec3f) -> i32 {
+    let d = vec3f(p.x - light.x, p.y - light.y, p.z - light.z);
+    let a = abs(d);
+    if a.x >= a.y && a.x >= a.z {
+        return select(1, 0, d.x >= 0.0);
+    }
+    let negative = vec2i(bitcast<vec2u>(d.yz) >> vec2u(31u, 31u));
+    return select(4 + negative.y, 2 + negative.x, a.y >= a.z);
+}

@@ -1,0 +1,161 @@
+//! The comparison of a receiver with one texel of a shadow map: which depth is stored there, which one is compared, and what lies
+//! beside the map.
+
+use super::{
+    coord::ShadowCoord,
+    layers::ShadowMapUniforms,
+    packing::unpack_depth,
+};
+use glam::{Vec2, Vec4};
+use umbrage_core::{ImageView, Module, Twin, twin};
+
+/// The WGSL half: `stored_depth`, `tap`, and their variants. It reads the kernel's first image, and needs the modules
+/// [`COORD`](super::coord::COORD), [`DEPTH_ON_PLANE`] and the map's choices.
+pub const TEXEL_COMPARE: Module = Module {
+    name: "texel_compare",
+    text: include_str!("texel_compare.wgsl"),
+};
+
+/// The part of [`TEXEL_COMPARE`] that reads nothing.
+pub const DEPTH_ON_PLANE: Module = Module {
+    name: "depth_on_plane",
+    text: include_str!("depth_on_plane.wgsl"),
+};
+
+/// The variants of `stored_depth`. It reads the kernel's first image.
+pub(crate) const STORED_DEPTH: Module = Module {
+    name: "stored_depth",
+    text: include_str!("stored_depth.wgsl"),
+};
+
+/// Returns the depth to compare with the texel at (x, y).
+#[inline(always)]
+pub fn depth_at(l: &ShadowCoord, x: i32, y: i32) -> f32 {
+    depth_on_plane(l.depth, l.gradient, l.deepest, l.texel, x, y)
+}
+
+/// Returns `depth` moved along `gradient` from `from` to the centre of texel (x, y), but not beyond `deepest`. (What lay before
+/// the far plane must stay there, since texels that nothing was drawn to hold 1.)
+#[inline(always)]
+pub fn depth_on_plane(
+    depth: f32,
+    gradient: Vec2,
+    deepest: f32,
+    from: Vec2,
+    x: i32,
+    y: i32,
+) -> f32 {
+    let right = gradient.x * (x as f32 + 0.5 - from.x);
+    let down = gradient.y * (y as f32 + 0.5 - from.y);
+    (depth + right + down).min(deepest)
+}
+
+/// A shadow map's texels, as kernels' Rust halves read them.
+#[derive(Clone, Copy, Debug)]
+pub struct DepthMap<'a> {
+    /// All layers, row by row.
+    pub texels: &'a [f32],
+    /// Side, texels.
+    pub size: i32,
+    /// Whether each depth takes four channels.
+    pub packed: bool,
+    /// Whether the map's edge repeats; else all beside it is lit.
+    pub clamped: bool,
+    /// [`ShadowMapUniforms::sample_gain`].
+    pub sample_gain: f32,
+}
+
+impl ShadowMapUniforms {
+    /// Returns the map for the Rust half.
+    pub fn map<'a>(&self, image: &ImageView<'a>) -> DepthMap<'a> {
+        DepthMap {
+            texels: image.texels,
+            size: self.size as i32,
+            packed: self.packed != 0,
+            clamped: self.clamped != 0,
+            sample_gain: self.sample_gain,
+        }
+    }
+}
+
+impl<'a> DepthMap<'a> {
+    /// Returns where a layer's texels begin, counted in texels.
+    #[inline(always)]
+    pub fn first_texel(&self, layer: i32) -> usize {
+        layer as usize * self.size as usize * self.size as usize
+    }
+
+    /// Returns the depth at a texel of the map, by its place among all texels; `None` beyond the last.
+    #[inline(always)]
+    pub fn depth(&self, index: usize) -> Option<f32> {
+        if !self.packed {
+            return self.texels.get(index).copied();
+        }
+        let channels = self.texels.get(4 * index..)?.first_chunk()?;
+        Some(unpack_depth(Vec4::from_array(*channels)))
+    }
+
+    /// Returns the depth at a texel of the map.
+    ///
+    /// Panics if there is no such texel.
+    #[inline(always)]
+    pub fn load(&self, x: i32, y: i32, layer: i32) -> f32 {
+        let row = layer as usize * self.size as usize + y as usize;
+        let index = row * self.size as usize + x as usize;
+        if self.packed {
+            let c = &self.texels[4 * index..4 * index + 4];
+            return unpack_depth(Vec4::new(c[0], c[1], c[2], c[3]));
+        }
+        self.texels[index]
+    }
+
+    /// Returns one layer's depths and those of the layers behind it; `None` if they are packed.
+    #[inline(always)]
+    pub fn layer(&self, layer: i32) -> Option<&'a [f32]> {
+        if self.packed {
+            None
+        } else {
+            self.texels.get(self.first_texel(layer)..)
+        }
+    }
+
+    /// Returns whether a texel lies on the map.
+    #[inline(always)]
+    pub fn has(&self, x: i32, y: i32) -> bool {
+        x >= 0 && y >= 0 && x < self.size && y < self.size
+    }
+
+    /// Returns 1 if the receiver is lit as far as one texel tells, else 0. Beside the map it is lit, unless the edge repeats.
+    #[inline(always)]
+    pub fn tap(&self, l: &ShadowCoord, x: i32, y: i32) -> f32 {
+        if !self.has(x, y) {
+            return if self.clamped {
+                self.tap_edge(l, x, y)
+            } else {
+                1.0
+            };
+        }
+        if depth_at(l, x, y) <= self.load(x, y, l.layer) {
+            1.0
+        } else {
+            0.0
+        }
+    }
+
+    /// Returns the tap at the nearest texel of the map.
+    #[inline(never)]
+    fn tap_edge(&self, l: &ShadowCoord, x: i32, y: i32) -> f32 {
+        let last = self.size - 1;
+        let stored = self.load(x.clamp(0, last), y.clamp(0, last), l.layer);
+        if depth_at(l, x, y) <= stored {
+            1.0
+        } else {
+            0.0
+        }
+    }
+}
+
+/// The pairs, for the lockstep tests.
+pub const TWINS: &[Twin] = &[
+    twin!(DEPTH_ON_PLANE, depth_on_plane(depth: f32, gradient: Vec2, deepest: f32, from: Vec2, x: i32, y: i32) -> f32, needs []),
+];
