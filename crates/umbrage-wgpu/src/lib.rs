@@ -24,6 +24,7 @@ mod kernels;
 mod lookup;
 mod matrices;
 mod pipelines;
+mod prefix;
 mod probe;
 mod renderer;
 mod resources;

@@ -1,6 +1,7 @@
 //! The WGSL that stands before and after a kernel's modules: the contract of [`Kernel`](umbrage_core::Kernel).
 
-use umbrage_core::{Format, Kernel, MATH, Recipe, join};
+use crate::prefix::with_prefix;
+use umbrage_core::{Format, Invalid, Kernel, MATH, Recipe, join};
 
 /// What a kernel reads, as far as its shader text shows it.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -66,15 +67,22 @@ struct Receiver {
 }
 ";
 
-/// The receive stage of a recipe as WGSL to paste into your own shader. It defines `struct Receiver` and
-/// `fn receive(r: Receiver) -> f32` (visibility of the light, 0..=1), which you call with your own positions and normals.
-/// What it reads is in bind group `group`: bind
+/// Returns the receive stage of a recipe as WGSL to paste into your own shader.
+///
+/// It defines `struct Receiver` and `fn receive(r: Receiver) -> f32` (visibility of the light, 0..=1), which you call with your
+/// own positions and normals (world space). What it reads is in bind group `group`: bind
 /// [`ShadowRenderer::receive_bind_group`](crate::ShadowRenderer::receive_bind_group) there; its entries, uniforms, images,
 /// tables and perhaps a comparison sampler, are as the text declares them.
-pub fn receive_wgsl(recipe: &Recipe, group: u32) -> String {
+///
+/// `prefix` stands before every name that the text declares: with `"sun_"` call `sun_receive(sun_Receiver(..))`. So the texts of
+/// several lights fit into one shader, each with a prefix and a group of its own. With `""` names are as said above.
+///
+/// # Errors
+/// Errors if the prefix can't begin a WGSL identifier.
+pub fn receive_wgsl(recipe: &Recipe, group: u32, prefix: &str) -> Result<String, Invalid> {
     let receive = &recipe.receive;
     let shape = Shape::new(recipe, &*receive.kernel, &receive.inputs, &receive.tables);
-    kernel_wgsl(&*receive.kernel, &shape, group)
+    with_prefix(&kernel_wgsl(&*receive.kernel, &shape, group), prefix)
 }
 
 /// The contract's names, then the kernel's modules.

@@ -266,7 +266,7 @@ fn pasted_text_compares_on_a_foreign_device() {
     let kernel = renderer.receive_bind_group().expect("it was prepared");
     let pasted = foreign.shade(
         &mut encoder,
-        &receive_wgsl(&recipe, 1),
+        &receive_wgsl(&recipe, 1, "").expect("no prefix"),
         kernel,
         &texture,
         q.size,

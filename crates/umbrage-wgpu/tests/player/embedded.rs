@@ -243,7 +243,7 @@ fn pasted_text_gives_the_same_mask() {
     let kernel = renderer.receive_bind_group().expect("it was prepared");
     let image = e.foreign.shade(
         &mut encoder,
-        &receive_wgsl(&recipe, 1),
+        &receive_wgsl(&recipe, 1, "").expect("no prefix"),
         kernel,
         &e.textures[0],
         e.size,
