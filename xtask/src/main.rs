@@ -1,40 +1,89 @@
-//! The project's own commands. They end with 0 (done), 1 (failed), 2 (wrong usage) or 141 (nobody reads on).
+//! Starts the project's own commands. Each is part of one of two programs, which are built when they are first asked for:
+//! `xtask-measure` (optimised) and `xtask-upkeep`.
 
+#[path = "../../crates/umbrage-cli/src/print.rs"]
 #[macro_use]
 mod print;
 
-mod adapter;
-mod bless;
-mod ci;
-mod cli;
-mod measure;
-mod run;
-mod swiftshader;
-mod test;
-mod tidy;
+mod commands;
+mod help;
 
-use clap::Parser as _;
-use cli::{Cli, Command};
-use std::process::ExitCode;
+use commands::{COMMANDS, Command, Program};
+use std::{
+    env,
+    ffi::OsString,
+    path::{Path, PathBuf},
+    process::{self, ExitCode},
+};
+
+/// Exit code for wrong usage.
+const WRONG_USAGE: u8 = 2;
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
-    let done = match &cli.command {
-        Command::Bias(_)
-        | Command::Compare(_)
-        | Command::Merge(_)
-        | Command::Stability(_)
-        | Command::Plan(_)
-        | Command::Bench(_) => measure::dispatch(&cli.command),
-        Command::Bless(options) => bless::bless(options),
-        Command::Test(options) => test::test(options),
-        Command::Tidy => tidy::tidy(),
-        Command::Ci(options) => ci::ci(options),
+    let arguments: Vec<OsString> = env::args_os().skip(1).collect();
+    let Some(name) = arguments.first() else {
+        eprintln!("{}", help::overview());
+        return ExitCode::from(WRONG_USAGE);
     };
-    let Err(error) = done else {
+    if name == "--help" || name == "-h" {
+        println!("{}", help::overview());
         return ExitCode::SUCCESS;
+    }
+    let Some(command) = COMMANDS.iter().find(|command| name == command.name) else {
+        eprintln!("{}", help::unknown(&name.to_string_lossy()));
+        return ExitCode::from(WRONG_USAGE);
     };
-    eprintln!("error: {error:#}");
-    // Wrong usage that only the command itself can see, such as a scene's name.
-    ExitCode::from(if error.is::<run::Usage>() { 2 } else { 1 })
+    let built = is_built(command.program);
+    if !built && let Some(answer) = help::before_building(command, &arguments[1..]) {
+        return answer;
+    }
+    match run(command, built, &arguments) {
+        Ok(code) => process::exit(code),
+        Err(error) => {
+            eprintln!("error: cannot start cargo: {error}; install Rust from https://rustup.rs");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Builds the command's program if need be, runs it, and returns its exit code.
+fn run(command: &Command, built: bool, arguments: &[OsString]) -> std::io::Result<i32> {
+    let mut cargo = process::Command::new(cargo());
+    cargo.arg("run").args(command.program.profile());
+    cargo.args(["--package", command.program.package()]);
+    cargo
+        .arg("--manifest-path")
+        .arg(repository().join("Cargo.toml"));
+    cargo.arg("--").args(arguments);
+    if built {
+        cargo.env("CARGO_TERM_QUIET", "true");
+    } else if command.program == Program::Measure {
+        println!("building what measures, optimised: this takes some minutes the first time");
+    }
+    let status = cargo.status()?;
+    Ok(status.code().unwrap_or(1))
+}
+
+/// Returns the cargo that runs this program.
+fn cargo() -> OsString {
+    env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo"))
+}
+
+fn repository() -> &'static Path {
+    let package = Path::new(env!("CARGO_MANIFEST_DIR"));
+    package.parent().unwrap_or(package)
+}
+
+/// Returns whether the program has been built before. Cargo puts it into a folder beside the one that this program is in, or into
+/// the same.
+fn is_built(program: Program) -> bool {
+    let file = format!("{}{}", program.package(), env::consts::EXE_SUFFIX);
+    target_folder().is_some_and(|target| target.join(program.folder()).join(file).is_file())
+}
+
+/// Returns cargo's target folder: this program is `target/debug/xtask`.
+fn target_folder() -> Option<PathBuf> {
+    let this = env::current_exe().ok()?;
+    let profile = this.parent()?;
+    Some(profile.parent()?.to_owned())
 }

@@ -1,0 +1,17 @@
+//! What can be typed after `bench`.
+
+use clap::Args;
+
+#[derive(Args, Clone, Debug, PartialEq)]
+#[command(after_help = "Examples:
+  cargo xtask bench               every ratio, medians of 20 runs taken in turn
+  cargo xtask bench --runs 100    the same, steadier
+  cargo xtask bench --costs       what a texel, a tap, a ray costs here: prices for deterministic costs")]
+pub(crate) struct BenchOptions {
+    /// Measure the prices of work on this machine instead
+    #[arg(long)]
+    pub(crate) costs: bool,
+    /// Runs of each side; their medians are compared
+    #[arg(long, value_name = "COUNT", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) runs: u32,
+}

@@ -1,0 +1,75 @@
+//! What can be typed after `compare`.
+
+use super::{Backend, Shard, merge::parse_shard, parse_size};
+use clap::Args;
+use std::path::PathBuf;
+
+#[derive(Args, Clone, Debug, PartialEq)]
+#[command(after_help = "Examples:
+  cargo xtask compare                                        the built-in suite
+  cargo xtask compare --list                                 what there is to compare
+  cargo xtask compare cubes --technique pcf --backend cpu    one scene, technique and backend
+  cargo xtask compare lamp.toml model.obj --quick            scenes of your own, small and fast
+  cargo xtask compare cubes --size 640x480 --map-sizes 512,2048 --arrays --out report
+  cargo xtask compare figure --color --map-sizes 1024        with shaded pictures
+  cargo xtask compare --deterministic --shard 2/8 --out s2   an eighth of the suite, for `cargo xtask merge`
+  cargo xtask compare --baseline old/results.json            fail if anything got slower or less accurate")]
+pub(crate) struct CompareOptions {
+    /// Built-in scenes by name, scene files (.toml) or models (.obj); none: the built-in suite
+    #[arg(value_name = "SCENE")]
+    pub(crate) scenes: Vec<String>,
+    /// Only these techniques; may be repeated, or separated by commas
+    #[arg(long = "technique", value_name = "NAME", value_delimiter = ',')]
+    pub(crate) techniques: Vec<String>,
+    /// Which backends play
+    #[arg(long, value_name = "NAME", default_value = "available")]
+    pub(crate) backend: Backend,
+    /// Graphics adapter by part of its name, such as llvmpipe
+    #[arg(long, value_name = "NAME")]
+    pub(crate) adapter: Option<String>,
+    /// Image size in pixels; else each scene's own
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    pub(crate) size: Option<[u32; 2]>,
+    /// Sides of the shadow maps, texels, rising; every setting is compared at the middle one, each technique's first at
+    /// all; else 512, 1024 and 2048, or 512 alone with --quick
+    #[arg(long, value_name = "SIDE", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=16_384))]
+    pub(crate) map_sizes: Vec<u32>,
+    /// Truth's rays a pixel for lights with an extent
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    pub(crate) samples: Option<u32>,
+    /// Timed runs of each row; their median is kept
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) runs: Option<u32>,
+    /// Folder for the report; else target/compare in the repository
+    #[arg(long, value_name = "FOLDER")]
+    pub(crate) out: Option<PathBuf>,
+    /// Small images, few samples, few runs: a look rather than a measurement
+    #[arg(long)]
+    pub(crate) quick: bool,
+    /// Write NumPy arrays of truth, distance and every mask, too
+    #[arg(long)]
+    pub(crate) arrays: bool,
+    /// Shade every row in colour, too, and compare the colours between backends
+    #[arg(long)]
+    pub(crate) color: bool,
+    /// No wall-clock times and no date, so that the report is the same, byte for byte, whenever it is made
+    #[arg(long, conflicts_with = "runs")]
+    pub(crate) deterministic: bool,
+    /// Compare with the results.json of an earlier run, kept in another folder than this report's, and fail if anything got
+    /// slower or less accurate beyond the noise, is missing or can't be compared any more
+    #[arg(long, value_name = "RESULTS.JSON")]
+    pub(crate) baseline: Option<PathBuf>,
+    /// What may be missing or changed since the baseline: a scene, technique, backend or `technique (settings)`; may be
+    /// repeated
+    #[arg(long, value_name = "NAME", requires = "baseline")]
+    pub(crate) baseline_except: Vec<String>,
+    /// Only every N-th scene, from the K-th on; `cargo xtask merge` joins the shards
+    #[arg(long, value_name = "K/N", value_parser = parse_shard)]
+    pub(crate) shard: Option<Shard>,
+    /// Measure every scene anew, even if the folder has it from a run that was stopped
+    #[arg(long)]
+    pub(crate) fresh: bool,
+    /// List scenes and techniques, and end
+    #[arg(long)]
+    pub(crate) list: bool,
+}

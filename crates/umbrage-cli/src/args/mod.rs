@@ -1,0 +1,160 @@
+//! What can be typed.
+
+mod bench;
+mod bias;
+mod compare;
+mod merge;
+mod plan;
+mod stability;
+
+pub(crate) use bench::BenchOptions;
+pub(crate) use bias::BiasOptions;
+pub(crate) use compare::CompareOptions;
+pub(crate) use merge::{MergeOptions, Shard};
+pub(crate) use plan::{PlanBackend, PlanOptions};
+pub(crate) use stability::StabilityOptions;
+
+use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
+
+/// How help spells the program's invocation. [`parse`] replaces it by the program's own.
+const INVOCATION: &str = "cargo xtask";
+
+/// Measures shadow techniques: speed, and error against ray-traced truth.
+#[derive(Debug, Parser)]
+#[command(disable_help_subcommand = true)]
+#[command(after_help = "Examples:
+  cargo xtask compare                   every built-in scene, technique and backend: table and report
+  cargo xtask stability --quick         where each technique fails: a matrix with pictures
+  cargo xtask plan cubes --max-time 2   the best shadows for that scene within two milliseconds")]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Measure techniques on scenes: speed, and error against ray-traced truth
+    Compare(CompareOptions),
+    /// Play the catalogue of failures: where each technique passes, degrades or fails
+    Stability(StabilityOptions),
+    /// Find the least that a scene needs: the cheapest technique and setting within an error, time or memory
+    Plan(PlanOptions),
+    /// Compare the default bias with the best that could be tuned by hand
+    Bias(BiasOptions),
+    /// Join the reports of a comparison's shards
+    Merge(MergeOptions),
+    /// Time the CPU backend, the wgpu backend and ray tracing against their yardsticks
+    Bench(BenchOptions),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum Backend {
+    /// The CPU, and wgpu if there is a graphics adapter
+    Available,
+    /// The CPU alone
+    Cpu,
+    /// wgpu alone; fails without a graphics adapter
+    Wgpu,
+    /// Both; fails without a graphics adapter
+    Both,
+}
+
+/// Returns what the command line asks for. Ends the process after `--help` (0) and wrong usage (2).
+pub(crate) fn parse(invocation: &'static str) -> Command {
+    let matches = command(invocation).get_matches();
+    match Cli::from_arg_matches(&matches) {
+        Ok(cli) => cli.command,
+        Err(error) => error.exit(),
+    }
+}
+
+/// Returns the description of the command line, with examples that start with `invocation`.
+fn command(invocation: &'static str) -> clap::Command {
+    let whole = Cli::command().name(invocation).bin_name(invocation);
+    let whole = with_own_examples(whole, invocation);
+    whole.mut_subcommands(|subcommand| with_own_examples(subcommand, invocation))
+}
+
+fn with_own_examples(command: clap::Command, invocation: &str) -> clap::Command {
+    let Some(examples) = command.get_after_help().map(ToString::to_string) else {
+        return command;
+    };
+    command.after_help(examples.replace(INVOCATION, invocation))
+}
+
+fn parse_size(text: &str) -> Result<[u32; 2], String> {
+    let sides = text
+        .split_once('x')
+        .and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+    match sides {
+        Some(size) if size.iter().all(|s| (1..=16_384).contains(s)) => Ok(size),
+        Some(_) => Err("each side must be 1 to 16384 pixels".to_owned()),
+        None => Err("write width and height like 640x480".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{INVOCATION, command};
+
+    /// Every command's help, as `--help` prints it to a terminal of 100 columns. `cargo xtask` prints these files as long as the
+    /// program isn't built.
+    #[test]
+    fn help() {
+        let mut whole = command(INVOCATION).term_width(100);
+        whole.build();
+        let names: Vec<String> = whole
+            .get_subcommands()
+            .map(|subcommand| subcommand.get_name().to_owned())
+            .collect();
+        insta::with_settings!({
+            snapshot_path => concat!(env!("CARGO_MANIFEST_DIR"), "/../../xtask/help"),
+            prepend_module_to_snapshot => false,
+            omit_expression => true,
+        }, {
+            for name in names {
+                let subcommand = whole.find_subcommand_mut(&name).expect("a command of the list");
+                insta::assert_snapshot!(name, subcommand.render_long_help().to_string());
+            }
+        });
+    }
+
+    #[test]
+    fn every_command_shows_examples() {
+        for subcommand in command("umbrage").get_subcommands() {
+            let help = subcommand.clone().render_long_help().to_string();
+            let example = format!("Examples:\n  umbrage {}", subcommand.get_name());
+            assert!(help.contains(&example), "{help}");
+        }
+    }
+
+    /// What wrong usage says.
+    #[test]
+    fn usage_errors() {
+        let wrong: [&[&str]; 14] = [
+            &[],
+            &["compere"],
+            &["compare", "--size", "640"],
+            &["compare", "--size", "0x480"],
+            &["compare", "--map-sizes", "512,0"],
+            &["compare", "--backend", "cuda"],
+            &["compare", "--runs", "0"],
+            &["plan"],
+            &["plan", "cubes", "--max-error", "nan"],
+            &["plan", "cubes", "--max-time", "-1"],
+            &["plan", "--regret", "--max-error", "0.1"],
+            &["compare", "--shard", "9/8"],
+            &["compare", "--deterministic", "--runs", "3"],
+            &["merge", "s1", "s2"],
+        ];
+        let mut text = String::new();
+        for arguments in wrong {
+            let error = command(INVOCATION)
+                .try_get_matches_from(std::iter::once(&"xtask").chain(arguments))
+                .expect_err("wrong usage");
+            assert_eq!(error.exit_code(), 2, "{arguments:?}");
+            text += &format!("$ cargo xtask {}\n{error}\n", arguments.join(" "));
+        }
+        insta::assert_snapshot!(text);
+    }
+}

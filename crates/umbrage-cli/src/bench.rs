@@ -1,0 +1,79 @@
+//! Speed as ratios.
+
+use crate::args::BenchOptions;
+use anyhow::{Result, bail};
+use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
+use umbrage_lab::bench::{Options, Pair, run};
+use umbrage_wgpu::{AdapterChoice, Gpu};
+
+/// Prints each ratio as it comes, then the table of all.
+pub(crate) fn bench(options: &BenchOptions) -> Result<()> {
+    let mut gpu = match Gpu::new(&AdapterChoice::from_env()) {
+        Ok(gpu) => Some(gpu),
+        Err(why) => {
+            println!("without a graphics adapter only rays are timed: {why}");
+            None
+        }
+    };
+    let mut pairs = Vec::new();
+    run(
+        Options {
+            runs: options.runs as usize,
+            ..Options::default()
+        },
+        gpu.as_mut(),
+        |pair| {
+            println!("{}: {:.2} x", pair.work, pair.ratio);
+            pairs.push(pair);
+        },
+    )?;
+    println!("\n{}", table(&pairs));
+    let missed = pairs.iter().filter(|p| !p.met()).count();
+    if missed == 0 {
+        Ok(())
+    } else {
+        bail!("{missed} of {} ratios miss their bar", pairs.len())
+    }
+}
+
+fn table(pairs: &[Pair]) -> Table {
+    let mut table = Table::new();
+    table
+        .load_style(UTF8_FULL_CONDENSED)
+        .set_content_arrangement(ContentArrangement::Dynamic);
+    table.set_header([
+        "work",
+        "ours",
+        "theirs",
+        "ours ms",
+        "theirs ms",
+        "times as fast",
+        "bar",
+        "runs",
+    ]);
+    for pair in pairs {
+        let [ours, theirs] = pair.who.clone();
+        let verdict = if pair.met() { "" } else { " missed" };
+        let bar = pair
+            .bar
+            .map_or_else(|| "-".to_owned(), |bar| format!("{bar:.2}{verdict}"));
+        let ms = [pair.ours.median, pair.theirs.median].map(|t| format!("{t:.2}"));
+        let [ours_ms, theirs_ms] = ms;
+        let (ratio, runs) = (format!("{:.2}", pair.ratio), pair.runs.to_string());
+        table.add_row([
+            pair.work.clone(),
+            ours,
+            theirs,
+            ours_ms,
+            theirs_ms,
+            ratio,
+            bar,
+            runs,
+        ]);
+    }
+    table
+        .column_iter_mut()
+        .skip(3)
+        .for_each(|c| c.set_cell_alignment(CellAlignment::Right));
+    table
+}

@@ -1,0 +1,301 @@
+//! `compare`: scenes in, a table and a report out. All the work is the lab's.
+
+use crate::program::Program;
+use crate::{
+    args::{CompareOptions, Shard},
+    usage::Usage,
+};
+use crate::{cost, inputs, progress::Progress, table};
+use anyhow::{Result, bail};
+use umbrage_core::{Backend, glam::UVec2};
+use umbrage_lab::{
+    baseline::{Changes, Except, apart, changes, read, time_again},
+    compare::{Backends, Comparison, Event, Options, Runs, SceneInput, compare as run},
+    report::{Plan, Report},
+};
+
+/// Compares, prints, reports; fails if backends disagree, a control has no effect, or something got worse.
+pub(crate) fn compare(program: &Program, options: &CompareOptions) -> Result<()> {
+    let out = program.folder(options.out.as_deref(), "compare");
+    // A baseline that can't be read must not be found out after minutes of measuring.
+    let baseline = options
+        .baseline
+        .as_deref()
+        .map(|path| apart(path, &out).and_then(|()| read(path)));
+    let baseline = baseline.transpose().map_err(|e| Usage(e.to_string()))?;
+    let except = Except::new(options.baseline_except.iter().cloned());
+    if let Some(old) = &baseline {
+        except.check(old).map_err(|e| Usage(e.to_string()))?;
+    }
+    let inputs = scenes(program, &options.scenes)?;
+    let settings = settings(options)?;
+    let places = places(inputs.len(), options.shard)?;
+    let mut backends = Backends::open(
+        inputs::choice(options.backend),
+        &inputs::adapter(options.adapter.as_ref()),
+    )?;
+    for line in backends
+        .notices
+        .iter()
+        .cloned()
+        .chain(backends.playing.iter().map(|b| on(&**b)))
+    {
+        println!("{line}");
+    }
+    let report = Report::create(&out, Plan::new(&inputs, &settings), &places, options.arrays)?;
+    measure(
+        &inputs,
+        &places,
+        &settings,
+        &mut backends,
+        &report,
+        options.fresh,
+    )?;
+    let (comparison, page) = report.finish()?;
+    table::print(&comparison.scenes);
+    println!("\nreport: {}", page.display());
+    let guarded = baseline.map_or(Ok(()), |old| {
+        let old = of_shard(old, &inputs, &places);
+        let mut changes = changes(&old, &comparison, &except);
+        let inputs: Vec<SceneInput> = places.iter().map(|&place| inputs[place].clone()).collect();
+        if !changes.suspects.is_empty() {
+            println!(
+                "timing {} rows or techniques again, which look slower than the baseline's",
+                changes.suspects.len()
+            );
+        }
+        time_again(&mut changes, &inputs, &settings, &mut backends)?;
+        guard(&changes)
+    });
+    verdict(&comparison).and(guarded)
+}
+
+/// A backend in words: its name, and how its device rounds.
+fn on(backend: &dyn Backend) -> String {
+    match backend.kind() {
+        "cpu" => format!("on {}", backend.name()),
+        _ => format!("on {}: {}", backend.name(), backend.snapping()),
+    }
+}
+
+/// The baseline without the scenes that other shards measure: this one can't lack them.
+fn of_shard(mut old: Comparison, inputs: &[SceneInput], places: &[usize]) -> Comparison {
+    let name = |place: &usize| inputs[*place].scene.name.as_str();
+    let own: Vec<&str> = places.iter().map(name).collect();
+    let others: Vec<&str> = (0..inputs.len())
+        .filter(|place| !places.contains(place))
+        .map(|p| name(&p))
+        .collect();
+    old.scenes
+        .retain(|scene| own.contains(&&*scene.name) || !others.contains(&&*scene.name));
+    old
+}
+
+/// The places of this run's scenes.
+fn places(scenes: usize, shard: Option<Shard>) -> Result<Vec<usize>> {
+    let places: Vec<usize> = (0..scenes)
+        .filter(|&i| shard.is_none_or(|s| s.takes(i)))
+        .collect();
+    if places.is_empty() {
+        return Err(Usage(format!(
+            "this shard is empty: there are only {scenes} scenes; use fewer shards"
+        ))
+        .into());
+    }
+    Ok(places)
+}
+
+/// Measures what the folder doesn't have yet; every scene is written as soon as it is done.
+fn measure(
+    inputs: &[SceneInput],
+    places: &[usize],
+    settings: &Options,
+    backends: &mut Backends,
+    report: &Report,
+    fresh: bool,
+) -> Result<()> {
+    let environment = backends.environment(settings);
+    let there = |&place: &usize| {
+        // What was changed or cut off is measured again, and nothing is lost; but the reader must know.
+        let there = if fresh {
+            Ok(false)
+        } else {
+            report.has(place, &environment)
+        };
+        there.unwrap_or_else(|why| {
+            println!("note: {why} (this is done now)");
+            false
+        })
+    };
+    let (done, todo): (Vec<usize>, Vec<usize>) = places.iter().copied().partition(there);
+    if !done.is_empty() {
+        println!(
+            "{} of {} scenes are there from an earlier run (--fresh measures anew)",
+            done.len(),
+            places.len()
+        );
+    }
+    let pending: Vec<SceneInput> = todo.iter().map(|&place| inputs[place].clone()).collect();
+    cost::tell(&pending, settings, backends)?;
+    let notices = backends.notices.clone();
+    let mut next = todo.into_iter();
+    let progress = Progress::new();
+    let measured = run(
+        &pending,
+        settings,
+        backends,
+        &mut |result, images| {
+            let place = next.next().unwrap_or_default();
+            report.scene(place, &environment, &notices, result, images)
+        },
+        &|event| progress.note(event),
+    );
+    progress.note(Event::Writing);
+    progress.finish();
+    measured?;
+    Ok(())
+}
+
+/// Prints what has changed since the baseline; fails if anything got worse or was lost.
+fn guard(changes: &Changes) -> Result<()> {
+    println!("\nagainst the baseline:");
+    changes
+        .notes
+        .iter()
+        .for_each(|note| println!("note: {note}"));
+    for (word, lines) in [("better", &changes.better), ("new", &changes.new)] {
+        if !lines.is_empty() {
+            println!("{} {word}:\n  {}", lines.len(), some(lines));
+        }
+    }
+    let mut faults = Vec::new();
+    if changes.compared == 0 {
+        faults.push(
+            "not one row of the baseline could be compared: give it the same scenes and options"
+                .to_owned(),
+        );
+    }
+    if !changes.worse.is_empty() {
+        let (count, lines) = (changes.worse.len(), changes.worse.join("\n  "));
+        faults.push(format!(
+            "{count} figures are worse than the baseline's:\n  {lines}"
+        ));
+    }
+    if !changes.lost.is_empty() {
+        let lines = some(&changes.lost);
+        let options: Vec<String> = changes
+            .except
+            .iter()
+            .map(|name| format!("--baseline-except '{name}'"))
+            .collect();
+        let help = format!("if that is meant, add {}", options.join(" "));
+        faults.push(format!(
+            "the baseline has what is not compared:\n  {lines}\n{help}"
+        ));
+    }
+    if faults.is_empty() {
+        println!(
+            "nothing got worse in {} rows, {} of them timed",
+            changes.compared, changes.timed
+        );
+        return Ok(());
+    }
+    bail!("{}", faults.join("\n"))
+}
+
+/// The first lines, and how many more there are.
+fn some(lines: &[String]) -> String {
+    let shown = lines[..lines.len().min(MOST_LINES)].join("\n  ");
+    let rest = lines.len().saturating_sub(MOST_LINES);
+    if rest == 0 {
+        shown
+    } else {
+        format!("{shown}\n  and {rest} more")
+    }
+}
+
+/// So many lines of what is no figure; a new technique alone may have hundreds.
+const MOST_LINES: usize = 20;
+
+pub(crate) fn verdict(comparison: &Comparison) -> Result<()> {
+    comparison
+        .notices
+        .iter()
+        .for_each(|notice| println!("note: {notice}"));
+    let faults = comparison.faults();
+    if faults.is_empty() {
+        return Ok(());
+    }
+    bail!(
+        "{} results must not be:\n  {}",
+        faults.len(),
+        faults.join("\n  ")
+    )
+}
+
+/// The scenes named, or the suite.
+fn scenes(program: &Program, names: &[String]) -> Result<Vec<SceneInput>> {
+    if names.is_empty() {
+        let suite = umbrage_scenes::all().iter().filter(|e| e.suite);
+        return Ok(suite
+            .map(|e| SceneInput {
+                scene: (e.build)(),
+                summary: e.summary.to_owned(),
+                fit: e.fit,
+            })
+            .collect());
+    }
+    names.iter().map(|name| scene(program, name)).collect()
+}
+
+fn scene(program: &Program, name: &str) -> Result<SceneInput> {
+    let entry = umbrage_scenes::find(name);
+    let summary = entry.map_or(String::new(), |e| e.summary.to_owned());
+    let fit = entry.and_then(|e| e.fit);
+    Ok(SceneInput {
+        scene: inputs::scene(program, name)?,
+        summary,
+        fit,
+    })
+}
+
+fn settings(options: &CompareOptions) -> Result<Options> {
+    let known = umbrage_techniques::all().iter().map(|e| e.name);
+    if let Some(unknown) = options
+        .techniques
+        .iter()
+        .find(|n| umbrage_techniques::find(n).is_none())
+    {
+        let known: Vec<_> = known.collect();
+        return Err(Usage(format!(
+            "there is no technique `{unknown}`; use some of {}",
+            known.join(", ")
+        ))
+        .into());
+    }
+    let mut out = if options.quick {
+        Options::quick()
+    } else {
+        Options::default()
+    };
+    out.techniques.clone_from(&options.techniques);
+    out.color = options.color;
+    out.size = options.size.map(UVec2::from_array).or(out.size);
+    out.runs = if options.deterministic {
+        None
+    } else {
+        options.runs.map(Runs::exactly).or(out.runs)
+    };
+    if options.scenes.is_empty() && !options.quick {
+        // 1024 rays in penumbra: a standard error well below any technique's, in a quarter of the time.
+        out.truth.samples = 256;
+    }
+    out.truth.samples = options.samples.unwrap_or(out.truth.samples);
+    if !options.map_sizes.is_empty() {
+        out.map_sizes.clone_from(&options.map_sizes);
+        // Sweeps take the middle one for granted.
+        out.map_sizes.sort_unstable();
+        out.map_sizes.dedup();
+    }
+    Ok(out)
+}

@@ -1,0 +1,155 @@
+//! What a comparison will take, said before it begins.
+
+use crate::usage::Usage;
+use anyhow::Result;
+use std::time::Duration;
+use umbrage_lab::compare::{Backends, Expected, Options, SceneInput, pilot};
+
+/// Comparisons of more pixels than this are tried at a small size first, so that nobody waits for what takes days.
+const MANY_PIXELS: u64 = 1 << 23;
+
+/// Says how much there is to do, and of much how long it takes.
+///
+/// # Errors
+/// When it doesn't fit into this machine's memory.
+pub(crate) fn tell(
+    inputs: &[SceneInput],
+    options: &Options,
+    backends: &mut Backends,
+) -> Result<()> {
+    if inputs.is_empty() {
+        return Ok(());
+    }
+    let expected = Expected::new(inputs, options, backends.playing.len())?;
+    println!("{}", counted(&expected));
+    if let Some(refusal) = refusal(expected.bytes, memory()) {
+        return Err(Usage(refusal).into());
+    }
+    if expected.pixels > MANY_PIXELS {
+        println!("trying it at a small size, to tell how long it takes ..");
+        println!(
+            "this takes about {} here",
+            spoken(pilot(inputs, options, backends)?)
+        );
+    }
+    Ok(())
+}
+
+fn counted(expected: &Expected) -> String {
+    let Expected {
+        scenes,
+        rows,
+        pixels,
+        rays,
+        bytes,
+    } = *expected;
+    let plural = |count: usize| if count == 1 { "" } else { "s" };
+    let [of_scenes, of_rows] = [scenes, rows].map(plural);
+    format!(
+        "{scenes} scene{of_scenes}, {rows} row{of_rows}, {} pixels; at most {} rays for truth, about {} of memory",
+        short(pixels),
+        short(rays),
+        size(bytes),
+    )
+}
+
+/// Why so many bytes can't be held, if the machine's are known to be fewer.
+fn refusal(bytes: u64, memory: Option<u64>) -> Option<String> {
+    let memory = memory.filter(|memory| bytes > *memory)?;
+    let [needed, there] = [bytes, memory].map(size);
+    Some(format!(
+        "this needs about {needed} of memory, and this machine has {there}; use smaller images (--size), or fewer rows \
+         (--technique, --backend, --map-sizes)"
+    ))
+}
+
+/// The machine's memory, bytes, where the system tells.
+fn memory() -> Option<u64> {
+    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let line = text
+        .lines()
+        .find_map(|line| line.strip_prefix("MemTotal:"))?;
+    let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kibibytes * 1024)
+}
+
+/// Three digits that count.
+fn short(count: u64) -> String {
+    let units = [(1e12, " T"), (1e9, " G"), (1e6, " M"), (1e3, " k")];
+    let of = |(unit, name): (f64, &str)| {
+        let value = count as f64 / unit;
+        let digits = if value < 10.0 { 1 } else { 0 };
+        format!("{value:.digits$}{name}")
+    };
+    units
+        .into_iter()
+        .find(|(unit, _)| count as f64 >= *unit)
+        .map_or_else(|| count.to_string(), of)
+}
+
+fn size(bytes: u64) -> String {
+    let mebibytes = bytes as f64 / f64::from(1 << 20);
+    if mebibytes < 1024.0 {
+        format!("{:.0} MiB", mebibytes.max(1.0))
+    } else {
+        format!("{:.1} GiB", mebibytes / 1024.0)
+    }
+}
+
+/// A length of time in one unit.
+pub(crate) fn spoken(time: Duration) -> String {
+    let seconds = time.as_secs_f64();
+    match seconds {
+        _ if seconds < 100.0 => format!("{seconds:.0} s"),
+        _ if seconds < 100.0 * 60.0 => format!("{:.0} min", seconds / 60.0),
+        _ if seconds < 72.0 * 3600.0 => format!("{:.0} h", seconds / 3600.0),
+        _ => format!("{:.0} days", seconds / 86_400.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_cost_is_said_in_units_that_people_know() {
+        let expected = Expected {
+            scenes: 1,
+            rows: 154,
+            pixels: 1 << 28,
+            rays: 7 << 28,
+            bytes: 219 << 30,
+        };
+        let line = counted(&expected);
+        assert_eq!(
+            line,
+            "1 scene, 154 rows, 268 M pixels; at most 1.9 G rays for truth, about 219.0 GiB of memory"
+        );
+        let small = Expected {
+            scenes: 2,
+            rows: 6,
+            pixels: 600,
+            rays: 4200,
+            bytes: 1000,
+        };
+        assert_eq!(
+            counted(&small),
+            "2 scenes, 6 rows, 600 pixels; at most 4.2 k rays for truth, about 1 MiB of memory"
+        );
+        let times = [7, 600, 7200 * 2, 86_400 * 9].map(|s| spoken(Duration::from_secs(s)));
+        assert_eq!(times, ["7 s", "10 min", "4 h", "9 days"]);
+    }
+
+    #[test]
+    fn what_cannot_fit_is_refused_with_what_to_do() {
+        let refused = refusal(219 << 30, Some(8 << 30)).expect("too much");
+        assert!(
+            refused.contains("219.0 GiB")
+                && refused.contains("8.0 GiB")
+                && refused.contains("--size"),
+            "{refused}"
+        );
+        assert_eq!(refusal(1 << 30, Some(8 << 30)), None);
+        assert_eq!(refusal(219 << 30, None), None, "nobody knows");
+    }
+}

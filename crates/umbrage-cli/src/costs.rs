@@ -1,0 +1,103 @@
+//! What work costs on this machine.
+
+use crate::args::BenchOptions;
+use anyhow::Result;
+use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
+use std::sync::Arc;
+use umbrage_core::{Backend, Fit, Scene, ShadowTechnique, glam::UVec2};
+use umbrage_cpu::Cpu;
+use umbrage_lab::cost::{Calibration, KIND_NAMES, calibrate};
+use umbrage_techniques::all;
+use umbrage_wgpu::{AdapterChoice, Gpu};
+
+/// Few and many triangles, maps that are seen well and badly, a cube of maps.
+const SCENES: [&str; 5] = [
+    "cubes",
+    "teapot-lamp",
+    "lamp-in-room",
+    "ten-thousand-boxes",
+    "figure",
+];
+const SIZES: [UVec2; 2] = [UVec2::new(320, 180), UVec2::new(960, 540)];
+const MAPS: [u32; 2] = [256, 1024];
+
+/// Times techniques of all kinds, fits prices, prints them.
+pub(crate) fn costs(options: &BenchOptions) -> Result<()> {
+    let mut backends: Vec<Box<dyn Backend>> = vec![Box::new(Cpu::new())];
+    match Gpu::new(&AdapterChoice::from_env()) {
+        Ok(gpu) => backends.push(Box::new(gpu)),
+        Err(why) => println!("without a graphics adapter only the CPU is timed: {why}"),
+    }
+    let scenes: Vec<Scene> = SCENES
+        .iter()
+        .filter_map(|name| umbrage_scenes::find(name))
+        .map(|e| (e.build)())
+        .collect();
+    let settings = settings();
+    for backend in &mut backends {
+        let bar = indicatif::ProgressBar::new((scenes.len() * SIZES.len() * settings.len()) as u64);
+        let found = calibrate(
+            &mut **backend,
+            &scenes,
+            &SIZES,
+            &settings,
+            options.runs,
+            |_| bar.inc(1),
+        )?;
+        bar.finish_and_clear();
+        print(backend.name(), &found);
+    }
+    Ok(())
+}
+
+/// Of each technique its first, middle and last setting: all kinds of work, few alike.
+fn settings() -> Vec<Arc<dyn ShadowTechnique>> {
+    let some = |all: Vec<Arc<dyn ShadowTechnique>>| {
+        let last = all.len().saturating_sub(1);
+        let keep = [0, last / 2, last];
+        all.into_iter()
+            .enumerate()
+            .filter(move |(i, _)| keep.contains(i))
+            .map(|(_, s)| s)
+    };
+    all()
+        .iter()
+        .flat_map(|e| some((e.settings)(&MAPS, Fit::Tight)))
+        .collect()
+}
+
+fn print(name: &str, found: &Calibration) {
+    let mut table = Table::new();
+    table
+        .load_style(UTF8_FULL_CONDENSED)
+        .set_header(["a piece of", "nanoseconds"]);
+    for (kind, price) in KIND_NAMES.iter().zip(found.model.nanoseconds) {
+        table.add_row([(*kind).to_owned(), format!("{price:.3}")]);
+    }
+    table
+        .column_iter_mut()
+        .skip(1)
+        .for_each(|c| c.set_cell_alignment(CellAlignment::Right));
+    println!("\n{name}: {} recipes timed\n{table}", found.samples.len());
+    println!(
+        "half of the times are predicted within x{:.2}, nine of ten within x{:.2}",
+        found.typical_factor, found.most_factor
+    );
+    let mut worst: Vec<_> = found
+        .samples
+        .iter()
+        .map(|s| {
+            (
+                found.model.milliseconds(&s.work) / s.milliseconds.max(1e-6),
+                s,
+            )
+        })
+        .collect();
+    worst.sort_by(|a, b| b.0.ln().abs().total_cmp(&a.0.ln().abs()));
+    for (ratio, sample) in worst.iter().take(5) {
+        println!(
+            "  farthest off: {} takes {:.3} ms, predicted x{ratio:.2}",
+            sample.label, sample.milliseconds
+        );
+    }
+}

@@ -1,0 +1,33 @@
+//! The commands that measure shadow techniques, as a library: a program of yours becomes `compare`, `stability`, `plan`,
+//! `bias`, `bench` and `merge` by one call.
+//!
+//! ```no_run
+//! use umbrage_cli::Program;
+//!
+//! fn main() -> std::process::ExitCode {
+//!     Program::default().run()
+//! }
+//! ```
+
+#[macro_use]
+mod print;
+
+mod args;
+mod bench;
+mod bias;
+mod compare;
+mod cost;
+mod costs;
+mod inputs;
+mod list;
+mod merge;
+mod plan;
+mod planning;
+mod program;
+mod progress;
+mod regret;
+mod stability;
+mod table;
+mod usage;
+
+pub use program::Program;

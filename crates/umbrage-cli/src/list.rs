@@ -1,0 +1,27 @@
+//! What there is to compare.
+
+use anyhow::Result;
+use comfy_table::{Table, presets::NOTHING};
+
+/// Prints the built-in scenes and the techniques.
+pub(crate) fn list() -> Result<()> {
+    let mut scenes = Table::new();
+    scenes
+        .load_style(NOTHING)
+        .set_header(["scene", "", "kind", "what it shows"]);
+    for entry in umbrage_scenes::all() {
+        let suite = if entry.suite { "" } else { "by name only" };
+        scenes.add_row([entry.name, suite, &entry.kind.to_string(), entry.summary]);
+    }
+    let mut techniques = Table::new();
+    techniques
+        .load_style(NOTHING)
+        .set_header(["technique", "what it does"]);
+    for entry in umbrage_techniques::all() {
+        techniques.add_row([entry.name, entry.summary]);
+    }
+    println!(
+        "{scenes}\n\n{techniques}\n\nOr give the path of a scene file (.toml) or a model (.obj)."
+    );
+    Ok(())
+}

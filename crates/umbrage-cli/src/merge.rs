@@ -1,0 +1,17 @@
+//! `merge`: shards in, one report out.
+
+use crate::args::MergeOptions;
+use anyhow::Result;
+use umbrage_lab::report::merge as join;
+
+/// Joins, and fails if any shard had faults.
+pub(crate) fn merge(options: &MergeOptions) -> Result<()> {
+    let (comparison, page) = join(&options.folders, &options.out)?;
+    println!(
+        "{} scenes of {} folders",
+        comparison.scenes.len(),
+        options.folders.len()
+    );
+    println!("report: {}", page.display());
+    crate::compare::verdict(&comparison)
+}

@@ -1,0 +1,136 @@
+//! `plan`: a scene and bounds in, a preset and its reasons out. All the work is the lab's.
+
+use crate::program::Program;
+use crate::{
+    args::{PlanBackend, PlanOptions},
+    usage::Usage,
+};
+use crate::{
+    inputs,
+    planning::{self, Progress},
+};
+use anyhow::{Result, bail};
+use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
+use umbrage_core::glam::UVec2;
+use umbrage_lab::{
+    cost::CostModel,
+    plan::{Bounds, Options, Plan, Setting, plan as find, write},
+};
+
+/// Plans, prints, writes; fails if nothing is within the bounds.
+pub(crate) fn plan(program: &Program, options: &PlanOptions) -> Result<()> {
+    let [name] = &options.scenes[..] else {
+        return Err(
+            Usage("plan one scene at a time: give one SCENE, or --regret".to_owned()).into(),
+        );
+    };
+    let bounds = Bounds {
+        max_error: options.max_error,
+        max_ms: options.max_ms,
+        max_bytes: options.max_bytes,
+    };
+    bounds.validate().map_err(|_| {
+        Usage("give --max-error, --max-time or --max-bytes, or some of them".to_owned())
+    })?;
+    let scene = inputs::scene(program, name)?;
+    let progress = Progress::new();
+    let plan = find(&scene, &bounds, &settings(options), &|step| {
+        progress.note(step)
+    });
+    progress.finish();
+    let plan = plan?;
+    let files = write(&plan, &program.folder(options.out.as_deref(), "plan"))?;
+    print(&plan, kind(options));
+    println!();
+    files
+        .iter()
+        .for_each(|file| println!("{}: {}", file.what, file.path.display()));
+    match plan.preset() {
+        Ok(_) => Ok(()),
+        Err(miss) => bail!("{miss}"),
+    }
+}
+
+/// The kind of backend whose prices count.
+fn kind(options: &PlanOptions) -> &'static str {
+    match options.backend {
+        PlanBackend::Cpu => "cpu",
+        PlanBackend::Wgpu => "wgpu",
+    }
+}
+
+pub(crate) fn settings(options: &PlanOptions) -> Options {
+    let cost = CostModel::of(kind(options));
+    let size = options.size.map(UVec2::from_array);
+    let light = usize::from(options.light) - 1;
+    Options {
+        samples: options.samples,
+        seed: options.seed,
+        cost,
+        light,
+        size,
+        ..Options::default()
+    }
+}
+
+fn print(plan: &Plan, kind: &str) {
+    let [w, h] = plan.size;
+    let s = &plan.sampled;
+    println!(
+        "{}: {} light, {w} x {h}, {}",
+        plan.scene, plan.light, plan.bounds
+    );
+    println!(
+        "{} receivers sampled in {:.1} s, {} settings tried in {:.1} s (truth of {} receivers in all)\n",
+        s.receivers, s.looking, s.settings, s.trying, s.traced
+    );
+    if let Some(chosen) = &plan.chosen {
+        println!("{}", chosen.label());
+        let e = &chosen.estimate;
+        println!(
+            "  error {:.4} ({:.4} to {:.4}, 9 in 10), of which too dark {:.4}, too light {:.4}",
+            e.error, e.low, e.high, e.too_dark, e.too_light
+        );
+        let (ms, factor, bytes) = (
+            chosen.milliseconds,
+            CostModel::most_factor_of(kind),
+            planning::bytes(chosen.bytes),
+        );
+        println!(
+            "  {ms:.3} ms predicted (on the reference machine within x{factor}, 9 in 10), {bytes}"
+        );
+    }
+    for reason in &plan.reasons {
+        println!("  * {reason}");
+    }
+    if !plan.runners_up.is_empty() {
+        println!(
+            "\nOthers that nothing tried beats in both error and time:\n{}",
+            table(&plan.runners_up)
+        );
+    }
+}
+
+fn table(settings: &[Setting]) -> Table {
+    let mut table = Table::new();
+    table
+        .load_style(UTF8_FULL_CONDENSED)
+        .set_content_arrangement(ContentArrangement::Dynamic);
+    table.set_header(["technique", "settings", "error", "9 in 10", "ms", "memory"]);
+    for s in settings {
+        let e = &s.estimate;
+        table.add_row([
+            s.technique.clone(),
+            s.settings.clone(),
+            format!("{:.4}", e.error),
+            format!("{:.4} to {:.4}", e.low, e.high),
+            format!("{:.3}", s.milliseconds),
+            planning::bytes(s.bytes),
+        ]);
+    }
+    table
+        .column_iter_mut()
+        .skip(2)
+        .for_each(|c| c.set_cell_alignment(CellAlignment::Right));
+    table
+}

@@ -1,0 +1,73 @@
+//! What `plan` and its regret table share.
+
+use indicatif::{ProgressBar, ProgressStyle};
+use std::time::Duration;
+use umbrage_lab::plan::Step;
+
+/// How far a plan is. Nobody knows how many candidates it takes, so only truth has a bar.
+pub(crate) struct Progress {
+    bar: ProgressBar,
+}
+
+impl Progress {
+    pub(crate) fn new() -> Self {
+        let style = ProgressStyle::with_template("{bar:30} {elapsed} gone  {prefix}{wide_msg}");
+        let bar = ProgressBar::new(1000)
+            .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        bar.enable_steady_tick(Duration::from_millis(200));
+        Self { bar }
+    }
+
+    /// What stands before each message.
+    pub(crate) fn prefix(&self, text: String) {
+        self.bar.set_prefix(text);
+    }
+
+    /// Takes note of a step; from any thread.
+    pub(crate) fn note(&self, step: Step<'_>) {
+        match step {
+            Step::Looking => self.bar.set_message("looking for where visibility varies"),
+            Step::Truth(done, total) => {
+                self.bar.set_message("tracing truth");
+                self.bar
+                    .set_position(1000 * done as u64 / total.max(1) as u64);
+            }
+            Step::Trying(technique, before) => self
+                .bar
+                .set_message(format!("trying {technique} ({before} tried)")),
+            Step::Explaining => self.bar.set_message("writing down why"),
+        }
+    }
+
+    /// A line above the bar.
+    pub(crate) fn say(&self, line: &str) {
+        if self.bar.is_hidden() {
+            println!("{line}")
+        } else {
+            self.bar.println(line)
+        }
+    }
+
+    pub(crate) fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+/// Bytes for people.
+pub(crate) fn bytes(bytes: u64) -> String {
+    match bytes as f64 {
+        b if b < 1024.0 => format!("{bytes} B"),
+        b if b < 1024.0 * 1024.0 => format!("{:.1} KiB", b / 1024.0),
+        b => format!("{:.1} MiB", b / 1024.0 / 1024.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::bytes;
+
+    #[test]
+    fn bytes_are_readable() {
+        assert_eq!([1, 2048, 3 << 20].map(bytes), ["1 B", "2.0 KiB", "3.0 MiB"]);
+    }
+}

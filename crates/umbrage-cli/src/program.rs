@@ -1,0 +1,68 @@
+//! A program that measures: what it is called, and where its reports go.
+
+use crate::{
+    args::{self, Command},
+    bench, bias, compare, costs, list, merge, plan, regret, stability,
+    usage::Usage,
+};
+use anyhow::Result;
+use std::{
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
+
+/// A program that measures shadow techniques, controlled by its command line.
+#[derive(Clone, Debug)]
+pub struct Program {
+    /// What users type to start it, as help and messages show it: `umbrage`.
+    pub invocation: &'static str,
+    /// Folder for reports where `--out` names none: that of `compare` goes to its subfolder `compare`.
+    pub reports: PathBuf,
+}
+
+impl Default for Program {
+    /// Returns the program `umbrage`, whose reports go to subfolders of `umbrage-reports` in the current folder.
+    fn default() -> Self {
+        Self {
+            invocation: "umbrage",
+            reports: PathBuf::from("umbrage-reports"),
+        }
+    }
+}
+
+impl Program {
+    /// Runs the command that the command line asks for. Returns the exit code: 0 (done) or 1 (failed).
+    ///
+    /// Prints errors to standard error. Ends the process with 0 after `--help`, with 2 after wrong usage, and with 141
+    /// when nobody reads what it prints.
+    pub fn run(&self) -> ExitCode {
+        let command = args::parse(self.invocation);
+        let Err(error) = self.dispatch(&command) else {
+            return ExitCode::SUCCESS;
+        };
+        eprintln!("error: {error:#}");
+        ExitCode::from(if error.is::<Usage>() { 2 } else { 1 })
+    }
+
+    fn dispatch(&self, command: &Command) -> Result<()> {
+        match command {
+            Command::Compare(options) if options.list => list::list(),
+            Command::Compare(options) => compare::compare(self, options),
+            Command::Merge(options) => merge::merge(options),
+            Command::Stability(options) => stability::stability(self, options),
+            Command::Bench(options) if options.costs => costs::costs(options),
+            Command::Bench(options) => bench::bench(options),
+            Command::Plan(options) if options.regret => regret::regret(self, options),
+            Command::Plan(options) => plan::plan(self, options),
+            Command::Bias(options) => bias::bias(self, options),
+        }
+    }
+
+    /// Returns the folder for a command's report: the one that was asked for, else a subfolder with the command's name.
+    pub(crate) fn folder(&self, asked_for: Option<&Path>, command: &str) -> PathBuf {
+        match asked_for {
+            Some(folder) => folder.to_owned(),
+            None => self.reports.join(command),
+        }
+    }
+}

@@ -1,0 +1,14 @@
+//! `cargo xtask compare`, `stability`, `plan`, `bias`, `bench` and `merge`: umbrage's commands with this repository's folder for
+//! reports. A program with techniques of its own looks just like this one.
+
+use std::{path::Path, process::ExitCode};
+
+fn main() -> ExitCode {
+    let package = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let repository = package.ancestors().nth(2).unwrap_or(package);
+    let program = umbrage_cli::Program {
+        invocation: "cargo xtask",
+        reports: repository.join("target"),
+    };
+    program.run()
+}

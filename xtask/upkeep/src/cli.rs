@@ -1,0 +1,97 @@
+//! What can be typed.
+
+use clap::{Args, Parser, Subcommand};
+
+/// Keeps umbrage in order: tests, house style, golden images, and all that a change has to pass.
+#[derive(Debug, Parser)]
+#[command(
+    name = "cargo xtask",
+    bin_name = "cargo xtask",
+    disable_help_subcommand = true
+)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Run all tests, with a graphics adapter
+    Test(TestOptions),
+    /// Make golden images anew, after you have looked at what changed
+    Bless(BlessOptions),
+    /// Measure functions and files, and refuse what house style refuses
+    #[command(after_help = "Examples:\n  cargo xtask tidy")]
+    Tidy,
+    /// Run tests, tidy, format, clippy, docs and packaging
+    Ci(CiOptions),
+}
+
+#[derive(Args, Clone, Debug, PartialEq)]
+#[command(after_help = "Examples:
+  cargo xtask test                                  where there is a graphics adapter
+  cargo xtask test --install-driver                 where there may be none, as in a container
+  cargo xtask test -- -p umbrage-core light_space   further arguments go to `cargo test`")]
+pub(crate) struct TestOptions {
+    /// Where no graphics adapter is found, install a software driver (Debian and Ubuntu, as root or with sudo); and fetch a second
+    /// one, SwiftShader, into cargo's target folder (Debian)
+    #[arg(long)]
+    pub(crate) install_driver: bool,
+    /// Further arguments of `cargo test`
+    #[arg(last = true, value_name = "ARGUMENT")]
+    pub(crate) arguments: Vec<String>,
+}
+
+#[derive(Args, Clone, Debug, PartialEq)]
+#[command(after_help = "Examples:
+  cargo xtask bless            say which golden images differ from what is rendered now
+  cargo xtask bless cubes.pcf  write that one anew
+  cargo xtask bless --all      write all that differ")]
+pub(crate) struct BlessOptions {
+    /// Golden images to write, by name
+    #[arg(value_name = "NAME")]
+    pub(crate) names: Vec<String>,
+    /// Write all that differ
+    #[arg(long, conflicts_with = "names")]
+    pub(crate) all: bool,
+}
+
+#[derive(Args, Clone, Debug, PartialEq)]
+#[command(after_help = "Examples:
+  cargo xtask ci                    all of it
+  cargo xtask ci --after-tests      all but the tests, which `cargo xtask test` has just run")]
+pub(crate) struct CiOptions {
+    /// Leave out the tests
+    #[arg(long)]
+    pub(crate) after_tests: bool,
+    /// As `cargo xtask test --install-driver`
+    #[arg(long, conflicts_with = "after_tests")]
+    pub(crate) install_driver: bool,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Cli;
+    use clap::{CommandFactory as _, Parser as _};
+
+    #[test]
+    fn every_command_shows_examples() {
+        for command in Cli::command().get_subcommands() {
+            let help = command.clone().render_long_help().to_string();
+            let example = format!("Examples:\n  cargo xtask {}", command.get_name());
+            assert!(help.contains(&example), "{help}");
+        }
+    }
+
+    #[test]
+    fn options_that_exclude_each_other_are_refused() {
+        for arguments in [
+            &["bless", "--all", "cubes.pcf"][..],
+            &["ci", "--after-tests", "--install-driver"],
+        ] {
+            let error = Cli::try_parse_from(std::iter::once(&"xtask").chain(arguments))
+                .expect_err("wrong usage");
+            assert_eq!(error.exit_code(), 2, "{arguments:?}");
+        }
+    }
+}

@@ -1,0 +1,34 @@
+//! `cargo xtask test`, `bless`, `tidy` and `ci`. They end with 0 (done), 1 (failed), 2 (wrong usage) or 141 (nobody reads on).
+
+#[path = "../../../crates/umbrage-cli/src/print.rs"]
+#[macro_use]
+mod print;
+
+mod adapter;
+mod bless;
+mod ci;
+mod cli;
+mod run;
+mod swiftshader;
+mod test;
+mod tidy;
+
+use clap::Parser as _;
+use cli::{Cli, Command};
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let done = match &cli.command {
+        Command::Test(options) => test::test(options),
+        Command::Bless(options) => bless::bless(options),
+        Command::Tidy => tidy::tidy(),
+        Command::Ci(options) => ci::ci(options),
+    };
+    let Err(error) = done else {
+        return ExitCode::SUCCESS;
+    };
+    eprintln!("error: {error:#}");
+    // Wrong usage that only the command itself can see, such as the name of a golden image.
+    ExitCode::from(if error.is::<run::Usage>() { 2 } else { 1 })
+}

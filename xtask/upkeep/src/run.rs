@@ -1,0 +1,65 @@
+//! Running other programs.
+
+use anyhow::{Context as _, Result, bail};
+use std::{ffi::OsString, path::Path, process::Command};
+
+/// The user asked for something that isn't there; ends the program with 2.
+#[derive(Debug)]
+pub(crate) struct Usage(pub(crate) String);
+
+impl std::fmt::Display for Usage {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for Usage {}
+
+/// The cargo that runs this program.
+pub(crate) fn cargo() -> Command {
+    let mut command =
+        Command::new(std::env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo")));
+    command.current_dir(root());
+    command
+}
+
+/// The repository's top folder.
+pub(crate) fn root() -> &'static Path {
+    let package = Path::new(env!("CARGO_MANIFEST_DIR"));
+    package.ancestors().nth(2).unwrap_or(package)
+}
+
+/// A program of ours that cargo has built beside this one.
+pub(crate) fn beside(name: &str) -> Result<Command> {
+    let program = std::env::current_exe().context("this program does not know where it is")?;
+    Ok(Command::new(program.with_file_name(format!(
+        "{name}{}",
+        std::env::consts::EXE_SUFFIX
+    ))))
+}
+
+/// Runs a program to its end.
+pub(crate) fn run(command: &mut Command) -> Result<()> {
+    let line = spell(command);
+    let status = command
+        .status()
+        .with_context(|| format!("`{line}` did not start"))?;
+    if !status.success() {
+        bail!("`{line}` ended with {status}");
+    }
+    Ok(())
+}
+
+/// What to type to run the same.
+pub(crate) fn spell(command: &Command) -> String {
+    let words = std::iter::once(command.get_program()).chain(command.get_args());
+    let name = |w: &std::ffi::OsStr| {
+        let word = w.to_string_lossy();
+        if word.ends_with("/cargo") {
+            "cargo".to_owned()
+        } else {
+            word.into_owned()
+        }
+    };
+    words.map(name).collect::<Vec<_>>().join(" ")
+}

@@ -1,0 +1,13 @@
+//! Commands whose output nobody reads to its end.
+
+#[path = "../../tests/unread/mod.rs"]
+mod unread;
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_xtask-upkeep");
+
+#[test]
+fn unread_output_does_not_panic() {
+    unread::assert_ends_quietly(PROGRAM, &["tidy"]);
+    unread::assert_help_does_not_panic(PROGRAM, &["--help"]);
+    unread::assert_fails_without_panic(PROGRAM, &["bless", "--ouch"]);
+}
