@@ -7,8 +7,8 @@ use umbrage_cpu::Cpu;
 use umbrage_lab::{
     compare::{BackendChoice, Backends, Comparison, Options, SceneInput, compare},
     stability,
-    truth::TruthOptions,
 };
+use umbrage_plan::truth::TruthOptions;
 use umbrage_tests::gpu::named;
 use umbrage_wgpu::Gpu;
 

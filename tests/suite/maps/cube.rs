@@ -11,7 +11,7 @@ use umbrage_core::{
     metrics::{FALSE, Pixel},
 };
 use umbrage_cpu::Cpu;
-use umbrage_lab::truth::{Point, TruthOptions, trace_points};
+use umbrage_plan::truth::{Point, TruthOptions, trace_points};
 use umbrage_techniques::{Bias, Hard, Midpoint, Pcf, ShadowMap};
 
 const SIZE: u32 = 512;

@@ -6,7 +6,7 @@ use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
 use std::sync::Arc;
 use umbrage_core::{Backend, Fit, Scene, ShadowTechnique, glam::UVec2};
 use umbrage_cpu::Cpu;
-use umbrage_lab::cost::{Calibration, KIND_NAMES, calibrate};
+use umbrage_plan::cost::{Calibration, KIND_NAMES, calibrate};
 use umbrage_techniques::all;
 use umbrage_wgpu::{AdapterChoice, Gpu};
 

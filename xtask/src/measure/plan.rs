@@ -12,10 +12,8 @@ use anyhow::{Result, bail};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
 use std::path::PathBuf;
 use umbrage_core::glam::UVec2;
-use umbrage_lab::{
-    cost::CostModel,
-    plan::{Bounds, Options, Plan, Setting, plan as find, write},
-};
+use umbrage_lab::plan_files::write;
+use umbrage_plan::{Bounds, Options, Plan, Setting, cost::CostModel, plan as find};
 
 /// Plans, prints, writes; fails if nothing is within the bounds.
 pub(super) fn plan(options: &PlanOptions) -> Result<()> {

@@ -9,9 +9,8 @@ use crate::cli::PlanOptions;
 use anyhow::{Result, bail};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
 use umbrage_core::Scene;
-use umbrage_lab::plan::{
-    LEAST_KEPT, MOST_REGRET, Options, Regret, regret as measure, write_regret,
-};
+use umbrage_lab::plan_files::write_regret;
+use umbrage_plan::{LEAST_KEPT, MOST_REGRET, Options, Regret, regret as measure};
 
 /// One row a scene, light and bound; fails if too many bounds are broken, or a choice costs too much.
 pub(super) fn regret(options: &PlanOptions) -> Result<()> {

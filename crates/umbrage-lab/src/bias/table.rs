@@ -1,7 +1,7 @@
 //! The rows as files: a CSV of all, and a page that begins with what they come to.
 
 use super::BiasRow;
-use crate::{LabError, report::Folder};
+use crate::{LabError, output::Folder};
 use std::{
     fmt::Write as _,
     path::{Path, PathBuf},

@@ -15,7 +15,7 @@
 //! on the order of additions: there either answer is right.
 
 use super::{Control, horizon, scene::View3};
-use crate::{LabError, footprint, truth::Truth};
+use crate::LabError;
 use glam::{DVec3, UVec2, Vec2, Vec3};
 use rayon::prelude::*;
 use umbrage_core::{
@@ -23,6 +23,7 @@ use umbrage_core::{
     light_sample::{LIFT, LightSampler, kind, seed, segment, unit_square},
     metrics::{AGREE, FALSE, Pixel, near},
 };
+use umbrage_plan::{footprint, truth::Truth};
 
 /// Plays a technique on the same triangles, none of which casts, and looks at what becomes of its mask. `recipe` and
 /// `with_casters` are what it planned and showed with them. None where it can't be planned without casters.

@@ -172,8 +172,8 @@ fn once(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::truth::TruthOptions;
     use umbrage_cpu::Cpu;
+    use umbrage_plan::truth::TruthOptions;
 
     fn input(name: &str) -> SceneInput {
         let scene = (umbrage_scenes::find(name).expect("built in").build)();

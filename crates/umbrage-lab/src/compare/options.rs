@@ -1,9 +1,10 @@
 //! What is to be compared, and how.
 
-use crate::{LabError, truth::TruthOptions};
+use crate::LabError;
 use glam::UVec2;
 use std::{sync::Arc, time::Duration};
 use umbrage_core::{Camera, Fit, Invalid, Scene, ShadowTechnique};
+use umbrage_plan::truth::TruthOptions;
 
 /// A scene to be compared.
 #[derive(Clone, Debug, PartialEq)]

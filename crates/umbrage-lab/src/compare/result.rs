@@ -1,11 +1,11 @@
 //! What a comparison finds: plain data, written to `results.json` as it stands.
 
-use crate::footprint::MapUse;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
     Work,
     metrics::{Agreement, Causes, Errors},
 };
+use umbrage_plan::footprint::MapUse;
 
 /// Version of this data's shape; grows with every change that a reader would notice.
 pub const SCHEMA: u32 = 5;
@@ -235,7 +235,7 @@ pub struct Measured {
     pub times: Option<Times>,
     /// What the recipe takes, counted.
     pub work: Work,
-    /// What that costs by the [prices](crate::cost::CostModel::of) of this kind of backend, milliseconds: the same on every
+    /// What that costs by the [prices](umbrage_plan::cost::CostModel::of) of this kind of backend, milliseconds: the same on every
     /// run.
     pub cost_ms: f64,
     /// Bytes held for images, tables and receivers.

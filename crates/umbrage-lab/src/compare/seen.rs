@@ -1,12 +1,10 @@
 //! Which triangles a backend sees, and where truth saw others.
 
 use super::scene::View3;
-use crate::{
-    LabError,
-    truth::{Truth, TruthOptions, ambiguous_on},
-};
+use crate::LabError;
 use umbrage_core::{Backend, Camera, Geometry, Receivers, Shadows, Snapping, metrics::Pixel};
 use umbrage_cpu::{Cpu, CpuOptions};
+use umbrage_plan::truth::{Truth, TruthOptions, ambiguous_on};
 
 /// What a backend sees of a scene.
 #[derive(Debug)]

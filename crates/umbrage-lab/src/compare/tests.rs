@@ -1,13 +1,10 @@
 //! Comparisons on the CPU, and backends that cheat.
 
 use super::*;
-use crate::{
-    cheat::{Cheat, darken_one},
-    footprint::measure,
-    truth::TruthOptions,
-};
+use crate::cheat::{Cheat, darken_one};
 use umbrage_core::{Geometry, Shadows, Snapping, View, glam::UVec2, metrics::Pixel};
 use umbrage_cpu::Cpu;
+use umbrage_plan::{footprint::measure, truth::TruthOptions};
 
 fn quick(techniques: &[&str]) -> Options {
     Options {

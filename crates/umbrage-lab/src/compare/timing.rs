@@ -4,11 +4,12 @@ use super::{
     Backends, Options, Ranks, Runs, SceneInput, Spread, Times, Yardstick, result::stem_of,
     scene::camera_and_light, settings_of,
 };
-use crate::{LabError, cost::CostModel};
+use crate::LabError;
 use std::time::{Duration, Instant};
 use umbrage_core::{
     Backend, BackendError, Geometry, Receivers, Recipe, Shadows, Timings, View, Work,
 };
+use umbrage_plan::cost::CostModel;
 
 /// Plays a recipe: once for the mask, which compiles, uploads and finds receivers, then until its time is known. The timed
 /// runs are given the receivers of the first, so that finding and reading them back costs no time again.

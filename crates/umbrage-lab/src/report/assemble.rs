@@ -1,9 +1,7 @@
 //! From scenes on disk to the report of all: the same for one run, for one that was stopped and went on, and for shards.
 
 use super::{
-    chart,
-    files::Folder,
-    lines,
+    chart, lines,
     page::{self, Charts, ImageStore, RowPictures, ScenePage},
     still,
     store::Stored,
@@ -12,6 +10,7 @@ use super::{
 use crate::{
     LabError,
     compare::{Clock, Comparison, Environment, Relative, SCHEMA, relative},
+    output::Folder,
 };
 use std::{
     fs,

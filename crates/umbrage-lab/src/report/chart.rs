@@ -6,13 +6,13 @@ use super::{
 };
 use crate::{
     compare::{Clock, LEAST_ERROR as LEAST_RELATIVE, Measured, Relative, Row, SceneResult, Spread},
-    figure::Marker as Shape,
-    pareto,
+    output::figure::Marker as Shape,
 };
 use plotly::{
     Plot, Scatter,
     common::{DashType, ErrorData, ErrorType, HoverInfo, Line, Marker, MarkerSymbol, Mode},
 };
+use umbrage_plan::pareto;
 
 /// Logarithmic axes have no zero: errors below this are drawn here (a fortieth of a step of an 8-bit image)...
 const LEAST_ERROR: f64 = 1e-4;

@@ -1,10 +1,8 @@
 //! Which rows get pictures: thousands of them would take longer to write and to open than anyone looks at them.
 
-use crate::{
-    compare::{Clock, Measured, Row, SceneResult},
-    pareto,
-};
+use crate::compare::{Clock, Measured, Row, SceneResult};
 use std::collections::{BTreeMap, BTreeSet};
+use umbrage_plan::pareto;
 
 /// Rows on a backend's Pareto front of either clock, each technique's row of least error, and rows whose mask differs from
 /// the CPU's.

@@ -1,6 +1,6 @@
 //! How techniques look in charts: a shape and a tone of their backend's colour, the same in the page and in the still.
 
-use crate::figure::Marker;
+use crate::output::figure::Marker;
 
 /// What tells a technique from all others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

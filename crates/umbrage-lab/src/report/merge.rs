@@ -2,11 +2,10 @@
 
 use super::{
     assemble,
-    files::Folder,
     run::Run,
     store::{Plan, Stored},
 };
-use crate::{LabError, compare::Comparison};
+use crate::{LabError, compare::Comparison, output::Folder};
 use std::{
     fs,
     path::{Path, PathBuf},

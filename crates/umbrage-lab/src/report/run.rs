@@ -1,10 +1,7 @@
 //! What a folder's last run is about. Scenes of other runs may lie beside its own, and are none of its business.
 
-use super::{
-    files::Folder,
-    store::{self, Plan, Stored},
-};
-use crate::LabError;
+use super::store::{self, Plan, Stored};
+use crate::{LabError, output::Folder};
 use serde::{Deserialize, Serialize};
 use std::{
     fs,

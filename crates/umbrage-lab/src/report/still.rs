@@ -6,7 +6,7 @@ use super::{
 };
 use crate::{
     compare::Clock,
-    figure::{Figure, Key, Point, Series, Style},
+    output::figure::{Figure, Key, Point, Series, Style},
 };
 
 /// Radius of points that the front beats, pixels.

@@ -1,9 +1,10 @@
 //! Scenes on disk: each is a folder that is there whole or not at all, so that a stopped comparison loses nothing.
 
-use super::files::Folder;
+use crate::output::Folder;
 use crate::{
     LabError,
-    compare::{Environment, Options, SCHEMA, SceneInput, SceneResult, slug},
+    compare::{Environment, Options, SCHEMA, SceneInput, SceneResult},
+    output::slug,
 };
 use serde::{Deserialize, Serialize};
 use std::{

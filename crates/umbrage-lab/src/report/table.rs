@@ -73,17 +73,17 @@ pub struct Line {
     pub yardsticks: Option<f64>,
     /// Bytes held.
     pub bytes: Option<u64>,
-    /// Percent of the maps' texels that no lookup touches: [`MapUse::unused`](crate::footprint::MapUse::unused).
+    /// Percent of the maps' texels that no lookup touches: [`MapUse::unused`](umbrage_plan::footprint::MapUse::unused).
     pub map_unused: Option<f64>,
-    /// Fewest texels in a pixel: [`MapUse::texels_per_pixel`](crate::footprint::MapUse::texels_per_pixel).
+    /// Fewest texels in a pixel: [`MapUse::texels_per_pixel`](umbrage_plan::footprint::MapUse::texels_per_pixel).
     pub texels_least: Option<f32>,
     /// Their median.
     pub texels_median: Option<f32>,
     /// The most.
     pub texels_greatest: Option<f32>,
-    /// What nine in ten pixels that face the light span at least: [`MapUse::texels`](crate::footprint::MapUse::texels).
+    /// What nine in ten pixels that face the light span at least: [`MapUse::texels`](umbrage_plan::footprint::MapUse::texels).
     pub texels_of_nine_in_ten: Option<f32>,
-    /// The side on which that is one texel: [`MapUse::side`](crate::footprint::MapUse::side).
+    /// The side on which that is one texel: [`MapUse::side`](umbrage_plan::footprint::MapUse::side).
     pub map_side_needed: Option<u32>,
     /// Pixels unlike the CPU's.
     pub differing: Option<u64>,

@@ -2,15 +2,18 @@
 
 use super::*;
 use crate::{
-    compare::{Clock, Control, Measured, Options, Outcome, Row, SceneInput, Spread, Times, slug},
-    footprint::{Heat, MapUse},
-    truth::Truth,
+    compare::{Clock, Control, Measured, Options, Outcome, Row, SceneInput, Spread, Times},
+    output::slug,
 };
 use glam::UVec2;
 use std::{fs, sync::Arc, time::Duration};
 use umbrage_core::{
     Receivers, Work,
     metrics::{Causes, Errors, Pixel},
+};
+use umbrage_plan::{
+    footprint::{Heat, MapUse},
+    truth::Truth,
 };
 
 const NASTY: &str = "</script><img src=x onerror=alert(1)> & \"co\"";

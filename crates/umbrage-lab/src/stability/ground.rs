@@ -1,16 +1,14 @@
 //! All that is known of a case before any technique plays it.
 
 use super::texels::{Texels, point_at, to_center, within};
-use crate::{
-    LabError,
-    truth::{self, Seen, Truth, TruthOptions},
-};
+use crate::LabError;
 use glam::{DVec2, Vec3};
 use umbrage_core::{
     Camera, Fit, Geometry, Invalid, Layout, Light, PlanError, Scene, View,
     metrics::{Pixel, edges, near},
 };
 use umbrage_cpu::Cpu;
+use umbrage_plan::truth::{self, Seen, Truth, TruthOptions};
 
 /// A pixel is *open* when no true shadow edge is within this many texels: the reach of the widest kernel that is compared
 /// (7x7) and half a texel of aliasing.

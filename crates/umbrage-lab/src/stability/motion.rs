@@ -19,10 +19,11 @@ use super::{
     play::{cell, draws_the_picture, no_mask},
     row::Motion,
 };
-use crate::{LabError, compare::Backends, truth::TruthOptions};
+use crate::{LabError, compare::Backends};
 use glam::{Affine3A, Quat, Vec3};
 use umbrage_core::{Backend, Camera, Fit, Layout, Light, Receivers, ShadowTechnique, View};
 use umbrage_cpu::Cpu;
+use umbrage_plan::truth::TruthOptions;
 
 /// Who sees and what shines at one moment.
 #[derive(Clone, Debug)]

@@ -3,7 +3,7 @@
 use super::ground::Ground;
 use crate::{
     LabError,
-    report::{picture, pictures},
+    output::png::{self, picture},
 };
 use glam::{UVec2, Vec3};
 
@@ -18,9 +18,9 @@ const CHANGE: f32 = 0.25;
 pub(super) fn beside(ground: &Ground, mask: &[f32]) -> Result<Vec<u8>, LabError> {
     let truth = &ground.truth;
     let parts = [
-        pictures::mask_colors(&truth.visibility, &truth.pixels),
-        pictures::mask_colors(mask, &truth.pixels),
-        pictures::error_colors(mask, &truth.visibility, &truth.pixels),
+        png::mask_colors(&truth.visibility, &truth.pixels),
+        png::mask_colors(mask, &truth.pixels),
+        png::error_colors(mask, &truth.visibility, &truth.pixels),
     ];
     row(truth.size, &parts)
 }
@@ -35,7 +35,7 @@ pub(super) fn strip(
     let mut parts: Vec<Vec<Vec3>> = masks
         .iter()
         .take(FRAMES)
-        .map(|m| pictures::mask_colors(m, pixels))
+        .map(|m| png::mask_colors(m, pixels))
         .collect();
     parts.push(changes(masks, marked));
     row(ground.truth.size, &parts)
@@ -52,7 +52,7 @@ fn changes(masks: &[Vec<f32>], marked: &[bool]) -> Vec<Vec3> {
     };
     let color = |i: usize| {
         let ground = Vec3::splat(if marked[i] { 0.85 } else { 0.95 });
-        ground.lerp(pictures::FALSE_LIGHT, (mean(i) / CHANGE).min(1.0))
+        ground.lerp(png::FALSE_LIGHT, (mean(i) / CHANGE).min(1.0))
     };
     (0..marked.len()).map(color).collect()
 }
@@ -68,7 +68,7 @@ fn row(size: UVec2, parts: &[Vec<Vec3>]) -> Result<Vec<u8>, LabError> {
             colors[start..start + w].copy_from_slice(&part[y * w..][..w]);
         }
     }
-    picture(pictures::encode(
+    picture(png::encode(
         UVec2::new(whole as u32, size.y),
         colors.into_iter(),
     ))

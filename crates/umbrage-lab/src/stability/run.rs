@@ -11,9 +11,10 @@ use super::{
     rows::cases,
     settings::settings,
 };
-use crate::{LabError, compare::Backends, truth::TruthOptions};
+use crate::{LabError, compare::Backends};
 use glam::UVec2;
 use umbrage_core::{Backend, Fit, Invalid};
+use umbrage_plan::truth::TruthOptions;
 use umbrage_techniques::Settings;
 
 /// What to play, and how carefully.

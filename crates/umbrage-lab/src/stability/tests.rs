@@ -4,7 +4,6 @@ use super::*;
 use crate::{
     cheat::{Cheat, darken_one},
     compare::Backends,
-    truth::{self, TruthOptions},
 };
 use glam::UVec2;
 use std::{
@@ -16,6 +15,7 @@ use std::{
 };
 use umbrage_core::{Backend, BackendError, Fit, Invalid, Recipe, ShadowTechnique, Shadows, View};
 use umbrage_cpu::Cpu;
+use umbrage_plan::truth::{self, TruthOptions};
 use umbrage_techniques::{Bias, Hard, Pcss, Planar, SecondDepth, ShadowMap, ShadowVolumes, Traced};
 
 /// Small enough that all cases take seconds.
