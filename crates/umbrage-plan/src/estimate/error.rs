@@ -38,8 +38,9 @@ pub(crate) fn estimate(sample: &Sample, truth: &[PixelTruth], mask: &[f32]) -> E
     if all == 0.0 {
         return Estimate::default();
     }
-    let squares = compared.squares().map(|sum| sum / all);
-    Estimate::new(squares, compared.reach(squares[0] + squares[1]) / all, 0.0)
+    let squares = compared.squares().divided_by(all);
+    let margin = compared.margin(squares.sum()) / all;
+    Estimate::new(squares, margin, 0.0)
 }
 
 /// As [`estimate`] where the sample is of those pixels alone at which anything can be wrong, out of all that count; what is
@@ -48,7 +49,7 @@ pub(crate) fn estimate_of_part(
     sample: &Sample,
     truth: &[PixelTruth],
     mask: &[f32],
-    all: Counted,
+    all: CountedPixels,
     unseen: f64,
 ) -> Estimate {
     let compared = Compared {
@@ -59,27 +60,28 @@ pub(crate) fn estimate_of_part(
     if all.count == 0.0 {
         return Estimate::default();
     }
-    let squares = compared.squares().map(|sum| sum / all.count);
-    let of_count = all.reach / all.count * (squares[0] + squares[1]);
-    Estimate::new(
-        squares,
-        of_count.hypot(compared.reach(0.0) / all.count),
-        unseen,
-    )
+    let squares = compared.squares().divided_by(all.count);
+    // Two independent sources of error: the number of pixels that count, and the sum over them.
+    let margin_of_count = all.margin / all.count * squares.sum();
+    let margin_of_sum = compared.margin(0.0) / all.count;
+    Estimate::new(squares, margin_of_count.hypot(margin_of_sum), unseen)
 }
 
-/// How many of an image's receivers count, by a sample of them.
+/// The number of an image's pixels that count, estimated from a sample of its receivers.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Counted {
+pub(crate) struct CountedPixels {
     pub(crate) count: f64,
-    /// What one in twenty counts errs by at most.
-    pub(crate) reach: f64,
+    /// One in twenty counts is greater than `count` by more than this.
+    pub(crate) margin: f64,
 }
 
-impl Counted {
-    /// Of so many receivers: the share of those drawn that count, each by its chance and whether it does (a ratio, as in
-    /// [`estimate`]).
-    pub(crate) fn of(receivers: usize, drawn: impl Iterator<Item = (f64, bool)> + Clone) -> Self {
+impl CountedPixels {
+    /// Estimates the number from the receivers drawn out of `receivers`: of each its chance to be drawn and whether it counts.
+    /// The share that counts is a ratio of two sums, as in [`estimate`].
+    pub(crate) fn estimate(
+        receivers: usize,
+        drawn: impl Iterator<Item = (f64, bool)> + Clone,
+    ) -> Self {
         let all: f64 = drawn.clone().map(|(chance, _)| 1.0 / chance).sum();
         if all == 0.0 {
             return Self::default();
@@ -90,40 +92,43 @@ impl Counted {
             .map(|(chance, _)| 1.0 / chance)
             .sum::<f64>()
             / all;
-        let off = |(chance, counts): (f64, bool)| {
-            (1.0 - chance) / chance.powi(2) * (f64::from(u8::from(counts)) - share).powi(2)
-        };
-        let reach = ONE_IN_TWENTY * drawn.map(off).sum::<f64>().sqrt() / all;
+        let variance: f64 = drawn
+            .map(|(chance, counts)| {
+                let deviation = f64::from(u8::from(counts)) - share;
+                (1.0 - chance) / chance.powi(2) * deviation.powi(2)
+            })
+            .sum();
+        let share_margin = ONE_IN_TWENTY * variance.sqrt() / all;
         Self {
             count: share * receivers as f64,
-            reach: reach * receivers as f64,
+            margin: share_margin * receivers as f64,
         }
     }
 
-    /// As many as there may be.
-    pub(crate) fn most(&self) -> f64 {
-        self.count + self.reach
+    /// Returns the greatest number that is to be expected, but for one case in twenty.
+    pub(crate) fn upper_limit(&self) -> f64 {
+        self.count + self.margin
     }
 }
 
-/// A bound is decided by up to three looks, one after the other: each may be wrong in one case of sixty alone, so that all
+/// A bound is decided by up to three samples, one after the other: each may be wrong in one case of sixty alone, so that all
 /// are in one of twenty (Bonferroni). In standard errors.
 const ONE_IN_SIXTY: f64 = 2.128;
 
 impl Estimate {
-    /// From mean squares, too dark and too light, and by how much their sum may be off: either way, and too low.
-    fn new([dark, light]: [f64; 2], reach: f64, unseen: f64) -> Self {
-        let square = dark + light;
+    /// From mean squares, the margin of their sum either way, and what may have been missed besides.
+    fn new(squares: Squares, margin: f64, unseen: f64) -> Self {
+        let square = squares.sum();
         Self {
             error: square.sqrt(),
-            low: (square - reach).max(0.0).sqrt(),
-            high: (square + reach + unseen).sqrt(),
-            too_dark: dark.sqrt(),
-            too_light: light.sqrt(),
+            low: (square - margin).max(0.0).sqrt(),
+            high: (square + margin + unseen).sqrt(),
+            too_dark: squares.too_dark.sqrt(),
+            too_light: squares.too_light.sqrt(),
         }
     }
 
-    /// Whether the whole image's error lies within `bound`, however many looks were taken.
+    /// Whether the whole image's error lies within `bound`, however many samples were drawn.
     pub(crate) fn is_surely_within(&self, bound: f64) -> bool {
         let square = self.error.powi(2);
         square + ONE_IN_SIXTY / ONE_IN_TWENTY * (self.high.powi(2) - square) <= bound.powi(2)
@@ -134,6 +139,26 @@ impl Estimate {
     pub(crate) fn is_surely_above(&self, bound: f64) -> bool {
         let square = self.error.powi(2);
         square - 2.0 * (self.high.powi(2) - square) > bound.powi(2)
+    }
+}
+
+/// Squared differences of mask and truth: summed, or their mean.
+#[derive(Clone, Copy, Debug)]
+struct Squares {
+    too_dark: f64,
+    too_light: f64,
+}
+
+impl Squares {
+    fn divided_by(self, count: f64) -> Self {
+        Self {
+            too_dark: self.too_dark / count,
+            too_light: self.too_light / count,
+        }
+    }
+
+    fn sum(self) -> f64 {
+        self.too_dark + self.too_light
     }
 }
 
@@ -158,21 +183,22 @@ impl Compared<'_> {
             .fold(0.0, |sum, v| sum + v)
     }
 
-    /// Sums of squared differences, too dark and too light.
-    fn squares(&self) -> [f64; 2] {
-        [
-            self.sum(|k| self.difference(k).min(0.0).powi(2)),
-            self.sum(|k| self.difference(k).max(0.0).powi(2)),
-        ]
+    /// Sums of squared differences.
+    fn squares(&self) -> Squares {
+        Squares {
+            too_dark: self.sum(|k| self.difference(k).min(0.0).powi(2)),
+            too_light: self.sum(|k| self.difference(k).max(0.0).powi(2)),
+        }
     }
 
-    /// What one in twenty sums of squares errs by, about their mean.
-    fn reach(&self, mean: f64) -> f64 {
-        let unsure = |k: usize| (1.0 - self.sample.chances[k]) / self.sample.chances[k];
-        ONE_IN_TWENTY
-            * self
-                .sum(|k| unsure(k) * (self.difference(k).powi(2) - mean).powi(2))
-                .sqrt()
+    /// One in twenty sums of squares is greater by more than this, given the mean square.
+    fn margin(&self, mean: f64) -> f64 {
+        let variance = self.sum(|k| {
+            let chance = self.sample.chances[k];
+            let deviation = self.difference(k).powi(2) - mean;
+            (1.0 - chance) / chance * deviation.powi(2)
+        });
+        ONE_IN_TWENTY * variance.sqrt()
     }
 }
 

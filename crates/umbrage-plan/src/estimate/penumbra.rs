@@ -1,6 +1,6 @@
 //! How wide penumbrae are, by measurement: where truth lies between dark and lit, how fast it changes along the surface.
 
-use super::scene::{Known, Look};
+use super::{sampled_truth::SampledTruth, scene::PlanScene};
 use crate::{
     MeasureError,
     truth::{Point, TruthOptions, trace_points},
@@ -50,23 +50,23 @@ impl Penumbra {
 
 /// Penumbrae at some of the sampled receivers; none under ideal lights.
 pub(crate) fn find(
-    look: &Look<'_>,
-    known: &Known,
+    scene: &PlanScene<'_>,
+    known: &SampledTruth,
     options: &TruthOptions,
 ) -> Result<Vec<Penumbra>, MeasureError> {
     let in_middle: Vec<usize> = (0..known.truth.len())
-        .filter(|&k| MIDDLE.contains(&known.truth[k].visibility) && !look.light.is_ideal())
+        .filter(|&k| MIDDLE.contains(&known.truth[k].visibility) && !scene.light.is_ideal())
         .map(|k| known.sample.pixels[k] as usize)
         .collect();
     let step = in_middle.len().div_ceil(POINTS).max(1);
     let chosen: Vec<usize> = in_middle.into_iter().step_by(step).collect();
-    let rays = look.camera.rays();
+    let rays = scene.camera.rays();
     let pixel = rays.dir_dx.length() / rays.dir.length();
     let asked: Vec<[Point; 4]> = chosen
         .iter()
-        .map(|&i| around(look, i, STEP * pixel * look.receivers.distance[i]))
+        .map(|&i| around(scene, i, STEP * pixel * scene.receivers.distance[i]))
         .collect();
-    let seen = trace_points(look.geometry, look.light, asked.as_flattened(), options)?;
+    let seen = trace_points(scene.geometry, scene.light, asked.as_flattened(), options)?;
     let penumbra = |(points, seen): (&[Point; 4], &[crate::truth::Seen])| {
         let [a, b, c, d] = [0, 1, 2, 3].map(|k| seen[k].visibility);
         let (u, v) = (
@@ -86,12 +86,12 @@ pub(crate) fn find(
 }
 
 /// A step to each side of a receiver along its surface, two sides after two.
-fn around(look: &Look<'_>, i: usize, step: f32) -> [Point; 4] {
-    let (position, normal) = (look.receivers.position(i), look.receivers.normal(i));
+fn around(scene: &PlanScene<'_>, i: usize, step: f32) -> [Point; 4] {
+    let (position, normal) = (scene.receivers.position(i), scene.receivers.normal(i));
     let (u, v) = (tangent(normal) * step, bitangent(normal) * step);
     let at = |offset: Vec3| Point {
-        triangle: look.receivers.triangle[i],
-        ..Point::new(position + offset, normal, look.geometry)
+        triangle: scene.receivers.triangle[i],
+        ..Point::new(position + offset, normal, scene.geometry)
     };
     [at(-u), at(u), at(-v), at(v)]
 }

@@ -1,43 +1,43 @@
 //! What is seen, and how techniques are tried on it.
 
-use super::{
-    error::{Counted, Estimate, estimate},
-    sample::Sample,
-};
 use crate::{
     MeasureError,
     cost::CostModel,
-    truth::{PixelTruth, TruthOptions, trace_pixels},
+    truth::{PixelTruth, Progress, TruthOptions, trace_pixels},
 };
 use std::collections::HashMap;
 use umbrage_core::{
     Backend as _, BackendError, Camera, FitMemory, Geometry, Light, PlanError, Receivers, Recipe,
-    View, Work, metrics::Pixel,
+    View, Work,
 };
 use umbrage_cpu::Cpu;
 use umbrage_techniques::Preset;
 
 /// A camera's view of a scene, ready to have techniques tried on it.
-pub(crate) struct Look<'a> {
+pub(crate) struct PlanScene<'a> {
     pub(crate) camera: &'a Camera,
     pub(crate) light: &'a Light,
     pub(crate) geometry: &'a Geometry,
     pub(crate) receivers: Receivers,
-    pub(crate) cpu: Cpu,
-    /// Many settings' maps lie alike.
+    cpu: Cpu,
+    /// Light spaces found before: the maps of many settings lie alike.
     fits: FitMemory,
-    /// By pixel, as far as it was traced.
+    /// Truth by pixel index, as far as it was traced.
     pub(crate) truth: HashMap<u32, PixelTruth>,
 }
 
-/// What a setting costs.
+/// The cost of a setting.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Price {
     pub(crate) milliseconds: f64,
     pub(crate) work: Work,
 }
 
-impl<'a> Look<'a> {
+impl<'a> PlanScene<'a> {
+    /// Finds the receivers that the camera sees.
+    ///
+    /// # Errors
+    /// Errors if the backend can't find receivers.
     pub(crate) fn new(
         camera: &'a Camera,
         light: &'a Light,
@@ -56,7 +56,8 @@ impl<'a> Look<'a> {
         })
     }
 
-    /// What a technique may look at: all receivers, so that its map lies as it will.
+    /// Returns the view that techniques plan for. It has all receivers, not the sampled ones alone, so that maps lie as they
+    /// will in the program.
     pub(crate) fn view(&self) -> View<'_> {
         View::new(self.camera, self.light, self.geometry)
             .with_receivers(&self.receivers)
@@ -75,21 +76,21 @@ impl<'a> Look<'a> {
         }
     }
 
-    /// The whole image's mask.
-    pub(crate) fn mask(&mut self, preset: &Preset) -> Result<Vec<f32>, MeasureError> {
-        let recipe = self.recipe(preset)?;
-        Ok(self.render(&recipe)?)
-    }
-
-    /// As [`Look::mask`], by recipe.
-    pub(crate) fn render(&mut self, recipe: &Recipe) -> Result<Vec<f32>, BackendError> {
+    /// Renders the mask of the whole image.
+    pub(crate) fn mask(&mut self, recipe: &Recipe) -> Result<Vec<f32>, BackendError> {
         let view =
             View::new(self.camera, self.light, self.geometry).with_receivers(&self.receivers);
         Ok(self.cpu.render(&view, recipe)?.mask)
     }
 
-    /// The mask at some pixels.
-    pub(crate) fn ask(
+    /// Renders the mask of a preset over the whole image.
+    pub(crate) fn preset_mask(&mut self, preset: &Preset) -> Result<Vec<f32>, MeasureError> {
+        let recipe = self.recipe(preset)?;
+        Ok(self.mask(&recipe)?)
+    }
+
+    /// Renders the mask at some pixels, bit by bit as in the whole image.
+    pub(crate) fn mask_at(
         &mut self,
         recipe: &Recipe,
         pixels: &[u32],
@@ -99,85 +100,32 @@ impl<'a> Look<'a> {
         self.cpu.ask(&view, recipe, pixels)
     }
 
-    /// Truth at some pixels; what was traced before is remembered. `options` are always the same.
-    pub(crate) fn truth(
+    /// Returns truth at some pixels. Pixels that were traced before are not traced again, so `options` must always be the same.
+    pub(crate) fn truth_at(
         &mut self,
         pixels: &[u32],
         options: &TruthOptions,
-        progress: &crate::truth::Progress<'_>,
+        progress: &Progress<'_>,
     ) -> Result<Vec<PixelTruth>, MeasureError> {
-        let Self {
-            camera,
-            light,
-            geometry,
-            receivers,
-            cpu,
-            truth,
-            ..
-        } = self;
+        let Self { cpu, truth, .. } = self;
         let new: Vec<u32> = pixels
             .iter()
             .copied()
             .filter(|i| !truth.contains_key(i))
             .collect();
-        let find = &mut |camera: &Camera, geometry: &Geometry| cpu.receivers(camera, geometry);
         let traced = trace_pixels(
-            (camera, light, geometry, receivers),
+            (self.camera, self.light, self.geometry, &self.receivers),
             &new,
             options,
-            find,
+            &mut |camera, geometry| cpu.receivers(camera, geometry),
             progress,
         )?;
         truth.extend(new.into_iter().zip(traced));
         Ok(pixels.iter().map(|i| truth[i]).collect())
     }
-}
 
-/// A sample of an image and the truth there.
-#[derive(Clone, Debug)]
-pub(crate) struct Known {
-    pub(crate) sample: Sample,
-    pub(crate) truth: Vec<PixelTruth>,
-    /// Of all receivers; none if the sample isn't of all.
-    pub(crate) counted: Counted,
-}
-
-impl Known {
-    /// Only the pixels that count.
-    pub(crate) fn new(sample: Sample, truth: Vec<PixelTruth>) -> Self {
-        let counts = |k: &usize| truth[*k].pixel == Pixel::Counted;
-        let kept: Vec<usize> = (0..truth.len()).filter(counts).collect();
-        let pixels = kept.iter().map(|&k| sample.pixels[k]).collect();
-        let chances = kept.iter().map(|&k| sample.chances[k]).collect();
-        let sample = Sample { pixels, chances };
-        Self {
-            sample,
-            truth: kept.into_iter().map(|k| truth[k]).collect(),
-            counted: Counted::default(),
-        }
-    }
-
-    /// As [`Known::new`], of a sample of all of so many receivers: how many count is then known, too.
-    pub(crate) fn of_all(receivers: usize, sample: Sample, truth: Vec<PixelTruth>) -> Self {
-        let drawn = sample
-            .chances
-            .iter()
-            .zip(&truth)
-            .map(|(chance, t)| (*chance, t.pixel == Pixel::Counted));
-        let counted = Counted::of(receivers, drawn);
-        Self {
-            counted,
-            ..Self::new(sample, truth)
-        }
-    }
-
-    /// A recipe's errors.
-    pub(crate) fn ask(
-        &self,
-        look: &mut Look<'_>,
-        recipe: &Recipe,
-    ) -> Result<Estimate, BackendError> {
-        let mask = look.ask(recipe, &self.sample.pixels)?;
-        Ok(estimate(&self.sample, &self.truth, &mask))
+    /// Returns the number of pixels whose truth was traced.
+    pub(crate) fn traced(&self) -> usize {
+        self.truth.len()
     }
 }

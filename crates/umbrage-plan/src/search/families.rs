@@ -1,7 +1,7 @@
 //! The candidates: every technique with every kernel worth trying, on maps from coarse to fine.
 
 use super::{bias::BiasKind, resolution};
-use crate::estimate::scene::Look;
+use crate::estimate::scene::PlanScene;
 use umbrage_core::Light;
 use umbrage_techniques::{
     Bias, Hard, MapFormat, Midpoint, Pattern, Pcf, PcfDisc, PcfDithered, PcfHardware, PcfMerged,
@@ -104,10 +104,10 @@ impl Family {
 }
 
 /// All candidates for a view: those for its light, with a map more of the side that its pixels ask for.
-pub(super) fn families_for(look: &Look<'_>, small: bool) -> Vec<Family> {
-    let side = resolution::side(look).map(|side| side.clamp(SIZES[0], SIZES[SIZES.len() - 1]));
+pub(super) fn families_for(scene: &PlanScene<'_>, small: bool) -> Vec<Family> {
+    let side = resolution::side(scene).map(|side| side.clamp(SIZES[0], SIZES[SIZES.len() - 1]));
     let with_side = |family: Family| side.map_or(family.clone(), |side| family.with_side(side));
-    families(look.light, small)
+    families(scene.light, small)
         .into_iter()
         .map(with_side)
         .collect()

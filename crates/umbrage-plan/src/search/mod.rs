@@ -1,6 +1,7 @@
 //! The search: from the cheapest candidate up, each tried on the sample.
 
 mod bias;
+mod bias_search;
 mod bounds;
 mod families;
 mod outcome;
@@ -9,8 +10,8 @@ mod reasons;
 mod regret;
 mod resolution;
 mod setting;
-mod trial;
-mod walk;
+mod strategy;
+mod trials;
 
 pub use bias::BiasKind;
 pub use bounds::Bounds;

@@ -1,18 +1,19 @@
-//! The planner, once it has looked at a scene: bounds can be asked about one after the other.
+//! The planner, once it has sampled a scene: bounds can be asked about one after the other.
 
 use super::{
     Bounds, CurvePoint, Options, Plan, Sampled, Setting,
-    families::{Family, families_for},
+    bias_search::{Biased, all_biases},
+    families::families_for,
     reasons::Facts,
-    trial::Trial,
-    walk::{Found, Place},
+    strategy::{Found, Place, Search},
+    trials::Trials,
 };
 use crate::{
     MeasureError,
     estimate::{
         density::{Pilot, density},
-        sample::Sample,
-        scene::{Known, Look},
+        sampled_truth::{SampledTruth, Sampling},
+        scene::PlanScene,
         verify::Verifier,
     },
     pareto::front,
@@ -23,61 +24,23 @@ use std::time::Instant;
 use umbrage_core::{Camera, Geometry, Light};
 use umbrage_techniques::{Bias, Preset, ShadowMap};
 
-/// What is known of a camera's view of a scene, and what was tried on it.
+/// A camera's view of a scene with its sample, and what was tried on it.
 pub struct Planner<'a> {
-    pub(super) trial: Trial<'a>,
-    pub(super) families: Vec<Family>,
-    pub(super) on_step: &'a OnStep<'a>,
-    drawn: Draw,
-    looking: f64,
-}
-
-/// How a sample is drawn and its truth traced.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Draw {
-    /// Receivers under lights with an extent.
-    count: usize,
-    seed: u32,
+    pub(super) search: Search<'a>,
     truth: TruthOptions,
+    /// Seconds that receivers, sample and truth took.
+    pub(super) sampling_seconds: f64,
 }
 
 /// Ideal lights take one ray a receiver where others take hundreds: so many times more are sampled.
-const MORE_OF_IDEAL: usize = 4;
-
-impl Draw {
-    fn known(
-        &self,
-        look: &mut Look<'_>,
-        density: &[f64],
-        on_step: &OnStep<'_>,
-    ) -> Result<Known, MeasureError> {
-        let sample = Sample::draw(look.camera.size, density, self.count(look.light), self.seed);
-        let truth = look.truth(&sample.pixels, &self.truth, &|done, total| {
-            on_step(Step::Truth(done, total))
-        })?;
-        let receivers = look
-            .receivers
-            .receives
-            .iter()
-            .filter(|receives| **receives)
-            .count();
-        Ok(Known::of_all(receivers, sample, truth))
-    }
-
-    fn count(&self, light: &Light) -> usize {
-        self.count * if light.is_ideal() { MORE_OF_IDEAL } else { 1 }
-    }
-
-    /// Second samples are others, so that what was chosen by the first is judged without favour.
-    fn second_seed(&self) -> u32 {
-        self.seed.wrapping_add(0x9e37_79b9)
-    }
-}
+const IDEAL_LIGHT_FACTOR: usize = 4;
+/// Runners-up in a plan, at most.
+const RUNNERS_UP: usize = 8;
 
 impl std::fmt::Debug for Planner<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Planner")
-            .field("settings tried", &self.trial.played())
+            .field("settings tried", &self.search.trials.count())
             .finish_non_exhaustive()
     }
 }
@@ -86,7 +49,7 @@ impl<'a> Planner<'a> {
     /// Samples the receivers that a camera sees and traces their truth.
     ///
     /// # Errors
-    /// When the camera or light is not valid.
+    /// Errors if the camera or light is not valid.
     pub fn new(
         camera: &'a Camera,
         light: &'a Light,
@@ -98,65 +61,65 @@ impl<'a> Planner<'a> {
         camera.validate()?;
         light.validate()?;
         on_step(Step::Looking);
-        let mut look = Look::new(camera, light, geometry)?;
-        let pilot = Pilot::new(&mut look)?;
-        let density = density(&mut look, pilot.as_ref())?;
-        let drawn = Draw {
-            count: options.samples as usize,
+        let mut scene = PlanScene::new(camera, light, geometry)?;
+        let pilot = Pilot::new(&mut scene)?;
+        let density = density(&mut scene, pilot.as_ref())?;
+        let factor = if light.is_ideal() {
+            IDEAL_LIGHT_FACTOR
+        } else {
+            1
+        };
+        let sampling = Sampling {
+            count: factor * options.samples as usize,
             seed: options.seed,
             truth: options.truth,
         };
-        let known = drawn.known(&mut look, &density, on_step)?;
+        let sampled = SampledTruth::draw(&mut scene, &density, &sampling, on_step)?;
         let verifier = Verifier {
             pilot,
-            truth: options.truth,
-            count: drawn.count(light),
-            seed: drawn.second_seed(),
+            sampling: sampling.second(),
         };
-        let trial = Trial::new(look, known, verifier, options.cost);
-        let looking = start.elapsed().as_secs_f64();
         Ok(Self {
-            trial,
-            families: Vec::new(),
-            on_step,
-            drawn,
-            looking,
+            search: Search {
+                trials: Trials::new(scene, sampled, verifier, options.cost),
+                families: Vec::new(),
+                on_step,
+            },
+            truth: options.truth,
+            sampling_seconds: start.elapsed().as_secs_f64(),
         })
     }
 
-    /// Seconds that receivers, sample and truth took.
-    pub(super) fn looking(&self) -> f64 {
-        self.looking
-    }
-
-    /// The least within the bounds.
+    /// Finds the cheapest setting within the bounds; without a bound of the error, the most accurate.
     ///
     /// # Errors
-    /// When bounds are missing or bad.
+    /// Errors if bounds are missing or bad.
     pub fn plan(&mut self, bounds: &Bounds) -> Result<Plan, MeasureError> {
         bounds.validate()?;
         let start = Instant::now();
-        self.families = families_for(&self.trial.look, bounds.max_bytes.is_some());
+        let search = &mut self.search;
+        search.families = families_for(&search.trials.scene, bounds.max_bytes.is_some());
         let found = match bounds.max_error {
-            Some(error) => self.cheapest(bounds, error)?,
-            None => self.most_accurate(bounds)?,
+            Some(max_error) => search.cheapest(bounds, max_error)?,
+            None => search.most_accurate(bounds)?,
         };
-        (self.on_step)(Step::Explaining);
+        (search.on_step)(Step::Explaining);
         let (chosen, curve, miss) = match found {
             Found::Chosen(place, setting) => {
-                let (setting, curve) = self.best_bias(place, setting, bounds)?;
+                let (setting, curve) = self.with_best_bias(place, setting, bounds)?;
                 (Some(setting), curve, None)
             }
             Found::Missed(miss) => (None, Vec::new(), Some(miss)),
         };
-        let facts = Facts::find(&self.trial, &self.drawn.truth)?;
-        let reasons = facts.reasons(&self.trial, bounds, chosen.as_ref(), &curve)?;
-        let look = &self.trial.look;
+        let trials = &self.search.trials;
+        let facts = Facts::find(trials, &self.truth)?;
+        let reasons = facts.reasons(trials, bounds, chosen.as_ref(), &curve)?;
+        let scene = &trials.scene;
         Ok(Plan {
             scene: String::new(),
-            light: look.light.kind().to_owned(),
+            light: scene.light.kind().to_owned(),
             light_number: 1,
-            size: look.camera.size.to_array(),
+            size: scene.camera.size.to_array(),
             bounds: *bounds,
             runners_up: self.runners_up(chosen.as_ref()),
             chosen,
@@ -164,77 +127,69 @@ impl<'a> Planner<'a> {
             reasons,
             curve,
             sampled: Sampled {
-                receivers: self.trial.known.truth.len(),
-                traced: look.truth.len(),
-                settings: self.trial.played(),
-                looking: self.looking,
+                receivers: trials.sampled.truth.len(),
+                traced: scene.traced(),
+                settings: trials.count(),
+                looking: self.sampling_seconds,
                 trying: start.elapsed().as_secs_f64(),
             },
         })
     }
 
-    /// The chosen setting with the best of all biases, and what all of them do.
-    fn best_bias(
+    /// Returns the chosen setting with the best of all biases, and what all of them do.
+    fn with_best_bias(
         &mut self,
         place: Place,
         chosen: Setting,
         bounds: &Bounds,
     ) -> Result<(Setting, Vec<CurvePoint>), MeasureError> {
-        let Place { family, size } = place;
-        let family = self.families[family].clone();
+        let Search {
+            trials,
+            families,
+            on_step,
+        } = &mut self.search;
+        let family = &families[place.family];
         let points = if family.preset().map().is_some() {
-            self.trial.curve(&family, size)?
+            all_biases(trials, family, place.candidate)?
         } else {
             Vec::new()
         };
-        let affordable = points
+        let best = points
             .iter()
-            .map(|(.., s)| s)
-            .filter(|s| bounds.affords(s.milliseconds, s.bytes));
-        let best = affordable.min_by(|a, b| a.estimate.error.total_cmp(&b.estimate.error));
-        // What was chosen was verified: another bias must hold as well.
-        let best = best
-            .filter(|b| b.estimate.error < chosen.estimate.error)
-            .cloned();
-        let best = best
-            .map(|b| self.trial.verify(&b, bounds.max_error, self.on_step))
-            .transpose()?;
-        let surely = |s: &Setting| {
-            bounds
+            .map(|point| &point.setting)
+            .filter(|s| bounds.affords(s.milliseconds, s.bytes))
+            .min_by(|a, b| a.estimate.error.total_cmp(&b.estimate.error));
+        let mut best_setting = chosen;
+        if let Some(other) = best
+            && other.estimate.error < best_setting.estimate.error
+        {
+            // What was chosen was verified: another bias must hold as well.
+            let other = trials.verify(other, bounds.max_error, *on_step)?;
+            let is_within = bounds
                 .max_error
-                .is_none_or(|error| s.estimate.is_surely_within(error))
-        };
-        let best = best
-            .filter(|b| surely(b) && b.estimate.error < chosen.estimate.error)
-            .unwrap_or(chosen);
-        let point = |(kind, texels, setting): &(_, _, Setting)| {
-            let chosen = setting.preset == best.preset;
-            let estimate = if chosen {
-                best.estimate
-            } else {
-                setting.estimate
-            };
-            CurvePoint {
-                kind: *kind,
-                texels: *texels,
-                estimate,
-                chosen,
+                .is_none_or(|error| other.estimate.is_surely_within(error));
+            if is_within && other.estimate.error < best_setting.estimate.error {
+                best_setting = other;
             }
-        };
+        }
         // One point is no curve: there was nothing to find.
         let curve = if points.len() > 1 {
-            points.iter().map(point).collect()
+            points
+                .iter()
+                .map(|p| curve_point(p, &best_setting))
+                .collect()
         } else {
             Vec::new()
         };
-        Ok((best, curve))
+        Ok((best_setting, curve))
     }
 
     /// Of each technique and map the best bias; of these the front of cost and error, nearest to the chosen one.
     fn runners_up(&self, chosen: Option<&Setting>) -> Vec<Setting> {
         let mut best: Vec<(Preset, &Setting)> = Vec::new();
         for setting in self
-            .trial
+            .search
+            .trials
             .all()
             .into_iter()
             .filter(|s| chosen.is_none_or(|c| c.preset != s.preset))
@@ -270,5 +225,18 @@ impl<'a> Planner<'a> {
     }
 }
 
-/// How many runners-up are told.
-const RUNNERS_UP: usize = 8;
+/// A point of the curve; the one of the chosen setting has its second estimate.
+fn curve_point(point: &Biased, best: &Setting) -> CurvePoint {
+    let chosen = point.setting.preset == best.preset;
+    let estimate = if chosen {
+        best.estimate
+    } else {
+        point.setting.estimate
+    };
+    CurvePoint {
+        kind: point.kind,
+        texels: point.texels,
+        estimate,
+        chosen,
+    }
+}

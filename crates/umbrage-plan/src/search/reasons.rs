@@ -1,9 +1,13 @@
 //! Reasons in plain words, built from what was measured.
 
-use super::{Bounds, CurvePoint, Setting, families::SIZES, resolution, trial::Trial};
+use super::{Bounds, CurvePoint, Setting, families::SIZES, trials::Trials};
 use crate::{
     MeasureError,
-    estimate::penumbra::{self, Penumbra},
+    estimate::{
+        penumbra::{self, Penumbra},
+        scene::PlanScene,
+    },
+    footprint,
     truth::TruthOptions,
 };
 use umbrage_core::metrics::PENUMBRA;
@@ -23,11 +27,11 @@ pub(super) struct Facts {
 const NAMED: usize = 3;
 
 impl Facts {
-    pub(super) fn find(trial: &Trial<'_>, options: &TruthOptions) -> Result<Self, MeasureError> {
-        let known = &trial.known;
+    pub(super) fn find(trials: &Trials<'_>, options: &TruthOptions) -> Result<Self, MeasureError> {
+        let sampled = &trials.sampled;
         let share = |is: &dyn Fn(f32) -> bool| {
             let part = |all: bool| -> f64 {
-                let of = known.truth.iter().zip(&known.sample.chances);
+                let of = sampled.truth.iter().zip(&sampled.sample.chances);
                 of.filter(|(t, _)| all || is(t.visibility))
                     .map(|(_, chance)| 1.0 / chance)
                     .sum()
@@ -37,39 +41,39 @@ impl Facts {
         Ok(Self {
             shadowed: share(&|v| v < 1.0),
             in_penumbra: share(&|v| (PENUMBRA..=1.0 - PENUMBRA).contains(&v)),
-            penumbrae: penumbra::find(&trial.look, known, options)?,
+            penumbrae: penumbra::find(&trials.scene, sampled, options)?,
         })
     }
 
     /// Why this was chosen, or why nothing was.
     pub(super) fn reasons(
         &self,
-        trial: &Trial<'_>,
+        trials: &Trials<'_>,
         bounds: &Bounds,
         chosen: Option<&Setting>,
         curve: &[CurvePoint],
     ) -> Result<Vec<String>, MeasureError> {
-        let mut out = vec![self.scene(trial)];
-        out.extend(self.widths(trial, chosen)?);
+        let mut out = vec![self.shadows(trials)];
+        out.extend(self.widths(trials, chosen)?);
         let Some(chosen) = chosen else { return Ok(out) };
-        out.extend(exactness(trial, chosen)?);
-        let all = trial.all();
-        out.extend(resolution::reason(&trial.look, chosen)?);
+        out.extend(exactness(trials, chosen)?);
+        let all = trials.all();
+        out.extend(map_use(&trials.scene, chosen)?);
         out.extend(smaller_map(&all, chosen));
         out.extend(cheaper(&all, chosen, bounds));
         out.extend(bias(curve));
         Ok(out)
     }
 
-    fn scene(&self, trial: &Trial<'_>) -> String {
-        if trial.known.truth.is_empty() {
+    fn shadows(&self, trials: &Trials<'_>) -> String {
+        if trials.sampled.truth.is_empty() {
             return "nothing that is seen receives the light".to_owned();
         }
         if self.shadowed == 0.0 {
             return "nothing casts on what is seen".to_owned();
         }
         let percent = |share: f64| format!("{:.1} %", 100.0 * share);
-        let soft = match (trial.look.light.is_ideal(), self.in_penumbra) {
+        let soft = match (trials.scene.light.is_ideal(), self.in_penumbra) {
             (true, _) => "; the light has no extent, so every edge is sharp".to_owned(),
             (false, share) => format!(", {} in penumbra", percent(share)),
         };
@@ -82,7 +86,7 @@ impl Facts {
     /// How wide penumbrae are on the chosen map, or on one of 512.
     fn widths(
         &self,
-        trial: &Trial<'_>,
+        trials: &Trials<'_>,
         chosen: Option<&Setting>,
     ) -> Result<Option<String>, MeasureError> {
         let map = ShadowMap {
@@ -91,7 +95,7 @@ impl Facts {
         };
         let own = chosen.map(|c| c.preset).filter(|p| p.map().is_some());
         let preset = own.unwrap_or(Preset::from(Hard { map }));
-        let Ok(recipe) = trial.look.recipe(&preset) else {
+        let Ok(recipe) = trials.scene.recipe(&preset) else {
             return Ok(None);
         };
         let spaces: Vec<_> = recipe.casts.iter().map(|cast| cast.space).collect();
@@ -107,15 +111,15 @@ impl Facts {
 }
 
 /// What is known of techniques without a map.
-fn exactness(trial: &Trial<'_>, chosen: &Setting) -> Result<Option<String>, MeasureError> {
+fn exactness(trials: &Trials<'_>, chosen: &Setting) -> Result<Option<String>, MeasureError> {
     Ok(match chosen.preset {
         Preset::None(_) if chosen.estimate.error > 0.0 => Some(format!(
             "leaving all shadows out errs by only {:.4}",
             chosen.estimate.error
         )),
         Preset::Planar(_) => {
-            let layers = trial
-                .look
+            let layers = trials
+                .scene
                 .recipe(&chosen.preset)?
                 .images
                 .first()
@@ -128,6 +132,14 @@ fn exactness(trial: &Trial<'_>, chosen: &Setting) -> Result<Option<String>, Meas
         Preset::Traced(_) => Some("rays need no map, and no bias".to_owned()),
         _ => None,
     })
+}
+
+/// Says how well a chosen map is used; none without one.
+fn map_use(scene: &PlanScene<'_>, chosen: &Setting) -> Result<Option<String>, MeasureError> {
+    let recipe = scene.recipe(&chosen.preset)?;
+    let technique = chosen.preset.technique();
+    let found = footprint::of(&*technique, &scene.view(), &recipe, &scene.receivers);
+    Ok(found.map(|footprint| footprint.total.words()))
 }
 
 /// The same kernel on the next coarser map that was tried.

@@ -84,7 +84,7 @@ pub fn regret(
     let mut out = Vec::new();
     for &bound in bounds {
         let mut planner = new()?;
-        let looking = planner.looking();
+        let sampling_seconds = planner.sampling_seconds;
         let plan = planner.plan(&Bounds::error(bound))?;
         let error = plan
             .chosen
@@ -99,7 +99,7 @@ pub fn regret(
             error,
             cheapest: None,
             least_milliseconds: f64::NAN,
-            seconds: looking + plan.sampled.trying,
+            seconds: sampling_seconds + plan.sampled.trying,
         });
     }
     sweep.run(&mut out)?;
@@ -118,10 +118,10 @@ struct Sweep<'a> {
 
 impl<'a> Sweep<'a> {
     fn new(mut planner: Planner<'a>, options: &Options) -> Result<Self, MeasureError> {
-        let look = &mut planner.trial.look;
-        let all: Vec<u32> = (0..look.receivers.len() as u32).collect();
-        let on_step = planner.on_step;
-        let truth = look.truth(&all, &options.truth, &|done, total| {
+        let scene = &mut planner.search.trials.scene;
+        let all: Vec<u32> = (0..scene.receivers.len() as u32).collect();
+        let on_step = planner.search.on_step;
+        let truth = scene.truth_at(&all, &options.truth, &|done, total| {
             on_step(Step::Truth(done, total))
         })?;
         let (truth, pixels) = truth.iter().map(|t| (t.visibility, t.pixel)).unzip();
@@ -133,9 +133,9 @@ impl<'a> Sweep<'a> {
     }
 
     fn error(&mut self, preset: &Preset) -> Result<f64, MeasureError> {
-        let mask = self.planner.trial.look.mask(preset)?;
+        let mask = self.planner.search.trials.scene.preset_mask(preset)?;
         Ok(Errors::measure(
-            self.planner.trial.look.camera.size,
+            self.planner.search.trials.scene.camera.size,
             &mask,
             &self.truth,
             &self.pixels,
@@ -145,8 +145,8 @@ impl<'a> Sweep<'a> {
 
     /// Every candidate with every size and bias, by rising cost, which no bias changes but by a rounding of the map's fit.
     fn candidates(&mut self) -> Result<Vec<Preset>, MeasureError> {
-        let mut rungs: Vec<(f64, Vec<Preset>)> = Vec::new();
-        for family in families_for(&self.planner.trial.look, false) {
+        let mut priced: Vec<(f64, Vec<Preset>)> = Vec::new();
+        for family in families_for(&self.planner.search.trials.scene, false) {
             for size in 0..family.rungs.len() {
                 let scales = scales(&family.preset());
                 let amounts = scales
@@ -155,14 +155,17 @@ impl<'a> Sweep<'a> {
                 let presets: Vec<Preset> = amounts
                     .map(|(kind, texels)| family.at(size, kind, texels))
                     .collect();
-                let Some(price) = self.planner.trial.price(&presets[0])? else {
+                let Some(price) = self.planner.search.trials.price(&presets[0])? else {
                     continue;
                 };
-                rungs.push((price.milliseconds, presets));
+                priced.push((price.milliseconds, presets));
             }
         }
-        rungs.sort_by(|a, b| a.0.total_cmp(&b.0));
-        Ok(rungs.into_iter().flat_map(|(_, presets)| presets).collect())
+        priced.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Ok(priced
+            .into_iter()
+            .flat_map(|(_, presets)| presets)
+            .collect())
     }
 
     fn run(&mut self, regrets: &mut [Regret]) -> Result<(), MeasureError> {
@@ -170,7 +173,7 @@ impl<'a> Sweep<'a> {
             if regrets.iter().all(|r| r.cheapest.is_some()) {
                 break;
             }
-            let Some(setting) = self.planner.trial.play(&preset)? else {
+            let Some(setting) = self.planner.search.trials.try_out(&preset)? else {
                 continue;
             };
             if is_hopeless(&setting, regrets) {
@@ -178,7 +181,10 @@ impl<'a> Sweep<'a> {
             }
             let milliseconds = setting.milliseconds;
             let technique = preset.technique();
-            (self.planner.on_step)(Step::Trying(technique.name(), self.planner.trial.played()));
+            (self.planner.search.on_step)(Step::Trying(
+                technique.name(),
+                self.planner.search.trials.count(),
+            ));
             let error = match self.error(&preset) {
                 Ok(error) => error,
                 // More than the backend holds.

@@ -2,6 +2,7 @@
 
 use super::{
     bias::scales,
+    bias_search::best_bias,
     families::{Family, families},
     *,
 };
@@ -75,20 +76,20 @@ fn exact_techniques_are_told_apart_by_cost() {
 #[test]
 fn a_soft_lamp_needs_soft_shadows() {
     with_planner("rising-boxes", |mut planner| {
-        let all = families(planner.trial.look.light, false);
+        let all = families(planner.search.trials.scene.light, false);
         let mut best = |name: &str| {
             let mine: Vec<&Family> = all
                 .iter()
                 .filter(|f| f.preset().technique().name() == name)
                 .collect();
-            let settle = |f: &&Family| {
-                planner
-                    .trial
-                    .settle(f, 4, None)
+            let best_of = |f: &&Family| {
+                best_bias(&mut planner.search.trials, f, 4, None)
                     .expect("plays")
                     .map(|s| s.estimate.error)
             };
-            mine.iter().filter_map(settle).fold(f64::INFINITY, f64::min)
+            mine.iter()
+                .filter_map(best_of)
+                .fold(f64::INFINITY, f64::min)
         };
         let [pcss, pcf, hard] = ["pcss", "pcf", "hard"].map(&mut best);
         assert!(pcss < 0.9 * pcf && pcf < hard, "{pcss} {pcf} {hard}");
@@ -100,18 +101,23 @@ fn a_soft_lamp_needs_soft_shadows() {
 fn samples_tell_of_whole_images() {
     for name in ["cubes", "c4-edge-square", "low-sun-5", "lamp-in-room"] {
         with_planner(name, |mut planner| {
-            let look = &mut planner.trial.look;
-            let all: Vec<u32> = (0..look.receivers.len() as u32).collect();
-            let truth = look
-                .truth(&all, &small().truth, &|_, _| {})
+            let scene = &mut planner.search.trials.scene;
+            let all: Vec<u32> = (0..scene.receivers.len() as u32).collect();
+            let truth = scene
+                .truth_at(&all, &small().truth, &|_, _| {})
                 .expect("can be traced");
             let (visibility, pixels): (Vec<f32>, Vec<_>) =
                 truth.iter().map(|t| (t.visibility, t.pixel)).unzip();
             for preset in [64, 512].into_iter().flat_map(sized) {
-                let Some(setting) = planner.trial.play(&preset).expect("plays") else {
+                let Some(setting) = planner.search.trials.try_out(&preset).expect("plays") else {
                     continue;
                 };
-                let mask = planner.trial.look.mask(&preset).expect("plays");
+                let mask = planner
+                    .search
+                    .trials
+                    .scene
+                    .preset_mask(&preset)
+                    .expect("plays");
                 let whole = Errors::measure(UVec2::new(160, 120), &mask, &visibility, &pixels)
                     .expect("fits")
                     .rmse;
@@ -145,22 +151,24 @@ fn what_no_sample_shows_a_second_look_does() {
     for name in ["cubes", "rising-boxes"] {
         with_planner(name, |mut planner| {
             // A sample that has seen nothing but light.
-            let known = &mut planner.trial.known;
-            let lit: Vec<usize> = (0..known.truth.len())
-                .filter(|&k| known.truth[k].visibility == 1.0)
+            let sampled = &mut planner.search.trials.sampled;
+            let lit: Vec<usize> = (0..sampled.truth.len())
+                .filter(|&k| sampled.truth[k].visibility == 1.0)
                 .collect();
-            known.sample.chances = lit.iter().map(|&k| known.sample.chances[k]).collect();
-            known.sample.pixels = lit.iter().map(|&k| known.sample.pixels[k]).collect();
-            known.truth = lit.iter().map(|&k| known.truth[k]).collect();
+            sampled.sample.chances = lit.iter().map(|&k| sampled.sample.chances[k]).collect();
+            sampled.sample.pixels = lit.iter().map(|&k| sampled.sample.pixels[k]).collect();
+            sampled.truth = lit.iter().map(|&k| sampled.truth[k]).collect();
             let none = Preset::from(umbrage_techniques::Unshadowed::default());
             let blind = planner
-                .trial
-                .play(&none)
+                .search
+                .trials
+                .try_out(&none)
                 .expect("plays")
                 .expect("supported");
             assert_eq!(blind.estimate.high, 0.0, "{name}");
             let seen = planner
-                .trial
+                .search
+                .trials
                 .verify(&blind, None, &|_| {})
                 .expect("plays")
                 .estimate;
@@ -182,23 +190,29 @@ fn second_looks_tell_of_whole_images() {
         "canopy",
     ] {
         with_planner(name, |mut planner| {
-            let look = &mut planner.trial.look;
-            let all: Vec<u32> = (0..look.receivers.len() as u32).collect();
-            let truth = look
-                .truth(&all, &small().truth, &|_, _| {})
+            let scene = &mut planner.search.trials.scene;
+            let all: Vec<u32> = (0..scene.receivers.len() as u32).collect();
+            let truth = scene
+                .truth_at(&all, &small().truth, &|_, _| {})
                 .expect("can be traced");
             let (visibility, pixels): (Vec<f32>, Vec<_>) =
                 truth.iter().map(|t| (t.visibility, t.pixel)).unzip();
             for preset in sized(64) {
-                let Some(setting) = planner.trial.play(&preset).expect("plays") else {
+                let Some(setting) = planner.search.trials.try_out(&preset).expect("plays") else {
                     continue;
                 };
-                let mask = planner.trial.look.mask(&preset).expect("plays");
+                let mask = planner
+                    .search
+                    .trials
+                    .scene
+                    .preset_mask(&preset)
+                    .expect("plays");
                 let whole = Errors::measure(UVec2::new(160, 120), &mask, &visibility, &pixels)
                     .expect("fits")
                     .rmse;
                 let e = planner
-                    .trial
+                    .search
+                    .trials
                     .verify(&setting, None, &|_| {})
                     .expect("plays")
                     .estimate;
@@ -226,11 +240,12 @@ fn second_looks_tell_of_whole_images() {
 #[test]
 fn second_looks_can_be_repeated() {
     with_planner("rising-boxes", |mut planner| {
-        planner.trial.verifier.seed = u32::MAX;
+        planner.search.trials.verifier.sampling.seed = u32::MAX;
         // Spoilt to be without a fault, as rare faults are.
         let hard = planner
-            .trial
-            .play(&Preset::defaults()[1])
+            .search
+            .trials
+            .try_out(&Preset::defaults()[1])
             .expect("plays")
             .expect("supported");
         let blind = Setting {
@@ -238,12 +253,14 @@ fn second_looks_can_be_repeated() {
             ..hard
         };
         let once = planner
-            .trial
+            .search
+            .trials
             .verify(&blind, Some(1e-3), &|_| {})
             .expect("plays");
         assert!(once.estimate.error > 0.0);
         let twice = planner
-            .trial
+            .search
+            .trials
             .verify(&once, Some(1e-3), &|_| {})
             .expect("plays");
         assert_eq!(twice, once);
@@ -255,32 +272,36 @@ fn second_looks_can_be_repeated() {
 fn without_a_pilot_the_first_sample_must_do() {
     with_planner("rising-boxes", |mut planner| {
         let [none, hard] = [0, 1].map(|i| Preset::defaults()[i]);
-        planner.trial.verifier.pilot = None;
+        planner.search.trials.verifier.pilot = None;
         for preset in [none, hard] {
             let first = planner
-                .trial
-                .play(&preset)
+                .search
+                .trials
+                .try_out(&preset)
                 .expect("plays")
                 .expect("supported");
             let again = planner
-                .trial
+                .search
+                .trials
                 .verify(&first, Some(0.1), &|_| {})
                 .expect("plays");
             assert!(first.estimate.error > 0.0);
             assert_eq!(again.estimate, first.estimate);
         }
         // What was verified remembers its first estimate.
-        planner.trial.forget();
+        planner.search.trials.forget();
         let blind = Setting {
             estimate: Estimate::default(),
             ..planner
-                .trial
-                .play(&none)
+                .search
+                .trials
+                .try_out(&none)
                 .expect("plays")
                 .expect("supported")
         };
         let again = planner
-            .trial
+            .search
+            .trials
             .verify(&blind, None, &|_| {})
             .expect("plays")
             .estimate;
@@ -324,21 +345,23 @@ fn spoilt_truth_changes_the_choice() {
             .chosen
             .expect("possible");
         assert_ne!(right.technique, "none");
-        let all: Vec<u32> = (0..planner.trial.look.receivers.len() as u32).collect();
+        let all: Vec<u32> = (0..planner.search.trials.scene.receivers.len() as u32).collect();
         planner
-            .trial
-            .look
-            .truth(&all, &small().truth, &|_, _| {})
+            .search
+            .trials
+            .scene
+            .truth_at(&all, &small().truth, &|_, _| {})
             .expect("can be traced");
-        let remembered = planner.trial.look.truth.values_mut();
+        let remembered = planner.search.trials.scene.truth.values_mut();
         planner
-            .trial
-            .known
+            .search
+            .trials
+            .sampled
             .truth
             .iter_mut()
             .chain(remembered)
             .for_each(|t| t.visibility = 0.999);
-        planner.trial.forget();
+        planner.search.trials.forget();
         let wrong = planner
             .plan(&bounds)
             .expect("can be planned")
