@@ -48,7 +48,7 @@ fn compared(scenes: &[&str], backends: &mut Backends) -> Comparison {
     let options = Options {
         truth,
         runs: None,
-        most_settings: Some(2),
+        max_settings: Some(2),
         ..Options::quick()
     };
     compare(&inputs, &options, backends, &mut |_, _| Ok(()), &|_| {}).expect("comparable")

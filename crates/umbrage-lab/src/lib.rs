@@ -16,11 +16,11 @@ pub mod baseline;
 pub mod bench;
 pub mod bias;
 pub mod causes;
-#[cfg(test)]
-mod cheat;
 mod color;
 pub mod compare;
 mod error;
+#[cfg(test)]
+mod faulty_backend;
 pub mod output;
 pub mod plan_files;
 pub mod report;

@@ -27,6 +27,6 @@ pub use error::MeasureError;
 pub use estimate::error::Estimate;
 pub use progress::{OnStep, Step};
 pub use search::{
-    BiasKind, Bounds, CurvePoint, LEAST_KEPT, MOST_REGRET, Miss, Options, Plan, Planner, Regret,
+    BiasKind, Bounds, CurvePoint, MAX_REGRET, MIN_KEPT, Miss, Options, Plan, Planner, Regret,
     Sampled, Setting, plan, regret,
 };

@@ -81,7 +81,7 @@ fn print(name: &str, found: &Calibration) {
     println!("\n{name}: {} recipes timed\n{table}", found.samples.len());
     println!(
         "half of the times are predicted within x{:.2}, nine of ten within x{:.2}",
-        found.typical_factor, found.most_factor
+        found.typical_factor, found.factor_of_nine_in_ten
     );
     let mut worst: Vec<_> = found
         .samples

@@ -98,7 +98,7 @@ fn print(plan: &Plan, kind: &str) {
         );
         let (ms, factor, bytes) = (
             chosen.milliseconds,
-            CostModel::most_factor_of(kind),
+            CostModel::factor_of_nine_in_ten(kind),
             planning::bytes(chosen.bytes),
         );
         println!(

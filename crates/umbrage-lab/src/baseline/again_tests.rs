@@ -78,7 +78,7 @@ fn stage() -> Stage {
     let options = Options {
         techniques: vec!["hard".to_owned()],
         map_sizes: vec![48, 64, 80],
-        most_settings: Some(3),
+        max_settings: Some(3),
         size: Some(UVec2::new(24, 16)),
         truth: TruthOptions {
             samples: 4,

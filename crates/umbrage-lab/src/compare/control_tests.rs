@@ -12,7 +12,7 @@ fn options(techniques: &[&str]) -> Options {
     Options {
         techniques: techniques.iter().map(|t| (*t).to_owned()).collect(),
         map_sizes: vec![1024],
-        most_settings: Some(1),
+        max_settings: Some(1),
         size: Some(UVec2::new(96, 72)),
         truth: TruthOptions {
             samples: 64,

@@ -21,10 +21,10 @@ pub use backends::{BackendChoice, Backends};
 pub use event::{Event, OnEvent};
 pub use expected::{Expected, pilot};
 pub use options::{Options, Runs, SceneInput};
-pub use relative::{LEAST_ERROR, Relative, relative};
+pub use relative::{MIN_ERROR, Relative, relative};
 pub use result::{
-    Clock, Comparison, Control, Environment, Measured, Outcome, Ranks, Row, SCHEMA, SceneResult,
-    Spread, Times, TruthSummary,
+    Comparison, Control, CostBasis, Environment, Measured, Outcome, Ranks, Row, SCHEMA,
+    SceneResult, Times, TimingStats, TruthSummary,
 };
 pub use scene::SceneImages;
 pub use timing::CALM;

@@ -47,7 +47,7 @@ pub fn error(size: UVec2, mask: &[f32], truth: &[f32], pixels: &[Pixel]) -> Imag
 /// [`error`]'s colours.
 pub(crate) fn error_colors(mask: &[f32], truth: &[f32], pixels: &[Pixel]) -> Vec<Vec3> {
     let color = |i: usize| {
-        let ground = Vec3::splat(0.80 + 0.18 * truth[i]);
+        let background = Vec3::splat(0.80 + 0.18 * truth[i]);
         match pixels[i] {
             Pixel::Empty => EMPTY,
             Pixel::Unlit => Vec3::splat(0.70),
@@ -60,7 +60,7 @@ pub(crate) fn error_colors(mask: &[f32], truth: &[f32], pixels: &[Pixel]) -> Vec
                     FALSE_LIGHT
                 };
                 // The root makes small errors visible.
-                ground.lerp(hue, difference.abs().sqrt())
+                background.lerp(hue, difference.abs().sqrt())
             }
         }
     };

@@ -58,7 +58,7 @@ impl From<&Regret> for RegretLine {
             error: chosen.map(|_| r.error),
             ms: chosen.map(|c| c.milliseconds),
             cheapest: r.cheapest.clone().unwrap_or_default(),
-            least_ms: r.cheapest.as_ref().map(|_| r.least_milliseconds),
+            least_ms: r.cheapest.as_ref().map(|_| r.min_milliseconds),
             ratio: r.ratio(),
             seconds: r.seconds,
             keeps: r.keeps(),
@@ -121,14 +121,14 @@ mod tests {
             chosen: Some(chosen),
             error: 0.26,
             cheapest: Some("hard (512)".to_owned()),
-            least_milliseconds: 1.0,
+            min_milliseconds: 1.0,
             seconds: 2.0,
         };
         let nothing = Regret {
             chosen: None,
             error: f64::NAN,
             cheapest: None,
-            least_milliseconds: f64::NAN,
+            min_milliseconds: f64::NAN,
             ..found.clone()
         };
         let dir = tempfile::tempdir().expect("a temporary folder");

@@ -20,16 +20,16 @@ mod arrays;
 mod assemble;
 mod chart;
 mod chosen;
-mod look;
 mod merge;
 mod page;
 mod run;
 mod still;
 mod store;
+mod style;
 mod table;
 
 pub use merge::merge;
-pub use store::Plan;
+pub use store::ComparisonPlan;
 pub use table::{Line, lines, to_csv};
 
 use crate::{
@@ -64,7 +64,7 @@ impl Report {
     /// When the folder cannot be made or written.
     pub fn create(
         path: &Path,
-        plan: Plan,
+        plan: ComparisonPlan,
         places: &[usize],
         arrays: bool,
     ) -> Result<Self, LabError> {

@@ -1,6 +1,6 @@
 //! Pictures of cells: truth, mask and error side by side, or frames.
 
-use super::ground::Ground;
+use super::case_truth::CaseTruth;
 use crate::{
     LabError,
     output::png::{self, picture},
@@ -15,8 +15,8 @@ const FRAMES: usize = 4;
 const CHANGE: f32 = 0.25;
 
 /// Truth, mask and error side by side, a PNG.
-pub(super) fn beside(ground: &Ground, mask: &[f32]) -> Result<Vec<u8>, LabError> {
-    let truth = &ground.truth;
+pub(super) fn beside(case_truth: &CaseTruth, mask: &[f32]) -> Result<Vec<u8>, LabError> {
+    let truth = &case_truth.truth;
     let parts = [
         png::mask_colors(&truth.visibility, &truth.pixels),
         png::mask_colors(mask, &truth.pixels),
@@ -27,18 +27,18 @@ pub(super) fn beside(ground: &Ground, mask: &[f32]) -> Result<Vec<u8>, LabError>
 
 /// The first frames' masks side by side, then where they change: orange. A PNG.
 pub(super) fn strip(
-    ground: &Ground,
+    case_truth: &CaseTruth,
     masks: &[Vec<f32>],
     marked: &[bool],
 ) -> Result<Vec<u8>, LabError> {
-    let pixels = &ground.truth.pixels;
+    let pixels = &case_truth.truth.pixels;
     let mut parts: Vec<Vec<Vec3>> = masks
         .iter()
         .take(FRAMES)
         .map(|m| png::mask_colors(m, pixels))
         .collect();
     parts.push(changes(masks, marked));
-    row(ground.truth.size, &parts)
+    row(case_truth.truth.size, &parts)
 }
 
 fn changes(masks: &[Vec<f32>], marked: &[bool]) -> Vec<Vec3> {
@@ -51,8 +51,8 @@ fn changes(masks: &[Vec<f32>], marked: &[bool]) -> Vec<Vec3> {
             / pairs
     };
     let color = |i: usize| {
-        let ground = Vec3::splat(if marked[i] { 0.85 } else { 0.95 });
-        ground.lerp(png::FALSE_LIGHT, (mean(i) / CHANGE).min(1.0))
+        let background = Vec3::splat(if marked[i] { 0.85 } else { 0.95 });
+        background.lerp(png::FALSE_LIGHT, (mean(i) / CHANGE).min(1.0))
     };
     (0..marked.len()).map(color).collect()
 }

@@ -30,7 +30,7 @@ pub struct Calibration {
     /// Half of the samples are predicted within this factor, 1 or more.
     pub typical_factor: f64,
     /// Nine of ten are within this one.
-    pub most_factor: f64,
+    pub factor_of_nine_in_ten: f64,
 }
 
 /// Plays scenes with settings on a backend, and fits prices to the times. Settings that can't serve a scene are left out.
@@ -125,12 +125,12 @@ pub fn fit(samples: Vec<Sample>) -> Calibration {
             .copied()
             .unwrap_or(1.0)
     };
-    let (typical_factor, most_factor) = (at(0.5), at(0.9));
+    let (typical_factor, factor_of_nine_in_ten) = (at(0.5), at(0.9));
     Calibration {
         model,
         samples,
         typical_factor,
-        most_factor,
+        factor_of_nine_in_ten,
     }
 }
 
@@ -173,7 +173,11 @@ mod tests {
             nanoseconds: [900.0, 20.0, 3.0, 1.0, 6.0, 5.0, 2.0, 12.0, 40.0],
         };
         let found = fit(samples(&known));
-        assert!(found.most_factor < 1.001, "{}", found.most_factor);
+        assert!(
+            found.factor_of_nine_in_ten < 1.001,
+            "{}",
+            found.factor_of_nine_in_ten
+        );
         for k in 0..KINDS {
             let (found, known) = (found.model.nanoseconds[k], known.nanoseconds[k]);
             assert!(
@@ -190,6 +194,6 @@ mod tests {
             .iter_mut()
             .step_by(2)
             .for_each(|s| s.milliseconds *= 5.0);
-        assert!(fit(spoilt).most_factor > 1.5);
+        assert!(fit(spoilt).factor_of_nine_in_ten > 1.5);
     }
 }

@@ -6,7 +6,7 @@ pub(super) fn solve<const N: usize>(rows: &[[f64; N]]) -> [f64; N] {
     let mut x = [0.0; N];
     let mut residuals = vec![-1.0; rows.len()];
     let squares: [f64; N] = std::array::from_fn(|k| rows.iter().map(|row| row[k] * row[k]).sum());
-    for _ in 0..MOST_ROUNDS {
+    for _ in 0..MAX_ROUNDS {
         let mut moved = 0.0_f64;
         for k in (0..N).filter(|&k| squares[k] > 0.0) {
             let slope: f64 = rows.iter().zip(&residuals).map(|(row, r)| row[k] * r).sum();
@@ -27,7 +27,7 @@ pub(super) fn solve<const N: usize>(rows: &[[f64; N]]) -> [f64; N] {
 }
 
 /// Rounds over all unknowns: correlated ones approach each other slowly, but thousands of rounds take milliseconds.
-const MOST_ROUNDS: usize = 100_000;
+const MAX_ROUNDS: usize = 100_000;
 /// A round that changes sums by less than this ends it: far below what times are worth.
 const ENOUGH: f64 = 1e-9;
 

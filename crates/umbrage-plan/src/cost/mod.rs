@@ -59,7 +59,7 @@ impl CostModel {
     }
 
     /// Nine of ten times measured where the built-in prices come from are within this factor of what [`CostModel::of`] says.
-    pub fn most_factor_of(kind: &str) -> f64 {
+    pub fn factor_of_nine_in_ten(kind: &str) -> f64 {
         if kind == "cpu" { 2.94 } else { 1.75 }
     }
 

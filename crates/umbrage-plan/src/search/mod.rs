@@ -17,7 +17,7 @@ pub use bias::BiasKind;
 pub use bounds::Bounds;
 pub use outcome::{CurvePoint, Miss, Plan, Sampled};
 pub use planner::Planner;
-pub use regret::{LEAST_KEPT, MOST_REGRET, Regret, regret};
+pub use regret::{MAX_REGRET, MIN_KEPT, Regret, regret};
 pub use setting::Setting;
 
 use crate::{MeasureError, cost::CostModel, progress::OnStep, truth::TruthOptions};

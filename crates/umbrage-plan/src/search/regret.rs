@@ -30,15 +30,16 @@ pub struct Regret {
     /// The cheapest that meets the bound on the whole image, of all candidates with all biases; none if none does.
     pub cheapest: Option<String>,
     /// What that costs, milliseconds.
-    pub least_milliseconds: f64,
+    #[serde(rename = "least_milliseconds")]
+    pub min_milliseconds: f64,
     /// Seconds that the plan took, with its sample.
     pub seconds: f64,
 }
 
 /// The cost that is forgiven: within this factor of the least.
-pub const MOST_REGRET: f64 = 1.25;
+pub const MAX_REGRET: f64 = 1.25;
 /// The share of cases in which the bound must be kept on the whole image.
-pub const LEAST_KEPT: f64 = 0.95;
+pub const MIN_KEPT: f64 = 0.95;
 
 impl Regret {
     /// Whether the choice keeps the bound on the whole image, or rightly nothing was chosen.
@@ -53,16 +54,16 @@ impl Regret {
     pub fn ratio(&self) -> Option<f64> {
         let chosen = self.chosen.as_ref()?;
         self.cheapest.as_ref()?;
-        Some(if self.least_milliseconds > 0.0 {
-            chosen.milliseconds / self.least_milliseconds
+        Some(if self.min_milliseconds > 0.0 {
+            chosen.milliseconds / self.min_milliseconds
         } else {
             1.0
         })
     }
 
-    /// Whether it is found wanting: the bound broken, or more than [`MOST_REGRET`] paid.
+    /// Whether it is found wanting: the bound broken, or more than [`MAX_REGRET`] paid.
     pub fn misses(&self) -> bool {
-        !self.keeps() || self.ratio().is_some_and(|ratio| ratio > MOST_REGRET)
+        !self.keeps() || self.ratio().is_some_and(|ratio| ratio > MAX_REGRET)
     }
 }
 
@@ -98,7 +99,7 @@ pub fn regret(
             chosen: plan.chosen,
             error,
             cheapest: None,
-            least_milliseconds: f64::NAN,
+            min_milliseconds: f64::NAN,
             seconds: sampling_seconds + plan.sampled.trying,
         });
     }
@@ -196,7 +197,7 @@ impl<'a> Sweep<'a> {
                 .filter(|r| r.cheapest.is_none() && error <= r.bound)
             {
                 regret.cheapest = Some(format!("{} ({})", technique.name(), technique.settings()));
-                regret.least_milliseconds = milliseconds;
+                regret.min_milliseconds = milliseconds;
             }
         }
         Ok(())
@@ -207,10 +208,10 @@ impl<'a> Sweep<'a> {
 /// than [`FAR`] times what one in twenty estimates errs by. Spares most of the work.
 fn is_hopeless(setting: &Setting, regrets: &[Regret]) -> bool {
     let (error, high) = (setting.estimate.error, setting.estimate.high);
-    let least_square = error.powi(2) - FAR * (high.powi(2) - error.powi(2));
+    let lower_square = error.powi(2) - FAR * (high.powi(2) - error.powi(2));
     let open = regrets
         .iter()
         .filter(|r| r.cheapest.is_none())
         .map(|r| r.bound);
-    least_square > open.fold(0.0, f64::max).powi(2)
+    lower_square > open.fold(0.0, f64::max).powi(2)
 }

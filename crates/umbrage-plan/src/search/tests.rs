@@ -501,7 +501,7 @@ fn a_sweep_finds_nothing_much_cheaper() {
     };
     assert!(spoilt.misses());
     let dear = Regret {
-        least_milliseconds: found[0].least_milliseconds / 2.0,
+        min_milliseconds: found[0].min_milliseconds / 2.0,
         ..found[0].clone()
     };
     assert!(dear.misses());

@@ -40,7 +40,7 @@ const LOWEST: f64 = 1.0 / 32.0;
 
 /// Shadows so many that they leave more pieces than this are not told from light and shadow: the time to cut grows with the
 /// square. Only far from the origin, where vicinities are as wide as whole models, do points have so many.
-const MOST_PIECES: usize = 500;
+const MAX_PIECES: usize = 500;
 
 /// An ideal light, a camera, and casters.
 pub(super) struct Vicinity<'a> {
@@ -209,7 +209,7 @@ impl<'a> Vicinity<'a> {
         let mut left = vec![vicinity.clone()];
         for (_, shadow) in &shadows {
             left = without(left, shadow, dust);
-            if left.len() > MOST_PIECES {
+            if left.len() > MAX_PIECES {
                 return Around::Both;
             }
         }

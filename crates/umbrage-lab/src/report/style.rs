@@ -4,17 +4,17 @@ use crate::output::figure::Marker;
 
 /// What tells a technique from all others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) struct Look {
+pub(super) struct SeriesStyle {
     pub(super) marker: Marker,
     /// Which tone of a colour, below [`TONES`].
     tone: usize,
 }
 
-/// Tones of each colour. With ten shapes they make looks for twice as many techniques.
+/// Tones of each colour. With ten shapes they make styles for twice as many techniques.
 const TONES: usize = 2;
 
 /// How many techniques look unlike each other.
-const LOOKS: usize = TONES * Marker::ALL.len();
+const STYLES: usize = TONES * Marker::ALL.len();
 
 /// A colour in all its tones.
 type Tones = [&'static str; TONES];
@@ -37,10 +37,10 @@ const FAINT: [Tones; 3] = [
 /// For legends, where no backend is meant.
 const INK: Tones = ["#7d8796", "#2b3340"];
 
-impl Look {
-    /// The look of the technique at a place. From [`LOOKS`] on they come again.
+impl SeriesStyle {
+    /// The style of the technique at a place. From [`STYLES`] on they come again.
     fn nth(place: usize) -> Self {
-        let (shapes, place) = (Marker::ALL.len(), place % LOOKS);
+        let (shapes, place) = (Marker::ALL.len(), place % STYLES);
         Self {
             marker: Marker::ALL[place % shapes],
             tone: place / shapes,
@@ -65,12 +65,12 @@ impl Look {
 
 /// The plain colour of a backend.
 pub(super) fn color(backend: usize) -> &'static str {
-    Look::nth(0).color(backend)
+    SeriesStyle::nth(0).color(backend)
 }
 
-/// Looks of the techniques of a chart. Those of the catalogue have theirs by their place in it, so that they look alike in
+/// The styles of the techniques of a chart. Those of the catalogue have theirs by their place in it, so that they look alike in
 /// every chart; others come after them.
-pub(super) fn looks(techniques: &[&str]) -> Vec<Look> {
+pub(super) fn styles_of(techniques: &[&str]) -> Vec<SeriesStyle> {
     let all = umbrage_techniques::all();
     let mut others = all.len()..;
     let place = |name: &&str| {
@@ -79,7 +79,7 @@ pub(super) fn looks(techniques: &[&str]) -> Vec<Look> {
             .or_else(|| others.next())
             .unwrap_or_default()
     };
-    techniques.iter().map(place).map(Look::nth).collect()
+    techniques.iter().map(place).map(SeriesStyle::nth).collect()
 }
 
 #[cfg(test)]
@@ -92,32 +92,32 @@ mod tests {
     fn every_technique_of_the_catalogue_has_a_look_of_its_own() {
         let names: Vec<&str> = umbrage_techniques::all().iter().map(|e| e.name).collect();
         assert!(
-            names.len() < LOOKS,
-            "{} techniques, {LOOKS} looks, one of them for a user's own",
+            names.len() < STYLES,
+            "{} techniques, {STYLES} styles, one of them for a user's own",
             names.len()
         );
-        let drawn = |look: &Look| {
+        let drawn = |style: &SeriesStyle| {
             (
-                look.marker,
-                [0, 1, 2].map(|b| [look.color(b), look.faint(b)]),
-                look.ink(),
+                style.marker,
+                [0, 1, 2].map(|b| [style.color(b), style.faint(b)]),
+                style.ink(),
             )
         };
-        let all: HashSet<_> = looks(&names).iter().map(drawn).collect();
+        let all: HashSet<_> = styles_of(&names).iter().map(drawn).collect();
         assert_eq!(all.len(), names.len());
         // And the test would see a collision.
-        assert_eq!(Look::nth(3), Look::nth(3 + LOOKS));
+        assert_eq!(SeriesStyle::nth(3), SeriesStyle::nth(3 + STYLES));
     }
 
     #[test]
     fn looks_do_not_depend_on_what_else_is_drawn() {
         let names: Vec<&str> = umbrage_techniques::all().iter().map(|e| e.name).collect();
-        let all = looks(&names);
+        let all = styles_of(&names);
         assert_eq!(
-            looks(&[names[5], "mine", names[2], "yours"])[..3],
-            [all[5], Look::nth(names.len()), all[2]]
+            styles_of(&[names[5], "mine", names[2], "yours"])[..3],
+            [all[5], SeriesStyle::nth(names.len()), all[2]]
         );
-        let [mine, yours] = looks(&["mine", "yours"])[..] else {
+        let [mine, yours] = styles_of(&["mine", "yours"])[..] else {
             panic!("two")
         };
         assert!(mine != yours && !all.contains(&mine) && !all.contains(&yours));

@@ -45,7 +45,7 @@ pub(super) fn render(
 }
 
 /// All backends, or the first alone.
-pub(super) fn those(playing: &mut [Box<dyn Backend>], all: bool) -> &mut [Box<dyn Backend>] {
+pub(super) fn select(playing: &mut [Box<dyn Backend>], all: bool) -> &mut [Box<dyn Backend>] {
     let count = if all {
         playing.len()
     } else {

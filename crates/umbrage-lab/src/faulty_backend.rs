@@ -4,13 +4,13 @@ use umbrage_core::{Backend, BackendError, Recipe, Shadows, Snapping, View};
 use umbrage_cpu::{Cpu, CpuOptions};
 
 /// The CPU under wgpu's name, spoilt on the way out.
-pub(crate) struct Cheat<F> {
+pub(crate) struct FaultyBackend<F> {
     cpu: Cpu,
     spoil: F,
     says: Snapping,
 }
 
-impl<F: FnMut(&mut Shadows)> Cheat<F> {
+impl<F: FnMut(&mut Shadows)> FaultyBackend<F> {
     pub(crate) fn new(spoil: F) -> Self {
         Self {
             cpu: Cpu::new(),
@@ -27,9 +27,9 @@ impl<F: FnMut(&mut Shadows)> Cheat<F> {
     }
 }
 
-impl<F: FnMut(&mut Shadows)> Backend for Cheat<F> {
+impl<F: FnMut(&mut Shadows)> Backend for FaultyBackend<F> {
     fn name(&self) -> &str {
-        "a cheat"
+        "a faulty backend"
     }
     fn kind(&self) -> &'static str {
         "wgpu"

@@ -16,7 +16,7 @@ pub const OPEN_TEXELS: f64 = 4.0;
 
 /// Truth about a view, and what a perfect map of a given size would make of it.
 #[derive(Clone, Debug)]
-pub struct Ground {
+pub struct CaseTruth {
     /// The scene.
     pub scene: Scene,
     /// Its triangles.
@@ -37,7 +37,7 @@ pub struct Ground {
     pub map_size: u32,
 }
 
-impl Ground {
+impl CaseTruth {
     /// Traces all of it.
     ///
     /// # Errors
@@ -101,7 +101,7 @@ impl Ground {
     }
 }
 
-/// Ground under one light.
+/// CaseTruth under one light.
 struct Layer {
     truth: Truth,
     ideal: Vec<f32>,
