@@ -8,7 +8,7 @@ use umbrage_core::{
     ShadowTechnique, View,
 };
 use umbrage_cpu::Cpu;
-use umbrage_lab::truth::{Point, TruthOptions, trace_points};
+use umbrage_plan::truth::{Point, TruthOptions, trace_points};
 use umbrage_scenes::{ClosedForm, Sample, all};
 use umbrage_techniques::{
     Bias, Hard, Midpoint, Pcf, PcfDisc, PcfDithered, PcfHardware, PcfMerged, Pcss, SecondDepth,

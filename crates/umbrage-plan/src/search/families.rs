@@ -1,0 +1,264 @@
+//! The candidates: every technique with every kernel worth trying, on maps from coarse to fine.
+
+use super::{bias::BiasKind, resolution};
+use crate::estimate::scene::PlanScene;
+use umbrage_core::Light;
+use umbrage_techniques::{
+    Bias, Hard, MapFormat, Midpoint, Pattern, Pcf, PcfDisc, PcfDithered, PcfHardware, PcfMerged,
+    Pcss, Planar, Preset, SecondDepth, ShadowMap, ShadowVolumes, Traced, Unshadowed,
+};
+
+/// Sides of maps, texels. Half a size more or less is hardly seen; a whole one costs four times as much.
+pub(super) const SIZES: [u32; 7] = [64, 128, 256, 512, 1024, 2048, 4096];
+/// Sides that differ by no more than this share do not differ.
+const ALIKE: f64 = 0.1;
+/// Rays a receiver, each a fifth or so more than the one before (or one more), as each costs so much more.
+const RAYS: [u32; 23] = [
+    1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 15, 18, 22, 27, 33, 40, 49, 60, 74, 91, 112, 170, 256,
+];
+
+/// Doubling a map's side halves the area that is wrong along edges, and so divides the error by the root of 2. It does
+/// more only where acne or whole casters vanish: not more than this, as sweeps show (2.5 was too little).
+const GAIN_OF_MAPS: f64 = 4.0;
+/// Twice the rays divide the error by at most 2 (the samples are stratified), and no step is more than from one to two.
+const GAIN_OF_RAYS: f64 = 2.0;
+
+/// A technique and kernel, open as to its bias, from coarse to fine.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Family {
+    /// Rising in cost.
+    pub(super) rungs: Vec<Preset>,
+    /// By what one step divides the error at most.
+    pub(super) most_gain: f64,
+}
+
+impl Family {
+    fn single(preset: Preset) -> Self {
+        Self {
+            rungs: vec![preset],
+            most_gain: 1.0,
+        }
+    }
+
+    /// With one map more, of a side that no other is within [`ALIKE`] of.
+    fn with_side(mut self, side: u32) -> Self {
+        let preset = self.preset();
+        let Some(&map) = preset.map() else {
+            return self;
+        };
+        let size = |p: &Preset| p.map().map_or(0, |map| map.size);
+        if self
+            .rungs
+            .iter()
+            .all(|rung| (f64::from(side) / f64::from(size(rung)) - 1.0).abs() > ALIKE)
+        {
+            let at = self.rungs.partition_point(|rung| size(rung) < side);
+            self.rungs
+                .insert(at, preset.with_map(ShadowMap { size: side, ..map }));
+        }
+        self
+    }
+
+    fn of_maps(preset: Preset) -> Self {
+        let at = |size| {
+            preset
+                .map()
+                .map_or(preset, |&map| preset.with_map(ShadowMap { size, ..map }))
+        };
+        Self {
+            rungs: SIZES.map(at).to_vec(),
+            most_gain: GAIN_OF_MAPS,
+        }
+    }
+
+    /// Whether a rung tells what finer maps are worth: two doublings lie between it and the one before the last. Rays
+    /// always gain.
+    pub(super) fn saturates(&self, rung: usize) -> bool {
+        let side = |rung: usize| {
+            self.rungs
+                .get(rung)
+                .and_then(|preset| Some(preset.map()?.size))
+        };
+        let before = rung.checked_sub(2).and_then(side);
+        before
+            .zip(side(rung))
+            .is_some_and(|(coarse, fine)| fine >= 4 * coarse)
+    }
+
+    /// Any of it.
+    pub(super) fn preset(&self) -> Preset {
+        self.rungs[0]
+    }
+
+    /// A rung's preset with a bias.
+    pub(super) fn at(&self, rung: usize, kind: BiasKind, texels: f32) -> Preset {
+        let preset = self.rungs[rung];
+        let Some(&map) = preset.map() else {
+            return preset;
+        };
+        preset.with_map(ShadowMap {
+            bias: kind.bias(texels, map.bias),
+            ..map
+        })
+    }
+}
+
+/// All candidates for a view: those for its light, with a map more of the side that its pixels ask for.
+pub(super) fn families_for(scene: &PlanScene<'_>, small: bool) -> Vec<Family> {
+    let side = resolution::side(scene).map(|side| side.clamp(SIZES[0], SIZES[SIZES.len() - 1]));
+    let with_side = |family: Family| side.map_or(family.clone(), |side| family.with_side(side));
+    families(scene.light, small)
+        .into_iter()
+        .map(with_side)
+        .collect()
+}
+
+/// All candidates for a light. `small` asks for maps of 16 bits, too, which take half the memory.
+pub(super) fn families(light: &Light, small: bool) -> Vec<Family> {
+    let single = [
+        Unshadowed::default().into(),
+        Planar::default().into(),
+        ShadowVolumes::default().into(),
+    ];
+    let formats = [MapFormat::Depth32, MapFormat::Depth16];
+    let mut mapped = Vec::new();
+    for &format in &formats[..if small { 2 } else { 1 }] {
+        let map = ShadowMap {
+            format,
+            ..ShadowMap::default()
+        };
+        mapped.extend(of_map(map));
+        if !light.is_ideal() {
+            mapped.extend(soft(map));
+        }
+    }
+    let rays = if light.is_ideal() {
+        &RAYS[..1]
+    } else {
+        &RAYS[..]
+    };
+    let traced = rays
+        .iter()
+        .map(|&samples| Traced { samples }.into())
+        .collect();
+    let traced = Family {
+        rungs: traced,
+        most_gain: GAIN_OF_RAYS,
+    };
+    let of_maps = mapped.into_iter().map(Family::of_maps);
+    single
+        .into_iter()
+        .map(Family::single)
+        .chain(of_maps)
+        .chain([traced])
+        .collect()
+}
+
+/// Kernels of one width.
+fn of_map(map: ShadowMap) -> Vec<Preset> {
+    let mut out: Vec<Preset> = vec![Hard { map }.into(), PcfDithered { map }.into()];
+    let culled = ShadowMap {
+        bias: Bias::FRONT_CULL,
+        ..map
+    };
+    out.extend([0, 1].map(|radius| {
+        Preset::from(SecondDepth {
+            map: culled,
+            radius,
+        })
+    }));
+    out.extend([0, 1].map(|radius| Preset::from(Midpoint { map, radius })));
+    out.extend([1, 2, 3].map(|samples| Preset::from(PcfHardware { map, samples })));
+    out.extend([1, 2, 3].map(|radius| Preset::from(PcfMerged { map, radius })));
+    out.extend([1, 2, 3, 5].map(|radius| Preset::from(Pcf { map, radius })));
+    let disc = PcfDisc {
+        map,
+        rotate: true,
+        pattern: Pattern::Vogel,
+        ..PcfDisc::default()
+    };
+    let discs = [(2.0, 8), (4.0, 16), (8.0, 32), (16.0, 32)];
+    out.extend(discs.map(|(radius, taps)| {
+        Preset::from(PcfDisc {
+            radius,
+            taps,
+            ..disc
+        })
+    }));
+    out
+}
+
+/// Kernels that tell wide penumbrae from narrow ones.
+fn soft(map: ShadowMap) -> Vec<Preset> {
+    let taps = [(4, 8), (8, 16), (16, 32), (32, 64)];
+    let pcss = |(blocker_taps, filter_taps)| {
+        Pcss {
+            map,
+            blocker_taps,
+            filter_taps,
+            ..Pcss::default()
+        }
+        .into()
+    };
+    taps.map(pcss).to_vec()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashSet;
+    use umbrage_core::glam::Vec3;
+
+    /// A technique that is added to the catalogue must be a candidate, too.
+    #[test]
+    fn every_technique_is_a_candidate() {
+        let lamp = Light::Disc {
+            center: Vec3::Y,
+            normal: -Vec3::Y,
+            radius: 0.1,
+        };
+        let names: HashSet<_> = families(&lamp, false)
+            .iter()
+            .map(|f| f.preset().technique().name())
+            .collect();
+        for entry in umbrage_techniques::all() {
+            assert!(names.contains(entry.name), "{} is never tried", entry.name);
+        }
+    }
+
+    #[test]
+    fn one_more_side_stands_in_its_place() {
+        let family = Family::of_maps(Hard::default().into());
+        let sides = |side| {
+            let rungs = family.clone().with_side(side).rungs;
+            rungs
+                .iter()
+                .map(|rung| rung.map().unwrap().size)
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(sides(704), [64, 128, 256, 512, 704, 1024, 2048, 4096]);
+        for near in [64, 480, 560, 1024, 4096] {
+            assert_eq!(sides(near), SIZES, "{near}");
+        }
+        let rays = Family::single(Traced::default().into());
+        assert_eq!(rays.clone().with_side(704), rays);
+    }
+
+    #[test]
+    fn rungs_rise() {
+        assert!(SIZES.windows(2).all(|w| w[0] < w[1]) && RAYS.windows(2).all(|w| w[0] < w[1]));
+    }
+
+    #[test]
+    fn ideal_lights_need_no_penumbrae() {
+        let bulb = Light::Point {
+            position: Vec3::Y,
+            radius: 0.0,
+        };
+        let names: HashSet<_> = families(&bulb, true)
+            .iter()
+            .map(|f| f.preset().technique().name())
+            .collect();
+        assert!(!names.contains("pcss") && names.contains("hard"));
+    }
+}
