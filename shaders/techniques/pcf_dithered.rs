@@ -8,6 +8,7 @@
 
 use crate::{
     lanes::batch::{Taps, look_up_span},
+    listing::{ListedTechnique, sweeps},
     shadow_map::{
         ShadowMap,
         lookup::{DepthMap, ShadowCoord, ShadowMapUniforms, TAP},
@@ -16,7 +17,7 @@ use crate::{
 use glam::UVec2;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Asks, Inputs, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span,
+    Asks, Fit, Inputs, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span,
     UniformLayout, Uniforms, View,
 };
 
@@ -44,6 +45,25 @@ impl ShadowTechnique for PcfDithered {
     fn kernel_reach(&self) -> Option<f32> {
         Some(1.5)
     }
+}
+
+impl ListedTechnique for PcfDithered {
+    const SUMMARY: &'static str =
+        "four comparisons, placed by the pixel's parity (Bunnell, Pellacini 2004)";
+
+    fn map(&self) -> Option<&ShadowMap> {
+        Some(&self.map)
+    }
+
+    fn with_map(self, map: ShadowMap) -> Self {
+        Self { map }
+    }
+
+    fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
+        sweeps::sweep(map_sizes, fit, &sweeps::two_biases(1.5), |map| Self { map })
+    }
+
+    const RANDOM_WEIGHT: u32 = 2;
 }
 
 /// The lookup.

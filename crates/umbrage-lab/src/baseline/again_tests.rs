@@ -76,6 +76,7 @@ fn stage() -> Stage {
         }
     };
     let options = Options {
+        registry: umbrage_techniques::Techniques::built_in(),
         techniques: vec!["hard".to_owned()],
         map_sizes: vec![48, 64, 80],
         max_settings: Some(3),

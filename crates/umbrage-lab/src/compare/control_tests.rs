@@ -6,10 +6,11 @@ use glam::Affine3A;
 use umbrage_core::{BackendError, Camera, Fit, Geometry, Instance, Mesh, Scene};
 use umbrage_cpu::Cpu;
 use umbrage_plan::truth::{TruthOptions, trace};
-use umbrage_techniques::{Bias, Hard, Pcss, SecondDepth, ShadowMap, Traced};
+use umbrage_techniques::{Bias, Hard, Pcss, SecondDepth, ShadowMap, Techniques, Traced};
 
 fn options(techniques: &[&str]) -> Options {
     Options {
+        registry: Techniques::built_in(),
         techniques: techniques.iter().map(|t| (*t).to_owned()).collect(),
         map_sizes: vec![1024],
         max_settings: Some(1),

@@ -5,6 +5,7 @@ use glam::UVec2;
 use std::{sync::Arc, time::Duration};
 use umbrage_core::{Camera, Fit, Invalid, Scene, ShadowTechnique};
 use umbrage_plan::truth::TruthOptions;
+use umbrage_techniques::{Entry, Techniques};
 
 /// A scene to be compared.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,7 +21,9 @@ pub struct SceneInput {
 /// How a comparison is made.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
-    /// Names of the techniques; all when empty.
+    /// The techniques that there are.
+    pub registry: Techniques,
+    /// Names of those that are compared; all when empty.
     pub techniques: Vec<String>,
     /// Sides of the shadow maps, texels.
     pub map_sizes: Vec<u32>,
@@ -89,6 +92,7 @@ impl Default for Runs {
 impl Default for Options {
     fn default() -> Self {
         Self {
+            registry: Techniques::built_in(),
             techniques: Vec::new(),
             map_sizes: vec![512, 1024, 2048],
             max_settings: None,
@@ -126,16 +130,7 @@ impl Options {
     /// # Errors
     /// When a name is unknown or a map size is missing.
     pub(super) fn settings(&self, fit: Fit) -> Result<Vec<Arc<dyn ShadowTechnique>>, LabError> {
-        let all = umbrage_techniques::all();
-        let known = || all.iter().map(|e| e.name).collect::<Vec<_>>().join(", ");
-        if let Some(unknown) = self
-            .techniques
-            .iter()
-            .find(|n| all.iter().all(|e| e.name != n.as_str()))
-        {
-            let why = format!("there is none called `{unknown}`");
-            return Err(Invalid::new("technique", why, format!("use some of {}", known())).into());
-        }
+        let chosen = self.registry.select(&self.techniques)?;
         if self.map_sizes.is_empty() {
             return Err(Invalid::new(
                 "map sizes",
@@ -144,16 +139,11 @@ impl Options {
             )
             .into());
         }
-        let wanted =
-            |name: &str| self.techniques.is_empty() || self.techniques.iter().any(|n| n == name);
         let max = self.max_settings.unwrap_or(usize::MAX);
-        let settings = |e: &umbrage_techniques::Entry| {
-            (e.settings)(&self.map_sizes, fit).into_iter().take(max)
-        };
-        Ok(all
-            .iter()
-            .filter(|e| wanted(e.name))
-            .flat_map(settings)
+        let settings = |entry: &Entry| (entry.settings)(&self.map_sizes, fit);
+        Ok(chosen
+            .into_iter()
+            .flat_map(|entry| settings(entry).into_iter().take(max))
             .collect())
     }
 

@@ -8,6 +8,7 @@ use umbrage_plan::{footprint::measure, truth::TruthOptions};
 
 fn quick(techniques: &[&str]) -> Options {
     Options {
+        registry: umbrage_techniques::Techniques::built_in(),
         color: false,
         techniques: techniques.iter().map(|t| (*t).to_owned()).collect(),
         map_sizes: vec![256],

@@ -133,9 +133,9 @@ mod tests {
             too_dark: 0.125,
             ..Estimate::default()
         };
-        let preset = Preset::defaults()[0];
+        let preset = Preset::defaults()[0].clone();
         let setting = Setting {
-            preset,
+            preset: preset.clone(),
             technique: preset.technique().name().to_owned(),
             settings: String::new(),
             estimate,

@@ -104,7 +104,7 @@ mod tests {
             high: 0.5,
             ..Estimate::default()
         };
-        let (preset, settings) = (Preset::defaults()[0], "3x3, 512".to_owned());
+        let (preset, settings) = (Preset::defaults()[0].clone(), "3x3, 512".to_owned());
         let chosen = Setting {
             preset,
             technique: "pcf".to_owned(),

@@ -15,13 +15,15 @@ use crate::{LabError, compare::Backends};
 use glam::UVec2;
 use umbrage_core::{Backend, Fit, Invalid};
 use umbrage_plan::truth::TruthOptions;
-use umbrage_techniques::Settings;
+use umbrage_techniques::{Settings, Techniques};
 
 /// What to play, and how carefully.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
     /// Rows by number, or cases by name; all when empty.
     pub rows: Vec<String>,
+    /// The techniques that there are.
+    pub registry: Techniques,
     /// Techniques by name; all when empty.
     pub techniques: Vec<String>,
     /// Image size, pixels.
@@ -43,6 +45,7 @@ impl Default for Options {
         };
         Self {
             rows: Vec::new(),
+            registry: Techniques::built_in(),
             techniques: Vec::new(),
             size: UVec2::new(240, 180),
             map_size: 1024,
@@ -92,20 +95,7 @@ impl Options {
                 mend,
             ));
         }
-        let all = umbrage_techniques::all();
-        if let Some(unknown) = self
-            .techniques
-            .iter()
-            .find(|t| umbrage_techniques::find(t).is_none())
-        {
-            let names: Vec<_> = all.iter().map(|e| e.name).collect();
-            let why = format!("there is none called `{unknown}`");
-            return Err(Invalid::new(
-                "technique",
-                why,
-                format!("use some of {}", names.join(", ")),
-            ));
-        }
+        self.registry.select(&self.techniques)?;
         Ok(())
     }
 }
@@ -251,7 +241,12 @@ pub(super) fn some_backend(backends: &Backends) -> Result<(), Invalid> {
 
 /// The settings of a case.
 fn chosen(case: &Case, options: &Options) -> Settings {
-    let mut chosen = settings(&options.techniques, options.map_size, Fit::Tight);
+    let mut chosen = settings(
+        &options.registry,
+        &options.techniques,
+        options.map_size,
+        Fit::Tight,
+    );
     let extra = case.extra.map_or_else(Vec::new, |f| f(options.map_size));
     let wanted =
         |name: &str| options.techniques.is_empty() || options.techniques.iter().any(|t| t == name);

@@ -16,7 +16,9 @@ use std::{
 use umbrage_core::{Backend, BackendError, Fit, Invalid, Recipe, ShadowTechnique, Shadows, View};
 use umbrage_cpu::Cpu;
 use umbrage_plan::truth::{self, TruthOptions};
-use umbrage_techniques::{Bias, Hard, Pcss, Planar, SecondDepth, ShadowMap, ShadowVolumes, Traced};
+use umbrage_techniques::{
+    Bias, Hard, Pcss, Planar, SecondDepth, ShadowMap, ShadowVolumes, Techniques, Traced,
+};
 
 /// Small enough that all cases take seconds.
 fn small() -> Options {
@@ -684,5 +686,8 @@ fn runs_repeat_to_the_bit() {
 
 #[test]
 fn settings_serve_any_fit() {
-    assert!(settings(&[], 64, Fit::Tight).len() >= umbrage_techniques::all().len());
+    assert!(
+        settings(&Techniques::built_in(), &[], 64, Fit::Tight).len()
+            >= umbrage_techniques::all().len()
+    );
 }

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use std::f32::consts::SQRT_2;
 use umbrage_core::RasterBias;
-use umbrage_techniques::{Bias, Preset};
+use umbrage_techniques::{Bias, PlannedBiases, Preset};
 
 /// A way to bias, of which there can be more or less.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -92,8 +92,7 @@ pub(super) fn scales(preset: &Preset) -> Vec<Scale> {
         texels: offset,
         first: 4,
     });
-    // Peeling takes no polygon offset.
-    if !matches!(preset, Preset::Midpoint(_)) {
+    if preset.planned_biases() == PlannedBiases::All {
         out.push(Scale {
             kind: BiasKind::PolygonOffset,
             texels: slope,
@@ -105,8 +104,7 @@ pub(super) fn scales(preset: &Preset) -> Vec<Scale> {
 
 /// How far a kernel reaches beyond the receiver's texel, texels; none where there is no bias to choose.
 fn reach(preset: &Preset) -> Option<f32> {
-    // Far sides are their own bias.
-    if matches!(preset, Preset::SecondDepth(_)) {
+    if preset.planned_biases() == PlannedBiases::Own {
         None
     } else {
         preset.technique().kernel_reach()
@@ -116,13 +114,11 @@ fn reach(preset: &Preset) -> Option<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use umbrage_techniques::Pcf;
 
     #[test]
     fn first_tries_are_the_biases_that_free_planes_of_acne() {
-        let pcf = Preset::defaults()
-            .into_iter()
-            .find(|p| matches!(p, Preset::Pcf(_)))
-            .unwrap();
+        let pcf = Preset::from(Pcf::default());
         let firsts: Vec<Bias> = scales(&pcf)
             .iter()
             .map(|s| s.kind.bias(s.texels[s.first], Bias::NONE))

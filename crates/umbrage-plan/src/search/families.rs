@@ -3,26 +3,15 @@
 use super::{bias::BiasKind, resolution};
 use crate::estimate::scene::PlanScene;
 use umbrage_core::Light;
-use umbrage_techniques::{
-    Bias, Hard, MapFormat, Midpoint, Pattern, Pcf, PcfDisc, PcfDithered, PcfHardware, PcfMerged,
-    Pcss, Planar, Preset, SecondDepth, ShadowMap, ShadowVolumes, Traced, Unshadowed,
-};
+use umbrage_techniques::{Candidate, MapFormat, Preset, ShadowMap, Techniques};
 
 /// Sides of maps, texels. Half a size more or less is hardly seen; a whole one costs four times as much.
 pub(super) const SIZES: [u32; 7] = [64, 128, 256, 512, 1024, 2048, 4096];
 /// Sides that differ by no more than this share do not differ.
 const ALIKE: f64 = 0.1;
-/// Rays a receiver, each a fifth or so more than the one before (or one more), as each costs so much more.
-const RAYS: [u32; 23] = [
-    1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 15, 18, 22, 27, 33, 40, 49, 60, 74, 91, 112, 170, 256,
-];
-
 /// Doubling a map's side halves the area that is wrong along edges, and so divides the error by the root of 2. It does
 /// more only where acne or whole casters vanish: not more than this, as sweeps show (2.5 was too little).
 const GAIN_OF_MAPS: f64 = 4.0;
-/// Twice the rays divide the error by at most 2 (the samples are stratified), and no step is more than from one to two.
-const GAIN_OF_RAYS: f64 = 2.0;
-
 /// A technique and kernel, open as to its bias, from coarse to fine.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Family {
@@ -33,6 +22,17 @@ pub(super) struct Family {
 }
 
 impl Family {
+    fn new(candidate: Candidate<Preset>) -> Self {
+        match candidate {
+            Candidate::One(preset) if preset.map().is_some() => Self::of_maps(preset),
+            Candidate::One(preset) => Self::single(preset),
+            Candidate::Series { settings, max_gain } => Self {
+                rungs: settings,
+                most_gain: max_gain,
+            },
+        }
+    }
+
     fn single(preset: Preset) -> Self {
         Self {
             rungs: vec![preset],
@@ -42,7 +42,7 @@ impl Family {
 
     /// With one map more, of a side that no other is within [`ALIKE`] of.
     fn with_side(mut self, side: u32) -> Self {
-        let preset = self.preset();
+        let preset = self.preset().clone();
         let Some(&map) = preset.map() else {
             return self;
         };
@@ -60,10 +60,9 @@ impl Family {
     }
 
     fn of_maps(preset: Preset) -> Self {
-        let at = |size| {
-            preset
-                .map()
-                .map_or(preset, |&map| preset.with_map(ShadowMap { size, ..map }))
+        let at = |size| match preset.map() {
+            Some(&map) => preset.with_map(ShadowMap { size, ..map }),
+            None => preset.clone(),
         };
         Self {
             rungs: SIZES.map(at).to_vec(),
@@ -86,15 +85,15 @@ impl Family {
     }
 
     /// Any of it.
-    pub(super) fn preset(&self) -> Preset {
-        self.rungs[0]
+    pub(super) fn preset(&self) -> &Preset {
+        &self.rungs[0]
     }
 
     /// A rung's preset with a bias.
     pub(super) fn at(&self, rung: usize, kind: BiasKind, texels: f32) -> Preset {
-        let preset = self.rungs[rung];
+        let preset = &self.rungs[rung];
         let Some(&map) = preset.map() else {
-            return preset;
+            return preset.clone();
         };
         preset.with_map(ShadowMap {
             bias: kind.bias(texels, map.bias),
@@ -104,103 +103,47 @@ impl Family {
 }
 
 /// All candidates for a view: those for its light, with a map more of the side that its pixels ask for.
-pub(super) fn families_for(scene: &PlanScene<'_>, small: bool) -> Vec<Family> {
+pub(super) fn families_for(
+    techniques: &Techniques,
+    scene: &PlanScene<'_>,
+    small: bool,
+) -> Vec<Family> {
     let side = resolution::side(scene).map(|side| side.clamp(SIZES[0], SIZES[SIZES.len() - 1]));
-    let with_side = |family: Family| side.map_or(family.clone(), |side| family.with_side(side));
-    families(scene.light, small)
+    let with_side = |family: Family| match side {
+        Some(side) => family.with_side(side),
+        None => family,
+    };
+    families(techniques, scene.light, small)
         .into_iter()
         .map(with_side)
         .collect()
 }
 
-/// All candidates for a light. `small` asks for maps of 16 bits, too, which take half the memory.
-pub(super) fn families(light: &Light, small: bool) -> Vec<Family> {
-    let single = [
-        Unshadowed::default().into(),
-        Planar::default().into(),
-        ShadowVolumes::default().into(),
-    ];
-    let formats = [MapFormat::Depth32, MapFormat::Depth16];
-    let mut mapped = Vec::new();
-    for &format in &formats[..if small { 2 } else { 1 }] {
+/// All candidates for a light, in the order in which equally cheap ones are tried: single settings without a map, maps,
+/// then series without a map. `small` asks for maps of 16 bits, too, which take half the memory.
+pub(super) fn families(techniques: &Techniques, light: &Light, small: bool) -> Vec<Family> {
+    let of_format = |format, has_map: bool| {
         let map = ShadowMap {
             format,
             ..ShadowMap::default()
         };
-        mapped.extend(of_map(map));
-        if !light.is_ideal() {
-            mapped.extend(soft(map));
-        }
-    }
-    let rays = if light.is_ideal() {
-        &RAYS[..1]
-    } else {
-        &RAYS[..]
+        let entries = techniques
+            .all()
+            .iter()
+            .filter(move |e| e.has_map == has_map);
+        entries.flat_map(move |entry| (entry.candidates)(map, light))
     };
-    let traced = rays
-        .iter()
-        .map(|&samples| Traced { samples }.into())
-        .collect();
-    let traced = Family {
-        rungs: traced,
-        most_gain: GAIN_OF_RAYS,
-    };
-    let of_maps = mapped.into_iter().map(Family::of_maps);
-    single
+    let formats = [MapFormat::Depth32, MapFormat::Depth16];
+    let without_map: Vec<Family> = of_format(formats[0], false).map(Family::new).collect();
+    let (single, series): (Vec<Family>, Vec<Family>) = without_map
         .into_iter()
-        .map(Family::single)
-        .chain(of_maps)
-        .chain([traced])
-        .collect()
-}
-
-/// Kernels of one width.
-fn of_map(map: ShadowMap) -> Vec<Preset> {
-    let mut out: Vec<Preset> = vec![Hard { map }.into(), PcfDithered { map }.into()];
-    let culled = ShadowMap {
-        bias: Bias::FRONT_CULL,
-        ..map
-    };
-    out.extend([0, 1].map(|radius| {
-        Preset::from(SecondDepth {
-            map: culled,
-            radius,
-        })
-    }));
-    out.extend([0, 1].map(|radius| Preset::from(Midpoint { map, radius })));
-    out.extend([1, 2, 3].map(|samples| Preset::from(PcfHardware { map, samples })));
-    out.extend([1, 2, 3].map(|radius| Preset::from(PcfMerged { map, radius })));
-    out.extend([1, 2, 3, 5].map(|radius| Preset::from(Pcf { map, radius })));
-    let disc = PcfDisc {
-        map,
-        rotate: true,
-        pattern: Pattern::Vogel,
-        ..PcfDisc::default()
-    };
-    let discs = [(2.0, 8), (4.0, 16), (8.0, 32), (16.0, 32)];
-    out.extend(discs.map(|(radius, taps)| {
-        Preset::from(PcfDisc {
-            radius,
-            taps,
-            ..disc
-        })
-    }));
+        .partition(|family| family.rungs.len() == 1 && family.most_gain == 1.0);
+    let mut out = single;
+    for &format in &formats[..if small { 2 } else { 1 }] {
+        out.extend(of_format(format, true).map(Family::new));
+    }
+    out.extend(series);
     out
-}
-
-/// Kernels that tell wide penumbrae from narrow ones.
-fn soft(map: ShadowMap) -> Vec<Preset> {
-    let taps = [(4, 8), (8, 16), (16, 32), (32, 64)];
-    let pcss = |(blocker_taps, filter_taps)| {
-        Pcss {
-            map,
-            blocker_taps,
-            filter_taps,
-            ..Pcss::default()
-        }
-        .into()
-    };
-    taps.map(pcss).to_vec()
 }
 
 #[cfg(test)]
@@ -208,6 +151,7 @@ mod tests {
     use super::*;
     use std::collections::HashSet;
     use umbrage_core::glam::Vec3;
+    use umbrage_techniques::{Hard, Traced};
 
     /// A technique that is added to the catalogue must be a candidate, too.
     #[test]
@@ -217,7 +161,7 @@ mod tests {
             normal: -Vec3::Y,
             radius: 0.1,
         };
-        let names: HashSet<_> = families(&lamp, false)
+        let names: HashSet<_> = families(&Techniques::built_in(), &lamp, false)
             .iter()
             .map(|f| f.preset().technique().name())
             .collect();
@@ -245,8 +189,8 @@ mod tests {
     }
 
     #[test]
-    fn rungs_rise() {
-        assert!(SIZES.windows(2).all(|w| w[0] < w[1]) && RAYS.windows(2).all(|w| w[0] < w[1]));
+    fn sizes_rise() {
+        assert!(SIZES.windows(2).all(|w| w[0] < w[1]));
     }
 
     #[test]
@@ -255,7 +199,7 @@ mod tests {
             position: Vec3::Y,
             radius: 0.0,
         };
-        let names: HashSet<_> = families(&bulb, true)
+        let names: HashSet<_> = families(&Techniques::built_in(), &bulb, true)
             .iter()
             .map(|f| f.preset().technique().name())
             .collect();

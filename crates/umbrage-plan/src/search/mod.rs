@@ -23,10 +23,13 @@ pub use setting::Setting;
 use crate::{MeasureError, cost::CostModel, progress::OnStep, truth::TruthOptions};
 use glam::UVec2;
 use umbrage_core::{Camera, Geometry, Invalid, Light, Scene};
+use umbrage_techniques::Techniques;
 
 /// How a plan is made.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
+    /// The techniques that are tried.
+    pub registry: Techniques,
     /// Receivers sampled under lights with an extent; four times as many under ideal ones, whose truth takes one ray each.
     pub samples: u32,
     /// Which sample: the same seed gives the same plan.
@@ -49,6 +52,7 @@ impl Default for Options {
             ..TruthOptions::default()
         };
         Self {
+            registry: Techniques::built_in(),
             samples: 4096,
             seed: 1,
             truth,

@@ -40,7 +40,7 @@ impl Plan {
     pub fn preset(&self) -> Result<Preset, Box<Miss>> {
         self.chosen
             .as_ref()
-            .map(|chosen| chosen.preset)
+            .map(|chosen| chosen.preset.clone())
             .ok_or_else(|| Box::new(self.miss.clone().unwrap_or_default()))
     }
 }

@@ -22,11 +22,12 @@ use crate::{
 };
 use std::time::Instant;
 use umbrage_core::{Camera, Geometry, Light};
-use umbrage_techniques::{Bias, Preset, ShadowMap};
+use umbrage_techniques::{Bias, Preset, ShadowMap, Techniques};
 
 /// A camera's view of a scene with its sample, and what was tried on it.
 pub struct Planner<'a> {
     pub(super) search: Search<'a>,
+    pub(super) techniques: Techniques,
     truth: TruthOptions,
     /// Seconds that receivers, sample and truth took.
     pub(super) sampling_seconds: f64,
@@ -85,6 +86,7 @@ impl<'a> Planner<'a> {
                 families: Vec::new(),
                 on_step,
             },
+            techniques: options.registry.clone(),
             truth: options.truth,
             sampling_seconds: start.elapsed().as_secs_f64(),
         })
@@ -98,7 +100,11 @@ impl<'a> Planner<'a> {
         bounds.validate()?;
         let start = Instant::now();
         let search = &mut self.search;
-        search.families = families_for(&search.trials.scene, bounds.max_bytes.is_some());
+        search.families = families_for(
+            &self.techniques,
+            &search.trials.scene,
+            bounds.max_bytes.is_some(),
+        );
         let found = match bounds.max_error {
             Some(max_error) => search.cheapest(bounds, max_error)?,
             None => search.most_accurate(bounds)?,
@@ -198,7 +204,10 @@ impl<'a> Planner<'a> {
                 bias: Bias::NONE,
                 ..map
             });
-            let key = unbiased.map_or(setting.preset, |map| setting.preset.with_map(map));
+            let key = match unbiased {
+                Some(map) => setting.preset.with_map(map),
+                None => setting.preset.clone(),
+            };
             match best.iter_mut().find(|(other, _)| *other == key) {
                 Some((_, other)) if setting.estimate.error < other.estimate.error => {
                     *other = setting

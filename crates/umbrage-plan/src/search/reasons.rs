@@ -93,9 +93,10 @@ impl Facts {
             size: SIZES[3],
             ..ShadowMap::default()
         };
-        let own = chosen.map(|c| c.preset).filter(|p| p.map().is_some());
-        let preset = own.unwrap_or(Preset::from(Hard { map }));
-        let Ok(recipe) = trials.scene.recipe(&preset) else {
+        let own = chosen.map(|c| &c.preset).filter(|p| p.map().is_some());
+        let hard = Preset::from(Hard { map });
+        let preset = own.unwrap_or(&hard);
+        let Ok(recipe) = trials.scene.recipe(preset) else {
             return Ok(None);
         };
         let spaces: Vec<_> = recipe.casts.iter().map(|cast| cast.space).collect();
@@ -112,26 +113,11 @@ impl Facts {
 
 /// What is known of techniques without a map.
 fn exactness(trials: &Trials<'_>, chosen: &Setting) -> Result<Option<String>, MeasureError> {
-    Ok(match chosen.preset {
-        Preset::None(_) if chosen.estimate.error > 0.0 => Some(format!(
-            "leaving all shadows out errs by only {:.4}",
-            chosen.estimate.error
-        )),
-        Preset::Planar(_) => {
-            let layers = trials
-                .scene
-                .recipe(&chosen.preset)?
-                .images
-                .first()
-                .map_or(0, |image| image.layers);
-            Some(format!(
-                "all that is seen lit is flat, in {layers} planes: flattened casters have exact edges there"
-            ))
-        }
-        Preset::Volumes(_) => Some("volumes have exact edges".to_owned()),
-        Preset::Traced(_) => Some("rays need no map, and no bias".to_owned()),
-        _ => None,
-    })
+    if chosen.preset.map().is_some() {
+        return Ok(None);
+    }
+    let recipe = trials.scene.recipe(&chosen.preset)?;
+    Ok(chosen.preset.why_chosen(chosen.estimate.error, &recipe))
 }
 
 /// Says how well a chosen map is used; none without one.

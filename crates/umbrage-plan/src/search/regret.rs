@@ -147,7 +147,11 @@ impl<'a> Sweep<'a> {
     /// Every candidate with every size and bias, by rising cost, which no bias changes but by a rounding of the map's fit.
     fn candidates(&mut self) -> Result<Vec<Preset>, MeasureError> {
         let mut priced: Vec<(f64, Vec<Preset>)> = Vec::new();
-        for family in families_for(&self.planner.search.trials.scene, false) {
+        for family in families_for(
+            &self.planner.techniques,
+            &self.planner.search.trials.scene,
+            false,
+        ) {
             for size in 0..family.rungs.len() {
                 let scales = scales(&family.preset());
                 let amounts = scales

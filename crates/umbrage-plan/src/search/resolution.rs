@@ -18,6 +18,7 @@ mod tests {
     use crate::search::families::{SIZES, families_for};
     use glam::UVec2;
     use umbrage_core::{Camera, Geometry, Light};
+    use umbrage_techniques::Techniques;
 
     fn with_scene<R>(name: &str, size: UVec2, f: impl FnOnce(PlanScene<'_>) -> R) -> R {
         let scene = umbrage_scenes::by_argument(name).unwrap();
@@ -30,7 +31,7 @@ mod tests {
     /// Sides of the candidates that the sizes of all views lack.
     fn more(name: &str, size: UVec2) -> Vec<u32> {
         with_scene(name, size, |scene| {
-            let families = families_for(&scene, true);
+            let families = families_for(&Techniques::built_in(), &scene, true);
             let sides = families
                 .iter()
                 .flat_map(|f| &f.rungs)

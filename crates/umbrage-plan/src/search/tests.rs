@@ -9,7 +9,7 @@ use super::{
 use crate::{Estimate, truth};
 use umbrage_core::{Backend as _, Camera, Fit, Light, PlanError, Receivers, View, metrics::Errors};
 use umbrage_cpu::Cpu;
-use umbrage_techniques::Preset;
+use umbrage_techniques::{Preset, Techniques};
 
 fn scene(name: &str) -> Scene {
     umbrage_scenes::by_argument(name).expect("built in")
@@ -76,7 +76,11 @@ fn exact_techniques_are_told_apart_by_cost() {
 #[test]
 fn a_soft_lamp_needs_soft_shadows() {
     with_planner("rising-boxes", |mut planner| {
-        let all = families(planner.search.trials.scene.light, false);
+        let all = families(
+            &planner.techniques,
+            planner.search.trials.scene.light,
+            false,
+        );
         let mut best = |name: &str| {
             let mine: Vec<&Family> = all
                 .iter()
@@ -137,10 +141,9 @@ fn samples_tell_of_whole_images() {
 
 /// Every technique with its defaults but for the size of its map.
 fn sized(size: u32) -> Vec<Preset> {
-    let at = |p: Preset| {
-        p.map().map_or(p, |&map| {
-            p.with_map(umbrage_techniques::ShadowMap { size, ..map })
-        })
+    let at = |p: Preset| match p.map() {
+        Some(&map) => p.with_map(umbrage_techniques::ShadowMap { size, ..map }),
+        None => p,
     };
     Preset::defaults().into_iter().map(at).collect()
 }
@@ -271,9 +274,9 @@ fn second_looks_can_be_repeated() {
 #[test]
 fn without_a_pilot_the_first_sample_must_do() {
     with_planner("rising-boxes", |mut planner| {
-        let [none, hard] = [0, 1].map(|i| Preset::defaults()[i]);
+        let [none, hard] = [0, 1].map(|i| Preset::defaults()[i].clone());
         planner.search.trials.verifier.pilot = None;
-        for preset in [none, hard] {
+        for preset in [none.clone(), hard] {
             let first = planner
                 .search
                 .trials
@@ -511,6 +514,7 @@ fn a_sweep_finds_nothing_much_cheaper() {
 #[test]
 fn biases_are_those_of_their_scales() {
     for family in families(
+        &Techniques::built_in(),
         &Light::Point {
             position: glam::Vec3::Y,
             radius: 0.1,

@@ -131,7 +131,7 @@ impl<'a> Trials<'a> {
         };
         let price = self.scene.price(&recipe, &self.cost);
         match self.sampled.estimate(&mut self.scene, &recipe) {
-            Ok(estimate) => Ok(Some(Setting::new(*preset, estimate, &price))),
+            Ok(estimate) => Ok(Some(Setting::new(preset.clone(), estimate, &price))),
             // More than the backend holds.
             Err(BackendError::Invalid(_)) => Ok(None),
             Err(e) => Err(e.into()),

@@ -93,7 +93,10 @@ pub(super) fn sweep(
             Measure::Rmse.figure(&case_truth, &case_truth.ideal),
         );
         let wanted = TECHNIQUES.map(str::to_owned);
-        for (i, technique) in settings(&wanted, size, Fit::Tight).iter().enumerate() {
+        for (i, technique) in settings(&options.registry, &wanted, size, Fit::Tight)
+            .iter()
+            .enumerate()
+        {
             if curves.len() < i + 2 {
                 let label = format!("{} ({})", technique.name(), technique.settings());
                 // The side is on the axis, or in the title of none.

@@ -1,22 +1,54 @@
 //! No technique is forgotten, and files bring back what was written.
 
-use crate::{
-    Preset,
-    shadow_map::{Bias, Border, MapFormat, ShadowMap},
-    techniques::pcss::Pcss,
-};
-use umbrage_core::{Fit, glam::Vec3};
+use super::*;
+use crate::shadow_map::{Bias, Border, MapFormat, ShadowMap};
+use std::collections::HashSet;
+use umbrage_core::{Fit, Light, glam::Vec3};
 
 #[test]
-fn the_catalogue_and_the_presets_hold_the_same_techniques() {
-    let mut presets: Vec<_> = Preset::defaults()
-        .iter()
-        .map(|p| p.technique().name())
-        .collect();
-    let mut catalogue: Vec<_> = crate::all().iter().map(|entry| entry.name).collect();
-    presets.sort_unstable();
-    catalogue.sort_unstable();
-    assert_eq!(presets, catalogue);
+fn names_are_unique_and_select_techniques() {
+    let techniques = Techniques::built_in();
+    let names: HashSet<_> = techniques.names().into_iter().collect();
+    assert_eq!(names.len(), techniques.all().len());
+    assert!(techniques.clone().with(Entry::of::<Pcss>()).is_err());
+    let selected = techniques.select(&["pcf".to_owned(), "none".to_owned()]);
+    let selected: Vec<_> = selected.unwrap().iter().map(|entry| entry.name).collect();
+    assert_eq!(selected, ["none", "pcf"]);
+    let unknown = techniques.select(&["pfc".to_owned()]).unwrap_err();
+    assert!(unknown.to_string().contains("pcf_hardware"), "{unknown}");
+}
+
+#[test]
+fn every_setting_of_an_entry_is_of_its_technique() {
+    let lamp = Light::Disc {
+        center: Vec3::Y,
+        normal: -Vec3::Y,
+        radius: 0.1,
+    };
+    let map = ShadowMap::default();
+    for entry in all() {
+        let settings = [
+            (entry.settings)(&[64, 128], Fit::Tight),
+            (entry.exhaustive)(64),
+        ]
+        .concat();
+        assert!(
+            settings.iter().all(|t| t.name() == entry.name),
+            "{}",
+            entry.name
+        );
+        let compared = (entry.settings)(&[64], Fit::Tight);
+        assert!(
+            !compared.is_empty() && settings.len() > compared.len(),
+            "{}",
+            entry.name
+        );
+        assert!(
+            !(entry.candidates)(map, &lamp).is_empty(),
+            "{} is never tried",
+            entry.name
+        );
+    }
 }
 
 #[test]
@@ -59,7 +91,7 @@ fn every_preset_survives_a_file() {
     };
     for preset in Preset::defaults()
         .into_iter()
-        .flat_map(|p| [p, p.with_map(map)])
+        .flat_map(|p| [p.with_map(map), p])
     {
         let text = preset.to_toml().unwrap();
         assert_eq!(Preset::from_toml(&text).unwrap(), preset, "{text}");
@@ -95,4 +127,14 @@ fn wrong_files_are_told_what_to_write() {
         let error = Preset::from_toml(text).unwrap_err().to_string();
         assert!(error.contains("pcf_hardware"), "{error}");
     }
+}
+
+/// Files that were written before must be read, and are written alike.
+#[test]
+fn the_text_of_presets_stays() {
+    let text = Preset::from(Pcf::default()).to_toml().unwrap();
+    assert!(
+        text.starts_with("technique = \"pcf\"\nradius = 1\n\n[map]\nsize = 1024\n"),
+        "{text}"
+    );
 }
