@@ -4,11 +4,8 @@
 
 use std::{fs, path::PathBuf};
 use umbrage::{Backend, Camera, Geometry, View, cpu::Cpu, metrics::attribute};
-use umbrage_lab::{
-    causes::faults,
-    report::pictures,
-    truth::{TruthOptions, trace},
-};
+use umbrage_lab::{causes::faults, output::png};
+use umbrage_plan::truth::{TruthOptions, trace};
 
 fn main() -> anyhow::Result<()> {
     let folder = std::env::args()
@@ -34,11 +31,11 @@ fn main() -> anyhow::Result<()> {
         let causes = attribute(&mask, &truth.image()?)?;
         fs::write(
             folder.join(format!("{}.mask.png", fault.scene)),
-            pictures::mask(truth.size, &mask, &truth.pixels)?,
+            png::mask(truth.size, &mask, &truth.pixels)?,
         )?;
         fs::write(
             folder.join(format!("{}.png", fault.scene)),
-            pictures::causes(&truth, &causes)?,
+            png::causes(&truth, &causes)?,
         )?;
         println!(
             "{}: {} ({}): {:?}",

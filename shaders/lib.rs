@@ -1,43 +1,43 @@
 //! umbrage's built-in shadow techniques: each one file in Rust beside one of the same name in WGSL. Only public API of
 //! `umbrage-core` is used, so a technique of yours can do all that these do.
 
-mod catalogue;
 pub mod filtering;
 pub mod lanes;
-mod preset;
-mod settings;
+pub mod listing;
+pub mod registry;
 pub mod shading;
 pub mod shadow_map;
 pub mod techniques;
 
-pub use catalogue::{Entry, Settings, all, find};
 pub use filtering::comparison_sampler::WEIGHT_ERROR;
 pub use filtering::depth_in_reach::{DepthInReachKernel, DepthInReachUniforms};
 pub use filtering::horizon::Horizon;
 pub use filtering::least_depth::{LeastDepthKernel, LeastDepthUniforms};
 pub use filtering::light_extent::LightExtent;
 pub use filtering::sample_pattern::Pattern;
-pub use preset::Preset;
+pub use listing::{
+    Candidate, ClosedFormDemand, Entry, ListedTechnique, PlannedBiases, Preset, RandomParameter,
+    Settings,
+};
+pub use registry::*;
 pub use shading::blinn_phong::{BlinnPhong, BlinnPhongKernel, BlinnPhongUniforms, Shading};
 pub use shadow_map::{
     BetweenKernel, BetweenUniforms, BeyondFar, Bias, Border, Footprint, MapFormat, ShadowMap,
     Surface,
 };
-pub use techniques::hard::{Hard, HardKernel};
-pub use techniques::midpoint::Midpoint;
-pub use techniques::pcf::{MAX_RADIUS, Pcf, PcfKernel, PcfUniforms};
-pub use techniques::pcf_disc::{MAX_DISC_RADIUS, PcfDisc, PcfDiscKernel, PcfDiscUniforms};
-pub use techniques::pcf_dithered::{PcfDithered, PcfDitheredKernel};
-pub use techniques::pcf_hardware::{HardwareKernel, HardwareUniforms, PcfHardware};
-pub use techniques::pcf_merged::{MergedKernel, MergedUniforms, PcfMerged};
-pub use techniques::pcss::{Pcss, PcssKernel, PcssUniforms};
+pub use techniques::hard::HardKernel;
+pub use techniques::pcf::{MAX_RADIUS, PcfKernel, PcfUniforms};
+pub use techniques::pcf_disc::{MAX_DISC_RADIUS, PcfDiscKernel, PcfDiscUniforms};
+pub use techniques::pcf_dithered::PcfDitheredKernel;
+pub use techniques::pcf_hardware::{HardwareKernel, HardwareUniforms};
+pub use techniques::pcf_merged::{MergedKernel, MergedUniforms};
+pub use techniques::pcss::{PcssKernel, PcssUniforms};
 pub use techniques::planar::{
     MAX_PLANES, Planar, PlanarKernel, PlanarUniforms, planar_shadow_matrix,
 };
-pub use techniques::second_depth::SecondDepth;
-pub use techniques::traced::{MAX_SAMPLES, Traced, TracedKernel, TracedUniforms};
-pub use techniques::unshadowed::{Unshadowed, UnshadowedKernel, UnshadowedUniforms};
-pub use techniques::volumes::{ShadowVolumes, VolumesKernel, VolumesUniforms};
+pub use techniques::traced::{MAX_SAMPLES, TracedKernel, TracedUniforms};
+pub use techniques::unshadowed::{UnshadowedKernel, UnshadowedUniforms};
+pub use techniques::volumes::{VolumesKernel, VolumesUniforms};
 
 use umbrage_core::Twin;
 

@@ -1,15 +1,13 @@
 //! Random scenes for property tests: meshes, placements, lights, cameras, techniques.
 
 use glam::{Affine3A, Quat, UVec2, Vec3};
-use proptest::{collection::vec, prelude::*};
+use proptest::{collection::vec, prelude::*, strategy::Union};
 use std::sync::Arc;
 use umbrage_core::{
     Camera, Cull, Extents, Fit, Instance, Layout, Light, Mesh, RasterBias, Scene, ShadowTechnique,
 };
 use umbrage_techniques::{
-    BeyondFar, Bias, Border, Hard, MapFormat, Midpoint, Pattern, Pcf, PcfDisc, PcfDithered,
-    PcfHardware, PcfMerged, Pcss, Planar, SecondDepth, ShadowMap, ShadowVolumes, Surface, Traced,
-    Unshadowed,
+    BeyondFar, Bias, Border, Entry, MapFormat, Pattern, RandomParameter, ShadowMap, Surface,
 };
 
 /// Something to render: one scene, one technique.
@@ -230,41 +228,35 @@ fn cameras() -> impl Strategy<Value = Camera> {
         )
 }
 
+/// Any built-in technique, as often as its registry entry says, with the settings that it makes of drawn numbers.
 fn techniques() -> impl Strategy<Value = Arc<dyn ShadowTechnique>> {
-    prop_oneof![
-        2 => maps().prop_map(|map| Arc::new(Hard { map }) as Arc<dyn ShadowTechnique>),
-        3 => (maps(), 0..8_u32).prop_map(|(map, radius)| Arc::new(Pcf { map, radius }) as Arc<dyn ShadowTechnique>),
-        2 => maps().prop_map(|map| Arc::new(PcfDithered { map }) as Arc<dyn ShadowTechnique>),
-        1 => (maps(), 0..4_u32)
-            .prop_map(|(map, radius)| Arc::new(SecondDepth { map, radius }) as Arc<dyn ShadowTechnique>),
-        1 => (maps(), 0..4_u32)
-            .prop_map(|(map, radius)| Arc::new(Midpoint { map, radius }) as Arc<dyn ShadowTechnique>),
-        2 => (maps(), 1..5_u32)
-            .prop_map(|(map, samples)| Arc::new(PcfHardware { map, samples }) as Arc<dyn ShadowTechnique>),
-        2 => (maps(), 1..4_u32)
-            .prop_map(|(map, radius)| Arc::new(PcfMerged { map, radius }) as Arc<dyn ShadowTechnique>),
-        2 => (maps(), 0.1..6.0_f32, 1..40_u32, patterns()).prop_map(|(map, radius, taps, (pattern, rotate))| {
-            Arc::new(PcfDisc { map, radius, taps, pattern, rotate }) as Arc<dyn ShadowTechnique>
-        }),
-        3 => (maps(), 1..40_u32, 1..40_u32, patterns()).prop_map(|(map, blocker_taps, filter_taps, (pattern, rotate))| {
-            Arc::new(Pcss { map, blocker_taps, filter_taps, pattern, rotate }) as Arc<dyn ShadowTechnique>
-        }),
-        1 => Just(Arc::new(Unshadowed {}) as Arc<dyn ShadowTechnique>),
-        1 => Just(Arc::new(Planar { planes: 40 }) as Arc<dyn ShadowTechnique>),
-        2 => Just(Arc::new(ShadowVolumes::default()) as Arc<dyn ShadowTechnique>),
-        1 => (1..5_u32).prop_map(|samples| Arc::new(Traced { samples }) as Arc<dyn ShadowTechnique>),
-    ]
+    let weighted = umbrage_techniques::all()
+        .iter()
+        .map(|entry| (entry.random_weight, random(entry)))
+        .collect();
+    Union::new_weighted(weighted)
 }
 
-fn patterns() -> impl Strategy<Value = (Pattern, bool)> {
-    (
-        prop_oneof![
-            Just(Pattern::Vogel),
-            Just(Pattern::Poisson),
-            Just(Pattern::Grid)
-        ],
-        any::<bool>(),
-    )
+fn random(entry: &'static Entry) -> BoxedStrategy<Arc<dyn ShadowTechnique>> {
+    let maps = if entry.has_map {
+        maps().boxed()
+    } else {
+        Just(ShadowMap::default()).boxed()
+    };
+    let parameters = (entry.random_parameters)();
+    let numbers: Vec<BoxedStrategy<f32>> = parameters.into_iter().map(number).collect();
+    (maps, numbers)
+        .prop_map(|(map, numbers)| (entry.random)(map, &numbers).technique())
+        .boxed()
+}
+
+fn number(parameter: RandomParameter) -> BoxedStrategy<f32> {
+    match parameter {
+        RandomParameter::Count(range) => range.prop_map(|n| n as f32).boxed(),
+        RandomParameter::Length(range) => range.boxed(),
+        RandomParameter::Pattern => (0..Pattern::ALL.len()).prop_map(|i| i as f32).boxed(),
+        RandomParameter::Switch => any::<bool>().prop_map(|on| f32::from(u8::from(on))).boxed(),
+    }
 }
 
 fn maps() -> impl Strategy<Value = ShadowMap> {

@@ -5,10 +5,7 @@
 use crate::{
     filtering::sample_pattern::{PatternTable, Shape, TapSet, noise_index, wrapped},
     lanes::batch::{BATCH, Batch},
-    shadow_map::{
-        coord::ShadowCoord,
-        texel_compare::DepthMap,
-    },
+    shadow_map::{coord::ShadowCoord, texel_compare::DepthMap},
 };
 use glam::{UVec2, Vec2, Vec4};
 use umbrage_core::{Module, Twin, twin};

@@ -67,6 +67,9 @@ pub enum Pattern {
 }
 
 impl Pattern {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Vogel, Self::Poisson, Self::Grid];
+
     /// Its name for tables.
     pub fn name(self) -> &'static str {
         match self {

@@ -81,13 +81,7 @@ impl ShadowMapUniforms {
     /// Returns the WGSL of `shadow_coord`, `depth_at`, `stored_depth` and `tap`, as this map needs them. Its uniforms must be
     /// the kernel's field `lookup`.
     pub fn modules(&self) -> Vec<Module> {
-        let mut modules = vec![
-            LAYERS,
-            PROJECTION,
-            COORD,
-            DEPTH_ON_PLANE,
-            TEXEL_COMPARE,
-        ];
+        let mut modules = vec![LAYERS, PROJECTION, COORD, DEPTH_ON_PLANE, TEXEL_COMPARE];
         modules.extend(stored_depth(self.packed != 0));
         modules.extend(self.choices());
         modules

@@ -1,11 +1,7 @@
 //! The comparison of a receiver with one texel of a shadow map: which depth is stored there, which one is compared, and what lies
 //! beside the map.
 
-use super::{
-    coord::ShadowCoord,
-    layers::ShadowMapUniforms,
-    packing::unpack_depth,
-};
+use super::{coord::ShadowCoord, layers::ShadowMapUniforms, packing::unpack_depth};
 use glam::{Vec2, Vec4};
 use umbrage_core::{ImageView, Module, Twin, twin};
 
@@ -37,14 +33,7 @@ pub fn depth_at(l: &ShadowCoord, x: i32, y: i32) -> f32 {
 /// Returns `depth` moved along `gradient` from `from` to the centre of texel (x, y), but not beyond `deepest`. (What lay before
 /// the far plane must stay there, since texels that nothing was drawn to hold 1.)
 #[inline(always)]
-pub fn depth_on_plane(
-    depth: f32,
-    gradient: Vec2,
-    deepest: f32,
-    from: Vec2,
-    x: i32,
-    y: i32,
-) -> f32 {
+pub fn depth_on_plane(depth: f32, gradient: Vec2, deepest: f32, from: Vec2, x: i32, y: i32) -> f32 {
     let right = gradient.x * (x as f32 + 0.5 - from.x);
     let down = gradient.y * (y as f32 + 0.5 - from.y);
     (depth + right + down).min(deepest)

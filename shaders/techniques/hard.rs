@@ -6,16 +6,17 @@
 
 use crate::{
     lanes::batch::{Taps, look_up_span},
+    listing::{ListedTechnique, sweeps},
     shadow_map::{
-        ShadowMap,
-        coord::ShadowCoord, layers::ShadowMapUniforms, texel_compare::DepthMap,
+        Bias, MapFormat, ShadowMap, coord::ShadowCoord, layers::ShadowMapUniforms,
+        texel_compare::DepthMap,
     },
 };
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Inputs, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span, UniformLayout,
-    Uniforms, View,
+    Fit, Inputs, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span,
+    UniformLayout, Uniforms, View,
 };
 
 /// One comparison a receiver.
@@ -44,6 +45,48 @@ impl ShadowTechnique for Hard {
     }
 }
 
+/// One comparison shows best what each bias does. The first is compared at every map size.
+const COMPARED_BIASES: [Bias; 8] = [
+    Bias::ADAPTIVE,
+    Bias::RECEIVER_PLANE,
+    Bias::NONE,
+    Bias::CONSTANT,
+    Bias::SLOPE,
+    Bias::POLYGON_OFFSET,
+    Bias::NORMAL_OFFSET,
+    Bias::FRONT_CULL,
+];
+
+impl ListedTechnique for Hard {
+    const SUMMARY: &'static str = "one comparison with one texel (Williams 1978)";
+
+    fn map(&self) -> Option<&ShadowMap> {
+        Some(&self.map)
+    }
+
+    fn with_map(self, map: ShadowMap) -> Self {
+        Self { map }
+    }
+
+    fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
+        let mut out = sweeps::sweep(map_sizes, fit, &COMPARED_BIASES, |map| Self { map });
+        for format in [MapFormat::Depth16, MapFormat::Rgba8] {
+            out.extend(sweeps::middle(map_sizes, fit, &[Bias::SLOPE], |map| Self {
+                map: ShadowMap { format, ..map },
+            }));
+        }
+        out
+    }
+
+    fn exhaustive(map_size: u32) -> Vec<Self> {
+        let mut out = sweeps::every_bias(map_size, |map| Self { map });
+        out.extend(sweeps::kinds_of_map(map_size).map(|map| Self { map }));
+        out
+    }
+
+    const RANDOM_WEIGHT: u32 = 2;
+}
+
 /// The lookup.
 #[derive(Clone, Copy, Debug)]
 pub struct HardKernel(
@@ -56,12 +99,10 @@ impl Kernel for HardKernel {
         self.0
             .modules()
             .into_iter()
-            .chain([
-                Module {
-                    name: "hard",
-                    text: include_str!("hard.wgsl"),
-                },
-            ])
+            .chain([Module {
+                name: "hard",
+                text: include_str!("hard.wgsl"),
+            }])
             .collect()
     }
 

@@ -11,11 +11,12 @@
 //! see [`shadow_map`](crate::shadow_map).
 
 use crate::{
-    shadow_map::{ShadowMap, Surface},
+    listing::{Candidate, ListedTechnique, PlannedBiases, RandomParameter, sweeps},
+    shadow_map::{Bias, ShadowMap, Surface},
     techniques::pcf::Pcf,
 };
 use serde::{Deserialize, Serialize};
-use umbrage_core::{PlanError, Recipe, ShadowTechnique, View};
+use umbrage_core::{Fit, Light, PlanError, Recipe, ShadowTechnique, View};
 
 /// Comparisons with the middle between the nearest two surfaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -54,5 +55,47 @@ impl ShadowTechnique for Midpoint {
 
     fn kernel_reach(&self) -> Option<f32> {
         self.pcf().kernel_reach()
+    }
+}
+
+impl ListedTechnique for Midpoint {
+    const SUMMARY: &'static str =
+        "comparisons with the middle of the nearest two surfaces (Woo 1992)";
+
+    fn map(&self) -> Option<&ShadowMap> {
+        Some(&self.map)
+    }
+
+    fn with_map(self, map: ShadowMap) -> Self {
+        Self { map, ..self }
+    }
+
+    fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
+        let biases = [Bias::NONE, Bias::ADAPTIVE];
+        sweeps::sweep(map_sizes, fit, &biases, |map| Self { map, radius: 0 })
+    }
+
+    fn exhaustive(map_size: u32) -> Vec<Self> {
+        sweeps::every_bias(map_size, |map| Self { map, radius: 1 })
+    }
+
+    fn candidates(map: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
+        [0, 1]
+            .map(|radius| Candidate::of(Self { map, radius }))
+            .to_vec()
+    }
+
+    // Peeling takes no polygon offset.
+    const PLANNED_BIASES: PlannedBiases = PlannedBiases::WithoutPolygonOffset;
+
+    fn random_parameters() -> Vec<RandomParameter> {
+        vec![RandomParameter::Count(0..4)]
+    }
+
+    fn random(map: ShadowMap, numbers: &[f32]) -> Self {
+        Self {
+            map,
+            radius: numbers[0] as u32,
+        }
     }
 }

@@ -11,15 +11,15 @@ use crate::{
         batch::{Taps, look_up_span},
         square,
     },
+    listing::{Candidate, ListedTechnique, RandomParameter, sweeps},
     shadow_map::{
-        ShadowMap,
-        coord::ShadowCoord, layers::ShadowMapUniforms, texel_compare::DepthMap,
+        Bias, ShadowMap, coord::ShadowCoord, layers::ShadowMapUniforms, texel_compare::DepthMap,
     },
 };
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Asks, Inputs, Invalid, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span,
-    UniformLayout, Uniforms, View, uniforms,
+    Asks, Fit, Inputs, Invalid, Kernel, Light, Module, PlanError, ReceiveKernel, Recipe,
+    ShadowTechnique, Span, UniformLayout, Uniforms, View, uniforms,
 };
 
 /// Greatest radius accepted: 1,089 taps.
@@ -70,6 +70,60 @@ impl ShadowTechnique for Pcf {
     }
 }
 
+impl ListedTechnique for Pcf {
+    const SUMMARY: &'static str =
+        "the mean of a square of comparisons (Reeves, Salesin, Cook 1987)";
+
+    fn map(&self) -> Option<&ShadowMap> {
+        Some(&self.map)
+    }
+
+    fn with_map(self, map: ShadowMap) -> Self {
+        Self { map, ..self }
+    }
+
+    fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
+        let swept = |radius: u32| {
+            let biases = sweeps::wide_biases(radius as f32);
+            sweeps::sweep(map_sizes, fit, &biases, |map| Self { map, radius })
+        };
+        let mut out = swept(1);
+        let radius = 2;
+        out.extend(sweeps::middle(map_sizes, fit, &[Bias::ADAPTIVE], |map| {
+            Self { map, radius }
+        }));
+        out.extend(swept(3));
+        out
+    }
+
+    fn exhaustive(map_size: u32) -> Vec<Self> {
+        let mut out = Vec::new();
+        for radius in [0, 1, 2, 3, 6] {
+            out.extend(sweeps::every_bias(map_size, |map| Self { map, radius }));
+        }
+        out
+    }
+
+    fn candidates(map: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
+        [1, 2, 3, 5]
+            .map(|radius| Candidate::of(Self { map, radius }))
+            .to_vec()
+    }
+
+    const RANDOM_WEIGHT: u32 = 3;
+
+    fn random_parameters() -> Vec<RandomParameter> {
+        vec![RandomParameter::Count(0..8)]
+    }
+
+    fn random(map: ShadowMap, numbers: &[f32]) -> Self {
+        Self {
+            map,
+            radius: numbers[0] as u32,
+        }
+    }
+}
+
 uniforms! {
     /// Uniforms of [`PcfKernel`].
     pub struct PcfUniforms {
@@ -93,12 +147,10 @@ impl Kernel for PcfKernel {
             .lookup
             .modules()
             .into_iter()
-            .chain([
-                Module {
-                    name: "pcf",
-                    text: include_str!("pcf.wgsl"),
-                },
-            ])
+            .chain([Module {
+                name: "pcf",
+                text: include_str!("pcf.wgsl"),
+            }])
             .collect()
     }
 

@@ -15,17 +15,15 @@ use crate::{
         sample_pattern::{PATTERN, Pattern, PatternTable, Shape, TURNS, turned},
     },
     lanes::batch::{Batch, BatchTaps, look_up_span},
-    shadow_map::{
-        ShadowMap,
-        coord::ShadowCoord, layers::ShadowMapUniforms,
-    },
+    listing::{Candidate, ClosedFormDemand, ListedTechnique, RandomParameter, sweeps},
+    shadow_map::{Bias, ShadowMap, coord::ShadowCoord, layers::ShadowMapUniforms},
 };
 use glam::{UVec2, Vec2, Vec4};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
-    Asks, Inputs, Invalid, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Simd,
-    SimdTask, Span, UniformLayout, Uniforms, View, uniforms,
+    Asks, Fit, Inputs, Invalid, Kernel, Light, Module, PlanError, ReceiveKernel, Recipe,
+    ShadowTechnique, Simd, SimdTask, Span, UniformLayout, Uniforms, View, uniforms,
 };
 
 /// Greatest radius accepted, texels.
@@ -107,6 +105,98 @@ impl ShadowTechnique for PcfDisc {
 
     fn kernel_reach(&self) -> Option<f32> {
         Some(self.radius)
+    }
+}
+
+impl ListedTechnique for PcfDisc {
+    const SUMMARY: &'static str = "comparisons spread over a disc that each pixel turns";
+
+    fn map(&self) -> Option<&ShadowMap> {
+        Some(&self.map)
+    }
+
+    fn with_map(self, map: ShadowMap) -> Self {
+        Self { map, ..self }
+    }
+
+    fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
+        let vogel = |map, taps| Self {
+            map,
+            taps,
+            ..Self::default()
+        };
+        let poisson = |map| Self {
+            map,
+            pattern: Pattern::Poisson,
+            ..Self::default()
+        };
+        let bias = [Bias::ADAPTIVE];
+        let mut out = sweeps::middle(map_sizes, fit, &bias, |map| vogel(map, 8));
+        out.extend(sweeps::sweep(map_sizes, fit, &bias, |map| vogel(map, 16)));
+        out.extend(sweeps::middle(map_sizes, fit, &bias, |map| vogel(map, 32)));
+        out.extend(sweeps::middle(map_sizes, fit, &bias, poisson));
+        out
+    }
+
+    fn exhaustive(map_size: u32) -> Vec<Self> {
+        let mut out = sweeps::every_bias(map_size, |map| Self {
+            map,
+            ..Self::default()
+        });
+        for pattern in [Pattern::Grid, Pattern::Poisson] {
+            out.extend(sweeps::slope_and_adaptive(map_size, |map| Self {
+                map,
+                pattern,
+                rotate: false,
+                taps: 9,
+                ..Self::default()
+            }));
+        }
+        out
+    }
+
+    fn candidates(map: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
+        [(2.0, 8), (4.0, 16), (8.0, 32), (16.0, 32)]
+            .map(|(radius, taps)| {
+                Candidate::of(Self {
+                    map,
+                    radius,
+                    taps,
+                    ..Self::default()
+                })
+            })
+            .to_vec()
+    }
+
+    fn closed_form(map: ShadowMap) -> Option<ClosedFormDemand<Self>> {
+        let radius = 2.0;
+        let technique = Self {
+            map,
+            radius,
+            ..Self::default()
+        };
+        Some(ClosedFormDemand::new(technique, radius))
+    }
+
+    const RANDOM_WEIGHT: u32 = 2;
+
+    fn random_parameters() -> Vec<RandomParameter> {
+        vec![
+            RandomParameter::Length(0.1..6.0),
+            RandomParameter::Count(1..40),
+            RandomParameter::Pattern,
+            RandomParameter::Switch,
+        ]
+    }
+
+    fn random(map: ShadowMap, numbers: &[f32]) -> Self {
+        Self {
+            map,
+            radius: numbers[0],
+            taps: numbers[1] as u32,
+            pattern: Pattern::ALL[numbers[2] as usize],
+            rotate: numbers[3] > 0.0,
+        }
     }
 }
 

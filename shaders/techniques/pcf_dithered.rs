@@ -8,15 +8,15 @@
 
 use crate::{
     lanes::batch::{Taps, look_up_span},
+    listing::{ListedTechnique, sweeps},
     shadow_map::{
-        ShadowMap,
-        coord::ShadowCoord, layers::ShadowMapUniforms, texel_compare::DepthMap,
+        ShadowMap, coord::ShadowCoord, layers::ShadowMapUniforms, texel_compare::DepthMap,
     },
 };
 use glam::UVec2;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Asks, Inputs, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span,
+    Asks, Fit, Inputs, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span,
     UniformLayout, Uniforms, View,
 };
 
@@ -46,6 +46,25 @@ impl ShadowTechnique for PcfDithered {
     }
 }
 
+impl ListedTechnique for PcfDithered {
+    const SUMMARY: &'static str =
+        "four comparisons, placed by the pixel's parity (Bunnell, Pellacini 2004)";
+
+    fn map(&self) -> Option<&ShadowMap> {
+        Some(&self.map)
+    }
+
+    fn with_map(self, map: ShadowMap) -> Self {
+        Self { map }
+    }
+
+    fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
+        sweeps::sweep(map_sizes, fit, &sweeps::two_biases(1.5), |map| Self { map })
+    }
+
+    const RANDOM_WEIGHT: u32 = 2;
+}
+
 /// The lookup.
 #[derive(Clone, Copy, Debug)]
 pub struct PcfDitheredKernel(
@@ -58,12 +77,10 @@ impl Kernel for PcfDitheredKernel {
         self.0
             .modules()
             .into_iter()
-            .chain([
-                Module {
-                    name: "pcf_dithered",
-                    text: include_str!("pcf_dithered.wgsl"),
-                },
-            ])
+            .chain([Module {
+                name: "pcf_dithered",
+                text: include_str!("pcf_dithered.wgsl"),
+            }])
             .collect()
     }
 

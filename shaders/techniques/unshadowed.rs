@@ -4,7 +4,10 @@
 //! what all others are measured against: a shadow that nobody misses need not be made. Lights with an extent count as
 //! their middle.
 
-use crate::shading::facing::{FACING, homogeneous, turned_away};
+use crate::{
+    listing::ListedTechnique,
+    shading::facing::{FACING, homogeneous, turned_away},
+};
 use glam::Vec4;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -45,6 +48,17 @@ impl ShadowTechnique for Unshadowed {
             shade: None,
             keep_images: false,
         })
+    }
+}
+
+impl ListedTechnique for Unshadowed {
+    const SUMMARY: &'static str = "no shadows: for scenes in which nothing casts onto what is seen";
+
+    // It begins with the light, but nothing is compiled anew for that.
+    const BRANCHES_ON_UNIFORMS: bool = false;
+
+    fn why_chosen(&self, error: f64, _: &Recipe) -> Option<String> {
+        (error > 0.0).then(|| format!("leaving all shadows out errs by only {error:.4}"))
     }
 }
 

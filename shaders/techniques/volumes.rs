@@ -28,6 +28,7 @@ mod t_junctions;
 mod window;
 
 use crate::{
+    listing::ListedTechnique,
     shading::facing::{FACING, homogeneous, turned_away},
     techniques::{
         infinite_far::InfiniteFarView,
@@ -113,6 +114,20 @@ impl ShadowTechnique for ShadowVolumes {
             light,
         ))
     }
+}
+
+impl ListedTechnique for ShadowVolumes {
+    const SUMMARY: &'static str =
+        "stencil shadow volumes, exact (Crow 1977; Everitt, Kilgard 2002)";
+
+    fn why_chosen(&self, _: f64, _: &Recipe) -> Option<String> {
+        Some("volumes have exact edges".to_owned())
+    }
+
+    const RANDOM_WEIGHT: u32 = 2;
+
+    // It begins with the light, but nothing is compiled anew for that.
+    const BRANCHES_ON_UNIFORMS: bool = false;
 }
 
 /// Image 0 holds the nearest depths, image 1 the counts.

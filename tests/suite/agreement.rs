@@ -21,8 +21,6 @@ use umbrage_tests::{
 
 /// So many that a thousand are rendered with maps; some lights are not supported, and some cases are ray-traced.
 const SCENES: u32 = 1_600;
-/// Techniques that look up no shadow map.
-const MAPLESS: [&str; 4] = ["none", "planar", "volumes", "traced"];
 /// Scenes that each technique must have rendered at the least; planar shadows refuse most.
 const LEAST_EACH: u32 = 25;
 
@@ -63,7 +61,7 @@ fn random_scenes_agree() {
     let rendered = rendered.into_inner();
     let mapped: u32 = rendered
         .iter()
-        .filter(|(name, _)| !MAPLESS.contains(name))
+        .filter(|(name, _)| umbrage_techniques::find(name).is_some_and(|entry| entry.has_map))
         .map(|(_, n)| n)
         .sum();
     assert!(

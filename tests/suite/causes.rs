@@ -6,7 +6,7 @@ use umbrage_core::{
 };
 use umbrage_cpu::Cpu;
 use umbrage_lab::causes::{Fault, faults};
-use umbrage_lab::truth::{Truth, TruthOptions, trace};
+use umbrage_plan::truth::{Truth, TruthOptions, trace};
 use umbrage_techniques::{Bias, Hard, ShadowMap, Traced};
 
 struct Stage {

@@ -1,7 +1,7 @@
 //! Shadows known from formulas: truth and the traced technique must reproduce them, through the lab's own entrance.
 
 use umbrage_core::{Geometry, Light};
-use umbrage_lab::truth::{Point, TruthOptions, trace_points};
+use umbrage_plan::truth::{Point, TruthOptions, trace_points};
 use umbrage_scenes::{ClosedForm, Sample, SceneEntry, all};
 
 fn cases() -> impl Iterator<Item = (&'static SceneEntry, ClosedForm)> {

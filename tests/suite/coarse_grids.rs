@@ -10,7 +10,7 @@ use umbrage_core::{
     metrics::{MOST_EXCESS, Reference},
 };
 use umbrage_cpu::{Cpu, CpuOptions};
-use umbrage_lab::truth::{Truth, TruthOptions, trace};
+use umbrage_plan::truth::{Truth, TruthOptions, trace};
 use umbrage_techniques::{Bias, Entry, Hard, ShadowMap};
 
 const SIZE: UVec2 = UVec2::new(160, 120);

@@ -10,10 +10,8 @@ use umbrage_core::{
     metrics::{Errors, Reference},
 };
 use umbrage_cpu::Cpu;
-use umbrage_lab::{
-    bias::lights_around,
-    truth::{TruthOptions, trace},
-};
+use umbrage_lab::bias::lights_around;
+use umbrage_plan::truth::{TruthOptions, trace};
 use umbrage_techniques::{Hard, Pcf, ShadowMap};
 
 /// Finely and coarsely tessellated, closed and open, smooth and with edges.

@@ -5,7 +5,7 @@
 use glam::{UVec2, Vec2, Vec3};
 use umbrage_core::{Backend, Geometry, PlanError, Scene, ShadowTechnique, View, metrics::Pixel};
 use umbrage_cpu::Cpu;
-use umbrage_lab::truth::{Truth, TruthOptions, trace};
+use umbrage_plan::truth::{Truth, TruthOptions, trace};
 use umbrage_techniques::{Planar, ShadowVolumes};
 use umbrage_tests::gpu::gpu;
 

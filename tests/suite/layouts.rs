@@ -48,8 +48,6 @@ fn every_kernel_writes_its_uniforms_where_its_shader_reads_them() {
 /// moving lights would be slow there.
 #[test]
 fn the_first_word_of_uniforms_does_not_hang_on_the_light() {
-    /// Their shaders branch on no uniform, so nothing is compiled anew. They begin with the light.
-    const BRANCHLESS: [&str; 3] = ["none", "planar", "volumes"];
     let (geometry, camera) = (stage::geometry(1.0, Vec3::ZERO), stage::camera());
     let sun = |x: f32| Light::Directional {
         direction: Vec3::new(x, -3.0, 1.0),
@@ -74,7 +72,7 @@ fn the_first_word_of_uniforms_does_not_hang_on_the_light() {
                         .collect::<Vec<_>>()
                 };
                 assert!(
-                    first(&a) == first(&b) || BRANCHLESS.contains(&entry.name),
+                    first(&a) == first(&b) || !entry.branches_on_uniforms,
                     "{name}"
                 );
             }

@@ -3,7 +3,7 @@
 use umbrage::{Backend, Geometry, ShadowTechnique, View, techniques::ShadowMap};
 use umbrage_cpu::Cpu;
 use umbrage_examples::variance::Variance;
-use umbrage_lab::footprint;
+use umbrage_plan::footprint;
 use umbrage_tests::gpu::gpu;
 
 #[test]

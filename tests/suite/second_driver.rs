@@ -7,8 +7,8 @@ use umbrage_cpu::Cpu;
 use umbrage_lab::{
     compare::{BackendChoice, Backends, Comparison, Options, SceneInput, compare},
     stability,
-    truth::TruthOptions,
 };
+use umbrage_plan::truth::TruthOptions;
 use umbrage_tests::gpu::named;
 use umbrage_wgpu::Gpu;
 
@@ -48,7 +48,7 @@ fn compared(scenes: &[&str], backends: &mut Backends) -> Comparison {
     let options = Options {
         truth,
         runs: None,
-        most_settings: Some(2),
+        max_settings: Some(2),
         ..Options::quick()
     };
     compare(&inputs, &options, backends, &mut |_, _| Ok(()), &|_| {}).expect("comparable")

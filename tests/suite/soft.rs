@@ -8,7 +8,7 @@ use umbrage_core::{
     metrics::{Pixel, Reference},
 };
 use umbrage_cpu::Cpu;
-use umbrage_lab::truth::{Truth, TruthOptions, trace};
+use umbrage_plan::truth::{Truth, TruthOptions, trace};
 use umbrage_scenes::{Kind, all};
 use umbrage_techniques::{Pcf, PcfDisc, Pcss, ShadowMap};
 use umbrage_tests::gpu::gpu;

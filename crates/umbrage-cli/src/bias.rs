@@ -43,12 +43,12 @@ pub(crate) fn bias(program: &Program, options: &BiasOptions) -> Result<()> {
             rows: count,
             good,
             mean,
-            most,
+            max,
             ..
         } = Summary::of(found.iter());
         let place = format!("{:>2}/{}", i + 1, names.len());
         println!(
-            "{place} {name:<26} {good:>3} of {count:<3} within 10 %, mean ratio {mean:.3}, greatest {most:.2}"
+            "{place} {name:<26} {good:>3} of {count:<3} within 10 %, mean ratio {mean:.3}, greatest {max:.2}"
         );
         rows.extend(found);
     }

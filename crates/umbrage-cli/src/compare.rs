@@ -11,7 +11,7 @@ use umbrage_core::{Backend, glam::UVec2};
 use umbrage_lab::{
     baseline::{Changes, Except, apart, changes, read, time_again},
     compare::{Backends, Comparison, Event, Options, Runs, SceneInput, compare as run},
-    report::{Plan, Report},
+    report::{ComparisonPlan, Report},
 };
 
 /// Compares, prints, reports; fails if backends disagree, a control has no effect, or something got worse.
@@ -42,7 +42,12 @@ pub(crate) fn compare(program: &Program, options: &CompareOptions) -> Result<()>
     {
         println!("{line}");
     }
-    let report = Report::create(&out, Plan::new(&inputs, &settings), &places, options.arrays)?;
+    let report = Report::create(
+        &out,
+        ComparisonPlan::new(&inputs, &settings),
+        &places,
+        options.arrays,
+    )?;
     measure(
         &inputs,
         &places,

@@ -6,7 +6,7 @@ use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
 use std::sync::Arc;
 use umbrage_core::{Backend, Fit, Scene, ShadowTechnique, glam::UVec2};
 use umbrage_cpu::Cpu;
-use umbrage_lab::cost::{Calibration, KIND_NAMES, calibrate};
+use umbrage_plan::cost::{Calibration, KIND_NAMES, calibrate};
 use umbrage_techniques::all;
 use umbrage_wgpu::{AdapterChoice, Gpu};
 
@@ -81,7 +81,7 @@ fn print(name: &str, found: &Calibration) {
     println!("\n{name}: {} recipes timed\n{table}", found.samples.len());
     println!(
         "half of the times are predicted within x{:.2}, nine of ten within x{:.2}",
-        found.typical_factor, found.most_factor
+        found.typical_factor, found.factor_of_nine_in_ten
     );
     let mut worst: Vec<_> = found
         .samples

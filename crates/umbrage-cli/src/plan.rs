@@ -12,10 +12,8 @@ use crate::{
 use anyhow::{Result, bail};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
 use umbrage_core::glam::UVec2;
-use umbrage_lab::{
-    cost::CostModel,
-    plan::{Bounds, Options, Plan, Setting, plan as find, write},
-};
+use umbrage_lab::plan_files::write;
+use umbrage_plan::{Bounds, Options, Plan, Setting, cost::CostModel, plan as find};
 
 /// Plans, prints, writes; fails if nothing is within the bounds.
 pub(crate) fn plan(program: &Program, options: &PlanOptions) -> Result<()> {
@@ -93,7 +91,7 @@ fn print(plan: &Plan, kind: &str) {
         );
         let (ms, factor, bytes) = (
             chosen.milliseconds,
-            CostModel::most_factor_of(kind),
+            CostModel::factor_of_nine_in_ten(kind),
             planning::bytes(chosen.bytes),
         );
         println!(

@@ -2,7 +2,7 @@
 
 use indicatif::{ProgressBar, ProgressStyle};
 use std::time::Duration;
-use umbrage_lab::plan::Step;
+use umbrage_plan::Step;
 
 /// How far a plan is. Nobody knows how many candidates it takes, so only truth has a bar.
 pub(crate) struct Progress {

@@ -6,9 +6,8 @@ use crate::{inputs::scene, plan::settings, planning::Progress};
 use anyhow::{Result, bail};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
 use umbrage_core::Scene;
-use umbrage_lab::plan::{
-    LEAST_KEPT, MOST_REGRET, Options, Regret, regret as measure, write_regret,
-};
+use umbrage_lab::plan_files::write_regret;
+use umbrage_plan::{MAX_REGRET, MIN_KEPT, Options, Regret, regret as measure};
 
 /// One row a scene, light and bound; fails if too many bounds are broken, or a choice costs too much.
 pub(crate) fn regret(program: &Program, options: &PlanOptions) -> Result<()> {
@@ -123,7 +122,7 @@ fn verdict(all: &[Regret]) -> Result<()> {
         .filter_map(Regret::ratio)
         .collect();
     ratios.sort_by(f64::total_cmp);
-    let dear = ratios.iter().filter(|r| **r > MOST_REGRET).count();
+    let dear = ratios.iter().filter(|r| **r > MAX_REGRET).count();
     let at = |share: f64| {
         ratios
             .get(((ratios.len() as f64 - 1.0) * share).round() as usize)
@@ -132,7 +131,7 @@ fn verdict(all: &[Regret]) -> Result<()> {
     };
     let summary = format!(
         "{kept} of {} plans keep their bound on the whole image ({:.1} %); cost over the least: median {:.2}, \
-         9 in 10 within {:.2}, greatest {:.2}; {dear} cost more than {MOST_REGRET} times the least",
+         9 in 10 within {:.2}, greatest {:.2}; {dear} cost more than {MAX_REGRET} times the least",
         all.len(),
         100.0 * kept as f64 / count,
         at(0.5),
@@ -140,10 +139,10 @@ fn verdict(all: &[Regret]) -> Result<()> {
         at(1.0)
     );
     println!("{summary}");
-    if (kept as f64) < LEAST_KEPT * count || dear > 0 {
+    if (kept as f64) < MIN_KEPT * count || dear > 0 {
         bail!(
-            "plans miss their targets: {:.0} % kept, at most {MOST_REGRET} times the least cost",
-            100.0 * LEAST_KEPT
+            "plans miss their targets: {:.0} % kept, at most {MAX_REGRET} times the least cost",
+            100.0 * MIN_KEPT
         );
     }
     Ok(())

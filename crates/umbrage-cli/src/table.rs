@@ -2,11 +2,8 @@
 
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
 use umbrage_core::metrics::Errors;
-use umbrage_lab::{
-    compare::{Measured, Outcome, Row, SceneResult},
-    footprint,
-    pareto::front,
-};
+use umbrage_lab::compare::{Measured, Outcome, Row, SceneResult};
+use umbrage_plan::{footprint, pareto::front};
 
 /// With more rows than this, only those are printed that no other beats in both time and error.
 const ALL_ROWS: usize = 120;

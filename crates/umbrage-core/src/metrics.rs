@@ -13,7 +13,7 @@ use glam::UVec2;
 /// A pixel is a **false shadow** when the mask is darker than truth by more than this, **false light** when it is lighter
 /// by more: a quarter of the light, a step that anyone sees. (For hard masks and ideal lights any threshold in 0..1 gives
 /// the same figures.)
-pub const FALSE: f32 = 0.25;
+pub const ERROR_THRESHOLD: f32 = 0.25;
 
 /// A false shadow is **acne** when it lies farther than this from any true shadow edge, in pixels between centres.
 pub const ACNE_DISTANCE: u32 = 8;
@@ -22,7 +22,7 @@ pub const ACNE_DISTANCE: u32 = 8;
 pub const PENUMBRA: f32 = 0.02;
 
 /// Decided pixels of two masks may differ by this: one step of an 8-bit image.
-pub const AGREE: f32 = 1.0 / 255.0;
+pub const AGREEMENT_TOLERANCE: f32 = 1.0 / 255.0;
 
 /// What a pixel is to the error figures.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -52,9 +52,9 @@ pub struct Errors {
     pub bias: f64,
     /// Greatest |mask - truth|, 0..=1.
     pub largest: f64,
-    /// Mask darker than truth by more than [`FALSE`], percent.
+    /// Mask darker than truth by more than [`ERROR_THRESHOLD`], percent.
     pub false_shadow: f64,
-    /// Mask lighter than truth by more than [`FALSE`], percent.
+    /// Mask lighter than truth by more than [`ERROR_THRESHOLD`], percent.
     pub false_light: f64,
     /// False shadow farther than [`ACNE_DISTANCE`] from any true shadow edge, percent.
     pub acne: f64,
@@ -80,7 +80,7 @@ pub struct Reference<'a> {
 
 impl<'a> Reference<'a> {
     /// Finds truth's shadow edges, `pixels` telling what counts. A true shadow edge is where truth is a penumbra or differs
-    /// from one of the four neighbours' by more than [`FALSE`]; pixels that are [`Pixel::Empty`] make no edges.
+    /// from one of the four neighbours' by more than [`ERROR_THRESHOLD`]; pixels that are [`Pixel::Empty`] make no edges.
     ///
     /// # Errors
     /// When sizes differ or a value is not within 0..=1.
@@ -159,11 +159,11 @@ impl Errors {
         self.mean += f64::from(difference.abs());
         self.bias += f64::from(difference);
         self.largest = self.largest.max(f64::from(difference.abs()));
-        if difference < -FALSE {
+        if difference < -ERROR_THRESHOLD {
             self.false_shadow += 1.0;
             self.acne += if near_edge { 0.0 } else { 1.0 };
         }
-        if difference > FALSE {
+        if difference > ERROR_THRESHOLD {
             self.false_light += 1.0;
         }
     }
@@ -172,8 +172,9 @@ impl Errors {
 /// Pixels on true shadow edges, as [`Errors::measure`] defines them.
 pub fn edges(size: UVec2, truth: &[f32], pixels: &[Pixel]) -> Vec<bool> {
     let (w, h) = (size.x as usize, size.y as usize);
-    let differs =
-        |i: usize, j: usize| pixels[j] != Pixel::Empty && (truth[i] - truth[j]).abs() > FALSE;
+    let differs = |i: usize, j: usize| {
+        pixels[j] != Pixel::Empty && (truth[i] - truth[j]).abs() > ERROR_THRESHOLD
+    };
     let is_edge = |i: usize| {
         let (x, y) = (i % w, i / w);
         pixels[i] != Pixel::Empty
@@ -246,7 +247,7 @@ pub struct Agreement {
     pub elsewhere: u64,
     /// Greatest difference anywhere, 0..=1.
     pub largest: f64,
-    /// Decided pixels that differ by more than [`AGREE`]: must be 0.
+    /// Decided pixels that differ by more than [`AGREEMENT_TOLERANCE`]: must be 0.
     pub violations: u64,
     /// Pixels on which the CPU's own mask changes by more than is allowed once it rounds vertices as the other backend's
     /// device does ([`Snapping`](crate::Snapping)). There the other backend must agree with the changed mask.
@@ -259,7 +260,7 @@ pub struct Agreement {
 }
 
 impl Agreement {
-    /// Compares two masks; `doubts` tells where they may differ, `tolerance` is what the kernel allows beyond [`AGREE`]
+    /// Compares two masks; `doubts` tells where they may differ, `tolerance` is what the kernel allows beyond [`AGREEMENT_TOLERANCE`]
     /// ([`Kernel::tolerance`](crate::Kernel::tolerance)).
     ///
     /// # Errors
@@ -287,7 +288,7 @@ impl Agreement {
                 Doubt::Rounding => &mut out.undecided,
                 Doubt::Triangle => &mut out.elsewhere,
             };
-            *count += u64::from(difference > AGREE + tolerance);
+            *count += u64::from(difference > AGREEMENT_TOLERANCE + tolerance);
         }
         Ok(out)
     }

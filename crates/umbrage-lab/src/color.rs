@@ -78,7 +78,7 @@ fn view<'a>(scene: &'a Scene, geometry: &'a Geometry) -> Result<View<'a>, Invali
 pub(crate) fn png(size: UVec2, shadows: &Shadows) -> Option<ImageResult<Vec<u8>>> {
     shadows
         .picture_bytes()
-        .map(|rgb| crate::report::pictures::encode_rgb(size, &rgb))
+        .map(|rgb| crate::output::png::encode_rgb(size, &rgb))
 }
 
 /// At how many pixels two pictures differ by more than one step of 255 though their masks agree within one and they show the

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 use umbrage_core::{BackendError, Invalid, PlanError};
+use umbrage_plan::MeasureError;
 
 /// Why a comparison stopped.
 #[derive(Debug, thiserror::Error)]
@@ -16,6 +17,9 @@ pub enum LabError {
     /// A technique has parameters that cannot be used.
     #[error(transparent)]
     Plan(#[from] PlanError),
+    /// Truth, a cost or a plan could not be found.
+    #[error(transparent)]
+    Measure(MeasureError),
     /// A file or folder could not be written.
     #[error("{path}: {source}; check the folder's name, rights and space", path = .path.display())]
     Write {
@@ -32,4 +36,16 @@ pub enum LabError {
         /// What differs.
         what: String,
     },
+}
+
+impl From<MeasureError> for LabError {
+    /// Keeps the kind of error where both have it.
+    fn from(e: MeasureError) -> Self {
+        match e {
+            MeasureError::Invalid(e) => Self::Invalid(e),
+            MeasureError::Backend(e) => Self::Backend(e),
+            MeasureError::Plan(e) => Self::Plan(e),
+            other => Self::Measure(other),
+        }
+    }
 }

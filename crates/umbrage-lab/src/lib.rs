@@ -1,49 +1,30 @@
 //! Measures shadow techniques against ray-traced truth: error, time, agreement between backends, reports.
 //!
 //! * [`compare`]: every technique setting on every backend, against truth and against each other.
-//! * [`report`]: a page, charts, tables, data and pictures of it. [`pareto`]: the front of time against error.
-//! * [`baseline`]: what got slower or less accurate than it was. [`figure`]: still charts.
-//! * [`footprint`]: how much of their maps techniques use, and how fine these are on screen.
+//! * [`report`]: a page, charts, tables, data and pictures of it.
+//! * [`baseline`]: what got slower or less accurate than it was.
 //! * [`textbook`]: the textbooks' effects, measured and pictured. [`mod@bench`]: paired timings.
 //! * [`mod@bias`]: the default bias against all that could be tuned by hand.
 //! * [`causes`]: an example of each cause of error ([`umbrage_core::metrics::Causes`]).
-//! * [`cost`]: milliseconds by counting, the same on every run.
 //! * [`stability`]: where methods fail, scene by scene.
-//! * [`mod@plan`]: the least that a scene needs.
-//! * [`truth`]: what every shadow should have been, with its own error bars.
-//! * [`umbrage_core::metrics`]: how far a mask is from it.
+//! * [`plan_files`]: plans on disk.
+//! * [`output`]: what all of these write with: folders, pictures, charts, pages and tables.
 //!
-//! The feature `report`, on by default, brings comparisons, reports and benchmarks; without it the lab is truth, costs and
-//! the planner.
+//! Truth, costs, footprints and the planner are [`umbrage_plan`]'s; [`umbrage_core::metrics`] says how far a mask is from truth.
 
-#[cfg(feature = "report")]
 pub mod baseline;
-#[cfg(feature = "report")]
 pub mod bench;
-#[cfg(feature = "report")]
 pub mod bias;
 pub mod causes;
-#[cfg(all(test, feature = "report"))]
-mod cheat;
-#[cfg(feature = "report")]
 mod color;
-#[cfg(feature = "report")]
 pub mod compare;
-pub mod cost;
 mod error;
-#[cfg(feature = "report")]
-pub mod figure;
-pub mod footprint;
-#[cfg(feature = "report")]
-mod page;
-pub mod pareto;
-pub mod plan;
-#[cfg(feature = "report")]
+#[cfg(test)]
+mod faulty_backend;
+pub mod output;
+pub mod plan_files;
 pub mod report;
-#[cfg(feature = "report")]
 pub mod stability;
-#[cfg(feature = "report")]
 pub mod textbook;
-pub mod truth;
 
 pub use error::LabError;

@@ -30,7 +30,10 @@ pub(crate) fn with_prefix(text: &str, prefix: &str) -> Result<String, Invalid> {
 /// Objects to what can't begin an identifier: see "Identifiers" in the WGSL specification. A single `_` would be a placeholder with
 /// some names, and two are reserved.
 fn check(prefix: &str) -> Result<(), Invalid> {
-    let first_is_letter = prefix.chars().next().is_none_or(|c| c.is_ascii_alphabetic());
+    let first_is_letter = prefix
+        .chars()
+        .next()
+        .is_none_or(|c| c.is_ascii_alphabetic());
     let rest_is_word = prefix
         .chars()
         .all(|c| c.is_ascii_alphanumeric() || c == '_');

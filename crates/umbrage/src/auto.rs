@@ -1,19 +1,17 @@
 //! The least technique that a scene needs.
 
 use crate::{Scene, techniques::Preset};
-use umbrage_lab::{
-    LabError,
-    plan::{Miss, Options, plan},
-};
+use umbrage_plan::{MeasureError, Miss, Options, plan};
 
 /// What shadows may err and cost: a greatest error, time, number of bytes, or several of them.
-pub type Budget = umbrage_lab::plan::Bounds;
+pub type Budget = umbrage_plan::Bounds;
 
 /// Finds the cheapest built-in technique and setting within a budget (without a bound of the error, the most accurate) for a
 /// scene's first camera and light. It measures on the CPU, in seconds: call it where scenes are made rather than every frame,
 /// and keep the answer ([`Preset::to_toml`]). Why it was chosen, and what else there is: [`mod@crate::plan`].
 ///
-/// ```
+#[cfg_attr(feature = "scenes", doc = "```")]
+#[cfg_attr(not(feature = "scenes"), doc = "```ignore")]
 /// use umbrage::{Budget, Geometry, ShadowTechnique, View, techniques::Preset};
 ///
 /// let scene = umbrage::scenes::by_argument("cubes")?;
@@ -40,7 +38,7 @@ pub fn auto(scene: &Scene, budget: &Budget) -> Result<Preset, AutoError> {
 pub enum AutoError {
     /// The scene or the budget can't be used.
     #[error(transparent)]
-    Lab(#[from] LabError),
+    Measure(#[from] MeasureError),
     /// Nothing is within the budget: which bound fails, by how much, and what comes nearest.
     #[error(transparent)]
     Miss(#[from] Box<Miss>),

@@ -6,11 +6,12 @@
 //! * by type: `umbrage::cpu::Cpu` or `umbrage::wgpu::Gpu`, both [`Backend`]s, in functions generic over it;
 //! * at compile time: the features `cpu` and `wgpu`, both on by default.
 //!
-//! With the feature `plan`, `umbrage::auto` finds the least technique that a scene needs, by measurement.
+//! Two more features are off by default. With `scenes`, `umbrage::scenes` loads scene files and OBJ models and has the built-in
+//! scenes. With `plan`, `umbrage::auto` finds the least technique that a scene needs, by measurement.
 //!
 //! Programs with a device and an encoder of their own use `umbrage::wgpu::ShadowRenderer`.
-#![cfg_attr(feature = "cpu", doc = "```")]
-#![cfg_attr(not(feature = "cpu"), doc = "```ignore")]
+#![cfg_attr(all(feature = "cpu", feature = "scenes"), doc = "```")]
+#![cfg_attr(not(all(feature = "cpu", feature = "scenes")), doc = "```ignore")]
 //! use umbrage::{Choice, Geometry, ShadowTechnique, View, techniques::Pcf};
 //!
 //! let scene = umbrage::scenes::by_argument("cubes")?;
@@ -23,8 +24,8 @@
 //! ```
 //!
 //! How large should a map be? As fine as the screen is where what it shows faces the light:
-#![cfg_attr(feature = "cpu", doc = "```")]
-#![cfg_attr(not(feature = "cpu"), doc = "```ignore")]
+#![cfg_attr(all(feature = "cpu", feature = "scenes"), doc = "```")]
+#![cfg_attr(not(all(feature = "cpu", feature = "scenes")), doc = "```ignore")]
 //! use umbrage::{Geometry, View, cpu::Cpu, techniques::{Pcf, ShadowMap}};
 //!
 //! let scene = umbrage::scenes::by_argument("cubes")?;
@@ -48,12 +49,13 @@ mod choice;
 pub use auto::{AutoError, Budget, auto};
 pub use choice::{Choice, backend};
 pub use umbrage_core::*;
-pub use umbrage_scenes as scenes;
 pub use umbrage_techniques as techniques;
 
 #[cfg(feature = "cpu")]
 pub use umbrage_cpu as cpu;
 #[cfg(feature = "plan")]
-pub use umbrage_lab::plan;
+pub use umbrage_plan as plan;
+#[cfg(feature = "scenes")]
+pub use umbrage_scenes as scenes;
 #[cfg(feature = "wgpu")]
 pub use umbrage_wgpu as wgpu;

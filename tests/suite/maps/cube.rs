@@ -8,10 +8,10 @@ use super::Case;
 use glam::{UVec2, Vec2, Vec3};
 use umbrage_core::{
     Backend, Camera, Instance, Layout, Mesh, Recipe, Scene, ShadowTechnique,
-    metrics::{FALSE, Pixel},
+    metrics::{ERROR_THRESHOLD, Pixel},
 };
 use umbrage_cpu::Cpu;
-use umbrage_lab::truth::{Point, TruthOptions, trace_points};
+use umbrage_plan::truth::{Point, TruthOptions, trace_points};
 use umbrage_techniques::{Bias, Hard, Midpoint, Pcf, ShadowMap};
 
 const SIZE: u32 = 512;
@@ -129,7 +129,7 @@ fn near_edge(case: &Case, pixel: usize, texels: f32) -> bool {
 
 /// False pixels in the seam band and elsewhere.
 fn false_pixels(case: &Case, mask: &[f32]) -> [Vec<usize>; 2] {
-    let wrong = |&i: &usize| (mask[i] - case.truth.visibility[i]).abs() > FALSE;
+    let wrong = |&i: &usize| (mask[i] - case.truth.visibility[i]).abs() > ERROR_THRESHOLD;
     let (band, elsewhere) = case
         .counted()
         .filter(wrong)

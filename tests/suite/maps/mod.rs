@@ -10,7 +10,7 @@ use umbrage_core::{
     metrics::{Errors, Pixel},
 };
 use umbrage_cpu::Cpu;
-use umbrage_lab::truth::{Truth, TruthOptions, trace};
+use umbrage_plan::truth::{Truth, TruthOptions, trace};
 use umbrage_scenes::find;
 
 /// A scene with its truth.

@@ -11,7 +11,7 @@
 //! | **acne** | too dark | elsewhere: surfaces shadow themselves |
 //! | **leak** | too light | elsewhere: light where a blocker far away should hide it |
 
-use super::{ACNE_DISTANCE, FALSE, PENUMBRA, Pixel, check, check_len, edges, near};
+use super::{ACNE_DISTANCE, ERROR_THRESHOLD, PENUMBRA, Pixel, check, check_len, edges, near};
 use crate::Invalid;
 use glam::UVec2;
 
@@ -33,7 +33,7 @@ pub struct Causes {
     pub edge: f64,
     /// Soft edges of the wrong width or with noise.
     pub penumbra: f64,
-    /// How far from the blocker light still reaches under it, metres: of the false light ([`FALSE`]) that is a gap, 19 of
+    /// How far from the blocker light still reaches under it, metres: of the false light ([`ERROR_THRESHOLD`]) that is a gap, 19 of
     /// 20 pixels are closer to their blocker. None without any.
     pub gap_metres: Option<f64>,
     /// Pixels of the mask's penumbra over those of truth's, around true penumbrae: 1 is right, 0 hard. None where truth has
@@ -128,7 +128,7 @@ impl Causes {
             let difference = mask[i] - truth.visibility[i];
             let Some(cause) = cause else { continue };
             *out.share(*cause) += f64::from(difference.abs());
-            if *cause == Cause::Gap && difference > FALSE {
+            if *cause == Cause::Gap && difference > ERROR_THRESHOLD {
                 gaps.push(truth.blocker[i]);
             }
         }

@@ -14,12 +14,12 @@ use std::collections::BTreeMap;
 pub const ROUNDS: usize = 3;
 
 /// ... and how often at most, until there are enough runs that nothing held up.
-const MOST_ROUNDS: usize = 10;
+const MAX_ROUNDS: usize = 10;
 
 /// Runs of a row in a round.
 const RUNS: Runs = Runs {
-    least: 9,
-    most: 15,
+    min: 9,
+    max: 15,
     budget_ms: 200,
 };
 
@@ -39,7 +39,7 @@ pub fn time_again(
 ) -> Result<(), LabError> {
     let suspects = std::mem::take(&mut changes.suspects);
     let (mut fresh, mut open) = (Fresh::new(), suspects.iter().collect::<Vec<&Suspect>>());
-    for round in 0..MOST_ROUNDS {
+    for round in 0..MAX_ROUNDS {
         let wanted =
             |suspect: &&&Suspect| round < ROUNDS || suspect.is_untold(&known(suspect, &fresh));
         let asked = asked(open.iter().filter(wanted).copied());

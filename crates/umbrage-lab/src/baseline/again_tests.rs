@@ -4,12 +4,12 @@ use super::*;
 use crate::{
     baseline::{Except, changes},
     compare::{Comparison, compare},
-    truth::TruthOptions,
 };
 use glam::UVec2;
 use std::{cell::Cell, rc::Rc, time::Duration};
 use umbrage_core::{Backend, BackendError, Recipe, Shadows, Timings, View};
 use umbrage_cpu::Cpu;
+use umbrage_plan::truth::TruthOptions;
 
 /// What the clock says of a play: the row of this map size takes so many times its usual time.
 #[derive(Clone, Debug)]
@@ -76,9 +76,10 @@ fn stage() -> Stage {
         }
     };
     let options = Options {
+        registry: umbrage_techniques::Techniques::built_in(),
         techniques: vec!["hard".to_owned()],
         map_sizes: vec![48, 64, 80],
-        most_settings: Some(3),
+        max_settings: Some(3),
         size: Some(UVec2::new(24, 16)),
         truth: TruthOptions {
             samples: 4,

@@ -1,8 +1,9 @@
 //! Figures that are the same on every run: any growth is a change.
 
 use super::ROUNDING;
-use crate::{compare::Measured, cost::CostModel};
+use crate::compare::Measured;
 use umbrage_core::metrics::MOST_UNDECIDED;
+use umbrage_plan::cost::CostModel;
 
 /// A figure that should not grow.
 pub(super) struct Figure {

@@ -259,10 +259,10 @@ impl<'a> Pair<'a> {
             }
         }
         let sample = |times: Option<Times>| {
-            let (ratio, yardstick) = (times?.ratio?, times?.yardstick?.least);
+            let (ratio, yardstick) = (times?.ratio?, times?.yardstick?.min);
             Some(times::Sample {
                 ratio,
-                least_ms: times?.total.least,
+                least_ms: times?.total.min,
                 yardstick,
             })
         };

@@ -1,17 +1,17 @@
 //! Baselines spoilt in every way that must be noticed, and in those that must not.
 
 use super::*;
-use crate::compare::{Measured, Ranks, SCHEMA, Spread};
+use crate::compare::{Measured, Ranks, SCHEMA, TimingStats};
 use umbrage_core::{
     Work,
     metrics::{Causes, Errors},
 };
 
 fn row(backend: &str) -> Row {
-    let total = Spread {
+    let total = TimingStats {
         median: 2.0,
-        least: 1.9,
-        greatest: 2.2,
+        min: 1.9,
+        max: 2.2,
         runs: 9,
     };
     let ratio = Ranks::of(vec![1.0; 9]);

@@ -140,7 +140,7 @@ pub(super) fn judge(timings: &[Timing<'_>]) -> Judged {
         let label = format!("{technique} on {backend}");
         match slower(&changes) {
             Some((true, _)) => {
-                let rows = spread_out(&rows, MOST_ROWS).map(|t| t.asked()).collect();
+                let rows = spread_out(&rows, MAX_ROWS).map(|t| t.asked()).collect();
                 out.suspects.push(Suspect {
                     label,
                     rows,
@@ -158,7 +158,7 @@ pub(super) fn judge(timings: &[Timing<'_>]) -> Judged {
 }
 
 /// So many rows of a technique are timed again.
-const MOST_ROWS: usize = 16;
+const MAX_ROWS: usize = 16;
 
 /// At most so many, taken evenly.
 fn spread_out<T>(all: &[T], most: usize) -> impl Iterator<Item = &T> {
@@ -179,7 +179,7 @@ impl Timing<'_> {
 /// What a row's ratios must lie beyond to be slower; none if the baseline has too few runs.
 fn bound(then: &Ranks) -> Option<f64> {
     let usual = if then.runs < MANY {
-        then.greatest
+        then.max
     } else {
         then.high
     };
@@ -235,7 +235,7 @@ impl Suspect {
             } = s;
             format!(
                 "{:.3} yardsticks ({:.3} to {:.3}; at least {least_ms:.3} ms)",
-                r.median, r.tenth, r.greatest
+                r.median, r.tenth, r.max
             )
         });
         Some(format!(

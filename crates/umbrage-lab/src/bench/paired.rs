@@ -7,7 +7,8 @@ use std::time::Duration;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Times {
     /// Shortest run, milliseconds.
-    pub least: f64,
+    #[serde(rename = "least")]
+    pub min: f64,
     /// Median run, milliseconds.
     pub median: f64,
     /// 90th percentile, milliseconds.
@@ -93,7 +94,7 @@ impl Times {
             }
         };
         Self {
-            least: at(0.0),
+            min: at(0.0),
             median: at(0.5),
             high: at(0.9),
         }
@@ -116,6 +117,6 @@ mod tests {
         };
         let (a, b, ratio) = paired([0, 5], drifting(2), drifting(6)).expect("no errors");
         assert!((ratio - 3.0).abs() < 1e-9, "{ratio}");
-        assert_eq!((a.least, a.median, b.median), (2.0, 6.0, 18.0));
+        assert_eq!((a.min, a.median, b.median), (2.0, 6.0, 18.0));
     }
 }

@@ -13,16 +13,13 @@ pub use rivals::rivals;
 pub use stage::{Staged, lights_around, staged};
 pub use table::{Summary, markdown, write};
 
-use crate::{
-    LabError,
-    compare::Backends,
-    truth::{self, TruthOptions},
-};
+use crate::{LabError, compare::Backends};
 use glam::UVec2;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
     Backend, FitMemory, Geometry, PlanError, ShadowTechnique, View, metrics::Reference,
 };
+use umbrage_plan::truth::{self, TruthOptions};
 use umbrage_techniques::{Bias, Hard, Pcf, PcfDisc, PcfHardware, PcfMerged, ShadowMap};
 
 /// As many wrong pixels are left to chance. (A shadow's edge that is some hundred pixels long is moved by every bias.)

@@ -1,7 +1,7 @@
 //! The rows as files: a CSV of all, and a page that begins with what they come to.
 
 use super::BiasRow;
-use crate::{LabError, report::Folder};
+use crate::{LabError, output::Folder};
 use std::{
     fmt::Write as _,
     path::{Path, PathBuf},
@@ -22,7 +22,7 @@ pub struct Summary {
     /// Geometric mean of the ratios.
     pub mean: f64,
     /// The greatest ratio.
-    pub most: f64,
+    pub max: f64,
     /// Geometric mean of the same ratio for the textbooks' slope bias.
     pub textbook: f64,
     /// Geometric mean of the same ratio for Isidoro's receiver plane.
@@ -41,7 +41,7 @@ impl Summary {
             rows: count,
             good: rows.clone().filter(|row| row.ratio() <= GOOD).count(),
             mean: mean(&BiasRow::ratio),
-            most: rows.clone().map(BiasRow::ratio).fold(0.0, f64::max),
+            max: rows.clone().map(BiasRow::ratio).fold(0.0, f64::max),
             textbook: mean(&|row| row.ratio_of(row.textbook)),
             plane: mean(&|row| row.ratio_of(row.plane)),
         }
@@ -52,13 +52,13 @@ impl Summary {
             rows,
             good,
             mean,
-            most,
+            max,
             textbook,
             plane,
         } = self;
         let share = 100.0 * *good as f64 / (*rows).max(1) as f64;
         format!(
-            "| {name} | {rows} | {share:.0} % | {mean:.3} | {most:.2} | {textbook:.2} | {plane:.2} |\n"
+            "| {name} | {rows} | {share:.0} % | {mean:.3} | {max:.2} | {textbook:.2} | {plane:.2} |\n"
         )
     }
 }

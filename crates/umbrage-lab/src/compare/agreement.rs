@@ -9,7 +9,7 @@ use crate::LabError;
 use glam::Vec2;
 use umbrage_core::{
     Backend, Cast, CastMode, Format, Receivers, Recipe, Shadows, Snapping, View,
-    metrics::{AGREE, Agreement, Doubt},
+    metrics::{AGREEMENT_TOLERANCE, Agreement, Doubt},
 };
 use umbrage_cpu::{Cpu, CpuOptions};
 
@@ -83,7 +83,7 @@ pub fn agree(
         agreed = agreement(&doubts)?;
     }
     let plain = Agreement::measure(of_cpu.size, &of_cpu.mask, &other.mask, &doubts, tolerance)?;
-    let moved = |(a, b): (&f32, &f32)| (a - b).abs() > AGREE + tolerance;
+    let moved = |(a, b): (&f32, &f32)| (a - b).abs() > AGREEMENT_TOLERANCE + tolerance;
     let by_grid = of_cpu
         .mask
         .iter()

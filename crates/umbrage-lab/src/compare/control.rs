@@ -15,14 +15,15 @@
 //! on the order of additions: there either answer is right.
 
 use super::{Control, horizon, scene::View3};
-use crate::{LabError, footprint, truth::Truth};
+use crate::LabError;
 use glam::{DVec3, UVec2, Vec2, Vec3};
 use rayon::prelude::*;
 use umbrage_core::{
     Aabb, Backend, CastMode, Cull, Light, PlanError, Recipe, ShadowTechnique, Shadows, View,
     light_sample::{LIFT, LightSampler, kind, seed, segment, unit_square},
-    metrics::{AGREE, FALSE, Pixel, near},
+    metrics::{AGREEMENT_TOLERANCE, ERROR_THRESHOLD, Pixel, near},
 };
+use umbrage_plan::{footprint, truth::Truth};
 
 /// Plays a technique on the same triangles, none of which casts, and looks at what becomes of its mask. `recipe` and
 /// `with_casters` are what it planned and showed with them. None where it can't be planned without casters.
@@ -47,7 +48,7 @@ pub(super) fn run(
     };
     let without = backend.render(&seen, &bare_recipe)?;
     let owed = owed(&bare_view, truth, &bare_recipe);
-    let tolerance = AGREE + bare_recipe.receive.kernel.tolerance();
+    let tolerance = AGREEMENT_TOLERANCE + bare_recipe.receive.kernel.tolerance();
     let counted = |i: &usize| truth.pixels[*i] == Pixel::Counted;
     let wrong = |i: &usize| {
         let [least, most] = owed[*i];
@@ -56,10 +57,12 @@ pub(super) fn run(
     let wrong_without = (0..owed.len()).filter(counted).filter(wrong).count() as u64;
     let looks = !(recipe.casts.is_empty() && recipe.tables.is_empty());
     // Of a light that is hidden whole, the middle and every sample are hidden, too.
-    let hidden =
-        |i: usize| looks && counted(&i) && truth.visibility[i] == 0.0 && owed[i][0] > FALSE;
+    let hidden = |i: usize| {
+        looks && counted(&i) && truth.visibility[i] == 0.0 && owed[i][0] > ERROR_THRESHOLD
+    };
     let shadow: Vec<bool> = (0..owed.len()).map(hidden).collect();
-    let brightened = |i: usize| shadow[i] && without.mask[i] - with_casters.mask[i] > FALSE;
+    let brightened =
+        |i: usize| shadow[i] && without.mask[i] - with_casters.mask[i] > ERROR_THRESHOLD;
     let changed = (0..owed.len()).filter(|&i| brightened(i)).count() as u64;
     let shadowed = shadow.iter().filter(|s| **s).count() as u64;
     let blind = shadowed > 0 && changed == 0;

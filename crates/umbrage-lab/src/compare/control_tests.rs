@@ -1,20 +1,19 @@
 //! Controls under lights of every kind, and inputs spoilt so that they must fail.
 
 use super::*;
-use crate::{
-    compare::{Backends, Comparison, Options, SceneInput, compare},
-    truth::{TruthOptions, trace},
-};
+use crate::compare::{Backends, Comparison, Options, SceneInput, compare};
 use glam::Affine3A;
 use umbrage_core::{BackendError, Camera, Fit, Geometry, Instance, Mesh, Scene};
 use umbrage_cpu::Cpu;
-use umbrage_techniques::{Bias, Hard, Pcss, SecondDepth, ShadowMap, Traced};
+use umbrage_plan::truth::{TruthOptions, trace};
+use umbrage_techniques::{Bias, Hard, Pcss, SecondDepth, ShadowMap, Techniques, Traced};
 
 fn options(techniques: &[&str]) -> Options {
     Options {
+        registry: Techniques::built_in(),
         techniques: techniques.iter().map(|t| (*t).to_owned()).collect(),
         map_sizes: vec![1024],
-        most_settings: Some(1),
+        max_settings: Some(1),
         size: Some(UVec2::new(96, 72)),
         truth: TruthOptions {
             samples: 64,

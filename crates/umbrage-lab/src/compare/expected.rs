@@ -165,15 +165,15 @@ fn once(
     // A timed row is played once for its mask, and then in turn with its yardstick.
     let plays = options
         .runs
-        .map_or(1.0, |runs| 1.0 + 1.25 * f64::from(runs.least.max(1)));
+        .map_or(1.0, |runs| 1.0 + 1.25 * f64::from(runs.min.max(1)));
     Ok((rows_from - start).as_secs_f64() + plays * (end - rows_from).as_secs_f64())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::truth::TruthOptions;
     use umbrage_cpu::Cpu;
+    use umbrage_plan::truth::TruthOptions;
 
     fn input(name: &str) -> SceneInput {
         let scene = (umbrage_scenes::find(name).expect("built in").build)();

@@ -21,21 +21,23 @@ pub use backends::{BackendChoice, Backends};
 pub use event::{Event, OnEvent};
 pub use expected::{Expected, pilot};
 pub use options::{Options, Runs, SceneInput};
-pub use relative::{LEAST_ERROR, Relative, relative};
+pub use relative::{MIN_ERROR, Relative, relative};
 pub use result::{
-    Clock, Comparison, Control, Environment, Measured, Outcome, Ranks, Row, SCHEMA, SceneResult,
-    Spread, Times, TruthSummary,
+    Comparison, Control, CostBasis, Environment, Measured, Outcome, Ranks, Row, SCHEMA,
+    SceneResult, Times, TimingStats, TruthSummary,
 };
 pub use scene::SceneImages;
-pub(crate) use slug::slug;
 pub use timing::CALM;
 pub(crate) use timing::{Again, again, calm};
 pub use yardstick::{Yardstick, YardstickKernel, YardstickUniforms};
 
-use crate::{LabError, report::FEW_SCENES};
+use crate::LabError;
 use std::sync::Arc;
 use umbrage_core::{Fit, ShadowTechnique};
 use umbrage_techniques::Settings;
+
+/// Of so many scenes, every row gets its pictures: whoever names a scene wants to see it.
+pub(crate) const FEW_SCENES: usize = 3;
 
 /// Takes a scene's figures and images as soon as they are there.
 pub type Sink<'a> = dyn FnMut(&SceneResult, &SceneImages) -> Result<(), LabError> + 'a;

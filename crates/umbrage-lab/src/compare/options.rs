@@ -1,9 +1,11 @@
 //! What is to be compared, and how.
 
-use crate::{LabError, truth::TruthOptions};
+use crate::LabError;
 use glam::UVec2;
 use std::{sync::Arc, time::Duration};
 use umbrage_core::{Camera, Fit, Invalid, Scene, ShadowTechnique};
+use umbrage_plan::truth::TruthOptions;
+use umbrage_techniques::{Entry, Techniques};
 
 /// A scene to be compared.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,12 +21,14 @@ pub struct SceneInput {
 /// How a comparison is made.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
-    /// Names of the techniques; all when empty.
+    /// The techniques that there are.
+    pub registry: Techniques,
+    /// Names of those that are compared; all when empty.
     pub techniques: Vec<String>,
     /// Sides of the shadow maps, texels.
     pub map_sizes: Vec<u32>,
     /// At most so many settings a technique; none: all of them.
-    pub most_settings: Option<usize>,
+    pub max_settings: Option<usize>,
     /// Image size in place of the cameras' own, pixels; the vertical field of view stays.
     pub size: Option<UVec2>,
     /// How truth is traced.
@@ -40,9 +44,11 @@ pub struct Options {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Runs {
     /// At least this often, 1 or more.
-    pub least: u32,
+    #[serde(rename = "least")]
+    pub min: u32,
     /// Never more often.
-    pub most: u32,
+    #[serde(rename = "most")]
+    pub max: u32,
     /// In between, until this much time has been spent on the row, milliseconds; a quarter more goes into its yardstick.
     pub budget_ms: u32,
 }
@@ -51,24 +57,24 @@ impl Runs {
     /// So many, however long they take.
     pub fn exactly(count: u32) -> Self {
         Self {
-            least: count,
-            most: count,
+            min: count,
+            max: count,
             budget_ms: 0,
         }
     }
 
     /// Whether `done` runs that took `spent` are enough.
     pub(super) fn suffice(&self, done: usize, spent: Duration) -> bool {
-        let (least, budget) = (
-            self.least.max(1) as usize,
+        let (min, budget) = (
+            self.min.max(1) as usize,
             Duration::from_millis(self.budget_ms.into()),
         );
-        done >= least && (done >= self.most as usize || spent >= budget)
+        done >= min && (done >= self.max as usize || spent >= budget)
     }
 
     /// Whether a row that was held up by others may be played on in the hope of calmer runs: for up to twice as long.
     pub(super) fn hopes(&self, done: usize, spent: Duration) -> bool {
-        done < self.most as usize && spent < 2 * Duration::from_millis(self.budget_ms.into())
+        done < self.max as usize && spent < 2 * Duration::from_millis(self.budget_ms.into())
     }
 }
 
@@ -76,8 +82,8 @@ impl Default for Runs {
     /// Five runs are the fewest that a [baseline](crate::baseline::times) judges; quick rows get up to fifteen.
     fn default() -> Self {
         Self {
-            least: 5,
-            most: 15,
+            min: 5,
+            max: 15,
             budget_ms: 60,
         }
     }
@@ -86,9 +92,10 @@ impl Default for Runs {
 impl Default for Options {
     fn default() -> Self {
         Self {
+            registry: Techniques::built_in(),
             techniques: Vec::new(),
             map_sizes: vec![512, 1024, 2048],
-            most_settings: None,
+            max_settings: None,
             size: None,
             truth: TruthOptions::default(),
             runs: Some(Runs::default()),
@@ -102,7 +109,7 @@ impl Options {
     pub fn quick() -> Self {
         Self {
             map_sizes: vec![512],
-            most_settings: Some(3),
+            max_settings: Some(3),
             size: Some(UVec2::new(160, 120)),
             truth: TruthOptions {
                 samples: 64,
@@ -110,7 +117,7 @@ impl Options {
                 ..TruthOptions::default()
             },
             runs: Some(Runs {
-                most: 9,
+                max: 9,
                 budget_ms: 20,
                 ..Runs::default()
             }),
@@ -123,16 +130,7 @@ impl Options {
     /// # Errors
     /// When a name is unknown or a map size is missing.
     pub(super) fn settings(&self, fit: Fit) -> Result<Vec<Arc<dyn ShadowTechnique>>, LabError> {
-        let all = umbrage_techniques::all();
-        let known = || all.iter().map(|e| e.name).collect::<Vec<_>>().join(", ");
-        if let Some(unknown) = self
-            .techniques
-            .iter()
-            .find(|n| all.iter().all(|e| e.name != n.as_str()))
-        {
-            let why = format!("there is none called `{unknown}`");
-            return Err(Invalid::new("technique", why, format!("use some of {}", known())).into());
-        }
+        let chosen = self.registry.select(&self.techniques)?;
         if self.map_sizes.is_empty() {
             return Err(Invalid::new(
                 "map sizes",
@@ -141,16 +139,11 @@ impl Options {
             )
             .into());
         }
-        let wanted =
-            |name: &str| self.techniques.is_empty() || self.techniques.iter().any(|n| n == name);
-        let most = self.most_settings.unwrap_or(usize::MAX);
-        let settings = |e: &umbrage_techniques::Entry| {
-            (e.settings)(&self.map_sizes, fit).into_iter().take(most)
-        };
-        Ok(all
-            .iter()
-            .filter(|e| wanted(e.name))
-            .flat_map(settings)
+        let max = self.max_settings.unwrap_or(usize::MAX);
+        let settings = |entry: &Entry| (entry.settings)(&self.map_sizes, fit);
+        Ok(chosen
+            .into_iter()
+            .flat_map(|entry| settings(entry).into_iter().take(max))
             .collect())
     }
 

@@ -9,12 +9,12 @@
 //! their mean is geometric. Where a technique cannot serve a scene it draws no shadow: relative error 1, and the time is the
 //! mean over the others.
 
-use super::{Clock, Comparison, Measured, Row, SceneResult, Spread};
+use super::{Comparison, CostBasis, Measured, Row, SceneResult, TimingStats};
 use serde::Serialize;
 use std::collections::HashMap;
 
 /// Relative errors below this are drawn here: a thousandth of the error of no shadow cannot be seen, and 0 has no logarithm.
-pub const LEAST_ERROR: f64 = 1e-3;
+pub const MIN_ERROR: f64 = 1e-3;
 
 /// One setting on one backend over all scenes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -28,7 +28,7 @@ pub struct Relative {
     /// Mean of the relative errors.
     pub error: f64,
     /// Geometric means of the relative times: medians, quickest and slowest runs; none without times.
-    pub time: Option<Spread>,
+    pub time: Option<TimingStats>,
     /// Geometric mean of the relative costs.
     pub cost: f64,
     /// Scenes that the technique served.
@@ -39,10 +39,10 @@ pub struct Relative {
 
 impl Relative {
     /// The relative time, or the relative cost.
-    pub fn take(&self, clock: Clock) -> Option<f64> {
+    pub fn take(&self, clock: CostBasis) -> Option<f64> {
         match clock {
-            Clock::Wall => self.time.map(|t| t.median),
-            Clock::Cost => Some(self.cost),
+            CostBasis::Wall => self.time.map(|t| t.median),
+            CostBasis::Cost => Some(self.cost),
         }
     }
 }
@@ -125,7 +125,7 @@ impl Sums {
             let ratio = |of: f64| {
                 (of.max(f64::MIN_POSITIVE) / theirs.total.median.max(f64::MIN_POSITIVE)).ln()
             };
-            let times = [mine.total.median, mine.total.least, mine.total.greatest].map(ratio);
+            let times = [mine.total.median, mine.total.min, mine.total.max].map(ratio);
             self.time
                 .iter_mut()
                 .zip(times)
@@ -142,16 +142,16 @@ impl Sums {
             self.served.max(1) as f64,
             self.timed.max(1) as f64,
         );
-        let [median, least, greatest] = self.time.map(|sum| (sum / timed).exp());
+        let [median, min, max] = self.time.map(|sum| (sum / timed).exp());
         Relative {
             technique: technique.to_owned(),
             settings: settings.to_owned(),
             backend: backend.to_owned(),
             error: (self.error + unserved) / all,
-            time: (self.timed > 0).then_some(Spread {
+            time: (self.timed > 0).then_some(TimingStats {
                 median,
-                least,
-                greatest,
+                min,
+                max,
                 runs: self.runs,
             }),
             cost: (self.cost / served).exp(),
@@ -179,10 +179,10 @@ mod tests {
     };
 
     fn row(technique: &str, rmse: f64, ms: f64) -> Row {
-        let total = Spread {
+        let total = TimingStats {
             median: ms,
-            least: ms / 2.0,
-            greatest: ms * 2.0,
+            min: ms / 2.0,
+            max: ms * 2.0,
             runs: 3,
         };
         let measured = Measured {
@@ -250,7 +250,7 @@ mod tests {
         );
         let time = pcf.time.expect("timed");
         assert!(
-            (time.median - 2.0).abs() < 1e-12 && (time.least - 1.0).abs() < 1e-12,
+            (time.median - 2.0).abs() < 1e-12 && (time.min - 1.0).abs() < 1e-12,
             "{time:?}"
         );
         assert!((pcf.cost - 2.0).abs() < 1e-12 && (hard.cost - 1.0).abs() < 1e-12);

@@ -1,11 +1,11 @@
 //! What a comparison finds: plain data, written to `results.json` as it stands.
 
-use crate::footprint::MapUse;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
     Work,
     metrics::{Agreement, Causes, Errors},
 };
+use umbrage_plan::footprint::MapUse;
 
 /// Version of this data's shape; grows with every change that a reader would notice.
 pub const SCHEMA: u32 = 5;
@@ -235,7 +235,7 @@ pub struct Measured {
     pub times: Option<Times>,
     /// What the recipe takes, counted.
     pub work: Work,
-    /// What that costs by the [prices](crate::cost::CostModel::of) of this kind of backend, milliseconds: the same on every
+    /// What that costs by the [prices](umbrage_plan::cost::CostModel::of) of this kind of backend, milliseconds: the same on every
     /// run.
     pub cost_ms: f64,
     /// Bytes held for images, tables and receivers.
@@ -256,17 +256,17 @@ impl Measured {
     }
 
     /// The median of the times, milliseconds, or the cost; none if it wasn't measured.
-    pub fn milliseconds(&self, clock: Clock) -> Option<f64> {
+    pub fn milliseconds(&self, clock: CostBasis) -> Option<f64> {
         match clock {
-            Clock::Wall => self.times.map(|t| t.total.median),
-            Clock::Cost => Some(self.cost_ms),
+            CostBasis::Wall => self.times.map(|t| t.total.median),
+            CostBasis::Cost => Some(self.cost_ms),
         }
     }
 }
 
 /// Two ways to tell what a row takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Clock {
+pub enum CostBasis {
     /// Measured: true of this machine at that moment.
     Wall,
     /// Counted and priced: the same on every run.
@@ -277,16 +277,16 @@ pub enum Clock {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Times {
     /// All casts.
-    pub cast: Option<Spread>,
+    pub cast: Option<TimingStats>,
     /// All filters.
-    pub filter: Option<Spread>,
+    pub filter: Option<TimingStats>,
     /// The lookup.
-    pub receive: Option<Spread>,
+    pub receive: Option<TimingStats>,
     /// Casts, filters and lookup of each run together.
-    pub total: Spread,
+    pub total: TimingStats,
     /// A [yardstick](super::Yardstick) in turn with the runs, milliseconds a unit of its work; none where nothing receives,
     /// where the adapter can't time it, and in results of schema 4 and before.
-    pub yardstick: Option<Spread>,
+    pub yardstick: Option<TimingStats>,
     /// Runs over the mean of the yardsticks right before and after, of those runs beside which no yardstick took more than
     /// [`CALM`](super::CALM) times the quickest: what is compared with other runs' results. None where no run was calm.
     pub ratio: Option<Ranks>,
@@ -304,7 +304,8 @@ pub struct Ranks {
     /// A quarter lies above.
     pub high: f64,
     /// The greatest.
-    pub greatest: f64,
+    #[serde(rename = "greatest")]
+    pub max: f64,
     /// How many figures.
     pub runs: u32,
 }
@@ -322,13 +323,13 @@ impl Ranks {
             );
             before + (after - before) * place.fract()
         };
-        let [tenth, low, median, high, greatest] = [0.1, 0.25, 0.5, 0.75, 1.0].map(at);
+        let [tenth, low, median, high, max] = [0.1, 0.25, 0.5, 0.75, 1.0].map(at);
         Some(Self {
             tenth,
             low,
             median,
             high,
-            greatest,
+            max,
             runs: figures.len() as u32,
         })
     }
@@ -336,27 +337,29 @@ impl Ranks {
 
 /// Times of several runs, milliseconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Spread {
+pub struct TimingStats {
     /// Half of the runs took longer.
     pub median: f64,
     /// The quickest run.
-    pub least: f64,
+    #[serde(rename = "least")]
+    pub min: f64,
     /// The slowest run.
-    pub greatest: f64,
+    #[serde(rename = "greatest")]
+    pub max: f64,
     /// How many runs.
     pub runs: u32,
 }
 
-impl Spread {
+impl TimingStats {
     /// Of times in milliseconds; none of no times.
     pub fn of(mut times: Vec<f64>) -> Option<Self> {
         times.sort_by(f64::total_cmp);
         let n = times.len();
-        let (least, greatest) = (*times.first()?, *times.last()?);
+        let (min, max) = (*times.first()?, *times.last()?);
         Some(Self {
             median: (times[(n - 1) / 2] + times[n / 2]) / 2.0,
-            least,
-            greatest,
+            min,
+            max,
             runs: n as u32,
         })
     }

@@ -4,19 +4,18 @@ use super::{
     Backends, Event, Measured, OnEvent, Options, Outcome, Row, SceneInput, SceneResult,
     TruthSummary, agreement::agree, control, seen::Seen, slug::Setting, timing::measure,
 };
-use crate::{
-    LabError, color,
-    cost::CostModel,
-    footprint::{self, Heat, MapUse},
-    report::picture,
-    truth::{self, Truth},
-};
+use crate::{LabError, color, output::png::picture};
 use glam::UVec2;
 use std::sync::Arc;
 use umbrage_core::{
     BackendError, Camera, Cast, CastMode, Geometry, Invalid, Light, LightSpace, PlanError, Recipe,
     ShadowTechnique, Shadows, View, Work,
     metrics::{Agreement, Causes, Errors, Pixel, Reference, TruthImage},
+};
+use umbrage_plan::{
+    cost::CostModel,
+    footprint::{self, Heat, MapUse},
+    truth::{self, Truth},
 };
 
 /// Side of the pictures of where maps are looked up, pixels: enough to see, and little beside the masks.

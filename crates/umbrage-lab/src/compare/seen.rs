@@ -1,12 +1,10 @@
 //! Which triangles a backend sees, and where truth saw others.
 
 use super::scene::View3;
-use crate::{
-    LabError,
-    truth::{Truth, TruthOptions, ambiguous_on},
-};
+use crate::LabError;
 use umbrage_core::{Backend, Camera, Geometry, Receivers, Shadows, Snapping, metrics::Pixel};
 use umbrage_cpu::{Cpu, CpuOptions};
+use umbrage_plan::truth::{Truth, TruthOptions, ambiguous_on};
 
 /// What a backend sees of a scene.
 #[derive(Debug)]
@@ -19,9 +17,9 @@ pub(super) struct Seen {
 
 /// Rounding of another kind than nearest moves edges by half a step more: where triangles are as small as pixels, this share
 /// of the pixels may show a neighbour ...
-const MOST_IDS: f64 = 0.05;
+const MAX_OTHER_IDS: f64 = 0.05;
 /// ... but on outlines alone may it lie elsewhere.
-const MOST_SURFACES: f64 = 0.001;
+const MAX_OTHER_SURFACES: f64 = 0.001;
 
 impl Seen {
     /// Looks at what a backend saw. It may be other triangles than truth's, but only those that the rounding of its device's
@@ -62,7 +60,9 @@ impl Seen {
             &rounded
         };
         let ([ids, surfaces], of) = (different(expected, seen), truth.pixels.len());
-        if ids as f64 > MOST_IDS * of as f64 || surfaces as f64 > MOST_SURFACES * of as f64 {
+        if ids as f64 > MAX_OTHER_IDS * of as f64
+            || surfaces as f64 > MAX_OTHER_SURFACES * of as f64
+        {
             let rule = backend.snapping();
             let what = format!(
                 "truth and backend {kind} see other triangles at {ids} of {of} pixels, {surfaces} far off, even with {rule}"

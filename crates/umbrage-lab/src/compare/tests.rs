@@ -1,20 +1,18 @@
-//! Comparisons on the CPU, and backends that cheat.
+//! Comparisons on the CPU, and faulty backends.
 
 use super::*;
-use crate::{
-    cheat::{Cheat, darken_one},
-    footprint::measure,
-    truth::TruthOptions,
-};
+use crate::faulty_backend::{FaultyBackend, darken_one};
 use umbrage_core::{Geometry, Shadows, Snapping, View, glam::UVec2, metrics::Pixel};
 use umbrage_cpu::Cpu;
+use umbrage_plan::{footprint::measure, truth::TruthOptions};
 
 fn quick(techniques: &[&str]) -> Options {
     Options {
+        registry: umbrage_techniques::Techniques::built_in(),
         color: false,
         techniques: techniques.iter().map(|t| (*t).to_owned()).collect(),
         map_sizes: vec![256],
-        most_settings: None,
+        max_settings: None,
         size: Some(UVec2::new(96, 64)),
         truth: TruthOptions {
             samples: 16,
@@ -44,8 +42,11 @@ fn run(scene: &str, options: &Options, backends: &mut Backends) -> Result<Compar
     )
 }
 
-fn with_cheat(spoil: fn(&mut Shadows)) -> Backends {
-    Backends::of(vec![Box::new(Cpu::new()), Box::new(Cheat::new(spoil))])
+fn with_faulty_backend(spoil: fn(&mut Shadows)) -> Backends {
+    Backends::of(vec![
+        Box::new(Cpu::new()),
+        Box::new(FaultyBackend::new(spoil)),
+    ])
 }
 
 #[test]
@@ -53,7 +54,7 @@ fn rows_tell_errors_times_and_agreement() {
     let comparison = run(
         "cubes",
         &quick(&["hard", "traced"]),
-        &mut with_cheat(|_| ()),
+        &mut with_faulty_backend(|_| ()),
     )
     .expect("valid");
     let scene = &comparison.scenes[0];
@@ -115,8 +116,14 @@ fn rows_tell_how_maps_are_used() {
     let (inputs, sink) = ([input.clone()], &mut |_: &SceneResult, _: &SceneImages| {
         Ok(())
     });
-    let comparison =
-        compare(&inputs, &options, &mut with_cheat(|_| ()), sink, &|_| ()).expect("valid");
+    let comparison = compare(
+        &inputs,
+        &options,
+        &mut with_faulty_backend(|_| ()),
+        sink,
+        &|_| (),
+    )
+    .expect("valid");
     let (camera, geometry) = (
         options.camera(&input.scene.cameras[0]),
         Geometry::bake(&input.scene).expect("valid"),
@@ -206,7 +213,12 @@ fn a_fit_by_hand_adds_rows_for_maps_alone() {
 
 #[test]
 fn one_wrong_pixel_is_a_fault() {
-    let comparison = run("cubes", &quick(&["traced"]), &mut with_cheat(darken_one)).expect("valid");
+    let comparison = run(
+        "cubes",
+        &quick(&["traced"]),
+        &mut with_faulty_backend(darken_one),
+    )
+    .expect("valid");
     let faults = comparison.faults();
     assert!(
         faults.iter().any(|f| f.contains("decided pixels differ")),
@@ -217,7 +229,7 @@ fn one_wrong_pixel_is_a_fault() {
 fn rounding(does: Snapping, says: Snapping, spoil: fn(&mut Shadows)) -> Backends {
     Backends::of(vec![
         Box::new(Cpu::new()),
-        Box::new(Cheat::rounding(does, says, spoil)),
+        Box::new(FaultyBackend::rounding(does, says, spoil)),
     ])
 }
 
@@ -273,8 +285,12 @@ fn a_backend_is_compared_by_its_own_rounding() {
 #[test]
 fn masks_much_farther_from_truth_than_the_cpu_s_are_faults() {
     let measured = |excess: f64| {
-        let mut comparison =
-            run("cubes", &quick(&["traced"]), &mut with_cheat(|_| ())).expect("valid");
+        let mut comparison = run(
+            "cubes",
+            &quick(&["traced"]),
+            &mut with_faulty_backend(|_| ()),
+        )
+        .expect("valid");
         let row = comparison.scenes[0].rows.last_mut().expect("rows");
         let Outcome::Measured(m) = &mut row.outcome else {
             panic!("measured")
@@ -290,10 +306,20 @@ fn masks_much_farther_from_truth_than_the_cpu_s_are_faults() {
 #[test]
 fn a_mask_that_ignores_casters_fails_the_control() {
     let all_lit = |s: &mut Shadows| s.mask.fill(1.0);
-    let comparison = run("cubes", &quick(&["traced"]), &mut with_cheat(all_lit)).expect("valid");
+    let comparison = run(
+        "cubes",
+        &quick(&["traced"]),
+        &mut with_faulty_backend(all_lit),
+    )
+    .expect("valid");
     assert!(comparison.scenes[0].controls[0].holds && !comparison.scenes[0].controls[1].holds);
     let all_dark = |s: &mut Shadows| s.mask.fill(0.0);
-    let comparison = run("cubes", &quick(&["traced"]), &mut with_cheat(all_dark)).expect("valid");
+    let comparison = run(
+        "cubes",
+        &quick(&["traced"]),
+        &mut with_faulty_backend(all_dark),
+    )
+    .expect("valid");
     assert!(!comparison.scenes[0].controls[1].holds);
 }
 
@@ -305,8 +331,12 @@ fn other_triangles_cannot_be_compared() {
             .iter_mut()
             .for_each(|seen| seen.triangle.rotate_left(40))
     };
-    let e = run("cubes", &quick(&["traced"]), &mut with_cheat(shifted))
-        .expect_err("different triangles");
+    let e = run(
+        "cubes",
+        &quick(&["traced"]),
+        &mut with_faulty_backend(shifted),
+    )
+    .expect_err("different triangles");
     assert!(matches!(e, LabError::NotComparable { .. }), "{e}");
     let elsewhere = |s: &mut Shadows| {
         let Some(seen) = &mut s.receivers else { return };
@@ -314,16 +344,30 @@ fn other_triangles_cannot_be_compared() {
             (seen.triangle[i], seen.distance[i]) = (seen.triangle[i] ^ 1, seen.distance[i] + 9.0);
         }
     };
-    assert!(run("cubes", &quick(&["traced"]), &mut with_cheat(elsewhere)).is_err());
+    assert!(
+        run(
+            "cubes",
+            &quick(&["traced"]),
+            &mut with_faulty_backend(elsewhere)
+        )
+        .is_err()
+    );
     let silent = |s: &mut Shadows| s.receivers = None;
-    assert!(run("cubes", &quick(&["traced"]), &mut with_cheat(silent)).is_err());
+    assert!(
+        run(
+            "cubes",
+            &quick(&["traced"]),
+            &mut with_faulty_backend(silent)
+        )
+        .is_err()
+    );
 }
 
 #[test]
 fn spoilt_masks_stop_the_comparison() {
     let nan = |s: &mut Shadows| s.mask[3] = f32::NAN;
     assert!(matches!(
-        run("cubes", &quick(&["traced"]), &mut with_cheat(nan)),
+        run("cubes", &quick(&["traced"]), &mut with_faulty_backend(nan)),
         Err(LabError::Invalid(_))
     ));
 }
@@ -470,15 +514,15 @@ fn only_few_scenes_keep_where_maps_are_looked_up() {
 
 #[test]
 fn medians_and_extremes() {
-    assert_eq!(Spread::of(Vec::new()), None);
+    assert_eq!(TimingStats::of(Vec::new()), None);
     assert_eq!(
-        Spread::of(vec![3.0, 1.0, 8.0]),
-        Some(Spread {
+        TimingStats::of(vec![3.0, 1.0, 8.0]),
+        Some(TimingStats {
             median: 3.0,
-            least: 1.0,
-            greatest: 8.0,
+            min: 1.0,
+            max: 8.0,
             runs: 3
         })
     );
-    assert_eq!(Spread::of(vec![4.0, 1.0]).map(|s| s.median), Some(2.5));
+    assert_eq!(TimingStats::of(vec![4.0, 1.0]).map(|s| s.median), Some(2.5));
 }

@@ -1,14 +1,15 @@
 //! How long a row takes, in turn with a yardstick.
 
 use super::{
-    Backends, Options, Ranks, Runs, SceneInput, Spread, Times, Yardstick, result::stem_of,
+    Backends, Options, Ranks, Runs, SceneInput, Times, TimingStats, Yardstick, result::stem_of,
     scene::camera_and_light, settings_of,
 };
-use crate::{LabError, cost::CostModel};
+use crate::LabError;
 use std::time::{Duration, Instant};
 use umbrage_core::{
     Backend, BackendError, Geometry, Receivers, Recipe, Shadows, Timings, View, Work,
 };
+use umbrage_plan::cost::CostModel;
 
 /// Plays a recipe: once for the mask, which compiles, uploads and finds receivers, then until its time is known. The timed
 /// runs are given the receivers of the first, so that finding and reading them back costs no time again.
@@ -95,7 +96,7 @@ struct Timed {
 impl Timed {
     fn times(&self) -> Times {
         let stage = |of: fn(&Timings) -> Option<Duration>| {
-            Spread::of(
+            TimingStats::of(
                 self.timings
                     .iter()
                     .filter_map(of)
@@ -108,7 +109,7 @@ impl Timed {
             filter: stage(|t| t.filter),
             receive: stage(|t| t.receive),
             total: stage(|t| Some(t.total())).unwrap_or_default(),
-            yardstick: Spread::of(self.yards.iter().copied().flatten().collect()),
+            yardstick: TimingStats::of(self.yards.iter().copied().flatten().collect()),
             ratio: Ranks::of(calm(&self.windows(), self.least())),
         }
     }
@@ -139,7 +140,7 @@ impl Timed {
     /// Whether as many runs as are the least were calm, or the yardstick can't be timed.
     fn is_calm(&self, runs: &Runs) -> bool {
         let windows = self.windows();
-        windows.is_empty() || calm(&windows, self.least()).len() >= runs.least as usize
+        windows.is_empty() || calm(&windows, self.least()).len() >= runs.min as usize
     }
 }
 
@@ -205,7 +206,7 @@ pub(crate) fn again(
                 (runs, cost_ms),
             )?;
             let (windows, least_ms, yardstick) =
-                (timed.windows(), timed.times().total.least, timed.least());
+                (timed.windows(), timed.times().total.min, timed.least());
             found = Some(Again {
                 windows,
                 least_ms,
@@ -254,13 +255,11 @@ mod tests {
         let found = timed(runs, &yards.map(Some));
         let ratio = found.ratio.expect("calm");
         assert!(
-            ratio.runs == 3
-                && (ratio.tenth - 3.0).abs() < 1e-5
-                && (ratio.greatest - 3.0).abs() < 1e-5,
+            ratio.runs == 3 && (ratio.tenth - 3.0).abs() < 1e-5 && (ratio.max - 3.0).abs() < 1e-5,
             "{ratio:?}"
         );
         assert!(
-            (found.total.least - 3.06).abs() < 1e-5 && (found.total.greatest - 3.3).abs() < 1e-5,
+            (found.total.min - 3.06).abs() < 1e-5 && (found.total.max - 3.3).abs() < 1e-5,
             "{:?}",
             found.total
         );
@@ -276,7 +275,7 @@ mod tests {
         );
         assert_eq!(found.ratio, Ranks::of(vec![3.0, 3.0]));
         assert_eq!(
-            (found.total.greatest, found.total.runs),
+            (found.total.max, found.total.runs),
             (600.0, 4),
             "plain times tell all"
         );

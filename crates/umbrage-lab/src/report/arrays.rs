@@ -1,6 +1,6 @@
 //! NumPy files: float32, H x W, row 0 on top, -1 where the camera hits nothing.
 
-use super::files::Folder;
+use crate::output::Folder;
 use crate::{
     LabError,
     compare::{SceneImages, SceneResult},

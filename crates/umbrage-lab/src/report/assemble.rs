@@ -1,9 +1,7 @@
 //! From scenes on disk to the report of all: the same for one run, for one that was stopped and went on, and for shards.
 
 use super::{
-    chart,
-    files::Folder,
-    lines,
+    chart, lines,
     page::{self, Charts, ImageStore, RowPictures, ScenePage},
     still,
     store::Stored,
@@ -11,7 +9,8 @@ use super::{
 };
 use crate::{
     LabError,
-    compare::{Clock, Comparison, Environment, Relative, SCHEMA, relative},
+    compare::{Comparison, CostBasis, Environment, Relative, SCHEMA, relative},
+    output::Folder,
 };
 use std::{
     fs,
@@ -47,7 +46,7 @@ pub(super) fn write(
         &overall_csv(&all).map_err(|e| broken("overall.csv", &e))?,
     )?;
     folder.write("results.json", &json)?;
-    for (name, clock) in [("time", Clock::Wall), ("cost", Clock::Cost)] {
+    for (name, clock) in [("time", CostBasis::Wall), ("cost", CostBasis::Cost)] {
         let dots = chart::relative_dots(&all, clock);
         if dots.is_empty() {
             // An older run's would not belong to these data.
@@ -137,7 +136,7 @@ fn scene_page(path: &Path, index: usize, scene: &Stored, images: &mut ImageStore
     }
 }
 
-fn charts(dots: impl Fn(Clock) -> Vec<chart::Dot>) -> Charts {
+fn charts(dots: impl Fn(CostBasis) -> Vec<chart::Dot>) -> Charts {
     let chart = |clock| {
         let dots = dots(clock);
         (!dots.is_empty()).then(|| page::Chart {
@@ -146,8 +145,8 @@ fn charts(dots: impl Fn(Clock) -> Vec<chart::Dot>) -> Charts {
         })
     };
     Charts {
-        time: chart(Clock::Wall),
-        cost: chart(Clock::Cost),
+        time: chart(CostBasis::Wall),
+        cost: chart(CostBasis::Cost),
     }
 }
 
@@ -166,14 +165,14 @@ fn overall_csv(all: &[Relative]) -> Result<Vec<u8>, csv::Error> {
         "scenes",
     ])?;
     for r in all {
-        let time = |of: fn(&crate::compare::Spread) -> f64| {
+        let time = |of: fn(&crate::compare::TimingStats) -> f64| {
             r.time.as_ref().map_or(String::new(), |t| of(t).to_string())
         };
         let figures = [
             r.error.to_string(),
             time(|t| t.median),
-            time(|t| t.least),
-            time(|t| t.greatest),
+            time(|t| t.min),
+            time(|t| t.max),
         ];
         let counts = [
             r.cost.to_string(),

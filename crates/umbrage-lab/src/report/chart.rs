@@ -2,22 +2,25 @@
 
 use super::{
     chosen,
-    look::{Look, color, looks},
+    style::{SeriesStyle, color, styles_of},
 };
 use crate::{
-    compare::{Clock, LEAST_ERROR as LEAST_RELATIVE, Measured, Relative, Row, SceneResult, Spread},
-    figure::Marker as Shape,
-    pareto,
+    compare::{
+        CostBasis, MIN_ERROR as MIN_RELATIVE_ERROR, Measured, Relative, Row, SceneResult,
+        TimingStats,
+    },
+    output::figure::Marker as Shape,
 };
 use plotly::{
     Plot, Scatter,
     common::{DashType, ErrorData, ErrorType, HoverInfo, Line, Marker, MarkerSymbol, Mode},
 };
+use umbrage_plan::pareto;
 
 /// Logarithmic axes have no zero: errors below this are drawn here (a fortieth of a step of an 8-bit image)...
-const LEAST_ERROR: f64 = 1e-4;
+const MIN_ERROR: f64 = 1e-4;
 /// ... and times below this, milliseconds: a tenth of a microsecond.
-const LEAST_TIME: f64 = 1e-4;
+const MIN_TIME: f64 = 1e-4;
 
 /// The shape that the still draws, by plotly.js's name.
 fn symbol(shape: Shape) -> MarkerSymbol {
@@ -51,23 +54,23 @@ pub(super) struct Dot {
 }
 
 /// A scene's rows by one clock; none if they weren't timed by it.
-pub(super) fn dots(result: &SceneResult, clock: Clock) -> Vec<Dot> {
+pub(super) fn dots(result: &SceneResult, clock: CostBasis) -> Vec<Dot> {
     let front = chosen::fronts(result, clock);
     let dot = |(i, row): (usize, &Row)| {
         let m = row.measured()?;
-        let range = |t: Spread| [t.least, t.greatest].map(|t| t.max(LEAST_TIME));
+        let range = |t: TimingStats| [t.min, t.max].map(|t| t.max(MIN_TIME));
         Some(Dot {
             place: i,
             technique: row.technique.clone(),
             backend: row.backend.clone(),
             settings: row.settings.clone(),
             xy: [
-                m.milliseconds(clock)?.max(LEAST_TIME),
-                m.rmse()?.max(LEAST_ERROR),
+                m.milliseconds(clock)?.max(MIN_TIME),
+                m.rmse()?.max(MIN_ERROR),
             ],
             range: m
                 .times
-                .filter(|_| clock == Clock::Wall)
+                .filter(|_| clock == CostBasis::Wall)
                 .map(|t| range(t.total)),
             on_front: front.contains(&i),
             hover: hover(row, m)?,
@@ -77,7 +80,7 @@ pub(super) fn dots(result: &SceneResult, clock: Clock) -> Vec<Dot> {
 }
 
 /// All scenes' settings by one clock.
-pub(super) fn relative_dots(all: &[Relative], clock: Clock) -> Vec<Dot> {
+pub(super) fn relative_dots(all: &[Relative], clock: CostBasis) -> Vec<Dot> {
     let mut dots: Vec<Dot> = all
         .iter()
         .enumerate()
@@ -97,18 +100,18 @@ pub(super) fn relative_dots(all: &[Relative], clock: Clock) -> Vec<Dot> {
     dots
 }
 
-fn relative_dot(place: usize, r: &Relative, clock: Clock) -> Option<Dot> {
+fn relative_dot(place: usize, r: &Relative, clock: CostBasis) -> Option<Dot> {
     let x = r.take(clock)?;
     let range = r
         .time
-        .filter(|_| clock == Clock::Wall)
-        .map(|t| [t.least, t.greatest]);
+        .filter(|_| clock == CostBasis::Wall)
+        .map(|t| [t.min, t.max]);
     Some(Dot {
         place,
         technique: r.technique.clone(),
         backend: r.backend.clone(),
         settings: r.settings.clone(),
-        xy: [x, r.error.max(LEAST_RELATIVE)],
+        xy: [x, r.error.max(MIN_RELATIVE_ERROR)],
         range,
         on_front: false,
         hover: format!(
@@ -136,11 +139,11 @@ pub(super) fn front(dots: &[Dot]) -> Vec<usize> {
 pub(super) fn traces(dots: &[Dot]) -> serde_json::Value {
     let mut plot = Plot::new();
     let techniques = distinct(dots, |d| &d.technique);
-    let looks = looks(&techniques);
+    let styles = styles_of(&techniques);
     for (b, backend) in distinct(dots, |d| &d.backend).into_iter().enumerate() {
         let of_backend: Vec<&Dot> = dots.iter().filter(|d| d.backend == backend).collect();
         plot.add_trace(front_line(&of_backend, backend, b));
-        for (technique, look) in techniques.iter().zip(&looks) {
+        for (technique, style) in techniques.iter().zip(&styles) {
             let of: Vec<&Dot> = of_backend
                 .iter()
                 .filter(|d| d.technique == *technique)
@@ -151,7 +154,13 @@ pub(super) fn traces(dots: &[Dot]) -> serde_json::Value {
             for (dots, bright) in [(best, true), (beaten, false)] {
                 if !dots.is_empty() {
                     let name = format!("{}, {}", text(technique), text(backend));
-                    plot.add_trace(points(&dots, name, *look, b, (bright, bright || in_legend)));
+                    plot.add_trace(points(
+                        &dots,
+                        name,
+                        *style,
+                        b,
+                        (bright, bright || in_legend),
+                    ));
                 }
             }
         }
@@ -183,13 +192,13 @@ fn front_line(dots: &[&Dot], backend: &str, b: usize) -> Box<dyn plotly::Trace> 
 fn points(
     dots: &[&Dot],
     name: String,
-    look: Look,
+    style: SeriesStyle,
     backend: usize,
     (bright, in_legend): (bool, bool),
 ) -> Box<dyn plotly::Trace> {
     let (x, y) = dots.iter().map(|d| (d.xy[0], d.xy[1])).unzip();
     let (size, opacity) = if bright { (10, 0.95) } else { (7, 0.28) };
-    let (color, symbol) = (look.color(backend), symbol(look.marker));
+    let (color, symbol) = (style.color(backend), symbol(style.marker));
     let mut trace = Scatter::new(x, y)
         .mode(Mode::Markers)
         .legend_group(name.clone())
@@ -225,13 +234,10 @@ fn hover(row: &Row, m: &Measured) -> Option<String> {
     let e = m.errors?;
     let times = m.times.map_or_else(String::new, |t| {
         let stage =
-            |s: Option<Spread>| s.map_or("–".to_owned(), |s| format!("{:.3} ms", s.median));
+            |s: Option<TimingStats>| s.map_or("–".to_owned(), |s| format!("{:.3} ms", s.median));
         let total = t.total;
         let [cast, lookup] = [stage(t.cast), stage(t.receive)];
-        let runs = format!(
-            "{:.3} – {:.3} in {} runs",
-            total.least, total.greatest, total.runs
-        );
+        let runs = format!("{:.3} – {:.3} in {} runs", total.min, total.max, total.runs);
         format!(
             "<br>cast {cast}, lookup {lookup}, total {:.3} ms ({runs})",
             total.median

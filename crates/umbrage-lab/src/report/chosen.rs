@@ -1,10 +1,8 @@
 //! Which rows get pictures: thousands of them would take longer to write and to open than anyone looks at them.
 
-use crate::{
-    compare::{Clock, Measured, Row, SceneResult},
-    pareto,
-};
+use crate::compare::{CostBasis, Measured, Row, SceneResult};
 use std::collections::{BTreeMap, BTreeSet};
+use umbrage_plan::pareto;
 
 /// Rows on a backend's Pareto front of either clock, each technique's row of least error, and rows whose mask differs from
 /// the CPU's.
@@ -23,7 +21,7 @@ pub(super) fn rows(result: &SceneResult) -> BTreeSet<usize> {
     }
     chosen.extend(best.values().map(|(_, i)| *i));
     chosen.extend(
-        [Clock::Wall, Clock::Cost]
+        [CostBasis::Wall, CostBasis::Cost]
             .map(|clock| fronts(result, clock))
             .concat(),
     );
@@ -31,7 +29,7 @@ pub(super) fn rows(result: &SceneResult) -> BTreeSet<usize> {
 }
 
 /// Rows on their backend's Pareto front of time against error, backend by backend.
-pub(super) fn fronts(result: &SceneResult, clock: Clock) -> Vec<usize> {
+pub(super) fn fronts(result: &SceneResult, clock: CostBasis) -> Vec<usize> {
     let mut backends: BTreeMap<&str, Vec<(usize, [f64; 2])>> = BTreeMap::new();
     for (i, row, m) in measured(result) {
         if let Some(ms) = m.milliseconds(clock) {

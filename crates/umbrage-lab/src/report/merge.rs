@@ -2,11 +2,10 @@
 
 use super::{
     assemble,
-    files::Folder,
     run::Run,
-    store::{Plan, Stored},
+    store::{ComparisonPlan, Stored},
 };
-use crate::{LabError, compare::Comparison};
+use crate::{LabError, compare::Comparison, output::Folder};
 use std::{
     fs,
     path::{Path, PathBuf},
@@ -82,7 +81,7 @@ fn list(folder: &Path) -> Result<Vec<PathBuf>, LabError> {
 }
 
 /// The plan that all runs share.
-fn one_plan<'a>(runs: &'a [(&Path, Run)]) -> Result<&'a Plan, Invalid> {
+fn one_plan<'a>(runs: &'a [(&Path, Run)]) -> Result<&'a ComparisonPlan, Invalid> {
     let Some((first, run)) = runs.first() else {
         return Err(Invalid::new(
             "shards",
@@ -106,7 +105,7 @@ fn one_plan<'a>(runs: &'a [(&Path, Run)]) -> Result<&'a Plan, Invalid> {
 }
 
 /// All by the same code, each once.
-fn check(plan: &Plan, found: &[(PathBuf, Stored)]) -> Result<(), Invalid> {
+fn check(plan: &ComparisonPlan, found: &[(PathBuf, Stored)]) -> Result<(), Invalid> {
     for (path, scene) in found {
         let (first_path, first) = &found[0];
         let same_code = scene.environment.version == first.environment.version

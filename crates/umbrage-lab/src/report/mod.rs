@@ -20,25 +20,25 @@ mod arrays;
 mod assemble;
 mod chart;
 mod chosen;
-mod files;
-mod look;
 mod merge;
 mod page;
-pub mod pictures;
 mod run;
 mod still;
 mod store;
+mod style;
 mod table;
 
-pub(crate) use files::Folder;
 pub use merge::merge;
-pub use store::Plan;
+pub use store::ComparisonPlan;
 pub use table::{Line, lines, to_csv};
 
 use crate::{
     LabError,
-    compare::{Comparison, Environment, SceneImages, SceneResult},
-    footprint,
+    compare::{Comparison, Environment, FEW_SCENES, SceneImages, SceneResult},
+    output::{
+        Folder, heat_map,
+        png::{self, picture},
+    },
 };
 use rayon::prelude::*;
 use run::Run;
@@ -64,7 +64,7 @@ impl Report {
     /// When the folder cannot be made or written.
     pub fn create(
         path: &Path,
-        plan: Plan,
+        plan: ComparisonPlan,
         places: &[usize],
         arrays: bool,
     ) -> Result<Self, LabError> {
@@ -128,7 +128,7 @@ impl Report {
         let truth = &images.truth;
         folder.write(
             "truth.png",
-            &picture(pictures::mask(truth.size, &truth.visibility, &truth.pixels))?,
+            &picture(png::mask(truth.size, &truth.visibility, &truth.pixels))?,
         )?;
         let chosen = chosen::rows(result);
         let all = self.run.plan.scenes.len() <= FEW_SCENES;
@@ -181,9 +181,6 @@ impl Report {
     }
 }
 
-/// Of so many scenes, every row gets its pictures: whoever names a scene wants to see it.
-pub(crate) const FEW_SCENES: usize = 3;
-
 /// Writes the pictures of a row, if it was measured.
 fn row_pictures(
     folder: &Folder,
@@ -197,9 +194,9 @@ fn row_pictures(
     let stem = result.rows[row].stem();
     folder.write(
         &format!("{stem}.png"),
-        &picture(pictures::mask(truth.size, mask, &truth.pixels))?,
+        &picture(png::mask(truth.size, mask, &truth.pixels))?,
     )?;
-    let error = picture(pictures::error(
+    let error = picture(png::error(
         truth.size,
         mask,
         &truth.visibility,
@@ -223,15 +220,8 @@ fn heat_picture(
     };
     folder.write(
         &format!("{}.lookups.png", result.rows[row].stem()),
-        &footprint::picture(heat)?,
+        &heat_map(heat)?,
     )
-}
-
-pub(crate) fn picture(encoded: image::ImageResult<Vec<u8>>) -> Result<Vec<u8>, LabError> {
-    encoded.map_err(|e| LabError::Write {
-        path: "picture".into(),
-        source: std::io::Error::other(e),
-    })
 }
 
 #[cfg(test)]

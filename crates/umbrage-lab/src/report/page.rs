@@ -1,6 +1,6 @@
 //! The page itself: elements, a style sheet, a script, and one block of data.
 
-use crate::{compare::Comparison, page::Page};
+use crate::{compare::Comparison, output::html::Page};
 use base64::{Engine, engine::general_purpose::STANDARD};
 use serde::Serialize;
 use std::collections::HashMap;

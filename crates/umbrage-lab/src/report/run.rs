@@ -1,10 +1,7 @@
 //! What a folder's last run is about. Scenes of other runs may lie beside its own, and are none of its business.
 
-use super::{
-    files::Folder,
-    store::{self, Plan, Stored},
-};
-use crate::LabError;
+use super::store::{self, ComparisonPlan, Stored};
+use crate::{LabError, output::Folder};
 use serde::{Deserialize, Serialize};
 use std::{
     fs,
@@ -18,7 +15,7 @@ const FILE: &str = "run.json";
 /// The comparison, and the part of it that was measured into a folder.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Run {
-    pub(super) plan: Plan,
+    pub(super) plan: ComparisonPlan,
     /// Places in the plan, from 0: all of them, or a shard's.
     pub(super) places: Vec<usize>,
 }

@@ -2,11 +2,11 @@
 
 use super::{
     chart::{Dot, distinct},
-    look::{Look, color, looks},
+    style::{SeriesStyle, color, styles_of},
 };
 use crate::{
-    compare::Clock,
-    figure::{Figure, Key, Point, Series, Style},
+    compare::CostBasis,
+    output::figure::{Figure, Key, Point, Series, Style},
 };
 
 /// Radius of points that the front beats, pixels.
@@ -21,10 +21,10 @@ pub(super) struct Words<'a> {
 }
 
 /// Words for all scenes.
-pub(super) fn of_all(scenes: usize, clock: Clock) -> Words<'static> {
+pub(super) fn of_all(scenes: usize, clock: CostBasis) -> Words<'static> {
     let x = match clock {
-        Clock::Wall => "time, relative to hard shadows from a map of middle size",
-        Clock::Cost => "counted cost, relative to hard shadows from a map of middle size",
+        CostBasis::Wall => "time, relative to hard shadows from a map of middle size",
+        CostBasis::Cost => "counted cost, relative to hard shadows from a map of middle size",
     };
     Words {
         title: "Speed against accuracy of every shadow technique",
@@ -40,7 +40,7 @@ pub(super) fn figure(dots: &[Dot], words: &Words<'_>) -> Figure {
     figure.subtitle.clone_from(&words.subtitle);
     figure.size = [980.0, 620.0];
     let techniques = distinct(dots, |d| &d.technique);
-    let looks = looks(&techniques);
+    let styles = styles_of(&techniques);
     let backends = distinct(dots, |d| &d.backend);
     let of = |technique: &str, backend: &str, on_front: bool| -> Vec<Point> {
         let mine =
@@ -49,34 +49,31 @@ pub(super) fn figure(dots: &[Dot], words: &Words<'_>) -> Figure {
     };
     // What is beaten lies below; one backend's shapes explain the other's.
     for (b, backend) in backends.iter().enumerate() {
-        for (technique, look) in techniques.iter().zip(&looks) {
-            let style = Style::Points(look.marker, FAINT_RADIUS, 1.0);
-            let faint = Series::points(
-                "",
-                look.faint(b),
-                look.marker,
-                of(technique, backend, false),
-            );
-            figure.series.push(Series { style, ..faint });
+        for (technique, style) in techniques.iter().zip(&styles) {
+            let beaten = of(technique, backend, false);
+            figure.series.push(Series {
+                style: Style::Points(style.marker, FAINT_RADIUS, 1.0),
+                ..Series::points("", style.faint(b), style.marker, beaten)
+            });
         }
     }
     for (b, backend) in backends.iter().enumerate() {
         figure.series.push(front_line(dots, backend, b));
-        for (technique, look) in techniques.iter().zip(&looks) {
+        for (technique, style) in techniques.iter().zip(&styles) {
             figure.series.push(Series::points(
                 "",
-                look.color(b),
-                look.marker,
+                style.color(b),
+                style.marker,
                 of(technique, backend, true),
             ));
         }
     }
-    let key = |(name, look): (&&str, &Look)| Key {
+    let key = |(name, style): (&&str, &SeriesStyle)| Key {
         name: (*name).to_owned(),
-        marker: look.marker,
-        color: look.ink().to_owned(),
+        marker: style.marker,
+        color: style.ink().to_owned(),
     };
-    figure.keys = techniques.iter().zip(&looks).map(key).collect();
+    figure.keys = techniques.iter().zip(&styles).map(key).collect();
     figure.notes = notes(dots);
     figure
 }

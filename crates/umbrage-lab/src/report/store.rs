@@ -1,9 +1,10 @@
 //! Scenes on disk: each is a folder that is there whole or not at all, so that a stopped comparison loses nothing.
 
-use super::files::Folder;
+use crate::output::Folder;
 use crate::{
     LabError,
-    compare::{Environment, Options, SCHEMA, SceneInput, SceneResult, slug},
+    compare::{Environment, Options, SCHEMA, SceneInput, SceneResult},
+    output::slug,
 };
 use serde::{Deserialize, Serialize};
 use std::{
@@ -19,7 +20,7 @@ pub(super) const FILE: &str = "scene.json";
 
 /// What a whole comparison is about, all shards together: equal plans make results that belong together.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Plan {
+pub struct ComparisonPlan {
     /// [`SCHEMA`].
     pub schema: u32,
     /// The options, in full.
@@ -30,7 +31,7 @@ pub struct Plan {
     pub contents: Vec<String>,
 }
 
-impl Plan {
+impl ComparisonPlan {
     /// The plan of all `inputs`, whichever of them this run is to measure.
     pub fn new(inputs: &[SceneInput], options: &Options) -> Self {
         let scenes = unique_names(inputs.iter().map(|i| i.scene.name.as_str()));
@@ -47,7 +48,7 @@ impl Plan {
 /// A scene's figures with all that is needed to take them up later.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Stored {
-    pub(super) plan: Plan,
+    pub(super) plan: ComparisonPlan,
     /// The scene's place in the plan, from 0.
     pub(super) place: usize,
     /// Hash of the program that measured: another program's figures are not taken up.

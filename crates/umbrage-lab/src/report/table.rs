@@ -1,6 +1,6 @@
 //! `rows.csv`: one line a row, all figures.
 
-use crate::compare::{Comparison, Row, SceneResult, Spread};
+use crate::compare::{Comparison, Row, SceneResult, TimingStats};
 use serde::{Deserialize, Serialize};
 
 /// A line of `rows.csv`. Times are medians in milliseconds; shares are percent; empty fields were not measured, errors among
@@ -73,17 +73,17 @@ pub struct Line {
     pub yardsticks: Option<f64>,
     /// Bytes held.
     pub bytes: Option<u64>,
-    /// Percent of the maps' texels that no lookup touches: [`MapUse::unused`](crate::footprint::MapUse::unused).
+    /// Percent of the maps' texels that no lookup touches: [`MapUse::unused`](umbrage_plan::footprint::MapUse::unused).
     pub map_unused: Option<f64>,
-    /// Fewest texels in a pixel: [`MapUse::texels_per_pixel`](crate::footprint::MapUse::texels_per_pixel).
+    /// Fewest texels in a pixel: [`MapUse::texels_per_pixel`](umbrage_plan::footprint::MapUse::texels_per_pixel).
     pub texels_least: Option<f32>,
     /// Their median.
     pub texels_median: Option<f32>,
     /// The most.
     pub texels_greatest: Option<f32>,
-    /// What nine in ten pixels that face the light span at least: [`MapUse::texels`](crate::footprint::MapUse::texels).
+    /// What nine in ten pixels that face the light span at least: [`MapUse::texels`](umbrage_plan::footprint::MapUse::texels).
     pub texels_of_nine_in_ten: Option<f32>,
-    /// The side on which that is one texel: [`MapUse::side`](crate::footprint::MapUse::side).
+    /// The side on which that is one texel: [`MapUse::side`](umbrage_plan::footprint::MapUse::side).
     pub map_side_needed: Option<u32>,
     /// Pixels unlike the CPU's.
     pub differing: Option<u64>,
@@ -126,7 +126,7 @@ fn line(scene: &SceneResult, row: &Row) -> Line {
         }
         crate::compare::Outcome::Measured(m) => m,
     };
-    let median = |s: Option<Spread>| s.map(|s| s.median);
+    let median = |s: Option<TimingStats>| s.map(|s| s.median);
     let texels = |i: usize| m.maps.and_then(|u| u.texels_per_pixel).map(|all| all[i]);
     Line {
         rmse: m.errors.map(|e| e.rmse),
@@ -152,8 +152,8 @@ fn line(scene: &SceneResult, row: &Row) -> Line {
         filter_ms: m.times.and_then(|t| median(t.filter)),
         receive_ms: m.times.and_then(|t| median(t.receive)),
         total_ms: m.times.map(|t| t.total.median),
-        total_least_ms: m.times.map(|t| t.total.least),
-        total_greatest_ms: m.times.map(|t| t.total.greatest),
+        total_least_ms: m.times.map(|t| t.total.min),
+        total_greatest_ms: m.times.map(|t| t.total.max),
         yardsticks: m.times.and_then(|t| t.ratio).map(|r| r.median),
         bytes: Some(m.bytes),
         map_unused: m.maps.map(|u| 100.0 * u.unused),

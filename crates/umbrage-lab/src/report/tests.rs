@@ -2,9 +2,10 @@
 
 use super::*;
 use crate::{
-    compare::{Clock, Control, Measured, Options, Outcome, Row, SceneInput, Spread, Times, slug},
-    footprint::{Heat, MapUse},
-    truth::Truth,
+    compare::{
+        Control, CostBasis, Measured, Options, Outcome, Row, SceneInput, Times, TimingStats,
+    },
+    output::slug,
 };
 use glam::UVec2;
 use std::{fs, sync::Arc, time::Duration};
@@ -12,14 +13,18 @@ use umbrage_core::{
     Receivers, Work,
     metrics::{Causes, Errors, Pixel},
 };
+use umbrage_plan::{
+    footprint::{Heat, MapUse},
+    truth::Truth,
+};
 
 const NASTY: &str = "</script><img src=x onerror=alert(1)> & \"co\"";
 
 fn row(technique: &str, backend: &str, rmse: f64, median: f64) -> Row {
-    let total = Spread {
+    let total = TimingStats {
         median,
-        least: median,
-        greatest: median,
+        min: median,
+        max: median,
         runs: 1,
     };
     let times = Times {
@@ -125,7 +130,7 @@ fn scene() -> (SceneResult, SceneImages) {
 }
 
 /// A comparison of two scenes of one name.
-fn plan() -> Plan {
+fn plan() -> ComparisonPlan {
     let scene = || SceneInput {
         scene: umbrage_core::Scene {
             name: NASTY.into(),
@@ -134,7 +139,7 @@ fn plan() -> Plan {
         summary: String::new(),
         fit: None,
     };
-    Plan::new(&[scene(), scene()], &Options::default())
+    ComparisonPlan::new(&[scene(), scene()], &Options::default())
 }
 
 fn write(arrays: bool) -> (tempfile::TempDir, Comparison) {
@@ -259,7 +264,7 @@ fn how_maps_are_used_is_told() {
         ),
         (Some(0.5), Some(4.5), Some(0.75))
     );
-    let hover = chart::traces(&chart::dots(&comparison.scenes[0], Clock::Wall)).to_string();
+    let hover = chart::traces(&chart::dots(&comparison.scenes[0], CostBasis::Wall)).to_string();
     assert!(hover.contains(
         "84 % of the map's texels never looked up; 9 in 10 pixels that face the light span at least 0.75 texels"
     ));
@@ -284,7 +289,7 @@ fn arrays_hold_minus_one_where_nothing_is_seen() {
 #[test]
 fn fronts_and_failed_controls_are_told() {
     let (result, _) = scene();
-    let dots = chart::dots(&result, Clock::Wall);
+    let dots = chart::dots(&result, CostBasis::Wall);
     assert_eq!(chart::front(&dots), [0, 1]);
     let traces = chart::traces(&dots);
     assert!(
@@ -377,7 +382,7 @@ fn shards_that_do_not_belong_together_are_refused() {
     );
     assert!(refused(&[&a, &b, &shard(dir.path(), "c", 1)]).contains("same scene"));
     assert!(refused(&[&dir.path().join("none")]).contains("none"));
-    let other = Plan {
+    let other = ComparisonPlan {
         options: "others".into(),
         ..plan()
     };
@@ -404,7 +409,7 @@ fn shards_that_do_not_belong_together_are_refused() {
 fn scenes_of_earlier_runs_are_ignored() {
     let (dir, _) = write(false);
     let a = dir.path().join("a");
-    let other = Plan {
+    let other = ComparisonPlan {
         options: "others".into(),
         scenes: vec!["stray".into(), "x".into()],
         ..plan()
@@ -428,7 +433,7 @@ fn scenes_of_earlier_runs_are_ignored() {
     // A run that was stopped before its first scene is not the one before it.
     Report::create(
         &a,
-        Plan {
+        ComparisonPlan {
             contents: vec![String::new(); 2],
             ..plan()
         },
@@ -442,7 +447,7 @@ fn scenes_of_earlier_runs_are_ignored() {
     assert!(refused.contains("another comparison"), "{refused}");
     Report::create(
         &a,
-        Plan {
+        ComparisonPlan {
             contents: vec![String::new(); 2],
             ..plan()
         },
@@ -463,7 +468,7 @@ fn scenes_of_earlier_runs_are_ignored() {
 fn only_whole_scenes_of_the_same_run_are_taken_up() {
     let (dir, _) = write(false);
     let (out, here) = (dir.path().join("out"), Environment::default());
-    let has = |plan: Plan, environment: &Environment, arrays| {
+    let has = |plan: ComparisonPlan, environment: &Environment, arrays| {
         let report = Report::create(&out, plan, &[0, 1], arrays).expect("writable");
         [0, 1].map(|place| report.has(place, environment).expect("whole"))
     };
@@ -492,7 +497,7 @@ fn only_whole_scenes_of_the_same_run_are_taken_up() {
     );
     assert_eq!(
         has(
-            Plan {
+            ComparisonPlan {
                 options: "others".into(),
                 ..plan()
             },

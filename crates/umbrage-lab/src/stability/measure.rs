@@ -2,7 +2,7 @@
 
 use super::{
     Limits,
-    ground::Ground,
+    case_truth::CaseTruth,
     measures::{edge, gap, gap::Contact, open, penumbra, seams},
 };
 use glam::Vec3;
@@ -141,9 +141,9 @@ impl Measure {
     }
 
     /// The figure of a mask, in the measure's unit. 0 for measures that no single mask tells: fill, shimmer, change.
-    pub fn figure(&self, ground: &Ground, mask: &[f32]) -> f64 {
-        let (truth, open) = (&ground.truth.visibility, &ground.open);
-        let (receivers, counts) = (&ground.truth.receivers, |i: usize| ground.counts(i));
+    pub fn figure(&self, case_truth: &CaseTruth, mask: &[f32]) -> f64 {
+        let (truth, open) = (&case_truth.truth.visibility, &case_truth.open);
+        let (receivers, counts) = (&case_truth.truth.receivers, |i: usize| case_truth.counts(i));
         match *self {
             Self::Acne => open::acne(mask, truth, open),
             Self::AcneByDistance => worst(open::acne_by_distance(
@@ -154,7 +154,7 @@ impl Measure {
             )),
             Self::Leak => open::leak(mask, truth, open),
             Self::Wrong => open::wrong(mask, truth, open),
-            Self::Rmse | Self::ScaleDrift(_) => rmse(ground, mask),
+            Self::Rmse | Self::ScaleDrift(_) => rmse(case_truth, mask),
             Self::Gap(contact) => 1e3 * contact.gap(mask, truth, receivers, counts),
             Self::ContactLeak(contact, reach) => {
                 contact.leak(mask, truth, receivers, reach, counts)
@@ -163,12 +163,14 @@ impl Measure {
                 gap::leak_around(places, reach, mask, truth, receivers, counts)
             }
             Self::EdgeDisplacement => {
-                edge::displacement(ground.truth.size, mask, truth, &ground.truth.pixels)
+                edge::displacement(case_truth.truth.size, mask, truth, &case_truth.truth.pixels)
             }
-            Self::Seams => seams::wrong_within(mask, truth, |i| counts(i) && on_seam(ground, i)),
+            Self::Seams => {
+                seams::wrong_within(mask, truth, |i| counts(i) && on_seam(case_truth, i))
+            }
             Self::PenumbraRmse => penumbra::rmse(mask, truth, counts),
             Self::PenumbraWidth => {
-                let widths = shadows(ground).widths(mask, truth, receivers, LEVEL, counts);
+                let widths = shadows(case_truth).widths(mask, truth, receivers, LEVEL, counts);
                 let off: Vec<f64> = widths
                     .into_iter()
                     .flatten()
@@ -178,25 +180,25 @@ impl Measure {
             }
             Self::AllLit => {
                 use umbrage_core::metrics::Pixel::{Counted, Empty};
-                let here =
-                    (0..mask.len()).filter(|&i| matches!(ground.truth.pixels[i], Counted | Empty));
+                let here = (0..mask.len())
+                    .filter(|&i| matches!(case_truth.truth.pixels[i], Counted | Empty));
                 open::share(here.map(|i| mask[i] < 1.0))
             }
             Self::Fill | Self::Shimmer | Self::ChangeError => 0.0,
         }
     }
 
-    /// Where the figure passes and fails on this ground: see [`Measure::reason`]. What truth's own movement bounds is bounded
+    /// Where the figure passes and fails on this case: see [`Measure::reason`]. What truth's own movement bounds is bounded
     /// by [`Moving::limits`](super::Moving::limits).
-    pub fn limits(&self, ground: &Ground) -> Limits {
-        let counts = |i: usize| ground.counts(i);
-        let ideal = self.figure(ground, &ground.ideal);
-        let none = || self.figure(ground, &vec![1.0; ground.ideal.len()]);
+    pub fn limits(&self, case_truth: &CaseTruth) -> Limits {
+        let counts = |i: usize| case_truth.counts(i);
+        let ideal = self.figure(case_truth, &case_truth.ideal);
+        let none = || self.figure(case_truth, &vec![1.0; case_truth.ideal.len()]);
         match *self {
             Self::Acne | Self::AcneByDistance | Self::Leak | Self::Wrong => SHARE,
             Self::Rmse => Limits::over_ideal(ideal, STEP).below(none()),
             Self::Gap(contact) => {
-                let pixel = contact.pixel(&ground.truth.receivers, NEAR_CONTACT, counts);
+                let pixel = contact.pixel(&case_truth.truth.receivers, NEAR_CONTACT, counts);
                 Limits::over_ideal(ideal, 1e3 * pixel).below(none())
             }
             Self::ContactLeak(..) | Self::LeakAround(..) => {
@@ -205,8 +207,8 @@ impl Measure {
             Self::EdgeDisplacement => Limits::over_ideal(ideal, HALF_PIXEL).below(none()),
             Self::Seams => Limits::over_ideal(ideal, SMALL_SHARE).below(none()),
             Self::PenumbraRmse => Limits::new(
-                penumbra::ray_noise(&ground.truth.visibility, RAYS, counts),
-                0.5 * penumbra::rmse(&ground.hard, &ground.truth.visibility, counts),
+                penumbra::ray_noise(&case_truth.truth.visibility, RAYS, counts),
+                0.5 * penumbra::rmse(&case_truth.hard, &case_truth.truth.visibility, counts),
             ),
             Self::PenumbraWidth => Limits::new(25.0, 50.0),
             Self::AllLit => Limits::new(0.0, 0.0),
@@ -218,7 +220,7 @@ impl Measure {
     }
 }
 
-/// Ground behind a contact on which rows of pixels are counted, metres.
+/// CaseTruth behind a contact on which rows of pixels are counted, metres.
 const NEAR_CONTACT: f32 = 0.1;
 
 /// Pixels of the picture that fill is counted for, millions.
@@ -229,18 +231,18 @@ fn worst(bins: [f64; open::BINS]) -> f64 {
 }
 
 /// RMSE over the pixels that count. What is no mask has no figure: NaN, which fails.
-pub(super) fn rmse(ground: &Ground, mask: &[f32]) -> f64 {
-    let truth = &ground.truth;
+pub(super) fn rmse(case_truth: &CaseTruth, mask: &[f32]) -> f64 {
+    let truth = &case_truth.truth;
     Errors::measure(truth.size, mask, &truth.visibility, &truth.pixels)
         .map_or(f64::NAN, |errors| errors.rmse)
 }
 
-fn on_seam(ground: &Ground, i: usize) -> bool {
+fn on_seam(case_truth: &CaseTruth, i: usize) -> bool {
     let at = |light: &umbrage_core::Light| light.position();
-    let from = ground.lights.first().and_then(at).unwrap_or_default();
+    let from = case_truth.lights.first().and_then(at).unwrap_or_default();
     seams::on_seam(
-        ground.truth.receivers.position(i) - from,
-        ground.map_size,
+        case_truth.truth.receivers.position(i) - from,
+        case_truth.map_size,
         SEAM_TEXELS,
     )
 }
@@ -250,11 +252,14 @@ const PLACES: usize = 5;
 
 /// Where the shadows of what stands over the ground fall, from the light's middle: each instance but the first (the
 /// floor), at places along its upright axis.
-fn shadows(ground: &Ground) -> penumbra::Shadows {
-    let light = ground.lights.first().map(super::ground::without_extent);
+fn shadows(case_truth: &CaseTruth) -> penumbra::Shadows {
+    let light = case_truth
+        .lights
+        .first()
+        .map(super::case_truth::without_extent);
     let from = light.and_then(|l| l.position()).unwrap_or_default();
     let of = |instance: &umbrage_core::Instance| {
-        let mesh = &ground.scene.meshes[instance.mesh];
+        let mesh = &case_truth.scene.meshes[instance.mesh];
         let corners = mesh
             .positions
             .iter()
@@ -267,5 +272,5 @@ fn shadows(ground: &Ground) -> penumbra::Shadows {
         let fall = |p: Vec3| from + (p - from) * (from.y / (from.y - p.y));
         (0..PLACES).map(|k| fall(at(k))).collect()
     };
-    penumbra::Shadows(ground.scene.instances.iter().skip(1).map(of).collect())
+    penumbra::Shadows(case_truth.scene.instances.iter().skip(1).map(of).collect())
 }

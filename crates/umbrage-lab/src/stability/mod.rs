@@ -3,16 +3,16 @@
 //!
 //! * [`rows`]: the one list of rows. [`Measure`] says what each is judged by, [`Limits`] where it passes and fails.
 //! * [`run`]: plays them. [`Stability`]: what comes out.
-//! * [`measures`]: the measures as plain functions. [`Ground`]: truth, and what a *perfect map* of the same size would
+//! * [`measures`]: the measures as plain functions. [`CaseTruth`]: truth, and what a *perfect map* of the same size would
 //!   show, which limits are taken from.
 //! * [`sweeps`]: one number turned from too little to too much. [`report`]: a page, a picture, a table, data.
 //!
 //! Limits are never tuned to results. They come from what edge aliasing alone must cause on a map of that size, from what
 //! is visible (steps of 1/255, one pixel in a thousand), or from the noise of a stated number of rays.
 
+mod all_backends;
+mod case_truth;
 mod cell;
-mod everywhere;
-mod ground;
 mod guard;
 mod measure;
 pub mod measures;
@@ -28,14 +28,14 @@ pub mod sweeps;
 pub mod texels;
 mod verdict;
 
+pub use case_truth::{CaseTruth, OPEN_TEXELS, without_extent};
 pub use cell::{CaseResult, Cell, Outcome, Stability};
-pub use ground::{Ground, OPEN_TEXELS, without_extent};
 pub use guard::is_as_new;
 pub use measure::Measure;
 pub use motion::{Frame, Moving};
 pub use row::{Case, Motion, Row};
 pub use rows::{PLATE, cases, rows};
-pub use run::{Event, Options, check_state, ground, run};
+pub use run::{Event, Options, case_truth, check_state, run};
 pub use settings::settings;
 pub use verdict::{FAILS_AT, Limits, Verdict};
 

@@ -10,8 +10,8 @@
 //! there.
 
 use super::{
-    Cell, Limits, Outcome, Verdict, everywhere,
-    ground::{Ground, trace_at_receivers},
+    Cell, Limits, Outcome, Verdict, all_backends,
+    case_truth::{CaseTruth, trace_at_receivers},
     guard::{self, NoMask},
     measure::Measure,
     measures::shimmer::{change, change_error, shimmer},
@@ -19,10 +19,11 @@ use super::{
     play::{cell, draws_the_picture, no_mask},
     row::Motion,
 };
-use crate::{LabError, compare::Backends, truth::TruthOptions};
+use crate::{LabError, compare::Backends};
 use glam::{Affine3A, Quat, Vec3};
 use umbrage_core::{Backend, Camera, Fit, Layout, Light, Receivers, ShadowTechnique, View};
 use umbrage_cpu::Cpu;
+use umbrage_plan::truth::TruthOptions;
 
 /// Who sees and what shines at one moment.
 #[derive(Clone, Debug)]
@@ -39,7 +40,7 @@ pub struct Frame {
 #[derive(Clone, Debug)]
 pub struct Moving<'a> {
     /// Its first frame.
-    pub ground: &'a Ground,
+    pub case_truth: &'a CaseTruth,
     /// All frames, the first among them.
     pub frames: Vec<Frame>,
     /// Truth at the first frame's receivers, frame by frame.
@@ -75,24 +76,25 @@ fn with_fov(camera: &Camera, degrees: f64) -> Camera {
 }
 
 impl<'a> Moving<'a> {
-    /// Moves the ground's camera or light through `count` frames, and traces truth.
+    /// Moves the case's camera or light through `count` frames, and traces truth.
     ///
     /// # Errors
     /// When the scene holds numbers that can't be used.
     pub fn new(
-        ground: &'a Ground,
+        case_truth: &'a CaseTruth,
         motion: Motion,
         count: u32,
         options: &TruthOptions,
     ) -> Result<Self, LabError> {
         let mut cpu = Cpu::new();
-        let texel = texel(ground)?;
+        let texel = texel(case_truth)?;
         let mut frames = Vec::new();
         let mut truth = Vec::new();
         for t in 0..count {
-            let (camera, light) = at(ground, motion, t, count, texel);
-            let receivers = cpu.receivers(&camera, &ground.geometry)?;
-            let seen = trace_at_receivers(&ground.geometry, &light, &ground.truth, options)?;
+            let (camera, light) = at(case_truth, motion, t, count, texel);
+            let receivers = cpu.receivers(&camera, &case_truth.geometry)?;
+            let seen =
+                trace_at_receivers(&case_truth.geometry, &light, &case_truth.truth, options)?;
             truth.push(
                 seen.into_iter()
                     .map(|s| s.map_or(1.0, |s| s.visibility))
@@ -104,11 +106,11 @@ impl<'a> Moving<'a> {
                 receivers,
             });
         }
-        let marked = (0..ground.open.len())
-            .map(|i| is_marked(ground, &frames, i))
+        let marked = (0..case_truth.open.len())
+            .map(|i| is_marked(case_truth, &frames, i))
             .collect();
         Ok(Self {
-            ground,
+            case_truth,
             frames,
             truth,
             marked,
@@ -122,7 +124,7 @@ impl<'a> Moving<'a> {
                 masks,
                 &self.truth,
                 &self.marked,
-                self.ground.truth.size.x as usize,
+                self.case_truth.truth.size.x as usize,
             ),
             _ => shimmer(masks, &self.truth, &self.marked),
         }
@@ -131,7 +133,7 @@ impl<'a> Moving<'a> {
     /// Where that passes and fails. Where truth moves, a shadow that stands still fails, however slow the movement: its
     /// figure is truth's own change.
     pub fn limits(&self, measure: Measure) -> Limits {
-        let limits = measure.limits(self.ground);
+        let limits = measure.limits(self.case_truth);
         match measure {
             Measure::ChangeError => limits.below(change(&self.truth, &self.marked)),
             _ => limits,
@@ -153,7 +155,7 @@ impl<'a> Moving<'a> {
         let verdict = self.limits(measure).judge(figure);
         let worse = verdict != Verdict::Pass;
         let picture = worse
-            .then(|| pictures::strip(self.ground, &masks, &self.marked))
+            .then(|| pictures::strip(self.case_truth, &masks, &self.marked))
             .transpose()?;
         Ok(Cell {
             picture,
@@ -171,10 +173,10 @@ impl<'a> Moving<'a> {
         let (mut masks, mut disagreeing) = (Vec::new(), None);
         for (t, frame) in self.frames.iter().enumerate() {
             let is_end = t == 0 || t + 1 == self.frames.len();
-            let playing = everywhere::those(&mut backends.playing, is_end);
+            let playing = all_backends::select(&mut backends.playing, is_end);
             let played = self.play_frame(frame, technique, playing)?;
             masks.push(played.mask);
-            disagreeing = everywhere::sum(disagreeing, played.disagreeing);
+            disagreeing = all_backends::sum(disagreeing, played.disagreeing);
         }
         Ok((masks, disagreeing))
     }
@@ -184,18 +186,18 @@ impl<'a> Moving<'a> {
         frame: &Frame,
         technique: &dyn ShadowTechnique,
         playing: &mut [Box<dyn Backend>],
-    ) -> Result<everywhere::Played, NoMask> {
-        let view = View::new(&frame.camera, &frame.light, &self.ground.geometry);
+    ) -> Result<all_backends::Played, NoMask> {
+        let view = View::new(&frame.camera, &frame.light, &self.case_truth.geometry);
         let still = View {
-            camera: &self.ground.camera,
+            camera: &self.case_truth.camera,
             ..view
         }
-        .with_receivers(&self.ground.truth.receivers);
+        .with_receivers(&self.case_truth.truth.receivers);
         let mut recipe = guard::plan(technique, &view.with_receivers(&frame.receivers))?;
         if draws_the_picture(&recipe, &frame.camera) {
             recipe = guard::plan(technique, &still)?;
         }
-        everywhere::render(playing, &still, &recipe)
+        all_backends::render(playing, &still, &recipe)
     }
 
     /// How many points count.
@@ -204,8 +206,8 @@ impl<'a> Moving<'a> {
     }
 }
 
-fn at(ground: &Ground, motion: Motion, t: u32, count: u32, texel: f64) -> (Camera, Light) {
-    let (camera, light) = (ground.camera, ground.lights[0]);
+fn at(case_truth: &CaseTruth, motion: Motion, t: u32, count: u32, texel: f64) -> (Camera, Light) {
+    let (camera, light) = (case_truth.camera, case_truth.lights[0]);
     let steps = f64::from(t);
     match motion {
         Motion::Still => (camera, light),
@@ -254,27 +256,29 @@ fn turned(light: &Light, degrees: f64) -> Light {
 }
 
 /// Width of a texel of the first frame's map, metres.
-fn texel(ground: &Ground) -> Result<f64, LabError> {
-    let view = ground
-        .view(&ground.lights[0])
-        .with_receivers(&ground.truth.receivers);
-    let spaces = Fit::Tight.light_spaces(Layout::Auto, &view, ground.map_size, 0.0)?;
+fn texel(case_truth: &CaseTruth) -> Result<f64, LabError> {
+    let view = case_truth
+        .view(&case_truth.lights[0])
+        .with_receivers(&case_truth.truth.receivers);
+    let spaces = Fit::Tight.light_spaces(Layout::Auto, &view, case_truth.map_size, 0.0)?;
     let across = spaces
         .spaces
         .first()
         .map_or(1.0, |s| f64::from(s.clip_from_view.x_axis.x));
-    Ok(2.0 / (across * f64::from(ground.map_size)))
+    Ok(2.0 / (across * f64::from(case_truth.map_size)))
 }
 
 /// Near an edge, and seen in every frame.
-fn is_marked(ground: &Ground, frames: &[Frame], i: usize) -> bool {
-    ground.counts(i) && !ground.open[i] && frames.iter().all(|f| is_seen(ground, &f.camera, i))
+fn is_marked(case_truth: &CaseTruth, frames: &[Frame], i: usize) -> bool {
+    case_truth.counts(i)
+        && !case_truth.open[i]
+        && frames.iter().all(|f| is_seen(case_truth, &f.camera, i))
 }
 
-fn is_seen(ground: &Ground, camera: &Camera, i: usize) -> bool {
+fn is_seen(case_truth: &CaseTruth, camera: &Camera, i: usize) -> bool {
     let (p, n) = (
-        ground.truth.receivers.position(i),
-        ground.truth.receivers.normal(i),
+        case_truth.truth.receivers.position(i),
+        case_truth.truth.receivers.normal(i),
     );
     let q = camera.space().clip_from_world() * p.extend(1.0);
     let inside = q.w > 0.0 && q.x.abs() < q.w && q.y.abs() < q.w;
@@ -282,9 +286,9 @@ fn is_seen(ground: &Ground, camera: &Camera, i: usize) -> bool {
     // A thousandth of the way off the surface, so that its neighbours don't hide the point from the eye.
     let lift = n * (1e-3 * to_eye.length());
     inside
-        && !ground.geometry.bvh().occluded(
+        && !case_truth.geometry.bvh().occluded(
             p + lift,
             to_eye - lift,
-            ground.truth.receivers.triangle[i],
+            case_truth.truth.receivers.triangle[i],
         )
 }

@@ -1,9 +1,9 @@
 //! Pictures of cells: truth, mask and error side by side, or frames.
 
-use super::ground::Ground;
+use super::case_truth::CaseTruth;
 use crate::{
     LabError,
-    report::{picture, pictures},
+    output::png::{self, picture},
 };
 use glam::{UVec2, Vec3};
 
@@ -15,30 +15,30 @@ const FRAMES: usize = 4;
 const CHANGE: f32 = 0.25;
 
 /// Truth, mask and error side by side, a PNG.
-pub(super) fn beside(ground: &Ground, mask: &[f32]) -> Result<Vec<u8>, LabError> {
-    let truth = &ground.truth;
+pub(super) fn beside(case_truth: &CaseTruth, mask: &[f32]) -> Result<Vec<u8>, LabError> {
+    let truth = &case_truth.truth;
     let parts = [
-        pictures::mask_colors(&truth.visibility, &truth.pixels),
-        pictures::mask_colors(mask, &truth.pixels),
-        pictures::error_colors(mask, &truth.visibility, &truth.pixels),
+        png::mask_colors(&truth.visibility, &truth.pixels),
+        png::mask_colors(mask, &truth.pixels),
+        png::error_colors(mask, &truth.visibility, &truth.pixels),
     ];
     row(truth.size, &parts)
 }
 
 /// The first frames' masks side by side, then where they change: orange. A PNG.
 pub(super) fn strip(
-    ground: &Ground,
+    case_truth: &CaseTruth,
     masks: &[Vec<f32>],
     marked: &[bool],
 ) -> Result<Vec<u8>, LabError> {
-    let pixels = &ground.truth.pixels;
+    let pixels = &case_truth.truth.pixels;
     let mut parts: Vec<Vec<Vec3>> = masks
         .iter()
         .take(FRAMES)
-        .map(|m| pictures::mask_colors(m, pixels))
+        .map(|m| png::mask_colors(m, pixels))
         .collect();
     parts.push(changes(masks, marked));
-    row(ground.truth.size, &parts)
+    row(case_truth.truth.size, &parts)
 }
 
 fn changes(masks: &[Vec<f32>], marked: &[bool]) -> Vec<Vec3> {
@@ -51,8 +51,8 @@ fn changes(masks: &[Vec<f32>], marked: &[bool]) -> Vec<Vec3> {
             / pairs
     };
     let color = |i: usize| {
-        let ground = Vec3::splat(if marked[i] { 0.85 } else { 0.95 });
-        ground.lerp(pictures::FALSE_LIGHT, (mean(i) / CHANGE).min(1.0))
+        let background = Vec3::splat(if marked[i] { 0.85 } else { 0.95 });
+        background.lerp(png::FALSE_LIGHT, (mean(i) / CHANGE).min(1.0))
     };
     (0..marked.len()).map(color).collect()
 }
@@ -68,7 +68,7 @@ fn row(size: UVec2, parts: &[Vec<Vec3>]) -> Result<Vec<u8>, LabError> {
             colors[start..start + w].copy_from_slice(&part[y * w..][..w]);
         }
     }
-    picture(pictures::encode(
+    picture(png::encode(
         UVec2::new(whole as u32, size.y),
         colors.into_iter(),
     ))

@@ -1,8 +1,8 @@
-//! Still cases: every setting against one ground, on every backend.
+//! Still cases: every setting against one case's truth, on every backend.
 
 use super::{
-    Cell, Limits, Outcome, Verdict, everywhere,
-    ground::Ground,
+    Cell, Limits, Outcome, Verdict, all_backends,
+    case_truth::CaseTruth,
     guard::{self, NoMask},
     measure::{Measure, SCREEN, rmse},
     pictures,
@@ -15,9 +15,9 @@ use umbrage_core::{Camera, Light, Recipe, ShadowTechnique, View, Work};
 #[derive(Debug)]
 pub(super) struct Still<'a> {
     pub(super) case: &'a Case,
-    pub(super) ground: &'a Ground,
+    pub(super) case_truth: &'a CaseTruth,
     /// The same scene at scale 1, for [`Measure::ScaleDrift`].
-    pub(super) reference: Option<&'a Ground>,
+    pub(super) reference: Option<&'a CaseTruth>,
     pub(super) limits: Limits,
 }
 
@@ -36,7 +36,7 @@ impl Still<'_> {
         technique: &dyn ShadowTechnique,
         backends: &mut Backends,
     ) -> Result<Cell, LabError> {
-        let played = match play(self.ground, technique, backends) {
+        let played = match play(self.case_truth, technique, backends) {
             Ok(played) => played,
             Err(why) => return Ok(no_mask(technique, why)),
         };
@@ -45,16 +45,16 @@ impl Still<'_> {
             (Measure::ScaleDrift(_), Some(reference)) => match play(reference, technique, backends)
             {
                 Ok(at_one) => {
-                    (rmse(self.ground, &played.mask) - rmse(reference, &at_one.mask)).abs()
+                    (rmse(self.case_truth, &played.mask) - rmse(reference, &at_one.mask)).abs()
                 }
                 Err(why) => return Ok(no_mask(technique, why)),
             },
-            (measure, _) => measure.figure(self.ground, &played.mask),
+            (measure, _) => measure.figure(self.case_truth, &played.mask),
         };
         let verdict = self.limits.judge(figure);
         let worse = verdict != Verdict::Pass;
         let picture = worse
-            .then(|| pictures::beside(self.ground, &played.mask))
+            .then(|| pictures::beside(self.case_truth, &played.mask))
             .transpose()?;
         Ok(Cell {
             picture,
@@ -83,21 +83,21 @@ pub(super) fn no_mask(technique: &dyn ShadowTechnique, why: NoMask) -> Cell {
     cell(technique, outcome)
 }
 
-/// The mean mask over the ground's lights on the first backend; the others must agree with it.
+/// The mean mask over the case's lights on the first backend; the others must agree with it.
 fn play(
-    ground: &Ground,
+    case_truth: &CaseTruth,
     technique: &dyn ShadowTechnique,
     backends: &mut Backends,
 ) -> Result<Played, NoMask> {
     let mut all: Option<Played> = None;
-    for light in &ground.lights {
-        let one = under(light, ground, technique, backends)?;
+    for light in &case_truth.lights {
+        let one = under(light, case_truth, technique, backends)?;
         all = Some(match all {
             None => one,
             Some(sum) => sum.plus(one),
         });
     }
-    let n = ground.lights.len() as f32;
+    let n = case_truth.lights.len() as f32;
     let mut all = all.ok_or_else(|| NoMask::Unsupported("there is no light".to_owned()))?;
     all.mask.iter_mut().for_each(|v| *v /= n);
     Ok(all)
@@ -110,21 +110,21 @@ impl Played {
             .zip(&other.mask)
             .for_each(|(a, b)| *a += b);
         self.fill += other.fill;
-        self.disagreeing = everywhere::sum(self.disagreeing, other.disagreeing);
+        self.disagreeing = all_backends::sum(self.disagreeing, other.disagreeing);
         self
     }
 }
 
 fn under(
     light: &Light,
-    ground: &Ground,
+    case_truth: &CaseTruth,
     technique: &dyn ShadowTechnique,
     backends: &mut Backends,
 ) -> Result<Played, NoMask> {
-    let view = ground.view(light);
-    let recipe = guard::plan(technique, &view.with_receivers(&ground.truth.receivers))?;
-    let everywhere::Played { mask, disagreeing } =
-        everywhere::render(&mut backends.playing, &view, &recipe)?;
+    let view = case_truth.view(light);
+    let recipe = guard::plan(technique, &view.with_receivers(&case_truth.truth.receivers))?;
+    let all_backends::Played { mask, disagreeing } =
+        all_backends::render(&mut backends.playing, &view, &recipe)?;
     Ok(Played {
         fill: fill(&recipe, &view),
         mask,

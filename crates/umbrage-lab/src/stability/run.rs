@@ -2,7 +2,7 @@
 
 use super::{
     CaseResult, Cell, Limits, Outcome, Stability,
-    ground::Ground,
+    case_truth::CaseTruth,
     guard,
     measure::Measure,
     motion::{Moving, first_camera},
@@ -11,16 +11,19 @@ use super::{
     rows::cases,
     settings::settings,
 };
-use crate::{LabError, compare::Backends, truth::TruthOptions};
+use crate::{LabError, compare::Backends};
 use glam::UVec2;
 use umbrage_core::{Backend, Fit, Invalid};
-use umbrage_techniques::Settings;
+use umbrage_plan::truth::TruthOptions;
+use umbrage_techniques::{Settings, Techniques};
 
 /// What to play, and how carefully.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
     /// Rows by number, or cases by name; all when empty.
     pub rows: Vec<String>,
+    /// The techniques that there are.
+    pub registry: Techniques,
     /// Techniques by name; all when empty.
     pub techniques: Vec<String>,
     /// Image size, pixels.
@@ -42,6 +45,7 @@ impl Default for Options {
         };
         Self {
             rows: Vec::new(),
+            registry: Techniques::built_in(),
             techniques: Vec::new(),
             size: UVec2::new(240, 180),
             map_size: 1024,
@@ -91,20 +95,7 @@ impl Options {
                 mend,
             ));
         }
-        let all = umbrage_techniques::all();
-        if let Some(unknown) = self
-            .techniques
-            .iter()
-            .find(|t| umbrage_techniques::find(t).is_none())
-        {
-            let names: Vec<_> = all.iter().map(|e| e.name).collect();
-            let why = format!("there is none called `{unknown}`");
-            return Err(Invalid::new(
-                "technique",
-                why,
-                format!("use some of {}", names.join(", ")),
-            ));
-        }
+        self.registry.select(&self.techniques)?;
         Ok(())
     }
 }
@@ -155,7 +146,7 @@ pub fn run(
         frames: options.frames,
         ..Stability::default()
     };
-    let mut last: Option<(&Case, Ground)> = None;
+    let mut last: Option<(&Case, CaseTruth)> = None;
     for (index, (row, case)) in wanted.iter().copied().enumerate() {
         on_event(Event::Case {
             name: case.name,
@@ -163,15 +154,15 @@ pub fn run(
             of: wanted.len(),
         });
         // Neighbours in the list often share a scene; its truth is traced once.
-        let ground = match last.take() {
-            Some((before, ground)) if is_same_ground(before, case) => ground,
-            _ => ground(case, case.scene, options)?,
+        let case_truth = match last.take() {
+            Some((before, case_truth)) if is_same_ground(before, case) => case_truth,
+            _ => case_truth(case, case.scene, options)?,
         };
-        let result = play_case(row, case, &ground, options, backends)?;
+        let result = play_case(row, case, &case_truth, options, backends)?;
         on_event(Event::Done { result: &result });
         out.faults.extend(faults(&result));
         out.cases.push(result);
-        last = Some((case, ground));
+        last = Some((case, case_truth));
     }
     Ok(out)
 }
@@ -185,7 +176,7 @@ fn is_same_ground(a: &Case, b: &Case) -> bool {
 ///
 /// # Errors
 /// When the scene doesn't exist or can't be used.
-pub fn ground(case: &Case, scene: &str, options: &Options) -> Result<Ground, LabError> {
+pub fn case_truth(case: &Case, scene: &str, options: &Options) -> Result<CaseTruth, LabError> {
     let unknown = || {
         Invalid::new(
             "scene",
@@ -196,25 +187,25 @@ pub fn ground(case: &Case, scene: &str, options: &Options) -> Result<Ground, Lab
     let scene = (umbrage_scenes::find(scene).ok_or_else(unknown)?.build)();
     let camera = first_camera(&scene.cameras[0].resized(options.size), case.motion);
     let lights = scene.lights.iter().take(case.lights).copied().collect();
-    Ground::new(scene, camera, lights, options.map_size, &options.truth)
+    CaseTruth::new(scene, camera, lights, options.map_size, &options.truth)
 }
 
 fn play_case(
     row: &Row,
     case: &Case,
-    ground: &Ground,
+    case_truth: &CaseTruth,
     options: &Options,
     backends: &mut Backends,
 ) -> Result<CaseResult, LabError> {
     let chosen = chosen(case, options);
     let (limits, cells) = if case.motion == Motion::Still {
-        let limits = case.measure.limits(ground);
+        let limits = case.measure.limits(case_truth);
         (
             limits,
-            still_cells(case, ground, limits, &chosen, options, backends)?,
+            still_cells(case, case_truth, limits, &chosen, options, backends)?,
         )
     } else {
-        let moving = Moving::new(ground, case.motion, options.frames, &options.truth)?;
+        let moving = Moving::new(case_truth, case.motion, options.frames, &options.truth)?;
         let cells = chosen
             .iter()
             .map(|t| moving.cell(&**t, case.measure, backends))
@@ -233,7 +224,7 @@ fn play_case(
         unit: case.measure.unit().to_owned(),
         limits,
         reason: case.measure.reason().to_owned(),
-        ideal: case.measure.figure(ground, &ground.ideal),
+        ideal: case.measure.figure(case_truth, &case_truth.ideal),
         cells,
     })
 }
@@ -250,7 +241,12 @@ pub(super) fn some_backend(backends: &Backends) -> Result<(), Invalid> {
 
 /// The settings of a case.
 fn chosen(case: &Case, options: &Options) -> Settings {
-    let mut chosen = settings(&options.techniques, options.map_size, Fit::Tight);
+    let mut chosen = settings(
+        &options.registry,
+        &options.techniques,
+        options.map_size,
+        Fit::Tight,
+    );
     let extra = case.extra.map_or_else(Vec::new, |f| f(options.map_size));
     let wanted =
         |name: &str| options.techniques.is_empty() || options.techniques.iter().any(|t| t == name);
@@ -260,19 +256,19 @@ fn chosen(case: &Case, options: &Options) -> Settings {
 
 fn still_cells(
     case: &Case,
-    ground: &Ground,
+    case_truth: &CaseTruth,
     limits: Limits,
     chosen: &Settings,
     options: &Options,
     backends: &mut Backends,
 ) -> Result<Vec<Cell>, LabError> {
     let at_one = match case.measure {
-        Measure::ScaleDrift(scene) => Some(self::ground(case, scene, options)?),
+        Measure::ScaleDrift(scene) => Some(self::case_truth(case, scene, options)?),
         _ => None,
     };
     let still = Still {
         case,
-        ground,
+        case_truth,
         reference: at_one.as_ref(),
         limits,
     };

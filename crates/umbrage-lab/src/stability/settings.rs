@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 use umbrage_core::{Fit, ShadowTechnique};
-use umbrage_techniques::Settings;
+use umbrage_techniques::{Settings, Techniques};
 
-/// One or two settings of every technique of the catalogue (or of those named): the textbooks' (a slope bias or a polygon
+/// One or two settings of every technique of the registry (or of those named): the textbooks' (a slope bias or a polygon
 /// offset, else the first listed), and the best behaved (the last that follows the receiver's plane, else the last).
-pub fn settings(techniques: &[String], map_size: u32, fit: Fit) -> Settings {
+pub fn settings(registry: &Techniques, techniques: &[String], map_size: u32, fit: Fit) -> Settings {
     let wanted = |name: &str| techniques.is_empty() || techniques.iter().any(|t| t == name);
-    let entries = umbrage_techniques::all().iter().filter(|e| wanted(e.name));
+    let entries = registry.all().iter().filter(|e| wanted(e.name));
     entries
         .flat_map(|e| two_of((e.settings)(&[map_size], fit)))
         .collect()
@@ -39,7 +39,7 @@ mod tests {
 
     #[test]
     fn every_technique_has_one_or_two_settings_that_differ() {
-        let chosen = settings(&[], 256, Fit::Tight);
+        let chosen = settings(&Techniques::built_in(), &[], 256, Fit::Tight);
         for entry in umbrage_techniques::all() {
             let its: Vec<String> = chosen
                 .iter()
@@ -52,10 +52,15 @@ mod tests {
                 entry.name
             );
         }
-        let hard: Vec<String> = settings(&["hard".to_owned()], 256, Fit::Tight)
-            .iter()
-            .map(|t| t.settings())
-            .collect();
+        let hard: Vec<String> = settings(
+            &Techniques::built_in(),
+            &["hard".to_owned()],
+            256,
+            Fit::Tight,
+        )
+        .iter()
+        .map(|t| t.settings())
+        .collect();
         assert!(
             hard.len() == 2 && hard[0].contains("slope") && hard[1].contains("receiver plane"),
             "{hard:?}"

@@ -2,9 +2,8 @@
 
 use super::*;
 use crate::{
-    cheat::{Cheat, darken_one},
     compare::Backends,
-    truth::{self, TruthOptions},
+    faulty_backend::{FaultyBackend, darken_one},
 };
 use glam::UVec2;
 use std::{
@@ -16,7 +15,10 @@ use std::{
 };
 use umbrage_core::{Backend, BackendError, Fit, Invalid, Recipe, ShadowTechnique, Shadows, View};
 use umbrage_cpu::Cpu;
-use umbrage_techniques::{Bias, Hard, Pcss, Planar, SecondDepth, ShadowMap, ShadowVolumes, Traced};
+use umbrage_plan::truth::{self, TruthOptions};
+use umbrage_techniques::{
+    Bias, Hard, Pcss, Planar, SecondDepth, ShadowMap, ShadowVolumes, Techniques, Traced,
+};
 
 /// Small enough that all cases take seconds.
 fn small() -> Options {
@@ -42,28 +44,30 @@ fn case(name: &str) -> &'static Case {
         .expect("in the list")
 }
 
-fn ground_of(case: &Case, options: &Options) -> Ground {
-    ground(case, case.scene, options).expect("a built-in scene")
+fn case_truth_of(case: &Case, options: &Options) -> CaseTruth {
+    case_truth(case, case.scene, options).expect("a built-in scene")
 }
 
-/// The mean mask over the ground's lights on the CPU.
-fn mask(ground: &Ground, technique: &dyn ShadowTechnique) -> Vec<f32> {
-    let mut sum = vec![0.0; ground.truth.visibility.len()];
-    for light in &ground.lights {
-        let view: View<'_> = ground.view(light).with_receivers(&ground.truth.receivers);
+/// The mean mask over the case's lights on the CPU.
+fn mask(case_truth: &CaseTruth, technique: &dyn ShadowTechnique) -> Vec<f32> {
+    let mut sum = vec![0.0; case_truth.truth.visibility.len()];
+    for light in &case_truth.lights {
+        let view: View<'_> = case_truth
+            .view(light)
+            .with_receivers(&case_truth.truth.receivers);
         let recipe = technique.plan(&view).expect("supported");
         let shadows = Cpu::new().render(&view, &recipe).expect("plays");
         sum.iter_mut()
             .zip(&shadows.mask)
-            .for_each(|(s, v)| *s += v / ground.lights.len() as f32);
+            .for_each(|(s, v)| *s += v / case_truth.lights.len() as f32);
     }
     sum
 }
 
-fn verdict(case: &Case, ground: &Ground, mask: &[f32]) -> Verdict {
+fn verdict(case: &Case, case_truth: &CaseTruth, mask: &[f32]) -> Verdict {
     case.measure
-        .limits(ground)
-        .judge(case.measure.figure(ground, mask))
+        .limits(case_truth)
+        .judge(case.measure.figure(case_truth, mask))
 }
 
 #[test]
@@ -104,19 +108,19 @@ fn every_still_row_can_pass_and_can_fail() {
     let by_mask =
         |m: Measure| !matches!(m, Measure::Fill | Measure::Shimmer | Measure::ChangeError);
     for (_, case) in cases().filter(|(_, c)| by_mask(c.measure)) {
-        let ground = ground_of(case, &options);
-        let traced = mask(&ground, &Traced { samples: 256 });
+        let case_truth = case_truth_of(case, &options);
+        let traced = mask(&case_truth, &Traced { samples: 256 });
         assert_eq!(
-            verdict(case, &ground, &traced),
+            verdict(case, &case_truth, &traced),
             Verdict::Pass,
             "{}: traced",
             case.name
         );
-        if case.measure == Measure::AllLit && ground.counted().count() == 0 {
+        if case.measure == Measure::AllLit && case_truth.counted().count() == 0 {
             continue;
         }
         let n = traced.len();
-        let spoilt = [vec![0.0; n], vec![1.0; n]].map(|mask| verdict(case, &ground, &mask));
+        let spoilt = [vec![0.0; n], vec![1.0; n]].map(|mask| verdict(case, &case_truth, &mask));
         assert!(
             spoilt.contains(&Verdict::Fails),
             "{}: {spoilt:?}",
@@ -139,15 +143,15 @@ fn without_casters_no_shadow_is_left() {
         "two-lights",
     ] {
         let case = case(name);
-        let ground = ground_of(case, &options);
-        assert!(ground.truth.has_shadow(), "{name}: nothing to see");
-        let bare = ground.geometry.without_casters();
-        for light in &ground.lights {
+        let case_truth = case_truth_of(case, &options);
+        assert!(case_truth.truth.has_shadow(), "{name}: nothing to see");
+        let bare = case_truth.geometry.without_casters();
+        for light in &case_truth.lights {
             let find = &mut |c: &umbrage_core::Camera, g: &umbrage_core::Geometry| {
                 Cpu::new().receivers(c, g)
             };
             let truth = truth::trace(
-                &ground.camera,
+                &case_truth.camera,
                 light,
                 &bare,
                 &options.truth,
@@ -196,9 +200,11 @@ fn known_weaknesses_are_seen() {
     ];
     for (name, technique) in known {
         let case = case(name);
-        let ground = ground_of(case, &small());
-        let figure = case.measure.figure(&ground, &mask(&ground, &*technique));
-        let limits = case.measure.limits(&ground);
+        let case_truth = case_truth_of(case, &small());
+        let figure = case
+            .measure
+            .figure(&case_truth, &mask(&case_truth, &*technique));
+        let limits = case.measure.limits(&case_truth);
         assert_ne!(
             limits.judge(figure),
             Verdict::Pass,
@@ -224,9 +230,11 @@ fn soft_shadows_pass_under_lamps() {
         "canopy",
     ] {
         let case = case(name);
-        let ground = ground_of(case, &small());
-        let figure = case.measure.figure(&ground, &mask(&ground, &technique));
-        let limits = case.measure.limits(&ground);
+        let case_truth = case_truth_of(case, &small());
+        let figure = case
+            .measure
+            .figure(&case_truth, &mask(&case_truth, &technique));
+        let limits = case.measure.limits(&case_truth);
         println!("{name}: {figure} of {limits:?}");
         assert_eq!(
             limits.judge(figure),
@@ -236,8 +244,8 @@ fn soft_shadows_pass_under_lamps() {
     }
 }
 
-fn false_light(ground: &Ground, mask: &[f32]) -> f64 {
-    let truth = &ground.truth;
+fn false_light(case_truth: &CaseTruth, mask: &[f32]) -> f64 {
+    let truth = &case_truth.truth;
     umbrage_core::metrics::Errors::measure(truth.size, mask, &truth.visibility, &truth.pixels)
         .expect("valid")
         .false_light
@@ -246,11 +254,11 @@ fn false_light(ground: &Ground, mask: &[f32]) -> f64 {
 /// Relief that the depth pass leaves out throws no shadow into its joints: against the relief's own truth they are lit.
 #[test]
 fn relief_that_the_map_lacks_leaves_joints_lit() {
-    let whole = ground_of(case("displaced-wall"), &small());
-    let split = ground_of(case("relief-without-depth-pass"), &small());
+    let whole = case_truth_of(case("displaced-wall"), &small());
+    let split = case_truth_of(case("relief-without-depth-pass"), &small());
     let technique = hard(Bias::ADAPTIVE);
     let [with, without] =
-        [&whole, &split].map(|ground| false_light(&whole, &mask(ground, &*technique)));
+        [&whole, &split].map(|case_truth| false_light(&whole, &mask(case_truth, &*technique)));
     assert!(
         without > 3.0 * with && without > 1.0,
         "{with} % with the relief, {without} % without"
@@ -260,8 +268,10 @@ fn relief_that_the_map_lacks_leaves_joints_lit() {
 /// Shadows on a normal-mapped wall are a flat wall's. A bias that follows the relief's normals gives them acne.
 #[test]
 fn a_bias_along_shading_normals_spoils_a_flat_wall() {
-    let flat = ground_of(case("normal-mapped-wall"), &small());
-    let relief = ground_of(case("displaced-wall"), &small()).truth.receivers;
+    let flat = case_truth_of(case("normal-mapped-wall"), &small());
+    let relief = case_truth_of(case("displaced-wall"), &small())
+        .truth
+        .receivers;
     let mut bent = flat.truth.receivers.clone();
     (bent.nx, bent.ny, bent.nz) = (relief.nx, relief.ny, relief.nz);
     let technique = hard(Bias::ADAPTIVE);
@@ -287,10 +297,10 @@ fn a_bias_along_shading_normals_spoils_a_flat_wall() {
 fn volumes_are_exact_where_counts_start_inside() {
     for name in ["eye-in-umbra", "eye-in-umbra-lamp"] {
         let case = case(name);
-        let ground = ground_of(case, &small());
+        let case_truth = case_truth_of(case, &small());
         assert_eq!(
             case.measure
-                .figure(&ground, &mask(&ground, &ShadowVolumes::default())),
+                .figure(&case_truth, &mask(&case_truth, &ShadowVolumes::default())),
             0.0,
             "{name}"
         );
@@ -301,27 +311,31 @@ fn volumes_are_exact_where_counts_start_inside() {
 #[test]
 fn planar_shadows_have_no_anti_shadow() {
     let case = case("flat-receivers");
-    let ground = ground_of(case, &small());
-    let planar = mask(&ground, &Planar::default());
-    assert_eq!(verdict(case, &ground, &planar), Verdict::Pass);
+    let case_truth = case_truth_of(case, &small());
+    let planar = mask(&case_truth, &Planar::default());
+    assert_eq!(verdict(case, &case_truth, &planar), Verdict::Pass);
 }
 
 /// Open pixels have no edge near, and there are some; a perfect map errs at edges alone.
 #[test]
 fn open_pixels_are_right_on_a_perfect_map() {
-    let ground = ground_of(case("stairs"), &small());
-    let open = ground.open.iter().filter(|o| **o).count();
-    assert!(open * 4 > ground.open.len(), "{open} open pixels");
+    let case_truth = case_truth_of(case("stairs"), &small());
+    let open = case_truth.open.iter().filter(|o| **o).count();
+    assert!(open * 4 > case_truth.open.len(), "{open} open pixels");
     assert_eq!(
-        super::measures::open::wrong(&ground.ideal, &ground.truth.visibility, &ground.open),
+        super::measures::open::wrong(
+            &case_truth.ideal,
+            &case_truth.truth.visibility,
+            &case_truth.open
+        ),
         0.0
     );
     assert!(
-        Measure::Rmse.figure(&ground, &ground.ideal) > 0.0,
+        Measure::Rmse.figure(&case_truth, &case_truth.ideal) > 0.0,
         "edges must alias"
     );
     // A map of a quarter of the side errs more.
-    let coarse = ground_of(
+    let coarse = case_truth_of(
         case("stairs"),
         &Options {
             map_size: 128,
@@ -329,7 +343,8 @@ fn open_pixels_are_right_on_a_perfect_map() {
         },
     );
     assert!(
-        Measure::Rmse.figure(&coarse, &coarse.ideal) > Measure::Rmse.figure(&ground, &ground.ideal)
+        Measure::Rmse.figure(&coarse, &coarse.ideal)
+            > Measure::Rmse.figure(&case_truth, &case_truth.ideal)
     );
 }
 
@@ -337,16 +352,16 @@ fn open_pixels_are_right_on_a_perfect_map() {
 #[test]
 fn what_is_no_mask_has_no_rmse() {
     let case = case("stairs");
-    let ground = ground_of(case, &small());
-    let mut spoilt = ground.truth.visibility.clone();
-    assert_eq!(Measure::Rmse.figure(&ground, &spoilt), 0.0);
+    let case_truth = case_truth_of(case, &small());
+    let mut spoilt = case_truth.truth.visibility.clone();
+    assert_eq!(Measure::Rmse.figure(&case_truth, &spoilt), 0.0);
     spoilt[0] = f32::NAN;
     assert!(
-        Measure::Rmse.figure(&ground, &spoilt).is_nan()
-            && Measure::Rmse.figure(&ground, &[]).is_nan()
+        Measure::Rmse.figure(&case_truth, &spoilt).is_nan()
+            && Measure::Rmse.figure(&case_truth, &[]).is_nan()
     );
     assert_eq!(
-        Measure::Rmse.limits(&ground).judge(f64::NAN),
+        Measure::Rmse.limits(&case_truth).judge(f64::NAN),
         Verdict::Fails
     );
 }
@@ -394,7 +409,7 @@ fn beside_a_cheat(k: u32) -> (Option<u64>, Vec<String>, u32) {
     };
     let played = Arc::new(AtomicU32::new(0));
     let count = played.clone();
-    let cheat = Cheat::new(move |shadows: &mut Shadows| {
+    let cheat = FaultyBackend::new(move |shadows: &mut Shadows| {
         if count.fetch_add(1, Ordering::Relaxed) + 1 == k {
             darken_one(shadows);
         }
@@ -468,7 +483,7 @@ fn backends_that_serve_nothing_are_left_out() {
             .cases
     };
     let cpu = || Box::new(Cpu::new()) as Box<dyn Backend>;
-    let cheat = || Box::new(Cheat::new(darken_one)) as Box<dyn Backend>;
+    let cheat = || Box::new(FaultyBackend::new(darken_one)) as Box<dyn Backend>;
     let cells = |playing| -> Vec<Cell> {
         played(&["fence-pan", "thin-plate"], playing)
             .into_iter()
@@ -513,8 +528,8 @@ fn backends_that_serve_nothing_are_left_out() {
 fn truth_moves_with_the_light_alone() {
     let options = small();
     for (_, case) in cases().filter(|(_, c)| c.motion != Motion::Still) {
-        let ground = ground_of(case, &options);
-        let moving = Moving::new(&ground, case.motion, options.frames, &options.truth)
+        let case_truth = case_truth_of(case, &options);
+        let moving = Moving::new(&case_truth, case.motion, options.frames, &options.truth)
             .expect("a built-in scene");
         let change = measures::shimmer::change(&moving.truth, &moving.marked);
         assert!(
@@ -578,8 +593,8 @@ fn what_stands_still_under_a_turning_sun_fails() {
 fn limits_of_slow_movement_are_below_standing_still() {
     let options = small();
     let case = case("hills-sun");
-    let ground = ground_of(case, &options);
-    let mut moving = Moving::new(&ground, case.motion, options.frames, &options.truth)
+    let case_truth = case_truth_of(case, &options);
+    let mut moving = Moving::new(&case_truth, case.motion, options.frames, &options.truth)
         .expect("a built-in scene");
     // Truth that moves a hundred times more slowly.
     let first = moving.truth[0].clone();
@@ -593,7 +608,7 @@ fn limits_of_slow_movement_are_below_standing_still() {
     let still = moving.figure(case.measure, &vec![first.clone(); moving.truth.len()]);
     let limits = moving.limits(case.measure);
     assert!(
-        still > 0.0 && still < case.measure.limits(&ground).pass,
+        still > 0.0 && still < case.measure.limits(&case_truth).pass,
         "{still}: too fast to tell anything"
     );
     assert_eq!(
@@ -671,5 +686,8 @@ fn runs_repeat_to_the_bit() {
 
 #[test]
 fn settings_serve_any_fit() {
-    assert!(settings(&[], 64, Fit::Tight).len() >= umbrage_techniques::all().len());
+    assert!(
+        settings(&Techniques::built_in(), &[], 64, Fit::Tight).len()
+            >= umbrage_techniques::all().len()
+    );
 }

@@ -4,9 +4,9 @@
 //! answer for the receiver's own plane; it has no acne, no gap and no leak, and yet edges run along its texels. Its error
 //! is what edge aliasing alone must cause at that size, and so the yardstick for all that are limited by it.
 
-use crate::truth::{Point, Seen, TruthOptions, trace_points};
 use glam::{DMat4, DVec2, DVec3, Vec3};
 use umbrage_core::{Geometry, Invalid, Light, LightSpaces, Receivers, light_sample};
+use umbrage_plan::truth::{Point, Seen, TruthOptions, trace_points};
 
 /// Light spaces with their inverses, and the maps' side in texels.
 #[derive(Clone, Debug)]

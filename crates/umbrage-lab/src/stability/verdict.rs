@@ -54,7 +54,7 @@ impl Limits {
     }
 
     /// For what edge aliasing alone must cause on a map: passes up to twice what a perfect map of the same size shows
-    /// (see [`Ground::ideal`](super::Ground)), so that a kernel may blur edges by a few texels, plus the smallest step
+    /// (see [`CaseTruth::ideal`](super::CaseTruth)), so that a kernel may blur edges by a few texels, plus the smallest step
     /// that is visible; fails above [`FAILS_AT`] times that.
     pub fn over_ideal(ideal: f64, visible: f64) -> Self {
         let pass = 2.0 * ideal + visible;

@@ -3,8 +3,7 @@
 use super::{Effect, Preset};
 use crate::{
     LabError, color,
-    report::{picture, pictures},
-    truth::{self, TruthOptions},
+    output::png::{self, picture},
 };
 use glam::UVec2;
 use umbrage_core::{
@@ -12,6 +11,7 @@ use umbrage_core::{
     metrics::{Errors, Pixel},
 };
 use umbrage_cpu::Cpu;
+use umbrage_plan::truth::{self, TruthOptions};
 
 /// Both halves of an effect.
 #[derive(Clone, Debug)]
@@ -29,7 +29,7 @@ pub struct Side {
     pub size: UVec2,
     /// The colour picture of the first backend, a PNG.
     pub picture: Vec<u8>,
-    /// Its error against truth, a PNG: see [`crate::report`].
+    /// Its error against truth, a PNG: see [`png::error`].
     pub error: Vec<u8>,
     /// For each backend its kind, and its mask's errors against truth.
     pub errors: Vec<(&'static str, Errors)>,
@@ -100,7 +100,7 @@ fn side(preset: &Preset, backends: &mut [Box<dyn Backend>]) -> Result<Side, LabE
     Ok(Side {
         size: truth.size,
         picture: picture(color)?,
-        error: picture(pictures::error(
+        error: picture(png::error(
             truth.size,
             &first.mask,
             &truth.visibility,

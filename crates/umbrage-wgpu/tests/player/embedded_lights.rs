@@ -127,7 +127,10 @@ fn forward_shaders_may_read_the_maps_of_both() {
         (group.clone(), layout.clone())
     });
     let images = [0, 1].map(|i| {
-        let (text, (group, layout)) = (receive_wgsl(&recipes[i], 1, "").expect("no prefix"), &groups[i]);
+        let (text, (group, layout)) = (
+            receive_wgsl(&recipes[i], 1, "").expect("no prefix"),
+            &groups[i],
+        );
         e.foreign.shade(
             &mut encoder,
             &text,

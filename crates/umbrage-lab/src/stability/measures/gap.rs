@@ -2,7 +2,7 @@
 
 use super::open::share;
 use glam::Vec3;
-use umbrage_core::{Receivers, metrics::FALSE};
+use umbrage_core::{Receivers, metrics::ERROR_THRESHOLD};
 
 /// Where a caster stands on the ground: a segment, and the way that its shadow falls.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,7 +71,7 @@ impl Contact {
         seen().map(gap).sum::<f64>() / seen().count().max(1) as f64
     }
 
-    /// Percent of the truly dark pixels within `reach` metres of the contact that the mask lights by more than [`FALSE`].
+    /// Percent of the truly dark pixels within `reach` metres of the contact that the mask lights by more than [`ERROR_THRESHOLD`].
     pub fn leak(
         &self,
         mask: &[f32],
@@ -83,7 +83,7 @@ impl Contact {
         let dark = self
             .pixels(receivers, counts)
             .filter(|(i, _, t)| *t <= reach && truth[*i] < 0.5);
-        share(dark.map(|(i, ..)| mask[i] - truth[i] > FALSE))
+        share(dark.map(|(i, ..)| mask[i] - truth[i] > ERROR_THRESHOLD))
     }
 
     /// How far apart rows of pixels lie on the ground within `reach` of the contact, metres: what a gap can be told by.
@@ -98,7 +98,7 @@ impl Contact {
 }
 
 /// Percent of the truly dark ground pixels within `reach` metres (along the ground, at height `y`) of any of the places
-/// that the mask lights by more than [`FALSE`].
+/// that the mask lights by more than [`ERROR_THRESHOLD`].
 pub fn leak_around(
     places: &[Vec3],
     reach: f32,
@@ -116,7 +116,7 @@ pub fn leak_around(
     let dark = (0..mask.len())
         .filter(|&i| counts(i) && truth[i] < 0.5)
         .filter(near);
-    share(dark.map(|i| mask[i] - truth[i] > FALSE))
+    share(dark.map(|i| mask[i] - truth[i] > ERROR_THRESHOLD))
 }
 
 #[cfg(test)]

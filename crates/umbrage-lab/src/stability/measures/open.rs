@@ -1,34 +1,34 @@
 //! What is wrong away from edges: acne, leaks, and acne by distance.
 //!
 //! Near a shadow's edge every map is wrong; farther away than kernels reach nothing may be. Which pixels are *open* so is
-//! [`Ground::open`](crate::stability::Ground).
+//! [`CaseTruth::open`](crate::stability::CaseTruth).
 
-use umbrage_core::metrics::FALSE;
+use umbrage_core::metrics::ERROR_THRESHOLD;
 
-/// Acne: percent of the open lit pixels that the mask darkens by more than [`FALSE`].
+/// Acne: percent of the open lit pixels that the mask darkens by more than [`ERROR_THRESHOLD`].
 pub fn acne(mask: &[f32], truth: &[f32], open: &[bool]) -> f64 {
     share(
         (0..mask.len())
             .filter(|&i| open[i] && truth[i] == 1.0)
-            .map(|i| truth[i] - mask[i] > FALSE),
+            .map(|i| truth[i] - mask[i] > ERROR_THRESHOLD),
     )
 }
 
-/// Leaks: percent of the open dark pixels that the mask lights by more than [`FALSE`].
+/// Leaks: percent of the open dark pixels that the mask lights by more than [`ERROR_THRESHOLD`].
 pub fn leak(mask: &[f32], truth: &[f32], open: &[bool]) -> f64 {
     share(
         (0..mask.len())
             .filter(|&i| open[i] && truth[i] == 0.0)
-            .map(|i| mask[i] - truth[i] > FALSE),
+            .map(|i| mask[i] - truth[i] > ERROR_THRESHOLD),
     )
 }
 
-/// Either: percent of the open pixels that are wrong by more than [`FALSE`].
+/// Either: percent of the open pixels that are wrong by more than [`ERROR_THRESHOLD`].
 pub fn wrong(mask: &[f32], truth: &[f32], open: &[bool]) -> f64 {
     share(
         (0..mask.len())
             .filter(|&i| open[i])
-            .map(|i| (mask[i] - truth[i]).abs() > FALSE),
+            .map(|i| (mask[i] - truth[i]).abs() > ERROR_THRESHOLD),
     )
 }
 
@@ -48,7 +48,7 @@ pub fn acne_by_distance(
     lit.sort_by(|a, b| distance[*a].total_cmp(&distance[*b]));
     std::array::from_fn(|bin| {
         let here = &lit[bin * lit.len() / BINS..(bin + 1) * lit.len() / BINS];
-        share(here.iter().map(|&i| truth[i] - mask[i] > FALSE))
+        share(here.iter().map(|&i| truth[i] - mask[i] > ERROR_THRESHOLD))
     })
 }
 

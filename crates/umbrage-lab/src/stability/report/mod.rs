@@ -4,7 +4,7 @@ mod page;
 mod svg;
 
 use super::{Outcome, Stability, sweeps::Sweep};
-use crate::{LabError, report::Folder};
+use crate::{LabError, output::Folder};
 use std::path::{Path, PathBuf};
 
 /// Writes `index.html` (opens alone), `matrix.svg`, `matrix.csv`, `results.json`, and for each sweep an SVG and a CSV.

@@ -2,7 +2,7 @@
 
 use crate::{
     LabError,
-    page::Page,
+    output::html::Page,
     stability::{Stability, sweeps::Sweep},
 };
 use base64::{Engine, engine::general_purpose::STANDARD};

@@ -9,7 +9,7 @@ const LEFT: usize = 335;
 const TOP: usize = 178;
 const BOTTOM: usize = 34;
 
-/// Ground and ink of a cell. Blue to orange, as all kinds of colour vision tell them apart (Okabe, Ito 2008).
+/// CaseTruth and ink of a cell. Blue to orange, as all kinds of colour vision tell them apart (Okabe, Ito 2008).
 fn colors(cell: &Cell) -> [&'static str; 2] {
     match cell.verdict() {
         Some(Verdict::Pass) => ["#cfe3f5", "#134a7c"],
@@ -91,13 +91,13 @@ fn line(out: &mut String, case: &CaseResult, k: usize, [columns, before]: [usize
         text(&case.measure)
     );
     for (i, cell) in case.cells.iter().take(columns).enumerate() {
-        let (x, [ground, ink]) = (LEFT + i * CELL[0], colors(cell));
+        let (x, [background, ink]) = (LEFT + i * CELL[0], colors(cell));
         let figure = cell
             .figure()
             .map_or_else(String::new, |f| format!(": {f:.3} {}", case.unit));
         let _ = writeln!(
             out,
-            "<g><title>{} ({}){figure}</title><rect x=\"{x}\" y=\"{y}\" width=\"{}\" height=\"{}\" rx=\"3\" fill=\"{ground}\"/>\
+            "<g><title>{} ({}){figure}</title><rect x=\"{x}\" y=\"{y}\" width=\"{}\" height=\"{}\" rx=\"3\" fill=\"{background}\"/>\
              <text x=\"{}\" y=\"{base}\" text-anchor=\"middle\" fill=\"{ink}\">{}</text></g>",
             text(&cell.technique),
             text(&cell.settings),

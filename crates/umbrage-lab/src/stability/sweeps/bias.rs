@@ -8,9 +8,9 @@ use crate::{
     LabError,
     compare::Backends,
     stability::{
-        Case, Ground, Measure, Options, PLATE,
-        everywhere::{self, Played},
-        ground,
+        Case, CaseTruth, Measure, Options, PLATE,
+        all_backends::{self, Played},
+        case_truth,
         guard::NoMask,
     },
 };
@@ -89,15 +89,15 @@ pub(super) fn sweep(
     options: &Options,
     backends: &mut Backends,
 ) -> Result<Sweep, LabError> {
-    let ground = ground(&Case::still(kind.scene, kind.loss), kind.scene, options)?;
+    let case_truth = case_truth(&Case::still(kind.scene, kind.loss), kind.scene, options)?;
     let values: Vec<f32> = (0..STEPS).map(|i| at(kind.range, i)).collect();
-    let played = masks(kind, &values, &ground, options, backends)?;
+    let played = masks(kind, &values, &case_truth, options, backends)?;
     let curve = |measure: Measure| {
-        let pass = measure.limits(&ground).pass;
+        let pass = measure.limits(&case_truth).pass;
         let points = values
             .iter()
             .zip(&played)
-            .map(|(v, p)| [f64::from(*v), measure.figure(&ground, &p.mask) / pass]);
+            .map(|(v, p)| [f64::from(*v), measure.figure(&case_truth, &p.mask) / pass]);
         Curve {
             label: format!("{} (limit {})", measure.name(), limit(pass, measure.unit())),
             points: points.collect(),
@@ -116,7 +116,7 @@ pub(super) fn sweep(
         disagreeing: played
             .iter()
             .map(|p| p.disagreeing)
-            .fold(None, everywhere::sum),
+            .fold(None, all_backends::sum),
     })
 }
 
@@ -132,7 +132,7 @@ fn at([from, to]: [f32; 2], i: u32) -> f32 {
 fn masks(
     kind: &Kind,
     values: &[f32],
-    ground: &Ground,
+    case_truth: &CaseTruth,
     options: &Options,
     backends: &mut Backends,
 ) -> Result<Vec<Played>, LabError> {
@@ -142,10 +142,10 @@ fn masks(
             bias: (kind.bias)(*v),
             ..ShadowMap::default()
         };
-        match play(ground, &Hard { map }, backends, [i, values.len()]) {
+        match play(case_truth, &Hard { map }, backends, [i, values.len()]) {
             // A perfect score, or a gap that nobody sees, would hide that hard shadows are not served.
             Err(NoMask::Unsupported(why) | NoMask::Fault(why)) => {
-                Err(not_played(ground, &Hard { map }, &why))
+                Err(not_played(case_truth, &Hard { map }, &why))
             }
             Ok(played) => Ok(played),
         }
@@ -164,7 +164,7 @@ fn best(curves: &[Curve]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cheat::{Cheat, darken_one};
+    use crate::faulty_backend::{FaultyBackend, darken_one};
     use umbrage_core::{Backend, BackendError, Invalid, Recipe, Shadows, View};
     use umbrage_cpu::Cpu;
 
@@ -207,7 +207,7 @@ mod tests {
     fn ends_and_middle_play_on_every_backend() {
         let beside = |k: usize| {
             let mut played = 0;
-            let cheat = Cheat::new(move |shadows: &mut Shadows| {
+            let cheat = FaultyBackend::new(move |shadows: &mut Shadows| {
                 played += 1;
                 if played == k {
                     darken_one(shadows);

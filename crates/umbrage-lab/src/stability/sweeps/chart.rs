@@ -1,7 +1,7 @@
 //! A sweep as a still chart.
 
 use super::Sweep;
-use crate::figure::{COLORS, Figure, Point, Reference, Series, Style};
+use crate::output::figure::{COLORS, Figure, Point, Reference, Series, Style};
 
 /// Nothing at all has no place on a logarithmic axis: it is drawn at the least y that is drawn, a hundredth of the limit
 /// or a thousandth.

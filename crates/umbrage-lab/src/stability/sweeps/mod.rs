@@ -8,8 +8,8 @@ mod reach;
 mod variants;
 
 use super::{
-    Ground, Options,
-    everywhere::{self, Played},
+    CaseTruth, Options,
+    all_backends::{self, Played},
     guard::{self, NoMask},
     run::some_backend,
 };
@@ -108,29 +108,29 @@ impl Sweep {
     }
 }
 
-/// A technique under the ground's first light, at point `i` of `of`.
+/// A technique under the case's first light, at point `i` of `of`.
 fn play(
-    ground: &Ground,
+    case_truth: &CaseTruth,
     technique: &dyn ShadowTechnique,
     backends: &mut Backends,
     [i, of]: [usize; 2],
 ) -> Result<Played, NoMask> {
-    let view = ground
-        .view(&ground.lights[0])
-        .with_receivers(&ground.truth.receivers);
+    let view = case_truth
+        .view(&case_truth.lights[0])
+        .with_receivers(&case_truth.truth.receivers);
     let recipe = guard::plan(technique, &view)?;
     let is_checked = [0, of / 2, of - 1].contains(&i);
-    everywhere::render(
-        everywhere::those(&mut backends.playing, is_checked),
+    all_backends::render(
+        all_backends::select(&mut backends.playing, is_checked),
         &view,
         &recipe,
     )
 }
 
 /// What must not be in a sweep.
-fn not_played(ground: &Ground, technique: &dyn ShadowTechnique, why: &str) -> LabError {
+fn not_played(case_truth: &CaseTruth, technique: &dyn ShadowTechnique, why: &str) -> LabError {
     LabError::NotComparable {
-        scene: ground.scene.name.clone(),
+        scene: case_truth.scene.name.clone(),
         what: format!("{}: {why}", technique.name()),
     }
 }

@@ -5,7 +5,7 @@ use super::{Curve, Sweep, moved, not_played, play, scaled, under_sun};
 use crate::{
     LabError,
     compare::Backends,
-    stability::{Ground, Measure, Options, everywhere, guard::NoMask, settings},
+    stability::{CaseTruth, Measure, Options, all_backends, guard::NoMask, settings},
 };
 use glam::Vec3;
 use umbrage_core::{Fit, Scene};
@@ -86,14 +86,17 @@ pub(super) fn sweep(
             variant.cameras[0].resized(options.size),
             variant.lights[..1].to_vec(),
         );
-        let ground = Ground::new(variant, camera, lights, size, &options.truth)?;
+        let case_truth = CaseTruth::new(variant, camera, lights, size, &options.truth)?;
         add(
             &mut curves[0],
             value,
-            Measure::Rmse.figure(&ground, &ground.ideal),
+            Measure::Rmse.figure(&case_truth, &case_truth.ideal),
         );
         let wanted = TECHNIQUES.map(str::to_owned);
-        for (i, technique) in settings(&wanted, size, Fit::Tight).iter().enumerate() {
+        for (i, technique) in settings(&options.registry, &wanted, size, Fit::Tight)
+            .iter()
+            .enumerate()
+        {
             if curves.len() < i + 2 {
                 let label = format!("{} ({})", technique.name(), technique.settings());
                 // The side is on the axis, or in the title of none.
@@ -102,17 +105,24 @@ pub(super) fn sweep(
                     points: Vec::new(),
                 });
             }
-            match play(&ground, &**technique, backends, [place, kind.values.len()]) {
+            match play(
+                &case_truth,
+                &**technique,
+                backends,
+                [place, kind.values.len()],
+            ) {
                 Ok(played) => {
                     add(
                         &mut curves[i + 1],
                         value,
-                        Measure::Rmse.figure(&ground, &played.mask),
+                        Measure::Rmse.figure(&case_truth, &played.mask),
                     );
-                    disagreeing = everywhere::sum(disagreeing, played.disagreeing);
+                    disagreeing = all_backends::sum(disagreeing, played.disagreeing);
                 }
                 Err(NoMask::Unsupported(_)) => {}
-                Err(NoMask::Fault(what)) => return Err(not_played(&ground, &**technique, &what)),
+                Err(NoMask::Fault(what)) => {
+                    return Err(not_played(&case_truth, &**technique, &what));
+                }
             }
         }
     }

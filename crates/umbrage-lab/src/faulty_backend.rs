@@ -1,0 +1,55 @@
+//! A second backend for tests that must notice one that errs.
+
+use umbrage_core::{Backend, BackendError, Recipe, Shadows, Snapping, View};
+use umbrage_cpu::{Cpu, CpuOptions};
+
+/// The CPU under wgpu's name, spoilt on the way out.
+pub(crate) struct FaultyBackend<F> {
+    cpu: Cpu,
+    spoil: F,
+    says: Snapping,
+}
+
+impl<F: FnMut(&mut Shadows)> FaultyBackend<F> {
+    pub(crate) fn new(spoil: F) -> Self {
+        Self {
+            cpu: Cpu::new(),
+            spoil,
+            says: Snapping::default(),
+        }
+    }
+
+    /// One that rounds vertices so, and says that it rounds otherwise.
+    pub(crate) fn rounding(does: Snapping, says: Snapping, spoil: F) -> Self {
+        let cpu =
+            Cpu::with_options(&CpuOptions::default().snapping(does)).expect("a known rounding");
+        Self { cpu, spoil, says }
+    }
+}
+
+impl<F: FnMut(&mut Shadows)> Backend for FaultyBackend<F> {
+    fn name(&self) -> &str {
+        "a faulty backend"
+    }
+    fn kind(&self) -> &'static str {
+        "wgpu"
+    }
+    fn snapping(&self) -> Snapping {
+        self.says
+    }
+    fn render(&mut self, view: &View<'_>, recipe: &Recipe) -> Result<Shadows, BackendError> {
+        let mut shadows = self.cpu.render(view, recipe)?;
+        (self.spoil)(&mut shadows);
+        Ok(shadows)
+    }
+}
+
+/// Darkens a pixel that is lit, far from any doubt: the last one.
+pub(crate) fn darken_one(shadows: &mut Shadows) {
+    let lit = shadows
+        .mask
+        .iter()
+        .rposition(|v| *v == 1.0)
+        .expect("something is lit");
+    shadows.mask[lit] = 0.0;
+}

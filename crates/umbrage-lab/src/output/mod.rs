@@ -1,0 +1,12 @@
+//! What all parts of the lab write with. It knows none of them.
+
+pub mod figure;
+pub(crate) mod folder;
+mod heat;
+pub(crate) mod html;
+pub mod png;
+mod slug;
+
+pub(crate) use folder::Folder;
+pub use heat::heat_map;
+pub(crate) use slug::slug;

@@ -1,0 +1,159 @@
+//! Masks and errors as pictures: encoded PNG files.
+
+use crate::LabError;
+use glam::{UVec2, Vec3};
+use image::{ExtendedColorType, ImageEncoder, ImageResult, codecs::png};
+use umbrage_core::metrics::{Cause, Pixel};
+use umbrage_plan::truth::Truth;
+
+/// False shadow, darker than truth: blue. With orange, the pair of hues that all kinds of colour vision tell apart best
+/// (Okabe, Ito 2008, "Color Universal Design").
+const FALSE_SHADOW: Vec3 = Vec3::new(0.0, 0.35, 0.80);
+/// False light, lighter than truth: orange.
+pub(crate) const FALSE_LIGHT: Vec3 = Vec3::new(0.93, 0.40, 0.0);
+/// Pixels left out as ambiguous.
+const AMBIGUOUS: Vec3 = Vec3::new(0.66, 0.25, 0.70);
+/// Pixels that show nothing, or nothing that receives.
+const EMPTY: Vec3 = Vec3::new(0.80, 0.84, 0.89);
+
+/// A mask, white where lit, on a bluish ground where nothing receives.
+///
+/// # Errors
+/// When the encoder fails.
+pub fn mask(size: UVec2, mask: &[f32], pixels: &[Pixel]) -> ImageResult<Vec<u8>> {
+    encode(size, mask_colors(mask, pixels).into_iter())
+}
+
+/// [`mask`]'s colours.
+pub(crate) fn mask_colors(mask: &[f32], pixels: &[Pixel]) -> Vec<Vec3> {
+    let color = |i: usize| {
+        if pixels[i] == Pixel::Empty {
+            EMPTY
+        } else {
+            Vec3::splat(mask[i])
+        }
+    };
+    (0..mask.len()).map(color).collect()
+}
+
+/// Where a mask is wrong: blue for false shadow, orange for false light, over a faint picture of truth.
+///
+/// # Errors
+/// When the encoder fails.
+pub fn error(size: UVec2, mask: &[f32], truth: &[f32], pixels: &[Pixel]) -> ImageResult<Vec<u8>> {
+    encode(size, error_colors(mask, truth, pixels).into_iter())
+}
+
+/// [`error`]'s colours.
+pub(crate) fn error_colors(mask: &[f32], truth: &[f32], pixels: &[Pixel]) -> Vec<Vec3> {
+    let color = |i: usize| {
+        let background = Vec3::splat(0.80 + 0.18 * truth[i]);
+        match pixels[i] {
+            Pixel::Empty => EMPTY,
+            Pixel::Unlit => Vec3::splat(0.70),
+            Pixel::Ambiguous | Pixel::Elsewhere => AMBIGUOUS,
+            Pixel::Counted => {
+                let difference = mask[i] - truth[i];
+                let hue = if difference < 0.0 {
+                    FALSE_SHADOW
+                } else {
+                    FALSE_LIGHT
+                };
+                // The root makes small errors visible.
+                background.lerp(hue, difference.abs().sqrt())
+            }
+        }
+    };
+    (0..mask.len()).map(color).collect()
+}
+
+/// What the error comes from: acne blue, gaps orange, leaks yellow, edges black, penumbrae green, over a faint picture of
+/// truth (hues of Okabe and Ito).
+///
+/// # Errors
+/// When the encoder fails.
+pub fn causes(truth: &Truth, causes: &[Option<Cause>]) -> ImageResult<Vec<u8>> {
+    let color = |i: usize| match (truth.pixels[i], causes[i]) {
+        (Pixel::Empty, _) => EMPTY,
+        (Pixel::Unlit, _) => Vec3::splat(0.70),
+        (_, None) => Vec3::splat(0.80 + 0.18 * truth.visibility[i]),
+        (_, Some(cause)) => hue(cause),
+    };
+    encode(truth.size, (0..causes.len()).map(color))
+}
+
+fn hue(cause: Cause) -> Vec3 {
+    match cause {
+        Cause::Acne => FALSE_SHADOW,
+        Cause::Gap => FALSE_LIGHT,
+        Cause::Leak => Vec3::new(0.94, 0.89, 0.26),
+        Cause::Edge => Vec3::ZERO,
+        Cause::Penumbra => Vec3::new(0.0, 0.62, 0.45),
+    }
+}
+
+/// A PNG of colours, rows from the top.
+pub(crate) fn encode(size: UVec2, colors: impl Iterator<Item = Vec3>) -> ImageResult<Vec<u8>> {
+    let byte = |v: f32| (v.clamp(0.0, 1.0) * 255.0).round() as u8;
+    let texels: Vec<u8> = colors.flat_map(|c| c.to_array().map(byte)).collect();
+    encode_rgb(size, &texels)
+}
+
+/// A PNG of three bytes a pixel.
+pub(crate) fn encode_rgb(size: UVec2, texels: &[u8]) -> ImageResult<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let encoder = png::PngEncoder::new_with_quality(
+        &mut bytes,
+        png::CompressionType::Default,
+        png::FilterType::Adaptive,
+    );
+    encoder.write_image(texels, size.x, size.y, ExtendedColorType::Rgb8)?;
+    Ok(bytes)
+}
+
+/// An encoded picture, or the encoder's error as one of writing.
+pub(crate) fn picture(encoded: image::ImageResult<Vec<u8>>) -> Result<Vec<u8>, LabError> {
+    encoded.map_err(|e| LabError::Write {
+        path: "picture".into(),
+        source: std::io::Error::other(e),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_kind_of_error_has_its_hue() {
+        let size = UVec2::new(3, 1);
+        let bytes = error(
+            size,
+            &[0.0, 1.0, 1.0],
+            &[1.0, 0.0, 1.0],
+            &[Pixel::Counted; 3],
+        )
+        .expect("memory");
+        let picture = image::load_from_memory(&bytes)
+            .expect("a picture")
+            .to_rgb8();
+        let [shadow, light, right] = [0, 1, 2].map(|x| picture.get_pixel(x, 0).0);
+        assert!(shadow[2] > 180 && shadow[0] < 20, "{shadow:?}");
+        assert!(light[0] > 220 && light[2] < 20, "{light:?}");
+        assert!(right[0] == right[2] && right[0] > 240, "{right:?}");
+    }
+
+    #[test]
+    fn masks_are_grey_and_left_out_pixels_are_not() {
+        let bytes = mask(
+            UVec2::new(2, 1),
+            &[0.5, 1.0],
+            &[Pixel::Counted, Pixel::Empty],
+        )
+        .expect("memory");
+        let picture = image::load_from_memory(&bytes)
+            .expect("a picture")
+            .to_rgb8();
+        assert_eq!(picture.get_pixel(0, 0).0, [128; 3]);
+        assert_ne!(picture.get_pixel(1, 0).0[0], picture.get_pixel(1, 0).0[2]);
+    }
+}

@@ -1,0 +1,164 @@
+//! Plans against sweeps as a table on disk.
+
+use crate::{LabError, output::Folder};
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+use umbrage_plan::Regret;
+
+/// A line of `regret.csv`. Errors are root mean squares of visibility less truth, times milliseconds by the price list;
+/// empty fields are what was not found.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct RegretLine {
+    /// [`Regret::scene`].
+    pub scene: String,
+    /// [`Regret::light`].
+    pub light: String,
+    /// [`Regret::light_number`].
+    pub light_number: usize,
+    /// [`Regret::bound`].
+    pub bound: f64,
+    /// The technique planned; empty if nothing was found.
+    pub technique: String,
+    /// Its settings.
+    pub settings: String,
+    /// The error predicted from the sample.
+    pub predicted: Option<f64>,
+    /// One in twenty errors lies above this.
+    pub predicted_most: Option<f64>,
+    /// The error over the whole image.
+    pub error: Option<f64>,
+    /// What the plan costs.
+    pub ms: Option<f64>,
+    /// The cheapest by the sweep, with its settings; empty if nothing was found.
+    pub cheapest: String,
+    /// What that costs.
+    pub least_ms: Option<f64>,
+    /// [`Regret::ratio`].
+    pub ratio: Option<f64>,
+    /// [`Regret::seconds`].
+    pub seconds: f64,
+    /// [`Regret::keeps`].
+    pub keeps: bool,
+    /// [`Regret::misses`].
+    pub misses: bool,
+}
+
+impl From<&Regret> for RegretLine {
+    fn from(r: &Regret) -> Self {
+        let chosen = r.chosen.as_ref();
+        Self {
+            scene: r.scene.clone(),
+            light: r.light.clone(),
+            light_number: r.light_number,
+            bound: r.bound,
+            technique: chosen.map_or_else(String::new, |c| c.technique.clone()),
+            settings: chosen.map_or_else(String::new, |c| c.settings.clone()),
+            predicted: chosen.map(|c| c.estimate.error),
+            predicted_most: chosen.map(|c| c.estimate.high),
+            error: chosen.map(|_| r.error),
+            ms: chosen.map(|c| c.milliseconds),
+            cheapest: r.cheapest.clone().unwrap_or_default(),
+            least_ms: r.cheapest.as_ref().map(|_| r.min_milliseconds),
+            ratio: r.ratio(),
+            seconds: r.seconds,
+            keeps: r.keeps(),
+            misses: r.misses(),
+        }
+    }
+}
+
+/// Writes `regret.csv` into a folder, which is made if need be: one [`RegretLine`] a scene, light and bound. Returns its path.
+///
+/// # Errors
+/// When it cannot be written.
+pub fn write_regret(all: &[Regret], folder: &Path) -> Result<PathBuf, LabError> {
+    let path = folder.join(FILE);
+    let bytes = csv(all).map_err(|e| LabError::Write {
+        path: path.clone(),
+        source: e.into(),
+    })?;
+    Folder::create(folder)?.write(FILE, &bytes)?;
+    Ok(path)
+}
+
+const FILE: &str = "regret.csv";
+
+fn csv(all: &[Regret]) -> Result<Vec<u8>, csv::Error> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for regret in all {
+        writer.serialize(RegretLine::from(regret))?;
+    }
+    writer.into_inner().map_err(|e| e.into_error().into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use umbrage_plan::{Estimate, Setting};
+    use umbrage_techniques::Preset;
+
+    #[test]
+    fn every_figure_has_a_column_of_its_own() {
+        let estimate = Estimate {
+            error: 0.25,
+            high: 0.5,
+            ..Estimate::default()
+        };
+        let (preset, settings) = (Preset::defaults()[0].clone(), "3x3, 512".to_owned());
+        let chosen = Setting {
+            preset,
+            technique: "pcf".to_owned(),
+            settings,
+            estimate,
+            milliseconds: 1.5,
+            bytes: 4,
+        };
+        let found = Regret {
+            scene: "a, b".to_owned(),
+            light: "point".to_owned(),
+            light_number: 2,
+            bound: 0.3,
+            chosen: Some(chosen),
+            error: 0.26,
+            cheapest: Some("hard (512)".to_owned()),
+            min_milliseconds: 1.0,
+            seconds: 2.0,
+        };
+        let nothing = Regret {
+            chosen: None,
+            error: f64::NAN,
+            cheapest: None,
+            min_milliseconds: f64::NAN,
+            ..found.clone()
+        };
+        let dir = tempfile::tempdir().expect("a temporary folder");
+        let path = write_regret(&[found.clone(), nothing.clone()], dir.path()).expect("writable");
+        let mut reader = csv::Reader::from_path(path).expect("there");
+        let lines: Vec<RegretLine> = reader.deserialize().map(|l| l.expect("a line")).collect();
+        assert_eq!(
+            lines,
+            [RegretLine::from(&found), RegretLine::from(&nothing)]
+        );
+        let figures = [
+            lines[0].predicted,
+            lines[0].predicted_most,
+            lines[0].error,
+            lines[0].ms,
+            lines[0].ratio,
+        ];
+        assert_eq!(figures, [0.25, 0.5, 0.26, 1.5, 1.5].map(Some));
+        assert_eq!(
+            [
+                lines[1].predicted,
+                lines[1].error,
+                lines[1].least_ms,
+                lines[1].ratio
+            ],
+            [None; 4]
+        );
+        assert!(
+            lines[0].keeps && lines[0].misses,
+            "within its bound, but dear"
+        );
+    }
+}

@@ -1,0 +1,132 @@
+//! How techniques look in charts: a shape and a tone of their backend's colour, the same in the page and in the still.
+
+use crate::output::figure::Marker;
+
+/// What tells a technique from all others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct SeriesStyle {
+    pub(super) marker: Marker,
+    /// Which tone of a colour, below [`TONES`].
+    tone: usize,
+}
+
+/// Tones of each colour. With ten shapes they make styles for twice as many techniques.
+const TONES: usize = 2;
+
+/// How many techniques look unlike each other.
+const STYLES: usize = TONES * Marker::ALL.len();
+
+/// A colour in all its tones.
+type Tones = [&'static str; TONES];
+
+/// Backends, readable on light and dark: blue and orange; any third is grey.
+const COLORS: [Tones; 3] = [
+    ["#3b82e0", "#1e4fa8"],
+    ["#ea7317", "#a13f00"],
+    ["#8a94a3", "#5b6472"],
+];
+
+/// The same for points that the front beats: seen, but not looked at. Paler rather than transparent, since not every viewer
+/// blends.
+const FAINT: [Tones; 3] = [
+    ["#c5daf6", "#a3b8da"],
+    ["#fad5b9", "#dfb395"],
+    ["#dcdfe4", "#c3c8d0"],
+];
+
+/// For legends, where no backend is meant.
+const INK: Tones = ["#7d8796", "#2b3340"];
+
+impl SeriesStyle {
+    /// The style of the technique at a place. From [`STYLES`] on they come again.
+    fn nth(place: usize) -> Self {
+        let (shapes, place) = (Marker::ALL.len(), place % STYLES);
+        Self {
+            marker: Marker::ALL[place % shapes],
+            tone: place / shapes,
+        }
+    }
+
+    /// In the colour of a backend.
+    pub(super) fn color(self, backend: usize) -> &'static str {
+        COLORS[backend.min(COLORS.len() - 1)][self.tone]
+    }
+
+    /// In its pale colour.
+    pub(super) fn faint(self, backend: usize) -> &'static str {
+        FAINT[backend.min(FAINT.len() - 1)][self.tone]
+    }
+
+    /// For the legend.
+    pub(super) fn ink(self) -> &'static str {
+        INK[self.tone]
+    }
+}
+
+/// The plain colour of a backend.
+pub(super) fn color(backend: usize) -> &'static str {
+    SeriesStyle::nth(0).color(backend)
+}
+
+/// The styles of the techniques of a chart. Those of the catalogue have theirs by their place in it, so that they look alike in
+/// every chart; others come after them.
+pub(super) fn styles_of(techniques: &[&str]) -> Vec<SeriesStyle> {
+    let all = umbrage_techniques::all();
+    let mut others = all.len()..;
+    let place = |name: &&str| {
+        all.iter()
+            .position(|e| e.name == *name)
+            .or_else(|| others.next())
+            .unwrap_or_default()
+    };
+    techniques.iter().map(place).map(SeriesStyle::nth).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashSet;
+
+    /// A technique too many would look like another: give [`COLORS`] one more tone then.
+    #[test]
+    fn every_technique_of_the_catalogue_has_a_look_of_its_own() {
+        let names: Vec<&str> = umbrage_techniques::all().iter().map(|e| e.name).collect();
+        assert!(
+            names.len() < STYLES,
+            "{} techniques, {STYLES} styles, one of them for a user's own",
+            names.len()
+        );
+        let drawn = |style: &SeriesStyle| {
+            (
+                style.marker,
+                [0, 1, 2].map(|b| [style.color(b), style.faint(b)]),
+                style.ink(),
+            )
+        };
+        let all: HashSet<_> = styles_of(&names).iter().map(drawn).collect();
+        assert_eq!(all.len(), names.len());
+        // And the test would see a collision.
+        assert_eq!(SeriesStyle::nth(3), SeriesStyle::nth(3 + STYLES));
+    }
+
+    #[test]
+    fn looks_do_not_depend_on_what_else_is_drawn() {
+        let names: Vec<&str> = umbrage_techniques::all().iter().map(|e| e.name).collect();
+        let all = styles_of(&names);
+        assert_eq!(
+            styles_of(&[names[5], "mine", names[2], "yours"])[..3],
+            [all[5], SeriesStyle::nth(names.len()), all[2]]
+        );
+        let [mine, yours] = styles_of(&["mine", "yours"])[..] else {
+            panic!("two")
+        };
+        assert!(mine != yours && !all.contains(&mine) && !all.contains(&yours));
+    }
+
+    /// No two backends share a colour, whatever their tones.
+    #[test]
+    fn backends_are_told_apart_by_colour() {
+        let colors: HashSet<&str> = COLORS.iter().chain(&FAINT).flatten().copied().collect();
+        assert_eq!(colors.len(), 2 * COLORS.len() * TONES);
+    }
+}

@@ -1,0 +1,312 @@
+//! All that is known of a case before any technique plays it.
+
+use super::texels::{Texels, point_at, to_center, within};
+use crate::LabError;
+use glam::{DVec2, Vec3};
+use umbrage_core::{
+    Camera, Fit, Geometry, Invalid, Layout, Light, PlanError, Scene, View,
+    metrics::{Pixel, edges, near},
+};
+use umbrage_cpu::Cpu;
+use umbrage_plan::truth::{self, Seen, Truth, TruthOptions};
+
+/// A pixel is *open* when no true shadow edge is within this many texels: the reach of the widest kernel that is compared
+/// (7x7) and half a texel of aliasing.
+pub const OPEN_TEXELS: f64 = 4.0;
+
+/// Truth about a view, and what a perfect map of a given size would make of it.
+#[derive(Clone, Debug)]
+pub struct CaseTruth {
+    /// The scene.
+    pub scene: Scene,
+    /// Its triangles.
+    pub geometry: Geometry,
+    /// Who sees.
+    pub camera: Camera,
+    /// What shines: masks are means over these.
+    pub lights: Vec<Light>,
+    /// Truth; its visibility is the mean over all lights.
+    pub truth: Truth,
+    /// What a perfect map answers: truth at the centre of each receiver's texel.
+    pub ideal: Vec<f32>,
+    /// Truth if each light were a point in its middle.
+    pub hard: Vec<f32>,
+    /// Pixels that count and are farther than [`OPEN_TEXELS`] from any edge of a shadow.
+    pub open: Vec<bool>,
+    /// Side of the maps, texels.
+    pub map_size: u32,
+}
+
+impl CaseTruth {
+    /// Traces all of it.
+    ///
+    /// # Errors
+    /// When the scene has no light or camera, or holds numbers that can't be used.
+    pub fn new(
+        scene: Scene,
+        camera: Camera,
+        lights: Vec<Light>,
+        map_size: u32,
+        options: &TruthOptions,
+    ) -> Result<Self, LabError> {
+        let geometry = Geometry::bake(&scene)?;
+        let mut cpu = Cpu::new();
+        let mut layers = Vec::new();
+        for light in &lights {
+            layers.push(Layer::new(
+                &camera, light, &geometry, map_size, options, &mut cpu,
+            )?);
+        }
+        let merged = layers.into_iter().reduce(Layer::merged_with);
+        let missing = || Invalid::new(format!("scene `{}`", scene.name), "has no light", "add one");
+        let Layer {
+            truth,
+            ideal,
+            hard,
+            open,
+            lights: count,
+        } = merged.ok_or_else(missing)?;
+        let mean = |values: Vec<f32>| values.into_iter().map(|v| v / count).collect::<Vec<f32>>();
+        let truth = Truth {
+            visibility: mean(truth.visibility.clone()),
+            ..truth
+        };
+        let (ideal, hard) = (mean(ideal), mean(hard));
+        Ok(Self {
+            scene,
+            geometry,
+            camera,
+            lights,
+            truth,
+            ideal,
+            hard,
+            open,
+            map_size,
+        })
+    }
+
+    /// The view of one of the lights.
+    pub fn view<'a>(&'a self, light: &'a Light) -> View<'a> {
+        View::new(&self.camera, light, &self.geometry)
+    }
+
+    /// Whether a pixel counts.
+    pub fn counts(&self, i: usize) -> bool {
+        self.truth.pixels[i] == Pixel::Counted
+    }
+
+    /// The pixels that count.
+    pub fn counted(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.truth.pixels.len()).filter(|&i| self.counts(i))
+    }
+}
+
+/// CaseTruth under one light.
+struct Layer {
+    truth: Truth,
+    ideal: Vec<f32>,
+    hard: Vec<f32>,
+    open: Vec<bool>,
+    lights: f32,
+}
+
+impl Layer {
+    fn new(
+        camera: &Camera,
+        light: &Light,
+        geometry: &Geometry,
+        map_size: u32,
+        options: &TruthOptions,
+        cpu: &mut Cpu,
+    ) -> Result<Self, LabError> {
+        let find = &mut |c: &Camera, g: &Geometry| cpu.receivers(c, g);
+        let truth = truth::trace(camera, light, geometry, options, find, &|_, _| {})?;
+        let view = View::new(camera, light, geometry).with_receivers(&truth.receivers);
+        let texels = match Fit::Tight.light_spaces(Layout::Auto, &view, map_size, 0.0) {
+            Ok(spaces) => Some(Texels::new(&spaces, map_size)),
+            Err(PlanError::Unsupported(_)) => None,
+            Err(e) => return Err(e.into()),
+        };
+        let center = without_extent(light);
+        let hard = visibility(geometry, &center, &truth, options)?;
+        let ideal = match &texels {
+            Some(texels) => ideal(texels, camera, light, geometry, &truth, options)?,
+            None => truth.visibility.clone(),
+        };
+        let open = open(texels.as_ref(), &center, geometry, &truth, &hard, options)?;
+        Ok(Self {
+            truth,
+            ideal,
+            hard,
+            open,
+            lights: 1.0,
+        })
+    }
+
+    /// Sums of visibilities; a pixel counts if it counts under both.
+    fn merged_with(mut self, other: Self) -> Self {
+        let add = |a: &mut [f32], b: &[f32]| a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+        add(&mut self.truth.visibility, &other.truth.visibility);
+        add(&mut self.ideal, &other.ideal);
+        add(&mut self.hard, &other.hard);
+        for i in 0..self.open.len() {
+            self.open[i] &= other.open[i];
+            if self.truth.pixels[i] == Pixel::Counted {
+                self.truth.pixels[i] = other.truth.pixels[i];
+            }
+        }
+        Self {
+            lights: self.lights + other.lights,
+            ..self
+        }
+    }
+}
+
+/// The same light as a point in its middle, or as a direction.
+pub fn without_extent(light: &Light) -> Light {
+    match *light {
+        Light::Directional { direction, .. } => Light::Directional {
+            direction,
+            angular_diameter: 0.0,
+        },
+        Light::Point { position, .. } => Light::Point {
+            position,
+            radius: 0.0,
+        },
+        Light::Spot {
+            position,
+            direction,
+            inner,
+            outer,
+            ..
+        } => Light::Spot {
+            position,
+            direction,
+            inner,
+            outer,
+            radius: 0.0,
+        },
+        Light::Rect { center, .. } | Light::Disc { center, .. } => Light::Point {
+            position: center,
+            radius: 0.0,
+        },
+    }
+}
+
+/// Truth's points under another light.
+fn visibility(
+    geometry: &Geometry,
+    light: &Light,
+    truth: &Truth,
+    options: &TruthOptions,
+) -> Result<Vec<f32>, Invalid> {
+    let seen = trace_at_receivers(geometry, light, truth, options)?;
+    Ok(seen
+        .into_iter()
+        .map(|s| s.map_or(1.0, |s| s.visibility))
+        .collect())
+}
+
+/// Visibility at each of truth's receivers; none where nothing receives.
+pub(super) fn trace_at_receivers(
+    geometry: &Geometry,
+    light: &Light,
+    truth: &Truth,
+    options: &TruthOptions,
+) -> Result<Vec<Option<Seen>>, Invalid> {
+    let r = &truth.receivers;
+    let receiving: Vec<usize> = (0..r.len()).filter(|&i| r.receives[i]).collect();
+    let any = truth::Point::new(Vec3::ZERO, Vec3::Y, geometry);
+    let point = |&i: &usize| point_at(&any, r, i, r.position(i));
+    let points: Vec<truth::Point> = receiving.iter().map(point).collect();
+    let mut out = vec![None; r.len()];
+    for (i, seen) in receiving
+        .into_iter()
+        .zip(truth::trace_points(geometry, light, &points, options)?)
+    {
+        out[i] = Some(seen);
+    }
+    Ok(out)
+}
+
+/// Truth at texel centres. A texel's centre on a receiver's *plane* may lie beyond the receiver's triangle and below its
+/// neighbour; so it is moved no farther than the triangle reaches, and believed only where, in the picture, a true edge is
+/// no farther away than it is itself.
+fn ideal(
+    texels: &Texels,
+    camera: &Camera,
+    light: &Light,
+    geometry: &Geometry,
+    truth: &Truth,
+    options: &TruthOptions,
+) -> Result<Vec<f32>, Invalid> {
+    let r = &truth.receivers;
+    let keep = |i: usize, q: Vec3| within(r.position(i), q, geometry.corners(r.triangle[i]));
+    let snapped = texels.seen(geometry, light, r, options, to_center, keep)?;
+    let edges = edges(truth.size, &truth.visibility, &truth.pixels);
+    let near_edge = REACHES.map(|reach| near(truth.size, &edges, reach));
+    let clip_from_world = camera.space().clip_from_world();
+    let pixel = |p: Vec3| clip_from_world.project_point3(p).truncate() * truth.size.as_vec2() * 0.5;
+    let answer = |i: usize| {
+        let (place, seen) = snapped[i]?;
+        let far = pixel(place).distance(pixel(truth.receivers.position(i)));
+        let class = REACHES
+            .iter()
+            .position(|&reach| far + 1.0 <= reach as f32)
+            .unwrap_or(REACHES.len() - 1);
+        near_edge[class][i].then_some(seen.visibility)
+    };
+    Ok((0..truth.visibility.len())
+        .map(|i| answer(i).unwrap_or(truth.visibility[i]))
+        .collect())
+}
+
+/// Distances in pixels that edges are looked for in.
+const REACHES: [u32; 7] = [1, 2, 4, 8, 16, 32, 64];
+
+/// Pixels whose answer, fully lit or fully dark, is the same all around: at eight places [`OPEN_TEXELS`] away and at
+/// eight half as far, on the receiver's plane. Where the ground rises beyond the receiver's triangle these places lie below
+/// it and are dark, so that creases count as edges: what goes wrong at them shows in RMSE and shimmer, not as acne.
+fn open(
+    texels: Option<&Texels>,
+    center: &Light,
+    geometry: &Geometry,
+    truth: &Truth,
+    hard: &[f32],
+    options: &TruthOptions,
+) -> Result<Vec<bool>, Invalid> {
+    let decided =
+        |i: usize| truth.pixels[i] == Pixel::Counted && [0.0, 1.0].contains(&truth.visibility[i]);
+    let mut open: Vec<bool> = (0..hard.len())
+        .map(|i| decided(i) && truth.visibility[i] == hard[i])
+        .collect();
+    let Some(texels) = texels else {
+        return Ok(open);
+    };
+    for reach in [OPEN_TEXELS, 0.5 * OPEN_TEXELS] {
+        for (x, y) in [
+            (1, 0),
+            (1, 1),
+            (0, 1),
+            (-1, 1),
+            (-1, 0),
+            (-1, -1),
+            (0, -1),
+            (1, -1),
+        ] {
+            let by = DVec2::new(f64::from(x), f64::from(y)) * reach;
+            let seen = texels.seen(
+                geometry,
+                center,
+                &truth.receivers,
+                options,
+                |t| t + by,
+                |_, q| q,
+            )?;
+            for (open, (seen, hard)) in open.iter_mut().zip(seen.iter().zip(hard)) {
+                *open &= seen.is_none_or(|(_, s)| s.visibility == *hard);
+            }
+        }
+    }
+    Ok(open)
+}

@@ -1,0 +1,199 @@
+//! Measuring the prices.
+
+use super::{CostModel, counts, least_squares::solve};
+use crate::MeasureError;
+use glam::UVec2;
+use std::sync::Arc;
+use umbrage_core::{
+    Backend, BackendError, Bvh, Geometry, PlanError, Scene, ShadowTechnique, View, Work,
+};
+use umbrage_cpu::Cpu;
+
+/// One recipe's work and time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sample {
+    /// Scene, technique and settings, for people.
+    pub label: String,
+    /// What it takes.
+    pub work: Work,
+    /// How long that took: casts, filters and lookup, milliseconds, the quickest of the runs.
+    pub milliseconds: f64,
+}
+
+/// Prices, and what they come from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Calibration {
+    /// The prices.
+    pub model: CostModel,
+    /// The measurements.
+    pub samples: Vec<Sample>,
+    /// Half of the samples are predicted within this factor, 1 or more.
+    pub typical_factor: f64,
+    /// Nine of ten are within this one.
+    pub factor_of_nine_in_ten: f64,
+}
+
+/// Plays scenes with settings on a backend, and fits prices to the times. Settings that can't serve a scene are left out.
+///
+/// # Errors
+/// When a scene is not valid, a setting neither, or the backend fails.
+pub fn calibrate(
+    backend: &mut dyn Backend,
+    scenes: &[Scene],
+    sizes: &[UVec2],
+    settings: &[Arc<dyn ShadowTechnique>],
+    runs: u32,
+    mut on_sample: impl FnMut(&Sample),
+) -> Result<Calibration, MeasureError> {
+    let mut samples = Vec::new();
+    for scene in scenes {
+        let geometry = Geometry::bake(scene)?;
+        let (Some(camera), Some(light)) = (scene.cameras.first(), scene.lights.first()) else {
+            continue;
+        };
+        // Rays need it; building it is no part of a frame.
+        let _: &Arc<Bvh> = geometry.bvh();
+        for &size in sizes {
+            let camera = camera.resized(size);
+            let receivers = Cpu::new().receivers(&camera, &geometry)?;
+            let view = View::new(&camera, light, &geometry).with_receivers(&receivers);
+            for technique in settings {
+                let Some(sample) = measure(backend, &view, &**technique, runs)? else {
+                    continue;
+                };
+                let sample = Sample {
+                    label: format!("{} {size} {}", scene.name, sample.label),
+                    ..sample
+                };
+                on_sample(&sample);
+                samples.push(sample);
+            }
+        }
+    }
+    Ok(fit(samples))
+}
+
+fn measure(
+    backend: &mut dyn Backend,
+    view: &View<'_>,
+    technique: &dyn ShadowTechnique,
+    runs: u32,
+) -> Result<Option<Sample>, MeasureError> {
+    let recipe = match technique.plan(view) {
+        Ok(recipe) => recipe,
+        Err(PlanError::Unsupported(_)) => return Ok(None),
+        Err(e) => return Err(e.into()),
+    };
+    let mut least = f64::INFINITY;
+    // The first run compiles and uploads.
+    for run in 0..=runs.max(1) {
+        match backend.render(view, &recipe) {
+            Ok(shadows) if run > 0 => {
+                least = least.min(shadows.timings.total().as_secs_f64() * 1e3)
+            }
+            Ok(_) => {}
+            // What this device can't hold has no price on it.
+            Err(BackendError::Invalid(_)) => return Ok(None),
+            Err(e) => return Err(e.into()),
+        }
+    }
+    let label = format!("{} ({})", technique.name(), technique.settings());
+    Ok(Some(Sample {
+        label,
+        work: Work::of(view, &recipe),
+        milliseconds: least,
+    }))
+}
+
+/// Fits prices to measurements, so that the sum of the squared relative errors is least: a factor of two matters as much at
+/// a tenth of a millisecond as at a hundred.
+pub fn fit(samples: Vec<Sample>) -> Calibration {
+    let relative =
+        |s: &Sample| counts(&s.work).map(|count| count * 1e-6 / s.milliseconds.max(1e-6));
+    let model = CostModel {
+        nanoseconds: solve(&samples.iter().map(relative).collect::<Vec<_>>()),
+    };
+    let factor = |s: &Sample| {
+        let ratio = model.milliseconds(&s.work) / s.milliseconds.max(1e-6);
+        ratio.max(1.0 / ratio.max(1e-9))
+    };
+    let mut factors: Vec<f64> = samples.iter().map(factor).collect();
+    factors.sort_by(f64::total_cmp);
+    let at = |share: f64| {
+        factors
+            .get((factors.len() as f64 * share) as usize)
+            .copied()
+            .unwrap_or(1.0)
+    };
+    let (typical_factor, factor_of_nine_in_ten) = (at(0.5), at(0.9));
+    Calibration {
+        model,
+        samples,
+        typical_factor,
+        factor_of_nine_in_ten,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cost::KINDS;
+
+    /// Work of many kinds, in amounts that are not in proportion.
+    fn works() -> Vec<Work> {
+        let mix = |i: u64, k: u64| (i * 7919 + k * 104_729) % 1000 * 10u64.pow((k % 3) as u32) + 1;
+        let work = |i| Work {
+            passes: mix(i, 0) % 7 + 1,
+            triangles: mix(i, 1),
+            covered: mix(i, 2),
+            cleared: mix(i, 3),
+            filtered: mix(i, 4),
+            receivers: mix(i, 5),
+            taps: mix(i, 6),
+            samples: mix(i, 8),
+            rays: mix(i, 7),
+            casters: 64,
+            bytes: 0,
+        };
+        (0..60).map(work).collect()
+    }
+
+    fn samples(model: &CostModel) -> Vec<Sample> {
+        let sample = |work: Work| Sample {
+            label: String::new(),
+            milliseconds: model.milliseconds(&work),
+            work,
+        };
+        works().into_iter().map(sample).collect()
+    }
+
+    #[test]
+    fn known_prices_are_found_again() {
+        let known = CostModel {
+            nanoseconds: [900.0, 20.0, 3.0, 1.0, 6.0, 5.0, 2.0, 12.0, 40.0],
+        };
+        let found = fit(samples(&known));
+        assert!(
+            found.factor_of_nine_in_ten < 1.001,
+            "{}",
+            found.factor_of_nine_in_ten
+        );
+        for k in 0..KINDS {
+            let (found, known) = (found.model.nanoseconds[k], known.nanoseconds[k]);
+            assert!(
+                (found / known - 1.0).abs() < 0.01,
+                "{k}: {found} for {known}"
+            );
+        }
+    }
+
+    #[test]
+    fn times_that_are_no_sum_of_work_are_told_by_the_factor() {
+        let mut spoilt = samples(&CostModel::CPU);
+        spoilt
+            .iter_mut()
+            .step_by(2)
+            .for_each(|s| s.milliseconds *= 5.0);
+        assert!(fit(spoilt).factor_of_nine_in_ten > 1.5);
+    }
+}

@@ -1,0 +1,146 @@
+//! A price for [`Work`]: milliseconds that are the same on every run, since they come from counts rather than from a clock.
+//!
+//! A model is a price a piece for each kind of work, fitted to times measured once ([`calibrate`]). Rays are priced by the
+//! depth of the hierarchy that they descend, log2 of the casters' triangles. Prices from elsewhere still rank settings well,
+//! as they say how much dearer a ray is than a tap; absolute times need a calibration of one's own.
+
+mod calibrate;
+mod least_squares;
+
+pub use calibrate::{Calibration, Sample, calibrate, fit};
+
+use serde::{Deserialize, Serialize};
+use umbrage_core::Work;
+
+/// Kinds of work that have a price.
+pub const KINDS: usize = 9;
+
+/// Names of the kinds, in the order of [`CostModel::nanoseconds`].
+pub const KIND_NAMES: [&str; KINDS] = [
+    "pass",
+    "triangle drawn",
+    "texel covered",
+    "texel cleared",
+    "texel filtered",
+    "receiver",
+    "tap",
+    "comparison sample",
+    "ray, a level of the hierarchy",
+];
+
+/// Prices of work on one backend.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CostModel {
+    /// Nanoseconds a piece of each kind, 0 or more, in the order of [`KIND_NAMES`].
+    pub nanoseconds: [f64; KINDS],
+}
+
+impl CostModel {
+    /// The CPU backend on 2 threads of an Intel Xeon at 2.5 GHz (AVX2), by `cargo xtask bench --costs`: half of 312
+    /// times are predicted within a factor of 1.5, nine of ten within 2.9. Packing depth costs six times what a filtered
+    /// texel does here.
+    pub const CPU: Self = Self {
+        nanoseconds: [0.0, 78.9, 0.804, 0.889, 1.36, 1.95, 1.03, 9.41, 7.29],
+    };
+
+    /// Mesa's software driver (llvmpipe, LLVM 15) on the same machine: half within 1.3, nine of ten within 1.8.
+    pub const SOFTWARE_GPU: Self = Self {
+        nanoseconds: [76_957.0, 241.0, 2.29, 2.83, 10.3, 18.8, 5.01, 20.0, 32.5],
+    };
+
+    /// The prices for a kind of backend: `cpu`'s own, the software driver's for all others.
+    pub fn of(kind: &str) -> Self {
+        if kind == "cpu" {
+            Self::CPU
+        } else {
+            Self::SOFTWARE_GPU
+        }
+    }
+
+    /// Nine of ten times measured where the built-in prices come from are within this factor of what [`CostModel::of`] says.
+    pub fn factor_of_nine_in_ten(kind: &str) -> f64 {
+        if kind == "cpu" { 2.94 } else { 1.75 }
+    }
+
+    /// What the work costs, milliseconds.
+    pub fn milliseconds(&self, work: &Work) -> f64 {
+        let products = counts(work)
+            .into_iter()
+            .zip(self.nanoseconds)
+            .map(|(count, price)| count * price);
+        products.sum::<f64>() * 1e-6
+    }
+}
+
+/// How much there is of each kind.
+fn counts(work: &Work) -> [f64; KINDS] {
+    let levels = (work.casters.max(1) as f64).log2() + 1.0;
+    let counts = [
+        work.passes,
+        work.triangles,
+        work.covered,
+        work.cleared,
+        work.filtered,
+        work.receivers,
+        work.taps,
+        work.samples,
+        work.rays,
+    ];
+    let mut counts = counts.map(|count| count as f64);
+    counts[KINDS - 1] *= levels;
+    counts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn more_work_costs_more() {
+        let little = Work {
+            passes: 1,
+            receivers: 1000,
+            taps: 1000,
+            casters: 100,
+            ..Work::default()
+        };
+        for model in [CostModel::CPU, CostModel::SOFTWARE_GPU] {
+            let base = model.milliseconds(&little);
+            for more in [
+                Work {
+                    taps: 9000,
+                    ..little
+                },
+                Work { rays: 1, ..little },
+                Work {
+                    cleared: 1 << 20,
+                    ..little
+                },
+                Work {
+                    triangles: 100,
+                    ..little
+                },
+            ] {
+                assert!(model.milliseconds(&more) > base, "{more:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn prices_come_a_piece() {
+        let mut model = CostModel {
+            nanoseconds: [0.0; KINDS],
+        };
+        model.nanoseconds[6] = 2.0;
+        model.nanoseconds[8] = 10.0;
+        let work = Work {
+            taps: 500_000,
+            rays: 1000,
+            casters: 8,
+            ..Work::default()
+        };
+        // 500,000 taps of 2 ns, and 1,000 rays down 3 + 1 levels of 10 ns.
+        assert!((model.milliseconds(&work) - 1.04).abs() < 1e-12);
+    }
+}

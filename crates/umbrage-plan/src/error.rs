@@ -1,0 +1,18 @@
+//! What can go wrong while measuring.
+
+use umbrage_core::{BackendError, Invalid, PlanError};
+
+/// Why truth, a cost or a plan could not be found.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeasureError {
+    /// Input that cannot be used.
+    #[error(transparent)]
+    Invalid(#[from] Invalid),
+    /// The CPU backend failed.
+    #[error(transparent)]
+    Backend(#[from] BackendError),
+    /// A technique has parameters that cannot be used.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+}

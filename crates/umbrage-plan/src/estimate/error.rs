@@ -1,0 +1,286 @@
+//! Errors of a whole image from a sample of it.
+
+use super::sample::Sample;
+use crate::truth::PixelTruth;
+use serde::{Deserialize, Serialize};
+use umbrage_core::metrics::Pixel;
+
+/// One in twenty errors lies above [`Estimate::high`], and one in twenty below [`Estimate::low`]: this many standard
+/// errors of a normal distribution.
+pub(crate) const ONE_IN_TWENTY: f64 = 1.645;
+
+/// A setting's errors, as the sample tells them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Estimate {
+    /// Root mean square of mask - truth over the pixels that count, 0..=1: [`Errors::rmse`](umbrage_core::metrics::Errors::rmse).
+    pub error: f64,
+    /// The whole image's lies below this with a chance of one in twenty ..
+    pub low: f64,
+    /// .. and above this likewise.
+    pub high: f64,
+    /// The part of `error` where the mask is darker than truth (acne, blur): squares of both parts add up to its square.
+    pub too_dark: f64,
+    /// The part where it is lighter (detached shadows, leaks, blur).
+    pub too_light: f64,
+}
+
+/// Compares a mask at the sampled pixels with truth there. The mean over the pixels that count is a ratio of two sums;
+/// its variance is that of Hájek 1964, "Asymptotic theory of rejective sampling with varying probabilities from a finite
+/// population": pixels that were sure to be drawn add none. Of a mask without a fault it knows no uncertainty: see
+/// [`Verifier`](super::verify::Verifier).
+pub(crate) fn estimate(sample: &Sample, truth: &[PixelTruth], mask: &[f32]) -> Estimate {
+    let compared = Compared {
+        sample,
+        truth,
+        mask,
+    };
+    let all = compared.sum(|_| 1.0);
+    if all == 0.0 {
+        return Estimate::default();
+    }
+    let squares = compared.squares().divided_by(all);
+    let margin = compared.margin(squares.sum()) / all;
+    Estimate::new(squares, margin, 0.0)
+}
+
+/// As [`estimate`] where the sample is of those pixels alone at which anything can be wrong, out of all that count; what is
+/// wrong elsewhere adds at most `unseen` to the mean square.
+pub(crate) fn estimate_of_part(
+    sample: &Sample,
+    truth: &[PixelTruth],
+    mask: &[f32],
+    all: CountedPixels,
+    unseen: f64,
+) -> Estimate {
+    let compared = Compared {
+        sample,
+        truth,
+        mask,
+    };
+    if all.count == 0.0 {
+        return Estimate::default();
+    }
+    let squares = compared.squares().divided_by(all.count);
+    // Two independent sources of error: the number of pixels that count, and the sum over them.
+    let margin_of_count = all.margin / all.count * squares.sum();
+    let margin_of_sum = compared.margin(0.0) / all.count;
+    Estimate::new(squares, margin_of_count.hypot(margin_of_sum), unseen)
+}
+
+/// The number of an image's pixels that count, estimated from a sample of its receivers.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct CountedPixels {
+    pub(crate) count: f64,
+    /// One in twenty counts is greater than `count` by more than this.
+    pub(crate) margin: f64,
+}
+
+impl CountedPixels {
+    /// Estimates the number from the receivers drawn out of `receivers`: of each its chance to be drawn and whether it counts.
+    /// The share that counts is a ratio of two sums, as in [`estimate`].
+    pub(crate) fn estimate(
+        receivers: usize,
+        drawn: impl Iterator<Item = (f64, bool)> + Clone,
+    ) -> Self {
+        let all: f64 = drawn.clone().map(|(chance, _)| 1.0 / chance).sum();
+        if all == 0.0 {
+            return Self::default();
+        }
+        let share = drawn
+            .clone()
+            .filter(|(_, counts)| *counts)
+            .map(|(chance, _)| 1.0 / chance)
+            .sum::<f64>()
+            / all;
+        let variance: f64 = drawn
+            .map(|(chance, counts)| {
+                let deviation = f64::from(u8::from(counts)) - share;
+                (1.0 - chance) / chance.powi(2) * deviation.powi(2)
+            })
+            .sum();
+        let share_margin = ONE_IN_TWENTY * variance.sqrt() / all;
+        Self {
+            count: share * receivers as f64,
+            margin: share_margin * receivers as f64,
+        }
+    }
+
+    /// Returns the greatest number that is to be expected, but for one case in twenty.
+    pub(crate) fn upper_limit(&self) -> f64 {
+        self.count + self.margin
+    }
+}
+
+/// A bound is decided by up to three samples, one after the other: each may be wrong in one case of sixty alone, so that all
+/// are in one of twenty (Bonferroni). In standard errors.
+const ONE_IN_SIXTY: f64 = 2.128;
+
+impl Estimate {
+    /// From mean squares, the margin of their sum either way, and what may have been missed besides.
+    fn new(squares: Squares, margin: f64, unseen: f64) -> Self {
+        let square = squares.sum();
+        Self {
+            error: square.sqrt(),
+            low: (square - margin).max(0.0).sqrt(),
+            high: (square + margin + unseen).sqrt(),
+            too_dark: squares.too_dark.sqrt(),
+            too_light: squares.too_light.sqrt(),
+        }
+    }
+
+    /// Whether the whole image's error lies within `bound`, however many samples were drawn.
+    pub(crate) fn is_surely_within(&self, bound: f64) -> bool {
+        let square = self.error.powi(2);
+        square + ONE_IN_SIXTY / ONE_IN_TWENTY * (self.high.powi(2) - square) <= bound.powi(2)
+    }
+
+    /// Whether the whole image's error lies above `bound` but for one case in some thousand: twice as far as
+    /// [`Estimate::low`] reaches, in squares.
+    pub(crate) fn is_surely_above(&self, bound: f64) -> bool {
+        let square = self.error.powi(2);
+        square - 2.0 * (self.high.powi(2) - square) > bound.powi(2)
+    }
+}
+
+/// Squared differences of mask and truth: summed, or their mean.
+#[derive(Clone, Copy, Debug)]
+struct Squares {
+    too_dark: f64,
+    too_light: f64,
+}
+
+impl Squares {
+    fn divided_by(self, count: f64) -> Self {
+        Self {
+            too_dark: self.too_dark / count,
+            too_light: self.too_light / count,
+        }
+    }
+
+    fn sum(self) -> f64 {
+        self.too_dark + self.too_light
+    }
+}
+
+/// A mask and truth at the sampled pixels.
+struct Compared<'a> {
+    sample: &'a Sample,
+    truth: &'a [PixelTruth],
+    mask: &'a [f32],
+}
+
+impl Compared<'_> {
+    fn difference(&self, k: usize) -> f64 {
+        f64::from(self.mask[k]) - f64::from(self.truth[k].visibility)
+    }
+
+    /// An estimate of the sum over the image's pixels that count.
+    fn sum(&self, of: impl Fn(usize) -> f64) -> f64 {
+        let counted = (0..self.mask.len()).filter(|&k| self.truth[k].pixel == Pixel::Counted);
+        // From 0: floats sum up nothing to -0.
+        counted
+            .map(|k| of(k) / self.sample.chances[k])
+            .fold(0.0, |sum, v| sum + v)
+    }
+
+    /// Sums of squared differences.
+    fn squares(&self) -> Squares {
+        Squares {
+            too_dark: self.sum(|k| self.difference(k).min(0.0).powi(2)),
+            too_light: self.sum(|k| self.difference(k).max(0.0).powi(2)),
+        }
+    }
+
+    /// One in twenty sums of squares is greater by more than this, given the mean square.
+    fn margin(&self, mean: f64) -> f64 {
+        let variance = self.sum(|k| {
+            let chance = self.sample.chances[k];
+            let deviation = self.difference(k).powi(2) - mean;
+            (1.0 - chance) / chance * deviation.powi(2)
+        });
+        ONE_IN_TWENTY * variance.sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::UVec2;
+    use umbrage_core::light_sample::hash;
+
+    const SIZE: UVec2 = UVec2::new(64, 64);
+
+    /// An image of which a tenth is wrong, more of it on one side, and nine tenths count.
+    fn image() -> (Vec<PixelTruth>, Vec<f32>) {
+        let truth = |i: u32| PixelTruth {
+            visibility: 0.5,
+            error: 0.0,
+            pixel: if hash(i).is_multiple_of(10) {
+                Pixel::Ambiguous
+            } else {
+                Pixel::Counted
+            },
+        };
+        let mask = |i: u32| match hash(i + 9999) % 640 {
+            n if n < i % 64 => 1.0,
+            n if n < 64 => 0.25,
+            _ => 0.5,
+        };
+        (0..4096).map(|i| (truth(i), mask(i))).unzip()
+    }
+
+    fn of_sample(sample: &Sample, (truth, mask): &(Vec<PixelTruth>, Vec<f32>)) -> Estimate {
+        let truth: Vec<_> = sample.pixels.iter().map(|&i| truth[i as usize]).collect();
+        let mask: Vec<_> = sample.pixels.iter().map(|&i| mask[i as usize]).collect();
+        estimate(sample, &truth, &mask)
+    }
+
+    /// Samples that prefer one side of the image estimate the same mean square, and their bounds hold as often as they say.
+    #[test]
+    fn estimates_are_unbiased_and_know_their_error() {
+        let image = image();
+        let whole = of_sample(&Sample::draw(SIZE, &[1.0; 4096], 4096, 0), &image);
+        assert_eq!((whole.low, whole.high), (whole.error, whole.error));
+        assert!((whole.too_dark.hypot(whole.too_light) - whole.error).abs() < 1e-12);
+        let density: Vec<f64> = (0..4096).map(|i| 1.0 + f64::from(i % 64) / 8.0).collect();
+        let estimates: Vec<_> = (0..500)
+            .map(|s| of_sample(&Sample::draw(SIZE, &density, 400, s), &image))
+            .collect();
+        let squares = estimates.iter().map(|e| e.error * e.error).sum::<f64>() / 500.0;
+        // The standard error of one sample is about a tenth of the mean square; 500 of them have a twentieth of that.
+        assert!(
+            (squares / whole.error.powi(2) - 1.0).abs() < 0.015,
+            "{squares}"
+        );
+        let above = estimates.iter().filter(|e| e.high < whole.error).count();
+        let below = estimates.iter().filter(|e| e.low > whole.error).count();
+        // One in twenty is 25; five standard deviations of the count are 24.
+        assert!(
+            above < 50 && below < 50 && above + below > 5,
+            "{above} {below}"
+        );
+    }
+
+    #[test]
+    fn a_spoilt_mask_has_a_greater_error() {
+        let (truth, mask) = image();
+        let sample = Sample::draw(SIZE, &[1.0; 4096], 500, 1);
+        let spoilt: Vec<f32> = mask.iter().map(|v| 1.0 - v).collect();
+        let [good, bad] = [mask, spoilt].map(|mask| of_sample(&sample, &(truth.clone(), mask)));
+        assert!(bad.too_dark > good.too_dark);
+    }
+
+    #[test]
+    fn nothing_that_counts_is_no_error() {
+        let sample = Sample {
+            pixels: vec![0],
+            chances: vec![0.5],
+        };
+        let truth = [PixelTruth {
+            visibility: 0.0,
+            error: 0.0,
+            pixel: Pixel::Unlit,
+        }];
+        assert_eq!(estimate(&sample, &truth, &[1.0]), Estimate::default());
+    }
+}

@@ -1,0 +1,126 @@
+//! Which pixels are asked, so that few of them tell about all.
+//!
+//! Each pixel has its own chance to be drawn, in proportion to how much is to be learned from it, and counts as the inverse
+//! of its chance: sums over the sample are then unbiased estimates of sums over the image, whatever the chances (Horvitz
+//! and Thompson 1952, "A generalization of sampling without replacement from a finite universe"). The draw is systematic
+//! (Madow 1949, "On the theory of systematic sampling, II") along a curve that fills the image, so the sample is spread
+//! evenly, too.
+
+use glam::UVec2;
+use umbrage_core::light_sample::hash;
+
+/// Pixels drawn from an image.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Sample {
+    /// Their indices.
+    pub(crate) pixels: Vec<u32>,
+    /// With which chance each was drawn, above 0 up to 1.
+    pub(crate) chances: Vec<f64>,
+}
+
+impl Sample {
+    /// Draws about `count` pixels of an image with chances in proportion to `density` (0 or more; 0 is never drawn), each
+    /// at most once.
+    pub(crate) fn draw(size: UVec2, density: &[f64], count: usize, seed: u32) -> Self {
+        let scale = scale(density, count);
+        let mut out = Self::default();
+        // Where in its interval of length one every draw falls.
+        let mut sum = f64::from(hash(seed)) / f64::from(u32::MAX);
+        for i in along_curve(size) {
+            if density[i as usize] <= 0.0 {
+                continue;
+            }
+            let chance = (density[i as usize] * scale).min(1.0);
+            let before = sum.floor();
+            sum += chance;
+            if sum.floor() > before {
+                out.pixels.push(i);
+                out.chances.push(chance);
+            }
+        }
+        out
+    }
+}
+
+/// The factor that makes densities chances that sum up to `count`, none above 1.
+fn scale(density: &[f64], count: usize) -> f64 {
+    let mut sorted: Vec<f64> = density.iter().copied().filter(|d| *d > 0.0).collect();
+    sorted.sort_by(|a, b| b.total_cmp(a));
+    if sorted.len() <= count {
+        return f64::INFINITY;
+    }
+    let mut rest: f64 = sorted.iter().sum();
+    // The greatest are sure to be drawn, one after the other, until the next isn't.
+    for (sure, greatest) in sorted.iter().enumerate().take(count) {
+        let scale = (count - sure) as f64 / rest;
+        if greatest * scale <= 1.0 {
+            return scale;
+        }
+        rest -= greatest;
+    }
+    f64::INFINITY
+}
+
+/// All pixels, neighbours close to each other (Morton 1966, "A computer oriented geodetic data base").
+fn along_curve(size: UVec2) -> Vec<u32> {
+    let spread = |v: u32| (0..16).fold(0_u32, |out, bit| out | ((v >> bit) & 1) << (2 * bit));
+    let mut pixels: Vec<u32> = (0..size.x * size.y).collect();
+    pixels.sort_by_cached_key(|i| spread(i % size.x) | spread(i / size.x) << 1);
+    pixels
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of many draws, each pixel is in as many as its chance says, and counts add up.
+    #[test]
+    fn chances_are_kept() {
+        let size = UVec2::new(8, 4);
+        let density: Vec<f64> = (0..32).map(|i| f64::from(i % 5)).collect();
+        let mut drawn = [0_u32; 32];
+        let mut chances = [0.0; 32];
+        for seed in 0..4000 {
+            let sample = Sample::draw(size, &density, 10, seed);
+            assert!(
+                (9..=11).contains(&sample.pixels.len()),
+                "{}",
+                sample.pixels.len()
+            );
+            for (&i, &chance) in sample.pixels.iter().zip(&sample.chances) {
+                drawn[i as usize] += 1;
+                chances[i as usize] = chance;
+            }
+        }
+        assert!((chances.iter().sum::<f64>() - 10.0).abs() < 1e-9);
+        for i in 0..32 {
+            let share = f64::from(drawn[i]) / 4000.0;
+            // Five standard deviations of 4,000 throws.
+            assert!(
+                (share - chances[i]).abs() < 5.0 * 0.5 / 4000.0_f64.sqrt(),
+                "{i}: {share} for {}",
+                chances[i]
+            );
+        }
+    }
+
+    #[test]
+    fn small_images_are_drawn_whole() {
+        let sample = Sample::draw(UVec2::new(3, 2), &[1.0, 0.0, 0.1, 3.0, 1e-9, 1.0], 100, 7);
+        let mut pixels = sample.pixels.clone();
+        pixels.sort_unstable();
+        assert_eq!(pixels, [0, 2, 3, 4, 5]);
+        assert!(sample.chances.iter().all(|c| *c == 1.0));
+    }
+
+    #[test]
+    fn what_is_sure_to_be_drawn_counts_once() {
+        let density = [100.0, 1.0, 1.0, 1.0, 1.0];
+        let sample = Sample::draw(UVec2::new(5, 1), &density, 2, 3);
+        assert_eq!(sample.pixels.len(), 2);
+        assert_eq!(
+            sample.chances[sample.pixels.iter().position(|&i| i == 0).unwrap()],
+            1.0
+        );
+    }
+}

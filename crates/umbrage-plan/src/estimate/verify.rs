@@ -1,0 +1,183 @@
+//! A second estimate of a setting that is about to be chosen, of what the first sample may have missed.
+//!
+//! The first sample is shared by all settings: what but a few of them do wrong, in places that the pilot did not suspect,
+//! it may hardly meet. The second is a setting's own: most of it is drawn where the whole image's mask differs from the
+//! pilot.
+//!
+//! Under ideal lights the pilot is truth, and nowhere else can anything be wrong. Under others its few rays are noise; where
+//! a mask's error is 0 on the whole sample, that only says that few rays have missed what many would find: if `count` of
+//! all n rays did find a fault, at most `poisson_upper_limit(count) / n` of the light may be wrong on average, but for one case
+//! in twenty.
+
+use super::{
+    density::{Pilot, normalized},
+    error::{CountedPixels, Estimate, ONE_IN_TWENTY, estimate, estimate_of_part},
+    sample::Sample,
+    sampled_truth::{SampledTruth, Sampling},
+    scene::PlanScene,
+};
+use crate::{
+    MeasureError,
+    progress::{OnStep, Step},
+};
+use umbrage_core::Recipe;
+
+/// The sizes of second samples, as multiples of the first sample's. They are drawn one after the other, as long as a bound is
+/// not decided: each halves the uncertainty.
+const SIZES: [usize; 3] = [1, 4, 16];
+
+/// Draws second samples.
+#[derive(Clone, Debug)]
+pub(crate) struct Verifier {
+    /// None where the scene can't be traced.
+    pub(crate) pilot: Option<Pilot>,
+    pub(crate) sampling: Sampling,
+}
+
+/// A setting that is about to be chosen.
+pub(crate) struct Contender<'a> {
+    pub(crate) recipe: &'a Recipe,
+    /// The estimate from the first sample.
+    pub(crate) first: Estimate,
+    /// The greatest error that is wanted, if any.
+    pub(crate) bound: Option<f64>,
+}
+
+impl Verifier {
+    /// Estimates the error of a contender from samples of its own: from the first of [`SIZES`], and from the others as long as
+    /// the bound is not decided.
+    pub(crate) fn estimate(
+        &self,
+        scene: &mut PlanScene<'_>,
+        first_sample: &SampledTruth,
+        contender: &Contender<'_>,
+        on_step: &OnStep<'_>,
+    ) -> Result<Estimate, MeasureError> {
+        let Some(pilot) = &self.pilot else {
+            return Ok(without_pilot(first_sample, contender.first));
+        };
+        let mask = scene.mask(contender.recipe)?;
+        let differences = differences(&mask, &pilot.mask, &scene.receivers.receives);
+        // Whether all that can be wrong lies where mask and pilot differ.
+        let nowhere_else = pilot.is_exact || contender.first.error == 0.0;
+        let density = if nowhere_else {
+            differences
+                .iter()
+                .map(|d| f64::from(u8::from(*d > 0.0)))
+                .collect()
+        } else {
+            let interest = differences.iter().map(|d| f64::from(*d)).collect();
+            normalized(interest, &scene.receivers.receives)
+        };
+        let mut found = contender.first;
+        for (k, times) in (0..).zip(SIZES) {
+            let sample = Sample::draw(
+                scene.camera.size,
+                &density,
+                times * self.sampling.count,
+                self.sampling.seed.wrapping_add(k),
+            );
+            let is_whole = sample.chances.iter().all(|chance| *chance == 1.0);
+            let second = self.truth_of(scene, sample, on_step)?;
+            let mask_there: Vec<f32> = second
+                .sample
+                .pixels
+                .iter()
+                .map(|&i| mask[i as usize])
+                .collect();
+            found = if nowhere_else {
+                let counted = first_sample.counted;
+                let unseen = unseen(pilot, &second, &mask_there, counted);
+                estimate_of_part(&second.sample, &second.truth, &mask_there, counted, unseen)
+            } else {
+                estimate(&second.sample, &second.truth, &mask_there)
+            };
+            let is_decided = contender
+                .bound
+                .is_none_or(|bound| found.is_surely_within(bound) || found.is_surely_above(bound));
+            if is_whole || is_decided {
+                break;
+            }
+        }
+        Ok(found)
+    }
+
+    /// Traces the truth of a sample.
+    fn truth_of(
+        &self,
+        scene: &mut PlanScene<'_>,
+        sample: Sample,
+        on_step: &OnStep<'_>,
+    ) -> Result<SampledTruth, MeasureError> {
+        let truth = scene.truth_at(&sample.pixels, &self.sampling.truth, &|done, total| {
+            on_step(Step::Truth(done, total))
+        })?;
+        Ok(SampledTruth::new(sample, truth))
+    }
+}
+
+/// |mask - pilot| at each pixel; 0 where nothing receives.
+fn differences(mask: &[f32], pilot: &[f32], receives: &[bool]) -> Vec<f32> {
+    (0..mask.len())
+        .map(|i| {
+            if receives[i] {
+                (mask[i] - pilot[i]).abs()
+            } else {
+                0.0
+            }
+        })
+        .collect()
+}
+
+/// Returns the greatest mean square error that the pilot's rays may have missed where they agree with the mask; 0 if they are
+/// exact.
+fn unseen(pilot: &Pilot, second: &SampledTruth, mask_there: &[f32], counted: CountedPixels) -> f64 {
+    let rays = f64::from(pilot.rays) * counted.upper_limit();
+    if pilot.is_exact || rays == 0.0 {
+        return 0.0;
+    }
+    let faults: f64 = (0..mask_there.len())
+        .filter(|&k| second.truth[k].visibility != mask_there[k])
+        .map(|k| 1.0 / second.sample.chances[k])
+        .sum();
+    // Differences are at most 1, so their squares are no greater than they are.
+    poisson_upper_limit(faults) / rays
+}
+
+/// Without a pilot the first sample must do; where it has met no fault, as if all that is wrong had the least chance to be
+/// drawn.
+fn without_pilot(known: &SampledTruth, first: Estimate) -> Estimate {
+    let min_chance = known.sample.chances.iter().copied().fold(1.0, f64::min);
+    let all = known.counted.count;
+    if first.error > 0.0 || min_chance == 1.0 || all == 0.0 {
+        return first;
+    }
+    Estimate {
+        high: (poisson_upper_limit(0.0) / (min_chance * all)).sqrt(),
+        ..first
+    }
+}
+
+/// Returns the greatest mean of a count of which `count` was seen, but for one case in twenty: 3 for none ("rule of three"). Within a hundredth of Poisson's
+/// distribution (Byar's approximation: Breslow and Day 1987, "Statistical methods in cancer research", volume 2).
+fn poisson_upper_limit(count: f64) -> f64 {
+    let next = count + 1.0;
+    next * (1.0 - 1.0 / (9.0 * next) + ONE_IN_TWENTY / (3.0 * next.sqrt())).powi(3)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::poisson_upper_limit;
+
+    /// Tables of Poisson's distribution: 95 % one-sided.
+    #[test]
+    fn upper_limits_are_those_of_tables() {
+        for (count, limit) in [(0.0, 2.996), (1.0, 4.744), (5.0, 10.513), (20.0, 29.062)] {
+            assert!(
+                (poisson_upper_limit(count) / limit - 1.0).abs() < 0.01,
+                "{count}: {}",
+                poisson_upper_limit(count)
+            );
+        }
+    }
+}

@@ -1,0 +1,281 @@
+//! How much of its maps a recipe uses: the texels that no lookup touches, and how large the others are on screen.
+
+#[cfg(test)]
+mod lookup_tests;
+#[cfg(test)]
+mod tests;
+
+use serde::{Deserialize, Serialize};
+use umbrage_core::{
+    Cast, CastMode, LightSpaces, Receivers, Recipe, ShadowTechnique, View,
+    footprint::{at_least, side_of, texels_per_pixel},
+    glam::UVec2,
+    math::transform,
+};
+
+/// The share of receivers that face the light of which [`MapUse::texels`] and [`MapUse::side`] speak: the light grazes a few,
+/// and no map is fine enough for them.
+pub const QUANTILE: f32 = 0.9;
+
+/// The use of a recipe's maps.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Footprint {
+    /// One a cast that keeps the least depth, in the recipe's order.
+    pub casts: Vec<CastFootprint>,
+    /// The figures of all of them together.
+    pub total: MapUse,
+}
+
+/// Whether maps are worth their texels: as fine as the screen, and looked up.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct MapUse {
+    /// Share of all texels that no lookup touches, 0..=1; 0 without maps.
+    pub unused: f64,
+    /// Least, median and greatest number of texels in a pixel, in the direction in which there are the fewest, over the
+    /// seen receivers that face the light and fall on a map (see [`texels_per_pixel`]); none if there are none.
+    pub texels_per_pixel: Option<[f32; 3]>,
+    /// How many texels a pixel spans at least for a share [`QUANTILE`] of them.
+    pub texels: Option<f32>,
+    /// The side of a map on which, for as many, no texel is larger than a pixel: [`side_of`].
+    pub side: Option<u32>,
+}
+
+impl MapUse {
+    /// For people, in one line.
+    pub fn words(&self) -> String {
+        words(&[*self]).unwrap_or_default()
+    }
+}
+
+/// The use of one map, or from the least to the most of several, for people, in one line; none of no maps.
+pub fn words(maps: &[MapUse]) -> Option<String> {
+    let unused = range(maps.iter().map(|m| 100.0 * m.unused), 0)?;
+    let texels = range(maps.iter().filter_map(|m| m.texels.map(f64::from)), 2);
+    let sides = range(maps.iter().filter_map(|m| m.side.map(f64::from)), 0);
+    let fine = texels.zip(sides).map(|(texels, sides)| {
+        let tenths = 10.0 * QUANTILE;
+        format!(
+            "; {tenths:.0} in 10 pixels that face the light span at least {texels} texels: a side of {sides} would give them 1"
+        )
+    });
+    Some(format!(
+        "{unused} % of the map's texels never looked up{}",
+        fine.unwrap_or_default()
+    ))
+}
+
+/// The least and the greatest figure, or the one that both round to; none of none.
+fn range(figures: impl Iterator<Item = f64> + Clone, digits: usize) -> Option<String> {
+    let [least, most] = [figures.clone().reduce(f64::min)?, figures.reduce(f64::max)?]
+        .map(|f| format!("{f:.digits$}"));
+    Some(if least == most {
+        most
+    } else {
+        format!("{least} to {most}")
+    })
+}
+
+/// The use of one layer of a map.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CastFootprint {
+    /// The image's number in the recipe.
+    pub image: usize,
+    /// Its layer.
+    pub layer: u32,
+    /// Its size, texels.
+    pub size: [u32; 2],
+    /// How many receivers' lookups touch each texel, rows from the top.
+    pub lookups: Vec<u32>,
+    /// Share of texels that none touches, 0..=1.
+    pub unused: f64,
+}
+
+/// The use of a technique's maps in a recipe that it planned for `view`: none where it looks up no maps. `receivers` are
+/// what the view's camera sees.
+pub fn of(
+    technique: &dyn ShadowTechnique,
+    view: &View<'_>,
+    recipe: &Recipe,
+    receivers: &Receivers,
+) -> Option<Footprint> {
+    technique
+        .kernel_reach()
+        .map(|reach| measure(view, recipe, receivers, reach))
+}
+
+/// Measures the use of a recipe's maps. `receivers` are what the view's camera sees; `reach` is how far, in texels, the
+/// recipe's kernel reaches beyond the texel that a receiver falls on, if it doesn't
+/// [say so of each](umbrage_core::ReceiveKernel::reach): 0 for `hard`, the radius for `pcf`. Lookups count as the whole
+/// square within reach, whether each of its texels is tapped or not. That a bias may move receivers along their normals is
+/// neglected. Peeled layers are left out, since they are looked up as their first ones are.
+pub fn measure(view: &View<'_>, recipe: &Recipe, receivers: &Receivers, reach: f32) -> Footprint {
+    let nearest = recipe
+        .casts
+        .iter()
+        .filter(|cast| cast.mode == CastMode::Nearest);
+    let casts: Vec<CastFootprint> = nearest
+        .clone()
+        .map(|cast| of_cast(cast, recipe, receivers, reach))
+        .collect();
+    let texels: usize = casts.iter().map(|c| c.lookups.len()).sum();
+    let untouched: usize = casts.iter().map(CastFootprint::untouched).sum();
+    let spaces: Vec<_> = nearest.map(|cast| cast.space).collect();
+    let needed = vec![true; spaces.len()];
+    let size = casts.first().map_or(1, |cast| cast.size[0]) as f32;
+    let mut sizes = texels_per_pixel(view, receivers, &LightSpaces { spaces, needed }, 1);
+    sizes.sort_unstable_by(f32::total_cmp);
+    let overview = sizes
+        .first()
+        .zip(sizes.last())
+        .map(|(least, most)| [*least, sizes[sizes.len() / 2], *most]);
+    let total = MapUse {
+        unused: untouched as f64 / texels.max(1) as f64,
+        texels_per_pixel: overview.map(|sizes| sizes.map(|texels| texels * size)),
+        texels: at_least(&sizes, QUANTILE).map(|texels| texels * size),
+        side: side_of(&sizes, QUANTILE),
+    };
+    Footprint { casts, total }
+}
+
+/// Where maps are looked up, made smaller for pictures.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Heat {
+    /// Width and height, pixels.
+    pub size: [u32; 2],
+    /// How many receivers' lookups touch the texels of each pixel, rows from the top; [`Heat::GAP`] between maps.
+    pub lookups: Vec<u32>,
+}
+
+impl Heat {
+    /// What stands between one map and the next.
+    pub const GAP: u32 = u32::MAX;
+    /// Pixels from one map to the next.
+    const BETWEEN: u32 = 4;
+    /// Maps in a row.
+    const ROW: u32 = 3;
+}
+
+impl Footprint {
+    /// All maps side by side, three in a row, each at most `side` pixels wide; none without maps.
+    pub fn heat(&self, side: u32) -> Option<Heat> {
+        let widest = self
+            .casts
+            .iter()
+            .map(|cast| cast.size[0].max(cast.size[1]))
+            .max()?;
+        let step = widest.div_ceil(side.max(1)).max(1);
+        let (cell, count) = (widest.div_ceil(step), self.casts.len() as u32);
+        let along = |count: u32| count * (cell + Heat::BETWEEN) - Heat::BETWEEN;
+        let size = [
+            along(count.min(Heat::ROW)),
+            along(count.div_ceil(Heat::ROW)),
+        ];
+        let mut lookups = vec![Heat::GAP; size[0] as usize * size[1] as usize];
+        for (i, cast) in (0..).zip(&self.casts) {
+            let corner = [i % Heat::ROW, i / Heat::ROW].map(|i| i * (cell + Heat::BETWEEN));
+            let rows = cast.lookups.chunks(cast.size[0].max(1) as usize);
+            for (y, row) in (0..).zip(rows) {
+                let start = (corner[1] + y / step) * size[0] + corner[0];
+                for (x, n) in (0..).zip(row) {
+                    let at = &mut lookups[(start + x / step) as usize];
+                    *at = if *at == Heat::GAP {
+                        *n
+                    } else {
+                        at.saturating_add(*n).min(Heat::GAP - 1)
+                    };
+                }
+            }
+        }
+        Some(Heat { size, lookups })
+    }
+}
+
+impl CastFootprint {
+    fn untouched(&self) -> usize {
+        self.lookups.iter().filter(|&&n| n == 0).count()
+    }
+}
+
+fn of_cast(cast: &Cast, recipe: &Recipe, receivers: &Receivers, reach: f32) -> CastFootprint {
+    let (desc, kernel) = (&recipe.images[cast.image], &recipe.receive.kernel);
+    let mut counts = Counts::new(desc.size);
+    let (clip_from_world, size) = (cast.space.clip_from_world(), desc.size.as_vec2());
+    for i in (0..receivers.len()).filter(|&i| receivers.receives[i]) {
+        let p = receivers.position(i);
+        let (clip, in_view) = (
+            transform(clip_from_world, p),
+            transform(cast.space.view_from_world, p),
+        );
+        // A cube's face is wider than what is looked up from it: its neighbours serve the rest.
+        let beside = desc.layers > 1 && in_view.x.abs().max(in_view.y.abs()) > -in_view.z;
+        if clip.w > 0.0 && !beside {
+            let reach = kernel.reach(p, receivers.normal(i)).unwrap_or(reach);
+            let u = (clip.x / clip.w * 0.5 + 0.5) * size.x;
+            let v = (0.5 - clip.y / clip.w * 0.5) * size.y;
+            counts.add([u - reach, v - reach], [u + reach, v + reach]);
+        }
+    }
+    let lookups = counts.sums();
+    let mut out = CastFootprint {
+        image: cast.image,
+        layer: cast.layer,
+        size: desc.size.to_array(),
+        lookups,
+        unused: 0.0,
+    };
+    out.unused = out.untouched() as f64 / out.lookups.len().max(1) as f64;
+    out
+}
+
+/// Rectangles, counted by their corners: a table of differences, one texel larger than the map each way (Crow 1984,
+/// "Summed-area tables for texture mapping").
+struct Counts {
+    size: UVec2,
+    differences: Vec<i32>,
+}
+
+impl Counts {
+    fn new(size: UVec2) -> Self {
+        Self {
+            size,
+            differences: vec![0; (size.x as usize + 1) * (size.y as usize + 1)],
+        }
+    }
+
+    fn add(&mut self, least: [f32; 2], most: [f32; 2]) {
+        // Casts saturate, and NaN becomes 0.
+        let along = |least: f32, most: f32, side: u32| {
+            let from = (least.floor().max(0.0) as usize).min(side as usize);
+            let to = ((most.floor() + 1.0).max(0.0) as usize).min(side as usize);
+            [from, to.max(from)]
+        };
+        let [left, right] = along(least[0], most[0], self.size.x);
+        let [top, bottom] = along(least[1], most[1], self.size.y);
+        let stride = self.size.x as usize + 1;
+        for (x, y, sign) in [
+            (left, top, 1),
+            (right, top, -1),
+            (left, bottom, -1),
+            (right, bottom, 1),
+        ] {
+            self.differences[y * stride + x] += sign;
+        }
+    }
+
+    fn sums(mut self) -> Vec<u32> {
+        let (width, height) = (self.size.x as usize, self.size.y as usize);
+        let stride = width + 1;
+        for y in 0..height {
+            for x in 0..width {
+                let at = |x: usize, y: usize| self.differences[y * stride + x];
+                let before = if x > 0 { at(x - 1, y) } else { 0 };
+                let above = if y > 0 { at(x, y - 1) } else { 0 };
+                let both = if x > 0 && y > 0 { at(x - 1, y - 1) } else { 0 };
+                self.differences[y * stride + x] += before + above - both;
+            }
+        }
+        let rows = self.differences.chunks(stride).take(height);
+        rows.flat_map(|row| row[..width].iter().map(|&n| n.max(0) as u32))
+            .collect()
+    }
+}

@@ -1,0 +1,17 @@
+//! What the planner is at.
+
+/// What the planner is at, from any thread.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Step<'a> {
+    /// It looks for where visibility varies.
+    Looking,
+    /// It traces truth: work done, work in all.
+    Truth(usize, usize),
+    /// It tries this technique; so many settings were tried before.
+    Trying(&'a str, usize),
+    /// It writes down the reasons.
+    Explaining,
+}
+
+/// Called with what the planner is at.
+pub type OnStep<'a> = dyn Fn(Step<'_>) + Sync + 'a;

@@ -1,0 +1,106 @@
+//! The search: from the cheapest candidate up, each tried on the sample.
+
+mod bias;
+mod bias_search;
+mod bounds;
+mod families;
+mod outcome;
+mod planner;
+mod reasons;
+mod regret;
+mod resolution;
+mod setting;
+mod strategy;
+mod trials;
+
+pub use bias::BiasKind;
+pub use bounds::Bounds;
+pub use outcome::{CurvePoint, Miss, Plan, Sampled};
+pub use planner::Planner;
+pub use regret::{MAX_REGRET, MIN_KEPT, Regret, regret};
+pub use setting::Setting;
+
+use crate::{MeasureError, cost::CostModel, progress::OnStep, truth::TruthOptions};
+use glam::UVec2;
+use umbrage_core::{Camera, Geometry, Invalid, Light, Scene};
+use umbrage_techniques::Techniques;
+
+/// How a plan is made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// The techniques that are tried.
+    pub registry: Techniques,
+    /// Receivers sampled under lights with an extent; four times as many under ideal ones, whose truth takes one ray each.
+    pub samples: u32,
+    /// Which sample: the same seed gives the same plan.
+    pub seed: u32,
+    /// How truth is traced.
+    pub truth: TruthOptions,
+    /// What work costs.
+    pub cost: CostModel,
+    /// Which of the scene's lights, from 0.
+    pub light: usize,
+    /// Image size in place of the camera's own, pixels.
+    pub size: Option<UVec2>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        // A quarter of a comparison's rays: their noise of about .005 is far below the errors that are told apart.
+        let truth = TruthOptions {
+            samples: 256,
+            ..TruthOptions::default()
+        };
+        Self {
+            registry: Techniques::built_in(),
+            samples: 4096,
+            seed: 1,
+            truth,
+            cost: CostModel::CPU,
+            light: 0,
+            size: None,
+        }
+    }
+}
+
+/// The plan for a scene's first camera and one light.
+///
+/// # Errors
+/// When the scene has neither, or is not valid; when bounds are missing or bad. That no candidate is within the bounds is
+/// no error: see [`Plan::preset`].
+pub fn plan(
+    scene: &Scene,
+    bounds: &Bounds,
+    options: &Options,
+    on_step: &OnStep<'_>,
+) -> Result<Plan, MeasureError> {
+    bounds.validate()?;
+    let (camera, light) = seen(scene, options)?;
+    let geometry = Geometry::bake(scene)?;
+    let plan = Planner::new(&camera, light, &geometry, options, on_step)?.plan(bounds)?;
+    Ok(Plan {
+        scene: scene.name.clone(),
+        light_number: options.light + 1,
+        ..plan
+    })
+}
+
+/// The camera and the light that options are about.
+fn seen<'a>(scene: &'a Scene, options: &Options) -> Result<(Camera, &'a Light), Invalid> {
+    let invalid = |why, mend| Invalid::new(format!("scene `{}`", scene.name), why, mend);
+    let none = |what| invalid(format!("has no {what}"), "add one".to_owned());
+    let camera = scene.cameras.first().ok_or_else(|| none("camera"))?;
+    let camera = options.size.map_or(*camera, |size| camera.resized(size));
+    let count = scene.lights.len();
+    let light = scene.lights.get(options.light).ok_or_else(|| match count {
+        0 => none("light"),
+        _ => invalid(
+            format!("has no light {}", options.light + 1),
+            format!("ask for one from 1 to {count}"),
+        ),
+    })?;
+    Ok((camera, light))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,84 @@
+//! What a planner answers.
+
+use super::{BiasKind, Bounds, Setting};
+use crate::estimate::error::Estimate;
+use serde::{Deserialize, Serialize};
+use umbrage_techniques::Preset;
+
+/// A plan: what to use, and why.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Plan {
+    /// The scene's name; empty for plans of a camera and light alone.
+    pub scene: String,
+    /// The light's kind.
+    pub light: String,
+    /// Which of the scene's lights it is, from 1.
+    pub light_number: usize,
+    /// Image width and height, pixels.
+    pub size: [u32; 2],
+    /// What it keeps to.
+    pub bounds: Bounds,
+    /// The cheapest setting within the bounds (without a bound of the error, the most accurate); none if nothing is.
+    pub chosen: Option<Setting>,
+    /// If nothing is within the bounds: which bound fails, and by how much.
+    pub miss: Option<Miss>,
+    /// Other settings tried, that nothing else tried beats at both cost and error; by rising cost.
+    pub runners_up: Vec<Setting>,
+    /// Why, in plain words, built from what was measured.
+    pub reasons: Vec<String>,
+    /// The chosen setting with other biases; empty for techniques without.
+    pub curve: Vec<CurvePoint>,
+    /// What it comes from.
+    pub sampled: Sampled,
+}
+
+impl Plan {
+    /// The setting to use.
+    ///
+    /// # Errors
+    /// When nothing is within the bounds.
+    pub fn preset(&self) -> Result<Preset, Box<Miss>> {
+        self.chosen
+            .as_ref()
+            .map(|chosen| chosen.preset.clone())
+            .ok_or_else(|| Box::new(self.miss.clone().unwrap_or_default()))
+    }
+}
+
+/// A point of the curve that proves a bias: acne falls with it, the gap grows.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CurvePoint {
+    /// The kind of bias.
+    pub kind: BiasKind,
+    /// How much of it, texels.
+    pub texels: f32,
+    /// Too dark: acne. Too light: the gap. By the first sample; of what was chosen by its second.
+    pub estimate: Estimate,
+    /// Whether this is the bias chosen.
+    pub chosen: bool,
+}
+
+/// Why nothing is within the bounds.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, thiserror::Error)]
+#[error("{reason}")]
+pub struct Miss {
+    /// Which bound fails and by how much, and how to mend it.
+    pub reason: String,
+    /// The best that was found: within the other bounds the most accurate.
+    pub best: Option<Setting>,
+}
+
+/// What a plan comes from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Sampled {
+    /// Receivers sampled that count.
+    pub receivers: usize,
+    /// Receivers whose truth was traced in all: second looks at what was about to be chosen take more.
+    pub traced: usize,
+    /// Settings tried on them.
+    pub settings: usize,
+    /// Seconds for receivers, sample and truth.
+    pub looking: f64,
+    /// Seconds for trying.
+    pub trying: f64,
+}

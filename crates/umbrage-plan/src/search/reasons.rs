@@ -1,0 +1,196 @@
+//! Reasons in plain words, built from what was measured.
+
+use super::{Bounds, CurvePoint, Setting, families::SIZES, trials::Trials};
+use crate::{
+    MeasureError,
+    estimate::{
+        penumbra::{self, Penumbra},
+        scene::PlanScene,
+    },
+    footprint,
+    truth::TruthOptions,
+};
+use umbrage_core::metrics::PENUMBRA;
+use umbrage_techniques::{Hard, Preset, ShadowMap};
+
+/// What was measured of the scene itself.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Facts {
+    /// Share of what counts that is not wholly lit, 0..=1.
+    shadowed: f64,
+    /// Share in penumbra.
+    in_penumbra: f64,
+    penumbrae: Vec<Penumbra>,
+}
+
+/// How many cheaper techniques the reasons name.
+const NAMED: usize = 3;
+
+impl Facts {
+    pub(super) fn find(trials: &Trials<'_>, options: &TruthOptions) -> Result<Self, MeasureError> {
+        let sampled = &trials.sampled;
+        let share = |is: &dyn Fn(f32) -> bool| {
+            let part = |all: bool| -> f64 {
+                let of = sampled.truth.iter().zip(&sampled.sample.chances);
+                of.filter(|(t, _)| all || is(t.visibility))
+                    .map(|(_, chance)| 1.0 / chance)
+                    .sum()
+            };
+            part(false) / part(true).max(f64::MIN_POSITIVE)
+        };
+        Ok(Self {
+            shadowed: share(&|v| v < 1.0),
+            in_penumbra: share(&|v| (PENUMBRA..=1.0 - PENUMBRA).contains(&v)),
+            penumbrae: penumbra::find(&trials.scene, sampled, options)?,
+        })
+    }
+
+    /// Why this was chosen, or why nothing was.
+    pub(super) fn reasons(
+        &self,
+        trials: &Trials<'_>,
+        bounds: &Bounds,
+        chosen: Option<&Setting>,
+        curve: &[CurvePoint],
+    ) -> Result<Vec<String>, MeasureError> {
+        let mut out = vec![self.shadows(trials)];
+        out.extend(self.widths(trials, chosen)?);
+        let Some(chosen) = chosen else { return Ok(out) };
+        out.extend(exactness(trials, chosen)?);
+        let all = trials.all();
+        out.extend(map_use(&trials.scene, chosen)?);
+        out.extend(smaller_map(&all, chosen));
+        out.extend(cheaper(&all, chosen, bounds));
+        out.extend(bias(curve));
+        Ok(out)
+    }
+
+    fn shadows(&self, trials: &Trials<'_>) -> String {
+        if trials.sampled.truth.is_empty() {
+            return "nothing that is seen receives the light".to_owned();
+        }
+        if self.shadowed == 0.0 {
+            return "nothing casts on what is seen".to_owned();
+        }
+        let percent = |share: f64| format!("{:.1} %", 100.0 * share);
+        let soft = match (trials.scene.light.is_ideal(), self.in_penumbra) {
+            (true, _) => "; the light has no extent, so every edge is sharp".to_owned(),
+            (false, share) => format!(", {} in penumbra", percent(share)),
+        };
+        format!(
+            "{} of what is seen lies in shadow{soft}",
+            percent(self.shadowed)
+        )
+    }
+
+    /// How wide penumbrae are on the chosen map, or on one of 512.
+    fn widths(
+        &self,
+        trials: &Trials<'_>,
+        chosen: Option<&Setting>,
+    ) -> Result<Option<String>, MeasureError> {
+        let map = ShadowMap {
+            size: SIZES[3],
+            ..ShadowMap::default()
+        };
+        let own = chosen.map(|c| &c.preset).filter(|p| p.map().is_some());
+        let hard = Preset::from(Hard { map });
+        let preset = own.unwrap_or(&hard);
+        let Ok(recipe) = trials.scene.recipe(preset) else {
+            return Ok(None);
+        };
+        let spaces: Vec<_> = recipe.casts.iter().map(|cast| cast.space).collect();
+        let size = preset.map().map_or(map.size, |map| map.size);
+        let widths = penumbra::texels(&self.penumbrae, &spaces, size);
+        Ok(widths.map(|[narrow, wide]| {
+            let whose = if own.is_some() { "this map" } else { "a map" };
+            format!(
+                "penumbrae are {narrow:.1} to {wide:.1} texels wide on {whose} of {size} (but for a tenth on each side)"
+            )
+        }))
+    }
+}
+
+/// What is known of techniques without a map.
+fn exactness(trials: &Trials<'_>, chosen: &Setting) -> Result<Option<String>, MeasureError> {
+    if chosen.preset.map().is_some() {
+        return Ok(None);
+    }
+    let recipe = trials.scene.recipe(&chosen.preset)?;
+    Ok(chosen.preset.why_chosen(chosen.estimate.error, &recipe))
+}
+
+/// Says how well a chosen map is used; none without one.
+fn map_use(scene: &PlanScene<'_>, chosen: &Setting) -> Result<Option<String>, MeasureError> {
+    let recipe = scene.recipe(&chosen.preset)?;
+    let technique = chosen.preset.technique();
+    let found = footprint::of(&*technique, &scene.view(), &recipe, &scene.receivers);
+    Ok(found.map(|footprint| footprint.total.words()))
+}
+
+/// The same kernel on the next coarser map that was tried.
+fn smaller_map(all: &[&Setting], chosen: &Setting) -> Option<String> {
+    let map = *chosen.preset.map()?;
+    let same = |s: &&&Setting| {
+        let like = s.preset.map().is_some_and(|m| m.size < map.size);
+        like && s.preset.with_map(map) == chosen.preset
+    };
+    let size = |s: &Setting| s.preset.map().map_or(0, |m| m.size);
+    let largest = all.iter().filter(same).map(|s| size(s)).max()?;
+    let best = all.iter().filter(same).filter(|s| size(s) == largest);
+    let best = best.min_by(|a, b| a.estimate.error.total_cmp(&b.estimate.error))?;
+    Some(format!(
+        "on a map of {largest} it errs by {:.4}, on this one of {} by {:.4}",
+        best.estimate.error, map.size, chosen.estimate.error
+    ))
+}
+
+/// The best of each technique that is cheaper and was left out.
+fn cheaper(all: &[&Setting], chosen: &Setting, bounds: &Bounds) -> Vec<String> {
+    let mut best: Vec<&Setting> = Vec::new();
+    let left = all
+        .iter()
+        .filter(|s| s.milliseconds < chosen.milliseconds && s.technique != chosen.technique);
+    for &setting in left {
+        match best.iter_mut().find(|b| b.technique == setting.technique) {
+            Some(b) if setting.estimate.error < b.estimate.error => *b = setting,
+            Some(_) => {}
+            None => best.push(setting),
+        }
+    }
+    best.sort_by(|a, b| a.estimate.error.total_cmp(&b.estimate.error));
+    let line = |s: &&Setting| {
+        let over = bounds.max_error.filter(|&e| s.estimate.high > e);
+        let bound = over.map_or(String::new(), |e| {
+            format!(", more than {e} with its uncertainty")
+        });
+        format!(
+            "{} is cheaper ({:.3} ms) and errs by {:.4}{bound}",
+            s.label(),
+            s.milliseconds,
+            s.estimate.error
+        )
+    };
+    best.iter().take(NAMED).map(line).collect()
+}
+
+/// What less and more bias would do.
+fn bias(curve: &[CurvePoint]) -> Option<String> {
+    let chosen = curve.iter().find(|p| p.chosen)?;
+    let kind: Vec<&CurvePoint> = curve.iter().filter(|p| p.kind == chosen.kind).collect();
+    let told = |p: &CurvePoint| {
+        format!(
+            "{:.2} texels: {:.4} too dark, {:.4} too light",
+            p.texels, p.estimate.too_dark, p.estimate.too_light
+        )
+    };
+    let (chosen_name, best) = (chosen.kind.name(), told(chosen));
+    let ends = [kind.first()?, kind.last()?]
+        .into_iter()
+        .filter(|end| end.texels != chosen.texels)
+        .map(|end| told(end));
+    let ends = ends.collect::<Vec<_>>().join("; ");
+    Some(format!(
+        "of all biases tried {chosen_name} leaves the least acne and gap: {best} (others: {ends})"
+    ))
+}

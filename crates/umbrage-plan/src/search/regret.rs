@@ -1,0 +1,221 @@
+//! Whether plans are right: against an exhaustive sweep of the same candidates over the whole image.
+
+use super::{Bounds, Options, Planner, Setting, bias::scales, families::families_for, seen};
+use crate::{
+    MeasureError,
+    progress::{OnStep, Step},
+};
+use serde::{Deserialize, Serialize};
+use umbrage_core::{
+    Geometry, Scene,
+    metrics::{Errors, Pixel},
+};
+use umbrage_techniques::Preset;
+
+/// One scene, light and bound.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Regret {
+    /// The scene's name.
+    pub scene: String,
+    /// The light's kind.
+    pub light: String,
+    /// Which of the scene's lights it is, from 1.
+    pub light_number: usize,
+    /// The bound of the error.
+    pub bound: f64,
+    /// What was planned; none if nothing was found.
+    pub chosen: Option<Setting>,
+    /// Its error over the whole image; NaN without a choice.
+    pub error: f64,
+    /// The cheapest that meets the bound on the whole image, of all candidates with all biases; none if none does.
+    pub cheapest: Option<String>,
+    /// What that costs, milliseconds.
+    #[serde(rename = "least_milliseconds")]
+    pub min_milliseconds: f64,
+    /// Seconds that the plan took, with its sample.
+    pub seconds: f64,
+}
+
+/// The cost that is forgiven: within this factor of the least.
+pub const MAX_REGRET: f64 = 1.25;
+/// The share of cases in which the bound must be kept on the whole image.
+pub const MIN_KEPT: f64 = 0.95;
+
+impl Regret {
+    /// Whether the choice keeps the bound on the whole image, or rightly nothing was chosen.
+    pub fn keeps(&self) -> bool {
+        match &self.chosen {
+            Some(_) => self.error <= self.bound,
+            None => self.cheapest.is_none(),
+        }
+    }
+
+    /// Cost over the least; none where either is missing.
+    pub fn ratio(&self) -> Option<f64> {
+        let chosen = self.chosen.as_ref()?;
+        self.cheapest.as_ref()?;
+        Some(if self.min_milliseconds > 0.0 {
+            chosen.milliseconds / self.min_milliseconds
+        } else {
+            1.0
+        })
+    }
+
+    /// Whether it is found wanting: the bound broken, or more than [`MAX_REGRET`] paid.
+    pub fn misses(&self) -> bool {
+        !self.keeps() || self.ratio().is_some_and(|ratio| ratio > MAX_REGRET)
+    }
+}
+
+/// Plans for each error bound, each as if it were the first, and sweeps all candidates by rising cost until the least bound
+/// is met.
+///
+/// # Errors
+/// When the scene has no camera or light, or is not valid.
+pub fn regret(
+    scene: &Scene,
+    bounds: &[f64],
+    options: &Options,
+    on_step: &OnStep<'_>,
+) -> Result<Vec<Regret>, MeasureError> {
+    let (camera, light) = seen(scene, options)?;
+    let geometry = Geometry::bake(scene)?;
+    let new = || Planner::new(&camera, light, &geometry, options, on_step);
+    let mut sweep = Sweep::new(new()?, options)?;
+    let mut out = Vec::new();
+    for &bound in bounds {
+        let mut planner = new()?;
+        let sampling_seconds = planner.sampling_seconds;
+        let plan = planner.plan(&Bounds::error(bound))?;
+        let error = plan
+            .chosen
+            .as_ref()
+            .map_or(Ok(f64::NAN), |chosen| sweep.error(&chosen.preset))?;
+        out.push(Regret {
+            scene: scene.name.clone(),
+            light: plan.light,
+            light_number: options.light + 1,
+            bound,
+            chosen: plan.chosen,
+            error,
+            cheapest: None,
+            min_milliseconds: f64::NAN,
+            seconds: sampling_seconds + plan.sampled.trying,
+        });
+    }
+    sweep.run(&mut out)?;
+    Ok(out)
+}
+
+/// Nearly five standard errors: not once in a million.
+const FAR: f64 = 3.0;
+
+/// The whole image.
+struct Sweep<'a> {
+    planner: Planner<'a>,
+    truth: Vec<f32>,
+    pixels: Vec<Pixel>,
+}
+
+impl<'a> Sweep<'a> {
+    fn new(mut planner: Planner<'a>, options: &Options) -> Result<Self, MeasureError> {
+        let scene = &mut planner.search.trials.scene;
+        let all: Vec<u32> = (0..scene.receivers.len() as u32).collect();
+        let on_step = planner.search.on_step;
+        let truth = scene.truth_at(&all, &options.truth, &|done, total| {
+            on_step(Step::Truth(done, total))
+        })?;
+        let (truth, pixels) = truth.iter().map(|t| (t.visibility, t.pixel)).unzip();
+        Ok(Self {
+            planner,
+            truth,
+            pixels,
+        })
+    }
+
+    fn error(&mut self, preset: &Preset) -> Result<f64, MeasureError> {
+        let mask = self.planner.search.trials.scene.preset_mask(preset)?;
+        Ok(Errors::measure(
+            self.planner.search.trials.scene.camera.size,
+            &mask,
+            &self.truth,
+            &self.pixels,
+        )?
+        .rmse)
+    }
+
+    /// Every candidate with every size and bias, by rising cost, which no bias changes but by a rounding of the map's fit.
+    fn candidates(&mut self) -> Result<Vec<Preset>, MeasureError> {
+        let mut priced: Vec<(f64, Vec<Preset>)> = Vec::new();
+        for family in families_for(
+            &self.planner.techniques,
+            &self.planner.search.trials.scene,
+            false,
+        ) {
+            for size in 0..family.rungs.len() {
+                let scales = scales(&family.preset());
+                let amounts = scales
+                    .iter()
+                    .flat_map(|s| s.texels.iter().map(|&texels| (s.kind, texels)));
+                let presets: Vec<Preset> = amounts
+                    .map(|(kind, texels)| family.at(size, kind, texels))
+                    .collect();
+                let Some(price) = self.planner.search.trials.price(&presets[0])? else {
+                    continue;
+                };
+                priced.push((price.milliseconds, presets));
+            }
+        }
+        priced.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Ok(priced
+            .into_iter()
+            .flat_map(|(_, presets)| presets)
+            .collect())
+    }
+
+    fn run(&mut self, regrets: &mut [Regret]) -> Result<(), MeasureError> {
+        for preset in self.candidates()? {
+            if regrets.iter().all(|r| r.cheapest.is_some()) {
+                break;
+            }
+            let Some(setting) = self.planner.search.trials.try_out(&preset)? else {
+                continue;
+            };
+            if is_hopeless(&setting, regrets) {
+                continue;
+            }
+            let milliseconds = setting.milliseconds;
+            let technique = preset.technique();
+            (self.planner.search.on_step)(Step::Trying(
+                technique.name(),
+                self.planner.search.trials.count(),
+            ));
+            let error = match self.error(&preset) {
+                Ok(error) => error,
+                // More than the backend holds.
+                Err(MeasureError::Backend(umbrage_core::BackendError::Invalid(_))) => continue,
+                Err(e) => return Err(e),
+            };
+            for regret in regrets
+                .iter_mut()
+                .filter(|r| r.cheapest.is_none() && error <= r.bound)
+            {
+                regret.cheapest = Some(format!("{} ({})", technique.name(), technique.settings()));
+                regret.min_milliseconds = milliseconds;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Whether the sample alone says that a setting meets none of the bounds that are still open: it lies above them by more
+/// than [`FAR`] times what one in twenty estimates errs by. Spares most of the work.
+fn is_hopeless(setting: &Setting, regrets: &[Regret]) -> bool {
+    let (error, high) = (setting.estimate.error, setting.estimate.high);
+    let lower_square = error.powi(2) - FAR * (high.powi(2) - error.powi(2));
+    let open = regrets
+        .iter()
+        .filter(|r| r.cheapest.is_none())
+        .map(|r| r.bound);
+    lower_square > open.fold(0.0, f64::max).powi(2)
+}

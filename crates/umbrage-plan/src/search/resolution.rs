@@ -1,0 +1,66 @@
+//! The side of a map that is as fine as the screen.
+
+use crate::{estimate::scene::PlanScene, footprint::QUANTILE};
+use umbrage_techniques::ShadowMap;
+
+/// The side of a map of default fit on which, for nine in ten of the receivers that face the light, no texel is larger
+/// than a pixel; none where the light has no map.
+pub(super) fn side(scene: &PlanScene<'_>) -> Option<u32> {
+    ShadowMap::default()
+        .sized_for(&scene.view(), &scene.receivers, QUANTILE)
+        .ok()
+        .map(|map| map.size)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::search::families::{SIZES, families_for};
+    use glam::UVec2;
+    use umbrage_core::{Camera, Geometry, Light};
+    use umbrage_techniques::Techniques;
+
+    fn with_scene<R>(name: &str, size: UVec2, f: impl FnOnce(PlanScene<'_>) -> R) -> R {
+        let scene = umbrage_scenes::by_argument(name).unwrap();
+        let camera: Camera = scene.cameras[0].resized(size);
+        let (light, geometry): (&Light, Geometry) =
+            (&scene.lights[0], Geometry::bake(&scene).unwrap());
+        f(PlanScene::new(&camera, light, &geometry).unwrap())
+    }
+
+    /// Sides of the candidates that the sizes of all views lack.
+    fn more(name: &str, size: UVec2) -> Vec<u32> {
+        with_scene(name, size, |scene| {
+            let families = families_for(&Techniques::built_in(), &scene, true);
+            let sides = families
+                .iter()
+                .flat_map(|f| &f.rungs)
+                .filter_map(|rung| Some(rung.map()?.size));
+            let mut sides: Vec<u32> = sides.filter(|side| !SIZES.contains(side)).collect();
+            let mapped = families
+                .iter()
+                .filter(|f| f.preset().map().is_some())
+                .count();
+            assert!(
+                sides.is_empty() || sides.len() == mapped,
+                "each family has it"
+            );
+            sides.dedup();
+            sides
+        })
+    }
+
+    /// The more pixels, the finer the map; never coarser than the coarsest nor finer than the finest.
+    #[test]
+    fn the_side_that_pixels_ask_for_is_a_candidate() {
+        // Another size could ask for a side close to one that is there.
+        let size = UVec2::new(240, 180);
+        let side = with_scene("cubes", size, |scene| side(&scene)).unwrap();
+        assert_eq!(more("cubes", size), [side]);
+        assert!(side > SIZES[0] && side.is_multiple_of(16), "{side}");
+        for size in [UVec2::new(8, 6), UVec2::new(2, 2)] {
+            assert_eq!(more("cubes", size), [0; 0], "nothing below {}", SIZES[0]);
+        }
+        assert_eq!(more("only-sky", size), [0; 0]);
+    }
+}

@@ -1,0 +1,325 @@
+//! The order in which candidates are tried: from the cheapest up until one keeps the bound of the error, or the finest ones
+//! that can be afforded.
+
+use super::{
+    Bounds, Miss, Setting, bias::scales, bias_search::best_bias, families::Family, trials::Trials,
+};
+use crate::{
+    MeasureError,
+    progress::{OnStep, Step},
+};
+
+/// Candidates, and what was tried of them.
+pub(super) struct Search<'a> {
+    pub(super) trials: Trials<'a>,
+    pub(super) families: Vec<Family>,
+    pub(super) on_step: &'a OnStep<'a>,
+}
+
+/// The place of a candidate in the list of families.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Place {
+    pub(super) family: usize,
+    /// From the coarsest map or the fewest rays on.
+    pub(super) candidate: usize,
+}
+
+/// The end of a search.
+pub(super) enum Found {
+    Chosen(Place, Setting),
+    Missed(Miss),
+}
+
+/// The next candidate of a family.
+#[derive(Clone, Copy, Debug)]
+struct Candidate {
+    place: Place,
+    milliseconds: f64,
+    /// The error of the candidate before; infinite without one.
+    last_error: f64,
+    /// The error of the candidate before that; infinite without one.
+    error_before: f64,
+}
+
+/// Verified biases of one kernel and map, at most.
+const MAX_BIASES: usize = 3;
+/// A kernel on maps whose error has fallen by less than this over two doublings is limited by its width, not by the map.
+const SATURATED: f64 = 0.95;
+/// Of each family so many of its finest candidates are tried for accuracy.
+const FINEST: usize = 2;
+
+impl Search<'_> {
+    /// Finds the cheapest candidate whose error is surely within its bound.
+    pub(super) fn cheapest(
+        &mut self,
+        bounds: &Bounds,
+        max_error: f64,
+    ) -> Result<Found, MeasureError> {
+        let mut candidates = Vec::new();
+        for family in 0..self.families.len() {
+            let coarsest = Place {
+                family,
+                candidate: 0,
+            };
+            candidates.extend(self.supported_from(coarsest, [f64::INFINITY; 2])?);
+        }
+        // Within the error's bound, but not within the others'.
+        let mut too_dear: Option<Setting> = None;
+        while let Some(candidate) = take_cheapest(&mut candidates) {
+            let is_over_time = bounds
+                .max_ms
+                .is_some_and(|max| candidate.milliseconds > max);
+            if too_dear.is_some() && is_over_time {
+                break;
+            }
+            let Some(setting) = self.try_out(candidate.place, Some(max_error))? else {
+                candidates.extend(self.finer(&candidate, f64::INFINITY, max_error)?);
+                continue;
+            };
+            let setting = self.verified(setting, max_error)?;
+            if !setting.estimate.is_surely_within(max_error) {
+                candidates.extend(self.finer(&candidate, setting.estimate.error, max_error)?);
+            } else if bounds.affords(setting.milliseconds, setting.bytes) {
+                return Ok(Found::Chosen(candidate.place, setting));
+            } else if too_dear
+                .as_ref()
+                .is_none_or(|other| setting.milliseconds < other.milliseconds)
+            {
+                too_dear = Some(setting);
+            }
+        }
+        Ok(Found::Missed(self.miss(bounds, too_dear)))
+    }
+
+    /// Verifies a setting; if it does not keep the bound, returns the first of those that differ in bias alone that does. Of
+    /// some that err alike, a shared sample may well prefer the wrong one.
+    fn verified(&mut self, setting: Setting, max_error: f64) -> Result<Setting, MeasureError> {
+        let mut others = self
+            .trials
+            .with_other_bias(&setting)
+            .into_iter()
+            .filter(|s| !s.estimate.is_surely_above(max_error));
+        if setting.estimate.is_surely_above(max_error) {
+            return Ok(setting);
+        }
+        let first = self
+            .trials
+            .verify(&setting, Some(max_error), self.on_step)?;
+        let mut verified = first.clone();
+        for _ in 1..MAX_BIASES {
+            if verified.estimate.is_surely_within(max_error) {
+                return Ok(verified);
+            }
+            let Some(other) = others.next() else { break };
+            verified = self.trials.verify(&other, Some(max_error), self.on_step)?;
+        }
+        Ok(if verified.estimate.is_surely_within(max_error) {
+            verified
+        } else {
+            first
+        })
+    }
+
+    /// Finds the most accurate candidate within the bounds of time and memory: of each family the finest two that are.
+    pub(super) fn most_accurate(&mut self, bounds: &Bounds) -> Result<Found, MeasureError> {
+        let mut affordable = Vec::new();
+        for family in 0..self.families.len() {
+            let mut tried = 0;
+            for candidate in (0..self.families[family].rungs.len()).rev() {
+                let place = Place { family, candidate };
+                let Some(candidate) = self.supported(place, [f64::INFINITY; 2])? else {
+                    continue;
+                };
+                if !bounds.affords(candidate.milliseconds, 0) {
+                    continue;
+                }
+                let Some(setting) = self.try_out(place, None)? else {
+                    continue;
+                };
+                if !bounds.affords(setting.milliseconds, setting.bytes) {
+                    continue;
+                }
+                affordable.push((place, setting));
+                tried += 1;
+                if tried == FINEST {
+                    break;
+                }
+            }
+        }
+        if let Some((place, setting)) = self.best_of(affordable)? {
+            return Ok(Found::Chosen(place, setting));
+        }
+        // The least of all is priced, so that the answer can say what is missing.
+        let least = Place {
+            family: 0,
+            candidate: 0,
+        };
+        self.try_out(least, None)?;
+        Ok(Found::Missed(self.miss(bounds, None)))
+    }
+
+    /// Returns the candidate with the least error after it was verified: the next ones are verified, too, as long as one may be
+    /// better.
+    fn best_of(
+        &mut self,
+        mut left: Vec<(Place, Setting)>,
+    ) -> Result<Option<(Place, Setting)>, MeasureError> {
+        // The best one last, to be taken first.
+        left.sort_by(|(_, a), (_, b)| by_error_then_cost(b, a));
+        let mut best: Option<(Place, Setting)> = None;
+        while let Some((place, first)) = left.pop() {
+            if best
+                .as_ref()
+                .is_some_and(|(_, best)| by_error_then_cost(best, &first).is_le())
+            {
+                break;
+            }
+            let setting = self.trials.verify(&first, None, self.on_step)?;
+            if best
+                .as_ref()
+                .is_none_or(|(_, best)| by_error_then_cost(&setting, best).is_lt())
+            {
+                best = Some((place, setting));
+            }
+        }
+        Ok(best)
+    }
+
+    /// Tries a candidate with its best bias; none if it isn't supported.
+    fn try_out(
+        &mut self,
+        place: Place,
+        goal: Option<f64>,
+    ) -> Result<Option<Setting>, MeasureError> {
+        let family = &self.families[place.family];
+        let technique = family.preset().technique();
+        (self.on_step)(Step::Trying(technique.name(), self.trials.count()));
+        best_bias(&mut self.trials, family, place.candidate, goal)
+    }
+
+    /// Returns the first of a family's candidates from `place` on that is supported. `last_errors` are those of the two
+    /// candidates before, the finer one first.
+    fn supported_from(
+        &mut self,
+        place: Place,
+        last_errors: [f64; 2],
+    ) -> Result<Option<Candidate>, MeasureError> {
+        for candidate in place.candidate..self.families[place.family].rungs.len() {
+            let found = self.supported(Place { candidate, ..place }, last_errors)?;
+            if found.is_some() {
+                return Ok(found);
+            }
+        }
+        Ok(None)
+    }
+
+    /// Returns the candidate at `place`, priced; none if it isn't supported.
+    fn supported(
+        &mut self,
+        place: Place,
+        last_errors: [f64; 2],
+    ) -> Result<Option<Candidate>, MeasureError> {
+        let family = &self.families[place.family];
+        let scale = &scales(&family.preset())[0];
+        let preset = family.at(place.candidate, scale.kind, scale.texels[scale.first]);
+        let price = self.trials.price(&preset)?;
+        Ok(price.map(|price| Candidate {
+            place,
+            milliseconds: price.milliseconds,
+            last_error: last_errors[0],
+            error_before: last_errors[1],
+        }))
+    }
+
+    /// Returns the next candidate of a family that may be within the bound, if any, after one that errs by `error`.
+    fn finer(
+        &mut self,
+        candidate: &Candidate,
+        error: f64,
+        max_error: f64,
+    ) -> Result<Option<Candidate>, MeasureError> {
+        let Place {
+            family: of,
+            candidate: at,
+        } = candidate.place;
+        let family = &self.families[of];
+        let before = candidate.error_before;
+        let stalls = before.is_finite() && error > SATURATED * before.min(candidate.last_error);
+        if stalls && family.saturates(at) && error > 1.3 * max_error {
+            return Ok(None);
+        }
+        // The least error that the next candidate can have. Those whose least error is above the bound are skipped.
+        let mut next = at + 1;
+        let mut reachable = error / family.most_gain;
+        while error.is_finite() && reachable > max_error && next + 1 < family.rungs.len() {
+            next += 1;
+            reachable /= family.most_gain;
+        }
+        // Where some were skipped, two doublings can't be compared.
+        let last_errors = if next == at + 1 {
+            [error, candidate.last_error]
+        } else {
+            [error, f64::INFINITY]
+        };
+        let place = Place {
+            family: of,
+            candidate: next,
+        };
+        self.supported_from(place, last_errors)
+    }
+
+    /// Says which bound fails, and by how much.
+    fn miss(&self, bounds: &Bounds, too_dear: Option<Setting>) -> Miss {
+        let affordable = self
+            .trials
+            .all()
+            .into_iter()
+            .filter(|s| bounds.affords(s.milliseconds, s.bytes));
+        let best = affordable
+            .min_by(|a, b| a.estimate.error.total_cmp(&b.estimate.error))
+            .cloned();
+        let reason = match (&best, &too_dear, bounds.max_error) {
+            (_, Some(dear), Some(error)) => {
+                let (label, ms, bytes) = (dear.label(), dear.milliseconds, dear.bytes);
+                format!(
+                    "an error of {error} takes {label} at {ms:.3} ms and {bytes} bytes: allow for that, or for a greater error"
+                )
+            }
+            (Some(best), _, Some(error)) => format!(
+                "no technique keeps the error at {error}: the best, {}, errs by {:.4} (up to {:.4}); allow for that",
+                best.label(),
+                best.estimate.error,
+                best.estimate.high
+            ),
+            _ => match self.trials.all().first() {
+                Some(least) => format!(
+                    "not even {} is within {bounds}: it takes {:.3} ms and {} bytes",
+                    least.label(),
+                    least.milliseconds,
+                    least.bytes
+                ),
+                None => format!("nothing is within {bounds}: allow for more"),
+            },
+        };
+        Miss { reason, best }
+    }
+}
+
+/// The cheapest candidate; of equally cheap ones the first.
+fn take_cheapest(candidates: &mut Vec<Candidate>) -> Option<Candidate> {
+    let cheapest = (0..candidates.len()).min_by(|&a, &b| {
+        let (a, b) = (&candidates[a], &candidates[b]);
+        let place = |c: &Candidate| (c.place.family, c.place.candidate);
+        a.milliseconds
+            .total_cmp(&b.milliseconds)
+            .then(place(a).cmp(&place(b)))
+    })?;
+    Some(candidates.swap_remove(cheapest))
+}
+
+fn by_error_then_cost(a: &Setting, b: &Setting) -> std::cmp::Ordering {
+    a.estimate
+        .error
+        .total_cmp(&b.estimate.error)
+        .then(a.milliseconds.total_cmp(&b.milliseconds))
+}

@@ -1,0 +1,533 @@
+//! Plans of scenes whose best technique is known, and samples that must tell what whole images do.
+
+use super::{
+    bias::scales,
+    bias_search::best_bias,
+    families::{Family, families},
+    *,
+};
+use crate::{Estimate, truth};
+use umbrage_core::{Backend as _, Camera, Fit, Light, PlanError, Receivers, View, metrics::Errors};
+use umbrage_cpu::Cpu;
+use umbrage_techniques::{Preset, Techniques};
+
+fn scene(name: &str) -> Scene {
+    umbrage_scenes::by_argument(name).expect("built in")
+}
+
+/// Small images: quick, and as hard to plan for.
+fn small() -> Options {
+    Options {
+        samples: 1024,
+        size: Some(UVec2::new(160, 120)),
+        ..Options::default()
+    }
+}
+
+fn planned(name: &str, bounds: &Bounds) -> Plan {
+    plan(&scene(name), bounds, &small(), &|_| {}).expect("can be planned")
+}
+
+/// Runs `f` with a planner of a scene.
+fn with_planner<R>(name: &str, f: impl FnOnce(Planner<'_>) -> R) -> R {
+    let scene = scene(name);
+    let camera = scene.cameras[0].resized(UVec2::new(160, 120));
+    let geometry = Geometry::bake(&scene).expect("built in");
+    f(
+        Planner::new(&camera, &scene.lights[0], &geometry, &small(), &|_| {})
+            .expect("can be planned"),
+    )
+}
+
+#[test]
+fn where_nothing_casts_there_is_no_shadow_to_make() {
+    for name in ["no-casters", "only-sky", "no-receivers"] {
+        let plan = planned(name, &Bounds::error(0.01));
+        assert_eq!(
+            plan.chosen.as_ref().map(|c| c.technique.as_str()),
+            Some("none"),
+            "{name}"
+        );
+    }
+}
+
+/// On flat receivers under an ideal light three techniques are exact, and the cheapest of them wins.
+#[test]
+fn exact_techniques_are_told_apart_by_cost() {
+    let exact = |plan: Plan| plan.chosen.expect("rays are exact");
+    let chosen = exact(planned("c1-box-sun", &Bounds::error(0.0)));
+    assert_eq!(
+        (chosen.technique.as_str(), chosen.estimate.high),
+        ("planar", 0.0)
+    );
+    // Where passes are free of charge and texels dear, rays win.
+    let mut cost = CostModel {
+        nanoseconds: [1e-3; crate::cost::KINDS],
+    };
+    cost.nanoseconds[3] = 1e6;
+    let options = Options { cost, ..small() };
+    let other = exact(
+        plan(&scene("c1-box-sun"), &Bounds::error(0.0), &options, &|_| {}).expect("can be planned"),
+    );
+    assert_eq!(other.technique, "traced");
+}
+
+/// Penumbrae of many widths: the kernel that knows widths errs less than those of one width.
+#[test]
+fn a_soft_lamp_needs_soft_shadows() {
+    with_planner("rising-boxes", |mut planner| {
+        let all = families(
+            &planner.techniques,
+            planner.search.trials.scene.light,
+            false,
+        );
+        let mut best = |name: &str| {
+            let mine: Vec<&Family> = all
+                .iter()
+                .filter(|f| f.preset().technique().name() == name)
+                .collect();
+            let best_of = |f: &&Family| {
+                best_bias(&mut planner.search.trials, f, 4, None)
+                    .expect("plays")
+                    .map(|s| s.estimate.error)
+            };
+            mine.iter()
+                .filter_map(best_of)
+                .fold(f64::INFINITY, f64::min)
+        };
+        let [pcss, pcf, hard] = ["pcss", "pcf", "hard"].map(&mut best);
+        assert!(pcss < 0.9 * pcf && pcf < hard, "{pcss} {pcf} {hard}");
+    });
+}
+
+/// What a sample says of a whole image holds for it: within twice the bounds of nine in ten, on every scene and setting.
+#[test]
+fn samples_tell_of_whole_images() {
+    for name in ["cubes", "c4-edge-square", "low-sun-5", "lamp-in-room"] {
+        with_planner(name, |mut planner| {
+            let scene = &mut planner.search.trials.scene;
+            let all: Vec<u32> = (0..scene.receivers.len() as u32).collect();
+            let truth = scene
+                .truth_at(&all, &small().truth, &|_, _| {})
+                .expect("can be traced");
+            let (visibility, pixels): (Vec<f32>, Vec<_>) =
+                truth.iter().map(|t| (t.visibility, t.pixel)).unzip();
+            for preset in [64, 512].into_iter().flat_map(sized) {
+                let Some(setting) = planner.search.trials.try_out(&preset).expect("plays") else {
+                    continue;
+                };
+                let mask = planner
+                    .search
+                    .trials
+                    .scene
+                    .preset_mask(&preset)
+                    .expect("plays");
+                let whole = Errors::measure(UVec2::new(160, 120), &mask, &visibility, &pixels)
+                    .expect("fits")
+                    .rmse;
+                let e = setting.estimate;
+                let reach = 2.0 * (e.high.powi(2) - e.error.powi(2)) + 1e-9;
+                let off = (whole.powi(2) - e.error.powi(2)).abs();
+                assert!(
+                    off <= reach,
+                    "{name}: {}: {} for {whole}",
+                    setting.label(),
+                    e.error
+                );
+            }
+        });
+    }
+}
+
+/// Every technique with its defaults but for the size of its map.
+fn sized(size: u32) -> Vec<Preset> {
+    let at = |p: Preset| match p.map() {
+        Some(&map) => p.with_map(umbrage_techniques::ShadowMap { size, ..map }),
+        None => p,
+    };
+    Preset::defaults().into_iter().map(at).collect()
+}
+
+/// No sampled receiver need show a shadow that hides between the samples: the pilot, which has rays of all, does.
+#[test]
+fn what_no_sample_shows_a_second_look_does() {
+    for name in ["cubes", "rising-boxes"] {
+        with_planner(name, |mut planner| {
+            // A sample that has seen nothing but light.
+            let sampled = &mut planner.search.trials.sampled;
+            let lit: Vec<usize> = (0..sampled.truth.len())
+                .filter(|&k| sampled.truth[k].visibility == 1.0)
+                .collect();
+            sampled.sample.chances = lit.iter().map(|&k| sampled.sample.chances[k]).collect();
+            sampled.sample.pixels = lit.iter().map(|&k| sampled.sample.pixels[k]).collect();
+            sampled.truth = lit.iter().map(|&k| sampled.truth[k]).collect();
+            let none = Preset::from(umbrage_techniques::Unshadowed::default());
+            let blind = planner
+                .search
+                .trials
+                .try_out(&none)
+                .expect("plays")
+                .expect("supported");
+            assert_eq!(blind.estimate.high, 0.0, "{name}");
+            let seen = planner
+                .search
+                .trials
+                .verify(&blind, None, &|_| {})
+                .expect("plays")
+                .estimate;
+            assert!(seen.error > 0.1, "{name}: {seen:?}");
+        });
+    }
+}
+
+/// Second looks know whole images better than the first sample does: their bounds hold as often as they say, and under ideal
+/// lights all that they don't know is how many pixels count.
+#[test]
+fn second_looks_tell_of_whole_images() {
+    let (mut compared, mut within) = (0, 0);
+    for name in [
+        "c7-closed-room",
+        "low-sun-5",
+        "cubes",
+        "rising-boxes",
+        "canopy",
+    ] {
+        with_planner(name, |mut planner| {
+            let scene = &mut planner.search.trials.scene;
+            let all: Vec<u32> = (0..scene.receivers.len() as u32).collect();
+            let truth = scene
+                .truth_at(&all, &small().truth, &|_, _| {})
+                .expect("can be traced");
+            let (visibility, pixels): (Vec<f32>, Vec<_>) =
+                truth.iter().map(|t| (t.visibility, t.pixel)).unzip();
+            for preset in sized(64) {
+                let Some(setting) = planner.search.trials.try_out(&preset).expect("plays") else {
+                    continue;
+                };
+                let mask = planner
+                    .search
+                    .trials
+                    .scene
+                    .preset_mask(&preset)
+                    .expect("plays");
+                let whole = Errors::measure(UVec2::new(160, 120), &mask, &visibility, &pixels)
+                    .expect("fits")
+                    .rmse;
+                let e = planner
+                    .search
+                    .trials
+                    .verify(&setting, None, &|_| {})
+                    .expect("plays")
+                    .estimate;
+                // Three times what one in twenty errs by: five standard errors.
+                let reach = 3.0 * (e.high.powi(2) - e.error.powi(2)) + 1e-9;
+                let off = (whole.powi(2) - e.error.powi(2)).abs();
+                assert!(
+                    off <= reach,
+                    "{name}: {}: {e:?} for {whole}",
+                    setting.label()
+                );
+                compared += 1;
+                within += u32::from(e.low - 1e-6 <= whole && whole <= e.high + 1e-6);
+            }
+        });
+    }
+    // Nine in ten are expected. Settings of one scene share a sample and err together, so a fifth may lie outside.
+    assert!(
+        compared > 40 && within * 5 >= compared * 4,
+        "{within} of {compared}"
+    );
+}
+
+/// A second look that is taken again, even with the last of all seeds, says the same: it forgets nothing of the first sample.
+#[test]
+fn second_looks_can_be_repeated() {
+    with_planner("rising-boxes", |mut planner| {
+        planner.search.trials.verifier.sampling.seed = u32::MAX;
+        // Spoilt to be without a fault, as rare faults are.
+        let hard = planner
+            .search
+            .trials
+            .try_out(&Preset::defaults()[1])
+            .expect("plays")
+            .expect("supported");
+        let blind = Setting {
+            estimate: Estimate::default(),
+            ..hard
+        };
+        let once = planner
+            .search
+            .trials
+            .verify(&blind, Some(1e-3), &|_| {})
+            .expect("plays");
+        assert!(once.estimate.error > 0.0);
+        let twice = planner
+            .search
+            .trials
+            .verify(&once, Some(1e-3), &|_| {})
+            .expect("plays");
+        assert_eq!(twice, once);
+    });
+}
+
+/// Without rays the first sample is all there is, and of what it finds nothing is forgotten.
+#[test]
+fn without_a_pilot_the_first_sample_must_do() {
+    with_planner("rising-boxes", |mut planner| {
+        let [none, hard] = [0, 1].map(|i| Preset::defaults()[i].clone());
+        planner.search.trials.verifier.pilot = None;
+        for preset in [none.clone(), hard] {
+            let first = planner
+                .search
+                .trials
+                .try_out(&preset)
+                .expect("plays")
+                .expect("supported");
+            let again = planner
+                .search
+                .trials
+                .verify(&first, Some(0.1), &|_| {})
+                .expect("plays");
+            assert!(first.estimate.error > 0.0);
+            assert_eq!(again.estimate, first.estimate);
+        }
+        // What was verified remembers its first estimate.
+        planner.search.trials.forget();
+        let blind = Setting {
+            estimate: Estimate::default(),
+            ..planner
+                .search
+                .trials
+                .try_out(&none)
+                .expect("plays")
+                .expect("supported")
+        };
+        let again = planner
+            .search
+            .trials
+            .verify(&blind, None, &|_| {})
+            .expect("plays")
+            .estimate;
+        assert!(again.error == 0.0 && again.high > 0.01, "{again:?}");
+    });
+}
+
+/// Where nothing casts, few rays can't tell that nothing does: all of a pilot's can, within three of their number.
+#[test]
+fn none_of_n_rays_is_not_never() {
+    let lamp = Light::Disc {
+        center: glam::Vec3::Y * 5.0,
+        normal: -glam::Vec3::Y,
+        radius: 0.5,
+    };
+    let high = |light: Light| {
+        let scene = Scene {
+            lights: vec![light],
+            ..scene("no-casters")
+        };
+        let plan = plan(&scene, &Bounds::error(0.1), &small(), &|_| {}).expect("can be planned");
+        let estimate = plan.chosen.expect("possible").estimate;
+        assert_eq!(estimate.error, 0.0);
+        estimate.high
+    };
+    assert_eq!(high(scene("no-casters").lights[0]), 0.0);
+    // 3 of 2 rays of each of at most 160 x 120 receivers, and of at least a third of them.
+    let least = (3.0 / 38_400.0_f64).sqrt();
+    let high = high(lamp);
+    assert!(least <= high && high <= 3.0_f64.sqrt() * least, "{high}");
+}
+
+/// Truth is what decides: where it is spoilt to be next to lit everywhere, for second looks, too, no shadow is needed.
+#[test]
+fn spoilt_truth_changes_the_choice() {
+    with_planner("cubes", |mut planner| {
+        let bounds = Bounds::error(0.05);
+        let right = planner
+            .plan(&bounds)
+            .expect("can be planned")
+            .chosen
+            .expect("possible");
+        assert_ne!(right.technique, "none");
+        let all: Vec<u32> = (0..planner.search.trials.scene.receivers.len() as u32).collect();
+        planner
+            .search
+            .trials
+            .scene
+            .truth_at(&all, &small().truth, &|_, _| {})
+            .expect("can be traced");
+        let remembered = planner.search.trials.scene.truth.values_mut();
+        planner
+            .search
+            .trials
+            .sampled
+            .truth
+            .iter_mut()
+            .chain(remembered)
+            .for_each(|t| t.visibility = 0.999);
+        planner.search.trials.forget();
+        let wrong = planner
+            .plan(&bounds)
+            .expect("can be planned")
+            .chosen
+            .expect("possible");
+        assert_eq!(wrong.technique, "none");
+    });
+}
+
+#[test]
+fn the_same_seed_gives_the_same_plan() {
+    let untimed = |mut plan: Plan| {
+        (plan.sampled.looking, plan.sampled.trying) = (0.0, 0.0);
+        plan
+    };
+    let [a, b] = [(); 2].map(|()| untimed(planned("open-shells", &Bounds::error(0.1))));
+    assert_eq!(a, b);
+    assert!(!a.reasons.is_empty() && a.curve.iter().filter(|p| p.chosen).count() == 1);
+}
+
+#[test]
+fn what_cannot_be_is_told_with_the_bound_that_fails() {
+    let miss = |bounds: &Bounds| {
+        planned("c4-edge-square", bounds)
+            .preset()
+            .expect_err("impossible")
+    };
+    let error = miss(&Bounds::error(0.0));
+    assert!(
+        error.reason.contains("no technique keeps the error at 0"),
+        "{error}"
+    );
+    assert!(error.best.is_some_and(|best| best.estimate.error < 0.05));
+    let time = miss(&Bounds::milliseconds(0.0));
+    assert!(time.reason.contains("ms"), "{time}");
+    let both = miss(&Bounds {
+        max_error: Some(0.1),
+        max_ms: Some(1e-3),
+        ..Bounds::default()
+    });
+    assert!(both.reason.contains("an error of 0.1 takes"), "{both}");
+}
+
+#[test]
+fn within_a_time_the_most_accurate_is_chosen() {
+    let [little, much] = [0.15, 5.0].map(|ms| {
+        planned("cubes", &Bounds::milliseconds(ms))
+            .chosen
+            .expect("possible")
+    });
+    assert!(little.milliseconds <= 0.15 && much.milliseconds <= 5.0);
+    assert!(
+        much.estimate.error < little.estimate.error,
+        "{} {}",
+        much.label(),
+        little.label()
+    );
+}
+
+/// Asked alone, a receiver gets the same answer, bit by bit, as within the whole image, whatever patterns hang on its place.
+#[test]
+fn receivers_asked_alone_answer_the_same() {
+    for name in ["cubes", "rising-boxes-disc", "lamp-in-room"] {
+        let scene = scene(name);
+        let camera = scene.cameras[0].resized(UVec2::new(96, 54));
+        let geometry = Geometry::bake(&scene).expect("built in");
+        let mut cpu = Cpu::new();
+        let receivers = cpu.receivers(&camera, &geometry).expect("valid");
+        let view = View::new(&camera, &scene.lights[0], &geometry).with_receivers(&receivers);
+        let pixels: Vec<u32> = (0..receivers.len() as u32).filter(|i| i % 7 != 3).collect();
+        for technique in umbrage_techniques::all()
+            .iter()
+            .flat_map(|e| (e.settings)(&[128], Fit::Tight))
+        {
+            let recipe = match technique.plan(&view) {
+                Ok(recipe) => recipe,
+                Err(PlanError::Unsupported(_)) => continue,
+                Err(e) => panic!("{name}: {}: {e}", technique.name()),
+            };
+            let whole = cpu.render(&view, &recipe).expect("plays").mask;
+            let alone = cpu.ask(&view, &recipe, &pixels).expect("plays");
+            let same = pixels
+                .iter()
+                .zip(&alone)
+                .all(|(&i, v)| whole[i as usize].to_bits() == v.to_bits());
+            assert!(
+                same,
+                "{name}: {} ({})",
+                technique.name(),
+                technique.settings()
+            );
+        }
+    }
+}
+
+/// The truth of some pixels is that of the whole image.
+#[test]
+fn some_pixels_have_the_truth_of_all() {
+    let scene = scene("rising-boxes");
+    let camera = scene.cameras[0].resized(UVec2::new(64, 36));
+    let geometry = Geometry::bake(&scene).expect("built in");
+    let options = TruthOptions {
+        samples: 16,
+        probe_samples: 16,
+        ..TruthOptions::default()
+    };
+    let mut cpu = Cpu::new();
+    let find = &mut |c: &Camera, g: &Geometry| -> Result<Receivers, _> { cpu.receivers(c, g) };
+    let light: &Light = &scene.lights[0];
+    let whole = truth::trace(&camera, light, &geometry, &options, find, &|_, _| {}).expect("valid");
+    let pixels: Vec<u32> = (0..64 * 36).filter(|i| i % 5 == 2).rev().collect();
+    let view = (&camera, light, &geometry, &whole.receivers);
+    let some = truth::trace_pixels(view, &pixels, &options, find, &|_, _| {}).expect("valid");
+    for (&i, t) in pixels.iter().zip(&some) {
+        let i = i as usize;
+        assert_eq!(
+            (t.visibility, t.error, t.pixel),
+            (whole.visibility[i], whole.error[i], whole.pixels[i]),
+            "{i}"
+        );
+    }
+    assert!(
+        some.iter()
+            .any(|t| t.visibility > 0.0 && t.visibility < 1.0),
+        "no penumbra was compared"
+    );
+}
+
+/// The walk skips and stops early; on this scene a sweep of everything finds nothing cheaper.
+#[test]
+fn a_sweep_finds_nothing_much_cheaper() {
+    let found = regret(&scene("cubes"), &[0.08], &small(), &|_| {}).expect("can be planned");
+    assert!(found.iter().all(|r| !r.misses()), "{found:?}");
+    let spoilt = Regret {
+        error: 0.2,
+        ..found[0].clone()
+    };
+    assert!(spoilt.misses());
+    let dear = Regret {
+        min_milliseconds: found[0].min_milliseconds / 2.0,
+        ..found[0].clone()
+    };
+    assert!(dear.misses());
+}
+
+/// Each kind of bias is played as it is named.
+#[test]
+fn biases_are_those_of_their_scales() {
+    for family in families(
+        &Techniques::built_in(),
+        &Light::Point {
+            position: glam::Vec3::Y,
+            radius: 0.1,
+        },
+        true,
+    ) {
+        for scale in scales(&family.preset()) {
+            let preset = family.at(0, scale.kind, scale.texels[scale.first]);
+            let own = family
+                .preset()
+                .map()
+                .map(|map| scale.kind.bias(scale.texels[scale.first], map.bias));
+            assert_eq!(preset.map().map(|map| map.bias), own);
+        }
+    }
+}

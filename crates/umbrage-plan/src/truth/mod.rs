@@ -1,0 +1,271 @@
+//! Ray-traced truth: the unweighted fraction of the light that each seen point sees.
+//!
+//! Surfaces are opaque and two-sided. A receiver's normal is turned to the camera; light points below its tangent plane
+//! are not seen. Rays start a few units in the last place above the surface, in proportion to the lengths in play (so the
+//! same scene at another scale gives the same mask), skip the receiver's own triangle, and end 2^-14 of their length
+//! before the light (a lamp's own mesh doesn't hide it). The samples are those of [`umbrage_core::light_sample`].
+
+mod ambiguity;
+mod blockers;
+#[cfg(test)]
+mod oracle;
+mod points;
+mod polygon;
+mod tracer;
+mod vicinity;
+
+pub use points::{Point, Seen, trace_points};
+
+use crate::MeasureError;
+use ambiguity::Nudge;
+use glam::UVec2;
+use points::Asked;
+use std::{
+    sync::atomic::{AtomicUsize, Ordering},
+    time::{Duration, Instant},
+};
+use tracer::Tracer;
+use umbrage_core::{
+    BackendError, Camera, Geometry, Invalid, Light, Receivers,
+    metrics::{Pixel, TruthImage},
+};
+
+/// How carefully truth is traced.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct TruthOptions {
+    /// Rays a receiver for lights with an extent; powers of two are best. Ideal lights take one.
+    pub samples: u32,
+    /// Receivers in penumbra get this many times as many, 1 or more.
+    pub penumbra_factor: u32,
+    /// Rays a receiver with which it is found out whether an answer is ambiguous.
+    pub probe_samples: u32,
+    /// Penumbra values that change by more than this under a nudge are ambiguous, 0..=1. Twice the noise of `probe_samples`
+    /// rays across one edge (each misplaced edge costs about one sample per row of the square they form), and well below
+    /// what a surface or shadow edge moved by .02 pixels changes.
+    pub ambiguous_change: f32,
+}
+
+impl Default for TruthOptions {
+    fn default() -> Self {
+        Self {
+            samples: 1024,
+            penumbra_factor: 4,
+            probe_samples: 64,
+            ambiguous_change: 0.125,
+        }
+    }
+}
+
+/// What every technique's mask is compared with.
+#[derive(Clone, Debug)]
+pub struct Truth {
+    /// Image size, pixels.
+    pub size: UVec2,
+    /// Fraction of the light seen, 0..=1, rows from the top; 1 where nothing receives.
+    pub visibility: Vec<f32>,
+    /// Standard error of `visibility`, 0..=1; 0 for ideal lights.
+    pub error: Vec<f32>,
+    /// What counts: which pixels are empty, unlit or ambiguous.
+    pub pixels: Vec<Pixel>,
+    /// Whether the answer changes under a nudge by .02 pixels or a fourfold ray offset; told for unlit pixels, too.
+    pub ambiguous: Vec<bool>,
+    /// From each receiver in shadow to the blocker nearest to the light, metres; infinite where there is none.
+    pub blocker: Vec<f32>,
+    /// Blockers closer than this touch their shadows, metres.
+    pub contact: f32,
+    /// The points asked about.
+    pub receivers: Receivers,
+    /// The triangles asked: [`Geometry::fingerprint`].
+    pub fingerprint: u64,
+    /// How long it took.
+    pub elapsed: Duration,
+}
+
+impl Truth {
+    /// Mean and greatest standard error over the pixels that count.
+    pub fn standard_error(&self) -> [f32; 2] {
+        let counted = || {
+            self.error
+                .iter()
+                .zip(&self.pixels)
+                .filter(|(_, p)| **p == Pixel::Counted)
+                .map(|(e, _)| *e)
+        };
+        let n = counted().count().max(1);
+        let sum: f64 = counted().map(f64::from).sum();
+        [(sum / n as f64) as f32, counted().fold(0.0, f32::max)]
+    }
+
+    /// What is needed to tell the causes of a mask's error apart.
+    ///
+    /// # Errors
+    /// When the fields don't fit each other.
+    pub fn image(&self) -> Result<TruthImage<'_>, Invalid> {
+        TruthImage::new(
+            self.size,
+            &self.visibility,
+            &self.pixels,
+            &self.blocker,
+            self.contact,
+        )
+    }
+
+    /// Whether the light's shadow, or part of it, falls on any pixel that counts.
+    pub fn has_shadow(&self) -> bool {
+        self.visibility
+            .iter()
+            .zip(&self.pixels)
+            .any(|(v, p)| *v < 1.0 && *p == Pixel::Counted)
+    }
+}
+
+/// Finds what a camera sees: `Cpu::receivers`, say.
+pub type FindReceivers<'a> = dyn FnMut(&Camera, &Geometry) -> Result<Receivers, BackendError> + 'a;
+
+/// Called with the work done and the work in all, in receivers, from any thread.
+pub type Progress<'a> = dyn Fn(usize, usize) + Sync + 'a;
+
+/// Traces truth for what the camera sees.
+///
+/// # Errors
+/// When the camera or light is not valid, or receivers cannot be found.
+pub fn trace(
+    camera: &Camera,
+    light: &Light,
+    geometry: &Geometry,
+    options: &TruthOptions,
+    find: &mut FindReceivers<'_>,
+    progress: &Progress<'_>,
+) -> Result<Truth, MeasureError> {
+    camera.validate()?;
+    let start = Instant::now();
+    let receivers = find(camera, geometry)?;
+    let pixels: Vec<u32> = (0..receivers.len() as u32).collect();
+    let asked = Asked {
+        camera,
+        geometry,
+        receivers: &receivers,
+        pixels: &pixels,
+    };
+    let (seen, ambiguous) = trace_asked(&asked, light, options, find, progress)?;
+    Ok(Truth {
+        size: receivers.size,
+        visibility: seen.iter().map(|s| s.visibility).collect(),
+        error: seen.iter().map(|s| s.error).collect(),
+        pixels: (0..seen.len())
+            .map(|i| class(receivers.receives[i], seen[i], ambiguous[i]))
+            .collect(),
+        ambiguous,
+        blocker: blockers::find(light, geometry, &receivers, &seen),
+        contact: blockers::contact(&receivers),
+        receivers,
+        fingerprint: geometry.fingerprint(),
+        elapsed: start.elapsed(),
+    })
+}
+
+/// What truth says at one pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PixelTruth {
+    /// As [`Truth::visibility`].
+    pub visibility: f32,
+    /// As [`Truth::error`].
+    pub error: f32,
+    /// As [`Truth::pixels`].
+    pub pixel: Pixel,
+}
+
+/// Traces truth at some pixels of what the camera sees (`receivers`): what [`trace`] says there, bit by bit, in the order of
+/// `pixels`, which must lie within the image.
+///
+/// # Errors
+/// When the light is not valid, or receivers of the nudged camera cannot be found.
+pub fn trace_pixels(
+    view: (&Camera, &Light, &Geometry, &Receivers),
+    pixels: &[u32],
+    options: &TruthOptions,
+    find: &mut FindReceivers<'_>,
+    progress: &Progress<'_>,
+) -> Result<Vec<PixelTruth>, MeasureError> {
+    let (camera, light, geometry, receivers) = view;
+    let asked = Asked {
+        camera,
+        geometry,
+        receivers,
+        pixels,
+    };
+    let (seen, ambiguous) = trace_asked(&asked, light, options, find, progress)?;
+    let pixel = |((seen, ambiguous), &i): ((Seen, bool), &u32)| PixelTruth {
+        visibility: seen.visibility,
+        error: seen.error,
+        pixel: class(receivers.receives[i as usize], seen, ambiguous),
+    };
+    Ok(seen
+        .into_iter()
+        .zip(ambiguous)
+        .zip(pixels)
+        .map(pixel)
+        .collect())
+}
+
+fn trace_asked(
+    asked: &Asked<'_>,
+    light: &Light,
+    options: &TruthOptions,
+    find: &mut FindReceivers<'_>,
+    progress: &Progress<'_>,
+) -> Result<(Vec<Seen>, Vec<bool>), MeasureError> {
+    let done = AtomicUsize::new(0);
+    let total = asked.pixels.len() * (1 + ambiguity::PROBES);
+    let report = |n: usize| progress(done.fetch_add(n, Ordering::Relaxed) + n, total);
+    let seen = asked.trace(&Tracer::new(asked.geometry, light, options)?, 1.0, &report);
+    let ambiguous = ambiguity::find(asked, light, options, Nudge::ROUNDING, find, &report)?;
+    Ok((seen, ambiguous))
+}
+
+fn class(receives: bool, seen: Seen, ambiguous: bool) -> Pixel {
+    match (receives, seen.unlit, ambiguous) {
+        (false, ..) => Pixel::Empty,
+        (_, true, _) => Pixel::Unlit,
+        (_, _, true) => Pixel::Ambiguous,
+        _ => Pixel::Counted,
+    }
+}
+
+/// Which of truth's pixels are ambiguous on a device whose grid of sub-pixels has this step; none if no more than for truth
+/// itself, which takes nudges by .02 pixels for rounding.
+///
+/// Devices move a vertex by up to half a step right or left and as much up or down, and so an edge by up to `sqrt(1/2)` steps
+/// across itself. A shadow's edge is where two things meet, what throws it and what it falls on: `sqrt(2)` steps. Nudges of the
+/// image by two steps along each axis move every edge by as much at least. Outlines count, too: there the device's depth is
+/// that of a plane beyond its edge.
+///
+/// # Errors
+/// When the light is not valid, or receivers of the nudged camera cannot be found.
+pub fn ambiguous_on(
+    step: f32,
+    view: (&Camera, &Light, &Geometry),
+    truth: &Truth,
+    options: &TruthOptions,
+    find: &mut FindReceivers<'_>,
+) -> Result<Option<Vec<bool>>, MeasureError> {
+    let nudge = Nudge {
+        pixels: 2.0 * step,
+        outlines: true,
+    };
+    if nudge.pixels <= Nudge::ROUNDING.pixels {
+        return Ok(None);
+    }
+    let (camera, light, geometry) = view;
+    let pixels: Vec<u32> = (0..truth.receivers.len() as u32).collect();
+    let asked = Asked {
+        camera,
+        geometry,
+        receivers: &truth.receivers,
+        pixels: &pixels,
+    };
+    ambiguity::find(&asked, light, options, nudge, find, &|_| {}).map(Some)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,162 @@
+//! Techniques as data: any listed one with its settings, to be kept in a file.
+
+use super::{Entry, ListedTechnique, PlannedBiases};
+use crate::shadow_map::ShadowMap;
+use serde::{Serialize, Serializer};
+use std::{any::Any, sync::Arc};
+use umbrage_core::{Invalid, Recipe, ShadowTechnique};
+
+/// A technique and its settings. In a file the field `technique` names it as [`ShadowTechnique::name`] does, and all other
+/// fields are those of its struct; those left out have its defaults.
+///
+/// ```
+/// use umbrage_techniques::{Pcf, Preset};
+/// let preset = Preset::from_toml("technique = 'pcf'\nradius = 2")?;
+/// assert_eq!(preset, Preset::from(Pcf { radius: 2, ..Pcf::default() }));
+/// # Ok::<(), umbrage_core::Invalid>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Preset(Arc<dyn AnyTechnique>);
+
+/// A [`ListedTechnique`] whose type is not known.
+trait AnyTechnique: ShadowTechnique + Any {
+    fn equals(&self, other: &Preset) -> bool;
+    fn shadow_map(&self) -> Option<&ShadowMap>;
+    fn on_map(&self, map: ShadowMap) -> Preset;
+    fn planned_biases(&self) -> PlannedBiases;
+    fn reason(&self, error: f64, recipe: &Recipe) -> Option<String>;
+    fn as_data(&self) -> &dyn erased_serde::Serialize;
+}
+
+impl<T: ListedTechnique> AnyTechnique for T {
+    fn equals(&self, other: &Preset) -> bool {
+        other.get::<T>() == Some(self)
+    }
+
+    fn shadow_map(&self) -> Option<&ShadowMap> {
+        self.map()
+    }
+
+    fn on_map(&self, map: ShadowMap) -> Preset {
+        Preset::from(self.clone().with_map(map))
+    }
+
+    fn planned_biases(&self) -> PlannedBiases {
+        T::PLANNED_BIASES
+    }
+
+    fn reason(&self, error: f64, recipe: &Recipe) -> Option<String> {
+        self.why_chosen(error, recipe)
+    }
+
+    fn as_data(&self) -> &dyn erased_serde::Serialize {
+        self
+    }
+}
+
+impl<T: ListedTechnique> From<T> for Preset {
+    fn from(technique: T) -> Self {
+        Self(Arc::new(technique))
+    }
+}
+
+impl PartialEq for Preset {
+    fn eq(&self, other: &Self) -> bool {
+        self.0.equals(other)
+    }
+}
+
+impl Serialize for Preset {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        #[derive(Serialize)]
+        struct Tagged<'a> {
+            technique: &'static str,
+            #[serde(flatten)]
+            settings: &'a dyn erased_serde::Serialize,
+        }
+        let tagged = Tagged {
+            technique: self.0.name(),
+            settings: self.0.as_data(),
+        };
+        tagged.serialize(serializer)
+    }
+}
+
+impl Preset {
+    /// The technique, ready to plan.
+    pub fn technique(&self) -> Arc<dyn ShadowTechnique> {
+        self.0.clone()
+    }
+
+    /// The settings, if the technique is a `T`.
+    pub fn get<T: ListedTechnique>(&self) -> Option<&T> {
+        let technique: &dyn Any = &*self.0;
+        technique.downcast_ref()
+    }
+
+    /// The preset as TOML that [`Preset::from_toml`] reads back bit by bit.
+    ///
+    /// # Errors
+    /// Never with settings that a built-in technique accepts; else where its settings aren't a table of TOML.
+    pub fn to_toml(&self) -> Result<String, Invalid> {
+        toml::to_string(self)
+            .map_err(|e| Invalid::new("preset", e.to_string(), "use settings that are numbers"))
+    }
+
+    /// Reads a preset of one of `techniques` from TOML.
+    pub(crate) fn read(text: &str, techniques: &[Entry]) -> Result<Self, Invalid> {
+        let table: toml::Table =
+            toml::from_str(text).map_err(|e| unreadable(&e.to_string(), techniques))?;
+        Self::from_table(table, techniques)
+    }
+
+    /// Finds the technique that a table names, and reads its settings from the rest.
+    pub(crate) fn from_table(
+        mut table: toml::Table,
+        techniques: &[Entry],
+    ) -> Result<Self, Invalid> {
+        let Some(name) = table.remove("technique") else {
+            return Err(unreadable("has no field `technique`", techniques));
+        };
+        let named = |entry: &&Entry| name.as_str() == Some(entry.name);
+        let Some(entry) = techniques.iter().find(named) else {
+            let why = format!("names no technique there is: {name}");
+            return Err(unreadable(&why, techniques));
+        };
+        (entry.read)(table).map_err(|e| {
+            let why = format!("`{}`: {e}", entry.name);
+            unreadable(&why, techniques)
+        })
+    }
+
+    /// The map that is looked up; none for techniques without one.
+    pub fn map(&self) -> Option<&ShadowMap> {
+        self.0.shadow_map()
+    }
+
+    /// The same technique with another map; techniques without one stay as they are.
+    #[must_use]
+    pub fn with_map(&self, map: ShadowMap) -> Self {
+        self.0.on_map(map)
+    }
+
+    /// Which biases a planner may give to its map.
+    pub fn planned_biases(&self) -> PlannedBiases {
+        self.0.planned_biases()
+    }
+
+    /// Why a planner chose it: [`ListedTechnique::why_chosen`].
+    pub fn why_chosen(&self, error: f64, recipe: &Recipe) -> Option<String> {
+        self.0.reason(error, recipe)
+    }
+}
+
+/// Says why a text is no preset, and what to write.
+fn unreadable(why: &str, techniques: &[Entry]) -> Invalid {
+    let known: Vec<&str> = techniques.iter().map(|entry| entry.name).collect();
+    let mend = format!(
+        "write `technique = ..` with one of {}, then its fields",
+        known.join(", ")
+    );
+    Invalid::new("preset", why.trim_end().to_owned(), mend)
+}

@@ -1,0 +1,140 @@
+//! No technique is forgotten, and files bring back what was written.
+
+use super::*;
+use crate::shadow_map::{Bias, Border, MapFormat, ShadowMap};
+use std::collections::HashSet;
+use umbrage_core::{Fit, Light, glam::Vec3};
+
+#[test]
+fn names_are_unique_and_select_techniques() {
+    let techniques = Techniques::built_in();
+    let names: HashSet<_> = techniques.names().into_iter().collect();
+    assert_eq!(names.len(), techniques.all().len());
+    assert!(techniques.clone().with(Entry::of::<Pcss>()).is_err());
+    let selected = techniques.select(&["pcf".to_owned(), "none".to_owned()]);
+    let selected: Vec<_> = selected.unwrap().iter().map(|entry| entry.name).collect();
+    assert_eq!(selected, ["none", "pcf"]);
+    let unknown = techniques.select(&["pfc".to_owned()]).unwrap_err();
+    assert!(unknown.to_string().contains("pcf_hardware"), "{unknown}");
+}
+
+#[test]
+fn every_setting_of_an_entry_is_of_its_technique() {
+    let lamp = Light::Disc {
+        center: Vec3::Y,
+        normal: -Vec3::Y,
+        radius: 0.1,
+    };
+    let map = ShadowMap::default();
+    for entry in all() {
+        let settings = [
+            (entry.settings)(&[64, 128], Fit::Tight),
+            (entry.exhaustive)(64),
+        ]
+        .concat();
+        assert!(
+            settings.iter().all(|t| t.name() == entry.name),
+            "{}",
+            entry.name
+        );
+        let compared = (entry.settings)(&[64], Fit::Tight);
+        assert!(
+            !compared.is_empty() && settings.len() > compared.len(),
+            "{}",
+            entry.name
+        );
+        assert!(
+            !(entry.candidates)(map, &lamp).is_empty(),
+            "{} is never tried",
+            entry.name
+        );
+    }
+}
+
+#[test]
+fn a_file_that_only_names_a_technique_means_its_defaults() {
+    for preset in Preset::defaults() {
+        let name = preset.technique().name();
+        assert_eq!(
+            Preset::from_toml(&format!("technique = \"{name}\"")).unwrap(),
+            preset
+        );
+    }
+}
+
+/// Numbers without a short decimal form, a nested table, and no field at its default.
+#[test]
+fn every_preset_survives_a_file() {
+    let extents = umbrage_core::Extents {
+        left: -1.1,
+        right: 2.3,
+        bottom: -0.7,
+        top: 0.3,
+        near: 0.013,
+        far: 77.7,
+    };
+    let fit = Fit::Manual {
+        eye: Vec3::new(1.0 / 3.0, 2.1, -1e-7),
+        extents,
+    };
+    let bias = Bias {
+        receiver_plane: 0.1 / 3.0,
+        ..Bias::normal_offset(1.3)
+    };
+    let map = ShadowMap {
+        size: 192,
+        fit,
+        bias,
+        format: MapFormat::Depth16,
+        border: Border::Clamp,
+        ..Default::default()
+    };
+    for preset in Preset::defaults()
+        .into_iter()
+        .flat_map(|p| [p.with_map(map), p])
+    {
+        let text = preset.to_toml().unwrap();
+        assert_eq!(Preset::from_toml(&text).unwrap(), preset, "{text}");
+    }
+}
+
+#[test]
+fn maps_can_be_exchanged_wherever_there_is_one() {
+    let map = ShadowMap {
+        size: 77,
+        ..ShadowMap::default()
+    };
+    for preset in Preset::defaults() {
+        let changed = preset.with_map(map);
+        assert_eq!(changed.map().copied(), preset.map().map(|_| map));
+        assert_eq!(changed.technique().name(), preset.technique().name());
+    }
+    assert_eq!(
+        Preset::from(Pcss::default()).map(),
+        Some(&Pcss::default().map)
+    );
+}
+
+#[test]
+fn wrong_files_are_told_what_to_write() {
+    for text in [
+        "technique = 'pfc'",
+        "radius = 1",
+        "technique = 'pcf'\nradios = 2",
+        "technique = 'hard'\nmap = 3",
+        "=",
+    ] {
+        let error = Preset::from_toml(text).unwrap_err().to_string();
+        assert!(error.contains("pcf_hardware"), "{error}");
+    }
+}
+
+/// Files that were written before must be read, and are written alike.
+#[test]
+fn the_text_of_presets_stays() {
+    let text = Preset::from(Pcf::default()).to_toml().unwrap();
+    assert!(
+        text.starts_with("technique = \"pcf\"\nradius = 1\n\n[map]\nsize = 1024\n"),
+        "{text}"
+    );
+}
