@@ -68,6 +68,14 @@ uniforms! {
     }
 }
 
+uniforms! {
+    /// Uniforms of kernels that need nothing but the map.
+    pub struct MapOnlyUniforms {
+        /// The way to the map.
+        pub lookup: ShadowMapUniforms,
+    }
+}
+
 impl MapLayer {
     /// Returns the layer of `map` that lies in `space`.
     pub fn new(map: &ShadowMap, space: &LightSpace) -> Self {

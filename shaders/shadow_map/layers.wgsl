@@ -24,6 +24,10 @@ struct ShadowMapUniforms {
     sample_gain: f32,
 }
 
+struct MapOnlyUniforms {
+    lookup: ShadowMapUniforms,
+}
+
 fn cube_face(light: vec4f, p: vec3f) -> i32 {
     let d = vec3f(p.x - light.x, p.y - light.y, p.z - light.z);
     let a = abs(d);

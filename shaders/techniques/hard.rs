@@ -8,7 +8,7 @@ use crate::{
     lanes::batch::{Taps, look_up_span},
     listing::{ListedTechnique, sweeps},
     shadow_map::{
-        Bias, MapFormat, ShadowMap, coord::ShadowCoord, layers::ShadowMapUniforms,
+        Bias, MapFormat, ShadowMap, coord::ShadowCoord, layers::MapOnlyUniforms,
         texel_compare::DepthMap,
     },
 };
@@ -37,7 +37,8 @@ impl ShadowTechnique for Hard {
     }
 
     fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
-        self.map.recipe(view, 0.0, HardKernel)
+        self.map
+            .recipe(view, 0.0, |lookup| HardKernel(MapOnlyUniforms { lookup }))
     }
 
     fn kernel_reach(&self) -> Option<f32> {
@@ -91,12 +92,13 @@ impl ListedTechnique for Hard {
 #[derive(Clone, Copy, Debug)]
 pub struct HardKernel(
     /// Uniforms.
-    pub ShadowMapUniforms,
+    pub MapOnlyUniforms,
 );
 
 impl Kernel for HardKernel {
     fn modules(&self) -> Vec<Module> {
         self.0
+            .lookup
             .modules()
             .into_iter()
             .chain([Module {
@@ -111,16 +113,16 @@ impl Kernel for HardKernel {
     }
 
     fn layout(&self) -> UniformLayout {
-        ShadowMapUniforms::layout()
+        MapOnlyUniforms::layout()
     }
 }
 
 impl ReceiveKernel for HardKernel {
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
         let taps = OneTap {
-            map: self.0.map(&inputs.images[0]),
+            map: self.0.lookup.map(&inputs.images[0]),
         };
-        look_up_span(inputs.simd, &self.0, span, out, &taps);
+        look_up_span(inputs.simd, &self.0.lookup, span, out, &taps);
     }
 
     /// Never beyond the receiver's own texel, also where a technique that reaches farther falls back on this kernel.

@@ -9,9 +9,7 @@
 use crate::{
     lanes::batch::{Taps, look_up_span},
     listing::{ListedTechnique, sweeps},
-    shadow_map::{
-        ShadowMap, coord::ShadowCoord, layers::ShadowMapUniforms, texel_compare::DepthMap,
-    },
+    shadow_map::{ShadowMap, coord::ShadowCoord, layers::MapOnlyUniforms, texel_compare::DepthMap},
 };
 use glam::UVec2;
 use serde::{Deserialize, Serialize};
@@ -38,7 +36,9 @@ impl ShadowTechnique for PcfDithered {
     }
 
     fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
-        self.map.recipe(view, 2.0, PcfDitheredKernel)
+        self.map.recipe(view, 2.0, |lookup| {
+            PcfDitheredKernel(MapOnlyUniforms { lookup })
+        })
     }
 
     fn kernel_reach(&self) -> Option<f32> {
@@ -69,12 +69,13 @@ impl ListedTechnique for PcfDithered {
 #[derive(Clone, Copy, Debug)]
 pub struct PcfDitheredKernel(
     /// Uniforms.
-    pub ShadowMapUniforms,
+    pub MapOnlyUniforms,
 );
 
 impl Kernel for PcfDitheredKernel {
     fn modules(&self) -> Vec<Module> {
         self.0
+            .lookup
             .modules()
             .into_iter()
             .chain([Module {
@@ -89,17 +90,17 @@ impl Kernel for PcfDitheredKernel {
     }
 
     fn layout(&self) -> UniformLayout {
-        ShadowMapUniforms::layout()
+        MapOnlyUniforms::layout()
     }
 }
 
 impl ReceiveKernel for PcfDitheredKernel {
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
         let taps = DitheredTaps {
-            map: self.0.map(&inputs.images[0]),
+            map: self.0.lookup.map(&inputs.images[0]),
             first: span.first,
         };
-        look_up_span(inputs.simd, &self.0, span, out, &taps);
+        look_up_span(inputs.simd, &self.0.lookup, span, out, &taps);
     }
 
     fn asks(&self) -> Asks {

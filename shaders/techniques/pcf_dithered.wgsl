@@ -1,11 +1,11 @@
 // Twin of pcf_dithered.rs: four taps, two texels apart, shifted by the pixel's parity.
 
 fn receive(r: Receiver) -> f32 {
-    let l = shadow_coord(kernel, r.position, r.normal);
+    let l = shadow_coord(kernel.lookup, r.position, r.normal);
     if !l.seen {
         return 1.0;
     }
-    let size = i32(kernel.size);
+    let size = i32(kernel.lookup.size);
     let ox = f32(r.pixel.x & 1u);
     let oy = f32((r.pixel.x ^ r.pixel.y) & 1u);
     let left = i32(floor(l.texel.x + (ox - 1.5)));
