@@ -21,6 +21,7 @@ pub mod footprint;
 pub mod pareto;
 mod progress;
 mod search;
+pub mod statistics;
 pub mod truth;
 
 pub use error::MeasureError;

@@ -247,11 +247,7 @@ impl Figure {
     /// When the renderer fails.
     pub fn png(&self) -> Result<Vec<u8>, LabError> {
         let (plots, layout) = self.plots();
-        let failed = |e: String| LabError::Write {
-            path: "figure".into(),
-            source: std::io::Error::other(e),
-        };
-        kuva::render_to_png(plots, layout, PNG_SCALE).map_err(failed)
+        kuva::render_to_png(plots, layout, PNG_SCALE).map_err(|e| LabError::write("figure", e))
     }
 
     fn plots(&self) -> (Vec<Plot>, Layout) {

@@ -3,6 +3,7 @@
 use super::{sampled_truth::SampledTruth, scene::PlanScene};
 use crate::{
     MeasureError,
+    statistics::Sorted,
     truth::{Point, TruthOptions, trace_points},
 };
 use glam::{DVec2, DVec4, Vec3};
@@ -98,15 +99,7 @@ fn around(scene: &PlanScene<'_>, i: usize, step: f32) -> [Point; 4] {
 
 /// The widths that a tenth of the penumbrae is narrower and a tenth wider than, texels on such a map; none without any.
 pub(crate) fn texels(penumbrae: &[Penumbra], spaces: &[LightSpace], size: u32) -> Option<[f64; 2]> {
-    let mut widths: Vec<f64> = penumbrae
-        .iter()
-        .filter_map(|p| p.texels(spaces, size))
-        .collect();
-    widths.sort_by(f64::total_cmp);
-    let at = |share: f64| {
-        widths
-            .get((widths.len().saturating_sub(1) as f64 * share).round() as usize)
-            .copied()
-    };
-    Some([at(0.1)?, at(0.9)?])
+    let widths = penumbrae.iter().filter_map(|p| p.texels(spaces, size));
+    let widths = Sorted::new(widths.collect());
+    Some([widths.quantile(0.1)?, widths.quantile(0.9)?])
 }
