@@ -126,7 +126,7 @@ fn verdict(all: &[Regret]) -> Result<()> {
         .collect();
     let dear = ratios.iter().filter(|r| **r > MAX_REGRET).count();
     let ratios = Sorted::new(ratios);
-    let at = |share: f64| ratios.quantile(share).unwrap_or(1.0);
+    let at = |share: f64| ratios.nearest(share).unwrap_or(1.0);
     let summary = format!(
         "{kept} of {} plans keep their bound on the whole image ({:.1} %); cost over the least: median {:.2}, \
          9 in 10 within {:.2}, greatest {:.2}; {dear} cost more than {MAX_REGRET} times the least",

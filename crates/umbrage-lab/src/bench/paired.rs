@@ -81,7 +81,7 @@ impl Times {
     /// Of at least one value.
     fn of(values: impl Iterator<Item = f64>) -> Self {
         let sorted = Sorted::new(values.collect());
-        let at = |share: f64| sorted.quantile(share).unwrap_or(f64::NAN);
+        let at = |share: f64| sorted.nearest(share).unwrap_or(f64::NAN);
         Self {
             min: at(0.0),
             median: at(0.5),

@@ -101,5 +101,5 @@ fn around(scene: &PlanScene<'_>, i: usize, step: f32) -> [Point; 4] {
 pub(crate) fn texels(penumbrae: &[Penumbra], spaces: &[LightSpace], size: u32) -> Option<[f64; 2]> {
     let widths = penumbrae.iter().filter_map(|p| p.texels(spaces, size));
     let widths = Sorted::new(widths.collect());
-    Some([widths.quantile(0.1)?, widths.quantile(0.9)?])
+    Some([widths.nearest(0.1)?, widths.nearest(0.9)?])
 }

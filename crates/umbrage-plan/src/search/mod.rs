@@ -4,6 +4,7 @@ mod bias;
 mod bias_search;
 mod bounds;
 mod families;
+mod options;
 mod outcome;
 mod planner;
 mod reasons;
@@ -15,49 +16,14 @@ mod trials;
 
 pub use bias::BiasKind;
 pub use bounds::Bounds;
+pub use options::Options;
 pub use outcome::{CurvePoint, Miss, Plan, Sampled};
 pub use planner::Planner;
 pub use regret::{MAX_REGRET, MIN_KEPT, Regret, regret};
 pub use setting::Setting;
 
-use crate::{MeasureError, cost::CostModel, progress::OnStep, truth::TruthOptions};
-use glam::UVec2;
+use crate::{MeasureError, progress::OnStep};
 use umbrage_core::{Camera, Geometry, Invalid, Light, Scene};
-
-/// How a plan is made.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Options {
-    /// Receivers sampled under lights with an extent; four times as many under ideal ones, whose truth takes one ray each.
-    pub samples: u32,
-    /// Which sample: the same seed gives the same plan.
-    pub seed: u32,
-    /// How truth is traced.
-    pub truth: TruthOptions,
-    /// What work costs.
-    pub cost: CostModel,
-    /// Which of the scene's lights, from 0.
-    pub light: usize,
-    /// Image size in place of the camera's own, pixels.
-    pub size: Option<UVec2>,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        // A quarter of a comparison's rays: their noise of about .005 is far below the errors that are told apart.
-        let truth = TruthOptions {
-            samples: 256,
-            ..TruthOptions::default()
-        };
-        Self {
-            samples: 4096,
-            seed: 1,
-            truth,
-            cost: CostModel::CPU,
-            light: 0,
-            size: None,
-        }
-    }
-}
 
 /// The plan for a scene's first camera and one light.
 ///
