@@ -1,4 +1,12 @@
-//! The search: from the cheapest candidate up, each tried on the sample.
+//! The search for a setting within bounds. From top to bottom:
+//!
+//! * [`planner`]: samples the scene, searches, and writes down the plan.
+//! * [`strategy`]: the order in which candidates are tried.
+//! * [`bias_search`]: the best bias of one candidate.
+//! * [`trials`]: settings tried on the sample, each once.
+//!
+//! Candidates come from [`families`], with amounts of [`bias`] and the map's side that the screen asks for ([`resolution`]).
+//! [`outcome`] and [`reasons`] are the answer; [`regret`] checks it against a sweep of all candidates.
 
 mod bias;
 mod bias_search;
