@@ -4,7 +4,7 @@ use super::{sampled_truth::SampledTruth, scene::PlanScene};
 use crate::{
     MeasureError,
     statistics::Sorted,
-    truth::{Point, TruthOptions, trace_points},
+    truth::{Point, Seen, TruthOptions, trace_points},
 };
 use glam::{DVec2, DVec4, Vec3};
 use umbrage_core::{
@@ -52,12 +52,12 @@ impl Penumbra {
 /// Penumbrae at some of the sampled receivers; none under ideal lights.
 pub(crate) fn find(
     scene: &PlanScene<'_>,
-    known: &SampledTruth,
+    sampled: &SampledTruth,
     options: &TruthOptions,
 ) -> Result<Vec<Penumbra>, MeasureError> {
-    let in_middle: Vec<usize> = (0..known.truth.len())
-        .filter(|&k| MIDDLE.contains(&known.truth[k].visibility) && !scene.light.is_ideal())
-        .map(|k| known.sample.pixels[k] as usize)
+    let in_middle: Vec<usize> = (0..sampled.truth.len())
+        .filter(|&k| MIDDLE.contains(&sampled.truth[k].visibility) && !scene.light.is_ideal())
+        .map(|k| sampled.sample.pixels[k] as usize)
         .collect();
     let step = in_middle.len().div_ceil(POINTS).max(1);
     let chosen: Vec<usize> = in_middle.into_iter().step_by(step).collect();
@@ -68,22 +68,25 @@ pub(crate) fn find(
         .map(|&i| around(scene, i, STEP * pixel * scene.receivers.distance[i]))
         .collect();
     let seen = trace_points(scene.geometry, scene.light, asked.as_flattened(), options)?;
-    let penumbra = |(points, seen): (&[Point; 4], &[crate::truth::Seen])| {
-        let [a, b, c, d] = [0, 1, 2, 3].map(|k| seen[k].visibility);
-        let (u, v) = (
-            points[1].position - points[0].position,
-            points[3].position - points[2].position,
-        );
-        let slope = u * ((b - a) / u.length_squared()) + v * ((d - c) / v.length_squared());
-        let position = (points[0].position + points[1].position) * 0.5;
-        let across = slope / slope.length_squared();
-        across.is_finite().then_some(Penumbra { position, across })
-    };
-    Ok(asked
-        .iter()
-        .zip(seen.chunks_exact(4))
-        .filter_map(penumbra)
+    let penumbrae = asked.iter().zip(seen.as_chunks::<4>().0);
+    Ok(penumbrae
+        .filter_map(|(points, seen)| at(points, seen))
         .collect())
+}
+
+/// Returns the penumbra between four points on a surface, two opposite ones after two; none where visibility does not change.
+fn at(points: &[Point; 4], seen: &[Seen; 4]) -> Option<Penumbra> {
+    let u = points[1].position - points[0].position;
+    let v = points[3].position - points[2].position;
+    let change_along_u = seen[1].visibility - seen[0].visibility;
+    let change_along_v = seen[3].visibility - seen[2].visibility;
+    // The gradient of visibility along the surface, 1 / m: `u` and `v` are perpendicular.
+    let gradient =
+        u * (change_along_u / u.length_squared()) + v * (change_along_v / v.length_squared());
+    let position = (points[0].position + points[1].position) * 0.5;
+    // From dark to lit visibility changes by 1.
+    let across = gradient / gradient.length_squared();
+    across.is_finite().then_some(Penumbra { position, across })
 }
 
 /// A step to each side of a receiver along its surface, two sides after two.
