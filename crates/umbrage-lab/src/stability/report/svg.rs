@@ -48,18 +48,8 @@ pub(super) fn matrix(stability: &Stability) -> String {
         );
     }
     for (k, case) in stability.cases.iter().enumerate() {
-        line(
-            &mut out,
-            case,
-            k,
-            [
-                columns.len(),
-                stability.cases[..k]
-                    .iter()
-                    .filter(|c| c.row == case.row)
-                    .count(),
-            ],
-        );
+        let is_first_of_row = stability.cases[..k].iter().all(|c| c.row != case.row);
+        line(&mut out, case, k, columns.len(), is_first_of_row);
     }
     let legend = "✓ passes   ~ degraded   ✗ fails   – not made for it; limits and figures: cargo xtask stability";
     let _ = writeln!(
@@ -76,11 +66,11 @@ fn head(cell: &Cell) -> String {
     format!("{}, {settings}", cell.technique)
 }
 
-/// Line `k`: as many cells as there are columns, and the row's number if none of its cases came before.
-fn line(out: &mut String, case: &CaseResult, k: usize, [columns, before]: [usize; 2]) {
+/// Line `k`: as many cells as there are columns, and the row's number before its first case.
+fn line(out: &mut String, case: &CaseResult, k: usize, columns: usize, is_first_of_row: bool) {
     let y = TOP + k * CELL[1];
     let base = y + 14;
-    if before == 0 {
+    if is_first_of_row {
         let _ = writeln!(
             out,
             "<text x=\"12\" y=\"{base}\" fill=\"#5b6675\">{}</text>",
