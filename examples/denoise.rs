@@ -5,7 +5,7 @@
 use anyhow::Context as _;
 use std::{fs, path::PathBuf};
 use umbrage::{
-    Camera, Choice, Geometry, Instance, Light, Mesh, Scene, ShadowTechnique, View,
+    BackendChoice, Camera, Geometry, Instance, Light, Mesh, Scene, ShadowTechnique, View,
     glam::{Affine3A, UVec2, Vec3},
     scenes::denoise::{DisplacementMap, Solid, roughened},
     techniques::{Bias, BlinnPhong, Pcf, ShadowMap},
@@ -23,7 +23,7 @@ fn main() -> anyhow::Result<()> {
         .map_or_else(|| PathBuf::from("target/denoise"), PathBuf::from);
     fs::create_dir_all(&folder)
         .with_context(|| format!("cannot make the folder {}", folder.display()))?;
-    let mut backend = umbrage::backend(Choice::Auto)?;
+    let mut backend = umbrage::backend(BackendChoice::Auto)?;
     println!(
         "mean distance to the clean surface, noise of {} mm:",
         1e3 * NOISE

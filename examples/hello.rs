@@ -1,6 +1,6 @@
 //! From an OBJ file to a shadow mask: `cargo run --example hello -- model.obj`. Writes `shadow.png`.
 
-use umbrage::{Choice, Geometry, ShadowTechnique, View, techniques::Pcf};
+use umbrage::{BackendChoice, Geometry, ShadowTechnique, View, techniques::Pcf};
 
 fn main() -> anyhow::Result<()> {
     let path = std::env::args()
@@ -10,7 +10,7 @@ fn main() -> anyhow::Result<()> {
     let geometry = Geometry::bake(&scene)?;
     let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
     let recipe = Pcf::default().plan(&view)?;
-    let mut backend = umbrage::backend(Choice::Auto)?;
+    let mut backend = umbrage::backend(BackendChoice::Auto)?;
     let shadows = backend.render(&view, &recipe)?;
     image::save_buffer(
         "shadow.png",

@@ -5,7 +5,7 @@ use anyhow::Context as _;
 use std::{fs, path::PathBuf};
 use umbrage::wgpu::AdapterChoice;
 use umbrage_lab::{
-    compare::{BackendChoice, Backends},
+    compare::Backends,
     textbook::{Played, all, html, play},
 };
 
@@ -15,7 +15,7 @@ fn main() -> anyhow::Result<()> {
         .map_or_else(|| PathBuf::from("target/textbook"), PathBuf::from);
     fs::create_dir_all(&folder)
         .with_context(|| format!("cannot make the folder {}", folder.display()))?;
-    let mut backends = Backends::open(BackendChoice::Available, &AdapterChoice::from_env())?;
+    let mut backends = Backends::available(&AdapterChoice::from_env())?;
     backends
         .notices
         .iter()

@@ -1,7 +1,7 @@
 //! Bring your own technique: variance shadow maps, made of one cast, three filters and one receive, on both backends.
 //! `cargo run --example variance` writes `variance-cpu.png` and, where there is an adapter, `variance-wgpu.png`.
 
-use umbrage::{Choice, Geometry, ShadowTechnique, View, techniques::ShadowMap};
+use umbrage::{BackendChoice, Geometry, ShadowTechnique, View, techniques::ShadowMap};
 use umbrage_examples::variance::Variance;
 
 fn main() -> anyhow::Result<()> {
@@ -17,7 +17,7 @@ fn main() -> anyhow::Result<()> {
         least_variance: 1e-7,
     }
     .plan(&view)?;
-    for choice in [Choice::Cpu, Choice::Wgpu] {
+    for choice in [BackendChoice::Cpu, BackendChoice::Wgpu] {
         match umbrage::backend(choice) {
             Err(why) => println!("{choice}: {why}"),
             Ok(mut backend) => {

@@ -5,7 +5,7 @@ use glam::UVec2;
 use umbrage_core::{Backend, BackendError, Recipe, Shadows, Snapping, View};
 use umbrage_cpu::Cpu;
 use umbrage_lab::{
-    compare::{BackendChoice, Backends, Comparison, Options, SceneInput, compare},
+    compare::{Backends, Comparison, Options, SceneInput, compare},
     stability,
 };
 use umbrage_plan::truth::TruthOptions;
@@ -17,7 +17,7 @@ fn backends() -> Backends {
     let adapter = named().expect(
         "these tests are for an adapter by name: run `cargo xtask test`, or set WGPU_ADAPTER_NAME",
     );
-    Backends::open(BackendChoice::Both, &adapter).unwrap_or_else(|why| panic!("{why}"))
+    Backends::both(&adapter).unwrap_or_else(|why| panic!("{why}"))
 }
 
 /// Small enough for all of the suite to take seconds, and large enough for single pixels to weigh little in RMSE.

@@ -6,17 +6,11 @@ use crate::program::Program;
 use anyhow::{Context as _, Result};
 use std::{path::Path, time::Instant};
 use umbrage_core::{Scene, glam::UVec2};
-use umbrage_lab::{
-    bias::{Options, Staged, Summary, markdown, measure, staged, write},
-    compare::Backends,
-};
+use umbrage_lab::bias::{Options, Staged, Summary, markdown, measure, staged, write};
 
 /// Plays, prints a line a scene, then the table.
 pub(crate) fn bias(program: &Program, options: &BiasOptions) -> Result<()> {
-    let mut backends = Backends::open(
-        inputs::choice(options.backend),
-        &inputs::adapter(options.adapter.as_ref()),
-    )?;
+    let mut backends = inputs::open(options.backend, options.adapter.as_ref())?;
     backends.notices.iter().for_each(|line| println!("{line}"));
     backends
         .playing

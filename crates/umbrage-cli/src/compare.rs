@@ -30,10 +30,7 @@ pub(crate) fn compare(program: &Program, options: &CompareOptions) -> Result<()>
     let inputs = scenes(program, &options.scenes)?;
     let settings = settings(options)?;
     let places = places(inputs.len(), options.shard)?;
-    let mut backends = Backends::open(
-        inputs::choice(options.backend),
-        &inputs::adapter(options.adapter.as_ref()),
-    )?;
+    let mut backends = inputs::open(options.backend, options.adapter.as_ref())?;
     for line in backends
         .notices
         .iter()

@@ -3,17 +3,19 @@
 use crate::program::Program;
 use crate::{args::Backend, usage::Usage};
 use anyhow::Result;
-use umbrage_core::Scene;
-use umbrage_lab::compare::BackendChoice;
+use umbrage_core::{BackendError, Scene};
+use umbrage_lab::compare::Backends;
 use umbrage_scenes::SceneError;
 use umbrage_wgpu::AdapterChoice;
 
-pub(crate) fn choice(backend: Backend) -> BackendChoice {
+/// Opens backends, wgpu on the adapter named.
+pub(crate) fn open(backend: Backend, adapter: Option<&String>) -> Result<Backends, BackendError> {
+    let adapter = self::adapter(adapter);
     match backend {
-        Backend::Available => BackendChoice::Available,
-        Backend::Cpu => BackendChoice::Cpu,
-        Backend::Wgpu => BackendChoice::Wgpu,
-        Backend::Both => BackendChoice::Both,
+        Backend::Available => Backends::available(&adapter),
+        Backend::Cpu => Ok(Backends::cpu()),
+        Backend::Wgpu => Backends::wgpu(&adapter),
+        Backend::Both => Backends::both(&adapter),
     }
 }
 

@@ -7,7 +7,7 @@ use anyhow::{Result, bail};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
 use umbrage_core::Scene;
 use umbrage_lab::plan_files::write_regret;
-use umbrage_plan::{MAX_REGRET, MIN_KEPT, Options, Regret, regret as measure};
+use umbrage_plan::{MAX_REGRET, MIN_KEPT, Options, Regret, regret as measure, statistics::Sorted};
 
 /// One row a scene, light and bound; fails if too many bounds are broken, or a choice costs too much.
 pub(crate) fn regret(program: &Program, options: &PlanOptions) -> Result<()> {
@@ -116,19 +116,14 @@ fn table(all: &[Regret]) -> Table {
 fn verdict(all: &[Regret]) -> Result<()> {
     let count = all.len().max(1) as f64;
     let kept = all.iter().filter(|r| r.keeps()).count();
-    let mut ratios: Vec<f64> = all
+    let ratios: Vec<f64> = all
         .iter()
         .filter(|r| r.keeps())
         .filter_map(Regret::ratio)
         .collect();
-    ratios.sort_by(f64::total_cmp);
     let dear = ratios.iter().filter(|r| **r > MAX_REGRET).count();
-    let at = |share: f64| {
-        ratios
-            .get(((ratios.len() as f64 - 1.0) * share).round() as usize)
-            .copied()
-            .unwrap_or(1.0)
-    };
+    let ratios = Sorted::new(ratios);
+    let at = |share: f64| ratios.nearest(share).unwrap_or(1.0);
     let summary = format!(
         "{kept} of {} plans keep their bound on the whole image ({:.1} %); cost over the least: median {:.2}, \
          9 in 10 within {:.2}, greatest {:.2}; {dear} cost more than {MAX_REGRET} times the least",

@@ -11,7 +11,7 @@ use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_C
 use indicatif::{ProgressBar, ProgressStyle};
 use std::time::Instant;
 use umbrage_lab::{
-    compare::{BackendChoice, Backends},
+    compare::Backends,
     stability::{
         CaseResult, Cell, Event, Options, Stability, check_state, report, rows, run,
         sweeps::{self, Sweep},
@@ -25,7 +25,7 @@ pub(crate) fn stability(program: &Program, options: &StabilityOptions) -> Result
         return Ok(());
     }
     let settings = settings(program, options)?;
-    let open = || Backends::open(choice(options), &inputs::adapter(options.adapter.as_ref()));
+    let open = || inputs::open(backend(options), options.adapter.as_ref());
     let mut backends = open()?;
     backends.notices.iter().for_each(|line| println!("{line}"));
     backends
@@ -221,11 +221,11 @@ fn verdict(stability: &Stability) -> Result<()> {
 }
 
 /// A software driver is too slow for a first look.
-fn choice(options: &StabilityOptions) -> BackendChoice {
+fn backend(options: &StabilityOptions) -> Backend {
     let otherwise = if options.quick {
         Backend::Cpu
     } else {
         Backend::Available
     };
-    inputs::choice(options.backend.unwrap_or(otherwise))
+    options.backend.unwrap_or(otherwise)
 }

@@ -6,6 +6,7 @@ mod build;
 mod wide;
 
 pub use crate::{
+    Aabb,
     hit::{HIT, Segment, TWINS, segment_hits},
     slab::SLAB,
 };
@@ -51,7 +52,7 @@ impl Bvh {
                 narrow_order: Vec::new(),
             };
         }
-        let boxes = build::boxes_of(geometry, &ids);
+        let boxes = boxes_of(geometry, &ids);
         let (narrow, tree) = build::trees(&boxes);
         // Triangles in the order in which leaves name them: one indirection less a test.
         let order = &tree.primitive_indices;
@@ -256,7 +257,7 @@ impl Bvh {
     /// itself. None if nothing casts.
     pub fn obvhs_alone(geometry: &Geometry) -> Option<(CwBvh, Vec<u32>)> {
         let ids: Vec<u32> = geometry.casters().collect();
-        let boxes = build::boxes_of(geometry, &ids);
+        let boxes = boxes_of(geometry, &ids);
         let (narrow, _) = (!ids.is_empty()).then(|| build::trees(&boxes))?;
         let tree = build::eight_way(&narrow);
         let order = tree
@@ -276,5 +277,17 @@ fn is_outside((n, distance): (Vec3, f32), p: Vec3) -> bool {
 
 #[cfg(test)]
 mod order_tests;
+
+/// The boxes of triangles that the triangle test asks for (`hit.rs`).
+fn boxes_of(geometry: &Geometry, ids: &[u32]) -> Vec<Aabb> {
+    let padded = |&id: &u32| {
+        let [min, max] = Corners::new(geometry.corners(id))
+            .padded_box()
+            .map(Into::into);
+        Aabb { min, max }
+    };
+    ids.iter().map(padded).collect()
+}
+
 #[cfg(test)]
 mod tests;

@@ -28,6 +28,7 @@ mod material;
 pub mod math;
 pub mod metrics;
 pub mod picture;
+mod plan_error;
 mod receivers;
 mod recipe;
 mod relief;
@@ -40,6 +41,7 @@ mod snapping;
 mod subdivide;
 mod technique;
 mod twin;
+mod view;
 mod weld;
 mod work;
 
@@ -60,6 +62,7 @@ pub use light_marker::LightMarker;
 pub use light_space::{Extents, LightSpace};
 pub use material::{Displacement, MAX_SHININESS_LOG2, MAX_SUBDIVISIONS, Material, Texture};
 pub use math::MATH;
+pub use plan_error::PlanError;
 pub use receivers::{NO_TRIANGLE, Receivers, Span};
 pub use recipe::{
     Cast, CastMode, Cull, Faces, Filter, ImageId, Limits, RasterBias, Receive, Recipe, Shade,
@@ -70,7 +73,8 @@ pub use shader::{Module, UniformLayout, Uniforms, join};
 pub use simd::{Simd, SimdTask};
 pub use snapping::{DepthPlanes, Snapping};
 pub use subdivide::MAX_SUBDIVIDED_TRIANGLES;
-pub use technique::{PlanError, ShadowTechnique, View};
+pub use technique::ShadowTechnique;
 pub use twin::{Twin, Words};
+pub use view::View;
 pub use weld::Places;
 pub use work::{Asks, Work};

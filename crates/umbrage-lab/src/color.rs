@@ -1,7 +1,7 @@
 //! Colour pictures of scenes: Blinn-Phong with the light marked.
 
+use crate::{LabError, output::png::encode_rgb};
 use glam::UVec2;
-use image::ImageResult;
 use umbrage_core::{
     Fit, Geometry, Invalid, LightMarker, PlanError, Receivers, Recipe, Scene, ShadowTechnique,
     Shadows, View,
@@ -75,10 +75,8 @@ fn view<'a>(scene: &'a Scene, geometry: &'a Geometry) -> Result<View<'a>, Invali
 }
 
 /// A shaded picture as a PNG; none if the recipe didn't shade.
-pub(crate) fn png(size: UVec2, shadows: &Shadows) -> Option<ImageResult<Vec<u8>>> {
-    shadows
-        .picture_bytes()
-        .map(|rgb| crate::output::png::encode_rgb(size, &rgb))
+pub(crate) fn png(size: UVec2, shadows: &Shadows) -> Option<Result<Vec<u8>, LabError>> {
+    shadows.picture_bytes().map(|rgb| encode_rgb(size, &rgb))
 }
 
 /// At how many pixels two pictures differ by more than one step of 255 though their masks agree within one and they show the

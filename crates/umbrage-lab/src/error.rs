@@ -38,6 +38,19 @@ pub enum LabError {
     },
 }
 
+impl LabError {
+    /// A file that could not be written.
+    pub(crate) fn write(
+        path: impl Into<PathBuf>,
+        source: impl Into<Box<dyn std::error::Error + Send + Sync>>,
+    ) -> Self {
+        Self::Write {
+            path: path.into(),
+            source: std::io::Error::other(source),
+        }
+    }
+}
+
 impl From<MeasureError> for LabError {
     /// Keeps the kind of error where both have it.
     fn from(e: MeasureError) -> Self {

@@ -1,10 +1,16 @@
-//! The least that a scene needs: the cheapest technique and setting within bounds, found by measurement.
+//! Finds the cheapest shadow technique and setting that a scene needs, by measurement on the CPU.
+//!
+//! * [`truth`]: what every shadow should have been, with its own error bars.
+//! * [`cost`]: milliseconds by counting, the same on every run.
+//! * [`footprint`]: how much of their maps techniques use, and how fine these are on screen.
+//! * [`plan()`], [`Planner`]: the planner. [`regret()`]: its check against a sweep of all candidates.
+//! * [`pareto`]: the front of cost and error. [`statistics`]: quantiles.
 //!
 //! No rule says what is chosen. Some thousand seen receivers are sampled, more where visibility varies, and their truth is
 //! traced; candidates are then tried on these receivers alone, bit by bit as they would shade the image, from the cheapest
-//! up. What is about to be chosen is looked at again, where its own mask is suspect. What candidates cost comes from
-//! [`cost`](crate::cost), so that the same scene has the same plan on every run. Of each candidate the bias is searched that
-//! leaves the least acne plus gap.
+//! up. What is about to be chosen is verified by a second sample, drawn where its own mask is suspect. Costs are counted and
+//! priced, so that the same scene has the same plan on every run. Of each candidate the bias is searched that leaves the least
+//! acne plus gap.
 //!
 //! ```
 //! use umbrage_plan::{Bounds, Options, plan};
@@ -21,6 +27,7 @@ pub mod footprint;
 pub mod pareto;
 mod progress;
 mod search;
+pub mod statistics;
 pub mod truth;
 
 pub use error::MeasureError;

@@ -2,7 +2,7 @@
 //!
 //! This crate only gathers the others: one dependency, three ways to choose a backend.
 //!
-//! * by name or at run time: [`backend`] with a [`Choice`], as `Box<dyn Backend>`;
+//! * by name or at run time: [`backend`] with a [`BackendChoice`], as `Box<dyn Backend>`;
 //! * by type: `umbrage::cpu::Cpu` or `umbrage::wgpu::Gpu`, both [`Backend`]s, in functions generic over it;
 //! * at compile time: the features `cpu` and `wgpu`, both on by default.
 //!
@@ -12,13 +12,13 @@
 //! Programs with a device and an encoder of their own use `umbrage::wgpu::ShadowRenderer`.
 #![cfg_attr(all(feature = "cpu", feature = "scenes"), doc = "```")]
 #![cfg_attr(not(all(feature = "cpu", feature = "scenes")), doc = "```ignore")]
-//! use umbrage::{Choice, Geometry, ShadowTechnique, View, techniques::Pcf};
+//! use umbrage::{BackendChoice, Geometry, ShadowTechnique, View, techniques::Pcf};
 //!
 //! let scene = umbrage::scenes::by_argument("cubes")?;
 //! let geometry = Geometry::bake(&scene)?;
 //! let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
 //! let recipe = Pcf::default().plan(&view)?;
-//! let shadows = umbrage::backend(Choice::Cpu)?.render(&view, &recipe)?;
+//! let shadows = umbrage::backend(BackendChoice::Cpu)?.render(&view, &recipe)?;
 //! assert!(shadows.mask.iter().any(|&lit| lit < 1.0));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -43,11 +43,11 @@
 
 #[cfg(feature = "plan")]
 mod auto;
-mod choice;
+mod backend_choice;
 
 #[cfg(feature = "plan")]
 pub use auto::{AutoError, Budget, auto};
-pub use choice::{Choice, backend};
+pub use backend_choice::{BackendChoice, backend};
 pub use umbrage_core::*;
 pub use umbrage_techniques as techniques;
 

@@ -1,6 +1,6 @@
 //! Building hierarchies: `obvhs` finds their shape.
 
-use crate::{Aabb, Geometry, hit::Corners};
+use crate::Aabb;
 use glam::Vec3A;
 use obvhs::{
     BvhBuildParams, aabb,
@@ -31,17 +31,6 @@ pub(super) fn trees(boxes: &[Aabb]) -> (Bvh2, CwBvh) {
 /// A two-way tree's eight-way one, with leaves of up to three triangles.
 pub(super) fn eight_way(narrow: &Bvh2) -> CwBvh {
     bvh2_to_cwbvh(narrow, 3, true, false)
-}
-
-/// The boxes of triangles that the triangle test asks for (`hit.rs`).
-pub(super) fn boxes_of(geometry: &Geometry, ids: &[u32]) -> Vec<Aabb> {
-    let padded = |&id: &u32| {
-        let [min, max] = Corners::new(geometry.corners(id))
-            .padded_box()
-            .map(Into::into);
-        Aabb { min, max }
-    };
-    ids.iter().map(padded).collect()
 }
 
 /// The boxes, scaled by a power of two so that the builder's products neither overflow nor vanish.

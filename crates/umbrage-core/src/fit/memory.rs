@@ -1,6 +1,6 @@
 //! Fits that were found before.
 
-use super::Fit;
+use super::kind::Fit;
 use crate::{Layout, LightSpaces, PlanError};
 use std::sync::Mutex;
 

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 use std::time::Duration;
+use umbrage_plan::statistics::Sorted;
 
 /// What was measured of one of the two.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -79,20 +80,8 @@ fn milliseconds(d: Duration) -> f64 {
 impl Times {
     /// Of at least one value.
     fn of(values: impl Iterator<Item = f64>) -> Self {
-        let mut sorted: Vec<f64> = values.collect();
-        sorted.sort_by(f64::total_cmp);
-        let at = |share: f64| {
-            sorted
-                .get(((sorted.len() - 1) as f64 * share).round() as usize)
-                .copied()
-        };
-        let at = |share| {
-            if sorted.is_empty() {
-                f64::NAN
-            } else {
-                at(share).unwrap_or(f64::NAN)
-            }
-        };
+        let sorted = Sorted::new(values.collect());
+        let at = |share: f64| sorted.nearest(share).unwrap_or(f64::NAN);
         Self {
             min: at(0.0),
             median: at(0.5),

@@ -1,7 +1,10 @@
 //! The rows as files: a CSV of all, and a page that begins with what they come to.
 
 use super::BiasRow;
-use crate::{LabError, output::Folder};
+use crate::{
+    LabError,
+    output::{Folder, csv},
+};
 use std::{
     fmt::Write as _,
     path::{Path, PathBuf},
@@ -116,38 +119,34 @@ pub fn markdown(rows: &[BiasRow]) -> String {
 /// # Errors
 /// When they cannot be written.
 pub fn write(rows: &[BiasRow], folder: &Path) -> Result<PathBuf, LabError> {
-    let path = folder.join("bias.csv");
-    let fault = |source: std::io::Error| LabError::Write {
-        path: path.clone(),
-        source,
-    };
-    let table = csv(rows).map_err(|e| fault(e.into()))?;
     let out = Folder::create(folder)?;
-    out.write("bias.csv", &table)?;
+    out.write("bias.csv", &table(rows)?)?;
     out.write("bias.md", markdown(rows).as_bytes())?;
     Ok(folder.join("bias.md"))
 }
 
-fn csv(rows: &[BiasRow]) -> Result<Vec<u8>, csv::Error> {
-    let mut out = csv::Writer::from_writer(Vec::new());
-    out.write_record([
-        "scene",
-        "light",
-        "triangles",
-        "kernel",
-        "side",
-        "counted",
-        "backend",
-        "rmse",
-        "best",
-        "best_bias",
-        "textbook",
-        "plane",
-        "ratio",
-    ])?;
+const HEADER: [&str; 13] = [
+    "scene",
+    "light",
+    "triangles",
+    "kernel",
+    "side",
+    "counted",
+    "backend",
+    "rmse",
+    "best",
+    "best_bias",
+    "textbook",
+    "plane",
+    "ratio",
+];
+
+/// One line a row and backend.
+fn table(rows: &[BiasRow]) -> Result<Vec<u8>, LabError> {
+    let mut lines = Vec::new();
     for row in rows {
         for played in &row.played {
-            out.write_record([
+            lines.push([
                 row.scene.clone(),
                 row.light.clone(),
                 row.triangles.to_string(),
@@ -161,8 +160,8 @@ fn csv(rows: &[BiasRow]) -> Result<Vec<u8>, csv::Error> {
                 row.textbook.to_string(),
                 row.plane.to_string(),
                 row.ratio_of(played.rmse).to_string(),
-            ])?;
+            ]);
         }
     }
-    out.into_inner().map_err(|e| e.into_error().into())
+    csv::of_lines("bias.csv", &HEADER, lines)
 }

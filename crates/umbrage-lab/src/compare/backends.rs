@@ -1,56 +1,10 @@
 //! The backends that take part.
 
 use super::{Environment, Options};
-use std::{fmt, str::FromStr};
-use umbrage_core::{Backend, BackendError, Invalid};
+use std::fmt;
+use umbrage_core::{Backend, BackendError};
 use umbrage_cpu::Cpu;
 use umbrage_wgpu::{AdapterChoice, Gpu};
-
-/// Which backends take part.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum BackendChoice {
-    /// The CPU, and wgpu if there is an adapter that can play; else a notice says why not, and what to do.
-    #[default]
-    Available,
-    /// The CPU alone.
-    Cpu,
-    /// wgpu alone; an error without an adapter.
-    Wgpu,
-    /// Both; an error without an adapter.
-    Both,
-}
-
-impl FromStr for BackendChoice {
-    type Err = Invalid;
-
-    fn from_str(name: &str) -> Result<Self, Invalid> {
-        match name.to_ascii_lowercase().as_str() {
-            "available" | "auto" => Ok(Self::Available),
-            "cpu" => Ok(Self::Cpu),
-            "wgpu" | "gpu" => Ok(Self::Wgpu),
-            "both" => Ok(Self::Both),
-            _ => {
-                let why = format!("there is none called `{name}`");
-                Err(Invalid::new(
-                    "backend",
-                    why,
-                    "use available, cpu, wgpu or both",
-                ))
-            }
-        }
-    }
-}
-
-impl fmt::Display for BackendChoice {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Available => "available",
-            Self::Cpu => "cpu",
-            Self::Wgpu => "wgpu",
-            Self::Both => "both",
-        })
-    }
-}
 
 /// Backends, ready to play.
 pub struct Backends {
@@ -75,22 +29,38 @@ impl fmt::Debug for Backends {
 }
 
 impl Backends {
-    /// Opens the backends of a choice; `adapter` says which adapter wgpu is to use.
+    /// The CPU alone.
+    pub fn cpu() -> Self {
+        Self::of(vec![Box::new(Cpu::new())])
+    }
+
+    /// wgpu alone, on the adapter asked for.
     ///
     /// # Errors
-    /// When wgpu was asked for by name and there is no adapter that fits.
-    pub fn open(choice: BackendChoice, adapter: &AdapterChoice) -> Result<Self, BackendError> {
+    /// Errors if there is no adapter that fits.
+    pub fn wgpu(adapter: &AdapterChoice) -> Result<Self, BackendError> {
         let mut out = Self::of(Vec::new());
-        if choice != BackendChoice::Wgpu {
-            out.playing.push(Box::new(Cpu::new()));
-        }
-        if choice == BackendChoice::Cpu {
-            return Ok(out);
-        }
-        out.add(
-            Gpu::new(adapter),
-            choice == BackendChoice::Available && adapter.name.is_none(),
-        )?;
+        out.add(Gpu::new(adapter), false)?;
+        Ok(out)
+    }
+
+    /// The CPU and wgpu.
+    ///
+    /// # Errors
+    /// Errors if there is no adapter that fits.
+    pub fn both(adapter: &AdapterChoice) -> Result<Self, BackendError> {
+        let mut out = Self::cpu();
+        out.add(Gpu::new(adapter), false)?;
+        Ok(out)
+    }
+
+    /// The CPU, and wgpu if there is an adapter that can play; else a notice says why not, and what to do.
+    ///
+    /// # Errors
+    /// Errors if an adapter was asked for by name and does not fit.
+    pub fn available(adapter: &AdapterChoice) -> Result<Self, BackendError> {
+        let mut out = Self::cpu();
+        out.add(Gpu::new(adapter), adapter.name.is_none())?;
         Ok(out)
     }
 
@@ -151,6 +121,7 @@ impl Backends {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use umbrage_core::Invalid;
 
     /// An adapter that can't play is as good as none, whatever it can't do: asked for, it is an error; else the CPU goes on
     /// and says why.

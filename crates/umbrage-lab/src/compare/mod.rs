@@ -17,7 +17,7 @@ mod timing;
 mod yardstick;
 
 pub use agreement::agree;
-pub use backends::{BackendChoice, Backends};
+pub use backends::Backends;
 pub use event::{Event, OnEvent};
 pub use expected::{Expected, pilot};
 pub use options::{Options, Runs, SceneInput};

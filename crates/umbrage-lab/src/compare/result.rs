@@ -5,7 +5,7 @@ use umbrage_core::{
     Work,
     metrics::{Agreement, Causes, Errors},
 };
-use umbrage_plan::footprint::MapUse;
+use umbrage_plan::{footprint::MapUse, statistics::Sorted};
 
 /// Version of this data's shape; grows with every change that a reader would notice.
 pub const SCHEMA: u32 = 5;
@@ -312,25 +312,16 @@ pub struct Ranks {
 
 impl Ranks {
     /// Of some figures, linear between neighbours; none of no figures.
-    pub fn of(mut figures: Vec<f64>) -> Option<Self> {
-        figures.sort_by(f64::total_cmp);
-        let last = figures.len().checked_sub(1)?;
-        let at = |share: f64| {
-            let place = share * last as f64;
-            let (before, after) = (
-                figures[place.floor() as usize],
-                figures[place.ceil() as usize],
-            );
-            before + (after - before) * place.fract()
-        };
-        let [tenth, low, median, high, max] = [0.1, 0.25, 0.5, 0.75, 1.0].map(at);
+    pub fn of(figures: Vec<f64>) -> Option<Self> {
+        let runs = figures.len() as u32;
+        let sorted = Sorted::new(figures);
         Some(Self {
-            tenth,
-            low,
-            median,
-            high,
-            max,
-            runs: figures.len() as u32,
+            tenth: sorted.quantile(0.1)?,
+            low: sorted.quantile(0.25)?,
+            median: sorted.quantile(0.5)?,
+            high: sorted.quantile(0.75)?,
+            max: sorted.quantile(1.0)?,
+            runs,
         })
     }
 }
@@ -352,15 +343,14 @@ pub struct TimingStats {
 
 impl TimingStats {
     /// Of times in milliseconds; none of no times.
-    pub fn of(mut times: Vec<f64>) -> Option<Self> {
-        times.sort_by(f64::total_cmp);
-        let n = times.len();
-        let (min, max) = (*times.first()?, *times.last()?);
+    pub fn of(times: Vec<f64>) -> Option<Self> {
+        let runs = times.len() as u32;
+        let sorted = Sorted::new(times);
         Some(Self {
-            median: (times[(n - 1) / 2] + times[n / 2]) / 2.0,
-            min,
-            max,
-            runs: n as u32,
+            median: sorted.quantile(0.5)?,
+            min: sorted.quantile(0.0)?,
+            max: sorted.quantile(1.0)?,
+            runs,
         })
     }
 }

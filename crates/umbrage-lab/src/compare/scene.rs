@@ -4,7 +4,7 @@ use super::{
     Backends, Event, Measured, OnEvent, Options, Outcome, Row, SceneInput, SceneResult,
     TruthSummary, agreement::agree, control, seen::Seen, slug::Setting, timing::measure,
 };
-use crate::{LabError, color, output::png::picture};
+use crate::{LabError, color};
 use glam::UVec2;
 use std::sync::Arc;
 use umbrage_core::{
@@ -366,9 +366,7 @@ impl SceneRun<'_> {
             measured.color_differing = first
                 .as_ref()
                 .and_then(|first| color::differing(first, &shadows));
-            self.colors[row] = color::png(self.truth.size, &shadows)
-                .map(picture)
-                .transpose()?;
+            self.colors[row] = color::png(self.truth.size, &shadows).transpose()?;
             first.get_or_insert(shadows);
         }
         Ok(())

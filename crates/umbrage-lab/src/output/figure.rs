@@ -1,7 +1,7 @@
 //! Still charts: SVG that opens alone, and PNG, with linear or logarithmic axes, error bars, labels and a legend.
 //!
 //! ```
-//! use umbrage_lab::figure::{Figure, Marker, Point, Series};
+//! use umbrage_lab::output::figure::{Figure, Marker, Point, Series};
 //! let points = [(1.0, 0.5), (10.0, 0.05), (100.0, 0.004)].map(|(x, y)| Point::at(x, y));
 //! let series = Series::points("measured", "#3b82e0", Marker::Circle, points.to_vec());
 //! let figure = Figure::new("Error falls with time", "milliseconds", "RMSE").log(true, true).with(series);
@@ -247,11 +247,7 @@ impl Figure {
     /// When the renderer fails.
     pub fn png(&self) -> Result<Vec<u8>, LabError> {
         let (plots, layout) = self.plots();
-        let failed = |e: String| LabError::Write {
-            path: "figure".into(),
-            source: std::io::Error::other(e),
-        };
-        kuva::render_to_png(plots, layout, PNG_SCALE).map_err(failed)
+        kuva::render_to_png(plots, layout, PNG_SCALE).map_err(|e| LabError::write("figure", e))
     }
 
     fn plots(&self) -> (Vec<Plot>, Layout) {

@@ -1,6 +1,6 @@
 //! Heat maps of lookups.
 
-use super::png::{encode_rgb, picture};
+use super::png::encode_rgb;
 use crate::LabError;
 use umbrage_core::glam::{UVec2, Vec3};
 use umbrage_plan::footprint::Heat;
@@ -32,7 +32,7 @@ pub fn heat_map(heat: &Heat) -> Result<Vec<u8>, LabError> {
         .max(1);
     let whole = f64::from(most).ln().max(f64::MIN_POSITIVE);
     let bytes: Vec<u8> = heat.lookups.iter().flat_map(|&n| color(n, whole)).collect();
-    picture(encode_rgb(UVec2::from_array(heat.size), &bytes))
+    encode_rgb(UVec2::from_array(heat.size), &bytes)
 }
 
 fn color(lookups: u32, whole: f64) -> [u8; 3] {

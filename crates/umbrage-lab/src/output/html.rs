@@ -1,8 +1,10 @@
-//! What all pages have in common: one file that opens alone, with its style, its data and its scripts inside.
+//! What all pages and pictures of markup have in common: one file that opens alone, with its style, its data, its scripts and
+//! its pictures inside.
 
+use base64::{Engine, engine::general_purpose::STANDARD};
 use serde::Serialize;
 
-/// A page's own parts.
+/// A page that scripts fill.
 pub(crate) struct Page<'a> {
     pub(crate) title: &'a str,
     pub(crate) style: &'a str,
@@ -13,39 +15,56 @@ pub(crate) struct Page<'a> {
 }
 
 impl Page<'_> {
-    /// The whole page around its data.
+    /// Returns the whole page with its data inside.
     ///
     /// # Errors
-    /// When the data can't be written as JSON.
+    /// Errors if the data can't be written as JSON.
     pub(crate) fn html(&self, data: &impl Serialize) -> serde_json::Result<String> {
-        let Self {
-            title,
-            style,
-            body,
-            scripts,
-        } = self;
         let data = for_script(&serde_json::to_string(data)?);
-        let scripts: String = scripts
+        let scripts: String = self
+            .scripts
             .iter()
             .map(|script| format!("<script>{script}</script>\n"))
             .collect();
-        Ok(format!(
-            r#"<!doctype html>
+        let body = format!(
+            "{}<script type=\"application/json\" id=\"data\">{data}</script>\n{scripts}",
+            self.body
+        );
+        Ok(document(self.title, self.style, &body))
+    }
+}
+
+/// Returns a page of a title (plain text), a style sheet and a body (markup that ends with a line's end).
+pub(crate) fn document(title: &str, style: &str, body: &str) -> String {
+    let title = escape(title);
+    format!(
+        r#"<!doctype html>
 <html lang="en">
 <head>
 <meta charset="utf-8">
 <meta name="viewport" content="width=device-width, initial-scale=1">
-<meta name="color-scheme" content="light dark">
 <title>{title}</title>
 <style>{style}</style>
 </head>
 <body>
-{body}<script type="application/json" id="data">{data}</script>
-{scripts}</body>
+{body}</body>
 </html>
 "#
-        ))
-    }
+    )
+}
+
+/// Returns plain text as markup, for elements and quoted attributes of HTML and SVG, and for the texts of plotly.js. Quotes are
+/// escaped by number, since plotly.js knows few names.
+pub(crate) fn escape(text: &str) -> String {
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+        .replace('"', "&#34;")
+}
+
+/// Returns a file as the address of itself. `media_type`: `image/png`, say.
+pub(crate) fn data_uri(media_type: &str, bytes: &[u8]) -> String {
+    format!("data:{media_type};base64,{}", STANDARD.encode(bytes))
 }
 
 /// JSON that no script element ends within: `<` is written as an escape.
@@ -58,6 +77,14 @@ fn for_script(json: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn text_is_no_markup() {
+        assert_eq!(
+            escape("<b title=\"a & b\">"),
+            "&lt;b title=&#34;a &amp; b&#34;&gt;"
+        );
+    }
 
     #[test]
     fn data_cannot_end_its_element_and_comes_back() {

@@ -1,5 +1,6 @@
 //! What all parts of the lab write with. It knows none of them.
 
+pub(crate) mod csv;
 pub mod figure;
 pub(crate) mod folder;
 mod heat;

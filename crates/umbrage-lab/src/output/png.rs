@@ -2,7 +2,7 @@
 
 use crate::LabError;
 use glam::{UVec2, Vec3};
-use image::{ExtendedColorType, ImageEncoder, ImageResult, codecs::png};
+use image::{ExtendedColorType, ImageEncoder, codecs::png};
 use umbrage_core::metrics::{Cause, Pixel};
 use umbrage_plan::truth::Truth;
 
@@ -20,7 +20,7 @@ const EMPTY: Vec3 = Vec3::new(0.80, 0.84, 0.89);
 ///
 /// # Errors
 /// When the encoder fails.
-pub fn mask(size: UVec2, mask: &[f32], pixels: &[Pixel]) -> ImageResult<Vec<u8>> {
+pub fn mask(size: UVec2, mask: &[f32], pixels: &[Pixel]) -> Result<Vec<u8>, LabError> {
     encode(size, mask_colors(mask, pixels).into_iter())
 }
 
@@ -40,7 +40,12 @@ pub(crate) fn mask_colors(mask: &[f32], pixels: &[Pixel]) -> Vec<Vec3> {
 ///
 /// # Errors
 /// When the encoder fails.
-pub fn error(size: UVec2, mask: &[f32], truth: &[f32], pixels: &[Pixel]) -> ImageResult<Vec<u8>> {
+pub fn error(
+    size: UVec2,
+    mask: &[f32],
+    truth: &[f32],
+    pixels: &[Pixel],
+) -> Result<Vec<u8>, LabError> {
     encode(size, error_colors(mask, truth, pixels).into_iter())
 }
 
@@ -72,7 +77,7 @@ pub(crate) fn error_colors(mask: &[f32], truth: &[f32], pixels: &[Pixel]) -> Vec
 ///
 /// # Errors
 /// When the encoder fails.
-pub fn causes(truth: &Truth, causes: &[Option<Cause>]) -> ImageResult<Vec<u8>> {
+pub fn causes(truth: &Truth, causes: &[Option<Cause>]) -> Result<Vec<u8>, LabError> {
     let color = |i: usize| match (truth.pixels[i], causes[i]) {
         (Pixel::Empty, _) => EMPTY,
         (Pixel::Unlit, _) => Vec3::splat(0.70),
@@ -93,30 +98,24 @@ fn hue(cause: Cause) -> Vec3 {
 }
 
 /// A PNG of colours, rows from the top.
-pub(crate) fn encode(size: UVec2, colors: impl Iterator<Item = Vec3>) -> ImageResult<Vec<u8>> {
+pub(crate) fn encode(size: UVec2, colors: impl Iterator<Item = Vec3>) -> Result<Vec<u8>, LabError> {
     let byte = |v: f32| (v.clamp(0.0, 1.0) * 255.0).round() as u8;
     let texels: Vec<u8> = colors.flat_map(|c| c.to_array().map(byte)).collect();
     encode_rgb(size, &texels)
 }
 
 /// A PNG of three bytes a pixel.
-pub(crate) fn encode_rgb(size: UVec2, texels: &[u8]) -> ImageResult<Vec<u8>> {
+pub(crate) fn encode_rgb(size: UVec2, texels: &[u8]) -> Result<Vec<u8>, LabError> {
     let mut bytes = Vec::new();
     let encoder = png::PngEncoder::new_with_quality(
         &mut bytes,
         png::CompressionType::Default,
         png::FilterType::Adaptive,
     );
-    encoder.write_image(texels, size.x, size.y, ExtendedColorType::Rgb8)?;
+    encoder
+        .write_image(texels, size.x, size.y, ExtendedColorType::Rgb8)
+        .map_err(|e| LabError::write("picture", e))?;
     Ok(bytes)
-}
-
-/// An encoded picture, or the encoder's error as one of writing.
-pub(crate) fn picture(encoded: image::ImageResult<Vec<u8>>) -> Result<Vec<u8>, LabError> {
-    encoded.map_err(|e| LabError::Write {
-        path: "picture".into(),
-        source: std::io::Error::other(e),
-    })
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ pub use regret_table::{RegretLine, write_regret};
 
 use crate::{
     LabError,
-    output::{Folder, slug},
+    output::{Folder, csv, slug},
 };
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -63,11 +63,13 @@ fn texts(plan: &Plan) -> Result<[Text; 4], LabError> {
         .as_ref()
         .map(|chosen| chosen.preset.to_toml())
         .transpose()?;
-    let json = serde_json::to_string_pretty(plan).map_err(|e| failed("plan", e))?;
-    let curve = (!plan.curve.is_empty())
-        .then(|| curve(&plan.curve))
-        .transpose()
-        .map_err(|e| failed("bias curve", e))?;
+    let json = serde_json::to_string_pretty(plan).map_err(|e| LabError::write("plan", e))?;
+    let curve = if plan.curve.is_empty() {
+        None
+    } else {
+        let table = csv::of_records("bias curve", plan.curve.iter().map(CurveLine::from))?;
+        Some(String::from_utf8_lossy(&table).into_owned())
+    };
     let chart = curve_figure(plan).map(|figure| figure.svg());
     Ok([
         ("preset", ".preset.toml", preset),
@@ -75,13 +77,6 @@ fn texts(plan: &Plan) -> Result<[Text; 4], LabError> {
         ("bias curve", ".bias.csv", curve),
         ("bias chart", ".bias.svg", chart),
     ])
-}
-
-fn failed(what: &str, e: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> LabError {
-    LabError::Write {
-        path: what.into(),
-        source: std::io::Error::other(e),
-    }
 }
 
 /// A line of the bias curve: acne falls with the bias, the gap grows.
@@ -95,29 +90,17 @@ struct CurveLine {
     chosen: bool,
 }
 
-fn curve(points: &[CurvePoint]) -> Result<String, csv::Error> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    for p in points {
-        let CurvePoint {
-            texels,
-            chosen,
-            estimate: e,
-            ..
-        } = *p;
-        let (too_dark, too_light) = (e.too_dark, e.too_light);
-        writer.serialize(CurveLine {
-            kind: p.kind.name(),
-            texels,
-            too_dark,
-            too_light,
-            error: e.error,
-            chosen,
-        })?;
+impl From<&CurvePoint> for CurveLine {
+    fn from(point: &CurvePoint) -> Self {
+        Self {
+            kind: point.kind.name(),
+            texels: point.texels,
+            too_dark: point.estimate.too_dark,
+            too_light: point.estimate.too_light,
+            error: point.estimate.error,
+            chosen: point.chosen,
+        }
     }
-    let bytes = writer
-        .into_inner()
-        .map_err(csv::IntoInnerError::into_error)?;
-    Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
 #[cfg(test)]

@@ -1,6 +1,9 @@
 //! Plans against sweeps as a table on disk.
 
-use crate::{LabError, output::Folder};
+use crate::{
+    LabError,
+    output::{Folder, csv},
+};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use umbrage_plan::Regret;
@@ -72,24 +75,12 @@ impl From<&Regret> for RegretLine {
 /// # Errors
 /// When it cannot be written.
 pub fn write_regret(all: &[Regret], folder: &Path) -> Result<PathBuf, LabError> {
-    let path = folder.join(FILE);
-    let bytes = csv(all).map_err(|e| LabError::Write {
-        path: path.clone(),
-        source: e.into(),
-    })?;
-    Folder::create(folder)?.write(FILE, &bytes)?;
-    Ok(path)
+    let table = csv::of_records(FILE, all.iter().map(RegretLine::from))?;
+    Folder::create(folder)?.write(FILE, &table)?;
+    Ok(folder.join(FILE))
 }
 
 const FILE: &str = "regret.csv";
-
-fn csv(all: &[Regret]) -> Result<Vec<u8>, csv::Error> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    for regret in all {
-        writer.serialize(RegretLine::from(regret))?;
-    }
-    writer.into_inner().map_err(|e| e.into_error().into())
-}
 
 #[cfg(test)]
 mod tests {
@@ -133,7 +124,7 @@ mod tests {
         };
         let dir = tempfile::tempdir().expect("a temporary folder");
         let path = write_regret(&[found.clone(), nothing.clone()], dir.path()).expect("writable");
-        let mut reader = csv::Reader::from_path(path).expect("there");
+        let mut reader = ::csv::Reader::from_path(path).expect("there");
         let lines: Vec<RegretLine> = reader.deserialize().map(|l| l.expect("a line")).collect();
         assert_eq!(
             lines,

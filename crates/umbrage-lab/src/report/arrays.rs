@@ -18,12 +18,8 @@ pub(super) fn write(
 ) -> Result<(), LabError> {
     let truth = &images.truth;
     let put = |name: &str, values: &dyn Fn(usize) -> f32| -> Result<(), LabError> {
-        let bytes = npy(truth.size, &masked(&truth.receivers, values)).map_err(|source| {
-            LabError::Write {
-                path: name.into(),
-                source,
-            }
-        })?;
+        let bytes = npy(truth.size, &masked(&truth.receivers, values))
+            .map_err(|e| LabError::write(name, e))?;
         folder.write(name, &bytes)
     };
     put("truth.npy", &|i| truth.visibility[i])?;

@@ -9,8 +9,8 @@ use super::{
 };
 use crate::{
     LabError,
-    compare::{Comparison, CostBasis, Environment, Relative, SCHEMA, relative},
-    output::Folder,
+    compare::{Comparison, CostBasis, Environment, Relative, SCHEMA, TimingStats, relative},
+    output::{Folder, csv},
 };
 use std::{
     fs,
@@ -24,12 +24,9 @@ pub(super) fn write(
     scenes: &[Stored],
 ) -> Result<(Comparison, PathBuf), LabError> {
     let comparison = comparison(scenes);
-    let broken = |what: &str, e: &dyn std::fmt::Display| LabError::Write {
-        path: path.join(what),
-        source: std::io::Error::other(e.to_string()),
-    };
-    let csv = to_csv(&lines(&comparison)).map_err(|e| broken("rows.csv", &e))?;
-    let json = serde_json::to_vec_pretty(&comparison).map_err(|e| broken("results.json", &e))?;
+    let rows = to_csv(&lines(&comparison))?;
+    let json = serde_json::to_vec_pretty(&comparison)
+        .map_err(|e| LabError::write(path.join("results.json"), e))?;
     let all = relative(&comparison);
     let mut images = ImageStore::default();
     let pages = scenes
@@ -38,13 +35,10 @@ pub(super) fn write(
         .map(|(i, s)| scene_page(path, i, s, &mut images))
         .collect::<Vec<_>>();
     let overall = charts(|clock| chart::relative_dots(&all, clock));
-    let page =
-        page::html(&comparison, &pages, &overall, &images).map_err(|e| broken("index.html", &e))?;
-    folder.write("rows.csv", &csv)?;
-    folder.write(
-        "overall.csv",
-        &overall_csv(&all).map_err(|e| broken("overall.csv", &e))?,
-    )?;
+    let page = page::html(&comparison, &pages, &overall, &images)
+        .map_err(|e| LabError::write(path.join("index.html"), e))?;
+    folder.write("rows.csv", &rows)?;
+    folder.write("overall.csv", &overall_csv(&all)?)?;
     folder.write("results.json", &json)?;
     for (name, clock) in [("time", CostBasis::Wall), ("cost", CostBasis::Cost)] {
         let dots = chart::relative_dots(&all, clock);
@@ -150,41 +144,37 @@ fn charts(dots: impl Fn(CostBasis) -> Vec<chart::Dot>) -> Charts {
     }
 }
 
-fn overall_csv(all: &[Relative]) -> Result<Vec<u8>, csv::Error> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record([
-        "technique",
-        "settings",
-        "backend",
-        "error",
-        "time",
-        "time_least",
-        "time_greatest",
-        "cost",
-        "served",
-        "scenes",
-    ])?;
-    for r in all {
-        let time = |of: fn(&crate::compare::TimingStats) -> f64| {
+const OVERALL_HEADER: [&str; 10] = [
+    "technique",
+    "settings",
+    "backend",
+    "error",
+    "time",
+    "time_least",
+    "time_greatest",
+    "cost",
+    "served",
+    "scenes",
+];
+
+/// One line a setting and backend.
+fn overall_csv(all: &[Relative]) -> Result<Vec<u8>, LabError> {
+    let lines = all.iter().map(|r| {
+        let time = |of: fn(&TimingStats) -> f64| {
             r.time.as_ref().map_or(String::new(), |t| of(t).to_string())
         };
-        let figures = [
+        [
+            r.technique.clone(),
+            r.settings.clone(),
+            r.backend.clone(),
             r.error.to_string(),
             time(|t| t.median),
             time(|t| t.min),
             time(|t| t.max),
-        ];
-        let counts = [
             r.cost.to_string(),
             r.served.to_string(),
             r.scenes.to_string(),
-        ];
-        writer.write_record(
-            [&r.technique, &r.settings, &r.backend]
-                .into_iter()
-                .chain(&figures)
-                .chain(&counts),
-        )?;
-    }
-    writer.into_inner().map_err(|e| e.into_error().into())
+        ]
+    });
+    csv::of_lines("overall.csv", &OVERALL_HEADER, lines)
 }

@@ -9,7 +9,7 @@ use crate::{
         CostBasis, MIN_ERROR as MIN_RELATIVE_ERROR, Measured, Relative, Row, SceneResult,
         TimingStats,
     },
-    output::figure::Marker as Shape,
+    output::{figure::Marker as Shape, html::escape},
 };
 use plotly::{
     Plot, Scatter,
@@ -116,9 +116,9 @@ fn relative_dot(place: usize, r: &Relative, clock: CostBasis) -> Option<Dot> {
         on_front: false,
         hover: format!(
             "<b>{}</b> on {}<br>{}<br>error {:.3} of no shadow's, time {:.2} of hard's<br>serves {} of {} scenes",
-            text(&r.technique),
-            text(&r.backend),
-            text(&r.settings),
+            escape(&r.technique),
+            escape(&r.backend),
+            escape(&r.settings),
             r.error,
             x,
             r.served,
@@ -153,7 +153,7 @@ pub(super) fn traces(dots: &[Dot]) -> serde_json::Value {
             let in_legend = best.is_empty();
             for (dots, bright) in [(best, true), (beaten, false)] {
                 if !dots.is_empty() {
-                    let name = format!("{}, {}", text(technique), text(backend));
+                    let name = format!("{}, {}", escape(technique), escape(backend));
                     plot.add_trace(points(
                         &dots,
                         name,
@@ -184,7 +184,7 @@ fn front_line(dots: &[&Dot], backend: &str, b: usize) -> Box<dyn plotly::Trace> 
     let (x, y) = front.iter().map(|p| (p[0], p[1])).unzip();
     Scatter::new(x, y)
         .mode(Mode::Lines)
-        .name(format!("Pareto front, {}", text(backend)))
+        .name(format!("Pareto front, {}", escape(backend)))
         .hover_info(HoverInfo::Skip)
         .line(Line::new().color(color(b)).width(1.5).dash(DashType::Dot))
 }
@@ -249,9 +249,9 @@ fn hover(row: &Row, m: &Measured) -> Option<String> {
     Some(format!(
         "<b>{}</b> on {}<br>{}<br>RMSE {:.5}, mean {:.5}<br>false shadow {:.2} %, false light {:.2} %, acne {:.2} %{times}\
          <br>cost {:.3} ms, {:.2} MB{maps}",
-        text(&row.technique),
-        text(&row.backend),
-        text(&row.settings),
+        escape(&row.technique),
+        escape(&row.backend),
+        escape(&row.settings),
         e.rmse,
         e.mean,
         e.false_shadow,
@@ -260,12 +260,4 @@ fn hover(row: &Row, m: &Measured) -> Option<String> {
         m.cost_ms,
         m.bytes as f64 / 1e6,
     ))
-}
-
-/// plotly.js reads its texts as a small markup: names must not be read so.
-fn text(plain: &str) -> String {
-    plain
-        .replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
 }

@@ -35,10 +35,7 @@ pub use table::{Line, lines, to_csv};
 use crate::{
     LabError,
     compare::{Comparison, Environment, FEW_SCENES, SceneImages, SceneResult},
-    output::{
-        Folder, heat_map,
-        png::{self, picture},
-    },
+    output::{Folder, heat_map, png},
 };
 use rayon::prelude::*;
 use run::Run;
@@ -128,7 +125,7 @@ impl Report {
         let truth = &images.truth;
         folder.write(
             "truth.png",
-            &picture(png::mask(truth.size, &truth.visibility, &truth.pixels))?,
+            &png::mask(truth.size, &truth.visibility, &truth.pixels)?,
         )?;
         let chosen = chosen::rows(result);
         let all = self.run.plan.scenes.len() <= FEW_SCENES;
@@ -194,14 +191,9 @@ fn row_pictures(
     let stem = result.rows[row].stem();
     folder.write(
         &format!("{stem}.png"),
-        &picture(png::mask(truth.size, mask, &truth.pixels))?,
+        &png::mask(truth.size, mask, &truth.pixels)?,
     )?;
-    let error = picture(png::error(
-        truth.size,
-        mask,
-        &truth.visibility,
-        &truth.pixels,
-    ))?;
+    let error = png::error(truth.size, mask, &truth.visibility, &truth.pixels)?;
     folder.write(&format!("{stem}.error.png"), &error)?;
     images.colors[row].as_ref().map_or(Ok(()), |png| {
         folder.write(&format!("{stem}.color.png"), png)

@@ -1,7 +1,9 @@
 //! The page itself: elements, a style sheet, a script, and one block of data.
 
-use crate::{compare::Comparison, output::html::Page};
-use base64::{Engine, engine::general_purpose::STANDARD};
+use crate::{
+    compare::Comparison,
+    output::html::{Page, data_uri},
+};
 use serde::Serialize;
 use std::collections::HashMap;
 
@@ -32,8 +34,7 @@ impl ImageStore {
             return id;
         }
         let id = self.uris.len();
-        self.uris
-            .push(format!("data:image/png;base64,{}", STANDARD.encode(png)));
+        self.uris.push(data_uri("image/png", png));
         self.ids.insert(png.to_vec(), id);
         id
     }

@@ -30,11 +30,10 @@ fn holds_scenes(folder: &Path) -> bool {
 
 impl Run {
     pub(super) fn write(&self, folder: &Folder) -> Result<(), LabError> {
-        let broken = |e: serde_json::Error| LabError::Write {
-            path: FILE.into(),
-            source: e.into(),
-        };
-        folder.write(FILE, &serde_json::to_vec_pretty(self).map_err(broken)?)
+        folder.write(
+            FILE,
+            &serde_json::to_vec_pretty(self).map_err(|e| LabError::write(FILE, e))?,
+        )
     }
 
     pub(super) fn read(folder: &Path) -> Result<Self, Invalid> {

@@ -105,11 +105,7 @@ impl Stored {
     }
 
     pub(super) fn write(&self, folder: &Folder) -> Result<(), LabError> {
-        let broken = |e: serde_json::Error| LabError::Write {
-            path: FILE.into(),
-            source: e.into(),
-        };
-        let text = serde_json::to_string_pretty(self).map_err(broken)?;
+        let text = serde_json::to_string_pretty(self).map_err(|e| LabError::write(FILE, e))?;
         let rest = text.strip_prefix("{\n").unwrap_or(&text);
         folder.write(
             FILE,

@@ -1,6 +1,7 @@
 //! `rows.csv`: one line a row, all figures.
 
 use crate::compare::{Comparison, Row, SceneResult, TimingStats};
+use crate::{LabError, output::csv};
 use serde::{Deserialize, Serialize};
 
 /// A line of `rows.csv`. Times are medians in milliseconds; shares are percent; empty fields were not measured, errors among
@@ -172,16 +173,12 @@ fn line(scene: &SceneResult, row: &Row) -> Line {
     }
 }
 
-/// The lines as comma-separated values with a header.
+/// Returns the lines as comma-separated values with a header.
 ///
 /// # Errors
 /// Never in practice: memory takes any text.
-pub fn to_csv(lines: &[Line]) -> Result<Vec<u8>, csv::Error> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    for line in lines {
-        writer.serialize(line)?;
-    }
-    writer.into_inner().map_err(|e| e.into_error().into())
+pub fn to_csv(lines: &[Line]) -> Result<Vec<u8>, LabError> {
+    csv::of_records("rows.csv", lines)
 }
 
 #[cfg(test)]
@@ -205,7 +202,7 @@ mod tests {
             },
         ];
         let bytes = to_csv(&lines).expect("memory");
-        let read: Vec<Line> = csv::Reader::from_reader(&bytes[..])
+        let read: Vec<Line> = ::csv::Reader::from_reader(&bytes[..])
             .deserialize()
             .map(|l| l.expect("a line"))
             .collect();

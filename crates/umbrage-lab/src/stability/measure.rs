@@ -3,7 +3,7 @@
 use super::{
     Limits,
     case_truth::CaseTruth,
-    measures::{edge, gap, gap::Contact, open, penumbra, seams},
+    measures::{cube_seams, edge, gap, gap::Contact, open, penumbra},
 };
 use glam::Vec3;
 use umbrage_core::metrics::Errors;
@@ -29,7 +29,7 @@ pub enum Measure {
     LeakAround(&'static [Vec3], f32),
     /// [`edge::displacement`].
     EdgeDisplacement,
-    /// [`seams::wrong_within`] two texels of a cube's seams.
+    /// [`cube_seams::wrong_within`] two texels of a cube's seams.
     Seams,
     /// [`penumbra::rmse`].
     PenumbraRmse,
@@ -166,7 +166,7 @@ impl Measure {
                 edge::displacement(case_truth.truth.size, mask, truth, &case_truth.truth.pixels)
             }
             Self::Seams => {
-                seams::wrong_within(mask, truth, |i| counts(i) && on_seam(case_truth, i))
+                cube_seams::wrong_within(mask, truth, |i| counts(i) && on_seam(case_truth, i))
             }
             Self::PenumbraRmse => penumbra::rmse(mask, truth, counts),
             Self::PenumbraWidth => {
@@ -240,7 +240,7 @@ pub(super) fn rmse(case_truth: &CaseTruth, mask: &[f32]) -> f64 {
 fn on_seam(case_truth: &CaseTruth, i: usize) -> bool {
     let at = |light: &umbrage_core::Light| light.position();
     let from = case_truth.lights.first().and_then(at).unwrap_or_default();
-    seams::on_seam(
+    cube_seams::on_seam(
         case_truth.truth.receivers.position(i) - from,
         case_truth.map_size,
         SEAM_TEXELS,

@@ -1,10 +1,7 @@
 //! Pictures of cells: truth, mask and error side by side, or frames.
 
 use super::case_truth::CaseTruth;
-use crate::{
-    LabError,
-    output::png::{self, picture},
-};
+use crate::{LabError, output::png};
 use glam::{UVec2, Vec3};
 
 /// Pixels between two pictures.
@@ -68,8 +65,5 @@ fn row(size: UVec2, parts: &[Vec<Vec3>]) -> Result<Vec<u8>, LabError> {
             colors[start..start + w].copy_from_slice(&part[y * w..][..w]);
         }
     }
-    picture(png::encode(
-        UVec2::new(whole as u32, size.y),
-        colors.into_iter(),
-    ))
+    png::encode(UVec2::new(whole as u32, size.y), colors.into_iter())
 }

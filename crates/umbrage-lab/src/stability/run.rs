@@ -155,7 +155,7 @@ pub fn run(
         });
         // Neighbours in the list often share a scene; its truth is traced once.
         let case_truth = match last.take() {
-            Some((before, case_truth)) if is_same_ground(before, case) => case_truth,
+            Some((before, case_truth)) if has_same_truth(before, case) => case_truth,
             _ => case_truth(case, case.scene, options)?,
         };
         let result = play_case(row, case, &case_truth, options, backends)?;
@@ -167,7 +167,7 @@ pub fn run(
     Ok(out)
 }
 
-fn is_same_ground(a: &Case, b: &Case) -> bool {
+fn has_same_truth(a: &Case, b: &Case) -> bool {
     let widens = |c: &Case| c.motion == Motion::Widening;
     a.scene == b.scene && a.lights == b.lights && widens(a) == widens(b)
 }

@@ -1,7 +1,7 @@
 //! All effects on one page that needs no other file.
 
 use super::{Effect, Played, Preset, Side};
-use base64::{Engine, engine::general_purpose::STANDARD};
+use crate::output::html::{data_uri, document, escape};
 use std::fmt::Write;
 
 const STYLE: &str = "\
@@ -16,34 +16,35 @@ td, th { padding: 0 1rem 0 0; text-align: left; font-weight: normal; } th { colo
 .better { color: #0a6b2d; } small { color: #5b6b7c; } .worse { border-left: 3px solid #d9a441; padding-left: .8rem; }
 @media (max-width: 50rem) { .pair { grid-template-columns: 1fr; } }";
 
+const TITLE: &str = "The textbooks' shadow effects";
+
 /// The page. `backends` are their full names.
 pub fn html(rows: &[(&Effect, Played)], backends: &[String]) -> String {
-    let mut page = format!(
-        "<!doctype html>\n<html lang=en><meta charset=utf-8><meta name=viewport content=\"width=device-width\">\n\
-         <title>The textbooks' shadow effects</title>\n<style>{STYLE}</style>\n<h1>The textbooks' shadow effects</h1>\n\
+    let mut body = format!(
+        "<h1>{TITLE}</h1>\n\
          <p>Left the fault, right the cure; beside each picture its error against ray-traced truth: blue is false shadow, \
          orange false light, grey faces away from the light. Played by {}.</p>\n",
-        escaped(&backends.join(" and "))
+        escape(&backends.join(" and "))
     );
     for (effect, played) in rows {
-        page += &section(effect, played);
+        body += &section(effect, played);
     }
-    page + "</html>\n"
+    document(TITLE, STYLE, &body)
 }
 
 fn section(effect: &Effect, Played { fault, cure }: &Played) -> String {
     let head = format!(
         "<section id=\"{}\">\n<h2>{}</h2>\n<p>{}</p>\n",
         effect.name,
-        escaped(effect.title),
-        escaped(effect.text)
+        escape(effect.title),
+        escape(effect.text)
     );
     let (left, right) = (
         figure(&effect.fault, fault, None),
         figure(&effect.cure, cure, Some(fault)),
     );
     let worse = effect.worse.map_or_else(String::new, |why| {
-        format!("<p class=worse>{}</p>\n", escaped(why))
+        format!("<p class=worse>{}</p>\n", escape(why))
     });
     format!("{head}<div class=pair>\n{left}{right}</div>\n{worse}</section>\n")
 }
@@ -75,9 +76,9 @@ fn figure(preset: &Preset, side: &Side, than: Option<&Side>) -> String {
     format!(
         "<figure><figcaption>{} <small>{}: {}</small></figcaption>\n<div class=pictures>{}{}</div>\n\
          <table><tr><th>backend<th>mean error<th>false shadow<th>false light</tr>\n{rows}</table>{differing}</figure>\n",
-        escaped(label),
+        escape(label),
         technique.name(),
-        escaped(&technique.settings()),
+        escape(&technique.settings()),
         picture(&side.picture, &format!("{label}: picture")),
         picture(&side.error, &format!("{label}: error"))
     )
@@ -85,14 +86,8 @@ fn figure(preset: &Preset, side: &Side, than: Option<&Side>) -> String {
 
 fn picture(png: &[u8], alt: &str) -> String {
     format!(
-        "<img alt=\"{}\" src=\"data:image/png;base64,{}\">",
-        escaped(alt),
-        STANDARD.encode(png)
+        "<img alt=\"{}\" src=\"{}\">",
+        escape(alt),
+        data_uri("image/png", png)
     )
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('"', "&quot;")
 }

@@ -1,10 +1,7 @@
 //! Measuring and picturing an effect.
 
 use super::{Effect, Preset};
-use crate::{
-    LabError, color,
-    output::png::{self, picture},
-};
+use crate::{LabError, color, output::png};
 use glam::UVec2;
 use umbrage_core::{
     Backend, Invalid, PlanError, Shadows,
@@ -99,13 +96,8 @@ fn side(preset: &Preset, backends: &mut [Box<dyn Backend>]) -> Result<Side, LabE
     let color = color::png(truth.size, first).ok_or_else(|| fault("gave no picture".to_owned()))?;
     Ok(Side {
         size: truth.size,
-        picture: picture(color)?,
-        error: picture(png::error(
-            truth.size,
-            &first.mask,
-            &truth.visibility,
-            &truth.pixels,
-        ))?,
+        picture: color?,
+        error: png::error(truth.size, &first.mask, &truth.visibility, &truth.pixels)?,
         errors,
         differing: differing(&played, &truth.pixels),
     })

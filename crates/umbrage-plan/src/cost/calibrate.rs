@@ -1,7 +1,7 @@
 //! Measuring the prices.
 
 use super::{CostModel, counts, least_squares::solve};
-use crate::MeasureError;
+use crate::{MeasureError, statistics::Sorted};
 use glam::UVec2;
 use std::sync::Arc;
 use umbrage_core::{
@@ -117,15 +117,9 @@ pub fn fit(samples: Vec<Sample>) -> Calibration {
         let ratio = model.milliseconds(&s.work) / s.milliseconds.max(1e-6);
         ratio.max(1.0 / ratio.max(1e-9))
     };
-    let mut factors: Vec<f64> = samples.iter().map(factor).collect();
-    factors.sort_by(f64::total_cmp);
-    let at = |share: f64| {
-        factors
-            .get((factors.len() as f64 * share) as usize)
-            .copied()
-            .unwrap_or(1.0)
-    };
-    let (typical_factor, factor_of_nine_in_ten) = (at(0.5), at(0.9));
+    let factors = Sorted::new(samples.iter().map(factor).collect());
+    let typical_factor = factors.quantile(0.5).unwrap_or(1.0);
+    let factor_of_nine_in_ten = factors.quantile(0.9).unwrap_or(1.0);
     Calibration {
         model,
         samples,

@@ -3,7 +3,8 @@
 use super::{sampled_truth::SampledTruth, scene::PlanScene};
 use crate::{
     MeasureError,
-    truth::{Point, TruthOptions, trace_points},
+    statistics::Sorted,
+    truth::{Point, Seen, TruthOptions, trace_points},
 };
 use glam::{DVec2, DVec4, Vec3};
 use umbrage_core::{
@@ -51,12 +52,12 @@ impl Penumbra {
 /// Penumbrae at some of the sampled receivers; none under ideal lights.
 pub(crate) fn find(
     scene: &PlanScene<'_>,
-    known: &SampledTruth,
+    sampled: &SampledTruth,
     options: &TruthOptions,
 ) -> Result<Vec<Penumbra>, MeasureError> {
-    let in_middle: Vec<usize> = (0..known.truth.len())
-        .filter(|&k| MIDDLE.contains(&known.truth[k].visibility) && !scene.light.is_ideal())
-        .map(|k| known.sample.pixels[k] as usize)
+    let in_middle: Vec<usize> = (0..sampled.truth.len())
+        .filter(|&k| MIDDLE.contains(&sampled.truth[k].visibility) && !scene.light.is_ideal())
+        .map(|k| sampled.sample.pixels[k] as usize)
         .collect();
     let step = in_middle.len().div_ceil(POINTS).max(1);
     let chosen: Vec<usize> = in_middle.into_iter().step_by(step).collect();
@@ -67,22 +68,25 @@ pub(crate) fn find(
         .map(|&i| around(scene, i, STEP * pixel * scene.receivers.distance[i]))
         .collect();
     let seen = trace_points(scene.geometry, scene.light, asked.as_flattened(), options)?;
-    let penumbra = |(points, seen): (&[Point; 4], &[crate::truth::Seen])| {
-        let [a, b, c, d] = [0, 1, 2, 3].map(|k| seen[k].visibility);
-        let (u, v) = (
-            points[1].position - points[0].position,
-            points[3].position - points[2].position,
-        );
-        let slope = u * ((b - a) / u.length_squared()) + v * ((d - c) / v.length_squared());
-        let position = (points[0].position + points[1].position) * 0.5;
-        let across = slope / slope.length_squared();
-        across.is_finite().then_some(Penumbra { position, across })
-    };
-    Ok(asked
-        .iter()
-        .zip(seen.chunks_exact(4))
-        .filter_map(penumbra)
+    let penumbrae = asked.iter().zip(seen.as_chunks::<4>().0);
+    Ok(penumbrae
+        .filter_map(|(points, seen)| at(points, seen))
         .collect())
+}
+
+/// Returns the penumbra between four points on a surface, two opposite ones after two; none where visibility does not change.
+fn at(points: &[Point; 4], seen: &[Seen; 4]) -> Option<Penumbra> {
+    let u = points[1].position - points[0].position;
+    let v = points[3].position - points[2].position;
+    let change_along_u = seen[1].visibility - seen[0].visibility;
+    let change_along_v = seen[3].visibility - seen[2].visibility;
+    // The gradient of visibility along the surface, 1 / m: `u` and `v` are perpendicular.
+    let gradient =
+        u * (change_along_u / u.length_squared()) + v * (change_along_v / v.length_squared());
+    let position = (points[0].position + points[1].position) * 0.5;
+    // From dark to lit visibility changes by 1.
+    let across = gradient / gradient.length_squared();
+    across.is_finite().then_some(Penumbra { position, across })
 }
 
 /// A step to each side of a receiver along its surface, two sides after two.
@@ -98,15 +102,7 @@ fn around(scene: &PlanScene<'_>, i: usize, step: f32) -> [Point; 4] {
 
 /// The widths that a tenth of the penumbrae is narrower and a tenth wider than, texels on such a map; none without any.
 pub(crate) fn texels(penumbrae: &[Penumbra], spaces: &[LightSpace], size: u32) -> Option<[f64; 2]> {
-    let mut widths: Vec<f64> = penumbrae
-        .iter()
-        .filter_map(|p| p.texels(spaces, size))
-        .collect();
-    widths.sort_by(f64::total_cmp);
-    let at = |share: f64| {
-        widths
-            .get((widths.len().saturating_sub(1) as f64 * share).round() as usize)
-            .copied()
-    };
-    Some([at(0.1)?, at(0.9)?])
+    let widths = penumbrae.iter().filter_map(|p| p.texels(spaces, size));
+    let widths = Sorted::new(widths.collect());
+    Some([widths.nearest(0.1)?, widths.nearest(0.9)?])
 }

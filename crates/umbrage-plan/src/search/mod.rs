@@ -1,9 +1,18 @@
-//! The search: from the cheapest candidate up, each tried on the sample.
+//! The search for a setting within bounds. From top to bottom:
+//!
+//! * [`planner`]: samples the scene, searches, and writes down the plan.
+//! * [`strategy`]: the order in which candidates are tried.
+//! * [`bias_search`]: the best bias of one candidate.
+//! * [`trials`]: settings tried on the sample, each once.
+//!
+//! Candidates come from [`families`], with amounts of [`bias`] and the map's side that the screen asks for ([`resolution`]).
+//! [`outcome`] and [`reasons`] are the answer; [`regret`] checks it against a sweep of all candidates.
 
 mod bias;
 mod bias_search;
 mod bounds;
 mod families;
+mod options;
 mod outcome;
 mod planner;
 mod reasons;
@@ -15,53 +24,14 @@ mod trials;
 
 pub use bias::BiasKind;
 pub use bounds::Bounds;
+pub use options::Options;
 pub use outcome::{CurvePoint, Miss, Plan, Sampled};
 pub use planner::Planner;
 pub use regret::{MAX_REGRET, MIN_KEPT, Regret, regret};
 pub use setting::Setting;
 
-use crate::{MeasureError, cost::CostModel, progress::OnStep, truth::TruthOptions};
-use glam::UVec2;
+use crate::{MeasureError, progress::OnStep};
 use umbrage_core::{Camera, Geometry, Invalid, Light, Scene};
-use umbrage_techniques::Techniques;
-
-/// How a plan is made.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Options {
-    /// The techniques that are tried.
-    pub registry: Techniques,
-    /// Receivers sampled under lights with an extent; four times as many under ideal ones, whose truth takes one ray each.
-    pub samples: u32,
-    /// Which sample: the same seed gives the same plan.
-    pub seed: u32,
-    /// How truth is traced.
-    pub truth: TruthOptions,
-    /// What work costs.
-    pub cost: CostModel,
-    /// Which of the scene's lights, from 0.
-    pub light: usize,
-    /// Image size in place of the camera's own, pixels.
-    pub size: Option<UVec2>,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        // A quarter of a comparison's rays: their noise of about .005 is far below the errors that are told apart.
-        let truth = TruthOptions {
-            samples: 256,
-            ..TruthOptions::default()
-        };
-        Self {
-            registry: Techniques::built_in(),
-            samples: 4096,
-            seed: 1,
-            truth,
-            cost: CostModel::CPU,
-            light: 0,
-            size: None,
-        }
-    }
-}
 
 /// The plan for a scene's first camera and one light.
 ///

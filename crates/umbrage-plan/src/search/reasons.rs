@@ -5,6 +5,7 @@ use crate::{
     MeasureError,
     estimate::{
         penumbra::{self, Penumbra},
+        sampled_truth::SampledTruth,
         scene::PlanScene,
     },
     footprint,
@@ -29,18 +30,11 @@ const NAMED: usize = 3;
 impl Facts {
     pub(super) fn find(trials: &Trials<'_>, options: &TruthOptions) -> Result<Self, MeasureError> {
         let sampled = &trials.sampled;
-        let share = |is: &dyn Fn(f32) -> bool| {
-            let part = |all: bool| -> f64 {
-                let of = sampled.truth.iter().zip(&sampled.sample.chances);
-                of.filter(|(t, _)| all || is(t.visibility))
-                    .map(|(_, chance)| 1.0 / chance)
-                    .sum()
-            };
-            part(false) / part(true).max(f64::MIN_POSITIVE)
-        };
         Ok(Self {
-            shadowed: share(&|v| v < 1.0),
-            in_penumbra: share(&|v| (PENUMBRA..=1.0 - PENUMBRA).contains(&v)),
+            shadowed: share(sampled, |visibility| visibility < 1.0),
+            in_penumbra: share(sampled, |visibility| {
+                (PENUMBRA..=1.0 - PENUMBRA).contains(&visibility)
+            }),
             penumbrae: penumbra::find(&trials.scene, sampled, options)?,
         })
     }
@@ -109,6 +103,19 @@ impl Facts {
             )
         }))
     }
+}
+
+/// Estimates the share of the pixels that count whose visibility meets a condition, 0..=1.
+fn share(sampled: &SampledTruth, is_met: impl Fn(f32) -> bool) -> f64 {
+    let (mut met, mut all) = (0.0, 0.0);
+    for (truth, chance) in sampled.truth.iter().zip(&sampled.sample.chances) {
+        let weight = 1.0 / chance;
+        all += weight;
+        if is_met(truth.visibility) {
+            met += weight;
+        }
+    }
+    met / all.max(f64::MIN_POSITIVE)
 }
 
 /// What is known of techniques without a map.

@@ -6,7 +6,8 @@ use super::{
     families::{Family, families},
     *,
 };
-use crate::{Estimate, truth};
+use crate::{Estimate, cost::CostModel, truth, truth::TruthOptions};
+use glam::UVec2;
 use umbrage_core::{Backend as _, Camera, Fit, Light, PlanError, Receivers, View, metrics::Errors};
 use umbrage_cpu::Cpu;
 use umbrage_techniques::{Preset, Techniques};

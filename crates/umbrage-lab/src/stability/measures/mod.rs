@@ -1,8 +1,8 @@
 //! The measures: pure functions of a mask, truth and places, each defined where it stands and tried on known input.
 
+pub mod cube_seams;
 pub mod edge;
 pub mod gap;
 pub mod open;
 pub mod penumbra;
-pub mod seams;
 pub mod shimmer;

@@ -4,7 +4,10 @@ mod page;
 mod svg;
 
 use super::{Outcome, Stability, sweeps::Sweep};
-use crate::{LabError, output::Folder};
+use crate::{
+    LabError,
+    output::{Folder, csv},
+};
 use std::path::{Path, PathBuf};
 
 /// Writes `index.html` (opens alone), `matrix.svg`, `matrix.csv`, `results.json`, and for each sweep an SVG and a CSV.
@@ -14,7 +17,7 @@ use std::path::{Path, PathBuf};
 /// When the folder can't be written.
 pub fn write(folder: &Path, stability: &Stability, sweeps: &[Sweep]) -> Result<PathBuf, LabError> {
     let out = Folder::create(folder)?;
-    out.write("matrix.csv", &csv(stability)?)?;
+    out.write("matrix.csv", &matrix(stability)?)?;
     out.write("matrix.svg", svg::matrix(stability).as_bytes())?;
     out.write("results.json", &json(&(stability, sweeps))?)?;
     if !sweeps.is_empty() {
@@ -30,10 +33,7 @@ pub fn write(folder: &Path, stability: &Stability, sweeps: &[Sweep]) -> Result<P
 
 /// Pretty, so that changes show line by line.
 fn json(data: &impl serde::Serialize) -> Result<Vec<u8>, LabError> {
-    serde_json::to_vec_pretty(data).map_err(|e| LabError::Write {
-        path: "results.json".into(),
-        source: e.into(),
-    })
+    serde_json::to_vec_pretty(data).map_err(|e| LabError::write("results.json", e))
 }
 
 const HEADER: [&str; 14] = [
@@ -54,13 +54,8 @@ const HEADER: [&str; 14] = [
 ];
 
 /// One line a cell.
-fn csv(stability: &Stability) -> Result<Vec<u8>, LabError> {
-    let failed = |source| LabError::Write {
-        path: "matrix.csv".into(),
-        source,
-    };
-    let mut out = csv::Writer::from_writer(Vec::new());
-    out.write_record(HEADER).map_err(|e| failed(e.into()))?;
+fn matrix(stability: &Stability) -> Result<Vec<u8>, LabError> {
+    let mut lines = Vec::new();
     for case in &stability.cases {
         for cell in &case.cells {
             let (verdict, reason) = match &cell.outcome {
@@ -68,30 +63,25 @@ fn csv(stability: &Stability) -> Result<Vec<u8>, LabError> {
                 Outcome::Unsupported { reason } => ("unsupported", reason.as_str()),
                 Outcome::Fault { what } => ("fault", what.as_str()),
             };
-            let figure = cell.figure().map_or_else(String::new, |f| f.to_string());
-            let limits = [case.limits.pass, case.limits.fails, case.ideal].map(|v| v.to_string());
-            let [row, pass, fails, ideal] =
-                [&case.row.to_string(), &limits[0], &limits[1], &limits[2]];
-            let record = [
-                row,
-                &case.case,
-                &case.scene,
-                &case.motion,
-                &case.measure,
-                &case.unit,
-                pass,
-                fails,
-                ideal,
-                &cell.technique,
-                &cell.settings,
-                &figure,
-                verdict,
-                reason,
-            ];
-            out.write_record(record).map_err(|e| failed(e.into()))?;
+            lines.push([
+                case.row.to_string(),
+                case.case.clone(),
+                case.scene.clone(),
+                case.motion.clone(),
+                case.measure.clone(),
+                case.unit.clone(),
+                case.limits.pass.to_string(),
+                case.limits.fails.to_string(),
+                case.ideal.to_string(),
+                cell.technique.clone(),
+                cell.settings.clone(),
+                cell.figure().map_or_else(String::new, |f| f.to_string()),
+                verdict.to_owned(),
+                reason.to_owned(),
+            ]);
         }
     }
-    out.into_inner().map_err(|e| failed(e.into_error()))
+    csv::of_lines("matrix.csv", &HEADER, lines)
 }
 
 #[cfg(test)]

@@ -2,10 +2,9 @@
 
 use crate::{
     LabError,
-    output::html::Page,
+    output::html::{Page, data_uri},
     stability::{Stability, sweeps::Sweep},
 };
-use base64::{Engine, engine::general_purpose::STANDARD};
 use serde::Serialize;
 
 const BODY: &str = include_str!("body.html");
@@ -28,17 +27,19 @@ struct Chart<'a> {
 
 /// The whole page.
 pub(super) fn html(stability: &Stability, sweeps: &[Sweep]) -> Result<String, LabError> {
-    let uri =
-        |kind: &str, bytes: &[u8]| format!("data:image/{kind};base64,{}", STANDARD.encode(bytes));
     let pictures = stability.cases.iter().map(|case| {
         case.cells
             .iter()
-            .map(|cell| cell.picture.as_deref().map(|png| uri("png", png)))
+            .map(|cell| {
+                cell.picture
+                    .as_deref()
+                    .map(|png| data_uri("image/png", png))
+            })
             .collect()
     });
     let charts = sweeps.iter().map(|s| Chart {
         name: &s.title,
-        svg: uri("svg+xml", s.svg().as_bytes()),
+        svg: data_uri("image/svg+xml", s.svg().as_bytes()),
     });
     let data = Data {
         stability,
@@ -53,8 +54,5 @@ pub(super) fn html(stability: &Stability, sweeps: &[Sweep]) -> Result<String, La
         scripts: &[SCRIPT],
     }
     .html(&data);
-    page.map_err(|e| LabError::Write {
-        path: "index.html".into(),
-        source: e.into(),
-    })
+    page.map_err(|e| LabError::write("index.html", e))
 }

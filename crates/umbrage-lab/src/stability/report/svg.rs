@@ -1,6 +1,9 @@
 //! The matrix as one picture for a README: a line a case, a column a setting, signs that read without colour.
 
-use crate::stability::{CaseResult, Cell, Stability, Verdict};
+use crate::{
+    output::html::escape,
+    stability::{CaseResult, Cell, Stability, Verdict},
+};
 use std::fmt::Write as _;
 
 const CELL: [usize; 2] = [26, 19];
@@ -41,22 +44,12 @@ pub(super) fn matrix(stability: &Stability) -> String {
         let _ = writeln!(
             out,
             "<text transform=\"translate({x} {y}) rotate(-50)\" fill=\"#1b2330\">{}</text>",
-            text(column)
+            escape(column)
         );
     }
     for (k, case) in stability.cases.iter().enumerate() {
-        line(
-            &mut out,
-            case,
-            k,
-            [
-                columns.len(),
-                stability.cases[..k]
-                    .iter()
-                    .filter(|c| c.row == case.row)
-                    .count(),
-            ],
-        );
+        let is_first_of_row = stability.cases[..k].iter().all(|c| c.row != case.row);
+        line(&mut out, case, k, columns.len(), is_first_of_row);
     }
     let legend = "✓ passes   ~ degraded   ✗ fails   – not made for it; limits and figures: cargo xtask stability";
     let _ = writeln!(
@@ -73,11 +66,11 @@ fn head(cell: &Cell) -> String {
     format!("{}, {settings}", cell.technique)
 }
 
-/// Line `k`: as many cells as there are columns, and the row's number if none of its cases came before.
-fn line(out: &mut String, case: &CaseResult, k: usize, [columns, before]: [usize; 2]) {
+/// Line `k`: as many cells as there are columns, and the row's number before its first case.
+fn line(out: &mut String, case: &CaseResult, k: usize, columns: usize, is_first_of_row: bool) {
     let y = TOP + k * CELL[1];
     let base = y + 14;
-    if before == 0 {
+    if is_first_of_row {
         let _ = writeln!(
             out,
             "<text x=\"12\" y=\"{base}\" fill=\"#5b6675\">{}</text>",
@@ -87,8 +80,8 @@ fn line(out: &mut String, case: &CaseResult, k: usize, [columns, before]: [usize
     let _ = writeln!(
         out,
         "<text x=\"34\" y=\"{base}\" fill=\"#1b2330\">{} <tspan fill=\"#5b6675\">{}</tspan></text>",
-        text(&case.case),
-        text(&case.measure)
+        escape(&case.case),
+        escape(&case.measure)
     );
     for (i, cell) in case.cells.iter().take(columns).enumerate() {
         let (x, [background, ink]) = (LEFT + i * CELL[0], colors(cell));
@@ -99,19 +92,12 @@ fn line(out: &mut String, case: &CaseResult, k: usize, [columns, before]: [usize
             out,
             "<g><title>{} ({}){figure}</title><rect x=\"{x}\" y=\"{y}\" width=\"{}\" height=\"{}\" rx=\"3\" fill=\"{background}\"/>\
              <text x=\"{}\" y=\"{base}\" text-anchor=\"middle\" fill=\"{ink}\">{}</text></g>",
-            text(&cell.technique),
-            text(&cell.settings),
+            escape(&cell.technique),
+            escape(&cell.settings),
             CELL[0] - 2,
             CELL[1] - 2,
             x + CELL[0] / 2 - 1,
             cell.sign()
         );
     }
-}
-
-/// Text that holds no markup.
-fn text(s: &str) -> String {
-    s.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
 }

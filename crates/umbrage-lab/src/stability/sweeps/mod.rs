@@ -13,7 +13,7 @@ use super::{
     guard::{self, NoMask},
     run::some_backend,
 };
-use crate::{LabError, compare::Backends};
+use crate::{LabError, compare::Backends, output::csv};
 use serde::{Deserialize, Serialize};
 use umbrage_core::ShadowTechnique;
 
@@ -91,20 +91,11 @@ impl Sweep {
     /// # Errors
     /// When memory runs out.
     pub fn csv(&self) -> Result<Vec<u8>, LabError> {
-        let mut out = csv::Writer::from_writer(Vec::new());
-        let failed = |source| LabError::Write {
-            path: self.name.clone().into(),
-            source,
-        };
-        out.write_record(["curve", &self.x, &self.y])
-            .map_err(|e| failed(e.into()))?;
-        for curve in &self.curves {
-            for [x, y] in &curve.points {
-                let record = [curve.label.clone(), x.to_string(), y.to_string()];
-                out.write_record(record).map_err(|e| failed(e.into()))?;
-            }
-        }
-        out.into_inner().map_err(|e| failed(e.into_error()))
+        let lines = self.curves.iter().flat_map(|curve| {
+            let points = curve.points.iter();
+            points.map(|[x, y]| [curve.label.clone(), x.to_string(), y.to_string()])
+        });
+        csv::of_lines(&self.name, &["curve", &self.x, &self.y], lines)
     }
 }
 

@@ -5,7 +5,7 @@ use umbrage_core::{Backend, BackendError, Invalid};
 
 /// Which backend to make.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Choice {
+pub enum BackendChoice {
     /// wgpu if there is an adapter for it that is not the CPU in disguise, else the CPU. [`Backend::name`] says which.
     #[default]
     Auto,
@@ -15,7 +15,7 @@ pub enum Choice {
     Wgpu,
 }
 
-impl FromStr for Choice {
+impl FromStr for BackendChoice {
     type Err = Invalid;
 
     fn from_str(name: &str) -> Result<Self, Invalid> {
@@ -32,7 +32,7 @@ impl FromStr for Choice {
     }
 }
 
-impl fmt::Display for Choice {
+impl fmt::Display for BackendChoice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Auto => "auto",
@@ -46,11 +46,11 @@ impl fmt::Display for Choice {
 ///
 /// # Errors
 /// When there is no adapter, or the feature that the choice needs is switched off.
-pub fn backend(choice: Choice) -> Result<Box<dyn Backend>, BackendError> {
+pub fn backend(choice: BackendChoice) -> Result<Box<dyn Backend>, BackendError> {
     match choice {
-        Choice::Cpu => cpu(),
-        Choice::Wgpu => gpu(true),
-        Choice::Auto => gpu(false).or_else(|_| cpu()).or_else(|_| gpu(true)),
+        BackendChoice::Cpu => cpu(),
+        BackendChoice::Wgpu => gpu(true),
+        BackendChoice::Auto => gpu(false).or_else(|_| cpu()).or_else(|_| gpu(true)),
     }
 }
 

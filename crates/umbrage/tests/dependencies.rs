@@ -1,0 +1,75 @@
+//! What each feature costs: whoever wants the renderer alone does not compile scene files, pictures and k-d trees.
+
+use std::{collections::BTreeSet, path::Path, process::Command};
+
+/// Names of the packages that the facade needs with some features, by what cargo says.
+fn packages(features: &str) -> BTreeSet<String> {
+    let manifest = Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml");
+    let out = Command::new(env!("CARGO"))
+        .args(["tree", "--offline", "--edges", "normal", "--prefix", "none"])
+        .args(["--no-default-features", "--features", features])
+        .arg("--manifest-path")
+        .arg(manifest)
+        .output()
+        .expect("cargo runs");
+    let told = String::from_utf8_lossy(&out.stdout);
+    assert!(
+        out.status.success(),
+        "{}",
+        String::from_utf8_lossy(&out.stderr)
+    );
+    told.lines()
+        .filter_map(|line| line.split_whitespace().next())
+        .map(str::to_owned)
+        .collect()
+}
+
+fn assert_without(features: &str, unwanted: &[&str]) {
+    let packages = packages(features);
+    let found: Vec<_> = unwanted
+        .iter()
+        .filter(|name| packages.contains(**name))
+        .collect();
+    assert!(
+        packages.contains("umbrage-core"),
+        "that is no list: {packages:?}"
+    );
+    assert!(found.is_empty(), "`{features}` needs {found:?}");
+}
+
+#[test]
+fn the_renderer_needs_no_scenes_and_no_planner() {
+    let unwanted = [
+        "image",
+        "tobj",
+        "kiddo",
+        "umbrage-scenes",
+        "umbrage-plan",
+        "umbrage-cpu",
+        "umbrage-lab",
+    ];
+    assert_without("wgpu", &unwanted);
+}
+
+#[test]
+fn the_planner_needs_no_gpu_and_no_scene_files() {
+    let unwanted = [
+        "wgpu",
+        "image",
+        "tobj",
+        "kiddo",
+        "umbrage-scenes",
+        "umbrage-wgpu",
+        "umbrage-lab",
+    ];
+    assert_without("plan", &unwanted);
+}
+
+/// The list tells what is there, too.
+#[test]
+fn scenes_need_what_they_read() {
+    let packages = packages("scenes");
+    for name in ["image", "tobj", "kiddo", "umbrage-scenes"] {
+        assert!(packages.contains(name), "{name}");
+    }
+}
