@@ -58,10 +58,7 @@ fn spaces(eye: Vec3, along: Vec3) -> LightSpaces {
         view_from_world: look_along(eye, along, Vec3::Z).unwrap(),
         clip_from_view: perspective(1.8, 1.0, 0.5, 20.0).unwrap(),
     };
-    LightSpaces {
-        spaces: vec![space],
-        needed: vec![true],
-    }
+    LightSpaces::with_all_casters(vec![space])
 }
 
 fn heights(light: &Light, spaces: &LightSpaces, p: Vec3, n: Vec3) -> Vec3 {

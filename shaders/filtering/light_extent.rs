@@ -94,7 +94,7 @@ impl LightExtent {
 
     /// How far taps reach beyond the receiver's texel on the faces that are needed, texels.
     fn reach(&self, light: &Light, spaces: &LightSpaces, size: u32) -> f32 {
-        let needed = (0..spaces.spaces.len()).filter(|&i| spaces.needed[i]);
+        let needed = (0..spaces.spaces.len()).filter(|&i| spaces.is_needed(i));
         needed
             .map(|i| reach(shape(light), self.half_axis_u[i], self.half_axis_v[i], size))
             .fold(0.0, f32::max)

@@ -17,10 +17,7 @@ fn perspective_space(eye: Vec3) -> LightSpace {
 }
 
 fn one(space: LightSpace) -> LightSpaces {
-    LightSpaces {
-        spaces: vec![space],
-        needed: vec![true],
-    }
+    LightSpaces::with_all_casters(vec![space])
 }
 
 /// Texel coordinates and depth.

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
     Cast, CastMode, Filter, Fit, Format, ImageDesc, ImageId, Invalid, Layout, LightSpaces,
-    MAX_SIDE, PlanError, RasterBias, Receive, ReceiveKernel, Receivers, Recipe, View,
+    MAX_SIDE, PlanError, RasterBias, Receive, ReceiveKernel, Receivers, Recipe, Source, View,
     footprint::side_for,
 };
 
@@ -223,16 +223,19 @@ impl ShadowMap {
         mode: CastMode,
         bias: RasterBias,
     ) {
-        let needed = (0..)
-            .zip(&spaces.spaces)
-            .zip(&spaces.needed)
-            .filter(|(_, needed)| **needed);
-        maps.casts.extend(needed.map(|((layer, &space), _)| Cast {
-            mode,
-            cull: self.bias.cull,
-            bias,
-            ..Cast::nearest(image, layer, space)
-        }));
+        let layers = spaces.spaces.iter().zip(&spaces.casters);
+        for (layer, (&space, casters)) in (0..).zip(layers) {
+            if casters.is_empty() {
+                continue;
+            }
+            maps.casts.push(Cast {
+                source: Source::from(casters),
+                mode,
+                cull: self.bias.cull,
+                bias,
+                ..Cast::nearest(image, layer, space)
+            });
+        }
     }
 
     /// The recipe of a technique that draws maps and looks them up with `kernel`, which reaches `reach` texels beyond the

@@ -149,8 +149,9 @@ impl Seen {
 
     fn relevant(&self, recipe: &Recipe, reach: f32) -> Vec<u32> {
         let spaces: Vec<_> = recipe.casts.iter().map(|cast| cast.space).collect();
-        let (needed, size) = (vec![true; spaces.len()], recipe.images[0].size.x);
-        relevant_casters(&self.view(), &LightSpaces { spaces, needed }, size, reach)
+        let spaces = LightSpaces::with_all_casters(spaces);
+        let size = recipe.images[0].size.x;
+        relevant_casters(&self.view(), &spaces, size, reach)
     }
 }
 

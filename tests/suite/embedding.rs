@@ -73,6 +73,7 @@ impl Program {
             }),
             range: 0..self.count,
             world_from_local: None,
+            triangles: None,
         }];
         let receivers = GBuffer {
             position: &self.position,

@@ -211,6 +211,13 @@ impl Geometry {
         &self.triangles
     }
 
+    /// Returns the vertex indices of a range of triangles.
+    ///
+    /// Panics if the range reaches beyond the list.
+    pub fn run(&self, run: &Range<u32>) -> &[[u32; 3]] {
+        &self.triangles[run.start as usize..run.end as usize]
+    }
+
     /// Ids of the triangles that cast.
     pub fn casters(&self) -> Range<u32> {
         self.casters.clone()

@@ -1,6 +1,6 @@
 //! Layouts: how many light spaces a map technique takes, and which.
 
-use crate::{Invalid, LightSpace, light_space::look_along};
+use crate::{CasterSet, Geometry, Invalid, LightSpace, light_space::look_along};
 use glam::{Mat4, Vec3};
 
 /// Into how many light spaces the surroundings of a light are divided. Each has its own layer of a map.
@@ -24,8 +24,32 @@ pub enum Layout {
 pub struct LightSpaces {
     /// One, or six in the order of [`Layout::Cube`].
     pub spaces: Vec<LightSpace>,
-    /// For each, whether anything can fall on anything there; the others need not be drawn.
-    pub needed: Vec<bool>,
+    /// For each, the casters that are to be drawn there: none where nothing can fall on anything.
+    pub casters: Vec<CasterSet>,
+}
+
+impl LightSpaces {
+    /// Returns spaces into each of which all casters are drawn.
+    pub fn with_all_casters(spaces: Vec<LightSpace>) -> Self {
+        let casters = vec![CasterSet::All; spaces.len()];
+        Self { spaces, casters }
+    }
+
+    /// Leaves out of each layer the casters that lie beside it. `size` is the layers' side, texels.
+    pub(crate) fn leave_out_casters_beside(&mut self, geometry: &Geometry, size: u32) {
+        for (space, casters) in self.spaces.iter().zip(&mut self.casters) {
+            if *casters == CasterSet::All {
+                *casters = CasterSet::shown_in(geometry, space, size);
+            }
+        }
+    }
+
+    /// Returns whether anything is to be drawn into a layer.
+    ///
+    /// Panics if there is no such layer.
+    pub fn is_needed(&self, layer: usize) -> bool {
+        !self.casters[layer].is_empty()
+    }
 }
 
 /// The view of each face of a cube around `eye`.

@@ -1,10 +1,11 @@
 //! Recipes: a shadow algorithm as plain data, to be played by any backend.
 
 use crate::{
-    FilterKernel, Format, ImageDesc, Invalid, LightSpace, ReceiveKernel, ShadeKernel, invalid,
+    CasterSet, FilterKernel, Format, Geometry, ImageDesc, Invalid, LightSpace, ReceiveKernel,
+    ShadeKernel, invalid,
 };
 use glam::Vec4;
-use std::sync::Arc;
+use std::{ops::Range, sync::Arc};
 
 /// Index into [`Recipe::images`].
 pub type ImageId = usize;
@@ -102,10 +103,40 @@ pub enum Source {
     /// All casters.
     #[default]
     Casters,
+    /// Some casters: these ranges of the geometry's list of triangles, rising, with gaps between them. The other casters don't show
+    /// in the image, so a backend that can't tell them apart may draw all.
+    SomeCasters(Arc<[Range<u32>]>),
     /// All that the camera may see: casters, receivers, and what is neither.
     Everything,
     /// What the technique made from the casters: shadow volumes, flattened casters.
     Faces(Arc<Faces>),
+}
+
+impl Source {
+    /// Returns the ranges of a geometry's list of triangles that are drawn, rising; none for faces that a technique made. Runs
+    /// end where the casters end.
+    pub fn runs(&self, geometry: &Geometry) -> Vec<Range<u32>> {
+        let casters = geometry.casters();
+        match self {
+            Self::Casters => vec![casters],
+            Self::SomeCasters(runs) => runs
+                .iter()
+                .map(|run| run.start.max(casters.start)..run.end.min(casters.end))
+                .filter(|run| !run.is_empty())
+                .collect(),
+            Self::Everything => vec![0..geometry.triangles().len() as u32],
+            Self::Faces(_) => Vec::new(),
+        }
+    }
+}
+
+impl From<&CasterSet> for Source {
+    fn from(casters: &CasterSet) -> Self {
+        match casters {
+            CasterSet::All => Self::Casters,
+            CasterSet::Runs(runs) => Self::SomeCasters(runs.clone()),
+        }
+    }
 }
 
 /// Triangles that a technique made. Backends may recognise them by their address.
@@ -309,10 +340,11 @@ impl Recipe {
     }
 
     fn check_source(&self, cast: &Cast) -> Result<(), Invalid> {
-        let Source::Faces(faces) = &cast.source else {
-            return Ok(());
-        };
-        faces.validate()
+        match &cast.source {
+            Source::Casters | Source::Everything => Ok(()),
+            Source::SomeCasters(runs) => check_runs(runs),
+            Source::Faces(faces) => faces.validate(),
+        }
     }
 
     /// Comparison samplers read depth alone.
@@ -348,6 +380,22 @@ impl Recipe {
         }
         Ok(())
     }
+}
+
+fn check_runs(runs: &[Range<u32>]) -> Result<(), Invalid> {
+    let mut end = 0;
+    for run in runs {
+        if run.start < end || run.is_empty() {
+            let why = format!("draws the triangles {runs:?}");
+            return Err(Invalid::new(
+                "cast",
+                why,
+                "name ranges that rise, do not overlap and are not empty",
+            ));
+        }
+        end = run.end;
+    }
+    Ok(())
 }
 
 fn check_numbers(cast: &Cast) -> Result<(), Invalid> {

@@ -128,18 +128,15 @@ fn drawn(geometry: Option<&Geometry>, cast: &Cast, size: UVec2) -> (u64, u64) {
         }
         (_, None) => (0, 0.0),
         (source, Some(g)) => {
-            let all = g.triangles();
-            let casters = g.casters().start as usize..g.casters().end as usize;
-            let triangles = if matches!(source, Source::Casters) {
-                &all[casters]
-            } else {
-                all
-            };
             let corner = |v: u32| g.positions()[v as usize].as_dvec3().extend(1.0);
-            (
-                triangles.len(),
-                sum(triangles, clip_from_world, cast.cull, corner),
-            )
+            let mut count = 0;
+            let mut area = 0.0;
+            for run in source.runs(g) {
+                let triangles = g.run(&run);
+                count += triangles.len();
+                area += sum(triangles, clip_from_world, cast.cull, corner);
+            }
+            (count, area)
         }
     };
     (

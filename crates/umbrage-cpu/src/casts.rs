@@ -1,6 +1,7 @@
 //! The first stage: geometry drawn into images.
 
 use crate::raster::{Draw, Mode, Position, Rasterizer, Target};
+use std::borrow::Cow;
 use umbrage_core::{Cast, CastMode, Format, Geometry, Image, ImageId, Recipe, Simd, Source};
 
 /// What a cast reads and where it draws.
@@ -78,15 +79,11 @@ pub(crate) fn draw(
     geometry: &Geometry,
     simd: Simd,
 ) {
-    let (positions, triangles) = (geometry.positions(), geometry.triangles());
+    let positions = geometry.positions();
     match &cast.source {
-        Source::Casters => {
-            let casters = geometry.casters();
-            let triangles = &triangles[casters.start as usize..casters.end as usize];
-            draw_triangles(rasterizer, canvas, cast, (positions, triangles), simd);
-        }
-        Source::Everything => {
-            draw_triangles(rasterizer, canvas, cast, (positions, triangles), simd)
+        Source::Casters | Source::Everything | Source::SomeCasters(_) => {
+            let triangles = drawn_triangles(&cast.source, geometry);
+            draw_triangles(rasterizer, canvas, cast, (positions, &triangles), simd);
         }
         Source::Faces(faces) => {
             draw_triangles(
@@ -98,6 +95,20 @@ pub(crate) fn draw(
             );
         }
     }
+}
+
+/// Returns the triangles of a geometry that a cast draws. Several runs are copied one after the other, since the rasteriser shares
+/// out one list among threads.
+fn drawn_triangles<'a>(source: &Source, geometry: &'a Geometry) -> Cow<'a, [[u32; 3]]> {
+    let runs = source.runs(geometry);
+    if let [run] = &runs[..] {
+        return Cow::Borrowed(geometry.run(run));
+    }
+    let mut triangles = Vec::with_capacity(runs.iter().map(ExactSizeIterator::len).sum());
+    for run in &runs {
+        triangles.extend_from_slice(geometry.run(run));
+    }
+    Cow::Owned(triangles)
 }
 
 fn draw_triangles<P: Position>(

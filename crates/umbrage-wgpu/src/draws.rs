@@ -15,7 +15,8 @@ use wgpu::{Buffer, IndexFormat, RenderPass};
 pub(crate) struct Draw {
     vertices: Buffer,
     indices: Option<(Buffer, IndexFormat)>,
-    range: Range<u32>,
+    /// Ranges of indices, or of vertices where there are no indices.
+    ranges: Vec<Range<u32>>,
     pub(crate) layout: VertexLayout,
     pub(crate) vertex: Vertex,
     world_from_local: Option<Affine3A>,
@@ -60,6 +61,12 @@ impl DrawList {
         );
         let mut part = |cast: &Cast| match &cast.source {
             Source::Casters => casters.clone(),
+            Source::SomeCasters(runs) => {
+                let first = draws.len();
+                let some = frame.casters.iter().filter_map(|d| Draw::some(d, runs));
+                draws.extend(some);
+                first..draws.len()
+            }
             Source::Everything => everything.clone(),
             Source::Faces(drawn) => {
                 let buffers = faces.get(maker, drawn);
@@ -99,7 +106,7 @@ impl Draw {
         Self {
             vertices: drawable.vertices.clone(),
             indices: drawable.indices.map(|i| (i.buffer.clone(), i.format)),
-            range: drawable.range.clone(),
+            ranges: vec![drawable.range.clone()],
             layout: drawable.layout,
             vertex: if drawable.world_from_local.is_some() {
                 Vertex::Local
@@ -110,11 +117,22 @@ impl Draw {
         }
     }
 
+    /// Returns the draw of those triangles of a drawable that lie in `runs`, or of all where their ids are not known; `None` if
+    /// nothing is to be drawn.
+    fn some(drawable: &Drawable<'_>, runs: &[Range<u32>]) -> Option<Self> {
+        let mut draw = Self::new(drawable);
+        if let Some(triangles) = &drawable.triangles {
+            draw.ranges = ranges_of(drawable.range.start, triangles, runs);
+        }
+        let is_empty = draw.ranges.iter().all(Range::is_empty);
+        (!is_empty).then_some(draw)
+    }
+
     fn faces([vertices, indices]: [Buffer; 2], triangles: usize) -> Self {
         Self {
             vertices,
             indices: Some((indices, IndexFormat::Uint32)),
-            range: 0..3 * triangles as u32,
+            ranges: vec![0..3 * triangles as u32],
             layout: VertexLayout {
                 stride: 16,
                 position_offset: 0,
@@ -126,12 +144,42 @@ impl Draw {
 
     pub(crate) fn encode(&self, pass: &mut RenderPass<'_>) {
         pass.set_vertex_buffer(0, self.vertices.slice(..));
-        match &self.indices {
-            Some((buffer, format)) => {
-                pass.set_index_buffer(buffer.slice(..), *format);
-                pass.draw_indexed(self.range.clone(), 0, 0..1);
-            }
-            None => pass.draw(self.range.clone(), 0..1),
+        if let Some((buffer, format)) = &self.indices {
+            pass.set_index_buffer(buffer.slice(..), *format);
         }
+        for range in &self.ranges {
+            match self.indices {
+                Some(_) => pass.draw_indexed(range.clone(), 0, 0..1),
+                None => pass.draw(range.clone(), 0..1),
+            }
+        }
+    }
+}
+
+/// Returns the ranges of indices that draw the part of `runs` that lies in `triangles`, where `first` is the index of the first of
+/// these triangles' corners.
+fn ranges_of(first: u32, triangles: &Range<u32>, runs: &[Range<u32>]) -> Vec<Range<u32>> {
+    let mut ranges = Vec::new();
+    for run in runs {
+        let start = run.start.max(triangles.start);
+        let end = run.end.min(triangles.end);
+        if start < end {
+            let corner = |triangle: u32| first + 3 * (triangle - triangles.start);
+            ranges.push(corner(start)..corner(end));
+        }
+    }
+    ranges
+}
+
+#[cfg(test)]
+mod tests {
+    use super::ranges_of;
+
+    #[test]
+    fn runs_become_ranges_of_indices() {
+        let runs = [0..4, 10..12, 15..40];
+        assert_eq!(ranges_of(300, &(10..20), &runs), [300..306, 315..330]);
+        assert_eq!(ranges_of(0, &(0..40), &runs), [0..12, 30..36, 45..120]);
+        assert_eq!(ranges_of(0, &(4..10), &runs), []);
     }
 }

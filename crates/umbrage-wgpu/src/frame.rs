@@ -34,6 +34,10 @@ pub struct Drawable<'a> {
     pub range: Range<u32>,
     /// Places the vertices into the world; none when they are there already, which is cheaper.
     pub world_from_local: Option<Affine3A>,
+    /// Ids of the triangles that `range` draws, in its order, where they are a part of the
+    /// [`Geometry`](umbrage_core::Geometry) that the technique was planned for: then casts that need only some casters draw
+    /// only those of them. None to draw all of them always.
+    pub triangles: Option<Range<u32>>,
 }
 
 /// Indices in the caller's buffer.
@@ -156,6 +160,24 @@ impl Drawable<'_> {
         self.check_range()
     }
 
+    /// Objects to ids that are not as many as the triangles drawn.
+    fn check_triangles(&self, what: &str) -> Result<(), Invalid> {
+        let Some(triangles) = &self.triangles else {
+            return Ok(());
+        };
+        let named = 3 * u64::from(triangles.end.saturating_sub(triangles.start));
+        let drawn = u64::from(self.range.end - self.range.start);
+        if named == drawn {
+            return Ok(());
+        }
+        let why = format!("are {drawn}, and their triangles {triangles:?} have {named}");
+        Err(Invalid::new(
+            what,
+            why,
+            "name the triangles that the range draws, or none",
+        ))
+    }
+
     fn check_range(&self) -> Result<(), Invalid> {
         let (what, count) = match self.indices {
             Some(Indices { buffer, format }) => {
@@ -174,6 +196,7 @@ impl Drawable<'_> {
             let why = format!("end at {}, and the buffer holds {count}", self.range.end);
             return Err(Invalid::new(what, why, "draw what is in the buffer"));
         }
+        self.check_triangles(what)?;
         if self.layout.vertices(self.vertices.size()) == 0 && !self.range.is_empty() {
             return Err(Invalid::new(
                 "vertex buffer",

@@ -121,7 +121,13 @@ impl Fit {
         size: u32,
         margin: f32,
     ) -> Result<LightSpaces, PlanError> {
-        let find = || self.find(layout, view, size, margin);
+        let find = || {
+            let mut spaces = self.find(layout, view, size, margin)?;
+            if let Some(geometry) = view.geometry {
+                spaces.leave_out_casters_beside(geometry, size);
+            }
+            Ok(spaces)
+        };
         match view.fits {
             Some(memory) => memory.recall(
                 memory::Asked {
@@ -146,10 +152,8 @@ impl Fit {
         view.validate()?;
         self.validate()?;
         let single = || {
-            Ok(LightSpaces {
-                spaces: vec![self.single(view, size, margin)?],
-                needed: vec![true],
-            })
+            let space = self.single(view, size, margin)?;
+            Ok(LightSpaces::with_all_casters(vec![space]))
         };
         let cube = |eye| perspective::cube(self, &self.known(view), eye, size, margin);
         let suffices = |one: &LightSpaces, eye| {

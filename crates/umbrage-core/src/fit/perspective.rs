@@ -6,7 +6,7 @@ use super::{
     points::{bounds_in, caster_points, receiver_points},
 };
 use crate::{
-    Aabb, Light, PlanError, View,
+    Aabb, CasterSet, Light, PlanError, View,
     depth_range::{Pyramid, depth_range},
     layout::{LightSpaces, cube_face_views},
     light_space::{LightSpace, look_along, perspective},
@@ -82,7 +82,7 @@ pub(super) fn cube(
     };
     let mut out = LightSpaces {
         spaces: Vec::new(),
-        needed: Vec::new(),
+        casters: Vec::new(),
     };
     let nears = lamp
         .as_ref()
@@ -105,7 +105,11 @@ pub(super) fn cube(
             view_from_world,
             clip_from_view,
         });
-        out.needed.push(needed);
+        out.casters.push(if needed {
+            CasterSet::All
+        } else {
+            CasterSet::none()
+        });
     }
     Ok(out)
 }

@@ -22,12 +22,10 @@ pub fn relevant_casters(view: &View<'_>, spaces: &LightSpaces, size: u32, margin
         return Vec::new();
     };
     let mut out: Vec<u32> = Vec::new();
-    for (space, _) in spaces
-        .spaces
-        .iter()
-        .zip(&spaces.needed)
-        .filter(|(_, needed)| **needed)
-    {
+    for (layer, space) in spaces.spaces.iter().enumerate() {
+        if !spaces.is_needed(layer) {
+            continue;
+        }
         out.extend(on_map(view, geometry, space, size, margin));
     }
     out.sort_unstable();

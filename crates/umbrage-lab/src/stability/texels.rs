@@ -140,13 +140,11 @@ mod tests {
             far: 10.0,
         };
         let clip_from_view: Mat4 = light_space::orthographic(extents).expect("valid");
-        let spaces = LightSpaces {
-            spaces: vec![LightSpace {
-                view_from_world,
-                clip_from_view,
-            }],
-            needed: vec![true],
+        let space = LightSpace {
+            view_from_world,
+            clip_from_view,
         };
+        let spaces = LightSpaces::with_all_casters(vec![space]);
         Texels::new(&spaces, 10)
     }
 

@@ -120,9 +120,9 @@ pub fn measure(view: &View<'_>, recipe: &Recipe, receivers: &Receivers, reach: f
     let texels: usize = casts.iter().map(|c| c.lookups.len()).sum();
     let untouched: usize = casts.iter().map(CastFootprint::untouched).sum();
     let spaces: Vec<_> = nearest.map(|cast| cast.space).collect();
-    let needed = vec![true; spaces.len()];
+    let spaces = LightSpaces::with_all_casters(spaces);
     let size = casts.first().map_or(1, |cast| cast.size[0]) as f32;
-    let mut sizes = texels_per_pixel(view, receivers, &LightSpaces { spaces, needed }, 1);
+    let mut sizes = texels_per_pixel(view, receivers, &spaces, 1);
     sizes.sort_unstable_by(f32::total_cmp);
     let overview = sizes
         .first()

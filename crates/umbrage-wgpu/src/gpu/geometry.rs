@@ -74,6 +74,7 @@ impl GpuGeometry {
             }),
             range: 3 * triangles.start..3 * triangles.end,
             world_from_local: None,
+            triangles: Some(triangles.clone()),
         }
     }
 }

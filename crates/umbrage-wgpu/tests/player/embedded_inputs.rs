@@ -124,6 +124,7 @@ fn ranges_end_with_the_last_position() {
         indices: None,
         range,
         world_from_local: None,
+        triangles: None,
     };
     refused_caster(
         &e,

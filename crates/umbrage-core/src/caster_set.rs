@@ -1,0 +1,143 @@
+//! Which casters a layer of a shadow map needs.
+
+use crate::{Aabb, Geometry, LightSpace};
+use glam::{DMat4, DVec3, DVec4};
+use std::{ops::Range, sync::Arc};
+
+/// Gaps between runs are drawn, too, where they are smaller than this share of all casters: so a set has at most as many runs,
+/// and as many draw calls.
+const SMALLEST_GAP: f64 = 1.0 / 64.0;
+
+/// Which of a scene's casters are drawn.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum CasterSet {
+    /// All of them.
+    #[default]
+    All,
+    /// These ranges of the geometry's list of triangles, rising, with gaps between them; no range for no casters.
+    Runs(Arc<[Range<u32>]>),
+}
+
+impl CasterSet {
+    /// Returns the set of no casters.
+    pub fn none() -> Self {
+        Self::Runs(Arc::new([]))
+    }
+
+    /// Returns whether nothing is to be drawn.
+    pub fn is_empty(&self) -> bool {
+        matches!(self, Self::Runs(runs) if runs.is_empty())
+    }
+
+    /// Returns the casters that may show in a map of `size` x `size` texels that lies in `space`: all runs of triangles whose
+    /// boxes are not wholly beside the map. Drawing the others changes no texel.
+    pub fn shown_in(geometry: &Geometry, space: &LightSpace, size: u32) -> Self {
+        let casters = geometry.casters();
+        let smallest_gap = f64::from(casters.end - casters.start) * SMALLEST_GAP;
+        let sides = sides_of(space, size);
+        let mut runs: Vec<Range<u32>> = Vec::new();
+        for (run, bounds) in geometry.blocks().of(casters.clone()) {
+            if is_beside(&bounds, &sides) {
+                continue;
+            }
+            match runs.last_mut() {
+                Some(last) if f64::from(run.start - last.end) < smallest_gap => last.end = run.end,
+                _ => runs.push(run),
+            }
+        }
+        if runs == [casters] {
+            return Self::All;
+        }
+        Self::Runs(runs.into())
+    }
+}
+
+/// Returns the four sides of a map as planes: the map and one texel beside it lie where a plane's product with a homogeneous
+/// world position is not negative. (Rasterisers move corners by less than a texel: Vulkan asks for at least 4 sub-pixel bits.)
+fn sides_of(space: &LightSpace, size: u32) -> [DVec4; 4] {
+    let clip_from_world: DMat4 = space.clip_from_world().as_dmat4();
+    let world_from_clip_rows = clip_from_world.transpose();
+    let x = world_from_clip_rows.x_axis;
+    let y = world_from_clip_rows.y_axis;
+    // The map spans two units of clip space.
+    let one_texel = 2.0 / f64::from(size.max(1));
+    let w = world_from_clip_rows.w_axis * (1.0 + one_texel);
+    // As in Gribb and Hartmann 2001, "Fast extraction of viewing frustum planes from the world-view-projection matrix".
+    [w + x, w - x, w + y, w - y]
+}
+
+/// Returns whether a box lies wholly on the outer side of one of the planes. A box with NaN does not.
+fn is_beside(bounds: &Aabb, sides: &[DVec4; 4]) -> bool {
+    let centre: DVec3 = (bounds.min.as_dvec3() + bounds.max.as_dvec3()) * 0.5;
+    let half: DVec3 = (bounds.max.as_dvec3() - bounds.min.as_dvec3()) * 0.5;
+    sides.iter().any(|side| {
+        let normal = side.truncate();
+        let farthest_inside = normal.dot(centre) + side.w + normal.abs().dot(half);
+        farthest_inside < 0.0
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Instance, Mesh, Scene, light_space};
+    use glam::{Affine3A, Mat4, Vec3};
+
+    /// A small triangle around a point.
+    fn triangle(at: Vec3) -> [Vec3; 3] {
+        [at, at + Vec3::X * 0.1, at + Vec3::Y * 0.1]
+    }
+
+    /// 64 triangles at each of these places: a run each.
+    fn geometry(places: &[Vec3]) -> Geometry {
+        let positions: Vec<Vec3> = places
+            .iter()
+            .flat_map(|&at| std::iter::repeat_n(triangle(at), 64).flatten())
+            .collect();
+        let triangles = (0..positions.len() as u32 / 3)
+            .map(|t| [3 * t, 3 * t + 1, 3 * t + 2])
+            .collect();
+        let scene = Scene {
+            meshes: vec![Mesh::new("triangles", positions, triangles).expect("valid")],
+            instances: vec![Instance::new(0, Affine3A::IDENTITY)],
+            ..Scene::default()
+        };
+        Geometry::bake(&scene).expect("valid")
+    }
+
+    /// Looks along -z from the origin, 90 degrees wide.
+    fn space() -> LightSpace {
+        LightSpace {
+            view_from_world: Mat4::IDENTITY,
+            clip_from_view: light_space::perspective(std::f32::consts::FRAC_PI_2, 1.0, 0.1, 100.0)
+                .expect("valid"),
+        }
+    }
+
+    #[test]
+    fn what_lies_beside_or_behind_is_left_out() {
+        let before = Vec3::new(0.0, 0.0, -5.0);
+        let beside = Vec3::new(20.0, 0.0, -5.0);
+        let behind = Vec3::new(0.0, 0.0, 5.0);
+        let at_the_rim = Vec3::new(5.05, 0.0, -5.0);
+        let set = CasterSet::shown_in(
+            &geometry(&[before, beside, behind, at_the_rim, beside]),
+            &space(),
+            64,
+        );
+        assert_eq!(set, CasterSet::Runs([0..64, 192..256].into()));
+        assert!(CasterSet::shown_in(&geometry(&[behind]), &space(), 64).is_empty());
+        let all = CasterSet::shown_in(&geometry(&[before, before]), &space(), 64);
+        assert_eq!(all, CasterSet::All);
+    }
+
+    #[test]
+    fn small_gaps_are_drawn_too() {
+        let before = Vec3::new(0.0, 0.0, -5.0);
+        let behind = Vec3::new(0.0, 0.0, 5.0);
+        let mut places = vec![before; 70];
+        places[7] = behind;
+        let set = CasterSet::shown_in(&geometry(&places), &space(), 64);
+        assert_eq!(set, CasterSet::All, "a gap of 64 triangles of 4480");
+    }
+}
