@@ -9,17 +9,17 @@ use glam::{Mat4, Vec2, Vec3};
 use umbrage_core::{Simd, SimdTask, Span, math::dot3};
 
 /// How many receivers are projected before the taps begin.
-pub(crate) const BATCH: usize = 64;
+pub const BATCH: usize = 64;
 
 /// What a technique makes of one lookup. A trait and not a closure, since a method can insist on being inlined into the
 /// loop that is compiled for vector instructions: mark it `#[inline(always)]`.
-pub(crate) trait Taps {
+pub trait Taps {
     /// Visibility 0..=1; `offset` is the pixel's place in the span.
     fn visibility(&self, l: &ShadowCoord, offset: usize) -> f32;
 }
 
 /// What a technique makes of a batch of lookups: all that has [`Taps`] follows one at a time.
-pub(crate) trait BatchTaps {
+pub trait BatchTaps {
     /// Visibilities 0..=1, as many as `out` holds; `first` is the first pixel's place in the span.
     fn visibilities(&self, batch: &Batch, first: usize, out: &mut [f32]);
 }
@@ -38,9 +38,10 @@ impl<T: Taps> BatchTaps for T {
     }
 }
 
-/// Looks up a span of receivers.
+/// Looks up a span of receivers in the map of `m`, and fills `out`, as long as the span, with what `taps` makes of them.
+/// Receivers that the map can say nothing of ([`ShadowCoord::seen`]) are lit.
 #[inline]
-pub(crate) fn look_up_span(
+pub fn look_up_span(
     simd: Simd,
     m: &ShadowMapUniforms,
     span: &Span<'_>,
@@ -76,8 +77,9 @@ struct LookUpSpan<'a, T, const WAY: u8> {
     taps: &'a T,
 }
 
-/// Lookups, an array a field.
-pub(crate) struct Batch {
+/// The places on the map of up to [`BATCH`] receivers, an array a field.
+#[derive(Clone, Debug)]
+pub struct Batch {
     x: [f32; BATCH],
     y: [f32; BATCH],
     depth: [f32; BATCH],
@@ -90,9 +92,9 @@ pub(crate) struct Batch {
 }
 
 impl Batch {
-    /// One of them.
+    /// Returns the place on the map of receiver `i` of the batch.
     #[inline(always)]
-    pub(crate) fn lookup(&self, i: usize) -> ShadowCoord {
+    pub fn lookup(&self, i: usize) -> ShadowCoord {
         let (texel, gradient) = (
             Vec2::new(self.x[i], self.y[i]),
             Vec2::new(self.right[i], self.down[i]),

@@ -1,5 +1,6 @@
-//! Lookups of many receivers at once on the CPU, in vector lanes.
+//! Lookups of many receivers at once on the CPU, in vector lanes. Kernels of a map technique hand their span to
+//! [`look_up_span`](batch::look_up_span) and say with [`Taps`](batch::Taps) what they make of one receiver's place on the map.
 
-pub(crate) mod batch;
-pub(crate) mod plane;
-pub(crate) mod square;
+pub mod batch;
+mod plane;
+pub mod square;

@@ -23,6 +23,6 @@ pub mod packing;
 pub(crate) mod position_error;
 mod settings;
 
-pub use between::{BetweenKernel, BetweenUniforms};
+pub use between::BetweenKernel;
 pub use bias::{Bias, Footprint};
 pub use settings::{BeyondFar, Border, MapFormat, Maps, SIDE_STEP, ShadowMap, Surface};
