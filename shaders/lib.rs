@@ -22,8 +22,7 @@ pub use listing::{
 pub use registry::*;
 pub use shading::blinn_phong::{BlinnPhong, BlinnPhongKernel, BlinnPhongUniforms, Shading};
 pub use shadow_map::{
-    BetweenKernel, BetweenUniforms, BeyondFar, Bias, Border, Footprint, MapFormat, ShadowMap,
-    Surface,
+    BetweenKernel, BeyondFar, Bias, Border, Footprint, MapFormat, ShadowMap, Surface,
 };
 pub use techniques::hard::HardKernel;
 pub use techniques::pcf::{MAX_RADIUS, PcfKernel, PcfUniforms};

@@ -1,21 +1,67 @@
-//! Says which golden images differ from what is rendered now, or writes those named: `cargo xtask bless`.
+//! Says which kept files (golden images, the README's table of techniques) differ from what is made now, or writes those
+//! named: `cargo xtask bless`.
 
-use std::process::ExitCode;
-use umbrage_tests::golden::{Golden, all};
+use std::{path::PathBuf, process::ExitCode};
+use umbrage_tests::{
+    golden::{self, Golden},
+    technique_table,
+};
+
+/// A file that is kept, and can be made anew.
+enum Kept {
+    Golden(Golden),
+    TechniqueTable,
+}
+
+impl Kept {
+    fn all() -> Vec<Self> {
+        let goldens = golden::all().into_iter().map(Self::Golden);
+        goldens.chain([Self::TechniqueTable]).collect()
+    }
+
+    fn name(&self) -> String {
+        match self {
+            Self::Golden(golden) => golden.name(),
+            Self::TechniqueTable => technique_table::NAME.to_owned(),
+        }
+    }
+
+    fn path(&self) -> PathBuf {
+        match self {
+            Self::Golden(golden) => golden.path(),
+            Self::TechniqueTable => technique_table::path(),
+        }
+    }
+
+    fn check(&self) -> Result<(), String> {
+        match self {
+            Self::Golden(golden) => golden.check(),
+            Self::TechniqueTable => technique_table::check(),
+        }
+    }
+
+    fn bless(&self) -> Result<(), String> {
+        match self {
+            Self::Golden(golden) => golden.bless(),
+            Self::TechniqueTable => technique_table::bless(),
+        }
+    }
+}
 
 fn main() -> ExitCode {
     let names: Vec<String> = std::env::args().skip(1).collect();
-    let known: Vec<String> = all().iter().map(Golden::name).collect();
+    let all = Kept::all();
+    let known: Vec<String> = all.iter().map(Kept::name).collect();
     if let Some(unknown) = names.iter().find(|n| *n != "--all" && !known.contains(n)) {
         eprintln!(
-            "error: there is no golden image `{unknown}`; use some of {}",
+            "error: nothing kept is called `{unknown}`; use some of {}",
             known.join(", ")
         );
         return ExitCode::from(2);
     }
-    let faults = all()
+    let faults = all
         .iter()
-        .filter_map(|g| visit(g, &names).err())
+        .filter_map(|kept| visit(kept, &names).err())
         .map(|why| eprintln!("error: {why}"))
         .count();
     if faults == 0 {
@@ -25,20 +71,20 @@ fn main() -> ExitCode {
     }
 }
 
-fn visit(golden: &Golden, names: &[String]) -> Result<(), String> {
-    let (name, path) = (golden.name(), golden.path());
-    let Err(why) = golden.check() else {
+fn visit(kept: &Kept, names: &[String]) -> Result<(), String> {
+    let (name, path) = (kept.name(), kept.path());
+    let Err(why) = kept.check() else {
         println!("same     {}", path.display());
         return Ok(());
     };
     if names.iter().all(|n| *n != name && n != "--all") {
         println!(
-            "differs  {} ({why}); to keep what is rendered now: cargo xtask bless {name}",
+            "differs  {} ({why}); to keep what is made now: cargo xtask bless {name}",
             path.display()
         );
         return Ok(());
     }
-    golden.bless()?;
+    kept.bless()?;
     println!(
         "written  {}: look at it before you commit it",
         path.display()

@@ -7,4 +7,5 @@ pub mod layouts;
 pub mod painted;
 pub mod random_scene;
 pub mod stage;
+pub mod technique_table;
 pub mod twins;

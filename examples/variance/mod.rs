@@ -4,12 +4,13 @@
 
 use std::sync::Arc;
 use umbrage::{
-    Cast, Filter, FilterKernel, Format, ImageDesc, Inputs, Kernel, Layout, Module, PlanError,
-    Receive, ReceiveKernel, Recipe, ShadowTechnique, Span, UniformLayout, Uniforms, View,
+    FilterKernel, Format, ImageDesc, ImageView, Inputs, Kernel, Layout, Module, PlanError,
+    ReceiveKernel, Recipe, ShadowTechnique, Span, UniformBlock, View,
     glam::{IVec2, UVec2},
     techniques::{
-        ShadowMap,
-        shadow_map::{coord::shadow_coord, layers::ShadowMapUniforms},
+        Footprint, MapFormat, ShadowMap, Surface,
+        lanes::batch::{Taps, look_up_span},
+        shadow_map::{coord::ShadowCoord, layers::ShadowMapUniforms},
     },
     uniforms,
 };
@@ -40,69 +41,39 @@ impl ShadowTechnique for Variance {
     }
 
     fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
-        // One map: the filters below would do for six as well.
+        // One map of plain depth: the filters below would do for six as well.
         let map = ShadowMap {
             layout: Layout::Single,
+            surface: Surface::Nearest,
+            format: MapFormat::Depth32,
             ..self.map
         };
         let spaces = map.spaces(view, self.radius as f32)?;
-        let image = |label, format| ImageDesc {
+        let image = |label| ImageDesc {
             label,
-            size: UVec2::splat(self.map.size),
+            size: UVec2::splat(map.size),
             layers: 1,
-            format,
+            format: Format::Rg32,
         };
         let blur = |x, y| {
-            Blur(BlurUniforms {
+            Arc::new(Blur(BlurUniforms {
                 step: IVec2::new(x, y),
                 radius: self.radius as i32,
-                size: self.map.size as i32,
-            })
+                size: map.size as i32,
+            }))
         };
-        let filter = |kernel: Arc<dyn FilterKernel>, input, output| Filter {
-            kernel,
-            inputs: vec![input],
-            tables: Vec::new(),
-            output,
-        };
-        let lookup = ShadowMapUniforms::new(&map, view, &spaces);
-        let receive = Chebyshev(ChebyshevUniforms {
-            lookup,
+        let reach = self.radius as f32;
+        let mut maps = map.maps(&spaces, Footprint::Taps { reach });
+        let moments = maps.image(image("moments"));
+        let blurred_once = maps.image(image("blurred once"));
+        maps.filter(Arc::new(Moments), vec![maps.map], moments);
+        maps.filter(blur(1, 0), vec![moments], blurred_once);
+        maps.filter(blur(0, 1), vec![blurred_once], moments);
+        maps.map = moments;
+        Ok(maps.recipe(Chebyshev(ChebyshevUniforms {
+            lookup: ShadowMapUniforms::new(&map, view, &spaces),
             least_variance: self.least_variance,
-        });
-        Ok(Recipe {
-            images: vec![
-                image("depth", Format::Depth32),
-                image("moments", Format::Rg32),
-                image("blurred once", Format::Rg32),
-            ],
-            tables: Vec::new(),
-            casts: vec![Cast {
-                cull: self.map.bias.cull,
-                bias: self.map.bias.raster,
-                ..Cast::nearest(0, 0, spaces.spaces[0])
-            }],
-            filters: vec![
-                filter(Arc::new(Moments), 0, 1),
-                filter(Arc::new(blur(1, 0)), 1, 2),
-                filter(Arc::new(blur(0, 1)), 2, 1),
-            ],
-            receive: Receive {
-                kernel: Arc::new(receive),
-                inputs: vec![1],
-                tables: Vec::new(),
-            },
-            shade: None,
-            keep_images: false,
-        })
-    }
-}
-
-uniforms! {
-    /// Shaders want something bound.
-    pub struct NoUniforms {
-        /// Not read.
-        pub unused: f32,
+        })))
     }
 }
 
@@ -116,14 +87,6 @@ impl Kernel for Moments {
             name: "moments",
             text: include_str!("moments.wgsl"),
         }]
-    }
-
-    fn uniform_bytes(&self) -> Vec<u8> {
-        NoUniforms { unused: 0.0 }.to_bytes()
-    }
-
-    fn layout(&self) -> UniformLayout {
-        NoUniforms::layout()
     }
 }
 
@@ -160,12 +123,8 @@ impl Kernel for Blur {
         }]
     }
 
-    fn uniform_bytes(&self) -> Vec<u8> {
-        self.0.to_bytes()
-    }
-
-    fn layout(&self) -> UniformLayout {
-        BlurUniforms::layout()
+    fn uniforms(&self) -> Option<&dyn UniformBlock> {
+        Some(&self.0)
     }
 }
 
@@ -216,38 +175,44 @@ impl Kernel for Chebyshev {
             .collect()
     }
 
-    fn uniform_bytes(&self) -> Vec<u8> {
-        self.0.to_bytes()
-    }
-
-    fn layout(&self) -> UniformLayout {
-        ChebyshevUniforms::layout()
+    fn uniforms(&self) -> Option<&dyn UniformBlock> {
+        Some(&self.0)
     }
 }
 
 impl ReceiveKernel for Chebyshev {
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
-        let (u, image) = (&self.0, inputs.images[0]);
-        for (i, out) in out.iter_mut().enumerate() {
-            let l = shadow_coord(&u.lookup, span.position(i), span.normal(i));
-            let (x, y, size) = (
-                l.texel.x.floor() as i32,
-                l.texel.y.floor() as i32,
-                u.lookup.size as i32,
-            );
-            if !l.seen || x < 0 || y < 0 || x >= size || y >= size {
-                *out = 1.0;
-                continue;
-            }
-            let first = image.index(x, y, 0);
-            let (mean, square) = (image.texels[first], image.texels[first + 1]);
-            let variance = (square - mean * mean).max(u.least_variance);
-            let d = l.depth - mean;
-            *out = if l.depth <= mean {
-                1.0
-            } else {
-                variance / (variance + d * d)
-            };
+        let bound = Bound {
+            uniforms: &self.0,
+            moments: inputs.images[0],
+        };
+        // Finds each receiver's place on the map, in vector lanes, as the library's own techniques do.
+        look_up_span(inputs.simd, &self.0.lookup, span, out, &bound);
+    }
+}
+
+/// The bound at one receiver.
+struct Bound<'a> {
+    uniforms: &'a ChebyshevUniforms,
+    moments: ImageView<'a>,
+}
+
+impl Taps for Bound<'_> {
+    #[inline(always)]
+    fn visibility(&self, l: &ShadowCoord, _: usize) -> f32 {
+        let (x, y) = (l.texel.x.floor() as i32, l.texel.y.floor() as i32);
+        let size = self.uniforms.lookup.size as i32;
+        if x < 0 || y < 0 || x >= size || y >= size {
+            return 1.0;
         }
+        let first = self.moments.index(x, y, 0);
+        let mean = self.moments.texels[first];
+        let square = self.moments.texels[first + 1];
+        if l.depth <= mean {
+            return 1.0;
+        }
+        let variance = (square - mean * mean).max(self.uniforms.least_variance);
+        let d = l.depth - mean;
+        variance / (variance + d * d)
     }
 }

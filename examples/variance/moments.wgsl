@@ -1,9 +1,5 @@
 // Twin of `Moments` in variance.rs.
 
-struct NoUniforms {
-    unused: f32,
-}
-
 fn filter_texel(texel: vec2i, layer: i32) -> vec4f {
     let depth = load_0(texel, layer).x;
     return vec4f(depth, depth * depth, 0.0, 0.0);

@@ -18,8 +18,8 @@ use crate::{
 use glam::{UVec2, Vec2};
 use std::{ops::Range, sync::Arc};
 use umbrage_core::{
-    FilterKernel, Format, ImageDesc, ImageId, Inputs, Kernel, Module, SimdTask, UniformLayout,
-    Uniforms, uniforms,
+    FilterKernel, Format, ImageDesc, ImageId, Inputs, Kernel, Module, SimdTask, UniformBlock,
+    uniforms,
 };
 
 /// Most cells along a side. More tell casters apart better, but the work grows with their fourth power.
@@ -54,14 +54,14 @@ impl Cells {
     }
 }
 
-/// Adds the grid to what makes a map of `size` texels, the last image so far.
+/// Adds the grid to what makes a map of `size` texels.
 pub(crate) fn add(
     maps: &mut Maps,
     (size, packed): (u32, bool),
     shape: Shape,
     extent: LightExtent,
 ) -> ImageId {
-    let (cells, map) = (Cells::over(size), maps.images.len() - 1);
+    let (cells, map) = (Cells::over(size), maps.map);
     let layers = maps.images[map].layers;
     let image = |label, side| ImageDesc {
         label,
@@ -136,12 +136,8 @@ impl Kernel for DepthInReachKernel {
         vec![LIGHT_EXTENT, own]
     }
 
-    fn uniform_bytes(&self) -> Vec<u8> {
-        self.uniforms.to_bytes()
-    }
-
-    fn layout(&self) -> UniformLayout {
-        DepthInReachUniforms::layout()
+    fn uniforms(&self) -> Option<&dyn UniformBlock> {
+        Some(&self.uniforms)
     }
 }
 

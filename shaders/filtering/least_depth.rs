@@ -2,9 +2,7 @@
 
 use crate::shadow_map::{choices::stored_depth, packing::unpack_depth};
 use glam::{UVec2, Vec4};
-use umbrage_core::{
-    FilterKernel, Inputs, Kernel, Module, SimdTask, UniformLayout, Uniforms, uniforms,
-};
+use umbrage_core::{FilterKernel, Inputs, Kernel, Module, SimdTask, UniformBlock, uniforms};
 
 uniforms! {
     /// Uniforms of [`LeastDepthKernel`].
@@ -33,12 +31,8 @@ impl Kernel for LeastDepthKernel {
         stored_depth(self.packed).into_iter().chain([own]).collect()
     }
 
-    fn uniform_bytes(&self) -> Vec<u8> {
-        self.uniforms.to_bytes()
-    }
-
-    fn layout(&self) -> UniformLayout {
-        LeastDepthUniforms::layout()
+    fn uniforms(&self) -> Option<&dyn UniformBlock> {
+        Some(&self.uniforms)
     }
 }
 

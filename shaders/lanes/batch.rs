@@ -42,7 +42,8 @@ impl<T: Taps> BatchTaps for T {
     }
 }
 
-/// Looks up a span of receivers in a map, and writes what `taps` makes of each into `out`, of the span's length.
+/// Looks up a span of receivers in the map of `m`, and fills `out`, as long as the span, with what `taps` makes of them.
+/// Receivers that the map can say nothing of ([`ShadowCoord::seen`]) are lit.
 #[inline]
 pub fn look_up_span(
     simd: Simd,
@@ -83,7 +84,7 @@ impl<T: BatchTaps> SimdTask for FollowTaps<'_, T> {
 /// A number of each receiver of a batch.
 type Lanes<T> = [T; BATCH];
 
-/// Lookups, an array a field of [`ShadowCoord`].
+/// The places on the map of up to [`BATCH`] receivers, an array a field of [`ShadowCoord`].
 #[derive(Clone, Debug)]
 pub struct Batch {
     x: Lanes<f32>,
@@ -111,7 +112,7 @@ impl Batch {
         }
     }
 
-    /// Returns one of the lookups.
+    /// Returns the place on the map of receiver `i` of the batch.
     #[inline(always)]
     pub fn lookup(&self, i: usize) -> ShadowCoord {
         ShadowCoord {

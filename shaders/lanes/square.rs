@@ -6,7 +6,7 @@ use crate::shadow_map::{coord::ShadowCoord, texel_compare::DepthMap};
 /// How many taps of the square whose least texel is (x, y) are lit. None unless it lies wholly within the map and its
 /// rows may be read `LANES` wide; lanes beyond `SIDE` are not counted.
 #[inline(always)]
-pub(crate) fn square<const SIDE: usize, const LANES: usize>(
+pub fn square<const SIDE: usize, const LANES: usize>(
     map: &DepthMap<'_>,
     l: &ShadowCoord,
     x: i32,
@@ -40,9 +40,9 @@ pub(crate) fn square<const SIDE: usize, const LANES: usize>(
     Some(lit[..SIDE].iter().sum::<u32>() as f32)
 }
 
-/// The same for any square: taps outside the map count as lit.
+/// Counts the lit taps of the square with `side` texels a side whose least texel is (x, y): [`square`] of any side, anywhere.
 #[inline]
-pub(crate) fn one_by_one(map: &DepthMap<'_>, l: &ShadowCoord, [x, y]: [i32; 2], side: i32) -> f32 {
+pub fn one_by_one(map: &DepthMap<'_>, l: &ShadowCoord, x: i32, y: i32, side: i32) -> f32 {
     let mut lit = 0.0;
     for dy in 0..side {
         for dx in 0..side {

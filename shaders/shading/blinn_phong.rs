@@ -29,8 +29,8 @@ use glam::{Vec2, Vec3, Vec4};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
-    Camera, Invalid, Kernel, Light, Module, Recipe, Scene, Shade, ShadeKernel, Span, UniformLayout,
-    Uniforms, View, invalid::not_negative, math::dot3, uniforms,
+    Camera, Invalid, Kernel, Light, Module, Recipe, Scene, Shade, ShadeKernel, Span, UniformBlock,
+    View, invalid::not_negative, math::dot3, uniforms,
 };
 
 /// How a picture is lit. Colours are linear.
@@ -236,12 +236,8 @@ impl Kernel for BlinnPhongKernel {
         vec![TEXTURE, INTERPOLATION, SURFACE, LIGHTING, own]
     }
 
-    fn uniform_bytes(&self) -> Vec<u8> {
-        self.uniforms.to_bytes()
-    }
-
-    fn layout(&self) -> UniformLayout {
-        BlinnPhongUniforms::layout()
+    fn uniforms(&self) -> Option<&dyn UniformBlock> {
+        Some(&self.uniforms)
     }
 }
 

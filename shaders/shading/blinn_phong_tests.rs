@@ -2,6 +2,7 @@
 
 use super::*;
 use glam::{Affine3A, UVec2, Vec4};
+use umbrage_core::Uniforms;
 use umbrage_core::{Extents, Geometry, Instance, Material, Mesh, Texture, math::dot3};
 
 /// A quad of 2 x 2 m in y = 0 seen from above: u grows along x, v (down the texture) along z.

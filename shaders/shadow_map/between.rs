@@ -2,19 +2,11 @@
 
 use glam::UVec2;
 use std::sync::Arc;
-use umbrage_core::{FilterKernel, Inputs, Kernel, Module, UniformLayout, Uniforms, uniforms};
+use umbrage_core::{FilterKernel, Inputs, Kernel, Module};
 
 /// From two images of depth to their mean.
 pub(crate) fn between() -> Arc<dyn FilterKernel> {
     Arc::new(BetweenKernel)
-}
-
-uniforms! {
-    /// Uniforms of [`BetweenKernel`]: shaders want something bound.
-    pub struct BetweenUniforms {
-        /// Not read.
-        pub unused: f32,
-    }
 }
 
 /// The mean of two images.
@@ -27,14 +19,6 @@ impl Kernel for BetweenKernel {
             name: "between",
             text: include_str!("between.wgsl"),
         }]
-    }
-
-    fn uniform_bytes(&self) -> Vec<u8> {
-        BetweenUniforms { unused: 0.0 }.to_bytes()
-    }
-
-    fn layout(&self) -> UniformLayout {
-        BetweenUniforms::layout()
     }
 }
 

@@ -26,6 +26,6 @@ pub(crate) mod position_error;
 mod settings;
 pub mod texel_compare;
 
-pub use between::{BetweenKernel, BetweenUniforms};
+pub use between::BetweenKernel;
 pub use bias::{Bias, Footprint};
 pub use settings::{BeyondFar, Border, MapFormat, Maps, SIDE_STEP, ShadowMap, Surface};

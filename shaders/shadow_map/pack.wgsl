@@ -1,9 +1,5 @@
 // Twin of `PackKernel` in packing.rs.
 
-struct PackUniforms {
-    unused: f32,
-}
-
 fn filter_texel(texel: vec2i, layer: i32) -> vec4f {
     return pack_depth(load_0(texel, layer).x);
 }

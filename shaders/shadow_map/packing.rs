@@ -8,9 +8,7 @@
 
 use glam::{UVec2, Vec4};
 use std::sync::Arc;
-use umbrage_core::{
-    FilterKernel, Inputs, Kernel, MATH, Module, Twin, UniformLayout, Uniforms, twin, uniforms,
-};
+use umbrage_core::{FilterKernel, Inputs, Kernel, MATH, Module, Twin, twin};
 
 /// The WGSL half.
 pub const PACKING: Module = Module {
@@ -44,14 +42,6 @@ pub(crate) fn pack() -> Arc<dyn FilterKernel> {
     Arc::new(PackKernel)
 }
 
-uniforms! {
-    /// Uniforms of [`PackKernel`]: shaders want something bound.
-    pub struct PackUniforms {
-        /// Not read.
-        pub unused: f32,
-    }
-}
-
 /// Packs an image.
 #[derive(Clone, Copy, Debug)]
 pub struct PackKernel;
@@ -65,14 +55,6 @@ impl Kernel for PackKernel {
                 text: include_str!("pack.wgsl"),
             },
         ]
-    }
-
-    fn uniform_bytes(&self) -> Vec<u8> {
-        PackUniforms { unused: 0.0 }.to_bytes()
-    }
-
-    fn layout(&self) -> UniformLayout {
-        PackUniforms::layout()
     }
 }
 

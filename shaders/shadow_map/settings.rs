@@ -5,9 +5,9 @@ use glam::UVec2;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
-    Cast, CastMode, Filter, Fit, Format, ImageDesc, ImageId, Invalid, Layout, LightSpaces,
-    MAX_SIDE, PlanError, RasterBias, Receive, ReceiveKernel, Receivers, Recipe, Source, View,
-    footprint::side_for,
+    Cast, CastMode, Filter, FilterKernel, Fit, Format, ImageDesc, ImageId, Invalid, Layout,
+    LightSpaces, MAX_SIDE, PlanError, RasterBias, Receive, ReceiveKernel, Receivers, Recipe,
+    Source, View, footprint::side_for,
 };
 
 /// Sides that [`ShadowMap::sized_for`] answers are multiples of this, texels.
@@ -174,9 +174,8 @@ impl ShadowMap {
         Ok(map)
     }
 
-    /// The images, casts and filters that make the map: a recipe still without its lookup. The map to look up is the last
-    /// image: of depth, or `R32` ([`Surface::Midpoint`]), or `Rgba8` ([`MapFormat::Rgba8`]). `footprint` is
-    /// what will look it up.
+    /// Returns the images, casts and filters that make the map: a recipe still without its lookup. `footprint` is what will
+    /// look it up.
     pub fn maps(&self, spaces: &LightSpaces, footprint: Footprint) -> Maps {
         let depth = if self.format == MapFormat::Depth16 {
             Format::Depth16
@@ -185,6 +184,7 @@ impl ShadowMap {
         };
         let mut maps = Maps::default();
         let nearest = maps.image(self.desc("shadow map", depth, spaces));
+        maps.map = nearest;
         // Peeling compares depths of one surface with itself, which a polygon offset would part.
         let peeled = self.surface == Surface::Midpoint;
         let raster = if peeled {
@@ -198,10 +198,12 @@ impl ShadowMap {
             self.cast(&mut maps, spaces, second, CastMode::Behind(nearest), raster);
             let middle = maps.image(self.desc("midpoint", Format::R32, spaces));
             maps.filter(between::between(), vec![nearest, second], middle);
+            maps.map = middle;
         }
         if self.format == MapFormat::Rgba8 {
             let packed = maps.image(self.desc("packed depth", Format::Rgba8, spaces));
-            maps.filter(packing::pack(), vec![packed - 1], packed);
+            maps.filter(packing::pack(), vec![maps.map], packed);
+            maps.map = packed;
         }
         maps
     }
@@ -238,9 +240,12 @@ impl ShadowMap {
         }
     }
 
-    /// The recipe of a technique that draws maps and looks them up with `kernel`, which reaches `reach` texels beyond the
-    /// receiver's own.
-    pub(crate) fn recipe<K: ReceiveKernel + 'static>(
+    /// Returns the recipe of a technique that draws maps and looks them up with the kernel that `kernel` makes of their
+    /// uniforms. It reaches `reach` texels beyond the receiver's own.
+    ///
+    /// # Errors
+    /// As [`ShadowMap::spaces`].
+    pub fn recipe<K: ReceiveKernel + 'static>(
         &self,
         view: &View<'_>,
         reach: f32,
@@ -271,6 +276,9 @@ impl ShadowMap {
 /// What makes a map: see [`ShadowMap::maps`].
 #[derive(Clone, Debug, Default)]
 pub struct Maps {
+    /// The image that is looked up: of depth, or `R32` ([`Surface::Midpoint`]), or `Rgba8` ([`MapFormat::Rgba8`]). Whoever
+    /// filters it further puts the result here.
+    pub map: ImageId,
     /// As [`Recipe::images`].
     pub images: Vec<ImageDesc>,
     /// As [`Recipe::casts`].
@@ -280,17 +288,14 @@ pub struct Maps {
 }
 
 impl Maps {
-    pub(crate) fn image(&mut self, desc: ImageDesc) -> ImageId {
+    /// Adds an image and returns its id.
+    pub fn image(&mut self, desc: ImageDesc) -> ImageId {
         self.images.push(desc);
         self.images.len() - 1
     }
 
-    pub(crate) fn filter(
-        &mut self,
-        kernel: Arc<dyn umbrage_core::FilterKernel>,
-        inputs: Vec<ImageId>,
-        output: ImageId,
-    ) {
+    /// Adds a filter that makes the image `output` from the images `inputs`.
+    pub fn filter(&mut self, kernel: Arc<dyn FilterKernel>, inputs: Vec<ImageId>, output: ImageId) {
         self.filters.push(Filter {
             kernel,
             inputs,
@@ -299,9 +304,9 @@ impl Maps {
         });
     }
 
-    /// The recipe that looks up the last image alone.
+    /// Returns the recipe whose kernel looks up [`Maps::map`] alone.
     pub fn recipe<K: ReceiveKernel + 'static>(self, kernel: K) -> Recipe {
-        let inputs = vec![self.images.len() - 1];
+        let inputs = vec![self.map];
         Recipe {
             images: self.images,
             tables: Vec::new(),

@@ -16,7 +16,7 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
     Fit, Inputs, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span,
-    UniformLayout, Uniforms, View,
+    UniformBlock, View,
 };
 
 /// One comparison a receiver.
@@ -108,12 +108,8 @@ impl Kernel for HardKernel {
             .collect()
     }
 
-    fn uniform_bytes(&self) -> Vec<u8> {
-        self.0.to_bytes()
-    }
-
-    fn layout(&self) -> UniformLayout {
-        MapOnlyUniforms::layout()
+    fn uniforms(&self) -> Option<&dyn UniformBlock> {
+        Some(&self.0)
     }
 }
 

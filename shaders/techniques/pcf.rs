@@ -19,7 +19,7 @@ use crate::{
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
     Asks, Fit, Inputs, Invalid, Kernel, Light, Module, PlanError, ReceiveKernel, Recipe,
-    ShadowTechnique, Span, UniformLayout, Uniforms, View, uniforms,
+    ShadowTechnique, Span, UniformBlock, View, uniforms,
 };
 
 /// Greatest radius accepted: 1,089 taps.
@@ -154,12 +154,8 @@ impl Kernel for PcfKernel {
             .collect()
     }
 
-    fn uniform_bytes(&self) -> Vec<u8> {
-        self.0.to_bytes()
-    }
-
-    fn layout(&self) -> UniformLayout {
-        PcfUniforms::layout()
+    fn uniforms(&self) -> Option<&dyn UniformBlock> {
+        Some(&self.0)
     }
 }
 
@@ -233,7 +229,7 @@ impl<const SIDE: usize, const LANES: usize> Taps for SquareOfTaps<'_, SIDE, LANE
         } else {
             None
         };
-        in_lanes.unwrap_or_else(|| square::one_by_one(&self.map, l, [x, y], 2 * self.radius + 1))
+        in_lanes.unwrap_or_else(|| square::one_by_one(&self.map, l, x, y, 2 * self.radius + 1))
             / self.count
     }
 }

@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
     Asks, Fit, Inputs, Invalid, Kernel, Light, Module, PlanError, ReceiveKernel, Recipe,
-    ShadowTechnique, Simd, SimdTask, Span, UniformLayout, Uniforms, View, uniforms,
+    ShadowTechnique, Simd, SimdTask, Span, UniformBlock, View, uniforms,
 };
 
 /// Greatest radius accepted, texels.
@@ -235,12 +235,8 @@ impl Kernel for PcfDiscKernel {
             .collect()
     }
 
-    fn uniform_bytes(&self) -> Vec<u8> {
-        self.uniforms.to_bytes()
-    }
-
-    fn layout(&self) -> UniformLayout {
-        PcfDiscUniforms::layout()
+    fn uniforms(&self) -> Option<&dyn UniformBlock> {
+        Some(&self.uniforms)
     }
 }
 

@@ -15,7 +15,7 @@ use glam::UVec2;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
     Asks, Fit, Inputs, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span,
-    UniformLayout, Uniforms, View,
+    UniformBlock, View,
 };
 
 /// Four dithered comparisons.
@@ -85,12 +85,8 @@ impl Kernel for PcfDitheredKernel {
             .collect()
     }
 
-    fn uniform_bytes(&self) -> Vec<u8> {
-        self.0.to_bytes()
-    }
-
-    fn layout(&self) -> UniformLayout {
-        MapOnlyUniforms::layout()
+    fn uniforms(&self) -> Option<&dyn UniformBlock> {
+        Some(&self.0)
     }
 }
 

@@ -24,7 +24,7 @@ use crate::{
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
     Asks, Fit, Inputs, Invalid, Kernel, Light, Module, PlanError, ReceiveKernel, Recipe,
-    ShadowTechnique, Span, UniformLayout, Uniforms, View, uniforms,
+    ShadowTechnique, Span, UniformBlock, View, uniforms,
 };
 
 /// A square of samples.
@@ -201,12 +201,8 @@ impl Kernel for HardwareKernel {
             .collect()
     }
 
-    fn uniform_bytes(&self) -> Vec<u8> {
-        self.0.to_bytes()
-    }
-
-    fn layout(&self) -> UniformLayout {
-        HardwareUniforms::layout()
+    fn uniforms(&self) -> Option<&dyn UniformBlock> {
+        Some(&self.0)
     }
 
     fn compares(&self) -> bool {

@@ -25,7 +25,7 @@ use glam::{Vec2, Vec4};
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
     Asks, Fit, Inputs, Kernel, Light, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique,
-    Span, UniformLayout, Uniforms, View, uniforms,
+    Span, UniformBlock, View, uniforms,
 };
 
 /// A smooth filter.
@@ -186,12 +186,8 @@ impl Kernel for MergedKernel {
             .collect()
     }
 
-    fn uniform_bytes(&self) -> Vec<u8> {
-        self.0.to_bytes()
-    }
-
-    fn layout(&self) -> UniformLayout {
-        MergedUniforms::layout()
+    fn uniforms(&self) -> Option<&dyn UniformBlock> {
+        Some(&self.0)
     }
 
     fn compares(&self) -> bool {

@@ -71,7 +71,7 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
     Asks, Fit, ImageView, Inputs, Kernel, Light, Module, PlanError, ReceiveKernel, Recipe,
-    ShadowTechnique, Simd, SimdTask, Span, UniformLayout, Uniforms, View, uniforms,
+    ShadowTechnique, Simd, SimdTask, Span, UniformBlock, View, uniforms,
 };
 
 /// Penumbrae as wide as the light makes them.
@@ -143,7 +143,7 @@ impl ShadowTechnique for Pcss {
             cell: Cells::over(size).side(),
         };
         let mut maps = self.map.maps(&spaces, Footprint::Taps { reach: 1.0 });
-        let map = maps.images.len() - 1;
+        let map = maps.map;
         let packed = self.map.format == MapFormat::Rgba8;
         let in_reach = depth_in_reach::add(&mut maps, (size, packed), pattern.shape, extent);
         let table = pattern.table.clone();
@@ -312,12 +312,8 @@ impl Kernel for PcssKernel {
             .collect()
     }
 
-    fn uniform_bytes(&self) -> Vec<u8> {
-        self.uniforms.to_bytes()
-    }
-
-    fn layout(&self) -> UniformLayout {
-        PcssUniforms::layout()
+    fn uniforms(&self) -> Option<&dyn UniformBlock> {
+        Some(&self.uniforms)
     }
 }
 

@@ -33,8 +33,7 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
     Cast, Format, Geometry, ImageDesc, Inputs, Invalid, Kernel, Module, PlanError, Receive,
-    ReceiveKernel, Recipe, ShadowTechnique, Source, Span, Table, UniformLayout, Uniforms, View,
-    uniforms,
+    ReceiveKernel, Recipe, ShadowTechnique, Source, Span, Table, UniformBlock, View, uniforms,
 };
 
 /// Most planes accepted: what every device has in layers.
@@ -194,12 +193,8 @@ impl Kernel for PlanarKernel {
         ]
     }
 
-    fn uniform_bytes(&self) -> Vec<u8> {
-        self.uniforms.to_bytes()
-    }
-
-    fn layout(&self) -> UniformLayout {
-        PlanarUniforms::layout()
+    fn uniforms(&self) -> Option<&dyn UniformBlock> {
+        Some(&self.uniforms)
     }
 
     fn needs_triangles(&self) -> bool {

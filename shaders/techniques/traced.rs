@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
     Aabb, Asks, Bvh, Fit, Geometry, Inputs, Invalid, Kernel, Light, Module, PlanError, Receive,
-    ReceiveKernel, Recipe, ShadowTechnique, Span, Table, UniformLayout, Uniforms, View,
+    ReceiveKernel, Recipe, ShadowTechnique, Span, Table, UniformBlock, View,
     bvh::{HIT, SLAB},
     light_sample::{LIGHT_SAMPLE, LightSampler, origin_offset, seed, segment, unit_square},
     math::dot3,
@@ -203,12 +203,8 @@ impl Kernel for TracedKernel {
         ]
     }
 
-    fn uniform_bytes(&self) -> Vec<u8> {
-        self.uniforms.to_bytes()
-    }
-
-    fn layout(&self) -> UniformLayout {
-        TracedUniforms::layout()
+    fn uniforms(&self) -> Option<&dyn UniformBlock> {
+        Some(&self.uniforms)
     }
 }
 

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
     Asks, Inputs, Kernel, Module, PlanError, Receive, ReceiveKernel, Recipe, ShadowTechnique, Span,
-    UniformLayout, Uniforms, View, uniforms,
+    UniformBlock, View, uniforms,
 };
 
 /// No shadows. There is nothing to set.
@@ -88,12 +88,8 @@ impl Kernel for UnshadowedKernel {
         ]
     }
 
-    fn uniform_bytes(&self) -> Vec<u8> {
-        self.0.to_bytes()
-    }
-
-    fn layout(&self) -> UniformLayout {
-        UnshadowedUniforms::layout()
+    fn uniforms(&self) -> Option<&dyn UniformBlock> {
+        Some(&self.0)
     }
 }
 

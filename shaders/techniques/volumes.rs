@@ -46,8 +46,7 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
     Cast, CastMode, Faces, Format, ImageDesc, Inputs, Kernel, Module, PlanError, RasterBias,
-    Receive, ReceiveKernel, Recipe, ShadowTechnique, Source, Span, UniformLayout, Uniforms, View,
-    uniforms,
+    Receive, ReceiveKernel, Recipe, ShadowTechnique, Source, Span, UniformBlock, View, uniforms,
 };
 
 /// How volumes' faces are drawn behind their place. A wall that begins at the edge of a seen surface has the surface's depth
@@ -203,12 +202,8 @@ impl Kernel for VolumesKernel {
         ]
     }
 
-    fn uniform_bytes(&self) -> Vec<u8> {
-        self.0.to_bytes()
-    }
-
-    fn layout(&self) -> UniformLayout {
-        VolumesUniforms::layout()
+    fn uniforms(&self) -> Option<&dyn UniformBlock> {
+        Some(&self.0)
     }
 }
 

@@ -5,3 +5,4 @@ mod goldens;
 mod layouts;
 mod light_matrices;
 mod messages;
+mod technique_table;

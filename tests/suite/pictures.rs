@@ -7,7 +7,7 @@
 use std::sync::Arc;
 use umbrage_core::{
     Backend as _, Geometry, Kernel, Module, Recipe, ShadeKernel, ShadowTechnique, Shadows, Span,
-    UniformLayout, Uniforms as _, View, join, picture,
+    UniformBlock, Uniforms as _, View, join, picture,
 };
 use umbrage_cpu::Cpu;
 use umbrage_techniques::{Bias, BlinnPhong, BlinnPhongUniforms, Hard, ShadowMap, Traced};
@@ -153,12 +153,8 @@ impl Kernel for Spoilt {
         self.kernel.modules().into_iter().map(spoil).collect()
     }
 
-    fn uniform_bytes(&self) -> Vec<u8> {
-        self.kernel.uniform_bytes()
-    }
-
-    fn layout(&self) -> UniformLayout {
-        self.kernel.layout()
+    fn uniforms(&self) -> Option<&dyn UniformBlock> {
+        self.kernel.uniforms()
     }
 }
 
@@ -179,8 +175,9 @@ fn uniforms_lie_where_the_shader_reads_them() {
             .expect("it shades");
         layouts::check(&BlinnPhongUniforms::layout(), &join(&kernel.modules()))
             .expect("same layout");
+        let uniforms = kernel.uniforms().expect("it has some");
         assert!(
-            kernel.uniform_bytes().len() as u64 >= kernel.layout().size,
+            uniforms.uniform_bytes().len() as u64 >= uniforms.uniform_layout().size,
             "too few bytes"
         );
         checked += 1;

@@ -24,7 +24,8 @@ fn the_yardstick_is_the_same_work_on_both_backends() {
     );
     for yardstick in [short, long] {
         let kernel = &yardstick.recipe.receive.kernel;
-        check(&kernel.layout(), &join(&kernel.modules()))
+        let uniforms = kernel.uniforms().expect("it has some");
+        check(&uniforms.uniform_layout(), &join(&kernel.modules()))
             .expect("uniforms lie where the shader reads them");
         let mine = Cpu::new()
             .render(&view, &yardstick.recipe)

@@ -1,13 +1,13 @@
 //! Kernels: one function written twice. A kernel cannot exist on one side only, since its trait asks for both halves.
 
-use crate::{Asks, ImageView, Module, Simd, Span, UniformLayout};
+use crate::{Asks, ImageView, Module, Simd, Span, UniformBlock};
 use glam::{UVec2, Vec3};
 use std::fmt::Debug;
 
 /// The WGSL half, and what both halves share.
 ///
 /// The player puts before the modules: [`MATH`](crate::MATH); `struct Receiver { position: vec3f, normal: vec3f, pixel: vec2u,
-/// triangle: u32 }`; `var<uniform> kernel: NAME` with the uniform struct that the modules declare; for input image `i` the
+/// triangle: u32 }`; `var<uniform> kernel: NAME` with the uniform struct that the modules declare, if there is one; for input image `i` the
 /// functions `load_i(texel: vec2i, layer: i32) -> vec4f` and `size_i() -> vec2i` (a function, so that one compiled shader
 /// serves maps of all sizes); for input table `j` a `var<storage> table_j: array<vec4u>`. Texels passed to `load_i` must
 /// lie within the image. If [`compares`](Kernel::compares) says so, then for every input image `i` of depth also
@@ -17,10 +17,10 @@ use std::fmt::Debug;
 pub trait Kernel: Debug + Send + Sync {
     /// WGSL modules in order; the last one has the entry function.
     fn modules(&self) -> Vec<Module>;
-    /// The uniform struct's bytes ([`Uniforms::to_bytes`](crate::Uniforms::to_bytes)).
-    fn uniform_bytes(&self) -> Vec<u8>;
-    /// The uniform struct's layout.
-    fn layout(&self) -> UniformLayout;
+    /// The uniform struct; `None` for kernels that read no uniforms, whose WGSL half has no `kernel` then.
+    fn uniforms(&self) -> Option<&dyn UniformBlock> {
+        None
+    }
     /// Whether the WGSL half uses the comparison sampler.
     fn compares(&self) -> bool {
         false

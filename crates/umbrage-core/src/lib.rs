@@ -71,7 +71,7 @@ pub use recipe::{
     Source, Table, TableId,
 };
 pub use scene::{Instance, MOST_NAME, Mesh, Scene};
-pub use shader::{Module, UniformLayout, Uniforms, join};
+pub use shader::{Module, UniformBlock, UniformLayout, Uniforms, join};
 pub use simd::{Simd, SimdTask};
 pub use snapping::{DepthPlanes, Snapping};
 pub use subdivide::MAX_SUBDIVIDED_TRIANGLES;

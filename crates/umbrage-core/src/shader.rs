@@ -48,6 +48,24 @@ pub trait Uniforms: ShaderType + WriteInto {
     }
 }
 
+/// A uniform struct of any type: every [`Uniforms`] is one.
+pub trait UniformBlock {
+    /// Returns name, fields and size.
+    fn uniform_layout(&self) -> UniformLayout;
+    /// Returns the bytes as the shader wants them.
+    fn uniform_bytes(&self) -> Vec<u8>;
+}
+
+impl<T: Uniforms> UniformBlock for T {
+    fn uniform_layout(&self) -> UniformLayout {
+        T::layout()
+    }
+
+    fn uniform_bytes(&self) -> Vec<u8> {
+        self.to_bytes()
+    }
+}
+
 /// A uniform struct's layout, to be compared with what the shader compiler makes of its twin.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UniformLayout {

@@ -37,14 +37,14 @@ impl KernelStage {
         (images, tables): (&[usize], &[usize]),
     ) -> Shape {
         let shape = Shape::new(sources.recipe, kernel, images, tables);
-        let name = kernel.layout().name;
-        let uniforms = maker.write(
-            &mut self.uniforms,
-            name,
-            BufferUsages::UNIFORM,
-            &kernel.uniform_bytes(),
-        );
-        let mut bound = vec![Bound::Buffer(uniforms)];
+        let (mut bound, mut name) = (Vec::new(), "umbrage kernel");
+        if let Some(block) = kernel.uniforms() {
+            name = block.uniform_layout().name;
+            let bytes = block.uniform_bytes();
+            let usage = BufferUsages::UNIFORM;
+            let buffer = maker.write(&mut self.uniforms, name, usage, &bytes);
+            bound.push(Bound::Buffer(buffer));
+        }
         bound.extend(
             images
                 .iter()
@@ -76,7 +76,8 @@ fn slots(shape: &Shape) -> Vec<Slot> {
     });
     let tables = (0..shape.tables).map(|_| Slot::Table);
     let sampler = shape.compares().then_some(Slot::Sampler);
-    [Slot::Uniform]
+    let uniforms = shape.uniforms.then_some(Slot::Uniform);
+    uniforms
         .into_iter()
         .chain(images)
         .chain(tables)

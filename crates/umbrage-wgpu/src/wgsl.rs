@@ -6,6 +6,8 @@ use umbrage_core::{Format, Invalid, Kernel, MATH, Recipe, join};
 /// What a kernel reads, as far as its shader text shows it.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Shape {
+    /// Whether there are uniforms.
+    pub(crate) uniforms: bool,
     /// For each image, what it is read as, and whether it has several layers.
     pub(crate) images: Vec<(InputKind, bool)>,
     /// How many tables.
@@ -45,6 +47,7 @@ impl Shape {
                 })
         };
         Self {
+            uniforms: kernel.uniforms().is_some(),
             images: images.iter().map(read).collect(),
             tables: tables.len() as u32,
         }
@@ -88,17 +91,20 @@ pub fn receive_wgsl(recipe: &Recipe, group: u32, prefix: &str) -> Result<String,
 /// The contract's names, then the kernel's modules.
 pub(crate) fn kernel_wgsl(kernel: &dyn Kernel, shape: &Shape, group: u32) -> String {
     let mut text = format!("// Made by umbrage.\n{RECEIVER}");
-    declare(&mut text, kernel.layout().name, shape, group);
+    let uniforms = kernel.uniforms().map(|block| block.uniform_layout().name);
+    declare(&mut text, uniforms, shape, group);
     text + &join(&[MATH]) + &join(&kernel.modules())
 }
 
-fn declare(text: &mut String, uniforms: &str, shape: &Shape, group: u32) {
+fn declare(text: &mut String, uniforms: Option<&str>, shape: &Shape, group: u32) {
     let mut binding = 0;
     let mut declare = |text: &mut String, what: &str| {
         text.push_str(&format!("@group({group}) @binding({binding}) {what};\n"));
         binding += 1;
     };
-    declare(text, &format!("var<uniform> kernel: {uniforms}"));
+    if let Some(uniforms) = uniforms {
+        declare(text, &format!("var<uniform> kernel: {uniforms}"));
+    }
     for (i, &(kind, layered)) in shape.images.iter().enumerate() {
         declare(
             text,

@@ -4,7 +4,7 @@ use crate::stage::{bits, geometry, play, recipe, same_on_all_players, space};
 use std::sync::Arc;
 use umbrage_core::{
     Cast, CastMode, Cull, Faces, Filter, FilterKernel, Format, Geometry, Image, ImageDesc, Inputs,
-    Kernel, Module, RasterBias, Recipe, Source, UniformLayout,
+    Kernel, Module, RasterBias, Recipe, Source,
     glam::{UVec2, Vec3, Vec4},
 };
 use umbrage_cpu::Cpu;
@@ -16,16 +16,6 @@ struct Ramp;
 impl Kernel for Ramp {
     fn modules(&self) -> Vec<Module> {
         Vec::new()
-    }
-    fn uniform_bytes(&self) -> Vec<u8> {
-        Vec::new()
-    }
-    fn layout(&self) -> UniformLayout {
-        UniformLayout {
-            name: "Ramp",
-            fields: Vec::new(),
-            size: 0,
-        }
     }
 }
 

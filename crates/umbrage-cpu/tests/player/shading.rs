@@ -3,8 +3,7 @@
 use crate::stage::{bits, camera, geometry, light, play, recipe, same_on_all_players};
 use std::sync::Arc;
 use umbrage_core::{
-    Backend, Faces, Kernel, Module, NO_TRIANGLE, Recipe, Shade, ShadeKernel, Source, Span,
-    UniformLayout, View,
+    Backend, Faces, Kernel, Module, NO_TRIANGLE, Recipe, Shade, ShadeKernel, Source, Span, View,
 };
 use umbrage_cpu::Cpu;
 
@@ -15,16 +14,6 @@ struct Telling;
 impl Kernel for Telling {
     fn modules(&self) -> Vec<Module> {
         Vec::new()
-    }
-    fn uniform_bytes(&self) -> Vec<u8> {
-        Vec::new()
-    }
-    fn layout(&self) -> UniformLayout {
-        UniformLayout {
-            name: "Telling",
-            fields: Vec::new(),
-            size: 0,
-        }
     }
 }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use umbrage_core::{
     Backend, Camera, Cast, Extents, Filter, FilterKernel, Format, Geometry, ImageDesc, Inputs,
     Instance, Kernel, Light, LightSpace, Mesh, Module, RasterBias, Receive, ReceiveKernel, Recipe,
-    Scene, Shadows, Simd, Span, UniformLayout, View,
+    Scene, Shadows, Simd, Span, View,
     glam::{Affine3A, UVec2, Vec3},
     light_space::{look_along, orthographic},
 };
@@ -19,16 +19,6 @@ pub(crate) struct Plain {
 impl Kernel for Plain {
     fn modules(&self) -> Vec<Module> {
         Vec::new()
-    }
-    fn uniform_bytes(&self) -> Vec<u8> {
-        Vec::new()
-    }
-    fn layout(&self) -> UniformLayout {
-        UniformLayout {
-            name: "Plain",
-            fields: Vec::new(),
-            size: 0,
-        }
     }
 }
 

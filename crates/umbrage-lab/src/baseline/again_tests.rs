@@ -34,7 +34,8 @@ impl Backend for Clocked {
     }
     fn render(&mut self, view: &View<'_>, recipe: &Recipe) -> Result<Shadows, BackendError> {
         let mut shadows = self.cpu.render(view, recipe)?;
-        let is_yardstick = recipe.receive.kernel.layout().name == "YardstickUniforms";
+        let uniforms = recipe.receive.kernel.uniforms();
+        let is_yardstick = uniforms.is_some_and(|u| u.uniform_layout().name == "YardstickUniforms");
         let is_slow = recipe
             .images
             .first()

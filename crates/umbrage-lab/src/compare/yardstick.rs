@@ -9,7 +9,7 @@
 use std::sync::{Arc, OnceLock};
 use umbrage_core::{
     Asks, Inputs, Kernel, Module, Receive, ReceiveKernel, Receivers, Recipe, Span, Table,
-    UniformLayout, Uniforms, light_sample::hash, uniforms,
+    UniformBlock, light_sample::hash, uniforms,
 };
 
 /// Links of the chain in a unit of work, all receivers together: one or two milliseconds on two threads.
@@ -117,12 +117,8 @@ impl Kernel for YardstickKernel {
         }]
     }
 
-    fn uniform_bytes(&self) -> Vec<u8> {
-        self.uniforms.to_bytes()
-    }
-
-    fn layout(&self) -> UniformLayout {
-        YardstickUniforms::layout()
+    fn uniforms(&self) -> Option<&dyn UniformBlock> {
+        Some(&self.uniforms)
     }
 }
 

@@ -24,7 +24,7 @@ pub(super) fn best_bias(
     goal: Option<f64>,
 ) -> Result<Option<Setting>, MeasureError> {
     let meets_goal = |setting: &Setting| goal.is_some_and(|error| setting.estimate.high <= error);
-    let scales = scales(&family.preset());
+    let scales = scales(family.preset());
     let mut firsts: Vec<(&Scale, Setting)> = Vec::new();
     for scale in &scales {
         let preset = family.at(candidate, scale.kind, scale.texels[scale.first]);
@@ -106,7 +106,7 @@ pub(super) fn all_biases(
     candidate: usize,
 ) -> Result<Vec<Biased>, MeasureError> {
     let mut out = Vec::new();
-    for Scale { kind, texels, .. } in scales(&family.preset()) {
+    for Scale { kind, texels, .. } in scales(family.preset()) {
         for texels in texels {
             let setting = trials.try_out(&family.at(candidate, kind, texels))?;
             out.extend(setting.map(|setting| Biased {

@@ -153,7 +153,7 @@ impl<'a> Sweep<'a> {
             false,
         ) {
             for size in 0..family.rungs.len() {
-                let scales = scales(&family.preset());
+                let scales = scales(family.preset());
                 let amounts = scales
                     .iter()
                     .flat_map(|s| s.texels.iter().map(|&texels| (s.kind, texels)));

@@ -220,7 +220,7 @@ impl Search<'_> {
         last_errors: [f64; 2],
     ) -> Result<Option<Candidate>, MeasureError> {
         let family = &self.families[place.family];
-        let scale = &scales(&family.preset())[0];
+        let scale = &scales(family.preset())[0];
         let preset = family.at(place.candidate, scale.kind, scale.texels[scale.first]);
         let price = self.trials.price(&preset)?;
         Ok(price.map(|price| Candidate {

@@ -522,7 +522,7 @@ fn biases_are_those_of_their_scales() {
         },
         true,
     ) {
-        for scale in scales(&family.preset()) {
+        for scale in scales(family.preset()) {
             let preset = family.at(0, scale.kind, scale.texels[scale.first]);
             let own = family
                 .preset()

@@ -62,6 +62,7 @@ impl Embedded {
             world_from_local: Some(
                 Affine3A::from_translation(SHIFT) * Affine3A::from_scale(Vec3::splat(1.0 / SCALE)),
             ),
+            triangles: None,
         }
     }
 

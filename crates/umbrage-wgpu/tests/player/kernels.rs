@@ -28,12 +28,8 @@ macro_rules! kernel {
                 vec![$crate::kernels::STRUCT, umbrage_core::Module { name: stringify!($name), text: $text }]
             }
 
-            fn uniform_bytes(&self) -> Vec<u8> {
-                umbrage_core::Uniforms::to_bytes(&self.0)
-            }
-
-            fn layout(&self) -> umbrage_core::UniformLayout {
-                <$crate::kernels::Numbers as umbrage_core::Uniforms>::layout()
+            fn uniforms(&self) -> Option<&dyn umbrage_core::UniformBlock> {
+                Some(&self.0)
             }
 
             $(fn compares(&self) -> bool {
