@@ -252,13 +252,26 @@ impl ShadowMap {
         kernel: impl FnOnce(ShadowMapUniforms) -> K,
     ) -> Result<Recipe, PlanError> {
         let spaces = self.spaces(view, reach)?;
-        let kernel = kernel(ShadowMapUniforms::new(self, view, &spaces));
+        Ok(self.recipe_in(&spaces, view, reach, kernel))
+    }
+
+    /// Returns the same recipe with layers that lie in these spaces: one, or six in the order of [`Layout::Cube`].
+    ///
+    /// Panics if there are no spaces.
+    pub fn recipe_in<K: ReceiveKernel + 'static>(
+        &self,
+        spaces: &LightSpaces,
+        view: &View<'_>,
+        reach: f32,
+        kernel: impl FnOnce(ShadowMapUniforms) -> K,
+    ) -> Recipe {
+        let kernel = kernel(ShadowMapUniforms::new(self, view, spaces));
         let footprint = if kernel.compares() {
             Footprint::Samples
         } else {
             Footprint::Taps { reach }
         };
-        Ok(self.maps(&spaces, footprint).recipe(kernel))
+        self.maps(spaces, footprint).recipe(kernel)
     }
 
     fn validate(&self) -> Result<(), Invalid> {

@@ -10,6 +10,7 @@ mod culling;
 mod embedding;
 mod exact;
 mod far_away;
+mod layers;
 mod maps;
 mod not_finite;
 mod order;
