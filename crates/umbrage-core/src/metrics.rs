@@ -5,7 +5,7 @@
 
 mod causes;
 
-pub use causes::{CONTACT, Cause, Causes, TruthImage, attribute, is_penumbra};
+pub use crate::metrics::causes::{CONTACT, Cause, Causes, TruthImage, attribute, is_penumbra};
 
 use crate::Invalid;
 use glam::UVec2;

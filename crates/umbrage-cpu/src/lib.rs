@@ -16,14 +16,17 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod ask;
-mod casts;
+mod backend;
+mod cast;
+mod filter;
+mod gbuffer;
+mod images;
 mod options;
-mod player;
 mod raster;
-mod receivers;
+mod receive;
 mod replay;
-mod stages;
+mod shade;
+mod sparse;
 
+pub use backend::Cpu;
 pub use options::CpuOptions;
-pub use player::Cpu;

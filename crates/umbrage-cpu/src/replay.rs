@@ -2,9 +2,9 @@
 
 use crate::{
     Cpu,
-    casts::{self, Canvas},
-    player::{check_recipe, nothing_seen},
-    receivers, stages,
+    backend::{check_recipe, nothing_seen},
+    cast::{self, Canvas},
+    filter, gbuffer, receive, shade,
 };
 use umbrage_core::{
     BackendError, Cast, CastMode, Format, Geometry, Image, ImageDesc, Invalid, MAX_SIDE, Receivers,
@@ -81,7 +81,7 @@ impl Cpu {
             other: &[],
             clear: true,
         };
-        self.install(|cpu| casts::draw(&mut cpu.rasterizer, canvas, cast, geometry, cpu.simd));
+        self.install(|cpu| cast::draw(&mut cpu.rasterizer, canvas, cast, geometry, cpu.simd));
         Ok(())
     }
 
@@ -105,7 +105,7 @@ impl Cpu {
             .ok_or_else(|| no_such("casts", recipe.casts.len(), index))?;
         let mut images = images.to_vec();
         self.install(|cpu| {
-            casts::play(
+            cast::play(
                 &mut cpu.rasterizer,
                 &mut images,
                 recipe,
@@ -134,7 +134,7 @@ impl Cpu {
             .ok_or_else(|| no_such("filters", recipe.filters.len(), index))?;
         let desc = images[filter.output].desc;
         let mut out = Image::filled(desc, 0.0);
-        self.install(|cpu| stages::filter(images, filter, &desc, &mut out.texels, cpu.simd));
+        self.install(|cpu| filter::filter(images, filter, &desc, &mut out.texels, cpu.simd));
         Ok(out)
     }
 
@@ -151,7 +151,7 @@ impl Cpu {
     ) -> Result<Vec<f32>, BackendError> {
         check_images(recipe, images)?;
         self.with_receivers(view, |cpu, receivers| {
-            stages::receive(images, recipe, receivers, cpu.simd)
+            receive::receive(images, recipe, receivers, cpu.simd)
         })
     }
 
@@ -173,7 +173,7 @@ impl Cpu {
             let why = format!("has {} entries for {pixels} pixels", mask.len());
             return Err(Invalid::new("mask", why, "give one a pixel").into());
         }
-        self.with_receivers(view, |_, receivers| stages::shade(shade, receivers, mask))
+        self.with_receivers(view, |_, receivers| shade::shade(shade, receivers, mask))
     }
 
     /// Runs `f` on this player's threads, with the view's receivers or those found.
@@ -187,7 +187,7 @@ impl Cpu {
             _ => None,
         };
         let receivers = view.receivers.or(made.as_ref()).ok_or_else(nothing_seen)?;
-        receivers::check(receivers, view.camera.size)?;
+        gbuffer::check(receivers, view.camera.size)?;
         Ok(self.install(|cpu| f(cpu, receivers)))
     }
 }

@@ -9,41 +9,32 @@
 //!
 //! wgpu is re-exported, so that callers can name the version used here.
 
-mod bindings;
-mod casts;
-mod counters;
-mod counts;
-mod draws;
-mod faces;
-mod filters;
+mod backend;
+mod cast;
+mod device;
+mod filter;
 mod frame;
-mod from_depth;
-mod gpu;
-mod images;
-mod kernels;
-mod lookup;
-mod matrices;
-mod pipelines;
+mod gbuffer;
+mod gbuffer_from_depth;
 mod prefix;
-mod probe;
+mod receive;
 mod renderer;
+mod replay;
 mod resources;
-mod scopes;
-mod shading;
-mod stamps;
-mod submissions;
-mod tables;
+mod shade;
 mod targets;
 mod wgsl;
 
-pub use counters::Counters;
+pub use backend::Gpu;
+pub use device::{
+    adapter::{AdapterChoice, Software},
+    probe::probe_snapping,
+    requirements::check_adapter,
+};
 pub use frame::{Drawable, Frame, GBuffer, Indices, VertexLayout};
-pub use from_depth::{DepthBuffer, GBufferFromDepth};
-pub use gpu::{AdapterChoice, Gpu, Software, check_adapter};
-pub use images::texture_format;
-pub use probe::probe_snapping;
+pub use gbuffer_from_depth::{DepthBuffer, GBufferFromDepth};
 pub use renderer::{Options, ShadowRenderer};
-pub use stamps::Stamps;
+pub use resources::{counters::Counters, images::texture_format, timestamps::PassTimestamps};
 pub use targets::CastTarget;
 pub use wgpu;
 pub use wgsl::receive_wgsl;

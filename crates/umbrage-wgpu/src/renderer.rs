@@ -1,15 +1,17 @@
 //! [`ShadowRenderer`]: plays recipes on the caller's device, into the caller's encoder.
 
 use crate::{
-    counters::{Counters, Maker},
-    counts::{check_counting, pairs},
-    faces::check_faces,
+    device::error_scopes::Scopes,
     frame::Frame,
-    images::GpuImage,
-    resources::{Resources, Shared},
-    scopes::Scopes,
-    stamps::Stamps,
-    submissions::Submissions,
+    resources::{
+        counters::{Counters, ResourceFactory},
+        counts::{check_counting, pairs},
+        faces::check_faces,
+        images::GpuImage,
+        renderer_state::{Resources, Shared},
+        submissions::Submissions,
+        timestamps::PassTimestamps,
+    },
     targets::CastTarget,
 };
 use glam::UVec2;
@@ -116,7 +118,7 @@ impl ShadowRenderer {
         self.shared.tables.forget_unreachable();
         self.shared.faces.forget_unreachable();
         let scopes = Scopes::open(device);
-        let mut maker = Maker {
+        let mut maker = ResourceFactory {
             device,
             queue,
             counters: &mut self.counters,
@@ -166,7 +168,7 @@ impl ShadowRenderer {
     pub fn encode_timed(
         &self,
         encoder: &mut CommandEncoder,
-        stamps: Option<&Stamps<'_>>,
+        stamps: Option<&PassTimestamps<'_>>,
     ) -> Result<&TextureView, BackendError> {
         let light = self.recorded(encoder)?;
         light.casts.encode(encoder, stamps);

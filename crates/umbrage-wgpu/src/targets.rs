@@ -1,6 +1,6 @@
 //! What the light sees is drawn into: for the player's own draws, and for callers with their own vertex shaders.
 
-use crate::images::GpuImage;
+use crate::resources::images::GpuImage;
 use glam::{Mat4, UVec2};
 use umbrage_core::{Cast, CastMode, Cull, Format, RasterBias, Source};
 use wgpu::{

@@ -11,8 +11,10 @@
 //! | **acne** | too dark | elsewhere: surfaces shadow themselves |
 //! | **leak** | too light | elsewhere: light where a blocker far away should hide it |
 
-use super::{ACNE_DISTANCE, ERROR_THRESHOLD, PENUMBRA, Pixel, check, check_len, edges, near};
-use crate::Invalid;
+use crate::{
+    Invalid,
+    metrics::{ACNE_DISTANCE, ERROR_THRESHOLD, PENUMBRA, Pixel, check, check_len, edges, near},
+};
 use glam::UVec2;
 
 /// A blocker touches its shadow where it lies closer to the receiver than this fraction (1/32) of the diagonal of the box

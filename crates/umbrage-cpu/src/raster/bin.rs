@@ -1,6 +1,6 @@
 //! Which triangles touch which tile.
 
-use super::record::Record;
+use crate::raster::record::Record;
 use glam::UVec2;
 
 /// Pixels on a tile's side.

@@ -1,7 +1,7 @@
 //! Clipping of triangles to the view volume (Sutherland, Hodgman: Reentrant Polygon Clipping, 1974), in the order and
 //! arithmetic of Mesa's software rasterisers, so that cut edges get the same bits as theirs.
 
-use super::viewport::Viewport;
+use crate::raster::viewport::Viewport;
 use glam::{Vec3, Vec4};
 
 /// The planes x <= w, -w <= x, y <= w, -w <= y, 0 <= z, z <= w; bit `i` of an outcode stands for plane `i`.

@@ -1,9 +1,11 @@
 //! Filling a triangle's pixels within a tile, some pixels of a row at a time.
 
-use super::bin::TILE;
-use super::mode::{Beside, Plot};
-use super::record::{Record, edge_function};
-use super::tile::{STRIDE, TileBuffer};
+use crate::raster::{
+    bin::TILE,
+    mode::{Beside, Plot},
+    record::{Record, edge_function},
+    tile::{STRIDE, TileBuffer},
+};
 
 /// Pixels filled at once.
 pub(crate) const LANES: usize = 8;

@@ -17,22 +17,24 @@ mod tile;
 mod viewport;
 mod whole;
 
-pub(crate) use mode::Mode;
-pub(crate) use position::Position;
-pub(crate) use tile::Target;
+pub(crate) use crate::raster::mode::Mode;
+pub(crate) use crate::raster::position::Position;
+pub(crate) use crate::raster::tile::Target;
 
-use bin::{Bins, FETCH, TILE};
-use clip::{clip, outcode};
-use fill::{Canvas, fill};
+use crate::raster::{
+    bin::{Bins, FETCH, TILE},
+    clip::{clip, outcode},
+    fill::{Canvas, fill},
+    mode::{Behind, Behind16, Count, Least, Least16, LeastWithIds, Plot},
+    record::Record,
+    setup::{Group, SetupRules},
+    tile::{Tile, TileBuffer},
+    viewport::Viewport,
+    whole::Whole,
+};
 use glam::{Mat4, UVec2, Vec3};
-use mode::{Behind, Behind16, Count, Least, Least16, LeastWithIds, Plot};
 use rayon::prelude::*;
-use record::Record;
-use setup::{Group, SetupRules};
-use tile::{Tile, TileBuffer};
 use umbrage_core::{Cull, RasterBias, Simd, SimdTask, Snapping};
-use viewport::Viewport;
-use whole::Whole;
 
 /// Triangles that one task sets up.
 const CHUNK: usize = 4096;

@@ -1,8 +1,7 @@
 //! What becomes of a triangle's depths at neighbouring pixels of a row. One type a mode, so that each gets loops of its
 //! own; all loops are plain, for the compiler to vectorise.
 
-use super::fill::LANES;
-use super::tile::TileBuffer;
+use crate::raster::{fill::LANES, tile::TileBuffer};
 
 /// What stays of what is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,8 +1,11 @@
 //! The modes beyond the least depth: against the plain rasteriser, and against what they are for.
 
-use super::mode::stored16;
-use super::tests::{KINDS, Random, bits, draw_of, fast, perspective, soup};
-use super::{Draw, Mode, Position, Rasterizer, Target, reference};
+use crate::raster::{
+    Draw, Mode, Position, Rasterizer, Target,
+    mode::stored16,
+    reference,
+    tests::{KINDS, Random, bits, draw_of, fast, perspective, soup},
+};
 use glam::{Mat4, UVec2, Vec3, Vec4};
 use umbrage_core::{Cull, RasterBias, Simd};
 

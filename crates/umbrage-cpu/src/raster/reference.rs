@@ -2,7 +2,7 @@
 //! Clipping, and what becomes of clipped triangles, are shared
 //! with it.
 
-use super::{
+use crate::raster::{
     Draw, Mode, Position,
     clip::{clip, outcode},
     mode::OFFSET_UNIT_16,

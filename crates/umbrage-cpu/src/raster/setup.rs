@@ -1,9 +1,11 @@
 //! Triangle setup for many triangles at once: plain loops over arrays, which the compiler turns into vector code.
 
-use super::bin::Bins;
-use super::mode::Mode;
-use super::record::{DepthPlane, Record, doubled_area, small_edge_function};
-use super::viewport::{on_grid, snap};
+use crate::raster::{
+    bin::Bins,
+    mode::Mode,
+    record::{DepthPlane, Record, doubled_area, small_edge_function},
+    viewport::{on_grid, snap},
+};
 use glam::{UVec2, Vec3};
 use umbrage_core::{Cull, DepthPlanes, RasterBias, Snapping};
 

@@ -1,6 +1,6 @@
 //! The fast rasteriser against the plain one, bit by bit.
 
-use super::{Draw, Mode, Position, Rasterizer, Target, reference};
+use crate::raster::{Draw, Mode, Position, Rasterizer, Target, reference};
 use glam::{Mat4, UVec2, Vec3};
 use umbrage_core::{Cull, DepthPlanes, NO_TRIANGLE, RasterBias, Simd, Snapping};
 

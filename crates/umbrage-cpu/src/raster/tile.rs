@@ -1,9 +1,11 @@
 //! Tiles: the part of the image that one thread fills at a time, copied to a small buffer that stays in the nearest
 //! cache.
 
-use super::bin::TILE;
-use super::fill::{LANES, TINY_ROWS};
-use super::mode::Mode;
+use crate::raster::{
+    bin::TILE,
+    fill::{LANES, TINY_ROWS},
+    mode::Mode,
+};
 use umbrage_core::NO_TRIANGLE;
 
 /// Floats between rows of a tile's buffer: lanes may run over a row's right end, into what is never copied out.

@@ -4,8 +4,10 @@
 //! clipping made (measured on SwiftShader; hardware with a guard band makes none at the window's edges). They also tell which
 //! way the triangle turns: pieces that turn the other way once they are on the grid aren't drawn.
 
-use super::record::DepthPlane;
-use super::viewport::{Viewport, on_grid};
+use crate::raster::{
+    record::DepthPlane,
+    viewport::{Viewport, on_grid},
+};
 use glam::{DVec3, Vec3, Vec4};
 use umbrage_core::{DepthPlanes, Snapping};
 

@@ -1,0 +1,4 @@
+//! What the camera sees: receivers, and how pixels become them.
+
+pub(crate) mod receivers;
+pub mod resolve;

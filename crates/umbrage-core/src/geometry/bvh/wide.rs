@@ -1,0 +1,260 @@
+//! An eight-way hierarchy whose boxes are kept in full: `obvhs` finds its shape (Ylitie et al. 2017, "Efficient
+//! Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs"), the boxes and the search are ours.
+//!
+//! `obvhs` keeps boxes as bytes relative to their parent's, and its box test rounds in another way than the triangle test's
+//! does, so it may pass over a triangle that is hit. Here both are one test (`slab.rs`), for four boxes at once.
+
+use crate::{
+    Aabb,
+    geometry::{ray_box::SLACK, ray_triangle::Segment},
+};
+use glam::Vec4;
+use obvhs::cwbvh::CwBvh;
+
+/// Eight children: their boxes, and what they are.
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    /// Least x, y, z, then greatest x, y, z; each of children 0 to 3, then of 4 to 7.
+    planes: [[Vec4; 2]; 6],
+    /// Of an inner child its place among the nodes, of a leaf its first triangle.
+    first: [u32; 8],
+    /// How many triangles a leaf has; 0 for inner children and where there is no child.
+    count: [u8; 8],
+    /// Bit i is set if child i is an inner one.
+    inner: u32,
+}
+
+/// The hierarchy.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Wide {
+    /// Children come after their parents.
+    nodes: Vec<Node>,
+    /// Nodes from the root to the deepest leaf.
+    pub(super) depth: usize,
+}
+
+/// Nodes on the way to a leaf for which the search needs no memory of its own.
+pub(super) const SHALLOW: usize = 24;
+
+/// Children that are still to be visited: the node, and a bit for each in the order of visits.
+type Group = (u32, u32);
+
+impl Wide {
+    /// Of a tree's shape and the boxes of its triangles, in the order in which its leaves name them.
+    pub(super) fn new(tree: &CwBvh, boxes: &[Aabb]) -> Self {
+        let empty = Node {
+            planes: [[Vec4::ZERO; 2]; 6],
+            first: [0; 8],
+            count: [0; 8],
+            inner: 0,
+        };
+        let mut nodes = vec![empty; tree.nodes.len()];
+        let mut around = vec![(Aabb::EMPTY, 1); nodes.len()];
+        for (i, node) in tree.nodes.iter().enumerate().rev() {
+            nodes[i].inner = u32::from(node.imask);
+            for child in (0..8).filter(|&child| !node.is_child_empty(child)) {
+                let (child_box, depth) = if node.is_leaf(child) {
+                    let (first, count) = node.child_primitives(child);
+                    (nodes[i].first[child], nodes[i].count[child]) = (first, count as u8);
+                    let triangles = &boxes[first as usize..(first + count) as usize];
+                    (triangles.iter().fold(Aabb::EMPTY, |all, b| all.union(b)), 0)
+                } else {
+                    nodes[i].first[child] = node.child_node_index(child);
+                    around[node.child_node_index(child) as usize]
+                };
+                for axis in 0..3 {
+                    nodes[i].planes[axis][child / 4][child % 4] = child_box.min[axis];
+                    nodes[i].planes[axis + 3][child / 4][child % 4] = child_box.max[axis];
+                }
+                let (whole, deepest) = around[i];
+                around[i] = (whole.union(&child_box), deepest.max(depth + 1));
+            }
+        }
+        let depth = around.first().map_or(0, |root| root.1);
+        Self { nodes, depth }
+    }
+
+    /// Calls `visit` with the triangles whose leaves' boxes the segment enters, near ones first by and large, until it
+    /// says to stop. It may lower the second argument, at first 1: the search goes no farther along the segment.
+    #[inline(always)]
+    pub(super) fn search(&self, segment: &Segment, visit: impl FnMut(usize, &mut f32) -> bool) {
+        if self.nodes.is_empty() {
+            return;
+        }
+        if self.depth <= SHALLOW {
+            self.search_with(&mut [(0, 0); SHALLOW], segment, visit);
+        } else {
+            self.search_with(&mut vec![(0, 0); self.depth], segment, visit);
+        }
+    }
+
+    #[inline(always)]
+    fn search_with(
+        &self,
+        stack: &mut [Group],
+        segment: &Segment,
+        mut visit: impl FnMut(usize, &mut f32) -> bool,
+    ) {
+        let lanes = Lanes::new(segment);
+        let mut limit = 1.0;
+        let mut waiting = 0;
+        let (mut parent, mut group): Group = (0, 0);
+        let mut current = 0;
+        loop {
+            let node = &self.nodes[current as usize];
+            let entered = lanes.entered(node, limit);
+            let mut leaves = entered & !node.inner;
+            while leaves != 0 {
+                let child = leaves.trailing_zeros() as usize;
+                leaves &= leaves - 1;
+                let first = node.first[child] as usize;
+                for triangle in first..first + usize::from(node.count[child]) {
+                    if visit(triangle, &mut limit) {
+                        return;
+                    }
+                }
+            }
+            let inner = entered & node.inner;
+            if inner != 0 {
+                if group != 0 {
+                    stack[waiting] = (parent, group);
+                    waiting += 1;
+                }
+                (parent, group) = (current, lanes.in_order(inner));
+            } else if group == 0 {
+                if waiting == 0 {
+                    return;
+                }
+                waiting -= 1;
+                (parent, group) = stack[waiting];
+            }
+            let next = 31 - group.leading_zeros();
+            group &= !(1 << next);
+            current = self.nodes[parent as usize].first[(next ^ lanes.octant) as usize];
+        }
+    }
+}
+
+/// A segment, for the slab test of four boxes at once.
+struct Lanes {
+    origin: [Vec4; 3],
+    inverse: [Vec4; 3],
+    /// The planes by which boxes are entered and left along x, y, z.
+    near: [usize; 3],
+    far: [usize; 3],
+    /// Children lie in slots by the octants of their parent's box; which slots are far, as a pattern of the slot's bits.
+    octant: u32,
+}
+
+impl Lanes {
+    #[inline(always)]
+    fn new(s: &Segment) -> Self {
+        let (o, inverse) = (s.origin, s.inverse);
+        let backward = [inverse.x < 0.0, inverse.y < 0.0, inverse.z < 0.0];
+        Self {
+            origin: [Vec4::splat(o.x), Vec4::splat(o.y), Vec4::splat(o.z)],
+            inverse: [
+                Vec4::splat(inverse.x),
+                Vec4::splat(inverse.y),
+                Vec4::splat(inverse.z),
+            ],
+            near: [0, 1, 2].map(|axis| if backward[axis] { axis + 3 } else { axis }),
+            far: [0, 1, 2].map(|axis| if backward[axis] { axis } else { axis + 3 }),
+            octant: u32::from(!backward[0]) << 2
+                | u32::from(!backward[1]) << 1
+                | u32::from(!backward[2]),
+        }
+    }
+
+    /// A bit for each child whose box is entered: bit by bit what `enters_box` of `slab.rs` says, as the product with
+    /// the plane that is named near is the lesser one.
+    #[inline(always)]
+    fn entered(&self, node: &Node, limit: f32) -> u32 {
+        let mut out = 0;
+        for half in 0..2 {
+            let at = |axis: usize, plane: usize| {
+                (node.planes[plane][half] - self.origin[axis]) * self.inverse[axis]
+            };
+            let near = [0, 1, 2].map(|axis| at(axis, self.near[axis]));
+            let far = [0, 1, 2].map(|axis| at(axis, self.far[axis]));
+            let entry = near[0].max(near[1]).max(near[2].max(Vec4::ZERO));
+            let exit = far[0].min(far[1]).min(far[2].min(Vec4::splat(limit)));
+            out |= entry.cmple(exit * SLACK).bitmask() << (4 * half);
+        }
+        out
+    }
+
+    /// Moves the bits of slots to the order of visits, the first in the highest place: bit `i` to place `i ^ octant`.
+    #[inline(always)]
+    fn in_order(&self, slots: u32) -> u32 {
+        let mut bits = slots;
+        if self.octant & 1 != 0 {
+            bits = (bits & 0x55) << 1 | bits >> 1 & 0x55;
+        }
+        if self.octant & 2 != 0 {
+            bits = (bits & 0x33) << 2 | bits >> 2 & 0x33;
+        }
+        if self.octant & 4 != 0 {
+            bits = (bits & 0x0f) << 4 | bits >> 4;
+        }
+        bits
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{bvh::tests::Random, ray_box::enters_box};
+    use glam::{Vec3, Vec3A};
+
+    /// Four boxes at once are asked what one is asked, to the last bit.
+    #[test]
+    fn lanes_say_what_the_test_of_one_box_says() {
+        let mut random = Random(17);
+        let mut entered = 0;
+        for i in 0..40_000_u32 {
+            let distance = [0.0, 10.0, 1e6][i as usize % 3];
+            let mut node = Node {
+                planes: [[Vec4::ZERO; 2]; 6],
+                first: [0; 8],
+                count: [0; 8],
+                inner: 0,
+            };
+            let boxes = [0; 8].map(|_| {
+                let (p, q) = (random.vector() + distance, random.vector() + distance);
+                [p.min(q), p.max(q)]
+            });
+            for (child, [low, high]) in boxes.iter().enumerate() {
+                for axis in 0..3 {
+                    node.planes[axis][child / 4][child % 4] = low[axis];
+                    node.planes[axis + 3][child / 4][child % 4] = high[axis];
+                }
+            }
+            // Along an edge of one of the boxes, or past it by a few roundings.
+            let [low, high] = boxes[i as usize % 8];
+            let o = low.with_x(high.x) + random.vector();
+            let target = low.with_x(high.x).lerp(high, random.signed().abs());
+            let d = if i % 4 == 0 {
+                Vec3::Y.into()
+            } else {
+                Vec3A::from(target - o) * 2.0
+            };
+            let segment = Segment::new(o, d.into());
+            let bits = Lanes::new(&segment).entered(&node, 1.0);
+            for (child, corners) in boxes.iter().enumerate() {
+                let expected =
+                    enters_box(segment.origin, segment.inverse, corners.map(Vec3A::from));
+                assert_eq!(
+                    bits >> child & 1 == 1,
+                    expected,
+                    "{corners:?} from {o} along {d}"
+                );
+                entered += u32::from(expected);
+            }
+        }
+        assert!(
+            (40_000..300_000).contains(&entered),
+            "the test tells little: {entered}"
+        );
+    }
+}

@@ -1,0 +1,294 @@
+//! A scene's triangles in world space: the one list that truth and every backend share.
+
+pub(crate) mod aabb;
+pub mod bvh;
+pub(crate) mod displaced_mesh;
+pub mod displacement;
+pub(crate) mod ray_box;
+pub(crate) mod ray_triangle;
+pub(crate) mod subdivide;
+pub(crate) mod triangle_chunks;
+pub(crate) mod weld;
+
+use crate::{Aabb, Bvh, Instance, Invalid, Mesh, Scene, geometry::triangle_chunks::Blocks};
+use glam::{Mat3, Vec2, Vec3, Vec4};
+use std::{
+    ops::Range,
+    sync::{Arc, OnceLock},
+};
+
+/// The material of triangles whose instance names none: [`Material::default`](crate::Material::default).
+pub const NO_MATERIAL: u32 = u32::MAX;
+
+/// World-space triangles, ordered so that casters and receivers are each one contiguous range.
+#[derive(Clone, Debug, Default)]
+pub struct Geometry {
+    positions: Vec<Vec3>,
+    normals: Vec<Vec3>,
+    uvs: Vec<Vec2>,
+    tangents: Vec<Vec4>,
+    triangles: Vec<[u32; 3]>,
+    materials: Vec<u32>,
+    casters: Range<u32>,
+    receivers: Range<u32>,
+    fingerprint: u64,
+    bvh: OnceLock<Arc<Bvh>>,
+    bvh_tables: OnceLock<[Rows; 2]>,
+    blocks: OnceLock<Arc<Blocks>>,
+}
+
+/// Rows of four words, as shaders' tables hold them.
+type Rows = Arc<[[u32; 4]]>;
+
+impl Geometry {
+    /// Places every instance of a scene into the world, displaced if its material says so. Mirroring instances keep their
+    /// outside out.
+    ///
+    /// # Errors
+    /// As [`Scene::validate`]; when subdivisions make too many triangles; and when a placement leaves the range of `f32`.
+    pub fn bake(scene: &Scene) -> Result<Self, Invalid> {
+        scene.validate()?;
+        let mut out = Self::default();
+        let mut ends = [0_u32; 4];
+        for (end, class) in
+            ends.iter_mut()
+                .zip([(true, false), (true, true), (false, true), (false, false)])
+        {
+            for instance in scene
+                .instances
+                .iter()
+                .filter(|i| (i.casts, i.receives) == class)
+            {
+                out.append(scene, instance)?;
+            }
+            *end = out.triangles.len() as u32;
+        }
+        out.pad_attributes();
+        (out.casters, out.receivers) = (0..ends[1], ends[0]..ends[2]);
+        match out.positions.iter().position(|p| !p.is_finite()) {
+            None => {
+                out.fingerprint = out.hash();
+                Ok(out)
+            }
+            Some(i) => Err(Invalid::new(
+                format!("scene `{}`, world vertex {i}", scene.name),
+                format!("is {}", out.positions[i]),
+                "use smaller matrices: the product left the range of 32-bit floats",
+            )),
+        }
+    }
+
+    fn append(&mut self, scene: &Scene, instance: &Instance) -> Result<(), Invalid> {
+        let mesh = &*displaced_mesh::applied(scene, instance, self.triangles.len())?;
+        let base = self.positions.len() as u32;
+        let world_from_local = instance.world_from_local;
+        self.positions.extend(
+            mesh.positions
+                .iter()
+                .map(|&p| world_from_local.transform_point3(p)),
+        );
+        let mirrored = world_from_local.matrix3.determinant() < 0.0;
+        self.triangles.extend(mesh.triangles.iter().map(|t| {
+            let t = t.map(|v| v + base);
+            if mirrored { [t[0], t[2], t[1]] } else { t }
+        }));
+        let first = self.triangles.len() - mesh.triangles.len();
+        self.append_normals(mesh, instance, first);
+        self.append_attributes(mesh, instance, mirrored);
+        Ok(())
+    }
+
+    fn append_normals(&mut self, mesh: &Mesh, instance: &Instance, first_triangle: usize) {
+        if !mesh.normals.is_empty() {
+            let m = Mat3::from(instance.world_from_local.matrix3);
+            let cofactors = m.inverse().transpose();
+            return self.normals.extend(
+                mesh.normals
+                    .iter()
+                    .map(|&n| (cofactors * n).normalize_or_zero()),
+            );
+        }
+        // Area-weighted: the cross product's length is twice the triangle's area.
+        self.normals.resize(self.positions.len(), Vec3::ZERO);
+        for t in &self.triangles[first_triangle..] {
+            let [a, b, c] = t.map(|v| self.positions[v as usize]);
+            let n = (b - a).cross(c - a);
+            t.iter().for_each(|&v| self.normals[v as usize] += n);
+        }
+        let first = self.positions.len() - mesh.positions.len();
+        self.normals[first..]
+            .iter_mut()
+            .for_each(|n| *n = n.normalize_or_zero());
+    }
+
+    /// What only shading reads stays empty until something has it; what came before is padded then.
+    fn append_attributes(&mut self, mesh: &Mesh, instance: &Instance, mirrored: bool) {
+        let first = self.positions.len() - mesh.positions.len();
+        if !mesh.uvs.is_empty() {
+            self.uvs.resize(first, Vec2::ZERO);
+            self.uvs.extend_from_slice(&mesh.uvs);
+        }
+        if !mesh.tangents.is_empty() {
+            let m = Mat3::from(instance.world_from_local.matrix3);
+            // A mirror keeps u and v where they are on the surface, but turns n x t around.
+            let handedness = if mirrored { -1.0 } else { 1.0 };
+            let world = |t: &Vec4| {
+                (m * t.truncate())
+                    .normalize_or_zero()
+                    .extend(t.w * handedness)
+            };
+            self.tangents.resize(first, Vec4::ZERO);
+            self.tangents.extend(mesh.tangents.iter().map(world));
+        }
+        if let Some(material) = instance.material {
+            self.materials
+                .resize(self.triangles.len() - mesh.triangles.len(), NO_MATERIAL);
+            self.materials.resize(self.triangles.len(), material as u32);
+        }
+    }
+
+    fn pad_attributes(&mut self) {
+        let (vertices, triangles) = (self.positions.len(), self.triangles.len());
+        let unless_empty = |len: usize, full: usize| if len == 0 { 0 } else { full };
+        self.uvs
+            .resize(unless_empty(self.uvs.len(), vertices), Vec2::ZERO);
+        self.tangents
+            .resize(unless_empty(self.tangents.len(), vertices), Vec4::ZERO);
+        self.materials
+            .resize(unless_empty(self.materials.len(), triangles), NO_MATERIAL);
+    }
+
+    /// FNV-1a over the bits of all that the backends draw.
+    fn hash(&self) -> u64 {
+        let words = self
+            .positions
+            .iter()
+            .flat_map(|p| p.to_array().map(f32::to_bits));
+        let words = words.chain(self.triangles.iter().flatten().copied());
+        let words = words.chain([
+            self.casters.start,
+            self.casters.end,
+            self.receivers.start,
+            self.receivers.end,
+        ]);
+        words.fold(0xcbf2_9ce4_8422_2325, |h, w| {
+            (h ^ u64::from(w)).wrapping_mul(0x0100_0000_01b3)
+        })
+    }
+
+    /// The same triangles, none of which casts: the negative control of every comparison.
+    #[must_use]
+    pub fn without_casters(&self) -> Self {
+        let mut out = Self {
+            casters: 0..0,
+            bvh: OnceLock::new(),
+            bvh_tables: OnceLock::new(),
+            ..self.clone()
+        };
+        out.fingerprint = out.hash();
+        out
+    }
+
+    /// World positions of the vertices, metres.
+    pub fn positions(&self) -> &[Vec3] {
+        &self.positions
+    }
+
+    /// World-space unit shading normals, one a vertex; zero where no triangle gives one.
+    pub fn normals(&self) -> &[Vec3] {
+        &self.normals
+    }
+
+    /// Texture coordinates, one a vertex, origin top left; empty when no mesh has any, zero where a mesh has none.
+    pub fn uvs(&self) -> &[Vec2] {
+        &self.uvs
+    }
+
+    /// World-space tangents, one a vertex: xyz of unit length along growing u, w the handedness (bitangent = w n x t);
+    /// empty when no mesh has any, zero where a mesh has none.
+    pub fn tangents(&self) -> &[Vec4] {
+        &self.tangents
+    }
+
+    /// Indices into [`Scene::materials`], one a triangle, [`NO_MATERIAL`] for the default one; empty when no instance
+    /// names any.
+    pub fn materials(&self) -> &[u32] {
+        &self.materials
+    }
+
+    /// Vertex indices of all triangles. A triangle's place in this list is its id everywhere.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// Returns the vertex indices of a range of triangles.
+    ///
+    /// Panics if the range reaches beyond the list.
+    pub fn run(&self, run: &Range<u32>) -> &[[u32; 3]] {
+        &self.triangles[run.start as usize..run.end as usize]
+    }
+
+    /// Ids of the triangles that cast.
+    pub fn casters(&self) -> Range<u32> {
+        self.casters.clone()
+    }
+
+    /// Ids of the triangles that receive.
+    pub fn receivers(&self) -> Range<u32> {
+        self.receivers.clone()
+    }
+
+    /// The corners of a triangle.
+    ///
+    /// # Panics
+    /// If there is no such triangle.
+    pub fn corners(&self, triangle: u32) -> [Vec3; 3] {
+        self.triangles[triangle as usize].map(|v| self.positions[v as usize])
+    }
+
+    /// The vertices of a range of triangles, each as often as it is used.
+    pub fn vertices_of(&self, triangles: Range<u32>) -> impl Iterator<Item = Vec3> + '_ {
+        let range = triangles.start as usize..triangles.end as usize;
+        self.triangles[range]
+            .iter()
+            .flatten()
+            .map(|&v| self.positions[v as usize])
+    }
+
+    /// The box around everything.
+    pub fn bounds(&self) -> Aabb {
+        Aabb::around(self.positions.iter().copied())
+    }
+
+    /// The box around the casters.
+    pub fn caster_bounds(&self) -> Aabb {
+        Aabb::around(self.vertices_of(self.casters()))
+    }
+
+    /// Tells geometries apart: equal for bit-equal triangles in the same order with the same roles.
+    pub fn fingerprint(&self) -> u64 {
+        self.fingerprint
+    }
+
+    /// The hierarchy over the casters, built on first use (the one costly step of ray tracing).
+    pub fn bvh(&self) -> &Arc<Bvh> {
+        self.bvh.get_or_init(|| Arc::new(Bvh::build(self)))
+    }
+
+    /// Boxes around runs of triangles, built on first use.
+    pub(crate) fn blocks(&self) -> &Blocks {
+        self.blocks.get_or_init(|| Arc::new(Blocks::new(self)))
+    }
+
+    /// [`Bvh::node_rows`] and [`Bvh::triangle_rows`], made on first use and shared from then on.
+    pub fn bvh_tables(&self) -> &[Rows; 2] {
+        self.bvh_tables.get_or_init(|| {
+            let bvh = self.bvh();
+            [bvh.node_rows().into(), bvh.triangle_rows(self).into()]
+        })
+    }
+}
+
+#[cfg(test)]
+#[path = "geometry_tests.rs"]
+mod tests;

@@ -1,0 +1,209 @@
+//! Whether a segment enters an axis-aligned box, and the box around a triangle.
+//!
+//! The slab test of Kay, Kajiya 1986, "Ray Tracing Complex Scenes". It only subtracts, multiplies and takes the least and
+//! the greatest. These are monotone, and so is rounding: where `x <= y`, the rounded `x` is at most the rounded `y`. Hence
+//! of two boxes, one within the other, a segment that enters the inner one enters the outer one, **to the last bit**,
+//! however far away it starts. A hierarchy in which every box holds those below it, asked by this test alone, never
+//! passes over a triangle whose own box is entered. No margin for rounding is needed for that.
+//!
+//! Margins are needed so that the box of a triangle is entered wherever the triangle is hit; `hit.rs` shows how large.
+//! One is in proportion to the triangle ([`padded_box`]), the other to the distance from the segment's start ([`SLACK`],
+//! as in Ize 2013, "Robust BVH Ray Traversal").
+
+use crate::{Module, Twin, twin};
+use glam::{Vec2, Vec3, Vec3A};
+
+/// The WGSL half.
+pub const SLAB: Module = Module {
+    name: "ray_box",
+    text: include_str!("ray_box.wgsl"),
+};
+
+/// A segment may enter a box by this factor later than it leaves it: 32 roundings of 2^-24.
+pub(crate) const SLACK: f32 = 1.0 + 1.0 / 524_288.0;
+
+/// 16 roundings of 2^-24.
+const SIZE_PAD: f32 = 1.0 / 1_048_576.0;
+
+/// 4 roundings of 2^-24.
+const REACH_PAD: f32 = 1.0 / 4_194_304.0;
+
+/// One over a segment's vector, for [`span`]. A component of zero gets a huge inverse instead of an
+/// infinite one, whose product with 0 is not a number.
+#[inline(always)]
+pub(crate) fn slab_inverse(d: Vec3) -> Vec3A {
+    Vec3A::new(safe_inverse(d.x), safe_inverse(d.y), safe_inverse(d.z))
+}
+
+#[inline(always)]
+fn safe_inverse(x: f32) -> f32 {
+    if x.abs() < 1e-30 {
+        if x >= 0.0 { 1e30 } else { -1e30 }
+    } else {
+        1.0 / x
+    }
+}
+
+/// Where the segment from `o` is within a box: from which to which fraction of its vector. It enters it if the first is at
+/// most [`SLACK`] times the second.
+#[inline(always)]
+pub(crate) fn span(o: Vec3A, inverse: Vec3A, [low, high]: [Vec3A; 2]) -> [f32; 2] {
+    let a = (low - o) * inverse;
+    let b = (high - o) * inverse;
+    [
+        a.min(b).max_element().max(0.0),
+        a.max(b).min_element().min(1.0),
+    ]
+}
+
+/// Whether a segment enters a box, the least and the greatest corner of which are given.
+#[inline(always)]
+pub(crate) fn enters_box(o: Vec3A, inverse: Vec3A, corners: [Vec3A; 2]) -> bool {
+    let [entry, exit] = span(o, inverse, corners);
+    entry <= exit * SLACK
+}
+
+/// The box around a triangle, least and greatest corner, grown on all sides by 2^-20 of its longest side or by 2^-22 of
+/// its greatest coordinate, whichever is more. (Not by a sum: Mesa's lavapipe 22.3 adds `a + (b * c + d * e)` from left to
+/// right.)
+#[inline(always)]
+pub(crate) fn padded_box([a, b, c]: [Vec3A; 3]) -> [Vec3A; 2] {
+    let low = a.min(b).min(c);
+    let high = a.max(b).max(c);
+    let size = (high - low).max_element();
+    let reach = low.abs().max(high.abs()).max_element();
+    let pad = (size * SIZE_PAD).max(reach * REACH_PAD);
+    [low - pad, high + pad]
+}
+
+/// Whether the least rectangle around a triangle holds the origin; the triangle as the x and the y of its corners.
+#[inline(always)]
+pub(crate) fn holds_origin(x: Vec3A, y: Vec3A) -> bool {
+    x.min_element() <= 0.0
+        && y.min_element() <= 0.0
+        && x.max_element() >= 0.0
+        && y.max_element() >= 0.0
+}
+
+/// 2^-e of a number of size m 2^e, 1 <= m < 2: its exponent, mirrored. Products with it are exact.
+#[inline(always)]
+pub(crate) fn inverse_power(x: f32) -> f32 {
+    f32::from_bits(0x7f00_0000_u32.wrapping_sub(x.to_bits() & 0x7f80_0000))
+}
+
+/// The pairs, for the lockstep tests.
+pub(crate) const TWINS: [Twin; 6] = [
+    twin!(SLAB, safe_inverse(x: f32) -> f32),
+    twin!(SLAB, enters_word(o: Vec3, inverse: Vec3, low: Vec3, high: Vec3) -> u32),
+    twin!(SLAB, padded_low(a: Vec3, b: Vec3, c: Vec3) -> Vec3),
+    twin!(SLAB, padded_high(a: Vec3, b: Vec3, c: Vec3) -> Vec3),
+    twin!(SLAB, holds_origin_word(a: Vec2, b: Vec2, c: Vec2) -> u32),
+    twin!(SLAB, inverse_power(x: f32) -> f32),
+];
+
+fn enters_word(o: Vec3, inverse: Vec3, low: Vec3, high: Vec3) -> u32 {
+    u32::from(enters_box(
+        o.into(),
+        inverse.into(),
+        [low.into(), high.into()],
+    ))
+}
+
+fn padded_low(a: Vec3, b: Vec3, c: Vec3) -> Vec3 {
+    padded_box([a, b, c].map(Vec3A::from))[0].into()
+}
+
+fn padded_high(a: Vec3, b: Vec3, c: Vec3) -> Vec3 {
+    padded_box([a, b, c].map(Vec3A::from))[1].into()
+}
+
+fn holds_origin_word(a: Vec2, b: Vec2, c: Vec2) -> u32 {
+    u32::from(holds_origin(
+        Vec3A::new(a.x, b.x, c.x),
+        Vec3A::new(a.y, b.y, c.y),
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::light_sample::hash;
+
+    /// -1..1 times a power of ten from 1e-4 to 1e6, and often a round number.
+    fn random(state: &mut u32) -> f32 {
+        let mut next = || {
+            *state = hash(*state);
+            (*state >> 8) as f32 / 8_388_608.0 - 1.0
+        };
+        let (value, power) = (next(), next());
+        if power > 0.8 {
+            (value * 4.0).round()
+        } else {
+            value * 10.0_f32.powf(power * 5.0 + 1.0)
+        }
+    }
+
+    fn vector(state: &mut u32) -> Vec3 {
+        Vec3::new(random(state), random(state), random(state))
+    }
+
+    /// What searches rest on: whoever enters a box enters every box around it, to the last bit.
+    #[test]
+    fn boxes_around_a_box_that_is_entered_are_entered() {
+        let (mut state, mut entered) = (9, 0);
+        for i in 0..400_000 {
+            let (p, q) = (vector(&mut state), vector(&mut state));
+            let inner = [p.min(q), p.max(q)].map(Vec3A::from);
+            // Often just one unit in the last place wider, on one side.
+            let outer = match i % 3 {
+                0 => [inner[0].map(f32::next_down), inner[1]],
+                1 => [
+                    inner[0],
+                    Vec3A::new(inner[1].x, inner[1].y.next_up(), inner[1].z),
+                ],
+                _ => [
+                    inner[0].min(vector(&mut state).into()),
+                    inner[1].max(vector(&mut state).into()),
+                ],
+            };
+            // Towards a point of the box's surface, where rounding decides.
+            let o = vector(&mut state);
+            let target = p
+                .lerp(q, random(&mut state).abs().min(1.0))
+                .with_x(if i % 2 == 0 { p.x } else { q.x });
+            let d = (target - o) * [1.0, 0.5, 2.0, 1.0 - f32::EPSILON][i % 4];
+            let (o, inverse) = (Vec3A::from(o), slab_inverse(d));
+            let enters = enters_box(o, inverse, inner);
+            entered += u32::from(enters);
+            assert!(
+                !enters || enters_box(o, inverse, outer),
+                "{inner:?} in {outer:?}, from {o} along {d}"
+            );
+        }
+        assert!(
+            (50_000..350_000).contains(&entered),
+            "the test tells little: {entered}"
+        );
+    }
+
+    #[test]
+    fn vectors_along_an_axis_enter_what_they_run_through() {
+        let corners = [Vec3A::ZERO, Vec3A::ONE];
+        let enters = |o: Vec3, d: Vec3| enters_box(o.into(), slab_inverse(d), corners);
+        for d in [
+            Vec3::X,
+            Vec3::new(1.0, -0.0, 0.0),
+            Vec3::new(2.0, 1e-38, -1e-38),
+        ] {
+            assert!(
+                enters(Vec3::new(-0.5, 1e-6, 0.999_999), d)
+                    && enters(Vec3::new(0.5, 0.999_999, 1e-6), d)
+            );
+            assert!(
+                !enters(Vec3::new(-0.5, -1e-6, 0.5), d)
+                    && !enters(Vec3::new(-0.5, 0.5, 1.000_001), d)
+            );
+            assert!(!enters(Vec3::new(-2.5, 0.5, 0.5), d) && !enters(Vec3::new(1.5, 0.5, 0.5), d));
+        }
+    }
+}

@@ -1,0 +1,187 @@
+//! Whether a segment meets a triangle: without cracks between triangles, not from afar, and in any order.
+//!
+//! A segment from `o` along `d` hits a triangle if three tests agree. They know the segment and the triangle, and nothing
+//! else: not the hierarchy, nor what was asked before.
+//!
+//! 1. Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection": a shear that depends on the segment alone turns it
+//!    into the z axis, and the rest happens in the plane. A corner lands on the same point for every triangle that has it.
+//!    The sign of `x0 y1 - y0 x1` is never wrong, since rounding is monotone: at worst it is 0. Edges count as inside
+//!    here, so 0 needs no second look (the paper's double precision).
+//! 2. The least rectangle around the triangle in that plane holds the origin.
+//! 3. The segment enters the triangle's own box, by the test that the hierarchies ask of theirs (`slab.rs`).
+//!
+//! **No cracks.** In a closed mesh some triangle holds the plane's origin once its corners are rounded: neighbours share
+//! rounded corners. It passes test 1, as no sign is wrong, and test 2. It passes test 3, too, if the segment meets it:
+//!
+//! * Let z be the longest axis of `d`, `r = d.x / d.z` (at most 1), `u = 2^-24` the greatest relative error of one rounding,
+//!   and (X, Y, Z) a corner less `o`. The sheared `x = X - r Z` errs by at most `2u |X| + 4u |r Z|`: the roundings of X, of
+//!   r, Z and their product, and of the sum, whose size is at most `|X| + |r Z|`.
+//! * Weigh the exact corners as the origin is weighed by the rounded ones: this gives a point Q of the triangle. The
+//!   segment's line passes it, at Q's z, within the mean of those errors. With `w` the longest side of the triangle's box
+//!   and `D` the distance between Q and `o` along x, `|X|` and `|r Z|` are at most `D + w`, so that is `6u (D + w)`. The
+//!   same holds along y.
+//! * The box is grown by `16u w` or `4u c` (c: its greatest coordinate), whichever is more, hence by at least `8u w + 2u c`;
+//!   its own rounding takes about `u c` of that. What is left covers the part with w.
+//! * The other part moves the place `t` where a side is passed by no more than `6u t`; the slab test's difference, inverse
+//!   and product add `3u t`. So the box is entered before `t (1 + 9u)` and left after `t (1 - 9u)`, and `SLACK = 1 + 32u` is
+//!   more than their ratio.
+//!
+//! **Not from afar.** Test 1 alone accepts what it cannot tell: where all products round to 0 or to each other, a small or
+//! thin triangle is "hit" from anywhere on the lines of its edges. Test 2 keeps the origin within a triangle's size of its
+//! corners. There a sign that is 0 by rounding puts it within a few `u` times that size of the edge, so a segment that
+//! hits comes within a few roundings of the triangle.
+//!
+//! **In any order.** By test 3 whatever is hit has a box that is entered, and so are all boxes around it (`slab.rs`). Every
+//! search that skips boxes by that test alone finds a hit if brute force does.
+
+use crate::{
+    Module, Twin,
+    geometry::ray_box::{
+        self, SLAB, enters_box, holds_origin, inverse_power, padded_box, slab_inverse,
+    },
+    twin,
+};
+use glam::{Vec3, Vec3A};
+
+/// The WGSL half of the triangle test. It calls into [`SLAB`].
+pub const HIT: Module = Module {
+    name: "ray_triangle",
+    text: include_str!("ray_triangle.wgsl"),
+};
+
+/// A segment, ready for many tests.
+#[derive(Clone, Copy, Debug)]
+pub struct Segment {
+    pub(crate) origin: Vec3A,
+    /// One over its vector, for boxes.
+    pub(crate) inverse: Vec3A,
+    /// Rows of the shear that maps its vector to (0, 0, 1).
+    rows: [Vec3A; 3],
+}
+
+/// A triangle, ready for many tests: the x of its three corners, their y, their z.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Corners {
+    x: Vec3A,
+    y: Vec3A,
+    z: Vec3A,
+}
+
+impl Corners {
+    pub(crate) fn new([a, b, c]: [Vec3; 3]) -> Self {
+        Self {
+            x: Vec3A::new(a.x, b.x, c.x),
+            y: Vec3A::new(a.y, b.y, c.y),
+            z: Vec3A::new(a.z, b.z, c.z),
+        }
+    }
+
+    /// The triangle's own box of test 3.
+    #[inline(always)]
+    pub(crate) fn padded_box(&self) -> [Vec3A; 2] {
+        let Self { x, y, z } = self;
+        padded_box([
+            Vec3A::new(x.x, y.x, z.x),
+            Vec3A::new(x.y, y.y, z.y),
+            Vec3A::new(x.z, y.z, z.z),
+        ])
+    }
+}
+
+impl Segment {
+    /// The segment from `o` to `o + d`.
+    #[inline(always)]
+    pub fn new(o: Vec3, d: Vec3) -> Self {
+        Self {
+            origin: o.into(),
+            inverse: slab_inverse(d),
+            rows: shear_rows(d),
+        }
+    }
+
+    /// The three corners' coordinate along one row of the shear. Sums run from left to right, as in the twin.
+    #[inline(always)]
+    fn along_row(&self, row: usize, t: &Corners) -> Vec3A {
+        let (r, o) = (self.rows[row], self.origin);
+        Vec3A::splat(r.x) * (t.x - Vec3A::splat(o.x))
+            + Vec3A::splat(r.y) * (t.y - Vec3A::splat(o.y))
+            + Vec3A::splat(r.z) * (t.z - Vec3A::splat(o.z))
+    }
+
+    /// Whether it meets the triangle, edges and ends included.
+    #[inline(always)]
+    pub(crate) fn hits(&self, t: &Corners) -> bool {
+        let (x, y) = (self.along_row(0, t), self.along_row(1, t));
+        // (u, v, w): the signed areas opposite to the corners, as the third axis of a cross product.
+        let areas = Vec3A::new(x.y, x.z, x.x) * Vec3A::new(y.z, y.x, y.y)
+            - Vec3A::new(y.y, y.z, y.x) * Vec3A::new(x.z, x.x, x.y);
+        if !(areas.cmpge(Vec3A::ZERO).all() || areas.cmple(Vec3A::ZERO).all()) {
+            return false;
+        }
+        let along = areas * self.along_row(2, t);
+        let (whole, along) = (areas.x + areas.y + areas.z, along.x + along.y + along.z);
+        // 0 <= along / whole <= 1, without the division.
+        let between = if whole > 0.0 {
+            along >= 0.0 && along <= whole
+        } else {
+            whole < 0.0 && along <= 0.0 && along >= whole
+        };
+        // Few get here: the rest costs next to nothing.
+        between && holds_origin(x, y) && enters_box(self.origin, self.inverse, t.padded_box())
+    }
+}
+
+/// Rows of the shear (with a cyclic exchange of axes that brings the longest to the end) that maps `d` to (0, 0, 1). The
+/// first two are scaled by a power of two, so that the products of lengths in proportion to `d`, however large or small,
+/// stay within range; it changes no bit of their digits.
+#[inline(always)]
+fn shear_rows(d: Vec3) -> [Vec3A; 3] {
+    let size = d.abs();
+    let s = inverse_power(size.max_element());
+    let row = Vec3A::new;
+    if size.z >= size.x && size.z >= size.y {
+        return [
+            row(s, 0.0, -(d.x / d.z) * s),
+            row(0.0, s, -(d.y / d.z) * s),
+            row(0.0, 0.0, 1.0 / d.z),
+        ];
+    }
+    if size.x >= size.y {
+        return [
+            row(-(d.y / d.x) * s, s, 0.0),
+            row(-(d.z / d.x) * s, 0.0, s),
+            row(1.0 / d.x, 0.0, 0.0),
+        ];
+    }
+    [
+        row(0.0, -(d.z / d.y) * s, s),
+        row(s, -(d.x / d.y) * s, 0.0),
+        row(0.0, 1.0 / d.y, 0.0),
+    ]
+}
+
+/// Whether the segment from `o` to `o + d` meets the triangle, edges and ends included. Never where a number is not finite,
+/// or `d` is zero.
+#[inline(always)]
+pub fn segment_hits(o: Vec3, d: Vec3, a: Vec3, b: Vec3, c: Vec3) -> bool {
+    Segment::new(o, d).hits(&Corners::new([a, b, c]))
+}
+
+/// The pairs, for the lockstep tests.
+pub const TWINS: &[Twin] = &[
+    twin!(HIT, hit_word(o: Vec3, d: Vec3, a: Vec3, b: Vec3, c: Vec3) -> u32, needs [SLAB]),
+    ray_box::TWINS[0],
+    ray_box::TWINS[1],
+    ray_box::TWINS[2],
+    ray_box::TWINS[3],
+    ray_box::TWINS[4],
+    ray_box::TWINS[5],
+];
+
+fn hit_word(o: Vec3, d: Vec3, a: Vec3, b: Vec3, c: Vec3) -> u32 {
+    u32::from(segment_hits(o, d, a, b, c))
+}
+
+#[cfg(test)]
+#[path = "ray_triangle_tests.rs"]
+mod tests;

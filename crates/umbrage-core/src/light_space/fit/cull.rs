@@ -1,0 +1,301 @@
+//! Culling to need: which casters can shadow what is seen, and where on the map.
+//!
+//! A coarse grid over the map holds, for each cell, the farthest receiver that looks up the map there. A caster matters
+//! if somewhere it lies before that: tested with its box, so that one too many may be kept, but never one too few.
+
+use crate::{
+    Geometry, Light, View,
+    light_space::fit::map_space::{Bounds, MapSpace},
+};
+use glam::{DVec2, DVec3, Vec3};
+use std::ops::Range;
+
+/// Cells along each side: finer ones tell more casters apart, but cost more to fill and to ask.
+const CELLS: usize = 64;
+/// Texels added to what kernels reach: one to the corner of the receiver's own texel, one half for what lookups in 32 bits
+/// round.
+const OWN_TEXEL: f64 = 1.5;
+/// Greatest slope, clip depth a texel, at which taps are taken to follow the receiver's plane away from the light: that of
+/// the techniques' own biases.
+const STEEPEST: f64 = 0.1;
+/// Least depth, as a fraction of the map's range, by which a bias may move a receiver away from the light.
+const DEEPEST_BIAS: f64 = 1.0 / 64.0;
+
+/// How far from a receiver lookups may find casters that change its answer.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Reach {
+    /// Sideways, map space.
+    pub(super) across: DVec2,
+    /// Behind the receiver, ranks.
+    pub(super) behind: f64,
+}
+
+/// What a lookup depends on beside the receiver.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Lookups {
+    /// Sides of a texel, map space; no smaller than the map's will be.
+    pub(super) texel: DVec2,
+    /// Texels that a kernel reaches beyond the receiver's own.
+    pub(super) margin: f64,
+    /// Rounding of positions, map space.
+    pub(super) rounding: f64,
+    /// Greatest tangent on the map; 0 without perspective.
+    pub(super) tangent: f64,
+}
+
+impl Lookups {
+    /// The reach, where the first caster and the last receiver have these ranks. A search for blockers goes as far as the
+    /// light's extent lets a caster at the near plane matter to the last receiver, which is linear in the ranks: `extent
+    /// (last - first)`.
+    pub(super) fn reach(&self, light: &Light, [first, last]: [f64; 2]) -> Reach {
+        let range = (last - first).max(0.0);
+        let search = extent(light) * (1.0 + self.tangent) * range;
+        let across = self.texel * (self.margin + OWN_TEXEL) + search + self.rounding;
+        let texels = (across / self.texel.max(DVec2::splat(f64::MIN_POSITIVE))).max_element();
+        Reach {
+            across,
+            behind: range * (STEEPEST * texels).clamp(DEEPEST_BIAS, 1.0),
+        }
+    }
+}
+
+/// Half the size of a light: a tangent if it is far, else metres.
+fn extent(light: &Light) -> f64 {
+    match *light {
+        Light::Directional {
+            angular_diameter, ..
+        } => (f64::from(angular_diameter) * 0.5).tan(),
+        Light::Spot { radius, .. } | Light::Point { radius, .. } | Light::Disc { radius, .. } => {
+            f64::from(radius)
+        }
+        Light::Rect { half_u, half_v, .. } => {
+            f64::from(half_u.length()) + f64::from(half_v.length())
+        }
+    }
+}
+
+/// World positions of what is seen to receive, if that is known.
+pub(super) fn seen(view: &View<'_>) -> Option<Vec<Vec3>> {
+    view.receivers.map(|seen| seen.positions().collect())
+}
+
+/// Where something receives, map space: seen points, or boxes around runs of triangles.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Receiving {
+    points: Vec<DVec3>,
+    boxes: Vec<Bounds>,
+}
+
+impl Receiving {
+    /// What may receive within `column`: the seen points, if they are known.
+    pub(super) fn new(
+        seen: Option<&[Vec3]>,
+        geometry: &Geometry,
+        space: &MapSpace,
+        column: &Bounds,
+    ) -> Self {
+        let mut out = Self::default();
+        match seen {
+            Some(points) => {
+                out.points.reserve(points.len());
+                out.points
+                    .extend(points.iter().filter_map(|&p| space.point_within(p, column)));
+            }
+            None => {
+                let boxes = geometry
+                    .blocks()
+                    .of(geometry.receivers())
+                    .map(|(_, b)| space.block(&b));
+                out.boxes
+                    .extend(boxes.filter(|b| b.meets(column)).map(|b| b.within(column)));
+            }
+        }
+        out
+    }
+
+    /// All of a box.
+    pub(super) fn within(b: Bounds) -> Self {
+        Self {
+            points: Vec::new(),
+            boxes: vec![b],
+        }
+    }
+
+    /// A box around all of it.
+    pub(super) fn bounds(&self) -> Bounds {
+        let points = Bounds::around(self.points.iter().copied());
+        self.boxes.iter().fold(points, |all, b| all.union(b))
+    }
+}
+
+/// The least rank that any caster may have within `column`; none if there are no casters.
+pub(super) fn first_rank(geometry: &Geometry, space: &MapSpace, column: &Bounds) -> Option<f64> {
+    let blocks = geometry
+        .blocks()
+        .of(geometry.casters())
+        .map(|(_, b)| space.block(&b));
+    blocks
+        .filter(|b| b.meets(column))
+        .map(|b| b.min.z)
+        .reduce(f64::min)
+}
+
+/// What is asked of casters.
+#[derive(Clone, Debug)]
+pub(super) struct Need<'a> {
+    space: MapSpace,
+    geometry: &'a Geometry,
+    behind: f64,
+    /// Where lookups may go.
+    column: Bounds,
+    /// Where casters count.
+    shown: Bounds,
+    cell: DVec2,
+    /// Of each cell, in rows: the greatest rank of the receivers whose lookups may go there.
+    last: Vec<f64>,
+}
+
+impl<'a> Need<'a> {
+    /// None if nothing receives.
+    pub(super) fn new(
+        space: MapSpace,
+        geometry: &'a Geometry,
+        receivers: &Receiving,
+        reach: &Reach,
+    ) -> Option<Self> {
+        let all = receivers.bounds();
+        if all.is_empty() {
+            return None;
+        }
+        let column = all.column(reach.across);
+        let side = (column.max - column.min).truncate();
+        let cell = (side / CELLS as f64).max(DVec2::splat(f64::MIN_POSITIVE));
+        let last = vec![f64::NEG_INFINITY; CELLS * CELLS];
+        let mut out = Self {
+            space,
+            geometry,
+            behind: reach.behind,
+            column,
+            shown: column,
+            cell,
+            last,
+        };
+        for &p in &receivers.points {
+            let i = out.cell_of(p);
+            out.last[i] = out.last[i].max(p.z);
+        }
+        for b in &receivers.boxes {
+            out.cells(b)
+                .for_each(|i| out.last[i] = out.last[i].max(b.max.z));
+        }
+        out.widen((reach.across / cell).ceil());
+        Some(out)
+    }
+
+    /// The same, asked of a map that shows no more than `column`: lookups that leave it find nothing, so casters beside it
+    /// do not count.
+    pub(super) fn on_map(self, column: &Bounds) -> Self {
+        Self {
+            shown: self.column.within(column),
+            ..self
+        }
+    }
+
+    /// The cell on which a point falls. Casts saturate: what lies outside counts for the outermost cells.
+    fn cell_of(&self, p: DVec3) -> usize {
+        let at = (p - self.column.min).truncate() / self.cell;
+        (at.y as usize).min(CELLS - 1) * CELLS + (at.x as usize).min(CELLS - 1)
+    }
+
+    /// The cells that a box covers.
+    fn cells(&self, b: &Bounds) -> impl Iterator<Item = usize> + use<> {
+        let (from, to) = (self.cell_of(b.min), self.cell_of(b.max));
+        let columns = from % CELLS..to % CELLS + 1;
+        (from / CELLS..to / CELLS + 1)
+            .flat_map(move |y| columns.clone().map(move |x| y * CELLS + x))
+    }
+
+    /// Lets every receiver count in cells up to `by` away.
+    fn widen(&mut self, by: DVec2) {
+        let [x, y] = by.to_array().map(|cells| (cells as usize).min(CELLS));
+        self.last = spread(&self.last, x, |at, step| at % CELLS + step < CELLS, 1);
+        self.last = spread(&self.last, y, |at, step| at / CELLS + step < CELLS, CELLS);
+    }
+
+    /// Whether something with this box may matter.
+    fn matters(&self, b: &Bounds) -> bool {
+        b.meets(&self.shown) && self.cells(b).any(|i| self.last[i] + self.behind >= b.min.z)
+    }
+
+    /// Runs of casters of which some may matter, and a box around each.
+    fn runs(&self) -> impl Iterator<Item = (Range<u32>, Bounds)> + '_ {
+        let runs = self.geometry.blocks().of(self.geometry.casters());
+        runs.map(|(run, b)| (run, self.space.block(&b)))
+            .filter(|(_, b)| self.matters(b))
+    }
+
+    /// A box around those parts of casters that may matter; empty if there are none.
+    pub(super) fn around_casters(&self) -> Bounds {
+        let mut found = Bounds::EMPTY;
+        for (run, b) in self.runs() {
+            if adds_nothing(&b.within(&self.shown), &found) {
+                continue;
+            }
+            for triangle in run {
+                let polygon = self.space.triangle(self.geometry.corners(triangle));
+                let b = Bounds::around(polygon.corners().iter().copied());
+                if adds_nothing(&b.within(&self.shown), &found) || !self.matters(&b) {
+                    continue;
+                }
+                let inside = b.within(&self.shown) == b;
+                let part = if inside { b } else { self.part(&polygon) };
+                found = found.union(&part);
+            }
+        }
+        found
+    }
+
+    /// A box around what of a caster lies where casters count.
+    fn part(&self, polygon: &super::polygon::Polygon) -> Bounds {
+        let (min, max) = (self.shown.min, self.shown.max);
+        let left = polygon.clip(DVec3::X, min.x).clip(DVec3::NEG_X, -max.x);
+        let left = left.clip(DVec3::Y, min.y).clip(DVec3::NEG_Y, -max.y);
+        Bounds::around(left.corners().iter().copied())
+    }
+
+    /// The casters that may matter.
+    pub(super) fn casters(&self) -> impl Iterator<Item = u32> + '_ {
+        let matters = |&t: &u32| {
+            let polygon = self.space.triangle(self.geometry.corners(t));
+            self.matters(&Bounds::around(polygon.corners().iter().copied()))
+        };
+        self.runs().flat_map(|(run, _)| run).filter(matters)
+    }
+}
+
+/// Whether a box lies where casters were found before, and no nearer to the light.
+fn adds_nothing(b: &Bounds, found: &Bounds) -> bool {
+    b.min.cmpge(found.min).all() && b.max.truncate().cmple(found.max.truncate()).all()
+}
+
+/// Of each cell, the greatest value up to `by` steps away; `fits` tells whether a cell has a neighbour so many steps on.
+fn spread(
+    values: &[f64],
+    by: usize,
+    fits: impl Fn(usize, usize) -> bool,
+    stride: usize,
+) -> Vec<f64> {
+    let (mut out, mut reached) = (values.to_vec(), 0);
+    // What has spread by r each way leaves no gap after a step of up to r + 1 both ways.
+    while reached < by {
+        let step = (reached + 1).min(by - reached);
+        let before = out.clone();
+        for at in (0..before.len()).filter(|&at| fits(at, step)) {
+            let next = at + step * stride;
+            out[at] = out[at].max(before[next]);
+            out[next] = out[next].max(before[at]);
+        }
+        reached += step;
+    }
+    out
+}

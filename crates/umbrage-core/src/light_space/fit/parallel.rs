@@ -1,0 +1,129 @@
+//! Tight fits of parallel light: boxes.
+
+use crate::{
+    Aabb, Geometry, Invalid, View,
+    light_space::{
+        Extents, LightSpace,
+        fit::{
+            cull::{self, Lookups, Need, Receiving},
+            map_space::{Bounds, MapSpace},
+            points::{
+                bounds_in, caster_points, caster_reach, casters_on, padded, receiver_points,
+                rounding,
+            },
+        },
+        look_along, orthographic,
+    },
+};
+use glam::{DAffine3, DVec3, Mat4, Vec3};
+
+/// Sideways around what both casts and receives, in depth from the first caster to the last receiver. `cull`: of the
+/// casters, only what can shadow a receiver counts.
+pub(super) fn tight(
+    view: &View<'_>,
+    direction: Vec3,
+    size: u32,
+    margin: f32,
+    cull: bool,
+) -> Result<LightSpace, Invalid> {
+    // An eye amid the casters keeps numbers small when the scene is far from the origin.
+    let eye = if view.casters.is_empty() {
+        Vec3::ZERO
+    } else {
+        view.casters.center()
+    };
+    let view_from_world = look_along(eye, direction, Vec3::Y)?;
+    let receivers = bounds_in(&view_from_world, receiver_points(view));
+    let casters = match view.geometry.filter(|_| cull) {
+        Some(geometry) => {
+            needed_casters(view, geometry, &view_from_world, &receivers, size, margin)
+        }
+        None => bounds_in(&view_from_world, caster_points(view)),
+    };
+    let mut b = casters.intersection(&receivers);
+    // View z falls away from the light: from the first caster (greatest z) to the last receiver (least z).
+    (b.min.z, b.max.z) = (receivers.min.z, casters.max.z);
+    if b.is_empty() {
+        // Nothing can fall on anything: any space will do.
+        b = Aabb {
+            min: Vec3::splat(-1.0),
+            max: Vec3::splat(1.0),
+        };
+    }
+    around(view_from_world, &b, size, margin)
+}
+
+/// The space around a box of the light's view, with room for kernels at the outermost receivers.
+fn around(view_from_world: Mat4, b: &Aabb, size: u32, margin: f32) -> Result<LightSpace, Invalid> {
+    let grow =
+        (b.extent() / inner(size, margin) * (margin + 1.0)).max(Vec3::splat(f32::MIN_POSITIVE));
+    let extents = Extents {
+        left: b.min.x - grow.x,
+        right: b.max.x + grow.x,
+        bottom: b.min.y - grow.y,
+        top: b.max.y + grow.y,
+        near: -b.max.z,
+        far: -b.min.z,
+    };
+    Ok(LightSpace {
+        view_from_world,
+        clip_from_view: orthographic(extents)?,
+    })
+}
+
+/// How many of a map's texels lie on what it is for.
+pub(super) fn inner(size: u32, margin: f32) -> f32 {
+    (size as f32 - 2.0 * margin - 2.0).max(1.0)
+}
+
+/// The box, in the light's view, around casters that can shadow a receiver.
+fn needed_casters(
+    view: &View<'_>,
+    geometry: &Geometry,
+    view_from_world: &Mat4,
+    receivers: &Aabb,
+    size: u32,
+    margin: f32,
+) -> Aabb {
+    let space = MapSpace {
+        view_from_world: DAffine3::from_mat4(view_from_world.as_dmat4()),
+        nearest: None,
+    };
+    let last = -f64::from(receivers.min.z);
+    let column = Bounds {
+        min: receivers.min.as_dvec3(),
+        max: receivers.max.as_dvec3(),
+    };
+    let all = casters_on(&space, geometry);
+    let looked_up = Receiving::new(cull::seen(view).as_deref(), geometry, &space, &column);
+    // No texel of the fit is greater than this: it will cover no more than either box.
+    let most = (all.max - all.min)
+        .min(column.max - column.min)
+        .max(DVec3::ZERO)
+        .truncate();
+    let lookups = Lookups {
+        texel: most / f64::from(inner(size, margin)),
+        margin: f64::from(margin),
+        rounding: f64::from(rounding(receivers, caster_reach(view))),
+        tangent: 0.0,
+    };
+    let mut found = all;
+    // Of a light with an extent, what matters depends on the first caster that matters: asked twice, the first may be
+    // farther.
+    for _ in 0..if view.light.is_ideal() { 1 } else { 2 } {
+        let reach = lookups.reach(view.light, [found.min.z, last]);
+        let need = Need::new(space, geometry, &looked_up, &reach);
+        found = need.map_or(Bounds::EMPTY, |need| need.around_casters());
+    }
+    if found.is_empty() {
+        return Aabb::EMPTY;
+    }
+    let corner = |p: DVec3, rank: f64| p.with_z(-rank).as_vec3();
+    padded(
+        Aabb {
+            min: corner(found.min, found.max.z),
+            max: corner(found.max, found.min.z),
+        },
+        caster_reach(view),
+    )
+}

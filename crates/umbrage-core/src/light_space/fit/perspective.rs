@@ -1,0 +1,243 @@
+//! Fits of lights with a position: one pyramid, or a cube's six.
+
+use crate::{
+    Aabb, CasterSet, Light, PlanError, View,
+    light_space::{
+        LightSpace,
+        depth_range::{Pyramid, depth_range},
+        fit::{
+            Fit, WIDEST_HALF_ANGLE,
+            lamp::Lamp,
+            points::{bounds_in, caster_points, receiver_points},
+        },
+        layers::{LightSpaces, cube_face_views},
+        look_along, perspective,
+    },
+};
+use glam::{Mat4, Vec3};
+
+/// Nearest plane of a perspective fit, as a fraction of its far plane: 2^-14. Depths there are still told apart to 2^-10 of
+/// their distance; a caster nearer than that (.6 mm from a lamp over 10 m) is lost rather than everyone's precision.
+pub(super) const NEAREST: f32 = 1.0 / 16_384.0;
+/// Radians beside the outermost caster, for rounding.
+const BESIDE: f32 = 1e-3;
+
+/// One pyramid.
+pub(super) fn single(
+    fit: &Fit,
+    view: &View<'_>,
+    size: u32,
+    margin: f32,
+) -> Result<LightSpace, PlanError> {
+    let eye = view.light.position().unwrap_or_default();
+    let lamp = if *fit == Fit::Tight {
+        Lamp::new(view, eye, size, margin)
+    } else {
+        None
+    };
+    let (axis, half_angle) = cone(view, eye, lamp.as_ref())?;
+    if half_angle.to_degrees() > WIDEST_HALF_ANGLE {
+        return Err(PlanError::unsupported(format!(
+            "the {} light needs a cone of {:.0} degrees (a spot its own, others one that holds all casters), and one map \
+             covers at most {:.0}: use `Layout::Cube`",
+            view.light.kind(),
+            2.0 * half_angle.to_degrees(),
+            2.0 * WIDEST_HALF_ANGLE
+        )));
+    }
+    let view_from_world = look_along(eye, axis, Vec3::Y)?;
+    let widened = widened(half_angle, size, margin);
+    let [near, far] = match (fit, lamp) {
+        (Fit::Manual { extents, .. }, _) => [extents.near, extents.far],
+        (_, Some(lamp)) => range(
+            lamp.near(&view_from_world, f64::from(widened.tan())),
+            far_plane(view, &view_from_world),
+        ),
+        (_, None) => whole_range(view, &view_from_world, widened),
+    };
+    Ok(LightSpace {
+        view_from_world,
+        clip_from_view: perspective(2.0 * widened, 1.0, near, far)?,
+    })
+}
+
+/// Six faces, each a little wider than 90 degrees, so that kernels never reach beyond the face they start in.
+pub(super) fn cube(
+    fit: &Fit,
+    view: &View<'_>,
+    eye: Vec3,
+    size: u32,
+    margin: f32,
+) -> Result<LightSpaces, PlanError> {
+    if size as f32 - 2.0 * margin - 2.0 < size as f32 / WIDEST_HALF_ANGLE.to_radians().tan()
+        && margin > 0.0
+    {
+        return Err(PlanError::unsupported(format!(
+            "a kernel that reaches {margin} texels is too wide for a cube's faces of {size}: use greater maps or a \
+             smaller kernel"
+        )));
+    }
+    let half_angle = widened(45.0_f32.to_radians(), size, margin);
+    let lamp = if *fit == Fit::Tight {
+        Lamp::new(view, eye, size, margin)
+    } else {
+        None
+    };
+    let mut out = LightSpaces {
+        spaces: Vec::new(),
+        casters: Vec::new(),
+    };
+    let nears = lamp
+        .as_ref()
+        .map(|lamp| lamp.nears(f64::from(half_angle.tan())))
+        .transpose()?;
+    for (i, view_from_world) in cube_face_views(eye)?.into_iter().enumerate() {
+        let ([near, far], needed) = match (fit, &lamp, nears) {
+            (_, Some(lamp), Some(nears)) => (range(nears[i], lamp.far as f32), nears[i].is_some()),
+            (Fit::Manual { extents, .. }, ..) => (
+                [extents.near, extents.far],
+                is_needed(view, &view_from_world, half_angle),
+            ),
+            _ => (
+                whole_range(view, &view_from_world, half_angle),
+                is_needed(view, &view_from_world, half_angle),
+            ),
+        };
+        let clip_from_view = perspective(2.0 * half_angle, 1.0, near, far)?;
+        out.spaces.push(LightSpace {
+            view_from_world,
+            clip_from_view,
+        });
+        out.casters.push(if needed {
+            CasterSet::All
+        } else {
+            CasterSet::none()
+        });
+    }
+    Ok(out)
+}
+
+/// Whether one map may take a cube's place: if it is for a spot, if its texels are no larger than a cube's, or if it could
+/// hold all casters.
+pub(super) fn suffices(
+    one: &LightSpace,
+    view: &View<'_>,
+    eye: Vec3,
+    size: u32,
+    margin: f32,
+) -> bool {
+    let tangent = 1.0 / one.clip_from_view.x_axis.x;
+    matches!(view.light, Light::Spot { .. })
+        || tangent <= widened(45.0_f32.to_radians(), size, margin).tan()
+        || cone_around_casters(view, eye).1.to_degrees() <= WIDEST_HALF_ANGLE
+}
+
+/// Wider by the kernel's reach, so that the outermost receivers' taps stay on the map.
+fn widened(half_angle: f32, size: u32, margin: f32) -> f32 {
+    let tangent = half_angle.tan() * size as f32 / super::parallel::inner(size, margin);
+    // A kernel as wide as the map would open the angle without end.
+    tangent
+        .atan()
+        .min(WIDEST_HALF_ANGLE.to_radians().max(half_angle))
+}
+
+/// The axis and half angle (radians) of what one map has to show: a spot's own cone, else one around casters; narrower
+/// where a lamp knows what matters.
+fn cone(view: &View<'_>, eye: Vec3, lamp: Option<&Lamp<'_>>) -> Result<(Vec3, f32), PlanError> {
+    let (axis, widest) = match *view.light {
+        Light::Spot {
+            direction, outer, ..
+        } => (direction, outer),
+        _ => cone_around_casters(view, eye),
+    };
+    let angle = |tangent: f64| tangent.atan() as f32 + BESIDE;
+    let too_wide = widest.to_degrees() > WIDEST_HALF_ANGLE;
+    match lamp {
+        Some(lamp) if !too_wide => {
+            let (axis, tangent) = lamp.narrowed((axis, f64::from(widest).tan()))?;
+            Ok((axis, angle(tangent).min(widest)))
+        }
+        Some(lamp) if !matches!(view.light, Light::Spot { .. }) => Ok(lamp
+            .aimed()?
+            .map_or((axis, widest), |(axis, tangent)| (axis, angle(tangent)))),
+        _ => Ok((axis, widest)),
+    }
+}
+
+/// The axis and half angle (radians) of a cone from `eye` that holds all casters.
+fn cone_around_casters(view: &View<'_>, eye: Vec3) -> (Vec3, f32) {
+    if view.casters.is_empty() {
+        return (Vec3::NEG_Y, 0.5);
+    }
+    let directions = || caster_points(view).map(move |p| (p - eye).as_dvec3().normalize_or_zero());
+    let sum: glam::DVec3 = directions().sum();
+    let center = Aabb::around(caster_points(view)).center() - eye;
+    let axis = if sum.length() > 1e-9 {
+        sum.normalize()
+    } else {
+        center.as_dvec3().normalize_or(-glam::DVec3::Y)
+    };
+    let widest = directions().map(|d| d.dot(axis)).fold(1.0, f64::min);
+    (
+        axis.as_vec3(),
+        widest.clamp(-1.0, 1.0).acos() as f32 + BESIDE,
+    )
+}
+
+/// Whether something casts and something seen receives within a cube's face.
+fn is_needed(view: &View<'_>, view_from_world: &Mat4, half_angle: f32) -> bool {
+    let Some(g) = view.geometry else { return true };
+    let pyramid = pyramid(view_from_world, half_angle);
+    let meets = |triangles: std::ops::Range<u32>| {
+        depth_range(&pyramid, triangles.map(|t| g.corners(t))).is_some()
+    };
+    let receives = || match view.receivers {
+        Some(r) => r.positions().any(|p| pyramid.holds(p)),
+        None => meets(g.receivers()),
+    };
+    meets(g.casters()) && receives()
+}
+
+fn pyramid(view_from_world: &Mat4, half_angle: f32) -> Pyramid {
+    Pyramid {
+        view_from_world: *view_from_world,
+        tangents: [f64::from(half_angle.tan()); 2],
+    }
+}
+
+/// Distances along the view to the nearest caster of all and beyond the farthest receiver.
+fn whole_range(view: &View<'_>, view_from_world: &Mat4, half_angle: f32) -> [f32; 2] {
+    let near = match view.geometry {
+        Some(g) => {
+            let casters = g.casters().map(|t| g.corners(t));
+            depth_range(&pyramid(view_from_world, half_angle), casters).map(|[near, _]| near)
+        }
+        // Of a box, nothing is known but its nearest corner.
+        None => Some(-bounds_in(view_from_world, caster_points(view)).max.z * 0.999)
+            .filter(|near| near.is_finite()),
+    };
+    range(near, far_plane(view, view_from_world))
+}
+
+/// The far plane: at twice the distance of the farthest receiver along the view. Perspective depth hardly depends on it,
+/// and rounding cannot push receivers beyond it.
+fn far_plane(view: &View<'_>, view_from_world: &Mat4) -> f32 {
+    let receivers = bounds_in(view_from_world, receiver_points(view));
+    let far = if receivers.is_empty() {
+        -bounds_in(view_from_world, caster_points(view)).min.z
+    } else {
+        -receivers.min.z
+    };
+    if far.is_finite() && far > 0.0 {
+        2.0 * far
+    } else {
+        1.0
+    }
+}
+
+fn range(near: Option<f32>, far: f32) -> [f32; 2] {
+    [
+        near.unwrap_or(far * 0.5).clamp(far * NEAREST, far * 0.5),
+        far,
+    ]
+}

@@ -1,0 +1,439 @@
+//! Recipes: a shadow algorithm as plain data, to be played by any backend.
+
+pub(crate) mod image;
+pub(crate) mod kernel;
+pub(crate) mod shader;
+pub(crate) mod twin;
+pub(crate) mod work;
+
+use crate::{
+    CasterSet, FilterKernel, Format, Geometry, ImageDesc, Invalid, LightSpace, ReceiveKernel,
+    ShadeKernel, invalid,
+};
+use glam::Vec4;
+use std::{ops::Range, sync::Arc};
+
+/// Index into [`Recipe::images`].
+pub type ImageId = usize;
+/// Index into [`Recipe::tables`].
+pub type TableId = usize;
+
+/// Three stages, played in order: casts, filters, receive; and, for pictures, shading.
+#[derive(Clone, Debug)]
+pub struct Recipe {
+    /// The images that the stages write. Depth images start at 1, others at 0.
+    pub images: Vec<ImageDesc>,
+    /// Constant data for kernels, on the GPU read-only storage buffers.
+    pub tables: Vec<Table>,
+    /// Geometry drawn into images.
+    pub casts: Vec<Cast>,
+    /// Images made from images.
+    pub filters: Vec<Filter>,
+    /// The question asked at each receiver.
+    pub receive: Receive,
+    /// Colours for what is seen; none when only the mask is wanted.
+    pub shade: Option<Shade>,
+    /// Whether the backend is to hand the images back in [`Shadows::images`](crate::Shadows::images).
+    pub keep_images: bool,
+}
+
+/// Which casters' faces are left out.
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize,
+)]
+#[serde(rename_all = "snake_case")]
+pub enum Cull {
+    /// Draw both sides.
+    #[default]
+    None,
+    /// Leave out faces turned to the light: needs closed casters.
+    Front,
+    /// Leave out faces turned away from the light: needs closed casters.
+    Back,
+}
+
+/// Polygon offset, as Vulkan and WebGPU define it: depth grows by `constant * r + slope * m`, where m is the greater of
+/// the triangle's depth slopes in x and y (clip depth a texel) and r the spacing of floats at its greatest depth.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RasterBias {
+    /// In units of r: about 6e-8 near depth 1 of 32 bits; of 16 bits one step of 65536 or two, as devices like.
+    #[serde(default)]
+    pub constant: i32,
+    /// In units of m.
+    #[serde(default)]
+    pub slope: f32,
+    /// Bound of the sum, clip depth; 0 for none, negative for a lower bound.
+    #[serde(default)]
+    pub clamp: f32,
+}
+
+/// Draws geometry, seen from a light or the camera, into one layer of an image.
+#[derive(Clone, Debug)]
+pub struct Cast {
+    /// The image: depth, or for [`CastMode::Count`] a [`Format::Stencil8`].
+    pub image: ImageId,
+    /// Its layer.
+    pub layer: u32,
+    /// Where it is seen from.
+    pub space: LightSpace,
+    /// What is drawn.
+    pub source: Source,
+    /// What stays of it.
+    pub mode: CastMode,
+    /// Faces left out.
+    pub cull: Cull,
+    /// Polygon offset.
+    pub bias: RasterBias,
+}
+
+impl Cast {
+    /// The casters' least depth, without culling and bias.
+    pub fn nearest(image: ImageId, layer: u32, space: LightSpace) -> Self {
+        let (source, mode) = (Source::Casters, CastMode::Nearest);
+        Self {
+            image,
+            layer,
+            space,
+            source,
+            mode,
+            cull: Cull::None,
+            bias: RasterBias::default(),
+        }
+    }
+}
+
+/// What a cast draws.
+#[derive(Clone, Debug, Default)]
+pub enum Source {
+    /// All casters.
+    #[default]
+    Casters,
+    /// Some casters: these ranges of the geometry's list of triangles, rising, with gaps between them. The other casters don't show
+    /// in the image, so a backend that can't tell them apart may draw all.
+    SomeCasters(Arc<[Range<u32>]>),
+    /// All that the camera may see: casters, receivers, and what is neither.
+    Everything,
+    /// What the technique made from the casters: shadow volumes, flattened casters.
+    Faces(Arc<Faces>),
+}
+
+impl Source {
+    /// Returns the ranges of a geometry's list of triangles that are drawn, rising; none for faces that a technique made. Runs
+    /// end where the casters end.
+    pub fn runs(&self, geometry: &Geometry) -> Vec<Range<u32>> {
+        let casters = geometry.casters();
+        match self {
+            Self::Casters => vec![casters],
+            Self::SomeCasters(runs) => runs
+                .iter()
+                .map(|run| run.start.max(casters.start)..run.end.min(casters.end))
+                .filter(|run| !run.is_empty())
+                .collect(),
+            Self::Everything => vec![0..geometry.triangles().len() as u32],
+            Self::Faces(_) => Vec::new(),
+        }
+    }
+}
+
+impl From<&CasterSet> for Source {
+    fn from(casters: &CasterSet) -> Self {
+        match casters {
+            CasterSet::All => Self::Casters,
+            CasterSet::Runs(runs) => Self::SomeCasters(runs.clone()),
+        }
+    }
+}
+
+/// Triangles that a technique made. Backends may recognise them by their address.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Faces {
+    /// Homogeneous world positions: (x, y, z, 1) is a point, (x, y, z, 0) the point infinitely far along a direction.
+    pub vertices: Vec<Vec4>,
+    /// Counter-clockwise seen from outside.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+impl Faces {
+    /// Objects to indices beyond the vertices, and to vertices that are not finite.
+    ///
+    /// # Errors
+    /// If there is either.
+    pub fn validate(&self) -> Result<(), Invalid> {
+        let count = self.vertices.len();
+        let finite = self.vertices.iter().all(|v| v.is_finite());
+        if !finite
+            || self
+                .triangles
+                .iter()
+                .flatten()
+                .any(|&v| v as usize >= count)
+        {
+            let why = format!(
+                "draws faces with an index beyond their {count} vertices, or a vertex that is not finite"
+            );
+            return Err(Invalid::new("cast", why, "mend the faces"));
+        }
+        Ok(())
+    }
+}
+
+/// What stays of what a cast draws.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum CastMode {
+    /// The least depth at each texel.
+    #[default]
+    Nearest,
+    /// The least of those depths that are greater than what this image, of the same size and format, holds at the same
+    /// texel and layer: depth peeling (Everitt 2001, "Interactive order-independent transparency"). No bias.
+    Behind(ImageId),
+    /// At each texel, how many back faces minus how many front faces are not before what this [`Format::Depth32`] image of
+    /// the same size and layer holds, modulo 256: depth-fail counting (Everitt and Kilgard 2002, "Practical and robust
+    /// stenciled shadow volumes"). No bias, no culling.
+    Count {
+        /// Drawn before, in the same space.
+        depth: ImageId,
+    },
+}
+
+/// Makes all layers of an image from other images.
+#[derive(Clone, Debug)]
+pub struct Filter {
+    /// What it does.
+    pub kernel: Arc<dyn FilterKernel>,
+    /// Images read.
+    pub inputs: Vec<ImageId>,
+    /// Tables read.
+    pub tables: Vec<TableId>,
+    /// Image written; not among the inputs.
+    pub output: ImageId,
+}
+
+/// Asks each receiver.
+#[derive(Clone, Debug)]
+pub struct Receive {
+    /// What is asked.
+    pub kernel: Arc<dyn ReceiveKernel>,
+    /// Images read.
+    pub inputs: Vec<ImageId>,
+    /// Tables read.
+    pub tables: Vec<TableId>,
+}
+
+/// Colours every pixel that shows a triangle, whether it receives or not.
+#[derive(Clone, Debug)]
+pub struct Shade {
+    /// How.
+    pub kernel: Arc<dyn ShadeKernel>,
+    /// Tables read.
+    pub tables: Vec<TableId>,
+    /// Linear colour where nothing is seen.
+    pub background: [f32; 4],
+}
+
+/// Constant data: rows of four words. Cheap to clone; backends may recognise it by its address.
+#[derive(Clone, Debug)]
+pub struct Table {
+    /// For error messages.
+    pub label: &'static str,
+    /// The rows; at least one.
+    pub rows: Arc<[[u32; 4]]>,
+}
+
+/// What a backend can hold.
+#[derive(Clone, Copy, Debug)]
+pub struct Limits {
+    /// Greatest image side, texels.
+    pub image_side: u32,
+    /// Greatest number of layers.
+    pub layers: u32,
+    /// Greatest table, bytes.
+    pub table_bytes: u64,
+}
+
+impl Recipe {
+    /// Bytes of all images.
+    pub fn image_bytes(&self) -> u64 {
+        self.images.iter().map(ImageDesc::bytes).sum()
+    }
+
+    /// Bytes of all tables.
+    pub fn table_bytes(&self) -> u64 {
+        self.tables.iter().map(|t| 16 * t.rows.len() as u64).sum()
+    }
+
+    /// Objects to what no player could play: sizes of zero or beyond the limits, and ids that name nothing.
+    ///
+    /// # Errors
+    /// The first fault found.
+    pub fn validate(&self, limits: &Limits) -> Result<(), Invalid> {
+        self.images
+            .iter()
+            .try_for_each(|i| check_image(i, limits))?;
+        for table in &self.tables {
+            let bytes = 16 * table.rows.len() as u64;
+            if bytes == 0 || bytes > limits.table_bytes {
+                let why = format!(
+                    "takes {bytes} bytes, and this backend holds 1 to {}",
+                    limits.table_bytes
+                );
+                return Err(Invalid::new(
+                    format!("table `{}`", table.label),
+                    why,
+                    "use a smaller scene",
+                ));
+            }
+        }
+        for (i, cast) in self.casts.iter().enumerate() {
+            check_numbers(cast).map_err(|e| e.within(format!("cast {i}")))?;
+            self.check_cast(cast)?;
+        }
+        for filter in &self.filters {
+            self.check_ids("filter", &filter.inputs, &filter.tables)?;
+            let image = self.images.get(filter.output);
+            if filter.inputs.contains(&filter.output)
+                || image.is_none_or(|i| i.format.is_cast_only())
+            {
+                let why = format!("writes image {}", filter.output);
+                let mend =
+                    "write an image that it doesn't read and that holds neither depth nor counts";
+                return Err(Invalid::new("filter", why, mend));
+            }
+        }
+        self.check_ids("receive", &self.receive.inputs, &self.receive.tables)?;
+        self.check_compared()?;
+        self.shade.as_ref().map_or(Ok(()), |shade| {
+            self.check_ids("shading", &[], &shade.tables)
+        })
+    }
+
+    fn check_cast(&self, cast: &Cast) -> Result<(), Invalid> {
+        let layer = |id: ImageId| self.images.get(id).filter(|i| cast.layer < i.layers);
+        let fault = |why: String, mend: &str| Err(Invalid::new("cast", why, mend));
+        let Some(image) = layer(cast.image) else {
+            let why = format!("names layer {} of image {}", cast.layer, cast.image);
+            return fault(why, "name a layer of an image of the recipe");
+        };
+        let other = match cast.mode {
+            CastMode::Nearest if image.format.is_depth() => return self.check_source(cast),
+            CastMode::Nearest => {
+                return fault(
+                    format!("writes image {}", cast.image),
+                    "name one of a depth format",
+                );
+            }
+            CastMode::Behind(id) => layer(id)
+                .filter(|o| id != cast.image && o.format == image.format && o.format.is_depth()),
+            CastMode::Count { depth } => {
+                let counts = image.format == Format::Stencil8 && cast.cull == Cull::None;
+                layer(depth).filter(|o| counts && o.format == Format::Depth32)
+            }
+        };
+        // What lies behind itself by a bias would be peeled for ever.
+        let biased = cast.bias != RasterBias::default() && matches!(cast.mode, CastMode::Behind(_));
+        if other.is_none_or(|o| o.size != image.size || o.layers != image.layers) || biased {
+            let why = format!(
+                "into image {} asks for {:?} with {:?} and {:?}",
+                cast.image, cast.mode, cast.cull, cast.bias
+            );
+            return fault(
+                why,
+                "peel behind another depth image of the same kind, or count into a Stencil8 image against a \
+                              Depth32 image of its size; peels without bias, counts without culling",
+            );
+        }
+        self.check_source(cast)
+    }
+
+    fn check_source(&self, cast: &Cast) -> Result<(), Invalid> {
+        match &cast.source {
+            Source::Casters | Source::Everything => Ok(()),
+            Source::SomeCasters(runs) => check_runs(runs),
+            Source::Faces(faces) => faces.validate(),
+        }
+    }
+
+    /// Comparison samplers read depth alone.
+    fn check_compared(&self) -> Result<(), Invalid> {
+        let depth = |&i: &ImageId| {
+            self.images
+                .get(i)
+                .is_some_and(|image| image.format.is_depth())
+        };
+        if !self.receive.kernel.compares() || self.receive.inputs.iter().any(depth) {
+            return Ok(());
+        }
+        Err(Invalid::new(
+            "receive",
+            "compares, but reads no depth image",
+            "name a depth image among its inputs",
+        ))
+    }
+
+    fn check_ids(&self, what: &str, images: &[ImageId], tables: &[TableId]) -> Result<(), Invalid> {
+        let missing = |ids: &[usize], count: usize| ids.iter().find(|&&i| i >= count).copied();
+        for (kind, ids, count) in [
+            ("image", images, self.images.len()),
+            ("table", tables, self.tables.len()),
+        ] {
+            if let Some(i) = missing(ids, count) {
+                return Err(Invalid::new(
+                    what,
+                    format!("reads {kind} {i} of {count}"),
+                    "name one of the recipe's",
+                ));
+            }
+        }
+        Ok(())
+    }
+}
+
+fn check_runs(runs: &[Range<u32>]) -> Result<(), Invalid> {
+    let mut end = 0;
+    for run in runs {
+        if run.start < end || run.is_empty() {
+            let why = format!("draws the triangles {runs:?}");
+            return Err(Invalid::new(
+                "cast",
+                why,
+                "name ranges that rise, do not overlap and are not empty",
+            ));
+        }
+        end = run.end;
+    }
+    Ok(())
+}
+
+fn check_numbers(cast: &Cast) -> Result<(), Invalid> {
+    invalid::finite(
+        "view from world",
+        &cast.space.view_from_world.to_cols_array(),
+    )?;
+    invalid::finite("clip from view", &cast.space.clip_from_view.to_cols_array())?;
+    // Two finite matrices may have a product that isn't.
+    invalid::finite(
+        "clip from world",
+        &cast.space.clip_from_world().to_cols_array(),
+    )?;
+    invalid::finite("bias", &[cast.bias.slope, cast.bias.clamp])
+}
+
+fn check_image(image: &ImageDesc, limits: &Limits) -> Result<(), Invalid> {
+    let what = || format!("image `{}`", image.label);
+    if image.size.min_element() == 0 || image.size.max_element() > limits.image_side {
+        let why = format!("is {} x {} texels", image.size.x, image.size.y);
+        return Err(Invalid::new(
+            what(),
+            why,
+            format!("use 1 to {} on each side", limits.image_side),
+        ));
+    }
+    if image.layers == 0 || image.layers > limits.layers {
+        return Err(Invalid::new(
+            what(),
+            format!("has {} layers", image.layers),
+            format!("use 1 to {}", limits.layers),
+        ));
+    }
+    Ok(())
+}

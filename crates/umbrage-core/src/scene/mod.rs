@@ -1,0 +1,284 @@
+//! Scenes: meshes, instances of them, lights and cameras. Public fields; `validate` says what is wrong.
+
+pub(crate) mod camera;
+pub(crate) mod light;
+pub(crate) mod light_marker;
+pub mod light_sample;
+pub(crate) mod material;
+
+use crate::{Camera, Invalid, Light, Material, Texture, invalid::finite};
+use glam::{Affine3A, Vec2, Vec3, Vec4};
+
+/// Triangles in their own space. Right-handed; counter-clockwise seen from outside.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mesh {
+    /// A name for error messages.
+    pub name: String,
+    /// Vertex positions, metres.
+    pub positions: Vec<Vec3>,
+    /// Shading normals, one a vertex, any length; or empty, and they are averaged from the triangles.
+    pub normals: Vec<Vec3>,
+    /// Texture coordinates, one a vertex, origin top left; or empty.
+    pub uvs: Vec<Vec2>,
+    /// Tangents for normal maps, one a vertex: xyz along growing u, w the handedness (bitangent = w n x t); or empty.
+    pub tangents: Vec<Vec4>,
+    /// Vertex indices of each triangle.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+impl Mesh {
+    /// A mesh without normals and texture coordinates.
+    ///
+    /// # Errors
+    /// As [`Mesh::validate`].
+    pub fn new(
+        name: impl Into<String>,
+        positions: Vec<Vec3>,
+        triangles: Vec<[u32; 3]>,
+    ) -> Result<Self, Invalid> {
+        let mesh = Self {
+            name: name.into(),
+            positions,
+            triangles,
+            ..Self::default()
+        };
+        mesh.validate()?;
+        Ok(mesh)
+    }
+
+    /// Objects to empty meshes, numbers that are not finite, indices out of range and arrays of unequal length.
+    ///
+    /// # Errors
+    /// The first fault found.
+    pub fn validate(&self) -> Result<(), Invalid> {
+        let what = || format!("mesh `{}`", self.name);
+        let count = self.positions.len();
+        if self.triangles.is_empty() || count == 0 {
+            return Err(Invalid::new(
+                what(),
+                "has no triangles",
+                "give it at least one, or leave the mesh out",
+            ));
+        }
+        if u32::try_from(count).is_err() || u32::try_from(self.triangles.len()).is_err() {
+            return Err(Invalid::new(
+                what(),
+                "has over 2^32 vertices or triangles",
+                "split it",
+            ));
+        }
+        for (kind, len) in [
+            ("normals", self.normals.len()),
+            ("texture coordinates", self.uvs.len()),
+            ("tangents", self.tangents.len()),
+        ] {
+            if len != 0 && len != count {
+                let why = format!("has {len} {kind} for {count} vertices");
+                return Err(Invalid::new(what(), why, "give one a vertex or none"));
+            }
+        }
+        self.validate_numbers().map_err(|e| e.within(what()))?;
+        match self
+            .triangles
+            .iter()
+            .position(|t| t.iter().any(|&v| v as usize >= count))
+        {
+            None => Ok(()),
+            Some(i) => {
+                let why = format!(
+                    "triangle {i} is {:?}, but there are {count} vertices",
+                    self.triangles[i]
+                );
+                Err(Invalid::new(
+                    what(),
+                    why,
+                    format!("use indices from 0 to {}", count - 1),
+                ))
+            }
+        }
+    }
+
+    fn validate_numbers(&self) -> Result<(), Invalid> {
+        for (i, p) in self
+            .positions
+            .iter()
+            .enumerate()
+            .filter(|(_, p)| !p.is_finite())
+        {
+            finite(&format!("vertex {i}"), &p.to_array())?;
+        }
+        for (i, n) in self
+            .normals
+            .iter()
+            .enumerate()
+            .filter(|(_, n)| !n.is_finite())
+        {
+            finite(&format!("normal {i}"), &n.to_array())?;
+        }
+        for (i, uv) in self
+            .uvs
+            .iter()
+            .enumerate()
+            .filter(|(_, uv)| !uv.is_finite())
+        {
+            finite(&format!("texture coordinate {i}"), &uv.to_array())?;
+        }
+        for (i, t) in self
+            .tangents
+            .iter()
+            .enumerate()
+            .filter(|(_, t)| !t.is_finite())
+        {
+            finite(&format!("tangent {i}"), &t.to_array())?;
+        }
+        Ok(())
+    }
+}
+
+/// One placement of a mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Instance {
+    /// Index into [`Scene::meshes`].
+    pub mesh: usize,
+    /// Where it stands.
+    pub world_from_local: Affine3A,
+    /// Whether it throws shadows.
+    pub casts: bool,
+    /// Whether shadows fall on it.
+    pub receives: bool,
+    /// Index into [`Scene::materials`]; [`Material::default`] if none.
+    pub material: Option<usize>,
+}
+
+impl Instance {
+    /// An instance that casts and receives.
+    pub fn new(mesh: usize, world_from_local: Affine3A) -> Self {
+        Self {
+            mesh,
+            world_from_local,
+            casts: true,
+            receives: true,
+            material: None,
+        }
+    }
+}
+
+/// Longest name of a scene, bytes: most file systems hold names of 255, and reports put a few letters around it.
+pub const MOST_NAME: usize = 200;
+
+/// All there is to see. The first light and the first camera are the ones compared.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Scene {
+    /// A short name, at most [`MOST_NAME`] bytes, fit for a file name once blanks are replaced.
+    pub name: String,
+    /// Shapes.
+    pub meshes: Vec<Mesh>,
+    /// Placements of the shapes.
+    pub instances: Vec<Instance>,
+    /// Looks.
+    pub materials: Vec<Material>,
+    /// Colours, normals and heights of the looks.
+    pub textures: Vec<Texture>,
+    /// Lights.
+    pub lights: Vec<Light>,
+    /// Cameras.
+    pub cameras: Vec<Camera>,
+}
+
+impl Scene {
+    /// Objects to the first thing that cannot be rendered. An empty scene (no instance) is fine: all is lit.
+    ///
+    /// # Errors
+    /// The first fault found, with the scene's name.
+    pub fn validate(&self) -> Result<(), Invalid> {
+        self.validate_name()?;
+        self.validate_parts()
+            .map_err(|e| e.within(format!("scene `{}`", self.name)))
+    }
+
+    fn validate_name(&self) -> Result<(), Invalid> {
+        let length = self.name.len();
+        if length <= MOST_NAME {
+            return Ok(());
+        }
+        let start = &self.name[..self.name.floor_char_boundary(20)];
+        let why = format!("has a name of {length} bytes, and reports make it a folder's");
+        Err(Invalid::new(
+            format!("scene `{start}..`"),
+            why,
+            format!("use at most {MOST_NAME}"),
+        ))
+    }
+
+    fn validate_parts(&self) -> Result<(), Invalid> {
+        self.meshes.iter().try_for_each(Mesh::validate)?;
+        self.textures.iter().try_for_each(Texture::validate)?;
+        for (i, material) in self.materials.iter().enumerate() {
+            material
+                .validate(self.textures.len())
+                .map_err(|e| e.within(format!("material {i}")))?;
+        }
+        for (i, instance) in self.instances.iter().enumerate() {
+            self.validate_instance(instance)
+                .map_err(|e| e.within(format!("object {i}")))?;
+        }
+        self.lights.iter().try_for_each(Light::validate)?;
+        self.cameras.iter().try_for_each(Camera::validate)
+    }
+
+    fn validate_instance(&self, instance: &Instance) -> Result<(), Invalid> {
+        if instance.mesh >= self.meshes.len() {
+            let why = format!("names mesh {} of {}", instance.mesh, self.meshes.len());
+            return Err(Invalid::new(
+                "instance",
+                why,
+                "use the index of a mesh of this scene",
+            ));
+        }
+        self.validate_material(instance)?;
+        finite("matrix", &instance.world_from_local.to_cols_array())?;
+        let det = instance.world_from_local.matrix3.as_dmat3().determinant();
+        if det == 0.0 {
+            return Err(Invalid::new(
+                "matrix",
+                "is singular: it flattens the object",
+                "use a scale other than zero",
+            ));
+        }
+        Ok(())
+    }
+
+    fn validate_material(&self, instance: &Instance) -> Result<(), Invalid> {
+        let Some(id) = instance.material else {
+            return Ok(());
+        };
+        let Some(material) = self.materials.get(id) else {
+            let why = format!("names material {id} of {}", self.materials.len());
+            return Err(Invalid::new(
+                "instance",
+                why,
+                "use the index of a material of this scene",
+            ));
+        };
+        let mesh = &self.meshes[instance.mesh];
+        let textured = material.diffuse_texture.or(material.normal_map).is_some()
+            || material.displacement.is_some();
+        if textured && mesh.uvs.is_empty() {
+            let why = "has no texture coordinates, but its material has a texture";
+            return Err(Invalid::new(
+                format!("mesh `{}`", mesh.name),
+                why,
+                "give it uvs, or leave textures out",
+            ));
+        }
+        if material.normal_map.is_some() && mesh.tangents.is_empty() {
+            let why = "has no tangents, but its material has a normal map";
+            return Err(Invalid::new(
+                format!("mesh `{}`", mesh.name),
+                why,
+                "make them: `umbrage_scenes::with_tangents`",
+            ));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,53 @@
+//! The second stage: images made from images.
+
+use crate::images::views;
+use rayon::prelude::*;
+use umbrage_core::{Filter, Format, Image, ImageDesc, Inputs, Recipe, Simd, glam::UVec2};
+
+/// Runs all filters.
+pub(crate) fn filter_all(images: &mut [Image], recipe: &Recipe, simd: Simd) {
+    for f in &recipe.filters {
+        // The output is taken out, since the others are read meanwhile; it isn't among them.
+        let mut texels = std::mem::take(&mut images[f.output].texels);
+        filter(images, f, &images[f.output].desc, &mut texels, simd);
+        images[f.output].texels = texels;
+    }
+}
+
+/// Runs one filter into `texels`, row by row.
+pub(crate) fn filter(
+    images: &[Image],
+    filter: &Filter,
+    output: &ImageDesc,
+    texels: &mut [f32],
+    simd: Simd,
+) {
+    let views = views(images, &filter.inputs);
+    let inputs = Inputs {
+        images: &views,
+        simd,
+    };
+    let (row_len, height) = (
+        output.size.x as usize * output.format.channels(),
+        output.size.y as usize,
+    );
+    texels
+        .par_chunks_mut(row_len)
+        .enumerate()
+        .for_each(|(row, out)| {
+            let start = UVec2::new(0, (row % height) as u32);
+            filter
+                .kernel
+                .filter(&inputs, start, (row / height) as u32, out);
+            if output.format == Format::Rgba8 {
+                out.iter_mut().for_each(|v| *v = stored8(*v));
+            }
+        });
+}
+
+/// What shaders load from an 8-bit channel into which `v` was written, as Mesa's software rasterisers convert it; what
+/// is not a number becomes 0.
+fn stored8(v: f32) -> f32 {
+    let v = if v > 0.0 { v.min(1.0) } else { 0.0 };
+    (v * 255.0).round_ties_even() * (1.0 / 255.0)
+}

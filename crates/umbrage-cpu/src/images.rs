@@ -1,0 +1,42 @@
+//! The images of a recipe: made to fit, cleared, and lent to kernels.
+
+use crate::cast;
+use rayon::prelude::*;
+use umbrage_core::{Image, ImageId, ImageView, Recipe};
+
+/// Makes `images` fit a recipe, keeping what has the right size, and clears what isn't written before it is read.
+pub(crate) fn prepare_images(images: &mut Vec<Image>, recipe: &Recipe) {
+    images.truncate(recipe.images.len());
+    for (i, desc) in recipe.images.iter().enumerate() {
+        let start = desc.format.start();
+        match images.get_mut(i) {
+            Some(image) if image.desc.floats() == desc.floats() => {
+                image.desc = *desc;
+                clear_unwritten(image, i, recipe, start);
+            }
+            Some(image) => *image = Image::filled(*desc, start),
+            None => images.push(Image::filled(*desc, start)),
+        }
+    }
+}
+
+fn clear_unwritten(image: &mut Image, id: ImageId, recipe: &Recipe, start: f32) {
+    for layer in 0..image.desc.layers {
+        // A cast that uses a layer first clears it on its way; a filter writes every texel.
+        let first_use = recipe
+            .filters
+            .iter()
+            .find(|f| f.output == id || f.inputs.contains(&id));
+        if !cast::clears(recipe, id, layer) && first_use.is_none_or(|f| f.output != id) {
+            image
+                .layer_mut(layer)
+                .par_chunks_mut(1 << 14)
+                .for_each(|part| part.fill(start));
+        }
+    }
+}
+
+/// Lends the images with these ids to a kernel.
+pub(crate) fn views<'a>(images: &'a [Image], ids: &[ImageId]) -> Vec<ImageView<'a>> {
+    ids.iter().map(|&i| images[i].view()).collect()
+}

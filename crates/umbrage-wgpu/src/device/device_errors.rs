@@ -1,0 +1,46 @@
+//! Errors that arrive outside of calls.
+
+use crate::device::error_scopes::backend_error;
+use std::sync::{Arc, Mutex, PoisonError};
+use umbrage_core::BackendError;
+use wgpu::Device;
+
+/// What went wrong on a device since it was made.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct DeviceErrors(Arc<Mutex<State>>);
+
+#[derive(Debug, Default)]
+struct State {
+    lost: Option<String>,
+    uncaptured: Option<BackendError>,
+}
+
+impl DeviceErrors {
+    /// Listens to a device. Without a listener, wgpu panics on errors that no scope caught.
+    pub(crate) fn of(device: &Device) -> Self {
+        let faults = Self::default();
+        let listener = faults.clone();
+        device.set_device_lost_callback(move |reason, message| {
+            listener.change(|s| s.lost = Some(format!("{reason:?}: {message}")));
+        });
+        let listener = faults.clone();
+        device.on_uncaptured_error(Arc::new(move |error| {
+            listener.change(|s| s.uncaptured = Some(backend_error(&error)));
+        }));
+        faults
+    }
+
+    /// # Errors
+    /// If the device is gone, or failed since this was last asked.
+    pub(crate) fn check(&self) -> Result<(), BackendError> {
+        self.change(|s| match (&s.lost, s.uncaptured.take()) {
+            (Some(message), _) => Err(BackendError::DeviceLost(message.clone())),
+            (None, Some(error)) => Err(error),
+            (None, None) => Ok(()),
+        })
+    }
+
+    fn change<R>(&self, f: impl FnOnce(&mut State) -> R) -> R {
+        f(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}

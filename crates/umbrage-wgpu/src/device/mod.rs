@@ -1,0 +1,11 @@
+//! The device: which adapter, what it can do, how it rounds, what it objects to, and what comes back from it.
+
+pub(crate) mod adapter;
+pub(crate) mod convert;
+pub(crate) mod device_errors;
+pub(crate) mod error_scopes;
+pub(crate) mod probe;
+pub(crate) mod readback;
+pub(crate) mod requirements;
+pub(crate) mod results;
+pub(crate) mod timestamp_queries;

@@ -1,0 +1,79 @@
+//! What an adapter must be able to do.
+
+use crate::resources::{counts::check_counting, images::texture_format};
+use umbrage_core::{BackendError, Invalid, Recipe};
+use wgpu::{Adapter, DownlevelFlags, TextureFormat, TextureUsages};
+
+/// Objects to adapters that cannot play a recipe: those that cannot draw into its float images, bound a polygon offset,
+/// count into depth of 32 bits, or compare while sampling. Useful before
+/// [`ShadowRenderer::prepare`](crate::ShadowRenderer::prepare), which only sees the device.
+///
+/// # Errors
+/// The first thing that is missing, and what to do about it.
+pub fn check_adapter(adapter: &Adapter, recipe: &Recipe) -> Result<(), BackendError> {
+    check_drawable(adapter, TextureFormat::R32Float)?;
+    if recipe.shade.is_some() {
+        check_drawable(adapter, TextureFormat::Rgba32Float)?;
+    }
+    check_counting(recipe, adapter.features())?;
+    for filter in &recipe.filters {
+        if let Some(image) = recipe.images.get(filter.output) {
+            check_drawable(adapter, texture_format(image.format))?;
+        }
+    }
+    let flags = adapter.get_downlevel_capabilities().flags;
+    let clamps = recipe.casts.iter().any(|c| c.bias.clamp != 0.0);
+    if clamps && !flags.contains(DownlevelFlags::DEPTH_BIAS_CLAMP) {
+        let mend = "set the clamp to 0, or choose another adapter or backend";
+        return Err(Invalid::new(
+            "polygon offset",
+            "has a clamp, which this adapter can't do",
+            mend,
+        )
+        .into());
+    }
+    if recipe.receive.kernel.compares() && !flags.contains(DownlevelFlags::COMPARISON_SAMPLERS) {
+        return Err(missing(adapter, "has no comparison samplers"));
+    }
+    Ok(())
+}
+
+/// What finding receivers needs.
+pub(crate) fn check_player(adapter: &Adapter) -> Result<(), BackendError> {
+    [
+        TextureFormat::R32Float,
+        TextureFormat::Rgba32Float,
+        TextureFormat::R32Uint,
+    ]
+    .into_iter()
+    .try_for_each(|format| check_drawable(adapter, format))?;
+    if adapter
+        .get_downlevel_capabilities()
+        .flags
+        .contains(DownlevelFlags::VERTEX_STORAGE)
+    {
+        return Ok(());
+    }
+    Err(missing(
+        adapter,
+        "cannot read storage buffers in vertex shaders",
+    ))
+}
+
+fn check_drawable(adapter: &Adapter, format: TextureFormat) -> Result<(), BackendError> {
+    let usages = adapter.get_texture_format_features(format).allowed_usages;
+    if usages.contains(TextureUsages::RENDER_ATTACHMENT) {
+        return Ok(());
+    }
+    Err(missing(
+        adapter,
+        &format!("cannot draw into {format:?} images"),
+    ))
+}
+
+fn missing(adapter: &Adapter, why: &str) -> BackendError {
+    let info = adapter.get_info();
+    let what = format!("graphics adapter {} ({})", info.name, info.backend);
+    let mend = "choose another adapter (WGPU_ADAPTER_NAME) or graphics API (WGPU_BACKEND), or the CPU backend";
+    Invalid::new(what, why, mend).into()
+}

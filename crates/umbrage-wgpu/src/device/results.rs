@@ -1,0 +1,134 @@
+//! What comes back from the GPU.
+
+use crate::{
+    ShadowRenderer,
+    device::readback::{ReadBack, Ticket},
+    gbuffer::ReceiverTextures,
+    resources::images::GpuImage,
+};
+use glam::Vec3;
+use umbrage_core::{
+    BackendError, Format, Image, NO_TRIANGLE, Receivers, Recipe, View, math::dot3,
+    resolve::at_pixel,
+};
+use wgpu::CommandEncoder;
+
+/// Copies of the mask, of the picture and of kept images.
+#[derive(Debug)]
+pub(crate) struct Tickets {
+    mask: Option<Ticket>,
+    picture: Option<Ticket>,
+    images: Vec<Ticket>,
+}
+
+impl Tickets {
+    /// `kept` are the recipe's images as the [`Converter`](crate::device::convert::Converter) hands them out, or none.
+    pub(crate) fn record(
+        encoder: &mut CommandEncoder,
+        back: &mut ReadBack<'_>,
+        renderer: &ShadowRenderer,
+        kept: &[GpuImage],
+    ) -> Self {
+        let mut copy = |image: &GpuImage| back.image(encoder, image);
+        Self {
+            mask: renderer.mask().map(&mut copy),
+            picture: renderer.gpu_picture().map(&mut copy),
+            images: kept.iter().map(&mut copy).collect(),
+        }
+    }
+
+    pub(crate) fn mask(&self, back: &ReadBack<'_>) -> Result<Vec<f32>, BackendError> {
+        self.mask.map_or_else(|| Ok(Vec::new()), |t| back.read(t))
+    }
+
+    pub(crate) fn picture(
+        &self,
+        back: &ReadBack<'_>,
+    ) -> Result<Option<Vec<[f32; 4]>>, BackendError> {
+        self.picture.map(|t| back.read(t)).transpose()
+    }
+
+    pub(crate) fn images(
+        &self,
+        back: &ReadBack<'_>,
+        recipe: &Recipe,
+    ) -> Result<Vec<Image>, BackendError> {
+        let pairs = self.images.iter().zip(&recipe.images);
+        pairs
+            .map(|(&t, &desc)| {
+                Ok(Image {
+                    desc,
+                    texels: texels(desc.format, back, t)?,
+                })
+            })
+            .collect()
+    }
+}
+
+fn texels(format: Format, back: &ReadBack<'_>, ticket: Ticket) -> Result<Vec<f32>, BackendError> {
+    if format != Format::Stencil8 {
+        return back.read(ticket);
+    }
+    Ok(back
+        .read::<u8>(ticket)?
+        .into_iter()
+        .map(f32::from)
+        .collect())
+}
+
+/// Copies of receivers.
+#[derive(Debug)]
+pub(crate) struct ReceiverTickets {
+    position: Ticket,
+    normal: Ticket,
+    triangle: Ticket,
+    depth: Ticket,
+}
+
+impl ReceiverTextures {
+    pub(crate) fn record(
+        &self,
+        encoder: &mut CommandEncoder,
+        back: &mut ReadBack<'_>,
+    ) -> ReceiverTickets {
+        let mut copy = |texture| back.texture(encoder, texture);
+        ReceiverTickets {
+            position: copy(&self.position.0),
+            normal: copy(&self.normal.0),
+            triangle: copy(&self.triangle.0),
+            depth: copy(&self.depth.0),
+        }
+    }
+}
+
+impl ReceiverTickets {
+    pub(crate) fn read(
+        &self,
+        back: &ReadBack<'_>,
+        view: &View<'_>,
+    ) -> Result<Receivers, BackendError> {
+        let positions: Vec<[f32; 4]> = back.read(self.position)?;
+        let normals: Vec<[f32; 4]> = back.read(self.normal)?;
+        let triangles: Vec<u32> = back.read(self.triangle)?;
+        let depths: Vec<f32> = back.read(self.depth)?;
+        let size = view.camera.size;
+        let rays = view.camera.rays();
+        let mut out = Receivers::empty(size);
+        for i in 0..out.len() {
+            let ([nx, ny, nz, t], [x, y, z, receives]) = (normals[i], positions[i]);
+            // As `resolve`: the ray runs along the triangle's plane.
+            if triangles[i] == NO_TRIANGLE || t.abs() >= 3.0e38 {
+                continue;
+            }
+            let pixel = (i as u32 % size.x, i as u32 / size.x);
+            let d: Vec3 = at_pixel(rays.dir, rays.dir_dx, rays.dir_dy, pixel.0, pixel.1);
+            (out.x[i], out.y[i], out.z[i]) = (x, y, z);
+            (out.nx[i], out.ny[i], out.nz[i]) = (nx, ny, nz);
+            out.distance[i] = t * dot3(d, d).sqrt();
+            out.depth[i] = depths[i];
+            out.triangle[i] = triangles[i];
+            out.receives[i] = receives != 0.0;
+        }
+        Ok(out)
+    }
+}

@@ -1,0 +1,139 @@
+//! The filter stage, and the clearing of what no stage writes.
+
+use crate::{
+    resources::{
+        counters::ResourceFactory,
+        images::{GpuImage, texture_format},
+        kernel_stage::{KernelStage, Sources},
+        pipelines::Pipelines,
+        timestamps::{PassTimestamps, Stage, pass_stamps},
+    },
+    targets::attachment,
+    wgsl::{filter_shader, kernel_wgsl},
+};
+use umbrage_core::{Format, Recipe};
+use wgpu::{
+    Color, CommandEncoder, LoadOp, Operations, RenderPassColorAttachment, RenderPassDescriptor,
+    StoreOp, TextureView,
+};
+
+/// Ready to be encoded.
+#[derive(Debug, Default)]
+pub(crate) struct FilterStage {
+    filters: Vec<(KernelStage, Vec<TextureView>)>,
+    clears: Vec<(Format, TextureView)>,
+}
+
+impl FilterStage {
+    pub(crate) fn prepare(
+        &mut self,
+        maker: &mut ResourceFactory<'_>,
+        pipelines: &mut Pipelines,
+        sources: &mut Sources<'_>,
+    ) {
+        let recipe = sources.recipe;
+        self.clears = unwritten_layers(recipe, sources.images);
+        self.filters.truncate(recipe.filters.len());
+        self.filters
+            .resize_with(recipe.filters.len(), Default::default);
+        for ((stage, targets), filter) in self.filters.iter_mut().zip(&recipe.filters) {
+            let kernel = &*filter.kernel;
+            let shape = stage.bind(
+                maker,
+                pipelines,
+                sources,
+                kernel,
+                (&filter.inputs, &filter.tables),
+            );
+            let text = (
+                filter_shader(&kernel_wgsl(kernel, &shape, 0)),
+                "umbrage_filter",
+            );
+            let output = &sources.images[filter.output];
+            let format = texture_format(output.desc.format);
+            let label = format!("umbrage filter into {}", output.desc.label);
+            stage.pipeline =
+                Some(pipelines.kernel(maker, &label, text, format, &[stage.binding.layout()]));
+            targets.clone_from(&output.layers);
+        }
+    }
+
+    /// Clears what may be read but isn't written.
+    pub(crate) fn clear(&self, encoder: &mut CommandEncoder) {
+        self.clears
+            .iter()
+            .for_each(|(format, view)| clear(encoder, *format, view));
+    }
+
+    pub(crate) fn encode(&self, encoder: &mut CommandEncoder, stamps: Option<&PassTimestamps<'_>>) {
+        let passes = self.filters.iter().flat_map(|(stage, layers)| {
+            (0..).zip(layers).filter_map(move |(layer, view)| {
+                Some((stage, stage.pipeline.as_ref()?, layer, view))
+            })
+        });
+        let count = passes.clone().count();
+        for (i, (stage, pipeline, layer, view)) in passes.enumerate() {
+            let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
+                label: Some("umbrage filter"),
+                color_attachments: &[Some(color_attachment(view, Color::TRANSPARENT))],
+                timestamp_writes: pass_stamps(stamps, Stage::Filter, i, count),
+                ..RenderPassDescriptor::default()
+            });
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, stage.binding.group(), &[]);
+            pass.draw(0..3, layer..layer + 1);
+        }
+    }
+}
+
+pub(crate) fn color_attachment(view: &TextureView, clear: Color) -> RenderPassColorAttachment<'_> {
+    let ops = Operations {
+        load: LoadOp::Clear(clear),
+        store: StoreOp::Store,
+    };
+    RenderPassColorAttachment {
+        view,
+        depth_slice: None,
+        resolve_target: None,
+        ops,
+    }
+}
+
+/// Gives a layer what it holds before anything is written.
+pub(crate) fn clear(encoder: &mut CommandEncoder, format: Format, view: &TextureView) {
+    let color = [Some(color_attachment(view, Color::TRANSPARENT))];
+    let cast_only = format.is_cast_only();
+    encoder.begin_render_pass(&RenderPassDescriptor {
+        label: Some("umbrage clear"),
+        color_attachments: if cast_only { &[] } else { &color },
+        depth_stencil_attachment: cast_only.then(|| attachment(view, format, true)),
+        ..RenderPassDescriptor::default()
+    });
+}
+
+/// Layers that may be read before a stage writes them: they must start as the recipe promises, not as the last frame
+/// left them.
+fn unwritten_layers(recipe: &Recipe, images: &[GpuImage]) -> Vec<(Format, TextureView)> {
+    let mut out = Vec::new();
+    for (id, image) in images.iter().enumerate() {
+        for (layer, view) in (0..).zip(&image.layers) {
+            let cast = recipe
+                .casts
+                .iter()
+                .any(|c| (c.image, c.layer) == (id, layer));
+            if !cast && !filtered_before_read(recipe, id) {
+                out.push((image.desc.format, view.clone()));
+            }
+        }
+    }
+    out
+}
+
+fn filtered_before_read(recipe: &Recipe, image: usize) -> bool {
+    let Some(writer) = recipe.filters.iter().position(|f| f.output == image) else {
+        return false;
+    };
+    !recipe.filters[..writer]
+        .iter()
+        .any(|f| f.inputs.contains(&image))
+}

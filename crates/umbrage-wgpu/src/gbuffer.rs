@@ -1,0 +1,289 @@
+//! What the camera sees, on the GPU: rasterised from geometry, or uploaded.
+
+use crate::{
+    filter::color_attachment,
+    frame::GBuffer,
+    resources::{
+        bindings::{Binding, Bound, Layouts, Slot},
+        counters::ResourceFactory,
+        geometry::GpuGeometry,
+        images::extent,
+        pipelines::{Targets, fullscreen_pipeline, pipeline_layout, shader},
+    },
+    targets::{DepthState, attachment},
+    wgsl::FULLSCREEN,
+};
+use encase::{ShaderType, UniformBuffer};
+use glam::{Mat4, UVec2};
+use umbrage_core::{Camera, CameraRays, Format, MATH, Receivers, join, resolve::RESOLVE};
+use wgpu::{
+    BindGroupLayout, Buffer, BufferUsages, Color, CommandEncoder, Device, FragmentState,
+    MultisampleState, PipelineCompilationOptions, QuerySet, Queue, RenderPassDescriptor,
+    RenderPassTimestampWrites, RenderPipeline, RenderPipelineDescriptor, ShaderStages,
+    TexelCopyBufferLayout, Texture, TextureDescriptor, TextureDimension, TextureFormat,
+    TextureUsages, TextureView, VertexState,
+};
+
+/// Twin of `Seen` in visibility.wgsl.
+#[derive(ShaderType)]
+struct Seen {
+    clip_from_world: Mat4,
+    rays: CameraRays,
+    first_receiver: u32,
+    end_receiver: u32,
+}
+
+/// Textures of one size.
+#[derive(Debug)]
+pub(crate) struct ReceiverTextures {
+    size: UVec2,
+    pub(crate) position: (Texture, TextureView),
+    pub(crate) normal: (Texture, TextureView),
+    pub(crate) triangle: (Texture, TextureView),
+    pub(crate) depth: (Texture, TextureView),
+}
+
+impl ReceiverTextures {
+    fn new(maker: &mut ResourceFactory<'_>, size: UVec2) -> Self {
+        let mut make = |label, format| {
+            let copy = TextureUsages::COPY_SRC | TextureUsages::COPY_DST;
+            let texture = maker.texture(&TextureDescriptor {
+                label: Some(label),
+                size: extent(size, 1),
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: TextureDimension::D2,
+                format,
+                usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING | copy,
+                view_formats: &[],
+            });
+            let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+            (texture, view)
+        };
+        Self {
+            size,
+            position: make("umbrage receivers' positions", TextureFormat::Rgba32Float),
+            normal: make("umbrage receivers' normals", TextureFormat::Rgba32Float),
+            triangle: make("umbrage receivers' triangles", TextureFormat::R32Uint),
+            depth: make("umbrage camera depth", TextureFormat::Depth32Float),
+        }
+    }
+
+    /// Textures of this size: those held, if they fit.
+    pub(crate) fn fit<'a>(
+        held: &'a mut Option<Self>,
+        maker: &mut ResourceFactory<'_>,
+        size: UVec2,
+    ) -> &'a Self {
+        let fitting = held.take().filter(|t| t.size == size);
+        held.insert(fitting.unwrap_or_else(|| Self::new(maker, size)))
+    }
+
+    pub(crate) fn gbuffer(&self) -> GBuffer<'_> {
+        GBuffer {
+            position: &self.position.1,
+            normal: &self.normal.1,
+            triangle: Some(&self.triangle.1),
+        }
+    }
+
+    /// Bytes a pixel, the depth among them.
+    pub(crate) const BYTES: u64 = 16 + 16 + 4 + 4;
+
+    pub(crate) fn upload(&self, maker: &ResourceFactory<'_>, r: &Receivers) {
+        let four = |x: &[f32], y: &[f32], z: &[f32], w: &dyn Fn(usize) -> f32| -> Vec<[f32; 4]> {
+            (0..r.len()).map(|i| [x[i], y[i], z[i], w(i)]).collect()
+        };
+        let positions = four(&r.x, &r.y, &r.z, &|i| f32::from(u8::from(r.receives[i])));
+        let normals = four(&r.nx, &r.ny, &r.nz, &|_| 0.0);
+        write(
+            maker.queue,
+            &self.position.0,
+            bytemuck::cast_slice(&positions),
+        );
+        write(maker.queue, &self.normal.0, bytemuck::cast_slice(&normals));
+        write(
+            maker.queue,
+            &self.triangle.0,
+            bytemuck::cast_slice(&r.triangle),
+        );
+    }
+}
+
+/// Writes all texels of all layers of a texture.
+pub(crate) fn write(queue: &Queue, texture: &Texture, bytes: &[u8]) {
+    let texel = texture.format().block_copy_size(None).unwrap_or(4);
+    let layout = TexelCopyBufferLayout {
+        offset: 0,
+        bytes_per_row: Some(texel * texture.width()),
+        rows_per_image: Some(texture.height()),
+    };
+    queue.write_texture(texture.as_image_copy(), bytes, layout, texture.size());
+}
+
+/// Finds receivers in two passes: ids, then points.
+#[derive(Debug)]
+pub(crate) struct GBufferPass {
+    ids: RenderPipeline,
+    points: RenderPipeline,
+    ids_layout: BindGroupLayout,
+    points_layout: BindGroupLayout,
+    uniforms: Option<Buffer>,
+    ids_binding: Binding,
+    points_binding: Binding,
+}
+
+impl GBufferPass {
+    pub(crate) fn new(maker: &ResourceFactory<'_>) -> Self {
+        let mut layouts = Layouts::default();
+        let stage = ShaderStages::VERTEX;
+        let ids_layout = layouts.get(maker, stage, &[Slot::Uniform, Slot::Table, Slot::Table]);
+        let stage = ShaderStages::FRAGMENT;
+        let points_layout = layouts.get(
+            maker,
+            stage,
+            &[
+                Slot::Uniform,
+                Slot::Table,
+                Slot::Table,
+                Slot::Whole { layered: false },
+            ],
+        );
+        let common = join(&[MATH, RESOLVE]) + include_str!("gbuffer_visibility.wgsl");
+        let text = common.clone() + include_str!("gbuffer_resolve.wgsl") + FULLSCREEN;
+        Self {
+            ids: ids_pipeline(maker.device, &common, &ids_layout),
+            points: points_pipeline(maker.device, &text, &points_layout),
+            ids_layout,
+            points_layout,
+            uniforms: None,
+            ids_binding: Binding::default(),
+            points_binding: Binding::default(),
+        }
+    }
+
+    pub(crate) fn prepare(
+        &mut self,
+        maker: &mut ResourceFactory<'_>,
+        camera: &Camera,
+        geometry: &GpuGeometry,
+        textures: &ReceiverTextures,
+    ) {
+        let seen = Seen {
+            clip_from_world: camera.space().clip_from_world(),
+            rays: camera.rays(),
+            first_receiver: geometry.receivers.start,
+            end_receiver: geometry.receivers.end,
+        };
+        let mut bytes = UniformBuffer::new(Vec::new());
+        // Writing to a growing vector cannot fail.
+        bytes.write(&seen).unwrap_or_default();
+        let usage = BufferUsages::UNIFORM;
+        let uniforms = maker.write(
+            &mut self.uniforms,
+            "umbrage camera",
+            usage,
+            &bytes.into_inner(),
+        );
+        let mut bound = [
+            uniforms,
+            geometry.positions.clone(),
+            geometry.indices.clone(),
+        ]
+        .map(Bound::Buffer)
+        .to_vec();
+        self.ids_binding
+            .set(maker, "umbrage visibility", &self.ids_layout, bound.clone());
+        bound.push(Bound::View(textures.triangle.1.clone()));
+        self.points_binding
+            .set(maker, "umbrage resolve", &self.points_layout, bound);
+    }
+
+    /// Records both passes; `queries` get timestamps 0 and 1.
+    pub(crate) fn encode(
+        &self,
+        encoder: &mut CommandEncoder,
+        textures: &ReceiverTextures,
+        triangles: u32,
+        queries: Option<&QuerySet>,
+    ) {
+        let none = Color {
+            r: f64::from(u32::MAX),
+            ..Color::TRANSPARENT
+        };
+        let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
+            label: Some("umbrage visibility"),
+            color_attachments: &[Some(color_attachment(&textures.triangle.1, none))],
+            depth_stencil_attachment: Some(attachment(&textures.depth.1, Format::Depth32, true)),
+            timestamp_writes: queries.map(|q| stamp(q, Some(0), None)),
+            ..RenderPassDescriptor::default()
+        });
+        if triangles > 0 {
+            pass.set_pipeline(&self.ids);
+            pass.set_bind_group(0, self.ids_binding.group(), &[]);
+            pass.draw(0..3 * triangles, 0..1);
+        }
+        drop(pass);
+        let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
+            label: Some("umbrage resolve"),
+            color_attachments: &[&textures.position.1, &textures.normal.1]
+                .map(|view| Some(color_attachment(view, Color::TRANSPARENT))),
+            timestamp_writes: queries.map(|q| stamp(q, None, Some(1))),
+            ..RenderPassDescriptor::default()
+        });
+        pass.set_pipeline(&self.points);
+        pass.set_bind_group(0, self.points_binding.group(), &[]);
+        pass.draw(0..3, 0..1);
+    }
+}
+
+fn stamp(
+    query_set: &QuerySet,
+    begin: Option<u32>,
+    end: Option<u32>,
+) -> RenderPassTimestampWrites<'_> {
+    RenderPassTimestampWrites {
+        query_set,
+        beginning_of_pass_write_index: begin,
+        end_of_pass_write_index: end,
+    }
+}
+
+fn ids_pipeline(device: &Device, text: &str, layout: &BindGroupLayout) -> RenderPipeline {
+    let module = &shader(device, "umbrage visibility", text);
+    let options = PipelineCompilationOptions::default;
+    device.create_render_pipeline(&RenderPipelineDescriptor {
+        label: Some("umbrage visibility"),
+        layout: Some(&pipeline_layout(device, &[Some(layout)])),
+        vertex: VertexState {
+            module,
+            entry_point: Some("show"),
+            compilation_options: options(),
+            buffers: &[],
+        },
+        primitive: DepthState::NEAREST.primitive(),
+        depth_stencil: Some(DepthState::NEAREST.depth_stencil()),
+        multisample: MultisampleState::default(),
+        fragment: Some(FragmentState {
+            module,
+            entry_point: Some("write_id"),
+            compilation_options: options(),
+            targets: &[Some(TextureFormat::R32Uint.into())],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}
+
+fn points_pipeline(device: &Device, text: &str, layout: &BindGroupLayout) -> RenderPipeline {
+    let entries = ["umbrage_fullscreen", "resolve_pixel"];
+    let targets = Targets::Colors(&[TextureFormat::Rgba32Float; 2]);
+    fullscreen_pipeline(
+        device,
+        "umbrage resolve",
+        text,
+        entries,
+        &targets,
+        &[Some(layout)],
+    )
+}

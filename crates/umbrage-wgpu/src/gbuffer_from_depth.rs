@@ -1,0 +1,297 @@
+//! [`GBufferFromDepth`]: for engines that have a depth buffer and no positions.
+
+use crate::{
+    device::error_scopes::Scopes,
+    filter::color_attachment,
+    frame::{GBuffer, check_readable},
+    resources::{
+        bindings::{Binding, Bound, Layouts, Slot},
+        counters::{Counters, ResourceFactory},
+        images::{GpuImage, fit_images},
+        pipelines::{Targets, fullscreen_pipeline},
+    },
+    wgsl::FULLSCREEN,
+};
+use encase::{ShaderType, UniformBuffer};
+use glam::{DVec3, Mat4, UVec2};
+use std::collections::HashMap;
+use umbrage_core::{BackendError, Format, ImageDesc, Invalid, MATH, invalid, join};
+use wgpu::{
+    Buffer, BufferUsages, Color, CommandEncoder, Device, Queue, RenderPassDescriptor,
+    RenderPipeline, ShaderStages, TextureFormat, TextureView,
+};
+
+/// Makes a [`GBuffer`] from the caller's depth buffer in one full-screen pass. Normals come from neighbouring pixels, so
+/// they are rough where a surface is only a pixel wide; where the engine has geometric normals, use those.
+#[derive(Debug, Default)]
+pub struct GBufferFromDepth {
+    counters: Counters,
+    layouts: Layouts,
+    /// By whether depth is multisampled.
+    pipelines: HashMap<bool, RenderPipeline>,
+    uniforms: Option<Buffer>,
+    binding: Binding,
+    images: Vec<GpuImage>,
+    samples: bool,
+}
+
+/// A depth buffer and the camera that it was drawn with.
+#[derive(Clone, Copy, Debug)]
+pub struct DepthBuffer<'a> {
+    /// Any depth format (its depth aspect) or `R32Float`, usage `TEXTURE_BINDING`. Of several samples, the first counts.
+    pub depth: &'a TextureView,
+    /// The inverse of the camera's clip from world. Handedness, reversed z and an infinite far plane are all in here.
+    pub world_from_clip: Mat4,
+    /// The depth where nothing was drawn: 1, or 0 with reversed z.
+    pub empty: f32,
+}
+
+/// Twin of `DepthCamera` in from_depth.wgsl.
+#[derive(ShaderType)]
+struct DepthCamera {
+    world_from_clip: Mat4,
+    empty: f32,
+    handedness: f32,
+}
+
+impl GBufferFromDepth {
+    /// Nothing is made before the first frame.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Makes what isn't there yet, and writes the camera.
+    ///
+    /// # Errors
+    /// If the matrix is singular, empty depth is where it sees what is nearest, or the depth buffer cannot be read as
+    /// described.
+    pub fn prepare(
+        &mut self,
+        device: &Device,
+        queue: &Queue,
+        source: &DepthBuffer<'_>,
+    ) -> Result<(), BackendError> {
+        source.validate()?;
+        let camera = DepthCamera {
+            world_from_clip: source.world_from_clip,
+            empty: source.empty,
+            handedness: source.handedness()?,
+        };
+        let scopes = Scopes::open(device);
+        let mut counters = self.counters;
+        self.prepare_with(
+            &mut ResourceFactory {
+                device,
+                queue,
+                counters: &mut counters,
+            },
+            source,
+            &camera,
+        );
+        let closed = scopes.close();
+        if closed.is_err() {
+            *self = Self::default();
+        }
+        self.counters = counters;
+        closed
+    }
+
+    fn prepare_with(
+        &mut self,
+        maker: &mut ResourceFactory<'_>,
+        source: &DepthBuffer<'_>,
+        camera: &DepthCamera,
+    ) {
+        let texture = source.depth.texture();
+        let size = UVec2::new(texture.width(), texture.height());
+        self.samples = texture.sample_count() > 1;
+        let image = |label| ImageDesc {
+            label,
+            size,
+            layers: 1,
+            format: Format::Rgba32,
+        };
+        fit_images(
+            maker,
+            &mut self.images,
+            &[image("umbrage positions"), image("umbrage normals")],
+            &[],
+        );
+        let mut bytes = UniformBuffer::new(Vec::new());
+        // Writing to a growing vector cannot fail.
+        bytes.write(camera).unwrap_or_default();
+        let usage = BufferUsages::UNIFORM;
+        let uniforms = maker.write(
+            &mut self.uniforms,
+            "umbrage camera",
+            usage,
+            &bytes.into_inner(),
+        );
+        let depth = if self.samples {
+            Slot::Samples
+        } else {
+            Slot::Floats { layered: false }
+        };
+        let layout = self
+            .layouts
+            .get(maker, ShaderStages::FRAGMENT, &[Slot::Uniform, depth]);
+        let bound = vec![Bound::Buffer(uniforms), Bound::View(source.depth.clone())];
+        self.binding.set(maker, "umbrage depth", &layout, bound);
+        self.pipelines.entry(self.samples).or_insert_with(|| {
+            maker.counters.pipelines += 1;
+            let text = shader_text(self.samples);
+            let entries = ["umbrage_fullscreen", "unproject_pixel"];
+            let targets = Targets::Colors(&[TextureFormat::Rgba32Float; 2]);
+            fullscreen_pipeline(
+                maker.device,
+                "umbrage unproject",
+                &text,
+                entries,
+                &targets,
+                &[Some(&layout)],
+            )
+        });
+    }
+
+    /// Records the pass. All that was drawn receives.
+    ///
+    /// # Errors
+    /// If [`prepare`](Self::prepare) has not succeeded before.
+    pub fn encode(&self, encoder: &mut CommandEncoder) -> Result<GBuffer<'_>, BackendError> {
+        let (Some(pipeline), [position, normal]) =
+            (self.pipelines.get(&self.samples), &self.images[..])
+        else {
+            let mend = "call `prepare` first, and look at its error";
+            return Err(Invalid::new("G-buffer from depth", "has nothing prepared", mend).into());
+        };
+        let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
+            label: Some("umbrage unproject"),
+            color_attachments: &[&position.whole, &normal.whole]
+                .map(|view| Some(color_attachment(view, Color::TRANSPARENT))),
+            ..RenderPassDescriptor::default()
+        });
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, self.binding.group(), &[]);
+        pass.draw(0..3, 0..1);
+        drop(pass);
+        Ok(GBuffer {
+            position: &position.whole,
+            normal: &normal.whole,
+            triangle: None,
+        })
+    }
+
+    /// The G-buffer's size, for [`Frame::size`](crate::Frame::size); zero before the first frame.
+    pub fn size(&self) -> UVec2 {
+        self.images
+            .first()
+            .map_or(UVec2::ZERO, |image| image.desc.size)
+    }
+
+    /// The textures that [`encode`](Self::encode) writes: there as soon as a frame is prepared.
+    pub fn gbuffer(&self) -> Option<GBuffer<'_>> {
+        let [position, normal] = &self.images[..] else {
+            return None;
+        };
+        Some(GBuffer {
+            position: &position.whole,
+            normal: &normal.whole,
+            triangle: None,
+        })
+    }
+
+    /// What was made so far.
+    pub fn counters(&self) -> Counters {
+        self.counters
+    }
+}
+
+impl DepthBuffer<'_> {
+    fn validate(&self) -> Result<(), Invalid> {
+        let (what, texture) = ("depth buffer", self.depth.texture());
+        check_readable(texture, what)?;
+        let format = texture.format();
+        if !format.has_depth_aspect() && format != TextureFormat::R32Float {
+            let mend = "hand in one of a depth format, or of `R32Float`";
+            return Err(Invalid::new(what, format!("is {format:?}"), mend));
+        }
+        invalid::finite("world from clip", &self.world_from_clip.to_cols_array())?;
+        if self.empty != 0.0 && self.empty != 1.0 {
+            let why = format!("is {}", self.empty);
+            return Err(Invalid::new(
+                "depth where nothing was drawn",
+                why,
+                "use 1, or 0 with reversed z",
+            ));
+        }
+        self.check_empty()
+    }
+
+    /// With perspective, the matrix tells which depth is nearer to the eye.
+    fn check_empty(&self) -> Result<(), Invalid> {
+        // All rays meet where clip x, y and w are 0.
+        let eye = self.world_from_clip.as_dmat4().z_axis;
+        // The fourth component is 1/far - 1/near, beside 1/near or 1/far; without perspective 0, or what inverting rounds.
+        if eye.w.abs() <= 1e-4 * f64::from(self.world_from_clip.w_axis.w.abs()) {
+            return Ok(());
+        }
+        let from_eye = |z: f64| self.middle(z).distance(eye.truncate() / eye.w);
+        // The middle of the depths is finite whatever lies at infinity.
+        if from_eye(f64::from(1.0 - self.empty)) < from_eye(0.5) {
+            return Ok(());
+        }
+        let why = format!(
+            "is {}, but that is where this camera sees what is nearest",
+            self.empty
+        );
+        Err(Invalid::new(
+            "depth where nothing was drawn",
+            why,
+            format!("use {}", 1.0 - self.empty),
+        ))
+    }
+
+    /// What is seen at this depth in the middle of the image.
+    fn middle(&self, z: f64) -> DVec3 {
+        self.world_from_clip
+            .as_dmat4()
+            .project_point3(DVec3::new(0.0, 0.0, z))
+    }
+
+    /// 1 if right x up points to the viewer, as in right-handed worlds; else -1.
+    fn handedness(&self) -> Result<f32, Invalid> {
+        let point = |x, y| {
+            self.world_from_clip
+                .as_dmat4()
+                .project_point3(DVec3::new(x, y, 0.5))
+        };
+        let middle = self.middle(0.5);
+        let viewer = self.middle(f64::from(1.0 - self.empty));
+        let [right, up, viewer] = [point(0.5, 0.0), point(0.0, 0.5), viewer].map(|p| p - middle);
+        let volume = right.cross(up).dot(viewer);
+        if volume.is_finite() && volume != 0.0 {
+            return Ok(volume.signum() as f32);
+        }
+        let mend = "hand in the inverse of the camera's clip from world";
+        Err(Invalid::new(
+            "world from clip",
+            "does not unproject the middle of the image",
+            mend,
+        ))
+    }
+}
+
+fn shader_text(samples: bool) -> String {
+    let ty = if samples {
+        "texture_multisampled_2d<f32>"
+    } else {
+        "texture_2d<f32>"
+    };
+    let access = format!(
+        "@group(0) @binding(1) var depth_texture: {ty};
+fn load_depth(pixel: vec2i) -> f32 {{ return textureLoad(depth_texture, pixel, 0).x; }}
+fn depth_size() -> vec2i {{ return vec2i(textureDimensions(depth_texture)); }}
+"
+    );
+    join(&[MATH]) + &access + include_str!("gbuffer_from_depth.wgsl") + FULLSCREEN
+}

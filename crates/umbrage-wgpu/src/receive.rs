@@ -1,0 +1,134 @@
+//! The receive stage: what the camera sees asks the recipe's kernel.
+
+use crate::{
+    filter::color_attachment,
+    frame::{Frame, GBuffer},
+    renderer::Options,
+    resources::{
+        bindings::{Binding, Bound, Slot},
+        counters::ResourceFactory,
+        images::{GpuImage, fit_images},
+        kernel_stage::{KernelStage, Sources},
+        pipelines::Pipelines,
+        timestamps::{PassTimestamps, Stage, pass_stamps},
+    },
+    wgsl::{kernel_wgsl, receive_shader},
+};
+use umbrage_core::{Format, ImageDesc};
+use wgpu::{
+    BindGroup, BindGroupLayout, Color, CommandEncoder, RenderPassDescriptor, ShaderStages,
+    TextureFormat, TextureView,
+};
+
+/// Ready to be encoded.
+#[derive(Debug, Default)]
+pub(crate) struct Lookup {
+    kernel: KernelStage,
+    gbuffer: Binding,
+    mask: Vec<GpuImage>,
+}
+
+impl Lookup {
+    /// Returns the mask that will be written.
+    pub(crate) fn prepare(
+        &mut self,
+        maker: &mut ResourceFactory<'_>,
+        pipelines: &mut Pipelines,
+        sources: &mut Sources<'_>,
+        options: Options,
+        frame: &Frame<'_>,
+    ) -> &GpuImage {
+        let mask = ImageDesc {
+            label: "umbrage mask",
+            size: frame.size,
+            layers: 1,
+            format: Format::R32,
+        };
+        fit_images(maker, &mut self.mask, &[mask], &[]);
+        let receive = &sources.recipe.receive;
+        let reads = (&receive.inputs[..], &receive.tables[..]);
+        let shape = self
+            .kernel
+            .bind(maker, pipelines, sources, &*receive.kernel, reads);
+        let (slots, bound) = gbuffer(&frame.receivers);
+        let layout = pipelines.layouts.get(maker, ShaderStages::FRAGMENT, &slots);
+        self.gbuffer.set(maker, "umbrage receivers", &layout, bound);
+        let text = kernel_wgsl(&*receive.kernel, &shape, options.kernel_group);
+        let text = receive_shader(
+            &text,
+            options.gbuffer_group(),
+            frame.receivers.triangle.is_some(),
+        );
+        let groups = groups(options, &self.kernel, &layout);
+        let (label, text) = ("umbrage receive", (text, "umbrage_receive"));
+        self.kernel.pipeline =
+            Some(pipelines.kernel(maker, label, text, TextureFormat::R32Float, &groups));
+        &self.mask[0]
+    }
+
+    /// Records the pass and returns the mask.
+    pub(crate) fn encode(
+        &self,
+        encoder: &mut CommandEncoder,
+        options: Options,
+        stamps: Option<&PassTimestamps<'_>>,
+    ) -> Option<&TextureView> {
+        let mask = &self.mask()?.whole;
+        let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
+            label: Some("umbrage receive"),
+            color_attachments: &[Some(color_attachment(mask, Color::WHITE))],
+            timestamp_writes: pass_stamps(stamps, Stage::Receive, 0, 1),
+            ..RenderPassDescriptor::default()
+        });
+        pass.set_pipeline(self.kernel.pipeline.as_ref()?);
+        pass.set_bind_group(options.kernel_group, self.kernel.binding.group(), &[]);
+        pass.set_bind_group(options.gbuffer_group(), self.gbuffer.group(), &[]);
+        pass.draw(0..3, 0..1);
+        drop(pass);
+        Some(mask)
+    }
+
+    pub(crate) fn mask(&self) -> Option<&GpuImage> {
+        self.mask.first()
+    }
+
+    /// What the kernel reads.
+    pub(crate) fn kernel_group(&self) -> Option<(&BindGroup, &BindGroupLayout)> {
+        self.kernel
+            .binding
+            .group()
+            .zip(self.kernel.binding.layout())
+    }
+}
+
+/// How shaders see what the camera sees.
+pub(crate) fn gbuffer(receivers: &GBuffer<'_>) -> (Vec<Slot>, Vec<Bound>) {
+    let floats = Slot::Floats { layered: false };
+    let mut slots = vec![floats, floats];
+    slots.extend(receivers.triangle.map(|_| Slot::Whole { layered: false }));
+    let views = [
+        Some(receivers.position),
+        Some(receivers.normal),
+        receivers.triangle,
+    ];
+    (
+        slots,
+        views
+            .into_iter()
+            .flatten()
+            .map(|v| Bound::View(v.clone()))
+            .collect(),
+    )
+}
+
+/// The bind group layouts of a pipeline that asks a kernel about what the camera sees.
+pub(crate) fn groups<'a>(
+    options: Options,
+    kernel: &'a KernelStage,
+    gbuffer: &'a BindGroupLayout,
+) -> Vec<Option<&'a BindGroupLayout>> {
+    let mut groups = vec![None; options.kernel_group.max(1) as usize + 1];
+    groups[options.kernel_group as usize] = kernel.binding.layout();
+    groups[options.gbuffer_group() as usize] = Some(gbuffer);
+    groups
+}

@@ -1,0 +1,116 @@
+//! Playing one stage from given images, so that tests can compare stages by themselves.
+
+use crate::{
+    Frame, Gpu,
+    backend::{check, maker},
+    device::{readback::ReadBack, results::Tickets},
+    gbuffer::ReceiverTextures,
+};
+use glam::UVec2;
+use umbrage_core::{BackendError, Image, ImageDesc, Invalid, Recipe, View};
+use wgpu::CommandEncoder;
+
+impl Gpu {
+    /// Plays only the lookup, from these images instead of those that the recipe's casts and filters would make. The view
+    /// needs receivers or geometry. Returns the mask.
+    ///
+    /// # Errors
+    /// As [`Backend::render`](umbrage_core::Backend::render); and if the images are not as the recipe describes them.
+    pub fn replay_receive(
+        &mut self,
+        view: &View<'_>,
+        recipe: &Recipe,
+        images: &[Image],
+    ) -> Result<Vec<f32>, BackendError> {
+        check(view, recipe)?;
+        let recipe = Recipe {
+            filters: Vec::new(),
+            ..still(recipe, images)?
+        };
+        self.guarded(|gpu| {
+            let found = gpu.prepare(view, &recipe)?;
+            let mut encoder = gpu.begin(found);
+            gpu.write_images(&mut encoder, images);
+            gpu.renderer.encode_receive(&mut encoder)?;
+            let mut back = ReadBack::new(&gpu.device, &mut gpu.counters, &mut gpu.spare);
+            let tickets = Tickets::record(&mut encoder, &mut back, &gpu.renderer, &[]);
+            gpu.queue.submit([encoder.finish()]);
+            back.wait()?;
+            tickets.mask(&back)
+        })
+    }
+
+    /// Plays only the filter with this index, from these images. Returns what it wrote.
+    ///
+    /// # Errors
+    /// As [`replay_receive`](Self::replay_receive); and if there is no such filter.
+    pub fn replay_filter(
+        &mut self,
+        recipe: &Recipe,
+        filter: usize,
+        images: &[Image],
+    ) -> Result<Image, BackendError> {
+        let recipe = still(recipe, images)?;
+        let Some(filter) = recipe.filters.get(filter).cloned() else {
+            let why = format!("has {} filters", recipe.filters.len());
+            return Err(Invalid::new("recipe", why, "replay one of them").into());
+        };
+        let output = filter.output;
+        let recipe = Recipe {
+            filters: vec![filter],
+            ..recipe
+        };
+        self.guarded(|gpu| {
+            gpu.prepare_blind(&recipe)?;
+            let mut encoder = gpu.begin(None);
+            gpu.write_images(&mut encoder, images);
+            gpu.renderer.encode_filters_only(&mut encoder)?;
+            let kept = gpu.readable_images(&mut encoder);
+            let mut back = ReadBack::new(&gpu.device, &mut gpu.counters, &mut gpu.spare);
+            let tickets = Tickets::record(&mut encoder, &mut back, &gpu.renderer, &kept);
+            gpu.queue.submit([encoder.finish()]);
+            back.wait()?;
+            Ok(tickets.images(&back, &recipe)?.swap_remove(output))
+        })
+    }
+
+    /// Prepares with a receiver texture of one pixel, which nobody looks at.
+    fn prepare_blind(&mut self, recipe: &Recipe) -> Result<(), BackendError> {
+        let mut maker = maker!(self);
+        let textures = ReceiverTextures::fit(&mut self.receivers, &mut maker, UVec2::ONE);
+        let frame = Frame {
+            size: UVec2::ONE,
+            casters: &[],
+            everything: &[],
+            receivers: textures.gbuffer(),
+        };
+        self.renderer
+            .prepare(&self.device, &self.queue, recipe, &frame)
+    }
+
+    fn write_images(&mut self, encoder: &mut CommandEncoder, images: &[Image]) {
+        self.converter.write(
+            &mut maker!(self),
+            encoder,
+            self.renderer.gpu_images(),
+            images,
+        );
+    }
+}
+
+/// The recipe without casts and colours.
+fn still(recipe: &Recipe, images: &[Image]) -> Result<Recipe, BackendError> {
+    let same =
+        |desc: &ImageDesc, i: &Image| *desc == i.desc && i.texels.len() as u64 == desc.floats();
+    let fits = recipe.images.len() == images.len()
+        && recipe.images.iter().zip(images).all(|(d, i)| same(d, i));
+    if !fits {
+        let mend = "hand in those of `Shadows::images`, rendered with `keep_images`";
+        return Err(Invalid::new("images to replay", "differ from the recipe's", mend).into());
+    }
+    Ok(Recipe {
+        casts: Vec::new(),
+        shade: None,
+        ..recipe.clone()
+    })
+}

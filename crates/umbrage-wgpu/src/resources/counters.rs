@@ -1,0 +1,59 @@
+//! What was made, so that tests can tell that nothing is made twice.
+
+use wgpu::{Buffer, BufferDescriptor, BufferUsages, Device, Queue, Texture, TextureDescriptor};
+
+/// How many GPU objects a [`ShadowRenderer`](crate::ShadowRenderer) has made since it was made itself. Once a recipe has
+/// been played, recipes of the same shape (same shaders, image sizes, biases and vertex layouts) leave these alone.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counters {
+    /// Shader compilations: one each.
+    pub pipelines: u32,
+    /// Images, masks and pictures.
+    pub textures: u32,
+    /// Uniforms, tables and faces, and what tells that an encoder was submitted.
+    pub buffers: u32,
+    /// Bindings of kernels and casts to what they read.
+    pub bind_groups: u32,
+}
+
+/// Makes GPU objects and counts them.
+pub(crate) struct ResourceFactory<'a> {
+    pub(crate) device: &'a Device,
+    pub(crate) queue: &'a Queue,
+    pub(crate) counters: &'a mut Counters,
+}
+
+impl ResourceFactory<'_> {
+    pub(crate) fn texture(&mut self, desc: &TextureDescriptor<'_>) -> Texture {
+        self.counters.textures += 1;
+        self.device.create_texture(desc)
+    }
+
+    pub(crate) fn buffer(&mut self, label: &str, usage: BufferUsages, size: u64) -> Buffer {
+        self.counters.buffers += 1;
+        let usage = usage | BufferUsages::COPY_DST;
+        self.device.create_buffer(&BufferDescriptor {
+            label: Some(label),
+            size,
+            usage,
+            mapped_at_creation: false,
+        })
+    }
+
+    /// Writes bytes into the slot's buffer, which is made anew only when they don't fit.
+    pub(crate) fn write(
+        &mut self,
+        slot: &mut Option<Buffer>,
+        label: &str,
+        usage: BufferUsages,
+        bytes: &[u8],
+    ) -> Buffer {
+        let size = (bytes.len() as u64).max(16);
+        let buffer = match slot.take() {
+            Some(held) if held.size() >= size => held,
+            _ => self.buffer(label, usage, size.next_power_of_two()),
+        };
+        self.queue.write_buffer(&buffer, 0, bytes);
+        slot.insert(buffer).clone()
+    }
+}

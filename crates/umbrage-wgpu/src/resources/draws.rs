@@ -1,0 +1,184 @@
+//! All that a recipe's casts draw, in the order of one list.
+
+use crate::{
+    frame::{Drawable, Frame, VertexLayout},
+    resources::{counters::ResourceFactory, faces::FaceBuffers},
+};
+use glam::{Affine3A, Mat4};
+use std::ops::Range;
+use umbrage_core::{Cast, Source};
+use wgpu::{Buffer, IndexFormat, RenderPass};
+
+/// A drawable that outlives the borrow.
+#[derive(Debug)]
+pub(crate) struct Draw {
+    vertices: Buffer,
+    indices: Option<(Buffer, IndexFormat)>,
+    /// Ranges of indices, or of vertices where there are no indices.
+    ranges: Vec<Range<u32>>,
+    pub(crate) layout: VertexLayout,
+    pub(crate) vertex: Vertex,
+    world_from_local: Option<Affine3A>,
+}
+
+/// How a vertex tells its position.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Vertex {
+    /// Three floats in world space.
+    World,
+    /// Three floats, to be placed into the world.
+    Local,
+    /// Four floats in world space.
+    Homogeneous,
+}
+
+/// What each cast draws.
+#[derive(Debug, Default)]
+pub(crate) struct DrawList {
+    pub(crate) draws: Vec<Draw>,
+    /// For each cast, its part of the list.
+    pub(crate) casts: Vec<Range<usize>>,
+}
+
+impl DrawList {
+    pub(crate) fn new(
+        maker: &mut ResourceFactory<'_>,
+        faces: &mut FaceBuffers,
+        casts: &[Cast],
+        frame: &Frame<'_>,
+    ) -> Self {
+        let mut draws = Vec::new();
+        let casters = append(&mut draws, frame.casters);
+        let uses_everything = casts.iter().any(|c| matches!(c.source, Source::Everything));
+        let everything = append(
+            &mut draws,
+            if uses_everything {
+                frame.everything
+            } else {
+                &[]
+            },
+        );
+        let mut part = |cast: &Cast| match &cast.source {
+            Source::Casters => casters.clone(),
+            Source::SomeCasters(runs) => {
+                let first = draws.len();
+                let some = frame.casters.iter().filter_map(|d| Draw::some(d, runs));
+                draws.extend(some);
+                first..draws.len()
+            }
+            Source::Everything => everything.clone(),
+            Source::Faces(drawn) => {
+                let buffers = faces.get(maker, drawn);
+                let first = draws.len();
+                draws.extend(
+                    (!drawn.triangles.is_empty())
+                        .then(|| Draw::faces(buffers, drawn.triangles.len())),
+                );
+                first..draws.len()
+            }
+        };
+        let casts = casts.iter().map(&mut part).collect();
+        Self { draws, casts }
+    }
+
+    /// Where each draw's vertices are to be placed.
+    pub(crate) fn places(&self) -> impl Iterator<Item = Mat4> + '_ {
+        self.draws
+            .iter()
+            .map(|d| d.world_from_local.map_or(Mat4::IDENTITY, Mat4::from))
+    }
+}
+
+fn append(draws: &mut Vec<Draw>, drawables: &[Drawable<'_>]) -> Range<usize> {
+    let first = draws.len();
+    draws.extend(
+        drawables
+            .iter()
+            .filter(|d| !d.range.is_empty())
+            .map(Draw::new),
+    );
+    first..draws.len()
+}
+
+impl Draw {
+    fn new(drawable: &Drawable<'_>) -> Self {
+        Self {
+            vertices: drawable.vertices.clone(),
+            indices: drawable.indices.map(|i| (i.buffer.clone(), i.format)),
+            ranges: vec![drawable.range.clone()],
+            layout: drawable.layout,
+            vertex: if drawable.world_from_local.is_some() {
+                Vertex::Local
+            } else {
+                Vertex::World
+            },
+            world_from_local: drawable.world_from_local,
+        }
+    }
+
+    /// Returns the draw of those triangles of a drawable that lie in `runs`, or of all where their ids are not known; `None` if
+    /// nothing is to be drawn.
+    fn some(drawable: &Drawable<'_>, runs: &[Range<u32>]) -> Option<Self> {
+        let mut draw = Self::new(drawable);
+        if let Some(triangles) = &drawable.triangles {
+            draw.ranges = ranges_of(drawable.range.start, triangles, runs);
+        }
+        let is_empty = draw.ranges.iter().all(Range::is_empty);
+        (!is_empty).then_some(draw)
+    }
+
+    fn faces([vertices, indices]: [Buffer; 2], triangles: usize) -> Self {
+        Self {
+            vertices,
+            indices: Some((indices, IndexFormat::Uint32)),
+            ranges: vec![0..3 * triangles as u32],
+            layout: VertexLayout {
+                stride: 16,
+                position_offset: 0,
+            },
+            vertex: Vertex::Homogeneous,
+            world_from_local: None,
+        }
+    }
+
+    pub(crate) fn encode(&self, pass: &mut RenderPass<'_>) {
+        pass.set_vertex_buffer(0, self.vertices.slice(..));
+        if let Some((buffer, format)) = &self.indices {
+            pass.set_index_buffer(buffer.slice(..), *format);
+        }
+        for range in &self.ranges {
+            match self.indices {
+                Some(_) => pass.draw_indexed(range.clone(), 0, 0..1),
+                None => pass.draw(range.clone(), 0..1),
+            }
+        }
+    }
+}
+
+/// Returns the ranges of indices that draw the part of `runs` that lies in `triangles`, where `first` is the index of the first of
+/// these triangles' corners.
+fn ranges_of(first: u32, triangles: &Range<u32>, runs: &[Range<u32>]) -> Vec<Range<u32>> {
+    let mut ranges = Vec::new();
+    for run in runs {
+        let start = run.start.max(triangles.start);
+        let end = run.end.min(triangles.end);
+        if start < end {
+            let corner = |triangle: u32| first + 3 * (triangle - triangles.start);
+            ranges.push(corner(start)..corner(end));
+        }
+    }
+    ranges
+}
+
+#[cfg(test)]
+mod tests {
+    use super::ranges_of;
+
+    #[test]
+    fn runs_become_ranges_of_indices() {
+        let runs = [0..4, 10..12, 15..40];
+        assert_eq!(ranges_of(300, &(10..20), &runs), [300..306, 315..330]);
+        assert_eq!(ranges_of(0, &(0..40), &runs), [0..12, 30..36, 45..120]);
+        assert_eq!(ranges_of(0, &(4..10), &runs), []);
+    }
+}

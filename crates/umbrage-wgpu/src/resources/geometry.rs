@@ -1,0 +1,108 @@
+//! A geometry's triangles on the GPU.
+
+use crate::{
+    frame::{Drawable, Indices, VertexLayout},
+    resources::counters::ResourceFactory,
+};
+use std::ops::Range;
+use umbrage_core::{BackendError, Geometry, Invalid};
+use wgpu::{Buffer, BufferUsages, IndexFormat};
+
+/// Positions and indices; both are drawn from and, where receivers are found, read by shaders.
+#[derive(Debug)]
+pub(crate) struct GpuGeometry {
+    fingerprint: u64,
+    pub(crate) positions: Buffer,
+    pub(crate) indices: Buffer,
+    pub(crate) triangles: u32,
+    casters: Range<u32>,
+    pub(crate) receivers: Range<u32>,
+}
+
+impl GpuGeometry {
+    fn upload(maker: &mut ResourceFactory<'_>, geometry: &Geometry) -> Result<Self, BackendError> {
+        let positions: &[u8] = bytemuck::cast_slice(geometry.positions());
+        let indices: &[u8] = bytemuck::cast_slice(geometry.triangles());
+        let limits = maker.device.limits();
+        let most = limits
+            .max_storage_buffer_binding_size
+            .min(limits.max_buffer_size);
+        for (what, bytes) in [("vertices", positions), ("triangles", indices)] {
+            let bytes = bytes.len() as u64;
+            if bytes > most {
+                let why =
+                    format!("take {bytes} bytes, and this graphics adapter binds at most {most}");
+                return Err(
+                    Invalid::new(what, why, "use a smaller scene or the CPU backend").into(),
+                );
+            }
+        }
+        let mut upload = |label, usage, bytes: &[u8]| {
+            let buffer = maker.buffer(
+                label,
+                usage | BufferUsages::STORAGE,
+                (bytes.len() as u64).max(16),
+            );
+            maker.queue.write_buffer(&buffer, 0, bytes);
+            buffer
+        };
+        Ok(Self {
+            fingerprint: geometry.fingerprint(),
+            positions: upload("umbrage positions", BufferUsages::VERTEX, positions),
+            indices: upload("umbrage triangles", BufferUsages::INDEX, indices),
+            triangles: geometry.triangles().len() as u32,
+            casters: geometry.casters(),
+            receivers: geometry.receivers(),
+        })
+    }
+
+    pub(crate) fn casters(&self) -> Drawable<'_> {
+        self.drawable(&self.casters)
+    }
+
+    pub(crate) fn everything(&self) -> Drawable<'_> {
+        self.drawable(&(0..self.triangles))
+    }
+
+    fn drawable(&self, triangles: &Range<u32>) -> Drawable<'_> {
+        Drawable {
+            vertices: &self.positions,
+            layout: VertexLayout::PACKED,
+            indices: Some(Indices {
+                buffer: &self.indices,
+                format: IndexFormat::Uint32,
+            }),
+            range: 3 * triangles.start..3 * triangles.end,
+            world_from_local: None,
+            triangles: Some(triangles.clone()),
+        }
+    }
+}
+
+/// The geometries used last.
+#[derive(Debug, Default)]
+pub(crate) struct Geometries(Vec<GpuGeometry>);
+
+impl Geometries {
+    /// A scene and the same scene without casters, its negative control, take turns.
+    const KEPT: usize = 2;
+
+    pub(crate) fn get(
+        &mut self,
+        maker: &mut ResourceFactory<'_>,
+        geometry: &Geometry,
+    ) -> Result<&GpuGeometry, BackendError> {
+        match self
+            .0
+            .iter()
+            .position(|g| g.fingerprint == geometry.fingerprint())
+        {
+            Some(i) => self.0[..=i].rotate_right(1),
+            None => {
+                self.0.truncate(Self::KEPT - 1);
+                self.0.insert(0, GpuGeometry::upload(maker, geometry)?);
+            }
+        }
+        Ok(&self.0[0])
+    }
+}

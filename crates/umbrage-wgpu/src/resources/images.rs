@@ -1,0 +1,178 @@
+//! A recipe's images on the GPU.
+
+use crate::resources::{counters::ResourceFactory, counts::Pair};
+use glam::UVec2;
+use umbrage_core::{Format, ImageDesc};
+use wgpu::{
+    Extent3d, Texture, TextureAspect, TextureDescriptor, TextureDimension, TextureFormat,
+    TextureUsages, TextureView, TextureViewDescriptor, TextureViewDimension,
+};
+
+/// The wgpu format of a recipe's image. Only where casts count, an image and the depth that it counts against share one
+/// texture of `Depth32FloatStencil8`.
+pub const fn texture_format(format: Format) -> TextureFormat {
+    match format {
+        Format::Depth32 => TextureFormat::Depth32Float,
+        Format::Depth16 => TextureFormat::Depth16Unorm,
+        Format::Stencil8 => TextureFormat::Stencil8,
+        Format::Rgba8 => TextureFormat::Rgba8Unorm,
+        Format::R32 => TextureFormat::R32Float,
+        Format::Rg32 => TextureFormat::Rg32Float,
+        Format::Rgba32 => TextureFormat::Rgba32Float,
+    }
+}
+
+/// One image.
+#[derive(Clone, Debug)]
+pub(crate) struct GpuImage {
+    pub(crate) desc: ImageDesc,
+    pub(crate) texture: Texture,
+    /// Which part of a texture that two images share; else all.
+    pub(crate) aspect: TextureAspect,
+    /// All layers, for kernels.
+    pub(crate) whole: TextureView,
+    /// Each layer, for drawing into.
+    pub(crate) layers: Vec<TextureView>,
+    /// Each layer, for reading.
+    pub(crate) reads: Vec<TextureView>,
+}
+
+impl GpuImage {
+    pub(crate) fn new(maker: &mut ResourceFactory<'_>, desc: ImageDesc) -> Self {
+        let texture = make_texture(maker, &desc, texture_format(desc.format));
+        Self::part(texture, desc, TextureAspect::All)
+    }
+
+    /// Depth and counts in one texture.
+    fn new_pair(maker: &mut ResourceFactory<'_>, [depth, counts]: [ImageDesc; 2]) -> [Self; 2] {
+        let texture = make_texture(maker, &depth, TextureFormat::Depth32FloatStencil8);
+        let depth = Self::part(texture.clone(), depth, TextureAspect::DepthOnly);
+        [
+            depth,
+            Self::part(texture, counts, TextureAspect::StencilOnly),
+        ]
+    }
+
+    fn part(texture: Texture, desc: ImageDesc, aspect: TextureAspect) -> Self {
+        let view = |dimension, aspect, first, count| {
+            texture.create_view(&TextureViewDescriptor {
+                label: Some(desc.label),
+                dimension: Some(dimension),
+                aspect,
+                base_array_layer: first,
+                array_layer_count: Some(count),
+                ..TextureViewDescriptor::default()
+            })
+        };
+        let dimension = if desc.layers > 1 {
+            TextureViewDimension::D2Array
+        } else {
+            TextureViewDimension::D2
+        };
+        let each = |aspect| {
+            (0..desc.layers)
+                .map(|i| view(TextureViewDimension::D2, aspect, i, 1))
+                .collect()
+        };
+        // What is drawn into must be all of a texture's parts.
+        let layers: Vec<_> = each(TextureAspect::All);
+        let reads = if aspect == TextureAspect::All {
+            layers.clone()
+        } else {
+            each(aspect)
+        };
+        Self {
+            desc,
+            aspect,
+            whole: view(dimension, aspect, 0, desc.layers),
+            layers,
+            reads,
+            texture,
+        }
+    }
+}
+
+fn make_texture(
+    maker: &mut ResourceFactory<'_>,
+    desc: &ImageDesc,
+    format: TextureFormat,
+) -> Texture {
+    maker.texture(&TextureDescriptor {
+        label: Some(desc.label),
+        size: extent(desc.size, desc.layers),
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: TextureDimension::D2,
+        format,
+        usage: usage(format),
+        view_formats: &[],
+    })
+}
+
+/// Copying serves tests, which replay a stage from given images and look at what came out. Nothing can be copied to
+/// depth of 32 bits.
+fn usage(format: TextureFormat) -> TextureUsages {
+    let all =
+        TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC;
+    if format.has_depth_aspect() {
+        all
+    } else {
+        all | TextureUsages::COPY_DST
+    }
+}
+
+pub(crate) fn extent(size: UVec2, layers: u32) -> Extent3d {
+    Extent3d {
+        width: size.x,
+        height: size.y,
+        depth_or_array_layers: layers,
+    }
+}
+
+/// Makes `held` match the list; what was held and has an equal description is used again. `pairs` share textures.
+pub(crate) fn fit_images(
+    maker: &mut ResourceFactory<'_>,
+    held: &mut Vec<GpuImage>,
+    wanted: &[ImageDesc],
+    pairs: &[Pair],
+) {
+    let mut old = std::mem::take(held);
+    let mut paired: Vec<Option<GpuImage>> = vec![None; wanted.len()];
+    for pair in pairs {
+        let descs = [wanted[pair.depth], wanted[pair.counts]];
+        let [depth, counts] =
+            take_pair(&mut old, descs).unwrap_or_else(|| GpuImage::new_pair(maker, descs));
+        (paired[pair.depth], paired[pair.counts]) = (Some(depth), Some(counts));
+    }
+    let mut single = |&desc: &ImageDesc| {
+        let found = take(&mut old, |image| {
+            image.desc == desc && image.aspect == TextureAspect::All
+        });
+        found.unwrap_or_else(|| GpuImage::new(maker, desc))
+    };
+    *held = paired
+        .into_iter()
+        .zip(wanted)
+        .map(|(image, desc)| image.unwrap_or_else(|| single(desc)))
+        .collect();
+}
+
+fn take_pair(old: &mut Vec<GpuImage>, [depth, counts]: [ImageDesc; 2]) -> Option<[GpuImage; 2]> {
+    let is_partner = |image: &GpuImage, texture: &Texture| {
+        image.desc == counts
+            && image.texture == *texture
+            && image.aspect == TextureAspect::StencilOnly
+    };
+    let depth = take(old, |image| {
+        image.desc == depth && image.aspect == TextureAspect::DepthOnly
+    })?;
+    // Together they were made, and together they were held.
+    let counts = take(old, |image| is_partner(image, &depth.texture))?;
+    Some([depth, counts])
+}
+
+fn take(old: &mut Vec<GpuImage>, wanted: impl Fn(&GpuImage) -> bool) -> Option<GpuImage> {
+    let i = old.iter().position(wanted)?;
+    // In order, so that each of several alike goes where it was, and what binds it is used again.
+    Some(old.remove(i))
+}

@@ -1,0 +1,69 @@
+//! Matrices for vertex shaders.
+
+use crate::resources::{
+    bindings::{Binding, Bound, Slot},
+    counters::ResourceFactory,
+    pipelines::Pipelines,
+};
+use glam::Mat4;
+use std::num::NonZeroU64;
+use wgpu::{BindGroupLayout, Buffer, BufferUsages, RenderPass, ShaderStages};
+
+const MATRIX: NonZeroU64 = NonZeroU64::new(64).unwrap();
+
+pub(crate) fn matrix_layout(
+    maker: &ResourceFactory<'_>,
+    pipelines: &mut Pipelines,
+) -> BindGroupLayout {
+    pipelines
+        .layouts
+        .get(maker, ShaderStages::VERTEX, &[Slot::Window(MATRIX)])
+}
+
+/// A uniform buffer of matrices, bound one at a time.
+#[derive(Debug, Default)]
+pub(crate) struct Matrices {
+    buffer: Option<Buffer>,
+    binding: Binding,
+    stride: u32,
+}
+
+impl Matrices {
+    pub(crate) fn write(
+        &mut self,
+        maker: &mut ResourceFactory<'_>,
+        pipelines: &mut Pipelines,
+        matrices: impl Iterator<Item = Mat4>,
+    ) {
+        self.stride = maker
+            .device
+            .limits()
+            .min_uniform_buffer_offset_alignment
+            .max(64);
+        let mut bytes = Vec::new();
+        for (i, matrix) in matrices.enumerate() {
+            bytes.resize(i * self.stride as usize, 0);
+            bytes.extend_from_slice(bytemuck::bytes_of(&matrix));
+        }
+        if bytes.is_empty() {
+            return;
+        }
+        let buffer = maker.write(
+            &mut self.buffer,
+            "umbrage matrices",
+            BufferUsages::UNIFORM,
+            &bytes,
+        );
+        let layout = matrix_layout(maker, pipelines);
+        self.binding.set(
+            maker,
+            "umbrage matrices",
+            &layout,
+            vec![Bound::Window(buffer, MATRIX)],
+        );
+    }
+
+    pub(crate) fn bind(&self, pass: &mut RenderPass<'_>, group: u32, index: usize) {
+        pass.set_bind_group(group, self.binding.group(), &[self.stride * index as u32]);
+    }
+}

@@ -1,0 +1,16 @@
+//! GPU objects that are made once and used again: images, tables, pipelines, bindings.
+
+pub(crate) mod bindings;
+pub(crate) mod counters;
+pub(crate) mod counts;
+pub(crate) mod draws;
+pub(crate) mod faces;
+pub(crate) mod geometry;
+pub(crate) mod images;
+pub(crate) mod kernel_stage;
+pub(crate) mod matrices;
+pub(crate) mod pipelines;
+pub(crate) mod renderer_state;
+pub(crate) mod submissions;
+pub(crate) mod tables;
+pub(crate) mod timestamps;

@@ -1,0 +1,248 @@
+//! Render pipelines, each built once.
+
+use crate::{
+    frame::VertexLayout,
+    resources::{bindings::Layouts, counters::ResourceFactory, draws::Vertex},
+    targets::{CastTarget, DepthState},
+};
+use std::collections::HashMap;
+use umbrage_core::{Format, MATH, join};
+use wgpu::{
+    BindGroupLayout, CompareFunction, DepthBiasState, DepthStencilState, Device, FilterMode,
+    FragmentState, MultisampleState, PipelineCompilationOptions, PipelineLayoutDescriptor,
+    PrimitiveState, RenderPipeline, RenderPipelineDescriptor, Sampler, SamplerDescriptor,
+    ShaderModule, ShaderModuleDescriptor, ShaderSource, StencilState, TextureFormat,
+    VertexAttribute, VertexBufferLayout, VertexFormat, VertexState, VertexStepMode,
+};
+
+/// What distinguishes the pipelines of casts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct CastKey {
+    pub(crate) depth: DepthState,
+    pub(crate) layout: VertexLayout,
+    pub(crate) vertex: Vertex,
+    pub(crate) peel: Peel,
+}
+
+/// What is thrown away of what a cast draws.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Peel {
+    Nothing,
+    /// What is not behind another layer.
+    Depth32,
+    /// The same in steps of 1/65535.
+    Depth16,
+}
+
+impl Peel {
+    pub(crate) fn of(target: &CastTarget) -> Self {
+        match (&target.behind, target.format()) {
+            (None, _) => Self::Nothing,
+            (Some(_), Format::Depth16) => Self::Depth16,
+            (Some(_), _) => Self::Depth32,
+        }
+    }
+
+    const fn entry(self) -> Option<&'static str> {
+        match self {
+            Self::Nothing => None,
+            Self::Depth32 => Some("behind"),
+            Self::Depth16 => Some("behind_in_steps"),
+        }
+    }
+}
+
+/// All that was built.
+#[derive(Debug, Default)]
+pub(crate) struct Pipelines {
+    pub(crate) layouts: Layouts,
+    casts: HashMap<CastKey, RenderPipeline>,
+    /// By shader text and target; the text tells the bindings.
+    kernels: HashMap<(String, TextureFormat), RenderPipeline>,
+    cast_shader: Option<ShaderModule>,
+    sampler: Option<Sampler>,
+}
+
+impl Pipelines {
+    pub(crate) fn cast(
+        &mut self,
+        maker: &mut ResourceFactory<'_>,
+        key: CastKey,
+        groups: &[Option<&BindGroupLayout>],
+    ) -> RenderPipeline {
+        if let Some(pipeline) = self.casts.get(&key) {
+            return pipeline.clone();
+        }
+        let shader = self.cast_shader.get_or_insert_with(|| {
+            shader(
+                maker.device,
+                "umbrage cast",
+                &(join(&[MATH]) + include_str!("../cast.wgsl")),
+            )
+        });
+        maker.counters.pipelines += 1;
+        let pipeline = cast_pipeline(maker.device, shader, key, groups);
+        self.casts.entry(key).insert_entry(pipeline).get().clone()
+    }
+
+    /// The sampler of kernels that compare.
+    pub(crate) fn sampler(&mut self, device: &Device) -> Sampler {
+        let desc = SamplerDescriptor {
+            label: Some("umbrage comparison"),
+            mag_filter: FilterMode::Linear,
+            min_filter: FilterMode::Linear,
+            compare: Some(CompareFunction::LessEqual),
+            ..SamplerDescriptor::default()
+        };
+        self.sampler
+            .get_or_insert_with(|| device.create_sampler(&desc))
+            .clone()
+    }
+
+    /// A full-screen pipeline for a kernel.
+    pub(crate) fn kernel(
+        &mut self,
+        maker: &mut ResourceFactory<'_>,
+        label: &str,
+        (text, entry): (String, &str),
+        target: TextureFormat,
+        groups: &[Option<&BindGroupLayout>],
+    ) -> RenderPipeline {
+        let key = (text, target);
+        if let Some(pipeline) = self.kernels.get(&key) {
+            return pipeline.clone();
+        }
+        maker.counters.pipelines += 1;
+        let pipeline = fullscreen_pipeline(
+            maker.device,
+            label,
+            &key.0,
+            ["umbrage_fullscreen", entry],
+            &Targets::Colors(&[target]),
+            groups,
+        );
+        self.kernels.entry(key).insert_entry(pipeline).get().clone()
+    }
+}
+
+pub(crate) fn shader(device: &Device, label: &str, text: &str) -> ShaderModule {
+    let source = ShaderSource::Wgsl(text.into());
+    device.create_shader_module(ShaderModuleDescriptor {
+        label: Some(label),
+        source,
+    })
+}
+
+fn cast_pipeline(
+    device: &Device,
+    module: &ShaderModule,
+    key: CastKey,
+    groups: &[Option<&BindGroupLayout>],
+) -> RenderPipeline {
+    let options = PipelineCompilationOptions::default;
+    let (entry, format) = match key.vertex {
+        Vertex::World => ("from_world", VertexFormat::Float32x3),
+        Vertex::Local => ("from_local", VertexFormat::Float32x3),
+        Vertex::Homogeneous => ("from_homogeneous", VertexFormat::Float32x4),
+    };
+    let attribute = VertexAttribute {
+        format,
+        offset: key.layout.position_offset,
+        shader_location: 0,
+    };
+    let buffer = VertexBufferLayout {
+        array_stride: key.layout.stride,
+        step_mode: VertexStepMode::Vertex,
+        attributes: &[attribute],
+    };
+    let vertex = VertexState {
+        module,
+        entry_point: Some(entry),
+        compilation_options: options(),
+        buffers: &[Some(buffer)],
+    };
+    device.create_render_pipeline(&RenderPipelineDescriptor {
+        label: Some("umbrage cast"),
+        layout: Some(&pipeline_layout(device, groups)),
+        vertex,
+        primitive: key.depth.primitive(),
+        depth_stencil: Some(key.depth.depth_stencil()),
+        multisample: MultisampleState::default(),
+        fragment: key.peel.entry().map(|entry| FragmentState {
+            module,
+            entry_point: Some(entry),
+            compilation_options: options(),
+            targets: &[],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}
+
+/// What a full-screen pipeline writes.
+pub(crate) enum Targets<'a> {
+    Colors(&'a [TextureFormat]),
+    /// Whatever depth was there before.
+    Depth(TextureFormat),
+}
+
+/// A pipeline whose one triangle covers the targets; `entries` are its vertex and its fragment shader.
+pub(crate) fn fullscreen_pipeline(
+    device: &Device,
+    label: &str,
+    text: &str,
+    entries: [&str; 2],
+    targets: &Targets<'_>,
+    groups: &[Option<&BindGroupLayout>],
+) -> RenderPipeline {
+    let module = &shader(device, label, text);
+    let options = PipelineCompilationOptions::default;
+    let (colors, depth): (&[_], _) = match targets {
+        Targets::Colors(formats) => (formats, None),
+        Targets::Depth(format) => (&[], Some(*format)),
+    };
+    let colors: Vec<_> = colors.iter().map(|&format| Some(format.into())).collect();
+    device.create_render_pipeline(&RenderPipelineDescriptor {
+        label: Some(label),
+        layout: Some(&pipeline_layout(device, groups)),
+        vertex: VertexState {
+            module,
+            entry_point: Some(entries[0]),
+            compilation_options: options(),
+            buffers: &[],
+        },
+        primitive: PrimitiveState::default(),
+        depth_stencil: depth.map(overwrite_depth),
+        multisample: MultisampleState::default(),
+        fragment: Some(FragmentState {
+            module,
+            entry_point: Some(entries[1]),
+            compilation_options: options(),
+            targets: &colors,
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}
+
+fn overwrite_depth(format: TextureFormat) -> DepthStencilState {
+    DepthStencilState {
+        format,
+        depth_write_enabled: Some(true),
+        depth_compare: Some(CompareFunction::Always),
+        stencil: StencilState::default(),
+        bias: DepthBiasState::default(),
+    }
+}
+
+pub(crate) fn pipeline_layout(
+    device: &Device,
+    groups: &[Option<&BindGroupLayout>],
+) -> wgpu::PipelineLayout {
+    let desc = PipelineLayoutDescriptor {
+        label: Some("umbrage"),
+        bind_group_layouts: groups,
+        immediate_size: 0,
+    };
+    device.create_pipeline_layout(&desc)
+}

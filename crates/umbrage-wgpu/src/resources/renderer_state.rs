@@ -1,0 +1,118 @@
+//! What one light's shadows are made with, from `prepare` until what `encode` recorded is submitted.
+
+use crate::{
+    cast::CastStage,
+    filter::FilterStage,
+    frame::Frame,
+    receive::Lookup,
+    renderer::Options,
+    resources::{
+        counters::ResourceFactory,
+        counts::Pair,
+        faces::FaceBuffers,
+        images::{GpuImage, fit_images},
+        kernel_stage::Sources,
+        pipelines::Pipelines,
+        submissions::Pending,
+        tables::Tables,
+        timestamps::PassTimestamps,
+    },
+    shade::Shading,
+};
+use glam::UVec2;
+use std::sync::Arc;
+use umbrage_core::{Faces, ImageDesc, Recipe, Source};
+use wgpu::{CommandEncoder, TextureView};
+
+/// What all lights share.
+#[derive(Debug, Default)]
+pub(crate) struct Shared {
+    pub(crate) pipelines: Pipelines,
+    pub(crate) tables: Tables,
+    pub(crate) faces: FaceBuffers,
+}
+
+/// Textures, uniforms and bind groups of one light. They are written again only after all that reads them is submitted.
+#[derive(Debug, Default)]
+pub(crate) struct Resources {
+    pub(crate) images: Vec<GpuImage>,
+    pub(crate) casts: CastStage,
+    pub(crate) filters: FilterStage,
+    pub(crate) lookup: Lookup,
+    pub(crate) shading: Shading,
+    pub(crate) pending: Pending,
+    /// Faces that casts draw, held so that their buffers are not written for others.
+    faces: Vec<Arc<Faces>>,
+}
+
+impl Resources {
+    pub(crate) fn prepare(
+        &mut self,
+        maker: &mut ResourceFactory<'_>,
+        shared: &mut Shared,
+        options: Options,
+        (recipe, pairs): (&Recipe, &[Pair]),
+        frame: &Frame<'_>,
+    ) {
+        let Shared {
+            pipelines,
+            tables,
+            faces,
+        } = shared;
+        fit_images(maker, &mut self.images, &recipe.images, pairs);
+        self.casts.prepare(
+            maker,
+            pipelines,
+            (&recipe.casts, &self.images),
+            faces,
+            frame,
+        );
+        self.faces = recipe.casts.iter().filter_map(faces_of).collect();
+        let mut sources = Sources {
+            recipe,
+            images: &self.images,
+            tables,
+        };
+        self.filters.prepare(maker, pipelines, &mut sources);
+        let mask = self
+            .lookup
+            .prepare(maker, pipelines, &mut sources, options, frame);
+        self.shading
+            .prepare(maker, pipelines, &mut sources, options, (frame, mask));
+    }
+
+    /// Lets go of the faces, if no encoder that draws them waits to be submitted.
+    pub(crate) fn release(&mut self) {
+        if self.pending.is_over() {
+            self.faces.clear();
+        }
+    }
+
+    /// Whether no texture has to be made for these images and a mask of this size.
+    pub(crate) fn fits(&self, images: &[ImageDesc], mask: UVec2) -> bool {
+        self.images.iter().map(|image| &image.desc).eq(images)
+            && self
+                .lookup
+                .mask()
+                .is_some_and(|held| held.desc.size == mask)
+    }
+
+    /// Records the lookup and what follows it. Returns the mask.
+    pub(crate) fn encode_mask(
+        &self,
+        encoder: &mut CommandEncoder,
+        options: Options,
+        stamps: Option<&PassTimestamps<'_>>,
+    ) -> Option<&TextureView> {
+        let mask = self.lookup.encode(encoder, options, stamps)?;
+        self.shading.encode(encoder, options);
+        Some(mask)
+    }
+}
+
+fn faces_of(cast: &umbrage_core::Cast) -> Option<Arc<Faces>> {
+    match &cast.source {
+        Source::Faces(faces) => Some(faces.clone()),
+        _ => None,
+    }
+}

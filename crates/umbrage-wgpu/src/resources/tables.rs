@@ -1,0 +1,32 @@
+//! A recipe's tables on the GPU.
+
+use crate::resources::counters::ResourceFactory;
+use std::sync::Arc;
+use umbrage_core::Table;
+use wgpu::{Buffer, BufferUsages};
+
+/// Tables that were uploaded. Holding their rows keeps addresses from being used again for others.
+#[derive(Debug, Default)]
+pub(crate) struct Tables(Vec<(Arc<[[u32; 4]]>, Buffer)>);
+
+impl Tables {
+    pub(crate) fn get(&mut self, maker: &mut ResourceFactory<'_>, table: &Table) -> Buffer {
+        if let Some((_, buffer)) = self
+            .0
+            .iter()
+            .find(|(rows, _)| Arc::ptr_eq(rows, &table.rows))
+        {
+            return buffer.clone();
+        }
+        let bytes: &[u8] = bytemuck::cast_slice(&table.rows);
+        let buffer = maker.buffer(table.label, BufferUsages::STORAGE, bytes.len() as u64);
+        maker.queue.write_buffer(&buffer, 0, bytes);
+        self.0.push((table.rows.clone(), buffer.clone()));
+        buffer
+    }
+
+    /// Lets go of tables that nobody else holds: no recipe can name them any more.
+    pub(crate) fn forget_unreachable(&mut self) {
+        self.0.retain(|(rows, _)| Arc::strong_count(rows) > 1);
+    }
+}

@@ -1,0 +1,38 @@
+//! Timestamps around the stages.
+
+use wgpu::{QuerySet, RenderPassTimestampWrites};
+
+/// Six timestamp queries that [`ShadowRenderer::encode_timed`](crate::ShadowRenderer::encode_timed) writes: begin and end
+/// of casts, of filters and of the lookup. Those of a stage without passes are not written. Shading is not timed.
+#[derive(Clone, Copy, Debug)]
+pub struct PassTimestamps<'a> {
+    /// A set of kind `Timestamp`.
+    pub queries: &'a QuerySet,
+    /// The first of the six.
+    pub first: u32,
+}
+
+/// What is timed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Stage {
+    Cast,
+    Filter,
+    Receive,
+}
+
+/// The timestamps of one pass among a stage's `count`.
+pub(crate) fn pass_stamps<'a>(
+    stamps: Option<&PassTimestamps<'a>>,
+    stage: Stage,
+    index: usize,
+    count: usize,
+) -> Option<RenderPassTimestampWrites<'a>> {
+    let stamps = stamps?;
+    let begin = stamps.first + 2 * stage as u32;
+    let (first, last) = (index == 0, index + 1 == count);
+    (first || last).then_some(RenderPassTimestampWrites {
+        query_set: stamps.queries,
+        beginning_of_pass_write_index: first.then_some(begin),
+        end_of_pass_write_index: last.then_some(begin + 1),
+    })
+}
