@@ -18,6 +18,13 @@ fn names_are_unique_and_select_techniques() {
     assert!(unknown.to_string().contains("pcf_hardware"), "{unknown}");
 }
 
+/// Runs that go on compare their options as text.
+#[test]
+fn lists_show_names_alone() {
+    let shown = format!("{:?}", Techniques::built_in());
+    assert!(shown.starts_with("Techniques([none, hard, "), "{shown}");
+}
+
 #[test]
 fn every_setting_of_an_entry_is_of_its_technique() {
     let lamp = Light::Disc {

@@ -2,13 +2,14 @@
 //! Depth and its square are averaged over a square of texels; Chebyshev's inequality bounds the share of it that is
 //! farther than the receiver. Bleeds light where casters overlap in depth.
 
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage::{
     FilterKernel, Format, ImageDesc, ImageView, Inputs, Kernel, Layout, Module, PlanError,
     ReceiveKernel, Recipe, ShadowTechnique, Span, UniformBlock, View,
     glam::{IVec2, UVec2},
     techniques::{
-        Footprint, MapFormat, ShadowMap, Surface,
+        Footprint, ListedTechnique, MapFormat, ShadowMap, Surface,
         lanes::batch::{Taps, look_up_span},
         shadow_map::{coord::ShadowCoord, layers::ShadowMapUniforms},
     },
@@ -16,7 +17,8 @@ use umbrage::{
 };
 
 /// The technique: its parameters are its fields.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Variance {
     /// The depth map behind the moments.
     pub map: ShadowMap,
@@ -24,6 +26,30 @@ pub struct Variance {
     pub radius: u32,
     /// Least variance, squared clip depth: hides rounding.
     pub least_variance: f32,
+}
+
+impl Default for Variance {
+    fn default() -> Self {
+        Self {
+            map: ShadowMap::default(),
+            radius: 2,
+            least_variance: 1e-6,
+        }
+    }
+}
+
+/// With this, `compare`, `stability`, `plan` and presets take it like one of the library's own.
+impl ListedTechnique for Variance {
+    const SUMMARY: &'static str =
+        "Chebyshev's bound on blurred moments of depth (Donnelly, Lauritzen 2006)";
+
+    fn map(&self) -> Option<&ShadowMap> {
+        Some(&self.map)
+    }
+
+    fn with_map(self, map: ShadowMap) -> Self {
+        Self { map, ..self }
+    }
 }
 
 impl ShadowTechnique for Variance {

@@ -4,11 +4,14 @@ use super::{
     Candidate, ClosedFormDemand, ListedTechnique, PlannedBiases, Preset, RandomParameter, Settings,
 };
 use crate::shadow_map::ShadowMap;
-use std::sync::Arc;
+use std::{
+    fmt::{self, Debug, Formatter},
+    sync::Arc,
+};
 use umbrage_core::{Fit, Light, ShadowTechnique};
 
 /// A technique of a list: what its [`ListedTechnique`] says, whatever its type.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Entry {
     /// Its name, as [`ShadowTechnique::name`] gives it.
     pub name: &'static str,
@@ -38,6 +41,13 @@ pub struct Entry {
     pub branches_on_uniforms: bool,
     /// Reads its settings.
     pub(super) read: fn(toml::Table) -> Result<Preset, toml::de::Error>,
+}
+
+/// Its name alone: addresses of functions differ from run to run.
+impl Debug for Entry {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.name)
+    }
 }
 
 impl Entry {

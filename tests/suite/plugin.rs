@@ -1,9 +1,17 @@
 //! A technique from outside, on both backends: nothing of ours knows it.
 
-use umbrage::{Backend, Geometry, ShadowTechnique, View, techniques::ShadowMap};
+use glam::UVec2;
+use umbrage::{
+    Backend, Geometry, ShadowTechnique, View,
+    techniques::{Entry, ShadowMap, Techniques},
+};
 use umbrage_cpu::Cpu;
 use umbrage_examples::variance::Variance;
-use umbrage_plan::footprint;
+use umbrage_lab::{
+    compare::{self, Backends, SceneInput},
+    stability,
+};
+use umbrage_plan::{self as plan, footprint};
 use umbrage_tests::gpu::gpu;
 
 #[test]
@@ -71,4 +79,88 @@ fn a_users_map_has_figures() {
         wide.unused < narrow.unused,
         "{wide:?} against {narrow:?}: a wider blur takes in more texels"
     );
+}
+
+fn registry() -> Techniques {
+    Techniques::built_in()
+        .with(Entry::of::<Variance>())
+        .expect("a new name")
+}
+
+#[test]
+fn a_users_technique_is_compared_as_ours_are() {
+    let options = compare::Options {
+        registry: registry(),
+        techniques: vec!["variance".to_owned()],
+        runs: None,
+        ..compare::Options::quick()
+    };
+    let input = SceneInput {
+        scene: umbrage::scenes::by_argument("cubes").expect("a built-in scene"),
+        summary: String::new(),
+        fit: None,
+    };
+    let mut backends = Backends::of(vec![Box::new(Cpu::new())]);
+    let sink = &mut |_: &_, _: &_| Ok(());
+    let compared = compare::compare(&[input], &options, &mut backends, sink, &|_| ());
+    let rows = &compared.expect("valid").scenes[0].rows;
+    assert!(rows.iter().all(|row| row.technique == "variance"));
+    assert!(rows[0].rmse().is_some_and(|rmse| rmse < 0.3), "{rows:?}");
+    let unknown = compare::Options {
+        registry: Techniques::built_in(),
+        ..options
+    };
+    let none = compare::compare(&[], &unknown, &mut backends, sink, &|_| ());
+    let why = none.expect_err("not built in").to_string();
+    assert!(why.contains("variance") && why.contains("pcf"), "{why}");
+}
+
+#[test]
+fn a_users_technique_is_judged_as_ours_are() {
+    let options = stability::Options {
+        registry: registry(),
+        rows: vec!["thin-plate".to_owned()],
+        techniques: vec!["variance".to_owned()],
+        ..stability::Options::quick()
+    };
+    let mut backends = Backends::of(vec![Box::new(Cpu::new())]);
+    let judged = stability::run(&options, &mut backends, &mut |_| ()).expect("valid");
+    let cells = &judged.cases[0].cells;
+    assert!(cells.iter().any(|cell| cell.technique == "variance"));
+}
+
+/// Among all techniques, the planner tries it on maps of all sizes.
+#[test]
+fn a_users_technique_is_planned_as_ours_are() {
+    let scene = umbrage::scenes::by_argument("cubes").expect("a built-in scene");
+    let options = plan::Options {
+        registry: registry(),
+        samples: 512,
+        size: Some(UVec2::new(96, 64)),
+        ..plan::Options::default()
+    };
+    let tried = std::sync::Mutex::new(Vec::new());
+    let on_step = |step: plan::Step<'_>| {
+        if let plan::Step::Trying(name, _) = step {
+            tried.lock().expect("no panic").push(name.to_owned());
+        }
+    };
+    let bounds = plan::Bounds::error(0.02);
+    plan::plan(&scene, &bounds, &options, &on_step).expect("valid");
+    let tried = tried.into_inner().expect("no panic");
+    assert!(tried.iter().any(|name| name == "variance"), "{tried:?}");
+}
+
+#[test]
+fn a_users_preset_is_toml() {
+    let technique = Variance {
+        radius: 3,
+        ..Variance::default()
+    };
+    let text = umbrage::techniques::Preset::from(technique)
+        .to_toml()
+        .expect("numbers");
+    let preset = registry().preset_from_toml(&text).expect("as written");
+    assert_eq!(preset.get(), Some(&technique), "{text}");
+    assert!(Techniques::built_in().preset_from_toml(&text).is_err());
 }

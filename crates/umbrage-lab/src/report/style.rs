@@ -68,7 +68,7 @@ pub(super) fn color(backend: usize) -> &'static str {
     SeriesStyle::nth(0).color(backend)
 }
 
-/// The styles of the techniques of a chart. Those of the catalogue have theirs by their place in it, so that they look alike in
+/// The styles of the techniques of a chart. Those of the registry have theirs by their place in it, so that they look alike in
 /// every chart; others come after them.
 pub(super) fn styles_of(techniques: &[&str]) -> Vec<SeriesStyle> {
     let all = umbrage_techniques::all();
@@ -89,7 +89,7 @@ mod tests {
 
     /// A technique too many would look like another: give [`COLORS`] one more tone then.
     #[test]
-    fn every_technique_of_the_catalogue_has_a_look_of_its_own() {
+    fn every_technique_of_the_registry_has_a_look_of_its_own() {
         let names: Vec<&str> = umbrage_techniques::all().iter().map(|e| e.name).collect();
         assert!(
             names.len() < STYLES,

@@ -32,7 +32,7 @@ pub struct Case {
     pub motion: Motion,
     /// What is measured.
     pub measure: Measure,
-    /// Settings tried beside those of the catalogue, for this map size.
+    /// Settings tried beside those of the registry, for this map size.
     pub extra: Option<fn(map_size: u32) -> Settings>,
 }
 

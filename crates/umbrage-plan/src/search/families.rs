@@ -153,7 +153,7 @@ mod tests {
     use umbrage_core::glam::Vec3;
     use umbrage_techniques::{Hard, Traced};
 
-    /// A technique that is added to the catalogue must be a candidate, too.
+    /// A technique that is added to the registry must be a candidate, too.
     #[test]
     fn every_technique_is_a_candidate() {
         let lamp = Light::Disc {
