@@ -14,7 +14,7 @@ use std::sync::Arc;
 use umbrage_core::{
     Aabb, Asks, Bvh, Fit, Geometry, Inputs, Invalid, Kernel, Light, Module, PlanError, Receive,
     ReceiveKernel, Recipe, ShadowTechnique, Span, Table, UniformBlock, View,
-    bvh::{HIT, SLAB},
+    bvh::{RAY_BOX, RAY_TRIANGLE},
     light_sample::{LIGHT_SAMPLE, LightSampler, origin_offset, seed, segment, unit_square},
     math::dot3,
     uniforms,
@@ -193,8 +193,8 @@ pub struct TracedKernel {
 impl Kernel for TracedKernel {
     fn modules(&self) -> Vec<Module> {
         vec![
-            SLAB,
-            HIT,
+            RAY_BOX,
+            RAY_TRIANGLE,
             LIGHT_SAMPLE,
             Module {
                 name: "traced",

@@ -33,7 +33,7 @@ pub use geometry::{
     bvh::{self, Bvh},
     displacement,
     subdivide::MAX_SUBDIVIDED_TRIANGLES,
-    weld::Places,
+    weld::WeldedVertices,
 };
 pub use glam;
 pub use invalid::Invalid;

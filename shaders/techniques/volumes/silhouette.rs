@@ -7,7 +7,7 @@
 
 use crate::techniques::volumes::t_junctions::split_at_t_junctions;
 use glam::{DVec3, DVec4, Vec3};
-use umbrage_core::{Aabb, Geometry, Places};
+use umbrage_core::{Aabb, Geometry, WeldedVertices};
 
 /// Triangles within this angle (sine) of a light's ray count as turned to it, as rounding cannot tell.
 const EDGE_ON: f64 = 1e-6;
@@ -55,8 +55,8 @@ impl Welded {
     }
 
     pub(crate) fn weld(positions: &[Vec3], triangles: &[[u32; 3]]) -> Self {
-        let places = Places::new(positions);
-        let at = |v: u32| places.of_vertex()[v as usize];
+        let places = WeldedVertices::new(positions);
+        let at = |v: u32| places.group_of()[v as usize];
         let whole = |[a, b, c]: &[u32; 3]| a != b && b != c && c != a;
         Self {
             positions: (0..places.count() as u32)

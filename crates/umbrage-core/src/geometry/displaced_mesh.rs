@@ -5,7 +5,7 @@ use crate::{
     geometry::{
         displacement::{displaced, height},
         subdivide::MAX_SUBDIVIDED_TRIANGLES,
-        weld::{Places, corner_normals, unit},
+        weld::{WeldedVertices, corner_normals, unit},
     },
 };
 use glam::{DVec3, Vec3};
@@ -85,7 +85,7 @@ fn with_normals(mesh: &Mesh) -> Cow<'_, Mesh> {
 
 /// Where the vertices go; those of one place stay together.
 fn moved(mesh: &Mesh, heights: &Texture, lambda: f32) -> Vec<Vec3> {
-    let places = Places::new(&mesh.positions);
+    let places = WeldedVertices::new(&mesh.positions);
     let offset = |(&n, &uv): (&Vec3, _)| {
         displaced(Vec3::ZERO, unit(n.as_dvec3()), height(heights, uv), lambda)
     };
@@ -101,7 +101,7 @@ fn moved(mesh: &Mesh, heights: &Texture, lambda: f32) -> Vec<Vec3> {
 /// The mesh at new positions, its normals averaged from them: over all vertices of a place between which the surface
 /// was smooth.
 fn with_fitting_normals(mesh: Mesh, positions: Vec<Vec3>) -> Mesh {
-    let places = Places::new(&mesh.positions);
+    let places = WeldedVertices::new(&mesh.positions);
     let old = mesh
         .normals
         .iter()

@@ -185,7 +185,7 @@ fn sharp_edges_stay_sharp_and_smooth_ones_smooth() {
     for (n, p) in smooth.normals.iter().zip(&smooth.positions) {
         assert!(n.distance(p.normalize()) < 0.2, "{n} at {p}");
     }
-    let places = Places::new(&round.positions);
+    let places = WeldedVertices::new(&round.positions);
     for place in 0..places.count() as u32 {
         let normals: HashSet<_> = places
             .vertices(place)

@@ -10,7 +10,7 @@ pub(crate) mod subdivide;
 pub(crate) mod triangle_chunks;
 pub(crate) mod weld;
 
-use crate::{Aabb, Bvh, Instance, Invalid, Mesh, Scene, geometry::triangle_chunks::Blocks};
+use crate::{Aabb, Bvh, Instance, Invalid, Mesh, Scene, geometry::triangle_chunks::ChunkBounds};
 use glam::{Mat3, Vec2, Vec3, Vec4};
 use std::{
     ops::Range,
@@ -34,7 +34,7 @@ pub struct Geometry {
     fingerprint: u64,
     bvh: OnceLock<Arc<Bvh>>,
     bvh_tables: OnceLock<[Rows; 2]>,
-    blocks: OnceLock<Arc<Blocks>>,
+    chunk_bounds: OnceLock<Arc<ChunkBounds>>,
 }
 
 /// Rows of four words, as shaders' tables hold them.
@@ -276,8 +276,9 @@ impl Geometry {
     }
 
     /// Boxes around runs of triangles, built on first use.
-    pub(crate) fn blocks(&self) -> &Blocks {
-        self.blocks.get_or_init(|| Arc::new(Blocks::new(self)))
+    pub(crate) fn chunk_bounds(&self) -> &ChunkBounds {
+        self.chunk_bounds
+            .get_or_init(|| Arc::new(ChunkBounds::new(self)))
     }
 
     /// [`Bvh::node_rows`] and [`Bvh::triangle_rows`], made on first use and shared from then on.

@@ -14,7 +14,7 @@ use crate::{Module, Twin, twin};
 use glam::{Vec2, Vec3, Vec3A};
 
 /// The WGSL half.
-pub const SLAB: Module = Module {
+pub const RAY_BOX: Module = Module {
     name: "ray_box",
     text: include_str!("ray_box.wgsl"),
 };
@@ -93,12 +93,12 @@ pub(crate) fn inverse_power(x: f32) -> f32 {
 
 /// The pairs, for the lockstep tests.
 pub(crate) const TWINS: [Twin; 6] = [
-    twin!(SLAB, safe_inverse(x: f32) -> f32),
-    twin!(SLAB, enters_word(o: Vec3, inverse: Vec3, low: Vec3, high: Vec3) -> u32),
-    twin!(SLAB, padded_low(a: Vec3, b: Vec3, c: Vec3) -> Vec3),
-    twin!(SLAB, padded_high(a: Vec3, b: Vec3, c: Vec3) -> Vec3),
-    twin!(SLAB, holds_origin_word(a: Vec2, b: Vec2, c: Vec2) -> u32),
-    twin!(SLAB, inverse_power(x: f32) -> f32),
+    twin!(RAY_BOX, safe_inverse(x: f32) -> f32),
+    twin!(RAY_BOX, enters_word(o: Vec3, inverse: Vec3, low: Vec3, high: Vec3) -> u32),
+    twin!(RAY_BOX, padded_low(a: Vec3, b: Vec3, c: Vec3) -> Vec3),
+    twin!(RAY_BOX, padded_high(a: Vec3, b: Vec3, c: Vec3) -> Vec3),
+    twin!(RAY_BOX, holds_origin_word(a: Vec2, b: Vec2, c: Vec2) -> u32),
+    twin!(RAY_BOX, inverse_power(x: f32) -> f32),
 ];
 
 fn enters_word(o: Vec3, inverse: Vec3, low: Vec3, high: Vec3) -> u32 {

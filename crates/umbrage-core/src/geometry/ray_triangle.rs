@@ -37,14 +37,14 @@
 use crate::{
     Module, Twin,
     geometry::ray_box::{
-        self, SLAB, enters_box, holds_origin, inverse_power, padded_box, slab_inverse,
+        self, RAY_BOX, enters_box, holds_origin, inverse_power, padded_box, slab_inverse,
     },
     twin,
 };
 use glam::{Vec3, Vec3A};
 
-/// The WGSL half of the triangle test. It calls into [`SLAB`].
-pub const HIT: Module = Module {
+/// The WGSL half of the triangle test. It calls into [`RAY_BOX`].
+pub const RAY_TRIANGLE: Module = Module {
     name: "ray_triangle",
     text: include_str!("ray_triangle.wgsl"),
 };
@@ -169,7 +169,7 @@ pub fn segment_hits(o: Vec3, d: Vec3, a: Vec3, b: Vec3, c: Vec3) -> bool {
 
 /// The pairs, for the lockstep tests.
 pub const TWINS: &[Twin] = &[
-    twin!(HIT, hit_word(o: Vec3, d: Vec3, a: Vec3, b: Vec3, c: Vec3) -> u32, needs [SLAB]),
+    twin!(RAY_TRIANGLE, hit_word(o: Vec3, d: Vec3, a: Vec3, b: Vec3, c: Vec3) -> u32, needs [RAY_BOX]),
     ray_box::TWINS[0],
     ray_box::TWINS[1],
     ray_box::TWINS[2],

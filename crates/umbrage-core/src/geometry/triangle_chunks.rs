@@ -9,9 +9,9 @@ const RUN: u32 = 64;
 
 /// Boxes around every 64 triangles of a geometry's list.
 #[derive(Clone, Debug)]
-pub(crate) struct Blocks(Vec<Aabb>);
+pub(crate) struct ChunkBounds(Vec<Aabb>);
 
-impl Blocks {
+impl ChunkBounds {
     pub(crate) fn new(geometry: &Geometry) -> Self {
         let count = geometry.triangles().len() as u32;
         let box_of =

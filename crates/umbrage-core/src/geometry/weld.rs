@@ -6,20 +6,20 @@ use std::collections::HashMap;
 
 /// Which vertices stand at bit-equal positions (zeros of both signs are equal).
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Places {
-    of_vertex: Vec<u32>,
+pub struct WeldedVertices {
+    group_of: Vec<u32>,
     /// Vertices, those of a place side by side.
     order: Vec<u32>,
     /// Where each place begins in `order`, and its end.
     starts: Vec<u32>,
 }
 
-impl Places {
+impl WeldedVertices {
     /// Finds them. Places are numbered as their first vertices are.
     pub fn new(positions: &[Vec3]) -> Self {
         let mut known = HashMap::with_capacity(positions.len());
         let key = |p: &Vec3| p.to_array().map(|x| (x + 0.0).to_bits());
-        let of_vertex: Vec<u32> = positions
+        let group_of: Vec<u32> = positions
             .iter()
             .map(|p| {
                 let next = known.len() as u32;
@@ -27,14 +27,14 @@ impl Places {
             })
             .collect();
         let mut starts = vec![0_u32; known.len() + 1];
-        of_vertex
+        group_of
             .iter()
             .for_each(|&place| starts[place as usize + 1] += 1);
         (1..starts.len()).for_each(|i| starts[i] += starts[i - 1]);
         let mut order: Vec<u32> = (0..positions.len() as u32).collect();
-        order.sort_by_key(|&v| of_vertex[v as usize]);
+        order.sort_by_key(|&v| group_of[v as usize]);
         Self {
-            of_vertex,
+            group_of,
             order,
             starts,
         }
@@ -46,8 +46,8 @@ impl Places {
     }
 
     /// The place of each vertex.
-    pub fn of_vertex(&self) -> &[u32] {
-        &self.of_vertex
+    pub fn group_of(&self) -> &[u32] {
+        &self.group_of
     }
 
     /// The vertices at a place, in order.
@@ -66,7 +66,7 @@ impl Places {
                 vertices.iter().map(|&v| values[v as usize]).sum::<Vec3>() / vertices.len() as f32
             })
             .collect();
-        self.of_vertex
+        self.group_of
             .iter()
             .map(|&place| means[place as usize])
             .collect()
@@ -76,7 +76,7 @@ impl Places {
     pub fn normals(&self, mesh: &Mesh) -> Vec<Vec3> {
         let mut sums = vec![DVec3::ZERO; self.count()];
         for (v, n) in corner_normals(mesh) {
-            sums[self.of_vertex[v as usize] as usize] += n;
+            sums[self.group_of[v as usize] as usize] += n;
         }
         sums.into_iter().map(unit).collect()
     }
@@ -103,7 +103,7 @@ mod tests {
 
     #[test]
     fn equal_positions_are_one_place() {
-        let places = Places::new(&[
+        let places = WeldedVertices::new(&[
             Vec3::X,
             Vec3::ZERO,
             Vec3::X,
@@ -111,17 +111,17 @@ mod tests {
             -Vec3::ZERO,
             Vec3::X * 1.000_001,
         ]);
-        assert_eq!(places.of_vertex(), [0, 1, 0, 2, 1, 3]);
+        assert_eq!(places.group_of(), [0, 1, 0, 2, 1, 3]);
         assert_eq!(
             (places.vertices(0), places.vertices(1), places.count()),
             (&[0, 2][..], &[1, 4][..], 4)
         );
-        assert_eq!(Places::new(&[]).count(), 0);
+        assert_eq!(WeldedVertices::new(&[]).count(), 0);
     }
 
     #[test]
     fn means_are_shared_within_places_alone() {
-        let places = Places::new(&[Vec3::X, Vec3::Y, Vec3::X]);
+        let places = WeldedVertices::new(&[Vec3::X, Vec3::Y, Vec3::X]);
         let means = places.shared_mean(&[Vec3::ONE, Vec3::Z, Vec3::splat(3.0)]);
         assert_eq!(means, [Vec3::splat(2.0), Vec3::Z, Vec3::splat(2.0)]);
     }
@@ -139,7 +139,7 @@ mod tests {
         ]
         .to_vec();
         let mesh = Mesh::new("hinge", positions, vec![[0, 1, 2], [3, 4, 5]]).unwrap();
-        let normals = Places::new(&mesh.positions).normals(&mesh);
+        let normals = WeldedVertices::new(&mesh.positions).normals(&mesh);
         let expected = Vec3::new(0.0, 3.0, 1.0).normalize();
         // Rounded once from f64.
         assert!(normals[0].distance(expected) < 1e-6, "{normals:?}");

@@ -36,7 +36,7 @@ impl CasterSet {
         let smallest_gap = f64::from(casters.end - casters.start) * SMALLEST_GAP;
         let sides = sides_of(space, size);
         let mut runs: Vec<Range<u32>> = Vec::new();
-        for (run, bounds) in geometry.blocks().of(casters.clone()) {
+        for (run, bounds) in geometry.chunk_bounds().of(casters.clone()) {
             if is_beside(&bounds, &sides) {
                 continue;
             }

@@ -3,7 +3,7 @@
 use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
 use std::collections::HashMap;
 use umbrage_core::glam::Vec4;
-use umbrage_core::{Invalid, Mesh, Places};
+use umbrage_core::{Invalid, Mesh, WeldedVertices};
 
 /// The mesh with tangents for normal maps in tangent space, green up (OpenGL's convention): by Mikkelsen's algorithm
 /// (2008, "Simulation of Wrinkled Surfaces Revisited", `MikkTSpace`), which is what the programs that make such maps
@@ -43,10 +43,10 @@ pub fn with_tangents(mesh: &Mesh) -> Result<Mesh, Invalid> {
 fn smooth(mesh: &Mesh) -> Mesh {
     let mut mesh = mesh.clone();
     if mesh.normals.is_empty() {
-        let places = Places::new(&mesh.positions);
+        let places = WeldedVertices::new(&mesh.positions);
         let normals = places.normals(&mesh);
         mesh.normals = places
-            .of_vertex()
+            .group_of()
             .iter()
             .map(|&place| normals[place as usize])
             .collect();

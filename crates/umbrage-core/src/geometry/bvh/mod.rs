@@ -8,8 +8,8 @@ mod wide;
 pub use crate::{
     Aabb,
     geometry::{
-        ray_box::SLAB,
-        ray_triangle::{HIT, Segment, TWINS, segment_hits},
+        ray_box::RAY_BOX,
+        ray_triangle::{RAY_TRIANGLE, Segment, TWINS, segment_hits},
     },
 };
 

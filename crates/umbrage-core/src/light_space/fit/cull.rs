@@ -103,7 +103,7 @@ impl Receiving {
             }
             None => {
                 let boxes = geometry
-                    .blocks()
+                    .chunk_bounds()
                     .of(geometry.receivers())
                     .map(|(_, b)| space.block(&b));
                 out.boxes
@@ -131,7 +131,7 @@ impl Receiving {
 /// The least rank that any caster may have within `column`; none if there are no casters.
 pub(super) fn first_rank(geometry: &Geometry, space: &MapSpace, column: &Bounds) -> Option<f64> {
     let blocks = geometry
-        .blocks()
+        .chunk_bounds()
         .of(geometry.casters())
         .map(|(_, b)| space.block(&b));
     blocks
@@ -229,7 +229,7 @@ impl<'a> Need<'a> {
 
     /// Runs of casters of which some may matter, and a box around each.
     fn runs(&self) -> impl Iterator<Item = (Range<u32>, Bounds)> + '_ {
-        let runs = self.geometry.blocks().of(self.geometry.casters());
+        let runs = self.geometry.chunk_bounds().of(self.geometry.casters());
         runs.map(|(run, b)| (run, self.space.block(&b)))
             .filter(|(_, b)| self.matters(b))
     }

@@ -75,6 +75,6 @@ pub(super) fn caster_reach(view: &View<'_>) -> f32 {
 
 /// A box around all casters on a map; loose.
 pub(super) fn casters_on(space: &MapSpace, geometry: &Geometry) -> Bounds {
-    let blocks = geometry.blocks().of(geometry.casters());
+    let blocks = geometry.chunk_bounds().of(geometry.casters());
     blocks.fold(Bounds::EMPTY, |all, (_, b)| all.union(&space.block(&b)))
 }

@@ -114,7 +114,7 @@ fn first_caster(view: &View<'_>, space: &MapSpace, column: &Bounds) -> f64 {
 /// The smallest of the spheres around what the camera may see, what casts, and what receives.
 fn smallest(view: &View<'_>, range: f64) -> Sphere {
     let receivers = view.geometry.map(|g| {
-        let blocks = g.blocks().of(g.receivers());
+        let blocks = g.chunk_bounds().of(g.receivers());
         blocks.fold(Aabb::EMPTY, |all, (_, b)| all.union(&b))
     });
     let boxes = [Some(view.casters), receivers]

@@ -16,7 +16,7 @@ const NEAR: f32 = 0.1;
 const MARGIN: f32 = 0.03;
 const EYE: Vec3 = Vec3::new(0.0, 1.2, 4.0);
 /// Heights of the slab's underside and upper side. The latter's edge bounds the shadow.
-const SLAB: [f32; 2] = [3.0, 3.15];
+const RAY_BOX: [f32; 2] = [3.0, 3.15];
 /// Where the lamp stands over the slab's edge; towards the sun, likewise.
 const TO_LIGHT: Vec3 = Vec3::new(-1.5, 3.0, -0.4);
 
@@ -35,8 +35,8 @@ fn under_slab(name: &str, light: Light) -> Scene {
     Stage::new(name)
         .put(grid([6.0, 6.0], [1, 1], |_, _| 0.0))
         .put(block(
-            Vec3::new(-4.0, SLAB[0], -1.5),
-            Vec3::new(slab_edge(), SLAB[1], 5.5),
+            Vec3::new(-4.0, RAY_BOX[0], -1.5),
+            Vec3::new(slab_edge(), RAY_BOX[1], 5.5),
         ))
         .put_many(pillar(0.03, 2.0, 12), [post])
         .put_many(
@@ -51,7 +51,7 @@ fn under_slab(name: &str, light: Light) -> Scene {
 
 /// So that the plane through the slab's upper edge and the light passes [`MARGIN`] to the right of the eye.
 fn slab_edge() -> f32 {
-    EYE.x + MARGIN + TO_LIGHT.x / TO_LIGHT.y * (SLAB[1] - EYE.y)
+    EYE.x + MARGIN + TO_LIGHT.x / TO_LIGHT.y * (RAY_BOX[1] - EYE.y)
 }
 
 pub(crate) fn eye_in_umbra() -> Scene {
@@ -59,7 +59,7 @@ pub(crate) fn eye_in_umbra() -> Scene {
 }
 
 pub(crate) fn eye_in_umbra_lamp() -> Scene {
-    let [x, y, z] = (Vec3::new(slab_edge(), SLAB[1], EYE.z - 1.0) + TO_LIGHT).to_array();
+    let [x, y, z] = (Vec3::new(slab_edge(), RAY_BOX[1], EYE.z - 1.0) + TO_LIGHT).to_array();
     under_slab("eye-in-umbra-lamp", bulb(x, y, z))
 }
 

@@ -2,12 +2,12 @@
 
 use std::collections::BTreeSet;
 use umbrage_core::glam::{DVec3, Vec3};
-use umbrage_core::{Invalid, Mesh, Places};
+use umbrage_core::{Invalid, Mesh, WeldedVertices};
 
 /// A closed mesh's places, with what the method needs of them.
 #[derive(Clone, Debug)]
 pub(super) struct Surface {
-    pub(super) places: Places,
+    pub(super) places: WeldedVertices,
     /// Unit normals of the places.
     pub(super) normals: Vec<Vec3>,
     /// Metres along the normal, of the places.
@@ -18,7 +18,7 @@ impl Surface {
     /// `rounds` times averaging tells what part of the offsets neighbours share; it is left out. 0 leaves nothing out.
     pub(super) fn new(mesh: &Mesh, rounds: u32) -> Result<Self, Invalid> {
         check(mesh)?;
-        let places = Places::new(&mesh.positions);
+        let places = WeldedVertices::new(&mesh.positions);
         let edges = edges(mesh, &places);
         if let Some(&(a, b)) = edges
             .iter()
@@ -51,14 +51,14 @@ impl Surface {
     /// The mesh's normals: equal for all vertices of a place.
     pub(super) fn vertex_normals(&self) -> Vec<Vec3> {
         self.places
-            .of_vertex()
+            .group_of()
             .iter()
             .map(|&place| self.normals[place as usize])
             .collect()
     }
 
     pub(super) fn vertex_delta(&self, vertex: usize) -> f32 {
-        self.deltas[self.places.of_vertex()[vertex] as usize]
+        self.deltas[self.places.group_of()[vertex] as usize]
     }
 }
 
@@ -88,11 +88,11 @@ fn check(mesh: &Mesh) -> Result<(), Invalid> {
 }
 
 /// Directed edges between places in order, each once; those without length left out.
-fn edges(mesh: &Mesh, places: &Places) -> Vec<(u32, u32)> {
+fn edges(mesh: &Mesh, places: &WeldedVertices) -> Vec<(u32, u32)> {
     let corners = mesh
         .triangles
         .iter()
-        .map(|t| t.map(|v| places.of_vertex()[v as usize]));
+        .map(|t| t.map(|v| places.group_of()[v as usize]));
     let edges = corners
         .flat_map(|[a, b, c]| [(a, b), (b, c), (c, a)])
         .filter(|(a, b)| a != b);
@@ -100,7 +100,12 @@ fn edges(mesh: &Mesh, places: &Places) -> Vec<(u32, u32)> {
     edges.collect::<BTreeSet<_>>().into_iter().collect()
 }
 
-fn deltas(mesh: &Mesh, places: &Places, edges: &[(u32, u32)], normals: &[Vec3]) -> Vec<f32> {
+fn deltas(
+    mesh: &Mesh,
+    places: &WeldedVertices,
+    edges: &[(u32, u32)],
+    normals: &[Vec3],
+) -> Vec<f32> {
     let at = |place: u32| mesh.positions[places.vertices(place)[0] as usize].as_dvec3();
     let mut sums = vec![(DVec3::ZERO, 0_u32); places.count()];
     for &(a, b) in edges {

@@ -5,7 +5,7 @@ use crate::{
     primitives::{mapped, octasphere, torus},
 };
 use umbrage_core::glam::{IVec3, Vec3};
-use umbrage_core::{Mesh, Places};
+use umbrage_core::{Mesh, WeldedVertices};
 
 /// A closed shape around the origin, laid out over one texture square.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,7 +48,7 @@ impl Solid {
 
     /// The mean of [`Solid::distance`] over a mesh's places: doubled vertices count once.
     pub fn mean_distance(&self, mesh: &Mesh) -> f64 {
-        let places = Places::new(&mesh.positions);
+        let places = WeldedVertices::new(&mesh.positions);
         let first = |place| mesh.positions[places.vertices(place)[0] as usize];
         (0..places.count() as u32)
             .map(|place| self.distance(first(place)))
@@ -61,14 +61,14 @@ impl Solid {
 /// from the place's number and `seed`: the same on every machine. Shading normals are dropped, since they would tell
 /// the clean shape.
 pub fn roughened(mesh: &Mesh, amplitude: f32, seed: i32) -> Mesh {
-    let places = Places::new(&mesh.positions);
+    let places = WeldedVertices::new(&mesh.positions);
     let normals = places.normals(mesh);
     let offset = |place: u32| amplitude * (2.0 * uniform(IVec3::new(place as i32, seed, 0)) - 1.0);
     let moved = |(&p, &place): (&Vec3, &u32)| p + normals[place as usize] * offset(place);
     let positions = mesh
         .positions
         .iter()
-        .zip(places.of_vertex())
+        .zip(places.group_of())
         .map(moved)
         .collect();
     Mesh {
