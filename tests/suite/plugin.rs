@@ -105,7 +105,8 @@ fn a_users_technique_is_compared_as_ours_are() {
     let compared = compare::compare(&[input], &options, &mut backends, sink, &|_| ());
     let rows = &compared.expect("valid").scenes[0].rows;
     assert!(rows.iter().all(|row| row.technique == "variance"));
-    assert!(rows[0].rmse().is_some_and(|rmse| rmse < 0.3), "{rows:?}");
+    let rmse = rows[0].measured().and_then(|measured| measured.rmse());
+    assert!(rmse.is_some_and(|rmse| rmse < 0.3), "{rows:?}");
     let unknown = compare::Options {
         registry: Techniques::built_in(),
         ..options
