@@ -87,11 +87,8 @@ pub(super) fn sweep(
             variant.lights[..1].to_vec(),
         );
         let case_truth = CaseTruth::new(variant, camera, lights, size, &options.truth)?;
-        add(
-            &mut curves[0],
-            value,
-            Measure::Rmse.figure(&case_truth, &case_truth.ideal),
-        );
+        let error_of_ideal = Measure::Rmse.figure(&case_truth, &case_truth.ideal);
+        add(&mut curves[0], value, error_of_ideal);
         let wanted = TECHNIQUES.map(str::to_owned);
         for (i, technique) in settings(&options.registry, &wanted, size, Fit::Tight)
             .iter()
@@ -105,18 +102,11 @@ pub(super) fn sweep(
                     points: Vec::new(),
                 });
             }
-            match play(
-                &case_truth,
-                &**technique,
-                backends,
-                [place, kind.values.len()],
-            ) {
+            let step = [place, kind.values.len()];
+            match play(&case_truth, &**technique, backends, step) {
                 Ok(played) => {
-                    add(
-                        &mut curves[i + 1],
-                        value,
-                        Measure::Rmse.figure(&case_truth, &played.mask),
-                    );
+                    let error = Measure::Rmse.figure(&case_truth, &played.mask);
+                    add(&mut curves[i + 1], value, error);
                     disagreeing = all_backends::sum(disagreeing, played.disagreeing);
                 }
                 Err(NoMask::Unsupported(_)) => {}
