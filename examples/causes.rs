@@ -27,7 +27,7 @@ fn main() -> anyhow::Result<()> {
             &|_, _| {},
         )?;
         let view = View::new(camera, light, &geometry).with_receivers(&truth.receivers);
-        let mask = cpu.render(&view, &fault.technique.plan(&view)?)?.mask;
+        let mask = cpu.render(&view, &fault.technique.recipe(&view)?)?.mask;
         let causes = attribute(&mask, &truth.image()?)?;
         fs::write(
             folder.join(format!("{}.mask.png", fault.scene)),

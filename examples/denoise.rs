@@ -97,7 +97,7 @@ fn paint(
     };
     let recipe = BlinnPhong::default()
         .shading(&scene, &view)?
-        .add_to(Pcf { map, radius: 1 }.plan(&view)?);
+        .add_to(Pcf { map, radius: 1 }.recipe(&view)?);
     let shadows = backend.render(&view, &recipe)?;
     let rgb = shadows.picture_bytes().context("the recipe shades")?;
     image::save_buffer(

@@ -9,7 +9,7 @@ fn main() -> anyhow::Result<()> {
     let scene = umbrage::scenes::by_argument(&path)?;
     let geometry = Geometry::bake(&scene)?;
     let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
-    let recipe = Pcf::default().plan(&view)?;
+    let recipe = Pcf::default().recipe(&view)?;
     let mut backend = umbrage::backend(BackendChoice::Auto)?;
     let shadows = backend.render(&view, &recipe)?;
     image::save_buffer(

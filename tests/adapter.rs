@@ -3,7 +3,7 @@
 use std::sync::LazyLock;
 
 /// What to do where there is none.
-pub const MEND: &str =
+pub const HELP: &str =
     "on Debian or Ubuntu, `cargo xtask test --install-driver` installs a software one";
 
 /// A device, and the name of its adapter.
@@ -23,7 +23,7 @@ pub struct TestDevice {
 /// When there is no adapter: a test that needs one fails, it is never skipped.
 pub fn device() -> &'static TestDevice {
     static DEVICE: LazyLock<TestDevice> =
-        LazyLock::new(|| open().unwrap_or_else(|why| panic!("{why}; {MEND}")));
+        LazyLock::new(|| open().unwrap_or_else(|why| panic!("{why}; {HELP}")));
     &DEVICE
 }
 

@@ -111,7 +111,7 @@ impl Golden {
         let geometry = Geometry::bake(&scene).map_err(|e| say(&e))?;
         let camera = scene.cameras[0].resized(UVec2::splat(SIDE));
         let view = View::new(&camera, &scene.lights[0], &geometry);
-        let recipe = (self.technique)().plan(&view).map_err(|e| say(&e))?;
+        let recipe = (self.technique)().recipe(&view).map_err(|e| say(&e))?;
         let shadows = Cpu::new().render(&view, &recipe).map_err(|e| say(&e))?;
         let pixels = shadows
             .mask

@@ -1,6 +1,6 @@
 //! The wgpu backend that the tests share.
 
-use crate::adapter::MEND;
+use crate::adapter::HELP;
 use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
 use umbrage_core::BackendError;
 use umbrage_wgpu::{AdapterChoice, Gpu, Software};
@@ -12,7 +12,7 @@ use umbrage_wgpu::{AdapterChoice, Gpu, Software};
 pub fn gpu() -> MutexGuard<'static, Gpu> {
     static GPU: LazyLock<Mutex<Gpu>> = LazyLock::new(|| match open() {
         Ok(gpu) => Mutex::new(gpu),
-        Err(why) => panic!("no graphics adapter for the tests ({why}); {MEND}"),
+        Err(why) => panic!("no graphics adapter for the tests ({why}); {HELP}"),
     });
     // A test that failed while it held the lock says so itself; the others go on.
     GPU.lock().unwrap_or_else(PoisonError::into_inner)

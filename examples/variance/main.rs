@@ -16,7 +16,7 @@ fn main() -> anyhow::Result<()> {
         radius: 2,
         least_variance: 1e-7,
     }
-    .plan(&view)?;
+    .recipe(&view)?;
     for choice in [BackendChoice::Cpu, BackendChoice::Wgpu] {
         match umbrage::backend(choice) {
             Err(why) => println!("{choice}: {why}"),

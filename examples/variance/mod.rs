@@ -5,8 +5,8 @@
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage::{
-    FilterKernel, Format, ImageDesc, ImageView, Inputs, Kernel, Layout, Module, PlanError,
-    ReceiveKernel, Recipe, ShadowTechnique, Span, UniformBlock, View,
+    FilterKernel, Format, ImageDesc, ImageView, Inputs, Kernel, Layout, Module, ReceiveKernel,
+    Recipe, RecipeError, ShadowTechnique, Span, UniformBlock, View,
     glam::{IVec2, UVec2},
     techniques::{
         Footprint, ListedTechnique, MapFormat, ShadowMap, Surface,
@@ -66,7 +66,7 @@ impl ShadowTechnique for Variance {
         Some(self.radius as f32)
     }
 
-    fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
+    fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
         // One map of plain depth: the filters below would do for six as well.
         let map = ShadowMap {
             layout: Layout::Single,

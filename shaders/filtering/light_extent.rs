@@ -13,7 +13,9 @@
 
 use crate::{filtering::sample_pattern::Shape, shadow_map::ShadowMap};
 use glam::{DMat4, DVec3, Mat4, Vec2, Vec4};
-use umbrage_core::{Light, LightSpace, LightSpaces, Module, PlanError, Twin, View, twin, uniforms};
+use umbrage_core::{
+    Light, LightSpace, LightSpaces, Module, RecipeError, Twin, View, twin, uniforms,
+};
 
 /// The WGSL half.
 pub(crate) const LIGHT_EXTENT: Module = Module {
@@ -24,7 +26,7 @@ pub(crate) const LIGHT_EXTENT: Module = Module {
 /// Greatest part of a map's half side that is spent on what kernels reach beyond the receivers. Wider lights lose the
 /// shadows of casters outside the map on its outermost receivers.
 const MOST_REACH: f32 = 0.5;
-/// How often the fit is repeated to learn what reach it needs; each repetition mends what the last one changed.
+/// How often the fit is repeated to learn what reach it needs; each repetition corrects for what the last one changed.
 const FITS: usize = 3;
 
 uniforms! {
@@ -107,7 +109,7 @@ impl LightExtent {
 ///
 /// # Errors
 /// As [`ShadowMap::spaces`].
-pub(crate) fn spaces(map: &ShadowMap, view: &View<'_>) -> Result<LightSpaces, PlanError> {
+pub(crate) fn spaces(map: &ShadowMap, view: &View<'_>) -> Result<LightSpaces, RecipeError> {
     let mut margin = 0.0;
     let mut spaces = map.spaces(view, margin)?;
     for _ in 1..FITS {

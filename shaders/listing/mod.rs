@@ -27,7 +27,7 @@ pub type Settings = Vec<Arc<dyn ShadowTechnique>>;
 ///
 /// ```
 /// use serde::{Deserialize, Serialize};
-/// use umbrage_core::{PlanError, Recipe, ShadowTechnique, View};
+/// use umbrage_core::{RecipeError, Recipe, ShadowTechnique, View};
 /// use umbrage_techniques::{Entry, Hard, ListedTechnique, ShadowMap, Techniques};
 ///
 /// /// One comparison, under another name.
@@ -44,8 +44,8 @@ pub type Settings = Vec<Arc<dyn ShadowTechnique>>;
 ///     fn settings(&self) -> String {
 ///         self.map.label()
 ///     }
-///     fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
-///         Hard { map: self.map }.plan(view)
+///     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
+///         Hard { map: self.map }.recipe(view)
 ///     }
 /// }
 ///

@@ -154,9 +154,9 @@ impl Preset {
 /// Says why a text is no preset, and what to write.
 fn unreadable(why: &str, techniques: &[Entry]) -> Invalid {
     let known: Vec<&str> = techniques.iter().map(|entry| entry.name).collect();
-    let mend = format!(
+    let help = format!(
         "write `technique = ..` with one of {}, then its fields",
         known.join(", ")
     );
-    Invalid::new("preset", why.trim_end().to_owned(), mend)
+    Invalid::new("preset", why.trim_end().to_owned(), help)
 }

@@ -451,7 +451,7 @@ fn tables_are_shared_from_view_to_view_and_added_after_the_recipes_own() {
     let (geometry, camera) = (Geometry::bake(&scene).unwrap(), camera());
     let view = View::new(&camera, &ZENITH, &geometry);
     let shading = BlinnPhong::default().shading(&scene, &view).unwrap();
-    let traced = umbrage_core::ShadowTechnique::plan(&crate::Traced::default(), &view).unwrap();
+    let traced = umbrage_core::ShadowTechnique::recipe(&crate::Traced::default(), &view).unwrap();
     let own = traced.tables.len();
     let recipe = shading.add_to(traced);
     assert_eq!(

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
     Cast, CastMode, Filter, FilterKernel, Fit, Format, ImageDesc, ImageId, Invalid, Layout,
-    LightSpaces, MAX_SIDE, PlanError, RasterBias, Receive, ReceiveKernel, Receivers, Recipe,
+    LightSpaces, MAX_SIDE, RasterBias, Receive, ReceiveKernel, Receivers, Recipe, RecipeError,
     Source, View, footprint::side_for,
 };
 
@@ -136,7 +136,7 @@ impl ShadowMap {
     ///
     /// # Errors
     /// As [`Fit::light_spaces`]; and `Invalid` for bad parameters.
-    pub fn spaces(&self, view: &View<'_>, reach: f32) -> Result<LightSpaces, PlanError> {
+    pub fn spaces(&self, view: &View<'_>, reach: f32) -> Result<LightSpaces, RecipeError> {
         self.validate()?;
         self.fit.light_spaces(
             self.layout,
@@ -161,7 +161,7 @@ impl ShadowMap {
         view: &View<'_>,
         receivers: &Receivers,
         quantile: f32,
-    ) -> Result<Self, PlanError> {
+    ) -> Result<Self, RecipeError> {
         let view = view.with_receivers(receivers);
         let mut map = *self;
         // Fits leave a border of some texels, which is wider on a coarser map: a second look settles it.
@@ -250,7 +250,7 @@ impl ShadowMap {
         view: &View<'_>,
         reach: f32,
         kernel: impl FnOnce(ShadowMapUniforms) -> K,
-    ) -> Result<Recipe, PlanError> {
+    ) -> Result<Recipe, RecipeError> {
         let spaces = self.spaces(view, reach)?;
         Ok(self.recipe_in(&spaces, view, reach, kernel))
     }

@@ -15,7 +15,7 @@ use crate::{
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Fit, Inputs, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span,
+    Fit, Inputs, Kernel, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique, Span,
     UniformBlock, View,
 };
 
@@ -36,7 +36,7 @@ impl ShadowTechnique for Hard {
         self.map.label()
     }
 
-    fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
+    fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
         self.map
             .recipe(view, 0.0, |lookup| HardKernel(MapOnlyUniforms { lookup }))
     }

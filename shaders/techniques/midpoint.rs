@@ -16,7 +16,7 @@ use crate::{
     techniques::pcf::Pcf,
 };
 use serde::{Deserialize, Serialize};
-use umbrage_core::{Fit, Light, PlanError, Recipe, ShadowTechnique, View};
+use umbrage_core::{Fit, Light, Recipe, RecipeError, ShadowTechnique, View};
 
 /// Comparisons with the middle between the nearest two surfaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -49,8 +49,8 @@ impl ShadowTechnique for Midpoint {
         self.pcf().settings()
     }
 
-    fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
-        self.pcf().plan(view)
+    fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
+        self.pcf().recipe(view)
     }
 
     fn kernel_reach(&self) -> Option<f32> {

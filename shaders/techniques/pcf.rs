@@ -18,7 +18,7 @@ use crate::{
 };
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Asks, Fit, Inputs, Invalid, Kernel, Light, Module, PlanError, ReceiveKernel, Recipe,
+    Asks, Fit, Inputs, Invalid, Kernel, Light, Module, ReceiveKernel, Recipe, RecipeError,
     ShadowTechnique, Span, UniformBlock, View, uniforms,
 };
 
@@ -54,7 +54,7 @@ impl ShadowTechnique for Pcf {
         format!("{side}x{side}, {}", self.map.label())
     }
 
-    fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
+    fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
         if self.radius > MAX_RADIUS {
             let why = format!("is {} texels", self.radius);
             return Err(Invalid::new("pcf radius", why, format!("use 0 to {MAX_RADIUS}")).into());

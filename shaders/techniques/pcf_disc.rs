@@ -22,7 +22,7 @@ use glam::{UVec2, Vec2, Vec4};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
-    Asks, Fit, Inputs, Invalid, Kernel, Light, Module, PlanError, ReceiveKernel, Recipe,
+    Asks, Fit, Inputs, Invalid, Kernel, Light, Module, ReceiveKernel, Recipe, RecipeError,
     ShadowTechnique, Simd, SimdTask, Span, UniformBlock, View, uniforms,
 };
 
@@ -74,7 +74,7 @@ impl ShadowTechnique for PcfDisc {
         format!("{taps}, {}", self.map.label())
     }
 
-    fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
+    fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
         if !(0.0..=MAX_DISC_RADIUS).contains(&self.radius) {
             let why = format!("is {} texels", self.radius);
             return Err(Invalid::new(

@@ -14,7 +14,7 @@ use crate::{
 use glam::UVec2;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Asks, Fit, Inputs, Kernel, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique, Span,
+    Asks, Fit, Inputs, Kernel, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique, Span,
     UniformBlock, View,
 };
 
@@ -35,7 +35,7 @@ impl ShadowTechnique for PcfDithered {
         format!("4 taps, {}", self.map.label())
     }
 
-    fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
+    fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
         self.map.recipe(view, 2.0, |lookup| {
             PcfDitheredKernel(MapOnlyUniforms { lookup })
         })

@@ -23,7 +23,7 @@ use crate::{
 };
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Asks, Fit, Inputs, Invalid, Kernel, Light, Module, PlanError, ReceiveKernel, Recipe,
+    Asks, Fit, Inputs, Invalid, Kernel, Light, Module, ReceiveKernel, Recipe, RecipeError,
     ShadowTechnique, Span, UniformBlock, View, uniforms,
 };
 
@@ -63,7 +63,7 @@ impl ShadowTechnique for PcfHardware {
         format!("{0}x{0}, {1}", self.samples, self.map.label())
     }
 
-    fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
+    fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
         check_samples("pcf_hardware", self.samples, 1)?;
         check_map(&self.map)?;
         let samples = self.samples as i32;
@@ -163,9 +163,9 @@ pub(crate) fn check_samples(what: &str, samples: u32, least: u32) -> Result<(), 
 }
 
 /// Samplers compare with depth images alone.
-pub(crate) fn check_map(map: &ShadowMap) -> Result<(), PlanError> {
+pub(crate) fn check_map(map: &ShadowMap) -> Result<(), RecipeError> {
     if map.format == MapFormat::Rgba8 || map.surface == Surface::Midpoint {
-        return Err(PlanError::unsupported(
+        return Err(RecipeError::unsupported(
             "comparison samplers read depth images, and this map's depth is packed or averaged: use `pcf`",
         ));
     }

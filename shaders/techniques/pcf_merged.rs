@@ -24,7 +24,7 @@ use crate::{
 use glam::{Vec2, Vec4};
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Asks, Fit, Inputs, Kernel, Light, Module, PlanError, ReceiveKernel, Recipe, ShadowTechnique,
+    Asks, Fit, Inputs, Kernel, Light, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique,
     Span, UniformBlock, View, uniforms,
 };
 
@@ -64,7 +64,7 @@ impl ShadowTechnique for PcfMerged {
         format!("{side}x{side}, {}", self.map.label())
     }
 
-    fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
+    fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
         check_samples("pcf_merged", self.radius.saturating_add(1), 2)?;
         check_map(&self.map)?;
         let (rows, samples) = (merged_rows(self.radius as usize), self.radius as i32 + 1);

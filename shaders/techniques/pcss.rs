@@ -33,7 +33,7 @@
 //! nearer parts of the same caster has too wide a penumbra (around a pot's shadow); what lies behind the nearest surface is not
 //! in the map, so shadows of two casters under one another do not add up as they should. With few taps a blocker that
 //! hides little of the light is missed by the search; where nearer ones are in reach, the filter then takes it for less than it
-//! hides, and light leaks through leaves: more taps mend it. Lights so wide or casters so near to them that the search would
+//! hides, and light leaks through leaves: more taps help. Lights so wide or casters so near to them that the search would
 //! leave the map are followed only half a map far, and cube faces are never left: their outermost receivers are then too
 //! bright. Under a ball as wide as a seventh of a room, a few hundredths of the light differ between two faces of a cube. Under
 //! ideal lights it fails as [`Hard`] does, and as every map: see [`shadow_map`](crate::shadow_map).
@@ -70,7 +70,7 @@ use glam::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
-    Asks, Fit, ImageView, Inputs, Kernel, Light, Module, PlanError, ReceiveKernel, Recipe,
+    Asks, Fit, ImageView, Inputs, Kernel, Light, Module, ReceiveKernel, Recipe, RecipeError,
     ShadowTechnique, Simd, SimdTask, Span, UniformBlock, View, uniforms,
 };
 
@@ -119,10 +119,10 @@ impl ShadowTechnique for Pcss {
         format!("{taps}, {}", self.map.label())
     }
 
-    fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
+    fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
         let pattern = self.pattern_table(view)?;
         if view.light.is_ideal() {
-            return Hard { map: self.map }.plan(view);
+            return Hard { map: self.map }.recipe(view);
         }
         let (size, spaces) = (self.map.size, light_extent::spaces(&self.map, view)?);
         let extent = LightExtent::new(view.light, &spaces, size);
@@ -256,7 +256,7 @@ impl ListedTechnique for Pcss {
 }
 
 impl Pcss {
-    fn pattern_table(&self, view: &View<'_>) -> Result<Arc<PatternTable>, PlanError> {
+    fn pattern_table(&self, view: &View<'_>) -> Result<Arc<PatternTable>, RecipeError> {
         let sets = [
             ("pcss blocker taps", self.blocker_taps),
             ("pcss filter taps", self.filter_taps),

@@ -32,8 +32,8 @@ use glam::Vec4;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
-    Cast, Format, Geometry, ImageDesc, Inputs, Invalid, Kernel, Module, PlanError, Receive,
-    ReceiveKernel, Recipe, ShadowTechnique, Source, Span, Table, UniformBlock, View, uniforms,
+    Cast, Format, Geometry, ImageDesc, Inputs, Invalid, Kernel, Module, Receive, ReceiveKernel,
+    Recipe, RecipeError, ShadowTechnique, Source, Span, Table, UniformBlock, View, uniforms,
 };
 
 /// Most planes accepted: what every device has in layers.
@@ -62,7 +62,7 @@ impl ShadowTechnique for Planar {
         format!("up to {} planes", self.planes)
     }
 
-    fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
+    fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
         if !(1..=MAX_PLANES).contains(&self.planes) {
             let why = format!("are {}", self.planes);
             return Err(
@@ -71,14 +71,14 @@ impl ShadowTechnique for Planar {
         }
         view.validate()?;
         let Some(geometry) = view.geometry else {
-            return Err(PlanError::unsupported(
+            return Err(RecipeError::unsupported(
                 "planes are found among the scene's triangles, and this view has none",
             ));
         };
         let light = homogeneous(view.light);
         let planes = Planes::find(view, geometry, light, self.planes as usize);
         if planes.planes.len() > self.planes as usize {
-            return Err(PlanError::unsupported(format!(
+            return Err(RecipeError::unsupported(format!(
                 "the lit receivers that are seen lie in more than {} planes: this is for flat receivers",
                 self.planes
             )));

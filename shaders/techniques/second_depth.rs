@@ -16,7 +16,7 @@ use crate::{
     techniques::pcf::Pcf,
 };
 use serde::{Deserialize, Serialize};
-use umbrage_core::{Cull, Fit, Light, PlanError, Recipe, ShadowTechnique, View};
+use umbrage_core::{Cull, Fit, Light, Recipe, RecipeError, ShadowTechnique, View};
 
 /// Comparisons with the far sides of casters.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -66,8 +66,8 @@ impl ShadowTechnique for SecondDepth {
         self.pcf().settings()
     }
 
-    fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
-        self.pcf().plan(view)
+    fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
+        self.pcf().recipe(view)
     }
 
     fn kernel_reach(&self) -> Option<f32> {

@@ -12,8 +12,8 @@ use crate::{
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
-    Aabb, Asks, Bvh, Fit, Geometry, Inputs, Invalid, Kernel, Light, Module, PlanError, Receive,
-    ReceiveKernel, Recipe, ShadowTechnique, Span, Table, UniformBlock, View,
+    Aabb, Asks, Bvh, Fit, Geometry, Inputs, Invalid, Kernel, Light, Module, Receive, ReceiveKernel,
+    Recipe, RecipeError, ShadowTechnique, Span, Table, UniformBlock, View,
     bvh::{RAY_BOX, RAY_TRIANGLE},
     light_sample::{LIGHT_SAMPLE, LightSampler, origin_offset, seed, segment, unit_square},
     math::dot3,
@@ -52,7 +52,7 @@ impl ShadowTechnique for Traced {
         format!("{} rays", self.samples)
     }
 
-    fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
+    fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
         if !(1..=MAX_SAMPLES).contains(&self.samples) {
             let why = format!("are {}", self.samples);
             return Err(
@@ -61,7 +61,7 @@ impl ShadowTechnique for Traced {
         }
         view.validate()?;
         let Some(geometry) = view.geometry else {
-            return Err(PlanError::unsupported(
+            return Err(RecipeError::unsupported(
                 "rays need the scene's triangles, and this view has none",
             ));
         };
@@ -70,7 +70,7 @@ impl ShadowTechnique for Traced {
             let reason = format!(
                 "the scene's hierarchy is {depth} nodes deep, and the shader's stack holds {STACK}"
             );
-            return Err(PlanError::unsupported(reason));
+            return Err(RecipeError::unsupported(reason));
         }
         let [nodes, triangles] = geometry.bvh_tables();
         Ok(Recipe {

@@ -12,8 +12,8 @@ use glam::Vec4;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
-    Asks, Inputs, Kernel, Module, PlanError, Receive, ReceiveKernel, Recipe, ShadowTechnique, Span,
-    UniformBlock, View, uniforms,
+    Asks, Inputs, Kernel, Module, Receive, ReceiveKernel, Recipe, RecipeError, ShadowTechnique,
+    Span, UniformBlock, View, uniforms,
 };
 
 /// No shadows. There is nothing to set.
@@ -30,7 +30,7 @@ impl ShadowTechnique for Unshadowed {
         "no shadows".to_owned()
     }
 
-    fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
+    fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
         view.validate()?;
         let kernel = Arc::new(UnshadowedKernel(UnshadowedUniforms {
             light: homogeneous(view.light),

@@ -45,8 +45,9 @@ use glam::Vec4;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
-    Cast, CastMode, Faces, Format, ImageDesc, Inputs, Kernel, Module, PlanError, RasterBias,
-    Receive, ReceiveKernel, Recipe, ShadowTechnique, Source, Span, UniformBlock, View, uniforms,
+    Cast, CastMode, Faces, Format, ImageDesc, Inputs, Kernel, Module, RasterBias, Receive,
+    ReceiveKernel, Recipe, RecipeError, ShadowTechnique, Source, Span, UniformBlock, View,
+    uniforms,
 };
 
 /// How volumes' faces are drawn behind their place. A wall that begins at the edge of a seen surface has the surface's depth
@@ -72,10 +73,10 @@ impl ShadowTechnique for ShadowVolumes {
         "depth-fail".to_owned()
     }
 
-    fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError> {
+    fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
         view.validate()?;
         let Some(geometry) = view.geometry else {
-            return Err(PlanError::unsupported(
+            return Err(RecipeError::unsupported(
                 "volumes are made from the scene's triangles, and this view has none",
             ));
         };
@@ -91,7 +92,7 @@ impl ShadowTechnique for ShadowVolumes {
                  volumes' sides: move the light, or use rays",
                 100.0 * lost
             );
-            return Err(PlanError::unsupported(reason));
+            return Err(RecipeError::unsupported(reason));
         }
         let mesh = Welded::new(geometry);
         let silhouette = mesh.silhouette(lifted.light);

@@ -9,7 +9,7 @@ use std::{
     collections::BTreeMap,
 };
 use umbrage_core::{
-    Backend, Geometry, PlanError, Receivers, View,
+    Backend, Geometry, Receivers, RecipeError, View,
     metrics::{Agreement, Doubt, MOST_UNDECIDED},
 };
 use umbrage_cpu::Cpu;
@@ -95,9 +95,9 @@ fn agree(case: &Case) -> Result<Option<Played>, String> {
     let geometry = Geometry::bake(&case.scene).map_err(|e| e.to_string())?;
     let (camera, light) = (&case.scene.cameras[0], &case.scene.lights[0]);
     let view = View::new(camera, light, &geometry);
-    let recipe = match case.technique.plan(&view) {
+    let recipe = match case.technique.recipe(&view) {
         Ok(recipe) => recipe,
-        Err(PlanError::Unsupported(_)) => return Ok(None),
+        Err(RecipeError::Unsupported(_)) => return Ok(None),
         Err(why) => return Err(why.to_string()),
     };
     let cpu = Cpu::new()

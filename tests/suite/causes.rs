@@ -48,7 +48,7 @@ impl Stage {
             &self.geometry,
         );
         let recipe = technique
-            .plan(&view.with_receivers(&self.truth.receivers))
+            .recipe(&view.with_receivers(&self.truth.receivers))
             .expect("supported");
         let mask = Cpu::new().render(&view, &recipe).expect("plays").mask;
         Causes::measure(&mask, &self.truth.image().expect("valid")).expect("valid")

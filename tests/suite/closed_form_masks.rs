@@ -4,7 +4,7 @@
 use glam::{UVec2, Vec2, Vec3};
 use std::f32::consts::TAU;
 use umbrage_core::{
-    Backend, Geometry, Light, LightSpace, NO_TRIANGLE, PlanError, Receivers, Recipe, Scene,
+    Backend, Geometry, Light, LightSpace, NO_TRIANGLE, Receivers, Recipe, RecipeError, Scene,
     ShadowTechnique, View,
 };
 use umbrage_cpu::Cpu;
@@ -81,8 +81,8 @@ impl Case {
     ) -> Option<(Recipe, [Vec<f32>; 2])> {
         let camera = self.scene.cameras[0].resized(self.receivers.size);
         let view = View::new(&camera, &self.scene.lights[0], &self.geometry);
-        let recipe = match technique.plan(&view) {
-            Err(PlanError::Unsupported(_)) => return None,
+        let recipe = match technique.recipe(&view) {
+            Err(RecipeError::Unsupported(_)) => return None,
             other => other.expect("parameters are valid"),
         };
         let view = view.with_receivers(&self.receivers);

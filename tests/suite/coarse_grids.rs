@@ -111,7 +111,7 @@ impl Stage {
     fn excess(&self, technique: &dyn ShadowTechnique, rules: [Snapping; 2]) -> Option<[f64; 2]> {
         let view = View::new(&self.camera, &self.light, &self.geometry)
             .with_receivers(&self.truth.receivers);
-        let recipe = technique.plan(&view).ok()?;
+        let recipe = technique.recipe(&view).ok()?;
         let reference =
             Reference::new(SIZE, &self.truth.visibility, &self.truth.pixels).expect("truth");
         let rmse = |rule| {

@@ -45,7 +45,7 @@ fn bounds_above_floor(geometry: &Geometry) -> Aabb {
 }
 
 fn errors(view: &View<'_>, technique: &dyn ShadowTechnique, reference: &Reference<'_>) -> Errors {
-    let recipe = technique.plan(view).expect("served");
+    let recipe = technique.recipe(view).expect("served");
     let mask = Cpu::new().render(view, &recipe).expect("plays").mask;
     reference.errors(&mask).expect("a mask of this size")
 }

@@ -10,8 +10,8 @@ use proptest::{
 };
 use std::{cell::RefCell, sync::Arc};
 use umbrage_core::{
-    Backend, Faces, Fit, Geometry, Layout, Light, LightSpaces, PlanError, Receivers, Recipe, Scene,
-    ShadowTechnique, Source, View, glam::Vec3, relevant_casters,
+    Backend, Faces, Fit, Geometry, Layout, Light, LightSpaces, Receivers, Recipe, RecipeError,
+    Scene, ShadowTechnique, Source, View, glam::Vec3, relevant_casters,
 };
 use umbrage_cpu::Cpu;
 use umbrage_techniques::{Bias, Hard, Pcf, Pcss, ShadowMap};
@@ -111,10 +111,10 @@ impl Seen {
     }
 
     /// None if the technique does not serve the scene.
-    fn plan(&self, technique: &dyn ShadowTechnique) -> Result<Option<Recipe>, String> {
-        match technique.plan(&self.view()) {
+    fn recipe(&self, technique: &dyn ShadowTechnique) -> Result<Option<Recipe>, String> {
+        match technique.recipe(&self.view()) {
             Ok(recipe) => Ok(Some(recipe)),
-            Err(PlanError::Unsupported(_)) => Ok(None),
+            Err(RecipeError::Unsupported(_)) => Ok(None),
             Err(why) => Err(why.to_string()),
         }
     }
@@ -172,7 +172,7 @@ fn irrelevant_casters_change_no_mask() {
         (scenes(), techniques()),
         |(scene, (technique, reach))| {
             let seen = Seen::new(scene)?;
-            let Some(recipe) = seen.plan(&*technique)? else {
+            let Some(recipe) = seen.recipe(&*technique)? else {
                 return Ok(());
             };
             let kept = seen.relevant(&recipe, reach);
@@ -243,7 +243,7 @@ fn a_caster_too_few_is_caught() {
         let seen = box_over_floor(light);
         let technique = Hard::default();
         let recipe = seen
-            .plan(&technique)
+            .recipe(&technique)
             .expect("a good view")
             .expect("a simple scene");
         let kept = seen.relevant(&recipe, 0.0);
@@ -400,7 +400,7 @@ fn culled_fits_answer_as_whole_ones_wherever_decided() {
                 ..ShadowMap::default()
             };
             let plan = |fit| {
-                seen.plan(&Pcf {
+                seen.recipe(&Pcf {
                     map: map(fit),
                     radius,
                 })
@@ -447,7 +447,7 @@ fn a_fit_that_loses_a_caster_is_caught() {
             bias: CONSTANT,
             ..ShadowMap::default()
         };
-        seen.plan(&Hard { map })
+        seen.recipe(&Hard { map })
             .expect("a good view")
             .expect("a simple scene")
     };

@@ -166,7 +166,7 @@ fn a_foreign_program_gets_the_same_shadows() {
     let scene = umbrage::scenes::by_argument("cubes").expect("a built-in scene");
     let geometry = Geometry::bake(&scene).expect("valid");
     let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
-    let recipe = Pcf::default().plan(&view).expect("pcf serves the sun");
+    let recipe = Pcf::default().recipe(&view).expect("pcf serves the sun");
     let cpu = Cpu::new().render(&view, &recipe).expect("plays");
     let d = device();
     let program = Program::new(d, &geometry, cpu.receivers.as_ref().expect("made here"));
@@ -192,7 +192,7 @@ fn later_frames_make_nothing() {
     let scene = umbrage::scenes::by_argument("cubes").expect("a built-in scene");
     let geometry = Geometry::bake(&scene).expect("valid");
     let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
-    let recipe = Pcf::default().plan(&view).expect("pcf serves the sun");
+    let recipe = Pcf::default().recipe(&view).expect("pcf serves the sun");
     let receivers = Cpu::new().receivers(view.camera, &geometry).expect("sees");
     let d = device();
     let program = Program::new(d, &geometry, &receivers);
@@ -205,7 +205,7 @@ fn later_frames_make_nothing() {
     assert_eq!(shadows.counters(), first);
     // The counters do count: another kernel needs another pipeline.
     let other = umbrage::techniques::Hard::default()
-        .plan(&view)
+        .recipe(&view)
         .expect("hard serves the sun");
     program.frame(d, &mut shadows, &other, receivers.size);
     assert_ne!(shadows.counters(), first);

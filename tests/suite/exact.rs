@@ -3,7 +3,7 @@
 //! Every pixel that is not numerically ambiguous to truth itself must have truth's answer.
 
 use glam::{UVec2, Vec2, Vec3};
-use umbrage_core::{Backend, Geometry, PlanError, Scene, ShadowTechnique, View, metrics::Pixel};
+use umbrage_core::{Backend, Geometry, RecipeError, Scene, ShadowTechnique, View, metrics::Pixel};
 use umbrage_cpu::Cpu;
 use umbrage_plan::truth::{Truth, TruthOptions, trace};
 use umbrage_techniques::{Planar, ShadowVolumes};
@@ -127,7 +127,7 @@ fn play(
     let mut compared = Compared::default();
     // What is seen may be known beforehand, or not.
     for view in [view, view.with_receivers(&truth.receivers)] {
-        let recipe = technique.plan(&view).map_err(|e| e.to_string())?;
+        let recipe = technique.recipe(&view).map_err(|e| e.to_string())?;
         let mine = Cpu::new()
             .render(&view, &recipe)
             .map_err(|e| e.to_string())?
@@ -189,8 +189,8 @@ fn planar_shadows_refuse_curved_receivers() {
     let scene = built_in("c8-faceted-sphere");
     let geometry = Geometry::bake(&scene).expect("valid");
     let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
-    match Planar::default().plan(&view) {
-        Err(PlanError::Unsupported(why)) => assert!(why.contains("more than 16 planes"), "{why}"),
+    match Planar::default().recipe(&view) {
+        Err(RecipeError::Unsupported(why)) => assert!(why.contains("more than 16 planes"), "{why}"),
         other => panic!("{other:?}"),
     }
 }
@@ -212,7 +212,7 @@ fn a_missing_triangle_is_noticed() {
         &Planar::default(),
     ] {
         let view = View::new(&scene.cameras[0], &scene.lights[0], &spoilt);
-        let recipe = technique.plan(&view).expect("supported");
+        let recipe = technique.recipe(&view).expect("supported");
         let mask = Cpu::new().render(&view, &recipe).expect("plays").mask;
         assert!(
             compare(&mask, &truth).wrong > 0,
@@ -259,7 +259,7 @@ fn volumes_do_not_fight_with_floors_that_the_sun_grazes() {
             .expect("valid");
         let view =
             View::new(&scene.cameras[0], &scene.lights[0], &geometry).with_receivers(&receivers);
-        let recipe = ShadowVolumes::default().plan(&view).expect("supported");
+        let recipe = ShadowVolumes::default().recipe(&view).expect("supported");
         for played in [
             Cpu::new().render(&view, &recipe),
             gpu().render(&view, &recipe),

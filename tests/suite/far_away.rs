@@ -44,7 +44,7 @@ fn dark(technique: &dyn ShadowTechnique, metres: f32) -> (usize, usize) {
     let receivers = cpu.receivers(&camera, &geometry).expect("valid");
     let view = View::new(&camera, &SUN, &geometry).with_receivers(&receivers);
     let mask = cpu
-        .render(&view, &technique.plan(&view).expect("served"))
+        .render(&view, &technique.recipe(&view).expect("served"))
         .expect("plays")
         .mask;
     let seen: Vec<f32> = (0..mask.len())

@@ -132,7 +132,7 @@ fn casters_that_are_left_out_change_no_bit() {
         scene.cameras[0].size = UVec2::new(96, 72);
         let geometry = Geometry::bake(&scene).expect("built-in scenes are valid");
         let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
-        let Ok(some) = (Hard { map }).plan(&view) else {
+        let Ok(some) = (Hard { map }).recipe(&view) else {
             continue;
         };
         let all = with_all_casters(&some);
@@ -160,7 +160,7 @@ fn casters_that_are_missing_are_seen() {
     let (scene, geometry, camera) = scene();
     let view = View::new(&camera, &scene.lights[0], &geometry);
     let technique = Hard { map: maps()[0] };
-    let whole = technique.plan(&view).expect("one map holds all casters");
+    let whole = technique.recipe(&view).expect("one map holds all casters");
     let mut spoilt = whole.clone();
     let casters = geometry.casters();
     let half = casters.start..casters.start + casters.len() as u32 / 2;

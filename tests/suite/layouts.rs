@@ -29,7 +29,7 @@ fn every_kernel_writes_its_uniforms_where_its_shader_reads_them() {
         for technique in (entry.exhaustive)(64) {
             let name = format!("{}, {}", entry.name, technique.settings());
             // Cubes don't serve the sun; everything serves one of the two.
-            let recipe = views.iter().find_map(|view| technique.plan(view).ok());
+            let recipe = views.iter().find_map(|view| technique.recipe(view).ok());
             let recipe = recipe.unwrap_or_else(|| panic!("{name}: serves neither light"));
             for kernel in kernels(&recipe) {
                 let Some(uniforms) = kernel.uniforms() else {
@@ -64,7 +64,7 @@ fn the_first_word_of_uniforms_does_not_hang_on_the_light() {
     for entry in umbrage_techniques::all() {
         for technique in (entry.exhaustive)(64) {
             let name = format!("{}, {}", entry.name, technique.settings());
-            let plan = |light: &Light| technique.plan(&View::new(&camera, light, &geometry)).ok();
+            let plan = |light: &Light| technique.recipe(&View::new(&camera, light, &geometry)).ok();
             let plans = |[a, b]: &[Light; 2]| plan(a).zip(plan(b));
             let both: Vec<_> = pairs.iter().filter_map(plans).collect();
             assert!(!both.is_empty(), "{name}: serves neither pair");

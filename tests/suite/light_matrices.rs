@@ -2,12 +2,12 @@
 
 use std::fmt::Write as _;
 use umbrage_core::{
-    Extents, Fit, Geometry, Layout, Light, LightSpace, PlanError, View,
+    Extents, Fit, Geometry, Layout, Light, LightSpace, RecipeError, View,
     glam::{Mat4, UVec2, Vec3, Vec4},
 };
 use umbrage_tests::stage::{camera, geometry};
 
-fn fit(fit: Fit, light: &Light, geometry: &Geometry) -> Result<LightSpace, PlanError> {
+fn fit(fit: Fit, light: &Light, geometry: &Geometry) -> Result<LightSpace, RecipeError> {
     light.validate().expect("a good light");
     fit.light_space(&View::new(&camera(), light, geometry), 1024, 1.0)
 }
@@ -22,7 +22,7 @@ fn number(v: f32) -> String {
     }
 }
 
-fn print(name: &str, space: &Result<LightSpace, PlanError>) -> String {
+fn print(name: &str, space: &Result<LightSpace, RecipeError>) -> String {
     let mut out = format!("{name}\n");
     let space = match space {
         Ok(space) => space,

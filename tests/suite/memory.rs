@@ -24,7 +24,7 @@ fn rendering_takes_at_most_three_times_what_it_holds() {
             },
             radius: 1,
         };
-        let recipe = technique.plan(&view).expect("pcf serves the sun");
+        let recipe = technique.recipe(&view).expect("pcf serves the sun");
         let before = ALLOCATIONS.current_usage();
         ALLOCATIONS.reset_peak_usage();
         let mut cpu = Cpu::new();

@@ -1,4 +1,4 @@
-//! What errors say: what is wrong, where, and how to mend it.
+//! What errors say: what is wrong, where, and how to help.
 
 use std::fmt::Display;
 use umbrage_core::{Camera, Light, Mesh, ShadowTechnique, View, glam::UVec2, glam::Vec3};
@@ -76,7 +76,7 @@ fn parameters() {
     let text = [
         line(
             "a map without texels",
-            umbrage_techniques::Hard { map: map(0) }.plan(&view),
+            umbrage_techniques::Hard { map: map(0) }.recipe(&view),
         ),
         line(
             "a kernel too wide",
@@ -84,11 +84,11 @@ fn parameters() {
                 map: map(64),
                 radius: 10_000,
             }
-            .plan(&view),
+            .recipe(&view),
         ),
         line(
             "no samples",
-            umbrage_techniques::Traced { samples: 0 }.plan(&view),
+            umbrage_techniques::Traced { samples: 0 }.recipe(&view),
         ),
         line(
             "a light without direction",

@@ -2,7 +2,7 @@
 
 use glam::{Affine3A, Mat4, Vec3};
 use umbrage_core::{
-    Aabb, Backend, Camera, Extents, Fit, Geometry, Layout, Light, PlanError, Receivers, Recipe,
+    Aabb, Backend, Camera, Extents, Fit, Geometry, Layout, Light, Receivers, Recipe, RecipeError,
     ShadowTechnique, View,
 };
 use umbrage_cpu::Cpu;
@@ -25,11 +25,11 @@ const SUN: Light = Light::Directional {
 fn refused(view: &View<'_>, words: &str) {
     for entry in umbrage_techniques::all() {
         let technique = &(entry.settings)(&[64], Fit::Tight)[0];
-        match technique.plan(view) {
-            Err(PlanError::Invalid(why)) => {
+        match technique.recipe(view) {
+            Err(RecipeError::Invalid(why)) => {
                 assert!(why.to_string().contains(words), "{}: {why}", entry.name)
             }
-            Err(PlanError::Unsupported(why)) => {
+            Err(RecipeError::Unsupported(why)) => {
                 panic!("{}: `{words}` should be at fault, not: {why}", entry.name)
             }
             Ok(_) => panic!("{} plans with a bad {words}", entry.name),
@@ -120,7 +120,7 @@ fn spoilt(geometry: &Geometry, spoil: impl Fn(&mut Receivers, usize)) -> Receive
 fn techniques_and_backends_refuse_receivers() {
     let (geometry, camera) = (stage::geometry(1.0, Vec3::ZERO), stage::camera());
     let view = View::new(&camera, &SUN, &geometry);
-    let recipe = Hard::default().plan(&view).expect("it plans");
+    let recipe = Hard::default().recipe(&view).expect("it plans");
     for bad in BAD {
         for receivers in [
             spoilt(&geometry, |r, i| r.z[i] = bad),
@@ -139,7 +139,7 @@ fn techniques_and_backends_refuse_receivers() {
     });
     assert!(
         Hard::default()
-            .plan(&view.with_receivers(&receivers))
+            .recipe(&view.with_receivers(&receivers))
             .is_ok()
     );
     let short = spoilt(&geometry, |r, _| r.ny.truncate(1));
@@ -227,7 +227,7 @@ fn backends_refuse_casts() {
         bias,
         ..ShadowMap::default()
     };
-    let good = Hard { map }.plan(&view).expect("it plans");
+    let good = Hard { map }.recipe(&view).expect("it plans");
     let spoilt = |spoil: &dyn Fn(&mut umbrage_core::Cast)| {
         let mut recipe = good.clone();
         spoil(&mut recipe.casts[0]);

@@ -80,7 +80,7 @@ fn hierarchies_and_lists_in_any_order_agree_up_to_a_million_metres() {
         let receivers = cpu.receivers(&scene.cameras[0], &geometry).expect("valid");
         let view =
             View::new(&scene.cameras[0], &scene.lights[0], &geometry).with_receivers(&receivers);
-        let recipe = Traced::default().plan(&view).expect("served");
+        let recipe = Traced::default().recipe(&view).expect("served");
         let mine = cpu.render(&view, &recipe).expect("plays").mask;
         let mut order: Vec<u32> = geometry.casters().collect();
         order.sort_by_key(|&id| hash(id));

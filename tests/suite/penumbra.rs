@@ -49,7 +49,7 @@ fn measured(
     }
     let geometry = Geometry::bake(&scene).expect("built-in scenes are valid");
     let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
-    let recipe = technique.plan(&view).expect("maps serve square lamps");
+    let recipe = technique.recipe(&view).expect("maps serve square lamps");
     let shadows = backend.render(&view, &recipe).expect("renders");
     width_ratio(
         &shadows.mask,
@@ -127,7 +127,7 @@ fn ideal_lights_throw_hard_shadows() {
             ..ShadowMap::default()
         };
         let mask = |technique: &dyn ShadowTechnique| {
-            let recipe = technique.plan(&view).expect("maps serve these lights");
+            let recipe = technique.recipe(&view).expect("maps serve these lights");
             Cpu::new().render(&view, &recipe).expect("renders").mask
         };
         let (hard, soft) = (

@@ -92,7 +92,7 @@ fn each_case(mut check: impl FnMut(&str, &View<'_>, &Recipe)) {
                 .shading(&scene, &view)
                 .expect("it shades");
             for technique in &techniques {
-                let recipe = technique.plan(&view).expect("it plans");
+                let recipe = technique.recipe(&view).expect("it plans");
                 check(
                     &format!("{}, camera {c}, {}", light.kind(), technique.name()),
                     &view,

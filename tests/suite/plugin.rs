@@ -27,7 +27,9 @@ fn a_users_technique_runs_on_both_backends() {
         radius: 3,
         least_variance: 1e-6,
     };
-    let recipe = technique.plan(&view).expect("variance maps serve the sun");
+    let recipe = technique
+        .recipe(&view)
+        .expect("variance maps serve the sun");
     let cpu = Cpu::new().render(&view, &recipe).expect("plays");
     let gpu = gpu().render(&view, &recipe).expect("plays");
     let soft = cpu.mask.iter().filter(|&&v| v > 0.05 && v < 0.95).count();
@@ -64,7 +66,9 @@ fn a_users_map_has_figures() {
             radius,
             least_variance: 1e-6,
         };
-        let recipe = technique.plan(&view).expect("variance maps serve the sun");
+        let recipe = technique
+            .recipe(&view)
+            .expect("variance maps serve the sun");
         let used = footprint::of(&technique, &view, &recipe, &receivers).expect("it has a map");
         assert_eq!(
             used,

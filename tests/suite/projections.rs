@@ -344,6 +344,6 @@ fn mask(
     geometry: &Geometry,
 ) -> Vec<f32> {
     let view = View::new(camera, light, geometry);
-    let recipe = technique.plan(&view).expect("it plans");
+    let recipe = technique.recipe(&view).expect("it plans");
     Cpu::new().render(&view, &recipe).expect("it renders").mask
 }

@@ -73,7 +73,7 @@ fn recipe(triangles: &[[Vec4; 3]], view: &View<'_>) -> Recipe {
         }
     };
     let (layers, size) = (triangles.len() as u32, UVec2::splat(SIDE as u32));
-    let of_hard = Hard::default().plan(view).expect("hard serves the sun");
+    let of_hard = Hard::default().recipe(view).expect("hard serves the sun");
     Recipe {
         images: vec![ImageDesc {
             label: "triangles",

@@ -80,7 +80,7 @@ impl Case {
 
     fn mask(&self, technique: &dyn ShadowTechnique) -> Vec<f32> {
         let recipe = technique
-            .plan(&self.view())
+            .recipe(&self.view())
             .expect("maps serve lights with an extent");
         Cpu::new()
             .render(&self.view(), &recipe)
@@ -372,7 +372,7 @@ fn both_halves_agree() {
         let technique = Pcss::default();
         let cpu = case.mask(&technique);
         let recipe = technique
-            .plan(&case.view())
+            .recipe(&case.view())
             .expect("maps serve lights with an extent");
         let mut gpu = gpu();
         let other = gpu.render(&case.view(), &recipe).expect("plays").mask;

@@ -197,7 +197,7 @@ fn shimmer(fit: Fit, offset: Vec3) -> (usize, usize) {
         let seen = cpu.receivers(&camera, &geometry).expect("a good camera");
         let view = View::new(&camera, &SUN, &geometry);
         let recipe = technique(fit)
-            .plan(&view.with_receivers(&seen))
+            .recipe(&view.with_receivers(&seen))
             .expect("it plans");
         let mask = cpu
             .render(&view.with_receivers(&points), &recipe)

@@ -21,7 +21,7 @@ struct Played {
 
 /// Plays a recipe on the CPU and keeps everything.
 fn play(view: &View<'_>, technique: &dyn ShadowTechnique) -> Option<Played> {
-    let mut recipe = technique.plan(view).ok()?;
+    let mut recipe = technique.recipe(view).ok()?;
     recipe.keep_images = true;
     let shadows = Cpu::new()
         .render(view, &recipe)

@@ -16,7 +16,7 @@ fn threads_and_vectors_change_nothing() {
         let geometry = Geometry::bake(&scene).expect("valid");
         let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
         for technique in all().iter().flat_map(|e| (e.exhaustive)(200)) {
-            let Ok(mut recipe) = technique.plan(&view) else {
+            let Ok(mut recipe) = technique.recipe(&view) else {
                 continue;
             };
             recipe.keep_images = true;

@@ -84,14 +84,14 @@ pub enum BackendError {
     #[error(transparent)]
     Invalid(#[from] Invalid),
     /// No graphics adapter that fits.
-    #[error("no graphics adapter fits `{wanted}` (found: {found}); {mend}")]
+    #[error("no graphics adapter fits `{wanted}` (found: {found}); {help}")]
     NoAdapter {
         /// What was asked for.
         wanted: String,
         /// What there is.
         found: String,
         /// What to install or to ask for instead.
-        mend: String,
+        help: String,
     },
     /// The device went away.
     #[error("the graphics device was lost: {0}; make a new backend")]

@@ -1,24 +1,24 @@
-//! The one shape of an input error: what is wrong, why, and how to mend it.
+//! The one shape of an input error: what is wrong, why, and how to help.
 
-/// An input that cannot be used. Displays as `what: why; mend`.
+/// An input that cannot be used. Displays as `what: why; help`.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{what}: {why}; {mend}")]
+#[error("{what}: {why}; {help}")]
 pub struct Invalid {
     /// The thing that is wrong, named as its maker would: ``mesh `floor` ``.
     pub what: String,
     /// Why it cannot be used, with the offending value.
     pub why: String,
     /// What to do about it, in the imperative.
-    pub mend: String,
+    pub help: String,
 }
 
 impl Invalid {
     /// Builds the error from its three parts.
-    pub fn new(what: impl Into<String>, why: impl Into<String>, mend: impl Into<String>) -> Self {
+    pub fn new(what: impl Into<String>, why: impl Into<String>, help: impl Into<String>) -> Self {
         Self {
             what: what.into(),
             why: why.into(),
-            mend: mend.into(),
+            help: help.into(),
         }
     }
 

@@ -13,8 +13,8 @@ pub mod light_space;
 pub mod math;
 pub mod metrics;
 pub mod picture;
-mod plan_error;
 pub mod recipe;
+mod recipe_error;
 pub mod scene;
 mod simd;
 mod snapping;
@@ -46,7 +46,6 @@ pub use light_space::{
     layers::{Layout, LightSpaces},
 };
 pub use math::MATH;
-pub use plan_error::PlanError;
 pub use recipe::{
     Cast, CastMode, Cull, Faces, Filter, ImageId, Limits, RasterBias, Receive, Recipe, Shade,
     Source, Table, TableId,
@@ -56,6 +55,7 @@ pub use recipe::{
     twin::{Twin, Words},
     work::{Asks, Work},
 };
+pub use recipe_error::RecipeError;
 pub use scene::{
     Instance, MOST_NAME, Mesh, Scene,
     camera::{Camera, CameraRays, MAX_SIDE},

@@ -53,11 +53,11 @@ impl Snapping {
         if Self::BITS.contains(&self.sub_pixel_bits) {
             return Ok(());
         }
-        let mend = format!("use {} to {}", Self::BITS.start(), Self::BITS.end());
+        let help = format!("use {} to {}", Self::BITS.start(), Self::BITS.end());
         Err(Invalid::new(
             "number of sub-pixel bits",
             format!("is {}", self.sub_pixel_bits),
-            mend,
+            help,
         ))
     }
 }

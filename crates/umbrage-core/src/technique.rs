@@ -1,6 +1,6 @@
 //! The trait that a shadow technique implements.
 
-use crate::{PlanError, Recipe, View};
+use crate::{Recipe, RecipeError, View};
 use std::fmt::Debug;
 
 /// A way to make shadows: a pure function from what is seen to a recipe. Its parameters are its public fields.
@@ -15,7 +15,7 @@ pub trait ShadowTechnique: Debug + Send + Sync {
     ///
     /// # Errors
     /// `Unsupported` when it can't serve this light or scene, with the reason; `Invalid` for bad parameters.
-    fn plan(&self, view: &View<'_>) -> Result<Recipe, PlanError>;
+    fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError>;
 
     /// How far, in texels, lookups go beyond the point of a map on which a receiver falls, along each axis: 0 for one texel,
     /// 1 for the 3 x 3 around it. None where no map of what the light sees is looked up, and where that isn't known:

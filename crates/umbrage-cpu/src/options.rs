@@ -52,8 +52,8 @@ impl CpuOptions {
             return Ok(None);
         };
         if threads == 0 || threads > MAX_THREADS {
-            let mend = format!("use 1 to {MAX_THREADS}, or none for one a core");
-            return Err(Invalid::new("number of threads", format!("is {threads}"), mend).into());
+            let help = format!("use 1 to {MAX_THREADS}, or none for one a core");
+            return Err(Invalid::new("number of threads", format!("is {threads}"), help).into());
         }
         let pool = ThreadPoolBuilder::new()
             .num_threads(threads)

@@ -25,8 +25,8 @@ impl Cpu {
     ) -> Result<Image, BackendError> {
         if size.min_element() == 0 || size.max_element() > MAX_SIDE {
             let why = format!("is {} x {} texels", size.x, size.y);
-            let mend = format!("use 1 to {MAX_SIDE} on each side");
-            return Err(Invalid::new("depth image", why, mend).into());
+            let help = format!("use 1 to {MAX_SIDE} on each side");
+            return Err(Invalid::new("depth image", why, help).into());
         }
         let mut image = Image::filled(
             ImageDesc {

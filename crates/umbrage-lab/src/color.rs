@@ -3,7 +3,7 @@
 use crate::{LabError, output::png::encode_rgb};
 use glam::UVec2;
 use umbrage_core::{
-    Fit, Geometry, Invalid, LightMarker, PlanError, Receivers, Recipe, Scene, ShadowTechnique,
+    Fit, Geometry, Invalid, LightMarker, Receivers, Recipe, RecipeError, Scene, ShadowTechnique,
     Shadows, View,
 };
 use umbrage_techniques::{BlinnPhong, Shading};
@@ -47,14 +47,14 @@ impl Stage {
     }
 
     /// A technique's recipe that also shades. `receivers` are those of the scene; the marker is none of them.
-    pub(crate) fn plan(
+    pub(crate) fn recipe(
         &self,
         technique: &dyn ShadowTechnique,
         receivers: &Receivers,
-    ) -> Result<Recipe, PlanError> {
+    ) -> Result<Recipe, RecipeError> {
         Ok(self
             .shading
-            .add_to(technique.plan(&self.view()?.with_receivers(receivers))?))
+            .add_to(technique.recipe(&self.view()?.with_receivers(receivers))?))
     }
 }
 

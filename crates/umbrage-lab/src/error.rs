@@ -1,7 +1,7 @@
 //! What can go wrong while measuring.
 
 use std::path::PathBuf;
-use umbrage_core::{BackendError, Invalid, PlanError};
+use umbrage_core::{BackendError, Invalid, RecipeError};
 use umbrage_plan::MeasureError;
 
 /// Why a comparison stopped.
@@ -16,7 +16,7 @@ pub enum LabError {
     Backend(#[from] BackendError),
     /// A technique has parameters that cannot be used.
     #[error(transparent)]
-    Plan(#[from] PlanError),
+    Plan(#[from] RecipeError),
     /// Truth, a cost or a plan could not be found.
     #[error(transparent)]
     Measure(MeasureError),

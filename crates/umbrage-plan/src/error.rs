@@ -1,6 +1,6 @@
 //! What can go wrong while measuring.
 
-use umbrage_core::{BackendError, Invalid, PlanError};
+use umbrage_core::{BackendError, Invalid, RecipeError};
 
 /// Why truth, a cost or a plan could not be found.
 #[derive(Debug, thiserror::Error)]
@@ -14,5 +14,5 @@ pub enum MeasureError {
     Backend(#[from] BackendError),
     /// A technique has parameters that cannot be used.
     #[error(transparent)]
-    Plan(#[from] PlanError),
+    Plan(#[from] RecipeError),
 }

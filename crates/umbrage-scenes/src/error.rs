@@ -3,38 +3,38 @@
 use std::path::Path;
 use umbrage_core::Invalid;
 
-/// Why there is no scene: what is wrong, where, and how to mend it.
+/// Why there is no scene: what is wrong, where, and how to help.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SceneError {
     /// A file that can't be opened or read.
-    #[error("{file}: {why}; {mend}")]
+    #[error("{file}: {why}; {help}")]
     Unreadable {
         /// The file's path.
         file: String,
         /// What is wrong.
         why: String,
         /// What to do about it.
-        mend: String,
+        help: String,
     },
     /// A file that can't be written.
-    #[error("{file}: {why}; {mend}")]
+    #[error("{file}: {why}; {help}")]
     Unwritable {
         /// The file's path.
         file: String,
         /// What is wrong.
         why: String,
         /// What to do about it.
-        mend: String,
+        help: String,
     },
     /// A place in a file that can't be understood or used.
-    #[error("{place}: {why}; {mend}")]
+    #[error("{place}: {why}; {help}")]
     Fault {
         /// The file, the line and the key.
         place: Place,
         /// What is wrong, with the offending value.
         why: String,
         /// What to do about it.
-        mend: String,
+        help: String,
     },
     /// A file that a scene file names has an error of its own.
     #[error("{place}: {source}")]
@@ -45,12 +45,12 @@ pub enum SceneError {
         source: Box<SceneError>,
     },
     /// Neither a built-in scene nor a file that could hold one.
-    #[error("there is no scene `{argument}`; {mend}")]
+    #[error("there is no scene `{argument}`; {help}")]
     Unknown {
         /// What was asked for.
         argument: String,
         /// Names that are near to it, and what else would do.
-        mend: String,
+        help: String,
     },
     /// A scene that reads well but can't be rendered.
     #[error("{file}: {source}")]
@@ -88,7 +88,7 @@ impl std::fmt::Display for Place {
 
 impl SceneError {
     pub(crate) fn unreadable(path: &Path, error: &std::io::Error) -> Self {
-        let mend = match error.kind() {
+        let help = match error.kind() {
             std::io::ErrorKind::NotFound => "check the path",
             std::io::ErrorKind::PermissionDenied => "allow reading it",
             _ => "check that it is a file that can be read",
@@ -96,7 +96,7 @@ impl SceneError {
         Self::Unreadable {
             file: path.display().to_string(),
             why: format!("can't be read: {error}"),
-            mend: mend.to_owned(),
+            help: help.to_owned(),
         }
     }
 }

@@ -29,10 +29,10 @@ pub fn by_argument(argument: &str) -> Result<Scene, SceneError> {
                 ""
             };
             let end = if near.is_empty() { "" } else { "?" };
-            let mend = format!("{meant}{list}the path of a .toml or .obj file{end}");
+            let help = format!("{meant}{list}the path of a .toml or .obj file{end}");
             Err(SceneError::Unknown {
                 argument: argument.to_owned(),
-                mend,
+                help,
             })
         }
     }
@@ -50,7 +50,7 @@ pub fn load(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
         None => Err(SceneError::Unreadable {
             file: path.display().to_string(),
             why: "is neither a .toml nor a .obj file".to_owned(),
-            mend: "give a scene file or a Wavefront model, named so".to_owned(),
+            help: "give a scene file or a Wavefront model, named so".to_owned(),
         }),
     }
 }

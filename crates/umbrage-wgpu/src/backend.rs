@@ -309,11 +309,11 @@ pub(crate) fn check(view: &View<'_>, recipe: &Recipe) -> Result<(), BackendError
     view.camera.validate()?;
     if let Some(r) = view.receivers.filter(|r| r.size != view.camera.size) {
         let why = format!("are an image of {} x {} pixels", r.size.x, r.size.y);
-        let mend = format!(
+        let help = format!(
             "make them for this camera, {} x {}",
             view.camera.size.x, view.camera.size.y
         );
-        return Err(Invalid::new("receivers", why, mend).into());
+        return Err(Invalid::new("receivers", why, help).into());
     }
     view.receivers.map_or(Ok(()), Receivers::validate)?;
     if view.geometry.is_none()
@@ -322,8 +322,8 @@ pub(crate) fn check(view: &View<'_>, recipe: &Recipe) -> Result<(), BackendError
             .iter()
             .any(|c| !matches!(c.source, Source::Faces(_)))
     {
-        let mend = "give the view its geometry, or draw yours with `ShadowRenderer`";
-        return Err(Invalid::new("view", "has no geometry, but the recipe casts", mend).into());
+        let help = "give the view its geometry, or draw yours with `ShadowRenderer`";
+        return Err(Invalid::new("view", "has no geometry, but the recipe casts", help).into());
     }
     Ok(())
 }

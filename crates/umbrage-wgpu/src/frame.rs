@@ -133,12 +133,12 @@ impl Frame<'_> {
         if !needed || self.receivers.triangle.is_some() {
             return Ok(());
         }
-        let mend =
+        let help =
             "hand in triangle ids in `GBuffer::triangle`, or take a recipe that does without";
         Err(Invalid::new(
             "frame",
             "has no triangle ids, which tell this recipe what is seen",
-            mend,
+            help,
         ))
     }
 }
@@ -219,20 +219,20 @@ impl VertexLayout {
         } = self;
         let most = u64::from(limits.max_vertex_buffer_array_stride);
         if !stride.is_multiple_of(4) || stride < Self::POSITION || stride > most {
-            let mend = format!(
+            let help = format!(
                 "use a multiple of 4 from {} to {most}: a position is three 32-bit floats",
                 Self::POSITION
             );
             return Err(Invalid::new(
                 "vertex layout's stride",
                 format!("is {stride} bytes"),
-                mend,
+                help,
             ));
         }
         if !offset.is_multiple_of(4) || offset > stride - Self::POSITION {
             let why = format!("is {offset} bytes, in vertices of {stride}");
-            let mend = format!("use a multiple of 4 up to {}", stride - Self::POSITION);
-            return Err(Invalid::new("vertex layout's position offset", why, mend));
+            let help = format!("use a multiple of 4 up to {}", stride - Self::POSITION);
+            return Err(Invalid::new("vertex layout's position offset", why, help));
         }
         Ok(())
     }
@@ -274,11 +274,11 @@ fn check(
             found.x,
             found.y
         );
-        let mend = format!(
+        let help = format!(
             "make it {format:?} of {} x {}, as the frame says",
             size.x, size.y
         );
-        return Err(Invalid::new(what, why, mend).into());
+        return Err(Invalid::new(what, why, help).into());
     }
     Ok(())
 }

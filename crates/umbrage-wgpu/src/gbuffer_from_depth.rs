@@ -161,8 +161,8 @@ impl GBufferFromDepth {
         let (Some(pipeline), [position, normal]) =
             (self.pipelines.get(&self.samples), &self.images[..])
         else {
-            let mend = "call `prepare` first, and look at its error";
-            return Err(Invalid::new("G-buffer from depth", "has nothing prepared", mend).into());
+            let help = "call `prepare` first, and look at its error";
+            return Err(Invalid::new("G-buffer from depth", "has nothing prepared", help).into());
         };
         let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
             label: Some("umbrage unproject"),
@@ -212,8 +212,8 @@ impl DepthBuffer<'_> {
         check_readable(texture, what)?;
         let format = texture.format();
         if !format.has_depth_aspect() && format != TextureFormat::R32Float {
-            let mend = "hand in one of a depth format, or of `R32Float`";
-            return Err(Invalid::new(what, format!("is {format:?}"), mend));
+            let help = "hand in one of a depth format, or of `R32Float`";
+            return Err(Invalid::new(what, format!("is {format:?}"), help));
         }
         invalid::finite("world from clip", &self.world_from_clip.to_cols_array())?;
         if self.empty != 0.0 && self.empty != 1.0 {
@@ -272,11 +272,11 @@ impl DepthBuffer<'_> {
         if volume.is_finite() && volume != 0.0 {
             return Ok(volume.signum() as f32);
         }
-        let mend = "hand in the inverse of the camera's clip from world";
+        let help = "hand in the inverse of the camera's clip from world";
         Err(Invalid::new(
             "world from clip",
             "does not unproject the middle of the image",
-            mend,
+            help,
         ))
     }
 }

@@ -357,12 +357,12 @@ fn check_device(device: &Device, own: &Device) -> Result<(), Invalid> {
     if device == own {
         return Ok(());
     }
-    let mend =
+    let help =
         "prepare with the device that the renderer was made with, or make a renderer for each";
     Err(Invalid::new(
         "device",
         "is not the one that the shadow renderer was made with",
-        mend,
+        help,
     ))
 }
 

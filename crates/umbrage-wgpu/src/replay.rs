@@ -105,8 +105,8 @@ fn still(recipe: &Recipe, images: &[Image]) -> Result<Recipe, BackendError> {
     let fits = recipe.images.len() == images.len()
         && recipe.images.iter().zip(images).all(|(d, i)| same(d, i));
     if !fits {
-        let mend = "hand in those of `Shadows::images`, rendered with `keep_images`";
-        return Err(Invalid::new("images to replay", "differ from the recipe's", mend).into());
+        let help = "hand in those of `Shadows::images`, rendered with `keep_images`";
+        return Err(Invalid::new("images to replay", "differ from the recipe's", help).into());
     }
     Ok(Recipe {
         casts: Vec::new(),

@@ -21,7 +21,7 @@ pub type Budget = umbrage_plan::Bounds;
 /// // In the program that draws the scene:
 /// let technique = Preset::from_toml(&file)?.technique();
 /// let geometry = Geometry::bake(&scene)?;
-/// let recipe = technique.plan(&View::new(&scene.cameras[0], &scene.lights[0], &geometry))?;
+/// let recipe = technique.recipe(&View::new(&scene.cameras[0], &scene.lights[0], &geometry))?;
 /// # assert!(recipe.images.len() < 3);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

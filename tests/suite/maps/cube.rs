@@ -191,7 +191,7 @@ fn a_turned_face_is_caught() {
     let technique = Hard {
         map: map(Bias::NORMAL_OFFSET),
     };
-    let mut recipe = technique.plan(&case.view()).expect("cubes serve bulbs");
+    let mut recipe = technique.recipe(&case.view()).expect("cubes serve bulbs");
     for cast in &mut recipe.casts {
         cast.space = cast.space.nudged(Vec2::splat(6.0), 0.0, UVec2::splat(SIZE));
     }
@@ -206,7 +206,7 @@ fn faces_are_drawn_if_they_are_needed() {
     let recipe = Hard {
         map: map(Bias::NORMAL_OFFSET),
     }
-    .plan(&case.view())
+    .recipe(&case.view())
     .expect("cubes serve bulbs");
     let drawn: Vec<u32> = recipe.casts.iter().map(|cast| cast.layer).collect();
     assert_eq!(drawn, [0, 3, 4], "+x, -y and +z alone hold casters");

@@ -86,7 +86,7 @@ fn packed_depth_is_depth() {
     let case = Case::named("far-range");
     let technique = |format| hard(format, 1e-4, stretched(&case, 2.0));
     let mut recipe = technique(MapFormat::Depth32)
-        .plan(&case.view())
+        .recipe(&case.view())
         .expect("serves the sun");
     recipe.keep_images = true;
     let depth = Cpu::new().render(&case.view(), &recipe).expect("renders");

@@ -1,7 +1,7 @@
 //! Comparison samplers on a device: `pcf_hardware` and `pcf_merged`.
 
 use super::Case;
-use umbrage_core::{Backend, PlanError, ShadowTechnique, metrics::Errors};
+use umbrage_core::{Backend, RecipeError, ShadowTechnique, metrics::Errors};
 use umbrage_cpu::Cpu;
 use umbrage_techniques::{
     Bias, Border, Hard, MapFormat, PcfHardware, PcfMerged, ShadowMap, Surface, WEIGHT_ERROR,
@@ -61,7 +61,7 @@ fn both_halves_agree() {
         let case = small(name);
         for technique in techniques() {
             let label = format!("{name}: {} {}", technique.name(), technique.settings());
-            let Ok(mut recipe) = technique.plan(&case.view()) else {
+            let Ok(mut recipe) = technique.recipe(&case.view()) else {
                 refused += 1;
                 continue;
             };
@@ -109,7 +109,7 @@ fn another_kernel_is_caught() {
     };
     let plan = |radius| {
         PcfMerged { map, radius }
-            .plan(&case.view())
+            .recipe(&case.view())
             .expect("serves the scene")
     };
     let mut recipe = plan(2);
@@ -175,23 +175,23 @@ fn maps_that_hold_no_depth_are_not_supported() {
             ..ShadowMap::default()
         },
     ] {
-        let why = PcfHardware { map, samples: 1 }.plan(&case.view());
-        assert!(matches!(why, Err(PlanError::Unsupported(_))), "{why:?}");
+        let why = PcfHardware { map, samples: 1 }.recipe(&case.view());
+        assert!(matches!(why, Err(RecipeError::Unsupported(_))), "{why:?}");
     }
     for samples in [0, 5] {
         let why = PcfHardware {
             samples,
             ..PcfHardware::default()
         }
-        .plan(&case.view());
-        assert!(matches!(why, Err(PlanError::Invalid(_))), "{why:?}");
+        .recipe(&case.view());
+        assert!(matches!(why, Err(RecipeError::Invalid(_))), "{why:?}");
     }
     for radius in [0, 4, u32::MAX] {
         let why = PcfMerged {
             radius,
             ..PcfMerged::default()
         }
-        .plan(&case.view());
-        assert!(matches!(why, Err(PlanError::Invalid(_))), "{why:?}");
+        .recipe(&case.view());
+        assert!(matches!(why, Err(RecipeError::Invalid(_))), "{why:?}");
     }
 }

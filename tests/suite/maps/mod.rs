@@ -55,7 +55,7 @@ impl Case {
     /// The CPU's mask.
     fn mask(&self, technique: &dyn ShadowTechnique) -> Vec<f32> {
         let recipe = technique
-            .plan(&self.view())
+            .recipe(&self.view())
             .expect("the technique serves the scene");
         Cpu::new()
             .render(&self.view(), &recipe)

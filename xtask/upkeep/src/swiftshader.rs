@@ -65,13 +65,13 @@ impl SwiftShader {
         let driver = Self { manifest: path };
         let found = adapter::find_with(|program| driver.select(program))?;
         let name = found.unwrap_or_else(|| "none".to_owned());
-        let mend = format!(
+        let help = format!(
             "remove {} and run `cargo xtask test --install-driver`",
             folder.display()
         );
         ensure!(
             is_ours(&name),
-            "{ADAPTER} in {} gives no adapter (found: {name}); {mend}",
+            "{ADAPTER} in {} gives no adapter (found: {name}); {help}",
             folder.display()
         );
         Ok(driver)
@@ -87,7 +87,7 @@ impl SwiftShader {
 }
 
 /// What to do where it isn't there.
-pub(crate) const MEND: &str = "`cargo xtask test --install-driver` fetches it (Debian)";
+pub(crate) const HELP: &str = "`cargo xtask test --install-driver` fetches it (Debian)";
 
 fn is_ours(adapter: &str) -> bool {
     adapter.contains(ADAPTER)

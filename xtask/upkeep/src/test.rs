@@ -80,7 +80,7 @@ fn second_driver(options: &TestOptions) -> Result<Option<SwiftShader>> {
     if there.is_none() {
         println!(
             "no tests on SwiftShader, a second driver that rounds otherwise: {}",
-            swiftshader::MEND
+            swiftshader::HELP
         );
     }
     Ok(there)

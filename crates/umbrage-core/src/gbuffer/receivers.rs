@@ -84,7 +84,7 @@ impl Receivers {
             .find(|&i| self.receives[i] && !(self.position(i) + self.normal(i)).is_finite());
         let Some(i) = at_fault else { return Ok(()) };
         let why = format!("is {} with the normal {}", self.position(i), self.normal(i));
-        let mend = "use finite numbers, or say in `receives` that no shadow falls there";
+        let help = "use finite numbers, or say in `receives` that no shadow falls there";
         Err(Invalid::new(
             format!(
                 "receiver at pixel ({}, {})",
@@ -92,7 +92,7 @@ impl Receivers {
                 i as u32 / self.size.x
             ),
             why,
-            mend,
+            help,
         ))
     }
 

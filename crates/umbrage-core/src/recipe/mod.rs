@@ -172,7 +172,7 @@ impl Faces {
             let why = format!(
                 "draws faces with an index beyond their {count} vertices, or a vertex that is not finite"
             );
-            return Err(Invalid::new("cast", why, "mend the faces"));
+            return Err(Invalid::new("cast", why, "correct the faces"));
         }
         Ok(())
     }
@@ -295,9 +295,9 @@ impl Recipe {
                 || image.is_none_or(|i| i.format.is_cast_only())
             {
                 let why = format!("writes image {}", filter.output);
-                let mend =
+                let help =
                     "write an image that it doesn't read and that holds neither depth nor counts";
-                return Err(Invalid::new("filter", why, mend));
+                return Err(Invalid::new("filter", why, help));
             }
         }
         self.check_ids("receive", &self.receive.inputs, &self.receive.tables)?;
@@ -309,7 +309,7 @@ impl Recipe {
 
     fn check_cast(&self, cast: &Cast) -> Result<(), Invalid> {
         let layer = |id: ImageId| self.images.get(id).filter(|i| cast.layer < i.layers);
-        let fault = |why: String, mend: &str| Err(Invalid::new("cast", why, mend));
+        let fault = |why: String, help: &str| Err(Invalid::new("cast", why, help));
         let Some(image) = layer(cast.image) else {
             let why = format!("names layer {} of image {}", cast.layer, cast.image);
             return fault(why, "name a layer of an image of the recipe");

@@ -31,12 +31,12 @@ impl Except {
         match self.0.iter().find(|name| !known(name)) {
             None => Ok(()),
             Some(name) => {
-                let mend =
+                let help =
                     "name a scene, a technique, a backend, or a setting as `technique (settings)`";
                 Err(Invalid::new(
                     "exception",
                     format!("`{name}` is nothing that the baseline has"),
-                    mend,
+                    help,
                 ))
             }
         }

@@ -23,8 +23,8 @@ struct Version {
 /// When it can't be read, is no such file, or has a schema that is too old or newer than this program.
 pub fn read(path: &Path) -> Result<Comparison, Invalid> {
     let what = format!("baseline `{}`", path.display());
-    let mend = "give the results.json that `cargo xtask compare` wrote";
-    let refuse = |why: String| Invalid::new(what.clone(), why, mend);
+    let help = "give the results.json that `cargo xtask compare` wrote";
+    let refuse = |why: String| Invalid::new(what.clone(), why, help);
     let text = std::fs::read(path).map_err(|e| refuse(format!("cannot be read: {e}")))?;
     let version: Version =
         serde_json::from_slice(&text).map_err(|e| refuse(format!("holds no results: {e}")))?;

@@ -148,7 +148,7 @@ pub fn run(
 
 fn plan(view: &View<'_>, technique: &dyn ShadowTechnique) -> Result<Recipe, BackendError> {
     technique
-        .plan(view)
+        .recipe(view)
         .map_err(|e| BackendError::Validation(format!("{}: {e}", technique.name())))
 }
 

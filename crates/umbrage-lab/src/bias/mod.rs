@@ -17,7 +17,7 @@ use crate::{LabError, compare::Backends};
 use glam::UVec2;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Backend, FitMemory, Geometry, PlanError, ShadowTechnique, View, metrics::Reference,
+    Backend, FitMemory, Geometry, RecipeError, ShadowTechnique, View, metrics::Reference,
 };
 use umbrage_plan::truth::{self, TruthOptions};
 use umbrage_techniques::{Bias, Hard, Pcf, PcfDisc, PcfHardware, PcfMerged, ShadowMap};
@@ -238,9 +238,9 @@ impl Case<'_> {
         technique: &dyn ShadowTechnique,
         backend: &mut dyn Backend,
     ) -> Result<Option<(f64, u64)>, LabError> {
-        let recipe = match technique.plan(&self.view) {
+        let recipe = match technique.recipe(&self.view) {
             Ok(recipe) => recipe,
-            Err(PlanError::Unsupported(_)) => return Ok(None),
+            Err(RecipeError::Unsupported(_)) => return Ok(None),
             Err(e) => return Err(e.into()),
         };
         let shadows = backend.render(&self.view, &recipe)?;

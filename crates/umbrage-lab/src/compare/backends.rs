@@ -140,7 +140,7 @@ mod tests {
             || BackendError::NoAdapter {
                 wanted: "any".into(),
                 found: "none".into(),
-                mend: "install one".into(),
+                help: "install one".into(),
             },
         ];
         for error in errors {

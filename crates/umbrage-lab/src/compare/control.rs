@@ -19,7 +19,7 @@ use crate::LabError;
 use glam::{DVec3, UVec2, Vec2, Vec3};
 use rayon::prelude::*;
 use umbrage_core::{
-    Aabb, Backend, CastMode, Cull, Light, PlanError, Recipe, ShadowTechnique, Shadows, View,
+    Aabb, Backend, CastMode, Cull, Light, Recipe, RecipeError, ShadowTechnique, Shadows, View,
     light_sample::{LIFT, LightSampler, kind, seed, segment, unit_square},
     metrics::{AGREEMENT_TOLERANCE, ERROR_THRESHOLD, Pixel, near},
 };
@@ -41,9 +41,9 @@ pub(super) fn run(
     };
     // Truth's receivers, so that a backend that sees a neighbouring triangle somewhere isn't judged by another's plane.
     let seen = bare_view.core().with_receivers(&truth.receivers);
-    let bare_recipe = match technique.plan(&seen) {
+    let bare_recipe = match technique.recipe(&seen) {
         Ok(recipe) => recipe,
-        Err(PlanError::Unsupported(_)) => return Ok(None),
+        Err(RecipeError::Unsupported(_)) => return Ok(None),
         Err(e) => return Err(e.into()),
     };
     let without = backend.render(&seen, &bare_recipe)?;

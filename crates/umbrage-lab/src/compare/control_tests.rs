@@ -192,7 +192,7 @@ fn control(scene: &Scene, technique: &dyn ShadowTechnique, player: &mut dyn Back
         geometry: &geometry,
     };
     let recipe = technique
-        .plan(&view.core().with_receivers(&truth.receivers))
+        .recipe(&view.core().with_receivers(&truth.receivers))
         .expect("supported");
     let with_casters = player.render(&view.core(), &recipe).expect("valid");
     run(player, technique, &view, &truth, (&recipe, &with_casters))

@@ -8,8 +8,8 @@ use crate::{LabError, color};
 use glam::UVec2;
 use std::sync::Arc;
 use umbrage_core::{
-    BackendError, Camera, Cast, CastMode, Geometry, Invalid, Light, LightSpace, PlanError, Recipe,
-    ShadowTechnique, Shadows, View, Work,
+    BackendError, Camera, Cast, CastMode, Geometry, Invalid, Light, LightSpace, Recipe,
+    RecipeError, ShadowTechnique, Shadows, View, Work,
     metrics::{Agreement, Causes, Errors, Pixel, Reference, TruthImage},
 };
 use umbrage_plan::{
@@ -218,9 +218,10 @@ impl SceneRun<'_> {
         on_event: &OnEvent<'_>,
     ) -> Result<(), LabError> {
         let technique = &*setting.technique;
-        let recipe = match technique.plan(&self.view.core().with_receivers(&self.truth.receivers)) {
+        let recipe = match technique.recipe(&self.view.core().with_receivers(&self.truth.receivers))
+        {
             Ok(recipe) => Ok(recipe),
-            Err(PlanError::Unsupported(reason)) => Err(reason),
+            Err(RecipeError::Unsupported(reason)) => Err(reason),
             Err(e) => return Err(e.into()),
         };
         let mut of_cpu = None;
@@ -350,10 +351,10 @@ impl SceneRun<'_> {
         let Some(stage) = &self.stage else {
             return Ok(());
         };
-        let recipe = match stage.plan(technique, &self.truth.receivers) {
+        let recipe = match stage.recipe(technique, &self.truth.receivers) {
             Ok(recipe) => recipe,
             // The light's marker may be what the technique can't serve; the mask was made without it.
-            Err(PlanError::Unsupported(_)) => return Ok(()),
+            Err(RecipeError::Unsupported(_)) => return Ok(()),
             Err(e) => return Err(e.into()),
         };
         let first_row = self.rows.len() - backends.playing.len();

@@ -146,7 +146,7 @@ fn rows_tell_how_maps_are_used() {
         let reach = known
             .unwrap_or_else(|| panic!("{}, {settings}: no known reach", technique.name()))
             .2;
-        let recipe = technique.plan(&view).expect("supported");
+        let recipe = technique.recipe(&view).expect("supported");
         let [right, wrong] = [&receivers, &spoilt]
             .map(|r| reach.map(|reach| measure(&view, &recipe, r, reach).total));
         let rows: Vec<_> = comparison.scenes[0]

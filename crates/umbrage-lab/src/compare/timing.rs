@@ -194,7 +194,7 @@ pub(crate) fn again(
         let backend = backends.playing.iter_mut().find(|b| b.kind() == kind);
         let setting = settings.iter().find(|s| *stem == stem_of(&s.slug, kind));
         if let (Some(setting), Some(backend)) = (setting, backend)
-            && let Ok(recipe) = setting.technique.plan(&view)
+            && let Ok(recipe) = setting.technique.recipe(&view)
         {
             let cost_ms = CostModel::of(kind).milliseconds(&Work::of(&view, &recipe));
             // Once before, since the first run compiles and uploads.

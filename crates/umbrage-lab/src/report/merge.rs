@@ -93,12 +93,12 @@ fn one_plan<'a>(runs: &'a [(&Path, Run)]) -> Result<&'a ComparisonPlan, Invalid>
         None => Ok(&run.plan),
         Some((folder, _)) => {
             let why = format!("was made for another comparison than `{}`", first.display());
-            let mend =
+            let help =
                 "give shards of one list of scenes with the same options, and no other folders";
             Err(Invalid::new(
                 format!("folder `{}`", folder.display()),
                 why,
-                mend,
+                help,
             ))
         }
     }
@@ -116,17 +116,17 @@ fn check(plan: &ComparisonPlan, found: &[(PathBuf, Stored)]) -> Result<(), Inval
                 "was measured by other code, or on other backends, than `{}`",
                 first_path.display()
             );
-            let mend = "run all shards with one commit, then merge again";
-            return Err(Invalid::new(format!("`{}`", path.display()), why, mend));
+            let help = "run all shards with one commit, then merge again";
+            return Err(Invalid::new(format!("`{}`", path.display()), why, help));
         }
     }
     if let Some(pair) = found.windows(2).find(|p| p[0].1.place == p[1].1.place) {
         let why = format!("is the same scene as `{}`", pair[0].0.display());
-        let mend = "give each shard once, all of one number of shards";
+        let help = "give each shard once, all of one number of shards";
         return Err(Invalid::new(
             format!("`{}`", pair[1].0.display()),
             why,
-            mend,
+            help,
         ));
     }
     let there = |place: &usize| found.iter().any(|(_, s)| s.place == *place);

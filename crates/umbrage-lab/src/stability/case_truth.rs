@@ -4,7 +4,7 @@ use super::texels::{Texels, point_at, to_center, within};
 use crate::LabError;
 use glam::{DVec2, Vec3};
 use umbrage_core::{
-    Camera, Fit, Geometry, Invalid, Layout, Light, PlanError, Scene, View,
+    Camera, Fit, Geometry, Invalid, Layout, Light, RecipeError, Scene, View,
     metrics::{Pixel, edges, near},
 };
 use umbrage_cpu::Cpu;
@@ -124,7 +124,7 @@ impl Layer {
         let view = View::new(camera, light, geometry).with_receivers(&truth.receivers);
         let texels = match Fit::Tight.light_spaces(Layout::Auto, &view, map_size, 0.0) {
             Ok(spaces) => Some(Texels::new(&spaces, map_size)),
-            Err(PlanError::Unsupported(_)) => None,
+            Err(RecipeError::Unsupported(_)) => None,
             Err(e) => return Err(e.into()),
         };
         let center = without_extent(light);

@@ -3,7 +3,7 @@
 use crate::LabError;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use umbrage_core::{
-    Backend, BackendError, Geometry, PlanError, Recipe, ShadowTechnique, Shadows, View,
+    Backend, BackendError, Geometry, Recipe, RecipeError, ShadowTechnique, Shadows, View,
 };
 use umbrage_techniques::{Bias, Pcf, ShadowMap};
 
@@ -16,11 +16,11 @@ pub(super) enum NoMask {
     Fault(String),
 }
 
-impl From<PlanError> for NoMask {
-    fn from(e: PlanError) -> Self {
+impl From<RecipeError> for NoMask {
+    fn from(e: RecipeError) -> Self {
         match e {
-            PlanError::Unsupported(reason) => Self::Unsupported(reason),
-            PlanError::Invalid(e) => Self::Fault(e.to_string()),
+            RecipeError::Unsupported(reason) => Self::Unsupported(reason),
+            RecipeError::Invalid(e) => Self::Fault(e.to_string()),
         }
     }
 }
@@ -48,7 +48,7 @@ pub(super) fn guarded<T>(f: impl FnOnce() -> Result<T, NoMask>) -> Result<T, NoM
 
 /// A technique's recipe.
 pub(super) fn plan(technique: &dyn ShadowTechnique, view: &View<'_>) -> Result<Recipe, NoMask> {
-    guarded(|| Ok(technique.plan(view)?))
+    guarded(|| Ok(technique.recipe(view)?))
 }
 
 /// A recipe's mask, checked.
@@ -92,7 +92,7 @@ pub fn is_as_new(used: &mut dyn Backend, fresh: &mut dyn Backend) -> Result<bool
         bias: Bias::ADAPTIVE,
         ..ShadowMap::default()
     };
-    let recipe = Pcf { map, radius: 1 }.plan(&view)?;
+    let recipe = Pcf { map, radius: 1 }.recipe(&view)?;
     let masks = [
         used.render(&view, &recipe)?.mask,
         fresh.render(&view, &recipe)?.mask,

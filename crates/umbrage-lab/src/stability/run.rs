@@ -88,11 +88,11 @@ impl Options {
                 .any(|(row, case)| row.is_called(word) || case.name == *word || case.scene == *word)
         };
         if let Some(unknown) = self.rows.iter().find(|word| !known(word)) {
-            let mend = "use a row's number, 1 to 30, or the name of a case, such as thin-plate";
+            let help = "use a row's number, 1 to 30, or the name of a case, such as thin-plate";
             return Err(Invalid::new(
                 "row",
                 format!("there is none called `{unknown}`"),
-                mend,
+                help,
             ));
         }
         self.registry.select(&self.techniques)?;

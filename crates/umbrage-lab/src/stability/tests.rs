@@ -55,7 +55,7 @@ fn mask(case_truth: &CaseTruth, technique: &dyn ShadowTechnique) -> Vec<f32> {
         let view: View<'_> = case_truth
             .view(light)
             .with_receivers(&case_truth.truth.receivers);
-        let recipe = technique.plan(&view).expect("supported");
+        let recipe = technique.recipe(&view).expect("supported");
         let shadows = Cpu::new().render(&view, &recipe).expect("plays");
         sum.iter_mut()
             .zip(&shadows.mask)
@@ -277,7 +277,7 @@ fn a_bias_along_shading_normals_spoils_a_flat_wall() {
     let technique = hard(Bias::ADAPTIVE);
     let play = |receivers: &umbrage_core::Receivers| {
         let recipe = technique
-            .plan(&flat.view(&flat.lights[0]).with_receivers(receivers))
+            .recipe(&flat.view(&flat.lights[0]).with_receivers(receivers))
             .expect("supported");
         let view = flat.view(&flat.lights[0]).with_receivers(receivers);
         Measure::Rmse.figure(

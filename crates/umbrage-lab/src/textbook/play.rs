@@ -4,7 +4,7 @@ use super::{Effect, Preset};
 use crate::{LabError, color, output::png};
 use glam::UVec2;
 use umbrage_core::{
-    Backend, Invalid, PlanError, Shadows,
+    Backend, Invalid, RecipeError, Shadows,
     metrics::{Errors, Pixel},
 };
 use umbrage_cpu::Cpu;
@@ -76,8 +76,8 @@ fn side(preset: &Preset, backends: &mut [Box<dyn Backend>]) -> Result<Side, LabE
         &mut |c, g| finder.receivers(c, g),
         &|_, _| {},
     )?;
-    let recipe = match stage.plan(&*(preset.technique)(), &truth.receivers) {
-        Err(PlanError::Unsupported(why)) => return Err(fault(why).into()),
+    let recipe = match stage.recipe(&*(preset.technique)(), &truth.receivers) {
+        Err(RecipeError::Unsupported(why)) => return Err(fault(why).into()),
         planned => planned?,
     };
     let played: Vec<(&'static str, Shadows)> = backends

@@ -5,7 +5,7 @@ use crate::{MeasureError, statistics::Sorted};
 use glam::UVec2;
 use std::sync::Arc;
 use umbrage_core::{
-    Backend, BackendError, Bvh, Geometry, PlanError, Scene, ShadowTechnique, View, Work,
+    Backend, BackendError, Bvh, Geometry, RecipeError, Scene, ShadowTechnique, View, Work,
 };
 use umbrage_cpu::Cpu;
 
@@ -79,9 +79,9 @@ fn measure(
     technique: &dyn ShadowTechnique,
     runs: u32,
 ) -> Result<Option<Sample>, MeasureError> {
-    let recipe = match technique.plan(view) {
+    let recipe = match technique.recipe(view) {
         Ok(recipe) => recipe,
-        Err(PlanError::Unsupported(_)) => return Ok(None),
+        Err(RecipeError::Unsupported(_)) => return Ok(None),
         Err(e) => return Err(e.into()),
     };
     let mut least = f64::INFINITY;

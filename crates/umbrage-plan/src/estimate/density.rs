@@ -4,7 +4,7 @@
 use super::scene::PlanScene;
 use crate::MeasureError;
 use glam::UVec2;
-use umbrage_core::PlanError;
+use umbrage_core::RecipeError;
 use umbrage_techniques::{Bias, Hard, Preset, ShadowMap, Traced};
 
 /// The share of the sample that is spread over all receivers alike: what no pilot foresees must be met, too.
@@ -75,7 +75,7 @@ pub(crate) fn density(
 fn mask(scene: &mut PlanScene<'_>, preset: Preset) -> Result<Option<Vec<f32>>, MeasureError> {
     match scene.preset_mask(&preset) {
         Ok(mask) => Ok(Some(mask)),
-        Err(MeasureError::Plan(PlanError::Unsupported(_))) => Ok(None),
+        Err(MeasureError::Plan(RecipeError::Unsupported(_))) => Ok(None),
         Err(e) => Err(e),
     }
 }

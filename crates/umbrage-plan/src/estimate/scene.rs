@@ -7,7 +7,7 @@ use crate::{
 };
 use std::collections::HashMap;
 use umbrage_core::{
-    Backend as _, BackendError, Camera, FitMemory, Geometry, Light, PlanError, Receivers, Recipe,
+    Backend as _, BackendError, Camera, FitMemory, Geometry, Light, Receivers, Recipe, RecipeError,
     View, Work,
 };
 use umbrage_cpu::Cpu;
@@ -64,8 +64,8 @@ impl<'a> PlanScene<'a> {
             .with_fits(&self.fits)
     }
 
-    pub(crate) fn recipe(&self, preset: &Preset) -> Result<Recipe, PlanError> {
-        preset.technique().plan(&self.view())
+    pub(crate) fn recipe(&self, preset: &Preset) -> Result<Recipe, RecipeError> {
+        preset.technique().recipe(&self.view())
     }
 
     pub(crate) fn price(&self, recipe: &Recipe, cost: &CostModel) -> Price {

@@ -96,7 +96,7 @@ fn texels_never_looked_up_may_hold_anything() {
         let view = View::new(&camera, &scene.lights[0], &geometry).with_receivers(&receivers);
         for technique in presets().iter().map(Preset::technique) {
             let label = format!("{name}: {} ({})", technique.name(), technique.settings());
-            let Ok(mut recipe) = technique.plan(&view) else {
+            let Ok(mut recipe) = technique.recipe(&view) else {
                 continue;
             };
             recipe.keep_images = true;

@@ -80,7 +80,7 @@ fn measured(half: f32, technique: &dyn ShadowTechnique, reach: f32) -> Footprint
     let (camera, geometry) = (camera(half), plane());
     let receivers = Cpu::new().receivers(&camera, &geometry).unwrap();
     let view = View::new(&camera, &SUN, &geometry).with_receivers(&receivers);
-    measure(&view, &technique.plan(&view).unwrap(), &receivers, reach)
+    measure(&view, &technique.recipe(&view).unwrap(), &receivers, reach)
 }
 
 /// Pixels of 1/8 m on texels of 1/8 m, over a quarter of the map.
@@ -140,7 +140,7 @@ fn nothing_seen_is_no_use() {
     let nothing = Receivers::empty(camera.size);
     let f = measure(
         &view,
-        &Hard { map: map() }.plan(&view).unwrap(),
+        &Hard { map: map() }.recipe(&view).unwrap(),
         &nothing,
         0.0,
     );

@@ -58,7 +58,7 @@ impl Bounds {
                 "give a greatest error, time or number of bytes",
             ));
         }
-        let fault = |what, v: f64, mend| Err(Invalid::new(what, format!("is {v}"), mend));
+        let fault = |what, v: f64, help| Err(Invalid::new(what, format!("is {v}"), help));
         match (self.max_error, self.max_ms) {
             (Some(e), _) if !(0.0..=1.0).contains(&e) => {
                 fault("greatest error", e, "use 0 to 1, such as 0.05")

@@ -57,7 +57,7 @@ pub fn plan(
 
 /// The camera and the light that options are about.
 fn seen<'a>(scene: &'a Scene, options: &Options) -> Result<(Camera, &'a Light), Invalid> {
-    let invalid = |why, mend| Invalid::new(format!("scene `{}`", scene.name), why, mend);
+    let invalid = |why, help| Invalid::new(format!("scene `{}`", scene.name), why, help);
     let none = |what| invalid(format!("has no {what}"), "add one".to_owned());
     let camera = scene.cameras.first().ok_or_else(|| none("camera"))?;
     let camera = options.size.map_or(*camera, |size| camera.resized(size));

@@ -62,7 +62,7 @@ pub struct CurvePoint {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, thiserror::Error)]
 #[error("{reason}")]
 pub struct Miss {
-    /// Which bound fails and by how much, and how to mend it.
+    /// Which bound fails and by how much, and how to help.
     pub reason: String,
     /// The best that was found: within the other bounds the most accurate.
     pub best: Option<Setting>,

@@ -8,7 +8,9 @@ use super::{
 };
 use crate::{Estimate, cost::CostModel, truth, truth::TruthOptions};
 use glam::UVec2;
-use umbrage_core::{Backend as _, Camera, Fit, Light, PlanError, Receivers, View, metrics::Errors};
+use umbrage_core::{
+    Backend as _, Camera, Fit, Light, Receivers, RecipeError, View, metrics::Errors,
+};
 use umbrage_cpu::Cpu;
 use umbrage_techniques::{Preset, Techniques};
 
@@ -440,9 +442,9 @@ fn receivers_asked_alone_answer_the_same() {
             .iter()
             .flat_map(|e| (e.settings)(&[128], Fit::Tight))
         {
-            let recipe = match technique.plan(&view) {
+            let recipe = match technique.recipe(&view) {
                 Ok(recipe) => recipe,
-                Err(PlanError::Unsupported(_)) => continue,
+                Err(RecipeError::Unsupported(_)) => continue,
                 Err(e) => panic!("{name}: {}: {e}", technique.name()),
             };
             let whole = cpu.render(&view, &recipe).expect("plays").mask;

@@ -13,7 +13,7 @@ use crate::{
     progress::OnStep,
 };
 use std::collections::HashMap;
-use umbrage_core::{BackendError, PlanError};
+use umbrage_core::{BackendError, RecipeError};
 use umbrage_techniques::{Preset, ShadowMap};
 
 /// All that was tried.
@@ -105,7 +105,7 @@ impl<'a> Trials<'a> {
         }
         let price = match self.scene.recipe(preset) {
             Ok(recipe) => Some(self.scene.price(&recipe, &self.cost)),
-            Err(PlanError::Unsupported(_)) => None,
+            Err(RecipeError::Unsupported(_)) => None,
             Err(e) => return Err(e.into()),
         };
         self.prices.insert(key, price);
@@ -126,7 +126,7 @@ impl<'a> Trials<'a> {
     fn try_new(&mut self, preset: &Preset) -> Result<Option<Setting>, MeasureError> {
         let recipe = match self.scene.recipe(preset) {
             Ok(recipe) => recipe,
-            Err(PlanError::Unsupported(_)) => return Ok(None),
+            Err(RecipeError::Unsupported(_)) => return Ok(None),
             Err(e) => return Err(e.into()),
         };
         let price = self.scene.price(&recipe, &self.cost);

@@ -45,7 +45,7 @@ pub(super) fn load_image(path: &Path) -> Result<DynamicImage, SceneError> {
     reader.decode().map_err(|e| SceneError::Unreadable {
         file: path.display().to_string(),
         why: format!("can't be read as a PNG image: {e}"),
-        mend: format!("save it as PNG, at most {MAX_SIDE} texels a side"),
+        help: format!("save it as PNG, at most {MAX_SIDE} texels a side"),
     })
 }
 

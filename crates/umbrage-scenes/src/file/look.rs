@@ -164,8 +164,8 @@ fn shininess(table: &Table<'_>) -> Result<Option<u32>, SceneError> {
     };
     let most = 1 << MAX_SHININESS_LOG2;
     let power = item.whole(most)?;
-    let mend = format!("use a power of two: 1, 2, 4, 8 and so on to {most}");
-    item.require(power.is_power_of_two(), &format!("is {power}"), &mend)?;
+    let help = format!("use a power of two: 1, 2, 4, 8 and so on to {most}");
+    item.require(power.is_power_of_two(), &format!("is {power}"), &help)?;
     Ok(Some(power.trailing_zeros()))
 }
 

@@ -56,14 +56,14 @@ pub(crate) fn parse(text: &str, path: &Path, folder: &Path) -> Result<Scene, Sce
             "is empty",
             "give the scene a name, or leave it out",
         )?;
-        let (length, mend) = (
+        let (length, help) = (
             scene.name.len(),
             format!("use at most {MOST_NAME}: reports make it a folder's name"),
         );
         name.require(
             length <= MOST_NAME,
             &format!("is {length} bytes long"),
-            &mend,
+            &help,
         )?;
     }
     scene.lights = root

@@ -37,26 +37,26 @@ impl Item<'_> {
     /// A whole number of pixels.
     pub(super) fn pixels(&self) -> Result<u32, SceneError> {
         let most = umbrage_core::MAX_SIDE;
-        let mend = format!("use whole numbers from 1 to {most}");
+        let help = format!("use whole numbers from 1 to {most}");
         let DeValue::Integer(i) = self.value else {
-            return Err(self.wrong_type("a whole number", &mend));
+            return Err(self.wrong_type("a whole number", &help));
         };
         let number = u32::from_str_radix(i.as_str(), i.radix())
             .ok()
             .filter(|n| (1..=most).contains(n));
-        number.ok_or_else(|| self.fault(&format!("holds {i}"), &mend))
+        number.ok_or_else(|| self.fault(&format!("holds {i}"), &help))
     }
 
     /// A whole number of 0 to `most`.
     pub(super) fn whole(&self, most: u32) -> Result<u32, SceneError> {
-        let mend = format!("use a whole number from 0 to {most}");
+        let help = format!("use a whole number from 0 to {most}");
         let DeValue::Integer(i) = self.value else {
-            return Err(self.wrong_type("a whole number", &mend));
+            return Err(self.wrong_type("a whole number", &help));
         };
         let number = u32::from_str_radix(i.as_str(), i.radix())
             .ok()
             .filter(|n| *n <= most);
-        number.ok_or_else(|| self.fault(&format!("is {i}"), &mend))
+        number.ok_or_else(|| self.fault(&format!("is {i}"), &help))
     }
 
     pub(super) fn vec3(&self) -> Result<Vec3, SceneError> {

@@ -24,12 +24,12 @@ impl Source<'_> {
         at: Range<usize>,
         key: Option<&str>,
         why: &str,
-        mend: &str,
+        help: &str,
     ) -> SceneError {
         SceneError::Fault {
             place: self.place(at, key),
             why: why.to_owned(),
-            mend: mend.to_owned(),
+            help: help.to_owned(),
         }
     }
 
@@ -86,7 +86,7 @@ impl<'a> Table<'a> {
         };
         let name = key.get_ref();
         let near = nearest(name, known.iter().copied());
-        let mend = match near.is_empty() {
+        let help = match near.is_empty() {
             true => format!("use {}", listed(known)),
             false => format!("did you mean {}?", listed(&near)),
         };
@@ -94,7 +94,7 @@ impl<'a> Table<'a> {
             key.span(),
             Some(&self.path(name)),
             "is not a known key here",
-            &mend,
+            &help,
         ))
     }
 
@@ -119,30 +119,30 @@ impl<'a> Table<'a> {
     /// The value of a key that must be there; `example` shows how to write it.
     pub(super) fn need(&self, key: &str, example: &str) -> Result<Item<'a>, SceneError> {
         self.get(key).ok_or_else(|| {
-            let (path, mend) = (self.path(key), format!("add `{key} = {example}`"));
+            let (path, help) = (self.path(key), format!("add `{key} = {example}`"));
             self.source
-                .fault(self.span.clone(), Some(&path), "is missing", &mend)
+                .fault(self.span.clone(), Some(&path), "is missing", &help)
         })
     }
 
     /// Objects to the table as a whole.
-    pub(super) fn require(&self, holds: bool, why: &str, mend: &str) -> Result<(), SceneError> {
+    pub(super) fn require(&self, holds: bool, why: &str, help: &str) -> Result<(), SceneError> {
         if holds {
             Ok(())
         } else {
-            Err(self.fault(why, mend))
+            Err(self.fault(why, help))
         }
     }
 
     /// An error about the table as a whole.
-    pub(super) fn fault(&self, why: &str, mend: &str) -> SceneError {
+    pub(super) fn fault(&self, why: &str, help: &str) -> SceneError {
         let name = (!self.name.is_empty()).then_some(self.name);
-        self.source.fault(self.span.clone(), name, why, mend)
+        self.source.fault(self.span.clone(), name, why, help)
     }
 
     /// A check of core's, with the place where this table begins.
     pub(super) fn check<T>(&self, checked: Result<T, Invalid>) -> Result<T, SceneError> {
-        checked.map_err(|e| self.fault(&format!("{} {}", e.what, e.why), &e.mend))
+        checked.map_err(|e| self.fault(&format!("{} {}", e.what, e.why), &e.help))
     }
 
     /// The table under a key: `[name]`.
@@ -170,9 +170,9 @@ impl<'a> Table<'a> {
         let Some(item) = self.get(name) else {
             return Ok(Vec::new());
         };
-        let mend = format!("write [[{name}]]");
+        let help = format!("write [[{name}]]");
         let DeValue::Array(array) = item.value else {
-            return Err(item.wrong_type("a list of tables", &mend));
+            return Err(item.wrong_type("a list of tables", &help));
         };
         let table = |value: &'a Spanned<DeValue<'a>>| match value.get_ref() {
             DeValue::Table(entries) => Ok(Self {
@@ -181,43 +181,43 @@ impl<'a> Table<'a> {
                 entries,
                 span: value.span(),
             }),
-            _ => Err(item.wrong_type("a list of tables", &mend)),
+            _ => Err(item.wrong_type("a list of tables", &help)),
         };
         array.iter().map(table).collect()
     }
 }
 
 impl<'a> Item<'a> {
-    pub(super) fn fault(&self, why: &str, mend: &str) -> SceneError {
+    pub(super) fn fault(&self, why: &str, help: &str) -> SceneError {
         self.source
-            .fault(self.span.clone(), Some(&self.key), why, mend)
+            .fault(self.span.clone(), Some(&self.key), why, help)
     }
 
     pub(super) fn place(&self) -> Place {
         self.source.place(self.span.clone(), Some(&self.key))
     }
 
-    pub(super) fn wrong_type(&self, wanted: &str, mend: &str) -> SceneError {
+    pub(super) fn wrong_type(&self, wanted: &str, help: &str) -> SceneError {
         let found = self.value.type_str();
         let article = if found.starts_with(['a', 'i']) {
             "an"
         } else {
             "a"
         };
-        self.fault(&format!("is {article} {found}, not {wanted}"), mend)
+        self.fault(&format!("is {article} {found}, not {wanted}"), help)
     }
 
-    pub(super) fn require(&self, holds: bool, why: &str, mend: &str) -> Result<(), SceneError> {
+    pub(super) fn require(&self, holds: bool, why: &str, help: &str) -> Result<(), SceneError> {
         if holds {
             Ok(())
         } else {
-            Err(self.fault(why, mend))
+            Err(self.fault(why, help))
         }
     }
 
     /// A check of core's, with this value's place.
     pub(super) fn check<T>(&self, checked: Result<T, Invalid>) -> Result<T, SceneError> {
-        checked.map_err(|e| self.fault(&e.why, &e.mend))
+        checked.map_err(|e| self.fault(&e.why, &e.help))
     }
 
     pub(super) fn text(&self) -> Result<&'a str, SceneError> {
@@ -243,15 +243,15 @@ impl<'a> Item<'a> {
 
     /// The values of a list of `n`.
     pub(super) fn list(&self, n: usize, example: &str) -> Result<Vec<Item<'a>>, SceneError> {
-        let mend = format!("write {example}");
+        let help = format!("write {example}");
         let array = self
             .value
             .as_array()
-            .ok_or_else(|| self.wrong_type(&format!("a list of {n}"), &mend))?;
+            .ok_or_else(|| self.wrong_type(&format!("a list of {n}"), &help))?;
         self.require(
             array.len() == n,
             &format!("has {} entries, not {n}", array.len()),
-            &mend,
+            &help,
         )?;
         let item = |v: &'a Spanned<DeValue<'a>>| Item {
             source: self.source,

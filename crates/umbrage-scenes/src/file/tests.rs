@@ -422,7 +422,7 @@ fn faults_name_line_key_and_remedy() {
             "use finite numbers",
         ),
     ];
-    for (table, line, why, mend) in cases {
+    for (table, line, why, help) in cases {
         let rest = [CAMERA, LIGHT, OBJECT]
             .into_iter()
             .filter(|t| t.lines().next() != table.lines().next());
@@ -435,7 +435,7 @@ fn faults_name_line_key_and_remedy() {
             "{message}"
         );
         assert!(
-            message.contains(why) && message.contains(mend),
+            message.contains(why) && message.contains(help),
             "{line}: {message}"
         );
     }

@@ -17,7 +17,7 @@ const MOST_CORNERS: usize = 4096;
 pub(super) struct Fault {
     pub(super) line: usize,
     pub(super) why: String,
-    pub(super) mend: &'static str,
+    pub(super) help: &'static str,
 }
 
 /// The clean text, one statement at a time.
@@ -216,15 +216,15 @@ impl<R: BufRead> Cleaner<R> {
     }
 
     fn corner(&mut self, word: &str) -> Result<(), Fault> {
-        const MEND: &str = "write corners as `v`, `v/vt`, `v//vn` or `v/vt/vn` with whole numbers";
+        const HELP: &str = "write corners as `v`, `v/vt`, `v//vn` or `v/vt/vn` with whole numbers";
         for (kind, part) in word.split('/').enumerate() {
             match part.parse::<i64>() {
                 _ if kind > 2 => {
-                    return self.fault(format!("face corner `{word}` has too many parts"), MEND);
+                    return self.fault(format!("face corner `{word}` has too many parts"), HELP);
                 }
                 Ok(index) => self.index(kind, index)?,
                 Err(_) if part.is_empty() && kind > 0 => {}
-                Err(_) => return self.fault(format!("face corner `{word}` is not an index"), MEND),
+                Err(_) => return self.fault(format!("face corner `{word}` is not an index"), HELP),
             }
         }
         Ok(())
@@ -256,7 +256,7 @@ impl<R: BufRead> Cleaner<R> {
                 return Err(Fault {
                     line,
                     why,
-                    mend: "check that the file is complete",
+                    help: "check that the file is complete",
                 });
             }
         }
@@ -283,11 +283,11 @@ impl<R: BufRead> Cleaner<R> {
         Ok(out)
     }
 
-    fn fault(&self, why: String, mend: &'static str) -> Result<(), Fault> {
+    fn fault(&self, why: String, help: &'static str) -> Result<(), Fault> {
         Err(Fault {
             line: self.line,
             why,
-            mend,
+            help,
         })
     }
 

@@ -62,7 +62,7 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<Vec<Entry>, SceneError> {
                         key: Some(keyword.to_owned()),
                     },
                     why,
-                    mend: "write numbers as 0.5, one or three".to_owned(),
+                    help: "write numbers as 0.5, one or three".to_owned(),
                 })?;
         }
     }

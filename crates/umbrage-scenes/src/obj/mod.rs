@@ -78,7 +78,7 @@ pub(crate) fn framed(geometry: &Geometry, place: Place) -> Result<Camera, SceneE
         None => Err(SceneError::Fault {
             place,
             why: format!("is {extent:e} m across"),
-            mend: format!("scale it to between {:e} and {:e} m", SIZES[0], SIZES[1]),
+            help: format!("scale it to between {:e} and {:e} m", SIZES[0], SIZES[1]),
         }),
     }
 }
@@ -124,7 +124,7 @@ fn read(path: &Path, source: impl BufRead) -> Result<Model, SceneError> {
     };
     let parsed = tobj::load_obj_buf(&mut clean, &options, |_| Ok(Default::default()));
     let clean = clean.into_inner();
-    let fault = |line, why: String, mend: &str| {
+    let fault = |line, why: String, help: &str| {
         let place = Place {
             file: path.display().to_string(),
             line,
@@ -133,11 +133,11 @@ fn read(path: &Path, source: impl BufRead) -> Result<Model, SceneError> {
         SceneError::Fault {
             place,
             why,
-            mend: mend.to_owned(),
+            help: help.to_owned(),
         }
     };
     if let Some(f) = clean.fault {
-        return Err(fault(Some(f.line), f.why, f.mend));
+        return Err(fault(Some(f.line), f.why, f.help));
     }
     if let Some(error) = clean.failure {
         return Err(SceneError::unreadable(path, &error));

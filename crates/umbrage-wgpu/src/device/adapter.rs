@@ -94,12 +94,12 @@ impl AdapterChoice {
     }
 
     fn no_adapter(&self, found: &[String]) -> BackendError {
-        let mut mend =
+        let mut help =
             "install the graphics card's Vulkan driver, or a software one (Debian and Ubuntu: \
                         `apt-get install mesa-vulkan-drivers libvulkan1`)"
                 .to_owned();
         if !found.is_empty() {
-            mend = format!("ask for one of those found, or {mend}");
+            help = format!("ask for one of those found, or {help}");
         }
         let found = if found.is_empty() {
             "none".to_owned()
@@ -109,7 +109,7 @@ impl AdapterChoice {
         BackendError::NoAdapter {
             wanted: self.to_string(),
             found,
-            mend,
+            help,
         }
     }
 }

@@ -24,11 +24,11 @@ pub fn check_adapter(adapter: &Adapter, recipe: &Recipe) -> Result<(), BackendEr
     let flags = adapter.get_downlevel_capabilities().flags;
     let clamps = recipe.casts.iter().any(|c| c.bias.clamp != 0.0);
     if clamps && !flags.contains(DownlevelFlags::DEPTH_BIAS_CLAMP) {
-        let mend = "set the clamp to 0, or choose another adapter or backend";
+        let help = "set the clamp to 0, or choose another adapter or backend";
         return Err(Invalid::new(
             "polygon offset",
             "has a clamp, which this adapter can't do",
-            mend,
+            help,
         )
         .into());
     }
@@ -74,6 +74,6 @@ fn check_drawable(adapter: &Adapter, format: TextureFormat) -> Result<(), Backen
 fn missing(adapter: &Adapter, why: &str) -> BackendError {
     let info = adapter.get_info();
     let what = format!("graphics adapter {} ({})", info.name, info.backend);
-    let mend = "choose another adapter (WGPU_ADAPTER_NAME) or graphics API (WGPU_BACKEND), or the CPU backend";
-    Invalid::new(what, why, mend).into()
+    let help = "choose another adapter (WGPU_ADAPTER_NAME) or graphics API (WGPU_BACKEND), or the CPU backend";
+    Invalid::new(what, why, help).into()
 }

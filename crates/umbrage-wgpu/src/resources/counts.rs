@@ -36,8 +36,8 @@ pub(crate) fn pairs(recipe: &Recipe) -> Result<Vec<Pair>, Invalid> {
                 "into image {} against image {depth} has a rival for one of the two",
                 cast.image
             );
-            let mend = "give each image of counts a depth image of its own, and draw into both";
-            return Err(Invalid::new("counting cast", why, mend));
+            let help = "give each image of counts a depth image of its own, and draw into both";
+            return Err(Invalid::new("counting cast", why, help));
         }
         if !pairs.contains(&pair) {
             pairs.push(pair);
@@ -55,12 +55,12 @@ pub(crate) fn check_counting(recipe: &Recipe, features: Features) -> Result<(), 
     if !counts || features.contains(COUNTING) {
         return Ok(());
     }
-    let mend = "request the feature `DEPTH32FLOAT_STENCIL8` when the device is made; if its adapter hasn't got it, \
+    let help = "request the feature `DEPTH32FLOAT_STENCIL8` when the device is made; if its adapter hasn't got it, \
                 choose another adapter, another technique or the CPU backend";
     Err(Invalid::new(
         "counting cast",
         "needs a format that this device can't use",
-        mend,
+        help,
     )
     .into())
 }

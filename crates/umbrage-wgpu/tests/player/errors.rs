@@ -67,7 +67,7 @@ fn no_adapter_says_what_there_is_and_what_to_install() {
     let BackendError::NoAdapter {
         wanted,
         found,
-        mend,
+        help,
     } = &error
     else {
         panic!("{error:?}")
@@ -75,8 +75,8 @@ fn no_adapter_says_what_there_is_and_what_to_install() {
     assert!(wanted.contains("no such card"), "{wanted}");
     assert!(!found.is_empty());
     assert!(
-        mend.contains("apt-get install mesa-vulkan-drivers libvulkan1"),
-        "{mend}"
+        help.contains("apt-get install mesa-vulkan-drivers libvulkan1"),
+        "{help}"
     );
 }
 

@@ -1,13 +1,13 @@
 //! Fits that were found before.
 
-use crate::{Layout, LightSpaces, PlanError, light_space::fit::kind::Fit};
+use crate::{Layout, LightSpaces, RecipeError, light_space::fit::kind::Fit};
 use std::sync::Mutex;
 
 /// The light spaces that were found for one view: techniques whose maps lie alike then share the search. Whoever tries many
 /// settings on one view hangs it on that view: [`View::with_fits`](crate::View::with_fits).
 #[derive(Debug, Default)]
 pub struct FitMemory {
-    found: Mutex<Vec<(Asked, Result<LightSpaces, PlanError>)>>,
+    found: Mutex<Vec<(Asked, Result<LightSpaces, RecipeError>)>>,
 }
 
 /// What a fit hangs on beside the view.
@@ -24,8 +24,8 @@ impl FitMemory {
     pub(super) fn recall(
         &self,
         asked: Asked,
-        find: impl FnOnce() -> Result<LightSpaces, PlanError>,
-    ) -> Result<LightSpaces, PlanError> {
+        find: impl FnOnce() -> Result<LightSpaces, RecipeError>,
+    ) -> Result<LightSpaces, RecipeError> {
         // A thread that panicked while it held the lock has left whole entries behind.
         let lock = || {
             self.found

@@ -19,7 +19,7 @@ pub use crate::light_space::fit::memory::FitMemory;
 pub use crate::light_space::fit::relevant::relevant_casters;
 
 use crate::{
-    Invalid, Light, PlanError, View, invalid,
+    Invalid, Light, RecipeError, View, invalid,
     light_space::{
         Extents, LightSpace,
         layers::{Layout, LightSpaces},
@@ -52,14 +52,14 @@ impl Fit {
         view: &View<'_>,
         size: u32,
         margin: f32,
-    ) -> Result<LightSpace, PlanError> {
+    ) -> Result<LightSpace, RecipeError> {
         view.validate()?;
         self.validate()?;
         self.single(view, size, margin)
     }
 
     /// The light space of a valid fit for a valid view.
-    fn single(&self, view: &View<'_>, size: u32, margin: f32) -> Result<LightSpace, PlanError> {
+    fn single(&self, view: &View<'_>, size: u32, margin: f32) -> Result<LightSpace, RecipeError> {
         let view = &self.known(view);
         let Light::Directional { direction, .. } = *view.light else {
             return perspective::single(self, view, size, margin);
@@ -123,7 +123,7 @@ impl Fit {
         view: &View<'_>,
         size: u32,
         margin: f32,
-    ) -> Result<LightSpaces, PlanError> {
+    ) -> Result<LightSpaces, RecipeError> {
         let find = || {
             let mut spaces = self.find(layout, view, size, margin)?;
             if let Some(geometry) = view.geometry {
@@ -151,7 +151,7 @@ impl Fit {
         view: &View<'_>,
         size: u32,
         margin: f32,
-    ) -> Result<LightSpaces, PlanError> {
+    ) -> Result<LightSpaces, RecipeError> {
         view.validate()?;
         self.validate()?;
         let single = || {
@@ -164,12 +164,12 @@ impl Fit {
         };
         match (layout, view.light.position()) {
             (Layout::Single, _) | (Layout::Auto, None) => single(),
-            (Layout::Cube, None) => Err(PlanError::unsupported(
+            (Layout::Cube, None) => Err(RecipeError::unsupported(
                 "a directional light has no place to put a cube around",
             )),
             (Layout::Cube, Some(eye)) => cube(eye),
             (Layout::Auto, Some(eye)) => match single() {
-                Err(PlanError::Unsupported(_)) => cube(eye),
+                Err(RecipeError::Unsupported(_)) => cube(eye),
                 // A kernel may be too wide for a cube's faces.
                 Ok(one) if !suffices(&one, eye) => cube(eye).or(Ok(one)),
                 other => other,

@@ -1,7 +1,7 @@
 //! Fits of lights with a position: one pyramid, or a cube's six.
 
 use crate::{
-    Aabb, CasterSet, Light, PlanError, View,
+    Aabb, CasterSet, Light, RecipeError, View,
     light_space::{
         LightSpace,
         depth_range::{Pyramid, depth_range},
@@ -28,7 +28,7 @@ pub(super) fn single(
     view: &View<'_>,
     size: u32,
     margin: f32,
-) -> Result<LightSpace, PlanError> {
+) -> Result<LightSpace, RecipeError> {
     let eye = view.light.position().unwrap_or_default();
     let lamp = if *fit == Fit::Tight {
         Lamp::new(view, eye, size, margin)
@@ -37,7 +37,7 @@ pub(super) fn single(
     };
     let (axis, half_angle) = cone(view, eye, lamp.as_ref())?;
     if half_angle.to_degrees() > WIDEST_HALF_ANGLE {
-        return Err(PlanError::unsupported(format!(
+        return Err(RecipeError::unsupported(format!(
             "the {} light needs a cone of {:.0} degrees (a spot its own, others one that holds all casters), and one map \
              covers at most {:.0}: use `Layout::Cube`",
             view.light.kind(),
@@ -68,11 +68,11 @@ pub(super) fn cube(
     eye: Vec3,
     size: u32,
     margin: f32,
-) -> Result<LightSpaces, PlanError> {
+) -> Result<LightSpaces, RecipeError> {
     if size as f32 - 2.0 * margin - 2.0 < size as f32 / WIDEST_HALF_ANGLE.to_radians().tan()
         && margin > 0.0
     {
-        return Err(PlanError::unsupported(format!(
+        return Err(RecipeError::unsupported(format!(
             "a kernel that reaches {margin} texels is too wide for a cube's faces of {size}: use greater maps or a \
              smaller kernel"
         )));
@@ -143,7 +143,7 @@ fn widened(half_angle: f32, size: u32, margin: f32) -> f32 {
 
 /// The axis and half angle (radians) of what one map has to show: a spot's own cone, else one around casters; narrower
 /// where a lamp knows what matters.
-fn cone(view: &View<'_>, eye: Vec3, lamp: Option<&Lamp<'_>>) -> Result<(Vec3, f32), PlanError> {
+fn cone(view: &View<'_>, eye: Vec3, lamp: Option<&Lamp<'_>>) -> Result<(Vec3, f32), RecipeError> {
     let (axis, widest) = match *view.light {
         Light::Spot {
             direction, outer, ..

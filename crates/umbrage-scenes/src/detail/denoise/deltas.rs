@@ -65,7 +65,7 @@ impl Surface {
 fn check(mesh: &Mesh) -> Result<(), Invalid> {
     mesh.validate()?;
     let invalid =
-        |why: String, mend: &str| Err(Invalid::new(format!("mesh `{}`", mesh.name), why, mend));
+        |why: String, help: &str| Err(Invalid::new(format!("mesh `{}`", mesh.name), why, help));
     if mesh.uvs.is_empty() {
         return invalid(
             "has no texture coordinates to store a map over".to_owned(),

@@ -20,7 +20,7 @@ impl DisplacementMap {
         let failed = |file: &Path, why: &dyn std::fmt::Display| SceneError::Unwritable {
             file: file.display().to_string(),
             why: format!("can't be written: {why}"),
-            mend: "check that its folder is there and may be written to".to_owned(),
+            help: "check that its folder is there and may be written to".to_owned(),
         };
         let image =
             ImageBuffer::<Luma<u16>, _>::from_raw(self.size.x, self.size.y, self.greys.clone());

@@ -4,7 +4,7 @@ use crate::Invalid;
 
 /// Why there is no recipe.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum PlanError {
+pub enum RecipeError {
     /// The technique is not made for this: a value rather than a fault. Reports print a dash and the reason.
     #[error("not supported: {0}")]
     Unsupported(String),
@@ -13,7 +13,7 @@ pub enum PlanError {
     Invalid(#[from] Invalid),
 }
 
-impl PlanError {
+impl RecipeError {
     /// The technique can't serve this, for this reason.
     pub fn unsupported(reason: impl Into<String>) -> Self {
         Self::Unsupported(reason.into())
