@@ -171,7 +171,7 @@ fn for_each_class(mut check: impl FnMut(&str, &[[Vec4; 3]], &View<'_>, &Recipe, 
 fn the_cpu_draws_what_the_device_draws() {
     let (snapping, exact) = {
         let gpu = gpu();
-        (gpu.snapping(), gpu.is_pinned_lavapipe())
+        (gpu.snapping(), gpu.promises_bits())
     };
     println!("{snapping}");
     let mut covered = 0;

@@ -68,7 +68,7 @@ const LOOSE_SHARE: f64 = 1e-3;
 
 fn equal(what: &str, label: &str, cpu: &[f32], gpu: &[f32]) {
     assert_eq!(cpu.len(), gpu.len(), "{label}: {what}");
-    let exact = umbrage_tests::gpu::gpu().is_pinned_lavapipe();
+    let exact = umbrage_tests::gpu::gpu().promises_bits();
     let differ = |a: f32, b: f32| {
         if exact {
             a.to_bits() != b.to_bits()

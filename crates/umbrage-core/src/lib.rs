@@ -37,11 +37,13 @@ pub use geometry::{
 };
 pub use glam;
 pub use invalid::Invalid;
+#[cfg(feature = "testing")]
+pub use light_space::fit::relevant_casters;
 pub use light_space::{
     Extents, LightSpace,
     caster_set::CasterSet,
     depth_range,
-    fit::{Fit, FitMemory, relevant_casters},
+    fit::{Fit, FitMemory},
     footprint,
     layers::{Layout, LightSpaces},
 };

@@ -24,6 +24,7 @@ mod images;
 mod options;
 mod raster;
 mod receive;
+#[cfg(feature = "testing")]
 mod replay;
 mod shade;
 mod sparse;

@@ -1,7 +1,7 @@
 //! [`Gpu`]: a backend with a device of its own.
 
 use crate::{
-    Counters, Frame, Options, ShadowRenderer,
+    Frame, Options, ShadowRenderer,
     device::{
         adapter::AdapterChoice,
         convert::Converter,
@@ -16,7 +16,10 @@ use crate::{
     gbuffer::{GBufferPass, ReceiverTextures},
     renderer::check_size,
     resources::{
-        counters::ResourceFactory, counts::COUNTING, geometry::Geometries, images::GpuImage,
+        counters::{Counters, ResourceFactory},
+        counts::COUNTING,
+        geometry::Geometries,
+        images::GpuImage,
     },
 };
 use std::sync::{Mutex, PoisonError};
@@ -35,6 +38,7 @@ macro_rules! maker {
         }
     };
 }
+#[cfg(feature = "testing")]
 pub(crate) use maker;
 
 /// Plays recipes on a graphics adapter, uploads what they need and reads the mask back.
@@ -110,16 +114,6 @@ impl Gpu {
         self.adapter.get_info()
     }
 
-    /// Whether the adapter is the software driver whose rounding the CPU backend copies bit for bit: Mesa 22.3.6's
-    /// lavapipe on a processor with fused multiply-add (its rasteriser uses it where there is one).
-    pub fn is_pinned_lavapipe(&self) -> bool {
-        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-        let fused = std::arch::is_x86_feature_detected!("fma");
-        #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
-        let fused = false;
-        fused && self.adapter_info().driver_info == "Mesa 22.3.6 (LLVM 15.0.6)"
-    }
-
     /// The device and its queue, to share them with a renderer of your own.
     pub fn device(&self) -> (&Device, &Queue) {
         (&self.device, &self.queue)
@@ -131,6 +125,7 @@ impl Gpu {
     }
 
     /// What was made so far, for recipes and for receivers.
+    #[cfg(feature = "testing")]
     pub fn counters(&self) -> Counters {
         let (a, b) = (self.counters, self.renderer.counters());
         Counters {

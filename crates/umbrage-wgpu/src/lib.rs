@@ -16,9 +16,12 @@ mod filter;
 mod frame;
 mod gbuffer;
 mod gbuffer_from_depth;
+#[cfg(feature = "testing")]
+mod pinned_driver;
 mod prefix;
 mod receive;
 mod renderer;
+#[cfg(feature = "testing")]
 mod replay;
 mod resources;
 mod shade;
@@ -33,8 +36,12 @@ pub use device::{
 };
 pub use frame::{Drawable, Frame, GBuffer, Indices, VertexLayout};
 pub use gbuffer_from_depth::{DepthBuffer, GBufferFromDepth};
+#[cfg(feature = "testing")]
+pub use pinned_driver::{PINNED_DRIVER, PINNED_DRIVER_VARIABLE};
 pub use renderer::{Options, ShadowRenderer};
-pub use resources::{counters::Counters, images::texture_format, timestamps::PassTimestamps};
+#[cfg(feature = "testing")]
+pub use resources::counters::Counters;
+pub use resources::{images::texture_format, timestamps::PassTimestamps};
 pub use targets::CastTarget;
 pub use wgpu;
 pub use wgsl::receive_wgsl;

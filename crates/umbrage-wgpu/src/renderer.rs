@@ -260,6 +260,7 @@ impl ShadowRenderer {
     }
 
     /// Filters without the clearing of images that nothing writes.
+    #[cfg(feature = "testing")]
     pub(crate) fn encode_filters_only(
         &self,
         encoder: &mut CommandEncoder,
@@ -268,6 +269,7 @@ impl ShadowRenderer {
         Ok(())
     }
 
+    #[cfg(feature = "testing")]
     pub(crate) fn encode_receive(&self, encoder: &mut CommandEncoder) -> Result<(), BackendError> {
         self.recorded(encoder)?
             .encode_mask(encoder, self.options, None)
@@ -294,7 +296,8 @@ impl ShadowRenderer {
         self.gpu_picture().map(|image| &image.whole)
     }
 
-    /// What was made so far.
+    /// Returns how many GPU objects were made so far.
+    #[cfg(feature = "testing")]
     pub fn counters(&self) -> Counters {
         Counters {
             buffers: self.counters.buffers + self.submissions.made(),

@@ -70,7 +70,7 @@ fn both_halves_agree() {
             let theirs = gpu()
                 .replay_receive(&case.view(), &recipe, &cpu.images)
                 .expect("renders");
-            let exact = gpu().is_pinned_lavapipe();
+            let exact = gpu().promises_bits();
             let bound = if exact { 0.0 } else { WEIGHT_ERROR };
             let off = cpu
                 .mask

@@ -11,6 +11,13 @@ pub(crate) fn find() -> Result<Option<String>> {
     find_with(|_| ())
 }
 
+/// Checks that the tests' adapter is the driver on which bits are promised.
+pub(crate) fn check_pinned() -> Result<()> {
+    let mut program = beside("adapter")?;
+    run(with_runtime_dir(program.arg("--pinned"))?)
+        .context("bits can't be compared here: install Mesa 22.3.6 (Debian 12), or leave out --pinned-driver")
+}
+
 /// The same once the program's environment is prepared.
 pub(crate) fn find_with(prepare: impl FnOnce(&mut Command)) -> Result<Option<String>> {
     let mut program = beside("adapter")?;

@@ -47,9 +47,11 @@ pub(crate) fn ci(options: &CiOptions) -> Result<()> {
 
 fn steps(options: &CiOptions) -> Vec<Step> {
     let install_driver = options.install_driver;
+    let pinned_driver = options.pinned_driver;
     let test = move || {
         test::test(&TestOptions {
             install_driver,
+            pinned_driver,
             arguments: Vec::new(),
         })
     };

@@ -37,6 +37,10 @@ pub(crate) struct TestOptions {
     /// one, SwiftShader, into cargo's target folder (Debian)
     #[arg(long)]
     pub(crate) install_driver: bool,
+    /// Fail unless the adapter is the software driver on which the backends promise the same bits; else other drivers are
+    /// compared by decided pixels
+    #[arg(long)]
+    pub(crate) pinned_driver: bool,
     /// Further arguments of `cargo test`
     #[arg(last = true, value_name = "ARGUMENT")]
     pub(crate) arguments: Vec<String>,
@@ -64,6 +68,9 @@ pub(crate) struct CiOptions {
     /// Leave out the tests
     #[arg(long)]
     pub(crate) after_tests: bool,
+    /// As `cargo xtask test --pinned-driver`
+    #[arg(long, conflicts_with = "after_tests")]
+    pub(crate) pinned_driver: bool,
     /// As `cargo xtask test --install-driver`
     #[arg(long, conflicts_with = "after_tests")]
     pub(crate) install_driver: bool,

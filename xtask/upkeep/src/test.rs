@@ -30,6 +30,9 @@ pub(crate) fn test(options: &TestOptions) -> Result<()> {
         ),
     };
     let second = second_driver(options)?;
+    if options.pinned_driver {
+        adapter::check_pinned()?;
+    }
     println!("testing on {adapter}");
     let mut command = cargo();
     command.args(["test", "--all-features", "--no-fail-fast"]);
@@ -39,6 +42,9 @@ pub(crate) fn test(options: &TestOptions) -> Result<()> {
         .any(|a| a.starts_with("-p") || a.starts_with("--package"))
     {
         command.arg("--workspace");
+    }
+    if options.pinned_driver {
+        command.env("UMBRAGE_PINNED_DRIVER", "required");
     }
     let mut failed = told(
         &run_tests(command.args(&options.arguments))?,

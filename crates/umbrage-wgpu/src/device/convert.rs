@@ -3,7 +3,6 @@
 
 use crate::{
     filter::color_attachment,
-    gbuffer::write,
     resources::{
         bindings::{Binding, Bound, Layouts, Slot},
         counters::ResourceFactory,
@@ -14,11 +13,13 @@ use crate::{
     wgsl::FULLSCREEN,
 };
 use std::collections::HashMap;
-use umbrage_core::{Format, Image, ImageDesc};
+use umbrage_core::{Format, ImageDesc};
 use wgpu::{
     BindGroupLayout, Color, CommandEncoder, RenderPassDescriptor, RenderPipeline, ShaderStages,
     TextureView,
 };
+#[cfg(feature = "testing")]
+use {crate::gbuffer, umbrage_core::Image};
 
 /// Converts all layers of images.
 #[derive(Debug, Default)]
@@ -65,6 +66,7 @@ impl Converter {
     }
 
     /// Gives images the contents of others like them: some at once, depth in passes that it records.
+    #[cfg(feature = "testing")]
     pub(crate) fn write(
         &mut self,
         maker: &mut ResourceFactory<'_>,
@@ -77,12 +79,12 @@ impl Converter {
             .zip(contents)
             .filter(|(to, _)| !to.desc.format.is_depth())
         {
-            write(maker.queue, &to.texture, &bytes(from));
+            gbuffer::write(maker.queue, &to.texture, &bytes(from));
         }
         let jobs = self.fit_floats(maker, images, |f| f.is_depth().then_some(Format::R32));
         let mut layers = Vec::new();
         for (i, floats) in jobs.into_iter().zip(&self.floats) {
-            write(
+            gbuffer::write(
                 maker.queue,
                 &floats.texture,
                 bytemuck::cast_slice(&contents[i].texels),
@@ -191,6 +193,7 @@ fn pipeline(
 }
 
 /// An image's texels as its own format has them.
+#[cfg(feature = "testing")]
 fn bytes(image: &Image) -> Vec<u8> {
     let whole = |scale: f32| {
         image

@@ -5,11 +5,10 @@
 //! was moved to, to a thousandth of a pixel; how many different places there are tells the grid's step.
 
 use crate::{
-    Counters,
     device::readback::{ReadBack, Spare},
     filter::color_attachment,
     resources::{
-        counters::ResourceFactory,
+        counters::{Counters, ResourceFactory},
         pipelines::{Targets, fullscreen_pipeline},
     },
 };

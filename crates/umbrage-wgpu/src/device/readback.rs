@@ -1,6 +1,6 @@
 //! From GPU memory to vectors.
 
-use crate::{Counters, resources::images::GpuImage};
+use crate::resources::{counters::Counters, images::GpuImage};
 use bytemuck::Pod;
 use std::sync::{Arc, OnceLock};
 use umbrage_core::BackendError;

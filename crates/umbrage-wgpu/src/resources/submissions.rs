@@ -46,6 +46,7 @@ impl Submissions {
     }
 
     /// Buffers made.
+    #[cfg(feature = "testing")]
     pub(crate) fn made(&self) -> u32 {
         self.made.load(Ordering::Relaxed)
     }

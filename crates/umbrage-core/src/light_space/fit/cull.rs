@@ -264,6 +264,7 @@ impl<'a> Need<'a> {
     }
 
     /// The casters that may matter.
+    #[cfg(feature = "testing")]
     pub(super) fn casters(&self) -> impl Iterator<Item = u32> + '_ {
         let matters = |&t: &u32| {
             let polygon = self.space.triangle(self.geometry.corners(t));

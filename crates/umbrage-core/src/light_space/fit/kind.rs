@@ -13,8 +13,7 @@ pub enum Fit {
     /// only if that surrounds them.
     ///
     /// What is seen is [`View::receivers`](crate::View::receivers); all receivers where those are unknown. Triangles of which only a box is known
-    /// are not culled. Bias may move receivers away from the light by 1/64 of the map's range or more: see
-    /// [`relevant_casters`](crate::relevant_casters).
+    /// are not culled. Bias may move receivers away from the light by 1/64 of the map's range or more.
     #[default]
     Tight,
     /// As tight as it goes around all that casts and receives, seen or not: it stands still while the camera moves, and

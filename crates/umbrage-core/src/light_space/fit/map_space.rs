@@ -4,8 +4,8 @@
 //! z, the *rank*, grows away from the light: metres along the view, or with perspective minus one over them. Triangles
 //! stay triangles, and clip depth is linear in the rank, with perspective as without.
 
-use crate::{Aabb, LightSpace, light_space::fit::polygon::Polygon};
-use glam::{DAffine3, DVec2, DVec3, Vec3, Vec4};
+use crate::{Aabb, light_space::fit::polygon::Polygon};
+use glam::{DAffine3, DVec2, DVec3, Vec3};
 
 /// The way from the world to a map.
 #[derive(Clone, Copy, Debug)]
@@ -69,10 +69,11 @@ impl Bounds {
 }
 
 impl MapSpace {
-    /// Of a space that is fitted already.
-    pub(super) fn of(space: &LightSpace) -> Self {
+    /// Returns the map space of a light space that is fitted already.
+    #[cfg(feature = "testing")]
+    pub(super) fn of(space: &crate::LightSpace) -> Self {
         let projection = space.clip_from_view;
-        let perspective = projection.row(3) != Vec4::W;
+        let perspective = projection.row(3) != glam::Vec4::W;
         let near = f64::from(projection.w_axis.z) / f64::from(projection.z_axis.z);
         Self {
             view_from_world: DAffine3::from_mat4(space.view_from_world.as_dmat4()),

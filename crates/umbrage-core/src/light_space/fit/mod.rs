@@ -9,6 +9,7 @@ mod parallel;
 mod perspective;
 mod points;
 mod polygon;
+#[cfg(feature = "testing")]
 mod relevant;
 mod stable;
 #[cfg(test)]
@@ -16,6 +17,7 @@ mod tests;
 
 pub use crate::light_space::fit::kind::Fit;
 pub use crate::light_space::fit::memory::FitMemory;
+#[cfg(feature = "testing")]
 pub use crate::light_space::fit::relevant::relevant_casters;
 
 use crate::{

@@ -1,0 +1,73 @@
+//! The driver on which the two backends promise the same bits: for tests.
+
+use crate::Gpu;
+
+/// What the driver says of itself.
+pub const PINNED_DRIVER: &str = "Mesa 22.3.6 (LLVM 15.0.6)";
+
+/// Environment variable that makes tests fail on other drivers, where its value is `required`. CI sets it.
+pub const PINNED_DRIVER_VARIABLE: &str = "UMBRAGE_PINNED_DRIVER";
+
+impl Gpu {
+    /// Checks that the adapter is the software driver whose rounding the CPU backend copies bit for bit: lavapipe of Mesa
+    /// 22.3.6 on a processor with fused multiply-add (its rasteriser uses it where there is one).
+    ///
+    /// # Errors
+    /// Errors if it is another driver, and says which.
+    pub fn check_pinned_driver(&self) -> Result<(), String> {
+        check(&self.adapter_info().driver_info, has_fused_multiply_add())
+    }
+
+    /// Returns whether the adapter is the driver of [`Gpu::check_pinned_driver`]. If not, prints which driver was found, and
+    /// that bits are not compared.
+    ///
+    /// Panics if it is another driver and the environment variable `UMBRAGE_PINNED_DRIVER` is `required`.
+    pub fn promises_bits(&self) -> bool {
+        let Err(why) = self.check_pinned_driver() else {
+            return true;
+        };
+        let required = std::env::var(PINNED_DRIVER_VARIABLE).is_ok_and(|value| value == "required");
+        assert!(
+            !required,
+            "{PINNED_DRIVER_VARIABLE} is `required`, but {why}"
+        );
+        println!("bits are not compared, only decided pixels: {why}");
+        false
+    }
+}
+
+/// Objects to drivers that promise no bits.
+fn check(driver: &str, fused: bool) -> Result<(), String> {
+    if driver != PINNED_DRIVER {
+        return Err(format!(
+            "the driver is `{driver}`, and bits are promised on `{PINNED_DRIVER}`"
+        ));
+    }
+    if !fused {
+        return Err("the processor has no fused multiply-add".to_owned());
+    }
+    Ok(())
+}
+
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+fn has_fused_multiply_add() -> bool {
+    std::arch::is_x86_feature_detected!("fma")
+}
+
+#[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
+fn has_fused_multiply_add() -> bool {
+    false
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{PINNED_DRIVER, check};
+
+    #[test]
+    fn other_drivers_are_named() {
+        assert_eq!(check(PINNED_DRIVER, true), Ok(()));
+        let other = check("Mesa 23.1.0 (LLVM 16.0.0)", true).expect_err("another driver");
+        assert!(other.contains("Mesa 23.1.0"), "{other}");
+        assert!(check(PINNED_DRIVER, false).is_err());
+    }
+}
