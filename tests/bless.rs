@@ -1,8 +1,9 @@
-//! Says which kept files (golden images, the README's table of techniques) differ from what is made now, or writes those
+//! Says which kept files (golden images, assembled WGSL, the README's table of techniques) differ from what is made now, or writes those
 //! named: `cargo xtask bless`.
 
 use std::{path::PathBuf, process::ExitCode};
 use umbrage_tests::{
+    assembled::{self, Assembled},
     golden::{self, Golden},
     technique_table,
 };
@@ -10,18 +11,22 @@ use umbrage_tests::{
 /// A file that is kept, and can be made anew.
 enum Kept {
     Golden(Golden),
+    Assembled(Assembled),
     TechniqueTable,
 }
 
 impl Kept {
     fn all() -> Vec<Self> {
         let goldens = golden::all().into_iter().map(Self::Golden);
-        goldens.chain([Self::TechniqueTable]).collect()
+        let assembled = assembled::all().into_iter().map(Self::Assembled);
+        let all = goldens.chain(assembled).chain([Self::TechniqueTable]);
+        all.collect()
     }
 
     fn name(&self) -> String {
         match self {
             Self::Golden(golden) => golden.name(),
+            Self::Assembled(assembled) => assembled.name.clone(),
             Self::TechniqueTable => technique_table::NAME.to_owned(),
         }
     }
@@ -29,6 +34,7 @@ impl Kept {
     fn path(&self) -> PathBuf {
         match self {
             Self::Golden(golden) => golden.path(),
+            Self::Assembled(assembled) => assembled.path(),
             Self::TechniqueTable => technique_table::path(),
         }
     }
@@ -36,6 +42,7 @@ impl Kept {
     fn check(&self) -> Result<(), String> {
         match self {
             Self::Golden(golden) => golden.check(),
+            Self::Assembled(assembled) => assembled.check(),
             Self::TechniqueTable => technique_table::check(),
         }
     }
@@ -43,6 +50,7 @@ impl Kept {
     fn bless(&self) -> Result<(), String> {
         match self {
             Self::Golden(golden) => golden.bless(),
+            Self::Assembled(assembled) => assembled.bless(),
             Self::TechniqueTable => technique_table::bless(),
         }
     }

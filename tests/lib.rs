@@ -1,6 +1,7 @@
 //! Helpers shared by the tests.
 
 pub mod adapter;
+pub mod assembled;
 pub mod golden;
 pub mod gpu;
 pub mod layouts;

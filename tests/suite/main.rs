@@ -1,5 +1,6 @@
 //! Tests across packages.
 
+mod assembled;
 mod functions;
 mod goldens;
 mod layouts;

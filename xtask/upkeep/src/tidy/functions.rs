@@ -1,6 +1,6 @@
-//! How long Rust functions are.
+//! Where Rust functions stand.
 
-use super::{Length, files::Source};
+use super::files::Source;
 use anyhow::{Result, anyhow};
 use proc_macro2::Span;
 use syn::{
@@ -8,8 +8,18 @@ use syn::{
     visit::{self, Visit},
 };
 
-/// The lines of every function with a body, from its `fn` to its closing brace.
-pub(super) fn lengths(source: &Source) -> Result<Vec<Length>> {
+/// A function with a body.
+pub(super) struct Function {
+    /// Line of its `fn`.
+    pub(super) first_line: usize,
+    /// Line of its closing brace.
+    pub(super) last_line: usize,
+    /// `path:line name`
+    pub(super) place: String,
+}
+
+/// Returns every function with a body.
+pub(super) fn all(source: &Source) -> Result<Vec<Function>> {
     let file = syn::parse_file(&source.text)
         .map_err(|e| anyhow!("{}:{}: {e}", source.path, e.span().start().line))?;
     let mut visitor = Visitor {
@@ -22,16 +32,16 @@ pub(super) fn lengths(source: &Source) -> Result<Vec<Length>> {
 
 struct Visitor<'a> {
     path: &'a str,
-    out: Vec<Length>,
+    out: Vec<Function>,
 }
 
 impl Visitor<'_> {
     fn add(&mut self, signature: &Signature, block: &Block) {
-        let first = line(signature.fn_token.span);
-        let lines = line(block.brace_token.span.close()) - first + 1;
-        self.out.push(Length {
-            lines,
-            place: format!("{}:{first} {}", self.path, signature.ident),
+        let first_line = line(signature.fn_token.span);
+        self.out.push(Function {
+            first_line,
+            last_line: line(block.brace_token.span.close()),
+            place: format!("{}:{first_line} {}", self.path, signature.ident),
         });
     }
 }
@@ -61,7 +71,7 @@ impl<'ast> Visit<'ast> for Visitor<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Source, lengths};
+    use super::{Source, all};
 
     #[test]
     fn functions_of_every_kind_are_found() {
@@ -71,10 +81,10 @@ mod tests {
             path: "x.rs".to_owned(),
             text: text.to_owned(),
         };
-        let found: Vec<_> = lengths(&source)
+        let found: Vec<_> = all(&source)
             .expect("good code")
             .into_iter()
-            .map(|l| format!("{} {}", l.lines, l.place))
+            .map(|f| format!("{} {}", f.last_line - f.first_line + 1, f.place))
             .collect();
         assert_eq!(
             found,

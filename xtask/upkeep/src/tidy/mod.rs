@@ -1,37 +1,53 @@
-//! House style that no linter knows: short functions, short files, nothing left for later.
+//! House style that no linter knows: functions and files that are not too long, code that is not too dense, one meaning for every
+//! type name, nothing left for later.
 
 mod files;
 mod functions;
+mod names;
 mod rules;
+mod tokens;
 mod wgsl;
 
 use crate::run::root;
 use anyhow::{Result, bail};
 use comfy_table::Table;
 use files::Source;
+use tokens::Tokens;
 
-/// Longest Rust function, Rust file, WGSL function and WGSL file, lines.
-const LIMITS: [(&str, usize); 4] = [
-    ("Rust functions", 70),
-    ("Rust files", 450),
-    ("WGSL functions", 70),
-    ("WGSL files", 200),
+/// What is measured, and its bound. Density counts the tokens of a file over its lines of code, comments apart.
+const LIMITS: [(&str, usize); 6] = [
+    ("tokens of Rust functions", 950),
+    ("lines of Rust functions", 220),
+    ("lines of Rust files", 700),
+    ("tokens a line of Rust files", 14),
+    ("lines of WGSL functions", 70),
+    ("lines of WGSL files", 200),
 ];
 
-/// A length in lines, and whose.
+/// Files with fewer lines of code are too short to have a density.
+const LINES_FOR_DENSITY: usize = 30;
+
+/// The WGSL that is assembled from the other files, kept to be read.
+const ASSEMBLED: &str = "shaders/assembled/";
+
+/// A size, and whose.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Length {
-    lines: usize,
+    size: usize,
     /// `path:line name`
     place: String,
 }
 
-/// Prints the table of lengths, and objects to what is too long or against the rules.
+/// Sizes of each kind, in the order of [`LIMITS`].
+type Lengths = [Vec<Length>; LIMITS.len()];
+
+/// Prints the table of sizes, and objects to what is too large or against the rules.
 pub(crate) fn tidy() -> Result<()> {
     let sources = files::read_all(root())?;
     let lengths = measure(&sources)?;
     println!("{}", table(&lengths));
     let mut faults: Vec<String> = sources.iter().flat_map(rules::faults).collect();
+    faults.extend(names::faults(&sources));
     faults.extend(too_long(&lengths));
     if faults.is_empty() {
         println!("tidy: {} files, nothing to object to", sources.len());
@@ -40,22 +56,15 @@ pub(crate) fn tidy() -> Result<()> {
     bail!("tidy objects:\n  {}", faults.join("\n  "))
 }
 
-/// Lengths of the four kinds, in the order of [`LIMITS`], sorted.
-fn measure(sources: &[Source]) -> Result<[Vec<Length>; 4]> {
-    let mut out: [Vec<Length>; 4] = Default::default();
+/// Returns all sizes, sorted.
+fn measure(sources: &[Source]) -> Result<Lengths> {
+    let mut out = Lengths::default();
     for source in sources {
-        let file = Length {
-            lines: source.text.lines().count(),
-            place: source.path.clone(),
-        };
         match source.extension() {
-            "rs" => {
-                out[0].extend(functions::lengths(source)?);
-                out[1].push(file);
-            }
-            "wgsl" => {
-                out[2].extend(wgsl::lengths(source));
-                out[3].push(file);
+            "rs" => measure_rust(source, &mut out)?,
+            "wgsl" if !source.path.starts_with(ASSEMBLED) => {
+                out[4].extend(wgsl::lengths(source));
+                out[5].push(lines_of(source));
             }
             _ => {}
         }
@@ -64,30 +73,52 @@ fn measure(sources: &[Source]) -> Result<[Vec<Length>; 4]> {
     Ok(out)
 }
 
-fn table(lengths: &[Vec<Length>; 4]) -> Table {
+fn measure_rust(source: &Source, out: &mut Lengths) -> Result<()> {
+    let tokens = Tokens::of(source)?;
+    for function in functions::all(source)? {
+        out[0].push(Length {
+            size: tokens.within(function.first_line, function.last_line),
+            place: function.place.clone(),
+        });
+        out[1].push(Length {
+            size: function.last_line - function.first_line + 1,
+            place: function.place,
+        });
+    }
+    out[2].push(lines_of(source));
+    let (count, lines) = tokens.counts();
+    if lines >= LINES_FOR_DENSITY {
+        out[3].push(Length {
+            size: (count as f64 / lines as f64).round() as usize,
+            place: source.path.clone(),
+        });
+    }
+    Ok(())
+}
+
+fn lines_of(source: &Source) -> Length {
+    Length {
+        size: source.text.lines().count(),
+        place: source.path.clone(),
+    }
+}
+
+fn table(lengths: &Lengths) -> Table {
     let mut table = Table::new();
-    table.set_header([
-        "lines of",
-        "count",
-        "median",
-        "90 %",
-        "longest",
-        "limit",
-        "the longest",
-    ]);
+    table.set_header(["", "count", "median", "90 %", "most", "limit", "the most"]);
     for ((name, limit), lengths) in LIMITS.iter().zip(lengths) {
-        let at = |part: usize| {
-            lengths.get((lengths.len() * part / 100).min(lengths.len().saturating_sub(1)))
-        };
-        let lines = |part| at(part).map_or_else(|| "-".to_owned(), |l| l.lines.to_string());
+        let last = lengths.len().saturating_sub(1);
+        let at = |percent: usize| lengths.get((lengths.len() * percent / 100).min(last));
+        let size = |percent| at(percent).map_or_else(|| "-".to_owned(), |l| l.size.to_string());
         let longest = at(100).map_or("-", |l| &l.place);
-        let (count, limit) = (lengths.len().to_string(), limit.to_string());
+        let count = lengths.len().to_string();
+        let limit = limit.to_string();
         table.add_row([
             *name,
             &count,
-            &lines(50),
-            &lines(90),
-            &lines(100),
+            &size(50),
+            &size(90),
+            &size(100),
             &limit,
             longest,
         ]);
@@ -95,22 +126,17 @@ fn table(lengths: &[Vec<Length>; 4]) -> Table {
     table
 }
 
-fn too_long(lengths: &[Vec<Length>; 4]) -> Vec<String> {
-    let over = LIMITS
-        .iter()
-        .zip(lengths)
-        .flat_map(|((name, limit), lengths)| {
-            lengths
-                .iter()
-                .filter(move |l| l.lines > *limit)
-                .map(move |l| {
-                    format!(
-                        "{}: {} lines, and {name} may have {limit}: split it",
-                        l.place, l.lines
-                    )
-                })
-        });
-    over.collect()
+fn too_long(lengths: &Lengths) -> Vec<String> {
+    let mut faults = Vec::new();
+    for ((name, limit), lengths) in LIMITS.iter().zip(lengths) {
+        for length in lengths.iter().filter(|l| l.size > *limit) {
+            faults.push(format!(
+                "{}: {} {name}, and {limit} are allowed: split it",
+                length.place, length.size
+            ));
+        }
+    }
+    faults
 }
 
 #[cfg(test)]
@@ -118,26 +144,44 @@ mod tests {
     use super::{Source, measure, too_long};
 
     fn faults(path: &str, text: String) -> Vec<String> {
-        too_long(
-            &measure(&[Source {
-                path: path.to_owned(),
-                text,
-            }])
-            .expect("good code"),
-        )
+        let source = Source {
+            path: path.to_owned(),
+            text,
+        };
+        too_long(&measure(&[source]).expect("good code"))
+    }
+
+    fn function(lines: usize, line: &str) -> String {
+        format!("fn f() {{\n{}}}\n", line.repeat(lines - 2))
     }
 
     #[test]
     fn long_functions_and_files_are_refused() {
-        let function = |lines: usize| format!("fn f() {{\n{}}}\n", "    g();\n".repeat(lines - 2));
-        assert_eq!(faults("a.rs", function(70)), Vec::<String>::new());
-        assert_eq!(faults("a.rs", function(71)).len(), 1);
-        assert_eq!(faults("a.wgsl", function(71)).len(), 1);
-        assert_eq!(faults("a.rs", function(70).repeat(7)).len(), 1, "490 lines");
+        let rust = |lines| function(lines, "    g();\n");
+        assert_eq!(faults("a.rs", rust(220)), Vec::<String>::new());
+        assert_eq!(faults("a.rs", rust(221)).len(), 1);
+        assert_eq!(faults("a.rs", rust(101).repeat(7)).len(), 1, "707 lines");
+        assert_eq!(faults("a.wgsl", function(71, "    g();\n")).len(), 1);
         assert_eq!(
-            faults("a.wgsl", function(67).repeat(3)).len(),
+            faults("a.wgsl", function(67, "    g();\n").repeat(3)).len(),
             1,
             "201 lines"
+        );
+    }
+
+    #[test]
+    fn dense_code_is_refused() {
+        let calls = "g(); ".repeat(5) + "\n";
+        assert_eq!(
+            faults("a.rs", function(30, &calls)).len(),
+            1,
+            "20 tokens a line"
+        );
+        let many = "    g(1, 2, 3);\n";
+        assert_eq!(
+            faults("a.rs", function(110, many)).len(),
+            1,
+            "over 950 tokens"
         );
     }
 }

@@ -18,7 +18,7 @@ pub(super) fn lengths(source: &Source) -> Vec<Length> {
             && let Some((first, name)) = open.take()
         {
             out.push(Length {
-                lines: i - first + 1,
+                size: i - first + 1,
                 place: format!("{}:{} {name}", source.path, first + 1),
             });
         }
@@ -39,7 +39,7 @@ mod tests {
         };
         let found: Vec<_> = lengths(&source)
             .into_iter()
-            .map(|l| format!("{} {}", l.lines, l.place))
+            .map(|l| format!("{} {}", l.size, l.place))
             .collect();
         assert_eq!(found, ["3 x.wgsl:5 f", "2 x.wgsl:8 g"]);
     }
