@@ -97,7 +97,8 @@ impl Program {
     }
 }
 
-fn upload(d: &TestDevice, [width, height]: [u32; 2], data: &[u8]) -> TextureView {
+fn upload(d: &TestDevice, size: [u32; 2], data: &[u8]) -> TextureView {
+    let [width, height] = size;
     let texture = d.device.create_texture(&TextureDescriptor {
         label: None,
         size: Extent3d {

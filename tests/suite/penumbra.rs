@@ -40,9 +40,10 @@ fn width_ratio(mask: &[f32], receivers: &Receivers, start: f64, width: f64) -> f
 fn measured(
     backend: &mut dyn Backend,
     technique: &Pcss,
-    (name, start, width): (&str, f64, f64),
+    ramp: (&str, f64, f64),
     scale: f32,
 ) -> f64 {
+    let (name, start, width) = ramp;
     let mut scene = (find(name).expect("a built-in scene").build)();
     if let Light::Rect { half_u, half_v, .. } = &mut scene.lights[0] {
         (*half_u, *half_v) = (*half_u * scale, *half_v * scale);

@@ -233,11 +233,8 @@ fn spoil_pixel(mut pair: Pair) {
     assert!(is_caught(&mut pair));
 }
 
-fn spoil_shader(
-    view: &View<'_>,
-    recipe: &Recipe,
-    (from, to): (&'static str, &'static str),
-) -> Pair {
+fn spoil_shader(view: &View<'_>, recipe: &Recipe, slip: (&'static str, &'static str)) -> Pair {
+    let (from, to) = slip;
     let mut recipe = recipe.clone();
     let shade = recipe.shade.as_mut().expect("it shades");
     assert!(

@@ -35,8 +35,8 @@ fn kinds(perspective: bool) -> impl Iterator<Item = Kind> {
 }
 
 /// The camera with the matrices of another kind, each computed in `f64` and rounded once. `near_far` are the camera's.
-fn as_kind(camera: &Camera, kind: Kind, [near, far]: [f32; 2]) -> Camera {
-    let (near, far) = (f64::from(near), f64::from(far));
+fn as_kind(camera: &Camera, kind: Kind, near_far: [f32; 2]) -> Camera {
+    let [near, far] = near_far.map(f64::from);
     let rows = camera.clip_from_view.as_dmat4().transpose();
     // Depth is (a z + b) / w.
     let perspective = rows.w_axis == DVec4::NEG_Z;

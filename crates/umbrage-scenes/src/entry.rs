@@ -152,8 +152,9 @@ impl Sample {
     }
 }
 
-/// How far a point is off a triangle's plane or beyond one of its edges, whichever is more; 0 or less inside.
-fn outside(p: Vec3, [a, b, c]: [Vec3; 3]) -> f32 {
+/// Returns how far a point is off a triangle's plane or beyond one of its edges, metres, whichever is more; 0 or less inside.
+fn outside(p: Vec3, triangle: [Vec3; 3]) -> f32 {
+    let [a, b, c] = triangle;
     let n = (b - a).cross(c - a).normalize_or_zero();
     let beyond = |a: Vec3, b: Vec3| (b - a).cross(n).normalize_or_zero().dot(p - a);
     [

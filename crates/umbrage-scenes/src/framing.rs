@@ -65,8 +65,9 @@ impl Shot {
     }
 }
 
-/// Fits the plane that is missing, and keeps it on the right side of the given one.
-fn complete(given: [Option<f32>; 2], [near, far]: [f32; 2]) -> [f32; 2] {
+/// Returns the near and far plane: those that are given, else fitted ones, kept on the right side of the given one.
+fn complete(given: [Option<f32>; 2], fitted: [f32; 2]) -> [f32; 2] {
+    let [near, far] = fitted;
     match given {
         [Some(given), None] => [given, far.max(2.0 * given)],
         [None, Some(given)] => [near.min(0.5 * given), given],

@@ -42,9 +42,9 @@ fn around(left: &[u32], i: usize) -> [u32; 3] {
     ]
 }
 
-/// Twice the signed area.
-fn area(flat: &[DVec2], [a, b, c]: [u32; 3]) -> f64 {
-    let [a, b, c] = [a, b, c].map(|i| flat[i as usize]);
+/// Returns twice the signed area of a triangle, given by indices.
+fn area(flat: &[DVec2], triangle: [u32; 3]) -> f64 {
+    let [a, b, c] = triangle.map(|i| flat[i as usize]);
     (b - a).perp_dot(c - a)
 }
 

@@ -81,9 +81,10 @@ fn texels(image: &DynamicImage, meaning: Meaning) -> Vec<[f32; 4]> {
         .collect()
 }
 
-/// Alpha is never encoded.
-fn texel([r, g, b, _]: [f32; 4], alpha: f32) -> [f32; 4] {
-    [r, g, b, alpha]
+/// Returns a texel's decoded colour with its own alpha, which is never encoded.
+fn texel(decoded: [f32; 4], alpha: f32) -> [f32; 4] {
+    let [red, green, blue, _] = decoded;
+    [red, green, blue, alpha]
 }
 
 #[cfg(test)]

@@ -42,7 +42,7 @@ pub(super) fn read_all(
         let look = look::read(table, folder, &mut files, scene)?;
         let key = (source, Needs::of(look.as_ref()));
         if !known.contains_key(&key) {
-            known.insert(key.clone(), make(&key, &item, &mut files, scene)?);
+            known.insert(key.clone(), make(&key.0, &key.1, &item, &mut files, scene)?);
         }
         let parts = &known[&key];
         check_coordinates(look.as_ref(), parts, scene)?;
@@ -192,7 +192,8 @@ fn shape_or_mesh<'a>(table: &Table<'a>, folder: &Path) -> Result<(Source, Item<'
 }
 
 fn make(
-    (source, needs): &(Source, Needs),
+    source: &Source,
+    needs: &Needs,
     item: &Item<'_>,
     files: &mut TextureFiles,
     scene: &mut Scene,
@@ -269,7 +270,8 @@ fn row(item: &Item<'_>) -> Result<Vec4, SceneError> {
 }
 
 /// Scaled first, then turned about x, y and z in this order, then moved.
-fn from_steps([translate, rotate, scale]: &[Option<Item<'_>>; 3]) -> Result<Affine3A, SceneError> {
+fn from_steps(steps: &[Option<Item<'_>>; 3]) -> Result<Affine3A, SceneError> {
+    let [translate, rotate, scale] = steps;
     let vec3 = |item: &Option<Item<'_>>| item.as_ref().map_or(Ok(Vec3::ZERO), Item::vec3);
     let angles = vec3(rotate)? * std::f32::consts::PI / 180.0;
     let turn = Quat::from_euler(EulerRot::XYZEx, angles.x, angles.y, angles.z);

@@ -50,10 +50,11 @@ fn sphere(center: Vec3, radius: f32, splits: u32, polyhedron: (Vec<DVec3>, Vec<[
 }
 
 fn split(
-    [a, b, c]: [u32; 3],
+    triangle: [u32; 3],
     directions: &mut Vec<DVec3>,
     middles: &mut HashMap<(u32, u32), u32>,
 ) -> [[u32; 3]; 4] {
+    let [a, b, c] = triangle;
     let [ab, bc, ca] = [(a, b), (b, c), (c, a)].map(|(p, q)| {
         *middles.entry((p.min(q), p.max(q))).or_insert_with(|| {
             directions.push((directions[p as usize] + directions[q as usize]).normalize());

@@ -9,7 +9,8 @@ use crate::{
 use umbrage_core::glam::Vec3;
 use umbrage_core::{Mesh, Scene};
 
-fn beside_slit(name: &str, [left, right]: [Mesh; 2]) -> Scene {
+fn beside_slit(name: &str, sides: [Mesh; 2]) -> Scene {
+    let [left, right] = sides;
     Stage::new(name)
         .put(floor(4.0))
         .put(left)
