@@ -11,7 +11,7 @@ use crate::{
     filtering::{
         least_depth::{LeastDepthKernel, LeastDepthUniforms},
         light_extent::{LIGHT_EXTENT, LightExtent, light_axes, reach_along},
-        sample_pattern::Shape,
+        sample_pattern::PatternShape,
     },
     shadow_map::Maps,
 };
@@ -58,7 +58,7 @@ impl Cells {
 pub(crate) fn add(
     maps: &mut Maps,
     (size, packed): (u32, bool),
-    shape: Shape,
+    shape: PatternShape,
     extent: LightExtent,
 ) -> ImageId {
     let (cells, map) = (Cells::over(size), maps.map);
@@ -78,7 +78,7 @@ pub(crate) fn add(
         packed,
     };
     let uniforms = DepthInReachUniforms {
-        square: u32::from(shape == Shape::Square),
+        square: u32::from(shape == PatternShape::Square),
         cells: cells.count,
         cell: cells.side() as f32,
         half: size as f32 * 0.5,

@@ -38,7 +38,7 @@ fn extent() -> LightExtent {
     }
 }
 
-fn grid(map: &Image, shape: Shape) -> Image {
+fn grid(map: &Image, shape: PatternShape) -> Image {
     let mut maps = Maps {
         images: vec![map.desc],
         ..Maps::default()
@@ -66,7 +66,7 @@ fn grid(map: &Image, shape: Shape) -> Image {
 #[test]
 fn nothing_that_hides_light_is_nearer_than_the_grid_says() {
     let (map, cell) = (map(), Cells::over(SIZE).side());
-    for shape in [Shape::Disc, Shape::Square] {
+    for shape in [PatternShape::Disc, PatternShape::Square] {
         let grid = grid(&map, shape);
         let points = spread(Default::default(), shape, 64);
         let mut checked = 0;

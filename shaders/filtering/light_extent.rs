@@ -11,7 +11,7 @@
 //! along the axis over the receiver's distance else; that a ball's disc faces each receiver, not the map, beyond first
 //! order; and for suns that the cap of directions is flat (an angle's tangent for the angle).
 
-use crate::{filtering::sample_pattern::Shape, shadow_map::ShadowMap};
+use crate::{filtering::sample_pattern::PatternShape, shadow_map::ShadowMap};
 use glam::{DMat4, DVec3, Mat4, Vec2, Vec4};
 use umbrage_core::{
     Light, LightSpace, LightSpaces, Module, RecipeError, Twin, View, twin, uniforms,
@@ -69,11 +69,11 @@ pub(crate) fn light_axes(half_axis_u: Vec4, half_axis_v: Vec4, from_middle: Vec2
 }
 
 /// The shape over which the light's points are spread.
-pub(crate) fn shape(light: &Light) -> Shape {
+pub(crate) fn shape(light: &Light) -> PatternShape {
     if matches!(light, Light::Rect { .. }) {
-        Shape::Square
+        PatternShape::Square
     } else {
-        Shape::Disc
+        PatternShape::Disc
     }
 }
 
@@ -131,7 +131,7 @@ pub(crate) fn spaces(map: &ShadowMap, view: &View<'_>) -> Result<LightSpaces, Re
 
 /// Greatest distance, along one axis, from a receiver to a tap that follows a clip depth difference of 1. The half axes
 /// grow towards the map's corners.
-fn reach(shape: Shape, half_axis_u: Vec4, half_axis_v: Vec4, size: u32) -> f32 {
+fn reach(shape: PatternShape, half_axis_u: Vec4, half_axis_v: Vec4, size: u32) -> f32 {
     let half = size as f32 * 0.5;
     let corners = [
         Vec2::new(half, half),
@@ -147,12 +147,12 @@ fn reach(shape: Shape, half_axis_u: Vec4, half_axis_v: Vec4, size: u32) -> f32 {
 
 /// The same for a receiver `from_middle` texels right and down of the map's middle.
 pub(crate) fn reach_at(
-    shape: Shape,
+    shape: PatternShape,
     half_axis_u: Vec4,
     half_axis_v: Vec4,
     from_middle: Vec2,
 ) -> f32 {
-    let square = u32::from(shape == Shape::Square);
+    let square = u32::from(shape == PatternShape::Square);
     reach_along(square, light_axes(half_axis_u, half_axis_v, from_middle)).max_element()
 }
 

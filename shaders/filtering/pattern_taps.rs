@@ -3,7 +3,7 @@
 //! order of the shader's loop, so both agree to the bit.
 
 use crate::{
-    filtering::sample_pattern::{PatternTable, Shape, TapSet, noise_index, wrapped},
+    filtering::sample_pattern::{PatternShape, PatternTable, TapSet, noise_index, wrapped},
     lanes::batch::{BATCH, Batch},
     shadow_map::{coord::ShadowCoord, texel_compare::DepthMap},
 };
@@ -168,7 +168,7 @@ impl ReceiverLanes {
 pub(crate) struct Comparisons<'a> {
     pub(crate) map: DepthMap<'a>,
     /// Squares are shifted, discs are not.
-    pub(crate) shape: Shape,
+    pub(crate) shape: PatternShape,
     /// Whether receivers' depths differ from tap to tap.
     pub(crate) plane: bool,
 }
@@ -236,7 +236,7 @@ impl Comparisons<'_> {
     #[inline(always)]
     fn texels<const N: usize>(&self, r: &ReceiverLanes, a: &Axes, tap: Vec2) -> [Lanes<f32>; 2] {
         let (mut x, mut y) = ([0.0; BATCH], [0.0; BATCH]);
-        if self.shape == Shape::Square {
+        if self.shape == PatternShape::Square {
             for i in 0..N {
                 let q = [
                     wrapped(tap.x + r.shift[0][i]),

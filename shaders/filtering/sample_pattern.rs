@@ -82,7 +82,7 @@ impl Pattern {
 
 /// What taps are spread over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Shape {
+pub enum PatternShape {
     /// The unit disc.
     Disc,
     /// The square -1..1.
@@ -90,10 +90,10 @@ pub enum Shape {
 }
 
 /// `count` taps within -1..1, evenly spread over the shape.
-pub fn spread(pattern: Pattern, shape: Shape, count: u32) -> Vec<Vec2> {
+pub fn spread(pattern: Pattern, shape: PatternShape, count: u32) -> Vec<Vec2> {
     match (pattern, shape) {
-        (Pattern::Vogel, Shape::Disc) => (0..count).map(|i| sunflower(i, count)).collect(),
-        (Pattern::Vogel, Shape::Square) => {
+        (Pattern::Vogel, PatternShape::Disc) => (0..count).map(|i| sunflower(i, count)).collect(),
+        (Pattern::Vogel, PatternShape::Square) => {
             (0..count).map(|i| centred(fibonacci(i, count))).collect()
         }
         (Pattern::Poisson, _) => poisson(shape, count),
@@ -119,10 +119,10 @@ fn centred(uv: Vec2) -> Vec2 {
     uv * 2.0 - 1.0
 }
 
-fn onto(shape: Shape, uv: Vec2) -> Vec2 {
+fn onto(shape: PatternShape, uv: Vec2) -> Vec2 {
     match shape {
-        Shape::Disc => disc_point(uv),
-        Shape::Square => centred(uv),
+        PatternShape::Disc => disc_point(uv),
+        PatternShape::Square => centred(uv),
     }
 }
 
@@ -137,7 +137,7 @@ fn grid(count: u32) -> impl Iterator<Item = Vec2> {
     })
 }
 
-fn poisson(shape: Shape, count: u32) -> Vec<Vec2> {
+fn poisson(shape: PatternShape, count: u32) -> Vec<Vec2> {
     let mut taps: Vec<Vec2> = Vec::new();
     let unit = |k: u32| (hash(POISSON_SEED.wrapping_add(k)) >> 8) as f32 / 16_777_216.0;
     for tap in 0..count {
@@ -158,9 +158,9 @@ fn poisson(shape: Shape, count: u32) -> Vec<Vec2> {
     taps
 }
 
-fn distance_squared(shape: Shape, a: Vec2, b: Vec2) -> f32 {
+fn distance_squared(shape: PatternShape, a: Vec2, b: Vec2) -> f32 {
     let d = (a - b).abs();
-    if shape == Shape::Disc {
+    if shape == PatternShape::Disc {
         d.length_squared()
     } else {
         d.min(Vec2::splat(2.0) - d).length_squared()
@@ -173,12 +173,12 @@ pub(crate) struct PatternTable {
     /// A row (x, y, least distance from the middle, 0) for each tap of each set in turn, then a row (cos, sin, shift x, shift y)
     /// for each turn. See [`from_middle`].
     pub(crate) table: Table,
-    pub(crate) shape: Shape,
+    pub(crate) shape: PatternShape,
     pub(crate) sets: Vec<TapSet>,
     pub(crate) turns: Vec<Vec4>,
 }
 
-type Key = (Pattern, Shape, Vec<u32>);
+type Key = (Pattern, PatternShape, Vec<u32>);
 
 /// Tables made lately, so that equal plans share one and no backend uploads it twice.
 static MADE: Mutex<Vec<(Key, Arc<PatternTable>)>> = Mutex::new(Vec::new());
@@ -192,7 +192,7 @@ impl PatternTable {
     /// When a set has no taps or more than [`MAX_TAPS`].
     pub(crate) fn new(
         pattern: Pattern,
-        shape: Shape,
+        shape: PatternShape,
         counts: &[(&str, u32)],
     ) -> Result<Arc<Self>, Invalid> {
         for (what, count) in counts {
@@ -219,9 +219,9 @@ impl PatternTable {
         Ok(table)
     }
 
-    fn build(pattern: Pattern, shape: Shape, counts: &[u32]) -> Self {
+    fn build(pattern: Pattern, shape: PatternShape, counts: &[u32]) -> Self {
         let place = |q: Vec2| {
-            q.extend(if shape == Shape::Disc {
+            q.extend(if shape == PatternShape::Disc {
                 q.length().max(INNERMOST)
             } else {
                 INNERMOST
@@ -254,9 +254,9 @@ impl PatternTable {
 }
 
 /// Step `k`: discs turn by it; squares are shifted by a point of the Fibonacci lattice.
-fn turn(shape: Shape, k: u32) -> Vec4 {
+fn turn(shape: PatternShape, k: u32) -> Vec4 {
     let part = f64::from(k) / f64::from(TURNS);
-    if shape == Shape::Disc {
+    if shape == PatternShape::Disc {
         return DVec2::from_angle(TAU * part)
             .as_vec2()
             .extend(0.0)

@@ -72,7 +72,7 @@ const CASTER_TEXELS_BESIDE_THE_PLANE: f32 = 0.125;
 
 /// What looks a map up, as far as [`Bias::ADAPTIVE`] must know.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Footprint {
+pub enum CompareMethod {
     /// Comparisons with single texels.
     Taps {
         /// How far they reach beyond the receiver's own texel, texels.
@@ -218,10 +218,10 @@ impl Bias {
     }
 
     /// The polygon offset of the casters, for what looks them up, with what the bias itself adds.
-    pub(crate) fn raster_for(&self, footprint: Footprint) -> RasterBias {
+    pub(crate) fn raster_for(&self, footprint: CompareMethod) -> RasterBias {
         let texels = match footprint {
-            Footprint::Taps { reach } => CASTER_TEXELS + CASTER_TEXELS_PER_REACH * reach,
-            Footprint::Samples => CASTER_TEXELS_OF_SAMPLES,
+            CompareMethod::Taps { reach } => CASTER_TEXELS + CASTER_TEXELS_PER_REACH * reach,
+            CompareMethod::Samples => CASTER_TEXELS_OF_SAMPLES,
         };
         let margin = match (self.adaptive, self.receiver_plane > 0.0) {
             (true, _) => texels,

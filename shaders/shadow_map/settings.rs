@@ -1,6 +1,6 @@
 //! What is set of a shadow map, and what makes it: its images, casts and filters.
 
-use crate::shadow_map::{Bias, Footprint, between, layers::ShadowMapUniforms, packing};
+use crate::shadow_map::{Bias, CompareMethod, between, layers::ShadowMapUniforms, packing};
 use glam::UVec2;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -176,7 +176,7 @@ impl ShadowMap {
 
     /// Returns the images, casts and filters that make the map: a recipe still without its lookup. `footprint` is what will
     /// look it up.
-    pub fn maps(&self, spaces: &LightSpaces, footprint: Footprint) -> Maps {
+    pub fn maps(&self, spaces: &LightSpaces, footprint: CompareMethod) -> Maps {
         let depth = if self.format == MapFormat::Depth16 {
             Format::Depth16
         } else {
@@ -267,9 +267,9 @@ impl ShadowMap {
     ) -> Recipe {
         let kernel = kernel(ShadowMapUniforms::new(self, view, spaces));
         let footprint = if kernel.compares() {
-            Footprint::Samples
+            CompareMethod::Samples
         } else {
-            Footprint::Taps { reach }
+            CompareMethod::Taps { reach }
         };
         self.maps(spaces, footprint).recipe(kernel)
     }

@@ -12,7 +12,7 @@ use crate::{
         pattern_taps::{
             Comparisons, KernelPlacement, PATTERN_TAPS, PLACED, ReceiverLanes, turn_at,
         },
-        sample_pattern::{PATTERN, Pattern, PatternTable, Shape, TURNS, turned},
+        sample_pattern::{PATTERN, Pattern, PatternShape, PatternTable, TURNS, turned},
     },
     lanes::batch::{Batch, BatchTaps, look_up_span},
     listing::{Candidate, ClosedFormDemand, ListedTechnique, RandomParameter, sweeps},
@@ -84,8 +84,11 @@ impl ShadowTechnique for PcfDisc {
             )
             .into());
         }
-        let pattern =
-            PatternTable::new(self.pattern, Shape::Disc, &[("pcf disc taps", self.taps)])?;
+        let pattern = PatternTable::new(
+            self.pattern,
+            PatternShape::Disc,
+            &[("pcf disc taps", self.taps)],
+        )?;
         let table = pattern.table.clone();
         let turns = if self.rotate { TURNS - 1 } else { 0 };
         let kernel = |lookup| {

@@ -52,12 +52,12 @@ use crate::{
         pattern_taps::{
             Comparisons, KernelPlacement, PATTERN_TAPS, PLACED, ReceiverLanes, turn_at,
         },
-        sample_pattern::{PATTERN, Pattern, PatternTable, Shape, TURNS, turned},
+        sample_pattern::{PATTERN, Pattern, PatternShape, PatternTable, TURNS, turned},
     },
     lanes::batch::{Batch, BatchTaps, look_up_span},
     listing::{Candidate, ClosedFormDemand, ListedTechnique, RandomParameter, sweeps},
     shadow_map::{
-        Bias, Footprint, MapFormat, ShadowMap,
+        Bias, CompareMethod, MapFormat, ShadowMap,
         coord::{ShadowCoord, shadow_coord},
         layers::ShadowMapUniforms,
     },
@@ -139,10 +139,10 @@ impl ShadowTechnique for Pcss {
             blocker_taps: self.blocker_taps,
             filter_taps: self.filter_taps,
             turns: if self.rotate { TURNS - 1 } else { 0 },
-            square: u32::from(pattern.shape == Shape::Square),
+            square: u32::from(pattern.shape == PatternShape::Square),
             cell: Cells::over(size).side(),
         };
-        let mut maps = self.map.maps(&spaces, Footprint::Taps { reach: 1.0 });
+        let mut maps = self.map.maps(&spaces, CompareMethod::Taps { reach: 1.0 });
         let map = maps.map;
         let packed = self.map.format == MapFormat::Rgba8;
         let in_reach = depth_in_reach::add(&mut maps, (size, packed), pattern.shape, extent);
