@@ -50,7 +50,6 @@ pub fn twins() -> impl Iterator<Item = &'static Twin> {
         shading::lighting::TWINS,
         shading::texture::TWINS,
         filtering::sample_pattern::TWINS,
-        filtering::pattern_taps::TWINS,
         filtering::light_extent::TWINS,
         filtering::horizon::TWINS,
         shading::facing::TWINS,

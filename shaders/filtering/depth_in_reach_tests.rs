@@ -43,7 +43,7 @@ fn grid(map: &Image, shape: PatternShape) -> Image {
         images: vec![map.desc],
         ..Maps::default()
     };
-    add(&mut maps, (SIZE, false), shape, extent());
+    add(&mut maps, SIZE, false, shape, extent());
     let mut image = map.clone();
     for filter in &maps.filters {
         let mut out = Image::filled(maps.images[filter.output], 0.0);
@@ -122,7 +122,7 @@ fn cells_cover_maps_of_all_sizes() {
     for size in 1..=4096 {
         let cells = Cells::over(size);
         assert!(
-            cells.count <= MOST_CELLS && cells.count * cells.side() >= size,
+            cells.count <= MAX_CELLS && cells.count * cells.side() >= size,
             "{size}: {cells:?}"
         );
         assert_eq!(

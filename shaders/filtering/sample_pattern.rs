@@ -300,6 +300,30 @@ pub fn wrapped(x: f32) -> f32 {
     if x >= 1.0 { x - 2.0 } else { x }
 }
 
+/// Returns the place on the map, texels, of the tap `q` (-1..1) for a receiver at `from`. The sum goes from left to right: with
+/// the offset in parentheses, a driver was seen to add in another order.
+#[inline(always)]
+pub(crate) fn place(from: Vec2, axes: Vec4, q: Vec2) -> Vec2 {
+    Vec2::new(
+        affine(from.x, axes.x, axes.z, q.x, q.y),
+        affine(from.y, axes.y, axes.w, q.x, q.y),
+    )
+}
+
+/// Returns [`place`] of a tap that is shifted and [`wrapped`].
+#[inline(always)]
+pub(crate) fn tap_place(from: Vec2, axes: Vec4, q: Vec2, shift: Vec2) -> Vec2 {
+    let x = wrapped(q.x + shift.x);
+    let y = wrapped(q.y + shift.y);
+    place(from, axes, Vec2::new(x, y))
+}
+
+/// Returns one coordinate of [`place`]: `from + a x + b y`.
+#[inline(always)]
+pub(crate) fn affine(from: f32, a: f32, b: f32, x: f32, y: f32) -> f32 {
+    from + a * x + b * y
+}
+
 /// How far a tap lies from the pattern's middle; 1 is the rim. `least` is the third number of its row: for discs, whose taps
 /// keep their distance whichever way they are turned, all there is to know.
 #[inline(always)]
@@ -330,6 +354,8 @@ pub const TWINS: &[Twin] = &[
     twin!(PATTERN, noise_index(x: u32, y: u32) -> u32),
     twin!(PATTERN, turned(axes: Vec4, turn: Vec2) -> Vec4),
     twin!(PATTERN, wrapped(x: f32) -> f32),
+    twin!(PATTERN, place(from: Vec2, axes: Vec4, q: Vec2) -> Vec2),
+    twin!(PATTERN, tap_place(from: Vec2, axes: Vec4, q: Vec2, shift: Vec2) -> Vec2),
     twin!(PATTERN, closer_by(m: f32) -> f32),
     twin!(PATTERN, tap_weight(m: f32, nearer: f32) -> f32),
     twin!(PATTERN, from_middle(x: f32, y: f32, least: f32) -> f32),

@@ -81,8 +81,8 @@ impl<T: BatchTaps> SimdTask for FollowTaps<'_, T> {
     }
 }
 
-/// A number of each receiver of a batch.
-type Lanes<T> = [T; BATCH];
+/// A number for each receiver of a batch.
+pub(crate) type Lanes<T> = [T; BATCH];
 
 /// The places on the map of up to [`BATCH`] receivers, an array a field of [`ShadowCoord`].
 #[derive(Clone, Debug)]
