@@ -288,7 +288,7 @@ mod tests {
                 angular_diameter: 0.0,
             };
             let view = View::new(&camera, &light, &geometry).with_receivers(&receivers);
-            lifted.hopeless(&view, &receivers, &InfiniteFarView::new(&view, &geometry))
+            lifted.share_lost(&view, &receivers, &InfiniteFarView::new(&view, &geometry))
         };
         assert_eq!([share(30.0), share(30_000.0)], [0.0, 0.5]);
     }
