@@ -35,7 +35,7 @@ registry! {
 
 static BUILT_IN: LazyLock<Vec<TechniqueEntry>> = LazyLock::new(built_in);
 
-/// All built-in techniques, cheapest first.
+/// Returns all built-in techniques, cheapest first.
 pub fn all() -> &'static [TechniqueEntry] {
     &BUILT_IN
 }
@@ -101,8 +101,7 @@ impl Techniques {
     /// # Errors
     /// When there is no technique with one of the names.
     pub fn select(&self, names: &[String]) -> Result<Vec<&TechniqueEntry>, Invalid> {
-        let known = |name: &&String| self.find(name).is_some();
-        if let Some(unknown) = names.iter().find(|name| !known(name)) {
+        if let Some(unknown) = names.iter().find(|name| self.find(name).is_none()) {
             let why = format!("there is none called `{unknown}`");
             let help = format!("use some of {}", self.names().join(", "));
             return Err(Invalid::new("technique", why, help));

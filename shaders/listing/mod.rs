@@ -1,5 +1,4 @@
-//! What a technique says of itself, so that the lists of it (command line, comparison, planner, presets, tests) need no
-//! entry of their own.
+//! The description of a technique that all lists of techniques read: command line, comparison, planner, presets, tests.
 //!
 //! A technique implements [`ListedTechnique`] in its own file. [`TechniqueEntry::of`] makes the row of a list from it, and
 //! [`TechniquePreset`] holds any technique that has the trait as data.
@@ -16,7 +15,7 @@ use serde::{Serialize, de::DeserializeOwned};
 use std::{ops::Range, sync::Arc};
 use umbrage_core::{Fit, Light, Recipe, ShadowTechnique};
 
-/// Techniques with their settings, ready to plan.
+/// Techniques with their settings.
 pub type ConfiguredTechniques = Vec<Arc<dyn ShadowTechnique>>;
 
 /// A technique that lists can hold: its settings are plain data, and it says which of them are worth trying.

@@ -83,21 +83,21 @@ impl Serialize for TechniquePreset {
 }
 
 impl TechniquePreset {
-    /// The technique, ready to plan.
+    /// Returns the technique.
     pub fn technique(&self) -> Arc<dyn ShadowTechnique> {
         self.0.clone()
     }
 
-    /// The settings, if the technique is a `T`.
+    /// Returns the settings, if the technique is a `T`.
     pub fn get<T: ListedTechnique>(&self) -> Option<&T> {
         let technique: &dyn Any = &*self.0;
         technique.downcast_ref()
     }
 
-    /// The preset as TOML that [`TechniquePreset::from_toml`] reads back bit by bit.
+    /// Returns the preset as TOML that [`TechniquePreset::from_toml`] reads back bit by bit.
     ///
     /// # Errors
-    /// Never with settings that a built-in technique accepts; else where its settings aren't a table of TOML.
+    /// If the technique's settings aren't a table of TOML, which those of the built-in techniques always are.
     pub fn to_toml(&self) -> Result<String, Invalid> {
         toml::to_string(self)
             .map_err(|e| Invalid::new("preset", e.to_string(), "use settings that are numbers"))
@@ -118,8 +118,10 @@ impl TechniquePreset {
         let Some(name) = table.remove("technique") else {
             return Err(unreadable("has no field `technique`", techniques));
         };
-        let named = |entry: &&TechniqueEntry| name.as_str() == Some(entry.name);
-        let Some(entry) = techniques.iter().find(named) else {
+        let entry = techniques
+            .iter()
+            .find(|entry| name.as_str() == Some(entry.name));
+        let Some(entry) = entry else {
             let why = format!("names no technique there is: {name}");
             return Err(unreadable(&why, techniques));
         };
@@ -129,29 +131,29 @@ impl TechniquePreset {
         })
     }
 
-    /// The map that is looked up; none for techniques without one.
+    /// Returns the map that is looked up; `None` for techniques without one.
     pub fn map(&self) -> Option<&ShadowMap> {
         self.0.shadow_map()
     }
 
-    /// The same technique with another map; techniques without one stay as they are.
+    /// Returns the same technique with another map; techniques without one stay as they are.
     #[must_use]
     pub fn with_map(&self, map: ShadowMap) -> Self {
         self.0.on_map(map)
     }
 
-    /// Which biases a planner may give to its map.
+    /// Returns which biases a planner may give to its map.
     pub fn planned_biases(&self) -> PlannedBiases {
         self.0.planned_biases()
     }
 
-    /// Why a planner chose it: [`ListedTechnique::why_chosen`].
+    /// Returns why a planner chose it: [`ListedTechnique::why_chosen`].
     pub fn why_chosen(&self, error: f64, recipe: &Recipe) -> Option<String> {
         self.0.reason(error, recipe)
     }
 }
 
-/// Says why a text is no preset, and what to write.
+/// Returns the error for a text that is no preset: why, and what to write.
 fn unreadable(why: &str, techniques: &[TechniqueEntry]) -> Invalid {
     let known: Vec<&str> = techniques.iter().map(|entry| entry.name).collect();
     let help = format!(
