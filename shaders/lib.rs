@@ -16,13 +16,13 @@ pub use filtering::least_depth::{LeastDepthKernel, LeastDepthUniforms};
 pub use filtering::light_extent::LightExtent;
 pub use filtering::sample_pattern::Pattern;
 pub use listing::{
-    Candidate, ClosedFormDemand, Entry, ListedTechnique, PlannedBiases, Preset, RandomParameter,
-    Settings,
+    Candidate, ClosedFormDemand, ConfiguredTechniques, ListedTechnique, PlannedBiases,
+    RandomParameter, TechniqueEntry, TechniquePreset,
 };
 pub use registry::*;
 pub use shading::blinn_phong::{BlinnPhong, BlinnPhongKernel, BlinnPhongUniforms, Shading};
 pub use shadow_map::{
-    BetweenKernel, BeyondFar, Bias, Border, Footprint, MapFormat, ShadowMap, Surface,
+    BetweenKernel, BeyondFar, Bias, Border, CompareMethod, MapFormat, ShadowMap, Surface,
 };
 pub use techniques::hard::HardKernel;
 pub use techniques::pcf::{MAX_RADIUS, PcfKernel, PcfUniforms};
@@ -50,7 +50,6 @@ pub fn twins() -> impl Iterator<Item = &'static Twin> {
         shading::lighting::TWINS,
         shading::texture::TWINS,
         filtering::sample_pattern::TWINS,
-        filtering::pattern_taps::TWINS,
         filtering::light_extent::TWINS,
         filtering::horizon::TWINS,
         shading::facing::TWINS,

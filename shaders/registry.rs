@@ -1,6 +1,6 @@
 //! The one list of techniques: command line, help, comparison, planner, presets, charts, tables and tests read it.
 
-use crate::listing::{Entry, Preset};
+use crate::listing::{TechniqueEntry, TechniquePreset};
 use serde::{Deserialize, Deserializer, de::Error as _};
 use std::sync::LazyLock;
 use umbrage_core::Invalid;
@@ -10,8 +10,8 @@ macro_rules! registry {
     ($($module:ident::$technique:ident,)*) => {
         $(pub use crate::techniques::$module::$technique;)*
 
-        fn built_in() -> Vec<Entry> {
-            vec![$(Entry::of::<$technique>()),*]
+        fn built_in() -> Vec<TechniqueEntry> {
+            vec![$(TechniqueEntry::of::<$technique>()),*]
         }
     };
 }
@@ -33,21 +33,21 @@ registry! {
     traced::Traced,
 }
 
-static BUILT_IN: LazyLock<Vec<Entry>> = LazyLock::new(built_in);
+static BUILT_IN: LazyLock<Vec<TechniqueEntry>> = LazyLock::new(built_in);
 
-/// All built-in techniques, cheapest first.
-pub fn all() -> &'static [Entry] {
+/// Returns all built-in techniques, cheapest first.
+pub fn all() -> &'static [TechniqueEntry] {
     &BUILT_IN
 }
 
 /// The built-in technique with this name.
-pub fn find(name: &str) -> Option<&'static Entry> {
+pub fn find(name: &str) -> Option<&'static TechniqueEntry> {
     all().iter().find(|entry| entry.name == name)
 }
 
 /// The techniques that a program knows: the built-in ones, and those that it brings.
 #[derive(Clone, Debug)]
-pub struct Techniques(Vec<Entry>);
+pub struct Techniques(Vec<TechniqueEntry>);
 
 impl Default for Techniques {
     fn default() -> Self {
@@ -72,7 +72,7 @@ impl Techniques {
     ///
     /// # Errors
     /// When a technique of that name is in the list.
-    pub fn with(mut self, entry: Entry) -> Result<Self, Invalid> {
+    pub fn with(mut self, entry: TechniqueEntry) -> Result<Self, Invalid> {
         if self.find(entry.name).is_some() {
             let why = format!("`{}` is in the list already", entry.name);
             return Err(Invalid::new("technique", why, "give it another name"));
@@ -82,12 +82,12 @@ impl Techniques {
     }
 
     /// All of them, in order.
-    pub fn all(&self) -> &[Entry] {
+    pub fn all(&self) -> &[TechniqueEntry] {
         &self.0
     }
 
     /// The technique with this name.
-    pub fn find(&self, name: &str) -> Option<&Entry> {
+    pub fn find(&self, name: &str) -> Option<&TechniqueEntry> {
         self.0.iter().find(|entry| entry.name == name)
     }
 
@@ -100,14 +100,14 @@ impl Techniques {
     ///
     /// # Errors
     /// When there is no technique with one of the names.
-    pub fn select(&self, names: &[String]) -> Result<Vec<&Entry>, Invalid> {
-        let known = |name: &&String| self.find(name).is_some();
-        if let Some(unknown) = names.iter().find(|name| !known(name)) {
+    pub fn select(&self, names: &[String]) -> Result<Vec<&TechniqueEntry>, Invalid> {
+        if let Some(unknown) = names.iter().find(|name| self.find(name).is_none()) {
             let why = format!("there is none called `{unknown}`");
             let help = format!("use some of {}", self.names().join(", "));
             return Err(Invalid::new("technique", why, help));
         }
-        let wanted = |entry: &&Entry| names.is_empty() || names.iter().any(|n| n == entry.name);
+        let wanted =
+            |entry: &&TechniqueEntry| names.is_empty() || names.iter().any(|n| n == entry.name);
         Ok(self.0.iter().filter(wanted).collect())
     }
 
@@ -115,12 +115,12 @@ impl Techniques {
     ///
     /// # Errors
     /// When the text is not TOML, names none of these techniques, or has a field that the technique doesn't have.
-    pub fn preset_from_toml(&self, text: &str) -> Result<Preset, Invalid> {
-        Preset::read(text, &self.0)
+    pub fn preset_from_toml(&self, text: &str) -> Result<TechniquePreset, Invalid> {
+        TechniquePreset::read(text, &self.0)
     }
 }
 
-impl Preset {
+impl TechniquePreset {
     /// Every built-in technique with its default settings.
     pub fn defaults() -> Vec<Self> {
         all().iter().map(|entry| (entry.preset)()).collect()
@@ -136,7 +136,7 @@ impl Preset {
 }
 
 /// Presets of built-in techniques.
-impl<'de> Deserialize<'de> for Preset {
+impl<'de> Deserialize<'de> for TechniquePreset {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let table = toml::Table::deserialize(deserializer)?;
         Self::from_table(table, all()).map_err(D::Error::custom)

@@ -10,7 +10,12 @@ fn names_are_unique_and_select_techniques() {
     let techniques = Techniques::built_in();
     let names: HashSet<_> = techniques.names().into_iter().collect();
     assert_eq!(names.len(), techniques.all().len());
-    assert!(techniques.clone().with(Entry::of::<Pcss>()).is_err());
+    assert!(
+        techniques
+            .clone()
+            .with(TechniqueEntry::of::<Pcss>())
+            .is_err()
+    );
     let selected = techniques.select(&["pcf".to_owned(), "none".to_owned()]);
     let selected: Vec<_> = selected.unwrap().iter().map(|entry| entry.name).collect();
     assert_eq!(selected, ["none", "pcf"]);
@@ -60,10 +65,10 @@ fn every_setting_of_an_entry_is_of_its_technique() {
 
 #[test]
 fn a_file_that_only_names_a_technique_means_its_defaults() {
-    for preset in Preset::defaults() {
+    for preset in TechniquePreset::defaults() {
         let name = preset.technique().name();
         assert_eq!(
-            Preset::from_toml(&format!("technique = \"{name}\"")).unwrap(),
+            TechniquePreset::from_toml(&format!("technique = \"{name}\"")).unwrap(),
             preset
         );
     }
@@ -96,12 +101,12 @@ fn every_preset_survives_a_file() {
         border: Border::Clamp,
         ..Default::default()
     };
-    for preset in Preset::defaults()
+    for preset in TechniquePreset::defaults()
         .into_iter()
         .flat_map(|p| [p.with_map(map), p])
     {
         let text = preset.to_toml().unwrap();
-        assert_eq!(Preset::from_toml(&text).unwrap(), preset, "{text}");
+        assert_eq!(TechniquePreset::from_toml(&text).unwrap(), preset, "{text}");
     }
 }
 
@@ -111,13 +116,13 @@ fn maps_can_be_exchanged_wherever_there_is_one() {
         size: 77,
         ..ShadowMap::default()
     };
-    for preset in Preset::defaults() {
+    for preset in TechniquePreset::defaults() {
         let changed = preset.with_map(map);
         assert_eq!(changed.map().copied(), preset.map().map(|_| map));
         assert_eq!(changed.technique().name(), preset.technique().name());
     }
     assert_eq!(
-        Preset::from(Pcss::default()).map(),
+        TechniquePreset::from(Pcss::default()).map(),
         Some(&Pcss::default().map)
     );
 }
@@ -131,7 +136,7 @@ fn wrong_files_are_told_what_to_write() {
         "technique = 'hard'\nmap = 3",
         "=",
     ] {
-        let error = Preset::from_toml(text).unwrap_err().to_string();
+        let error = TechniquePreset::from_toml(text).unwrap_err().to_string();
         assert!(error.contains("pcf_hardware"), "{error}");
     }
 }
@@ -139,7 +144,7 @@ fn wrong_files_are_told_what_to_write() {
 /// Files that were written before must be read, and are written alike.
 #[test]
 fn the_text_of_presets_stays() {
-    let text = Preset::from(Pcf::default()).to_toml().unwrap();
+    let text = TechniquePreset::from(Pcf::default()).to_toml().unwrap();
     assert!(
         text.starts_with("technique = \"pcf\"\nradius = 1\n\n[map]\nsize = 1024\n"),
         "{text}"

@@ -7,7 +7,8 @@ use umbrage_core::{
     Camera, Cull, Extents, Fit, Instance, Layout, Light, Mesh, RasterBias, Scene, ShadowTechnique,
 };
 use umbrage_techniques::{
-    BeyondFar, Bias, Border, Entry, MapFormat, Pattern, RandomParameter, ShadowMap, Surface,
+    BeyondFar, Bias, Border, MapFormat, Pattern, RandomParameter, ShadowMap, Surface,
+    TechniqueEntry,
 };
 
 /// Something to render: one scene, one technique.
@@ -237,7 +238,7 @@ fn techniques() -> impl Strategy<Value = Arc<dyn ShadowTechnique>> {
     Union::new_weighted(weighted)
 }
 
-fn random(entry: &'static Entry) -> BoxedStrategy<Arc<dyn ShadowTechnique>> {
+fn random(entry: &'static TechniqueEntry) -> BoxedStrategy<Arc<dyn ShadowTechnique>> {
     let maps = if entry.has_map {
         maps().boxed()
     } else {

@@ -9,7 +9,7 @@ use umbrage::{
     Recipe, RecipeError, ShadowTechnique, Span, UniformBlock, View,
     glam::{IVec2, UVec2},
     techniques::{
-        Footprint, ListedTechnique, MapFormat, ShadowMap, Surface,
+        CompareMethod, ListedTechnique, MapFormat, ShadowMap, Surface,
         lanes::batch::{Taps, look_up_span},
         shadow_map::{coord::ShadowCoord, layers::ShadowMapUniforms},
     },
@@ -89,7 +89,7 @@ impl ShadowTechnique for Variance {
             }))
         };
         let reach = self.radius as f32;
-        let mut maps = map.maps(&spaces, Footprint::Taps { reach });
+        let mut maps = map.maps(&spaces, CompareMethod::Taps { reach });
         let moments = maps.image(image("moments"));
         let blurred_once = maps.image(image("blurred once"));
         maps.filter(Arc::new(Moments), vec![maps.map], moments);

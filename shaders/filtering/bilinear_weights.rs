@@ -23,7 +23,7 @@ pub const BILINEAR_WEIGHTS: Module = Module {
     text: include_str!("bilinear_weights.wgsl"),
 };
 
-/// The clip depth that a sample `step` texels from the receiver compares, given the receiver's `depth` and its change per
+/// Returns the clip depth that a sample `step` texels from the receiver compares, given the receiver's `depth` and its change per
 /// texel. One depth serves four texels, whose centres lie up to one texel from the sample along each axis: the receiver's
 /// plane may gain |gx| + |gy| up to there, of which `share` is taken off (all of it in Isidoro 2006, "Shadow mapping: GPU-based
 /// tips and techniques"; nothing where casters move away by as much). Never beyond `deepest`.
@@ -34,7 +34,7 @@ pub fn reference_depth(depth: f32, gradient: Vec2, deepest: f32, share: f32, ste
     moved.min(deepest)
 }
 
-/// Weight of the sample that stands for two texels, and where it lies between them (0..=1 from the first one's centre).
+/// Returns the weight of the sample that stands for two texels, and where it lies between them (0..=1 from the first one's centre).
 /// `row` holds each texel's weight kᵢ and its change kᵢ₋₁ - kᵢ, the first one's before the second one's; `s` is 0..=1.
 /// (Changes are handed in ready-made, since drivers know `(1 - s) a + s b` as a blend and put their own in its place.)
 #[inline(always)]
@@ -45,24 +45,38 @@ pub fn merged_sample(row: Vec4, s: f32) -> Vec2 {
     Vec2::new(weight, second / weight)
 }
 
-/// The row of weights of 2 `reach` + 1 texels: 1 2 1, widened by a box of three for each further texel of reach.
+/// Returns the row of weights of 2 `reach` + 1 texels: 1 2 1, widened by a box of three for each further texel of reach.
 pub fn filter_row(reach: usize) -> Vec<f32> {
-    let widen = |row: Vec<f32>| {
-        let at = |i: usize| row.get(i).copied().unwrap_or(0.0);
-        (0..row.len() + 2)
-            .map(|i| (i.saturating_sub(2)..=i).map(at).sum())
-            .collect()
-    };
-    (1..reach).fold(vec![1.0, 2.0, 1.0], |row, _| widen(row))
+    let mut row = vec![1.0, 2.0, 1.0];
+    for _ in 1..reach {
+        row = widened(&row);
+    }
+    row
 }
 
-/// What [`merged_sample`] takes for each of `reach` + 1 samples (up to four), zeros after them.
+/// Returns the convolution of a row of weights with a box three texels wide.
+fn widened(row: &[f32]) -> Vec<f32> {
+    let mut wider = Vec::with_capacity(row.len() + 2);
+    for i in 0..row.len() + 2 {
+        let mut sum = 0.0;
+        for j in i.saturating_sub(2)..=i {
+            sum += row.get(j).copied().unwrap_or(0.0);
+        }
+        wider.push(sum);
+    }
+    wider
+}
+
+/// Returns what [`merged_sample`] takes for each of `reach` + 1 samples (up to four), and zeros after them.
 pub fn merged_rows(reach: usize) -> [Vec4; 4] {
     let row = filter_row(reach);
-    let at = |i: Option<usize>| i.and_then(|i| row.get(i)).copied().unwrap_or(0.0);
-    std::array::from_fn(|j| {
-        let [before, first, second] =
-            [(2 * j).checked_sub(1), Some(2 * j), Some(2 * j + 1)].map(at);
+    std::array::from_fn(|sample| {
+        let first = row.get(2 * sample).copied().unwrap_or(0.0);
+        let second = row.get(2 * sample + 1).copied().unwrap_or(0.0);
+        let before = match sample {
+            0 => 0.0,
+            _ => row.get(2 * sample - 1).copied().unwrap_or(0.0),
+        };
         Vec4::new(first, before - first, second, first - second)
     })
 }

@@ -1,9 +1,9 @@
 //! The comparison sampler: one lookup compares with four texels and blends the answers by where it lies between them.
 //!
-//! What samplers do is fixed only in part. The arithmetic here is what Mesa's software driver was measured to do: with
+//! Graphics APIs fix only in part what samplers do. The arithmetic here is what Mesa's software driver was measured to do: with
 //! c = max(min(u W, W) - .5, 0), x₀ = ⌊c⌋, x₁ = min(x₀ + 1, W - 1), s = c - x₀, and the same for t in y, a row answers
-//! (x₁ lit ? s : 0) + (x₀ lit ? 1 - s : 0), and the sample top + t (bottom - top), rounded once. Weights are whole floats
-//! there; graphics chips hold them in 8 bits: see [`WEIGHT_ERROR`].
+//! (x₁ lit ? s : 0) + (x₀ lit ? 1 - s : 0), and the sample top + t (bottom - top), rounded once. Weights have the precision of
+//! 32-bit floats there; graphics chips hold them in 8 bits: see [`WEIGHT_ERROR`].
 
 use crate::{
     filtering::bilinear_weights::{BILINEAR_WEIGHTS, reference_depth},
@@ -17,13 +17,15 @@ use umbrage_core::Module;
 /// are no farther off, since their weights add to 1.
 pub const WEIGHT_ERROR: f32 = 2.0 / 256.0;
 
-/// How many samples a side the lanes hold.
+/// The most samples along one side of the square.
 pub(crate) const LANES: usize = 4;
 
-const SAMPLED: Module = Module {
+/// The WGSL half, with both variants of `sampled`.
+const COMPARISON_SAMPLER: Module = Module {
     name: "comparison_sampler",
     text: include_str!("comparison_sampler.wgsl"),
 };
+// The chosen variant: see `shadow_map/choices.rs`.
 const CLAMPED: Module = Module {
     name: "choice: samples beside the map read its edge",
     text: "fn sampled(l: ShadowCoord, size: f32, at: vec2f) -> f32 { return sampled_clamped(l, size, at); }\n",
@@ -33,59 +35,67 @@ const LIT_BORDER: Module = Module {
     text: "fn sampled(l: ShadowCoord, size: f32, at: vec2f) -> f32 { return sampled_lit(l, size, at); }\n",
 };
 
-/// Returns the WGSL of `sampled`, after that of the map's lookup.
+/// Returns the map's modules and, after them, the WGSL of `sampled`.
 pub(crate) fn modules(m: &ShadowMapUniforms) -> Vec<Module> {
     let border = if m.clamped != 0 { CLAMPED } else { LIT_BORDER };
     let mut modules = m.modules();
-    modules.extend([BILINEAR_WEIGHTS, SAMPLED, border]);
+    modules.extend([BILINEAR_WEIGHTS, COMPARISON_SAMPLER, border]);
     modules
 }
 
-/// Samples along one axis: where they lie, texels from the map's edge, and what they weigh. Lanes after the last weigh 0.
+/// The samples along one axis of a square. Lanes after the last sample weigh 0.
 #[derive(Clone, Copy)]
 pub(crate) struct Axis {
+    /// Where the samples lie, texels from the map's left or top edge.
     pub(crate) at: [f32; LANES],
+    /// What they weigh.
     pub(crate) weight: [f32; LANES],
 }
 
-/// Squares of `N` by `N` samples whose neighbours lie about `STRIDE` texels apart.
+/// A square of `N` by `N` samples whose neighbours lie about `STRIDE` texels apart.
 pub(crate) struct Samples<'a, const N: usize, const STRIDE: usize> {
     pub(crate) map: DepthMap<'a>,
 }
 
-/// The two texels that a lookup falls between along one axis, and the weight of the second.
+/// The two texels between whose centres a sample lies along one axis, and the weight of the second.
 #[derive(Clone, Copy, Default)]
-struct Between {
+struct TexelPair {
     low: i32,
     high: i32,
-    part: f32,
+    weight: f32,
 }
 
+/// Returns the texels of a sample that lies `at` texels from the map's edge, for a map with this side.
 #[inline(always)]
-fn between(at: f32, size: i32) -> Between {
+fn texel_pair(at: f32, size: i32) -> TexelPair {
     let w = size as f32;
+    // `at / w * w` and not `at`: samplers take coordinates from 0 to 1, and the division rounds.
     let c = ((at / w * w).min(w) - 0.5).max(0.0);
     let low = c.floor() as i32;
-    Between {
+    TexelPair {
         low,
         high: (low + 1).min(size - 1),
-        part: c - low as f32,
+        weight: c - low as f32,
     }
 }
 
+/// Returns the blend of two comparisons side by side; `weight` is the right one's.
 #[inline(always)]
-fn row_of(left: bool, right: bool, part: f32) -> f32 {
-    (if right { part } else { 0.0 }) + (if left { 1.0 - part } else { 0.0 })
+fn blend_row(left_lit: bool, right_lit: bool, weight: f32) -> f32 {
+    let right = if right_lit { weight } else { 0.0 };
+    let left = if left_lit { 1.0 - weight } else { 0.0 };
+    right + left
 }
 
 impl<const N: usize, const STRIDE: usize> Samples<'_, N, STRIDE> {
-    /// The weighted sum of the samples' answers, 0 to the sum of all weights.
+    /// Returns the weighted sum of the samples' answers, 0 to the sum of all weights.
     #[inline(always)]
     pub(crate) fn sum(&self, l: &ShadowCoord, x: &Axis, y: &Axis) -> f32 {
         self.in_lanes(l, x, y)
             .unwrap_or_else(|| self.one_by_one(l, x, y))
     }
 
+    /// Returns the sum, sample by sample in the order of the shader's loop.
     fn one_by_one(&self, l: &ShadowCoord, x: &Axis, y: &Axis) -> f32 {
         let mut lit = 0.0;
         for i in 0..N {
@@ -98,27 +108,25 @@ impl<const N: usize, const STRIDE: usize> Samples<'_, N, STRIDE> {
         lit
     }
 
-    /// The same with a lane a column; none at the map's edge or where each sample has a depth of its own.
+    /// Returns the sum with a lane for each column of samples; `None` at the map's edge and where each sample has a depth of its
+    /// own.
     #[inline(always)]
     fn in_lanes(&self, l: &ShadowCoord, x: &Axis, y: &Axis) -> Option<f32> {
         if N == 1 || l.gradient != Vec2::ZERO || l.depth > 1.0 {
             return None;
         }
-        let (texels, first, parts) = (
-            self.map.layer(l.layer)?,
-            self.first_column(x)?,
-            self.parts(x),
-        );
+        let texels = self.map.layer(l.layer)?;
+        let first = self.first_column(x)?;
+        let weights = x.at.map(|at| texel_pair(at, self.map.size).weight);
         let mut columns = [0.0; LANES];
         for j in 0..N {
-            let b = self.inside(y.at[j])?;
-            let rows = [b.low, b.high].map(|y| (y * self.map.size + first) as usize);
-            let [top, bottom] = [
-                row::<STRIDE>(texels, rows[0], l.depth, &parts)?,
-                row::<STRIDE>(texels, rows[1], l.depth, &parts)?,
-            ];
+            let rows = self.inner_texel_pair(y.at[j])?;
+            let top_start = (rows.low * self.map.size + first) as usize;
+            let bottom_start = (rows.high * self.map.size + first) as usize;
+            let top = compare_row::<STRIDE>(texels, top_start, l.depth, &weights)?;
+            let bottom = compare_row::<STRIDE>(texels, bottom_start, l.depth, &weights)?;
             for ((column, top), bottom) in columns.iter_mut().zip(top).zip(bottom) {
-                *column += y.weight[j] * b.part.mul_add(bottom - top, top);
+                *column += y.weight[j] * rows.weight.mul_add(bottom - top, top);
             }
         }
         let mut lit = 0.0;
@@ -128,46 +136,53 @@ impl<const N: usize, const STRIDE: usize> Samples<'_, N, STRIDE> {
         Some(lit)
     }
 
-    #[inline(always)]
-    fn parts(&self, x: &Axis) -> [f32; LANES] {
-        x.at.map(|at| between(at, self.map.size).part)
-    }
-
-    /// The first texel of the first sample, if the others follow it in steps of `STRIDE` and none touches the rim.
+    /// Returns the first texel's column of the first sample; `None` unless the other samples follow it in steps of exactly `STRIDE`
+    /// texels and all lie inside the map's rim.
     #[inline(always)]
     fn first_column(&self, x: &Axis) -> Option<i32> {
-        let first = self.inside(x.at[0])?.low;
-        let last = self.inside(x.at[N - 1])?;
-        let follows = |i: usize| between(x.at[i], self.map.size).low == first + (STRIDE * i) as i32;
-        (last.high == last.low + 1 && (1..N).all(follows)).then_some(first)
+        let first = self.inner_texel_pair(x.at[0])?.low;
+        let last = self.inner_texel_pair(x.at[N - 1])?;
+        if last.high != last.low + 1 {
+            return None;
+        }
+        // Texel coordinates are rounded, so samples may fall a texel beside their place in the row.
+        for i in 1..N {
+            if texel_pair(x.at[i], self.map.size).low != first + (STRIDE * i) as i32 {
+                return None;
+            }
+        }
+        Some(first)
     }
 
-    /// Where the sample lies, unless it touches the rim.
+    /// Returns the texels of a sample; `None` if it lies within half a texel of the map's edge or beyond it.
     #[inline(always)]
-    fn inside(&self, at: f32) -> Option<Between> {
-        (at >= 0.5 && at <= self.map.size as f32 - 0.5).then(|| between(at, self.map.size))
+    fn inner_texel_pair(&self, at: f32) -> Option<TexelPair> {
+        if at >= 0.5 && at <= self.map.size as f32 - 0.5 {
+            Some(texel_pair(at, self.map.size))
+        } else {
+            None
+        }
     }
 }
 
-/// One row's answers for samples `STRIDE` texels apart.
+/// Returns one row's answers for samples `STRIDE` texels apart, from the texel with index `first` on; `None` if fewer than eight
+/// texels are left.
 #[inline(always)]
-fn row<const STRIDE: usize>(
+fn compare_row<const STRIDE: usize>(
     texels: &[f32],
     first: usize,
     depth: f32,
-    parts: &[f32; LANES],
+    weights: &[f32; LANES],
 ) -> Option<[f32; LANES]> {
     let window: &[f32; 8] = texels.get(first..)?.first_chunk()?;
     Some(std::array::from_fn(|i| {
-        row_of(
-            depth <= window[STRIDE * i],
-            depth <= window[STRIDE * i + 1],
-            parts[i],
-        )
+        let left_lit = depth <= window[STRIDE * i];
+        let right_lit = depth <= window[STRIDE * i + 1];
+        blend_row(left_lit, right_lit, weights[i])
     }))
 }
 
-/// One sample, at `at` texels from the map's top left corner.
+/// Returns the answer of one sample, 0..=1, that lies `at` texels from the map's top left corner.
 #[inline(always)]
 pub(crate) fn sampled(map: &DepthMap<'_>, l: &ShadowCoord, at: Vec2) -> f32 {
     let depth = reference_depth(
@@ -181,31 +196,50 @@ pub(crate) fn sampled(map: &DepthMap<'_>, l: &ShadowCoord, at: Vec2) -> f32 {
     if !map.clamped && (at.x < 0.5 || at.y < 0.5 || at.x > last || at.y > last) {
         return sampled_at_rim(map, l.layer, at, depth);
     }
-    let (x, y) = (between(at.x, map.size), between(at.y, map.size));
-    let lit = |x: i32, y: i32| depth <= 1.0 && depth <= map.load(x, y, l.layer);
-    let row = |y: i32| row_of(lit(x.low, y), lit(x.high, y), x.part);
-    let (top, bottom) = (row(y.low), row(y.high));
-    y.part.mul_add(bottom - top, top)
+    let columns = texel_pair(at.x, map.size);
+    let rows = texel_pair(at.y, map.size);
+    let top_left = is_lit(map, columns.low, rows.low, l.layer, depth);
+    let top_right = is_lit(map, columns.high, rows.low, l.layer, depth);
+    let bottom_left = is_lit(map, columns.low, rows.high, l.layer, depth);
+    let bottom_right = is_lit(map, columns.high, rows.high, l.layer, depth);
+    let top = blend_row(top_left, top_right, columns.weight);
+    let bottom = blend_row(bottom_left, bottom_right, columns.weight);
+    rows.weight.mul_add(bottom - top, top)
 }
 
-/// The blend by hand, where the sampler would not know of the lit border.
+/// Returns whether a texel of the map lets light to `depth`. Nothing beyond the far plane is lit, whatever is stored.
+#[inline(always)]
+fn is_lit(map: &DepthMap<'_>, x: i32, y: i32, layer: i32, depth: f32) -> bool {
+    depth <= 1.0 && depth <= map.load(x, y, layer)
+}
+
+/// Returns the answer of a sample that touches the lit border, blended by hand: no sampler of WebGPU's has such a border.
 #[inline(never)]
 fn sampled_at_rim(map: &DepthMap<'_>, layer: i32, at: Vec2, depth: f32) -> f32 {
     let c = at - 0.5;
     let first = c.floor();
-    let part = c - first;
-    let (x, y) = (first.x as i32, first.y as i32);
-    let inside = |v: i32| (0..map.size).contains(&v);
-    let answer = |x: i32, y: i32| {
-        let lit = !inside(x) || !inside(y) || (depth <= 1.0 && depth <= map.load(x, y, layer));
-        if lit { 1.0 } else { 0.0 }
-    };
-    let row = |y: i32| {
-        let (left, right) = (answer(x, y), answer(x + 1, y));
-        left + (right - left) * part.x
-    };
-    let (above, below) = (row(y), row(y + 1));
-    above + (below - above) * part.y
+    let weight = c - first;
+    let x = first.x as i32;
+    let y = first.y as i32;
+    let above = rim_row(map, x, y, layer, depth, weight.x);
+    let below = rim_row(map, x, y + 1, layer, depth, weight.x);
+    above + (below - above) * weight.y
+}
+
+/// Returns the blend of the answers of texels (x, y) and (x + 1, y).
+fn rim_row(map: &DepthMap<'_>, x: i32, y: i32, layer: i32, depth: f32, weight: f32) -> f32 {
+    let left = rim_answer(map, x, y, layer, depth);
+    let right = rim_answer(map, x + 1, y, layer, depth);
+    left + (right - left) * weight
+}
+
+/// Returns the answer of one texel, 1 beside the map.
+fn rim_answer(map: &DepthMap<'_>, x: i32, y: i32, layer: i32, depth: f32) -> f32 {
+    if !map.has(x, y) || is_lit(map, x, y, layer, depth) {
+        1.0
+    } else {
+        0.0
+    }
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ use crate::{
     filtering::{
         least_depth::{LeastDepthKernel, LeastDepthUniforms},
         light_extent::{LIGHT_EXTENT, LightExtent, light_axes, reach_along},
-        sample_pattern::Shape,
+        sample_pattern::PatternShape,
     },
     shadow_map::Maps,
 };
@@ -22,24 +22,24 @@ use umbrage_core::{
     uniforms,
 };
 
-/// Most cells along a side. More tell casters apart better, but the work grows with their fourth power.
-const MOST_CELLS: u32 = 32;
+/// Most cells along a side. More cells tell casters apart better, but the work grows with the fourth power of their number.
+const MAX_CELLS: u32 = 32;
 
-/// How a grid of cells lies over a map.
+/// A grid of square cells over a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Cells {
-    /// Side of the tiles that are reduced to a texel, twice.
+    /// Side of the tiles that are reduced to one texel, texels. The reduction is done twice, so a cell's side is the square of it.
     ratio: u32,
     /// Cells along a side.
     pub(crate) count: u32,
 }
 
 impl Cells {
-    /// Over a map of `size` texels.
+    /// Returns the grid over a map with this side, texels.
     pub(crate) fn over(size: u32) -> Self {
         // Two even steps rather than one: a single reduction would read too many texels for each it writes.
-        let mut ratio = size.div_ceil(MOST_CELLS).isqrt().max(1);
-        while ratio * ratio * MOST_CELLS < size {
+        let mut ratio = size.div_ceil(MAX_CELLS).isqrt().max(1);
+        while ratio * ratio * MAX_CELLS < size {
             ratio += 1;
         }
         Self {
@@ -48,60 +48,86 @@ impl Cells {
         }
     }
 
-    /// Side of a cell, texels.
+    /// Returns the side of a cell, texels.
     pub(crate) fn side(self) -> u32 {
         self.ratio * self.ratio
     }
 }
 
-/// Adds the grid to what makes a map of `size` texels.
+/// Adds the images and filters of the grid to `maps`, and returns the image with the least depth in each cell's reach. `size` is
+/// the map's side, texels; `packed` says whether its depths take four channels.
 pub(crate) fn add(
     maps: &mut Maps,
-    (size, packed): (u32, bool),
-    shape: Shape,
+    size: u32,
+    packed: bool,
+    shape: PatternShape,
     extent: LightExtent,
 ) -> ImageId {
-    let (cells, map) = (Cells::over(size), maps.map);
-    let layers = maps.images[map].layers;
-    let image = |label, side| ImageDesc {
-        label,
-        size: UVec2::splat(side),
-        layers,
-        format: Format::R32,
-    };
-    let tiles = size.div_ceil(cells.ratio);
-    let least = |size, packed| LeastDepthKernel {
+    let cells = Cells::over(size);
+    let tile_count = size.div_ceil(cells.ratio);
+    let tile_kernel = LeastDepthKernel {
         uniforms: LeastDepthUniforms {
             ratio: cells.ratio,
             size,
         },
         packed,
     };
-    let uniforms = DepthInReachUniforms {
-        square: u32::from(shape == Shape::Square),
-        cells: cells.count,
-        cell: cells.side() as f32,
-        half: size as f32 * 0.5,
-        extent,
+    let cell_kernel = LeastDepthKernel {
+        uniforms: LeastDepthUniforms {
+            ratio: cells.ratio,
+            size: tile_count,
+        },
+        packed: false,
     };
-    let steps: [(_, _, Arc<dyn FilterKernel>); 3] = [
-        ("least depth of tiles", tiles, Arc::new(least(size, packed))),
-        (
-            "least depth of cells",
-            cells.count,
-            Arc::new(least(tiles, false)),
-        ),
-        (
-            "least depth in reach",
-            cells.count,
-            Arc::new(DepthInReachKernel { uniforms }),
-        ),
-    ];
-    steps.into_iter().fold(map, |input, (label, side, kernel)| {
-        let output = maps.image(image(label, side));
-        maps.filter(kernel, vec![input], output);
-        output
-    })
+    let reach_kernel = DepthInReachKernel {
+        uniforms: DepthInReachUniforms {
+            square: u32::from(shape == PatternShape::Square),
+            cells: cells.count,
+            cell: cells.side() as f32,
+            half: size as f32 * 0.5,
+            extent,
+        },
+    };
+    let map = maps.map;
+    let of_tiles = add_step(
+        maps,
+        map,
+        "least depth of tiles",
+        tile_count,
+        Arc::new(tile_kernel),
+    );
+    let of_cells = add_step(
+        maps,
+        of_tiles,
+        "least depth of cells",
+        cells.count,
+        Arc::new(cell_kernel),
+    );
+    add_step(
+        maps,
+        of_cells,
+        "least depth in reach",
+        cells.count,
+        Arc::new(reach_kernel),
+    )
+}
+
+/// Adds an image with this side, texels, and the filter that makes it from the image `input`.
+fn add_step(
+    maps: &mut Maps,
+    input: ImageId,
+    label: &'static str,
+    side: u32,
+    kernel: Arc<dyn FilterKernel>,
+) -> ImageId {
+    let output = maps.image(ImageDesc {
+        label,
+        size: UVec2::splat(side),
+        layers: maps.images[maps.map].layers,
+        format: Format::R32,
+    });
+    maps.filter(kernel, vec![input], output);
+    output
 }
 
 uniforms! {
@@ -143,15 +169,14 @@ impl Kernel for DepthInReachKernel {
 
 impl FilterKernel for DepthInReachKernel {
     fn filter(&self, inputs: &Inputs<'_>, start: UVec2, layer: u32, out: &mut [f32]) {
-        let (image, cells) = (&inputs.images[0], self.uniforms.cells as usize);
+        let image = &inputs.images[0];
+        let cells = self.uniforms.cells as usize;
         let first = image.index(0, 0, layer);
-        let depths = &image.texels[first..first + cells * cells];
-        let (y, layer) = (start.y as usize, layer as usize);
         inputs.simd.run_task(Row {
             kernel: self,
-            depths,
-            y,
-            layer,
+            depths: &image.texels[first..first + cells * cells],
+            y: start.y as usize,
+            layer: layer as usize,
             out,
         });
     }
@@ -174,36 +199,45 @@ impl SimdTask for Row<'_> {
     fn run(self) {
         let u = &self.kernel.uniforms;
         let nearest = self.depths.iter().copied().fold(1.0, f32::min);
-        let most = u.extent.half_axis_v[self.layer].w.min(1.0 - nearest);
+        let max_difference = u.extent.half_axis_v[self.layer].w.min(1.0 - nearest);
         for x in 0..self.out.len() {
-            let reach = self.kernel.cell_reach([x, self.y], self.layer);
+            let reach = self.kernel.cell_reach(x, self.y, self.layer);
             // No cell beyond is reached; one more makes up for rounding.
-            let rows = (reach.y * most / u.cell) as usize + 2;
-            let rows = self.y.saturating_sub(rows)..(self.y + rows + 1).min(u.cells as usize);
-            self.out[x] = self.least_in_reach(rows, [x, self.y], reach, most);
+            let beyond = (reach.y * max_difference / u.cell) as usize + 2;
+            let first = self.y.saturating_sub(beyond);
+            let end = (self.y + beyond + 1).min(u.cells as usize);
+            self.out[x] = self.least_in_reach(x, first..end, reach, max_difference);
         }
     }
 }
 
 impl Row<'_> {
+    /// Returns the least depth of what is in reach of cell `column` of this row, among the cells of these rows. `reach` is for a
+    /// unit of clip depth, and no greater difference of clip depths than `max_difference` is followed.
     #[inline(always)]
-    fn least_in_reach(&self, rows: Range<usize>, cell: [usize; 2], reach: Vec2, most: f32) -> f32 {
+    fn least_in_reach(
+        &self,
+        column: usize,
+        rows: Range<usize>,
+        reach: Vec2,
+        max_difference: f32,
+    ) -> f32 {
         let u = &self.kernel.uniforms;
-        let gap = |a: usize, b: usize| a.abs_diff(b).saturating_sub(1) as f32 * u.cell;
-        let mut across = [0.0; MOST_CELLS as usize];
+        let mut across = [0.0; MAX_CELLS as usize];
         for (x, across) in across.iter_mut().enumerate() {
-            *across = gap(cell[0], x);
+            *across = gap(column, x, u.cell);
         }
-        // One a column, so that columns are lanes.
-        let mut least = [1.0; MOST_CELLS as usize];
+        // One for each column, so that columns are lanes.
+        let mut least = [1.0; MAX_CELLS as usize];
         for y in rows {
-            let down = gap(cell[1], y);
+            let down = gap(self.y, y, u.cell);
             let row = &self.depths[y * u.cells as usize..][..u.cells as usize];
             for ((least, &across), &depth) in least.iter_mut().zip(&across).zip(row) {
-                let nearer = if 1.0 - depth < most {
+                // With the receiver at the far plane, where the light's rim moves farthest.
+                let nearer = if 1.0 - depth < max_difference {
                     1.0 - depth
                 } else {
-                    most
+                    max_difference
                 };
                 let reached = (across <= reach.x * nearer) & (down <= reach.y * nearer);
                 let depth = if reached { depth } else { 1.0 };
@@ -214,23 +248,34 @@ impl Row<'_> {
     }
 }
 
+/// Returns the gap between two columns or two rows of cells with this side, texels; 0 for neighbours.
+#[inline(always)]
+fn gap(a: usize, b: usize, side: f32) -> f32 {
+    a.abs_diff(b).saturating_sub(1) as f32 * side
+}
+
 impl DepthInReachKernel {
-    /// How far the light's rim lies from any receiver in a cell, right and down, for a unit of clip depth. The half axes are
-    /// convex over the map, so the corners tell.
+    /// Returns how far the light's rim lies from any receiver in cell (x, y), right and down, texels for a unit of clip depth. The
+    /// half axes are convex over the map, so the greatest are at the cell's corners.
     #[inline(always)]
-    fn cell_reach(&self, [x, y]: [usize; 2], layer: usize) -> Vec2 {
+    fn cell_reach(&self, x: usize, y: usize, layer: usize) -> Vec2 {
         let u = &self.uniforms;
-        let at = |i: usize| i as f32 * u.cell - u.half;
-        [(x, y), (x + 1, y), (x, y + 1), (x + 1, y + 1)]
-            .into_iter()
-            .fold(Vec2::ZERO, |most, (x, y)| {
-                let axes = light_axes(
-                    u.extent.half_axis_u[layer],
-                    u.extent.half_axis_v[layer],
-                    Vec2::new(at(x), at(y)),
-                );
-                most.max(reach_along(u.square, axes))
-            })
+        let mut reach = Vec2::ZERO;
+        for corner in 0..4 {
+            let column = x + (corner & 1);
+            let row = y + (corner >> 1);
+            let from_middle = Vec2::new(
+                column as f32 * u.cell - u.half,
+                row as f32 * u.cell - u.half,
+            );
+            let axes = light_axes(
+                u.extent.half_axis_u[layer],
+                u.extent.half_axis_v[layer],
+                from_middle,
+            );
+            reach = reach.max(reach_along(u.square, axes));
+        }
+        reach
     }
 }
 

@@ -38,12 +38,12 @@ fn extent() -> LightExtent {
     }
 }
 
-fn grid(map: &Image, shape: Shape) -> Image {
+fn grid(map: &Image, shape: PatternShape) -> Image {
     let mut maps = Maps {
         images: vec![map.desc],
         ..Maps::default()
     };
-    add(&mut maps, (SIZE, false), shape, extent());
+    add(&mut maps, SIZE, false, shape, extent());
     let mut image = map.clone();
     for filter in &maps.filters {
         let mut out = Image::filled(maps.images[filter.output], 0.0);
@@ -66,7 +66,7 @@ fn grid(map: &Image, shape: Shape) -> Image {
 #[test]
 fn nothing_that_hides_light_is_nearer_than_the_grid_says() {
     let (map, cell) = (map(), Cells::over(SIZE).side());
-    for shape in [Shape::Disc, Shape::Square] {
+    for shape in [PatternShape::Disc, PatternShape::Square] {
         let grid = grid(&map, shape);
         let points = spread(Default::default(), shape, 64);
         let mut checked = 0;
@@ -122,7 +122,7 @@ fn cells_cover_maps_of_all_sizes() {
     for size in 1..=4096 {
         let cells = Cells::over(size);
         assert!(
-            cells.count <= MOST_CELLS && cells.count * cells.side() >= size,
+            cells.count <= MAX_CELLS && cells.count * cells.side() >= size,
             "{size}: {cells:?}"
         );
         assert_eq!(

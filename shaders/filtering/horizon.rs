@@ -26,7 +26,9 @@ uniforms! {
 }
 
 impl Horizon {
-    /// Of `light`, whose maps lie in `spaces`.
+    /// Returns the half axes of `light`, whose maps lie in `spaces`.
+    ///
+    /// Panics if there are no spaces.
     pub fn new(light: &Light, spaces: &LightSpaces) -> Self {
         let world_from_view: DMat4 = spaces.spaces[0].view_from_world.as_dmat4().inverse();
         match half_axes(light, &world_from_view) {
@@ -41,7 +43,8 @@ impl Horizon {
         }
     }
 
-    /// The share of the light above the plane with unit normal `n` through `p`. `square`: see [`share_above`].
+    /// Returns the share of the light, 0..=1, above the plane with unit normal `n` through `p`. `light` is its middle, homogeneous;
+    /// `square`: see [`share_above`].
     #[inline(always)]
     pub(crate) fn share(&self, square: u32, light: Vec4, p: Vec3, n: Vec3) -> f32 {
         let middle = height_over_plane(light, p, n);
@@ -50,19 +53,14 @@ impl Horizon {
             let rim = ball_rim(self.half_u.w, middle, dot3(to_light, to_light));
             return disc_share(Vec3::new(middle, rim, 0.0));
         }
-        share_above(
-            square,
-            Vec3::new(
-                middle,
-                dot3(n, self.half_u.truncate()),
-                dot3(n, self.half_v.truncate()),
-            ),
-        )
+        let along_u = dot3(n, self.half_u.truncate());
+        let along_v = dot3(n, self.half_v.truncate());
+        share_above(square, Vec3::new(middle, along_u, along_v))
     }
 
-    /// Heights over that plane: of the light's middle, and by how much they grow along the half axes that
-    /// [`light_axes`](crate::filtering::light_extent::light_axes) gives. `face` looks at `p`, whose tangents right and down are `t`; `unit`
-    /// is the tangent of half its angle.
+    /// Returns heights over that plane: of the light's middle, and by how much they grow along the half axes that
+    /// [`light_axes`](crate::filtering::light_extent::light_axes) gives. `face` is the transform of the layer in which `p` lies, `t`
+    /// are the receiver's tangents right and down there, and `half_tangent` is the tangent of half the layer's angle.
     #[inline(always)]
     pub(crate) fn heights(
         &self,
@@ -71,40 +69,36 @@ impl Horizon {
         p: Vec3,
         n: Vec3,
         t: Vec2,
-        unit: f32,
+        half_tangent: f32,
     ) -> Vec3 {
         let middle = height_over_plane(light, p, n);
         if self.half_u.w > 0.0 {
-            let along = |row: usize| {
-                face.x_axis[row] * n.x + face.y_axis[row] * n.y + face.z_axis[row] * n.z
-            };
-            let right_down = Vec2::new(along(0) * unit, -along(1) * unit);
-            let grows = ball_heights(self.half_u.w, right_down, t);
-            return Vec3::new(middle, grows.x, grows.y);
+            // The normal's parts along the layer's x and y, as rows of its transform have them, in units of the tangent.
+            let right = face.x_axis.x * n.x + face.y_axis.x * n.y + face.z_axis.x * n.z;
+            let up = face.x_axis.y * n.x + face.y_axis.y * n.y + face.z_axis.y * n.z;
+            let right_down = Vec2::new(right * half_tangent, -up * half_tangent);
+            let growth = ball_heights(self.half_u.w, right_down, t);
+            return Vec3::new(middle, growth.x, growth.y);
         }
-        Vec3::new(
-            middle,
-            dot3(n, self.half_u.truncate()),
-            dot3(n, self.half_v.truncate()),
-        )
+        let along_u = dot3(n, self.half_u.truncate());
+        let along_v = dot3(n, self.half_v.truncate());
+        Vec3::new(middle, along_u, along_v)
     }
 }
 
-/// The height of a light's middle ([`homogeneous`](crate::shading::facing::homogeneous)) over the plane with unit normal `n` through
+/// Returns the height of a light's middle ([`homogeneous`](crate::shading::facing::homogeneous)) over the plane with unit normal `n` through
 /// `p`.
 #[inline(always)]
 pub(crate) fn height_over_plane(light: Vec4, p: Vec3, n: Vec3) -> f32 {
-    dot3(
-        n,
-        Vec3::new(
-            light.x - light.w * p.x,
-            light.y - light.w * p.y,
-            light.z - light.w * p.z,
-        ),
-    )
+    let to_light = Vec3::new(
+        light.x - light.w * p.x,
+        light.y - light.w * p.y,
+        light.z - light.w * p.z,
+    );
+    dot3(n, to_light)
 }
 
-/// By how much heights grow along a ball's half axes (see [`light_axes`](crate::filtering::light_extent::light_axes), whose factors
+/// Returns by how much heights grow along a ball's half axes (see [`light_axes`](crate::filtering::light_extent::light_axes), whose factors
 /// these are): `n` are the normal's parts right and down on the map, `t` the receiver's tangents.
 #[inline(always)]
 pub(crate) fn ball_heights(radius: f32, n: Vec2, t: Vec2) -> Vec2 {
@@ -116,47 +110,52 @@ pub(crate) fn ball_heights(radius: f32, n: Vec2, t: Vec2) -> Vec2 {
     )
 }
 
-/// How much higher than its middle a ball is at the rim of the disc that faces the receiver, if the middle is `height` over the
+/// Returns how much higher than its middle a ball is at the rim of the disc that faces the receiver, if the middle is `height` over the
 /// receiver's plane, and as far from the receiver as the root of `distance_squared`.
 #[inline(always)]
 pub(crate) fn ball_rim(radius: f32, height: f32, distance_squared: f32) -> f32 {
     radius * (1.0 - height * height / distance_squared).max(0.0).sqrt()
 }
 
-/// The share of the square -1..1 that lies above the horizon: below it is a trapezium, or a triangle at a corner.
+/// Returns the share of the square -1..1 that lies above the horizon `h.x + h.y x + h.z y = 0`: below it is a trapezium, or a
+/// triangle at a corner.
 #[inline(always)]
 pub(crate) fn square_share(h: Vec3) -> f32 {
-    let (a, b) = (h.y.abs().max(h.z.abs()), h.y.abs().min(h.z.abs()));
-    let most = if h.x >= 0.0 { 1.0 } else { 0.0 };
+    let a = h.y.abs().max(h.z.abs());
+    let b = h.y.abs().min(h.z.abs());
+    // The share if the horizon did not cross the square: the side on which the middle lies has all.
+    let whole = if h.x >= 0.0 { 1.0 } else { 0.0 };
     if h.x.abs() >= a + b {
-        return most;
+        return whole;
     }
-    let (height, slant) = (h.x.abs() / a, b / a);
-    let mut less = 0.5 - height * 0.5;
+    let height = h.x.abs() / a;
+    let slant = b / a;
+    // What the horizon cuts off on the side that the middle is not on.
+    let mut cut_off = 0.5 - height * 0.5;
     if height > 1.0 - slant {
         let corner = 1.0 + slant - height;
-        less = corner * corner / (8.0 * slant);
+        cut_off = corner * corner / (8.0 * slant);
     }
-    (most - less).abs()
+    (whole - cut_off).abs()
 }
 
-/// The share of the unit disc that lies above the horizon: below it is a segment, of area acos t - t sqrt(1 - t^2). The arc
+/// Returns the share of the unit disc that lies above the horizon: below it is a segment, of area acos t - t sqrt(1 - t^2). The arc
 /// cosine is Hastings' polynomial (Abramowitz and Stegun 1964, 4.4.45), wrong by 7e-5 at most.
 #[inline(always)]
 pub(crate) fn disc_share(h: Vec3) -> f32 {
     let radius = (h.y * h.y + h.z * h.z).sqrt();
-    let most = if h.x >= 0.0 { 1.0 } else { 0.0 };
+    let whole = if h.x >= 0.0 { 1.0 } else { 0.0 };
     if h.x.abs() >= radius {
-        return most;
+        return whole;
     }
     let t = h.x.abs() / radius;
     let arc =
         (1.0 - t).sqrt() * (1.570_728_8 + t * (-0.212_114_4 + t * (0.074_261_0 - t * 0.018_729_3)));
-    let less = (arc - t * (1.0 - t * t).sqrt()) * std::f32::consts::FRAC_1_PI;
-    (most - less).abs()
+    let cut_off = (arc - t * (1.0 - t * t).sqrt()) * std::f32::consts::FRAC_1_PI;
+    (whole - cut_off).abs()
 }
 
-/// The share of a square (`square` is 1) or a disc (0) that lies above the horizon.
+/// Returns the share of a square (`square` is 1) or a disc (0) that lies above the horizon.
 #[inline(always)]
 pub(crate) fn share_above(square: u32, h: Vec3) -> f32 {
     if square != 0 {
@@ -166,7 +165,7 @@ pub(crate) fn share_above(square: u32, h: Vec3) -> f32 {
     }
 }
 
-/// The heights along half axes that are [`turned`](crate::filtering::sample_pattern::turned) by (cos, sin).
+/// Returns the heights along half axes that are [`turned`](crate::filtering::sample_pattern::turned) by (cos, sin).
 #[inline(always)]
 pub(crate) fn turned_heights(h: Vec3, turn: Vec2) -> Vec3 {
     Vec3::new(

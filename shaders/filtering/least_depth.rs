@@ -1,4 +1,4 @@
-//! The least depth of each tile of a map: a level of a pyramid of least depths.
+//! The least depth of each tile of a map: a level of a pyramid of minima.
 
 use crate::shadow_map::{choices::stored_depth, packing::unpack_depth};
 use glam::{UVec2, Vec4};
@@ -14,7 +14,7 @@ uniforms! {
     }
 }
 
-/// From a square map to one whose texels hold the least depth of `ratio` x `ratio` of its texels.
+/// The filter from a square map to a smaller one whose texels hold the least depth of `ratio` x `ratio` texels.
 #[derive(Clone, Copy, Debug)]
 pub struct LeastDepthKernel {
     pub(crate) uniforms: LeastDepthUniforms,
@@ -39,7 +39,8 @@ impl Kernel for LeastDepthKernel {
 impl FilterKernel for LeastDepthKernel {
     fn filter(&self, inputs: &Inputs<'_>, start: UVec2, layer: u32, out: &mut [f32]) {
         let LeastDepthUniforms { ratio, size } = self.uniforms;
-        let (image, first) = (&inputs.images[0], start.y * ratio);
+        let image = &inputs.images[0];
+        let first = start.y * ratio;
         let rows = (first..(first + ratio).min(size)).map(|y| {
             let row = image.index(0, y as i32, layer);
             &image.texels[row..row + size as usize * image.desc.format.channels()]
@@ -48,17 +49,13 @@ impl FilterKernel for LeastDepthKernel {
         let mut column = vec![1.0_f32; size as usize];
         for row in rows {
             if self.packed {
-                let depths = row
-                    .as_chunks()
-                    .0
-                    .iter()
-                    .map(|&channels| unpack_depth(Vec4::from_array(channels)));
-                column
-                    .iter_mut()
-                    .zip(depths)
-                    .for_each(|(least, depth)| *least = least.min(depth));
+                let (texels, _) = row.as_chunks();
+                for (least, &channels) in column.iter_mut().zip(texels) {
+                    let depth = unpack_depth(Vec4::from_array(channels));
+                    *least = least.min(depth);
+                }
             } else {
-                inputs.simd.run_task(LeastOf {
+                inputs.simd.run_task(MinOfRows {
                     least: &mut column,
                     row,
                 });
@@ -70,13 +67,13 @@ impl FilterKernel for LeastDepthKernel {
     }
 }
 
-/// The lesser of both, number by number.
-struct LeastOf<'a> {
+/// Lowers each number of `least` to that of `row`.
+struct MinOfRows<'a> {
     least: &'a mut [f32],
     row: &'a [f32],
 }
 
-impl SimdTask for LeastOf<'_> {
+impl SimdTask for MinOfRows<'_> {
     type Output = ();
 
     #[inline(always)]

@@ -11,8 +11,8 @@
 //! along the axis over the receiver's distance else; that a ball's disc faces each receiver, not the map, beyond first
 //! order; and for suns that the cap of directions is flat (an angle's tangent for the angle).
 
-use crate::{filtering::sample_pattern::Shape, shadow_map::ShadowMap};
-use glam::{DMat4, DVec3, Mat4, Vec2, Vec4};
+use crate::{filtering::sample_pattern::PatternShape, shadow_map::ShadowMap};
+use glam::{DMat4, DVec3, Mat4, Vec2, Vec3, Vec4};
 use umbrage_core::{
     Light, LightSpace, LightSpaces, Module, RecipeError, Twin, View, twin, uniforms,
 };
@@ -25,8 +25,9 @@ pub(crate) const LIGHT_EXTENT: Module = Module {
 
 /// Greatest part of a map's half side that is spent on what kernels reach beyond the receivers. Wider lights lose the
 /// shadows of casters outside the map on its outermost receivers.
-const MOST_REACH: f32 = 0.5;
-/// How often the fit is repeated to learn what reach it needs; each repetition corrects for what the last one changed.
+const MAX_REACH: f32 = 0.5;
+/// How often the fit is made: its margin depends on the texels' size, which depends on the margin. Each fit after the first
+/// corrects for what the one before changed.
 const FITS: usize = 3;
 
 uniforms! {
@@ -41,16 +42,19 @@ uniforms! {
     }
 }
 
-/// The half axes for a receiver `from_middle` texels right and down of the map's middle: x, y of one, x, y of the other.
+/// Returns the half axes, texels per unit of clip depth, for a receiver `from_middle` texels right and down of the map's middle: x
+/// and y of the first, then x and y of the second.
 ///
 /// A ball counts as the disc of its radius that faces the receiver. Along the receiver's ray it falls on the map's plane as
 /// the ellipse with the matrix R^2 (1 + t t^T); any two axes whose outer products add up to it do, and these are its
 /// Cholesky factor.
 #[inline(always)]
 pub(crate) fn light_axes(half_axis_u: Vec4, half_axis_v: Vec4, from_middle: Vec2) -> Vec4 {
-    let (x, y) = (from_middle.x, from_middle.y);
+    let x = from_middle.x;
+    let y = from_middle.y;
     if half_axis_u.w > 0.0 {
-        let (tx, ty) = (x * half_axis_u.w, y * half_axis_u.w);
+        let tx = x * half_axis_u.w;
+        let ty = y * half_axis_u.w;
         let a = (1.0 + tx * tx).sqrt();
         let d = (1.0 + tx * tx + ty * ty).sqrt();
         return Vec4::new(
@@ -68,44 +72,49 @@ pub(crate) fn light_axes(half_axis_u: Vec4, half_axis_v: Vec4, from_middle: Vec2
     )
 }
 
-/// The shape over which the light's points are spread.
-pub(crate) fn shape(light: &Light) -> Shape {
+/// Returns the shape over which the light's points are spread.
+pub(crate) fn shape(light: &Light) -> PatternShape {
     if matches!(light, Light::Rect { .. }) {
-        Shape::Square
+        PatternShape::Square
     } else {
-        Shape::Disc
+        PatternShape::Disc
     }
 }
 
 impl LightExtent {
-    /// The extent of `light` on maps of `size` texels that lie in `spaces`.
+    /// Returns the extent of `light` on maps with the side `size`, texels, that lie in `spaces`.
+    ///
+    /// Panics if there are no spaces.
     pub fn new(light: &Light, spaces: &LightSpaces, size: u32) -> Self {
-        let face = |i: usize| {
-            axes_on(
-                light,
-                &spaces.spaces[if i < spaces.spaces.len() { i } else { 0 }],
-                size,
-            )
-        };
-        let faces: [[Vec4; 2]; 6] = std::array::from_fn(face);
+        let mut half_axis_u = [Vec4::ZERO; 6];
+        let mut half_axis_v = [Vec4::ZERO; 6];
+        for i in 0..6 {
+            // Faces without a space repeat the first.
+            let space = spaces.spaces.get(i).unwrap_or(&spaces.spaces[0]);
+            [half_axis_u[i], half_axis_v[i]] = half_axes_on_map(light, space, size);
+        }
         Self {
-            half_axis_u: faces.map(|f| f[0]),
-            half_axis_v: faces.map(|f| f[1]),
+            half_axis_u,
+            half_axis_v,
         }
     }
 
-    /// How far taps reach beyond the receiver's texel on the faces that are needed, texels.
+    /// Returns how far taps reach beyond the receiver's texel on the faces that are needed, texels.
     fn reach(&self, light: &Light, spaces: &LightSpaces, size: u32) -> f32 {
-        let needed = (0..spaces.spaces.len()).filter(|&i| spaces.is_needed(i));
-        needed
-            .map(|i| reach(shape(light), self.half_axis_u[i], self.half_axis_v[i], size))
-            .fold(0.0, f32::max)
+        let mut farthest = 0.0_f32;
+        for i in 0..spaces.spaces.len() {
+            if spaces.is_needed(i) {
+                let reach = reach(shape(light), self.half_axis_u[i], self.half_axis_v[i], size);
+                farthest = farthest.max(reach);
+            }
+        }
+        farthest
     }
 }
 
-/// Light spaces with room around them for what the light's extent makes a search reach: the region in which something at
-/// the near plane would hide a part of the light from a receiver at the far plane. Bounded, so that at least half of a
-/// map's side is left to what it is for.
+/// Returns light spaces with room around them for what the light's extent makes a search reach: the region in which something at
+/// the near plane would hide a part of the light from a receiver at the far plane. The room is bounded, so that at least half of
+/// a map's side is left to what it is for.
 ///
 /// # Errors
 /// As [`ShadowMap::spaces`].
@@ -113,13 +122,14 @@ pub(crate) fn spaces(map: &ShadowMap, view: &View<'_>) -> Result<LightSpaces, Re
     let mut margin = 0.0;
     let mut spaces = map.spaces(view, margin)?;
     for _ in 1..FITS {
-        // In a map of which `inner` texels are left, `reach` texels become `e` of the half side that those had; and the
-        // margin that is e times the new half side's inner part is found by solving for it.
+        // The margin leaves `inner` texels of the map, less one texel at each border.
         let inner = (map.size as f32 - 2.0 * margin - 2.0).max(1.0);
-        let reach =
-            LightExtent::new(view.light, &spaces, map.size).reach(view.light, &spaces, map.size);
-        let e = (2.0 * reach / inner).min(MOST_REACH / (1.0 - MOST_REACH));
-        let wanted = (map.size as f32 - 2.0) * 0.5 * e / (1.0 + e);
+        let extent = LightExtent::new(view.light, &spaces, map.size);
+        let reach = extent.reach(view.light, &spaces, map.size);
+        // The reach as a multiple of half the inner side: this ratio stays the same when the margin changes the texels' size.
+        let ratio = (2.0 * reach / inner).min(MAX_REACH / (1.0 - MAX_REACH));
+        // Solves margin = ratio (half - margin) for the margin, where half is the map's half side.
+        let wanted = (map.size as f32 - 2.0) * 0.5 * ratio / (1.0 + ratio);
         if wanted <= margin * 1.01 {
             break;
         }
@@ -129,9 +139,9 @@ pub(crate) fn spaces(map: &ShadowMap, view: &View<'_>) -> Result<LightSpaces, Re
     Ok(spaces)
 }
 
-/// Greatest distance, along one axis, from a receiver to a tap that follows a clip depth difference of 1. The half axes
-/// grow towards the map's corners.
-fn reach(shape: Shape, half_axis_u: Vec4, half_axis_v: Vec4, size: u32) -> f32 {
+/// Returns the greatest distance along one axis, texels, from a receiver anywhere on the map to a tap that follows a difference of
+/// clip depths of 1. The half axes grow towards the map's corners.
+fn reach(shape: PatternShape, half_axis_u: Vec4, half_axis_v: Vec4, size: u32) -> f32 {
     let half = size as f32 * 0.5;
     let corners = [
         Vec2::new(half, half),
@@ -145,18 +155,18 @@ fn reach(shape: Shape, half_axis_u: Vec4, half_axis_v: Vec4, size: u32) -> f32 {
         .fold(0.0, f32::max)
 }
 
-/// The same for a receiver `from_middle` texels right and down of the map's middle.
+/// Returns the same distance for a receiver `from_middle` texels right and down of the map's middle.
 pub(crate) fn reach_at(
-    shape: Shape,
+    shape: PatternShape,
     half_axis_u: Vec4,
     half_axis_v: Vec4,
     from_middle: Vec2,
 ) -> f32 {
-    let square = u32::from(shape == Shape::Square);
+    let square = u32::from(shape == PatternShape::Square);
     reach_along(square, light_axes(half_axis_u, half_axis_v, from_middle)).max_element()
 }
 
-/// How far a parallelogram (`square` is 1) or an ellipse (0) with these half axes reaches from its middle, right and down.
+/// Returns how far a parallelogram (`square` is 1) or an ellipse (0) with these half axes reaches from its middle, right and down.
 #[inline(always)]
 pub(crate) fn reach_along(square: u32, axes: Vec4) -> Vec2 {
     let a = axes;
@@ -169,26 +179,27 @@ pub(crate) fn reach_along(square: u32, axes: Vec4) -> Vec2 {
     )
 }
 
-/// The difference of clip depths that moves the light's rim by one texel, for what [`reach_along`] says of a unit of it.
-/// Bounded, so that its square is a number.
+/// Returns the difference of clip depths that moves the light's rim by one texel; `reach` is [`reach_along`] for a difference of 1.
+/// Bounded to 1e-9..=1e9, so that its square is finite.
 #[inline(always)]
 pub(crate) fn texel_depth(reach: Vec2) -> f32 {
     let farthest = if reach.x > reach.y { reach.x } else { reach.y };
     1.0 / farthest.clamp(1e-9, 1e9)
 }
 
-/// [`LightExtent::half_axis_u`] and [`LightExtent::half_axis_v`] of one face.
-fn axes_on(light: &Light, space: &LightSpace, size: u32) -> [Vec4; 2] {
+/// Returns [`LightExtent::half_axis_u`] and [`LightExtent::half_axis_v`] of one face.
+fn half_axes_on_map(light: &Light, space: &LightSpace, size: u32) -> [Vec4; 2] {
     let projection = space.clip_from_view.as_dmat4();
     let half = f64::from(size) * 0.5;
-    let (right, down) = (projection.x_axis.x * half, -projection.y_axis.y * half);
+    // Texels right and down per metre (or tangent) along the view's x and y.
+    let right = projection.x_axis.x * half;
+    let down = -projection.y_axis.y * half;
     let per_depth = per_depth(&space.clip_from_view);
     let view_from_world = space.view_from_world.as_dmat4();
     let on_map = |axis: DVec3| {
         let s = view_from_world.transform_vector3(axis);
-        (DVec3::new(s.x * right, s.y * down, s.z) * per_depth)
-            .as_vec3()
-            .extend(0.0)
+        let texels = DVec3::new(s.x * right, s.y * down, s.z) * per_depth;
+        texels.as_vec3().extend(0.0)
     };
     let [mut half_axis_u, mut half_axis_v] = match half_axes(light, &view_from_world.inverse()) {
         HalfAxes::Flat(u, v) => [on_map(u), on_map(v)],
@@ -202,6 +213,7 @@ fn axes_on(light: &Light, space: &LightSpace, size: u32) -> [Vec4; 2] {
             Vec4::ZERO,
         ],
     };
+    // A ball without a radius is a point: w would still mark it as a ball.
     if half_axis_u.x == 0.0 && half_axis_u.w > 0.0 {
         half_axis_u = Vec4::ZERO;
     }
@@ -214,17 +226,13 @@ fn axes_on(light: &Light, space: &LightSpace, size: u32) -> [Vec4; 2] {
     [half_axis_u, half_axis_v]
 }
 
-/// What a unit of clip depth makes of 1/distance (with perspective) or of distance (without), per metre: positive.
+/// Returns what a unit of clip depth makes of 1/distance (with perspective) or of distance (without), per metre: positive.
 fn per_depth(clip_from_view: &Mat4) -> f64 {
-    let (a, b) = (
-        f64::from(clip_from_view.z_axis.z),
-        f64::from(clip_from_view.w_axis.z),
-    );
-    if clip_from_view.row(3) == Vec4::W {
-        -1.0 / a
-    } else {
-        -1.0 / b
-    }
+    // Clip z is a z + b; with perspective, where clip w is -z, clip depth is -a - b / z.
+    let a = f64::from(clip_from_view.z_axis.z);
+    let b = f64::from(clip_from_view.w_axis.z);
+    let is_orthographic = clip_from_view.row(3) == Vec4::W;
+    if is_orthographic { -1.0 / a } else { -1.0 / b }
 }
 
 /// A light's half axes, world space.
@@ -235,22 +243,16 @@ pub(crate) enum HalfAxes {
     Ball(f64),
 }
 
-/// `world_from_view` is of the light's map: a sun's axes lie along it.
+/// Returns a light's half axes. A sun's lie along the x and y of the light's map, whose transform is `world_from_view`.
 pub(crate) fn half_axes(light: &Light, world_from_view: &DMat4) -> HalfAxes {
-    let disc = |normal: glam::Vec3, radius: f32| {
-        let (u, v) = normal
-            .as_dvec3()
-            .normalize_or(DVec3::Y)
-            .any_orthonormal_pair();
-        HalfAxes::Flat(u * f64::from(radius), v * f64::from(radius))
-    };
     match *light {
         Light::Directional {
             angular_diameter, ..
         } => {
             let tangent = (f64::from(angular_diameter) * 0.5).tan();
-            let along = |axis: DVec3| world_from_view.transform_vector3(axis) * tangent;
-            HalfAxes::Flat(along(DVec3::X), along(DVec3::Y))
+            let u = world_from_view.transform_vector3(DVec3::X);
+            let v = world_from_view.transform_vector3(DVec3::Y);
+            HalfAxes::Flat(u * tangent, v * tangent)
         }
         Light::Spot {
             direction, radius, ..
@@ -259,6 +261,13 @@ pub(crate) fn half_axes(light: &Light, world_from_view: &DMat4) -> HalfAxes {
         Light::Rect { half_u, half_v, .. } => HalfAxes::Flat(half_u.as_dvec3(), half_v.as_dvec3()),
         Light::Point { radius, .. } => HalfAxes::Ball(f64::from(radius)),
     }
+}
+
+/// Returns the half axes of a disc with this normal, of any length, and this radius, metres.
+fn disc(normal: Vec3, radius: f32) -> HalfAxes {
+    let normal = normal.as_dvec3().normalize_or(DVec3::Y);
+    let (u, v) = normal.any_orthonormal_pair();
+    HalfAxes::Flat(u * f64::from(radius), v * f64::from(radius))
 }
 
 /// The pairs, for the lockstep tests.

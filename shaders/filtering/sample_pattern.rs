@@ -1,4 +1,4 @@
-//! Sample patterns: where the taps of a soft filter go. Tables that both halves read.
+//! Sample patterns: where the taps of a soft filter go, as tables that both halves read.
 //!
 //! Each pattern exists for the disc and for the square, evenly spread over the area, in coordinates -1..1:
 //!
@@ -30,7 +30,7 @@ pub const PATTERN: Module = Module {
     text: include_str!("sample_pattern.wgsl"),
 };
 
-/// Most taps accepted. Of many more, those around the middle would no longer be told apart by their distance from it.
+/// Most taps accepted in a set. Of many more, those around the middle would be nearer to it than [`from_middle`] distinguishes.
 pub const MAX_TAPS: u32 = 255;
 
 /// Into how many steps a pixel's turn is divided.
@@ -45,7 +45,7 @@ const GOLDEN: f64 = 0.381_966_011_250_105_1;
 
 /// No tap counts as nearer to the middle than this: less than the innermost of [`MAX_TAPS`] even ones,
 /// sqrt(1/2 / [`MAX_TAPS`]).
-const INNERMOST: f32 = 1.0 / 32.0;
+const MIN_FROM_MIDDLE: f32 = 1.0 / 32.0;
 
 /// One set of taps: x, y, least distance from the middle (see [`from_middle`]).
 #[derive(Clone, Debug)]
@@ -70,7 +70,7 @@ impl Pattern {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::Vogel, Self::Poisson, Self::Grid];
 
-    /// Its name for tables.
+    /// Returns its name for tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Vogel => "vogel",
@@ -82,18 +82,18 @@ impl Pattern {
 
 /// What taps are spread over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Shape {
+pub enum PatternShape {
     /// The unit disc.
     Disc,
     /// The square -1..1.
     Square,
 }
 
-/// `count` taps within -1..1, evenly spread over the shape.
-pub fn spread(pattern: Pattern, shape: Shape, count: u32) -> Vec<Vec2> {
+/// Returns `count` taps within -1..1, evenly spread over the shape.
+pub fn spread(pattern: Pattern, shape: PatternShape, count: u32) -> Vec<Vec2> {
     match (pattern, shape) {
-        (Pattern::Vogel, Shape::Disc) => (0..count).map(|i| sunflower(i, count)).collect(),
-        (Pattern::Vogel, Shape::Square) => {
+        (Pattern::Vogel, PatternShape::Disc) => (0..count).map(|i| sunflower(i, count)).collect(),
+        (Pattern::Vogel, PatternShape::Square) => {
             (0..count).map(|i| centred(fibonacci(i, count))).collect()
         }
         (Pattern::Poisson, _) => poisson(shape, count),
@@ -119,48 +119,63 @@ fn centred(uv: Vec2) -> Vec2 {
     uv * 2.0 - 1.0
 }
 
-fn onto(shape: Shape, uv: Vec2) -> Vec2 {
+fn onto(shape: PatternShape, uv: Vec2) -> Vec2 {
     match shape {
-        Shape::Disc => disc_point(uv),
-        Shape::Square => centred(uv),
+        PatternShape::Disc => disc_point(uv),
+        PatternShape::Square => centred(uv),
     }
 }
 
 /// Cell centres of the unit square: about as many rows as columns, each row as high as its share of the cells.
 fn grid(count: u32) -> impl Iterator<Item = Vec2> {
     let rows = count.isqrt().max(1);
-    let start = move |row: u32| row * count / rows;
     (0..rows).flat_map(move |row| {
-        let (first, end) = (start(row), start(row + 1));
+        // The indices of the row's cells among all cells.
+        let first = row * count / rows;
+        let end = (row + 1) * count / rows;
         let y = (first + end) as f32 * 0.5 / count as f32;
         (first..end).map(move |i| Vec2::new(((i - first) as f32 + 0.5) / (end - first) as f32, y))
     })
 }
 
-fn poisson(shape: Shape, count: u32) -> Vec<Vec2> {
+fn poisson(shape: PatternShape, count: u32) -> Vec<Vec2> {
     let mut taps: Vec<Vec2> = Vec::new();
-    let unit = |k: u32| (hash(POISSON_SEED.wrapping_add(k)) >> 8) as f32 / 16_777_216.0;
     for tap in 0..count {
-        let candidate = |c: u32| {
-            let k = 2 * (tap * CANDIDATES + c);
-            onto(shape, Vec2::new(unit(k), unit(k + 1)))
-        };
-        let room = |p: Vec2| {
-            taps.iter()
-                .map(|&q| distance_squared(shape, p, q))
-                .fold(f32::INFINITY, f32::min)
-        };
-        let best = (0..CANDIDATES)
-            .map(candidate)
-            .max_by(|&a, &b| room(a).total_cmp(&room(b)));
+        let first = tap * CANDIDATES;
+        let best = (first..first + CANDIDATES)
+            .map(|number| candidate(shape, number))
+            .max_by(|&a, &b| {
+                let room_a = nearest_squared(shape, &taps, a);
+                let room_b = nearest_squared(shape, &taps, b);
+                room_a.total_cmp(&room_b)
+            });
         taps.extend(best);
     }
     taps
 }
 
-fn distance_squared(shape: Shape, a: Vec2, b: Vec2) -> f32 {
+/// Returns the candidate for a tap with this number among all candidates.
+fn candidate(shape: PatternShape, number: u32) -> Vec2 {
+    let u = unit_hash(2 * number);
+    let v = unit_hash(2 * number + 1);
+    onto(shape, Vec2::new(u, v))
+}
+
+/// Returns a hash of a number, 0..1 in steps of 2^-24.
+fn unit_hash(k: u32) -> f32 {
+    (hash(POISSON_SEED.wrapping_add(k)) >> 8) as f32 / 16_777_216.0
+}
+
+/// Returns the square of the distance from a point to the nearest tap; infinite if there are none.
+fn nearest_squared(shape: PatternShape, taps: &[Vec2], p: Vec2) -> f32 {
+    taps.iter()
+        .map(|&tap| distance_squared(shape, p, tap))
+        .fold(f32::INFINITY, f32::min)
+}
+
+fn distance_squared(shape: PatternShape, a: Vec2, b: Vec2) -> f32 {
     let d = (a - b).abs();
-    if shape == Shape::Disc {
+    if shape == PatternShape::Disc {
         d.length_squared()
     } else {
         d.min(Vec2::splat(2.0) - d).length_squared()
@@ -173,26 +188,26 @@ pub(crate) struct PatternTable {
     /// A row (x, y, least distance from the middle, 0) for each tap of each set in turn, then a row (cos, sin, shift x, shift y)
     /// for each turn. See [`from_middle`].
     pub(crate) table: Table,
-    pub(crate) shape: Shape,
+    pub(crate) shape: PatternShape,
     pub(crate) sets: Vec<TapSet>,
     pub(crate) turns: Vec<Vec4>,
 }
 
-type Key = (Pattern, Shape, Vec<u32>);
+type Key = (Pattern, PatternShape, Vec<u32>);
 
-/// Tables made lately, so that equal plans share one and no backend uploads it twice.
-static MADE: Mutex<Vec<(Key, Arc<PatternTable>)>> = Mutex::new(Vec::new());
+/// The tables made last, the newest first: so that equal recipes share one and no backend uploads it twice.
+static CACHE: Mutex<Vec<(Key, Arc<PatternTable>)>> = Mutex::new(Vec::new());
 /// How many of them are kept.
-const KEPT: usize = 32;
+const CACHE_SIZE: usize = 32;
 
 impl PatternTable {
-    /// The table with sets of `counts` taps.
+    /// Returns the table with a set of taps for each of `counts`, which also name the sets for errors.
     ///
     /// # Errors
-    /// When a set has no taps or more than [`MAX_TAPS`].
+    /// If a set has no taps or more than [`MAX_TAPS`].
     pub(crate) fn new(
         pattern: Pattern,
-        shape: Shape,
+        shape: PatternShape,
         counts: &[(&str, u32)],
     ) -> Result<Arc<Self>, Invalid> {
         for (what, count) in counts {
@@ -209,33 +224,28 @@ impl PatternTable {
             shape,
             counts.iter().map(|c| c.1).collect::<Vec<_>>(),
         );
-        let mut made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, table)) = made.iter().find(|(k, _)| *k == key) {
+        let mut cache = CACHE.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, table)) = cache.iter().find(|(k, _)| *k == key) {
             return Ok(table.clone());
         }
         let table = Arc::new(Self::build(pattern, shape, &key.2));
-        made.truncate(KEPT - 1);
-        made.insert(0, (key, table.clone()));
+        cache.truncate(CACHE_SIZE - 1);
+        cache.insert(0, (key, table.clone()));
         Ok(table)
     }
 
-    fn build(pattern: Pattern, shape: Shape, counts: &[u32]) -> Self {
-        let place = |q: Vec2| {
-            q.extend(if shape == Shape::Disc {
-                q.length().max(INNERMOST)
-            } else {
-                INNERMOST
-            })
-        };
-        let set = |&count: &u32| {
-            spread(pattern, shape, count)
-                .into_iter()
-                .map(place)
-                .collect()
-        };
-        let sets: Vec<Vec<Vec3>> = counts.iter().map(set).collect();
+    fn build(pattern: Pattern, shape: PatternShape, counts: &[u32]) -> Self {
+        let mut sets: Vec<TapSet> = Vec::new();
+        for &count in counts {
+            let taps = spread(pattern, shape, count).into_iter();
+            sets.push(TapSet {
+                taps: taps
+                    .map(|q| q.extend(least_from_middle(shape, q)))
+                    .collect(),
+            });
+        }
         let turns: Vec<Vec4> = (0..TURNS).map(|k| turn(shape, k)).collect();
-        let taps = sets.iter().flatten().map(|q| q.extend(0.0));
+        let taps = sets.iter().flat_map(|set| &set.taps).map(|q| q.extend(0.0));
         let rows = taps
             .chain(turns.iter().copied())
             .map(|row| row.to_array().map(f32::to_bits))
@@ -247,16 +257,25 @@ impl PatternTable {
         Self {
             table,
             shape,
-            sets: sets.into_iter().map(|taps| TapSet { taps }).collect(),
+            sets,
             turns,
         }
     }
 }
 
-/// Step `k`: discs turn by it; squares are shifted by a point of the Fibonacci lattice.
-fn turn(shape: Shape, k: u32) -> Vec4 {
+/// Returns the least distance of a tap from the middle, whichever way the pattern is turned or shifted: the third number of its
+/// row.
+fn least_from_middle(shape: PatternShape, q: Vec2) -> f32 {
+    match shape {
+        PatternShape::Disc => q.length().max(MIN_FROM_MIDDLE),
+        PatternShape::Square => MIN_FROM_MIDDLE,
+    }
+}
+
+/// Returns step `k` of the turns: discs turn by it; squares are shifted by a point of the Fibonacci lattice.
+fn turn(shape: PatternShape, k: u32) -> Vec4 {
     let part = f64::from(k) / f64::from(TURNS);
-    if shape == Shape::Disc {
+    if shape == PatternShape::Disc {
         return DVec2::from_angle(TAU * part)
             .as_vec2()
             .extend(0.0)
@@ -270,7 +289,7 @@ fn turn(shape: Shape, k: u32) -> Vec4 {
     )
 }
 
-/// A pixel's step, 0 to 63: Jimenez's fract(52.9829189 fract(.06711056 x + .00583715 y)) in 32-bit fixed point, so that it
+/// Returns a pixel's step, 0 to 63: Jimenez's fract(52.9829189 fract(.06711056 x + .00583715 y)) in 32-bit fixed point, so that it
 /// is the same everywhere.
 #[inline(always)]
 pub fn noise_index(x: u32, y: u32) -> u32 {
@@ -283,7 +302,7 @@ pub fn noise_index(x: u32, y: u32) -> u32 {
         >> 26
 }
 
-/// The two half axes (x, y of one, then of the other), turned by (cos, sin).
+/// Returns two half axes (x and y of the first, then of the second), turned by (cos, sin).
 #[inline(always)]
 pub fn turned(axes: Vec4, turn: Vec2) -> Vec4 {
     Vec4::new(
@@ -294,21 +313,45 @@ pub fn turned(axes: Vec4, turn: Vec2) -> Vec4 {
     )
 }
 
-/// Brings back into -1..1 what a shift of 0..2 took out.
+/// Returns a coordinate of -1..1 that was shifted by 0..2, brought back into -1..1.
 #[inline(always)]
 pub fn wrapped(x: f32) -> f32 {
     if x >= 1.0 { x - 2.0 } else { x }
 }
 
-/// How far a tap lies from the pattern's middle; 1 is the rim. `least` is the third number of its row: for discs, whose taps
-/// keep their distance whichever way they are turned, all there is to know.
+/// Returns the place on the map, texels, of the tap `q` (-1..1) for a receiver at `from`. The sum goes from left to right: with
+/// the offset in parentheses, a driver was seen to add in another order.
+#[inline(always)]
+pub(crate) fn place(from: Vec2, axes: Vec4, q: Vec2) -> Vec2 {
+    Vec2::new(
+        affine(from.x, axes.x, axes.z, q.x, q.y),
+        affine(from.y, axes.y, axes.w, q.x, q.y),
+    )
+}
+
+/// Returns [`place`] of a tap that is shifted and [`wrapped`].
+#[inline(always)]
+pub(crate) fn tap_place(from: Vec2, axes: Vec4, q: Vec2, shift: Vec2) -> Vec2 {
+    let x = wrapped(q.x + shift.x);
+    let y = wrapped(q.y + shift.y);
+    place(from, axes, Vec2::new(x, y))
+}
+
+/// Returns one coordinate of [`place`]: `from + a x + b y`.
+#[inline(always)]
+pub(crate) fn affine(from: f32, a: f32, b: f32, x: f32, y: f32) -> f32 {
+    from + a * x + b * y
+}
+
+/// Returns how far a tap lies from the pattern's middle; 1 is the rim. `least` is the third number of its row: for discs, whose taps
+/// keep their distance whichever way they are turned, it is the result.
 #[inline(always)]
 pub fn from_middle(x: f32, y: f32, least: f32) -> f32 {
     let farther = if x.abs() > y.abs() { x.abs() } else { y.abs() };
     if farther > least { farther } else { least }
 }
 
-/// What draws a tap at the distance `m` from the middle closer to it, to the distance m^3: then half of the taps lie within a
+/// Returns the factor that draws a tap at the distance `m` from the middle closer to it, to the distance m^3: then half of the taps lie within a
 /// third of the rim's distance instead of within seven tenths. Searches for blockers take it, since the nearer a blocker is to
 /// the receiver, the nearer to the middle it must lie to hide any light.
 #[inline(always)]
@@ -316,7 +359,7 @@ pub fn closer_by(m: f32) -> f32 {
     m * m
 }
 
-/// What a blocker, `nearer` than the receiver by that much, weighs if it is found at a tap that was at the distance `m`: the
+/// Returns the weight of a blocker, `nearer` than the receiver by that much, that is found at a tap that was at the distance `m`: the
 /// share of the light that it hides, times a number that is the same for all taps. Drawn to the distance m^3, a tap stands
 /// for an area in proportion to d(m^6) / d(m^2) = 3 m^4; and seen past a blocker twice as near, the light is four times as
 /// large.
@@ -330,6 +373,8 @@ pub const TWINS: &[Twin] = &[
     twin!(PATTERN, noise_index(x: u32, y: u32) -> u32),
     twin!(PATTERN, turned(axes: Vec4, turn: Vec2) -> Vec4),
     twin!(PATTERN, wrapped(x: f32) -> f32),
+    twin!(PATTERN, place(from: Vec2, axes: Vec4, q: Vec2) -> Vec2),
+    twin!(PATTERN, tap_place(from: Vec2, axes: Vec4, q: Vec2, shift: Vec2) -> Vec2),
     twin!(PATTERN, closer_by(m: f32) -> f32),
     twin!(PATTERN, tap_weight(m: f32, nearer: f32) -> f32),
     twin!(PATTERN, from_middle(x: f32, y: f32, least: f32) -> f32),

@@ -1,4 +1,4 @@
-// Twin of sample_pattern.rs: a pixel's turn or shift of the pattern in the kernel's first table.
+// Twin of sample_pattern.rs: a pixel's turn or shift of the pattern, where its taps lie on the map, and what they weigh.
 
 fn noise_index(x: u32, y: u32) -> u32 {
     let a = x * 288237660u + y * 25070368u;
@@ -16,6 +16,14 @@ fn turned(axes: vec4f, turn: vec2f) -> vec4f {
 
 fn wrapped(x: f32) -> f32 {
     return select(x, x - 2.0, x >= 1.0);
+}
+
+fn place(at: vec2f, axes: vec4f, q: vec2f) -> vec2f {
+    return vec2f(at.x + axes.x * q.x + axes.z * q.y, at.y + axes.y * q.x + axes.w * q.y);
+}
+
+fn tap_place(at: vec2f, axes: vec4f, q: vec2f, shift: vec2f) -> vec2f {
+    return place(at, axes, vec2f(wrapped(q.x + shift.x), wrapped(q.y + shift.y)));
 }
 
 fn from_middle(x: f32, y: f32, least: f32) -> f32 {

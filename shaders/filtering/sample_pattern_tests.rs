@@ -7,13 +7,13 @@ const ALL: [Pattern; 3] = [Pattern::Vogel, Pattern::Poisson, Pattern::Grid];
 #[test]
 fn taps_keep_areas() {
     for pattern in ALL {
-        for (shape, inner) in [(Shape::Disc, 0.25), (Shape::Square, 0.25)] {
+        for (shape, inner) in [(PatternShape::Disc, 0.25), (PatternShape::Square, 0.25)] {
             let taps = spread(pattern, shape, 64);
             assert_eq!(taps.len(), 64);
             let share =
                 |f: &dyn Fn(&Vec2) -> bool| taps.iter().filter(|q| f(q)).count() as f32 / 64.0;
             let norm = |q: &Vec2| {
-                if shape == Shape::Disc {
+                if shape == PatternShape::Disc {
                     q.length()
                 } else {
                     q.abs().max_element()
@@ -37,7 +37,10 @@ fn taps_keep_areas() {
 /// 1,024 disc-packed taps could at best lie 2 sqrt(pi / (2 sqrt(3) n)) apart; half of that is far more than random has.
 #[test]
 fn poisson_taps_keep_apart() {
-    for (shape, area) in [(Shape::Disc, std::f32::consts::PI), (Shape::Square, 4.0)] {
+    for (shape, area) in [
+        (PatternShape::Disc, std::f32::consts::PI),
+        (PatternShape::Square, 4.0),
+    ] {
         let taps = spread(Pattern::Poisson, shape, 128);
         let nearest = (0..128)
             .flat_map(|i| (0..i).map(move |j| (i, j)))
@@ -69,15 +72,25 @@ fn noise_is_jimenezs() {
 #[test]
 fn bad_counts_are_refused_and_equal_tables_shared() {
     for count in [0, MAX_TAPS + 1] {
-        let error = PatternTable::new(Pattern::Vogel, Shape::Disc, &[("pcss filter taps", count)])
-            .unwrap_err();
+        let error = PatternTable::new(
+            Pattern::Vogel,
+            PatternShape::Disc,
+            &[("pcss filter taps", count)],
+        )
+        .unwrap_err();
         assert!(
             error.to_string().starts_with("pcss filter taps: are"),
             "{error}"
         );
     }
-    let make =
-        |count| PatternTable::new(Pattern::Grid, Shape::Square, &[("a", 3), ("b", count)]).unwrap();
+    let make = |count| {
+        PatternTable::new(
+            Pattern::Grid,
+            PatternShape::Square,
+            &[("a", 3), ("b", count)],
+        )
+        .unwrap()
+    };
     assert!(Arc::ptr_eq(&make(5).table.rows, &make(5).table.rows));
     assert!(!Arc::ptr_eq(&make(5).table.rows, &make(6).table.rows));
     assert_eq!(make(5).table.rows.len(), 8 + TURNS as usize);
@@ -87,11 +100,11 @@ fn bad_counts_are_refused_and_equal_tables_shared() {
 /// border may gain or lose a ring of taps, of which 255 lie in about 9 rings.
 #[test]
 fn taps_drawn_closer_keep_their_areas() {
-    for shape in [Shape::Disc, Shape::Square] {
+    for shape in [PatternShape::Disc, PatternShape::Square] {
         let taps: Vec<(f32, f32)> = spread(Pattern::Vogel, shape, MAX_TAPS)
             .iter()
             .map(|q| {
-                if shape == Shape::Disc {
+                if shape == PatternShape::Disc {
                     q.length()
                 } else {
                     q.abs().max_element()

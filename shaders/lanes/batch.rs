@@ -15,14 +15,14 @@ use umbrage_core::{Simd, SimdTask, Span, math::dot3};
 /// How many receivers are projected before the taps begin.
 pub const BATCH: usize = 64;
 
-/// What a technique makes of one lookup. A trait and not a closure, since a method can insist on being inlined into the
+/// A technique's comparisons for one receiver. A trait and not a closure, since a method can insist on being inlined into the
 /// loop that is compiled for vector instructions: mark it `#[inline(always)]`.
 pub trait Taps {
     /// Returns the visibility, 0..=1; `offset` is the pixel's place in the span.
     fn visibility(&self, l: &ShadowCoord, offset: usize) -> f32;
 }
 
-/// What a technique makes of a batch of lookups: all that has [`Taps`] follows one at a time.
+/// A technique's comparisons for a batch of receivers. Types with [`Taps`] have it, too, and go through one receiver at a time.
 pub trait BatchTaps {
     /// Writes visibilities 0..=1, as many as `out` holds; `first` is the first pixel's place in the span.
     fn visibilities(&self, batch: &Batch, first: usize, out: &mut [f32]);
@@ -43,7 +43,7 @@ impl<T: Taps> BatchTaps for T {
 }
 
 /// Looks up a span of receivers in the map of `m`, and fills `out`, as long as the span, with what `taps` makes of them.
-/// Receivers that the map can say nothing of ([`ShadowCoord::seen`]) are lit.
+/// ReceiverBatch that the map can say nothing of ([`ShadowCoord::seen`]) are lit.
 #[inline]
 pub fn look_up_span(
     simd: Simd,
@@ -81,10 +81,10 @@ impl<T: BatchTaps> SimdTask for FollowTaps<'_, T> {
     }
 }
 
-/// A number of each receiver of a batch.
-type Lanes<T> = [T; BATCH];
+/// A number for each receiver of a batch.
+pub(crate) type Lanes<T> = [T; BATCH];
 
-/// The places on the map of up to [`BATCH`] receivers, an array a field of [`ShadowCoord`].
+/// The places on the map of up to [`BATCH`] receivers, with an array for each field of [`ShadowCoord`].
 #[derive(Clone, Debug)]
 pub struct Batch {
     x: Lanes<f32>,
@@ -142,8 +142,8 @@ impl Batch {
     }
 }
 
-/// Some of a span's receivers, an array a coordinate. Lanes from the last receiver on hold 0.
-struct Receivers {
+/// Some of a span's receivers, with an array for each coordinate. Lanes after the last receiver hold 0.
+struct ReceiverBatch {
     x: Lanes<f32>,
     y: Lanes<f32>,
     z: Lanes<f32>,
@@ -152,7 +152,7 @@ struct Receivers {
     nz: Lanes<f32>,
 }
 
-impl Receivers {
+impl ReceiverBatch {
     fn of(span: &Span<'_>, first: usize, count: usize) -> Self {
         Self {
             x: lanes_of(span.x, first, count),
@@ -190,7 +190,7 @@ fn project(
     count: usize,
     batch: &mut Batch,
 ) {
-    let receivers = Receivers::of(span, first, count);
+    let receivers = ReceiverBatch::of(span, first, count);
     if m.layer_count == 1 {
         project_into(simd, m, &m.layers[0], &receivers, batch);
         return;
@@ -215,7 +215,7 @@ fn project_into(
     simd: Simd,
     m: &ShadowMapUniforms,
     layer: &MapLayer,
-    receivers: &Receivers,
+    receivers: &ReceiverBatch,
     out: &mut Batch,
 ) {
     // A light without a position has one direction for all.
@@ -232,7 +232,7 @@ fn project_into(
 struct Project<'a, const LOCAL: bool, const OFFSET: bool> {
     m: &'a ShadowMapUniforms,
     layer: &'a MapLayer,
-    receivers: &'a Receivers,
+    receivers: &'a ReceiverBatch,
     out: &'a mut Batch,
 }
 
@@ -240,7 +240,7 @@ impl<'a, const LOCAL: bool, const OFFSET: bool> Project<'a, LOCAL, OFFSET> {
     fn new(
         m: &'a ShadowMapUniforms,
         layer: &'a MapLayer,
-        receivers: &'a Receivers,
+        receivers: &'a ReceiverBatch,
         out: &'a mut Batch,
     ) -> Self {
         Self {
@@ -308,7 +308,7 @@ fn follow_planes(
     size: f32,
     layer: &MapLayer,
     points: &[Lanes<f32>; 3],
-    receivers: &Receivers,
+    receivers: &ReceiverBatch,
     out: &mut Batch,
 ) {
     let mut right = [0.0; BATCH];

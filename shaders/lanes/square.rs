@@ -3,8 +3,8 @@
 
 use crate::shadow_map::{coord::ShadowCoord, texel_compare::DepthMap};
 
-/// How many taps of the square whose least texel is (x, y) are lit. None unless it lies wholly within the map and its
-/// rows may be read `LANES` wide; lanes beyond `SIDE` are not counted.
+/// Returns how many taps of the square of `SIDE` texels a side whose least texel is (x, y) are lit; `None` unless it lies wholly
+/// within the map and its rows may be read `LANES` wide. Lanes beyond `SIDE` are not counted.
 #[inline(always)]
 pub fn square<const SIDE: usize, const LANES: usize>(
     map: &DepthMap<'_>,
@@ -12,12 +12,14 @@ pub fn square<const SIDE: usize, const LANES: usize>(
     x: i32,
     y: i32,
 ) -> Option<f32> {
-    let (texels, size) = (map.layer(l.layer)?, map.size);
+    let texels = map.layer(l.layer)?;
+    let size = map.size;
     let side = SIDE as i32;
     if x < 0 || y < 0 || x + side > size || y + side > size {
         return None;
     }
-    let (stride, first) = (size as usize, y as usize * size as usize + x as usize);
+    let stride = size as usize;
+    let first = y as usize * stride + x as usize;
     let window = texels.get(first..first + (SIDE - 1) * stride + LANES)?;
     let mut lit = [0_u32; LANES];
     if l.gradient == glam::Vec2::ZERO {
@@ -30,10 +32,12 @@ pub fn square<const SIDE: usize, const LANES: usize>(
     } else {
         for row in 0..SIDE {
             let stored: &[f32; LANES] = window[row * stride..][..LANES].first_chunk()?;
+            // `depth_on_plane` of the row's texels: its term for y is the same for all of them.
             let down = l.gradient.y * ((y + row as i32) as f32 + 0.5 - l.texel.y);
             for (lane, lit) in lit.iter_mut().enumerate() {
                 let right = l.gradient.x * ((x + lane as i32) as f32 + 0.5 - l.texel.x);
-                *lit += u32::from((l.depth + right + down).min(l.deepest) <= stored[lane]);
+                let depth = (l.depth + right + down).min(l.deepest);
+                *lit += u32::from(depth <= stored[lane]);
             }
         }
     }

@@ -1,23 +1,22 @@
-//! What a technique says of itself, so that the lists of it (command line, comparison, planner, presets, tests) need no
-//! entry of their own.
+//! The description of a technique that all lists of techniques read: command line, comparison, planner, presets, tests.
 //!
-//! A technique implements [`ListedTechnique`] in its own file. [`Entry::of`] makes the row of a list from it, and
-//! [`Preset`] holds any technique that has the trait as data.
+//! A technique implements [`ListedTechnique`] in its own file. [`TechniqueEntry::of`] makes the row of a list from it, and
+//! [`TechniquePreset`] holds any technique that has the trait as data.
 
 mod entry;
 mod preset;
 pub mod sweeps;
 
-pub use entry::Entry;
-pub use preset::Preset;
+pub use entry::TechniqueEntry;
+pub use preset::TechniquePreset;
 
 use crate::shadow_map::ShadowMap;
 use serde::{Serialize, de::DeserializeOwned};
 use std::{ops::Range, sync::Arc};
 use umbrage_core::{Fit, Light, Recipe, ShadowTechnique};
 
-/// Techniques with their settings, ready to plan.
-pub type Settings = Vec<Arc<dyn ShadowTechnique>>;
+/// Techniques with their settings.
+pub type ConfiguredTechniques = Vec<Arc<dyn ShadowTechnique>>;
 
 /// A technique that lists can hold: its settings are plain data, and it says which of them are worth trying.
 ///
@@ -28,7 +27,7 @@ pub type Settings = Vec<Arc<dyn ShadowTechnique>>;
 /// ```
 /// use serde::{Deserialize, Serialize};
 /// use umbrage_core::{RecipeError, Recipe, ShadowTechnique, View};
-/// use umbrage_techniques::{Entry, Hard, ListedTechnique, ShadowMap, Techniques};
+/// use umbrage_techniques::{TechniqueEntry, Hard, ListedTechnique, ShadowMap, Techniques};
 ///
 /// /// One comparison, under another name.
 /// #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -59,7 +58,7 @@ pub type Settings = Vec<Arc<dyn ShadowTechnique>>;
 ///     }
 /// }
 ///
-/// let techniques = Techniques::built_in().with(Entry::of::<Mine>())?;
+/// let techniques = Techniques::built_in().with(TechniqueEntry::of::<Mine>())?;
 /// let preset = techniques.preset_from_toml("technique = 'mine'")?;
 /// assert_eq!(preset.get::<Mine>(), Some(&Mine::default()));
 /// # Ok::<(), umbrage_core::Invalid>(())

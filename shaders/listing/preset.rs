@@ -1,6 +1,6 @@
 //! Techniques as data: any listed one with its settings, to be kept in a file.
 
-use super::{Entry, ListedTechnique, PlannedBiases};
+use super::{ListedTechnique, PlannedBiases, TechniqueEntry};
 use crate::shadow_map::ShadowMap;
 use serde::{Serialize, Serializer};
 use std::{any::Any, sync::Arc};
@@ -10,26 +10,26 @@ use umbrage_core::{Invalid, Recipe, ShadowTechnique};
 /// fields are those of its struct; those left out have its defaults.
 ///
 /// ```
-/// use umbrage_techniques::{Pcf, Preset};
-/// let preset = Preset::from_toml("technique = 'pcf'\nradius = 2")?;
-/// assert_eq!(preset, Preset::from(Pcf { radius: 2, ..Pcf::default() }));
+/// use umbrage_techniques::{Pcf, TechniquePreset};
+/// let preset = TechniquePreset::from_toml("technique = 'pcf'\nradius = 2")?;
+/// assert_eq!(preset, TechniquePreset::from(Pcf { radius: 2, ..Pcf::default() }));
 /// # Ok::<(), umbrage_core::Invalid>(())
 /// ```
 #[derive(Clone, Debug)]
-pub struct Preset(Arc<dyn AnyTechnique>);
+pub struct TechniquePreset(Arc<dyn AnyTechnique>);
 
 /// A [`ListedTechnique`] whose type is not known.
 trait AnyTechnique: ShadowTechnique + Any {
-    fn equals(&self, other: &Preset) -> bool;
+    fn equals(&self, other: &TechniquePreset) -> bool;
     fn shadow_map(&self) -> Option<&ShadowMap>;
-    fn on_map(&self, map: ShadowMap) -> Preset;
+    fn on_map(&self, map: ShadowMap) -> TechniquePreset;
     fn planned_biases(&self) -> PlannedBiases;
     fn reason(&self, error: f64, recipe: &Recipe) -> Option<String>;
     fn as_data(&self) -> &dyn erased_serde::Serialize;
 }
 
 impl<T: ListedTechnique> AnyTechnique for T {
-    fn equals(&self, other: &Preset) -> bool {
+    fn equals(&self, other: &TechniquePreset) -> bool {
         other.get::<T>() == Some(self)
     }
 
@@ -37,8 +37,8 @@ impl<T: ListedTechnique> AnyTechnique for T {
         self.map()
     }
 
-    fn on_map(&self, map: ShadowMap) -> Preset {
-        Preset::from(self.clone().with_map(map))
+    fn on_map(&self, map: ShadowMap) -> TechniquePreset {
+        TechniquePreset::from(self.clone().with_map(map))
     }
 
     fn planned_biases(&self) -> PlannedBiases {
@@ -54,19 +54,19 @@ impl<T: ListedTechnique> AnyTechnique for T {
     }
 }
 
-impl<T: ListedTechnique> From<T> for Preset {
+impl<T: ListedTechnique> From<T> for TechniquePreset {
     fn from(technique: T) -> Self {
         Self(Arc::new(technique))
     }
 }
 
-impl PartialEq for Preset {
+impl PartialEq for TechniquePreset {
     fn eq(&self, other: &Self) -> bool {
         self.0.equals(other)
     }
 }
 
-impl Serialize for Preset {
+impl Serialize for TechniquePreset {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         #[derive(Serialize)]
         struct Tagged<'a> {
@@ -82,29 +82,29 @@ impl Serialize for Preset {
     }
 }
 
-impl Preset {
-    /// The technique, ready to plan.
+impl TechniquePreset {
+    /// Returns the technique.
     pub fn technique(&self) -> Arc<dyn ShadowTechnique> {
         self.0.clone()
     }
 
-    /// The settings, if the technique is a `T`.
+    /// Returns the settings, if the technique is a `T`.
     pub fn get<T: ListedTechnique>(&self) -> Option<&T> {
         let technique: &dyn Any = &*self.0;
         technique.downcast_ref()
     }
 
-    /// The preset as TOML that [`Preset::from_toml`] reads back bit by bit.
+    /// Returns the preset as TOML that [`TechniquePreset::from_toml`] reads back bit by bit.
     ///
     /// # Errors
-    /// Never with settings that a built-in technique accepts; else where its settings aren't a table of TOML.
+    /// If the technique's settings aren't a table of TOML, which those of the built-in techniques always are.
     pub fn to_toml(&self) -> Result<String, Invalid> {
         toml::to_string(self)
             .map_err(|e| Invalid::new("preset", e.to_string(), "use settings that are numbers"))
     }
 
     /// Reads a preset of one of `techniques` from TOML.
-    pub(crate) fn read(text: &str, techniques: &[Entry]) -> Result<Self, Invalid> {
+    pub(crate) fn read(text: &str, techniques: &[TechniqueEntry]) -> Result<Self, Invalid> {
         let table: toml::Table =
             toml::from_str(text).map_err(|e| unreadable(&e.to_string(), techniques))?;
         Self::from_table(table, techniques)
@@ -113,13 +113,15 @@ impl Preset {
     /// Finds the technique that a table names, and reads its settings from the rest.
     pub(crate) fn from_table(
         mut table: toml::Table,
-        techniques: &[Entry],
+        techniques: &[TechniqueEntry],
     ) -> Result<Self, Invalid> {
         let Some(name) = table.remove("technique") else {
             return Err(unreadable("has no field `technique`", techniques));
         };
-        let named = |entry: &&Entry| name.as_str() == Some(entry.name);
-        let Some(entry) = techniques.iter().find(named) else {
+        let entry = techniques
+            .iter()
+            .find(|entry| name.as_str() == Some(entry.name));
+        let Some(entry) = entry else {
             let why = format!("names no technique there is: {name}");
             return Err(unreadable(&why, techniques));
         };
@@ -129,30 +131,30 @@ impl Preset {
         })
     }
 
-    /// The map that is looked up; none for techniques without one.
+    /// Returns the map that is looked up; `None` for techniques without one.
     pub fn map(&self) -> Option<&ShadowMap> {
         self.0.shadow_map()
     }
 
-    /// The same technique with another map; techniques without one stay as they are.
+    /// Returns the same technique with another map; techniques without one stay as they are.
     #[must_use]
     pub fn with_map(&self, map: ShadowMap) -> Self {
         self.0.on_map(map)
     }
 
-    /// Which biases a planner may give to its map.
+    /// Returns which biases a planner may give to its map.
     pub fn planned_biases(&self) -> PlannedBiases {
         self.0.planned_biases()
     }
 
-    /// Why a planner chose it: [`ListedTechnique::why_chosen`].
+    /// Returns why a planner chose it: [`ListedTechnique::why_chosen`].
     pub fn why_chosen(&self, error: f64, recipe: &Recipe) -> Option<String> {
         self.0.reason(error, recipe)
     }
 }
 
-/// Says why a text is no preset, and what to write.
-fn unreadable(why: &str, techniques: &[Entry]) -> Invalid {
+/// Returns the error for a text that is no preset: why, and what to write.
+fn unreadable(why: &str, techniques: &[TechniqueEntry]) -> Invalid {
     let known: Vec<&str> = techniques.iter().map(|entry| entry.name).collect();
     let help = format!(
         "write `technique = ..` with one of {}, then its fields",

@@ -3,7 +3,7 @@
 use crate::shadow_map::{BeyondFar, Bias, Border, MapFormat, ShadowMap, Surface};
 use umbrage_core::{Fit, Layout};
 
-/// Biases for kernels that reach `reach` texels beyond the receiver's own, and need more for it; the textbooks' slope bias is
+/// Returns biases for kernels that reach `reach` texels beyond the receiver's own, and need more for it; the textbooks' slope bias is
 /// theirs for 3x3.
 pub fn wide_biases(reach: f32) -> [Bias; 4] {
     [
@@ -14,12 +14,12 @@ pub fn wide_biases(reach: f32) -> [Bias; 4] {
     ]
 }
 
-/// Two of [`wide_biases`], for kernels whose neighbours in the list show the others.
+/// Returns two of [`wide_biases`], for kernels whose neighbours in the list show the others.
 pub fn two_biases(reach: f32) -> [Bias; 2] {
     [Bias::ADAPTIVE, Bias::polygon_offset(reach)]
 }
 
-/// A technique with its first bias over maps of all sides (`sizes`, texels), and with the others at the middle one: what a size
+/// Returns a technique with its first bias over maps of all sides (`sizes`, texels), and with the others at the middle one: what a size
 /// does and what a bias does are seen apart, in far fewer settings than all pairs would be.
 pub fn sweep<T>(sizes: &[u32], fit: Fit, biases: &[Bias], make: impl Fn(ShadowMap) -> T) -> Vec<T> {
     let (first, others) = biases.split_at(biases.len().min(1));
@@ -28,7 +28,7 @@ pub fn sweep<T>(sizes: &[u32], fit: Fit, biases: &[Bias], make: impl Fn(ShadowMa
     out
 }
 
-/// A technique at the middle map side alone, with all of these biases.
+/// Returns a technique at the middle map side alone, with all of these biases.
 pub fn middle<T>(
     sizes: &[u32],
     fit: Fit,
@@ -39,7 +39,7 @@ pub fn middle<T>(
     maps(&size, fit, biases, make)
 }
 
-/// A technique over maps of all sides, with all of these biases.
+/// Returns a technique over maps of all sides, with all of these biases.
 pub fn maps<T>(sizes: &[u32], fit: Fit, biases: &[Bias], make: impl Fn(ShadowMap) -> T) -> Vec<T> {
     let mut out = Vec::new();
     for &size in sizes {
@@ -55,7 +55,7 @@ pub fn maps<T>(sizes: &[u32], fit: Fit, biases: &[Bias], make: impl Fn(ShadowMap
     out
 }
 
-/// A technique with every bias, and with all at once, since they must also agree together.
+/// Returns a technique with every bias, and with all at once, since they must also agree together.
 pub fn every_bias<T>(size: u32, make: impl Fn(ShadowMap) -> T) -> Vec<T> {
     let mut biases = Bias::PRESETS.map(|(_, bias)| bias).to_vec();
     biases.push(Bias {
@@ -69,12 +69,12 @@ pub fn every_bias<T>(size: u32, make: impl Fn(ShadowMap) -> T) -> Vec<T> {
     maps(&[size], Fit::Tight, &biases, make)
 }
 
-/// A technique with two biases: for kernels that treat depth as another setting of theirs does.
+/// Returns a technique with two biases: for kernels that treat depth as another setting of theirs does.
 pub fn slope_and_adaptive<T>(size: u32, make: impl Fn(ShadowMap) -> T) -> Vec<T> {
     maps(&[size], Fit::Tight, &[Bias::SLOPE, Bias::ADAPTIVE], make)
 }
 
-/// Every kind of map that differs in code path.
+/// Returns every kind of map that differs in code path.
 pub fn kinds_of_map(size: u32) -> [ShadowMap; 6] {
     let map = ShadowMap {
         size,
@@ -112,9 +112,9 @@ pub fn kinds_of_map(size: u32) -> [ShadowMap; 6] {
     ]
 }
 
-/// Those of [`kinds_of_map`] that comparison samplers can read.
+/// Returns those of [`kinds_of_map`] that comparison samplers can read.
 pub fn sampled_maps(size: u32) -> Vec<ShadowMap> {
-    let readable =
-        |map: &ShadowMap| map.surface == Surface::Nearest && map.format != MapFormat::Rgba8;
-    kinds_of_map(size).into_iter().filter(readable).collect()
+    let mut maps = kinds_of_map(size).to_vec();
+    maps.retain(|map| map.surface == Surface::Nearest && map.format != MapFormat::Rgba8);
+    maps
 }

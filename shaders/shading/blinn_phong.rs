@@ -60,10 +60,10 @@ impl Default for BlinnPhong {
 }
 
 impl BlinnPhong {
-    /// What shades this view of a scene. `view.geometry` must be baked from `scene`.
+    /// Returns what shades this view of a scene. `view.geometry` must be baked from `scene`.
     ///
     /// # Errors
-    /// When the view has no geometry, or not this scene's; when the scene, the light or a number here is bad.
+    /// If the view has no geometry, or not this scene's; if the scene, the light or a number of these settings is invalid.
     pub fn shading(&self, scene: &Scene, view: &View<'_>) -> Result<Shading, Invalid> {
         self.validate()
             .map_err(|e| e.within("Blinn-Phong shading"))?;
@@ -93,10 +93,9 @@ impl BlinnPhong {
             ("background", self.background),
         ];
         for (what, color) in named {
-            color
-                .to_array()
-                .into_iter()
-                .try_for_each(|v| not_negative(what, v))?;
+            for component in color.to_array() {
+                not_negative(what, component)?;
+            }
         }
         if self.attenuation == Vec3::ZERO {
             return Err(Invalid::new(
@@ -129,7 +128,7 @@ impl BlinnPhong {
     }
 }
 
-/// The eye (w = 1); without perspective the unit direction to it (w = 0).
+/// Returns the eye's position (w = 1); without perspective the unit direction to it (w = 0).
 fn eye_of(camera: &Camera) -> Vec4 {
     let camera = camera.standard();
     if camera.clip_from_view.row(3) == Vec4::W {
@@ -140,7 +139,7 @@ fn eye_of(camera: &Camera) -> Vec4 {
     camera.eye().extend(1.0)
 }
 
-/// Unit vector against a spot's axis, and the [`cone`]'s outer cosine and scale; for other lights a cone that holds all.
+/// Returns the unit vector against a spot's axis, and the [`cone`]'s outer cosine and scale; for other lights a cone that holds all.
 fn cone_of(light: &Light) -> (Vec3, Vec2) {
     let Light::Spot {
         direction,
@@ -151,13 +150,12 @@ fn cone_of(light: &Light) -> (Vec3, Vec2) {
     else {
         return (Vec3::ZERO, Vec2::new(-1.0, 1.0));
     };
-    let (inner, outer) = (f64::from(inner).cos(), f64::from(outer).cos());
+    let inner_cosine = f64::from(inner).cos();
+    let outer_cosine = f64::from(outer).cos();
     // A huge but finite scale stands for a sharp edge, so that zero times it stays zero.
-    let scale = (1.0 / (inner - outer).max(1e-9)) as f32;
-    (
-        -direction.as_dvec3().normalize_or_zero().as_vec3(),
-        Vec2::new(outer as f32, scale),
-    )
+    let scale = (1.0 / (inner_cosine - outer_cosine).max(1e-9)) as f32;
+    let axis = -direction.as_dvec3().normalize_or_zero().as_vec3();
+    (axis, Vec2::new(outer_cosine as f32, scale))
 }
 
 /// Shades one view of one scene; add it to any technique's recipe. Cheap to clone.
@@ -168,7 +166,7 @@ pub struct Shading {
 }
 
 impl Shading {
-    /// The recipe with a colour picture on top: backends then answer [`Shadows::picture`](umbrage_core::Shadows::picture).
+    /// Returns the recipe with a colour picture on top: backends then answer [`Shadows::picture`](umbrage_core::Shadows::picture).
     /// What the recipe shaded with before is replaced.
     #[must_use]
     pub fn add_to(&self, mut recipe: Recipe) -> Recipe {
@@ -184,10 +182,10 @@ impl Shading {
         recipe
     }
 
-    /// The same scene's shading with another camera or light. Tables are shared, so that backends need no upload.
+    /// Returns the same scene's shading with another camera or light. Tables are shared, so that backends need no upload.
     ///
     /// # Errors
-    /// When the camera or the light is bad.
+    /// If the camera or the light is invalid.
     pub fn with_view(&self, view: &View<'_>) -> Result<Self, Invalid> {
         let uniforms = self.settings.uniforms(view)?;
         Ok(Self {
@@ -256,17 +254,18 @@ impl ShadeKernel for BlinnPhongKernel {
     }
 }
 
-/// From `p` to a point (w = 1), or along a direction (w = 0).
+/// Returns the vector from `p` to a point (w = 1), or a direction (w = 0).
 #[inline(always)]
 fn towards(to: Vec4, p: Vec3) -> Vec3 {
     Vec3::new(to.x - p.x * to.w, to.y - p.y * to.w, to.z - p.z * to.w)
 }
 
 impl BlinnPhongKernel {
-    /// Linear colour of a seen point; none if there is no such triangle.
+    /// Returns the linear colour of a seen point; `None` if there is no such triangle.
     #[inline(always)]
     fn color(&self, triangle: u32, p: Vec3, n: Vec3, visibility: f32) -> Option<Vec3> {
-        let (u, s) = (&self.uniforms, self.tables.surface(triangle, p, n)?);
+        let u = &self.uniforms;
+        let s = self.tables.surface(triangle, p, n)?;
         let l = unit_or(towards(u.light, p), Vec3::ZERO);
         let v = unit_or(towards(u.eye, p), Vec3::ZERO);
         let lit = self.arriving(p, n, l, visibility);
@@ -275,7 +274,7 @@ impl BlinnPhongKernel {
         Some(s.emissive + u.ambient.truncate() * s.diffuse + lit * reflected)
     }
 
-    /// Linear light from the lamp at a point whose geometric normal is `n`; `l` is the unit direction to it.
+    /// Returns the linear light from the lamp at a point whose geometric normal is `n`; `l` is the unit direction to it.
     #[inline(always)]
     fn arriving(&self, p: Vec3, n: Vec3, l: Vec3, visibility: f32) -> Vec3 {
         if dot3(n, l) <= 0.0 {

@@ -9,7 +9,7 @@ pub const FACING: Module = Module {
     text: include_str!("facing.wgsl"),
 };
 
-/// A light's middle in homogeneous coordinates: (x, y, z, 1), or for directional lights (unit direction to it, 0).
+/// Returns a light's middle in homogeneous coordinates: (x, y, z, 1), or for directional lights (unit direction to it, 0).
 /// From a point `p`, the light is along `xyz - w p`.
 pub fn homogeneous(light: &Light) -> Vec4 {
     match light.position() {
@@ -18,7 +18,8 @@ pub fn homogeneous(light: &Light) -> Vec4 {
     }
 }
 
-/// Whether a surface point `p` with normal `n` faces away from a [`homogeneous`] light or runs along its rays: 1 or 0.
+/// Returns 1 if a surface at the point `p` with the normal `n` faces away from a [`homogeneous`] light or runs along its rays, else
+/// 0.
 #[inline(always)]
 pub fn turned_away(light: Vec4, p: Vec3, n: Vec3) -> u32 {
     let to_light = Vec3::new(

@@ -18,7 +18,7 @@ pub(crate) const INTERPOLATION: Module = Module {
     text: include_str!("interpolation.wgsl"),
 };
 
-/// Weights of the corners at a point of their plane: signed areas, as multiples of the triangle's.
+/// Returns the weights of a triangle's corners at a point of its plane: signed areas over the triangle's.
 #[inline(always)]
 pub(crate) fn barycentric(p: Vec3, a: Vec3, b: Vec3, c: Vec3) -> Vec3 {
     let n = cross3(b - a, c - a);
@@ -29,13 +29,13 @@ pub(crate) fn barycentric(p: Vec3, a: Vec3, b: Vec3, c: Vec3) -> Vec3 {
     Vec3::new(u / sum, v / sum, w / sum)
 }
 
-/// Corners' values, weighted.
+/// Returns the weighted sum of the corners' values.
 #[inline(always)]
 pub(crate) fn weighted(weights: Vec3, a: Vec4, b: Vec4, c: Vec4) -> Vec4 {
     a * weights.x + b * weights.y + c * weights.z
 }
 
-/// `v` over its length; `otherwise` if it has none.
+/// Returns `v` over its length; `otherwise` if it has none.
 #[inline(always)]
 pub(crate) fn unit_or(v: Vec3, otherwise: Vec3) -> Vec3 {
     let square = dot3(v, v);
@@ -46,15 +46,16 @@ pub(crate) fn unit_or(v: Vec3, otherwise: Vec3) -> Vec3 {
     otherwise
 }
 
-/// The normal `m` of a map, from the frame of tangent `t` (w: handedness) and normal `n` into theirs. Not of unit length.
+/// Returns a normal map's normal `m` (tangent space) in the space of the tangent `t` (w: handedness) and the normal `n`. It is not
+/// of unit length.
 #[inline(always)]
 pub(crate) fn bent(n: Vec3, t: Vec4, m: Vec3) -> Vec3 {
-    let side = cross3(n, t.truncate());
-    let b = side * if t.w >= 0.0 { 1.0 } else { -1.0 };
-    t.truncate() * m.x + b * m.y + n * m.z
+    let handedness = if t.w >= 0.0 { 1.0 } else { -1.0 };
+    let bitangent = cross3(n, t.truncate()) * handedness;
+    t.truncate() * m.x + bitangent * m.y + n * m.z
 }
 
-/// `v`, turned around if `n` lies on the other side than `facing`.
+/// Returns `v`, turned around if `n` lies on the other side than `facing`.
 #[inline(always)]
 pub(crate) fn on_side_of(n: Vec3, v: Vec3, facing: Vec3) -> Vec3 {
     if dot3(n, facing) < 0.0 { -v } else { v }

@@ -11,13 +11,17 @@ pub(crate) const LIGHTING: Module = Module {
     text: include_str!("lighting.wgsl"),
 };
 
-/// `x` to the power of 2^`log2` (at most [`MAX_SHININESS_LOG2`]), by repeated squaring.
+/// Returns `x` to the power of 2^`log2` (at most [`MAX_SHININESS_LOG2`]), by repeated squaring.
 #[inline(always)]
 pub(crate) fn power(x: f32, log2: u32) -> f32 {
-    (0..log2.min(MAX_SHININESS_LOG2)).fold(x, |y, _| y * y)
+    let mut y = x;
+    for _ in 0..log2.min(MAX_SHININESS_LOG2) {
+        y = y * y;
+    }
+    y
 }
 
-/// Diffuse and specular share of the light from `l` seen from `v`, all unit vectors: Lambert's n.l, and Blinn 1977,
+/// Returns the diffuse and the specular share of the light from `l` seen from `v`, all unit vectors: Lambert's n.l, and Blinn 1977,
 /// "Models of light reflection for computer synthesized pictures": (n.h)^(2^`shininess_log2`) with h halfway between `l`
 /// and `v`. Both are 0 where the normal turns from the light.
 #[inline(always)]
@@ -30,7 +34,7 @@ pub(crate) fn blinn(n: Vec3, l: Vec3, v: Vec3, shininess_log2: u32) -> Vec2 {
     Vec2::ZERO
 }
 
-/// Share of a spot's light at an angle to its axis, linear in the cosine: 0 at the outer angle, whose cosine is `outer`, 1
+/// Returns the share of a spot's light at an angle to its axis, linear in the cosine: 0 at the outer angle, whose cosine is `outer`, 1
 /// at the inner one, where `(cos - outer) * scale` reaches 1.
 #[inline(always)]
 #[expect(
@@ -41,7 +45,7 @@ pub(crate) fn cone(cosine: f32, outer: f32, scale: f32) -> f32 {
     ((cosine - outer) * scale).max(0.0).min(1.0)
 }
 
-/// `1 / (c + l d + q d^2)`, `factors` being (c, l, q): the attenuation of OpenGL 1.
+/// Returns `1 / (c + l d + q d^2)` at the distance d, metres; `factors` are (c, l, q). The attenuation of OpenGL 1.
 #[inline(always)]
 pub(crate) fn attenuation(factors: Vec3, distance: f32) -> f32 {
     1.0 / (factors.x + factors.y * distance + factors.z * distance * distance)

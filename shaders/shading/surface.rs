@@ -1,6 +1,6 @@
-//! What a seen point is made of: vertex attributes interpolated over its triangle, textures read, normals bent by a
-//! normal map. Shading alone asks; shadow lookups never see these normals: biases go along the geometric normal, because
-//! what a map stores is the geometry's depth, not the relief that shading pretends.
+//! The surface at a seen point: vertex attributes interpolated over its triangle, textures read, normals bent by a
+//! normal map. Only shading uses it. Shadow lookups take the geometric normal for their bias, because a shadow map stores the
+//! geometry's depth, without the relief of a normal map.
 //!
 //! Seen from behind, a bump is a dent: the bent normal is turned as a whole to the side of the geometric normal, which
 //! faces the camera. (Turning it against the pixel's ray instead would turn smooth silhouettes inside out.)
@@ -35,19 +35,19 @@ pub(crate) struct SurfacePoint {
 }
 
 impl SurfaceTables {
-    /// The point `p` of triangle `id`, whose geometric unit normal towards the camera is `facing`; none if there is no
-    /// such triangle.
+    /// Returns the surface at the point `p` (world space) of triangle `id`, whose geometric unit normal towards the camera is
+    /// `facing`; `None` if there is no such triangle.
     #[inline(always)]
     pub(crate) fn surface(&self, id: u32, p: Vec3, facing: Vec3) -> Option<SurfacePoint> {
         let triangle = UVec4::from_array(*self.triangles.get(id as usize)?);
-        let (at, normals) = (self.corners(triangle, 0), self.corners(triangle, 1));
+        let at = self.corners(triangle, 0);
+        let normals = self.corners(triangle, 1);
         let weights = barycentric(p, at[0].truncate(), at[1].truncate(), at[2].truncate());
         let position_u = weighted(weights, at[0], at[1], at[2]);
         let normal_v = weighted(weights, normals[0], normals[1], normals[2]);
         let uv = Vec2::new(position_u.w, normal_v.w);
         let rows = &self.materials[MATERIAL_ROWS * triangle.w as usize..][..MATERIAL_ROWS];
-        let color = |row: usize| Vec3::from_array([0, 1, 2].map(|i| f32::from_bits(rows[row][i])));
-        let mut diffuse = color(0);
+        let mut diffuse = color(rows[0]);
         if rows[3][1] > 0 {
             diffuse *= bilinear(&self.texels, UVec4::from_array(rows[3]), uv).truncate();
         }
@@ -62,12 +62,14 @@ impl SurfaceTables {
         Some(SurfacePoint {
             normal,
             diffuse,
-            specular: color(1),
+            specular: color(rows[1]),
             shininess_log2: rows[0][3],
-            emissive: color(2),
+            emissive: color(rows[2]),
         })
     }
 
+    /// Returns the unit shading normal. `n` is the interpolated vertex normal, not of unit length; `map` is the normal map's place
+    /// among the texels, with a width of 0 for none.
     #[inline(always)]
     fn shading_normal(
         &self,
@@ -92,7 +94,7 @@ impl SurfaceTables {
         unit_or(on_side_of(n.truncate(), v, facing), facing)
     }
 
-    /// Row `row` of the triangle's three vertices.
+    /// Returns row `row` of each of the triangle's three vertices.
     #[inline(always)]
     fn corners(&self, triangle: UVec4, row: usize) -> [Vec4; 3] {
         [triangle.x, triangle.y, triangle.z].map(|v| {
@@ -100,4 +102,11 @@ impl SurfaceTables {
             Vec4::from_array(words.map(f32::from_bits))
         })
     }
+}
+
+/// Returns the colour in a material's row.
+#[inline(always)]
+fn color(row: [u32; 4]) -> Vec3 {
+    let [red, green, blue, _] = row.map(f32::from_bits);
+    Vec3::new(red, green, blue)
 }

@@ -1,4 +1,4 @@
-//! A scene's looks as tables that both languages read: vertices, triangles, materials, texels.
+//! A scene's geometry and materials as tables that both languages read: vertices, triangles, materials, texels.
 
 use crate::shading::texture;
 use glam::{UVec4, Vec2, Vec3, Vec4};
@@ -24,10 +24,10 @@ pub(crate) struct SurfaceTables {
 }
 
 impl SurfaceTables {
-    /// The looks of a valid scene that the geometry was baked from.
+    /// Returns the tables of a valid scene and the geometry that was baked from it.
     ///
     /// # Errors
-    /// When the geometry names materials that the scene doesn't have.
+    /// If the geometry names materials that the scene doesn't have.
     pub(crate) fn new(scene: &Scene, geometry: &Geometry) -> Result<Self, Invalid> {
         let count = scene.materials.len() as u32;
         if let Some(id) = geometry
@@ -58,7 +58,7 @@ impl SurfaceTables {
         })
     }
 
-    /// In the order in which `surface.wgsl` numbers them.
+    /// Returns the tables in the order in which `surface.wgsl` numbers them.
     pub(crate) fn tables(&self) -> [Table; 4] {
         [
             Table {
@@ -105,34 +105,39 @@ fn vertex_rows(geometry: &Geometry) -> Vec<[u32; 4]> {
     rows.collect()
 }
 
+/// Returns a row for each triangle: its vertices and its material, `default` where it has none.
 fn triangle_rows(geometry: &Geometry, default: u32) -> Vec<[u32; 4]> {
-    let material = |i: usize| {
-        geometry
-            .materials()
-            .get(i)
-            .copied()
-            .filter(|&m| m != NO_MATERIAL)
-            .unwrap_or(default)
-    };
-    geometry
-        .triangles()
-        .iter()
-        .enumerate()
-        .map(|(i, &[a, b, c])| [a, b, c, material(i)])
-        .collect()
+    let mut rows = Vec::with_capacity(geometry.triangles().len());
+    for (i, &[a, b, c]) in geometry.triangles().iter().enumerate() {
+        let material = match geometry.materials().get(i) {
+            Some(&id) if id != NO_MATERIAL => id,
+            _ => default,
+        };
+        rows.push([a, b, c, material]);
+    }
+    rows
 }
 
+/// Returns a material's rows: see [`MATERIAL_ROWS`]. `places` are the textures' places among the texels.
 fn material_rows(m: &Material, places: &[UVec4]) -> [[u32; 4]; MATERIAL_ROWS] {
-    let color = |c: Vec3, w: u32| [c.x.to_bits(), c.y.to_bits(), c.z.to_bits(), w];
-    let texture = |id: Option<usize>| {
-        id.and_then(|id| places.get(id))
-            .map_or([0; 4], |place| place.to_array())
-    };
     [
-        color(m.diffuse, m.shininess_log2),
-        color(m.specular, 0),
-        color(m.emissive, 0),
-        texture(m.diffuse_texture),
-        texture(m.normal_map),
+        color_row(m.diffuse, m.shininess_log2),
+        color_row(m.specular, 0),
+        color_row(m.emissive, 0),
+        texture_row(m.diffuse_texture, places),
+        texture_row(m.normal_map, places),
     ]
+}
+
+fn color_row(color: Vec3, last_word: u32) -> [u32; 4] {
+    let [red, green, blue] = color.to_array().map(f32::to_bits);
+    [red, green, blue, last_word]
+}
+
+/// Returns a texture's place among the texels, or zeros for no texture.
+fn texture_row(id: Option<usize>, places: &[UVec4]) -> [u32; 4] {
+    match id.and_then(|id| places.get(id)) {
+        Some(place) => place.to_array(),
+        None => [0; 4],
+    }
 }

@@ -12,7 +12,7 @@ pub(crate) const TEXTURE: Module = Module {
     text: include_str!("texture.wgsl"),
 };
 
-/// Along one axis, the two texels of `size` between whose centres the coordinate `u` lies.
+/// Returns the two texels along one axis, of `size`, between whose centres the texture coordinate `u` lies.
 #[inline(always)]
 pub(crate) fn neighbours(u: f32, size: u32) -> UVec2 {
     let x = ((u - u.floor()) * size as f32 - 0.5).floor();
@@ -21,47 +21,58 @@ pub(crate) fn neighbours(u: f32, size: u32) -> UVec2 {
     if x < 0.0 {
         return UVec2::new(last, first);
     }
-    UVec2::new(
-        first,
-        if first == last {
-            0
-        } else {
-            first.wrapping_add(1)
-        },
-    )
+    // The last texel's neighbour is the first: textures repeat.
+    let second = if first == last {
+        0
+    } else {
+        first.wrapping_add(1)
+    };
+    UVec2::new(first, second)
 }
 
-/// How far `u` is from the first of its [`neighbours`] to the second, 0 to 1.
+/// Returns how far `u` is from the centre of the first of its [`neighbours`] to that of the second, 0 to 1.
 #[inline(always)]
 pub(crate) fn fraction(u: f32, size: u32) -> f32 {
     let x = (u - u.floor()) * size as f32 - 0.5;
     x - x.floor()
 }
 
-/// From `a` to `b`; exact where both are equal, so that flat maps stay flat.
+/// Returns the linear blend from `a` to `b`; exact where both are equal, so that flat maps stay flat.
 #[inline(always)]
 pub(crate) fn blend(a: Vec4, b: Vec4, t: f32) -> Vec4 {
     a + (b - a) * t
 }
 
-/// The texture at `uv`, origin top left.
+/// Returns the texture's value at `uv`, origin top left. `texels` is the table of all textures.
 #[inline(always)]
 pub(crate) fn bilinear(texels: &[[u32; 4]], texture: UVec4, uv: Vec2) -> Vec4 {
-    let (x, y) = (neighbours(uv.x, texture.y), neighbours(uv.y, texture.z));
-    let load = |x: u32, y: u32| {
-        Vec4::from_array(texels[(texture.x + y * texture.y + x) as usize].map(f32::from_bits))
-    };
+    let columns = neighbours(uv.x, texture.y);
+    let rows = neighbours(uv.y, texture.z);
+    let above = texture.x + rows.x * texture.y;
+    let below = texture.x + rows.y * texture.y;
     let s = fraction(uv.x, texture.y);
-    let (top, bottom) = (
-        blend(load(x.x, y.x), load(x.y, y.x), s),
-        blend(load(x.x, y.y), load(x.y, y.y), s),
+    let top = blend(
+        load(texels, above + columns.x),
+        load(texels, above + columns.y),
+        s,
+    );
+    let bottom = blend(
+        load(texels, below + columns.x),
+        load(texels, below + columns.y),
+        s,
     );
     blend(top, bottom, fraction(uv.y, texture.z))
 }
 
-/// All texels one after the other, and each texture's place among them. One row of zeros if there are none.
+#[inline(always)]
+fn load(texels: &[[u32; 4]], index: u32) -> Vec4 {
+    Vec4::from_array(texels[index as usize].map(f32::from_bits))
+}
+
+/// Returns all texels one after the other, and each texture's place among them. One row of zeros if there are none.
 pub(crate) fn rows(textures: &[Texture]) -> (Vec<[u32; 4]>, Vec<UVec4>) {
-    let (mut rows, mut places) = (Vec::new(), Vec::new());
+    let mut rows = Vec::new();
+    let mut places = Vec::new();
     for texture in textures {
         places.push(UVec4::new(
             rows.len() as u32,

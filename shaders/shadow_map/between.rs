@@ -2,9 +2,9 @@
 
 use glam::UVec2;
 use std::sync::Arc;
-use umbrage_core::{FilterKernel, Inputs, Kernel, Module};
+use umbrage_core::{FilterKernel, ImageView, Inputs, Kernel, Module};
 
-/// From two images of depth to their mean.
+/// Returns the filter from two images of depth to their mean.
 pub(crate) fn between() -> Arc<dyn FilterKernel> {
     Arc::new(BetweenKernel)
 }
@@ -24,13 +24,16 @@ impl Kernel for BetweenKernel {
 
 impl FilterKernel for BetweenKernel {
     fn filter(&self, inputs: &Inputs<'_>, start: UVec2, layer: u32, out: &mut [f32]) {
-        let [first, second] = [0, 1].map(|i| {
-            let image = &inputs.images[i];
-            let from = image.index(start.x as i32, start.y as i32, layer);
-            &image.texels[from..from + out.len()]
-        });
+        let first = row(&inputs.images[0], start, layer, out.len());
+        let second = row(&inputs.images[1], start, layer, out.len());
         for ((out, a), b) in out.iter_mut().zip(first).zip(second) {
             *out = (a + b) * 0.5;
         }
     }
+}
+
+/// Returns `count` texels of a layer, from `start` to the right.
+fn row<'a>(image: &ImageView<'a>, start: UVec2, layer: u32, count: usize) -> &'a [f32] {
+    let first = image.index(start.x as i32, start.y as i32, layer);
+    &image.texels[first..first + count]
 }

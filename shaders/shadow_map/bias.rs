@@ -70,15 +70,15 @@ const CASTER_TEXELS_OF_SAMPLES: f32 = 2.0;
 /// lies beyond the three is farther off.
 const CASTER_TEXELS_BESIDE_THE_PLANE: f32 = 0.125;
 
-/// What looks a map up, as far as [`Bias::ADAPTIVE`] must know.
+/// How a kernel compares receivers with the map, as far as [`Bias::ADAPTIVE`] depends on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Footprint {
-    /// Comparisons with single texels.
+pub enum CompareMethod {
+    /// With single texels.
     Taps {
         /// How far they reach beyond the receiver's own texel, texels.
         reach: f32,
     },
-    /// Comparison samples, each of which blends the answers of 2x2 texels.
+    /// With comparison samples, each of which blends the answers of 2x2 texels.
     Samples,
 }
 
@@ -202,13 +202,14 @@ impl Bias {
         }
     }
 
-    /// Whether its constant is there for rounding alone: the rest moves the receiver or its taps as far as geometry asks.
+    /// Returns whether the constant is there for rounding alone, since the rest of the bias moves the receiver or its taps as far as
+    /// the geometry requires.
     pub(crate) fn covers_rounding(&self) -> bool {
         self.constant > 0.0
             && (self.adaptive || self.receiver_plane > 0.0 || self.normal_offset > 0.0)
     }
 
-    /// Greatest depth slope that taps follow, clip depth a texel; 0 where they follow none.
+    /// Returns the greatest depth slope that taps follow, clip depth a texel; 0 where they follow none.
     pub(crate) fn plane_limit(&self) -> f32 {
         if self.adaptive {
             STEEPEST
@@ -217,11 +218,11 @@ impl Bias {
         }
     }
 
-    /// The polygon offset of the casters, for what looks them up, with what the bias itself adds.
-    pub(crate) fn raster_for(&self, footprint: Footprint) -> RasterBias {
-        let texels = match footprint {
-            Footprint::Taps { reach } => CASTER_TEXELS + CASTER_TEXELS_PER_REACH * reach,
-            Footprint::Samples => CASTER_TEXELS_OF_SAMPLES,
+    /// Returns the polygon offset of the casters, with what the bias adds for this kind of comparison.
+    pub(crate) fn raster_for(&self, compare: CompareMethod) -> RasterBias {
+        let texels = match compare {
+            CompareMethod::Taps { reach } => CASTER_TEXELS + CASTER_TEXELS_PER_REACH * reach,
+            CompareMethod::Samples => CASTER_TEXELS_OF_SAMPLES,
         };
         let margin = match (self.adaptive, self.receiver_plane > 0.0) {
             (true, _) => texels,
@@ -234,7 +235,7 @@ impl Bias {
         }
     }
 
-    /// A few words for tables: a preset's name, or the fields that are set.
+    /// Returns a few words for tables: a preset's name, or the fields that are set.
     pub fn label(&self) -> String {
         if let Some((name, _)) = Self::PRESETS.iter().find(|(_, preset)| preset == self) {
             return format!("bias: {name}");
@@ -288,10 +289,10 @@ impl Bias {
         format!("bias: {}", set.join(" + "))
     }
 
-    /// Objects to numbers that are not finite and to negative slopes of the receiver's plane.
+    /// Checks the numbers.
     ///
     /// # Errors
-    /// The first fault found.
+    /// If a number is not finite, or the receiver plane's greatest slope is negative.
     pub fn validate(&self) -> Result<(), Invalid> {
         let RasterBias { slope, clamp, .. } = self.raster;
         invalid::finite(

@@ -135,16 +135,26 @@ fn within(g: f32, limit: f32) -> f32 {
 /// Returns how texel coordinates and depth change along a world-space tangent, times the point's clip w (which cancels).
 #[inline(always)]
 pub fn slide(clip_from_world: Mat4, point: Vec3, tangent: Vec3, size: f32) -> Vec3 {
-    let m = clip_from_world;
-    let along =
-        |i: usize| m.x_axis[i] * tangent.x + m.y_axis[i] * tangent.y + m.z_axis[i] * tangent.z;
+    let x = row_along(&clip_from_world, 0, tangent);
+    let y = row_along(&clip_from_world, 1, tangent);
+    let z = row_along(&clip_from_world, 2, tangent);
+    let w = row_along(&clip_from_world, 3, tangent);
     let half = size * 0.5;
-    let w = along(3);
+    // The quotient rule: the change of x / w is (x' - (x / w) w') / w.
     Vec3::new(
-        (along(0) - point.x * w) * half,
-        (point.y * w - along(1)) * half,
-        along(2) - point.z * w,
+        (x - point.x * w) * half,
+        (point.y * w - y) * half,
+        z - point.z * w,
     )
+}
+
+/// Returns a row of the matrix times a direction, summed from left to right.
+#[inline(always)]
+fn row_along(m: &Mat4, i: usize, direction: Vec3) -> f32 {
+    let x = m.x_axis[i] * direction.x;
+    let y = m.y_axis[i] * direction.y;
+    let z = m.z_axis[i] * direction.z;
+    x + y + z
 }
 
 /// Returns a receiver moved along its normal by the layer's offset: in texels of the receiver's distance, times the sine of the

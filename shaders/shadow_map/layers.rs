@@ -84,7 +84,7 @@ impl MapLayer {
         // The scale of the longer side is the smaller one.
         let scale = projection.x_axis.x.min(projection.y_axis.y);
         let constant = if bias.covers_rounding() {
-            bias.constant.max(position_error::of_positions(space))
+            bias.constant.max(position_error::depth_error(space))
         } else {
             bias.constant
         };
@@ -124,14 +124,18 @@ impl ShadowMapUniforms {
     pub fn new(map: &ShadowMap, view: &View<'_>, spaces: &LightSpaces) -> Self {
         let bias = map.bias;
         let spaces = &spaces.spaces;
-        let layer = |i: usize| MapLayer::new(map, spaces.get(i).unwrap_or(&spaces[0]));
-        let bends = bias.slope != 0.0 || bias.slope_min != 0.0 || bias.normal_offset != 0.0;
+        let has_slope = bias.slope != 0.0 || bias.slope_min != 0.0;
+        let has_receiver_bias = has_slope || bias.normal_offset != 0.0;
         Self {
             layer_count: spaces.len() as u32,
             packed: u32::from(map.format == MapFormat::Rgba8),
             clamped: u32::from(map.border == Border::Clamp),
-            has_receiver_bias: u32::from(bends),
-            layers: std::array::from_fn(layer),
+            has_receiver_bias: u32::from(has_receiver_bias),
+            layers: std::array::from_fn(|i| {
+                // Unused layers repeat the first.
+                let space = spaces.get(i).unwrap_or(&spaces[0]);
+                MapLayer::new(map, space)
+            }),
             light: homogeneous(view.light),
             size: map.size as f32,
             sample_gain: if bias.adaptive { 0.0 } else { 1.0 },
@@ -158,8 +162,12 @@ pub fn layer_at(m: &ShadowMapUniforms, p: Vec3) -> i32 {
 /// Returns the face of a cube around `light` in which `p` lies: that of the axis along which it is farthest. Ties go to the first.
 #[inline(always)]
 pub fn cube_face(light: Vec4, p: Vec3) -> i32 {
-    let (x, y, z) = (p.x - light.x, p.y - light.y, p.z - light.z);
-    let (ax, ay, az) = (x.abs(), y.abs(), z.abs());
+    let x = p.x - light.x;
+    let y = p.y - light.y;
+    let z = p.z - light.z;
+    let ax = x.abs();
+    let ay = y.abs();
+    let az = z.abs();
     if ax >= ay && ax >= az {
         return if x >= 0.0 { 0 } else { 1 };
     }

@@ -27,5 +27,5 @@ mod settings;
 pub mod texel_compare;
 
 pub use between::BetweenKernel;
-pub use bias::{Bias, Footprint};
+pub use bias::{Bias, CompareMethod};
 pub use settings::{BeyondFar, Border, MapFormat, Maps, SIDE_STEP, ShadowMap, Surface};

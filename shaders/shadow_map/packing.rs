@@ -16,7 +16,7 @@ pub const PACKING: Module = Module {
     text: include_str!("packing.wgsl"),
 };
 
-/// The four channels, 0..=1, of a depth 0..=1.
+/// Returns the four channels, 0..=1, of a depth 0..=1.
 #[inline(always)]
 pub fn pack_depth(z: f32) -> Vec4 {
     let a = z * 256.0;
@@ -30,14 +30,23 @@ pub fn pack_depth(z: f32) -> Vec4 {
     Vec4::new(ka / 255.0, kb / 255.0, kc / 255.0, kd / 255.0)
 }
 
-/// The depth, from channels that may be off by less than half a step.
+/// Returns the depth, from channels that may be off by less than half a step.
 #[inline(always)]
 pub fn unpack_depth(c: Vec4) -> f32 {
-    let digit = |v: f32| (v * 255.0 + 0.5).floor();
-    (digit(c.x) + (digit(c.y) + (digit(c.z) + digit(c.w) / 256.0) / 256.0) / 256.0) / 256.0
+    let k0 = digit(c.x);
+    let k1 = digit(c.y);
+    let k2 = digit(c.z);
+    let k3 = digit(c.w);
+    (k0 + (k1 + (k2 + k3 / 256.0) / 256.0) / 256.0) / 256.0
 }
 
-/// From an image of depth to one of four channels.
+/// Returns the digit, 0 to 255, that a channel holds.
+#[inline(always)]
+fn digit(channel: f32) -> f32 {
+    (channel * 255.0 + 0.5).floor()
+}
+
+/// Returns the filter from an image of depth to one of four channels.
 pub(crate) fn pack() -> Arc<dyn FilterKernel> {
     Arc::new(PackKernel)
 }
@@ -61,9 +70,8 @@ impl Kernel for PackKernel {
 impl FilterKernel for PackKernel {
     fn filter(&self, inputs: &Inputs<'_>, start: UVec2, layer: u32, out: &mut [f32]) {
         for (x, texel) in (start.x as i32..).zip(out.chunks_exact_mut(4)) {
-            texel.copy_from_slice(
-                &pack_depth(inputs.images[0].load(x, start.y as i32, layer)).to_array(),
-            );
+            let depth = inputs.images[0].load(x, start.y as i32, layer);
+            texel.copy_from_slice(&pack_depth(depth).to_array());
         }
     }
 }

@@ -1,6 +1,6 @@
-//! What is set of a shadow map, and what makes it: its images, casts and filters.
+//! The settings of a shadow map, and the images, casts and filters that make it.
 
-use crate::shadow_map::{Bias, Footprint, between, layers::ShadowMapUniforms, packing};
+use crate::shadow_map::{Bias, CompareMethod, between, layers::ShadowMapUniforms, packing};
 use glam::UVec2;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -65,7 +65,7 @@ pub enum BeyondFar {
 pub struct ShadowMap {
     /// Side, texels.
     pub size: u32,
-    /// Where it lies.
+    /// How the map is fitted to the view.
     pub fit: Fit,
     /// What keeps receivers from shadowing themselves. Midpoints take no polygon offset.
     pub bias: Bias,
@@ -75,9 +75,9 @@ pub struct ShadowMap {
     pub surface: Surface,
     /// How it is stored.
     pub format: MapFormat,
-    /// What lies beside it.
+    /// What lookups beside it find.
     pub border: Border,
-    /// What lies behind it.
+    /// What becomes of receivers behind it.
     pub beyond_far: BeyondFar,
 }
 
@@ -97,7 +97,7 @@ impl Default for ShadowMap {
 }
 
 impl ShadowMap {
-    /// A few words for tables.
+    /// Returns a few words for tables.
     pub fn label(&self) -> String {
         let mut words = vec![self.size.to_string(), self.fit.label()];
         words.retain(|word| !word.is_empty());
@@ -132,10 +132,10 @@ impl ShadowMap {
         words.join(", ")
     }
 
-    /// The light spaces for a kernel that reaches `reach` texels beyond the receiver's own.
+    /// Returns the light spaces for a kernel that reaches `reach` texels beyond the receiver's own.
     ///
     /// # Errors
-    /// As [`Fit::light_spaces`]; and `Invalid` for bad parameters.
+    /// As [`Fit::light_spaces`]; and `Invalid` if a setting is out of its range.
     pub fn spaces(&self, view: &View<'_>, reach: f32) -> Result<LightSpaces, RecipeError> {
         self.validate()?;
         self.fit.light_spaces(
@@ -146,7 +146,7 @@ impl ShadowMap {
         )
     }
 
-    /// The same map with the side that a view asks for: on it, for a share `quantile` (0..=1) of the `receivers` that
+    /// Returns the same map with the side that a view needs: on it, for a share `quantile` (0..=1) of the `receivers` that
     /// face the light, no texel is larger than a pixel, in whichever direction it is stretched (see [`side_for`]). More is
     /// finer than the screen shows; less shows texels as steps along edges. 0.9 is a good quantile: near 1, a few receivers
     /// that the light grazes decide.
@@ -164,7 +164,7 @@ impl ShadowMap {
     ) -> Result<Self, RecipeError> {
         let view = view.with_receivers(receivers);
         let mut map = *self;
-        // Fits leave a border of some texels, which is wider on a coarser map: a second look settles it.
+        // Fits leave a border of some texels, which is wider on a coarser map: the second fit has the border of the new side.
         for _ in 0..2 {
             let side = side_for(&view, receivers, &map.spaces(&view, 0.0)?, quantile);
             map.size = side.map_or(map.size, |side| {
@@ -174,9 +174,9 @@ impl ShadowMap {
         Ok(map)
     }
 
-    /// Returns the images, casts and filters that make the map: a recipe still without its lookup. `footprint` is what will
-    /// look it up.
-    pub fn maps(&self, spaces: &LightSpaces, footprint: Footprint) -> Maps {
+    /// Returns the images, casts and filters that make the map: a recipe still without its lookup. `compare` is how the lookup will
+    /// compare with it.
+    pub fn maps(&self, spaces: &LightSpaces, compare: CompareMethod) -> Maps {
         let depth = if self.format == MapFormat::Depth16 {
             Format::Depth16
         } else {
@@ -190,7 +190,7 @@ impl ShadowMap {
         let raster = if peeled {
             RasterBias::default()
         } else {
-            self.bias.raster_for(footprint)
+            self.bias.raster_for(compare)
         };
         self.cast(&mut maps, spaces, nearest, CastMode::Nearest, raster);
         if self.surface == Surface::Midpoint {
@@ -266,12 +266,12 @@ impl ShadowMap {
         kernel: impl FnOnce(ShadowMapUniforms) -> K,
     ) -> Recipe {
         let kernel = kernel(ShadowMapUniforms::new(self, view, spaces));
-        let footprint = if kernel.compares() {
-            Footprint::Samples
+        let compare = if kernel.compares() {
+            CompareMethod::Samples
         } else {
-            Footprint::Taps { reach }
+            CompareMethod::Taps { reach }
         };
-        self.maps(spaces, footprint).recipe(kernel)
+        self.maps(spaces, compare).recipe(kernel)
     }
 
     fn validate(&self) -> Result<(), Invalid> {

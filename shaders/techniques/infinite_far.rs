@@ -18,7 +18,7 @@ const SLACK: f64 = 1e-3;
 pub(crate) struct InfiniteFarView {
     /// Draws as the camera does: same pixels, other depths.
     pub(crate) space: LightSpace,
-    /// Onto which to flatten what is farther away; none with perspective.
+    /// The plane onto which to flatten what is farther away; `None` with perspective.
     pub(crate) clamp_plane: Option<FarClampPlane>,
 }
 
@@ -34,8 +34,8 @@ pub(crate) struct FarClampPlane {
 }
 
 impl InfiniteFarView {
-    /// The space for what a view sees of a geometry. Its near plane is put right before the nearest thing seen, since
-    /// depth is told apart to about 2^-23 w^2 / near.
+    /// Returns the space for what a view sees of a geometry. Its near plane is put right before the nearest thing seen, since
+    /// depth is rounded to about 2^-23 w^2 / near.
     pub(crate) fn new(view: &View<'_>, geometry: &Geometry) -> Self {
         let space = view.camera.space();
         if space.clip_from_view.row(3) == Vec4::W {
@@ -46,12 +46,12 @@ impl InfiniteFarView {
             None => nearest_triangle(&space, geometry),
         };
         Self {
-            space: endless_perspective(space, nearest * (1.0 - SLACK)),
+            space: infinite_perspective(space, nearest * (1.0 - SLACK)),
             clamp_plane: None,
         }
     }
 
-    /// By how much a depth of this distance along the view may be rounded, metres: a unit in the last place of depths in 0.5..1
+    /// Returns by how much a depth of this distance along the view may be rounded, metres: a unit in the last place of depths in 0.5..1
     /// (2^-24) each of what is drawn and of what it is compared with.
     pub(crate) fn rounding(&self, distance: f64) -> f64 {
         let m = self.space.clip_from_view.as_dmat4();
@@ -74,10 +74,11 @@ impl InfiniteFarView {
         let m = space.clip_from_view.as_dmat4();
         let near = m.w_axis.z / m.z_axis.z;
         let distance = near + (farthest - near).max(1.0 / m.z_axis.z.abs()) * (1.0 + SLACK);
-        // The clamp_plane lies halfway: rounding pushes nothing beyond the far plane.
+        // The clamp plane lies halfway to the new far plane, so that rounding pushes nothing beyond that.
         let per_metre = 0.5 / (distance - near);
         let mut clip_from_view = m;
-        (clip_from_view.z_axis.z, clip_from_view.w_axis.z) = (-per_metre, -near * per_metre);
+        clip_from_view.z_axis.z = -per_metre;
+        clip_from_view.w_axis.z = -near * per_metre;
         let clamp_plane = FarClampPlane {
             forward: depth.truncate(),
             depth,
@@ -93,36 +94,36 @@ impl InfiniteFarView {
     }
 }
 
-/// Clip z becomes w less its value on the near plane, which is at least `nearest` metres away.
-fn endless_perspective(space: LightSpace, nearest: f64) -> LightSpace {
+/// Returns the space with an infinite far plane: clip z becomes w less its value on the near plane, which is at least `nearest`
+/// metres away.
+fn infinite_perspective(space: LightSpace, nearest: f64) -> LightSpace {
     let m = space.clip_from_view;
-    let (own, w_per_metre) = (w_at_near(&m), f64::from(-m.z_axis.w));
-    let at_near = if nearest.is_finite() {
-        own.max(nearest * w_per_metre)
+    let own_near = w_at_near(&m);
+    let w_per_metre = f64::from(-m.z_axis.w);
+    let near = if nearest.is_finite() {
+        own_near.max(nearest * w_per_metre)
     } else {
-        own
+        own_near
     };
     let mut clip_from_view = m;
-    (
-        clip_from_view.x_axis.z,
-        clip_from_view.y_axis.z,
-        clip_from_view.z_axis.z,
-    ) = (m.x_axis.w, m.y_axis.w, m.z_axis.w);
-    clip_from_view.w_axis.z = m.w_axis.w - at_near as f32;
+    clip_from_view.x_axis.z = m.x_axis.w;
+    clip_from_view.y_axis.z = m.y_axis.w;
+    clip_from_view.z_axis.z = m.z_axis.w;
+    clip_from_view.w_axis.z = m.w_axis.w - near as f32;
     LightSpace {
         clip_from_view,
         ..space
     }
 }
 
-/// Clip w where clip z is 0, in the middle of the image.
+/// Returns clip w where clip z is 0, in the middle of the image.
 fn w_at_near(clip_from_view: &Mat4) -> f64 {
     let m: DMat4 = clip_from_view.as_dmat4();
     let p = m.inverse() * DVec4::W;
     1.0 / p.w
 }
 
-/// Metres along the view to the nearest thing seen; infinite if there is none.
+/// Returns the distance along the view to the nearest thing seen, metres; infinite if there is none.
 fn nearest_pixel(space: &LightSpace, receivers: &Receivers) -> f64 {
     let depth = -space.view_from_world.as_dmat4().row(2);
     let seen = (0..receivers.len()).filter(|&i| receivers.triangle[i] != NO_TRIANGLE);
@@ -130,16 +131,14 @@ fn nearest_pixel(space: &LightSpace, receivers: &Receivers) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-/// The same, of all triangles' parts within the camera's pyramid.
+/// Returns the same distance, of all triangles' parts within the camera's pyramid.
 fn nearest_triangle(space: &LightSpace, geometry: &Geometry) -> f64 {
-    let (m, own) = (
-        space.clip_from_view.as_dmat4(),
-        w_at_near(&space.clip_from_view),
-    );
-    let tangent = |scale: f64, shift: f64| (m.z_axis.w.abs() + shift.abs()) / scale.abs();
+    let m = space.clip_from_view.as_dmat4();
+    let own_near = w_at_near(&space.clip_from_view);
+    // Of the wider half, where the projection's middle is shifted.
     let tangents = [
-        tangent(m.x_axis.x, m.z_axis.x),
-        tangent(m.y_axis.y, m.z_axis.y),
+        (m.z_axis.w.abs() + m.z_axis.x.abs()) / m.x_axis.x.abs(),
+        (m.z_axis.w.abs() + m.z_axis.y.abs()) / m.y_axis.y.abs(),
     ];
     let pyramid = Pyramid {
         view_from_world: space.view_from_world,
@@ -154,7 +153,7 @@ fn nearest_triangle(space: &LightSpace, geometry: &Geometry) -> f64 {
             .into_iter()
             .fold(f32::INFINITY, f32::min);
         // Most triangles lie behind what was found so far: only the others need to be clipped.
-        if first < nearest && f64::from(nearest) > own {
+        if first < nearest && f64::from(nearest) > own_near {
             let range = depth_range(&pyramid, std::iter::once(corners));
             nearest = range.map_or(nearest, |[near, _]| nearest.min(near));
         }

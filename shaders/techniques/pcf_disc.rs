@@ -9,14 +9,12 @@
 
 use crate::{
     filtering::{
-        pattern_taps::{
-            Comparisons, KernelPlacement, PATTERN_TAPS, PLACED, ReceiverLanes, turn_at,
-        },
-        sample_pattern::{PATTERN, Pattern, PatternTable, Shape, TURNS, turned},
+        pattern_taps::{Comparisons, KernelPlacement, PATTERN_TAPS, ReceiverLanes, turn_at},
+        sample_pattern::{PATTERN, Pattern, PatternShape, PatternTable, TURNS, turned},
     },
     lanes::batch::{Batch, BatchTaps, look_up_span},
     listing::{Candidate, ClosedFormDemand, ListedTechnique, RandomParameter, sweeps},
-    shadow_map::{Bias, ShadowMap, coord::ShadowCoord, layers::ShadowMapUniforms},
+    shadow_map::{Bias, ShadowMap, layers::ShadowMapUniforms},
 };
 use glam::{UVec2, Vec2, Vec4};
 use serde::{Deserialize, Serialize};
@@ -84,8 +82,11 @@ impl ShadowTechnique for PcfDisc {
             )
             .into());
         }
-        let pattern =
-            PatternTable::new(self.pattern, Shape::Disc, &[("pcf disc taps", self.taps)])?;
+        let pattern = PatternTable::new(
+            self.pattern,
+            PatternShape::Disc,
+            &[("pcf disc taps", self.taps)],
+        )?;
         let table = pattern.table.clone();
         let turns = if self.rotate { TURNS - 1 } else { 0 };
         let kernel = |lookup| {
@@ -231,7 +232,7 @@ impl Kernel for PcfDiscKernel {
             .lookup
             .modules()
             .into_iter()
-            .chain([PATTERN, PLACED, PATTERN_TAPS, own])
+            .chain([PATTERN, PATTERN_TAPS, own])
             .collect()
     }
 
@@ -242,25 +243,18 @@ impl Kernel for PcfDiscKernel {
 
 impl ReceiveKernel for PcfDiscKernel {
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
-        let (lookup, simd) = (&self.uniforms.lookup, inputs.simd);
-        let (map, shape) = (lookup.map(&inputs.images[0]), self.pattern.shape);
-        let at = Comparisons {
-            map,
-            shape,
-            plane: lookup.layers[0].follows_plane(),
-        };
-        look_up_span(
-            simd,
-            lookup,
-            span,
-            out,
-            &DiscOfTaps {
-                kernel: self,
-                simd,
-                at,
-                pixel: span.first,
+        let lookup = &self.uniforms.lookup;
+        let taps = DiscOfTaps {
+            kernel: self,
+            simd: inputs.simd,
+            comparisons: Comparisons {
+                map: lookup.map(&inputs.images[0]),
+                shape: self.pattern.shape,
+                follows_plane: lookup.layers[0].follows_plane(),
             },
-        );
+            pixel: span.first,
+        };
+        look_up_span(inputs.simd, lookup, span, out, &taps);
     }
 
     fn asks(&self) -> Asks {
@@ -268,12 +262,12 @@ impl ReceiveKernel for PcfDiscKernel {
     }
 }
 
-/// The disc over one span, whose first pixel is `pixel`.
+/// The disc of one span, whose first pixel is `pixel`.
 #[derive(Clone, Copy)]
 struct DiscOfTaps<'a> {
     kernel: &'a PcfDiscKernel,
     simd: Simd,
-    at: Comparisons<'a>,
+    comparisons: Comparisons<'a>,
     pixel: UVec2,
 }
 
@@ -307,26 +301,31 @@ impl SimdTask for DiscBatch<'_> {
             first,
             out,
         } = self;
-        let PcfDiscKernel {
-            uniforms: u,
-            pattern,
-        } = disc.kernel;
-        let placement = |_: &ShadowCoord, number| {
-            let turn = turn_at(pattern, u.turns, disc.pixel, first + number);
-            let axes = turned(
-                Vec4::new(u.radius, 0.0, 0.0, u.radius),
-                Vec2::new(turn.x, turn.y),
-            );
-            Some(KernelPlacement {
-                axes,
-                ..KernelPlacement::default()
-            })
-        };
-        let receivers = ReceiverLanes::seen(batch, out.len(), disc.at.map.size, placement);
+        let comparisons = &disc.comparisons;
+        let size = comparisons.map.size;
+        let receivers = ReceiverLanes::seen(batch, out.len(), size, |_, number| {
+            Some(disc.placement(first + number))
+        });
+        // Receivers that the map says nothing of are lit.
         out.fill(1.0);
-        let lit = disc.at.lit(&receivers, &receivers.axes, &pattern.sets[0]);
+        let set = &disc.kernel.pattern.sets[0];
+        let lit = comparisons.lit(&receivers, &receivers.axes, set);
         for i in 0..receivers.count {
-            out[receivers.number[i]] = lit[i] as f32 / u.taps as f32;
+            out[receivers.number[i]] = lit[i] as f32 / disc.kernel.uniforms.taps as f32;
+        }
+    }
+}
+
+impl DiscOfTaps<'_> {
+    /// Returns how the disc is laid over the map for the pixel `offset` in the span: turned by the pixel's noise.
+    #[inline(always)]
+    fn placement(&self, offset: usize) -> KernelPlacement {
+        let u = &self.kernel.uniforms;
+        let turn = turn_at(&self.kernel.pattern, u.turns, self.pixel, offset);
+        let axes = Vec4::new(u.radius, 0.0, 0.0, u.radius);
+        KernelPlacement {
+            axes: turned(axes, Vec2::new(turn.x, turn.y)),
+            ..KernelPlacement::default()
         }
     }
 }

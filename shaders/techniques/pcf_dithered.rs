@@ -112,12 +112,19 @@ struct DitheredTaps<'a> {
 impl Taps for DitheredTaps<'_> {
     #[inline(always)]
     fn visibility(&self, l: &ShadowCoord, offset: usize) -> f32 {
-        let (px, py) = (self.first.x + offset as u32, self.first.y);
-        let (ox, oy) = ((px & 1) as f32, ((px ^ py) & 1) as f32);
-        let column = |step: f32| (l.texel.x + (ox + step)).floor() as i32;
-        let row = |step: f32| (l.texel.y + (oy + step)).floor() as i32;
-        let (left, right, top, bottom) = (column(-1.5), column(0.5), row(-1.5), row(0.5));
-        let lit = |x, y| self.map.tap(l, x, y);
-        (lit(left, top) + lit(right, top) + lit(left, bottom) + lit(right, bottom)) / 4.0
+        let pixel_x = self.first.x + offset as u32;
+        let pixel_y = self.first.y;
+        // Each pixel of a block of 2x2 moves its taps by its own one of (0 or 1, 0 or 1) texels.
+        let shift_x = (pixel_x & 1) as f32;
+        let shift_y = ((pixel_x ^ pixel_y) & 1) as f32;
+        let left = (l.texel.x + (shift_x - 1.5)).floor() as i32;
+        let right = (l.texel.x + (shift_x + 0.5)).floor() as i32;
+        let top = (l.texel.y + (shift_y - 1.5)).floor() as i32;
+        let bottom = (l.texel.y + (shift_y + 0.5)).floor() as i32;
+        let lit = self.map.tap(l, left, top)
+            + self.map.tap(l, right, top)
+            + self.map.tap(l, left, bottom)
+            + self.map.tap(l, right, bottom);
+        lit / 4.0
     }
 }

@@ -149,7 +149,10 @@ impl ListedTechnique for PcfHardware {
     }
 }
 
-/// Objects to more samples than lanes.
+/// Checks the number of samples along a side.
+///
+/// # Errors
+/// If there are fewer than `least`, or more than [`LANES`].
 pub(crate) fn check_samples(what: &str, samples: u32, least: u32) -> Result<(), Invalid> {
     if (least..=LANES as u32).contains(&samples) {
         return Ok(());
@@ -162,7 +165,10 @@ pub(crate) fn check_samples(what: &str, samples: u32, least: u32) -> Result<(), 
     ))
 }
 
-/// Samplers compare with depth images alone.
+/// Checks that samplers can compare with a map: only with depth images.
+///
+/// # Errors
+/// If the map's depth is packed or averaged.
 pub(crate) fn check_map(map: &ShadowMap) -> Result<(), RecipeError> {
     if map.format == MapFormat::Rgba8 || map.surface == Surface::Midpoint {
         return Err(RecipeError::unsupported(
@@ -217,7 +223,8 @@ impl Kernel for HardwareKernel {
 impl ReceiveKernel for HardwareKernel {
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
         let HardwareUniforms { lookup, samples } = self.0;
-        let (map, simd) = (lookup.map(&inputs.images[0]), inputs.simd);
+        let map = lookup.map(&inputs.images[0]);
+        let simd = inputs.simd;
         match samples {
             1 => look_up_span(simd, &lookup, span, out, &SquareOfSamples::<1> { map }),
             2 => look_up_span(simd, &lookup, span, out, &SquareOfSamples::<2> { map }),
@@ -244,7 +251,7 @@ impl<const N: usize> Taps for SquareOfSamples<'_, N> {
     }
 }
 
-/// Samples a texel apart, centred on `texel`.
+/// Returns samples a texel apart along one axis, centred on `texel`.
 #[inline(always)]
 fn axis<const N: usize>(texel: f32) -> Axis {
     let first = texel + (0.5 - 0.5 * N as f32);

@@ -2,8 +2,8 @@
 //! samples for a filter of (2r + 1)² texels.
 //!
 //! Castaño 2013, "Shadow mapping summary, part 1" (The Witness): 3x3 in four samples, 5x5 in nine; 7x7 takes sixteen. The
-//! filter and how it is merged: see [`sampling`](crate::filtering::bilinear_weights). The merged sum is the filter's own to the rounding of
-//! texel coordinates. Smoother than the square of [`PcfHardware`](crate::PcfHardware) at the same count of samples, since
+//! filter and how it is merged: see [`bilinear_weights`](crate::filtering::bilinear_weights). The merged sum is the filter's own to
+//! the rounding of texel coordinates. Smoother than the square of [`PcfHardware`](crate::PcfHardware) at the same count of samples, since
 //! the filter falls off to its edge.
 //!
 //! Known failures: those of [`PcfHardware`](crate::PcfHardware); samples lie between texels, where chips round the place to
@@ -67,7 +67,8 @@ impl ShadowTechnique for PcfMerged {
     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError> {
         check_samples("pcf_merged", self.radius.saturating_add(1), 2)?;
         check_map(&self.map)?;
-        let (rows, samples) = (merged_rows(self.radius as usize), self.radius as i32 + 1);
+        let rows = merged_rows(self.radius as usize);
+        let samples = self.radius as i32 + 1;
         self.map.recipe(view, samples as f32, |lookup| {
             MergedKernel(MergedUniforms {
                 lookup,
@@ -206,7 +207,8 @@ impl ReceiveKernel for MergedKernel {
             rows,
             samples,
         } = self.0;
-        let (map, simd) = (lookup.map(&inputs.images[0]), inputs.simd);
+        let map = lookup.map(&inputs.images[0]);
+        let simd = inputs.simd;
         match samples {
             2 => look_up_span(simd, &lookup, span, out, &MergedTaps::<2> { map, rows }),
             3 => look_up_span(simd, &lookup, span, out, &MergedTaps::<3> { map, rows }),
@@ -227,18 +229,25 @@ struct MergedTaps<'a, const N: usize> {
 impl<const N: usize> Taps for MergedTaps<'_, N> {
     #[inline(always)]
     fn visibility(&self, l: &ShadowCoord, _: usize) -> f32 {
-        let (x, y) = (
-            axis::<N>(&self.rows, l.texel.x),
-            axis::<N>(&self.rows, l.texel.y),
-        );
-        let (mut total, mut column) = (0.0, 0.0);
-        y.weight[..N].iter().for_each(|w| column += w);
-        x.weight[..N].iter().for_each(|w| total += w * column);
-        (Samples::<N, 2> { map: self.map }.sum(l, &x, &y) / total).min(1.0)
+        let x = axis::<N>(&self.rows, l.texel.x);
+        let y = axis::<N>(&self.rows, l.texel.y);
+        // The weights are summed in the order of the shader's loop.
+        let mut column_total = 0.0;
+        for weight in &y.weight[..N] {
+            column_total += weight;
+        }
+        let mut total = 0.0;
+        for weight in &x.weight[..N] {
+            total += weight * column_total;
+        }
+        let samples = Samples::<N, 2> { map: self.map };
+        let lit = samples.sum(l, &x, &y);
+        // Rounding may carry the quotient above 1.
+        (lit / total).min(1.0)
     }
 }
 
-/// Samples about two texels apart, which make up the filter around `texel`.
+/// Returns samples about two texels apart along one axis, which make up the filter around `texel`.
 #[inline(always)]
 fn axis<const N: usize>(rows: &[Vec4; 4], texel: f32) -> Axis {
     let centre = (texel - 0.5).floor();

@@ -49,21 +49,19 @@ use crate::{
         depth_in_reach::{self, Cells},
         horizon::{HORIZON, Horizon, turned_heights},
         light_extent::{self, LIGHT_EXTENT, LightExtent, light_axes, reach_along, texel_depth},
-        pattern_taps::{
-            Comparisons, KernelPlacement, PATTERN_TAPS, PLACED, ReceiverLanes, turn_at,
-        },
-        sample_pattern::{PATTERN, Pattern, PatternTable, Shape, TURNS, turned},
+        pattern_taps::{Comparisons, KernelPlacement, PATTERN_TAPS, ReceiverLanes, turn_at},
+        sample_pattern::{PATTERN, Pattern, PatternShape, PatternTable, TURNS, turned},
     },
     lanes::batch::{Batch, BatchTaps, look_up_span},
     listing::{Candidate, ClosedFormDemand, ListedTechnique, RandomParameter, sweeps},
     shadow_map::{
-        Bias, Footprint, MapFormat, ShadowMap,
+        Bias, CompareMethod, MapFormat, ShadowMap,
         coord::{ShadowCoord, shadow_coord},
         layers::ShadowMapUniforms,
     },
     techniques::{
         hard::Hard,
-        pcss::lanes::{Soft, mean_nearer, seen_above},
+        pcss::lanes::{PenumbraBounds, count_taps, mean_nearer},
     },
 };
 use glam::{Vec2, Vec3};
@@ -124,7 +122,8 @@ impl ShadowTechnique for Pcss {
         if view.light.is_ideal() {
             return Hard { map: self.map }.recipe(view);
         }
-        let (size, spaces) = (self.map.size, light_extent::spaces(&self.map, view)?);
+        let size = self.map.size;
+        let spaces = light_extent::spaces(&self.map, view)?;
         let extent = LightExtent::new(view.light, &spaces, size);
         // Wide taps meet blockers that lie deeper than the receiver, yet above its plane, as on any slope under a plate that
         // is parallel to it. Only its plane tells those from the receiver's own surface.
@@ -139,13 +138,13 @@ impl ShadowTechnique for Pcss {
             blocker_taps: self.blocker_taps,
             filter_taps: self.filter_taps,
             turns: if self.rotate { TURNS - 1 } else { 0 },
-            square: u32::from(pattern.shape == Shape::Square),
+            square: u32::from(pattern.shape == PatternShape::Square),
             cell: Cells::over(size).side(),
         };
-        let mut maps = self.map.maps(&spaces, Footprint::Taps { reach: 1.0 });
+        let mut maps = self.map.maps(&spaces, CompareMethod::Taps { reach: 1.0 });
         let map = maps.map;
         let packed = self.map.format == MapFormat::Rgba8;
-        let in_reach = depth_in_reach::add(&mut maps, (size, packed), pattern.shape, extent);
+        let in_reach = depth_in_reach::add(&mut maps, size, packed, pattern.shape, extent);
         let table = pattern.table.clone();
         let mut recipe = maps.recipe(PcssKernel { uniforms, pattern });
         recipe.receive.inputs = vec![map, in_reach];
@@ -291,7 +290,7 @@ uniforms! {
     }
 }
 
-/// Bound, search, estimate, filter.
+/// The lookup: it bounds the search, searches blockers, estimates the penumbra, and filters.
 #[derive(Clone, Debug)]
 pub struct PcssKernel {
     uniforms: PcssUniforms,
@@ -308,7 +307,7 @@ impl Kernel for PcssKernel {
             .lookup
             .modules()
             .into_iter()
-            .chain([LIGHT_EXTENT, HORIZON, PATTERN, PLACED, PATTERN_TAPS, own])
+            .chain([LIGHT_EXTENT, HORIZON, PATTERN, PATTERN_TAPS, own])
             .collect()
     }
 
@@ -319,29 +318,22 @@ impl Kernel for PcssKernel {
 
 impl ReceiveKernel for PcssKernel {
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
-        let (lookup, simd) = (&self.uniforms.lookup, inputs.simd);
-        let (map, shape) = (lookup.map(&inputs.images[0]), self.pattern.shape);
-        let at = Comparisons {
-            map,
-            shape,
-            plane: lookup.layers[0].follows_plane(),
-        };
-        look_up_span(
-            simd,
-            lookup,
-            span,
-            out,
-            &Search {
-                kernel: self,
-                simd,
-                at,
-                in_reach: &inputs.images[1],
-                span,
+        let lookup = &self.uniforms.lookup;
+        let search = Search {
+            kernel: self,
+            simd: inputs.simd,
+            comparisons: Comparisons {
+                map: lookup.map(&inputs.images[0]),
+                shape: self.pattern.shape,
+                follows_plane: lookup.layers[0].follows_plane(),
             },
-        );
+            in_reach: &inputs.images[1],
+            span,
+        };
+        look_up_span(inputs.simd, lookup, span, out, &search);
     }
 
-    /// Second looks are left out: they are few, and as many receivers need no search.
+    /// Second comparisons at a tap are left out: they are few, and as many receivers need no search.
     fn asks(&self) -> Asks {
         Asks::taps(1 + self.uniforms.blocker_taps + self.uniforms.filter_taps)
     }
@@ -355,10 +347,8 @@ impl ReceiveKernel for PcssKernel {
     fn reach(&self, position: Vec3, normal: Vec3) -> Option<f32> {
         let u = &self.uniforms;
         let l = shadow_coord(&u.lookup, position, normal);
-        let (half_axis_u, half_axis_v) = (
-            u.extent.half_axis_u[l.layer as usize],
-            u.extent.half_axis_v[l.layer as usize],
-        );
+        let half_axis_u = u.extent.half_axis_u[l.layer as usize];
+        let half_axis_v = u.extent.half_axis_v[l.layer as usize];
         let from_middle = l.texel - Vec2::splat(u.lookup.size * 0.5);
         let per_depth =
             light_extent::reach_at(self.pattern.shape, half_axis_u, half_axis_v, from_middle);
@@ -368,13 +358,13 @@ impl ReceiveKernel for PcssKernel {
     }
 }
 
-/// What is looked for in one span.
+/// The search for blockers of one span's receivers.
 #[derive(Clone, Copy)]
 struct Search<'a> {
     kernel: &'a PcssKernel,
     simd: Simd,
-    at: Comparisons<'a>,
-    /// The least depth in reach, cell by cell.
+    comparisons: Comparisons<'a>,
+    /// The least depth in reach of each cell: see [`DepthInReachKernel`](crate::DepthInReachKernel).
     in_reach: &'a ImageView<'a>,
     span: &'a Span<'a>,
 }
@@ -409,23 +399,21 @@ impl SimdTask for SearchBatch<'_> {
             first,
             out,
         } = self;
-        let Search {
-            kernel: PcssKernel { pattern, .. },
-            at,
-            ..
-        } = search;
+        let comparisons = search.comparisons;
+        let pattern = &search.kernel.pattern;
         for (number, out) in out.iter_mut().enumerate() {
             *out = search.share(first + number);
         }
         let count = out.len();
-        let placement =
-            |l: &ShadowCoord, number: usize| search.placement(l, first + number, out[number]);
-        let receivers = ReceiverLanes::seen(batch, count, at.map.size, placement);
-        let mean = mean_nearer(&at, &receivers, &pattern.sets[0]);
-        let [lit, above] = seen_above(&at, &receivers, &mean, &pattern.sets[1]);
+        let receivers = ReceiverLanes::seen(batch, count, comparisons.map.size, |l, number| {
+            search.placement(l, first + number, out[number])
+        });
+        let mean = mean_nearer(&comparisons, &receivers, &pattern.sets[0]);
+        let counts = count_taps(&comparisons, &receivers, &mean, &pattern.sets[1]);
         for i in 0..receivers.count {
-            let seen = if above[i] > 0.0 {
-                lit[i] / above[i]
+            // No tap above the horizon says nothing: the share of the light above it stands.
+            let seen = if counts.above[i] > 0.0 {
+                counts.lit[i] / counts.above[i]
             } else {
                 1.0
             };
@@ -435,7 +423,7 @@ impl SimdTask for SearchBatch<'_> {
 }
 
 impl Search<'_> {
-    /// The share of the light above the horizon.
+    /// Returns the share of the light above the horizon, 0..=1, of the pixel `offset` in the span.
     #[inline(always)]
     fn share(&self, offset: usize) -> f32 {
         let u = &self.kernel.uniforms;
@@ -447,70 +435,73 @@ impl Search<'_> {
         )
     }
 
-    /// Lays out the pattern where something may hide a part of the `share` of the light above the horizon.
+    /// Returns how the pattern is laid over the map for a receiver at `l`; `None` where nothing may hide any of the `share` of the
+    /// light above the horizon.
     #[inline(always)]
     fn placement(&self, l: &ShadowCoord, offset: usize, share: f32) -> Option<KernelPlacement> {
-        let PcssKernel {
-            uniforms: u,
-            pattern,
-        } = self.kernel;
-        let (face, half) = (l.layer as usize, u.lookup.size * 0.5);
-        let (half_axis_u, half_axis_v) = (u.extent.half_axis_u[face], u.extent.half_axis_v[face]);
-        let off = Vec2::new(l.texel.x - half, l.texel.y - half);
-        let widest = bounded(l.depth - self.depth_in_reach(l), half_axis_v.w);
-        if share == 0.0 || widest == 0.0 {
+        let u = &self.kernel.uniforms;
+        let layer = l.layer as usize;
+        let half = u.lookup.size * 0.5;
+        let half_axis_u = u.extent.half_axis_u[layer];
+        let half_axis_v = u.extent.half_axis_v[layer];
+        let from_middle = Vec2::new(l.texel.x - half, l.texel.y - half);
+        let max = half_axis_v.w;
+        let search = bounded(l.depth - self.depth_in_reach(l), max);
+        if share == 0.0 || search == 0.0 {
             return None;
         }
-        let turn = turn_at(pattern, u.turns, self.span.first, offset);
-        let (angle, shift) = (Vec2::new(turn.x, turn.y), Vec2::new(turn.z, turn.w));
-        let axes = turned(light_axes(half_axis_u, half_axis_v, off), angle);
+        let turn = turn_at(&self.kernel.pattern, u.turns, self.span.first, offset);
+        let angle = Vec2::new(turn.x, turn.y);
+        let shift = Vec2::new(turn.z, turn.w);
+        let axes = turned(light_axes(half_axis_u, half_axis_v, from_middle), angle);
         let texel = texel_depth(reach_along(u.square, axes));
+        // Where all of the light is above the horizon, all of its points have the height 1, so that every tap counts.
         let heights = if share < 1.0 {
-            turned_heights(self.heights(face, offset, off), angle)
+            turned_heights(self.heights(layer, offset, from_middle), angle)
         } else {
             Vec3::X
         };
-        let soft = Soft {
-            most: half_axis_v.w,
+        let bounds = PenumbraBounds {
+            max,
             texel,
-            widest,
+            search,
             heights,
         };
-        Some(soft.placement(axes, shift))
+        Some(bounds.placement(axes, shift))
     }
 
+    /// Returns [`Horizon::heights`] of the pixel `offset` in the span, `from_middle` texels from the middle of its layer.
     #[inline(always)]
-    fn heights(&self, face: usize, offset: usize, off: Vec2) -> Vec3 {
+    fn heights(&self, layer: usize, offset: usize, from_middle: Vec2) -> Vec3 {
         let u = &self.kernel.uniforms;
-        let (p, n) = (self.span.position(offset), self.span.normal(offset));
-        let tangent = u.extent.half_axis_u[face].w;
-        let unit = tangent * (u.lookup.size * 0.5);
+        // The tangent that a texel from the middle spans, and that of half the layer's angle.
+        let texel_tangent = u.extent.half_axis_u[layer].w;
+        let half_tangent = texel_tangent * (u.lookup.size * 0.5);
         u.horizon.heights(
             u.lookup.light,
-            &u.lookup.layers[face].clip_from_world,
-            p,
-            n,
-            off * tangent,
-            unit,
+            &u.lookup.layers[layer].clip_from_world,
+            self.span.position(offset),
+            self.span.normal(offset),
+            from_middle * texel_tangent,
+            half_tangent,
         )
     }
 
-    /// How near to the light the first blocker may be.
+    /// Returns the least clip depth at which something may hide some of the light from a receiver at `l`.
     #[inline(always)]
     fn depth_in_reach(&self, l: &ShadowCoord) -> f32 {
-        let (last, cell) = (
-            (self.at.map.size - 1) as f32,
-            self.kernel.uniforms.cell as i32,
-        );
+        let last = (self.comparisons.map.size - 1) as f32;
+        let cell = self.kernel.uniforms.cell as i32;
         // Bounded first: then conversion rounds down.
-        let [x, y] = [l.texel.x, l.texel.y].map(|at| at.max(0.0).min(last) as i32 / cell);
-        self.in_reach.load(x, y, l.layer as u32)
+        let x = l.texel.x.max(0.0).min(last) as i32;
+        let y = l.texel.y.max(0.0).min(last) as i32;
+        self.in_reach.load(x / cell, y / cell, l.layer as u32)
     }
 }
 
-/// A difference of clip depths between nothing and what is followed.
+/// Returns a difference of clip depths bounded to 0..=max, and 0 for NaN.
 #[inline(always)]
-fn bounded(depth: f32, most: f32) -> f32 {
+fn bounded(depth: f32, max: f32) -> f32 {
     let depth = if depth > 0.0 { depth } else { 0.0 };
-    if depth < most { depth } else { most }
+    if depth < max { depth } else { max }
 }

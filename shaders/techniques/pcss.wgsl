@@ -1,4 +1,4 @@
-// Twin of pcss.rs: bounds the search, searches for blockers, concludes the penumbra's width, filters that widely.
+// Twin of pcss.rs: bounds the search, searches for blockers, estimates the penumbra's width, and filters that widely.
 
 struct PcssUniforms {
     lookup: ShadowMapUniforms,
@@ -11,7 +11,8 @@ struct PcssUniforms {
     cell: u32,
 }
 
-// A receiver before its map: the light's half axes there, a texel's worth of clip depth, the heights of the light's points.
+// A receiver's place on the map, the light's half axes there (turned), the bounds of differences of clip depth (`most` is the
+// greatest that is followed, `texel` the one that moves the light's rim by a texel), and the heights of the light's points.
 struct Soft {
     l: ShadowCoord,
     size: i32,
@@ -22,7 +23,7 @@ struct Soft {
     heights: vec3f,
 }
 
-// A tap: its place in the pattern, and how far that is from the middle.
+// A shifted tap: its place in the pattern, and how far that is from the middle.
 fn spot(s: Soft, tap: u32) -> vec3f {
     let row = pattern_row(tap);
     let x = wrapped(row.x + s.shift.x);
@@ -100,7 +101,7 @@ fn heights_of_light(r: Receiver, layer: i32, from_middle: vec2f) -> vec3f {
     return vec3f(middle, dot3(r.normal, h.half_u.xyz), dot3(r.normal, h.half_v.xyz));
 }
 
-// How near to the light the first blocker may be.
+// The least clip depth at which something may hide some of the light.
 fn depth_in_reach(l: ShadowCoord) -> f32 {
     let last = i32(kernel.lookup.size) - 1;
     let x = clamp(i32(floor(l.texel.x)), 0, last) / i32(kernel.cell);

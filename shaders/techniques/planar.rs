@@ -109,16 +109,17 @@ impl ListedTechnique for Planar {
     const BRANCHES_ON_UNIFORMS: bool = false;
 }
 
-/// One layer a plane.
+/// Returns the recipe with one layer for each plane.
 fn recipe(view: &View<'_>, geometry: &Geometry, planes: &Planes, light: Vec4) -> Recipe {
     let space = InfiniteFarView::new(view, geometry).space;
-    let cast = |(layer, &plane)| {
+    let mut casts = Vec::with_capacity(planes.planes.len());
+    for (layer, &plane) in (0..).zip(&planes.planes) {
         let faces = flatten_casters(geometry, plane, light.as_dvec4(), planes.tolerance);
-        Cast {
+        casts.push(Cast {
             source: Source::Faces(Arc::new(faces)),
-            ..Cast::nearest(0, layer as u32, space)
-        }
-    };
+            ..Cast::nearest(0, layer, space)
+        });
+    }
     let layers = planes.planes.len().max(1) as u32;
     let rows = rows(&planes.of_triangle);
     let uniforms = PlanarUniforms {
@@ -136,7 +137,7 @@ fn recipe(view: &View<'_>, geometry: &Geometry, planes: &Planes, light: Vec4) ->
             label: "planes of triangles",
             rows: rows.clone(),
         }],
-        casts: planes.planes.iter().enumerate().map(cast).collect(),
+        casts,
         filters: Vec::new(),
         receive: Receive {
             kernel: Arc::new(PlanarKernel { uniforms, rows }),
@@ -148,14 +149,18 @@ fn recipe(view: &View<'_>, geometry: &Geometry, planes: &Planes, light: Vec4) ->
     }
 }
 
-/// Plane numbers, four a row; at least one row.
+/// Returns the triangles' plane numbers as a table, four in each row; at least one row.
 fn rows(of_triangle: &[u32]) -> Arc<[[u32; 4]]> {
-    let row = |four: &[u32]| std::array::from_fn(|i| four.get(i).copied().unwrap_or(NO_PLANE));
     if of_triangle.is_empty() {
-        [[NO_PLANE; 4]].into()
-    } else {
-        of_triangle.chunks(4).map(row).collect()
+        return [[NO_PLANE; 4]].into();
     }
+    let mut rows = Vec::with_capacity(of_triangle.len().div_ceil(4));
+    for four in of_triangle.chunks(4) {
+        let mut row = [NO_PLANE; 4];
+        row[..four.len()].copy_from_slice(four);
+        rows.push(row);
+    }
+    rows.into()
 }
 
 uniforms! {
@@ -176,6 +181,7 @@ pub struct PlanarKernel {
 }
 
 impl PlanarKernel {
+    /// Returns the number of the plane in which a triangle lies, or [`NO_PLANE`].
     fn plane(&self, triangle: u32) -> u32 {
         let i = triangle.wrapping_sub(self.uniforms.first) as usize;
         self.rows.get(i / 4).map_or(NO_PLANE, |row| row[i % 4])
@@ -204,12 +210,14 @@ impl Kernel for PlanarKernel {
 
 impl ReceiveKernel for PlanarKernel {
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
-        let (x, y) = (span.first.x as i32, span.first.y as i32);
+        let x = span.first.x as i32;
+        let y = span.first.y as i32;
         for (i, out) in out.iter_mut().enumerate() {
-            let plane = self.plane(span.triangle[i]);
-            let lit = || plane == NO_PLANE || inputs.images[0].load(x + i as i32, y, plane) >= 1.0;
             let away = turned_away(self.uniforms.light, span.position(i), span.normal(i));
-            *out = if away == 0 && lit() { 1.0 } else { 0.0 };
+            let plane = self.plane(span.triangle[i]);
+            let is_lit = away == 0
+                && (plane == NO_PLANE || inputs.images[0].load(x + i as i32, y, plane) >= 1.0);
+            *out = if is_lit { 1.0 } else { 0.0 };
         }
     }
 }

@@ -183,7 +183,7 @@ uniforms! {
     }
 }
 
-/// The question asked of the hierarchy.
+/// Any-hit rays through the hierarchy.
 #[derive(Clone, Debug)]
 pub struct TracedKernel {
     uniforms: TracedUniforms,
@@ -212,14 +212,19 @@ impl ReceiveKernel for TracedKernel {
     fn receive(&self, _: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
         let u = &self.uniforms;
         for (i, out) in out.iter_mut().enumerate() {
-            let (p, n, id) = (span.position(i), span.normal(i), span.triangle[i]);
-            let o = p + n * origin_offset(p, u.reach);
+            let p = span.position(i);
+            let n = span.normal(i);
+            let origin = p + n * origin_offset(p, u.reach);
             let scramble = seed(span.first.x + i as u32, span.first.y);
-            let sees = |sample: &u32| {
-                let d = segment(&u.light, o, unit_square(*sample, scramble), u.far);
-                dot3(n, d) > 0.0 && !self.bvh.occluded(o, d, id)
-            };
-            *out = (0..u.samples).filter(sees).count() as f32 / u.samples as f32;
+            let mut seen = 0_u32;
+            for sample in 0..u.samples {
+                let ray = segment(&u.light, origin, unit_square(sample, scramble), u.far);
+                // Points of the light below the receiver's tangent plane are not seen.
+                if dot3(n, ray) > 0.0 && !self.bvh.occluded(origin, ray, span.triangle[i]) {
+                    seen += 1;
+                }
+            }
+            *out = seen as f32 / u.samples as f32;
         }
     }
 

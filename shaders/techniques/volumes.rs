@@ -20,12 +20,12 @@
 //! metres at distance w, and pixels there are noise (light that grazes whole planes is lifted off them, and refused where that
 //! is not enough: `grazing.rs`); a closed mesh that is turned inside out in one part is lit inside that part.
 
+mod clip_window;
 mod depth_clamp;
 mod extrusion;
 mod grazing;
 mod silhouette;
 mod t_junctions;
-mod window;
 
 use crate::{
     listing::ListedTechnique,
@@ -33,11 +33,11 @@ use crate::{
     techniques::{
         infinite_far::InfiniteFarView,
         volumes::{
+            clip_window::ClipWindow,
             depth_clamp::flatten,
-            extrusion::{beyond_all, caps_apart, extrude},
-            grazing::{LEAST_SHARE, Lifted},
+            extrusion::{beyond_all, caps_not_in_scene, extrude},
+            grazing::{LiftedLight, MIN_SHARE},
             silhouette::Welded,
-            window::Window,
         },
     },
 };
@@ -81,12 +81,13 @@ impl ShadowTechnique for ShadowVolumes {
             ));
         };
         let light = homogeneous(view.light);
-        let endless = InfiniteFarView::new(view, geometry);
-        let lifted = Lifted::new(geometry, light.as_dvec4());
-        let lost = view
-            .receivers
-            .map_or(0.0, |receivers| lifted.hopeless(view, receivers, &endless));
-        if lost > LEAST_SHARE {
+        let infinite_far = InfiniteFarView::new(view, geometry);
+        let lifted = LiftedLight::new(geometry, light.as_dvec4());
+        let lost = match view.receivers {
+            Some(receivers) => lifted.share_lost(view, receivers, &infinite_far),
+            None => 0.0,
+        };
+        if lost > MIN_SHARE {
             let reason = format!(
                 "the light grazes the planes of {:.1} % of what is seen, and depth is too coarse there to tell them from the \
                  volumes' sides: move the light, or use rays",
@@ -96,23 +97,20 @@ impl ShadowTechnique for ShadowVolumes {
         }
         let mesh = Welded::new(geometry);
         let silhouette = mesh.silhouette(lifted.light);
-        let window = Window::new(&endless.space, view.camera.size);
+        let window = ClipWindow::new(&infinite_far.space, view.camera.size);
         // Without perspective, points at infinity have no place on the picture, and not all devices clip them well.
-        let reach = endless
-            .clamp_plane
-            .is_some()
-            .then(|| beyond_all(&geometry.bounds(), &mesh, &silhouette, lifted.light));
+        let reach = if infinite_far.clamp_plane.is_some() {
+            let bounds = geometry.bounds();
+            Some(beyond_all(&bounds, &mesh, &silhouette, lifted.light))
+        } else {
+            None
+        };
         let mut faces = extrude(&mesh, &silhouette, lifted.light, Some(&window), reach);
-        if let Some(clamp_plane) = &endless.clamp_plane {
+        if let Some(clamp_plane) = &infinite_far.clamp_plane {
             faces = flatten(&faces, clamp_plane);
         }
-        Ok(recipe(
-            view,
-            &endless,
-            faces,
-            caps_apart(&mesh, &silhouette),
-            light,
-        ))
+        let missing_caps = caps_not_in_scene(&mesh, &silhouette);
+        Ok(recipe(view, &infinite_far, faces, missing_caps, light))
     }
 }
 
@@ -130,12 +128,13 @@ impl ListedTechnique for ShadowVolumes {
     const BRANCHES_ON_UNIFORMS: bool = false;
 }
 
-/// Image 0 holds the nearest depths, image 1 the counts.
+/// Returns the recipe that counts `faces` behind what the camera sees. Image 0 holds the nearest depths of all there is and of
+/// `missing_caps`, image 1 the counts.
 fn recipe(
     view: &View<'_>,
-    endless: &InfiniteFarView,
+    infinite_far: &InfiniteFarView,
     faces: Faces,
-    apart: Faces,
+    missing_caps: Faces,
     light: Vec4,
 ) -> Recipe {
     let image = |label, format| ImageDesc {
@@ -146,16 +145,15 @@ fn recipe(
     };
     let nearest = |source| Cast {
         source,
-        ..Cast::nearest(0, 0, endless.space)
+        ..Cast::nearest(0, 0, infinite_far.space)
     };
     let mut casts = vec![nearest(Source::Everything)];
-    if !apart.triangles.is_empty() {
-        casts.push(nearest(Source::Faces(Arc::new(apart))));
+    if !missing_caps.triangles.is_empty() {
+        casts.push(nearest(Source::Faces(Arc::new(missing_caps))));
     }
-    let mode = CastMode::Count { depth: 0 };
     casts.push(Cast {
         image: 1,
-        mode,
+        mode: CastMode::Count { depth: 0 },
         bias: BEHIND,
         ..nearest(Source::Faces(Arc::new(faces)))
     });

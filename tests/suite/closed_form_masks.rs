@@ -10,12 +10,12 @@ use umbrage_core::{
 use umbrage_cpu::Cpu;
 use umbrage_plan::truth::{Point, TruthOptions, trace_points};
 use umbrage_scenes::{ClosedForm, Sample, all};
-use umbrage_techniques::{Bias, ClosedFormDemand, Preset, ShadowMap};
+use umbrage_techniques::{Bias, ClosedFormDemand, ShadowMap, TechniquePreset};
 use umbrage_tests::gpu::gpu;
 use umbrage_wgpu::Gpu;
 
 /// What each technique says that closed forms demand of it. Those that need a camera's pixels (`exact.rs`) say nothing.
-fn demands() -> Vec<ClosedFormDemand<Preset>> {
+fn demands() -> Vec<ClosedFormDemand<TechniquePreset>> {
     let map = ShadowMap {
         size: 2048,
         bias: Bias::ADAPTIVE,
@@ -159,7 +159,11 @@ struct Answers {
     wrong: Vec<String>,
 }
 
-fn ask(cases: &[Case], demand: &ClosedFormDemand<Preset>, spoil: impl Fn(f32) -> f32) -> Answers {
+fn ask(
+    cases: &[Case],
+    demand: &ClosedFormDemand<TechniquePreset>,
+    spoil: impl Fn(f32) -> f32,
+) -> Answers {
     let (mut out, mut gpu) = (Answers::default(), gpu());
     let technique = demand.technique.technique();
     let served = |case: &&Case| !demand.closed_bodies || CLOSED_BODIES.contains(&case.name);

@@ -11,7 +11,7 @@ use umbrage_core::{
 };
 use umbrage_cpu::{Cpu, CpuOptions};
 use umbrage_plan::truth::{Truth, TruthOptions, trace};
-use umbrage_techniques::{Bias, Entry, Hard, ShadowMap};
+use umbrage_techniques::{Bias, Hard, ShadowMap, TechniqueEntry};
 
 const SIZE: UVec2 = UVec2::new(160, 120);
 const SIDE: u32 = 512;
@@ -44,7 +44,7 @@ const BY_TURNS: [Snapping; 4] = [
 
 /// Map techniques as they are by default: the first setting of each.
 fn techniques() -> Vec<Arc<dyn ShadowTechnique>> {
-    let first = |entry: &Entry| (entry.settings)(&[SIDE], Fit::Tight).into_iter().next();
+    let first = |entry: &TechniqueEntry| (entry.settings)(&[SIDE], Fit::Tight).into_iter().next();
     umbrage_techniques::all()
         .iter()
         .filter_map(first)

@@ -3,7 +3,7 @@
 use glam::UVec2;
 use umbrage::{
     Backend, Geometry, ShadowTechnique, View,
-    techniques::{Entry, ShadowMap, Techniques},
+    techniques::{ShadowMap, TechniqueEntry, Techniques},
 };
 use umbrage_cpu::Cpu;
 use umbrage_examples::variance::Variance;
@@ -87,7 +87,7 @@ fn a_users_map_has_figures() {
 
 fn registry() -> Techniques {
     Techniques::built_in()
-        .with(Entry::of::<Variance>())
+        .with(TechniqueEntry::of::<Variance>())
         .expect("a new name")
 }
 
@@ -162,7 +162,7 @@ fn a_users_preset_is_toml() {
         radius: 3,
         ..Variance::default()
     };
-    let text = umbrage::techniques::Preset::from(technique)
+    let text = umbrage::techniques::TechniquePreset::from(technique)
         .to_toml()
         .expect("numbers");
     let preset = registry().preset_from_toml(&text).expect("as written");

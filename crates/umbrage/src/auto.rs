@@ -1,6 +1,6 @@
 //! The least technique that a scene needs.
 
-use crate::{Scene, techniques::Preset};
+use crate::{Scene, techniques::TechniquePreset};
 use umbrage_plan::{MeasureError, Miss, Options, plan};
 
 /// What shadows may err and cost: a greatest error, time, number of bytes, or several of them.
@@ -8,18 +8,18 @@ pub type Budget = umbrage_plan::Bounds;
 
 /// Finds the cheapest built-in technique and setting within a budget (without a bound of the error, the most accurate) for a
 /// scene's first camera and light. It measures on the CPU, in seconds: call it where scenes are made rather than every frame,
-/// and keep the answer ([`Preset::to_toml`]). Why it was chosen, and what else there is: [`mod@crate::plan`].
+/// and keep the answer ([`TechniquePreset::to_toml`]). Why it was chosen, and what else there is: [`mod@crate::plan`].
 ///
 #[cfg_attr(feature = "scenes", doc = "```")]
 #[cfg_attr(not(feature = "scenes"), doc = "```ignore")]
-/// use umbrage::{Budget, Geometry, ShadowTechnique, View, techniques::Preset};
+/// use umbrage::{Budget, Geometry, ShadowTechnique, View, techniques::TechniquePreset};
 ///
 /// let scene = umbrage::scenes::by_argument("cubes")?;
 /// let preset = umbrage::auto(&scene, &Budget::error(0.1))?;
 /// let file = preset.to_toml()?;
 ///
 /// // In the program that draws the scene:
-/// let technique = Preset::from_toml(&file)?.technique();
+/// let technique = TechniquePreset::from_toml(&file)?.technique();
 /// let geometry = Geometry::bake(&scene)?;
 /// let recipe = technique.recipe(&View::new(&scene.cameras[0], &scene.lights[0], &geometry))?;
 /// # assert!(recipe.images.len() < 3);
@@ -28,7 +28,7 @@ pub type Budget = umbrage_plan::Bounds;
 ///
 /// # Errors
 /// When the scene or the budget is not valid, and when nothing is within the budget.
-pub fn auto(scene: &Scene, budget: &Budget) -> Result<Preset, AutoError> {
+pub fn auto(scene: &Scene, budget: &Budget) -> Result<TechniquePreset, AutoError> {
     Ok(plan(scene, budget, &Options::default(), &|_| {})?.preset()?)
 }
 

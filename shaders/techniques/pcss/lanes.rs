@@ -1,110 +1,124 @@
-//! The loops of [`Pcss`](crate::Pcss) over many receivers, an array a field: all receivers of a batch go to their first tap,
-//! then all to their second. Each lane adds up its taps in the shader's order, so both agree to the bit.
+//! The loops of [`Pcss`](crate::Pcss) over many receivers, with an array for each field: all receivers of a batch go to their
+//! first tap, then all to their second. Each lane adds up its taps in the shader's order, so both halves agree to the bit.
 
 use crate::{
     filtering::{
-        pattern_taps::{Axes, Comparisons, HALF, KernelPlacement, Lanes, ReceiverLanes},
+        pattern_taps::{Axes, Comparisons, HALF_BATCH, KernelPlacement, ReceiverLanes},
         sample_pattern::{TapSet, closer_by, from_middle, tap_weight, wrapped},
     },
-    lanes::batch::BATCH,
+    lanes::batch::{BATCH, Lanes},
 };
 use glam::{Vec2, Vec3, Vec4};
 
-/// What a receiver needs besides its place on the map.
+/// A receiver's bounds for the search and the filter, as differences of clip depth.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Soft {
-    /// Greatest difference of clip depths that is followed.
-    pub(crate) most: f32,
-    /// The one that moves the light's rim by a texel.
+pub(crate) struct PenumbraBounds {
+    /// The greatest difference that is followed.
+    pub(crate) max: f32,
+    /// The difference that moves the light's rim by a texel.
     pub(crate) texel: f32,
-    /// The one over which blockers are searched.
-    pub(crate) widest: f32,
-    /// How the light's points lie over the receiver's plane: [`turned_heights`](crate::filtering::horizon::turned_heights).
+    /// The difference over which blockers are searched.
+    pub(crate) search: f32,
+    /// Heights of the light's points over the receiver's plane: see
+    /// [`turned_heights`](crate::filtering::horizon::turned_heights).
     pub(crate) heights: Vec3,
 }
 
-/// Places of [`Soft`]'s numbers in [`ReceiverLanes::more`].
-const MOST: usize = 0;
+// Indices of the numbers of `PenumbraBounds` in `ReceiverLanes::extra`.
+const MAX: usize = 0;
 const TEXEL: usize = 1;
-const WIDEST: usize = 2;
-const HEIGHTS: [usize; 3] = [3, 4, 5];
+const SEARCH: usize = 2;
+const HEIGHT: usize = 3;
+const HEIGHT_X: usize = 4;
+const HEIGHT_Y: usize = 5;
 
-impl Soft {
+impl PenumbraBounds {
+    /// Returns the placement of a kernel with these half axes and this shift, which carries the bounds along.
     pub(crate) fn placement(self, axes: Vec4, shift: Vec2) -> KernelPlacement {
-        let h = self.heights;
+        let heights = self.heights;
         KernelPlacement {
             axes,
             shift,
-            more: [self.most, self.texel, self.widest, h.x, h.y, h.z],
+            extra: [
+                self.max,
+                self.texel,
+                self.search,
+                heights.x,
+                heights.y,
+                heights.z,
+            ],
         }
     }
 }
 
-/// A tap of the pattern, as each receiver shifts it: its place, and how far that is from the middle.
-struct Spot {
+/// One tap of the pattern as each receiver shifts it: its place, -1..1, and its distance from the middle.
+struct ShiftedTap {
     x: Lanes<f32>,
     y: Lanes<f32>,
     from_middle: Lanes<f32>,
 }
 
-impl Spot {
+impl ShiftedTap {
     #[inline(always)]
     fn new<const N: usize>(r: &ReceiverLanes, tap: Vec3) -> Self {
-        let mut spot = Self {
+        let mut shifted = Self {
             x: [0.0; BATCH],
             y: [0.0; BATCH],
             from_middle: [0.0; BATCH],
         };
         for i in 0..N {
-            spot.x[i] = wrapped(tap.x + r.shift[0][i]);
-            spot.y[i] = wrapped(tap.y + r.shift[1][i]);
-            spot.from_middle[i] = from_middle(spot.x[i], spot.y[i], tap.z);
+            shifted.x[i] = wrapped(tap.x + r.shift[0][i]);
+            shifted.y[i] = wrapped(tap.y + r.shift[1][i]);
+            shifted.from_middle[i] = from_middle(shifted.x[i], shifted.y[i], tap.z);
         }
-        spot
+        shifted
     }
 }
 
-/// By how much blockers are nearer in the mean; the whole search where it found none.
+/// Step 2 and 3 of [`Pcss`](crate::Pcss): returns by how much blockers are nearer to the light than each receiver in the weighted
+/// mean, clip depth; the whole search where it found none.
 #[inline(always)]
-pub(crate) fn mean_nearer(at: &Comparisons<'_>, r: &ReceiverLanes, set: &TapSet) -> Lanes<f32> {
-    if r.count <= HALF {
-        mean_nearer_in::<HALF>(at, r, set)
+pub(crate) fn mean_nearer(map: &Comparisons<'_>, r: &ReceiverLanes, set: &TapSet) -> Lanes<f32> {
+    if r.count <= HALF_BATCH {
+        mean_nearer_in::<HALF_BATCH>(map, r, set)
     } else {
-        mean_nearer_in::<BATCH>(at, r, set)
+        mean_nearer_in::<BATCH>(map, r, set)
     }
 }
 
 #[inline(always)]
 fn mean_nearer_in<const N: usize>(
-    at: &Comparisons<'_>,
+    map: &Comparisons<'_>,
     r: &ReceiverLanes,
     set: &TapSet,
 ) -> Lanes<f32> {
-    let (widest, texel) = (&r.more[WIDEST], &r.more[TEXEL]);
-    let axes = r.scaled(widest);
-    let (mut sum, mut weights) = ([0.0; BATCH], [0.0; BATCH]);
+    let search = &r.extra[SEARCH];
+    let texel = &r.extra[TEXEL];
+    let axes = r.scaled_axes(search);
+    let mut sum = [0.0; BATCH];
+    let mut weights = [0.0; BATCH];
     for &tap in &set.taps {
-        let Spot {
-            mut x,
-            mut y,
-            from_middle: m,
-        } = Spot::new::<N>(r, tap);
+        let mut shifted = ShiftedTap::new::<N>(r, tap);
+        let m = &shifted.from_middle;
         for i in 0..N {
-            x[i] *= closer_by(m[i]);
-            y[i] *= closer_by(m[i]);
+            shifted.x[i] *= closer_by(m[i]);
+            shifted.y[i] *= closer_by(m[i]);
         }
-        let d = at.depths_at::<N>(r, &axes, [&x, &y]);
+        let depths = map.depths_at::<N>(r, &axes, &shifted.x, &shifted.y);
         for i in 0..N {
-            let nearer = r.depth[i] - d.stored[i];
-            let lit = d.receiver[i] <= d.stored[i];
-            let hides = !lit & (nearer >= widest[i] * (m[i] * closer_by(m[i])));
+            let nearer = r.depth[i] - depths.stored[i];
+            let lit = depths.receiver[i] <= depths.stored[i];
+            // Nearer by so much that the light's point through the tap is within the light.
+            let within_light = nearer >= search[i] * (m[i] * closer_by(m[i]));
+            let hides = !lit & within_light;
+            // No penumbra is narrower than a texel; this also keeps the weight finite.
             let counted = if nearer > texel[i] { nearer } else { texel[i] };
             let weight = if hides {
                 tap_weight(m[i], counted)
             } else {
                 0.0
             };
-            sum[i] += weight * (d.receiver[i] - d.stored[i]);
+            sum[i] += weight * (depths.receiver[i] - depths.stored[i]);
             weights[i] += weight;
         }
     }
@@ -113,92 +127,102 @@ fn mean_nearer_in<const N: usize>(
         mean[i] = if weights[i] > 0.0 {
             sum[i] / weights[i]
         } else {
-            widest[i]
+            search[i]
         };
     }
     mean
 }
 
-/// Of the taps that lie above each receiver's horizon: how many are seen, and how many there are.
+/// Counts of each receiver's filter taps that lie above its horizon.
+pub(crate) struct TapCounts {
+    /// Those through which the light is seen.
+    pub(crate) lit: Lanes<f32>,
+    /// All of them.
+    pub(crate) above: Lanes<f32>,
+}
+
+/// Step 4 and 5 of [`Pcss`](crate::Pcss): returns the counts of taps for a penumbra that `mean` makes.
 #[inline(always)]
-pub(crate) fn seen_above(
-    at: &Comparisons<'_>,
+pub(crate) fn count_taps(
+    map: &Comparisons<'_>,
     r: &ReceiverLanes,
     mean: &Lanes<f32>,
     set: &TapSet,
-) -> [Lanes<f32>; 2] {
-    if r.count <= HALF {
-        seen_above_in::<HALF>(at, r, mean, set)
+) -> TapCounts {
+    if r.count <= HALF_BATCH {
+        count_taps_in::<HALF_BATCH>(map, r, mean, set)
     } else {
-        seen_above_in::<BATCH>(at, r, mean, set)
+        count_taps_in::<BATCH>(map, r, mean, set)
     }
 }
 
 #[inline(always)]
-fn seen_above_in<const N: usize>(
-    at: &Comparisons<'_>,
+fn count_taps_in<const N: usize>(
+    map: &Comparisons<'_>,
     r: &ReceiverLanes,
     mean: &Lanes<f32>,
     set: &TapSet,
-) -> [Lanes<f32>; 2] {
+) -> TapCounts {
+    let texel = &r.extra[TEXEL];
+    let max = &r.extra[MAX];
     let mut reach = [0.0; BATCH];
     for i in 0..N {
-        let wide = if mean[i] > r.more[TEXEL][i] {
+        let wide = if mean[i] > texel[i] {
             mean[i]
         } else {
-            r.more[TEXEL][i]
+            texel[i]
         };
-        reach[i] = if wide < r.more[MOST][i] {
-            wide
-        } else {
-            r.more[MOST][i]
-        };
+        reach[i] = if wide < max[i] { wide } else { max[i] };
     }
-    let axes = r.scaled(&reach);
-    let [h, hx, hy] = HEIGHTS.map(|i| &r.more[i]);
-    let (mut lit, mut above) = ([0.0; BATCH], [0.0; BATCH]);
+    let axes = r.scaled_axes(&reach);
+    let height = &r.extra[HEIGHT];
+    let height_x = &r.extra[HEIGHT_X];
+    let height_y = &r.extra[HEIGHT_Y];
+    let mut lit = [0.0; BATCH];
+    let mut above = [0.0; BATCH];
     for &tap in &set.taps {
-        let q = Spot::new::<N>(r, tap);
-        let hidden = hides::<N>(at, r, &axes, mean, &q);
+        let tap = ShiftedTap::new::<N>(r, tap);
+        let hidden = hides::<N>(map, r, &axes, mean, &tap);
         for i in 0..N {
-            let counts = if h[i] + hx[i] * q.x[i] + hy[i] * q.y[i] > 0.0 {
-                1.0
-            } else {
-                0.0
-            };
+            // The height of the light's point over the receiver's plane.
+            let tap_height = height[i] + height_x[i] * tap.x[i] + height_y[i] * tap.y[i];
+            let counts = if tap_height > 0.0 { 1.0 } else { 0.0 };
             above[i] += counts;
             lit[i] += if hidden[i] == 0 { counts } else { 0.0 };
         }
     }
-    [lit, above]
+    TapCounts { lit, above }
 }
 
-/// Whether something hides the light's point at the tap, as 1 or 0: what is found there, or, if that is too low to be in the
-/// way, what the ray passes where it is as low.
+/// Returns 1 where something hides the light's point at the tap, else 0: what is found there, or, if that is too low to be in the
+/// ray's way, what the ray passes where it is as low.
 #[inline(always)]
 fn hides<const N: usize>(
-    at: &Comparisons<'_>,
+    map: &Comparisons<'_>,
     r: &ReceiverLanes,
     axes: &Axes,
     mean: &Lanes<f32>,
-    q: &Spot,
+    tap: &ShiftedTap,
 ) -> Lanes<u32> {
-    let d = at.depths_at::<N>(r, axes, [&q.x, &q.y]);
-    let (mut hidden, mut low, mut nearer) = ([0; BATCH], [0; BATCH], [0.0; BATCH]);
-    let mut any = 0;
+    let depths = map.depths_at::<N>(r, axes, &tap.x, &tap.y);
+    let mut hidden = [0; BATCH];
+    let mut low = [0; BATCH];
+    let mut nearer = [0.0; BATCH];
+    let mut any_low = 0;
     for i in 0..N {
-        nearer[i] = r.depth[i] - d.stored[i];
-        let lit = d.receiver[i] <= d.stored[i];
-        let in_the_way = nearer[i] >= mean[i] * q.from_middle[i];
+        nearer[i] = r.depth[i] - depths.stored[i];
+        let lit = depths.receiver[i] <= depths.stored[i];
+        let in_the_way = nearer[i] >= mean[i] * tap.from_middle[i];
         hidden[i] = u32::from(!lit & in_the_way);
         low[i] = u32::from(!lit & !in_the_way & (nearer[i] > 0.0));
-        any |= low[i];
+        any_low |= low[i];
     }
-    if any == 0 {
+    if any_low == 0 {
         return hidden;
     }
-    let lower = at.depths_at::<N>(r, &r.scaled(&nearer), [&q.x, &q.y]);
+    let lower = map.depths_at::<N>(r, &r.scaled_axes(&nearer), &tap.x, &tap.y);
     for i in 0..N {
+        // A solid caster is wide below: it is at least half as high where the ray is as low.
         let lit = lower.receiver[i] <= lower.stored[i];
         let as_high = r.depth[i] - lower.stored[i] >= nearer[i] * 0.5;
         hidden[i] |= low[i] & u32::from(!lit & as_high);

@@ -7,7 +7,7 @@ use umbrage_core::{Faces, Geometry, light_sample::SHORT};
 /// Triangles within this angle (sine) of the light's ray are seen edge-on from there and hide nothing.
 const EDGE_ON: f64 = 1e-6;
 
-/// Between which heights above a plane casters throw shadows on it.
+/// The slab between a plane and the light, in which casters throw shadows on the plane.
 struct Slab {
     plane: DVec4,
     light: DVec4,
@@ -17,7 +17,7 @@ struct Slab {
     high: f64,
 }
 
-/// All casters' shadows on a plane (unit normal towards the light), as points on it. Casters are cut where they cross
+/// Returns all casters' shadows on a plane (unit normal towards the light), as points on it. Casters are cut where they cross
 /// the plane and where they rise above the light.
 pub(crate) fn flatten_casters(
     geometry: &Geometry,
@@ -41,61 +41,66 @@ pub(crate) fn flatten_casters(
     let mut faces = Faces::default();
     for triangle in geometry.casters() {
         let polygon = slab.clip(geometry.corners(triangle).map(|p| p.as_dvec3()));
-        add(&polygon, &onto_plane, &mut faces);
+        add_shadow(&polygon, &onto_plane, &mut faces);
     }
     faces
 }
 
-fn add(polygon: &[DVec3], onto_plane: &DMat4, faces: &mut Faces) {
+/// Adds the shadow of a convex polygon, as a fan of triangles.
+fn add_shadow(polygon: &[DVec3], onto_plane: &DMat4, faces: &mut Faces) {
     let first = faces.vertices.len() as u32;
-    faces.vertices.extend(polygon.iter().map(|p| {
-        let p = *onto_plane * p.extend(1.0);
-        (p / p.w).as_vec4()
-    }));
-    faces
-        .triangles
-        .extend((2..polygon.len() as u32).map(|i| [first, first + i - 1, first + i]));
+    for p in polygon {
+        let shadow = *onto_plane * p.extend(1.0);
+        faces.vertices.push((shadow / shadow.w).as_vec4());
+    }
+    for i in 2..polygon.len() as u32 {
+        faces.triangles.push([first, first + i - 1, first + i]);
+    }
 }
 
 impl Slab {
-    /// The part of a triangle inside: Sutherland and Hodgman 1974, "Reentrant polygon clipping".
+    /// Returns the part of a triangle inside: Sutherland and Hodgman 1974, "Reentrant polygon clipping".
     fn clip(&self, corners: [DVec3; 3]) -> Vec<DVec3> {
-        let height = |p: &DVec3| self.plane.dot(p.extend(1.0));
-        let heights = corners.map(|p| height(&p));
-        let outside =
-            heights.iter().all(|&h| h <= self.low) || heights.iter().all(|&h| h >= self.high);
-        if outside || self.is_edge_on(&corners) {
+        let heights = corners.map(|p| self.height(p));
+        let all_below = heights.iter().all(|&h| h <= self.low);
+        let all_above = heights.iter().all(|&h| h >= self.high);
+        if all_below || all_above || self.is_edge_on(corners) {
             return Vec::new();
         }
         if heights.iter().all(|&h| h >= self.low && h <= self.high) {
             return corners.to_vec();
         }
-        let above = cut(&corners, |p| height(p) - self.low);
+        let above_plane = cut(&corners, |p| self.height(p) - self.low);
         if self.high.is_finite() {
-            cut(&above, |p| self.high - height(p))
+            cut(&above_plane, |p| self.high - self.height(p))
         } else {
-            above
+            above_plane
         }
     }
 
-    fn is_edge_on(&self, [a, b, c]: &[DVec3; 3]) -> bool {
-        let (n, to_light) = (
-            (b - a).cross(c - a),
-            self.light.truncate() - *a * self.light.w,
-        );
+    /// Returns the height of a point above the plane, metres.
+    fn height(&self, p: DVec3) -> f64 {
+        self.plane.dot(p.extend(1.0))
+    }
+
+    fn is_edge_on(&self, corners: [DVec3; 3]) -> bool {
+        let [a, b, c] = corners;
+        let n = (b - a).cross(c - a);
+        let to_light = self.light.truncate() - a * self.light.w;
         n.dot(to_light).abs() <= EDGE_ON * n.length() * to_light.length()
     }
 }
 
-/// The part of a polygon where `inside` is not negative. Crossings are measured from the inner end, whichever way the
+/// Returns the part of a polygon where `inside` is not negative. Crossings are measured from the inner end, whichever way the
 /// edge is walked, so that neighbours get the same one.
-fn cut(polygon: &[DVec3], inside: impl Fn(&DVec3) -> f64) -> Vec<DVec3> {
+fn cut(polygon: &[DVec3], inside: impl Fn(DVec3) -> f64) -> Vec<DVec3> {
     let mut out = Vec::with_capacity(polygon.len() + 1);
-    for (i, p) in polygon.iter().enumerate() {
-        let q = &polygon[(i + 1) % polygon.len()];
-        let (at_p, at_q) = (inside(p), inside(q));
+    for (i, &p) in polygon.iter().enumerate() {
+        let q = polygon[(i + 1) % polygon.len()];
+        let at_p = inside(p);
+        let at_q = inside(q);
         if at_p >= 0.0 {
-            out.push(*p);
+            out.push(p);
         }
         if (at_p >= 0.0) != (at_q >= 0.0) {
             out.push(if at_p >= 0.0 {
@@ -108,8 +113,9 @@ fn cut(polygon: &[DVec3], inside: impl Fn(&DVec3) -> f64) -> Vec<DVec3> {
     out
 }
 
-fn crossing(inner: &DVec3, at_inner: f64, outer: &DVec3, at_outer: f64) -> DVec3 {
-    inner.lerp(*outer, at_inner / (at_inner - at_outer))
+/// Returns where an edge crosses the border, given what `inside` says of its ends.
+fn crossing(inner: DVec3, at_inner: f64, outer: DVec3, at_outer: f64) -> DVec3 {
+    inner.lerp(outer, at_inner / (at_inner - at_outer))
 }
 
 #[cfg(test)]

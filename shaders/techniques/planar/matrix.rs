@@ -2,7 +2,7 @@
 
 use glam::{DMat4, DVec4, Mat4, Vec4};
 
-/// Maps homogeneous points to where their shadows fall on `plane`: `(plane . light) I - light plane^T`. Blinn 1988,
+/// Returns the matrix that maps homogeneous points to where their shadows fall on `plane`: `(plane . light) I - light plane^T`. Blinn 1988,
 /// "Me and my (fake) shadow" (Jim Blinn's corner, IEEE CG&A 8.1).
 ///
 /// `plane` is (n, d) with `n . p + d = 0` on it, n of any length; `light` is a position (w = 1) or the direction to
@@ -14,7 +14,7 @@ pub fn planar_shadow_matrix(plane: Vec4, light: Vec4) -> Mat4 {
     exact(plane.as_dvec4(), light.as_dvec4()).as_mat4()
 }
 
-/// [`planar_shadow_matrix`] before rounding.
+/// Returns [`planar_shadow_matrix`] before rounding to 32 bits.
 pub(crate) fn exact(plane: DVec4, light: DVec4) -> DMat4 {
     let outer = DMat4::from_cols(
         light * plane.x,
@@ -55,10 +55,8 @@ mod tests {
 
     #[test]
     fn points_of_the_plane_stay_and_points_above_the_lamp_turn_negative() {
-        let (floor, lamp) = (
-            Vec4::new(0.0, 1.0, 0.0, -1.0),
-            Vec4::new(0.0, 3.0, 0.0, 1.0),
-        );
+        let floor = Vec4::new(0.0, 1.0, 0.0, -1.0);
+        let lamp = Vec4::new(0.0, 3.0, 0.0, 1.0);
         assert_eq!(shadow(floor, lamp, 7.0, 1.0, -2.0), [7.0, 1.0, -2.0]);
         assert!((planar_shadow_matrix(floor, lamp) * Vec4::new(1.0, 5.0, 0.0, 1.0)).w < 0.0);
         // Level with the lamp: infinitely far away.

@@ -23,9 +23,14 @@ pub(crate) struct Planes {
 }
 
 impl Planes {
-    /// The planes of the receiving triangles that the camera sees on the side that the light is on, the largest first.
-    /// Stops looking once there are more than `most`.
-    pub(crate) fn find(view: &View<'_>, geometry: &Geometry, light: Vec4, most: usize) -> Self {
+    /// Returns the planes of the receiving triangles that the camera sees on the side that the light is on, the largest triangle's
+    /// first. Stops once there are more than `max_count`.
+    pub(crate) fn find(
+        view: &View<'_>,
+        geometry: &Geometry,
+        light: Vec4,
+        max_count: usize,
+    ) -> Self {
         let wanted = match view.receivers {
             Some(receivers) => seen_lit(geometry, receivers, light),
             None => facing_both(geometry, view.camera, light),
@@ -46,23 +51,21 @@ impl Planes {
         for (_, triangle) in candidates {
             let plane = out.plane_of(geometry, triangle, light);
             out.of_triangle[(triangle - geometry.receivers().start) as usize] = plane;
-            if out.planes.len() > most {
+            if out.planes.len() > max_count {
                 break;
             }
         }
         out
     }
 
-    /// The plane in which a triangle lies; its own is added if there is none.
+    /// Returns the index of the plane in which a triangle lies. Adds the triangle's own plane if none of the known ones holds it.
     fn plane_of(&mut self, geometry: &Geometry, triangle: u32, light: Vec4) -> u32 {
         let corners = geometry.corners(triangle).map(|p| p.as_dvec3().extend(1.0));
-        let holds = |plane: &DVec4| {
-            corners
-                .iter()
-                .all(|p| plane.dot(*p).abs() <= self.tolerance)
-        };
-        if let Some(known) = self.planes.iter().position(holds) {
-            return known as u32;
+        for (i, plane) in (0..).zip(&self.planes) {
+            let distances = corners.map(|p| plane.dot(p).abs());
+            if distances.iter().all(|&d| d <= self.tolerance) {
+                return i;
+            }
         }
         let n = normal(geometry, triangle).normalize();
         let plane = n.extend(-n.dot(corners[0].truncate()));
@@ -72,13 +75,13 @@ impl Planes {
     }
 }
 
-/// Twice the triangle's area long.
+/// Returns a triangle's normal, as long as twice the area.
 fn normal(geometry: &Geometry, triangle: u32) -> DVec3 {
     let [a, b, c] = geometry.corners(triangle).map(|p| p.as_dvec3());
     (b - a).cross(c - a)
 }
 
-/// Triangles of pixels that receive and face the light.
+/// Returns the triangles of pixels that receive and face the light.
 fn seen_lit(geometry: &Geometry, receivers: &Receivers, light: Vec4) -> Vec<u32> {
     let mut seen = vec![false; geometry.triangles().len()];
     for i in (0..receivers.len()).filter(|&i| receivers.receives[i]) {
@@ -92,7 +95,7 @@ fn seen_lit(geometry: &Geometry, receivers: &Receivers, light: Vec4) -> Vec<u32>
     geometry.receivers().filter(|&t| seen[t as usize]).collect()
 }
 
-/// Receiving triangles whose planes have eye and light on the same side.
+/// Returns the receiving triangles whose planes have eye and light on the same side.
 fn facing_both(geometry: &Geometry, camera: &Camera, light: Vec4) -> Vec<u32> {
     let space = camera.space();
     let eye = if space.clip_from_view.row(3) == Vec4::W {
@@ -100,13 +103,15 @@ fn facing_both(geometry: &Geometry, camera: &Camera, light: Vec4) -> Vec<u32> {
     } else {
         camera.eye().extend(1.0)
     };
-    let side = |triangle: u32, of: Vec4| {
-        let a = geometry.corners(triangle)[0].as_dvec3();
-        let of = of.as_dvec4();
-        normal(geometry, triangle).dot(of.truncate() - a * of.w)
-    };
     geometry
         .receivers()
-        .filter(|&t| side(t, eye) * side(t, light) > 0.0)
+        .filter(|&t| side(geometry, t, eye) * side(geometry, t, light) > 0.0)
         .collect()
+}
+
+/// Returns on which side of a triangle's plane a homogeneous point or direction is: positive in front, negative behind.
+fn side(geometry: &Geometry, triangle: u32, point: Vec4) -> f64 {
+    let corner = geometry.corners(triangle)[0].as_dvec3();
+    let point = point.as_dvec4();
+    normal(geometry, triangle).dot(point.truncate() - corner * point.w)
 }

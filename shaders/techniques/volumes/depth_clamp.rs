@@ -1,12 +1,12 @@
-//! Flattens what lies beyond a clamp_plane onto it, along the view: seen without perspective it stays where it is, and
-//! closed surfaces stay closed. What graphics cards call depth clamping, for faces that reach infinity.
+//! Depth clamping for faces that reach infinity: what lies beyond a plane across the view is flattened onto it, along the view.
+//! Seen without perspective it stays where it is, and closed surfaces stay closed.
 
 use crate::techniques::infinite_far::FarClampPlane;
 use glam::DVec4;
 use std::collections::HashMap;
 use umbrage_core::Faces;
 
-/// The faces, none beyond the clamp_plane.
+/// Returns the faces with all that lies beyond the clamp plane flattened onto it.
 pub(crate) fn flatten(faces: &Faces, clamp_plane: &FarClampPlane) -> Faces {
     let vertices: Vec<DVec4> = faces.vertices.iter().map(|v| v.as_dvec4()).collect();
     let before: Vec<f64> = vertices
@@ -33,11 +33,11 @@ pub(crate) fn flatten(faces: &Faces, clamp_plane: &FarClampPlane) -> Faces {
 struct Cutter<'a> {
     clamp_plane: &'a FarClampPlane,
     vertices: Vec<DVec4>,
-    /// Distances before the clamp_plane, times w, of the given vertices.
+    /// Distances of the given vertices before the clamp plane, times w; negative beyond it.
     before: Vec<f64>,
     /// Vertices flattened, by what they were.
     flat: HashMap<u32, u32>,
-    /// Vertices on the clamp_plane, by the edge cut there.
+    /// Vertices on the clamp plane, by the edge cut there.
     cuts: HashMap<[u32; 2], u32>,
 }
 
@@ -46,14 +46,16 @@ impl Cutter<'_> {
         self.before[v as usize] >= 0.0
     }
 
-    /// Adds the part of a triangle before the clamp_plane, and the rest flattened.
+    /// Adds the part of a triangle before the clamp plane, and the rest flattened.
     fn add(&mut self, triangle: [u32; 3], out: &mut Vec<[u32; 3]>) {
         if triangle.iter().all(|&v| self.is_before(v)) {
             return out.push(triangle);
         }
-        let (mut near, mut far) = (Vec::with_capacity(4), Vec::with_capacity(4));
+        let mut near = Vec::with_capacity(4);
+        let mut far = Vec::with_capacity(4);
         for i in 0..3 {
-            let (v, next) = (triangle[i], triangle[(i + 1) % 3]);
+            let v = triangle[i];
+            let next = triangle[(i + 1) % 3];
             if self.is_before(v) {
                 near.push(v);
             } else {
@@ -85,8 +87,9 @@ impl Cutter<'_> {
             return known;
         }
         let [p, q] = edge.map(|v| self.vertices[v as usize]);
-        let [hp, hq] = edge.map(|v| self.before[v as usize].abs());
-        let at = p * hq + q * hp;
+        let [distance_p, distance_q] = edge.map(|v| self.before[v as usize].abs());
+        // Homogeneous, so the weights need not add to 1.
+        let at = p * distance_q + q * distance_p;
         // A mix of ends both at infinity is at infinity, too.
         let cut = self.push(if at.w > 0.0 { at / at.w } else { at });
         self.cuts.insert(edge, cut);

@@ -6,22 +6,22 @@
 //! beyond all there is.
 
 use crate::techniques::volumes::{
-    silhouette::{Silhouette, Welded},
-    window::{Crossing, Part, Parts, Window},
+    clip_window::{ClipWindow, Crossing, VisiblePart, VisibleParts},
+    silhouette::{NetEdge, Silhouette, Welded},
 };
-use glam::{DVec3, DVec4, Vec4};
+use glam::{DVec3, DVec4, Vec3, Vec4};
 use umbrage_core::{Aabb, Faces};
 
-/// The volumes' faces, counter-clockwise seen from outside. Each wall comes as often as its edge counts, as far as it is in the
-/// window. With a reach, the volumes end so many metres beyond their casters.
+/// Returns the volumes' faces, counter-clockwise seen from outside. Each wall comes as often as its edge counts, as far as it lies
+/// within the window. With a reach, the volumes end so many metres beyond their casters.
 pub(crate) fn extrude(
     mesh: &Welded,
     silhouette: &Silhouette,
     light: DVec4,
-    window: Option<&Window>,
+    window: Option<&ClipWindow>,
     reach: Option<f64>,
 ) -> Faces {
-    let far = Far {
+    let far = FarVertices {
         first: mesh.positions.len() as u32,
         is_one_point: light.w == 0.0 && reach.is_none(),
     };
@@ -29,80 +29,88 @@ pub(crate) fn extrude(
         vertices: mesh.positions.iter().map(|p| p.extend(1.0)).collect(),
         triangles: Vec::new(),
     };
-    let away = |p: &glam::Vec3| {
-        let p = p.as_dvec3();
-        let direction = p * light.w - light.truncate();
-        match reach {
-            None => direction.as_vec3().extend(0.0),
-            Some(reach) => (p + direction.normalize_or_zero() * reach)
-                .as_vec3()
-                .extend(1.0),
-        }
-    };
     if far.is_one_point {
         faces.vertices.push((-light).as_vec4());
     } else {
-        faces.vertices.extend(mesh.positions.iter().map(away));
+        let far_vertices = mesh.positions.iter().map(|p| moved_away(*p, light, reach));
+        faces.vertices.extend(far_vertices);
     }
     for cap in &silhouette.caps {
         far.add_caps(cap.corners, &mut faces.triangles);
     }
-    let mut parts = Parts::default();
-    for &(edge, count) in &silhouette.edges {
-        let within = edge.map(|v| match window {
-            Some(window) => far.part(v, window, &mut parts, &mut faces.vertices),
-            None => Part::WHOLE,
-        });
-        (0..count).for_each(|_| far.add_wall(edge, within, &mut faces.triangles));
+    let mut parts = VisibleParts::default();
+    for edge in &silhouette.edges {
+        let mut visible = [VisiblePart::WHOLE; 2];
+        if let Some(window) = window {
+            visible[0] = far.visible_part(edge.from, window, &mut parts, &mut faces.vertices);
+            visible[1] = far.visible_part(edge.to, window, &mut parts, &mut faces.vertices);
+        }
+        for _ in 0..edge.count {
+            far.add_wall(edge, visible, &mut faces.triangles);
+        }
     }
     faces
 }
 
-/// Far caps come no nearer than this fraction of the volumes' reach: more would cost vertices their precision.
-const NEAREST: f64 = 1.0 / 1024.0;
+/// Returns a vertex moved away from the light by `reach` metres, or to infinity (w = 0).
+fn moved_away(p: Vec3, light: DVec4, reach: Option<f64>) -> Vec4 {
+    let p = p.as_dvec3();
+    let direction = p * light.w - light.truncate();
+    match reach {
+        None => direction.as_vec3().extend(0.0),
+        Some(reach) => {
+            let moved = p + direction.normalize_or_zero() * reach;
+            moved.as_vec3().extend(1.0)
+        }
+    }
+}
 
-/// A distance from their casters at which volumes may end: their far caps lie beyond the bounds of all there is, as seen from
-/// the light.
+/// Far caps come no nearer than this fraction of the volumes' reach: a smaller one would take precision from the vertices.
+const MIN_NEAREST: f64 = 1.0 / 1024.0;
+
+/// Returns a distance from their casters at which volumes may end, metres: their far caps lie beyond the bounds of the scene, as
+/// seen from the light.
 pub(crate) fn beyond_all(
     bounds: &Aabb,
     mesh: &Welded,
     silhouette: &Silhouette,
     light: DVec4,
 ) -> f64 {
-    let corners = || bounds.corners().map(|p| p.as_dvec3());
+    let corners = bounds.corners().map(|p| p.as_dvec3());
     if light.w == 0.0 {
-        let along = corners().map(|p| p.dot(light.truncate()));
-        let [least, most] = along.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], d| {
-            [a.min(d), b.max(d)]
-        });
-        return 2.0 * (most - least).max(f64::MIN_POSITIVE);
+        let mut min = f64::INFINITY;
+        let mut max = f64::NEG_INFINITY;
+        for corner in corners {
+            let along = corner.dot(light.truncate());
+            min = min.min(along);
+            max = max.max(along);
+        }
+        return 2.0 * (max - min).max(f64::MIN_POSITIVE);
     }
     let lamp = light.truncate();
-    let farthest = corners().map(|p| p.distance(lamp)).fold(0.0, f64::max);
+    let farthest = corners.map(|p| p.distance(lamp)).fold(0.0, f64::max);
     // All corners of a cap lie within some angle of its normal as seen from the lamp; in its middle, the far cap is nearer than
     // the reach by that angle's cosine.
-    let cosine = |corners: [u32; 3]| {
-        let [a, b, c] = corners.map(|v| mesh.positions[v as usize].as_dvec3() - lamp);
+    let mut least_cosine = 1.0_f64;
+    for cap in &silhouette.caps {
+        let [a, b, c] = cap
+            .corners
+            .map(|v| mesh.positions[v as usize].as_dvec3() - lamp);
         let height = (b - a).cross(c - a).normalize_or_zero().dot(a).abs();
-        height / a.length().max(b.length()).max(c.length())
-    };
-    let nearest = silhouette
-        .caps
-        .iter()
-        .map(|cap| cosine(cap.corners))
-        .fold(1.0, f64::min);
-    2.0 * farthest / nearest.max(NEAREST)
+        let cosine = height / a.length().max(b.length()).max(c.length());
+        least_cosine = least_cosine.min(cosine);
+    }
+    2.0 * farthest / least_cosine.max(MIN_NEAREST)
 }
 
-/// The caps that the scene does not have as they are.
-pub(crate) fn caps_apart(mesh: &Welded, silhouette: &Silhouette) -> Faces {
-    let apart = silhouette.caps.iter().filter(|cap| !cap.in_scene);
-    let triangles: Vec<[u32; 3]> = apart.map(|cap| cap.corners).collect();
-    let point = |p: &glam::Vec3| -> Vec4 { p.extend(1.0) };
+/// Returns the caps that the scene does not have with the same order of corners. Their depths must be drawn beside the scene's.
+pub(crate) fn caps_not_in_scene(mesh: &Welded, silhouette: &Silhouette) -> Faces {
+    let missing = silhouette.caps.iter().filter(|cap| !cap.in_scene);
+    let triangles: Vec<[u32; 3]> = missing.map(|cap| cap.corners).collect();
     let vertices = if triangles.is_empty() {
         Vec::new()
     } else {
-        mesh.positions.iter().map(point).collect()
+        mesh.positions.iter().map(|p| p.extend(1.0)).collect()
     };
     Faces {
         vertices,
@@ -110,13 +118,16 @@ pub(crate) fn caps_apart(mesh: &Welded, silhouette: &Silhouette) -> Faces {
     }
 }
 
-/// Where the points at infinity are among the vertices.
-struct Far {
+/// The far ends of the volumes among the vertices.
+struct FarVertices {
+    /// The index of the first.
     first: u32,
+    /// Whether there is only one, at infinity.
     is_one_point: bool,
 }
 
-impl Far {
+impl FarVertices {
+    /// Returns the far vertex that belongs to a caster's vertex.
     fn of(&self, near: u32) -> u32 {
         if self.is_one_point {
             self.first
@@ -125,34 +136,43 @@ impl Far {
         }
     }
 
-    fn add_caps(&self, [a, b, c]: [u32; 3], triangles: &mut Vec<[u32; 3]>) {
+    /// Adds the cap at the caster, and the one at the far end unless that is a point.
+    fn add_caps(&self, corners: [u32; 3], triangles: &mut Vec<[u32; 3]>) {
+        let [a, b, c] = corners;
         triangles.push([a, b, c]);
         if !self.is_one_point {
             triangles.push([self.of(a), self.of(c), self.of(b)]);
         }
     }
 
-    /// The part within the window of the edge from a vertex to its point at infinity.
-    fn part(
+    /// Returns the part within the window of the edge from a vertex to its far end. Adds the vertices where it is cut.
+    fn visible_part(
         &self,
         v: u32,
-        window: &Window,
-        parts: &mut Parts,
+        window: &ClipWindow,
+        parts: &mut VisibleParts,
         vertices: &mut Vec<Vec4>,
-    ) -> Part<u32> {
-        let [from, to] = [v, self.of(v)].map(|v| vertices[v as usize].as_dvec4());
-        let add = |at: DVec3| {
+    ) -> VisiblePart<u32> {
+        let from = vertices[v as usize].as_dvec4().truncate();
+        let to = vertices[self.of(v) as usize].as_dvec4();
+        let add_vertex = |at: DVec3| {
             vertices.push(at.as_vec3().extend(1.0));
             vertices.len() as u32 - 1
         };
-        parts.of(v, || window.part(from.truncate(), to), add)
+        parts.of(v, || window.visible_part(from, to), add_vertex)
     }
 
-    /// The cap has the edge from `a` to `b`, so the wall next to it has it from `b` to `a`. The wall is cut where the edges to
-    /// both points at infinity cross the window; what lies beyond one of its planes is left out.
-    fn add_wall(&self, near: [u32; 2], within: [Part<u32>; 2], triangles: &mut Vec<[u32; 3]>) {
+    /// Adds the wall of an edge, which the cap has from `from` to `to` and the wall thus from `to` to `from`. The wall is cut where
+    /// the edges to both far ends cross the window; what lies beyond one of its planes is left out.
+    fn add_wall(
+        &self,
+        edge: &NetEdge,
+        visible: [VisiblePart<u32>; 2],
+        triangles: &mut Vec<[u32; 3]>,
+    ) {
+        let near = [edge.from, edge.to];
         let far = near.map(|v| self.of(v));
-        let [a, b] = within;
+        let [a, b] = visible;
         let enter = [
             a.enters.map_or(near[0], |c| c.at),
             b.enters.map_or(near[1], |c| c.at),
@@ -161,20 +181,28 @@ impl Far {
             a.leaves.map_or(far[0], |c| c.at),
             b.leaves.map_or(far[1], |c| c.at),
         ];
-        let same_plane =
-            |c: [Option<Crossing<u32>>; 2]| c[0].zip(c[1]).is_some_and(|(a, b)| a.plane == b.plane);
-        if !same_plane([a.enters, b.enters]) {
+        if !cross_same_plane(a.enters, b.enters) {
             add_strip(near, enter, triangles);
         }
         add_strip(enter, leave, triangles);
-        if !same_plane([a.leaves, b.leaves]) {
+        if !cross_same_plane(a.leaves, b.leaves) {
             add_strip(leave, far, triangles);
         }
     }
 }
 
-/// A wall's part between two edges that run alike, but for triangles without area.
-fn add_strip([a, b]: [u32; 2], [far_a, far_b]: [u32; 2], triangles: &mut Vec<[u32; 3]>) {
+/// Returns whether both edges cross the window, and over the same of its planes.
+fn cross_same_plane(a: Option<Crossing<u32>>, b: Option<Crossing<u32>>) -> bool {
+    match (a, b) {
+        (Some(a), Some(b)) => a.plane == b.plane,
+        _ => false,
+    }
+}
+
+/// Adds the part of a wall between two edges, `near` and `far`, without triangles that have no area.
+fn add_strip(near: [u32; 2], far: [u32; 2], triangles: &mut Vec<[u32; 3]>) {
+    let [a, b] = near;
+    let [far_a, far_b] = far;
     if a != far_a && b != far_a {
         triangles.push([b, a, far_a]);
     }

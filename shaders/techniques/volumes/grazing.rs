@@ -19,35 +19,37 @@ const GRAZE: f64 = 1.0 / 131_072.0;
 
 /// Planes with a smaller share of the area that receives are left alone: of curved surfaces every facet is grazed by some
 /// light.
-pub(crate) const LEAST_SHARE: f64 = 0.001;
+pub(crate) const MIN_SHARE: f64 = 0.001;
 
-/// Most planes looked at: with more the surface is curved, and each is small.
-const MOST_PLANES: usize = 64;
+/// Most planes considered: with more the surface is curved, and each is small.
+const MAX_PLANES: usize = 64;
 
 /// Triangles are in one plane if their normals, and their distances along them as a fraction of the greatest coordinate,
 /// differ by less than this (2^-20, what placing an instance may round).
 const SAME_PLANE: f64 = 1.0 / 1_048_576.0;
 
-/// The light as volumes take it, and the planes that it grazes.
+/// The light that volumes are made for, and the planes that it was lifted off.
 #[derive(Clone, Debug)]
-pub(crate) struct Lifted {
+pub(crate) struct LiftedLight {
     /// Homogeneous.
     pub(crate) light: DVec4,
-    planes: Vec<Plane>,
-    reach: f64,
+    planes: Vec<GrazedPlane>,
+    /// The length of the diagonal of the scene's bounds, metres.
+    diagonal: f64,
 }
 
 /// A receiving plane that the light grazes.
 #[derive(Clone, Copy, Debug)]
-struct Plane {
+struct GrazedPlane {
     /// (n, d) with `n . p + d = 0`, n of unit length.
     plane: DVec4,
+    /// Twice the area of its triangles, square metres.
     area: f64,
     /// The farthest of its corners from a lamp, metres; 1 for directions.
     distance: f64,
 }
 
-impl Lifted {
+impl LiftedLight {
     /// Lifts a homogeneous light off the planes that receive.
     pub(crate) fn new(geometry: &Geometry, light: DVec4) -> Self {
         let bounds = geometry.bounds();
@@ -56,49 +58,55 @@ impl Lifted {
         } else {
             f64::from(bounds.min.abs().max(bounds.max.abs()).max_element())
         };
-        let mut planes = grazed(geometry, light, reach);
+        let mut planes = grazed_planes(geometry, light, reach);
         planes.sort_unstable_by(|a, b| b.area.total_cmp(&a.area));
         let light = lift(light, &planes);
         Self {
             light,
             planes,
-            reach: f64::from(bounds.extent().length()),
+            diagonal: f64::from(bounds.extent().length()),
         }
     }
 
-    /// The share of seen receivers that lie on a grazed plane, and where depth's rounding hides what the light was lifted
+    /// Returns the share of seen receivers that lie on a grazed plane, and where depth is rounded by more than the light was lifted
     /// by over the whole scene: there volumes can't tell a plane from what stands on it.
-    pub(crate) fn hopeless(
+    pub(crate) fn share_lost(
         &self,
         view: &View<'_>,
         receivers: &Receivers,
-        endless: &InfiniteFarView,
+        infinite_far: &InfiniteFarView,
     ) -> f64 {
         if self.planes.is_empty() {
             return 0.0;
         }
-        let tolerance = SAME_PLANE * self.reach.max(f64::MIN_POSITIVE);
+        let tolerance = SAME_PLANE * self.diagonal.max(f64::MIN_POSITIVE);
         let view_depth = -view.camera.space().view_from_world.as_dmat4().row(2);
-        let (mut all, mut lost) = (0_u64, 0_u64);
+        let mut all = 0_u64;
+        let mut lost = 0_u64;
         for i in (0..receivers.len()).filter(|&i| receivers.receives[i]) {
             let p = receivers.position(i).as_dvec3().extend(1.0);
             all += 1;
-            let hidden = endless.rounding(view_depth.dot(p)) > GRAZE * self.reach;
-            lost += u64::from(
-                hidden
-                    && self
-                        .planes
-                        .iter()
-                        .any(|plane| plane.plane.dot(p).abs() <= tolerance),
-            );
+            let too_coarse = infinite_far.rounding(view_depth.dot(p)) > GRAZE * self.diagonal;
+            if too_coarse && self.is_on_plane(p, tolerance) {
+                lost += 1;
+            }
         }
         lost as f64 / all.max(1) as f64
     }
+
+    /// Returns whether a homogeneous point (w = 1) lies on a grazed plane.
+    fn is_on_plane(&self, p: DVec4, tolerance: f64) -> bool {
+        self.planes
+            .iter()
+            .any(|plane| plane.plane.dot(p).abs() <= tolerance)
+    }
 }
 
-/// The planes of receiving triangles that the light grazes, but is not in, of more than [`LEAST_SHARE`] of the area.
-fn grazed(geometry: &Geometry, light: DVec4, reach: f64) -> Vec<Plane> {
-    let (mut planes, mut area): (Vec<Plane>, f64) = (Vec::new(), 0.0);
+/// Returns the planes of receiving triangles that the light grazes, but is not in, with more than [`MIN_SHARE`] of the area.
+/// `reach` is the geometry's greatest coordinate, metres.
+fn grazed_planes(geometry: &Geometry, light: DVec4, reach: f64) -> Vec<GrazedPlane> {
+    let mut planes: Vec<GrazedPlane> = Vec::new();
+    let mut area = 0.0;
     for t in geometry.receivers() {
         let [a, b, c] = geometry.corners(t).map(|p| p.as_dvec3());
         let n = (b - a).cross(c - a);
@@ -107,16 +115,15 @@ fn grazed(geometry: &Geometry, light: DVec4, reach: f64) -> Vec<Plane> {
         };
         area += n.length();
         let plane = unit.extend(-unit.dot(a));
-        let far = |p: DVec3| {
-            if light.w == 0.0 {
-                1.0
-            } else {
-                light.truncate().distance(p)
-            }
+        let distance = if light.w == 0.0 {
+            1.0
+        } else {
+            let lamp = light.truncate();
+            let nearer = lamp.distance(a).max(lamp.distance(b));
+            nearer.max(lamp.distance(c))
         };
-        let distance = [a, b, c].map(far).into_iter().fold(0.0, f64::max);
         let sine = plane.dot(light) / distance;
-        if sine == 0.0 || sine.abs() >= GRAZE || planes.len() > MOST_PLANES {
+        if sine == 0.0 || sine.abs() >= GRAZE || planes.len() > MAX_PLANES {
             continue;
         }
         match planes.iter_mut().find(|known| known.is_same(plane, reach)) {
@@ -124,19 +131,19 @@ fn grazed(geometry: &Geometry, light: DVec4, reach: f64) -> Vec<Plane> {
                 known.area += n.length();
                 known.distance = known.distance.max(distance);
             }
-            None => planes.push(Plane {
+            None => planes.push(GrazedPlane {
                 plane,
                 area: n.length(),
                 distance,
             }),
         }
     }
-    planes.retain(|plane| plane.area > LEAST_SHARE * area);
+    planes.retain(|plane| plane.area > MIN_SHARE * area);
     planes
 }
 
-impl Plane {
-    /// Whether it is the same plane, whichever way it is turned.
+impl GrazedPlane {
+    /// Returns whether it is the same plane, whichever way it is turned.
     fn is_same(&self, other: DVec4, reach: f64) -> bool {
         let turned = if self.plane.truncate().dot(other.truncate()) < 0.0 {
             -other
@@ -150,13 +157,16 @@ impl Plane {
 
 /// Moves a light off planes by the shortest way: along up to three of their normals that do not depend on each other, the
 /// largest planes' first.
-fn lift(light: DVec4, planes: &[Plane]) -> DVec4 {
+fn lift(light: DVec4, planes: &[GrazedPlane]) -> DVec4 {
     // Orthonormal directions in turn (Gram and Schmidt): each plane moves the light along what is left of its normal.
     let mut basis: Vec<DVec3> = Vec::new();
     let mut lifted = light;
     for plane in planes {
         let n = plane.plane.truncate();
-        let rest = basis.iter().fold(n, |n, b| n - *b * n.dot(*b));
+        let mut rest = n;
+        for direction in &basis {
+            rest -= *direction * rest.dot(*direction);
+        }
         // Nearly in the span of the others: moving along it would move the light far.
         if rest.length() < 0.1 {
             continue;
@@ -205,7 +215,7 @@ mod tests {
     #[test]
     fn a_sun_that_grazes_planes_is_lifted_off_each_to_the_side_it_is_on() {
         let geometry = squares(&[FLOOR, WALL]);
-        let lifted = Lifted::new(&geometry, DVec4::new(-1.0, 1e-7, -3e-7, 0.0)).light;
+        let lifted = LiftedLight::new(&geometry, DVec4::new(-1.0, 1e-7, -3e-7, 0.0)).light;
         assert!(
             (lifted - DVec4::new(-1.0, GRAZE, -GRAZE, 0.0)).length() < 1e-12,
             "{lifted}"
@@ -213,7 +223,7 @@ mod tests {
         // Planes at an acute angle hold, too.
         let slope = [Vec3::ZERO, Vec3::X, Vec3::new(0.0, 0.6, 0.8)];
         let geometry = squares(&[FLOOR, slope]);
-        let lifted = Lifted::new(&geometry, DVec4::new(-1.0, 1e-7, 2e-7, 0.0)).light;
+        let lifted = LiftedLight::new(&geometry, DVec4::new(-1.0, 1e-7, 2e-7, 0.0)).light;
         let sines = [DVec3::Y, DVec3::new(0.0, 0.8, -0.6)].map(|n| lifted.truncate().dot(n));
         assert!(
             (sines[0] - GRAZE).abs() < 1e-12 && (sines[1] + GRAZE).abs() < 1e-12,
@@ -223,7 +233,7 @@ mod tests {
 
     #[test]
     fn a_lamp_is_lifted_in_proportion_to_how_far_it_shines() {
-        let lifted = Lifted::new(&squares(&[FLOOR]), DVec4::new(5.0, 1e-6, 5.0, 1.0)).light;
+        let lifted = LiftedLight::new(&squares(&[FLOOR]), DVec4::new(5.0, 1e-6, 5.0, 1.0)).light;
         assert!(
             (lifted.y - GRAZE * 50.0_f64.sqrt()).abs() < 1e-9,
             "{lifted}"
@@ -239,12 +249,15 @@ mod tests {
             DVec4::new(-1.0, 1e-4, 0.0, 0.0),
             DVec4::new(-1.0, 0.0, 0.0, 0.0),
         ] {
-            assert_eq!(Lifted::new(&geometry, light).light, light);
+            assert_eq!(LiftedLight::new(&geometry, light).light, light);
         }
         // A facet of a thousandth of the area.
         let facet = [Vec3::ZERO, Vec3::X * 0.01, Vec3::Y * 0.01];
         let light = DVec4::new(-0.6, 0.8, 1e-7, 0.0);
-        assert_eq!(Lifted::new(&squares(&[FLOOR, facet]), light).light, light);
+        assert_eq!(
+            LiftedLight::new(&squares(&[FLOOR, facet]), light).light,
+            light
+        );
     }
 
     /// Seen from 30 m depth tells a lifted sun's shadows; seen from 30 km, with the near plane before one's feet, it
@@ -252,7 +265,7 @@ mod tests {
     #[test]
     fn where_depth_is_too_coarse_there_is_no_hope() {
         let geometry = squares(&[FLOOR]);
-        let lifted = Lifted::new(&geometry, DVec4::new(-1.0, 1e-7, 0.0, 0.0));
+        let lifted = LiftedLight::new(&geometry, DVec4::new(-1.0, 1e-7, 0.0, 0.0));
         let size = UVec2::new(2, 1);
         let share = |distance: f32| {
             let eye = Vec3::new(5.0, distance, 5.0);
@@ -275,7 +288,7 @@ mod tests {
                 angular_diameter: 0.0,
             };
             let view = View::new(&camera, &light, &geometry).with_receivers(&receivers);
-            lifted.hopeless(&view, &receivers, &InfiniteFarView::new(&view, &geometry))
+            lifted.share_lost(&view, &receivers, &InfiniteFarView::new(&view, &geometry))
         };
         assert_eq!([share(30.0), share(30_000.0)], [0.0, 0.5]);
     }

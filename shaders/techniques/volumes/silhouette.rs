@@ -1,4 +1,4 @@
-//! What a light sees of casters: the triangles that cap their shadow volumes, and the edges that these do not share.
+//! The silhouette of casters as a light sees it: the triangles that cap their shadow volumes, and the edges that these do not share.
 //!
 //! Bergeron 1986, "A general version of Crow's shadow volumes": on meshes of any kind, each edge extrudes as many
 //! walls as the triangles turned to the light leave over when they are counted with their direction; Kim, Kim and Oh
@@ -16,12 +16,12 @@ const EDGE_ON: f64 = 1e-6;
 /// hides nothing from anywhere else.
 const TOUCHES: f64 = 1e-6;
 
-/// Casters, with vertices at bit-equal positions made one.
+/// Casters, with vertices at bit-equal positions merged into one.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Welded {
     /// Metres, world space.
     pub(crate) positions: Vec<Vec3>,
-    /// Without those that have a vertex twice.
+    /// Without those triangles that have a vertex twice.
     pub(crate) triangles: Vec<[u32; 3]>,
 }
 
@@ -38,8 +38,16 @@ pub(crate) struct Cap {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Silhouette {
     pub(crate) caps: Vec<Cap>,
-    /// Edges in the direction in which the caps left over have them, and how many are left over.
-    pub(crate) edges: Vec<([u32; 2], u32)>,
+    pub(crate) edges: Vec<NetEdge>,
+}
+
+/// An edge that triangles have more often in the direction from `from` to `to` than in the other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct NetEdge {
+    pub(crate) from: u32,
+    pub(crate) to: u32,
+    /// How much more often, 1 or more.
+    pub(crate) count: u32,
 }
 
 impl Welded {
@@ -55,63 +63,82 @@ impl Welded {
     }
 
     pub(crate) fn weld(positions: &[Vec3], triangles: &[[u32; 3]]) -> Self {
-        let places = WeldedVertices::new(positions);
-        let at = |v: u32| places.group_of()[v as usize];
-        let whole = |[a, b, c]: &[u32; 3]| a != b && b != c && c != a;
-        Self {
-            positions: (0..places.count() as u32)
-                .map(|p| positions[places.vertices(p)[0] as usize])
-                .collect(),
-            triangles: triangles.iter().map(|t| t.map(at)).filter(whole).collect(),
+        let welded = WeldedVertices::new(positions);
+        let mut out = Self::default();
+        for group in 0..welded.count() as u32 {
+            let first = welded.vertices(group)[0];
+            out.positions.push(positions[first as usize]);
         }
+        for triangle in triangles {
+            let [a, b, c] = triangle.map(|v| welded.group_of()[v as usize]);
+            if a != b && b != c && c != a {
+                out.triangles.push([a, b, c]);
+            }
+        }
+        out
     }
 
     fn corners(&self, triangle: [u32; 3]) -> [DVec3; 3] {
         triangle.map(|v| self.positions[v as usize].as_dvec3())
     }
 
-    /// The silhouette for a light in homogeneous coordinates.
+    /// Returns the silhouette for a light in homogeneous coordinates.
     pub(crate) fn silhouette(&self, light: DVec4) -> Silhouette {
         let shells = Shells::find(self);
-        let (mut closed, mut open) = (Vec::new(), Vec::new());
+        let mut caps = Vec::new();
+        let mut open_caps = Vec::new();
         for (&corners, &shell) in self.triangles.iter().zip(&shells.of_triangle) {
-            let away = |corners| self.faces_away(corners, light);
-            let role = shells.shells[shell as usize].role(light);
-            let flips = role == Role::Backs || role == Role::All && away(corners) == Some(true);
-            let cap = if flips {
-                flipped(corners)
-            } else {
-                Cap {
-                    corners,
-                    in_scene: true,
+            let away = self.faces_away(corners, light);
+            match shells.shells[shell as usize].role(light) {
+                Role::Fronts => {
+                    if away == Some(false) {
+                        caps.push(Cap {
+                            corners,
+                            in_scene: true,
+                        });
+                    }
                 }
-            };
-            match (role, away(cap.corners)) {
-                (_, None) => {}
-                (Role::All, _) => open.push(cap),
-                (_, Some(false)) => closed.push(cap),
-                _ => {}
+                Role::Backs => {
+                    let cap = flipped(corners);
+                    if self.faces_away(cap.corners, light) == Some(false) {
+                        caps.push(cap);
+                    }
+                }
+                Role::All => match away {
+                    None => {}
+                    Some(true) => {
+                        let cap = flipped(corners);
+                        // Turned around, its rounding may tell otherwise.
+                        if self.faces_away(cap.corners, light).is_some() {
+                            open_caps.push(cap);
+                        }
+                    }
+                    Some(false) => open_caps.push(Cap {
+                        corners,
+                        in_scene: true,
+                    }),
+                },
             }
         }
-        closed.extend(split_at_t_junctions(&self.positions, open));
-        let edges = net_edges(closed.iter().map(|cap| cap.corners));
-        Silhouette {
-            caps: closed,
-            edges,
-        }
+        caps.extend(split_at_t_junctions(&self.positions, open_caps));
+        let edges = net_edges(caps.iter().map(|cap| cap.corners));
+        Silhouette { caps, edges }
     }
 
-    /// Whether a triangle's front faces away from the light; none if the light lies in it.
+    /// Returns whether a triangle's front faces away from the light; `None` if the light lies in it.
     fn faces_away(&self, corners: [u32; 3], light: DVec4) -> Option<bool> {
         let [a, b, c] = self.corners(corners);
-        let (n, to_light) = ((b - a).cross(c - a), light.truncate() - a * light.w);
-        let (along, area) = (n.dot(to_light), n.length());
+        let n = (b - a).cross(c - a);
+        let to_light = light.truncate() - a * light.w;
+        let along = n.dot(to_light);
+        let area = n.length();
         if light.w != 0.0 {
-            let reach = [a, b, c, light.truncate()]
+            let lamp = light.truncate();
+            let reach = [a, b, c, lamp]
                 .map(|p| p.abs().max_element())
                 .into_iter()
                 .fold(0.0, f64::max);
-            let at_corner = [a, b, c].contains(&light.truncate());
+            let at_corner = [a, b, c].contains(&lamp);
             if at_corner || along.abs() < TOUCHES * area * reach {
                 return None;
             }
@@ -120,37 +147,51 @@ impl Welded {
     }
 }
 
-fn flipped([a, b, c]: [u32; 3]) -> Cap {
+/// Returns the cap of a triangle whose back faces the light.
+fn flipped(corners: [u32; 3]) -> Cap {
+    let [a, b, c] = corners;
     Cap {
         corners: [a, c, b],
         in_scene: false,
     }
 }
 
-/// Edges of triangles, the two directions of each subtracted from one another; sorted.
-pub(crate) fn net_edges(triangles: impl Iterator<Item = [u32; 3]>) -> Vec<([u32; 2], u32)> {
-    let mut edges: Vec<(u64, i32)> = triangles.flat_map(directed).collect();
+/// Returns the edges of triangles, the two directions of each subtracted from one another; sorted by their lower, then their
+/// higher end.
+pub(crate) fn net_edges(triangles: impl Iterator<Item = [u32; 3]>) -> Vec<NetEdge> {
+    let mut edges: Vec<(u64, i32)> = triangles.flat_map(directed_edges).collect();
     edges.sort_unstable();
-    let runs = edges.chunk_by(|a, b| a.0 == b.0);
-    let net = runs
-        .map(|run| (run[0].0, run.iter().map(|e| e.1).sum::<i32>()))
-        .filter(|&(_, net)| net != 0);
-    net.map(|(key, net)| {
-        let (low, high) = ((key >> 32) as u32, key as u32);
-        (
-            if net > 0 { [low, high] } else { [high, low] },
-            net.unsigned_abs(),
-        )
-    })
-    .collect()
+    let mut out = Vec::new();
+    for same_edge in edges.chunk_by(|a, b| a.0 == b.0) {
+        let key = same_edge[0].0;
+        let low = (key >> 32) as u32;
+        let high = key as u32;
+        let net: i32 = same_edge.iter().map(|(_, direction)| direction).sum();
+        if net != 0 {
+            out.push(NetEdge {
+                from: if net > 0 { low } else { high },
+                to: if net > 0 { high } else { low },
+                count: net.unsigned_abs(),
+            });
+        }
+    }
+    out
 }
 
-/// A triangle's edges: both ends, the lower first, and 1 if the triangle has them in that order, else -1.
-fn directed([a, b, c]: [u32; 3]) -> [(u64, i32); 3] {
-    [[a, b], [b, c], [c, a]].map(|[from, to]| {
-        let key = (u64::from(from.min(to)) << 32) | u64::from(from.max(to));
-        (key, if from < to { 1 } else { -1 })
-    })
+/// Returns a triangle's three edges: both ends as one number, the lower end in its upper half, and 1 if the triangle has them in
+/// that order, else -1.
+fn directed_edges(corners: [u32; 3]) -> [(u64, i32); 3] {
+    let [a, b, c] = corners;
+    [
+        directed_edge(a, b),
+        directed_edge(b, c),
+        directed_edge(c, a),
+    ]
+}
+
+fn directed_edge(from: u32, to: u32) -> (u64, i32) {
+    let key = (u64::from(from.min(to)) << 32) | u64::from(from.max(to));
+    (key, if from < to { 1 } else { -1 })
 }
 
 /// Which triangles of a shell cast.
@@ -164,7 +205,7 @@ enum Role {
     All,
 }
 
-/// Triangles that hang together by edges.
+/// Triangles that are connected by edges.
 #[derive(Clone, Copy, Debug)]
 struct Shell {
     /// Whether its triangles have each edge as often in one direction as in the other: then how often they wind around
@@ -175,8 +216,11 @@ struct Shell {
     bounds: Aabb,
 }
 
+/// A mesh's shells.
 struct Shells {
+    /// Each triangle's index in `shells`.
     of_triangle: Vec<u32>,
+    /// As many as there are triangles: a shell has the index of its first triangle, and all others are empty.
     shells: Vec<Shell>,
 }
 
@@ -204,26 +248,33 @@ impl Shell {
 
 impl Shells {
     fn find(mesh: &Welded) -> Self {
-        let edge =
-            |(i, &t): (usize, &[u32; 3])| directed(t).map(|(key, sign)| (key, i as u32, sign));
-        let mut edges: Vec<(u64, u32, i32)> =
-            mesh.triangles.iter().enumerate().flat_map(edge).collect();
+        // Each edge's ends, its triangle, and its direction: see `directed_edges`.
+        let mut edges: Vec<(u64, u32, i32)> = Vec::with_capacity(3 * mesh.triangles.len());
+        for (triangle, &corners) in (0..).zip(&mesh.triangles) {
+            for (key, direction) in directed_edges(corners) {
+                edges.push((key, triangle, direction));
+            }
+        }
         edges.sort_unstable();
-        let mut sets = Sets::new(mesh.triangles.len());
-        let mut torn = Vec::new();
-        for run in edges.chunk_by(|a, b| a.0 == b.0) {
-            run.windows(2)
-                .for_each(|pair| sets.unite(pair[0].1, pair[1].1));
-            if run.iter().map(|e| e.2).sum::<i32>() != 0 {
-                torn.push(run[0].1);
+        let mut sets = DisjointSets::new(mesh.triangles.len());
+        let mut at_borders = Vec::new();
+        for same_edge in edges.chunk_by(|a, b| a.0 == b.0) {
+            for pair in same_edge.windows(2) {
+                sets.unite(pair[0].1, pair[1].1);
+            }
+            let net: i32 = same_edge.iter().map(|(_, _, direction)| direction).sum();
+            if net != 0 {
+                at_borders.push(same_edge[0].1);
             }
         }
         let of_triangle: Vec<u32> = (0..mesh.triangles.len() as u32)
             .map(|t| sets.find(t))
             .collect();
         let mut shells = vec![Shell::EMPTY; of_triangle.len()];
-        torn.iter()
-            .for_each(|&t| shells[of_triangle[t as usize] as usize].closed = false);
+        for triangle in at_borders {
+            let shell = of_triangle[triangle as usize];
+            shells[shell as usize].closed = false;
+        }
         for (&t, &shell) in mesh.triangles.iter().zip(&of_triangle) {
             let shell = &mut shells[shell as usize];
             // Closed shells have the same volume seen from any origin; one of the mesh's corners keeps numbers small.
@@ -242,11 +293,11 @@ impl Shells {
 }
 
 /// Disjoint sets (Tarjan 1975, "Efficiency of a good but not linear set union algorithm"), paths halved.
-struct Sets {
+struct DisjointSets {
     parents: Vec<u32>,
 }
 
-impl Sets {
+impl DisjointSets {
     fn new(count: usize) -> Self {
         Self {
             parents: (0..count as u32).collect(),
@@ -263,7 +314,8 @@ impl Sets {
     }
 
     fn unite(&mut self, a: u32, b: u32) {
-        let (a, b) = (self.find(a), self.find(b));
+        let a = self.find(a);
+        let b = self.find(b);
         // The lower one leads, so that sets are named after their first member.
         self.parents[a.max(b) as usize] = a.min(b);
     }

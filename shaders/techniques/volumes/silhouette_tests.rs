@@ -1,7 +1,7 @@
 use super::*;
 use crate::techniques::volumes::{
+    clip_window::ClipWindow,
     extrusion::{beyond_all, extrude},
-    window::Window,
 };
 use glam::DVec3;
 use umbrage_core::{Aabb, Camera, glam::UVec2};
@@ -37,8 +37,8 @@ fn flip_all(mesh: &Welded) -> Welded {
 
 /// The corners that the silhouette's edges visit, in order, if they are one loop.
 fn one_loop(s: &Silhouette) -> Option<Vec<u32>> {
-    let next = |v: u32| s.edges.iter().find(|e| e.0[0] == v).map(|e| e.0[1]);
-    let mut out = vec![s.edges.first()?.0[0]];
+    let next = |v: u32| s.edges.iter().find(|e| e.from == v).map(|e| e.to);
+    let mut out = vec![s.edges.first()?.from];
     while out.len() <= s.edges.len() {
         let v = next(*out.last()?)?;
         if v == out[0] {
@@ -71,7 +71,7 @@ fn a_cube_seen_from_its_corner_has_a_hexagon_around_it() {
                 .all(|v| at(v) != Vec3::ZERO && at(v) != Vec3::ONE),
             "the nearest and farthest are inside it"
         );
-        assert!(s.edges.iter().all(|e| e.1 == 1) && s.caps.iter().all(|cap| cap.in_scene));
+        assert!(s.edges.iter().all(|e| e.count == 1) && s.caps.iter().all(|cap| cap.in_scene));
         assert!(is_closed(&mesh, &s, light));
     }
 }
@@ -116,7 +116,7 @@ fn a_box_without_a_lid_has_all_its_edges_twice() {
     let s = mesh.silhouette(light);
     assert_eq!(s.caps.len(), 10);
     assert!(
-        s.edges.iter().any(|e| e.1 == 2),
+        s.edges.iter().any(|e| e.count == 2),
         "where a front meets a back, both leave a wall: {:?}",
         s.edges
     );
@@ -129,7 +129,7 @@ fn duplicates_count_twice() {
     let mesh = Welded::weld(&corners, &[[0, 1, 2], [0, 1, 2], [0, 2, 1]]);
     let s = mesh.silhouette(SUN);
     assert!(
-        s.edges.len() == 3 && s.edges.iter().all(|e| e.1 == 3),
+        s.edges.len() == 3 && s.edges.iter().all(|e| e.count == 3),
         "{s:?}"
     );
     assert_eq!(s.caps.iter().filter(|cap| cap.in_scene).count(), 2);
@@ -209,12 +209,12 @@ fn volumes_are_closed_as_far_as_they_are_seen() {
         (DVec4::new(1.5, 3.0, 0.5, 1.0), Vec3::X),
     ] {
         let camera = Camera::perspective(eye, at, Vec3::Y, 0.9, [0.1, 100.0], size).expect("valid");
-        let window = Window::new(&camera.space(), size);
+        let window = ClipWindow::new(&camera.space(), size);
         let faces = extrude(&mesh, &mesh.silhouette(light), light, Some(&window), None);
         let open = net_edges(faces.triangles.iter().copied());
         assert!(!open.is_empty(), "walls end at the window");
-        for (edge, _) in open {
-            let ends = edge.map(|v| faces.vertices[v as usize].as_dvec4());
+        for edge in open {
+            let ends = [edge.from, edge.to].map(|v| faces.vertices[v as usize].as_dvec4());
             assert!(window.hides(ends), "{light}: {ends:?} is seen");
         }
     }

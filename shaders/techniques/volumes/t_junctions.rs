@@ -1,9 +1,9 @@
-//! Seams where triangles meet without sharing their corners: an edge on one side, several on the other (T-junctions).
+//! T-junctions: seams where triangles meet without sharing their corners, one edge on one side and several on the other.
 //!
 //! Shadow volumes would put walls on both sides there, which cancel but for rounding. Splitting the triangles at the
 //! corners that lie on their edges makes both sides share them, and then there is no wall.
 
-use crate::techniques::volumes::silhouette::{Cap, net_edges};
+use crate::techniques::volumes::silhouette::{Cap, NetEdge, net_edges};
 use glam::{DVec3, Vec3};
 use std::collections::HashMap;
 
@@ -11,30 +11,37 @@ use std::collections::HashMap;
 /// place at most, what placing an instance rounds.
 const ON_EDGE: f64 = 1.0 / 2_097_152.0;
 
-/// Points on edges, in the order from the lower to the higher end.
-type OnEdge = HashMap<[u32; 2], Vec<u32>>;
+/// The points inside of edges. Keys are an edge's two ends, the lower first; points come in the order from the lower end to the
+/// higher one.
+type PointsOnEdges = HashMap<[u32; 2], Vec<u32>>;
 
-/// The same triangles, split where a seam's corners lie on an edge.
+/// Returns the same triangles, split where a seam's corners lie on an edge.
 pub(crate) fn split_at_t_junctions(positions: &[Vec3], caps: Vec<Cap>) -> Vec<Cap> {
-    let on_edge = find_on_edges(positions, &net_edges(caps.iter().map(|cap| cap.corners)));
-    if on_edge.is_empty() {
+    let seams = net_edges(caps.iter().map(|cap| cap.corners));
+    let on_edges = find_points_on_edges(positions, &seams);
+    if on_edges.is_empty() {
         return caps;
     }
     let mut out = Vec::with_capacity(caps.len());
     for cap in caps {
         let [a, b, c] = cap.corners;
-        let sides = [[a, b], [b, c], [c, a]].map(|edge| points_along(&on_edge, edge));
+        let sides = [
+            points_along(&on_edges, a, b),
+            points_along(&on_edges, b, c),
+            points_along(&on_edges, c, a),
+        ];
         if sides.iter().all(Vec::is_empty) {
             out.push(cap);
         } else {
-            split(cap.corners, &sides, &mut out);
+            split(a, b, c, &sides, &mut out);
         }
     }
     out
 }
 
-fn points_along(on_edge: &OnEdge, [from, to]: [u32; 2]) -> Vec<u32> {
-    let mut points = on_edge
+/// Returns the points inside of an edge, in the order from `from` to `to`.
+fn points_along(on_edges: &PointsOnEdges, from: u32, to: u32) -> Vec<u32> {
+    let mut points = on_edges
         .get(&[from.min(to), from.max(to)])
         .cloned()
         .unwrap_or_default();
@@ -44,9 +51,9 @@ fn points_along(on_edge: &OnEdge, [from, to]: [u32; 2]) -> Vec<u32> {
     points
 }
 
-/// Splits a triangle with these points along its three sides: off the middle one of a side, towards the opposite
-/// corner.
-fn split([a, b, c]: [u32; 3], sides: &[Vec<u32>; 3], out: &mut Vec<Cap>) {
+/// Splits the triangle (a, b, c) with these points along its sides ab, bc and ca: from the middle point of a side to the opposite
+/// corner, and each half again.
+fn split(a: u32, b: u32, c: u32, sides: &[Vec<u32>; 3], out: &mut Vec<Cap>) {
     let [ab, bc, ca] = sides;
     if ab.is_empty() {
         if bc.is_empty() && ca.is_empty() {
@@ -55,34 +62,30 @@ fn split([a, b, c]: [u32; 3], sides: &[Vec<u32>; 3], out: &mut Vec<Cap>) {
                 in_scene: false,
             });
         }
-        return split([b, c, a], &[bc.clone(), ca.clone(), Vec::new()], out);
+        // Turns the triangle until its first side has points.
+        return split(b, c, a, &[bc.clone(), ca.clone(), Vec::new()], out);
     }
     let middle = ab.len() / 2;
     let p = ab[middle];
-    split(
-        [a, p, c],
-        &[ab[..middle].to_vec(), Vec::new(), ca.clone()],
-        out,
-    );
-    split(
-        [p, b, c],
-        &[ab[middle + 1..].to_vec(), bc.clone(), Vec::new()],
-        out,
-    );
+    let before = ab[..middle].to_vec();
+    let after = ab[middle + 1..].to_vec();
+    split(a, p, c, &[before, Vec::new(), ca.clone()], out);
+    split(p, b, c, &[after, bc.clone(), Vec::new()], out);
 }
 
 /// Finds the ends of edges that lie inside other edges.
-fn find_on_edges(positions: &[Vec3], edges: &[([u32; 2], u32)]) -> OnEdge {
-    let mut ends: Vec<u32> = edges.iter().flat_map(|e| e.0).collect();
+fn find_points_on_edges(positions: &[Vec3], edges: &[NetEdge]) -> PointsOnEdges {
+    let mut ends: Vec<u32> = edges.iter().flat_map(|e| [e.from, e.to]).collect();
     ends.sort_unstable();
     ends.dedup();
     let grid = Grid::new(positions, edges, &ends);
-    let mut out = OnEdge::new();
-    for &([from, to], _) in edges {
-        let key = [from.min(to), from.max(to)];
-        let points = grid.on_edge(key);
+    let mut out = PointsOnEdges::new();
+    for edge in edges {
+        let low = edge.from.min(edge.to);
+        let high = edge.from.max(edge.to);
+        let points = grid.points_inside(low, high);
         if !points.is_empty() {
-            out.insert(key, points);
+            out.insert([low, high], points);
         }
     }
     out
@@ -91,21 +94,26 @@ fn find_on_edges(positions: &[Vec3], edges: &[([u32; 2], u32)]) -> OnEdge {
 /// Points in cubes as wide as an edge is long on average, so that all edges together pass few of them.
 struct Grid<'a> {
     positions: &'a [Vec3],
+    /// Side of a cube, metres.
     cell: f64,
+    /// How far from an edge its points may be, metres.
     tolerance: f64,
     cells: HashMap<[i64; 3], Vec<u32>>,
 }
 
 impl<'a> Grid<'a> {
-    fn new(positions: &'a [Vec3], edges: &[([u32; 2], u32)], points: &[u32]) -> Self {
-        let at = |v: u32| positions[v as usize].as_dvec3();
-        let total: f64 = edges.iter().map(|&([a, b], _)| at(a).distance(at(b))).sum();
+    fn new(positions: &'a [Vec3], edges: &[NetEdge], points: &[u32]) -> Self {
+        let position = |v: u32| positions[v as usize].as_dvec3();
+        let total_length: f64 = edges
+            .iter()
+            .map(|edge| position(edge.from).distance(position(edge.to)))
+            .sum();
         let reach = points
             .iter()
-            .map(|&v| at(v).abs().max_element())
+            .map(|&v| position(v).abs().max_element())
             .fold(0.0, f64::max);
         // The bound keeps cells' numbers far below 2^63.
-        let cell = (total / edges.len().max(1) as f64)
+        let cell = (total_length / edges.len().max(1) as f64)
             .max(reach * ON_EDGE)
             .max(f64::MIN_POSITIVE);
         let mut out = Self {
@@ -115,10 +123,8 @@ impl<'a> Grid<'a> {
             cells: HashMap::new(),
         };
         for &point in points {
-            out.cells
-                .entry(out.cell_of(at(point)))
-                .or_default()
-                .push(point);
+            let key = out.cell_of(position(point));
+            out.cells.entry(key).or_default().push(point);
         }
         out
     }
@@ -127,29 +133,32 @@ impl<'a> Grid<'a> {
         (p / self.cell).floor().to_array().map(|x| x as i64)
     }
 
-    /// The points inside an edge, from its first end on.
-    fn on_edge(&self, [from, to]: [u32; 2]) -> Vec<u32> {
-        let [a, b] = [from, to].map(|v| self.positions[v as usize].as_dvec3());
+    /// Returns the points inside of an edge, in the order from `from` to `to`.
+    fn points_inside(&self, from: u32, to: u32) -> Vec<u32> {
+        let a = self.positions[from as usize].as_dvec3();
+        let b = self.positions[to as usize].as_dvec3();
+        // In pieces no longer than a cell, since the box of a long slanting edge holds many cells that it does not pass.
         let pieces = ((b - a).length() / self.cell).ceil().max(1.0) as usize;
-        let mut found = Vec::new();
+        let mut candidates = Vec::new();
         for i in 0..pieces {
-            let [p, q] = [i, i + 1].map(|k| a.lerp(b, k as f64 / pieces as f64));
-            self.near_piece(p, q, &mut found);
+            let p = a.lerp(b, i as f64 / pieces as f64);
+            let q = a.lerp(b, (i + 1) as f64 / pieces as f64);
+            self.add_near_piece(p, q, &mut candidates);
         }
-        let mut found: Vec<(f64, u32)> = found
+        let mut found: Vec<(f64, u32)> = candidates
             .into_iter()
             .filter_map(|v| Some((self.along(a, b, v)?, v)))
             .collect();
         found.sort_unstable_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
+        // Neighbouring pieces share cells.
         found.dedup();
         found.into_iter().map(|(_, v)| v).collect()
     }
 
-    fn near_piece(&self, p: DVec3, q: DVec3, found: &mut Vec<u32>) {
-        let [low, high] = [
-            self.cell_of(p.min(q) - self.tolerance),
-            self.cell_of(p.max(q) + self.tolerance),
-        ];
+    /// Adds the points in the cells around the piece of an edge from `p` to `q`.
+    fn add_near_piece(&self, p: DVec3, q: DVec3, found: &mut Vec<u32>) {
+        let low = self.cell_of(p.min(q) - self.tolerance);
+        let high = self.cell_of(p.max(q) + self.tolerance);
         for x in low[0]..=high[0] {
             for y in low[1]..=high[1] {
                 for z in low[2]..=high[2] {
@@ -159,7 +168,7 @@ impl<'a> Grid<'a> {
         }
     }
 
-    /// How far along the edge a point lies, 0 to 1 without both; none if it does not lie on it.
+    /// Returns how far along the edge from `a` to `b` a point lies, between 0 and 1; `None` if it does not lie inside of the edge.
     fn along(&self, a: DVec3, b: DVec3, point: u32) -> Option<f64> {
         let p = self.positions[point as usize].as_dvec3();
         let t = (p - a).dot(b - a) / (b - a).length_squared();

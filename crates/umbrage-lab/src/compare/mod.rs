@@ -34,7 +34,7 @@ pub use yardstick::{Yardstick, YardstickKernel, YardstickUniforms};
 use crate::LabError;
 use std::sync::Arc;
 use umbrage_core::{Fit, ShadowTechnique};
-use umbrage_techniques::Settings;
+use umbrage_techniques::ConfiguredTechniques;
 
 /// Of so many scenes, every row gets its pictures: whoever names a scene wants to see it.
 pub(crate) const FEW_SCENES: usize = 3;
@@ -98,8 +98,8 @@ fn with_fit(
     tight: &[Arc<dyn ShadowTechnique>],
     fit: Option<Fit>,
     options: &Options,
-) -> Result<Settings, LabError> {
-    let by_hand = fit.map_or(Ok(Settings::new()), |fit| options.settings(fit))?;
+) -> Result<ConfiguredTechniques, LabError> {
+    let by_hand = fit.map_or(Ok(ConfiguredTechniques::new()), |fit| options.settings(fit))?;
     let label = |s: &Arc<dyn ShadowTechnique>| (s.name(), s.settings());
     let new = by_hand
         .into_iter()

@@ -5,7 +5,7 @@ use glam::UVec2;
 use std::{sync::Arc, time::Duration};
 use umbrage_core::{Camera, Fit, Invalid, Scene, ShadowTechnique};
 use umbrage_plan::truth::TruthOptions;
-use umbrage_techniques::{Entry, Techniques};
+use umbrage_techniques::{TechniqueEntry, Techniques};
 
 /// A scene to be compared.
 #[derive(Clone, Debug, PartialEq)]
@@ -140,7 +140,7 @@ impl Options {
             .into());
         }
         let max = self.max_settings.unwrap_or(usize::MAX);
-        let settings = |entry: &Entry| (entry.settings)(&self.map_sizes, fit);
+        let settings = |entry: &TechniqueEntry| (entry.settings)(&self.map_sizes, fit);
         Ok(chosen
             .into_iter()
             .flat_map(|entry| settings(entry).into_iter().take(max))

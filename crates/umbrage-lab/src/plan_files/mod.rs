@@ -24,7 +24,7 @@ pub struct Written {
 }
 
 /// Writes a plan into a folder, which is made if need be, under the scene's name: `cubes.preset.toml` (the
-/// [`Preset`](umbrage_techniques::Preset), where one was found; a scene file `cubes.toml` stays as it is), `cubes.plan.json`
+/// [`TechniquePreset`](umbrage_techniques::TechniquePreset), where one was found; a scene file `cubes.toml` stays as it is), `cubes.plan.json`
 /// (the [`Plan`]), and for biases that are found by trying `cubes.bias.csv` and `cubes.bias.svg`; for another light than the
 /// first `cubes.light-2.preset.toml`, and so on. Each is there whole or not at all; those that an older plan had and this
 /// one lacks are removed.
@@ -108,7 +108,7 @@ mod tests {
     use super::*;
     use std::fs;
     use umbrage_plan::{BiasKind, Bounds, Estimate, Sampled, Setting};
-    use umbrage_techniques::Preset;
+    use umbrage_techniques::TechniquePreset;
 
     fn plan(scene: &str, chosen: bool) -> Plan {
         let estimate = Estimate {
@@ -116,7 +116,7 @@ mod tests {
             too_dark: 0.125,
             ..Estimate::default()
         };
-        let preset = Preset::defaults()[0].clone();
+        let preset = TechniquePreset::defaults()[0].clone();
         let setting = Setting {
             preset: preset.clone(),
             technique: preset.technique().name().to_owned(),
@@ -170,8 +170,8 @@ mod tests {
         );
         let text = |i: usize| fs::read_to_string(&written[i].path).expect("there");
         assert_eq!(
-            Preset::from_toml(&text(0)).expect("a preset"),
-            Preset::defaults()[0]
+            TechniquePreset::from_toml(&text(0)).expect("a preset"),
+            TechniquePreset::defaults()[0]
         );
         assert_eq!(
             serde_json::from_str::<Plan>(&text(1)).expect("a plan"),

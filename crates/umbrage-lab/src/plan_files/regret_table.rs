@@ -86,7 +86,7 @@ const FILE: &str = "regret.csv";
 mod tests {
     use super::*;
     use umbrage_plan::{Estimate, Setting};
-    use umbrage_techniques::Preset;
+    use umbrage_techniques::TechniquePreset;
 
     #[test]
     fn every_figure_has_a_column_of_its_own() {
@@ -95,7 +95,10 @@ mod tests {
             high: 0.5,
             ..Estimate::default()
         };
-        let (preset, settings) = (Preset::defaults()[0].clone(), "3x3, 512".to_owned());
+        let (preset, settings) = (
+            TechniquePreset::defaults()[0].clone(),
+            "3x3, 512".to_owned(),
+        );
         let chosen = Setting {
             preset,
             technique: "pcf".to_owned(),

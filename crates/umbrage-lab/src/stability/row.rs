@@ -2,7 +2,7 @@
 
 use super::measure::Measure;
 use umbrage_scenes::SceneEntry;
-use umbrage_techniques::Settings;
+use umbrage_techniques::ConfiguredTechniques;
 
 /// A way in which shadow methods fail, and the scenes that provoke it.
 #[derive(Clone, Copy, Debug)]
@@ -33,7 +33,7 @@ pub struct Case {
     /// What is measured.
     pub measure: Measure,
     /// Settings tried beside those of the registry, for this map size.
-    pub extra: Option<fn(map_size: u32) -> Settings>,
+    pub extra: Option<fn(map_size: u32) -> ConfiguredTechniques>,
 }
 
 /// What moves from frame to frame.
@@ -97,7 +97,7 @@ impl Case {
     }
 
     /// The same case with more settings.
-    pub(super) const fn with(self, extra: fn(map_size: u32) -> Settings) -> Self {
+    pub(super) const fn with(self, extra: fn(map_size: u32) -> ConfiguredTechniques) -> Self {
         Self {
             extra: Some(extra),
             ..self

@@ -8,7 +8,7 @@ use super::{
 use glam::Vec3;
 use std::sync::Arc;
 use umbrage_core::{Fit, ShadowTechnique};
-use umbrage_techniques::{Bias, Hard, MapFormat, Pcf, Settings, ShadowMap};
+use umbrage_techniques::{Bias, ConfiguredTechniques, Hard, MapFormat, Pcf, ShadowMap};
 
 /// All rows, by number.
 pub fn rows() -> &'static [Row] {
@@ -67,7 +67,7 @@ impl Row {
     }
 }
 
-fn hard(size: u32, format: MapFormat, biases: &[Bias]) -> Settings {
+fn hard(size: u32, format: MapFormat, biases: &[Bias]) -> ConfiguredTechniques {
     let of = |&bias| {
         let map = ShadowMap {
             size,
@@ -81,7 +81,7 @@ fn hard(size: u32, format: MapFormat, biases: &[Bias]) -> Settings {
 }
 
 /// Maps of 16 bits under two biases.
-fn coarse(size: u32) -> Settings {
+fn coarse(size: u32) -> ConfiguredTechniques {
     hard(
         size,
         MapFormat::Depth16,
@@ -90,7 +90,7 @@ fn coarse(size: u32) -> Settings {
 }
 
 /// No bias, and those that a low sun and distance are too much for.
-fn too_little(size: u32) -> Settings {
+fn too_little(size: u32) -> ConfiguredTechniques {
     hard(
         size,
         MapFormat::Depth32,
@@ -99,7 +99,7 @@ fn too_little(size: u32) -> Settings {
 }
 
 /// What lets light into rooms and under thin casters.
-fn leaky(size: u32) -> Settings {
+fn leaky(size: u32) -> ConfiguredTechniques {
     hard(
         size,
         MapFormat::Depth32,
@@ -108,16 +108,16 @@ fn leaky(size: u32) -> Settings {
 }
 
 /// Fits that move by whole texels, for cameras that see some metres far.
-fn steady_near(size: u32) -> Settings {
+fn steady_near(size: u32) -> ConfiguredTechniques {
     steady(size, 8.0)
 }
 
 /// The same for landscapes.
-fn steady_far(size: u32) -> Settings {
+fn steady_far(size: u32) -> ConfiguredTechniques {
     steady(size, 160.0)
 }
 
-fn steady(size: u32, range: f32) -> Settings {
+fn steady(size: u32, range: f32) -> ConfiguredTechniques {
     let map = ShadowMap {
         size,
         fit: Fit::Stable { range },

@@ -15,7 +15,7 @@ use crate::{LabError, compare::Backends};
 use glam::UVec2;
 use umbrage_core::{Backend, Fit, Invalid};
 use umbrage_plan::truth::TruthOptions;
-use umbrage_techniques::{Settings, Techniques};
+use umbrage_techniques::{ConfiguredTechniques, Techniques};
 
 /// What to play, and how carefully.
 #[derive(Clone, Debug, PartialEq)]
@@ -240,7 +240,7 @@ pub(super) fn some_backend(backends: &Backends) -> Result<(), Invalid> {
 }
 
 /// The settings of a case.
-fn chosen(case: &Case, options: &Options) -> Settings {
+fn chosen(case: &Case, options: &Options) -> ConfiguredTechniques {
     let mut chosen = settings(
         &options.registry,
         &options.techniques,
@@ -258,7 +258,7 @@ fn still_cells(
     case: &Case,
     case_truth: &CaseTruth,
     limits: Limits,
-    chosen: &Settings,
+    chosen: &ConfiguredTechniques,
     options: &Options,
     backends: &mut Backends,
 ) -> Result<Vec<Cell>, LabError> {

@@ -2,11 +2,16 @@
 
 use std::sync::Arc;
 use umbrage_core::{Fit, ShadowTechnique};
-use umbrage_techniques::{Settings, Techniques};
+use umbrage_techniques::{ConfiguredTechniques, Techniques};
 
 /// One or two settings of every technique of the registry (or of those named): the textbooks' (a slope bias or a polygon
 /// offset, else the first listed), and the best behaved (the last that follows the receiver's plane, else the last).
-pub fn settings(registry: &Techniques, techniques: &[String], map_size: u32, fit: Fit) -> Settings {
+pub fn settings(
+    registry: &Techniques,
+    techniques: &[String],
+    map_size: u32,
+    fit: Fit,
+) -> ConfiguredTechniques {
     let wanted = |name: &str| techniques.is_empty() || techniques.iter().any(|t| t == name);
     let entries = registry.all().iter().filter(|e| wanted(e.name));
     entries
@@ -14,7 +19,7 @@ pub fn settings(registry: &Techniques, techniques: &[String], map_size: u32, fit
         .collect()
 }
 
-fn two_of(all: Settings) -> Settings {
+fn two_of(all: ConfiguredTechniques) -> ConfiguredTechniques {
     let says = |t: &Arc<dyn ShadowTechnique>, word: &str| t.settings().contains(word);
     let textbook = all
         .iter()
@@ -25,7 +30,7 @@ fn two_of(all: Settings) -> Settings {
         .rev()
         .find(|t| says(t, "receiver plane"))
         .or(all.last());
-    let mut out: Settings = textbook.into_iter().cloned().collect();
+    let mut out: ConfiguredTechniques = textbook.into_iter().cloned().collect();
     out.extend(
         best.filter(|b| out.iter().all(|t| t.settings() != b.settings()))
             .cloned(),

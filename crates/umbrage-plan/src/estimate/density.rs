@@ -5,7 +5,7 @@ use super::scene::PlanScene;
 use crate::MeasureError;
 use glam::UVec2;
 use umbrage_core::RecipeError;
-use umbrage_techniques::{Bias, Hard, Preset, ShadowMap, Traced};
+use umbrage_techniques::{Bias, Hard, ShadowMap, TechniquePreset, Traced};
 
 /// The share of the sample that is spread over all receivers alike: what no pilot foresees must be met, too.
 const EVEN_SHARE: f64 = 0.3;
@@ -72,7 +72,10 @@ pub(crate) fn density(
 }
 
 /// A technique's mask of the whole image; none where it isn't supported.
-fn mask(scene: &mut PlanScene<'_>, preset: Preset) -> Result<Option<Vec<f32>>, MeasureError> {
+fn mask(
+    scene: &mut PlanScene<'_>,
+    preset: TechniquePreset,
+) -> Result<Option<Vec<f32>>, MeasureError> {
     match scene.preset_mask(&preset) {
         Ok(mask) => Ok(Some(mask)),
         Err(MeasureError::Plan(RecipeError::Unsupported(_))) => Ok(None),

@@ -11,7 +11,7 @@ use umbrage_core::{
     View, Work,
 };
 use umbrage_cpu::Cpu;
-use umbrage_techniques::Preset;
+use umbrage_techniques::TechniquePreset;
 
 /// A camera's view of a scene, ready to have techniques tried on it.
 pub(crate) struct PlanScene<'a> {
@@ -64,7 +64,7 @@ impl<'a> PlanScene<'a> {
             .with_fits(&self.fits)
     }
 
-    pub(crate) fn recipe(&self, preset: &Preset) -> Result<Recipe, RecipeError> {
+    pub(crate) fn recipe(&self, preset: &TechniquePreset) -> Result<Recipe, RecipeError> {
         preset.technique().recipe(&self.view())
     }
 
@@ -84,7 +84,10 @@ impl<'a> PlanScene<'a> {
     }
 
     /// Renders the mask of a preset over the whole image.
-    pub(crate) fn preset_mask(&mut self, preset: &Preset) -> Result<Vec<f32>, MeasureError> {
+    pub(crate) fn preset_mask(
+        &mut self,
+        preset: &TechniquePreset,
+    ) -> Result<Vec<f32>, MeasureError> {
         let recipe = self.recipe(preset)?;
         Ok(self.mask(&recipe)?)
     }

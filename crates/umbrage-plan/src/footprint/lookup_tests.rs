@@ -3,27 +3,29 @@
 use super::*;
 use umbrage_core::{Backend as _, Geometry, Image, Inputs, Scene, Simd};
 use umbrage_cpu::Cpu;
-use umbrage_techniques::{Bias, Pattern, Pcf, PcfDisc, PcfHardware, PcfMerged, Preset, ShadowMap};
+use umbrage_techniques::{
+    Bias, Pattern, Pcf, PcfDisc, PcfHardware, PcfMerged, ShadowMap, TechniquePreset,
+};
 
 /// A sun with an extent, a rectangle, and a lamp with a cube of maps.
 const SCENES: [&str; 4] = ["cubes", "rising-boxes", "c4-edge-square", "lamp-in-room"];
 
 /// Every technique with every width of kernel worth the name.
-fn presets() -> Vec<Preset> {
+fn presets() -> Vec<TechniquePreset> {
     let map = ShadowMap::default();
-    let mut out = Preset::defaults();
-    out.extend([2, 5].map(|radius| Preset::from(Pcf { map, radius })));
-    out.extend([2, 3, 4].map(|samples| Preset::from(PcfHardware { map, samples })));
-    out.extend([2, 3].map(|radius| Preset::from(PcfMerged { map, radius })));
+    let mut out = TechniquePreset::defaults();
+    out.extend([2, 5].map(|radius| TechniquePreset::from(Pcf { map, radius })));
+    out.extend([2, 3, 4].map(|samples| TechniquePreset::from(PcfHardware { map, samples })));
+    out.extend([2, 3].map(|radius| TechniquePreset::from(PcfMerged { map, radius })));
     let disc = |pattern| PcfDisc {
         radius: 6.5,
         taps: 32,
         pattern,
         ..PcfDisc::default()
     };
-    out.extend([Pattern::Vogel, Pattern::Grid].map(|pattern| Preset::from(disc(pattern))));
+    out.extend([Pattern::Vogel, Pattern::Grid].map(|pattern| TechniquePreset::from(disc(pattern))));
     let biased = |bias| {
-        move |p: &Preset| {
+        move |p: &TechniquePreset| {
             p.map().map(|&map| {
                 p.with_map(ShadowMap {
                     size: 160,
@@ -94,7 +96,7 @@ fn texels_never_looked_up_may_hold_anything() {
         let geometry = Geometry::bake(&scene).unwrap();
         let receivers = Cpu::new().receivers(&camera, &geometry).unwrap();
         let view = View::new(&camera, &scene.lights[0], &geometry).with_receivers(&receivers);
-        for technique in presets().iter().map(Preset::technique) {
+        for technique in presets().iter().map(TechniquePreset::technique) {
             let label = format!("{name}: {} ({})", technique.name(), technique.settings());
             let Ok(mut recipe) = technique.recipe(&view) else {
                 continue;

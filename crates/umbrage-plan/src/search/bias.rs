@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use std::f32::consts::SQRT_2;
 use umbrage_core::RasterBias;
-use umbrage_techniques::{Bias, PlannedBiases, Preset};
+use umbrage_techniques::{Bias, PlannedBiases, TechniquePreset};
 
 /// A way to bias, of which there can be more or less.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -66,7 +66,7 @@ pub(super) struct Scale {
 }
 
 /// The kinds of bias worth trying with a technique, with amounts about what frees a plane of acne.
-pub(super) fn scales(preset: &Preset) -> Vec<Scale> {
+pub(super) fn scales(preset: &TechniquePreset) -> Vec<Scale> {
     let Some(reach) = reach(preset) else {
         return vec![Scale {
             kind: BiasKind::Own,
@@ -103,7 +103,7 @@ pub(super) fn scales(preset: &Preset) -> Vec<Scale> {
 }
 
 /// How far a kernel reaches beyond the receiver's texel, texels; none where there is no bias to choose.
-fn reach(preset: &Preset) -> Option<f32> {
+fn reach(preset: &TechniquePreset) -> Option<f32> {
     if preset.planned_biases() == PlannedBiases::Own {
         None
     } else {
@@ -118,7 +118,7 @@ mod tests {
 
     #[test]
     fn first_tries_are_the_biases_that_free_planes_of_acne() {
-        let pcf = Preset::from(Pcf::default());
+        let pcf = TechniquePreset::from(Pcf::default());
         let firsts: Vec<Bias> = scales(&pcf)
             .iter()
             .map(|s| s.kind.bias(s.texels[s.first], Bias::NONE))
@@ -135,7 +135,7 @@ mod tests {
 
     #[test]
     fn amounts_rise() {
-        for scale in Preset::defaults().iter().flat_map(scales) {
+        for scale in TechniquePreset::defaults().iter().flat_map(scales) {
             assert!(
                 scale.texels.windows(2).all(|w| w[0] < w[1]) && scale.first < scale.texels.len(),
                 "{scale:?}"

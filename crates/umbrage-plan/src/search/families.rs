@@ -3,7 +3,7 @@
 use super::{bias::BiasKind, resolution};
 use crate::estimate::scene::PlanScene;
 use umbrage_core::Light;
-use umbrage_techniques::{Candidate, MapFormat, Preset, ShadowMap, Techniques};
+use umbrage_techniques::{Candidate, MapFormat, ShadowMap, TechniquePreset, Techniques};
 
 /// Sides of maps, texels. Half a size more or less is hardly seen; a whole one costs four times as much.
 pub(super) const SIZES: [u32; 7] = [64, 128, 256, 512, 1024, 2048, 4096];
@@ -16,13 +16,13 @@ const GAIN_OF_MAPS: f64 = 4.0;
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Family {
     /// Rising in cost.
-    pub(super) rungs: Vec<Preset>,
+    pub(super) rungs: Vec<TechniquePreset>,
     /// By what one step divides the error at most.
     pub(super) most_gain: f64,
 }
 
 impl Family {
-    fn new(candidate: Candidate<Preset>) -> Self {
+    fn new(candidate: Candidate<TechniquePreset>) -> Self {
         match candidate {
             Candidate::One(preset) if preset.map().is_some() => Self::of_maps(preset),
             Candidate::One(preset) => Self::single(preset),
@@ -33,7 +33,7 @@ impl Family {
         }
     }
 
-    fn single(preset: Preset) -> Self {
+    fn single(preset: TechniquePreset) -> Self {
         Self {
             rungs: vec![preset],
             most_gain: 1.0,
@@ -46,7 +46,7 @@ impl Family {
         let Some(&map) = preset.map() else {
             return self;
         };
-        let size = |p: &Preset| p.map().map_or(0, |map| map.size);
+        let size = |p: &TechniquePreset| p.map().map_or(0, |map| map.size);
         if self
             .rungs
             .iter()
@@ -59,7 +59,7 @@ impl Family {
         self
     }
 
-    fn of_maps(preset: Preset) -> Self {
+    fn of_maps(preset: TechniquePreset) -> Self {
         let at = |size| match preset.map() {
             Some(&map) => preset.with_map(ShadowMap { size, ..map }),
             None => preset.clone(),
@@ -85,12 +85,12 @@ impl Family {
     }
 
     /// Any of it.
-    pub(super) fn preset(&self) -> &Preset {
+    pub(super) fn preset(&self) -> &TechniquePreset {
         &self.rungs[0]
     }
 
     /// A rung's preset with a bias.
-    pub(super) fn at(&self, rung: usize, kind: BiasKind, texels: f32) -> Preset {
+    pub(super) fn at(&self, rung: usize, kind: BiasKind, texels: f32) -> TechniquePreset {
         let preset = &self.rungs[rung];
         let Some(&map) = preset.map() else {
             return preset.clone();

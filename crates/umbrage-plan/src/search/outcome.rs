@@ -3,7 +3,7 @@
 use super::{BiasKind, Bounds, Setting};
 use crate::estimate::error::Estimate;
 use serde::{Deserialize, Serialize};
-use umbrage_techniques::Preset;
+use umbrage_techniques::TechniquePreset;
 
 /// A plan: what to use, and why.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -37,7 +37,7 @@ impl Plan {
     ///
     /// # Errors
     /// When nothing is within the bounds.
-    pub fn preset(&self) -> Result<Preset, Box<Miss>> {
+    pub fn preset(&self) -> Result<TechniquePreset, Box<Miss>> {
         self.chosen
             .as_ref()
             .map(|chosen| chosen.preset.clone())

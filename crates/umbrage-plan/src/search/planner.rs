@@ -22,7 +22,7 @@ use crate::{
 };
 use std::time::Instant;
 use umbrage_core::{Camera, Geometry, Light};
-use umbrage_techniques::{Bias, Preset, ShadowMap, Techniques};
+use umbrage_techniques::{Bias, ShadowMap, TechniquePreset, Techniques};
 
 /// A camera's view of a scene with its sample, and what was tried on it.
 pub struct Planner<'a> {
@@ -192,7 +192,7 @@ impl<'a> Planner<'a> {
 
     /// Of each technique and map the best bias; of these the front of cost and error, nearest to the chosen one.
     fn runners_up(&self, chosen: Option<&Setting>) -> Vec<Setting> {
-        let mut best: Vec<(Preset, &Setting)> = Vec::new();
+        let mut best: Vec<(TechniquePreset, &Setting)> = Vec::new();
         for setting in self
             .search
             .trials

@@ -12,7 +12,7 @@ use crate::{
     truth::TruthOptions,
 };
 use umbrage_core::metrics::PENUMBRA;
-use umbrage_techniques::{Hard, Preset, ShadowMap};
+use umbrage_techniques::{Hard, ShadowMap, TechniquePreset};
 
 /// What was measured of the scene itself.
 #[derive(Clone, Debug, PartialEq)]
@@ -88,7 +88,7 @@ impl Facts {
             ..ShadowMap::default()
         };
         let own = chosen.map(|c| &c.preset).filter(|p| p.map().is_some());
-        let hard = Preset::from(Hard { map });
+        let hard = TechniquePreset::from(Hard { map });
         let preset = own.unwrap_or(&hard);
         let Ok(recipe) = trials.scene.recipe(preset) else {
             return Ok(None);

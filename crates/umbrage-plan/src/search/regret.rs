@@ -10,7 +10,7 @@ use umbrage_core::{
     Geometry, Scene,
     metrics::{Errors, Pixel},
 };
-use umbrage_techniques::Preset;
+use umbrage_techniques::TechniquePreset;
 
 /// One scene, light and bound.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -133,7 +133,7 @@ impl<'a> Sweep<'a> {
         })
     }
 
-    fn error(&mut self, preset: &Preset) -> Result<f64, MeasureError> {
+    fn error(&mut self, preset: &TechniquePreset) -> Result<f64, MeasureError> {
         let mask = self.planner.search.trials.scene.preset_mask(preset)?;
         Ok(Errors::measure(
             self.planner.search.trials.scene.camera.size,
@@ -145,8 +145,8 @@ impl<'a> Sweep<'a> {
     }
 
     /// Every candidate with every size and bias, by rising cost, which no bias changes but by a rounding of the map's fit.
-    fn candidates(&mut self) -> Result<Vec<Preset>, MeasureError> {
-        let mut priced: Vec<(f64, Vec<Preset>)> = Vec::new();
+    fn candidates(&mut self) -> Result<Vec<TechniquePreset>, MeasureError> {
+        let mut priced: Vec<(f64, Vec<TechniquePreset>)> = Vec::new();
         for family in families_for(
             &self.planner.techniques,
             &self.planner.search.trials.scene,
@@ -157,7 +157,7 @@ impl<'a> Sweep<'a> {
                 let amounts = scales
                     .iter()
                     .flat_map(|s| s.texels.iter().map(|&texels| (s.kind, texels)));
-                let presets: Vec<Preset> = amounts
+                let presets: Vec<TechniquePreset> = amounts
                     .map(|(kind, texels)| family.at(size, kind, texels))
                     .collect();
                 let Some(price) = self.planner.search.trials.price(&presets[0])? else {

@@ -2,13 +2,13 @@
 
 use crate::estimate::{error::Estimate, scene::Price};
 use serde::{Deserialize, Serialize};
-use umbrage_techniques::Preset;
+use umbrage_techniques::TechniquePreset;
 
 /// A technique with all its settings, what it errs and what it costs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Setting {
-    /// To be kept in a file, and to be planned: [`Preset::technique`].
-    pub preset: Preset,
+    /// To be kept in a file, and to be planned: [`TechniquePreset::technique`].
+    pub preset: TechniquePreset,
     /// The technique's name.
     pub technique: String,
     /// Its settings in words.
@@ -22,7 +22,7 @@ pub struct Setting {
 }
 
 impl Setting {
-    pub(super) fn new(preset: Preset, estimate: Estimate, price: &Price) -> Self {
+    pub(super) fn new(preset: TechniquePreset, estimate: Estimate, price: &Price) -> Self {
         let technique = preset.technique();
         let (milliseconds, bytes) = (price.milliseconds, price.work.bytes);
         let (name, settings) = (technique.name().to_owned(), technique.settings());

@@ -12,7 +12,7 @@ use umbrage_core::{
     Backend as _, Camera, Fit, Light, Receivers, RecipeError, View, metrics::Errors,
 };
 use umbrage_cpu::Cpu;
-use umbrage_techniques::{Preset, Techniques};
+use umbrage_techniques::{TechniquePreset, Techniques};
 
 fn scene(name: &str) -> Scene {
     umbrage_scenes::by_argument(name).expect("built in")
@@ -143,12 +143,12 @@ fn samples_tell_of_whole_images() {
 }
 
 /// Every technique with its defaults but for the size of its map.
-fn sized(size: u32) -> Vec<Preset> {
-    let at = |p: Preset| match p.map() {
+fn sized(size: u32) -> Vec<TechniquePreset> {
+    let at = |p: TechniquePreset| match p.map() {
         Some(&map) => p.with_map(umbrage_techniques::ShadowMap { size, ..map }),
         None => p,
     };
-    Preset::defaults().into_iter().map(at).collect()
+    TechniquePreset::defaults().into_iter().map(at).collect()
 }
 
 /// No sampled receiver need show a shadow that hides between the samples: the pilot, which has rays of all, does.
@@ -164,7 +164,7 @@ fn what_no_sample_shows_a_second_look_does() {
             sampled.sample.chances = lit.iter().map(|&k| sampled.sample.chances[k]).collect();
             sampled.sample.pixels = lit.iter().map(|&k| sampled.sample.pixels[k]).collect();
             sampled.truth = lit.iter().map(|&k| sampled.truth[k]).collect();
-            let none = Preset::from(umbrage_techniques::Unshadowed::default());
+            let none = TechniquePreset::from(umbrage_techniques::Unshadowed::default());
             let blind = planner
                 .search
                 .trials
@@ -251,7 +251,7 @@ fn second_looks_can_be_repeated() {
         let hard = planner
             .search
             .trials
-            .try_out(&Preset::defaults()[1])
+            .try_out(&TechniquePreset::defaults()[1])
             .expect("plays")
             .expect("supported");
         let blind = Setting {
@@ -277,7 +277,7 @@ fn second_looks_can_be_repeated() {
 #[test]
 fn without_a_pilot_the_first_sample_must_do() {
     with_planner("rising-boxes", |mut planner| {
-        let [none, hard] = [0, 1].map(|i| Preset::defaults()[i].clone());
+        let [none, hard] = [0, 1].map(|i| TechniquePreset::defaults()[i].clone());
         planner.search.trials.verifier.pilot = None;
         for preset in [none.clone(), hard] {
             let first = planner

@@ -14,7 +14,7 @@ use crate::{
 };
 use std::collections::HashMap;
 use umbrage_core::{BackendError, RecipeError};
-use umbrage_techniques::{Preset, ShadowMap};
+use umbrage_techniques::{ShadowMap, TechniquePreset};
 
 /// All that was tried.
 pub(super) struct Trials<'a> {
@@ -98,7 +98,10 @@ impl<'a> Trials<'a> {
     }
 
     /// Returns what a preset costs; none if it isn't supported.
-    pub(super) fn price(&mut self, preset: &Preset) -> Result<Option<Price>, MeasureError> {
+    pub(super) fn price(
+        &mut self,
+        preset: &TechniquePreset,
+    ) -> Result<Option<Price>, MeasureError> {
         let key = format!("{preset:?}");
         if let Some(price) = self.prices.get(&key) {
             return Ok(*price);
@@ -113,7 +116,10 @@ impl<'a> Trials<'a> {
     }
 
     /// Tries a preset on the sample; none if it isn't supported.
-    pub(super) fn try_out(&mut self, preset: &Preset) -> Result<Option<Setting>, MeasureError> {
+    pub(super) fn try_out(
+        &mut self,
+        preset: &TechniquePreset,
+    ) -> Result<Option<Setting>, MeasureError> {
         let key = format!("{preset:?}");
         if let Some(setting) = self.tried.get(&key) {
             return Ok(setting.clone());
@@ -123,7 +129,7 @@ impl<'a> Trials<'a> {
         Ok(setting)
     }
 
-    fn try_new(&mut self, preset: &Preset) -> Result<Option<Setting>, MeasureError> {
+    fn try_new(&mut self, preset: &TechniquePreset) -> Result<Option<Setting>, MeasureError> {
         let recipe = match self.scene.recipe(preset) {
             Ok(recipe) => recipe,
             Err(RecipeError::Unsupported(_)) => return Ok(None),

@@ -8,12 +8,13 @@ use glam::{DMat4, DVec3, DVec4, UVec2};
 use std::collections::HashMap;
 use umbrage_core::LightSpace;
 
-/// How far inside of the border walls end, pixels: beyond the outermost pixels' centres, and more than any grid moves a vertex.
+/// How far inside of the picture's border walls end, pixels: beyond the outermost pixels' centres, and more than any device's grid
+/// of sub-pixels moves a vertex.
 const MARGIN: f64 = 0.25;
 
 /// The picture, a margin narrower, as the inner sides of planes through the eye.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Window {
+pub(crate) struct ClipWindow {
     /// Left, right, bottom, top: positive dot products with homogeneous world positions are inside.
     planes: [DVec4; 4],
 }
@@ -27,37 +28,42 @@ pub(crate) struct Crossing<T> {
     pub(crate) plane: usize,
 }
 
-/// The part of a ray within the picture.
+impl<T> Crossing<T> {
+    fn map<U>(self, convert: impl FnOnce(T) -> U) -> Crossing<U> {
+        Crossing {
+            at: convert(self.at),
+            plane: self.plane,
+        }
+    }
+}
+
+/// The part of an edge within the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Part<T> {
-    /// Where it enters; none if it begins inside.
+pub(crate) struct VisiblePart<T> {
+    /// Where it enters the picture; `None` if it begins inside.
     pub(crate) enters: Option<Crossing<T>>,
-    /// Where it leaves; none if it never does.
+    /// Where it leaves the picture; `None` if it never does.
     pub(crate) leaves: Option<Crossing<T>>,
 }
 
-impl<T> Part<T> {
-    /// Outside, all of it: nothing of it is cut.
+impl<T> VisiblePart<T> {
+    /// An edge that is not cut, since it lies wholly within the picture or wholly outside.
     pub(crate) const WHOLE: Self = Self {
         enters: None,
         leaves: None,
     };
 
-    /// The same with other places.
-    fn map<U>(self, mut f: impl FnMut(T) -> U) -> Part<U> {
-        let mut crossing = |c: Crossing<T>| Crossing {
-            at: f(c.at),
-            plane: c.plane,
-        };
-        Part {
-            enters: self.enters.map(&mut crossing),
-            leaves: self.leaves.map(&mut crossing),
+    /// Returns the part with its places converted, the one where it enters first.
+    fn map<U>(self, mut convert: impl FnMut(T) -> U) -> VisiblePart<U> {
+        VisiblePart {
+            enters: self.enters.map(|c| c.map(&mut convert)),
+            leaves: self.leaves.map(|c| c.map(&mut convert)),
         }
     }
 }
 
-impl Window {
-    /// The picture of this size that is seen from a space.
+impl ClipWindow {
+    /// Returns the window of a picture with this size, pixels, that is seen from a space.
     pub(crate) fn new(space: &LightSpace, size: UVec2) -> Self {
         let clip_from_world: DMat4 =
             space.clip_from_view.as_dmat4() * space.view_from_world.as_dmat4();
@@ -74,38 +80,44 @@ impl Window {
         }
     }
 
-    /// The part within the picture of the edge from a point to another, maybe infinitely far away (w = 0, else 1); none if
-    /// there is none.
-    pub(crate) fn part(&self, from: DVec3, to: DVec4) -> Option<Part<DVec3>> {
+    /// Returns the part within the picture of the edge from a point to another, maybe infinitely far away (w = 0, else 1); `None`
+    /// if no part of it is. Clips as Cyrus and Beck 1978, "Generalized two- and three-dimensional clipping".
+    pub(crate) fn visible_part(&self, from: DVec3, to: DVec4) -> Option<VisiblePart<DVec3>> {
         let from = from.extend(1.0);
         let towards = to - from * to.w;
         let end = if to.w == 0.0 { f64::INFINITY } else { 1.0 };
-        // Along `from + s * towards`, distances to planes grow from `here` by `there`.
-        let (mut enters, mut leaves) = (None::<Crossing<f64>>, None::<Crossing<f64>>);
+        // At `from + s * towards`, the distance to a plane is `distance + s * growth`; it is 0 at the crossing.
+        let mut enters: Option<Crossing<f64>> = None;
+        let mut leaves: Option<Crossing<f64>> = None;
         for (plane, normal) in self.planes.iter().enumerate() {
-            let [here, there] = [normal.dot(from), normal.dot(towards)];
-            let crossing = Some(Crossing {
-                at: -here / there,
-                plane,
-            });
-            if here <= 0.0 && there <= 0.0 {
+            let distance = normal.dot(from);
+            let growth = normal.dot(towards);
+            if distance <= 0.0 && growth <= 0.0 {
                 return None;
             }
-            if here <= 0.0 && enters.is_none_or(|c| -here / there > c.at) {
+            let s = -distance / growth;
+            let crossing = Some(Crossing { at: s, plane });
+            // The part begins at the last plane entered, and ends at the first one left.
+            if distance <= 0.0 && enters.is_none_or(|c| s > c.at) {
                 enters = crossing;
             }
-            if there < 0.0 && leaves.is_none_or(|c| -here / there < c.at) {
+            if growth < 0.0 && leaves.is_none_or(|c| s < c.at) {
                 leaves = crossing;
             }
         }
         let leaves = leaves.filter(|c| c.at < end);
-        let before = enters.is_none_or(|enters| enters.at < leaves.map_or(end, |c| c.at));
-        before.then(|| Part { enters, leaves }.map(|s| (from + towards * s).truncate()))
+        let last = leaves.map_or(end, |c| c.at);
+        let begins_before_end = enters.is_none_or(|c| c.at < last);
+        if !begins_before_end {
+            return None;
+        }
+        let part = VisiblePart { enters, leaves };
+        Some(part.map(|s| (from + towards * s).truncate()))
     }
 }
 
 #[cfg(test)]
-impl Window {
+impl ClipWindow {
     /// Whether an edge lies outside of a plane, or on it but for the rounding of its ends to 32 bits.
     pub(crate) fn hides(&self, edge: [DVec4; 2]) -> bool {
         self.planes.iter().any(|plane| {
@@ -117,20 +129,22 @@ impl Window {
 
 /// The parts of edges found so far, by the vertex at which they begin.
 #[derive(Debug, Default)]
-pub(crate) struct Parts(HashMap<u32, Part<u32>>);
+pub(crate) struct VisibleParts(HashMap<u32, VisiblePart<u32>>);
 
-impl Parts {
-    /// The part of an edge, found once; `add` makes a vertex of a point.
+impl VisibleParts {
+    /// Returns the part of the edge that begins at a vertex. Calls `find` for each vertex once, and `add` for each point where the
+    /// edge is cut, to make a vertex of it.
     pub(crate) fn of(
         &mut self,
         vertex: u32,
-        find: impl FnOnce() -> Option<Part<DVec3>>,
+        find: impl FnOnce() -> Option<VisiblePart<DVec3>>,
         add: impl FnMut(DVec3) -> u32,
-    ) -> Part<u32> {
-        *self
-            .0
-            .entry(vertex)
-            .or_insert_with(|| find().map_or(Part::WHOLE, |part| part.map(add)))
+    ) -> VisiblePart<u32> {
+        let part = self.0.entry(vertex).or_insert_with(|| match find() {
+            Some(part) => part.map(add),
+            None => VisiblePart::WHOLE,
+        });
+        *part
     }
 }
 
@@ -144,8 +158,8 @@ mod tests {
         Camera::perspective(eye, Vec3::ZERO, Vec3::Y, 1.0, [0.1, 100.0], size).expect("valid")
     }
 
-    fn part(from: DVec3, towards: DVec4) -> Option<Part<DVec3>> {
-        Window::new(&camera().space(), camera().size).part(from, towards)
+    fn part(from: DVec3, towards: DVec4) -> Option<VisiblePart<DVec3>> {
+        ClipWindow::new(&camera().space(), camera().size).visible_part(from, towards)
     }
 
     /// How far a point is seen from the picture's four borders, pixels.
@@ -203,7 +217,7 @@ mod tests {
         );
         assert_eq!(
             part(DVec3::ZERO, DVec4::new(0.1, 0.0, 0.0, 1.0)),
-            Some(Part::WHOLE),
+            Some(VisiblePart::WHOLE),
             "within the picture"
         );
         assert_eq!(
@@ -213,27 +227,27 @@ mod tests {
         );
         assert_eq!(
             part(DVec3::ZERO, DVec3::NEG_Z.extend(0.0)),
-            Some(Part::WHOLE),
+            Some(VisiblePart::WHOLE),
             "away from the eye"
         );
     }
 
     #[test]
     fn a_part_is_found_once() {
-        let mut parts = Parts::default();
-        let found = Part {
+        let mut parts = VisibleParts::default();
+        let found = VisiblePart {
             enters: None,
             leaves: Some(Crossing {
                 at: DVec3::ONE,
                 plane: 2,
             }),
         };
-        let kept = Part {
+        let kept = VisiblePart {
             enters: None,
             leaves: Some(Crossing { at: 9, plane: 2 }),
         };
         assert_eq!(parts.of(5, || Some(found), |_| 9), kept);
         assert_eq!(parts.of(5, || None, |_| 10), kept);
-        assert_eq!(parts.of(6, || None, |_| 10), Part::WHOLE);
+        assert_eq!(parts.of(6, || None, |_| 10), VisiblePart::WHOLE);
     }
 }
