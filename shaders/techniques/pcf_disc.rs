@@ -22,7 +22,7 @@ use glam::{UVec2, Vec2, Vec4};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
-    Asks, Fit, Inputs, Invalid, Kernel, Light, Module, ReceiveKernel, Recipe, RecipeError,
+    Fit, Inputs, Invalid, Kernel, KernelCost, Light, Module, ReceiveKernel, Recipe, RecipeError,
     ShadowTechnique, Simd, SimdTask, Span, UniformBlock, View, uniforms,
 };
 
@@ -263,8 +263,8 @@ impl ReceiveKernel for PcfDiscKernel {
         );
     }
 
-    fn asks(&self) -> Asks {
-        Asks::taps(self.uniforms.taps)
+    fn cost_per_receiver(&self) -> KernelCost {
+        KernelCost::taps(self.uniforms.taps)
     }
 }
 

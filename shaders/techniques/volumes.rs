@@ -152,7 +152,7 @@ fn recipe(
     if !apart.triangles.is_empty() {
         casts.push(nearest(Source::Faces(Arc::new(apart))));
     }
-    let mode = CastMode::Count { depth: 0 };
+    let mode = CastMode::StencilDepthFail { depth: 0 };
     casts.push(Cast {
         image: 1,
         mode,

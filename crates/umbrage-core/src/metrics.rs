@@ -71,14 +71,14 @@ pub struct Errors {
 
 /// Truth, ready to be compared with many masks.
 #[derive(Clone, Debug)]
-pub struct Reference<'a> {
+pub struct ReferenceMask<'a> {
     size: UVec2,
     truth: &'a [f32],
     pixels: &'a [Pixel],
     near_edge: Vec<bool>,
 }
 
-impl<'a> Reference<'a> {
+impl<'a> ReferenceMask<'a> {
     /// Finds truth's shadow edges, `pixels` telling what counts. A true shadow edge is where truth is a penumbra or differs
     /// from one of the four neighbours' by more than [`ERROR_THRESHOLD`]; pixels that are [`Pixel::Empty`] make no edges.
     ///
@@ -100,9 +100,9 @@ impl<'a> Reference<'a> {
     ///
     /// # Errors
     /// When there is not one class a pixel.
-    pub fn with_pixels<'b>(&'b self, pixels: &'b [Pixel]) -> Result<Reference<'b>, Invalid> {
+    pub fn with_pixels<'b>(&'b self, pixels: &'b [Pixel]) -> Result<ReferenceMask<'b>, Invalid> {
         check_len("pixel classes", self.size, pixels.len())?;
-        Ok(Reference {
+        Ok(ReferenceMask {
             pixels,
             ..self.clone()
         })
@@ -139,7 +139,7 @@ impl<'a> Reference<'a> {
 }
 
 impl Errors {
-    /// Compares a single mask with truth; many are compared quicker by a [`Reference`].
+    /// Compares a single mask with truth; many are compared quicker by a [`ReferenceMask`].
     ///
     /// # Errors
     /// When sizes differ or a value is not within 0..=1.
@@ -149,7 +149,7 @@ impl Errors {
         truth: &[f32],
         pixels: &[Pixel],
     ) -> Result<Self, Invalid> {
-        Reference::new(size, truth, pixels)?.errors(mask)
+        ReferenceMask::new(size, truth, pixels)?.errors(mask)
     }
 
     /// Adds one pixel to the sums.
@@ -228,11 +228,11 @@ pub enum Doubt {
 
 /// The share of the pixels compared that may differ because of rounding. Rounding decides along the edges of texels and
 /// where a surface shadows itself; were it more, a fault of the bias or of the light space could hide in it.
-pub const MOST_UNDECIDED: f64 = 0.001;
+pub const MAX_UNDECIDED_SHARE: f64 = 0.001;
 
 /// How much a device's rounding may add to a mask's RMSE against truth ([`Agreement::excess`]): a bias that is too small for it
 /// darkens whole surfaces, which adds tenths; edges that move by a part of a pixel add thousandths.
-pub const MOST_EXCESS: f64 = 0.005;
+pub const MAX_EXCESS_RMSE: f64 = 0.005;
 
 /// How well a mask agrees with the CPU's of the same view.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -298,14 +298,14 @@ impl Agreement {
         self.violations == 0
     }
 
-    /// Whether the mask is no farther from truth than the CPU's and [`MOST_EXCESS`].
+    /// Whether the mask is no farther from truth than the CPU's and [`MAX_EXCESS_RMSE`].
     pub fn is_accurate(&self) -> bool {
-        self.excess <= MOST_EXCESS
+        self.excess <= MAX_EXCESS_RMSE
     }
 
-    /// Whether no more pixels are excused by rounding than [`MOST_UNDECIDED`] allows.
+    /// Whether no more pixels are excused by rounding than [`MAX_UNDECIDED_SHARE`] allows.
     pub fn is_decided(&self) -> bool {
-        self.undecided as f64 <= MOST_UNDECIDED * self.compared as f64
+        self.undecided as f64 <= MAX_UNDECIDED_SHARE * self.compared as f64
     }
 }
 

@@ -17,8 +17,8 @@ pub(crate) struct Canvas<'a> {
 /// The image whose depths a mode compares with.
 pub(crate) fn other(mode: CastMode) -> Option<ImageId> {
     match mode {
-        CastMode::Nearest => None,
-        CastMode::Behind(id) | CastMode::Count { depth: id } => Some(id),
+        CastMode::Depth => None,
+        CastMode::DepthPeel(id) | CastMode::StencilDepthFail { depth: id } => Some(id),
     }
 }
 
@@ -150,10 +150,10 @@ fn draw_triangles<P: Position>(
 fn mode(mode: CastMode, format: Format) -> Mode {
     let in_steps = format == Format::Depth16;
     match mode {
-        CastMode::Nearest if in_steps => Mode::Least16,
-        CastMode::Nearest => Mode::Least,
-        CastMode::Behind(_) if in_steps => Mode::Behind16,
-        CastMode::Behind(_) => Mode::Behind,
-        CastMode::Count { .. } => Mode::Count,
+        CastMode::Depth if in_steps => Mode::Depth16,
+        CastMode::Depth => Mode::Depth,
+        CastMode::DepthPeel(_) if in_steps => Mode::DepthPeel16,
+        CastMode::DepthPeel(_) => Mode::DepthPeel,
+        CastMode::StencilDepthFail { .. } => Mode::StencilDepthFail,
     }
 }

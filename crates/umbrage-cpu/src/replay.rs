@@ -69,7 +69,7 @@ impl Cpu {
             )
             .into());
         }
-        if cast.mode != CastMode::Nearest {
+        if cast.mode != CastMode::Depth {
             let why = format!("is {:?}, which reads another image", cast.mode);
             return Err(Invalid::new("cast", why, "use `Cpu::replay_cast`").into());
         }

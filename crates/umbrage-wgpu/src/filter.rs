@@ -6,7 +6,7 @@ use crate::{
         images::{GpuImage, texture_format},
         kernel_stage::{KernelStage, Sources},
         pipelines::Pipelines,
-        timestamps::{PassTimestamps, Stage, pass_stamps},
+        timestamps::{PassTimestamps, TimedStage, pass_stamps},
     },
     targets::attachment,
     wgsl::{filter_shader, kernel_wgsl},
@@ -76,7 +76,7 @@ impl FilterStage {
             let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
                 label: Some("umbrage filter"),
                 color_attachments: &[Some(color_attachment(view, Color::TRANSPARENT))],
-                timestamp_writes: pass_stamps(stamps, Stage::Filter, i, count),
+                timestamp_writes: pass_stamps(stamps, TimedStage::Filter, i, count),
                 ..RenderPassDescriptor::default()
             });
             pass.set_pipeline(pipeline);

@@ -2,9 +2,9 @@
 
 use crate::{
     filter::color_attachment,
-    frame::Frame,
+    frame::FrameInputs,
     receive::{gbuffer, groups},
-    renderer::Options,
+    renderer::RendererOptions,
     resources::{
         bindings::{Binding, Bound, Slot},
         counters::ResourceFactory,
@@ -19,21 +19,21 @@ use wgpu::{Color, CommandEncoder, RenderPassDescriptor, ShaderStages, TextureFor
 
 /// Ready to be encoded; without a picture where the recipe doesn't shade.
 #[derive(Debug, Default)]
-pub(crate) struct Shading {
+pub(crate) struct ShadePass {
     kernel: KernelStage,
     gbuffer: Binding,
     picture: Vec<GpuImage>,
     background: Color,
 }
 
-impl Shading {
+impl ShadePass {
     pub(crate) fn prepare(
         &mut self,
         maker: &mut ResourceFactory<'_>,
         pipelines: &mut Pipelines,
         sources: &mut Sources<'_>,
-        options: Options,
-        (frame, mask): (&Frame<'_>, &GpuImage),
+        options: RendererOptions,
+        (frame, mask): (&FrameInputs<'_>, &GpuImage),
     ) {
         let Some(shade) = &sources.recipe.shade else {
             return *self = Self::default();
@@ -69,7 +69,7 @@ impl Shading {
     }
 
     /// Records the pass, if the recipe shades.
-    pub(crate) fn encode(&self, encoder: &mut CommandEncoder, options: Options) {
+    pub(crate) fn encode(&self, encoder: &mut CommandEncoder, options: RendererOptions) {
         let (Some(picture), Some(pipeline)) = (self.picture(), &self.kernel.pipeline) else {
             return;
         };

@@ -7,7 +7,7 @@
 //! passes over a triangle whose own box is entered. No margin for rounding is needed for that.
 //!
 //! Margins are needed so that the box of a triangle is entered wherever the triangle is hit; `hit.rs` shows how large.
-//! One is in proportion to the triangle ([`padded_box`]), the other to the distance from the segment's start ([`SLACK`],
+//! One is in proportion to the triangle ([`padded_box`]), the other to the distance from the segment's start ([`EXIT_SLACK`],
 //! as in Ize 2013, "Robust BVH Ray Traversal").
 
 use crate::{Module, Twin, twin};
@@ -20,7 +20,7 @@ pub const RAY_BOX: Module = Module {
 };
 
 /// A segment may enter a box by this factor later than it leaves it: 32 roundings of 2^-24.
-pub(crate) const SLACK: f32 = 1.0 + 1.0 / 524_288.0;
+pub(crate) const EXIT_SLACK: f32 = 1.0 + 1.0 / 524_288.0;
 
 /// 16 roundings of 2^-24.
 const SIZE_PAD: f32 = 1.0 / 1_048_576.0;
@@ -45,7 +45,7 @@ fn safe_inverse(x: f32) -> f32 {
 }
 
 /// Where the segment from `o` is within a box: from which to which fraction of its vector. It enters it if the first is at
-/// most [`SLACK`] times the second.
+/// most [`EXIT_SLACK`] times the second.
 #[inline(always)]
 pub(crate) fn span(o: Vec3A, inverse: Vec3A, [low, high]: [Vec3A; 2]) -> [f32; 2] {
     let a = (low - o) * inverse;
@@ -60,7 +60,7 @@ pub(crate) fn span(o: Vec3A, inverse: Vec3A, [low, high]: [Vec3A; 2]) -> [f32; 2
 #[inline(always)]
 pub(crate) fn enters_box(o: Vec3A, inverse: Vec3A, corners: [Vec3A; 2]) -> bool {
     let [entry, exit] = span(o, inverse, corners);
-    entry <= exit * SLACK
+    entry <= exit * EXIT_SLACK
 }
 
 /// The box around a triangle, least and greatest corner, grown on all sides by 2^-20 of its longest side or by 2^-22 of

@@ -23,7 +23,7 @@
 //! * The box is grown by `16u w` or `4u c` (c: its greatest coordinate), whichever is more, hence by at least `8u w + 2u c`;
 //!   its own rounding takes about `u c` of that. What is left covers the part with w.
 //! * The other part moves the place `t` where a side is passed by no more than `6u t`; the slab test's difference, inverse
-//!   and product add `3u t`. So the box is entered before `t (1 + 9u)` and left after `t (1 - 9u)`, and `SLACK = 1 + 32u` is
+//!   and product add `3u t`. So the box is entered before `t (1 + 9u)` and left after `t (1 - 9u)`, and `EXIT_SLACK = 1 + 32u` is
 //!   more than their ratio.
 //!
 //! **Not from afar.** Test 1 alone accepts what it cannot tell: where all products round to 0 or to each other, a small or

@@ -1,6 +1,6 @@
 //! Kernels: one function written twice. A kernel cannot exist on one side only, since its trait asks for both halves.
 
-use crate::{Asks, ImageView, Module, Simd, Span, UniformBlock};
+use crate::{ImageView, KernelCost, Module, Simd, Span, UniformBlock};
 use glam::{UVec2, Vec3};
 use std::fmt::Debug;
 
@@ -36,14 +36,14 @@ pub trait Kernel: Debug + Send + Sync {
     }
 }
 
-/// Asks, for seen points, how much light arrives. Its WGSL entry is `fn receive(r: Receiver) -> f32`.
+/// A kernel that returns, for seen points, how much light arrives: visibility, 0..=1. Its WGSL entry is `fn receive(r: Receiver) -> f32`.
 pub trait ReceiveKernel: Kernel {
     /// The Rust half: visibility 0..=1 of each entry of the span, into `out` of the same length.
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]);
 
     /// What it does for one receiver, at most: for [`Work`](crate::Work), which the price of a technique is made of.
-    fn asks(&self) -> Asks {
-        Asks::default()
+    fn cost_per_receiver(&self) -> KernelCost {
+        KernelCost::default()
     }
 
     /// Whether it knows which part of a light with an extent the receiver's own tangent plane leaves, and answers that share where

@@ -71,7 +71,7 @@ pub struct RasterBias {
 /// Draws geometry, seen from a light or the camera, into one layer of an image.
 #[derive(Clone, Debug)]
 pub struct Cast {
-    /// The image: depth, or for [`CastMode::Count`] a [`Format::Stencil8`].
+    /// The image: depth, or for [`CastMode::StencilDepthFail`] a [`Format::Stencil8`].
     pub image: ImageId,
     /// Its layer.
     pub layer: u32,
@@ -90,7 +90,7 @@ pub struct Cast {
 impl Cast {
     /// The casters' least depth, without culling and bias.
     pub fn nearest(image: ImageId, layer: u32, space: LightSpace) -> Self {
-        let (source, mode) = (Source::Casters, CastMode::Nearest);
+        let (source, mode) = (Source::Casters, CastMode::Depth);
         Self {
             image,
             layer,
@@ -183,14 +183,14 @@ impl Faces {
 pub enum CastMode {
     /// The least depth at each texel.
     #[default]
-    Nearest,
+    Depth,
     /// The least of those depths that are greater than what this image, of the same size and format, holds at the same
     /// texel and layer: depth peeling (Everitt 2001, "Interactive order-independent transparency"). No bias.
-    Behind(ImageId),
+    DepthPeel(ImageId),
     /// At each texel, how many back faces minus how many front faces are not before what this [`Format::Depth32`] image of
     /// the same size and layer holds, modulo 256: depth-fail counting (Everitt and Kilgard 2002, "Practical and robust
     /// stenciled shadow volumes"). No bias, no culling.
-    Count {
+    StencilDepthFail {
         /// Drawn before, in the same space.
         depth: ImageId,
     },
@@ -209,7 +209,7 @@ pub struct Filter {
     pub output: ImageId,
 }
 
-/// Asks each receiver.
+/// Runs a kernel for each receiver.
 #[derive(Clone, Debug)]
 pub struct Receive {
     /// What is asked.
@@ -242,7 +242,7 @@ pub struct Table {
 
 /// What a backend can hold.
 #[derive(Clone, Copy, Debug)]
-pub struct Limits {
+pub struct BackendLimits {
     /// Greatest image side, texels.
     pub image_side: u32,
     /// Greatest number of layers.
@@ -266,7 +266,7 @@ impl Recipe {
     ///
     /// # Errors
     /// The first fault found.
-    pub fn validate(&self, limits: &Limits) -> Result<(), Invalid> {
+    pub fn validate(&self, limits: &BackendLimits) -> Result<(), Invalid> {
         self.images
             .iter()
             .try_for_each(|i| check_image(i, limits))?;
@@ -315,22 +315,23 @@ impl Recipe {
             return fault(why, "name a layer of an image of the recipe");
         };
         let other = match cast.mode {
-            CastMode::Nearest if image.format.is_depth() => return self.check_source(cast),
-            CastMode::Nearest => {
+            CastMode::Depth if image.format.is_depth() => return self.check_source(cast),
+            CastMode::Depth => {
                 return fault(
                     format!("writes image {}", cast.image),
                     "name one of a depth format",
                 );
             }
-            CastMode::Behind(id) => layer(id)
+            CastMode::DepthPeel(id) => layer(id)
                 .filter(|o| id != cast.image && o.format == image.format && o.format.is_depth()),
-            CastMode::Count { depth } => {
+            CastMode::StencilDepthFail { depth } => {
                 let counts = image.format == Format::Stencil8 && cast.cull == Cull::None;
                 layer(depth).filter(|o| counts && o.format == Format::Depth32)
             }
         };
         // What lies behind itself by a bias would be peeled for ever.
-        let biased = cast.bias != RasterBias::default() && matches!(cast.mode, CastMode::Behind(_));
+        let biased =
+            cast.bias != RasterBias::default() && matches!(cast.mode, CastMode::DepthPeel(_));
         if other.is_none_or(|o| o.size != image.size || o.layers != image.layers) || biased {
             let why = format!(
                 "into image {} asks for {:?} with {:?} and {:?}",
@@ -418,7 +419,7 @@ fn check_numbers(cast: &Cast) -> Result<(), Invalid> {
     invalid::finite("bias", &[cast.bias.slope, cast.bias.clamp])
 }
 
-fn check_image(image: &ImageDesc, limits: &Limits) -> Result<(), Invalid> {
+fn check_image(image: &ImageDesc, limits: &BackendLimits) -> Result<(), Invalid> {
     let what = || format!("image `{}`", image.label);
     if image.size.min_element() == 0 || image.size.max_element() > limits.image_side {
         let why = format!("is {} x {} texels", image.size.x, image.size.y);

@@ -1,12 +1,15 @@
 //! How much work a recipe is, counted rather than timed: the same on every machine, however noisy.
 
-use crate::{Cast, Cull, Geometry, Recipe, Source, View};
+use crate::{Cast, Cull, Geometry, Recipe, Source, View, geometry::clip_polygon::Polygon};
 use glam::{DMat4, DVec2, DVec4, UVec2};
 use rayon::prelude::*;
 
+/// A clip-space triangle cut by the six planes of the view volume: at most nine corners.
+type ClipPolygon = Polygon<DVec4, 9>;
+
 /// What a kernel does for one receiver, at most.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Asks {
+pub struct KernelCost {
     /// Texels loaded.
     pub taps: u32,
     /// Comparison samples taken, each of four texels.
@@ -15,14 +18,14 @@ pub struct Asks {
     pub rays: u32,
 }
 
-impl Default for Asks {
+impl Default for KernelCost {
     /// One tap.
     fn default() -> Self {
         Self::taps(1)
     }
 }
 
-impl Asks {
+impl KernelCost {
     /// Taps alone.
     pub const fn taps(taps: u32) -> Self {
         Self {
@@ -88,7 +91,7 @@ impl Work {
         let receivers = view
             .receivers
             .map_or(pixels, |r| r.receives.iter().filter(|&&r| r).count() as u64);
-        let asks = recipe.receive.kernel.asks();
+        let asks = recipe.receive.kernel.cost_per_receiver();
         let mut work = Self {
             passes: (recipe.casts.len() + recipe.filters.len() + 1) as u64,
             receivers,
@@ -174,8 +177,10 @@ fn area(corners: [DVec4; 3], cull: Cull) -> f64 {
     }
 }
 
-/// Sutherland and Hodgman 1974, "Reentrant polygon clipping", against the six planes; then the polygon's area.
+/// Returns the area, in the view of 2 x 2 clip units, of the part of a clip-space triangle within the six planes; positive for
+/// counter-clockwise (y up).
 fn signed_area(corners: [DVec4; 3]) -> f64 {
+    // Inside, the dot product with each is not negative.
     const PLANES: [DVec4; 6] = [
         DVec4::new(1.0, 0.0, 0.0, 1.0),
         DVec4::new(-1.0, 0.0, 0.0, 1.0),
@@ -184,38 +189,32 @@ fn signed_area(corners: [DVec4; 3]) -> f64 {
         DVec4::new(0.0, 0.0, 1.0, 0.0),
         DVec4::new(0.0, 0.0, -1.0, 1.0),
     ];
-    // A triangle has at most nine corners after six cuts.
-    let (mut polygon, mut len) = ([DVec4::ZERO; 9], 3);
-    polygon[..3].copy_from_slice(&corners);
+    let mut polygon = ClipPolygon::triangle(corners);
     for plane in PLANES {
-        (polygon, len) = cut(&polygon[..len], plane);
+        polygon = polygon.clip(|p| p.dot(plane), strict_edge_crossing);
     }
-    let point = |i: usize| DVec2::new(polygon[i].x, polygon[i].y) / polygon[i].w;
-    (1..len.max(2) - 1)
+    let corners = polygon.corners();
+    let point = |i: usize| DVec2::new(corners[i].x, corners[i].y) / corners[i].w;
+    // A fan of triangles around the first corner; none if fewer than three corners are left.
+    (1..corners.len().max(2) - 1)
         .map(|i| 0.5 * (point(i) - point(0)).perp_dot(point(i + 1) - point(0)))
         .sum()
 }
 
-/// The part of a convex polygon on a plane's positive side.
-fn cut(polygon: &[DVec4], plane: DVec4) -> ([DVec4; 9], usize) {
-    let (mut out, mut len) = ([DVec4::ZERO; 9], 0);
-    let mut push = |p| {
-        if len < out.len() {
-            out[len] = p;
-            len += 1;
-        }
-    };
-    for (i, &a) in polygon.iter().enumerate() {
-        let b = polygon[(i + 1) % polygon.len()];
-        let (da, db) = (a.dot(plane), b.dot(plane));
-        if da >= 0.0 {
-            push(a);
-        }
-        if (da > 0.0 && db < 0.0) || (da < 0.0 && db > 0.0) {
-            push(a + (b - a) * (da / (da - db)));
-        }
+/// Returns the point at which the edge from `a` to `b` crosses a plane, given the signed distances of both; none unless it
+/// has an end on either side.
+///
+/// It differs from [`edge_crossing`](crate::geometry::clip_polygon::edge_crossing) on purpose: an end on the plane is no
+/// crossing, since it would be a second corner in the same place, off by a rounding; and the formula stays the one by which
+/// areas were always counted, since these are rounded to whole texels, and counts are compared exactly.
+fn strict_edge_crossing(a: DVec4, b: DVec4, distance_a: f64, distance_b: f64) -> Option<DVec4> {
+    let leaves = distance_a > 0.0 && distance_b < 0.0;
+    let enters = distance_a < 0.0 && distance_b > 0.0;
+    if !leaves && !enters {
+        return None;
     }
-    (out, len)
+    let fraction = distance_a / (distance_a - distance_b);
+    Some(a + (b - a) * fraction)
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use crate::raster::{
     bin::TILE,
-    mode::{Beside, Plot},
+    mode::{DepthOp, TileAttachments},
     record::{Record, edge_function},
     tile::{STRIDE, TileBuffer},
 };
@@ -45,7 +45,7 @@ pub(crate) struct Canvas<'a> {
 
 /// Draws a triangle into a tile.
 #[inline(always)]
-pub(crate) fn fill<P: Plot>(canvas: &mut Canvas<'_>, r: &Record) {
+pub(crate) fn fill<P: DepthOp>(canvas: &mut Canvas<'_>, r: &Record) {
     let (width, height) = (
         i32::from(r.max[0] - r.min[0]),
         i32::from(r.max[1] - r.min[1]),
@@ -68,7 +68,7 @@ pub(crate) fn fill<P: Plot>(canvas: &mut Canvas<'_>, r: &Record) {
 
 /// Fills a small triangle a few columns at a time.
 #[inline(always)]
-fn fill_small<P: Plot>(canvas: &mut Canvas<'_>, r: &Record, patch: &Patch) {
+fn fill_small<P: DepthOp>(canvas: &mut Canvas<'_>, r: &Record, patch: &Patch) {
     let down = patch.min[1] - i32::from(r.min[1]);
     let rows = patch.max[1] - patch.min[1] + 1;
     let mut x = patch.min[0];
@@ -152,7 +152,7 @@ impl Patch {
 
 /// Fills a patch block by block: those wholly outside an edge are left out, and those inside all need no tests.
 #[inline(always)]
-fn fill_blocks<P: Plot>(canvas: &mut Canvas<'_>, r: &Record, patch: &Patch) {
+fn fill_blocks<P: DepthOp>(canvas: &mut Canvas<'_>, r: &Record, patch: &Patch) {
     let (fall, rise) = patch.reach();
     let mut y = patch.min[1];
     while y <= patch.max[1] {
@@ -227,7 +227,7 @@ impl Edges {
 
 /// Fills `rows` rows of `LANES` pixels from pixel `first` on; all of them, or (`TEST`) those inside the edges.
 #[inline(always)]
-fn fill_strip<P: Plot, const TEST: bool>(
+fn fill_strip<P: DepthOp, const TEST: bool>(
     canvas: &mut Canvas<'_>,
     r: &Record,
     mut edges: Edges,
@@ -262,7 +262,7 @@ fn fill_strip<P: Plot, const TEST: bool>(
             let drawn = unit_clamp(r.plane.dy.mul_add(py, column[i]) + r.plane.offset);
             z[i] = if outside[i] >= 0 { drawn } else { 1.0 };
         }
-        P::put(stored, Beside { ids, other }, &z, &outside, r.tag);
+        P::write(stored, TileAttachments { ids, other }, &z, &outside, r.tag);
         if P::MODE.has_ids() {
             ids = ids.get_mut(STRIDE..).unwrap_or_default();
         }

@@ -25,7 +25,11 @@ pub(crate) fn draw<P: Position>(draw: &Draw<'_, P>, other: &[f32]) -> Drawn {
 /// The same with vertices rounded so.
 pub(crate) fn draw_on<P: Position>(snapping: Snapping, draw: &Draw<'_, P>, other: &[f32]) -> Drawn {
     let n = (draw.size.x * draw.size.y) as usize;
-    let start = if draw.mode == Mode::Count { 0.0 } else { 1.0 };
+    let start = if draw.mode == Mode::StencilDepthFail {
+        0.0
+    } else {
+        1.0
+    };
     let mut drawn = (vec![start; n], vec![NO_TRIANGLE; n]);
     let viewport = Viewport::new(draw.size);
     for (i, triangle) in draw.triangles.iter().enumerate() {
@@ -67,14 +71,14 @@ pub(crate) fn draw_on<P: Position>(snapping: Snapping, draw: &Draw<'_, P>, other
 fn drawn_over(mode: Mode, texel: f32, other: Option<&f32>, z: f32, front: bool) -> Option<f32> {
     let other = other.copied().unwrap_or(f32::NAN);
     match mode {
-        Mode::Least | Mode::LeastWithIds => (z < texel).then_some(z),
-        Mode::Least16 => (steps(z) < stored_steps(texel)).then_some(of_steps(steps(z))),
-        Mode::Behind => (z > other && z < texel).then_some(z),
-        Mode::Behind16 => {
+        Mode::Depth | Mode::DepthWithIds => (z < texel).then_some(z),
+        Mode::Depth16 => (steps(z) < stored_steps(texel)).then_some(of_steps(steps(z))),
+        Mode::DepthPeel => (z > other && z < texel).then_some(z),
+        Mode::DepthPeel16 => {
             let between = steps(z) > stored_steps(other) && steps(z) < stored_steps(texel);
             between.then_some(of_steps(steps(z)))
         }
-        Mode::Count => {
+        Mode::StencilDepthFail => {
             let by = if front { -1 } else { 1 };
             let before = z < other;
             (!before).then_some((texel as i32 + by).rem_euclid(256) as f32)
@@ -175,7 +179,7 @@ fn offset(bias: &RasterBias, mode: Mode, [v0, v1, v2]: [Vec3; 3], r: f32) -> f32
     } else {
         2.0_f32.powf(greatest.log2().floor() - 23.0)
     };
-    let unit = if matches!(mode, Mode::Least16 | Mode::Behind16) {
+    let unit = if matches!(mode, Mode::Depth16 | Mode::DepthPeel16) {
         OFFSET_UNIT_16
     } else {
         unit

@@ -342,7 +342,7 @@ impl Group {
             },
             min: [l.min_x[i] as u16, l.min_y[i] as u16],
             max: [l.max_x[i] as u16, l.max_y[i] as u16],
-            tag: if mode == Mode::Count {
+            tag: if mode == Mode::StencilDepthFail {
                 turn
             } else {
                 self.id[i]

@@ -1,7 +1,7 @@
 //! All that a recipe's casts draw, in the order of one list.
 
 use crate::{
-    frame::{Drawable, Frame, VertexLayout},
+    frame::{Drawable, FrameInputs, VertexLayout},
     resources::{counters::ResourceFactory, faces::FaceBuffers},
 };
 use glam::{Affine3A, Mat4};
@@ -45,7 +45,7 @@ impl DrawList {
         maker: &mut ResourceFactory<'_>,
         faces: &mut FaceBuffers,
         casts: &[Cast],
-        frame: &Frame<'_>,
+        frame: &FrameInputs<'_>,
     ) -> Self {
         let mut draws = Vec::new();
         let casters = append(&mut draws, frame.casters);

@@ -1,6 +1,6 @@
 //! A recipe's images on the GPU.
 
-use crate::resources::{counters::ResourceFactory, counts::Pair};
+use crate::resources::{counters::ResourceFactory, counts::CountingPair};
 use glam::UVec2;
 use umbrage_core::{Format, ImageDesc};
 use wgpu::{
@@ -134,7 +134,7 @@ pub(crate) fn fit_images(
     maker: &mut ResourceFactory<'_>,
     held: &mut Vec<GpuImage>,
     wanted: &[ImageDesc],
-    pairs: &[Pair],
+    pairs: &[CountingPair],
 ) {
     let mut old = std::mem::take(held);
     let mut paired: Vec<Option<GpuImage>> = vec![None; wanted.len()];

@@ -8,7 +8,7 @@ use crate::{
         pipelines::Pipelines,
         tables::Tables,
     },
-    wgsl::{InputKind, Shape},
+    wgsl::{InputKind, KernelInterface},
 };
 use umbrage_core::{Kernel, Recipe};
 use wgpu::{Buffer, BufferUsages, RenderPipeline, ShaderStages};
@@ -37,8 +37,8 @@ impl KernelStage {
         sources: &mut Sources<'_>,
         kernel: &dyn Kernel,
         (images, tables): (&[usize], &[usize]),
-    ) -> Shape {
-        let shape = Shape::new(sources.recipe, kernel, images, tables);
+    ) -> KernelInterface {
+        let shape = KernelInterface::new(sources.recipe, kernel, images, tables);
         let (mut bound, mut name) = (Vec::new(), "umbrage kernel");
         if let Some(block) = kernel.uniforms() {
             name = block.uniform_layout().name;
@@ -70,7 +70,7 @@ impl KernelStage {
     }
 }
 
-fn slots(shape: &Shape) -> Vec<Slot> {
+fn slots(shape: &KernelInterface) -> Vec<Slot> {
     let images = shape.images.iter().map(|&(kind, layered)| match kind {
         InputKind::Floats => Slot::Floats { layered },
         InputKind::Counts => Slot::Whole { layered },

@@ -5,7 +5,7 @@
 
 use crate::{
     Geometry, Light, View,
-    light_space::fit::map_space::{Bounds, MapSpace},
+    light_space::fit::map_space::{MapBounds, MapPolygon, MapSpace, clip},
 };
 use glam::{DVec2, DVec3, Vec3};
 use std::ops::Range;
@@ -83,7 +83,7 @@ pub(super) fn seen(view: &View<'_>) -> Option<Vec<Vec3>> {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Receiving {
     points: Vec<DVec3>,
-    boxes: Vec<Bounds>,
+    boxes: Vec<MapBounds>,
 }
 
 impl Receiving {
@@ -92,7 +92,7 @@ impl Receiving {
         seen: Option<&[Vec3]>,
         geometry: &Geometry,
         space: &MapSpace,
-        column: &Bounds,
+        column: &MapBounds,
     ) -> Self {
         let mut out = Self::default();
         match seen {
@@ -114,7 +114,7 @@ impl Receiving {
     }
 
     /// All of a box.
-    pub(super) fn within(b: Bounds) -> Self {
+    pub(super) fn within(b: MapBounds) -> Self {
         Self {
             points: Vec::new(),
             boxes: vec![b],
@@ -122,14 +122,14 @@ impl Receiving {
     }
 
     /// A box around all of it.
-    pub(super) fn bounds(&self) -> Bounds {
-        let points = Bounds::around(self.points.iter().copied());
+    pub(super) fn bounds(&self) -> MapBounds {
+        let points = MapBounds::around(self.points.iter().copied());
         self.boxes.iter().fold(points, |all, b| all.union(b))
     }
 }
 
 /// The least rank that any caster may have within `column`; none if there are no casters.
-pub(super) fn first_rank(geometry: &Geometry, space: &MapSpace, column: &Bounds) -> Option<f64> {
+pub(super) fn first_rank(geometry: &Geometry, space: &MapSpace, column: &MapBounds) -> Option<f64> {
     let blocks = geometry
         .chunk_bounds()
         .of(geometry.casters())
@@ -147,9 +147,9 @@ pub(super) struct Need<'a> {
     geometry: &'a Geometry,
     behind: f64,
     /// Where lookups may go.
-    column: Bounds,
+    column: MapBounds,
     /// Where casters count.
-    shown: Bounds,
+    shown: MapBounds,
     cell: DVec2,
     /// Of each cell, in rows: the greatest rank of the receivers whose lookups may go there.
     last: Vec<f64>,
@@ -194,7 +194,7 @@ impl<'a> Need<'a> {
 
     /// The same, asked of a map that shows no more than `column`: lookups that leave it find nothing, so casters beside it
     /// do not count.
-    pub(super) fn on_map(self, column: &Bounds) -> Self {
+    pub(super) fn on_map(self, column: &MapBounds) -> Self {
         Self {
             shown: self.column.within(column),
             ..self
@@ -208,7 +208,7 @@ impl<'a> Need<'a> {
     }
 
     /// The cells that a box covers.
-    fn cells(&self, b: &Bounds) -> impl Iterator<Item = usize> + use<> {
+    fn cells(&self, b: &MapBounds) -> impl Iterator<Item = usize> + use<> {
         let (from, to) = (self.cell_of(b.min), self.cell_of(b.max));
         let columns = from % CELLS..to % CELLS + 1;
         (from / CELLS..to / CELLS + 1)
@@ -223,27 +223,27 @@ impl<'a> Need<'a> {
     }
 
     /// Whether something with this box may matter.
-    fn matters(&self, b: &Bounds) -> bool {
+    fn matters(&self, b: &MapBounds) -> bool {
         b.meets(&self.shown) && self.cells(b).any(|i| self.last[i] + self.behind >= b.min.z)
     }
 
     /// Runs of casters of which some may matter, and a box around each.
-    fn runs(&self) -> impl Iterator<Item = (Range<u32>, Bounds)> + '_ {
+    fn runs(&self) -> impl Iterator<Item = (Range<u32>, MapBounds)> + '_ {
         let runs = self.geometry.chunk_bounds().of(self.geometry.casters());
         runs.map(|(run, b)| (run, self.space.block(&b)))
             .filter(|(_, b)| self.matters(b))
     }
 
     /// A box around those parts of casters that may matter; empty if there are none.
-    pub(super) fn around_casters(&self) -> Bounds {
-        let mut found = Bounds::EMPTY;
+    pub(super) fn around_casters(&self) -> MapBounds {
+        let mut found = MapBounds::EMPTY;
         for (run, b) in self.runs() {
             if adds_nothing(&b.within(&self.shown), &found) {
                 continue;
             }
             for triangle in run {
                 let polygon = self.space.triangle(self.geometry.corners(triangle));
-                let b = Bounds::around(polygon.corners().iter().copied());
+                let b = MapBounds::around(polygon.corners().iter().copied());
                 if adds_nothing(&b.within(&self.shown), &found) || !self.matters(&b) {
                     continue;
                 }
@@ -255,26 +255,29 @@ impl<'a> Need<'a> {
         found
     }
 
-    /// A box around what of a caster lies where casters count.
-    fn part(&self, polygon: &super::polygon::Polygon) -> Bounds {
-        let (min, max) = (self.shown.min, self.shown.max);
-        let left = polygon.clip(DVec3::X, min.x).clip(DVec3::NEG_X, -max.x);
-        let left = left.clip(DVec3::Y, min.y).clip(DVec3::NEG_Y, -max.y);
-        Bounds::around(left.corners().iter().copied())
+    /// Returns a box around the part of a caster that lies within `shown`, sideways.
+    fn part(&self, polygon: &MapPolygon) -> MapBounds {
+        let min = self.shown.min;
+        let max = self.shown.max;
+        let cut = clip(polygon, DVec3::X, min.x);
+        let cut = clip(&cut, DVec3::NEG_X, -max.x);
+        let cut = clip(&cut, DVec3::Y, min.y);
+        let cut = clip(&cut, DVec3::NEG_Y, -max.y);
+        MapBounds::around(cut.corners().iter().copied())
     }
 
     /// The casters that may matter.
     pub(super) fn casters(&self) -> impl Iterator<Item = u32> + '_ {
         let matters = |&t: &u32| {
             let polygon = self.space.triangle(self.geometry.corners(t));
-            self.matters(&Bounds::around(polygon.corners().iter().copied()))
+            self.matters(&MapBounds::around(polygon.corners().iter().copied()))
         };
         self.runs().flat_map(|(run, _)| run).filter(matters)
     }
 }
 
 /// Whether a box lies where casters were found before, and no nearer to the light.
-fn adds_nothing(b: &Bounds, found: &Bounds) -> bool {
+fn adds_nothing(b: &MapBounds, found: &MapBounds) -> bool {
     b.min.cmpge(found.min).all() && b.max.truncate().cmple(found.max.truncate()).all()
 }
 

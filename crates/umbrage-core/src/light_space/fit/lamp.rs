@@ -6,9 +6,9 @@ use crate::{
         fit::{
             WIDEST_HALF_ANGLE,
             cull::{self, Lookups, Need, Receiving},
-            map_space::{Bounds, MapSpace},
+            map_space::{MapBounds, MapSpace},
             parallel::inner,
-            perspective::NEAREST,
+            perspective::MIN_NEAR_OVER_FAR,
             points::{caster_reach, receiver_points},
         },
         layers::cube_face_views,
@@ -18,14 +18,14 @@ use crate::{
 use glam::{DAffine3, DVec3, Mat4, Vec3};
 
 /// Room beside the outermost directions, as a fraction of their tangent: for rounding.
-const SLACK: f64 = 1e-3;
+const TANGENT_SLACK: f64 = 1e-3;
 /// Half angle, radians, of the pyramid where nothing matters: as good as any.
-const ANYTHING: f64 = 0.5;
+const DEFAULT_HALF_ANGLE: f64 = 0.5;
 /// A pyramid is turned off its axis only if that halves its texels: biases in texels and the search for blockers are exact
 /// for surfaces parallel to the map, and lamps are mostly set up straight above what they light.
-const WORTHWHILE: f64 = 0.5;
+const MAX_TURNED_OVER_STRAIGHT: f64 = 0.5;
 /// Steps towards the axis that makes the widest angle least. Each centres what was found around the last axis.
-const STEPS: usize = 4;
+const MAX_AXIS_STEPS: usize = 4;
 
 /// A light with a position, amid known triangles.
 #[derive(Clone, Debug)]
@@ -74,19 +74,19 @@ impl<'a> Lamp<'a> {
 
     /// A box, in map space, around what casts onto receivers within a pyramid of this tangent: sideways where something
     /// also receives. Empty if nothing can fall on anything there.
-    fn needed(&self, view_from_world: &Mat4, tangent: f64) -> Bounds {
+    fn needed(&self, view_from_world: &Mat4, tangent: f64) -> MapBounds {
         self.needed_of(self.seen.as_deref(), view_from_world, tangent)
     }
 
     /// As [`Lamp::needed`], if these are the points seen in the pyramid.
-    fn needed_of(&self, seen: Option<&[Vec3]>, view_from_world: &Mat4, tangent: f64) -> Bounds {
+    fn needed_of(&self, seen: Option<&[Vec3]>, view_from_world: &Mat4, tangent: f64) -> MapBounds {
         let view_from_world = DAffine3::from_mat4(view_from_world.as_dmat4());
         let space = MapSpace {
             view_from_world,
-            nearest: Some(self.far * f64::from(NEAREST)),
+            nearest: Some(self.far * f64::from(MIN_NEAR_OVER_FAR)),
         };
-        let side = DVec3::splat(tangent * (1.0 + SLACK));
-        let column = Bounds {
+        let side = DVec3::splat(tangent * (1.0 + TANGENT_SLACK));
+        let column = MapBounds {
             min: -side,
             max: side,
         };
@@ -95,18 +95,20 @@ impl<'a> Lamp<'a> {
         let last = space.rank(self.far);
         let lookups = self.lookups(&space, &around, tangent);
         let mut first = cull::first_rank(self.geometry, &space, &column);
-        let mut found = Bounds::EMPTY;
+        let mut found = MapBounds::EMPTY;
         // As for parallel light: asked twice if what matters depends on the first caster that does.
         for _ in 0..if self.view.light.is_ideal() { 1 } else { 2 } {
             let reach = lookups.reach(self.view.light, [first.unwrap_or(last), last]);
             let need = Need::new(space, self.geometry, &receivers, &reach);
-            found = need.map_or(Bounds::EMPTY, |need| need.on_map(&column).around_casters());
+            found = need.map_or(MapBounds::EMPTY, |need| {
+                need.on_map(&column).around_casters()
+            });
             first = Some(found.min.z);
         }
         found.within(&around)
     }
 
-    fn lookups(&self, space: &MapSpace, receivers: &Bounds, tangent: f64) -> Lookups {
+    fn lookups(&self, space: &MapSpace, receivers: &MapBounds, tangent: f64) -> Lookups {
         let texel = 2.0 * tangent / f64::from(inner(self.size, self.margin));
         let nearest = if receivers.is_empty() {
             self.far
@@ -136,7 +138,7 @@ impl<'a> Lamp<'a> {
     }
 
     /// What each face of a cube needs, and its view. Points are dealt out first, since each is seen in a face or two.
-    fn faces(&self, tangent: f64) -> Result<[(Mat4, Bounds); 6], Invalid> {
+    fn faces(&self, tangent: f64) -> Result<[(Mat4, MapBounds); 6], Invalid> {
         let seen = self
             .seen
             .as_ref()
@@ -164,7 +166,7 @@ impl<'a> Lamp<'a> {
             .min(tangent);
         let turned = self.around(&corners(&view_from_world, &needed))?;
         Ok(turned
-            .filter(|n| n.1 < straight * WORTHWHILE)
+            .filter(|n| n.1 < straight * MAX_TURNED_OVER_STRAIGHT)
             .unwrap_or((axis, straight)))
     }
 
@@ -175,7 +177,7 @@ impl<'a> Lamp<'a> {
             directions.extend(corners(&face, &needed));
         }
         if directions.is_empty() {
-            return Ok(Some((Vec3::NEG_Y, ANYTHING.tan())));
+            return Ok(Some((Vec3::NEG_Y, DEFAULT_HALF_ANGLE.tan())));
         }
         let widest = f64::from(WIDEST_HALF_ANGLE.to_radians()).tan();
         match self.around(&directions)?.filter(|aim| aim.1 <= widest) {
@@ -188,7 +190,7 @@ impl<'a> Lamp<'a> {
     fn around(&self, directions: &[DVec3]) -> Result<Option<Aim>, Invalid> {
         let mut axis = directions.iter().map(|d| d.normalize()).sum::<DVec3>();
         let mut best: Option<Aim> = None;
-        for _ in 0..STEPS {
+        for _ in 0..MAX_AXIS_STEPS {
             if axis.length() < 1e-9 {
                 break;
             }
@@ -201,7 +203,7 @@ impl<'a> Lamp<'a> {
             if in_view.is_empty() || in_view.iter().any(|d| -d.z < 1e-6 * d.length()) {
                 break;
             }
-            let b = Bounds::around(in_view.iter().map(|d| *d / -d.z));
+            let b = MapBounds::around(in_view.iter().map(|d| *d / -d.z));
             let tangent = b.min.abs().max(b.max.abs()).truncate().max_element();
             if best.is_none_or(|best| tangent < best.1) {
                 best = Some((direction, tangent));
@@ -215,13 +217,13 @@ impl<'a> Lamp<'a> {
 }
 
 /// The distance of the first caster in a box of map space.
-fn first_distance(needed: &Bounds) -> Option<f32> {
-    (!needed.is_empty()).then(|| (-(1.0 - SLACK) / needed.min.z) as f32)
+fn first_distance(needed: &MapBounds) -> Option<f32> {
+    (!needed.is_empty()).then(|| (-(1.0 - TANGENT_SLACK) / needed.min.z) as f32)
 }
 
 /// The points that may lie in each face of a cube, in the order of its views; those near an edge in each that it borders.
 fn dealt_out(points: &[Vec3], eye: Vec3, tangent: f32) -> [Vec<Vec3>; 6] {
-    let wide = tangent * (1.0 + 2.0 * SLACK as f32);
+    let wide = tangent * (1.0 + 2.0 * TANGENT_SLACK as f32);
     let mut faces: [Vec<Vec3>; 6] = Default::default();
     for &p in points {
         let d = p - eye;
@@ -236,7 +238,7 @@ fn dealt_out(points: &[Vec3], eye: Vec3, tangent: f32) -> [Vec<Vec3>; 6] {
 }
 
 /// The directions, in the world, of a box's corners on a map.
-fn corners(view_from_world: &Mat4, b: &Bounds) -> Vec<DVec3> {
+fn corners(view_from_world: &Mat4, b: &MapBounds) -> Vec<DVec3> {
     if b.is_empty() {
         return Vec::new();
     }

@@ -7,12 +7,12 @@ use std::sync::Mutex;
 /// settings on one view hangs it on that view: [`View::with_fits`](crate::View::with_fits).
 #[derive(Debug, Default)]
 pub struct FitMemory {
-    found: Mutex<Vec<(Asked, Result<LightSpaces, RecipeError>)>>,
+    found: Mutex<Vec<(FitKey, Result<LightSpaces, RecipeError>)>>,
 }
 
 /// What a fit hangs on beside the view.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Asked {
+pub(super) struct FitKey {
     pub(super) fit: Fit,
     pub(super) layout: Layout,
     pub(super) size: u32,
@@ -23,7 +23,7 @@ impl FitMemory {
     /// What was found before, else what `find` finds.
     pub(super) fn recall(
         &self,
-        asked: Asked,
+        key: FitKey,
         find: impl FnOnce() -> Result<LightSpaces, RecipeError>,
     ) -> Result<LightSpaces, RecipeError> {
         // A thread that panicked while it held the lock has left whole entries behind.
@@ -32,11 +32,11 @@ impl FitMemory {
                 .lock()
                 .unwrap_or_else(std::sync::PoisonError::into_inner)
         };
-        if let Some((_, known)) = lock().iter().find(|(before, _)| *before == asked) {
+        if let Some((_, known)) = lock().iter().find(|(before, _)| *before == key) {
             return known.clone();
         }
         let new = find();
-        lock().push((asked, new.clone()));
+        lock().push((key, new.clone()));
         new
     }
 }

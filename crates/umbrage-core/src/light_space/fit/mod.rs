@@ -8,7 +8,6 @@ mod memory;
 mod parallel;
 mod perspective;
 mod points;
-mod polygon;
 mod relevant;
 mod stable;
 #[cfg(test)]
@@ -133,7 +132,7 @@ impl Fit {
         };
         match view.fits {
             Some(memory) => memory.recall(
-                memory::Asked {
+                memory::FitKey {
                     fit: *self,
                     layout,
                     size,

@@ -6,7 +6,7 @@ use crate::{
         Extents, LightSpace,
         fit::{
             cull::{self, Lookups, Need, Receiving},
-            map_space::{Bounds, MapSpace},
+            map_space::{MapBounds, MapSpace},
             points::{
                 bounds_in, caster_points, caster_reach, casters_on, padded, receiver_points,
                 rounding,
@@ -90,7 +90,7 @@ fn needed_casters(
         nearest: None,
     };
     let last = -f64::from(receivers.min.z);
-    let column = Bounds {
+    let column = MapBounds {
         min: receivers.min.as_dvec3(),
         max: receivers.max.as_dvec3(),
     };
@@ -113,7 +113,7 @@ fn needed_casters(
     for _ in 0..if view.light.is_ideal() { 1 } else { 2 } {
         let reach = lookups.reach(view.light, [found.min.z, last]);
         let need = Need::new(space, geometry, &looked_up, &reach);
-        found = need.map_or(Bounds::EMPTY, |need| need.around_casters());
+        found = need.map_or(MapBounds::EMPTY, |need| need.around_casters());
     }
     if found.is_empty() {
         return Aabb::EMPTY;

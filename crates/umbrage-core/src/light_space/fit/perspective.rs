@@ -4,7 +4,7 @@ use crate::{
     Aabb, CasterSet, Light, RecipeError, View,
     light_space::{
         LightSpace,
-        depth_range::{Pyramid, depth_range},
+        depth_range::{ViewPyramid, depth_range},
         fit::{
             Fit, WIDEST_HALF_ANGLE,
             lamp::Lamp,
@@ -18,9 +18,9 @@ use glam::{Mat4, Vec3};
 
 /// Nearest plane of a perspective fit, as a fraction of its far plane: 2^-14. Depths there are still told apart to 2^-10 of
 /// their distance; a caster nearer than that (.6 mm from a lamp over 10 m) is lost rather than everyone's precision.
-pub(super) const NEAREST: f32 = 1.0 / 16_384.0;
+pub(super) const MIN_NEAR_OVER_FAR: f32 = 1.0 / 16_384.0;
 /// Radians beside the outermost caster, for rounding.
-const BESIDE: f32 = 1e-3;
+const ANGLE_PADDING: f32 = 1e-3;
 
 /// One pyramid.
 pub(super) fn single(
@@ -150,7 +150,7 @@ fn cone(view: &View<'_>, eye: Vec3, lamp: Option<&Lamp<'_>>) -> Result<(Vec3, f3
         } => (direction, outer),
         _ => cone_around_casters(view, eye),
     };
-    let angle = |tangent: f64| tangent.atan() as f32 + BESIDE;
+    let angle = |tangent: f64| tangent.atan() as f32 + ANGLE_PADDING;
     let too_wide = widest.to_degrees() > WIDEST_HALF_ANGLE;
     match lamp {
         Some(lamp) if !too_wide => {
@@ -180,7 +180,7 @@ fn cone_around_casters(view: &View<'_>, eye: Vec3) -> (Vec3, f32) {
     let widest = directions().map(|d| d.dot(axis)).fold(1.0, f64::min);
     (
         axis.as_vec3(),
-        widest.clamp(-1.0, 1.0).acos() as f32 + BESIDE,
+        widest.clamp(-1.0, 1.0).acos() as f32 + ANGLE_PADDING,
     )
 }
 
@@ -192,14 +192,14 @@ fn is_needed(view: &View<'_>, view_from_world: &Mat4, half_angle: f32) -> bool {
         depth_range(&pyramid, triangles.map(|t| g.corners(t))).is_some()
     };
     let receives = || match view.receivers {
-        Some(r) => r.positions().any(|p| pyramid.holds(p)),
+        Some(r) => r.positions().any(|p| pyramid.contains(p)),
         None => meets(g.receivers()),
     };
     meets(g.casters()) && receives()
 }
 
-fn pyramid(view_from_world: &Mat4, half_angle: f32) -> Pyramid {
-    Pyramid {
+fn pyramid(view_from_world: &Mat4, half_angle: f32) -> ViewPyramid {
+    ViewPyramid {
         view_from_world: *view_from_world,
         tangents: [f64::from(half_angle.tan()); 2],
     }
@@ -237,7 +237,8 @@ fn far_plane(view: &View<'_>, view_from_world: &Mat4) -> f32 {
 
 fn range(near: Option<f32>, far: f32) -> [f32; 2] {
     [
-        near.unwrap_or(far * 0.5).clamp(far * NEAREST, far * 0.5),
+        near.unwrap_or(far * 0.5)
+            .clamp(far * MIN_NEAR_OVER_FAR, far * 0.5),
         far,
     ]
 }

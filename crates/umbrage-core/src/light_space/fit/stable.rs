@@ -15,7 +15,7 @@ use crate::{
         LightSpace,
         fit::{
             cull::{Need, Reach, Receiving},
-            map_space::{Bounds, MapSpace},
+            map_space::{MapBounds, MapSpace},
         },
         look_along,
     },
@@ -25,9 +25,9 @@ use glam::{DAffine3, DVec2, DVec3, Mat4, Vec3, Vec4};
 /// Steps in which the near plane moves, as a fraction of the sphere's radius.
 const DEPTH_STEP: f64 = 0.25;
 /// Texels beside the sphere: one for the outermost receivers' own, one for the step.
-const BESIDE: f64 = 2.0;
+const BORDER_TEXELS: f64 = 2.0;
 /// Least radius, as a fraction of the coordinates: below, 32-bit positions could not be told apart.
-const LEAST: f64 = 1.0 / 1_048_576.0;
+const MIN_RADIUS_OVER_COORDINATE: f64 = 1.0 / 1_048_576.0;
 
 #[derive(Clone, Copy, Debug)]
 struct Sphere {
@@ -46,7 +46,7 @@ pub(super) fn parallel(
     invalid::positive("stable fit's range", range)?;
     let view_from_world = look_along(Vec3::ZERO, direction, Vec3::Y)?;
     let sphere = smallest(view, f64::from(range));
-    let inner = (f64::from(size) - 2.0 * (f64::from(margin) + BESIDE)).max(1.0);
+    let inner = (f64::from(size) - 2.0 * (f64::from(margin) + BORDER_TEXELS)).max(1.0);
     let half_side = sphere.radius * f64::from(size) / inner;
     let [near, depth] = depths(view, &view_from_world, &sphere, half_side);
     let (across, along) = ((1.0 / half_side) as f32, (-1.0 / depth) as f32);
@@ -82,7 +82,7 @@ fn depths(view: &View<'_>, view_from_world: &Mat4, sphere: &Sphere, half_side: f
     let center = space.view_from_world.transform_point3(sphere.center);
     let (first, last) = (-center.z - sphere.radius, -center.z + sphere.radius);
     let side = DVec3::new(half_side, half_side, 0.0);
-    let column = Bounds {
+    let column = MapBounds {
         min: (center - side).with_z(first),
         max: (center + side).with_z(last),
     };
@@ -96,7 +96,7 @@ fn depths(view: &View<'_>, view_from_world: &Mat4, sphere: &Sphere, half_side: f
 }
 
 /// The rank of the first caster in a column.
-fn first_caster(view: &View<'_>, space: &MapSpace, column: &Bounds) -> f64 {
+fn first_caster(view: &View<'_>, space: &MapSpace, column: &MapBounds) -> f64 {
     let found = match view.geometry {
         Some(geometry) => {
             let nothing = Reach {
@@ -104,7 +104,7 @@ fn first_caster(view: &View<'_>, space: &MapSpace, column: &Bounds) -> f64 {
                 behind: 0.0,
             };
             let need = Need::new(*space, geometry, &Receiving::within(*column), &nothing);
-            need.map_or(Bounds::EMPTY, |need| need.around_casters())
+            need.map_or(MapBounds::EMPTY, |need| need.around_casters())
         }
         None => space.block(&view.casters),
     };
@@ -128,7 +128,7 @@ fn smallest(view: &View<'_>, range: f64) -> Sphere {
         });
     sphere.radius = sphere
         .radius
-        .max(sphere.center.abs().max_element() * LEAST)
+        .max(sphere.center.abs().max_element() * MIN_RADIUS_OVER_COORDINATE)
         .max(f64::from(f32::MIN_POSITIVE));
     sphere
 }
