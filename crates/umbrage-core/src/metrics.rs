@@ -130,7 +130,8 @@ impl<'a> ReferenceMask<'a> {
         }
         let n = out.counted.max(1) as f64;
         out.rmse = (sum_of_squares / n).sqrt();
-        (out.mean, out.bias) = (out.mean / n, out.bias / n);
+        out.mean /= n;
+        out.bias /= n;
         for share in [&mut out.false_shadow, &mut out.false_light, &mut out.acne] {
             *share *= 100.0 / n;
         }
@@ -169,49 +170,69 @@ impl Errors {
     }
 }
 
-/// Pixels on true shadow edges, as [`Errors::measure`] defines them.
+/// Returns which pixels lie on true shadow edges, as [`Errors::measure`] defines them.
 pub fn edges(size: UVec2, truth: &[f32], pixels: &[Pixel]) -> Vec<bool> {
-    let (w, h) = (size.x as usize, size.y as usize);
+    let width = size.x as usize;
+    let height = size.y as usize;
     let differs = |i: usize, j: usize| {
         pixels[j] != Pixel::Empty && (truth[i] - truth[j]).abs() > ERROR_THRESHOLD
     };
-    let is_edge = |i: usize| {
-        let (x, y) = (i % w, i / w);
-        pixels[i] != Pixel::Empty
+    let mut is_edge = vec![false; width * height];
+    for (i, is_edge) in is_edge.iter_mut().enumerate() {
+        let x = i % width;
+        let y = i / width;
+        *is_edge = pixels[i] != Pixel::Empty
             && ((PENUMBRA..=1.0 - PENUMBRA).contains(&truth[i])
                 || (x > 0 && differs(i, i - 1))
-                || (x + 1 < w && differs(i, i + 1))
-                || (y > 0 && differs(i, i - w))
-                || (y + 1 < h && differs(i, i + w)))
-    };
-    (0..w * h).map(is_edge).collect()
+                || (x + 1 < width && differs(i, i + 1))
+                || (y > 0 && differs(i, i - width))
+                || (y + 1 < height && differs(i, i + width)));
+    }
+    is_edge
 }
 
-/// Whether each pixel lies within `distance` (Euclidean, between centres, in pixels) of a set pixel: an exact distance
+/// Returns whether each pixel lies within `distance` (Euclidean, between centres, in pixels) of a set pixel: an exact distance
 /// transform cut off at `distance`, columns first, then rows.
 pub fn near(size: UVec2, set: &[bool], distance: u32) -> Vec<bool> {
-    let (w, h, far) = (size.x as usize, size.y as usize, distance + 1);
-    let mut column = vec![far; w * h];
-    for x in 0..w {
-        let mut pass = |rows: &mut dyn Iterator<Item = usize>| {
-            let mut d = far;
-            for i in rows.map(|y| y * w + x) {
-                d = if set[i] { 0 } else { (d + 1).min(far) };
-                column[i] = column[i].min(d);
-            }
-        };
-        pass(&mut (0..h));
-        pass(&mut (0..h).rev());
-    }
+    let width = size.x as usize;
+    let column_distance = distances_in_columns(size, set, distance);
     let reach = distance as usize;
-    let within = |i: usize| {
-        let (x, row) = (i % w, i - i % w);
-        (x.saturating_sub(reach)..=(x + reach).min(w - 1)).any(|k| {
-            let (dx, dy) = (k.abs_diff(x) as u64, u64::from(column[row + k]));
-            dx * dx + dy * dy <= u64::from(distance) * u64::from(distance)
-        })
-    };
-    (0..w * h).map(within).collect()
+    let limit_squared = u64::from(distance) * u64::from(distance);
+    let mut near = vec![false; column_distance.len()];
+    for (i, near) in near.iter_mut().enumerate() {
+        let x = i % width;
+        let row = i - x;
+        let first = x.saturating_sub(reach);
+        let last = (x + reach).min(width - 1);
+        *near = (first..=last).any(|k| {
+            let dx = k.abs_diff(x) as u64;
+            let dy = u64::from(column_distance[row + k]);
+            dx * dx + dy * dy <= limit_squared
+        });
+    }
+    near
+}
+
+/// Returns each pixel's distance to the nearest set pixel of its column, pixels; at most `distance + 1`.
+fn distances_in_columns(size: UVec2, set: &[bool], distance: u32) -> Vec<u32> {
+    let width = size.x as usize;
+    let height = size.y as usize;
+    let far = distance + 1;
+    let mut distances = vec![far; width * height];
+    for x in 0..width {
+        // Down from the last set pixel above, then up from the last set pixel below.
+        let mut above = far;
+        for i in (0..height).map(|y| y * width + x) {
+            above = if set[i] { 0 } else { (above + 1).min(far) };
+            distances[i] = above;
+        }
+        let mut below = far;
+        for i in (0..height).rev().map(|y| y * width + x) {
+            below = if set[i] { 0 } else { (below + 1).min(far) };
+            distances[i] = distances[i].min(below);
+        }
+    }
+    distances
 }
 
 /// Why two masks may differ at a pixel.
@@ -220,7 +241,7 @@ pub enum Doubt {
     /// They may not: the answer there is decided.
     #[default]
     None,
-    /// The answer there hangs on rounding.
+    /// Rounding decides the answer there.
     Rounding,
     /// Their backends see different triangles there.
     Triangle,

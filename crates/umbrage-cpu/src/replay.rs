@@ -3,7 +3,7 @@
 use crate::{
     Cpu,
     backend::{check_recipe, nothing_seen},
-    cast::{self, Canvas},
+    cast::{self, CastAttachments},
     filter, gbuffer, receive, shade,
 };
 use umbrage_core::{
@@ -76,12 +76,12 @@ impl Cpu {
         if let Source::Faces(faces) = &cast.source {
             faces.validate()?;
         }
-        let canvas = Canvas {
+        let target = CastAttachments {
             image,
             other: &[],
             clear: true,
         };
-        self.install(|cpu| cast::draw(&mut cpu.rasterizer, canvas, cast, geometry, cpu.simd));
+        self.install(|cpu| cast::draw(&mut cpu.rasterizer, target, cast, geometry, cpu.simd));
         Ok(())
     }
 

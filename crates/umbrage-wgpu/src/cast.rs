@@ -43,7 +43,8 @@ impl CastStage {
         &mut self,
         maker: &mut ResourceFactory<'_>,
         pipelines: &mut Pipelines,
-        (casts, images): (&[Cast], &[GpuImage]),
+        casts: &[Cast],
+        images: &[GpuImage],
         faces: &mut FaceBuffers,
         frame: &FrameInputs<'_>,
     ) {

@@ -43,17 +43,21 @@ impl FilterStage {
                 pipelines,
                 sources,
                 kernel,
-                (&filter.inputs, &filter.tables),
+                &filter.inputs,
+                &filter.tables,
             );
-            let text = (
-                filter_shader(&kernel_wgsl(kernel, &shape, 0)),
-                "umbrage_filter",
-            );
+            let text = filter_shader(&kernel_wgsl(kernel, &shape, 0));
             let output = &sources.images[filter.output];
             let format = texture_format(output.desc.format);
             let label = format!("umbrage filter into {}", output.desc.label);
-            stage.pipeline =
-                Some(pipelines.kernel(maker, &label, text, format, &[stage.binding.layout()]));
+            stage.pipeline = Some(pipelines.kernel(
+                maker,
+                &label,
+                text,
+                "umbrage_filter",
+                format,
+                &[stage.binding.layout()],
+            ));
             targets.clone_from(&output.layers);
         }
     }

@@ -149,10 +149,11 @@ impl Drawable<'_> {
         check_buffer(
             self.vertices,
             "vertex buffer",
-            (BufferUsages::VERTEX, "VERTEX"),
+            BufferUsages::VERTEX,
+            "VERTEX",
         )?;
         if let Some(Indices { buffer, .. }) = self.indices {
-            check_buffer(buffer, "index buffer", (BufferUsages::INDEX, "INDEX"))?;
+            check_buffer(buffer, "index buffer", BufferUsages::INDEX, "INDEX")?;
         }
         if let Some(place) = self.world_from_local {
             invalid::finite("world from local", &place.to_cols_array())?;
@@ -248,12 +249,13 @@ impl VertexLayout {
 fn check_buffer(
     buffer: &Buffer,
     what: &str,
-    (usage, name): (BufferUsages, &str),
+    usage: BufferUsages,
+    usage_name: &str,
 ) -> Result<(), Invalid> {
     if buffer.usage().contains(usage) {
         return Ok(());
     }
-    let why = format!("was made without the usage `BufferUsages::{name}`");
+    let why = format!("was made without the usage `BufferUsages::{usage_name}`");
     Err(Invalid::new(what, why, "add it where the buffer is made"))
 }
 

@@ -46,10 +46,14 @@ impl Lookup {
         };
         fit_images(maker, &mut self.mask, &[mask], &[]);
         let receive = &sources.recipe.receive;
-        let reads = (&receive.inputs[..], &receive.tables[..]);
-        let shape = self
-            .kernel
-            .bind(maker, pipelines, sources, &*receive.kernel, reads);
+        let shape = self.kernel.bind(
+            maker,
+            pipelines,
+            sources,
+            &*receive.kernel,
+            &receive.inputs,
+            &receive.tables,
+        );
         let (slots, bound) = gbuffer(&frame.receivers);
         let layout = pipelines.layouts.get(maker, ShaderStages::FRAGMENT, &slots);
         self.gbuffer.set(maker, "umbrage receivers", &layout, bound);
@@ -60,9 +64,14 @@ impl Lookup {
             frame.receivers.triangle.is_some(),
         );
         let groups = groups(options, &self.kernel, &layout);
-        let (label, text) = ("umbrage receive", (text, "umbrage_receive"));
-        self.kernel.pipeline =
-            Some(pipelines.kernel(maker, label, text, TextureFormat::R32Float, &groups));
+        self.kernel.pipeline = Some(pipelines.kernel(
+            maker,
+            "umbrage receive",
+            text,
+            "umbrage_receive",
+            TextureFormat::R32Float,
+            &groups,
+        ));
         &self.mask[0]
     }
 

@@ -127,7 +127,8 @@ impl ShadowRenderer {
             &mut maker,
             &mut self.shared,
             self.options,
-            (recipe, &pairs),
+            recipe,
+            &pairs,
             frame,
         );
         if let Err(e) = scopes.close() {

@@ -33,7 +33,8 @@ impl ShadePass {
         pipelines: &mut Pipelines,
         sources: &mut Sources<'_>,
         options: RendererOptions,
-        (frame, mask): (&FrameInputs<'_>, &GpuImage),
+        frame: &FrameInputs<'_>,
+        mask: &GpuImage,
     ) {
         let Some(shade) = &sources.recipe.shade else {
             return *self = Self::default();
@@ -51,7 +52,8 @@ impl ShadePass {
             pipelines,
             sources,
             &*shade.kernel,
-            (&[], &shade.tables),
+            &[],
+            &shade.tables,
         );
         let (mut slots, mut bound) = gbuffer(&frame.receivers);
         slots.push(Slot::Floats { layered: false });
@@ -63,9 +65,14 @@ impl ShadePass {
             options.gbuffer_group(),
         );
         let groups = groups(options, &self.kernel, &layout);
-        let (label, text) = ("umbrage shade", (text, "umbrage_shade"));
-        self.kernel.pipeline =
-            Some(pipelines.kernel(maker, label, text, TextureFormat::Rgba32Float, &groups));
+        self.kernel.pipeline = Some(pipelines.kernel(
+            maker,
+            "umbrage shade",
+            text,
+            "umbrage_shade",
+            TextureFormat::Rgba32Float,
+            &groups,
+        ));
     }
 
     /// Records the pass, if the recipe shades.

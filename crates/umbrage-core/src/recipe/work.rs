@@ -7,7 +7,7 @@ use rayon::prelude::*;
 /// A clip-space triangle cut by the six planes of the view volume: at most nine corners.
 type ClipPolygon = Polygon<DVec4, 9>;
 
-/// What a kernel does for one receiver, at most.
+/// What a kernel reads for one receiver, at most.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct KernelCost {
     /// Texels loaded.
@@ -54,7 +54,7 @@ impl KernelCost {
     }
 }
 
-/// What playing a recipe takes.
+/// The work of running a recipe once.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize,
 )]
@@ -77,27 +77,27 @@ pub struct Work {
     pub samples: u64,
     /// Rays traced, at most.
     pub rays: u64,
-    /// Casters' triangles among which rays look.
+    /// Casters' triangles that rays are tested against.
     pub casters: u64,
     /// Bytes of images and tables.
     pub bytes: u64,
 }
 
 impl Work {
-    /// The work of a recipe for the view that it was planned for. Without `view.receivers` every pixel counts as one;
+    /// Returns the work of a recipe for the view that it was made for. Without `view.receivers` every pixel counts as one;
     /// without `view.geometry` only faces that the technique made are counted as drawn.
     pub fn of(view: &View<'_>, recipe: &Recipe) -> Self {
         let pixels = u64::from(view.camera.size.x) * u64::from(view.camera.size.y);
         let receivers = view
             .receivers
             .map_or(pixels, |r| r.receives.iter().filter(|&&r| r).count() as u64);
-        let asks = recipe.receive.kernel.cost_per_receiver();
+        let cost = recipe.receive.kernel.cost_per_receiver();
         let mut work = Self {
             passes: (recipe.casts.len() + recipe.filters.len() + 1) as u64,
             receivers,
-            taps: receivers * u64::from(asks.taps),
-            samples: receivers * u64::from(asks.samples),
-            rays: receivers * u64::from(asks.rays),
+            taps: receivers * u64::from(cost.taps),
+            samples: receivers * u64::from(cost.samples),
+            rays: receivers * u64::from(cost.rays),
             casters: view.geometry.map_or(0, |g| g.casters().len() as u64),
             bytes: recipe.image_bytes() + recipe.table_bytes(),
             ..Self::default()
@@ -109,66 +109,64 @@ impl Work {
             work.covered += covered;
             work.cleared += u64::from(size.x) * u64::from(size.y);
         }
-        let texels = |id: usize| {
-            let image = &recipe.images[id];
-            u64::from(image.size.x) * u64::from(image.size.y) * u64::from(image.layers)
-        };
-        work.filtered = recipe.filters.iter().map(|f| texels(f.output)).sum();
+        for filter in &recipe.filters {
+            let image = &recipe.images[filter.output];
+            work.filtered +=
+                u64::from(image.size.x) * u64::from(image.size.y) * u64::from(image.layers);
+        }
         work
     }
 }
 
-/// How many triangles a cast draws, and how many texels they cover.
+/// Returns how many triangles a cast draws, and how many texels they cover on a map of `size`.
 fn drawn(geometry: Option<&Geometry>, cast: &Cast, size: UVec2) -> (u64, u64) {
     let clip_from_world = cast.space.clip_from_world().as_dmat4();
-    let (count, area) = match (&cast.source, geometry) {
+    let mut count = 0;
+    let mut area = 0.0;
+    match (&cast.source, geometry) {
         (Source::Faces(faces), _) => {
-            let corner = |v: u32| faces.vertices[v as usize].as_dvec4();
-            (
-                faces.triangles.len(),
-                sum(&faces.triangles, clip_from_world, cast.cull, corner),
-            )
+            count = faces.triangles.len();
+            area = total_area(&faces.triangles, clip_from_world, cast.cull, |v| {
+                faces.vertices[v as usize].as_dvec4()
+            });
         }
-        (_, None) => (0, 0.0),
-        (source, Some(g)) => {
-            let corner = |v: u32| g.positions()[v as usize].as_dvec3().extend(1.0);
-            let mut count = 0;
-            let mut area = 0.0;
-            for run in source.runs(g) {
-                let triangles = g.run(&run);
+        (_, None) => {}
+        (source, Some(geometry)) => {
+            for run in source.runs(geometry) {
+                let triangles = geometry.run(&run);
                 count += triangles.len();
-                area += sum(triangles, clip_from_world, cast.cull, corner);
+                area += total_area(triangles, clip_from_world, cast.cull, |v| {
+                    geometry.positions()[v as usize].as_dvec3().extend(1.0)
+                });
             }
-            (count, area)
         }
-    };
-    (
-        count as u64,
-        (area * 0.25 * f64::from(size.x) * f64::from(size.y)).round() as u64,
-    )
+    }
+    // The view's area is four square units.
+    let covered = (area * 0.25 * f64::from(size.x) * f64::from(size.y)).round() as u64;
+    (count as u64, covered)
 }
 
-/// The triangles' area in the view of 2 x 2 clip units.
-fn sum(
+/// Returns the sum of the triangles' areas in the view of 2 x 2 clip units. `position` gives a vertex' homogeneous world position.
+fn total_area(
     triangles: &[[u32; 3]],
     clip_from_world: DMat4,
     cull: Cull,
-    corner: impl Fn(u32) -> DVec4 + Sync,
+    position: impl Fn(u32) -> DVec4 + Sync,
 ) -> f64 {
-    let area = |t: &[u32; 3]| area(t.map(|v| clip_from_world * corner(v)), cull);
+    let area_of = |triangle: &[u32; 3]| area(triangle.map(|v| clip_from_world * position(v)), cull);
     // Chunks are added up in order, so that the sum is the same on any number of threads.
-    let parts: Vec<f64> = triangles
+    let chunk_sums: Vec<f64> = triangles
         .par_chunks(1024)
-        .map(|part| part.iter().map(area).sum())
+        .map(|chunk| chunk.iter().map(area_of).sum())
         .collect();
-    parts.into_iter().sum()
+    chunk_sums.into_iter().sum()
 }
 
-/// The area of a clip-space triangle within the view; none if it is culled.
+/// Returns the area of a clip-space triangle within the view; 0 if it is culled.
 fn area(corners: [DVec4; 3], cull: Cull) -> f64 {
     let signed = signed_area(corners);
     match cull {
-        // Counter-clockwise, with y up, is the side that is seen.
+        // Counter-clockwise, with y up, is the front.
         Cull::Front if signed > 0.0 => 0.0,
         Cull::Back if signed < 0.0 => 0.0,
         // A triangle without extent may end as nothing divided by nothing.

@@ -58,27 +58,29 @@ impl DrawList {
                 &[]
             },
         );
-        let mut part = |cast: &Cast| match &cast.source {
-            Source::Casters => casters.clone(),
-            Source::SomeCasters(runs) => {
-                let first = draws.len();
-                let some = frame.casters.iter().filter_map(|d| Draw::some(d, runs));
-                draws.extend(some);
-                first..draws.len()
-            }
-            Source::Everything => everything.clone(),
-            Source::Faces(drawn) => {
-                let buffers = faces.get(maker, drawn);
-                let first = draws.len();
-                draws.extend(
-                    (!drawn.triangles.is_empty())
-                        .then(|| Draw::faces(buffers, drawn.triangles.len())),
-                );
-                first..draws.len()
-            }
-        };
-        let casts = casts.iter().map(&mut part).collect();
-        Self { draws, casts }
+        let mut ranges = Vec::with_capacity(casts.len());
+        for cast in casts {
+            let first = draws.len();
+            ranges.push(match &cast.source {
+                Source::Casters => casters.clone(),
+                Source::Everything => everything.clone(),
+                Source::SomeCasters(runs) => {
+                    draws.extend(frame.casters.iter().filter_map(|d| Draw::some(d, runs)));
+                    first..draws.len()
+                }
+                Source::Faces(drawn) => {
+                    let [vertices, indices] = faces.get(maker, drawn);
+                    if !drawn.triangles.is_empty() {
+                        draws.push(Draw::faces(vertices, indices, drawn.triangles.len()));
+                    }
+                    first..draws.len()
+                }
+            });
+        }
+        Self {
+            draws,
+            casts: ranges,
+        }
     }
 
     /// Where each draw's vertices are to be placed.
@@ -127,7 +129,7 @@ impl Draw {
         (!is_empty).then_some(draw)
     }
 
-    fn faces([vertices, indices]: [Buffer; 2], triangles: usize) -> Self {
+    fn faces(vertices: Buffer, indices: Buffer, triangles: usize) -> Self {
         Self {
             vertices,
             indices: Some((indices, IndexFormat::Uint32)),

@@ -51,7 +51,8 @@ impl Resources {
         maker: &mut ResourceFactory<'_>,
         shared: &mut Shared,
         options: RendererOptions,
-        (recipe, pairs): (&Recipe, &[CountingPair]),
+        recipe: &Recipe,
+        pairs: &[CountingPair],
         frame: &FrameInputs<'_>,
     ) {
         let Shared {
@@ -60,13 +61,8 @@ impl Resources {
             faces,
         } = shared;
         fit_images(maker, &mut self.images, &recipe.images, pairs);
-        self.casts.prepare(
-            maker,
-            pipelines,
-            (&recipe.casts, &self.images),
-            faces,
-            frame,
-        );
+        self.casts
+            .prepare(maker, pipelines, &recipe.casts, &self.images, faces, frame);
         self.faces = recipe.casts.iter().filter_map(faces_of).collect();
         let mut sources = Sources {
             recipe,
@@ -78,7 +74,7 @@ impl Resources {
             .lookup
             .prepare(maker, pipelines, &mut sources, options, frame);
         self.shading
-            .prepare(maker, pipelines, &mut sources, options, (frame, mask));
+            .prepare(maker, pipelines, &mut sources, options, frame, mask);
     }
 
     /// Lets go of the faces, if no encoder that draws them waits to be submitted.

@@ -58,7 +58,7 @@ fn on_map(
             0.0
         },
     };
-    let reach = lookups.reach(view.light, [column.min.z, column.max.z]);
+    let reach = lookups.reach(view.light, column.min.z, column.max.z);
     Need::new(map, geometry, &receivers, &reach).map_or(Vec::new(), |need| need.casters().collect())
 }
 
