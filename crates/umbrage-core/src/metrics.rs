@@ -281,8 +281,8 @@ pub struct Agreement {
 }
 
 impl Agreement {
-    /// Compares two masks; `doubts` tells where they may differ, `tolerance` is what the kernel allows beyond [`AGREEMENT_TOLERANCE`]
-    /// ([`Kernel::tolerance`](crate::Kernel::tolerance)).
+    /// Compares two masks; `doubts` tells where they may differ, `tolerance` is what the kernel allows beyond
+    /// [`AGREEMENT_TOLERANCE`] ([`Kernel::tolerance`](crate::Kernel::tolerance)).
     ///
     /// # Errors
     /// When sizes differ or a value is not within 0..=1.

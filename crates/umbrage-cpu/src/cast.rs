@@ -98,8 +98,8 @@ pub(crate) fn draw(
     }
 }
 
-/// Returns the triangles of a geometry that a cast draws. Several runs are copied one after the other, since the rasteriser shares
-/// out one list among threads.
+/// Returns the triangles of a geometry that a cast draws. Several runs are copied one after the other, since the rasteriser
+/// shares out one list among threads.
 fn drawn_triangles<'a>(source: &Source, geometry: &'a Geometry) -> Cow<'a, [[u32; 3]]> {
     let runs = source.runs(geometry);
     if let [run] = &runs[..] {

@@ -12,9 +12,9 @@ use crate::{
 };
 use glam::{Mat4, Vec2, Vec3};
 
-/// Returns, for each receiver that faces the light, shadowed or not, and falls on a map: how many texels of it a pixel spans in the
-/// direction in which it spans the fewest. In the order of the pixels. `size` is the maps' side in texels; `receivers` are what
-/// the view's camera sees.
+/// Returns, for each receiver that faces the light, shadowed or not, and falls on a map: how many texels of it a pixel
+/// spans in the direction in which it spans the fewest. In the order of the pixels. `size` is the maps' side in texels;
+/// `receivers` are what the view's camera sees.
 pub fn texels_per_pixel(
     view: &View<'_>,
     receivers: &Receivers,

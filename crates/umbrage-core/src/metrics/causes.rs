@@ -35,8 +35,8 @@ pub struct Causes {
     pub edge: f64,
     /// Soft edges of the wrong width or with noise.
     pub penumbra: f64,
-    /// How far from the blocker light still reaches under it, metres: of the false light ([`ERROR_THRESHOLD`]) that is a gap, 19 of
-    /// 20 pixels are closer to their blocker. None without any.
+    /// How far from the blocker light still reaches under it, metres: of the false light ([`ERROR_THRESHOLD`]) that is a
+    /// gap, 19 of 20 pixels are closer to their blocker. None without any.
     pub gap_metres: Option<f64>,
     /// Pixels of the mask's penumbra over those of truth's, around true penumbrae: 1 is right, 0 hard. None where truth has
     /// no penumbra.

@@ -1,4 +1,4 @@
-//! Recipes: a shadow algorithm as plain data, to be played by any backend.
+//! Recipes: a shadow algorithm as plain data, which any backend can run.
 
 pub(crate) mod image;
 pub(crate) mod kernel;
@@ -18,7 +18,7 @@ pub type ImageId = usize;
 /// Index into [`Recipe::tables`].
 pub type TableId = usize;
 
-/// Three stages, played in order: casts, filters, receive; and, for pictures, shading.
+/// Three stages, run in order: casts, filters, receive; and, for pictures, shading.
 #[derive(Clone, Debug)]
 pub struct Recipe {
     /// The images that the stages write. Depth images start at 1, others at 0.
@@ -29,7 +29,7 @@ pub struct Recipe {
     pub casts: Vec<Cast>,
     /// Images made from images.
     pub filters: Vec<Filter>,
-    /// The question asked at each receiver.
+    /// What computes each receiver's visibility.
     pub receive: Receive,
     /// Colours for what is seen; none when only the mask is wanted.
     pub shade: Option<Shade>,
@@ -79,7 +79,7 @@ pub struct Cast {
     pub space: LightSpace,
     /// What is drawn.
     pub source: Source,
-    /// What stays of it.
+    /// What is kept of it.
     pub mode: CastMode,
     /// Faces left out.
     pub cull: Cull,
@@ -88,15 +88,14 @@ pub struct Cast {
 }
 
 impl Cast {
-    /// The casters' least depth, without culling and bias.
+    /// Returns a cast of all casters' least depth, without culling and bias.
     pub fn nearest(image: ImageId, layer: u32, space: LightSpace) -> Self {
-        let (source, mode) = (Source::Casters, CastMode::Depth);
         Self {
             image,
             layer,
             space,
-            source,
-            mode,
+            source: Source::Casters,
+            mode: CastMode::Depth,
             cull: Cull::None,
             bias: RasterBias::default(),
         }
@@ -109,8 +108,8 @@ pub enum Source {
     /// All casters.
     #[default]
     Casters,
-    /// Some casters: these ranges of the geometry's list of triangles, rising, with gaps between them. The other casters don't show
-    /// in the image, so a backend that can't tell them apart may draw all.
+    /// Some casters: these ranges of the geometry's list of triangles, rising, with gaps between them. The other casters
+    /// don't show in the image, so a backend that can't tell them apart may draw all.
     SomeCasters(Arc<[Range<u32>]>),
     /// All that the camera may see: casters, receivers, and what is neither.
     Everything,
@@ -155,10 +154,8 @@ pub struct Faces {
 }
 
 impl Faces {
-    /// Objects to indices beyond the vertices, and to vertices that are not finite.
-    ///
     /// # Errors
-    /// If there is either.
+    /// If an index is beyond the vertices, or a vertex is not finite.
     pub fn validate(&self) -> Result<(), Invalid> {
         let count = self.vertices.len();
         let finite = self.vertices.iter().all(|v| v.is_finite());
@@ -178,7 +175,7 @@ impl Faces {
     }
 }
 
-/// What stays of what a cast draws.
+/// What an image keeps of what a cast draws.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum CastMode {
     /// The least depth at each texel.
@@ -262,14 +259,15 @@ impl Recipe {
         self.tables.iter().map(|t| 16 * t.rows.len() as u64).sum()
     }
 
-    /// Objects to what no player could play: sizes of zero or beyond the limits, and ids that name nothing.
+    /// Checks that a backend with these limits can run the recipe.
     ///
     /// # Errors
-    /// The first fault found.
+    /// The first fault found: sizes of zero or beyond the limits, ids that name nothing, formats that don't fit a stage, numbers
+    /// that are not finite.
     pub fn validate(&self, limits: &BackendLimits) -> Result<(), Invalid> {
-        self.images
-            .iter()
-            .try_for_each(|i| check_image(i, limits))?;
+        for image in &self.images {
+            check_image(image, limits)?;
+        }
         for table in &self.tables {
             let bytes = 16 * table.rows.len() as u64;
             if bytes == 0 || bytes > limits.table_bytes {
@@ -302,9 +300,10 @@ impl Recipe {
         }
         self.check_ids("receive", &self.receive.inputs, &self.receive.tables)?;
         self.check_compared()?;
-        self.shade.as_ref().map_or(Ok(()), |shade| {
-            self.check_ids("shading", &[], &shade.tables)
-        })
+        match &self.shade {
+            Some(shade) => self.check_ids("shading", &[], &shade.tables),
+            None => Ok(()),
+        }
     }
 
     fn check_cast(&self, cast: &Cast) -> Result<(), Invalid> {
@@ -329,7 +328,7 @@ impl Recipe {
                 layer(depth).filter(|o| counts && o.format == Format::Depth32)
             }
         };
-        // What lies behind itself by a bias would be peeled for ever.
+        // With a bias, a surface would lie behind its own depth of the last peel, and be peeled again and again.
         let biased =
             cast.bias != RasterBias::default() && matches!(cast.mode, CastMode::DepthPeel(_));
         if other.is_none_or(|o| o.size != image.size || o.layers != image.layers) || biased {
@@ -356,12 +355,13 @@ impl Recipe {
 
     /// Comparison samplers read depth alone.
     fn check_compared(&self) -> Result<(), Invalid> {
-        let depth = |&i: &ImageId| {
-            self.images
-                .get(i)
-                .is_some_and(|image| image.format.is_depth())
-        };
-        if !self.receive.kernel.compares() || self.receive.inputs.iter().any(depth) {
+        let reads_depth = self
+            .receive
+            .inputs
+            .iter()
+            .filter_map(|&id| self.images.get(id))
+            .any(|image| image.format.is_depth());
+        if reads_depth || !self.receive.kernel.compares() {
             return Ok(());
         }
         Err(Invalid::new(
@@ -372,12 +372,11 @@ impl Recipe {
     }
 
     fn check_ids(&self, what: &str, images: &[ImageId], tables: &[TableId]) -> Result<(), Invalid> {
-        let missing = |ids: &[usize], count: usize| ids.iter().find(|&&i| i >= count).copied();
         for (kind, ids, count) in [
             ("image", images, self.images.len()),
             ("table", tables, self.tables.len()),
         ] {
-            if let Some(i) = missing(ids, count) {
+            if let Some(i) = ids.iter().find(|&&i| i >= count) {
                 return Err(Invalid::new(
                     what,
                     format!("reads {kind} {i} of {count}"),

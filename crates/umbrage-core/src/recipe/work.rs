@@ -146,7 +146,8 @@ fn drawn(geometry: Option<&Geometry>, cast: &Cast, size: UVec2) -> (u64, u64) {
     (count as u64, covered)
 }
 
-/// Returns the sum of the triangles' areas in the view of 2 x 2 clip units. `position` gives a vertex' homogeneous world position.
+/// Returns the sum of the triangles' areas in the view of 2 x 2 clip units. `position` gives a vertex' homogeneous world
+/// position.
 fn total_area(
     triangles: &[[u32; 3]],
     clip_from_world: DMat4,

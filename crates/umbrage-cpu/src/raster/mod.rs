@@ -56,7 +56,7 @@ pub(crate) struct Draw<'a, P = Vec3> {
     pub(crate) cull: Cull,
     /// Polygon offset.
     pub(crate) bias: RasterBias,
-    /// What stays of what is drawn.
+    /// What the image keeps of what is drawn.
     pub(crate) mode: Mode,
     /// What loops are compiled for.
     pub(crate) simd: Simd,

@@ -1,9 +1,9 @@
-//! What becomes of a triangle's depths at neighbouring pixels of a row. One type a mode, so that each gets loops of its
-//! own; all loops are plain, for the compiler to vectorise.
+//! Depth operations: how a triangle's depths change neighbouring pixels of a row. Each mode has a type of its own, so that the
+//! compiler makes loops for each; all loops are plain, so that it can vectorise them.
 
 use crate::raster::{fill::LANES, tile::TileBuffer};
 
-/// What stays of what is drawn.
+/// What an image keeps of what is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Mode {
     /// The least depth.
@@ -21,7 +21,7 @@ pub(crate) enum Mode {
 }
 
 impl Mode {
-    /// What a clear image holds.
+    /// Returns what a clear image holds.
     pub(crate) const fn start(self) -> f32 {
         if matches!(self, Self::StencilDepthFail) {
             0.0
@@ -61,13 +61,13 @@ pub(crate) struct TileAttachments<'a> {
     pub(crate) other: &'a [f32],
 }
 
-/// A mode's loops.
+/// A mode's loops over the lanes of a row.
 pub(crate) trait DepthOp {
     /// Which one.
     const MODE: Mode;
 
-    /// Draws depths 0..=1 over what is stored. In the lanes where `outside` is negative they are 1, which never is
-    /// nearer than what is stored. `tag` is the record's.
+    /// Draws depths `z` (0..=1) over `stored`. In the lanes where `outside` is negative, outside the triangle, they are 1,
+    /// which never is nearer than what is stored. `tag` is [`Record::tag`](crate::raster::record::Record::tag).
     fn write(
         stored: &mut [f32; LANES],
         attachments: TileAttachments<'_>,
@@ -76,7 +76,7 @@ pub(crate) trait DepthOp {
         tag: u32,
     );
 
-    /// Ends the drawing of some triangles into a tile.
+    /// Runs after some triangles were drawn into a tile.
     fn finish_tile(_: &mut TileBuffer) {}
 }
 
@@ -111,7 +111,7 @@ impl DepthOp for Depth {
 impl DepthOp for DepthWithIds {
     const MODE: Mode = Mode::DepthWithIds;
 
-    /// Triangles come in any order, yet the first one is to win: so of equal depths the lower id stays. Depth 1 is
+    /// Triangles come in any order, yet the first one is to win: so of equal depths the lower id is kept. Depth 1 is
     /// never drawn, as the image is cleared to it.
     #[inline(always)]
     fn write(
@@ -166,7 +166,7 @@ impl DepthOp for DepthPeel {
 impl DepthOp for DepthPeel16 {
     const MODE: Mode = Mode::DepthPeel16;
 
-    /// The other image holds whole steps, too: so what it took cannot lie behind it.
+    /// The other image holds whole steps, too, so a depth that was drawn there is equal to it after rounding, not behind it.
     #[inline(always)]
     fn write(
         stored: &mut [f32; LANES],
@@ -194,13 +194,20 @@ impl DepthOp for StencilDepthFail {
         let Some(other) = attachments.other.first_chunk::<LANES>() else {
             return;
         };
-        let by = turn as i32 as f32;
+        // +1 or -1, as two's complement.
+        let change = turn as i32 as f32;
         for i in 0..LANES {
-            let before = z[i] < other[i];
-            stored[i] += if before | (outside[i] < 0) { 0.0 } else { by };
+            let passes_depth_test = z[i] < other[i];
+            let is_outside = outside[i] < 0;
+            stored[i] += if passes_depth_test | is_outside {
+                0.0
+            } else {
+                change
+            };
         }
     }
 
+    /// Wraps the counts, modulo 256.
     fn finish_tile(buffer: &mut TileBuffer) {
         for count in &mut buffer.texels {
             *count -= 256.0 * (*count / 256.0).floor();
@@ -233,7 +240,7 @@ fn keep_beyond(stored: &mut [f32; LANES], attachments: TileAttachments<'_>, z: &
 /// rasterisers take.
 pub(crate) const OFFSET_UNIT_16: f32 = 2.0 / 65_535.0;
 
-/// What is read back from a 16-bit depth image into which `z` (0..=1) was drawn.
+/// Returns what is read back from a 16-bit depth image into which `z` (0..=1) was drawn.
 #[inline(always)]
 pub(crate) fn stored16(z: f32) -> f32 {
     // The spacing of floats from 128 to 256 is 2^-16: the sum's low bits hold z * 65535, rounded to nearest, ties to

@@ -44,8 +44,8 @@ pub(crate) fn doubled_area(x: [i32; 3], y: [i32; 3]) -> i64 {
         - i64::from(x[2] - x[0]) * i64::from(y[0] - y[1])
 }
 
-/// Returns the function of the edge from `start` along the vector `edge`, at the point `p`, divided by 256; all in sub-pixels. It is
-/// negative outside; points on the edge are inside if it is a top or a left edge.
+/// Returns the function of the edge from `start` along the vector `edge`, at the point `p`, divided by 256; all in
+/// sub-pixels. It is negative outside; points on the edge are inside if it is a top or a left edge.
 #[inline(always)]
 pub(crate) fn edge_function(start: [i32; 2], edge: [i32; 2], p: [i32; 2]) -> i64 {
     let right = i64::from(p[0] - start[0]);

@@ -164,8 +164,8 @@ fn fill<P>(
     }
 }
 
-/// Rounds a window coordinate to a grid of `steps` points a pixel, and returns it in 256ths of a pixel from the centre of the first
-/// one.
+/// Rounds a window coordinate to a grid of `steps` points a pixel, and returns it in 256ths of a pixel from the centre of
+/// the first one.
 fn in_sub_pixels(v: f32, steps: f32) -> i32 {
     let snapped = ((v - 0.5) * steps).round_ties_even() * (256.0 / steps);
     snapped.clamp(-4_194_304.0, 4_194_304.0) as i32

@@ -24,7 +24,7 @@ pub(crate) struct SetupRules {
     pub(crate) cull: Cull,
     /// Polygon offset.
     pub(crate) bias: RasterBias,
-    /// What stays of what is drawn.
+    /// What the image keeps of what is drawn.
     pub(crate) mode: Mode,
     /// How vertices are rounded.
     pub(crate) snapping: Snapping,

@@ -157,8 +157,8 @@ impl Draw {
     }
 }
 
-/// Returns the ranges of indices that draw the part of `runs` that lies in `triangles`, where `first` is the index of the first of
-/// these triangles' corners.
+/// Returns the ranges of indices that draw the part of `runs` that lies in `triangles`, where `first` is the index of the
+/// first of these triangles' corners.
 fn ranges_of(first: u32, triangles: &Range<u32>, runs: &[Range<u32>]) -> Vec<Range<u32>> {
     let mut ranges = Vec::new();
     for run in runs {

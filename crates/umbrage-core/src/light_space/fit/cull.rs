@@ -44,9 +44,9 @@ pub(super) struct Lookups {
 }
 
 impl Lookups {
-    /// Returns the reach, where the first caster has rank `first` and the last receiver has rank `last`. A search for blockers goes
-    /// as far as the light's extent lets a caster at the near plane matter to the last receiver, which is linear in the ranks:
-    /// `extent (last - first)`.
+    /// Returns the reach, where the first caster has rank `first` and the last receiver has rank `last`. A search for
+    /// blockers goes as far as the light's extent lets a caster at the near plane matter to the last receiver, which is
+    /// linear in the ranks: `extent (last - first)`.
     pub(super) fn reach(&self, light: &Light, first: f64, last: f64) -> Reach {
         let range = (last - first).max(0.0);
         let search = extent(light) * (1.0 + self.tangent) * range;

@@ -21,8 +21,9 @@ use glam::{DAffine3, DVec3, Mat4, Vec3};
 const TANGENT_SLACK: f64 = 1e-3;
 /// Half angle, radians, of the pyramid where no caster can shadow a receiver: any would do.
 const DEFAULT_HALF_ANGLE: f64 = 0.5;
-/// A pyramid is turned off its axis only if that makes its tangent smaller than this share of the tangent on the axis: biases in texels and the search for blockers are exact
-/// for surfaces parallel to the map, and lamps are mostly set up straight above what they light.
+/// A pyramid is turned off its axis only if that makes its tangent smaller than this share of the tangent on the axis:
+/// biases in texels and the search for blockers are exact for surfaces parallel to the map, and lamps are mostly set up
+/// straight above what they light.
 const MAX_TURNED_OVER_STRAIGHT: f64 = 0.5;
 /// Steps of the search for the axis that makes the widest angle least. Each turns the axis to the centre of what the last
 /// step saw.
@@ -73,8 +74,8 @@ impl<'a> Lamp<'a> {
         })
     }
 
-    /// Returns a box, in map space, around what casts onto receivers within a pyramid: sideways no larger than the box around these
-    /// receivers. Empty if nothing there can shadow anything. `tangent` is that of half the pyramid's angle.
+    /// Returns a box, in map space, around what casts onto receivers within a pyramid: sideways no larger than the box
+    /// around these receivers. Empty if nothing there can shadow anything. `tangent` is that of half the pyramid's angle.
     fn needed(&self, view_from_world: &Mat4, tangent: f64) -> MapBounds {
         self.needed_of(self.seen.as_deref(), view_from_world, tangent)
     }

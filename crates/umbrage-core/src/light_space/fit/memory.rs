@@ -3,8 +3,9 @@
 use crate::{Layout, LightSpaces, RecipeError, light_space::fit::kind::Fit};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// The light spaces that were found for one view, so that techniques with the same fit, layout, size and margin share the search. A
-/// program that tries many settings on one view gives it to that view: [`View::with_fits`](crate::View::with_fits).
+/// The light spaces that were found for one view, so that techniques with the same fit, layout, size and margin share the
+/// search. A program that tries many settings on one view gives it to that view:
+/// [`View::with_fits`](crate::View::with_fits).
 #[derive(Debug, Default)]
 pub struct FitMemory {
     found: Mutex<Vec<FoundFit>>,

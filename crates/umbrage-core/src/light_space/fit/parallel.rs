@@ -17,8 +17,8 @@ use crate::{
 };
 use glam::{DAffine3, DVec3, Mat4, Vec3};
 
-/// Returns the light space that goes, sideways, around what both casts and receives, and in depth from the first caster to the last
-/// receiver. With `cull`, only those casters count that can shadow a receiver.
+/// Returns the light space that goes, sideways, around what both casts and receives, and in depth from the first caster to
+/// the last receiver. With `cull`, only those casters count that can shadow a receiver.
 pub(super) fn tight(
     view: &View<'_>,
     direction: Vec3,

@@ -76,8 +76,8 @@ pub(super) fn parallel(
     })
 }
 
-/// Returns the near plane's distance and the depth of the space behind it, metres. Both go in steps, so that clip depths (and with
-/// them biases) seldom change: the near plane by quarters of the radius, the depth by factors of two.
+/// Returns the near plane's distance and the depth of the space behind it, metres. Both go in steps, so that clip depths
+/// (and with them biases) seldom change: the near plane by quarters of the radius, the depth by factors of two.
 fn depths(view: &View<'_>, view_from_world: &Mat4, sphere: &Sphere, half_side: f64) -> [f64; 2] {
     let space = MapSpace {
         view_from_world: DAffine3::from_mat4(view_from_world.as_dmat4()),
