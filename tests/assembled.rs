@@ -4,7 +4,7 @@ use crate::stage;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use std::{fs, path::PathBuf};
 use umbrage_core::{Light, ShadowTechnique, View, glam::Vec3};
-use umbrage_techniques::Preset;
+use umbrage_techniques::TechniquePreset;
 use umbrage_wgpu::receive_wgsl;
 
 /// Stands before every name of the kept texts.
@@ -24,7 +24,7 @@ pub struct Assembled {
 /// # Panics
 /// Panics if a technique serves neither the sun nor a lamp.
 pub fn all() -> Vec<Assembled> {
-    Preset::defaults()
+    TechniquePreset::defaults()
         .into_iter()
         .map(|preset| {
             let technique = preset.technique();

@@ -192,10 +192,16 @@ impl ShadowMap {
         } else {
             self.bias.raster_for(compare)
         };
-        self.cast(&mut maps, spaces, nearest, CastMode::Nearest, raster);
+        self.cast(&mut maps, spaces, nearest, CastMode::Depth, raster);
         if self.surface == Surface::Midpoint {
             let second = maps.image(self.desc("second depth", depth, spaces));
-            self.cast(&mut maps, spaces, second, CastMode::Behind(nearest), raster);
+            self.cast(
+                &mut maps,
+                spaces,
+                second,
+                CastMode::DepthPeel(nearest),
+                raster,
+            );
             let middle = maps.image(self.desc("midpoint", Format::R32, spaces));
             maps.filter(between::between(), vec![nearest, second], middle);
             maps.map = middle;

@@ -7,7 +7,7 @@
 use glam::{DMat4, DVec3, DVec4, Mat4, Vec4};
 use umbrage_core::{
     Geometry, LightSpace, NO_TRIANGLE, Receivers, View,
-    depth_range::{Pyramid, depth_range},
+    depth_range::{ViewPyramid, depth_range},
 };
 
 /// Slack of planes that must not cut what is seen, as a fraction of their distance.
@@ -140,7 +140,7 @@ fn nearest_triangle(space: &LightSpace, geometry: &Geometry) -> f64 {
         (m.z_axis.w.abs() + m.z_axis.x.abs()) / m.x_axis.x.abs(),
         (m.z_axis.w.abs() + m.z_axis.y.abs()) / m.y_axis.y.abs(),
     ];
-    let pyramid = Pyramid {
+    let pyramid = ViewPyramid {
         view_from_world: space.view_from_world,
         tangents,
     };

@@ -18,7 +18,7 @@ use crate::{
 };
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Asks, Fit, Inputs, Invalid, Kernel, Light, Module, ReceiveKernel, Recipe, RecipeError,
+    Fit, Inputs, Invalid, Kernel, KernelCost, Light, Module, ReceiveKernel, Recipe, RecipeError,
     ShadowTechnique, Span, UniformBlock, View, uniforms,
 };
 
@@ -206,9 +206,9 @@ impl ReceiveKernel for PcfKernel {
         }
     }
 
-    fn asks(&self) -> Asks {
+    fn cost_per_receiver(&self) -> KernelCost {
         let side = 2 * self.0.radius.unsigned_abs() + 1;
-        Asks::taps(side * side)
+        KernelCost::taps(side * side)
     }
 }
 

@@ -20,7 +20,7 @@ use glam::{UVec2, Vec2, Vec4};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
-    Asks, Fit, Inputs, Invalid, Kernel, Light, Module, ReceiveKernel, Recipe, RecipeError,
+    Fit, Inputs, Invalid, Kernel, KernelCost, Light, Module, ReceiveKernel, Recipe, RecipeError,
     ShadowTechnique, Simd, SimdTask, Span, UniformBlock, View, uniforms,
 };
 
@@ -257,8 +257,8 @@ impl ReceiveKernel for PcfDiscKernel {
         look_up_span(inputs.simd, lookup, span, out, &taps);
     }
 
-    fn asks(&self) -> Asks {
-        Asks::taps(self.uniforms.taps)
+    fn cost_per_receiver(&self) -> KernelCost {
+        KernelCost::taps(self.uniforms.taps)
     }
 }
 

@@ -14,8 +14,8 @@ use crate::{
 use glam::UVec2;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Asks, Fit, Inputs, Kernel, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique, Span,
-    UniformBlock, View,
+    Fit, Inputs, Kernel, KernelCost, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique,
+    Span, UniformBlock, View,
 };
 
 /// Four dithered comparisons.
@@ -99,8 +99,8 @@ impl ReceiveKernel for PcfDitheredKernel {
         look_up_span(inputs.simd, &self.0.lookup, span, out, &taps);
     }
 
-    fn asks(&self) -> Asks {
-        Asks::taps(4)
+    fn cost_per_receiver(&self) -> KernelCost {
+        KernelCost::taps(4)
     }
 }
 

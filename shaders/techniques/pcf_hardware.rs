@@ -23,7 +23,7 @@ use crate::{
 };
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Asks, Fit, Inputs, Invalid, Kernel, Light, Module, ReceiveKernel, Recipe, RecipeError,
+    Fit, Inputs, Invalid, Kernel, KernelCost, Light, Module, ReceiveKernel, Recipe, RecipeError,
     ShadowTechnique, Span, UniformBlock, View, uniforms,
 };
 
@@ -233,8 +233,8 @@ impl ReceiveKernel for HardwareKernel {
         }
     }
 
-    fn asks(&self) -> Asks {
-        Asks::samples(self.0.samples.unsigned_abs().pow(2))
+    fn cost_per_receiver(&self) -> KernelCost {
+        KernelCost::samples(self.0.samples.unsigned_abs().pow(2))
     }
 }
 

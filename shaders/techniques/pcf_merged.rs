@@ -24,8 +24,8 @@ use crate::{
 use glam::{Vec2, Vec4};
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Asks, Fit, Inputs, Kernel, Light, Module, ReceiveKernel, Recipe, RecipeError, ShadowTechnique,
-    Span, UniformBlock, View, uniforms,
+    Fit, Inputs, Kernel, KernelCost, Light, Module, ReceiveKernel, Recipe, RecipeError,
+    ShadowTechnique, Span, UniformBlock, View, uniforms,
 };
 
 /// A smooth filter.
@@ -216,8 +216,8 @@ impl ReceiveKernel for MergedKernel {
         }
     }
 
-    fn asks(&self) -> Asks {
-        Asks::samples(self.0.samples.unsigned_abs().pow(2))
+    fn cost_per_receiver(&self) -> KernelCost {
+        KernelCost::samples(self.0.samples.unsigned_abs().pow(2))
     }
 }
 

@@ -68,7 +68,7 @@ use glam::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
-    Asks, Fit, ImageView, Inputs, Kernel, Light, Module, ReceiveKernel, Recipe, RecipeError,
+    Fit, ImageView, Inputs, Kernel, KernelCost, Light, Module, ReceiveKernel, Recipe, RecipeError,
     ShadowTechnique, Simd, SimdTask, Span, UniformBlock, View, uniforms,
 };
 
@@ -334,8 +334,8 @@ impl ReceiveKernel for PcssKernel {
     }
 
     /// Second comparisons at a tap are left out: they are few, and as many receivers need no search.
-    fn asks(&self) -> Asks {
-        Asks::taps(1 + self.uniforms.blocker_taps + self.uniforms.filter_taps)
+    fn cost_per_receiver(&self) -> KernelCost {
+        KernelCost::taps(1 + self.uniforms.blocker_taps + self.uniforms.filter_taps)
     }
 
     fn knows_horizon(&self) -> bool {

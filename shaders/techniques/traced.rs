@@ -12,8 +12,8 @@ use crate::{
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
-    Aabb, Asks, Bvh, Fit, Geometry, Inputs, Invalid, Kernel, Light, Module, Receive, ReceiveKernel,
-    Recipe, RecipeError, ShadowTechnique, Span, Table, UniformBlock, View,
+    Aabb, Bvh, Fit, Geometry, Inputs, Invalid, Kernel, KernelCost, Light, Module, Receive,
+    ReceiveKernel, Recipe, RecipeError, ShadowTechnique, Span, Table, UniformBlock, View,
     bvh::{RAY_BOX, RAY_TRIANGLE},
     light_sample::{LIGHT_SAMPLE, LightSampler, origin_offset, seed, segment, unit_square},
     math::dot3,
@@ -228,7 +228,7 @@ impl ReceiveKernel for TracedKernel {
         }
     }
 
-    fn asks(&self) -> Asks {
-        Asks::rays(self.uniforms.samples)
+    fn cost_per_receiver(&self) -> KernelCost {
+        KernelCost::rays(self.uniforms.samples)
     }
 }

@@ -12,8 +12,8 @@ use glam::Vec4;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use umbrage_core::{
-    Asks, Inputs, Kernel, Module, Receive, ReceiveKernel, Recipe, RecipeError, ShadowTechnique,
-    Span, UniformBlock, View, uniforms,
+    Inputs, Kernel, KernelCost, Module, Receive, ReceiveKernel, Recipe, RecipeError,
+    ShadowTechnique, Span, UniformBlock, View, uniforms,
 };
 
 /// No shadows. There is nothing to set.
@@ -101,7 +101,7 @@ impl ReceiveKernel for UnshadowedKernel {
         }
     }
 
-    fn asks(&self) -> Asks {
-        Asks::taps(0)
+    fn cost_per_receiver(&self) -> KernelCost {
+        KernelCost::taps(0)
     }
 }

@@ -153,7 +153,7 @@ fn recipe(
     }
     casts.push(Cast {
         image: 1,
-        mode: CastMode::Count { depth: 0 },
+        mode: CastMode::StencilDepthFail { depth: 0 },
         bias: BEHIND,
         ..nearest(Source::Faces(Arc::new(faces)))
     });

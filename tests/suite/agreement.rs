@@ -10,7 +10,7 @@ use std::{
 };
 use umbrage_core::{
     Backend, Geometry, Receivers, RecipeError, View,
-    metrics::{Agreement, Doubt, MOST_UNDECIDED},
+    metrics::{Agreement, Doubt, MAX_UNDECIDED_SHARE},
 };
 use umbrage_cpu::Cpu;
 use umbrage_lab::compare;
@@ -55,7 +55,7 @@ fn random_scenes_agree() {
     }
     let [undecided, compared] = excused.get();
     assert!(
-        undecided as f64 <= MOST_UNDECIDED * compared as f64,
+        undecided as f64 <= MAX_UNDECIDED_SHARE * compared as f64,
         "{undecided} of {compared} pixels are excused"
     );
     let rendered = rendered.into_inner();

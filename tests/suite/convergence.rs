@@ -7,7 +7,7 @@
 use glam::UVec2;
 use umbrage_core::{
     Aabb, Backend, Camera, FitMemory, Geometry, Light, ShadowTechnique, View,
-    metrics::{Errors, Reference},
+    metrics::{Errors, ReferenceMask},
 };
 use umbrage_cpu::Cpu;
 use umbrage_lab::bias::lights_around;
@@ -44,7 +44,11 @@ fn bounds_above_floor(geometry: &Geometry) -> Aabb {
     )
 }
 
-fn errors(view: &View<'_>, technique: &dyn ShadowTechnique, reference: &Reference<'_>) -> Errors {
+fn errors(
+    view: &View<'_>,
+    technique: &dyn ShadowTechnique,
+    reference: &ReferenceMask<'_>,
+) -> Errors {
     let recipe = technique.recipe(view).expect("served");
     let mask = Cpu::new().render(view, &recipe).expect("plays").mask;
     reference.errors(&mask).expect("a mask of this size")
@@ -88,8 +92,8 @@ fn converges(what: &str, camera: &Camera, light: &Light, geometry: &Geometry) {
         &|_, _| {},
     )
     .expect("valid");
-    let reference =
-        Reference::new(truth.size, &truth.visibility, &truth.pixels).expect("truth fits itself");
+    let reference = ReferenceMask::new(truth.size, &truth.visibility, &truth.pixels)
+        .expect("truth fits itself");
     let fits = FitMemory::default();
     let view = View::new(camera, light, geometry)
         .with_receivers(&truth.receivers)

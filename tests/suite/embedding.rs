@@ -4,7 +4,9 @@ use bytemuck::cast_slice;
 use umbrage::{Backend, Geometry, Receivers, Recipe, ShadowTechnique, View, techniques::Pcf};
 use umbrage_cpu::Cpu;
 use umbrage_tests::adapter::{TestDevice, device};
-use umbrage_wgpu::{Drawable, Frame, GBuffer, Indices, Options, ShadowRenderer, VertexLayout};
+use umbrage_wgpu::{
+    Drawable, FrameInputs, GBuffer, Indices, RendererOptions, ShadowRenderer, VertexLayout,
+};
 use wgpu::{
     BufferUsages, Extent3d, IndexFormat, TexelCopyBufferLayout, TextureDescriptor,
     TextureDimension, TextureFormat, TextureUsages, TextureView,
@@ -80,7 +82,7 @@ impl Program {
             normal: &self.normal,
             triangle: None,
         };
-        let frame = Frame {
+        let frame = FrameInputs {
             size,
             casters: &casters,
             everything: &[],
@@ -171,7 +173,7 @@ fn a_foreign_program_gets_the_same_shadows() {
     let cpu = Cpu::new().render(&view, &recipe).expect("plays");
     let d = device();
     let program = Program::new(d, &geometry, cpu.receivers.as_ref().expect("made here"));
-    let mut shadows = ShadowRenderer::new(&d.device, Options::default()).expect("fits");
+    let mut shadows = ShadowRenderer::new(&d.device, RendererOptions::default()).expect("fits");
     let mask = program.frame(d, &mut shadows, &recipe, cpu.size);
     assert!(mask.iter().any(|&v| v < 1.0));
     let differing = mask
@@ -197,7 +199,7 @@ fn later_frames_make_nothing() {
     let receivers = Cpu::new().receivers(view.camera, &geometry).expect("sees");
     let d = device();
     let program = Program::new(d, &geometry, &receivers);
-    let mut shadows = ShadowRenderer::new(&d.device, Options::default()).expect("fits");
+    let mut shadows = ShadowRenderer::new(&d.device, RendererOptions::default()).expect("fits");
     program.frame(d, &mut shadows, &recipe, receivers.size);
     let first = shadows.counters();
     for _ in 0..3 {

@@ -5,7 +5,7 @@ use glam::{UVec2, Vec3};
 use std::{collections::BTreeMap, sync::LazyLock};
 use umbrage_core::{
     Backend, Camera, Fit, FitMemory, Geometry, Layout, Scene, ShadowTechnique, View,
-    metrics::{Pixel, Reference},
+    metrics::{Pixel, ReferenceMask},
 };
 use umbrage_cpu::Cpu;
 use umbrage_plan::truth::{Truth, TruthOptions, trace};
@@ -90,7 +90,7 @@ impl Case {
 
     /// Root mean square error.
     fn error(&self, technique: &dyn ShadowTechnique) -> f64 {
-        let reference = Reference::new(SIZE, &self.truth.visibility, &self.truth.pixels)
+        let reference = ReferenceMask::new(SIZE, &self.truth.visibility, &self.truth.pixels)
             .expect("truth fits itself");
         reference
             .errors(&self.mask(technique))

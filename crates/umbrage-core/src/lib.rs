@@ -49,17 +49,17 @@ pub use light_space::{
 };
 pub use math::MATH;
 pub use recipe::{
-    Cast, CastMode, Cull, Faces, Filter, ImageId, Limits, RasterBias, Receive, Recipe, Shade,
-    Source, Table, TableId,
+    BackendLimits, Cast, CastMode, Cull, Faces, Filter, ImageId, RasterBias, Receive, Recipe,
+    Shade, Source, Table, TableId,
     image::{Format, Image, ImageDesc, ImageView},
     kernel::{FilterKernel, Inputs, Kernel, ReceiveKernel, ShadeKernel},
     shader::{Module, UniformBlock, UniformLayout, Uniforms, join},
     twin::{Twin, Words},
-    work::{Asks, Work},
+    work::{KernelCost, Work},
 };
 pub use recipe_error::RecipeError;
 pub use scene::{
-    Instance, MOST_NAME, Mesh, Scene,
+    Instance, MAX_NAME_BYTES, Mesh, Scene,
     camera::{Camera, CameraRays, MAX_SIDE},
     light::Light,
     light_marker::LightMarker,

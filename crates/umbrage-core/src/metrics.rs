@@ -71,14 +71,14 @@ pub struct Errors {
 
 /// Truth, ready to be compared with many masks.
 #[derive(Clone, Debug)]
-pub struct Reference<'a> {
+pub struct ReferenceMask<'a> {
     size: UVec2,
     truth: &'a [f32],
     pixels: &'a [Pixel],
     near_edge: Vec<bool>,
 }
 
-impl<'a> Reference<'a> {
+impl<'a> ReferenceMask<'a> {
     /// Finds truth's shadow edges, `pixels` telling what counts. A true shadow edge is where truth is a penumbra or differs
     /// from one of the four neighbours' by more than [`ERROR_THRESHOLD`]; pixels that are [`Pixel::Empty`] make no edges.
     ///
@@ -100,9 +100,9 @@ impl<'a> Reference<'a> {
     ///
     /// # Errors
     /// When there is not one class a pixel.
-    pub fn with_pixels<'b>(&'b self, pixels: &'b [Pixel]) -> Result<Reference<'b>, Invalid> {
+    pub fn with_pixels<'b>(&'b self, pixels: &'b [Pixel]) -> Result<ReferenceMask<'b>, Invalid> {
         check_len("pixel classes", self.size, pixels.len())?;
-        Ok(Reference {
+        Ok(ReferenceMask {
             pixels,
             ..self.clone()
         })
@@ -130,7 +130,8 @@ impl<'a> Reference<'a> {
         }
         let n = out.counted.max(1) as f64;
         out.rmse = (sum_of_squares / n).sqrt();
-        (out.mean, out.bias) = (out.mean / n, out.bias / n);
+        out.mean /= n;
+        out.bias /= n;
         for share in [&mut out.false_shadow, &mut out.false_light, &mut out.acne] {
             *share *= 100.0 / n;
         }
@@ -139,7 +140,7 @@ impl<'a> Reference<'a> {
 }
 
 impl Errors {
-    /// Compares a single mask with truth; many are compared quicker by a [`Reference`].
+    /// Compares a single mask with truth; many are compared quicker by a [`ReferenceMask`].
     ///
     /// # Errors
     /// When sizes differ or a value is not within 0..=1.
@@ -149,7 +150,7 @@ impl Errors {
         truth: &[f32],
         pixels: &[Pixel],
     ) -> Result<Self, Invalid> {
-        Reference::new(size, truth, pixels)?.errors(mask)
+        ReferenceMask::new(size, truth, pixels)?.errors(mask)
     }
 
     /// Adds one pixel to the sums.
@@ -169,49 +170,69 @@ impl Errors {
     }
 }
 
-/// Pixels on true shadow edges, as [`Errors::measure`] defines them.
+/// Returns which pixels lie on true shadow edges, as [`Errors::measure`] defines them.
 pub fn edges(size: UVec2, truth: &[f32], pixels: &[Pixel]) -> Vec<bool> {
-    let (w, h) = (size.x as usize, size.y as usize);
+    let width = size.x as usize;
+    let height = size.y as usize;
     let differs = |i: usize, j: usize| {
         pixels[j] != Pixel::Empty && (truth[i] - truth[j]).abs() > ERROR_THRESHOLD
     };
-    let is_edge = |i: usize| {
-        let (x, y) = (i % w, i / w);
-        pixels[i] != Pixel::Empty
+    let mut is_edge = vec![false; width * height];
+    for (i, is_edge) in is_edge.iter_mut().enumerate() {
+        let x = i % width;
+        let y = i / width;
+        *is_edge = pixels[i] != Pixel::Empty
             && ((PENUMBRA..=1.0 - PENUMBRA).contains(&truth[i])
                 || (x > 0 && differs(i, i - 1))
-                || (x + 1 < w && differs(i, i + 1))
-                || (y > 0 && differs(i, i - w))
-                || (y + 1 < h && differs(i, i + w)))
-    };
-    (0..w * h).map(is_edge).collect()
+                || (x + 1 < width && differs(i, i + 1))
+                || (y > 0 && differs(i, i - width))
+                || (y + 1 < height && differs(i, i + width)));
+    }
+    is_edge
 }
 
-/// Whether each pixel lies within `distance` (Euclidean, between centres, in pixels) of a set pixel: an exact distance
+/// Returns whether each pixel lies within `distance` (Euclidean, between centres, in pixels) of a set pixel: an exact distance
 /// transform cut off at `distance`, columns first, then rows.
 pub fn near(size: UVec2, set: &[bool], distance: u32) -> Vec<bool> {
-    let (w, h, far) = (size.x as usize, size.y as usize, distance + 1);
-    let mut column = vec![far; w * h];
-    for x in 0..w {
-        let mut pass = |rows: &mut dyn Iterator<Item = usize>| {
-            let mut d = far;
-            for i in rows.map(|y| y * w + x) {
-                d = if set[i] { 0 } else { (d + 1).min(far) };
-                column[i] = column[i].min(d);
-            }
-        };
-        pass(&mut (0..h));
-        pass(&mut (0..h).rev());
-    }
+    let width = size.x as usize;
+    let column_distance = distances_in_columns(size, set, distance);
     let reach = distance as usize;
-    let within = |i: usize| {
-        let (x, row) = (i % w, i - i % w);
-        (x.saturating_sub(reach)..=(x + reach).min(w - 1)).any(|k| {
-            let (dx, dy) = (k.abs_diff(x) as u64, u64::from(column[row + k]));
-            dx * dx + dy * dy <= u64::from(distance) * u64::from(distance)
-        })
-    };
-    (0..w * h).map(within).collect()
+    let limit_squared = u64::from(distance) * u64::from(distance);
+    let mut near = vec![false; column_distance.len()];
+    for (i, near) in near.iter_mut().enumerate() {
+        let x = i % width;
+        let row = i - x;
+        let first = x.saturating_sub(reach);
+        let last = (x + reach).min(width - 1);
+        *near = (first..=last).any(|k| {
+            let dx = k.abs_diff(x) as u64;
+            let dy = u64::from(column_distance[row + k]);
+            dx * dx + dy * dy <= limit_squared
+        });
+    }
+    near
+}
+
+/// Returns each pixel's distance to the nearest set pixel of its column, pixels; at most `distance + 1`.
+fn distances_in_columns(size: UVec2, set: &[bool], distance: u32) -> Vec<u32> {
+    let width = size.x as usize;
+    let height = size.y as usize;
+    let far = distance + 1;
+    let mut distances = vec![far; width * height];
+    for x in 0..width {
+        // Down from the last set pixel above, then up from the last set pixel below.
+        let mut above = far;
+        for i in (0..height).map(|y| y * width + x) {
+            above = if set[i] { 0 } else { (above + 1).min(far) };
+            distances[i] = above;
+        }
+        let mut below = far;
+        for i in (0..height).rev().map(|y| y * width + x) {
+            below = if set[i] { 0 } else { (below + 1).min(far) };
+            distances[i] = distances[i].min(below);
+        }
+    }
+    distances
 }
 
 /// Why two masks may differ at a pixel.
@@ -220,7 +241,7 @@ pub enum Doubt {
     /// They may not: the answer there is decided.
     #[default]
     None,
-    /// The answer there hangs on rounding.
+    /// Rounding decides the answer there.
     Rounding,
     /// Their backends see different triangles there.
     Triangle,
@@ -228,11 +249,11 @@ pub enum Doubt {
 
 /// The share of the pixels compared that may differ because of rounding. Rounding decides along the edges of texels and
 /// where a surface shadows itself; were it more, a fault of the bias or of the light space could hide in it.
-pub const MOST_UNDECIDED: f64 = 0.001;
+pub const MAX_UNDECIDED_SHARE: f64 = 0.001;
 
 /// How much a device's rounding may add to a mask's RMSE against truth ([`Agreement::excess`]): a bias that is too small for it
 /// darkens whole surfaces, which adds tenths; edges that move by a part of a pixel add thousandths.
-pub const MOST_EXCESS: f64 = 0.005;
+pub const MAX_EXCESS_RMSE: f64 = 0.005;
 
 /// How well a mask agrees with the CPU's of the same view.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -260,8 +281,8 @@ pub struct Agreement {
 }
 
 impl Agreement {
-    /// Compares two masks; `doubts` tells where they may differ, `tolerance` is what the kernel allows beyond [`AGREEMENT_TOLERANCE`]
-    /// ([`Kernel::tolerance`](crate::Kernel::tolerance)).
+    /// Compares two masks; `doubts` tells where they may differ, `tolerance` is what the kernel allows beyond
+    /// [`AGREEMENT_TOLERANCE`] ([`Kernel::tolerance`](crate::Kernel::tolerance)).
     ///
     /// # Errors
     /// When sizes differ or a value is not within 0..=1.
@@ -298,14 +319,14 @@ impl Agreement {
         self.violations == 0
     }
 
-    /// Whether the mask is no farther from truth than the CPU's and [`MOST_EXCESS`].
+    /// Whether the mask is no farther from truth than the CPU's and [`MAX_EXCESS_RMSE`].
     pub fn is_accurate(&self) -> bool {
-        self.excess <= MOST_EXCESS
+        self.excess <= MAX_EXCESS_RMSE
     }
 
-    /// Whether no more pixels are excused by rounding than [`MOST_UNDECIDED`] allows.
+    /// Whether no more pixels are excused by rounding than [`MAX_UNDECIDED_SHARE`] allows.
     pub fn is_decided(&self) -> bool {
-        self.undecided as f64 <= MOST_UNDECIDED * self.compared as f64
+        self.undecided as f64 <= MAX_UNDECIDED_SHARE * self.compared as f64
     }
 }
 

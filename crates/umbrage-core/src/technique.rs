@@ -5,22 +5,22 @@ use std::fmt::Debug;
 
 /// A way to make shadows: a pure function from what is seen to a recipe. Its parameters are its public fields.
 pub trait ShadowTechnique: Debug + Send + Sync {
-    /// The technique's name, in lower case: `pcf`.
+    /// Returns the technique's name, in lower case: `pcf`.
     fn name(&self) -> &'static str;
 
-    /// Its settings in a few words, without the name: `3x3, 1024, slope .05/.005`.
+    /// Returns its settings in a few words, without the name: `3x3, 1024, slope .05/.005`.
     fn settings(&self) -> String;
 
-    /// The recipe for a view. The same view gives the same recipe.
+    /// Returns the recipe for a view. The same view gives the same recipe.
     ///
     /// # Errors
     /// `Unsupported` when it can't serve this light or scene, with the reason; `Invalid` for bad parameters.
     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError>;
 
-    /// How far, in texels, lookups go beyond the point of a map on which a receiver falls, along each axis: 0 for one texel,
-    /// 1 for the 3 x 3 around it. None where no map of what the light sees is looked up, and where that isn't known:
-    /// reports then say nothing of its maps. Where it differs from one receiver
-    /// to the next this is the narrowest, and [`ReceiveKernel::reach`](crate::ReceiveKernel::reach) says each.
+    /// Returns how far, in texels, lookups go beyond the point of a map on which a receiver falls, along each axis: 0 for one
+    /// texel, 1 for the 3 x 3 around it. None where no map of what the light sees is looked up, and where that isn't known:
+    /// reports then say nothing of its maps. Where it differs from one receiver to the next, this is the narrowest, and
+    /// [`ReceiveKernel::reach`](crate::ReceiveKernel::reach) returns each.
     fn kernel_reach(&self) -> Option<f32> {
         None
     }

@@ -1,26 +1,26 @@
-//! What a technique looks at.
+//! The input of a technique.
 
 use crate::{Aabb, Camera, FitMemory, Geometry, Invalid, Light, Receivers};
 
-/// All that a technique may look at.
+/// All that a technique may depend on: one camera, one light, and the scene.
 #[derive(Clone, Copy, Debug)]
 pub struct View<'a> {
-    /// Who sees.
+    /// The camera.
     pub camera: &'a Camera,
-    /// What shines.
+    /// The light.
     pub light: &'a Light,
     /// Box around all casters, world space; empty when nothing casts.
     pub casters: Aabb,
     /// The triangles; none when they live on the caller's GPU.
     pub geometry: Option<&'a Geometry>,
-    /// What is seen, when it is known; else backends find out from the geometry.
+    /// What the camera sees, if it is known; else backends compute it from the geometry.
     pub receivers: Option<&'a Receivers>,
-    /// The fits that were found for this camera, light, geometry and these receivers, to be used again; none to search anew.
+    /// Remembers the fits that were found for this camera, light, geometry and these receivers; none to search each time.
     pub fits: Option<&'a FitMemory>,
 }
 
 impl<'a> View<'a> {
-    /// A view of a scene's triangles.
+    /// Returns a view of a scene's triangles, without known receivers.
     pub fn new(camera: &'a Camera, light: &'a Light, geometry: &'a Geometry) -> Self {
         Self {
             camera,
@@ -32,10 +32,9 @@ impl<'a> View<'a> {
         }
     }
 
-    /// Objects to a camera or a light that can't be used, and to boxes and receivers with numbers that are not finite.
-    ///
     /// # Errors
-    /// The first fault found.
+    /// If the camera or the light can't be used, or a number of the casters' box or the receivers is not finite: the first fault
+    /// found.
     pub fn validate(&self) -> Result<(), Invalid> {
         self.camera.validate()?;
         self.light.validate()?;
@@ -45,7 +44,7 @@ impl<'a> View<'a> {
         self.receivers.map_or(Ok(()), Receivers::validate)
     }
 
-    /// The same view with its receivers known. Fits that were found for others are not taken along.
+    /// Returns the same view with its receivers known. Fits that were found for other receivers are left out.
     #[must_use]
     pub fn with_receivers(self, receivers: &'a Receivers) -> Self {
         Self {
@@ -55,7 +54,8 @@ impl<'a> View<'a> {
         }
     }
 
-    /// The same view, whose fits are remembered. A memory serves one view: one camera, light, geometry and set of receivers.
+    /// Returns the same view, whose fits are remembered in `fits`. A memory serves one view: one camera, light, geometry
+    /// and set of receivers.
     #[must_use]
     pub fn with_fits(self, fits: &'a FitMemory) -> Self {
         Self {

@@ -4,12 +4,12 @@ use crate::{CpuOptions, cast, filter, gbuffer, images, raster::Rasterizer, recei
 use rayon::ThreadPool;
 use std::time::{Duration, Instant};
 use umbrage_core::{
-    Backend, BackendError, Camera, Cast, Geometry, Image, Invalid, Limits, MAX_SIDE, Receivers,
-    Recipe, Shadows, Simd, Snapping, Source, Timings, View,
+    Backend, BackendError, BackendLimits, Camera, Cast, Geometry, Image, Invalid, MAX_SIDE,
+    Receivers, Recipe, Shadows, Simd, Snapping, Source, Timings, View,
 };
 
 /// What the player takes on.
-const LIMITS: Limits = Limits {
+const LIMITS: BackendLimits = BackendLimits {
     image_side: MAX_SIDE,
     layers: 2048,
     table_bytes: 2 << 30,

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use umbrage_core::{Cast, CastMode, Format, Geometry, Image, ImageId, Recipe, Simd, Source};
 
 /// What a cast reads and where it draws.
-pub(crate) struct Canvas<'a> {
+pub(crate) struct CastAttachments<'a> {
     /// The image.
     pub(crate) image: &'a mut Image,
     /// The texels of the image and layer that the mode names; else empty.
@@ -17,8 +17,8 @@ pub(crate) struct Canvas<'a> {
 /// The image whose depths a mode compares with.
 pub(crate) fn other(mode: CastMode) -> Option<ImageId> {
     match mode {
-        CastMode::Nearest => None,
-        CastMode::Behind(id) | CastMode::Count { depth: id } => Some(id),
+        CastMode::Depth => None,
+        CastMode::DepthPeel(id) | CastMode::StencilDepthFail { depth: id } => Some(id),
     }
 }
 
@@ -57,12 +57,12 @@ pub(crate) fn play(
         texels: std::mem::take(&mut images[cast.image].texels),
     };
     let other = other(cast.mode).map_or(&[][..], |id| layer(&images[id], cast.layer));
-    let canvas = Canvas {
+    let target = CastAttachments {
         image: &mut image,
         other,
         clear: is_first(recipe, index),
     };
-    draw(rasterizer, canvas, cast, geometry, simd);
+    draw(rasterizer, target, cast, geometry, simd);
     images[cast.image] = image;
 }
 
@@ -74,7 +74,7 @@ fn layer(image: &Image, layer: u32) -> &[f32] {
 /// Draws what a cast draws.
 pub(crate) fn draw(
     rasterizer: &mut Rasterizer,
-    canvas: Canvas<'_>,
+    target: CastAttachments<'_>,
     cast: &Cast,
     geometry: &Geometry,
     simd: Simd,
@@ -83,22 +83,23 @@ pub(crate) fn draw(
     match &cast.source {
         Source::Casters | Source::Everything | Source::SomeCasters(_) => {
             let triangles = drawn_triangles(&cast.source, geometry);
-            draw_triangles(rasterizer, canvas, cast, (positions, &triangles), simd);
+            draw_triangles(rasterizer, target, cast, positions, &triangles, simd);
         }
         Source::Faces(faces) => {
             draw_triangles(
                 rasterizer,
-                canvas,
+                target,
                 cast,
-                (&faces.vertices, &faces.triangles),
+                &faces.vertices,
+                &faces.triangles,
                 simd,
             );
         }
     }
 }
 
-/// Returns the triangles of a geometry that a cast draws. Several runs are copied one after the other, since the rasteriser shares
-/// out one list among threads.
+/// Returns the triangles of a geometry that a cast draws. Several runs are copied one after the other, since the rasteriser
+/// shares out one list among threads.
 fn drawn_triangles<'a>(source: &Source, geometry: &'a Geometry) -> Cow<'a, [[u32; 3]]> {
     let runs = source.runs(geometry);
     if let [run] = &runs[..] {
@@ -113,16 +114,17 @@ fn drawn_triangles<'a>(source: &Source, geometry: &'a Geometry) -> Cow<'a, [[u32
 
 fn draw_triangles<P: Position>(
     rasterizer: &mut Rasterizer,
-    canvas: Canvas<'_>,
+    target: CastAttachments<'_>,
     cast: &Cast,
-    (positions, triangles): (&[P], &[[u32; 3]]),
+    positions: &[P],
+    triangles: &[[u32; 3]],
     simd: Simd,
 ) {
-    let Canvas {
+    let CastAttachments {
         image,
         other,
         clear,
-    } = canvas;
+    } = target;
     let draw = Draw {
         positions,
         triangles,
@@ -150,10 +152,10 @@ fn draw_triangles<P: Position>(
 fn mode(mode: CastMode, format: Format) -> Mode {
     let in_steps = format == Format::Depth16;
     match mode {
-        CastMode::Nearest if in_steps => Mode::Least16,
-        CastMode::Nearest => Mode::Least,
-        CastMode::Behind(_) if in_steps => Mode::Behind16,
-        CastMode::Behind(_) => Mode::Behind,
-        CastMode::Count { .. } => Mode::Count,
+        CastMode::Depth if in_steps => Mode::Depth16,
+        CastMode::Depth => Mode::Depth,
+        CastMode::DepthPeel(_) if in_steps => Mode::DepthPeel16,
+        CastMode::DepthPeel(_) => Mode::DepthPeel,
+        CastMode::StencilDepthFail { .. } => Mode::StencilDepthFail,
     }
 }

@@ -25,7 +25,7 @@ pub(crate) fn find(
         size: camera.size,
         cull: Cull::None,
         bias: RasterBias::default(),
-        mode: Mode::LeastWithIds,
+        mode: Mode::DepthWithIds,
         simd,
     };
     let width = camera.size.x as usize;

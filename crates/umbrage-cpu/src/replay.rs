@@ -3,7 +3,7 @@
 use crate::{
     Cpu,
     backend::{check_recipe, nothing_seen},
-    cast::{self, Canvas},
+    cast::{self, CastAttachments},
     filter, gbuffer, receive, shade,
 };
 use umbrage_core::{
@@ -69,19 +69,19 @@ impl Cpu {
             )
             .into());
         }
-        if cast.mode != CastMode::Nearest {
+        if cast.mode != CastMode::Depth {
             let why = format!("is {:?}, which reads another image", cast.mode);
             return Err(Invalid::new("cast", why, "use `Cpu::replay_cast`").into());
         }
         if let Source::Faces(faces) = &cast.source {
             faces.validate()?;
         }
-        let canvas = Canvas {
+        let target = CastAttachments {
             image,
             other: &[],
             clear: true,
         };
-        self.install(|cpu| cast::draw(&mut cpu.rasterizer, canvas, cast, geometry, cpu.simd));
+        self.install(|cpu| cast::draw(&mut cpu.rasterizer, target, cast, geometry, cpu.simd));
         Ok(())
     }
 

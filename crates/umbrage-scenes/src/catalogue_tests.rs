@@ -1,6 +1,6 @@
 use super::*;
 use std::collections::HashSet;
-use umbrage_core::depth_range::{Pyramid, depth_range};
+use umbrage_core::depth_range::{ViewPyramid, depth_range};
 use umbrage_core::glam::Vec3;
 use umbrage_core::{Aabb, Camera, Geometry, Instance, Mesh};
 
@@ -9,7 +9,7 @@ fn seen(camera: &Camera, triangles: impl Iterator<Item = [Vec3; 3]>) -> Option<[
     let space = camera.space();
     let tangents = [0, 1].map(|i| 1.0 / f64::from(space.clip_from_view.col(i)[i]));
     depth_range(
-        &Pyramid {
+        &ViewPyramid {
             view_from_world: space.view_from_world,
             tangents,
         },

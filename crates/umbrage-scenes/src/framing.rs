@@ -1,6 +1,6 @@
 //! Cameras: from a file's words, or found for a model.
 
-use umbrage_core::depth_range::{Pyramid, depth_range};
+use umbrage_core::depth_range::{ViewPyramid, depth_range};
 use umbrage_core::glam::{DVec3, UVec2, Vec3};
 use umbrage_core::{Camera, Geometry, Invalid, light_space::look_along};
 
@@ -48,7 +48,7 @@ impl Shot {
             .map_err(|e| e.within("camera"))?;
         let triangles = (0..geometry.triangles().len() as u32).map(|t| geometry.corners(t));
         let seen = depth_range(
-            &Pyramid {
+            &ViewPyramid {
                 view_from_world,
                 tangents: self.tangents(),
             },

@@ -1,7 +1,7 @@
 //! [`Gpu`]: a backend with a device of its own.
 
 use crate::{
-    Frame, Options, ShadowRenderer,
+    FrameInputs, RendererOptions, ShadowRenderer,
     device::{
         adapter::AdapterChoice,
         convert::Converter,
@@ -11,7 +11,7 @@ use crate::{
         readback::{ReadBack, Spare},
         requirements::{self, check_adapter},
         results::Tickets,
-        timestamp_queries::{Played, TimestampQueries},
+        timestamp_queries::{StagesWithPasses, TimestampQueries},
     },
     gbuffer::{GBufferPass, ReceiverTextures},
     renderer::check_size,
@@ -24,7 +24,8 @@ use crate::{
 };
 use std::sync::{Mutex, PoisonError};
 use umbrage_core::{
-    Backend, BackendError, Invalid, Limits, Receivers, Recipe, Shadows, Snapping, Source, View,
+    Backend, BackendError, BackendLimits, Invalid, Receivers, Recipe, Shadows, Snapping, Source,
+    View,
 };
 use wgpu::{Adapter, AdapterInfo, CommandEncoder, Device, DeviceDescriptor, Features, Queue};
 
@@ -93,7 +94,7 @@ impl Gpu {
                 counters: &mut counters,
             }),
             clock: TimestampQueries::new(&device, &queue),
-            renderer: ShadowRenderer::new(&device, Options::default())?,
+            renderer: ShadowRenderer::new(&device, RendererOptions::default())?,
             geometries: Geometries::default(),
             receivers: None,
             spare: Spare::default(),
@@ -120,7 +121,7 @@ impl Gpu {
     }
 
     /// What recipes may ask of this adapter.
-    pub fn limits(&self) -> Limits {
+    pub fn limits(&self) -> BackendLimits {
         self.renderer.limits()
     }
 
@@ -187,7 +188,7 @@ impl Gpu {
         let casters: Vec<_> = geometry.iter().map(|g| g.casters()).collect();
         let everything: Vec<_> = geometry.iter().map(|g| g.everything()).collect();
         let (size, receivers) = (view.camera.size, textures.gbuffer());
-        let frame = Frame {
+        let frame = FrameInputs {
             size,
             casters: &casters,
             everything: &everything,
@@ -227,7 +228,7 @@ impl Gpu {
         recipe: &Recipe,
         found: bool,
     ) -> Result<Shadows, BackendError> {
-        let played = Played::new(recipe, found);
+        let played = StagesWithPasses::new(recipe, found);
         let kept = if recipe.keep_images {
             self.readable_images(&mut encoder)
         } else {

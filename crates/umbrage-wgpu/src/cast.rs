@@ -2,7 +2,7 @@
 
 use crate::{
     filter::clear,
-    frame::Frame,
+    frame::FrameInputs,
     resources::{
         bindings::{Binding, Bound, Slot},
         counters::ResourceFactory,
@@ -11,7 +11,7 @@ use crate::{
         images::GpuImage,
         matrices::{Matrices, matrix_layout},
         pipelines::{CastKey, Peel, Pipelines},
-        timestamps::{PassTimestamps, Stage, pass_stamps},
+        timestamps::{PassTimestamps, TimedStage, pass_stamps},
     },
     targets::CastTarget,
 };
@@ -43,9 +43,10 @@ impl CastStage {
         &mut self,
         maker: &mut ResourceFactory<'_>,
         pipelines: &mut Pipelines,
-        (casts, images): (&[Cast], &[GpuImage]),
+        casts: &[Cast],
+        images: &[GpuImage],
         faces: &mut FaceBuffers,
-        frame: &Frame<'_>,
+        frame: &FrameInputs<'_>,
     ) {
         self.targets = (0..casts.len())
             .map(|i| CastTarget::new(casts, i, images))
@@ -128,7 +129,7 @@ impl CastStage {
         let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
             label: Some("umbrage cast"),
             depth_stencil_attachment: Some(self.targets[i].attachment()),
-            timestamp_writes: pass_stamps(stamps, Stage::Cast, i, self.targets.len()),
+            timestamp_writes: pass_stamps(stamps, TimedStage::Cast, i, self.targets.len()),
             ..RenderPassDescriptor::default()
         });
         self.spaces.bind(&mut pass, 0, i);
@@ -183,7 +184,8 @@ impl Layouts {
 fn read_unwritten(casts: &[Cast], images: &[GpuImage]) -> Vec<(Format, TextureView)> {
     let mut out = Vec::new();
     for (i, cast) in casts.iter().enumerate() {
-        let (CastMode::Behind(other) | CastMode::Count { depth: other }) = cast.mode else {
+        let (CastMode::DepthPeel(other) | CastMode::StencilDepthFail { depth: other }) = cast.mode
+        else {
             continue;
         };
         if !casts[..i]

@@ -6,7 +6,7 @@ use crate::{
         images::{GpuImage, texture_format},
         kernel_stage::{KernelStage, Sources},
         pipelines::Pipelines,
-        timestamps::{PassTimestamps, Stage, pass_stamps},
+        timestamps::{PassTimestamps, TimedStage, pass_stamps},
     },
     targets::attachment,
     wgsl::{filter_shader, kernel_wgsl},
@@ -43,17 +43,21 @@ impl FilterStage {
                 pipelines,
                 sources,
                 kernel,
-                (&filter.inputs, &filter.tables),
+                &filter.inputs,
+                &filter.tables,
             );
-            let text = (
-                filter_shader(&kernel_wgsl(kernel, &shape, 0)),
-                "umbrage_filter",
-            );
+            let text = filter_shader(&kernel_wgsl(kernel, &shape, 0));
             let output = &sources.images[filter.output];
             let format = texture_format(output.desc.format);
             let label = format!("umbrage filter into {}", output.desc.label);
-            stage.pipeline =
-                Some(pipelines.kernel(maker, &label, text, format, &[stage.binding.layout()]));
+            stage.pipeline = Some(pipelines.kernel(
+                maker,
+                &label,
+                text,
+                "umbrage_filter",
+                format,
+                &[stage.binding.layout()],
+            ));
             targets.clone_from(&output.layers);
         }
     }
@@ -76,7 +80,7 @@ impl FilterStage {
             let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
                 label: Some("umbrage filter"),
                 color_attachments: &[Some(color_attachment(view, Color::TRANSPARENT))],
-                timestamp_writes: pass_stamps(stamps, Stage::Filter, i, count),
+                timestamp_writes: pass_stamps(stamps, TimedStage::Filter, i, count),
                 ..RenderPassDescriptor::default()
             });
             pass.set_pipeline(pipeline);

@@ -9,7 +9,7 @@ use wgpu::{
 
 /// One frame's casters and receivers.
 #[derive(Clone, Copy, Debug)]
-pub struct Frame<'a> {
+pub struct FrameInputs<'a> {
     /// Size of the mask and of the receivers' textures, pixels.
     pub size: UVec2,
     /// Drawn by the recipe's casts of [`Source::Casters`].
@@ -66,7 +66,7 @@ impl VertexLayout {
     };
 }
 
-/// What the camera sees: textures of [`Frame::size`] with usage `TEXTURE_BINDING`.
+/// What the camera sees: textures of [`FrameInputs::size`] with usage `TEXTURE_BINDING`.
 ///
 /// Two channels of unused precision are the price of a plain layout; an engine that keeps its own G-buffer copies from
 /// it in one full-screen pass, or makes this one from depth with [`GBufferFromDepth`](crate::GBufferFromDepth).
@@ -82,7 +82,7 @@ pub struct GBuffer<'a> {
     pub triangle: Option<&'a TextureView>,
 }
 
-impl Frame<'_> {
+impl FrameInputs<'_> {
     /// Objects to what the device would: later, in other words, and some of it only when the caller submits.
     pub(crate) fn validate(&self, recipe: &Recipe, limits: &Limits) -> Result<(), BackendError> {
         for (what, drawables) in [("caster", self.casters), ("everything", self.everything)] {
@@ -124,7 +124,7 @@ impl Frame<'_> {
         Err(Invalid::new(
             "frame",
             why,
-            "list all that the camera may see in `Frame::everything`",
+            "list all that the camera may see in `FrameInputs::everything`",
         ))
     }
 
@@ -149,10 +149,11 @@ impl Drawable<'_> {
         check_buffer(
             self.vertices,
             "vertex buffer",
-            (BufferUsages::VERTEX, "VERTEX"),
+            BufferUsages::VERTEX,
+            "VERTEX",
         )?;
         if let Some(Indices { buffer, .. }) = self.indices {
-            check_buffer(buffer, "index buffer", (BufferUsages::INDEX, "INDEX"))?;
+            check_buffer(buffer, "index buffer", BufferUsages::INDEX, "INDEX")?;
         }
         if let Some(place) = self.world_from_local {
             invalid::finite("world from local", &place.to_cols_array())?;
@@ -248,12 +249,13 @@ impl VertexLayout {
 fn check_buffer(
     buffer: &Buffer,
     what: &str,
-    (usage, name): (BufferUsages, &str),
+    usage: BufferUsages,
+    usage_name: &str,
 ) -> Result<(), Invalid> {
     if buffer.usage().contains(usage) {
         return Ok(());
     }
-    let why = format!("was made without the usage `BufferUsages::{name}`");
+    let why = format!("was made without the usage `BufferUsages::{usage_name}`");
     Err(Invalid::new(what, why, "add it where the buffer is made"))
 }
 

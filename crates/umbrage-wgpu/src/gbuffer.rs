@@ -261,8 +261,8 @@ fn ids_pipeline(device: &Device, text: &str, layout: &BindGroupLayout) -> Render
             compilation_options: options(),
             buffers: &[],
         },
-        primitive: DepthState::NEAREST.primitive(),
-        depth_stencil: Some(DepthState::NEAREST.depth_stencil()),
+        primitive: DepthState::DEPTH_LESS.primitive(),
+        depth_stencil: Some(DepthState::DEPTH_LESS.depth_stencil()),
         multisample: MultisampleState::default(),
         fragment: Some(FragmentState {
             module,

@@ -181,7 +181,7 @@ impl GBufferFromDepth {
         })
     }
 
-    /// The G-buffer's size, for [`Frame::size`](crate::Frame::size); zero before the first frame.
+    /// The G-buffer's size, for [`FrameInputs::size`](crate::FrameInputs::size); zero before the first frame.
     pub fn size(&self) -> UVec2 {
         self.images
             .first()

@@ -3,9 +3,10 @@
 //! * [`ShadowRenderer`] is middleware: the caller's device, the caller's encoder, no submission.
 //! * [`Gpu`] is a [`Backend`](umbrage_core::Backend) with a device of its own: upload, render, read back, time.
 //!
-//! Recipes whose casts count ([`CastMode::Count`](umbrage_core::CastMode::Count)) need a device with the feature
-//! `DEPTH32FLOAT_STENCIL8`; [`Gpu`] asks for it where the adapter has it, and for `TIMESTAMP_QUERY`, without which
-//! there are no timings. All else is in every WebGPU device that can draw into images of 32-bit floats ([`check_adapter`]).
+//! Recipes whose casts count ([`CastMode::StencilDepthFail`](umbrage_core::CastMode::StencilDepthFail)) need a device with
+//! the feature `DEPTH32FLOAT_STENCIL8`; [`Gpu`] asks for it where the adapter has it, and for `TIMESTAMP_QUERY`, without
+//! which there are no timings. All else is in every WebGPU device that can draw into images of 32-bit floats
+//! ([`check_adapter`]).
 //!
 //! wgpu is re-exported, so that callers can name the version used here.
 
@@ -34,11 +35,11 @@ pub use device::{
     probe::probe_snapping,
     requirements::check_adapter,
 };
-pub use frame::{Drawable, Frame, GBuffer, Indices, VertexLayout};
+pub use frame::{Drawable, FrameInputs, GBuffer, Indices, VertexLayout};
 pub use gbuffer_from_depth::{DepthBuffer, GBufferFromDepth};
 #[cfg(feature = "testing")]
 pub use pinned_driver::{PINNED_DRIVER, PINNED_DRIVER_VARIABLE};
-pub use renderer::{Options, ShadowRenderer};
+pub use renderer::{RendererOptions, ShadowRenderer};
 #[cfg(feature = "testing")]
 pub use resources::counters::Counters;
 pub use resources::{images::texture_format, timestamps::PassTimestamps};

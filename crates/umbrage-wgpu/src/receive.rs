@@ -2,15 +2,15 @@
 
 use crate::{
     filter::color_attachment,
-    frame::{Frame, GBuffer},
-    renderer::Options,
+    frame::{FrameInputs, GBuffer},
+    renderer::RendererOptions,
     resources::{
         bindings::{Binding, Bound, Slot},
         counters::ResourceFactory,
         images::{GpuImage, fit_images},
         kernel_stage::{KernelStage, Sources},
         pipelines::Pipelines,
-        timestamps::{PassTimestamps, Stage, pass_stamps},
+        timestamps::{PassTimestamps, TimedStage, pass_stamps},
     },
     wgsl::{kernel_wgsl, receive_shader},
 };
@@ -35,8 +35,8 @@ impl Lookup {
         maker: &mut ResourceFactory<'_>,
         pipelines: &mut Pipelines,
         sources: &mut Sources<'_>,
-        options: Options,
-        frame: &Frame<'_>,
+        options: RendererOptions,
+        frame: &FrameInputs<'_>,
     ) -> &GpuImage {
         let mask = ImageDesc {
             label: "umbrage mask",
@@ -46,10 +46,14 @@ impl Lookup {
         };
         fit_images(maker, &mut self.mask, &[mask], &[]);
         let receive = &sources.recipe.receive;
-        let reads = (&receive.inputs[..], &receive.tables[..]);
-        let shape = self
-            .kernel
-            .bind(maker, pipelines, sources, &*receive.kernel, reads);
+        let shape = self.kernel.bind(
+            maker,
+            pipelines,
+            sources,
+            &*receive.kernel,
+            &receive.inputs,
+            &receive.tables,
+        );
         let (slots, bound) = gbuffer(&frame.receivers);
         let layout = pipelines.layouts.get(maker, ShaderStages::FRAGMENT, &slots);
         self.gbuffer.set(maker, "umbrage receivers", &layout, bound);
@@ -60,9 +64,14 @@ impl Lookup {
             frame.receivers.triangle.is_some(),
         );
         let groups = groups(options, &self.kernel, &layout);
-        let (label, text) = ("umbrage receive", (text, "umbrage_receive"));
-        self.kernel.pipeline =
-            Some(pipelines.kernel(maker, label, text, TextureFormat::R32Float, &groups));
+        self.kernel.pipeline = Some(pipelines.kernel(
+            maker,
+            "umbrage receive",
+            text,
+            "umbrage_receive",
+            TextureFormat::R32Float,
+            &groups,
+        ));
         &self.mask[0]
     }
 
@@ -70,14 +79,14 @@ impl Lookup {
     pub(crate) fn encode(
         &self,
         encoder: &mut CommandEncoder,
-        options: Options,
+        options: RendererOptions,
         stamps: Option<&PassTimestamps<'_>>,
     ) -> Option<&TextureView> {
         let mask = &self.mask()?.whole;
         let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
             label: Some("umbrage receive"),
             color_attachments: &[Some(color_attachment(mask, Color::WHITE))],
-            timestamp_writes: pass_stamps(stamps, Stage::Receive, 0, 1),
+            timestamp_writes: pass_stamps(stamps, TimedStage::Receive, 0, 1),
             ..RenderPassDescriptor::default()
         });
         pass.set_pipeline(self.kernel.pipeline.as_ref()?);
@@ -123,7 +132,7 @@ pub(crate) fn gbuffer(receivers: &GBuffer<'_>) -> (Vec<Slot>, Vec<Bound>) {
 
 /// The bind group layouts of a pipeline that asks a kernel about what the camera sees.
 pub(crate) fn groups<'a>(
-    options: Options,
+    options: RendererOptions,
     kernel: &'a KernelStage,
     gbuffer: &'a BindGroupLayout,
 ) -> Vec<Option<&'a BindGroupLayout>> {

@@ -2,7 +2,7 @@
 
 use crate::{
     device::error_scopes::Scopes,
-    frame::Frame,
+    frame::FrameInputs,
     resources::{
         counters::{Counters, ResourceFactory},
         counts::{check_counting, pairs},
@@ -15,12 +15,12 @@ use crate::{
     targets::CastTarget,
 };
 use glam::UVec2;
-use umbrage_core::{BackendError, Invalid, Limits, Recipe};
+use umbrage_core::{BackendError, BackendLimits, Invalid, Recipe};
 use wgpu::{BindGroup, BindGroupLayout, CommandEncoder, Device, Queue, TextureView};
 
 /// What the caller chooses once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Options {
+pub struct RendererOptions {
     /// The bind group index at which the lookup's kernel finds what it reads, so that
     /// [`receive_wgsl`](crate::receive_wgsl) and [`ShadowRenderer::receive_bind_group`] fit into the caller's own shaders.
     pub kernel_group: u32,
@@ -31,15 +31,15 @@ pub struct Options {
 ///
 /// ```no_run
 /// use umbrage_core::{BackendError, Recipe};
-/// use umbrage_wgpu::{Frame, ShadowRenderer, wgpu};
+/// use umbrage_wgpu::{FrameInputs, ShadowRenderer, wgpu};
 ///
-/// /// Once a frame; the renderer was made by `ShadowRenderer::new(&device, Options::default())`.
+/// /// Once a frame; the renderer was made by `ShadowRenderer::new(&device, RendererOptions::default())`.
 /// fn shadows<'a>(
 ///     renderer: &'a mut ShadowRenderer,
 ///     (device, queue): (&wgpu::Device, &wgpu::Queue),
 ///     encoder: &mut wgpu::CommandEncoder,
 ///     recipe: &Recipe,
-///     frame: &Frame<'_>,
+///     frame: &FrameInputs<'_>,
 /// ) -> Result<&'a wgpu::TextureView, BackendError> {
 ///     renderer.prepare(device, queue, recipe, frame)?;
 ///     renderer.encode(encoder)
@@ -55,8 +55,8 @@ pub struct Options {
 /// groups anew after each, and submit all that reads them before it or together with the encoder.
 #[derive(Debug)]
 pub struct ShadowRenderer {
-    options: Options,
-    limits: Limits,
+    options: RendererOptions,
+    limits: BackendLimits,
     counters: Counters,
     submissions: Submissions,
     shared: Shared,
@@ -70,8 +70,8 @@ impl ShadowRenderer {
     /// A renderer for this device. Nothing is made yet: shaders come with recipes.
     ///
     /// # Errors
-    /// If the device has too few bind groups for [`Options::kernel_group`].
-    pub fn new(device: &Device, options: Options) -> Result<Self, BackendError> {
+    /// If the device has too few bind groups for [`RendererOptions::kernel_group`].
+    pub fn new(device: &Device, options: RendererOptions) -> Result<Self, BackendError> {
         let groups = device.limits().max_bind_groups;
         if options.kernel_group >= groups {
             let why = format!("is {}", options.kernel_group);
@@ -104,7 +104,7 @@ impl ShadowRenderer {
         device: &Device,
         queue: &Queue,
         recipe: &Recipe,
-        frame: &Frame<'_>,
+        frame: &FrameInputs<'_>,
     ) -> Result<(), BackendError> {
         self.prepared = None;
         check_device(device, self.submissions.device())?;
@@ -127,7 +127,8 @@ impl ShadowRenderer {
             &mut maker,
             &mut self.shared,
             self.options,
-            (recipe, &pairs),
+            recipe,
+            &pairs,
             frame,
         );
         if let Err(e) = scopes.close() {
@@ -139,7 +140,7 @@ impl ShadowRenderer {
     }
 
     /// The first of the resources that no unsubmitted encoder reads; if there are several, one that fits.
-    fn free(&mut self, recipe: &Recipe, frame: &Frame<'_>) -> usize {
+    fn free(&mut self, recipe: &Recipe, frame: &FrameInputs<'_>) -> usize {
         if self.lights.iter().any(|light| !light.pending.is_over()) {
             self.submissions.poll();
         }
@@ -278,7 +279,7 @@ impl ShadowRenderer {
     }
 
     /// What the lookup reads, for [`receive_wgsl`](crate::receive_wgsl) in the caller's own shader: set it at
-    /// [`Options::kernel_group`].
+    /// [`RendererOptions::kernel_group`].
     ///
     /// # Errors
     /// As [`encode`](Self::encode).
@@ -306,7 +307,7 @@ impl ShadowRenderer {
     }
 
     /// What recipes may ask of this device.
-    pub fn limits(&self) -> Limits {
+    pub fn limits(&self) -> BackendLimits {
         self.limits
     }
 
@@ -337,7 +338,7 @@ impl ShadowRenderer {
     }
 }
 
-impl Options {
+impl RendererOptions {
     /// Any group but the kernel's.
     pub(crate) fn gbuffer_group(self) -> u32 {
         u32::from(self.kernel_group == 0)
@@ -345,9 +346,9 @@ impl Options {
 }
 
 /// What recipes may ask of a device.
-fn limits(device: &Device) -> Limits {
+fn limits(device: &Device) -> BackendLimits {
     let limits = device.limits();
-    Limits {
+    BackendLimits {
         image_side: limits.max_texture_dimension_2d,
         layers: limits.max_texture_array_layers,
         table_bytes: limits

@@ -1,7 +1,7 @@
 //! Playing one stage from given images, so that tests can compare stages by themselves.
 
 use crate::{
-    Frame, Gpu,
+    FrameInputs, Gpu,
     backend::{check, maker},
     device::{readback::ReadBack, results::Tickets},
     gbuffer::ReceiverTextures,
@@ -78,7 +78,7 @@ impl Gpu {
     fn prepare_blind(&mut self, recipe: &Recipe) -> Result<(), BackendError> {
         let mut maker = maker!(self);
         let textures = ReceiverTextures::fit(&mut self.receivers, &mut maker, UVec2::ONE);
-        let frame = Frame {
+        let frame = FrameInputs {
             size: UVec2::ONE,
             casters: &[],
             everything: &[],

@@ -2,9 +2,9 @@
 
 use crate::{
     filter::color_attachment,
-    frame::Frame,
+    frame::FrameInputs,
     receive::{gbuffer, groups},
-    renderer::Options,
+    renderer::RendererOptions,
     resources::{
         bindings::{Binding, Bound, Slot},
         counters::ResourceFactory,
@@ -19,21 +19,22 @@ use wgpu::{Color, CommandEncoder, RenderPassDescriptor, ShaderStages, TextureFor
 
 /// Ready to be encoded; without a picture where the recipe doesn't shade.
 #[derive(Debug, Default)]
-pub(crate) struct Shading {
+pub(crate) struct ShadePass {
     kernel: KernelStage,
     gbuffer: Binding,
     picture: Vec<GpuImage>,
     background: Color,
 }
 
-impl Shading {
+impl ShadePass {
     pub(crate) fn prepare(
         &mut self,
         maker: &mut ResourceFactory<'_>,
         pipelines: &mut Pipelines,
         sources: &mut Sources<'_>,
-        options: Options,
-        (frame, mask): (&Frame<'_>, &GpuImage),
+        options: RendererOptions,
+        frame: &FrameInputs<'_>,
+        mask: &GpuImage,
     ) {
         let Some(shade) = &sources.recipe.shade else {
             return *self = Self::default();
@@ -51,7 +52,8 @@ impl Shading {
             pipelines,
             sources,
             &*shade.kernel,
-            (&[], &shade.tables),
+            &[],
+            &shade.tables,
         );
         let (mut slots, mut bound) = gbuffer(&frame.receivers);
         slots.push(Slot::Floats { layered: false });
@@ -63,13 +65,18 @@ impl Shading {
             options.gbuffer_group(),
         );
         let groups = groups(options, &self.kernel, &layout);
-        let (label, text) = ("umbrage shade", (text, "umbrage_shade"));
-        self.kernel.pipeline =
-            Some(pipelines.kernel(maker, label, text, TextureFormat::Rgba32Float, &groups));
+        self.kernel.pipeline = Some(pipelines.kernel(
+            maker,
+            "umbrage shade",
+            text,
+            "umbrage_shade",
+            TextureFormat::Rgba32Float,
+            &groups,
+        ));
     }
 
     /// Records the pass, if the recipe shades.
-    pub(crate) fn encode(&self, encoder: &mut CommandEncoder, options: Options) {
+    pub(crate) fn encode(&self, encoder: &mut CommandEncoder, options: RendererOptions) {
         let (Some(picture), Some(pipeline)) = (self.picture(), &self.kernel.pipeline) else {
             return;
         };

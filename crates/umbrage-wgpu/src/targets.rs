@@ -40,7 +40,7 @@ impl CastTarget {
     pub(crate) fn new(casts: &[Cast], index: usize, images: &[GpuImage]) -> Self {
         let cast = &casts[index];
         let (image, layer) = (&images[cast.image], cast.layer as usize);
-        let CastMode::Behind(other) = cast.mode else {
+        let CastMode::DepthPeel(other) = cast.mode else {
             return Self::plain(casts, index, image);
         };
         let behind = Some(images[other].reads[layer].clone());
@@ -147,7 +147,7 @@ pub(crate) struct DepthState {
 
 impl DepthState {
     /// The nearest surface, of either side, without bias.
-    pub(crate) const NEAREST: Self = Self {
+    pub(crate) const DEPTH_LESS: Self = Self {
         format: TextureFormat::Depth32Float,
         counts: false,
         cull: Cull::None,

@@ -5,7 +5,7 @@ use umbrage_core::{Format, Invalid, Kernel, MATH, Recipe, join};
 
 /// What a kernel reads, as far as its shader text shows it.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub(crate) struct Shape {
+pub(crate) struct KernelInterface {
     /// Whether there are uniforms.
     pub(crate) uniforms: bool,
     /// For each image, what it is read as, and whether it has several layers.
@@ -25,7 +25,7 @@ pub(crate) enum InputKind {
     Compared,
 }
 
-impl Shape {
+impl KernelInterface {
     pub(crate) fn new(
         recipe: &Recipe,
         kernel: &dyn Kernel,
@@ -84,19 +84,19 @@ struct Receiver {
 /// Errors if the prefix can't begin a WGSL identifier.
 pub fn receive_wgsl(recipe: &Recipe, group: u32, prefix: &str) -> Result<String, Invalid> {
     let receive = &recipe.receive;
-    let shape = Shape::new(recipe, &*receive.kernel, &receive.inputs, &receive.tables);
+    let shape = KernelInterface::new(recipe, &*receive.kernel, &receive.inputs, &receive.tables);
     with_prefix(&kernel_wgsl(&*receive.kernel, &shape, group), prefix)
 }
 
 /// The contract's names, then the kernel's modules.
-pub(crate) fn kernel_wgsl(kernel: &dyn Kernel, shape: &Shape, group: u32) -> String {
+pub(crate) fn kernel_wgsl(kernel: &dyn Kernel, shape: &KernelInterface, group: u32) -> String {
     let mut text = format!("// Made by umbrage.\n{RECEIVER}");
     let uniforms = kernel.uniforms().map(|block| block.uniform_layout().name);
     declare(&mut text, uniforms, shape, group);
     text + &join(&[MATH]) + &join(&kernel.modules())
 }
 
-fn declare(text: &mut String, uniforms: Option<&str>, shape: &Shape, group: u32) {
+fn declare(text: &mut String, uniforms: Option<&str>, shape: &KernelInterface, group: u32) {
     let mut binding = 0;
     let mut declare = |text: &mut String, what: &str| {
         text.push_str(&format!("@group({group}) @binding({binding}) {what};\n"));

@@ -38,7 +38,8 @@ pub fn facing_normal(n: Vec3, d: Vec3) -> Vec3 {
 /// A ray's start or direction at the centre of a pixel.
 #[inline(always)]
 pub fn at_pixel(base: Vec4, dx: Vec4, dy: Vec4, x: u32, y: u32) -> Vec3 {
-    let (fx, fy) = (x as f32 + 0.5, y as f32 + 0.5);
+    let fx = x as f32 + 0.5;
+    let fy = y as f32 + 0.5;
     Vec3::new(
         base.x + dx.x * fx + dy.x * fy,
         base.y + dx.y * fx + dy.y * fy,
@@ -57,9 +58,10 @@ pub struct Resolved {
     pub t: f32,
 }
 
-/// The receiver at pixel (x, y) on the triangle with these corners; none if the ray runs along its plane.
+/// Returns the receiver at pixel (x, y) on the triangle with these corners (world space); none if the ray runs along its plane.
 #[inline(always)]
-pub fn resolve(rays: &CameraRays, x: u32, y: u32, [a, b, c]: [Vec3; 3]) -> Option<Resolved> {
+pub fn resolve(rays: &CameraRays, x: u32, y: u32, corners: [Vec3; 3]) -> Option<Resolved> {
+    let [a, b, c] = corners;
     let o = at_pixel(rays.origin, rays.origin_dx, rays.origin_dy, x, y);
     let d = at_pixel(rays.dir, rays.dir_dx, rays.dir_dy, x, y);
     let n = plane_normal(a, b, c);

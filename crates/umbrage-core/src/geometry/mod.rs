@@ -2,6 +2,7 @@
 
 pub(crate) mod aabb;
 pub mod bvh;
+pub(crate) mod clip_polygon;
 pub(crate) mod displaced_mesh;
 pub mod displacement;
 pub(crate) mod ray_box;

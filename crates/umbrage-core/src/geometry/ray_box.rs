@@ -6,8 +6,8 @@
 //! however far away it starts. A hierarchy in which every box holds those below it, asked by this test alone, never
 //! passes over a triangle whose own box is entered. No margin for rounding is needed for that.
 //!
-//! Margins are needed so that the box of a triangle is entered wherever the triangle is hit; `hit.rs` shows how large.
-//! One is in proportion to the triangle ([`padded_box`]), the other to the distance from the segment's start ([`SLACK`],
+//! Margins are needed so that the box of a triangle is entered wherever the triangle is hit; `ray_triangle.rs` shows how large.
+//! One is in proportion to the triangle ([`padded_box`]), the other to the distance from the segment's start ([`EXIT_SLACK`],
 //! as in Ize 2013, "Robust BVH Ray Traversal").
 
 use crate::{Module, Twin, twin};
@@ -20,7 +20,7 @@ pub const RAY_BOX: Module = Module {
 };
 
 /// A segment may enter a box by this factor later than it leaves it: 32 roundings of 2^-24.
-pub(crate) const SLACK: f32 = 1.0 + 1.0 / 524_288.0;
+pub(crate) const EXIT_SLACK: f32 = 1.0 + 1.0 / 524_288.0;
 
 /// 16 roundings of 2^-24.
 const SIZE_PAD: f32 = 1.0 / 1_048_576.0;
@@ -44,10 +44,12 @@ fn safe_inverse(x: f32) -> f32 {
     }
 }
 
-/// Where the segment from `o` is within a box: from which to which fraction of its vector. It enters it if the first is at
-/// most [`SLACK`] times the second.
+/// Returns where the segment from `o` is within a box, the least and the greatest corner of which are given: from which to which
+/// fraction of its vector. It enters the box if the first is at most [`EXIT_SLACK`] times the second. `inverse` is
+/// [`slab_inverse`] of the vector.
 #[inline(always)]
-pub(crate) fn span(o: Vec3A, inverse: Vec3A, [low, high]: [Vec3A; 2]) -> [f32; 2] {
+pub(crate) fn span(o: Vec3A, inverse: Vec3A, corners: [Vec3A; 2]) -> [f32; 2] {
+    let [low, high] = corners;
     let a = (low - o) * inverse;
     let b = (high - o) * inverse;
     [
@@ -60,14 +62,15 @@ pub(crate) fn span(o: Vec3A, inverse: Vec3A, [low, high]: [Vec3A; 2]) -> [f32; 2
 #[inline(always)]
 pub(crate) fn enters_box(o: Vec3A, inverse: Vec3A, corners: [Vec3A; 2]) -> bool {
     let [entry, exit] = span(o, inverse, corners);
-    entry <= exit * SLACK
+    entry <= exit * EXIT_SLACK
 }
 
-/// The box around a triangle, least and greatest corner, grown on all sides by 2^-20 of its longest side or by 2^-22 of
+/// Returns the box around a triangle, least and greatest corner, grown on all sides by 2^-20 of its longest side or by 2^-22 of
 /// its greatest coordinate, whichever is more. (Not by a sum: Mesa's lavapipe 22.3 adds `a + (b * c + d * e)` from left to
 /// right.)
 #[inline(always)]
-pub(crate) fn padded_box([a, b, c]: [Vec3A; 3]) -> [Vec3A; 2] {
+pub(crate) fn padded_box(corners: [Vec3A; 3]) -> [Vec3A; 2] {
+    let [a, b, c] = corners;
     let low = a.min(b).min(c);
     let high = a.max(b).max(c);
     let size = (high - low).max_element();

@@ -1,7 +1,7 @@
 // Twin of slab.rs.
 
 // 1 + 2^-19.
-const SLACK = 1.0000019;
+const EXIT_SLACK = 1.0000019;
 // 2^-20 and 2^-22.
 const SIZE_PAD = 9.536743e-7;
 const REACH_PAD = 2.3841858e-7;
@@ -21,7 +21,7 @@ fn enters_box(o: vec3f, inverse: vec3f, low: vec3f, high: vec3f) -> bool {
     let far = max(a, b);
     let entry = max(max(near.x, near.y), max(near.z, 0.0));
     let exit = min(min(far.x, far.y), min(far.z, 1.0));
-    return entry <= exit * SLACK;
+    return entry <= exit * EXIT_SLACK;
 }
 
 fn box_pad(low: vec3f, high: vec3f) -> f32 {

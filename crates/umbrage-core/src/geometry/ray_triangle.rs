@@ -23,7 +23,7 @@
 //! * The box is grown by `16u w` or `4u c` (c: its greatest coordinate), whichever is more, hence by at least `8u w + 2u c`;
 //!   its own rounding takes about `u c` of that. What is left covers the part with w.
 //! * The other part moves the place `t` where a side is passed by no more than `6u t`; the slab test's difference, inverse
-//!   and product add `3u t`. So the box is entered before `t (1 + 9u)` and left after `t (1 - 9u)`, and `SLACK = 1 + 32u` is
+//!   and product add `3u t`. So the box is entered before `t (1 + 9u)` and left after `t (1 - 9u)`, and `EXIT_SLACK = 1 + 32u` is
 //!   more than their ratio.
 //!
 //! **Not from afar.** Test 1 alone accepts what it cannot tell: where all products round to 0 or to each other, a small or
@@ -68,7 +68,8 @@ pub(crate) struct Corners {
 }
 
 impl Corners {
-    pub(crate) fn new([a, b, c]: [Vec3; 3]) -> Self {
+    pub(crate) fn new(corners: [Vec3; 3]) -> Self {
+        let [a, b, c] = corners;
         Self {
             x: Vec3A::new(a.x, b.x, c.x),
             y: Vec3A::new(a.y, b.y, c.y),
@@ -102,7 +103,8 @@ impl Segment {
     /// The three corners' coordinate along one row of the shear. Sums run from left to right, as in the twin.
     #[inline(always)]
     fn along_row(&self, row: usize, t: &Corners) -> Vec3A {
-        let (r, o) = (self.rows[row], self.origin);
+        let r = self.rows[row];
+        let o = self.origin;
         Vec3A::splat(r.x) * (t.x - Vec3A::splat(o.x))
             + Vec3A::splat(r.y) * (t.y - Vec3A::splat(o.y))
             + Vec3A::splat(r.z) * (t.z - Vec3A::splat(o.z))
@@ -111,15 +113,18 @@ impl Segment {
     /// Whether it meets the triangle, edges and ends included.
     #[inline(always)]
     pub(crate) fn hits(&self, t: &Corners) -> bool {
-        let (x, y) = (self.along_row(0, t), self.along_row(1, t));
+        let x = self.along_row(0, t);
+        let y = self.along_row(1, t);
         // (u, v, w): the signed areas opposite to the corners, as the third axis of a cross product.
         let areas = Vec3A::new(x.y, x.z, x.x) * Vec3A::new(y.z, y.x, y.y)
             - Vec3A::new(y.y, y.z, y.x) * Vec3A::new(x.z, x.x, x.y);
         if !(areas.cmpge(Vec3A::ZERO).all() || areas.cmple(Vec3A::ZERO).all()) {
             return false;
         }
-        let along = areas * self.along_row(2, t);
-        let (whole, along) = (areas.x + areas.y + areas.z, along.x + along.y + along.z);
+        // The plane's third coordinate, weighted by the areas: the fraction of the segment's vector times the whole area.
+        let weighted = areas * self.along_row(2, t);
+        let whole = areas.x + areas.y + areas.z;
+        let along = weighted.x + weighted.y + weighted.z;
         // 0 <= along / whole <= 1, without the division.
         let between = if whole > 0.0 {
             along >= 0.0 && along <= whole

@@ -1,4 +1,4 @@
-// Twin of hit.rs's triangle test. Calls into slab.wgsl.
+// Twin of ray_triangle.rs's triangle test. Calls into ray_box.wgsl.
 
 fn shear_rows(d: vec3f) -> mat3x3f {
     let size = abs(d);

@@ -1,79 +1,83 @@
 //! Near and far planes from what a camera or a spot sees.
 
+use crate::geometry::clip_polygon::{Polygon, edge_crossing};
 use glam::{DAffine3, DVec3, Mat4, Vec3};
 
 /// Slack of the fitted planes, as a fraction of their distance: rounding in a projection of 32-bit floats is near 1e-7,
 /// and so nothing seen is cut.
-const SLACK: f64 = 1e-3;
-/// Nearest near plane, as a fraction of the far plane, 2^-20: a guard against zero, far beyond what depth can tell apart.
-const NEAREST: f64 = 1.0 / 1_048_576.0;
+const RANGE_SLACK: f64 = 1e-3;
+/// Least near plane, as a fraction of the far plane, 2^-20: a guard against zero, far beyond what depth can tell apart.
+const MIN_NEAR_OVER_FAR: f64 = 1.0 / 1_048_576.0;
 
-/// The pyramid that is seen.
+/// A triangle cut by the four sides of a pyramid. It has at most seven corners; the rest is room for corners that rounding adds
+/// where an edge runs along a side (with n corners of any sign, at most 3n/2 are left, so 3, 4, 6, 9, 13).
+type CutTriangle = Polygon<DVec3, 13>;
+
+/// What a camera or a spot light sees: a pyramid with its apex at the eye, without near and far planes.
 #[derive(Clone, Copy, Debug)]
-pub struct Pyramid {
-    /// The view from world space; a rigid motion.
+pub struct ViewPyramid {
+    /// The view from world space; a rigid motion. It looks along -z.
     pub view_from_world: Mat4,
-    /// Tangents of the half angles across and up.
+    /// Tangents of the half angles across (x) and up (y).
     pub tangents: [f64; 2],
 }
 
-impl Pyramid {
-    /// Whether a world-space point is seen, or nearly: rounding is given a thousandth.
-    pub fn holds(&self, p: Vec3) -> bool {
+impl ViewPyramid {
+    /// Returns whether a world-space point lies within, or beside it by less than a thousandth of the pyramid's width there, for
+    /// rounding.
+    pub fn contains(&self, p: Vec3) -> bool {
         let p = DAffine3::from_mat4(self.view_from_world.as_dmat4()).transform_point3(p.as_dvec3());
-        let reach = -p.z * (1.0 + SLACK);
-        p.x.abs() <= reach * self.tangents[0] && p.y.abs() <= reach * self.tangents[1]
+        let padded_distance = -p.z * (1.0 + RANGE_SLACK);
+        p.x.abs() <= padded_distance * self.tangents[0]
+            && p.y.abs() <= padded_distance * self.tangents[1]
     }
 }
 
-/// Distances, along the view, of planes just before and just behind all that is seen; none if nothing is.
+/// Returns the distances, along the view, of planes just before and just behind those parts of triangles (world space) that lie
+/// in a pyramid; none if no part does.
 pub fn depth_range(
-    pyramid: &Pyramid,
+    pyramid: &ViewPyramid,
     triangles: impl Iterator<Item = [Vec3; 3]>,
 ) -> Option<[f32; 2]> {
     let view_from_world = DAffine3::from_mat4(pyramid.view_from_world.as_dmat4());
-    let (mut near, mut far) = (f64::INFINITY, 0.0_f64);
+    let mut near = f64::INFINITY;
+    let mut far = 0.0_f64;
     for corners in triangles {
         let corners = corners.map(|p| view_from_world.transform_point3(p.as_dvec3()));
-        for p in seen_part(&corners, pyramid.tangents) {
-            (near, far) = (near.min(-p.z), far.max(-p.z));
+        for p in seen_part(&corners, pyramid.tangents).corners() {
+            near = near.min(-p.z);
+            far = far.max(-p.z);
         }
     }
-    let far = far * (1.0 + SLACK);
-    (far > 0.0).then(|| [(near * (1.0 - SLACK)).max(far * NEAREST) as f32, far as f32])
+    let far = far * (1.0 + RANGE_SLACK);
+    if far <= 0.0 {
+        return None;
+    }
+    let near = (near * (1.0 - RANGE_SLACK)).max(far * MIN_NEAR_OVER_FAR);
+    Some([near as f32, far as f32])
 }
 
-/// The corners of what is left of a triangle inside the pyramid: Sutherland and Hodgman 1974, "Reentrant Polygon
-/// Clipping". The four sides meet in the eye, so that nothing behind it is left.
-fn seen_part(corners: &[DVec3; 3], [tx, ty]: [f64; 2]) -> Vec<DVec3> {
-    let sides = [
-        DVec3::new(1.0, 0.0, -tx),
-        DVec3::new(-1.0, 0.0, -tx),
-        DVec3::new(0.0, 1.0, -ty),
-        DVec3::new(0.0, -1.0, -ty),
+/// Returns the part of a triangle, in view space, that lies inside the pyramid. The four sides meet in the eye, so that
+/// nothing behind it is left.
+fn seen_part(corners: &[DVec3; 3], tangents: [f64; 2]) -> CutTriangle {
+    let [tangent_x, tangent_y] = tangents;
+    let side_normals = [
+        DVec3::new(1.0, 0.0, -tangent_x),
+        DVec3::new(-1.0, 0.0, -tangent_x),
+        DVec3::new(0.0, 1.0, -tangent_y),
+        DVec3::new(0.0, -1.0, -tangent_y),
     ];
-    let outside = |side: &DVec3| corners.iter().all(|p| side.dot(*p) < 0.0);
-    if sides.iter().any(outside) {
-        return Vec::new();
-    }
-    sides
-        .iter()
-        .fold(corners.to_vec(), |polygon, &side| clip(&polygon, side))
-}
-
-fn clip(polygon: &[DVec3], side: DVec3) -> Vec<DVec3> {
-    let mut out = Vec::with_capacity(polygon.len() + 1);
-    for (i, &p) in polygon.iter().enumerate() {
-        let q = polygon[(i + 1) % polygon.len()];
-        let (at_p, at_q) = (side.dot(p), side.dot(q));
-        if at_p >= 0.0 {
-            out.push(p);
-        }
-        if (at_p >= 0.0) != (at_q >= 0.0) {
-            out.push(p.lerp(q, at_p / (at_p - at_q)));
+    // Most triangles lie wholly beyond one side.
+    for normal in side_normals {
+        if corners.iter().all(|p| normal.dot(*p) < 0.0) {
+            return CutTriangle::empty();
         }
     }
-    out
+    let mut polygon = CutTriangle::triangle(*corners);
+    for normal in side_normals {
+        polygon = polygon.clip(|p| normal.dot(p), edge_crossing);
+    }
+    polygon
 }
 
 #[cfg(test)]
@@ -84,7 +88,7 @@ mod tests {
     fn range(triangles: &[[Vec3; 3]]) -> Option<[f32; 2]> {
         let view_from_world = look_along(Vec3::new(0.0, 0.0, 10.0), Vec3::NEG_Z, Vec3::Y).unwrap();
         depth_range(
-            &Pyramid {
+            &ViewPyramid {
                 view_from_world,
                 tangents: [1.0, 0.5],
             },
@@ -152,7 +156,7 @@ mod tests {
             let view_from_world = look_along(eye, Vec3::NEG_Z, Vec3::Y).unwrap();
             let triangle = [at(8.0, 0.1).map(|p| p * s)];
             let [near, far] = depth_range(
-                &Pyramid {
+                &ViewPyramid {
                     view_from_world,
                     tangents: [1.0, 0.5],
                 },

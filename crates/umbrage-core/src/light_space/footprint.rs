@@ -12,9 +12,9 @@ use crate::{
 };
 use glam::{Mat4, Vec2, Vec3};
 
-/// Of each receiver that faces the light, shadowed or not, and falls on a map: how many texels of it a pixel spans in the direction in which
-/// it spans the fewest. `size` is the maps' side in texels; `receivers` are what the view's camera sees. In the order of
-/// the pixels.
+/// Returns, for each receiver that faces the light, shadowed or not, and falls on a map: how many texels of it a pixel
+/// spans in the direction in which it spans the fewest. In the order of the pixels. `size` is the maps' side in texels;
+/// `receivers` are what the view's camera sees.
 pub fn texels_per_pixel(
     view: &View<'_>,
     receivers: &Receivers,
@@ -23,29 +23,36 @@ pub fn texels_per_pixel(
 ) -> Vec<f32> {
     let rays = view.camera.rays();
     let width = receivers.size.x.max(1) as usize;
-    let of = |i: usize| {
-        let (p, n) = (receivers.position(i), receivers.normal(i));
-        if !receivers.receives[i] || dot3(n, view.light.direction_from(p)) <= 0.0 {
-            return None;
+    let mut out = Vec::new();
+    for i in 0..receivers.len() {
+        let position = receivers.position(i);
+        let normal = receivers.normal(i);
+        let faces_away = dot3(normal, view.light.direction_from(position)) <= 0.0;
+        if !receivers.receives[i] || faces_away {
+            continue;
         }
+        // Of a cube's faces, the one in which a point lies is that along whose view it is farthest.
+        let nearest_face = spaces.spaces.iter().max_by(|a, b| {
+            distance_along_view(a, position).total_cmp(&distance_along_view(b, position))
+        });
+        let Some(space) = nearest_face else {
+            continue;
+        };
         let pixel = Vec2::new((i % width) as f32 + 0.5, (i / width) as f32 + 0.5);
-        let space = spaces
-            .spaces
-            .iter()
-            .max_by(|a, b| ahead(a, p).total_cmp(&ahead(b, p)))?;
-        fewest(
-            &steps(&rays, pixel, p, n),
+        let steps = PixelSteps::new(&rays, pixel, position, normal);
+        out.extend(fewest_texels(
+            &steps,
             space.clip_from_world(),
-            p,
+            position,
             size as f32,
-        )
-    };
-    (0..receivers.len()).filter_map(of).collect()
+        ));
+    }
+    out
 }
 
-/// The least side, texels, of a map that lies in `spaces` at which, for a share `quantile` (0..=1) of the seen receivers
-/// that face the light, no texel is larger than a pixel. Margins that kernels take from the map are neglected. None if
-/// no such receiver is seen; at most [`MAX_SIDE`].
+/// Returns the least side, texels, of a map that lies in `spaces` at which, for a share `quantile` (0..=1) of the seen receivers
+/// that face the light, no texel is larger than a pixel; at most [`MAX_SIDE`]. Margins that kernels take from the map are
+/// neglected. None if no such receiver is seen.
 pub fn side_for(
     view: &View<'_>,
     receivers: &Receivers,
@@ -57,60 +64,77 @@ pub fn side_for(
     side_of(&texels, quantile)
 }
 
-/// As [`side_for`], of the rising numbers of texels per pixel on a map of one texel.
+/// As [`side_for`], from the numbers of texels per pixel on a map of one texel, in rising order.
 pub fn side_of(texels: &[f32], quantile: f32) -> Option<u32> {
     // Casts saturate: where a texel never gets as small, the greatest side is the answer.
     at_least(texels, quantile).map(|texels| ((1.0 / texels).ceil() as u32).clamp(1, MAX_SIDE))
 }
 
-/// Of rising numbers, that which a share `quantile` (0..=1) of them reaches; none of no numbers.
+/// Returns, of numbers in rising order, the one that a share `quantile` (0..=1) of them reaches; none of no numbers.
 pub fn at_least(rising: &[f32], quantile: f32) -> Option<f32> {
     let last = rising.len().checked_sub(1)?;
     Some(rising[((1.0 - quantile.clamp(0.0, 1.0)) * last as f32).floor() as usize])
 }
 
-/// Distance along the view of a space: of a cube's faces, the one in which a point lies has the greatest.
-fn ahead(space: &LightSpace, p: Vec3) -> f32 {
+fn distance_along_view(space: &LightSpace, p: Vec3) -> f32 {
     -transform(space.view_from_world, p).z
 }
 
-/// Where the seen point goes, on its plane, when the ray goes a pixel right and a pixel down.
-fn steps(rays: &CameraRays, pixel: Vec2, p: Vec3, n: Vec3) -> [Vec3; 2] {
-    let at = |c: glam::Vec4, dx: glam::Vec4, dy: glam::Vec4| {
-        (c + dx * pixel.x + dy * pixel.y).truncate()
-    };
-    let origin = at(rays.origin, rays.origin_dx, rays.origin_dy);
-    let direction = at(rays.dir, rays.dir_dx, rays.dir_dy);
-    let t = dot3(p - origin, direction) / dot3(direction, direction);
-    let step = |origin: glam::Vec4, dir: glam::Vec4| {
-        let moved = origin.truncate() + dir.truncate() * t;
-        moved - direction * (dot3(n, moved) / dot3(n, direction))
-    };
-    [
-        step(rays.origin_dx, rays.dir_dx),
-        step(rays.origin_dy, rays.dir_dy),
-    ]
+/// How far the seen point moves on its plane, metres, when the pixel's ray moves by a pixel: dp/dx and dp/dy.
+struct PixelSteps {
+    right: Vec3,
+    down: Vec3,
 }
 
-/// The least singular value of the texels that two steps span; none if the point is not on the map.
-fn fewest([right, down]: &[Vec3; 2], clip_from_world: Mat4, p: Vec3, size: f32) -> Option<f32> {
+impl PixelSteps {
+    /// The ray through `pixel` meets, at position `p`, the plane with the normal `n`.
+    fn new(rays: &CameraRays, pixel: Vec2, p: Vec3, n: Vec3) -> Self {
+        let origin = (rays.origin + rays.origin_dx * pixel.x + rays.origin_dy * pixel.y).truncate();
+        let direction = (rays.dir + rays.dir_dx * pixel.x + rays.dir_dy * pixel.y).truncate();
+        let t = dot3(p - origin, direction) / dot3(direction, direction);
+        // How far the point at the same t moves.
+        let right = rays.origin_dx.truncate() + rays.dir_dx.truncate() * t;
+        let down = rays.origin_dy.truncate() + rays.dir_dy.truncate() * t;
+        Self {
+            right: moved_to_plane(right, direction, n),
+            down: moved_to_plane(down, direction, n),
+        }
+    }
+}
+
+/// Returns a step that leaves a plane with the normal `n`, changed along `direction` so that it stays on the plane.
+fn moved_to_plane(step: Vec3, direction: Vec3, n: Vec3) -> Vec3 {
+    step - direction * (dot3(n, step) / dot3(n, direction))
+}
+
+/// Returns the least singular value of the 2 x 2 matrix whose columns are the texels that two steps span at `p`, on a map of
+/// `size` texels; none if the point is not on the map.
+fn fewest_texels(steps: &PixelSteps, clip_from_world: Mat4, p: Vec3, size: f32) -> Option<f32> {
     let clip = transform(clip_from_world, p);
-    let (x, y) = (clip.x / clip.w, clip.y / clip.w);
-    if !(clip.w > 0.0 && x.abs() <= 1.0 && y.abs() <= 1.0) {
+    let ndc = Vec2::new(clip.x / clip.w, clip.y / clip.w);
+    let is_on_map = clip.w > 0.0 && ndc.x.abs() <= 1.0 && ndc.y.abs() <= 1.0;
+    if !is_on_map {
         return None;
     }
-    let texels = |v: Vec3| {
-        let c = clip_from_world * v.extend(0.0);
-        Vec2::new(c.x - x * c.w, c.y - y * c.w) * (0.5 * size / clip.w)
-    };
-    let (a, b) = (texels(*right), texels(*down));
-    let (squares, area) = (
-        a.length_squared() + b.length_squared(),
-        cross3(a.extend(0.0), b.extend(0.0)).z.abs(),
-    );
+    let clip_right = clip_from_world * steps.right.extend(0.0);
+    let clip_down = clip_from_world * steps.down.extend(0.0);
+    // By the quotient rule, d(x / w) = (dx - (x / w) dw) / w; the map's side spans two units.
+    let texels_per_unit = 0.5 * size / clip.w;
+    let right = Vec2::new(
+        clip_right.x - ndc.x * clip_right.w,
+        clip_right.y - ndc.y * clip_right.w,
+    ) * texels_per_unit;
+    let down = Vec2::new(
+        clip_down.x - ndc.x * clip_down.w,
+        clip_down.y - ndc.y * clip_down.w,
+    ) * texels_per_unit;
+    let sum_of_squares = right.length_squared() + down.length_squared();
+    let area = cross3(right.extend(0.0), down.extend(0.0)).z.abs();
     // The product of both singular values is the area, the sum of their squares that of the entries.
-    let greatest =
-        (0.5 * (squares + (squares * squares - 4.0 * area * area).max(0.0).sqrt())).sqrt();
+    let root = (sum_of_squares * sum_of_squares - 4.0 * area * area)
+        .max(0.0)
+        .sqrt();
+    let greatest = (0.5 * (sum_of_squares + root)).sqrt();
     let least = area / greatest;
     least.is_finite().then_some(least)
 }

@@ -1,4 +1,4 @@
-//! An error told apart by its cause.
+//! Errors by cause.
 //!
 //! Every pixel that counts gives its |mask - truth| to one cause, so that the causes' means add up to
 //! [`Errors::mean`](super::Errors::mean). The first rule that fits decides:
@@ -35,8 +35,8 @@ pub struct Causes {
     pub edge: f64,
     /// Soft edges of the wrong width or with noise.
     pub penumbra: f64,
-    /// How far from the blocker light still reaches under it, metres: of the false light ([`ERROR_THRESHOLD`]) that is a gap, 19 of
-    /// 20 pixels are closer to their blocker. None without any.
+    /// How far from the blocker light still reaches under it, metres: of the false light ([`ERROR_THRESHOLD`]) that is a
+    /// gap, 19 of 20 pixels are closer to their blocker. None without any.
     pub gap_metres: Option<f64>,
     /// Pixels of the mask's penumbra over those of truth's, around true penumbrae: 1 is right, 0 hard. None where truth has
     /// no penumbra.
@@ -58,7 +58,7 @@ pub enum Cause {
     Penumbra,
 }
 
-/// What truth knows of an image, for telling the causes of many masks' errors apart.
+/// Truth of an image, prepared for finding the causes of many masks' errors.
 #[derive(Clone, Debug)]
 pub struct TruthImage<'a> {
     size: UVec2,
@@ -119,16 +119,18 @@ impl TruthImage<'_> {
 }
 
 impl Causes {
-    /// Tells a mask's error apart.
+    /// Splits a mask's error by its causes.
     ///
     /// # Errors
     /// When sizes differ or a value is not within 0..=1.
     pub fn measure(mask: &[f32], truth: &TruthImage<'_>) -> Result<Self, Invalid> {
         let causes = attribute(mask, truth)?;
-        let (mut out, mut gaps) = (Self::default(), Vec::new());
+        let mut out = Self::default();
+        // Distances to the blocker, metres, of pixels with false light in a gap.
+        let mut gaps = Vec::new();
         for (i, cause) in causes.iter().enumerate() {
-            let difference = mask[i] - truth.visibility[i];
             let Some(cause) = cause else { continue };
+            let difference = mask[i] - truth.visibility[i];
             *out.share(*cause) += f64::from(difference.abs());
             if *cause == Cause::Gap && difference > ERROR_THRESHOLD {
                 gaps.push(truth.blocker[i]);
@@ -140,20 +142,20 @@ impl Causes {
             .filter(|p| **p == Pixel::Counted)
             .count()
             .max(1) as f64;
-        [
+        for cause in [
             Cause::Acne,
             Cause::Gap,
             Cause::Leak,
             Cause::Edge,
             Cause::Penumbra,
-        ]
-        .into_iter()
-        .for_each(|cause| *out.share(cause) /= counted);
+        ] {
+            *out.share(cause) /= counted;
+        }
         gaps.sort_by(f32::total_cmp);
         out.gap_metres = gaps
             .get(gaps.len() * 19 / 20)
             .map(|&metres| f64::from(metres));
-        out.penumbra_width = width(mask, truth);
+        out.penumbra_width = penumbra_width(mask, truth);
         Ok(out)
     }
 
@@ -168,54 +170,70 @@ impl Causes {
     }
 }
 
-/// The cause of each pixel's error; none where there is no error, and where pixels don't count.
+/// Returns the cause of each pixel's error; none where there is no error, and where pixels don't count.
 ///
 /// # Errors
 /// When sizes differ or a value is not within 0..=1.
 pub fn attribute(mask: &[f32], truth: &TruthImage<'_>) -> Result<Vec<Option<Cause>>, Invalid> {
     check("mask", truth.size, mask)?;
-    let (soft, edge) = (&truth.near_soft, &truth.near_edge);
-    let difference = |i: usize| mask[i] - truth.visibility[i];
-    let counts = |i: usize| truth.pixels[i] == Pixel::Counted && difference(i) != 0.0;
-    let lit = |i: usize| counts(i) && difference(i) > 0.0 && truth.visibility[i] < PENUMBRA;
-    let touches = |i: usize| lit(i) && truth.blocker[i] <= truth.contact;
-    let gap = flood(truth.size, touches, |i| lit(i) && !soft[i] && !edge[i]);
-    let cause = |i: usize| match difference(i) {
-        _ if !counts(i) => None,
-        _ if gap[i] => Some(Cause::Gap),
-        _ if soft[i] => Some(Cause::Penumbra),
-        _ if edge[i] => Some(Cause::Edge),
-        difference if difference < 0.0 => Some(Cause::Acne),
-        _ => Some(Cause::Leak),
+    let is_too_light = |i: usize| {
+        truth.pixels[i] == Pixel::Counted
+            && mask[i] > truth.visibility[i]
+            && truth.visibility[i] < PENUMBRA
     };
-    Ok((0..mask.len()).map(cause).collect())
+    // A gap begins in contact with the blocker, and spreads as far as that light reaches, edges left out.
+    let gap = flood(
+        truth.size,
+        |i| is_too_light(i) && truth.blocker[i] <= truth.contact,
+        |i| is_too_light(i) && !truth.near_soft[i] && !truth.near_edge[i],
+    );
+    let mut causes = vec![None; mask.len()];
+    for (i, cause) in causes.iter_mut().enumerate() {
+        let difference = mask[i] - truth.visibility[i];
+        if truth.pixels[i] != Pixel::Counted || difference == 0.0 {
+            continue;
+        }
+        *cause = Some(if gap[i] {
+            Cause::Gap
+        } else if truth.near_soft[i] {
+            Cause::Penumbra
+        } else if truth.near_edge[i] {
+            Cause::Edge
+        } else if difference < 0.0 {
+            Cause::Acne
+        } else {
+            Cause::Leak
+        });
+    }
+    Ok(causes)
 }
 
-/// The pixels that `start`, and those that can be reached from them by steps to one of four neighbours along pixels that
-/// `spread`.
+/// Returns the pixels for which `start` is true, and those that can be reached from them by steps to one of four neighbours along
+/// pixels for which `spread` is true.
 fn flood(size: UVec2, start: impl Fn(usize) -> bool, spread: impl Fn(usize) -> bool) -> Vec<bool> {
-    let (w, n) = (size.x as usize, size.x as usize * size.y as usize);
-    let mut set: Vec<bool> = (0..n).map(start).collect();
-    let mut open: Vec<usize> = (0..n).filter(|&i| set[i]).collect();
+    let width = size.x as usize;
+    let count = width * size.y as usize;
+    let mut reached: Vec<bool> = (0..count).map(start).collect();
+    let mut open: Vec<usize> = (0..count).filter(|&i| reached[i]).collect();
     while let Some(i) = open.pop() {
-        let x = i % w;
-        let sides = [
+        let x = i % width;
+        let neighbours = [
             (x > 0).then(|| i - 1),
-            (x + 1 < w).then(|| i + 1),
-            i.checked_sub(w),
-            Some(i + w).filter(|&j| j < n),
+            (x + 1 < width).then(|| i + 1),
+            i.checked_sub(width),
+            Some(i + width).filter(|&below| below < count),
         ];
-        for j in sides.into_iter().flatten() {
-            if !set[j] && spread(j) {
-                set[j] = true;
-                open.push(j);
+        for neighbour in neighbours.into_iter().flatten() {
+            if !reached[neighbour] && spread(neighbour) {
+                reached[neighbour] = true;
+                open.push(neighbour);
             }
         }
     }
-    set
+    reached
 }
 
-/// Whether a visibility counts as penumbra: see [`PENUMBRA`].
+/// Returns whether a visibility counts as penumbra: see [`PENUMBRA`].
 pub fn is_penumbra(visibility: f32) -> bool {
     (PENUMBRA..=1.0 - PENUMBRA).contains(&visibility)
 }
@@ -228,16 +246,17 @@ fn penumbrae(visibility: &[f32], pixels: &[Pixel]) -> Vec<bool> {
         .collect()
 }
 
-fn width(mask: &[f32], truth: &TruthImage<'_>) -> Option<f64> {
-    let counts = |i: &usize| truth.pixels[*i] == Pixel::Counted && truth.near_soft[*i];
-    let soft = |values: &[f32]| {
-        (0..mask.len())
-            .filter(counts)
-            .filter(|&i| is_penumbra(values[i]))
-            .count()
-    };
-    let (ours, theirs) = (soft(mask), soft(truth.visibility));
-    (theirs > 0).then(|| ours as f64 / theirs as f64)
+/// Returns the mask's number of penumbra pixels over that of truth, around true penumbrae; none where truth has none.
+fn penumbra_width(mask: &[f32], truth: &TruthImage<'_>) -> Option<f64> {
+    let mut in_mask = 0_usize;
+    let mut in_truth = 0_usize;
+    for i in 0..mask.len() {
+        if truth.pixels[i] == Pixel::Counted && truth.near_soft[i] {
+            in_mask += usize::from(is_penumbra(mask[i]));
+            in_truth += usize::from(is_penumbra(truth.visibility[i]));
+        }
+    }
+    (in_truth > 0).then(|| in_mask as f64 / in_truth as f64)
 }
 
 #[cfg(test)]

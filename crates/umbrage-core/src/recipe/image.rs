@@ -9,7 +9,7 @@ pub enum Format {
     Depth32,
     /// Depth 0..=1 in steps of 1/65535.
     Depth16,
-    /// Whole numbers 0..=255, which wrap: what [`CastMode::Count`](crate::CastMode::Count) writes.
+    /// Whole numbers 0..=255, which wrap: what [`CastMode::StencilDepthFail`](crate::CastMode::StencilDepthFail) writes.
     Stencil8,
     /// Four channels 0..=1 in steps of 1/255, without sRGB.
     Rgba8,

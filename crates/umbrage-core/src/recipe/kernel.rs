@@ -1,19 +1,19 @@
 //! Kernels: one function written twice. A kernel cannot exist on one side only, since its trait asks for both halves.
 
-use crate::{Asks, ImageView, Module, Simd, Span, UniformBlock};
+use crate::{ImageView, KernelCost, Module, Simd, Span, UniformBlock};
 use glam::{UVec2, Vec3};
 use std::fmt::Debug;
 
 /// The WGSL half, and what both halves share.
 ///
-/// The player puts before the modules: [`MATH`](crate::MATH); `struct Receiver { position: vec3f, normal: vec3f, pixel: vec2u,
-/// triangle: u32 }`; `var<uniform> kernel: NAME` with the uniform struct that the modules declare, if there is one; for input image `i` the
-/// functions `load_i(texel: vec2i, layer: i32) -> vec4f` and `size_i() -> vec2i` (a function, so that one compiled shader
-/// serves maps of all sizes); for input table `j` a `var<storage> table_j: array<vec4u>`. Texels passed to `load_i` must
-/// lie within the image. If [`compares`](Kernel::compares) says so, then for every input image `i` of depth also
-/// `compare_i(uv: vec2f, layer: i32, depth: f32) -> f32`, the comparison sampler's linear blend of the 2x2 answers to
-/// `depth <= stored` around `uv` (0..=1, origin top left, clamped to the edge), and `gather_compare_i(uv, layer, depth) ->
-/// vec4f`, those four answers in the order of `textureGatherCompare`.
+/// The player puts before the modules: [`MATH`](crate::MATH); `struct Receiver { position: vec3f, normal: vec3f, pixel:
+/// vec2u, triangle: u32 }`; `var<uniform> kernel: NAME` with the uniform struct that the modules declare, if there is one;
+/// for input image `i` the functions `load_i(texel: vec2i, layer: i32) -> vec4f` and `size_i() -> vec2i` (a function, so
+/// that one compiled shader serves maps of all sizes); for input table `j` a `var<storage> table_j: array<vec4u>`. Texels
+/// passed to `load_i` must lie within the image. If [`compares`](Kernel::compares) says so, then for every input image `i`
+/// of depth also `compare_i(uv: vec2f, layer: i32, depth: f32) -> f32`, the comparison sampler's linear blend of the 2x2
+/// answers to `depth <= stored` around `uv` (0..=1, origin top left, clamped to the edge), and `gather_compare_i(uv, layer,
+/// depth) -> vec4f`, those four answers in the order of `textureGatherCompare`.
 pub trait Kernel: Debug + Send + Sync {
     /// WGSL modules in order; the last one has the entry function.
     fn modules(&self) -> Vec<Module>;
@@ -36,18 +36,19 @@ pub trait Kernel: Debug + Send + Sync {
     }
 }
 
-/// Asks, for seen points, how much light arrives. Its WGSL entry is `fn receive(r: Receiver) -> f32`.
+/// A kernel that returns, for seen points, how much light arrives: visibility, 0..=1. Its WGSL entry is `fn receive(r:
+/// Receiver) -> f32`.
 pub trait ReceiveKernel: Kernel {
     /// The Rust half: visibility 0..=1 of each entry of the span, into `out` of the same length.
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]);
 
     /// What it does for one receiver, at most: for [`Work`](crate::Work), which the price of a technique is made of.
-    fn asks(&self) -> Asks {
-        Asks::default()
+    fn cost_per_receiver(&self) -> KernelCost {
+        KernelCost::default()
     }
 
-    /// Whether it knows which part of a light with an extent the receiver's own tangent plane leaves, and answers that share where
-    /// nothing casts. Kernels that don't take the light for its middle, or ask single points of it.
+    /// Whether it knows which part of a light with an extent the receiver's own tangent plane leaves, and answers that
+    /// share where nothing casts. Kernels that don't take the light for its middle, or ask single points of it.
     fn knows_horizon(&self) -> bool {
         false
     }

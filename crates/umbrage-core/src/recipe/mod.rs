@@ -1,4 +1,4 @@
-//! Recipes: a shadow algorithm as plain data, to be played by any backend.
+//! Recipes: a shadow algorithm as plain data, which any backend can run.
 
 pub(crate) mod image;
 pub(crate) mod kernel;
@@ -18,7 +18,7 @@ pub type ImageId = usize;
 /// Index into [`Recipe::tables`].
 pub type TableId = usize;
 
-/// Three stages, played in order: casts, filters, receive; and, for pictures, shading.
+/// Three stages, run in order: casts, filters, receive; and, for pictures, shading.
 #[derive(Clone, Debug)]
 pub struct Recipe {
     /// The images that the stages write. Depth images start at 1, others at 0.
@@ -29,7 +29,7 @@ pub struct Recipe {
     pub casts: Vec<Cast>,
     /// Images made from images.
     pub filters: Vec<Filter>,
-    /// The question asked at each receiver.
+    /// What computes each receiver's visibility.
     pub receive: Receive,
     /// Colours for what is seen; none when only the mask is wanted.
     pub shade: Option<Shade>,
@@ -71,7 +71,7 @@ pub struct RasterBias {
 /// Draws geometry, seen from a light or the camera, into one layer of an image.
 #[derive(Clone, Debug)]
 pub struct Cast {
-    /// The image: depth, or for [`CastMode::Count`] a [`Format::Stencil8`].
+    /// The image: depth, or for [`CastMode::StencilDepthFail`] a [`Format::Stencil8`].
     pub image: ImageId,
     /// Its layer.
     pub layer: u32,
@@ -79,7 +79,7 @@ pub struct Cast {
     pub space: LightSpace,
     /// What is drawn.
     pub source: Source,
-    /// What stays of it.
+    /// What is kept of it.
     pub mode: CastMode,
     /// Faces left out.
     pub cull: Cull,
@@ -88,15 +88,14 @@ pub struct Cast {
 }
 
 impl Cast {
-    /// The casters' least depth, without culling and bias.
+    /// Returns a cast of all casters' least depth, without culling and bias.
     pub fn nearest(image: ImageId, layer: u32, space: LightSpace) -> Self {
-        let (source, mode) = (Source::Casters, CastMode::Nearest);
         Self {
             image,
             layer,
             space,
-            source,
-            mode,
+            source: Source::Casters,
+            mode: CastMode::Depth,
             cull: Cull::None,
             bias: RasterBias::default(),
         }
@@ -109,8 +108,8 @@ pub enum Source {
     /// All casters.
     #[default]
     Casters,
-    /// Some casters: these ranges of the geometry's list of triangles, rising, with gaps between them. The other casters don't show
-    /// in the image, so a backend that can't tell them apart may draw all.
+    /// Some casters: these ranges of the geometry's list of triangles, rising, with gaps between them. The other casters
+    /// don't show in the image, so a backend that can't tell them apart may draw all.
     SomeCasters(Arc<[Range<u32>]>),
     /// All that the camera may see: casters, receivers, and what is neither.
     Everything,
@@ -155,10 +154,8 @@ pub struct Faces {
 }
 
 impl Faces {
-    /// Objects to indices beyond the vertices, and to vertices that are not finite.
-    ///
     /// # Errors
-    /// If there is either.
+    /// If an index is beyond the vertices, or a vertex is not finite.
     pub fn validate(&self) -> Result<(), Invalid> {
         let count = self.vertices.len();
         let finite = self.vertices.iter().all(|v| v.is_finite());
@@ -178,19 +175,19 @@ impl Faces {
     }
 }
 
-/// What stays of what a cast draws.
+/// What an image keeps of what a cast draws.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum CastMode {
     /// The least depth at each texel.
     #[default]
-    Nearest,
+    Depth,
     /// The least of those depths that are greater than what this image, of the same size and format, holds at the same
     /// texel and layer: depth peeling (Everitt 2001, "Interactive order-independent transparency"). No bias.
-    Behind(ImageId),
+    DepthPeel(ImageId),
     /// At each texel, how many back faces minus how many front faces are not before what this [`Format::Depth32`] image of
     /// the same size and layer holds, modulo 256: depth-fail counting (Everitt and Kilgard 2002, "Practical and robust
     /// stenciled shadow volumes"). No bias, no culling.
-    Count {
+    StencilDepthFail {
         /// Drawn before, in the same space.
         depth: ImageId,
     },
@@ -209,7 +206,7 @@ pub struct Filter {
     pub output: ImageId,
 }
 
-/// Asks each receiver.
+/// Runs a kernel for each receiver.
 #[derive(Clone, Debug)]
 pub struct Receive {
     /// What is asked.
@@ -242,7 +239,7 @@ pub struct Table {
 
 /// What a backend can hold.
 #[derive(Clone, Copy, Debug)]
-pub struct Limits {
+pub struct BackendLimits {
     /// Greatest image side, texels.
     pub image_side: u32,
     /// Greatest number of layers.
@@ -262,14 +259,15 @@ impl Recipe {
         self.tables.iter().map(|t| 16 * t.rows.len() as u64).sum()
     }
 
-    /// Objects to what no player could play: sizes of zero or beyond the limits, and ids that name nothing.
+    /// Checks that a backend with these limits can run the recipe.
     ///
     /// # Errors
-    /// The first fault found.
-    pub fn validate(&self, limits: &Limits) -> Result<(), Invalid> {
-        self.images
-            .iter()
-            .try_for_each(|i| check_image(i, limits))?;
+    /// The first fault found: sizes of zero or beyond the limits, ids that name nothing, formats that don't fit a stage, numbers
+    /// that are not finite.
+    pub fn validate(&self, limits: &BackendLimits) -> Result<(), Invalid> {
+        for image in &self.images {
+            check_image(image, limits)?;
+        }
         for table in &self.tables {
             let bytes = 16 * table.rows.len() as u64;
             if bytes == 0 || bytes > limits.table_bytes {
@@ -302,9 +300,10 @@ impl Recipe {
         }
         self.check_ids("receive", &self.receive.inputs, &self.receive.tables)?;
         self.check_compared()?;
-        self.shade.as_ref().map_or(Ok(()), |shade| {
-            self.check_ids("shading", &[], &shade.tables)
-        })
+        match &self.shade {
+            Some(shade) => self.check_ids("shading", &[], &shade.tables),
+            None => Ok(()),
+        }
     }
 
     fn check_cast(&self, cast: &Cast) -> Result<(), Invalid> {
@@ -315,22 +314,23 @@ impl Recipe {
             return fault(why, "name a layer of an image of the recipe");
         };
         let other = match cast.mode {
-            CastMode::Nearest if image.format.is_depth() => return self.check_source(cast),
-            CastMode::Nearest => {
+            CastMode::Depth if image.format.is_depth() => return self.check_source(cast),
+            CastMode::Depth => {
                 return fault(
                     format!("writes image {}", cast.image),
                     "name one of a depth format",
                 );
             }
-            CastMode::Behind(id) => layer(id)
+            CastMode::DepthPeel(id) => layer(id)
                 .filter(|o| id != cast.image && o.format == image.format && o.format.is_depth()),
-            CastMode::Count { depth } => {
+            CastMode::StencilDepthFail { depth } => {
                 let counts = image.format == Format::Stencil8 && cast.cull == Cull::None;
                 layer(depth).filter(|o| counts && o.format == Format::Depth32)
             }
         };
-        // What lies behind itself by a bias would be peeled for ever.
-        let biased = cast.bias != RasterBias::default() && matches!(cast.mode, CastMode::Behind(_));
+        // With a bias, a surface would lie behind its own depth of the last peel, and be peeled again and again.
+        let biased =
+            cast.bias != RasterBias::default() && matches!(cast.mode, CastMode::DepthPeel(_));
         if other.is_none_or(|o| o.size != image.size || o.layers != image.layers) || biased {
             let why = format!(
                 "into image {} asks for {:?} with {:?} and {:?}",
@@ -355,12 +355,13 @@ impl Recipe {
 
     /// Comparison samplers read depth alone.
     fn check_compared(&self) -> Result<(), Invalid> {
-        let depth = |&i: &ImageId| {
-            self.images
-                .get(i)
-                .is_some_and(|image| image.format.is_depth())
-        };
-        if !self.receive.kernel.compares() || self.receive.inputs.iter().any(depth) {
+        let reads_depth = self
+            .receive
+            .inputs
+            .iter()
+            .filter_map(|&id| self.images.get(id))
+            .any(|image| image.format.is_depth());
+        if reads_depth || !self.receive.kernel.compares() {
             return Ok(());
         }
         Err(Invalid::new(
@@ -371,12 +372,11 @@ impl Recipe {
     }
 
     fn check_ids(&self, what: &str, images: &[ImageId], tables: &[TableId]) -> Result<(), Invalid> {
-        let missing = |ids: &[usize], count: usize| ids.iter().find(|&&i| i >= count).copied();
         for (kind, ids, count) in [
             ("image", images, self.images.len()),
             ("table", tables, self.tables.len()),
         ] {
-            if let Some(i) = missing(ids, count) {
+            if let Some(i) = ids.iter().find(|&&i| i >= count) {
                 return Err(Invalid::new(
                     what,
                     format!("reads {kind} {i} of {count}"),
@@ -418,7 +418,7 @@ fn check_numbers(cast: &Cast) -> Result<(), Invalid> {
     invalid::finite("bias", &[cast.bias.slope, cast.bias.clamp])
 }
 
-fn check_image(image: &ImageDesc, limits: &Limits) -> Result<(), Invalid> {
+fn check_image(image: &ImageDesc, limits: &BackendLimits) -> Result<(), Invalid> {
     let what = || format!("image `{}`", image.label);
     if image.size.min_element() == 0 || image.size.max_element() > limits.image_side {
         let why = format!("is {} x {} texels", image.size.x, image.size.y);

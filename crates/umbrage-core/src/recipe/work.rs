@@ -1,12 +1,15 @@
 //! How much work a recipe is, counted rather than timed: the same on every machine, however noisy.
 
-use crate::{Cast, Cull, Geometry, Recipe, Source, View};
+use crate::{Cast, Cull, Geometry, Recipe, Source, View, geometry::clip_polygon::Polygon};
 use glam::{DMat4, DVec2, DVec4, UVec2};
 use rayon::prelude::*;
 
-/// What a kernel does for one receiver, at most.
+/// A clip-space triangle cut by the six planes of the view volume: at most nine corners.
+type ClipPolygon = Polygon<DVec4, 9>;
+
+/// What a kernel reads for one receiver, at most.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Asks {
+pub struct KernelCost {
     /// Texels loaded.
     pub taps: u32,
     /// Comparison samples taken, each of four texels.
@@ -15,14 +18,14 @@ pub struct Asks {
     pub rays: u32,
 }
 
-impl Default for Asks {
+impl Default for KernelCost {
     /// One tap.
     fn default() -> Self {
         Self::taps(1)
     }
 }
 
-impl Asks {
+impl KernelCost {
     /// Taps alone.
     pub const fn taps(taps: u32) -> Self {
         Self {
@@ -51,7 +54,7 @@ impl Asks {
     }
 }
 
-/// What playing a recipe takes.
+/// The work of running a recipe once.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize,
 )]
@@ -74,27 +77,27 @@ pub struct Work {
     pub samples: u64,
     /// Rays traced, at most.
     pub rays: u64,
-    /// Casters' triangles among which rays look.
+    /// Casters' triangles that rays are tested against.
     pub casters: u64,
     /// Bytes of images and tables.
     pub bytes: u64,
 }
 
 impl Work {
-    /// The work of a recipe for the view that it was planned for. Without `view.receivers` every pixel counts as one;
+    /// Returns the work of a recipe for the view that it was made for. Without `view.receivers` every pixel counts as one;
     /// without `view.geometry` only faces that the technique made are counted as drawn.
     pub fn of(view: &View<'_>, recipe: &Recipe) -> Self {
         let pixels = u64::from(view.camera.size.x) * u64::from(view.camera.size.y);
         let receivers = view
             .receivers
             .map_or(pixels, |r| r.receives.iter().filter(|&&r| r).count() as u64);
-        let asks = recipe.receive.kernel.asks();
+        let cost = recipe.receive.kernel.cost_per_receiver();
         let mut work = Self {
             passes: (recipe.casts.len() + recipe.filters.len() + 1) as u64,
             receivers,
-            taps: receivers * u64::from(asks.taps),
-            samples: receivers * u64::from(asks.samples),
-            rays: receivers * u64::from(asks.rays),
+            taps: receivers * u64::from(cost.taps),
+            samples: receivers * u64::from(cost.samples),
+            rays: receivers * u64::from(cost.rays),
             casters: view.geometry.map_or(0, |g| g.casters().len() as u64),
             bytes: recipe.image_bytes() + recipe.table_bytes(),
             ..Self::default()
@@ -106,66 +109,65 @@ impl Work {
             work.covered += covered;
             work.cleared += u64::from(size.x) * u64::from(size.y);
         }
-        let texels = |id: usize| {
-            let image = &recipe.images[id];
-            u64::from(image.size.x) * u64::from(image.size.y) * u64::from(image.layers)
-        };
-        work.filtered = recipe.filters.iter().map(|f| texels(f.output)).sum();
+        for filter in &recipe.filters {
+            let image = &recipe.images[filter.output];
+            work.filtered +=
+                u64::from(image.size.x) * u64::from(image.size.y) * u64::from(image.layers);
+        }
         work
     }
 }
 
-/// How many triangles a cast draws, and how many texels they cover.
+/// Returns how many triangles a cast draws, and how many texels they cover on a map of `size`.
 fn drawn(geometry: Option<&Geometry>, cast: &Cast, size: UVec2) -> (u64, u64) {
     let clip_from_world = cast.space.clip_from_world().as_dmat4();
-    let (count, area) = match (&cast.source, geometry) {
+    let mut count = 0;
+    let mut area = 0.0;
+    match (&cast.source, geometry) {
         (Source::Faces(faces), _) => {
-            let corner = |v: u32| faces.vertices[v as usize].as_dvec4();
-            (
-                faces.triangles.len(),
-                sum(&faces.triangles, clip_from_world, cast.cull, corner),
-            )
+            count = faces.triangles.len();
+            area = total_area(&faces.triangles, clip_from_world, cast.cull, |v| {
+                faces.vertices[v as usize].as_dvec4()
+            });
         }
-        (_, None) => (0, 0.0),
-        (source, Some(g)) => {
-            let corner = |v: u32| g.positions()[v as usize].as_dvec3().extend(1.0);
-            let mut count = 0;
-            let mut area = 0.0;
-            for run in source.runs(g) {
-                let triangles = g.run(&run);
+        (_, None) => {}
+        (source, Some(geometry)) => {
+            for run in source.runs(geometry) {
+                let triangles = geometry.run(&run);
                 count += triangles.len();
-                area += sum(triangles, clip_from_world, cast.cull, corner);
+                area += total_area(triangles, clip_from_world, cast.cull, |v| {
+                    geometry.positions()[v as usize].as_dvec3().extend(1.0)
+                });
             }
-            (count, area)
         }
-    };
-    (
-        count as u64,
-        (area * 0.25 * f64::from(size.x) * f64::from(size.y)).round() as u64,
-    )
+    }
+    // The view's area is four square units.
+    let covered = (area * 0.25 * f64::from(size.x) * f64::from(size.y)).round() as u64;
+    (count as u64, covered)
 }
 
-/// The triangles' area in the view of 2 x 2 clip units.
-fn sum(
+/// Returns the sum of the triangles' areas in the view of 2 x 2 clip units. `position` gives a vertex' homogeneous world
+/// position.
+fn total_area(
     triangles: &[[u32; 3]],
     clip_from_world: DMat4,
     cull: Cull,
-    corner: impl Fn(u32) -> DVec4 + Sync,
+    position: impl Fn(u32) -> DVec4 + Sync,
 ) -> f64 {
-    let area = |t: &[u32; 3]| area(t.map(|v| clip_from_world * corner(v)), cull);
+    let area_of = |triangle: &[u32; 3]| area(triangle.map(|v| clip_from_world * position(v)), cull);
     // Chunks are added up in order, so that the sum is the same on any number of threads.
-    let parts: Vec<f64> = triangles
+    let chunk_sums: Vec<f64> = triangles
         .par_chunks(1024)
-        .map(|part| part.iter().map(area).sum())
+        .map(|chunk| chunk.iter().map(area_of).sum())
         .collect();
-    parts.into_iter().sum()
+    chunk_sums.into_iter().sum()
 }
 
-/// The area of a clip-space triangle within the view; none if it is culled.
+/// Returns the area of a clip-space triangle within the view; 0 if it is culled.
 fn area(corners: [DVec4; 3], cull: Cull) -> f64 {
     let signed = signed_area(corners);
     match cull {
-        // Counter-clockwise, with y up, is the side that is seen.
+        // Counter-clockwise, with y up, is the front.
         Cull::Front if signed > 0.0 => 0.0,
         Cull::Back if signed < 0.0 => 0.0,
         // A triangle without extent may end as nothing divided by nothing.
@@ -174,8 +176,10 @@ fn area(corners: [DVec4; 3], cull: Cull) -> f64 {
     }
 }
 
-/// Sutherland and Hodgman 1974, "Reentrant polygon clipping", against the six planes; then the polygon's area.
+/// Returns the area, in the view of 2 x 2 clip units, of the part of a clip-space triangle within the six planes; positive for
+/// counter-clockwise (y up).
 fn signed_area(corners: [DVec4; 3]) -> f64 {
+    // Inside, the dot product with each is not negative.
     const PLANES: [DVec4; 6] = [
         DVec4::new(1.0, 0.0, 0.0, 1.0),
         DVec4::new(-1.0, 0.0, 0.0, 1.0),
@@ -184,38 +188,32 @@ fn signed_area(corners: [DVec4; 3]) -> f64 {
         DVec4::new(0.0, 0.0, 1.0, 0.0),
         DVec4::new(0.0, 0.0, -1.0, 1.0),
     ];
-    // A triangle has at most nine corners after six cuts.
-    let (mut polygon, mut len) = ([DVec4::ZERO; 9], 3);
-    polygon[..3].copy_from_slice(&corners);
+    let mut polygon = ClipPolygon::triangle(corners);
     for plane in PLANES {
-        (polygon, len) = cut(&polygon[..len], plane);
+        polygon = polygon.clip(|p| p.dot(plane), strict_edge_crossing);
     }
-    let point = |i: usize| DVec2::new(polygon[i].x, polygon[i].y) / polygon[i].w;
-    (1..len.max(2) - 1)
+    let corners = polygon.corners();
+    let point = |i: usize| DVec2::new(corners[i].x, corners[i].y) / corners[i].w;
+    // A fan of triangles around the first corner; none if fewer than three corners are left.
+    (1..corners.len().max(2) - 1)
         .map(|i| 0.5 * (point(i) - point(0)).perp_dot(point(i + 1) - point(0)))
         .sum()
 }
 
-/// The part of a convex polygon on a plane's positive side.
-fn cut(polygon: &[DVec4], plane: DVec4) -> ([DVec4; 9], usize) {
-    let (mut out, mut len) = ([DVec4::ZERO; 9], 0);
-    let mut push = |p| {
-        if len < out.len() {
-            out[len] = p;
-            len += 1;
-        }
-    };
-    for (i, &a) in polygon.iter().enumerate() {
-        let b = polygon[(i + 1) % polygon.len()];
-        let (da, db) = (a.dot(plane), b.dot(plane));
-        if da >= 0.0 {
-            push(a);
-        }
-        if (da > 0.0 && db < 0.0) || (da < 0.0 && db > 0.0) {
-            push(a + (b - a) * (da / (da - db)));
-        }
+/// Returns the point at which the edge from `a` to `b` crosses a plane, given the signed distances of both; none unless it
+/// has an end on either side.
+///
+/// It differs from [`edge_crossing`](crate::geometry::clip_polygon::edge_crossing) on purpose: an end on the plane is no
+/// crossing, since it would be a second corner in the same place, off by a rounding; and the formula stays the one by which
+/// areas were always counted, since these are rounded to whole texels, and counts are compared exactly.
+fn strict_edge_crossing(a: DVec4, b: DVec4, distance_a: f64, distance_b: f64) -> Option<DVec4> {
+    let leaves = distance_a > 0.0 && distance_b < 0.0;
+    let enters = distance_a < 0.0 && distance_b > 0.0;
+    if !leaves && !enters {
+        return None;
     }
-    (out, len)
+    let fraction = distance_a / (distance_a - distance_b);
+    Some(a + (b - a) * fraction)
 }
 
 #[cfg(test)]

@@ -164,12 +164,12 @@ impl Instance {
 }
 
 /// Longest name of a scene, bytes: most file systems hold names of 255, and reports put a few letters around it.
-pub const MOST_NAME: usize = 200;
+pub const MAX_NAME_BYTES: usize = 200;
 
 /// All there is to see. The first light and the first camera are the ones compared.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {
-    /// A short name, at most [`MOST_NAME`] bytes, fit for a file name once blanks are replaced.
+    /// A short name, at most [`MAX_NAME_BYTES`] bytes, fit for a file name once blanks are replaced.
     pub name: String,
     /// Shapes.
     pub meshes: Vec<Mesh>,
@@ -198,7 +198,7 @@ impl Scene {
 
     fn validate_name(&self) -> Result<(), Invalid> {
         let length = self.name.len();
-        if length <= MOST_NAME {
+        if length <= MAX_NAME_BYTES {
             return Ok(());
         }
         let start = &self.name[..self.name.floor_char_boundary(20)];
@@ -206,7 +206,7 @@ impl Scene {
         Err(Invalid::new(
             format!("scene `{start}..`"),
             why,
-            format!("use at most {MOST_NAME}"),
+            format!("use at most {MAX_NAME_BYTES}"),
         ))
     }
 

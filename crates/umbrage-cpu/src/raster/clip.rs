@@ -1,5 +1,9 @@
-//! Clipping of triangles to the view volume (Sutherland, Hodgman: Reentrant Polygon Clipping, 1974), in the order and
-//! arithmetic of Mesa's software rasterisers, so that cut edges get the same bits as theirs.
+//! Clipping of triangles to the view volume (Sutherland and Hodgman 1974, "Reentrant Polygon Clipping").
+//!
+//! `umbrage-core` has a clipper, too, in 64 bits. This one must stay apart: it follows Mesa's software rasterisers in 32
+//! bits, in the order of the planes, in how a crossing is interpolated (from the end that is nearer to the plane), and in
+//! which corners it marks as new, since these are projected by another formula. So cut edges get the same bits as Mesa's, and
+//! masks on the CPU equal those of the driver.
 
 use crate::raster::viewport::Viewport;
 use glam::{Vec3, Vec4};
@@ -17,20 +21,25 @@ const PLANES: [[f32; 4]; 6] = [
 /// A triangle gains at most one corner a plane.
 const MAX_CORNERS: usize = 3 + PLANES.len();
 
-/// Which planes a vertex lies outside of.
+/// Returns the set of planes that a vertex (clip space) lies outside of, as bits in the order of [`PLANES`].
 #[inline(always)]
 pub(crate) fn outcode(p: Vec4) -> u32 {
-    let bit = |outside: bool, i: u32| u32::from(outside) << i;
-    bit(p.x > p.w, 0)
-        | bit(p.x + p.w < 0.0, 1)
-        | bit(p.y > p.w, 2)
-        | bit(p.y + p.w < 0.0, 3)
-        | bit(p.z < 0.0, 4)
-        | bit(p.z > p.w, 5)
+    u32::from(p.x > p.w)
+        | u32::from(p.x + p.w < 0.0) << 1
+        | u32::from(p.y > p.w) << 2
+        | u32::from(p.y + p.w < 0.0) << 3
+        | u32::from(p.z < 0.0) << 4
+        | u32::from(p.z > p.w) << 5
 }
 
-/// A corner in clip space, and whether clipping made it.
-type Corner = (Vec4, bool);
+/// A corner of a polygon.
+#[derive(Clone, Copy)]
+struct Corner {
+    /// Clip space.
+    position: Vec4,
+    /// Whether clipping made it.
+    is_new: bool,
+}
 
 /// A convex polygon of few corners.
 struct Polygon {
@@ -40,7 +49,10 @@ struct Polygon {
 
 impl Polygon {
     const EMPTY: Self = Self {
-        corners: [(Vec4::ZERO, false); MAX_CORNERS],
+        corners: [Corner {
+            position: Vec4::ZERO,
+            is_new: false,
+        }; MAX_CORNERS],
         len: 0,
     };
 
@@ -48,7 +60,7 @@ impl Polygon {
         &self.corners[..self.len]
     }
 
-    /// Rounding may make a sliver cross a plane more than twice: corners beyond the most possible are left out.
+    /// Appends a corner. Rounding may make a sliver cross a plane more than twice: corners beyond `MAX_CORNERS` are left out.
     fn push(&mut self, corner: Corner) {
         if let Some(slot) = self.corners.get_mut(self.len) {
             *slot = corner;
@@ -62,38 +74,47 @@ impl Polygon {
         let corners = self.as_slice();
         for (i, &a) in corners.iter().enumerate() {
             let b = corners[(i + 1) % corners.len()];
-            let (da, db) = (distance(plane, a.0), distance(plane, b.0));
-            if !(da.is_finite() && db.is_finite()) {
+            let distance_a = signed_distance(plane, a.position);
+            let distance_b = signed_distance(plane, b.position);
+            if !(distance_a.is_finite() && distance_b.is_finite()) {
                 return Self::EMPTY;
             }
-            if da >= 0.0 {
+            if distance_a >= 0.0 {
                 out.push(a);
             }
-            if (da >= 0.0) != (db >= 0.0) {
-                out.push((crossing(a.0, da, b.0, db), true));
+            if (distance_a >= 0.0) != (distance_b >= 0.0) {
+                out.push(Corner {
+                    position: crossing(a.position, distance_a, b.position, distance_b),
+                    is_new: true,
+                });
             }
         }
         out
     }
 }
 
-fn distance(plane: &[f32; 4], p: Vec4) -> f32 {
+fn signed_distance(plane: &[f32; 4], p: Vec4) -> f32 {
     p.x * plane[0] + p.y * plane[1] + p.z * plane[2] + p.w * plane[3]
 }
 
-/// Where the edge from `a` to `b` crosses the plane, measured from the end that is nearer to it.
-fn crossing(a: Vec4, da: f32, b: Vec4, db: f32) -> Vec4 {
-    let span = db - da;
-    let nearer_b = if db < 0.0 { -db < da } else { -da >= db };
-    if nearer_b {
-        b + (db / span) * (a - b)
+/// Returns the point at which the edge from `a` to `b` crosses a plane, interpolated from the end that is nearer to it.
+/// `distance_a` and `distance_b` are the signed distances of the ends, of different signs.
+fn crossing(a: Vec4, distance_a: f32, b: Vec4, distance_b: f32) -> Vec4 {
+    let span = distance_b - distance_a;
+    let b_is_nearer = if distance_b < 0.0 {
+        -distance_b < distance_a
     } else {
-        a + (-da / span) * (b - a)
+        -distance_a >= distance_b
+    };
+    if b_is_nearer {
+        b + (distance_b / span) * (a - b)
+    } else {
+        a + (-distance_a / span) * (b - a)
     }
 }
 
-/// Clips a triangle to the planes in `mask` (the union of its corners' outcodes) and hands on the window corners of
-/// each piece: a fan around the first corner that is left.
+/// Clips a triangle (clip space) to the planes in `mask`, the union of its corners' outcodes, and calls `emit` with the window
+/// corners of each triangle of what is left: a fan around its first corner.
 pub(crate) fn clip(
     triangle: [Vec4; 3],
     mask: u32,
@@ -101,25 +122,33 @@ pub(crate) fn clip(
     mut emit: impl FnMut([Vec3; 3]),
 ) {
     let mut polygon = Polygon::EMPTY;
-    triangle.iter().for_each(|&p| polygon.push((p, false)));
-    for (_, plane) in PLANES
-        .iter()
-        .enumerate()
-        .filter(|(i, _)| mask & (1 << i) != 0)
-    {
-        polygon = polygon.clipped(plane);
+    for position in triangle {
+        polygon.push(Corner {
+            position,
+            is_new: false,
+        });
     }
-    let project = |&(p, made): &Corner| {
-        if made {
-            viewport.project_clipped(p)
-        } else {
-            viewport.project(p)
+    for (i, plane) in PLANES.iter().enumerate() {
+        if mask & (1 << i) != 0 {
+            polygon = polygon.clipped(plane);
         }
-    };
+    }
     if let [first, rest @ ..] = polygon.as_slice() {
         for pair in rest.windows(2) {
-            emit([project(first), project(&pair[0]), project(&pair[1])]);
+            emit([
+                project(first, viewport),
+                project(&pair[0], viewport),
+                project(&pair[1], viewport),
+            ]);
         }
+    }
+}
+
+fn project(corner: &Corner, viewport: &Viewport) -> Vec3 {
+    if corner.is_new {
+        viewport.project_clipped(corner.position)
+    } else {
+        viewport.project(corner.position)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::raster::{
     bin::TILE,
-    mode::{Beside, Plot},
+    mode::{DepthOp, TileAttachments},
     record::{Record, edge_function},
     tile::{STRIDE, TileBuffer},
 };
@@ -45,19 +45,16 @@ pub(crate) struct Canvas<'a> {
 
 /// Draws a triangle into a tile.
 #[inline(always)]
-pub(crate) fn fill<P: Plot>(canvas: &mut Canvas<'_>, r: &Record) {
-    let (width, height) = (
-        i32::from(r.max[0] - r.min[0]),
-        i32::from(r.max[1] - r.min[1]),
-    );
+pub(crate) fn fill<P: DepthOp>(canvas: &mut Canvas<'_>, r: &Record) {
+    // From the first pixel to the last: 0 for a single one.
+    let width = i32::from(r.max[0] - r.min[0]);
+    let height = i32::from(r.max[1] - r.min[1]);
     let patch = Patch::new(r, canvas.origin);
     if width < LANES as i32 && height < TINY_ROWS {
         // A fixed number of rows, as the processor can't guess theirs; those below the triangle are outside its edges.
-        let first = [
-            patch.min[0] - i32::from(r.min[0]),
-            patch.min[1] - i32::from(r.min[1]),
-        ];
-        let edges = Edges::new(r.at_min, &patch, first);
+        let right = patch.min[0] - i32::from(r.min[0]);
+        let down = patch.min[1] - i32::from(r.min[1]);
+        let edges = Edges::new(r.at_min, &patch, right, down);
         fill_strip::<P, true>(canvas, r, edges, patch.min, TINY_ROWS);
     } else if width < SMALL && height < SMALL {
         fill_small::<P>(canvas, r, &patch);
@@ -68,12 +65,13 @@ pub(crate) fn fill<P: Plot>(canvas: &mut Canvas<'_>, r: &Record) {
 
 /// Fills a small triangle a few columns at a time.
 #[inline(always)]
-fn fill_small<P: Plot>(canvas: &mut Canvas<'_>, r: &Record, patch: &Patch) {
+fn fill_small<P: DepthOp>(canvas: &mut Canvas<'_>, r: &Record, patch: &Patch) {
     let down = patch.min[1] - i32::from(r.min[1]);
     let rows = patch.max[1] - patch.min[1] + 1;
     let mut x = patch.min[0];
     while x <= patch.max[0] {
-        let edges = Edges::new(r.at_min, patch, [x - i32::from(r.min[0]), down]);
+        let right = x - i32::from(r.min[0]);
+        let edges = Edges::new(r.at_min, patch, right, down);
         fill_strip::<P, true>(canvas, r, edges, [x, patch.min[1]], rows);
         x += LANES as i32;
     }
@@ -84,8 +82,11 @@ impl Patch {
     #[inline(always)]
     fn new(r: &Record, origin: [i32; 2]) -> Self {
         let last = TILE as i32 - 1;
-        let (ax, ay) = (-r.edge_a[1], r.edge_a[0]);
-        let (bx, by) = (-r.edge_b[1], r.edge_b[0]);
+        // An edge along (x, y) has the function `x down - y right`. The three edges add up to nothing, and so do the changes.
+        let ax = -r.edge_a[1];
+        let ay = r.edge_a[0];
+        let bx = -r.edge_b[1];
+        let by = r.edge_b[0];
         Self {
             min: [
                 i32::from(r.min[0]).max(origin[0]),
@@ -114,17 +115,18 @@ impl Patch {
         let height = i64::from(self.max[1] - self.min[1]);
         for (k, &(corner, edge)) in starts.iter().enumerate() {
             let value = edge_function(corner, edge, pixel);
-            let (right, down) = (
-                i64::from(self.dx[k]) * width,
-                i64::from(self.dy[k]) * height,
-            );
+            // How much the function changes over the patch's width and height.
+            let right = i64::from(self.dx[k]) * width;
+            let down = i64::from(self.dy[k]) * height;
             if value + right.max(0) + down.max(0) < 0 {
                 return None;
             }
             if value + right.min(0) + down.min(0) >= 0 {
                 // All of the patch lies inside this edge: it drops out. The others pass through the patch, so that
                 // their values there fit 32 bits.
-                (self.at_min[k], self.dx[k], self.dy[k]) = (0, 0, 0);
+                self.at_min[k] = 0;
+                self.dx[k] = 0;
+                self.dy[k] = 0;
             } else {
                 self.at_min[k] = value as i32;
             }
@@ -135,24 +137,32 @@ impl Patch {
     /// Edge functions at a pixel.
     #[inline(always)]
     fn at(&self, x: i32, y: i32) -> [i32; 3] {
-        let (right, down) = (x - self.min[0], y - self.min[1]);
-        let at = |k: usize| self.at_min[k] + self.dx[k] * right + self.dy[k] * down;
-        [at(0), at(1), at(2)]
+        let right = x - self.min[0];
+        let down = y - self.min[1];
+        let mut values = [0; 3];
+        for k in 0..3 {
+            values[k] = self.at_min[k] + self.dx[k] * right + self.dy[k] * down;
+        }
+        values
     }
 
     /// How much the edge functions can at most fall and rise over a block of `LANES` by `LANES` pixels.
     #[inline(always)]
     fn reach(&self) -> ([i32; 3], [i32; 3]) {
         let last = LANES as i32 - 1;
-        let fall = |k: usize| last * (self.dx[k].min(0) + self.dy[k].min(0));
-        let rise = |k: usize| last * (self.dx[k].max(0) + self.dy[k].max(0));
-        ([fall(0), fall(1), fall(2)], [rise(0), rise(1), rise(2)])
+        let mut fall = [0; 3];
+        let mut rise = [0; 3];
+        for k in 0..3 {
+            fall[k] = last * (self.dx[k].min(0) + self.dy[k].min(0));
+            rise[k] = last * (self.dx[k].max(0) + self.dy[k].max(0));
+        }
+        (fall, rise)
     }
 }
 
 /// Fills a patch block by block: those wholly outside an edge are left out, and those inside all need no tests.
 #[inline(always)]
-fn fill_blocks<P: Plot>(canvas: &mut Canvas<'_>, r: &Record, patch: &Patch) {
+fn fill_blocks<P: DepthOp>(canvas: &mut Canvas<'_>, r: &Record, patch: &Patch) {
     let (fall, rise) = patch.reach();
     let mut y = patch.min[1];
     while y <= patch.max[1] {
@@ -160,12 +170,13 @@ fn fill_blocks<P: Plot>(canvas: &mut Canvas<'_>, r: &Record, patch: &Patch) {
         let mut x = patch.min[0];
         while x <= patch.max[0] {
             let at = patch.at(x, y);
+            // The sign bit of a union is set where one of the numbers is negative.
             let outside = (at[0] + rise[0]) | (at[1] + rise[1]) | (at[2] + rise[2]);
             let inside = (at[0] + fall[0]) | (at[1] + fall[1]) | (at[2] + fall[2]);
             if inside >= 0 {
                 fill_strip::<P, false>(canvas, r, Edges::NONE, [x, y], rows);
             } else if outside >= 0 {
-                fill_strip::<P, true>(canvas, r, Edges::new(at, patch, [0, 0]), [x, y], rows);
+                fill_strip::<P, true>(canvas, r, Edges::new(at, patch, 0, 0), [x, y], rows);
             }
             x += LANES as i32;
         }
@@ -186,16 +197,17 @@ impl Edges {
         dy: [0; 3],
     };
 
-    /// Edge functions some pixels right of and below a place where they are `at`.
+    /// Returns the edge functions `right` pixels right of and `down` pixels below a pixel where they are `start`.
     #[inline(always)]
-    fn new(at: [i32; 3], patch: &Patch, [right, down]: [i32; 2]) -> Self {
+    fn new(start: [i32; 3], patch: &Patch, right: i32, down: i32) -> Self {
         let mut values = [[0; LANES]; 3];
         for k in 0..3 {
             for i in 0..LANES {
-                let right = patch.dx[k].wrapping_mul(LANE[i] + right);
-                values[k][i] = at[k]
-                    .wrapping_add(right)
-                    .wrapping_add(patch.dy[k].wrapping_mul(down));
+                let change_right = patch.dx[k].wrapping_mul(LANE[i] + right);
+                let change_down = patch.dy[k].wrapping_mul(down);
+                values[k][i] = start[k]
+                    .wrapping_add(change_right)
+                    .wrapping_add(change_down);
             }
         }
         Self {
@@ -227,7 +239,7 @@ impl Edges {
 
 /// Fills `rows` rows of `LANES` pixels from pixel `first` on; all of them, or (`TEST`) those inside the edges.
 #[inline(always)]
-fn fill_strip<P: Plot, const TEST: bool>(
+fn fill_strip<P: DepthOp, const TEST: bool>(
     canvas: &mut Canvas<'_>,
     r: &Record,
     mut edges: Edges,
@@ -236,7 +248,8 @@ fn fill_strip<P: Plot, const TEST: bool>(
 ) {
     let start =
         (first[1] - canvas.origin[1]) as usize * STRIDE + (first[0] - canvas.origin[0]) as usize;
-    let (px, mut py) = (first[0] as f32, first[1] as f32);
+    let px = first[0] as f32;
+    let mut py = first[1] as f32;
     let mut column = [0.0_f32; LANES];
     for i in 0..LANES {
         column[i] = r.plane.dx.mul_add(px + LANE_F[i], r.plane.at_origin);
@@ -262,7 +275,7 @@ fn fill_strip<P: Plot, const TEST: bool>(
             let drawn = unit_clamp(r.plane.dy.mul_add(py, column[i]) + r.plane.offset);
             z[i] = if outside[i] >= 0 { drawn } else { 1.0 };
         }
-        P::put(stored, Beside { ids, other }, &z, &outside, r.tag);
+        P::write(stored, TileAttachments { ids, other }, &z, &outside, r.tag);
         if P::MODE.has_ids() {
             ids = ids.get_mut(STRIDE..).unwrap_or_default();
         }

@@ -25,7 +25,7 @@ use crate::raster::{
     bin::{Bins, FETCH, TILE},
     clip::{clip, outcode},
     fill::{Canvas, fill},
-    mode::{Behind, Behind16, Count, Least, Least16, LeastWithIds, Plot},
+    mode::{Depth, Depth16, DepthOp, DepthPeel, DepthPeel16, DepthWithIds, StencilDepthFail},
     record::Record,
     setup::{Group, SetupRules},
     tile::{Tile, TileBuffer},
@@ -56,7 +56,7 @@ pub(crate) struct Draw<'a, P = Vec3> {
     pub(crate) cull: Cull,
     /// Polygon offset.
     pub(crate) bias: RasterBias,
-    /// What stays of what is drawn.
+    /// What the image keeps of what is drawn.
     pub(crate) mode: Mode,
     /// What loops are compiled for.
     pub(crate) simd: Simd,
@@ -221,19 +221,19 @@ impl SimdTask for FillTile<'_> {
     #[inline(always)]
     fn run(self) {
         match self.mode {
-            Mode::Least => self.fill_all::<Least>(),
-            Mode::LeastWithIds => self.fill_all::<LeastWithIds>(),
-            Mode::Least16 => self.fill_all::<Least16>(),
-            Mode::Behind => self.fill_all::<Behind>(),
-            Mode::Behind16 => self.fill_all::<Behind16>(),
-            Mode::Count => self.fill_all::<Count>(),
+            Mode::Depth => self.fill_all::<Depth>(),
+            Mode::DepthWithIds => self.fill_all::<DepthWithIds>(),
+            Mode::Depth16 => self.fill_all::<Depth16>(),
+            Mode::DepthPeel => self.fill_all::<DepthPeel>(),
+            Mode::DepthPeel16 => self.fill_all::<DepthPeel16>(),
+            Mode::StencilDepthFail => self.fill_all::<StencilDepthFail>(),
         }
     }
 }
 
 impl FillTile<'_> {
     #[inline(always)]
-    fn fill_all<P: Plot>(self) {
+    fn fill_all<P: DepthOp>(self) {
         let origin = [
             self.tile % self.columns * TILE,
             self.tile / self.columns * TILE,
@@ -250,7 +250,7 @@ impl FillTile<'_> {
                 }
             }
         }
-        P::settle(canvas.buffer);
+        P::finish_tile(canvas.buffer);
     }
 }
 

@@ -1,29 +1,29 @@
-//! What becomes of a triangle's depths at neighbouring pixels of a row. One type a mode, so that each gets loops of its
-//! own; all loops are plain, for the compiler to vectorise.
+//! Depth operations: how a triangle's depths change neighbouring pixels of a row. Each mode has a type of its own, so that the
+//! compiler makes loops for each; all loops are plain, so that it can vectorise them.
 
 use crate::raster::{fill::LANES, tile::TileBuffer};
 
-/// What stays of what is drawn.
+/// What an image keeps of what is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Mode {
     /// The least depth.
-    Least,
+    Depth,
     /// The least depth, and the id of its triangle.
-    LeastWithIds,
+    DepthWithIds,
     /// The least depth, in steps of 1/65535.
-    Least16,
+    Depth16,
     /// The least of the depths beyond another image's.
-    Behind,
+    DepthPeel,
     /// The same, both in steps of 1/65535.
-    Behind16,
+    DepthPeel16,
     /// How many back faces minus how many front faces are not before another image's depth, modulo 256.
-    Count,
+    StencilDepthFail,
 }
 
 impl Mode {
-    /// What a clear image holds.
+    /// Returns what a clear image holds.
     pub(crate) const fn start(self) -> f32 {
-        if matches!(self, Self::Count) {
+        if matches!(self, Self::StencilDepthFail) {
             0.0
         } else {
             1.0
@@ -32,17 +32,20 @@ impl Mode {
 
     /// Whether it writes ids.
     pub(crate) const fn has_ids(self) -> bool {
-        matches!(self, Self::LeastWithIds)
+        matches!(self, Self::DepthWithIds)
     }
 
     /// Whether it reads another image.
     pub(crate) const fn reads(self) -> bool {
-        matches!(self, Self::Behind | Self::Behind16 | Self::Count)
+        matches!(
+            self,
+            Self::DepthPeel | Self::DepthPeel16 | Self::StencilDepthFail
+        )
     }
 
     /// The r of polygon offset where it is the same for all triangles: that of an image in fixed point.
     pub(crate) const fn offset_unit(self) -> Option<f32> {
-        if matches!(self, Self::Least16 | Self::Behind16) {
+        if matches!(self, Self::Depth16 | Self::DepthPeel16) {
             Some(OFFSET_UNIT_16)
         } else {
             None
@@ -50,69 +53,75 @@ impl Mode {
     }
 }
 
-/// What a texel keeps beside the image that is drawn.
-pub(crate) struct Beside<'a> {
+/// What belongs to texels beside the image that is drawn into: slices that begin at the first lane.
+pub(crate) struct TileAttachments<'a> {
     /// Triangle ids from the first lane on, if [`Mode::has_ids`].
     pub(crate) ids: &'a mut [u32],
     /// The other image's texels from the first lane on, if [`Mode::reads`].
     pub(crate) other: &'a [f32],
 }
 
-/// A mode's loops.
-pub(crate) trait Plot {
+/// A mode's loops over the lanes of a row.
+pub(crate) trait DepthOp {
     /// Which one.
     const MODE: Mode;
 
-    /// Draws depths 0..=1 over what is stored. In the lanes where `outside` is negative they are 1, which never is
-    /// nearer than what is stored. `tag` is the record's.
-    fn put(
+    /// Draws depths `z` (0..=1) over `stored`. In the lanes where `outside` is negative, outside the triangle, they are 1,
+    /// which never is nearer than what is stored. `tag` is [`Record::tag`](crate::raster::record::Record::tag).
+    fn write(
         stored: &mut [f32; LANES],
-        beside: Beside<'_>,
+        attachments: TileAttachments<'_>,
         z: &[f32; LANES],
         outside: &[i32; LANES],
         tag: u32,
     );
 
-    /// Ends the drawing of some triangles into a tile.
-    fn settle(_: &mut TileBuffer) {}
+    /// Runs after some triangles were drawn into a tile.
+    fn finish_tile(_: &mut TileBuffer) {}
 }
 
-/// The loops of [`Mode::Least`].
-pub(crate) struct Least;
-/// The loops of [`Mode::LeastWithIds`].
-pub(crate) struct LeastWithIds;
-/// The loops of [`Mode::Least16`].
-pub(crate) struct Least16;
-/// The loops of [`Mode::Behind`].
-pub(crate) struct Behind;
-/// The loops of [`Mode::Behind16`].
-pub(crate) struct Behind16;
-/// The loops of [`Mode::Count`].
-pub(crate) struct Count;
+/// The loops of [`Mode::Depth`].
+pub(crate) struct Depth;
+/// The loops of [`Mode::DepthWithIds`].
+pub(crate) struct DepthWithIds;
+/// The loops of [`Mode::Depth16`].
+pub(crate) struct Depth16;
+/// The loops of [`Mode::DepthPeel`].
+pub(crate) struct DepthPeel;
+/// The loops of [`Mode::DepthPeel16`].
+pub(crate) struct DepthPeel16;
+/// The loops of [`Mode::StencilDepthFail`].
+pub(crate) struct StencilDepthFail;
 
-impl Plot for Least {
-    const MODE: Mode = Mode::Least;
+impl DepthOp for Depth {
+    const MODE: Mode = Mode::Depth;
 
     #[inline(always)]
-    fn put(stored: &mut [f32; LANES], _: Beside<'_>, z: &[f32; LANES], _: &[i32; LANES], _: u32) {
+    fn write(
+        stored: &mut [f32; LANES],
+        _: TileAttachments<'_>,
+        z: &[f32; LANES],
+        _: &[i32; LANES],
+        _: u32,
+    ) {
         keep_least(stored, z);
     }
 }
 
-impl Plot for LeastWithIds {
-    const MODE: Mode = Mode::LeastWithIds;
+impl DepthOp for DepthWithIds {
+    const MODE: Mode = Mode::DepthWithIds;
 
-    /// Triangles come in any order, yet the first one is to win: so of equal depths the lower id stays. Depth 1 is
+    /// Triangles come in any order, yet the first one is to win: so of equal depths the lower id is kept. Depth 1 is
     /// never drawn, as the image is cleared to it.
     #[inline(always)]
-    fn put(
+    fn write(
         stored: &mut [f32; LANES],
-        beside: Beside<'_>,
+        attachments: TileAttachments<'_>,
         z: &[f32; LANES],
         _: &[i32; LANES],
         id: u32,
     ) {
-        let Some(ids) = beside.ids.first_chunk_mut::<LANES>() else {
+        let Some(ids) = attachments.ids.first_chunk_mut::<LANES>() else {
             return;
         };
         for i in 0..LANES {
@@ -123,70 +132,83 @@ impl Plot for LeastWithIds {
     }
 }
 
-impl Plot for Least16 {
-    const MODE: Mode = Mode::Least16;
+impl DepthOp for Depth16 {
+    const MODE: Mode = Mode::Depth16;
 
     /// Stored floats are ordered as their steps are, so the comparison is that of the steps.
     #[inline(always)]
-    fn put(stored: &mut [f32; LANES], _: Beside<'_>, z: &[f32; LANES], _: &[i32; LANES], _: u32) {
+    fn write(
+        stored: &mut [f32; LANES],
+        _: TileAttachments<'_>,
+        z: &[f32; LANES],
+        _: &[i32; LANES],
+        _: u32,
+    ) {
         keep_least(stored, &z.map(stored16));
     }
 }
 
-impl Plot for Behind {
-    const MODE: Mode = Mode::Behind;
+impl DepthOp for DepthPeel {
+    const MODE: Mode = Mode::DepthPeel;
 
     #[inline(always)]
-    fn put(
+    fn write(
         stored: &mut [f32; LANES],
-        beside: Beside<'_>,
+        attachments: TileAttachments<'_>,
         z: &[f32; LANES],
         _: &[i32; LANES],
         _: u32,
     ) {
-        keep_beyond(stored, beside, z);
+        keep_beyond(stored, attachments, z);
     }
 }
 
-impl Plot for Behind16 {
-    const MODE: Mode = Mode::Behind16;
+impl DepthOp for DepthPeel16 {
+    const MODE: Mode = Mode::DepthPeel16;
 
-    /// The other image holds whole steps, too: so what it took cannot lie behind it.
+    /// The other image holds whole steps, too, so a depth that was drawn there is equal to it after rounding, not behind it.
     #[inline(always)]
-    fn put(
+    fn write(
         stored: &mut [f32; LANES],
-        beside: Beside<'_>,
+        attachments: TileAttachments<'_>,
         z: &[f32; LANES],
         _: &[i32; LANES],
         _: u32,
     ) {
-        keep_beyond(stored, beside, &z.map(stored16));
+        keep_beyond(stored, attachments, &z.map(stored16));
     }
 }
 
-impl Plot for Count {
-    const MODE: Mode = Mode::Count;
+impl DepthOp for StencilDepthFail {
+    const MODE: Mode = Mode::StencilDepthFail;
 
     /// Counts are whole numbers far below 2^24, so sums of floats are exact in any order.
     #[inline(always)]
-    fn put(
+    fn write(
         stored: &mut [f32; LANES],
-        beside: Beside<'_>,
+        attachments: TileAttachments<'_>,
         z: &[f32; LANES],
         outside: &[i32; LANES],
         turn: u32,
     ) {
-        let Some(other) = beside.other.first_chunk::<LANES>() else {
+        let Some(other) = attachments.other.first_chunk::<LANES>() else {
             return;
         };
-        let by = turn as i32 as f32;
+        // +1 or -1, as two's complement.
+        let change = turn as i32 as f32;
         for i in 0..LANES {
-            let before = z[i] < other[i];
-            stored[i] += if before | (outside[i] < 0) { 0.0 } else { by };
+            let passes_depth_test = z[i] < other[i];
+            let is_outside = outside[i] < 0;
+            stored[i] += if passes_depth_test | is_outside {
+                0.0
+            } else {
+                change
+            };
         }
     }
 
-    fn settle(buffer: &mut TileBuffer) {
+    /// Wraps the counts, modulo 256.
+    fn finish_tile(buffer: &mut TileBuffer) {
         for count in &mut buffer.texels {
             *count -= 256.0 * (*count / 256.0).floor();
         }
@@ -203,8 +225,8 @@ fn keep_least(stored: &mut [f32; LANES], z: &[f32; LANES]) {
 }
 
 #[inline(always)]
-fn keep_beyond(stored: &mut [f32; LANES], beside: Beside<'_>, z: &[f32; LANES]) {
-    let Some(other) = beside.other.first_chunk::<LANES>() else {
+fn keep_beyond(stored: &mut [f32; LANES], attachments: TileAttachments<'_>, z: &[f32; LANES]) {
+    let Some(other) = attachments.other.first_chunk::<LANES>() else {
         return;
     };
     let mut beyond = [1.0; LANES];
@@ -218,7 +240,7 @@ fn keep_beyond(stored: &mut [f32; LANES], beside: Beside<'_>, z: &[f32; LANES]) 
 /// rasterisers take.
 pub(crate) const OFFSET_UNIT_16: f32 = 2.0 / 65_535.0;
 
-/// What is read back from a 16-bit depth image into which `z` (0..=1) was drawn.
+/// Returns what is read back from a 16-bit depth image into which `z` (0..=1) was drawn.
 #[inline(always)]
 pub(crate) fn stored16(z: f32) -> f32 {
     // The spacing of floats from 128 to 256 is 2^-16: the sum's low bits hold z * 65535, rounded to nearest, ties to

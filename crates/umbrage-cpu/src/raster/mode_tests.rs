@@ -31,7 +31,7 @@ fn compare<P: Position>(draw: &Draw<'_, P>, other: &[f32], what: &str) -> Vec<f3
 fn noise<P: Position>(draw: &Draw<'_, P>, r: &mut Random) -> Vec<f32> {
     let (least, _) = reference::draw(
         &Draw {
-            mode: Mode::Least,
+            mode: Mode::Depth,
             bias: RasterBias::default(),
             ..*draw
         },
@@ -40,7 +40,7 @@ fn noise<P: Position>(draw: &Draw<'_, P>, r: &mut Random) -> Vec<f32> {
     let other = least
         .into_iter()
         .map(|z| [z, r.range(0.0, 1.0), 1.0, 0.0][r.bits() as usize % 4]);
-    if draw.mode == Mode::Behind16 {
+    if draw.mode == Mode::DepthPeel16 {
         other.map(stored16).collect()
     } else {
         other.collect()
@@ -70,14 +70,19 @@ fn every_mode_agrees_with_the_plain_rasteriser() {
     for i in 0..64 {
         let (positions, triangles) = soup(0..KINDS, 80, &mut r);
         let mut draw = draw_of(&positions, &triangles);
-        draw.mode = [Mode::Least16, Mode::Behind, Mode::Behind16, Mode::Count][i % 4];
+        draw.mode = [
+            Mode::Depth16,
+            Mode::DepthPeel,
+            Mode::DepthPeel16,
+            Mode::StencilDepthFail,
+        ][i % 4];
         draw.simd = [Simd::Native, Simd::Baseline][i / 4 % 2];
         draw.size = SIZES[i / 8 % 4];
         draw.clip_from_world = [Mat4::IDENTITY, perspective()][i / 5 % 2];
-        if draw.mode != Mode::Count {
+        if draw.mode != Mode::StencilDepthFail {
             draw.cull = [Cull::None, Cull::Front, Cull::Back][i / 3 % 3];
         }
-        if draw.mode == Mode::Least16 {
+        if draw.mode == Mode::Depth16 {
             let constant = [0, 2, -700, 30_001][i / 3 % 4];
             draw.bias = RasterBias {
                 constant,
@@ -103,11 +108,11 @@ fn homogeneous_vertices_agree_with_the_plain_rasteriser() {
         let positions = homogeneous(&positions, &mut r);
         let mut draw = draw_of(&positions, &triangles);
         draw.mode = [
-            Mode::Least,
-            Mode::Least16,
-            Mode::Behind,
-            Mode::Behind16,
-            Mode::Count,
+            Mode::Depth,
+            Mode::Depth16,
+            Mode::DepthPeel,
+            Mode::DepthPeel16,
+            Mode::StencilDepthFail,
         ][i % 5];
         draw.clip_from_world = [infinite(), perspective()][i / 5 % 2];
         draw.simd = [Simd::Native, Simd::Baseline][i / 2 % 2];
@@ -155,7 +160,7 @@ fn weight_one_makes_a_point() {
 fn a_spoilt_other_image_is_noticed() {
     let mut r = Random(8);
     let (positions, triangles) = soup(0..2, 60, &mut r);
-    for mode in [Mode::Behind, Mode::Behind16, Mode::Count] {
+    for mode in [Mode::DepthPeel, Mode::DepthPeel16, Mode::StencilDepthFail] {
         let draw = Draw {
             mode,
             ..draw_of(&positions, &triangles)
@@ -166,7 +171,11 @@ fn a_spoilt_other_image_is_noticed() {
         let Some(i) = plain.iter().position(|&v| v != mode.start()) else {
             panic!("nothing was drawn")
         };
-        other[i] = if mode == Mode::Count { 1.1 } else { 1.0 };
+        other[i] = if mode == Mode::StencilDepthFail {
+            1.1
+        } else {
+            1.0
+        };
         assert!(
             bits(&reference::draw(&draw, &other).0) != bits(&plain),
             "{mode:?}"
@@ -205,7 +214,7 @@ fn uniform(texels: &[f32]) -> f32 {
 #[test]
 fn layers_peel_off_one_by_one() {
     let (positions, triangles) = walls(&[(0.5, true), (0.75, false), (0.25, true), (0.5, false)]);
-    for (mode, step) in [(Mode::Behind, 0.0), (Mode::Behind16, 1.0 / 65_535.0)] {
+    for (mode, step) in [(Mode::DepthPeel, 0.0), (Mode::DepthPeel16, 1.0 / 65_535.0)] {
         let mut layer = vec![0.0; (SIZE.x * SIZE.y) as usize];
         for expected in [0.25, 0.5, 0.75, 1.0, 1.0] {
             layer = fast(
@@ -231,7 +240,7 @@ fn counts_tell_inside_from_outside() {
     let (positions, triangles) = walls(&[(0.25, true), (0.75, false)]);
     let draw = Draw {
         size: SIZE,
-        mode: Mode::Count,
+        mode: Mode::StencilDepthFail,
         ..draw_of(&positions, &triangles)
     };
     for (z, count) in [
@@ -256,7 +265,7 @@ fn counts_wrap_and_go_on_without_clearing() {
     let other = vec![0.5; (SIZE.x * SIZE.y) as usize];
     let draw = Draw {
         size: SIZE,
-        mode: Mode::Count,
+        mode: Mode::StencilDepthFail,
         ..draw_of(&positions, &triangles)
     };
     let mut texels = fast(&draw, &other).0;
@@ -282,7 +291,7 @@ fn a_face_and_its_reverse_cancel() {
     let triangles: Vec<[u32; 3]> = triangles.iter().filter(whole).copied().collect();
     let reversed: Vec<[u32; 3]> = triangles.iter().map(|&[a, b, c]| [a, c, b]).collect();
     let draw = Draw {
-        mode: Mode::Count,
+        mode: Mode::StencilDepthFail,
         ..draw_of(&positions, &triangles)
     };
     let other = noise(&draw, &mut r);

@@ -37,29 +37,40 @@ pub(crate) struct Record {
     pub(crate) tag: u32,
 }
 
-/// Twice a triangle's area in sub-pixels, positive for counter-clockwise on screen (window y points down).
+/// Returns twice a triangle's area in square sub-pixels, positive for counter-clockwise on screen (window y points down).
 #[inline(always)]
 pub(crate) fn doubled_area(x: [i32; 3], y: [i32; 3]) -> i64 {
     i64::from(x[0] - x[1]) * i64::from(y[2] - y[0])
         - i64::from(x[2] - x[0]) * i64::from(y[0] - y[1])
 }
 
-/// The function of the edge from (x, y) along (dx, dy) at sub-pixel (px, py), divided by 256. It is negative outside;
-/// points on the edge are inside if it is a top or a left edge.
+/// Returns the function of the edge from `start` along the vector `edge`, at the point `p`, divided by 256; all in
+/// sub-pixels. It is negative outside; points on the edge are inside if it is a top or a left edge.
 #[inline(always)]
-pub(crate) fn edge_function([x, y]: [i32; 2], [dx, dy]: [i32; 2], [px, py]: [i32; 2]) -> i64 {
-    let top_left = (dy < 0) | ((dy == 0) & (dx > 0));
-    let value = i64::from(dx) * i64::from(py - y) - i64::from(dy) * i64::from(px - x);
-    (value - i64::from(!top_left)) >> 8
+pub(crate) fn edge_function(start: [i32; 2], edge: [i32; 2], p: [i32; 2]) -> i64 {
+    let right = i64::from(p[0] - start[0]);
+    let down = i64::from(p[1] - start[1]);
+    let value = i64::from(edge[0]) * down - i64::from(edge[1]) * right;
+    // On other edges, 0 is outside, too.
+    (value - i64::from(!is_top_left(edge))) >> 8
+}
+
+/// Returns whether an edge, clockwise on screen (y points down), is a top or a left edge of its triangle.
+#[inline(always)]
+fn is_top_left(edge: [i32; 2]) -> bool {
+    let is_left = edge[1] < 0;
+    let is_top = (edge[1] == 0) & (edge[0] > 0);
+    is_left | is_top
 }
 
 /// As [`edge_function`], for a triangle of few pixels and a point near it: all numbers fit 32 bits then. For others the
 /// result is meaningless.
 #[inline(always)]
-pub(crate) fn small_edge_function([x, y]: [i32; 2], [dx, dy]: [i32; 2], [px, py]: [i32; 2]) -> i32 {
-    let top_left = (dy < 0) | ((dy == 0) & (dx > 0));
-    let value = dx
-        .wrapping_mul(py - y)
-        .wrapping_sub(dy.wrapping_mul(px - x));
-    value.wrapping_sub(i32::from(!top_left)) >> 8
+pub(crate) fn small_edge_function(start: [i32; 2], edge: [i32; 2], p: [i32; 2]) -> i32 {
+    let right = p[0] - start[0];
+    let down = p[1] - start[1];
+    let value = edge[0]
+        .wrapping_mul(down)
+        .wrapping_sub(edge[1].wrapping_mul(right));
+    value.wrapping_sub(i32::from(!is_top_left(edge))) >> 8
 }

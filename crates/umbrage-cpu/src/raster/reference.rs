@@ -25,20 +25,19 @@ pub(crate) fn draw<P: Position>(draw: &Draw<'_, P>, other: &[f32]) -> Drawn {
 /// The same with vertices rounded so.
 pub(crate) fn draw_on<P: Position>(snapping: Snapping, draw: &Draw<'_, P>, other: &[f32]) -> Drawn {
     let n = (draw.size.x * draw.size.y) as usize;
-    let start = if draw.mode == Mode::Count { 0.0 } else { 1.0 };
+    let start = if draw.mode == Mode::StencilDepthFail {
+        0.0
+    } else {
+        1.0
+    };
     let mut drawn = (vec![start; n], vec![NO_TRIANGLE; n]);
     let viewport = Viewport::new(draw.size);
     for (i, triangle) in draw.triangles.iter().enumerate() {
         let corners = triangle.map(|v| draw.positions[v as usize].to_clip(draw.clip_from_world));
         let codes = corners.map(outcode);
+        let id = draw.first_id + i as u32;
         let mut piece = |window: [Vec3; 3], plane: Option<DepthPlane>| {
-            fill(
-                (draw, snapping),
-                (window, plane),
-                draw.first_id + i as u32,
-                other,
-                &mut drawn,
-            )
+            fill(draw, snapping, window, plane, id, other, &mut drawn)
         };
         if codes == [0; 3] {
             piece(corners.map(|c| viewport.project(c)), None);
@@ -63,18 +62,19 @@ pub(crate) fn draw_on<P: Position>(snapping: Snapping, draw: &Draw<'_, P>, other
     drawn
 }
 
-/// What becomes of a texel over which depth `z` is drawn, by the front of a triangle or its back; none: it stays.
+/// Returns the new value of a texel over which depth `z` is drawn, by the front of a triangle or its back; none if it keeps its
+/// value. `other` is the texel of the image that the mode reads.
 fn drawn_over(mode: Mode, texel: f32, other: Option<&f32>, z: f32, front: bool) -> Option<f32> {
     let other = other.copied().unwrap_or(f32::NAN);
     match mode {
-        Mode::Least | Mode::LeastWithIds => (z < texel).then_some(z),
-        Mode::Least16 => (steps(z) < stored_steps(texel)).then_some(of_steps(steps(z))),
-        Mode::Behind => (z > other && z < texel).then_some(z),
-        Mode::Behind16 => {
+        Mode::Depth | Mode::DepthWithIds => (z < texel).then_some(z),
+        Mode::Depth16 => (steps(z) < stored_steps(texel)).then_some(of_steps(steps(z))),
+        Mode::DepthPeel => (z > other && z < texel).then_some(z),
+        Mode::DepthPeel16 => {
             let between = steps(z) > stored_steps(other) && steps(z) < stored_steps(texel);
             between.then_some(of_steps(steps(z)))
         }
-        Mode::Count => {
+        Mode::StencilDepthFail => {
             let by = if front { -1 } else { 1 };
             let before = z < other;
             (!before).then_some((texel as i32 + by).rem_euclid(256) as f32)
@@ -96,26 +96,25 @@ fn stored_steps(texel: f32) -> i64 {
     (f64::from(texel) * 65_535.0).round() as i64
 }
 
+/// Draws a triangle, given by its window corners, whose depth is `plane`; none for the plane through its corners.
 fn fill<P>(
-    (draw, snapping): (&Draw<'_, P>, Snapping),
-    (window, plane): ([Vec3; 3], Option<DepthPlane>),
+    draw: &Draw<'_, P>,
+    snapping: Snapping,
+    window: [Vec3; 3],
+    plane: Option<DepthPlane>,
     id: u32,
     other: &[f32],
-    (texels, ids): &mut Drawn,
+    drawn: &mut Drawn,
 ) {
+    let (texels, ids) = drawn;
+    // Points of the grid a pixel.
     let steps = 2.0_f32.powi(snapping.sub_pixel_bits as i32);
-    // In 256ths of a pixel, whatever the grid.
-    let snapped = window.map(|v| {
-        let snap = |v: f32| ((v - 0.5) * steps).round_ties_even() * (256.0 / steps);
-        let held = |v: f32| snap(v).clamp(-4_194_304.0, 4_194_304.0) as i32;
-        IVec2::new(held(v.x), held(v.y))
-    });
+    let snapped = window.map(|v| IVec2::new(in_sub_pixels(v.x, steps), in_sub_pixels(v.y, steps)));
     let window = match snapping.planes {
         DepthPlanes::Unsnapped => window,
-        DepthPlanes::Snapped => [0, 1, 2].map(|k| {
-            let on_grid = |v: f32| ((v - 0.5) * steps).round_ties_even() / steps + 0.5;
-            Vec3::new(on_grid(window[k].x), on_grid(window[k].y), window[k].z)
-        }),
+        DepthPlanes::Snapped => {
+            window.map(|v| Vec3::new(on_grid(v.x, steps), on_grid(v.y, steps), v.z))
+        }
     };
     let [a, b, c] = snapped.map(|v| v.as_i64vec2());
     let area = (a.x - b.x) * (c.y - a.y) - (c.x - a.x) * (a.y - b.y);
@@ -133,7 +132,8 @@ fn fill<P>(
         [window[0], window[2], window[1]]
     };
     let clockwise = if area > 0 { [a, c, b] } else { [a, b, c] };
-    let (d01, d20) = (v0 - v1, v2 - v0);
+    let d01 = v0 - v1;
+    let d20 = v2 - v0;
     let r = 1.0 / (d01.x * d20.y - d01.y * d20.x);
     let dx = d01.z * (d20.y * r) - d20.z * (d01.y * r);
     let dy = d20.z * (d01.x * r) - d01.z * (d20.x * r);
@@ -146,27 +146,44 @@ fn fill<P>(
         for x in 0..draw.size.x {
             let p = IVec2::new(x as i32, y as i32).as_i64vec2() * 256;
             let inside = (0..3).all(|k| {
-                let (from, to) = (clockwise[k], clockwise[(k + 1) % 3]);
-                let d = to - from;
+                let from = clockwise[k];
+                let d = clockwise[(k + 1) % 3] - from;
                 let e = d.x * (p.y - from.y) - d.y * (p.x - from.x);
-                e > 0 || (e == 0 && (d.y < 0 || (d.y == 0 && d.x > 0)))
+                let is_top_left = d.y < 0 || (d.y == 0 && d.x > 0);
+                e > 0 || (e == 0 && is_top_left)
             });
             let z =
                 (dy.mul_add(y as f32, dx.mul_add(x as f32, at_origin)) + offset).clamp(0.0, 1.0);
             let i = (y * draw.size.x + x) as usize;
             let kept = drawn_over(draw.mode, texels[i], other.get(i), z, area > 0);
             if let Some(texel) = kept.filter(|_| inside) {
-                (texels[i], ids[i]) = (texel, id);
+                texels[i] = texel;
+                ids[i] = id;
             }
         }
     }
 }
 
-fn offset(bias: &RasterBias, mode: Mode, [v0, v1, v2]: [Vec3; 3], r: f32) -> f32 {
+/// Rounds a window coordinate to a grid of `steps` points a pixel, and returns it in 256ths of a pixel from the centre of
+/// the first one.
+fn in_sub_pixels(v: f32, steps: f32) -> i32 {
+    let snapped = ((v - 0.5) * steps).round_ties_even() * (256.0 / steps);
+    snapped.clamp(-4_194_304.0, 4_194_304.0) as i32
+}
+
+/// Rounds a window coordinate to a grid of `steps` points a pixel.
+fn on_grid(v: f32, steps: f32) -> f32 {
+    ((v - 0.5) * steps).round_ties_even() / steps + 0.5
+}
+
+/// Returns the polygon offset of a triangle with these window corners; `r` is one over its doubled area.
+fn offset(bias: &RasterBias, mode: Mode, corners: [Vec3; 3], r: f32) -> f32 {
     if bias.constant == 0 && bias.slope == 0.0 {
         return 0.0;
     }
-    let (d01, d20) = (v0 - v1, v2 - v0);
+    let [v0, v1, v2] = corners;
+    let d01 = v0 - v1;
+    let d20 = v2 - v0;
     let dzdx = ((d20.z * d01.y - d20.y * d01.z) * r).abs();
     let dzdy = ((d20.x * d01.z - d20.z * d01.x) * r).abs();
     let greatest = v0.z.abs().max(v1.z.abs()).max(v2.z.abs());
@@ -175,7 +192,7 @@ fn offset(bias: &RasterBias, mode: Mode, [v0, v1, v2]: [Vec3; 3], r: f32) -> f32
     } else {
         2.0_f32.powf(greatest.log2().floor() - 23.0)
     };
-    let unit = if matches!(mode, Mode::Least16 | Mode::Behind16) {
+    let unit = if matches!(mode, Mode::Depth16 | Mode::DepthPeel16) {
         OFFSET_UNIT_16
     } else {
         unit

@@ -24,7 +24,7 @@ pub(crate) struct SetupRules {
     pub(crate) cull: Cull,
     /// Polygon offset.
     pub(crate) bias: RasterBias,
-    /// What stays of what is drawn.
+    /// What the image keeps of what is drawn.
     pub(crate) mode: Mode,
     /// How vertices are rounded.
     pub(crate) snapping: Snapping,
@@ -121,11 +121,9 @@ impl Group {
     pub(crate) fn flush_pieces(&mut self, plane: DepthPlane, rules: &SetupRules, out: &mut Bins) {
         self.set_up(rules);
         let l = &mut self.lanes;
-        (l.at_origin, l.dx, l.dy) = (
-            [plane.at_origin; GROUP],
-            [plane.dx; GROUP],
-            [plane.dy; GROUP],
-        );
+        l.at_origin = [plane.at_origin; GROUP];
+        l.dx = [plane.dx; GROUP];
+        l.dy = [plane.dy; GROUP];
         self.emit(rules, out);
     }
 
@@ -175,7 +173,8 @@ impl Group {
     /// or bottom edge belong to its neighbour.
     #[inline(always)]
     fn snap_and_bound(&mut self, size: UVec2) {
-        let (last_x, last_y) = (size.x as i32 - 1, size.y as i32 - 1);
+        let last_x = size.x as i32 - 1;
+        let last_y = size.y as i32 - 1;
         let l = &mut self.lanes;
         for i in 0..GROUP {
             let x = [snap(self.x[0][i]), snap(self.x[1][i]), snap(self.x[2][i])];
@@ -209,10 +208,8 @@ impl Group {
 
     #[inline(always)]
     fn find_signs(&mut self, cull: Cull) {
-        let (keep_front, keep_back) = (
-            i32::from(cull != Cull::Front),
-            i32::from(cull != Cull::Back),
-        );
+        let keep_front = i32::from(cull != Cull::Front);
+        let keep_back = i32::from(cull != Cull::Back);
         let l = &mut self.lanes;
         for i in 0..GROUP {
             let area = doubled_area(
@@ -248,7 +245,8 @@ impl Group {
             let dx = z01 * (y20 * r) - z20 * (y01 * r);
             let dy = z20 * (x01 * r) - z01 * (x20 * r);
             l.at_origin[i] = self.z[0][i] - (dx * (self.x[0][i] - 0.5) + dy * (self.y[0][i] - 0.5));
-            (l.dx[i], l.dy[i]) = (dx, dy);
+            l.dx[i] = dx;
+            l.dy[i] = dy;
         }
     }
 
@@ -256,7 +254,8 @@ impl Group {
     /// image's depths, for floats that at the triangle's greatest depth.
     #[inline(always)]
     fn find_offsets(&mut self, rules: &SetupRules) {
-        let (bias, unit) = (&rules.bias, rules.mode.offset_unit());
+        let bias = &rules.bias;
+        let unit = rules.mode.offset_unit();
         let l = &mut self.lanes;
         for i in 0..GROUP {
             let (x01, x20) = Self::differences(&self.x, l.sign[i], i);
@@ -281,19 +280,22 @@ impl Group {
         let l = &mut self.lanes;
         for i in 0..GROUP {
             let flip = l.sign[i] > 0;
-            let ([px, x1, x2], [py, y1, y2]) = (
-                [l.x[0][i], l.x[1][i], l.x[2][i]],
-                [l.y[0][i], l.y[1][i], l.y[2][i]],
-            );
+            // The corners p, q and r, clockwise: the last two change places if they come counter-clockwise.
+            let [px, x1, x2] = [l.x[0][i], l.x[1][i], l.x[2][i]];
+            let [py, y1, y2] = [l.y[0][i], l.y[1][i], l.y[2][i]];
             let (qx, rx) = if flip { (x2, x1) } else { (x1, x2) };
             let (qy, ry) = if flip { (y2, y1) } else { (y1, y2) };
-            let (ax, ay, bx, by) = (qx - px, qy - py, rx - qx, ry - qy);
-            let (x, y) = (l.min_x[i] << 8, l.min_y[i] << 8);
-            l.at_min[0][i] = small_edge_function([px, py], [ax, ay], [x, y]);
-            l.at_min[1][i] = small_edge_function([qx, qy], [bx, by], [x, y]);
-            l.at_min[2][i] = small_edge_function([rx, ry], [px - rx, py - ry], [x, y]);
-            (l.edge_x[0][i], l.edge_y[0][i]) = (ax, ay);
-            (l.edge_x[1][i], l.edge_y[1][i]) = (bx, by);
+            let edge_a = [qx - px, qy - py];
+            let edge_b = [rx - qx, ry - qy];
+            let edge_c = [px - rx, py - ry];
+            let first_pixel = [l.min_x[i] << 8, l.min_y[i] << 8];
+            l.at_min[0][i] = small_edge_function([px, py], edge_a, first_pixel);
+            l.at_min[1][i] = small_edge_function([qx, qy], edge_b, first_pixel);
+            l.at_min[2][i] = small_edge_function([rx, ry], edge_c, first_pixel);
+            l.edge_x[0][i] = edge_a[0];
+            l.edge_y[0][i] = edge_a[1];
+            l.edge_x[1][i] = edge_b[0];
+            l.edge_y[1][i] = edge_b[1];
         }
     }
 
@@ -302,12 +304,10 @@ impl Group {
     fn drop_uncovered(&mut self) {
         let l = &mut self.lanes;
         for i in 0..GROUP {
-            let (ax, ay, bx, by) = (
-                l.edge_x[0][i],
-                l.edge_y[0][i],
-                l.edge_x[1][i],
-                l.edge_y[1][i],
-            );
+            let ax = l.edge_x[0][i];
+            let ay = l.edge_y[0][i];
+            let bx = l.edge_x[1][i];
+            let by = l.edge_y[1][i];
             let [a, b, c] = [l.at_min[0][i], l.at_min[1][i], l.at_min[2][i]];
             // Outside an edge, the sign bit is set: here, and so many pixels to the right and down.
             let outside = |right: i32, down: i32| {
@@ -318,9 +318,9 @@ impl Group {
                     .wrapping_sub((ax + bx) * down);
                 a | b | c
             };
-            let none = outside(0, 0) & outside(1, 0) & outside(0, 1) & outside(1, 1) < 0;
-            let few = (l.max_x[i] - l.min_x[i] < 2) & (l.max_y[i] - l.min_y[i] < 2);
-            l.sign[i] = if none & few { 0 } else { l.sign[i] };
+            let covers_none = outside(0, 0) & outside(1, 0) & outside(0, 1) & outside(1, 1) < 0;
+            let is_small = (l.max_x[i] - l.min_x[i] < 2) & (l.max_y[i] - l.min_y[i] < 2);
+            l.sign[i] = if covers_none & is_small { 0 } else { l.sign[i] };
         }
     }
 
@@ -342,7 +342,7 @@ impl Group {
             },
             min: [l.min_x[i] as u16, l.min_y[i] as u16],
             max: [l.max_x[i] as u16, l.max_y[i] as u16],
-            tag: if mode == Mode::Count {
+            tag: if mode == Mode::StencilDepthFail {
                 turn
             } else {
                 self.id[i]

@@ -83,7 +83,7 @@ pub(super) fn draw_of<'a, P>(positions: &'a [P], triangles: &'a [[u32; 3]]) -> D
         size: UVec2::new(150, 75),
         cull: Cull::None,
         bias: RasterBias::default(),
-        mode: Mode::Least,
+        mode: Mode::Depth,
         simd: Simd::Native,
     }
 }
@@ -125,7 +125,7 @@ fn compare(draw: &Draw<'_>, what: &str) {
     let (depth, ids) = reference::draw(draw, &[]);
     let (fast_depth, fast_ids) = fast(
         &Draw {
-            mode: Mode::LeastWithIds,
+            mode: Mode::DepthWithIds,
             ..*draw
         },
         &[],
@@ -199,7 +199,7 @@ fn every_rounding_agrees_with_the_plain_rasteriser() {
     for (i, snapping) in snappings().cycle().take(60).enumerate() {
         let (positions, triangles) = soup(0..KINDS, 60, &mut r);
         let mut draw = draw_of(&positions, &triangles);
-        draw.mode = Mode::LeastWithIds;
+        draw.mode = Mode::DepthWithIds;
         draw.bias = RasterBias {
             constant: 3,
             slope: [0.0, 2.0][i % 2],
@@ -396,7 +396,7 @@ fn equal_depths_show_the_first_triangle() {
     let triangles = [[0, 1, 2], [2, 0, 1], [0, 2, 1]];
     let (_, ids) = fast(
         &Draw {
-            mode: Mode::LeastWithIds,
+            mode: Mode::DepthWithIds,
             ..draw_of(&positions, &triangles)
         },
         &[],

@@ -94,9 +94,9 @@ pub(crate) struct Target<'a> {
     pub(crate) width: usize,
     /// Depths or counts, rows from the top.
     pub(crate) texels: &'a mut [f32],
-    /// Triangle ids likewise, for [`Mode::LeastWithIds`]; else empty.
+    /// Triangle ids likewise, for [`Mode::DepthWithIds`]; else empty.
     pub(crate) ids: &'a mut [u32],
-    /// The image that [`Mode::Behind`] and [`Mode::Count`] read likewise; else empty.
+    /// The image that [`Mode::DepthPeel`] and [`Mode::StencilDepthFail`] read likewise; else empty.
     pub(crate) other: &'a [f32],
     /// Whether to start from a clear image.
     pub(crate) clear: bool,

@@ -96,20 +96,20 @@ fn every_mode() -> Recipe {
             image("second steps", Format::Depth16),
         ],
         casts: vec![
-            all(DEPTH, CastMode::Nearest),
-            all(SECOND, CastMode::Behind(DEPTH)),
+            all(DEPTH, CastMode::Depth),
+            all(SECOND, CastMode::DepthPeel(DEPTH)),
             Cast {
                 bias,
                 cull: Cull::Back,
-                ..all(STEPS, CastMode::Nearest)
+                ..all(STEPS, CastMode::Depth)
             },
             Cast {
                 cull: Cull::Back,
-                ..all(SECOND_STEPS, CastMode::Behind(STEPS))
+                ..all(SECOND_STEPS, CastMode::DepthPeel(STEPS))
             },
             Cast {
                 source: counts,
-                ..all(COUNTS, CastMode::Count { depth: DEPTH })
+                ..all(COUNTS, CastMode::StencilDepthFail { depth: DEPTH })
             },
         ],
         filters: vec![Filter {
@@ -294,7 +294,7 @@ fn errors_tell_what_cannot_be_cast() {
         assert!(error.contains(text), "{error}");
     };
     let mut itself = recipe.clone();
-    itself.casts[SECOND].mode = CastMode::Behind(SECOND);
+    itself.casts[SECOND].mode = CastMode::DepthPeel(SECOND);
     refused(
         cpu.replay_cast(&geometry, &itself, 1, &images),
         "another depth image",

@@ -2,7 +2,7 @@
 
 use super::ROUNDING;
 use crate::compare::Measured;
-use umbrage_core::metrics::MOST_UNDECIDED;
+use umbrage_core::metrics::MAX_UNDECIDED_SHARE;
 use umbrage_plan::cost::CostModel;
 
 /// A figure that should not grow.
@@ -37,11 +37,15 @@ pub(super) fn of(backend: &str, then: &Measured, now: &Measured, exact: bool) ->
     let mut out = Vec::new();
     if let (Some(a), Some(b)) = (&then.errors, &now.errors) {
         // Undecided pixels may all flip: in a share of the image, that share; in a mean square, that much.
-        let share = if exact { 0.0 } else { 100.0 * MOST_UNDECIDED };
+        let share = if exact {
+            0.0
+        } else {
+            100.0 * MAX_UNDECIDED_SHARE
+        };
         let rmse = if exact {
             0.0
         } else {
-            (a.rmse.powi(2) + MOST_UNDECIDED).sqrt() - a.rmse
+            (a.rmse.powi(2) + MAX_UNDECIDED_SHARE).sqrt() - a.rmse
         };
         out.extend([
             figure("RMSE", a.rmse, b.rmse, rmse),

@@ -5,7 +5,7 @@
 //!
 //! * **Errors** (RMSE, false shadow, false light, acne) are deterministic: any growth beyond [`ROUNDING`] counts. Between
 //!   different graphics adapters, whose rounding differs, as much as the [undecided pixels
-//!   allowed](umbrage_core::metrics::MOST_UNDECIDED) can make counts as noise.
+//!   allowed](umbrage_core::metrics::MAX_UNDECIDED_SHARE) can make counts as noise.
 //! * **Cost** (counted work, at today's prices) and **bytes** are deterministic, too: any growth beyond rounding counts.
 //! * **Time** counts only on the same processor, threads, system and adapter. Rows are compared as multiples of the
 //!   yardstick that was timed in turn with them; [`mod@times`] says when one is slower, and how seldom that is said in

@@ -17,7 +17,7 @@ use crate::{LabError, compare::Backends};
 use glam::UVec2;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Backend, FitMemory, Geometry, RecipeError, ShadowTechnique, View, metrics::Reference,
+    Backend, FitMemory, Geometry, RecipeError, ShadowTechnique, View, metrics::ReferenceMask,
 };
 use umbrage_plan::truth::{self, TruthOptions};
 use umbrage_techniques::{Bias, Hard, Pcf, PcfDisc, PcfHardware, PcfMerged, ShadowMap};
@@ -150,7 +150,7 @@ pub fn measure(
             .with_fits(&fits);
         let case = Case {
             view,
-            reference: Reference::new(truth.size, &truth.visibility, &truth.pixels)?,
+            reference: ReferenceMask::new(truth.size, &truth.visibility, &truth.pixels)?,
         };
         for kernel in KERNELS {
             for &side in &options.sides {
@@ -174,7 +174,7 @@ pub fn measure(
 /// One light of one scene.
 struct Case<'a> {
     view: View<'a>,
-    reference: Reference<'a>,
+    reference: ReferenceMask<'a>,
 }
 
 impl Case<'_> {

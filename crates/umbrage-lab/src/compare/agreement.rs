@@ -182,7 +182,7 @@ impl Nudge {
 }
 
 fn is_behind(cast: &Cast) -> bool {
-    matches!(cast.mode, CastMode::Behind(_))
+    matches!(cast.mode, CastMode::DepthPeel(_))
 }
 
 /// Whether a cast's depth hangs on what a device takes for a unit of polygon offset. Vulkan leaves that open for fixed point:

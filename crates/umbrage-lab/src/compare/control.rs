@@ -82,7 +82,11 @@ pub(super) fn run(
 /// For every pixel the least and the greatest visibility that is right when nothing casts.
 fn owed(view: &View3<'_>, truth: &Truth, recipe: &Recipe) -> Vec<[f32; 2]> {
     let (kernel, receivers) = (&recipe.receive.kernel, &truth.receivers);
-    let question = Question::new(view, kernel.asks().rays, kernel.knows_horizon());
+    let question = Question::new(
+        view,
+        kernel.cost_per_receiver().rays,
+        kernel.knows_horizon(),
+    );
     let at = |i: usize| {
         let pixel = UVec2::new(i as u32 % truth.size.x, i as u32 / truth.size.x);
         if receivers.receives[i] {
@@ -225,7 +229,7 @@ fn may_miss(
     let far_side = recipe
         .casts
         .iter()
-        .any(|c| c.cull != Cull::None || matches!(c.mode, CastMode::Behind(_)));
+        .any(|c| c.cull != Cull::None || matches!(c.mode, CastMode::DepthPeel(_)));
     let Some(reach) = technique.kernel_reach() else {
         return far_side;
     };

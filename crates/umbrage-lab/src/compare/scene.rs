@@ -10,7 +10,7 @@ use std::sync::Arc;
 use umbrage_core::{
     BackendError, Camera, Cast, CastMode, Geometry, Invalid, Light, LightSpace, Recipe,
     RecipeError, ShadowTechnique, Shadows, View, Work,
-    metrics::{Agreement, Causes, Errors, Pixel, Reference, TruthImage},
+    metrics::{Agreement, Causes, Errors, Pixel, ReferenceMask, TruthImage},
 };
 use umbrage_plan::{
     cost::CostModel,
@@ -73,7 +73,7 @@ pub(super) fn run(
         name: &scene.name,
         view,
         truth: &truth,
-        reference: Reference::new(truth.size, &truth.visibility, &truth.pixels)?,
+        reference: ReferenceMask::new(truth.size, &truth.visibility, &truth.pixels)?,
         image: truth.image()?,
         options,
         heat,
@@ -185,7 +185,7 @@ struct SceneRun<'a> {
     name: &'a str,
     view: View3<'a>,
     truth: &'a Truth,
-    reference: Reference<'a>,
+    reference: ReferenceMask<'a>,
     image: TruthImage<'a>,
     options: &'a Options,
     /// Whether to keep where maps are looked up.
@@ -291,7 +291,7 @@ impl SceneRun<'_> {
         let nearest = recipe
             .casts
             .iter()
-            .filter(|cast| cast.mode == CastMode::Nearest);
+            .filter(|cast| cast.mode == CastMode::Depth);
         let map = |cast: &Cast| {
             (
                 cast.space,

@@ -8,7 +8,7 @@
 
 use std::sync::{Arc, OnceLock};
 use umbrage_core::{
-    Asks, Inputs, Kernel, Module, Receive, ReceiveKernel, Receivers, Recipe, Span, Table,
+    Inputs, Kernel, KernelCost, Module, Receive, ReceiveKernel, Receivers, Recipe, Span, Table,
     UniformBlock, light_sample::hash, uniforms,
 };
 
@@ -129,8 +129,8 @@ impl ReceiveKernel for YardstickKernel {
         }
     }
 
-    fn asks(&self) -> Asks {
-        Asks::taps(self.uniforms.links)
+    fn cost_per_receiver(&self) -> KernelCost {
+        KernelCost::taps(self.uniforms.links)
     }
 }
 

@@ -13,7 +13,7 @@ use std::{
     io::ErrorKind,
     path::Path,
 };
-use umbrage_core::{Invalid, MOST_NAME};
+use umbrage_core::{Invalid, MAX_NAME_BYTES};
 
 /// The file that makes a folder a scene's.
 pub(super) const FILE: &str = "scene.json";
@@ -159,7 +159,7 @@ fn unique_names<'a>(scenes: impl Iterator<Item = &'a str>) -> Vec<String> {
     for scene in scenes {
         // Scenes with longer names are refused; small letters may take more bytes than capital ones.
         let mut stem = slug(scene);
-        stem.truncate(stem.floor_char_boundary(MOST_NAME));
+        stem.truncate(stem.floor_char_boundary(MAX_NAME_BYTES));
         let numbered = (2..).map(|n| format!("{stem}-{n}"));
         let free = |name: &String| !names.contains(name) && !OWN.contains(&&**name);
         let name = std::iter::once(stem.clone())

@@ -112,7 +112,7 @@ pub fn measure(view: &View<'_>, recipe: &Recipe, receivers: &Receivers, reach: f
     let nearest = recipe
         .casts
         .iter()
-        .filter(|cast| cast.mode == CastMode::Nearest);
+        .filter(|cast| cast.mode == CastMode::Depth);
     let casts: Vec<CastFootprint> = nearest
         .clone()
         .map(|cast| of_cast(cast, recipe, receivers, reach))

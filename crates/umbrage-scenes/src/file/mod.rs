@@ -13,7 +13,7 @@ use crate::{SceneError, error::Place, obj};
 use std::path::Path;
 use table::{Source, Table};
 use toml::de::DeTable;
-use umbrage_core::{Geometry, MOST_NAME, Scene};
+use umbrage_core::{Geometry, MAX_NAME_BYTES, Scene};
 
 /// Longest scene file that is read.
 const LONGEST: u64 = 16 << 20;
@@ -58,10 +58,10 @@ pub(crate) fn parse(text: &str, path: &Path, folder: &Path) -> Result<Scene, Sce
         )?;
         let (length, help) = (
             scene.name.len(),
-            format!("use at most {MOST_NAME}: reports make it a folder's name"),
+            format!("use at most {MAX_NAME_BYTES}: reports make it a folder's name"),
         );
         name.require(
-            length <= MOST_NAME,
+            length <= MAX_NAME_BYTES,
             &format!("is {length} bytes long"),
             &help,
         )?;

@@ -54,7 +54,7 @@ impl TimestampQueries {
     pub(crate) fn read(
         &self,
         encoder: &mut CommandEncoder,
-        played: Played,
+        played: StagesWithPasses,
         back: &mut ReadBack<'_>,
     ) -> Ticket {
         for (stage, _) in (0..STAGES).zip(played.0).filter(|(_, played)| *played) {
@@ -71,7 +71,7 @@ impl TimestampQueries {
 
     pub(crate) fn timings(
         &self,
-        played: Played,
+        played: StagesWithPasses,
         back: &ReadBack<'_>,
         t: Ticket,
     ) -> Result<Timings, BackendError> {
@@ -96,9 +96,9 @@ impl TimestampQueries {
 
 /// Which stages had passes.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Played([bool; STAGES as usize]);
+pub(crate) struct StagesWithPasses([bool; STAGES as usize]);
 
-impl Played {
+impl StagesWithPasses {
     pub(crate) fn new(recipe: &Recipe, finds_receivers: bool) -> Self {
         Self([
             finds_receivers,

@@ -6,7 +6,7 @@ use wgpu::Features;
 
 /// Two images of a recipe that share a texture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Pair {
+pub(crate) struct CountingPair {
     pub(crate) depth: ImageId,
     pub(crate) counts: ImageId,
 }
@@ -18,13 +18,13 @@ pub(crate) const COUNTING: Features = Features::DEPTH32FLOAT_STENCIL8;
 ///
 /// # Errors
 /// If an image is to share with two.
-pub(crate) fn pairs(recipe: &Recipe) -> Result<Vec<Pair>, Invalid> {
-    let mut pairs: Vec<Pair> = Vec::new();
+pub(crate) fn pairs(recipe: &Recipe) -> Result<Vec<CountingPair>, Invalid> {
+    let mut pairs: Vec<CountingPair> = Vec::new();
     for cast in &recipe.casts {
-        let CastMode::Count { depth } = cast.mode else {
+        let CastMode::StencilDepthFail { depth } = cast.mode else {
             continue;
         };
-        let pair = Pair {
+        let pair = CountingPair {
             depth,
             counts: cast.image,
         };
@@ -51,7 +51,7 @@ pub(crate) fn check_counting(recipe: &Recipe, features: Features) -> Result<(), 
     let counts = recipe
         .casts
         .iter()
-        .any(|c| matches!(c.mode, CastMode::Count { .. }));
+        .any(|c| matches!(c.mode, CastMode::StencilDepthFail { .. }));
     if !counts || features.contains(COUNTING) {
         return Ok(());
     }

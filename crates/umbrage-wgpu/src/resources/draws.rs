@@ -1,7 +1,7 @@
 //! All that a recipe's casts draw, in the order of one list.
 
 use crate::{
-    frame::{Drawable, Frame, VertexLayout},
+    frame::{Drawable, FrameInputs, VertexLayout},
     resources::{counters::ResourceFactory, faces::FaceBuffers},
 };
 use glam::{Affine3A, Mat4};
@@ -45,7 +45,7 @@ impl DrawList {
         maker: &mut ResourceFactory<'_>,
         faces: &mut FaceBuffers,
         casts: &[Cast],
-        frame: &Frame<'_>,
+        frame: &FrameInputs<'_>,
     ) -> Self {
         let mut draws = Vec::new();
         let casters = append(&mut draws, frame.casters);
@@ -58,27 +58,29 @@ impl DrawList {
                 &[]
             },
         );
-        let mut part = |cast: &Cast| match &cast.source {
-            Source::Casters => casters.clone(),
-            Source::SomeCasters(runs) => {
-                let first = draws.len();
-                let some = frame.casters.iter().filter_map(|d| Draw::some(d, runs));
-                draws.extend(some);
-                first..draws.len()
-            }
-            Source::Everything => everything.clone(),
-            Source::Faces(drawn) => {
-                let buffers = faces.get(maker, drawn);
-                let first = draws.len();
-                draws.extend(
-                    (!drawn.triangles.is_empty())
-                        .then(|| Draw::faces(buffers, drawn.triangles.len())),
-                );
-                first..draws.len()
-            }
-        };
-        let casts = casts.iter().map(&mut part).collect();
-        Self { draws, casts }
+        let mut ranges = Vec::with_capacity(casts.len());
+        for cast in casts {
+            let first = draws.len();
+            ranges.push(match &cast.source {
+                Source::Casters => casters.clone(),
+                Source::Everything => everything.clone(),
+                Source::SomeCasters(runs) => {
+                    draws.extend(frame.casters.iter().filter_map(|d| Draw::some(d, runs)));
+                    first..draws.len()
+                }
+                Source::Faces(drawn) => {
+                    let [vertices, indices] = faces.get(maker, drawn);
+                    if !drawn.triangles.is_empty() {
+                        draws.push(Draw::faces(vertices, indices, drawn.triangles.len()));
+                    }
+                    first..draws.len()
+                }
+            });
+        }
+        Self {
+            draws,
+            casts: ranges,
+        }
     }
 
     /// Where each draw's vertices are to be placed.
@@ -127,7 +129,7 @@ impl Draw {
         (!is_empty).then_some(draw)
     }
 
-    fn faces([vertices, indices]: [Buffer; 2], triangles: usize) -> Self {
+    fn faces(vertices: Buffer, indices: Buffer, triangles: usize) -> Self {
         Self {
             vertices,
             indices: Some((indices, IndexFormat::Uint32)),
@@ -155,8 +157,8 @@ impl Draw {
     }
 }
 
-/// Returns the ranges of indices that draw the part of `runs` that lies in `triangles`, where `first` is the index of the first of
-/// these triangles' corners.
+/// Returns the ranges of indices that draw the part of `runs` that lies in `triangles`, where `first` is the index of the
+/// first of these triangles' corners.
 fn ranges_of(first: u32, triangles: &Range<u32>, runs: &[Range<u32>]) -> Vec<Range<u32>> {
     let mut ranges = Vec::new();
     for run in runs {

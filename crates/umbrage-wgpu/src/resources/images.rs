@@ -1,6 +1,6 @@
 //! A recipe's images on the GPU.
 
-use crate::resources::{counters::ResourceFactory, counts::Pair};
+use crate::resources::{counters::ResourceFactory, counts::CountingPair};
 use glam::UVec2;
 use umbrage_core::{Format, ImageDesc};
 use wgpu::{
@@ -43,8 +43,8 @@ impl GpuImage {
         Self::part(texture, desc, TextureAspect::All)
     }
 
-    /// Depth and counts in one texture.
-    fn new_pair(maker: &mut ResourceFactory<'_>, [depth, counts]: [ImageDesc; 2]) -> [Self; 2] {
+    /// Returns two images, of depth and of counts, in one texture.
+    fn new_pair(maker: &mut ResourceFactory<'_>, depth: ImageDesc, counts: ImageDesc) -> [Self; 2] {
         let texture = make_texture(maker, &depth, TextureFormat::Depth32FloatStencil8);
         let depth = Self::part(texture.clone(), depth, TextureAspect::DepthOnly);
         [
@@ -129,48 +129,58 @@ pub(crate) fn extent(size: UVec2, layers: u32) -> Extent3d {
     }
 }
 
-/// Makes `held` match the list; what was held and has an equal description is used again. `pairs` share textures.
+/// Makes `held` match the list `wanted`; images that were held and have an equal description are used again. `pairs` share
+/// textures.
 pub(crate) fn fit_images(
     maker: &mut ResourceFactory<'_>,
     held: &mut Vec<GpuImage>,
     wanted: &[ImageDesc],
-    pairs: &[Pair],
+    pairs: &[CountingPair],
 ) {
     let mut old = std::mem::take(held);
     let mut paired: Vec<Option<GpuImage>> = vec![None; wanted.len()];
     for pair in pairs {
-        let descs = [wanted[pair.depth], wanted[pair.counts]];
-        let [depth, counts] =
-            take_pair(&mut old, descs).unwrap_or_else(|| GpuImage::new_pair(maker, descs));
-        (paired[pair.depth], paired[pair.counts]) = (Some(depth), Some(counts));
+        let depth_desc = wanted[pair.depth];
+        let counts_desc = wanted[pair.counts];
+        let [depth, counts] = take_pair(&mut old, depth_desc, counts_desc)
+            .unwrap_or_else(|| GpuImage::new_pair(maker, depth_desc, counts_desc));
+        paired[pair.depth] = Some(depth);
+        paired[pair.counts] = Some(counts);
     }
-    let mut single = |&desc: &ImageDesc| {
-        let found = take(&mut old, |image| {
-            image.desc == desc && image.aspect == TextureAspect::All
-        });
-        found.unwrap_or_else(|| GpuImage::new(maker, desc))
-    };
-    *held = paired
-        .into_iter()
-        .zip(wanted)
-        .map(|(image, desc)| image.unwrap_or_else(|| single(desc)))
-        .collect();
+    for (paired, &desc) in paired.into_iter().zip(wanted) {
+        let image = match paired {
+            Some(image) => image,
+            None => take_single(&mut old, desc).unwrap_or_else(|| GpuImage::new(maker, desc)),
+        };
+        held.push(image);
+    }
 }
 
-fn take_pair(old: &mut Vec<GpuImage>, [depth, counts]: [ImageDesc; 2]) -> Option<[GpuImage; 2]> {
-    let is_partner = |image: &GpuImage, texture: &Texture| {
-        image.desc == counts
-            && image.texture == *texture
-            && image.aspect == TextureAspect::StencilOnly
-    };
+fn take_single(old: &mut Vec<GpuImage>, desc: ImageDesc) -> Option<GpuImage> {
+    take(old, |image| {
+        image.desc == desc && image.aspect == TextureAspect::All
+    })
+}
+
+/// Takes two images that share a texture.
+fn take_pair(
+    old: &mut Vec<GpuImage>,
+    depth: ImageDesc,
+    counts: ImageDesc,
+) -> Option<[GpuImage; 2]> {
     let depth = take(old, |image| {
         image.desc == depth && image.aspect == TextureAspect::DepthOnly
     })?;
-    // Together they were made, and together they were held.
-    let counts = take(old, |image| is_partner(image, &depth.texture))?;
+    // They were made together and kept together, so the partner is there.
+    let counts = take(old, |image| {
+        image.desc == counts
+            && image.texture == depth.texture
+            && image.aspect == TextureAspect::StencilOnly
+    })?;
     Some([depth, counts])
 }
 
+/// Removes and returns the first image for which `wanted` is true.
 fn take(old: &mut Vec<GpuImage>, wanted: impl Fn(&GpuImage) -> bool) -> Option<GpuImage> {
     let i = old.iter().position(wanted)?;
     // In order, so that each of several alike goes where it was, and what binds it is used again.

@@ -8,12 +8,12 @@ use crate::{
         pipelines::Pipelines,
         tables::Tables,
     },
-    wgsl::{InputKind, Shape},
+    wgsl::{InputKind, KernelInterface},
 };
 use umbrage_core::{Kernel, Recipe};
 use wgpu::{Buffer, BufferUsages, RenderPipeline, ShaderStages};
 
-/// What stays from frame to frame for one kernel of a recipe.
+/// What is kept from frame to frame for one kernel of a recipe.
 #[derive(Debug, Default)]
 pub(crate) struct KernelStage {
     pub(crate) pipeline: Option<RenderPipeline>,
@@ -36,10 +36,12 @@ impl KernelStage {
         pipelines: &mut Pipelines,
         sources: &mut Sources<'_>,
         kernel: &dyn Kernel,
-        (images, tables): (&[usize], &[usize]),
-    ) -> Shape {
-        let shape = Shape::new(sources.recipe, kernel, images, tables);
-        let (mut bound, mut name) = (Vec::new(), "umbrage kernel");
+        images: &[usize],
+        tables: &[usize],
+    ) -> KernelInterface {
+        let shape = KernelInterface::new(sources.recipe, kernel, images, tables);
+        let mut bound = Vec::new();
+        let mut name = "umbrage kernel";
         if let Some(block) = kernel.uniforms() {
             name = block.uniform_layout().name;
             let bytes = block.uniform_bytes();
@@ -47,21 +49,16 @@ impl KernelStage {
             let buffer = maker.write(&mut self.uniforms, name, usage, &bytes);
             bound.push(Bound::Buffer(buffer));
         }
-        bound.extend(
-            images
-                .iter()
-                .map(|&i| Bound::View(sources.images[i].whole.clone())),
-        );
-        for &table in tables {
-            bound.push(Bound::Buffer(
-                sources.tables.get(maker, &sources.recipe.tables[table]),
-            ));
+        for &image in images {
+            bound.push(Bound::View(sources.images[image].whole.clone()));
         }
-        bound.extend(
-            shape
-                .compares()
-                .then(|| Bound::Sampler(pipelines.sampler(maker.device))),
-        );
+        for &table in tables {
+            let buffer = sources.tables.get(maker, &sources.recipe.tables[table]);
+            bound.push(Bound::Buffer(buffer));
+        }
+        if shape.compares() {
+            bound.push(Bound::Sampler(pipelines.sampler(maker.device)));
+        }
         // Compute, too, so that callers can use the bind group with the pasted text in either kind of shader.
         let visibility = ShaderStages::FRAGMENT | ShaderStages::COMPUTE;
         let layout = pipelines.layouts.get(maker, visibility, &slots(&shape));
@@ -70,7 +67,7 @@ impl KernelStage {
     }
 }
 
-fn slots(shape: &Shape) -> Vec<Slot> {
+fn slots(shape: &KernelInterface) -> Vec<Slot> {
     let images = shape.images.iter().map(|&(kind, layered)| match kind {
         InputKind::Floats => Slot::Floats { layered },
         InputKind::Counts => Slot::Whole { layered },

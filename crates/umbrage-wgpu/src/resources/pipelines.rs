@@ -99,12 +99,13 @@ impl Pipelines {
             .clone()
     }
 
-    /// A full-screen pipeline for a kernel.
+    /// Returns a full-screen pipeline for a kernel: the fragment shader `entry` of the shader `text`.
     pub(crate) fn kernel(
         &mut self,
         maker: &mut ResourceFactory<'_>,
         label: &str,
-        (text, entry): (String, &str),
+        text: String,
+        entry: &str,
         target: TextureFormat,
         groups: &[Option<&BindGroupLayout>],
     ) -> RenderPipeline {

@@ -3,12 +3,12 @@
 use crate::{
     cast::CastStage,
     filter::FilterStage,
-    frame::Frame,
+    frame::FrameInputs,
     receive::Lookup,
-    renderer::Options,
+    renderer::RendererOptions,
     resources::{
         counters::ResourceFactory,
-        counts::Pair,
+        counts::CountingPair,
         faces::FaceBuffers,
         images::{GpuImage, fit_images},
         kernel_stage::Sources,
@@ -17,7 +17,7 @@ use crate::{
         tables::Tables,
         timestamps::PassTimestamps,
     },
-    shade::Shading,
+    shade::ShadePass,
 };
 use glam::UVec2;
 use std::sync::Arc;
@@ -39,7 +39,7 @@ pub(crate) struct Resources {
     pub(crate) casts: CastStage,
     pub(crate) filters: FilterStage,
     pub(crate) lookup: Lookup,
-    pub(crate) shading: Shading,
+    pub(crate) shading: ShadePass,
     pub(crate) pending: Pending,
     /// Faces that casts draw, held so that their buffers are not written for others.
     faces: Vec<Arc<Faces>>,
@@ -50,9 +50,10 @@ impl Resources {
         &mut self,
         maker: &mut ResourceFactory<'_>,
         shared: &mut Shared,
-        options: Options,
-        (recipe, pairs): (&Recipe, &[Pair]),
-        frame: &Frame<'_>,
+        options: RendererOptions,
+        recipe: &Recipe,
+        pairs: &[CountingPair],
+        frame: &FrameInputs<'_>,
     ) {
         let Shared {
             pipelines,
@@ -60,13 +61,8 @@ impl Resources {
             faces,
         } = shared;
         fit_images(maker, &mut self.images, &recipe.images, pairs);
-        self.casts.prepare(
-            maker,
-            pipelines,
-            (&recipe.casts, &self.images),
-            faces,
-            frame,
-        );
+        self.casts
+            .prepare(maker, pipelines, &recipe.casts, &self.images, faces, frame);
         self.faces = recipe.casts.iter().filter_map(faces_of).collect();
         let mut sources = Sources {
             recipe,
@@ -78,7 +74,7 @@ impl Resources {
             .lookup
             .prepare(maker, pipelines, &mut sources, options, frame);
         self.shading
-            .prepare(maker, pipelines, &mut sources, options, (frame, mask));
+            .prepare(maker, pipelines, &mut sources, options, frame, mask);
     }
 
     /// Lets go of the faces, if no encoder that draws them waits to be submitted.
@@ -101,7 +97,7 @@ impl Resources {
     pub(crate) fn encode_mask(
         &self,
         encoder: &mut CommandEncoder,
-        options: Options,
+        options: RendererOptions,
         stamps: Option<&PassTimestamps<'_>>,
     ) -> Option<&TextureView> {
         let mask = self.lookup.encode(encoder, options, stamps)?;

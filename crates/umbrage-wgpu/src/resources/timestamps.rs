@@ -14,7 +14,7 @@ pub struct PassTimestamps<'a> {
 
 /// What is timed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Stage {
+pub(crate) enum TimedStage {
     Cast,
     Filter,
     Receive,
@@ -23,7 +23,7 @@ pub(crate) enum Stage {
 /// The timestamps of one pass among a stage's `count`.
 pub(crate) fn pass_stamps<'a>(
     stamps: Option<&PassTimestamps<'a>>,
-    stage: Stage,
+    stage: TimedStage,
     index: usize,
     count: usize,
 ) -> Option<RenderPassTimestampWrites<'a>> {

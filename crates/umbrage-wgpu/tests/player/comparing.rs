@@ -11,7 +11,7 @@ use umbrage_core::{
     Format, Image, ImageDesc, Inputs, NO_TRIANGLE, Receive, ReceiveKernel, Receivers, Recipe, Span,
 };
 use umbrage_wgpu::{
-    Frame, GBuffer, Gpu, Options, ShadowRenderer, receive_wgsl, wgpu::TextureFormat,
+    FrameInputs, GBuffer, Gpu, RendererOptions, ShadowRenderer, receive_wgsl, wgpu::TextureFormat,
 };
 
 kernel!(
@@ -244,9 +244,9 @@ fn pasted_text_compares_on_a_foreign_device() {
         normal: &texture,
         triangle: None,
     };
-    let mut renderer = ShadowRenderer::new(&foreign.device, Options { kernel_group: 1 })
+    let mut renderer = ShadowRenderer::new(&foreign.device, RendererOptions { kernel_group: 1 })
         .expect("there are two groups");
-    let frame = Frame {
+    let frame = FrameInputs {
         size: q.size,
         casters: &[],
         everything: &[],

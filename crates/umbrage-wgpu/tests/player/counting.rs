@@ -53,7 +53,7 @@ pub(crate) fn desc(label: &'static str, format: Format) -> ImageDesc {
 
 /// Counts the volumes that what is seen from above lies in, and lets a filter say what it loads.
 pub(crate) fn counting(stage: &Stage, volumes: Vec<Faces>) -> Recipe {
-    let mode = CastMode::Count { depth: 0 };
+    let mode = CastMode::StencilDepthFail { depth: 0 };
     let source = |faces| Source::Faces(Arc::new(faces));
     let count = |faces| Cast {
         mode,
@@ -191,7 +191,7 @@ fn casters_can_be_counted_in_layers() {
         recipe.images[1].layers,
         recipe.images[2].layers,
     ) = (2, 2, 2);
-    let mode = CastMode::Count { depth: 0 };
+    let mode = CastMode::StencilDepthFail { depth: 0 };
     // Layer 0 has no depth, layer 1 has: there, floor and plate turn their fronts up and are not before themselves.
     recipe.casts[0].layer = 1;
     recipe.casts.extend((0..2).map(|layer| Cast {

@@ -7,7 +7,8 @@ use crate::{
 use glam::{Affine3A, UVec2, Vec3};
 use umbrage_core::{Geometry, Receivers};
 use umbrage_wgpu::{
-    Drawable, Frame, GBuffer, Indices, Options, ShadowRenderer, VertexLayout, receive_wgsl,
+    Drawable, FrameInputs, GBuffer, Indices, RendererOptions, ShadowRenderer, VertexLayout,
+    receive_wgsl,
     wgpu::{BufferUsages, IndexFormat, TextureFormat, TextureView},
 };
 
@@ -75,8 +76,8 @@ impl Embedded {
         }
     }
 
-    pub(crate) fn frame<'a>(&'a self, casters: &'a [Drawable<'a>]) -> Frame<'a> {
-        Frame {
+    pub(crate) fn frame<'a>(&'a self, casters: &'a [Drawable<'a>]) -> FrameInputs<'a> {
+        FrameInputs {
             size: self.size,
             casters,
             everything: &[],
@@ -88,7 +89,7 @@ impl Embedded {
         self.size
     }
 
-    pub(crate) fn renderer(&self, options: Options) -> ShadowRenderer {
+    pub(crate) fn renderer(&self, options: RendererOptions) -> ShadowRenderer {
         ShadowRenderer::new(&self.foreign.device, options)
             .expect("the group is one of the device's")
     }
@@ -138,7 +139,7 @@ fn a_foreign_device_gives_the_same_mask() {
     let e = Embedded::new();
     let casters = [e.casters()];
     for kernel_group in 0..3 {
-        let mut renderer = e.renderer(Options { kernel_group });
+        let mut renderer = e.renderer(RendererOptions { kernel_group });
         let Foreign { device, queue } = &e.foreign;
         renderer
             .prepare(device, queue, &e.stage.recipe(64), &e.frame(&casters))
@@ -164,8 +165,8 @@ fn triangle_ids_may_be_missing() {
         triangle: None,
         ..e.receivers()
     };
-    let mut renderer = e.renderer(Options::default());
-    let frame = Frame {
+    let mut renderer = e.renderer(RendererOptions::default());
+    let frame = FrameInputs {
         receivers,
         ..e.frame(&casters)
     };
@@ -188,7 +189,7 @@ fn triangle_ids_may_be_missing() {
 #[test]
 fn callers_may_draw_the_casts_themselves() {
     let e = Embedded::new();
-    let mut renderer = e.renderer(Options::default());
+    let mut renderer = e.renderer(RendererOptions::default());
     renderer
         .prepare(
             &e.foreign.device,
@@ -225,7 +226,7 @@ fn pasted_text_gives_the_same_mask() {
     let e = Embedded::new();
     let casters = [e.casters()];
     let recipe = e.stage.recipe(64);
-    let mut renderer = e.renderer(Options { kernel_group: 1 });
+    let mut renderer = e.renderer(RendererOptions { kernel_group: 1 });
     renderer
         .prepare(
             &e.foreign.device,
@@ -255,7 +256,7 @@ fn pasted_text_gives_the_same_mask() {
 #[test]
 fn a_second_frame_makes_nothing() {
     let e = Embedded::new();
-    let mut renderer = e.renderer(Options::default());
+    let mut renderer = e.renderer(RendererOptions::default());
     let mut counts = Vec::new();
     for step in 0..3 {
         let mut casters = e.casters();
@@ -284,7 +285,7 @@ fn a_second_frame_makes_nothing() {
 fn misuse_is_an_error() {
     let e = Embedded::new();
     let Foreign { device, queue } = &e.foreign;
-    let error = ShadowRenderer::new(device, Options { kernel_group: 99 })
+    let error = ShadowRenderer::new(device, RendererOptions { kernel_group: 99 })
         .expect_err("no device has 100 groups");
     assert!(
         error
@@ -292,7 +293,7 @@ fn misuse_is_an_error() {
             .contains("bind group of the kernel: is 99"),
         "{error}"
     );
-    let mut renderer = e.renderer(Options::default());
+    let mut renderer = e.renderer(RendererOptions::default());
     let error = renderer
         .encode(&mut e.foreign.encoder())
         .expect_err("nothing is prepared");
@@ -300,7 +301,7 @@ fn misuse_is_an_error() {
         error.to_string().contains("call `prepare` first"),
         "{error}"
     );
-    let frame = Frame {
+    let frame = FrameInputs {
         size: UVec2::new(8, 8),
         ..e.frame(&[])
     };

@@ -4,13 +4,14 @@ use crate::{embedded::Embedded, foreign::Foreign, scene::Stage};
 use glam::{Affine3A, Mat4, Vec3};
 use umbrage_core::BackendError;
 use umbrage_wgpu::{
-    DepthBuffer, Drawable, Frame, GBuffer, GBufferFromDepth, Indices, Options, VertexLayout,
+    DepthBuffer, Drawable, FrameInputs, GBuffer, GBufferFromDepth, Indices, RendererOptions,
+    VertexLayout,
     wgpu::{BufferUsages, TextureFormat, TextureUsages, TextureView},
 };
 
 /// The `Invalid` that a frame is refused with; it names what is wrong.
-fn refused(e: &Embedded, frame: &Frame<'_>, words: &str) {
-    let mut renderer = e.renderer(Options::default());
+fn refused(e: &Embedded, frame: &FrameInputs<'_>, words: &str) {
+    let mut renderer = e.renderer(RendererOptions::default());
     let prepared = renderer.prepare(
         &e.foreign.device,
         &e.foreign.queue,
@@ -62,7 +63,7 @@ fn buffers_need_their_usages() {
     }];
     refused(
         &e,
-        &Frame {
+        &FrameInputs {
             everything: &everything,
             ..e.frame(&casters)
         },
@@ -150,7 +151,7 @@ fn ranges_end_with_the_last_position() {
         "caster 1, vertices: start at 3 and end at 0",
     );
     let casters = [caster(0..3)];
-    let mut renderer = e.renderer(Options::default());
+    let mut renderer = e.renderer(RendererOptions::default());
     let frame = e.frame(&casters);
     renderer
         .prepare(
@@ -196,7 +197,7 @@ fn gbuffers_can_be_read() {
     };
     let floats = texture(TextureFormat::Rgba32Float, &pixels);
     let ids = texture(TextureFormat::R32Uint, &pixels[..pixels.len() / 4]);
-    let frame = |receivers| Frame {
+    let frame = |receivers| FrameInputs {
         receivers,
         ..e.frame(&[])
     };

@@ -9,7 +9,7 @@ use glam::Vec4;
 use std::sync::Arc;
 use umbrage_core::{Cast, Faces, LightSpace, Recipe, Source};
 use umbrage_wgpu::{
-    Options, ShadowRenderer, receive_wgsl,
+    RendererOptions, ShadowRenderer, receive_wgsl,
     wgpu::{CommandEncoder, Texture},
 };
 
@@ -71,7 +71,7 @@ fn pixels(e: &Embedded, mask: &Texture) -> Vec<f32> {
 
 /// What a renderer that has nothing else to do makes of a recipe.
 fn alone(e: &Embedded, recipe: &Recipe) -> Vec<f32> {
-    let (mut renderer, mut encoder) = (e.renderer(Options::default()), e.foreign.encoder());
+    let (mut renderer, mut encoder) = (e.renderer(RendererOptions::default()), e.foreign.encoder());
     let mask = encode(e, &mut renderer, &mut encoder, recipe);
     read(&e.foreign, encoder, &mask)
 }
@@ -86,7 +86,8 @@ fn two_lights_in_one_encoder_get_their_own_shadows() {
         (&above, &aslant, [&of_above, &of_aslant]),
         (&aslant, &above, [&of_aslant, &of_above]),
     ] {
-        let (mut renderer, mut encoder) = (e.renderer(Options::default()), e.foreign.encoder());
+        let (mut renderer, mut encoder) =
+            (e.renderer(RendererOptions::default()), e.foreign.encoder());
         let masks = [first, second].map(|recipe| encode(&e, &mut renderer, &mut encoder, recipe));
         submit(&e, encoder);
         assert_eq!([&pixels(&e, &masks[0]), &pixels(&e, &masks[1])], expected);
@@ -97,7 +98,7 @@ fn two_lights_in_one_encoder_get_their_own_shadows() {
 fn encoders_may_be_submitted_in_any_order() {
     let e = Embedded::new();
     let recipes = lights(&e);
-    let mut renderer = e.renderer(Options::default());
+    let mut renderer = e.renderer(RendererOptions::default());
     let mut encoders = [e.foreign.encoder(), e.foreign.encoder()];
     let masks = [0, 1].map(|i| encode(&e, &mut renderer, &mut encoders[i], &recipes[i]));
     let [first, second] = encoders;
@@ -113,8 +114,10 @@ fn encoders_may_be_submitted_in_any_order() {
 fn forward_shaders_may_read_the_maps_of_both() {
     let e = Embedded::new();
     let recipes = lights(&e);
-    let (mut renderer, mut encoder) =
-        (e.renderer(Options { kernel_group: 1 }), e.foreign.encoder());
+    let (mut renderer, mut encoder) = (
+        e.renderer(RendererOptions { kernel_group: 1 }),
+        e.foreign.encoder(),
+    );
     let groups = recipes.each_ref().map(|recipe| {
         prepare(&e, &mut renderer, recipe);
         renderer
@@ -168,7 +171,7 @@ fn faces_stay_until_they_are_drawn() {
     let parts = [0..2, 2..4];
     let expected = parts.clone().map(|triangles| alone(&e, &part(triangles)));
     assert_ne!(expected[0], expected[1]);
-    let (mut renderer, mut encoder) = (e.renderer(Options::default()), e.foreign.encoder());
+    let (mut renderer, mut encoder) = (e.renderer(RendererOptions::default()), e.foreign.encoder());
     let masks = parts.map(|triangles| encode(&e, &mut renderer, &mut encoder, &part(triangles)));
     submit(&e, encoder);
     assert_eq!(masks.map(|mask| pixels(&e, &mask)), expected);
@@ -192,7 +195,7 @@ fn later_frames_of_two_lights_make_nothing() {
         light(&e, e.stage.space(), 64),
         light(&e, e.stage.tilted(), 32),
     ];
-    let mut renderer = e.renderer(Options::default());
+    let mut renderer = e.renderer(RendererOptions::default());
     let both = [above, aslant];
     let first = frame(&e, &mut renderer, &both);
     let made = renderer.counters();
@@ -215,7 +218,7 @@ fn later_frames_of_two_lights_make_nothing() {
 fn lights_that_are_submitted_one_by_one_share_all() {
     let e = Embedded::new();
     let recipes = lights(&e);
-    let mut renderer = e.renderer(Options::default());
+    let mut renderer = e.renderer(RendererOptions::default());
     for (i, recipe) in [0, 1, 0, 1].map(|i| (i, &recipes[i])) {
         let mut encoder = e.foreign.encoder();
         let mask = encode(&e, &mut renderer, &mut encoder, recipe);
@@ -229,7 +232,7 @@ fn lights_that_are_submitted_one_by_one_share_all() {
 fn encoders_that_are_dropped_hold_nothing() {
     let e = Embedded::new();
     let recipes = lights(&e);
-    let mut renderer = e.renderer(Options::default());
+    let mut renderer = e.renderer(RendererOptions::default());
     for recipe in recipes.iter().cycle().take(4) {
         encode(&e, &mut renderer, &mut e.foreign.encoder(), recipe);
         assert_eq!(renderer.counters().textures, 2);
@@ -241,7 +244,7 @@ fn another_device_is_refused() {
     let [foreign, other] = Foreign::two();
     let e = Embedded::on(foreign);
     let mut renderer =
-        ShadowRenderer::new(&other.device, Options::default()).expect("group 0 is there");
+        ShadowRenderer::new(&other.device, RendererOptions::default()).expect("group 0 is there");
     let casters = [e.casters()];
     let prepared = renderer.prepare(
         &e.foreign.device,
@@ -262,7 +265,7 @@ fn all_encoders_count() {
     let e = Embedded::new();
     let [above, aslant] = lights(&e);
     let expected = [alone(&e, &above), alone(&e, &aslant)];
-    let mut renderer = e.renderer(Options::default());
+    let mut renderer = e.renderer(RendererOptions::default());
     let mut encoders = [e.foreign.encoder(), e.foreign.encoder()];
     prepare(&e, &mut renderer, &above);
     renderer

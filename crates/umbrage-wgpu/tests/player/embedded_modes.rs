@@ -10,7 +10,7 @@ use crate::{
 use glam::Vec4;
 use umbrage_core::{BackendError, Cast, CastMode, Faces, Format, Recipe, Source};
 use umbrage_wgpu::{
-    Frame, GBuffer, Options, ShadowRenderer,
+    FrameInputs, GBuffer, RendererOptions, ShadowRenderer,
     wgpu::{self, Features, Limits},
 };
 
@@ -19,11 +19,11 @@ fn modes(e: &Embedded) -> Recipe {
     let mut recipe = counting(&e.stage, vec![column(-0.5, 1.5)]);
     recipe.images.push(desc("peeled", Format::Depth32));
     recipe.casts.push(Cast {
-        mode: CastMode::Behind(0),
+        mode: CastMode::DepthPeel(0),
         ..Cast::nearest(3, 0, e.stage.space())
     });
     recipe.casts.push(Cast {
-        mode: CastMode::Count { depth: 0 },
+        mode: CastMode::StencilDepthFail { depth: 0 },
         ..Cast::nearest(1, 0, e.stage.space())
     });
     recipe
@@ -54,7 +54,7 @@ fn callers_may_draw_casters_while_the_player_draws_faces() {
     let Foreign { device, queue } = &e.foreign;
     let recipe = modes(&e);
     let expected = e.stage.render(&mut gpu(), &recipe).images;
-    let mut renderer = e.renderer(Options::default());
+    let mut renderer = e.renderer(RendererOptions::default());
     renderer
         .prepare(device, queue, &recipe, &e.frame(&[]))
         .expect("all is valid");
@@ -92,7 +92,7 @@ fn the_player_draws_all_modes_on_a_foreign_device_and_makes_nothing_twice() {
     let e = Embedded::on(counting_device());
     let recipe = modes(&e);
     let expected = e.stage.render(&mut gpu(), &recipe).images;
-    let mut renderer = e.renderer(Options::default());
+    let mut renderer = e.renderer(RendererOptions::default());
     let casters = [e.casters()];
     let mut counters = Vec::new();
     for _ in 0..2 {
@@ -119,7 +119,7 @@ fn the_player_draws_all_modes_on_a_foreign_device_and_makes_nothing_twice() {
 #[test]
 fn a_device_that_cannot_count_says_so() {
     let e = Embedded::on(Foreign::new());
-    let mut renderer = e.renderer(Options::default());
+    let mut renderer = e.renderer(RendererOptions::default());
     let recipe = modes(&e);
     let error = renderer
         .prepare(&e.foreign.device, &e.foreign.queue, &recipe, &e.frame(&[]))
@@ -144,7 +144,7 @@ fn a_picture_on_a_foreign_device_is_the_same() {
         .picture
         .expect("the recipe shades");
     for kernel_group in [0, 2] {
-        let mut renderer = e.renderer(Options { kernel_group });
+        let mut renderer = e.renderer(RendererOptions { kernel_group });
         assert!(renderer.picture().is_none());
         renderer
             .prepare(
@@ -171,8 +171,8 @@ fn missing_input_is_named() {
     let e = Embedded::on(Foreign::new());
     let Foreign { device, queue } = &e.foreign;
     let casters = [e.casters()];
-    let mut renderer = e.renderer(Options::default());
-    let frame = Frame {
+    let mut renderer = e.renderer(RendererOptions::default());
+    let frame = FrameInputs {
         receivers: GBuffer {
             triangle: None,
             ..e.receivers()
@@ -196,10 +196,10 @@ fn missing_input_is_named() {
     assert!(
         error
             .to_string()
-            .contains("list all that the camera may see in `Frame::everything`"),
+            .contains("list all that the camera may see in `FrameInputs::everything`"),
         "{error}"
     );
-    let frame = Frame {
+    let frame = FrameInputs {
         everything: &casters,
         ..e.frame(&casters)
     };
@@ -228,7 +228,7 @@ fn faces_beyond_a_buffer_are_refused() {
     };
     let mut recipe = e.stage.recipe(40);
     recipe.casts[0].source = Source::Faces(faces.into());
-    let mut renderer = e.renderer(Options::default());
+    let mut renderer = e.renderer(RendererOptions::default());
     let error = renderer
         .prepare(&e.foreign.device, &e.foreign.queue, &recipe, &e.frame(&[]))
         .expect_err("too many");

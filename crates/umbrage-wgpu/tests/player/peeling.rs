@@ -12,7 +12,7 @@ fn peels(stage: &Stage, space: LightSpace, format: Format) -> Recipe {
     recipe.images[0].format = format;
     recipe.images = vec![recipe.images[0]; 3];
     let behind = |image: usize| Cast {
-        mode: CastMode::Behind(image - 1),
+        mode: CastMode::DepthPeel(image - 1),
         ..Cast::nearest(image, 0, space)
     };
     recipe.casts = vec![Cast::nearest(0, 0, space), behind(1), behind(2)];

@@ -81,7 +81,7 @@ fn peels_are_the_least_the_second_least_and_so_on() {
         };
         let behind = |image| Cast {
             image,
-            mode: CastMode::Behind(image - 1),
+            mode: CastMode::DepthPeel(image - 1),
             source: nearest.source.clone(),
             ..nearest.clone()
         };
@@ -129,7 +129,7 @@ fn counts_are_backs_minus_fronts_that_are_not_before() {
     let stage = Stage::new();
     let space = stage.camera.space();
     let (alone, all) = (alone(&stage, space, Format::Depth32), triangles());
-    let mode = CastMode::Count { depth: 0 };
+    let mode = CastMode::StencilDepthFail { depth: 0 };
     let recipe = Recipe {
         images: vec![
             image("depth", 1, Format::Depth32),

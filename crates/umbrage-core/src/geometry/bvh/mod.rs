@@ -1,6 +1,6 @@
-//! Ray queries against the casters. `obvhs` finds the hierarchies' shape; the tests of boxes and triangles are ours, because
-//! truth needs answers that have no cracks and don't depend on the order of the search (`hit.rs` says why they don't), and
-//! because they have twins on the GPU.
+//! Ray queries against the casters. `obvhs` finds the hierarchies' shape; the tests of boxes and triangles are ours,
+//! because truth needs answers that have no cracks and don't depend on the order of the search (`ray_triangle.rs` says why
+//! they don't), and because they have twins on the GPU.
 
 mod build;
 mod wide;
@@ -273,24 +273,26 @@ impl Bvh {
     }
 }
 
-/// Whether a point lies outside a half space, whatever rounding (eight units in the last place) does to it and to the hit
-/// of a triangle that has it as a corner (`hit.rs`).
-fn is_outside((n, distance): (Vec3, f32), p: Vec3) -> bool {
+/// Returns whether a point lies outside a half space (its inner normal and distance), whatever rounding (eight units in the
+/// last place) does to it and to the hit of a triangle that has it as a corner (`ray_triangle.rs`).
+fn is_outside(half_space: (Vec3, f32), p: Vec3) -> bool {
+    let (n, distance) = half_space;
     n.dot(p) < distance - 8.0 * f32::EPSILON * (n.abs().dot(p.abs()) + distance.abs())
 }
 
 #[cfg(test)]
 mod order_tests;
 
-/// The boxes of triangles that the triangle test asks for (`hit.rs`).
+/// Returns the boxes of triangles, as large as the triangle test needs them (`ray_triangle.rs`).
 fn boxes_of(geometry: &Geometry, ids: &[u32]) -> Vec<Aabb> {
-    let padded = |&id: &u32| {
-        let [min, max] = Corners::new(geometry.corners(id))
-            .padded_box()
-            .map(Into::into);
-        Aabb { min, max }
-    };
-    ids.iter().map(padded).collect()
+    ids.iter()
+        .map(|&id| {
+            let [min, max] = Corners::new(geometry.corners(id))
+                .padded_box()
+                .map(Into::into);
+            Aabb { min, max }
+        })
+        .collect()
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@
 
 use crate::{
     Aabb,
-    geometry::{ray_box::SLACK, ray_triangle::Segment},
+    geometry::{ray_box::EXIT_SLACK, ray_triangle::Segment},
 };
 use glam::Vec4;
 use obvhs::cwbvh::CwBvh;
@@ -179,7 +179,7 @@ impl Lanes {
             let far = [0, 1, 2].map(|axis| at(axis, self.far[axis]));
             let entry = near[0].max(near[1]).max(near[2].max(Vec4::ZERO));
             let exit = far[0].min(far[1]).min(far[2].min(Vec4::splat(limit)));
-            out |= entry.cmple(exit * SLACK).bitmask() << (4 * half);
+            out |= entry.cmple(exit * EXIT_SLACK).bitmask() << (4 * half);
         }
         out
     }

@@ -5,12 +5,12 @@
 
 use crate::{
     Geometry, Light, View,
-    light_space::fit::map_space::{Bounds, MapSpace},
+    light_space::fit::map_space::{MapBounds, MapPolygon, MapSpace, clip},
 };
 use glam::{DVec2, DVec3, Vec3};
 use std::ops::Range;
 
-/// Cells along each side: finer ones tell more casters apart, but cost more to fill and to ask.
+/// Cells along each side: finer ones tell more casters apart, but cost more to fill and to query.
 const CELLS: usize = 64;
 /// Texels added to what kernels reach: one to the corner of the receiver's own texel, one half for what lookups in 32 bits
 /// round.
@@ -44,10 +44,10 @@ pub(super) struct Lookups {
 }
 
 impl Lookups {
-    /// The reach, where the first caster and the last receiver have these ranks. A search for blockers goes as far as the
-    /// light's extent lets a caster at the near plane matter to the last receiver, which is linear in the ranks: `extent
-    /// (last - first)`.
-    pub(super) fn reach(&self, light: &Light, [first, last]: [f64; 2]) -> Reach {
+    /// Returns the reach, where the first caster has rank `first` and the last receiver has rank `last`. A search for
+    /// blockers goes as far as the light's extent lets a caster at the near plane matter to the last receiver, which is
+    /// linear in the ranks: `extent (last - first)`.
+    pub(super) fn reach(&self, light: &Light, first: f64, last: f64) -> Reach {
         let range = (last - first).max(0.0);
         let search = extent(light) * (1.0 + self.tangent) * range;
         let across = self.texel * (self.margin + OWN_TEXEL) + search + self.rounding;
@@ -59,7 +59,7 @@ impl Lookups {
     }
 }
 
-/// Half the size of a light: a tangent if it is far, else metres.
+/// Returns half the size of a light: a tangent for directional light, metres for others.
 fn extent(light: &Light) -> f64 {
     match *light {
         Light::Directional {
@@ -74,7 +74,7 @@ fn extent(light: &Light) -> f64 {
     }
 }
 
-/// World positions of what is seen to receive, if that is known.
+/// Returns the world positions of what is seen to receive, if that is known.
 pub(super) fn seen(view: &View<'_>) -> Option<Vec<Vec3>> {
     view.receivers.map(|seen| seen.positions().collect())
 }
@@ -83,16 +83,17 @@ pub(super) fn seen(view: &View<'_>) -> Option<Vec<Vec3>> {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Receiving {
     points: Vec<DVec3>,
-    boxes: Vec<Bounds>,
+    boxes: Vec<MapBounds>,
 }
 
 impl Receiving {
-    /// What may receive within `column`: the seen points, if they are known.
+    /// Returns what may receive within `column`: those of the `seen` points (world space) that lie there; if they aren't known,
+    /// boxes around all receivers.
     pub(super) fn new(
         seen: Option<&[Vec3]>,
         geometry: &Geometry,
         space: &MapSpace,
-        column: &Bounds,
+        column: &MapBounds,
     ) -> Self {
         let mut out = Self::default();
         match seen {
@@ -113,50 +114,50 @@ impl Receiving {
         out
     }
 
-    /// All of a box.
-    pub(super) fn within(b: Bounds) -> Self {
+    /// Returns what fills a box.
+    pub(super) fn within(b: MapBounds) -> Self {
         Self {
             points: Vec::new(),
             boxes: vec![b],
         }
     }
 
-    /// A box around all of it.
-    pub(super) fn bounds(&self) -> Bounds {
-        let points = Bounds::around(self.points.iter().copied());
+    /// Returns a box around all of it.
+    pub(super) fn bounds(&self) -> MapBounds {
+        let points = MapBounds::around(self.points.iter().copied());
         self.boxes.iter().fold(points, |all, b| all.union(b))
     }
 }
 
-/// The least rank that any caster may have within `column`; none if there are no casters.
-pub(super) fn first_rank(geometry: &Geometry, space: &MapSpace, column: &Bounds) -> Option<f64> {
-    let blocks = geometry
-        .chunk_bounds()
-        .of(geometry.casters())
-        .map(|(_, b)| space.block(&b));
-    blocks
+/// Returns the least rank that any caster may have within `column`; none if there are no casters.
+pub(super) fn first_rank(geometry: &Geometry, space: &MapSpace, column: &MapBounds) -> Option<f64> {
+    let chunks = geometry.chunk_bounds().of(geometry.casters());
+    chunks
+        .map(|(_, b)| space.block(&b))
         .filter(|b| b.meets(column))
         .map(|b| b.min.z)
         .reduce(f64::min)
 }
 
-/// What is asked of casters.
+/// Decides which casters matter to some receivers: the grid of the module's description.
 #[derive(Clone, Debug)]
 pub(super) struct Need<'a> {
     space: MapSpace,
     geometry: &'a Geometry,
+    /// As [`Reach::behind`].
     behind: f64,
-    /// Where lookups may go.
-    column: Bounds,
-    /// Where casters count.
-    shown: Bounds,
+    /// Where lookups may go; the grid divides it.
+    column: MapBounds,
+    /// Where casters count: the part of the column that the map shows.
+    shown: MapBounds,
+    /// Sides of a cell, map space.
     cell: DVec2,
-    /// Of each cell, in rows: the greatest rank of the receivers whose lookups may go there.
+    /// Of each cell, in rows: the greatest rank of the receivers whose lookups may go there; minus infinity without any.
     last: Vec<f64>,
 }
 
 impl<'a> Need<'a> {
-    /// None if nothing receives.
+    /// Returns none if nothing receives.
     pub(super) fn new(
         space: MapSpace,
         geometry: &'a Geometry,
@@ -185,116 +186,131 @@ impl<'a> Need<'a> {
             out.last[i] = out.last[i].max(p.z);
         }
         for b in &receivers.boxes {
-            out.cells(b)
-                .for_each(|i| out.last[i] = out.last[i].max(b.max.z));
+            for i in out.cells(b) {
+                out.last[i] = out.last[i].max(b.max.z);
+            }
         }
         out.widen((reach.across / cell).ceil());
         Some(out)
     }
 
-    /// The same, asked of a map that shows no more than `column`: lookups that leave it find nothing, so casters beside it
+    /// Returns the same for a map that shows no more than `column`: lookups that leave it find nothing, so casters beside it
     /// do not count.
-    pub(super) fn on_map(self, column: &Bounds) -> Self {
+    pub(super) fn on_map(self, column: &MapBounds) -> Self {
         Self {
             shown: self.column.within(column),
             ..self
         }
     }
 
-    /// The cell on which a point falls. Casts saturate: what lies outside counts for the outermost cells.
+    /// Returns the index of the cell on which a point falls.
     fn cell_of(&self, p: DVec3) -> usize {
-        let at = (p - self.column.min).truncate() / self.cell;
-        (at.y as usize).min(CELLS - 1) * CELLS + (at.x as usize).min(CELLS - 1)
+        let position = (p - self.column.min).truncate() / self.cell;
+        // Casts saturate: what lies outside counts for the outermost cells.
+        let x = (position.x as usize).min(CELLS - 1);
+        let y = (position.y as usize).min(CELLS - 1);
+        y * CELLS + x
     }
 
-    /// The cells that a box covers.
-    fn cells(&self, b: &Bounds) -> impl Iterator<Item = usize> + use<> {
-        let (from, to) = (self.cell_of(b.min), self.cell_of(b.max));
-        let columns = from % CELLS..to % CELLS + 1;
-        (from / CELLS..to / CELLS + 1)
-            .flat_map(move |y| columns.clone().map(move |x| y * CELLS + x))
+    /// Returns the indices of the cells that a box covers.
+    fn cells(&self, b: &MapBounds) -> impl Iterator<Item = usize> + use<> {
+        let first = self.cell_of(b.min);
+        let last = self.cell_of(b.max);
+        let columns = first % CELLS..last % CELLS + 1;
+        let rows = first / CELLS..last / CELLS + 1;
+        rows.flat_map(move |y| columns.clone().map(move |x| y * CELLS + x))
     }
 
-    /// Lets every receiver count in cells up to `by` away.
+    /// Lets every receiver count in cells up to `by` (cells across and up) away.
     fn widen(&mut self, by: DVec2) {
-        let [x, y] = by.to_array().map(|cells| (cells as usize).min(CELLS));
-        self.last = spread(&self.last, x, |at, step| at % CELLS + step < CELLS, 1);
-        self.last = spread(&self.last, y, |at, step| at / CELLS + step < CELLS, CELLS);
+        // Casts saturate here, too.
+        let columns = (by.x as usize).min(CELLS);
+        let rows = (by.y as usize).min(CELLS);
+        self.last = spread(&self.last, columns, |i, step| i % CELLS + step < CELLS, 1);
+        self.last = spread(&self.last, rows, |i, step| i / CELLS + step < CELLS, CELLS);
     }
 
-    /// Whether something with this box may matter.
-    fn matters(&self, b: &Bounds) -> bool {
+    /// Returns whether something with this box may matter.
+    fn matters(&self, b: &MapBounds) -> bool {
         b.meets(&self.shown) && self.cells(b).any(|i| self.last[i] + self.behind >= b.min.z)
     }
 
-    /// Runs of casters of which some may matter, and a box around each.
-    fn runs(&self) -> impl Iterator<Item = (Range<u32>, Bounds)> + '_ {
+    /// Returns runs of casters of which some may matter, and a box around each.
+    fn runs(&self) -> impl Iterator<Item = (Range<u32>, MapBounds)> + '_ {
         let runs = self.geometry.chunk_bounds().of(self.geometry.casters());
         runs.map(|(run, b)| (run, self.space.block(&b)))
             .filter(|(_, b)| self.matters(b))
     }
 
-    /// A box around those parts of casters that may matter; empty if there are none.
-    pub(super) fn around_casters(&self) -> Bounds {
-        let mut found = Bounds::EMPTY;
+    /// Returns a box around those parts of casters that may matter; empty if there are none.
+    pub(super) fn around_casters(&self) -> MapBounds {
+        let mut found = MapBounds::EMPTY;
         for (run, b) in self.runs() {
             if adds_nothing(&b.within(&self.shown), &found) {
                 continue;
             }
             for triangle in run {
                 let polygon = self.space.triangle(self.geometry.corners(triangle));
-                let b = Bounds::around(polygon.corners().iter().copied());
+                let b = MapBounds::around(polygon.corners().iter().copied());
                 if adds_nothing(&b.within(&self.shown), &found) || !self.matters(&b) {
                     continue;
                 }
-                let inside = b.within(&self.shown) == b;
-                let part = if inside { b } else { self.part(&polygon) };
+                let is_shown_whole = b.within(&self.shown) == b;
+                let part = if is_shown_whole {
+                    b
+                } else {
+                    self.part(&polygon)
+                };
                 found = found.union(&part);
             }
         }
         found
     }
 
-    /// A box around what of a caster lies where casters count.
-    fn part(&self, polygon: &super::polygon::Polygon) -> Bounds {
-        let (min, max) = (self.shown.min, self.shown.max);
-        let left = polygon.clip(DVec3::X, min.x).clip(DVec3::NEG_X, -max.x);
-        let left = left.clip(DVec3::Y, min.y).clip(DVec3::NEG_Y, -max.y);
-        Bounds::around(left.corners().iter().copied())
+    /// Returns a box around the part of a caster that lies within `shown`, sideways.
+    fn part(&self, polygon: &MapPolygon) -> MapBounds {
+        let min = self.shown.min;
+        let max = self.shown.max;
+        let cut = clip(polygon, DVec3::X, min.x);
+        let cut = clip(&cut, DVec3::NEG_X, -max.x);
+        let cut = clip(&cut, DVec3::Y, min.y);
+        let cut = clip(&cut, DVec3::NEG_Y, -max.y);
+        MapBounds::around(cut.corners().iter().copied())
     }
 
-    /// The casters that may matter.
+    /// Returns the ids of the casters that may matter.
     #[cfg(feature = "testing")]
     pub(super) fn casters(&self) -> impl Iterator<Item = u32> + '_ {
-        let matters = |&t: &u32| {
-            let polygon = self.space.triangle(self.geometry.corners(t));
-            self.matters(&Bounds::around(polygon.corners().iter().copied()))
-        };
-        self.runs().flat_map(|(run, _)| run).filter(matters)
+        self.runs().flat_map(|(run, _)| run).filter(|&id| {
+            let polygon = self.space.triangle(self.geometry.corners(id));
+            self.matters(&MapBounds::around(polygon.corners().iter().copied()))
+        })
     }
 }
 
-/// Whether a box lies where casters were found before, and no nearer to the light.
-fn adds_nothing(b: &Bounds, found: &Bounds) -> bool {
+/// Returns whether a box lies, sideways, within the box `found` and no nearer to the light.
+fn adds_nothing(b: &MapBounds, found: &MapBounds) -> bool {
     b.min.cmpge(found.min).all() && b.max.truncate().cmple(found.max.truncate()).all()
 }
 
-/// Of each cell, the greatest value up to `by` steps away; `fits` tells whether a cell has a neighbour so many steps on.
+/// Returns for each cell the greatest value up to `by` cells away in one direction. The next cell in that direction is `stride`
+/// entries on; `fits(i, n)` tells whether entry `i` has a neighbour n cells on.
 fn spread(
     values: &[f64],
     by: usize,
     fits: impl Fn(usize, usize) -> bool,
     stride: usize,
 ) -> Vec<f64> {
-    let (mut out, mut reached) = (values.to_vec(), 0);
-    // What has spread by r each way leaves no gap after a step of up to r + 1 both ways.
+    let mut out = values.to_vec();
+    let mut reached = 0;
+    // Steps grow: what has spread by r each way leaves no gap after a step of up to r + 1 both ways.
     while reached < by {
         let step = (reached + 1).min(by - reached);
         let before = out.clone();
-        for at in (0..before.len()).filter(|&at| fits(at, step)) {
-            let next = at + step * stride;
-            out[at] = out[at].max(before[next]);
-            out[next] = out[next].max(before[at]);
+        for i in (0..before.len()).filter(|&i| fits(i, step)) {
+            let next = i + step * stride;
+            out[i] = out[i].max(before[next]);
+            out[next] = out[next].max(before[i]);
         }
         reached += step;
     }

@@ -6,9 +6,9 @@ use crate::{
         fit::{
             WIDEST_HALF_ANGLE,
             cull::{self, Lookups, Need, Receiving},
-            map_space::{Bounds, MapSpace},
+            map_space::{MapBounds, MapSpace},
             parallel::inner,
-            perspective::NEAREST,
+            perspective::MIN_NEAR_OVER_FAR,
             points::{caster_reach, receiver_points},
         },
         layers::cube_face_views,
@@ -17,15 +17,17 @@ use crate::{
 };
 use glam::{DAffine3, DVec3, Mat4, Vec3};
 
-/// Room beside the outermost directions, as a fraction of their tangent: for rounding.
-const SLACK: f64 = 1e-3;
-/// Half angle, radians, of the pyramid where nothing matters: as good as any.
-const ANYTHING: f64 = 0.5;
-/// A pyramid is turned off its axis only if that halves its texels: biases in texels and the search for blockers are exact
-/// for surfaces parallel to the map, and lamps are mostly set up straight above what they light.
-const WORTHWHILE: f64 = 0.5;
-/// Steps towards the axis that makes the widest angle least. Each centres what was found around the last axis.
-const STEPS: usize = 4;
+/// Room beside the outermost directions, as a fraction of their tangent, for rounding.
+const TANGENT_SLACK: f64 = 1e-3;
+/// Half angle, radians, of the pyramid where no caster can shadow a receiver: any would do.
+const DEFAULT_HALF_ANGLE: f64 = 0.5;
+/// A pyramid is turned off its axis only if that makes its tangent smaller than this share of the tangent on the axis:
+/// biases in texels and the search for blockers are exact for surfaces parallel to the map, and lamps are mostly set up
+/// straight above what they light.
+const MAX_TURNED_OVER_STRAIGHT: f64 = 0.5;
+/// Steps of the search for the axis that makes the widest angle least. Each turns the axis to the centre of what the last
+/// step saw.
+const MAX_AXIS_STEPS: usize = 4;
 
 /// A light with a position, amid known triangles.
 #[derive(Clone, Debug)]
@@ -41,23 +43,23 @@ pub(super) struct Lamp<'a> {
     pub(super) far: f64,
 }
 
-/// A square pyramid: its axis, and the tangent of half its angle.
-pub(super) type Aim = (Vec3, f64);
+/// A square pyramid with its apex at the light.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SquarePyramid {
+    /// World space, not zero.
+    pub(super) axis: Vec3,
+    /// Tangent of half its angle.
+    pub(super) tangent: f64,
+}
 
 impl<'a> Lamp<'a> {
     /// None where the triangles are not known.
     pub(super) fn new(view: &'a View<'_>, eye: Vec3, size: u32, margin: f32) -> Option<Self> {
         let geometry = view.geometry?;
         let seen = cull::seen(view);
-        let farthest = |points: &mut dyn Iterator<Item = Vec3>| {
-            points
-                .map(|p| p.as_dvec3().distance_squared(eye.as_dvec3()))
-                .fold(0.0, f64::max)
-                .sqrt()
-        };
         let farthest = match &seen {
-            Some(points) => farthest(&mut points.iter().copied()),
-            None => farthest(&mut receiver_points(view)),
+            Some(points) => greatest_distance(eye, points.iter().copied()),
+            None => greatest_distance(eye, receiver_points(view)),
         };
         // Where nothing receives, any distance will do.
         let far = if farthest > 0.0 { 2.0 * farthest } else { 1.0 };
@@ -72,21 +74,21 @@ impl<'a> Lamp<'a> {
         })
     }
 
-    /// A box, in map space, around what casts onto receivers within a pyramid of this tangent: sideways where something
-    /// also receives. Empty if nothing can fall on anything there.
-    fn needed(&self, view_from_world: &Mat4, tangent: f64) -> Bounds {
+    /// Returns a box, in map space, around what casts onto receivers within a pyramid: sideways no larger than the box
+    /// around these receivers. Empty if nothing there can shadow anything. `tangent` is that of half the pyramid's angle.
+    fn needed(&self, view_from_world: &Mat4, tangent: f64) -> MapBounds {
         self.needed_of(self.seen.as_deref(), view_from_world, tangent)
     }
 
-    /// As [`Lamp::needed`], if these are the points seen in the pyramid.
-    fn needed_of(&self, seen: Option<&[Vec3]>, view_from_world: &Mat4, tangent: f64) -> Bounds {
+    /// As [`Lamp::needed`], where `seen` are the points seen in the pyramid (and maybe others), none if they aren't known.
+    fn needed_of(&self, seen: Option<&[Vec3]>, view_from_world: &Mat4, tangent: f64) -> MapBounds {
         let view_from_world = DAffine3::from_mat4(view_from_world.as_dmat4());
         let space = MapSpace {
             view_from_world,
-            nearest: Some(self.far * f64::from(NEAREST)),
+            nearest: Some(self.far * f64::from(MIN_NEAR_OVER_FAR)),
         };
-        let side = DVec3::splat(tangent * (1.0 + SLACK));
-        let column = Bounds {
+        let side = DVec3::splat(tangent * (1.0 + TANGENT_SLACK));
+        let column = MapBounds {
             min: -side,
             max: side,
         };
@@ -95,18 +97,23 @@ impl<'a> Lamp<'a> {
         let last = space.rank(self.far);
         let lookups = self.lookups(&space, &around, tangent);
         let mut first = cull::first_rank(self.geometry, &space, &column);
-        let mut found = Bounds::EMPTY;
-        // As for parallel light: asked twice if what matters depends on the first caster that does.
-        for _ in 0..if self.view.light.is_ideal() { 1 } else { 2 } {
-            let reach = lookups.reach(self.view.light, [first.unwrap_or(last), last]);
+        let mut found = MapBounds::EMPTY;
+        // As for parallel light: of a light with an extent, how far a search for blockers goes depends on the first caster
+        // that matters, so a second pass may find fewer.
+        let passes = if self.view.light.is_ideal() { 1 } else { 2 };
+        for _ in 0..passes {
+            let reach = lookups.reach(self.view.light, first.unwrap_or(last), last);
             let need = Need::new(space, self.geometry, &receivers, &reach);
-            found = need.map_or(Bounds::EMPTY, |need| need.on_map(&column).around_casters());
+            found = need.map_or(MapBounds::EMPTY, |need| {
+                need.on_map(&column).around_casters()
+            });
             first = Some(found.min.z);
         }
         found.within(&around)
     }
 
-    fn lookups(&self, space: &MapSpace, receivers: &Bounds, tangent: f64) -> Lookups {
+    /// What lookups on a map over a pyramid depend on; `receivers` is the box around what receives there.
+    fn lookups(&self, space: &MapSpace, receivers: &MapBounds, tangent: f64) -> Lookups {
         let texel = 2.0 * tangent / f64::from(inner(self.size, self.margin));
         let nearest = if receivers.is_empty() {
             self.far
@@ -117,30 +124,31 @@ impl<'a> Lamp<'a> {
         Lookups {
             texel: glam::DVec2::splat(texel),
             margin: f64::from(self.margin),
-            // Of world coordinates, 8 units in the last place.
+            // 2^-21: 8 units in the last place of world coordinates.
             rounding: f64::from(world) / 2_097_152.0 / nearest,
             tangent,
         }
     }
 
-    /// The distance of the first caster that matters within a pyramid; none if there is none.
+    /// Returns the distance, metres along the view, of the first caster that matters within a pyramid; none if there is none.
     pub(super) fn near(&self, view_from_world: &Mat4, tangent: f64) -> Option<f32> {
         first_distance(&self.needed(view_from_world, tangent))
     }
 
-    /// As [`Lamp::near`], of all faces of a cube.
+    /// As [`Lamp::near`], for all faces of a cube.
     pub(super) fn nears(&self, tangent: f64) -> Result<[Option<f32>; 6], Invalid> {
         Ok(self
             .faces(tangent)?
             .map(|(_, needed)| first_distance(&needed)))
     }
 
-    /// What each face of a cube needs, and its view. Points are dealt out first, since each is seen in a face or two.
-    fn faces(&self, tangent: f64) -> Result<[(Mat4, Bounds); 6], Invalid> {
+    /// Returns the view of each face of a cube, and [`Lamp::needed`] there. Seen points are sorted by face first, since each
+    /// lies in a face or two.
+    fn faces(&self, tangent: f64) -> Result<[(Mat4, MapBounds); 6], Invalid> {
         let seen = self
             .seen
             .as_ref()
-            .map(|points| dealt_out(points, self.eye, tangent as f32));
+            .map(|points| points_by_face(points, self.eye, tangent as f32));
         let views = cube_face_views(self.eye)?;
         Ok(std::array::from_fn(|i| {
             let seen = seen.as_ref().map(|seen| &seen[i][..]);
@@ -148,86 +156,114 @@ impl<'a> Lamp<'a> {
         }))
     }
 
-    /// The pyramid around all that matters, within one that is given: on its axis, or on another if it is so much narrower.
-    pub(super) fn narrowed(&self, (axis, tangent): Aim) -> Result<Aim, Invalid> {
-        let view_from_world = look_along(self.eye, axis, Vec3::Y)?;
-        let needed = self.needed(&view_from_world, tangent);
+    /// Returns the pyramid around all that matters within a given one: on its axis, or on another axis if it is narrower
+    /// there by [`MAX_TURNED_OVER_STRAIGHT`].
+    pub(super) fn narrowed(&self, pyramid: SquarePyramid) -> Result<SquarePyramid, Invalid> {
+        let view_from_world = look_along(self.eye, pyramid.axis, Vec3::Y)?;
+        let needed = self.needed(&view_from_world, pyramid.tangent);
         if needed.is_empty() {
-            return Ok((axis, tangent));
+            return Ok(pyramid);
         }
-        let straight = needed
-            .min
-            .abs()
-            .max(needed.max.abs())
-            .truncate()
-            .max_element()
-            .min(tangent);
+        let straight = SquarePyramid {
+            axis: pyramid.axis,
+            tangent: greatest_tangent(&needed).min(pyramid.tangent),
+        };
         let turned = self.around(&corners(&view_from_world, &needed))?;
-        Ok(turned
-            .filter(|n| n.1 < straight * WORTHWHILE)
-            .unwrap_or((axis, straight)))
+        match turned {
+            Some(turned) if turned.tangent < straight.tangent * MAX_TURNED_OVER_STRAIGHT => {
+                Ok(turned)
+            }
+            _ => Ok(straight),
+        }
     }
 
-    /// The pyramid around all that matters in any direction; none if it would be too wide. Anything if nothing matters.
-    pub(super) fn aimed(&self) -> Result<Option<Aim>, Invalid> {
+    /// Returns the pyramid around all that matters in any direction; none if it would be too wide, an arbitrary one if
+    /// nothing matters.
+    pub(super) fn aimed(&self) -> Result<Option<SquarePyramid>, Invalid> {
         let mut directions = Vec::new();
         for (face, needed) in self.faces(1.0)? {
             directions.extend(corners(&face, &needed));
         }
         if directions.is_empty() {
-            return Ok(Some((Vec3::NEG_Y, ANYTHING.tan())));
+            return Ok(Some(SquarePyramid {
+                axis: Vec3::NEG_Y,
+                tangent: DEFAULT_HALF_ANGLE.tan(),
+            }));
         }
         let widest = f64::from(WIDEST_HALF_ANGLE.to_radians()).tan();
-        match self.around(&directions)?.filter(|aim| aim.1 <= widest) {
-            Some(aim) => self.narrowed(aim).map(Some),
-            None => Ok(None),
+        match self.around(&directions)? {
+            Some(pyramid) if pyramid.tangent <= widest => self.narrowed(pyramid).map(Some),
+            _ => Ok(None),
         }
     }
 
-    /// A narrow pyramid around directions; none if half of the sphere does not hold them, or there are none.
-    fn around(&self, directions: &[DVec3]) -> Result<Option<Aim>, Invalid> {
+    /// Returns a narrow pyramid around directions (world space, any length); none if they don't all lie in front of one plane
+    /// through the light, or there are none.
+    ///
+    /// The search starts at the mean direction and then repeats: look along the axis, put a box around the directions on the
+    /// plane at distance 1, and turn the axis to the box's centre.
+    fn around(&self, directions: &[DVec3]) -> Result<Option<SquarePyramid>, Invalid> {
         let mut axis = directions.iter().map(|d| d.normalize()).sum::<DVec3>();
-        let mut best: Option<Aim> = None;
-        for _ in 0..STEPS {
+        let mut best: Option<SquarePyramid> = None;
+        for _ in 0..MAX_AXIS_STEPS {
             if axis.length() < 1e-9 {
                 break;
             }
-            let direction = axis.normalize().as_vec3();
-            let view_from_world = look_along(self.eye, direction, Vec3::Y)?.as_dmat4();
+            let unit_axis = axis.normalize().as_vec3();
+            let view_from_world = look_along(self.eye, unit_axis, Vec3::Y)?.as_dmat4();
             let in_view: Vec<DVec3> = directions
                 .iter()
                 .map(|&d| view_from_world.transform_vector3(d))
                 .collect();
+            // Directions across the axis or behind it have no tangent.
             if in_view.is_empty() || in_view.iter().any(|d| -d.z < 1e-6 * d.length()) {
                 break;
             }
-            let b = Bounds::around(in_view.iter().map(|d| *d / -d.z));
-            let tangent = b.min.abs().max(b.max.abs()).truncate().max_element();
-            if best.is_none_or(|best| tangent < best.1) {
-                best = Some((direction, tangent));
+            let bounds = MapBounds::around(in_view.iter().map(|d| *d / -d.z));
+            let tangent = greatest_tangent(&bounds);
+            if best.is_none_or(|best| tangent < best.tangent) {
+                best = Some(SquarePyramid {
+                    axis: unit_axis,
+                    tangent,
+                });
             }
-            axis = view_from_world
-                .transpose()
-                .transform_vector3(((b.min + b.max) * 0.5).with_z(-1.0));
+            let center = ((bounds.min + bounds.max) * 0.5).with_z(-1.0);
+            // The transpose of a rotation is its inverse.
+            axis = view_from_world.transpose().transform_vector3(center);
         }
         Ok(best)
     }
 }
 
-/// The distance of the first caster in a box of map space.
-fn first_distance(needed: &Bounds) -> Option<f32> {
-    (!needed.is_empty()).then(|| (-(1.0 - SLACK) / needed.min.z) as f32)
+/// Returns the greatest distance from `eye` to one of some points, metres; 0 without any.
+fn greatest_distance(eye: Vec3, points: impl Iterator<Item = Vec3>) -> f64 {
+    points
+        .map(|p| p.as_dvec3().distance_squared(eye.as_dvec3()))
+        .fold(0.0, f64::max)
+        .sqrt()
 }
 
-/// The points that may lie in each face of a cube, in the order of its views; those near an edge in each that it borders.
-fn dealt_out(points: &[Vec3], eye: Vec3, tangent: f32) -> [Vec<Vec3>; 6] {
-    let wide = tangent * (1.0 + 2.0 * SLACK as f32);
+/// Returns the tangent of half the angle of the square pyramid, around the view's axis, that holds a box in map space.
+fn greatest_tangent(b: &MapBounds) -> f64 {
+    b.min.abs().max(b.max.abs()).truncate().max_element()
+}
+
+/// Returns the distance, metres along the view, just before the first caster in a box in map space; none if the box is empty.
+fn first_distance(needed: &MapBounds) -> Option<f32> {
+    // The rank is minus one over the distance.
+    (!needed.is_empty()).then(|| (-(1.0 - TANGENT_SLACK) / needed.min.z) as f32)
+}
+
+/// Returns the points that may lie in each face of a cube, in the order of [`cube_face_views`]; those near an edge are in
+/// each face that it borders. `tangent` is that of half a face's angle.
+fn points_by_face(points: &[Vec3], eye: Vec3, tangent: f32) -> [Vec<Vec3>; 6] {
+    let padded_tangent = (tangent * (1.0 + 2.0 * TANGENT_SLACK as f32)).max(1.0);
     let mut faces: [Vec<Vec3>; 6] = Default::default();
     for &p in points {
         let d = p - eye;
-        let most = d.abs().max_element();
+        let longest = d.abs().max_element();
         for (i, along) in [d.x, -d.x, d.y, -d.y, d.z, -d.z].into_iter().enumerate() {
-            if along * wide.max(1.0) >= most {
+            if along * padded_tangent >= longest {
                 faces[i].push(p);
             }
         }
@@ -235,17 +271,18 @@ fn dealt_out(points: &[Vec3], eye: Vec3, tangent: f32) -> [Vec<Vec3>; 6] {
     faces
 }
 
-/// The directions, in the world, of a box's corners on a map.
-fn corners(view_from_world: &Mat4, b: &Bounds) -> Vec<DVec3> {
+/// Returns the directions, world space, of the four corners of a box on a map; none if it is empty.
+fn corners(view_from_world: &Mat4, b: &MapBounds) -> Vec<DVec3> {
     if b.is_empty() {
         return Vec::new();
     }
     let world_from_view = view_from_world.as_dmat4().transpose();
-    let corner = |x: f64, y: f64| world_from_view.transform_vector3(DVec3::new(x, y, -1.0));
-    vec![
-        corner(b.min.x, b.min.y),
-        corner(b.min.x, b.max.y),
-        corner(b.max.x, b.min.y),
-        corner(b.max.x, b.max.y),
+    [
+        DVec3::new(b.min.x, b.min.y, -1.0),
+        DVec3::new(b.min.x, b.max.y, -1.0),
+        DVec3::new(b.max.x, b.min.y, -1.0),
+        DVec3::new(b.max.x, b.max.y, -1.0),
     ]
+    .map(|corner| world_from_view.transform_vector3(corner))
+    .to_vec()
 }

@@ -4,8 +4,20 @@
 //! z, the *rank*, grows away from the light: metres along the view, or with perspective minus one over them. Triangles
 //! stay triangles, and clip depth is linear in the rank, with perspective as without.
 
-use crate::{Aabb, light_space::fit::polygon::Polygon};
+use crate::{
+    Aabb,
+    geometry::clip_polygon::{Polygon, edge_crossing},
+};
 use glam::{DAffine3, DVec2, DVec3, Vec3};
+
+/// A polygon in view or map space. Triangles are cut by the near plane and by the four sides of a map, so that it has at most
+/// eight corners.
+pub(super) type MapPolygon = Polygon<DVec3, 8>;
+
+/// Returns the part of a polygon where `normal . p >= distance`.
+pub(super) fn clip(polygon: &MapPolygon, normal: DVec3, distance: f64) -> MapPolygon {
+    polygon.clip(|p| normal.dot(p) - distance, edge_crossing)
+}
 
 /// The way from the world to a map.
 #[derive(Clone, Copy, Debug)]
@@ -17,12 +29,12 @@ pub(super) struct MapSpace {
 
 /// A box in map space; empty where a `min` is greater than its `max`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Bounds {
+pub(super) struct MapBounds {
     pub(super) min: DVec3,
     pub(super) max: DVec3,
 }
 
-impl Bounds {
+impl MapBounds {
     pub(super) const EMPTY: Self = Self {
         min: DVec3::INFINITY,
         max: DVec3::NEG_INFINITY,
@@ -47,8 +59,9 @@ impl Bounds {
 
     /// Whether both share a place on the map, whatever their ranks.
     pub(super) fn meets(&self, other: &Self) -> bool {
-        let before = |a: DVec3, b: DVec3| a.truncate().cmple(b.truncate()).all();
-        before(self.min, other.max) && before(other.min, self.max)
+        let self_begins = self.min.truncate().cmple(other.max.truncate()).all();
+        let other_begins = other.min.truncate().cmple(self.max.truncate()).all();
+        self_begins && other_begins
     }
 
     /// The same with all ranks, and `by` more to each side.
@@ -108,63 +121,92 @@ impl MapSpace {
         }
     }
 
-    /// A point of the world; none if it falls beside the column, is too near, or behind.
+    /// Returns a point of the world in map space; none if it falls beside the column, or with perspective is too near or behind
+    /// the light.
     #[inline]
-    pub(super) fn point_within(&self, p: Vec3, column: &Bounds) -> Option<DVec3> {
+    pub(super) fn point_within(&self, p: Vec3, column: &MapBounds) -> Option<DVec3> {
         let p = self.view_from_world.transform_point3(p.as_dvec3());
-        // Asked without dividing: most points fall beside most of a cube's faces.
-        let (near, along) = self
-            .nearest
-            .map_or((true, 1.0), |nearest| (-p.z >= nearest, -p.z));
-        let within = |v: f64, min: f64, max: f64| v >= min * along && v <= max * along;
-        let inside = near
-            && within(p.x, column.min.x, column.max.x)
-            && within(p.y, column.min.y, column.max.y);
+        if self.nearest.is_some_and(|nearest| -p.z < nearest) {
+            return None;
+        }
+        // `x / along` is compared without dividing: most points fall beside most of a cube's faces.
+        let along = if self.nearest.is_some() { -p.z } else { 1.0 };
+        let inside = p.x >= column.min.x * along
+            && p.x <= column.max.x * along
+            && p.y >= column.min.y * along
+            && p.y <= column.max.y * along;
         inside.then(|| self.project(p))
     }
 
-    /// A triangle of the world, or what of it is far enough.
-    pub(super) fn triangle(&self, corners: [Vec3; 3]) -> Polygon {
-        let in_view =
-            Polygon::triangle(corners.map(|p| self.view_from_world.transform_point3(p.as_dvec3())));
-        let polygon = match self.nearest {
-            Some(nearest) if in_view.corners().iter().any(|p| -p.z < nearest) => {
-                in_view.clip(DVec3::NEG_Z, nearest)
+    /// Returns a triangle of the world in map space; with perspective, the part of it that is not too near.
+    pub(super) fn triangle(&self, corners: [Vec3; 3]) -> MapPolygon {
+        let corners_in_view = corners.map(|p| self.view_from_world.transform_point3(p.as_dvec3()));
+        let in_view = MapPolygon::triangle(corners_in_view);
+        let far_enough = match self.nearest {
+            Some(nearest) if corners_in_view.iter().any(|p| -p.z < nearest) => {
+                clip(&in_view, DVec3::NEG_Z, nearest)
             }
             _ => in_view,
         };
-        polygon.map(|p| self.project(p))
+        far_enough.map(|p| self.project(p))
     }
 
-    /// A box around all that a box of the world holds; empty when that is too near or behind.
-    pub(super) fn block(&self, b: &Aabb) -> Bounds {
+    /// Returns the box in map space around a box of the world; with perspective, around the part of it that is not too near.
+    /// Empty if no part is left.
+    pub(super) fn block(&self, b: &Aabb) -> MapBounds {
         if b.is_empty() {
-            return Bounds::EMPTY;
+            return MapBounds::EMPTY;
         }
-        let (center, half) = (
-            (b.min.as_dvec3() + b.max.as_dvec3()) * 0.5,
-            (b.max.as_dvec3() - b.min.as_dvec3()) * 0.5,
-        );
+        let center = (b.min.as_dvec3() + b.max.as_dvec3()) * 0.5;
+        let half = (b.max.as_dvec3() - b.min.as_dvec3()) * 0.5;
+        // The half extents in view space: |M| h (Arvo 1990, "Transforming axis-aligned bounding boxes").
         let m = self.view_from_world.matrix3;
         let half = m.x_axis.abs() * half.x + m.y_axis.abs() * half.y + m.z_axis.abs() * half.z;
         let center = self.view_from_world.transform_point3(center);
-        let (min, max) = (center - half, center + half);
+        let min = center - half;
+        let max = center + half;
         let Some(nearest) = self.nearest else {
-            return Bounds {
+            return MapBounds {
                 min: min.with_z(-max.z),
                 max: max.with_z(-min.z),
             };
         };
-        let (near, far) = ((-max.z).max(nearest), -min.z);
+        // Distances along the view, which looks along -z.
+        let near = (-max.z).max(nearest);
+        let far = -min.z;
         if far < nearest {
-            return Bounds::EMPTY;
+            return MapBounds::EMPTY;
         }
-        // A negative coordinate is farthest out where it is nearest.
-        let least = |v: f64| if v < 0.0 { v / near } else { v / far };
-        let most = |v: f64| if v < 0.0 { v / far } else { v / near };
-        Bounds {
-            min: DVec3::new(least(min.x), least(min.y), -1.0 / near),
-            max: DVec3::new(most(max.x), most(max.y), -1.0 / far),
+        MapBounds {
+            min: DVec3::new(
+                least_tangent(min.x, near, far),
+                least_tangent(min.y, near, far),
+                -1.0 / near,
+            ),
+            max: DVec3::new(
+                greatest_tangent(max.x, near, far),
+                greatest_tangent(max.y, near, far),
+                -1.0 / far,
+            ),
         }
+    }
+}
+
+/// Returns the least of `across / distance` over distances from `near` to `far`: a negative coordinate is farthest out where
+/// it is nearest.
+fn least_tangent(across: f64, near: f64, far: f64) -> f64 {
+    if across < 0.0 {
+        across / near
+    } else {
+        across / far
+    }
+}
+
+/// Returns the greatest of `across / distance` over distances from `near` to `far`.
+fn greatest_tangent(across: f64, near: f64, far: f64) -> f64 {
+    if across < 0.0 {
+        across / far
+    } else {
+        across / near
     }
 }

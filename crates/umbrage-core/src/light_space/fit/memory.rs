@@ -1,18 +1,21 @@
-//! Fits that were found before.
+//! A memory of the fits of one view.
 
 use crate::{Layout, LightSpaces, RecipeError, light_space::fit::kind::Fit};
-use std::sync::Mutex;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// The light spaces that were found for one view: techniques whose maps lie alike then share the search. Whoever tries many
-/// settings on one view hangs it on that view: [`View::with_fits`](crate::View::with_fits).
+/// The light spaces that were found for one view, so that techniques with the same fit, layout, size and margin share the
+/// search. A program that tries many settings on one view gives it to that view:
+/// [`View::with_fits`](crate::View::with_fits).
 #[derive(Debug, Default)]
 pub struct FitMemory {
-    found: Mutex<Vec<(Asked, Result<LightSpaces, RecipeError>)>>,
+    found: Mutex<Vec<FoundFit>>,
 }
 
-/// What a fit hangs on beside the view.
+type FoundFit = (FitKey, Result<LightSpaces, RecipeError>);
+
+/// What light spaces depend on beside the view.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Asked {
+pub(super) struct FitKey {
     pub(super) fit: Fit,
     pub(super) layout: Layout,
     pub(super) size: u32,
@@ -20,23 +23,23 @@ pub(super) struct Asked {
 }
 
 impl FitMemory {
-    /// What was found before, else what `find` finds.
+    /// Returns what was found for `key` before, else what `find` returns, which it remembers. Errors are remembered, too.
     pub(super) fn recall(
         &self,
-        asked: Asked,
+        key: FitKey,
         find: impl FnOnce() -> Result<LightSpaces, RecipeError>,
     ) -> Result<LightSpaces, RecipeError> {
-        // A thread that panicked while it held the lock has left whole entries behind.
-        let lock = || {
-            self.found
-                .lock()
-                .unwrap_or_else(std::sync::PoisonError::into_inner)
-        };
-        if let Some((_, known)) = lock().iter().find(|(before, _)| *before == asked) {
+        if let Some((_, known)) = self.lock().iter().find(|(before, _)| *before == key) {
             return known.clone();
         }
+        // The lock is free meanwhile: two threads may find the same, which costs time alone.
         let new = find();
-        lock().push((asked, new.clone()));
+        self.lock().push((key, new.clone()));
         new
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Vec<FoundFit>> {
+        // Entries are pushed whole, so a thread that panicked while it held the lock has left no broken one.
+        self.found.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

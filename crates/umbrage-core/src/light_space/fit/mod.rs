@@ -8,7 +8,6 @@ mod memory;
 mod parallel;
 mod perspective;
 mod points;
-mod polygon;
 #[cfg(feature = "testing")]
 mod relevant;
 mod stable;
@@ -60,9 +59,9 @@ impl Fit {
         self.single(view, size, margin)
     }
 
-    /// The light space of a valid fit for a valid view.
+    /// Returns the light space of a valid fit for a valid view.
     fn single(&self, view: &View<'_>, size: u32, margin: f32) -> Result<LightSpace, RecipeError> {
-        let view = &self.known(view);
+        let view = &self.without_what_it_ignores(view);
         let Light::Directional { direction, .. } = *view.light else {
             return perspective::single(self, view, size, margin);
         };
@@ -77,7 +76,7 @@ impl Fit {
         })
     }
 
-    /// Objects to numbers that are not finite; what depends on the light is left to its light space.
+    /// Errors if a number is not finite. What depends on the light is checked when its light space is made.
     fn validate(&self) -> Result<(), Invalid> {
         let Self::Manual { eye, extents } = self else {
             return Ok(());
@@ -91,21 +90,21 @@ impl Fit {
             near,
             far,
         } = *extents;
-        let named = [
+        for (name, value) in [
             ("left", left),
             ("right", right),
             ("bottom", bottom),
             ("top", top),
             ("near", near),
             ("far", far),
-        ];
-        named.iter().try_for_each(|(name, value)| {
-            invalid::finite(&format!("manual fit's {name}"), &[*value])
-        })
+        ] {
+            invalid::finite(&format!("manual fit's {name}"), &[value])?;
+        }
+        Ok(())
     }
 
-    /// What a fit may look at: those that stand still do not look at what is seen.
-    fn known<'a>(&self, view: &View<'a>) -> View<'a> {
+    /// Returns the view without the seen receivers for fits that stand still while the camera moves.
+    fn without_what_it_ignores<'a>(&self, view: &View<'a>) -> View<'a> {
         match self {
             Self::Tight | Self::Manual { .. } => *view,
             Self::Whole | Self::Stable { .. } => View {
@@ -115,7 +114,7 @@ impl Fit {
         }
     }
 
-    /// The light spaces of a layout; parameters as [`Fit::light_space`].
+    /// Returns the light spaces of a layout; parameters as [`Fit::light_space`].
     ///
     /// # Errors
     /// As [`Fit::light_space`]; and `Unsupported` for a cube around a light without a position.
@@ -126,27 +125,19 @@ impl Fit {
         size: u32,
         margin: f32,
     ) -> Result<LightSpaces, RecipeError> {
-        let find = || {
-            let mut spaces = self.find(layout, view, size, margin)?;
-            if let Some(geometry) = view.geometry {
-                spaces.leave_out_casters_beside(geometry, size);
-            }
-            Ok(spaces)
+        let Some(memory) = view.fits else {
+            return self.find(layout, view, size, margin);
         };
-        match view.fits {
-            Some(memory) => memory.recall(
-                memory::Asked {
-                    fit: *self,
-                    layout,
-                    size,
-                    margin,
-                },
-                find,
-            ),
-            None => find(),
-        }
+        let key = memory::FitKey {
+            fit: *self,
+            layout,
+            size,
+            margin,
+        };
+        memory.recall(key, || self.find(layout, view, size, margin))
     }
 
+    /// As [`Fit::light_spaces`], without the view's memory of earlier fits.
     fn find(
         &self,
         layout: Layout,
@@ -156,26 +147,55 @@ impl Fit {
     ) -> Result<LightSpaces, RecipeError> {
         view.validate()?;
         self.validate()?;
-        let single = || {
-            let space = self.single(view, size, margin)?;
-            Ok(LightSpaces::with_all_casters(vec![space]))
+        let mut spaces = match (layout, view.light.position()) {
+            (Layout::Single, _) | (Layout::Auto, None) => self.one(view, size, margin)?,
+            (Layout::Cube, None) => {
+                return Err(RecipeError::unsupported(
+                    "a directional light has no place to put a cube around",
+                ));
+            }
+            (Layout::Cube, Some(eye)) => self.cube(view, eye, size, margin)?,
+            (Layout::Auto, Some(eye)) => self.one_or_cube(view, eye, size, margin)?,
         };
-        let cube = |eye| perspective::cube(self, &self.known(view), eye, size, margin);
-        let suffices = |one: &LightSpaces, eye| {
-            perspective::suffices(&one.spaces[0], &self.known(view), eye, size, margin)
-        };
-        match (layout, view.light.position()) {
-            (Layout::Single, _) | (Layout::Auto, None) => single(),
-            (Layout::Cube, None) => Err(RecipeError::unsupported(
-                "a directional light has no place to put a cube around",
-            )),
-            (Layout::Cube, Some(eye)) => cube(eye),
-            (Layout::Auto, Some(eye)) => match single() {
-                Err(RecipeError::Unsupported(_)) => cube(eye),
-                // A kernel may be too wide for a cube's faces.
-                Ok(one) if !suffices(&one, eye) => cube(eye).or(Ok(one)),
-                other => other,
-            },
+        if let Some(geometry) = view.geometry {
+            spaces.leave_out_casters_beside(geometry, size);
         }
+        Ok(spaces)
+    }
+
+    fn one(&self, view: &View<'_>, size: u32, margin: f32) -> Result<LightSpaces, RecipeError> {
+        let space = self.single(view, size, margin)?;
+        Ok(LightSpaces::with_all_casters(vec![space]))
+    }
+
+    fn cube(
+        &self,
+        view: &View<'_>,
+        eye: Vec3,
+        size: u32,
+        margin: f32,
+    ) -> Result<LightSpaces, RecipeError> {
+        let view = self.without_what_it_ignores(view);
+        perspective::cube(self, &view, eye, size, margin)
+    }
+
+    /// Returns one space where one suffices (see [`Layout::Auto`]), else a cube's six.
+    fn one_or_cube(
+        &self,
+        view: &View<'_>,
+        eye: Vec3,
+        size: u32,
+        margin: f32,
+    ) -> Result<LightSpaces, RecipeError> {
+        let one = match self.one(view, size, margin) {
+            Err(RecipeError::Unsupported(_)) => return self.cube(view, eye, size, margin),
+            other => other?,
+        };
+        let known = self.without_what_it_ignores(view);
+        if perspective::suffices(&one.spaces[0], &known, eye, size, margin) {
+            return Ok(one);
+        }
+        // A kernel may be too wide for a cube's faces.
+        self.cube(view, eye, size, margin).or(Ok(one))
     }
 }

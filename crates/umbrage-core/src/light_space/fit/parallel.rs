@@ -6,7 +6,7 @@ use crate::{
         Extents, LightSpace,
         fit::{
             cull::{self, Lookups, Need, Receiving},
-            map_space::{Bounds, MapSpace},
+            map_space::{MapBounds, MapSpace},
             points::{
                 bounds_in, caster_points, caster_reach, casters_on, padded, receiver_points,
                 rounding,
@@ -17,8 +17,8 @@ use crate::{
 };
 use glam::{DAffine3, DVec3, Mat4, Vec3};
 
-/// Sideways around what both casts and receives, in depth from the first caster to the last receiver. `cull`: of the
-/// casters, only what can shadow a receiver counts.
+/// Returns the light space that goes, sideways, around what both casts and receives, and in depth from the first caster to
+/// the last receiver. With `cull`, only those casters count that can shadow a receiver.
 pub(super) fn tight(
     view: &View<'_>,
     direction: Vec3,
@@ -42,7 +42,8 @@ pub(super) fn tight(
     };
     let mut b = casters.intersection(&receivers);
     // View z falls away from the light: from the first caster (greatest z) to the last receiver (least z).
-    (b.min.z, b.max.z) = (receivers.min.z, casters.max.z);
+    b.min.z = receivers.min.z;
+    b.max.z = casters.max.z;
     if b.is_empty() {
         // Nothing can fall on anything: any space will do.
         b = Aabb {
@@ -53,10 +54,11 @@ pub(super) fn tight(
     around(view_from_world, &b, size, margin)
 }
 
-/// The space around a box of the light's view, with room for kernels at the outermost receivers.
+/// Returns the light space around a box of the light's view, with room for kernels at the outermost receivers.
 fn around(view_from_world: Mat4, b: &Aabb, size: u32, margin: f32) -> Result<LightSpace, Invalid> {
-    let grow =
-        (b.extent() / inner(size, margin) * (margin + 1.0)).max(Vec3::splat(f32::MIN_POSITIVE));
+    // The box takes the inner texels, so that `margin` and one more texel are left on each side.
+    let texel = b.extent() / inner(size, margin);
+    let grow = (texel * (margin + 1.0)).max(Vec3::splat(f32::MIN_POSITIVE));
     let extents = Extents {
         left: b.min.x - grow.x,
         right: b.max.x + grow.x,
@@ -71,12 +73,12 @@ fn around(view_from_world: Mat4, b: &Aabb, size: u32, margin: f32) -> Result<Lig
     })
 }
 
-/// How many of a map's texels lie on what it is for.
+/// Returns how many texels of a map's side are left for receivers: all but the kernel's reach and one texel on each side.
 pub(super) fn inner(size: u32, margin: f32) -> f32 {
     (size as f32 - 2.0 * margin - 2.0).max(1.0)
 }
 
-/// The box, in the light's view, around casters that can shadow a receiver.
+/// Returns the box, in the light's view, around casters that can shadow a receiver; `receivers` is the box around these.
 fn needed_casters(
     view: &View<'_>,
     geometry: &Geometry,
@@ -90,40 +92,39 @@ fn needed_casters(
         nearest: None,
     };
     let last = -f64::from(receivers.min.z);
-    let column = Bounds {
+    let column = MapBounds {
         min: receivers.min.as_dvec3(),
         max: receivers.max.as_dvec3(),
     };
     let all = casters_on(&space, geometry);
-    let looked_up = Receiving::new(cull::seen(view).as_deref(), geometry, &space, &column);
-    // No texel of the fit is greater than this: it will cover no more than either box.
-    let most = (all.max - all.min)
+    let receiving = Receiving::new(cull::seen(view).as_deref(), geometry, &space, &column);
+    // The fit covers no more than either box, so its texels are no greater than these sides' ones.
+    let greatest_side = (all.max - all.min)
         .min(column.max - column.min)
         .max(DVec3::ZERO)
         .truncate();
     let lookups = Lookups {
-        texel: most / f64::from(inner(size, margin)),
+        texel: greatest_side / f64::from(inner(size, margin)),
         margin: f64::from(margin),
         rounding: f64::from(rounding(receivers, caster_reach(view))),
         tangent: 0.0,
     };
     let mut found = all;
-    // Of a light with an extent, what matters depends on the first caster that matters: asked twice, the first may be
-    // farther.
-    for _ in 0..if view.light.is_ideal() { 1 } else { 2 } {
-        let reach = lookups.reach(view.light, [found.min.z, last]);
-        let need = Need::new(space, geometry, &looked_up, &reach);
-        found = need.map_or(Bounds::EMPTY, |need| need.around_casters());
+    // Of a light with an extent, how far a search for blockers goes depends on the first caster that matters: after one pass
+    // the first may be farther, so a second pass may find fewer.
+    let passes = if view.light.is_ideal() { 1 } else { 2 };
+    for _ in 0..passes {
+        let reach = lookups.reach(view.light, found.min.z, last);
+        let need = Need::new(space, geometry, &receiving, &reach);
+        found = need.map_or(MapBounds::EMPTY, |need| need.around_casters());
     }
     if found.is_empty() {
         return Aabb::EMPTY;
     }
-    let corner = |p: DVec3, rank: f64| p.with_z(-rank).as_vec3();
-    padded(
-        Aabb {
-            min: corner(found.min, found.max.z),
-            max: corner(found.max, found.min.z),
-        },
-        caster_reach(view),
-    )
+    // View z is minus the rank, so the greatest rank becomes the least z.
+    let in_view = Aabb {
+        min: found.min.with_z(-found.max.z).as_vec3(),
+        max: found.max.with_z(-found.min.z).as_vec3(),
+    };
+    padded(in_view, caster_reach(view))
 }

@@ -1,28 +1,31 @@
 //! Fits of lights with a position: one pyramid, or a cube's six.
 
 use crate::{
-    Aabb, CasterSet, Light, RecipeError, View,
+    Aabb, CasterSet, Geometry, Light, RecipeError, View,
     light_space::{
         LightSpace,
-        depth_range::{Pyramid, depth_range},
+        depth_range::{ViewPyramid, depth_range},
         fit::{
             Fit, WIDEST_HALF_ANGLE,
-            lamp::Lamp,
+            lamp::{Lamp, SquarePyramid},
             points::{bounds_in, caster_points, receiver_points},
         },
         layers::{LightSpaces, cube_face_views},
         look_along, perspective,
     },
 };
-use glam::{Mat4, Vec3};
+use glam::{DVec3, Mat4, Vec3};
+use std::ops::Range;
 
-/// Nearest plane of a perspective fit, as a fraction of its far plane: 2^-14. Depths there are still told apart to 2^-10 of
+/// Least near plane of a perspective fit, as a fraction of its far plane: 2^-14. Depths there are still told apart to 2^-10 of
 /// their distance; a caster nearer than that (.6 mm from a lamp over 10 m) is lost rather than everyone's precision.
-pub(super) const NEAREST: f32 = 1.0 / 16_384.0;
+pub(super) const MIN_NEAR_OVER_FAR: f32 = 1.0 / 16_384.0;
 /// Radians beside the outermost caster, for rounding.
-const BESIDE: f32 = 1e-3;
+const ANGLE_PADDING: f32 = 1e-3;
 
-/// One pyramid.
+/// Returns the light space of a single map: one square pyramid. Parameters as [`Fit::light_space`].
+///
+/// Errors if it would be wider than [`WIDEST_HALF_ANGLE`] allows.
 pub(super) fn single(
     fit: &Fit,
     view: &View<'_>,
@@ -69,9 +72,11 @@ pub(super) fn cube(
     size: u32,
     margin: f32,
 ) -> Result<LightSpaces, RecipeError> {
-    if size as f32 - 2.0 * margin - 2.0 < size as f32 / WIDEST_HALF_ANGLE.to_radians().tan()
-        && margin > 0.0
-    {
+    // A face of half angle a, widened by the kernel's reach, gets the tangent `tan(a) size / inner`: with a = 45 degrees it
+    // must be at most that of the widest half angle.
+    let widest_tangent = WIDEST_HALF_ANGLE.to_radians().tan();
+    let inner = size as f32 - 2.0 * margin - 2.0;
+    if inner < size as f32 / widest_tangent && margin > 0.0 {
         return Err(RecipeError::unsupported(format!(
             "a kernel that reaches {margin} texels is too wide for a cube's faces of {size}: use greater maps or a \
              smaller kernel"
@@ -92,16 +97,14 @@ pub(super) fn cube(
         .map(|lamp| lamp.nears(f64::from(half_angle.tan())))
         .transpose()?;
     for (i, view_from_world) in cube_face_views(eye)?.into_iter().enumerate() {
-        let ([near, far], needed) = match (fit, &lamp, nears) {
-            (_, Some(lamp), Some(nears)) => (range(nears[i], lamp.far as f32), nears[i].is_some()),
-            (Fit::Manual { extents, .. }, ..) => (
-                [extents.near, extents.far],
-                is_needed(view, &view_from_world, half_angle),
-            ),
-            _ => (
-                whole_range(view, &view_from_world, half_angle),
-                is_needed(view, &view_from_world, half_angle),
-            ),
+        let [near, far] = match (fit, &lamp, nears) {
+            (_, Some(lamp), Some(nears)) => range(nears[i], lamp.far as f32),
+            (Fit::Manual { extents, .. }, ..) => [extents.near, extents.far],
+            _ => whole_range(view, &view_from_world, half_angle),
+        };
+        let needed = match nears {
+            Some(nears) => nears[i].is_some(),
+            None => is_needed(view, &view_from_world, half_angle),
         };
         let clip_from_view = perspective(2.0 * half_angle, 1.0, near, far)?;
         out.spaces.push(LightSpace {
@@ -132,7 +135,7 @@ pub(super) fn suffices(
         || cone_around_casters(view, eye).1.to_degrees() <= WIDEST_HALF_ANGLE
 }
 
-/// Wider by the kernel's reach, so that the outermost receivers' taps stay on the map.
+/// Returns a half angle (radians) made wider by the kernel's reach, so that the outermost receivers' taps stay on the map.
 fn widened(half_angle: f32, size: u32, margin: f32) -> f32 {
     let tangent = half_angle.tan() * size as f32 / super::parallel::inner(size, margin);
     // A kernel as wide as the map would open the angle without end.
@@ -150,18 +153,26 @@ fn cone(view: &View<'_>, eye: Vec3, lamp: Option<&Lamp<'_>>) -> Result<(Vec3, f3
         } => (direction, outer),
         _ => cone_around_casters(view, eye),
     };
-    let angle = |tangent: f64| tangent.atan() as f32 + BESIDE;
-    let too_wide = widest.to_degrees() > WIDEST_HALF_ANGLE;
-    match lamp {
-        Some(lamp) if !too_wide => {
-            let (axis, tangent) = lamp.narrowed((axis, f64::from(widest).tan()))?;
-            Ok((axis, angle(tangent).min(widest)))
-        }
-        Some(lamp) if !matches!(view.light, Light::Spot { .. }) => Ok(lamp
-            .aimed()?
-            .map_or((axis, widest), |(axis, tangent)| (axis, angle(tangent)))),
-        _ => Ok((axis, widest)),
+    let Some(lamp) = lamp else {
+        return Ok((axis, widest));
+    };
+    if widest.to_degrees() <= WIDEST_HALF_ANGLE {
+        let tangent = f64::from(widest).tan();
+        let narrowed = lamp.narrowed(SquarePyramid { axis, tangent })?;
+        return Ok((narrowed.axis, padded_half_angle(&narrowed).min(widest)));
     }
+    // A spot's cone is as wide as its light; of other lamps, less than all casters may matter.
+    if !matches!(view.light, Light::Spot { .. })
+        && let Some(pyramid) = lamp.aimed()?
+    {
+        return Ok((pyramid.axis, padded_half_angle(&pyramid)));
+    }
+    Ok((axis, widest))
+}
+
+/// Returns a pyramid's half angle, radians, with room for rounding.
+fn padded_half_angle(pyramid: &SquarePyramid) -> f32 {
+    pyramid.tangent.atan() as f32 + ANGLE_PADDING
 }
 
 /// The axis and half angle (radians) of a cone from `eye` that holds all casters.
@@ -169,37 +180,42 @@ fn cone_around_casters(view: &View<'_>, eye: Vec3) -> (Vec3, f32) {
     if view.casters.is_empty() {
         return (Vec3::NEG_Y, 0.5);
     }
-    let directions = || caster_points(view).map(move |p| (p - eye).as_dvec3().normalize_or_zero());
-    let sum: glam::DVec3 = directions().sum();
-    let center = Aabb::around(caster_points(view)).center() - eye;
+    let direction_to = |p: Vec3| (p - eye).as_dvec3().normalize_or_zero();
+    let sum: DVec3 = caster_points(view).map(direction_to).sum();
+    // Where directions cancel out, the middle of the casters' box gives the axis.
     let axis = if sum.length() > 1e-9 {
         sum.normalize()
     } else {
-        center.as_dvec3().normalize_or(-glam::DVec3::Y)
+        let center = Aabb::around(caster_points(view)).center() - eye;
+        center.as_dvec3().normalize_or(-DVec3::Y)
     };
-    let widest = directions().map(|d| d.dot(axis)).fold(1.0, f64::min);
-    (
-        axis.as_vec3(),
-        widest.clamp(-1.0, 1.0).acos() as f32 + BESIDE,
-    )
+    let least_cosine = caster_points(view)
+        .map(|p| direction_to(p).dot(axis))
+        .fold(1.0, f64::min);
+    let half_angle = least_cosine.clamp(-1.0, 1.0).acos() as f32 + ANGLE_PADDING;
+    (axis.as_vec3(), half_angle)
 }
 
 /// Whether something casts and something seen receives within a cube's face.
 fn is_needed(view: &View<'_>, view_from_world: &Mat4, half_angle: f32) -> bool {
     let Some(g) = view.geometry else { return true };
     let pyramid = pyramid(view_from_world, half_angle);
-    let meets = |triangles: std::ops::Range<u32>| {
-        depth_range(&pyramid, triangles.map(|t| g.corners(t))).is_some()
-    };
-    let receives = || match view.receivers {
-        Some(r) => r.positions().any(|p| pyramid.holds(p)),
-        None => meets(g.receivers()),
-    };
-    meets(g.casters()) && receives()
+    if !meets_any(&pyramid, g, g.casters()) {
+        return false;
+    }
+    match view.receivers {
+        Some(r) => r.positions().any(|p| pyramid.contains(p)),
+        None => meets_any(&pyramid, g, g.receivers()),
+    }
 }
 
-fn pyramid(view_from_world: &Mat4, half_angle: f32) -> Pyramid {
-    Pyramid {
+/// Returns whether a part of one of the triangles with these ids lies in the pyramid.
+fn meets_any(pyramid: &ViewPyramid, geometry: &Geometry, ids: Range<u32>) -> bool {
+    depth_range(pyramid, ids.map(|id| geometry.corners(id))).is_some()
+}
+
+fn pyramid(view_from_world: &Mat4, half_angle: f32) -> ViewPyramid {
+    ViewPyramid {
         view_from_world: *view_from_world,
         tangents: [f64::from(half_angle.tan()); 2],
     }
@@ -235,9 +251,11 @@ fn far_plane(view: &View<'_>, view_from_world: &Mat4) -> f32 {
     }
 }
 
+/// Returns near and far planes; the near one at most halfway to the far one, and there if nothing is near.
 fn range(near: Option<f32>, far: f32) -> [f32; 2] {
     [
-        near.unwrap_or(far * 0.5).clamp(far * NEAREST, far * 0.5),
+        near.unwrap_or(far * 0.5)
+            .clamp(far * MIN_NEAR_OVER_FAR, far * 0.5),
         far,
     ]
 }

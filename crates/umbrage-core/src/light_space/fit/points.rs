@@ -2,7 +2,7 @@
 
 use crate::{
     Aabb, Geometry, View,
-    light_space::fit::map_space::{Bounds, MapSpace},
+    light_space::fit::map_space::{MapBounds, MapSpace},
 };
 use glam::{Mat4, Vec3};
 
@@ -29,7 +29,7 @@ pub(super) fn receiver_points<'a>(view: &'a View<'_>) -> Box<dyn Iterator<Item =
     }
 }
 
-/// Bounds in view space, grown so that the rounding of later lookups cannot put a point outside.
+/// Returns the box around points in view space, grown so that the rounding of later lookups cannot put a point outside.
 pub(super) fn bounds_in(view_from_world: &Mat4, points: impl Iterator<Item = Vec3>) -> Aabb {
     let view_from_world = glam::DAffine3::from_mat4(view_from_world.as_dmat4());
     let mut world = 0.0_f32;
@@ -74,7 +74,7 @@ pub(super) fn caster_reach(view: &View<'_>) -> f32 {
 }
 
 /// A box around all casters on a map; loose.
-pub(super) fn casters_on(space: &MapSpace, geometry: &Geometry) -> Bounds {
+pub(super) fn casters_on(space: &MapSpace, geometry: &Geometry) -> MapBounds {
     let blocks = geometry.chunk_bounds().of(geometry.casters());
-    blocks.fold(Bounds::EMPTY, |all, (_, b)| all.union(&space.block(&b)))
+    blocks.fold(MapBounds::EMPTY, |all, (_, b)| all.union(&space.block(&b)))
 }

@@ -4,7 +4,7 @@ use crate::{
     Geometry, LightSpace, LightSpaces, View,
     light_space::fit::{
         cull::{self, Lookups, Need, Receiving},
-        map_space::{Bounds, MapSpace},
+        map_space::{MapBounds, MapSpace},
     },
 };
 use glam::DVec3;
@@ -58,12 +58,12 @@ fn on_map(
             0.0
         },
     };
-    let reach = lookups.reach(view.light, [column.min.z, column.max.z]);
+    let reach = lookups.reach(view.light, column.min.z, column.max.z);
     Need::new(map, geometry, &receivers, &reach).map_or(Vec::new(), |need| need.casters().collect())
 }
 
 /// What a map covers, in map space.
-fn column(space: &LightSpace, map: &MapSpace) -> Bounds {
+fn column(space: &LightSpace, map: &MapSpace) -> MapBounds {
     let view_from_clip = space.clip_from_view.as_dmat4().inverse();
     let corner = |x: f64, y: f64, depth: f64| {
         let p = view_from_clip.project_point3(DVec3::new(x, y, depth));
@@ -74,5 +74,5 @@ fn column(space: &LightSpace, map: &MapSpace) -> Bounds {
         };
         across.extend(map.rank(-p.z))
     };
-    Bounds::around([corner(-1.0, -1.0, 0.0), corner(1.0, 1.0, 1.0)])
+    MapBounds::around([corner(-1.0, -1.0, 0.0), corner(1.0, 1.0, 1.0)])
 }

@@ -15,7 +15,7 @@ use crate::{
         LightSpace,
         fit::{
             cull::{Need, Reach, Receiving},
-            map_space::{Bounds, MapSpace},
+            map_space::{MapBounds, MapSpace},
         },
         look_along,
     },
@@ -25,9 +25,9 @@ use glam::{DAffine3, DVec2, DVec3, Mat4, Vec3, Vec4};
 /// Steps in which the near plane moves, as a fraction of the sphere's radius.
 const DEPTH_STEP: f64 = 0.25;
 /// Texels beside the sphere: one for the outermost receivers' own, one for the step.
-const BESIDE: f64 = 2.0;
+const BORDER_TEXELS: f64 = 2.0;
 /// Least radius, as a fraction of the coordinates: below, 32-bit positions could not be told apart.
-const LEAST: f64 = 1.0 / 1_048_576.0;
+const MIN_RADIUS_OVER_COORDINATE: f64 = 1.0 / 1_048_576.0;
 
 #[derive(Clone, Copy, Debug)]
 struct Sphere {
@@ -35,7 +35,9 @@ struct Sphere {
     radius: f64,
 }
 
-/// The space around what may be seen up to `range` metres.
+/// Returns the light space around what the camera may see up to `range` metres along its view.
+///
+/// Errors if `range` is not positive, or the result is not finite.
 pub(super) fn parallel(
     view: &View<'_>,
     direction: Vec3,
@@ -46,48 +48,52 @@ pub(super) fn parallel(
     invalid::positive("stable fit's range", range)?;
     let view_from_world = look_along(Vec3::ZERO, direction, Vec3::Y)?;
     let sphere = smallest(view, f64::from(range));
-    let inner = (f64::from(size) - 2.0 * (f64::from(margin) + BESIDE)).max(1.0);
+    let inner = (f64::from(size) - 2.0 * (f64::from(margin) + BORDER_TEXELS)).max(1.0);
     let half_side = sphere.radius * f64::from(size) / inner;
     let [near, depth] = depths(view, &view_from_world, &sphere, half_side);
-    let (across, along) = ((1.0 / half_side) as f32, (-1.0 / depth) as f32);
-    let still = LightSpace {
+    let scale_xy = (1.0 / half_side) as f32;
+    let scale_z = (-1.0 / depth) as f32;
+    let unmoved = LightSpace {
         view_from_world,
-        clip_from_view: Mat4::from_diagonal(Vec4::new(across, across, along, 1.0)),
+        clip_from_view: Mat4::from_diagonal(Vec4::new(scale_xy, scale_xy, scale_z, 1.0)),
     };
-    let center = still
+    // The sphere's centre in clip space, rounded to whole texels, moves to the middle of the map.
+    let center = unmoved
         .clip_from_world()
         .as_dmat4()
         .transform_point3(sphere.center);
     let texel = 2.0 / f64::from(size);
-    let steps = (center.truncate() / texel).round();
-    let shift = (-steps * texel).extend(-near / depth).as_vec3();
+    let whole_texels = (center.truncate() / texel).round();
+    let shift = (-whole_texels * texel).extend(-near / depth).as_vec3();
     let clip_from_view = Mat4 {
         w_axis: shift.extend(1.0),
-        ..still.clip_from_view
+        ..unmoved.clip_from_view
     };
     invalid::finite("stable fit", &clip_from_view.to_cols_array())?;
     Ok(LightSpace {
         clip_from_view,
-        ..still
+        ..unmoved
     })
 }
 
-/// The near plane's distance, and the depth behind it. Both in steps, so that clip depths (and with them biases) seldom
-/// change: the near plane by quarters of the radius, the depth by octaves.
+/// Returns the near plane's distance and the depth of the space behind it, metres. Both go in steps, so that clip depths
+/// (and with them biases) seldom change: the near plane by quarters of the radius, the depth by factors of two.
 fn depths(view: &View<'_>, view_from_world: &Mat4, sphere: &Sphere, half_side: f64) -> [f64; 2] {
     let space = MapSpace {
         view_from_world: DAffine3::from_mat4(view_from_world.as_dmat4()),
         nearest: None,
     };
     let center = space.view_from_world.transform_point3(sphere.center);
-    let (first, last) = (-center.z - sphere.radius, -center.z + sphere.radius);
+    let first = -center.z - sphere.radius;
+    let last = -center.z + sphere.radius;
     let side = DVec3::new(half_side, half_side, 0.0);
-    let column = Bounds {
+    let column = MapBounds {
         min: (center - side).with_z(first),
         max: (center + side).with_z(last),
     };
     let step = sphere.radius * DEPTH_STEP;
-    let near = (first.min(first_caster(view, &space, &column)) / step).floor() * step;
+    let nearest = first.min(first_caster(view, &space, &column));
+    let near = (nearest / step).floor() * step;
     let mut depth = 2.0 * sphere.radius + step;
     while near + depth < last {
         depth *= 2.0;
@@ -95,23 +101,24 @@ fn depths(view: &View<'_>, view_from_world: &Mat4, sphere: &Sphere, half_side: f
     [near, depth]
 }
 
-/// The rank of the first caster in a column.
-fn first_caster(view: &View<'_>, space: &MapSpace, column: &Bounds) -> f64 {
+/// Returns the least rank of a caster in a column.
+fn first_caster(view: &View<'_>, space: &MapSpace, column: &MapBounds) -> f64 {
     let found = match view.geometry {
         Some(geometry) => {
-            let nothing = Reach {
+            let no_reach = Reach {
                 across: DVec2::ZERO,
                 behind: 0.0,
             };
-            let need = Need::new(*space, geometry, &Receiving::within(*column), &nothing);
-            need.map_or(Bounds::EMPTY, |need| need.around_casters())
+            let need = Need::new(*space, geometry, &Receiving::within(*column), &no_reach);
+            need.map_or(MapBounds::EMPTY, |need| need.around_casters())
         }
         None => space.block(&view.casters),
     };
     found.min.z
 }
 
-/// The smallest of the spheres around what the camera may see, what casts, and what receives.
+/// Returns the smallest of the spheres around what the camera may see, what casts, and what receives; not so small that 32-bit
+/// positions in it could not be told apart.
 fn smallest(view: &View<'_>, range: f64) -> Sphere {
     let receivers = view.geometry.map(|g| {
         let blocks = g.chunk_bounds().of(g.receivers());
@@ -121,71 +128,87 @@ fn smallest(view: &View<'_>, range: f64) -> Sphere {
         .into_iter()
         .flatten()
         .filter(|b| !b.is_empty());
-    let mut sphere = boxes
-        .map(|b| around(&b))
-        .fold(seen(view.camera, range), |a, b| {
-            if b.radius < a.radius { b } else { a }
-        });
+    let mut sphere = seen(view.camera, range);
+    for b in boxes {
+        let other = around(&b);
+        if other.radius < sphere.radius {
+            sphere = other;
+        }
+    }
     sphere.radius = sphere
         .radius
-        .max(sphere.center.abs().max_element() * LEAST)
+        .max(sphere.center.abs().max_element() * MIN_RADIUS_OVER_COORDINATE)
         .max(f64::from(f32::MIN_POSITIVE));
     sphere
 }
 
 fn around(b: &Aabb) -> Sphere {
-    let (min, max) = (b.min.as_dvec3(), b.max.as_dvec3());
+    let min = b.min.as_dvec3();
+    let max = b.max.as_dvec3();
     Sphere {
         center: (min + max) * 0.5,
         radius: (max - min).length() * 0.5,
     }
 }
 
-/// The sphere around what a camera sees up to `range` metres along its view: its centre on the line between the middles of
-/// the near and the far rectangle, as far from the corners of both as can be. The radius depends on the projection alone.
+/// Returns the sphere, world space, around what a camera sees up to `range` metres along its view: its centre on the line between
+/// the middles of the near and the far rectangle, as far from the corners of both as can be. The radius depends on the
+/// projection alone.
 fn seen(camera: &Camera, range: f64) -> Sphere {
     let camera = camera.standard();
     let view_from_clip = camera.clip_from_view.as_dmat4().inverse();
-    let at = |x: f64, y: f64, depth: f64| view_from_clip.project_point3(DVec3::new(x, y, depth));
-    let last = -at(0.0, 0.0, 1.0).z;
+    let far_plane = -view_from_clip.project_point3(DVec3::Z).z;
     // A far plane at infinity comes out as infinite, or beyond it by what the inverse rounds.
-    let range = if last.is_finite() && last > 0.0 {
-        range.min(last)
+    let range = if far_plane.is_finite() && far_plane > 0.0 {
+        range.min(far_plane)
     } else {
         range
     };
     let perspective = camera.clip_from_view.row(3) != Vec4::W;
-    let corners = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)].map(|(x, y)| {
-        let near = at(x, y, 0.0);
+    let near_corners = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)]
+        .map(|(x, y)| view_from_clip.project_point3(DVec3::new(x, y, 0.0)));
+    let far_corners = near_corners.map(|near| {
         let range = range.max(-near.z);
-        [
-            near,
-            if perspective {
-                near * (range / -near.z)
-            } else {
-                near.with_z(-range)
-            },
-        ]
+        if perspective {
+            near * (range / -near.z)
+        } else {
+            near.with_z(-range)
+        }
     });
-    let middle = |i: usize| corners.iter().map(|c| c[i]).sum::<DVec3>() / 4.0;
-    let widest = |i: usize| {
-        corners
-            .iter()
-            .map(|c| c[i].distance_squared(middle(i)))
-            .fold(0.0, f64::max)
-    };
-    let (from, to) = (middle(0), middle(1));
-    let length = from.distance_squared(to).max(f64::MIN_POSITIVE);
-    let share = ((length + widest(1) - widest(0)) / (2.0 * length)).clamp(0.0, 1.0);
-    let center = from.lerp(to, share);
-    let radius = corners
+    let near_middle = middle(&near_corners);
+    let far_middle = middle(&far_corners);
+    let near_radius_squared = radius_squared(&near_corners, near_middle);
+    let far_radius_squared = radius_squared(&far_corners, far_middle);
+    // With l the distance of the middles and s the centre's share of it, the corners are equally far from the centre where
+    // near_radius^2 + (s l)^2 = far_radius^2 + ((1 - s) l)^2.
+    let length_squared = near_middle
+        .distance_squared(far_middle)
+        .max(f64::MIN_POSITIVE);
+    let share = ((length_squared + far_radius_squared - near_radius_squared)
+        / (2.0 * length_squared))
+        .clamp(0.0, 1.0);
+    let center = near_middle.lerp(far_middle, share);
+    let radius = near_corners
         .iter()
-        .flatten()
-        .map(|c| c.distance(center))
+        .chain(&far_corners)
+        .map(|corner| corner.distance(center))
         .fold(0.0, f64::max);
     let world_from_view = DAffine3::from_mat4(Mat4::from(camera.world_from_view).as_dmat4());
     Sphere {
         center: world_from_view.transform_point3(center),
         radius,
     }
+}
+
+/// Returns the mean of a rectangle's corners.
+fn middle(corners: &[DVec3; 4]) -> DVec3 {
+    corners.iter().sum::<DVec3>() / 4.0
+}
+
+/// Returns the square of the greatest distance from `center` to a corner.
+fn radius_squared(corners: &[DVec3; 4], center: DVec3) -> f64 {
+    corners
+        .iter()
+        .map(|corner| corner.distance_squared(center))
+        .fold(0.0, f64::max)
 }
