@@ -4,6 +4,11 @@
 //! Receivers are lanes: all receivers of a batch go to their first tap, then all to their second. Each lane adds up its taps in
 //! the order of the shader's loop, so both halves agree to the bit.
 
+#![expect(
+    clippy::needless_range_loop,
+    reason = "one index into many arrays: that is what compilers turn into vector lanes"
+)]
+
 use crate::{
     filtering::sample_pattern::{PatternShape, PatternTable, TapSet, affine, noise_index, wrapped},
     lanes::batch::{BATCH, Batch, Lanes},

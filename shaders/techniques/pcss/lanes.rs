@@ -1,6 +1,11 @@
 //! The loops of [`Pcss`](crate::Pcss) over many receivers, with an array for each field: all receivers of a batch go to their
 //! first tap, then all to their second. Each lane adds up its taps in the shader's order, so both halves agree to the bit.
 
+#![expect(
+    clippy::needless_range_loop,
+    reason = "one index into many arrays: that is what compilers turn into vector lanes"
+)]
+
 use crate::{
     filtering::{
         pattern_taps::{Axes, Comparisons, HALF_BATCH, KernelPlacement, ReceiverLanes},
