@@ -1,13 +1,13 @@
 //! Speed as ratios.
 
-use crate::args::BenchOptions;
+use crate::args::BenchArguments;
 use anyhow::{Result, bail};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
-use umbrage_lab::bench::{Options, Pair, run};
+use umbrage_lab::bench::{BenchOptions, Pair, run};
 use umbrage_wgpu::{AdapterChoice, Gpu};
 
 /// Prints each ratio as it comes, then the table of all.
-pub(crate) fn bench(options: &BenchOptions) -> Result<()> {
+pub(crate) fn bench(options: &BenchArguments) -> Result<()> {
     let mut gpu = match Gpu::new(&AdapterChoice::from_env()) {
         Ok(gpu) => Some(gpu),
         Err(why) => {
@@ -17,9 +17,9 @@ pub(crate) fn bench(options: &BenchOptions) -> Result<()> {
     };
     let mut pairs = Vec::new();
     run(
-        Options {
+        BenchOptions {
             runs: options.runs as usize,
-            ..Options::default()
+            ..BenchOptions::default()
         },
         gpu.as_mut(),
         |pair| {

@@ -1,28 +1,28 @@
 //! `bias`: the default bias against all others. All the work is the lab's.
 
-use crate::args::BiasOptions;
+use crate::args::BiasArguments;
 use crate::inputs;
 use crate::program::Program;
 use anyhow::{Context as _, Result};
 use std::{path::Path, time::Instant};
 use umbrage_core::{Scene, glam::UVec2};
-use umbrage_lab::bias::{Options, Staged, Summary, markdown, measure, staged, write};
+use umbrage_lab::bias::{BiasOptions, Staged, Summary, markdown, measure, staged, write};
 
 /// Plays, prints a line a scene, then the table.
-pub(crate) fn bias(program: &Program, options: &BiasOptions) -> Result<()> {
+pub(crate) fn bias(program: &Program, options: &BiasArguments) -> Result<()> {
     let mut backends = inputs::open(options.backend, options.adapter.as_ref())?;
     backends.notices.iter().for_each(|line| println!("{line}"));
     backends
         .playing
         .iter()
         .for_each(|b| println!("on {}", b.name()));
-    let base = Options::default();
+    let base = BiasOptions::default();
     let sides = if options.sides.is_empty() {
         base.sides
     } else {
         options.sides.clone()
     };
-    let settings = Options {
+    let settings = BiasOptions {
         size: options.size.map(UVec2::from),
         sides,
     };

@@ -2,7 +2,7 @@
 
 use crate::program::Program;
 use crate::{
-    args::{CompareOptions, Shard},
+    args::{CompareArguments, Shard},
     usage::Usage,
 };
 use crate::{cost, inputs, progress::Progress, table};
@@ -10,12 +10,14 @@ use anyhow::{Result, bail};
 use umbrage_core::{Backend, glam::UVec2};
 use umbrage_lab::{
     baseline::{Changes, Except, apart, changes, read, time_again},
-    compare::{Backends, Comparison, Event, Options, Runs, SceneInput, compare as run},
+    compare::{
+        Backends, CompareEvent, CompareOptions, Comparison, Runs, SceneInput, compare as run,
+    },
     report::{ComparisonPlan, Report},
 };
 
 /// Compares, prints, reports; fails if backends disagree, a control has no effect, or something got worse.
-pub(crate) fn compare(program: &Program, options: &CompareOptions) -> Result<()> {
+pub(crate) fn compare(program: &Program, options: &CompareArguments) -> Result<()> {
     let out = program.folder(options.out.as_deref(), "compare");
     // A baseline that can't be read must not be found out after minutes of measuring.
     let baseline = options
@@ -111,7 +113,7 @@ fn places(scenes: usize, shard: Option<Shard>) -> Result<Vec<usize>> {
 fn measure(
     inputs: &[SceneInput],
     places: &[usize],
-    settings: &Options,
+    settings: &CompareOptions,
     backends: &mut Backends,
     report: &Report,
     fresh: bool,
@@ -152,7 +154,7 @@ fn measure(
         },
         &|event| progress.note(event),
     );
-    progress.note(Event::Writing);
+    progress.note(CompareEvent::Writing);
     progress.finish();
     measured?;
     Ok(())
@@ -261,7 +263,7 @@ fn scene(program: &Program, name: &str) -> Result<SceneInput> {
     })
 }
 
-fn settings(options: &CompareOptions) -> Result<Options> {
+fn settings(options: &CompareArguments) -> Result<CompareOptions> {
     let known = umbrage_techniques::all().iter().map(|e| e.name);
     if let Some(unknown) = options
         .techniques
@@ -276,9 +278,9 @@ fn settings(options: &CompareOptions) -> Result<Options> {
         .into());
     }
     let mut out = if options.quick {
-        Options::quick()
+        CompareOptions::quick()
     } else {
-        Options::default()
+        CompareOptions::default()
     };
     out.techniques.clone_from(&options.techniques);
     out.color = options.color;

@@ -3,7 +3,7 @@
 use crate::usage::Usage;
 use anyhow::Result;
 use std::time::Duration;
-use umbrage_lab::compare::{Backends, Expected, Options, SceneInput, pilot};
+use umbrage_lab::compare::{Backends, CompareOptions, Expected, SceneInput, pilot};
 
 /// Comparisons of more pixels than this are tried at a small size first, so that nobody waits for what takes days.
 const MANY_PIXELS: u64 = 1 << 23;
@@ -14,7 +14,7 @@ const MANY_PIXELS: u64 = 1 << 23;
 /// When it doesn't fit into this machine's memory.
 pub(crate) fn tell(
     inputs: &[SceneInput],
-    options: &Options,
+    options: &CompareOptions,
     backends: &mut Backends,
 ) -> Result<()> {
     if inputs.is_empty() {

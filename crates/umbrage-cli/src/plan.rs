@@ -2,7 +2,7 @@
 
 use crate::program::Program;
 use crate::{
-    args::{PlanBackend, PlanOptions},
+    args::{PlanArguments, PlanBackend},
     usage::Usage,
 };
 use crate::{
@@ -13,10 +13,10 @@ use anyhow::{Result, bail};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
 use umbrage_core::glam::UVec2;
 use umbrage_lab::plan_files::write;
-use umbrage_plan::{Bounds, Options, Plan, Setting, cost::CostModel, plan as find};
+use umbrage_plan::{Bounds, Plan, PlanOptions, Setting, cost::CostModel, plan as find};
 
 /// Plans, prints, writes; fails if nothing is within the bounds.
-pub(crate) fn plan(program: &Program, options: &PlanOptions) -> Result<()> {
+pub(crate) fn plan(program: &Program, options: &PlanArguments) -> Result<()> {
     let [name] = &options.scenes[..] else {
         return Err(
             Usage("plan one scene at a time: give one SCENE, or --regret".to_owned()).into(),
@@ -50,24 +50,24 @@ pub(crate) fn plan(program: &Program, options: &PlanOptions) -> Result<()> {
 }
 
 /// The kind of backend whose prices count.
-fn kind(options: &PlanOptions) -> &'static str {
+fn kind(options: &PlanArguments) -> &'static str {
     match options.backend {
         PlanBackend::Cpu => "cpu",
         PlanBackend::Wgpu => "wgpu",
     }
 }
 
-pub(crate) fn settings(options: &PlanOptions) -> Options {
+pub(crate) fn settings(options: &PlanArguments) -> PlanOptions {
     let cost = CostModel::of(kind(options));
     let size = options.size.map(UVec2::from_array);
     let light = usize::from(options.light) - 1;
-    Options {
+    PlanOptions {
         samples: options.samples,
         seed: options.seed,
         cost,
         light,
         size,
-        ..Options::default()
+        ..PlanOptions::default()
     }
 }
 

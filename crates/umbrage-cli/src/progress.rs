@@ -10,7 +10,7 @@ use std::{
     thread::JoinHandle,
     time::{Duration, Instant},
 };
-use umbrage_lab::compare::Event;
+use umbrage_lab::compare::CompareEvent;
 
 /// Steps of one scene: half for truth, half for its rows.
 const STEPS: u64 = 2_000;
@@ -53,7 +53,7 @@ impl Progress {
     }
 
     /// Takes note of what happens; from any thread.
-    pub(crate) fn note(&self, event: Event<'_>) {
+    pub(crate) fn note(&self, event: CompareEvent<'_>) {
         // A panic elsewhere must not hide behind the bar's.
         let mut at = self
             .at
@@ -63,18 +63,18 @@ impl Progress {
             self.bar.set_message(message);
         }
         match event {
-            Event::Started {
+            CompareEvent::Started {
                 scenes,
                 rows_per_scene,
             } => {
                 self.bar.set_length(scenes as u64 * STEPS);
                 at.rows = rows_per_scene as u64;
             }
-            Event::Scene { index, .. } => at.scene = index as u64,
+            CompareEvent::Scene { index, .. } => at.scene = index as u64,
             _ => {}
         }
         // Where nobody watches, a line a scene shows in the log that there is progress.
-        if let (Event::SceneDone { result }, true) = (event, self.bar.is_hidden()) {
+        if let (CompareEvent::SceneDone { result }, true) = (event, self.bar.is_hidden()) {
             println!("{}: {} rows", result.name, result.rows.len());
         }
         if let Some(position) = position(*at, event) {
@@ -139,27 +139,27 @@ fn beat(done: f64, elapsed: Duration, message: &str) -> String {
     format!("{:.0} %, {gone} gone{rest}: {message}", 100.0 * done)
 }
 
-fn message(event: Event<'_>) -> Option<String> {
+fn message(event: CompareEvent<'_>) -> Option<String> {
     match event {
-        Event::Scene { name, .. } => Some(format!("{name}: truth")),
-        Event::Row {
+        CompareEvent::Scene { name, .. } => Some(format!("{name}: truth")),
+        CompareEvent::Row {
             technique,
             settings,
             backend,
             ..
         } => Some(format!("{technique} ({settings}) on {backend}")),
-        Event::Writing => Some("writing the report".to_owned()),
+        CompareEvent::Writing => Some("writing the report".to_owned()),
         _ => None,
     }
 }
 
 /// Steps done once this has happened.
-fn position(at: Place, event: Event<'_>) -> Option<u64> {
+fn position(at: Place, event: CompareEvent<'_>) -> Option<u64> {
     let half = |done: u64, total: u64| STEPS / 2 * done / total.max(1);
     let within = match event {
-        Event::Truth { done, total } => half(done as u64, total as u64),
-        Event::Row { index, .. } => STEPS / 2 + half(index as u64, at.rows),
-        Event::SceneDone { .. } => STEPS,
+        CompareEvent::Truth { done, total } => half(done as u64, total as u64),
+        CompareEvent::Row { index, .. } => STEPS / 2 + half(index as u64, at.rows),
+        CompareEvent::SceneDone { .. } => STEPS,
         _ => return None,
     };
     Some(at.scene * STEPS + within)
@@ -177,10 +177,10 @@ mod tests {
     fn truth_is_the_first_half_of_a_scene() {
         let at = Place { scene: 3, rows: 10 };
         assert_eq!(
-            position(at, Event::Truth { done: 1, total: 2 }),
+            position(at, CompareEvent::Truth { done: 1, total: 2 }),
             Some(3 * STEPS + STEPS / 4)
         );
-        let row = Event::Row {
+        let row = CompareEvent::Row {
             technique: "",
             settings: "",
             backend: "",

@@ -1,16 +1,18 @@
 //! `plan --regret`: plans against exhaustive sweeps.
 
-use crate::args::PlanOptions;
+use crate::args::PlanArguments;
 use crate::program::Program;
 use crate::{inputs::scene, plan::settings, planning::Progress};
 use anyhow::{Result, bail};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
 use umbrage_core::Scene;
 use umbrage_lab::plan_files::write_regret;
-use umbrage_plan::{MAX_REGRET, MIN_KEPT, Options, Regret, regret as measure, statistics::Sorted};
+use umbrage_plan::{
+    MAX_REGRET, MIN_KEPT, PlanOptions, Regret, regret as measure, statistics::Sorted,
+};
 
 /// One row a scene, light and bound; fails if too many bounds are broken, or a choice costs too much.
-pub(crate) fn regret(program: &Program, options: &PlanOptions) -> Result<()> {
+pub(crate) fn regret(program: &Program, options: &PlanArguments) -> Result<()> {
     let scenes = scenes(program, &options.scenes)?;
     let progress = Progress::new();
     let mut all = Vec::new();
@@ -18,7 +20,7 @@ pub(crate) fn regret(program: &Program, options: &PlanOptions) -> Result<()> {
         progress.prefix(format!("{} ({} of {}): ", scene.name, i + 1, scenes.len()));
         // The library says what a scene without lights lacks.
         for light in 0..scene.lights.len().max(1) {
-            let settings = Options {
+            let settings = PlanOptions {
                 light,
                 ..settings(options)
             };

@@ -3,7 +3,7 @@
 use crate::inputs;
 use crate::program::Program;
 use crate::{
-    args::{Backend, StabilityOptions},
+    args::{Backend, StabilityArguments},
     usage::Usage,
 };
 use anyhow::{Result, bail};
@@ -13,13 +13,14 @@ use std::time::Instant;
 use umbrage_lab::{
     compare::Backends,
     stability::{
-        CaseResult, Cell, Event, Options, Stability, check_state, report, rows, run,
+        CaseResult, Cell, Stability, StabilityEvent, StabilityOptions, check_state, report, rows,
+        run,
         sweeps::{self, Sweep},
     },
 };
 
 /// Plays, prints, reports; fails if anything came out that must not be.
-pub(crate) fn stability(program: &Program, options: &StabilityOptions) -> Result<()> {
+pub(crate) fn stability(program: &Program, options: &StabilityArguments) -> Result<()> {
     if options.list {
         println!("{}", list());
         return Ok(());
@@ -67,13 +68,13 @@ pub(crate) fn stability(program: &Program, options: &StabilityOptions) -> Result
     verdict(&stability)
 }
 
-fn settings(program: &Program, options: &StabilityOptions) -> Result<Options> {
+fn settings(program: &Program, options: &StabilityArguments) -> Result<StabilityOptions> {
     let base = if options.quick {
-        Options::quick()
+        StabilityOptions::quick()
     } else {
-        Options::default()
+        StabilityOptions::default()
     };
-    let out = Options {
+    let out = StabilityOptions {
         rows: options.rows.clone(),
         techniques: options.techniques.clone(),
         ..base
@@ -87,27 +88,27 @@ fn settings(program: &Program, options: &StabilityOptions) -> Result<Options> {
     Ok(out)
 }
 
-fn play(settings: &Options, backends: &mut Backends) -> Result<Stability> {
+fn play(settings: &StabilityOptions, backends: &mut Backends) -> Result<Stability> {
     let style = ProgressStyle::with_template(
         "{bar:30} {pos:>3}/{len}  {elapsed} gone, {eta} to go  {wide_msg}",
     );
     let bar =
         ProgressBar::new(0).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
     let stability = run(settings, backends, &mut |event| match event {
-        Event::Case { name, index, of } => {
+        StabilityEvent::Case { name, index, of } => {
             bar.set_length(of as u64);
             bar.set_position(index as u64);
             bar.set_message(name.to_owned());
         }
-        Event::Done { result } if bar.is_hidden() => println!("{}", line(result)),
-        Event::Done { .. } => {}
+        StabilityEvent::Done { result } if bar.is_hidden() => println!("{}", line(result)),
+        StabilityEvent::Done { .. } => {}
     });
     bar.finish_and_clear();
     Ok(stability?)
 }
 
 /// All sweeps.
-fn turn(settings: &Options, backends: &mut Backends) -> Result<Vec<Sweep>> {
+fn turn(settings: &StabilityOptions, backends: &mut Backends) -> Result<Vec<Sweep>> {
     let bar = ProgressBar::new_spinner();
     let sweeps = sweeps::sweeps(settings, backends, &mut |name| {
         bar.set_message(format!("sweep: {name}"));
@@ -221,7 +222,7 @@ fn verdict(stability: &Stability) -> Result<()> {
 }
 
 /// A software driver is too slow for a first look.
-fn backend(options: &StabilityOptions) -> Backend {
+fn backend(options: &StabilityArguments) -> Backend {
     let otherwise = if options.quick {
         Backend::Cpu
     } else {

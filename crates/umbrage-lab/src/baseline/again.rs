@@ -2,11 +2,11 @@
 
 use super::{
     Changes,
-    times::{Asked, Sample, Suspect},
+    times::{RatioSample, RowToRetime, Suspect},
 };
 use crate::{
     LabError,
-    compare::{Again, Backends, Options, Ranks, Runs, SceneInput, again, calm},
+    compare::{Again, Backends, CompareOptions, Ranks, Runs, SceneInput, again, calm},
 };
 use std::collections::BTreeMap;
 
@@ -34,7 +34,7 @@ type Fresh = BTreeMap<(usize, String), Again>;
 pub fn time_again(
     changes: &mut Changes,
     inputs: &[SceneInput],
-    options: &Options,
+    options: &CompareOptions,
     backends: &mut Backends,
 ) -> Result<(), LabError> {
     let suspects = std::mem::take(&mut changes.suspects);
@@ -94,8 +94,8 @@ fn asked<'a>(suspects: impl Iterator<Item = &'a Suspect>) -> BTreeMap<usize, Vec
 }
 
 /// What was found of a suspect's rows.
-fn known(suspect: &Suspect, fresh: &Fresh) -> Vec<Option<Sample>> {
-    let of = |row: &Asked| {
+fn known(suspect: &Suspect, fresh: &Fresh) -> Vec<Option<RatioSample>> {
+    let of = |row: &RowToRetime| {
         let Again {
             windows,
             least_ms,
@@ -103,7 +103,7 @@ fn known(suspect: &Suspect, fresh: &Fresh) -> Vec<Option<Sample>> {
         } = fresh.get(&(row.scene, row.stem.clone()))?;
         // None were calm yet: then there are no ranks, of no runs.
         let ratio = Ranks::of(calm(windows, *yardstick)).unwrap_or_default();
-        Some(Sample {
+        Some(RatioSample {
             ratio,
             least_ms: *least_ms,
             yardstick: *yardstick,

@@ -1,7 +1,7 @@
 //! What the baseline has and the new results lack.
 
 use super::Changes;
-use crate::compare::{Comparison, Row};
+use crate::compare::{CompareRow, Comparison};
 use std::collections::{BTreeMap, BTreeSet};
 use umbrage_core::Invalid;
 
@@ -22,7 +22,7 @@ impl Except {
     /// The first name that is neither a scene, a technique, a backend nor a setting of it.
     pub fn check(&self, baseline: &Comparison) -> Result<(), Invalid> {
         let known = |name: &&String| {
-            let of_row = |row: &Row| names(row).contains(name);
+            let of_row = |row: &CompareRow| names(row).contains(name);
             baseline
                 .scenes
                 .iter()
@@ -48,7 +48,7 @@ impl Except {
 }
 
 /// What a row may be excepted by, the widest first.
-fn names(row: &Row) -> [String; 3] {
+fn names(row: &CompareRow) -> [String; 3] {
     [
         row.backend.clone(),
         row.technique.clone(),
@@ -82,7 +82,7 @@ impl<'a> Lost<'a> {
     }
 
     /// Takes note of a row of the baseline.
-    pub(super) fn row(&mut self, scene: &str, row: &Row, missing: bool) {
+    pub(super) fn row(&mut self, scene: &str, row: &CompareRow, missing: bool) {
         for name in names(row) {
             let [all, lost] = self.rows.entry(name).or_default();
             *all += 1;

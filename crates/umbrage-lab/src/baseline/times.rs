@@ -29,7 +29,7 @@
 //! where the machine got faster meanwhile), and a technique that did by less than [`TECHNIQUE`]. Counted cost sees every
 //! operation more, however small.
 
-use crate::compare::{CALM, Ranks, Row};
+use crate::compare::{CALM, CompareRow, Ranks};
 use std::collections::BTreeMap;
 
 /// Between the slower of the usual runs then and the quicker of the usual runs now. Less than that is what another
@@ -62,14 +62,14 @@ pub const FEWEST_ROWS: usize = 8;
 pub(super) struct Timing<'a> {
     /// The scene's place in the new results, and its name.
     pub(super) scene: (usize, &'a str),
-    pub(super) row: &'a Row,
-    pub(super) then: Sample,
-    pub(super) now: Sample,
+    pub(super) row: &'a CompareRow,
+    pub(super) then: RatioSample,
+    pub(super) now: RatioSample,
 }
 
 /// How long a row took.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sample {
+pub struct RatioSample {
     /// Over the yardstick, of calm runs.
     pub ratio: Ranks,
     /// The quickest run, milliseconds.
@@ -84,20 +84,20 @@ pub struct Suspect {
     /// For people: a row with its scene, or a technique with its backend.
     pub label: String,
     /// Rows to be timed again.
-    pub rows: Vec<Asked>,
+    pub rows: Vec<RowToRetime>,
     /// Whether it is a technique as a whole.
     pub whole: bool,
 }
 
 /// A row that is to be timed again.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Asked {
+pub struct RowToRetime {
     /// Its scene's place in the new results.
     pub scene: usize,
-    /// [`Row::stem`].
+    /// [`CompareRow::stem`].
     pub stem: String,
     /// What the baseline says of it.
-    pub then: Sample,
+    pub then: RatioSample,
 }
 
 /// What times say.
@@ -167,8 +167,8 @@ fn spread_out<T>(all: &[T], most: usize) -> impl Iterator<Item = &T> {
 }
 
 impl Timing<'_> {
-    fn asked(&self) -> Asked {
-        Asked {
+    fn asked(&self) -> RowToRetime {
+        RowToRetime {
             scene: self.scene.0,
             stem: self.row.stem(),
             then: self.then,
@@ -187,7 +187,7 @@ fn bound(then: &Ranks) -> Option<f64> {
 }
 
 /// Whether the baseline's yardstick was as quick as it can be, as far as is known.
-fn is_calm(then: &Sample, now: &Sample) -> bool {
+fn is_calm(then: &RatioSample, now: &RatioSample) -> bool {
     then.yardstick <= CALM * now.yardstick
 }
 
@@ -211,7 +211,7 @@ fn slower(changes: &[f64]) -> Option<(bool, f64)> {
 impl Suspect {
     /// What to say of it now that its rows were timed again: none if it is no slower. `fresh` is what was found of each of
     /// its rows.
-    pub(super) fn verdict(&self, fresh: &[Option<Sample>]) -> Option<String> {
+    pub(super) fn verdict(&self, fresh: &[Option<RatioSample>]) -> Option<String> {
         if self.whole {
             let changes = self.changes(fresh);
             let (_, factor) = slower(&changes).filter(|(slower, _)| *slower)?;
@@ -230,7 +230,7 @@ impl Suspect {
         }
         let (label, factor) = (&self.label, now.ratio.median / then.ratio.median);
         let [a, b] = [then, now].map(|s| {
-            let Sample {
+            let RatioSample {
                 ratio: r, least_ms, ..
             } = s;
             format!(
@@ -244,7 +244,7 @@ impl Suspect {
     }
 
     /// Whether there are too few fresh runs that nothing held up: as many as make a quartile.
-    pub(super) fn is_untold(&self, fresh: &[Option<Sample>]) -> bool {
+    pub(super) fn is_untold(&self, fresh: &[Option<RatioSample>]) -> bool {
         !self.whole
             && fresh
                 .first()
@@ -256,7 +256,7 @@ impl Suspect {
     /// Whether fresh runs clear it already, so that it need not be timed once more: half of the ratios lie within the bound
     /// (nine in ten may not yet, of few runs), one run is nearly as quick as ever, or the yardstick can be quicker than it
     /// was beside the baseline.
-    pub(super) fn is_cleared(&self, fresh: &[Option<Sample>]) -> bool {
+    pub(super) fn is_cleared(&self, fresh: &[Option<RatioSample>]) -> bool {
         if self.whole {
             return Ranks::of(self.changes(fresh))
                 .is_none_or(|changes| changes.median <= TECHNIQUE.ln());
@@ -275,13 +275,13 @@ impl Suspect {
     }
 
     /// By how much its rows changed; those with a run as quick as ever did not.
-    fn changes(&self, fresh: &[Option<Sample>]) -> Vec<f64> {
+    fn changes(&self, fresh: &[Option<RatioSample>]) -> Vec<f64> {
         let pairs = self
             .rows
             .iter()
             .zip(fresh)
             .filter_map(|(row, now)| Some((row.then, (*now)?)));
-        let of = |(then, now): (Sample, Sample)| {
+        let of = |(then, now): (RatioSample, RatioSample)| {
             if as_quick(&then, &now, AS_QUICK) {
                 Some(0.0)
             } else {
@@ -293,7 +293,7 @@ impl Suspect {
 }
 
 /// Whether a run is as quick as the baseline's quickest, or slower by less than a factor.
-fn as_quick(then: &Sample, now: &Sample, factor: f64) -> bool {
+fn as_quick(then: &RatioSample, now: &RatioSample, factor: f64) -> bool {
     now.least_ms < factor * then.least_ms
 }
 

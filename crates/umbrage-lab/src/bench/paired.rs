@@ -6,7 +6,7 @@ use umbrage_plan::statistics::Sorted;
 
 /// What was measured of one of the two.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Times {
+pub struct PairTimes {
     /// Shortest run, milliseconds.
     #[serde(rename = "least")]
     pub min: f64,
@@ -24,9 +24,9 @@ pub struct Pair {
     /// Who did it, first ours.
     pub who: [String; 2],
     /// Our times.
-    pub ours: Times,
+    pub ours: PairTimes,
     /// Their times.
-    pub theirs: Times,
+    pub theirs: PairTimes,
     /// Median over the pairs of theirs / ours: above 1, ours is the faster.
     pub ratio: f64,
     /// The ratio that is asked for, if any.
@@ -50,7 +50,7 @@ pub fn paired<E>(
     [warm_up, runs]: [usize; 2],
     mut ours: impl FnMut() -> Result<Duration, E>,
     mut theirs: impl FnMut() -> Result<Duration, E>,
-) -> Result<(Times, Times, f64), E> {
+) -> Result<(PairTimes, PairTimes, f64), E> {
     let mut times = Vec::with_capacity(runs);
     for run in 0..warm_up + runs {
         // Who goes first alternates, so that neither always follows the other's heat.
@@ -65,10 +65,10 @@ pub fn paired<E>(
             times.push((milliseconds(pair.0), milliseconds(pair.1)));
         }
     }
-    let ratio = Times::of(times.iter().map(|(a, b)| b / a.max(1e-6))).median;
+    let ratio = PairTimes::of(times.iter().map(|(a, b)| b / a.max(1e-6))).median;
     Ok((
-        Times::of(times.iter().map(|t| t.0)),
-        Times::of(times.iter().map(|t| t.1)),
+        PairTimes::of(times.iter().map(|t| t.0)),
+        PairTimes::of(times.iter().map(|t| t.1)),
         ratio,
     ))
 }
@@ -77,7 +77,7 @@ fn milliseconds(d: Duration) -> f64 {
     d.as_secs_f64() * 1e3
 }
 
-impl Times {
+impl PairTimes {
     /// Of at least one value.
     fn of(values: impl Iterator<Item = f64>) -> Self {
         let sorted = Sorted::new(values.collect());

@@ -19,7 +19,7 @@ use umbrage_wgpu::Gpu;
 
 /// What to run.
 #[derive(Clone, Copy, Debug)]
-pub struct Options {
+pub struct BenchOptions {
     /// Pairs counted.
     pub runs: usize,
     /// Pairs before that.
@@ -28,7 +28,7 @@ pub struct Options {
     pub threads: usize,
 }
 
-impl Default for Options {
+impl Default for BenchOptions {
     fn default() -> Self {
         Self {
             runs: 20,
@@ -104,7 +104,7 @@ impl Stage {
 /// # Errors
 /// When a backend fails.
 pub fn run(
-    options: Options,
+    options: BenchOptions,
     gpu: Option<&mut Gpu>,
     mut tell: impl FnMut(Pair),
 ) -> Result<(), BackendError> {
@@ -172,7 +172,7 @@ fn both(
     runs: [usize; 2],
     cpu: &mut Cpu,
     gpu: &mut Gpu,
-) -> Result<(super::Times, super::Times, f64), BackendError> {
+) -> Result<(super::PairTimes, super::PairTimes, f64), BackendError> {
     let time = |backend: &mut dyn Backend| -> Result<Duration, BackendError> {
         let shadows = backend.render(view, recipe)?;
         let missing =

@@ -1,6 +1,9 @@
 //! What a comparison will take, told before it begins.
 
-use super::{Backends, Event, Options, SceneInput, compare, scene::camera_and_light, settings_of};
+use super::{
+    Backends, CompareEvent, CompareOptions, SceneInput, compare, scene::camera_and_light,
+    settings_of,
+};
 use crate::LabError;
 use glam::UVec2;
 use std::{
@@ -42,7 +45,7 @@ impl Expected {
     /// When a scene has no camera or light, or the options are wrong.
     pub fn new(
         inputs: &[SceneInput],
-        options: &Options,
+        options: &CompareOptions,
         backends: usize,
     ) -> Result<Self, LabError> {
         let mut out = Self {
@@ -86,7 +89,7 @@ fn pixels(size: UVec2) -> u64 {
 /// When the scene can't be compared.
 pub fn pilot(
     inputs: &[SceneInput],
-    options: &Options,
+    options: &CompareOptions,
     backends: &mut Backends,
 ) -> Result<Duration, LabError> {
     let size = |input: &SceneInput| {
@@ -134,18 +137,18 @@ fn reduced(size: UVec2, most: u64) -> UVec2 {
 /// Seconds that a comparison of this size would take, with as many runs of each row as are the least.
 fn once(
     input: &SceneInput,
-    options: &Options,
+    options: &CompareOptions,
     size: UVec2,
     backends: &mut Backends,
 ) -> Result<f64, LabError> {
-    let untimed = Options {
+    let untimed = CompareOptions {
         size: Some(size),
         runs: None,
         ..options.clone()
     };
     let (start, first_row) = (Instant::now(), Mutex::new(None));
-    let note = |event: Event<'_>| {
-        if let (Event::Row { .. }, Ok(mut first)) = (event, first_row.lock()) {
+    let note = |event: CompareEvent<'_>| {
+        if let (CompareEvent::Row { .. }, Ok(mut first)) = (event, first_row.lock()) {
             first.get_or_insert_with(Instant::now);
         }
     };
@@ -186,10 +189,10 @@ mod tests {
 
     #[test]
     fn a_huge_image_is_counted_before_it_is_made() {
-        let options = Options {
+        let options = CompareOptions {
             techniques: vec!["hard".into()],
             size: Some(UVec2::splat(16_384)),
-            ..Options::quick()
+            ..CompareOptions::quick()
         };
         let of = |name: &str| Expected::new(&[input(name)], &options, 2).expect("valid");
         let (sun, lamp) = (of("cubes"), of("teapot-lamp"));
@@ -229,11 +232,11 @@ mod tests {
             probe_samples: 4,
             ..TruthOptions::default()
         };
-        let options = Options {
+        let options = CompareOptions {
             techniques: vec!["hard".into()],
             size: Some(UVec2::splat(2048)),
             truth,
-            ..Options::quick()
+            ..CompareOptions::quick()
         };
         let mut cpu = Backends::of(vec![Box::new(Cpu::new())]);
         let found = pilot(&[input("cubes")], &options, &mut cpu).expect("valid");

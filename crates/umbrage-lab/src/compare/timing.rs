@@ -1,8 +1,8 @@
 //! How long a row takes, in turn with a yardstick.
 
 use super::{
-    Backends, Options, Ranks, Runs, SceneInput, Times, TimingStats, Yardstick, result::stem_of,
-    scene::camera_and_light, settings_of,
+    Backends, CompareOptions, Ranks, RowTimes, Runs, SceneInput, TimingStats, Yardstick,
+    result::stem_of, scene::camera_and_light, settings_of,
 };
 use crate::LabError;
 use std::time::{Duration, Instant};
@@ -18,7 +18,7 @@ pub(super) fn measure(
     view: &View<'_>,
     recipe: &Recipe,
     (runs, cost_ms): (Option<&Runs>, f64),
-) -> Result<(Shadows, Option<Times>), BackendError> {
+) -> Result<(Shadows, Option<RowTimes>), BackendError> {
     let first = backend.render(view, recipe)?;
     let Some(runs) = runs else {
         return Ok((first, None));
@@ -94,7 +94,7 @@ struct Timed {
 }
 
 impl Timed {
-    fn times(&self) -> Times {
+    fn times(&self) -> RowTimes {
         let stage = |of: fn(&Timings) -> Option<Duration>| {
             TimingStats::of(
                 self.timings
@@ -104,7 +104,7 @@ impl Timed {
                     .collect(),
             )
         };
-        Times {
+        RowTimes {
             cast: stage(|t| t.cast),
             filter: stage(|t| t.filter),
             receive: stage(|t| t.receive),
@@ -174,11 +174,11 @@ impl Again {
     }
 }
 
-/// Times rows of a scene once more, by their [stems](super::Row::stem); none where a row can't be played any more.
+/// Times rows of a scene once more, by their [stems](super::CompareRow::stem); none where a row can't be played any more.
 pub(crate) fn again(
     input: &SceneInput,
     stems: &[String],
-    options: &Options,
+    options: &CompareOptions,
     runs: &Runs,
     backends: &mut Backends,
 ) -> Result<Vec<Option<Again>>, LabError> {
@@ -233,7 +233,7 @@ mod tests {
         }
     }
 
-    fn timed(timings: Vec<Timings>, yards: &[Option<f64>]) -> Times {
+    fn timed(timings: Vec<Timings>, yards: &[Option<f64>]) -> RowTimes {
         Timed {
             timings,
             yards: yards.to_vec(),

@@ -8,7 +8,7 @@ use umbrage_core::{
     metrics::{Pixel, edges, near},
 };
 use umbrage_cpu::Cpu;
-use umbrage_plan::truth::{self, Seen, Truth, TruthOptions};
+use umbrage_plan::truth::{self, PointTruth, Truth, TruthOptions};
 
 /// A pixel is *open* when no true shadow edge is within this many texels: the reach of the widest kernel that is compared
 /// (7x7) and half a texel of aliasing.
@@ -213,12 +213,12 @@ pub(super) fn trace_at_receivers(
     light: &Light,
     truth: &Truth,
     options: &TruthOptions,
-) -> Result<Vec<Option<Seen>>, Invalid> {
+) -> Result<Vec<Option<PointTruth>>, Invalid> {
     let r = &truth.receivers;
     let receiving: Vec<usize> = (0..r.len()).filter(|&i| r.receives[i]).collect();
-    let any = truth::Point::new(Vec3::ZERO, Vec3::Y, geometry);
+    let any = truth::ReceiverPoint::new(Vec3::ZERO, Vec3::Y, geometry);
     let point = |&i: &usize| point_at(&any, r, i, r.position(i));
-    let points: Vec<truth::Point> = receiving.iter().map(point).collect();
+    let points: Vec<truth::ReceiverPoint> = receiving.iter().map(point).collect();
     let mut out = vec![None; r.len()];
     for (i, seen) in receiving
         .into_iter()

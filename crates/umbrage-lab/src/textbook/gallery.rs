@@ -1,6 +1,6 @@
 //! All effects on one page that needs no other file.
 
-use super::{Effect, Played, Preset, Side};
+use super::{Effect, PlayedEffect, Preset, Side};
 use crate::output::html::{data_uri, document, escape};
 use std::fmt::Write;
 
@@ -19,7 +19,7 @@ td, th { padding: 0 1rem 0 0; text-align: left; font-weight: normal; } th { colo
 const TITLE: &str = "The textbooks' shadow effects";
 
 /// The page. `backends` are their full names.
-pub fn html(rows: &[(&Effect, Played)], backends: &[String]) -> String {
+pub fn html(rows: &[(&Effect, PlayedEffect)], backends: &[String]) -> String {
     let mut body = format!(
         "<h1>{TITLE}</h1>\n\
          <p>Left the fault, right the cure; beside each picture its error against ray-traced truth: blue is false shadow, \
@@ -32,7 +32,7 @@ pub fn html(rows: &[(&Effect, Played)], backends: &[String]) -> String {
     document(TITLE, STYLE, &body)
 }
 
-fn section(effect: &Effect, Played { fault, cure }: &Played) -> String {
+fn section(effect: &Effect, PlayedEffect { fault, cure }: &PlayedEffect) -> String {
     let head = format!(
         "<section id=\"{}\">\n<h2>{}</h2>\n<p>{}</p>\n",
         effect.name,

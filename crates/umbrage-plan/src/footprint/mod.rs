@@ -19,7 +19,7 @@ pub const QUANTILE: f32 = 0.9;
 
 /// The use of a recipe's maps.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Footprint {
+pub struct RecipeFootprint {
     /// One a cast that keeps the least depth, in the recipe's order.
     pub casts: Vec<CastFootprint>,
     /// The figures of all of them together.
@@ -97,7 +97,7 @@ pub fn of(
     view: &View<'_>,
     recipe: &Recipe,
     receivers: &Receivers,
-) -> Option<Footprint> {
+) -> Option<RecipeFootprint> {
     technique
         .kernel_reach()
         .map(|reach| measure(view, recipe, receivers, reach))
@@ -108,7 +108,12 @@ pub fn of(
 /// [say so of each](umbrage_core::ReceiveKernel::reach): 0 for `hard`, the radius for `pcf`. Lookups count as the whole
 /// square within reach, whether each of its texels is tapped or not. That a bias may move receivers along their normals is
 /// neglected. Peeled layers are left out, since they are looked up as their first ones are.
-pub fn measure(view: &View<'_>, recipe: &Recipe, receivers: &Receivers, reach: f32) -> Footprint {
+pub fn measure(
+    view: &View<'_>,
+    recipe: &Recipe,
+    receivers: &Receivers,
+    reach: f32,
+) -> RecipeFootprint {
     let nearest = recipe
         .casts
         .iter()
@@ -134,7 +139,7 @@ pub fn measure(view: &View<'_>, recipe: &Recipe, receivers: &Receivers, reach: f
         texels: at_least(&sizes, QUANTILE).map(|texels| texels * size),
         side: side_of(&sizes, QUANTILE),
     };
-    Footprint { casts, total }
+    RecipeFootprint { casts, total }
 }
 
 /// Where maps are looked up, made smaller for pictures.
@@ -155,7 +160,7 @@ impl Heat {
     const ROW: u32 = 3;
 }
 
-impl Footprint {
+impl RecipeFootprint {
     /// All maps side by side, three in a row, each at most `side` pixels wide; none without maps.
     pub fn heat(&self, side: u32) -> Option<Heat> {
         let widest = self

@@ -8,7 +8,7 @@ use umbrage_techniques::{Candidate, MapFormat, Preset, ShadowMap, Techniques};
 /// Sides of maps, texels. Half a size more or less is hardly seen; a whole one costs four times as much.
 pub(super) const SIZES: [u32; 7] = [64, 128, 256, 512, 1024, 2048, 4096];
 /// Sides that differ by no more than this share do not differ.
-const ALIKE: f64 = 0.1;
+const SAME_SIDE_TOLERANCE: f64 = 0.1;
 /// Doubling a map's side halves the area that is wrong along edges, and so divides the error by the root of 2. It does
 /// more only where acne or whole casters vanish: not more than this, as sweeps show (2.5 was too little).
 const GAIN_OF_MAPS: f64 = 4.0;
@@ -16,7 +16,7 @@ const GAIN_OF_MAPS: f64 = 4.0;
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Family {
     /// Rising in cost.
-    pub(super) rungs: Vec<Preset>,
+    pub(super) candidates: Vec<Preset>,
     /// By what one step divides the error at most.
     pub(super) most_gain: f64,
 }
@@ -27,7 +27,7 @@ impl Family {
             Candidate::One(preset) if preset.map().is_some() => Self::of_maps(preset),
             Candidate::One(preset) => Self::single(preset),
             Candidate::Series { settings, max_gain } => Self {
-                rungs: settings,
+                candidates: settings,
                 most_gain: max_gain,
             },
         }
@@ -35,25 +35,25 @@ impl Family {
 
     fn single(preset: Preset) -> Self {
         Self {
-            rungs: vec![preset],
+            candidates: vec![preset],
             most_gain: 1.0,
         }
     }
 
-    /// With one map more, of a side that no other is within [`ALIKE`] of.
+    /// With one map more, of a side that no other is within [`SAME_SIDE_TOLERANCE`] of.
     fn with_side(mut self, side: u32) -> Self {
         let preset = self.preset().clone();
         let Some(&map) = preset.map() else {
             return self;
         };
         let size = |p: &Preset| p.map().map_or(0, |map| map.size);
-        if self
-            .rungs
-            .iter()
-            .all(|rung| (f64::from(side) / f64::from(size(rung)) - 1.0).abs() > ALIKE)
-        {
-            let at = self.rungs.partition_point(|rung| size(rung) < side);
-            self.rungs
+        if self.candidates.iter().all(|candidate| {
+            (f64::from(side) / f64::from(size(candidate)) - 1.0).abs() > SAME_SIDE_TOLERANCE
+        }) {
+            let at = self
+                .candidates
+                .partition_point(|candidate| size(candidate) < side);
+            self.candidates
                 .insert(at, preset.with_map(ShadowMap { size: side, ..map }));
         }
         self
@@ -65,33 +65,33 @@ impl Family {
             None => preset.clone(),
         };
         Self {
-            rungs: SIZES.map(at).to_vec(),
+            candidates: SIZES.map(at).to_vec(),
             most_gain: GAIN_OF_MAPS,
         }
     }
 
-    /// Whether a rung tells what finer maps are worth: two doublings lie between it and the one before the last. Rays
+    /// Whether a candidate tells what finer maps are worth: two doublings lie between it and the one before the last. Rays
     /// always gain.
-    pub(super) fn saturates(&self, rung: usize) -> bool {
-        let side = |rung: usize| {
-            self.rungs
-                .get(rung)
+    pub(super) fn saturates(&self, candidate: usize) -> bool {
+        let side = |candidate: usize| {
+            self.candidates
+                .get(candidate)
                 .and_then(|preset| Some(preset.map()?.size))
         };
-        let before = rung.checked_sub(2).and_then(side);
+        let before = candidate.checked_sub(2).and_then(side);
         before
-            .zip(side(rung))
+            .zip(side(candidate))
             .is_some_and(|(coarse, fine)| fine >= 4 * coarse)
     }
 
     /// Any of it.
     pub(super) fn preset(&self) -> &Preset {
-        &self.rungs[0]
+        &self.candidates[0]
     }
 
-    /// A rung's preset with a bias.
-    pub(super) fn at(&self, rung: usize, kind: BiasKind, texels: f32) -> Preset {
-        let preset = &self.rungs[rung];
+    /// A candidate's preset with a bias.
+    pub(super) fn at(&self, candidate: usize, kind: BiasKind, texels: f32) -> Preset {
+        let preset = &self.candidates[candidate];
         let Some(&map) = preset.map() else {
             return preset.clone();
         };
@@ -137,7 +137,7 @@ pub(super) fn families(techniques: &Techniques, light: &Light, small: bool) -> V
     let without_map: Vec<Family> = of_format(formats[0], false).map(Family::new).collect();
     let (single, series): (Vec<Family>, Vec<Family>) = without_map
         .into_iter()
-        .partition(|family| family.rungs.len() == 1 && family.most_gain == 1.0);
+        .partition(|family| family.candidates.len() == 1 && family.most_gain == 1.0);
     let mut out = single;
     for &format in &formats[..if small { 2 } else { 1 }] {
         out.extend(of_format(format, true).map(Family::new));
@@ -174,10 +174,10 @@ mod tests {
     fn one_more_side_stands_in_its_place() {
         let family = Family::of_maps(Hard::default().into());
         let sides = |side| {
-            let rungs = family.clone().with_side(side).rungs;
-            rungs
+            let candidates = family.clone().with_side(side).candidates;
+            candidates
                 .iter()
-                .map(|rung| rung.map().unwrap().size)
+                .map(|candidate| candidate.map().unwrap().size)
                 .collect::<Vec<_>>()
         };
         assert_eq!(sides(704), [64, 128, 256, 512, 704, 1024, 2048, 4096]);

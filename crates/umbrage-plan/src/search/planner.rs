@@ -1,7 +1,7 @@
 //! The planner, once it has sampled a scene: bounds can be asked about one after the other.
 
 use super::{
-    Bounds, CurvePoint, Options, Plan, Sampled, Setting,
+    Bounds, CurvePoint, Plan, PlanOptions, Sampled, Setting,
     bias_search::{Biased, all_biases},
     families::families_for,
     reasons::Facts,
@@ -55,7 +55,7 @@ impl<'a> Planner<'a> {
         camera: &'a Camera,
         light: &'a Light,
         geometry: &'a Geometry,
-        options: &Options,
+        options: &PlanOptions,
         on_step: &'a OnStep<'a>,
     ) -> Result<Self, MeasureError> {
         let start = Instant::now();

@@ -125,7 +125,7 @@ impl Search<'_> {
         let mut affordable = Vec::new();
         for family in 0..self.families.len() {
             let mut tried = 0;
-            for candidate in (0..self.families[family].rungs.len()).rev() {
+            for candidate in (0..self.families[family].candidates.len()).rev() {
                 let place = Place { family, candidate };
                 let Some(candidate) = self.supported(place, [f64::INFINITY; 2])? else {
                     continue;
@@ -204,7 +204,7 @@ impl Search<'_> {
         place: Place,
         last_errors: [f64; 2],
     ) -> Result<Option<Candidate>, MeasureError> {
-        for candidate in place.candidate..self.families[place.family].rungs.len() {
+        for candidate in place.candidate..self.families[place.family].candidates.len() {
             let found = self.supported(Place { candidate, ..place }, last_errors)?;
             if found.is_some() {
                 return Ok(found);
@@ -251,7 +251,7 @@ impl Search<'_> {
         // The least error that the next candidate can have. Those whose least error is above the bound are skipped.
         let mut next = at + 1;
         let mut reachable = error / family.most_gain;
-        while error.is_finite() && reachable > max_error && next + 1 < family.rungs.len() {
+        while error.is_finite() && reachable > max_error && next + 1 < family.candidates.len() {
             next += 1;
             reachable /= family.most_gain;
         }

@@ -243,13 +243,13 @@ fn truth_of(case: &Case) -> (Geometry, Truth) {
 }
 
 /// A pixel, the triangle that it shows, and truth's answer.
-type Asked = ([u32; 2], Option<u32>, f64);
+type TruthRequest = ([u32; 2], Option<u32>, f64);
 
 /// Of the pixels that are marked, or of those that aren't: how many the oracle contradicts, and how many there are.
 fn contradicted(
     case: &Case,
     marked: bool,
-    contradicts: impl Fn(&Oracle<'_>, Asked) -> bool + Sync,
+    contradicts: impl Fn(&Oracle<'_>, TruthRequest) -> bool + Sync,
 ) -> [usize; 2] {
     let (geometry, truth) = truth_of(case);
     let oracle = Oracle::new(&geometry, &case.camera, &case.light);

@@ -6,7 +6,7 @@
 //! plane is a convex polygon; what all of them leave of the vicinity is light.
 
 use super::{
-    Point,
+    ReceiverPoint,
     polygon::{Polygon, area, common, contains, counter_clockwise, cut, hull, spread, without},
 };
 use glam::{DVec2, DVec3, Vec3};
@@ -144,7 +144,12 @@ impl<'a> Vicinity<'a> {
     }
 
     /// What is around the point that a pixel shows. `ids` is memory to work with.
-    pub(super) fn around(&self, point: &Point, pixel: [u32; 2], ids: &mut Vec<u32>) -> Around {
+    pub(super) fn around(
+        &self,
+        point: &ReceiverPoint,
+        pixel: [u32; 2],
+        ids: &mut Vec<u32>,
+    ) -> Around {
         let corners = self.geometry.corners(point.triangle).map(Vec3::as_dvec3);
         // Seen along its plane to the last bit, it could lie anywhere.
         let Some(surface) = self.surface(corners, pixel) else {

@@ -8,8 +8,8 @@ use crate::{
     LabError,
     compare::Backends,
     stability::{
-        Case, CaseTruth, Measure, Options, PLATE,
-        all_backends::{self, Played},
+        CaseTruth, Measure, PLATE, StabilityCase, StabilityOptions,
+        all_backends::{self, RenderedOnAll},
         case_truth,
         guard::NoMask,
     },
@@ -86,10 +86,14 @@ pub(super) const ALL: &[Kind] = &[
 
 pub(super) fn sweep(
     kind: &Kind,
-    options: &Options,
+    options: &StabilityOptions,
     backends: &mut Backends,
 ) -> Result<Sweep, LabError> {
-    let case_truth = case_truth(&Case::still(kind.scene, kind.loss), kind.scene, options)?;
+    let case_truth = case_truth(
+        &StabilityCase::still(kind.scene, kind.loss),
+        kind.scene,
+        options,
+    )?;
     let values: Vec<f32> = (0..STEPS).map(|i| at(kind.range, i)).collect();
     let played = masks(kind, &values, &case_truth, options, backends)?;
     let curve = |measure: Measure| {
@@ -133,9 +137,9 @@ fn masks(
     kind: &Kind,
     values: &[f32],
     case_truth: &CaseTruth,
-    options: &Options,
+    options: &StabilityOptions,
     backends: &mut Backends,
-) -> Result<Vec<Played>, LabError> {
+) -> Result<Vec<RenderedOnAll>, LabError> {
     let one = |(i, v): (usize, &f32)| {
         let map = ShadowMap {
             size: options.map_size,
@@ -169,7 +173,11 @@ mod tests {
     use umbrage_cpu::Cpu;
 
     fn on(playing: Vec<Box<dyn Backend>>) -> Result<Sweep, LabError> {
-        sweep(&ALL[0], &Options::quick(), &mut Backends::of(playing))
+        sweep(
+            &ALL[0],
+            &StabilityOptions::quick(),
+            &mut Backends::of(playing),
+        )
     }
 
     #[test]

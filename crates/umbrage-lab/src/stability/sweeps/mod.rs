@@ -8,8 +8,8 @@ mod reach;
 mod variants;
 
 use super::{
-    CaseTruth, Options,
-    all_backends::{self, Played},
+    CaseTruth, StabilityOptions,
+    all_backends::{self, RenderedOnAll},
     guard::{self, NoMask},
     run::some_backend,
 };
@@ -54,7 +54,7 @@ pub struct Curve {
 /// # Errors
 /// Without a backend, when a scene can't be used, or a technique gives what it must not.
 pub fn sweeps(
-    options: &Options,
+    options: &StabilityOptions,
     backends: &mut Backends,
     on_sweep: &mut dyn FnMut(&str),
 ) -> Result<Vec<Sweep>, LabError> {
@@ -105,7 +105,7 @@ fn play(
     technique: &dyn ShadowTechnique,
     backends: &mut Backends,
     [i, of]: [usize; 2],
-) -> Result<Played, NoMask> {
+) -> Result<RenderedOnAll, NoMask> {
     let view = case_truth
         .view(&case_truth.lights[0])
         .with_receivers(&case_truth.truth.receivers);
