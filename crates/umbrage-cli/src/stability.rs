@@ -20,13 +20,13 @@ use umbrage_lab::{
 };
 
 /// Plays, prints, reports; fails if anything came out that must not be.
-pub(crate) fn stability(program: &Program, options: &StabilityArguments) -> Result<()> {
-    if options.list {
+pub(crate) fn stability(program: &Program, arguments: &StabilityArguments) -> Result<()> {
+    if arguments.list {
         println!("{}", list());
         return Ok(());
     }
-    let settings = settings(program, options)?;
-    let open = || inputs::open(backend(options), options.adapter.as_ref());
+    let options = options_of(program, arguments)?;
+    let open = || inputs::open(backend(arguments), arguments.adapter.as_ref());
     let mut backends = open()?;
     backends.notices.iter().for_each(|line| println!("{line}"));
     backends
@@ -34,14 +34,14 @@ pub(crate) fn stability(program: &Program, options: &StabilityArguments) -> Resu
         .iter()
         .for_each(|b| println!("on {}", b.name()));
     let start = Instant::now();
-    let mut stability = play(&settings, &mut backends)?;
+    let mut stability = play(&options, &mut backends)?;
     println!("{}", matrix(&stability));
     let [pass, degraded, fails] = stability.counts();
     println!(
         "✓ {pass} pass   ~ {degraded} degraded   ✗ {fails} fail   – not served   ! must not be"
     );
-    let sweeps = if options.rows.is_empty() && options.techniques.is_empty() {
-        turn(&settings, &mut backends).unwrap_or_else(|e| {
+    let sweeps = if arguments.rows.is_empty() && arguments.techniques.is_empty() {
+        turn(&options, &mut backends).unwrap_or_else(|e| {
             // What the rows found is kept; the run fails all the same.
             stability.faults.push(format!("sweeps: {e:#}"));
             Vec::new()
@@ -56,7 +56,7 @@ pub(crate) fn stability(program: &Program, options: &StabilityArguments) -> Resu
         .faults
         .extend(check_state(&mut backends.playing, &mut open()?.playing)?);
     let page = report::write(
-        &program.folder(options.out.as_deref(), "stability"),
+        &program.folder(arguments.out.as_deref(), "stability"),
         &stability,
         &sweeps,
     )?;
@@ -68,15 +68,15 @@ pub(crate) fn stability(program: &Program, options: &StabilityArguments) -> Resu
     verdict(&stability)
 }
 
-fn settings(program: &Program, options: &StabilityArguments) -> Result<StabilityOptions> {
-    let base = if options.quick {
+fn options_of(program: &Program, arguments: &StabilityArguments) -> Result<StabilityOptions> {
+    let base = if arguments.quick {
         StabilityOptions::quick()
     } else {
         StabilityOptions::default()
     };
     let out = StabilityOptions {
-        rows: options.rows.clone(),
-        techniques: options.techniques.clone(),
+        rows: arguments.rows.clone(),
+        techniques: arguments.techniques.clone(),
         ..base
     };
     out.validate().map_err(|e| {
@@ -88,13 +88,13 @@ fn settings(program: &Program, options: &StabilityArguments) -> Result<Stability
     Ok(out)
 }
 
-fn play(settings: &StabilityOptions, backends: &mut Backends) -> Result<Stability> {
+fn play(options: &StabilityOptions, backends: &mut Backends) -> Result<Stability> {
     let style = ProgressStyle::with_template(
         "{bar:30} {pos:>3}/{len}  {elapsed} gone, {eta} to go  {wide_msg}",
     );
     let bar =
         ProgressBar::new(0).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-    let stability = run(settings, backends, &mut |event| match event {
+    let stability = run(options, backends, &mut |event| match event {
         StabilityEvent::Case { name, index, of } => {
             bar.set_length(of as u64);
             bar.set_position(index as u64);
@@ -108,9 +108,9 @@ fn play(settings: &StabilityOptions, backends: &mut Backends) -> Result<Stabilit
 }
 
 /// All sweeps.
-fn turn(settings: &StabilityOptions, backends: &mut Backends) -> Result<Vec<Sweep>> {
+fn turn(options: &StabilityOptions, backends: &mut Backends) -> Result<Vec<Sweep>> {
     let bar = ProgressBar::new_spinner();
-    let sweeps = sweeps::sweeps(settings, backends, &mut |name| {
+    let sweeps = sweeps::sweeps(options, backends, &mut |name| {
         bar.set_message(format!("sweep: {name}"));
         bar.tick();
     });
@@ -222,11 +222,11 @@ fn verdict(stability: &Stability) -> Result<()> {
 }
 
 /// A software driver is too slow for a first look.
-fn backend(options: &StabilityArguments) -> Backend {
-    let otherwise = if options.quick {
+fn backend(arguments: &StabilityArguments) -> Backend {
+    let otherwise = if arguments.quick {
         Backend::Cpu
     } else {
         Backend::Available
     };
-    options.backend.unwrap_or(otherwise)
+    arguments.backend.unwrap_or(otherwise)
 }

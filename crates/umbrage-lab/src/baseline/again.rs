@@ -38,7 +38,8 @@ pub fn time_again(
     backends: &mut Backends,
 ) -> Result<(), LabError> {
     let suspects = std::mem::take(&mut changes.suspects);
-    let (mut fresh, mut open) = (Fresh::new(), suspects.iter().collect::<Vec<&Suspect>>());
+    let mut fresh = Fresh::new();
+    let mut open: Vec<&Suspect> = suspects.iter().collect();
     for round in 0..MAX_ROUNDS {
         let wanted =
             |suspect: &&&Suspect| round < ROUNDS || suspect.is_untold(&known(suspect, &fresh));
@@ -67,7 +68,8 @@ pub fn time_again(
         .filter_map(|s| s.verdict(&known(s, &fresh)))
         .collect();
     if !suspects.is_empty() {
-        let (all, left) = (suspects.len(), worse.len());
+        let all = suspects.len();
+        let left = worse.len();
         changes.notes.push(format!(
             "{all} rows or techniques looked slower and were timed again: {left} are slower."
         ));
@@ -97,12 +99,12 @@ fn asked<'a>(suspects: impl Iterator<Item = &'a Suspect>) -> BTreeMap<usize, Vec
 fn known(suspect: &Suspect, fresh: &Fresh) -> Vec<Option<RatioSample>> {
     let of = |row: &RowToRetime| {
         let Again {
-            windows,
+            runs,
             least_ms,
             yardstick,
         } = fresh.get(&(row.scene, row.stem.clone()))?;
         // None were calm yet: then there are no ranks, of no runs.
-        let ratio = Ranks::of(calm(windows, *yardstick)).unwrap_or_default();
+        let ratio = Ranks::of(calm(runs, *yardstick)).unwrap_or_default();
         Some(RatioSample {
             ratio,
             least_ms: *least_ms,

@@ -106,7 +106,8 @@ impl<'a> Lost<'a> {
                 except.insert(name.clone());
             }
         }
-        let (mut told, mut excepted) = (BTreeSet::new(), 0);
+        let mut reported = BTreeSet::new();
+        let mut excepted = 0;
         for (scene, label, names) in &self.missing {
             if self.except.has(scene) || names.iter().any(|name| self.except.has(name)) {
                 excepted += 1;
@@ -117,7 +118,7 @@ impl<'a> Lost<'a> {
                 .iter()
                 .find(|name| self.rows[*name][0] == self.rows[*name][1]);
             match whole {
-                Some(name) if told.insert(name.clone()) => {
+                Some(name) if reported.insert(name.clone()) => {
                     out.lost
                         .push(format!("{name} is missing: {} rows", self.rows[name][1]));
                 }

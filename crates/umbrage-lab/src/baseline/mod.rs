@@ -95,7 +95,8 @@ pub fn changes(old: &Comparison, new: &Comparison, except: &Except) -> Changes {
     out.better.extend(judged.quicker);
     out.suspects = judged.suspects;
     if judged.rough > 0 {
-        let (rough, few) = (judged.rough, times::FEWEST);
+        let rough = judged.rough;
+        let few = times::MIN_RUNS;
         out.notes.push(format!(
             "{rough} rows have fewer than {few} calm runs in the baseline (--runs, or a busy machine): their times count with \
              their techniques' alone."
@@ -121,7 +122,8 @@ fn numbered(scenes: &[SceneResult]) -> impl Iterator<Item = ((&str, usize), &Sce
 
 /// Whether times can be compared, and whether graphics rounding is the same.
 fn machines(old: &Comparison, new: &Comparison, notes: &mut Vec<String>) -> [bool; 2] {
-    let (then, now) = (&old.environment, &new.environment);
+    let then = &old.environment;
+    let now = &new.environment;
     let same_adapter = then.adapter == now.adapter;
     let machine = |e: &Environment| format!("{}, {} threads, {}", e.cpu, e.threads, e.system);
     let describe = |e: &Environment| {
@@ -259,11 +261,11 @@ impl<'a> Pair<'a> {
             }
         }
         let sample = |times: Option<RowTimes>| {
-            let (ratio, yardstick) = (times?.ratio?, times?.yardstick?.min);
+            let times = times?;
             Some(times::RatioSample {
-                ratio,
-                least_ms: times?.total.min,
-                yardstick,
+                ratio: times.ratio?,
+                least_ms: times.total.min,
+                yardstick: times.yardstick?.min,
             })
         };
         if let (true, Some(then), Some(now)) = (self.timed, sample(then.times), sample(now.times)) {

@@ -17,13 +17,13 @@
 //!   yardstick may be slow beside all of a row's runs, while the row fits between two turns of the scheduler. So only runs
 //!   count beside which no yardstick took more than [`CALM`] times the quickest of that row, and rows
 //!   of which even that one took more than [`CALM`] times what it can are not judged, as are those of
-//!   fewer than [`FEWEST`] such runs. Under the load above, of all rows the bound lay below what the row takes in 3 %; of
+//!   fewer than [`MIN_RUNS`] such runs. Under the load above, of all rows the bound lay below what the row takes in 3 %; of
 //!   those whose yardstick's median was calm, in 1 of 2,393.
 //! * **A technique** on a backend, over all scenes and settings, is suspected if its rows' median is slower by more than
 //!   [`TECHNIQUE`], and by more than [`SIGMAS`] standard errors of a median (1.253 sigma / sqrt n, sigma from the median
 //!   absolute deviation: Rousseeuw and Croux 1993, "Alternatives to the median absolute deviation"). For normal noise that
 //!   has a chance of 3 / 10^5: with 26 techniques on backends, one comparison in 1,000. It is slower if the same is found
-//!   when rows of it are timed again. Fewer than [`FEWEST_ROWS`] rows are judged one by one alone.
+//!   when rows of it are timed again. Fewer than [`MIN_ROWS`] rows are judged one by one alone.
 //!
 //! What this can't see: a single row that got slower by less than [`APART`] (more where the baseline itself is noisy, or
 //! where the machine got faster meanwhile), and a technique that did by less than [`TECHNIQUE`]. Counted cost sees every
@@ -40,7 +40,7 @@ pub const APART: f64 = 1.4;
 pub const MANY: u32 = 9;
 
 /// Fewer runs are not judged.
-pub const FEWEST: u32 = 5;
+pub const MIN_RUNS: u32 = 5;
 
 /// A technique's median over its rows that counts, beyond its error. Rows of one technique wait for the same part of the
 /// machine, and a yardstick that waits for another does not cancel all of that: medians of unchanged code moved by up to
@@ -55,7 +55,7 @@ pub const SIGMAS: f64 = 4.0;
 pub const AS_QUICK: f64 = 1.1;
 
 /// Fewer rows of a technique are judged one by one alone.
-pub const FEWEST_ROWS: usize = 8;
+pub const MIN_ROWS: usize = 8;
 
 /// A row that was timed beside a yardstick, then and now.
 #[derive(Clone, Copy, Debug)]
@@ -76,6 +76,16 @@ pub struct RatioSample {
     pub least_ms: f64,
     /// The quickest yardstick, milliseconds a unit.
     pub yardstick: f64,
+}
+
+impl RatioSample {
+    fn words(&self) -> String {
+        let ratio = &self.ratio;
+        format!(
+            "{:.3} yardsticks ({:.3} to {:.3}; at least {:.3} ms)",
+            ratio.median, ratio.tenth, ratio.max, self.least_ms
+        )
+    }
 }
 
 /// What looks slower.
@@ -183,7 +193,7 @@ fn bound(then: &Ranks) -> Option<f64> {
     } else {
         then.high
     };
-    (then.runs >= FEWEST).then_some(APART * usual)
+    (then.runs >= MIN_RUNS).then_some(APART * usual)
 }
 
 /// Whether the baseline's yardstick was as quick as it can be, as far as is known.
@@ -198,11 +208,13 @@ fn change(then: &Ranks, now: &Ranks) -> Option<f64> {
 
 /// Whether rows as a whole got slower (or quicker), and by which factor.
 fn slower(changes: &[f64]) -> Option<(bool, f64)> {
-    if changes.len() < FEWEST_ROWS {
+    if changes.len() < MIN_ROWS {
         return None;
     }
     let median = Ranks::of(changes.to_vec())?.median;
     let deviation = Ranks::of(changes.iter().map(|c| (c - median).abs()).collect())?.median;
+    // Of normal noise the standard deviation is 1.4826 median absolute deviations, and a median's standard error is
+    // sqrt(pi / 2) = 1.253 times the mean's.
     let error = 1.253 * 1.4826 * deviation / (changes.len() as f64).sqrt();
     let counts = median.abs() > TECHNIQUE.ln() && median.abs() > SIGMAS * error;
     counts.then_some((median > 0.0, median.exp()))
@@ -215,12 +227,14 @@ impl Suspect {
         if self.whole {
             let changes = self.changes(fresh);
             let (_, factor) = slower(&changes).filter(|(slower, _)| *slower)?;
-            let (label, rows) = (&self.label, changes.len());
+            let label = &self.label;
+            let rows = changes.len();
             return Some(format!(
                 "{label}: slower by a factor of {factor:.2} in the median of {rows} rows"
             ));
         }
-        let (then, now) = (self.rows.first()?.then, (*fresh.first()?)?);
+        let then = self.rows.first()?.then;
+        let now = (*fresh.first()?)?;
         if self.is_untold(fresh)
             || now.ratio.tenth <= bound(&then.ratio)?
             || as_quick(&then, &now, APART)
@@ -228,18 +242,12 @@ impl Suspect {
         {
             return None;
         }
-        let (label, factor) = (&self.label, now.ratio.median / then.ratio.median);
-        let [a, b] = [then, now].map(|s| {
-            let RatioSample {
-                ratio: r, least_ms, ..
-            } = s;
-            format!(
-                "{:.3} yardsticks ({:.3} to {:.3}; at least {least_ms:.3} ms)",
-                r.median, r.tenth, r.max
-            )
-        });
         Some(format!(
-            "{label}: slower by a factor of {factor:.2}: {a} -> {b}"
+            "{}: slower by a factor of {:.2}: {} -> {}",
+            self.label,
+            now.ratio.median / then.ratio.median,
+            then.words(),
+            now.words()
         ))
     }
 
@@ -269,7 +277,7 @@ impl Suspect {
         else {
             return true;
         };
-        let usual = now.ratio.runs >= FEWEST
+        let usual = now.ratio.runs >= MIN_RUNS
             && bound(&then.ratio).is_none_or(|bound| now.ratio.median <= bound);
         usual || as_quick(&then, &now, APART) || !is_calm(&then, &now)
     }

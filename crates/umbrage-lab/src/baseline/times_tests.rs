@@ -208,7 +208,7 @@ fn a_row_that_takes_twice_as_long_is_caught() {
 #[test]
 fn few_runs_are_not_judged() {
     let rows = [row("pcf", 0)];
-    let [then, now] = [1.0, 9.0].map(|r| sample(vec![r; FEWEST as usize - 1], r));
+    let [then, now] = [1.0, 9.0].map(|r| sample(vec![r; MIN_RUNS as usize - 1], r));
     let judged = judge(&[Timing {
         scene: (0, ""),
         row: &rows[0],
@@ -229,7 +229,7 @@ fn a_technique_that_gets_slower_by_half_is_caught() {
         let [_, techniques] = alarms(&mut noise, 200, 5, |i| if i % 4 == 2 { 1.5 } else { 1.0 });
         assert_eq!(techniques, 1);
     }
-    let rows: Vec<CompareRow> = (0..FEWEST_ROWS).map(|i| row("pcss", i)).collect();
+    let rows: Vec<CompareRow> = (0..MIN_ROWS).map(|i| row("pcss", i)).collect();
     let timing = |(row, scene): (_, usize)| {
         let [then, now] = [1.0, 0.5].map(|r| sample(vec![r + 0.01 * scene as f64; 9], r));
         Timing {

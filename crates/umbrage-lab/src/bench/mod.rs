@@ -8,5 +8,5 @@ mod paired;
 mod rays;
 mod suite;
 
-pub use paired::{Pair, PairTimes, paired};
+pub use paired::{Pair, PairTimes, Paired, Repetitions, paired};
 pub use suite::{BenchOptions, run};

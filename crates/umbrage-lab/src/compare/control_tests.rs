@@ -195,7 +195,7 @@ fn control(scene: &Scene, technique: &dyn ShadowTechnique, player: &mut dyn Back
         .recipe(&view.core().with_receivers(&truth.receivers))
         .expect("supported");
     let with_casters = player.render(&view.core(), &recipe).expect("valid");
-    run(player, technique, &view, &truth, (&recipe, &with_casters))
+    run(player, technique, &view, &truth, &recipe, &with_casters)
         .expect("valid")
         .expect("planned")
 }

@@ -89,7 +89,7 @@ pub fn relative(comparison: &Comparison) -> Vec<Relative> {
         .filter_map(|key| Some((key, *sums.get(&key)?)));
     whole
         .filter(|(_, s)| s.scenes == scenes && s.served > 0)
-        .map(|(key, s)| s.mean(key))
+        .map(|(key, s)| s.mean(key[0], key[1], key[2]))
         .collect()
 }
 
@@ -135,19 +135,18 @@ impl Sums {
         }
     }
 
-    fn mean(&self, [technique, settings, backend]: [&str; 3]) -> Relative {
-        let unserved = (self.scenes - self.served) as f64;
-        let (all, served, timed) = (
-            self.scenes.max(1) as f64,
-            self.served.max(1) as f64,
-            self.timed.max(1) as f64,
-        );
+    fn mean(&self, technique: &str, settings: &str, backend: &str) -> Relative {
+        // A scene that is not served has no shadow: an error of 1.
+        let error_of_unserved = (self.scenes - self.served) as f64;
+        let scenes = self.scenes.max(1) as f64;
+        let served = self.served.max(1) as f64;
+        let timed = self.timed.max(1) as f64;
         let [median, min, max] = self.time.map(|sum| (sum / timed).exp());
         Relative {
             technique: technique.to_owned(),
             settings: settings.to_owned(),
             backend: backend.to_owned(),
-            error: (self.error + unserved) / all,
+            error: (self.error + error_of_unserved) / scenes,
             time: (self.timed > 0).then_some(TimingStats {
                 median,
                 min,

@@ -394,8 +394,8 @@ impl SceneRun<'_> {
         let player = &mut *backends.playing[backend];
         let work = Work::of(&view.with_receivers(&self.truth.receivers), recipe);
         let cost_ms = CostModel::of(player.kind()).milliseconds(&work);
-        let timed = (self.options.runs.as_ref(), cost_ms);
-        let (shadows, times) = match measure(player, &view, recipe, timed) {
+        let runs = self.options.runs.as_ref();
+        let (shadows, times) = match measure(player, &view, recipe, runs, cost_ms) {
             Ok(measured) => measured,
             // What a backend can't hold is told in the report; other backends may still play it.
             Err(BackendError::Invalid(e)) => return Ok(self.unsupported(&e.to_string())),
@@ -421,19 +421,20 @@ impl SceneRun<'_> {
             .as_ref()
             .and_then(|seen| seen.pixels.as_deref());
         let snapping = player.snapping();
-        let (kind, technique) = (player.kind(), setting.technique.name());
+        let kind = player.kind();
+        let technique = setting.technique.name();
         if self
             .controls
             .iter()
             .all(|c| c.backend != kind || c.technique != technique)
         {
-            let played = (recipe, &shadows);
             self.controls.extend(control::run(
                 player,
                 &*setting.technique,
                 &self.view,
                 self.truth,
-                played,
+                recipe,
+                &shadows,
             )?);
         }
         let (errors, causes) = self.errors(of_cpu.as_ref(), &shadows, pixels)?;

@@ -229,7 +229,7 @@ mod tests {
         (0..4096).map(|i| (truth(i), mask(i))).unzip()
     }
 
-    fn of_sample(sample: &PixelSample, (truth, mask): &(Vec<PixelTruth>, Vec<f32>)) -> Estimate {
+    fn of_sample(sample: &PixelSample, truth: &[PixelTruth], mask: &[f32]) -> Estimate {
         let truth: Vec<_> = sample.pixels.iter().map(|&i| truth[i as usize]).collect();
         let mask: Vec<_> = sample.pixels.iter().map(|&i| mask[i as usize]).collect();
         estimate(sample, &truth, &mask)
@@ -238,13 +238,17 @@ mod tests {
     /// Samples that prefer one side of the image estimate the same mean square, and their bounds hold as often as they say.
     #[test]
     fn estimates_are_unbiased_and_know_their_error() {
-        let image = image();
-        let whole = of_sample(&PixelSample::draw(SIZE, &[1.0; 4096], 4096, 0), &image);
+        let (truth, mask) = image();
+        let whole = of_sample(
+            &PixelSample::draw(SIZE, &[1.0; 4096], 4096, 0),
+            &truth,
+            &mask,
+        );
         assert_eq!((whole.low, whole.high), (whole.error, whole.error));
         assert!((whole.too_dark.hypot(whole.too_light) - whole.error).abs() < 1e-12);
         let density: Vec<f64> = (0..4096).map(|i| 1.0 + f64::from(i % 64) / 8.0).collect();
         let estimates: Vec<_> = (0..500)
-            .map(|s| of_sample(&PixelSample::draw(SIZE, &density, 400, s), &image))
+            .map(|s| of_sample(&PixelSample::draw(SIZE, &density, 400, s), &truth, &mask))
             .collect();
         let squares = estimates.iter().map(|e| e.error * e.error).sum::<f64>() / 500.0;
         // The standard error of one sample is about a tenth of the mean square; 500 of them have a twentieth of that.
@@ -266,7 +270,8 @@ mod tests {
         let (truth, mask) = image();
         let sample = PixelSample::draw(SIZE, &[1.0; 4096], 500, 1);
         let spoilt: Vec<f32> = mask.iter().map(|v| 1.0 - v).collect();
-        let [good, bad] = [mask, spoilt].map(|mask| of_sample(&sample, &(truth.clone(), mask)));
+        let good = of_sample(&sample, &truth, &mask);
+        let bad = of_sample(&sample, &truth, &spoilt);
         assert!(bad.too_dark > good.too_dark);
     }
 

@@ -283,7 +283,7 @@ fn answers_that_are_not_ambiguous_are_right() {
         // The vicinity holds a circle of cos(pi / 16) times its radius.
         let [wrong, pixels] = contradicted(&case, false, |oracle, (pixel, shown, value)| {
             oracle.answer(pixel, None) != value
-                || shown.is_some() && oracle.changes(pixel, shown, [0.0196, 1.0], 24)
+                || shown.is_some() && oracle.changes(pixel, shown, 0.0196, 1.0, 24)
         });
         assert_eq!(
             wrong, 0,
@@ -318,7 +318,7 @@ fn ambiguous_answers_change_within_rounding() {
         let [firm, pixels] = contradicted(&case, true, |oracle, (pixel, shown, _)| {
             ![None, shown]
                 .iter()
-                .any(|&shown| oracle.changes(pixel, shown, [0.0215, 1.1], 4_000))
+                .any(|&shown| oracle.changes(pixel, shown, 0.0215, 1.1, 4_000))
         });
         assert_eq!(
             firm, 0,

@@ -94,7 +94,9 @@ pub(super) fn sweep(
         kind.scene,
         options,
     )?;
-    let values: Vec<f32> = (0..STEPS).map(|i| at(kind.range, i)).collect();
+    let values: Vec<f32> = (0..STEPS)
+        .map(|i| geometric_step(kind.range[0], kind.range[1], i))
+        .collect();
     let played = masks(kind, &values, &case_truth, options, backends)?;
     let curve = |measure: Measure| {
         let pass = measure.limits(&case_truth).pass;
@@ -128,9 +130,10 @@ fn limit(pass: f64, unit: &str) -> String {
     format!("{pass:.3} {unit}").trim_end().to_owned()
 }
 
-/// Steps of equal ratio.
-fn at([from, to]: [f32; 2], i: u32) -> f32 {
-    from * (to / from).powf(i as f32 / (STEPS - 1) as f32)
+/// Returns value `i` of [`STEPS`] from `from` to `to`, each greater than the one before by the same factor.
+fn geometric_step(from: f32, to: f32, i: u32) -> f32 {
+    let t = i as f32 / (STEPS - 1) as f32;
+    from * (to / from).powf(t)
 }
 
 fn masks(
@@ -146,7 +149,7 @@ fn masks(
             bias: (kind.bias)(*v),
             ..ShadowMap::default()
         };
-        match play(case_truth, &Hard { map }, backends, [i, values.len()]) {
+        match play(case_truth, &Hard { map }, backends, i, values.len()) {
             // A perfect score, or a gap that nobody sees, would hide that hard shadows are not served.
             Err(NoMask::Unsupported(why) | NoMask::Fault(why)) => {
                 Err(not_played(case_truth, &Hard { map }, &why))

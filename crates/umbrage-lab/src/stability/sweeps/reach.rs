@@ -102,8 +102,13 @@ pub(super) fn sweep(
                     points: Vec::new(),
                 });
             }
-            let step = [place, kind.values.len()];
-            match play(&case_truth, &**technique, backends, step) {
+            match play(
+                &case_truth,
+                &**technique,
+                backends,
+                place,
+                kind.values.len(),
+            ) {
                 Ok(played) => {
                     let error = Measure::Rmse.figure(&case_truth, &played.mask);
                     add(&mut curves[i + 1], value, error);
