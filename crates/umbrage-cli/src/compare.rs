@@ -145,7 +145,7 @@ fn measure(
         );
     }
     let pending: Vec<SceneInput> = todo.iter().map(|&place| inputs[place].clone()).collect();
-    cost::tell(&pending, options, backends)?;
+    cost::announce(&pending, options, backends)?;
     let notices = backends.notices.clone();
     let mut next = todo.into_iter();
     let progress = Progress::new();

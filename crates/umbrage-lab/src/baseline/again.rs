@@ -41,8 +41,9 @@ pub fn time_again(
     let mut fresh = Fresh::new();
     let mut open: Vec<&Suspect> = suspects.iter().collect();
     for round in 0..MAX_ROUNDS {
-        let wanted =
-            |suspect: &&&Suspect| round < ROUNDS || suspect.is_untold(&known(suspect, &fresh));
+        let wanted = |suspect: &&&Suspect| {
+            round < ROUNDS || suspect.lacks_calm_runs(&known(suspect, &fresh))
+        };
         let asked = asked(open.iter().filter(wanted).copied());
         for (scene, stems) in asked {
             let Some(input) = inputs.get(scene) else {
@@ -59,9 +60,9 @@ pub fn time_again(
         }
         open.retain(|suspect| !suspect.is_cleared(&known(suspect, &fresh)));
     }
-    let untold = open
+    let undecided = open
         .iter()
-        .filter(|suspect| suspect.is_untold(&known(suspect, &fresh)))
+        .filter(|suspect| suspect.lacks_calm_runs(&known(suspect, &fresh)))
         .count();
     let worse: Vec<String> = open
         .iter()
@@ -74,9 +75,9 @@ pub fn time_again(
             "{all} rows or techniques looked slower and were timed again: {left} are slower."
         ));
     }
-    if untold > 0 {
+    if undecided > 0 {
         changes.notes.push(format!(
-            "The machine was too busy to tell of {untold} of them: try again when it is calm."
+            "The machine was too busy to tell of {undecided} of them: try again when it is calm."
         ));
     }
     changes.worse.extend(worse);

@@ -95,7 +95,7 @@ impl<'a> Lost<'a> {
     }
 
     /// Says what is lost, as widely as is true: a backend, a technique, a setting, a row.
-    pub(super) fn tell(self, out: &mut Changes) {
+    pub(super) fn report(self, out: &mut Changes) {
         let mut except = BTreeSet::new();
         for (name, what) in &self.scenes {
             let line = format!("scene {name} {what}");

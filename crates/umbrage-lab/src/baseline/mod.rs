@@ -102,7 +102,7 @@ pub fn changes(old: &Comparison, new: &Comparison, except: &Except) -> Changes {
              their techniques' alone."
         ));
     }
-    lost.tell(&mut out);
+    lost.report(&mut out);
     out
 }
 

@@ -235,7 +235,7 @@ impl Suspect {
         }
         let then = self.rows.first()?.then;
         let now = (*fresh.first()?)?;
-        if self.is_untold(fresh)
+        if self.lacks_calm_runs(fresh)
             || now.ratio.tenth <= bound(&then.ratio)?
             || as_quick(&then, &now, APART)
             || !is_calm(&then, &now)
@@ -252,7 +252,7 @@ impl Suspect {
     }
 
     /// Whether there are too few fresh runs that nothing held up: as many as make a quartile.
-    pub(super) fn is_untold(&self, fresh: &[Option<RatioSample>]) -> bool {
+    pub(super) fn lacks_calm_runs(&self, fresh: &[Option<RatioSample>]) -> bool {
         !self.whole
             && fresh
                 .first()

@@ -189,7 +189,7 @@ fn a_row_that_takes_twice_as_long_is_caught() {
             ..slower
         };
         assert!(
-            judged.suspects[0].is_untold(&[Some(few)])
+            judged.suspects[0].lacks_calm_runs(&[Some(few)])
                 && !judged.suspects[0].is_cleared(&[Some(few)])
         );
         assert_eq!(judged.suspects[0].verdict(&[Some(few)]), None);

@@ -120,8 +120,8 @@ pub enum StabilityEvent<'a> {
 }
 
 /// Plays all rows wanted on all backends; of moving rows, all but the first backend play the first and the last frame. What
-/// fails as it is known to is a result; what must not be (NaN, a panic, a validation error, backends that disagree) is told
-/// in [`Stability::faults`].
+/// fails as it is known to is a result; what must not happen (NaN, a panic, a validation error, backends that disagree) is
+/// listed in [`Stability::faults`].
 ///
 /// # Errors
 /// For unknown names, without a backend, and when a scene can't be used.

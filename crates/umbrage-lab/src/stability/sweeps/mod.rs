@@ -49,7 +49,7 @@ pub struct Curve {
     pub points: Vec<[f64; 2]>,
 }
 
-/// Runs all sweeps. What must not be of their results is told by [`Sweep::fault`].
+/// Runs all sweeps. [`Sweep::fault`] says what is wrong with a result.
 ///
 /// # Errors
 /// Without a backend, when a scene can't be used, or a technique gives what it must not.
