@@ -6,7 +6,7 @@ use std::{fs, path::PathBuf};
 use umbrage::wgpu::AdapterChoice;
 use umbrage_lab::{
     compare::Backends,
-    textbook::{Played, all, html, play},
+    textbook::{PlayedEffect, all, html, play},
 };
 
 fn main() -> anyhow::Result<()> {
@@ -39,7 +39,7 @@ fn main() -> anyhow::Result<()> {
     Ok(())
 }
 
-fn write(folder: &std::path::Path, name: &str, played: &Played) -> anyhow::Result<()> {
+fn write(folder: &std::path::Path, name: &str, played: &PlayedEffect) -> anyhow::Result<()> {
     for (half, side) in [("fault", &played.fault), ("cure", &played.cure)] {
         for (what, png) in [("", &side.picture), (".error", &side.error)] {
             let path = folder.join(format!("{name}.{half}{what}.png"));

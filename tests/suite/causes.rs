@@ -5,7 +5,7 @@ use umbrage_core::{
     metrics::{Cause, Causes},
 };
 use umbrage_cpu::Cpu;
-use umbrage_lab::causes::{Fault, faults};
+use umbrage_lab::causes::{CauseExample, faults};
 use umbrage_plan::truth::{Truth, TruthOptions, trace};
 use umbrage_techniques::{Bias, Hard, ShadowMap, Traced};
 
@@ -67,7 +67,7 @@ fn shares(c: &Causes) -> [(Cause, f64); 5] {
 
 #[test]
 fn each_cause_shows_alone_on_its_scene() {
-    for Fault {
+    for CauseExample {
         scene: name,
         technique,
         cause: expected,
@@ -89,7 +89,7 @@ fn each_cause_shows_alone_on_its_scene() {
 /// Truth's own technique has no error of any kind; under the lamp only the noise of its rays.
 #[test]
 fn truth_played_has_no_cause() {
-    for Fault {
+    for CauseExample {
         scene: name,
         cause: expected,
         ..

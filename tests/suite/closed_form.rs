@@ -1,7 +1,7 @@
 //! Shadows known from formulas: truth and the traced technique must reproduce them, through the lab's own entrance.
 
 use umbrage_core::{Geometry, Light};
-use umbrage_plan::truth::{Point, TruthOptions, trace_points};
+use umbrage_plan::truth::{ReceiverPoint, TruthOptions, trace_points};
 use umbrage_scenes::{ClosedForm, Sample, SceneEntry, all};
 
 fn cases() -> impl Iterator<Item = (&'static SceneEntry, ClosedForm)> {
@@ -38,12 +38,12 @@ fn truth_reproduces_every_closed_form() {
 fn ask(light: &Light, geometry: &Geometry, form: &ClosedForm) -> Vec<f32> {
     let point = |s: &Sample| {
         let triangle = s.triangle(geometry).expect("samples lie on receivers");
-        Point {
+        ReceiverPoint {
             triangle,
-            ..Point::new(s.point, s.normal, geometry)
+            ..ReceiverPoint::new(s.point, s.normal, geometry)
         }
     };
-    let points: Vec<Point> = form.samples.iter().map(point).collect();
+    let points: Vec<ReceiverPoint> = form.samples.iter().map(point).collect();
     let seen = trace_points(geometry, light, &points, &TruthOptions::default()).expect("valid");
     seen.iter().map(|s| s.visibility).collect()
 }

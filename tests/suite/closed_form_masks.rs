@@ -8,7 +8,7 @@ use umbrage_core::{
     ShadowTechnique, View,
 };
 use umbrage_cpu::Cpu;
-use umbrage_plan::truth::{Point, TruthOptions, trace_points};
+use umbrage_plan::truth::{ReceiverPoint, TruthOptions, trace_points};
 use umbrage_scenes::{ClosedForm, Sample, all};
 use umbrage_techniques::{Bias, ClosedFormDemand, ShadowMap, TechniquePreset};
 use umbrage_tests::gpu::gpu;
@@ -102,12 +102,12 @@ impl Case {
                 .casts
                 .iter()
                 .map(|c| step(&c.space, recipe.images[c.image].size, p, along, reach));
-            Point {
+            ReceiverPoint {
                 triangle: self.receivers.triangle[i],
-                ..Point::new(p + along * radius.fold(0.0, f32::max), n, &self.geometry)
+                ..ReceiverPoint::new(p + along * radius.fold(0.0, f32::max), n, &self.geometry)
             }
         };
-        let around: Vec<Point> = (0..16).map(at).collect();
+        let around: Vec<ReceiverPoint> = (0..16).map(at).collect();
         let seen = trace_points(
             &self.geometry,
             &self.scene.lights[0],

@@ -93,11 +93,11 @@ fn registry() -> Techniques {
 
 #[test]
 fn a_users_technique_is_compared_as_ours_are() {
-    let options = compare::Options {
+    let options = compare::CompareOptions {
         registry: registry(),
         techniques: vec!["variance".to_owned()],
         runs: None,
-        ..compare::Options::quick()
+        ..compare::CompareOptions::quick()
     };
     let input = SceneInput {
         scene: umbrage::scenes::by_argument("cubes").expect("a built-in scene"),
@@ -111,7 +111,7 @@ fn a_users_technique_is_compared_as_ours_are() {
     assert!(rows.iter().all(|row| row.technique == "variance"));
     let rmse = rows[0].measured().and_then(|measured| measured.rmse());
     assert!(rmse.is_some_and(|rmse| rmse < 0.3), "{rows:?}");
-    let unknown = compare::Options {
+    let unknown = compare::CompareOptions {
         registry: Techniques::built_in(),
         ..options
     };
@@ -122,11 +122,11 @@ fn a_users_technique_is_compared_as_ours_are() {
 
 #[test]
 fn a_users_technique_is_judged_as_ours_are() {
-    let options = stability::Options {
+    let options = stability::StabilityOptions {
         registry: registry(),
         rows: vec!["thin-plate".to_owned()],
         techniques: vec!["variance".to_owned()],
-        ..stability::Options::quick()
+        ..stability::StabilityOptions::quick()
     };
     let mut backends = Backends::of(vec![Box::new(Cpu::new())]);
     let judged = stability::run(&options, &mut backends, &mut |_| ()).expect("valid");
@@ -138,11 +138,11 @@ fn a_users_technique_is_judged_as_ours_are() {
 #[test]
 fn a_users_technique_is_planned_as_ours_are() {
     let scene = umbrage::scenes::by_argument("cubes").expect("a built-in scene");
-    let options = plan::Options {
+    let options = plan::PlanOptions {
         registry: registry(),
         samples: 512,
         size: Some(UVec2::new(96, 64)),
-        ..plan::Options::default()
+        ..plan::PlanOptions::default()
     };
     let tried = std::sync::Mutex::new(Vec::new());
     let on_step = |step: plan::Step<'_>| {

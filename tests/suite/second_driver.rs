@@ -5,7 +5,7 @@ use glam::UVec2;
 use umbrage_core::{Backend, BackendError, Recipe, Shadows, Snapping, View};
 use umbrage_cpu::Cpu;
 use umbrage_lab::{
-    compare::{Backends, Comparison, Options, SceneInput, compare},
+    compare::{Backends, CompareOptions, Comparison, SceneInput, compare},
     stability,
 };
 use umbrage_plan::truth::TruthOptions;
@@ -45,11 +45,11 @@ fn compared(scenes: &[&str], backends: &mut Backends) -> Comparison {
         penumbra_factor: 1,
         ..TruthOptions::default()
     };
-    let options = Options {
+    let options = CompareOptions {
         truth,
         runs: None,
         max_settings: Some(2),
-        ..Options::quick()
+        ..CompareOptions::quick()
     };
     compare(&inputs, &options, backends, &mut |_, _| Ok(()), &|_| {}).expect("comparable")
 }
@@ -87,7 +87,7 @@ fn failure_rows_agree_on_the_second_driver() {
         probe_samples: 8,
         ..TruthOptions::default()
     };
-    let small = stability::Options {
+    let small = stability::StabilityOptions {
         size: UVec2::new(96, 72),
         map_size: 256,
         frames: 2,

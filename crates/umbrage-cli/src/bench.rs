@@ -1,13 +1,13 @@
 //! Speed as ratios.
 
-use crate::args::BenchOptions;
+use crate::args::BenchArguments;
 use anyhow::{Result, bail};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
-use umbrage_lab::bench::{Options, Pair, run};
+use umbrage_lab::bench::{BenchOptions, Pair, run};
 use umbrage_wgpu::{AdapterChoice, Gpu};
 
 /// Prints each ratio as it comes, then the table of all.
-pub(crate) fn bench(options: &BenchOptions) -> Result<()> {
+pub(crate) fn bench(arguments: &BenchArguments) -> Result<()> {
     let mut gpu = match Gpu::new(&AdapterChoice::from_env()) {
         Ok(gpu) => Some(gpu),
         Err(why) => {
@@ -17,9 +17,9 @@ pub(crate) fn bench(options: &BenchOptions) -> Result<()> {
     };
     let mut pairs = Vec::new();
     run(
-        Options {
-            runs: options.runs as usize,
-            ..Options::default()
+        BenchOptions {
+            runs: arguments.runs as usize,
+            ..BenchOptions::default()
         },
         gpu.as_mut(),
         |pair| {
@@ -57,18 +57,15 @@ fn table(pairs: &[Pair]) -> Table {
         let bar = pair
             .bar
             .map_or_else(|| "-".to_owned(), |bar| format!("{bar:.2}{verdict}"));
-        let ms = [pair.ours.median, pair.theirs.median].map(|t| format!("{t:.2}"));
-        let [ours_ms, theirs_ms] = ms;
-        let (ratio, runs) = (format!("{:.2}", pair.ratio), pair.runs.to_string());
         table.add_row([
             pair.work.clone(),
             ours,
             theirs,
-            ours_ms,
-            theirs_ms,
-            ratio,
+            format!("{:.2}", pair.ours.median),
+            format!("{:.2}", pair.theirs.median),
+            format!("{:.2}", pair.ratio),
             bar,
-            runs,
+            pair.runs.to_string(),
         ]);
     }
     table

@@ -1,38 +1,38 @@
 //! `bias`: the default bias against all others. All the work is the lab's.
 
-use crate::args::BiasOptions;
+use crate::args::BiasArguments;
 use crate::inputs;
 use crate::program::Program;
 use anyhow::{Context as _, Result};
 use std::{path::Path, time::Instant};
 use umbrage_core::{Scene, glam::UVec2};
-use umbrage_lab::bias::{Options, Staged, Summary, markdown, measure, staged, write};
+use umbrage_lab::bias::{BiasOptions, Staged, Summary, markdown, measure, staged, write};
 
 /// Plays, prints a line a scene, then the table.
-pub(crate) fn bias(program: &Program, options: &BiasOptions) -> Result<()> {
-    let mut backends = inputs::open(options.backend, options.adapter.as_ref())?;
+pub(crate) fn bias(program: &Program, arguments: &BiasArguments) -> Result<()> {
+    let mut backends = inputs::open(arguments.backend, arguments.adapter.as_ref())?;
     backends.notices.iter().for_each(|line| println!("{line}"));
     backends
         .playing
         .iter()
         .for_each(|b| println!("on {}", b.name()));
-    let base = Options::default();
-    let sides = if options.sides.is_empty() {
+    let base = BiasOptions::default();
+    let sides = if arguments.sides.is_empty() {
         base.sides
     } else {
-        options.sides.clone()
+        arguments.sides.clone()
     };
-    let settings = Options {
-        size: options.size.map(UVec2::from),
+    let options = BiasOptions {
+        size: arguments.size.map(UVec2::from),
         sides,
     };
-    let names = names(&options.scenes);
+    let names = names(&arguments.scenes);
     let start = Instant::now();
     let mut rows = Vec::new();
     for (i, name) in names.iter().enumerate() {
         let staged = stage(program, name)?;
-        let found = measure(&staged, &settings, &mut backends)
-            .with_context(|| format!("scene `{name}`"))?;
+        let found =
+            measure(&staged, &options, &mut backends).with_context(|| format!("scene `{name}`"))?;
         let Summary {
             rows: count,
             good,
@@ -47,7 +47,7 @@ pub(crate) fn bias(program: &Program, options: &BiasOptions) -> Result<()> {
         rows.extend(found);
     }
     println!("\n{}", markdown(&rows));
-    let folder = program.folder(options.out.as_deref(), "bias");
+    let folder = program.folder(arguments.out.as_deref(), "bias");
     let page = write(&rows, &folder)?;
     println!(
         "table: {} ({:.0} s)",

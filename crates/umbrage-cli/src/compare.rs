@@ -2,7 +2,7 @@
 
 use crate::program::Program;
 use crate::{
-    args::{CompareOptions, Shard},
+    args::{CompareArguments, Shard},
     usage::Usage,
 };
 use crate::{cost, inputs, progress::Progress, table};
@@ -10,27 +10,29 @@ use anyhow::{Result, bail};
 use umbrage_core::{Backend, glam::UVec2};
 use umbrage_lab::{
     baseline::{Changes, Except, apart, changes, read, time_again},
-    compare::{Backends, Comparison, Event, Options, Runs, SceneInput, compare as run},
+    compare::{
+        Backends, CompareEvent, CompareOptions, Comparison, Runs, SceneInput, compare as run,
+    },
     report::{ComparisonPlan, Report},
 };
 
 /// Compares, prints, reports; fails if backends disagree, a control has no effect, or something got worse.
-pub(crate) fn compare(program: &Program, options: &CompareOptions) -> Result<()> {
-    let out = program.folder(options.out.as_deref(), "compare");
+pub(crate) fn compare(program: &Program, arguments: &CompareArguments) -> Result<()> {
+    let out = program.folder(arguments.out.as_deref(), "compare");
     // A baseline that can't be read must not be found out after minutes of measuring.
-    let baseline = options
+    let baseline = arguments
         .baseline
         .as_deref()
         .map(|path| apart(path, &out).and_then(|()| read(path)));
     let baseline = baseline.transpose().map_err(|e| Usage(e.to_string()))?;
-    let except = Except::new(options.baseline_except.iter().cloned());
+    let except = Except::new(arguments.baseline_except.iter().cloned());
     if let Some(old) = &baseline {
         except.check(old).map_err(|e| Usage(e.to_string()))?;
     }
-    let inputs = scenes(program, &options.scenes)?;
-    let settings = settings(options)?;
-    let places = places(inputs.len(), options.shard)?;
-    let mut backends = inputs::open(options.backend, options.adapter.as_ref())?;
+    let inputs = scenes(program, &arguments.scenes)?;
+    let options = options_of(arguments)?;
+    let places = places(inputs.len(), arguments.shard)?;
+    let mut backends = inputs::open(arguments.backend, arguments.adapter.as_ref())?;
     for line in backends
         .notices
         .iter()
@@ -41,17 +43,17 @@ pub(crate) fn compare(program: &Program, options: &CompareOptions) -> Result<()>
     }
     let report = Report::create(
         &out,
-        ComparisonPlan::new(&inputs, &settings),
+        ComparisonPlan::new(&inputs, &options),
         &places,
-        options.arrays,
+        arguments.arrays,
     )?;
     measure(
         &inputs,
         &places,
-        &settings,
+        &options,
         &mut backends,
         &report,
-        options.fresh,
+        arguments.fresh,
     )?;
     let (comparison, page) = report.finish()?;
     table::print(&comparison.scenes);
@@ -66,7 +68,7 @@ pub(crate) fn compare(program: &Program, options: &CompareOptions) -> Result<()>
                 changes.suspects.len()
             );
         }
-        time_again(&mut changes, &inputs, &settings, &mut backends)?;
+        time_again(&mut changes, &inputs, &options, &mut backends)?;
         guard(&changes)
     });
     verdict(&comparison).and(guarded)
@@ -111,25 +113,30 @@ fn places(scenes: usize, shard: Option<Shard>) -> Result<Vec<usize>> {
 fn measure(
     inputs: &[SceneInput],
     places: &[usize],
-    settings: &Options,
+    options: &CompareOptions,
     backends: &mut Backends,
     report: &Report,
     fresh: bool,
 ) -> Result<()> {
-    let environment = backends.environment(settings);
-    let there = |&place: &usize| {
-        // What was changed or cut off is measured again, and nothing is lost; but the reader must know.
-        let there = if fresh {
+    let environment = backends.environment(options);
+    let mut done: Vec<usize> = Vec::new();
+    let mut todo: Vec<usize> = Vec::new();
+    for &place in places {
+        let is_done = if fresh {
             Ok(false)
         } else {
             report.has(place, &environment)
         };
-        there.unwrap_or_else(|why| {
-            println!("note: {why} (this is done now)");
-            false
-        })
-    };
-    let (done, todo): (Vec<usize>, Vec<usize>) = places.iter().copied().partition(there);
+        match is_done {
+            Ok(true) => done.push(place),
+            Ok(false) => todo.push(place),
+            // What was changed or cut off is measured again, and nothing is lost; but the reader must know.
+            Err(why) => {
+                println!("note: {why} (this is done now)");
+                todo.push(place);
+            }
+        }
+    }
     if !done.is_empty() {
         println!(
             "{} of {} scenes are there from an earlier run (--fresh measures anew)",
@@ -138,13 +145,13 @@ fn measure(
         );
     }
     let pending: Vec<SceneInput> = todo.iter().map(|&place| inputs[place].clone()).collect();
-    cost::tell(&pending, settings, backends)?;
+    cost::announce(&pending, options, backends)?;
     let notices = backends.notices.clone();
     let mut next = todo.into_iter();
     let progress = Progress::new();
     let measured = run(
         &pending,
-        settings,
+        options,
         backends,
         &mut |result, images| {
             let place = next.next().unwrap_or_default();
@@ -152,7 +159,7 @@ fn measure(
         },
         &|event| progress.note(event),
     );
-    progress.note(Event::Writing);
+    progress.note(CompareEvent::Writing);
     progress.finish();
     measured?;
     Ok(())
@@ -178,19 +185,20 @@ fn guard(changes: &Changes) -> Result<()> {
         );
     }
     if !changes.worse.is_empty() {
-        let (count, lines) = (changes.worse.len(), changes.worse.join("\n  "));
+        let count = changes.worse.len();
+        let lines = changes.worse.join("\n  ");
         faults.push(format!(
             "{count} figures are worse than the baseline's:\n  {lines}"
         ));
     }
     if !changes.lost.is_empty() {
         let lines = some(&changes.lost);
-        let options: Vec<String> = changes
+        let exceptions: Vec<String> = changes
             .except
             .iter()
             .map(|name| format!("--baseline-except '{name}'"))
             .collect();
-        let help = format!("if that is meant, add {}", options.join(" "));
+        let help = format!("if that is meant, add {}", exceptions.join(" "));
         faults.push(format!(
             "the baseline has what is not compared:\n  {lines}\n{help}"
         ));
@@ -207,8 +215,8 @@ fn guard(changes: &Changes) -> Result<()> {
 
 /// The first lines, and how many more there are.
 fn some(lines: &[String]) -> String {
-    let shown = lines[..lines.len().min(MOST_LINES)].join("\n  ");
-    let rest = lines.len().saturating_sub(MOST_LINES);
+    let shown = lines[..lines.len().min(MAX_LINES)].join("\n  ");
+    let rest = lines.len().saturating_sub(MAX_LINES);
     if rest == 0 {
         shown
     } else {
@@ -217,7 +225,7 @@ fn some(lines: &[String]) -> String {
 }
 
 /// So many lines of what is no figure; a new technique alone may have hundreds.
-const MOST_LINES: usize = 20;
+const MAX_LINES: usize = 20;
 
 pub(crate) fn verdict(comparison: &Comparison) -> Result<()> {
     comparison
@@ -261,9 +269,9 @@ fn scene(program: &Program, name: &str) -> Result<SceneInput> {
     })
 }
 
-fn settings(options: &CompareOptions) -> Result<Options> {
+fn options_of(arguments: &CompareArguments) -> Result<CompareOptions> {
     let known = umbrage_techniques::all().iter().map(|e| e.name);
-    if let Some(unknown) = options
+    if let Some(unknown) = arguments
         .techniques
         .iter()
         .find(|n| umbrage_techniques::find(n).is_none())
@@ -275,26 +283,26 @@ fn settings(options: &CompareOptions) -> Result<Options> {
         ))
         .into());
     }
-    let mut out = if options.quick {
-        Options::quick()
+    let mut out = if arguments.quick {
+        CompareOptions::quick()
     } else {
-        Options::default()
+        CompareOptions::default()
     };
-    out.techniques.clone_from(&options.techniques);
-    out.color = options.color;
-    out.size = options.size.map(UVec2::from_array).or(out.size);
-    out.runs = if options.deterministic {
+    out.techniques.clone_from(&arguments.techniques);
+    out.color = arguments.color;
+    out.size = arguments.size.map(UVec2::from_array).or(out.size);
+    out.runs = if arguments.deterministic {
         None
     } else {
-        options.runs.map(Runs::exactly).or(out.runs)
+        arguments.runs.map(Runs::exactly).or(out.runs)
     };
-    if options.scenes.is_empty() && !options.quick {
+    if arguments.scenes.is_empty() && !arguments.quick {
         // 1024 rays in penumbra: a standard error well below any technique's, in a quarter of the time.
         out.truth.samples = 256;
     }
-    out.truth.samples = options.samples.unwrap_or(out.truth.samples);
-    if !options.map_sizes.is_empty() {
-        out.map_sizes.clone_from(&options.map_sizes);
+    out.truth.samples = arguments.samples.unwrap_or(out.truth.samples);
+    if !arguments.map_sizes.is_empty() {
+        out.map_sizes.clone_from(&arguments.map_sizes);
         // Sweeps take the middle one for granted.
         out.map_sizes.sort_unstable();
         out.map_sizes.dedup();

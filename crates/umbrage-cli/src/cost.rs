@@ -3,7 +3,7 @@
 use crate::usage::Usage;
 use anyhow::Result;
 use std::time::Duration;
-use umbrage_lab::compare::{Backends, Expected, Options, SceneInput, pilot};
+use umbrage_lab::compare::{Backends, CompareOptions, Expected, SceneInput, pilot};
 
 /// Comparisons of more pixels than this are tried at a small size first, so that nobody waits for what takes days.
 const MANY_PIXELS: u64 = 1 << 23;
@@ -12,9 +12,9 @@ const MANY_PIXELS: u64 = 1 << 23;
 ///
 /// # Errors
 /// When it doesn't fit into this machine's memory.
-pub(crate) fn tell(
+pub(crate) fn announce(
     inputs: &[SceneInput],
-    options: &Options,
+    options: &CompareOptions,
     backends: &mut Backends,
 ) -> Result<()> {
     if inputs.is_empty() {
@@ -43,8 +43,8 @@ fn counted(expected: &Expected) -> String {
         rays,
         bytes,
     } = *expected;
-    let plural = |count: usize| if count == 1 { "" } else { "s" };
-    let [of_scenes, of_rows] = [scenes, rows].map(plural);
+    let of_scenes = plural(scenes);
+    let of_rows = plural(rows);
     format!(
         "{scenes} scene{of_scenes}, {rows} row{of_rows}, {} pixels; at most {} rays for truth, about {} of memory",
         short(pixels),
@@ -53,10 +53,15 @@ fn counted(expected: &Expected) -> String {
     )
 }
 
+fn plural(count: usize) -> &'static str {
+    if count == 1 { "" } else { "s" }
+}
+
 /// Why so many bytes can't be held, if the machine's are known to be fewer.
 fn refusal(bytes: u64, memory: Option<u64>) -> Option<String> {
     let memory = memory.filter(|memory| bytes > *memory)?;
-    let [needed, there] = [bytes, memory].map(size);
+    let needed = size(bytes);
+    let there = size(memory);
     Some(format!(
         "this needs about {needed} of memory, and this machine has {there}; use smaller images (--size), or fewer rows \
          (--technique, --backend, --map-sizes)"
@@ -76,15 +81,13 @@ fn memory() -> Option<u64> {
 /// Three digits that count.
 fn short(count: u64) -> String {
     let units = [(1e12, " T"), (1e9, " G"), (1e6, " M"), (1e3, " k")];
-    let of = |(unit, name): (f64, &str)| {
-        let value = count as f64 / unit;
-        let digits = if value < 10.0 { 1 } else { 0 };
-        format!("{value:.digits$}{name}")
+    let unit = units.into_iter().find(|(unit, _)| count as f64 >= *unit);
+    let Some((unit, name)) = unit else {
+        return count.to_string();
     };
-    units
-        .into_iter()
-        .find(|(unit, _)| count as f64 >= *unit)
-        .map_or_else(|| count.to_string(), of)
+    let value = count as f64 / unit;
+    let digits = if value < 10.0 { 1 } else { 0 };
+    format!("{value:.digits$}{name}")
 }
 
 fn size(bytes: u64) -> String {

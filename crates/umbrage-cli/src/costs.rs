@@ -1,6 +1,6 @@
 //! What work costs on this machine.
 
-use crate::args::BenchOptions;
+use crate::args::BenchArguments;
 use anyhow::Result;
 use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
 use std::sync::Arc;
@@ -22,7 +22,7 @@ const SIZES: [UVec2; 2] = [UVec2::new(320, 180), UVec2::new(960, 540)];
 const MAPS: [u32; 2] = [256, 1024];
 
 /// Times techniques of all kinds, fits prices, prints them.
-pub(crate) fn costs(options: &BenchOptions) -> Result<()> {
+pub(crate) fn costs(options: &BenchArguments) -> Result<()> {
     let mut backends: Vec<Box<dyn Backend>> = vec![Box::new(Cpu::new())];
     match Gpu::new(&AdapterChoice::from_env()) {
         Ok(gpu) => backends.push(Box::new(gpu)),

@@ -2,7 +2,7 @@
 
 use crate::program::Program;
 use crate::{
-    args::{PlanBackend, PlanOptions},
+    args::{PlanArguments, PlanBackend},
     usage::Usage,
 };
 use crate::{
@@ -13,32 +13,32 @@ use anyhow::{Result, bail};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
 use umbrage_core::glam::UVec2;
 use umbrage_lab::plan_files::write;
-use umbrage_plan::{Bounds, Options, Plan, Setting, cost::CostModel, plan as find};
+use umbrage_plan::{Bounds, Plan, PlanOptions, Setting, cost::CostModel, plan as find};
 
 /// Plans, prints, writes; fails if nothing is within the bounds.
-pub(crate) fn plan(program: &Program, options: &PlanOptions) -> Result<()> {
-    let [name] = &options.scenes[..] else {
+pub(crate) fn plan(program: &Program, arguments: &PlanArguments) -> Result<()> {
+    let [name] = &arguments.scenes[..] else {
         return Err(
             Usage("plan one scene at a time: give one SCENE, or --regret".to_owned()).into(),
         );
     };
     let bounds = Bounds {
-        max_error: options.max_error,
-        max_ms: options.max_ms,
-        max_bytes: options.max_bytes,
+        max_error: arguments.max_error,
+        max_ms: arguments.max_ms,
+        max_bytes: arguments.max_bytes,
     };
     bounds.validate().map_err(|_| {
         Usage("give --max-error, --max-time or --max-bytes, or some of them".to_owned())
     })?;
     let scene = inputs::scene(program, name)?;
     let progress = Progress::new();
-    let plan = find(&scene, &bounds, &settings(options), &|step| {
+    let plan = find(&scene, &bounds, &options_of(arguments), &|step| {
         progress.note(step)
     });
     progress.finish();
     let plan = plan?;
-    let files = write(&plan, &program.folder(options.out.as_deref(), "plan"))?;
-    print(&plan, kind(options));
+    let files = write(&plan, &program.folder(arguments.out.as_deref(), "plan"))?;
+    print(&plan, kind(arguments));
     println!();
     files
         .iter()
@@ -50,24 +50,24 @@ pub(crate) fn plan(program: &Program, options: &PlanOptions) -> Result<()> {
 }
 
 /// The kind of backend whose prices count.
-fn kind(options: &PlanOptions) -> &'static str {
-    match options.backend {
+fn kind(arguments: &PlanArguments) -> &'static str {
+    match arguments.backend {
         PlanBackend::Cpu => "cpu",
         PlanBackend::Wgpu => "wgpu",
     }
 }
 
-pub(crate) fn settings(options: &PlanOptions) -> Options {
-    let cost = CostModel::of(kind(options));
-    let size = options.size.map(UVec2::from_array);
-    let light = usize::from(options.light) - 1;
-    Options {
-        samples: options.samples,
-        seed: options.seed,
+pub(crate) fn options_of(arguments: &PlanArguments) -> PlanOptions {
+    let cost = CostModel::of(kind(arguments));
+    let size = arguments.size.map(UVec2::from_array);
+    let light = usize::from(arguments.light) - 1;
+    PlanOptions {
+        samples: arguments.samples,
+        seed: arguments.seed,
         cost,
         light,
         size,
-        ..Options::default()
+        ..PlanOptions::default()
     }
 }
 
@@ -89,11 +89,9 @@ fn print(plan: &Plan, kind: &str) {
             "  error {:.4} ({:.4} to {:.4}, 9 in 10), of which too dark {:.4}, too light {:.4}",
             e.error, e.low, e.high, e.too_dark, e.too_light
         );
-        let (ms, factor, bytes) = (
-            chosen.milliseconds,
-            CostModel::factor_of_nine_in_ten(kind),
-            planning::bytes(chosen.bytes),
-        );
+        let ms = chosen.milliseconds;
+        let factor = CostModel::factor_of_nine_in_ten(kind);
+        let bytes = planning::bytes(chosen.bytes);
         println!(
             "  {ms:.3} ms predicted (on the reference machine within x{factor}, 9 in 10), {bytes}"
         );

@@ -10,24 +10,27 @@ use std::{
     thread::JoinHandle,
     time::{Duration, Instant},
 };
-use umbrage_lab::compare::Event;
+use umbrage_lab::compare::CompareEvent;
 
 /// Steps of one scene: half for truth, half for its rows.
 const STEPS: u64 = 2_000;
 
 /// Where there is no terminal for a bar, a line comes this often.
-const BEAT: Duration = Duration::from_secs(30);
+const LOG_INTERVAL: Duration = Duration::from_secs(30);
 
 /// A bar for the whole comparison; in a log, lines.
 pub(crate) struct Progress {
     bar: ProgressBar,
-    at: Mutex<Place>,
-    heart: Option<Heart>,
+    at: Mutex<Position>,
+    log: Option<Repeater>,
 }
 
+/// How far the comparison is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Place {
+struct Position {
+    /// The place of the scene that is compared, from 0.
     scene: u64,
+    /// Rows of each scene.
     rows: u64,
 }
 
@@ -39,21 +42,24 @@ impl Progress {
         let bar =
             ProgressBar::new(0).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
         let start = Instant::now();
-        let told = bar.clone();
-        let say = move || {
-            let done = told.position() as f64 / told.length().unwrap_or(0).max(1) as f64;
-            println!("{}", beat(done, start.elapsed(), &told.message()));
+        let shown = bar.clone();
+        let print_line = move || {
+            let length = shown.length().unwrap_or(0).max(1);
+            let done = shown.position() as f64 / length as f64;
+            println!("{}", log_line(done, start.elapsed(), &shown.message()));
         };
-        let heart = bar.is_hidden().then(|| Heart::new(BEAT, say));
+        let log = bar
+            .is_hidden()
+            .then(|| Repeater::new(LOG_INTERVAL, print_line));
         Self {
             bar,
             at: Mutex::default(),
-            heart,
+            log,
         }
     }
 
     /// Takes note of what happens; from any thread.
-    pub(crate) fn note(&self, event: Event<'_>) {
+    pub(crate) fn note(&self, event: CompareEvent<'_>) {
         // A panic elsewhere must not hide behind the bar's.
         let mut at = self
             .at
@@ -63,18 +69,18 @@ impl Progress {
             self.bar.set_message(message);
         }
         match event {
-            Event::Started {
+            CompareEvent::Started {
                 scenes,
                 rows_per_scene,
             } => {
                 self.bar.set_length(scenes as u64 * STEPS);
                 at.rows = rows_per_scene as u64;
             }
-            Event::Scene { index, .. } => at.scene = index as u64,
+            CompareEvent::Scene { index, .. } => at.scene = index as u64,
             _ => {}
         }
         // Where nobody watches, a line a scene shows in the log that there is progress.
-        if let (Event::SceneDone { result }, true) = (event, self.bar.is_hidden()) {
+        if let (CompareEvent::SceneDone { result }, true) = (event, self.bar.is_hidden()) {
             println!("{}: {} rows", result.name, result.rows.len());
         }
         if let Some(position) = position(*at, event) {
@@ -83,24 +89,24 @@ impl Progress {
     }
 
     pub(crate) fn finish(&self) {
-        self.heart.iter().for_each(Heart::stop);
+        self.log.iter().for_each(Repeater::stop);
         self.bar.finish_and_clear();
     }
 }
 
-/// Does something again and again, until it is stopped: whatever else takes its time.
-struct Heart {
+/// Calls a function at equal intervals on a thread of its own, until it is stopped.
+struct Repeater {
     stop: Mutex<Option<Sender<()>>>,
     thread: Mutex<Option<JoinHandle<()>>>,
 }
 
-impl Heart {
-    fn new(every: Duration, beat: impl Fn() + Send + 'static) -> Self {
+impl Repeater {
+    fn new(interval: Duration, function: impl Fn() + Send + 'static) -> Self {
         let (stop, stopped) = channel();
-        let again = move || stopped.recv_timeout(every) == Err(RecvTimeoutError::Timeout);
         let thread = std::thread::spawn(move || {
-            while again() {
-                beat();
+            // Until the other end of the channel is dropped.
+            while stopped.recv_timeout(interval) == Err(RecvTimeoutError::Timeout) {
+                function();
             }
         });
         Self {
@@ -109,28 +115,27 @@ impl Heart {
         }
     }
 
-    /// Ends it, and waits for a beat that has begun.
+    /// Ends it, and waits for a call that has begun.
     fn stop(&self) {
-        let take =
-            |slot: &Mutex<Option<Sender<()>>>| slot.lock().ok().and_then(|mut slot| slot.take());
-        drop(take(&self.stop));
+        let sender = self.stop.lock().ok().and_then(|mut slot| slot.take());
+        drop(sender);
         let thread = self.thread.lock().ok().and_then(|mut slot| slot.take());
         // A thread that panicked has said so itself.
         thread.into_iter().for_each(|thread| drop(thread.join()));
     }
 }
 
-impl Drop for Heart {
+impl Drop for Repeater {
     fn drop(&mut self) {
         self.stop();
     }
 }
 
-/// A line of the log. `done` is 0 to 1.
-fn beat(done: f64, elapsed: Duration, message: &str) -> String {
+/// A line of the log. `done` is the share that is done, 0..=1.
+fn log_line(done: f64, elapsed: Duration, message: &str) -> String {
     let gone = spoken(elapsed);
     let left = elapsed.as_secs_f64() * (1.0 - done) / done;
-    // Of the first hundredth no rest can be told.
+    // The first hundredth is too little to estimate the rest from.
     let rest = if done > 0.01 {
         format!(", about {} to go", spoken(Duration::from_secs_f64(left)))
     } else {
@@ -139,27 +144,27 @@ fn beat(done: f64, elapsed: Duration, message: &str) -> String {
     format!("{:.0} %, {gone} gone{rest}: {message}", 100.0 * done)
 }
 
-fn message(event: Event<'_>) -> Option<String> {
+fn message(event: CompareEvent<'_>) -> Option<String> {
     match event {
-        Event::Scene { name, .. } => Some(format!("{name}: truth")),
-        Event::Row {
+        CompareEvent::Scene { name, .. } => Some(format!("{name}: truth")),
+        CompareEvent::Row {
             technique,
             settings,
             backend,
             ..
         } => Some(format!("{technique} ({settings}) on {backend}")),
-        Event::Writing => Some("writing the report".to_owned()),
+        CompareEvent::Writing => Some("writing the report".to_owned()),
         _ => None,
     }
 }
 
 /// Steps done once this has happened.
-fn position(at: Place, event: Event<'_>) -> Option<u64> {
+fn position(at: Position, event: CompareEvent<'_>) -> Option<u64> {
     let half = |done: u64, total: u64| STEPS / 2 * done / total.max(1);
     let within = match event {
-        Event::Truth { done, total } => half(done as u64, total as u64),
-        Event::Row { index, .. } => STEPS / 2 + half(index as u64, at.rows),
-        Event::SceneDone { .. } => STEPS,
+        CompareEvent::Truth { done, total } => half(done as u64, total as u64),
+        CompareEvent::Row { index, .. } => STEPS / 2 + half(index as u64, at.rows),
+        CompareEvent::SceneDone { .. } => STEPS,
         _ => return None,
     };
     Some(at.scene * STEPS + within)
@@ -175,12 +180,12 @@ mod tests {
 
     #[test]
     fn truth_is_the_first_half_of_a_scene() {
-        let at = Place { scene: 3, rows: 10 };
+        let at = Position { scene: 3, rows: 10 };
         assert_eq!(
-            position(at, Event::Truth { done: 1, total: 2 }),
+            position(at, CompareEvent::Truth { done: 1, total: 2 }),
             Some(3 * STEPS + STEPS / 4)
         );
-        let row = Event::Row {
+        let row = CompareEvent::Row {
             technique: "",
             settings: "",
             backend: "",
@@ -192,31 +197,31 @@ mod tests {
     /// Nothing happens meanwhile, as while one large row is played.
     #[test]
     fn a_log_hears_of_progress_though_nothing_happens() {
-        let beats = Arc::new(AtomicUsize::new(0));
-        let count = beats.clone();
-        let heart = Heart::new(Duration::from_millis(2), move || {
+        let calls = Arc::new(AtomicUsize::new(0));
+        let count = calls.clone();
+        let repeater = Repeater::new(Duration::from_millis(2), move || {
             count.fetch_add(1, Ordering::Relaxed);
         });
         let start = Instant::now();
-        while beats.load(Ordering::Relaxed) < 3 && start.elapsed() < Duration::from_secs(60) {
+        while calls.load(Ordering::Relaxed) < 3 && start.elapsed() < Duration::from_secs(60) {
             std::thread::sleep(Duration::from_millis(1));
         }
-        heart.stop();
-        let heard = beats.load(Ordering::Relaxed);
+        repeater.stop();
+        let heard = calls.load(Ordering::Relaxed);
         assert!(heard >= 3);
         std::thread::sleep(Duration::from_millis(20));
-        assert_eq!(beats.load(Ordering::Relaxed), heard, "stopped");
+        assert_eq!(calls.load(Ordering::Relaxed), heard, "stopped");
     }
 
     #[test]
     fn a_line_says_how_far_it_is() {
         let minutes = |m: u64| Duration::from_secs(60 * m);
         assert_eq!(
-            beat(0.25, minutes(5), "cubes: truth"),
+            log_line(0.25, minutes(5), "cubes: truth"),
             "25 %, 5 min gone, about 15 min to go: cubes: truth"
         );
         assert_eq!(
-            beat(0.0, minutes(5), "cubes: truth"),
+            log_line(0.0, minutes(5), "cubes: truth"),
             "0 %, 5 min gone: cubes: truth"
         );
     }

@@ -1,28 +1,30 @@
 //! `plan --regret`: plans against exhaustive sweeps.
 
-use crate::args::PlanOptions;
+use crate::args::PlanArguments;
 use crate::program::Program;
-use crate::{inputs::scene, plan::settings, planning::Progress};
+use crate::{inputs::scene, plan::options_of, planning::Progress};
 use anyhow::{Result, bail};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
 use umbrage_core::Scene;
 use umbrage_lab::plan_files::write_regret;
-use umbrage_plan::{MAX_REGRET, MIN_KEPT, Options, Regret, regret as measure, statistics::Sorted};
+use umbrage_plan::{
+    MAX_REGRET, MIN_KEPT, PlanOptions, Regret, regret as measure, statistics::Sorted,
+};
 
 /// One row a scene, light and bound; fails if too many bounds are broken, or a choice costs too much.
-pub(crate) fn regret(program: &Program, options: &PlanOptions) -> Result<()> {
-    let scenes = scenes(program, &options.scenes)?;
+pub(crate) fn regret(program: &Program, arguments: &PlanArguments) -> Result<()> {
+    let scenes = scenes(program, &arguments.scenes)?;
     let progress = Progress::new();
     let mut all = Vec::new();
     for (i, scene) in scenes.iter().enumerate() {
         progress.prefix(format!("{} ({} of {}): ", scene.name, i + 1, scenes.len()));
         // The library says what a scene without lights lacks.
         for light in 0..scene.lights.len().max(1) {
-            let settings = Options {
+            let options = PlanOptions {
                 light,
-                ..settings(options)
+                ..options_of(arguments)
             };
-            let found = measure(scene, &options.errors, &settings, &|step| {
+            let found = measure(scene, &arguments.errors, &options, &|step| {
                 progress.note(step)
             });
             let found = found.inspect_err(|_| progress.finish())?;
@@ -32,7 +34,7 @@ pub(crate) fn regret(program: &Program, options: &PlanOptions) -> Result<()> {
     }
     progress.finish();
     println!("{}", table(&all));
-    let path = write_regret(&all, &program.folder(options.out.as_deref(), "plan"))?;
+    let path = write_regret(&all, &program.folder(arguments.out.as_deref(), "plan"))?;
     println!("\ntable: {}", path.display());
     verdict(&all)
 }

@@ -3,7 +3,7 @@
 use crate::inputs;
 use crate::program::Program;
 use crate::{
-    args::{Backend, StabilityOptions},
+    args::{Backend, StabilityArguments},
     usage::Usage,
 };
 use anyhow::{Result, bail};
@@ -13,19 +13,20 @@ use std::time::Instant;
 use umbrage_lab::{
     compare::Backends,
     stability::{
-        CaseResult, Cell, Event, Options, Stability, check_state, report, rows, run,
+        CaseResult, Cell, Stability, StabilityEvent, StabilityOptions, check_state, report, rows,
+        run,
         sweeps::{self, Sweep},
     },
 };
 
 /// Plays, prints, reports; fails if anything came out that must not be.
-pub(crate) fn stability(program: &Program, options: &StabilityOptions) -> Result<()> {
-    if options.list {
+pub(crate) fn stability(program: &Program, arguments: &StabilityArguments) -> Result<()> {
+    if arguments.list {
         println!("{}", list());
         return Ok(());
     }
-    let settings = settings(program, options)?;
-    let open = || inputs::open(backend(options), options.adapter.as_ref());
+    let options = options_of(program, arguments)?;
+    let open = || inputs::open(backend(arguments), arguments.adapter.as_ref());
     let mut backends = open()?;
     backends.notices.iter().for_each(|line| println!("{line}"));
     backends
@@ -33,14 +34,14 @@ pub(crate) fn stability(program: &Program, options: &StabilityOptions) -> Result
         .iter()
         .for_each(|b| println!("on {}", b.name()));
     let start = Instant::now();
-    let mut stability = play(&settings, &mut backends)?;
+    let mut stability = play(&options, &mut backends)?;
     println!("{}", matrix(&stability));
     let [pass, degraded, fails] = stability.counts();
     println!(
         "✓ {pass} pass   ~ {degraded} degraded   ✗ {fails} fail   – not served   ! must not be"
     );
-    let sweeps = if options.rows.is_empty() && options.techniques.is_empty() {
-        turn(&settings, &mut backends).unwrap_or_else(|e| {
+    let sweeps = if arguments.rows.is_empty() && arguments.techniques.is_empty() {
+        turn(&options, &mut backends).unwrap_or_else(|e| {
             // What the rows found is kept; the run fails all the same.
             stability.faults.push(format!("sweeps: {e:#}"));
             Vec::new()
@@ -55,7 +56,7 @@ pub(crate) fn stability(program: &Program, options: &StabilityOptions) -> Result
         .faults
         .extend(check_state(&mut backends.playing, &mut open()?.playing)?);
     let page = report::write(
-        &program.folder(options.out.as_deref(), "stability"),
+        &program.folder(arguments.out.as_deref(), "stability"),
         &stability,
         &sweeps,
     )?;
@@ -67,15 +68,15 @@ pub(crate) fn stability(program: &Program, options: &StabilityOptions) -> Result
     verdict(&stability)
 }
 
-fn settings(program: &Program, options: &StabilityOptions) -> Result<Options> {
-    let base = if options.quick {
-        Options::quick()
+fn options_of(program: &Program, arguments: &StabilityArguments) -> Result<StabilityOptions> {
+    let base = if arguments.quick {
+        StabilityOptions::quick()
     } else {
-        Options::default()
+        StabilityOptions::default()
     };
-    let out = Options {
-        rows: options.rows.clone(),
-        techniques: options.techniques.clone(),
+    let out = StabilityOptions {
+        rows: arguments.rows.clone(),
+        techniques: arguments.techniques.clone(),
         ..base
     };
     out.validate().map_err(|e| {
@@ -87,29 +88,29 @@ fn settings(program: &Program, options: &StabilityOptions) -> Result<Options> {
     Ok(out)
 }
 
-fn play(settings: &Options, backends: &mut Backends) -> Result<Stability> {
+fn play(options: &StabilityOptions, backends: &mut Backends) -> Result<Stability> {
     let style = ProgressStyle::with_template(
         "{bar:30} {pos:>3}/{len}  {elapsed} gone, {eta} to go  {wide_msg}",
     );
     let bar =
         ProgressBar::new(0).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-    let stability = run(settings, backends, &mut |event| match event {
-        Event::Case { name, index, of } => {
+    let stability = run(options, backends, &mut |event| match event {
+        StabilityEvent::Case { name, index, of } => {
             bar.set_length(of as u64);
             bar.set_position(index as u64);
             bar.set_message(name.to_owned());
         }
-        Event::Done { result } if bar.is_hidden() => println!("{}", line(result)),
-        Event::Done { .. } => {}
+        StabilityEvent::Done { result } if bar.is_hidden() => println!("{}", line(result)),
+        StabilityEvent::Done { .. } => {}
     });
     bar.finish_and_clear();
     Ok(stability?)
 }
 
 /// All sweeps.
-fn turn(settings: &Options, backends: &mut Backends) -> Result<Vec<Sweep>> {
+fn turn(options: &StabilityOptions, backends: &mut Backends) -> Result<Vec<Sweep>> {
     let bar = ProgressBar::new_spinner();
-    let sweeps = sweeps::sweeps(settings, backends, &mut |name| {
+    let sweeps = sweeps::sweeps(options, backends, &mut |name| {
         bar.set_message(format!("sweep: {name}"));
         bar.tick();
     });
@@ -221,11 +222,11 @@ fn verdict(stability: &Stability) -> Result<()> {
 }
 
 /// A software driver is too slow for a first look.
-fn backend(options: &StabilityOptions) -> Backend {
-    let otherwise = if options.quick {
+fn backend(arguments: &StabilityArguments) -> Backend {
+    let otherwise = if arguments.quick {
         Backend::Cpu
     } else {
         Backend::Available
     };
-    options.backend.unwrap_or(otherwise)
+    arguments.backend.unwrap_or(otherwise)
 }

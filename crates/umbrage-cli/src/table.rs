@@ -2,7 +2,7 @@
 
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
 use umbrage_core::metrics::Errors;
-use umbrage_lab::compare::{Measured, Outcome, Row, SceneResult};
+use umbrage_lab::compare::{CompareRow, Measured, RowOutcome, SceneResult};
 use umbrage_plan::{footprint, pareto::front};
 
 /// With more rows than this, only those are printed that no other beats in both time and error.
@@ -60,14 +60,14 @@ pub(crate) fn print(scenes: &[SceneResult]) {
 }
 
 /// How the maps of all rows are used, in a line; none without maps.
-fn maps(rows: &[Row]) -> Option<String> {
+fn maps(rows: &[CompareRow]) -> Option<String> {
     let used: Vec<_> = rows.iter().filter_map(|r| r.measured()?.maps).collect();
     Some(format!("maps: {}", footprint::words(&used)?))
 }
 
 /// How many pixels were left out of the errors, in a line; none if none were.
-fn left_out(rows: &[Row]) -> Option<String> {
-    let left_out = |row: &Row| {
+fn left_out(rows: &[CompareRow]) -> Option<String> {
+    let left_out = |row: &CompareRow| {
         row.measured()?
             .errors
             .map(|e| e.elsewhere)
@@ -80,11 +80,11 @@ fn left_out(rows: &[Row]) -> Option<String> {
     ))
 }
 
-fn cells(row: &Row) -> Vec<String> {
+fn cells(row: &CompareRow) -> Vec<String> {
     let named = [&row.technique, &row.settings, &row.backend].map(String::clone);
     let figures = match &row.outcome {
-        Outcome::Unsupported { reason } => vec!["-".to_owned(), reason.clone()],
-        Outcome::Measured(m) => figures(m),
+        RowOutcome::Unsupported { reason } => vec!["-".to_owned(), reason.clone()],
+        RowOutcome::Measured(m) => figures(m),
     };
     named.into_iter().chain(figures).collect()
 }
@@ -112,7 +112,7 @@ fn figures(m: &Measured) -> Vec<String> {
 }
 
 /// The rows to print: all, or each backend's Pareto front of time against error.
-fn chosen(rows: &[Row], whole: bool) -> Vec<&Row> {
+fn chosen(rows: &[CompareRow], whole: bool) -> Vec<&CompareRow> {
     if whole {
         return rows.iter().collect();
     }
@@ -125,8 +125,8 @@ fn chosen(rows: &[Row], whole: bool) -> Vec<&Row> {
         .collect()
 }
 
-fn best(rows: Vec<&Row>) -> Vec<&Row> {
-    let point = |row: &&Row| {
+fn best(rows: Vec<&CompareRow>) -> Vec<&CompareRow> {
+    let point = |row: &&CompareRow| {
         row.measured().map_or([f64::NAN; 2], |m| {
             [
                 m.times.map_or(m.cost_ms, |t| t.total.median),

@@ -6,7 +6,7 @@ use umbrage_techniques::{Bias, Hard, SecondDepth, ShadowMap};
 
 /// A scene, a technique that is wrong there in one way, and that way.
 #[derive(Clone, Debug)]
-pub struct Fault {
+pub struct CauseExample {
     /// The built-in scene's name.
     pub scene: &'static str,
     /// What is played.
@@ -16,7 +16,7 @@ pub struct Fault {
 }
 
 /// One fault a cause.
-pub fn faults() -> [Fault; 5] {
+pub fn faults() -> [CauseExample; 5] {
     let map = |size, bias| ShadowMap {
         size,
         bias,
@@ -28,13 +28,13 @@ pub fn faults() -> [Fault; 5] {
         })
     };
     [
-        Fault {
+        CauseExample {
             scene: "cause-acne",
             technique: hard(512, Bias::NONE),
             cause: Cause::Acne,
         },
         // A fiftieth of the depth range: a bare constant, such as first attempts use.
-        Fault {
+        CauseExample {
             scene: "cause-gap",
             technique: hard(
                 2048,
@@ -45,7 +45,7 @@ pub fn faults() -> [Fault; 5] {
             ),
             cause: Cause::Gap,
         },
-        Fault {
+        CauseExample {
             scene: "cause-leak",
             technique: Arc::new(SecondDepth {
                 map: map(512, Bias::FRONT_CULL),
@@ -53,12 +53,12 @@ pub fn faults() -> [Fault; 5] {
             }),
             cause: Cause::Leak,
         },
-        Fault {
+        CauseExample {
             scene: "cause-edge",
             technique: hard(64, Bias::ADAPTIVE),
             cause: Cause::Edge,
         },
-        Fault {
+        CauseExample {
             scene: "cause-penumbra",
             technique: hard(1024, Bias::ADAPTIVE),
             cause: Cause::Penumbra,

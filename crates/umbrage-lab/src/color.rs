@@ -79,22 +79,27 @@ pub(crate) fn png(size: UVec2, shadows: &Shadows) -> Option<Result<Vec<u8>, LabE
     shadows.picture_bytes().map(|rgb| encode_rgb(size, &rgb))
 }
 
-/// At how many pixels two pictures differ by more than one step of 255 though their masks agree within one and they show the
+/// Returns the number of pixels at which two pictures differ by more than one step of 255 though their masks agree within one and they show the
 /// same triangle.
 pub(crate) fn differing(a: &Shadows, b: &Shadows) -> Option<u64> {
-    let (colors, others) = (a.picture_bytes()?, b.picture_bytes()?);
-    let alike = |(v, w): (&f32, &f32)| (v - w).abs() <= 1.0 / 255.0;
-    let far = |(p, q): (&[u8], &[u8])| p.iter().zip(q).any(|(v, w)| v.abs_diff(*w) > 1);
-    let triangle = |s: &Shadows, i: usize| s.receivers.as_ref().map(|r| r.triangle[i]);
-    let masks = a.mask.iter().zip(&b.mask).enumerate();
-    let masks = masks.map(|(i, pair)| alike(pair) && triangle(a, i) == triangle(b, i));
-    let pixels = colors.chunks(3).zip(others.chunks(3)).map(far);
-    Some(
-        masks
-            .zip(pixels)
-            .filter(|(alike, far)| *alike && *far)
-            .count() as u64,
-    )
+    let a_colors = a.picture_bytes()?;
+    let b_colors = b.picture_bytes()?;
+    let color_pairs = a_colors.chunks(3).zip(b_colors.chunks(3));
+    let mask_pairs = a.mask.iter().zip(&b.mask);
+    let mut count = 0;
+    for (i, ((a_mask, b_mask), (a_color, b_color))) in mask_pairs.zip(color_pairs).enumerate() {
+        let have_same_mask = (a_mask - b_mask).abs() <= 1.0 / 255.0;
+        let have_same_triangle = triangle(a, i) == triangle(b, i);
+        let differ_in_color = a_color.iter().zip(b_color).any(|(v, w)| v.abs_diff(*w) > 1);
+        count += u64::from(have_same_mask && have_same_triangle && differ_in_color);
+    }
+    Some(count)
+}
+
+/// The triangle that a pixel shows, if the backend found receivers.
+fn triangle(shadows: &Shadows, pixel: usize) -> Option<u32> {
+    let receivers = shadows.receivers.as_ref()?;
+    Some(receivers.triangle[pixel])
 }
 
 #[cfg(test)]

@@ -13,9 +13,9 @@
 //! acne plus gap.
 //!
 //! ```
-//! use umbrage_plan::{Bounds, Options, plan};
+//! use umbrage_plan::{Bounds, PlanOptions, plan};
 //! let scene = umbrage_scenes::by_argument("no-casters")?;
-//! let plan = plan(&scene, &Bounds::error(0.02), &Options::default(), &|_| {})?;
+//! let plan = plan(&scene, &Bounds::error(0.02), &PlanOptions::default(), &|_| {})?;
 //! assert_eq!(plan.preset()?.technique().name(), "none");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -34,6 +34,6 @@ pub use error::MeasureError;
 pub use estimate::error::Estimate;
 pub use progress::{OnStep, Step};
 pub use search::{
-    BiasKind, Bounds, CurvePoint, MAX_REGRET, MIN_KEPT, Miss, Options, Plan, Planner, Regret,
+    BiasKind, Bounds, CurvePoint, MAX_REGRET, MIN_KEPT, Miss, Plan, PlanOptions, Planner, Regret,
     Sampled, Setting, plan, regret,
 };

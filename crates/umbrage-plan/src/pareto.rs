@@ -1,18 +1,24 @@
 //! The Pareto front: what nothing else beats at both cost and error.
 
-/// Indices of the points (cost, error), less being better, to which no other is better in one and at least as good in the
+/// Returns the indices of the points (cost, error), less being better, to which no other is better in one and at least as good in the
 /// other; by rising cost. Equal points are all kept; points that hold NaN never are.
 pub fn front(points: &[[f64; 2]]) -> Vec<usize> {
-    let beaten = |p: &[f64; 2]| {
-        points
-            .iter()
-            .any(|q| q[0] <= p[0] && q[1] <= p[1] && (q[0] < p[0] || q[1] < p[1]))
-    };
     let mut front: Vec<usize> = (0..points.len())
-        .filter(|&i| !points[i].iter().any(|v| v.is_nan()) && !beaten(&points[i]))
+        .filter(|&i| {
+            let point = points[i];
+            let is_number = !point[0].is_nan() && !point[1].is_nan();
+            is_number && !points.iter().any(|other| dominates(*other, point))
+        })
         .collect();
     front.sort_by(|&a, &b| points[a][0].total_cmp(&points[b][0]));
     front
+}
+
+/// Whether `p` is better than `q` in one figure and at least as good in the other.
+fn dominates(p: [f64; 2], q: [f64; 2]) -> bool {
+    let is_no_worse = p[0] <= q[0] && p[1] <= q[1];
+    let is_better = p[0] < q[0] || p[1] < q[1];
+    is_no_worse && is_better
 }
 
 #[cfg(test)]

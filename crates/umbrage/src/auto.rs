@@ -1,7 +1,7 @@
 //! The least technique that a scene needs.
 
 use crate::{Scene, techniques::TechniquePreset};
-use umbrage_plan::{MeasureError, Miss, Options, plan};
+use umbrage_plan::{MeasureError, Miss, PlanOptions, plan};
 
 /// What shadows may err and cost: a greatest error, time, number of bytes, or several of them.
 pub type Budget = umbrage_plan::Bounds;
@@ -29,7 +29,7 @@ pub type Budget = umbrage_plan::Bounds;
 /// # Errors
 /// When the scene or the budget is not valid, and when nothing is within the budget.
 pub fn auto(scene: &Scene, budget: &Budget) -> Result<TechniquePreset, AutoError> {
-    Ok(plan(scene, budget, &Options::default(), &|_| {})?.preset()?)
+    Ok(plan(scene, budget, &PlanOptions::default(), &|_| {})?.preset()?)
 }
 
 /// Why there is no preset.

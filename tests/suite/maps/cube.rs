@@ -11,7 +11,7 @@ use umbrage_core::{
     metrics::{ERROR_THRESHOLD, Pixel},
 };
 use umbrage_cpu::Cpu;
-use umbrage_plan::truth::{Point, TruthOptions, trace_points};
+use umbrage_plan::truth::{ReceiverPoint, TruthOptions, trace_points};
 use umbrage_techniques::{Bias, Hard, Midpoint, Pcf, ShadowMap};
 
 const SIZE: u32 = 512;
@@ -110,10 +110,10 @@ fn near_edge(case: &Case, pixel: usize, texels: f32) -> bool {
         face.beside(Vec2::from_angle(turn) * r * texels * std::f32::consts::SQRT_2)
     });
     let on_plane = rays.map(|ray| lamp + ray * ((p - lamp).dot(n) / ray.dot(n)));
-    let points: Vec<Point> = on_plane
-        .map(|q| Point {
+    let points: Vec<ReceiverPoint> = on_plane
+        .map(|q| ReceiverPoint {
             triangle: receivers.triangle[pixel],
-            ..Point::new(q, n, &case.geometry)
+            ..ReceiverPoint::new(q, n, &case.geometry)
         })
         .collect();
     let seen = trace_points(

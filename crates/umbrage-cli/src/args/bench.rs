@@ -7,7 +7,7 @@ use clap::Args;
   cargo xtask bench               every ratio, medians of 20 runs taken in turn
   cargo xtask bench --runs 100    the same, steadier
   cargo xtask bench --costs       what a texel, a tap, a ray costs here: prices for deterministic costs")]
-pub(crate) struct BenchOptions {
+pub(crate) struct BenchArguments {
     /// Measure the prices of work on this machine instead
     #[arg(long)]
     pub(crate) costs: bool,

@@ -9,7 +9,7 @@ use std::path::PathBuf;
   cargo xtask bias                                the built-in scenes under ideal lights
   cargo xtask bias stairs town --sides 2048       two scenes, one map size
   cargo xtask bias bunny.obj --backend cpu        a model on a floor, under two suns, a spot and a bulb")]
-pub(crate) struct BiasOptions {
+pub(crate) struct BiasArguments {
     /// Built-in scenes by name, scene files (.toml) or models (.obj); none: all built-in scenes
     #[arg(value_name = "SCENE")]
     pub(crate) scenes: Vec<String>,

@@ -14,7 +14,7 @@ use std::path::PathBuf;
   cargo xtask compare figure --color --map-sizes 1024        with shaded pictures
   cargo xtask compare --deterministic --shard 2/8 --out s2   an eighth of the suite, for `cargo xtask merge`
   cargo xtask compare --baseline old/results.json            fail if anything got slower or less accurate")]
-pub(crate) struct CompareOptions {
+pub(crate) struct CompareArguments {
     /// Built-in scenes by name, scene files (.toml) or models (.obj); none: the built-in suite
     #[arg(value_name = "SCENE")]
     pub(crate) scenes: Vec<String>,

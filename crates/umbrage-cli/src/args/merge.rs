@@ -7,7 +7,7 @@ use std::path::PathBuf;
 #[command(after_help = "Examples:
   cargo xtask merge s1 s2 s3 --out report    one report of three shards of `cargo xtask compare --shard`
   cargo xtask merge shards/* --out report    the same, whatever their number")]
-pub(crate) struct MergeOptions {
+pub(crate) struct MergeArguments {
     /// Folders that `cargo xtask compare --shard` wrote
     #[arg(value_name = "FOLDER", required = true)]
     pub(crate) folders: Vec<PathBuf>,

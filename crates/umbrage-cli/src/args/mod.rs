@@ -7,12 +7,12 @@ mod merge;
 mod plan;
 mod stability;
 
-pub(crate) use bench::BenchOptions;
-pub(crate) use bias::BiasOptions;
-pub(crate) use compare::CompareOptions;
-pub(crate) use merge::{MergeOptions, Shard};
-pub(crate) use plan::{PlanBackend, PlanOptions};
-pub(crate) use stability::StabilityOptions;
+pub(crate) use bench::BenchArguments;
+pub(crate) use bias::BiasArguments;
+pub(crate) use compare::CompareArguments;
+pub(crate) use merge::{MergeArguments, Shard};
+pub(crate) use plan::{PlanArguments, PlanBackend};
+pub(crate) use stability::StabilityArguments;
 
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
@@ -34,17 +34,17 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Measure techniques on scenes: speed, and error against ray-traced truth
-    Compare(CompareOptions),
+    Compare(CompareArguments),
     /// Play the catalogue of failures: where each technique passes, degrades or fails
-    Stability(StabilityOptions),
+    Stability(StabilityArguments),
     /// Find the least that a scene needs: the cheapest technique and setting within an error, time or memory
-    Plan(PlanOptions),
+    Plan(PlanArguments),
     /// Compare the default bias with the best that could be tuned by hand
-    Bias(BiasOptions),
+    Bias(BiasArguments),
     /// Join the reports of a comparison's shards
-    Merge(MergeOptions),
+    Merge(MergeArguments),
     /// Time the CPU backend, the wgpu backend and ray tracing against their yardsticks
-    Bench(BenchOptions),
+    Bench(BenchArguments),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]

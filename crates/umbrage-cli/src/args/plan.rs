@@ -12,7 +12,7 @@ use std::path::PathBuf;
   cargo xtask plan model.obj --max-error 0.05 --max-bytes 4194304 --backend wgpu
   cargo xtask plan --regret                           are plans right? against sweeps of the suite
   cargo xtask plan --regret cubes --errors 0.05,0.1   the same: one scene, two bounds")]
-pub(crate) struct PlanOptions {
+pub(crate) struct PlanArguments {
     /// Built-in scene by name, scene file (.toml) or model (.obj); with --regret any number, none: the suite
     #[arg(value_name = "SCENE", required_unless_present = "regret")]
     pub(crate) scenes: Vec<String>,

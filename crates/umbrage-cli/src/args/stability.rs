@@ -11,7 +11,7 @@ use std::path::PathBuf;
   cargo xtask stability 3 12 --technique hard,pcf    two rows, two techniques
   cargo xtask stability thin-plate --backend cpu     one case, on the CPU alone
   cargo xtask stability --quick --out look           small images and maps, in a folder of your own")]
-pub(crate) struct StabilityOptions {
+pub(crate) struct StabilityArguments {
     /// Rows by number, or cases by name; none: all rows and all sweeps
     #[arg(value_name = "ROW")]
     pub(crate) rows: Vec<String>,

@@ -2,11 +2,11 @@
 
 use super::{
     Changes,
-    times::{Asked, Sample, Suspect},
+    times::{RatioSample, RowToRetime, Suspect},
 };
 use crate::{
     LabError,
-    compare::{Again, Backends, Options, Ranks, Runs, SceneInput, again, calm},
+    compare::{Again, Backends, CompareOptions, Ranks, Runs, SceneInput, again, calm},
 };
 use std::collections::BTreeMap;
 
@@ -34,14 +34,16 @@ type Fresh = BTreeMap<(usize, String), Again>;
 pub fn time_again(
     changes: &mut Changes,
     inputs: &[SceneInput],
-    options: &Options,
+    options: &CompareOptions,
     backends: &mut Backends,
 ) -> Result<(), LabError> {
     let suspects = std::mem::take(&mut changes.suspects);
-    let (mut fresh, mut open) = (Fresh::new(), suspects.iter().collect::<Vec<&Suspect>>());
+    let mut fresh = Fresh::new();
+    let mut open: Vec<&Suspect> = suspects.iter().collect();
     for round in 0..MAX_ROUNDS {
-        let wanted =
-            |suspect: &&&Suspect| round < ROUNDS || suspect.is_untold(&known(suspect, &fresh));
+        let wanted = |suspect: &&&Suspect| {
+            round < ROUNDS || suspect.lacks_calm_runs(&known(suspect, &fresh))
+        };
         let asked = asked(open.iter().filter(wanted).copied());
         for (scene, stems) in asked {
             let Some(input) = inputs.get(scene) else {
@@ -58,23 +60,24 @@ pub fn time_again(
         }
         open.retain(|suspect| !suspect.is_cleared(&known(suspect, &fresh)));
     }
-    let untold = open
+    let undecided = open
         .iter()
-        .filter(|suspect| suspect.is_untold(&known(suspect, &fresh)))
+        .filter(|suspect| suspect.lacks_calm_runs(&known(suspect, &fresh)))
         .count();
     let worse: Vec<String> = open
         .iter()
         .filter_map(|s| s.verdict(&known(s, &fresh)))
         .collect();
     if !suspects.is_empty() {
-        let (all, left) = (suspects.len(), worse.len());
+        let all = suspects.len();
+        let left = worse.len();
         changes.notes.push(format!(
             "{all} rows or techniques looked slower and were timed again: {left} are slower."
         ));
     }
-    if untold > 0 {
+    if undecided > 0 {
         changes.notes.push(format!(
-            "The machine was too busy to tell of {untold} of them: try again when it is calm."
+            "The machine was too busy to tell of {undecided} of them: try again when it is calm."
         ));
     }
     changes.worse.extend(worse);
@@ -94,16 +97,16 @@ fn asked<'a>(suspects: impl Iterator<Item = &'a Suspect>) -> BTreeMap<usize, Vec
 }
 
 /// What was found of a suspect's rows.
-fn known(suspect: &Suspect, fresh: &Fresh) -> Vec<Option<Sample>> {
-    let of = |row: &Asked| {
+fn known(suspect: &Suspect, fresh: &Fresh) -> Vec<Option<RatioSample>> {
+    let of = |row: &RowToRetime| {
         let Again {
-            windows,
+            runs,
             least_ms,
             yardstick,
         } = fresh.get(&(row.scene, row.stem.clone()))?;
         // None were calm yet: then there are no ranks, of no runs.
-        let ratio = Ranks::of(calm(windows, *yardstick)).unwrap_or_default();
-        Some(Sample {
+        let ratio = Ranks::of(calm(runs, *yardstick)).unwrap_or_default();
+        Some(RatioSample {
             ratio,
             least_ms: *least_ms,
             yardstick: *yardstick,

@@ -56,7 +56,7 @@ impl Backend for Clocked {
 
 struct Stage {
     inputs: Vec<SceneInput>,
-    options: Options,
+    options: CompareOptions,
     backends: Backends,
     clock: Clock,
 }
@@ -76,7 +76,7 @@ fn stage() -> Stage {
             fit: None,
         }
     };
-    let options = Options {
+    let options = CompareOptions {
         registry: umbrage_techniques::Techniques::built_in(),
         techniques: vec!["hard".to_owned()],
         map_sizes: vec![48, 64, 80],

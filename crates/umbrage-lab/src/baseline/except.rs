@@ -1,7 +1,7 @@
 //! What the baseline has and the new results lack.
 
 use super::Changes;
-use crate::compare::{Comparison, Row};
+use crate::compare::{CompareRow, Comparison};
 use std::collections::{BTreeMap, BTreeSet};
 use umbrage_core::Invalid;
 
@@ -22,7 +22,7 @@ impl Except {
     /// The first name that is neither a scene, a technique, a backend nor a setting of it.
     pub fn check(&self, baseline: &Comparison) -> Result<(), Invalid> {
         let known = |name: &&String| {
-            let of_row = |row: &Row| names(row).contains(name);
+            let of_row = |row: &CompareRow| names(row).contains(name);
             baseline
                 .scenes
                 .iter()
@@ -48,7 +48,7 @@ impl Except {
 }
 
 /// What a row may be excepted by, the widest first.
-fn names(row: &Row) -> [String; 3] {
+fn names(row: &CompareRow) -> [String; 3] {
     [
         row.backend.clone(),
         row.technique.clone(),
@@ -82,7 +82,7 @@ impl<'a> Lost<'a> {
     }
 
     /// Takes note of a row of the baseline.
-    pub(super) fn row(&mut self, scene: &str, row: &Row, missing: bool) {
+    pub(super) fn row(&mut self, scene: &str, row: &CompareRow, missing: bool) {
         for name in names(row) {
             let [all, lost] = self.rows.entry(name).or_default();
             *all += 1;
@@ -95,7 +95,7 @@ impl<'a> Lost<'a> {
     }
 
     /// Says what is lost, as widely as is true: a backend, a technique, a setting, a row.
-    pub(super) fn tell(self, out: &mut Changes) {
+    pub(super) fn report(self, out: &mut Changes) {
         let mut except = BTreeSet::new();
         for (name, what) in &self.scenes {
             let line = format!("scene {name} {what}");
@@ -106,7 +106,8 @@ impl<'a> Lost<'a> {
                 except.insert(name.clone());
             }
         }
-        let (mut told, mut excepted) = (BTreeSet::new(), 0);
+        let mut reported = BTreeSet::new();
+        let mut excepted = 0;
         for (scene, label, names) in &self.missing {
             if self.except.has(scene) || names.iter().any(|name| self.except.has(name)) {
                 excepted += 1;
@@ -117,7 +118,7 @@ impl<'a> Lost<'a> {
                 .iter()
                 .find(|name| self.rows[*name][0] == self.rows[*name][1]);
             match whole {
-                Some(name) if told.insert(name.clone()) => {
+                Some(name) if reported.insert(name.clone()) => {
                     out.lost
                         .push(format!("{name} is missing: {} rows", self.rows[name][1]));
                 }

@@ -6,14 +6,14 @@ use umbrage_core::metrics::MAX_UNDECIDED_SHARE;
 use umbrage_plan::cost::CostModel;
 
 /// A figure that should not grow.
-pub(super) struct Figure {
+pub(super) struct BaselineFigure {
     name: &'static str,
     then: f64,
     now: f64,
     noise: f64,
 }
 
-impl Figure {
+impl BaselineFigure {
     /// Whether it grew, and what to say, if it changed beyond the noise.
     pub(super) fn change(&self) -> Option<(bool, String)> {
         let difference = self.now - self.then;
@@ -25,10 +25,15 @@ impl Figure {
 
 /// The figures of a row, then and now. Where no pixel counts there are no errors, then as now: else other pixels count, and
 /// the scene isn't compared.
-pub(super) fn of(backend: &str, then: &Measured, now: &Measured, exact: bool) -> Vec<Figure> {
+pub(super) fn of(
+    backend: &str,
+    then: &Measured,
+    now: &Measured,
+    exact: bool,
+) -> Vec<BaselineFigure> {
     let prices = CostModel::of(backend);
     let [cost_then, cost_now] = [then, now].map(|m| prices.milliseconds(&m.work));
-    let figure = |name, then, now, noise| Figure {
+    let figure = |name, then, now, noise| BaselineFigure {
         name,
         then,
         now,

@@ -26,7 +26,7 @@ pub use again::{ROUNDS, time_again};
 pub use except::Except;
 pub use read::{apart, read};
 
-use crate::compare::{Comparison, Environment, Outcome, Row, SceneResult, Times};
+use crate::compare::{CompareRow, Comparison, Environment, RowOutcome, RowTimes, SceneResult};
 use std::collections::HashMap;
 use times::Suspect;
 
@@ -95,13 +95,14 @@ pub fn changes(old: &Comparison, new: &Comparison, except: &Except) -> Changes {
     out.better.extend(judged.quicker);
     out.suspects = judged.suspects;
     if judged.rough > 0 {
-        let (rough, few) = (judged.rough, times::FEWEST);
+        let rough = judged.rough;
+        let few = times::MIN_RUNS;
         out.notes.push(format!(
             "{rough} rows have fewer than {few} calm runs in the baseline (--runs, or a busy machine): their times count with \
              their techniques' alone."
         ));
     }
-    lost.tell(&mut out);
+    lost.report(&mut out);
     out
 }
 
@@ -121,7 +122,8 @@ fn numbered(scenes: &[SceneResult]) -> impl Iterator<Item = ((&str, usize), &Sce
 
 /// Whether times can be compared, and whether graphics rounding is the same.
 fn machines(old: &Comparison, new: &Comparison, notes: &mut Vec<String>) -> [bool; 2] {
-    let (then, now) = (&old.environment, &new.environment);
+    let then = &old.environment;
+    let now = &new.environment;
     let same_adapter = then.adapter == now.adapter;
     let machine = |e: &Environment| format!("{}, {} threads, {}", e.cpu, e.threads, e.system);
     let describe = |e: &Environment| {
@@ -131,7 +133,7 @@ fn machines(old: &Comparison, new: &Comparison, notes: &mut Vec<String>) -> [boo
             e.adapter.as_deref().unwrap_or("no adapter")
         )
     };
-    let any = |c: &Comparison, has: fn(&Times) -> bool| {
+    let any = |c: &Comparison, has: fn(&RowTimes) -> bool| {
         let mut times = c
             .scenes
             .iter()
@@ -139,8 +141,8 @@ fn machines(old: &Comparison, new: &Comparison, notes: &mut Vec<String>) -> [boo
             .filter_map(|r| r.measured()?.times);
         times.any(|t| has(&t))
     };
-    let times: fn(&Times) -> bool = |_| true;
-    let ratios: fn(&Times) -> bool = |t| t.yardstick.is_some();
+    let times: fn(&RowTimes) -> bool = |_| true;
+    let ratios: fn(&RowTimes) -> bool = |t| t.yardstick.is_some();
     let why = if machine(then) != machine(now) || !same_adapter {
         let [then, now] = [then, now].map(describe);
         Some(format!(
@@ -211,9 +213,9 @@ impl<'a> Pair<'a> {
         lost: &mut except::Lost<'_>,
         timings: &mut Vec<times::Timing<'a>>,
     ) {
-        let key = |r: &Row| [r.technique.clone(), r.settings.clone(), r.backend.clone()];
-        let then: HashMap<_, &Row> = self.then.rows.iter().map(|r| (key(r), r)).collect();
-        let now: HashMap<_, &Row> = self.now.rows.iter().map(|r| (key(r), r)).collect();
+        let key = |r: &CompareRow| [r.technique.clone(), r.settings.clone(), r.backend.clone()];
+        let then: HashMap<_, &CompareRow> = self.then.rows.iter().map(|r| (key(r), r)).collect();
+        let now: HashMap<_, &CompareRow> = self.now.rows.iter().map(|r| (key(r), r)).collect();
         for row in &self.now.rows {
             match then.get(&key(row)) {
                 Some(old) => self.row(old, row, out, timings),
@@ -225,27 +227,27 @@ impl<'a> Pair<'a> {
         }
     }
 
-    fn say(&self, row: &Row, what: &str) -> String {
+    fn say(&self, row: &CompareRow, what: &str) -> String {
         let colon = if what.is_empty() { "" } else { ": " };
         format!("{}: {}{colon}{what}", self.now.name, row.label())
     }
 
     fn row(
         &self,
-        old: &Row,
-        new: &'a Row,
+        old: &CompareRow,
+        new: &'a CompareRow,
         out: &mut Changes,
         timings: &mut Vec<times::Timing<'a>>,
     ) {
         out.compared += 1;
         let (then, now) = match (&old.outcome, &new.outcome) {
-            (Outcome::Measured(then), Outcome::Measured(now)) => (then, now),
-            (Outcome::Measured(_), Outcome::Unsupported { reason }) => {
+            (RowOutcome::Measured(then), RowOutcome::Measured(now)) => (then, now),
+            (RowOutcome::Measured(_), RowOutcome::Unsupported { reason }) => {
                 return out
                     .worse
                     .push(self.say(new, &format!("refused now: {reason}")));
             }
-            (Outcome::Unsupported { .. }, Outcome::Measured(_)) => {
+            (RowOutcome::Unsupported { .. }, RowOutcome::Measured(_)) => {
                 return out.better.push(self.say(new, "measured now"));
             }
             _ => return,
@@ -258,12 +260,12 @@ impl<'a> Pair<'a> {
                 None => {}
             }
         }
-        let sample = |times: Option<Times>| {
-            let (ratio, yardstick) = (times?.ratio?, times?.yardstick?.min);
-            Some(times::Sample {
-                ratio,
-                least_ms: times?.total.min,
-                yardstick,
+        let sample = |times: Option<RowTimes>| {
+            let times = times?;
+            Some(times::RatioSample {
+                ratio: times.ratio?,
+                least_ms: times.total.min,
+                yardstick: times.yardstick?.min,
             })
         };
         if let (true, Some(then), Some(now)) = (self.timed, sample(then.times), sample(now.times)) {

@@ -7,7 +7,7 @@ use umbrage_core::{
     metrics::{Causes, Errors},
 };
 
-fn row(backend: &str) -> Row {
+fn row(backend: &str) -> CompareRow {
     let total = TimingStats {
         median: 2.0,
         min: 1.9,
@@ -24,11 +24,11 @@ fn row(backend: &str) -> Row {
             ..Errors::default()
         }),
         causes: Some(Causes::default()),
-        times: Some(Times {
+        times: Some(RowTimes {
             total,
             ratio,
             yardstick: Some(total),
-            ..Times::default()
+            ..RowTimes::default()
         }),
         work: Work {
             taps: 1000,
@@ -40,9 +40,9 @@ fn row(backend: &str) -> Row {
         color_differing: None,
         maps: None,
     };
-    let outcome = Outcome::Measured(Box::new(measured));
+    let outcome = RowOutcome::Measured(Box::new(measured));
     let (technique, settings) = ("pcf".to_owned(), "3x3".to_owned());
-    Row {
+    CompareRow {
         slug: technique.clone(),
         technique,
         settings,
@@ -76,7 +76,7 @@ fn changes(old: &Comparison, new: &Comparison) -> Changes {
 }
 
 fn measured(comparison: &mut Comparison, row: usize) -> &mut Measured {
-    let Outcome::Measured(m) = &mut comparison.scenes[0].rows[row].outcome else {
+    let RowOutcome::Measured(m) = &mut comparison.scenes[0].rows[row].outcome else {
         unreachable!("made so")
     };
     m
@@ -228,7 +228,7 @@ fn another_adapter_may_round_otherwise() {
         let mut new = comparison();
         new.environment.adapter = Some("another".into());
         for row in &mut new.scenes[0].rows {
-            let Outcome::Measured(m) = &mut row.outcome else {
+            let RowOutcome::Measured(m) = &mut row.outcome else {
                 unreachable!("made so")
             };
             errors(m).false_light += growth;
@@ -242,7 +242,7 @@ fn another_adapter_may_round_otherwise() {
 #[test]
 fn new_and_refused_rows_are_told() {
     let mut new = comparison();
-    new.scenes[0].rows.push(Row {
+    new.scenes[0].rows.push(CompareRow {
         settings: "5x5".into(),
         ..row("cpu")
     });
@@ -254,7 +254,7 @@ fn new_and_refused_rows_are_told() {
         }
     );
     let mut new = comparison();
-    new.scenes[0].rows[0].outcome = Outcome::Unsupported {
+    new.scenes[0].rows[0].outcome = RowOutcome::Unsupported {
         reason: "no more".into(),
     };
     assert_eq!(changes(&comparison(), &new).worse.len(), 1);
@@ -271,7 +271,7 @@ fn wide() -> Comparison {
     let mut out = comparison();
     out.scenes = ["cubes", "figure"].map(scene).to_vec();
     for scene in &mut out.scenes {
-        let make = |technique: &str, settings: &str, backend: &str| Row {
+        let make = |technique: &str, settings: &str, backend: &str| CompareRow {
             technique: technique.into(),
             settings: settings.into(),
             ..row(backend)
@@ -287,7 +287,7 @@ fn wide() -> Comparison {
 /// Each loss is told once, as widely as it is true, and excepted by the name that is offered.
 #[test]
 fn what_vanished_is_lost_unless_it_is_named() {
-    let lose = |keep: &dyn Fn(&str, &Row) -> bool| {
+    let lose = |keep: &dyn Fn(&str, &CompareRow) -> bool| {
         let mut new = wide();
         for scene in &mut new.scenes {
             let name = scene.name.clone();

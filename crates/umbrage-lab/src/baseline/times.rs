@@ -17,19 +17,19 @@
 //!   yardstick may be slow beside all of a row's runs, while the row fits between two turns of the scheduler. So only runs
 //!   count beside which no yardstick took more than [`CALM`] times the quickest of that row, and rows
 //!   of which even that one took more than [`CALM`] times what it can are not judged, as are those of
-//!   fewer than [`FEWEST`] such runs. Under the load above, of all rows the bound lay below what the row takes in 3 %; of
+//!   fewer than [`MIN_RUNS`] such runs. Under the load above, of all rows the bound lay below what the row takes in 3 %; of
 //!   those whose yardstick's median was calm, in 1 of 2,393.
 //! * **A technique** on a backend, over all scenes and settings, is suspected if its rows' median is slower by more than
 //!   [`TECHNIQUE`], and by more than [`SIGMAS`] standard errors of a median (1.253 sigma / sqrt n, sigma from the median
 //!   absolute deviation: Rousseeuw and Croux 1993, "Alternatives to the median absolute deviation"). For normal noise that
 //!   has a chance of 3 / 10^5: with 26 techniques on backends, one comparison in 1,000. It is slower if the same is found
-//!   when rows of it are timed again. Fewer than [`FEWEST_ROWS`] rows are judged one by one alone.
+//!   when rows of it are timed again. Fewer than [`MIN_ROWS`] rows are judged one by one alone.
 //!
 //! What this can't see: a single row that got slower by less than [`APART`] (more where the baseline itself is noisy, or
 //! where the machine got faster meanwhile), and a technique that did by less than [`TECHNIQUE`]. Counted cost sees every
 //! operation more, however small.
 
-use crate::compare::{CALM, Ranks, Row};
+use crate::compare::{CALM, CompareRow, Ranks};
 use std::collections::BTreeMap;
 
 /// Between the slower of the usual runs then and the quicker of the usual runs now. Less than that is what another
@@ -40,7 +40,7 @@ pub const APART: f64 = 1.4;
 pub const MANY: u32 = 9;
 
 /// Fewer runs are not judged.
-pub const FEWEST: u32 = 5;
+pub const MIN_RUNS: u32 = 5;
 
 /// A technique's median over its rows that counts, beyond its error. Rows of one technique wait for the same part of the
 /// machine, and a yardstick that waits for another does not cancel all of that: medians of unchanged code moved by up to
@@ -55,21 +55,21 @@ pub const SIGMAS: f64 = 4.0;
 pub const AS_QUICK: f64 = 1.1;
 
 /// Fewer rows of a technique are judged one by one alone.
-pub const FEWEST_ROWS: usize = 8;
+pub const MIN_ROWS: usize = 8;
 
 /// A row that was timed beside a yardstick, then and now.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Timing<'a> {
     /// The scene's place in the new results, and its name.
     pub(super) scene: (usize, &'a str),
-    pub(super) row: &'a Row,
-    pub(super) then: Sample,
-    pub(super) now: Sample,
+    pub(super) row: &'a CompareRow,
+    pub(super) then: RatioSample,
+    pub(super) now: RatioSample,
 }
 
 /// How long a row took.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sample {
+pub struct RatioSample {
     /// Over the yardstick, of calm runs.
     pub ratio: Ranks,
     /// The quickest run, milliseconds.
@@ -78,26 +78,36 @@ pub struct Sample {
     pub yardstick: f64,
 }
 
+impl RatioSample {
+    fn words(&self) -> String {
+        let ratio = &self.ratio;
+        format!(
+            "{:.3} yardsticks ({:.3} to {:.3}; at least {:.3} ms)",
+            ratio.median, ratio.tenth, ratio.max, self.least_ms
+        )
+    }
+}
+
 /// What looks slower.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Suspect {
     /// For people: a row with its scene, or a technique with its backend.
     pub label: String,
     /// Rows to be timed again.
-    pub rows: Vec<Asked>,
+    pub rows: Vec<RowToRetime>,
     /// Whether it is a technique as a whole.
     pub whole: bool,
 }
 
 /// A row that is to be timed again.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Asked {
+pub struct RowToRetime {
     /// Its scene's place in the new results.
     pub scene: usize,
-    /// [`Row::stem`].
+    /// [`CompareRow::stem`].
     pub stem: String,
     /// What the baseline says of it.
-    pub then: Sample,
+    pub then: RatioSample,
 }
 
 /// What times say.
@@ -167,8 +177,8 @@ fn spread_out<T>(all: &[T], most: usize) -> impl Iterator<Item = &T> {
 }
 
 impl Timing<'_> {
-    fn asked(&self) -> Asked {
-        Asked {
+    fn asked(&self) -> RowToRetime {
+        RowToRetime {
             scene: self.scene.0,
             stem: self.row.stem(),
             then: self.then,
@@ -183,11 +193,11 @@ fn bound(then: &Ranks) -> Option<f64> {
     } else {
         then.high
     };
-    (then.runs >= FEWEST).then_some(APART * usual)
+    (then.runs >= MIN_RUNS).then_some(APART * usual)
 }
 
 /// Whether the baseline's yardstick was as quick as it can be, as far as is known.
-fn is_calm(then: &Sample, now: &Sample) -> bool {
+fn is_calm(then: &RatioSample, now: &RatioSample) -> bool {
     then.yardstick <= CALM * now.yardstick
 }
 
@@ -198,11 +208,13 @@ fn change(then: &Ranks, now: &Ranks) -> Option<f64> {
 
 /// Whether rows as a whole got slower (or quicker), and by which factor.
 fn slower(changes: &[f64]) -> Option<(bool, f64)> {
-    if changes.len() < FEWEST_ROWS {
+    if changes.len() < MIN_ROWS {
         return None;
     }
     let median = Ranks::of(changes.to_vec())?.median;
     let deviation = Ranks::of(changes.iter().map(|c| (c - median).abs()).collect())?.median;
+    // Of normal noise the standard deviation is 1.4826 median absolute deviations, and a median's standard error is
+    // sqrt(pi / 2) = 1.253 times the mean's.
     let error = 1.253 * 1.4826 * deviation / (changes.len() as f64).sqrt();
     let counts = median.abs() > TECHNIQUE.ln() && median.abs() > SIGMAS * error;
     counts.then_some((median > 0.0, median.exp()))
@@ -211,40 +223,36 @@ fn slower(changes: &[f64]) -> Option<(bool, f64)> {
 impl Suspect {
     /// What to say of it now that its rows were timed again: none if it is no slower. `fresh` is what was found of each of
     /// its rows.
-    pub(super) fn verdict(&self, fresh: &[Option<Sample>]) -> Option<String> {
+    pub(super) fn verdict(&self, fresh: &[Option<RatioSample>]) -> Option<String> {
         if self.whole {
             let changes = self.changes(fresh);
             let (_, factor) = slower(&changes).filter(|(slower, _)| *slower)?;
-            let (label, rows) = (&self.label, changes.len());
+            let label = &self.label;
+            let rows = changes.len();
             return Some(format!(
                 "{label}: slower by a factor of {factor:.2} in the median of {rows} rows"
             ));
         }
-        let (then, now) = (self.rows.first()?.then, (*fresh.first()?)?);
-        if self.is_untold(fresh)
+        let then = self.rows.first()?.then;
+        let now = (*fresh.first()?)?;
+        if self.lacks_calm_runs(fresh)
             || now.ratio.tenth <= bound(&then.ratio)?
             || as_quick(&then, &now, APART)
             || !is_calm(&then, &now)
         {
             return None;
         }
-        let (label, factor) = (&self.label, now.ratio.median / then.ratio.median);
-        let [a, b] = [then, now].map(|s| {
-            let Sample {
-                ratio: r, least_ms, ..
-            } = s;
-            format!(
-                "{:.3} yardsticks ({:.3} to {:.3}; at least {least_ms:.3} ms)",
-                r.median, r.tenth, r.max
-            )
-        });
         Some(format!(
-            "{label}: slower by a factor of {factor:.2}: {a} -> {b}"
+            "{}: slower by a factor of {:.2}: {} -> {}",
+            self.label,
+            now.ratio.median / then.ratio.median,
+            then.words(),
+            now.words()
         ))
     }
 
     /// Whether there are too few fresh runs that nothing held up: as many as make a quartile.
-    pub(super) fn is_untold(&self, fresh: &[Option<Sample>]) -> bool {
+    pub(super) fn lacks_calm_runs(&self, fresh: &[Option<RatioSample>]) -> bool {
         !self.whole
             && fresh
                 .first()
@@ -256,7 +264,7 @@ impl Suspect {
     /// Whether fresh runs clear it already, so that it need not be timed once more: half of the ratios lie within the bound
     /// (nine in ten may not yet, of few runs), one run is nearly as quick as ever, or the yardstick can be quicker than it
     /// was beside the baseline.
-    pub(super) fn is_cleared(&self, fresh: &[Option<Sample>]) -> bool {
+    pub(super) fn is_cleared(&self, fresh: &[Option<RatioSample>]) -> bool {
         if self.whole {
             return Ranks::of(self.changes(fresh))
                 .is_none_or(|changes| changes.median <= TECHNIQUE.ln());
@@ -269,19 +277,19 @@ impl Suspect {
         else {
             return true;
         };
-        let usual = now.ratio.runs >= FEWEST
+        let usual = now.ratio.runs >= MIN_RUNS
             && bound(&then.ratio).is_none_or(|bound| now.ratio.median <= bound);
         usual || as_quick(&then, &now, APART) || !is_calm(&then, &now)
     }
 
     /// By how much its rows changed; those with a run as quick as ever did not.
-    fn changes(&self, fresh: &[Option<Sample>]) -> Vec<f64> {
+    fn changes(&self, fresh: &[Option<RatioSample>]) -> Vec<f64> {
         let pairs = self
             .rows
             .iter()
             .zip(fresh)
             .filter_map(|(row, now)| Some((row.then, (*now)?)));
-        let of = |(then, now): (Sample, Sample)| {
+        let of = |(then, now): (RatioSample, RatioSample)| {
             if as_quick(&then, &now, AS_QUICK) {
                 Some(0.0)
             } else {
@@ -293,7 +301,7 @@ impl Suspect {
 }
 
 /// Whether a run is as quick as the baseline's quickest, or slower by less than a factor.
-fn as_quick(then: &Sample, now: &Sample, factor: f64) -> bool {
+fn as_quick(then: &RatioSample, now: &RatioSample, factor: f64) -> bool {
     now.least_ms < factor * then.least_ms
 }
 

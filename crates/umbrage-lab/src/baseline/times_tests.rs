@@ -1,7 +1,7 @@
 //! Times with made-up noise, so much and so often that rare mistakes would show.
 
 use super::*;
-use crate::compare::Outcome;
+use crate::compare::RowOutcome;
 
 /// Noise with a seed: xorshift (Marsaglia 2003).
 struct Noise(u64);
@@ -46,27 +46,27 @@ impl Noise {
         (0..runs).map(|_| run(self)).collect()
     }
 
-    fn sample(&mut self, factor: f64, runs: usize) -> Sample {
+    fn sample(&mut self, factor: f64, runs: usize) -> RatioSample {
         sample(self.ratios(factor, runs), factor)
     }
 }
 
 /// Ratios, and a quickest run of so many milliseconds.
-fn sample(ratios: Vec<f64>, least_ms: f64) -> Sample {
-    Sample {
+fn sample(ratios: Vec<f64>, least_ms: f64) -> RatioSample {
+    RatioSample {
         ratio: Ranks::of(ratios).expect("some"),
         least_ms,
         yardstick: 1.0,
     }
 }
 
-fn row(technique: &str, slug: usize) -> Row {
-    Row {
+fn row(technique: &str, slug: usize) -> CompareRow {
+    CompareRow {
         technique: technique.to_owned(),
         settings: slug.to_string(),
         slug: slug.to_string(),
         backend: "cpu".to_owned(),
-        outcome: Outcome::Unsupported {
+        outcome: RowOutcome::Unsupported {
             reason: String::new(),
         },
     }
@@ -74,11 +74,11 @@ fn row(technique: &str, slug: usize) -> Row {
 
 /// How many of `rows` rows and of their techniques count as slower when row `i` takes `now(i)` times as long as before.
 fn alarms(noise: &mut Noise, rows: usize, runs: usize, now: impl Fn(usize) -> f64) -> [usize; 2] {
-    let all: Vec<Row> = (0..rows)
+    let all: Vec<CompareRow> = (0..rows)
         .map(|i| row(["pcf", "hard", "pcss", "volumes"][i % 4], i))
         .collect();
-    let then: Vec<Sample> = (0..rows).map(|_| noise.sample(0.7, runs)).collect();
-    let after: Vec<Sample> = (0..rows)
+    let then: Vec<RatioSample> = (0..rows).map(|_| noise.sample(0.7, runs)).collect();
+    let after: Vec<RatioSample> = (0..rows)
         .map(|i| noise.sample(0.7 * now(i), runs))
         .collect();
     let timing = |i: usize| Timing {
@@ -90,7 +90,7 @@ fn alarms(noise: &mut Noise, rows: usize, runs: usize, now: impl Fn(usize) -> f6
     let timings: Vec<_> = (0..rows).map(timing).collect();
     let mut out = [0, 0];
     for suspect in judge(&timings).suspects {
-        let place = |asked: &Asked| {
+        let place = |asked: &RowToRetime| {
             asked
                 .stem
                 .trim_end_matches(".cpu")
@@ -168,7 +168,7 @@ fn a_row_that_takes_twice_as_long_is_caught() {
         "not played any more"
     );
     // A yardstick that was held up beside all of the baseline's runs: as this run's or later ones tell.
-    let quicker = Sample {
+    let quicker = RatioSample {
         yardstick: 0.7,
         ..slower
     };
@@ -181,7 +181,7 @@ fn a_row_that_takes_twice_as_long_is_caught() {
     assert!(judged.suspects[0].is_cleared(&[Some(quicker)]));
     // Too few fresh runs that nothing held up, or none.
     for runs in [0, MANY - 1] {
-        let few = Sample {
+        let few = RatioSample {
             ratio: Ranks {
                 runs,
                 ..slower.ratio
@@ -189,12 +189,12 @@ fn a_row_that_takes_twice_as_long_is_caught() {
             ..slower
         };
         assert!(
-            judged.suspects[0].is_untold(&[Some(few)])
+            judged.suspects[0].lacks_calm_runs(&[Some(few)])
                 && !judged.suspects[0].is_cleared(&[Some(few)])
         );
         assert_eq!(judged.suspects[0].verdict(&[Some(few)]), None);
     }
-    let held_up = Sample {
+    let held_up = RatioSample {
         least_ms: 3.9,
         ..slower
     };
@@ -208,7 +208,7 @@ fn a_row_that_takes_twice_as_long_is_caught() {
 #[test]
 fn few_runs_are_not_judged() {
     let rows = [row("pcf", 0)];
-    let [then, now] = [1.0, 9.0].map(|r| sample(vec![r; FEWEST as usize - 1], r));
+    let [then, now] = [1.0, 9.0].map(|r| sample(vec![r; MIN_RUNS as usize - 1], r));
     let judged = judge(&[Timing {
         scene: (0, ""),
         row: &rows[0],
@@ -229,7 +229,7 @@ fn a_technique_that_gets_slower_by_half_is_caught() {
         let [_, techniques] = alarms(&mut noise, 200, 5, |i| if i % 4 == 2 { 1.5 } else { 1.0 });
         assert_eq!(techniques, 1);
     }
-    let rows: Vec<Row> = (0..FEWEST_ROWS).map(|i| row("pcss", i)).collect();
+    let rows: Vec<CompareRow> = (0..MIN_ROWS).map(|i| row("pcss", i)).collect();
     let timing = |(row, scene): (_, usize)| {
         let [then, now] = [1.0, 0.5].map(|r| sample(vec![r + 0.01 * scene as f64; 9], r));
         Timing {

@@ -1,7 +1,10 @@
 //! The yardstick for the wgpu player: a program that can do one technique and nothing else, written straight on wgpu.
 
 use std::{borrow::Cow, time::Duration};
-use umbrage_core::{Geometry, LightSpace, Receivers, glam::Vec3};
+use umbrage_core::{
+    Geometry, LightSpace, Receivers,
+    glam::{UVec2, Vec3},
+};
 use umbrage_wgpu::wgpu::{self, util::DeviceExt, *};
 
 /// One frame's times.
@@ -11,6 +14,19 @@ pub(super) struct FrameTimes {
     pub(super) cast: Duration,
     /// The full-screen pass.
     pub(super) receive: Duration,
+}
+
+/// What a frame draws.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FrameSettings {
+    /// The light space of the map.
+    pub(super) space: LightSpace,
+    /// The unit direction to the light.
+    pub(super) to_light: Vec3,
+    /// Side of the map, texels.
+    pub(super) map_size: u32,
+    /// How far the kernel reaches beyond the receiver's texel, texels.
+    pub(super) radius: i32,
 }
 
 /// Pipelines and resources, all made once.
@@ -32,23 +48,21 @@ pub(super) struct HandWritten {
 }
 
 impl HandWritten {
-    /// Ready to draw `geometry` from `space` into a map of `size` texels a side, and to shade `receivers`.
+    /// Returns a program that draws `geometry` into its map and shades `receivers`.
     pub(super) fn new(
-        (device, queue): (&Device, &Queue),
+        device: &Device,
+        queue: &Queue,
         geometry: &Geometry,
         receivers: &Receivers,
-        (space, to_light): (&LightSpace, Vec3),
-        (size, radius): (u32, i32),
+        settings: &FrameSettings,
     ) -> Self {
         let source = ShaderSource::Wgsl(Cow::Borrowed(include_str!("handwritten.wgsl")));
         let module = device.create_shader_module(ShaderModuleDescriptor {
             label: Some("by hand"),
             source,
         });
-        let (cast, shade) = (
-            cast_pipeline(device, &module),
-            shade_pipeline(device, &module),
-        );
+        let cast = cast_pipeline(device, &module);
+        let shade = shade_pipeline(device, &module);
         let buffer = |usage, contents: &[u8]| {
             device.create_buffer_init(&util::BufferInitDescriptor {
                 label: None,
@@ -56,13 +70,13 @@ impl HandWritten {
                 usage,
             })
         };
-        let uniforms = buffer(BufferUsages::UNIFORM, &uniforms(space, to_light, radius));
-        let map = texture(device, [size, size], TextureFormat::Depth32Float);
-        let [w, h] = receivers.size.to_array();
-        let mask = texture(device, [w, h], TextureFormat::R32Float);
+        let uniforms = buffer(BufferUsages::UNIFORM, &uniforms(settings));
+        let map_size = UVec2::splat(settings.map_size);
+        let map = texture(device, map_size, TextureFormat::Depth32Float);
+        let mask = texture(device, receivers.size, TextureFormat::R32Float);
         let surface = |texel: &dyn Fn(usize) -> [f32; 4]| {
             let data: Vec<[f32; 4]> = (0..receivers.len()).map(texel).collect();
-            upload(device, queue, [w, h], bytemuck::cast_slice(&data))
+            upload(device, queue, receivers.size, bytemuck::cast_slice(&data))
         };
         let covered = |i: usize| f32::from(u8::from(receivers.receives[i]));
         let position = surface(&|i| receivers.position(i).extend(covered(i)).to_array());
@@ -208,24 +222,24 @@ fn stamp_buffer(device: &Device, usage: BufferUsages) -> Buffer {
     })
 }
 
-fn uniforms(space: &LightSpace, to_light: Vec3, radius: i32) -> Vec<u8> {
-    let floats = space
-        .clip_from_world()
-        .to_cols_array()
+/// The bytes of the shader's `Uniforms`.
+fn uniforms(settings: &FrameSettings) -> Vec<u8> {
+    let clip_from_world = settings.space.clip_from_world().to_cols_array();
+    let floats = clip_from_world
         .into_iter()
-        .chain(to_light.to_array());
+        .chain(settings.to_light.to_array());
     floats
         .flat_map(f32::to_le_bytes)
-        .chain(radius.to_le_bytes())
+        .chain(settings.radius.to_le_bytes())
         .collect()
 }
 
-fn texture(device: &Device, [width, height]: [u32; 2], format: TextureFormat) -> TextureView {
+fn texture(device: &Device, size: UVec2, format: TextureFormat) -> TextureView {
     let desc = TextureDescriptor {
         label: None,
         size: Extent3d {
-            width,
-            height,
+            width: size.x,
+            height: size.y,
             depth_or_array_layers: 1,
         },
         mip_level_count: 1,
@@ -242,11 +256,11 @@ fn texture(device: &Device, [width, height]: [u32; 2], format: TextureFormat) ->
         .create_view(&TextureViewDescriptor::default())
 }
 
-fn upload(device: &Device, queue: &Queue, size: [u32; 2], data: &[u8]) -> TextureView {
+fn upload(device: &Device, queue: &Queue, size: UVec2, data: &[u8]) -> TextureView {
     let view = texture(device, size, TextureFormat::Rgba32Float);
     let layout = TexelCopyBufferLayout {
         offset: 0,
-        bytes_per_row: Some(16 * size[0]),
+        bytes_per_row: Some(16 * size.x),
         rows_per_image: None,
     };
     queue.write_texture(

@@ -8,5 +8,5 @@ mod paired;
 mod rays;
 mod suite;
 
-pub use paired::{Pair, Times, paired};
-pub use suite::{Options, run};
+pub use paired::{Pair, PairTimes, Paired, Repetitions, paired};
+pub use suite::{BenchOptions, run};

@@ -4,9 +4,29 @@ use serde::Serialize;
 use std::time::Duration;
 use umbrage_plan::statistics::Sorted;
 
+/// How often each of the two runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Repetitions {
+    /// Runs that are not counted, before all others.
+    pub warm_up: usize,
+    /// Runs that count.
+    pub runs: usize,
+}
+
+/// What was measured of both.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Paired {
+    /// Our times.
+    pub ours: PairTimes,
+    /// Their times.
+    pub theirs: PairTimes,
+    /// Median over the pairs of theirs / ours.
+    pub ratio: f64,
+}
+
 /// What was measured of one of the two.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Times {
+pub struct PairTimes {
     /// Shortest run, milliseconds.
     #[serde(rename = "least")]
     pub min: f64,
@@ -24,9 +44,9 @@ pub struct Pair {
     /// Who did it, first ours.
     pub who: [String; 2],
     /// Our times.
-    pub ours: Times,
+    pub ours: PairTimes,
     /// Their times.
-    pub theirs: Times,
+    pub theirs: PairTimes,
     /// Median over the pairs of theirs / ours: above 1, ours is the faster.
     pub ratio: f64,
     /// The ratio that is asked for, if any.
@@ -42,17 +62,17 @@ impl Pair {
     }
 }
 
-/// Runs both in turn, `warm_up` times uncounted, then `runs` times. Each tells how long its run took.
+/// Runs both in turn. Each returns how long its run took.
 ///
 /// # Errors
-/// The first error of either.
+/// Returns the first error of either.
 pub fn paired<E>(
-    [warm_up, runs]: [usize; 2],
+    repetitions: Repetitions,
     mut ours: impl FnMut() -> Result<Duration, E>,
     mut theirs: impl FnMut() -> Result<Duration, E>,
-) -> Result<(Times, Times, f64), E> {
-    let mut times = Vec::with_capacity(runs);
-    for run in 0..warm_up + runs {
+) -> Result<Paired, E> {
+    let mut times = Vec::with_capacity(repetitions.runs);
+    for run in 0..repetitions.warm_up + repetitions.runs {
         // Who goes first alternates, so that neither always follows the other's heat.
         let pair = if run % 2 == 0 {
             let a = ours()?;
@@ -61,23 +81,23 @@ pub fn paired<E>(
             let b = theirs()?;
             (ours()?, b)
         };
-        if run >= warm_up {
+        if run >= repetitions.warm_up {
             times.push((milliseconds(pair.0), milliseconds(pair.1)));
         }
     }
-    let ratio = Times::of(times.iter().map(|(a, b)| b / a.max(1e-6))).median;
-    Ok((
-        Times::of(times.iter().map(|t| t.0)),
-        Times::of(times.iter().map(|t| t.1)),
-        ratio,
-    ))
+    let ratios = times.iter().map(|(ours, theirs)| theirs / ours.max(1e-6));
+    Ok(Paired {
+        ours: PairTimes::of(times.iter().map(|t| t.0)),
+        theirs: PairTimes::of(times.iter().map(|t| t.1)),
+        ratio: PairTimes::of(ratios).median,
+    })
 }
 
 fn milliseconds(d: Duration) -> f64 {
     d.as_secs_f64() * 1e3
 }
 
-impl Times {
+impl PairTimes {
     /// Of at least one value.
     fn of(values: impl Iterator<Item = f64>) -> Self {
         let sorted = Sorted::new(values.collect());
@@ -104,8 +124,15 @@ mod tests {
                 Ok::<_, ()>(Duration::from_millis(base * run))
             }
         };
-        let (a, b, ratio) = paired([0, 5], drifting(2), drifting(6)).expect("no errors");
-        assert!((ratio - 3.0).abs() < 1e-9, "{ratio}");
-        assert_eq!((a.min, a.median, b.median), (2.0, 6.0, 18.0));
+        let repetitions = Repetitions {
+            warm_up: 0,
+            runs: 5,
+        };
+        let found = paired(repetitions, drifting(2), drifting(6)).expect("no errors");
+        assert!((found.ratio - 3.0).abs() < 1e-9, "{found:?}");
+        assert_eq!(
+            (found.ours.min, found.ours.median, found.theirs.median),
+            (2.0, 6.0, 18.0)
+        );
     }
 }

@@ -1,7 +1,7 @@
 //! Any-hit rays: ours with the crack-free triangle test and the skipped triangle, against obvhs's own traversal with its
 //! own triangles, over the same rays.
 
-use super::paired::{Pair, paired};
+use super::paired::{Pair, Repetitions, paired};
 use obvhs::{ray::Ray, rt_triangle::RtTriangle};
 use rayon::prelude::*;
 use std::{
@@ -25,12 +25,13 @@ const TASK: usize = 4096;
 fn shots(receivers: &Receivers, light: &LightSampler, far: f32) -> Vec<Shot> {
     let lit = (0..receivers.len()).filter(|&i| receivers.receives[i]);
     lit.flat_map(|i| {
-        let (p, n) = (receivers.position(i), receivers.normal(i));
-        let o = p + n * origin_offset(p, far);
+        let position = receivers.position(i);
+        let offset = receivers.normal(i) * origin_offset(position, far);
+        let origin = position + offset;
         (0..4).map(move |s| {
             (
-                o,
-                segment(light, o, unit_square(s, i as u32), far),
+                origin,
+                segment(light, origin, unit_square(s, i as u32), far),
                 receivers.triangle[i],
             )
         })
@@ -44,7 +45,7 @@ pub(super) fn compare(
     geometry: &Geometry,
     receivers: &Receivers,
     light: &umbrage_core::Light,
-    runs: [usize; 2],
+    repetitions: Repetitions,
 ) -> Pair {
     let far = 2.0 * geometry.bounds().extent().length();
     let shots = shots(receivers, &LightSampler::new(light), far);
@@ -61,8 +62,8 @@ pub(super) fn compare(
         let ray = Ray::new(o.into(), d.into(), 0.0, 1.0);
         !wide.ray_traverse_miss(ray, |ray, i| triangles[i].intersect(ray))
     };
-    let (ours, theirs, ratio) = paired(
-        runs,
+    let paired = paired(
+        repetitions,
         || Ok::<_, Infallible>(time(&shots, |s| ours_hits(bvh, s))),
         || Ok(time(&shots, obvhs_hits)),
     )
@@ -73,11 +74,11 @@ pub(super) fn compare(
             "umbrage's test in obvhs's hierarchy".into(),
             "obvhs alone".into(),
         ],
-        ours,
-        theirs,
-        ratio,
+        ours: paired.ours,
+        theirs: paired.theirs,
+        ratio: paired.ratio,
         bar: Some(0.9),
-        runs: runs[1],
+        runs: repetitions.runs,
     }
 }
 

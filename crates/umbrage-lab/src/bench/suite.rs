@@ -2,8 +2,8 @@
 //! by hand.
 
 use super::{
-    handwritten::HandWritten,
-    paired::{Pair, paired},
+    handwritten::{FrameSettings, HandWritten},
+    paired::{Pair, Paired, Repetitions, paired},
     rays,
 };
 use std::time::Duration;
@@ -19,7 +19,7 @@ use umbrage_wgpu::Gpu;
 
 /// What to run.
 #[derive(Clone, Copy, Debug)]
-pub struct Options {
+pub struct BenchOptions {
     /// Pairs counted.
     pub runs: usize,
     /// Pairs before that.
@@ -28,7 +28,7 @@ pub struct Options {
     pub threads: usize,
 }
 
-impl Default for Options {
+impl Default for BenchOptions {
     fn default() -> Self {
         Self {
             runs: 20,
@@ -46,7 +46,7 @@ const MAP: u32 = 2048;
 const RAY_SCREEN: UVec2 = UVec2::new(640, 360);
 
 /// One of the scenes kept for measuring speed.
-struct Stage {
+struct SpeedScene {
     name: &'static str,
     geometry: Geometry,
     camera: Camera,
@@ -54,7 +54,7 @@ struct Stage {
     receivers: Receivers,
 }
 
-impl Stage {
+impl SpeedScene {
     fn new(
         name: &'static str,
         scene: &Scene,
@@ -104,12 +104,15 @@ impl Stage {
 /// # Errors
 /// When a backend fails.
 pub fn run(
-    options: Options,
+    options: BenchOptions,
     gpu: Option<&mut Gpu>,
     mut tell: impl FnMut(Pair),
 ) -> Result<(), BackendError> {
     let mut cpu = Cpu::with_options(&CpuOptions::default().threads(options.threads))?;
-    let runs = [options.warm_up, options.runs];
+    let repetitions = Repetitions {
+        warm_up: options.warm_up,
+        runs: options.runs,
+    };
     let entries = || {
         umbrage_scenes::all()
             .iter()
@@ -117,16 +120,18 @@ pub fn run(
     };
     if let Some(gpu) = gpu {
         for entry in entries() {
-            let stage = Stage::new(entry.name, &(entry.build)(), SCREEN, &mut cpu)?;
-            tell(depth(&stage, runs, &mut cpu, gpu)?);
+            let stage = SpeedScene::new(entry.name, &(entry.build)(), SCREEN, &mut cpu)?;
+            tell(depth(&stage, repetitions, &mut cpu, gpu)?);
         }
         for entry in entries() {
-            let stage = Stage::new(entry.name, &(entry.build)(), SCREEN, &mut cpu)?;
+            let stage = SpeedScene::new(entry.name, &(entry.build)(), SCREEN, &mut cpu)?;
             for (radius, bar) in [(1, 2.5), (3, 5.0)] {
-                tell(lookup(&stage, radius, bar, runs, &mut cpu, gpu)?);
+                tell(lookup(&stage, radius, bar, repetitions, &mut cpu, gpu)?);
             }
-            tell(soft(&stage.with_extent(), runs, &mut cpu, gpu)?);
-            by_hand(&stage, runs, gpu)?.into_iter().for_each(&mut tell);
+            tell(soft(&stage.with_extent(), repetitions, &mut cpu, gpu)?);
+            by_hand(&stage, repetitions, gpu)?
+                .into_iter()
+                .for_each(&mut tell);
         }
     }
     let pool = rayon::ThreadPoolBuilder::new()
@@ -134,14 +139,14 @@ pub fn run(
         .build();
     let pool = pool.map_err(|e| BackendError::OutOfMemory(e.to_string()))?;
     for entry in entries() {
-        let stage = Stage::new(entry.name, &(entry.build)(), RAY_SCREEN, &mut cpu)?;
-        let Stage {
+        let stage = SpeedScene::new(entry.name, &(entry.build)(), RAY_SCREEN, &mut cpu)?;
+        let SpeedScene {
             geometry,
             receivers,
             light,
             ..
         } = &stage;
-        tell(pool.install(|| rays::compare(entry.name, geometry, receivers, light, runs)));
+        tell(pool.install(|| rays::compare(entry.name, geometry, receivers, light, repetitions)));
     }
     Ok(())
 }
@@ -167,30 +172,31 @@ type StageTime = fn(&umbrage_core::Timings) -> Option<Duration>;
 
 /// Times one stage of a recipe on both backends.
 fn both(
-    (view, recipe): (&View<'_>, &Recipe),
+    view: &View<'_>,
+    recipe: &Recipe,
     stage: StageTime,
-    runs: [usize; 2],
+    repetitions: Repetitions,
     cpu: &mut Cpu,
     gpu: &mut Gpu,
-) -> Result<(super::Times, super::Times, f64), BackendError> {
+) -> Result<Paired, BackendError> {
     let time = |backend: &mut dyn Backend| -> Result<Duration, BackendError> {
         let shadows = backend.render(view, recipe)?;
         let missing =
             || BackendError::Validation(format!("{} cannot time its passes", backend.name()));
         stage(&shadows.timings).ok_or_else(missing)
     };
-    paired(runs, || time(cpu), || time(gpu))
+    paired(repetitions, || time(cpu), || time(gpu))
 }
 
 fn depth(
-    stage: &Stage,
-    runs: [usize; 2],
+    stage: &SpeedScene,
+    repetitions: Repetitions,
     cpu: &mut Cpu,
     gpu: &mut Gpu,
 ) -> Result<Pair, BackendError> {
     let view = stage.view();
     let recipe = plan(&view, &Hard { map: map() })?;
-    let (ours, theirs, ratio) = both((&view, &recipe), |t| t.cast, runs, cpu, gpu)?;
+    let paired = both(&view, &recipe, |t| t.cast, repetitions, cpu, gpu)?;
     Ok(Pair {
         work: format!(
             "depth {MAP}x{MAP}, {} ({} triangles)",
@@ -198,25 +204,25 @@ fn depth(
             stage.geometry.casters().len()
         ),
         who: [cpu.name().into(), gpu.name().into()],
-        ours,
-        theirs,
-        ratio,
+        ours: paired.ours,
+        theirs: paired.theirs,
+        ratio: paired.ratio,
         bar: Some(3.0),
-        runs: runs[1],
+        runs: repetitions.runs,
     })
 }
 
 fn lookup(
-    stage: &Stage,
+    stage: &SpeedScene,
     radius: u32,
     bar: f64,
-    runs: [usize; 2],
+    repetitions: Repetitions,
     cpu: &mut Cpu,
     gpu: &mut Gpu,
 ) -> Result<Pair, BackendError> {
     let view = stage.view();
     let recipe = plan(&view, &Pcf { map: map(), radius })?;
-    let (ours, theirs, ratio) = both((&view, &recipe), |t| t.receive, runs, cpu, gpu)?;
+    let paired = both(&view, &recipe, |t| t.receive, repetitions, cpu, gpu)?;
     let taps = (2 * radius + 1).pow(2);
     Ok(Pair {
         work: format!(
@@ -224,17 +230,17 @@ fn lookup(
             SCREEN.x, SCREEN.y, stage.name
         ),
         who: [cpu.name().into(), gpu.name().into()],
-        ours,
-        theirs,
-        ratio,
+        ours: paired.ours,
+        theirs: paired.theirs,
+        ratio: paired.ratio,
         bar: Some(bar),
-        runs: runs[1],
+        runs: repetitions.runs,
     })
 }
 
 fn soft(
-    stage: &Stage,
-    runs: [usize; 2],
+    stage: &SpeedScene,
+    repetitions: Repetitions,
     cpu: &mut Cpu,
     gpu: &mut Gpu,
 ) -> Result<Pair, BackendError> {
@@ -252,7 +258,7 @@ fn soft(
         t.receive
             .map(|receive| receive + t.filter.unwrap_or_default())
     };
-    let (ours, theirs, ratio) = both((&view, &recipe), searched, runs, cpu, gpu)?;
+    let paired = both(&view, &recipe, searched, repetitions, cpu, gpu)?;
     let Pcss {
         blocker_taps,
         filter_taps,
@@ -264,16 +270,20 @@ fn soft(
             SCREEN.x, SCREEN.y, stage.name
         ),
         who: [cpu.name().into(), gpu.name().into()],
-        ours,
-        theirs,
-        ratio,
+        ours: paired.ours,
+        theirs: paired.theirs,
+        ratio: paired.ratio,
         bar: None,
-        runs: runs[1],
+        runs: repetitions.runs,
     })
 }
 
 /// The wgpu player's passes against a program written for this one technique.
-fn by_hand(stage: &Stage, runs: [usize; 2], gpu: &mut Gpu) -> Result<Vec<Pair>, BackendError> {
+fn by_hand(
+    stage: &SpeedScene,
+    repetitions: Repetitions,
+    gpu: &mut Gpu,
+) -> Result<Vec<Pair>, BackendError> {
     let view = stage.view();
     let recipe = plan(
         &view,
@@ -282,16 +292,18 @@ fn by_hand(stage: &Stage, runs: [usize; 2], gpu: &mut Gpu) -> Result<Vec<Pair>, 
             radius: 1,
         },
     )?;
-    let light = (
-        &recipe.casts[0].space,
-        stage.light.direction_from(Vec3::ZERO),
-    );
+    let (device, queue) = gpu.device();
     let program = HandWritten::new(
-        gpu.device(),
+        device,
+        queue,
         &stage.geometry,
         &stage.receivers,
-        light,
-        (MAP, 1),
+        &FrameSettings {
+            space: recipe.casts[0].space,
+            to_light: stage.light.direction_from(Vec3::ZERO),
+            map_size: MAP,
+            radius: 1,
+        },
     );
     let who = [format!("umbrage on {}", gpu.name()), "by hand".to_owned()];
     let passes: [(&str, StageTime, FrameTime); 2] = [
@@ -311,16 +323,16 @@ fn by_hand(stage: &Stage, runs: [usize; 2], gpu: &mut Gpu) -> Result<Vec<Pair>, 
                 .map(theirs_time)
                 .map_err(BackendError::Validation)
         };
-        let (ours, theirs, ratio) = paired(runs, ours, theirs)?;
+        let paired = paired(repetitions, ours, theirs)?;
         let work = format!("{name} on wgpu, {}", stage.name);
         pairs.push(Pair {
             work,
             who: who.clone(),
-            ours,
-            theirs,
-            ratio,
+            ours: paired.ours,
+            theirs: paired.theirs,
+            ratio: paired.ratio,
             bar: Some(1.0 / 1.15),
-            runs: runs[1],
+            runs: repetitions.runs,
         });
     }
     Ok(pairs)

@@ -27,14 +27,14 @@ pub const FEW: f64 = 16.0;
 
 /// What is played.
 #[derive(Clone, Debug)]
-pub struct Options {
+pub struct BiasOptions {
     /// Image size, pixels; none for each scene's own.
     pub size: Option<UVec2>,
     /// Sides of the maps, texels.
     pub sides: Vec<u32>,
 }
 
-impl Default for Options {
+impl Default for BiasOptions {
     fn default() -> Self {
         Self {
             size: None,
@@ -45,7 +45,7 @@ impl Default for Options {
 
 /// The default's error on one backend.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Played {
+pub struct DefaultBiasError {
     /// [`Backend::name`].
     pub backend: String,
     /// Root mean square error.
@@ -68,7 +68,7 @@ pub struct BiasRow {
     /// Pixels that count.
     pub counted: u64,
     /// The default on every backend.
-    pub played: Vec<Played>,
+    pub played: Vec<DefaultBiasError>,
     /// The least error of any rival.
     pub best: f64,
     /// That rival's bias.
@@ -97,10 +97,10 @@ impl BiasRow {
 }
 
 /// A kernel with a name, as a function of its map.
-pub type Kernel = (&'static str, fn(ShadowMap) -> Box<dyn ShadowTechnique>);
+pub type NamedKernel = (&'static str, fn(ShadowMap) -> Box<dyn ShadowTechnique>);
 
 /// The kernels whose biases are compared.
-pub const KERNELS: [Kernel; 6] = [
+pub const KERNELS: [NamedKernel; 6] = [
     ("hard", |map| Box::new(Hard { map })),
     ("pcf 3x3", |map| Box::new(Pcf { map, radius: 1 })),
     ("pcf 7x7", |map| Box::new(Pcf { map, radius: 3 })),
@@ -124,7 +124,7 @@ pub const KERNELS: [Kernel; 6] = [
 /// When the scene is not valid or a backend fails. Kernels and maps that can't serve a light are left out.
 pub fn measure(
     staged: &Staged,
-    options: &Options,
+    options: &BiasOptions,
     backends: &mut Backends,
 ) -> Result<Vec<BiasRow>, LabError> {
     let scene = &staged.scene;
@@ -181,7 +181,7 @@ impl Case<'_> {
     /// The figures of one kernel and side, without the names; none where the light is not served.
     fn play(
         &self,
-        kernel: Kernel,
+        kernel: NamedKernel,
         side: u32,
         backends: &mut Backends,
     ) -> Result<Option<BiasRow>, LabError> {
@@ -198,7 +198,7 @@ impl Case<'_> {
             let Some((rmse, pixels)) = self.error(&*with(Bias::ADAPTIVE), &mut **backend)? else {
                 return Ok(None);
             };
-            played.push(Played {
+            played.push(DefaultBiasError {
                 backend: backend.name().to_owned(),
                 rmse,
             });

@@ -10,7 +10,7 @@ fn row(rmse: f64, best: f64) -> BiasRow {
         kernel: "hard".to_owned(),
         side: 512,
         counted: 100_000,
-        played: vec![Played {
+        played: vec![DefaultBiasError {
             backend: "cpu".to_owned(),
             rmse,
         }],
@@ -45,7 +45,7 @@ fn sums_count_what_is_good_and_name_what_is_not() {
 fn stairs_on(backend: Box<dyn Backend>) -> Vec<BiasRow> {
     let scene = (umbrage_scenes::find("stairs").expect("built in").build)();
     let staged = staged(scene, false).expect("valid");
-    let options = Options {
+    let options = BiasOptions {
         size: Some(UVec2::new(160, 120)),
         sides: vec![512],
     };

@@ -1,6 +1,6 @@
 //! The backends that take part.
 
-use super::{Environment, Options};
+use super::{CompareOptions, Environment};
 use std::fmt;
 use umbrage_core::{Backend, BackendError};
 use umbrage_cpu::Cpu;
@@ -101,7 +101,7 @@ impl Backends {
     }
 
     /// Where a comparison with these backends is made, and when, if it has times.
-    pub fn environment(&self, options: &Options) -> Environment {
+    pub fn environment(&self, options: &CompareOptions) -> Environment {
         let backends = self.playing.iter().map(|b| b.name().to_owned()).collect();
         let snapping = self
             .playing

@@ -32,7 +32,8 @@ pub(super) fn run(
     technique: &dyn ShadowTechnique,
     view: &View3<'_>,
     truth: &Truth,
-    (recipe, with_casters): (&Recipe, &Shadows),
+    recipe: &Recipe,
+    with_casters: &Shadows,
 ) -> Result<Option<Control>, LabError> {
     let bare = view.geometry.without_casters();
     let bare_view = View3 {
@@ -47,31 +48,31 @@ pub(super) fn run(
         Err(e) => return Err(e.into()),
     };
     let without = backend.render(&seen, &bare_recipe)?;
-    let owed = owed(&bare_view, truth, &bare_recipe);
+    let expected = expected_without_casters(&bare_view, truth, &bare_recipe);
     let tolerance = AGREEMENT_TOLERANCE + bare_recipe.receive.kernel.tolerance();
-    let counted = |i: &usize| truth.pixels[*i] == Pixel::Counted;
-    let wrong = |i: &usize| {
-        let [least, most] = owed[*i];
-        !(least - tolerance..=most + tolerance).contains(&without.mask[*i])
-    };
-    let wrong_without = (0..owed.len()).filter(counted).filter(wrong).count() as u64;
-    let looks = !(recipe.casts.is_empty() && recipe.tables.is_empty());
-    // Of a light that is hidden whole, the middle and every sample are hidden, too.
-    let hidden = |i: usize| {
-        looks && counted(&i) && truth.visibility[i] == 0.0 && owed[i][0] > ERROR_THRESHOLD
-    };
-    let shadow: Vec<bool> = (0..owed.len()).map(hidden).collect();
-    let brightened =
-        |i: usize| shadow[i] && without.mask[i] - with_casters.mask[i] > ERROR_THRESHOLD;
-    let changed = (0..owed.len()).filter(|&i| brightened(i)).count() as u64;
+    let is_counted = |i: usize| truth.pixels[i] == Pixel::Counted;
+    let wrong_without = (0..expected.len())
+        .filter(|&i| is_counted(i) && !expected[i].contains(without.mask[i], tolerance))
+        .count() as u64;
+    // A recipe that draws no casters and has no tables of them shows no shadow, and need not.
+    let knows_casters = !recipe.casts.is_empty() || !recipe.tables.is_empty();
+    // Where the whole light is hidden by casters, its center and every sample of it are hidden, too.
+    let shadow: Vec<bool> = (0..expected.len())
+        .map(|i| {
+            let is_lit_without = expected[i].min > ERROR_THRESHOLD;
+            knows_casters && is_counted(i) && truth.visibility[i] == 0.0 && is_lit_without
+        })
+        .collect();
+    let changed = (0..expected.len())
+        .filter(|&i| shadow[i] && without.mask[i] - with_casters.mask[i] > ERROR_THRESHOLD)
+        .count() as u64;
     let shadowed = shadow.iter().filter(|s| **s).count() as u64;
-    let blind = shadowed > 0 && changed == 0;
-    let excused = blind && may_miss(technique, &view.core(), recipe, truth, &shadow);
-    let holds = wrong_without == 0 && (!blind || excused);
-    let (backend, technique) = (backend.kind().to_owned(), technique.name().to_owned());
+    let shows_no_shadow = shadowed > 0 && changed == 0;
+    let is_excused = shows_no_shadow && may_miss(technique, &view.core(), recipe, truth, &shadow);
+    let holds = wrong_without == 0 && (!shows_no_shadow || is_excused);
     Ok(Some(Control {
-        backend,
-        technique,
+        backend: backend.kind().to_owned(),
+        technique: technique.name().to_owned(),
         shadowed,
         changed,
         wrong_without,
@@ -79,98 +80,141 @@ pub(super) fn run(
     }))
 }
 
-/// For every pixel the least and the greatest visibility that is right when nothing casts.
-fn owed(view: &View3<'_>, truth: &Truth, recipe: &Recipe) -> Vec<[f32; 2]> {
-    let (kernel, receivers) = (&recipe.receive.kernel, &truth.receivers);
-    let question = Question::new(
+/// The visibilities of a pixel that are right, 0..=1.
+#[derive(Clone, Copy, Debug)]
+struct VisibilityRange {
+    min: f32,
+    max: f32,
+}
+
+impl VisibilityRange {
+    const LIT: Self = Self { min: 1.0, max: 1.0 };
+
+    fn contains(self, visibility: f32, tolerance: f32) -> bool {
+        (self.min - tolerance..=self.max + tolerance).contains(&visibility)
+    }
+}
+
+/// Returns for every pixel the visibilities that are right when nothing casts.
+fn expected_without_casters(
+    view: &View3<'_>,
+    truth: &Truth,
+    recipe: &Recipe,
+) -> Vec<VisibilityRange> {
+    let kernel = &recipe.receive.kernel;
+    let receivers = &truth.receivers;
+    let horizon = LightOverHorizon::new(
         view,
         kernel.cost_per_receiver().rays,
         kernel.knows_horizon(),
     );
-    let at = |i: usize| {
-        let pixel = UVec2::new(i as u32 % truth.size.x, i as u32 / truth.size.x);
-        if receivers.receives[i] {
-            question.owed(receivers.position(i), receivers.normal(i), pixel)
-        } else {
-            [1.0, 1.0]
-        }
-    };
-    (0..receivers.len()).into_par_iter().map(at).collect()
+    (0..receivers.len())
+        .into_par_iter()
+        .map(|i| {
+            if !receivers.receives[i] {
+                return VisibilityRange::LIT;
+            }
+            let pixel = UVec2::new(i as u32 % truth.size.x, i as u32 / truth.size.x);
+            horizon.expected(receivers.position(i), receivers.normal(i), pixel)
+        })
+        .collect()
 }
 
-/// What of the light a kernel asks for.
-enum Asked {
-    Middle,
+/// The part of the light that a kernel asks for.
+enum KernelQuery {
+    /// The light's center alone.
+    Center,
     /// So many points.
     Points(u32),
     /// The share above the horizon.
     Share,
 }
 
+/// Whether a point of the light lies above a receiver's tangent plane.
+#[derive(Clone, Copy, Debug)]
+struct Above {
+    surely: bool,
+    /// Within rounding.
+    maybe: bool,
+}
+
 /// How much of a light receivers see over their own horizon.
-struct Question {
+struct LightOverHorizon {
     light: LightSampler,
-    asked: Asked,
-    /// The light's middle; none for directions.
-    middle: Option<Vec3>,
+    query: KernelQuery,
+    /// The light's center; none for directions.
+    center: Option<Vec3>,
     /// The unit direction to a directional light.
     direction: Vec3,
     /// How far rays' origins may be lifted off their surface, metres.
     lift: f32,
 }
 
-impl Question {
+impl LightOverHorizon {
     fn new(view: &View3<'_>, rays: u32, knows_horizon: bool) -> Self {
-        let all = view
+        let bounds = view
             .geometry
             .bounds()
             .union(&Aabb::around([view.camera.eye()]));
         let light = LightSampler::new(view.light);
         // One ray serves an ideal light, whatever was asked for.
-        let asked = match rays {
-            0 if knows_horizon => Asked::Share,
-            0 => Asked::Middle,
-            _ if light.is_ideal() => Asked::Points(1),
-            _ => Asked::Points(rays),
+        let query = match rays {
+            0 if knows_horizon => KernelQuery::Share,
+            0 => KernelQuery::Center,
+            _ if light.is_ideal() => KernelQuery::Points(1),
+            _ => KernelQuery::Points(rays),
         };
-        let middle = view.light.position();
-        let direction = if middle.is_none() {
+        let center = view.light.position();
+        let direction = if center.is_none() {
             view.light.direction_from(Vec3::ZERO)
         } else {
             Vec3::ZERO
         };
-        let reach = all
-            .min
-            .abs()
-            .max(all.max.abs())
-            .max_element()
-            .max(extent(view.light));
+        let bounds_reach = bounds.min.abs().max(bounds.max.abs()).max_element();
+        let reach = bounds_reach.max(extent(view.light));
         Self {
             light,
-            asked,
-            middle,
+            query,
+            center,
             direction,
             lift: reach * LIFT,
         }
     }
 
-    fn owed(&self, p: Vec3, n: Vec3, pixel: UVec2) -> [f32; 2] {
-        let to_middle = self.middle.map_or(self.direction, |middle| middle - p);
-        match self.asked {
-            Asked::Middle => {
-                let [surely, _] = self.above(n, to_middle);
-                [f32::from(u8::from(surely)), 1.0]
+    /// Returns the visibilities that are right at a position with a unit normal.
+    fn expected(&self, position: Vec3, normal: Vec3, pixel: UVec2) -> VisibilityRange {
+        let to_center = self
+            .center
+            .map_or(self.direction, |center| center - position);
+        match self.query {
+            KernelQuery::Center => {
+                let above = self.above(normal, to_center);
+                VisibilityRange {
+                    min: f32::from(u8::from(above.surely)),
+                    max: 1.0,
+                }
             }
-            Asked::Points(count) => {
+            KernelQuery::Points(count) => {
                 let scramble = seed(pixel.x, pixel.y);
-                let seen = (0..count).map(|i| self.sees(p, n, unit_square(i, scramble)));
-                let [least, most] = seen.fold([0_u32; 2], |sum, sees| {
-                    [sum[0] + u32::from(sees[0]), sum[1] + u32::from(sees[1])]
-                });
-                [least, most].map(|seen| seen as f32 / count as f32)
+                let mut surely = 0_u32;
+                let mut maybe = 0_u32;
+                for i in 0..count {
+                    let above = self.sees(position, normal, unit_square(i, scramble));
+                    surely += u32::from(above.surely);
+                    maybe += u32::from(above.maybe);
+                }
+                VisibilityRange {
+                    min: surely as f32 / count as f32,
+                    max: maybe as f32 / count as f32,
+                }
             }
-            Asked::Share => {
-                horizon::share(&self.light, p, n, self.margin(to_middle)).map(|share| share as f32)
+            KernelQuery::Share => {
+                let margin = self.margin(to_center);
+                let [min, max] = horizon::share(&self.light, position, normal, margin);
+                VisibilityRange {
+                    min: min as f32,
+                    max: max as f32,
+                }
             }
         }
     }
@@ -178,23 +222,31 @@ impl Question {
     /// Whether a point of the light is surely, and whether it may be, above the tangent plane: seen from the surface itself
     /// and from as far above it as rays may start. (A ball's disc turns with the receiver, and its axes jump where they
     /// change their sign: so both ends are asked.)
-    fn sees(&self, p: Vec3, n: Vec3, uv: Vec2) -> [bool; 2] {
-        let [a, b] =
-            [0.0, self.lift].map(|lift| self.above(n, segment(&self.light, p + n * lift, uv, 1.0)));
-        [a[0] && b[0], a[1] || b[1]]
+    fn sees(&self, position: Vec3, normal: Vec3, uv: Vec2) -> Above {
+        let on_surface = segment(&self.light, position + normal * 0.0, uv, 1.0);
+        let lifted = segment(&self.light, position + normal * self.lift, uv, 1.0);
+        let from_surface = self.above(normal, on_surface);
+        let from_lifted = self.above(normal, lifted);
+        Above {
+            surely: from_surface.surely && from_lifted.surely,
+            maybe: from_surface.maybe || from_lifted.maybe,
+        }
     }
 
-    /// The same of a way to the light.
-    fn above(&self, n: Vec3, to_light: Vec3) -> [bool; 2] {
-        let height = n.as_dvec3().dot(to_light.as_dvec3());
+    /// Whether a vector to the light points above the tangent plane.
+    fn above(&self, normal: Vec3, to_light: Vec3) -> Above {
+        let height = normal.as_dvec3().dot(to_light.as_dvec3());
         let margin = self.margin(to_light);
-        [height > margin, height > -margin]
+        Above {
+            surely: height > margin,
+            maybe: height > -margin,
+        }
     }
 
-    /// By how much the height of a way's end over the surface is wrong: by a lift, which positions' rounding is a part of, and by
-    /// the rounding of a sum of three products, 2^-22 of the way's length.
+    /// Returns by how much the height of a point of the light over the surface may be wrong, metres: by a lift, which the
+    /// positions' rounding is a part of, and by the rounding of a sum of three products, 2^-22 of the vector's length.
     fn margin(&self, to_light: Vec3) -> f64 {
-        let lift = if self.middle.is_some() {
+        let lift = if self.center.is_some() {
             f64::from(self.lift)
         } else {
             0.0

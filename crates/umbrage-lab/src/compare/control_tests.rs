@@ -1,15 +1,15 @@
 //! Controls under lights of every kind, and inputs spoilt so that they must fail.
 
 use super::*;
-use crate::compare::{Backends, Comparison, Options, SceneInput, compare};
+use crate::compare::{Backends, CompareOptions, Comparison, SceneInput, compare};
 use glam::Affine3A;
 use umbrage_core::{BackendError, Camera, Fit, Geometry, Instance, Mesh, Scene};
 use umbrage_cpu::Cpu;
 use umbrage_plan::truth::{TruthOptions, trace};
 use umbrage_techniques::{Bias, Hard, Pcss, SecondDepth, ShadowMap, Techniques, Traced};
 
-fn options(techniques: &[&str]) -> Options {
-    Options {
+fn options(techniques: &[&str]) -> CompareOptions {
+    CompareOptions {
         registry: Techniques::built_in(),
         techniques: techniques.iter().map(|t| (*t).to_owned()).collect(),
         map_sizes: vec![1024],
@@ -36,7 +36,7 @@ fn lit_by(light: Light) -> Scene {
     }
 }
 
-fn compared(scene: Scene, options: &Options, player: Box<dyn Backend>) -> Comparison {
+fn compared(scene: Scene, options: &CompareOptions, player: Box<dyn Backend>) -> Comparison {
     let input = SceneInput {
         scene,
         summary: String::new(),
@@ -195,7 +195,7 @@ fn control(scene: &Scene, technique: &dyn ShadowTechnique, player: &mut dyn Back
         .recipe(&view.core().with_receivers(&truth.receivers))
         .expect("supported");
     let with_casters = player.render(&view.core(), &recipe).expect("valid");
-    run(player, technique, &view, &truth, (&recipe, &with_casters))
+    run(player, technique, &view, &truth, &recipe, &with_casters)
         .expect("valid")
         .expect("planned")
 }

@@ -2,7 +2,7 @@
 
 /// A step of a comparison.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Event<'a> {
+pub enum CompareEvent<'a> {
     /// Before anything else.
     Started {
         /// How many scenes there are.
@@ -45,4 +45,4 @@ pub enum Event<'a> {
 }
 
 /// Receives the events, from any thread.
-pub type OnEvent<'a> = dyn Fn(Event<'_>) + Sync + 'a;
+pub type OnEvent<'a> = dyn Fn(CompareEvent<'_>) + Sync + 'a;

@@ -1,6 +1,9 @@
-//! What a comparison will take, told before it begins.
+//! What a comparison will take, counted or estimated before it begins.
 
-use super::{Backends, Event, Options, SceneInput, compare, scene::camera_and_light, settings_of};
+use super::{
+    Backends, CompareEvent, CompareOptions, SceneInput, compare, scene::camera_and_light,
+    settings_of,
+};
 use crate::LabError;
 use glam::UVec2;
 use std::{
@@ -42,7 +45,7 @@ impl Expected {
     /// When a scene has no camera or light, or the options are wrong.
     pub fn new(
         inputs: &[SceneInput],
-        options: &Options,
+        options: &CompareOptions,
         backends: usize,
     ) -> Result<Self, LabError> {
         let mut out = Self {
@@ -51,25 +54,21 @@ impl Expected {
         };
         for input in inputs {
             let (camera, light) = camera_and_light(&input.scene)?;
-            let (pixels, rows) = (
-                pixels(options.camera(camera).size),
-                settings_of(input, options)?.len() * backends,
-            );
+            let pixels = pixels(options.camera(camera).size);
+            let rows = settings_of(input, options)?.len() * backends;
             let truth = &options.truth;
-            let many = u64::from(truth.samples) * u64::from(truth.penumbra_factor);
-            let [most, probe] = if light.is_ideal() {
-                [1, 1]
-            } else {
-                [many, u64::from(truth.probe_samples)]
-            };
+            let mut max_samples = 1;
+            let mut probe_samples = 1;
+            if !light.is_ideal() {
+                max_samples = u64::from(truth.samples) * u64::from(truth.penumbra_factor);
+                probe_samples = u64::from(truth.probe_samples);
+            }
+            let rays_a_pixel = max_samples + PROBES * probe_samples;
+            let bytes_a_pixel = BYTES_A_PIXEL + BYTES_A_MASK * rows as u64;
             out.rows += rows;
             out.pixels += pixels;
-            out.rays = out
-                .rays
-                .saturating_add(pixels.saturating_mul(most + PROBES * probe));
-            out.bytes = out
-                .bytes
-                .max(pixels * (BYTES_A_PIXEL + BYTES_A_MASK * rows as u64));
+            out.rays = out.rays.saturating_add(pixels.saturating_mul(rays_a_pixel));
+            out.bytes = out.bytes.max(pixels * bytes_a_pixel);
         }
         Ok(out)
     }
@@ -86,7 +85,7 @@ fn pixels(size: UVec2) -> u64 {
 /// When the scene can't be compared.
 pub fn pilot(
     inputs: &[SceneInput],
-    options: &Options,
+    options: &CompareOptions,
     backends: &mut Backends,
 ) -> Result<Duration, LabError> {
     let size = |input: &SceneInput| {
@@ -100,25 +99,35 @@ pub fn pilot(
     let Some((input, &size)) = largest else {
         return Ok(Duration::ZERO);
     };
-    let [small, large] = PILOTS.map(|most| reduced(size, most));
+    let small_size = reduced(size, PILOTS[0]);
+    let large_size = reduced(size, PILOTS[1]);
     // The first one compiles shaders, too.
-    once(input, options, small, backends)?;
-    let times = [
-        once(input, options, small, backends)?,
-        once(input, options, large, backends)?,
-    ];
+    once(input, options, small_size, backends)?;
+    let small = PilotTime {
+        pixels: pixels(small_size),
+        seconds: once(input, options, small_size, backends)?,
+    };
+    let large = PilotTime {
+        pixels: pixels(large_size),
+        seconds: once(input, options, large_size, backends)?,
+    };
     let wanted: Vec<u64> = sizes.iter().map(|&size| pixels(size)).collect();
-    Ok(Duration::from_secs_f64(extrapolated(
-        times,
-        [small, large].map(pixels),
-        &wanted,
-    )))
+    Ok(Duration::from_secs_f64(extrapolated(small, large, &wanted)))
 }
 
-/// Seconds for images of these sizes, from those of two sizes: linear, and never falling.
-fn extrapolated([at_small, at_large]: [f64; 2], [small, large]: [u64; 2], wanted: &[u64]) -> f64 {
-    let a_pixel = ((at_large - at_small) / (large.max(small + 1) - small) as f64).max(0.0);
-    let fixed = (at_small - a_pixel * small as f64).max(0.0);
+/// How long a pilot's image took.
+#[derive(Clone, Copy, Debug)]
+struct PilotTime {
+    pixels: u64,
+    seconds: f64,
+}
+
+/// Returns the seconds that images of these numbers of pixels take together, from those of two sizes: linear in the pixels,
+/// and never falling.
+fn extrapolated(small: PilotTime, large: PilotTime, wanted: &[u64]) -> f64 {
+    let more_pixels = large.pixels.max(small.pixels + 1) - small.pixels;
+    let a_pixel = ((large.seconds - small.seconds) / more_pixels as f64).max(0.0);
+    let fixed = (small.seconds - a_pixel * small.pixels as f64).max(0.0);
     wanted
         .iter()
         .map(|&pixels| fixed + a_pixel * pixels as f64)
@@ -134,18 +143,19 @@ fn reduced(size: UVec2, most: u64) -> UVec2 {
 /// Seconds that a comparison of this size would take, with as many runs of each row as are the least.
 fn once(
     input: &SceneInput,
-    options: &Options,
+    options: &CompareOptions,
     size: UVec2,
     backends: &mut Backends,
 ) -> Result<f64, LabError> {
-    let untimed = Options {
+    let untimed = CompareOptions {
         size: Some(size),
         runs: None,
         ..options.clone()
     };
-    let (start, first_row) = (Instant::now(), Mutex::new(None));
-    let note = |event: Event<'_>| {
-        if let (Event::Row { .. }, Ok(mut first)) = (event, first_row.lock()) {
+    let start = Instant::now();
+    let first_row = Mutex::new(None);
+    let note = |event: CompareEvent<'_>| {
+        if let (CompareEvent::Row { .. }, Ok(mut first)) = (event, first_row.lock()) {
             first.get_or_insert_with(Instant::now);
         }
     };
@@ -186,10 +196,10 @@ mod tests {
 
     #[test]
     fn a_huge_image_is_counted_before_it_is_made() {
-        let options = Options {
+        let options = CompareOptions {
             techniques: vec!["hard".into()],
             size: Some(UVec2::splat(16_384)),
-            ..Options::quick()
+            ..CompareOptions::quick()
         };
         let of = |name: &str| Expected::new(&[input(name)], &options, 2).expect("valid");
         let (sun, lamp) = (of("cubes"), of("teapot-lamp"));
@@ -209,11 +219,18 @@ mod tests {
 
     #[test]
     fn time_grows_with_pixels_alone() {
-        let of = |times, wanted: &[u64]| extrapolated(times, [1000, 3000], wanted);
-        assert!((of([3.0, 5.0], &[1_000_000]) - 1002.0).abs() < 1e-6);
-        assert!((of([3.0, 5.0], &[1000, 2000]) - 7.0).abs() < 1e-9);
+        let small = |seconds| PilotTime {
+            pixels: 1000,
+            seconds,
+        };
+        let large = |seconds| PilotTime {
+            pixels: 3000,
+            seconds,
+        };
+        assert!((extrapolated(small(3.0), large(5.0), &[1_000_000]) - 1002.0).abs() < 1e-6);
+        assert!((extrapolated(small(3.0), large(5.0), &[1000, 2000]) - 7.0).abs() < 1e-9);
         assert_eq!(
-            of([5.0, 3.0], &[1_000_000]),
+            extrapolated(small(5.0), large(3.0), &[1_000_000]),
             5.0,
             "noise must not make it negative"
         );
@@ -229,11 +246,11 @@ mod tests {
             probe_samples: 4,
             ..TruthOptions::default()
         };
-        let options = Options {
+        let options = CompareOptions {
             techniques: vec!["hard".into()],
             size: Some(UVec2::splat(2048)),
             truth,
-            ..Options::quick()
+            ..CompareOptions::quick()
         };
         let mut cpu = Backends::of(vec![Box::new(Cpu::new())]);
         let found = pilot(&[input("cubes")], &options, &mut cpu).expect("valid");

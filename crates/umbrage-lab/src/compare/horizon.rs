@@ -53,20 +53,29 @@ fn disc(height: f64, rim: f64) -> f64 {
 /// The share of the square -1..1 on which `height + axes.x x + axes.y y` is positive. For each y it is a length, which is
 /// linear in y where it is neither 0 nor 1; the mean over y follows from its antiderivative.
 fn square(height: f64, axes: DVec2) -> f64 {
-    let (a, b) = (axes.abs().max_element(), axes.abs().min_element());
-    if height.abs() >= a + b {
+    let steeper = axes.abs().max_element();
+    let flatter = axes.abs().min_element();
+    if height.abs() >= steeper + flatter {
         return f64::from(u8::from(height >= 0.0));
     }
-    let antiderivative = |length: f64| match length {
-        l if l <= 0.0 => 0.0,
-        l if l < 1.0 => 0.5 * l * l,
-        l => l - 0.5,
-    };
-    let [first, last] = [-b, b].map(|across| 0.5 * (1.0 + (height + across) / a));
+    // The share of the lines at both ends of the flatter axis that is positive, before it is clamped to 0..=1.
+    let first = 0.5 * (1.0 + (height - flatter) / steeper);
+    let last = 0.5 * (1.0 + (height + flatter) / steeper);
     if last - first < 1e-9 {
         return first.clamp(0.0, 1.0);
     }
-    (antiderivative(last) - antiderivative(first)) / (last - first)
+    (clamped_integral(last) - clamped_integral(first)) / (last - first)
+}
+
+/// The integral of `t` clamped to 0..=1 from 0 to `length`.
+fn clamped_integral(length: f64) -> f64 {
+    if length <= 0.0 {
+        0.0
+    } else if length < 1.0 {
+        0.5 * length * length
+    } else {
+        length - 0.5
+    }
 }
 
 #[cfg(test)]

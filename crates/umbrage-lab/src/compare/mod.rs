@@ -18,13 +18,13 @@ mod yardstick;
 
 pub use agreement::agree;
 pub use backends::Backends;
-pub use event::{Event, OnEvent};
+pub use event::{CompareEvent, OnEvent};
 pub use expected::{Expected, pilot};
-pub use options::{Options, Runs, SceneInput};
+pub use options::{CompareOptions, Runs, SceneInput};
 pub use relative::{MIN_ERROR, Relative, relative};
 pub use result::{
-    Comparison, Control, CostBasis, Environment, Measured, Outcome, Ranks, Row, SCHEMA,
-    SceneResult, Times, TimingStats, TruthSummary,
+    CompareRow, Comparison, Control, CostBasis, Environment, Measured, Ranks, RowOutcome, RowTimes,
+    SCHEMA, SceneResult, TimingStats, TruthSummary,
 };
 pub use scene::SceneImages;
 pub use timing::CALM;
@@ -49,7 +49,7 @@ pub type Sink<'a> = dyn FnMut(&SceneResult, &SceneImages) -> Result<(), LabError
 /// When input is not valid, a backend fails, or truth and a technique did not see the same triangles.
 pub fn compare(
     inputs: &[SceneInput],
-    options: &Options,
+    options: &CompareOptions,
     backends: &mut Backends,
     sink: &mut Sink<'_>,
     on_event: &OnEvent<'_>,
@@ -57,7 +57,7 @@ pub fn compare(
     // What can't be compared must not be found out after minutes of comparing others.
     inputs.iter().try_for_each(|input| input.scene.validate())?;
     let tight = options.settings(Fit::Tight)?;
-    on_event(Event::Started {
+    on_event(CompareEvent::Started {
         scenes: inputs.len(),
         rows_per_scene: tight.len() * backends.playing.len(),
     });
@@ -65,13 +65,13 @@ pub fn compare(
     // Not the report's own count, which may be greater: of fewer scenes it never writes more.
     let heat = inputs.len() <= FEW_SCENES;
     for (index, input) in inputs.iter().enumerate() {
-        on_event(Event::Scene {
+        on_event(CompareEvent::Scene {
             name: &input.scene.name,
             index,
         });
         let settings = settings_of(input, options)?;
         let (result, images) = scene::run(input, &settings, options, heat, backends, on_event)?;
-        on_event(Event::SceneDone { result: &result });
+        on_event(CompareEvent::SceneDone { result: &result });
         sink(&result, &images)?;
         scenes.push(result);
     }
@@ -85,7 +85,10 @@ pub fn compare(
 }
 
 /// All that is played on a scene.
-fn settings_of(input: &SceneInput, options: &Options) -> Result<Vec<slug::Setting>, LabError> {
+fn settings_of(
+    input: &SceneInput,
+    options: &CompareOptions,
+) -> Result<Vec<slug::NamedSetting>, LabError> {
     Ok(slug::with_slugs(&with_fit(
         &options.settings(Fit::Tight)?,
         input.fit,
@@ -97,7 +100,7 @@ fn settings_of(input: &SceneInput, options: &Options) -> Result<Vec<slug::Settin
 fn with_fit(
     tight: &[Arc<dyn ShadowTechnique>],
     fit: Option<Fit>,
-    options: &Options,
+    options: &CompareOptions,
 ) -> Result<ConfiguredTechniques, LabError> {
     let by_hand = fit.map_or(Ok(ConfiguredTechniques::new()), |fit| options.settings(fit))?;
     let label = |s: &Arc<dyn ShadowTechnique>| (s.name(), s.settings());

@@ -20,7 +20,7 @@ pub struct SceneInput {
 
 /// How a comparison is made.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Options {
+pub struct CompareOptions {
     /// The techniques that there are.
     pub registry: Techniques,
     /// Names of those that are compared; all when empty.
@@ -89,7 +89,7 @@ impl Default for Runs {
     }
 }
 
-impl Default for Options {
+impl Default for CompareOptions {
     fn default() -> Self {
         Self {
             registry: Techniques::built_in(),
@@ -104,7 +104,7 @@ impl Default for Options {
     }
 }
 
-impl Options {
+impl CompareOptions {
     /// For a first look: small images, one map size, few settings, few samples, few runs.
     pub fn quick() -> Self {
         Self {

@@ -9,7 +9,7 @@
 //! their mean is geometric. Where a technique cannot serve a scene it draws no shadow: relative error 1, and the time is the
 //! mean over the others.
 
-use super::{Comparison, CostBasis, Measured, Row, SceneResult, TimingStats};
+use super::{CompareRow, Comparison, CostBasis, Measured, SceneResult, TimingStats};
 use serde::Serialize;
 use std::collections::HashMap;
 
@@ -89,19 +89,19 @@ pub fn relative(comparison: &Comparison) -> Vec<Relative> {
         .filter_map(|key| Some((key, *sums.get(&key)?)));
     whole
         .filter(|(_, s)| s.scenes == scenes && s.served > 0)
-        .map(|(key, s)| s.mean(key))
+        .map(|(key, s)| s.mean(key[0], key[1], key[2]))
         .collect()
 }
 
 /// For each backend, the measurement that its others are compared with.
 fn references(scene: &SceneResult) -> HashMap<&str, &Measured> {
-    let mut of_backend: HashMap<&str, Vec<(&Row, &Measured)>> = HashMap::new();
+    let mut of_backend: HashMap<&str, Vec<(&CompareRow, &Measured)>> = HashMap::new();
     for row in scene.rows.iter().filter(|r| r.technique == "hard") {
         if let Some(m) = row.measured() {
             of_backend.entry(&row.backend).or_default().push((row, m));
         }
     }
-    let middle = |rows: Vec<(&Row, &'_ Measured)>| -> Option<usize> {
+    let middle = |rows: Vec<(&CompareRow, &'_ Measured)>| -> Option<usize> {
         let mut sizes: Vec<u64> = rows.iter().map(|(_, m)| m.work.cleared).collect();
         sizes.sort_unstable();
         sizes.dedup();
@@ -135,19 +135,18 @@ impl Sums {
         }
     }
 
-    fn mean(&self, [technique, settings, backend]: [&str; 3]) -> Relative {
-        let unserved = (self.scenes - self.served) as f64;
-        let (all, served, timed) = (
-            self.scenes.max(1) as f64,
-            self.served.max(1) as f64,
-            self.timed.max(1) as f64,
-        );
+    fn mean(&self, technique: &str, settings: &str, backend: &str) -> Relative {
+        // A scene that is not served has no shadow: an error of 1.
+        let error_of_unserved = (self.scenes - self.served) as f64;
+        let scenes = self.scenes.max(1) as f64;
+        let served = self.served.max(1) as f64;
+        let timed = self.timed.max(1) as f64;
         let [median, min, max] = self.time.map(|sum| (sum / timed).exp());
         Relative {
             technique: technique.to_owned(),
             settings: settings.to_owned(),
             backend: backend.to_owned(),
-            error: (self.error + unserved) / all,
+            error: (self.error + error_of_unserved) / scenes,
             time: (self.timed > 0).then_some(TimingStats {
                 median,
                 min,
@@ -172,13 +171,13 @@ impl SceneResult {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compare::{Outcome, Times};
+    use crate::compare::{RowOutcome, RowTimes};
     use umbrage_core::{
         Work,
         metrics::{Causes, Errors},
     };
 
-    fn row(technique: &str, rmse: f64, ms: f64) -> Row {
+    fn row(technique: &str, rmse: f64, ms: f64) -> CompareRow {
         let total = TimingStats {
             median: ms,
             min: ms / 2.0,
@@ -191,9 +190,9 @@ mod tests {
                 ..Errors::default()
             }),
             causes: Some(Causes::default()),
-            times: Some(Times {
+            times: Some(RowTimes {
                 total,
-                ..Times::default()
+                ..RowTimes::default()
             }),
             work: Work {
                 cleared: 1024,
@@ -205,8 +204,8 @@ mod tests {
             color_differing: None,
             maps: None,
         };
-        let outcome = Outcome::Measured(Box::new(measured));
-        Row {
+        let outcome = RowOutcome::Measured(Box::new(measured));
+        CompareRow {
             technique: technique.into(),
             settings: "s".into(),
             slug: technique.into(),
@@ -215,7 +214,7 @@ mod tests {
         }
     }
 
-    fn scene(rmse_of_none: [f64; 2], rows: Vec<Row>) -> SceneResult {
+    fn scene(rmse_of_none: [f64; 2], rows: Vec<CompareRow>) -> SceneResult {
         SceneResult {
             rmse_of_none,
             rows,
@@ -258,8 +257,8 @@ mod tests {
 
     #[test]
     fn where_a_technique_cannot_serve_it_draws_no_shadow() {
-        let dash = Row {
-            outcome: Outcome::Unsupported {
+        let dash = CompareRow {
+            outcome: RowOutcome::Unsupported {
                 reason: "no".into(),
             },
             ..row("planar", 0.0, 0.0)

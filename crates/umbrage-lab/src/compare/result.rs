@@ -78,7 +78,7 @@ pub struct SceneResult {
     /// RMSE of a mask that is lit everywhere, and of one that is dark everywhere.
     pub rmse_of_none: [f64; 2],
     /// One entry a technique setting and backend.
-    pub rows: Vec<Row>,
+    pub rows: Vec<CompareRow>,
     /// One entry a technique and backend.
     pub controls: Vec<Control>,
 }
@@ -172,7 +172,7 @@ pub struct TruthSummary {
 
 /// One technique setting on one backend.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Row {
+pub struct CompareRow {
     /// The technique's name.
     pub technique: String,
     /// Its settings in words.
@@ -182,15 +182,15 @@ pub struct Row {
     /// Kind of backend, `cpu` or `wgpu`.
     pub backend: String,
     /// What came of it.
-    pub outcome: Outcome,
+    pub outcome: RowOutcome,
 }
 
-impl Row {
+impl CompareRow {
     /// The figures, if there are any.
     pub fn measured(&self) -> Option<&Measured> {
         match &self.outcome {
-            Outcome::Measured(m) => Some(m),
-            Outcome::Unsupported { .. } => None,
+            RowOutcome::Measured(m) => Some(m),
+            RowOutcome::Unsupported { .. } => None,
         }
     }
 
@@ -205,7 +205,7 @@ impl Row {
     }
 }
 
-/// [`Row::stem`] of a slug on a kind of backend.
+/// [`CompareRow::stem`] of a slug on a kind of backend.
 pub(super) fn stem_of(slug: &str, backend: &str) -> String {
     format!("{slug}.{backend}")
 }
@@ -213,7 +213,7 @@ pub(super) fn stem_of(slug: &str, backend: &str) -> String {
 /// What came of a row.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Outcome {
+pub enum RowOutcome {
     /// It was rendered and measured.
     Measured(Box<Measured>),
     /// The technique or the backend isn't made for this.
@@ -232,7 +232,7 @@ pub struct Measured {
     /// What the errors come from; none likewise.
     pub causes: Option<Causes>,
     /// Times, without compilation, upload and read-back; none if they weren't asked for.
-    pub times: Option<Times>,
+    pub times: Option<RowTimes>,
     /// What the recipe takes, counted.
     pub work: Work,
     /// What that costs by the [prices](umbrage_plan::cost::CostModel::of) of this kind of backend, milliseconds: the same on every
@@ -275,7 +275,7 @@ pub enum CostBasis {
 
 /// How long the stages took; none where a stage is not played or not measurable.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Times {
+pub struct RowTimes {
     /// All casts.
     pub cast: Option<TimingStats>,
     /// All filters.

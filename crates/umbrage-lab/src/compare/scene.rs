@@ -1,8 +1,9 @@
 //! All rows of one scene.
 
 use super::{
-    Backends, Event, Measured, OnEvent, Options, Outcome, Row, SceneInput, SceneResult,
-    TruthSummary, agreement::agree, control, seen::Seen, slug::Setting, timing::measure,
+    Backends, CompareEvent, CompareOptions, CompareRow, Measured, OnEvent, RowOutcome, SceneInput,
+    SceneResult, TruthSummary, agreement::agree, control, seen::SeenByBackend, slug::NamedSetting,
+    timing::measure,
 };
 use crate::{LabError, color};
 use glam::UVec2;
@@ -52,8 +53,8 @@ impl<'a> View3<'a> {
 /// Truth and all rows of a scene; with `heat`, where each row's maps are looked up.
 pub(super) fn run(
     input: &SceneInput,
-    settings: &[Setting],
-    options: &Options,
+    settings: &[NamedSetting],
+    options: &CompareOptions,
     heat: bool,
     backends: &mut Backends,
     on_event: &OnEvent<'_>,
@@ -66,7 +67,7 @@ pub(super) fn run(
         light,
         geometry: &geometry,
     };
-    let progress = |done, total| on_event(Event::Truth { done, total });
+    let progress = |done, total| on_event(CompareEvent::Truth { done, total });
     let find = &mut |c: &Camera, g: &Geometry| backends.receivers.receivers(c, g);
     let truth = truth::trace(&camera, light, &geometry, &options.truth, find, &progress)?;
     let mut run = SceneRun {
@@ -144,7 +145,7 @@ pub(super) fn camera_and_light(scene: &umbrage_core::Scene) -> Result<(&Camera, 
     Ok((camera, light))
 }
 
-fn summary(truth: &Truth, options: &Options) -> TruthSummary {
+fn summary(truth: &Truth, options: &CompareOptions) -> TruthSummary {
     let [mean_error, largest_error] = truth.standard_error();
     let count = |kind: Pixel| truth.pixels.iter().filter(|p| **p == kind).count() as u64;
     TruthSummary {
@@ -187,10 +188,10 @@ struct SceneRun<'a> {
     truth: &'a Truth,
     reference: ReferenceMask<'a>,
     image: TruthImage<'a>,
-    options: &'a Options,
+    options: &'a CompareOptions,
     /// Whether to keep where maps are looked up.
     heat: bool,
-    rows: Vec<Row>,
+    rows: Vec<CompareRow>,
     masks: Vec<Option<Vec<f32>>>,
     controls: Vec<super::Control>,
     stage: Option<color::Stage>,
@@ -198,7 +199,7 @@ struct SceneRun<'a> {
     lookups: Vec<Option<Arc<Heat>>>,
     looked_up: Vec<LookedUp>,
     /// One entry a backend.
-    seen: Vec<Option<Seen>>,
+    seen: Vec<Option<SeenByBackend>>,
 }
 
 /// A footprint that is known: most settings differ in their bias alone, and their maps are used alike.
@@ -213,7 +214,7 @@ impl SceneRun<'_> {
     /// One setting on all backends: the recipe is planned once, so that all play the same.
     fn setting(
         &mut self,
-        setting: &Setting,
+        setting: &NamedSetting,
         backends: &mut Backends,
         on_event: &OnEvent<'_>,
     ) -> Result<(), LabError> {
@@ -228,7 +229,7 @@ impl SceneRun<'_> {
         for i in 0..backends.playing.len() {
             let backend = backends.playing[i].kind();
             let (technique, settings) = (technique.name(), &*technique.settings());
-            on_event(Event::Row {
+            on_event(CompareEvent::Row {
                 technique,
                 settings,
                 backend,
@@ -239,7 +240,7 @@ impl SceneRun<'_> {
                 Err(reason) => self.unsupported(reason),
             };
             let (technique, settings) = (technique.to_owned(), settings.to_owned());
-            self.rows.push(Row {
+            self.rows.push(CompareRow {
                 technique,
                 settings,
                 slug: setting.slug.clone(),
@@ -272,7 +273,7 @@ impl SceneRun<'_> {
             return;
         };
         for row in &mut self.rows[first..] {
-            let Outcome::Measured(measured) = &mut row.outcome else {
+            let RowOutcome::Measured(measured) = &mut row.outcome else {
                 self.lookups.push(None);
                 continue;
             };
@@ -360,7 +361,7 @@ impl SceneRun<'_> {
         let first_row = self.rows.len() - backends.playing.len();
         let mut first: Option<Shadows> = None;
         for (backend, row) in backends.playing.iter_mut().zip(first_row..) {
-            let Outcome::Measured(measured) = &mut self.rows[row].outcome else {
+            let RowOutcome::Measured(measured) = &mut self.rows[row].outcome else {
                 continue;
             };
             let shadows = backend.render(&stage.view()?, &recipe)?;
@@ -373,9 +374,9 @@ impl SceneRun<'_> {
         Ok(())
     }
 
-    fn unsupported(&mut self, reason: &str) -> Outcome {
+    fn unsupported(&mut self, reason: &str) -> RowOutcome {
         self.masks.push(None);
-        Outcome::Unsupported {
+        RowOutcome::Unsupported {
             reason: reason.to_owned(),
         }
     }
@@ -383,18 +384,18 @@ impl SceneRun<'_> {
     /// One recipe on one backend.
     fn play(
         &mut self,
-        setting: &Setting,
+        setting: &NamedSetting,
         recipe: &Recipe,
         backend: usize,
         of_cpu: &mut Option<OfCpu>,
         backends: &mut Backends,
-    ) -> Result<Outcome, LabError> {
+    ) -> Result<RowOutcome, LabError> {
         let view = self.view.core();
         let player = &mut *backends.playing[backend];
         let work = Work::of(&view.with_receivers(&self.truth.receivers), recipe);
         let cost_ms = CostModel::of(player.kind()).milliseconds(&work);
-        let timed = (self.options.runs.as_ref(), cost_ms);
-        let (shadows, times) = match measure(player, &view, recipe, timed) {
+        let runs = self.options.runs.as_ref();
+        let (shadows, times) = match measure(player, &view, recipe, runs, cost_ms) {
             Ok(measured) => measured,
             // What a backend can't hold is told in the report; other backends may still play it.
             Err(BackendError::Invalid(e)) => return Ok(self.unsupported(&e.to_string())),
@@ -407,7 +408,7 @@ impl SceneRun<'_> {
             .as_ref()
             .is_some_and(|seen| seen.holds(&shadows))
         {
-            self.seen[backend] = Some(Seen::new(
+            self.seen[backend] = Some(SeenByBackend::new(
                 self.name,
                 &self.view,
                 self.truth,
@@ -420,19 +421,20 @@ impl SceneRun<'_> {
             .as_ref()
             .and_then(|seen| seen.pixels.as_deref());
         let snapping = player.snapping();
-        let (kind, technique) = (player.kind(), setting.technique.name());
+        let kind = player.kind();
+        let technique = setting.technique.name();
         if self
             .controls
             .iter()
             .all(|c| c.backend != kind || c.technique != technique)
         {
-            let played = (recipe, &shadows);
             self.controls.extend(control::run(
                 player,
                 &*setting.technique,
                 &self.view,
                 self.truth,
-                played,
+                recipe,
+                &shadows,
             )?);
         }
         let (errors, causes) = self.errors(of_cpu.as_ref(), &shadows, pixels)?;
@@ -463,7 +465,7 @@ impl SceneRun<'_> {
             color_differing: None,
             maps: None,
         };
-        Ok(Outcome::Measured(Box::new(measured)))
+        Ok(RowOutcome::Measured(Box::new(measured)))
     }
 
     /// A mask's RMSE where these pixels count, or those that truth says.

@@ -8,7 +8,7 @@ use umbrage_plan::truth::{Truth, TruthOptions, ambiguous_on};
 
 /// What a backend sees of a scene.
 #[derive(Debug)]
-pub(super) struct Seen {
+pub(super) struct SeenByBackend {
     triangle: Vec<u32>,
     /// What counts: truth's classes but for pixels at which the backend sees another triangle, and those that its grid of
     /// sub-pixels makes ambiguous; none if there are neither.
@@ -21,7 +21,7 @@ const MAX_OTHER_IDS: f64 = 0.05;
 /// ... but on outlines alone may it lie elsewhere.
 const MAX_OTHER_SURFACES: f64 = 0.001;
 
-impl Seen {
+impl SeenByBackend {
     /// Looks at what a backend saw. It may be other triangles than truth's, but only those that the rounding of its device's
     /// vertices explains: the CPU must see them, too, when it rounds so.
     pub(super) fn new(

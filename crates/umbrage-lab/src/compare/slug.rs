@@ -6,15 +6,15 @@ use umbrage_core::ShadowTechnique;
 
 /// A technique setting with a file name's stem of its own.
 #[derive(Clone, Debug)]
-pub(super) struct Setting {
+pub(super) struct NamedSetting {
     pub(super) technique: Arc<dyn ShadowTechnique>,
     pub(super) slug: String,
 }
 
 /// Gives every setting a stem: the technique's name, and its settings where there are several; the same again gets a
 /// number.
-pub(super) fn with_slugs(settings: &[Arc<dyn ShadowTechnique>]) -> Vec<Setting> {
-    let mut out: Vec<Setting> = Vec::new();
+pub(super) fn with_slugs(settings: &[Arc<dyn ShadowTechnique>]) -> Vec<NamedSetting> {
+    let mut out: Vec<NamedSetting> = Vec::new();
     for technique in settings {
         let several = settings
             .iter()
@@ -33,7 +33,7 @@ pub(super) fn with_slugs(settings: &[Arc<dyn ShadowTechnique>]) -> Vec<Setting> 
             .chain(numbered)
             .find(|s| !taken(s))
             .unwrap_or(stem);
-        out.push(Setting {
+        out.push(NamedSetting {
             technique: technique.clone(),
             slug,
         });

@@ -6,8 +6,8 @@ use umbrage_core::{Geometry, Shadows, Snapping, View, glam::UVec2, metrics::Pixe
 use umbrage_cpu::Cpu;
 use umbrage_plan::{footprint::measure, truth::TruthOptions};
 
-fn quick(techniques: &[&str]) -> Options {
-    Options {
+fn quick(techniques: &[&str]) -> CompareOptions {
+    CompareOptions {
         registry: umbrage_techniques::Techniques::built_in(),
         color: false,
         techniques: techniques.iter().map(|t| (*t).to_owned()).collect(),
@@ -32,7 +32,11 @@ fn input(name: &str) -> SceneInput {
     }
 }
 
-fn run(scene: &str, options: &Options, backends: &mut Backends) -> Result<Comparison, LabError> {
+fn run(
+    scene: &str,
+    options: &CompareOptions,
+    backends: &mut Backends,
+) -> Result<Comparison, LabError> {
     compare(
         &[input(scene)],
         options,
@@ -78,7 +82,7 @@ fn rows_tell_errors_times_and_agreement() {
         .rows
         .iter()
         .find(|r| r.technique == "traced")
-        .and_then(Row::measured)
+        .and_then(CompareRow::measured)
         .expect("there");
     let rmse = traced.rmse().expect("compared");
     assert!(rmse < 0.02, "one ray a receiver is the truth: {rmse}");
@@ -292,7 +296,7 @@ fn masks_much_farther_from_truth_than_the_cpu_s_are_faults() {
         )
         .expect("valid");
         let row = comparison.scenes[0].rows.last_mut().expect("rows");
-        let Outcome::Measured(m) = &mut row.outcome else {
+        let RowOutcome::Measured(m) = &mut row.outcome else {
             panic!("measured")
         };
         m.agreement.as_mut().expect("compared").excess = excess;
@@ -377,7 +381,7 @@ fn what_is_not_supported_is_told_with_its_reason() {
     let mut cpu = Backends::of(vec![Box::new(Cpu::new())]);
     let comparison = run("c4-edge-square", &quick(&["hard"]), &mut cpu).expect("valid");
     for row in &comparison.scenes[0].rows {
-        if let Outcome::Unsupported { reason } = &row.outcome {
+        if let RowOutcome::Unsupported { reason } = &row.outcome {
             assert!(reason.len() > 10, "{reason}");
         }
     }
@@ -387,7 +391,7 @@ fn what_is_not_supported_is_told_with_its_reason() {
         let rows: Vec<_> = comparison.scenes[0]
             .rows
             .iter()
-            .filter_map(Row::measured)
+            .filter_map(CompareRow::measured)
             .collect();
         let nothing = comparison.scenes[0].nothing_compared.as_deref();
         assert!(
@@ -408,7 +412,7 @@ fn unknown_techniques_are_named_and_listed() {
         .expect_err("unknown")
         .to_string();
     assert!(e.contains("magic") && e.contains("pcf"), "{e}");
-    let no_maps = Options {
+    let no_maps = CompareOptions {
         map_sizes: Vec::new(),
         ..quick(&[])
     };

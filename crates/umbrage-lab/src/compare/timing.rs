@@ -1,8 +1,8 @@
 //! How long a row takes, in turn with a yardstick.
 
 use super::{
-    Backends, Options, Ranks, Runs, SceneInput, Times, TimingStats, Yardstick, result::stem_of,
-    scene::camera_and_light, settings_of,
+    Backends, CompareOptions, Ranks, RowTimes, Runs, SceneInput, TimingStats, Yardstick,
+    result::stem_of, scene::camera_and_light, settings_of,
 };
 use crate::LabError;
 use std::time::{Duration, Instant};
@@ -17,130 +17,155 @@ pub(super) fn measure(
     backend: &mut dyn Backend,
     view: &View<'_>,
     recipe: &Recipe,
-    (runs, cost_ms): (Option<&Runs>, f64),
-) -> Result<(Shadows, Option<Times>), BackendError> {
+    runs: Option<&Runs>,
+    cost_ms: f64,
+) -> Result<(Shadows, Option<RowTimes>), BackendError> {
     let first = backend.render(view, recipe)?;
     let Some(runs) = runs else {
         return Ok((first, None));
     };
     let receivers = first.receivers.as_ref().or(view.receivers);
-    let times = time(backend, (view, receivers), recipe, (runs, cost_ms))?.times();
+    let times = time(backend, view, receivers, recipe, runs, cost_ms)?.times();
     Ok((first, Some(times)))
 }
 
-/// Times a recipe that has been played before: yardstick, row, yardstick, row, .., yardstick.
+/// Times a recipe that has been played before: yardstick, row, yardstick, row, .., yardstick. `cost_ms` is the row's predicted
+/// time, milliseconds, which the yardstick's amount of work follows.
 fn time(
     backend: &mut dyn Backend,
-    (view, receivers): (&View<'_>, Option<&Receivers>),
+    view: &View<'_>,
+    receivers: Option<&Receivers>,
     recipe: &Recipe,
-    (runs, cost_ms): (&Runs, f64),
+    runs: &Runs,
+    cost_ms: f64,
 ) -> Result<Timed, BackendError> {
     let view = receivers.map_or(*view, |r| view.with_receivers(r));
     let yardstick = receivers.and_then(|r| Yardstick::new(recipe, r, cost_ms));
-    let measure = |backend: &mut dyn Backend| -> Result<Option<f64>, BackendError> {
-        let Some(yardstick) = &yardstick else {
-            return Ok(None);
-        };
-        let timings = backend.render(&view, &yardstick.recipe)?.timings;
-        Ok(timings
-            .receive
-            .map(|took| milliseconds(took) / yardstick.units))
-    };
     // The first one compiles and uploads.
-    measure(backend)?;
+    time_yardstick(backend, &view, yardstick.as_ref())?;
+    let before = time_yardstick(backend, &view, yardstick.as_ref())?;
     let mut out = Timed {
         timings: Vec::new(),
-        yards: vec![measure(backend)?],
+        yardsticks: vec![before],
     };
     let mut spent = Duration::ZERO;
-    while !runs.suffice(out.timings.len(), spent)
-        || runs.hopes(out.timings.len(), spent) && !out.is_calm(runs)
-    {
+    loop {
+        let count = out.timings.len();
+        let needs_more = !runs.suffice(count, spent);
+        let may_get_calm = runs.hopes(count, spent) && !out.is_calm(runs);
+        if !needs_more && !may_get_calm {
+            return Ok(out);
+        }
         let start = Instant::now();
         out.timings.push(backend.render(&view, recipe)?.timings);
         spent += start.elapsed();
-        out.yards.push(measure(backend)?);
+        let after = time_yardstick(backend, &view, yardstick.as_ref())?;
+        out.yardsticks.push(after);
     }
-    Ok(out)
+}
+
+/// Returns the time of a yardstick, milliseconds a unit; none without a yardstick or where the backend can't time it.
+fn time_yardstick(
+    backend: &mut dyn Backend,
+    view: &View<'_>,
+    yardstick: Option<&Yardstick>,
+) -> Result<Option<f64>, BackendError> {
+    let Some(yardstick) = yardstick else {
+        return Ok(None);
+    };
+    let timings = backend.render(view, &yardstick.recipe)?.timings;
+    Ok(timings
+        .receive
+        .map(|elapsed| milliseconds(elapsed) / yardstick.units))
 }
 
 /// Yardsticks beside a run that took more than this times the quickest of them tell that others held up the machine: such
 /// runs say nothing about the row.
 pub const CALM: f64 = 1.3;
 
-/// A run between two yardsticks, milliseconds; the yardsticks' a unit.
+/// A run between two yardsticks.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Window {
+pub(crate) struct TimedRun {
+    /// The run's time, milliseconds.
     run: f64,
-    around: [f64; 2],
+    /// The time of the yardstick before it, milliseconds a unit.
+    before: f64,
+    /// The time of the yardstick after it, milliseconds a unit.
+    after: f64,
 }
 
-/// Ratios of the runs beside which no yardstick took more than [`CALM`] times `least`.
-pub(crate) fn calm(windows: &[Window], least: f64) -> Vec<f64> {
-    let calm = |w: &&Window| {
-        w.around[0].max(w.around[1]) <= CALM * least && w.around[0].min(w.around[1]) > 0.0
-    };
-    windows
-        .iter()
-        .filter(calm)
-        .map(|w| 2.0 * w.run / (w.around[0] + w.around[1]))
+impl TimedRun {
+    /// Whether neither yardstick took more than [`CALM`] times the quickest one, and both took a measurable time.
+    fn is_calm(&self, min_yardstick: f64) -> bool {
+        let slower = self.before.max(self.after);
+        let quicker = self.before.min(self.after);
+        slower <= CALM * min_yardstick && quicker > 0.0
+    }
+
+    /// The run's time over the mean of the two yardsticks'.
+    fn ratio(&self) -> f64 {
+        2.0 * self.run / (self.before + self.after)
+    }
+}
+
+/// Returns the ratios of the runs beside which no yardstick took more than [`CALM`] times `min_yardstick`.
+pub(crate) fn calm(runs: &[TimedRun], min_yardstick: f64) -> Vec<f64> {
+    runs.iter()
+        .filter(|run| run.is_calm(min_yardstick))
+        .map(TimedRun::ratio)
         .collect()
 }
 
-/// Runs of a row, and the yardstick's times before the first and after each, milliseconds a unit.
+/// Runs of a row in turn with a yardstick.
 struct Timed {
     timings: Vec<Timings>,
-    yards: Vec<Option<f64>>,
+    /// The yardstick's times before the first run and after each, milliseconds a unit.
+    yardsticks: Vec<Option<f64>>,
 }
 
 impl Timed {
-    fn times(&self) -> Times {
-        let stage = |of: fn(&Timings) -> Option<Duration>| {
-            TimingStats::of(
-                self.timings
-                    .iter()
-                    .filter_map(of)
-                    .map(milliseconds)
-                    .collect(),
-            )
-        };
-        Times {
-            cast: stage(|t| t.cast),
-            filter: stage(|t| t.filter),
-            receive: stage(|t| t.receive),
-            total: stage(|t| Some(t.total())).unwrap_or_default(),
-            yardstick: TimingStats::of(self.yards.iter().copied().flatten().collect()),
-            ratio: Ranks::of(calm(&self.windows(), self.least())),
+    fn times(&self) -> RowTimes {
+        RowTimes {
+            cast: self.stage(|t| t.cast),
+            filter: self.stage(|t| t.filter),
+            receive: self.stage(|t| t.receive),
+            total: self.stage(|t| Some(t.total())).unwrap_or_default(),
+            yardstick: TimingStats::of(self.yardsticks.iter().copied().flatten().collect()),
+            ratio: Ranks::of(calm(&self.runs(), self.min_yardstick())),
         }
     }
 
-    fn windows(&self) -> Vec<Window> {
-        let window = |(run, pair): (&Timings, &[Option<f64>])| {
-            Some(Window {
-                run: milliseconds(run.total()),
-                around: [pair[0]?, pair[1]?],
-            })
-        };
-        self.timings
-            .iter()
-            .zip(self.yards.windows(2))
-            .filter_map(window)
-            .collect()
+    /// Returns the times of one stage over all runs; none where it was not timed.
+    fn stage(&self, time_of: fn(&Timings) -> Option<Duration>) -> Option<TimingStats> {
+        let times = self.timings.iter().filter_map(time_of);
+        TimingStats::of(times.map(milliseconds).collect())
     }
 
-    /// The quickest yardstick.
-    fn least(&self) -> f64 {
-        self.yards
+    /// Returns the runs between two yardsticks that could be timed.
+    fn runs(&self) -> Vec<TimedRun> {
+        let mut runs = Vec::new();
+        for (timings, yardsticks) in self.timings.iter().zip(self.yardsticks.windows(2)) {
+            if let (Some(before), Some(after)) = (yardsticks[0], yardsticks[1]) {
+                let run = milliseconds(timings.total());
+                runs.push(TimedRun { run, before, after });
+            }
+        }
+        runs
+    }
+
+    /// Returns the time of the quickest yardstick, milliseconds a unit; infinite without one.
+    fn min_yardstick(&self) -> f64 {
+        self.yardsticks
             .iter()
             .copied()
             .flatten()
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether as many runs as are the least were calm, or the yardstick can't be timed.
+    /// Whether at least `runs.min` runs were calm, or the yardstick can't be timed.
     fn is_calm(&self, runs: &Runs) -> bool {
-        let windows = self.windows();
-        windows.is_empty() || calm(&windows, self.least()).len() >= runs.min as usize
+        let timed = self.runs();
+        timed.is_empty() || calm(&timed, self.min_yardstick()).len() >= runs.min as usize
     }
 }
 
@@ -148,7 +173,7 @@ impl Timed {
 #[derive(Clone, Debug)]
 pub(crate) struct Again {
     /// Its runs.
-    pub(crate) windows: Vec<Window>,
+    pub(crate) runs: Vec<TimedRun>,
     /// The quickest run, milliseconds.
     pub(crate) least_ms: f64,
     /// The quickest yardstick, milliseconds a unit.
@@ -158,7 +183,7 @@ pub(crate) struct Again {
 impl Default for Again {
     fn default() -> Self {
         Self {
-            windows: Vec::new(),
+            runs: Vec::new(),
             least_ms: f64::INFINITY,
             yardstick: f64::INFINITY,
         }
@@ -168,22 +193,23 @@ impl Default for Again {
 impl Again {
     /// Takes in another round.
     pub(crate) fn add(&mut self, more: Self) {
-        self.windows.extend(more.windows);
+        self.runs.extend(more.runs);
         self.least_ms = self.least_ms.min(more.least_ms);
         self.yardstick = self.yardstick.min(more.yardstick);
     }
 }
 
-/// Times rows of a scene once more, by their [stems](super::Row::stem); none where a row can't be played any more.
+/// Times rows of a scene once more, by their [stems](super::CompareRow::stem); none where a row can't be played any more.
 pub(crate) fn again(
     input: &SceneInput,
     stems: &[String],
-    options: &Options,
+    options: &CompareOptions,
     runs: &Runs,
     backends: &mut Backends,
 ) -> Result<Vec<Option<Again>>, LabError> {
     let (camera, light) = camera_and_light(&input.scene)?;
-    let (camera, geometry) = (options.camera(camera), Geometry::bake(&input.scene)?);
+    let camera = options.camera(camera);
+    let geometry = Geometry::bake(&input.scene)?;
     let receivers = backends.receivers.receivers(&camera, &geometry)?;
     let view = View::new(&camera, light, &geometry).with_receivers(&receivers);
     let settings = settings_of(input, options)?;
@@ -201,16 +227,16 @@ pub(crate) fn again(
             backend.render(&view, &recipe)?;
             let timed = time(
                 &mut **backend,
-                (&view, Some(&receivers)),
+                &view,
+                Some(&receivers),
                 &recipe,
-                (runs, cost_ms),
+                runs,
+                cost_ms,
             )?;
-            let (windows, least_ms, yardstick) =
-                (timed.windows(), timed.times().total.min, timed.least());
             found = Some(Again {
-                windows,
-                least_ms,
-                yardstick,
+                runs: timed.runs(),
+                least_ms: timed.times().total.min,
+                yardstick: timed.min_yardstick(),
             });
         }
         out.push(found);
@@ -233,10 +259,10 @@ mod tests {
         }
     }
 
-    fn timed(timings: Vec<Timings>, yards: &[Option<f64>]) -> Times {
+    fn timed(timings: Vec<Timings>, yardsticks: &[Option<f64>]) -> RowTimes {
         Timed {
             timings,
-            yards: yards.to_vec(),
+            yardsticks: yardsticks.to_vec(),
         }
         .times()
     }

@@ -6,7 +6,7 @@ use super::{
 };
 use crate::{
     compare::{
-        CostBasis, MIN_ERROR as MIN_RELATIVE_ERROR, Measured, Relative, Row, SceneResult,
+        CompareRow, CostBasis, MIN_ERROR as MIN_RELATIVE_ERROR, Measured, Relative, SceneResult,
         TimingStats,
     },
     output::{figure::Marker as Shape, html::escape},
@@ -56,7 +56,7 @@ pub(super) struct Dot {
 /// A scene's rows by one clock; none if they weren't timed by it.
 pub(super) fn dots(result: &SceneResult, clock: CostBasis) -> Vec<Dot> {
     let front = chosen::fronts(result, clock);
-    let dot = |(i, row): (usize, &Row)| {
+    let dot = |(i, row): (usize, &CompareRow)| {
         let m = row.measured()?;
         let range = |t: TimingStats| [t.min, t.max].map(|t| t.max(MIN_TIME));
         Some(Dot {
@@ -230,7 +230,7 @@ fn points(
     trace
 }
 
-fn hover(row: &Row, m: &Measured) -> Option<String> {
+fn hover(row: &CompareRow, m: &Measured) -> Option<String> {
     let e = m.errors?;
     let times = m.times.map_or_else(String::new, |t| {
         let stage =

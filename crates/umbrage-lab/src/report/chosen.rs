@@ -1,6 +1,6 @@
 //! Which rows get pictures: thousands of them would take longer to write and to open than anyone looks at them.
 
-use crate::compare::{CostBasis, Measured, Row, SceneResult};
+use crate::compare::{CompareRow, CostBasis, Measured, SceneResult};
 use std::collections::{BTreeMap, BTreeSet};
 use umbrage_plan::pareto;
 
@@ -51,7 +51,7 @@ pub(super) fn fronts(result: &SceneResult, clock: CostBasis) -> Vec<usize> {
         .collect()
 }
 
-fn measured(result: &SceneResult) -> impl Iterator<Item = (usize, &Row, &Measured)> {
+fn measured(result: &SceneResult) -> impl Iterator<Item = (usize, &CompareRow, &Measured)> {
     result
         .rows
         .iter()

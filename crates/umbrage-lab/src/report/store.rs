@@ -3,7 +3,7 @@
 use crate::output::Folder;
 use crate::{
     LabError,
-    compare::{Environment, Options, SCHEMA, SceneInput, SceneResult},
+    compare::{CompareOptions, Environment, SCHEMA, SceneInput, SceneResult},
     output::slug,
 };
 use serde::{Deserialize, Serialize};
@@ -33,7 +33,7 @@ pub struct ComparisonPlan {
 
 impl ComparisonPlan {
     /// The plan of all `inputs`, whichever of them this run is to measure.
-    pub fn new(inputs: &[SceneInput], options: &Options) -> Self {
+    pub fn new(inputs: &[SceneInput], options: &CompareOptions) -> Self {
         let scenes = unique_names(inputs.iter().map(|i| i.scene.name.as_str()));
         let contents = inputs.iter().map(|i| hash(&format!("{i:?}"))).collect();
         Self {

@@ -1,6 +1,6 @@
 //! `rows.csv`: one line a row, all figures.
 
-use crate::compare::{Comparison, Row, SceneResult, TimingStats};
+use crate::compare::{CompareRow, Comparison, SceneResult, TimingStats};
 use crate::{LabError, output::csv};
 use serde::{Deserialize, Serialize};
 
@@ -109,7 +109,7 @@ pub fn lines(comparison: &Comparison) -> Vec<Line> {
         .collect()
 }
 
-fn line(scene: &SceneResult, row: &Row) -> Line {
+fn line(scene: &SceneResult, row: &CompareRow) -> Line {
     let named = Line {
         scene: scene.name.clone(),
         light: scene.light.clone(),
@@ -119,13 +119,13 @@ fn line(scene: &SceneResult, row: &Row) -> Line {
         ..Line::default()
     };
     let m = match &row.outcome {
-        crate::compare::Outcome::Unsupported { reason } => {
+        crate::compare::RowOutcome::Unsupported { reason } => {
             return Line {
                 unsupported: reason.clone(),
                 ..named
             };
         }
-        crate::compare::Outcome::Measured(m) => m,
+        crate::compare::RowOutcome::Measured(m) => m,
     };
     let median = |s: Option<TimingStats>| s.map(|s| s.median);
     let texels = |i: usize| m.maps.and_then(|u| u.texels_per_pixel).map(|all| all[i]);

@@ -3,7 +3,8 @@
 use super::*;
 use crate::{
     compare::{
-        Control, CostBasis, Measured, Options, Outcome, Row, SceneInput, Times, TimingStats,
+        CompareOptions, CompareRow, Control, CostBasis, Measured, RowOutcome, RowTimes, SceneInput,
+        TimingStats,
     },
     output::slug,
 };
@@ -20,24 +21,24 @@ use umbrage_plan::{
 
 const NASTY: &str = "</script><img src=x onerror=alert(1)> & \"co\"";
 
-fn row(technique: &str, backend: &str, rmse: f64, median: f64) -> Row {
+fn row(technique: &str, backend: &str, rmse: f64, median: f64) -> CompareRow {
     let total = TimingStats {
         median,
         min: median,
         max: median,
         runs: 1,
     };
-    let times = Times {
+    let times = RowTimes {
         receive: Some(total),
         total,
-        ..Times::default()
+        ..RowTimes::default()
     };
     let errors = Errors {
         rmse,
         counted: 12,
         ..Errors::default()
     };
-    let outcome = Outcome::Measured(Box::new(Measured {
+    let outcome = RowOutcome::Measured(Box::new(Measured {
         errors: Some(errors),
         causes: Some(Causes::default()),
         times: Some(times),
@@ -54,7 +55,7 @@ fn row(technique: &str, backend: &str, rmse: f64, median: f64) -> Row {
         }),
     }));
     let (technique, settings) = (technique.to_owned(), NASTY.to_owned());
-    Row {
+    CompareRow {
         slug: slug(&technique),
         technique,
         settings,
@@ -64,14 +65,14 @@ fn row(technique: &str, backend: &str, rmse: f64, median: f64) -> Row {
 }
 
 fn scene() -> (SceneResult, SceneImages) {
-    let unsupported = Outcome::Unsupported {
+    let unsupported = RowOutcome::Unsupported {
         reason: NASTY.to_owned(),
     };
     let rows = vec![
         row("good", "cpu", 0.0, 3.0),
         row("quick", "cpu", 0.2, 1.0),
         row("beaten", "cpu", 0.3, 2.0),
-        Row {
+        CompareRow {
             outcome: unsupported,
             ..row("dash", "cpu", 0.0, 0.0)
         },
@@ -139,7 +140,7 @@ fn plan() -> ComparisonPlan {
         summary: String::new(),
         fit: None,
     };
-    ComparisonPlan::new(&[scene(), scene()], &Options::default())
+    ComparisonPlan::new(&[scene(), scene()], &CompareOptions::default())
 }
 
 fn write(arrays: bool) -> (tempfile::TempDir, Comparison) {

@@ -2,11 +2,11 @@
 
 use super::guard::{self, NoMask};
 use crate::compare::agree;
-use umbrage_core::{Backend, Recipe, Shadows, View};
+use umbrage_core::{Backend, Recipe, Shadows, Snapping, View};
 
-/// The first backend's answer, and how far the others are from it.
+/// The first backend's mask, and on how many pixels the other backends differ from it.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Played {
+pub(super) struct RenderedOnAll {
     pub(super) mask: Vec<f32>,
     /// On how many decided pixels the others differ from it; none if no other serves the recipe.
     pub(super) disagreeing: Option<u64>,
@@ -17,7 +17,7 @@ pub(super) fn render(
     playing: &mut [Box<dyn Backend>],
     view: &View<'_>,
     recipe: &Recipe,
-) -> Result<Played, NoMask> {
+) -> Result<RenderedOnAll, NoMask> {
     let [first, others @ ..] = playing else {
         return Err(NoMask::Unsupported("there is no backend".to_owned()));
     };
@@ -28,17 +28,14 @@ pub(super) fn render(
             Err(NoMask::Unsupported(_)) => continue,
             rendered => rendered?,
         };
-        disagreeing = sum(
-            disagreeing,
-            Some(differing(
-                [&**first, &**other],
-                view,
-                recipe,
-                [&shadows, &of_other],
-            )?),
-        );
+        let count = if first.kind() == "cpu" {
+            disagreeing_pixels(view, recipe, &shadows, &of_other, other.snapping())?
+        } else {
+            differing_masks(&shadows, &of_other)
+        };
+        disagreeing = sum(disagreeing, Some(count));
     }
-    Ok(Played {
+    Ok(RenderedOnAll {
         mask: shadows.mask,
         disagreeing,
     })
@@ -54,27 +51,42 @@ pub(super) fn select(playing: &mut [Box<dyn Backend>], all: bool) -> &mut [Box<d
     &mut playing[..count]
 }
 
-/// Adds what [`Played::disagreeing`] tells of two renderings.
+/// Adds what [`RenderedOnAll::disagreeing`] tells of two renderings.
 pub(super) fn sum(a: Option<u64>, b: Option<u64>) -> Option<u64> {
     a.into_iter().chain(b).reduce(|a, b| a + b)
 }
 
-/// Decided pixels on which two backends differ. Equal masks need no search for what is undecided.
-fn differing(
-    [first, other]: [&dyn Backend; 2],
+/// Returns the number of decided pixels on which a backend differs from the CPU; `snapping` is the other backend's.
+fn disagreeing_pixels(
     view: &View<'_>,
     recipe: &Recipe,
-    [a, b]: [&Shadows; 2],
+    of_cpu: &Shadows,
+    of_other: &Shadows,
+    snapping: Snapping,
 ) -> Result<u64, NoMask> {
-    let equal = a
-        .mask
+    // Equal masks need no search for undecided pixels.
+    if have_equal_masks(of_cpu, of_other) {
+        return Ok(0);
+    }
+    let agreement = agree(view, recipe, of_cpu, of_other, snapping)
+        .map_err(|e| NoMask::Fault(e.to_string()))?;
+    Ok(agreement.violations)
+}
+
+/// Which pixels are undecided is known of the CPU backend alone: where the first backend is another, masks that are not
+/// equal differ on all pixels.
+fn differing_masks(of_first: &Shadows, of_other: &Shadows) -> u64 {
+    if have_equal_masks(of_first, of_other) {
+        0
+    } else {
+        of_first.mask.len() as u64
+    }
+}
+
+/// Whether two masks are equal bit by bit.
+fn have_equal_masks(a: &Shadows, b: &Shadows) -> bool {
+    a.mask
         .iter()
         .zip(&b.mask)
-        .all(|(a, b)| a.to_bits() == b.to_bits());
-    if equal || first.kind() != "cpu" {
-        return Ok(if equal { 0 } else { a.mask.len() as u64 });
-    }
-    let found =
-        agree(view, recipe, a, b, other.snapping()).map_err(|e| NoMask::Fault(e.to_string()))?;
-    Ok(found.violations)
+        .all(|(a, b)| a.to_bits() == b.to_bits())
 }

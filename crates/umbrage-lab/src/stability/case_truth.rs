@@ -8,7 +8,7 @@ use umbrage_core::{
     metrics::{Pixel, edges, near},
 };
 use umbrage_cpu::Cpu;
-use umbrage_plan::truth::{self, Seen, Truth, TruthOptions};
+use umbrage_plan::truth::{self, PointTruth, Truth, TruthOptions};
 
 /// A pixel is *open* when no true shadow edge is within this many texels: the reach of the widest kernel that is compared
 /// (7x7) and half a texel of aliasing.
@@ -21,9 +21,9 @@ pub struct CaseTruth {
     pub scene: Scene,
     /// Its triangles.
     pub geometry: Geometry,
-    /// Who sees.
+    /// The camera.
     pub camera: Camera,
-    /// What shines: masks are means over these.
+    /// The lights; masks are means over them.
     pub lights: Vec<Light>,
     /// Truth; its visibility is the mean over all lights.
     pub truth: Truth,
@@ -38,7 +38,7 @@ pub struct CaseTruth {
 }
 
 impl CaseTruth {
-    /// Traces all of it.
+    /// Traces truth under each light and averages it over the lights.
     ///
     /// # Errors
     /// When the scene has no light or camera, or holds numbers that can't be used.
@@ -51,41 +51,39 @@ impl CaseTruth {
     ) -> Result<Self, LabError> {
         let geometry = Geometry::bake(&scene)?;
         let mut cpu = Cpu::new();
-        let mut layers = Vec::new();
+        let mut by_light = Vec::new();
         for light in &lights {
-            layers.push(Layer::new(
+            by_light.push(LightTruth::new(
                 &camera, light, &geometry, map_size, options, &mut cpu,
             )?);
         }
-        let merged = layers.into_iter().reduce(Layer::merged_with);
+        let merged = by_light.into_iter().reduce(LightTruth::merged_with);
         let missing = || Invalid::new(format!("scene `{}`", scene.name), "has no light", "add one");
-        let Layer {
+        let LightTruth {
             truth,
             ideal,
             hard,
             open,
             lights: count,
         } = merged.ok_or_else(missing)?;
-        let mean = |values: Vec<f32>| values.into_iter().map(|v| v / count).collect::<Vec<f32>>();
         let truth = Truth {
-            visibility: mean(truth.visibility.clone()),
+            visibility: divided(&truth.visibility, count),
             ..truth
         };
-        let (ideal, hard) = (mean(ideal), mean(hard));
         Ok(Self {
             scene,
             geometry,
             camera,
             lights,
             truth,
-            ideal,
-            hard,
+            ideal: divided(&ideal, count),
+            hard: divided(&hard, count),
             open,
             map_size,
         })
     }
 
-    /// The view of one of the lights.
+    /// Returns the view of the camera under one of the lights.
     pub fn view<'a>(&'a self, light: &'a Light) -> View<'a> {
         View::new(&self.camera, light, &self.geometry)
     }
@@ -95,22 +93,23 @@ impl CaseTruth {
         self.truth.pixels[i] == Pixel::Counted
     }
 
-    /// The pixels that count.
+    /// Returns the pixels that count.
     pub fn counted(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.truth.pixels.len()).filter(|&i| self.counts(i))
     }
 }
 
-/// CaseTruth under one light.
-struct Layer {
+/// What [`CaseTruth`] holds under one light, or the sums of visibilities under several.
+struct LightTruth {
     truth: Truth,
     ideal: Vec<f32>,
     hard: Vec<f32>,
     open: Vec<bool>,
+    /// How many lights are summed up.
     lights: f32,
 }
 
-impl Layer {
+impl LightTruth {
     fn new(
         camera: &Camera,
         light: &Light,
@@ -143,9 +142,8 @@ impl Layer {
         })
     }
 
-    /// Sums of visibilities; a pixel counts if it counts under both.
+    /// Adds up visibilities; a pixel counts, and is open, only if it does so under both.
     fn merged_with(mut self, other: Self) -> Self {
-        let add = |a: &mut [f32], b: &[f32]| a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
         add(&mut self.truth.visibility, &other.truth.visibility);
         add(&mut self.ideal, &other.ideal);
         add(&mut self.hard, &other.hard);
@@ -162,7 +160,17 @@ impl Layer {
     }
 }
 
-/// The same light as a point in its middle, or as a direction.
+fn add(sums: &mut [f32], values: &[f32]) {
+    for (sum, value) in sums.iter_mut().zip(values) {
+        *sum += value;
+    }
+}
+
+fn divided(sums: &[f32], count: f32) -> Vec<f32> {
+    sums.iter().map(|sum| sum / count).collect()
+}
+
+/// Returns the light without an extent: as a point in its centre, or as a direction.
 pub fn without_extent(light: &Light) -> Light {
     match *light {
         Light::Directional { direction, .. } => Light::Directional {
@@ -213,13 +221,17 @@ pub(super) fn trace_at_receivers(
     light: &Light,
     truth: &Truth,
     options: &TruthOptions,
-) -> Result<Vec<Option<Seen>>, Invalid> {
-    let r = &truth.receivers;
-    let receiving: Vec<usize> = (0..r.len()).filter(|&i| r.receives[i]).collect();
-    let any = truth::Point::new(Vec3::ZERO, Vec3::Y, geometry);
-    let point = |&i: &usize| point_at(&any, r, i, r.position(i));
-    let points: Vec<truth::Point> = receiving.iter().map(point).collect();
-    let mut out = vec![None; r.len()];
+) -> Result<Vec<Option<PointTruth>>, Invalid> {
+    let receivers = &truth.receivers;
+    let receiving: Vec<usize> = (0..receivers.len())
+        .filter(|&i| receivers.receives[i])
+        .collect();
+    let any = truth::ReceiverPoint::new(Vec3::ZERO, Vec3::Y, geometry);
+    let points: Vec<truth::ReceiverPoint> = receiving
+        .iter()
+        .map(|&i| point_at(&any, receivers, i, receivers.position(i)))
+        .collect();
+    let mut out = vec![None; receivers.len()];
     for (i, seen) in receiving
         .into_iter()
         .zip(truth::trace_points(geometry, light, &points, options)?)

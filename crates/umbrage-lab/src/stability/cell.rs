@@ -1,6 +1,6 @@
 //! What comes out: plain data.
 
-use super::{Limits, Verdict};
+use super::{Verdict, VerdictLimits};
 use serde::{Deserialize, Serialize};
 
 /// The whole matrix.
@@ -43,7 +43,7 @@ pub struct CaseResult {
     /// Its unit, may be empty.
     pub unit: String,
     /// Where it passes and fails.
-    pub limits: Limits,
+    pub limits: VerdictLimits,
     /// Why there.
     pub reason: String,
     /// What a perfect map of the same size would show.
@@ -60,7 +60,7 @@ pub struct Cell {
     /// Its settings.
     pub settings: String,
     /// What came out.
-    pub outcome: Outcome,
+    pub outcome: CellOutcome,
     /// On how many pixels backends differ, of those whose answer doesn't hang on rounding; none with a single backend.
     pub disagreeing: Option<u64>,
     /// Truth, mask and error side by side, or a strip of frames: a PNG, for cells that don't pass.
@@ -71,7 +71,7 @@ pub struct Cell {
 /// What came out of a cell.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Outcome {
+pub enum CellOutcome {
     /// A figure in the measure's unit.
     Measured {
         /// Smaller is better.
@@ -95,7 +95,7 @@ impl Cell {
     /// The verdict, if the cell is measured.
     pub fn verdict(&self) -> Option<Verdict> {
         match self.outcome {
-            Outcome::Measured { verdict, .. } => Some(verdict),
+            CellOutcome::Measured { verdict, .. } => Some(verdict),
             _ => None,
         }
     }
@@ -103,16 +103,16 @@ impl Cell {
     /// A sign that reads without colour: ✓ passes, ~ degraded, ✗ fails, – not served, ! must not be.
     pub fn sign(&self) -> char {
         match &self.outcome {
-            Outcome::Measured { verdict, .. } => verdict.sign(),
-            Outcome::Unsupported { .. } => '–',
-            Outcome::Fault { .. } => '!',
+            CellOutcome::Measured { verdict, .. } => verdict.sign(),
+            CellOutcome::Unsupported { .. } => '–',
+            CellOutcome::Fault { .. } => '!',
         }
     }
 
     /// The figure, if the cell is measured.
     pub fn figure(&self) -> Option<f64> {
         match self.outcome {
-            Outcome::Measured { figure, .. } => Some(figure),
+            CellOutcome::Measured { figure, .. } => Some(figure),
             _ => None,
         }
     }

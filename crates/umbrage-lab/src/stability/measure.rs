@@ -1,12 +1,20 @@
 //! Which measure a case is judged by, its unit, and where it passes and fails.
 
 use super::{
-    Limits,
+    VerdictLimits,
     case_truth::CaseTruth,
-    measures::{cube_seams, edge, gap, gap::Contact, open, penumbra},
+    measures::{
+        cube_seams, edge, gap,
+        gap::Contact,
+        open,
+        penumbra::{self, ShadowPlaces},
+    },
 };
 use glam::Vec3;
-use umbrage_core::metrics::Errors;
+use umbrage_core::{
+    Aabb, Instance, Light,
+    metrics::{Errors, Pixel},
+};
 
 /// A measure of one case: smaller is better, and 0 is truth's own.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,7 +41,7 @@ pub enum Measure {
     Seams,
     /// [`penumbra::rmse`].
     PenumbraRmse,
-    /// [`penumbra::Shadows::widths`]: the mean over all casters of how far the ratio is from 1.
+    /// [`penumbra::ShadowPlaces::widths`]: the mean over all casters of how far the ratio is from 1.
     PenumbraWidth,
     /// Percent of the pixels, those facing away from the light left out, that the mask darkens at all.
     AllLit,
@@ -48,7 +56,7 @@ pub enum Measure {
 }
 
 /// Of shares of pixels: one in a thousand strays unseen; one in a hundred is a patch that anyone sees.
-const SHARE: Limits = Limits::new(0.1, 1.0);
+const SHARE: VerdictLimits = VerdictLimits::new(0.1, 1.0);
 /// The smallest visible step: of an 8-bit picture.
 const STEP: f64 = 1.0 / 255.0;
 /// Texels on either side of a seam.
@@ -142,8 +150,10 @@ impl Measure {
 
     /// The figure of a mask, in the measure's unit. 0 for measures that no single mask tells: fill, shimmer, change.
     pub fn figure(&self, case_truth: &CaseTruth, mask: &[f32]) -> f64 {
-        let (truth, open) = (&case_truth.truth.visibility, &case_truth.open);
-        let (receivers, counts) = (&case_truth.truth.receivers, |i: usize| case_truth.counts(i));
+        let truth = &case_truth.truth.visibility;
+        let receivers = &case_truth.truth.receivers;
+        let open = &case_truth.open;
+        let counts = |i: usize| case_truth.counts(i);
         match *self {
             Self::Acne => open::acne(mask, truth, open),
             Self::AcneByDistance => worst(open::acne_by_distance(
@@ -170,19 +180,20 @@ impl Measure {
             }
             Self::PenumbraRmse => penumbra::rmse(mask, truth, counts),
             Self::PenumbraWidth => {
-                let widths = shadows(case_truth).widths(mask, truth, receivers, LEVEL, counts);
-                let off: Vec<f64> = widths
+                let places = shadow_places(case_truth);
+                let widths = places.widths(mask, truth, receivers, LEVEL, counts);
+                let errors: Vec<f64> = widths
                     .into_iter()
                     .flatten()
-                    .map(|w| (w - 1.0).abs())
+                    .map(|width| (width - 1.0).abs())
                     .collect();
-                100.0 * off.iter().sum::<f64>() / off.len().max(1) as f64
+                100.0 * errors.iter().sum::<f64>() / errors.len().max(1) as f64
             }
             Self::AllLit => {
-                use umbrage_core::metrics::Pixel::{Counted, Empty};
-                let here = (0..mask.len())
-                    .filter(|&i| matches!(case_truth.truth.pixels[i], Counted | Empty));
-                open::share(here.map(|i| mask[i] < 1.0))
+                let pixels = &case_truth.truth.pixels;
+                let not_unlit =
+                    (0..mask.len()).filter(|&i| matches!(pixels[i], Pixel::Counted | Pixel::Empty));
+                open::share(not_unlit.map(|i| mask[i] < 1.0))
             }
             Self::Fill | Self::Shimmer | Self::ChangeError => 0.0,
         }
@@ -190,37 +201,37 @@ impl Measure {
 
     /// Where the figure passes and fails on this case: see [`Measure::reason`]. What truth's own movement bounds is bounded
     /// by [`Moving::limits`](super::Moving::limits).
-    pub fn limits(&self, case_truth: &CaseTruth) -> Limits {
+    pub fn limits(&self, case_truth: &CaseTruth) -> VerdictLimits {
         let counts = |i: usize| case_truth.counts(i);
         let ideal = self.figure(case_truth, &case_truth.ideal);
         let none = || self.figure(case_truth, &vec![1.0; case_truth.ideal.len()]);
         match *self {
             Self::Acne | Self::AcneByDistance | Self::Leak | Self::Wrong => SHARE,
-            Self::Rmse => Limits::over_ideal(ideal, STEP).below(none()),
+            Self::Rmse => VerdictLimits::over_ideal(ideal, STEP).below(none()),
             Self::Gap(contact) => {
                 let pixel = contact.pixel(&case_truth.truth.receivers, NEAR_CONTACT, counts);
-                Limits::over_ideal(ideal, 1e3 * pixel).below(none())
+                VerdictLimits::over_ideal(ideal, 1e3 * pixel).below(none())
             }
             Self::ContactLeak(..) | Self::LeakAround(..) => {
-                Limits::over_ideal(ideal, BAND_SHARE).below(none())
+                VerdictLimits::over_ideal(ideal, BAND_SHARE).below(none())
             }
-            Self::EdgeDisplacement => Limits::over_ideal(ideal, HALF_PIXEL).below(none()),
-            Self::Seams => Limits::over_ideal(ideal, SMALL_SHARE).below(none()),
-            Self::PenumbraRmse => Limits::new(
+            Self::EdgeDisplacement => VerdictLimits::over_ideal(ideal, HALF_PIXEL).below(none()),
+            Self::Seams => VerdictLimits::over_ideal(ideal, SMALL_SHARE).below(none()),
+            Self::PenumbraRmse => VerdictLimits::new(
                 penumbra::ray_noise(&case_truth.truth.visibility, RAYS, counts),
                 0.5 * penumbra::rmse(&case_truth.hard, &case_truth.truth.visibility, counts),
             ),
-            Self::PenumbraWidth => Limits::new(25.0, 50.0),
-            Self::AllLit => Limits::new(0.0, 0.0),
+            Self::PenumbraWidth => VerdictLimits::new(25.0, 50.0),
+            Self::AllLit => VerdictLimits::new(0.0, 0.0),
             Self::ScaleDrift(_) | Self::Shimmer | Self::ChangeError => {
-                Limits::new(STEP, super::verdict::FAILS_AT * STEP)
+                VerdictLimits::new(STEP, super::verdict::FAILS_AT * STEP)
             }
-            Self::Fill => Limits::new(4.0 * SCREEN, 16.0 * SCREEN),
+            Self::Fill => VerdictLimits::new(4.0 * SCREEN, 16.0 * SCREEN),
         }
     }
 }
 
-/// CaseTruth behind a contact on which rows of pixels are counted, metres.
+/// How far behind a contact rows of pixels are counted, metres.
 const NEAR_CONTACT: f32 = 0.1;
 
 /// Pixels of the picture that fill is counted for, millions.
@@ -237,40 +248,46 @@ pub(super) fn rmse(case_truth: &CaseTruth, mask: &[f32]) -> f64 {
         .map_or(f64::NAN, |errors| errors.rmse)
 }
 
+/// Whether a pixel shows a point near a seam of the first light's cube.
 fn on_seam(case_truth: &CaseTruth, i: usize) -> bool {
-    let at = |light: &umbrage_core::Light| light.position();
-    let from = case_truth.lights.first().and_then(at).unwrap_or_default();
-    cube_seams::on_seam(
-        case_truth.truth.receivers.position(i) - from,
-        case_truth.map_size,
-        SEAM_TEXELS,
-    )
+    let light = case_truth.lights.first().and_then(Light::position);
+    let from_light = case_truth.truth.receivers.position(i) - light.unwrap_or_default();
+    cube_seams::on_seam(from_light, case_truth.map_size, SEAM_TEXELS)
 }
 
 /// Places along each caster's upright axis.
 const PLACES: usize = 5;
 
-/// Where the shadows of what stands over the ground fall, from the light's middle: each instance but the first (the
-/// floor), at places along its upright axis.
-fn shadows(case_truth: &CaseTruth) -> penumbra::Shadows {
+/// Returns where the shadows of all instances but the first (the floor) fall, as seen from the light's centre.
+fn shadow_places(case_truth: &CaseTruth) -> ShadowPlaces {
     let light = case_truth
         .lights
         .first()
         .map(super::case_truth::without_extent);
-    let from = light.and_then(|l| l.position()).unwrap_or_default();
-    let of = |instance: &umbrage_core::Instance| {
-        let mesh = &case_truth.scene.meshes[instance.mesh];
-        let corners = mesh
-            .positions
-            .iter()
-            .map(|p| instance.world_from_local.transform_point3(*p));
-        let b = umbrage_core::Aabb::around(corners);
-        let at = |k: usize| {
-            b.center()
-                .with_y(b.min.y + (b.max.y - b.min.y) * k as f32 / (PLACES - 1) as f32)
-        };
-        let fall = |p: Vec3| from + (p - from) * (from.y / (from.y - p.y));
-        (0..PLACES).map(|k| fall(at(k))).collect()
-    };
-    penumbra::Shadows(case_truth.scene.instances.iter().skip(1).map(of).collect())
+    let light_position = light.and_then(|light| light.position()).unwrap_or_default();
+    let casters = case_truth.scene.instances.iter().skip(1);
+    ShadowPlaces(
+        casters
+            .map(|caster| places_of(case_truth, caster, light_position))
+            .collect(),
+    )
+}
+
+/// Returns the shadows of [`PLACES`] points along an instance's upright axis on the floor, y = 0.
+fn places_of(case_truth: &CaseTruth, caster: &Instance, light_position: Vec3) -> Vec<Vec3> {
+    let mesh = &case_truth.scene.meshes[caster.mesh];
+    let corners = mesh
+        .positions
+        .iter()
+        .map(|p| caster.world_from_local.transform_point3(*p));
+    let bounds = Aabb::around(corners);
+    let mut places = Vec::with_capacity(PLACES);
+    for k in 0..PLACES {
+        let y = bounds.min.y + (bounds.max.y - bounds.min.y) * k as f32 / (PLACES - 1) as f32;
+        let point = bounds.center().with_y(y);
+        // Where the ray from the light through the point meets y = 0.
+        let t = light_position.y / (light_position.y - point.y);
+        places.push(light_position + (point - light_position) * t);
+    }
+    places
 }

@@ -1,7 +1,7 @@
 //! Where shadow methods fail: every row of the catalogue of failures as a scene, still or moving, against every technique,
 //! each judged by the row's own measure.
 //!
-//! * [`rows`]: the one list of rows. [`Measure`] says what each is judged by, [`Limits`] where it passes and fails.
+//! * [`rows`]: the one list of rows. [`Measure`] says what each is judged by, [`VerdictLimits`] where it passes and fails.
 //! * [`run`]: plays them. [`Stability`]: what comes out.
 //! * [`measures`]: the measures as plain functions. [`CaseTruth`]: truth, and what a *perfect map* of the same size would
 //!   show, which limits are taken from.
@@ -29,15 +29,15 @@ pub mod texels;
 mod verdict;
 
 pub use case_truth::{CaseTruth, OPEN_TEXELS, without_extent};
-pub use cell::{CaseResult, Cell, Outcome, Stability};
+pub use cell::{CaseResult, Cell, CellOutcome, Stability};
 pub use guard::is_as_new;
 pub use measure::Measure;
-pub use motion::{Frame, Moving};
-pub use row::{Case, Motion, Row};
+pub use motion::{MotionFrame, Moving};
+pub use row::{Motion, StabilityCase, StabilityRow};
 pub use rows::{PLATE, cases, rows};
-pub use run::{Event, Options, case_truth, check_state, run};
+pub use run::{StabilityEvent, StabilityOptions, case_truth, check_state, run};
 pub use settings::settings;
-pub use verdict::{FAILS_AT, Limits, Verdict};
+pub use verdict::{FAILS_AT, Verdict, VerdictLimits};
 
 #[cfg(test)]
 mod tests;

@@ -10,7 +10,7 @@
 //! there.
 
 use super::{
-    Cell, Limits, Outcome, Verdict, all_backends,
+    Cell, CellOutcome, Verdict, VerdictLimits, all_backends,
     case_truth::{CaseTruth, trace_at_receivers},
     guard::{self, NoMask},
     measure::Measure,
@@ -27,7 +27,7 @@ use umbrage_plan::truth::TruthOptions;
 
 /// Who sees and what shines at one moment.
 #[derive(Clone, Debug)]
-pub struct Frame {
+pub struct MotionFrame {
     /// The camera.
     pub camera: Camera,
     /// The light.
@@ -42,7 +42,7 @@ pub struct Moving<'a> {
     /// Its first frame.
     pub case_truth: &'a CaseTruth,
     /// All frames, the first among them.
-    pub frames: Vec<Frame>,
+    pub frames: Vec<MotionFrame>,
     /// Truth at the first frame's receivers, frame by frame.
     pub truth: Vec<Vec<f32>>,
     /// The points that count.
@@ -100,7 +100,7 @@ impl<'a> Moving<'a> {
                     .map(|s| s.map_or(1.0, |s| s.visibility))
                     .collect(),
             );
-            frames.push(Frame {
+            frames.push(MotionFrame {
                 camera,
                 light,
                 receivers,
@@ -132,7 +132,7 @@ impl<'a> Moving<'a> {
 
     /// Where that passes and fails. Where truth moves, a shadow that stands still fails, however slow the movement: its
     /// figure is truth's own change.
-    pub fn limits(&self, measure: Measure) -> Limits {
+    pub fn limits(&self, measure: Measure) -> VerdictLimits {
         let limits = measure.limits(self.case_truth);
         match measure {
             Measure::ChangeError => limits.below(change(&self.truth, &self.marked)),
@@ -160,7 +160,7 @@ impl<'a> Moving<'a> {
         Ok(Cell {
             picture,
             disagreeing,
-            ..cell(technique, Outcome::Measured { figure, verdict })
+            ..cell(technique, CellOutcome::Measured { figure, verdict })
         })
     }
 
@@ -183,10 +183,10 @@ impl<'a> Moving<'a> {
 
     fn play_frame(
         &self,
-        frame: &Frame,
+        frame: &MotionFrame,
         technique: &dyn ShadowTechnique,
         playing: &mut [Box<dyn Backend>],
-    ) -> Result<all_backends::Played, NoMask> {
+    ) -> Result<all_backends::RenderedOnAll, NoMask> {
         let view = View::new(&frame.camera, &frame.light, &self.case_truth.geometry);
         let still = View {
             camera: &self.case_truth.camera,
@@ -269,7 +269,7 @@ fn texel(case_truth: &CaseTruth) -> Result<f64, LabError> {
 }
 
 /// Near an edge, and seen in every frame.
-fn is_marked(case_truth: &CaseTruth, frames: &[Frame], i: usize) -> bool {
+fn is_marked(case_truth: &CaseTruth, frames: &[MotionFrame], i: usize) -> bool {
     case_truth.counts(i)
         && !case_truth.open[i]
         && frames.iter().all(|f| is_seen(case_truth, &f.camera, i))

@@ -1,12 +1,12 @@
 //! Still cases: every setting against one case's truth, on every backend.
 
 use super::{
-    Cell, Limits, Outcome, Verdict, all_backends,
+    Cell, CellOutcome, Verdict, VerdictLimits, all_backends,
     case_truth::CaseTruth,
     guard::{self, NoMask},
     measure::{Measure, SCREEN, rmse},
     pictures,
-    row::Case,
+    row::StabilityCase,
 };
 use crate::{LabError, compare::Backends};
 use umbrage_core::{Camera, Light, Recipe, ShadowTechnique, View, Work};
@@ -14,15 +14,15 @@ use umbrage_core::{Camera, Light, Recipe, ShadowTechnique, View, Work};
 /// A still case, ready to be played.
 #[derive(Debug)]
 pub(super) struct Still<'a> {
-    pub(super) case: &'a Case,
+    pub(super) case: &'a StabilityCase,
     pub(super) case_truth: &'a CaseTruth,
     /// The same scene at scale 1, for [`Measure::ScaleDrift`].
     pub(super) reference: Option<&'a CaseTruth>,
-    pub(super) limits: Limits,
+    pub(super) limits: VerdictLimits,
 }
 
 /// A mask with what else is asked of its rendering.
-struct Played {
+struct RenderedOnAll {
     mask: Vec<f32>,
     /// Fragments that casts draw, millions, for a picture of [`SCREEN`].
     fill: f64,
@@ -59,12 +59,12 @@ impl Still<'_> {
         Ok(Cell {
             picture,
             disagreeing: played.disagreeing,
-            ..cell(technique, Outcome::Measured { figure, verdict })
+            ..cell(technique, CellOutcome::Measured { figure, verdict })
         })
     }
 }
 
-pub(super) fn cell(technique: &dyn ShadowTechnique, outcome: Outcome) -> Cell {
+pub(super) fn cell(technique: &dyn ShadowTechnique, outcome: CellOutcome) -> Cell {
     let (technique, settings) = (technique.name().to_owned(), technique.settings());
     Cell {
         technique,
@@ -77,8 +77,8 @@ pub(super) fn cell(technique: &dyn ShadowTechnique, outcome: Outcome) -> Cell {
 
 pub(super) fn no_mask(technique: &dyn ShadowTechnique, why: NoMask) -> Cell {
     let outcome = match why {
-        NoMask::Unsupported(reason) => Outcome::Unsupported { reason },
-        NoMask::Fault(what) => Outcome::Fault { what },
+        NoMask::Unsupported(reason) => CellOutcome::Unsupported { reason },
+        NoMask::Fault(what) => CellOutcome::Fault { what },
     };
     cell(technique, outcome)
 }
@@ -88,8 +88,8 @@ fn play(
     case_truth: &CaseTruth,
     technique: &dyn ShadowTechnique,
     backends: &mut Backends,
-) -> Result<Played, NoMask> {
-    let mut all: Option<Played> = None;
+) -> Result<RenderedOnAll, NoMask> {
+    let mut all: Option<RenderedOnAll> = None;
     for light in &case_truth.lights {
         let one = under(light, case_truth, technique, backends)?;
         all = Some(match all {
@@ -103,7 +103,7 @@ fn play(
     Ok(all)
 }
 
-impl Played {
+impl RenderedOnAll {
     fn plus(mut self, other: Self) -> Self {
         self.mask
             .iter_mut()
@@ -120,12 +120,12 @@ fn under(
     case_truth: &CaseTruth,
     technique: &dyn ShadowTechnique,
     backends: &mut Backends,
-) -> Result<Played, NoMask> {
+) -> Result<RenderedOnAll, NoMask> {
     let view = case_truth.view(light);
     let recipe = guard::plan(technique, &view.with_receivers(&case_truth.truth.receivers))?;
-    let all_backends::Played { mask, disagreeing } =
+    let all_backends::RenderedOnAll { mask, disagreeing } =
         all_backends::render(&mut backends.playing, &view, &recipe)?;
-    Ok(Played {
+    Ok(RenderedOnAll {
         fill: fill(&recipe, &view),
         mask,
         disagreeing,

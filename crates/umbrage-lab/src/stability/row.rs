@@ -6,7 +6,7 @@ use umbrage_techniques::ConfiguredTechniques;
 
 /// A way in which shadow methods fail, and the scenes that provoke it.
 #[derive(Clone, Copy, Debug)]
-pub struct Row {
+pub struct StabilityRow {
     /// Its number in the catalogue of failures.
     pub number: u8,
     /// A few words.
@@ -16,12 +16,12 @@ pub struct Row {
     /// Techniques that the row is about and that umbrage doesn't have yet.
     pub not_yet: Option<&'static str>,
     /// Scenes, each with its measure.
-    pub cases: &'static [Case],
+    pub cases: &'static [StabilityCase],
 }
 
 /// One scene, still or moving, with the measure that tells the failure.
 #[derive(Clone, Copy, Debug)]
-pub struct Case {
+pub struct StabilityCase {
     /// For file names and the command line; the scene's name, and the motion if there is one.
     pub name: &'static str,
     /// The built-in scene.
@@ -64,7 +64,7 @@ impl Motion {
     }
 }
 
-impl Case {
+impl StabilityCase {
     /// A still scene.
     pub(super) const fn still(scene: &'static str, measure: Measure) -> Self {
         Self {
@@ -110,7 +110,7 @@ impl Case {
     }
 }
 
-impl Row {
+impl StabilityRow {
     /// Whether someone who asks for `word` means this row: its number.
     pub fn is_called(&self, word: &str) -> bool {
         word.trim_start_matches('#').parse() == Ok(self.number)

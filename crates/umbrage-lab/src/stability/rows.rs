@@ -3,7 +3,7 @@
 use super::{
     measure::Measure,
     measures::gap::Contact,
-    row::{Case, Motion, Row},
+    row::{Motion, StabilityCase, StabilityRow},
 };
 use glam::Vec3;
 use std::sync::Arc;
@@ -11,12 +11,12 @@ use umbrage_core::{Fit, ShadowTechnique};
 use umbrage_techniques::{Bias, ConfiguredTechniques, Hard, MapFormat, Pcf, ShadowMap};
 
 /// All rows, by number.
-pub fn rows() -> &'static [Row] {
+pub fn rows() -> &'static [StabilityRow] {
     ROWS
 }
 
 /// All cases with their rows.
-pub fn cases() -> impl Iterator<Item = (&'static Row, &'static Case)> {
+pub fn cases() -> impl Iterator<Item = (&'static StabilityRow, &'static StabilityCase)> {
     ROWS.iter()
         .flat_map(|row| row.cases.iter().map(move |case| (row, case)))
 }
@@ -39,17 +39,17 @@ const FEET: [Vec3; 4] = [
 /// The feet's radius and 10 cm around it, metres.
 const AROUND_FEET: f32 = 0.11 + 0.10;
 
-const fn still(scene: &'static str, measure: Measure) -> Case {
-    Case::still(scene, measure)
+const fn still(scene: &'static str, measure: Measure) -> StabilityCase {
+    StabilityCase::still(scene, measure)
 }
 
 const fn row(
     number: u8,
     title: &'static str,
     weakness: &'static str,
-    cases: &'static [Case],
-) -> Row {
-    Row {
+    cases: &'static [StabilityCase],
+) -> StabilityRow {
+    StabilityRow {
         number,
         title,
         weakness,
@@ -58,7 +58,7 @@ const fn row(
     }
 }
 
-impl Row {
+impl StabilityRow {
     const fn without(self, techniques: &'static str) -> Self {
         Self {
             not_yet: Some(techniques),
@@ -140,7 +140,7 @@ const WARPS: &str = "perspective warps";
 const CASCADES: &str = "cascades";
 
 #[rustfmt::skip]
-const ROWS: &[Row] = &[
+const ROWS: &[StabilityRow] = &[
     row(1, "low sun", "a constant bias and a wide kernel are too little where light grazes: acne", &[
         still("low-sun-2", Measure::Acne).with(too_little), still("low-sun-5", Measure::Acne).with(too_little), still("low-sun-10", Measure::Acne).with(too_little),
     ]),
@@ -167,21 +167,21 @@ const ROWS: &[Row] = &[
         still("hovering-feet", Measure::LeakAround(&FEET, AROUND_FEET)),
     ]).without("exponential maps (EVSM)"),
     row(9, "fine detail", "wires as thin as a texel come and go", &[
-        still("fence", Measure::Rmse), Case::moving("fence-pan", "fence", Motion::Pan).with(steady_near),
+        still("fence", Measure::Rmse), StabilityCase::moving("fence-pan", "fence", Motion::Pan).with(steady_near),
     ]).without("alpha-tested casters"),
     row(10, "landscape", "texels far larger than pixels nearby, a fit that follows the camera", &[
-        still("hills", Measure::Rmse), Case::moving("hills-pan", "hills", Motion::Pan).with(steady_far),
+        still("hills", Measure::Rmse), StabilityCase::moving("hills-pan", "hills", Motion::Pan).with(steady_far),
     ]).without(CASCADES),
     row(11, "far from the origin", "positions and fits are coarse in 32 bits at 1e5 and 1e6 m", &[
-        Case::moving("hills-1e5-pan", "hills-1e5", Motion::Pan).with(steady_far),
-        Case::moving("hills-1e6-pan", "hills-1e6", Motion::Pan).with(steady_far),
+        StabilityCase::moving("hills-1e5-pan", "hills-1e5", Motion::Pan).with(steady_far),
+        StabilityCase::moving("hills-1e6-pan", "hills-1e6", Motion::Pan).with(steady_far),
     ]),
     row(12, "turning camera", "a fit that isn't stabilised changes with every frame", &[
-        Case::moving("hills-yaw", "hills", Motion::Yaw).with(steady_far),
-        Case::moving("hills-fov", "hills", Motion::Widening).with(steady_far),
+        StabilityCase::moving("hills-yaw", "hills", Motion::Yaw).with(steady_far),
+        StabilityCase::moving("hills-fov", "hills", Motion::Widening).with(steady_far),
     ]),
     row(13, "turning sun", "texels turn with the light and crawl along edges; or the shadow stays behind", &[
-        Case::moving("hills-sun", "hills", Motion::Sun).with(steady_far),
+        StabilityCase::moving("hills-sun", "hills", Motion::Sun).with(steady_far),
     ]),
     row(14, "into the light", "picture and map run against each other", &[
         still("into-light", Measure::Rmse),
@@ -199,7 +199,7 @@ const ROWS: &[Row] = &[
         still("canopy", Measure::PenumbraRmse),
     ]),
     row(19, "two lights", "the errors of two lights add up", &[
-        Case { lights: 2, ..still("two-lights", Measure::Rmse) },
+        StabilityCase { lights: 2, ..still("two-lights", Measure::Rmse) },
     ]),
     row(20, "caster at the light", "a bar 1 cm from the lamp is nearer than the near plane: lost", &[
         still("bar-at-lamp", Measure::Leak),

@@ -1,13 +1,13 @@
 //! All rows against all techniques.
 
 use super::{
-    CaseResult, Cell, Limits, Outcome, Stability,
+    CaseResult, Cell, CellOutcome, Stability, VerdictLimits,
     case_truth::CaseTruth,
     guard,
     measure::Measure,
     motion::{Moving, first_camera},
     play::Still,
-    row::{Case, Motion, Row},
+    row::{Motion, StabilityCase, StabilityRow},
     rows::cases,
     settings::settings,
 };
@@ -19,7 +19,7 @@ use umbrage_techniques::{ConfiguredTechniques, Techniques};
 
 /// What to play, and how carefully.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Options {
+pub struct StabilityOptions {
     /// Rows by number, or cases by name; all when empty.
     pub rows: Vec<String>,
     /// The techniques that there are.
@@ -36,7 +36,7 @@ pub struct Options {
     pub truth: TruthOptions,
 }
 
-impl Default for Options {
+impl Default for StabilityOptions {
     fn default() -> Self {
         let truth = TruthOptions {
             samples: 256,
@@ -55,7 +55,7 @@ impl Default for Options {
     }
 }
 
-impl Options {
+impl StabilityOptions {
     /// For a first look: small images, small maps, few frames and samples.
     pub fn quick() -> Self {
         let truth = TruthOptions {
@@ -73,7 +73,7 @@ impl Options {
         }
     }
 
-    fn wants(&self, row: &Row, case: &Case) -> bool {
+    fn wants(&self, row: &StabilityRow, case: &StabilityCase) -> bool {
         let named = |word: &String| row.is_called(word) || case.name == word || case.scene == word;
         self.rows.is_empty() || self.rows.iter().any(named)
     }
@@ -102,7 +102,7 @@ impl Options {
 
 /// What happens, for progress bars.
 #[derive(Clone, Copy, Debug)]
-pub enum Event<'a> {
+pub enum StabilityEvent<'a> {
     /// A case begins: its place among all that are played.
     Case {
         /// Its name.
@@ -120,19 +120,19 @@ pub enum Event<'a> {
 }
 
 /// Plays all rows wanted on all backends; of moving rows, all but the first backend play the first and the last frame. What
-/// fails as it is known to is a result; what must not be (NaN, a panic, a validation error, backends that disagree) is told
-/// in [`Stability::faults`].
+/// fails as it is known to is a result; what must not happen (NaN, a panic, a validation error, backends that disagree) is
+/// listed in [`Stability::faults`].
 ///
 /// # Errors
 /// For unknown names, without a backend, and when a scene can't be used.
 pub fn run(
-    options: &Options,
+    options: &StabilityOptions,
     backends: &mut Backends,
-    on_event: &mut dyn FnMut(Event<'_>),
+    on_event: &mut dyn FnMut(StabilityEvent<'_>),
 ) -> Result<Stability, LabError> {
     options.validate()?;
     some_backend(backends)?;
-    let wanted: Vec<(&Row, &Case)> = cases()
+    let wanted: Vec<(&StabilityRow, &StabilityCase)> = cases()
         .filter(|(row, case)| options.wants(row, case))
         .collect();
     let mut out = Stability {
@@ -146,9 +146,9 @@ pub fn run(
         frames: options.frames,
         ..Stability::default()
     };
-    let mut last: Option<(&Case, CaseTruth)> = None;
+    let mut last: Option<(&StabilityCase, CaseTruth)> = None;
     for (index, (row, case)) in wanted.iter().copied().enumerate() {
-        on_event(Event::Case {
+        on_event(StabilityEvent::Case {
             name: case.name,
             index,
             of: wanted.len(),
@@ -159,7 +159,7 @@ pub fn run(
             _ => case_truth(case, case.scene, options)?,
         };
         let result = play_case(row, case, &case_truth, options, backends)?;
-        on_event(Event::Done { result: &result });
+        on_event(StabilityEvent::Done { result: &result });
         out.faults.extend(faults(&result));
         out.cases.push(result);
         last = Some((case, case_truth));
@@ -167,8 +167,8 @@ pub fn run(
     Ok(out)
 }
 
-fn has_same_truth(a: &Case, b: &Case) -> bool {
-    let widens = |c: &Case| c.motion == Motion::Widening;
+fn has_same_truth(a: &StabilityCase, b: &StabilityCase) -> bool {
+    let widens = |c: &StabilityCase| c.motion == Motion::Widening;
     a.scene == b.scene && a.lights == b.lights && widens(a) == widens(b)
 }
 
@@ -176,7 +176,11 @@ fn has_same_truth(a: &Case, b: &Case) -> bool {
 ///
 /// # Errors
 /// When the scene doesn't exist or can't be used.
-pub fn case_truth(case: &Case, scene: &str, options: &Options) -> Result<CaseTruth, LabError> {
+pub fn case_truth(
+    case: &StabilityCase,
+    scene: &str,
+    options: &StabilityOptions,
+) -> Result<CaseTruth, LabError> {
     let unknown = || {
         Invalid::new(
             "scene",
@@ -191,10 +195,10 @@ pub fn case_truth(case: &Case, scene: &str, options: &Options) -> Result<CaseTru
 }
 
 fn play_case(
-    row: &Row,
-    case: &Case,
+    row: &StabilityRow,
+    case: &StabilityCase,
     case_truth: &CaseTruth,
-    options: &Options,
+    options: &StabilityOptions,
     backends: &mut Backends,
 ) -> Result<CaseResult, LabError> {
     let chosen = chosen(case, options);
@@ -240,7 +244,7 @@ pub(super) fn some_backend(backends: &Backends) -> Result<(), Invalid> {
 }
 
 /// The settings of a case.
-fn chosen(case: &Case, options: &Options) -> ConfiguredTechniques {
+fn chosen(case: &StabilityCase, options: &StabilityOptions) -> ConfiguredTechniques {
     let mut chosen = settings(
         &options.registry,
         &options.techniques,
@@ -255,11 +259,11 @@ fn chosen(case: &Case, options: &Options) -> ConfiguredTechniques {
 }
 
 fn still_cells(
-    case: &Case,
+    case: &StabilityCase,
     case_truth: &CaseTruth,
-    limits: Limits,
+    limits: VerdictLimits,
     chosen: &ConfiguredTechniques,
-    options: &Options,
+    options: &StabilityOptions,
     backends: &mut Backends,
 ) -> Result<Vec<Cell>, LabError> {
     let at_one = match case.measure {
@@ -281,7 +285,7 @@ fn still_cells(
 fn faults(result: &CaseResult) -> Vec<String> {
     let name = |cell: &Cell| format!("{}: {} ({})", result.case, cell.technique, cell.settings);
     let of = |cell: &Cell| match (&cell.outcome, cell.disagreeing) {
-        (Outcome::Fault { what }, _) => Some(format!("{}: {what}", name(cell))),
+        (CellOutcome::Fault { what }, _) => Some(format!("{}: {what}", name(cell))),
         (_, Some(n)) if n > 0 => Some(format!(
             "{}: backends differ on {n} decided pixels",
             name(cell)

@@ -21,30 +21,30 @@ use umbrage_techniques::{
 };
 
 /// Small enough that all cases take seconds.
-fn small() -> Options {
+fn small() -> StabilityOptions {
     let truth = TruthOptions {
         samples: 64,
         penumbra_factor: 1,
         probe_samples: 16,
         ..TruthOptions::default()
     };
-    Options {
+    StabilityOptions {
         size: UVec2::new(96, 72),
         map_size: 512,
         frames: 4,
         truth,
-        ..Options::quick()
+        ..StabilityOptions::quick()
     }
 }
 
-fn case(name: &str) -> &'static Case {
+fn case(name: &str) -> &'static StabilityCase {
     cases()
         .find(|(_, case)| case.name == name)
         .map(|(_, case)| case)
         .expect("in the list")
 }
 
-fn case_truth_of(case: &Case, options: &Options) -> CaseTruth {
+fn case_truth_of(case: &StabilityCase, options: &StabilityOptions) -> CaseTruth {
     case_truth(case, case.scene, options).expect("a built-in scene")
 }
 
@@ -64,7 +64,7 @@ fn mask(case_truth: &CaseTruth, technique: &dyn ShadowTechnique) -> Vec<f32> {
     sum
 }
 
-fn verdict(case: &Case, case_truth: &CaseTruth, mask: &[f32]) -> Verdict {
+fn verdict(case: &StabilityCase, case_truth: &CaseTruth, mask: &[f32]) -> Verdict {
     case.measure
         .limits(case_truth)
         .judge(case.measure.figure(case_truth, mask))
@@ -337,7 +337,7 @@ fn open_pixels_are_right_on_a_perfect_map() {
     // A map of a quarter of the side errs more.
     let coarse = case_truth_of(
         case("stairs"),
-        &Options {
+        &StabilityOptions {
             map_size: 128,
             ..small()
         },
@@ -369,7 +369,7 @@ fn what_is_no_mask_has_no_rmse() {
 /// A tight fit crawls under a panning camera; rays don't, and stable fits take the crawl away, to the bit.
 #[test]
 fn panning_shimmers_on_a_tight_fit_and_not_when_traced() {
-    let options = Options {
+    let options = StabilityOptions {
         rows: vec!["fence-pan".to_owned()],
         techniques: vec!["hard".to_owned(), "traced".to_owned()],
         ..small()
@@ -402,7 +402,7 @@ fn panning_shimmers_on_a_tight_fit_and_not_when_traced() {
 /// Runs one moving case with one technique beside a second backend that errs in its `k`th rendering, from 1; 0 for never.
 /// Returns the disagreement, what must not be, and how often the second one played.
 fn beside_a_cheat(k: u32) -> (Option<u64>, Vec<String>, u32) {
-    let options = Options {
+    let options = StabilityOptions {
         rows: vec!["fence-pan".to_owned()],
         techniques: vec!["traced".to_owned()],
         ..small()
@@ -473,7 +473,7 @@ fn backends_that_serve_nothing_are_left_out() {
     let played = |rows: &[&str], playing: Vec<Box<dyn Backend>>| {
         let [rows, techniques] =
             [rows, &["hard"]].map(|names| names.iter().map(|n| (*n).to_owned()).collect());
-        let options = Options {
+        let options = StabilityOptions {
             rows,
             techniques,
             ..small()
@@ -557,7 +557,7 @@ fn truth_moves_with_the_light_alone() {
 #[test]
 fn what_stands_still_under_a_turning_sun_fails() {
     let names = ["none", "traced"].map(str::to_owned).to_vec();
-    let options = Options {
+    let options = StabilityOptions {
         rows: vec!["13".to_owned()],
         techniques: names,
         ..small()
@@ -636,7 +636,7 @@ fn without_a_backend_nothing_runs() {
 
 #[test]
 fn unknown_names_are_refused_with_what_there_is() {
-    let rows = Options {
+    let rows = StabilityOptions {
         rows: vec!["31".to_owned()],
         ..small()
     };
@@ -646,7 +646,7 @@ fn unknown_names_are_refused_with_what_there_is() {
             .to_string()
             .contains("1 to 30")
     );
-    let techniques = Options {
+    let techniques = StabilityOptions {
         techniques: vec!["vsm2".to_owned()],
         ..small()
     };
@@ -657,7 +657,7 @@ fn unknown_names_are_refused_with_what_there_is() {
             .to_string()
             .contains("pcf")
     );
-    let known = Options {
+    let known = StabilityOptions {
         rows: vec!["3".to_owned(), "hills-pan".to_owned(), "fence".to_owned()],
         ..small()
     };
@@ -667,7 +667,7 @@ fn unknown_names_are_refused_with_what_there_is() {
 /// The same run gives the same figures, and another backend state doesn't matter.
 #[test]
 fn runs_repeat_to_the_bit() {
-    let options = Options {
+    let options = StabilityOptions {
         rows: vec!["3".to_owned(), "17".to_owned()],
         ..small()
     };

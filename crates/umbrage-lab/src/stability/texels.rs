@@ -5,14 +5,38 @@
 //! is what edge aliasing alone must cause at that size, and so the yardstick for all that are limited by it.
 
 use glam::{DMat4, DVec2, DVec3, Vec3};
-use umbrage_core::{Geometry, Invalid, Light, LightSpaces, Receivers, light_sample};
-use umbrage_plan::truth::{Point, Seen, TruthOptions, trace_points};
+use umbrage_core::{Geometry, Invalid, Light, LightSpace, LightSpaces, Receivers, light_sample};
+use umbrage_plan::truth::{PointTruth, ReceiverPoint, TruthOptions, trace_points};
 
-/// Light spaces with their inverses, and the maps' side in texels.
+/// Maps of one size in their light spaces.
 #[derive(Clone, Debug)]
 pub struct Texels {
-    spaces: Vec<[DMat4; 2]>,
+    spaces: Vec<ClipSpace>,
+    /// Side of each map, texels.
     size: f64,
+}
+
+/// A light space's matrices in 64 bits.
+#[derive(Clone, Copy, Debug)]
+struct ClipSpace {
+    clip_from_world: DMat4,
+    world_from_clip: DMat4,
+}
+
+impl ClipSpace {
+    fn new(space: &LightSpace) -> Self {
+        let clip_from_world = space.clip_from_view.as_dmat4() * space.view_from_world.as_dmat4();
+        Self {
+            clip_from_world,
+            world_from_clip: clip_from_world.inverse(),
+        }
+    }
+
+    /// Whether a point lies before the light and within the map's sides.
+    fn shows(&self, position: DVec3) -> bool {
+        let clip = self.clip_from_world * position.extend(1.0);
+        clip.w > 0.0 && clip.x.abs() <= clip.w && clip.y.abs() <= clip.w
+    }
 }
 
 /// Planes that the light meets at a smaller sine than this have no footprint worth the name.
@@ -20,45 +44,47 @@ const GRAZING: f64 = 1e-6;
 
 impl Texels {
     /// Texels of maps of `size` texels a side that lie so.
+    /// Returns the texels of maps of `size` texels a side in these light spaces.
     pub fn new(spaces: &LightSpaces, size: u32) -> Self {
-        let pair = |space: &umbrage_core::LightSpace| {
-            let clip_from_world =
-                space.clip_from_view.as_dmat4() * space.view_from_world.as_dmat4();
-            [clip_from_world, clip_from_world.inverse()]
-        };
         Self {
-            spaces: spaces.spaces.iter().map(pair).collect(),
+            spaces: spaces.spaces.iter().map(ClipSpace::new).collect(),
             size: f64::from(size),
         }
     }
 
-    /// The point of the plane through `p` with normal `n` that is seen where `to` takes p's place on the map, texels from
-    /// the top left. None where no map shows p, or its plane is seen edge-on.
-    pub fn moved(&self, p: Vec3, n: Vec3, to: impl Fn(DVec2) -> DVec2) -> Option<Vec3> {
-        let (p, n) = (p.as_dvec3(), n.as_dvec3());
-        let on_map = |[clip_from_world, _]: &&[DMat4; 2]| {
-            let q = *clip_from_world * p.extend(1.0);
-            q.w > 0.0 && q.x.abs() <= q.w && q.y.abs() <= q.w
-        };
-        let [clip_from_world, world_from_clip] = self.spaces.iter().find(on_map)?;
-        let ndc = clip_from_world.project_point3(p);
-        let texel = to(DVec2::new(0.5 + 0.5 * ndc.x, 0.5 - 0.5 * ndc.y) * self.size) / self.size;
-        let at = |z: f64| {
-            world_from_clip.project_point3(DVec3::new(2.0 * texel.x - 1.0, 1.0 - 2.0 * texel.y, z))
-        };
-        let (near, far) = (at(0.0), at(1.0));
-        let along = far - near;
-        let slope = n.dot(along);
-        let t = n.dot(p - near) / slope;
-        let q = near + along * t;
-        (slope.abs() > GRAZING * along.length() && q.is_finite()).then_some(q.as_vec3())
+    /// Returns the point of the plane through `position` that lies on the map where `to` moves the position's own place,
+    /// both in texels from the top left. World space, metres. None where no map shows the position, or its plane is seen
+    /// edge-on.
+    pub fn moved(&self, position: Vec3, normal: Vec3, to: impl Fn(DVec2) -> DVec2) -> Option<Vec3> {
+        let position = position.as_dvec3();
+        let normal = normal.as_dvec3();
+        let space = self.spaces.iter().find(|space| space.shows(position))?;
+        let ndc = space.clip_from_world.project_point3(position);
+        let uv = DVec2::new(0.5 + 0.5 * ndc.x, 0.5 - 0.5 * ndc.y);
+        let moved_uv = to(uv * self.size) / self.size;
+        let moved_x = 2.0 * moved_uv.x - 1.0;
+        let moved_y = 1.0 - 2.0 * moved_uv.y;
+        let near = space
+            .world_from_clip
+            .project_point3(DVec3::new(moved_x, moved_y, 0.0));
+        let far = space
+            .world_from_clip
+            .project_point3(DVec3::new(moved_x, moved_y, 1.0));
+        // Where the light's ray through the moved place meets the plane.
+        let ray = far - near;
+        let slope = normal.dot(ray);
+        let t = normal.dot(position - near) / slope;
+        let moved = near + ray * t;
+        let has_footprint = slope.abs() > GRAZING * ray.length();
+        (has_footprint && moved.is_finite()).then_some(moved.as_vec3())
     }
 
-    /// Traced visibility at every receiver, its place on the map taken elsewhere by `to`, and where that is by `keep` (of
-    /// the receiver's index). None where no map shows it.
+    /// Returns the traced visibility of each receiver at another point of its plane, and that point: `to` moves its place on
+    /// the map (as in [`Texels::moved`]), and `keep` may move the point again, given the receiver's index. None where nothing
+    /// receives or no map shows it.
     ///
     /// # Errors
-    /// When the light is not valid.
+    /// Errors if the light is not valid.
     pub fn seen(
         &self,
         geometry: &Geometry,
@@ -67,15 +93,18 @@ impl Texels {
         options: &TruthOptions,
         to: impl Fn(DVec2) -> DVec2,
         keep: impl Fn(usize, Vec3) -> Vec3,
-    ) -> Result<Vec<Option<(Vec3, Seen)>>, Invalid> {
-        let place = |i: usize| {
-            let moved = || self.moved(receivers.position(i), receivers.normal(i), &to);
-            Some((i, keep(i, receivers.receives[i].then(moved)??)))
-        };
-        let places: Vec<(usize, Vec3)> = (0..receivers.len()).filter_map(place).collect();
-        let any = Point::new(Vec3::ZERO, Vec3::Y, geometry);
-        let point = |&(i, p): &(usize, Vec3)| point_at(&any, receivers, i, p);
-        let points: Vec<Point> = places.iter().map(point).collect();
+    ) -> Result<Vec<Option<(Vec3, PointTruth)>>, Invalid> {
+        let mut places: Vec<(usize, Vec3)> = Vec::new();
+        for i in (0..receivers.len()).filter(|&i| receivers.receives[i]) {
+            if let Some(moved) = self.moved(receivers.position(i), receivers.normal(i), &to) {
+                places.push((i, keep(i, moved)));
+            }
+        }
+        let any = ReceiverPoint::new(Vec3::ZERO, Vec3::Y, geometry);
+        let points: Vec<ReceiverPoint> = places
+            .iter()
+            .map(|&(i, position)| point_at(&any, receivers, i, position))
+            .collect();
         let mut out = vec![None; receivers.len()];
         for ((i, p), seen) in places
             .into_iter()
@@ -88,33 +117,44 @@ impl Texels {
 }
 
 /// A receiver's point, elsewhere on its plane; `any` is any point of the geometry.
-pub(super) fn point_at(any: &Point, receivers: &Receivers, i: usize, position: Vec3) -> Point {
-    let (x, y) = (i as u32 % receivers.size.x, i as u32 / receivers.size.x);
-    let (triangle, normal) = (receivers.triangle[i], receivers.normal(i));
-    Point {
+pub(super) fn point_at(
+    any: &ReceiverPoint,
+    receivers: &Receivers,
+    i: usize,
+    position: Vec3,
+) -> ReceiverPoint {
+    let x = i as u32 % receivers.size.x;
+    let y = i as u32 / receivers.size.x;
+    ReceiverPoint {
         position,
-        normal,
-        triangle,
+        normal: receivers.normal(i),
+        triangle: receivers.triangle[i],
         seed: light_sample::seed(x, y),
         ..*any
     }
 }
 
-/// As far along the way from `p` to `q`, both on a triangle's plane, as the triangle reaches; p where it is outside itself.
-pub(super) fn within(p: Vec3, q: Vec3, [a, b, c]: [Vec3; 3]) -> Vec3 {
-    let n = (b - a).cross(c - a);
-    let edges = [(a, b), (b, c), (c, a)].map(|(a, b)| {
-        let inward = n.cross(b - a);
-        [inward.dot(p - a), inward.dot(q - a)]
-    });
-    let part = |[at_p, at_q]: [f32; 2]| {
-        if at_q >= 0.0 {
-            1.0
-        } else {
-            (at_p / (at_p - at_q)).max(0.0)
+/// Returns the last point of the way from `p` to `q` that lies within a triangle, both points on its plane; `p` itself if it
+/// lies outside.
+pub(super) fn within(p: Vec3, q: Vec3, triangle: [Vec3; 3]) -> Vec3 {
+    let edge_1 = triangle[1] - triangle[0];
+    let edge_2 = triangle[2] - triangle[0];
+    let normal = edge_1.cross(edge_2);
+    let mut share = 1.0_f32;
+    for k in 0..3 {
+        let from = triangle[k];
+        let to = triangle[(k + 1) % 3];
+        // Positive on the triangle's side of the edge.
+        let inward = normal.cross(to - from);
+        let p_side = inward.dot(p - from);
+        let q_side = inward.dot(q - from);
+        if q_side >= 0.0 {
+            continue;
         }
-    };
-    p + (q - p) * edges.map(part).into_iter().fold(1.0, f32::min)
+        let share_to_edge = (p_side / (p_side - q_side)).max(0.0);
+        share = share.min(share_to_edge);
+    }
+    p + (q - p) * share
 }
 
 /// To the middle of the texel: what a perfect map does.
@@ -125,7 +165,7 @@ pub fn to_center(texel: DVec2) -> DVec2 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use umbrage_core::{LightSpace, glam::Mat4, light_space};
+    use umbrage_core::{glam::Mat4, light_space};
 
     /// A map of 10 texels that looks straight down on 10 x 10 m.
     fn texels() -> Texels {

@@ -40,14 +40,14 @@ pub const FAILS_AT: f64 = 4.0;
 
 /// Where a figure stops to pass and where it begins to fail, in the measure's unit. Smaller is better everywhere.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Limits {
+pub struct VerdictLimits {
     /// At most this passes.
     pub pass: f64,
     /// More than this fails.
     pub fails: f64,
 }
 
-impl Limits {
+impl VerdictLimits {
     /// Given limits.
     pub const fn new(pass: f64, fails: f64) -> Self {
         Self { pass, fails }
@@ -95,12 +95,12 @@ mod tests {
 
     #[test]
     fn limits_belong_to_the_better_side_and_nan_fails() {
-        let limits = Limits::over_ideal(0.5, 1.0);
-        assert_eq!(limits, Limits::new(2.0, 8.0));
+        let limits = VerdictLimits::over_ideal(0.5, 1.0);
+        assert_eq!(limits, VerdictLimits::new(2.0, 8.0));
         let judged = [0.0, 2.0, 2.1, 8.0, 8.1, f64::NAN, f64::INFINITY].map(|v| limits.judge(v));
         use Verdict::{Degraded as D, Fails as F, Pass as P};
         assert_eq!(judged, [P, P, D, D, F, F, F]);
-        assert_eq!(limits.below(2.0), Limits::new(1.0, 1.5));
+        assert_eq!(limits.below(2.0), VerdictLimits::new(1.0, 1.5));
         assert_eq!([limits.below(100.0), limits.below(0.0)], [limits; 2]);
     }
 }

@@ -1,8 +1,7 @@
 //! All effects on one page that needs no other file.
 
-use super::{Effect, Played, Preset, Side};
+use super::{Effect, PlayedEffect, Preset, Side};
 use crate::output::html::{data_uri, document, escape};
-use std::fmt::Write;
 
 const STYLE: &str = "\
 body { font: 16px/1.5 system-ui, sans-serif; margin: 2rem auto; max-width: 72rem; padding: 0 1rem; color: #1d2733; }
@@ -19,7 +18,7 @@ td, th { padding: 0 1rem 0 0; text-align: left; font-weight: normal; } th { colo
 const TITLE: &str = "The textbooks' shadow effects";
 
 /// The page. `backends` are their full names.
-pub fn html(rows: &[(&Effect, Played)], backends: &[String]) -> String {
+pub fn html(rows: &[(&Effect, PlayedEffect)], backends: &[String]) -> String {
     let mut body = format!(
         "<h1>{TITLE}</h1>\n\
          <p>Left the fault, right the cure; beside each picture its error against ray-traced truth: blue is false shadow, \
@@ -32,17 +31,15 @@ pub fn html(rows: &[(&Effect, Played)], backends: &[String]) -> String {
     document(TITLE, STYLE, &body)
 }
 
-fn section(effect: &Effect, Played { fault, cure }: &Played) -> String {
+fn section(effect: &Effect, played: &PlayedEffect) -> String {
     let head = format!(
         "<section id=\"{}\">\n<h2>{}</h2>\n<p>{}</p>\n",
         effect.name,
         escape(effect.title),
         escape(effect.text)
     );
-    let (left, right) = (
-        figure(&effect.fault, fault, None),
-        figure(&effect.cure, cure, Some(fault)),
-    );
+    let left = figure(&effect.fault, &played.fault, None);
+    let right = figure(&effect.cure, &played.cure, Some(&played.fault));
     let worse = effect.worse.map_or_else(String::new, |why| {
         format!("<p class=worse>{}</p>\n", escape(why))
     });
@@ -50,23 +47,19 @@ fn section(effect: &Effect, Played { fault, cure }: &Played) -> String {
 }
 
 fn figure(preset: &Preset, side: &Side, than: Option<&Side>) -> String {
-    let (label, technique) = (preset.label, (preset.technique)());
+    let label = preset.label;
+    let technique = (preset.technique)();
     let mut rows = String::new();
     for (i, (backend, errors)) in side.errors.iter().enumerate() {
         let other = than.and_then(|s| s.errors.get(i));
-        let class = if other.is_some_and(|(_, o)| errors.mean < o.mean) {
-            " class=better"
-        } else {
-            ""
-        };
-        let percent = |share: f64| format!("{share:.2} %");
-        rows.write_fmt(format_args!(
-            "<tr><td>{backend}<td{class}>{}<td>{}<td>{}</tr>\n",
-            percent(100.0 * errors.mean),
-            percent(errors.false_shadow),
-            percent(errors.false_light)
-        ))
-        .unwrap_or_default();
+        let is_better = other.is_some_and(|(_, o)| errors.mean < o.mean);
+        let class = if is_better { " class=better" } else { "" };
+        let mean = 100.0 * errors.mean;
+        let false_shadow = errors.false_shadow;
+        let false_light = errors.false_light;
+        rows += &format!(
+            "<tr><td>{backend}<td{class}>{mean:.2} %<td>{false_shadow:.2} %<td>{false_light:.2} %</tr>\n"
+        );
     }
     let differing = match (side.errors.len(), side.differing) {
         (0 | 1, _) => String::new(),

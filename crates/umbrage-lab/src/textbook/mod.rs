@@ -7,7 +7,7 @@ mod play;
 
 pub use effects::all;
 pub use gallery::html;
-pub use play::{Played, Side, play};
+pub use play::{PlayedEffect, Side, play};
 
 use umbrage_core::{Scene, ShadowTechnique};
 

@@ -12,7 +12,7 @@ use umbrage_plan::truth::{self, TruthOptions};
 
 /// Both halves of an effect.
 #[derive(Clone, Debug)]
-pub struct Played {
+pub struct PlayedEffect {
     /// With the fault.
     pub fault: Side,
     /// With the cure.
@@ -38,8 +38,8 @@ pub struct Side {
 ///
 /// # Errors
 /// When a preset's scene is missing or its technique doesn't serve it, or a backend fails.
-pub fn play(effect: &Effect, backends: &mut [Box<dyn Backend>]) -> Result<Played, LabError> {
-    Ok(Played {
+pub fn play(effect: &Effect, backends: &mut [Box<dyn Backend>]) -> Result<PlayedEffect, LabError> {
+    Ok(PlayedEffect {
         fault: side(&effect.fault, backends)?,
         cure: side(&effect.cure, backends)?,
     })

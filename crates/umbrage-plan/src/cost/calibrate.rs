@@ -11,7 +11,7 @@ use umbrage_cpu::Cpu;
 
 /// One recipe's work and time.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Sample {
+pub struct CostSample {
     /// Scene, technique and settings, for people.
     pub label: String,
     /// What it takes.
@@ -26,7 +26,7 @@ pub struct Calibration {
     /// The prices.
     pub model: CostModel,
     /// The measurements.
-    pub samples: Vec<Sample>,
+    pub samples: Vec<CostSample>,
     /// Half of the samples are predicted within this factor, 1 or more.
     pub typical_factor: f64,
     /// Nine of ten are within this one.
@@ -43,7 +43,7 @@ pub fn calibrate(
     sizes: &[UVec2],
     settings: &[Arc<dyn ShadowTechnique>],
     runs: u32,
-    mut on_sample: impl FnMut(&Sample),
+    mut on_sample: impl FnMut(&CostSample),
 ) -> Result<Calibration, MeasureError> {
     let mut samples = Vec::new();
     for scene in scenes {
@@ -61,7 +61,7 @@ pub fn calibrate(
                 let Some(sample) = measure(backend, &view, &**technique, runs)? else {
                     continue;
                 };
-                let sample = Sample {
+                let sample = CostSample {
                     label: format!("{} {size} {}", scene.name, sample.label),
                     ..sample
                 };
@@ -78,7 +78,7 @@ fn measure(
     view: &View<'_>,
     technique: &dyn ShadowTechnique,
     runs: u32,
-) -> Result<Option<Sample>, MeasureError> {
+) -> Result<Option<CostSample>, MeasureError> {
     let recipe = match technique.recipe(view) {
         Ok(recipe) => recipe,
         Err(RecipeError::Unsupported(_)) => return Ok(None),
@@ -98,7 +98,7 @@ fn measure(
         }
     }
     let label = format!("{} ({})", technique.name(), technique.settings());
-    Ok(Some(Sample {
+    Ok(Some(CostSample {
         label,
         work: Work::of(view, &recipe),
         milliseconds: least,
@@ -107,13 +107,13 @@ fn measure(
 
 /// Fits prices to measurements, so that the sum of the squared relative errors is least: a factor of two matters as much at
 /// a tenth of a millisecond as at a hundred.
-pub fn fit(samples: Vec<Sample>) -> Calibration {
+pub fn fit(samples: Vec<CostSample>) -> Calibration {
     let relative =
-        |s: &Sample| counts(&s.work).map(|count| count * 1e-6 / s.milliseconds.max(1e-6));
+        |s: &CostSample| counts(&s.work).map(|count| count * 1e-6 / s.milliseconds.max(1e-6));
     let model = CostModel {
         nanoseconds: solve(&samples.iter().map(relative).collect::<Vec<_>>()),
     };
-    let factor = |s: &Sample| {
+    let factor = |s: &CostSample| {
         let ratio = model.milliseconds(&s.work) / s.milliseconds.max(1e-6);
         ratio.max(1.0 / ratio.max(1e-9))
     };
@@ -152,8 +152,8 @@ mod tests {
         (0..60).map(work).collect()
     }
 
-    fn samples(model: &CostModel) -> Vec<Sample> {
-        let sample = |work: Work| Sample {
+    fn samples(model: &CostModel) -> Vec<CostSample> {
+        let sample = |work: Work| CostSample {
             label: String::new(),
             milliseconds: model.milliseconds(&work),
             work,

@@ -1,25 +1,31 @@
 //! Least squares whose unknowns are not negative.
 
-/// The x >= 0 with the least sum of squares of `rows` x - 1, one unknown after the other (coordinate descent), until nothing
-/// changes any more. Unknowns that no row mentions are 0.
+/// Returns the x >= 0 with the least sum of squares of `rows` x - 1. Solves for one unknown after the other (coordinate
+/// descent) until nothing changes any more. Unknowns that no row mentions are 0.
 pub(super) fn solve<const N: usize>(rows: &[[f64; N]]) -> [f64; N] {
     let mut x = [0.0; N];
+    // `rows` x - 1, which starts from x = 0.
     let mut residuals = vec![-1.0; rows.len()];
     let squares: [f64; N] = std::array::from_fn(|k| rows.iter().map(|row| row[k] * row[k]).sum());
     for _ in 0..MAX_ROUNDS {
-        let mut moved = 0.0_f64;
+        let mut max_change = 0.0_f64;
         for k in (0..N).filter(|&k| squares[k] > 0.0) {
-            let slope: f64 = rows.iter().zip(&residuals).map(|(row, r)| row[k] * r).sum();
-            let to = (x[k] - slope / squares[k]).max(0.0);
-            let step = to - x[k];
-            x[k] = to;
-            rows.iter()
-                .zip(&mut residuals)
-                .for_each(|(row, r)| *r += row[k] * step);
-            // How much the step matters, whatever the unit: its share of what the rows are to sum up to.
-            moved = moved.max(step.abs() * squares[k].sqrt());
+            // Along x[k] the sum of squares is a parabola; half its slope is this, half its curvature `squares[k]`.
+            let slope: f64 = rows
+                .iter()
+                .zip(&residuals)
+                .map(|(row, residual)| row[k] * residual)
+                .sum();
+            let best = (x[k] - slope / squares[k]).max(0.0);
+            let step = best - x[k];
+            x[k] = best;
+            for (row, residual) in rows.iter().zip(&mut residuals) {
+                *residual += row[k] * step;
+            }
+            // How much the step changes the rows' sums, whatever the unknown's unit.
+            max_change = max_change.max(step.abs() * squares[k].sqrt());
         }
-        if moved < ENOUGH {
+        if max_change < CONVERGED {
             break;
         }
     }
@@ -29,7 +35,7 @@ pub(super) fn solve<const N: usize>(rows: &[[f64; N]]) -> [f64; N] {
 /// Rounds over all unknowns: correlated ones approach each other slowly, but thousands of rounds take milliseconds.
 const MAX_ROUNDS: usize = 100_000;
 /// A round that changes sums by less than this ends it: far below what times are worth.
-const ENOUGH: f64 = 1e-9;
+const CONVERGED: f64 = 1e-9;
 
 #[cfg(test)]
 mod tests {

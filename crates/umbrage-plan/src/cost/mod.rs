@@ -7,7 +7,7 @@
 mod calibrate;
 mod least_squares;
 
-pub use calibrate::{Calibration, Sample, calibrate, fit};
+pub use calibrate::{Calibration, CostSample, calibrate, fit};
 
 use serde::{Deserialize, Serialize};
 use umbrage_core::Work;

@@ -1,6 +1,6 @@
 //! Errors of a whole image from a sample of it.
 
-use super::sample::Sample;
+use super::sample::PixelSample;
 use crate::truth::PixelTruth;
 use serde::{Deserialize, Serialize};
 use umbrage_core::metrics::Pixel;
@@ -28,7 +28,7 @@ pub struct Estimate {
 /// its variance is that of Hájek 1964, "Asymptotic theory of rejective sampling with varying probabilities from a finite
 /// population": pixels that were sure to be drawn add none. Of a mask without a fault it knows no uncertainty: see
 /// [`Verifier`](super::verify::Verifier).
-pub(crate) fn estimate(sample: &Sample, truth: &[PixelTruth], mask: &[f32]) -> Estimate {
+pub(crate) fn estimate(sample: &PixelSample, truth: &[PixelTruth], mask: &[f32]) -> Estimate {
     let compared = Compared {
         sample,
         truth,
@@ -46,7 +46,7 @@ pub(crate) fn estimate(sample: &Sample, truth: &[PixelTruth], mask: &[f32]) -> E
 /// As [`estimate`] where the sample is of those pixels alone at which anything can be wrong, out of all that count; what is
 /// wrong elsewhere adds at most `unseen` to the mean square.
 pub(crate) fn estimate_of_part(
-    sample: &Sample,
+    sample: &PixelSample,
     truth: &[PixelTruth],
     mask: &[f32],
     all: CountedPixels,
@@ -164,7 +164,7 @@ impl Squares {
 
 /// A mask and truth at the sampled pixels.
 struct Compared<'a> {
-    sample: &'a Sample,
+    sample: &'a PixelSample,
     truth: &'a [PixelTruth],
     mask: &'a [f32],
 }
@@ -229,7 +229,7 @@ mod tests {
         (0..4096).map(|i| (truth(i), mask(i))).unzip()
     }
 
-    fn of_sample(sample: &Sample, (truth, mask): &(Vec<PixelTruth>, Vec<f32>)) -> Estimate {
+    fn of_sample(sample: &PixelSample, truth: &[PixelTruth], mask: &[f32]) -> Estimate {
         let truth: Vec<_> = sample.pixels.iter().map(|&i| truth[i as usize]).collect();
         let mask: Vec<_> = sample.pixels.iter().map(|&i| mask[i as usize]).collect();
         estimate(sample, &truth, &mask)
@@ -238,13 +238,17 @@ mod tests {
     /// Samples that prefer one side of the image estimate the same mean square, and their bounds hold as often as they say.
     #[test]
     fn estimates_are_unbiased_and_know_their_error() {
-        let image = image();
-        let whole = of_sample(&Sample::draw(SIZE, &[1.0; 4096], 4096, 0), &image);
+        let (truth, mask) = image();
+        let whole = of_sample(
+            &PixelSample::draw(SIZE, &[1.0; 4096], 4096, 0),
+            &truth,
+            &mask,
+        );
         assert_eq!((whole.low, whole.high), (whole.error, whole.error));
         assert!((whole.too_dark.hypot(whole.too_light) - whole.error).abs() < 1e-12);
         let density: Vec<f64> = (0..4096).map(|i| 1.0 + f64::from(i % 64) / 8.0).collect();
         let estimates: Vec<_> = (0..500)
-            .map(|s| of_sample(&Sample::draw(SIZE, &density, 400, s), &image))
+            .map(|s| of_sample(&PixelSample::draw(SIZE, &density, 400, s), &truth, &mask))
             .collect();
         let squares = estimates.iter().map(|e| e.error * e.error).sum::<f64>() / 500.0;
         // The standard error of one sample is about a tenth of the mean square; 500 of them have a twentieth of that.
@@ -264,15 +268,16 @@ mod tests {
     #[test]
     fn a_spoilt_mask_has_a_greater_error() {
         let (truth, mask) = image();
-        let sample = Sample::draw(SIZE, &[1.0; 4096], 500, 1);
+        let sample = PixelSample::draw(SIZE, &[1.0; 4096], 500, 1);
         let spoilt: Vec<f32> = mask.iter().map(|v| 1.0 - v).collect();
-        let [good, bad] = [mask, spoilt].map(|mask| of_sample(&sample, &(truth.clone(), mask)));
+        let good = of_sample(&sample, &truth, &mask);
+        let bad = of_sample(&sample, &truth, &spoilt);
         assert!(bad.too_dark > good.too_dark);
     }
 
     #[test]
     fn nothing_that_counts_is_no_error() {
-        let sample = Sample {
+        let sample = PixelSample {
             pixels: vec![0],
             chances: vec![0.5],
         };

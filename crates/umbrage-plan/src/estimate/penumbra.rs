@@ -4,7 +4,7 @@ use super::{sampled_truth::SampledTruth, scene::PlanScene};
 use crate::{
     MeasureError,
     statistics::Sorted,
-    truth::{Point, Seen, TruthOptions, trace_points},
+    truth::{PointTruth, ReceiverPoint, TruthOptions, trace_points},
 };
 use glam::{DVec2, DVec4, Vec3};
 use umbrage_core::{
@@ -63,7 +63,7 @@ pub(crate) fn find(
     let chosen: Vec<usize> = in_middle.into_iter().step_by(step).collect();
     let rays = scene.camera.rays();
     let pixel = rays.dir_dx.length() / rays.dir.length();
-    let asked: Vec<[Point; 4]> = chosen
+    let asked: Vec<[ReceiverPoint; 4]> = chosen
         .iter()
         .map(|&i| around(scene, i, STEP * pixel * scene.receivers.distance[i]))
         .collect();
@@ -75,7 +75,7 @@ pub(crate) fn find(
 }
 
 /// Returns the penumbra between four points on a surface, two opposite ones after two; none where visibility does not change.
-fn at(points: &[Point; 4], seen: &[Seen; 4]) -> Option<Penumbra> {
+fn at(points: &[ReceiverPoint; 4], seen: &[PointTruth; 4]) -> Option<Penumbra> {
     let u = points[1].position - points[0].position;
     let v = points[3].position - points[2].position;
     let change_along_u = seen[1].visibility - seen[0].visibility;
@@ -90,12 +90,12 @@ fn at(points: &[Point; 4], seen: &[Seen; 4]) -> Option<Penumbra> {
 }
 
 /// A step to each side of a receiver along its surface, two sides after two.
-fn around(scene: &PlanScene<'_>, i: usize, step: f32) -> [Point; 4] {
+fn around(scene: &PlanScene<'_>, i: usize, step: f32) -> [ReceiverPoint; 4] {
     let (position, normal) = (scene.receivers.position(i), scene.receivers.normal(i));
     let (u, v) = (tangent(normal) * step, bitangent(normal) * step);
-    let at = |offset: Vec3| Point {
+    let at = |offset: Vec3| ReceiverPoint {
         triangle: scene.receivers.triangle[i],
-        ..Point::new(position + offset, normal, scene.geometry)
+        ..ReceiverPoint::new(position + offset, normal, scene.geometry)
     };
     [at(-u), at(u), at(-v), at(v)]
 }

@@ -11,14 +11,14 @@ use umbrage_core::light_sample::hash;
 
 /// Pixels drawn from an image.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Sample {
+pub(crate) struct PixelSample {
     /// Their indices.
     pub(crate) pixels: Vec<u32>,
     /// With which chance each was drawn, above 0 up to 1.
     pub(crate) chances: Vec<f64>,
 }
 
-impl Sample {
+impl PixelSample {
     /// Draws about `count` pixels of an image with chances in proportion to `density` (0 or more; 0 is never drawn), each
     /// at most once.
     pub(crate) fn draw(size: UVec2, density: &[f64], count: usize, seed: u32) -> Self {
@@ -81,7 +81,7 @@ mod tests {
         let mut drawn = [0_u32; 32];
         let mut chances = [0.0; 32];
         for seed in 0..4000 {
-            let sample = Sample::draw(size, &density, 10, seed);
+            let sample = PixelSample::draw(size, &density, 10, seed);
             assert!(
                 (9..=11).contains(&sample.pixels.len()),
                 "{}",
@@ -106,7 +106,7 @@ mod tests {
 
     #[test]
     fn small_images_are_drawn_whole() {
-        let sample = Sample::draw(UVec2::new(3, 2), &[1.0, 0.0, 0.1, 3.0, 1e-9, 1.0], 100, 7);
+        let sample = PixelSample::draw(UVec2::new(3, 2), &[1.0, 0.0, 0.1, 3.0, 1e-9, 1.0], 100, 7);
         let mut pixels = sample.pixels.clone();
         pixels.sort_unstable();
         assert_eq!(pixels, [0, 2, 3, 4, 5]);
@@ -116,7 +116,7 @@ mod tests {
     #[test]
     fn what_is_sure_to_be_drawn_counts_once() {
         let density = [100.0, 1.0, 1.0, 1.0, 1.0];
-        let sample = Sample::draw(UVec2::new(5, 1), &density, 2, 3);
+        let sample = PixelSample::draw(UVec2::new(5, 1), &density, 2, 3);
         assert_eq!(sample.pixels.len(), 2);
         assert_eq!(
             sample.chances[sample.pixels.iter().position(|&i| i == 0).unwrap()],

@@ -2,7 +2,7 @@
 
 use super::{
     error::{CountedPixels, Estimate, estimate},
-    sample::Sample,
+    sample::PixelSample,
     scene::PlanScene,
 };
 use crate::{
@@ -34,7 +34,7 @@ impl Sampling {
 /// The sampled pixels that count, and truth there.
 #[derive(Clone, Debug)]
 pub(crate) struct SampledTruth {
-    pub(crate) sample: Sample,
+    pub(crate) sample: PixelSample,
     /// In the order of the sample's pixels.
     pub(crate) truth: Vec<PixelTruth>,
     /// How many pixels of the whole image count; 0 if the sample is of a part of the image alone.
@@ -43,11 +43,11 @@ pub(crate) struct SampledTruth {
 
 impl SampledTruth {
     /// Keeps the pixels of a sample that count.
-    pub(crate) fn new(sample: Sample, truth: Vec<PixelTruth>) -> Self {
+    pub(crate) fn new(sample: PixelSample, truth: Vec<PixelTruth>) -> Self {
         let kept: Vec<usize> = (0..truth.len())
             .filter(|&k| truth[k].pixel == Pixel::Counted)
             .collect();
-        let sample = Sample {
+        let sample = PixelSample {
             pixels: kept.iter().map(|&k| sample.pixels[k]).collect(),
             chances: kept.iter().map(|&k| sample.chances[k]).collect(),
         };
@@ -65,7 +65,7 @@ impl SampledTruth {
         sampling: &Sampling,
         on_step: &OnStep<'_>,
     ) -> Result<Self, MeasureError> {
-        let sample = Sample::draw(scene.camera.size, density, sampling.count, sampling.seed);
+        let sample = PixelSample::draw(scene.camera.size, density, sampling.count, sampling.seed);
         let truth = scene.truth_at(&sample.pixels, &sampling.truth, &|done, total| {
             on_step(Step::Truth(done, total))
         })?;

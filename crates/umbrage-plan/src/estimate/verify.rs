@@ -12,7 +12,7 @@
 use super::{
     density::{Pilot, normalized},
     error::{CountedPixels, Estimate, ONE_IN_TWENTY, estimate, estimate_of_part},
-    sample::Sample,
+    sample::PixelSample,
     sampled_truth::{SampledTruth, Sampling},
     scene::PlanScene,
 };
@@ -71,7 +71,7 @@ impl Verifier {
         };
         let mut found = contender.first;
         for (k, times) in (0..).zip(SIZES) {
-            let sample = Sample::draw(
+            let sample = PixelSample::draw(
                 scene.camera.size,
                 &density,
                 times * self.sampling.count,
@@ -106,7 +106,7 @@ impl Verifier {
     fn truth_of(
         &self,
         scene: &mut PlanScene<'_>,
-        sample: Sample,
+        sample: PixelSample,
         on_step: &OnStep<'_>,
     ) -> Result<SampledTruth, MeasureError> {
         let truth = scene.truth_at(&sample.pixels, &self.sampling.truth, &|done, total| {

@@ -72,7 +72,7 @@ fn asked(recipe: &Recipe, images: &[Image], receivers: &Receivers) -> Vec<f32> {
 fn spoilt(
     recipe: &Recipe,
     images: &[Image],
-    footprint: &Footprint,
+    footprint: &RecipeFootprint,
     chosen: impl Fn(u32) -> bool,
 ) -> Vec<Image> {
     let mut images = images.to_vec();

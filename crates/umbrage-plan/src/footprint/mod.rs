@@ -19,7 +19,7 @@ pub const QUANTILE: f32 = 0.9;
 
 /// The use of a recipe's maps.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Footprint {
+pub struct RecipeFootprint {
     /// One a cast that keeps the least depth, in the recipe's order.
     pub casts: Vec<CastFootprint>,
     /// The figures of all of them together.
@@ -66,12 +66,14 @@ pub fn words(maps: &[MapUse]) -> Option<String> {
 
 /// The least and the greatest figure, or the one that both round to; none of none.
 fn range(figures: impl Iterator<Item = f64> + Clone, digits: usize) -> Option<String> {
-    let [least, most] = [figures.clone().reduce(f64::min)?, figures.reduce(f64::max)?]
-        .map(|f| format!("{f:.digits$}"));
-    Some(if least == most {
-        most
+    let min = figures.clone().reduce(f64::min)?;
+    let max = figures.reduce(f64::max)?;
+    let min = format!("{min:.digits$}");
+    let max = format!("{max:.digits$}");
+    Some(if min == max {
+        max
     } else {
-        format!("{least} to {most}")
+        format!("{min} to {max}")
     })
 }
 
@@ -90,14 +92,14 @@ pub struct CastFootprint {
     pub unused: f64,
 }
 
-/// The use of a technique's maps in a recipe that it planned for `view`: none where it looks up no maps. `receivers` are
+/// Returns the use of a technique's maps in a recipe that it made for `view`; none where it looks up no maps. `receivers` are
 /// what the view's camera sees.
 pub fn of(
     technique: &dyn ShadowTechnique,
     view: &View<'_>,
     recipe: &Recipe,
     receivers: &Receivers,
-) -> Option<Footprint> {
+) -> Option<RecipeFootprint> {
     technique
         .kernel_reach()
         .map(|reach| measure(view, recipe, receivers, reach))
@@ -108,7 +110,12 @@ pub fn of(
 /// [say so of each](umbrage_core::ReceiveKernel::reach): 0 for `hard`, the radius for `pcf`. Lookups count as the whole
 /// square within reach, whether each of its texels is tapped or not. That a bias may move receivers along their normals is
 /// neglected. Peeled layers are left out, since they are looked up as their first ones are.
-pub fn measure(view: &View<'_>, recipe: &Recipe, receivers: &Receivers, reach: f32) -> Footprint {
+pub fn measure(
+    view: &View<'_>,
+    recipe: &Recipe,
+    receivers: &Receivers,
+    reach: f32,
+) -> RecipeFootprint {
     let nearest = recipe
         .casts
         .iter()
@@ -134,7 +141,7 @@ pub fn measure(view: &View<'_>, recipe: &Recipe, receivers: &Receivers, reach: f
         texels: at_least(&sizes, QUANTILE).map(|texels| texels * size),
         side: side_of(&sizes, QUANTILE),
     };
-    Footprint { casts, total }
+    RecipeFootprint { casts, total }
 }
 
 /// Where maps are looked up, made smaller for pictures.
@@ -152,10 +159,28 @@ impl Heat {
     /// Pixels from one map to the next.
     const BETWEEN: u32 = 4;
     /// Maps in a row.
-    const ROW: u32 = 3;
+    const COLUMNS: u32 = 3;
+
+    /// Adds a map whose top left pixel is at (`left`, `top`); `step` x `step` texels share a pixel.
+    fn add(&mut self, cast: &CastFootprint, left: u32, top: u32, step: u32) {
+        let width = self.size[0];
+        let rows = cast.lookups.chunks(cast.size[0].max(1) as usize);
+        for (y, row) in (0..).zip(rows) {
+            let start = (top + y / step) * width + left;
+            for (x, &count) in (0..).zip(row) {
+                let pixel = &mut self.lookups[(start + x / step) as usize];
+                *pixel = if *pixel == Self::GAP {
+                    count
+                } else {
+                    // The greatest number stands for a gap.
+                    pixel.saturating_add(count).min(Self::GAP - 1)
+                };
+            }
+        }
+    }
 }
 
-impl Footprint {
+impl RecipeFootprint {
     /// All maps side by side, three in a row, each at most `side` pixels wide; none without maps.
     pub fn heat(&self, side: u32) -> Option<Heat> {
         let widest = self
@@ -164,29 +189,24 @@ impl Footprint {
             .map(|cast| cast.size[0].max(cast.size[1]))
             .max()?;
         let step = widest.div_ceil(side.max(1)).max(1);
-        let (cell, count) = (widest.div_ceil(step), self.casts.len() as u32);
-        let along = |count: u32| count * (cell + Heat::BETWEEN) - Heat::BETWEEN;
-        let size = [
-            along(count.min(Heat::ROW)),
-            along(count.div_ceil(Heat::ROW)),
-        ];
-        let mut lookups = vec![Heat::GAP; size[0] as usize * size[1] as usize];
+        // Each map has a square cell, and each pixel of it is the sum of `step` x `step` texels.
+        let cell = widest.div_ceil(step);
+        let pitch = cell + Heat::BETWEEN;
+        let count = self.casts.len() as u32;
+        let columns = count.min(Heat::COLUMNS);
+        let rows = count.div_ceil(Heat::COLUMNS);
+        let width = columns * pitch - Heat::BETWEEN;
+        let height = rows * pitch - Heat::BETWEEN;
+        let mut heat = Heat {
+            size: [width, height],
+            lookups: vec![Heat::GAP; width as usize * height as usize],
+        };
         for (i, cast) in (0..).zip(&self.casts) {
-            let corner = [i % Heat::ROW, i / Heat::ROW].map(|i| i * (cell + Heat::BETWEEN));
-            let rows = cast.lookups.chunks(cast.size[0].max(1) as usize);
-            for (y, row) in (0..).zip(rows) {
-                let start = (corner[1] + y / step) * size[0] + corner[0];
-                for (x, n) in (0..).zip(row) {
-                    let at = &mut lookups[(start + x / step) as usize];
-                    *at = if *at == Heat::GAP {
-                        *n
-                    } else {
-                        at.saturating_add(*n).min(Heat::GAP - 1)
-                    };
-                }
-            }
+            let left = i % Heat::COLUMNS * pitch;
+            let top = i / Heat::COLUMNS * pitch;
+            heat.add(cast, left, top, step);
         }
-        Some(Heat { size, lookups })
+        Some(heat)
     }
 }
 
@@ -196,45 +216,72 @@ impl CastFootprint {
     }
 }
 
+/// Counts the lookups of one map.
 fn of_cast(cast: &Cast, recipe: &Recipe, receivers: &Receivers, reach: f32) -> CastFootprint {
-    let (desc, kernel) = (&recipe.images[cast.image], &recipe.receive.kernel);
-    let mut counts = Counts::new(desc.size);
-    let (clip_from_world, size) = (cast.space.clip_from_world(), desc.size.as_vec2());
+    let image = &recipe.images[cast.image];
+    let kernel = &recipe.receive.kernel;
+    let clip_from_world = cast.space.clip_from_world();
+    let size = image.size.as_vec2();
+    let mut counts = LookupCounts::new(image.size);
     for i in (0..receivers.len()).filter(|&i| receivers.receives[i]) {
-        let p = receivers.position(i);
-        let (clip, in_view) = (
-            transform(clip_from_world, p),
-            transform(cast.space.view_from_world, p),
-        );
+        let position = receivers.position(i);
+        let clip = transform(clip_from_world, position);
+        let in_view = transform(cast.space.view_from_world, position);
         // A cube's face is wider than what is looked up from it: its neighbours serve the rest.
-        let beside = desc.layers > 1 && in_view.x.abs().max(in_view.y.abs()) > -in_view.z;
-        if clip.w > 0.0 && !beside {
-            let reach = kernel.reach(p, receivers.normal(i)).unwrap_or(reach);
+        let is_on_other_face =
+            image.layers > 1 && in_view.x.abs().max(in_view.y.abs()) > -in_view.z;
+        if clip.w > 0.0 && !is_on_other_face {
+            let reach = kernel.reach(position, receivers.normal(i)).unwrap_or(reach);
             let u = (clip.x / clip.w * 0.5 + 0.5) * size.x;
             let v = (0.5 - clip.y / clip.w * 0.5) * size.y;
-            counts.add([u - reach, v - reach], [u + reach, v + reach]);
+            let columns = TexelSpan::around(u, reach, image.size.x);
+            let rows = TexelSpan::around(v, reach, image.size.y);
+            counts.add(columns, rows);
         }
     }
-    let lookups = counts.sums();
     let mut out = CastFootprint {
         image: cast.image,
         layer: cast.layer,
-        size: desc.size.to_array(),
-        lookups,
+        size: image.size.to_array(),
+        lookups: counts.sums(),
         unused: 0.0,
     };
     out.unused = out.untouched() as f64 / out.lookups.len().max(1) as f64;
     out
 }
 
-/// Rectangles, counted by their corners: a table of differences, one texel larger than the map each way (Crow 1984,
-/// "Summed-area tables for texture mapping").
-struct Counts {
+/// A span of texels along one axis of a map.
+#[derive(Clone, Copy)]
+struct TexelSpan {
+    start: usize,
+    /// Beyond the last texel; `start` if there are none.
+    end: usize,
+}
+
+impl TexelSpan {
+    /// The texels of a map with `side` texels along the axis that lie within `reach` of a coordinate, both in texels.
+    fn around(coordinate: f32, reach: f32, side: u32) -> Self {
+        let side = side as usize;
+        let first = (coordinate - reach).floor();
+        let last = (coordinate + reach).floor();
+        // Casts saturate, and NaN becomes 0.
+        let start = (first.max(0.0) as usize).min(side);
+        let end = ((last + 1.0).max(0.0) as usize).min(side);
+        Self {
+            start,
+            end: end.max(start),
+        }
+    }
+}
+
+/// How many rectangles cover each texel. Rectangles are added by their corners to a table of differences, one texel larger
+/// than the map each way, whose sums are the counts (Crow 1984, "Summed-area tables for texture mapping").
+struct LookupCounts {
     size: UVec2,
     differences: Vec<i32>,
 }
 
-impl Counts {
+impl LookupCounts {
     fn new(size: UVec2) -> Self {
         Self {
             size,
@@ -242,36 +289,33 @@ impl Counts {
         }
     }
 
-    fn add(&mut self, least: [f32; 2], most: [f32; 2]) {
-        // Casts saturate, and NaN becomes 0.
-        let along = |least: f32, most: f32, side: u32| {
-            let from = (least.floor().max(0.0) as usize).min(side as usize);
-            let to = ((most.floor() + 1.0).max(0.0) as usize).min(side as usize);
-            [from, to.max(from)]
-        };
-        let [left, right] = along(least[0], most[0], self.size.x);
-        let [top, bottom] = along(least[1], most[1], self.size.y);
+    fn add(&mut self, columns: TexelSpan, rows: TexelSpan) {
         let stride = self.size.x as usize + 1;
-        for (x, y, sign) in [
-            (left, top, 1),
-            (right, top, -1),
-            (left, bottom, -1),
-            (right, bottom, 1),
-        ] {
-            self.differences[y * stride + x] += sign;
-        }
+        self.differences[rows.start * stride + columns.start] += 1;
+        self.differences[rows.start * stride + columns.end] -= 1;
+        self.differences[rows.end * stride + columns.start] -= 1;
+        self.differences[rows.end * stride + columns.end] += 1;
     }
 
     fn sums(mut self) -> Vec<u32> {
-        let (width, height) = (self.size.x as usize, self.size.y as usize);
+        let width = self.size.x as usize;
+        let height = self.size.y as usize;
         let stride = width + 1;
         for y in 0..height {
             for x in 0..width {
-                let at = |x: usize, y: usize| self.differences[y * stride + x];
-                let before = if x > 0 { at(x - 1, y) } else { 0 };
-                let above = if y > 0 { at(x, y - 1) } else { 0 };
-                let both = if x > 0 && y > 0 { at(x - 1, y - 1) } else { 0 };
-                self.differences[y * stride + x] += before + above - both;
+                let i = y * stride + x;
+                let left = if x > 0 { self.differences[i - 1] } else { 0 };
+                let above = if y > 0 {
+                    self.differences[i - stride]
+                } else {
+                    0
+                };
+                let above_left = if x > 0 && y > 0 {
+                    self.differences[i - stride - 1]
+                } else {
+                    0
+                };
+                self.differences[i] += left + above - above_left;
             }
         }
         let rows = self.differences.chunks(stride).take(height);

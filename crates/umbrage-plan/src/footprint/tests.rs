@@ -76,7 +76,7 @@ fn map() -> ShadowMap {
     }
 }
 
-fn measured(half: f32, technique: &dyn ShadowTechnique, reach: f32) -> Footprint {
+fn measured(half: f32, technique: &dyn ShadowTechnique, reach: f32) -> RecipeFootprint {
     let (camera, geometry) = (camera(half), plane());
     let receivers = Cpu::new().receivers(&camera, &geometry).unwrap();
     let view = View::new(&camera, &SUN, &geometry).with_receivers(&receivers);
@@ -235,9 +235,9 @@ fn small_pictures_show_all_maps() {
         lookups: lookups(n),
         ..CastFootprint::default()
     };
-    let heat = Footprint {
+    let heat = RecipeFootprint {
         casts: (1..=5).map(cast).collect(),
-        ..Footprint::default()
+        ..RecipeFootprint::default()
     }
     .heat(4)
     .unwrap();
@@ -254,7 +254,7 @@ fn small_pictures_show_all_maps() {
         heat.lookups.iter().filter(|&&n| n == Heat::GAP).count(),
         20 * 12 - 5 * 16
     );
-    assert_eq!(Footprint::default().heat(4), None);
+    assert_eq!(RecipeFootprint::default().heat(4), None);
 }
 
 /// One map's figures, and several maps' from the least to the most; what all share is said once.

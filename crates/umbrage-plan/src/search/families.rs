@@ -7,18 +7,19 @@ use umbrage_techniques::{Candidate, MapFormat, ShadowMap, TechniquePreset, Techn
 
 /// Sides of maps, texels. Half a size more or less is hardly seen; a whole one costs four times as much.
 pub(super) const SIZES: [u32; 7] = [64, 128, 256, 512, 1024, 2048, 4096];
-/// Sides that differ by no more than this share do not differ.
-const ALIKE: f64 = 0.1;
+/// Sides that differ by no more than this share count as the same.
+const SAME_SIDE_TOLERANCE: f64 = 0.1;
 /// Doubling a map's side halves the area that is wrong along edges, and so divides the error by the root of 2. It does
 /// more only where acne or whole casters vanish: not more than this, as sweeps show (2.5 was too little).
-const GAIN_OF_MAPS: f64 = 4.0;
-/// A technique and kernel, open as to its bias, from coarse to fine.
+const MAX_GAIN_OF_MAPS: f64 = 4.0;
+
+/// A technique and kernel without a choice of bias, on maps from coarse to fine or with ever more rays.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Family {
     /// Rising in cost.
-    pub(super) rungs: Vec<TechniquePreset>,
-    /// By what one step divides the error at most.
-    pub(super) most_gain: f64,
+    pub(super) candidates: Vec<TechniquePreset>,
+    /// By how much the step from one candidate to the next divides the error at most.
+    pub(super) max_gain: f64,
 }
 
 impl Family {
@@ -27,71 +28,71 @@ impl Family {
             Candidate::One(preset) if preset.map().is_some() => Self::of_maps(preset),
             Candidate::One(preset) => Self::single(preset),
             Candidate::Series { settings, max_gain } => Self {
-                rungs: settings,
-                most_gain: max_gain,
+                candidates: settings,
+                max_gain,
             },
         }
     }
 
     fn single(preset: TechniquePreset) -> Self {
         Self {
-            rungs: vec![preset],
-            most_gain: 1.0,
+            candidates: vec![preset],
+            max_gain: 1.0,
         }
     }
 
-    /// With one map more, of a side that no other is within [`ALIKE`] of.
+    /// Returns the family with one map more, of `side` texels a side, unless it has one of about that side or has no maps.
     fn with_side(mut self, side: u32) -> Self {
         let preset = self.preset().clone();
-        let Some(&map) = preset.map() else {
+        if preset.map().is_none() {
             return self;
-        };
-        let size = |p: &TechniquePreset| p.map().map_or(0, |map| map.size);
-        if self
-            .rungs
-            .iter()
-            .all(|rung| (f64::from(side) / f64::from(size(rung)) - 1.0).abs() > ALIKE)
-        {
-            let at = self.rungs.partition_point(|rung| size(rung) < side);
-            self.rungs
-                .insert(at, preset.with_map(ShadowMap { size: side, ..map }));
+        }
+        let has_side = self.candidates.iter().any(|candidate| {
+            let ratio = f64::from(side) / f64::from(map_side(candidate));
+            (ratio - 1.0).abs() <= SAME_SIDE_TOLERANCE
+        });
+        if !has_side {
+            let place = self
+                .candidates
+                .partition_point(|candidate| map_side(candidate) < side);
+            self.candidates.insert(place, with_map_side(&preset, side));
         }
         self
     }
 
     fn of_maps(preset: TechniquePreset) -> Self {
-        let at = |size| match preset.map() {
-            Some(&map) => preset.with_map(ShadowMap { size, ..map }),
-            None => preset.clone(),
-        };
         Self {
-            rungs: SIZES.map(at).to_vec(),
-            most_gain: GAIN_OF_MAPS,
+            candidates: SIZES.map(|side| with_map_side(&preset, side)).to_vec(),
+            max_gain: MAX_GAIN_OF_MAPS,
         }
     }
 
-    /// Whether a rung tells what finer maps are worth: two doublings lie between it and the one before the last. Rays
-    /// always gain.
-    pub(super) fn saturates(&self, rung: usize) -> bool {
-        let side = |rung: usize| {
-            self.rungs
-                .get(rung)
-                .and_then(|preset| Some(preset.map()?.size))
+    /// Whether a candidate's error over that of the candidate two before it shows what finer maps are worth: its map has at
+    /// least four times the side. False for rays, which always gain.
+    pub(super) fn saturates(&self, candidate: usize) -> bool {
+        let Some(two_before) = candidate.checked_sub(2) else {
+            return false;
         };
-        let before = rung.checked_sub(2).and_then(side);
-        before
-            .zip(side(rung))
-            .is_some_and(|(coarse, fine)| fine >= 4 * coarse)
+        match (self.side(two_before), self.side(candidate)) {
+            (Some(coarse), Some(fine)) => fine >= 4 * coarse,
+            _ => false,
+        }
     }
 
-    /// Any of it.
+    /// The side of a candidate's map, texels; none without a map.
+    fn side(&self, candidate: usize) -> Option<u32> {
+        let map = self.candidates.get(candidate)?.map()?;
+        Some(map.size)
+    }
+
+    /// Returns the first candidate's preset, which stands for the technique and kernel of all.
     pub(super) fn preset(&self) -> &TechniquePreset {
-        &self.rungs[0]
+        &self.candidates[0]
     }
 
-    /// A rung's preset with a bias.
-    pub(super) fn at(&self, rung: usize, kind: BiasKind, texels: f32) -> TechniquePreset {
-        let preset = &self.rungs[rung];
+    /// Returns a candidate's preset with this much bias; as it is if it has no map.
+    pub(super) fn at(&self, candidate: usize, kind: BiasKind, texels: f32) -> TechniquePreset {
+        let preset = &self.candidates[candidate];
         let Some(&map) = preset.map() else {
             return preset.clone();
         };
@@ -102,48 +103,71 @@ impl Family {
     }
 }
 
-/// All candidates for a view: those for its light, with a map more of the side that its pixels ask for.
+/// The side of a preset's map, texels; 0 without a map.
+fn map_side(preset: &TechniquePreset) -> u32 {
+    preset.map().map_or(0, |map| map.size)
+}
+
+/// Returns a preset with a map of another side; as it is if it has none.
+fn with_map_side(preset: &TechniquePreset, side: u32) -> TechniquePreset {
+    match preset.map() {
+        Some(&map) => preset.with_map(ShadowMap { size: side, ..map }),
+        None => preset.clone(),
+    }
+}
+
+/// Returns all candidates for a view: those for its light, each family of maps with one more of the side that the view's
+/// pixels ask for. `small` as in [`families`].
 pub(super) fn families_for(
     techniques: &Techniques,
     scene: &PlanScene<'_>,
     small: bool,
 ) -> Vec<Family> {
     let side = resolution::side(scene).map(|side| side.clamp(SIZES[0], SIZES[SIZES.len() - 1]));
-    let with_side = |family: Family| match side {
-        Some(side) => family.with_side(side),
-        None => family,
+    let families = families(techniques, scene.light, small);
+    let Some(side) = side else {
+        return families;
     };
-    families(techniques, scene.light, small)
+    families
         .into_iter()
-        .map(with_side)
+        .map(|family| family.with_side(side))
         .collect()
 }
 
-/// All candidates for a light, in the order in which equally cheap ones are tried: single settings without a map, maps,
-/// then series without a map. `small` asks for maps of 16 bits, too, which take half the memory.
+/// Returns all candidates for a light, in the order in which equally cheap ones are tried: single settings without a map,
+/// maps, then series without a map. `small` asks for maps of 16 bits, too, which take half the memory.
 pub(super) fn families(techniques: &Techniques, light: &Light, small: bool) -> Vec<Family> {
-    let of_format = |format, has_map: bool| {
-        let map = ShadowMap {
-            format,
-            ..ShadowMap::default()
-        };
-        let entries = techniques
-            .all()
-            .iter()
-            .filter(move |e| e.has_map == has_map);
-        entries.flat_map(move |entry| (entry.candidates)(map, light))
-    };
-    let formats = [MapFormat::Depth32, MapFormat::Depth16];
-    let without_map: Vec<Family> = of_format(formats[0], false).map(Family::new).collect();
+    let without_map = families_of(techniques, light, MapFormat::Depth32, false);
     let (single, series): (Vec<Family>, Vec<Family>) = without_map
         .into_iter()
-        .partition(|family| family.rungs.len() == 1 && family.most_gain == 1.0);
+        .partition(|family| family.candidates.len() == 1 && family.max_gain == 1.0);
     let mut out = single;
-    for &format in &formats[..if small { 2 } else { 1 }] {
-        out.extend(of_format(format, true).map(Family::new));
+    out.extend(families_of(techniques, light, MapFormat::Depth32, true));
+    if small {
+        out.extend(families_of(techniques, light, MapFormat::Depth16, true));
     }
     out.extend(series);
     out
+}
+
+/// Returns the families of the techniques with maps of this format, or of those without maps.
+fn families_of(
+    techniques: &Techniques,
+    light: &Light,
+    format: MapFormat,
+    has_map: bool,
+) -> Vec<Family> {
+    let map = ShadowMap {
+        format,
+        ..ShadowMap::default()
+    };
+    techniques
+        .all()
+        .iter()
+        .filter(|entry| entry.has_map == has_map)
+        .flat_map(|entry| (entry.candidates)(map, light))
+        .map(Family::new)
+        .collect()
 }
 
 #[cfg(test)]
@@ -174,10 +198,10 @@ mod tests {
     fn one_more_side_stands_in_its_place() {
         let family = Family::of_maps(Hard::default().into());
         let sides = |side| {
-            let rungs = family.clone().with_side(side).rungs;
-            rungs
+            let candidates = family.clone().with_side(side).candidates;
+            candidates
                 .iter()
-                .map(|rung| rung.map().unwrap().size)
+                .map(|candidate| candidate.map().unwrap().size)
                 .collect::<Vec<_>>()
         };
         assert_eq!(sides(704), [64, 128, 256, 512, 704, 1024, 2048, 4096]);

@@ -24,7 +24,7 @@ mod trials;
 
 pub use bias::BiasKind;
 pub use bounds::Bounds;
-pub use options::Options;
+pub use options::PlanOptions;
 pub use outcome::{CurvePoint, Miss, Plan, Sampled};
 pub use planner::Planner;
 pub use regret::{MAX_REGRET, MIN_KEPT, Regret, regret};
@@ -41,7 +41,7 @@ use umbrage_core::{Camera, Geometry, Invalid, Light, Scene};
 pub fn plan(
     scene: &Scene,
     bounds: &Bounds,
-    options: &Options,
+    options: &PlanOptions,
     on_step: &OnStep<'_>,
 ) -> Result<Plan, MeasureError> {
     bounds.validate()?;
@@ -56,7 +56,7 @@ pub fn plan(
 }
 
 /// The camera and the light that options are about.
-fn seen<'a>(scene: &'a Scene, options: &Options) -> Result<(Camera, &'a Light), Invalid> {
+fn seen<'a>(scene: &'a Scene, options: &PlanOptions) -> Result<(Camera, &'a Light), Invalid> {
     let invalid = |why, help| Invalid::new(format!("scene `{}`", scene.name), why, help);
     let none = |what| invalid(format!("has no {what}"), "add one".to_owned());
     let camera = scene.cameras.first().ok_or_else(|| none("camera"))?;

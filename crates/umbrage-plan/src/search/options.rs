@@ -6,7 +6,7 @@ use umbrage_techniques::Techniques;
 
 /// How a plan is made.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Options {
+pub struct PlanOptions {
     /// The techniques that are tried.
     pub registry: Techniques,
     /// Receivers sampled under lights with an extent; four times as many under ideal ones, whose truth takes one ray each.
@@ -23,7 +23,7 @@ pub struct Options {
     pub size: Option<UVec2>,
 }
 
-impl Default for Options {
+impl Default for PlanOptions {
     fn default() -> Self {
         // A quarter of a comparison's rays: their noise of about .005 is far below the errors that are told apart.
         let truth = TruthOptions {

@@ -1,7 +1,7 @@
 //! The planner, once it has sampled a scene: bounds can be asked about one after the other.
 
 use super::{
-    Bounds, CurvePoint, Options, Plan, Sampled, Setting,
+    Bounds, CurvePoint, Plan, PlanOptions, Sampled, Setting,
     bias_search::{Biased, all_biases},
     families::families_for,
     reasons::Facts,
@@ -55,7 +55,7 @@ impl<'a> Planner<'a> {
         camera: &'a Camera,
         light: &'a Light,
         geometry: &'a Geometry,
-        options: &Options,
+        options: &PlanOptions,
         on_step: &'a OnStep<'a>,
     ) -> Result<Self, MeasureError> {
         let start = Instant::now();
@@ -221,17 +221,19 @@ impl<'a> Planner<'a> {
             .map(|(_, s)| [s.milliseconds, s.estimate.error])
             .collect();
         let mut front: Vec<&Setting> = front(&points).into_iter().map(|i| best[i].1).collect();
-        // By how many times they cost more or less.
-        let far = |s: &Setting| {
-            chosen.map_or(0.0, |c| {
-                (s.milliseconds / c.milliseconds.max(1e-9)).ln().abs()
-            })
-        };
-        front.sort_by(|a, b| far(a).total_cmp(&far(b)));
+        if let Some(chosen) = chosen {
+            front.sort_by(|a, b| cost_distance(a, chosen).total_cmp(&cost_distance(b, chosen)));
+        }
         front.truncate(RUNNERS_UP);
         front.sort_by(|a, b| a.milliseconds.total_cmp(&b.milliseconds));
         front.into_iter().cloned().collect()
     }
+}
+
+/// By how many times one setting costs more or less than another: the logarithm of the ratio, 0 for the same cost.
+fn cost_distance(setting: &Setting, chosen: &Setting) -> f64 {
+    let ratio = setting.milliseconds / chosen.milliseconds.max(1e-9);
+    ratio.ln().abs()
 }
 
 /// A point of the curve; the one of the chosen setting has its second estimate.

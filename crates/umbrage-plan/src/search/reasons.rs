@@ -66,15 +66,14 @@ impl Facts {
         if self.shadowed == 0.0 {
             return "nothing casts on what is seen".to_owned();
         }
-        let percent = |share: f64| format!("{:.1} %", 100.0 * share);
-        let soft = match (trials.scene.light.is_ideal(), self.in_penumbra) {
-            (true, _) => "; the light has no extent, so every edge is sharp".to_owned(),
-            (false, share) => format!(", {} in penumbra", percent(share)),
+        let shadowed_percent = 100.0 * self.shadowed;
+        let softness = if trials.scene.light.is_ideal() {
+            "; the light has no extent, so every edge is sharp".to_owned()
+        } else {
+            let penumbra_percent = 100.0 * self.in_penumbra;
+            format!(", {penumbra_percent:.1} % in penumbra")
         };
-        format!(
-            "{} of what is seen lies in shadow{soft}",
-            percent(self.shadowed)
-        )
+        format!("{shadowed_percent:.1} % of what is seen lies in shadow{softness}")
     }
 
     /// How wide penumbrae are on the chosen map, or on one of 512.
@@ -107,7 +106,8 @@ impl Facts {
 
 /// Estimates the share of the pixels that count whose visibility meets a condition, 0..=1.
 fn share(sampled: &SampledTruth, is_met: impl Fn(f32) -> bool) -> f64 {
-    let (mut met, mut all) = (0.0, 0.0);
+    let mut met = 0.0;
+    let mut all = 0.0;
     for (truth, chance) in sampled.truth.iter().zip(&sampled.sample.chances) {
         let weight = 1.0 / chance;
         all += weight;
@@ -138,14 +138,21 @@ fn map_use(scene: &PlanScene<'_>, chosen: &Setting) -> Result<Option<String>, Me
 /// The same kernel on the next coarser map that was tried.
 fn smaller_map(all: &[&Setting], chosen: &Setting) -> Option<String> {
     let map = *chosen.preset.map()?;
-    let same = |s: &&&Setting| {
-        let like = s.preset.map().is_some_and(|m| m.size < map.size);
-        like && s.preset.with_map(map) == chosen.preset
-    };
-    let size = |s: &Setting| s.preset.map().map_or(0, |m| m.size);
-    let largest = all.iter().filter(same).map(|s| size(s)).max()?;
-    let best = all.iter().filter(same).filter(|s| size(s) == largest);
-    let best = best.min_by(|a, b| a.estimate.error.total_cmp(&b.estimate.error))?;
+    // What differs in its map alone, and has a smaller one: its side and the setting.
+    let mut smaller: Vec<(u32, &Setting)> = Vec::new();
+    for &setting in all {
+        let Some(own_map) = setting.preset.map() else {
+            continue;
+        };
+        if own_map.size < map.size && setting.preset.with_map(map) == chosen.preset {
+            smaller.push((own_map.size, setting));
+        }
+    }
+    let largest = smaller.iter().map(|(size, _)| *size).max()?;
+    let (_, best) = smaller
+        .iter()
+        .filter(|(size, _)| *size == largest)
+        .min_by(|(_, a), (_, b)| a.estimate.error.total_cmp(&b.estimate.error))?;
     Some(format!(
         "on a map of {largest} it errs by {:.4}, on this one of {} by {:.4}",
         best.estimate.error, map.size, chosen.estimate.error
@@ -166,38 +173,47 @@ fn cheaper(all: &[&Setting], chosen: &Setting, bounds: &Bounds) -> Vec<String> {
         }
     }
     best.sort_by(|a, b| a.estimate.error.total_cmp(&b.estimate.error));
-    let line = |s: &&Setting| {
-        let over = bounds.max_error.filter(|&e| s.estimate.high > e);
-        let bound = over.map_or(String::new(), |e| {
-            format!(", more than {e} with its uncertainty")
-        });
-        format!(
-            "{} is cheaper ({:.3} ms) and errs by {:.4}{bound}",
-            s.label(),
-            s.milliseconds,
-            s.estimate.error
-        )
-    };
-    best.iter().take(NAMED).map(line).collect()
+    best.into_iter()
+        .take(NAMED)
+        .map(|setting| cheaper_line(setting, bounds))
+        .collect()
+}
+
+fn cheaper_line(setting: &Setting, bounds: &Bounds) -> String {
+    let mut line = format!(
+        "{} is cheaper ({:.3} ms) and errs by {:.4}",
+        setting.label(),
+        setting.milliseconds,
+        setting.estimate.error
+    );
+    if let Some(max_error) = bounds.max_error
+        && setting.estimate.high > max_error
+    {
+        line += &format!(", more than {max_error} with its uncertainty");
+    }
+    line
 }
 
 /// What less and more bias would do.
 fn bias(curve: &[CurvePoint]) -> Option<String> {
     let chosen = curve.iter().find(|p| p.chosen)?;
-    let kind: Vec<&CurvePoint> = curve.iter().filter(|p| p.kind == chosen.kind).collect();
-    let told = |p: &CurvePoint| {
-        format!(
-            "{:.2} texels: {:.4} too dark, {:.4} too light",
-            p.texels, p.estimate.too_dark, p.estimate.too_light
-        )
-    };
-    let (chosen_name, best) = (chosen.kind.name(), told(chosen));
-    let ends = [kind.first()?, kind.last()?]
+    let of_kind: Vec<&CurvePoint> = curve.iter().filter(|p| p.kind == chosen.kind).collect();
+    let ends: Vec<String> = [of_kind.first()?, of_kind.last()?]
         .into_iter()
         .filter(|end| end.texels != chosen.texels)
-        .map(|end| told(end));
-    let ends = ends.collect::<Vec<_>>().join("; ");
+        .map(|end| bias_errors(end))
+        .collect();
     Some(format!(
-        "of all biases tried {chosen_name} leaves the least acne and gap: {best} (others: {ends})"
+        "of all biases tried {} leaves the least acne and gap: {} (others: {})",
+        chosen.kind.name(),
+        bias_errors(chosen),
+        ends.join("; ")
     ))
+}
+
+fn bias_errors(point: &CurvePoint) -> String {
+    format!(
+        "{:.2} texels: {:.4} too dark, {:.4} too light",
+        point.texels, point.estimate.too_dark, point.estimate.too_light
+    )
 }

@@ -1,6 +1,6 @@
 //! Whether plans are right: against an exhaustive sweep of the same candidates over the whole image.
 
-use super::{Bounds, Options, Planner, Setting, bias::scales, families::families_for, seen};
+use super::{Bounds, PlanOptions, Planner, Setting, bias::scales, families::families_for, seen};
 use crate::{
     MeasureError,
     progress::{OnStep, Step},
@@ -75,7 +75,7 @@ impl Regret {
 pub fn regret(
     scene: &Scene,
     bounds: &[f64],
-    options: &Options,
+    options: &PlanOptions,
     on_step: &OnStep<'_>,
 ) -> Result<Vec<Regret>, MeasureError> {
     let (camera, light) = seen(scene, options)?;
@@ -118,7 +118,7 @@ struct Sweep<'a> {
 }
 
 impl<'a> Sweep<'a> {
-    fn new(mut planner: Planner<'a>, options: &Options) -> Result<Self, MeasureError> {
+    fn new(mut planner: Planner<'a>, options: &PlanOptions) -> Result<Self, MeasureError> {
         let scene = &mut planner.search.trials.scene;
         let all: Vec<u32> = (0..scene.receivers.len() as u32).collect();
         let on_step = planner.search.on_step;
@@ -152,7 +152,7 @@ impl<'a> Sweep<'a> {
             &self.planner.search.trials.scene,
             false,
         ) {
-            for size in 0..family.rungs.len() {
+            for size in 0..family.candidates.len() {
                 let scales = scales(family.preset());
                 let amounts = scales
                     .iter()

@@ -34,8 +34,8 @@ mod tests {
             let families = families_for(&Techniques::built_in(), &scene, true);
             let sides = families
                 .iter()
-                .flat_map(|f| &f.rungs)
-                .filter_map(|rung| Some(rung.map()?.size));
+                .flat_map(|f| &f.candidates)
+                .filter_map(|candidate| Some(candidate.map()?.size));
             let mut sides: Vec<u32> = sides.filter(|side| !SIZES.contains(side)).collect();
             let mapped = families
                 .iter()

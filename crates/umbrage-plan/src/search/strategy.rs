@@ -125,7 +125,7 @@ impl Search<'_> {
         let mut affordable = Vec::new();
         for family in 0..self.families.len() {
             let mut tried = 0;
-            for candidate in (0..self.families[family].rungs.len()).rev() {
+            for candidate in (0..self.families[family].candidates.len()).rev() {
                 let place = Place { family, candidate };
                 let Some(candidate) = self.supported(place, [f64::INFINITY; 2])? else {
                     continue;
@@ -204,7 +204,7 @@ impl Search<'_> {
         place: Place,
         last_errors: [f64; 2],
     ) -> Result<Option<Candidate>, MeasureError> {
-        for candidate in place.candidate..self.families[place.family].rungs.len() {
+        for candidate in place.candidate..self.families[place.family].candidates.len() {
             let found = self.supported(Place { candidate, ..place }, last_errors)?;
             if found.is_some() {
                 return Ok(found);
@@ -250,10 +250,10 @@ impl Search<'_> {
         }
         // The least error that the next candidate can have. Those whose least error is above the bound are skipped.
         let mut next = at + 1;
-        let mut reachable = error / family.most_gain;
-        while error.is_finite() && reachable > max_error && next + 1 < family.rungs.len() {
+        let mut reachable = error / family.max_gain;
+        while error.is_finite() && reachable > max_error && next + 1 < family.candidates.len() {
             next += 1;
-            reachable /= family.most_gain;
+            reachable /= family.max_gain;
         }
         // Where some were skipped, two doublings can't be compared.
         let last_errors = if next == at + 1 {
@@ -308,11 +308,13 @@ impl Search<'_> {
 /// The cheapest candidate; of equally cheap ones the first.
 fn take_cheapest(candidates: &mut Vec<Candidate>) -> Option<Candidate> {
     let cheapest = (0..candidates.len()).min_by(|&a, &b| {
-        let (a, b) = (&candidates[a], &candidates[b]);
-        let place = |c: &Candidate| (c.place.family, c.place.candidate);
+        let a = &candidates[a];
+        let b = &candidates[b];
+        let a_place = (a.place.family, a.place.candidate);
+        let b_place = (b.place.family, b.place.candidate);
         a.milliseconds
             .total_cmp(&b.milliseconds)
-            .then(place(a).cmp(&place(b)))
+            .then(a_place.cmp(&b_place))
     })?;
     Some(candidates.swap_remove(cheapest))
 }

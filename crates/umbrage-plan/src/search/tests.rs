@@ -19,11 +19,11 @@ fn scene(name: &str) -> Scene {
 }
 
 /// Small images: quick, and as hard to plan for.
-fn small() -> Options {
-    Options {
+fn small() -> PlanOptions {
+    PlanOptions {
         samples: 1024,
         size: Some(UVec2::new(160, 120)),
-        ..Options::default()
+        ..PlanOptions::default()
     }
 }
 
@@ -68,7 +68,7 @@ fn exact_techniques_are_told_apart_by_cost() {
         nanoseconds: [1e-3; crate::cost::KINDS],
     };
     cost.nanoseconds[3] = 1e6;
-    let options = Options { cost, ..small() };
+    let options = PlanOptions { cost, ..small() };
     let other = exact(
         plan(&scene("c1-box-sun"), &Bounds::error(0.0), &options, &|_| {}).expect("can be planned"),
     );

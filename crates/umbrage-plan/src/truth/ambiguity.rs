@@ -17,8 +17,8 @@
 //! and told of shadows that lay farther away than any rounding. Moved images tell what happens where another surface is seen.
 
 use super::{
-    FindReceivers, Seen, TruthOptions,
-    points::{Asked, Point},
+    FindReceivers, PointTruth, TruthOptions,
+    points::{ReceiverPoint, TruthRequest},
     tracer::Tracer,
     vicinity::{Around, Vicinity},
 };
@@ -56,7 +56,7 @@ pub(super) const PROBES: usize = 6;
 /// Tells of each pixel whether its answer changes within rounding. An answer is the fraction of the light seen, 0 where
 /// unlit and 1 where nothing receives; for lights with an extent it must change by more than a threshold.
 pub(super) fn find(
-    asked: &Asked<'_>,
+    asked: &TruthRequest<'_>,
     light: &Light,
     options: &TruthOptions,
     nudge: Nudge,
@@ -75,7 +75,7 @@ pub(super) fn find(
         options.ambiguous_change
     };
     let base = asked.trace(&tracer, 1.0, report);
-    let changes = |nudged: Vec<Seen>| {
+    let changes = |nudged: Vec<PointTruth>| {
         base.iter()
             .zip(nudged)
             .map(|(a, b)| (answer(a) - answer(&b)).abs() > change)
@@ -92,7 +92,7 @@ pub(super) fn find(
         let camera = asked.camera.nudged(direction * nudge.pixels);
         let receivers = find_receivers(&camera, asked.geometry)?;
         let nudged: Vec<bool> = changes(
-            Asked {
+            TruthRequest {
                 camera: &camera,
                 receivers: &receivers,
                 ..*asked
@@ -113,11 +113,12 @@ pub(super) fn find(
 }
 
 /// Whether both lie around the point that each pixel shows, and matter there.
-fn light_and_shadow(asked: &Asked<'_>, light: &Light, base: &[Seen]) -> Vec<bool> {
+fn light_and_shadow(asked: &TruthRequest<'_>, light: &Light, base: &[PointTruth]) -> Vec<bool> {
     let vicinity = Vicinity::new(asked.camera, asked.geometry, light, f64::from(NUDGE));
-    let both = |ids: &mut Vec<u32>, (&i, seen): (&u32, &Seen)| {
+    let both = |ids: &mut Vec<u32>, (&i, seen): (&u32, &PointTruth)| {
         asked.receivers.receives[i as usize] && {
-            let point = Point::of_pixel(asked.camera, asked.geometry, asked.receivers, i as usize);
+            let point =
+                ReceiverPoint::of_pixel(asked.camera, asked.geometry, asked.receivers, i as usize);
             let (x, y) = (i % asked.receivers.size.x, i / asked.receivers.size.x);
             match vicinity.around(&point, [x, y], ids) {
                 Around::Both => !seen.unlit,
@@ -134,7 +135,7 @@ fn light_and_shadow(asked: &Asked<'_>, light: &Light, base: &[Seen]) -> Vec<bool
         .collect()
 }
 
-fn answer(seen: &Seen) -> f32 {
+fn answer(seen: &PointTruth) -> f32 {
     if seen.unlit { 0.0 } else { seen.visibility }
 }
 

@@ -243,13 +243,13 @@ fn truth_of(case: &Case) -> (Geometry, Truth) {
 }
 
 /// A pixel, the triangle that it shows, and truth's answer.
-type Asked = ([u32; 2], Option<u32>, f64);
+type TruthRequest = ([u32; 2], Option<u32>, f64);
 
 /// Of the pixels that are marked, or of those that aren't: how many the oracle contradicts, and how many there are.
 fn contradicted(
     case: &Case,
     marked: bool,
-    contradicts: impl Fn(&Oracle<'_>, Asked) -> bool + Sync,
+    contradicts: impl Fn(&Oracle<'_>, TruthRequest) -> bool + Sync,
 ) -> [usize; 2] {
     let (geometry, truth) = truth_of(case);
     let oracle = Oracle::new(&geometry, &case.camera, &case.light);
@@ -283,7 +283,7 @@ fn answers_that_are_not_ambiguous_are_right() {
         // The vicinity holds a circle of cos(pi / 16) times its radius.
         let [wrong, pixels] = contradicted(&case, false, |oracle, (pixel, shown, value)| {
             oracle.answer(pixel, None) != value
-                || shown.is_some() && oracle.changes(pixel, shown, [0.0196, 1.0], 24)
+                || shown.is_some() && oracle.changes(pixel, shown, 0.0196, 1.0, 24)
         });
         assert_eq!(
             wrong, 0,
@@ -318,7 +318,7 @@ fn ambiguous_answers_change_within_rounding() {
         let [firm, pixels] = contradicted(&case, true, |oracle, (pixel, shown, _)| {
             ![None, shown]
                 .iter()
-                .any(|&shown| oracle.changes(pixel, shown, [0.0215, 1.1], 4_000))
+                .any(|&shown| oracle.changes(pixel, shown, 0.0215, 1.1, 4_000))
         });
         assert_eq!(
             firm, 0,

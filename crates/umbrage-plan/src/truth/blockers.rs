@@ -1,6 +1,6 @@
 //! How far the blockers are that shadows come from.
 
-use super::{Seen, tracer::FARTHEST};
+use super::{PointTruth, tracer::FARTHEST};
 use glam::Vec2;
 use rayon::prelude::*;
 use umbrage_core::{
@@ -15,7 +15,7 @@ pub(super) fn find(
     light: &Light,
     geometry: &Geometry,
     receivers: &Receivers,
-    seen: &[Seen],
+    seen: &[PointTruth],
 ) -> Vec<f32> {
     let (sampler, bvh) = (LightSampler::new(light), geometry.bvh());
     // Receivers lie within the bounds, so this reaches beyond them from everywhere.

@@ -14,12 +14,12 @@ mod polygon;
 mod tracer;
 mod vicinity;
 
-pub use points::{Point, Seen, trace_points};
+pub use points::{PointTruth, ReceiverPoint, trace_points};
 
 use crate::MeasureError;
 use ambiguity::Nudge;
 use glam::UVec2;
-use points::Asked;
+use points::TruthRequest;
 use std::{
     sync::atomic::{AtomicUsize, Ordering},
     time::{Duration, Instant},
@@ -141,7 +141,7 @@ pub fn trace(
     let start = Instant::now();
     let receivers = find(camera, geometry)?;
     let pixels: Vec<u32> = (0..receivers.len() as u32).collect();
-    let asked = Asked {
+    let asked = TruthRequest {
         camera,
         geometry,
         receivers: &receivers,
@@ -188,14 +188,14 @@ pub fn trace_pixels(
     progress: &Progress<'_>,
 ) -> Result<Vec<PixelTruth>, MeasureError> {
     let (camera, light, geometry, receivers) = view;
-    let asked = Asked {
+    let asked = TruthRequest {
         camera,
         geometry,
         receivers,
         pixels,
     };
     let (seen, ambiguous) = trace_asked(&asked, light, options, find, progress)?;
-    let pixel = |((seen, ambiguous), &i): ((Seen, bool), &u32)| PixelTruth {
+    let pixel = |((seen, ambiguous), &i): ((PointTruth, bool), &u32)| PixelTruth {
         visibility: seen.visibility,
         error: seen.error,
         pixel: class(receivers.receives[i as usize], seen, ambiguous),
@@ -209,12 +209,12 @@ pub fn trace_pixels(
 }
 
 fn trace_asked(
-    asked: &Asked<'_>,
+    asked: &TruthRequest<'_>,
     light: &Light,
     options: &TruthOptions,
     find: &mut FindReceivers<'_>,
     progress: &Progress<'_>,
-) -> Result<(Vec<Seen>, Vec<bool>), MeasureError> {
+) -> Result<(Vec<PointTruth>, Vec<bool>), MeasureError> {
     let done = AtomicUsize::new(0);
     let total = asked.pixels.len() * (1 + ambiguity::PROBES);
     let report = |n: usize| progress(done.fetch_add(n, Ordering::Relaxed) + n, total);
@@ -223,7 +223,7 @@ fn trace_asked(
     Ok((seen, ambiguous))
 }
 
-fn class(receives: bool, seen: Seen, ambiguous: bool) -> Pixel {
+fn class(receives: bool, seen: PointTruth, ambiguous: bool) -> Pixel {
     match (receives, seen.unlit, ambiguous) {
         (false, ..) => Pixel::Empty,
         (_, true, _) => Pixel::Unlit,
@@ -258,7 +258,7 @@ pub fn ambiguous_on(
     }
     let (camera, light, geometry) = view;
     let pixels: Vec<u32> = (0..truth.receivers.len() as u32).collect();
-    let asked = Asked {
+    let asked = TruthRequest {
         camera,
         geometry,
         receivers: &truth.receivers,

@@ -97,7 +97,8 @@ impl<'a> Oracle<'a> {
         &self,
         pixel: [u32; 2],
         shown: Option<u32>,
-        [pixels, offsets]: [f64; 2],
+        pixels: f64,
+        offsets: f64,
         samples: u32,
     ) -> bool {
         let as_it_is = self.answer(pixel, shown);
@@ -188,7 +189,10 @@ fn meets(o: DVec3, d: DVec3, corners: &[DVec3; 3]) -> Option<f64> {
     (inside && t.is_finite()).then_some(t)
 }
 
-fn distance_to_plane(o: DVec3, d: DVec3, [a, b, c]: &[DVec3; 3]) -> f64 {
-    let normal = (b - a).cross(c - a);
-    normal.dot(a - o) / normal.dot(d)
+/// Where along `d` the line from `o` meets a triangle's plane.
+fn distance_to_plane(o: DVec3, d: DVec3, corners: &[DVec3; 3]) -> f64 {
+    let edge_1 = corners[1] - corners[0];
+    let edge_2 = corners[2] - corners[0];
+    let normal = edge_1.cross(edge_2);
+    normal.dot(corners[0] - o) / normal.dot(d)
 }

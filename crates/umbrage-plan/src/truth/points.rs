@@ -12,7 +12,7 @@ use umbrage_core::{
 
 /// A point that may be lit.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Point {
+pub struct ReceiverPoint {
     /// World position, metres.
     pub position: Vec3,
     /// Geometric unit normal, on the side that is seen.
@@ -26,7 +26,7 @@ pub struct Point {
     pub seed: u32,
 }
 
-impl Point {
+impl ReceiverPoint {
     /// A point that is not seen by a camera. Its ray's offset is in proportion to the whole geometry.
     pub fn new(position: Vec3, normal: Vec3, geometry: &Geometry) -> Self {
         let bounds = geometry.bounds();
@@ -71,7 +71,7 @@ impl Point {
 
 /// What truth says about a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Seen {
+pub struct PointTruth {
     /// Fraction of the light seen, 0..=1.
     pub visibility: f32,
     /// Its standard error; 0 for ideal lights.
@@ -80,7 +80,7 @@ pub struct Seen {
     pub unlit: bool,
 }
 
-impl Seen {
+impl PointTruth {
     /// What counts as the answer where nothing receives.
     pub(super) const NOTHING: Self = Self {
         visibility: 1.0,
@@ -96,9 +96,9 @@ impl Seen {
 pub fn trace_points(
     geometry: &Geometry,
     light: &Light,
-    points: &[Point],
+    points: &[ReceiverPoint],
     options: &TruthOptions,
-) -> Result<Vec<Seen>, Invalid> {
+) -> Result<Vec<PointTruth>, Invalid> {
     for (i, p) in points.iter().enumerate() {
         finite(
             &format!("point {i}"),
@@ -114,7 +114,7 @@ pub fn trace_points(
 
 /// What truth is asked about: seen points of an image.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Asked<'a> {
+pub(super) struct TruthRequest<'a> {
     pub(super) camera: &'a Camera,
     pub(super) geometry: &'a Geometry,
     pub(super) receivers: &'a Receivers,
@@ -125,15 +125,15 @@ pub(super) struct Asked<'a> {
 /// Pixels that one thread asks about before it reports. Neighbours' rays often meet the same occluder.
 const CHUNK: usize = 256;
 
-impl Asked<'_> {
+impl TruthRequest<'_> {
     /// Traces truth at the pixels, in their order; `lift` multiplies the rays' offset.
     pub(super) fn trace(
         &self,
         tracer: &Tracer,
         lift: f32,
         report: &(dyn Fn(usize) + Sync),
-    ) -> Vec<Seen> {
-        let mut out = vec![Seen::NOTHING; self.pixels.len()];
+    ) -> Vec<PointTruth> {
+        let mut out = vec![PointTruth::NOTHING; self.pixels.len()];
         out.par_chunks_mut(CHUNK)
             .zip(self.pixels.par_chunks(CHUNK))
             .for_each(|(out, pixels)| {
@@ -143,8 +143,12 @@ impl Asked<'_> {
                     .zip(pixels)
                     .filter(|(_, i)| self.receivers.receives[**i as usize]);
                 for (seen, &i) in asked {
-                    let point =
-                        Point::of_pixel(self.camera, self.geometry, self.receivers, i as usize);
+                    let point = ReceiverPoint::of_pixel(
+                        self.camera,
+                        self.geometry,
+                        self.receivers,
+                        i as usize,
+                    );
                     *seen = tracer.ask(&point, lift, &mut memory);
                 }
                 report(pixels.len());

@@ -24,7 +24,7 @@ pub(super) fn counter_clockwise(mut p: Polygon) -> Polygon {
 }
 
 /// The part of a polygon to the left of the line from `a` to `b`.
-pub(super) fn left_of(p: &[DVec2], [a, b]: [DVec2; 2]) -> Polygon {
+pub(super) fn left_of(p: &[DVec2], a: DVec2, b: DVec2) -> Polygon {
     cut(p, |q| (b - a).perp_dot(q - a))
 }
 
@@ -39,11 +39,13 @@ pub(super) fn cut<
     let mut out = Vec::with_capacity(p.len() + 1);
     for (i, &b) in p.iter().enumerate() {
         let a = p[(i + p.len() - 1) % p.len()];
-        let (from, to) = (side(a), side(b));
-        if (from < 0.0) != (to < 0.0) {
-            out.push(a + (b - a) * (from / (from - to)));
+        let a_side = side(a);
+        let b_side = side(b);
+        if (a_side < 0.0) != (b_side < 0.0) {
+            // The edge crosses the line here.
+            out.push(a + (b - a) * (a_side / (a_side - b_side)));
         }
-        if to >= 0.0 {
+        if b_side >= 0.0 {
             out.push(b);
         }
     }
@@ -65,7 +67,7 @@ pub(super) fn spread(p: &[DVec2]) -> Vec<DVec2> {
 
 /// The common part of two polygons. Nothing cuts nothing off: what is common with no corners at all is the other polygon.
 pub(super) fn common(p: &[DVec2], q: &[DVec2]) -> Polygon {
-    edges(q).fold(p.to_vec(), |part, edge| left_of(&part, edge))
+    edges(q).fold(p.to_vec(), |part, [a, b]| left_of(&part, a, b))
 }
 
 /// What is left of `pieces` when `q` is taken away. Parts of less area than `dust` are not told from nothing.
@@ -81,11 +83,11 @@ pub(super) fn without(pieces: Vec<Polygon>, q: &[DVec2], dust: f64) -> Vec<Polyg
         }
         let mut inside = piece;
         for [a, b] in edges(q) {
-            let outside = left_of(&inside, [b, a]);
+            let outside = left_of(&inside, b, a);
             if area(&outside) > dust {
                 out.push(outside);
             }
-            inside = left_of(&inside, [a, b]);
+            inside = left_of(&inside, a, b);
         }
     }
     out
@@ -99,20 +101,23 @@ fn edges(p: &[DVec2]) -> impl Iterator<Item = [DVec2; 2]> + '_ {
 /// dimensions".
 pub(super) fn hull(mut points: Vec<DVec2>) -> Polygon {
     points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
-    let chain = |points: &mut dyn Iterator<Item = &DVec2>| {
-        let mut out: Polygon = Vec::new();
-        for &p in points {
-            while let [.., a, b] = out[..]
-                && (b - a).perp_dot(p - a) <= 0.0
-            {
-                out.pop();
-            }
-            out.push(p);
+    let mut out = half_hull(points.iter());
+    out.extend(half_hull(points.iter().rev()));
+    out
+}
+
+/// The hull's side to the right of the way through sorted points: from the first one up to the last, which is left out.
+fn half_hull<'a>(points: impl Iterator<Item = &'a DVec2>) -> Polygon {
+    let mut out: Polygon = Vec::new();
+    for &p in points {
+        // A corner at which the chain does not turn left is none.
+        while let [.., a, b] = out[..]
+            && (b - a).perp_dot(p - a) <= 0.0
+        {
+            out.pop();
         }
-        out.pop();
-        out
-    };
-    let mut out = chain(&mut points.iter());
-    out.extend(chain(&mut points.iter().rev()));
+        out.push(p);
+    }
+    out.pop();
     out
 }

@@ -11,12 +11,12 @@ fn samples_off(entry: &SceneEntry, closed_form: &ClosedForm, light: &Light) -> u
     let unknown = closed_form
         .samples
         .iter()
-        .map(|s| Point::new(s.point, s.normal, &geometry));
-    let known = closed_form.samples.iter().map(|s| Point {
+        .map(|s| ReceiverPoint::new(s.point, s.normal, &geometry));
+    let known = closed_form.samples.iter().map(|s| ReceiverPoint {
         triangle: s.triangle(&geometry).unwrap_or(NO_TRIANGLE),
-        ..Point::new(s.point, s.normal, &geometry)
+        ..ReceiverPoint::new(s.point, s.normal, &geometry)
     });
-    let points: Vec<Point> = unknown.chain(known).collect();
+    let points: Vec<ReceiverPoint> = unknown.chain(known).collect();
     let seen = trace_points(&geometry, light, &points, &TruthOptions::default()).expect("valid");
     let expected = closed_form.samples.iter().chain(&closed_form.samples);
     seen.iter()
@@ -219,7 +219,7 @@ fn unlit_points_are_told() {
         ..Scene::default()
     })
     .expect("valid");
-    let point = Point::new(Vec3::new(0.2, 0.0, 0.2), Vec3::Y, &geometry);
+    let point = ReceiverPoint::new(Vec3::new(0.2, 0.0, 0.2), Vec3::Y, &geometry);
     let ask = |light: Light| {
         trace_points(&geometry, &light, &[point], &TruthOptions::default()).expect("valid")[0]
     };
@@ -231,7 +231,7 @@ fn unlit_points_are_told() {
     };
     assert_eq!(
         sun(Vec3::NEG_Y, 0.0),
-        Seen {
+        PointTruth {
             visibility: 1.0,
             error: 0.0,
             unlit: false
@@ -239,7 +239,7 @@ fn unlit_points_are_told() {
     );
     assert_eq!(
         sun(Vec3::Y, 0.0),
-        Seen {
+        PointTruth {
             visibility: 0.0,
             error: 0.0,
             unlit: true
@@ -260,7 +260,7 @@ fn unlit_points_are_told() {
     };
     assert_eq!(
         ask(spot(1.2)),
-        Seen {
+        PointTruth {
             visibility: 1.0,
             error: 0.0,
             unlit: false
@@ -269,7 +269,7 @@ fn unlit_points_are_told() {
     // Outside the cone occlusion is traced all the same.
     assert_eq!(
         ask(spot(0.8)),
-        Seen {
+        PointTruth {
             visibility: 1.0,
             error: 0.0,
             unlit: true
@@ -284,7 +284,7 @@ fn points_that_are_not_finite_are_refused() {
         position: Vec3::Y,
         radius: 0.0,
     };
-    let point = Point::new(Vec3::new(f32::NAN, 0.0, 0.0), Vec3::Y, &geometry);
+    let point = ReceiverPoint::new(Vec3::new(f32::NAN, 0.0, 0.0), Vec3::Y, &geometry);
     assert!(trace_points(&geometry, &light, &[point], &TruthOptions::default()).is_err());
     let light = Light::Point {
         position: Vec3::Y,

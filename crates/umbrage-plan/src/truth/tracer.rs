@@ -1,6 +1,6 @@
 //! One receiver's question to the hierarchy.
 
-use super::{Point, Seen, TruthOptions};
+use super::{PointTruth, ReceiverPoint, TruthOptions};
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
 use umbrage_core::{
@@ -94,7 +94,7 @@ impl<'a> Tracer<'a> {
     }
 
     /// The fraction of the light that a point sees. `lift` multiplies the ray offset.
-    pub(super) fn ask(&self, point: &Point, lift: f32, memory: &mut Memory) -> Seen {
+    pub(super) fn ask(&self, point: &ReceiverPoint, lift: f32, memory: &mut Memory) -> PointTruth {
         let n = point.normal;
         let o = point.position + n * (lift * origin_offset(point.position, point.reach));
         let to_center = Aabb::around([o, self.center]).diagonal();
@@ -111,7 +111,7 @@ impl<'a> Tracer<'a> {
             )
         };
         let visibility = whole.0.seen as f32 / whole.1 as f32;
-        Seen {
+        PointTruth {
             visibility,
             error: standard_error(&blocks, visibility),
             unlit: whole.0.above == 0 || self.outside_cone(o),
@@ -122,7 +122,7 @@ impl<'a> Tracer<'a> {
     fn run(
         &self,
         range: std::ops::Range<u32>,
-        point: &Point,
+        point: &ReceiverPoint,
         o: Vec3,
         far: f32,
         memory: &mut Memory,
@@ -148,7 +148,7 @@ impl<'a> Tracer<'a> {
     fn sample(
         &self,
         uv: Vec2,
-        point: &Point,
+        point: &ReceiverPoint,
         o: Vec3,
         far: f32,
         memory: &mut Memory,
@@ -177,7 +177,7 @@ impl<'a> Tracer<'a> {
 
     /// Whether no caster reaches between a point and a light with an extent: into the pyramid from the point over a
     /// parallelogram around the light, above the point's tangent plane, before the light.
-    fn is_clear(&self, point: &Point, o: Vec3) -> bool {
+    fn is_clear(&self, point: &ReceiverPoint, o: Vec3) -> bool {
         let (n, s) = (point.normal, &self.light);
         let axes = [s.half_u.truncate(), s.half_v.truncate()];
         let (center, [u, v]) = match s.shape.x {

@@ -6,10 +6,10 @@
 //! plane is a convex polygon; what all of them leave of the vicinity is light.
 
 use super::{
-    Point,
+    ReceiverPoint,
     polygon::{Polygon, area, common, contains, counter_clockwise, cut, hull, spread, without},
 };
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DVec2, DVec3, Vec3, Vec4};
 use umbrage_core::{
     Camera, CameraRays, Geometry, Light,
     light_sample::{LIFT, SHORT, origin_offset},
@@ -30,22 +30,21 @@ pub(super) enum Around {
     Neither,
 }
 
-/// Parts of the vicinity with a smaller share of its area are not told from none. Cuts in 64 bits err by some 2^-50 of its
+/// Parts of the vicinity with a smaller share of its area count as nothing. Cuts in 64 bits err by some 2^-50 of its
 /// length; where it is a hundred times longer than wide, that is 1e-13 of its area.
-const DUST: f64 = 1e-9;
+const MIN_AREA_SHARE: f64 = 1e-9;
 
 /// The lowest origin of a ray, as a share of the highest: 2^-24 of the lengths in play, the last place of 32 bits. Neighbours
 /// in one plane, whose corners are rounded to that, lie above each other by less: they don't shadow each other.
-const LOWEST: f64 = 1.0 / 32.0;
+const MIN_LIFT_SHARE: f64 = 1.0 / 32.0;
 
-/// Shadows so many that they leave more pieces than this are not told from light and shadow: the time to cut grows with the
-/// square. Only far from the origin, where vicinities are as wide as whole models, do points have so many.
+/// Where shadows leave more pieces than this, light and shadow are not told apart: the time to cut grows with the square. Only far from the origin, where vicinities are as wide as whole models, do points have so many.
 const MAX_PIECES: usize = 500;
 
 /// An ideal light, a camera, and casters.
 pub(super) struct Vicinity<'a> {
     geometry: &'a Geometry,
-    light: To,
+    light: ToLight,
     rays: CameraRays,
     /// How far the image may move, pixels.
     pixels: f64,
@@ -56,11 +55,23 @@ pub(super) struct Vicinity<'a> {
 
 /// Where the light is.
 #[derive(Clone, Copy, Debug)]
-enum To {
+enum ToLight {
     Direction(DVec3),
     Position(DVec3),
     /// It has an extent: no shadow has an edge.
     Everywhere,
+}
+
+/// A camera's ray through a pixel.
+#[derive(Clone, Copy)]
+struct PixelRay {
+    origin: DVec3,
+    direction: DVec3,
+}
+
+/// `base + dx * x + dy * y` in 64 bits.
+fn linear(base: Vec4, dx: Vec4, dy: Vec4, x: f64, y: f64) -> DVec3 {
+    (base.as_dvec4() + dx.as_dvec4() * x + dy.as_dvec4() * y).truncate()
 }
 
 /// The plane of a seen triangle.
@@ -98,18 +109,20 @@ impl Surface {
                 self.light_height * f64::from(SHORT) - self.height(q)
             });
         }
-        counter_clockwise(part.into_iter().map(|q| self.fall(q)).collect())
+        counter_clockwise(part.into_iter().map(|q| self.project(q)).collect())
     }
 
-    /// Where the line from the light through a point meets the plane.
-    fn fall(&self, q: DVec3) -> DVec2 {
-        let (h, offset) = (self.height(q), q - self.p);
+    /// Where the line from the light through a point meets the plane: the point's shadow.
+    fn project(&self, q: DVec3) -> DVec2 {
+        let height = self.height(q);
+        let offset = q - self.p;
         if self.light_height.is_finite() {
             let from_light = offset - self.to_light;
-            return self
-                .flat(self.to_light + from_light * (self.light_height / (self.light_height - h)));
+            let t = self.light_height / (self.light_height - height);
+            return self.flat(self.to_light + from_light * t);
         }
-        self.flat(offset - self.to_light * (h / self.to_light.dot(self.axes[2])))
+        let t = height / self.to_light.dot(self.axes[2]);
+        self.flat(offset - self.to_light * t)
     }
 }
 
@@ -121,12 +134,12 @@ impl<'a> Vicinity<'a> {
             geometry,
             light: match *light {
                 Light::Directional { direction, .. } => {
-                    To::Direction(-direction.as_dvec3().normalize())
+                    ToLight::Direction(-direction.as_dvec3().normalize())
                 }
                 Light::Point { position, .. } | Light::Spot { position, .. } => {
-                    To::Position(position.as_dvec3())
+                    ToLight::Position(position.as_dvec3())
                 }
-                Light::Rect { .. } | Light::Disc { .. } => To::Everywhere,
+                Light::Rect { .. } | Light::Disc { .. } => ToLight::Everywhere,
             },
             rays: camera.rays(),
             pixels,
@@ -144,7 +157,12 @@ impl<'a> Vicinity<'a> {
     }
 
     /// What is around the point that a pixel shows. `ids` is memory to work with.
-    pub(super) fn around(&self, point: &Point, pixel: [u32; 2], ids: &mut Vec<u32>) -> Around {
+    pub(super) fn around(
+        &self,
+        point: &ReceiverPoint,
+        pixel: [u32; 2],
+        ids: &mut Vec<u32>,
+    ) -> Around {
         let corners = self.geometry.corners(point.triangle).map(Vec3::as_dvec3);
         // Seen along its plane to the last bit, it could lie anywhere.
         let Some(surface) = self.surface(corners, pixel) else {
@@ -166,9 +184,13 @@ impl<'a> Vicinity<'a> {
         let radius = vicinity.iter().map(|q| q.length()).fold(highest, f64::max);
         self.casters_near(&surface, radius, ids);
         ids.retain(|&id| id != point.triangle);
-        let low = self.left(&surface, &vicinity, ids, highest * LOWEST);
-        if low == Around::Both || low == self.left(&surface, &vicinity, ids, highest) {
-            low
+        let from_lowest = self.left(&surface, &vicinity, ids, highest * MIN_LIFT_SHARE);
+        if from_lowest == Around::Both {
+            return Around::Both;
+        }
+        let from_highest = self.left(&surface, &vicinity, ids, highest);
+        if from_lowest == from_highest {
+            from_lowest
         } else {
             Around::Both
         }
@@ -177,13 +199,13 @@ impl<'a> Vicinity<'a> {
     /// What the shadows of all that is higher than `above` leave of a polygon.
     fn left(&self, surface: &Surface, vicinity: &Polygon, ids: &[u32], above: f64) -> Around {
         let whole = area(vicinity);
-        let dust = DUST * whole;
+        let min_area = MIN_AREA_SHARE * whole;
         let shadow =
             |id: &u32| surface.shadow(self.geometry.corners(*id).map(Vec3::as_dvec3), above);
         let shadows: Vec<Polygon> = ids
             .iter()
             .map(shadow)
-            .filter(|shadow| area(shadow) > dust)
+            .filter(|shadow| area(shadow) > min_area)
             .collect();
         // Most of those that hold both are found by some points, before anything is cut.
         let points = spread(vicinity);
@@ -195,7 +217,7 @@ impl<'a> Vicinity<'a> {
         let part = |shadow: &Polygon| {
             let part = common(vicinity, shadow);
             let size = area(&part);
-            (size > dust).then_some((size, part))
+            (size > min_area).then_some((size, part))
         };
         let mut shadows: Vec<(f64, Polygon)> = shadows.iter().filter_map(part).collect();
         if shadows.is_empty() {
@@ -208,50 +230,56 @@ impl<'a> Vicinity<'a> {
         shadows.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
         let mut left = vec![vicinity.clone()];
         for (_, shadow) in &shadows {
-            left = without(left, shadow, dust);
+            left = without(left, shadow, min_area);
             if left.len() > MAX_PIECES {
                 return Around::Both;
             }
         }
         let left: f64 = left.iter().map(|p| area(p)).sum();
-        if left <= dust {
+        if left <= min_area {
             Around::Shadow
         } else {
             Around::Both
         }
     }
 
-    fn surface(&self, [a, b, c]: [DVec3; 3], pixel: [u32; 2]) -> Option<Surface> {
-        let (o, d) = self.ray(pixel, DVec2::ZERO);
-        let n = (b - a).cross(c - a).try_normalize()?;
-        let t = n.dot(a - o) / n.dot(d);
-        let n = if n.dot(d) > 0.0 { -n } else { n };
-        let (u, v) = n.any_orthonormal_pair();
-        let p = o + d * t;
+    /// The plane of a triangle at the point that a pixel shows; none where the plane is seen edge-on or the light has an
+    /// extent.
+    fn surface(&self, corners: [DVec3; 3], pixel: [u32; 2]) -> Option<Surface> {
+        let ray = self.ray(pixel, DVec2::ZERO);
+        let edge_1 = corners[1] - corners[0];
+        let edge_2 = corners[2] - corners[0];
+        let normal = edge_1.cross(edge_2).try_normalize()?;
+        let t = normal.dot(corners[0] - ray.origin) / normal.dot(ray.direction);
+        let p = ray.origin + ray.direction * t;
+        let normal = if normal.dot(ray.direction) > 0.0 {
+            -normal
+        } else {
+            normal
+        };
+        let (u, v) = normal.any_orthonormal_pair();
         let (to_light, light_height) = match self.light {
-            To::Direction(to_light) => (to_light, f64::INFINITY),
-            To::Position(position) => (position - p, (position - p).dot(n)),
-            To::Everywhere => return None,
+            ToLight::Direction(to_light) => (to_light, f64::INFINITY),
+            ToLight::Position(position) => (position - p, (position - p).dot(normal)),
+            ToLight::Everywhere => return None,
         };
         p.is_finite().then_some(Surface {
             p,
-            axes: [u, v, n],
+            axes: [u, v, normal],
             to_light,
             light_height,
         })
     }
 
-    /// The ray through a pixel's centre, moved.
-    fn ray(&self, [x, y]: [u32; 2], by: DVec2) -> (DVec3, DVec3) {
-        let [fx, fy] = [f64::from(x) + 0.5 + by.x, f64::from(y) + 0.5 + by.y];
-        let at = |base: glam::Vec4, dx: glam::Vec4, dy: glam::Vec4| {
-            (base.as_dvec4() + dx.as_dvec4() * fx + dy.as_dvec4() * fy).truncate()
-        };
-        let r = &self.rays;
-        (
-            at(r.origin, r.origin_dx, r.origin_dy),
-            at(r.dir, r.dir_dx, r.dir_dy),
-        )
+    /// The ray through a pixel's centre, moved by some pixels.
+    fn ray(&self, pixel: [u32; 2], by: DVec2) -> PixelRay {
+        let x = f64::from(pixel[0]) + 0.5 + by.x;
+        let y = f64::from(pixel[1]) + 0.5 + by.y;
+        let rays = &self.rays;
+        PixelRay {
+            origin: linear(rays.origin, rays.origin_dx, rays.origin_dy, x, y),
+            direction: linear(rays.dir, rays.dir_dx, rays.dir_dy, x, y),
+        }
     }
 
     /// The vicinity, for rays whose origins may be moved by `offset`.
@@ -261,16 +289,14 @@ impl<'a> Vicinity<'a> {
         let back = s.flat(s.to_light) * (-2.0 * offset / s.to_light.dot(s.axes[2]));
         let mut points = Vec::with_capacity(128);
         for k in 0..16 {
-            let (o, d) = self.ray(
-                pixel,
-                DVec2::from_angle(std::f64::consts::FRAC_PI_8 * f64::from(k)) * self.pixels,
-            );
-            let t = s.axes[2].dot(s.p - o) / s.axes[2].dot(d);
+            let direction = DVec2::from_angle(std::f64::consts::FRAC_PI_8 * f64::from(k));
+            let ray = self.ray(pixel, direction * self.pixels);
+            let t = s.axes[2].dot(s.p - ray.origin) / s.axes[2].dot(ray.direction);
             if !(t > 0.0 && t.is_finite()) {
                 // The plane's horizon is that near: any point of the triangle may be seen.
                 return triangle;
             }
-            let q = s.flat(o + d * t - s.p);
+            let q = s.flat(ray.origin + ray.direction * t - s.p);
             for (i, j) in [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)] {
                 let aside = q + DVec2::new(i, j) * offset;
                 points.extend([aside, aside + back]);
@@ -282,17 +308,19 @@ impl<'a> Vicinity<'a> {
     /// The casters whose shadows may fall within `radius` of the seen point.
     fn casters_near(&self, s: &Surface, radius: f64, ids: &mut Vec<u32>) {
         let to_light = match self.light {
-            To::Direction(to_light) => {
+            ToLight::Direction(to_light) => {
                 to_light * (1.01 * ((s.p - self.center).length() + self.radius))
             }
-            To::Position(_) | To::Everywhere => s.to_light,
+            ToLight::Position(_) | ToLight::Everywhere => s.to_light,
         };
-        let (o, d) = (s.p.as_vec3(), to_light.as_vec3());
+        let origin = s.p.as_vec3();
+        let to_light = to_light.as_vec3();
         // Both ends are rounded to 32 bits.
-        let rounding = (o.abs().max_element() + d.abs().max_element()) * f32::EPSILON;
+        let max_coordinates = origin.abs().max_element() + to_light.abs().max_element();
+        let rounding = max_coordinates * f32::EPSILON;
         ids.clear();
         self.geometry
             .bvh()
-            .near(o, d, radius as f32 + rounding, ids);
+            .near(origin, to_light, radius as f32 + rounding, ids);
     }
 }

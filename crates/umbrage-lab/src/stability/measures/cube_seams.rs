@@ -3,16 +3,18 @@
 use super::open::share;
 use glam::Vec3;
 
-/// Whether the way from a light to a point passes within `texels` texels of a seam, on a cube of faces of `size` texels:
-/// on the face of its greatest coordinate a, the next greatest, b, is at b/a of the half side.
+/// Whether a direction from the light passes within `texels` texels of a seam, on a cube whose faces have sides of `size`
+/// texels. It meets the face of its greatest coordinate a; the next greatest, b, lies at b / a of the half side there.
 pub fn on_seam(from_light: Vec3, size: u32, texels: f32) -> bool {
-    let mut d = from_light.abs().to_array();
-    d.sort_by(f32::total_cmp);
-    let half = 0.5 * size as f32;
-    d[2] > 0.0 && (1.0 - d[1] / d[2]) * half <= texels
+    let mut lengths = from_light.abs().to_array();
+    lengths.sort_by(f32::total_cmp);
+    let second = lengths[1];
+    let greatest = lengths[2];
+    let half_side = 0.5 * size as f32;
+    greatest > 0.0 && (1.0 - second / greatest) * half_side <= texels
 }
 
-/// Percent of the marked pixels on which mask and truth are on different sides of a half.
+/// Returns the percentage of the marked pixels on which mask and truth are on different sides of a half.
 pub fn wrong_within(mask: &[f32], truth: &[f32], marked: impl Fn(usize) -> bool) -> f64 {
     share(
         (0..mask.len())
@@ -42,7 +44,8 @@ mod tests {
 
     #[test]
     fn only_marked_pixels_count() {
-        let (mask, truth) = ([1.0, 0.0, 0.0, 1.0], [1.0, 1.0, 1.0, 1.0]);
+        let mask = [1.0, 0.0, 0.0, 1.0];
+        let truth = [1.0; 4];
         assert_eq!(wrong_within(&mask, &truth, |i| i < 2), 50.0);
         assert_eq!(wrong_within(&mask, &truth, |i| i == 3), 0.0);
     }

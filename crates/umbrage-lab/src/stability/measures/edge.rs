@@ -11,12 +11,15 @@ pub fn displacement(size: UVec2, mask: &[f32], truth: &[f32], pixels: &[Pixel]) 
         .map(|v| if *v < 0.5 { 0.0 } else { 1.0 })
         .collect();
     let on_edge = edges(size, &sharp, pixels);
-    let counted = || (0..mask.len()).filter(|&i| pixels[i] == Pixel::Counted);
-    let area = counted()
-        .filter(|&i| (mask[i] < 0.5) != (truth[i] < 0.5))
-        .count();
-    let length = 0.5 * counted().filter(|&i| on_edge[i]).count() as f64;
-    area as f64 / length.max(1.0)
+    let mut wrong_side = 0_u64;
+    let mut beside_edge = 0_u64;
+    for i in (0..mask.len()).filter(|&i| pixels[i] == Pixel::Counted) {
+        let is_wrong_side = (mask[i] < 0.5) != (truth[i] < 0.5);
+        wrong_side += u64::from(is_wrong_side);
+        beside_edge += u64::from(on_edge[i]);
+    }
+    let edge_length = 0.5 * beside_edge as f64;
+    wrong_side as f64 / edge_length.max(1.0)
 }
 
 #[cfg(test)]

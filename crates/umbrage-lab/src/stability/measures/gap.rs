@@ -2,9 +2,10 @@
 
 use super::open::share;
 use glam::Vec3;
+use std::collections::BTreeSet;
 use umbrage_core::{Receivers, metrics::ERROR_THRESHOLD};
 
-/// Where a caster stands on the ground: a segment, and the way that its shadow falls.
+/// Where a caster stands on the floor: a segment, and the direction in which its shadow falls.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
     /// One end, world space, metres.
@@ -18,34 +19,40 @@ pub struct Contact {
 /// Strips that a contact is cut into along its length.
 const STRIPS: usize = 16;
 
-/// The ground's height is met within this part of the contact's length.
+/// Pixels show the floor if their height differs from the contact's by less than this share of the contact's length.
 const LEVEL: f32 = 1e-4;
 
 impl Contact {
-    /// Strip and distance from the contact, metres, of a point on the ground behind it; none elsewhere.
-    fn place(&self, p: Vec3) -> Option<(usize, f32)> {
-        let edge = self.to - self.from;
-        let s = (p - self.from).dot(edge) / edge.length_squared();
-        let t = (p - self.from).dot(self.along);
-        let level = (p.y - self.from.y).abs() < LEVEL * edge.length();
-        (level && t > 0.0 && (0.0..1.0).contains(&s)).then_some(((s * STRIPS as f32) as usize, t))
-    }
-
-    /// Pixels on the ground behind the contact: index, strip, distance.
-    fn pixels<'a>(
-        &'a self,
-        receivers: &'a Receivers,
-        counts: impl Fn(usize) -> bool + 'a,
-    ) -> impl Iterator<Item = (usize, usize, f32)> + 'a {
-        let here = move |i: &usize| receivers.receives[*i] && counts(*i);
-        (0..receivers.len()).filter(here).filter_map(|i| {
-            let (strip, t) = self.place(receivers.position(i))?;
-            Some((i, strip, t))
+    /// Returns where a pixel lies if it shows the floor behind the contact; none elsewhere.
+    fn pixel_behind(&self, receivers: &Receivers, index: usize) -> Option<PixelBehind> {
+        let position = receivers.position(index);
+        let segment = self.to - self.from;
+        let offset = position - self.from;
+        // 0 at `from`, 1 at `to`.
+        let along_segment = offset.dot(segment) / segment.length_squared();
+        let distance = offset.dot(self.along);
+        let is_on_floor = (position.y - self.from.y).abs() < LEVEL * segment.length();
+        let is_behind = distance > 0.0 && (0.0..1.0).contains(&along_segment);
+        (is_on_floor && is_behind).then_some(PixelBehind {
+            index,
+            strip: (along_segment * STRIPS as f32) as usize,
+            distance,
         })
     }
 
-    /// The gap: distance on the ground, metres, from the contact to the first dark pixel (below half), the mean over 16
-    /// strips along the contact, less the same of truth. Where a strip has no dark pixel, the gap is as long as the true
+    /// Returns the pixels that count and show the floor behind the contact.
+    fn pixels_behind<'a>(
+        &'a self,
+        receivers: &'a Receivers,
+        counts: impl Fn(usize) -> bool + 'a,
+    ) -> impl Iterator<Item = PixelBehind> + 'a {
+        (0..receivers.len())
+            .filter(move |&i| receivers.receives[i] && counts(i))
+            .filter_map(|i| self.pixel_behind(receivers, i))
+    }
+
+    /// Returns the gap, metres: the distance on the floor from the contact to the first dark pixel (below half), the mean over
+    /// 16 strips along the contact, less the same of truth. Where a strip has no dark pixel, the gap is as long as the true
     /// shadow there.
     pub fn gap(
         &self,
@@ -54,24 +61,24 @@ impl Contact {
         receivers: &Receivers,
         counts: impl Fn(usize) -> bool,
     ) -> f64 {
-        let mut first = [[f32::MAX; 2]; STRIPS];
-        let mut last = [0.0_f32; STRIPS];
-        for (i, strip, t) in self.pixels(receivers, counts) {
-            for (slot, v) in first[strip].iter_mut().zip([mask[i], truth[i]]) {
-                *slot = if v < 0.5 { slot.min(t) } else { *slot };
+        let mut strips = [StripShadow::NONE; STRIPS];
+        for pixel in self.pixels_behind(receivers, counts) {
+            let strip = &mut strips[pixel.strip];
+            if mask[pixel.index] < 0.5 {
+                strip.mask_start = strip.mask_start.min(pixel.distance);
             }
-            last[strip] = if truth[i] < 0.5 {
-                last[strip].max(t)
-            } else {
-                last[strip]
-            };
+            if truth[pixel.index] < 0.5 {
+                strip.true_start = strip.true_start.min(pixel.distance);
+                strip.true_end = strip.true_end.max(pixel.distance);
+            }
         }
-        let seen = || (0..STRIPS).filter(|&s| first[s][1] < f32::MAX);
-        let gap = |s: usize| f64::from((first[s][0].min(last[s]) - first[s][1]).max(0.0));
-        seen().map(gap).sum::<f64>() / seen().count().max(1) as f64
+        let with_shadow = strips.iter().filter(|strip| strip.true_start < f32::MAX);
+        let count = with_shadow.clone().count();
+        with_shadow.map(StripShadow::gap).sum::<f64>() / count.max(1) as f64
     }
 
-    /// Percent of the truly dark pixels within `reach` metres of the contact that the mask lights by more than [`ERROR_THRESHOLD`].
+    /// Returns the percentage of the truly dark pixels within `reach` metres of the contact that the mask lights by more than
+    /// [`ERROR_THRESHOLD`].
     pub fn leak(
         &self,
         mask: &[f32],
@@ -81,23 +88,58 @@ impl Contact {
         counts: impl Fn(usize) -> bool,
     ) -> f64 {
         let dark = self
-            .pixels(receivers, counts)
-            .filter(|(i, _, t)| *t <= reach && truth[*i] < 0.5);
-        share(dark.map(|(i, ..)| mask[i] - truth[i] > ERROR_THRESHOLD))
+            .pixels_behind(receivers, counts)
+            .filter(|pixel| pixel.distance <= reach && truth[pixel.index] < 0.5);
+        share(dark.map(|pixel| mask[pixel.index] - truth[pixel.index] > ERROR_THRESHOLD))
     }
 
-    /// How far apart rows of pixels lie on the ground within `reach` of the contact, metres: what a gap can be told by.
+    /// Returns the mean distance of neighbouring pixel rows on the floor within `reach` metres of the contact, metres: the
+    /// smallest gap that shows.
     pub fn pixel(&self, receivers: &Receivers, reach: f32, counts: impl Fn(usize) -> bool) -> f64 {
         let width = receivers.size.x as usize;
         let near = self
-            .pixels(receivers, counts)
-            .filter(|(_, _, t)| *t <= reach);
-        let rows: std::collections::BTreeSet<usize> = near.map(|(i, ..)| i / width).collect();
+            .pixels_behind(receivers, counts)
+            .filter(|pixel| pixel.distance <= reach);
+        let rows: BTreeSet<usize> = near.map(|pixel| pixel.index / width).collect();
         f64::from(reach) / rows.len().max(1) as f64
     }
 }
 
-/// Percent of the truly dark ground pixels within `reach` metres (along the ground, at height `y`) of any of the places
+/// A pixel that shows the floor behind a contact.
+struct PixelBehind {
+    index: usize,
+    /// The strip that it lies in, from [`Contact::from`] on.
+    strip: usize,
+    /// From the contact, metres.
+    distance: f32,
+}
+
+/// Where the shadow of one strip starts and ends: distances from the contact, metres.
+#[derive(Clone, Copy)]
+struct StripShadow {
+    /// The first dark pixel of the mask; [`f32::MAX`] without one.
+    mask_start: f32,
+    /// The first dark pixel of truth; [`f32::MAX`] without one.
+    true_start: f32,
+    /// The last dark pixel of truth; 0 without one.
+    true_end: f32,
+}
+
+impl StripShadow {
+    const NONE: Self = Self {
+        mask_start: f32::MAX,
+        true_start: f32::MAX,
+        true_end: 0.0,
+    };
+
+    fn gap(&self) -> f64 {
+        // A mask without a shadow has a gap as long as the true shadow.
+        let mask_start = self.mask_start.min(self.true_end);
+        f64::from((mask_start - self.true_start).max(0.0))
+    }
+}
+
+/// Returns the percentage of the truly dark floor pixels within `reach` metres of any of the places, at the place's height,
 /// that the mask lights by more than [`ERROR_THRESHOLD`].
 pub fn leak_around(
     places: &[Vec3],
@@ -107,16 +149,16 @@ pub fn leak_around(
     receivers: &Receivers,
     counts: impl Fn(usize) -> bool,
 ) -> f64 {
-    let near = |i: &usize| {
-        let p = receivers.position(*i);
-        places
-            .iter()
-            .any(|c| (p.y - c.y).abs() < LEVEL && (p - *c).length() <= reach)
-    };
     let dark = (0..mask.len())
         .filter(|&i| counts(i) && truth[i] < 0.5)
-        .filter(near);
+        .filter(|&i| is_near(places, reach, receivers.position(i)));
     share(dark.map(|i| mask[i] - truth[i] > ERROR_THRESHOLD))
+}
+
+fn is_near(places: &[Vec3], reach: f32, p: Vec3) -> bool {
+    places
+        .iter()
+        .any(|place| (p.y - place.y).abs() < LEVEL && (p - *place).length() <= reach)
 }
 
 #[cfg(test)]

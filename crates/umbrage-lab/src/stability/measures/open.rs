@@ -1,6 +1,6 @@
 //! What is wrong away from edges: acne, leaks, and acne by distance.
 //!
-//! Near a shadow's edge every map is wrong; farther away than kernels reach nothing may be. Which pixels are *open* so is
+//! Near a shadow's edge every map is wrong; farther away than kernels reach nothing may be. Pixels that far away are *open*:
 //! [`CaseTruth::open`](crate::stability::CaseTruth).
 
 use umbrage_core::metrics::ERROR_THRESHOLD;
@@ -47,15 +47,22 @@ pub fn acne_by_distance(
         .collect();
     lit.sort_by(|a, b| distance[*a].total_cmp(&distance[*b]));
     std::array::from_fn(|bin| {
-        let here = &lit[bin * lit.len() / BINS..(bin + 1) * lit.len() / BINS];
-        share(here.iter().map(|&i| truth[i] - mask[i] > ERROR_THRESHOLD))
+        let start = bin * lit.len() / BINS;
+        let end = (bin + 1) * lit.len() / BINS;
+        let in_bin = lit[start..end].iter();
+        share(in_bin.map(|&i| truth[i] - mask[i] > ERROR_THRESHOLD))
     })
 }
 
-/// Percent of true ones; 0 of none.
+/// Returns the percentage of the flags that are true; 0 without flags.
 pub fn share(wrong: impl Iterator<Item = bool>) -> f64 {
-    let [hits, all] = wrong.fold([0_u64; 2], |[hits, all], w| [hits + u64::from(w), all + 1]);
-    100.0 * hits as f64 / all.max(1) as f64
+    let mut wrong_count = 0_u64;
+    let mut count = 0_u64;
+    for is_wrong in wrong {
+        wrong_count += u64::from(is_wrong);
+        count += 1;
+    }
+    100.0 * wrong_count as f64 / count.max(1) as f64
 }
 
 #[cfg(test)]

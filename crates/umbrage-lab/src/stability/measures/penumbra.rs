@@ -21,23 +21,27 @@ pub fn ray_noise(truth: &[f32], rays: u32, counts: impl Fn(usize) -> bool) -> f6
     })
 }
 
+/// Returns the square root of the mean of `square` over the pixels that count and that truth has in penumbra.
 fn root_mean(
     len: usize,
     truth: &[f32],
     counts: impl Fn(usize) -> bool,
     square: impl Fn(usize) -> f64,
 ) -> f64 {
-    let here = || (0..len).filter(|&i| counts(i) && is_penumbra(truth[i]));
-    (here().map(square).sum::<f64>() / here().count().max(1) as f64).sqrt()
+    let in_penumbra: Vec<usize> = (0..len)
+        .filter(|&i| counts(i) && is_penumbra(truth[i]))
+        .collect();
+    let sum = in_penumbra.iter().map(|&i| square(i)).sum::<f64>();
+    (sum / in_penumbra.len().max(1) as f64).sqrt()
 }
 
-/// Places about which shadows are told apart: each of a shadow's places, on the ground.
+/// Points on the floor by which the shadows of several casters are told apart: of each shadow some, world space, metres.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Shadows(pub Vec<Vec<Vec3>>);
+pub struct ShadowPlaces(pub Vec<Vec<Vec3>>);
 
-impl Shadows {
-    /// The shadow whose place is nearest to a point.
-    fn of(&self, p: Vec3) -> Option<usize> {
+impl ShadowPlaces {
+    /// Returns the index of the shadow whose place is nearest to a point.
+    fn nearest(&self, p: Vec3) -> Option<usize> {
         let places = self
             .0
             .iter()
@@ -46,8 +50,8 @@ impl Shadows {
         places.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(i, _)| i)
     }
 
-    /// For each shadow its penumbra's width over truth's, 1 if right: pixels on the ground (at the places' height, within
-    /// `level` metres) belong to the nearest place. None where truth has no penumbra.
+    /// Returns for each shadow its penumbra's width over truth's, 1 if right: pixels on the floor (at the lowest place's
+    /// height, within `level` metres) belong to the nearest place. None where truth has no penumbra.
     pub fn widths(
         &self,
         mask: &[f32],
@@ -56,25 +60,30 @@ impl Shadows {
         level: f32,
         counts: impl Fn(usize) -> bool,
     ) -> Vec<Option<f64>> {
-        let ground = self
+        let floor_height = self
             .0
             .iter()
             .flatten()
             .map(|p| p.y)
             .fold(f32::MAX, f32::min);
-        let mut sums = vec![[0.0_f64; 2]; self.0.len()];
+        let mut mask_sums = vec![0.0_f64; self.0.len()];
+        let mut truth_sums = vec![0.0_f64; self.0.len()];
         for i in (0..mask.len()).filter(|&i| counts(i) && receivers.receives[i]) {
             let p = receivers.position(i);
-            if (p.y - ground).abs() > level {
+            if (p.y - floor_height).abs() > level {
                 continue;
             }
-            let Some(shadow) = self.of(p) else { continue };
-            for (sum, v) in sums[shadow].iter_mut().zip([mask[i], truth[i]]) {
-                *sum += f64::from(v * (1.0 - v));
-            }
+            let Some(shadow) = self.nearest(p) else {
+                continue;
+            };
+            // The sum of v (1 - v) is in proportion to the width: see the module.
+            mask_sums[shadow] += f64::from(mask[i] * (1.0 - mask[i]));
+            truth_sums[shadow] += f64::from(truth[i] * (1.0 - truth[i]));
         }
-        sums.into_iter()
-            .map(|[mask, truth]| (truth > 0.0).then(|| mask / truth))
+        mask_sums
+            .into_iter()
+            .zip(truth_sums)
+            .map(|(mask_sum, truth_sum)| (truth_sum > 0.0).then(|| mask_sum / truth_sum))
             .collect()
     }
 }
@@ -104,7 +113,7 @@ mod tests {
         let mut receivers = Receivers::empty(UVec2::new(400, 1));
         receivers.x = (0..400).map(|i| i as f32).collect();
         receivers.receives = vec![true; 400];
-        let shadows = Shadows(vec![vec![Vec3::X * 100.0], vec![Vec3::X * 300.0]]);
+        let shadows = ShadowPlaces(vec![vec![Vec3::X * 100.0], vec![Vec3::X * 300.0]]);
         let truth = two_edges([20.0, 40.0]);
         for widths in [[20.0, 40.0], [10.0, 80.0], [0.001, 20.0]] {
             let found = shadows.widths(&two_edges(widths), &truth, &receivers, 0.1, |_| true);

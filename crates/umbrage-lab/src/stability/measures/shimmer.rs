@@ -24,21 +24,17 @@ pub const BLOCK: usize = 16;
 pub fn change_error(frames: &[Vec<f32>], truth: &[Vec<f32>], marked: &[bool], width: usize) -> f64 {
     let blocks = blocks(marked, width);
     let count = blocks.iter().map(Vec::len).sum::<usize>().max(1) as f64;
-    let apart = |(ours, theirs): (&[Vec<f32>; 2], &[Vec<f32>; 2])| {
-        let of = |points: &Vec<usize>| {
-            let ([lit, darkened], [truly_lit, truly_darkened]) =
-                (turned(ours, points), turned(theirs, points));
-            (lit - truly_lit).abs() + (darkened - truly_darkened).abs()
-        };
-        blocks.iter().map(of).sum::<f64>() / count
-    };
-    mean(
-        &frames
-            .array_windows()
-            .zip(truth.array_windows())
-            .map(apart)
-            .collect::<Vec<_>>(),
-    )
+    let mut errors = Vec::new();
+    let frame_pairs = frames.windows(2).zip(truth.windows(2));
+    for (frame_pair, truth_pair) in frame_pairs {
+        let differences = blocks.iter().map(|points| {
+            let change = BlockChange::between(&frame_pair[0], &frame_pair[1], points);
+            let true_change = BlockChange::between(&truth_pair[0], &truth_pair[1], points);
+            change.difference(true_change)
+        });
+        errors.push(differences.sum::<f64>() / count);
+    }
+    mean(&errors)
 }
 
 /// The marked points of each block that has some.
@@ -46,34 +42,58 @@ fn blocks(marked: &[bool], width: usize) -> Vec<Vec<usize>> {
     let width = width.max(1);
     let mut blocks = BTreeMap::<[usize; 2], Vec<usize>>::new();
     for i in (0..marked.len()).filter(|&i| marked[i]) {
+        let row = i / width;
+        let column = i % width;
         blocks
-            .entry([i / width / BLOCK, i % width / BLOCK])
+            .entry([row / BLOCK, column / BLOCK])
             .or_default()
             .push(i);
     }
     blocks.into_values().collect()
 }
 
-/// By how much points brighten and by how much they darken from one frame to the next, in all.
-fn turned([before, after]: &[Vec<f32>; 2], points: &[usize]) -> [f64; 2] {
-    let steps = points.iter().map(|&i| f64::from(after[i] - before[i]));
-    steps.fold([0.0; 2], |[lit, darkened], step| {
-        [lit + step.max(0.0), darkened - step.min(0.0)]
-    })
+/// The change of visibility from one frame to the next, summed over the points of a block.
+#[derive(Clone, Copy, Debug)]
+struct BlockChange {
+    /// The sum over the points that brighten.
+    brightened: f64,
+    /// The sum over the points that darken, as a positive number.
+    darkened: f64,
+}
+
+impl BlockChange {
+    fn between(before: &[f32], after: &[f32], points: &[usize]) -> Self {
+        let mut change = Self {
+            brightened: 0.0,
+            darkened: 0.0,
+        };
+        for &i in points {
+            let step = f64::from(after[i] - before[i]);
+            change.brightened += step.max(0.0);
+            change.darkened -= step.min(0.0);
+        }
+        change
+    }
+
+    fn difference(self, other: Self) -> f64 {
+        (self.brightened - other.brightened).abs() + (self.darkened - other.darkened).abs()
+    }
 }
 
 /// The mean of |V_t - V_(t-1)| over all marked points, for each pair of neighbouring frames.
 fn steps(frames: &[Vec<f32>], marked: &[bool]) -> Vec<f64> {
     let points: Vec<usize> = (0..marked.len()).filter(|&i| marked[i]).collect();
-    let step = |[a, b]: &[Vec<f32>; 2]| {
-        mean(
-            &points
-                .iter()
-                .map(|&i| f64::from((a[i] - b[i]).abs()))
-                .collect::<Vec<_>>(),
-        )
-    };
-    frames.array_windows().map(step).collect()
+    let mut steps = Vec::new();
+    for pair in frames.windows(2) {
+        let before = &pair[0];
+        let after = &pair[1];
+        let changes: Vec<f64> = points
+            .iter()
+            .map(|&i| f64::from((before[i] - after[i]).abs()))
+            .collect();
+        steps.push(mean(&changes));
+    }
+    steps
 }
 
 fn mean(values: &[f64]) -> f64 {

@@ -3,7 +3,7 @@
 mod page;
 mod svg;
 
-use super::{Outcome, Stability, sweeps::Sweep};
+use super::{CellOutcome, Stability, sweeps::Sweep};
 use crate::{
     LabError,
     output::{Folder, csv},
@@ -59,9 +59,9 @@ fn matrix(stability: &Stability) -> Result<Vec<u8>, LabError> {
     for case in &stability.cases {
         for cell in &case.cells {
             let (verdict, reason) = match &cell.outcome {
-                Outcome::Measured { verdict, .. } => (verdict.word(), ""),
-                Outcome::Unsupported { reason } => ("unsupported", reason.as_str()),
-                Outcome::Fault { what } => ("fault", what.as_str()),
+                CellOutcome::Measured { verdict, .. } => (verdict.word(), ""),
+                CellOutcome::Unsupported { reason } => ("unsupported", reason.as_str()),
+                CellOutcome::Fault { what } => ("fault", what.as_str()),
             };
             lines.push([
                 case.row.to_string(),

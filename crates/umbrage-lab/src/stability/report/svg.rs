@@ -12,7 +12,7 @@ const LEFT: usize = 335;
 const TOP: usize = 178;
 const BOTTOM: usize = 34;
 
-/// CaseTruth and ink of a cell. Blue to orange, as all kinds of colour vision tell them apart (Okabe, Ito 2008).
+/// Background and ink of a cell. Blue to orange, as all kinds of colour vision tell them apart (Okabe, Ito 2008).
 fn colors(cell: &Cell) -> [&'static str; 2] {
     match cell.verdict() {
         Some(Verdict::Pass) => ["#cfe3f5", "#134a7c"],

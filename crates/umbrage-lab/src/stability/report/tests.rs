@@ -1,5 +1,5 @@
 use super::*;
-use crate::stability::{CaseResult, Cell, Limits, Verdict};
+use crate::stability::{CaseResult, Cell, Verdict, VerdictLimits};
 
 /// A matrix of one case and three cells; names hold what markup and CSV stumble over.
 fn sample() -> Stability {
@@ -10,7 +10,7 @@ fn sample() -> Stability {
         disagreeing: Some(0),
         picture: Some(vec![1, 2, 3]),
     };
-    let measured = |figure, verdict| Outcome::Measured { figure, verdict };
+    let measured = |figure, verdict| CellOutcome::Measured { figure, verdict };
     let case = CaseResult {
         row: 3,
         title: "thin </script> contact".to_owned(),
@@ -21,7 +21,7 @@ fn sample() -> Stability {
         motion: "still".to_owned(),
         measure: "gap".to_owned(),
         unit: "mm".to_owned(),
-        limits: Limits::new(1.0, 4.0),
+        limits: VerdictLimits::new(1.0, 4.0),
         reason: "because".to_owned(),
         ideal: 0.25,
         cells: vec![
@@ -29,7 +29,7 @@ fn sample() -> Stability {
             cell("7x7, bias: slope", measured(9.0, Verdict::Fails)),
             cell(
                 "cube",
-                Outcome::Unsupported {
+                CellOutcome::Unsupported {
                     reason: "no, \"never\"".to_owned(),
                 },
             ),

@@ -8,8 +8,8 @@ use crate::{
     LabError,
     compare::Backends,
     stability::{
-        Case, CaseTruth, Measure, Options, PLATE,
-        all_backends::{self, Played},
+        CaseTruth, Measure, PLATE, StabilityCase, StabilityOptions,
+        all_backends::{self, RenderedOnAll},
         case_truth,
         guard::NoMask,
     },
@@ -86,11 +86,17 @@ pub(super) const ALL: &[Kind] = &[
 
 pub(super) fn sweep(
     kind: &Kind,
-    options: &Options,
+    options: &StabilityOptions,
     backends: &mut Backends,
 ) -> Result<Sweep, LabError> {
-    let case_truth = case_truth(&Case::still(kind.scene, kind.loss), kind.scene, options)?;
-    let values: Vec<f32> = (0..STEPS).map(|i| at(kind.range, i)).collect();
+    let case_truth = case_truth(
+        &StabilityCase::still(kind.scene, kind.loss),
+        kind.scene,
+        options,
+    )?;
+    let values: Vec<f32> = (0..STEPS)
+        .map(|i| geometric_step(kind.range[0], kind.range[1], i))
+        .collect();
     let played = masks(kind, &values, &case_truth, options, backends)?;
     let curve = |measure: Measure| {
         let pass = measure.limits(&case_truth).pass;
@@ -124,25 +130,26 @@ fn limit(pass: f64, unit: &str) -> String {
     format!("{pass:.3} {unit}").trim_end().to_owned()
 }
 
-/// Steps of equal ratio.
-fn at([from, to]: [f32; 2], i: u32) -> f32 {
-    from * (to / from).powf(i as f32 / (STEPS - 1) as f32)
+/// Returns value `i` of [`STEPS`] from `from` to `to`, each greater than the one before by the same factor.
+fn geometric_step(from: f32, to: f32, i: u32) -> f32 {
+    let t = i as f32 / (STEPS - 1) as f32;
+    from * (to / from).powf(t)
 }
 
 fn masks(
     kind: &Kind,
     values: &[f32],
     case_truth: &CaseTruth,
-    options: &Options,
+    options: &StabilityOptions,
     backends: &mut Backends,
-) -> Result<Vec<Played>, LabError> {
+) -> Result<Vec<RenderedOnAll>, LabError> {
     let one = |(i, v): (usize, &f32)| {
         let map = ShadowMap {
             size: options.map_size,
             bias: (kind.bias)(*v),
             ..ShadowMap::default()
         };
-        match play(case_truth, &Hard { map }, backends, [i, values.len()]) {
+        match play(case_truth, &Hard { map }, backends, i, values.len()) {
             // A perfect score, or a gap that nobody sees, would hide that hard shadows are not served.
             Err(NoMask::Unsupported(why) | NoMask::Fault(why)) => {
                 Err(not_played(case_truth, &Hard { map }, &why))
@@ -169,7 +176,11 @@ mod tests {
     use umbrage_cpu::Cpu;
 
     fn on(playing: Vec<Box<dyn Backend>>) -> Result<Sweep, LabError> {
-        sweep(&ALL[0], &Options::quick(), &mut Backends::of(playing))
+        sweep(
+            &ALL[0],
+            &StabilityOptions::quick(),
+            &mut Backends::of(playing),
+        )
     }
 
     #[test]

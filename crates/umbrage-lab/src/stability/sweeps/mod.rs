@@ -8,8 +8,8 @@ mod reach;
 mod variants;
 
 use super::{
-    CaseTruth, Options,
-    all_backends::{self, Played},
+    CaseTruth, StabilityOptions,
+    all_backends::{self, RenderedOnAll},
     guard::{self, NoMask},
     run::some_backend,
 };
@@ -49,12 +49,12 @@ pub struct Curve {
     pub points: Vec<[f64; 2]>,
 }
 
-/// Runs all sweeps. What must not be of their results is told by [`Sweep::fault`].
+/// Runs all sweeps. [`Sweep::fault`] says what is wrong with a result.
 ///
 /// # Errors
 /// Without a backend, when a scene can't be used, or a technique gives what it must not.
 pub fn sweeps(
-    options: &Options,
+    options: &StabilityOptions,
     backends: &mut Backends,
     on_sweep: &mut dyn FnMut(&str),
 ) -> Result<Vec<Sweep>, LabError> {
@@ -99,18 +99,20 @@ impl Sweep {
     }
 }
 
-/// A technique under the case's first light, at point `i` of `of`.
+/// Plays a technique under the case's first light, at point `i` of `count` of a curve.
 fn play(
     case_truth: &CaseTruth,
     technique: &dyn ShadowTechnique,
     backends: &mut Backends,
-    [i, of]: [usize; 2],
-) -> Result<Played, NoMask> {
+    i: usize,
+    count: usize,
+) -> Result<RenderedOnAll, NoMask> {
     let view = case_truth
         .view(&case_truth.lights[0])
         .with_receivers(&case_truth.truth.receivers);
     let recipe = guard::plan(technique, &view)?;
-    let is_checked = [0, of / 2, of - 1].contains(&i);
+    // Other backends play the curve's ends and its middle.
+    let is_checked = i == 0 || i == count / 2 || i == count - 1;
     all_backends::render(
         all_backends::select(&mut backends.playing, is_checked),
         &view,

@@ -5,7 +5,7 @@ use super::{Curve, Sweep, moved, not_played, play, scaled, under_sun};
 use crate::{
     LabError,
     compare::Backends,
-    stability::{CaseTruth, Measure, Options, all_backends, guard::NoMask, settings},
+    stability::{CaseTruth, Measure, StabilityOptions, all_backends, guard::NoMask, settings},
 };
 use glam::Vec3;
 use umbrage_core::{Fit, Scene};
@@ -65,7 +65,7 @@ const TECHNIQUES: [&str; 4] = ["hard", "pcf", "second_depth", "volumes"];
 
 pub(super) fn sweep(
     kind: &Kind,
-    options: &Options,
+    options: &StabilityOptions,
     backends: &mut Backends,
 ) -> Result<Sweep, LabError> {
     let entry = umbrage_scenes::find(kind.scene);
@@ -102,8 +102,13 @@ pub(super) fn sweep(
                     points: Vec::new(),
                 });
             }
-            let step = [place, kind.values.len()];
-            match play(&case_truth, &**technique, backends, step) {
+            match play(
+                &case_truth,
+                &**technique,
+                backends,
+                place,
+                kind.values.len(),
+            ) {
                 Ok(played) => {
                     let error = Measure::Rmse.figure(&case_truth, &played.mask);
                     add(&mut curves[i + 1], value, error);
