@@ -240,7 +240,7 @@ impl Figure {
     /// As an element within a page whose script makes it interactive. Colours of axes and texts are the page's variables `--ink`,
     /// `--soft` and `--line`. Groups of class `tt` hold a point each, or a line with a name (attribute `data-group`); those of
     /// class `legend-entry` hold an entry of the legend, its name in `data-group`. The ends of the axes are the attributes
-    /// `data-xmin`, `data-xmax`, `data-ymin` and `data-ymax` of the root, as decimal logarithms on logarithmic axes, and their places
+    /// `data-xmin`, `data-xmax`, `data-ymin` and `data-ymax` of the root, and their places
     /// `data-plot-left`, `data-plot-right`, `data-plot-bottom` and `data-plot-top`.
     pub(crate) fn svg_for_page(&self) -> String {
         let (plots, layout) = self.plots();

@@ -130,23 +130,29 @@ const REACH = 24;
 // The drawing comes with the data, as markup with all names escaped; scripts within a document parsed like this never run.
 function drawing(chart) {
   const parsed = new DOMParser().parseFromString(chart.svg, "image/svg+xml");
-  return document.importNode(parsed.documentElement, true);
+  const svg = document.importNode(parsed.documentElement, true);
+  // Ends of the axes clip nothing of ours, and clips of several drawings in one page would have one name.
+  svg.querySelectorAll("[clip-path]").forEach((node) => node.removeAttribute("clip-path"));
+  svg.querySelectorAll("defs").forEach((node) => node.remove());
+  return svg;
 }
 
-// The points of a drawing: the group that draws each, what it is, and its place. Axes are logarithmic; their ends are given as decimal logarithms.
-function pointsOf(svg, dots) {
+// The points of a drawing: the group that draws each, what it is, and its place. Both axes are logarithmic.
+function pointsOf(svg, chart) {
+  const front = new Set(chart.front);
   const attribute = (name) => Number(svg.getAttribute(`data-${name}`));
-  const along = (value, least, greatest, start, end) => start + ((Math.log10(value) - least) / (greatest - least)) * (end - start);
+  const along = (value, least, greatest, start, end) => start + (Math.log(value / least) / Math.log(greatest / least)) * (end - start);
   const points = [];
   for (const group of svg.querySelectorAll("g.tt")) {
     const title = group.querySelector("title");
     if (!title) continue;
-    const dot = dots[title.textContent];
+    const dot = chart.dots[title.textContent];
     // A browser would show it beside our own text.
     title.remove();
     if (!dot) continue;
     const x = along(Number(group.dataset.x), attribute("xmin"), attribute("xmax"), attribute("plot-left"), attribute("plot-right"));
     const y = along(Number(group.dataset.y), attribute("ymin"), attribute("ymax"), attribute("plot-bottom"), attribute("plot-top"));
+    group.classList.toggle("faint", !front.has(dot.place));
     points.push({ group, dot, x, y });
   }
   return points;
@@ -268,7 +274,7 @@ function chartOf(node, both, onclick, picture) {
     if (!chart) return;
     const svg = drawing(chart);
     node.replaceChildren(svg);
-    const points = pointsOf(svg, chart.dots);
+    const points = pointsOf(svg, chart);
     const isMuted = legendOf(svg, points, muted);
     const magnifier = magnifierOf(svg, points);
     const nearest = (event) => {

@@ -11,9 +11,6 @@ use crate::{
 
 /// Radius of points that the front beats, pixels.
 const FAINT_RADIUS: f64 = 3.5;
-/// Opacity of points that the front beats in the page, which has a light and a dark scheme.
-const FAINT_OPACITY: f64 = 0.28;
-
 /// What the axes say.
 pub(super) struct Words<'a> {
     pub(super) title: &'a str,
@@ -124,14 +121,14 @@ fn points(
 }
 
 /// Returns the series of points that a front beats. On white they are paler rather than transparent, since not every viewer
-/// blends; the page's ground may be dark.
+/// blends; the page, which may be dark, makes them transparent itself.
 fn faint(style: SeriesStyle, backend: usize, points: Vec<Point>, medium: Medium) -> Series {
-    let (color, opacity) = match medium {
-        Medium::Still => (style.faint(backend), 1.0),
-        Medium::Page => (style.color(backend), FAINT_OPACITY),
+    let color = match medium {
+        Medium::Still => style.faint(backend),
+        Medium::Page => style.color(backend),
     };
     Series {
-        style: Style::Points(style.marker, FAINT_RADIUS, opacity),
+        style: Style::Points(style.marker, FAINT_RADIUS, 1.0),
         ..Series::points("", color, style.marker, points)
     }
 }
