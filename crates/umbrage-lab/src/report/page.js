@@ -345,7 +345,7 @@ function overallChart() {
   if (!data.overall.time && !data.overall.cost) return null;
   const chart = el("div", { class: "chart whole" });
   const panel = el("div", { class: "panel" }, el("h2", {}, "Speed against accuracy"),
-    el("p", {}, `Every setting, mean over all scenes: error relative to drawing no shadows (1: as wrong as none), time relative to hard shadows from a map of middle size. Down and left is better; what no other setting beats at both is joined by the dotted line, the rest is faint. Click on the legend to hide a technique or a backend, twice to see it alone; drag to magnify, double-click for the whole. Where a technique cannot serve a scene it counts as drawing no shadow there.`),
+    el("p", {}, `Every setting, mean over all scenes: error relative to drawing no shadows (1: as wrong as none), time relative to hard shadows from a map of middle size. Down and left is better; what no other setting beats at both is joined by the dashed line, the rest is faint. Click on the legend to hide a technique or a backend, twice to see it alone; drag to magnify, double-click for the whole. Where a technique cannot serve a scene it counts as drawing no shadow there.`),
     clockSwitch(), chart);
   requestAnimationFrame(() => chartOf(chart, data.overall, () => {}, () => null));
   return panel;
