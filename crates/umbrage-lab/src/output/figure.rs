@@ -11,7 +11,8 @@
 
 use crate::LabError;
 use kuva::prelude::{
-    Layout, LegendPosition, LinePlot, MarkerShape, Plot, ReferenceLine, ScatterPlot, TickFormat,
+    Layout, LegendPosition, LinePlot, MarkerShape, Plot, ReferenceLine, ScatterPlot, Theme,
+    TickFormat,
 };
 use std::sync::Arc;
 
@@ -142,6 +143,8 @@ pub struct Point {
     pub y_range: Option<[f64; 2]>,
     /// Text beside it, maybe empty.
     pub label: String,
+    /// Text of its `<title>` element, maybe empty: what a reader's pointer shows, or by what a page's script finds it.
+    pub title: String,
 }
 
 impl Point {
@@ -231,10 +234,38 @@ impl Figure {
     /// As a picture that is sharp at any size, complete in itself.
     pub fn svg(&self) -> String {
         let (plots, layout) = self.plots();
-        let svg = kuva::render_to_svg(plots, layout);
-        // Without a view box it would be cropped, not scaled, where a page shows it at another size.
+        self.scaled(&kuva::render_to_svg(plots, layout))
+    }
+
+    /// As an element within a page whose script makes it interactive. Colours of axes and texts are the page's variables `--ink`,
+    /// `--soft` and `--line`. Groups of class `tt` hold a point each, or a line with a name (attribute `data-group`); those of
+    /// class `legend-entry` hold an entry of the legend, its name in `data-group`. The ends of the axes are the attributes
+    /// `data-xmin`, `data-xmax`, `data-ymin` and `data-ymax` of the root, and their places
+    /// `data-plot-left`, `data-plot-right`, `data-plot-bottom` and `data-plot-top`.
+    pub(crate) fn svg_for_page(&self) -> String {
+        let (plots, layout) = self.plots();
+        let theme = Theme {
+            background: "none".into(),
+            axis_color: "var(--soft)".into(),
+            grid_color: "var(--line)".into(),
+            tick_color: "var(--soft)".into(),
+            text_color: "var(--ink)".into(),
+            legend_bg: "none".into(),
+            legend_border: "none".into(),
+            ..Theme::light()
+        };
+        let layout = layout
+            .with_interactive()
+            .with_theme(theme)
+            .with_font_family("inherit");
+        let svg = self.scaled(&kuva::render_to_svg(plots, layout));
+        without_controls(&svg)
+    }
+
+    /// Gives a rendered picture a view box: without one it would be cropped, not scaled, where a page shows it at another size.
+    fn scaled(&self, svg: &str) -> String {
         let [width, height] = self.size;
-        unnumbered(&svg).replacen(
+        unnumbered(svg).replacen(
             "<svg ",
             &format!("<svg viewBox=\"0 0 {width} {height}\" "),
             1,
@@ -386,7 +417,26 @@ fn annotated(mut scatter: ScatterPlot, points: &[&Point]) -> ScatterPlot {
             .with_labels(points.iter().map(|p| p.label.clone()))
             .with_repel_labels();
     }
+    if points.iter().any(|p| !p.title.is_empty()) {
+        scatter = scatter.with_tooltip_labels(points.iter().map(|p| p.title.clone()));
+    }
     scatter
+}
+
+/// Takes the renderer's own script, style sheet and controls out of an interactive picture; the controls and the script come
+/// last.
+fn without_controls(svg: &str) -> String {
+    let drawing = svg.find("<foreignObject").map_or_else(
+        || svg.to_owned(),
+        |controls| format!("{}</svg>", &svg[..controls]),
+    );
+    match (drawing.find("<style>"), drawing.find("</style>")) {
+        (Some(from), Some(to)) => {
+            let rest = &drawing[to + "</style>".len()..];
+            format!("{}{rest}", &drawing[..from])
+        }
+        _ => drawing,
+    }
 }
 
 /// The renderer numbers its clips through the whole run of the program; a chart must not tell how many came before it.

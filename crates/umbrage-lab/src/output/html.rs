@@ -53,8 +53,7 @@ pub(crate) fn document(title: &str, style: &str, body: &str) -> String {
     )
 }
 
-/// Returns plain text as markup, for elements and quoted attributes of HTML and SVG, and for the texts of plotly.js. Quotes are
-/// escaped by number, since plotly.js knows few names.
+/// Returns plain text as markup, for elements and quoted attributes of HTML and SVG.
 pub(crate) fn escape(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")

@@ -1,4 +1,7 @@
 //! NumPy files: float32, H x W, row 0 on top, -1 where the camera hits nothing.
+//!
+//! The format is version 1.0 of NumPy Enhancement Proposal 1, "A Simple File Format for NumPy Arrays"
+//! (<https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>).
 
 use crate::output::Folder;
 use crate::{
@@ -6,9 +9,17 @@ use crate::{
     compare::{SceneImages, SceneResult},
 };
 use glam::UVec2;
-use npyz::WriterBuilder;
 use std::io;
 use umbrage_core::{NO_TRIANGLE, Receivers};
+
+/// The first bytes of every NumPy file.
+const MAGIC: &[u8; 6] = b"\x93NUMPY";
+/// Major and minor version of the format.
+const VERSION: [u8; 2] = [1, 0];
+/// Bytes before the header's text: magic, version, and the text's length as 16 bits.
+const PREFIX_BYTES: usize = MAGIC.len() + VERSION.len() + 2;
+/// The data begin at a multiple of this many bytes.
+const ALIGNMENT: usize = 64;
 
 /// Writes truth, distance along the unit camera ray, ambiguity, and one visibility array a measured row.
 pub(super) fn write(
@@ -44,18 +55,64 @@ fn masked(receivers: &Receivers, value: &dyn Fn(usize) -> f32) -> Vec<f32> {
         .collect()
 }
 
-/// A two-dimensional array in NumPy's format.
+/// Returns a two-dimensional array of little-endian float32 in NumPy's format. `values`: `size.y` rows of `size.x`, row by row.
+///
+/// # Errors
+/// Errors if there are more or fewer values than `size` has places.
 pub(super) fn npy(size: UVec2, values: &[f32]) -> io::Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    let shape = [u64::from(size.y), u64::from(size.x)];
-    let mut writer = npyz::WriteOptions::new()
-        .default_dtype()
-        .shape(&shape)
-        .writer(&mut bytes)
-        .begin_nd()?;
-    writer.extend(values.iter().copied())?;
-    writer.finish()?;
+    let expected = u64::from(size.x) * u64::from(size.y);
+    if values.len() as u64 != expected {
+        let found = values.len();
+        return Err(io::Error::other(format!(
+            "an array of {expected} values was given {found}"
+        )));
+    }
+    let header = header(size);
+    let header_bytes = u16::try_from(header.len()).map_err(io::Error::other)?;
+    let mut bytes = Vec::with_capacity(PREFIX_BYTES + header.len() + size_of_val(values));
+    bytes.extend(MAGIC);
+    bytes.extend(VERSION);
+    bytes.extend(header_bytes.to_le_bytes());
+    bytes.extend(header.as_bytes());
+    bytes.extend(values.iter().flat_map(|value| value.to_le_bytes()));
     Ok(bytes)
+}
+
+/// Returns the header's text: a literal of a Python dictionary, padded with blanks up to the line's end that closes it.
+fn header(size: UVec2) -> String {
+    let [rows, columns] = [size.y, size.x];
+    let dictionary =
+        format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({rows}, {columns}), }}");
+    let unpadded_bytes = PREFIX_BYTES + dictionary.len() + 1;
+    let padding = unpadded_bytes.next_multiple_of(ALIGNMENT) - unpadded_bytes;
+    format!("{dictionary}{}\n", " ".repeat(padding))
+}
+
+/// Returns rows, columns and values of a file that [`npy`] wrote, read by the rules of the format.
+#[cfg(test)]
+pub(super) fn read_npy(bytes: &[u8]) -> (usize, usize, Vec<f32>) {
+    assert_eq!(&bytes[..6], b"\x93NUMPY");
+    assert_eq!(bytes[6..8], [1, 0], "version 1.0");
+    let header_bytes = usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
+    let (head, data) = bytes.split_at(10 + header_bytes);
+    assert_eq!(head.len() % 64, 0, "the data are aligned");
+    let header = std::str::from_utf8(&head[10..]).expect("text");
+    let dictionary = header
+        .strip_suffix('\n')
+        .expect("one line")
+        .trim_end_matches(' ');
+    let shape = dictionary
+        .strip_prefix("{'descr': '<f4', 'fortran_order': False, 'shape': (")
+        .and_then(|rest| rest.strip_suffix("), }"))
+        .expect("the three keys, in order of the alphabet");
+    let (rows, columns) = shape.split_once(", ").expect("two dimensions");
+    let rows: usize = rows.parse().expect("a number");
+    let columns: usize = columns.parse().expect("a number");
+    let (floats, rest) = data.as_chunks::<4>();
+    assert!(rest.is_empty());
+    assert_eq!(floats.len(), rows * columns);
+    let values = floats.iter().map(|float| f32::from_le_bytes(*float));
+    (rows, columns, values.collect())
 }
 
 #[cfg(test)]
@@ -64,12 +121,18 @@ mod tests {
 
     #[test]
     fn arrays_come_back_with_rows_first() {
-        let values: Vec<f32> = (0..6).map(|i| i as f32).collect();
-        let bytes = npy(UVec2::new(3, 2), &values).expect("memory");
-        let file = npyz::NpyFile::new(&bytes[..]).expect("valid");
-        assert_eq!((file.shape(), file.order()), (&[2, 3][..], npyz::Order::C));
-        assert_eq!(file.into_vec::<f32>().expect("floats"), values);
-        assert_eq!(&bytes[..6], b"\x93NUMPY");
+        let values: Vec<f32> = (0..6).map(|i| i as f32 - 2.5).collect();
+        let bytes = npy(UVec2::new(3, 2), &values).expect("as many as places");
+        assert_eq!(read_npy(&bytes), (2, 3, values));
+    }
+
+    /// Whatever the number of digits of the shape.
+    #[test]
+    fn headers_fill_up_to_the_alignment() {
+        for width in [1, 10, 100, 1000, 10_000, 100_000] {
+            let header = header(UVec2::new(width, 7));
+            assert_eq!((PREFIX_BYTES + header.len()) % ALIGNMENT, 0, "{width}");
+        }
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use super::{
     chart, lines,
     page::{self, Charts, ImageStore, RowPictures, ScenePage},
-    still,
+    still::{self, Medium, Words},
     store::Stored,
     to_csv,
 };
@@ -16,6 +16,10 @@ use std::{
     fs,
     path::{Path, PathBuf},
 };
+
+/// Width and height of the page's chart over all scenes, and of a scene's, pixels of the SVG; the page scales them.
+const OVERALL_SIZE: [f64; 2] = [1240.0, 560.0];
+const SCENE_SIZE: [f64; 2] = [1000.0, 480.0];
 
 /// Writes everything but the scenes' own folders, which lie in `path`.
 pub(super) fn write(
@@ -34,7 +38,16 @@ pub(super) fn write(
         .enumerate()
         .map(|(i, s)| scene_page(path, i, s, &mut images))
         .collect::<Vec<_>>();
-    let overall = charts(|clock| chart::relative_dots(&all, clock));
+    let scene_count = all.iter().map(|r| r.scenes).max().unwrap_or(0);
+    let overall = charts(
+        |clock| chart::relative_dots(&all, clock),
+        |clock| Words {
+            title: "",
+            subtitle: String::new(),
+            ..still::of_all(scene_count, clock)
+        },
+        OVERALL_SIZE,
+    );
     let page = page::html(&comparison, &pages, &overall, &images)
         .map_err(|e| LabError::write(path.join("index.html"), e))?;
     folder.write("rows.csv", &rows)?;
@@ -47,10 +60,8 @@ pub(super) fn write(
             folder.remove(&format!("chart-{name}.svg"))?;
             folder.remove(&format!("chart-{name}.png"))?;
         } else {
-            let figure = still::figure(
-                &dots,
-                &still::of_all(all.iter().map(|r| r.scenes).max().unwrap_or(0), clock),
-            );
+            let words = still::of_all(scene_count, clock);
+            let figure = still::figure(&dots, &words, Medium::Still);
             folder.write(&format!("chart-{name}.svg"), figure.svg().as_bytes())?;
             folder.write(&format!("chart-{name}.png"), &figure.png()?)?;
         }
@@ -126,17 +137,23 @@ fn scene_page(path: &Path, index: usize, scene: &Stored, images: &mut ImageStore
         index,
         truth,
         rows,
-        charts: charts(|clock| chart::dots(result, clock)),
+        charts: charts(
+            |clock| chart::dots(result, clock),
+            still::of_scene,
+            SCENE_SIZE,
+        ),
     }
 }
 
-fn charts(dots: impl Fn(CostBasis) -> Vec<chart::Dot>) -> Charts {
+/// Returns the page's charts by each clock for which there are dots.
+fn charts(
+    dots: impl Fn(CostBasis) -> Vec<chart::Dot>,
+    words: impl Fn(CostBasis) -> Words<'static>,
+    size: [f64; 2],
+) -> Charts {
     let chart = |clock| {
         let dots = dots(clock);
-        (!dots.is_empty()).then(|| page::Chart {
-            front: chart::front(&dots),
-            traces: chart::traces(&dots),
-        })
+        (!dots.is_empty()).then(|| page::Chart::new(dots, &words(clock), size))
     };
     Charts {
         time: chart(CostBasis::Wall),

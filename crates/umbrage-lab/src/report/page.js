@@ -1,5 +1,5 @@
 "use strict";
-// Everything is built from text nodes, never from HTML strings, so no name can smuggle in markup.
+// Everything but the charts is built from text nodes, never from strings of markup, so no name can smuggle in any.
 const data = JSON.parse(document.getElementById("data").textContent);
 const { comparison, pages, images } = data;
 const dark = matchMedia("(prefers-color-scheme: dark)");
@@ -124,37 +124,199 @@ function matrix() {
     el("div", { class: "scroll" }, el("table", { class: "matrix" }, el("thead", {}, head), el("tbody", {}, ...lines))));
 }
 
-const AXES = {
-  scene: { time: "casts + filters + lookup, ms", cost: "counted cost, ms by the price list", y: "RMSE of visibility (1e-4 and less)" },
-  all: { time: "time, relative to hard shadows from a map of middle size", cost: "counted cost, relative to hard shadows from a map of middle size", y: "error, relative to no shadows" },
-};
+// How far from a point the pointer finds it, in units of the drawing.
+const REACH = 24;
 
-function layout(axes) {
-  const style = getComputedStyle(document.documentElement);
-  const [ink, line] = ["--ink", "--line"].map((v) => style.getPropertyValue(v).trim());
-  const axis = (text) => ({ type: "log", title: { text, standoff: 8 }, gridcolor: line, zeroline: false, linecolor: line, dtick: 1, minor: { showgrid: true, gridcolor: line, griddash: "dot" }, exponentformat: "power" });
-  return {
-    paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)", hovermode: "closest", margin: { l: 62, r: 12, t: 12, b: 48 },
-    font: { family: getComputedStyle(document.body).fontFamily, size: 12, color: ink },
-    xaxis: axis(axes[clock]), yaxis: axis(axes.y),
-    legend: { orientation: "h", y: 1.02, yanchor: "bottom", x: 0, font: { size: 11 } }, hoverlabel: { align: "left" },
-  };
+// The drawing comes with the data, as markup with all names escaped; scripts within a document parsed like this never run.
+function drawing(chart) {
+  const parsed = new DOMParser().parseFromString(chart.svg, "image/svg+xml");
+  const svg = document.importNode(parsed.documentElement, true);
+  // Ends of the axes clip nothing of ours, and clips of several drawings in one page would have one name.
+  svg.querySelectorAll("[clip-path]").forEach((node) => node.removeAttribute("clip-path"));
+  svg.querySelectorAll("defs").forEach((node) => node.remove());
+  return svg;
 }
 
-// A chart that follows the clock and the colour scheme.
-function chartOf(node, both, axes, onclick, picture) {
+// The points of a drawing: the group that draws each, what it is, and its place. Both axes are logarithmic.
+function pointsOf(svg, chart) {
+  const front = new Set(chart.front);
+  const attribute = (name) => Number(svg.getAttribute(`data-${name}`));
+  const along = (value, least, greatest, start, end) => start + (Math.log(value / least) / Math.log(greatest / least)) * (end - start);
+  const points = [];
+  for (const group of svg.querySelectorAll("g.tt")) {
+    const title = group.querySelector("title");
+    if (!title) continue;
+    const dot = chart.dots[title.textContent];
+    // A browser would show it beside our own text.
+    title.remove();
+    if (!dot) continue;
+    const x = along(Number(group.dataset.x), attribute("xmin"), attribute("xmax"), attribute("plot-left"), attribute("plot-right"));
+    const y = along(Number(group.dataset.y), attribute("ymin"), attribute("ymax"), attribute("plot-bottom"), attribute("plot-top"));
+    group.classList.toggle("faint", !front.has(dot.place));
+    points.push({ group, dot, x, y });
+  }
+  return points;
+}
+
+// Entries of the legend mute and show what they name: a technique, or a backend with its front. A double click shows it alone.
+function legendOf(svg, points, muted) {
+  const entries = [...svg.querySelectorAll("g.legend-entry")];
+  const lines = [...svg.querySelectorAll("g.tt[data-group]")];
+  const name = (node) => node.dataset.group;
+  const front = (dot) => `Pareto front, ${dot.backend}`;
+  const isMuted = (dot) => muted.has(dot.technique) || muted.has(front(dot));
+  const update = () => {
+    points.forEach((p) => p.group.classList.toggle("muted", isMuted(p.dot)));
+    lines.forEach((line) => line.classList.toggle("muted", muted.has(name(line))));
+    entries.forEach((entry) => {
+      entry.classList.toggle("muted", muted.has(name(entry)));
+      entry.setAttribute("aria-pressed", !muted.has(name(entry)));
+    });
+  };
+  const toggle = (entry) => {
+    if (!muted.delete(name(entry))) muted.add(name(entry));
+    update();
+  };
+  const isFront = (entry) => name(entry).startsWith("Pareto front, ");
+  const alone = (entry) => {
+    const others = entries.filter((other) => other !== entry && isFront(other) === isFront(entry));
+    const wasAlone = others.every((other) => muted.has(name(other)));
+    muted.delete(name(entry));
+    others.forEach((other) => (wasAlone ? muted.delete(name(other)) : muted.add(name(other))));
+    update();
+  };
+  for (const entry of entries) {
+    const box = entry.getBBox();
+    entry.prepend(rectangle(box.x - 4, box.y - 2, box.width + 8, box.height + 4));
+    entry.setAttribute("role", "button");
+    entry.setAttribute("tabindex", "0");
+    entry.addEventListener("click", () => toggle(entry));
+    entry.addEventListener("dblclick", () => alone(entry));
+    entry.addEventListener("keydown", (e) => {
+      if (e.key !== "Enter" && e.key !== " ") return;
+      e.preventDefault();
+      if (e.shiftKey) alone(entry);
+      else toggle(entry);
+    });
+  }
+  update();
+  return isMuted;
+}
+
+function rectangle(x, y, width, height) {
+  const node = document.createElementNS("http://www.w3.org/2000/svg", "rect");
+  for (const [key, value] of Object.entries({ x, y, width, height, class: "area" })) node.setAttribute(key, value);
+  return node;
+}
+
+// Dragging over a chart magnifies the part dragged over; a double click or Escape shows the whole again. Markers keep their size, so that what lies close comes apart. Answers what the pointer is doing: how strongly the chart is magnified, and whether the last press was a drag.
+function magnifierOf(svg, points) {
+  const whole = svg.viewBox.baseVal;
+  const full = { x: 0, y: 0, width: whole.width, height: whole.height };
+  const state = { scale: 1, dragged: false };
+  let from = null;
+  let frame = null;
+  const at = (event) => new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM().inverse());
+  const show = (view) => {
+    state.scale = full.width / view.width;
+    svg.setAttribute("viewBox", `${view.x} ${view.y} ${view.width} ${view.height}`);
+    svg.classList.toggle("magnified", state.scale > 1);
+    for (const { group, x, y } of points) {
+      const keep = `translate(${x} ${y}) scale(${1 / state.scale}) translate(${-x} ${-y})`;
+      // Lines are error bars: their ends are values.
+      group.querySelectorAll(":scope > :not(line)").forEach((marker) => marker.setAttribute("transform", keep));
+    }
+  };
+  const box = (a, b) => ({ x: Math.min(a.x, b.x), y: Math.min(a.y, b.y), width: Math.abs(a.x - b.x), height: Math.abs(a.y - b.y) });
+  const end = () => {
+    if (frame) frame.remove();
+    from = frame = null;
+  };
+  svg.addEventListener("pointerdown", (e) => {
+    state.dragged = false;
+    // A finger scrolls.
+    if (e.pointerType === "mouse" && e.button === 0 && !e.target.closest(".legend-entry")) from = at(e);
+  });
+  svg.addEventListener("pointermove", (e) => {
+    if (!from) return;
+    const { x, y, width, height } = box(from, at(e));
+    if (!frame && Math.max(width, height) * state.scale < 8) return;
+    if (!frame) {
+      svg.setPointerCapture(e.pointerId);
+      state.dragged = true;
+    }
+    if (frame) frame.remove();
+    frame = rectangle(x, y, width, height);
+    frame.setAttribute("class", "frame");
+    svg.append(frame);
+  });
+  svg.addEventListener("pointerup", (e) => {
+    const part = from && frame && box(from, at(e));
+    end();
+    if (!part) return;
+    // The part grows to the shape of the whole, about its centre.
+    const width = Math.max(part.width, (part.height * full.width) / full.height, full.width / 64);
+    const height = (width * full.height) / full.width;
+    show({ x: part.x + (part.width - width) / 2, y: part.y + (part.height - height) / 2, width, height });
+  });
+  svg.addEventListener("pointercancel", end);
+  svg.addEventListener("dblclick", (e) => { if (!e.target.closest(".legend-entry")) show(full); });
+  svg.setAttribute("tabindex", "-1");
+  svg.addEventListener("keydown", (e) => { if (e.key === "Escape") show(full); });
+  return state;
+}
+
+// A chart that follows the clock. `picture` gives the number of a row's picture.
+function chartOf(node, both, onclick, picture) {
+  const muted = new Set();
   const draw = () => {
     const chart = both[clock] || both.cost;
-    if (chart) Plotly.react(node, chart.traces, layout(axes), { responsive: true, displayModeBar: false });
+    if (!chart) return;
+    const svg = drawing(chart);
+    node.replaceChildren(svg);
+    const points = pointsOf(svg, chart);
+    const isMuted = legendOf(svg, points, muted);
+    const magnifier = magnifierOf(svg, points);
+    const nearest = (event) => {
+      const at = new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM().inverse());
+      const distance = (p) => Math.hypot(p.x - at.x, p.y - at.y);
+      const near = points.filter((p) => !isMuted(p.dot) && distance(p) * magnifier.scale < REACH);
+      // Of two points in one place the later is drawn above the other.
+      return near.reduce((best, p) => (best && distance(best) < distance(p) ? best : p), null);
+    };
+    let lit = null;
+    const light = (point, event) => {
+      if (lit) lit.group.classList.remove("lit");
+      lit = point;
+      if (lit) lit.group.classList.add("lit");
+      svg.classList.toggle("near", lit !== null);
+      tip(lit && lit.dot.hover, event);
+      peek(lit && picture(lit.dot.place), event);
+    };
+    svg.addEventListener("pointermove", (e) => light(nearest(e), e));
+    svg.addEventListener("pointerleave", (e) => light(null, e));
+    svg.addEventListener("click", (e) => {
+      const point = e.target.closest(".legend-entry") ? null : nearest(e);
+      if (point && !magnifier.dragged) onclick(point.dot.place);
+    });
   };
   draw();
   charts.push(draw);
-  dark.addEventListener("change", draw);
-  const place = (e) => e.points[0].customdata;
-  if (!node.on) return;
-  node.on("plotly_click", (e) => { if (Number.isInteger(place(e))) onclick(place(e)); });
-  node.on("plotly_hover", (e) => peek(picture(place(e)), e.event));
-  node.on("plotly_unhover", () => peek(null));
+}
+
+// Lines of text beside the pointer.
+function tip(lines, event) {
+  const box = byId("tip");
+  box.hidden = !lines;
+  if (box.hidden) return;
+  box.replaceChildren(...lines.map((line, i) => el(i === 0 ? "b" : "span", {}, line)));
+  const gap = 14;
+  const { width, height } = box.getBoundingClientRect();
+  const right = event.clientX + gap + width < innerWidth;
+  const below = event.clientY + gap + height < innerHeight;
+  const left = right ? event.clientX + gap : Math.max(4, event.clientX - gap - width);
+  const top = below ? event.clientY + gap : Math.max(4, event.clientY - gap - height);
+  Object.assign(box.style, { left: `${left}px`, top: `${top}px` });
 }
 
 // A row's mask beside the pointer.
@@ -181,11 +343,11 @@ function clockSwitch() {
 
 function overallChart() {
   if (!data.overall.time && !data.overall.cost) return null;
-  const chart = el("div", { class: "chart tall" });
+  const chart = el("div", { class: "chart whole" });
   const panel = el("div", { class: "panel" }, el("h2", {}, "Speed against accuracy"),
-    el("p", {}, `Every setting, mean over all scenes: error relative to drawing no shadows (1: as wrong as none), time relative to hard shadows from a map of middle size. Down and left is better; what no other setting beats at both is joined by the dotted line, the rest is faint. Where a technique cannot serve a scene it counts as drawing no shadow there.`),
+    el("p", {}, `Every setting, mean over all scenes: error relative to drawing no shadows (1: as wrong as none), time relative to hard shadows from a map of middle size. Down and left is better; what no other setting beats at both is joined by the dashed line, the rest is faint. Click on the legend to hide a technique or a backend, twice to see it alone; drag to magnify, double-click for the whole. Where a technique cannot serve a scene it counts as drawing no shadow there.`),
     clockSwitch(), chart);
-  requestAnimationFrame(() => chartOf(chart, data.overall, AXES.all, () => {}, () => null));
+  requestAnimationFrame(() => chartOf(chart, data.overall, () => {}, () => null));
   return panel;
 }
 
@@ -301,7 +463,7 @@ function fillScene(section, scene, page) {
   const truth = el("div", { class: "panel truth" }, shot(page.truth, "truth", scene.name), legend());
   section.append(el("div", { class: "stage" }, chart, truth), rows.node);
   const mask = (i) => (page.rows[i] ? page.rows[i].mask : null);
-  chartOf(chart, page.charts, AXES.scene, rows.show, mask);
+  chartOf(chart, page.charts, rows.show, mask);
 }
 
 function sceneSection(scene, page) {

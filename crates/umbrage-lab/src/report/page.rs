@@ -1,5 +1,9 @@
 //! The page itself: elements, a style sheet, a script, and one block of data.
 
+use super::{
+    chart::{self, Dot},
+    still::{self, Medium, Words},
+};
 use crate::{
     compare::Comparison,
     output::html::{Page, data_uri},
@@ -70,8 +74,23 @@ pub(super) struct Charts {
 pub(super) struct Chart {
     /// Rows on their backend's Pareto front.
     pub(super) front: Vec<usize>,
-    /// The curves.
-    pub(super) traces: serde_json::Value,
+    /// The drawing, of [`crate::output::figure::Figure::svg_for_page`]. A point's title is its place among the dots.
+    pub(super) svg: String,
+    /// What the points are.
+    pub(super) dots: Vec<Dot>,
+}
+
+impl Chart {
+    /// Draws dots at a size in pixels of the SVG.
+    pub(super) fn new(dots: Vec<Dot>, words: &Words<'_>, size: [f64; 2]) -> Self {
+        let mut figure = still::figure(&dots, words, Medium::Page);
+        figure.size = size;
+        Self {
+            front: chart::front(&dots),
+            svg: figure.svg_for_page(),
+            dots,
+        }
+    }
 }
 
 #[derive(Serialize)]
@@ -105,19 +124,9 @@ pub(super) fn html(
         title,
         style: STYLE,
         body: BODY,
-        scripts: &[&plotly_source(), SCRIPT],
+        scripts: &[SCRIPT],
     }
     .html(&data)
-}
-
-/// plotly.js, as the `plotly` crate carries it: the first script of its offline sources; the other sets formulas.
-fn plotly_source() -> String {
-    let sources = plotly::Plot::offline_js_sources();
-    let script = sources.split_once('>').map_or("", |(_, after)| after);
-    script
-        .split_once("</script>")
-        .map_or(script, |(script, _)| script)
-        .to_owned()
 }
 
 #[cfg(test)]
@@ -125,10 +134,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn plotly_is_there_once_and_cannot_end_its_element() {
-        let source = plotly_source();
-        assert!(source.len() > 1_000_000 && source.contains("plotly.js v"));
-        assert!(!source.contains("</script"));
+    fn script_and_style_cannot_end_their_elements() {
         assert!(!SCRIPT.contains("</script") && !STYLE.contains("</style"));
     }
 

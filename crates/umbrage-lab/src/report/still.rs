@@ -1,4 +1,4 @@
-//! The charts as SVG and PNG, for pages that cannot run a script.
+//! The charts as figures: still ones as SVG and PNG, for places that cannot run a script, and those of the page.
 
 use super::{
     chart::{Dot, distinct},
@@ -11,13 +11,35 @@ use crate::{
 
 /// Radius of points that the front beats, pixels.
 const FAINT_RADIUS: f64 = 3.5;
-
 /// What the axes say.
 pub(super) struct Words<'a> {
     pub(super) title: &'a str,
     pub(super) subtitle: String,
     pub(super) x: &'a str,
     pub(super) y: &'a str,
+}
+
+/// Where a chart is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Medium {
+    /// On white, alone: the points on fronts have their names beside them.
+    Still,
+    /// In the page, whose script shows what a point is: each point's title is its place among the dots.
+    Page,
+}
+
+/// Returns the words of one scene's chart; the page gives it a title.
+pub(super) fn of_scene(clock: CostBasis) -> Words<'static> {
+    let x = match clock {
+        CostBasis::Wall => "casts + filters + lookup, ms",
+        CostBasis::Cost => "counted cost, ms by the price list",
+    };
+    Words {
+        title: "",
+        subtitle: String::new(),
+        x,
+        y: "RMSE of visibility (1e-4 and less)",
+    }
 }
 
 /// Words for all scenes.
@@ -34,27 +56,19 @@ pub(super) fn of_all(scenes: usize, clock: CostBasis) -> Words<'static> {
     }
 }
 
-/// Each backend's front with its names, everything else faint: blue and orange as in the page.
-pub(super) fn figure(dots: &[Dot], words: &Words<'_>) -> Figure {
+/// Returns a chart in which each backend's front stands out and everything else is faint.
+pub(super) fn figure(dots: &[Dot], words: &Words<'_>, medium: Medium) -> Figure {
     let mut figure = Figure::new(words.title, words.x, words.y).log(true, true);
     figure.subtitle.clone_from(&words.subtitle);
     figure.size = [980.0, 620.0];
     let techniques = distinct(dots, |d| &d.technique);
     let styles = styles_of(&techniques);
     let backends = distinct(dots, |d| &d.backend);
-    let of = |technique: &str, backend: &str, on_front: bool| -> Vec<Point> {
-        let mine =
-            |d: &&Dot| d.technique == technique && d.backend == backend && d.on_front == on_front;
-        dots.iter().filter(mine).map(point).collect()
-    };
     // What is beaten lies below; one backend's shapes explain the other's.
     for (b, backend) in backends.iter().enumerate() {
         for (technique, style) in techniques.iter().zip(&styles) {
-            let beaten = of(technique, backend, false);
-            figure.series.push(Series {
-                style: Style::Points(style.marker, FAINT_RADIUS, 1.0),
-                ..Series::points("", style.faint(b), style.marker, beaten)
-            });
+            let beaten = points(dots, technique, backend, false, medium);
+            figure.series.push(faint(*style, b, beaten, medium));
         }
     }
     for (b, backend) in backends.iter().enumerate() {
@@ -64,18 +78,59 @@ pub(super) fn figure(dots: &[Dot], words: &Words<'_>) -> Figure {
                 "",
                 style.color(b),
                 style.marker,
-                of(technique, backend, true),
+                points(dots, technique, backend, true, medium),
             ));
         }
     }
+    let ink = match medium {
+        Medium::Still => SeriesStyle::ink,
+        Medium::Page => SeriesStyle::page_ink,
+    };
     let key = |(name, style): (&&str, &SeriesStyle)| Key {
         name: (*name).to_owned(),
         marker: style.marker,
-        color: style.ink().to_owned(),
+        color: ink(*style).to_owned(),
     };
     figure.keys = techniques.iter().zip(&styles).map(key).collect();
-    figure.notes = notes(dots);
+    if medium == Medium::Still {
+        figure.notes = notes(dots);
+    }
     figure
+}
+
+/// Returns a technique's points on one backend, those on its front or those beaten by it.
+fn points(
+    dots: &[Dot],
+    technique: &str,
+    backend: &str,
+    on_front: bool,
+    medium: Medium,
+) -> Vec<Point> {
+    let wanted =
+        |d: &Dot| d.technique == technique && d.backend == backend && d.on_front == on_front;
+    let of_series = dots.iter().enumerate().filter(|(_, d)| wanted(d));
+    of_series
+        .map(|(place, dot)| match medium {
+            Medium::Still => point(dot),
+            Medium::Page => Point {
+                title: place.to_string(),
+                ..point(dot)
+            },
+        })
+        .collect()
+}
+
+/// Returns the series of points that a front beats. On white they are paler rather than transparent, since not every viewer
+/// blends; the page, which may be dark, makes them transparent itself.
+fn faint(style: SeriesStyle, backend: usize, points: Vec<Point>, medium: Medium) -> Series {
+    let color = match medium {
+        Medium::Still => style.faint(backend),
+        Medium::Page => style.color(backend),
+    };
+    Series {
+        style: Style::Points(style.marker, FAINT_RADIUS, 1.0),
+        ..Series::points("", color, style.marker, points)
+    }
 }
 
 fn front_line(dots: &[Dot], backend: &str, b: usize) -> Series {

@@ -37,6 +37,9 @@ const FAINT: [Tones; 3] = [
 /// For legends, where no backend is meant.
 const INK: Tones = ["#7d8796", "#2b3340"];
 
+/// The same in the page, whose colours follow the reader's scheme.
+const PAGE_INK: Tones = ["var(--soft)", "var(--ink)"];
+
 impl SeriesStyle {
     /// The style of the technique at a place. From [`STYLES`] on they come again.
     fn nth(place: usize) -> Self {
@@ -60,6 +63,11 @@ impl SeriesStyle {
     /// For the legend.
     pub(super) fn ink(self) -> &'static str {
         INK[self.tone]
+    }
+
+    /// For the legend of a chart in the page.
+    pub(super) fn page_ink(self) -> &'static str {
+        PAGE_INK[self.tone]
     }
 }
 
