@@ -30,7 +30,7 @@ pub(crate) fn compare(program: &Program, arguments: &CompareArguments) -> Result
         except.check(old).map_err(|e| Usage(e.to_string()))?;
     }
     let inputs = scenes(program, &arguments.scenes)?;
-    let options = options_of(arguments)?;
+    let options = options_of(program, arguments)?;
     let places = places(inputs.len(), arguments.shard)?;
     let mut backends = inputs::open(arguments.backend, arguments.adapter.as_ref())?;
     for line in backends
@@ -269,14 +269,13 @@ fn scene(program: &Program, name: &str) -> Result<SceneInput> {
     })
 }
 
-fn options_of(arguments: &CompareArguments) -> Result<CompareOptions> {
-    let known = umbrage_techniques::all().iter().map(|e| e.name);
-    if let Some(unknown) = arguments
+fn options_of(program: &Program, arguments: &CompareArguments) -> Result<CompareOptions> {
+    let known: Vec<&str> = program.techniques.all().iter().map(|e| e.name).collect();
+    let unknown = arguments
         .techniques
         .iter()
-        .find(|n| umbrage_techniques::find(n).is_none())
-    {
-        let known: Vec<_> = known.collect();
+        .find(|name| !known.contains(&name.as_str()));
+    if let Some(unknown) = unknown {
         return Err(Usage(format!(
             "there is no technique `{unknown}`; use some of {}",
             known.join(", ")
@@ -288,6 +287,7 @@ fn options_of(arguments: &CompareArguments) -> Result<CompareOptions> {
     } else {
         CompareOptions::default()
     };
+    out.registry = program.techniques.clone();
     out.techniques.clone_from(&arguments.techniques);
     out.color = arguments.color;
     out.size = arguments.size.map(UVec2::from_array).or(out.size);

@@ -8,6 +8,8 @@
 //!     Program::default().run()
 //! }
 //! ```
+//!
+//! Techniques of your own come in by [`Program::with`]; `examples/measure_variance.rs` in the repository does that.
 
 #[macro_use]
 mod print;

@@ -1,10 +1,11 @@
 //! What there is to compare.
 
+use crate::program::Program;
 use anyhow::Result;
 use comfy_table::{Table, presets::NOTHING};
 
 /// Prints the built-in scenes and the techniques.
-pub(crate) fn list() -> Result<()> {
+pub(crate) fn list(program: &Program) -> Result<()> {
     let mut scenes = Table::new();
     scenes
         .load_style(NOTHING)
@@ -17,7 +18,7 @@ pub(crate) fn list() -> Result<()> {
     techniques
         .load_style(NOTHING)
         .set_header(["technique", "what it does"]);
-    for entry in umbrage_techniques::all() {
+    for entry in program.techniques.all() {
         techniques.add_row([entry.name, entry.summary]);
     }
     println!(

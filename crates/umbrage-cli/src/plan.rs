@@ -32,7 +32,7 @@ pub(crate) fn plan(program: &Program, arguments: &PlanArguments) -> Result<()> {
     })?;
     let scene = inputs::scene(program, name)?;
     let progress = Progress::new();
-    let plan = find(&scene, &bounds, &options_of(arguments), &|step| {
+    let plan = find(&scene, &bounds, &options_of(program, arguments), &|step| {
         progress.note(step)
     });
     progress.finish();
@@ -57,11 +57,12 @@ fn kind(arguments: &PlanArguments) -> &'static str {
     }
 }
 
-pub(crate) fn options_of(arguments: &PlanArguments) -> PlanOptions {
+pub(crate) fn options_of(program: &Program, arguments: &PlanArguments) -> PlanOptions {
     let cost = CostModel::of(kind(arguments));
     let size = arguments.size.map(UVec2::from_array);
     let light = usize::from(arguments.light) - 1;
     PlanOptions {
+        registry: program.techniques.clone(),
         samples: arguments.samples,
         seed: arguments.seed,
         cost,

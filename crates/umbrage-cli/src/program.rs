@@ -10,6 +10,8 @@ use std::{
     path::{Path, PathBuf},
     process::ExitCode,
 };
+use umbrage_core::Invalid;
+use umbrage_techniques::{TechniqueEntry, Techniques};
 
 /// A program that measures shadow techniques, controlled by its command line.
 #[derive(Clone, Debug)]
@@ -18,6 +20,8 @@ pub struct Program {
     pub invocation: &'static str,
     /// Folder for reports where `--out` names none: that of `compare` goes to its subfolder `compare`.
     pub reports: PathBuf,
+    /// The techniques that `compare`, `stability` and `plan` know: the built-in ones, and those of the program.
+    pub techniques: Techniques,
 }
 
 impl Default for Program {
@@ -26,11 +30,22 @@ impl Default for Program {
         Self {
             invocation: "umbrage",
             reports: PathBuf::from("umbrage-reports"),
+            techniques: Techniques::built_in(),
         }
     }
 }
 
 impl Program {
+    /// Returns the program with one technique more, which is then on the command line, in charts, in the stability matrix and
+    /// among the planner's candidates.
+    ///
+    /// # Errors
+    /// Errors if there is a technique of that name.
+    pub fn with(mut self, technique: TechniqueEntry) -> Result<Self, Invalid> {
+        self.techniques = self.techniques.with(technique)?;
+        Ok(self)
+    }
+
     /// Runs the command that the command line asks for. Returns the exit code: 0 (done) or 1 (failed).
     ///
     /// Prints errors to standard error. Ends the process with 0 after `--help`, with 2 after wrong usage, and with 141
@@ -46,7 +61,7 @@ impl Program {
 
     fn dispatch(&self, command: &Command) -> Result<()> {
         match command {
-            Command::Compare(options) if options.list => list::list(),
+            Command::Compare(options) if options.list => list::list(self),
             Command::Compare(options) => compare::compare(self, options),
             Command::Merge(options) => merge::merge(options),
             Command::Stability(options) => stability::stability(self, options),

@@ -9,6 +9,7 @@ fn main() -> ExitCode {
     let program = umbrage_cli::Program {
         invocation: "cargo xtask",
         reports: repository.join("target"),
+        ..umbrage_cli::Program::default()
     };
     program.run()
 }
