@@ -101,9 +101,10 @@ fn at(
     scene: &Scene,
     light: &Light,
     settings: BlinnPhong,
-    [x, z]: [f32; 2],
+    place: [f32; 2],
     visibility: f32,
 ) -> Vec3 {
+    let [x, z] = place;
     // Above the diagonal from (-1, -1) to (1, 1) lies the second triangle.
     let triangle = u32::from(z < x);
     kernel(scene, light, settings)

@@ -112,7 +112,8 @@ fn triangle(state: &mut u32, kind: u32, middle: Vec3) -> [Vec3; 3] {
 }
 
 /// From where and along which way: towards the triangle's inside, an edge or a corner, or along it.
-fn towards(state: &mut u32, [a, b, c]: [Vec3; 3], far: f32) -> (Vec3, Vec3) {
+fn towards(state: &mut u32, triangle: [Vec3; 3], far: f32) -> (Vec3, Vec3) {
+    let [a, b, c] = triangle;
     let (s, t) = (random(state) + 0.5, random(state) + 0.5);
     let target = match (random(state) * 8.0) as i32 {
         0 => a,
@@ -184,8 +185,8 @@ fn rectangle_and_box_refuse_no_triangle_that_holds_the_origin() {
 }
 
 /// Distance between a triangle and the line of a segment where it passes, along the shorter axes of its vector.
-fn miss([o, d]: [Vec3; 2], corners: [Vec3; 3]) -> f64 {
-    let (o, d) = (o.as_dvec3(), d.as_dvec3());
+fn miss(ray: [Vec3; 2], corners: [Vec3; 3]) -> f64 {
+    let [o, d] = ray.map(|v| v.as_dvec3());
     let sheared = corners.map(|v| {
         let v = v.as_dvec3() - o;
         let (x, y, z) = match d.abs().max_position() {

@@ -122,14 +122,15 @@ impl Source {
     /// end where the casters end.
     pub fn runs(&self, geometry: &Geometry) -> Vec<Range<u32>> {
         let casters = geometry.casters();
+        let everything = 0..geometry.triangles().len() as u32;
         match self {
-            Self::Casters => vec![casters],
+            Self::Casters => Vec::from([casters]),
+            Self::Everything => Vec::from([everything]),
             Self::SomeCasters(runs) => runs
                 .iter()
                 .map(|run| run.start.max(casters.start)..run.end.min(casters.end))
                 .filter(|run| !run.is_empty())
                 .collect(),
-            Self::Everything => vec![0..geometry.triangles().len() as u32],
             Self::Faces(_) => Vec::new(),
         }
     }

@@ -107,7 +107,7 @@ impl Draw {
         Self {
             vertices: drawable.vertices.clone(),
             indices: drawable.indices.map(|i| (i.buffer.clone(), i.format)),
-            ranges: vec![drawable.range.clone()],
+            ranges: Vec::from([drawable.range.clone()]),
             layout: drawable.layout,
             vertex: if drawable.world_from_local.is_some() {
                 Vertex::Local
@@ -133,7 +133,7 @@ impl Draw {
         Self {
             vertices,
             indices: Some((indices, IndexFormat::Uint32)),
-            ranges: vec![0..3 * triangles as u32],
+            ranges: Vec::from([0..3 * triangles as u32]),
             layout: VertexLayout {
                 stride: 16,
                 position_offset: 0,

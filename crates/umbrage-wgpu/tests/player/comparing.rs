@@ -145,7 +145,8 @@ fn around(map: &Image, layer: u32, uv: Vec2, depth: f32) -> ([f32; 4], Vec2) {
 }
 
 /// The rule measured of lavapipe; others weigh with at least 8 bits.
-fn blend([low_left, low_right, high_right, high_left]: [f32; 4], at: Vec2) -> f32 {
+fn blend(texels: [f32; 4], at: Vec2) -> f32 {
+    let [low_left, low_right, high_right, high_left] = texels;
     let row = |left: f32, right: f32| right * at.x + left * (1.0 - at.x);
     let (high, low) = (row(high_left, high_right), row(low_left, low_right));
     at.y.mul_add(low - high, high)

@@ -157,10 +157,11 @@ impl Foreign {
         &self,
         encoder: &mut CommandEncoder,
         receive: &str,
-        (kernel, kernel_layout): (&BindGroup, &BindGroupLayout),
+        kernel_group: (&BindGroup, &BindGroupLayout),
         positions: &TextureView,
         size: UVec2,
     ) -> Texture {
+        let (kernel, kernel_layout) = kernel_group;
         let text = format!(
             "{receive}
             @group(0) @binding(0) var positions: texture_2d<f32>;

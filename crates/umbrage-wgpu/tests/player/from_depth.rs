@@ -15,7 +15,8 @@ struct Seen {
 }
 
 /// `reverse` maps z to 1 - z, `mirror` flips the world's x, as a left-handed engine would see it.
-fn unproject(stage: &Stage, r: &Receivers, [reverse, mirror]: [bool; 2]) -> Seen {
+fn unproject(stage: &Stage, r: &Receivers, reverse_mirror: [bool; 2]) -> Seen {
+    let [reverse, mirror] = reverse_mirror;
     let foreign = Foreign::new();
     let depth: Vec<f32> = r
         .depth
