@@ -12,12 +12,19 @@ pub struct Module {
     pub text: &'static str,
 }
 
-/// Modules in order, joined.
+/// Returns the modules' texts, one after the other, each below a line with its name.
 pub fn join(modules: &[Module]) -> String {
-    modules
-        .iter()
-        .map(|m| format!("// ---- {}.wgsl\n{}\n", m.name, m.text))
-        .collect()
+    let mut text = String::new();
+    for module in modules {
+        // Names with a colon say what a text does that is in no file of its own.
+        let extension = if module.name.contains(':') {
+            ""
+        } else {
+            ".wgsl"
+        };
+        text += &format!("// ---- {}{extension}\n{}\n", module.name, module.text);
+    }
+    text
 }
 
 /// A struct that Rust fills and WGSL reads, laid out by `encase`. Declare it with [`uniforms!`](crate::uniforms).

@@ -1,0 +1,360 @@
+// Made by umbrage.
+struct shadow_Receiver {
+    position: vec3f,
+    normal: vec3f,
+    pixel: vec2u,
+    triangle: u32,
+}
+@group(0) @binding(0) var<uniform> shadow_kernel: shadow_MergedUniforms;
+@group(0) @binding(1) var shadow_image_0: texture_depth_2d;
+fn shadow_load_0(texel: vec2i, layer: i32) -> vec4f { return vec4f(textureLoad(shadow_image_0, texel, 0), 0.0, 0.0, 1.0); }
+fn shadow_size_0() -> vec2i { return vec2i(textureDimensions(shadow_image_0)); }
+fn shadow_compare_0(uv: vec2f, layer: i32, depth: f32) -> f32 { return textureSampleCompareLevel(shadow_image_0, shadow_umbrage_comparison, uv, depth); }
+fn shadow_gather_compare_0(uv: vec2f, layer: i32, depth: f32) -> vec4f { return textureGatherCompare(shadow_image_0, shadow_umbrage_comparison, uv, depth); }
+@group(0) @binding(2) var shadow_umbrage_comparison: sampler_comparison;
+// ---- math.wgsl
+// Twin of math.rs: every sum is written out, from left to right.
+
+fn shadow_transform(m: mat4x4f, p: vec3f) -> vec4f {
+    return m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3];
+}
+
+fn shadow_dot3(a: vec3f, b: vec3f) -> f32 {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+fn shadow_cross3(a: vec3f, b: vec3f) -> vec3f {
+    return vec3f(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+}
+
+fn shadow_unit3(v: vec3f) -> vec3f {
+    let length = sqrt(shadow_dot3(v, v));
+    return vec3f(v.x / length, v.y / length, v.z / length);
+}
+
+// ---- layers.wgsl
+// Twin of layers.rs: a shadow map's layers, and the face of a cube in which a receiver lies. `layer_at` and `map_layer` are this
+// map's choices: see choices.rs.
+
+struct shadow_MapLayer {
+    clip_from_world: mat4x4f,
+    texel: f32,
+    far: f32,
+    constant: f32,
+    slope: f32,
+    slope_min: f32,
+    normal_offset: f32,
+    receiver_plane: f32,
+    deepest_tap: f32,
+}
+
+struct shadow_ShadowMapUniforms {
+    layer_count: u32,
+    packed: u32,
+    clamped: u32,
+    has_receiver_bias: u32,
+    layers: array<shadow_MapLayer, 6>,
+    light: vec4f,
+    size: f32,
+    sample_gain: f32,
+}
+
+struct shadow_MapOnlyUniforms {
+    lookup: shadow_ShadowMapUniforms,
+}
+
+fn shadow_cube_face(light: vec4f, p: vec3f) -> i32 {
+    let d = vec3f(p.x - light.x, p.y - light.y, p.z - light.z);
+    let a = abs(d);
+    if a.x >= a.y && a.x >= a.z {
+        return select(1, 0, d.x >= 0.0);
+    }
+    let negative = vec2i(bitcast<vec2u>(d.yz) >> vec2u(31u, 31u));
+    return select(4 + negative.y, 2 + negative.x, a.y >= a.z);
+}
+
+// ---- projection.wgsl
+// Twin of the rules in coord.rs that read nothing: bias, projection, and the receiver's plane.
+
+fn shadow_to_light(light: vec4f, p: vec3f) -> vec3f {
+    if light.w == 0.0 {
+        return light.xyz;
+    }
+    return shadow_unit3(light.xyz - p);
+}
+
+fn shadow_slope_bias(slope: f32, least: f32, n_dot_l: f32) -> f32 {
+    return max(slope * (1.0 - n_dot_l), least);
+}
+
+fn shadow_sine(cosine: f32) -> f32 {
+    return sqrt(max(1.0 - cosine * cosine, 0.0));
+}
+
+fn shadow_texel_from_point(point: vec3f, size: f32) -> vec3f {
+    let u = (point.x * 0.5 + 0.5) * size;
+    let v = (0.5 - point.y * 0.5) * size;
+    return vec3f(max(min(u, 1e6), -1e6), max(min(v, 1e6), -1e6), point.z);
+}
+
+fn shadow_slide(clip_from_world: mat4x4f, point: vec3f, tangent: vec3f, size: f32) -> vec3f {
+    let m = clip_from_world;
+    let c = m[0] * tangent.x + m[1] * tangent.y + m[2] * tangent.z;
+    let half = size * 0.5;
+    return vec3f((c.x - point.x * c.w) * half, (point.y * c.w - c.y) * half, c.z - point.z * c.w);
+}
+
+fn shadow_plane_gradient(clip_from_world: mat4x4f, point: vec3f, n: vec3f, size: f32, limit: f32) -> vec2f {
+    let axis = select(vec3f(0.0, 1.0, 0.0), vec3f(1.0, 0.0, 0.0), abs(n.x) < 0.6);
+    let t = shadow_cross3(n, axis);
+    let a = shadow_slide(clip_from_world, point, t, size);
+    let b = shadow_slide(clip_from_world, point, shadow_cross3(n, t), size);
+    let det = a.x * b.y - b.x * a.y;
+    if det == 0.0 {
+        return vec2f(0.0, 0.0);
+    }
+    let right = (a.z * b.y - b.z * a.y) / det;
+    let down = (a.x * b.z - b.x * a.z) / det;
+    return vec2f(max(min(right, limit), -limit), max(min(down, limit), -limit));
+}
+
+fn shadow_offset_along_normal(layer: shadow_MapLayer, p: vec3f, n: vec3f, n_dot_l: f32) -> vec3f {
+    let texel = layer.texel * shadow_transform(layer.clip_from_world, p).w;
+    let metres = layer.normal_offset * shadow_sine(n_dot_l) * texel;
+    return vec3f(p.x + n.x * metres, p.y + n.y * metres, p.z + n.z * metres);
+}
+
+// ---- coord.wgsl
+// Twin of coord.rs: from a receiver to a texel of the map. `layer_at`, `map_layer`, `moved_receiver` and `receiver_gradient` are
+// this map's choices: see choices.rs.
+
+struct shadow_ShadowCoord {
+    texel: vec2f,
+    depth: f32,
+    gradient: vec2f,
+    deepest: f32,
+    layer: i32,
+    seen: bool,
+}
+
+fn shadow_shadow_coord(m: shadow_ShadowMapUniforms, p: vec3f, n: vec3f) -> shadow_ShadowCoord {
+    let index = shadow_layer_at(m.light, p);
+    let layer = shadow_map_layer(index);
+    var moved = p;
+    var bias = layer.constant;
+    if m.has_receiver_bias != 0u {
+        let n_dot_l = shadow_dot3(n, shadow_to_light(m.light, p));
+        bias += shadow_slope_bias(layer.slope, layer.slope_min, n_dot_l);
+        moved = shadow_moved_receiver(layer, p, n, n_dot_l);
+    }
+    let clip = shadow_transform(layer.clip_from_world, moved);
+    let point = vec3f(clip.x / clip.w, clip.y / clip.w, clip.z / clip.w);
+    let texel = shadow_texel_from_point(point, m.size);
+    let gradient = shadow_receiver_gradient(layer, point, n, m.size);
+    let depth = point.z - bias;
+    let deepest = max(depth, layer.deepest_tap);
+    let seen = clip.w > 0.0 && point.z <= layer.far;
+    return shadow_ShadowCoord(texel.xy, depth, gradient, deepest, index, seen);
+}
+
+// ---- depth_on_plane.wgsl
+// Twin of `depth_on_plane` in texel_compare.rs. Apart from texel_compare.wgsl, since the twin tests use it without an image.
+
+fn shadow_depth_on_plane(depth: f32, gradient: vec2f, deepest: f32, from_texel: vec2f, x: i32, y: i32) -> f32 {
+    let right = gradient.x * (f32(x) + 0.5 - from_texel.x);
+    let down = gradient.y * (f32(y) + 0.5 - from_texel.y);
+    return min(depth + right + down, deepest);
+}
+
+// ---- texel_compare.wgsl
+// Twin of texel_compare.rs: the comparison with one texel of the kernel's first image. `depth_at`, `stored_depth` and `tap_outside`
+// are this map's choices (see choices.rs) among the variants below.
+
+// Where the receiver's plane is followed.
+fn shadow_depth_at_on_plane(l: shadow_ShadowCoord, x: i32, y: i32) -> f32 {
+    return shadow_depth_on_plane(l.depth, l.gradient, l.deepest, l.texel, x, y);
+}
+
+// Where it is not: one depth for all taps.
+fn shadow_depth_at_receiver(l: shadow_ShadowCoord, x: i32, y: i32) -> f32 {
+    return l.depth;
+}
+
+// Beside the map everything is lit.
+fn shadow_tap_outside_lit(size: i32, l: shadow_ShadowCoord, x: i32, y: i32) -> f32 {
+    return 1.0;
+}
+
+// Beside the map its edge repeats.
+fn shadow_tap_outside_clamped(size: i32, l: shadow_ShadowCoord, x: i32, y: i32) -> f32 {
+    let texel = vec2i(clamp(x, 0, size - 1), clamp(y, 0, size - 1));
+    return select(0.0, 1.0, shadow_depth_at(l, x, y) <= shadow_stored_depth(texel, l.layer));
+}
+
+fn shadow_tap(size: i32, l: shadow_ShadowCoord, x: i32, y: i32) -> f32 {
+    if x < 0 || y < 0 || x >= size || y >= size {
+        return shadow_tap_outside(size, l, x, y);
+    }
+    return select(0.0, 1.0, shadow_depth_at(l, x, y) <= shadow_stored_depth(vec2i(x, y), l.layer));
+}
+
+// ---- packing.wgsl
+// Twin of packing.rs: depth in base 256.
+
+fn shadow_pack_depth(z: f32) -> vec4f {
+    let a = z * 256.0;
+    let ka = min(floor(a), 255.0);
+    let b = (a - ka) * 256.0;
+    let kb = min(floor(b), 255.0);
+    let c = (b - kb) * 256.0;
+    let kc = min(floor(c), 255.0);
+    let d = (c - kc) * 256.0;
+    let kd = min(floor(d), 255.0);
+    return vec4f(ka / 255.0, kb / 255.0, kc / 255.0, kd / 255.0);
+}
+
+fn shadow_unpack_depth(c: vec4f) -> f32 {
+    let k = floor(c * 255.0 + vec4f(0.5));
+    return (k.x + (k.y + (k.z + k.w / 256.0) / 256.0) / 256.0) / 256.0;
+}
+
+// ---- stored_depth.wgsl
+// The depth at a texel of the kernel's first image. `stored_depth` is the map's choice (see choices.rs) between these.
+
+// Depth that is stored as it is.
+fn shadow_stored_depth_plain(texel: vec2i, layer: i32) -> f32 {
+    return shadow_load_0(texel, layer).x;
+}
+
+// Depth in four channels.
+fn shadow_stored_depth_packed(texel: vec2i, layer: i32) -> f32 {
+    return shadow_unpack_depth(shadow_load_0(texel, layer));
+}
+
+// ---- choice: plain depth
+fn shadow_stored_depth(texel: vec2i, layer: i32) -> f32 { return shadow_stored_depth_plain(texel, layer); }
+
+// ---- choice: one map
+fn shadow_layer_at(light: vec4f, p: vec3f) -> i32 { return 0; }
+fn shadow_map_layer(layer: i32) -> shadow_MapLayer { return shadow_kernel.lookup.layers[0]; }
+
+// ---- choice: no normal offset
+fn shadow_moved_receiver(layer: shadow_MapLayer, p: vec3f, n: vec3f, n_dot_l: f32) -> vec3f { return p; }
+
+// ---- choice: taps follow the receiver's plane
+fn shadow_receiver_gradient(layer: shadow_MapLayer, point: vec3f, n: vec3f, size: f32) -> vec2f {
+    return shadow_plane_gradient(layer.clip_from_world, point, n, size, layer.receiver_plane);
+}
+fn shadow_depth_at(l: shadow_ShadowCoord, x: i32, y: i32) -> f32 { return shadow_depth_at_on_plane(l, x, y); }
+
+// ---- choice: lit border
+fn shadow_tap_outside(size: i32, l: shadow_ShadowCoord, x: i32, y: i32) -> f32 { return shadow_tap_outside_lit(size, l, x, y); }
+
+// ---- bilinear_weights.wgsl
+// Twin of bilinear_weights.rs: where samples of four texels lie, what they weigh, and which depth they compare.
+
+fn shadow_reference_depth(depth: f32, gradient: vec2f, deepest: f32, share: f32, step: vec2f) -> f32 {
+    let gain = share * (abs(gradient.x) + abs(gradient.y));
+    let moved = depth + gradient.x * step.x + gradient.y * step.y - gain;
+    return min(moved, deepest);
+}
+
+fn shadow_merged_sample(row: vec4f, s: f32) -> vec2f {
+    let first = row.x + s * row.y;
+    let second = row.z + s * row.w;
+    let weight = first + second;
+    return vec2f(weight, second / weight);
+}
+
+// ---- comparison_sampler.wgsl
+// Twin of comparison_sampler.rs: the sampler's blend of four comparisons. `sampled` is the map's choice between `sampled_clamped`
+// and `sampled_lit`.
+
+fn shadow_compared(l: shadow_ShadowCoord, size: f32, at: vec2f, depth: f32) -> f32 {
+    if depth > 1.0 {
+        return 0.0;
+    }
+    return shadow_compare_0(at / size, l.layer, depth);
+}
+
+// Where the map's edge repeats: as the sampler does by itself.
+fn shadow_sampled_clamped(l: shadow_ShadowCoord, size: f32, at: vec2f) -> f32 {
+    return shadow_compared(l, size, at, shadow_reference_depth(l.depth, l.gradient, l.deepest, shadow_kernel.lookup.sample_gain, at - l.texel));
+}
+
+// Where all beside the map is lit. Samplers that know borders are not in WebGPU: samples that touch the border are blended by hand
+// from four answers of texels that surely lie within the map.
+fn shadow_sampled_lit(l: shadow_ShadowCoord, size: f32, at: vec2f) -> f32 {
+    let depth = shadow_reference_depth(l.depth, l.gradient, l.deepest, shadow_kernel.lookup.sample_gain, at - l.texel);
+    if at.x < 0.5 || at.y < 0.5 || at.x > size - 0.5 || at.y > size - 0.5 {
+        return shadow_sampled_at_rim(l, size, at, depth);
+    }
+    return shadow_compared(l, size, at, depth);
+}
+
+fn shadow_sampled_at_rim(l: shadow_ShadowCoord, size: f32, at: vec2f, depth: f32) -> f32 {
+    let first = floor(at - 0.5);
+    let part = at - 0.5 - first;
+    let inner = max(min(first, vec2f(size - 2.0)), vec2f(0.0));
+    let gathered = shadow_gather_compare_0((inner + 1.0) / size, l.layer, depth);
+    let four = select(gathered, vec4f(0.0), depth > 1.0);
+    let top = shadow_rim_row(size, first.x, inner.x, part.x, four.wz);
+    let bottom = shadow_rim_row(size, first.x, inner.x, part.x, four.xy);
+    let above = shadow_rim_answer(size, first.y, inner.y, vec2f(top, bottom));
+    let below = shadow_rim_answer(size, first.y + 1.0, inner.y, vec2f(top, bottom));
+    return above + (below - above) * part.y;
+}
+
+fn shadow_rim_row(size: f32, first: f32, inner: f32, part: f32, pair: vec2f) -> f32 {
+    let left = shadow_rim_answer(size, first, inner, pair);
+    let right = shadow_rim_answer(size, first + 1.0, inner, pair);
+    return left + (right - left) * part;
+}
+
+// What coordinate `at` answers, of which the pair knows `inner` and the next one.
+fn shadow_rim_answer(size: f32, at: f32, inner: f32, pair: vec2f) -> f32 {
+    if at < 0.0 || at >= size {
+        return 1.0;
+    }
+    return select(pair.x, pair.y, at > inner);
+}
+
+// ---- choice: samples beside the map are lit
+fn shadow_sampled(l: shadow_ShadowCoord, size: f32, at: vec2f) -> f32 { return shadow_sampled_lit(l, size, at); }
+
+// ---- pcf_merged.wgsl
+// Twin of pcf_merged.rs: a square of samples, each of which stands for four texels of the filter.
+
+struct shadow_MergedUniforms {
+    lookup: shadow_ShadowMapUniforms,
+    rows: array<vec4f, 4>,
+    samples: i32,
+}
+
+fn shadow_receive(r: shadow_Receiver) -> f32 {
+    let l = shadow_shadow_coord(shadow_kernel.lookup, r.position, r.normal);
+    if !l.seen {
+        return 1.0;
+    }
+    let centre = floor(l.texel - 0.5);
+    let part = l.texel - 0.5 - centre;
+    // The centre of the first texel.
+    let first = centre + (1.5 - f32(shadow_kernel.samples));
+    var lit = 0.0;
+    var total = 0.0;
+    for (var x = 0; x < shadow_kernel.samples; x++) {
+        let right = shadow_merged_sample(shadow_kernel.rows[x], part.x);
+        var column = 0.0;
+        var column_total = 0.0;
+        for (var y = 0; y < shadow_kernel.samples; y++) {
+            let down = shadow_merged_sample(shadow_kernel.rows[y], part.y);
+            let at = first + vec2f(f32(2 * x) + right.y, f32(2 * y) + down.y);
+            column += down.x * shadow_sampled(l, shadow_kernel.lookup.size, at);
+            column_total += down.x;
+        }
+        lit += right.x * column;
+        total += right.x * column_total;
+    }
+    return min(lit / total, 1.0);
+}
+

@@ -1,0 +1,563 @@
+// Made by umbrage.
+struct shadow_Receiver {
+    position: vec3f,
+    normal: vec3f,
+    pixel: vec2u,
+    triangle: u32,
+}
+@group(0) @binding(0) var<uniform> shadow_kernel: shadow_PcssUniforms;
+@group(0) @binding(1) var shadow_image_0: texture_2d<f32>;
+fn shadow_load_0(texel: vec2i, layer: i32) -> vec4f { return textureLoad(shadow_image_0, texel, 0); }
+fn shadow_size_0() -> vec2i { return vec2i(textureDimensions(shadow_image_0)); }
+@group(0) @binding(2) var shadow_image_1: texture_2d<f32>;
+fn shadow_load_1(texel: vec2i, layer: i32) -> vec4f { return textureLoad(shadow_image_1, texel, 0); }
+fn shadow_size_1() -> vec2i { return vec2i(textureDimensions(shadow_image_1)); }
+@group(0) @binding(3) var<storage> shadow_table_0: array<vec4u>;
+// ---- math.wgsl
+// Twin of math.rs: every sum is written out, from left to right.
+
+fn shadow_transform(m: mat4x4f, p: vec3f) -> vec4f {
+    return m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3];
+}
+
+fn shadow_dot3(a: vec3f, b: vec3f) -> f32 {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+fn shadow_cross3(a: vec3f, b: vec3f) -> vec3f {
+    return vec3f(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+}
+
+fn shadow_unit3(v: vec3f) -> vec3f {
+    let length = sqrt(shadow_dot3(v, v));
+    return vec3f(v.x / length, v.y / length, v.z / length);
+}
+
+// ---- layers.wgsl
+// Twin of layers.rs: a shadow map's layers, and the face of a cube in which a receiver lies. `layer_at` and `map_layer` are this
+// map's choices: see choices.rs.
+
+struct shadow_MapLayer {
+    clip_from_world: mat4x4f,
+    texel: f32,
+    far: f32,
+    constant: f32,
+    slope: f32,
+    slope_min: f32,
+    normal_offset: f32,
+    receiver_plane: f32,
+    deepest_tap: f32,
+}
+
+struct shadow_ShadowMapUniforms {
+    layer_count: u32,
+    packed: u32,
+    clamped: u32,
+    has_receiver_bias: u32,
+    layers: array<shadow_MapLayer, 6>,
+    light: vec4f,
+    size: f32,
+    sample_gain: f32,
+}
+
+struct shadow_MapOnlyUniforms {
+    lookup: shadow_ShadowMapUniforms,
+}
+
+fn shadow_cube_face(light: vec4f, p: vec3f) -> i32 {
+    let d = vec3f(p.x - light.x, p.y - light.y, p.z - light.z);
+    let a = abs(d);
+    if a.x >= a.y && a.x >= a.z {
+        return select(1, 0, d.x >= 0.0);
+    }
+    let negative = vec2i(bitcast<vec2u>(d.yz) >> vec2u(31u, 31u));
+    return select(4 + negative.y, 2 + negative.x, a.y >= a.z);
+}
+
+// ---- projection.wgsl
+// Twin of the rules in coord.rs that read nothing: bias, projection, and the receiver's plane.
+
+fn shadow_to_light(light: vec4f, p: vec3f) -> vec3f {
+    if light.w == 0.0 {
+        return light.xyz;
+    }
+    return shadow_unit3(light.xyz - p);
+}
+
+fn shadow_slope_bias(slope: f32, least: f32, n_dot_l: f32) -> f32 {
+    return max(slope * (1.0 - n_dot_l), least);
+}
+
+fn shadow_sine(cosine: f32) -> f32 {
+    return sqrt(max(1.0 - cosine * cosine, 0.0));
+}
+
+fn shadow_texel_from_point(point: vec3f, size: f32) -> vec3f {
+    let u = (point.x * 0.5 + 0.5) * size;
+    let v = (0.5 - point.y * 0.5) * size;
+    return vec3f(max(min(u, 1e6), -1e6), max(min(v, 1e6), -1e6), point.z);
+}
+
+fn shadow_slide(clip_from_world: mat4x4f, point: vec3f, tangent: vec3f, size: f32) -> vec3f {
+    let m = clip_from_world;
+    let c = m[0] * tangent.x + m[1] * tangent.y + m[2] * tangent.z;
+    let half = size * 0.5;
+    return vec3f((c.x - point.x * c.w) * half, (point.y * c.w - c.y) * half, c.z - point.z * c.w);
+}
+
+fn shadow_plane_gradient(clip_from_world: mat4x4f, point: vec3f, n: vec3f, size: f32, limit: f32) -> vec2f {
+    let axis = select(vec3f(0.0, 1.0, 0.0), vec3f(1.0, 0.0, 0.0), abs(n.x) < 0.6);
+    let t = shadow_cross3(n, axis);
+    let a = shadow_slide(clip_from_world, point, t, size);
+    let b = shadow_slide(clip_from_world, point, shadow_cross3(n, t), size);
+    let det = a.x * b.y - b.x * a.y;
+    if det == 0.0 {
+        return vec2f(0.0, 0.0);
+    }
+    let right = (a.z * b.y - b.z * a.y) / det;
+    let down = (a.x * b.z - b.x * a.z) / det;
+    return vec2f(max(min(right, limit), -limit), max(min(down, limit), -limit));
+}
+
+fn shadow_offset_along_normal(layer: shadow_MapLayer, p: vec3f, n: vec3f, n_dot_l: f32) -> vec3f {
+    let texel = layer.texel * shadow_transform(layer.clip_from_world, p).w;
+    let metres = layer.normal_offset * shadow_sine(n_dot_l) * texel;
+    return vec3f(p.x + n.x * metres, p.y + n.y * metres, p.z + n.z * metres);
+}
+
+// ---- coord.wgsl
+// Twin of coord.rs: from a receiver to a texel of the map. `layer_at`, `map_layer`, `moved_receiver` and `receiver_gradient` are
+// this map's choices: see choices.rs.
+
+struct shadow_ShadowCoord {
+    texel: vec2f,
+    depth: f32,
+    gradient: vec2f,
+    deepest: f32,
+    layer: i32,
+    seen: bool,
+}
+
+fn shadow_shadow_coord(m: shadow_ShadowMapUniforms, p: vec3f, n: vec3f) -> shadow_ShadowCoord {
+    let index = shadow_layer_at(m.light, p);
+    let layer = shadow_map_layer(index);
+    var moved = p;
+    var bias = layer.constant;
+    if m.has_receiver_bias != 0u {
+        let n_dot_l = shadow_dot3(n, shadow_to_light(m.light, p));
+        bias += shadow_slope_bias(layer.slope, layer.slope_min, n_dot_l);
+        moved = shadow_moved_receiver(layer, p, n, n_dot_l);
+    }
+    let clip = shadow_transform(layer.clip_from_world, moved);
+    let point = vec3f(clip.x / clip.w, clip.y / clip.w, clip.z / clip.w);
+    let texel = shadow_texel_from_point(point, m.size);
+    let gradient = shadow_receiver_gradient(layer, point, n, m.size);
+    let depth = point.z - bias;
+    let deepest = max(depth, layer.deepest_tap);
+    let seen = clip.w > 0.0 && point.z <= layer.far;
+    return shadow_ShadowCoord(texel.xy, depth, gradient, deepest, index, seen);
+}
+
+// ---- depth_on_plane.wgsl
+// Twin of `depth_on_plane` in texel_compare.rs. Apart from texel_compare.wgsl, since the twin tests use it without an image.
+
+fn shadow_depth_on_plane(depth: f32, gradient: vec2f, deepest: f32, from_texel: vec2f, x: i32, y: i32) -> f32 {
+    let right = gradient.x * (f32(x) + 0.5 - from_texel.x);
+    let down = gradient.y * (f32(y) + 0.5 - from_texel.y);
+    return min(depth + right + down, deepest);
+}
+
+// ---- texel_compare.wgsl
+// Twin of texel_compare.rs: the comparison with one texel of the kernel's first image. `depth_at`, `stored_depth` and `tap_outside`
+// are this map's choices (see choices.rs) among the variants below.
+
+// Where the receiver's plane is followed.
+fn shadow_depth_at_on_plane(l: shadow_ShadowCoord, x: i32, y: i32) -> f32 {
+    return shadow_depth_on_plane(l.depth, l.gradient, l.deepest, l.texel, x, y);
+}
+
+// Where it is not: one depth for all taps.
+fn shadow_depth_at_receiver(l: shadow_ShadowCoord, x: i32, y: i32) -> f32 {
+    return l.depth;
+}
+
+// Beside the map everything is lit.
+fn shadow_tap_outside_lit(size: i32, l: shadow_ShadowCoord, x: i32, y: i32) -> f32 {
+    return 1.0;
+}
+
+// Beside the map its edge repeats.
+fn shadow_tap_outside_clamped(size: i32, l: shadow_ShadowCoord, x: i32, y: i32) -> f32 {
+    let texel = vec2i(clamp(x, 0, size - 1), clamp(y, 0, size - 1));
+    return select(0.0, 1.0, shadow_depth_at(l, x, y) <= shadow_stored_depth(texel, l.layer));
+}
+
+fn shadow_tap(size: i32, l: shadow_ShadowCoord, x: i32, y: i32) -> f32 {
+    if x < 0 || y < 0 || x >= size || y >= size {
+        return shadow_tap_outside(size, l, x, y);
+    }
+    return select(0.0, 1.0, shadow_depth_at(l, x, y) <= shadow_stored_depth(vec2i(x, y), l.layer));
+}
+
+// ---- packing.wgsl
+// Twin of packing.rs: depth in base 256.
+
+fn shadow_pack_depth(z: f32) -> vec4f {
+    let a = z * 256.0;
+    let ka = min(floor(a), 255.0);
+    let b = (a - ka) * 256.0;
+    let kb = min(floor(b), 255.0);
+    let c = (b - kb) * 256.0;
+    let kc = min(floor(c), 255.0);
+    let d = (c - kc) * 256.0;
+    let kd = min(floor(d), 255.0);
+    return vec4f(ka / 255.0, kb / 255.0, kc / 255.0, kd / 255.0);
+}
+
+fn shadow_unpack_depth(c: vec4f) -> f32 {
+    let k = floor(c * 255.0 + vec4f(0.5));
+    return (k.x + (k.y + (k.z + k.w / 256.0) / 256.0) / 256.0) / 256.0;
+}
+
+// ---- stored_depth.wgsl
+// The depth at a texel of the kernel's first image. `stored_depth` is the map's choice (see choices.rs) between these.
+
+// Depth that is stored as it is.
+fn shadow_stored_depth_plain(texel: vec2i, layer: i32) -> f32 {
+    return shadow_load_0(texel, layer).x;
+}
+
+// Depth in four channels.
+fn shadow_stored_depth_packed(texel: vec2i, layer: i32) -> f32 {
+    return shadow_unpack_depth(shadow_load_0(texel, layer));
+}
+
+// ---- choice: plain depth
+fn shadow_stored_depth(texel: vec2i, layer: i32) -> f32 { return shadow_stored_depth_plain(texel, layer); }
+
+// ---- choice: one map
+fn shadow_layer_at(light: vec4f, p: vec3f) -> i32 { return 0; }
+fn shadow_map_layer(layer: i32) -> shadow_MapLayer { return shadow_kernel.lookup.layers[0]; }
+
+// ---- choice: no normal offset
+fn shadow_moved_receiver(layer: shadow_MapLayer, p: vec3f, n: vec3f, n_dot_l: f32) -> vec3f { return p; }
+
+// ---- choice: taps follow the receiver's plane
+fn shadow_receiver_gradient(layer: shadow_MapLayer, point: vec3f, n: vec3f, size: f32) -> vec2f {
+    return shadow_plane_gradient(layer.clip_from_world, point, n, size, layer.receiver_plane);
+}
+fn shadow_depth_at(l: shadow_ShadowCoord, x: i32, y: i32) -> f32 { return shadow_depth_at_on_plane(l, x, y); }
+
+// ---- choice: lit border
+fn shadow_tap_outside(size: i32, l: shadow_ShadowCoord, x: i32, y: i32) -> f32 { return shadow_tap_outside_lit(size, l, x, y); }
+
+// ---- light_extent.wgsl
+// Twin of light_extent.rs: the light's half axes on the map, texels per unit of clip depth.
+
+struct shadow_LightExtent {
+    half_axis_u: array<vec4f, 6>,
+    half_axis_v: array<vec4f, 6>,
+}
+
+fn shadow_light_axes(half_axis_u: vec4f, half_axis_v: vec4f, shadow_from_middle: vec2f) -> vec4f {
+    let x = shadow_from_middle.x;
+    let y = shadow_from_middle.y;
+    if half_axis_u.w > 0.0 {
+        let tx = x * half_axis_u.w;
+        let ty = y * half_axis_u.w;
+        let a = sqrt(1.0 + tx * tx);
+        let d = sqrt(1.0 + tx * tx + ty * ty);
+        return vec4f(half_axis_u.x * a, half_axis_u.x * (tx * ty / a), 0.0, half_axis_u.x * (d / a));
+    }
+    return vec4f(half_axis_u.x + half_axis_u.z * x, half_axis_u.y + half_axis_u.z * y, half_axis_v.x + half_axis_v.z * x, half_axis_v.y + half_axis_v.z * y);
+}
+
+fn shadow_reach_along(square: u32, axes: vec4f) -> vec2f {
+    let a = axes * axes;
+    let disc = vec2f(sqrt(a.x + a.z), sqrt(a.y + a.w));
+    let b = abs(axes);
+    return select(disc, vec2f(b.x + b.z, b.y + b.w), square != 0u);
+}
+
+fn shadow_texel_depth(reach: vec2f) -> f32 {
+    return 1.0 / min(max(max(reach.x, reach.y), 1e-9), 1e9);
+}
+
+// ---- horizon.wgsl
+// Twin of horizon.rs: how much of a light a receiver's own tangent plane leaves.
+
+struct shadow_Horizon {
+    half_u: vec4f,
+    half_v: vec4f,
+}
+
+fn shadow_height_over_plane(light: vec4f, p: vec3f, n: vec3f) -> f32 {
+    return shadow_dot3(n, vec3f(light.x - light.w * p.x, light.y - light.w * p.y, light.z - light.w * p.z));
+}
+
+fn shadow_ball_heights(radius: f32, n: vec2f, t: vec2f) -> vec2f {
+    let a = sqrt(1.0 + t.x * t.x);
+    let d = sqrt(1.0 + t.x * t.x + t.y * t.y);
+    return vec2f(radius * (n.x * a + n.y * (t.x * t.y / a)), radius * (n.y * (d / a)));
+}
+
+fn shadow_ball_rim(radius: f32, height: f32, distance_squared: f32) -> f32 {
+    return radius * sqrt(max(1.0 - height * height / distance_squared, 0.0));
+}
+
+fn shadow_square_share(h: vec3f) -> f32 {
+    let a = max(abs(h.y), abs(h.z));
+    let b = min(abs(h.y), abs(h.z));
+    let most = select(0.0, 1.0, h.x >= 0.0);
+    if abs(h.x) >= a + b {
+        return most;
+    }
+    let height = abs(h.x) / a;
+    let slant = b / a;
+    var less = 0.5 - height * 0.5;
+    if height > 1.0 - slant {
+        let corner = 1.0 + slant - height;
+        less = corner * corner / (8.0 * slant);
+    }
+    return abs(most - less);
+}
+
+fn shadow_disc_share(h: vec3f) -> f32 {
+    let radius = sqrt(h.y * h.y + h.z * h.z);
+    let most = select(0.0, 1.0, h.x >= 0.0);
+    if abs(h.x) >= radius {
+        return most;
+    }
+    let t = abs(h.x) / radius;
+    let arc = sqrt(1.0 - t) * (1.5707288 + t * (-0.2121144 + t * (0.0742610 - t * 0.0187293)));
+    let less = (arc - t * sqrt(1.0 - t * t)) * 0.31830987;
+    return abs(most - less);
+}
+
+fn shadow_share_above(square: u32, h: vec3f) -> f32 {
+    if square != 0u {
+        return shadow_square_share(h);
+    }
+    return shadow_disc_share(h);
+}
+
+// The share of the light above the plane with unit normal `n` through `p`.
+fn shadow_light_share(h: shadow_Horizon, square: u32, light: vec4f, p: vec3f, n: vec3f) -> f32 {
+    let middle = shadow_height_over_plane(light, p, n);
+    if h.half_u.w > 0.0 {
+        let shadow_to_light = vec3f(light.x - p.x, light.y - p.y, light.z - p.z);
+        return shadow_disc_share(vec3f(middle, shadow_ball_rim(h.half_u.w, middle, shadow_dot3(shadow_to_light, shadow_to_light)), 0.0));
+    }
+    return shadow_share_above(square, vec3f(middle, shadow_dot3(n, h.half_u.xyz), shadow_dot3(n, h.half_v.xyz)));
+}
+
+fn shadow_turned_heights(h: vec3f, turn: vec2f) -> vec3f {
+    return vec3f(h.x, h.y * turn.x + h.z * turn.y, h.z * turn.x - h.y * turn.y);
+}
+
+// ---- sample_pattern.wgsl
+// Twin of sample_pattern.rs: a pixel's turn or shift of the pattern, where its taps lie on the map, and what they weigh.
+
+fn shadow_noise_index(x: u32, y: u32) -> u32 {
+    let a = x * 288237660u + y * 25070368u;
+    return (a * 52u + (a >> 16u) * 64417u) >> 26u;
+}
+
+fn shadow_turned(axes: vec4f, turn: vec2f) -> vec4f {
+    return vec4f(
+        axes.x * turn.x + axes.z * turn.y,
+        axes.y * turn.x + axes.w * turn.y,
+        axes.z * turn.x - axes.x * turn.y,
+        axes.w * turn.x - axes.y * turn.y,
+    );
+}
+
+fn shadow_wrapped(x: f32) -> f32 {
+    return select(x, x - 2.0, x >= 1.0);
+}
+
+fn shadow_place(at: vec2f, axes: vec4f, q: vec2f) -> vec2f {
+    return vec2f(at.x + axes.x * q.x + axes.z * q.y, at.y + axes.y * q.x + axes.w * q.y);
+}
+
+fn shadow_tap_place(at: vec2f, axes: vec4f, q: vec2f, shift: vec2f) -> vec2f {
+    return shadow_place(at, axes, vec2f(shadow_wrapped(q.x + shift.x), shadow_wrapped(q.y + shift.y)));
+}
+
+fn shadow_from_middle(x: f32, y: f32, least: f32) -> f32 {
+    return max(max(abs(x), abs(y)), least);
+}
+
+fn shadow_closer_by(m: f32) -> f32 {
+    return m * m;
+}
+
+fn shadow_tap_weight(m: f32, nearer: f32) -> f32 {
+    return m * m * (m * m) / (nearer * nearer);
+}
+
+// ---- pattern_taps.wgsl
+// Twin of pattern_taps.rs: the kernel's first table holds the taps of its sets, then the turns.
+
+fn shadow_pattern_row(i: u32) -> vec4f {
+    return bitcast<vec4f>(shadow_table_0[i]);
+}
+
+// The depth stored at a place, and the receiver's there. Outside the map nothing is nearer, unless its edge repeats.
+fn shadow_place_depths(l: shadow_ShadowCoord, size: i32, at: vec2f) -> vec2f {
+    let x = i32(floor(at.x));
+    let y = i32(floor(at.y));
+    let receiver = shadow_depth_at(l, x, y);
+    let texel = vec2i(clamp(x, 0, size - 1), clamp(y, 0, size - 1));
+    if shadow_kernel.lookup.clamped == 0u && (texel.x != x || texel.y != y) {
+        return vec2f(2.0, receiver);
+    }
+    return vec2f(shadow_stored_depth(texel, l.layer), receiver);
+}
+
+fn shadow_lit_taps(l: shadow_ShadowCoord, size: i32, axes: vec4f, first: u32, count: u32, shift: vec2f) -> i32 {
+    var lit = 0;
+    for (var shadow_tap = first; shadow_tap < first + count; shadow_tap++) {
+        let d = shadow_place_depths(l, size, shadow_tap_place(l.texel, axes, shadow_pattern_row(shadow_tap).xy, shift));
+        lit += select(0, 1, d.y <= d.x);
+    }
+    return lit;
+}
+
+// ---- pcss.wgsl
+// Twin of pcss.rs: bounds the search, searches for blockers, estimates the penumbra's width, and filters that widely.
+
+struct shadow_PcssUniforms {
+    lookup: shadow_ShadowMapUniforms,
+    extent: shadow_LightExtent,
+    horizon: shadow_Horizon,
+    blocker_taps: u32,
+    filter_taps: u32,
+    turns: u32,
+    square: u32,
+    cell: u32,
+}
+
+// A receiver's place on the map, the light's half axes there (turned), the bounds of differences of clip depth (`most` is the
+// greatest that is followed, `texel` the one that moves the light's rim by a texel), and the heights of the light's points.
+struct shadow_Soft {
+    l: shadow_ShadowCoord,
+    size: i32,
+    axes: vec4f,
+    most: f32,
+    texel: f32,
+    shift: vec2f,
+    heights: vec3f,
+}
+
+// A shifted tap: its place in the pattern, and how far that is from the middle.
+fn shadow_spot(s: shadow_Soft, shadow_tap: u32) -> vec3f {
+    let row = shadow_pattern_row(shadow_tap);
+    let x = shadow_wrapped(row.x + s.shift.x);
+    let y = shadow_wrapped(row.y + s.shift.y);
+    return vec3f(x, y, shadow_from_middle(x, y, row.z));
+}
+
+// By how much blockers are nearer in the mean; the whole search if it finds none.
+fn shadow_mean_nearer(s: shadow_Soft, widest: f32) -> f32 {
+    let axes = s.axes * widest;
+    var sum = 0.0;
+    var weights = 0.0;
+    for (var shadow_tap = 0u; shadow_tap < shadow_kernel.blocker_taps; shadow_tap++) {
+        let q = shadow_spot(s, shadow_tap);
+        let closer = shadow_closer_by(q.z);
+        let d = shadow_place_depths(s.l, s.size, shadow_place(s.l.texel, axes, q.xy * closer));
+        let nearer = s.l.depth - d.x;
+        if !(d.y <= d.x) && nearer >= widest * (q.z * closer) {
+            let weight = shadow_tap_weight(q.z, max(nearer, s.texel));
+            sum += weight * (d.y - d.x);
+            weights += weight;
+        }
+    }
+    if weights > 0.0 {
+        return sum / weights;
+    }
+    return widest;
+}
+
+// Whether something hides the light's point at the tap: what is found there, or, if that is too low to be in the way, what the
+// ray passes where it is as low.
+fn shadow_hides(s: shadow_Soft, q: vec3f, axes: vec4f, mean: f32) -> bool {
+    let d = shadow_place_depths(s.l, s.size, shadow_place(s.l.texel, axes, q.xy));
+    if d.y <= d.x {
+        return false;
+    }
+    let nearer = s.l.depth - d.x;
+    if nearer >= mean * q.z {
+        return true;
+    }
+    if nearer <= 0.0 {
+        return false;
+    }
+    let lower = shadow_place_depths(s.l, s.size, shadow_place(s.l.texel, s.axes * nearer, q.xy));
+    return !(lower.y <= lower.x) && s.l.depth - lower.x >= nearer * 0.5;
+}
+
+// The share of the light above the horizon that is seen: 1 where no tap is above it.
+fn shadow_filtered(s: shadow_Soft, mean: f32) -> f32 {
+    let axes = s.axes * min(max(mean, s.texel), s.most);
+    var above = 0;
+    var lit = 0;
+    for (var shadow_tap = shadow_kernel.blocker_taps; shadow_tap < shadow_kernel.blocker_taps + shadow_kernel.filter_taps; shadow_tap++) {
+        let q = shadow_spot(s, shadow_tap);
+        if s.heights.x + s.heights.y * q.x + s.heights.z * q.y > 0.0 {
+            above += 1;
+            lit += select(1, 0, shadow_hides(s, q, axes, mean));
+        }
+    }
+    return select(1.0, f32(lit) / f32(above), above > 0);
+}
+
+fn shadow_heights_of_light(r: shadow_Receiver, layer: i32, shadow_from_middle: vec2f) -> vec3f {
+    let middle = shadow_height_over_plane(shadow_kernel.lookup.light, r.position, r.normal);
+    let h = shadow_kernel.horizon;
+    if h.half_u.w > 0.0 {
+        let face = shadow_map_layer(layer).clip_from_world;
+        let tangent = shadow_kernel.extent.half_axis_u[layer].w;
+        let unit = tangent * (shadow_kernel.lookup.size * 0.5);
+        let right = face[0].x * r.normal.x + face[1].x * r.normal.y + face[2].x * r.normal.z;
+        let up = face[0].y * r.normal.x + face[1].y * r.normal.y + face[2].y * r.normal.z;
+        let grows = shadow_ball_heights(h.half_u.w, vec2f(right * unit, -up * unit), shadow_from_middle * tangent);
+        return vec3f(middle, grows);
+    }
+    return vec3f(middle, shadow_dot3(r.normal, h.half_u.xyz), shadow_dot3(r.normal, h.half_v.xyz));
+}
+
+// The least clip depth at which something may hide some of the light.
+fn shadow_depth_in_reach(l: shadow_ShadowCoord) -> f32 {
+    let last = i32(shadow_kernel.lookup.size) - 1;
+    let x = clamp(i32(floor(l.texel.x)), 0, last) / i32(shadow_kernel.cell);
+    let y = clamp(i32(floor(l.texel.y)), 0, last) / i32(shadow_kernel.cell);
+    return shadow_load_1(vec2i(x, y), l.layer).x;
+}
+
+fn shadow_receive(r: shadow_Receiver) -> f32 {
+    let share = shadow_light_share(shadow_kernel.horizon, shadow_kernel.square, shadow_kernel.lookup.light, r.position, r.normal);
+    let l = shadow_shadow_coord(shadow_kernel.lookup, r.position, r.normal);
+    if !l.seen {
+        return share;
+    }
+    let half_axis_v = shadow_kernel.extent.half_axis_v[l.layer];
+    let widest = min(max(l.depth - shadow_depth_in_reach(l), 0.0), half_axis_v.w);
+    if share == 0.0 || widest == 0.0 {
+        return share;
+    }
+    let half = shadow_kernel.lookup.size * 0.5;
+    let off = vec2f(l.texel.x - half, l.texel.y - half);
+    let all = shadow_kernel.blocker_taps + shadow_kernel.filter_taps;
+    let turn = shadow_pattern_row(all + (shadow_noise_index(r.pixel.x, r.pixel.y) & shadow_kernel.turns));
+    let axes = shadow_turned(shadow_light_axes(shadow_kernel.extent.half_axis_u[l.layer], half_axis_v, off), turn.xy);
+    let texel = shadow_texel_depth(shadow_reach_along(shadow_kernel.square, axes));
+    var heights = vec3f(1.0, 0.0, 0.0);
+    if share < 1.0 {
+        heights = shadow_turned_heights(shadow_heights_of_light(r, l.layer, off), turn.xy);
+    }
+    let s = shadow_Soft(l, i32(shadow_kernel.lookup.size), axes, half_axis_v.w, texel, turn.zw, heights);
+    return share * shadow_filtered(s, shadow_mean_nearer(s, widest));
+}
+
