@@ -57,7 +57,9 @@ pub fn assemble(technique: &dyn ShadowTechnique, prefix: &str) -> String {
         .iter()
         .find_map(|light| technique.recipe(&View::new(&camera, light, &geometry)).ok())
         .unwrap_or_else(|| panic!("{} serves neither light", technique.name()));
-    receive_wgsl(&recipe, 0, prefix).expect("the prefix begins a name")
+    let text = receive_wgsl(&recipe, 0, prefix).expect("the prefix begins a name");
+    // Files end with one line break.
+    format!("{}\n", text.trim_end())
 }
 
 /// Objects to a text that is not a valid WGSL module.

@@ -257,4 +257,3 @@ fn shadow_receive(r: shadow_Receiver) -> f32 {
     }
     return shadow_tap(i32(shadow_kernel.lookup.size), l, i32(floor(l.texel.x)), i32(floor(l.texel.y)));
 }
-

@@ -272,4 +272,3 @@ fn shadow_receive(r: shadow_Receiver) -> f32 {
     let side = f32(2 * shadow_kernel.radius + 1);
     return lit / (side * side);
 }
-

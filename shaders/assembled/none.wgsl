@@ -44,4 +44,3 @@ struct shadow_UnshadowedUniforms {
 fn shadow_receive(r: shadow_Receiver) -> f32 {
     return select(0.0, 1.0, shadow_turned_away(shadow_kernel.light, r.position, r.normal) == 0u);
 }
-

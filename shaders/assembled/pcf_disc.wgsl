@@ -336,4 +336,3 @@ fn shadow_receive(r: shadow_Receiver) -> f32 {
     let axes = shadow_turned(vec4f(shadow_kernel.radius, 0.0, 0.0, shadow_kernel.radius), turn.xy);
     return f32(shadow_lit_taps(l, i32(shadow_kernel.lookup.size), axes, 0u, shadow_kernel.taps, turn.zw)) / f32(shadow_kernel.taps);
 }
-

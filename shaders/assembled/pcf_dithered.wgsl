@@ -265,4 +265,3 @@ fn shadow_receive(r: shadow_Receiver) -> f32 {
     let lit = shadow_tap(size, l, left, top) + shadow_tap(size, l, right, top) + shadow_tap(size, l, left, bottom) + shadow_tap(size, l, right, bottom);
     return lit / 4.0;
 }
-

@@ -347,4 +347,3 @@ fn shadow_receive(r: shadow_Receiver) -> f32 {
     }
     return lit / (side * side);
 }
-

@@ -357,4 +357,3 @@ fn shadow_receive(r: shadow_Receiver) -> f32 {
     }
     return min(lit / total, 1.0);
 }
-

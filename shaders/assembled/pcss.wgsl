@@ -560,4 +560,3 @@ fn shadow_receive(r: shadow_Receiver) -> f32 {
     let s = shadow_Soft(l, i32(shadow_kernel.lookup.size), axes, half_axis_v.w, texel, turn.zw, heights);
     return share * shadow_filtered(s, shadow_mean_nearer(s, widest));
 }
-

@@ -63,4 +63,3 @@ fn shadow_receive(r: shadow_Receiver) -> f32 {
     }
     return select(0.0, 1.0, shadow_load_0(vec2i(r.pixel), i32(plane)).x >= 1.0);
 }
-

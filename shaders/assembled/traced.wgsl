@@ -342,4 +342,3 @@ fn shadow_receive(r: shadow_Receiver) -> f32 {
     }
     return f32(seen) / f32(shadow_kernel.samples);
 }
-

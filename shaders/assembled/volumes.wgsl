@@ -50,4 +50,3 @@ fn shadow_receive(r: shadow_Receiver) -> f32 {
     }
     return select(0.0, 1.0, shadow_load_0(vec2i(r.pixel), 0).x == 0.0);
 }
-
