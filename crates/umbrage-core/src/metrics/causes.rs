@@ -250,9 +250,9 @@ fn penumbrae(visibility: &[f32], pixels: &[Pixel]) -> Vec<bool> {
 fn penumbra_width(mask: &[f32], truth: &TruthImage<'_>) -> Option<f64> {
     let mut in_mask = 0_usize;
     let mut in_truth = 0_usize;
-    for i in 0..mask.len() {
+    for (i, &visibility) in mask.iter().enumerate() {
         if truth.pixels[i] == Pixel::Counted && truth.near_soft[i] {
-            in_mask += usize::from(is_penumbra(mask[i]));
+            in_mask += usize::from(is_penumbra(visibility));
             in_truth += usize::from(is_penumbra(truth.visibility[i]));
         }
     }

@@ -133,7 +133,7 @@ impl Draw {
         Self {
             vertices,
             indices: Some((indices, IndexFormat::Uint32)),
-            ranges: Vec::from([0..3 * triangles as u32]),
+            ranges: std::iter::once(0..3 * triangles as u32).collect(),
             layout: VertexLayout {
                 stride: 16,
                 position_offset: 0,
