@@ -140,8 +140,8 @@ impl Patch {
         let right = x - self.min[0];
         let down = y - self.min[1];
         let mut values = [0; 3];
-        for k in 0..3 {
-            values[k] = self.at_min[k] + self.dx[k] * right + self.dy[k] * down;
+        for (k, value) in values.iter_mut().enumerate() {
+            *value = self.at_min[k] + self.dx[k] * right + self.dy[k] * down;
         }
         values
     }
