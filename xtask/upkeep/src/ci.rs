@@ -140,10 +140,10 @@ fn check_packed(folder: &Path, packed: &[Packed]) -> Result<()> {
         write!(manifest, "\"{place}\", ")?;
         writeln!(patches, "{name} = {{ path = \"{place}\" }}")?;
     }
-    let profile = "[profile.dev]\nopt-level = 2\ndebug = \"line-tables-only\"\n";
+    let profiles = profiles(&fs::read_to_string(root().join("Cargo.toml"))?)?;
     fs::write(
         folder.join("Cargo.toml"),
-        format!("{manifest}]\n{patches}{profile}"),
+        format!("{manifest}]\n{patches}{profiles}"),
     )?;
     fs::copy(root().join("Cargo.lock"), folder.join("Cargo.lock"))?;
     let mut command = cargo();
@@ -151,6 +151,14 @@ fn check_packed(folder: &Path, packed: &[Packed]) -> Result<()> {
         .current_dir(folder)
         .args(["check", "--workspace", "--all-features", "--target-dir"]);
     run(command.arg(root().join("target")))
+}
+
+/// Returns the profiles of a manifest, which stand at its end. What is checked with other ones is checked anew.
+fn profiles(manifest: &str) -> Result<String> {
+    let start = manifest
+        .find("\n[profile.")
+        .context("the workspace's manifest has no profiles")?;
+    Ok(manifest[start..].to_owned())
 }
 
 /// The names and versions of all packages that don't say `publish = false`.
