@@ -157,7 +157,7 @@ mod tests {
 
     #[test]
     fn long_functions_and_files_are_refused() {
-        let rust = |lines| function(lines, "    g();\n");
+        let rust = |lines| function(lines, "    g;\n");
         assert_eq!(faults("a.rs", rust(220)), Vec::<String>::new());
         assert_eq!(faults("a.rs", rust(221)).len(), 1);
         assert_eq!(faults("a.rs", rust(101).repeat(7)).len(), 1, "707 lines");
