@@ -231,40 +231,12 @@ fn cameras() -> impl Strategy<Value = Camera> {
 
 /// Any built-in technique, as often as its registry entry says, with the settings that it makes of drawn numbers.
 fn techniques() -> impl Strategy<Value = Arc<dyn ShadowTechnique>> {
-    let mut entries: Vec<&TechniqueEntry> = umbrage_techniques::all().iter().collect();
-    entries.sort_by_key(|entry| {
-        SAMPLED_ORDER
-            .iter()
-            .position(|name| *name == entry.name)
-            .unwrap_or(usize::MAX)
-    });
-    let weighted = entries
-        .into_iter()
+    let weighted = umbrage_techniques::all()
+        .iter()
         .map(|entry| (entry.random_weight, random(entry)))
         .collect();
     Union::new_weighted(weighted)
 }
-
-/// The order in which random cases pick techniques; those not named come last. Which cases a seed gives depends on it.
-///
-/// It is kept because the net on the second driver is green on this sample alone: on SwiftShader other samples have a few pixels
-/// that differ although they count as decided (six other seeds of six, with the code before the registry). Once "decided" covers
-/// what SwiftShader rounds, the registry's order will do.
-const SAMPLED_ORDER: [&str; 13] = [
-    "hard",
-    "pcf",
-    "pcf_dithered",
-    "second_depth",
-    "midpoint",
-    "pcf_hardware",
-    "pcf_merged",
-    "pcf_disc",
-    "pcss",
-    "none",
-    "planar",
-    "volumes",
-    "traced",
-];
 
 fn random(entry: &'static TechniqueEntry) -> BoxedStrategy<Arc<dyn ShadowTechnique>> {
     let maps = if entry.has_map {

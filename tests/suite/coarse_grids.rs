@@ -5,8 +5,8 @@ use glam::{UVec2, Vec3};
 use rayon::prelude::*;
 use std::{fmt::Write as _, sync::Arc};
 use umbrage_core::{
-    Aabb, Backend, Camera, DepthPlanes, Fit, Geometry, Light, RasterBias, Scene, ShadowTechnique,
-    Snapping, View,
+    Aabb, Backend, Camera, DepthPlanes, Fit, Geometry, Light, OffsetUnit, RasterBias, Scene,
+    ShadowTechnique, Snapping, View,
     metrics::{MAX_EXCESS_RMSE, ReferenceMask},
 };
 use umbrage_cpu::{Cpu, CpuOptions};
@@ -27,18 +27,22 @@ const BY_TURNS: [Snapping; 4] = [
     Snapping {
         sub_pixel_bits: 4,
         planes: DepthPlanes::Unsnapped,
+        offset_unit: OffsetUnit::OneStep,
     },
     Snapping {
         sub_pixel_bits: 5,
         planes: DepthPlanes::Snapped,
+        offset_unit: OffsetUnit::OneStep,
     },
     Snapping {
         sub_pixel_bits: 6,
         planes: DepthPlanes::Snapped,
+        offset_unit: OffsetUnit::OneStep,
     },
     Snapping {
         sub_pixel_bits: 8,
         planes: DepthPlanes::Snapped,
+        offset_unit: OffsetUnit::OneStep,
     },
 ];
 

@@ -199,6 +199,7 @@ fn another_rounding_is_noticed() {
         planes.map(|planes| Snapping {
             sub_pixel_bits,
             planes,
+            ..snapping
         })
     });
     let others: Vec<Snapping> = others.filter(|&other| other != snapping).collect();

@@ -67,6 +67,6 @@ pub use scene::{
     material::{Displacement, MAX_SHININESS_LOG2, MAX_SUBDIVISIONS, Material, Texture},
 };
 pub use simd::{Simd, SimdTask};
-pub use snapping::{DepthPlanes, Snapping};
+pub use snapping::{DepthPlanes, OffsetUnit, Snapping};
 pub use technique::ShadowTechnique;
 pub use view::View;

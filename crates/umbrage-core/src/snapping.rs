@@ -2,12 +2,12 @@
 //!
 //! Rasterisers move vertices to a grid of 2^b steps a pixel before they decide which pixels a triangle covers. Vulkan and
 //! WebGPU ask for b >= 4; most hardware has 8. Some drivers also lay the triangle's depth plane through the moved vertices:
-//! depths then change by up to half a step times the plane's slope.
+//! depths then change by up to half a step times the plane's slope. What a unit of polygon offset is, APIs leave open, too.
 
 use crate::Invalid;
 use std::{fmt, ops::RangeInclusive};
 
-/// How a rasteriser rounds vertices. The default is the rule of Mesa's software drivers, which the CPU backend follows.
+/// How a rasteriser rounds vertices, and what its unit of polygon offset is. The default is the rule of Mesa's software drivers, which the CPU backend follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Snapping {
@@ -15,6 +15,33 @@ pub struct Snapping {
     pub sub_pixel_bits: u32,
     /// Which vertices depth planes go through.
     pub planes: DepthPlanes,
+    /// What a unit of polygon offset is in images of 16 bits.
+    #[serde(default)]
+    pub offset_unit: OffsetUnit,
+}
+
+/// What a unit of polygon offset is in images of 16 bits: Vulkan leaves to devices what they take for the least difference that
+/// can be told ("minimum resolvable difference").
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize,
+)]
+#[serde(rename_all = "snake_case")]
+pub enum OffsetUnit {
+    /// One step of the image's depths, as hardware and SwiftShader have it.
+    OneStep,
+    /// Two steps, as Mesa's software drivers have it.
+    #[default]
+    TwoSteps,
+}
+
+impl OffsetUnit {
+    /// Returns the unit as a difference of depths, 0..1.
+    pub const fn depth(self) -> f32 {
+        match self {
+            Self::OneStep => 1.0 / 65_535.0,
+            Self::TwoSteps => 2.0 / 65_535.0,
+        }
+    }
 }
 
 /// Which vertices depth planes go through.
@@ -38,6 +65,7 @@ impl Snapping {
     pub const COARSEST: Self = Self {
         sub_pixel_bits: 4,
         planes: DepthPlanes::Snapped,
+        offset_unit: OffsetUnit::OneStep,
     };
 
     /// The grid's step, pixels.
@@ -67,21 +95,26 @@ impl Default for Snapping {
         Self {
             sub_pixel_bits: 8,
             planes: DepthPlanes::Unsnapped,
+            offset_unit: OffsetUnit::TwoSteps,
         }
     }
 }
 
-/// `8 sub-pixel bits, depth planes through unsnapped vertices`
+/// `8 sub-pixel bits, depth planes through unsnapped vertices, 16-bit polygon offsets in units of 2/65535`
 impl fmt::Display for Snapping {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let through = match self.planes {
             DepthPlanes::Unsnapped => "unsnapped",
             DepthPlanes::Snapped => "snapped",
         };
+        let unit = match self.offset_unit {
+            OffsetUnit::OneStep => "1/65535",
+            OffsetUnit::TwoSteps => "2/65535",
+        };
+        let bits = self.sub_pixel_bits;
         write!(
             f,
-            "{} sub-pixel bits, depth planes through {through} vertices",
-            self.sub_pixel_bits
+            "{bits} sub-pixel bits, depth planes through {through} vertices, 16-bit polygon offsets in units of {unit}"
         )
     }
 }
@@ -114,7 +147,7 @@ mod tests {
         let words = Snapping::COARSEST.to_string();
         assert_eq!(
             words,
-            "4 sub-pixel bits, depth planes through snapped vertices"
+            "4 sub-pixel bits, depth planes through snapped vertices, 16-bit polygon offsets in units of 1/65535"
         );
     }
 }

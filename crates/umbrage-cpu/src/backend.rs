@@ -1,6 +1,10 @@
 //! The player: stages in order, on threads of its choice.
 
-use crate::{CpuOptions, cast, filter, gbuffer, images, raster::Rasterizer, receive, shade};
+use crate::{
+    CpuOptions, cast, filter, gbuffer, images,
+    raster::{Rasterizer, Rounding},
+    receive, shade,
+};
 use rayon::ThreadPool;
 use std::time::{Duration, Instant};
 use umbrage_core::{
@@ -35,7 +39,7 @@ impl Default for Cpu {
 impl Cpu {
     /// Uses all cores and the best instructions there are.
     pub fn new() -> Self {
-        Self::build(None, Simd::Native, Snapping::default())
+        Self::build(None, Simd::Native, Rounding::default())
     }
 
     /// Uses threads, instructions and rounding of the caller's choice.
@@ -44,10 +48,14 @@ impl Cpu {
     /// When the number of threads is zero or absurd, or they can't be started; when the rounding is not known.
     pub fn with_options(options: &CpuOptions) -> Result<Self, BackendError> {
         options.snapping.validate()?;
-        Ok(Self::build(options.pool()?, options.simd, options.snapping))
+        Ok(Self::build(
+            options.pool()?,
+            options.simd,
+            options.rounding(),
+        ))
     }
 
-    fn build(pool: Option<ThreadPool>, simd: Simd, snapping: Snapping) -> Self {
+    fn build(pool: Option<ThreadPool>, simd: Simd, rounding: Rounding) -> Self {
         let threads = pool
             .as_ref()
             .map_or_else(rayon::current_num_threads, ThreadPool::current_num_threads);
@@ -57,7 +65,7 @@ impl Cpu {
             name,
             pool,
             simd,
-            rasterizer: Rasterizer::new(snapping),
+            rasterizer: Rasterizer::new(rounding),
             images: Vec::new(),
         }
     }
@@ -185,7 +193,7 @@ impl Backend for Cpu {
     }
 
     fn snapping(&self) -> Snapping {
-        self.rasterizer.snapping
+        self.rasterizer.rounding.snapping
     }
 
     fn render(&mut self, view: &View<'_>, recipe: &Recipe) -> Result<Shadows, BackendError> {

@@ -31,3 +31,4 @@ mod sparse;
 
 pub use backend::Cpu;
 pub use options::CpuOptions;
+pub use raster::PlaneShift;

@@ -1,5 +1,6 @@
 //! What a user may choose about the CPU player.
 
+use crate::raster::{PlaneShift, Rounding};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use umbrage_core::{BackendError, Invalid, Simd, Snapping};
 
@@ -10,7 +11,7 @@ use umbrage_core::{BackendError, Invalid, Simd, Snapping};
 /// let cpu = Cpu::with_options(&CpuOptions::default().threads(2))?;
 /// # Ok::<(), umbrage_core::BackendError>(())
 /// ```
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CpuOptions {
     /// Threads of a pool of its own, 1 to 1024; none: rayon's global pool, which has one a core.
     pub threads: Option<usize>,
@@ -19,6 +20,8 @@ pub struct CpuOptions {
     /// How the rasteriser rounds vertices: another device's way instead of that of Mesa's software drivers, to find out
     /// what becomes of a picture there.
     pub snapping: Snapping,
+    /// How far depths of triangles are moved: nowhere, but to find out which answers hang on rounding.
+    pub plane_shift: PlaneShift,
 }
 
 /// More threads than this are taken for a mistake.
@@ -44,6 +47,23 @@ impl CpuOptions {
     #[must_use]
     pub fn snapping(self, snapping: Snapping) -> Self {
         Self { snapping, ..self }
+    }
+
+    /// The same with depths of triangles moved.
+    #[must_use]
+    pub fn plane_shift(self, plane_shift: PlaneShift) -> Self {
+        Self {
+            plane_shift,
+            ..self
+        }
+    }
+
+    /// How the rasteriser is to round.
+    pub(crate) fn rounding(&self) -> Rounding {
+        Rounding {
+            snapping: self.snapping,
+            plane_shift: self.plane_shift,
+        }
     }
 
     /// Its own pool, if it asks for one.

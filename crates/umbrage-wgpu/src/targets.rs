@@ -156,6 +156,15 @@ impl DepthState {
         clamp_bits: 0,
     };
 
+    /// The nearest surface, of either side, with a polygon offset of so many units.
+    pub(crate) const fn with_constant_offset(format: TextureFormat, units: i32) -> Self {
+        Self {
+            format,
+            constant: units,
+            ..Self::DEPTH_LESS
+        }
+    }
+
     pub(crate) fn primitive(self) -> PrimitiveState {
         let cull_mode = match self.cull {
             Cull::None => None,

@@ -6,6 +6,7 @@ mod fill;
 mod mode;
 #[cfg(test)]
 mod mode_tests;
+mod plane_error;
 mod position;
 mod record;
 #[cfg(test)]
@@ -18,6 +19,7 @@ mod viewport;
 mod whole;
 
 pub(crate) use crate::raster::mode::Mode;
+pub use crate::raster::plane_error::PlaneShift;
 pub(crate) use crate::raster::position::Position;
 pub(crate) use crate::raster::tile::Target;
 
@@ -87,20 +89,29 @@ struct Worker {
     bins: Bins,
 }
 
+/// How a rasteriser rounds.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Rounding {
+    /// Vertices, depth planes, units of polygon offset.
+    pub(crate) snapping: Snapping,
+    /// What depths are moved by.
+    pub(crate) plane_shift: PlaneShift,
+}
+
 /// The rasteriser's working memory, kept between uses: one set of chunks is filled while the next is set up.
 #[derive(Debug, Default)]
 pub(crate) struct Rasterizer {
-    /// How vertices are rounded.
-    pub(crate) snapping: Snapping,
+    /// How it rounds.
+    pub(crate) rounding: Rounding,
     filled: Vec<Worker>,
     set_up: Vec<Worker>,
 }
 
 impl Rasterizer {
-    /// Rounds vertices so.
-    pub(crate) fn new(snapping: Snapping) -> Self {
+    /// Returns a rasteriser that rounds so.
+    pub(crate) fn new(rounding: Rounding) -> Self {
         Self {
-            snapping,
+            rounding,
             ..Self::default()
         }
     }
@@ -108,7 +119,7 @@ impl Rasterizer {
     /// Draws into the target.
     pub(crate) fn draw<P: Position>(&mut self, draw: &Draw<'_, P>, target: Target<'_>) {
         let (mode, simd, columns) = (draw.mode, draw.simd, target.width.div_ceil(TILE));
-        let snapping = self.snapping;
+        let rounding = self.rounding;
         let mut tiles = target.into_tiles(mode);
         let batch = self.prepare(draw.size);
         let mut ready = 0;
@@ -121,7 +132,7 @@ impl Rasterizer {
             let next = triangles.len().div_ceil(CHUNK);
             rayon::join(
                 || fill_tiles(&mut tiles, columns, &self.filled[..ready], simd, mode),
-                || set_up(&draw, snapping, &mut self.set_up[..next]),
+                || set_up(&draw, rounding, &mut self.set_up[..next]),
             );
             std::mem::swap(&mut self.filled, &mut self.set_up);
             ready = next;
@@ -150,13 +161,13 @@ impl Rasterizer {
 }
 
 /// Sets up a batch, one chunk a worker.
-fn set_up<P: Position>(draw: &Draw<'_, P>, snapping: Snapping, workers: &mut [Worker]) {
+fn set_up<P: Position>(draw: &Draw<'_, P>, rounding: Rounding, workers: &mut [Worker]) {
     let parts = draw.triangles.par_chunks(CHUNK).zip(workers).enumerate();
     parts.for_each(|(k, (triangles, worker))| {
         let first_id = draw.first_id + (k * CHUNK) as u32;
         draw.simd.run_task(SetUp {
             worker,
-            snapping,
+            rounding,
             draw: Draw {
                 triangles,
                 first_id,
@@ -193,7 +204,7 @@ fn fill_tiles(tiles: &mut [Tile<'_>], columns: usize, workers: &[Worker], simd: 
 /// Sets up one chunk.
 struct SetUp<'a, P> {
     worker: &'a mut Worker,
-    snapping: Snapping,
+    rounding: Rounding,
     draw: Draw<'a, P>,
 }
 
@@ -202,7 +213,7 @@ impl<P: Position> SimdTask for SetUp<'_, P> {
 
     #[inline(always)]
     fn run(self) {
-        self.worker.set_up(&self.draw, self.snapping);
+        self.worker.set_up(&self.draw, self.rounding);
     }
 }
 
@@ -257,14 +268,14 @@ impl FillTile<'_> {
 impl Worker {
     /// Transforms, clips, sets up and sorts a chunk of triangles.
     #[inline(always)]
-    fn set_up<P: Position>(&mut self, draw: &Draw<'_, P>, snapping: Snapping) {
+    fn set_up<P: Position>(&mut self, draw: &Draw<'_, P>, rounding: Rounding) {
         let viewport = Viewport::new(draw.size);
         let rules = SetupRules {
             size: draw.size,
             cull: draw.cull,
             bias: draw.bias,
             mode: draw.mode,
-            snapping,
+            rounding,
         };
         let first = self.transform(draw, &viewport);
         let mut group = Group::new();
@@ -287,14 +298,14 @@ impl Worker {
                 let triangle =
                     indices.map(|v| draw.positions[v as usize].to_clip(draw.clip_from_world));
                 let mask = codes[0] | codes[1] | codes[2];
-                if let Some(whole) = Whole::new(triangle, &viewport, snapping) {
+                if let Some(whole) = Whole::new(triangle, &viewport, rounding) {
                     group.flush(&rules, &mut self.bins);
                     clip(triangle, mask, &viewport, |piece| {
                         if let Some(piece) = whole.place(piece) {
                             group.push(piece, id, &rules, &mut self.bins);
                         }
                     });
-                    group.flush_pieces(whole.depth(), &rules, &mut self.bins);
+                    group.flush_pieces(&whole, &rules, &mut self.bins);
                 } else {
                     let emit = |piece| group.push(piece, id, &rules, &mut self.bins);
                     clip(triangle, mask, &viewport, emit);

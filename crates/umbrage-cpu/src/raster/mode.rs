@@ -43,13 +43,9 @@ impl Mode {
         )
     }
 
-    /// The r of polygon offset where it is the same for all triangles: that of an image in fixed point.
-    pub(crate) const fn offset_unit(self) -> Option<f32> {
-        if matches!(self, Self::Depth16 | Self::DepthPeel16) {
-            Some(OFFSET_UNIT_16)
-        } else {
-            None
-        }
+    /// Whether the image holds depths in fixed point: there the r of polygon offset is the same for all triangles.
+    pub(crate) const fn is_fixed_point(self) -> bool {
+        matches!(self, Self::Depth16 | Self::DepthPeel16)
     }
 }
 
@@ -235,10 +231,6 @@ fn keep_beyond(stored: &mut [f32; LANES], attachments: TileAttachments<'_>, z: &
     }
     keep_least(stored, &beyond);
 }
-
-/// The r of polygon offset in 16-bit depth: twice the step, the most that Vulkan allows, and what Mesa's software
-/// rasterisers take.
-pub(crate) const OFFSET_UNIT_16: f32 = 2.0 / 65_535.0;
 
 /// Returns what is read back from a 16-bit depth image into which `z` (0..=1) was drawn.
 #[inline(always)]

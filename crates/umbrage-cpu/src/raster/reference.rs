@@ -3,9 +3,8 @@
 //! with it.
 
 use crate::raster::{
-    Draw, Mode, Position,
+    Draw, Mode, Position, Rounding,
     clip::{clip, outcode},
-    mode::OFFSET_UNIT_16,
     record::DepthPlane,
     viewport::Viewport,
     whole::Whole,
@@ -36,13 +35,17 @@ pub(crate) fn draw_on<P: Position>(snapping: Snapping, draw: &Draw<'_, P>, other
         let corners = triangle.map(|v| draw.positions[v as usize].to_clip(draw.clip_from_world));
         let codes = corners.map(outcode);
         let id = draw.first_id + i as u32;
-        let mut piece = |window: [Vec3; 3], plane: Option<DepthPlane>| {
-            fill(draw, snapping, window, plane, id, other, &mut drawn)
+        let mut piece = |window: [Vec3; 3], whole: Option<&Whole>| {
+            fill(draw, snapping, window, whole, id, other, &mut drawn)
         };
         if codes == [0; 3] {
             piece(corners.map(|c| viewport.project(c)), None);
         } else if codes[0] & codes[1] & codes[2] == 0 {
-            let whole = Whole::new(corners, &viewport, snapping);
+            let rounding = Rounding {
+                snapping,
+                ..Rounding::default()
+            };
+            let whole = Whole::new(corners, &viewport, rounding);
             clip(
                 corners,
                 codes[0] | codes[1] | codes[2],
@@ -53,7 +56,7 @@ pub(crate) fn draw_on<P: Position>(snapping: Snapping, draw: &Draw<'_, P>, other
                         whole
                             .place(window)
                             .into_iter()
-                            .for_each(|placed| piece(placed, Some(whole.depth())));
+                            .for_each(|placed| piece(placed, Some(whole)));
                     }
                 },
             );
@@ -96,12 +99,12 @@ fn stored_steps(texel: f32) -> i64 {
     (f64::from(texel) * 65_535.0).round() as i64
 }
 
-/// Draws a triangle, given by its window corners, whose depth is `plane`; none for the plane through its corners.
+/// Draws a triangle, given by its window corners; or a piece of a whole one, whose plane and polygon offset it has.
 fn fill<P>(
     draw: &Draw<'_, P>,
     snapping: Snapping,
     window: [Vec3; 3],
-    plane: Option<DepthPlane>,
+    whole: Option<&Whole>,
     id: u32,
     other: &[f32],
     drawn: &mut Drawn,
@@ -138,10 +141,26 @@ fn fill<P>(
     let dx = d01.z * (d20.y * r) - d20.z * (d01.y * r);
     let dy = d20.z * (d01.x * r) - d01.z * (d20.x * r);
     let at_origin = v0.z - (dx * (v0.x - 0.5) + dy * (v0.y - 0.5));
-    let (at_origin, dx, dy) = plane.map_or((at_origin, dx, dy), |plane| {
-        (plane.at_origin, plane.dx, plane.dy)
-    });
-    let offset = offset(&draw.bias, draw.mode, [v0, v1, v2], r);
+    let slope_x = ((d20.z * d01.y - d20.y * d01.z) * r).abs();
+    let slope_y = ((d20.x * d01.z - d20.z * d01.x) * r).abs();
+    let mut plane = DepthPlane {
+        at_origin,
+        dx,
+        dy,
+        offset: 0.0,
+    };
+    let mut slope = slope_x.max(slope_y);
+    let mut greatest = v0.z.abs().max(v1.z.abs()).max(v2.z.abs());
+    if let Some(whole) = whole {
+        plane = whole.depth();
+        slope = plane.dx.abs().max(plane.dy.abs());
+        greatest = whole.greatest_depth();
+    }
+    let unit = match draw.mode {
+        Mode::Depth16 | Mode::DepthPeel16 => snapping.offset_unit.depth(),
+        _ => float_spacing(greatest),
+    };
+    let offset = offset(&draw.bias, unit, slope);
     for y in 0..draw.size.y {
         for x in 0..draw.size.x {
             let p = IVec2::new(x as i32, y as i32).as_i64vec2() * 256;
@@ -152,8 +171,11 @@ fn fill<P>(
                 let is_top_left = d.y < 0 || (d.y == 0 && d.x > 0);
                 e > 0 || (e == 0 && is_top_left)
             });
-            let z =
-                (dy.mul_add(y as f32, dx.mul_add(x as f32, at_origin)) + offset).clamp(0.0, 1.0);
+            let z = (plane
+                .dy
+                .mul_add(y as f32, plane.dx.mul_add(x as f32, plane.at_origin))
+                + offset)
+                .clamp(0.0, 1.0);
             let i = (y * draw.size.x + x) as usize;
             let kept = drawn_over(draw.mode, texels[i], other.get(i), z, area > 0);
             if let Some(texel) = kept.filter(|_| inside) {
@@ -176,28 +198,21 @@ fn on_grid(v: f32, steps: f32) -> f32 {
     ((v - 0.5) * steps).round_ties_even() / steps + 0.5
 }
 
-/// Returns the polygon offset of a triangle with these window corners; `r` is one over its doubled area.
-fn offset(bias: &RasterBias, mode: Mode, corners: [Vec3; 3], r: f32) -> f32 {
+/// Returns the spacing of floats of a magnitude, 0 where it would be denormal.
+fn float_spacing(magnitude: f32) -> f32 {
+    if magnitude < 2.0_f32.powi(-126) {
+        0.0
+    } else {
+        2.0_f32.powf(magnitude.log2().floor() - 23.0)
+    }
+}
+
+/// Returns the polygon offset for a unit and a slope (depth a pixel).
+fn offset(bias: &RasterBias, unit: f32, slope: f32) -> f32 {
     if bias.constant == 0 && bias.slope == 0.0 {
         return 0.0;
     }
-    let [v0, v1, v2] = corners;
-    let d01 = v0 - v1;
-    let d20 = v2 - v0;
-    let dzdx = ((d20.z * d01.y - d20.y * d01.z) * r).abs();
-    let dzdy = ((d20.x * d01.z - d20.z * d01.x) * r).abs();
-    let greatest = v0.z.abs().max(v1.z.abs()).max(v2.z.abs());
-    let unit = if greatest < 2.0_f32.powi(-126) {
-        0.0
-    } else {
-        2.0_f32.powf(greatest.log2().floor() - 23.0)
-    };
-    let unit = if matches!(mode, Mode::Depth16 | Mode::DepthPeel16) {
-        OFFSET_UNIT_16
-    } else {
-        unit
-    };
-    let offset = unit * bias.constant as f32 + dzdx.max(dzdy) * bias.slope;
+    let offset = unit * bias.constant as f32 + slope * bias.slope;
     match bias.clamp {
         c if c > 0.0 => offset.min(c),
         c if c < 0.0 => offset.max(c),

@@ -1,10 +1,13 @@
 //! Triangle setup for many triangles at once: plain loops over arrays, which the compiler turns into vector code.
 
 use crate::raster::{
+    Rounding,
     bin::Bins,
     mode::Mode,
+    plane_error::{PlaneShift, plane_error},
     record::{DepthPlane, Record, doubled_area, small_edge_function},
     viewport::{on_grid, snap},
+    whole::Whole,
 };
 use glam::{UVec2, Vec3};
 use umbrage_core::{Cull, DepthPlanes, RasterBias, Snapping};
@@ -26,8 +29,23 @@ pub(crate) struct SetupRules {
     pub(crate) bias: RasterBias,
     /// What the image keeps of what is drawn.
     pub(crate) mode: Mode,
-    /// How vertices are rounded.
-    pub(crate) snapping: Snapping,
+    /// How vertices and depths are rounded.
+    pub(crate) rounding: Rounding,
+}
+
+impl SetupRules {
+    /// Returns the polygon offset as Vulkan defines it: `m * slope + r * constant`, where m is the greater slope of a triangle
+    /// (depth a pixel) and r the spacing of the image's depths, of floats that at the triangle's greatest depth.
+    #[inline(always)]
+    fn offset(&self, greatest_depth: f32, slope: f32) -> f32 {
+        let unit = if self.mode.is_fixed_point() {
+            self.rounding.snapping.offset_unit.depth()
+        } else {
+            spacing(greatest_depth)
+        };
+        let offset = unit * self.bias.constant as f32 + slope * self.bias.slope;
+        clamped(offset, self.bias.clamp)
+    }
 }
 
 /// Window-space triangles that wait for setup, one array a number.
@@ -118,18 +136,23 @@ impl Group {
 
     /// The same for pieces of one triangle, whose plane is known.
     #[cold]
-    pub(crate) fn flush_pieces(&mut self, plane: DepthPlane, rules: &SetupRules, out: &mut Bins) {
+    pub(crate) fn flush_pieces(&mut self, whole: &Whole, rules: &SetupRules, out: &mut Bins) {
         self.set_up(rules);
+        let plane = whole.depth();
+        let slope = plane.dx.abs().max(plane.dy.abs());
+        let offset = rules.offset(whole.greatest_depth(), slope);
+        let shift = rules.rounding.plane_shift.of(self.id[0]) * whole.error();
         let l = &mut self.lanes;
         l.at_origin = [plane.at_origin; GROUP];
         l.dx = [plane.dx; GROUP];
         l.dy = [plane.dy; GROUP];
+        l.offset = [offset + shift; GROUP];
         self.emit(rules, out);
     }
 
     #[inline(always)]
     fn set_up(&mut self, rules: &SetupRules) {
-        if rules.snapping == Snapping::default() {
+        if rules.rounding.snapping == Snapping::default() {
             self.snap_and_bound(rules.size);
         } else {
             self.snap_otherwise(rules);
@@ -141,6 +164,21 @@ impl Group {
         self.lanes.offset = [0.0; GROUP];
         if rules.bias.constant != 0 || rules.bias.slope != 0.0 {
             self.find_offsets(rules);
+        }
+        if rules.rounding.plane_shift != PlaneShift::NONE {
+            self.shift_planes(rules.rounding.plane_shift);
+        }
+    }
+
+    /// Moves depths by parts of what rounding may come to.
+    #[cold]
+    fn shift_planes(&mut self, shift: PlaneShift) {
+        for i in 0..self.len {
+            let corners = [0, 1, 2].map(|k| {
+                let corner = Vec3::new(self.x[k][i], self.y[k][i], self.z[k][i]);
+                corner.as_dvec3()
+            });
+            self.lanes.offset[i] += shift.of(self.id[i]) * plane_error(corners);
         }
     }
 
@@ -198,10 +236,10 @@ impl Group {
             .iter_mut()
             .chain(self.y.as_flattened_mut())
         {
-            *v = on_grid(*v, rules.snapping);
+            *v = on_grid(*v, rules.rounding.snapping);
         }
         self.snap_and_bound(rules.size);
-        if rules.snapping.planes == DepthPlanes::Unsnapped {
+        if rules.rounding.snapping.planes == DepthPlanes::Unsnapped {
             (self.x, self.y) = unsnapped;
         }
     }
@@ -250,12 +288,8 @@ impl Group {
         }
     }
 
-    /// Polygon offset as Vulkan defines it: `m * slope + r * constant`, m the greater slope and r the spacing of the
-    /// image's depths, for floats that at the triangle's greatest depth.
     #[inline(always)]
     fn find_offsets(&mut self, rules: &SetupRules) {
-        let bias = &rules.bias;
-        let unit = rules.mode.offset_unit();
         let l = &mut self.lanes;
         for i in 0..GROUP {
             let (x01, x20) = Self::differences(&self.x, l.sign[i], i);
@@ -268,9 +302,7 @@ impl Group {
                 .abs()
                 .max(self.z[1][i].abs())
                 .max(self.z[2][i].abs());
-            let unit = unit.unwrap_or_else(|| spacing(greatest));
-            let offset = unit * bias.constant as f32 + slope_x.max(slope_y) * bias.slope;
-            l.offset[i] = clamped(offset, bias.clamp);
+            l.offset[i] = rules.offset(greatest, slope_x.max(slope_y));
         }
     }
 

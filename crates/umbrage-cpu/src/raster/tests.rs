@@ -1,7 +1,7 @@
 //! The fast rasteriser against the plain one, bit by bit.
 
-use crate::raster::{Draw, Mode, Position, Rasterizer, Target, reference};
-use glam::{Mat4, UVec2, Vec3};
+use crate::raster::{Draw, Mode, PlaneShift, Position, Rasterizer, Rounding, Target, reference};
+use glam::{Mat4, UVec2, Vec3, Vec4};
 use umbrage_core::{Cull, DepthPlanes, NO_TRIANGLE, RasterBias, Simd, Snapping};
 
 /// A small generator of random numbers (Marsaglia: Xorshift RNGs, 2003): the same triangles on every run.
@@ -107,7 +107,11 @@ fn fast_on<P: Position>(snapping: Snapping, draw: &Draw<'_, P>, other: &[f32]) -
         other,
         clear: true,
     };
-    Rasterizer::new(snapping).draw(draw, target);
+    let rounding = Rounding {
+        snapping,
+        ..Rounding::default()
+    };
+    Rasterizer::new(rounding).draw(draw, target);
     (texels, ids)
 }
 
@@ -189,6 +193,7 @@ fn snappings() -> impl Iterator<Item = Snapping> + Clone {
         planes.map(|planes| Snapping {
             sub_pixel_bits,
             planes,
+            ..Snapping::default()
         })
     })
 }
@@ -216,6 +221,74 @@ fn every_rounding_agrees_with_the_plain_rasteriser() {
             "soup {i}: {snapping}"
         );
     }
+}
+
+/// Draws on the coarsest grid, with depths of triangles moved.
+fn shifted(plane_shift: PlaneShift, draw: &Draw<'_, Vec4>) -> Vec<f32> {
+    let n = (draw.size.x * draw.size.y) as usize;
+    let mut texels = vec![0.0; n];
+    let target = Target {
+        width: draw.size.x as usize,
+        texels: &mut texels,
+        ids: &mut [],
+        other: &[],
+        clear: true,
+    };
+    let rounding = Rounding {
+        snapping: Snapping::COARSEST,
+        plane_shift,
+    };
+    Rasterizer::new(rounding).draw(draw, target);
+    texels
+}
+
+#[test]
+fn triangles_of_even_and_odd_numbers_are_moved_apart() {
+    // Two slanted triangles, left and right of the middle.
+    let positions = [
+        Vec4::new(-1.0, -1.0, 0.25, 1.0),
+        Vec4::new(0.0, -1.0, 0.25, 1.0),
+        Vec4::new(-1.0, 1.0, 0.75, 1.0),
+        Vec4::new(0.0, -1.0, 0.25, 1.0),
+        Vec4::new(1.0, -1.0, 0.25, 1.0),
+        Vec4::new(0.0, 1.0, 0.75, 1.0),
+    ];
+    let draw = Draw {
+        first_id: 0,
+        size: UVec2::splat(32),
+        ..draw_of(&positions, &[[0, 1, 2], [3, 4, 5]])
+    };
+    let plain = shifted(PlaneShift::NONE, &draw);
+    let apart = PlaneShift {
+        even: 1.0,
+        odd: -1.0,
+    };
+    let moved = shifted(apart, &draw);
+    let below_middle = 28 * 32;
+    let even = below_middle + 2;
+    let odd = below_middle + 18;
+    assert!(moved[even] > plain[even] && moved[even] < plain[even] + 1e-4);
+    assert!(moved[odd] < plain[odd] && moved[odd] > plain[odd] - 1e-4);
+}
+
+/// A floor that starts behind the eye, just below it: all its corners come to lie in one row of the grid, and its part before
+/// the eye covers pixels. Devices may give these any depth, or none.
+#[test]
+fn triangles_without_area_on_the_grid_may_have_any_depth() {
+    let positions = [
+        Vec4::new(-4.0, -0.006, -5.505, -5.5),
+        Vec4::new(4.0, -0.006, -5.505, -5.5),
+        Vec4::new(3.0, -0.006, 6.495, 6.5),
+    ];
+    let draw = Draw {
+        size: UVec2::splat(32),
+        ..draw_of(&positions, &[[0, 1, 2]])
+    };
+    let all = |even: f32| PlaneShift { even, odd: even };
+    let covered = |depth: Vec<f32>| depth.iter().filter(|z| **z < 0.01).count();
+    assert_eq!(covered(shifted(PlaneShift::NONE, &draw)), 0);
+    assert!(covered(shifted(all(-1.0), &draw)) > 100);
+    assert_eq!(covered(shifted(all(1.0), &draw)), 0);
 }
 
 /// The right edge of a triangle lies a little left of a column of pixel centres, and comes to lie on it, or further left, as

@@ -80,6 +80,7 @@ mod tests {
             let grid = Snapping {
                 sub_pixel_bits,
                 planes: DepthPlanes::Snapped,
+                ..Snapping::default()
             };
             for i in 0..4860 {
                 // From the left edge of an image to the right edge of the widest.

@@ -5,6 +5,8 @@
 //! way the triangle turns: pieces that turn the other way once they are on the grid aren't drawn.
 
 use crate::raster::{
+    Rounding,
+    plane_error::{PlaneShift, plane_error},
     record::DepthPlane,
     viewport::{Viewport, on_grid},
 };
@@ -19,8 +21,15 @@ pub(crate) struct Whole {
     vertex: DVec3,
     dx: f64,
     dy: f64,
-    /// Its sign tells how pieces turn on the window; 0: there are none.
+    /// Its sign tells how pieces turn on the window; 0: the triangle has no area on the grid.
     turn: f64,
+    /// Whether pieces of a triangle without area on the grid are drawn. They may cover pixels all the same, where the triangle
+    /// reaches behind the eye, and what depth they get is left to devices: SwiftShader divides by zero, others may draw nothing.
+    draws_without_area: bool,
+    /// The greatest magnitude of the vertices' depths, which may be far beyond 1.
+    greatest_depth: f64,
+    /// By how much devices may differ in its depths.
+    error: f32,
 }
 
 impl Whole {
@@ -29,8 +38,9 @@ impl Whole {
     pub(crate) fn new(
         triangle: [Vec4; 3],
         viewport: &Viewport,
-        snapping: Snapping,
+        rounding: Rounding,
     ) -> Option<Self> {
+        let snapping = rounding.snapping;
         if snapping.planes == DepthPlanes::Unsnapped {
             return None;
         }
@@ -40,13 +50,20 @@ impl Whole {
         let turn = triangle
             .iter()
             .fold(normal.z, |turn, v| if v.w < 0.0 { -turn } else { turn });
-        let (dx, dy) = (-normal.x / normal.z, -normal.y / normal.z);
+        let (dx, dy) = if normal.z == 0.0 {
+            (0.0, 0.0)
+        } else {
+            (-normal.x / normal.z, -normal.y / normal.z)
+        };
         let whole = Self {
             snapping,
             vertex: a,
             dx,
             dy,
             turn,
+            draws_without_area: rounding.plane_shift != PlaneShift::NONE,
+            error: plane_error([a, b, c]),
+            greatest_depth: a.z.abs().max(b.z.abs()).max(c.z.abs()),
         };
         normal.is_finite().then_some(whole)
     }
@@ -62,7 +79,9 @@ impl Whole {
                 self.at(corner.x, corner.y),
             )
         });
-        (area * self.turn > 0.0).then_some(placed)
+        let turns_alike = area * self.turn > 0.0;
+        let may_be_drawn = self.turn == 0.0 && self.draws_without_area;
+        (turns_alike || may_be_drawn).then_some(placed)
     }
 
     /// The plane as records hold it. Pieces may be too thin to find it from their corners.
@@ -73,6 +92,17 @@ impl Whole {
             dy: self.dy as f32,
             offset: 0.0,
         }
+    }
+
+    /// The greatest magnitude of the depths of the triangle's own vertices: the spacing of floats there is the unit of polygon
+    /// offset on such devices (measured on SwiftShader; Vulkan doesn't say whether the primitive is meant clipped or whole).
+    pub(crate) fn greatest_depth(&self) -> f32 {
+        self.greatest_depth as f32
+    }
+
+    /// By how much devices may differ in its depths.
+    pub(crate) fn error(&self) -> f32 {
+        self.error
     }
 
     fn at(&self, x: f64, y: f64) -> f32 {
@@ -94,11 +124,18 @@ mod tests {
         Vec4::new(x / 32.0 - 1.0, 1.0 - y / 32.0, z, 1.0)
     }
 
+    fn rounding(snapping: Snapping) -> Rounding {
+        Rounding {
+            snapping,
+            ..Rounding::default()
+        }
+    }
+
     fn whole(triangle: [Vec4; 3]) -> Option<Whole> {
         Whole::new(
             triangle,
             &Viewport::new(UVec2::splat(64)),
-            Snapping::COARSEST,
+            rounding(Snapping::COARSEST),
         )
     }
 
@@ -115,7 +152,7 @@ mod tests {
             Whole::new(
                 triangle,
                 &Viewport::new(UVec2::splat(64)),
-                Snapping::default()
+                rounding(Snapping::default())
             )
             .is_none()
         );

@@ -8,10 +8,10 @@
 use crate::LabError;
 use glam::Vec2;
 use umbrage_core::{
-    Backend, Cast, CastMode, Format, Receivers, Recipe, Shadows, Snapping, View,
+    Backend, Cast, CastMode, Receivers, Recipe, Shadows, Snapping, View,
     metrics::{AGREEMENT_TOLERANCE, Agreement, Doubt},
 };
-use umbrage_cpu::{Cpu, CpuOptions};
+use umbrage_cpu::{Cpu, CpuOptions, PlaneShift};
 
 /// How far casts are moved in depth: 2^-20, 16 units in the last place of depths in 0.5..1.
 const NUDGE_DEPTH: f32 = 1.0 / 1_048_576.0;
@@ -24,19 +24,27 @@ const NUDGE_SECOND: f32 = 1.0 / 65_536.0;
 /// [`NUDGE_DEPTH`].
 const LAST_BITS: [f32; 8] = [0.125, -0.125, 0.25, -0.25, 0.375, -0.375, 0.5, -0.5];
 
-/// How far receivers are moved where nothing is cast: a fraction of their greatest coordinate, 2^-21.
+/// How triangles with even and with odd numbers are moved, as parts of what rounding may come to.
+const PLANES: [(f32, f32); 4] = [(1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0)];
+
+/// What a unit of polygon offset may be, as parts of the CPU's. Of floats it is the spacing at the primitive's greatest depth:
+/// SwiftShader takes the greatest difference from one corner's, which may be half as much, and 1.01 steps of 16 bits for one.
+const UNITS: [f32; 2] = [0.5, 2.0];
+
+/// How far receivers are moved: a fraction of their greatest coordinate, 2^-21.
 const NUDGE_POSITION: f32 = 1.0 / 2_097_152.0;
 
 /// Compares a backend's mask with the one that the CPU makes when it rounds vertices so, too. `of_cpu` is what it makes of
 /// the same recipe by its own rule; [`Agreement::differing`] and [`Agreement::largest`] tell the difference from that.
 ///
 /// Pixels where the two see different triangles are set apart. Others that differ by more than is allowed are *undecided*
-/// when the CPU's answer changes, too, as casts are nudged (sideways by half a step of the grid; in depth by 2^-20; in what
-/// graphics APIs leave open), or, for recipes without casts, as its receivers are; else they are
-/// violations. Equal masks need no nudges, so none are rendered for them.
+/// when the CPU's answer changes, too, as something moves by what rounding may come to; else they are violations. What moves:
+/// casts sideways, by half a step of the grid; casts in depth, by 2^-20; each triangle in depth, by the bound of its plane's
+/// error, which is great for slivers; the unit of polygon offset, by a factor of two; receivers, by 2^-21 of their coordinates.
+/// Equal masks need no such nudges, so none are rendered for them.
 ///
 /// # Errors
-/// When the CPU cannot play the recipe, or masks differ in size or hold anything outside 0..=1.
+/// Errors if the CPU cannot play the recipe, or masks differ in size or hold anything outside 0..=1.
 pub fn agree(
     view: &View<'_>,
     recipe: &Recipe,
@@ -108,10 +116,12 @@ fn cpu_rule() -> Snapping {
 enum Nudge {
     /// Of every cast's light space sideways, texels.
     Sideways(Vec2),
+    /// Of triangles in depth, by parts of what rounding may come to for each.
+    Planes(PlaneShift),
     /// Of every cast in depth, away from the light (1) or towards it (-1), by what rounding comes to.
     Depth(f32),
-    /// Of polygon offsets in 16 bits, whose units are left to devices: one step of 2^-16 instead of two.
-    HalfUnits,
+    /// Of the constants of polygon offsets, whose units are left to devices: a factor.
+    Units(f32),
     /// Of the light spaces of those casts that keep what lies behind another image, in depth. Two surfaces that meet are as far
     /// apart as they are rounded, and the second of them may count or not. (Moved the other way, all lay behind themselves.)
     Behind(f32),
@@ -122,19 +132,18 @@ enum Nudge {
 /// What to try on a recipe. Half a step of the device's grid is as far as rounding moves a vertex; a device that rounds
 /// another way (down, say) moves it as much further.
 fn nudges(recipe: &Recipe, snapping: Snapping) -> Vec<Nudge> {
+    let receivers = [NUDGE_POSITION, -NUDGE_POSITION].map(Nudge::Receivers);
     if recipe.casts.is_empty() {
-        return vec![
-            Nudge::Receivers(NUDGE_POSITION),
-            Nudge::Receivers(-NUDGE_POSITION),
-        ];
+        return receivers.to_vec();
     }
     let t = 0.5 * snapping.step();
     let sideways =
         [(t, t), (-t, t), (t, -t), (-t, -t)].map(|(x, y)| Nudge::Sideways(Vec2::new(x, y)));
     let in_depth = [1.0, -1.0].map(Nudge::Depth);
-    let mut out = [&sideways[..], &in_depth].concat();
-    if recipe.casts.iter().any(|cast| has_units(cast, recipe)) {
-        out.push(Nudge::HalfUnits);
+    let planes = PLANES.map(|(even, odd)| Nudge::Planes(PlaneShift { even, odd }));
+    let mut out = [&sideways[..], &in_depth, &planes, &receivers].concat();
+    if recipe.casts.iter().any(|cast| cast.bias.constant != 0) {
+        out.extend(UNITS.map(Nudge::Units));
     }
     if recipe.casts.iter().any(is_behind) {
         out.push(Nudge::Behind(-NUDGE_SECOND));
@@ -156,18 +165,22 @@ impl Nudge {
         let known = seen.map_or(*view, |r| view.with_receivers(r));
         Ok(match self {
             Self::Sideways(texels) => cpu.render(&known, &nudged(recipe, |_| (texels, 0.0)))?,
+            Self::Planes(shift) => {
+                let options = CpuOptions::default()
+                    .snapping(cpu.snapping())
+                    .plane_shift(shift);
+                Cpu::with_options(&options)?.render(&known, recipe)?
+            }
             Self::Depth(part) => {
-                let by = |cast: &Cast| (Vec2::ZERO, part * depth_rounding(cast, recipe));
+                let by = |_: &Cast| (Vec2::ZERO, part * NUDGE_DEPTH);
                 cpu.render(&known, &nudged(recipe, by))?
             }
-            Self::HalfUnits => {
-                let mut halved = recipe.clone();
-                halved
-                    .casts
-                    .iter_mut()
-                    .filter(|cast| has_units(cast, recipe))
-                    .for_each(|cast| cast.bias.constant /= 2);
-                cpu.render(&known, &halved)?
+            Self::Units(factor) => {
+                let mut scaled = recipe.clone();
+                for cast in &mut scaled.casts {
+                    cast.bias.constant = (cast.bias.constant as f32 * factor).round() as i32;
+                }
+                cpu.render(&known, &scaled)?
             }
             Self::Behind(depth) => {
                 let by = |cast: &Cast| (Vec2::ZERO, if is_behind(cast) { depth } else { 0.0 });
@@ -183,23 +196,6 @@ impl Nudge {
 
 fn is_behind(cast: &Cast) -> bool {
     matches!(cast.mode, CastMode::DepthPeel(_))
-}
-
-/// Whether a cast's depth hangs on what a device takes for a unit of polygon offset. Vulkan leaves that open for fixed point:
-/// of 16 bits, Mesa's software drivers take 2^-15, SwiftShader takes 1.01 times 2^-16.
-fn has_units(cast: &Cast, recipe: &Recipe) -> bool {
-    cast.bias.constant != 0 && recipe.images[cast.image].format == Format::Depth16
-}
-
-/// How far apart devices may be in a cast's depth by rounding. For floats, a unit of polygon offset is the last place of a
-/// primitive's greatest depth, on some before it is clipped, when it may be many times 1: up to 8 here.
-fn depth_rounding(cast: &Cast, recipe: &Recipe) -> f32 {
-    let units = if has_units(cast, recipe) {
-        0.0
-    } else {
-        cast.bias.constant as f32
-    };
-    NUDGE_DEPTH + units.abs() * (8.0 * f32::EPSILON)
 }
 
 /// The recipe with each cast's light space moved so, texels and depth; the lookup stays.

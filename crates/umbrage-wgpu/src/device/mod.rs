@@ -5,6 +5,7 @@ pub(crate) mod convert;
 pub(crate) mod device_errors;
 pub(crate) mod error_scopes;
 pub(crate) mod probe;
+pub(crate) mod probe_offset;
 pub(crate) mod readback;
 pub(crate) mod requirements;
 pub(crate) mod results;

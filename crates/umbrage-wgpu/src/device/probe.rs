@@ -5,7 +5,10 @@
 //! was moved to, to a thousandth of a pixel; how many different places there are tells the grid's step.
 
 use crate::{
-    device::readback::{ReadBack, Spare},
+    device::{
+        probe_offset::probe_offset_unit,
+        readback::{ReadBack, Spare},
+    },
     filter::color_attachment,
     resources::{
         counters::{Counters, ResourceFactory},
@@ -29,7 +32,12 @@ const ROWS: usize = 512;
 /// # Errors
 /// When the device fails.
 pub fn probe_snapping(device: &Device, queue: &Queue) -> Result<Snapping, BackendError> {
-    Ok(of_image(&draw(device, queue)?))
+    let snapping = of_image(&draw(device, queue)?);
+    let offset_unit = probe_offset_unit(device, queue)?;
+    Ok(Snapping {
+        offset_unit,
+        ..snapping
+    })
 }
 
 /// Depths of the triangles' pixels, 0 elsewhere.
@@ -84,7 +92,7 @@ fn draw(device: &Device, queue: &Queue) -> Result<Vec<f32>, BackendError> {
     back.read(ticket)
 }
 
-/// What the image says. One that makes no sense is taken for the coarsest device's.
+/// What the image says of vertices and planes. One that makes no sense is taken for the coarsest device's.
 fn of_image(depths: &[f32]) -> Snapping {
     let rows: Vec<usize> = (0..STRIPS)
         .map(|strip| rows_beyond(depths, strip))
@@ -100,7 +108,7 @@ fn of_image(depths: &[f32]) -> Snapping {
     let bits = (places.len().ilog2() + 3).clamp(*Snapping::BITS.start(), *Snapping::BITS.end());
     let found = Snapping {
         sub_pixel_bits: bits,
-        planes: DepthPlanes::Unsnapped,
+        ..Snapping::default()
     };
     // The squares of the distances from the depths drawn to those of each rule.
     let mut far = [0.0; 2];
@@ -186,6 +194,7 @@ mod tests {
                 [DepthPlanes::Unsnapped, DepthPlanes::Snapped].map(|planes| Snapping {
                     sub_pixel_bits: bits,
                     planes,
+                    ..Snapping::default()
                 });
             assert_eq!(of_image(&image(nearest, |v| v)), unsnapped);
             assert_eq!(of_image(&image(nearest, nearest)), snapped);

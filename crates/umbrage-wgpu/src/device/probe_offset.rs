@@ -1,0 +1,126 @@
+//! Finds out what a device takes for a unit of polygon offset in images of 16 bits: Vulkan leaves that open.
+//!
+//! A triangle at a known depth is drawn into one texel with an offset of many units, and the texel is read back.
+
+use crate::{
+    device::readback::{ReadBack, Spare},
+    resources::{
+        counters::{Counters, ResourceFactory},
+        pipelines::{pipeline_layout, shader},
+    },
+    targets::{DepthState, attachment},
+};
+use umbrage_core::{BackendError, Format, OffsetUnit};
+use wgpu::{
+    CommandEncoderDescriptor, Device, Extent3d, MultisampleState, PipelineCompilationOptions,
+    Queue, RenderPassDescriptor, RenderPipeline, RenderPipelineDescriptor, Texture,
+    TextureDescriptor, TextureDimension, TextureFormat, TextureUsages, TextureViewDescriptor,
+    VertexState,
+};
+
+const LABEL: &str = "umbrage probe of polygon offset";
+
+/// The triangle's depth, as in `probe_offset.wgsl`.
+const DEPTH: f32 = 0.25;
+
+/// The offset's constant, units: an eighth of the range of depths if a unit is a step.
+const UNITS: i32 = 8_192;
+
+/// Draws a triangle on a device and returns what it took for a unit. Takes some milliseconds.
+///
+/// # Errors
+/// Errors if the device fails.
+pub(crate) fn probe_offset_unit(
+    device: &Device,
+    queue: &Queue,
+) -> Result<OffsetUnit, BackendError> {
+    let steps = draw(device, queue)?;
+    Ok(unit_of(f32::from(steps) / f32::from(u16::MAX)))
+}
+
+/// Returns the unit that moves [`DEPTH`] nearest to the depth that was found.
+fn unit_of(depth: f32) -> OffsetUnit {
+    let distance = |unit: OffsetUnit| (DEPTH + UNITS as f32 * unit.depth() - depth).abs();
+    if distance(OffsetUnit::TwoSteps) < distance(OffsetUnit::OneStep) {
+        OffsetUnit::TwoSteps
+    } else {
+        OffsetUnit::OneStep
+    }
+}
+
+/// Returns the texel that was drawn, in steps of 1/65535.
+fn draw(device: &Device, queue: &Queue) -> Result<u16, BackendError> {
+    let mut counters = Counters::default();
+    let mut spare = Spare::default();
+    let mut factory = ResourceFactory {
+        device,
+        queue,
+        counters: &mut counters,
+    };
+    let image = texel(&mut factory);
+    let view = image.create_view(&TextureViewDescriptor::default());
+    let mut encoder = device.create_command_encoder(&CommandEncoderDescriptor::default());
+    let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
+        label: Some(LABEL),
+        depth_stencil_attachment: Some(attachment(&view, Format::Depth16, true)),
+        ..RenderPassDescriptor::default()
+    });
+    pass.set_pipeline(&pipeline(device));
+    pass.draw(0..3, 0..1);
+    drop(pass);
+    let mut back = ReadBack::new(device, &mut counters, &mut spare);
+    let ticket = back.texture(&mut encoder, &image);
+    queue.submit([encoder.finish()]);
+    back.wait()?;
+    let texels: Vec<u16> = back.read(ticket)?;
+    Ok(texels[0])
+}
+
+/// Creates an image of one texel.
+fn texel(factory: &mut ResourceFactory<'_>) -> Texture {
+    factory.texture(&TextureDescriptor {
+        label: Some(LABEL),
+        size: Extent3d::default(),
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: TextureDimension::D2,
+        format: TextureFormat::Depth16Unorm,
+        usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC,
+        view_formats: &[],
+    })
+}
+
+fn pipeline(device: &Device) -> RenderPipeline {
+    let state = DepthState::with_constant_offset(TextureFormat::Depth16Unorm, UNITS);
+    let module = shader(device, LABEL, include_str!("probe_offset.wgsl"));
+    device.create_render_pipeline(&RenderPipelineDescriptor {
+        label: Some(LABEL),
+        layout: Some(&pipeline_layout(device, &[])),
+        vertex: VertexState {
+            module: &module,
+            entry_point: Some("place"),
+            compilation_options: PipelineCompilationOptions::default(),
+            buffers: &[],
+        },
+        primitive: state.primitive(),
+        depth_stencil: Some(state.depth_stencil()),
+        multisample: MultisampleState::default(),
+        fragment: None,
+        multiview_mask: None,
+        cache: None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_are_told_from_depths() {
+        // Mesa's, SwiftShader's (1.01 steps), hardware's; and a device that leaves offsets out.
+        assert_eq!(unit_of(0.5), OffsetUnit::TwoSteps);
+        assert_eq!(unit_of(0.25 + 1.01 * 0.125), OffsetUnit::OneStep);
+        assert_eq!(unit_of(0.375), OffsetUnit::OneStep);
+        assert_eq!(unit_of(0.25), OffsetUnit::OneStep);
+    }
+}
