@@ -103,7 +103,7 @@ impl Golden {
     /// The mask as it is rendered now, on the CPU.
     ///
     /// # Errors
-    /// When the scene or the recipe can't be made or rendered; in words.
+    /// Errors if the scene or the recipe can't be made or rendered; in words.
     pub fn render(&self) -> Result<GrayImage, String> {
         let say = |e: &dyn std::fmt::Display| format!("{}: {e}", self.name());
         let entry = umbrage_scenes::find(self.scene).ok_or_else(|| say(&"no such scene"))?;
@@ -133,7 +133,7 @@ impl Golden {
     /// Writes it anew.
     ///
     /// # Errors
-    /// When it can't be rendered or written, or would be too large; in words.
+    /// Errors if it can't be rendered or written, or would be too large; in words.
     pub fn bless(&self) -> Result<(), String> {
         let bytes = encode(&self.render()?)?;
         if bytes.len() > MAX_BYTES {
@@ -150,7 +150,7 @@ impl Golden {
 /// As a PNG file.
 ///
 /// # Errors
-/// When the encoder fails; in words.
+/// Errors if the encoder fails; in words.
 pub fn encode(image: &GrayImage) -> Result<Vec<u8>, String> {
     let mut bytes = Cursor::new(Vec::new());
     image

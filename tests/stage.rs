@@ -8,7 +8,7 @@ use umbrage_core::{
 /// A unit box a metre above a floor of 8 x 8 metres; then everything scaled, then moved.
 ///
 /// # Panics
-/// Never: the scene is a good one.
+/// Panics never: the scene is a good one.
 pub fn geometry(scale: f32, offset: Vec3) -> Geometry {
     let corners = |half: Vec3| {
         let pick = |i: u32, bit: u32| if i & bit == 0 { -1.0 } else { 1.0 };
@@ -50,7 +50,7 @@ pub fn geometry(scale: f32, offset: Vec3) -> Geometry {
 /// Looks at the box of scale 1 from the front, right and above.
 ///
 /// # Panics
-/// Never: the camera is a good one.
+/// Panics never: the camera is a good one.
 pub fn camera() -> Camera {
     let near_far = [0.1, 100.0];
     Camera::perspective(

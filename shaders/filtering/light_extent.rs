@@ -117,7 +117,7 @@ impl LightExtent {
 /// a map's side is left to what it is for.
 ///
 /// # Errors
-/// As [`ShadowMap::spaces`].
+/// Errors if [`ShadowMap::spaces`] does.
 pub(crate) fn spaces(map: &ShadowMap, view: &View<'_>) -> Result<LightSpaces, RecipeError> {
     let mut margin = 0.0;
     let mut spaces = map.spaces(view, margin)?;

@@ -204,7 +204,7 @@ impl PatternTable {
     /// Returns the table with a set of taps for each of `counts`, which also name the sets for errors.
     ///
     /// # Errors
-    /// If a set has no taps or more than [`MAX_TAPS`].
+    /// Errors if a set has no taps or more than [`MAX_TAPS`].
     pub(crate) fn new(
         pattern: Pattern,
         shape: PatternShape,

@@ -97,7 +97,8 @@ mod tests {
 
     #[test]
     fn maps_bend_along_tangent_and_bitangent() {
-        let (n, t) = (Vec3::Z, Vec4::new(1.0, 0.0, 0.0, 1.0));
+        let n = Vec3::Z;
+        let t = Vec4::new(1.0, 0.0, 0.0, 1.0);
         assert_eq!(
             bent(n, t, Vec3::new(0.25, 0.5, 0.75)),
             Vec3::new(0.25, 0.5, 0.75)
@@ -108,7 +109,8 @@ mod tests {
             Vec3::new(0.25, -0.5, 0.75)
         );
         // A flat map gives the normal itself, whatever the frame.
-        let (n, t) = (Vec3::new(0.1, -0.7, 0.3), Vec4::new(0.3, 0.9, 0.2, -1.0));
+        let n = Vec3::new(0.1, -0.7, 0.3);
+        let t = Vec4::new(0.3, 0.9, 0.2, -1.0);
         assert_eq!(bent(n, t, Vec3::Z), n);
     }
 

@@ -27,7 +27,7 @@ impl SurfaceTables {
     /// Returns the tables of a valid scene and the geometry that was baked from it.
     ///
     /// # Errors
-    /// If the geometry names materials that the scene doesn't have.
+    /// Errors if the geometry names materials that the scene doesn't have.
     pub(crate) fn new(scene: &Scene, geometry: &Geometry) -> Result<Self, Invalid> {
         let count = scene.materials.len() as u32;
         if let Some(id) = geometry

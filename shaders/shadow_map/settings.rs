@@ -155,7 +155,7 @@ impl ShadowMap {
     /// the light, it stays as it is.
     ///
     /// # Errors
-    /// As [`ShadowMap::spaces`].
+    /// Errors if [`ShadowMap::spaces`] does.
     pub fn sized_for(
         &self,
         view: &View<'_>,
@@ -250,7 +250,7 @@ impl ShadowMap {
     /// uniforms. It reaches `reach` texels beyond the receiver's own.
     ///
     /// # Errors
-    /// As [`ShadowMap::spaces`].
+    /// Errors if [`ShadowMap::spaces`] does.
     pub fn recipe<K: ReceiveKernel + 'static>(
         &self,
         view: &View<'_>,

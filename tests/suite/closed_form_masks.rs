@@ -93,7 +93,8 @@ impl Case {
 
     /// Whether truth is the same all around a sample, as far as a kernel reaches there.
     fn is_decided(&self, i: usize, recipe: &Recipe, reach: f32) -> bool {
-        let (p, n) = (self.samples[i].point, self.samples[i].normal);
+        let p = self.samples[i].point;
+        let n = self.samples[i].normal;
         let (u, v) = n.any_orthonormal_pair();
         let at = |k: u32| {
             let (sin, cos) = (k as f32 / 16.0 * TAU).sin_cos();
@@ -164,7 +165,8 @@ fn ask(
     demand: &ClosedFormDemand<TechniquePreset>,
     spoil: impl Fn(f32) -> f32,
 ) -> Answers {
-    let (mut out, mut gpu) = (Answers::default(), gpu());
+    let mut out = Answers::default();
+    let mut gpu = gpu();
     let technique = demand.technique.technique();
     let served = |case: &&Case| !demand.closed_bodies || CLOSED_BODIES.contains(&case.name);
     for case in cases.iter().filter(served) {
@@ -192,7 +194,8 @@ fn ask(
 
 #[test]
 fn every_technique_meets_the_closed_forms() {
-    let (cases, mut faults) = (cases(), Vec::new());
+    let cases = cases();
+    let mut faults = Vec::new();
     for demand in demands() {
         let name = demand.technique.technique().name();
         let answers = ask(&cases, &demand, |v| v);
@@ -207,7 +210,8 @@ fn every_technique_meets_the_closed_forms() {
 /// Asked for the opposite, every decided sample must object.
 #[test]
 fn wrong_formulas_are_noticed() {
-    let (cases, demands) = (cases(), demands());
+    let cases = cases();
+    let demands = demands();
     let answers = ask(&cases, &demands[0], |v| 1.0 - v);
     assert_eq!(answers.wrong.len(), answers.decided.iter().sum::<usize>());
 }

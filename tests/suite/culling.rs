@@ -384,10 +384,8 @@ fn compare(seen: &Seen, whole: &Recipe, culled: &Recipe) -> Result<Decided, Stri
 
 #[test]
 fn culled_fits_answer_as_whole_ones_wherever_decided() {
-    let (tally, compared) = (
-        RefCell::new(Decided::default()),
-        std::cell::Cell::new(0_u32),
-    );
+    let tally = RefCell::new(Decided::default());
+    let compared = std::cell::Cell::new(0_u32);
     run(
         120,
         (scenes(), 150..300_u32, 0..3_u32),
@@ -451,7 +449,8 @@ fn a_fit_that_loses_a_caster_is_caught() {
             .expect("a good view")
             .expect("a simple scene")
     };
-    let (whole, mut culled) = (plan(Fit::Whole), plan(Fit::Tight));
+    let whole = plan(Fit::Whole);
+    let mut culled = plan(Fit::Tight);
     let fine = compare(&seen, &whole, &culled).expect("it renders");
     assert!(fine.differing == 0 && fine.dark > 20, "{fine:?}");
     culled.casts.clear();

@@ -45,13 +45,12 @@ fn brute_force(view: &View<'_>, geometry: &Geometry, order: &[u32]) -> Vec<f32> 
     let receivers = view.receivers.expect("given");
     let eye = view.camera.eye();
     let all = geometry.bounds().union(&Aabb::around([eye]));
-    let (reach, far) = (
-        all.min.abs().max(all.max.abs()).max_element(),
-        2.0 * all.extent().length(),
-    );
+    let reach = all.min.abs().max(all.max.abs()).max_element();
+    let far = 2.0 * all.extent().length();
     let light = LightSampler::new(view.light);
     let lit = |i: usize| {
-        let (p, n): (Vec3, Vec3) = (receivers.position(i), receivers.normal(i));
+        let p: Vec3 = receivers.position(i);
+        let n: Vec3 = receivers.normal(i);
         let o = p + n * origin_offset(p, reach);
         let d = segment(&light, o, Vec2::ZERO, far);
         let hides = |&id: &u32| {

@@ -31,7 +31,8 @@ fn width_ratio(mask: &[f32], receivers: &Receivers, start: f64, width: f64) -> f
     );
     let n = middle.len() as f64;
     let mean = |f: fn(&(f64, f64)) -> f64| middle.iter().map(f).sum::<f64>() / n;
-    let (x, v) = (mean(|p| p.0), mean(|p| p.1));
+    let x = mean(|p| p.0);
+    let v = mean(|p| p.1);
     let variance = mean(|p| p.0 * p.0) - x * x;
     variance / (mean(|p| p.0 * p.1) - x * v)
 }
@@ -131,13 +132,11 @@ fn ideal_lights_throw_hard_shadows() {
             let recipe = technique.recipe(&view).expect("maps serve these lights");
             Cpu::new().render(&view, &recipe).expect("renders").mask
         };
-        let (hard, soft) = (
-            mask(&Hard { map }),
-            mask(&Pcss {
-                map,
-                ..Pcss::default()
-            }),
-        );
+        let hard = mask(&Hard { map });
+        let soft = mask(&Pcss {
+            map,
+            ..Pcss::default()
+        });
         assert!(hard.contains(&0.0), "{name} shows no shadow");
         assert!(hard == soft, "{name} {layout:?}");
     }

@@ -124,7 +124,8 @@ fn map(fit: Fit, size: u32) -> ShadowMap {
 /// As by default, but with `times` the taps.
 fn pcss(map: ShadowMap, times: u32) -> Pcss {
     let default = Pcss::default();
-    let (blocker_taps, filter_taps) = (default.blocker_taps * times, default.filter_taps * times);
+    let blocker_taps = default.blocker_taps * times;
+    let filter_taps = default.filter_taps * times;
     Pcss {
         map,
         blocker_taps,
@@ -215,7 +216,9 @@ fn fits_agree() {
 fn more_taps_and_finer_maps_are_better() {
     for case in cases() {
         let error = |size, times| case.error(&pcss(map(Fit::Tight, size), times));
-        let [coarse, fine, fine_and_many] = [error(512, 1), error(2048, 1), error(2048, 4)];
+        let coarse = error(512, 1);
+        let fine = error(2048, 1);
+        let fine_and_many = error(2048, 4);
         let name = case.name;
         println!("{name}: {coarse}, {fine}, {fine_and_many}");
         // Edges parallel to the texels' are exact on any map: equal errors are right there.
@@ -244,7 +247,8 @@ struct Place {
 
 fn place(case: &Case, lamp: Vec3, pixel: usize) -> Place {
     let receivers = &case.truth.receivers;
-    let (d, n) = (receivers.position(pixel) - lamp, receivers.normal(pixel));
+    let d = receivers.position(pixel) - lamp;
+    let n = receivers.normal(pixel);
     let axis = (0..3)
         .max_by(|&a, &b| d[a].abs().total_cmp(&d[b].abs()))
         .expect("three axes");
@@ -260,9 +264,8 @@ fn place(case: &Case, lamp: Vec3, pixel: usize) -> Place {
 fn steps(case: &Case, mask: &[f32]) -> BTreeMap<[Place; 2], f64> {
     let lamp = case.scene.lights[0].position().expect("a lamp");
     let error = |i: usize| f64::from(mask[i] - case.truth.visibility[i]);
-    let (width, counted) = (SIZE.x as usize, |i: usize| {
-        case.truth.pixels[i] == Pixel::Counted
-    });
+    let width = SIZE.x as usize;
+    let counted = |i: usize| case.truth.pixels[i] == Pixel::Counted;
     let beside = (0..mask.len())
         .filter(|i| (i + 1) % width > 0)
         .map(|i| (i, i + 1));

@@ -59,11 +59,9 @@ fn town(offset: Vec3) -> Geometry {
     };
     let mut instances: Vec<Instance> = (0..400)
         .map(|i| {
-            let (x, z, tall) = (
-                (i % 20) as f32 * 7.0 - 70.0,
-                (i / 20) as f32 * -7.0 + 40.0,
-                0.5 + (i % 7) as f32 * 0.4,
-            );
+            let x = (i % 20) as f32 * 7.0 - 70.0;
+            let z = (i / 20) as f32 * -7.0 + 40.0;
+            let tall = 0.5 + (i % 7) as f32 * 0.4;
             let lean = (i as f32 * 2.399).sin();
             place(
                 Vec3::new(0.6 + lean * 0.3, tall, 0.7),
@@ -91,7 +89,8 @@ fn ground(offset: Vec3) -> Receivers {
     let size = UVec2::new(64, 48);
     let mut r = Receivers::empty(size);
     for i in 0..r.len() {
-        let (column, row) = ((i % 64) as f32, (i / 64) as f32);
+        let column = (i % 64) as f32;
+        let row = (i / 64) as f32;
         let p = offset + Vec3::new((column - 32.0) * 0.19, 0.0, -4.0 - row * 0.37);
         (r.x[i], r.y[i], r.z[i], r.ny[i]) = (p.x, p.y, p.z, 1.0);
         (r.triangle[i], r.receives[i]) = (0, true);
@@ -126,7 +125,8 @@ fn places(clip_from_world: Mat4, points: &Receivers) -> Vec<Vec2> {
 /// The greatest way, in texels, that any point goes within its texel over all frames, and by how many whole texels the map
 /// moves in all.
 fn drift(fit: Fit, offset: Vec3, geometry: &Geometry) -> (f32, f32) {
-    let (points, mut cpu) = (ground(offset), Cpu::new());
+    let points = ground(offset);
+    let mut cpu = Cpu::new();
     let space = |frame: i32, cpu: &mut Cpu| {
         let camera = camera(frame, offset);
         let seen = cpu.receivers(&camera, geometry).expect("a good camera");
@@ -138,7 +138,9 @@ fn drift(fit: Fit, offset: Vec3, geometry: &Geometry) -> (f32, f32) {
         .expect("it fits")
     };
     let first = space(0, &mut cpu).clip_from_world();
-    let (start, mut most, mut moved) = (places(first, &points), 0.0_f32, 0.0_f32);
+    let start = places(first, &points);
+    let mut most = 0.0_f32;
+    let mut moved = 0.0_f32;
     for frame in 1..FRAMES {
         let now = space(frame, &mut cpu).clip_from_world();
         for (a, b) in start.iter().zip(places(now, &points)) {
@@ -189,9 +191,12 @@ fn world_points_keep_their_place_within_a_texel() {
 
 /// How many of the points change their answer from any frame to the next, in all.
 fn shimmer(fit: Fit, offset: Vec3) -> (usize, usize) {
-    let (geometry, points, mut cpu) = (town(offset), ground(offset), Cpu::new());
+    let geometry = town(offset);
+    let points = ground(offset);
+    let mut cpu = Cpu::new();
     let mut last: Option<Vec<f32>> = None;
-    let (mut changes, mut dark) = (0, 0);
+    let mut changes = 0;
+    let mut dark = 0;
     for frame in 0..FRAMES {
         let camera = camera(frame, offset);
         let seen = cpu.receivers(&camera, &geometry).expect("a good camera");

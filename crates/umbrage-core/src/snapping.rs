@@ -48,7 +48,7 @@ impl Snapping {
     /// Objects to grids that are not known.
     ///
     /// # Errors
-    /// When the number of bits is not among [`Snapping::BITS`].
+    /// Errors if the number of bits is not among [`Snapping::BITS`].
     pub fn validate(self) -> Result<(), Invalid> {
         if Self::BITS.contains(&self.sub_pixel_bits) {
             return Ok(());

@@ -41,7 +41,7 @@ impl Cpu {
     /// Uses threads, instructions and rounding of the caller's choice.
     ///
     /// # Errors
-    /// When the number of threads is zero or absurd, or they can't be started; when the rounding is not known.
+    /// Errors if the number of threads is zero or absurd, or they can't be started; when the rounding is not known.
     pub fn with_options(options: &CpuOptions) -> Result<Self, BackendError> {
         options.snapping.validate()?;
         Ok(Self::build(options.pool()?, options.simd, options.snapping))
@@ -76,7 +76,7 @@ impl Cpu {
     /// What a camera sees of a geometry, pixel by pixel, without shading normals.
     ///
     /// # Errors
-    /// When the camera is unusable.
+    /// Errors if the camera is unusable.
     pub fn receivers(
         &mut self,
         camera: &Camera,
@@ -89,7 +89,7 @@ impl Cpu {
     /// As [`Cpu::receivers`], with shading normals: interpolated between the vertices', unit, turned to the camera.
     ///
     /// # Errors
-    /// When the camera is unusable.
+    /// Errors if the camera is unusable.
     pub fn shaded_receivers(
         &mut self,
         camera: &Camera,

@@ -27,10 +27,8 @@ pub(crate) fn filter(
         images: &views,
         simd,
     };
-    let (row_len, height) = (
-        output.size.x as usize * output.format.channels(),
-        output.size.y as usize,
-    );
+    let row_len = output.size.x as usize * output.format.channels();
+    let height = output.size.y as usize;
     texels
         .par_chunks_mut(row_len)
         .enumerate()

@@ -29,7 +29,8 @@ pub(crate) fn find(
         simd,
     };
     let width = camera.size.x as usize;
-    let (texels, ids) = (&mut found.depth, &mut found.triangle);
+    let texels = &mut found.depth;
+    let ids = &mut found.triangle;
     rasterizer.draw(
         &draw,
         Target {
@@ -55,7 +56,9 @@ struct Row<'a> {
 }
 
 fn resolve_all(r: &mut Receivers, camera: &Camera, geometry: &Geometry) {
-    let (width, rays, receivers) = (camera.size.x as usize, camera.rays(), geometry.receivers());
+    let width = camera.size.x as usize;
+    let rays = camera.rays();
+    let receivers = geometry.receivers();
     let positions = (
         r.x.par_chunks_mut(width),
         r.y.par_chunks_mut(width),
@@ -117,7 +120,8 @@ impl Row<'_> {
 
 /// Adds shading normals.
 pub(crate) fn shade(r: &mut Receivers, camera: &Camera, geometry: &Geometry) {
-    let (width, rays) = (r.size.x as usize, camera.rays());
+    let width = r.size.x as usize;
+    let rays = camera.rays();
     let mut normals = vec![Vec3::ZERO; r.len()];
     normals
         .par_iter_mut()

@@ -16,7 +16,7 @@ impl Cpu {
     /// play no part.
     ///
     /// # Errors
-    /// When the size is zero or too large, or the cast is of another mode.
+    /// Errors if the size is zero or too large, or the cast is of another mode.
     pub fn cast(
         &mut self,
         geometry: &Geometry,
@@ -52,7 +52,7 @@ impl Cpu {
     /// plays no part.
     ///
     /// # Errors
-    /// When the image holds no depth, or doesn't have the cast's layer, or the cast is of another mode.
+    /// Errors if the image holds no depth, or doesn't have the cast's layer, or the cast is of another mode.
     pub fn cast_into(
         &mut self,
         geometry: &Geometry,
@@ -89,7 +89,7 @@ impl Cpu {
     /// the image that it draws into, whose layer is cleared before if no earlier cast of the recipe draws into it.
     ///
     /// # Errors
-    /// When the recipe is invalid or has no such cast, or the images are not the recipe's.
+    /// Errors if the recipe is invalid or has no such cast, or the images are not the recipe's.
     pub fn replay_cast(
         &mut self,
         geometry: &Geometry,
@@ -120,7 +120,7 @@ impl Cpu {
     /// Plays a recipe's filter number `index` from the given images (all of the recipe's, in its order).
     ///
     /// # Errors
-    /// When the recipe has no such filter, or the images are not the recipe's.
+    /// Errors if the recipe has no such filter, or the images are not the recipe's.
     pub fn replay_filter(
         &mut self,
         recipe: &Recipe,
@@ -142,7 +142,7 @@ impl Cpu {
     /// receivers, or geometry.
     ///
     /// # Errors
-    /// When the view has neither, or the images are not the recipe's.
+    /// Errors if the view has neither, or the images are not the recipe's.
     pub fn replay_receive(
         &mut self,
         view: &View<'_>,
@@ -158,7 +158,7 @@ impl Cpu {
     /// Plays a recipe's shading from a mask: the picture. The view needs its receivers, or geometry.
     ///
     /// # Errors
-    /// When the view has neither, the recipe does not shade, or the mask has not one entry a pixel.
+    /// Errors if the view has neither, the recipe does not shade, or the mask has not one entry a pixel.
     pub fn replay_shade(
         &mut self,
         view: &View<'_>,

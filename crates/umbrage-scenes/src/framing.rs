@@ -94,7 +94,9 @@ pub(crate) fn frame(geometry: &Geometry, fov_y: f32, size: UVec2) -> Option<Shot
     let mut reach = [f64::NEG_INFINITY; 4];
     for p in geometry.positions() {
         let p = p.as_dvec3() - origin;
-        let (x, y, depth) = (p.dot(right), p.dot(up), p.dot(forward));
+        let x = p.dot(right);
+        let y = p.dot(up);
+        let depth = p.dot(forward);
         let ahead = [
             x - depth * tx,
             -x - depth * tx,
@@ -105,7 +107,8 @@ pub(crate) fn frame(geometry: &Geometry, fov_y: f32, size: UVec2) -> Option<Shot
     }
     let [right_most, left_most, top, bottom] = reach;
     let depth = (-(right_most + left_most) / (2.0 * tx)).min(-(top + bottom) / (2.0 * ty));
-    let (x, y) = (0.5 * (right_most - left_most), 0.5 * (top - bottom));
+    let x = 0.5 * (right_most - left_most);
+    let y = 0.5 * (top - bottom);
     let eye = origin + right * x + up * y + forward * depth;
     shot.eye = eye.as_vec3();
     shot.target = (eye - forward * depth).as_vec3();
@@ -115,7 +118,8 @@ pub(crate) fn frame(geometry: &Geometry, fov_y: f32, size: UVec2) -> Option<Shot
 /// The three-quarter view that the surface faces most on balance. All are alike for closed solids, whose areas add up
 /// to zero as vectors; a room without an outside that is open to one side is seen through its opening.
 fn best_side(geometry: &Geometry) -> DVec3 {
-    let (mut vector_area, mut area) = (DVec3::ZERO, 0.0);
+    let mut vector_area = DVec3::ZERO;
+    let mut area = 0.0;
     for t in 0..geometry.triangles().len() as u32 {
         let [a, b, c] = geometry.corners(t).map(|p| p.as_dvec3());
         let n = (b - a).cross(c - a);

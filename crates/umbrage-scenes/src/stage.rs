@@ -60,7 +60,8 @@ impl Stage {
 
     /// Gives the mesh put last this look.
     pub(crate) fn look(mut self, look: Look) -> Self {
-        let (first, id) = (self.scene.textures.len(), self.scene.materials.len());
+        let first = self.scene.textures.len();
+        let id = self.scene.materials.len();
         self.scene.textures.extend(look.textures);
         self.scene.materials.push(moved(look.material, first));
         self.last().for_each(|i| i.material = Some(id));
@@ -83,7 +84,7 @@ impl Stage {
     /// Adds the camera, near and far fitted, and hands the scene over.
     ///
     /// # Panics
-    /// If the scene is invalid: it is written in this crate, and a test builds each.
+    /// Panics if the scene is invalid: it is written in this crate, and a test builds each.
     pub(crate) fn shoot(
         self,
         eye: Vec3,
@@ -117,7 +118,8 @@ impl Stage {
 
     /// What has no look yet gets colours in turn; the first thing is nearly always a floor.
     fn paint_the_rest(&mut self) {
-        let (first, colors) = (self.scene.materials.len(), PALETTE.len());
+        let first = self.scene.materials.len();
+        let colors = PALETTE.len();
         let number = |n: usize| {
             if n == 0 {
                 0

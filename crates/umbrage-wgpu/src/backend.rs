@@ -128,7 +128,8 @@ impl Gpu {
     /// What was made so far, for recipes and for receivers.
     #[cfg(feature = "testing")]
     pub fn counters(&self) -> Counters {
-        let (a, b) = (self.counters, self.renderer.counters());
+        let a = self.counters;
+        let b = self.renderer.counters();
         Counters {
             pipelines: a.pipelines + b.pipelines,
             textures: a.textures + b.textures,
@@ -187,7 +188,8 @@ impl Gpu {
         }
         let casters: Vec<_> = geometry.iter().map(|g| g.casters()).collect();
         let everything: Vec<_> = geometry.iter().map(|g| g.everything()).collect();
-        let (size, receivers) = (view.camera.size, textures.gbuffer());
+        let size = view.camera.size;
+        let receivers = textures.gbuffer();
         let frame = FrameInputs {
             size,
             casters: &casters,

@@ -63,7 +63,7 @@ impl GBufferFromDepth {
     /// Makes what isn't there yet, and writes the camera.
     ///
     /// # Errors
-    /// If the matrix is singular, empty depth is where it sees what is nearest, or the depth buffer cannot be read as
+    /// Errors if the matrix is singular, empty depth is where it sees what is nearest, or the depth buffer cannot be read as
     /// described.
     pub fn prepare(
         &mut self,
@@ -156,7 +156,7 @@ impl GBufferFromDepth {
     /// Records the pass. All that was drawn receives.
     ///
     /// # Errors
-    /// If [`prepare`](Self::prepare) has not succeeded before.
+    /// Errors if [`prepare`](Self::prepare) has not succeeded before.
     pub fn encode(&self, encoder: &mut CommandEncoder) -> Result<GBuffer<'_>, BackendError> {
         let (Some(pipeline), [position, normal]) =
             (self.pipelines.get(&self.samples), &self.images[..])
@@ -208,7 +208,8 @@ impl GBufferFromDepth {
 
 impl DepthBuffer<'_> {
     fn validate(&self) -> Result<(), Invalid> {
-        let (what, texture) = ("depth buffer", self.depth.texture());
+        let what = "depth buffer";
+        let texture = self.depth.texture();
         check_readable(texture, what)?;
         let format = texture.format();
         if !format.has_depth_aspect() && format != TextureFormat::R32Float {

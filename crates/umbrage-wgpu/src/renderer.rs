@@ -70,7 +70,7 @@ impl ShadowRenderer {
     /// A renderer for this device. Nothing is made yet: shaders come with recipes.
     ///
     /// # Errors
-    /// If the device has too few bind groups for [`RendererOptions::kernel_group`].
+    /// Errors if the device has too few bind groups for [`RendererOptions::kernel_group`].
     pub fn new(device: &Device, options: RendererOptions) -> Result<Self, BackendError> {
         let groups = device.limits().max_bind_groups;
         if options.kernel_group >= groups {
@@ -97,7 +97,7 @@ impl ShadowRenderer {
     /// know whether what was encoded before has been submitted, it polls the device without waiting.
     ///
     /// # Errors
-    /// When the recipe or the frame cannot be used, the device is another than the renderer's, memory runs out, or a kernel's
+    /// Errors if the recipe or the frame cannot be used, the device is another than the renderer's, memory runs out, or a kernel's
     /// WGSL is at fault (with the compiler's message). After an error nothing is prepared, and everything is made anew.
     pub fn prepare(
         &mut self,
@@ -157,7 +157,7 @@ impl ShadowRenderer {
     /// [`picture`](Self::picture), if the recipe shades, is ready then, too.
     ///
     /// # Errors
-    /// If [`prepare`](Self::prepare) has not succeeded before.
+    /// Errors if [`prepare`](Self::prepare) has not succeeded before.
     pub fn encode(&self, encoder: &mut CommandEncoder) -> Result<&TextureView, BackendError> {
         self.encode_timed(encoder, None)
     }
@@ -165,7 +165,7 @@ impl ShadowRenderer {
     /// As [`encode`](Self::encode), with timestamps around the stages.
     ///
     /// # Errors
-    /// As [`encode`](Self::encode).
+    /// Errors if [`encode`](Self::encode) does.
     pub fn encode_timed(
         &self,
         encoder: &mut CommandEncoder,
@@ -186,7 +186,7 @@ impl ShadowRenderer {
     /// what is to happen between them.
     ///
     /// # Errors
-    /// As [`encode`](Self::encode); and if there is such a cast.
+    /// Errors if [`encode`](Self::encode) does; and if there is such a cast.
     pub fn cast_targets(&self) -> Result<&[CastTarget], BackendError> {
         let casts = &self.light()?.casts;
         if casts.are_plain() {
@@ -205,7 +205,7 @@ impl ShadowRenderer {
     /// everything, `draw` is called to record a pass into its target.
     ///
     /// # Errors
-    /// As [`encode`](Self::encode).
+    /// Errors if [`encode`](Self::encode) does.
     pub fn encode_casts_with(
         &self,
         encoder: &mut CommandEncoder,
@@ -226,7 +226,7 @@ impl ShadowRenderer {
     /// Records the passes after the casts, which the caller has drawn, and returns the mask.
     ///
     /// # Errors
-    /// As [`encode`](Self::encode).
+    /// Errors if [`encode`](Self::encode) does.
     pub fn encode_filters_and_receive(
         &self,
         encoder: &mut CommandEncoder,
@@ -243,7 +243,7 @@ impl ShadowRenderer {
     /// this is all that forward shading needs.
     ///
     /// # Errors
-    /// As [`encode`](Self::encode).
+    /// Errors if [`encode`](Self::encode) does.
     pub fn encode_casts(&self, encoder: &mut CommandEncoder) -> Result<(), BackendError> {
         self.recorded(encoder)?.casts.encode(encoder, None);
         Ok(())
@@ -252,7 +252,7 @@ impl ShadowRenderer {
     /// Records filters alone.
     ///
     /// # Errors
-    /// As [`encode`](Self::encode).
+    /// Errors if [`encode`](Self::encode) does.
     pub fn encode_filters(&self, encoder: &mut CommandEncoder) -> Result<(), BackendError> {
         let light = self.recorded(encoder)?;
         light.filters.clear(encoder);
@@ -282,7 +282,7 @@ impl ShadowRenderer {
     /// [`RendererOptions::kernel_group`].
     ///
     /// # Errors
-    /// As [`encode`](Self::encode).
+    /// Errors if [`encode`](Self::encode) does.
     pub fn receive_bind_group(&self) -> Result<(&BindGroup, &BindGroupLayout), BackendError> {
         self.light()?.lookup.kernel_group().ok_or_else(unprepared)
     }

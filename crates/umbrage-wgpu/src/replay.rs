@@ -15,7 +15,7 @@ impl Gpu {
     /// needs receivers or geometry. Returns the mask.
     ///
     /// # Errors
-    /// As [`Backend::render`](umbrage_core::Backend::render); and if the images are not as the recipe describes them.
+    /// Errors if [`Backend::render`](umbrage_core::Backend::render) does; and if the images are not as the recipe describes them.
     pub fn replay_receive(
         &mut self,
         view: &View<'_>,
@@ -43,7 +43,7 @@ impl Gpu {
     /// Plays only the filter with this index, from these images. Returns what it wrote.
     ///
     /// # Errors
-    /// As [`replay_receive`](Self::replay_receive); and if there is no such filter.
+    /// Errors if [`replay_receive`](Self::replay_receive) does; and if there is no such filter.
     pub fn replay_filter(
         &mut self,
         recipe: &Recipe,

@@ -39,7 +39,8 @@ pub struct CastTarget {
 impl CastTarget {
     pub(crate) fn new(casts: &[Cast], index: usize, images: &[GpuImage]) -> Self {
         let cast = &casts[index];
-        let (image, layer) = (&images[cast.image], cast.layer as usize);
+        let image = &images[cast.image];
+        let layer = cast.layer as usize;
         let CastMode::DepthPeel(other) = cast.mode else {
             return Self::plain(casts, index, image);
         };

@@ -61,7 +61,7 @@ impl Receivers {
     /// where a shadow may fall.
     ///
     /// # Errors
-    /// The first fault found.
+    /// Errors with the first fault found.
     pub fn validate(&self) -> Result<(), Invalid> {
         let pixels = self.size.x as usize * self.size.y as usize;
         let lengths = [&self.x, &self.y, &self.z, &self.nx, &self.ny, &self.nz].map(Vec::len);

@@ -34,7 +34,7 @@ impl Aabb {
     /// Objects to numbers that are not finite, but not to those of [`Aabb::EMPTY`].
     ///
     /// # Errors
-    /// If there are any.
+    /// Errors if there are any.
     pub fn validate(&self) -> Result<(), Invalid> {
         if *self == Self::EMPTY {
             return Ok(());
@@ -83,7 +83,8 @@ impl Aabb {
 
     /// The eight corners; none for an empty box.
     pub fn corners(&self) -> impl Iterator<Item = Vec3> + use<> {
-        let (b, count) = (*self, if self.is_empty() { 0 } else { 8 });
+        let b = *self;
+        let count = if self.is_empty() { 0 } else { 8 };
         (0..count).map(move |i| {
             let pick = |bit: i32, lo: f32, hi: f32| if i & bit == 0 { lo } else { hi };
             Vec3::new(

@@ -49,17 +49,15 @@ impl Mesh {
     /// at its texture coordinates; shading normals fit the result. See [`displacement`](crate::geometry::displacement).
     ///
     /// # Errors
-    /// When the mesh or the texture is invalid, when the mesh has no texture coordinates, and when lambda is not
+    /// Errors if the mesh or the texture is invalid, when the mesh has no texture coordinates, and when lambda is not
     /// finite.
     pub fn displaced(&self, heights: &Texture, lambda: f32) -> Result<Self, Invalid> {
         self.validate()?;
         heights.validate()?;
         crate::invalid::finite("lambda of the displacement", &[lambda])?;
         if self.uvs.is_empty() {
-            let (what, why) = (
-                format!("mesh `{}`", self.name),
-                "has no texture coordinates to look up heights with",
-            );
+            let what = format!("mesh `{}`", self.name);
+            let why = "has no texture coordinates to look up heights with";
             return Err(Invalid::new(what, why, "give it uvs"));
         }
         let mesh = with_normals(self).into_owned();

@@ -149,7 +149,8 @@ impl Geometry {
     }
 
     fn pad_attributes(&mut self) {
-        let (vertices, triangles) = (self.positions.len(), self.triangles.len());
+        let vertices = self.positions.len();
+        let triangles = self.triangles.len();
         let unless_empty = |len: usize, full: usize| if len == 0 { 0 } else { full };
         self.uvs
             .resize(unless_empty(self.uvs.len(), vertices), Vec2::ZERO);
@@ -242,7 +243,7 @@ impl Geometry {
     /// The corners of a triangle.
     ///
     /// # Panics
-    /// If there is no such triangle.
+    /// Panics if there is no such triangle.
     pub fn corners(&self, triangle: u32) -> [Vec3; 3] {
         self.triangles[triangle as usize].map(|v| self.positions[v as usize])
     }

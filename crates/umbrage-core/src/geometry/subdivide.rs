@@ -13,7 +13,7 @@ impl Mesh {
     /// bit-equal. Normals and tangents are blended and made unit vectors, texture coordinates blended.
     ///
     /// # Errors
-    /// When the result would have more than [`MAX_SUBDIVIDED_TRIANGLES`].
+    /// Errors if the result would have more than [`MAX_SUBDIVIDED_TRIANGLES`].
     pub fn subdivided(&self, times: u32) -> Result<Self, Invalid> {
         self.check_subdivisions(times, MAX_SUBDIVIDED_TRIANGLES)?;
         Ok((0..times).fold(self.clone(), |mesh, _| mesh.split()))
@@ -59,7 +59,8 @@ impl Mesh {
 
     /// Adds the vertex between two, and says which it is.
     fn push_middle(&mut self, p: u32, q: u32) -> u32 {
-        let (p, q) = (p as usize, q as usize);
+        let p = p as usize;
+        let q = q as usize;
         // Halved before adding: the sum of two may leave the range of f32.
         self.positions
             .push(self.positions[p] * 0.5 + self.positions[q] * 0.5);
@@ -70,7 +71,8 @@ impl Mesh {
             self.uvs.push(self.uvs[p] * 0.5 + self.uvs[q] * 0.5);
         }
         if !self.tangents.is_empty() {
-            let [t, u] = [self.tangents[p], self.tangents[q]];
+            let t = self.tangents[p];
+            let u = self.tangents[q];
             let direction: Vec3 = between(t.truncate(), u.truncate());
             self.tangents.push(Vec4::from((direction, t.w)));
         }

@@ -53,7 +53,7 @@ impl WeldedVertices {
     /// The vertices at a place, in order.
     ///
     /// # Panics
-    /// If there is no such place.
+    /// Panics if there is no such place.
     pub fn vertices(&self, place: u32) -> &[u32] {
         &self.order[self.starts[place as usize] as usize..self.starts[place as usize + 1] as usize]
     }

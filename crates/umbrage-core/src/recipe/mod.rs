@@ -156,7 +156,7 @@ pub struct Faces {
 
 impl Faces {
     /// # Errors
-    /// If an index is beyond the vertices, or a vertex is not finite.
+    /// Errors if an index is beyond the vertices, or a vertex is not finite.
     pub fn validate(&self) -> Result<(), Invalid> {
         let count = self.vertices.len();
         let finite = self.vertices.iter().all(|v| v.is_finite());
@@ -263,7 +263,7 @@ impl Recipe {
     /// Checks that a backend with these limits can run the recipe.
     ///
     /// # Errors
-    /// The first fault found: sizes of zero or beyond the limits, ids that name nothing, formats that don't fit a stage, numbers
+    /// Errors with the first fault found: sizes of zero or beyond the limits, ids that name nothing, formats that don't fit a stage, numbers
     /// that are not finite.
     pub fn validate(&self, limits: &BackendLimits) -> Result<(), Invalid> {
         for image in &self.images {

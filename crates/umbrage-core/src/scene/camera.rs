@@ -48,7 +48,7 @@ impl Camera {
     /// A pinhole camera; `fov_y` is the full vertical angle in radians. `up` may be parallel to the view.
     ///
     /// # Errors
-    /// When a number is not finite or out of range, or `eye` and `target` coincide.
+    /// Errors if a number is not finite or out of range, or `eye` and `target` coincide.
     pub fn perspective(
         eye: Vec3,
         target: Vec3,
@@ -70,7 +70,7 @@ impl Camera {
     /// A camera without perspective.
     ///
     /// # Errors
-    /// As [`Camera::perspective`].
+    /// Errors if [`Camera::perspective`] does.
     pub fn orthographic(
         eye: Vec3,
         target: Vec3,
@@ -105,7 +105,7 @@ impl Camera {
     /// Objects to sizes of zero or beyond [`MAX_SIDE`], and to matrices that are not finite or singular.
     ///
     /// # Errors
-    /// The first fault found.
+    /// Errors with the first fault found.
     pub fn validate(&self) -> Result<(), Invalid> {
         check_size(self.size).map_err(|e| e.within("camera"))?;
         invalid::finite("camera matrix", &self.world_from_view.to_cols_array())?;
@@ -213,11 +213,9 @@ impl Camera {
                 (eye, world_from_view.transform_vector3(near / -near.z))
             }
         };
-        let ([o, d], [ox, dx], [oy, dy]) = (
-            ray(0.0, 0.0).into(),
-            ray(1.0, 0.0).into(),
-            ray(0.0, 1.0).into(),
-        );
+        let [o, d] = ray(0.0, 0.0).into();
+        let [ox, dx] = ray(1.0, 0.0).into();
+        let [oy, dy] = ray(0.0, 1.0).into();
         let pack = |v: DVec3| v.as_vec3().extend(0.0);
         let [origin, origin_dx, origin_dy] = [o, ox - o, oy - o].map(pack);
         let [dir, dir_dx, dir_dy] = [d, dx - d, dy - d].map(pack);
@@ -234,7 +232,8 @@ impl Camera {
 
 /// Whether a projection is for a left-handed view: see [`Camera::standard`].
 fn looks_along_plus_z(clip_from_view: &Mat4) -> bool {
-    let (depth, w) = (clip_from_view.row(2), clip_from_view.row(3));
+    let depth = clip_from_view.row(2);
+    let w = clip_from_view.row(3);
     if w.z != 0.0 {
         return w.z > 0.0;
     }

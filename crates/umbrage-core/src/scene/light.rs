@@ -103,7 +103,7 @@ impl Light {
     /// Objects to numbers that are not finite, zero directions, negative sizes and impossible angles.
     ///
     /// # Errors
-    /// The first fault found, with the light's kind.
+    /// Errors with the first fault found, with the light's kind.
     pub fn validate(&self) -> Result<(), Invalid> {
         self.validate_fields()
             .map_err(|e| e.within(format!("{} light", self.kind())))

@@ -62,7 +62,8 @@ impl Scene {
             specular: Vec3::ZERO,
             ..Material::default()
         };
-        let (mesh, material) = (scene.meshes.len(), scene.materials.len());
+        let mesh = scene.meshes.len();
+        let material = scene.materials.len();
         let world_from_local =
             Affine3A::from_translation(at) * Affine3A::from_scale(Vec3::splat(half));
         scene.meshes.push(cube());
@@ -120,7 +121,9 @@ mod tests {
             0,
             Affine3A::from_scale(Vec3::new(9.0, 0.1, 9.0)),
         )];
-        let (meshes, lights, cameras) = (vec![floor], vec![light], vec![camera]);
+        let meshes = vec![floor];
+        let lights = vec![light];
+        let cameras = vec![camera];
         Scene {
             name: "test".to_owned(),
             meshes,
@@ -182,10 +185,8 @@ mod tests {
         let plain = scene(lamp(7.0), camera());
         let marked = plain.with_light_marker(LightMarker::default());
         marked.validate().unwrap();
-        let (before, after) = (
-            Geometry::bake(&plain).unwrap(),
-            Geometry::bake(&marked).unwrap(),
-        );
+        let before = Geometry::bake(&plain).unwrap();
+        let after = Geometry::bake(&marked).unwrap();
         assert_eq!(
             (before.casters(), before.receivers()),
             (after.casters(), after.receivers())

@@ -170,7 +170,8 @@ pub fn cap_direction(axis: Vec3, u: Vec3, v: Vec3, cap: f32, q: Vec2) -> Vec3 {
 #[inline(always)]
 pub fn disc_point(uv: Vec2) -> Vec2 {
     const QUARTER_PI: f32 = std::f32::consts::FRAC_PI_4;
-    let (a, b) = (2.0 * uv.x - 1.0, 2.0 * uv.y - 1.0);
+    let a = 2.0 * uv.x - 1.0;
+    let b = 2.0 * uv.y - 1.0;
     if a == 0.0 && b == 0.0 {
         return Vec2::ZERO;
     }
@@ -253,7 +254,9 @@ pub fn scrambled(bits: [u32; 2], seed: u32) -> Vec2 {
 /// The second dimension of Sobol's sequence, as a binary fraction.
 #[inline(always)]
 pub fn sobol_second(i: u32) -> u32 {
-    let (mut rest, mut direction, mut bits) = (i, 1_u32 << 31, 0_u32);
+    let mut rest = i;
+    let mut direction = 1_u32 << 31;
+    let mut bits = 0_u32;
     while rest != 0 {
         if rest & 1 == 1 {
             bits ^= direction;
@@ -314,11 +317,13 @@ mod tests {
     fn points_are_stratified_every_way() {
         for seed in [0, 1, 0xdead_beef] {
             for split in 0..=8 {
-                let (columns, rows) = (1_u32 << split, 1_u32 << (8 - split));
+                let columns = 1_u32 << split;
+                let rows = 1_u32 << (8 - split);
                 let mut counts = vec![0; 256];
                 for i in 0..256 {
                     let p = unit_square(i, seed);
-                    let (cx, cy) = ((p.x * columns as f32) as u32, (p.y * rows as f32) as u32);
+                    let cx = (p.x * columns as f32) as u32;
+                    let cy = (p.y * rows as f32) as u32;
                     counts[(cy * columns + cx) as usize] += 1;
                 }
                 assert!(
@@ -378,7 +383,8 @@ mod tests {
             position: Vec3::new(1.0, 4.0, -2.0),
             radius: 0.5,
         };
-        let (s, p) = (LightSampler::new(&light), Vec3::new(-3.0, 0.0, 1.0));
+        let s = LightSampler::new(&light);
+        let p = Vec3::new(-3.0, 0.0, 1.0);
         let to_center = Vec3::new(4.0, 4.0, -3.0);
         for i in 0..256 {
             let d = segment(&s, p, unit_square(i, 5), 1.0) / SHORT;

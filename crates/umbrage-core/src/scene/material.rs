@@ -72,7 +72,7 @@ impl Texture {
     /// Objects to a size that doesn't fit the texels, and to texels that are not finite.
     ///
     /// # Errors
-    /// The first fault found.
+    /// Errors with the first fault found.
     pub fn validate(&self) -> Result<(), Invalid> {
         let what = || format!("texture `{}`", self.name);
         let texels = u64::from(self.size.x) * u64::from(self.size.y);
@@ -105,7 +105,7 @@ impl Material {
     /// how many the scene has.
     ///
     /// # Errors
-    /// The first fault found.
+    /// Errors with the first fault found.
     pub fn validate(&self, textures: usize) -> Result<(), Invalid> {
         for (what, color) in [
             ("diffuse colour", self.diffuse),

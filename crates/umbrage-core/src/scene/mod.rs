@@ -30,7 +30,7 @@ impl Mesh {
     /// A mesh without normals and texture coordinates.
     ///
     /// # Errors
-    /// As [`Mesh::validate`].
+    /// Errors if [`Mesh::validate`] does.
     pub fn new(
         name: impl Into<String>,
         positions: Vec<Vec3>,
@@ -49,7 +49,7 @@ impl Mesh {
     /// Objects to empty meshes, numbers that are not finite, indices out of range and arrays of unequal length.
     ///
     /// # Errors
-    /// The first fault found.
+    /// Errors with the first fault found.
     pub fn validate(&self) -> Result<(), Invalid> {
         let what = || format!("mesh `{}`", self.name);
         let count = self.positions.len();
@@ -189,7 +189,7 @@ impl Scene {
     /// Objects to the first thing that cannot be rendered. An empty scene (no instance) is fine: all is lit.
     ///
     /// # Errors
-    /// The first fault found, with the scene's name.
+    /// Errors with the first fault found, with the scene's name.
     pub fn validate(&self) -> Result<(), Invalid> {
         self.validate_name()?;
         self.validate_parts()

@@ -11,7 +11,8 @@ use umbrage_core::{Light, Mesh, Scene};
 
 pub(crate) fn figure() -> Scene {
     let position = Vec3::new(-9.0, 14.0, 8.0);
-    let (inner, outer) = (7.0_f32.to_radians(), 9.0_f32.to_radians());
+    let inner = 7.0_f32.to_radians();
+    let outer = 9.0_f32.to_radians();
     let direction = Vec3::new(0.2, 0.7, -0.2) - position;
     let floor = tiled(grid([6.0, 6.0], [6, 6], |_, _| 0.0), Vec2::splat(6.0));
     let stage = Stage::new("figure").put(floor).look(checker());

@@ -12,7 +12,7 @@ use umbrage_core::{Invalid, Texture, invalid};
 /// `(n + 1) / 2`.
 ///
 /// # Errors
-/// When the texture is invalid, lambda not finite or a size not above zero.
+/// Errors if the texture is invalid, lambda not finite or a size not above zero.
 pub fn fitting_normal_map(
     heights: &Texture,
     lambda: f32,
@@ -29,7 +29,8 @@ pub fn fitting_normal_map(
     let scale = heights.size.as_vec2() * lambda / square;
     let at = |x: usize, y: usize| heights.texels[y * width + x][0];
     let texels = (0..width * height).map(|i| {
-        let (x, y) = (i % width, i / width);
+        let x = i % width;
+        let y = i / width;
         let along_u = at((x + 1) % width, y) - at((x + width - 1) % width, y);
         let down = at(x, (y + 1) % height) - at(x, (y + height - 1) % height);
         let normal = Vec3::new(-along_u * scale.x, down * scale.y, 1.0).normalize();
@@ -61,10 +62,8 @@ mod tests {
     /// The relief is `lambda (2 h - 1) = 0.05 (sin(tau u) + cos(tau v))` for lambda 0.1, u = x / 2, v = -y.
     fn exact(u: f64, v: f64) -> Vec3 {
         let tau = std::f64::consts::TAU;
-        let (dx, dy) = (
-            0.05 * tau / 2.0 * (tau * u).cos(),
-            0.05 * tau * (tau * v).sin(),
-        );
+        let dx = 0.05 * tau / 2.0 * (tau * u).cos();
+        let dy = 0.05 * tau * (tau * v).sin();
         Vec3::new(-dx as f32, -dy as f32, 1.0).normalize()
     }
 

@@ -35,7 +35,8 @@ pub(super) fn read_all(
     folder: &Path,
     scene: &mut Scene,
 ) -> Result<(), SceneError> {
-    let (mut known, mut files) = (HashMap::new(), TextureFiles::default());
+    let mut known = HashMap::new();
+    let mut files = TextureFiles::default();
     for table in tables {
         table.only(&[KEYS.as_slice(), &look::KEYS].concat())?;
         let (source, item) = shape_or_mesh(table, folder)?;
@@ -50,10 +51,8 @@ pub(super) fn read_all(
             scene.materials.push(look.material);
             scene.materials.len() - 1
         });
-        let (casts, receives) = (
-            table.flag_or_true("casts")?,
-            table.flag_or_true("receives")?,
-        );
+        let casts = table.flag_or_true("casts")?;
+        let receives = table.flag_or_true("receives")?;
         let world_from_local = placement(table)?;
         check_size(
             table,

@@ -119,7 +119,8 @@ impl<'a> Table<'a> {
     /// The value of a key that must be there; `example` shows how to write it.
     pub(super) fn need(&self, key: &str, example: &str) -> Result<Item<'a>, SceneError> {
         self.get(key).ok_or_else(|| {
-            let (path, help) = (self.path(key), format!("add `{key} = {example}`"));
+            let path = self.path(key);
+            let help = format!("add `{key} = {example}`");
             self.source
                 .fault(self.span.clone(), Some(&path), "is missing", &help)
         })

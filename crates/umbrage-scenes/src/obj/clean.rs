@@ -44,9 +44,14 @@ const KINDS: [&str; 3] = ["vertex", "texture coordinate", "normal"];
 
 impl<R: BufRead> Cleaner<R> {
     pub(super) fn new(source: R) -> Self {
-        let (counts, greatest) = ([0; 3], [(0, 0); 3]);
-        let (continued, clean) = (String::new(), io::Cursor::default());
-        let (faces, looks, fault, failure) = (0, Looks::default(), None, None);
+        let counts = [0; 3];
+        let greatest = [(0, 0); 3];
+        let continued = String::new();
+        let clean = io::Cursor::default();
+        let faces = 0;
+        let looks = Looks::default();
+        let fault = None;
+        let failure = None;
         Self {
             source,
             line: 0,
@@ -232,7 +237,8 @@ impl<R: BufRead> Cleaner<R> {
 
     /// Negative indices count back from the latest; positive ones may run ahead, and are checked at the end.
     fn index(&mut self, kind: usize, index: i64) -> Result<(), Fault> {
-        let (size, count) = (index.unsigned_abs() as usize, self.counts[kind]);
+        let size = index.unsigned_abs() as usize;
+        let count = self.counts[kind];
         if index > 0 {
             if size > self.greatest[kind].0 {
                 self.greatest[kind] = (size, self.line);

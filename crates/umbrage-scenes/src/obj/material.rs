@@ -45,7 +45,8 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<Vec<Entry>, SceneError> {
         let line = line.split('#').next().unwrap_or_default().trim();
         let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
         if keyword.eq_ignore_ascii_case("newmtl") {
-            let (color_map, normal_map) = (None, None);
+            let color_map = None;
+            let normal_map = None;
             entries.push(Entry {
                 name: rest.trim().to_owned(),
                 material: Material::default(),

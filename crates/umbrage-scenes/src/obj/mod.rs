@@ -203,10 +203,8 @@ fn triangles(mesh: &tobj::Mesh, positions: &[Vec3]) -> (Vec<[u32; 3]>, Vec<u32>)
         let count = triangles.len() as u32;
         return (triangles, (0..count).collect());
     }
-    let (mut out, mut rest) = (
-        Vec::with_capacity(mesh.indices.len() / 2),
-        mesh.indices.as_slice(),
-    );
+    let mut out = Vec::with_capacity(mesh.indices.len() / 2);
+    let mut rest = mesh.indices.as_slice();
     for (i, &arity) in (0..).zip(&mesh.face_arities) {
         let (face, others) = rest.split_at(arity as usize);
         rest = others;

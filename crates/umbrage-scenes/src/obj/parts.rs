@@ -110,7 +110,8 @@ impl Model {
 
     /// Some triangles, with the vertices that they use.
     fn part(&self, triangles: &[[u32; 3]]) -> Mesh {
-        let (old, mut known) = (&self.mesh, HashMap::new());
+        let old = &self.mesh;
+        let mut known = HashMap::new();
         let mut out = Mesh {
             name: old.name.clone(),
             ..Mesh::default()

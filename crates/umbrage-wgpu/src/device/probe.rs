@@ -27,22 +27,26 @@ const ROWS: usize = 512;
 /// Draws triangles on a device and tells how its rasteriser rounded their vertices. Takes some milliseconds.
 ///
 /// # Errors
-/// When the device fails.
+/// Errors if the device fails.
 pub fn probe_snapping(device: &Device, queue: &Queue) -> Result<Snapping, BackendError> {
     Ok(of_image(&draw(device, queue)?))
 }
 
 /// Depths of the triangles' pixels, 0 elsewhere.
 fn draw(device: &Device, queue: &Queue) -> Result<Vec<f32>, BackendError> {
-    let (mut counters, mut spare) = (Counters::default(), Spare::default());
-    let (label, format) = ("umbrage probe", TextureFormat::R32Float);
+    let mut counters = Counters::default();
+    let mut spare = Spare::default();
+    let label = "umbrage probe";
+    let format = TextureFormat::R32Float;
     let size = Extent3d {
         width: (STRIPS * STRIP) as u32,
         height: ROWS as u32,
         depth_or_array_layers: 1,
     };
     let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC;
-    let (dimension, mip_level_count, sample_count) = (TextureDimension::D2, 1, 1);
+    let dimension = TextureDimension::D2;
+    let mip_level_count = 1;
+    let sample_count = 1;
     let image = ResourceFactory {
         device,
         queue,
@@ -142,12 +146,11 @@ fn upper_end(rows: usize) -> f64 {
 /// The depth at the first row's pixel left of the column, of the plane through a triangle whose right edge begins so far
 /// right of the grid's point. Places are relative to the column's centres and the image's upper edge.
 fn depth_beside(beginning: f64) -> f64 {
-    let [a, b, c] = [
-        [beginning - 0.25, 0.0, 0.25],
-        [0.125, ROWS as f64, 0.25],
-        [-3.0, 0.0, 0.75],
-    ];
-    let [x, y] = [-1.0, 0.5];
+    let a = [beginning - 0.25, 0.0, 0.25];
+    let b = [0.125, ROWS as f64, 0.25];
+    let c = [-3.0, 0.0, 0.75];
+    let x = -1.0;
+    let y = 0.5;
     // Barycentric weight of `c`; the other two have the same depth.
     let twice_area = |p: [f64; 3], q: [f64; 3], r: [f64; 2]| {
         (q[0] - p[0]) * (r[1] - p[1]) - (r[0] - p[0]) * (q[1] - p[1])
@@ -164,11 +167,13 @@ mod tests {
     fn image(edge: impl Fn(f64) -> f64, plane: impl Fn(f64) -> f64) -> Vec<f32> {
         let mut depths = vec![0.0; STRIPS * STRIP * ROWS];
         for strip in 0..STRIPS {
-            let (begins, of_plane) = (edge(beyond_grid(strip)) - 0.25, plane(beyond_grid(strip)));
+            let begins = edge(beyond_grid(strip)) - 0.25;
+            let of_plane = plane(beyond_grid(strip));
             depths[strip * STRIP + 2] = depth_beside(of_plane) as f32;
             for row in 0..ROWS {
                 let down = (row as f64 + 0.5) / ROWS as f64;
-                let (left, right) = (-3.0 + 3.125 * down, begins + (0.125 - begins) * down);
+                let left = -3.0 + 3.125 * down;
+                let right = begins + (0.125 - begins) * down;
                 let column = row * STRIPS * STRIP + strip * STRIP + 3;
                 depths[column] = if left < 0.0 && right > 0.0 { 0.25 } else { 0.0 };
             }

@@ -115,7 +115,8 @@ impl ReceiverTickets {
         let rays = view.camera.rays();
         let mut out = Receivers::empty(size);
         for i in 0..out.len() {
-            let ([nx, ny, nz, t], [x, y, z, receives]) = (normals[i], positions[i]);
+            let [nx, ny, nz, t] = normals[i];
+            let [x, y, z, receives] = positions[i];
             // As `resolve`: the ray runs along the triangle's plane.
             if triangles[i] == NO_TRIANGLE || t.abs() >= 3.0e38 {
                 continue;

@@ -17,7 +17,7 @@ pub(crate) const COUNTING: Features = Features::DEPTH32FLOAT_STENCIL8;
 /// Which images of a valid recipe share a texture.
 ///
 /// # Errors
-/// If an image is to share with two.
+/// Errors if an image is to share with two.
 pub(crate) fn pairs(recipe: &Recipe) -> Result<Vec<CountingPair>, Invalid> {
     let mut pairs: Vec<CountingPair> = Vec::new();
     for cast in &recipe.casts {

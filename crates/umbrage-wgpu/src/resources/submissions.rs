@@ -53,7 +53,9 @@ impl Submissions {
 
     /// `pending` is not over before the encoder's commands are submitted or thrown away.
     pub(crate) fn watch(&self, encoder: &CommandEncoder, pending: &Pending) {
-        let (buffer, waiting, spare) = (self.buffer(), pending.0.clone(), self.spare.clone());
+        let buffer = self.buffer();
+        let waiting = pending.0.clone();
+        let spare = self.spare.clone();
         let mapped = buffer.clone();
         encoder.map_buffer_on_submit(&buffer, MapMode::Read, .., move |result| {
             drop(waiting);

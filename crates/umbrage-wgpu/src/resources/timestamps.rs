@@ -29,7 +29,8 @@ pub(crate) fn pass_stamps<'a>(
 ) -> Option<RenderPassTimestampWrites<'a>> {
     let stamps = stamps?;
     let begin = stamps.first + 2 * stage as u32;
-    let (first, last) = (index == 0, index + 1 == count);
+    let first = index == 0;
+    let last = index + 1 == count;
     (first || last).then_some(RenderPassTimestampWrites {
         query_set: stamps.queries,
         beginning_of_pass_write_index: first.then_some(begin),

@@ -91,7 +91,8 @@ fn counts(shadows: &Shadows) -> [f32; 3] {
     let within =
         |x: usize, y: usize, half: usize| [x, y].iter().all(|v| (20 - half..20 + half).contains(v));
     for (i, &count) in texels.iter().enumerate() {
-        let (x, y) = (i % SIDE as usize, i / SIDE as usize);
+        let x = i % SIDE as usize;
+        let y = i / SIDE as usize;
         let place = if within(x, y, 4) {
             0
         } else {
@@ -156,7 +157,8 @@ fn counts_wrap_at_256() {
 
 #[test]
 fn depth_is_what_it_is_without_counting() {
-    let (stage, mut gpu) = (Stage::new(), gpu());
+    let stage = Stage::new();
+    let mut gpu = gpu();
     let plain = stage.render(&mut gpu, &stage.recipe(SIDE));
     let counted = stage.render(&mut gpu, &counting(&stage, vec![column(-0.5, 0.5)]));
     assert_eq!(counted.images[0].texels, plain.images[0].texels);
@@ -165,7 +167,8 @@ fn depth_is_what_it_is_without_counting() {
 
 #[test]
 fn a_second_frame_starts_from_zero_and_makes_nothing() {
-    let (stage, mut gpu) = (Stage::new(), gpu());
+    let stage = Stage::new();
+    let mut gpu = gpu();
     let recipe = counting(&stage, vec![column(-0.5, 0.5)]);
     stage.render(&mut gpu, &recipe);
     let first = gpu.counters();
@@ -184,7 +187,8 @@ fn a_second_frame_starts_from_zero_and_makes_nothing() {
 
 #[test]
 fn casters_can_be_counted_in_layers() {
-    let (stage, mut gpu) = (Stage::new(), gpu());
+    let stage = Stage::new();
+    let mut gpu = gpu();
     let mut recipe = counting(&stage, vec![]);
     (
         recipe.images[0].layers,
@@ -208,7 +212,8 @@ fn casters_can_be_counted_in_layers() {
 
 #[test]
 fn two_counts_of_one_depth_are_refused() {
-    let (stage, mut gpu) = (Stage::new(), gpu());
+    let stage = Stage::new();
+    let mut gpu = gpu();
     let mut recipe = counting(&stage, vec![column(-0.5, 0.5)]);
     recipe.images.push(desc("more counts", Format::Stencil8));
     let other = Cast {

@@ -74,7 +74,8 @@ fn peels_are_the_least_the_second_least_and_so_on() {
         (stage.tilted(), Format::Depth32),
         (stage.camera.space(), Format::Depth16),
     ] {
-        let (alone, all) = (alone(&stage, space, format), triangles());
+        let alone = alone(&stage, space, format);
+        let all = triangles();
         let nearest = Cast {
             source: faces(&all),
             ..Cast::nearest(0, 0, space)
@@ -128,7 +129,8 @@ fn facing(clip_from_world: DMat4, triangle: &[Vec4; 3]) -> i32 {
 fn counts_are_backs_minus_fronts_that_are_not_before() {
     let stage = Stage::new();
     let space = stage.camera.space();
-    let (alone, all) = (alone(&stage, space, Format::Depth32), triangles());
+    let alone = alone(&stage, space, Format::Depth32);
+    let all = triangles();
     let mode = CastMode::StencilDepthFail { depth: 0 };
     let recipe = Recipe {
         images: vec![

@@ -47,7 +47,8 @@ impl Bvh {
     pub fn build(geometry: &Geometry) -> Self {
         let ids: Vec<u32> = geometry.casters().collect();
         if ids.is_empty() {
-            let (wide, narrow) = (Wide::default(), Bvh2::default());
+            let wide = Wide::default();
+            let narrow = Bvh2::default();
             return Self {
                 wide,
                 narrow,
@@ -88,7 +89,8 @@ impl Bvh {
     /// segments by [`Bvh::hits`]. The number is the hierarchy's own, not a triangle id.
     #[inline]
     pub fn occluder(&self, o: Vec3, d: Vec3, skip: u32) -> Option<u32> {
-        let (segment, mut found) = (Segment::new(o, d), None);
+        let segment = Segment::new(o, d);
+        let mut found = None;
         self.wide.search(&segment, |i, _| {
             let hit = segment.hits(&self.corners[i]) && self.ids[i] != skip;
             if hit {
@@ -101,7 +103,8 @@ impl Bvh {
 
     /// Where the segment from `o` to `o + d` first meets a caster other than triangle `skip`: a fraction of `d`, 0..=1.
     pub fn nearest(&self, geometry: &Geometry, o: Vec3, d: Vec3, skip: u32) -> Option<f32> {
-        let (segment, mut nearest) = (Segment::new(o, d), None);
+        let segment = Segment::new(o, d);
+        let mut nearest = None;
         self.wide.search(&segment, |i, limit| {
             if segment.hits(&self.corners[i]) && self.ids[i] != skip {
                 let [a, b, c] = geometry
@@ -154,7 +157,7 @@ impl Bvh {
     /// Whether the caster that [`Bvh::occluder`] gave meets the segment, too, unless it is triangle `skip`.
     ///
     /// # Panics
-    /// If it came from another hierarchy with more triangles.
+    /// Panics if it came from another hierarchy with more triangles.
     #[inline]
     pub fn hits(&self, occluder: u32, o: Vec3, d: Vec3, skip: u32) -> bool {
         let i = occluder as usize;

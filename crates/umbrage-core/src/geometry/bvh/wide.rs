@@ -149,7 +149,8 @@ struct Lanes {
 impl Lanes {
     #[inline(always)]
     fn new(s: &Segment) -> Self {
-        let (o, inverse) = (s.origin, s.inverse);
+        let o = s.origin;
+        let inverse = s.inverse;
         let backward = [inverse.x < 0.0, inverse.y < 0.0, inverse.z < 0.0];
         Self {
             origin: [Vec4::splat(o.x), Vec4::splat(o.y), Vec4::splat(o.z)],
@@ -221,7 +222,8 @@ mod tests {
                 inner: 0,
             };
             let boxes = [0; 8].map(|_| {
-                let (p, q) = (random.vector() + distance, random.vector() + distance);
+                let p = random.vector() + distance;
+                let q = random.vector() + distance;
                 [p.min(q), p.max(q)]
             });
             for (child, [low, high]) in boxes.iter().enumerate() {

@@ -47,7 +47,7 @@ impl Fit {
     /// reaches beyond the texel that a receiver falls on.
     ///
     /// # Errors
-    /// `Unsupported` when what matters surrounds the light, so that no single map can see it all; `Invalid` for bad input.
+    /// Errors with `Unsupported` if what matters surrounds the light, so that no single map can see it all; with `Invalid` for bad input.
     pub fn light_space(
         &self,
         view: &View<'_>,

@@ -47,7 +47,8 @@ fn hills_at(name: &str, offset: f32) -> Scene {
     let height = |x: f32, z: f32| 14.0 * fractal(Vec3::new(x, 3.0, z) / 60.0, 5);
     let place = Affine3A::from_translation(Vec3::new(offset, 0.0, -offset));
     let post = |i: i32| {
-        let (x, z) = (-36.0 + 9.0 * i as f32, 12.0 - 22.0 * (i % 3) as f32);
+        let x = -36.0 + 9.0 * i as f32;
+        let z = 12.0 - 22.0 * (i % 3) as f32;
         place * Affine3A::from_translation(Vec3::new(x, height(x, z) - 1.0, z))
     };
     let away = Vec3::from(place.translation);

@@ -13,7 +13,8 @@ use umbrage_core::glam::{Affine3A, Vec3};
 /// next.
 pub(crate) fn stacked_slices() -> Scene {
     let slice = |i: i32| {
-        let (y, half) = (0.1 + 0.05 * i as f32, 1.1 - 0.16 * i as f32);
+        let y = 0.1 + 0.05 * i as f32;
+        let half = 1.1 - 0.16 * i as f32;
         block(Vec3::new(-half, y, -half), Vec3::new(half, y + 0.006, half))
     };
     (0..6)

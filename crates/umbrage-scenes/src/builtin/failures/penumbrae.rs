@@ -67,7 +67,8 @@ fn rising(name: &str, light: Light) -> Scene {
 }
 
 pub(crate) fn rising_boxes() -> Scene {
-    let (half_u, half_v) = (Vec3::X * LAMP_HALF, Vec3::Z * LAMP_HALF);
+    let half_u = Vec3::X * LAMP_HALF;
+    let half_v = Vec3::Z * LAMP_HALF;
     rising(
         "rising-boxes",
         Light::Rect {
@@ -148,10 +149,8 @@ fn leaf(i: i32) -> Mesh {
     let number = |what: i32| uniform(IVec3::new(i, what, 18));
     // Even over directions (Archimedes: height on a sphere is even) and over the ball's volume.
     let direction = |what: i32| {
-        let (y, (cos, sin)) = (
-            2.0 * number(what) - 1.0,
-            on_circle(f64::from(number(what + 1))),
-        );
+        let y = 2.0 * number(what) - 1.0;
+        let (cos, sin) = on_circle(f64::from(number(what + 1)));
         let r = (1.0 - y * y).max(0.0).sqrt();
         Vec3::new(r * cos, y, r * sin)
     };

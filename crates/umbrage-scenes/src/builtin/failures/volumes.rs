@@ -128,7 +128,8 @@ fn side(mesh: &Mesh, normal: Vec3) -> impl Iterator<Item = usize> + '_ {
 /// The lid's edge towards +z gets a corner in its middle, which the side below doesn't have.
 fn with_t_junction(mut mesh: Mesh) -> Mesh {
     let lid: Vec<usize> = side(&mesh, Vec3::Y).collect();
-    let [min, max] = [Vec3::new(-0.35, 0.8, -0.35), Vec3::new(0.35, 0.8, 0.35)];
+    let min = Vec3::new(-0.35, 0.8, -0.35);
+    let max = Vec3::new(0.35, 0.8, 0.35);
     let base = mesh.positions.len() as u32;
     mesh.positions.extend([
         min.with_z(max.z),

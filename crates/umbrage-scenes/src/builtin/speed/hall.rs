@@ -77,7 +77,8 @@ fn column() -> Mesh {
 
 /// A wall over one bay with a round opening; its foot is at the springing line.
 fn arch() -> Mesh {
-    let (half, top) = (0.5 * BAY, HEIGHT - SPRING);
+    let half = 0.5 * BAY;
+    let top = HEIGHT - SPRING;
     let mut outline = vec![(half, 0.0), (half, top), (-half, top), (-half, 0.0)];
     outline.extend((0..=64).map(|i| {
         let (cos, sin) = on_circle(0.5 - f64::from(i) / 128.0);

@@ -14,7 +14,7 @@ impl DisplacementMap {
     /// chunks that they don't know, and a map that has lost its scale is worthless; a missing file is noticed at once.
     ///
     /// # Errors
-    /// When one of the two can't be written.
+    /// Errors if one of the two can't be written.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<(), SceneError> {
         let path = path.as_ref();
         let failed = |file: &Path, why: &dyn std::fmt::Display| SceneError::Unwritable {
@@ -41,7 +41,7 @@ impl DisplacementMap {
     /// of 8 bits or 16.
     ///
     /// # Errors
-    /// When one of the two files can't be read, or holds something else.
+    /// Errors if one of the two files can't be read, or holds something else.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, SceneError> {
         let path = path.as_ref();
         let [scale, bias] = read_metres(&beside(path))?;
@@ -91,7 +91,8 @@ fn read_metres(path: &Path) -> Result<[f32; 2], SceneError> {
         };
         value.map(|v| v as f32).ok_or_else(missing).map_err(invalid)
     };
-    let [scale, bias] = [number("scale")?, number("bias")?];
+    let scale = number("scale")?;
+    let bias = number("bias")?;
     invalid::not_negative("`scale`", scale).map_err(invalid)?;
     invalid::finite("`bias`", &[bias]).map_err(invalid)?;
     Ok([scale, bias])

@@ -27,7 +27,7 @@ impl DisplacementMap {
     /// vertices keep each vertex's offset apart from its neighbours'; [`DisplacementMap::largest_error`] tells.
     ///
     /// # Errors
-    /// When the mesh is invalid or open, has no texture coordinates or some beyond 0 to 1; when a side is not 2 to
+    /// Errors if the mesh is invalid or open, has no texture coordinates or some beyond 0 to 1; when a side is not 2 to
     /// 8192.
     pub fn from_noisy(noisy: &Mesh, size: UVec2) -> Result<Self, Invalid> {
         Self::from_noisy_keeping_shape(noisy, size, 0)
@@ -38,7 +38,7 @@ impl DisplacementMap {
     /// the curvature, and denoising would shrink the shape by it. 8 rounds serve well, 0 leave nothing out.
     ///
     /// # Errors
-    /// As [`DisplacementMap::from_noisy`].
+    /// Errors if [`DisplacementMap::from_noisy`] does.
     pub fn from_noisy_keeping_shape(
         noisy: &Mesh,
         size: UVec2,
@@ -52,7 +52,8 @@ impl DisplacementMap {
             .iter()
             .copied()
             .fold(f32::NEG_INFINITY, f32::max);
-        let (scale, bias) = (0.5 * (most - least), 0.5 * (most + least));
+        let scale = 0.5 * (most - least);
+        let bias = 0.5 * (most + least);
         let range = f64::from(most) - f64::from(least);
         let grey = |delta: f32| match range > 0.0 {
             true => ((f64::from(delta) - f64::from(least)) / range * 65535.0).round() as u16,
@@ -130,7 +131,7 @@ impl DisplacementMap {
     /// as the map was made with.
     ///
     /// # Errors
-    /// As [`DisplacementMap::from_noisy`].
+    /// Errors if [`DisplacementMap::from_noisy`] does.
     pub fn largest_error(&self, noisy: &Mesh, rounds: u32) -> Result<f32, Invalid> {
         let surface = Surface::new(noisy, rounds)?;
         let (texture, lambda) = self.texture();
@@ -166,7 +167,7 @@ impl DisplacementMap {
 /// Each pass removes noise that the one before left; without rounds it also shrinks the shape once more.
 ///
 /// # Errors
-/// As [`DisplacementMap::from_noisy`].
+/// Errors if [`DisplacementMap::from_noisy`] does.
 pub fn denoised(noisy: &Mesh, size: UVec2, passes: u32, rounds: u32) -> Result<Mesh, Invalid> {
     (0..passes).try_fold(noisy.clone(), |mesh, _| {
         DisplacementMap::from_noisy_keeping_shape(&mesh, size, rounds)?.applied(&mesh, -1.0)
