@@ -134,8 +134,15 @@ pub fn orthographic(e: Extents) -> Result<Mat4, Invalid> {
             ));
         }
     }
-    let [l, r, b, t, n, f] = [e.left, e.right, e.bottom, e.top, e.near, e.far].map(f64::from);
-    Ok(directx::orthographic(l, r, b, t, n, f).as_mat4())
+    let matrix = directx::orthographic(
+        f64::from(e.left),
+        f64::from(e.right),
+        f64::from(e.bottom),
+        f64::from(e.top),
+        f64::from(e.near),
+        f64::from(e.far),
+    );
+    Ok(matrix.as_mat4())
 }
 
 /// A perspective projection with a full vertical angle in radians; `aspect` is width over height.

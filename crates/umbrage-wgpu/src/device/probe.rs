@@ -210,18 +210,18 @@ mod tests {
     #[test]
     fn finer_grids_are_taken_for_the_finest_known() {
         let fine = |v: f64| (v * 4096.0).round() / 4096.0;
-        assert_eq!(of_image(&image(fine, |v| v)), Snapping::default());
-        assert_eq!(of_image(&image(|v| v, |v| v)), Snapping::default());
+        assert_eq!(snapping_of_image(&image(fine, |v| v)), Snapping::default());
+        assert_eq!(snapping_of_image(&image(|v| v, |v| v)), Snapping::default());
     }
 
     #[test]
     fn images_without_sense_are_taken_for_the_coarsest() {
         assert_eq!(
-            of_image(&vec![0.0; STRIPS * STRIP * ROWS]),
+            snapping_of_image(&vec![0.0; STRIPS * STRIP * ROWS]),
             Snapping::COARSEST
         );
         assert_eq!(
-            of_image(&vec![f32::NAN; STRIPS * STRIP * ROWS]),
+            snapping_of_image(&vec![f32::NAN; STRIPS * STRIP * ROWS]),
             Snapping::COARSEST
         );
         let mut one_missing = image(|v| v, |v| v);
@@ -230,6 +230,6 @@ mod tests {
             .skip(3)
             .step_by(STRIPS * STRIP)
             .for_each(|depth| *depth = 0.0);
-        assert_eq!(of_image(&one_missing), Snapping::COARSEST);
+        assert_eq!(snapping_of_image(&one_missing), Snapping::COARSEST);
     }
 }

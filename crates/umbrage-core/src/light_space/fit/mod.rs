@@ -117,7 +117,7 @@ impl Fit {
     /// Returns the light spaces of a layout; parameters as [`Fit::light_space`].
     ///
     /// # Errors
-    /// As [`Fit::light_space`]; and `Unsupported` for a cube around a light without a position.
+    /// Errors if [`Fit::light_space`] does; and with `Unsupported` for a cube around a light without a position.
     pub fn light_spaces(
         &self,
         layout: Layout,
