@@ -3,7 +3,7 @@
 use umbrage_core::glam::{Vec2, Vec3};
 use umbrage_core::{Invalid, Texture, invalid};
 
-/// The tangent-space normal map, green up (OpenGL's convention), of the relief `lambda (2 h - 1)` whose heights h are
+/// Returns the tangent-space normal map, green up (OpenGL's convention), of the relief `lambda (2 h - 1)` whose heights h are
 /// the first channel of `heights`. `square` is the size in metres of the part of the surface that the texture spans
 /// once, along u and along v.
 ///
@@ -20,26 +20,30 @@ pub fn fitting_normal_map(
 ) -> Result<Texture, Invalid> {
     heights.validate()?;
     invalid::finite("lambda of the displacement", &[lambda])?;
-    square
-        .to_array()
-        .iter()
-        .try_for_each(|&side| invalid::positive("size of the texture's square", side))?;
-    let [width, height] = heights.size.to_array().map(|n| n as usize);
+    invalid::positive("size of the texture's square", square.x)?;
+    invalid::positive("size of the texture's square", square.y)?;
+    let width = heights.size.x as usize;
+    let height = heights.size.y as usize;
     // The relief's difference is 2 lambda times the heights'; two texels are 2 / n of the square.
     let scale = heights.size.as_vec2() * lambda / square;
     let at = |x: usize, y: usize| heights.texels[y * width + x][0];
-    let texels = (0..width * height).map(|i| {
-        let x = i % width;
-        let y = i / width;
-        let along_u = at((x + 1) % width, y) - at((x + width - 1) % width, y);
-        let down = at(x, (y + 1) % height) - at(x, (y + height - 1) % height);
-        let normal = Vec3::new(-along_u * scale.x, down * scale.y, 1.0).normalize();
-        ((normal + 1.0) * 0.5).extend(1.0).to_array()
-    });
+    let mut texels = Vec::with_capacity(width * height);
+    for y in 0..height {
+        for x in 0..width {
+            let right = at((x + 1) % width, y);
+            let left = at((x + width - 1) % width, y);
+            let below = at(x, (y + 1) % height);
+            let above = at(x, (y + height - 1) % height);
+            let along_u = right - left;
+            let down = below - above;
+            let normal = Vec3::new(-along_u * scale.x, down * scale.y, 1.0).normalize();
+            texels.push(((normal + 1.0) * 0.5).extend(1.0).to_array());
+        }
+    }
     Ok(Texture {
         name: format!("normals of {}", heights.name),
         size: heights.size,
-        texels: texels.collect(),
+        texels,
     })
 }
 
