@@ -45,30 +45,6 @@ const MAP: ShadowMap = ShadowMap {
 
 /// All golden images. Few: each shows what no other does, and all have to be looked at when they change.
 pub fn all() -> Vec<Golden> {
-    let hard = || {
-        Box::new(Hard {
-            map: ShadowMap {
-                bias: Bias::SLOPE,
-                ..MAP
-            },
-        }) as Box<dyn ShadowTechnique>
-    };
-    let unbiased = || {
-        Box::new(Hard {
-            map: ShadowMap {
-                bias: Bias::NONE,
-                ..MAP
-            },
-        }) as Box<dyn ShadowTechnique>
-    };
-    let pcf = || {
-        Box::new(Pcf {
-            map: MAP,
-            radius: 1,
-        }) as Box<dyn ShadowTechnique>
-    };
-    let dithered = || Box::new(PcfDithered { map: MAP }) as Box<dyn ShadowTechnique>;
-    let traced = || Box::new(Traced { samples: 16 }) as Box<dyn ShadowTechnique>;
     let list: [(&str, Make); 11] = [
         ("cubes", hard),
         ("cubes", pcf),
@@ -85,6 +61,35 @@ pub fn all() -> Vec<Golden> {
     list.into_iter()
         .map(|(scene, technique)| Golden { scene, technique })
         .collect()
+}
+
+fn hard() -> Box<dyn ShadowTechnique> {
+    let bias = Bias::SLOPE;
+    Box::new(Hard {
+        map: ShadowMap { bias, ..MAP },
+    })
+}
+
+fn unbiased() -> Box<dyn ShadowTechnique> {
+    let bias = Bias::NONE;
+    Box::new(Hard {
+        map: ShadowMap { bias, ..MAP },
+    })
+}
+
+fn pcf() -> Box<dyn ShadowTechnique> {
+    Box::new(Pcf {
+        map: MAP,
+        radius: 1,
+    })
+}
+
+fn dithered() -> Box<dyn ShadowTechnique> {
+    Box::new(PcfDithered { map: MAP })
+}
+
+fn traced() -> Box<dyn ShadowTechnique> {
+    Box::new(Traced { samples: 16 })
 }
 
 impl Golden {

@@ -130,14 +130,13 @@ fn materials() -> Vec<Material> {
 
 /// A quad from -1 to 1 in y = 0, its texture three times along each side.
 fn floor() -> Mesh {
-    let corner = |x: f32, z: f32| Vec3::new(x, 0.0, z);
     Mesh {
         name: "floor".to_owned(),
         positions: vec![
-            corner(-1.0, -1.0),
-            corner(-1.0, 1.0),
-            corner(1.0, 1.0),
-            corner(1.0, -1.0),
+            Vec3::new(-1.0, 0.0, -1.0),
+            Vec3::new(-1.0, 0.0, 1.0),
+            Vec3::new(1.0, 0.0, 1.0),
+            Vec3::new(1.0, 0.0, -1.0),
         ],
         uvs: vec![
             Vec2::ZERO,

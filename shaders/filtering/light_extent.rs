@@ -270,7 +270,7 @@ fn disc(normal: Vec3, radius: f32) -> HalfAxes {
     HalfAxes::Flat(u * f64::from(radius), v * f64::from(radius))
 }
 
-/// The pairs, for the lockstep tests.
+/// All twins of this module, for the tests that compare them.
 pub(crate) const TWINS: &[Twin] = &[
     twin!(LIGHT_EXTENT, light_axes(half_axis_u: Vec4, half_axis_v: Vec4, from_middle: Vec2) -> Vec4),
     twin!(LIGHT_EXTENT, reach_along(square: u32, axes: Vec4) -> Vec2),

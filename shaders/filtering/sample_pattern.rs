@@ -368,7 +368,7 @@ pub fn tap_weight(m: f32, nearer: f32) -> f32 {
     m * m * (m * m) / (nearer * nearer)
 }
 
-/// The pairs, for the lockstep tests.
+/// All twins of this module, for the tests that compare them.
 pub const TWINS: &[Twin] = &[
     twin!(PATTERN, noise_index(x: u32, y: u32) -> u32),
     twin!(PATTERN, turned(axes: Vec4, turn: Vec2) -> Vec4),

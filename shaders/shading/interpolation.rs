@@ -61,7 +61,7 @@ pub(crate) fn on_side_of(n: Vec3, v: Vec3, facing: Vec3) -> Vec3 {
     if dot3(n, facing) < 0.0 { -v } else { v }
 }
 
-/// The pairs, for the lockstep tests.
+/// All twins of this module, for the tests that compare them.
 pub(crate) const TWINS: &[Twin] = &[
     twin!(INTERPOLATION, barycentric(p: Vec3, a: Vec3, b: Vec3, c: Vec3) -> Vec3),
     twin!(INTERPOLATION, weighted(weights: Vec3, a: Vec4, b: Vec4, c: Vec4) -> Vec4),

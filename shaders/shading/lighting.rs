@@ -51,7 +51,7 @@ pub(crate) fn attenuation(factors: Vec3, distance: f32) -> f32 {
     1.0 / (factors.x + factors.y * distance + factors.z * distance * distance)
 }
 
-/// The pairs, for the lockstep tests.
+/// All twins of this module, for the tests that compare them.
 pub(crate) const TWINS: &[Twin] = &[
     twin!(LIGHTING, power(x: f32, log2: u32) -> f32, needs [INTERPOLATION]),
     twin!(LIGHTING, blinn(n: Vec3, l: Vec3, v: Vec3, shininess_log2: u32) -> Vec2, needs [INTERPOLATION]),

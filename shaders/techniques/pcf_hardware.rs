@@ -181,14 +181,14 @@ pub(crate) fn check_map(map: &ShadowMap) -> Result<(), RecipeError> {
 uniforms! {
     /// Uniforms of [`HardwareKernel`].
     pub struct HardwareUniforms {
-        /// The way to the map.
+        /// The map: its layers, and how it is compared with.
         pub lookup: ShadowMapUniforms,
         /// Samples a side.
         pub samples: i32,
     }
 }
 
-/// The lookup.
+/// The receive kernel.
 #[derive(Clone, Copy, Debug)]
 pub struct HardwareKernel(
     /// Uniforms.

@@ -18,12 +18,16 @@ const RAMPS: [(&str, f64, f64); 2] = [
 /// Penumbra's width over the true one. Of the floor's pixels whose true visibility is .25 to .75, a line is fitted to
 /// visibility against x; a ramp of its slope is as wide as the slope's inverse.
 fn width_ratio(mask: &[f32], receivers: &Receivers, start: f64, width: f64) -> f64 {
-    let on_floor = |i: &usize| receivers.receives[*i] && receivers.position(*i).y.abs() < 1e-3;
-    let ramp = (0..receivers.len()).filter(on_floor).map(|i| {
-        let x = (f64::from(receivers.position(i).x) - start) / width;
-        (x, f64::from(mask[i]))
-    });
-    let middle: Vec<(f64, f64)> = ramp.filter(|(x, _)| (0.25..=0.75).contains(x)).collect();
+    // Each pixel's true and measured visibility.
+    let mut middle: Vec<(f64, f64)> = Vec::new();
+    for (i, &visibility) in mask.iter().enumerate() {
+        let position = receivers.position(i);
+        let is_on_floor = receivers.receives[i] && position.y.abs() < 1e-3;
+        let x = (f64::from(position.x) - start) / width;
+        if is_on_floor && (0.25..=0.75).contains(&x) {
+            middle.push((x, f64::from(visibility)));
+        }
+    }
     assert!(
         middle.len() > 400,
         "{} pixels are too few to fit a line to",
@@ -47,7 +51,8 @@ fn measured(
     let (name, start, width) = ramp;
     let mut scene = (find(name).expect("a built-in scene").build)();
     if let Light::Rect { half_u, half_v, .. } = &mut scene.lights[0] {
-        (*half_u, *half_v) = (*half_u * scale, *half_v * scale);
+        *half_u *= scale;
+        *half_v *= scale;
     }
     let geometry = Geometry::bake(&scene).expect("built-in scenes are valid");
     let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);

@@ -83,12 +83,11 @@ fn map(layers: u32, format: Format) -> Image {
 fn questions() -> Receivers {
     let mut r = Receivers::empty(UVec2::new(64, 32));
     for i in 0..r.len() {
-        (r.x[i], r.y[i], r.z[i]) = (
-            noise(3 * i) * 1.2 - 0.1,
-            noise(3 * i + 1) * 1.2 - 0.1,
-            noise(3 * i + 2),
-        );
-        (r.triangle[i], r.receives[i]) = (0, true);
+        r.x[i] = noise(3 * i) * 1.2 - 0.1;
+        r.y[i] = noise(3 * i + 1) * 1.2 - 0.1;
+        r.z[i] = noise(3 * i + 2);
+        r.triangle[i] = 0;
+        r.receives[i] = true;
     }
     r
 }
@@ -129,7 +128,8 @@ fn ask(
 /// Of the four texels around a place, in the order of gathering, whether `depth` is at most what each holds; and the
 /// place's share of the right and of the lower ones.
 fn around(map: &Image, layer: u32, uv: Vec2, depth: f32) -> ([f32; 4], Vec2) {
-    let (size, last) = (map.desc.size.as_vec2(), map.desc.size.as_ivec2() - 1);
+    let size = map.desc.size.as_vec2();
+    let last = map.desc.size.as_ivec2() - 1;
     let c = ((uv * size).min(size) - 0.5).max(Vec2::ZERO);
     let lo = c.floor().as_ivec2();
     let hi = (c.floor().as_ivec2() + 1).min(last);
@@ -223,7 +223,8 @@ fn kernels_that_compare_load_as_others_do() {
     let gpu = &mut gpu();
     let mut questions = questions();
     for i in 0..questions.len() {
-        (questions.x[i], questions.y[i]) = (noise(2 * i), noise(2 * i + 1));
+        questions.x[i] = noise(2 * i);
+        questions.y[i] = noise(2 * i + 1);
     }
     let map = map(2, Format::Depth32);
     let answers = ask(gpu, &map, &questions, Arc::new(Loaded(numbers(1))));
