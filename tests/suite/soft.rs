@@ -325,9 +325,9 @@ fn faces_of_a_cube_meet_without_steps() {
 fn a_darker_face_is_caught() {
     let (case, mut mask) = lamp_in_room();
     let lamp = case.scene.lights[0].position().expect("a lamp");
-    for i in 0..mask.len() {
+    for (i, visibility) in mask.iter_mut().enumerate() {
         if case.truth.pixels[i] == Pixel::Counted && place(case, lamp, i).face == 2 {
-            mask[i] -= 2.0 * MOST_STEP as f32;
+            *visibility -= 2.0 * MOST_STEP as f32;
         }
     }
     let steps = steps(case, &mask);
