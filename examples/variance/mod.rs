@@ -178,7 +178,7 @@ impl FilterKernel for Blur {
 uniforms! {
     /// Uniforms of [`Chebyshev`].
     pub struct ChebyshevUniforms {
-        /// The way to the map.
+        /// The map: its layers, and how it is compared with.
         pub lookup: ShadowMapUniforms,
         /// Least variance, squared clip depth.
         pub least_variance: f32,
