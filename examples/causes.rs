@@ -16,7 +16,8 @@ fn main() -> anyhow::Result<()> {
     for fault in faults() {
         let scene = umbrage::scenes::by_argument(fault.scene)?;
         let geometry = Geometry::bake(&scene)?;
-        let (camera, light) = (&scene.cameras[0], &scene.lights[0]);
+        let camera = &scene.cameras[0];
+        let light = &scene.lights[0];
         let find = &mut |c: &Camera, g: &Geometry| cpu.receivers(c, g);
         let truth = trace(
             camera,

@@ -44,7 +44,8 @@ fn main() -> anyhow::Result<()> {
         map.save(&path)?;
         // What is applied is what the file holds.
         let clean = DisplacementMap::load(&path)?.applied(&noisy, -1.0)?;
-        let [before, after] = [&noisy, &clean].map(|mesh| 1e3 * solid.mean_distance(mesh));
+        let before = 1e3 * solid.mean_distance(&noisy);
+        let after = 1e3 * solid.mean_distance(&clean);
         println!(
             "  {name}: {before:.2} mm, denoised {after:.2} mm: {:.0} % of it remain",
             100.0 * after / before

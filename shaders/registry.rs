@@ -71,7 +71,7 @@ impl Techniques {
     /// The same list and one technique more.
     ///
     /// # Errors
-    /// When a technique of that name is in the list.
+    /// Errors if a technique of that name is in the list.
     pub fn with(mut self, entry: TechniqueEntry) -> Result<Self, Invalid> {
         if self.find(entry.name).is_some() {
             let why = format!("`{}` is in the list already", entry.name);
@@ -99,7 +99,7 @@ impl Techniques {
     /// The techniques with these names, in the list's order; all of them if no names are given.
     ///
     /// # Errors
-    /// When there is no technique with one of the names.
+    /// Errors if there is no technique with one of the names.
     pub fn select(&self, names: &[String]) -> Result<Vec<&TechniqueEntry>, Invalid> {
         if let Some(unknown) = names.iter().find(|name| self.find(name).is_none()) {
             let why = format!("there is none called `{unknown}`");
@@ -114,7 +114,7 @@ impl Techniques {
     /// Reads a preset of one of these techniques from TOML.
     ///
     /// # Errors
-    /// When the text is not TOML, names none of these techniques, or has a field that the technique doesn't have.
+    /// Errors if the text is not TOML, names none of these techniques, or has a field that the technique doesn't have.
     pub fn preset_from_toml(&self, text: &str) -> Result<TechniquePreset, Invalid> {
         TechniquePreset::read(text, &self.0)
     }
@@ -129,7 +129,7 @@ impl TechniquePreset {
     /// Reads a preset of a built-in technique from TOML. For others: [`Techniques::preset_from_toml`].
     ///
     /// # Errors
-    /// When the text is not TOML, names no built-in technique, or has a field that the technique doesn't have.
+    /// Errors if the text is not TOML, names no built-in technique, or has a field that the technique doesn't have.
     pub fn from_toml(text: &str) -> Result<Self, Invalid> {
         Self::read(text, all())
     }

@@ -20,7 +20,7 @@ pub struct TestDevice {
 /// The one device that all tests share.
 ///
 /// # Panics
-/// When there is no adapter: a test that needs one fails, it is never skipped.
+/// Panics if there is no adapter: a test that needs one fails, it is never skipped.
 pub fn device() -> &'static TestDevice {
     static DEVICE: LazyLock<TestDevice> =
         LazyLock::new(|| open().unwrap_or_else(|why| panic!("{why}; {HELP}")));
@@ -31,7 +31,7 @@ pub fn device() -> &'static TestDevice {
 /// count: see `umbrage_wgpu::AdapterChoice`.
 ///
 /// # Errors
-/// When there is none, or it doesn't open; in words.
+/// Errors if there is none, or it doesn't open; in words.
 pub fn open() -> Result<TestDevice, String> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
     let mut adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::PRIMARY));

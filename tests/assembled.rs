@@ -62,7 +62,7 @@ pub fn assemble(technique: &dyn ShadowTechnique, prefix: &str) -> String {
     format!("{}\n", text.trim_end())
 }
 
-/// Objects to a text that is not a valid WGSL module.
+/// Checks that a text is a valid WGSL module.
 ///
 /// # Errors
 /// Errors with what naga objects to.
@@ -82,7 +82,7 @@ impl Assembled {
             .join(format!("{}.wgsl", self.name))
     }
 
-    /// Objects to a kept text that is not the one assembled now.
+    /// Checks that the kept text is the one assembled now.
     ///
     /// # Errors
     /// Errors with the first line that differs.
@@ -101,7 +101,7 @@ impl Assembled {
     }
 }
 
-/// Objects to two texts that differ.
+/// Checks that two texts are equal.
 ///
 /// # Errors
 /// Errors with the first line that differs.

@@ -80,7 +80,8 @@ fn main() -> ExitCode {
 }
 
 fn visit(kept: &Kept, names: &[String]) -> Result<(), String> {
-    let (name, path) = (kept.name(), kept.path());
+    let name = kept.name();
+    let path = kept.path();
     let Err(why) = kept.check() else {
         println!("same     {}", path.display());
         return Ok(());

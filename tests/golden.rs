@@ -45,30 +45,6 @@ const MAP: ShadowMap = ShadowMap {
 
 /// All golden images. Few: each shows what no other does, and all have to be looked at when they change.
 pub fn all() -> Vec<Golden> {
-    let hard = || {
-        Box::new(Hard {
-            map: ShadowMap {
-                bias: Bias::SLOPE,
-                ..MAP
-            },
-        }) as Box<dyn ShadowTechnique>
-    };
-    let unbiased = || {
-        Box::new(Hard {
-            map: ShadowMap {
-                bias: Bias::NONE,
-                ..MAP
-            },
-        }) as Box<dyn ShadowTechnique>
-    };
-    let pcf = || {
-        Box::new(Pcf {
-            map: MAP,
-            radius: 1,
-        }) as Box<dyn ShadowTechnique>
-    };
-    let dithered = || Box::new(PcfDithered { map: MAP }) as Box<dyn ShadowTechnique>;
-    let traced = || Box::new(Traced { samples: 16 }) as Box<dyn ShadowTechnique>;
     let list: [(&str, Make); 11] = [
         ("cubes", hard),
         ("cubes", pcf),
@@ -87,6 +63,35 @@ pub fn all() -> Vec<Golden> {
         .collect()
 }
 
+fn hard() -> Box<dyn ShadowTechnique> {
+    let bias = Bias::SLOPE;
+    Box::new(Hard {
+        map: ShadowMap { bias, ..MAP },
+    })
+}
+
+fn unbiased() -> Box<dyn ShadowTechnique> {
+    let bias = Bias::NONE;
+    Box::new(Hard {
+        map: ShadowMap { bias, ..MAP },
+    })
+}
+
+fn pcf() -> Box<dyn ShadowTechnique> {
+    Box::new(Pcf {
+        map: MAP,
+        radius: 1,
+    })
+}
+
+fn dithered() -> Box<dyn ShadowTechnique> {
+    Box::new(PcfDithered { map: MAP })
+}
+
+fn traced() -> Box<dyn ShadowTechnique> {
+    Box::new(Traced { samples: 16 })
+}
+
 impl Golden {
     /// `scene.technique`
     pub fn name(&self) -> String {
@@ -103,7 +108,7 @@ impl Golden {
     /// The mask as it is rendered now, on the CPU.
     ///
     /// # Errors
-    /// When the scene or the recipe can't be made or rendered; in words.
+    /// Errors if the scene or the recipe can't be made or rendered; in words.
     pub fn render(&self) -> Result<GrayImage, String> {
         let say = |e: &dyn std::fmt::Display| format!("{}: {e}", self.name());
         let entry = umbrage_scenes::find(self.scene).ok_or_else(|| say(&"no such scene"))?;
@@ -133,7 +138,7 @@ impl Golden {
     /// Writes it anew.
     ///
     /// # Errors
-    /// When it can't be rendered or written, or would be too large; in words.
+    /// Errors if it can't be rendered or written, or would be too large; in words.
     pub fn bless(&self) -> Result<(), String> {
         let bytes = encode(&self.render()?)?;
         if bytes.len() > MAX_BYTES {
@@ -150,7 +155,7 @@ impl Golden {
 /// As a PNG file.
 ///
 /// # Errors
-/// When the encoder fails; in words.
+/// Errors if the encoder fails; in words.
 pub fn encode(image: &GrayImage) -> Result<Vec<u8>, String> {
     let mut bytes = Cursor::new(Vec::new());
     image

@@ -8,7 +8,7 @@ use umbrage_wgpu::{AdapterChoice, Gpu, Software};
 /// The shared backend; tests take turns.
 ///
 /// # Panics
-/// When there is no adapter: a test that needs one fails, it is never skipped.
+/// Panics if there is no adapter: a test that needs one fails, it is never skipped.
 pub fn gpu() -> MutexGuard<'static, Gpu> {
     static GPU: LazyLock<Mutex<Gpu>> = LazyLock::new(|| match open() {
         Ok(gpu) => Mutex::new(gpu),

@@ -7,7 +7,7 @@ use umbrage_core::UniformLayout;
 /// text may call functions and read variables that a player declares.
 ///
 /// # Errors
-/// When the structs don't compile, or none has that name.
+/// Errors if the structs don't compile, or none has that name.
 pub fn wgsl_layout(wgsl: &str, name: &str) -> Result<UniformLayout, String> {
     let structs: String = wgsl
         .match_indices("struct ")

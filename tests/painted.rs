@@ -11,9 +11,10 @@ const SIZE: UVec2 = UVec2::new(160, 120);
 /// The scene under this light, with its marker.
 ///
 /// # Errors
-/// Never: the scene is a good one.
+/// Errors never: the scene is a good one.
 pub fn scene(light: Light, camera: Camera) -> Result<Scene, Invalid> {
-    let (floor, ball) = (with_tangents(&floor())?, with_tangents(&ball())?);
+    let floor = with_tangents(&floor())?;
+    let ball = with_tangents(&ball())?;
     let bumps = fitting_normal_map(&waves(), 0.03, Vec2::ONE)?;
     let scene = Scene {
         name: "painted".to_owned(),
@@ -66,9 +67,10 @@ pub fn lights() -> [Light; 5] {
 /// With and without perspective.
 ///
 /// # Errors
-/// Never: the cameras are good ones.
+/// Errors never: the cameras are good ones.
 pub fn cameras() -> Result<[Camera; 2], Invalid> {
-    let (eye, target) = (Vec3::new(0.6, 2.4, 4.2), Vec3::new(0.0, 0.3, 0.0));
+    let eye = Vec3::new(0.6, 2.4, 4.2);
+    let target = Vec3::new(0.0, 0.3, 0.0);
     let flat = Extents {
         left: -2.4,
         right: 2.4,
@@ -128,14 +130,13 @@ fn materials() -> Vec<Material> {
 
 /// A quad from -1 to 1 in y = 0, its texture three times along each side.
 fn floor() -> Mesh {
-    let corner = |x: f32, z: f32| Vec3::new(x, 0.0, z);
     Mesh {
         name: "floor".to_owned(),
         positions: vec![
-            corner(-1.0, -1.0),
-            corner(-1.0, 1.0),
-            corner(1.0, 1.0),
-            corner(1.0, -1.0),
+            Vec3::new(-1.0, 0.0, -1.0),
+            Vec3::new(-1.0, 0.0, 1.0),
+            Vec3::new(1.0, 0.0, 1.0),
+            Vec3::new(1.0, 0.0, -1.0),
         ],
         uvs: vec![
             Vec2::ZERO,
@@ -158,11 +159,10 @@ fn ball() -> Mesh {
     };
     for i in 0..=DOWN {
         for j in 0..=AROUND {
-            let (v, u) = (i as f32 / DOWN as f32, j as f32 / AROUND as f32);
-            let ((sin, cos), (z, x)) = (
-                (v * std::f32::consts::PI).sin_cos(),
-                (u * std::f32::consts::TAU).sin_cos(),
-            );
+            let v = i as f32 / DOWN as f32;
+            let u = j as f32 / AROUND as f32;
+            let (sin, cos) = (v * std::f32::consts::PI).sin_cos();
+            let (z, x) = (u * std::f32::consts::TAU).sin_cos();
             mesh.positions.push(Vec3::new(x * sin, cos, -z * sin));
             mesh.uvs.push(Vec2::new(4.0 * u, 2.0 * v));
         }
@@ -178,11 +178,9 @@ fn ball() -> Mesh {
 
 /// No flip or turn leaves it as it is.
 fn checks() -> Texture {
-    let [light, dark, blue] = [
-        [0.9, 0.85, 0.7, 1.0],
-        [0.25, 0.2, 0.2, 1.0],
-        [0.1, 0.3, 0.7, 1.0],
-    ];
+    let light = [0.9, 0.85, 0.7, 1.0];
+    let dark = [0.25, 0.2, 0.2, 1.0];
+    let blue = [0.1, 0.3, 0.7, 1.0];
     let texels = [light, dark, light, dark, blue, dark, light, light];
     Texture {
         name: "checks".to_owned(),

@@ -28,7 +28,7 @@ pub fn table() -> String {
 /// Returns `text` with the table between its marks replaced by `table`.
 ///
 /// # Errors
-/// When a mark is missing.
+/// Errors if a mark is missing.
 pub fn with_table(text: &str, table: &str) -> Result<String, String> {
     let missing = |mark: &str| format!("the README has no line `{}`", mark.trim_end());
     let [begin, end] = MARKS;
@@ -40,7 +40,7 @@ pub fn with_table(text: &str, table: &str) -> Result<String, String> {
 /// Objects unless the README holds the table.
 ///
 /// # Errors
-/// When it doesn't, or can't be read; in words.
+/// Errors if it doesn't, or can't be read; in words.
 pub fn check() -> Result<(), String> {
     let text = read()?;
     if with_table(&text, &table())? == text {
@@ -53,7 +53,7 @@ pub fn check() -> Result<(), String> {
 /// Writes the table into the README.
 ///
 /// # Errors
-/// When it can't be read or written; in words.
+/// Errors if it can't be read or written; in words.
 pub fn bless() -> Result<(), String> {
     let text = with_table(&read()?, &table())?;
     fs::write(path(), text).map_err(|e| format!("{}: {e}", path().display()))

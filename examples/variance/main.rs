@@ -22,7 +22,8 @@ fn main() -> anyhow::Result<()> {
             Err(why) => println!("{choice}: {why}"),
             Ok(mut backend) => {
                 let shadows = backend.render(&view, &recipe)?;
-                let (file, size) = (format!("variance-{choice}.png"), shadows.size);
+                let file = format!("variance-{choice}.png");
+                let size = shadows.size;
                 image::save_buffer(
                     &file,
                     &shadows.mask_bytes(),

@@ -156,7 +156,8 @@ impl Kernel for Blur {
 
 impl FilterKernel for Blur {
     fn filter(&self, inputs: &Inputs<'_>, start: UVec2, layer: u32, out: &mut [f32]) {
-        let (u, image) = (self.0, inputs.images[0]);
+        let u = self.0;
+        let image = inputs.images[0];
         let side = (2 * u.radius + 1) as f32;
         for (x, texel) in out.chunks_exact_mut(2).enumerate() {
             let mut sum = [0.0, 0.0];
@@ -177,7 +178,7 @@ impl FilterKernel for Blur {
 uniforms! {
     /// Uniforms of [`Chebyshev`].
     pub struct ChebyshevUniforms {
-        /// The way to the map.
+        /// The map: its layers, and how it is compared with.
         pub lookup: ShadowMapUniforms,
         /// Least variance, squared clip depth.
         pub least_variance: f32,
@@ -226,7 +227,8 @@ struct Bound<'a> {
 impl Taps for Bound<'_> {
     #[inline(always)]
     fn visibility(&self, l: &ShadowCoord, _: usize) -> f32 {
-        let (x, y) = (l.texel.x.floor() as i32, l.texel.y.floor() as i32);
+        let x = l.texel.x.floor() as i32;
+        let y = l.texel.y.floor() as i32;
         let size = self.uniforms.lookup.size as i32;
         if x < 0 || y < 0 || x >= size || y >= size {
             return 1.0;

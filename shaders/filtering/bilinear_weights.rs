@@ -81,7 +81,7 @@ pub fn merged_rows(reach: usize) -> [Vec4; 4] {
     })
 }
 
-/// The pairs, for the lockstep tests.
+/// All twins of this module, for the tests that compare them.
 pub const TWINS: &[Twin] = &[
     twin!(BILINEAR_WEIGHTS, reference_depth(depth: f32, gradient: Vec2, deepest: f32, share: f32, step: Vec2) -> f32, needs [MATH]),
     twin!(BILINEAR_WEIGHTS, merged_sample(row: Vec4, s: f32) -> Vec2, needs [MATH]),

@@ -78,14 +78,10 @@ fn ask(
 ) -> Vec<f32> {
     let column = |f: &dyn Fn(&Vec3) -> f32| points.iter().map(f).collect::<Vec<f32>>();
     let side = SIZE as f32;
-    let (x, y) = (
-        column(&|p| p.x / side * 2.0 - 1.0),
-        column(&|p| 1.0 - p.y / side * 2.0),
-    );
-    let (z, normal) = (
-        column(&|p| p.z),
-        n.to_array().map(|v| vec![v; points.len()]),
-    );
+    let x = column(&|p| p.x / side * 2.0 - 1.0);
+    let y = column(&|p| 1.0 - p.y / side * 2.0);
+    let z = column(&|p| p.z);
+    let normal = n.to_array().map(|v| vec![v; points.len()]);
     let triangle = vec![0; points.len()];
     let [nx, ny, nz] = &normal;
     let span = Span {
@@ -154,7 +150,8 @@ fn explicit(image: &Image, row: &[f32], border: Border, p: Vec3) -> f64 {
     let range = |at: f32| {
         (f64::from(at) - 0.5 - reach).floor() as i32..=(f64::from(at) - 0.5 + reach).ceil() as i32
     };
-    let (mut lit, mut total) = (0.0, 0.0);
+    let mut lit = 0.0;
+    let mut total = 0.0;
     for y in range(p.y) {
         for x in range(p.x) {
             let w = weight(f64::from(x) + 0.5 - f64::from(p.x))
@@ -167,7 +164,8 @@ fn explicit(image: &Image, row: &[f32], border: Border, p: Vec3) -> f64 {
 
 /// Greatest difference from the filter written out.
 fn off(kernel: &dyn ReceiveKernel, row: &[f32], border: Border) -> f64 {
-    let (image, points) = (noisy(), points());
+    let image = noisy();
+    let points = points();
     let mask = ask(kernel, &image, &points, Vec3::Z, Simd::Native);
     assert!(mask.iter().all(|v| (0.0..=1.0).contains(v)));
     let wrong = |(p, v): (&Vec3, &f32)| (f64::from(*v) - explicit(&image, row, border, *p)).abs();
@@ -254,11 +252,9 @@ fn same<const N: usize, const STRIDE: usize>(map: DepthMap<'_>, l: &ShadowCoord)
             }
         }),
     };
-    let (samples, x, y) = (
-        Samples::<N, STRIDE> { map },
-        axis(l.texel.x),
-        axis(l.texel.y),
-    );
+    let samples = Samples::<N, STRIDE> { map };
+    let x = axis(l.texel.x);
+    let y = axis(l.texel.y);
     let lanes = samples.in_lanes(l, &x, &y);
     lanes
         .inspect(|lanes| {
@@ -273,7 +269,8 @@ fn same<const N: usize, const STRIDE: usize>(map: DepthMap<'_>, l: &ShadowCoord)
 
 #[test]
 fn instructions_do_not_matter() {
-    let (image, points) = (noisy(), points());
+    let image = noisy();
+    let points = points();
     for kernel in [
         &merged(3, Border::Lit) as &dyn ReceiveKernel,
         &hardware(3, Border::Clamp),
@@ -377,12 +374,14 @@ fn receiver_planes_are_free_of_acne() {
 fn weights_of_chips_stay_within_the_bound() {
     let cut = |v: f32| (v * 256.0).floor() / 256.0;
     let blend = |c: [f32; 4], s: f32, t: f32| {
-        let (top, bottom) = (c[0] + (c[1] - c[0]) * s, c[2] + (c[3] - c[2]) * s);
+        let top = c[0] + (c[1] - c[0]) * s;
+        let bottom = c[2] + (c[3] - c[2]) * s;
         top + (bottom - top) * t
     };
     let off = |i: u32| {
         let lit: [f32; 4] = std::array::from_fn(|k| (i >> k & 1) as f32);
-        let (s, t) = (noise(2 * i), noise(2 * i + 1));
+        let s = noise(2 * i);
+        let t = noise(2 * i + 1);
         (blend(lit, s, t) - blend(lit, cut(s), cut(t))).abs()
     };
     let most = (0..200_000).map(off).fold(0.0, f32::max);

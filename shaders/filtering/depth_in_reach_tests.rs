@@ -28,10 +28,8 @@ fn map() -> Image {
 
 /// A disc's image whose half axes are 40 texels, and grow to the right.
 fn extent() -> LightExtent {
-    let (half_axis_u, half_axis_v) = (
-        Vec4::new(40.0, 5.0, 0.1, 0.0),
-        Vec4::new(-3.0, 30.0, 0.05, 1.5),
-    );
+    let half_axis_u = Vec4::new(40.0, 5.0, 0.1, 0.0);
+    let half_axis_v = Vec4::new(-3.0, 30.0, 0.05, 1.5);
     LightExtent {
         half_axis_u: [half_axis_u; 6],
         half_axis_v: [half_axis_v; 6],
@@ -65,17 +63,16 @@ fn grid(map: &Image, shape: PatternShape) -> Image {
 /// What hides any of the light from a receiver is not nearer than its cell says; and cells say more than the map's nearest.
 #[test]
 fn nothing_that_hides_light_is_nearer_than_the_grid_says() {
-    let (map, cell) = (map(), Cells::over(SIZE).side());
+    let map = map();
+    let cell = Cells::over(SIZE).side();
     for shape in [PatternShape::Disc, PatternShape::Square] {
         let grid = grid(&map, shape);
         let points = spread(Default::default(), shape, 64);
         let mut checked = 0;
         for i in 0..2000 {
             let unit = |k: u32| (hash(3 * i + k) >> 8) as f32 / 16_777_216.0;
-            let (at, depth) = (
-                Vec2::new(unit(0), unit(1)) * SIZE as f32,
-                0.5 + 0.5 * unit(2),
-            );
+            let at = Vec2::new(unit(0), unit(1)) * SIZE as f32;
+            let depth = 0.5 + 0.5 * unit(2);
             let axes = light_axes(
                 extent().half_axis_u[0],
                 extent().half_axis_v[0],

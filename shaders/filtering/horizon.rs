@@ -175,7 +175,7 @@ pub(crate) fn turned_heights(h: Vec3, turn: Vec2) -> Vec3 {
     )
 }
 
-/// The pairs, for the lockstep tests.
+/// All twins of this module, for the tests that compare them.
 pub(crate) const TWINS: &[Twin] = &[
     twin!(HORIZON, height_over_plane(light: Vec4, p: Vec3, n: Vec3) -> f32, needs [MATH]),
     twin!(HORIZON, ball_heights(radius: f32, n: Vec2, t: Vec2) -> Vec2, needs [MATH]),

@@ -73,18 +73,17 @@ fn heights(light: &Light, spaces: &LightSpaces, p: Vec3, n: Vec3) -> Vec3 {
 /// Heights of points of flat lights, by the rule and by their places.
 #[test]
 fn heights_are_those_of_the_lights_points() {
-    let (center, u, v) = (
-        Vec3::new(1.0, 6.0, -2.0),
-        Vec3::new(0.4, 0.1, 0.0),
-        Vec3::new(0.0, -0.3, 0.7),
-    );
+    let center = Vec3::new(1.0, 6.0, -2.0);
+    let u = Vec3::new(0.4, 0.1, 0.0);
+    let v = Vec3::new(0.0, -0.3, 0.7);
     let light = Light::Rect {
         center,
         half_u: u,
         half_v: v,
     };
     let spaces = spaces(center, Vec3::NEG_Y);
-    let (p, n) = (Vec3::new(3.0, 0.5, 1.0), unit3(Vec3::new(-0.3, 0.2, 0.9)));
+    let p = Vec3::new(3.0, 0.5, 1.0);
+    let n = unit3(Vec3::new(-0.3, 0.2, 0.9));
     let h = heights(&light, &spaces, p, n);
     for (x, y) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (-0.5, 0.8)] {
         let right = n.dot(center + u * x + v * y - p);
@@ -124,7 +123,8 @@ fn a_balls_rim_is_as_high_as_its_radius() {
 /// receiver.
 #[test]
 fn a_balls_share_is_that_of_the_disc_that_faces_the_receiver() {
-    let (position, radius) = (Vec3::new(1.0, 6.0, -2.0), 0.5);
+    let position = Vec3::new(1.0, 6.0, -2.0);
+    let radius = 0.5;
     let light = Light::Point { position, radius };
     let horizon = Horizon::new(&light, &spaces(position, Vec3::NEG_Y));
     for (p, n) in [

@@ -117,7 +117,7 @@ impl LightExtent {
 /// a map's side is left to what it is for.
 ///
 /// # Errors
-/// As [`ShadowMap::spaces`].
+/// Errors if [`ShadowMap::spaces`] does.
 pub(crate) fn spaces(map: &ShadowMap, view: &View<'_>) -> Result<LightSpaces, RecipeError> {
     let mut margin = 0.0;
     let mut spaces = map.spaces(view, margin)?;
@@ -270,7 +270,7 @@ fn disc(normal: Vec3, radius: f32) -> HalfAxes {
     HalfAxes::Flat(u * f64::from(radius), v * f64::from(radius))
 }
 
-/// The pairs, for the lockstep tests.
+/// All twins of this module, for the tests that compare them.
 pub(crate) const TWINS: &[Twin] = &[
     twin!(LIGHT_EXTENT, light_axes(half_axis_u: Vec4, half_axis_v: Vec4, from_middle: Vec2) -> Vec4),
     twin!(LIGHT_EXTENT, reach_along(square: u32, axes: Vec4) -> Vec2),

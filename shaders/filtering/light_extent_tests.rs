@@ -57,7 +57,8 @@ fn both(
 #[test]
 fn parallel_lamps_are_exact() {
     let eye = Vec3::new(1.0, 6.0, -2.0);
-    let (u, v) = (Vec3::new(0.4, 0.0, 0.1), Vec3::new(-0.2, 0.0, 0.7));
+    let u = Vec3::new(0.4, 0.0, 0.1);
+    let v = Vec3::new(-0.2, 0.0, 0.7);
     let light = Light::Rect {
         center: eye,
         half_u: u,
@@ -79,7 +80,8 @@ fn parallel_lamps_are_exact() {
 #[test]
 fn tilted_lamps_are_wrong_by_their_depth_over_distance() {
     let eye = Vec3::new(0.0, 6.0, 0.0);
-    let (u, v) = (Vec3::new(0.0, 0.3, 0.0), Vec3::new(0.3, 0.0, 0.0));
+    let u = Vec3::new(0.0, 0.3, 0.0);
+    let v = Vec3::new(0.3, 0.0, 0.0);
     let light = Light::Rect {
         center: eye,
         half_u: u,
@@ -103,7 +105,9 @@ fn tilted_lamps_are_wrong_by_their_depth_over_distance() {
 /// The rim of a ball's disc, which faces the receiver, projected along the ray onto the map's plane.
 #[test]
 fn balls_are_ellipses() {
-    let (radius, scale, t) = (0.5_f32, 100.0_f32, Vec2::new(0.8, -0.4));
+    let radius = 0.5_f32;
+    let scale = 100.0_f32;
+    let t = Vec2::new(0.8, -0.4);
     let a = light_axes(
         Vec4::new(radius * scale, 0.0, 0.0, 1.0 / scale),
         Vec4::ZERO,

@@ -204,7 +204,7 @@ impl PatternTable {
     /// Returns the table with a set of taps for each of `counts`, which also name the sets for errors.
     ///
     /// # Errors
-    /// If a set has no taps or more than [`MAX_TAPS`].
+    /// Errors if a set has no taps or more than [`MAX_TAPS`].
     pub(crate) fn new(
         pattern: Pattern,
         shape: PatternShape,
@@ -368,7 +368,7 @@ pub fn tap_weight(m: f32, nearer: f32) -> f32 {
     m * m * (m * m) / (nearer * nearer)
 }
 
-/// The pairs, for the lockstep tests.
+/// All twins of this module, for the tests that compare them.
 pub const TWINS: &[Twin] = &[
     twin!(PATTERN, noise_index(x: u32, y: u32) -> u32),
     twin!(PATTERN, turned(axes: Vec4, turn: Vec2) -> Vec4),

@@ -57,7 +57,8 @@ fn poisson_taps_keep_apart() {
 /// Against Jimenez's own formula in `f64`, on steps' borders aside.
 #[test]
 fn noise_is_jimenezs() {
-    let (mut equal, mut all) = (0, 0);
+    let mut equal = 0;
+    let mut all = 0;
     for y in 0..64 {
         for x in 0..64 {
             let inner = (0.067_110_56 * f64::from(x) + 0.005_837_15 * f64::from(y)).fract();

@@ -47,8 +47,8 @@ impl<T: Taps> BatchTaps for T {
     }
 }
 
-/// Looks up a span of receivers in the map of `m`, and fills `out`, as long as the span, with what `taps` makes of them.
-/// ReceiverBatch that the map can say nothing of ([`ShadowCoord::seen`]) are lit.
+/// Looks up a span of receivers in the map of `m`, and fills `out`, which is as long as the span, with the visibilities that
+/// `taps` finds. Receivers that no layer of the map covers (see [`ShadowCoord::seen`]) are lit.
 #[inline]
 pub fn look_up_span(
     simd: Simd,

@@ -97,7 +97,7 @@ impl TechniquePreset {
     /// Returns the preset as TOML that [`TechniquePreset::from_toml`] reads back bit by bit.
     ///
     /// # Errors
-    /// If the technique's settings aren't a table of TOML, which those of the built-in techniques always are.
+    /// Errors if the technique's settings aren't a table of TOML, which those of the built-in techniques always are.
     pub fn to_toml(&self) -> Result<String, Invalid> {
         toml::to_string(self)
             .map_err(|e| Invalid::new("preset", e.to_string(), "use settings that are numbers"))

@@ -63,7 +63,7 @@ impl BlinnPhong {
     /// Returns what shades this view of a scene. `view.geometry` must be baked from `scene`.
     ///
     /// # Errors
-    /// If the view has no geometry, or not this scene's; if the scene, the light or a number of these settings is invalid.
+    /// Errors if the view has no geometry, or not this scene's; if the scene, the light or a number of these settings is invalid.
     pub fn shading(&self, scene: &Scene, view: &View<'_>) -> Result<Shading, Invalid> {
         self.validate()
             .map_err(|e| e.within("Blinn-Phong shading"))?;
@@ -185,7 +185,7 @@ impl Shading {
     /// Returns the same scene's shading with another camera or light. Tables are shared, so that backends need no upload.
     ///
     /// # Errors
-    /// If the camera or the light is invalid.
+    /// Errors if the camera or the light is invalid.
     pub fn with_view(&self, view: &View<'_>) -> Result<Self, Invalid> {
         let uniforms = self.settings.uniforms(view)?;
         Ok(Self {

@@ -29,7 +29,9 @@ fn scene(material: Material, textures: Vec<Texture>) -> Scene {
         material: Some(0),
         ..Instance::new(0, Affine3A::IDENTITY)
     };
-    let (meshes, instances, materials) = (vec![quad()], vec![instance], vec![material]);
+    let meshes = vec![quad()];
+    let instances = vec![instance];
+    let materials = vec![material];
     Scene {
         name: "quad".to_owned(),
         meshes,
@@ -89,7 +91,8 @@ const ZENITH: Light = Light::Directional {
 };
 
 fn kernel(scene: &Scene, light: &Light, settings: BlinnPhong) -> BlinnPhongKernel {
-    let (geometry, camera) = (Geometry::bake(scene).unwrap(), camera());
+    let geometry = Geometry::bake(scene).unwrap();
+    let camera = camera();
     settings
         .shading(scene, &View::new(&camera, light, &geometry))
         .unwrap()
@@ -344,7 +347,8 @@ fn normal_maps_lean_along_the_textures_axes() {
         };
         at(&scene, &light, settings, PLAIN, 1.0).x
     };
-    let (east, north) = (Vec3::new(0.6, 0.8, 0.0), Vec3::new(0.0, 0.8, -0.6));
+    let east = Vec3::new(0.6, 0.8, 0.0);
+    let north = Vec3::new(0.0, 0.8, -0.6);
     let close = |a: f32, b: f32| assert!((a - b).abs() < 1e-6, "{a} is not {b}");
     // Red leans along u; .36 + .64 = 1 towards it, .64 - .36 away from it.
     close(brightness([0.6, 0.0, 0.8], east, 1.0), 1.0);
@@ -418,7 +422,10 @@ fn smooth_normals_are_weighted() {
 #[test]
 fn spans_are_shaded_entry_by_entry_and_strangers_left_out() {
     let kernel = kernel(&scene(MATERIAL, vec![]), &SLANTED, BlinnPhong::default());
-    let (x, z, zero, one) = ([0.25, 0.5, 0.0], [0.5, 0.25, 0.0], [0.0; 3], [1.0; 3]);
+    let x = [0.25, 0.5, 0.0];
+    let z = [0.5, 0.25, 0.0];
+    let zero = [0.0; 3];
+    let one = [1.0; 3];
     let triangle = [0, 1, umbrage_core::NO_TRIANGLE];
     let span = Span {
         first: UVec2::ZERO,
@@ -449,7 +456,8 @@ fn spans_are_shaded_entry_by_entry_and_strangers_left_out() {
 #[test]
 fn tables_are_shared_from_view_to_view_and_added_after_the_recipes_own() {
     let scene = scene(MATERIAL, vec![]);
-    let (geometry, camera) = (Geometry::bake(&scene).unwrap(), camera());
+    let geometry = Geometry::bake(&scene).unwrap();
+    let camera = camera();
     let view = View::new(&camera, &ZENITH, &geometry);
     let shading = BlinnPhong::default().shading(&scene, &view).unwrap();
     let traced = umbrage_core::ShadowTechnique::recipe(&crate::Traced::default(), &view).unwrap();
@@ -475,7 +483,8 @@ fn tables_are_shared_from_view_to_view_and_added_after_the_recipes_own() {
 #[test]
 fn bad_input_is_refused() {
     let scene = scene(MATERIAL, vec![]);
-    let (geometry, camera) = (Geometry::bake(&scene).unwrap(), camera());
+    let geometry = Geometry::bake(&scene).unwrap();
+    let camera = camera();
     let view = View::new(&camera, &ZENITH, &geometry);
     for bad in [
         BlinnPhong {

@@ -30,6 +30,6 @@ pub fn turned_away(light: Vec4, p: Vec3, n: Vec3) -> u32 {
     u32::from(dot3(n, to_light) <= 0.0)
 }
 
-/// The pairs, for the lockstep tests.
+/// All twins of this module, for the tests that compare them.
 pub const TWINS: &[Twin] =
     &[twin!(FACING, turned_away(light: Vec4, p: Vec3, n: Vec3) -> u32, needs [MATH])];

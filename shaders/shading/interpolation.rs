@@ -61,7 +61,7 @@ pub(crate) fn on_side_of(n: Vec3, v: Vec3, facing: Vec3) -> Vec3 {
     if dot3(n, facing) < 0.0 { -v } else { v }
 }
 
-/// The pairs, for the lockstep tests.
+/// All twins of this module, for the tests that compare them.
 pub(crate) const TWINS: &[Twin] = &[
     twin!(INTERPOLATION, barycentric(p: Vec3, a: Vec3, b: Vec3, c: Vec3) -> Vec3),
     twin!(INTERPOLATION, weighted(weights: Vec3, a: Vec4, b: Vec4, c: Vec4) -> Vec4),
@@ -97,7 +97,8 @@ mod tests {
 
     #[test]
     fn maps_bend_along_tangent_and_bitangent() {
-        let (n, t) = (Vec3::Z, Vec4::new(1.0, 0.0, 0.0, 1.0));
+        let n = Vec3::Z;
+        let t = Vec4::new(1.0, 0.0, 0.0, 1.0);
         assert_eq!(
             bent(n, t, Vec3::new(0.25, 0.5, 0.75)),
             Vec3::new(0.25, 0.5, 0.75)
@@ -108,7 +109,8 @@ mod tests {
             Vec3::new(0.25, -0.5, 0.75)
         );
         // A flat map gives the normal itself, whatever the frame.
-        let (n, t) = (Vec3::new(0.1, -0.7, 0.3), Vec4::new(0.3, 0.9, 0.2, -1.0));
+        let n = Vec3::new(0.1, -0.7, 0.3);
+        let t = Vec4::new(0.3, 0.9, 0.2, -1.0);
         assert_eq!(bent(n, t, Vec3::Z), n);
     }
 

@@ -51,7 +51,7 @@ pub(crate) fn attenuation(factors: Vec3, distance: f32) -> f32 {
     1.0 / (factors.x + factors.y * distance + factors.z * distance * distance)
 }
 
-/// The pairs, for the lockstep tests.
+/// All twins of this module, for the tests that compare them.
 pub(crate) const TWINS: &[Twin] = &[
     twin!(LIGHTING, power(x: f32, log2: u32) -> f32, needs [INTERPOLATION]),
     twin!(LIGHTING, blinn(n: Vec3, l: Vec3, v: Vec3, shininess_log2: u32) -> Vec2, needs [INTERPOLATION]),
@@ -75,13 +75,12 @@ mod tests {
     /// One step more of shininess squares the highlight, and leaves the diffuse share.
     #[test]
     fn a_step_of_shininess_doubles_the_power() {
-        let (n, l, v) = (
-            Vec3::Z,
-            Vec3::new(0.6, 0.0, 0.8),
-            Vec3::new(0.0, 0.28, 0.96),
-        );
+        let n = Vec3::Z;
+        let l = Vec3::new(0.6, 0.0, 0.8);
+        let v = Vec3::new(0.0, 0.28, 0.96);
         for log2 in 0..8 {
-            let (once, twice) = (blinn(n, l, v, log2), blinn(n, l, v, log2 + 1));
+            let once = blinn(n, l, v, log2);
+            let twice = blinn(n, l, v, log2 + 1);
             assert_eq!((twice.x, twice.y), (0.8, once.y * once.y), "{log2}");
         }
     }

@@ -27,7 +27,7 @@ impl SurfaceTables {
     /// Returns the tables of a valid scene and the geometry that was baked from it.
     ///
     /// # Errors
-    /// If the geometry names materials that the scene doesn't have.
+    /// Errors if the geometry names materials that the scene doesn't have.
     pub(crate) fn new(scene: &Scene, geometry: &Geometry) -> Result<Self, Invalid> {
         let count = scene.materials.len() as u32;
         if let Some(id) = geometry
@@ -43,17 +43,16 @@ impl SurfaceTables {
             ));
         }
         let (texels, places) = texture::rows(&scene.textures);
+        let mut materials = Vec::new();
+        for material in &scene.materials {
+            materials.extend(material_rows(material, &places));
+        }
         // The default material comes last.
-        let materials = scene
-            .materials
-            .iter()
-            .chain([&Material::default()])
-            .flat_map(|m| material_rows(m, &places))
-            .collect();
+        materials.extend(material_rows(&Material::default(), &places));
         Ok(Self {
             vertices: or_zeros(vertex_rows(geometry), VERTEX_ROWS),
             triangles: or_zeros(triangle_rows(geometry, count), 1),
-            materials,
+            materials: materials.into(),
             texels: texels.into(),
         })
     }
@@ -90,19 +89,22 @@ fn or_zeros(rows: Vec<[u32; 4]>, least: usize) -> Rows {
     }
 }
 
+/// Returns each vertex's rows: see [`VERTEX_ROWS`].
 fn vertex_rows(geometry: &Geometry) -> Vec<[u32; 4]> {
-    let row = |v: Vec3, w: f32| v.extend(w).to_array().map(f32::to_bits);
-    let vertices = geometry
-        .positions()
-        .iter()
-        .zip(geometry.normals())
-        .enumerate();
-    let rows = vertices.flat_map(|(i, (&p, &n))| {
+    let mut rows = Vec::with_capacity(VERTEX_ROWS * geometry.positions().len());
+    let vertices = geometry.positions().iter().zip(geometry.normals());
+    for (i, (position, normal)) in vertices.enumerate() {
         let uv = geometry.uvs().get(i).copied().unwrap_or(Vec2::ZERO);
-        let t = geometry.tangents().get(i).copied().unwrap_or(Vec4::ZERO);
-        [row(p, uv.x), row(n, uv.y), row(t.truncate(), t.w)]
-    });
-    rows.collect()
+        let tangent = geometry.tangents().get(i).copied().unwrap_or(Vec4::ZERO);
+        rows.push(float_row(position.extend(uv.x)));
+        rows.push(float_row(normal.extend(uv.y)));
+        rows.push(float_row(tangent));
+    }
+    rows
+}
+
+fn float_row(v: Vec4) -> [u32; 4] {
+    v.to_array().map(f32::to_bits)
 }
 
 /// Returns a row for each triangle: its vertices and its material, `default` where it has none.

@@ -88,7 +88,7 @@ pub(crate) fn rows(textures: &[Texture]) -> (Vec<[u32; 4]>, Vec<UVec4>) {
     (rows, places)
 }
 
-/// The pairs, for the lockstep tests.
+/// All twins of this module, for the tests that compare them.
 pub(crate) const TWINS: &[Twin] = &[
     twin!(TEXTURE, neighbours(u: f32, size: u32) -> UVec2),
     twin!(TEXTURE, fraction(u: f32, size: u32) -> f32),

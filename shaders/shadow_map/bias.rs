@@ -292,7 +292,7 @@ impl Bias {
     /// Checks the numbers.
     ///
     /// # Errors
-    /// If a number is not finite, or the receiver plane's greatest slope is negative.
+    /// Errors if a number is not finite, or the receiver plane's greatest slope is negative.
     pub fn validate(&self) -> Result<(), Invalid> {
         let RasterBias { slope, clamp, .. } = self.raster;
         invalid::finite(

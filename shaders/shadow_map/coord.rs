@@ -210,7 +210,7 @@ pub fn is_seen(layer: &MapLayer, depth: f32, w: f32) -> bool {
     w > 0.0 && depth <= layer.far
 }
 
-/// The pairs, for the lockstep tests.
+/// All twins of this module, for the tests that compare them.
 pub const TWINS: &[Twin] = &[
     twin!(PROJECTION, to_light(light: Vec4, p: Vec3) -> Vec3, needs [MATH, LAYERS]),
     twin!(PROJECTION, slope_bias(slope: f32, least: f32, n_dot_l: f32) -> f32, needs [MATH, LAYERS]),

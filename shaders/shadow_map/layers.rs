@@ -71,7 +71,7 @@ uniforms! {
 uniforms! {
     /// Uniforms of kernels that need nothing but the map.
     pub struct MapOnlyUniforms {
-        /// The way to the map.
+        /// The map: its layers, and how it is compared with.
         pub lookup: ShadowMapUniforms,
     }
 }
@@ -185,5 +185,5 @@ fn sign_bit(v: f32) -> i32 {
     (v.to_bits() >> 31) as i32
 }
 
-/// The pairs, for the lockstep tests.
+/// All twins of this module, for the tests that compare them.
 pub const TWINS: &[Twin] = &[twin!(LAYERS, cube_face(light: Vec4, p: Vec3) -> i32, needs [])];

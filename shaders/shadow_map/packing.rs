@@ -76,7 +76,7 @@ impl FilterKernel for PackKernel {
     }
 }
 
-/// The pairs, for the lockstep tests.
+/// All twins of this module, for the tests that compare them.
 pub const TWINS: &[Twin] = &[
     twin!(PACKING, pack_depth(z: f32) -> Vec4, needs [MATH]),
     twin!(PACKING, unpack_depth(c: Vec4) -> f32, needs [MATH]),

@@ -110,40 +110,29 @@ impl ShadowMap {
             (self.border == Border::Clamp, "edge repeated"),
             (self.beyond_far == BeyondFar::Compared, "dark beyond far"),
         ];
-        words.extend(
-            others
-                .into_iter()
-                .filter(|(on, _)| *on)
-                .map(|(_, word)| word.to_owned()),
-        );
-        // Midpoints take no polygon offset.
-        let raster = if self.surface == Surface::Midpoint {
-            RasterBias::default()
-        } else {
-            self.bias.raster
-        };
-        words.push(
-            Bias {
-                raster,
-                ..self.bias
+        for (is_on, word) in others {
+            if is_on {
+                words.push(word.to_owned());
             }
-            .label(),
-        );
+        }
+        let mut bias = self.bias;
+        if self.surface == Surface::Midpoint {
+            // Midpoints take no polygon offset.
+            bias.raster = RasterBias::default();
+        }
+        words.push(bias.label());
         words.join(", ")
     }
 
     /// Returns the light spaces for a kernel that reaches `reach` texels beyond the receiver's own.
     ///
     /// # Errors
-    /// As [`Fit::light_spaces`]; and `Invalid` if a setting is out of its range.
+    /// Errors if [`Fit::light_spaces`] does; and with `Invalid` if a setting is out of its range.
     pub fn spaces(&self, view: &View<'_>, reach: f32) -> Result<LightSpaces, RecipeError> {
         self.validate()?;
-        self.fit.light_spaces(
-            self.layout,
-            view,
-            self.size,
-            reach + self.bias.normal_offset.abs(),
-        )
+        // Receivers are moved along their normals by this many texels.
+        let margin = reach + self.bias.normal_offset.abs();
+        self.fit.light_spaces(self.layout, view, self.size, margin)
     }
 
     /// Returns the same map with the side that a view needs: on it, for a share `quantile` (0..=1) of the `receivers` that
@@ -155,7 +144,7 @@ impl ShadowMap {
     /// the light, it stays as it is.
     ///
     /// # Errors
-    /// As [`ShadowMap::spaces`].
+    /// Errors if [`ShadowMap::spaces`] does.
     pub fn sized_for(
         &self,
         view: &View<'_>,
@@ -250,7 +239,7 @@ impl ShadowMap {
     /// uniforms. It reaches `reach` texels beyond the receiver's own.
     ///
     /// # Errors
-    /// As [`ShadowMap::spaces`].
+    /// Errors if [`ShadowMap::spaces`] does.
     pub fn recipe<K: ReceiveKernel + 'static>(
         &self,
         view: &View<'_>,

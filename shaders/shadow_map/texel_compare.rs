@@ -144,7 +144,7 @@ impl<'a> DepthMap<'a> {
     }
 }
 
-/// The pairs, for the lockstep tests.
+/// All twins of this module, for the tests that compare them.
 pub const TWINS: &[Twin] = &[
     twin!(DEPTH_ON_PLANE, depth_on_plane(depth: f32, gradient: Vec2, deepest: f32, from: Vec2, x: i32, y: i32) -> f32, needs []),
 ];

@@ -88,7 +88,7 @@ impl ListedTechnique for Hard {
     const RANDOM_WEIGHT: u32 = 2;
 }
 
-/// The lookup.
+/// The receive kernel.
 #[derive(Clone, Copy, Debug)]
 pub struct HardKernel(
     /// Uniforms.

@@ -127,14 +127,14 @@ impl ListedTechnique for Pcf {
 uniforms! {
     /// Uniforms of [`PcfKernel`].
     pub struct PcfUniforms {
-        /// The way to the map.
+        /// The map: its layers, and how it is compared with.
         pub lookup: ShadowMapUniforms,
         /// Texels to each side.
         pub radius: i32,
     }
 }
 
-/// The lookup.
+/// The receive kernel.
 #[derive(Clone, Copy, Debug)]
 pub struct PcfKernel(
     /// Uniforms.

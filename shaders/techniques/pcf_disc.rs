@@ -121,21 +121,33 @@ impl ListedTechnique for PcfDisc {
     }
 
     fn compared(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
-        let vogel = |map, taps| Self {
-            map,
-            taps,
+        let few = Self {
+            taps: 8,
             ..Self::default()
         };
-        let poisson = |map| Self {
-            map,
+        let usual = Self {
+            taps: 16,
+            ..Self::default()
+        };
+        let many = Self {
+            taps: 32,
+            ..Self::default()
+        };
+        let poisson = Self {
             pattern: Pattern::Poisson,
             ..Self::default()
         };
         let bias = [Bias::ADAPTIVE];
-        let mut out = sweeps::middle(map_sizes, fit, &bias, |map| vogel(map, 8));
-        out.extend(sweeps::sweep(map_sizes, fit, &bias, |map| vogel(map, 16)));
-        out.extend(sweeps::middle(map_sizes, fit, &bias, |map| vogel(map, 32)));
-        out.extend(sweeps::middle(map_sizes, fit, &bias, poisson));
+        let mut out = sweeps::middle(map_sizes, fit, &bias, |map| few.with_map(map));
+        out.extend(sweeps::sweep(map_sizes, fit, &bias, |map| {
+            usual.with_map(map)
+        }));
+        out.extend(sweeps::middle(map_sizes, fit, &bias, |map| {
+            many.with_map(map)
+        }));
+        out.extend(sweeps::middle(map_sizes, fit, &bias, |map| {
+            poisson.with_map(map)
+        }));
         out
     }
 
@@ -157,16 +169,16 @@ impl ListedTechnique for PcfDisc {
     }
 
     fn candidates(map: ShadowMap, _: &Light) -> Vec<Candidate<Self>> {
-        [(2.0, 8), (4.0, 16), (8.0, 32), (16.0, 32)]
-            .map(|(radius, taps)| {
-                Candidate::of(Self {
-                    map,
-                    radius,
-                    taps,
-                    ..Self::default()
-                })
-            })
-            .to_vec()
+        let mut out = Vec::new();
+        for (radius, taps) in [(2.0, 8), (4.0, 16), (8.0, 32), (16.0, 32)] {
+            out.push(Candidate::of(Self {
+                map,
+                radius,
+                taps,
+                ..Self::default()
+            }));
+        }
+        out
     }
 
     fn closed_form(map: ShadowMap) -> Option<ClosedFormDemand<Self>> {
@@ -204,7 +216,7 @@ impl ListedTechnique for PcfDisc {
 uniforms! {
     /// Uniforms of [`PcfDiscKernel`].
     pub struct PcfDiscUniforms {
-        /// The way to the map.
+        /// The map: its layers, and how it is compared with.
         pub lookup: ShadowMapUniforms,
         /// Texels.
         pub radius: f32,
@@ -215,7 +227,7 @@ uniforms! {
     }
 }
 
-/// The lookup.
+/// The receive kernel.
 #[derive(Clone, Debug)]
 pub struct PcfDiscKernel {
     uniforms: PcfDiscUniforms,

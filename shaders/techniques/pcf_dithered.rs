@@ -65,7 +65,7 @@ impl ListedTechnique for PcfDithered {
     const RANDOM_WEIGHT: u32 = 2;
 }
 
-/// The lookup.
+/// The receive kernel.
 #[derive(Clone, Copy, Debug)]
 pub struct PcfDitheredKernel(
     /// Uniforms.

@@ -152,7 +152,7 @@ impl ListedTechnique for PcfHardware {
 /// Checks the number of samples along a side.
 ///
 /// # Errors
-/// If there are fewer than `least`, or more than [`LANES`].
+/// Errors if there are fewer than `least`, or more than [`LANES`].
 pub(crate) fn check_samples(what: &str, samples: u32, least: u32) -> Result<(), Invalid> {
     if (least..=LANES as u32).contains(&samples) {
         return Ok(());
@@ -168,7 +168,7 @@ pub(crate) fn check_samples(what: &str, samples: u32, least: u32) -> Result<(), 
 /// Checks that samplers can compare with a map: only with depth images.
 ///
 /// # Errors
-/// If the map's depth is packed or averaged.
+/// Errors if the map's depth is packed or averaged.
 pub(crate) fn check_map(map: &ShadowMap) -> Result<(), RecipeError> {
     if map.format == MapFormat::Rgba8 || map.surface == Surface::Midpoint {
         return Err(RecipeError::unsupported(
@@ -181,14 +181,14 @@ pub(crate) fn check_map(map: &ShadowMap) -> Result<(), RecipeError> {
 uniforms! {
     /// Uniforms of [`HardwareKernel`].
     pub struct HardwareUniforms {
-        /// The way to the map.
+        /// The map: its layers, and how it is compared with.
         pub lookup: ShadowMapUniforms,
         /// Samples a side.
         pub samples: i32,
     }
 }
 
-/// The lookup.
+/// The receive kernel.
 #[derive(Clone, Copy, Debug)]
 pub struct HardwareKernel(
     /// Uniforms.

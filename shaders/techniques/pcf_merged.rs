@@ -159,7 +159,7 @@ impl ListedTechnique for PcfMerged {
 uniforms! {
     /// Uniforms of [`MergedKernel`].
     pub struct MergedUniforms {
-        /// The way to the map.
+        /// The map: its layers, and how it is compared with.
         pub lookup: ShadowMapUniforms,
         /// As [`merged_rows`] makes them.
         pub rows: [Vec4; 4],
@@ -168,7 +168,7 @@ uniforms! {
     }
 }
 
-/// The lookup.
+/// The receive kernel.
 #[derive(Clone, Copy, Debug)]
 pub struct MergedKernel(
     /// Uniforms.

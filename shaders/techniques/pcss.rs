@@ -271,7 +271,7 @@ impl Pcss {
 uniforms! {
     /// Uniforms of [`PcssKernel`].
     pub struct PcssUniforms {
-        /// The way to the map.
+        /// The map: its layers, and how it is compared with.
         pub lookup: ShadowMapUniforms,
         /// The light on the map.
         pub extent: LightExtent,
@@ -290,7 +290,7 @@ uniforms! {
     }
 }
 
-/// The lookup: it bounds the search, searches blockers, estimates the penumbra, and filters.
+/// The receive kernel: it bounds the search, searches blockers, estimates the penumbra, and filters.
 #[derive(Clone, Debug)]
 pub struct PcssKernel {
     uniforms: PcssUniforms,

@@ -137,31 +137,36 @@ fn recipe(
     missing_caps: Faces,
     light: Vec4,
 ) -> Recipe {
-    let image = |label, format| ImageDesc {
-        label,
+    let depth = ImageDesc {
+        label: "seen depth",
         size: view.camera.size,
         layers: 1,
-        format,
+        format: Format::Depth32,
     };
-    let nearest = |source| Cast {
-        source,
-        ..Cast::nearest(0, 0, infinite_far.space)
+    let counts = ImageDesc {
+        label: "volume count",
+        format: Format::Stencil8,
+        ..depth
     };
-    let mut casts = vec![nearest(Source::Everything)];
+    let space = infinite_far.space;
+    let mut casts = vec![Cast {
+        source: Source::Everything,
+        ..Cast::nearest(0, 0, space)
+    }];
     if !missing_caps.triangles.is_empty() {
-        casts.push(nearest(Source::Faces(Arc::new(missing_caps))));
+        casts.push(Cast {
+            source: Source::Faces(Arc::new(missing_caps)),
+            ..Cast::nearest(0, 0, space)
+        });
     }
     casts.push(Cast {
-        image: 1,
+        source: Source::Faces(Arc::new(faces)),
         mode: CastMode::StencilDepthFail { depth: 0 },
         bias: BEHIND,
-        ..nearest(Source::Faces(Arc::new(faces)))
+        ..Cast::nearest(1, 0, space)
     });
     Recipe {
-        images: vec![
-            image("seen depth", Format::Depth32),
-            image("volume count", Format::Stencil8),
-        ],
+        images: vec![depth, counts],
         tables: Vec::new(),
         casts,
         filters: Vec::new(),

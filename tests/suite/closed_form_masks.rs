@@ -93,21 +93,22 @@ impl Case {
 
     /// Whether truth is the same all around a sample, as far as a kernel reaches there.
     fn is_decided(&self, i: usize, recipe: &Recipe, reach: f32) -> bool {
-        let (p, n) = (self.samples[i].point, self.samples[i].normal);
+        let p = self.samples[i].point;
+        let n = self.samples[i].normal;
         let (u, v) = n.any_orthonormal_pair();
-        let at = |k: u32| {
+        let mut around = Vec::new();
+        for k in 0..16_u32 {
             let (sin, cos) = (k as f32 / 16.0 * TAU).sin_cos();
             let along = u * cos + v * sin;
-            let radius = recipe
-                .casts
-                .iter()
-                .map(|c| step(&c.space, recipe.images[c.image].size, p, along, reach));
-            ReceiverPoint {
-                triangle: self.receivers.triangle[i],
-                ..ReceiverPoint::new(p + along * radius.fold(0.0, f32::max), n, &self.geometry)
+            let mut radius = 0.0_f32;
+            for cast in &recipe.casts {
+                let size = recipe.images[cast.image].size;
+                radius = radius.max(step(&cast.space, size, p, along, reach));
             }
-        };
-        let around: Vec<ReceiverPoint> = (0..16).map(at).collect();
+            let mut point = ReceiverPoint::new(p + along * radius, n, &self.geometry);
+            point.triangle = self.receivers.triangle[i];
+            around.push(point);
+        }
         let seen = trace_points(
             &self.geometry,
             &self.scene.lights[0],
@@ -143,11 +144,17 @@ fn step(space: &LightSpace, size: UVec2, p: Vec3, along: Vec3, reach: f32) -> f3
 
 fn receivers(samples: &[Sample], geometry: &Geometry) -> Receivers {
     let mut out = Receivers::empty(UVec2::new(samples.len() as u32, 1));
-    for (i, s) in samples.iter().enumerate() {
-        (out.x[i], out.y[i], out.z[i]) = s.point.into();
-        (out.nx[i], out.ny[i], out.nz[i]) = s.normal.into();
-        (out.depth[i], out.distance[i], out.receives[i]) = (0.5, 1.0, true);
-        out.triangle[i] = s.triangle(geometry).unwrap_or(NO_TRIANGLE);
+    for (i, sample) in samples.iter().enumerate() {
+        out.x[i] = sample.point.x;
+        out.y[i] = sample.point.y;
+        out.z[i] = sample.point.z;
+        out.nx[i] = sample.normal.x;
+        out.ny[i] = sample.normal.y;
+        out.nz[i] = sample.normal.z;
+        out.depth[i] = 0.5;
+        out.distance[i] = 1.0;
+        out.receives[i] = true;
+        out.triangle[i] = sample.triangle(geometry).unwrap_or(NO_TRIANGLE);
     }
     out
 }
@@ -164,7 +171,8 @@ fn ask(
     demand: &ClosedFormDemand<TechniquePreset>,
     spoil: impl Fn(f32) -> f32,
 ) -> Answers {
-    let (mut out, mut gpu) = (Answers::default(), gpu());
+    let mut out = Answers::default();
+    let mut gpu = gpu();
     let technique = demand.technique.technique();
     let served = |case: &&Case| !demand.closed_bodies || CLOSED_BODIES.contains(&case.name);
     for case in cases.iter().filter(served) {
@@ -192,7 +200,8 @@ fn ask(
 
 #[test]
 fn every_technique_meets_the_closed_forms() {
-    let (cases, mut faults) = (cases(), Vec::new());
+    let cases = cases();
+    let mut faults = Vec::new();
     for demand in demands() {
         let name = demand.technique.technique().name();
         let answers = ask(&cases, &demand, |v| v);
@@ -207,7 +216,8 @@ fn every_technique_meets_the_closed_forms() {
 /// Asked for the opposite, every decided sample must object.
 #[test]
 fn wrong_formulas_are_noticed() {
-    let (cases, demands) = (cases(), demands());
+    let cases = cases();
+    let demands = demands();
     let answers = ask(&cases, &demands[0], |v| 1.0 - v);
     assert_eq!(answers.wrong.len(), answers.decided.iter().sum::<usize>());
 }

@@ -58,7 +58,8 @@ fn techniques() -> Vec<Arc<dyn ShadowTechnique>> {
 
 /// A sun, a spot and a bulb where a scene's own light shines from.
 fn lights(scene: &Scene, bounds: &Aabb) -> [Light; 3] {
-    let (light, middle) = (&scene.lights[0], 0.5 * (bounds.min + bounds.max));
+    let light = &scene.lights[0];
+    let middle = 0.5 * (bounds.min + bounds.max);
     let radius = 0.5 * bounds.min.distance(bounds.max);
     // Of a lamp right in the middle, the sun is above.
     let from = match light.position() {
@@ -146,7 +147,8 @@ fn most_excess(scene: &str, light: &Light, technique: &str) -> f64 {
 /// What is farther from truth than allowed, in words; and how many masks were compared. `turn` says which rules have their turn.
 fn faults(scene: &Scene, turn: usize, techniques: &[Arc<dyn ShadowTechnique>]) -> (String, usize) {
     let geometry = Geometry::bake(scene).expect("a built-in scene");
-    let (mut out, mut compared) = (String::new(), 0);
+    let mut out = String::new();
+    let mut compared = 0;
     if geometry.triangles().len() > MOST_TRIANGLES {
         return (out, compared);
     }
@@ -154,7 +156,8 @@ fn faults(scene: &Scene, turn: usize, techniques: &[Arc<dyn ShadowTechnique>]) -
         let stage = Stage::new(scene, light, &geometry);
         let rules = [COARSEST, BY_TURNS[(turn + i) % BY_TURNS.len()]];
         for technique in techniques {
-            let (name, kind) = (technique.name(), light.kind());
+            let name = technique.name();
+            let kind = light.kind();
             let Some(excess) = stage.excess(&**technique, rules) else {
                 continue;
             };

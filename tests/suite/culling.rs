@@ -20,9 +20,15 @@ use umbrage_tests::{
     stage::{camera, geometry},
 };
 
-/// A technique, and how far its kernel reaches beside what the light's extent asks for, texels.
-type Asked = (Arc<dyn ShadowTechnique>, f32);
+/// A random technique.
+#[derive(Clone, Debug)]
+struct Case {
+    technique: Arc<dyn ShadowTechnique>,
+    /// How far its kernel reaches beyond what the light's extent adds, texels.
+    reach: f32,
+}
 
+/// Tests a property on random values, the same ones in every run. Panics with the first counterexample.
 fn run<T: std::fmt::Debug>(
     cases: u32,
     strategy: impl Strategy<Value = T>,
@@ -41,7 +47,7 @@ fn run<T: std::fmt::Debug>(
     }
 }
 
-fn techniques() -> impl Strategy<Value = Asked> {
+fn techniques() -> impl Strategy<Value = Case> {
     let biases = prop_oneof![
         Just(Bias::NONE),
         Just(Bias::CONSTANT),
@@ -73,10 +79,11 @@ fn techniques() -> impl Strategy<Value = Asked> {
                     ..Pcss::default()
                 }),
             };
-            (
+            let kernel = if kind == 1 { radius as f32 } else { 0.0 };
+            Case {
                 technique,
-                if kind == 1 { radius as f32 } else { 0.0 } + bias.normal_offset,
-            )
+                reach: kernel + bias.normal_offset,
+            }
         },
     )
 }
@@ -110,7 +117,7 @@ impl Seen {
         .with_receivers(&self.receivers)
     }
 
-    /// None if the technique does not serve the scene.
+    /// Returns `None` if the technique does not serve the scene.
     fn recipe(&self, technique: &dyn ShadowTechnique) -> Result<Option<Recipe>, String> {
         match technique.recipe(&self.view()) {
             Ok(recipe) => Ok(Some(recipe)),
@@ -120,13 +127,11 @@ impl Seen {
     }
 
     fn mask(&self, recipe: &Recipe) -> Result<Vec<f32>, String> {
-        Ok(Cpu::new()
-            .render(&self.view(), recipe)
-            .map_err(|e| e.to_string())?
-            .mask)
+        let shadows = Cpu::new().render(&self.view(), recipe);
+        Ok(shadows.map_err(|e| e.to_string())?.mask)
     }
 
-    /// The mask when only these casters are drawn.
+    /// Returns the mask when only these casters are drawn.
     fn mask_of(
         &self,
         recipe: &Recipe,
@@ -140,10 +145,9 @@ impl Seen {
             triangles: casters.map(|t| g.triangles()[t as usize]).collect(),
         };
         let faces = Arc::new(faces);
-        recipe
-            .casts
-            .iter_mut()
-            .for_each(|cast| cast.source = Source::Faces(faces.clone()));
+        for cast in &mut recipe.casts {
+            cast.source = Source::Faces(faces.clone());
+        }
         self.mask(&recipe)
     }
 
@@ -167,35 +171,32 @@ struct Tally {
 #[test]
 fn irrelevant_casters_change_no_mask() {
     let tally = RefCell::new(Tally::default());
-    run(
-        600,
-        (scenes(), techniques()),
-        |(scene, (technique, reach))| {
-            let seen = Seen::new(scene)?;
-            let Some(recipe) = seen.recipe(&*technique)? else {
-                return Ok(());
-            };
-            let kept = seen.relevant(&recipe, reach);
-            let all = seen.mask_of(&recipe, seen.geometry.casters())?;
-            let culled = seen.mask_of(&recipe, kept.iter().copied())?;
-            let mut t = tally.borrow_mut();
-            t.masks += 1;
-            t.shadowed += u32::from(all.iter().any(|&v| v < 1.0));
-            t.casters += seen.geometry.casters().len();
-            t.dropped += seen.geometry.casters().len() - kept.len();
-            let differing = all
-                .iter()
-                .zip(&culled)
-                .filter(|(a, b)| a.to_bits() != b.to_bits())
-                .count();
-            let name = format!("{} {}", technique.name(), technique.settings());
-            if differing == 0 {
-                Ok(())
-            } else {
-                Err(format!("{name}: {differing} pixels differ"))
-            }
-        },
-    );
+    run(600, (scenes(), techniques()), |(scene, case)| {
+        let seen = Seen::new(scene)?;
+        let technique = &*case.technique;
+        let Some(recipe) = seen.recipe(technique)? else {
+            return Ok(());
+        };
+        let kept = seen.relevant(&recipe, case.reach);
+        let all = seen.mask_of(&recipe, seen.geometry.casters())?;
+        let culled = seen.mask_of(&recipe, kept.iter().copied())?;
+        let mut t = tally.borrow_mut();
+        t.masks += 1;
+        t.shadowed += u32::from(all.iter().any(|&v| v < 1.0));
+        t.casters += seen.geometry.casters().len();
+        t.dropped += seen.geometry.casters().len() - kept.len();
+        let differing = all
+            .iter()
+            .zip(&culled)
+            .filter(|(a, b)| a.to_bits() != b.to_bits())
+            .count();
+        let name = format!("{} {}", technique.name(), technique.settings());
+        if differing == 0 {
+            Ok(())
+        } else {
+            Err(format!("{name}: {differing} pixels differ"))
+        }
+    });
     let t = tally.into_inner();
     println!("{t:?}");
     assert!(
@@ -236,7 +237,7 @@ const LAMP: Light = Light::Point {
     radius: 0.0,
 };
 
-/// The comparator must object when a caster is called irrelevant that is not.
+/// The comparison must fail when a caster is called irrelevant that is not.
 #[test]
 fn a_caster_too_few_is_caught() {
     for light in [SUN, LAMP] {
@@ -250,16 +251,16 @@ fn a_caster_too_few_is_caught() {
         let all = seen
             .mask_of(&recipe, seen.geometry.casters())
             .expect("it renders");
-        assert_eq!(
-            all,
-            seen.mask_of(&recipe, kept.iter().copied())
-                .expect("it renders")
-        );
-        let spoilt = |out: u32| {
-            seen.mask_of(&recipe, kept.iter().copied().filter(|&t| t != out))
-                .expect("it renders")
-        };
-        let caught = kept.iter().filter(|&&t| spoilt(t) != all).count();
+        let relevant = seen
+            .mask_of(&recipe, kept.iter().copied())
+            .expect("it renders");
+        assert_eq!(all, relevant);
+        let mut caught = 0;
+        for left_out in &kept {
+            let others = kept.iter().copied().filter(|id| id != left_out);
+            let spoilt = seen.mask_of(&recipe, others).expect("it renders");
+            caught += u32::from(spoilt != all);
+        }
         assert!(
             caught >= 2,
             "only {caught} of {} casters are missed when they are left out",
@@ -289,22 +290,27 @@ const CONSTANT: Bias = Bias {
 const DEPTHS: [f32; 3] = [0.0, 0.0275, -0.0275];
 const GREATEST_RATIO: f32 = 12.0;
 
-/// How many times longer a step of clip depth may be on one map than on another.
+/// Returns how many times longer a step of clip depth is on one map than on another, at most.
 fn depth_ratio(a: &Recipe, b: &Recipe) -> f32 {
-    let length = |cast: &umbrage_core::Cast| {
-        let m = cast.space.clip_from_view;
-        1.0 / if m.row(3) == glam::Vec4::W {
-            m.z_axis.z
+    let mut longest = 0.0_f32;
+    let mut shortest = f32::INFINITY;
+    for cast in a.casts.iter().chain(&b.casts) {
+        let clip_from_view = cast.space.clip_from_view;
+        // Depth is linear in the distance along the view; with perspective, in its inverse.
+        let is_orthographic = clip_from_view.row(3) == glam::Vec4::W;
+        let depth_per_unit = if is_orthographic {
+            clip_from_view.z_axis.z
         } else {
-            m.w_axis.z
-        }
-        .abs()
-    };
-    let lengths = || a.casts.iter().chain(&b.casts).map(length);
-    lengths().fold(0.0, f32::max) / lengths().fold(f32::INFINITY, f32::min)
+            clip_from_view.w_axis.z
+        };
+        let length = 1.0 / depth_per_unit.abs();
+        longest = longest.max(length);
+        shortest = shortest.min(length);
+    }
+    longest / shortest
 }
 
-/// A mask, NaN where it is not decided: where the answer changes when the map moves by up to `texels` of its texels
+/// Returns a mask, NaN where it is not decided: where the answer changes when the map moves by up to `texels` of its texels
 /// sideways, or in depth by [`DEPTHS`].
 fn decided(seen: &Seen, recipe: &Recipe, texels: f32) -> Result<Vec<f32>, String> {
     let mut out = seen.mask(recipe)?;
@@ -322,16 +328,17 @@ fn decided(seen: &Seen, recipe: &Recipe, texels: f32) -> Result<Vec<f32>, String
                 cast.space = cast.space.nudged(Vec2::new(x, y) * texels, depth, size);
             }
             let other = seen.mask(&nudged)?;
-            out.iter_mut()
-                .zip(&other)
-                .filter(|(a, b)| *a != *b)
-                .for_each(|(a, _)| *a = f32::NAN);
+            for (value, moved) in out.iter_mut().zip(&other) {
+                if value != moved {
+                    *value = f32::NAN;
+                }
+            }
         }
     }
     Ok(out)
 }
 
-/// The longer side of a texel: metres, or tangents.
+/// Returns the longer side of a texel: metres, or tangents.
 fn texel(recipe: &Recipe) -> f32 {
     let p = recipe
         .casts
@@ -340,7 +347,7 @@ fn texel(recipe: &Recipe) -> f32 {
     2.0 / (p.x_axis.x.min(p.y_axis.y) * recipe.images[0].size.x as f32)
 }
 
-/// How often both masks are decided, and dark; and at how many of these pixels they differ.
+/// At how many pixels both masks are decided, and dark; and at how many of the decided ones they differ.
 #[derive(Debug, Default, Clone, Copy)]
 struct Decided {
     pixels: usize,
@@ -349,7 +356,7 @@ struct Decided {
     differing: usize,
 }
 
-/// Whether a point lies in the light's cone: elsewhere, shading darkens it anyway, and fits need not ask.
+/// Returns whether a point lies in the light's cone: elsewhere, shading darkens it anyway, and fits take no notice.
 fn shone_on(light: &Light, p: Vec3) -> bool {
     match *light {
         Light::Spot {
@@ -366,46 +373,45 @@ fn compare(seen: &Seen, whole: &Recipe, culled: &Recipe) -> Result<Decided, Stri
     let coarse = texel(whole).max(texel(culled));
     let a = decided(seen, whole, coarse / texel(whole))?;
     let b = decided(seen, culled, coarse / texel(culled))?;
-    let receives = |i: &usize| {
-        seen.receivers.receives[*i] && shone_on(&seen.scene.lights[0], seen.receivers.position(*i))
-    };
-    let both = || {
-        (0..a.len())
-            .filter(receives)
-            .filter(|&i| !a[i].is_nan() && !b[i].is_nan())
-    };
-    Ok(Decided {
-        pixels: (0..a.len()).filter(receives).count(),
-        decided: both().count(),
-        dark: both().filter(|&i| a[i] == 0.0).count(),
-        differing: both().filter(|&i| a[i] != b[i]).count(),
-    })
+    let mut out = Decided::default();
+    for i in 0..a.len() {
+        let position = seen.receivers.position(i);
+        if !seen.receivers.receives[i] || !shone_on(&seen.scene.lights[0], position) {
+            continue;
+        }
+        out.pixels += 1;
+        if a[i].is_nan() || b[i].is_nan() {
+            continue;
+        }
+        out.decided += 1;
+        out.dark += usize::from(a[i] == 0.0);
+        out.differing += usize::from(a[i] != b[i]);
+    }
+    Ok(out)
 }
 
 #[test]
 fn culled_fits_answer_as_whole_ones_wherever_decided() {
-    let (tally, compared) = (
-        RefCell::new(Decided::default()),
-        std::cell::Cell::new(0_u32),
-    );
+    let tally = RefCell::new(Decided::default());
+    let compared = std::cell::Cell::new(0_u32);
     run(
         120,
         (scenes(), 150..300_u32, 0..3_u32),
         |(scene, size, radius)| {
             let seen = Seen::new(scene)?;
-            let map = |fit| ShadowMap {
-                size,
-                fit,
-                bias: CONSTANT,
-                ..ShadowMap::default()
-            };
             let plan = |fit| {
-                seen.recipe(&Pcf {
-                    map: map(fit),
-                    radius,
-                })
+                let map = ShadowMap {
+                    size,
+                    fit,
+                    bias: CONSTANT,
+                    ..ShadowMap::default()
+                };
+                seen.recipe(&Pcf { map, radius })
             };
-            let (Some(whole), Some(culled)) = (plan(Fit::Whole)?, plan(Fit::Tight)?) else {
+            let Some(whole) = plan(Fit::Whole)? else {
+                return Ok(());
+            };
+            let Some(culled) = plan(Fit::Tight)? else {
                 return Ok(());
             };
             if depth_ratio(&whole, &culled) > GREATEST_RATIO {
@@ -413,8 +419,9 @@ fn culled_fits_answer_as_whole_ones_wherever_decided() {
             }
             let d = compare(&seen, &whole, &culled)?;
             let mut t = tally.borrow_mut();
-            (t.pixels, t.decided, t.dark) =
-                (t.pixels + d.pixels, t.decided + d.decided, t.dark + d.dark);
+            t.pixels += d.pixels;
+            t.decided += d.decided;
+            t.dark += d.dark;
             compared.set(compared.get() + 1);
             if d.differing == 0 {
                 Ok(())
@@ -436,7 +443,7 @@ fn culled_fits_answer_as_whole_ones_wherever_decided() {
     );
 }
 
-/// The comparator must object when the culled fit's map misses a caster.
+/// The comparison must fail when the culled fit's map misses a caster.
 #[test]
 fn a_fit_that_loses_a_caster_is_caught() {
     let seen = box_over_floor(SUN);
@@ -451,7 +458,8 @@ fn a_fit_that_loses_a_caster_is_caught() {
             .expect("a good view")
             .expect("a simple scene")
     };
-    let (whole, mut culled) = (plan(Fit::Whole), plan(Fit::Tight));
+    let whole = plan(Fit::Whole);
+    let mut culled = plan(Fit::Tight);
     let fine = compare(&seen, &whole, &culled).expect("it renders");
     assert!(fine.differing == 0 && fine.dark > 20, "{fine:?}");
     culled.casts.clear();

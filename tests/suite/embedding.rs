@@ -35,8 +35,7 @@ impl Program {
             .iter()
             .map(|p| [9.0, 9.0, p.x, p.y, p.z, 9.0, 9.0, 9.0])
             .collect();
-        let casters = geometry.casters().start as usize..geometry.casters().end as usize;
-        let casters = &geometry.triangles()[casters];
+        let casters = geometry.run(&geometry.casters());
         let buffer = |usage, contents| {
             d.device.create_buffer_init(&BufferInitDescriptor {
                 label: None,
@@ -44,17 +43,20 @@ impl Program {
                 usage,
             })
         };
-        let texture = |texel: &dyn Fn(usize) -> [f32; 4]| {
-            let data: Vec<[f32; 4]> = (0..receivers.len()).map(texel).collect();
-            upload(d, receivers.size.to_array(), cast_slice(&data))
-        };
-        let covered = |i: usize| if receivers.receives[i] { 1.0 } else { 0.0 };
+        let mut positions: Vec<[f32; 4]> = Vec::new();
+        let mut normals: Vec<[f32; 4]> = Vec::new();
+        for i in 0..receivers.len() {
+            let receives = if receivers.receives[i] { 1.0 } else { 0.0 };
+            positions.push(receivers.position(i).extend(receives).to_array());
+            normals.push(receivers.normal(i).extend(0.0).to_array());
+        }
+        let size = receivers.size.to_array();
         Self {
             vertices: buffer(BufferUsages::VERTEX, cast_slice(&vertices)),
             indices: buffer(BufferUsages::INDEX, cast_slice(casters)),
             count: 3 * casters.len() as u32,
-            position: texture(&|i| receivers.position(i).extend(covered(i)).to_array()),
-            normal: texture(&|i| receivers.normal(i).extend(0.0).to_array()),
+            position: upload(d, size, cast_slice(&positions)),
+            normal: upload(d, size, cast_slice(&normals)),
         }
     }
 

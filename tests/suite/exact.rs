@@ -85,7 +85,8 @@ fn built_in(name: &str) -> Scene {
 }
 
 fn truth_of(scene: &Scene, geometry: &Geometry) -> Truth {
-    let (camera, light) = (&scene.cameras[0], &scene.lights[0]);
+    let camera = &scene.cameras[0];
+    let light = &scene.lights[0];
     let mut cpu = Cpu::new();
     let mut find = |camera: &_, geometry: &_| cpu.receivers(camera, geometry);
     trace(
@@ -150,7 +151,8 @@ fn play(
 }
 
 fn all_are_exact(technique: &dyn ShadowTechnique, names: &[&str]) {
-    let (mut sum, mut faults) = (Compared::default(), Vec::new());
+    let mut sum = Compared::default();
+    let mut faults = Vec::new();
     for name in names {
         let scene = built_in(name);
         let geometry = Geometry::bake(&scene).expect("valid");
@@ -240,7 +242,8 @@ fn is_behind_the_box(p: Vec3) -> Option<bool> {
     let to_sun = Vec2::new(-1.0, -0.3);
     let enters = |half: f32| {
         let [a, b] = [-half, half].map(|side| (Vec2::splat(side) - Vec2::new(p.x, p.z)) / to_sun);
-        let (first, last) = (a.min(b).max_element(), a.max(b).min_element());
+        let first = a.min(b).max_element();
+        let last = a.max(b).min_element();
         first <= last && last > 0.0
     };
     let answer = enters(0.498);

@@ -37,7 +37,8 @@ fn both_halves_give_the_same_bits() {
 
 #[test]
 fn every_changed_operator_is_caught() {
-    let (mut ran, mut missed) = (0, Vec::new());
+    let mut ran = 0;
+    let mut missed = Vec::new();
     for twin in all() {
         let inputs = draw(&twin);
         for (mutant, line) in mutants(&twin) {

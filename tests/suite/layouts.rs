@@ -12,7 +12,8 @@ fn kernels(recipe: &Recipe) -> impl Iterator<Item = &dyn Kernel> {
 
 #[test]
 fn every_kernel_writes_its_uniforms_where_its_shader_reads_them() {
-    let (geometry, camera) = (stage::geometry(1.0, Vec3::ZERO), stage::camera());
+    let geometry = stage::geometry(1.0, Vec3::ZERO);
+    let camera = stage::camera();
     let light = Light::Directional {
         direction: Vec3::new(1.0, -3.0, 1.0),
         angular_diameter: 0.0093,
@@ -51,7 +52,8 @@ fn every_kernel_writes_its_uniforms_where_its_shader_reads_them() {
 /// moving lights would be slow there.
 #[test]
 fn the_first_word_of_uniforms_does_not_hang_on_the_light() {
-    let (geometry, camera) = (stage::geometry(1.0, Vec3::ZERO), stage::camera());
+    let geometry = stage::geometry(1.0, Vec3::ZERO);
+    let camera = stage::camera();
     let sun = |x: f32| Light::Directional {
         direction: Vec3::new(x, -3.0, 1.0),
         angular_diameter: 0.0093,

@@ -271,7 +271,7 @@ fn nothing_casts() {
 }
 
 #[test]
-fn bad_projections_say_what_to_mend() {
+fn bad_projections_say_how_to_fix_them() {
     let good = Extents {
         left: -1.0,
         right: 1.0,

@@ -67,7 +67,8 @@ fn scene_files() {
 
 #[test]
 fn parameters() {
-    let (geometry, camera) = (stage::geometry(1.0, Vec3::ZERO), stage::camera());
+    let geometry = stage::geometry(1.0, Vec3::ZERO);
+    let camera = stage::camera();
     let light = Light::Point {
         position: Vec3::new(0.0, 9.0, 0.0),
         radius: 0.0,

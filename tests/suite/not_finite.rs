@@ -39,7 +39,8 @@ fn refused(view: &View<'_>, words: &str) {
 
 #[test]
 fn techniques_refuse_cameras() {
-    let (geometry, good) = (stage::geometry(1.0, Vec3::ZERO), stage::camera());
+    let geometry = stage::geometry(1.0, Vec3::ZERO);
+    let good = stage::camera();
     for bad in BAD {
         let mut camera = good;
         camera.world_from_view.translation.y = bad;
@@ -74,7 +75,8 @@ fn techniques_refuse_cameras() {
 
 #[test]
 fn techniques_refuse_lights() {
-    let (geometry, camera) = (stage::geometry(1.0, Vec3::ZERO), stage::camera());
+    let geometry = stage::geometry(1.0, Vec3::ZERO);
+    let camera = stage::camera();
     for bad in BAD {
         let light = Light::Point {
             position: Vec3::new(0.0, bad, 0.0),
@@ -89,7 +91,8 @@ fn techniques_refuse_lights() {
 
 #[test]
 fn techniques_refuse_boxes() {
-    let (geometry, camera) = (stage::geometry(1.0, Vec3::ZERO), stage::camera());
+    let geometry = stage::geometry(1.0, Vec3::ZERO);
+    let camera = stage::camera();
     for bad in BAD {
         let casters = Aabb::around([Vec3::ONE, Vec3::new(0.0, bad, 0.0), Vec3::NEG_ONE]);
         refused(
@@ -118,7 +121,8 @@ fn spoilt(geometry: &Geometry, spoil: impl Fn(&mut Receivers, usize)) -> Receive
 
 #[test]
 fn techniques_and_backends_refuse_receivers() {
-    let (geometry, camera) = (stage::geometry(1.0, Vec3::ZERO), stage::camera());
+    let geometry = stage::geometry(1.0, Vec3::ZERO);
+    let camera = stage::camera();
     let view = View::new(&camera, &SUN, &geometry);
     let recipe = Hard::default().recipe(&view).expect("it plans");
     for bad in BAD {
@@ -157,7 +161,8 @@ fn rendered(view: &View<'_>, recipe: &Recipe) -> [String; 2] {
 
 #[test]
 fn manual_fits_name_the_field() {
-    let (geometry, camera) = (stage::geometry(1.0, Vec3::ZERO), stage::camera());
+    let geometry = stage::geometry(1.0, Vec3::ZERO);
+    let camera = stage::camera();
     let good = Extents {
         left: -4.0,
         right: 4.0,
@@ -214,7 +219,8 @@ fn manual_fits_name_the_field() {
 
 #[test]
 fn backends_refuse_casts() {
-    let (geometry, camera) = (stage::geometry(1.0, Vec3::ZERO), stage::camera());
+    let geometry = stage::geometry(1.0, Vec3::ZERO);
+    let camera = stage::camera();
     let view = View::new(&camera, &SUN, &geometry);
     let bias = Bias {
         raster: umbrage_core::RasterBias {

@@ -18,12 +18,16 @@ const RAMPS: [(&str, f64, f64); 2] = [
 /// Penumbra's width over the true one. Of the floor's pixels whose true visibility is .25 to .75, a line is fitted to
 /// visibility against x; a ramp of its slope is as wide as the slope's inverse.
 fn width_ratio(mask: &[f32], receivers: &Receivers, start: f64, width: f64) -> f64 {
-    let on_floor = |i: &usize| receivers.receives[*i] && receivers.position(*i).y.abs() < 1e-3;
-    let ramp = (0..receivers.len()).filter(on_floor).map(|i| {
-        let x = (f64::from(receivers.position(i).x) - start) / width;
-        (x, f64::from(mask[i]))
-    });
-    let middle: Vec<(f64, f64)> = ramp.filter(|(x, _)| (0.25..=0.75).contains(x)).collect();
+    // Each pixel's true and measured visibility.
+    let mut middle: Vec<(f64, f64)> = Vec::new();
+    for (i, &visibility) in mask.iter().enumerate() {
+        let position = receivers.position(i);
+        let is_on_floor = receivers.receives[i] && position.y.abs() < 1e-3;
+        let x = (f64::from(position.x) - start) / width;
+        if is_on_floor && (0.25..=0.75).contains(&x) {
+            middle.push((x, f64::from(visibility)));
+        }
+    }
     assert!(
         middle.len() > 400,
         "{} pixels are too few to fit a line to",
@@ -31,7 +35,8 @@ fn width_ratio(mask: &[f32], receivers: &Receivers, start: f64, width: f64) -> f
     );
     let n = middle.len() as f64;
     let mean = |f: fn(&(f64, f64)) -> f64| middle.iter().map(f).sum::<f64>() / n;
-    let (x, v) = (mean(|p| p.0), mean(|p| p.1));
+    let x = mean(|p| p.0);
+    let v = mean(|p| p.1);
     let variance = mean(|p| p.0 * p.0) - x * x;
     variance / (mean(|p| p.0 * p.1) - x * v)
 }
@@ -46,7 +51,8 @@ fn measured(
     let (name, start, width) = ramp;
     let mut scene = (find(name).expect("a built-in scene").build)();
     if let Light::Rect { half_u, half_v, .. } = &mut scene.lights[0] {
-        (*half_u, *half_v) = (*half_u * scale, *half_v * scale);
+        *half_u *= scale;
+        *half_v *= scale;
     }
     let geometry = Geometry::bake(&scene).expect("built-in scenes are valid");
     let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
@@ -131,13 +137,11 @@ fn ideal_lights_throw_hard_shadows() {
             let recipe = technique.recipe(&view).expect("maps serve these lights");
             Cpu::new().render(&view, &recipe).expect("renders").mask
         };
-        let (hard, soft) = (
-            mask(&Hard { map }),
-            mask(&Pcss {
-                map,
-                ..Pcss::default()
-            }),
-        );
+        let hard = mask(&Hard { map });
+        let soft = mask(&Pcss {
+            map,
+            ..Pcss::default()
+        });
         assert!(hard.contains(&0.0), "{name} shows no shadow");
         assert!(hard == soft, "{name} {layout:?}");
     }

@@ -83,13 +83,15 @@ struct Setup {
 
 impl Setup {
     fn camera(&self) -> Camera {
-        let (target, size) = (self.eye + self.ahead, UVec2::new(64, 48));
+        let target = self.eye + self.ahead;
+        let size = UVec2::new(64, 48);
         let [near, far] = self.near_far;
         if self.perspective {
             return Camera::perspective(self.eye, target, Vec3::Y, self.view, self.near_far, size)
                 .expect("valid");
         }
-        let (right, top) = (4.0 * self.view, 3.0 * self.view);
+        let right = 4.0 * self.view;
+        let top = 3.0 * self.view;
         let extents = Extents {
             left: -right,
             right,
@@ -189,7 +191,8 @@ fn each(
 #[test]
 fn stable_maps_hold_as_much_and_no_more() {
     each(setups(), |setup| {
-        let (usual, [near, far]) = (setup.camera(), setup.near_far);
+        let usual = setup.camera();
+        let [near, far] = setup.near_far;
         for range in [setup.range(), 2.0 * far] {
             let expected = stable(&usual, setup.sun, range);
             let beyond = range > far;
@@ -253,7 +256,8 @@ fn rays_are_those_of_the_usual_camera() {
         let usual = setup.camera();
         for kind in kinds(setup.perspective) {
             let camera = as_kind(&usual, kind, setup.near_far);
-            let (expected, found) = (usual.rays(), camera.rays());
+            let expected = usual.rays();
+            let found = camera.rays();
             // Entries of the projection are rounded, and near without perspective is a quotient of two.
             let near = |a: Vec4, b: Vec4| a.distance(b) <= 1e-5 * (1.0 + a.length());
             prop_assert!(
@@ -296,7 +300,8 @@ fn techniques() -> [Box<dyn ShadowTechnique>; 5] {
 fn pictures_are_those_of_the_usual_camera() {
     let (geometry, light) = scene();
     let near_far = [0.1, 100.0];
-    let (eye, size) = (Vec3::new(3.0, 4.0, 6.0), UVec2::new(96, 72));
+    let eye = Vec3::new(3.0, 4.0, 6.0);
+    let size = UVec2::new(96, 72);
     let perspective =
         Camera::perspective(eye, Vec3::ZERO, Vec3::Y, 0.8, near_far, size).expect("valid");
     let extents = Extents {

@@ -40,7 +40,8 @@ impl Random {
     }
 
     fn triangle(&mut self, class: &str) -> [Vec4; 3] {
-        let (middle, centre) = ([0.0; 2], [self.range(-0.9, 0.9), self.range(-0.9, 0.9)]);
+        let middle = [0.0; 2];
+        let centre = [self.range(-0.9, 0.9), self.range(-0.9, 0.9)];
         [0; 3].map(|_| match class {
             "wide" => self.corner(middle, 0.99),
             "small" => self.corner(centre, 0.06),
@@ -48,7 +49,8 @@ impl Random {
             "perspective" => self.corner(middle, 0.99) * self.range(0.5, 3.0),
             "across edges" => self.corner(middle, 2.0),
             _ => {
-                let (at, w) = (self.corner(middle, 2.0), self.range(-1.0, 3.0));
+                let at = self.corner(middle, 2.0);
+                let w = self.range(-1.0, 3.0);
                 // A projection whose near and far plane are at 0.1 and 10.
                 Vec4::new(at.x, at.y, (w - 0.1) * (10.0 / 9.9), w)
             }
@@ -72,7 +74,8 @@ fn recipe(triangles: &[[Vec4; 3]], view: &View<'_>) -> Recipe {
             ..Cast::nearest(0, layer, space)
         }
     };
-    let (layers, size) = (triangles.len() as u32, UVec2::splat(SIDE as u32));
+    let layers = triangles.len() as u32;
+    let size = UVec2::splat(SIDE as u32);
     let of_hard = Hard::default().recipe(view).expect("hard serves the sun");
     Recipe {
         images: vec![ImageDesc {
@@ -113,8 +116,10 @@ fn depth_bound(triangle: &[Vec4; 3]) -> f32 {
             f64::from(v.z / v.w),
         )
     });
-    let (d, e) = (b - a, c - a);
-    let (first, second) = (d.x * e.y, d.y * e.x);
+    let d = b - a;
+    let e = c - a;
+    let first = d.x * e.y;
+    let second = d.y * e.x;
     let normal = d.cross(e);
     let across = SIDE as f64 * (normal.x.abs() + normal.y.abs()) / normal.z.abs();
     let condition = (first.abs() + second.abs()) / (first - second).abs();

@@ -121,10 +121,11 @@ fn map(fit: Fit, size: u32) -> ShadowMap {
     }
 }
 
-/// As by default, but with `times` the taps.
+/// Returns the default settings with `times` as many taps.
 fn pcss(map: ShadowMap, times: u32) -> Pcss {
     let default = Pcss::default();
-    let (blocker_taps, filter_taps) = (default.blocker_taps * times, default.filter_taps * times);
+    let blocker_taps = default.blocker_taps * times;
+    let filter_taps = default.filter_taps * times;
     Pcss {
         map,
         blocker_taps,
@@ -134,34 +135,29 @@ fn pcss(map: ShadowMap, times: u32) -> Pcss {
 }
 
 /// Kernels of one width: squares with every tap in them, and discs with as many taps as PCSS filters with.
-fn rivals(map: ShadowMap) -> impl Iterator<Item = Box<dyn ShadowTechnique>> {
+fn rivals(map: ShadowMap) -> Vec<Box<dyn ShadowTechnique>> {
     let taps = Pcss::default().filter_taps;
-    let squares = [1, 2, 3, 5, 8, 12, 16]
-        .map(|radius| Box::new(Pcf { map, radius }) as Box<dyn ShadowTechnique>);
-    let discs = [2.0, 3.0, 5.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0, 64.0];
-    let discs = discs.map(|radius| {
-        Box::new(PcfDisc {
+    let mut out: Vec<Box<dyn ShadowTechnique>> = Vec::new();
+    for radius in [1, 2, 3, 5, 8, 12, 16] {
+        out.push(Box::new(Pcf { map, radius }));
+    }
+    for radius in [2.0, 3.0, 5.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0, 64.0] {
+        out.push(Box::new(PcfDisc {
             map,
             radius,
             taps,
             ..PcfDisc::default()
-        }) as _
-    });
-    squares.into_iter().chain(discs)
+        }));
+    }
+    out
 }
 
-/// The rivals that are better than PCSS with so many taps.
-fn better_rivals(map: ShadowMap, taps: [u32; 2]) -> Vec<String> {
-    let [blocker_taps, filter_taps] = taps;
+/// Returns the rivals that are better than PCSS with these settings, on the same map.
+fn better_rivals(pcss: &Pcss) -> Vec<String> {
     let mut out = Vec::new();
     for case in cases() {
-        let own = case.error(&Pcss {
-            map,
-            blocker_taps,
-            filter_taps,
-            ..Pcss::default()
-        });
-        for rival in rivals(map) {
+        let own = case.error(pcss);
+        for rival in rivals(pcss.map) {
             let error = case.error(&*rival);
             if error < own {
                 out.push(format!(
@@ -178,14 +174,8 @@ fn better_rivals(map: ShadowMap, taps: [u32; 2]) -> Vec<String> {
 
 #[test]
 fn no_kernel_of_one_width_is_better() {
-    let Pcss {
-        blocker_taps,
-        filter_taps,
-        map,
-        ..
-    } = Pcss::default();
     for fit in [Fit::Tight, Fit::Whole] {
-        let better = better_rivals(ShadowMap { fit, ..map }, [blocker_taps, filter_taps]);
+        let better = better_rivals(&pcss(map(fit, ShadowMap::default().size), 1));
         assert!(better.is_empty(), "{fit:?}: {better:#?}");
     }
 }
@@ -193,7 +183,12 @@ fn no_kernel_of_one_width_is_better() {
 /// With a tap to search and one to filter, PCSS is noise, and rivals must be found that are better.
 #[test]
 fn better_kernels_are_found() {
-    let better = better_rivals(ShadowMap::default(), [1, 1]);
+    let noisy = Pcss {
+        blocker_taps: 1,
+        filter_taps: 1,
+        ..Pcss::default()
+    };
+    let better = better_rivals(&noisy);
     assert!(better.len() > cases().len(), "{better:#?}");
 }
 
@@ -201,8 +196,8 @@ fn better_kernels_are_found() {
 fn fits_agree() {
     for case in cases() {
         let size = ShadowMap::default().size;
-        let [tight, whole] =
-            [Fit::Tight, Fit::Whole].map(|fit| case.error(&pcss(map(fit, size), 1)));
+        let tight = case.error(&pcss(map(Fit::Tight, size), 1));
+        let whole = case.error(&pcss(map(Fit::Whole, size), 1));
         assert!(
             (tight - whole).abs() <= FITS_DIFFER,
             "{}: {tight} under the tight fit, {whole} under the whole",
@@ -215,7 +210,9 @@ fn fits_agree() {
 fn more_taps_and_finer_maps_are_better() {
     for case in cases() {
         let error = |size, times| case.error(&pcss(map(Fit::Tight, size), times));
-        let [coarse, fine, fine_and_many] = [error(512, 1), error(2048, 1), error(2048, 4)];
+        let coarse = error(512, 1);
+        let fine = error(2048, 1);
+        let fine_and_many = error(2048, 4);
         let name = case.name;
         println!("{name}: {coarse}, {fine}, {fine_and_many}");
         // Edges parallel to the texels' are exact on any map: equal errors are right there.
@@ -244,7 +241,8 @@ struct Place {
 
 fn place(case: &Case, lamp: Vec3, pixel: usize) -> Place {
     let receivers = &case.truth.receivers;
-    let (d, n) = (receivers.position(pixel) - lamp, receivers.normal(pixel));
+    let d = receivers.position(pixel) - lamp;
+    let n = receivers.normal(pixel);
     let axis = (0..3)
         .max_by(|&a, &b| d[a].abs().total_cmp(&d[b].abs()))
         .expect("three axes");
@@ -260,19 +258,13 @@ fn place(case: &Case, lamp: Vec3, pixel: usize) -> Place {
 fn steps(case: &Case, mask: &[f32]) -> BTreeMap<[Place; 2], f64> {
     let lamp = case.scene.lights[0].position().expect("a lamp");
     let error = |i: usize| f64::from(mask[i] - case.truth.visibility[i]);
-    let (width, counted) = (SIZE.x as usize, |i: usize| {
-        case.truth.pixels[i] == Pixel::Counted
-    });
-    let beside = (0..mask.len())
-        .filter(|i| (i + 1) % width > 0)
-        .map(|i| (i, i + 1));
-    let below = (0..mask.len() - width).map(|i| (i, i + width));
     let mut found: BTreeMap<[Place; 2], Vec<f64>> = BTreeMap::new();
-    for (i, j) in beside
-        .chain(below)
-        .filter(|&(i, j)| counted(i) && counted(j))
-    {
-        let [a, b] = [i, j].map(|pixel| place(case, lamp, pixel));
+    for (i, j) in neighbours(mask.len()) {
+        if case.truth.pixels[i] != Pixel::Counted || case.truth.pixels[j] != Pixel::Counted {
+            continue;
+        }
+        let a = place(case, lamp, i);
+        let b = place(case, lamp, j);
         if a.plane == b.plane && a.face != b.face {
             let step = if a.face < b.face {
                 error(j) - error(i)
@@ -282,11 +274,28 @@ fn steps(case: &Case, mask: &[f32]) -> BTreeMap<[Place; 2], f64> {
             found.entry([a.min(b), a.max(b)]).or_default().push(step);
         }
     }
-    found.retain(|_, steps| steps.len() >= LEAST_PAIRS);
-    found
-        .into_iter()
-        .map(|(places, steps)| (places, steps.iter().sum::<f64>() / steps.len() as f64))
-        .collect()
+    let mut means = BTreeMap::new();
+    for (places, steps) in found {
+        if steps.len() >= LEAST_PAIRS {
+            means.insert(places, steps.iter().sum::<f64>() / steps.len() as f64);
+        }
+    }
+    means
+}
+
+/// Returns all pairs of pixels that lie beside each other, then all that lie one below the other.
+fn neighbours(pixels: usize) -> Vec<(usize, usize)> {
+    let width = SIZE.x as usize;
+    let mut out = Vec::new();
+    for i in 0..pixels {
+        if (i + 1) % width > 0 {
+            out.push((i, i + 1));
+        }
+    }
+    for i in 0..pixels - width {
+        out.push((i, i + width));
+    }
+    out
 }
 
 fn lamp_in_room() -> (&'static Case, Vec<f32>) {
@@ -316,10 +325,10 @@ fn faces_of_a_cube_meet_without_steps() {
 fn a_darker_face_is_caught() {
     let (case, mut mask) = lamp_in_room();
     let lamp = case.scene.lights[0].position().expect("a lamp");
-    let darker =
-        |i: &usize| case.truth.pixels[*i] == Pixel::Counted && place(case, lamp, *i).face == 2;
-    for i in (0..mask.len()).filter(darker) {
-        mask[i] -= 2.0 * MOST_STEP as f32;
+    for (i, visibility) in mask.iter_mut().enumerate() {
+        if case.truth.pixels[i] == Pixel::Counted && place(case, lamp, i).face == 2 {
+            *visibility -= 2.0 * MOST_STEP as f32;
+        }
     }
     let steps = steps(case, &mask);
     let mut seams = steps
@@ -338,12 +347,12 @@ fn a_darker_face_is_caught() {
 fn lit_corners_stay_lit() {
     for case in cases() {
         let mask = case.mask(&Pcss::default());
-        let is_lit =
-            |i: &usize| case.truth.pixels[*i] == Pixel::Counted && case.truth.visibility[*i] == 1.0;
-        let lit: Vec<f64> = (0..mask.len())
-            .filter(is_lit)
-            .map(|i| f64::from(mask[i]))
-            .collect();
+        let mut lit: Vec<f64> = Vec::new();
+        for (i, &seen) in mask.iter().enumerate() {
+            if case.truth.pixels[i] == Pixel::Counted && case.truth.visibility[i] == 1.0 {
+                lit.push(f64::from(seen));
+            }
+        }
         let darkened = lit.iter().map(|seen| 1.0 - seen).sum::<f64>() / lit.len() as f64;
         let dark = lit.iter().filter(|&&seen| seen < DARK).count();
         println!(
@@ -377,18 +386,15 @@ fn both_halves_agree() {
         let mut gpu = gpu();
         let other = gpu.render(&case.view(), &recipe).expect("plays").mask;
         let exact = gpu.promises_bits();
-        let differ = |a: f32, b: f32| {
-            if exact {
+        let mut differing = 0;
+        for (a, b) in cpu.iter().zip(&other) {
+            let differs = if exact {
                 a.to_bits() != b.to_bits()
             } else {
                 (a - b).abs() > 1.0 / 255.0
-            }
-        };
-        let differing = cpu
-            .iter()
-            .zip(&other)
-            .filter(|(a, b)| differ(**a, **b))
-            .count();
+            };
+            differing += usize::from(differs);
+        }
         // Elsewhere one pixel in 1,000 may hang on rounding, as in the other nets.
         let most = if exact { 0 } else { cpu.len() / 1000 };
         assert!(

@@ -57,20 +57,15 @@ fn town(offset: Vec3) -> Geometry {
             Affine3A::from_translation(offset + at) * Affine3A::from_scale(scale),
         )
     };
-    let mut instances: Vec<Instance> = (0..400)
-        .map(|i| {
-            let (x, z, tall) = (
-                (i % 20) as f32 * 7.0 - 70.0,
-                (i / 20) as f32 * -7.0 + 40.0,
-                0.5 + (i % 7) as f32 * 0.4,
-            );
-            let lean = (i as f32 * 2.399).sin();
-            place(
-                Vec3::new(0.6 + lean * 0.3, tall, 0.7),
-                Vec3::new(x + lean, tall, z - lean),
-            )
-        })
-        .collect();
+    let mut instances = Vec::new();
+    for i in 0..400 {
+        let x = (i % 20) as f32 * 7.0 - 70.0;
+        let z = (i / 20) as f32 * -7.0 + 40.0;
+        let half_height = 0.5 + (i % 7) as f32 * 0.4;
+        let shift = (i as f32 * 2.399).sin();
+        let scale = Vec3::new(0.6 + shift * 0.3, half_height, 0.7);
+        instances.push(place(scale, Vec3::new(x + shift, half_height, z - shift)));
+    }
     let ground = place(Vec3::new(200.0, 0.5, 200.0), Vec3::NEG_Y * 0.5);
     instances.push(Instance {
         casts: false,
@@ -91,10 +86,15 @@ fn ground(offset: Vec3) -> Receivers {
     let size = UVec2::new(64, 48);
     let mut r = Receivers::empty(size);
     for i in 0..r.len() {
-        let (column, row) = ((i % 64) as f32, (i / 64) as f32);
+        let column = (i % 64) as f32;
+        let row = (i / 64) as f32;
         let p = offset + Vec3::new((column - 32.0) * 0.19, 0.0, -4.0 - row * 0.37);
-        (r.x[i], r.y[i], r.z[i], r.ny[i]) = (p.x, p.y, p.z, 1.0);
-        (r.triangle[i], r.receives[i]) = (0, true);
+        r.x[i] = p.x;
+        r.y[i] = p.y;
+        r.z[i] = p.z;
+        r.ny[i] = 1.0;
+        r.triangle[i] = 0;
+        r.receives[i] = true;
     }
     r
 }
@@ -110,52 +110,59 @@ fn technique(fit: Fit) -> Hard {
     }
 }
 
-/// Where the points fall within their texels: f32 arithmetic, as lookups do it.
+/// Returns where the points fall within their texels, by f32 arithmetic, as lookups do it.
 fn places(clip_from_world: Mat4, points: &Receivers) -> Vec<Vec2> {
-    let place = |p: Vec3| {
+    let mut out = Vec::new();
+    for p in points.positions() {
         let clip = transform(clip_from_world, p);
-        let t = Vec2::new(
+        let texel = Vec2::new(
             (clip.x / clip.w * 0.5 + 0.5) * SIZE as f32,
             (0.5 - clip.y / clip.w * 0.5) * SIZE as f32,
         );
-        t - t.floor()
-    };
-    points.positions().map(place).collect()
+        out.push(texel - texel.floor());
+    }
+    out
 }
 
-/// The greatest way, in texels, that any point goes within its texel over all frames, and by how many whole texels the map
-/// moves in all.
-fn drift(fit: Fit, offset: Vec3, geometry: &Geometry) -> (f32, f32) {
-    let (points, mut cpu) = (ground(offset), Cpu::new());
-    let space = |frame: i32, cpu: &mut Cpu| {
-        let camera = camera(frame, offset);
-        let seen = cpu.receivers(&camera, geometry).expect("a good camera");
-        fit.light_space(
-            &View::new(&camera, &SUN, geometry).with_receivers(&seen),
-            SIZE,
-            0.0,
-        )
-        .expect("it fits")
+/// What happens on a map while the camera moves.
+struct Drift {
+    /// The farthest that any point moves within its texel, texels.
+    within_texel: f32,
+    /// How far the map moves, texels.
+    of_map: f32,
+}
+
+fn drift(fit: Fit, offset: Vec3, geometry: &Geometry) -> Drift {
+    let points = ground(offset);
+    let mut cpu = Cpu::new();
+    let first = fitted(fit, 0, offset, geometry, &mut cpu);
+    let start = places(first, &points);
+    let mut drift = Drift {
+        within_texel: 0.0,
+        of_map: 0.0,
     };
-    let first = space(0, &mut cpu).clip_from_world();
-    let (start, mut most, mut moved) = (places(first, &points), 0.0_f32, 0.0_f32);
     for frame in 1..FRAMES {
-        let now = space(frame, &mut cpu).clip_from_world();
+        let now = fitted(fit, frame, offset, geometry, &mut cpu);
         for (a, b) in start.iter().zip(places(now, &points)) {
-            let d = (*a - b).abs();
-            most = most.max(d.min(1.0 - d).max_element());
+            let distance = (*a - b).abs();
+            // The texel's sides are one place: 0.99 and 0.01 are 0.02 apart.
+            let wrapped = distance.min(1.0 - distance).max_element();
+            drift.within_texel = drift.within_texel.max(wrapped);
         }
-        moved = moved.max(
-            (now.w_axis - first.w_axis)
-                .truncate()
-                .truncate()
-                .abs()
-                .max_element()
-                * 0.5
-                * SIZE as f32,
-        );
+        let shift = (now.w_axis - first.w_axis).truncate().truncate();
+        let texels = shift.abs().max_element() * 0.5 * SIZE as f32;
+        drift.of_map = drift.of_map.max(texels);
     }
-    (most, moved)
+    drift
+}
+
+/// Returns clip from world of the map that is fitted in a frame.
+fn fitted(fit: Fit, frame: i32, offset: Vec3, geometry: &Geometry, cpu: &mut Cpu) -> Mat4 {
+    let camera = camera(frame, offset);
+    let seen = cpu.receivers(&camera, geometry).expect("a good camera");
+    let view = View::new(&camera, &SUN, geometry).with_receivers(&seen);
+    let space = fit.light_space(&view, SIZE, 0.0).expect("it fits");
+    space.clip_from_world()
 }
 
 /// Near the origin, coordinates of some 10 half sides leave 2^-20 of a map's side, .0005 texels; farther out the sums are
@@ -170,16 +177,18 @@ fn world_points_keep_their_place_within_a_texel() {
         Vec3::new(1e6, 0.0, 1e6),
     ] {
         let geometry = town(offset);
-        let (stable, moved) = drift(Fit::Stable { range: RANGE }, offset, &geometry);
+        let stable = drift(Fit::Stable { range: RANGE }, offset, &geometry);
+        let within_texel = stable.within_texel;
         assert!(
-            stable <= ROUNDING,
-            "points drift by {stable} texels, {offset} from the origin"
+            within_texel <= ROUNDING,
+            "points drift by {within_texel} texels, {offset} from the origin"
         );
+        let moved = stable.of_map;
         assert!(
             moved >= 2.0,
             "the map moved by only {moved} texels: a fit that never moves proves nothing"
         );
-        let (tight, _) = drift(Fit::Tight, offset, &geometry);
+        let tight = drift(Fit::Tight, offset, &geometry).within_texel;
         assert!(
             tight > 0.3,
             "a tight fit is expected to crawl, but drifts by only {tight} texels"
@@ -189,9 +198,12 @@ fn world_points_keep_their_place_within_a_texel() {
 
 /// How many of the points change their answer from any frame to the next, in all.
 fn shimmer(fit: Fit, offset: Vec3) -> (usize, usize) {
-    let (geometry, points, mut cpu) = (town(offset), ground(offset), Cpu::new());
+    let geometry = town(offset);
+    let points = ground(offset);
+    let mut cpu = Cpu::new();
     let mut last: Option<Vec<f32>> = None;
-    let (mut changes, mut dark) = (0, 0);
+    let mut changes = 0;
+    let mut dark = 0;
     for frame in 0..FRAMES {
         let camera = camera(frame, offset);
         let seen = cpu.receivers(&camera, &geometry).expect("a good camera");
@@ -266,17 +278,12 @@ fn all_that_matters_is_on_the_map() {
         }
     }
     // One of them is far up, so that the near plane had to be drawn back.
-    let high = transform(
-        Fit::Stable { range: RANGE }
-            .light_space(
-                &View::new(&camera(0, Vec3::ZERO), &SUN, &geometry),
-                SIZE,
-                0.0,
-            )
-            .expect("it fits")
-            .clip_from_world(),
-        Vec3::new(-210.0, 300.0, -150.0),
-    );
+    let camera = camera(0, Vec3::ZERO);
+    let space = Fit::Stable { range: RANGE }
+        .light_space(&View::new(&camera, &SUN, &geometry), SIZE, 0.0)
+        .expect("it fits");
+    let high_box = Vec3::new(-210.0, 300.0, -150.0);
+    let high = transform(space.clip_from_world(), high_box);
     assert!(
         high.truncate().truncate().abs().max_element() < 1.0,
         "the high box is not over the map: {high}"

@@ -15,6 +15,6 @@ fn a_stale_table_is_caught() {
     let fresh = with_table(&readme, &table()).expect("it has marks");
     let stale = fresh.replacen("| `pcf` |", "| `pfc` |", 1);
     assert!(stale != fresh, "there is a `pcf` to spoil");
-    assert!(with_table(&stale, &table()).is_ok_and(|mended| mended == fresh));
+    assert!(with_table(&stale, &table()).is_ok_and(|updated| updated == fresh));
     assert!(with_table("no marks", &table()).is_err());
 }

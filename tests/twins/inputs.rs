@@ -15,7 +15,7 @@ pub const COUNT: usize = 65_536;
 /// The words of [`COUNT`] inputs, one after the other. The same twin gets the same inputs in every run.
 ///
 /// # Panics
-/// Never: no strategy here rejects a value.
+/// Panics never: no strategy here rejects a value.
 pub fn draw(twin: &Twin) -> Vec<u32> {
     let scalars: Vec<_> = twin
         .parameters

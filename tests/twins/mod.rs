@@ -64,7 +64,7 @@ pub enum Fault {
 /// Runs both halves of a pair on `inputs`, and returns the greatest difference in ulps.
 ///
 /// # Errors
-/// When they aren't twins.
+/// Errors if they aren't twins.
 pub fn check(on: &TestDevice, twin: &Twin, inputs: &[u32]) -> Result<u64, Fault> {
     let text = shader(twin)?;
     let words: usize = twin.parameters.iter().map(|t| wrapper::count(t)).sum();

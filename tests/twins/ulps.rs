@@ -93,7 +93,8 @@ pub(super) fn compare(
     got: &[u32],
 ) -> Result<u64, Fault> {
     let kinds = [floats(twin.parameters), floats(&[twin.result])];
-    let [given, gives] = [kinds[0].len(), kinds[1].len()];
+    let given = kinds[0].len();
+    let gives = kinds[1].len();
     let ulps = |i: usize| {
         let at = i * gives..(i + 1) * gives;
         let words = expected[at.clone()].iter().zip(&got[at]).zip(&kinds[1]);
@@ -112,7 +113,9 @@ pub(super) fn compare(
         return Ok(most);
     }
     let cut = |words: &[u32], n: usize| words[worst * n..][..n].to_vec();
-    let [input, rust, wgsl] = [cut(inputs, given), cut(expected, gives), cut(got, gives)];
+    let input = cut(inputs, given);
+    let rust = cut(expected, gives);
+    let wgsl = cut(got, gives);
     let worst = Box::new(Difference {
         ulps: most,
         input,
@@ -140,10 +143,8 @@ pub(super) fn useful(twin: &Twin, expected: &[u32]) -> Result<(), Fault> {
             .all(|(&w, &float)| !float || !f32::from_bits(w).is_nan());
         *counts.entry(result).or_default() += usize::from(number);
     }
-    let (numbers, commonest) = (
-        counts.values().sum::<usize>(),
-        counts.values().max().copied().unwrap_or(0),
-    );
+    let numbers = counts.values().sum::<usize>();
+    let commonest = counts.values().max().copied().unwrap_or(0);
     let useful = numbers - commonest;
     if useful * 100 >= COUNT {
         Ok(())

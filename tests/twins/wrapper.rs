@@ -34,7 +34,7 @@ pub(super) fn scalar(wgsl: &str) -> &'static str {
 /// The whole shader: what the half needs, the half, and the wrapper.
 ///
 /// # Errors
-/// When the half doesn't compile by itself, is missing, or has another signature than the Rust half.
+/// Errors if the half doesn't compile by itself, is missing, or has another signature than the Rust half.
 pub fn shader(twin: &Twin) -> Result<String, Fault> {
     let modules = join(&modules(twin));
     let naga = naga::front::wgsl::parse_str(&modules).map_err(|e| Fault::Wgsl {

@@ -20,7 +20,7 @@ pub trait Backend {
     /// Plays a recipe. Without `view.receivers`, receivers come from `view.geometry`.
     ///
     /// # Errors
-    /// When input is missing or bad, or the device fails.
+    /// Errors if input is missing or bad, or the device fails.
     fn render(&mut self, view: &View<'_>, recipe: &Recipe) -> Result<Shadows, BackendError>;
 }
 

@@ -58,25 +58,25 @@ pub enum DepthPlanes {
 }
 
 impl Snapping {
-    /// The digits that are known: no graphics API allows fewer, and grids finer than the last are taken for it.
+    /// Numbers of binary digits that the library knows: no graphics API allows fewer, and finer grids count as the finest.
     pub const BITS: RangeInclusive<u32> = 4..=8;
 
-    /// The coarsest that graphics APIs allow: what to expect of a device that is not known.
+    /// The coarsest rounding that graphics APIs allow, to be expected of unknown devices.
     pub const COARSEST: Self = Self {
         sub_pixel_bits: 4,
         planes: DepthPlanes::Snapped,
         offset_unit: OffsetUnit::OneStep,
     };
 
-    /// The grid's step, pixels.
+    /// Returns the grid's step, pixels.
     pub fn step(self) -> f32 {
         1.0 / (1_u32 << self.sub_pixel_bits) as f32
     }
 
-    /// Objects to grids that are not known.
+    /// Checks that the grid is one that the library knows.
     ///
     /// # Errors
-    /// When the number of bits is not among [`Snapping::BITS`].
+    /// Errors if the number of bits is not among [`Snapping::BITS`].
     pub fn validate(self) -> Result<(), Invalid> {
         if Self::BITS.contains(&self.sub_pixel_bits) {
             return Ok(());

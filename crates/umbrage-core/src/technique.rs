@@ -14,7 +14,7 @@ pub trait ShadowTechnique: Debug + Send + Sync {
     /// Returns the recipe for a view. The same view gives the same recipe.
     ///
     /// # Errors
-    /// `Unsupported` when it can't serve this light or scene, with the reason; `Invalid` for bad parameters.
+    /// Errors with `Unsupported` if it can't serve this light or scene, with the reason; with `Invalid` for bad parameters.
     fn recipe(&self, view: &View<'_>) -> Result<Recipe, RecipeError>;
 
     /// Returns how far, in texels, lookups go beyond the point of a map on which a receiver falls, along each axis: 0 for one

@@ -33,7 +33,7 @@ impl<'a> View<'a> {
     }
 
     /// # Errors
-    /// If the camera or the light can't be used, or a number of the casters' box or the receivers is not finite: the first fault
+    /// Errors if the camera or the light can't be used, or a number of the casters' box or the receivers is not finite: the first fault
     /// found.
     pub fn validate(&self) -> Result<(), Invalid> {
         self.camera.validate()?;

@@ -8,8 +8,8 @@ use crate::{
 use rayon::ThreadPool;
 use std::time::{Duration, Instant};
 use umbrage_core::{
-    Backend, BackendError, BackendLimits, Camera, Cast, Geometry, Image, Invalid, MAX_SIDE,
-    Receivers, Recipe, Shadows, Simd, Snapping, Source, Timings, View,
+    Backend, BackendError, BackendLimits, Camera, Geometry, Image, Invalid, MAX_SIDE, Receivers,
+    Recipe, Shadows, Simd, Snapping, Source, Timings, View,
 };
 
 /// What the player takes on.
@@ -37,15 +37,15 @@ impl Default for Cpu {
 }
 
 impl Cpu {
-    /// Uses all cores and the best instructions there are.
+    /// Returns a backend that uses all cores and the best instructions there are.
     pub fn new() -> Self {
         Self::build(None, Simd::Native, Rounding::default())
     }
 
-    /// Uses threads, instructions and rounding of the caller's choice.
+    /// Returns a backend with threads, instructions and rounding of the caller's choice.
     ///
     /// # Errors
-    /// When the number of threads is zero or absurd, or they can't be started; when the rounding is not known.
+    /// Errors if the number of threads is zero or absurd, if they can't be started, or if the rounding is not known.
     pub fn with_options(options: &CpuOptions) -> Result<Self, BackendError> {
         options.snapping.validate()?;
         Ok(Self::build(
@@ -56,9 +56,10 @@ impl Cpu {
     }
 
     fn build(pool: Option<ThreadPool>, simd: Simd, rounding: Rounding) -> Self {
-        let threads = pool
-            .as_ref()
-            .map_or_else(rayon::current_num_threads, ThreadPool::current_num_threads);
+        let threads = match &pool {
+            Some(pool) => pool.current_num_threads(),
+            None => rayon::current_num_threads(),
+        };
         let plural = if threads == 1 { "" } else { "s" };
         let name = format!("cpu ({threads} thread{plural}, {})", instructions(simd));
         Self {
@@ -72,7 +73,7 @@ impl Cpu {
 
     /// Runs `f` on this player's threads.
     pub(crate) fn install<R: Send>(&mut self, f: impl FnOnce(&mut Self) -> R + Send) -> R {
-        // The pool steps aside, so that `f` can have the rest.
+        // The pool is taken out, so that `f` can borrow the rest.
         let Some(pool) = self.pool.take() else {
             return f(self);
         };
@@ -81,10 +82,10 @@ impl Cpu {
         result
     }
 
-    /// What a camera sees of a geometry, pixel by pixel, without shading normals.
+    /// Returns what a camera sees of a geometry, pixel by pixel, without shading normals.
     ///
     /// # Errors
-    /// When the camera is unusable.
+    /// Errors if the camera is unusable.
     pub fn receivers(
         &mut self,
         camera: &Camera,
@@ -94,10 +95,11 @@ impl Cpu {
         Ok(self.install(|cpu| gbuffer::find(&mut cpu.rasterizer, cpu.simd, camera, geometry)))
     }
 
-    /// As [`Cpu::receivers`], with shading normals: interpolated between the vertices', unit, turned to the camera.
+    /// Returns what [`Cpu::receivers`] does, with shading normals: interpolated between the vertices', unit, turned to the
+    /// camera.
     ///
     /// # Errors
-    /// When the camera is unusable.
+    /// Errors if the camera is unusable.
     pub fn shaded_receivers(
         &mut self,
         camera: &Camera,
@@ -108,7 +110,7 @@ impl Cpu {
         Ok(found)
     }
 
-    /// Bytes of working memory beyond images and receivers.
+    /// Returns the bytes of working memory beyond images and receivers.
     pub fn working_bytes(&self) -> usize {
         self.rasterizer.bytes()
     }
@@ -116,13 +118,16 @@ impl Cpu {
     fn play(&mut self, view: &View<'_>, recipe: &Recipe) -> Result<Shadows, BackendError> {
         check(view, recipe)?;
         let mut timings = Timings::default();
-        let made = match (view.receivers, view.geometry) {
-            (None, Some(geometry)) => Some(timed(&mut timings.receivers, || {
-                self.receivers(view.camera, geometry)
-            })?),
+        let found = match (view.receivers, view.geometry) {
+            (None, Some(geometry)) => {
+                let found = timed(&mut timings.receivers, || {
+                    self.receivers(view.camera, geometry)
+                });
+                Some(found?)
+            }
             _ => None,
         };
-        let Some(receivers) = view.receivers.or(made.as_ref()) else {
+        let Some(receivers) = view.receivers.or(found.as_ref()) else {
             return Err(nothing_seen().into());
         };
         images::prepare_images(&mut self.images, recipe);
@@ -150,7 +155,7 @@ impl Cpu {
         Ok(Shadows {
             size: view.camera.size,
             mask,
-            receivers: made,
+            receivers: found,
             picture,
             images,
             timings,
@@ -158,7 +163,7 @@ impl Cpu {
         })
     }
 
-    /// Plays all that comes before the lookup.
+    /// Plays all that comes before the receive stage.
     pub(crate) fn draw(&mut self, view: &View<'_>, recipe: &Recipe) -> Result<(), BackendError> {
         check(view, recipe)?;
         images::prepare_images(&mut self.images, recipe);
@@ -168,9 +173,9 @@ impl Cpu {
     }
 
     fn cast_all(&mut self, geometry: Option<&Geometry>, recipe: &Recipe) {
-        let nothing = Geometry::default();
+        let empty = Geometry::default();
+        let geometry = geometry.unwrap_or(&empty);
         for index in 0..recipe.casts.len() {
-            let geometry = geometry.unwrap_or(&nothing);
             cast::play(
                 &mut self.rasterizer,
                 &mut self.images,
@@ -209,35 +214,42 @@ fn timed<R>(slot: &mut Option<Duration>, f: impl FnOnce() -> R) -> R {
     result
 }
 
+/// Returns the name of the instruction set, such as `V3`.
 fn instructions(simd: Simd) -> String {
     match simd {
-        Simd::Native => format!("{:?}", pulp::Arch::new())
-            .split(['(', ' '])
-            .next()
-            .unwrap_or("native")
-            .to_owned(),
+        Simd::Native => {
+            // The variant's name, without its fields.
+            let arch = format!("{:?}", pulp::Arch::new());
+            let name = arch.split(['(', ' ']).next();
+            name.unwrap_or("native").to_owned()
+        }
         Simd::Baseline => "baseline".to_owned(),
     }
 }
 
-/// Objects to what can't be played.
+/// Errors if the recipe can't be played for the view.
 fn check(view: &View<'_>, recipe: &Recipe) -> Result<(), Invalid> {
     check_recipe(recipe)?;
     view.camera.validate()?;
-    let from_geometry = |cast: &Cast| !matches!(cast.source, Source::Faces(_));
-    if view.geometry.is_none() && recipe.casts.iter().any(from_geometry) {
+    let casts_geometry = recipe
+        .casts
+        .iter()
+        .any(|cast| !matches!(cast.source, Source::Faces(_)));
+    if view.geometry.is_none() && casts_geometry {
         return Err(nothing_to_cast());
     }
-    view.receivers
-        .map_or(Ok(()), |r| gbuffer::check(r, view.camera.size))
+    match view.receivers {
+        Some(receivers) => gbuffer::check(receivers, view.camera.size),
+        None => Ok(()),
+    }
 }
 
-/// Objects to recipes that this player cannot play.
+/// Errors if the CPU backend can't play the recipe.
 pub(crate) fn check_recipe(recipe: &Recipe) -> Result<(), Invalid> {
     recipe.validate(&LIMITS)
 }
 
-/// Images hold 32-bit floats, whatever their format.
+/// Returns the bytes of the recipe's images, which hold 32-bit floats, whatever their format.
 fn image_bytes(recipe: &Recipe) -> u64 {
     recipe.images.iter().map(|image| 4 * image.floats()).sum()
 }

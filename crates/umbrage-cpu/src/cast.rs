@@ -1,4 +1,4 @@
-//! The first stage: geometry drawn into images.
+//! The cast stage: geometry drawn into images.
 
 use crate::raster::{Draw, Mode, Position, Rasterizer, Target};
 use std::borrow::Cow;
@@ -14,7 +14,7 @@ pub(crate) struct CastAttachments<'a> {
     pub(crate) clear: bool,
 }
 
-/// The image whose depths a mode compares with.
+/// Returns the image whose depths a mode compares with.
 pub(crate) fn other(mode: CastMode) -> Option<ImageId> {
     match mode {
         CastMode::Depth => None,
@@ -22,22 +22,28 @@ pub(crate) fn other(mode: CastMode) -> Option<ImageId> {
     }
 }
 
-/// Whether no earlier cast of the recipe draws into the layer: then the cast clears it.
+/// Returns whether no earlier cast of the recipe draws into the layer: then the cast clears it.
 pub(crate) fn is_first(recipe: &Recipe, index: usize) -> bool {
-    let layer = |cast: &Cast| (cast.image, cast.layer);
+    let cast = &recipe.casts[index];
     !recipe.casts[..index]
         .iter()
-        .any(|cast| layer(cast) == layer(&recipe.casts[index]))
+        .any(|earlier| earlier.image == cast.image && earlier.layer == cast.layer)
 }
 
-/// Whether the cast that uses a layer first clears it.
+/// Returns whether casts use a layer, and the first that does draws there (and so clears it), rather than only reads it.
 pub(crate) fn clears(recipe: &Recipe, image: ImageId, layer: u32) -> bool {
-    let uses = |c: &&Cast| c.layer == layer && (c.image == image || other(c.mode) == Some(image));
-    recipe
-        .casts
-        .iter()
-        .find(uses)
-        .is_some_and(|c| c.image == image)
+    for cast in &recipe.casts {
+        if cast.layer != layer {
+            continue;
+        }
+        if cast.image == image {
+            return true;
+        }
+        if other(cast.mode) == Some(image) {
+            return false;
+        }
+    }
+    false
 }
 
 /// Plays a recipe's cast number `index`.
@@ -56,7 +62,10 @@ pub(crate) fn play(
         desc,
         texels: std::mem::take(&mut images[cast.image].texels),
     };
-    let other = other(cast.mode).map_or(&[][..], |id| layer(&images[id], cast.layer));
+    let other = match other(cast.mode) {
+        Some(id) => layer(&images[id], cast.layer),
+        None => &[],
+    };
     let target = CastAttachments {
         image: &mut image,
         other,
@@ -71,7 +80,7 @@ fn layer(image: &Image, layer: u32) -> &[f32] {
     &image.texels[layer as usize * n..][..n]
 }
 
-/// Draws what a cast draws.
+/// Draws a cast's triangles into a target.
 pub(crate) fn draw(
     rasterizer: &mut Rasterizer,
     target: CastAttachments<'_>,
@@ -136,17 +145,14 @@ fn draw_triangles<P: Position>(
         mode: mode(cast.mode, image.desc.format),
         simd,
     };
-    let width = image.desc.size.x as usize;
-    rasterizer.draw(
-        &draw,
-        Target {
-            width,
-            texels: image.layer_mut(cast.layer),
-            ids: &mut [],
-            other,
-            clear,
-        },
-    );
+    let target = Target {
+        width: image.desc.size.x as usize,
+        texels: image.layer_mut(cast.layer),
+        ids: &mut [],
+        other,
+        clear,
+    };
+    rasterizer.draw(&draw, target);
 }
 
 fn mode(mode: CastMode, format: Format) -> Mode {

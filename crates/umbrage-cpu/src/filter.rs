@@ -1,4 +1,4 @@
-//! The second stage: images made from images.
+//! The filter stage: images made from images.
 
 use crate::images::views;
 use rayon::prelude::*;
@@ -27,26 +27,24 @@ pub(crate) fn filter(
         images: &views,
         simd,
     };
-    let (row_len, height) = (
-        output.size.x as usize * output.format.channels(),
-        output.size.y as usize,
-    );
-    texels
-        .par_chunks_mut(row_len)
-        .enumerate()
-        .for_each(|(row, out)| {
-            let start = UVec2::new(0, (row % height) as u32);
-            filter
-                .kernel
-                .filter(&inputs, start, (row / height) as u32, out);
-            if output.format == Format::Rgba8 {
-                out.iter_mut().for_each(|v| *v = stored8(*v));
+    let row_len = output.size.x as usize * output.format.channels();
+    let height = output.size.y as usize;
+    // Rows of all layers, one layer after the other.
+    let rows = texels.par_chunks_mut(row_len).enumerate();
+    rows.for_each(|(row, out)| {
+        let start = UVec2::new(0, (row % height) as u32);
+        let layer = (row / height) as u32;
+        filter.kernel.filter(&inputs, start, layer, out);
+        if output.format == Format::Rgba8 {
+            for v in out {
+                *v = stored8(*v);
             }
-        });
+        }
+    });
 }
 
-/// What shaders load from an 8-bit channel into which `v` was written, as Mesa's software rasterisers convert it; what
-/// is not a number becomes 0.
+/// Returns what shaders load from an 8-bit channel into which `v` was written, as Mesa's software rasterisers convert it; NaN
+/// becomes 0.
 fn stored8(v: f32) -> f32 {
     let v = if v > 0.0 { v.min(1.0) } else { 0.0 };
     (v * 255.0).round_ties_even() * (1.0 / 255.0)

@@ -1,4 +1,4 @@
-//! Receivers: triangle ids are rasterised from the camera, then each pixel's ray meets its triangle's plane.
+//! Finds receivers: triangle ids are rasterised from the camera, then each pixel's ray is met with its triangle's plane.
 
 use crate::raster::{Draw, Mode, Rasterizer, Target};
 use rayon::prelude::*;
@@ -9,7 +9,7 @@ use umbrage_core::{
     resolve::{at_pixel, resolve},
 };
 
-/// What a valid camera sees.
+/// Returns what a valid camera sees.
 pub(crate) fn find(
     rasterizer: &mut Rasterizer,
     simd: Simd,
@@ -28,34 +28,38 @@ pub(crate) fn find(
         mode: Mode::DepthWithIds,
         simd,
     };
-    let width = camera.size.x as usize;
-    let (texels, ids) = (&mut found.depth, &mut found.triangle);
-    rasterizer.draw(
-        &draw,
-        Target {
-            width,
-            texels,
-            ids,
-            other: &[],
-            clear: true,
-        },
-    );
+    let target = Target {
+        width: camera.size.x as usize,
+        texels: &mut found.depth,
+        ids: &mut found.triangle,
+        other: &[],
+        clear: true,
+    };
+    rasterizer.draw(&draw, target);
     resolve_all(&mut found, camera, geometry);
     found
 }
 
-/// One row of all that is found out about receivers.
+/// One row of [`Receivers`], to be filled.
 struct Row<'a> {
-    position: [&'a mut [f32]; 3],
-    normal: [&'a mut [f32]; 3],
+    x: &'a mut [f32],
+    y: &'a mut [f32],
+    z: &'a mut [f32],
+    nx: &'a mut [f32],
+    ny: &'a mut [f32],
+    nz: &'a mut [f32],
     depth: &'a mut [f32],
     distance: &'a mut [f32],
     triangle: &'a mut [u32],
     receives: &'a mut [bool],
 }
 
+/// Fills in all that follows from triangle ids, row by row.
 fn resolve_all(r: &mut Receivers, camera: &Camera, geometry: &Geometry) {
-    let (width, rays, receivers) = (camera.size.x as usize, camera.rays(), geometry.receivers());
+    let width = camera.size.x as usize;
+    let rays = camera.rays();
+    let receivers = geometry.receivers();
+    // Nested, since there are no parallel iterators over tuples of so many.
     let positions = (
         r.x.par_chunks_mut(width),
         r.y.par_chunks_mut(width),
@@ -72,88 +76,95 @@ fn resolve_all(r: &mut Receivers, camera: &Camera, geometry: &Geometry) {
         r.triangle.par_chunks_mut(width),
         r.receives.par_chunks_mut(width),
     );
-    (positions, normals, others)
-        .into_par_iter()
-        .enumerate()
-        .for_each(|(y, (p, n, o))| {
-            let row = Row {
-                position: [p.0, p.1, p.2],
-                normal: [n.0, n.1, n.2],
-                depth: o.0,
-                distance: o.1,
-                triangle: o.2,
-                receives: o.3,
-            };
-            row.resolve(y as u32, &rays, geometry, &receivers);
-        });
+    let rows = (positions, normals, others).into_par_iter().enumerate();
+    rows.for_each(|(row_index, (position, normal, other))| {
+        let row = Row {
+            x: position.0,
+            y: position.1,
+            z: position.2,
+            nx: normal.0,
+            ny: normal.1,
+            nz: normal.2,
+            depth: other.0,
+            distance: other.1,
+            triangle: other.2,
+            receives: other.3,
+        };
+        row.resolve(row_index as u32, &rays, geometry, &receivers);
+    });
 }
 
 impl Row<'_> {
     fn resolve(
-        mut self,
-        y: u32,
+        self,
+        row: u32,
         rays: &umbrage_core::CameraRays,
         geometry: &Geometry,
         receivers: &std::ops::Range<u32>,
     ) {
-        for x in 0..self.triangle.len() {
-            let id = self.triangle[x];
+        for i in 0..self.triangle.len() {
+            let id = self.triangle[i];
             if id == NO_TRIANGLE {
                 continue;
             }
-            let Some(found) = resolve(rays, x as u32, y, geometry.corners(id)) else {
-                (self.triangle[x], self.depth[x]) = (NO_TRIANGLE, 1.0);
+            let column = i as u32;
+            let Some(found) = resolve(rays, column, row, geometry.corners(id)) else {
+                // The ray runs along the triangle's plane.
+                self.triangle[i] = NO_TRIANGLE;
+                self.depth[i] = 1.0;
                 continue;
             };
-            let d = at_pixel(rays.dir, rays.dir_dx, rays.dir_dy, x as u32, y);
-            self.distance[x] = found.t * dot3(d, d).sqrt();
-            self.receives[x] = receivers.contains(&id);
-            for (k, (p, n)) in self.position.iter_mut().zip(&mut self.normal).enumerate() {
-                (p[x], n[x]) = (found.position[k], found.normal[k]);
-            }
+            let direction = at_pixel(rays.dir, rays.dir_dx, rays.dir_dy, column, row);
+            self.distance[i] = found.t * dot3(direction, direction).sqrt();
+            self.receives[i] = receivers.contains(&id);
+            self.x[i] = found.position.x;
+            self.y[i] = found.position.y;
+            self.z[i] = found.position.z;
+            self.nx[i] = found.normal.x;
+            self.ny[i] = found.normal.y;
+            self.nz[i] = found.normal.z;
         }
     }
 }
 
 /// Adds shading normals.
 pub(crate) fn shade(r: &mut Receivers, camera: &Camera, geometry: &Geometry) {
-    let (width, rays) = (r.size.x as usize, camera.rays());
+    let width = r.size.x as usize;
+    let rays = camera.rays();
     let mut normals = vec![Vec3::ZERO; r.len()];
-    normals
-        .par_iter_mut()
-        .enumerate()
-        .filter(|(i, _)| r.triangle[*i] != NO_TRIANGLE)
-        .for_each(|(i, out)| {
-            let d = at_pixel(
-                rays.dir,
-                rays.dir_dx,
-                rays.dir_dy,
-                (i % width) as u32,
-                (i / width) as u32,
-            );
-            let shaded =
-                shading_normal(geometry, r.triangle[i], r.position(i)).normalize_or(r.normal(i));
-            *out = if shaded.dot(d) > 0.0 { -shaded } else { shaded };
-        });
+    normals.par_iter_mut().enumerate().for_each(|(i, out)| {
+        let triangle = r.triangle[i];
+        if triangle == NO_TRIANGLE {
+            return;
+        }
+        let column = (i % width) as u32;
+        let row = (i / width) as u32;
+        let direction = at_pixel(rays.dir, rays.dir_dx, rays.dir_dy, column, row);
+        let normal = shading_normal(geometry, triangle, r.position(i)).normalize_or(r.normal(i));
+        *out = if normal.dot(direction) > 0.0 {
+            -normal
+        } else {
+            normal
+        };
+    });
     r.shading_normals = normals;
 }
 
-/// The vertices' normals, weighted with the barycentric coordinates of a point of the triangle.
+/// Returns the mean of a triangle's vertex normals, weighted by the barycentric coordinates of a point `p` of it.
 fn shading_normal(geometry: &Geometry, triangle: u32, p: Vec3) -> Vec3 {
     let [a, b, c] = geometry.corners(triangle);
     let n = (b - a).cross(c - a);
-    let weight = |q: Vec3, r: Vec3| n.dot((q - p).cross(r - p));
-    let weights = [weight(b, c), weight(c, a), weight(a, b)];
-    let corners = geometry.triangles()[triangle as usize];
-    corners
-        .iter()
-        .zip(weights)
-        .map(|(&v, w)| geometry.normals()[v as usize] * w)
-        .sum::<Vec3>()
-        / n.length_squared()
+    // A corner's weight is the area of the triangle that `p` makes with the other two; all share the factor |n|^2.
+    let weight_a = n.dot((b - p).cross(c - p));
+    let weight_b = n.dot((c - p).cross(a - p));
+    let weight_c = n.dot((a - p).cross(b - p));
+    let [normal_a, normal_b, normal_c] =
+        geometry.triangles()[triangle as usize].map(|v| geometry.normals()[v as usize]);
+    let sum = Vec3::ZERO + normal_a * weight_a + normal_b * weight_b + normal_c * weight_c;
+    sum / n.length_squared()
 }
 
-/// Objects to receivers that don't belong to an image of this size.
+/// Errors if the receivers are not those of an image of this size, or invalid.
 pub(crate) fn check(r: &Receivers, size: UVec2) -> Result<(), Invalid> {
     if r.size != size {
         let why = format!(
@@ -169,7 +180,7 @@ pub(crate) fn check(r: &Receivers, size: UVec2) -> Result<(), Invalid> {
     r.validate()
 }
 
-/// Bytes of all arrays.
+/// Returns the bytes of all arrays.
 pub(crate) fn bytes(r: &Receivers) -> u64 {
     let floats = [&r.x, &r.y, &r.z, &r.nx, &r.ny, &r.nz, &r.depth, &r.distance];
     let words = floats.iter().map(|v| v.len()).sum::<usize>() + r.triangle.len();

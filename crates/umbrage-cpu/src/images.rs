@@ -1,4 +1,4 @@
-//! The images of a recipe: made to fit, cleared, and lent to kernels.
+//! The images of a recipe: made to fit, cleared, and read by kernels.
 
 use crate::cast;
 use rayon::prelude::*;
@@ -20,23 +20,24 @@ pub(crate) fn prepare_images(images: &mut Vec<Image>, recipe: &Recipe) {
     }
 }
 
+/// Fills the layers of an image that may be read before a stage writes them with `start`.
 fn clear_unwritten(image: &mut Image, id: ImageId, recipe: &Recipe, start: f32) {
     for layer in 0..image.desc.layers {
-        // A cast that uses a layer first clears it on its way; a filter writes every texel.
-        let first_use = recipe
+        // The first cast that uses a layer clears it, if it draws there; a filter writes every texel.
+        let first_filter = recipe
             .filters
             .iter()
             .find(|f| f.output == id || f.inputs.contains(&id));
-        if !cast::clears(recipe, id, layer) && first_use.is_none_or(|f| f.output != id) {
-            image
-                .layer_mut(layer)
-                .par_chunks_mut(1 << 14)
-                .for_each(|part| part.fill(start));
+        let is_filtered_first = first_filter.is_some_and(|f| f.output == id);
+        if cast::clears(recipe, id, layer) || is_filtered_first {
+            continue;
         }
+        let parts = image.layer_mut(layer).par_chunks_mut(1 << 14);
+        parts.for_each(|part| part.fill(start));
     }
 }
 
-/// Lends the images with these ids to a kernel.
+/// Returns the images with these ids, for a kernel to read.
 pub(crate) fn views<'a>(images: &'a [Image], ids: &[ImageId]) -> Vec<ImageView<'a>> {
     ids.iter().map(|&i| images[i].view()).collect()
 }

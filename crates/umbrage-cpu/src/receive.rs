@@ -1,14 +1,15 @@
-//! The third stage: every receiver is asked how much light arrives.
+//! The receive stage: the light's visibility for every receiver.
 
 use crate::images::views;
 use rayon::prelude::*;
 use umbrage_core::{Image, Inputs, Receivers, Recipe, Simd, Span};
 
-/// A block of receivers that is asked before the next one begins, pixels. Neighbours in both directions look up the
-/// same part of a map, and a block's part stays in the nearest cache.
-const BLOCK: [usize; 2] = [128, 16];
+/// Width and height, pixels, of a block of receivers that is finished before the next one begins. Neighbours in both
+/// directions look up the same part of a map, and a block's part stays in the nearest cache.
+const BLOCK_WIDTH: usize = 128;
+const BLOCK_HEIGHT: usize = 16;
 
-/// Asks every receiver: the mask.
+/// Runs the receive kernel for every receiver, and returns the mask.
 pub(crate) fn receive(
     images: &[Image],
     recipe: &Recipe,
@@ -22,21 +23,22 @@ pub(crate) fn receive(
     };
     let width = receivers.size.x as usize;
     let mut mask = vec![1.0; receivers.len()];
-    mask.par_chunks_mut(width * BLOCK[1])
-        .enumerate()
-        .for_each(|(band, out)| {
-            let first = band * BLOCK[1] * width;
-            for left in (0..width).step_by(BLOCK[0]) {
-                for (row, out) in out.chunks_exact_mut(width).enumerate() {
-                    let out = &mut out[left..(left + BLOCK[0]).min(width)];
-                    receive_span(&inputs, recipe, receivers, first + row * width + left, out);
-                }
+    let bands = mask.par_chunks_mut(width * BLOCK_HEIGHT).enumerate();
+    bands.for_each(|(band, out)| {
+        let first = band * BLOCK_HEIGHT * width;
+        for left in (0..width).step_by(BLOCK_WIDTH) {
+            let right = (left + BLOCK_WIDTH).min(width);
+            for (row, out) in out.chunks_exact_mut(width).enumerate() {
+                let pixel = first + row * width + left;
+                receive_span(&inputs, recipe, receivers, pixel, &mut out[left..right]);
             }
-        });
+        }
+    });
     mask
 }
 
-/// A part of one row: asks from its first receiving pixel to its last, then lights those between that receive nothing.
+/// Runs the kernel for a part of one row, from its first receiving pixel to its last, then lights those between on which no
+/// shadow falls.
 fn receive_span(
     inputs: &Inputs<'_>,
     recipe: &Recipe,
@@ -48,16 +50,13 @@ fn receive_span(
     let Some(start) = receives.iter().position(|&r| r) else {
         return;
     };
-    let end = receives
-        .iter()
-        .rposition(|&r| r)
-        .map_or(start, |last| last + 1);
-    let span: Span<'_> = receivers.span(first + start, end - start);
-    recipe
-        .receive
-        .kernel
-        .receive(inputs, &span, &mut out[start..end]);
-    for (out, &receives) in out[start..end].iter_mut().zip(&receives[start..end]) {
-        *out = if receives { *out } else { 1.0 };
+    let last = receives.iter().rposition(|&r| r).unwrap_or(start);
+    let span: Span<'_> = receivers.span(first + start, last + 1 - start);
+    let out = &mut out[start..=last];
+    recipe.receive.kernel.receive(inputs, &span, out);
+    for (out, &receives) in out.iter_mut().zip(&receives[start..=last]) {
+        if !receives {
+            *out = 1.0;
+        }
     }
 }

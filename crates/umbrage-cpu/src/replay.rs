@@ -1,4 +1,4 @@
-//! Single stages, played from given images: what lockstep tests compare, so that a difference names its stage.
+//! Plays single stages from given images, so that tests of both backends can tell at which stage they differ.
 
 use crate::{
     Cpu,
@@ -16,7 +16,7 @@ impl Cpu {
     /// play no part.
     ///
     /// # Errors
-    /// When the size is zero or too large, or the cast is of another mode.
+    /// Errors if the size is zero or too large, or the cast is of another mode.
     pub fn cast(
         &mut self,
         geometry: &Geometry,
@@ -28,23 +28,16 @@ impl Cpu {
             let help = format!("use 1 to {MAX_SIDE} on each side");
             return Err(Invalid::new("depth image", why, help).into());
         }
-        let mut image = Image::filled(
-            ImageDesc {
-                label: "depth",
-                size,
-                layers: 1,
-                format: Format::Depth32,
-            },
-            1.0,
-        );
-        self.cast_into(
-            geometry,
-            &Cast {
-                layer: 0,
-                ..cast.clone()
-            },
-            &mut image,
-        )?;
+        let desc = ImageDesc {
+            label: "depth",
+            size,
+            layers: 1,
+            format: Format::Depth32,
+        };
+        let mut image = Image::filled(desc, 1.0);
+        let mut cast = cast.clone();
+        cast.layer = 0;
+        self.cast_into(geometry, &cast, &mut image)?;
         Ok(image)
     }
 
@@ -52,7 +45,7 @@ impl Cpu {
     /// plays no part.
     ///
     /// # Errors
-    /// When the image holds no depth, or doesn't have the cast's layer, or the cast is of another mode.
+    /// Errors if the image holds no depth, or doesn't have the cast's layer, or the cast is of another mode.
     pub fn cast_into(
         &mut self,
         geometry: &Geometry,
@@ -61,13 +54,9 @@ impl Cpu {
     ) -> Result<(), BackendError> {
         let fits = image.desc.format.is_depth() && image.texels.len() as u64 == image.desc.floats();
         if !fits || cast.layer >= image.desc.layers {
+            let what = format!("image `{}`", image.desc.label);
             let why = format!("has no layer {} of depth", cast.layer);
-            return Err(Invalid::new(
-                format!("image `{}`", image.desc.label),
-                why,
-                "use a depth image",
-            )
-            .into());
+            return Err(Invalid::new(what, why, "use a depth image").into());
         }
         if cast.mode != CastMode::Depth {
             let why = format!("is {:?}, which reads another image", cast.mode);
@@ -85,11 +74,11 @@ impl Cpu {
         Ok(())
     }
 
-    /// Plays a recipe's cast number `index` onto the given images (all of the recipe's, in its order): what becomes of
-    /// the image that it draws into, whose layer is cleared before if no earlier cast of the recipe draws into it.
+    /// Plays a recipe's cast number `index` onto the given images (all of the recipe's, in its order), and returns the image
+    /// that it draws into. The layer is cleared before if no earlier cast of the recipe draws into it.
     ///
     /// # Errors
-    /// When the recipe is invalid or has no such cast, or the images are not the recipe's.
+    /// Errors if the recipe is invalid or has no such cast, or the images are not the recipe's.
     pub fn replay_cast(
         &mut self,
         geometry: &Geometry,
@@ -120,7 +109,7 @@ impl Cpu {
     /// Plays a recipe's filter number `index` from the given images (all of the recipe's, in its order).
     ///
     /// # Errors
-    /// When the recipe has no such filter, or the images are not the recipe's.
+    /// Errors if the recipe has no such filter, or the images are not the recipe's.
     pub fn replay_filter(
         &mut self,
         recipe: &Recipe,
@@ -138,11 +127,11 @@ impl Cpu {
         Ok(out)
     }
 
-    /// Plays a recipe's lookup from the given images (all of the recipe's, in its order): the mask. The view needs its
-    /// receivers, or geometry.
+    /// Plays a recipe's receive stage from the given images (all of the recipe's, in its order), and returns the mask. The view
+    /// needs its receivers, or geometry.
     ///
     /// # Errors
-    /// When the view has neither, or the images are not the recipe's.
+    /// Errors if the view has neither, or the images are not the recipe's.
     pub fn replay_receive(
         &mut self,
         view: &View<'_>,
@@ -155,10 +144,10 @@ impl Cpu {
         })
     }
 
-    /// Plays a recipe's shading from a mask: the picture. The view needs its receivers, or geometry.
+    /// Plays a recipe's shading from a mask, and returns the picture. The view needs its receivers, or geometry.
     ///
     /// # Errors
-    /// When the view has neither, the recipe does not shade, or the mask has not one entry a pixel.
+    /// Errors if the view has neither, the recipe does not shade, or the mask has not one entry a pixel.
     pub fn replay_shade(
         &mut self,
         view: &View<'_>,
@@ -201,12 +190,14 @@ fn no_such(what: &str, count: usize, index: usize) -> Invalid {
 }
 
 fn check_images(recipe: &Recipe, images: &[Image]) -> Result<(), Invalid> {
-    let fits = |(image, desc): (&Image, &ImageDesc)| {
-        let same = (image.desc.size, image.desc.layers, image.desc.format)
-            == (desc.size, desc.layers, desc.format);
-        same && image.texels.len() as u64 == desc.floats()
-    };
-    if images.len() == recipe.images.len() && images.iter().zip(&recipe.images).all(fits) {
+    let mut fits = images.len() == recipe.images.len();
+    for (image, desc) in images.iter().zip(&recipe.images) {
+        fits &= image.desc.size == desc.size
+            && image.desc.layers == desc.layers
+            && image.desc.format == desc.format
+            && image.texels.len() as u64 == desc.floats();
+    }
+    if fits {
         return Ok(());
     }
     Err(Invalid::new(

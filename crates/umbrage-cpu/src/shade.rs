@@ -1,4 +1,4 @@
-//! The last stage, for pictures alone: colours.
+//! The shade stage, for pictures alone: colours.
 
 use rayon::prelude::*;
 use umbrage_core::{NO_TRIANGLE, Receivers, Shade};
@@ -7,17 +7,14 @@ use umbrage_core::{NO_TRIANGLE, Receivers, Shade};
 pub(crate) fn shade(shade: &Shade, receivers: &Receivers, mask: &[f32]) -> Vec<[f32; 4]> {
     let width = receivers.size.x as usize;
     let mut picture = vec![shade.background; receivers.len()];
-    picture
-        .par_chunks_mut(width)
-        .zip(mask.par_chunks(width))
-        .enumerate()
-        .for_each(|(row, (out, mask))| {
-            shade_row(shade, receivers, row * width, mask, out);
-        });
+    let rows = picture.par_chunks_mut(width).zip(mask.par_chunks(width));
+    rows.enumerate().for_each(|(row, (out, mask))| {
+        shade_row(shade, receivers, row * width, mask, out);
+    });
     picture
 }
 
-/// One row: colours from its first pixel that shows a triangle to its last, then restores the background between.
+/// Colours one row, from its first pixel that shows a triangle to its last, then restores the background between.
 fn shade_row(
     shade: &Shade,
     receivers: &Receivers,
@@ -29,20 +26,14 @@ fn shade_row(
     let Some(start) = seen.iter().position(|&id| id != NO_TRIANGLE) else {
         return;
     };
-    let end = seen
-        .iter()
-        .rposition(|&id| id != NO_TRIANGLE)
-        .map_or(start, |last| last + 1);
-    shade.kernel.shade(
-        &receivers.span(first + start, end - start),
-        &mask[start..end],
-        &mut out[start..end],
-    );
-    for (out, &id) in out[start..end].iter_mut().zip(&seen[start..end]) {
-        *out = if id == NO_TRIANGLE {
-            shade.background
-        } else {
-            *out
-        };
+    let last = seen.iter().rposition(|&id| id != NO_TRIANGLE);
+    let last = last.unwrap_or(start);
+    let span = receivers.span(first + start, last + 1 - start);
+    let out = &mut out[start..=last];
+    shade.kernel.shade(&span, &mask[start..=last], out);
+    for (out, &id) in out.iter_mut().zip(&seen[start..=last]) {
+        if id == NO_TRIANGLE {
+            *out = shade.background;
+        }
     }
 }

@@ -1,19 +1,19 @@
-//! Some receivers alone: what samplers of an image need.
+//! Masks of some pixels alone, for samplers of an image.
 
 use crate::{Cpu, backend, images};
 use rayon::prelude::*;
 use umbrage_core::{BackendError, Inputs, Invalid, Receivers, Recipe, View};
 
-/// Pixels that one thread asks before it looks for more.
+/// Number of pixels that a thread takes at once.
 const CHUNK: usize = 64;
 
 impl Cpu {
-    /// What the mask of [`Backend::render`](umbrage_core::Backend::render) would hold at some pixels: casts and filters
-    /// are played as there, and only these pixels are asked. Bit by bit the same, in the order of `pixels`. The view needs
+    /// Returns what the mask of [`Backend::render`](umbrage_core::Backend::render) would hold at some pixels, bit by bit, in the
+    /// order of `pixels`. Casts and filters are played as there; the receive kernel runs for these pixels only. The view needs
     /// its receivers.
     ///
     /// # Errors
-    /// As [`Backend::render`](umbrage_core::Backend::render); when the view has no receivers, or not that many.
+    /// Errors if [`Backend::render`](umbrage_core::Backend::render) does, or if the view has no receivers, or not that many.
     pub fn ask(
         &mut self,
         view: &View<'_>,
@@ -31,26 +31,26 @@ impl Cpu {
         }
         self.install(|cpu| {
             cpu.draw(view, recipe)?;
-            let inputs = images::views(&cpu.images, &recipe.receive.inputs);
+            let views = images::views(&cpu.images, &recipe.receive.inputs);
             let inputs = Inputs {
-                images: &inputs,
+                images: &views,
                 simd: cpu.simd,
             };
             let mut out = vec![1.0; pixels.len()];
-            out.par_chunks_mut(CHUNK)
-                .zip(pixels.par_chunks(CHUNK))
-                .for_each(|(out, pixels)| {
-                    for (out, &pixel) in out.iter_mut().zip(pixels) {
-                        ask_one(&inputs, recipe, receivers, pixel as usize, out);
-                    }
-                });
+            let chunks = out.par_chunks_mut(CHUNK).zip(pixels.par_chunks(CHUNK));
+            chunks.for_each(|(out, pixels)| {
+                for (out, &pixel) in out.iter_mut().zip(pixels) {
+                    receive_one(&inputs, recipe, receivers, pixel as usize, out);
+                }
+            });
             Ok(out)
         })
     }
 }
 
-/// One receiver is a span of its own, at its own place in the image: kernels' patterns are those of the whole mask.
-fn ask_one(
+/// Runs the receive kernel for one pixel, as a span of its own at its own place in the image: kernels' patterns are those of
+/// the whole mask.
+fn receive_one(
     inputs: &Inputs<'_>,
     recipe: &Recipe,
     receivers: &Receivers,
@@ -58,9 +58,8 @@ fn ask_one(
     out: &mut f32,
 ) {
     if receivers.receives[pixel] {
-        recipe
-            .receive
-            .kernel
-            .receive(inputs, &receivers.span(pixel, 1), std::slice::from_mut(out));
+        let span = receivers.span(pixel, 1);
+        let out = std::slice::from_mut(out);
+        recipe.receive.kernel.receive(inputs, &span, out);
     }
 }

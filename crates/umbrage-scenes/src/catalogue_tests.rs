@@ -202,7 +202,8 @@ fn copies<'a>(scene: &'a Scene, geometry: &'a Geometry) -> impl Iterator<Item = 
 fn the_eye_is_in_an_umbra_whose_side_cuts_the_near_plane() {
     for name in ["eye-in-umbra", "eye-in-umbra-lamp"] {
         let (scene, geometry) = built(name);
-        let (camera, light) = (&scene.cameras[0], scene.lights[0]);
+        let camera = &scene.cameras[0];
+        let light = scene.lights[0];
         let is_dark = |p: Vec3| {
             geometry
                 .bvh()

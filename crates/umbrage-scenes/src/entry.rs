@@ -144,11 +144,16 @@ impl Sample {
     /// within 1e-4 of the sample's distance from the origin (or of a metre, if that is more).
     pub fn triangle(&self, geometry: &Geometry) -> Option<u32> {
         let reach = 1e-4 * self.point.length().max(1.0);
-        let distance = |t: &u32| outside(self.point, geometry.corners(*t));
-        let nearest = geometry
-            .receivers()
-            .min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
-        (distance(&nearest) <= reach).then_some(nearest)
+        let mut nearest = None;
+        let mut least = f32::INFINITY;
+        for triangle in geometry.receivers() {
+            let distance = outside(self.point, geometry.corners(triangle));
+            if nearest.is_none() || distance < least {
+                nearest = Some(triangle);
+                least = distance;
+            }
+        }
+        nearest.filter(|_| least <= reach)
     }
 }
 

@@ -6,7 +6,7 @@ use umbrage_core::{Camera, Geometry, Invalid, light_space::look_along};
 
 /// Where a framed model is seen from: right, above and in front; or the same turned by quarters about y.
 const THREE_QUARTER: DVec3 = DVec3::new(1.0, 0.7, 1.4);
-/// The part of a model's area that must face another quarter more, for that to be preferred.
+/// Another quarter is preferred if it is faced by more than this share of the model's area on top.
 const BETTER: f64 = 0.05;
 /// The part of a framed picture that is kept free on each side.
 const BORDER: f64 = 0.04;
@@ -23,7 +23,7 @@ pub(crate) struct Shot {
 }
 
 impl Shot {
-    /// The camera; near and far are fitted to what is seen where they aren't given.
+    /// Returns the camera; near and far are fitted to what is seen where they aren't given.
     pub(crate) fn camera(
         &self,
         geometry: &Geometry,
@@ -46,15 +46,13 @@ impl Shot {
     fn fitted_range(&self, geometry: &Geometry) -> Result<[f32; 2], Invalid> {
         let view_from_world = look_along(self.eye, self.target - self.eye, self.up)
             .map_err(|e| e.within("camera"))?;
+        let pyramid = ViewPyramid {
+            view_from_world,
+            tangents: self.tangents(),
+        };
         let triangles = (0..geometry.triangles().len() as u32).map(|t| geometry.corners(t));
-        let seen = depth_range(
-            &ViewPyramid {
-                view_from_world,
-                tangents: self.tangents(),
-            },
-            triangles,
-        );
-        // Only sky: any range does, and the target tells the scale.
+        let seen = depth_range(&pyramid, triangles);
+        // Where only sky is seen any range does; the target's distance gives the scale.
         let distance = self.eye.distance(self.target);
         Ok(seen.unwrap_or([0.01 * distance, 100.0 * distance]))
     }
@@ -75,10 +73,14 @@ fn complete(given: [Option<f32>; 2], fitted: [f32; 2]) -> [f32; 2] {
     }
 }
 
-/// A shot from a three-quarter view that sees all of the geometry, as near as that allows. None without any geometry.
+/// Returns a shot from a three-quarter view that sees all of the geometry, from as near as that allows; `None` without any
+/// geometry.
 pub(crate) fn frame(geometry: &Geometry, fov_y: f32, size: UVec2) -> Option<Shot> {
     let bounds = geometry.bounds();
-    let origin = (!bounds.is_empty()).then(|| bounds.center().as_dvec3())?;
+    if bounds.is_empty() {
+        return None;
+    }
+    let origin = bounds.center().as_dvec3();
     let forward = -best_side(geometry).normalize();
     let right = forward.cross(DVec3::Y).normalize();
     let up = right.cross(forward);
@@ -90,45 +92,56 @@ pub(crate) fn frame(geometry: &Geometry, fov_y: f32, size: UVec2) -> Option<Shot
         size,
     };
     let [tx, ty] = shot.tangents().map(|t| t * (1.0 - 2.0 * BORDER));
-    // A pair of the pyramid's sides touches the points where these reach furthest; the eye's place follows.
-    let mut reach = [f64::NEG_INFINITY; 4];
+    // A side of the pyramid through an eye at (x, y, depth) holds all points if, say for the right side, `p.x - p.depth tx <=
+    // x - depth tx`. So of each side only the greatest such number matters, and two opposite sides that touch their points
+    // give x, or y, and a depth.
+    let mut right_most = f64::NEG_INFINITY;
+    let mut left_most = f64::NEG_INFINITY;
+    let mut top = f64::NEG_INFINITY;
+    let mut bottom = f64::NEG_INFINITY;
     for p in geometry.positions() {
         let p = p.as_dvec3() - origin;
-        let (x, y, depth) = (p.dot(right), p.dot(up), p.dot(forward));
-        let ahead = [
-            x - depth * tx,
-            -x - depth * tx,
-            y - depth * ty,
-            -y - depth * ty,
-        ];
-        reach.iter_mut().zip(ahead).for_each(|(r, a)| *r = r.max(a));
+        let x = p.dot(right);
+        let y = p.dot(up);
+        let depth = p.dot(forward);
+        right_most = right_most.max(x - depth * tx);
+        left_most = left_most.max(-x - depth * tx);
+        top = top.max(y - depth * ty);
+        bottom = bottom.max(-y - depth * ty);
     }
-    let [right_most, left_most, top, bottom] = reach;
-    let depth = (-(right_most + left_most) / (2.0 * tx)).min(-(top + bottom) / (2.0 * ty));
-    let (x, y) = (0.5 * (right_most - left_most), 0.5 * (top - bottom));
+    let depth_of_width = -(right_most + left_most) / (2.0 * tx);
+    let depth_of_height = -(top + bottom) / (2.0 * ty);
+    // The farther back of the two sees all.
+    let depth = depth_of_width.min(depth_of_height);
+    let x = 0.5 * (right_most - left_most);
+    let y = 0.5 * (top - bottom);
     let eye = origin + right * x + up * y + forward * depth;
     shot.eye = eye.as_vec3();
     shot.target = (eye - forward * depth).as_vec3();
     (shot.eye != shot.target).then_some(shot)
 }
 
-/// The three-quarter view that the surface faces most on balance. All are alike for closed solids, whose areas add up
+/// Returns the three-quarter view that the surface faces most on balance. All are alike for closed solids, whose areas add up
 /// to zero as vectors; a room without an outside that is open to one side is seen through its opening.
 fn best_side(geometry: &Geometry) -> DVec3 {
-    let (mut vector_area, mut area) = (DVec3::ZERO, 0.0);
+    let mut vector_area = DVec3::ZERO;
+    let mut area = 0.0;
     for t in 0..geometry.triangles().len() as u32 {
         let [a, b, c] = geometry.corners(t).map(|p| p.as_dvec3());
         let n = (b - a).cross(c - a);
         vector_area += n;
         area += n.length();
     }
-    let DVec3 { x, y, z } = THREE_QUARTER;
-    let sides = [(x, z), (z, -x), (-x, -z), (-z, x)].map(|(x, z)| DVec3::new(x, y, z));
-    let better = |a: DVec3, b: DVec3| vector_area.dot(a - b) > BETTER * area;
-    sides.into_iter().fold(
-        THREE_QUARTER,
-        |best, side| if better(side, best) { side } else { best },
-    )
+    let mut best = THREE_QUARTER;
+    let mut side = THREE_QUARTER;
+    for _ in 0..3 {
+        // A quarter about y.
+        side = DVec3::new(side.z, side.y, -side.x);
+        if vector_area.dot(side - best) > BETTER * area {
+            best = side;
+        }
+    }
+    best
 }
 
 #[cfg(test)]

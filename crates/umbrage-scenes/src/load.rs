@@ -11,7 +11,7 @@ use umbrage_core::Scene;
 /// The scene that a command-line argument means: a built-in scene's name, or the path of a `.toml` or `.obj` file.
 ///
 /// # Errors
-/// When it is neither, with the nearest names; else as [`load`].
+/// Errors if it is neither, with the nearest names; else as [`load`].
 pub fn by_argument(argument: &str) -> Result<Scene, SceneError> {
     match find(argument) {
         Some(entry) => Ok((entry.build)()),
@@ -41,7 +41,7 @@ pub fn by_argument(argument: &str) -> Result<Scene, SceneError> {
 /// Loads a scene file (`.toml`) or a model (`.obj`), which is framed and put in the sun.
 ///
 /// # Errors
-/// When the file can't be read, understood or rendered: with the file, the line and the key, as far as there is one.
+/// Errors if the file can't be read, understood or rendered: with the file, the line and the key, as far as there is one.
 pub fn load(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
     let path = path.as_ref();
     match Kind::of(path) {
@@ -59,7 +59,7 @@ pub fn load(path: impl AsRef<Path>) -> Result<Scene, SceneError> {
 /// the text has none; models are looked for in `folder`.
 ///
 /// # Errors
-/// As [`load`].
+/// Errors if [`load`] does.
 pub fn parse(text: &str, name: &str, folder: impl AsRef<Path>) -> Result<Scene, SceneError> {
     file::parse(text, Path::new(name), folder.as_ref())
 }

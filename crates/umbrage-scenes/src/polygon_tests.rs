@@ -60,7 +60,8 @@ fn concave_polygons_are_covered_once_and_keep_their_side() {
                 .map(|i| [0, i, i + 1])
                 .collect();
             // The vector area does not depend on the cut; covering twice or outside adds to the plain one.
-            let (whole, parts) = (area(&corners, &fan), covered(&corners, &triangles));
+            let whole = area(&corners, &fan);
+            let parts = covered(&corners, &triangles);
             assert!(
                 area(&corners, &triangles).distance(whole) < 1e-5,
                 "{corners:?}"

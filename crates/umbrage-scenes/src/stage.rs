@@ -5,7 +5,7 @@ use crate::{
     looks::{Look, PALETTE, matte},
 };
 use umbrage_core::glam::{Affine3A, UVec2, Vec3};
-use umbrage_core::{Displacement, Geometry, Instance, Light, Material, Mesh, Scene};
+use umbrage_core::{Geometry, Instance, Light, Material, Mesh, Scene};
 
 /// A scene in the making.
 #[derive(Clone, Debug)]
@@ -44,23 +44,26 @@ impl Stage {
 
     /// Gives everything so far these roles.
     pub(crate) fn roles(mut self, casts: bool, receives: bool) -> Self {
-        self.scene
-            .instances
-            .iter_mut()
-            .for_each(|i| (i.casts, i.receives) = (casts, receives));
+        for instance in &mut self.scene.instances {
+            instance.casts = casts;
+            instance.receives = receives;
+        }
         self
     }
 
     /// Gives the mesh put last these roles.
     pub(crate) fn last_roles(mut self, casts: bool, receives: bool) -> Self {
-        self.last()
-            .for_each(|i| (i.casts, i.receives) = (casts, receives));
+        for instance in self.last() {
+            instance.casts = casts;
+            instance.receives = receives;
+        }
         self
     }
 
     /// Gives the mesh put last this look.
     pub(crate) fn look(mut self, look: Look) -> Self {
-        let (first, id) = (self.scene.textures.len(), self.scene.materials.len());
+        let first = self.scene.textures.len();
+        let id = self.scene.materials.len();
         self.scene.textures.extend(look.textures);
         self.scene.materials.push(moved(look.material, first));
         self.last().for_each(|i| i.material = Some(id));
@@ -83,7 +86,7 @@ impl Stage {
     /// Adds the camera, near and far fitted, and hands the scene over.
     ///
     /// # Panics
-    /// If the scene is invalid: it is written in this crate, and a test builds each.
+    /// Panics if the scene is invalid: it is written in this crate, and a test builds each.
     pub(crate) fn shoot(
         self,
         eye: Vec3,
@@ -117,44 +120,41 @@ impl Stage {
 
     /// What has no look yet gets colours in turn; the first thing is nearly always a floor.
     fn paint_the_rest(&mut self) {
-        let (first, colors) = (self.scene.materials.len(), PALETTE.len());
-        let number = |n: usize| {
-            if n == 0 {
+        let first = self.scene.materials.len();
+        let colors = PALETTE.len();
+        let mut paints_any = false;
+        for (n, instance) in self.scene.instances.iter_mut().enumerate() {
+            if instance.material.is_some() {
+                continue;
+            }
+            // The floor's colour is not used again.
+            let color = if n == 0 {
                 0
             } else {
                 1 + (n - 1) % (colors - 1)
-            }
-        };
-        let bare = self
-            .scene
-            .instances
-            .iter_mut()
-            .enumerate()
-            .filter(|(_, i)| i.material.is_none());
-        if bare
-            .map(|(n, instance)| instance.material = Some(first + number(n)))
-            .count()
-            > 0
-        {
-            self.scene
-                .materials
-                .extend(PALETTE.map(|color| matte(color).material));
+            };
+            instance.material = Some(first + color);
+            paints_any = true;
+        }
+        if paints_any {
+            let palette = PALETTE.map(|color| matte(color).material);
+            self.scene.materials.extend(palette);
         }
     }
 }
 
-/// The material with its textures counted from `first`.
-fn moved(material: Material, first: usize) -> Material {
-    let from = |id: Option<usize>| id.map(|id| id + first);
-    Material {
-        diffuse_texture: from(material.diffuse_texture),
-        normal_map: from(material.normal_map),
-        displacement: material.displacement.map(|d| Displacement {
-            texture: d.texture + first,
-            ..d
-        }),
-        ..material
+/// Returns the material with its textures counted from `first`.
+fn moved(mut material: Material, first: usize) -> Material {
+    if let Some(id) = &mut material.diffuse_texture {
+        *id += first;
     }
+    if let Some(id) = &mut material.normal_map {
+        *id += first;
+    }
+    if let Some(displacement) = &mut material.displacement {
+        displacement.texture += first;
+    }
+    material
 }
 
 /// The sun as an ideal light.

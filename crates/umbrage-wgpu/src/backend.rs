@@ -25,12 +25,12 @@ use crate::{
 use std::sync::{Mutex, PoisonError};
 use umbrage_core::{
     Backend, BackendError, BackendLimits, Invalid, Receivers, Recipe, Shadows, Snapping, Source,
-    View,
+    Timings, View,
 };
 use wgpu::{Adapter, AdapterInfo, CommandEncoder, Device, DeviceDescriptor, Features, Queue};
 
-/// Borrows only the fields needed, so that the others stay free.
-macro_rules! maker {
+/// Makes a [`ResourceFactory`] of a [`Gpu`]. A macro, since a method would borrow all fields.
+macro_rules! factory {
     ($gpu:expr) => {
         $crate::resources::counters::ResourceFactory {
             device: &$gpu.device,
@@ -40,7 +40,7 @@ macro_rules! maker {
     };
 }
 #[cfg(feature = "testing")]
-pub(crate) use maker;
+pub(crate) use factory;
 
 /// Plays recipes on a graphics adapter, uploads what they need and reads the mask back.
 ///
@@ -53,10 +53,10 @@ pub struct Gpu {
     pub(crate) adapter: Adapter,
     pub(crate) device: Device,
     pub(crate) queue: Queue,
-    pub(crate) faults: DeviceErrors,
+    pub(crate) errors: DeviceErrors,
     pub(crate) renderer: ShadowRenderer,
-    pub(crate) finder: GBufferPass,
-    pub(crate) clock: Option<TimestampQueries>,
+    pub(crate) gbuffer_pass: GBufferPass,
+    pub(crate) timestamps: Option<TimestampQueries>,
     pub(crate) geometries: Geometries,
     pub(crate) receivers: Option<ReceiverTextures>,
     pub(crate) spare: Spare,
@@ -69,7 +69,8 @@ impl Gpu {
     /// Opens the adapter that fits the choice best.
     ///
     /// # Errors
-    /// `NoAdapter` with what there is and what to install; or when the adapter cannot draw into float images.
+    /// Errors with `NoAdapter` (what there is and what to install) if none fits; and if the adapter cannot draw into float
+    /// images.
     pub fn new(choice: &AdapterChoice) -> Result<Self, BackendError> {
         let adapter = choice.find()?;
         requirements::check_player(&adapter)?;
@@ -82,18 +83,18 @@ impl Gpu {
         };
         let opened = pollster::block_on(adapter.request_device(&desc));
         let (device, queue) = opened.map_err(|e| BackendError::DeviceLost(e.to_string()))?;
-        let faults = DeviceErrors::of(&device);
+        let errors = DeviceErrors::of(&device);
         let info = adapter.get_info();
         let scopes = Scopes::open(&device);
         let mut counters = Counters::default();
         let gpu = Self {
             name: format!("wgpu: {} ({})", info.name, info.backend),
-            finder: GBufferPass::new(&ResourceFactory {
+            gbuffer_pass: GBufferPass::new(&ResourceFactory {
                 device: &device,
                 queue: &queue,
                 counters: &mut counters,
             }),
-            clock: TimestampQueries::new(&device, &queue),
+            timestamps: TimestampQueries::new(&device, &queue),
             renderer: ShadowRenderer::new(&device, RendererOptions::default())?,
             geometries: Geometries::default(),
             receivers: None,
@@ -104,36 +105,37 @@ impl Gpu {
             adapter,
             device,
             queue,
-            faults,
+            errors,
         };
         scopes.close()?;
         Ok(gpu)
     }
 
-    /// The adapter's name, type, API, driver and driver version.
+    /// Returns the adapter's name, type, API, driver and driver version.
     pub fn adapter_info(&self) -> AdapterInfo {
         self.adapter.get_info()
     }
 
-    /// The device and its queue, to share them with a renderer of your own.
+    /// Returns the device and its queue, to share them with a renderer of your own.
     pub fn device(&self) -> (&Device, &Queue) {
         (&self.device, &self.queue)
     }
 
-    /// What recipes may ask of this adapter.
+    /// Returns the largest images, layers and tables that recipes may use on this adapter.
     pub fn limits(&self) -> BackendLimits {
         self.renderer.limits()
     }
 
-    /// What was made so far, for recipes and for receivers.
+    /// Returns how many GPU objects were made so far, for recipes and for receivers.
     #[cfg(feature = "testing")]
     pub fn counters(&self) -> Counters {
-        let (a, b) = (self.counters, self.renderer.counters());
+        let own = self.counters;
+        let renderer = self.renderer.counters();
         Counters {
-            pipelines: a.pipelines + b.pipelines,
-            textures: a.textures + b.textures,
-            buffers: a.buffers + b.buffers,
-            bind_groups: a.bind_groups + b.bind_groups,
+            pipelines: own.pipelines + renderer.pipelines,
+            textures: own.textures + renderer.textures,
+            buffers: own.buffers + renderer.buffers,
+            bind_groups: own.bind_groups + renderer.bind_groups,
         }
     }
 
@@ -142,52 +144,54 @@ impl Gpu {
         &mut self,
         f: impl FnOnce(&mut Self) -> Result<R, BackendError>,
     ) -> Result<R, BackendError> {
-        self.faults.check()?;
+        self.errors.check()?;
         let scopes = Scopes::open(&self.device);
         let result = f(self);
         let closed = scopes.close();
         // A lost device explains all other errors, and errors of the device those that follow from them.
-        let outcome = self.faults.check().and(closed).and(result);
+        let outcome = self.errors.check().and(closed).and(result);
         if outcome.is_err() {
             // What was made may be unusable.
-            (self.receivers, self.geometries, self.converter) = Default::default();
+            self.receivers = None;
+            self.geometries = Geometries::default();
+            self.converter = Converter::default();
         }
         outcome
     }
 
     fn play(&mut self, view: &View<'_>, recipe: &Recipe) -> Result<Shadows, BackendError> {
-        let found = self.prepare(view, recipe)?;
-        let mut encoder = self.begin(found);
-        self.renderer.encode_timed(
-            &mut encoder,
-            self.clock.as_ref().map(TimestampQueries::stamps).as_ref(),
-        )?;
-        self.finish(encoder, view, recipe, found.is_some())
+        let triangles = self.prepare(view, recipe)?;
+        let mut encoder = self.begin(triangles);
+        let stamps = self.timestamps.as_ref().map(TimestampQueries::stamps);
+        self.renderer.encode_timed(&mut encoder, stamps.as_ref())?;
+        self.finish(encoder, view, recipe, triangles.is_some())
     }
 
-    /// Uploads and compiles. Returns how many triangles are to be drawn to find receivers, if they aren't known.
+    /// Uploads and compiles. Returns how many triangles are to be drawn to find receivers; `None` if the view brings
+    /// receivers.
     pub(crate) fn prepare(
         &mut self,
         view: &View<'_>,
         recipe: &Recipe,
     ) -> Result<Option<u32>, BackendError> {
-        let mut maker = maker!(self);
-        let textures = ReceiverTextures::fit(&mut self.receivers, &mut maker, view.camera.size);
-        let geometry = view
-            .geometry
-            .map(|g| self.geometries.get(&mut maker, g))
-            .transpose()?;
+        let mut factory = factory!(self);
+        let textures = ReceiverTextures::fit(&mut self.receivers, &mut factory, view.camera.size);
+        let geometry = match view.geometry {
+            Some(geometry) => Some(self.geometries.get(&mut factory, geometry)?),
+            None => None,
+        };
         match (view.receivers, geometry) {
-            (Some(receivers), _) => textures.upload(&maker, receivers),
+            (Some(receivers), _) => textures.upload(&factory, receivers),
             (None, Some(geometry)) => {
-                self.finder
-                    .prepare(&mut maker, view.camera, geometry, textures)
+                self.gbuffer_pass
+                    .prepare(&mut factory, view.camera, geometry, textures)
             }
             (None, None) => return Err(blind()),
         }
         let casters: Vec<_> = geometry.iter().map(|g| g.casters()).collect();
         let everything: Vec<_> = geometry.iter().map(|g| g.everything()).collect();
-        let (size, receivers) = (view.camera.size, textures.gbuffer());
+        let size = view.camera.size;
+        let receivers = textures.gbuffer();
         let frame = FrameInputs {
             size,
             casters: &casters,
@@ -196,39 +200,40 @@ impl Gpu {
         };
         self.renderer
             .prepare(&self.device, &self.queue, recipe, &frame)?;
-        Ok(geometry
-            .filter(|_| view.receivers.is_none())
-            .map(|g| g.triangles))
+        match view.receivers {
+            Some(_) => Ok(None),
+            None => Ok(geometry.map(|g| g.triangles)),
+        }
     }
 
-    /// An encoder, with the passes that find receivers if they are to be found.
-    pub(crate) fn begin(&self, found: Option<u32>) -> CommandEncoder {
+    /// Returns an encoder; with `triangles`, the passes that find receivers by drawing so many are recorded.
+    pub(crate) fn begin(&self, triangles: Option<u32>) -> CommandEncoder {
         let mut encoder = self
             .device
             .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        if let (Some(triangles), Some(textures)) = (found, &self.receivers) {
-            let queries = self.clock.as_ref().map(|c| &c.queries);
-            self.finder
+        if let (Some(triangles), Some(textures)) = (triangles, &self.receivers) {
+            let queries = self.timestamps.as_ref().map(|c| &c.queries);
+            self.gbuffer_pass
                 .encode(&mut encoder, textures, triangles, queries);
         }
         encoder
     }
 
-    /// The recipe's images, or floats in their place, as copies of memory can read them.
+    /// Returns the recipe's images, or copies of them as floats where their own format can't be read back.
     pub(crate) fn readable_images(&mut self, encoder: &mut CommandEncoder) -> Vec<GpuImage> {
         self.converter
-            .read(&mut maker!(self), encoder, self.renderer.gpu_images())
+            .read(&mut factory!(self), encoder, self.renderer.gpu_images())
     }
 
-    /// Submits, waits, and reads back.
+    /// Submits, waits, and reads back. `finds_receivers` says whether the encoder holds the passes that find receivers.
     fn finish(
         &mut self,
         mut encoder: CommandEncoder,
         view: &View<'_>,
         recipe: &Recipe,
-        found: bool,
+        finds_receivers: bool,
     ) -> Result<Shadows, BackendError> {
-        let played = StagesWithPasses::new(recipe, found);
+        let played = StagesWithPasses::new(recipe, finds_receivers);
         let kept = if recipe.keep_images {
             self.readable_images(&mut encoder)
         } else {
@@ -236,44 +241,50 @@ impl Gpu {
         };
         let mut back = ReadBack::new(&self.device, &mut self.counters, &mut self.spare);
         let tickets = Tickets::record(&mut encoder, &mut back, &self.renderer, &kept);
-        let receivers = self
-            .receivers
+        let receiver_tickets = match &self.receivers {
+            Some(textures) if finds_receivers => Some(textures.record(&mut encoder, &mut back)),
+            _ => None,
+        };
+        let time_ticket = self
+            .timestamps
             .as_ref()
-            .filter(|_| found)
-            .map(|t| t.record(&mut encoder, &mut back));
-        let clock = self
-            .clock
-            .as_ref()
-            .map(|c| (c, c.read(&mut encoder, played, &mut back)));
+            .map(|queries| queries.read(&mut encoder, played, &mut back));
         self.queue.submit([encoder.finish()]);
         back.wait()?;
+        let receivers = match receiver_tickets {
+            Some(tickets) => Some(tickets.read(&back, view)?),
+            None => None,
+        };
+        let timings = match (&self.timestamps, time_ticket) {
+            (Some(queries), Some(ticket)) => queries.timings(played, &back, ticket)?,
+            _ => Timings::default(),
+        };
         let pixels = u64::from(view.camera.size.x) * u64::from(view.camera.size.y);
         Ok(Shadows {
             size: view.camera.size,
             mask: tickets.mask(&back)?,
             picture: tickets.picture(&back)?,
             images: tickets.images(&back, recipe)?,
-            receivers: receivers.map(|t| t.read(&back, view)).transpose()?,
-            timings: clock
-                .map(|(c, t)| c.timings(played, &back, t))
-                .transpose()?
-                .unwrap_or_default(),
-            bytes: recipe.image_bytes() + recipe.table_bytes() + pixels * bytes_a_pixel(recipe),
+            receivers,
+            timings,
+            bytes: recipe.image_bytes() + recipe.table_bytes() + pixels * bytes_per_pixel(recipe),
         })
     }
 }
 
-/// How an adapter rounds vertices: probed once a process.
+/// Returns how an adapter rounds vertices. Each adapter is probed once a process.
 fn snapping_of(
     info: &AdapterInfo,
     device: &Device,
     queue: &Queue,
 ) -> Result<Snapping, BackendError> {
     static KNOWN: Mutex<Vec<(AdapterInfo, Snapping)>> = Mutex::new(Vec::new());
-    // RendererState while it is probed, so that others wait rather than probe, too.
+    // The lock is held while the adapter is probed, so that other threads wait rather than probe it, too.
     let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some((_, snapping)) = known.iter().find(|(of, _)| of == info) {
-        return Ok(*snapping);
+    for (adapter, snapping) in known.iter() {
+        if adapter == info {
+            return Ok(*snapping);
+        }
     }
     let snapping = probe_snapping(device, queue)?;
     known.push((info.clone(), snapping));
@@ -301,6 +312,7 @@ impl Backend for Gpu {
     }
 }
 
+/// Errors if the view lacks what the recipe needs, or holds numbers that can't be used.
 pub(crate) fn check(view: &View<'_>, recipe: &Recipe) -> Result<(), BackendError> {
     view.camera.validate()?;
     if let Some(r) = view.receivers.filter(|r| r.size != view.camera.size) {
@@ -312,21 +324,22 @@ pub(crate) fn check(view: &View<'_>, recipe: &Recipe) -> Result<(), BackendError
         return Err(Invalid::new("receivers", why, help).into());
     }
     view.receivers.map_or(Ok(()), Receivers::validate)?;
-    if view.geometry.is_none()
-        && recipe
-            .casts
-            .iter()
-            .any(|c| !matches!(c.source, Source::Faces(_)))
-    {
+    let casts_geometry = recipe
+        .casts
+        .iter()
+        .any(|c| !matches!(c.source, Source::Faces(_)));
+    if view.geometry.is_none() && casts_geometry {
         let help = "give the view its geometry, or draw yours with `ShadowRenderer`";
         return Err(Invalid::new("view", "has no geometry, but the recipe casts", help).into());
     }
     Ok(())
 }
 
-/// Mask, receivers, and the picture if there is one.
-fn bytes_a_pixel(recipe: &Recipe) -> u64 {
-    4 + ReceiverTextures::BYTES + if recipe.shade.is_some() { 16 } else { 0 }
+/// Returns the bytes that the mask, the receivers and the picture, if there is one, take per pixel.
+fn bytes_per_pixel(recipe: &Recipe) -> u64 {
+    let mask = 4;
+    let picture = if recipe.shade.is_some() { 16 } else { 0 };
+    mask + ReceiverTextures::BYTES + picture
 }
 
 fn blind() -> BackendError {

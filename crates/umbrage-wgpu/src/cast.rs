@@ -6,7 +6,7 @@ use crate::{
     resources::{
         bindings::{Binding, Bound, Slot},
         counters::ResourceFactory,
-        draws::{Draw, DrawList, Vertex},
+        draws::{DrawList, Vertex},
         faces::FaceBuffers,
         images::GpuImage,
         matrices::{Matrices, matrix_layout},
@@ -21,27 +21,29 @@ use wgpu::{
     ShaderStages, TextureView,
 };
 
-/// Ready to be encoded.
+/// All of a recipe's casts, ready to be encoded.
 #[derive(Debug, Default)]
 pub(crate) struct CastStage {
     pub(crate) targets: Vec<CastTarget>,
-    /// For each target, whether it draws what the technique made.
+    /// For each target, whether it draws faces that the technique made.
     faces: Vec<bool>,
     list: DrawList,
     /// For each target, and in it for each draw.
     pipelines: Vec<Vec<RenderPipeline>>,
-    /// For each target, what it peels off.
-    others: Vec<Binding>,
+    /// For each target, the layer that it peels off.
+    peeled: Vec<Binding>,
     /// Layers that casts read before any cast writes them.
     clears: Vec<(Format, TextureView)>,
+    /// Each target's clip from world.
     spaces: Matrices,
+    /// Each draw's world from local.
     places: Matrices,
 }
 
 impl CastStage {
     pub(crate) fn prepare(
         &mut self,
-        maker: &mut ResourceFactory<'_>,
+        factory: &mut ResourceFactory<'_>,
         pipelines: &mut Pipelines,
         casts: &[Cast],
         images: &[GpuImage],
@@ -55,71 +57,77 @@ impl CastStage {
             .iter()
             .map(|c| matches!(c.source, Source::Faces(_)))
             .collect();
-        self.list = DrawList::new(maker, faces, casts, frame);
+        self.list = DrawList::new(factory, faces, casts, frame);
         self.clears = read_unwritten(casts, images);
         self.spaces.write(
-            maker,
+            factory,
             pipelines,
             self.targets.iter().map(|t| t.clip_from_world),
         );
-        self.places.write(maker, pipelines, self.list.places());
-        let layouts = Layouts::new(maker, pipelines);
-        self.bind_others(maker, &layouts);
-        let mut pipeline = |target: &CastTarget, draw: &Draw| {
-            let key = CastKey {
-                depth: target.state(),
-                layout: draw.layout,
-                vertex: draw.vertex,
-                peel: Peel::of(target),
-            };
-            pipelines.cast(maker, key, &layouts.of(&key))
-        };
-        let parts = self.targets.iter().zip(&self.list.casts);
-        let draws = &self.list.draws;
-        self.pipelines = parts
-            .map(|(t, part)| draws[part.clone()].iter().map(|d| pipeline(t, d)).collect())
-            .collect();
+        self.places.write(factory, pipelines, self.list.places());
+        let layouts = Layouts::new(factory, pipelines);
+        self.bind_peeled(factory, &layouts);
+        self.pipelines.clear();
+        for (target, part) in self.targets.iter().zip(&self.list.casts) {
+            let mut of_target = Vec::new();
+            for draw in &self.list.draws[part.clone()] {
+                let key = CastKey {
+                    depth: target.state(),
+                    layout: draw.layout,
+                    vertex: draw.vertex,
+                    peel: Peel::of(target),
+                };
+                of_target.push(pipelines.cast(factory, key, &layouts.of(&key)));
+            }
+            self.pipelines.push(of_target);
+        }
     }
 
-    fn bind_others(&mut self, maker: &mut ResourceFactory<'_>, layouts: &Layouts) {
-        self.others
+    fn bind_peeled(&mut self, factory: &mut ResourceFactory<'_>, layouts: &Layouts) {
+        self.peeled
             .resize_with(self.targets.len(), Binding::default);
-        for (binding, target) in self.others.iter_mut().zip(&self.targets) {
+        for (binding, target) in self.peeled.iter_mut().zip(&self.targets) {
             if let Some(other) = &target.behind {
                 binding.set(
-                    maker,
+                    factory,
                     "umbrage peeled layer",
-                    &layouts.other,
+                    &layouts.peeled,
                     vec![Bound::View(other.clone())],
                 );
             }
         }
     }
 
-    /// Whether all that a caller needs to draw a cast is its target, one after the other.
+    /// Returns whether a caller can draw the casts with their targets alone: none peels, counts or draws the technique's faces.
     pub(crate) fn are_plain(&self) -> bool {
-        let plain = |t: &CastTarget| t.behind.is_none() && t.format().is_depth();
-        self.targets.iter().all(plain) && !self.faces.contains(&true)
+        let draws_faces = self.faces.contains(&true);
+        let targets_are_plain = self
+            .targets
+            .iter()
+            .all(|target| target.behind.is_none() && target.format().is_depth());
+        targets_are_plain && !draws_faces
     }
 
-    /// Whether a cast draws what the technique made.
+    /// Returns whether a cast draws faces that the technique made.
     pub(crate) fn draws_faces(&self, cast: usize) -> bool {
         self.faces[cast]
     }
 
-    /// Gives layers that casts read, and that none wrote before, what the recipe promises.
+    /// Clears the layers that casts read before any cast writes them.
     pub(crate) fn clear(&self, encoder: &mut CommandEncoder) {
-        self.clears
-            .iter()
-            .for_each(|(format, view)| clear(encoder, *format, view));
+        for (format, view) in &self.clears {
+            clear(encoder, *format, view);
+        }
     }
 
     pub(crate) fn encode(&self, encoder: &mut CommandEncoder, stamps: Option<&PassTimestamps<'_>>) {
         self.clear(encoder);
-        (0..self.targets.len()).for_each(|i| self.encode_one(encoder, i, stamps));
+        for i in 0..self.targets.len() {
+            self.encode_one(encoder, i, stamps);
+        }
     }
 
-    /// One cast without the clearing of what it reads.
+    /// Records one cast, without clearing what it reads.
     pub(crate) fn encode_one(
         &self,
         encoder: &mut CommandEncoder,
@@ -134,65 +142,65 @@ impl CastStage {
         });
         self.spaces.bind(&mut pass, 0, i);
         if self.targets[i].behind.is_some() {
-            pass.set_bind_group(2, self.others[i].group(), &[]);
+            pass.set_bind_group(2, self.peeled[i].group(), &[]);
         }
         self.draw(&mut pass, i);
     }
 
     fn draw(&self, pass: &mut RenderPass<'_>, cast: usize) {
-        let pipelines = &self.pipelines[cast];
-        for ((i, place), pipeline) in self.list.casts[cast].clone().enumerate().zip(pipelines) {
-            let draw = &self.list.draws[place];
-            if i == 0 || pipelines[i - 1] != *pipeline {
+        let mut last = None;
+        for (index, pipeline) in self.list.casts[cast].clone().zip(&self.pipelines[cast]) {
+            let draw = &self.list.draws[index];
+            if last != Some(pipeline) {
                 pass.set_pipeline(pipeline);
+                last = Some(pipeline);
             }
             if draw.vertex == Vertex::Local {
-                self.places.bind(pass, 1, place);
+                self.places.bind(pass, 1, index);
             }
             draw.encode(pass);
         }
     }
 }
 
-/// The bind groups of casts: 0 the space, 1 the place, 2 what is peeled off.
+/// Layouts of the bind groups of casts: 0 holds clip from world, 1 world from local, 2 the layer that is peeled off.
 struct Layouts {
     matrix: BindGroupLayout,
-    other: BindGroupLayout,
+    peeled: BindGroupLayout,
 }
 
 impl Layouts {
-    fn new(maker: &ResourceFactory<'_>, pipelines: &mut Pipelines) -> Self {
-        let matrix = matrix_layout(maker, pipelines);
-        let other = pipelines.layouts.get(
-            maker,
+    fn new(factory: &ResourceFactory<'_>, pipelines: &mut Pipelines) -> Self {
+        let matrix = matrix_layout(factory, pipelines);
+        let peeled = pipelines.layouts.get(
+            factory,
             ShaderStages::FRAGMENT,
             &[Slot::Floats { layered: false }],
         );
-        Self { matrix, other }
+        Self { matrix, peeled }
     }
 
     fn of(&self, key: &CastKey) -> [Option<&BindGroupLayout>; 3] {
         let place = (key.vertex == Vertex::Local).then_some(&self.matrix);
-        [
-            Some(&self.matrix),
-            place,
-            (key.peel != Peel::Nothing).then_some(&self.other),
-        ]
+        let peeled = (key.peel != Peel::Nothing).then_some(&self.peeled);
+        [Some(&self.matrix), place, peeled]
     }
 }
 
+/// Returns the layers that casts read before any cast writes them, with their formats.
 fn read_unwritten(casts: &[Cast], images: &[GpuImage]) -> Vec<(Format, TextureView)> {
     let mut out = Vec::new();
     for (i, cast) in casts.iter().enumerate() {
-        let (CastMode::DepthPeel(other) | CastMode::StencilDepthFail { depth: other }) = cast.mode
-        else {
-            continue;
+        let read = match cast.mode {
+            CastMode::Depth => continue,
+            CastMode::DepthPeel(other) => other,
+            CastMode::StencilDepthFail { depth } => depth,
         };
-        if !casts[..i]
+        let is_written = casts[..i]
             .iter()
-            .any(|c| (c.image, c.layer) == (other, cast.layer))
-        {
-            let image = &images[other];
+            .any(|earlier| earlier.image == read && earlier.layer == cast.layer);
+        if !is_written {
+            let image = &images[read];
             out.push((image.desc.format, image.layers[cast.layer as usize].clone()));
         }
     }

@@ -17,17 +17,19 @@ use wgpu::{
     StoreOp, TextureView,
 };
 
-/// Ready to be encoded.
+/// All of a recipe's filters, ready to be encoded.
 #[derive(Debug, Default)]
 pub(crate) struct FilterStage {
+    /// Each filter, with the layers that it writes.
     filters: Vec<(KernelStage, Vec<TextureView>)>,
+    /// Layers that may be read before a stage writes them.
     clears: Vec<(Format, TextureView)>,
 }
 
 impl FilterStage {
     pub(crate) fn prepare(
         &mut self,
-        maker: &mut ResourceFactory<'_>,
+        factory: &mut ResourceFactory<'_>,
         pipelines: &mut Pipelines,
         sources: &mut Sources<'_>,
     ) {
@@ -39,7 +41,7 @@ impl FilterStage {
         for ((stage, targets), filter) in self.filters.iter_mut().zip(&recipe.filters) {
             let kernel = &*filter.kernel;
             let shape = stage.bind(
-                maker,
+                factory,
                 pipelines,
                 sources,
                 kernel,
@@ -51,7 +53,7 @@ impl FilterStage {
             let format = texture_format(output.desc.format);
             let label = format!("umbrage filter into {}", output.desc.label);
             stage.pipeline = Some(pipelines.kernel(
-                maker,
+                factory,
                 &label,
                 text,
                 "umbrage_filter",
@@ -62,34 +64,38 @@ impl FilterStage {
         }
     }
 
-    /// Clears what may be read but isn't written.
+    /// Clears the layers that may be read before a stage writes them.
     pub(crate) fn clear(&self, encoder: &mut CommandEncoder) {
-        self.clears
-            .iter()
-            .for_each(|(format, view)| clear(encoder, *format, view));
+        for (format, view) in &self.clears {
+            clear(encoder, *format, view);
+        }
     }
 
+    /// Records one pass for each layer of each filter's output.
     pub(crate) fn encode(&self, encoder: &mut CommandEncoder, stamps: Option<&PassTimestamps<'_>>) {
-        let passes = self.filters.iter().flat_map(|(stage, layers)| {
-            (0..).zip(layers).filter_map(move |(layer, view)| {
-                Some((stage, stage.pipeline.as_ref()?, layer, view))
-            })
-        });
-        let count = passes.clone().count();
-        for (i, (stage, pipeline, layer, view)) in passes.enumerate() {
-            let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
-                label: Some("umbrage filter"),
-                color_attachments: &[Some(color_attachment(view, Color::TRANSPARENT))],
-                timestamp_writes: pass_stamps(stamps, TimedStage::Filter, i, count),
-                ..RenderPassDescriptor::default()
-            });
-            pass.set_pipeline(pipeline);
-            pass.set_bind_group(0, stage.binding.group(), &[]);
-            pass.draw(0..3, layer..layer + 1);
+        let count = self.filters.iter().map(|(_, layers)| layers.len()).sum();
+        let mut index = 0;
+        for (stage, layers) in &self.filters {
+            let Some(pipeline) = &stage.pipeline else {
+                continue;
+            };
+            for (layer, view) in (0..).zip(layers) {
+                let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
+                    label: Some("umbrage filter"),
+                    color_attachments: &[Some(color_attachment(view, Color::TRANSPARENT))],
+                    timestamp_writes: pass_stamps(stamps, TimedStage::Filter, index, count),
+                    ..RenderPassDescriptor::default()
+                });
+                pass.set_pipeline(pipeline);
+                pass.set_bind_group(0, stage.binding.group(), &[]);
+                pass.draw(0..3, layer..layer + 1);
+                index += 1;
+            }
         }
     }
 }
 
+/// Returns the attachment of a pass that clears a layer and keeps what it draws.
 pub(crate) fn color_attachment(view: &TextureView, clear: Color) -> RenderPassColorAttachment<'_> {
     let ops = Operations {
         load: LoadOp::Clear(clear),
@@ -103,7 +109,7 @@ pub(crate) fn color_attachment(view: &TextureView, clear: Color) -> RenderPassCo
     }
 }
 
-/// Gives a layer what it holds before anything is written.
+/// Records a pass that gives a layer the contents with which a recipe's images start.
 pub(crate) fn clear(encoder: &mut CommandEncoder, format: Format, view: &TextureView) {
     let color = [Some(color_attachment(view, Color::TRANSPARENT))];
     let cast_only = format.is_cast_only();
@@ -115,17 +121,17 @@ pub(crate) fn clear(encoder: &mut CommandEncoder, format: Format, view: &Texture
     });
 }
 
-/// Layers that may be read before a stage writes them: they must start as the recipe promises, not as the last frame
-/// left them.
+/// Returns the layers that may be read before a stage writes them: they must start as the recipe promises, not as the last
+/// frame left them.
 fn unwritten_layers(recipe: &Recipe, images: &[GpuImage]) -> Vec<(Format, TextureView)> {
     let mut out = Vec::new();
     for (id, image) in images.iter().enumerate() {
         for (layer, view) in (0..).zip(&image.layers) {
-            let cast = recipe
+            let is_cast = recipe
                 .casts
                 .iter()
-                .any(|c| (c.image, c.layer) == (id, layer));
-            if !cast && !filtered_before_read(recipe, id) {
+                .any(|cast| cast.image == id && cast.layer == layer);
+            if !is_cast && !filtered_before_read(recipe, id) {
                 out.push((image.desc.format, view.clone()));
             }
         }
@@ -133,6 +139,7 @@ fn unwritten_layers(recipe: &Recipe, images: &[GpuImage]) -> Vec<(Format, Textur
     out
 }
 
+/// Returns whether a filter writes the image and none reads it before.
 fn filtered_before_read(recipe: &Recipe, image: usize) -> bool {
     let Some(writer) = recipe.filters.iter().position(|f| f.output == image) else {
         return false;

@@ -1,4 +1,4 @@
-//! What the caller hands in: casters in its own buffers, and what its camera sees.
+//! The caller's input for one frame: casters in its own buffers, and the G-buffer of its camera.
 
 use glam::{Affine3A, UVec2};
 use std::ops::Range;
@@ -83,7 +83,7 @@ pub struct GBuffer<'a> {
 }
 
 impl FrameInputs<'_> {
-    /// Objects to what the device would: later, in other words, and some of it only when the caller submits.
+    /// Errors if the device would fail: that would say so later, in other words, and in part only when the caller submits.
     pub(crate) fn validate(&self, recipe: &Recipe, limits: &Limits) -> Result<(), BackendError> {
         for (what, drawables) in [("caster", self.casters), ("everything", self.everything)] {
             for (i, drawable) in drawables.iter().enumerate() {
@@ -106,12 +106,14 @@ impl FrameInputs<'_> {
             TextureFormat::Rgba32Float,
             self.size,
         )?;
-        self.receivers.triangle.map_or(Ok(()), |v| {
-            check(v, "triangle", TextureFormat::R32Uint, self.size)
-        })
+        if let Some(view) = self.receivers.triangle {
+            check(view, "triangle", TextureFormat::R32Uint, self.size)?;
+        }
+        Ok(())
     }
 
-    /// Without casters, too, the caller draws all casts.
+    /// Errors if a cast draws everything and the frame lists casters only. A frame without casters either is fine: there the
+    /// caller draws all casts itself.
     fn check_everything(&self, recipe: &Recipe) -> Result<(), Invalid> {
         let needed = recipe
             .casts
@@ -161,7 +163,7 @@ impl Drawable<'_> {
         self.check_range()
     }
 
-    /// Objects to ids that are not as many as the triangles drawn.
+    /// Errors if there are ids, but not as many as triangles are drawn.
     fn check_triangles(&self, what: &str) -> Result<(), Invalid> {
         let Some(triangles) = &self.triangles else {
             return Ok(());
@@ -180,11 +182,14 @@ impl Drawable<'_> {
     }
 
     fn check_range(&self) -> Result<(), Invalid> {
-        let (what, count) = match self.indices {
-            Some(Indices { buffer, format }) => {
-                ("indices", buffer.size() / format.byte_size() as u64)
-            }
-            None => ("vertices", self.layout.vertices(self.vertices.size())),
+        let what = match self.indices {
+            Some(_) => "indices",
+            None => "vertices",
+        };
+        let vertices = self.layout.vertices(self.vertices.size());
+        let count = match &self.indices {
+            Some(indices) => indices.buffer.size() / indices.format.byte_size() as u64,
+            None => vertices,
         };
         if self.range.start > self.range.end {
             let why = format!(
@@ -198,7 +203,7 @@ impl Drawable<'_> {
             return Err(Invalid::new(what, why, "draw what is in the buffer"));
         }
         self.check_triangles(what)?;
-        if self.layout.vertices(self.vertices.size()) == 0 && !self.range.is_empty() {
+        if vertices == 0 && !self.range.is_empty() {
             return Err(Invalid::new(
                 "vertex buffer",
                 "holds no vertex",
@@ -238,7 +243,7 @@ impl VertexLayout {
         Ok(())
     }
 
-    /// How many vertices lie in a buffer of this size. The last one may end with its position.
+    /// Returns how many vertices lie in a buffer of this many bytes. The last one may end with its position.
     fn vertices(self, bytes: u64) -> u64 {
         bytes
             .checked_sub(self.position_offset + Self::POSITION)
@@ -259,6 +264,7 @@ fn check_buffer(
     Err(Invalid::new(what, why, "add it where the buffer is made"))
 }
 
+/// Errors if a texture of the G-buffer, `what`, has another format or size or can't be read.
 fn check(
     view: &TextureView,
     what: &str,
@@ -285,7 +291,7 @@ fn check(
     Ok(())
 }
 
-/// Objects to textures that shaders can't read.
+/// Errors if shaders can't read the texture.
 pub(crate) fn check_readable(texture: &Texture, what: &str) -> Result<(), Invalid> {
     if texture.usage().contains(TextureUsages::TEXTURE_BINDING) {
         return Ok(());

@@ -1,4 +1,4 @@
-//! What the camera sees, on the GPU: rasterised from geometry, or uploaded.
+//! The camera's G-buffer on the GPU: rasterised from geometry, or uploaded.
 
 use crate::{
     filter::color_attachment,
@@ -44,17 +44,18 @@ pub(crate) struct ReceiverTextures {
 }
 
 impl ReceiverTextures {
-    fn new(maker: &mut ResourceFactory<'_>, size: UVec2) -> Self {
+    fn new(factory: &mut ResourceFactory<'_>, size: UVec2) -> Self {
+        let drawn_and_read = TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING;
+        let copied = TextureUsages::COPY_SRC | TextureUsages::COPY_DST;
         let mut make = |label, format| {
-            let copy = TextureUsages::COPY_SRC | TextureUsages::COPY_DST;
-            let texture = maker.texture(&TextureDescriptor {
+            let texture = factory.texture(&TextureDescriptor {
                 label: Some(label),
                 size: extent(size, 1),
                 mip_level_count: 1,
                 sample_count: 1,
                 dimension: TextureDimension::D2,
                 format,
-                usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING | copy,
+                usage: drawn_and_read | copied,
                 view_formats: &[],
             });
             let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
@@ -69,14 +70,14 @@ impl ReceiverTextures {
         }
     }
 
-    /// Textures of this size: those held, if they fit.
+    /// Returns textures of this size: those held, if they fit, else new ones, which are held from now on.
     pub(crate) fn fit<'a>(
         held: &'a mut Option<Self>,
-        maker: &mut ResourceFactory<'_>,
+        factory: &mut ResourceFactory<'_>,
         size: UVec2,
     ) -> &'a Self {
         let fitting = held.take().filter(|t| t.size == size);
-        held.insert(fitting.unwrap_or_else(|| Self::new(maker, size)))
+        held.insert(fitting.unwrap_or_else(|| Self::new(factory, size)))
     }
 
     pub(crate) fn gbuffer(&self) -> GBuffer<'_> {
@@ -87,26 +88,22 @@ impl ReceiverTextures {
         }
     }
 
-    /// Bytes a pixel, the depth among them.
+    /// Bytes per pixel: position, normal, triangle and depth.
     pub(crate) const BYTES: u64 = 16 + 16 + 4 + 4;
 
-    pub(crate) fn upload(&self, maker: &ResourceFactory<'_>, r: &Receivers) {
-        let four = |x: &[f32], y: &[f32], z: &[f32], w: &dyn Fn(usize) -> f32| -> Vec<[f32; 4]> {
-            (0..r.len()).map(|i| [x[i], y[i], z[i], w(i)]).collect()
-        };
-        let positions = four(&r.x, &r.y, &r.z, &|i| f32::from(u8::from(r.receives[i])));
-        let normals = four(&r.nx, &r.ny, &r.nz, &|_| 0.0);
-        write(
-            maker.queue,
-            &self.position.0,
-            bytemuck::cast_slice(&positions),
-        );
-        write(maker.queue, &self.normal.0, bytemuck::cast_slice(&normals));
-        write(
-            maker.queue,
-            &self.triangle.0,
-            bytemuck::cast_slice(&r.triangle),
-        );
+    /// Writes positions, normals and triangle ids, but no depth, which nothing reads.
+    pub(crate) fn upload(&self, factory: &ResourceFactory<'_>, r: &Receivers) {
+        let mut positions: Vec<[f32; 4]> = Vec::with_capacity(r.len());
+        let mut normals: Vec<[f32; 4]> = Vec::with_capacity(r.len());
+        for i in 0..r.len() {
+            let receives = if r.receives[i] { 1.0 } else { 0.0 };
+            positions.push([r.x[i], r.y[i], r.z[i], receives]);
+            normals.push([r.nx[i], r.ny[i], r.nz[i], 0.0]);
+        }
+        let queue = factory.queue;
+        write(queue, &self.position.0, bytemuck::cast_slice(&positions));
+        write(queue, &self.normal.0, bytemuck::cast_slice(&normals));
+        write(queue, &self.triangle.0, bytemuck::cast_slice(&r.triangle));
     }
 }
 
@@ -134,26 +131,18 @@ pub(crate) struct GBufferPass {
 }
 
 impl GBufferPass {
-    pub(crate) fn new(maker: &ResourceFactory<'_>) -> Self {
+    pub(crate) fn new(factory: &ResourceFactory<'_>) -> Self {
         let mut layouts = Layouts::default();
-        let stage = ShaderStages::VERTEX;
-        let ids_layout = layouts.get(maker, stage, &[Slot::Uniform, Slot::Table, Slot::Table]);
-        let stage = ShaderStages::FRAGMENT;
-        let points_layout = layouts.get(
-            maker,
-            stage,
-            &[
-                Slot::Uniform,
-                Slot::Table,
-                Slot::Table,
-                Slot::Whole { layered: false },
-            ],
-        );
+        // Camera, positions and indices; the second pass also reads the ids that the first one drew.
+        let mut slots = vec![Slot::Uniform, Slot::Table, Slot::Table];
+        let ids_layout = layouts.get(factory, ShaderStages::VERTEX, &slots);
+        slots.push(Slot::Whole { layered: false });
+        let points_layout = layouts.get(factory, ShaderStages::FRAGMENT, &slots);
         let common = join(&[MATH, RESOLVE]) + include_str!("gbuffer_visibility.wgsl");
         let text = common.clone() + include_str!("gbuffer_resolve.wgsl") + FULLSCREEN;
         Self {
-            ids: ids_pipeline(maker.device, &common, &ids_layout),
-            points: points_pipeline(maker.device, &text, &points_layout),
+            ids: ids_pipeline(factory.device, &common, &ids_layout),
+            points: points_pipeline(factory.device, &text, &points_layout),
             ids_layout,
             points_layout,
             uniforms: None,
@@ -164,7 +153,7 @@ impl GBufferPass {
 
     pub(crate) fn prepare(
         &mut self,
-        maker: &mut ResourceFactory<'_>,
+        factory: &mut ResourceFactory<'_>,
         camera: &Camera,
         geometry: &GpuGeometry,
         textures: &ReceiverTextures,
@@ -178,25 +167,26 @@ impl GBufferPass {
         let mut bytes = UniformBuffer::new(Vec::new());
         // Writing to a growing vector cannot fail.
         bytes.write(&seen).unwrap_or_default();
-        let usage = BufferUsages::UNIFORM;
-        let uniforms = maker.write(
+        let uniforms = factory.write(
             &mut self.uniforms,
             "umbrage camera",
-            usage,
+            BufferUsages::UNIFORM,
             &bytes.into_inner(),
         );
-        let mut bound = [
-            uniforms,
-            geometry.positions.clone(),
-            geometry.indices.clone(),
-        ]
-        .map(Bound::Buffer)
-        .to_vec();
-        self.ids_binding
-            .set(maker, "umbrage visibility", &self.ids_layout, bound.clone());
+        let mut bound = vec![
+            Bound::Buffer(uniforms),
+            Bound::Buffer(geometry.positions.clone()),
+            Bound::Buffer(geometry.indices.clone()),
+        ];
+        self.ids_binding.set(
+            factory,
+            "umbrage visibility",
+            &self.ids_layout,
+            bound.clone(),
+        );
         bound.push(Bound::View(textures.triangle.1.clone()));
         self.points_binding
-            .set(maker, "umbrage resolve", &self.points_layout, bound);
+            .set(factory, "umbrage resolve", &self.points_layout, bound);
     }
 
     /// Records both passes; `queries` get timestamps 0 and 1.
@@ -207,6 +197,7 @@ impl GBufferPass {
         triangles: u32,
         queries: Option<&QuerySet>,
     ) {
+        // Clears the ids to `NO_TRIANGLE`.
         let none = Color {
             r: f64::from(u32::MAX),
             ..Color::TRANSPARENT
@@ -237,6 +228,7 @@ impl GBufferPass {
     }
 }
 
+/// Returns the timestamps of a pass, which writes those of the two that have an index.
 fn stamp(
     query_set: &QuerySet,
     begin: Option<u32>,

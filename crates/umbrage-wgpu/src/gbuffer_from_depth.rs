@@ -55,16 +55,16 @@ struct DepthCamera {
 }
 
 impl GBufferFromDepth {
-    /// Nothing is made before the first frame.
+    /// Returns a converter that has made no GPU objects yet: they are made with the first frame.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Makes what isn't there yet, and writes the camera.
+    /// Makes the GPU objects that don't exist yet, and writes the camera.
     ///
     /// # Errors
-    /// If the matrix is singular, empty depth is where it sees what is nearest, or the depth buffer cannot be read as
-    /// described.
+    /// Errors if the matrix is singular, if `empty` is the depth of what is nearest to the camera, or if the depth buffer cannot
+    /// be read as described.
     pub fn prepare(
         &mut self,
         device: &Device,
@@ -79,15 +79,12 @@ impl GBufferFromDepth {
         };
         let scopes = Scopes::open(device);
         let mut counters = self.counters;
-        self.prepare_with(
-            &mut ResourceFactory {
-                device,
-                queue,
-                counters: &mut counters,
-            },
-            source,
-            &camera,
-        );
+        let mut factory = ResourceFactory {
+            device,
+            queue,
+            counters: &mut counters,
+        };
+        self.prepare_with(&mut factory, source, &camera);
         let closed = scopes.close();
         if closed.is_err() {
             *self = Self::default();
@@ -98,33 +95,31 @@ impl GBufferFromDepth {
 
     fn prepare_with(
         &mut self,
-        maker: &mut ResourceFactory<'_>,
+        factory: &mut ResourceFactory<'_>,
         source: &DepthBuffer<'_>,
         camera: &DepthCamera,
     ) {
         let texture = source.depth.texture();
         let size = UVec2::new(texture.width(), texture.height());
         self.samples = texture.sample_count() > 1;
-        let image = |label| ImageDesc {
-            label,
+        let positions = ImageDesc {
+            label: "umbrage positions",
             size,
             layers: 1,
             format: Format::Rgba32,
         };
-        fit_images(
-            maker,
-            &mut self.images,
-            &[image("umbrage positions"), image("umbrage normals")],
-            &[],
-        );
+        let normals = ImageDesc {
+            label: "umbrage normals",
+            ..positions
+        };
+        fit_images(factory, &mut self.images, &[positions, normals], &[]);
         let mut bytes = UniformBuffer::new(Vec::new());
         // Writing to a growing vector cannot fail.
         bytes.write(camera).unwrap_or_default();
-        let usage = BufferUsages::UNIFORM;
-        let uniforms = maker.write(
+        let uniforms = factory.write(
             &mut self.uniforms,
             "umbrage camera",
-            usage,
+            BufferUsages::UNIFORM,
             &bytes.into_inner(),
         );
         let depth = if self.samples {
@@ -134,16 +129,16 @@ impl GBufferFromDepth {
         };
         let layout = self
             .layouts
-            .get(maker, ShaderStages::FRAGMENT, &[Slot::Uniform, depth]);
+            .get(factory, ShaderStages::FRAGMENT, &[Slot::Uniform, depth]);
         let bound = vec![Bound::Buffer(uniforms), Bound::View(source.depth.clone())];
-        self.binding.set(maker, "umbrage depth", &layout, bound);
+        self.binding.set(factory, "umbrage depth", &layout, bound);
         self.pipelines.entry(self.samples).or_insert_with(|| {
-            maker.counters.pipelines += 1;
+            factory.counters.pipelines += 1;
             let text = shader_text(self.samples);
             let entries = ["umbrage_fullscreen", "unproject_pixel"];
             let targets = Targets::Colors(&[TextureFormat::Rgba32Float; 2]);
             fullscreen_pipeline(
-                maker.device,
+                factory.device,
                 "umbrage unproject",
                 &text,
                 entries,
@@ -153,42 +148,38 @@ impl GBufferFromDepth {
         });
     }
 
-    /// Records the pass. All that was drawn receives.
+    /// Records the pass and returns what it writes. Every pixel in which something was drawn receives shadows.
     ///
     /// # Errors
-    /// If [`prepare`](Self::prepare) has not succeeded before.
+    /// Errors if [`prepare`](Self::prepare) has not succeeded before.
     pub fn encode(&self, encoder: &mut CommandEncoder) -> Result<GBuffer<'_>, BackendError> {
-        let (Some(pipeline), [position, normal]) =
-            (self.pipelines.get(&self.samples), &self.images[..])
-        else {
+        let pipeline = self.pipelines.get(&self.samples);
+        let (Some(pipeline), Some(gbuffer)) = (pipeline, self.gbuffer()) else {
             let help = "call `prepare` first, and look at its error";
             return Err(Invalid::new("G-buffer from depth", "has nothing prepared", help).into());
         };
+        let position = color_attachment(gbuffer.position, Color::TRANSPARENT);
+        let normal = color_attachment(gbuffer.normal, Color::TRANSPARENT);
         let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
             label: Some("umbrage unproject"),
-            color_attachments: &[&position.whole, &normal.whole]
-                .map(|view| Some(color_attachment(view, Color::TRANSPARENT))),
+            color_attachments: &[Some(position), Some(normal)],
             ..RenderPassDescriptor::default()
         });
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, self.binding.group(), &[]);
         pass.draw(0..3, 0..1);
         drop(pass);
-        Ok(GBuffer {
-            position: &position.whole,
-            normal: &normal.whole,
-            triangle: None,
-        })
+        Ok(gbuffer)
     }
 
-    /// The G-buffer's size, for [`FrameInputs::size`](crate::FrameInputs::size); zero before the first frame.
+    /// Returns the G-buffer's size, pixels, for [`FrameInputs::size`](crate::FrameInputs::size); zero before the first frame.
     pub fn size(&self) -> UVec2 {
         self.images
             .first()
             .map_or(UVec2::ZERO, |image| image.desc.size)
     }
 
-    /// The textures that [`encode`](Self::encode) writes: there as soon as a frame is prepared.
+    /// Returns the textures that [`encode`](Self::encode) writes; `None` before the first frame is prepared.
     pub fn gbuffer(&self) -> Option<GBuffer<'_>> {
         let [position, normal] = &self.images[..] else {
             return None;
@@ -200,7 +191,7 @@ impl GBufferFromDepth {
         })
     }
 
-    /// What was made so far.
+    /// Returns how many GPU objects were made so far.
     pub fn counters(&self) -> Counters {
         self.counters
     }
@@ -208,7 +199,8 @@ impl GBufferFromDepth {
 
 impl DepthBuffer<'_> {
     fn validate(&self) -> Result<(), Invalid> {
-        let (what, texture) = ("depth buffer", self.depth.texture());
+        let what = "depth buffer";
+        let texture = self.depth.texture();
         check_readable(texture, what)?;
         let format = texture.format();
         if !format.has_depth_aspect() && format != TextureFormat::R32Float {
@@ -227,7 +219,7 @@ impl DepthBuffer<'_> {
         self.check_empty()
     }
 
-    /// With perspective, the matrix tells which depth is nearer to the eye.
+    /// Errors if `empty` is the depth of what is nearest. Only with perspective does the matrix tell which depth that is.
     fn check_empty(&self) -> Result<(), Invalid> {
         // All rays meet where clip x, y and w are 0.
         let eye = self.world_from_clip.as_dmat4().z_axis;
@@ -235,9 +227,11 @@ impl DepthBuffer<'_> {
         if eye.w.abs() <= 1e-4 * f64::from(self.world_from_clip.w_axis.w.abs()) {
             return Ok(());
         }
-        let from_eye = |z: f64| self.middle(z).distance(eye.truncate() / eye.w);
-        // The middle of the depths is finite whatever lies at infinity.
-        if from_eye(f64::from(1.0 - self.empty)) < from_eye(0.5) {
+        let eye = eye.truncate() / eye.w;
+        let nearest = self.middle(f64::from(1.0 - self.empty)).distance(eye);
+        // One of the two ends may lie at infinity, so the nearest is compared with the middle of the depths.
+        let between = self.middle(0.5).distance(eye);
+        if nearest < between {
             return Ok(());
         }
         let why = format!(
@@ -251,24 +245,25 @@ impl DepthBuffer<'_> {
         ))
     }
 
-    /// What is seen at this depth in the middle of the image.
-    fn middle(&self, z: f64) -> DVec3 {
+    /// Returns the world position of a point in clip space.
+    fn unproject(&self, x: f64, y: f64, z: f64) -> DVec3 {
         self.world_from_clip
             .as_dmat4()
-            .project_point3(DVec3::new(0.0, 0.0, z))
+            .project_point3(DVec3::new(x, y, z))
     }
 
-    /// 1 if right x up points to the viewer, as in right-handed worlds; else -1.
+    /// Returns the world position at this depth in the middle of the image.
+    fn middle(&self, z: f64) -> DVec3 {
+        self.unproject(0.0, 0.0, z)
+    }
+
+    /// Returns 1 if right x up points to the viewer, as in right-handed worlds; else -1.
     fn handedness(&self) -> Result<f32, Invalid> {
-        let point = |x, y| {
-            self.world_from_clip
-                .as_dmat4()
-                .project_point3(DVec3::new(x, y, 0.5))
-        };
         let middle = self.middle(0.5);
-        let viewer = self.middle(f64::from(1.0 - self.empty));
-        let [right, up, viewer] = [point(0.5, 0.0), point(0.0, 0.5), viewer].map(|p| p - middle);
-        let volume = right.cross(up).dot(viewer);
+        let right = self.unproject(0.5, 0.0, 0.5) - middle;
+        let up = self.unproject(0.0, 0.5, 0.5) - middle;
+        let to_viewer = self.middle(f64::from(1.0 - self.empty)) - middle;
+        let volume = right.cross(up).dot(to_viewer);
         if volume.is_finite() && volume != 0.0 {
             return Ok(volume.signum() as f32);
         }

@@ -3,7 +3,7 @@
 use crate::Gpu;
 use std::sync::Once;
 
-/// What the driver says of itself.
+/// The driver's `driver_info`.
 pub const PINNED_DRIVER: &str = "Mesa 22.3.6 (LLVM 15.0.6)";
 
 /// Environment variable that makes tests fail on other drivers, where its value is `required`. CI sets it.
@@ -38,7 +38,7 @@ impl Gpu {
     }
 }
 
-/// Objects to drivers that promise no bits.
+/// Errors if the driver is another, or the processor has no fused multiply-add.
 fn check(driver: &str, fused: bool) -> Result<(), String> {
     if driver != PINNED_DRIVER {
         return Err(format!(

@@ -27,8 +27,8 @@ pub(crate) fn with_prefix(text: &str, prefix: &str) -> Result<String, Invalid> {
     Ok(out)
 }
 
-/// Objects to what can't begin an identifier: see "Identifiers" in the WGSL specification. A single `_` would be a placeholder with
-/// some names, and two are reserved.
+/// Errors if the prefix can't begin an identifier: see "Identifiers" in the WGSL specification. A single `_` would be a
+/// placeholder with some names, and two are reserved.
 fn check(prefix: &str) -> Result<(), Invalid> {
     let first_is_letter = prefix
         .chars()

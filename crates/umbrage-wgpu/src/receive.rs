@@ -1,4 +1,4 @@
-//! The receive stage: what the camera sees asks the recipe's kernel.
+//! The receive stage: the recipe's kernel, run for every pixel of the G-buffer.
 
 use crate::{
     filter::color_attachment,
@@ -20,19 +20,19 @@ use wgpu::{
     TextureFormat, TextureView,
 };
 
-/// Ready to be encoded.
+/// The receive stage, ready to be encoded.
 #[derive(Debug, Default)]
-pub(crate) struct Lookup {
+pub(crate) struct ReceiveStage {
     kernel: KernelStage,
     gbuffer: Binding,
     mask: Vec<GpuImage>,
 }
 
-impl Lookup {
-    /// Returns the mask that will be written.
+impl ReceiveStage {
+    /// Makes the mask, the bindings and the pipeline. Returns the mask that will be written.
     pub(crate) fn prepare(
         &mut self,
-        maker: &mut ResourceFactory<'_>,
+        factory: &mut ResourceFactory<'_>,
         pipelines: &mut Pipelines,
         sources: &mut Sources<'_>,
         options: RendererOptions,
@@ -44,10 +44,10 @@ impl Lookup {
             layers: 1,
             format: Format::R32,
         };
-        fit_images(maker, &mut self.mask, &[mask], &[]);
+        fit_images(factory, &mut self.mask, &[mask], &[]);
         let receive = &sources.recipe.receive;
         let shape = self.kernel.bind(
-            maker,
+            factory,
             pipelines,
             sources,
             &*receive.kernel,
@@ -55,17 +55,17 @@ impl Lookup {
             &receive.tables,
         );
         let (slots, bound) = gbuffer(&frame.receivers);
-        let layout = pipelines.layouts.get(maker, ShaderStages::FRAGMENT, &slots);
-        self.gbuffer.set(maker, "umbrage receivers", &layout, bound);
-        let text = kernel_wgsl(&*receive.kernel, &shape, options.kernel_group);
-        let text = receive_shader(
-            &text,
-            options.gbuffer_group(),
-            frame.receivers.triangle.is_some(),
-        );
+        let layout = pipelines
+            .layouts
+            .get(factory, ShaderStages::FRAGMENT, &slots);
+        self.gbuffer
+            .set(factory, "umbrage receivers", &layout, bound);
+        let kernel_text = kernel_wgsl(&*receive.kernel, &shape, options.kernel_group);
+        let has_triangles = frame.receivers.triangle.is_some();
+        let text = receive_shader(&kernel_text, options.gbuffer_group(), has_triangles);
         let groups = groups(options, &self.kernel, &layout);
         self.kernel.pipeline = Some(pipelines.kernel(
-            maker,
+            factory,
             "umbrage receive",
             text,
             "umbrage_receive",
@@ -101,7 +101,7 @@ impl Lookup {
         self.mask.first()
     }
 
-    /// What the kernel reads.
+    /// Returns the bind group of what the kernel reads; `None` before anything is prepared.
     pub(crate) fn kernel_group(&self) -> Option<(&BindGroup, &BindGroupLayout)> {
         self.kernel
             .binding
@@ -110,27 +110,22 @@ impl Lookup {
     }
 }
 
-/// How shaders see what the camera sees.
+/// Returns the G-buffer's bindings, kinds and views: positions, normals, and triangle ids if there are any.
 pub(crate) fn gbuffer(receivers: &GBuffer<'_>) -> (Vec<Slot>, Vec<Bound>) {
     let floats = Slot::Floats { layered: false };
     let mut slots = vec![floats, floats];
-    slots.extend(receivers.triangle.map(|_| Slot::Whole { layered: false }));
-    let views = [
-        Some(receivers.position),
-        Some(receivers.normal),
-        receivers.triangle,
+    let mut views = vec![
+        Bound::View(receivers.position.clone()),
+        Bound::View(receivers.normal.clone()),
     ];
-    (
-        slots,
-        views
-            .into_iter()
-            .flatten()
-            .map(|v| Bound::View(v.clone()))
-            .collect(),
-    )
+    if let Some(triangle) = receivers.triangle {
+        slots.push(Slot::Whole { layered: false });
+        views.push(Bound::View(triangle.clone()));
+    }
+    (slots, views)
 }
 
-/// The bind group layouts of a pipeline that asks a kernel about what the camera sees.
+/// Returns the bind group layouts of a pipeline that runs a kernel over a G-buffer.
 pub(crate) fn groups<'a>(
     options: RendererOptions,
     kernel: &'a KernelStage,

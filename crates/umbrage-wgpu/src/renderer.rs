@@ -18,11 +18,11 @@ use glam::UVec2;
 use umbrage_core::{BackendError, BackendLimits, Invalid, Recipe};
 use wgpu::{BindGroup, BindGroupLayout, CommandEncoder, Device, Queue, TextureView};
 
-/// What the caller chooses once.
+/// Options that hold for all that a renderer does.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RendererOptions {
-    /// The bind group index at which the lookup's kernel finds what it reads, so that
-    /// [`receive_wgsl`](crate::receive_wgsl) and [`ShadowRenderer::receive_bind_group`] fit into the caller's own shaders.
+    /// Index of the bind group that holds what the receive kernel reads, so that [`receive_wgsl`](crate::receive_wgsl) and
+    /// [`ShadowRenderer::receive_bind_group`] fit into the caller's own shaders.
     pub kernel_group: u32,
 }
 
@@ -36,7 +36,8 @@ pub struct RendererOptions {
 /// /// Once a frame; the renderer was made by `ShadowRenderer::new(&device, RendererOptions::default())`.
 /// fn shadows<'a>(
 ///     renderer: &'a mut ShadowRenderer,
-///     (device, queue): (&wgpu::Device, &wgpu::Queue),
+///     device: &wgpu::Device,
+///     queue: &wgpu::Queue,
 ///     encoder: &mut wgpu::CommandEncoder,
 ///     recipe: &Recipe,
 ///     frame: &FrameInputs<'_>,
@@ -60,17 +61,17 @@ pub struct ShadowRenderer {
     counters: Counters,
     submissions: Submissions,
     shared: Shared,
-    /// As many as lights were ever encoded between two submissions.
+    /// One entry for each light that was ever encoded between two submissions.
     lights: Vec<Resources>,
-    /// The one that was prepared last.
+    /// Index of the entry that was prepared last.
     prepared: Option<usize>,
 }
 
 impl ShadowRenderer {
-    /// A renderer for this device. Nothing is made yet: shaders come with recipes.
+    /// Returns a renderer for this device. Nothing is made yet: shaders come with recipes.
     ///
     /// # Errors
-    /// If the device has too few bind groups for [`RendererOptions::kernel_group`].
+    /// Errors if the device has too few bind groups for [`RendererOptions::kernel_group`].
     pub fn new(device: &Device, options: RendererOptions) -> Result<Self, BackendError> {
         let groups = device.limits().max_bind_groups;
         if options.kernel_group >= groups {
@@ -93,11 +94,11 @@ impl ShadowRenderer {
         })
     }
 
-    /// Makes whatever the recipe needs and isn't there yet, and writes uniforms and new tables to the queue. Where it has to
-    /// know whether what was encoded before has been submitted, it polls the device without waiting.
+    /// Makes the GPU objects that the recipe needs and that don't exist yet, and writes uniforms and new tables to the queue.
+    /// To find out whether what was encoded before has been submitted, it polls the device without waiting.
     ///
     /// # Errors
-    /// When the recipe or the frame cannot be used, the device is another than the renderer's, memory runs out, or a kernel's
+    /// Errors if the recipe or the frame cannot be used, the device is another than the renderer's, memory runs out, or a kernel's
     /// WGSL is at fault (with the compiler's message). After an error nothing is prepared, and everything is made anew.
     pub fn prepare(
         &mut self,
@@ -114,17 +115,17 @@ impl ShadowRenderer {
         check_size(frame.size, self.limits.image_side)?;
         frame.validate(recipe, &device.limits())?;
         let pairs = pairs(recipe)?;
-        let light = self.free(recipe, frame);
+        let light = self.free_resources(recipe, frame);
         self.shared.tables.forget_unreachable();
         self.shared.faces.forget_unreachable();
         let scopes = Scopes::open(device);
-        let mut maker = ResourceFactory {
+        let mut factory = ResourceFactory {
             device,
             queue,
             counters: &mut self.counters,
         };
         self.lights[light].prepare(
-            &mut maker,
+            &mut factory,
             &mut self.shared,
             self.options,
             recipe,
@@ -139,33 +140,44 @@ impl ShadowRenderer {
         Ok(())
     }
 
-    /// The first of the resources that no unsubmitted encoder reads; if there are several, one that fits.
-    fn free(&mut self, recipe: &Recipe, frame: &FrameInputs<'_>) -> usize {
+    /// Returns the index of resources that no unsubmitted encoder reads: the first whose textures fit, else the first, else new
+    /// ones.
+    fn free_resources(&mut self, recipe: &Recipe, frame: &FrameInputs<'_>) -> usize {
         if self.lights.iter().any(|light| !light.pending.is_over()) {
             self.submissions.poll();
         }
-        self.lights.iter_mut().for_each(Resources::release);
-        let free = || (0..self.lights.len()).filter(|&i| self.lights[i].pending.is_over());
-        let fitting = free().find(|&i| self.lights[i].fits(&recipe.images, frame.size));
-        fitting.or_else(|| free().next()).unwrap_or_else(|| {
+        for light in &mut self.lights {
+            light.release();
+        }
+        let mut first_free = None;
+        for (i, light) in self.lights.iter().enumerate() {
+            if !light.pending.is_over() {
+                continue;
+            }
+            if light.fits(&recipe.images, frame.size) {
+                return i;
+            }
+            first_free = first_free.or(Some(i));
+        }
+        first_free.unwrap_or_else(|| {
             self.lights.push(Resources::default());
             self.lights.len() - 1
         })
     }
 
-    /// Records all passes and returns the mask: `R32Float`, visibility of the light, 1 where nothing receives. The
-    /// [`picture`](Self::picture), if the recipe shades, is ready then, too.
+    /// Records all passes, and that of the [`picture`](Self::picture) if the recipe shades. Returns the mask: `R32Float`,
+    /// visibility of the light, 1 where nothing receives.
     ///
     /// # Errors
-    /// If [`prepare`](Self::prepare) has not succeeded before.
+    /// Errors if [`prepare`](Self::prepare) has not succeeded before.
     pub fn encode(&self, encoder: &mut CommandEncoder) -> Result<&TextureView, BackendError> {
         self.encode_timed(encoder, None)
     }
 
-    /// As [`encode`](Self::encode), with timestamps around the stages.
+    /// Records all passes as [`encode`](Self::encode) does, with timestamps around the stages.
     ///
     /// # Errors
-    /// As [`encode`](Self::encode).
+    /// Errors if [`encode`](Self::encode) does.
     pub fn encode_timed(
         &self,
         encoder: &mut CommandEncoder,
@@ -180,13 +192,13 @@ impl ShadowRenderer {
             .ok_or_else(unprepared)
     }
 
-    /// What is to be drawn into before [`encode_filters_and_receive`](Self::encode_filters_and_receive), for callers
-    /// whose casters need their own vertex formats or shaders (skinning, displacement, alpha test). Where casts peel or
-    /// count, or draw faces that the technique made, use [`encode_casts_with`](Self::encode_casts_with), which knows
-    /// what is to happen between them.
+    /// Returns the targets to draw into before [`encode_filters_and_receive`](Self::encode_filters_and_receive), for callers
+    /// whose casters need their own vertex formats or shaders (skinning, displacement, alpha test). For recipes whose casts
+    /// peel or count, or draw faces that the technique made, use [`encode_casts_with`](Self::encode_casts_with), which also
+    /// records what has to happen between them.
     ///
     /// # Errors
-    /// As [`encode`](Self::encode); and if there is such a cast.
+    /// Errors if [`encode`](Self::encode) does; and if there is such a cast.
     pub fn cast_targets(&self) -> Result<&[CastTarget], BackendError> {
         let casts = &self.light()?.casts;
         if casts.are_plain() {
@@ -205,7 +217,7 @@ impl ShadowRenderer {
     /// everything, `draw` is called to record a pass into its target.
     ///
     /// # Errors
-    /// As [`encode`](Self::encode).
+    /// Errors if [`encode`](Self::encode) does.
     pub fn encode_casts_with(
         &self,
         encoder: &mut CommandEncoder,
@@ -226,7 +238,7 @@ impl ShadowRenderer {
     /// Records the passes after the casts, which the caller has drawn, and returns the mask.
     ///
     /// # Errors
-    /// As [`encode`](Self::encode).
+    /// Errors if [`encode`](Self::encode) does.
     pub fn encode_filters_and_receive(
         &self,
         encoder: &mut CommandEncoder,
@@ -243,7 +255,7 @@ impl ShadowRenderer {
     /// this is all that forward shading needs.
     ///
     /// # Errors
-    /// As [`encode`](Self::encode).
+    /// Errors if [`encode`](Self::encode) does.
     pub fn encode_casts(&self, encoder: &mut CommandEncoder) -> Result<(), BackendError> {
         self.recorded(encoder)?.casts.encode(encoder, None);
         Ok(())
@@ -252,7 +264,7 @@ impl ShadowRenderer {
     /// Records filters alone.
     ///
     /// # Errors
-    /// As [`encode`](Self::encode).
+    /// Errors if [`encode`](Self::encode) does.
     pub fn encode_filters(&self, encoder: &mut CommandEncoder) -> Result<(), BackendError> {
         let light = self.recorded(encoder)?;
         light.filters.clear(encoder);
@@ -260,7 +272,7 @@ impl ShadowRenderer {
         Ok(())
     }
 
-    /// Filters without the clearing of images that nothing writes.
+    /// Records filters without clearing the images that nothing writes.
     #[cfg(feature = "testing")]
     pub(crate) fn encode_filters_only(
         &self,
@@ -278,21 +290,21 @@ impl ShadowRenderer {
             .ok_or_else(unprepared)
     }
 
-    /// What the lookup reads, for [`receive_wgsl`](crate::receive_wgsl) in the caller's own shader: set it at
+    /// Returns what the receive kernel reads, for [`receive_wgsl`](crate::receive_wgsl) in the caller's own shader: set it at
     /// [`RendererOptions::kernel_group`].
     ///
     /// # Errors
-    /// As [`encode`](Self::encode).
+    /// Errors if [`encode`](Self::encode) does.
     pub fn receive_bind_group(&self) -> Result<(&BindGroup, &BindGroupLayout), BackendError> {
-        self.light()?.lookup.kernel_group().ok_or_else(unprepared)
+        self.light()?.receive.kernel_group().ok_or_else(unprepared)
     }
 
-    /// An image of the recipe, all its layers, for showing it; counts are whole numbers (`texture_2d<u32>`).
+    /// Returns an image of the recipe with all its layers, for showing it; counts are whole numbers (`texture_2d<u32>`).
     pub fn image(&self, id: usize) -> Option<&TextureView> {
         self.gpu_images().get(id).map(|image| &image.whole)
     }
 
-    /// The recipe's colours: `Rgba32Float`, linear; none before a recipe that shades is prepared.
+    /// Returns the recipe's colours, `Rgba32Float`, linear; `None` before a recipe that shades is prepared.
     pub fn picture(&self) -> Option<&TextureView> {
         self.gpu_picture().map(|image| &image.whole)
     }
@@ -306,7 +318,7 @@ impl ShadowRenderer {
         }
     }
 
-    /// What recipes may ask of this device.
+    /// Returns the largest images, layers and tables that recipes may use on this device.
     pub fn limits(&self) -> BackendLimits {
         self.limits
     }
@@ -316,21 +328,21 @@ impl ShadowRenderer {
     }
 
     pub(crate) fn mask(&self) -> Option<&GpuImage> {
-        self.light().ok()?.lookup.mask()
+        self.light().ok()?.receive.mask()
     }
 
     pub(crate) fn gpu_picture(&self) -> Option<&GpuImage> {
         self.light().ok()?.shading.picture()
     }
 
-    /// What was prepared last.
+    /// Returns what was prepared last.
     fn light(&self) -> Result<&Resources, BackendError> {
         self.prepared
             .and_then(|i| self.lights.get(i))
             .ok_or_else(unprepared)
     }
 
-    /// The same, not to be written before what the encoder records is submitted.
+    /// Returns what was prepared last, and keeps it from being written before the encoder's commands are submitted.
     fn recorded(&self, encoder: &CommandEncoder) -> Result<&Resources, BackendError> {
         let light = self.light()?;
         self.submissions.watch(encoder, &light.pending);
@@ -339,13 +351,13 @@ impl ShadowRenderer {
 }
 
 impl RendererOptions {
-    /// Any group but the kernel's.
+    /// Returns the index of the G-buffer's bind group: 0, or 1 where the kernel's is 0.
     pub(crate) fn gbuffer_group(self) -> u32 {
         u32::from(self.kernel_group == 0)
     }
 }
 
-/// What recipes may ask of a device.
+/// Returns the limits for recipes on a device.
 fn limits(device: &Device) -> BackendLimits {
     let limits = device.limits();
     BackendLimits {
@@ -357,6 +369,7 @@ fn limits(device: &Device) -> BackendLimits {
     }
 }
 
+/// Errors if `device` is not the renderer's `own`.
 fn check_device(device: &Device, own: &Device) -> Result<(), Invalid> {
     if device == own {
         return Ok(());
@@ -370,6 +383,7 @@ fn check_device(device: &Device, own: &Device) -> Result<(), Invalid> {
     ))
 }
 
+/// Errors if a frame is empty or has more than `most` pixels on a side.
 pub(crate) fn check_size(size: UVec2, most: u32) -> Result<(), BackendError> {
     if size.min_element() > 0 && size.max_element() <= most {
         return Ok(());

@@ -1,21 +1,21 @@
-//! Playing one stage from given images, so that tests can compare stages by themselves.
+//! Plays one stage from given images, so that tests can compare stages by themselves.
 
 use crate::{
     FrameInputs, Gpu,
-    backend::{check, maker},
+    backend::{check, factory},
     device::{readback::ReadBack, results::Tickets},
     gbuffer::ReceiverTextures,
 };
 use glam::UVec2;
-use umbrage_core::{BackendError, Image, ImageDesc, Invalid, Recipe, View};
+use umbrage_core::{BackendError, Image, Invalid, Recipe, View};
 use wgpu::CommandEncoder;
 
 impl Gpu {
-    /// Plays only the lookup, from these images instead of those that the recipe's casts and filters would make. The view
-    /// needs receivers or geometry. Returns the mask.
+    /// Plays only the receive stage, from these images instead of those that the recipe's casts and filters would make. The
+    /// view needs receivers or geometry. Returns the mask.
     ///
     /// # Errors
-    /// As [`Backend::render`](umbrage_core::Backend::render); and if the images are not as the recipe describes them.
+    /// Errors if [`Backend::render`](umbrage_core::Backend::render) does; and if the images are not as the recipe describes them.
     pub fn replay_receive(
         &mut self,
         view: &View<'_>,
@@ -43,7 +43,7 @@ impl Gpu {
     /// Plays only the filter with this index, from these images. Returns what it wrote.
     ///
     /// # Errors
-    /// As [`replay_receive`](Self::replay_receive); and if there is no such filter.
+    /// Errors if [`replay_receive`](Self::replay_receive) does; and if there is no such filter.
     pub fn replay_filter(
         &mut self,
         recipe: &Recipe,
@@ -74,10 +74,10 @@ impl Gpu {
         })
     }
 
-    /// Prepares with a receiver texture of one pixel, which nobody looks at.
+    /// Prepares with a receiver texture of one pixel, which nothing reads.
     fn prepare_blind(&mut self, recipe: &Recipe) -> Result<(), BackendError> {
-        let mut maker = maker!(self);
-        let textures = ReceiverTextures::fit(&mut self.receivers, &mut maker, UVec2::ONE);
+        let mut factory = factory!(self);
+        let textures = ReceiverTextures::fit(&mut self.receivers, &mut factory, UVec2::ONE);
         let frame = FrameInputs {
             size: UVec2::ONE,
             casters: &[],
@@ -90,7 +90,7 @@ impl Gpu {
 
     fn write_images(&mut self, encoder: &mut CommandEncoder, images: &[Image]) {
         self.converter.write(
-            &mut maker!(self),
+            &mut factory!(self),
             encoder,
             self.renderer.gpu_images(),
             images,
@@ -98,12 +98,12 @@ impl Gpu {
     }
 }
 
-/// The recipe without casts and colours.
+/// Returns the recipe without casts and colours. Errors if the images are not as it describes them.
 fn still(recipe: &Recipe, images: &[Image]) -> Result<Recipe, BackendError> {
-    let same =
-        |desc: &ImageDesc, i: &Image| *desc == i.desc && i.texels.len() as u64 == desc.floats();
-    let fits = recipe.images.len() == images.len()
-        && recipe.images.iter().zip(images).all(|(d, i)| same(d, i));
+    let mut fits = recipe.images.len() == images.len();
+    for (desc, image) in recipe.images.iter().zip(images) {
+        fits &= *desc == image.desc && image.texels.len() as u64 == desc.floats();
+    }
     if !fits {
         let help = "hand in those of `Shadows::images`, rendered with `keep_images`";
         return Err(Invalid::new("images to replay", "differ from the recipe's", help).into());

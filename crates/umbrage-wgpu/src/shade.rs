@@ -1,4 +1,4 @@
-//! The picture: colours for all that the camera sees.
+//! The shade pass: colours for all that the camera sees.
 
 use crate::{
     filter::color_attachment,
@@ -29,7 +29,7 @@ pub(crate) struct ShadePass {
 impl ShadePass {
     pub(crate) fn prepare(
         &mut self,
-        maker: &mut ResourceFactory<'_>,
+        factory: &mut ResourceFactory<'_>,
         pipelines: &mut Pipelines,
         sources: &mut Sources<'_>,
         options: RendererOptions,
@@ -45,10 +45,10 @@ impl ShadePass {
             layers: 1,
             format: Format::Rgba32,
         };
-        fit_images(maker, &mut self.picture, &[picture], &[]);
+        fit_images(factory, &mut self.picture, &[picture], &[]);
         self.background = background(shade);
         let shape = self.kernel.bind(
-            maker,
+            factory,
             pipelines,
             sources,
             &*shade.kernel,
@@ -58,15 +58,17 @@ impl ShadePass {
         let (mut slots, mut bound) = gbuffer(&frame.receivers);
         slots.push(Slot::Floats { layered: false });
         bound.push(Bound::View(mask.whole.clone()));
-        let layout = pipelines.layouts.get(maker, ShaderStages::FRAGMENT, &slots);
-        self.gbuffer.set(maker, "umbrage seen", &layout, bound);
+        let layout = pipelines
+            .layouts
+            .get(factory, ShaderStages::FRAGMENT, &slots);
+        self.gbuffer.set(factory, "umbrage seen", &layout, bound);
         let text = shade_shader(
             &kernel_wgsl(&*shade.kernel, &shape, options.kernel_group),
             options.gbuffer_group(),
         );
         let groups = groups(options, &self.kernel, &layout);
         self.kernel.pipeline = Some(pipelines.kernel(
-            maker,
+            factory,
             "umbrage shade",
             text,
             "umbrage_shade",

@@ -1,4 +1,4 @@
-//! What the light sees is drawn into: for the player's own draws, and for callers with their own vertex shaders.
+//! The layers that casts draw into, for the renderer's own draws and for callers with their own vertex shaders.
 
 use crate::resources::images::GpuImage;
 use glam::{Mat4, UVec2};
@@ -39,25 +39,23 @@ pub struct CastTarget {
 impl CastTarget {
     pub(crate) fn new(casts: &[Cast], index: usize, images: &[GpuImage]) -> Self {
         let cast = &casts[index];
-        let (image, layer) = (&images[cast.image], cast.layer as usize);
-        let CastMode::DepthPeel(other) = cast.mode else {
-            return Self::plain(casts, index, image);
-        };
-        let behind = Some(images[other].reads[layer].clone());
-        Self {
-            behind,
-            ..Self::plain(casts, index, image)
+        let mut target = Self::plain(casts, index, &images[cast.image]);
+        if let CastMode::DepthPeel(other) = cast.mode {
+            target.behind = Some(images[other].reads[cast.layer as usize].clone());
         }
+        target
     }
 
+    /// Returns the target of a cast that peels nothing off.
     fn plain(casts: &[Cast], index: usize, image: &GpuImage) -> Self {
         let cast = &casts[index];
+        let is_drawn_before = casts[..index]
+            .iter()
+            .any(|earlier| earlier.image == cast.image && earlier.layer == cast.layer);
         Self {
             layer: image.layers[cast.layer as usize].clone(),
             size: image.desc.size,
-            clears: !casts[..index]
-                .iter()
-                .any(|c| (c.image, c.layer) == (cast.image, cast.layer)),
+            clears: !is_drawn_before,
             clip_from_world: cast.space.clip_from_world(),
             everything: matches!(cast.source, Source::Everything),
             behind: None,
@@ -110,27 +108,24 @@ pub(crate) fn attachment(
     format: Format,
     clear: bool,
 ) -> RenderPassDepthStencilAttachment<'_> {
-    let depth = Operations {
-        load: if clear {
-            LoadOp::Clear(1.0)
-        } else {
-            LoadOp::Load
-        },
-        store: StoreOp::Store,
-    };
-    let counts = Operations {
-        load: if clear {
-            LoadOp::Clear(0)
-        } else {
-            LoadOp::Load
-        },
-        store: StoreOp::Store,
-    };
     let is_depth = format.is_depth();
     RenderPassDepthStencilAttachment {
         view,
-        depth_ops: is_depth.then_some(depth),
-        stencil_ops: (!is_depth).then_some(counts),
+        depth_ops: is_depth.then_some(operations(clear, 1.0)),
+        stencil_ops: (!is_depth).then_some(operations(clear, 0)),
+    }
+}
+
+/// Returns what a pass does to an attachment that it keeps: clears it to `value` first, or draws over what was there.
+fn operations<V>(clear: bool, value: V) -> Operations<V> {
+    let load = if clear {
+        LoadOp::Clear(value)
+    } else {
+        LoadOp::Load
+    };
+    Operations {
+        load,
+        store: StoreOp::Store,
     }
 }
 
@@ -200,15 +195,19 @@ impl DepthState {
 /// Everitt and Kilgard 2002, "Practical and robust stenciled shadow volumes": where the depth test fails, back faces
 /// count up and front faces down, modulo 256.
 fn depth_fail_counting() -> StencilState {
-    let count = |depth_fail_op| StencilFaceState {
+    let front = StencilFaceState {
         compare: CompareFunction::Always,
         fail_op: StencilOperation::Keep,
-        depth_fail_op,
+        depth_fail_op: StencilOperation::DecrementWrap,
         pass_op: StencilOperation::Keep,
     };
+    let back = StencilFaceState {
+        depth_fail_op: StencilOperation::IncrementWrap,
+        ..front
+    };
     StencilState {
-        front: count(StencilOperation::DecrementWrap),
-        back: count(StencilOperation::IncrementWrap),
+        front,
+        back,
         read_mask: 0xff,
         write_mask: 0xff,
     }

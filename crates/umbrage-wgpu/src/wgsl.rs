@@ -1,17 +1,24 @@
 //! The WGSL that stands before and after a kernel's modules: the contract of [`Kernel`](umbrage_core::Kernel).
 
 use crate::prefix::with_prefix;
-use umbrage_core::{Format, Invalid, Kernel, MATH, Recipe, join};
+use umbrage_core::{Format, ImageDesc, Invalid, Kernel, MATH, Recipe, join};
 
-/// What a kernel reads, as far as its shader text shows it.
+/// The part of a kernel's inputs that its shader text depends on.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct KernelInterface {
     /// Whether there are uniforms.
     pub(crate) uniforms: bool,
-    /// For each image, what it is read as, and whether it has several layers.
-    pub(crate) images: Vec<(InputKind, bool)>,
-    /// How many tables.
+    pub(crate) images: Vec<InputImage>,
+    /// Number of tables.
     pub(crate) tables: u32,
+}
+
+/// How a kernel's shader sees one image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct InputImage {
+    pub(crate) kind: InputKind,
+    /// Whether there are several layers.
+    pub(crate) layered: bool,
 }
 
 /// What an image is read as.
@@ -33,31 +40,45 @@ impl KernelInterface {
         tables: &[usize],
     ) -> Self {
         let compares = kernel.compares();
-        let kind = |format: Format| match format {
-            Format::Stencil8 => InputKind::Counts,
-            _ if compares && format.is_depth() => InputKind::Compared,
-            _ => InputKind::Floats,
-        };
-        let read = |&i: &usize| {
-            recipe
-                .images
-                .get(i)
-                .map_or((InputKind::Floats, false), |d| {
-                    (kind(d.format), d.layers > 1)
-                })
-        };
+        let images = images
+            .iter()
+            .map(|&id| InputImage::new(recipe.images.get(id), compares))
+            .collect();
         Self {
             uniforms: kernel.uniforms().is_some(),
-            images: images.iter().map(read).collect(),
+            images,
             tables: tables.len() as u32,
         }
     }
 
-    /// Whether it reads through the comparison sampler.
+    /// Returns whether the kernel reads through the comparison sampler.
     pub(crate) fn compares(&self) -> bool {
         self.images
             .iter()
-            .any(|&(kind, _)| kind == InputKind::Compared)
+            .any(|image| image.kind == InputKind::Compared)
+    }
+}
+
+impl InputImage {
+    /// Returns how a kernel sees an image. An id that names none is taken for floats: recipes are validated elsewhere.
+    fn new(desc: Option<&ImageDesc>, compares: bool) -> Self {
+        let Some(desc) = desc else {
+            return Self {
+                kind: InputKind::Floats,
+                layered: false,
+            };
+        };
+        let kind = if desc.format == Format::Stencil8 {
+            InputKind::Counts
+        } else if compares && desc.format.is_depth() {
+            InputKind::Compared
+        } else {
+            InputKind::Floats
+        };
+        Self {
+            kind,
+            layered: desc.layers > 1,
+        }
     }
 }
 
@@ -88,38 +109,56 @@ pub fn receive_wgsl(recipe: &Recipe, group: u32, prefix: &str) -> Result<String,
     with_prefix(&kernel_wgsl(&*receive.kernel, &shape, group), prefix)
 }
 
-/// The contract's names, then the kernel's modules.
+/// Returns the declarations that the contract names, then the kernel's modules.
 pub(crate) fn kernel_wgsl(kernel: &dyn Kernel, shape: &KernelInterface, group: u32) -> String {
     let mut text = format!("// Made by umbrage.\n{RECEIVER}");
     let uniforms = kernel.uniforms().map(|block| block.uniform_layout().name);
-    declare(&mut text, uniforms, shape, group);
+    declare_inputs(&mut text, uniforms, shape, group);
     text + &join(&[MATH]) + &join(&kernel.modules())
 }
 
-fn declare(text: &mut String, uniforms: Option<&str>, shape: &KernelInterface, group: u32) {
-    let mut binding = 0;
-    let mut declare = |text: &mut String, what: &str| {
-        text.push_str(&format!("@group({group}) @binding({binding}) {what};\n"));
-        binding += 1;
+/// Appends the declarations of all that a kernel reads; `uniforms` is the type of its uniform block.
+fn declare_inputs(text: &mut String, uniforms: Option<&str>, shape: &KernelInterface, group: u32) {
+    let mut declarations = Declarations {
+        text,
+        group,
+        binding: 0,
     };
     if let Some(uniforms) = uniforms {
-        declare(text, &format!("var<uniform> kernel: {uniforms}"));
+        declarations.add(&format!("var<uniform> kernel: {uniforms}"));
     }
-    for (i, &(kind, layered)) in shape.images.iter().enumerate() {
-        declare(
-            text,
-            &format!("var image_{i}: {}", texture_type(kind, layered)),
-        );
-        text.push_str(&image_functions(i, kind, layered));
+    for (i, &image) in shape.images.iter().enumerate() {
+        declarations.add(&format!("var image_{i}: {}", texture_type(image)));
+        declarations.text.push_str(&image_functions(i, image));
     }
-    (0..shape.tables).for_each(|j| declare(text, &format!("var<storage> table_{j}: array<vec4u>")));
+    for j in 0..shape.tables {
+        declarations.add(&format!("var<storage> table_{j}: array<vec4u>"));
+    }
     if shape.compares() {
-        declare(text, "var umbrage_comparison: sampler_comparison");
+        declarations.add("var umbrage_comparison: sampler_comparison");
     }
 }
 
-const fn texture_type(kind: InputKind, layered: bool) -> &'static str {
-    match (kind, layered) {
+/// Module-scope variables at consecutive bindings of one group.
+struct Declarations<'a> {
+    text: &'a mut String,
+    group: u32,
+    /// The next declaration's binding.
+    binding: u32,
+}
+
+impl Declarations<'_> {
+    fn add(&mut self, variable: &str) {
+        let group = self.group;
+        let binding = self.binding;
+        let line = format!("@group({group}) @binding({binding}) {variable};\n");
+        self.text.push_str(&line);
+        self.binding += 1;
+    }
+}
+
+const fn texture_type(image: InputImage) -> &'static str {
+    match (image.kind, image.layered) {
         (InputKind::Floats, false) => "texture_2d<f32>",
         (InputKind::Floats, true) => "texture_2d_array<f32>",
         (InputKind::Counts, false) => "texture_2d<u32>",
@@ -129,11 +168,11 @@ const fn texture_type(kind: InputKind, layered: bool) -> &'static str {
     }
 }
 
-/// How a kernel reads image `i`.
-fn image_functions(i: usize, kind: InputKind, layered: bool) -> String {
-    let layer = if layered { " layer," } else { "" };
+/// Returns the functions with which a kernel reads image `i`.
+fn image_functions(i: usize, image: InputImage) -> String {
+    let layer = if image.layered { " layer," } else { "" };
     let load = format!("textureLoad(image_{i}, texel,{layer} 0)");
-    let texel = match kind {
+    let texel = match image.kind {
         InputKind::Floats => load,
         InputKind::Counts => format!("vec4f(f32({load}.x), 0.0, 0.0, 0.0)"),
         InputKind::Compared => format!("vec4f({load}, 0.0, 0.0, 1.0)"),
@@ -143,7 +182,7 @@ fn image_functions(i: usize, kind: InputKind, layered: bool) -> String {
 fn size_{i}() -> vec2i {{ return vec2i(textureDimensions(image_{i})); }}
 "
     );
-    if kind != InputKind::Compared {
+    if image.kind != InputKind::Compared {
         return text;
     }
     let arguments = format!("(image_{i}, umbrage_comparison, uv,{layer} depth)");
@@ -154,17 +193,17 @@ fn gather_compare_{i}(uv: vec2f, layer: i32, depth: f32) -> vec4f {{ return text
     )
 }
 
-/// A whole shader that answers for every pixel of the G-buffer in `gbuffer_group`.
+/// Returns a whole shader that calls the receive kernel for every pixel of the G-buffer in `gbuffer_group`; `triangles` says
+/// whether that holds triangle ids.
 pub(crate) fn receive_shader(kernel: &str, gbuffer_group: u32, triangles: bool) -> String {
     let g = gbuffer_group;
-    let (declaration, load) = if triangles {
-        (
-            format!("@group({g}) @binding(2) var umbrage_triangle: texture_2d<u32>;\n"),
-            "textureLoad(umbrage_triangle, at_texel, 0).x",
-        )
-    } else {
-        (String::new(), "0xffffffffu")
-    };
+    let mut declaration = String::new();
+    // NO_TRIANGLE.
+    let mut load = "0xffffffffu";
+    if triangles {
+        declaration = format!("@group({g}) @binding(2) var umbrage_triangle: texture_2d<u32>;\n");
+        load = "textureLoad(umbrage_triangle, at_texel, 0).x";
+    }
     format!(
         "{kernel}// ---- the player's entry points
 @group({g}) @binding(0) var umbrage_position: texture_2d<f32>;
@@ -184,8 +223,8 @@ pub(crate) fn receive_shader(kernel: &str, gbuffer_group: u32, triangles: bool) 
     )
 }
 
-/// A whole shader that colours what shows a triangle; the mask is the last thing in `gbuffer_group`. Where a ray ran
-/// along its triangle's plane, nothing is seen though there is an id: the normal is zero.
+/// Returns a whole shader that colours the pixels that show a triangle; the mask is the last binding of `gbuffer_group`. Where
+/// a ray ran along its triangle's plane, nothing is seen though there is an id: the normal is zero.
 pub(crate) fn shade_shader(kernel: &str, gbuffer_group: u32) -> String {
     let g = gbuffer_group;
     format!(
@@ -210,14 +249,14 @@ pub(crate) fn shade_shader(kernel: &str, gbuffer_group: u32) -> String {
     )
 }
 
-/// One triangle that covers the target.
+/// Vertex shader of one triangle that covers the target.
 pub(crate) const FULLSCREEN: &str = "\
 @vertex fn umbrage_fullscreen(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
     return vec4f(f32(i32(i & 1u) * 4 - 1), f32(i32(i & 2u) * 2 - 1), 0.0, 1.0);
 }
 ";
 
-/// A whole shader that makes every texel of a layer; the layer is the instance.
+/// Returns a whole shader that makes every texel of a layer; the instance index is the layer.
 pub(crate) fn filter_shader(kernel: &str) -> String {
     format!(
         "{kernel}// ---- the player's entry points

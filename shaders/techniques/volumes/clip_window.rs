@@ -154,7 +154,8 @@ mod tests {
     use umbrage_core::{Camera, glam::Vec3};
 
     fn camera() -> Camera {
-        let (eye, size) = (Vec3::new(0.0, 0.0, 5.0), UVec2::new(100, 50));
+        let eye = Vec3::new(0.0, 0.0, 5.0);
+        let size = UVec2::new(100, 50);
         Camera::perspective(eye, Vec3::ZERO, Vec3::Y, 1.0, [0.1, 100.0], size).expect("valid")
     }
 
@@ -165,7 +166,8 @@ mod tests {
     /// How far a point is seen from the picture's four borders, pixels.
     fn borders(p: DVec3) -> [f64; 4] {
         let clip = camera().space().clip_from_world().as_dmat4() * p.extend(1.0);
-        let [x, y] = [50.0 + 50.0 * clip.x / clip.w, 25.0 - 25.0 * clip.y / clip.w];
+        let x = 50.0 + 50.0 * clip.x / clip.w;
+        let y = 25.0 - 25.0 * clip.y / clip.w;
         [x, 100.0 - x, 50.0 - y, y]
     }
 

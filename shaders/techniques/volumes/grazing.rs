@@ -193,20 +193,14 @@ mod tests {
 
     /// Squares of 10 m, each by its corner and two sides.
     fn squares(corners: &[[Vec3; 3]]) -> Geometry {
-        let mesh = |&[p, u, v]: &[Vec3; 3]| {
+        let mut scene = Scene::default();
+        for (i, &[p, u, v]) in corners.iter().enumerate() {
             let positions = vec![p, p + u * 10.0, p + u * 10.0 + v * 10.0, p + v * 10.0];
-            Mesh::new("square", positions, vec![[0, 1, 2], [0, 2, 3]]).expect("valid")
-        };
-        let meshes: Vec<Mesh> = corners.iter().map(mesh).collect();
-        let instances = (0..meshes.len())
-            .map(|i| Instance::new(i, Affine3A::IDENTITY))
-            .collect();
-        Geometry::bake(&Scene {
-            meshes,
-            instances,
-            ..Scene::default()
-        })
-        .expect("valid")
+            let mesh = Mesh::new("square", positions, vec![[0, 1, 2], [0, 2, 3]]);
+            scene.meshes.push(mesh.expect("valid"));
+            scene.instances.push(Instance::new(i, Affine3A::IDENTITY));
+        }
+        Geometry::bake(&scene).expect("valid")
     }
 
     const FLOOR: [Vec3; 3] = [Vec3::ZERO, Vec3::Z, Vec3::X];
@@ -279,10 +273,12 @@ mod tests {
             )
             .expect("valid");
             let mut receivers = Receivers::empty(size);
-            (receivers.x, receivers.z) = (vec![5.0, 5.0], vec![5.0, 5.0]);
-            // The other one stands before the eye.
+            receivers.x = vec![5.0, 5.0];
+            // One is on the floor, the other one before the eye.
             receivers.y = vec![0.0, distance - 1.0];
-            (receivers.triangle, receivers.receives) = (vec![0, 1], vec![true, true]);
+            receivers.z = vec![5.0, 5.0];
+            receivers.triangle = vec![0, 1];
+            receivers.receives = vec![true, true];
             let light = umbrage_core::Light::Directional {
                 direction: Vec3::X,
                 angular_diameter: 0.0,

@@ -10,7 +10,8 @@ const SUN: DVec4 = DVec4::new(0.0, 1.0, 0.0, 0.0);
 
 /// A unit cube from the origin, fronts outside; every face has corners of its own.
 fn cube() -> Welded {
-    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    let mut positions = Vec::new();
+    let mut triangles = Vec::new();
     for (axis, side) in [(0, 0.0), (0, 1.0), (1, 0.0), (1, 1.0), (2, 0.0), (2, 1.0)] {
         let first = positions.len() as u32;
         for (u, v) in [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)] {
@@ -78,15 +79,18 @@ fn a_cube_seen_from_its_corner_has_a_hexagon_around_it() {
 
 #[test]
 fn fronts_inside_make_the_same_volume() {
-    let (mesh, light) = (cube(), DVec4::new(5.0, 4.0, 3.0, 1.0));
-    let [out, inside] = [mesh.silhouette(light), flip_all(&mesh).silhouette(light)];
+    let mesh = cube();
+    let light = DVec4::new(5.0, 4.0, 3.0, 1.0);
+    let out = mesh.silhouette(light);
+    let inside = flip_all(&mesh).silhouette(light);
     assert_eq!(out.edges, inside.edges);
     assert!(inside.caps.len() == 6 && inside.caps.iter().all(|cap| !cap.in_scene));
 }
 
 #[test]
 fn a_light_inside_makes_every_triangle_cast() {
-    let (mesh, light) = (cube(), DVec4::new(0.5, 0.4, 0.3, 1.0));
+    let mesh = cube();
+    let light = DVec4::new(0.5, 0.4, 0.3, 1.0);
     let s = mesh.silhouette(light);
     assert_eq!((s.caps.len(), s.edges.len()), (12, 0));
     assert!(is_closed(&mesh, &s, light));
@@ -159,10 +163,8 @@ fn seams_have_no_walls() {
         let [a, b, c] = t.map(|v| mesh.positions[v as usize]);
         f64::from((b - a).cross(c - a).length())
     };
-    let (before, after): (f64, f64) = (
-        triangles.iter().map(area).sum(),
-        s.caps.iter().map(|cap| area(&cap.corners)).sum(),
-    );
+    let before: f64 = triangles.iter().map(area).sum();
+    let after: f64 = s.caps.iter().map(|cap| area(&cap.corners)).sum();
     // Corners were rounded to 32 bits.
     assert!((before - after).abs() < 1e-6, "{before} {after}");
 }
@@ -203,7 +205,8 @@ fn walls_lean_outwards() {
 #[test]
 fn volumes_are_closed_as_far_as_they_are_seen() {
     let mesh = cube();
-    let (eye, size) = (Vec3::new(3.0, 2.0, 4.0), UVec2::new(64, 48));
+    let eye = Vec3::new(3.0, 2.0, 4.0);
+    let size = UVec2::new(64, 48);
     for (light, at) in [
         (DVec4::new(0.8, 0.6, 0.0, 0.0), Vec3::ZERO),
         (DVec4::new(1.5, 3.0, 0.5, 1.0), Vec3::X),

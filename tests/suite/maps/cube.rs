@@ -100,8 +100,10 @@ fn on_face(case: &Case, pixel: usize) -> OnFace {
 
 /// Whether truth changes within `texels` around a pixel, on the plane that it shows.
 fn near_edge(case: &Case, pixel: usize, texels: f32) -> bool {
-    let (lamp, receivers) = (lamp(case), &case.truth.receivers);
-    let (p, n) = (receivers.position(pixel), receivers.normal(pixel));
+    let lamp = lamp(case);
+    let receivers = &case.truth.receivers;
+    let p = receivers.position(pixel);
+    let n = receivers.normal(pixel);
     let face = on_face(case, pixel);
     let rings = (1..=8).flat_map(|ring| {
         (0..24).map(move |k| (ring as f32 / 8.0, k as f32 * std::f32::consts::TAU / 24.0))

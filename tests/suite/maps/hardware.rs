@@ -56,7 +56,9 @@ fn small(name: &str) -> Case {
 /// no comparison hangs on rounding: fewer than one in a thousand.
 #[test]
 fn both_halves_agree() {
-    let (mut faults, mut played, mut refused) = (Vec::new(), 0, 0);
+    let mut faults = Vec::new();
+    let mut played = 0;
+    let mut refused = 0;
     for name in ["figure", "lamp-in-room"] {
         let case = small(name);
         for technique in techniques() {

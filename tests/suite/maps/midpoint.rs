@@ -41,7 +41,8 @@ fn every_constant_is_worse_on_closed_meshes() {
         "c3-sphere-bulb",
     ]
     .map(Case::named);
-    let (midpoint, second) = (wrong(&cases, &midpoint()), wrong(&cases, &second_depth()));
+    let midpoint = wrong(&cases, &midpoint());
+    let second = wrong(&cases, &second_depth());
     for i in 0..=40 {
         let constant = 10.0_f32.powf(-6.0 + i as f32 / 8.0);
         let other = wrong(
@@ -74,7 +75,8 @@ fn open_meshes_defeat_both() {
         map: map(Bias::NONE),
         radius: 0,
     };
-    let (second, bare) = (wrong(&case, &second_depth()), wrong(&case, &bare));
+    let second = wrong(&case, &second_depth());
+    let bare = wrong(&case, &bare);
     assert!(
         second > 10.0 * hard && bare > 1.5 * hard,
         "{second} and {bare} against {hard}"

@@ -32,7 +32,9 @@ impl Case {
             samples: 64,
             ..TruthOptions::default()
         };
-        let (camera, light, mut cpu) = (&scene.cameras[0], &scene.lights[0], Cpu::new());
+        let camera = &scene.cameras[0];
+        let light = &scene.lights[0];
+        let mut cpu = Cpu::new();
         let find = &mut |c: &Camera, g: &Geometry| cpu.receivers(c, g);
         let truth = trace(camera, light, &geometry, &options, find, &|_, _| {})
             .expect("built-in scenes are traced");

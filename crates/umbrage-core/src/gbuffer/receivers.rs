@@ -37,39 +37,44 @@ pub struct Receivers {
 }
 
 impl Receivers {
-    /// An image in which nothing is seen.
+    /// Returns an image in which nothing is seen.
     pub fn empty(size: UVec2) -> Self {
-        let n = size.x as usize * size.y as usize;
-        let zero = || vec![0.0; n];
+        let pixels = size.x as usize * size.y as usize;
+        let zeros = vec![0.0; pixels];
         Self {
             size,
-            x: zero(),
-            y: zero(),
-            z: zero(),
-            nx: zero(),
-            ny: zero(),
-            nz: zero(),
+            x: zeros.clone(),
+            y: zeros.clone(),
+            z: zeros.clone(),
+            nx: zeros.clone(),
+            ny: zeros.clone(),
+            nz: zeros.clone(),
             shading_normals: Vec::new(),
-            depth: vec![1.0; n],
-            distance: zero(),
-            triangle: vec![NO_TRIANGLE; n],
-            receives: vec![false; n],
+            depth: vec![1.0; pixels],
+            distance: zeros,
+            triangle: vec![NO_TRIANGLE; pixels],
+            receives: vec![false; pixels],
         }
     }
 
-    /// Objects to arrays that are not as long as the image has pixels, and to positions and normals that are not finite
-    /// where a shadow may fall.
+    /// Checks that kernels can read the receivers.
     ///
     /// # Errors
-    /// The first fault found.
+    /// Errors with the first fault found: an array that is not as long as the image has pixels, or a position or normal that is
+    /// not finite where a shadow may fall.
     pub fn validate(&self) -> Result<(), Invalid> {
         let pixels = self.size.x as usize * self.size.y as usize;
-        let lengths = [&self.x, &self.y, &self.z, &self.nx, &self.ny, &self.nz].map(Vec::len);
-        if [self.triangle.len(), self.receives.len()]
-            .iter()
-            .chain(&lengths)
-            .any(|&n| n != pixels)
-        {
+        let lengths = [
+            self.x.len(),
+            self.y.len(),
+            self.z.len(),
+            self.nx.len(),
+            self.ny.len(),
+            self.nz.len(),
+            self.triangle.len(),
+            self.receives.len(),
+        ];
+        if lengths.iter().any(|&length| length != pixels) {
             let why = format!(
                 "are an image of {} x {} pixels, and not all arrays are as long",
                 self.size.x, self.size.y
@@ -80,50 +85,49 @@ impl Receivers {
                 format!("make all {pixels} long"),
             ));
         }
-        let at_fault = (0..pixels)
-            .find(|&i| self.receives[i] && !(self.position(i) + self.normal(i)).is_finite());
-        let Some(i) = at_fault else { return Ok(()) };
+        let fault = (0..pixels).find(|&i| {
+            let is_finite = (self.position(i) + self.normal(i)).is_finite();
+            self.receives[i] && !is_finite
+        });
+        let Some(i) = fault else {
+            return Ok(());
+        };
+        let column = i as u32 % self.size.x;
+        let row = i as u32 / self.size.x;
+        let what = format!("receiver at pixel ({column}, {row})");
         let why = format!("is {} with the normal {}", self.position(i), self.normal(i));
         let help = "use finite numbers, or say in `receives` that no shadow falls there";
-        Err(Invalid::new(
-            format!(
-                "receiver at pixel ({}, {})",
-                i as u32 % self.size.x,
-                i as u32 / self.size.x
-            ),
-            why,
-            help,
-        ))
+        Err(Invalid::new(what, why, help))
     }
 
-    /// How many pixels.
+    /// Returns the number of pixels.
     pub fn len(&self) -> usize {
         self.triangle.len()
     }
 
-    /// Whether the image has no pixel.
+    /// Returns whether the image has no pixel.
     pub fn is_empty(&self) -> bool {
         self.triangle.is_empty()
     }
 
-    /// World position of a pixel.
+    /// Returns the world position of a pixel.
     pub fn position(&self, i: usize) -> Vec3 {
         Vec3::new(self.x[i], self.y[i], self.z[i])
     }
 
-    /// Geometric unit normal of a pixel, turned to the camera.
+    /// Returns the geometric unit normal of a pixel, turned to the camera.
     pub fn normal(&self, i: usize) -> Vec3 {
         Vec3::new(self.nx[i], self.ny[i], self.nz[i])
     }
 
-    /// World positions of all pixels on which a shadow may fall.
+    /// Returns the world positions of all pixels on which a shadow may fall.
     pub fn positions(&self) -> impl Iterator<Item = Vec3> + '_ {
         (0..self.len())
             .filter(|&i| self.receives[i])
             .map(|i| self.position(i))
     }
 
-    /// Pixels `first..first + count`, which must lie in one row.
+    /// Returns the pixels `first..first + count`, which must lie in one row.
     pub fn span(&self, first: usize, count: usize) -> Span<'_> {
         let width = self.size.x as usize;
         let range = first..first + count;

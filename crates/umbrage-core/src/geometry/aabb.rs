@@ -1,7 +1,7 @@
 //! Axis-aligned boxes.
 
 use crate::{Invalid, invalid};
-use glam::Vec3;
+use glam::{BVec3, Vec3};
 
 /// An axis-aligned box; empty when `min > max` in any axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,22 +19,22 @@ impl Aabb {
         max: Vec3::NEG_INFINITY,
     };
 
-    /// The smallest box around the points. It holds NaN where one of them does, so that [`Aabb::validate`] objects to it.
+    /// Returns the smallest box around the points. It holds NaN where one of them does, so that [`Aabb::validate`] fails.
     pub fn around(points: impl IntoIterator<Item = Vec3>) -> Self {
         points
             .into_iter()
             .fold(Self::EMPTY, |b, p| b.union(&Self { min: p, max: p }))
     }
 
-    /// Whether the box holds nothing; also of a box that holds NaN.
+    /// Returns whether the box holds nothing; true of a box that holds NaN, too.
     pub fn is_empty(&self) -> bool {
         !self.min.cmple(self.max).all()
     }
 
-    /// Objects to numbers that are not finite, but not to those of [`Aabb::EMPTY`].
+    /// Checks that all numbers are finite, or the box is [`Aabb::EMPTY`].
     ///
     /// # Errors
-    /// If there are any.
+    /// Errors if a number is not finite.
     pub fn validate(&self) -> Result<(), Invalid> {
         if *self == Self::EMPTY {
             return Ok(());
@@ -43,7 +43,7 @@ impl Aabb {
         invalid::finite("box's max", &self.max.to_array())
     }
 
-    /// The smallest box around both; NaN stays.
+    /// Returns the smallest box around both; NaN stays.
     #[must_use]
     pub fn union(&self, other: &Self) -> Self {
         Self {
@@ -52,7 +52,7 @@ impl Aabb {
         }
     }
 
-    /// The box common to both, maybe empty.
+    /// Returns the box common to both, maybe empty.
     #[must_use]
     pub fn intersection(&self, other: &Self) -> Self {
         Self {
@@ -73,7 +73,8 @@ impl Aabb {
 
     /// Length of the diagonal. Finite wherever the box is, though squares of lengths beyond 1e19 m are not.
     pub fn diagonal(&self) -> f32 {
-        let (extent, length) = (self.extent(), self.extent().length());
+        let extent = self.extent();
+        let length = extent.length();
         if length.is_finite() {
             length
         } else {
@@ -83,14 +84,12 @@ impl Aabb {
 
     /// The eight corners; none for an empty box.
     pub fn corners(&self) -> impl Iterator<Item = Vec3> + use<> {
-        let (b, count) = (*self, if self.is_empty() { 0 } else { 8 });
+        let b = *self;
+        let count = if self.is_empty() { 0 } else { 8 };
         (0..count).map(move |i| {
-            let pick = |bit: i32, lo: f32, hi: f32| if i & bit == 0 { lo } else { hi };
-            Vec3::new(
-                pick(1, b.min.x, b.max.x),
-                pick(2, b.min.y, b.max.y),
-                pick(4, b.min.z, b.max.z),
-            )
+            // Bit 0 of the corner's number says whether it has the greatest x, bit 1 y, bit 2 z.
+            let is_max = BVec3::new(i & 1 != 0, i & 2 != 0, i & 4 != 0);
+            Vec3::select(is_max, b.max, b.min)
         })
     }
 }

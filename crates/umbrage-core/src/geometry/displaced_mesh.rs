@@ -11,116 +11,120 @@ use crate::{
 use glam::{DVec3, Vec3};
 use std::borrow::Cow;
 
-/// Least cosine between two normals at one place that counts as smooth: 60 degrees, between the seams of bent surfaces
-/// and the edges of boxes.
-const SMOOTH: f32 = 0.5;
-/// More vertices than this at one place are a fan, not an edge: comparing each with each would take forever.
-const FAN: usize = 64;
+/// Least cosine between the normals of two vertices at one place between which the surface is smooth: 60 degrees, between the
+/// seams of bent surfaces and the edges of boxes.
+const MIN_SMOOTH_COSINE: f32 = 0.5;
+/// Greatest number of vertices at one place whose normals are compared. More are a fan, not an edge, and comparing each with
+/// each would take forever.
+const MAX_COMPARED: usize = 64;
 
-/// The mesh of a valid scene's instance, displaced if its material says so. `baked` triangles are there already.
+/// Returns the mesh of a valid scene's instance, displaced if its material says so. `baked` is how many triangles the geometry
+/// has already.
 pub(crate) fn applied<'a>(
     scene: &'a Scene,
     instance: &Instance,
     baked: usize,
 ) -> Result<Cow<'a, Mesh>, Invalid> {
     let mesh = &scene.meshes[instance.mesh];
-    let material = instance.material.map(|id| &scene.materials[id]);
-    let Some((material, relief)) = material.and_then(|m| Some((m, m.displacement?))) else {
+    let Some(id) = instance.material else {
         return Ok(Cow::Borrowed(mesh));
     };
-    mesh.check_subdivisions(
-        relief.subdivisions,
-        MAX_SUBDIVIDED_TRIANGLES.saturating_sub(baked),
-    )?;
+    let material = &scene.materials[id];
+    let Some(relief) = material.displacement else {
+        return Ok(Cow::Borrowed(mesh));
+    };
+    let room = MAX_SUBDIVIDED_TRIANGLES.saturating_sub(baked);
+    mesh.check_subdivisions(relief.subdivisions, room)?;
     let fine = with_normals(mesh).subdivided(relief.subdivisions)?;
-    let moved = moved(&fine, &scene.textures[relief.texture], relief.lambda);
-    Ok(Cow::Owned(if material.normal_map.is_some() {
-        Mesh {
-            positions: moved,
-            ..fine
-        }
+    let positions = displaced_positions(&fine, &scene.textures[relief.texture], relief.lambda);
+    let displaced = if material.normal_map.is_some() {
+        Mesh { positions, ..fine }
     } else {
-        with_fitting_normals(fine, moved)
-    }))
+        with_fitting_normals(fine, positions)
+    };
+    Ok(Cow::Owned(displaced))
 }
 
 impl Mesh {
-    /// Each vertex moved along its unit normal by `lambda (2 h - 1)` metres, where h is the first channel of `heights`
-    /// at its texture coordinates; shading normals fit the result. See [`displacement`](crate::geometry::displacement).
+    /// Returns the mesh with each vertex moved along its unit normal by `lambda (2 h - 1)` metres, where h is the first channel
+    /// of `heights` at its texture coordinates; shading normals fit the result. See
+    /// [`displacement`](crate::geometry::displacement).
     ///
     /// # Errors
-    /// When the mesh or the texture is invalid, when the mesh has no texture coordinates, and when lambda is not
-    /// finite.
+    /// Errors if the mesh or the texture is invalid, if the mesh has no texture coordinates, and if lambda is not finite.
     pub fn displaced(&self, heights: &Texture, lambda: f32) -> Result<Self, Invalid> {
         self.validate()?;
         heights.validate()?;
         crate::invalid::finite("lambda of the displacement", &[lambda])?;
         if self.uvs.is_empty() {
-            let (what, why) = (
-                format!("mesh `{}`", self.name),
-                "has no texture coordinates to look up heights with",
-            );
+            let what = format!("mesh `{}`", self.name);
+            let why = "has no texture coordinates to look up heights with";
             return Err(Invalid::new(what, why, "give it uvs"));
         }
         let mesh = with_normals(self).into_owned();
-        let moved = moved(&mesh, heights, lambda);
-        let mesh = with_fitting_normals(mesh, moved);
+        let positions = displaced_positions(&mesh, heights, lambda);
+        let mesh = with_fitting_normals(mesh, positions);
         mesh.validate()?;
         Ok(mesh)
     }
 }
 
-/// The mesh with its normals, or with averaged ones.
+/// Returns the mesh with its own normals, or with averaged ones if it has none.
 fn with_normals(mesh: &Mesh) -> Cow<'_, Mesh> {
     if !mesh.normals.is_empty() {
         return Cow::Borrowed(mesh);
     }
-    let mut sums = vec![DVec3::ZERO; mesh.positions.len()];
-    corner_normals(mesh).for_each(|(v, n)| sums[v as usize] += n);
+    let normals = normal_sums(mesh).into_iter().map(unit).collect();
     Cow::Owned(Mesh {
-        normals: sums.into_iter().map(unit).collect(),
+        normals,
         ..mesh.clone()
     })
 }
 
-/// Where the vertices go; those of one place stay together.
-fn moved(mesh: &Mesh, heights: &Texture, lambda: f32) -> Vec<Vec3> {
-    let places = WeldedVertices::new(&mesh.positions);
-    let offset = |(&n, &uv): (&Vec3, _)| {
-        displaced(Vec3::ZERO, unit(n.as_dvec3()), height(heights, uv), lambda)
-    };
-    let offsets: Vec<Vec3> = mesh.normals.iter().zip(&mesh.uvs).map(offset).collect();
-    // A mean of one is itself: a lone vertex goes where `displaced` would send it, bit for bit.
-    mesh.positions
-        .iter()
-        .zip(places.shared_mean(&offsets))
-        .map(|(&p, offset)| p + offset)
-        .collect()
+/// Returns, for each vertex, the sum of its triangles' normals, each as long as twice the triangle's area.
+fn normal_sums(mesh: &Mesh) -> Vec<DVec3> {
+    let mut sums = vec![DVec3::ZERO; mesh.positions.len()];
+    for (vertex, normal) in corner_normals(mesh) {
+        sums[vertex as usize] += normal;
+    }
+    sums
 }
 
-/// The mesh at new positions, its normals averaged from them: over all vertices of a place between which the surface
+/// Returns the displaced positions of the vertices; those that stood at one place stay together.
+fn displaced_positions(mesh: &Mesh, heights: &Texture, lambda: f32) -> Vec<Vec3> {
+    let places = WeldedVertices::new(&mesh.positions);
+    let mut offsets = Vec::with_capacity(mesh.positions.len());
+    for (normal, &uv) in mesh.normals.iter().zip(&mesh.uvs) {
+        let normal = unit(normal.as_dvec3());
+        offsets.push(displaced(Vec3::ZERO, normal, height(heights, uv), lambda));
+    }
+    // A mean of one is itself: a lone vertex goes where `displaced` would send it, bit for bit.
+    let mut positions = mesh.positions.clone();
+    for (position, offset) in positions.iter_mut().zip(places.shared_mean(&offsets)) {
+        *position += offset;
+    }
+    positions
+}
+
+/// Returns the mesh at new positions, its normals averaged from them: over all vertices of a place between which the surface
 /// was smooth.
 fn with_fitting_normals(mesh: Mesh, positions: Vec<Vec3>) -> Mesh {
     let places = WeldedVertices::new(&mesh.positions);
-    let old = mesh
-        .normals
-        .iter()
-        .map(|n| unit(n.as_dvec3()))
-        .collect::<Vec<_>>();
+    let old: Vec<Vec3> = mesh.normals.iter().map(|n| unit(n.as_dvec3())).collect();
     let mut out = Mesh { positions, ..mesh };
-    let mut sums = vec![DVec3::ZERO; old.len()];
-    corner_normals(&out).for_each(|(v, n)| sums[v as usize] += n);
+    let sums = normal_sums(&out);
     for place in 0..places.count() as u32 {
         let vertices = places.vertices(place);
         for &v in vertices {
-            let smooth = |&&w: &&u32| {
-                vertices.len() > FAN || w == v || old[v as usize].dot(old[w as usize]) > SMOOTH
-            };
-            let sum: DVec3 = vertices
-                .iter()
-                .filter(smooth)
-                .map(|&w| sums[w as usize])
-                .sum();
+            let mut sum = DVec3::ZERO;
+            for &w in vertices {
+                let is_smooth = vertices.len() > MAX_COMPARED
+                    || w == v
+                    || old[v as usize].dot(old[w as usize]) > MIN_SMOOTH_COSINE;
+                if is_smooth {
+                    sum += sums[w as usize];
+                }
+            }
             out.normals[v as usize] = unit(sum);
         }
     }

@@ -107,7 +107,8 @@ fn the_baked_list_has_the_relief() {
             "bit for bit what a shader would do"
         );
     }
-    let [low, high] = [baked.bounds().min.y, baked.bounds().max.y];
+    let low = baked.bounds().min.y;
+    let high = baked.bounds().max.y;
     assert!(low < -0.09 && high > 0.09, "{low} {high}");
 }
 

@@ -1,15 +1,15 @@
 //! Displacement mapping (Cook 1984, "Shade trees"): a vertex moves along its unit normal by `lambda (2 h - 1)`, where h
 //! is a texture's first channel at its uv, bilinear and repeating.
 //!
-//! [`Geometry::bake`](crate::Geometry::bake) displaces what materials ask for: first each triangle is split in four, as
-//! often as the material says, since a coarse mesh cannot show relief; then vertices move. Both backends, truth, the
-//! depth pass and the camera pass draw that one list, and so they see the same relief.
+//! [`Geometry::bake`](crate::Geometry::bake) displaces meshes whose material has a displacement: first each triangle is split
+//! in four, as often as the material says, since a coarse mesh cannot show relief; then vertices move. Both backends, truth,
+//! the depth pass and the camera pass draw that one list, and so they see the same relief.
 //!
 //! * **Seams.** Where texture coordinates part, several vertices stand at one place and read different heights. They
 //!   move together, by the mean of their offsets: the surface never tears.
 //! * **Shading normals** are averaged anew from the moved triangles, so that they fit any relief and any lambda without
 //!   the derivatives of the texture; edges that were sharp before stay sharp. With a normal map they stay what they
-//!   were: the map that fits the relief tells its slopes over the smooth surface, and both together would tilt twice.
+//!   were: a map that fits the relief holds its slopes over the smooth surface, and both together would tilt twice.
 //! * **Known failures.** Relief finer than the triangles is aliased; vertices of a hollow may cross when |lambda|
 //!   exceeds its radius of curvature; an open mesh shows its rim.
 //!
@@ -45,7 +45,7 @@ pub const DISPLACEMENT: Module = Module {
     text: include_str!("displacement.wgsl"),
 };
 
-/// What is left of a texture coordinate after whole repeats: 0 to below 1.
+/// Returns the fraction of a texture coordinate after whole repeats: 0 to below 1.
 #[inline(always)]
 pub fn repeated(t: f32) -> f32 {
     let part = t - t.floor();
@@ -53,19 +53,19 @@ pub fn repeated(t: f32) -> f32 {
     if part >= 1.0 { 0.0 } else { part }
 }
 
-/// Texels from the centre of the first of `n`, along one axis: -0.5 to below n - 0.5.
+/// Returns how many texels a texture coordinate is from the centre of the first of `n`, along one axis: -0.5 to below n - 0.5.
 #[inline(always)]
 pub fn from_first_centre(t: f32, n: u32) -> f32 {
     repeated(t) * n as f32 - 0.5
 }
 
-/// The index of a texel that stands before the first, or not.
+/// Returns a texel's index among `n`; the one before the first is the last.
 #[inline(always)]
 fn wrapped(t: f32, n: u32) -> u32 {
     if t < 0.0 { n.wrapping_sub(1) } else { t as u32 }
 }
 
-/// The texel above and to the left of `uv`, repeating.
+/// Returns the texel above and to the left of `uv`, repeating.
 #[inline(always)]
 pub fn bilinear_first(uv: Vec2, size: UVec2) -> UVec2 {
     let x = from_first_centre(uv.x, size.x).floor();
@@ -73,7 +73,7 @@ pub fn bilinear_first(uv: Vec2, size: UVec2) -> UVec2 {
     UVec2::new(wrapped(x, size.x), wrapped(y, size.y))
 }
 
-/// The texel below and to the right of `first`, repeating.
+/// Returns the texel below and to the right of `first`, repeating.
 #[inline(always)]
 pub fn bilinear_second(first: UVec2, size: UVec2) -> UVec2 {
     let next = UVec2::new(first.x.wrapping_add(1), first.y.wrapping_add(1));
@@ -83,7 +83,7 @@ pub fn bilinear_second(first: UVec2, size: UVec2) -> UVec2 {
     )
 }
 
-/// How far `uv` is from the first texel's centre towards the second's, each 0 to 1.
+/// Returns how far `uv` is from the first texel's centre towards the second's, each 0 to 1.
 #[inline(always)]
 pub fn bilinear_weights(uv: Vec2, size: UVec2) -> Vec2 {
     let x = from_first_centre(uv.x, size.x);
@@ -105,7 +105,7 @@ pub fn bilinear_blend(
     top + (bottom - top) * weights.y
 }
 
-/// A vertex moved along its unit normal by `lambda (2 h - 1)` metres.
+/// Returns a vertex moved along its unit normal by `lambda (2 h - 1)` metres.
 #[inline(always)]
 pub fn displaced(position: Vec3, normal: Vec3, h: f32, lambda: f32) -> Vec3 {
     let metres = lambda * (2.0 * h - 1.0);
@@ -116,24 +116,24 @@ pub fn displaced(position: Vec3, normal: Vec3, h: f32, lambda: f32) -> Vec3 {
     )
 }
 
-/// The first channel of a valid texture at `uv` (origin top left), bilinear and repeating.
+/// Returns the first channel of a valid texture at `uv` (origin top left), bilinear and repeating.
 pub fn height(texture: &Texture, uv: Vec2) -> f32 {
-    let a = bilinear_first(uv, texture.size);
-    let b = bilinear_second(a, texture.size);
-    let at = |x: u32, y: u32| {
-        let index = u64::from(y) * u64::from(texture.size.x) + u64::from(x);
-        texture.texels[index as usize][0]
-    };
-    bilinear_blend(
-        at(a.x, a.y),
-        at(b.x, a.y),
-        at(a.x, b.y),
-        at(b.x, b.y),
-        bilinear_weights(uv, texture.size),
-    )
+    let first = bilinear_first(uv, texture.size);
+    let second = bilinear_second(first, texture.size);
+    let top_left = first_channel(texture, first.x, first.y);
+    let top_right = first_channel(texture, second.x, first.y);
+    let bottom_left = first_channel(texture, first.x, second.y);
+    let bottom_right = first_channel(texture, second.x, second.y);
+    let weights = bilinear_weights(uv, texture.size);
+    bilinear_blend(top_left, top_right, bottom_left, bottom_right, weights)
 }
 
-/// The pairs, for the lockstep tests.
+fn first_channel(texture: &Texture, x: u32, y: u32) -> f32 {
+    let index = u64::from(y) * u64::from(texture.size.x) + u64::from(x);
+    texture.texels[index as usize][0]
+}
+
+/// All twins of this module, for the tests that compare them.
 pub const TWINS: &[Twin] = &[
     twin!(DISPLACEMENT, repeated(t: f32) -> f32),
     twin!(DISPLACEMENT, from_first_centre(t: f32, n: u32) -> f32),

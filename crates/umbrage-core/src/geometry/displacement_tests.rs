@@ -14,7 +14,8 @@ fn texture(width: u32, height: u32) -> Texture {
 
 /// The textbook's formula in f64: a sum over all texels of all repeats nearby, weighted by tents.
 fn tents(t: &Texture, uv: Vec2) -> f64 {
-    let (w, h) = (t.size.x as i64, t.size.y as i64);
+    let w = t.size.x as i64;
+    let h = t.size.y as i64;
     let at = [f64::from(uv.x) * w as f64, f64::from(uv.y) * h as f64];
     let tent = |centre: i64, x: f64| (1.0 - (centre as f64 + 0.5 - x).abs()).max(0.0);
     let texel =
@@ -79,7 +80,8 @@ fn every_coordinate_finds_texels() {
 
 #[test]
 fn heights_of_a_half_move_nothing() {
-    let (p, n) = (Vec3::new(1.0, 2.0, 3.0), Vec3::Y);
+    let p = Vec3::new(1.0, 2.0, 3.0);
+    let n = Vec3::Y;
     assert_eq!(displaced(p, n, 0.5, 7.0), p);
     assert_eq!(displaced(p, n, 1.0, 0.25), p + n * 0.25);
     assert_eq!(displaced(p, n, 0.0, 0.25), p - n * 0.25);

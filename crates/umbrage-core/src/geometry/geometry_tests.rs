@@ -107,11 +107,10 @@ fn frames_follow_turns_scales_and_mirrors() {
     ] {
         let m = turned * Affine3A::from_scale(scale);
         let g = bake(vec![triangle()], vec![place(0, None, m)]);
-        let (n, t) = (g.normals()[0], g.tangents()[0]);
-        let (u, up) = (
-            m.transform_vector3(Vec3::X).normalize(),
-            m.transform_vector3(Vec3::Y).normalize(),
-        );
+        let n = g.normals()[0];
+        let t = g.tangents()[0];
+        let u = m.transform_vector3(Vec3::X).normalize();
+        let up = m.transform_vector3(Vec3::Y).normalize();
         assert!(t.truncate().abs_diff_eq(u, 1e-6), "{scale}: {t} is not {u}");
         let b = n.cross(t.truncate()) * t.w;
         assert!(b.abs_diff_eq(up, 1e-6), "{scale}: {b} is not {up}");

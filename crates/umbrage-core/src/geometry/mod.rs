@@ -46,54 +46,61 @@ impl Geometry {
     /// outside out.
     ///
     /// # Errors
-    /// As [`Scene::validate`]; when subdivisions make too many triangles; and when a placement leaves the range of `f32`.
+    /// Errors if [`Scene::validate`] does; if subdivisions make too many triangles; and if a placement leaves the range of `f32`.
     pub fn bake(scene: &Scene) -> Result<Self, Invalid> {
         scene.validate()?;
         let mut out = Self::default();
-        let mut ends = [0_u32; 4];
-        for (end, class) in
-            ends.iter_mut()
-                .zip([(true, false), (true, true), (false, true), (false, false)])
-        {
-            for instance in scene
-                .instances
-                .iter()
-                .filter(|i| (i.casts, i.receives) == class)
-            {
-                out.append(scene, instance)?;
-            }
-            *end = out.triangles.len() as u32;
-        }
+        // In this order, casters and receivers are each one range, which overlap.
+        out.append_all(scene, |i| i.casts && !i.receives)?;
+        let first_receiver = out.triangles.len() as u32;
+        out.append_all(scene, |i| i.casts && i.receives)?;
+        let end_of_casters = out.triangles.len() as u32;
+        out.append_all(scene, |i| !i.casts && i.receives)?;
+        let end_of_receivers = out.triangles.len() as u32;
+        out.append_all(scene, |i| !i.casts && !i.receives)?;
         out.pad_attributes();
-        (out.casters, out.receivers) = (0..ends[1], ends[0]..ends[2]);
-        match out.positions.iter().position(|p| !p.is_finite()) {
-            None => {
-                out.fingerprint = out.hash();
-                Ok(out)
-            }
-            Some(i) => Err(Invalid::new(
+        out.casters = 0..end_of_casters;
+        out.receivers = first_receiver..end_of_receivers;
+        if let Some(i) = out.positions.iter().position(|p| !p.is_finite()) {
+            return Err(Invalid::new(
                 format!("scene `{}`, world vertex {i}", scene.name),
                 format!("is {}", out.positions[i]),
                 "use smaller matrices: the product left the range of 32-bit floats",
-            )),
+            ));
         }
+        out.fingerprint = out.hash();
+        Ok(out)
+    }
+
+    /// Appends the triangles of the instances for which `wanted` is true.
+    fn append_all(
+        &mut self,
+        scene: &Scene,
+        wanted: impl Fn(&Instance) -> bool,
+    ) -> Result<(), Invalid> {
+        for instance in &scene.instances {
+            if wanted(instance) {
+                self.append(scene, instance)?;
+            }
+        }
+        Ok(())
     }
 
     fn append(&mut self, scene: &Scene, instance: &Instance) -> Result<(), Invalid> {
         let mesh = &*displaced_mesh::applied(scene, instance, self.triangles.len())?;
         let base = self.positions.len() as u32;
         let world_from_local = instance.world_from_local;
-        self.positions.extend(
-            mesh.positions
-                .iter()
-                .map(|&p| world_from_local.transform_point3(p)),
-        );
+        for &p in &mesh.positions {
+            self.positions.push(world_from_local.transform_point3(p));
+        }
         let mirrored = world_from_local.matrix3.determinant() < 0.0;
-        self.triangles.extend(mesh.triangles.iter().map(|t| {
-            let t = t.map(|v| v + base);
-            if mirrored { [t[0], t[2], t[1]] } else { t }
-        }));
-        let first = self.triangles.len() - mesh.triangles.len();
+        let first = self.triangles.len();
+        for triangle in &mesh.triangles {
+            let [a, b, c] = triangle.map(|v| v + base);
+            // A mirror turns counter-clockwise triangles clockwise.
+            self.triangles
+                .push(if mirrored { [a, c, b] } else { [a, b, c] });
+        }
         self.append_normals(mesh, instance, first);
         self.append_attributes(mesh, instance, mirrored);
         Ok(())
@@ -101,28 +108,31 @@ impl Geometry {
 
     fn append_normals(&mut self, mesh: &Mesh, instance: &Instance, first_triangle: usize) {
         if !mesh.normals.is_empty() {
+            // Normals stay normal under the inverse transpose.
             let m = Mat3::from(instance.world_from_local.matrix3);
-            let cofactors = m.inverse().transpose();
-            return self.normals.extend(
-                mesh.normals
-                    .iter()
-                    .map(|&n| (cofactors * n).normalize_or_zero()),
-            );
+            let world_from_local = m.inverse().transpose();
+            for &normal in &mesh.normals {
+                self.normals
+                    .push((world_from_local * normal).normalize_or_zero());
+            }
+            return;
         }
         // Area-weighted: the cross product's length is twice the triangle's area.
         self.normals.resize(self.positions.len(), Vec3::ZERO);
-        for t in &self.triangles[first_triangle..] {
-            let [a, b, c] = t.map(|v| self.positions[v as usize]);
-            let n = (b - a).cross(c - a);
-            t.iter().for_each(|&v| self.normals[v as usize] += n);
+        for triangle in &self.triangles[first_triangle..] {
+            let [a, b, c] = triangle.map(|v| self.positions[v as usize]);
+            let normal = (b - a).cross(c - a);
+            for &v in triangle {
+                self.normals[v as usize] += normal;
+            }
         }
         let first = self.positions.len() - mesh.positions.len();
-        self.normals[first..]
-            .iter_mut()
-            .for_each(|n| *n = n.normalize_or_zero());
+        for normal in &mut self.normals[first..] {
+            *normal = normal.normalize_or_zero();
+        }
     }
 
-    /// What only shading reads stays empty until something has it; what came before is padded then.
+    /// Appends what only shading reads. Such an attribute stays empty until a mesh has it; what came before is padded then.
     fn append_attributes(&mut self, mesh: &Mesh, instance: &Instance, mirrored: bool) {
         let first = self.positions.len() - mesh.positions.len();
         if !mesh.uvs.is_empty() {
@@ -133,13 +143,11 @@ impl Geometry {
             let m = Mat3::from(instance.world_from_local.matrix3);
             // A mirror keeps u and v where they are on the surface, but turns n x t around.
             let handedness = if mirrored { -1.0 } else { 1.0 };
-            let world = |t: &Vec4| {
-                (m * t.truncate())
-                    .normalize_or_zero()
-                    .extend(t.w * handedness)
-            };
             self.tangents.resize(first, Vec4::ZERO);
-            self.tangents.extend(mesh.tangents.iter().map(world));
+            for tangent in &mesh.tangents {
+                let along_u = (m * tangent.truncate()).normalize_or_zero();
+                self.tangents.push(along_u.extend(tangent.w * handedness));
+            }
         }
         if let Some(material) = instance.material {
             self.materials
@@ -148,36 +156,41 @@ impl Geometry {
         }
     }
 
+    /// Makes attributes that some meshes have as long as the lists of vertices or triangles.
     fn pad_attributes(&mut self) {
-        let (vertices, triangles) = (self.positions.len(), self.triangles.len());
-        let unless_empty = |len: usize, full: usize| if len == 0 { 0 } else { full };
-        self.uvs
-            .resize(unless_empty(self.uvs.len(), vertices), Vec2::ZERO);
-        self.tangents
-            .resize(unless_empty(self.tangents.len(), vertices), Vec4::ZERO);
-        self.materials
-            .resize(unless_empty(self.materials.len(), triangles), NO_MATERIAL);
+        let vertices = self.positions.len();
+        let triangles = self.triangles.len();
+        if !self.uvs.is_empty() {
+            self.uvs.resize(vertices, Vec2::ZERO);
+        }
+        if !self.tangents.is_empty() {
+            self.tangents.resize(vertices, Vec4::ZERO);
+        }
+        if !self.materials.is_empty() {
+            self.materials.resize(triangles, NO_MATERIAL);
+        }
     }
 
-    /// FNV-1a over the bits of all that the backends draw.
+    /// Returns a hash of all that the backends draw: FNV-1a (Fowler, Noll, Vo), a word at a time.
     fn hash(&self) -> u64 {
-        let words = self
-            .positions
-            .iter()
-            .flat_map(|p| p.to_array().map(f32::to_bits));
-        let words = words.chain(self.triangles.iter().flatten().copied());
-        let words = words.chain([
-            self.casters.start,
-            self.casters.end,
-            self.receivers.start,
-            self.receivers.end,
-        ]);
-        words.fold(0xcbf2_9ce4_8422_2325, |h, w| {
-            (h ^ u64::from(w)).wrapping_mul(0x0100_0000_01b3)
-        })
+        let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+        let mut add = |word: u32| hash = (hash ^ u64::from(word)).wrapping_mul(0x0100_0000_01b3);
+        for position in &self.positions {
+            add(position.x.to_bits());
+            add(position.y.to_bits());
+            add(position.z.to_bits());
+        }
+        for &vertex in self.triangles.iter().flatten() {
+            add(vertex);
+        }
+        add(self.casters.start);
+        add(self.casters.end);
+        add(self.receivers.start);
+        add(self.receivers.end);
+        hash
     }
 
-    /// The same triangles, none of which casts: the negative control of every comparison.
+    /// Returns the same triangles, none of which casts: the negative control of every comparison.
     #[must_use]
     pub fn without_casters(&self) -> Self {
         let mut out = Self {
@@ -239,15 +252,15 @@ impl Geometry {
         self.receivers.clone()
     }
 
-    /// The corners of a triangle.
+    /// Returns the corners of a triangle.
     ///
     /// # Panics
-    /// If there is no such triangle.
+    /// Panics if there is no such triangle.
     pub fn corners(&self, triangle: u32) -> [Vec3; 3] {
         self.triangles[triangle as usize].map(|v| self.positions[v as usize])
     }
 
-    /// The vertices of a range of triangles, each as often as it is used.
+    /// Returns the vertices of a range of triangles, each as often as it is used.
     pub fn vertices_of(&self, triangles: Range<u32>) -> impl Iterator<Item = Vec3> + '_ {
         let range = triangles.start as usize..triangles.end as usize;
         self.triangles[range]
@@ -256,22 +269,22 @@ impl Geometry {
             .map(|&v| self.positions[v as usize])
     }
 
-    /// The box around everything.
+    /// Returns the box around everything.
     pub fn bounds(&self) -> Aabb {
         Aabb::around(self.positions.iter().copied())
     }
 
-    /// The box around the casters.
+    /// Returns the box around the casters.
     pub fn caster_bounds(&self) -> Aabb {
         Aabb::around(self.vertices_of(self.casters()))
     }
 
-    /// Tells geometries apart: equal for bit-equal triangles in the same order with the same roles.
+    /// Returns a number that is equal for bit-equal triangles in the same order with the same roles, and otherwise differs.
     pub fn fingerprint(&self) -> u64 {
         self.fingerprint
     }
 
-    /// The hierarchy over the casters, built on first use (the one costly step of ray tracing).
+    /// Returns the hierarchy over the casters, which is built on first use (the one costly step of ray tracing).
     pub fn bvh(&self) -> &Arc<Bvh> {
         self.bvh.get_or_init(|| Arc::new(Bvh::build(self)))
     }
@@ -282,7 +295,7 @@ impl Geometry {
             .get_or_init(|| Arc::new(ChunkBounds::new(self)))
     }
 
-    /// [`Bvh::node_rows`] and [`Bvh::triangle_rows`], made on first use and shared from then on.
+    /// Returns [`Bvh::node_rows`] and [`Bvh::triangle_rows`], made on first use and shared from then on.
     pub fn bvh_tables(&self) -> &[Rows; 2] {
         self.bvh_tables.get_or_init(|| {
             let bvh = self.bvh();

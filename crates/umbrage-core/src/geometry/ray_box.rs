@@ -138,7 +138,8 @@ mod tests {
             *state = hash(*state);
             (*state >> 8) as f32 / 8_388_608.0 - 1.0
         };
-        let (value, power) = (next(), next());
+        let value = next();
+        let power = next();
         if power > 0.8 {
             (value * 4.0).round()
         } else {
@@ -153,9 +154,11 @@ mod tests {
     /// What searches rest on: whoever enters a box enters every box around it, to the last bit.
     #[test]
     fn boxes_around_a_box_that_is_entered_are_entered() {
-        let (mut state, mut entered) = (9, 0);
+        let mut state = 9;
+        let mut entered = 0;
         for i in 0..400_000 {
-            let (p, q) = (vector(&mut state), vector(&mut state));
+            let p = vector(&mut state);
+            let q = vector(&mut state);
             let inner = [p.min(q), p.max(q)].map(Vec3A::from);
             // Often just one unit in the last place wider, on one side.
             let outer = match i % 3 {
@@ -175,7 +178,8 @@ mod tests {
                 .lerp(q, random(&mut state).abs().min(1.0))
                 .with_x(if i % 2 == 0 { p.x } else { q.x });
             let d = (target - o) * [1.0, 0.5, 2.0, 1.0 - f32::EPSILON][i % 4];
-            let (o, inverse) = (Vec3A::from(o), slab_inverse(d));
+            let o = Vec3A::from(o);
+            let inverse = slab_inverse(d);
             let enters = enters_box(o, inverse, inner);
             entered += u32::from(enters);
             assert!(

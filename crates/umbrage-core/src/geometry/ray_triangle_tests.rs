@@ -92,11 +92,9 @@ fn random_vector(state: &mut u32) -> Vec3 {
 /// Triangles of all kinds about `middle`: of one size, thin, tiny, flat in one axis, and without area.
 fn triangle(state: &mut u32, kind: u32, middle: Vec3) -> [Vec3; 3] {
     let at = |v: Vec3| middle + v;
-    let (p, along, aside) = (
-        random_vector(state),
-        random_vector(state),
-        random_vector(state),
-    );
+    let p = random_vector(state);
+    let along = random_vector(state);
+    let aside = random_vector(state);
     match kind {
         0 => [at(p), at(along), at(aside)],
         1 => [at(p), at(p + along), at(p + along * 0.4 + aside * 1e-5)],
@@ -114,7 +112,8 @@ fn triangle(state: &mut u32, kind: u32, middle: Vec3) -> [Vec3; 3] {
 /// From where and along which way: towards the triangle's inside, an edge or a corner, or along it.
 fn towards(state: &mut u32, triangle: [Vec3; 3], far: f32) -> (Vec3, Vec3) {
     let [a, b, c] = triangle;
-    let (s, t) = (random(state) + 0.5, random(state) + 0.5);
+    let s = random(state) + 0.5;
+    let t = random(state) + 0.5;
     let target = match (random(state) * 8.0) as i32 {
         0 => a,
         1 => b,
@@ -135,7 +134,8 @@ fn exact_weights(segment: &Segment, corners: &Corners) -> Option<[f64; 3]> {
     let x = segment.along_row(0, corners).to_array().map(f64::from);
     let y = segment.along_row(1, corners).to_array().map(f64::from);
     let sign = |i: usize, k: usize| {
-        let (p, q) = (x[i] * y[k], y[i] * x[k]);
+        let p = x[i] * y[k];
+        let q = y[i] * x[k];
         i8::from(p > q) - i8::from(p < q)
     };
     let signs = [sign(1, 2), sign(2, 0), sign(0, 1)];
@@ -149,7 +149,8 @@ fn exact_weights(segment: &Segment, corners: &Corners) -> Option<[f64; 3]> {
 /// What the header says of cracks: tests 2 and 3 refuse nothing that holds the origin and is met by the segment.
 #[test]
 fn rectangle_and_box_refuse_no_triangle_that_holds_the_origin() {
-    let (mut state, mut held) = (5, 0);
+    let mut state = 5;
+    let mut held = 0;
     for i in 0..600_000_u32 {
         let distance = [0.0, 1.0, 300.0, 1e4, 1e6][(i / 6 % 5) as usize];
         let size = [1.0, 1e-3, 50.0][(i / 30 % 3) as usize];
@@ -157,7 +158,8 @@ fn rectangle_and_box_refuse_no_triangle_that_holds_the_origin() {
         let corners = triangle(&mut state, i % 6, middle / size).map(|v| v * size);
         let far = [3.0, 100.0, 1e4][(i / 90 % 3) as usize];
         let (o, d) = towards(&mut state, corners, far * size);
-        let (segment, t) = (Segment::new(o, d), Corners::new(corners));
+        let segment = Segment::new(o, d);
+        let t = Corners::new(corners);
         let Some(weights) = exact_weights(&segment, &t) else {
             continue;
         };
@@ -171,7 +173,8 @@ fn rectangle_and_box_refuse_no_triangle_that_holds_the_origin() {
             continue;
         }
         held += 1;
-        let (x, y) = (segment.along_row(0, &t), segment.along_row(1, &t));
+        let x = segment.along_row(0, &t);
+        let y = segment.along_row(1, &t);
         assert!(
             holds_origin(x, y),
             "the rectangle of {corners:?}, from {o} along {d}"
@@ -197,7 +200,8 @@ fn miss(ray: [Vec3; 2], corners: [Vec3; 3]) -> f64 {
         (glam::DVec2::new(x, y), z)
     });
     let edge = |i: usize| {
-        let (a, b) = (sheared[i].0, sheared[(i + 1) % 3].0);
+        let a = sheared[i].0;
+        let b = sheared[(i + 1) % 3].0;
         let along = (-a.dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
         if along.is_finite() {
             a.lerp(b, along).length()
@@ -240,7 +244,9 @@ fn needle_and_passer(state: &mut u32, distance: f32) -> ([Vec3; 3], [Vec3; 2]) {
 /// What the header says of hits from afar: none is farther than a few roundings of the lengths that went into the test.
 #[test]
 fn nothing_is_hit_from_afar() {
-    let (mut state, mut hits, mut worst) = (3, 0, 0.0_f64);
+    let mut state = 3;
+    let mut hits = 0;
+    let mut worst = 0.0_f64;
     for i in 0..1_200_000_u32 {
         let distance = [0.0, 1.0, 300.0, 1e4, 1e6][(i / 12 % 5) as usize];
         let (corners, [o, d]) = if i % 2 == 0 {

@@ -4,7 +4,7 @@ use crate::{Invalid, MAX_SUBDIVISIONS, Mesh};
 use glam::{Vec3, Vec4};
 use std::collections::HashMap;
 
-/// Most triangles that subdivision makes: their positions, normals and hierarchy still fit into a few gigabytes.
+/// Greatest number of triangles that subdivision makes: their positions, normals and hierarchy still fit into a few gigabytes.
 pub const MAX_SUBDIVIDED_TRIANGLES: usize = 1 << 24;
 
 impl Mesh {
@@ -13,25 +13,28 @@ impl Mesh {
     /// bit-equal. Normals and tangents are blended and made unit vectors, texture coordinates blended.
     ///
     /// # Errors
-    /// When the result would have more than [`MAX_SUBDIVIDED_TRIANGLES`].
+    /// Errors if the result would have more than [`MAX_SUBDIVIDED_TRIANGLES`].
     pub fn subdivided(&self, times: u32) -> Result<Self, Invalid> {
         self.check_subdivisions(times, MAX_SUBDIVIDED_TRIANGLES)?;
-        Ok((0..times).fold(self.clone(), |mesh, _| mesh.split()))
+        let mut mesh = self.clone();
+        for _ in 0..times {
+            mesh = mesh.split();
+        }
+        Ok(mesh)
     }
 
-    /// Objects to more than `room` triangles.
+    /// Errors if the result would have more than `room` triangles.
     pub(crate) fn check_subdivisions(&self, times: u32, room: usize) -> Result<(), Invalid> {
-        let count = |times: u32| (self.triangles.len() as u128) << (2 * times.min(60));
-        if times == 0 || times <= MAX_SUBDIVISIONS && count(times) <= room as u128 {
+        let count = self.subdivided_count(times);
+        if times == 0 || times <= MAX_SUBDIVISIONS && count <= room as u128 {
             return Ok(());
         }
         let most = (0..=MAX_SUBDIVISIONS)
             .rev()
-            .find(|&t| count(t) <= room as u128)
+            .find(|&fewer| self.subdivided_count(fewer) <= room as u128)
             .unwrap_or(0);
         let why = format!(
-            "would have {} triangles of {} after {times} subdivisions, and there is room for {room}",
-            count(times),
+            "would have {count} triangles of {} after {times} subdivisions, and there is room for {room}",
             self.triangles.len()
         );
         Err(Invalid::new(
@@ -41,25 +44,41 @@ impl Mesh {
         ))
     }
 
+    /// Returns the number of triangles after some subdivisions: four times as many after each. (Beyond 60 subdivisions, which no
+    /// mesh survives, the number stays, so that it doesn't overflow.)
+    fn subdivided_count(&self, times: u32) -> u128 {
+        (self.triangles.len() as u128) << (2 * times.min(60))
+    }
+
+    /// Splits each triangle in four.
     fn split(mut self) -> Self {
+        // By edge, least vertex first.
         let mut middles = HashMap::with_capacity(self.triangles.len() * 3 / 2);
         let coarse = std::mem::take(&mut self.triangles);
         self.triangles.reserve_exact(4 * coarse.len());
         for [a, b, c] in coarse {
-            let [ab, bc, ca] = [(a, b), (b, c), (c, a)].map(|(p, q)| {
-                *middles
-                    .entry((p.min(q), p.max(q)))
-                    .or_insert_with(|| self.push_middle(p, q))
-            });
-            self.triangles
-                .extend([[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]);
+            let ab = self.middle(a, b, &mut middles);
+            let bc = self.middle(b, c, &mut middles);
+            let ca = self.middle(c, a, &mut middles);
+            self.triangles.push([a, ab, ca]);
+            self.triangles.push([b, bc, ab]);
+            self.triangles.push([c, ca, bc]);
+            self.triangles.push([ab, bc, ca]);
         }
         self
     }
 
-    /// Adds the vertex between two, and says which it is.
+    /// Returns the index of the vertex in the middle of an edge, which is added if `middles` doesn't hold it.
+    fn middle(&mut self, p: u32, q: u32, middles: &mut HashMap<(u32, u32), u32>) -> u32 {
+        *middles
+            .entry((p.min(q), p.max(q)))
+            .or_insert_with(|| self.push_middle(p, q))
+    }
+
+    /// Adds the vertex in the middle of two, and returns its index.
     fn push_middle(&mut self, p: u32, q: u32) -> u32 {
-        let (p, q) = (p as usize, q as usize);
+        let p = p as usize;
+        let q = q as usize;
         // Halved before adding: the sum of two may leave the range of f32.
         self.positions
             .push(self.positions[p] * 0.5 + self.positions[q] * 0.5);
@@ -70,7 +89,8 @@ impl Mesh {
             self.uvs.push(self.uvs[p] * 0.5 + self.uvs[q] * 0.5);
         }
         if !self.tangents.is_empty() {
-            let [t, u] = [self.tangents[p], self.tangents[q]];
+            let t = self.tangents[p];
+            let u = self.tangents[q];
             let direction: Vec3 = between(t.truncate(), u.truncate());
             self.tangents.push(Vec4::from((direction, t.w)));
         }
@@ -78,6 +98,7 @@ impl Mesh {
     }
 }
 
+/// Returns the unit vector halfway between two directions of any length; zero if they are opposite.
 fn between(a: Vec3, b: Vec3) -> Vec3 {
     (a.normalize_or_zero() + b.normalize_or_zero()).normalize_or_zero()
 }

@@ -4,33 +4,36 @@ use crate::Mesh;
 use glam::{DVec3, Vec3};
 use std::collections::HashMap;
 
-/// Which vertices stand at bit-equal positions (zeros of both signs are equal).
+/// Vertices grouped by place: those at bit-equal positions (zeros of both signs are equal) share one.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct WeldedVertices {
+    /// The place of each vertex.
     group_of: Vec<u32>,
     /// Vertices, those of a place side by side.
     order: Vec<u32>,
-    /// Where each place begins in `order`, and its end.
+    /// Where each place starts in `order`; at last, the end.
     starts: Vec<u32>,
 }
 
 impl WeldedVertices {
-    /// Finds them. Places are numbered as their first vertices are.
+    /// Groups vertices. Places are numbered in the order of their first vertices.
     pub fn new(positions: &[Vec3]) -> Self {
         let mut known = HashMap::with_capacity(positions.len());
-        let key = |p: &Vec3| p.to_array().map(|x| (x + 0.0).to_bits());
-        let group_of: Vec<u32> = positions
-            .iter()
-            .map(|p| {
-                let next = known.len() as u32;
-                *known.entry(key(p)).or_insert(next)
-            })
-            .collect();
+        let mut group_of = Vec::with_capacity(positions.len());
+        for position in positions {
+            // The sum with 0 makes -0 positive.
+            let key = position.to_array().map(|x| (x + 0.0).to_bits());
+            let next = known.len() as u32;
+            group_of.push(*known.entry(key).or_insert(next));
+        }
+        // Counts of vertices, then their running sums.
         let mut starts = vec![0_u32; known.len() + 1];
-        group_of
-            .iter()
-            .for_each(|&place| starts[place as usize + 1] += 1);
-        (1..starts.len()).for_each(|i| starts[i] += starts[i - 1]);
+        for &place in &group_of {
+            starts[place as usize + 1] += 1;
+        }
+        for i in 1..starts.len() {
+            starts[i] += starts[i - 1];
+        }
         let mut order: Vec<u32> = (0..positions.len() as u32).collect();
         order.sort_by_key(|&v| group_of[v as usize]);
         Self {
@@ -40,39 +43,41 @@ impl WeldedVertices {
         }
     }
 
-    /// How many there are.
+    /// Returns the number of places.
     pub fn count(&self) -> usize {
         self.starts.len().saturating_sub(1)
     }
 
-    /// The place of each vertex.
+    /// Returns the place of each vertex.
     pub fn group_of(&self) -> &[u32] {
         &self.group_of
     }
 
-    /// The vertices at a place, in order.
+    /// Returns the vertices at a place, in order.
     ///
     /// # Panics
-    /// If there is no such place.
+    /// Panics if there is no such place.
     pub fn vertices(&self, place: u32) -> &[u32] {
-        &self.order[self.starts[place as usize] as usize..self.starts[place as usize + 1] as usize]
+        let start = self.starts[place as usize];
+        let end = self.starts[place as usize + 1];
+        &self.order[start as usize..end as usize]
     }
 
-    /// The mean of what the vertices of each place have, handed back to each vertex.
+    /// Returns, for each vertex, the mean of the values of all vertices at its place. `values` has one for each vertex.
     pub fn shared_mean(&self, values: &[Vec3]) -> Vec<Vec3> {
-        let means: Vec<Vec3> = (0..self.count() as u32)
-            .map(|place| {
-                let vertices = self.vertices(place);
-                vertices.iter().map(|&v| values[v as usize]).sum::<Vec3>() / vertices.len() as f32
-            })
-            .collect();
+        let mut means = Vec::with_capacity(self.count());
+        for place in 0..self.count() as u32 {
+            let vertices = self.vertices(place);
+            let sum: Vec3 = vertices.iter().map(|&v| values[v as usize]).sum();
+            means.push(sum / vertices.len() as f32);
+        }
         self.group_of
             .iter()
             .map(|&place| means[place as usize])
             .collect()
     }
 
-    /// Unit normals of the places, averaged from the triangles around them by area; zero where these have none.
+    /// Returns the unit normals of the places, averaged from the triangles around them by area; zero where these have none.
     pub fn normals(&self, mesh: &Mesh) -> Vec<Vec3> {
         let mut sums = vec![DVec3::ZERO; self.count()];
         for (v, n) in corner_normals(mesh) {
@@ -82,8 +87,8 @@ impl WeldedVertices {
     }
 }
 
-/// Every corner's vertex, with twice its triangle's area as a normal: f64, since the smallest triangles' squares leave
-/// the range of f32.
+/// Returns every corner's vertex, and its triangle's normal, as long as twice the triangle's area: f64, since the smallest
+/// triangles' squares leave the range of f32.
 pub(crate) fn corner_normals(mesh: &Mesh) -> impl Iterator<Item = (u32, DVec3)> + '_ {
     mesh.triangles.iter().flat_map(|t| {
         let [a, b, c] = t.map(|v| mesh.positions[v as usize].as_dvec3());
@@ -92,7 +97,7 @@ pub(crate) fn corner_normals(mesh: &Mesh) -> impl Iterator<Item = (u32, DVec3)> 
     })
 }
 
-/// Unit vectors of 32 bits; zero for zero.
+/// Returns a unit vector of 32 bits; zero for zero.
 pub(crate) fn unit(v: DVec3) -> Vec3 {
     v.normalize_or_zero().as_vec3()
 }

@@ -166,7 +166,8 @@ mod tests {
             [near / s, far / s]
         };
         for s in [1e-6, 1e-3, 1e4, 1e8] {
-            let (a, b) = (scaled(1.0), scaled(s));
+            let a = scaled(1.0);
+            let b = scaled(s);
             // Positions round once to f32.
             assert!(
                 (a[0] - b[0]).abs() < 1e-5 && (a[1] - b[1]).abs() < 1e-5,

@@ -68,7 +68,7 @@ pub const TEXTURE_FROM_CLIP: Mat4 = Mat4::from_cols_array(&[
 /// A view from `eye` along `direction` (any length). `up` may be parallel to it: then another axis takes its place.
 ///
 /// # Errors
-/// When something is not finite, or `direction` is zero.
+/// Errors if something is not finite, or `direction` is zero.
 pub fn look_along(eye: Vec3, direction: Vec3, up: Vec3) -> Result<Mat4, Invalid> {
     invalid::finite("eye", &eye.to_array())?;
     invalid::finite("up", &up.to_array())?;
@@ -115,7 +115,7 @@ pub struct Extents {
 /// An orthographic projection.
 ///
 /// # Errors
-/// When a number is not finite, or an extent is empty or reversed.
+/// Errors if a number is not finite, or an extent is empty or reversed.
 pub fn orthographic(e: Extents) -> Result<Mat4, Invalid> {
     invalid::finite(
         "orthographic extents",
@@ -134,14 +134,21 @@ pub fn orthographic(e: Extents) -> Result<Mat4, Invalid> {
             ));
         }
     }
-    let [l, r, b, t, n, f] = [e.left, e.right, e.bottom, e.top, e.near, e.far].map(f64::from);
-    Ok(directx::orthographic(l, r, b, t, n, f).as_mat4())
+    let matrix = directx::orthographic(
+        f64::from(e.left),
+        f64::from(e.right),
+        f64::from(e.bottom),
+        f64::from(e.top),
+        f64::from(e.near),
+        f64::from(e.far),
+    );
+    Ok(matrix.as_mat4())
 }
 
 /// A perspective projection with a full vertical angle in radians; `aspect` is width over height.
 ///
 /// # Errors
-/// When a number is not finite, the angle is not within 0..pi, or `0 < near < far` does not hold.
+/// Errors if a number is not finite, the angle is not within 0..pi, or `0 < near < far` does not hold.
 pub fn perspective(fov_y: f32, aspect: f32, near: f32, far: f32) -> Result<Mat4, Invalid> {
     invalid::finite("perspective", &[fov_y, aspect, near, far])?;
     invalid::positive("aspect ratio", aspect)?;

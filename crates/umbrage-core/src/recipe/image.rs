@@ -135,7 +135,7 @@ impl ImageView<'_> {
     /// The first channel of a texel that lies within the image.
     ///
     /// # Panics
-    /// If it doesn't.
+    /// Panics if it doesn't.
     #[inline(always)]
     pub fn load(&self, x: i32, y: i32, layer: u32) -> f32 {
         self.texels[self.index(x, y, layer)]

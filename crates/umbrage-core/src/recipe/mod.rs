@@ -57,7 +57,7 @@ pub enum Cull {
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RasterBias {
-    /// In units of r: about 6e-8 near depth 1 of 32 bits; of 16 bits one step of 65536 or two, as devices like.
+    /// In units of r: about 6e-8 near depth 1 of 32 bits; of 16 bits one step of 65536 or two, depending on the device.
     #[serde(default)]
     pub constant: i32,
     /// In units of m.
@@ -155,24 +155,22 @@ pub struct Faces {
 }
 
 impl Faces {
+    /// Checks that the faces can be drawn.
+    ///
     /// # Errors
-    /// If an index is beyond the vertices, or a vertex is not finite.
+    /// Errors if an index is beyond the vertices, or a vertex is not finite.
     pub fn validate(&self) -> Result<(), Invalid> {
         let count = self.vertices.len();
-        let finite = self.vertices.iter().all(|v| v.is_finite());
-        if !finite
-            || self
-                .triangles
-                .iter()
-                .flatten()
-                .any(|&v| v as usize >= count)
-        {
-            let why = format!(
-                "draws faces with an index beyond their {count} vertices, or a vertex that is not finite"
-            );
-            return Err(Invalid::new("cast", why, "correct the faces"));
+        let are_finite = self.vertices.iter().all(|v| v.is_finite());
+        let mut indices = self.triangles.iter().flatten();
+        let are_in_range = indices.all(|&v| (v as usize) < count);
+        if are_finite && are_in_range {
+            return Ok(());
         }
-        Ok(())
+        let why = format!(
+            "draws faces with an index beyond their {count} vertices, or a vertex that is not finite"
+        );
+        Err(Invalid::new("cast", why, "correct the faces"))
     }
 }
 
@@ -210,7 +208,7 @@ pub struct Filter {
 /// Runs a kernel for each receiver.
 #[derive(Clone, Debug)]
 pub struct Receive {
-    /// What is asked.
+    /// Computes the light's visibility.
     pub kernel: Arc<dyn ReceiveKernel>,
     /// Images read.
     pub inputs: Vec<ImageId>,
@@ -250,12 +248,12 @@ pub struct BackendLimits {
 }
 
 impl Recipe {
-    /// Bytes of all images.
+    /// Returns the bytes of all images.
     pub fn image_bytes(&self) -> u64 {
         self.images.iter().map(ImageDesc::bytes).sum()
     }
 
-    /// Bytes of all tables.
+    /// Returns the bytes of all tables.
     pub fn table_bytes(&self) -> u64 {
         self.tables.iter().map(|t| 16 * t.rows.len() as u64).sum()
     }
@@ -263,8 +261,8 @@ impl Recipe {
     /// Checks that a backend with these limits can run the recipe.
     ///
     /// # Errors
-    /// The first fault found: sizes of zero or beyond the limits, ids that name nothing, formats that don't fit a stage, numbers
-    /// that are not finite.
+    /// Errors with the first fault found: sizes of zero or beyond the limits, ids that name nothing, formats that don't fit a
+    /// stage, numbers that are not finite.
     pub fn validate(&self, limits: &BackendLimits) -> Result<(), Invalid> {
         for image in &self.images {
             check_image(image, limits)?;
@@ -288,16 +286,7 @@ impl Recipe {
             self.check_cast(cast)?;
         }
         for filter in &self.filters {
-            self.check_ids("filter", &filter.inputs, &filter.tables)?;
-            let image = self.images.get(filter.output);
-            if filter.inputs.contains(&filter.output)
-                || image.is_none_or(|i| i.format.is_cast_only())
-            {
-                let why = format!("writes image {}", filter.output);
-                let help =
-                    "write an image that it doesn't read and that holds neither depth nor counts";
-                return Err(Invalid::new("filter", why, help));
-            }
+            self.check_filter(filter)?;
         }
         self.check_ids("receive", &self.receive.inputs, &self.receive.tables)?;
         self.check_compared()?;
@@ -307,46 +296,46 @@ impl Recipe {
         }
     }
 
+    fn check_filter(&self, filter: &Filter) -> Result<(), Invalid> {
+        self.check_ids("filter", &filter.inputs, &filter.tables)?;
+        let can_write = match self.images.get(filter.output) {
+            Some(image) => !image.format.is_cast_only(),
+            None => false,
+        };
+        if can_write && !filter.inputs.contains(&filter.output) {
+            return Ok(());
+        }
+        let why = format!("writes image {}", filter.output);
+        let help = "write an image that it doesn't read and that holds neither depth nor counts";
+        Err(Invalid::new("filter", why, help))
+    }
+
     fn check_cast(&self, cast: &Cast) -> Result<(), Invalid> {
-        let layer = |id: ImageId| self.images.get(id).filter(|i| cast.layer < i.layers);
-        let fault = |why: String, help: &str| Err(Invalid::new("cast", why, help));
-        let Some(image) = layer(cast.image) else {
+        let Some(image) = self.image_with_layer(cast.image, cast.layer) else {
             let why = format!("names layer {} of image {}", cast.layer, cast.image);
-            return fault(why, "name a layer of an image of the recipe");
+            let help = "name a layer of an image of the recipe";
+            return Err(Invalid::new("cast", why, help));
         };
-        let other = match cast.mode {
-            CastMode::Depth if image.format.is_depth() => return self.check_source(cast),
+        let fits_mode = match cast.mode {
             CastMode::Depth => {
-                return fault(
-                    format!("writes image {}", cast.image),
-                    "name one of a depth format",
-                );
+                if !image.format.is_depth() {
+                    let why = format!("writes image {}", cast.image);
+                    return Err(Invalid::new("cast", why, "name one of a depth format"));
+                }
+                true
             }
-            CastMode::DepthPeel(id) => layer(id)
-                .filter(|o| id != cast.image && o.format == image.format && o.format.is_depth()),
-            CastMode::StencilDepthFail { depth } => {
-                let counts = image.format == Format::Stencil8 && cast.cull == Cull::None;
-                layer(depth).filter(|o| counts && o.format == Format::Depth32)
-            }
+            CastMode::DepthPeel(other) => self.can_peel(cast, image, other),
+            CastMode::StencilDepthFail { depth } => self.can_count(cast, image, depth),
         };
-        // With a bias, a surface would lie behind its own depth of the last peel, and be peeled again and again.
-        let biased =
-            cast.bias != RasterBias::default() && matches!(cast.mode, CastMode::DepthPeel(_));
-        if other.is_none_or(|o| o.size != image.size || o.layers != image.layers) || biased {
+        if !fits_mode {
             let why = format!(
                 "into image {} asks for {:?} with {:?} and {:?}",
                 cast.image, cast.mode, cast.cull, cast.bias
             );
-            return fault(
-                why,
-                "peel behind another depth image of the same kind, or count into a Stencil8 image against a \
-                              Depth32 image of its size; peels without bias, counts without culling",
-            );
+            let help = "peel behind another depth image of the same kind, or count into a Stencil8 image against a \
+                        Depth32 image of its size; peels without bias, counts without culling";
+            return Err(Invalid::new("cast", why, help));
         }
-        self.check_source(cast)
-    }
-
-    fn check_source(&self, cast: &Cast) -> Result<(), Invalid> {
         match &cast.source {
             Source::Casters | Source::Everything => Ok(()),
             Source::SomeCasters(runs) => check_runs(runs),
@@ -354,7 +343,35 @@ impl Recipe {
         }
     }
 
-    /// Comparison samplers read depth alone.
+    /// Returns whether a cast into `image` can peel off the same layer of `other`.
+    fn can_peel(&self, cast: &Cast, image: &ImageDesc, other: ImageId) -> bool {
+        let Some(peeled) = self.image_with_layer(other, cast.layer) else {
+            return false;
+        };
+        let is_like = peeled.size == image.size
+            && peeled.layers == image.layers
+            && peeled.format == image.format;
+        // With a bias, a surface would lie behind its own depth of the last peel, and be peeled again and again.
+        let is_biased = cast.bias != RasterBias::default();
+        is_like && image.format.is_depth() && other != cast.image && !is_biased
+    }
+
+    /// Returns whether a cast into `image` can count against the same layer of `depth`.
+    fn can_count(&self, cast: &Cast, image: &ImageDesc, depth: ImageId) -> bool {
+        let Some(depth) = self.image_with_layer(depth, cast.layer) else {
+            return false;
+        };
+        let is_like = depth.size == image.size && depth.layers == image.layers;
+        let fits = image.format == Format::Stencil8 && depth.format == Format::Depth32;
+        is_like && fits && cast.cull == Cull::None
+    }
+
+    /// Returns an image, unless there is none with this id, or it has no such layer.
+    fn image_with_layer(&self, id: ImageId, layer: u32) -> Option<&ImageDesc> {
+        self.images.get(id).filter(|image| layer < image.layers)
+    }
+
+    /// Errors if the receive kernel compares, but reads no depth image: comparison samplers read depth alone.
     fn check_compared(&self) -> Result<(), Invalid> {
         let reads_depth = self
             .receive
@@ -372,20 +389,20 @@ impl Recipe {
         ))
     }
 
+    /// Errors if a stage, `what`, reads an image or a table that the recipe doesn't have.
     fn check_ids(&self, what: &str, images: &[ImageId], tables: &[TableId]) -> Result<(), Invalid> {
-        for (kind, ids, count) in [
-            ("image", images, self.images.len()),
-            ("table", tables, self.tables.len()),
-        ] {
-            if let Some(i) = ids.iter().find(|&&i| i >= count) {
-                return Err(Invalid::new(
-                    what,
-                    format!("reads {kind} {i} of {count}"),
-                    "name one of the recipe's",
-                ));
-            }
+        check_ids_below(what, "image", images, self.images.len())?;
+        check_ids_below(what, "table", tables, self.tables.len())
+    }
+}
+
+fn check_ids_below(what: &str, kind: &str, ids: &[usize], count: usize) -> Result<(), Invalid> {
+    match ids.iter().find(|&&id| id >= count) {
+        None => Ok(()),
+        Some(id) => {
+            let why = format!("reads {kind} {id} of {count}");
+            Err(Invalid::new(what, why, "name one of the recipe's"))
         }
-        Ok(())
     }
 }
 
@@ -420,21 +437,16 @@ fn check_numbers(cast: &Cast) -> Result<(), Invalid> {
 }
 
 fn check_image(image: &ImageDesc, limits: &BackendLimits) -> Result<(), Invalid> {
-    let what = || format!("image `{}`", image.label);
+    let what = format!("image `{}`", image.label);
     if image.size.min_element() == 0 || image.size.max_element() > limits.image_side {
         let why = format!("is {} x {} texels", image.size.x, image.size.y);
-        return Err(Invalid::new(
-            what(),
-            why,
-            format!("use 1 to {} on each side", limits.image_side),
-        ));
+        let help = format!("use 1 to {} on each side", limits.image_side);
+        return Err(Invalid::new(what, why, help));
     }
     if image.layers == 0 || image.layers > limits.layers {
-        return Err(Invalid::new(
-            what(),
-            format!("has {} layers", image.layers),
-            format!("use 1 to {}", limits.layers),
-        ));
+        let why = format!("has {} layers", image.layers);
+        let help = format!("use 1 to {}", limits.layers);
+        return Err(Invalid::new(what, why, help));
     }
     Ok(())
 }

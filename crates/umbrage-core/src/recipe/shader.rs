@@ -47,7 +47,7 @@ pub trait Uniforms: ShaderType + WriteInto {
     /// The bytes as the shader wants them.
     ///
     /// # Panics
-    /// Never: a growing buffer takes any struct.
+    /// Panics never: a growing buffer takes any struct.
     fn to_bytes(&self) -> Vec<u8> {
         let mut buffer = UniformBuffer::new(Vec::new());
         buffer.write(self).expect("a Vec grows as needed");

@@ -1,4 +1,4 @@
-//! Twin functions: declared once, so that the lockstep tests can run both halves on the same inputs.
+//! Twin functions, written in Rust and in WGSL: each pair is declared once, and tests run both on the same inputs.
 
 use crate::Module;
 use glam::{IVec2, Mat4, UVec2, Vec2, Vec3, Vec4};
@@ -8,9 +8,9 @@ use glam::{IVec2, Mat4, UVec2, Vec2, Vec3, Vec4};
 pub struct Twin {
     /// Its name in both languages.
     pub name: &'static str,
-    /// The module that holds the WGSL half; `math` is always there too, other needs go to `needs`.
+    /// The module that holds the WGSL half.
     pub module: Module,
-    /// Modules that the WGSL half calls into.
+    /// Modules that the WGSL half calls into, other than `math`, which is always there.
     pub needs: &'static [Module],
     /// WGSL types of the parameters.
     pub parameters: &'static [&'static str],
@@ -22,55 +22,97 @@ pub struct Twin {
     pub ulps: u32,
 }
 
-/// A type that both halves pass around, as 32-bit words.
+/// A type of parameters and results of twins, as a sequence of 32-bit words.
 pub trait Words: Sized {
-    /// Its WGSL name.
+    /// The type's WGSL name.
     const WGSL: &'static str;
-    /// How many words it takes.
+    /// Number of words.
     const COUNT: usize;
-    /// Reads it from the front of `words`, which it shortens.
+    /// Reads a value from the front of `words`, and moves `words` past it.
     fn take(words: &mut &[u32]) -> Self;
-    /// Appends it.
+    /// Appends the value to `words`.
     fn put(self, words: &mut Vec<u32>);
 }
 
-macro_rules! words {
-    ($($t:ty, $wgsl:literal, $count:literal, $from:expr, $to:expr;)*) => {$(
+impl Words for u32 {
+    const WGSL: &'static str = "u32";
+    const COUNT: usize = 1;
+
+    fn take(words: &mut &[u32]) -> Self {
+        let value = words[0];
+        *words = &words[1..];
+        value
+    }
+
+    fn put(self, words: &mut Vec<u32>) {
+        words.push(self);
+    }
+}
+
+impl Words for i32 {
+    const WGSL: &'static str = "i32";
+    const COUNT: usize = 1;
+
+    fn take(words: &mut &[u32]) -> Self {
+        u32::take(words).cast_signed()
+    }
+
+    fn put(self, words: &mut Vec<u32>) {
+        words.push(self.cast_unsigned());
+    }
+}
+
+impl Words for f32 {
+    const WGSL: &'static str = "f32";
+    const COUNT: usize = 1;
+
+    fn take(words: &mut &[u32]) -> Self {
+        f32::from_bits(u32::take(words))
+    }
+
+    fn put(self, words: &mut Vec<u32>) {
+        words.push(self.to_bits());
+    }
+}
+
+/// Implements [`Words`] for a type of `glam` that consists of `$count` components of type `$component`.
+macro_rules! impl_words {
+    ($t:ty, $wgsl:literal, [$component:ty; $count:literal], $from_array:expr, $to_array:expr) => {
         impl Words for $t {
             const WGSL: &'static str = $wgsl;
             const COUNT: usize = $count;
+
             fn take(words: &mut &[u32]) -> Self {
-                let (head, tail) = words.split_at($count);
-                *words = tail;
-                let from: fn(&[u32]) -> Self = $from;
-                from(head)
+                let components: [$component; $count] =
+                    std::array::from_fn(|_| <$component>::take(words));
+                $from_array(components)
             }
+
             fn put(self, words: &mut Vec<u32>) {
-                let to: fn(Self) -> Vec<u32> = $to;
-                words.extend(to(self));
+                let components: [$component; $count] = $to_array(&self);
+                for component in components {
+                    component.put(words);
+                }
             }
         }
-    )*};
+    };
 }
 
-fn floats<const N: usize>(words: &[u32]) -> [f32; N] {
-    std::array::from_fn(|i| f32::from_bits(words[i]))
-}
+impl_words!(Vec2, "vec2f", [f32; 2], Vec2::from_array, Vec2::to_array);
+impl_words!(Vec3, "vec3f", [f32; 3], Vec3::from_array, Vec3::to_array);
+impl_words!(Vec4, "vec4f", [f32; 4], Vec4::from_array, Vec4::to_array);
+impl_words!(UVec2, "vec2u", [u32; 2], UVec2::from_array, UVec2::to_array);
+impl_words!(IVec2, "vec2i", [i32; 2], IVec2::from_array, IVec2::to_array);
+impl_words!(
+    Mat4,
+    "mat4x4f",
+    [f32; 16],
+    matrix_from_columns,
+    Mat4::to_cols_array
+);
 
-fn bits(values: &[f32]) -> Vec<u32> {
-    values.iter().map(|v| v.to_bits()).collect()
-}
-
-words! {
-    f32, "f32", 1, |w| f32::from_bits(w[0]), |v| vec![v.to_bits()];
-    u32, "u32", 1, |w| w[0], |v| vec![v];
-    i32, "i32", 1, |w| w[0] as i32, |v| vec![v as u32];
-    Vec2, "vec2f", 2, |w| Vec2::from_array(floats(w)), |v| bits(&v.to_array());
-    Vec3, "vec3f", 3, |w| Vec3::from_array(floats(w)), |v| bits(&v.to_array());
-    Vec4, "vec4f", 4, |w| Vec4::from_array(floats(w)), |v| bits(&v.to_array());
-    Mat4, "mat4x4f", 16, |w| Mat4::from_cols_array(&floats(w)), |v| bits(&v.to_cols_array());
-    UVec2, "vec2u", 2, |w| UVec2::new(w[0], w[1]), |v| v.to_array().to_vec();
-    IVec2, "vec2i", 2, |w| IVec2::new(w[0] as i32, w[1] as i32), |v| v.to_array().map(|x| x as u32).to_vec();
+fn matrix_from_columns(components: [f32; 16]) -> Mat4 {
+    Mat4::from_cols_array(&components)
 }
 
 /// Declares a twin: `twin!(MODULE, name(a: Vec3, b: f32) -> f32)`, bit-equal; `twin!(.., ulps 2)` allows a difference;

@@ -59,7 +59,7 @@ impl KernelCost {
     Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize,
 )]
 pub struct Work {
-    /// Draws and dispatches: casts, filters, the lookup.
+    /// Passes: casts, filters, receive.
     pub passes: u64,
     /// Triangles that casts draw, those outside their view included.
     pub triangles: u64,
@@ -71,9 +71,9 @@ pub struct Work {
     pub filtered: u64,
     /// Pixels that receive shadows.
     pub receivers: u64,
-    /// Texels loaded by the lookup, at most.
+    /// Texels loaded by the receive kernel, at most.
     pub taps: u64,
-    /// Comparison samples taken by the lookup, at most.
+    /// Comparison samples taken by the receive kernel, at most.
     pub samples: u64,
     /// Rays traced, at most.
     pub rays: u64,

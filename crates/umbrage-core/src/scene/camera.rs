@@ -4,7 +4,7 @@ use crate::{
     Invalid, invalid,
     light_space::{Extents, LightSpace, look_along, orthographic, perspective},
 };
-use glam::{Affine3A, DVec3, Mat4, UVec2, Vec2, Vec3, Vec4};
+use glam::{Affine3A, DAffine3, DMat4, DVec2, DVec3, Mat4, UVec2, Vec2, Vec3, Vec4};
 
 /// Largest image side that is accepted anywhere.
 pub const MAX_SIDE: u32 = 16_384;
@@ -45,10 +45,11 @@ crate::uniforms! {
 }
 
 impl Camera {
-    /// A pinhole camera; `fov_y` is the full vertical angle in radians. `up` may be parallel to the view.
+    /// Returns a pinhole camera; `fov_y` is the full vertical angle in radians, `near_far` the distances of the near and the far
+    /// plane in metres. `up` may be parallel to the view.
     ///
     /// # Errors
-    /// When a number is not finite or out of range, or `eye` and `target` coincide.
+    /// Errors if a number is not finite or out of range, or `eye` and `target` coincide.
     pub fn perspective(
         eye: Vec3,
         target: Vec3,
@@ -58,19 +59,15 @@ impl Camera {
         size: UVec2,
     ) -> Result<Self, Invalid> {
         check_size(size)?;
-        let projection = perspective(
-            fov_y,
-            size.x as f32 / size.y as f32,
-            near_far[0],
-            near_far[1],
-        );
+        let aspect = size.x as f32 / size.y as f32;
+        let projection = perspective(fov_y, aspect, near_far[0], near_far[1]);
         Self::new(eye, target, up, projection, size)
     }
 
-    /// A camera without perspective.
+    /// Returns a camera without perspective.
     ///
     /// # Errors
-    /// As [`Camera::perspective`].
+    /// Errors if [`Camera::perspective`] does.
     pub fn orthographic(
         eye: Vec3,
         target: Vec3,
@@ -88,24 +85,22 @@ impl Camera {
         clip_from_view: Result<Mat4, Invalid>,
         size: UVec2,
     ) -> Result<Self, Invalid> {
-        let build = || {
-            check_size(size)?;
-            let view_from_world = look_along(eye, target - eye, up)?;
-            let world_from_view =
-                Affine3A::from_mat4(view_from_world.as_dmat4().inverse().as_mat4());
-            Ok(Self {
-                world_from_view,
-                clip_from_view: clip_from_view?,
-                size,
-            })
-        };
-        build().map_err(|e: Invalid| e.within("camera"))
+        let in_camera = |e: Invalid| e.within("camera");
+        check_size(size).map_err(in_camera)?;
+        let view_from_world = look_along(eye, target - eye, up).map_err(in_camera)?;
+        let clip_from_view = clip_from_view.map_err(in_camera)?;
+        let world_from_view = view_from_world.as_dmat4().inverse().as_mat4();
+        Ok(Self {
+            world_from_view: Affine3A::from_mat4(world_from_view),
+            clip_from_view,
+            size,
+        })
     }
 
-    /// Objects to sizes of zero or beyond [`MAX_SIDE`], and to matrices that are not finite or singular.
+    /// Checks that the camera can be used.
     ///
     /// # Errors
-    /// The first fault found.
+    /// Errors with the first fault found: a size of zero or beyond [`MAX_SIDE`], a matrix that is not finite or singular.
     pub fn validate(&self) -> Result<(), Invalid> {
         check_size(self.size).map_err(|e| e.within("camera"))?;
         invalid::finite("camera matrix", &self.world_from_view.to_cols_array())?;
@@ -127,12 +122,12 @@ impl Camera {
         Ok(())
     }
 
-    /// World position of the eye.
+    /// Returns the world position of the eye.
     pub fn eye(&self) -> Vec3 {
         self.world_from_view.translation.into()
     }
 
-    /// The same image from a camera that looks along its own -z, with depth that grows from 0 at near; the same bits if
+    /// Returns a camera of the same image that looks along its own -z, with depth that grows from 0 at near; the same bits if
     /// this one does already.
     ///
     /// The view is left-handed if clip w grows along +z. Without perspective w says nothing: then it is left-handed if depth
@@ -141,23 +136,20 @@ impl Camera {
     pub fn standard(&self) -> Self {
         let mut out = *self;
         if looks_along_plus_z(&self.clip_from_view) {
-            // Mirrored twice: clip from world stays.
+            // Both matrices are mirrored, so clip from world stays.
             out.world_from_view.matrix3.z_axis = -out.world_from_view.matrix3.z_axis;
             out.clip_from_view.z_axis = -out.clip_from_view.z_axis;
         }
         if is_reversed(&out.clip_from_view) {
-            // 1 - z / w.
-            let rows = out.clip_from_view.transpose();
-            out.clip_from_view = Mat4 {
-                z_axis: rows.w_axis - rows.z_axis,
-                ..rows
-            }
-            .transpose();
+            // Depth becomes 1 - z / w = (w - z) / w. The transpose's columns are the matrix' rows.
+            let mut rows = out.clip_from_view.transpose();
+            rows.z_axis = rows.w_axis - rows.z_axis;
+            out.clip_from_view = rows.transpose();
         }
         out
     }
 
-    /// The camera as a light space: that of [`Camera::standard`].
+    /// Returns the view and projection of [`Camera::standard`].
     pub fn space(&self) -> LightSpace {
         let camera = self.standard();
         let world_from_view = Mat4::from(camera.world_from_view).as_dmat4();
@@ -167,11 +159,12 @@ impl Camera {
         }
     }
 
-    /// The same camera with another image size; what it sees vertically stays.
+    /// Returns the same camera with another image size; what it sees vertically stays.
     #[must_use]
     pub fn resized(&self, size: UVec2) -> Self {
-        let aspect = |s: UVec2| f64::from(s.x) / f64::from(s.y);
-        let widen = glam::DMat4::from_scale(DVec3::new(aspect(self.size) / aspect(size), 1.0, 1.0));
+        let old_aspect = f64::from(self.size.x) / f64::from(self.size.y);
+        let new_aspect = f64::from(size.x) / f64::from(size.y);
+        let widen = DMat4::from_scale(DVec3::new(old_aspect / new_aspect, 1.0, 1.0));
         Self {
             clip_from_view: (widen * self.clip_from_view.as_dmat4()).as_mat4(),
             size,
@@ -179,7 +172,7 @@ impl Camera {
         }
     }
 
-    /// The same camera with its image moved by `pixels` right and down.
+    /// Returns the same camera with its image moved by `pixels` right and down.
     #[must_use]
     pub fn nudged(&self, pixels: Vec2) -> Self {
         let camera = self.standard();
@@ -189,63 +182,94 @@ impl Camera {
         }
     }
 
-    /// The rays through the pixels' centres.
+    /// Returns the rays through the pixels' centres.
     pub fn rays(&self) -> CameraRays {
-        let camera = self.standard();
-        let world_from_view =
-            glam::DAffine3::from_mat4(Mat4::from(camera.world_from_view).as_dmat4());
-        let view_from_clip = camera.clip_from_view.as_dmat4().inverse();
-        let orthographic = camera.clip_from_view.row(3) == Vec4::W;
-        let eye = world_from_view.translation;
-        let ray = |fx: f64, fy: f64| {
-            let ndc = DVec3::new(
-                2.0 * fx / f64::from(self.size.x) - 1.0,
-                1.0 - 2.0 * fy / f64::from(self.size.y),
-                0.0,
-            );
-            let near = view_from_clip.project_point3(ndc);
-            if orthographic {
-                (
-                    world_from_view.transform_point3(near),
-                    world_from_view.transform_vector3(-DVec3::Z),
-                )
-            } else {
-                (eye, world_from_view.transform_vector3(near / -near.z))
-            }
-        };
-        let ([o, d], [ox, dx], [oy, dy]) = (
-            ray(0.0, 0.0).into(),
-            ray(1.0, 0.0).into(),
-            ray(0.0, 1.0).into(),
-        );
-        let pack = |v: DVec3| v.as_vec3().extend(0.0);
-        let [origin, origin_dx, origin_dy] = [o, ox - o, oy - o].map(pack);
-        let [dir, dir_dx, dir_dy] = [d, dx - d, dy - d].map(pack);
+        let unprojection = Unprojection::new(&self.standard());
+        // Both ends of a ray are linear in the place on the image, so three rays give all.
+        let corner = unprojection.ray(0.0, 0.0);
+        let right = unprojection.ray(1.0, 0.0);
+        let down = unprojection.ray(0.0, 1.0);
         CameraRays {
-            origin,
-            origin_dx,
-            origin_dy,
-            dir,
-            dir_dx,
-            dir_dy,
+            origin: rounded(corner.origin),
+            origin_dx: rounded(right.origin - corner.origin),
+            origin_dy: rounded(down.origin - corner.origin),
+            dir: rounded(corner.direction),
+            dir_dx: rounded(right.direction - corner.direction),
+            dir_dy: rounded(down.direction - corner.direction),
         }
     }
 }
 
-/// Whether a projection is for a left-handed view: see [`Camera::standard`].
+/// A ray in world space.
+struct ImageRay {
+    origin: DVec3,
+    direction: DVec3,
+}
+
+/// The way from a standard camera's image back into the world.
+struct Unprojection {
+    world_from_view: DAffine3,
+    view_from_clip: DMat4,
+    is_orthographic: bool,
+    /// Image size, pixels.
+    size: DVec2,
+}
+
+impl Unprojection {
+    fn new(camera: &Camera) -> Self {
+        let world_from_view = Mat4::from(camera.world_from_view).as_dmat4();
+        Self {
+            world_from_view: DAffine3::from_mat4(world_from_view),
+            view_from_clip: camera.clip_from_view.as_dmat4().inverse(),
+            is_orthographic: camera.clip_from_view.row(3) == Vec4::W,
+            size: camera.size.as_dvec2(),
+        }
+    }
+
+    /// Returns the ray through a place on the image, pixels from its top left corner.
+    fn ray(&self, x: f64, y: f64) -> ImageRay {
+        let on_near_plane = DVec3::new(
+            2.0 * x / self.size.x - 1.0,
+            1.0 - 2.0 * y / self.size.y,
+            0.0,
+        );
+        let near = self.view_from_clip.project_point3(on_near_plane);
+        if self.is_orthographic {
+            ImageRay {
+                origin: self.world_from_view.transform_point3(near),
+                direction: self.world_from_view.transform_vector3(-DVec3::Z),
+            }
+        } else {
+            ImageRay {
+                origin: self.world_from_view.translation,
+                direction: self.world_from_view.transform_vector3(near / -near.z),
+            }
+        }
+    }
+}
+
+/// Returns a vector for a uniform: 32 bits, with an unused fourth component.
+fn rounded(v: DVec3) -> Vec4 {
+    v.as_vec3().extend(0.0)
+}
+
+/// Returns whether a projection is for a left-handed view: see [`Camera::standard`].
 fn looks_along_plus_z(clip_from_view: &Mat4) -> bool {
-    let (depth, w) = (clip_from_view.row(2), clip_from_view.row(3));
+    let depth = clip_from_view.row(2);
+    let w = clip_from_view.row(3);
     if w.z != 0.0 {
         return w.z > 0.0;
     }
-    // Depth is depth.z z + depth.w, so that of the plane z = 0 tells on which side all lies.
+    // Depth is depth.z z + depth.w: it is depth.w at the plane z = 0, before which (as depth grows) nothing seen lies if that
+    // is not positive.
     depth.z > 0.0 && depth.w <= 0.0
 }
 
-/// Whether depth falls along -z. Depth is (a z + b) / (c z + d), whose derivative has the sign of a d - b c.
+/// Returns whether depth falls along -z. Depth is (a z + b) / (c z + d), whose derivative has the sign of a d - b c.
 fn is_reversed(clip_from_view: &Mat4) -> bool {
-    let [z, w] = [2, 3].map(|i| clip_from_view.row(i).as_dvec4());
-    z.z * w.w - z.w * w.z > 0.0
+    let depth = clip_from_view.row(2).as_dvec4();
+    let w = clip_from_view.row(3).as_dvec4();
+    depth.z * w.w - depth.w * w.z > 0.0
 }
 
 fn check_size(size: UVec2) -> Result<(), Invalid> {

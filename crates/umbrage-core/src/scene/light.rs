@@ -69,41 +69,41 @@ impl Light {
         }
     }
 
-    /// Whether every receiver sees the light whole or not at all.
+    /// Returns whether every receiver sees the light whole or not at all.
     pub fn is_ideal(&self) -> bool {
         match *self {
             Self::Directional {
-                angular_diameter: extent,
-                ..
-            }
-            | Self::Spot { radius: extent, .. }
-            | Self::Point { radius: extent, .. } => extent == 0.0,
+                angular_diameter, ..
+            } => angular_diameter == 0.0,
+            Self::Spot { radius, .. } | Self::Point { radius, .. } => radius == 0.0,
             Self::Rect { .. } | Self::Disc { .. } => false,
         }
     }
 
-    /// The light's middle; none for a directional light.
+    /// Returns the light's middle, world space; `None` for a directional light.
     pub fn position(&self) -> Option<Vec3> {
         match *self {
             Self::Directional { .. } => None,
-            Self::Spot { position: p, .. } | Self::Point { position: p, .. } => Some(p),
-            Self::Rect { center: p, .. } | Self::Disc { center: p, .. } => Some(p),
+            Self::Spot { position, .. } | Self::Point { position, .. } => Some(position),
+            Self::Rect { center, .. } | Self::Disc { center, .. } => Some(center),
         }
     }
 
-    /// Unit direction from `p` to the light's middle.
+    /// Returns the unit direction from `p` to the light's middle.
     pub fn direction_from(&self, p: Vec3) -> Vec3 {
-        let to_light = match (self, self.position()) {
-            (Self::Directional { direction, .. }, _) => -direction.as_dvec3(),
-            (_, position) => (position.unwrap_or_default() - p).as_dvec3(),
+        let to_light = match *self {
+            Self::Directional { direction, .. } => -direction.as_dvec3(),
+            Self::Spot { position, .. } | Self::Point { position, .. } => (position - p).as_dvec3(),
+            Self::Rect { center, .. } | Self::Disc { center, .. } => (center - p).as_dvec3(),
         };
         to_light.normalize_or_zero().as_vec3()
     }
 
-    /// Objects to numbers that are not finite, zero directions, negative sizes and impossible angles.
+    /// Checks that the light can be used.
     ///
     /// # Errors
-    /// The first fault found, with the light's kind.
+    /// Errors with the light's kind and the first fault found: a number that is not finite, a zero direction, a negative size, an
+    /// impossible angle.
     pub fn validate(&self) -> Result<(), Invalid> {
         self.validate_fields()
             .map_err(|e| e.within(format!("{} light", self.kind())))
@@ -151,14 +151,8 @@ impl Light {
             Self::Rect { half_u, half_v, .. } => {
                 direction("half_u", half_u)?;
                 direction("half_v", half_v)?;
-                direction(
-                    "half_u x half_v",
-                    half_u
-                        .as_dvec3()
-                        .cross(half_v.as_dvec3())
-                        .normalize_or_zero()
-                        .as_vec3(),
-                )
+                let normal = half_u.as_dvec3().cross(half_v.as_dvec3());
+                direction("half_u x half_v", normal.normalize_or_zero().as_vec3())
             }
             Self::Disc { normal, radius, .. } => {
                 direction("normal", normal)?;

@@ -25,29 +25,28 @@ impl Default for LightMarker {
 }
 
 impl LightMarker {
-    /// Where the cube stands, and half its side in metres; none where nothing can be marked: a directional light without
-    /// a place, or a light in the plane through the camera's eye across its view.
+    /// Returns where the cube stands, and half its side in metres; `None` where nothing can be marked: a directional light
+    /// without a place, or a light in the plane through the camera's eye across its view.
     pub fn place(&self, light: &Light, camera: &Camera) -> Option<(Vec3, f32)> {
         let at = light.position().or(self.directional_at)?;
         let camera = camera.standard();
         let clip_from_view = camera.clip_from_view.as_dmat4();
-        let in_view = Mat4::from(camera.world_from_view)
-            .as_dmat4()
-            .inverse()
-            .transform_point3(at.as_dvec3());
+        let view_from_world = Mat4::from(camera.world_from_view).as_dmat4().inverse();
+        let in_view = view_from_world.transform_point3(at.as_dvec3());
         // The image's half height there is w / m11, with perspective or without.
-        let half_height =
-            (clip_from_view.row(3).dot(in_view.extend(1.0)) / clip_from_view.y_axis.y).abs();
+        let w = clip_from_view.row(3).dot(in_view.extend(1.0));
+        let half_height = (w / clip_from_view.y_axis.y).abs();
         let half = (half_height * f64::from(self.height)) as f32;
-        (half.is_finite() && half > 0.0 && at.is_finite()).then_some((at, half))
+        let is_visible = half.is_finite() && half > 0.0 && at.is_finite();
+        is_visible.then_some((at, half))
     }
 }
 
 impl Scene {
-    /// The same scene with a cube in the light's colour where its first light is, as large in the image of its first
-    /// camera wherever that light is; lights with an extent are marked at their middle. The cube neither casts nor
+    /// Returns the same scene with a cube in the light's colour where its first light is, of the same size in the image of its
+    /// first camera wherever that light is; lights with an extent are marked at their middle. The cube neither casts nor
     /// receives, so it changes no shadow; but it hides what is behind it, so take errors from masks of the scene without
-    /// it. The same scene if there is nothing to mark.
+    /// it. The scene stays as it is if there is nothing to mark.
     #[must_use]
     pub fn with_light_marker(&self, marker: LightMarker) -> Self {
         let mut scene = self.clone();
@@ -57,18 +56,16 @@ impl Scene {
         let Some((at, half)) = marker.place(light, camera) else {
             return scene;
         };
-        let black = Material {
-            diffuse: Vec3::ZERO,
-            specular: Vec3::ZERO,
-            ..Material::default()
-        };
-        let (mesh, material) = (scene.meshes.len(), scene.materials.len());
+        let mesh = scene.meshes.len();
+        let material = scene.materials.len();
         let world_from_local =
             Affine3A::from_translation(at) * Affine3A::from_scale(Vec3::splat(half));
         scene.meshes.push(cube());
         scene.materials.push(Material {
+            diffuse: Vec3::ZERO,
+            specular: Vec3::ZERO,
             emissive: marker.color,
-            ..black
+            ..Material::default()
         });
         scene.instances.push(Instance {
             mesh,
@@ -81,10 +78,13 @@ impl Scene {
     }
 }
 
-/// From -1 to 1.
+/// Returns a cube from -1 to 1. Bit 0 of a corner's number says whether x is 1, bit 1 y, bit 2 z.
 fn cube() -> Mesh {
-    let corner =
-        |i: u32| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) * 2.0 - 1.0;
+    let corner = |i: u32| {
+        let unit = Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32);
+        unit * 2.0 - 1.0
+    };
+    // Counter-clockwise seen from outside.
     let sides = [
         [0, 4, 6, 2],
         [1, 3, 7, 5],
@@ -120,7 +120,9 @@ mod tests {
             0,
             Affine3A::from_scale(Vec3::new(9.0, 0.1, 9.0)),
         )];
-        let (meshes, lights, cameras) = (vec![floor], vec![light], vec![camera]);
+        let meshes = vec![floor];
+        let lights = vec![light];
+        let cameras = vec![camera];
         Scene {
             name: "test".to_owned(),
             meshes,
@@ -182,10 +184,8 @@ mod tests {
         let plain = scene(lamp(7.0), camera());
         let marked = plain.with_light_marker(LightMarker::default());
         marked.validate().unwrap();
-        let (before, after) = (
-            Geometry::bake(&plain).unwrap(),
-            Geometry::bake(&marked).unwrap(),
-        );
+        let before = Geometry::bake(&plain).unwrap();
+        let after = Geometry::bake(&marked).unwrap();
         assert_eq!(
             (before.casters(), before.receivers()),
             (after.casters(), after.receivers())

@@ -1,4 +1,4 @@
-//! Where on a light a shadow ray ends: the sampling that truth and the traced technique share.
+//! Sampling of lights: the points at which shadow rays end, for truth and for the traced technique.
 //!
 //! All of it is explicit arithmetic on `f32` and `u32` in a fixed order, without the transcendental functions of either
 //! language, so that a shading-language twin can give the same bits.
@@ -8,7 +8,7 @@
 //! **unweighted fraction of the light seen**.
 
 use crate::{Light, MATH, Module, Twin, math::dot3, twin, uniforms};
-use glam::{UVec4, Vec2, Vec3, Vec4};
+use glam::{DVec3, UVec4, Vec2, Vec3, Vec4};
 
 /// The WGSL half.
 pub const LIGHT_SAMPLE: Module = Module {
@@ -58,77 +58,78 @@ uniforms! {
 }
 
 impl LightSampler {
-    /// The sampler of a light.
+    /// Returns the sampler of a light.
     pub fn new(light: &Light) -> Self {
-        let make = |kind: u32, center: Vec3, u: Vec4, v: Vec3| Self {
-            center: center.extend(0.0),
-            half_u: u,
-            half_v: v.extend(0.0),
-            shape: UVec4::new(kind, 0, 0, 0),
-        };
-        let disc = |center: Vec3, normal: Vec3, radius: f32| {
-            let n = normal.as_dvec3().normalize_or(glam::DVec3::Y);
-            let (u, v) = n.any_orthonormal_pair();
-            let r = f64::from(radius);
-            make(
-                kind::DISC,
-                center,
-                (u * r).as_vec3().extend(0.0),
-                (v * r).as_vec3(),
-            )
-        };
         match *light {
             Light::Directional {
                 direction,
                 angular_diameter,
-            } => {
-                let to_light = -direction.as_dvec3().normalize_or(glam::DVec3::NEG_Y);
-                let (u, v) = to_light.any_orthonormal_pair();
-                let cap = 2.0 * (0.25 * f64::from(angular_diameter)).sin().powi(2);
-                let kind = if angular_diameter > 0.0 {
-                    kind::CAP
-                } else {
-                    kind::DIRECTION
-                };
-                make(
-                    kind,
-                    to_light.as_vec3(),
-                    u.as_vec3().extend(cap as f32),
-                    v.as_vec3(),
-                )
-            }
+            } => Self::directional(direction, angular_diameter),
             Light::Spot {
                 position,
                 direction,
                 radius,
                 ..
-            } if radius > 0.0 => disc(position, direction, radius),
+            } if radius > 0.0 => Self::disc(position, direction, radius),
             Light::Point { position, radius } if radius > 0.0 => {
-                make(kind::BALL, position, Vec3::ZERO.extend(radius), Vec3::ZERO)
+                let half_u = Vec3::ZERO.extend(radius);
+                Self::of_kind(kind::BALL, position, half_u, Vec3::ZERO)
             }
             Light::Spot { position, .. } | Light::Point { position, .. } => {
-                make(kind::POINT, position, Vec4::ZERO, Vec3::ZERO)
+                Self::of_kind(kind::POINT, position, Vec4::ZERO, Vec3::ZERO)
             }
             Light::Rect {
                 center,
                 half_u,
                 half_v,
-            } => make(kind::RECT, center, half_u.extend(0.0), half_v),
+            } => Self::of_kind(kind::RECT, center, half_u.extend(0.0), half_v),
             Light::Disc {
                 center,
                 normal,
                 radius,
-            } => disc(center, normal, radius),
+            } => Self::disc(center, normal, radius),
         }
     }
 
-    /// Whether all samples are alike, so that one is enough.
+    fn of_kind(kind: u32, center: Vec3, half_u: Vec4, half_v: Vec3) -> Self {
+        Self {
+            shape: UVec4::new(kind, 0, 0, 0),
+            center: center.extend(0.0),
+            half_u,
+            half_v: half_v.extend(0.0),
+        }
+    }
+
+    fn directional(direction: Vec3, angular_diameter: f32) -> Self {
+        let to_light = -direction.as_dvec3().normalize_or(DVec3::NEG_Y);
+        let (u, v) = to_light.any_orthonormal_pair();
+        // 1 - cos(a) = 2 sin(a / 2)^2, without the cancellation; the half angle a is half the diameter.
+        let cap = 2.0 * (0.25 * f64::from(angular_diameter)).sin().powi(2);
+        let kind = if angular_diameter > 0.0 {
+            kind::CAP
+        } else {
+            kind::DIRECTION
+        };
+        let half_u = u.as_vec3().extend(cap as f32);
+        Self::of_kind(kind, to_light.as_vec3(), half_u, v.as_vec3())
+    }
+
+    fn disc(center: Vec3, normal: Vec3, radius: f32) -> Self {
+        let normal = normal.as_dvec3().normalize_or(DVec3::Y);
+        let (u, v) = normal.any_orthonormal_pair();
+        let radius = f64::from(radius);
+        let half_u = (u * radius).as_vec3().extend(0.0);
+        Self::of_kind(kind::DISC, center, half_u, (v * radius).as_vec3())
+    }
+
+    /// Returns whether all samples are alike, so that one is enough.
     pub fn is_ideal(&self) -> bool {
         self.shape.x == kind::DIRECTION || self.shape.x == kind::POINT
     }
 }
 
-/// From `p` to the light's point at `uv` of the unit square, short of it by [`SHORT`]; for directions `far` metres long.
+/// Returns the vector from `p` to the light's point at `uv` of the unit square, shortened by [`SHORT`]; for directions it is
+/// `far` metres long.
 #[inline(always)]
 pub fn segment(s: &LightSampler, p: Vec3, uv: Vec2, far: f32) -> Vec3 {
     let center = Vec3::new(s.center.x, s.center.y, s.center.z);
@@ -157,8 +158,9 @@ pub fn segment(s: &LightSampler, p: Vec3, uv: Vec2, far: f32) -> Vec3 {
     (to_center + tangent(n) * q.x + bitangent(n) * q.y) * SHORT
 }
 
-/// A unit vector of the cap around `axis` (across it: unit `u` and `v`), `cap` = 1 - cos of its half angle: the point `q`
-/// of the unit disc, areas to solid angles (Archimedes' hat box: height on the sphere grows with the square of the radius).
+/// Returns the unit vector, in the cap around the unit vector `axis`, to which the point `q` of the unit disc is mapped; areas
+/// become solid angles (Archimedes' hat box: height on the sphere grows with the square of the radius). `u` and `v` are unit
+/// vectors across the axis; `cap` is 1 - cos of the cap's half angle.
 #[inline(always)]
 pub fn cap_direction(axis: Vec3, u: Vec3, v: Vec3, cap: f32, q: Vec2) -> Vec3 {
     let h = (q.x * q.x + q.y * q.y) * cap;
@@ -166,11 +168,12 @@ pub fn cap_direction(axis: Vec3, u: Vec3, v: Vec3, cap: f32, q: Vec2) -> Vec3 {
     axis * (1.0 - h) + u * (q.x * side) + v * (q.y * side)
 }
 
-/// From the unit square to the unit disc, areas kept: Shirley, Chiu 1997, "A Low Distortion Map Between Disk and Square".
+/// Maps the unit square to the unit disc and keeps areas: Shirley, Chiu 1997, "A Low Distortion Map Between Disk and Square".
 #[inline(always)]
 pub fn disc_point(uv: Vec2) -> Vec2 {
     const QUARTER_PI: f32 = std::f32::consts::FRAC_PI_4;
-    let (a, b) = (2.0 * uv.x - 1.0, 2.0 * uv.y - 1.0);
+    let a = 2.0 * uv.x - 1.0;
+    let b = 2.0 * uv.y - 1.0;
     if a == 0.0 && b == 0.0 {
         return Vec2::ZERO;
     }
@@ -182,21 +185,21 @@ pub fn disc_point(uv: Vec2) -> Vec2 {
     Vec2::new(b * small_sin(angle), b * small_cos(angle))
 }
 
-/// Sine of an angle within -pi/4..pi/4, to 1e-7: its Taylor series.
+/// Returns the sine of an angle within -pi/4..pi/4, to 1e-7, by its Taylor series.
 #[inline(always)]
 pub fn small_sin(x: f32) -> f32 {
     let q = x * x;
     x * (1.0 + q * (-1.666_666_7e-1 + q * (8.333_333e-3 + q * (-1.984_127e-4 + q * 2.755_732e-6))))
 }
 
-/// Cosine of an angle within -pi/4..pi/4, to 1e-7: its Taylor series.
+/// Returns the cosine of an angle within -pi/4..pi/4, to 1e-7, by its Taylor series.
 #[inline(always)]
 pub fn small_cos(x: f32) -> f32 {
     let q = x * x;
     1.0 + q * (-0.5 + q * (4.166_666_8e-2 + q * (-1.388_888_9e-3 + q * 2.480_158_7e-5)))
 }
 
-/// A unit vector across the unit vector `n`: Duff et al. 2017, "Building an Orthonormal Basis, Revisited".
+/// Returns a unit vector across the unit vector `n`: Duff et al. 2017, "Building an Orthonormal Basis, Revisited".
 #[inline(always)]
 pub fn tangent(n: Vec3) -> Vec3 {
     let sign = if n.z >= 0.0 { 1.0 } else { -1.0 };
@@ -208,7 +211,7 @@ pub fn tangent(n: Vec3) -> Vec3 {
     )
 }
 
-/// A unit vector across the unit vector `n` and its [`tangent`].
+/// Returns a unit vector across the unit vector `n` and its [`tangent`].
 #[inline(always)]
 pub fn bitangent(n: Vec3) -> Vec3 {
     let sign = if n.z >= 0.0 { 1.0 } else { -1.0 };
@@ -216,27 +219,27 @@ pub fn bitangent(n: Vec3) -> Vec3 {
     Vec3::new(n.x * n.y * a, sign + n.y * n.y * a, -n.y)
 }
 
-/// How far to lift a ray's origin off its surface, metres: `p` is the receiver, `reach` the greatest other length in play
-/// (distance to the eye, extent of the receiver's triangle).
+/// Returns how far to lift a ray's origin off its surface, metres: `p` is the receiver, `reach` the greatest other length that
+/// went into it (distance to the eye, extent of the receiver's triangle).
 #[inline(always)]
 pub fn origin_offset(p: Vec3, reach: f32) -> f32 {
     p.x.abs().max(p.y.abs()).max(p.z.abs()).max(reach) * LIFT
 }
 
-/// A pixel's own scramble.
+/// Returns a pixel's own scramble.
 #[inline(always)]
 pub fn seed(x: u32, y: u32) -> u32 {
     hash(x.wrapping_add(hash(y.wrapping_add(0x9e37_79b9))))
 }
 
-/// Point `i` of the unit square's sequence with this scramble: van der Corput's sequence and Sobol's second one, each put
-/// through a nested uniform (Owen) scramble.
+/// Returns point `i` of the unit square's sequence with this scramble: van der Corput's sequence and Sobol's second one, each
+/// put through a nested uniform (Owen) scramble.
 #[inline(always)]
 pub fn unit_square(i: u32, seed: u32) -> Vec2 {
     scrambled(sobol_bits(i), seed)
 }
 
-/// The sequence before scrambling, as binary fractions with their bits reversed (lowest bit = 1/2).
+/// Returns point `i` of the sequence before scrambling, as binary fractions with their bits reversed (lowest bit = 1/2).
 #[inline(always)]
 pub fn sobol_bits(i: u32) -> [u32; 2] {
     [i, sobol_second(i).reverse_bits()]
@@ -250,10 +253,12 @@ pub fn scrambled(bits: [u32; 2], seed: u32) -> Vec2 {
     Vec2::new((x >> 8) as f32, (y >> 8) as f32) * (1.0 / 16_777_216.0)
 }
 
-/// The second dimension of Sobol's sequence, as a binary fraction.
+/// Returns the second dimension of Sobol's sequence, as a binary fraction.
 #[inline(always)]
 pub fn sobol_second(i: u32) -> u32 {
-    let (mut rest, mut direction, mut bits) = (i, 1_u32 << 31, 0_u32);
+    let mut rest = i;
+    let mut direction = 1_u32 << 31;
+    let mut bits = 0_u32;
     while rest != 0 {
         if rest & 1 == 1 {
             bits ^= direction;
@@ -289,7 +294,7 @@ pub fn hash(x: u32) -> u32 {
     x
 }
 
-/// The pairs, for the lockstep tests.
+/// All twins of this module, for the tests that compare them.
 pub const TWINS: &[Twin] = &[
     twin!(LIGHT_SAMPLE, small_sin(x: f32) -> f32, needs [MATH]),
     twin!(LIGHT_SAMPLE, small_cos(x: f32) -> f32, needs [MATH]),
@@ -314,11 +319,13 @@ mod tests {
     fn points_are_stratified_every_way() {
         for seed in [0, 1, 0xdead_beef] {
             for split in 0..=8 {
-                let (columns, rows) = (1_u32 << split, 1_u32 << (8 - split));
+                let columns = 1_u32 << split;
+                let rows = 1_u32 << (8 - split);
                 let mut counts = vec![0; 256];
                 for i in 0..256 {
                     let p = unit_square(i, seed);
-                    let (cx, cy) = ((p.x * columns as f32) as u32, (p.y * rows as f32) as u32);
+                    let cx = (p.x * columns as f32) as u32;
+                    let cy = (p.y * rows as f32) as u32;
                     counts[(cy * columns + cx) as usize] += 1;
                 }
                 assert!(
@@ -378,7 +385,8 @@ mod tests {
             position: Vec3::new(1.0, 4.0, -2.0),
             radius: 0.5,
         };
-        let (s, p) = (LightSampler::new(&light), Vec3::new(-3.0, 0.0, 1.0));
+        let s = LightSampler::new(&light);
+        let p = Vec3::new(-3.0, 0.0, 1.0);
         let to_center = Vec3::new(4.0, 4.0, -3.0);
         for i in 0..256 {
             let d = segment(&s, p, unit_square(i, 5), 1.0) / SHORT;

@@ -69,12 +69,12 @@ impl Default for Material {
 }
 
 impl Texture {
-    /// Objects to a size that doesn't fit the texels, and to texels that are not finite.
+    /// Checks that the texture can be read.
     ///
     /// # Errors
-    /// The first fault found.
+    /// Errors with the first fault found: a size that doesn't fit the texels, a texel that is not finite.
     pub fn validate(&self) -> Result<(), Invalid> {
-        let what = || format!("texture `{}`", self.name);
+        let what = format!("texture `{}`", self.name);
         let texels = u64::from(self.size.x) * u64::from(self.size.y);
         if texels == 0 || texels != self.texels.len() as u64 {
             let why = format!(
@@ -83,39 +83,33 @@ impl Texture {
                 self.size.x,
                 self.size.y
             );
-            return Err(Invalid::new(
-                what(),
-                why,
-                "give width times height texels, at least one",
-            ));
+            let help = "give width times height texels, at least one";
+            return Err(Invalid::new(what, why, help));
         }
-        match self
-            .texels
-            .iter()
-            .position(|t| t.iter().any(|v| !v.is_finite()))
-        {
-            None => Ok(()),
-            Some(i) => finite(&format!("texel {i}"), &self.texels[i]).map_err(|e| e.within(what())),
+        for (i, texel) in self.texels.iter().enumerate() {
+            // Names are made only for what is not finite: making one for each texel would take long.
+            if texel.iter().any(|v| !v.is_finite()) {
+                finite(&format!("texel {i}"), texel).map_err(|e| e.within(&what))?;
+            }
         }
+        Ok(())
     }
 }
 
 impl Material {
-    /// Objects to textures that aren't there, numbers that are not finite or negative, and absurd settings. `textures` is
-    /// how many the scene has.
+    /// Checks that the material can be used in a scene with so many `textures`.
     ///
     /// # Errors
-    /// The first fault found.
+    /// Errors with the first fault found: a texture that isn't there, a number that is negative or not finite, an absurd setting.
     pub fn validate(&self, textures: usize) -> Result<(), Invalid> {
         for (what, color) in [
             ("diffuse colour", self.diffuse),
             ("specular colour", self.specular),
             ("emission", self.emissive),
         ] {
-            color
-                .to_array()
-                .into_iter()
-                .try_for_each(|v| not_negative(what, v))?;
+            for component in color.to_array() {
+                not_negative(what, component)?;
+            }
         }
         let relief = self.displacement;
         for (what, id) in [

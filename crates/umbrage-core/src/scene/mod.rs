@@ -30,7 +30,7 @@ impl Mesh {
     /// A mesh without normals and texture coordinates.
     ///
     /// # Errors
-    /// As [`Mesh::validate`].
+    /// Errors if [`Mesh::validate`] does.
     pub fn new(
         name: impl Into<String>,
         positions: Vec<Vec3>,
@@ -46,26 +46,21 @@ impl Mesh {
         Ok(mesh)
     }
 
-    /// Objects to empty meshes, numbers that are not finite, indices out of range and arrays of unequal length.
+    /// Checks that the mesh can be rendered.
     ///
     /// # Errors
-    /// The first fault found.
+    /// Errors with the first fault found: no triangle, arrays of unequal length, a number that is not finite, an index out of
+    /// range.
     pub fn validate(&self) -> Result<(), Invalid> {
-        let what = || format!("mesh `{}`", self.name);
+        let what = format!("mesh `{}`", self.name);
         let count = self.positions.len();
         if self.triangles.is_empty() || count == 0 {
-            return Err(Invalid::new(
-                what(),
-                "has no triangles",
-                "give it at least one, or leave the mesh out",
-            ));
+            let help = "give it at least one, or leave the mesh out";
+            return Err(Invalid::new(what, "has no triangles", help));
         }
         if u32::try_from(count).is_err() || u32::try_from(self.triangles.len()).is_err() {
-            return Err(Invalid::new(
-                what(),
-                "has over 2^32 vertices or triangles",
-                "split it",
-            ));
+            let why = "has over 2^32 vertices or triangles";
+            return Err(Invalid::new(what, why, "split it"));
         }
         for (kind, len) in [
             ("normals", self.normals.len()),
@@ -74,62 +69,41 @@ impl Mesh {
         ] {
             if len != 0 && len != count {
                 let why = format!("has {len} {kind} for {count} vertices");
-                return Err(Invalid::new(what(), why, "give one a vertex or none"));
+                return Err(Invalid::new(what, why, "give one a vertex or none"));
             }
         }
-        self.validate_numbers().map_err(|e| e.within(what()))?;
-        match self
-            .triangles
-            .iter()
-            .position(|t| t.iter().any(|&v| v as usize >= count))
-        {
-            None => Ok(()),
-            Some(i) => {
-                let why = format!(
-                    "triangle {i} is {:?}, but there are {count} vertices",
-                    self.triangles[i]
-                );
-                Err(Invalid::new(
-                    what(),
-                    why,
-                    format!("use indices from 0 to {}", count - 1),
-                ))
+        self.validate_numbers().map_err(|e| e.within(&what))?;
+        for (i, triangle) in self.triangles.iter().enumerate() {
+            if triangle.iter().any(|&v| v as usize >= count) {
+                let why = format!("triangle {i} is {triangle:?}, but there are {count} vertices");
+                let help = format!("use indices from 0 to {}", count - 1);
+                return Err(Invalid::new(what, why, help));
             }
         }
+        Ok(())
     }
 
     fn validate_numbers(&self) -> Result<(), Invalid> {
-        for (i, p) in self
-            .positions
-            .iter()
-            .enumerate()
-            .filter(|(_, p)| !p.is_finite())
-        {
-            finite(&format!("vertex {i}"), &p.to_array())?;
+        // Names are made only for what is not finite: making one for each vertex would take long.
+        for (i, position) in self.positions.iter().enumerate() {
+            if !position.is_finite() {
+                finite(&format!("vertex {i}"), &position.to_array())?;
+            }
         }
-        for (i, n) in self
-            .normals
-            .iter()
-            .enumerate()
-            .filter(|(_, n)| !n.is_finite())
-        {
-            finite(&format!("normal {i}"), &n.to_array())?;
+        for (i, normal) in self.normals.iter().enumerate() {
+            if !normal.is_finite() {
+                finite(&format!("normal {i}"), &normal.to_array())?;
+            }
         }
-        for (i, uv) in self
-            .uvs
-            .iter()
-            .enumerate()
-            .filter(|(_, uv)| !uv.is_finite())
-        {
-            finite(&format!("texture coordinate {i}"), &uv.to_array())?;
+        for (i, uv) in self.uvs.iter().enumerate() {
+            if !uv.is_finite() {
+                finite(&format!("texture coordinate {i}"), &uv.to_array())?;
+            }
         }
-        for (i, t) in self
-            .tangents
-            .iter()
-            .enumerate()
-            .filter(|(_, t)| !t.is_finite())
-        {
-            finite(&format!("tangent {i}"), &t.to_array())?;
+        for (i, tangent) in self.tangents.iter().enumerate() {
+            if !tangent.is_finite() {
+                finite(&format!("tangent {i}"), &tangent.to_array())?;
+            }
         }
         Ok(())
     }
@@ -186,10 +160,10 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Objects to the first thing that cannot be rendered. An empty scene (no instance) is fine: all is lit.
+    /// Checks that the scene can be rendered. An empty scene (no instance) is fine: all is lit.
     ///
     /// # Errors
-    /// The first fault found, with the scene's name.
+    /// Errors with the first fault found, with the scene's name.
     pub fn validate(&self) -> Result<(), Invalid> {
         self.validate_name()?;
         self.validate_parts()

@@ -6,7 +6,10 @@ use umbrage_cpu::{Cpu, CpuOptions};
 
 #[test]
 fn errors_say_what_is_missing() {
-    let (camera, light, geometry, recipe) = (camera(), light(), geometry(), recipe());
+    let camera = camera();
+    let light = light();
+    let geometry = geometry();
+    let recipe = recipe();
     let view = View::new(&camera, &light, &geometry);
     let mut cpu = Cpu::new();
     let receivers = cpu.receivers(&camera, &geometry).unwrap();

@@ -207,7 +207,8 @@ fn bytes_are_rounded_to_what_shaders_load() {
 
 #[test]
 fn sources_draw_what_they_say() {
-    let (geometry, mut cpu) = (geometry(), Cpu::new());
+    let geometry = geometry();
+    let mut cpu = Cpu::new();
     let casters = Cast::nearest(0, 0, space());
     let everything = Cast {
         source: Source::Everything,
@@ -254,7 +255,8 @@ fn what_is_read_before_it_is_drawn_is_clear() {
 
 #[test]
 fn replayed_casts_give_what_the_whole_gave() {
-    let (mut cpu, mut recipe) = (Cpu::new(), every_mode());
+    let mut cpu = Cpu::new();
+    let mut recipe = every_mode();
     // A second cast into a layer goes on from the first.
     recipe.casts.push(Cast {
         source: Source::Faces(faces()),
@@ -287,7 +289,9 @@ fn replayed_casts_give_what_the_whole_gave() {
 
 #[test]
 fn errors_tell_what_cannot_be_cast() {
-    let (mut cpu, geometry, recipe) = (Cpu::new(), geometry(), every_mode());
+    let mut cpu = Cpu::new();
+    let geometry = geometry();
+    let recipe = every_mode();
     let images = play(&mut cpu, &recipe).images;
     let refused = |result: Result<Image, umbrage_core::BackendError>, text: &str| {
         let error = result.unwrap_err().to_string();

@@ -38,7 +38,9 @@ fn the_comparison_notices_one_bit() {
 
 #[test]
 fn rendering_again_leaves_no_trace_of_what_was_before() {
-    let (camera, light, geometry) = (camera(), light(), geometry());
+    let camera = camera();
+    let light = light();
+    let geometry = geometry();
     let view = View::new(&camera, &light, &geometry);
     let mut cpu = Cpu::new();
     let first = render(&mut cpu);
@@ -62,7 +64,9 @@ fn rendering_again_leaves_no_trace_of_what_was_before() {
 
 #[test]
 fn without_casters_depth_stays_at_the_far_plane() {
-    let (camera, light, geometry) = (camera(), light(), geometry().without_casters());
+    let camera = camera();
+    let light = light();
+    let geometry = geometry().without_casters();
     let shadows = Cpu::new()
         .render(&View::new(&camera, &light, &geometry), &recipe())
         .unwrap();
@@ -72,7 +76,10 @@ fn without_casters_depth_stays_at_the_far_plane() {
 
 #[test]
 fn replayed_stages_give_what_the_whole_gave() {
-    let (camera, light, geometry, recipe) = (camera(), light(), geometry(), recipe());
+    let camera = camera();
+    let light = light();
+    let geometry = geometry();
+    let recipe = recipe();
     let view = View::new(&camera, &light, &geometry);
     let mut cpu = Cpu::new();
     let whole = render(&mut cpu);
@@ -97,7 +104,8 @@ fn replayed_stages_give_what_the_whole_gave() {
 
 #[test]
 fn receivers_lie_on_what_their_rays_meet() {
-    let (camera, geometry) = (camera(), geometry());
+    let camera = camera();
+    let geometry = geometry();
     let receivers = Cpu::new().shaded_receivers(&camera, &geometry).unwrap();
     let clip_from_world = camera.space().clip_from_world();
     let mut seen = 0;
@@ -115,10 +123,12 @@ fn receivers_lie_on_what_their_rays_meet() {
             continue;
         }
         seen += 1;
-        let (p, n) = (receivers.position(i), receivers.normal(i));
+        let p = receivers.position(i);
+        let n = receivers.normal(i);
         let ndc = clip_from_world.project_point3(p);
         let pixel = (ndc.truncate() * UVec2::new(1, 1).as_vec2() * 0.5) * SIZE.as_vec2();
-        let (x, y) = (pixel.x + 0.5 * SIZE.x as f32, 0.5 * SIZE.y as f32 - pixel.y);
+        let x = pixel.x + 0.5 * SIZE.x as f32;
+        let y = 0.5 * SIZE.y as f32 - pixel.y;
         // A hundredth of a pixel, and a thousandth of the depth range: far above rounding, far below any mistake.
         assert!(
             (x - (i as u32 % SIZE.x) as f32 - 0.5).abs() < 0.01
@@ -154,7 +164,10 @@ fn pixels_that_receive_nothing_are_lit() {
 
 #[test]
 fn given_receivers_are_used_as_they_are() {
-    let (camera, light, geometry, recipe) = (camera(), light(), geometry(), recipe());
+    let camera = camera();
+    let light = light();
+    let geometry = geometry();
+    let recipe = recipe();
     let mut cpu = Cpu::new();
     let mut receivers = cpu.receivers(&camera, &geometry).unwrap();
     let view = View::new(&camera, &light, &geometry);
@@ -190,7 +203,8 @@ fn another_rounding_of_vertices_reaches_maps_and_receivers() {
 
 #[test]
 fn working_memory_stays_below_the_image() {
-    let (geometry, size) = (geometry(), UVec2::splat(512));
+    let geometry = geometry();
+    let size = UVec2::splat(512);
     let mut cpu = Cpu::new();
     let image = cpu.cast(&geometry, &recipe().casts[0], size).unwrap();
     assert!(cpu.working_bytes() > 0 && cpu.working_bytes() < 4 * image.texels.len());

@@ -47,7 +47,8 @@ fn shading() -> Recipe {
 #[test]
 fn every_pixel_that_shows_a_triangle_is_coloured() {
     let shadows = same_on_all_players(&shading());
-    let (picture, receivers) = (shadows.picture.unwrap(), shadows.receivers.unwrap());
+    let picture = shadows.picture.unwrap();
+    let receivers = shadows.receivers.unwrap();
     let mut lit = [0; 2];
     for (i, color) in picture.iter().enumerate() {
         let id = receivers.triangle[i];
@@ -87,8 +88,12 @@ fn without_shading_there_is_no_picture() {
 
 #[test]
 fn replayed_shading_gives_what_the_whole_gave() {
-    let (camera, light, geometry, recipe) = (camera(), light(), geometry(), shading());
-    let (view, mut cpu) = (View::new(&camera, &light, &geometry), Cpu::new());
+    let camera = camera();
+    let light = light();
+    let geometry = geometry();
+    let recipe = shading();
+    let view = View::new(&camera, &light, &geometry);
+    let mut cpu = Cpu::new();
     let whole = cpu.render(&view, &recipe).unwrap();
     let expected = whole.picture.unwrap();
     let picture = cpu.replay_shade(&view, &recipe, &whole.mask).unwrap();
@@ -106,7 +111,10 @@ fn replayed_shading_gives_what_the_whole_gave() {
 
 #[test]
 fn faces_alone_need_no_geometry() {
-    let (camera, light, geometry, mut recipe) = (camera(), light(), geometry(), shading());
+    let camera = camera();
+    let light = light();
+    let geometry = geometry();
+    let mut recipe = shading();
     let mut cpu = Cpu::new();
     let receivers = cpu.receivers(&camera, &geometry).unwrap();
     recipe.casts[0].source = Source::Faces(Arc::new(Faces::default()));

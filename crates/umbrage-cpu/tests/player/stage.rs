@@ -24,7 +24,8 @@ impl Kernel for Plain {
 
 impl ReceiveKernel for Plain {
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
-        let (map, texture_from_world) = (&inputs.images[0], self.space.texture_from_world());
+        let map = &inputs.images[0];
+        let texture_from_world = self.space.texture_from_world();
         for (i, out) in out.iter_mut().enumerate() {
             let p = texture_from_world.project_point3(span.position(i));
             let texel = (p.truncate() * map.desc.size.as_vec2()).as_ivec2();
@@ -44,7 +45,8 @@ impl FilterKernel for Plain {
     fn filter(&self, inputs: &Inputs<'_>, start: UVec2, layer: u32, out: &mut [f32]) {
         let image = &inputs.images[0];
         for (i, out) in out.chunks_mut(2).enumerate() {
-            let (x, y) = (start.x as i32 + i as i32, start.y as i32);
+            let x = start.x as i32 + i as i32;
+            let y = start.y as i32;
             let right = (x + 1).min(image.desc.size.x as i32 - 1);
             out[0] = 0.5 * (image.load(x, y, layer) + image.load(right, y, layer));
             out[1] = layer as f32;
@@ -189,7 +191,9 @@ pub(crate) fn render(cpu: &mut Cpu) -> Shadows {
 
 /// What a player makes of a recipe.
 pub(crate) fn play(cpu: &mut Cpu, recipe: &Recipe) -> Shadows {
-    let (camera, light, geometry) = (camera(), light(), geometry());
+    let camera = camera();
+    let light = light();
+    let geometry = geometry();
     cpu.render(&View::new(&camera, &light, &geometry), recipe)
         .unwrap()
 }

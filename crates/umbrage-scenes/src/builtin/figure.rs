@@ -11,16 +11,15 @@ use umbrage_core::{Light, Mesh, Scene};
 
 pub(crate) fn figure() -> Scene {
     let position = Vec3::new(-9.0, 14.0, 8.0);
-    let (inner, outer) = (7.0_f32.to_radians(), 9.0_f32.to_radians());
+    let inner = 7.0_f32.to_radians();
+    let outer = 9.0_f32.to_radians();
     let direction = Vec3::new(0.2, 0.7, -0.2) - position;
     let floor = tiled(grid([6.0, 6.0], [6, 6], |_, _| 0.0), Vec2::splat(6.0));
-    let stage = Stage::new("figure").put(floor).look(checker());
-    body()
-        .into_iter()
-        .zip(CLOTHES)
-        .fold(stage, |stage, (part, color)| {
-            stage.put(part).look(matte(color))
-        })
+    let mut stage = Stage::new("figure").put(floor).look(checker());
+    for (part, color) in body().into_iter().zip(CLOTHES) {
+        stage = stage.put(part).look(matte(color));
+    }
+    stage
         .light(Light::Spot {
             position,
             direction,
@@ -45,28 +44,26 @@ const CLOTHES: [[f32; 3]; 11] = [
     SHIRT, SKIN, SKIN, TROUSERS, TROUSERS, SHIRT, SHIRT, SKIN, SKIN, SHOES, SHOES,
 ];
 
-/// 1.8 m tall, facing +z, one arm raised.
+/// Returns a tube through some points, whose radius goes from the first of `radii` to the second, metres.
+fn limb(points: &[[f32; 3]], radii: [f32; 2]) -> Mesh {
+    let last = (points.len() - 1) as f32;
+    let mut path = Vec::new();
+    for (i, &point) in points.iter().enumerate() {
+        let radius = radii[0] + (radii[1] - radii[0]) * i as f32 / last;
+        path.push((Vec3::from(point), radius));
+    }
+    tube(&path, 16)
+}
+
+fn foot(x: f32) -> Mesh {
+    block(
+        Vec3::new(x - 0.05, 0.0, -0.08),
+        Vec3::new(x + 0.05, 0.07, 0.18),
+    )
+}
+
+/// Returns the parts of a body, 1.8 m tall, facing +z, one arm raised.
 fn body() -> [Mesh; CLOTHES.len()] {
-    let limb = |points: &[[f32; 3]], radii: [f32; 2]| {
-        let last = (points.len() - 1) as f32;
-        let path: Vec<_> = points
-            .iter()
-            .enumerate()
-            .map(|(i, &p)| {
-                (
-                    Vec3::from(p),
-                    radii[0] + (radii[1] - radii[0]) * i as f32 / last,
-                )
-            })
-            .collect();
-        tube(&path, 16)
-    };
-    let foot = |x: f32| {
-        block(
-            Vec3::new(x - 0.05, 0.0, -0.08),
-            Vec3::new(x + 0.05, 0.07, 0.18),
-        )
-    };
     [
         torso(),
         icosphere(Vec3::new(0.0, 1.66, 0.02), 0.13, 3),

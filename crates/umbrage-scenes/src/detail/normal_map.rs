@@ -3,7 +3,7 @@
 use umbrage_core::glam::{Vec2, Vec3};
 use umbrage_core::{Invalid, Texture, invalid};
 
-/// The tangent-space normal map, green up (OpenGL's convention), of the relief `lambda (2 h - 1)` whose heights h are
+/// Returns the tangent-space normal map, green up (OpenGL's convention), of the relief `lambda (2 h - 1)` whose heights h are
 /// the first channel of `heights`. `square` is the size in metres of the part of the surface that the texture spans
 /// once, along u and along v.
 ///
@@ -12,7 +12,7 @@ use umbrage_core::{Invalid, Texture, invalid};
 /// `(n + 1) / 2`.
 ///
 /// # Errors
-/// When the texture is invalid, lambda not finite or a size not above zero.
+/// Errors if the texture is invalid, lambda not finite or a size not above zero.
 pub fn fitting_normal_map(
     heights: &Texture,
     lambda: f32,
@@ -20,25 +20,30 @@ pub fn fitting_normal_map(
 ) -> Result<Texture, Invalid> {
     heights.validate()?;
     invalid::finite("lambda of the displacement", &[lambda])?;
-    square
-        .to_array()
-        .iter()
-        .try_for_each(|&side| invalid::positive("size of the texture's square", side))?;
-    let [width, height] = heights.size.to_array().map(|n| n as usize);
+    invalid::positive("size of the texture's square", square.x)?;
+    invalid::positive("size of the texture's square", square.y)?;
+    let width = heights.size.x as usize;
+    let height = heights.size.y as usize;
     // The relief's difference is 2 lambda times the heights'; two texels are 2 / n of the square.
     let scale = heights.size.as_vec2() * lambda / square;
     let at = |x: usize, y: usize| heights.texels[y * width + x][0];
-    let texels = (0..width * height).map(|i| {
-        let (x, y) = (i % width, i / width);
-        let along_u = at((x + 1) % width, y) - at((x + width - 1) % width, y);
-        let down = at(x, (y + 1) % height) - at(x, (y + height - 1) % height);
-        let normal = Vec3::new(-along_u * scale.x, down * scale.y, 1.0).normalize();
-        ((normal + 1.0) * 0.5).extend(1.0).to_array()
-    });
+    let mut texels = Vec::with_capacity(width * height);
+    for y in 0..height {
+        for x in 0..width {
+            let right = at((x + 1) % width, y);
+            let left = at((x + width - 1) % width, y);
+            let below = at(x, (y + 1) % height);
+            let above = at(x, (y + height - 1) % height);
+            let along_u = right - left;
+            let down = below - above;
+            let normal = Vec3::new(-along_u * scale.x, down * scale.y, 1.0).normalize();
+            texels.push(((normal + 1.0) * 0.5).extend(1.0).to_array());
+        }
+    }
     Ok(Texture {
         name: format!("normals of {}", heights.name),
         size: heights.size,
-        texels: texels.collect(),
+        texels,
     })
 }
 
@@ -61,10 +66,8 @@ mod tests {
     /// The relief is `lambda (2 h - 1) = 0.05 (sin(tau u) + cos(tau v))` for lambda 0.1, u = x / 2, v = -y.
     fn exact(u: f64, v: f64) -> Vec3 {
         let tau = std::f64::consts::TAU;
-        let (dx, dy) = (
-            0.05 * tau / 2.0 * (tau * u).cos(),
-            0.05 * tau * (tau * v).sin(),
-        );
+        let dx = 0.05 * tau / 2.0 * (tau * u).cos();
+        let dy = 0.05 * tau * (tau * v).sin();
         Vec3::new(-dx as f32, -dy as f32, 1.0).normalize()
     }
 

@@ -15,14 +15,12 @@ use umbrage_core::{Invalid, Mesh, WeldedVertices};
 /// where there are none, any frame with the normal.
 ///
 /// # Errors
-/// When the mesh is invalid or has no texture coordinates.
+/// Errors if the mesh is invalid or has no texture coordinates.
 pub fn with_tangents(mesh: &Mesh) -> Result<Mesh, Invalid> {
     mesh.validate()?;
     if mesh.uvs.is_empty() {
-        let (what, why) = (
-            format!("mesh `{}`", mesh.name),
-            "has no texture coordinates for tangents to run along",
-        );
+        let what = format!("mesh `{}`", mesh.name);
+        let why = "has no texture coordinates for tangents to run along";
         return Err(Invalid::new(what, why, "give it uvs"));
     }
     let mut frames = Frames {

@@ -21,7 +21,8 @@ const KEYS: &[&str] = &[
 
 pub(super) fn read(table: &Table<'_>, geometry: &Geometry) -> Result<Camera, SceneError> {
     table.only(KEYS)?;
-    let (eye, target) = (table.vec3("eye")?, table.need("target", "[x, y, z]")?);
+    let eye = table.vec3("eye")?;
+    let target = table.need("target", "[x, y, z]")?;
     let shot = Shot {
         eye,
         target: target.vec3()?,

@@ -47,7 +47,8 @@ fn spot(table: &Table<'_>) -> Result<Light, SceneError> {
         "outer_degrees",
         "radius",
     ])?;
-    let (position, direction) = (table.vec3("position")?, table.direction("direction")?);
+    let position = table.vec3("position")?;
+    let direction = table.direction("direction")?;
     let outer_item = table.need("outer_degrees", "30")?;
     let outer = angle(&outer_item, 90.0)?;
     outer_item.check(invalid::positive("", outer))?;
@@ -74,7 +75,8 @@ fn spot(table: &Table<'_>) -> Result<Light, SceneError> {
 
 fn rect(table: &Table<'_>) -> Result<Light, SceneError> {
     table.only(&["kind", "center", "half_u", "half_v"])?;
-    let [half_u, half_v] = [table.direction("half_u")?, table.direction("half_v")?];
+    let half_u = table.direction("half_u")?;
+    let half_v = table.direction("half_v")?;
     Ok(Light::Rect {
         center: table.vec3("center")?,
         half_u,

@@ -63,10 +63,8 @@ pub(super) fn read<'a>(
             .map_err(named)
     };
     let diffuse_texture = texture("texture", Meaning::Color)?;
-    let (normal_map, height_map) = (
-        texture("normal_map", Meaning::Data)?,
-        texture("height_map", Meaning::Data)?,
-    );
+    let normal_map = texture("normal_map", Meaning::Data)?;
+    let height_map = texture("height_map", Meaning::Data)?;
     let plain = Material {
         diffuse_texture,
         normal_map,

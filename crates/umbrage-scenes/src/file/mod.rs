@@ -56,10 +56,8 @@ pub(crate) fn parse(text: &str, path: &Path, folder: &Path) -> Result<Scene, Sce
             "is empty",
             "give the scene a name, or leave it out",
         )?;
-        let (length, help) = (
-            scene.name.len(),
-            format!("use at most {MAX_NAME_BYTES}: reports make it a folder's name"),
-        );
+        let length = scene.name.len();
+        let help = format!("use at most {MAX_NAME_BYTES}: reports make it a folder's name");
         name.require(
             length <= MAX_NAME_BYTES,
             &format!("is {length} bytes long"),

@@ -35,14 +35,17 @@ pub(super) fn read_all(
     folder: &Path,
     scene: &mut Scene,
 ) -> Result<(), SceneError> {
-    let (mut known, mut files) = (HashMap::new(), TextureFiles::default());
+    let mut known = HashMap::new();
+    let mut files = TextureFiles::default();
     for table in tables {
         table.only(&[KEYS.as_slice(), &look::KEYS].concat())?;
         let (source, item) = shape_or_mesh(table, folder)?;
         let look = look::read(table, folder, &mut files, scene)?;
-        let key = (source, Needs::of(look.as_ref()));
+        let needs = Needs::of(look.as_ref());
+        let key = (source, needs);
         if !known.contains_key(&key) {
-            known.insert(key.clone(), make(&key.0, &key.1, &item, &mut files, scene)?);
+            let parts = make(&key.0, &needs, &item, &mut files, scene)?;
+            known.insert(key.clone(), parts);
         }
         let parts = &known[&key];
         check_coordinates(look.as_ref(), parts, scene)?;
@@ -50,72 +53,68 @@ pub(super) fn read_all(
             scene.materials.push(look.material);
             scene.materials.len() - 1
         });
-        let (casts, receives) = (
-            table.flag_or_true("casts")?,
-            table.flag_or_true("receives")?,
-        );
+        let casts = table.flag_or_true("casts")?;
+        let receives = table.flag_or_true("receives")?;
         let world_from_local = placement(table)?;
-        check_size(
-            table,
-            &item,
-            world_from_local,
-            parts.iter().map(|part| &scene.meshes[part.mesh]),
-        )?;
-        let instance = |part: &Part| Instance {
-            mesh: part.mesh,
-            world_from_local,
-            casts,
-            receives,
-            material: own.or(part.material),
-        };
-        scene.instances.extend(parts.iter().map(instance));
+        let meshes = parts.iter().map(|part| &scene.meshes[part.mesh]);
+        let local = Aabb::around(meshes.flat_map(|mesh| mesh.positions.iter().copied()));
+        check_size(table, &item, world_from_local, &local)?;
+        for part in parts {
+            scene.instances.push(Instance {
+                mesh: part.mesh,
+                world_from_local,
+                casts,
+                receives,
+                material: own.or(part.material),
+            });
+        }
     }
     Ok(())
 }
 
-/// Objects to sizes and places for which 32-bit geometry is too coarse, at the key that they come from.
-fn check_size<'a>(
+/// Errors if 32-bit geometry is too coarse for an object's size or place; the error names the key that this comes from. `local`
+/// is the box around the object before it is placed.
+fn check_size(
     table: &Table<'_>,
     shape_or_mesh: &Item<'_>,
     place: Affine3A,
-    meshes: impl Iterator<Item = &'a Mesh>,
+    local: &Aabb,
 ) -> Result<(), SceneError> {
-    let local = Aabb::around(meshes.flat_map(|mesh| mesh.positions.iter().copied()));
-    let first = |keys: &[&str]| {
-        keys.iter()
-            .find_map(|key| table.get(key))
-            .unwrap_or_else(|| shape_or_mesh.clone())
-    };
     let [least, most] = SIZES;
-    // Along its own axes; what is flat, such as a plane, has no size along one of them.
     let axes = [
         place.matrix3.x_axis,
         place.matrix3.y_axis,
         place.matrix3.z_axis,
     ];
-    let sizes = axes
-        .into_iter()
-        .zip(local.extent().to_array())
-        .filter(|(_, size)| *size > 0.0);
-    let sizes: Vec<f32> = sizes
-        .map(|(axis, size)| axis.as_dvec3().length() as f32 * size)
-        .collect();
-    // Nothing that isn't a number lies in a range.
-    if let Some(bad) = sizes.iter().find(|size| !(least..=most).contains(*size)) {
-        let why = format!("makes the object {bad:e} m across along one of its axes");
-        return Err(first(&["scale", "matrix"])
-            .fault(&why, &format!("use sizes from {least:e} to {most:e} m")));
+    for (axis, local_size) in axes.into_iter().zip(local.extent().to_array()) {
+        // What is flat, such as a plane, has no size along one of its axes.
+        if local_size <= 0.0 {
+            continue;
+        }
+        let size = axis.as_dvec3().length() as f32 * local_size;
+        // A range does not contain NaN.
+        if !(least..=most).contains(&size) {
+            let why = format!("makes the object {size:e} m across along one of its axes");
+            let help = format!("use sizes from {least:e} to {most:e} m");
+            let item = first_of(table, &["scale", "matrix"], shape_or_mesh);
+            return Err(item.fault(&why, &help));
+        }
     }
-    let far = local
+    let distances = local
         .corners()
         .map(|p| place.transform_point3(p).abs().max_element());
-    let away = far.fold(0.0, f32::max);
+    let away = distances.fold(0.0, f32::max);
     let why = format!("puts the object {away:e} m from the origin");
-    first(&["translate", "matrix", "scale"]).require(
-        away <= most,
-        &why,
-        &format!("use places within {most:e} m of it"),
-    )
+    let help = format!("use places within {most:e} m of it");
+    let item = first_of(table, &["translate", "matrix", "scale"], shape_or_mesh);
+    item.require(away <= most, &why, &help)
+}
+
+/// Returns the value of the first of these keys that the table has, or another item.
+fn first_of<'a>(table: &Table<'a>, keys: &[&str], otherwise: &Item<'a>) -> Item<'a> {
+    keys.iter()
+        .find_map(|key| table.get(key))
+        .unwrap_or_else(|| otherwise.clone())
 }
 
 /// What an object's look asks of its mesh; a model without needs brings its own looks.
@@ -227,14 +226,15 @@ fn make(
     Ok(parts)
 }
 
-/// All reach from -1 to 1. A sphere has texture coordinates only on demand: they double vertices.
+/// Returns a plane, a box or a sphere from -1 to 1. A sphere has texture coordinates only on demand: they double vertices.
 fn shape(name: &str, textured: bool) -> Mesh {
-    let sphere = || icosphere(Vec3::ZERO, 1.0, SPHERE_SPLITS);
     match name {
         "plane" => grid([1.0, 1.0], [1, 1], |_, _| 0.0),
         "box" => block(Vec3::NEG_ONE, Vec3::ONE),
-        _ if textured => mapped(&sphere()),
-        _ => sphere(),
+        _ => {
+            let sphere = icosphere(Vec3::ZERO, 1.0, SPHERE_SPLITS);
+            if textured { mapped(&sphere) } else { sphere }
+        }
     }
 }
 
@@ -249,8 +249,10 @@ fn placement(table: &Table<'_>) -> Result<Affine3A, SceneError> {
             "keep either the matrix or the steps",
         ));
     }
-    let rows = item.list(4, "four rows of four numbers")?;
-    let rows: Vec<Vec4> = rows.iter().map(row).collect::<Result<_, _>>()?;
+    let mut rows = Vec::with_capacity(4);
+    for item in item.list(4, "four rows of four numbers")? {
+        rows.push(row(&item)?);
+    }
     let matrix = Mat4::from_cols(rows[0], rows[1], rows[2], rows[3]).transpose();
     item.require(
         rows[3] == Vec4::W,
@@ -261,30 +263,34 @@ fn placement(table: &Table<'_>) -> Result<Affine3A, SceneError> {
 }
 
 fn row(item: &Item<'_>) -> Result<Vec4, SceneError> {
-    let numbers: Vec<f32> = item
-        .list(4, "rows of four numbers")?
-        .iter()
-        .map(|number| number.number())
-        .collect::<Result<_, _>>()?;
+    let mut numbers = Vec::with_capacity(4);
+    for item in item.list(4, "rows of four numbers")? {
+        numbers.push(item.number()?);
+    }
     Ok(Vec4::from_slice(&numbers))
 }
 
 /// Scaled first, then turned about x, y and z in this order, then moved.
 fn from_steps(steps: &[Option<Item<'_>>; 3]) -> Result<Affine3A, SceneError> {
     let [translate, rotate, scale] = steps;
-    let vec3 = |item: &Option<Item<'_>>| item.as_ref().map_or(Ok(Vec3::ZERO), Item::vec3);
-    let angles = vec3(rotate)? * std::f32::consts::PI / 180.0;
+    let angles = vec3_or_zero(rotate.as_ref())? * std::f32::consts::PI / 180.0;
     let turn = Quat::from_euler(EulerRot::XYZEx, angles.x, angles.y, angles.z);
-    let place = |size| -> Result<_, SceneError> {
-        Ok(Affine3A::from_scale_rotation_translation(
-            size,
-            turn,
-            vec3(translate)?,
-        ))
+    let size = match scale {
+        Some(item) => scale_of(item)?,
+        None => Vec3::ONE,
     };
+    let position = vec3_or_zero(translate.as_ref())?;
+    let place = Affine3A::from_scale_rotation_translation(size, turn, position);
     match scale {
-        Some(item) => not_flat(item, place(scale_of(item)?)?),
-        None => place(Vec3::ONE),
+        Some(item) => not_flat(item, place),
+        None => Ok(place),
+    }
+}
+
+fn vec3_or_zero(item: Option<&Item<'_>>) -> Result<Vec3, SceneError> {
+    match item {
+        Some(item) => item.vec3(),
+        None => Ok(Vec3::ZERO),
     }
 }
 

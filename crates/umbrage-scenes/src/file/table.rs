@@ -74,7 +74,7 @@ impl<'a> Table<'a> {
         }
     }
 
-    /// Objects to keys that aren't known here.
+    /// Errors if the table has keys other than those `known`.
     pub(super) fn only(&self, known: &[&str]) -> Result<(), SceneError> {
         // The first in the file, not in the alphabet.
         let unknown = self
@@ -119,13 +119,14 @@ impl<'a> Table<'a> {
     /// The value of a key that must be there; `example` shows how to write it.
     pub(super) fn need(&self, key: &str, example: &str) -> Result<Item<'a>, SceneError> {
         self.get(key).ok_or_else(|| {
-            let (path, help) = (self.path(key), format!("add `{key} = {example}`"));
+            let path = self.path(key);
+            let help = format!("add `{key} = {example}`");
             self.source
                 .fault(self.span.clone(), Some(&path), "is missing", &help)
         })
     }
 
-    /// Objects to the table as a whole.
+    /// Errors about the table as a whole unless something `holds`.
     pub(super) fn require(&self, holds: bool, why: &str, help: &str) -> Result<(), SceneError> {
         if holds {
             Ok(())
@@ -174,16 +175,19 @@ impl<'a> Table<'a> {
         let DeValue::Array(array) = item.value else {
             return Err(item.wrong_type("a list of tables", &help));
         };
-        let table = |value: &'a Spanned<DeValue<'a>>| match value.get_ref() {
-            DeValue::Table(entries) => Ok(Self {
+        let mut tables = Vec::with_capacity(array.len());
+        for value in array {
+            let DeValue::Table(entries) = value.get_ref() else {
+                return Err(item.wrong_type("a list of tables", &help));
+            };
+            tables.push(Self {
                 source: self.source,
                 name,
                 entries,
                 span: value.span(),
-            }),
-            _ => Err(item.wrong_type("a list of tables", &help)),
-        };
-        array.iter().map(table).collect()
+            });
+        }
+        Ok(tables)
     }
 }
 
@@ -253,12 +257,15 @@ impl<'a> Item<'a> {
             &format!("has {} entries, not {n}", array.len()),
             &help,
         )?;
-        let item = |v: &'a Spanned<DeValue<'a>>| Item {
-            source: self.source,
-            key: self.key.clone(),
-            value: v.get_ref(),
-            span: v.span(),
-        };
-        Ok(array.iter().map(item).collect())
+        let mut items = Vec::with_capacity(n);
+        for value in array {
+            items.push(Item {
+                source: self.source,
+                key: self.key.clone(),
+                value: value.get_ref(),
+                span: value.span(),
+            });
+        }
+        Ok(items)
     }
 }

@@ -72,7 +72,8 @@ receives = false
 
 #[test]
 fn every_kind_of_light_is_read() {
-    let (position, direction) = (Vec3::new(1.0, 2.0, 3.0), Vec3::NEG_Y);
+    let position = Vec3::new(1.0, 2.0, 3.0);
+    let direction = Vec3::NEG_Y;
     let sun =
         light("kind = \"directional\"\ndirection = [0, -1, 0]\nangular_diameter_degrees = 180e-1");
     assert_eq!(
@@ -565,7 +566,8 @@ fn damaged_files_are_read_or_refused_without_panic() {
     let text =
         format!("name = \"x\"\n{CAMERA}size = [64, 48]\nnear = 0.1\n{LIGHT}{spot}{OBJECT}{turned}");
     read(&text).unwrap();
-    let (mut refused, mut usable) = (0, 0);
+    let mut refused = 0;
+    let mut usable = 0;
     for damaged in crate::damage::damaged(&text, 4000) {
         match read(&String::from_utf8_lossy(&damaged)) {
             Ok(scene) => {

@@ -67,10 +67,8 @@ impl Bricks {
         };
         texture("brick normals", SIDE, |uv| {
             // v runs down the picture, green up.
-            let (along_u, along_v) = (
-                slope(uv, Vec2::new(step, 0.0)),
-                slope(uv, Vec2::new(0.0, step)),
-            );
+            let along_u = slope(uv, Vec2::new(step, 0.0));
+            let along_v = slope(uv, Vec2::new(0.0, step));
             0.5 + 0.5 * Vec3::new(-along_u, along_v, 1.0).normalize()
         })
     }

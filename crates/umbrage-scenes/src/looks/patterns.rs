@@ -24,7 +24,8 @@ pub(crate) fn wood() -> Look {
 }
 
 fn plank(uv: Vec2) -> Vec3 {
-    let (along, across) = (uv.x, uv.y * PLANKS);
+    let along = uv.x;
+    let across = uv.y * PLANKS;
     let number = across.floor();
     let grain = fractal(Vec3::new(3.0 * along, 9.0 * across, 10.0 * number), 4);
     let tone = 0.85 + 0.3 * uniform(IVec3::new(number as i32, 7, 1)) + 0.35 * grain;

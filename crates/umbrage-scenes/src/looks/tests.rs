@@ -48,12 +48,14 @@ fn normals_lean_as_the_relief_does() {
     let textures = WALL.bumpy().textures;
     let normals = &textures[1];
     let courses: Vec<Vec3> = (0..32).map(|y| texel(normals, 32, y)).collect();
-    let (upper, lower) = (courses[4], courses[27]);
+    let upper = courses[4];
+    let lower = courses[27];
     assert!(
         upper.y > 0.6 && lower.y < 0.4,
         "{upper} above, {lower} below"
     );
-    let (left, right) = (texel(normals, 4, 16), texel(normals, 59, 16));
+    let left = texel(normals, 4, 16);
+    let right = texel(normals, 59, 16);
     assert!(left.x < 0.4 && right.x > 0.6, "{left} left, {right} right");
     assert_eq!(courses[16], Vec3::new(0.5, 0.5, 1.0));
     assert!(

@@ -44,20 +44,17 @@ const KINDS: [&str; 3] = ["vertex", "texture coordinate", "normal"];
 
 impl<R: BufRead> Cleaner<R> {
     pub(super) fn new(source: R) -> Self {
-        let (counts, greatest) = ([0; 3], [(0, 0); 3]);
-        let (continued, clean) = (String::new(), io::Cursor::default());
-        let (faces, looks, fault, failure) = (0, Looks::default(), None, None);
         Self {
             source,
             line: 0,
-            continued,
-            clean,
-            counts,
-            greatest,
-            faces,
-            looks,
-            fault,
-            failure,
+            continued: String::new(),
+            clean: io::Cursor::default(),
+            counts: [0; 3],
+            greatest: [(0, 0); 3],
+            faces: 0,
+            looks: Looks::default(),
+            fault: None,
+            failure: None,
         }
     }
 
@@ -97,36 +94,38 @@ impl<R: BufRead> Cleaner<R> {
         } else {
             bytes
         };
-        let odd = [
-            (bytes.contains(&0), "is not text"),
-            (bytes.len() as u64 == LONGEST_LINE, "is over 16 MiB long"),
-        ];
-        if let Some((_, why)) = odd.iter().find(|(odd, _)| *odd) {
+        let fault = if bytes.contains(&0) {
+            Some("is not text")
+        } else if bytes.len() as u64 == LONGEST_LINE {
+            Some("is over 16 MiB long")
+        } else {
+            None
+        };
+        if let Some(why) = fault {
             self.line += 1;
-            return self.fault(
-                (*why).to_owned(),
-                "save the model as a Wavefront OBJ in ASCII or UTF-8",
-            );
+            let help = "save the model as a Wavefront OBJ in ASCII or UTF-8";
+            return self.fault(why.to_owned(), help);
         }
         let bytes = bytes.strip_suffix(b"\n").unwrap_or(bytes);
         let bytes = bytes.strip_suffix(b"\r").unwrap_or(bytes);
-        bytes.split(|&b| b == b'\r').try_for_each(|line| {
+        // A lone carriage return ends a line, too.
+        for line in bytes.split(|&b| b == b'\r') {
             self.line += 1;
             let text = String::from_utf8_lossy(line);
-            let text = text.split('#').next().unwrap_or_default();
-            match text.trim_end().strip_suffix('\\') {
+            let without_comment = text.split('#').next().unwrap_or_default();
+            match without_comment.trim_end().strip_suffix('\\') {
                 Some(part) => {
                     self.continued.push_str(part);
                     self.continued.push(' ');
-                    Ok(())
                 }
-                None if self.continued.is_empty() => self.statement(text),
+                None if self.continued.is_empty() => self.statement(without_comment)?,
                 None => {
-                    let whole = std::mem::take(&mut self.continued) + text;
-                    self.statement(&whole)
+                    let whole = std::mem::take(&mut self.continued) + without_comment;
+                    self.statement(&whole)?;
                 }
             }
-        })
+        }
+        Ok(())
     }
 
     fn statement(&mut self, text: &str) -> Result<(), Fault> {
@@ -232,7 +231,8 @@ impl<R: BufRead> Cleaner<R> {
 
     /// Negative indices count back from the latest; positive ones may run ahead, and are checked at the end.
     fn index(&mut self, kind: usize, index: i64) -> Result<(), Fault> {
-        let (size, count) = (index.unsigned_abs() as usize, self.counts[kind]);
+        let size = index.unsigned_abs() as usize;
+        let count = self.counts[kind];
         if index > 0 {
             if size > self.greatest[kind].0 {
                 self.greatest[kind] = (size, self.line);

@@ -45,12 +45,11 @@ pub(super) fn parse(text: &str, path: &Path) -> Result<Vec<Entry>, SceneError> {
         let line = line.split('#').next().unwrap_or_default().trim();
         let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
         if keyword.eq_ignore_ascii_case("newmtl") {
-            let (color_map, normal_map) = (None, None);
             entries.push(Entry {
                 name: rest.trim().to_owned(),
                 material: Material::default(),
-                color_map,
-                normal_map,
+                color_map: None,
+                normal_map: None,
             });
         } else if let Some(entry) = entries.last_mut() {
             entry
@@ -85,31 +84,33 @@ impl Entry {
         Ok(())
     }
 
-    /// The material, its textures read as far as they are there and `mapped` says that the mesh can show them.
+    /// Returns the material. Its textures are read as far as they are there and `mapped` says that the mesh can show them.
     pub(super) fn material(
         &self,
         mapped: bool,
         files: &mut TextureFiles,
         textures: &mut Vec<Texture>,
     ) -> Result<Material, SceneError> {
-        let mut index = |map: &Option<PathBuf>, meaning| match map
-            .as_deref()
-            .filter(|path| mapped && path.is_file())
-        {
-            Some(path) => files.index(path, meaning, textures).map(Some),
-            None => Ok(None),
-        };
-        let diffuse_texture = index(&self.color_map, Meaning::Color)?;
-        let normal_map = index(&self.normal_map, Meaning::Data)?;
-        let grey = |t: &[f32; 4]| t[0] == t[1] && t[1] == t[2];
-        // Grey ones are heights, whose scale nobody tells.
-        let normal_map = normal_map.filter(|&map| !textures[map].texels.iter().all(grey));
-        Ok(Material {
-            diffuse_texture,
-            normal_map,
-            ..self.material
-        })
+        let mut material = self.material;
+        if let Some(path) = usable_map(self.color_map.as_deref(), mapped) {
+            material.diffuse_texture = Some(files.index(path, Meaning::Color, textures)?);
+        }
+        if let Some(path) = usable_map(self.normal_map.as_deref(), mapped) {
+            let map = files.index(path, Meaning::Data, textures)?;
+            // Grey ones are heights, whose scale is not known.
+            let is_grey = textures[map]
+                .texels
+                .iter()
+                .all(|t| t[0] == t[1] && t[1] == t[2]);
+            material.normal_map = if is_grey { None } else { Some(map) };
+        }
+        Ok(material)
     }
+}
+
+/// Returns a texture's path, if it is named, is there, and the mesh can show it.
+fn usable_map(map: Option<&Path>, mapped: bool) -> Option<&Path> {
+    map.filter(|path| mapped && path.is_file())
 }
 
 /// One or three numbers, cut off at 0 and 1.

@@ -120,7 +120,8 @@ fn powers_are_rounded_to_powers_of_two() {
 
 #[test]
 fn damaged_files_are_read_or_refused_without_panic() {
-    let (mut refused, mut usable) = (0, 0);
+    let mut refused = 0;
+    let mut usable = 0;
     for damaged in crate::damage::damaged(LOOKS, 2000) {
         match parse(&String::from_utf8_lossy(&damaged), Path::new("a.mtl")) {
             Ok(_) => usable += 1,

@@ -40,21 +40,18 @@ pub(crate) fn load_scene(path: &Path) -> Result<Scene, SceneError> {
         name: name_of(path),
         ..Scene::default()
     };
-    let parts = add(path, Some(&mut TextureFiles::default()), &mut scene)?;
-    let instance = |part: Part| Instance {
-        material: part.material,
-        ..Instance::new(part.mesh, Affine3A::IDENTITY)
-    };
-    scene.instances = parts.into_iter().map(instance).collect();
+    for part in add(path, Some(&mut TextureFiles::default()), &mut scene)? {
+        let mut instance = Instance::new(part.mesh, Affine3A::IDENTITY);
+        instance.material = part.material;
+        scene.instances.push(instance);
+    }
     let geometry = Geometry::bake(&scene).map_err(invalid)?;
-    let camera = framed(
-        &geometry,
-        Place {
-            file: file.clone(),
-            line: None,
-            key: None,
-        },
-    )?;
+    let place = Place {
+        file: file.clone(),
+        line: None,
+        key: None,
+    };
+    let camera = framed(&geometry, place)?;
     let direction = camera.world_from_view.transform_vector3(SUN_IN_VIEW);
     scene.lights.push(Light::Directional {
         direction,
@@ -167,29 +164,33 @@ fn read(path: &Path, source: impl BufRead) -> Result<Model, SceneError> {
     }
 }
 
-/// The mesh, and of which face each triangle is.
+/// Returns the mesh, and the face to which each triangle belongs.
 fn convert(name: String, mesh: &tobj::Mesh) -> (Mesh, Vec<u32>) {
     let positions: Vec<Vec3> = mesh
         .positions
         .chunks_exact(3)
         .map(Vec3::from_slice)
         .collect();
-    // `tobj` skips what some corners lack, and the rest no longer lines up.
-    let whole = |len: usize| len == positions.len();
-    let normals: Vec<Vec3> = mesh.normals.chunks_exact(3).map(Vec3::from_slice).collect();
-    let usable = whole(normals.len()) && normals.iter().all(|n| n.is_finite() && *n != Vec3::ZERO);
+    // `tobj` skips what some corners lack, and the rest no longer lines up: such attributes are left out.
+    let mut normals: Vec<Vec3> = mesh.normals.chunks_exact(3).map(Vec3::from_slice).collect();
+    let are_unit = normals.iter().all(|n| n.is_finite() && *n != Vec3::ZERO);
+    if normals.len() != positions.len() || !are_unit {
+        normals.clear();
+    }
     // OBJ counts v from the bottom.
-    let uvs: Vec<Vec2> = mesh
+    let mut uvs: Vec<Vec2> = mesh
         .texcoords
         .chunks_exact(2)
         .map(|uv| Vec2::new(uv[0], 1.0 - uv[1]))
         .collect();
-    let mapped = whole(uvs.len()) && uvs.iter().all(|uv| uv.is_finite());
+    if uvs.len() != positions.len() || uvs.iter().any(|uv| !uv.is_finite()) {
+        uvs.clear();
+    }
     let (triangles, face) = triangles(mesh, &positions);
     let mesh = Mesh {
         name,
-        normals: if usable { normals } else { Vec::new() },
-        uvs: if mapped { uvs } else { Vec::new() },
+        normals,
+        uvs,
         positions,
         triangles,
         ..Mesh::default()
@@ -197,25 +198,24 @@ fn convert(name: String, mesh: &tobj::Mesh) -> (Mesh, Vec<u32>) {
     (mesh, face)
 }
 
+/// Returns the triangles, and the face to which each belongs.
 fn triangles(mesh: &tobj::Mesh, positions: &[Vec3]) -> (Vec<[u32; 3]>, Vec<u32>) {
     if mesh.face_arities.is_empty() {
         let triangles = mesh.indices.as_chunks::<3>().0.to_vec();
         let count = triangles.len() as u32;
         return (triangles, (0..count).collect());
     }
-    let (mut out, mut rest) = (
-        Vec::with_capacity(mesh.indices.len() / 2),
-        mesh.indices.as_slice(),
-    );
+    let mut triangles = Vec::with_capacity(mesh.indices.len() / 2);
+    let mut faces = Vec::with_capacity(mesh.indices.len() / 2);
+    let mut rest = mesh.indices.as_slice();
     for (i, &arity) in (0..).zip(&mesh.face_arities) {
         let (face, others) = rest.split_at(arity as usize);
         rest = others;
         let corners: Vec<Vec3> = face.iter().map(|&v| positions[v as usize]).collect();
-        out.extend(
-            triangulate(&corners)
-                .into_iter()
-                .map(|t| (t.map(|c| face[c as usize]), i)),
-        );
+        for triangle in triangulate(&corners) {
+            triangles.push(triangle.map(|corner| face[corner as usize]));
+            faces.push(i);
+        }
     }
-    out.into_iter().unzip()
+    (triangles, faces)
 }

@@ -43,27 +43,29 @@ pub(super) fn add(
             material: None,
         }]);
     };
-    let parts = model.split(&entries).into_iter().map(|(entry, mesh)| {
-        let material = entry
-            .map(|i| entries[i].material(!mesh.uvs.is_empty(), files, &mut scene.textures))
-            .transpose()?;
-        let bumpy = material.is_some_and(|m| m.normal_map.is_some());
-        let invalid = |source| SceneError::Invalid {
-            file: path.display().to_string(),
-            source,
+    let mut parts = Vec::new();
+    for (entry, mut mesh) in model.split(&entries) {
+        let material = match entry {
+            Some(i) => {
+                let is_mapped = !mesh.uvs.is_empty();
+                Some(entries[i].material(is_mapped, files, &mut scene.textures)?)
+            }
+            None => None,
         };
-        scene.meshes.push(if bumpy {
-            with_tangents(&mesh).map_err(invalid)?
-        } else {
-            mesh
-        });
+        if material.is_some_and(|m| m.normal_map.is_some()) {
+            mesh = with_tangents(&mesh).map_err(|source| SceneError::Invalid {
+                file: path.display().to_string(),
+                source,
+            })?;
+        }
+        scene.meshes.push(mesh);
         scene.materials.extend(material);
-        Ok(Part {
+        parts.push(Part {
             mesh: scene.meshes.len() - 1,
             material: material.map(|_| scene.materials.len() - 1),
-        })
-    });
-    parts.collect()
+        });
+    }
+    Ok(parts)
 }
 
 fn entries(looks: &Looks, path: &Path) -> Result<Vec<Entry>, SceneError> {
@@ -75,24 +77,23 @@ fn entries(looks: &Looks, path: &Path) -> Result<Vec<Entry>, SceneError> {
     Ok(entries)
 }
 
-/// All faces of a file, and which looks they ask for.
+/// All faces of a file, and the names of their materials.
 #[derive(Clone, Debug)]
 pub(super) struct Model {
     pub(super) mesh: Mesh,
-    /// Of each triangle.
+    /// The face to which each triangle belongs.
     pub(super) face: Vec<u32>,
     pub(super) looks: Looks,
 }
 
 impl Model {
-    /// Meshes by entry, in order of their first faces; faces without a known material share one.
+    /// Returns a mesh for each entry that is used, in the order of their first faces; faces without a known material share one.
     fn split(&self, entries: &[Entry]) -> Vec<(Option<usize>, Mesh)> {
-        let named: Vec<(usize, Option<usize>)> = self
-            .looks
-            .runs
-            .iter()
-            .map(|(face, name)| (*face, entries.iter().position(|e| e.name == *name)))
-            .collect();
+        // The first face of each run, and the run's entry.
+        let mut named: Vec<(usize, Option<usize>)> = Vec::new();
+        for (face, name) in &self.looks.runs {
+            named.push((*face, entries.iter().position(|e| e.name == *name)));
+        }
         let mut parts: Vec<(Option<usize>, Vec<[u32; 3]>)> = Vec::new();
         for (triangle, &face) in self.mesh.triangles.iter().zip(&self.face) {
             let run = named.partition_point(|(first, _)| *first <= face as usize);
@@ -108,9 +109,10 @@ impl Model {
             .collect()
     }
 
-    /// Some triangles, with the vertices that they use.
+    /// Returns a mesh of some triangles, with the vertices that they use.
     fn part(&self, triangles: &[[u32; 3]]) -> Mesh {
-        let (old, mut known) = (&self.mesh, HashMap::new());
+        let old = &self.mesh;
+        let mut known = HashMap::new();
         let mut out = Mesh {
             name: old.name.clone(),
             ..Mesh::default()

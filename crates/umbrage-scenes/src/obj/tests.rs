@@ -345,7 +345,8 @@ fn damaged_files_are_read_or_refused_without_panic() {
     let text = format!(
         "o a\n{TRIANGLE}v 1 1 -1 1\nvt 0 .5\nvn 0 0 1\nf 1//1 2//-1 3/1/1\nf 1/1 2/-1 4/1 3/1 \\\n-1\nl 1 2"
     );
-    let (mut refused, mut usable) = (0, 0);
+    let mut refused = 0;
+    let mut usable = 0;
     for damaged in crate::damage::damaged(&text, 4000) {
         match read(damaged) {
             Ok(mesh) => {

@@ -19,7 +19,8 @@ pub(crate) fn mapped(mesh: &Mesh) -> Mesh {
     for t in &mesh.triangles {
         let uvs = unwrapped(t.map(|v| mesh.positions[v as usize].as_dvec3()));
         let corners = [0, 1, 2].map(|i| {
-            let (v, uv): (u32, Vec2) = (t[i], uvs[i]);
+            let v: u32 = t[i];
+            let uv: Vec2 = uvs[i];
             *known
                 .entry((v, uv.to_array().map(f32::to_bits)))
                 .or_insert_with(|| {

@@ -12,7 +12,8 @@ pub(crate) fn grid(half: [f32; 2], cells: [u32; 2], height: impl Fn(f32, f32) ->
     let mut positions = Vec::with_capacity((nx as usize + 1) * (nz as usize + 1));
     for k in 0..=nz {
         positions.extend((0..=nx).map(|i| {
-            let (x, z) = (at(i, nx, half[0]), at(k, nz, half[1]));
+            let x = at(i, nx, half[0]);
+            let z = at(k, nz, half[1]);
             Vec3::new(x, height(x, z), z)
         }));
     }
@@ -21,12 +22,10 @@ pub(crate) fn grid(half: [f32; 2], cells: [u32; 2], height: impl Fn(f32, f32) ->
     let corner = |i: u32, k: u32| k * (nx + 1) + i;
     let triangles = (0..nz).flat_map(|k| {
         (0..nx).flat_map(move |i| {
-            let [a, b, c, d] = [
-                corner(i, k),
-                corner(i, k + 1),
-                corner(i + 1, k + 1),
-                corner(i + 1, k),
-            ];
+            let a = corner(i, k);
+            let b = corner(i, k + 1);
+            let c = corner(i + 1, k + 1);
+            let d = corner(i + 1, k);
             [[a, b, c], [a, c, d]]
         })
     });
@@ -68,7 +67,8 @@ pub(crate) fn room(min: Vec3, max: Vec3) -> Mesh {
 
 /// Six closed slabs, `wall` thick, around an empty box: floor, ceiling, then the walls at -x, +x, -z, +z.
 pub(crate) fn slabs_around(min: Vec3, max: Vec3, wall: f32) -> [Mesh; 6] {
-    let (low, high) = (min - wall, max + wall);
+    let low = min - wall;
+    let high = max + wall;
     let at = Vec3::new;
     [
         (low, at(high.x, min.y, high.z)),
@@ -98,7 +98,8 @@ pub(crate) fn block(min: Vec3, max: Vec3) -> Mesh {
     let mut mesh = bare("box", Vec::new(), Vec::new());
     for axis in 0..3 {
         for sign in [-1.0_f32, 1.0] {
-            let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+            let u = (axis + 1) % 3;
+            let v = (axis + 2) % 3;
             let base = mesh.positions.len() as u32;
             for (s, t) in [(0, 0), (1, 0), (1, 1), (0, 1)] {
                 let mut p = if sign > 0.0 { max } else { min };

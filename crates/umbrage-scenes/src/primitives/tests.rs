@@ -140,10 +140,8 @@ fn flat_shapes_face_up() {
 
 #[test]
 fn a_sphere_keeps_its_vertices_on_its_surface() {
-    let (center, mesh) = (
-        Vec3::new(1.0, 2.0, 3.0),
-        icosphere(Vec3::new(1.0, 2.0, 3.0), 0.5, 5),
-    );
+    let center = Vec3::new(1.0, 2.0, 3.0);
+    let mesh = icosphere(Vec3::new(1.0, 2.0, 3.0), 0.5, 5);
     assert_eq!(mesh.triangles.len(), 20_480);
     // One rounding to f32 of coordinates below 4.
     assert!(

@@ -30,12 +30,10 @@ pub(crate) fn torus(major: f32, minor: f32, segments: [u32; 2]) -> Mesh {
     let quads = (0..across).flat_map(|j| (0..around).map(move |i| (i, j)));
     mesh.triangles = quads
         .flat_map(|(i, j)| {
-            let [a, b, c, d] = [
-                corner(i, j),
-                corner(i + 1, j),
-                corner(i + 1, j + 1),
-                corner(i, j + 1),
-            ];
+            let a = corner(i, j);
+            let b = corner(i + 1, j);
+            let c = corner(i + 1, j + 1);
+            let d = corner(i, j + 1);
             [[a, b, c], [a, c, d]]
         })
         .collect();

@@ -3,8 +3,8 @@
 use umbrage_core::BackendError;
 use wgpu::{Adapter, Backends, DeviceType, Instance, InstanceDescriptor, PowerPreference};
 
-/// What the user asks of the adapter. The default takes the most powerful hardware, or a software driver if there is
-/// nothing else.
+/// Which graphics adapter to use. The default takes the most powerful hardware, or a software driver if there is nothing
+/// else.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AdapterChoice {
     /// Part of the adapter's name, in any case: `nvidia`, `llvmpipe`.
@@ -41,51 +41,52 @@ impl Default for AdapterChoice {
 }
 
 impl AdapterChoice {
-    /// The default, changed by the environment variables that wgpu programs share: `WGPU_ADAPTER_NAME`,
+    /// Returns the default, changed by the environment variables that wgpu programs share: `WGPU_ADAPTER_NAME`,
     /// `WGPU_POWER_PREF` (`low`, `high`) and `WGPU_BACKEND` (`vulkan`, `gl`, ..).
     pub fn from_env() -> Self {
         let default = Self::default();
+        let name = std::env::var("WGPU_ADAPTER_NAME").unwrap_or_default();
         Self {
-            name: std::env::var("WGPU_ADAPTER_NAME")
-                .ok()
-                .filter(|name| !name.is_empty()),
+            name: if name.is_empty() { None } else { Some(name) },
             power: PowerPreference::from_env().unwrap_or(default.power),
             backends: Backends::from_env().unwrap_or(default.backends),
             ..default
         }
     }
 
-    /// The adapter that fits best.
+    /// Returns the adapter that fits best.
     pub(crate) fn find(&self) -> Result<Adapter, BackendError> {
         let mut desc = InstanceDescriptor::new_without_display_handle_from_env();
         desc.backends = self.backends;
         let adapters = pollster::block_on(Instance::new(desc).enumerate_adapters(self.backends));
         let found: Vec<String> = adapters.iter().map(|a| describe(&a.get_info())).collect();
-        let fits = adapters.into_iter().filter(|a| self.fits(&a.get_info()));
-        fits.min_by_key(|a| self.rank(&a.get_info()))
+        adapters
+            .into_iter()
+            .filter(|adapter| self.fits(&adapter.get_info()))
+            .min_by_key(|adapter| self.rank(&adapter.get_info()))
             .ok_or_else(|| self.no_adapter(&found))
     }
 
     fn fits(&self, info: &wgpu::AdapterInfo) -> bool {
-        let named = self
-            .name
-            .as_ref()
-            .is_none_or(|n| info.name.to_lowercase().contains(&n.to_lowercase()));
-        let software = info.device_type == DeviceType::Cpu;
-        named
-            && match self.software {
-                Software::Allowed => true,
-                Software::Only => software,
-                Software::Never => !software,
-            }
+        let is_named = match &self.name {
+            Some(name) => info.name.to_lowercase().contains(&name.to_lowercase()),
+            None => true,
+        };
+        let is_software = info.device_type == DeviceType::Cpu;
+        let is_of_kind = match self.software {
+            Software::Allowed => true,
+            Software::Only => is_software,
+            Software::Never => !is_software,
+        };
+        is_named && is_of_kind
     }
 
-    /// Less is better.
+    /// Returns a key by which better adapters come first: the kind of hardware, then whether the API is OpenGL.
     fn rank(&self, info: &wgpu::AdapterInfo) -> (u8, bool) {
-        let low = self.power == PowerPreference::LowPower;
+        let saves_power = self.power == PowerPreference::LowPower;
         let kind = match info.device_type {
-            DeviceType::DiscreteGpu => u8::from(low),
-            DeviceType::IntegratedGpu => u8::from(!low),
+            DeviceType::DiscreteGpu => u8::from(saves_power),
+            DeviceType::IntegratedGpu => u8::from(!saves_power),
             DeviceType::VirtualGpu => 2,
             DeviceType::Other => 3,
             DeviceType::Cpu => 4,
@@ -122,9 +123,9 @@ impl std::fmt::Display for AdapterChoice {
             Software::Never => "a hardware adapter",
         };
         f.write_str(software)?;
-        self.name
-            .as_ref()
-            .map_or(Ok(()), |name| write!(f, " named `{name}`"))?;
+        if let Some(name) = &self.name {
+            write!(f, " named `{name}`")?;
+        }
         if self.backends == Self::default().backends {
             return Ok(());
         }
@@ -133,15 +134,12 @@ impl std::fmt::Display for AdapterChoice {
             .iter_names()
             .map(|(name, _)| name.to_lowercase())
             .collect();
-        write!(
-            f,
-            " for {}",
-            if names.is_empty() {
-                "no graphics API".to_owned()
-            } else {
-                names.join(" or ")
-            }
-        )
+        let api = if names.is_empty() {
+            "no graphics API".to_owned()
+        } else {
+            names.join(" or ")
+        };
+        write!(f, " for {api}")
     }
 }
 

@@ -1,5 +1,5 @@
-//! Between images and plain floats, where copies of memory won't do: drivers differ in how they turn whole steps into
-//! floats, and what is handed out must be what shaders load; and nothing can be copied to depth of 32 bits.
+//! Converts between images and plain floats by drawing, where copies of memory won't do: drivers differ in how they turn whole
+//! steps into floats, and what is read back must be what shaders load; and nothing can be copied to depth of 32 bits.
 
 use crate::{
     filter::color_attachment,
@@ -25,7 +25,7 @@ use {crate::gbuffer, umbrage_core::Image};
 #[derive(Debug, Default)]
 pub(crate) struct Converter {
     layouts: Layouts,
-    /// By what they write.
+    /// By the format that they write.
     pipelines: HashMap<Format, RenderPipeline>,
     /// Plain floats, for each image that is converted.
     floats: Vec<GpuImage>,
@@ -42,95 +42,91 @@ struct Layer {
 }
 
 impl Converter {
-    /// Records what makes images readable by copies of memory, and returns what to copy: the images themselves, or
+    /// Records the passes that make images readable by copies of memory, and returns what to copy: the images themselves, or
     /// floats in their place.
     pub(crate) fn read(
         &mut self,
-        maker: &mut ResourceFactory<'_>,
+        factory: &mut ResourceFactory<'_>,
         encoder: &mut CommandEncoder,
         images: &[GpuImage],
     ) -> Vec<GpuImage> {
-        let jobs = self.fit_floats(maker, images, |f| match f {
-            Format::Depth16 => Some(Format::R32),
-            Format::Rgba8 => Some(Format::Rgba32),
-            _ => None,
-        });
+        let converted = self.fit_floats(factory, images, readable_format);
         let mut readable = images.to_vec();
         let mut layers = Vec::new();
-        for (i, floats) in jobs.into_iter().zip(&self.floats) {
+        for (i, floats) in converted.into_iter().zip(&self.floats) {
             layers.extend(pair_layers(&images[i].reads, floats));
             readable[i] = floats.clone();
         }
-        self.convert(maker, encoder, &layers);
+        self.convert(factory, encoder, &layers);
         readable
     }
 
-    /// Gives images the contents of others like them: some at once, depth in passes that it records.
+    /// Writes `contents` into the images: into depth by passes that it records, into others at once.
     #[cfg(feature = "testing")]
     pub(crate) fn write(
         &mut self,
-        maker: &mut ResourceFactory<'_>,
+        factory: &mut ResourceFactory<'_>,
         encoder: &mut CommandEncoder,
         images: &[GpuImage],
         contents: &[Image],
     ) {
-        for (to, from) in images
-            .iter()
-            .zip(contents)
-            .filter(|(to, _)| !to.desc.format.is_depth())
-        {
-            gbuffer::write(maker.queue, &to.texture, &bytes(from));
+        for (to, from) in images.iter().zip(contents) {
+            if !to.desc.format.is_depth() {
+                gbuffer::write(factory.queue, &to.texture, &bytes(from));
+            }
         }
-        let jobs = self.fit_floats(maker, images, |f| f.is_depth().then_some(Format::R32));
+        let converted = self.fit_floats(factory, images, |format| {
+            format.is_depth().then_some(Format::R32)
+        });
         let mut layers = Vec::new();
-        for (i, floats) in jobs.into_iter().zip(&self.floats) {
+        for (i, floats) in converted.into_iter().zip(&self.floats) {
             gbuffer::write(
-                maker.queue,
+                factory.queue,
                 &floats.texture,
                 bytemuck::cast_slice(&contents[i].texels),
             );
             layers.extend(pair_layers(&floats.reads, &images[i]));
         }
-        self.convert(maker, encoder, &layers);
+        self.convert(factory, encoder, &layers);
     }
 
-    /// Makes floats for the images whose format has some. Returns which.
+    /// Makes an image of floats for each image to whose format `float_format` gives one. Returns the indices of those images.
     fn fit_floats(
         &mut self,
-        maker: &mut ResourceFactory<'_>,
+        factory: &mut ResourceFactory<'_>,
         images: &[GpuImage],
-        floats: impl Fn(Format) -> Option<Format>,
+        float_format: impl Fn(Format) -> Option<Format>,
     ) -> Vec<usize> {
-        let wanted = (0..).zip(images).filter_map(|(i, image)| {
-            let format = floats(image.desc.format)?;
-            Some((
-                i,
-                ImageDesc {
+        let mut converted = Vec::new();
+        let mut descs = Vec::new();
+        for (i, image) in images.iter().enumerate() {
+            if let Some(format) = float_format(image.desc.format) {
+                converted.push(i);
+                descs.push(ImageDesc {
                     format,
                     ..image.desc
-                },
-            ))
-        });
-        let (jobs, descs): (Vec<usize>, Vec<ImageDesc>) = wanted.unzip();
-        fit_images(maker, &mut self.floats, &descs, &[]);
-        jobs
+                });
+            }
+        }
+        fit_images(factory, &mut self.floats, &descs, &[]);
+        converted
     }
 
     fn convert(
         &mut self,
-        maker: &mut ResourceFactory<'_>,
+        factory: &mut ResourceFactory<'_>,
         encoder: &mut CommandEncoder,
         layers: &[Layer],
     ) {
         self.bindings.resize_with(layers.len(), Binding::default);
         let layout = self.layouts.get(
-            maker,
+            factory,
             ShaderStages::FRAGMENT,
             &[Slot::Floats { layered: false }],
         );
         for (layer, binding) in layers.iter().zip(&mut self.bindings) {
             binding.set(
-                maker,
+                factory,
                 "umbrage conversion",
                 &layout,
                 vec![Bound::View(layer.from.clone())],
@@ -138,7 +134,7 @@ impl Converter {
             let pipeline = self
                 .pipelines
                 .entry(layer.format)
-                .or_insert_with(|| pipeline(maker, layer.format, &layout));
+                .or_insert_with(|| pipeline(factory, layer.format, &layout));
             layer.encode(encoder, pipeline, binding);
         }
     }
@@ -160,6 +156,15 @@ impl Layer {
     }
 }
 
+/// Returns the format of the floats through which images of this format are read back; `None` where copies of memory do.
+fn readable_format(format: Format) -> Option<Format> {
+    match format {
+        Format::Depth16 => Some(Format::R32),
+        Format::Rgba8 => Some(Format::Rgba32),
+        _ => None,
+    }
+}
+
 fn pair_layers<'a>(from: &'a [TextureView], to: &'a GpuImage) -> impl Iterator<Item = Layer> + 'a {
     let format = to.desc.format;
     from.iter().zip(&to.layers).map(move |(from, to)| Layer {
@@ -170,11 +175,11 @@ fn pair_layers<'a>(from: &'a [TextureView], to: &'a GpuImage) -> impl Iterator<I
 }
 
 fn pipeline(
-    maker: &mut ResourceFactory<'_>,
+    factory: &mut ResourceFactory<'_>,
     to: Format,
     layout: &BindGroupLayout,
 ) -> RenderPipeline {
-    maker.counters.pipelines += 1;
+    factory.counters.pipelines += 1;
     let text = include_str!("convert.wgsl").to_owned() + FULLSCREEN;
     let format = texture_format(to);
     let (entry, targets) = match to.is_depth() {
@@ -183,7 +188,7 @@ fn pipeline(
     };
     let entries = ["umbrage_fullscreen", entry];
     fullscreen_pipeline(
-        maker.device,
+        factory.device,
         "umbrage conversion",
         &text,
         entries,
@@ -192,19 +197,18 @@ fn pipeline(
     )
 }
 
-/// An image's texels as its own format has them.
+/// Returns an image's texels as the bytes of its own format.
 #[cfg(feature = "testing")]
 fn bytes(image: &Image) -> Vec<u8> {
-    let whole = |scale: f32| {
-        image
-            .texels
-            .iter()
-            .map(|v| (v * scale).round() as u8)
-            .collect()
-    };
     match image.desc.format {
-        Format::Stencil8 => whole(1.0),
-        Format::Rgba8 => whole(255.0),
+        Format::Stencil8 => whole_bytes(&image.texels, 1.0),
+        Format::Rgba8 => whole_bytes(&image.texels, 255.0),
         _ => bytemuck::cast_slice(&image.texels).to_vec(),
     }
+}
+
+/// Returns the values in whole steps, `scale` of them to one.
+#[cfg(feature = "testing")]
+fn whole_bytes(values: &[f32], scale: f32) -> Vec<u8> {
+    values.iter().map(|v| (v * scale).round() as u8).collect()
 }

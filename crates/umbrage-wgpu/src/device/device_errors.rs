@@ -18,20 +18,20 @@ struct State {
 impl DeviceErrors {
     /// Listens to a device. Without a listener, wgpu panics on errors that no scope caught.
     pub(crate) fn of(device: &Device) -> Self {
-        let faults = Self::default();
-        let listener = faults.clone();
+        let errors = Self::default();
+        let listener = errors.clone();
         device.set_device_lost_callback(move |reason, message| {
             listener.change(|s| s.lost = Some(format!("{reason:?}: {message}")));
         });
-        let listener = faults.clone();
+        let listener = errors.clone();
         device.on_uncaptured_error(Arc::new(move |error| {
             listener.change(|s| s.uncaptured = Some(backend_error(&error)));
         }));
-        faults
+        errors
     }
 
     /// # Errors
-    /// If the device is gone, or failed since this was last asked.
+    /// Errors if the device is gone, or failed since this was last asked.
     pub(crate) fn check(&self) -> Result<(), BackendError> {
         self.change(|s| match (&s.lost, s.uncaptured.take()) {
             (Some(message), _) => Err(BackendError::DeviceLost(message.clone())),

@@ -1,8 +1,8 @@
 //! Finds out how a device's rasteriser rounds vertices: no graphics API says all of it.
 //!
-//! One small image is drawn (`probe.wgsl`) and read back. Upper ends of edges lie at 64 places over an eighth of a pixel, from
-//! one point of every grid to another. The row in which an edge passes its column of pixel centres tells where its upper end
-//! was moved to, to a thousandth of a pixel; how many different places there are tells the grid's step.
+//! One small image is drawn (`probe.wgsl`) and read back. It holds 64 triangles whose right edges start at 64 places over an
+//! eighth of a pixel, between two points that belong to every grid. The row in which an edge crosses its column of pixel centres
+//! shows where its upper end was moved to, to a thousandth of a pixel; the number of different places shows the grid's step.
 
 use crate::{
     device::{
@@ -15,24 +15,27 @@ use crate::{
         pipelines::{Targets, fullscreen_pipeline},
     },
 };
+use glam::DVec2;
 use umbrage_core::{BackendError, DepthPlanes, Snapping};
 use wgpu::{
     Color, CommandEncoderDescriptor, Device, Extent3d, Queue, RenderPassDescriptor,
     TextureDescriptor, TextureDimension, TextureFormat, TextureUsages, TextureViewDescriptor,
 };
 
-/// Triangles, and pixels between them.
+/// Number of triangles, side by side.
 const STRIPS: usize = 64;
+/// Each triangle's part of the image, pixels wide.
 const STRIP: usize = 4;
 /// The image's height.
 const ROWS: usize = 512;
 
-/// Draws triangles on a device and tells how its rasteriser rounded their vertices. Takes some milliseconds.
+/// Draws triangles on a device and returns how its rasteriser rounded their vertices. Takes some milliseconds.
 ///
 /// # Errors
-/// When the device fails.
+/// Errors if the device fails.
 pub fn probe_snapping(device: &Device, queue: &Queue) -> Result<Snapping, BackendError> {
-    let snapping = of_image(&draw(device, queue)?);
+    let depths = draw(device, queue)?;
+    let snapping = snapping_of_image(&depths);
     let offset_unit = probe_offset_unit(device, queue)?;
     Ok(Snapping {
         offset_unit,
@@ -40,38 +43,36 @@ pub fn probe_snapping(device: &Device, queue: &Queue) -> Result<Snapping, Backen
     })
 }
 
-/// Depths of the triangles' pixels, 0 elsewhere.
+/// Returns the depths of the triangles' pixels, 0 elsewhere, row by row.
 fn draw(device: &Device, queue: &Queue) -> Result<Vec<f32>, BackendError> {
-    let (mut counters, mut spare) = (Counters::default(), Spare::default());
-    let (label, format) = ("umbrage probe", TextureFormat::R32Float);
-    let size = Extent3d {
-        width: (STRIPS * STRIP) as u32,
-        height: ROWS as u32,
-        depth_or_array_layers: 1,
-    };
-    let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC;
-    let (dimension, mip_level_count, sample_count) = (TextureDimension::D2, 1, 1);
-    let image = ResourceFactory {
+    let mut counters = Counters::default();
+    let mut spare = Spare::default();
+    let mut factory = ResourceFactory {
         device,
         queue,
         counters: &mut counters,
-    }
-    .texture(&TextureDescriptor {
+    };
+    let label = "umbrage probe";
+    let format = TextureFormat::R32Float;
+    let image = factory.texture(&TextureDescriptor {
         label: Some(label),
-        size,
-        mip_level_count,
-        sample_count,
-        dimension,
+        size: Extent3d {
+            width: (STRIPS * STRIP) as u32,
+            height: ROWS as u32,
+            depth_or_array_layers: 1,
+        },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: TextureDimension::D2,
         format,
-        usage,
+        usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC,
         view_formats: &[],
     });
-    let entries = ["place", "depth"];
     let pipeline = fullscreen_pipeline(
         device,
         label,
         include_str!("probe.wgsl"),
-        entries,
+        ["place", "depth"],
         &Targets::Colors(&[format]),
         &[],
     );
@@ -92,91 +93,101 @@ fn draw(device: &Device, queue: &Queue) -> Result<Vec<f32>, BackendError> {
     back.read(ticket)
 }
 
-/// What the image says of vertices and planes. One that makes no sense is taken for the coarsest device's.
-fn of_image(depths: &[f32]) -> Snapping {
+/// Returns the rounding of vertices and planes that the image shows. An image that no known rounding draws counts as the
+/// coarsest device's.
+fn snapping_of_image(depths: &[f32]) -> Snapping {
     let rows: Vec<usize> = (0..STRIPS)
-        .map(|strip| rows_beyond(depths, strip))
+        .map(|strip| rows_right_of_centers(depths, strip))
         .collect();
     if rows.contains(&0) {
         return Snapping::COARSEST;
     }
-    let mut places = rows.clone();
-    places.sort_unstable();
-    places.dedup();
+    let mut distinct = rows.clone();
+    distinct.sort_unstable();
+    distinct.dedup();
     // An eighth of a pixel is 2^(bits - 3) steps. Rounding to nearest reaches the points at both ends, which is one more
     // place than there are steps; rounding down doesn't.
-    let bits = (places.len().ilog2() + 3).clamp(*Snapping::BITS.start(), *Snapping::BITS.end());
-    let found = Snapping {
-        sub_pixel_bits: bits,
+    let bits = distinct.len().ilog2() + 3;
+    let unsnapped = Snapping {
+        sub_pixel_bits: bits.clamp(*Snapping::BITS.start(), *Snapping::BITS.end()),
         ..Snapping::default()
     };
-    // The squares of the distances from the depths drawn to those of each rule.
-    let mut far = [0.0; 2];
+    // Sums of the squared errors of both rules for depth planes.
+    let mut unsnapped_error = 0.0;
+    let mut snapped_error = 0.0;
+    let step = f64::from(unsnapped.step());
     for (strip, &rows) in rows.iter().enumerate() {
         let drawn = f64::from(depths[strip * STRIP + 2]);
-        let step = f64::from(found.step());
-        let moved = (upper_end(rows) / step).round() * step;
-        far[0] += (depth_beside(beyond_grid(strip)) - drawn).powi(2);
-        far[1] += (depth_beside(moved) - drawn).powi(2);
+        let snapped_edge = (upper_end(rows) / step).round() * step;
+        unsnapped_error += (depth_beside(edge_start(strip)) - drawn).powi(2);
+        snapped_error += (depth_beside(snapped_edge) - drawn).powi(2);
     }
-    let planes = if far[1] < far[0] {
+    let planes = if snapped_error < unsnapped_error {
         DepthPlanes::Snapped
     } else {
         DepthPlanes::Unsnapped
     };
-    Snapping { planes, ..found }
+    Snapping {
+        planes,
+        ..unsnapped
+    }
 }
 
-/// How far right of the grid's point the right edge of a triangle begins, pixels.
-fn beyond_grid(strip: usize) -> f64 {
+/// Returns how far right of the grid's point the right edge of a triangle starts, pixels.
+fn edge_start(strip: usize) -> f64 {
     (strip as f64 + 0.5) / 512.0
 }
 
-/// How many rows there are from that on in which a triangle's right edge passes its column of pixel centres; none if it
-/// covers no pixel there.
-fn rows_beyond(depths: &[f32], strip: usize) -> usize {
+/// Returns in how many rows, the last ones of the image, a triangle's right edge lies right of its column of pixel centres; 0 if
+/// it covers no pixel there.
+fn rows_right_of_centers(depths: &[f32], strip: usize) -> usize {
     let column = strip * STRIP + 3;
     let first = (0..ROWS).find(|row| depths[row * STRIPS * STRIP + column] > 0.0);
     ROWS - first.unwrap_or(ROWS)
 }
 
-/// Where an edge begins, pixels right of the grid's point, that lies right of its column's centres in so many rows. The point
-/// lies a quarter pixel left of the centres and the edge's lower end an eighth right of them: by similar triangles,
-/// `rows : ROWS = 1/8 : 3/8 - beginning`.
+/// Returns where an edge starts, pixels right of the grid's point, that lies right of its column's centres in this many rows.
+/// The point lies a quarter pixel left of the centres and the edge's lower end an eighth right of them: by similar triangles,
+/// `rows : ROWS = 1/8 : 3/8 - start`.
 fn upper_end(rows: usize) -> f64 {
     0.375 - 0.125 * ROWS as f64 / rows as f64
 }
 
-/// The depth at the first row's pixel left of the column, of the plane through a triangle whose right edge begins so far
-/// right of the grid's point. Places are relative to the column's centres and the image's upper edge.
-fn depth_beside(beginning: f64) -> f64 {
-    let [a, b, c] = [
-        [beginning - 0.25, 0.0, 0.25],
-        [0.125, ROWS as f64, 0.25],
-        [-3.0, 0.0, 0.75],
-    ];
-    let [x, y] = [-1.0, 0.5];
-    // Barycentric weight of `c`; the other two have the same depth.
-    let twice_area = |p: [f64; 3], q: [f64; 3], r: [f64; 2]| {
-        (q[0] - p[0]) * (r[1] - p[1]) - (r[0] - p[0]) * (q[1] - p[1])
-    };
-    let of_c = twice_area(a, b, [x, y]) / twice_area(a, b, [c[0], c[1]]);
-    a[2] + (c[2] - a[2]) * of_c
+/// Returns the depth of a triangle's plane at the first row's pixel left of the column, where the triangle's right edge starts
+/// `start` pixels right of the grid's point. Places are relative to the column's centres and the image's upper edge.
+fn depth_beside(start: f64) -> f64 {
+    // Upper and lower end of the right edge, which share a depth, and the corner on the left.
+    let upper = DVec2::new(start - 0.25, 0.0);
+    let lower = DVec2::new(0.125, ROWS as f64);
+    let left = DVec2::new(-3.0, 0.0);
+    let edge_depth = 0.25;
+    let left_depth = 0.75;
+    let pixel = DVec2::new(-1.0, 0.5);
+    // The left corner's barycentric weight.
+    let weight = twice_area(upper, lower, pixel) / twice_area(upper, lower, left);
+    edge_depth + (left_depth - edge_depth) * weight
+}
+
+/// Returns twice the signed area of a triangle.
+fn twice_area(a: DVec2, b: DVec2, c: DVec2) -> f64 {
+    (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// What a device draws that moves edges' upper ends with `edge`, and depth planes' with `plane`.
+    /// Returns the image of a device that rounds the upper ends of edges with `edge`, and those of depth planes with `plane`.
     fn image(edge: impl Fn(f64) -> f64, plane: impl Fn(f64) -> f64) -> Vec<f32> {
         let mut depths = vec![0.0; STRIPS * STRIP * ROWS];
         for strip in 0..STRIPS {
-            let (begins, of_plane) = (edge(beyond_grid(strip)) - 0.25, plane(beyond_grid(strip)));
-            depths[strip * STRIP + 2] = depth_beside(of_plane) as f32;
+            let start = edge(edge_start(strip)) - 0.25;
+            let plane_start = plane(edge_start(strip));
+            depths[strip * STRIP + 2] = depth_beside(plane_start) as f32;
             for row in 0..ROWS {
                 let down = (row as f64 + 0.5) / ROWS as f64;
-                let (left, right) = (-3.0 + 3.125 * down, begins + (0.125 - begins) * down);
+                let left = -3.0 + 3.125 * down;
+                let right = start + (0.125 - start) * down;
                 let column = row * STRIPS * STRIP + strip * STRIP + 3;
                 depths[column] = if left < 0.0 && right > 0.0 { 0.25 } else { 0.0 };
             }
@@ -190,34 +201,38 @@ mod tests {
             let steps = f64::from(1_u32 << bits);
             let nearest = |v: f64| (v * steps).round_ties_even() / steps;
             let down = |v: f64| (v * steps).floor() / steps;
-            let [unsnapped, snapped] =
-                [DepthPlanes::Unsnapped, DepthPlanes::Snapped].map(|planes| Snapping {
-                    sub_pixel_bits: bits,
-                    planes,
-                    ..Snapping::default()
-                });
-            assert_eq!(of_image(&image(nearest, |v| v)), unsnapped);
-            assert_eq!(of_image(&image(nearest, nearest)), snapped);
-            assert_eq!(of_image(&image(down, |v| v)), unsnapped);
-            assert_eq!(of_image(&image(down, down)), snapped);
+            let unsnapped = Snapping {
+                sub_pixel_bits: bits,
+                planes: DepthPlanes::Unsnapped,
+                ..Snapping::default()
+            };
+            let snapped = Snapping {
+                sub_pixel_bits: bits,
+                planes: DepthPlanes::Snapped,
+                ..Snapping::default()
+            };
+            assert_eq!(snapping_of_image(&image(nearest, |v| v)), unsnapped);
+            assert_eq!(snapping_of_image(&image(nearest, nearest)), snapped);
+            assert_eq!(snapping_of_image(&image(down, |v| v)), unsnapped);
+            assert_eq!(snapping_of_image(&image(down, down)), snapped);
         }
     }
 
     #[test]
     fn finer_grids_are_taken_for_the_finest_known() {
         let fine = |v: f64| (v * 4096.0).round() / 4096.0;
-        assert_eq!(of_image(&image(fine, |v| v)), Snapping::default());
-        assert_eq!(of_image(&image(|v| v, |v| v)), Snapping::default());
+        assert_eq!(snapping_of_image(&image(fine, |v| v)), Snapping::default());
+        assert_eq!(snapping_of_image(&image(|v| v, |v| v)), Snapping::default());
     }
 
     #[test]
     fn images_without_sense_are_taken_for_the_coarsest() {
         assert_eq!(
-            of_image(&vec![0.0; STRIPS * STRIP * ROWS]),
+            snapping_of_image(&vec![0.0; STRIPS * STRIP * ROWS]),
             Snapping::COARSEST
         );
         assert_eq!(
-            of_image(&vec![f32::NAN; STRIPS * STRIP * ROWS]),
+            snapping_of_image(&vec![f32::NAN; STRIPS * STRIP * ROWS]),
             Snapping::COARSEST
         );
         let mut one_missing = image(|v| v, |v| v);
@@ -226,6 +241,6 @@ mod tests {
             .skip(3)
             .step_by(STRIPS * STRIP)
             .for_each(|depth| *depth = 0.0);
-        assert_eq!(of_image(&one_missing), Snapping::COARSEST);
+        assert_eq!(snapping_of_image(&one_missing), Snapping::COARSEST);
     }
 }

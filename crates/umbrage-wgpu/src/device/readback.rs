@@ -23,7 +23,7 @@ pub(crate) struct ReadBack<'a> {
     copies: Vec<Copy>,
 }
 
-/// Which of the copies.
+/// Index of a copy among those of a [`ReadBack`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ticket(usize);
 
@@ -31,8 +31,11 @@ pub(crate) struct Ticket(usize);
 struct Copy {
     buffer: Buffer,
     bytes: u64,
+    /// Bytes of a row of texels.
     row: usize,
+    /// Bytes from one row to the next in the buffer.
     padded_row: usize,
+    /// Whether mapping went well; empty before it is over.
     mapped: Arc<OnceLock<bool>>,
 }
 
@@ -146,7 +149,7 @@ impl<'a> ReadBack<'a> {
         ))
     }
 
-    /// What was copied, rows without padding.
+    /// Returns what was copied, rows without padding.
     pub(crate) fn read<T: Pod>(&self, ticket: Ticket) -> Result<Vec<T>, BackendError> {
         let copy = &self.copies[ticket.0];
         let view = copy
@@ -170,13 +173,11 @@ impl Drop for ReadBack<'_> {
     /// Only buffers whose mapping went well are fit to be used again; keeping those of one frame bounds the memory.
     fn drop(&mut self) {
         self.spare.0.clear();
-        for copy in self
-            .copies
-            .drain(..)
-            .filter(|c| c.mapped.get() == Some(&true))
-        {
-            copy.buffer.unmap();
-            self.spare.0.push(copy.buffer);
+        for copy in self.copies.drain(..) {
+            if copy.mapped.get() == Some(&true) {
+                copy.buffer.unmap();
+                self.spare.0.push(copy.buffer);
+            }
         }
     }
 }

@@ -4,12 +4,12 @@ use crate::resources::{counts::check_counting, images::texture_format};
 use umbrage_core::{BackendError, Invalid, Recipe};
 use wgpu::{Adapter, DownlevelFlags, TextureFormat, TextureUsages};
 
-/// Objects to adapters that cannot play a recipe: those that cannot draw into its float images, bound a polygon offset,
-/// count into depth of 32 bits, or compare while sampling. Useful before
-/// [`ShadowRenderer::prepare`](crate::ShadowRenderer::prepare), which only sees the device.
+/// Checks whether an adapter can play a recipe: draw into its float images, clamp a polygon offset, count into depth of
+/// 32 bits, and compare while sampling. Useful before [`ShadowRenderer::prepare`](crate::ShadowRenderer::prepare), which only
+/// sees the device.
 ///
 /// # Errors
-/// The first thing that is missing, and what to do about it.
+/// Errors with the first thing that is missing, and what to do about it.
 pub fn check_adapter(adapter: &Adapter, recipe: &Recipe) -> Result<(), BackendError> {
     check_drawable(adapter, TextureFormat::R32Float)?;
     if recipe.shade.is_some() {
@@ -38,20 +38,13 @@ pub fn check_adapter(adapter: &Adapter, recipe: &Recipe) -> Result<(), BackendEr
     Ok(())
 }
 
-/// What finding receivers needs.
+/// Errors if an adapter cannot find receivers, which every [`Gpu`](crate::Gpu) has to.
 pub(crate) fn check_player(adapter: &Adapter) -> Result<(), BackendError> {
-    [
-        TextureFormat::R32Float,
-        TextureFormat::Rgba32Float,
-        TextureFormat::R32Uint,
-    ]
-    .into_iter()
-    .try_for_each(|format| check_drawable(adapter, format))?;
-    if adapter
-        .get_downlevel_capabilities()
-        .flags
-        .contains(DownlevelFlags::VERTEX_STORAGE)
-    {
+    check_drawable(adapter, TextureFormat::R32Float)?;
+    check_drawable(adapter, TextureFormat::Rgba32Float)?;
+    check_drawable(adapter, TextureFormat::R32Uint)?;
+    let flags = adapter.get_downlevel_capabilities().flags;
+    if flags.contains(DownlevelFlags::VERTEX_STORAGE) {
         return Ok(());
     }
     Err(missing(

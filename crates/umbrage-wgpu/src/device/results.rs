@@ -1,4 +1,4 @@
-//! What comes back from the GPU.
+//! Reads masks, pictures, images and receivers back from the GPU.
 
 use crate::{
     ShadowRenderer,
@@ -53,15 +53,12 @@ impl Tickets {
         back: &ReadBack<'_>,
         recipe: &Recipe,
     ) -> Result<Vec<Image>, BackendError> {
-        let pairs = self.images.iter().zip(&recipe.images);
-        pairs
-            .map(|(&t, &desc)| {
-                Ok(Image {
-                    desc,
-                    texels: texels(desc.format, back, t)?,
-                })
-            })
-            .collect()
+        let mut images = Vec::with_capacity(self.images.len());
+        for (&ticket, &desc) in self.images.iter().zip(&recipe.images) {
+            let texels = texels(desc.format, back, ticket)?;
+            images.push(Image { desc, texels });
+        }
+        Ok(images)
     }
 }
 
@@ -69,11 +66,8 @@ fn texels(format: Format, back: &ReadBack<'_>, ticket: Ticket) -> Result<Vec<f32
     if format != Format::Stencil8 {
         return back.read(ticket);
     }
-    Ok(back
-        .read::<u8>(ticket)?
-        .into_iter()
-        .map(f32::from)
-        .collect())
+    let counts: Vec<u8> = back.read(ticket)?;
+    Ok(counts.into_iter().map(f32::from).collect())
 }
 
 /// Copies of receivers.
@@ -115,16 +109,23 @@ impl ReceiverTickets {
         let rays = view.camera.rays();
         let mut out = Receivers::empty(size);
         for i in 0..out.len() {
-            let ([nx, ny, nz, t], [x, y, z, receives]) = (normals[i], positions[i]);
-            // As `resolve`: the ray runs along the triangle's plane.
+            let [x, y, z, receives] = positions[i];
+            // `t` is where the pixel's ray meets the triangle's plane, in multiples of the ray's direction.
+            let [nx, ny, nz, t] = normals[i];
+            // As in `resolve`, a huge `t` says that the ray runs along the triangle's plane.
             if triangles[i] == NO_TRIANGLE || t.abs() >= 3.0e38 {
                 continue;
             }
-            let pixel = (i as u32 % size.x, i as u32 / size.x);
-            let d: Vec3 = at_pixel(rays.dir, rays.dir_dx, rays.dir_dy, pixel.0, pixel.1);
-            (out.x[i], out.y[i], out.z[i]) = (x, y, z);
-            (out.nx[i], out.ny[i], out.nz[i]) = (nx, ny, nz);
-            out.distance[i] = t * dot3(d, d).sqrt();
+            let column = i as u32 % size.x;
+            let row = i as u32 / size.x;
+            let direction: Vec3 = at_pixel(rays.dir, rays.dir_dx, rays.dir_dy, column, row);
+            out.x[i] = x;
+            out.y[i] = y;
+            out.z[i] = z;
+            out.nx[i] = nx;
+            out.ny[i] = ny;
+            out.nz[i] = nz;
+            out.distance[i] = t * dot3(direction, direction).sqrt();
             out.depth[i] = depths[i];
             out.triangle[i] = triangles[i];
             out.receives[i] = receives != 0.0;

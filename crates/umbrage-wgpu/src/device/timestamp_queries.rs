@@ -1,4 +1,4 @@
-//! Timestamp queries: how long the stages took on the GPU.
+//! Timestamp queries, which tell how long the stages took on the GPU.
 
 use crate::{
     device::readback::{ReadBack, Ticket},
@@ -11,36 +11,39 @@ use wgpu::{
     QUERY_RESOLVE_BUFFER_ALIGNMENT, QuerySet, QuerySetDescriptor, QueryType, Queue,
 };
 
-/// Begin and end of four stages: receivers, casts, filters, lookup.
+/// Queries for begin and end of four stages: receivers, casts, filters, receive.
 #[derive(Debug)]
 pub(crate) struct TimestampQueries {
     pub(crate) queries: QuerySet,
     resolved: Buffer,
+    /// Nanoseconds a tick.
     nanoseconds: f64,
 }
 
 const STAGES: u32 = 4;
 
 impl TimestampQueries {
-    /// None where the device cannot tell the time.
+    /// Returns `None` where the device has no timestamps.
     pub(crate) fn new(device: &Device, queue: &Queue) -> Option<Self> {
-        device
-            .features()
-            .contains(Features::TIMESTAMP_QUERY)
-            .then(|| Self {
-                queries: device.create_query_set(&QuerySetDescriptor {
-                    label: Some("umbrage stages"),
-                    ty: QueryType::Timestamp,
-                    count: 2 * STAGES,
-                }),
-                resolved: device.create_buffer(&BufferDescriptor {
-                    label: Some("umbrage stages"),
-                    size: QUERY_RESOLVE_BUFFER_ALIGNMENT * u64::from(STAGES),
-                    usage: BufferUsages::QUERY_RESOLVE | BufferUsages::COPY_SRC,
-                    mapped_at_creation: false,
-                }),
-                nanoseconds: f64::from(queue.get_timestamp_period()),
-            })
+        if !device.features().contains(Features::TIMESTAMP_QUERY) {
+            return None;
+        }
+        let queries = device.create_query_set(&QuerySetDescriptor {
+            label: Some("umbrage stages"),
+            ty: QueryType::Timestamp,
+            count: 2 * STAGES,
+        });
+        let resolved = device.create_buffer(&BufferDescriptor {
+            label: Some("umbrage stages"),
+            size: QUERY_RESOLVE_BUFFER_ALIGNMENT * u64::from(STAGES),
+            usage: BufferUsages::QUERY_RESOLVE | BufferUsages::COPY_SRC,
+            mapped_at_creation: false,
+        });
+        Some(Self {
+            queries,
+            resolved,
+            nanoseconds: f64::from(queue.get_timestamp_period()),
+        })
     }
 
     pub(crate) fn stamps(&self) -> PassTimestamps<'_> {
@@ -57,14 +60,12 @@ impl TimestampQueries {
         played: StagesWithPasses,
         back: &mut ReadBack<'_>,
     ) -> Ticket {
-        for (stage, _) in (0..STAGES).zip(played.0).filter(|(_, played)| *played) {
-            let offset = QUERY_RESOLVE_BUFFER_ALIGNMENT * u64::from(stage);
-            encoder.resolve_query_set(
-                &self.queries,
-                2 * stage..2 * stage + 2,
-                &self.resolved,
-                offset,
-            );
+        for (stage, has_passes) in (0..STAGES).zip(played.0) {
+            if has_passes {
+                let pair = 2 * stage..2 * stage + 2;
+                let offset = QUERY_RESOLVE_BUFFER_ALIGNMENT * u64::from(stage);
+                encoder.resolve_query_set(&self.queries, pair, &self.resolved, offset);
+            }
         }
         back.buffer(encoder, &self.resolved)
     }
@@ -73,17 +74,17 @@ impl TimestampQueries {
         &self,
         played: StagesWithPasses,
         back: &ReadBack<'_>,
-        t: Ticket,
+        ticket: Ticket,
     ) -> Result<Timings, BackendError> {
-        let ticks: Vec<u64> = back.read(t)?;
-        let stage = |i: usize| {
-            let first = i * QUERY_RESOLVE_BUFFER_ALIGNMENT as usize / size_of::<u64>();
-            let between = ticks[first + 1]
-                .checked_sub(ticks[first])
-                .filter(|_| played.0[i])?;
-            Some(Duration::from_nanos(
-                (between as f64 * self.nanoseconds) as u64,
-            ))
+        let ticks: Vec<u64> = back.read(ticket)?;
+        let stage = |i: usize| -> Option<Duration> {
+            if !played.0[i] {
+                return None;
+            }
+            let begin = i * QUERY_RESOLVE_BUFFER_ALIGNMENT as usize / size_of::<u64>();
+            let elapsed = ticks[begin + 1].checked_sub(ticks[begin])?;
+            let nanoseconds = elapsed as f64 * self.nanoseconds;
+            Some(Duration::from_nanos(nanoseconds as u64))
         };
         Ok(Timings {
             receivers: stage(0),

@@ -13,13 +13,13 @@ use wgpu::{
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Slot {
     Uniform,
-    /// A window of this many bytes, moved by an offset at draw time.
+    /// A part of a uniform buffer of this many bytes, whose offset is set at draw time.
     Window(NonZeroU64),
-    /// Depth, too, unless it is compared, is bound as unfilterable floats: GL cannot load from depth textures.
+    /// Floats. Depth, too, unless it is compared, is bound as unfilterable floats: GL cannot load from depth textures.
     Floats {
         layered: bool,
     },
-    /// The same with several samples a texel.
+    /// Floats with several samples a texel.
     Samples,
     /// Depth for a comparison sampler.
     Depth {
@@ -36,42 +36,49 @@ pub(crate) enum Slot {
 
 impl Slot {
     fn ty(self) -> BindingType {
-        let buffer = |ty, window| BindingType::Buffer {
-            ty,
-            has_dynamic_offset: window,
-            min_binding_size: None,
-        };
         let floats = TextureSampleType::Float { filterable: false };
-        let texture = |sample_type, layered, multisampled| BindingType::Texture {
-            sample_type,
-            view_dimension: if layered {
-                TextureViewDimension::D2Array
-            } else {
-                TextureViewDimension::D2
-            },
-            multisampled,
-        };
         match self {
-            Self::Uniform => buffer(BufferBindingType::Uniform, false),
-            Self::Window(_) => buffer(BufferBindingType::Uniform, true),
-            Self::Floats { layered } => texture(floats, layered, false),
-            Self::Samples => texture(floats, false, true),
-            Self::Depth { layered } => texture(TextureSampleType::Depth, layered, false),
-            Self::Whole { layered } => texture(TextureSampleType::Uint, layered, false),
+            Self::Uniform => buffer_type(BufferBindingType::Uniform, false),
+            Self::Window(_) => buffer_type(BufferBindingType::Uniform, true),
+            Self::Floats { layered } => texture_type(floats, layered, false),
+            Self::Samples => texture_type(floats, false, true),
+            Self::Depth { layered } => texture_type(TextureSampleType::Depth, layered, false),
+            Self::Whole { layered } => texture_type(TextureSampleType::Uint, layered, false),
             Self::Sampler => BindingType::Sampler(SamplerBindingType::Comparison),
-            Self::Table => buffer(BufferBindingType::Storage { read_only: true }, false),
+            Self::Table => buffer_type(BufferBindingType::Storage { read_only: true }, false),
         }
     }
 }
 
-/// Layouts by what they hold, so that equal ones are the same object.
+fn buffer_type(ty: BufferBindingType, has_dynamic_offset: bool) -> BindingType {
+    BindingType::Buffer {
+        ty,
+        has_dynamic_offset,
+        min_binding_size: None,
+    }
+}
+
+fn texture_type(sample_type: TextureSampleType, layered: bool, multisampled: bool) -> BindingType {
+    let view_dimension = if layered {
+        TextureViewDimension::D2Array
+    } else {
+        TextureViewDimension::D2
+    };
+    BindingType::Texture {
+        sample_type,
+        view_dimension,
+        multisampled,
+    }
+}
+
+/// Bind group layouts by their contents, so that equal ones are the same object.
 #[derive(Debug, Default)]
 pub(crate) struct Layouts(HashMap<(ShaderStages, Vec<Slot>), BindGroupLayout>);
 
 impl Layouts {
     pub(crate) fn get(
         &mut self,
-        maker: &ResourceFactory<'_>,
+        factory: &ResourceFactory<'_>,
         visibility: ShaderStages,
         slots: &[Slot],
     ) -> BindGroupLayout {
@@ -84,7 +91,7 @@ impl Layouts {
                 label: Some("umbrage"),
                 entries: &entries,
             };
-            maker.device.create_bind_group_layout(&desc)
+            factory.device.create_bind_group_layout(&desc)
         };
         self.0
             .entry((visibility, slots.to_vec()))
@@ -102,7 +109,7 @@ fn entry(binding: u32, visibility: ShaderStages, slot: Slot) -> BindGroupLayoutE
     }
 }
 
-/// Something bound.
+/// What is bound to a slot.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Bound {
     Buffer(Buffer),
@@ -137,7 +144,7 @@ pub(crate) struct Binding {
 impl Binding {
     pub(crate) fn set(
         &mut self,
-        maker: &mut ResourceFactory<'_>,
+        factory: &mut ResourceFactory<'_>,
         label: &str,
         layout: &BindGroupLayout,
         bound: Vec<Bound>,
@@ -157,8 +164,8 @@ impl Binding {
             layout,
             entries: &entries,
         };
-        maker.counters.bind_groups += 1;
-        self.group = Some(maker.device.create_bind_group(&desc));
+        factory.counters.bind_groups += 1;
+        self.group = Some(factory.device.create_bind_group(&desc));
         self.layout = Some(layout.clone());
         self.bound = bound;
     }

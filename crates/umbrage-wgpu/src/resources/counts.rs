@@ -14,10 +14,10 @@ pub(crate) struct CountingPair {
 /// The feature without which a device cannot count.
 pub(crate) const COUNTING: Features = Features::DEPTH32FLOAT_STENCIL8;
 
-/// Which images of a valid recipe share a texture.
+/// Returns the images of a valid recipe that share a texture.
 ///
 /// # Errors
-/// If an image is to share with two.
+/// Errors if an image is to share with two.
 pub(crate) fn pairs(recipe: &Recipe) -> Result<Vec<CountingPair>, Invalid> {
     let mut pairs: Vec<CountingPair> = Vec::new();
     for cast in &recipe.casts {
@@ -28,10 +28,10 @@ pub(crate) fn pairs(recipe: &Recipe) -> Result<Vec<CountingPair>, Invalid> {
             depth,
             counts: cast.image,
         };
-        if pairs
+        let has_rival = pairs
             .iter()
-            .any(|p| *p != pair && (p.depth == depth || p.counts == cast.image))
-        {
+            .any(|p| *p != pair && (p.depth == depth || p.counts == cast.image));
+        if has_rival {
             let why = format!(
                 "into image {} against image {depth} has a rival for one of the two",
                 cast.image
@@ -46,7 +46,7 @@ pub(crate) fn pairs(recipe: &Recipe) -> Result<Vec<CountingPair>, Invalid> {
     Ok(pairs)
 }
 
-/// Objects to recipes that count on a device or adapter with these features.
+/// Errors if the recipe counts and a device or adapter with these features can't.
 pub(crate) fn check_counting(recipe: &Recipe, features: Features) -> Result<(), BackendError> {
     let counts = recipe
         .casts

@@ -2,7 +2,10 @@
 
 use crate::{
     frame::{Drawable, FrameInputs, VertexLayout},
-    resources::{counters::ResourceFactory, faces::FaceBuffers},
+    resources::{
+        counters::ResourceFactory,
+        faces::{FaceBuffer, FaceBuffers},
+    },
 };
 use glam::{Affine3A, Mat4};
 use std::ops::Range;
@@ -21,7 +24,7 @@ pub(crate) struct Draw {
     world_from_local: Option<Affine3A>,
 }
 
-/// How a vertex tells its position.
+/// What a vertex's position is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Vertex {
     /// Three floats in world space.
@@ -42,7 +45,7 @@ pub(crate) struct DrawList {
 
 impl DrawList {
     pub(crate) fn new(
-        maker: &mut ResourceFactory<'_>,
+        factory: &mut ResourceFactory<'_>,
         faces: &mut FaceBuffers,
         casts: &[Cast],
         frame: &FrameInputs<'_>,
@@ -50,18 +53,15 @@ impl DrawList {
         let mut draws = Vec::new();
         let casters = append(&mut draws, frame.casters);
         let uses_everything = casts.iter().any(|c| matches!(c.source, Source::Everything));
-        let everything = append(
-            &mut draws,
-            if uses_everything {
-                frame.everything
-            } else {
-                &[]
-            },
-        );
+        let everything = if uses_everything {
+            append(&mut draws, frame.everything)
+        } else {
+            0..0
+        };
         let mut ranges = Vec::with_capacity(casts.len());
         for cast in casts {
             let first = draws.len();
-            ranges.push(match &cast.source {
+            let range = match &cast.source {
                 Source::Casters => casters.clone(),
                 Source::Everything => everything.clone(),
                 Source::SomeCasters(runs) => {
@@ -69,13 +69,14 @@ impl DrawList {
                     first..draws.len()
                 }
                 Source::Faces(drawn) => {
-                    let [vertices, indices] = faces.get(maker, drawn);
+                    let buffer = faces.get(factory, drawn);
                     if !drawn.triangles.is_empty() {
-                        draws.push(Draw::faces(vertices, indices, drawn.triangles.len()));
+                        draws.push(Draw::faces(buffer, drawn.triangles.len()));
                     }
                     first..draws.len()
                 }
-            });
+            };
+            ranges.push(range);
         }
         Self {
             draws,
@@ -83,7 +84,7 @@ impl DrawList {
         }
     }
 
-    /// Where each draw's vertices are to be placed.
+    /// Returns each draw's world from local.
     pub(crate) fn places(&self) -> impl Iterator<Item = Mat4> + '_ {
         self.draws
             .iter()
@@ -91,6 +92,7 @@ impl DrawList {
     }
 }
 
+/// Appends the draws of all drawables that draw anything, and returns their part of the list.
 fn append(draws: &mut Vec<Draw>, drawables: &[Drawable<'_>]) -> Range<usize> {
     let first = draws.len();
     draws.extend(
@@ -109,10 +111,9 @@ impl Draw {
             indices: drawable.indices.map(|i| (i.buffer.clone(), i.format)),
             ranges: Vec::from([drawable.range.clone()]),
             layout: drawable.layout,
-            vertex: if drawable.world_from_local.is_some() {
-                Vertex::Local
-            } else {
-                Vertex::World
+            vertex: match drawable.world_from_local {
+                Some(_) => Vertex::Local,
+                None => Vertex::World,
             },
             world_from_local: drawable.world_from_local,
         }
@@ -129,10 +130,10 @@ impl Draw {
         (!is_empty).then_some(draw)
     }
 
-    fn faces(vertices: Buffer, indices: Buffer, triangles: usize) -> Self {
+    fn faces(buffer: FaceBuffer, triangles: usize) -> Self {
         Self {
-            vertices,
-            indices: Some((indices, IndexFormat::Uint32)),
+            vertices: buffer.vertices,
+            indices: Some((buffer.indices, IndexFormat::Uint32)),
             ranges: std::iter::once(0..3 * triangles as u32).collect(),
             layout: VertexLayout {
                 stride: 16,

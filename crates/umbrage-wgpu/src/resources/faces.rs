@@ -8,87 +8,96 @@ use wgpu::{Buffer, BufferUsages};
 /// Faces that were uploaded, by their address. Holding them keeps addresses from being used again for others.
 #[derive(Debug, Default)]
 pub(crate) struct FaceBuffers {
-    held: Vec<RendererState>,
-    /// Of faces that no recipe can name any more: a technique that makes new faces each frame needs no new buffers.
-    spare: Vec<[Buffer; 2]>,
+    uploaded: Vec<UploadedFaces>,
+    /// Buffers of faces that no recipe can name any more: a technique that makes new faces each frame needs no new buffers.
+    spare: Vec<FaceBuffer>,
 }
 
 #[derive(Debug)]
-struct RendererState {
+struct UploadedFaces {
     faces: Arc<Faces>,
-    buffers: [Buffer; 2],
+    buffer: FaceBuffer,
+}
+
+/// One set of faces on the GPU.
+#[derive(Clone, Debug)]
+pub(crate) struct FaceBuffer {
+    pub(crate) vertices: Buffer,
+    pub(crate) indices: Buffer,
 }
 
 impl FaceBuffers {
-    /// Vertices and indices.
+    /// Returns the faces' buffers, which are uploaded when the faces are new.
     pub(crate) fn get(
         &mut self,
-        maker: &mut ResourceFactory<'_>,
+        factory: &mut ResourceFactory<'_>,
         faces: &Arc<Faces>,
-    ) -> [Buffer; 2] {
-        if let Some(held) = self
-            .held
-            .iter()
-            .find(|held| Arc::ptr_eq(&held.faces, faces))
-        {
-            return held.buffers.clone();
+    ) -> FaceBuffer {
+        for uploaded in &self.uploaded {
+            if Arc::ptr_eq(&uploaded.faces, faces) {
+                return uploaded.buffer.clone();
+            }
         }
-        let (vertices, indices) = bytes(faces);
-        let fits = |[v, i]: &[Buffer; 2]| {
-            v.size() >= vertices.len() as u64 && i.size() >= indices.len() as u64
-        };
-        let spare = self
-            .spare
-            .iter()
-            .position(fits)
-            .map(|i| self.spare.swap_remove(i));
-        let [mut v, mut i] = spare.map_or([None, None], |buffers| buffers.map(Some));
-        let buffers = [
-            maker.write(
-                &mut v,
+        let vertices = vertex_bytes(faces);
+        let indices = index_bytes(faces);
+        let fitting = self.spare.iter().position(|spare| {
+            spare.vertices.size() >= vertices.len() as u64
+                && spare.indices.size() >= indices.len() as u64
+        });
+        let mut spare_vertices = None;
+        let mut spare_indices = None;
+        if let Some(i) = fitting {
+            let spare = self.spare.swap_remove(i);
+            spare_vertices = Some(spare.vertices);
+            spare_indices = Some(spare.indices);
+        }
+        let buffer = FaceBuffer {
+            vertices: factory.write(
+                &mut spare_vertices,
                 "umbrage faces' vertices",
                 BufferUsages::VERTEX,
                 vertices,
             ),
-            maker.write(
-                &mut i,
+            indices: factory.write(
+                &mut spare_indices,
                 "umbrage faces' triangles",
                 BufferUsages::INDEX,
                 indices,
             ),
-        ];
-        self.held.push(RendererState {
+        };
+        self.uploaded.push(UploadedFaces {
             faces: faces.clone(),
-            buffers: buffers.clone(),
+            buffer: buffer.clone(),
         });
-        buffers
+        buffer
     }
 
-    /// Lets go of faces that nobody else holds: no recipe can name them any more.
+    /// Drops faces that nobody else holds, since no recipe can name them any more. Their buffers become the spare ones.
     pub(crate) fn forget_unreachable(&mut self) {
         self.spare.clear();
-        let gone = self
-            .held
-            .extract_if(.., |held| Arc::strong_count(&held.faces) == 1);
-        self.spare.extend(gone.map(|held| held.buffers));
+        let unreachable = self
+            .uploaded
+            .extract_if(.., |uploaded| Arc::strong_count(&uploaded.faces) == 1);
+        self.spare.extend(unreachable.map(|faces| faces.buffer));
     }
 }
 
-fn bytes(faces: &Faces) -> (&[u8], &[u8]) {
-    (
-        bytemuck::cast_slice(&faces.vertices),
-        bytemuck::cast_slice(&faces.triangles),
-    )
+fn vertex_bytes(faces: &Faces) -> &[u8] {
+    bytemuck::cast_slice(&faces.vertices)
 }
 
-/// Objects to faces that no buffer of `most` bytes holds.
+fn index_bytes(faces: &Faces) -> &[u8] {
+    bytemuck::cast_slice(&faces.triangles)
+}
+
+/// Errors if a buffer for some faces would need more than `most` bytes.
 pub(crate) fn check_faces(recipe: &Recipe, most: u64) -> Result<(), Invalid> {
     for cast in &recipe.casts {
         let Source::Faces(faces) = &cast.source else {
             continue;
         };
-        let (vertices, indices) = bytes(faces);
-        let bytes = vertices.len().max(indices.len()) as u64;
+        let longer = vertex_bytes(faces).len().max(index_bytes(faces).len());
+        let bytes = longer as u64;
         // Buffers grow to powers of two.
         if bytes.next_power_of_two() > most {
             let why = format!(

@@ -20,10 +20,13 @@ pub(crate) struct GpuGeometry {
 }
 
 impl GpuGeometry {
-    fn upload(maker: &mut ResourceFactory<'_>, geometry: &Geometry) -> Result<Self, BackendError> {
+    fn upload(
+        factory: &mut ResourceFactory<'_>,
+        geometry: &Geometry,
+    ) -> Result<Self, BackendError> {
         let positions: &[u8] = bytemuck::cast_slice(geometry.positions());
         let indices: &[u8] = bytemuck::cast_slice(geometry.triangles());
-        let limits = maker.device.limits();
+        let limits = factory.device.limits();
         let most = limits
             .max_storage_buffer_binding_size
             .min(limits.max_buffer_size);
@@ -37,19 +40,12 @@ impl GpuGeometry {
                 );
             }
         }
-        let mut upload = |label, usage, bytes: &[u8]| {
-            let buffer = maker.buffer(
-                label,
-                usage | BufferUsages::STORAGE,
-                (bytes.len() as u64).max(16),
-            );
-            maker.queue.write_buffer(&buffer, 0, bytes);
-            buffer
-        };
+        let vertex_usage = BufferUsages::VERTEX;
+        let index_usage = BufferUsages::INDEX;
         Ok(Self {
             fingerprint: geometry.fingerprint(),
-            positions: upload("umbrage positions", BufferUsages::VERTEX, positions),
-            indices: upload("umbrage triangles", BufferUsages::INDEX, indices),
+            positions: upload(factory, "umbrage positions", vertex_usage, positions),
+            indices: upload(factory, "umbrage triangles", index_usage, indices),
             triangles: geometry.triangles().len() as u32,
             casters: geometry.casters(),
             receivers: geometry.receivers(),
@@ -79,6 +75,20 @@ impl GpuGeometry {
     }
 }
 
+/// Returns a buffer that holds the bytes and that shaders can read as storage.
+fn upload(
+    factory: &mut ResourceFactory<'_>,
+    label: &str,
+    usage: BufferUsages,
+    bytes: &[u8],
+) -> Buffer {
+    // Storage bindings must not be empty.
+    let size = (bytes.len() as u64).max(16);
+    let buffer = factory.buffer(label, usage | BufferUsages::STORAGE, size);
+    factory.queue.write_buffer(&buffer, 0, bytes);
+    buffer
+}
+
 /// The geometries used last.
 #[derive(Debug, Default)]
 pub(crate) struct Geometries(Vec<GpuGeometry>);
@@ -87,20 +97,20 @@ impl Geometries {
     /// A scene and the same scene without casters, its negative control, take turns.
     const KEPT: usize = 2;
 
+    /// Returns a geometry's buffers, which are uploaded if it is none of those used last.
     pub(crate) fn get(
         &mut self,
-        maker: &mut ResourceFactory<'_>,
+        factory: &mut ResourceFactory<'_>,
         geometry: &Geometry,
     ) -> Result<&GpuGeometry, BackendError> {
-        match self
-            .0
-            .iter()
-            .position(|g| g.fingerprint == geometry.fingerprint())
-        {
+        let fingerprint = geometry.fingerprint();
+        let known = self.0.iter().position(|g| g.fingerprint == fingerprint);
+        match known {
+            // Moved to the front.
             Some(i) => self.0[..=i].rotate_right(1),
             None => {
                 self.0.truncate(Self::KEPT - 1);
-                self.0.insert(0, GpuGeometry::upload(maker, geometry)?);
+                self.0.insert(0, GpuGeometry::upload(factory, geometry)?);
             }
         }
         Ok(&self.0[0])

@@ -8,8 +8,8 @@ use wgpu::{
     TextureUsages, TextureView, TextureViewDescriptor, TextureViewDimension,
 };
 
-/// The wgpu format of a recipe's image. Only where casts count, an image and the depth that it counts against share one
-/// texture of `Depth32FloatStencil8`.
+/// Returns the wgpu format of a recipe's image. An exception are casts that count: their image and the depth that it counts
+/// against share one texture of `Depth32FloatStencil8`.
 pub const fn texture_format(format: Format) -> TextureFormat {
     match format {
         Format::Depth32 => TextureFormat::Depth32Float,
@@ -38,53 +38,47 @@ pub(crate) struct GpuImage {
 }
 
 impl GpuImage {
-    pub(crate) fn new(maker: &mut ResourceFactory<'_>, desc: ImageDesc) -> Self {
-        let texture = make_texture(maker, &desc, texture_format(desc.format));
+    pub(crate) fn new(factory: &mut ResourceFactory<'_>, desc: ImageDesc) -> Self {
+        let texture = make_texture(factory, &desc, texture_format(desc.format));
         Self::part(texture, desc, TextureAspect::All)
     }
 
     /// Returns two images, of depth and of counts, in one texture.
-    fn new_pair(maker: &mut ResourceFactory<'_>, depth: ImageDesc, counts: ImageDesc) -> [Self; 2] {
-        let texture = make_texture(maker, &depth, TextureFormat::Depth32FloatStencil8);
+    fn new_pair(
+        factory: &mut ResourceFactory<'_>,
+        depth: ImageDesc,
+        counts: ImageDesc,
+    ) -> [Self; 2] {
+        let texture = make_texture(factory, &depth, TextureFormat::Depth32FloatStencil8);
         let depth = Self::part(texture.clone(), depth, TextureAspect::DepthOnly);
-        [
-            depth,
-            Self::part(texture, counts, TextureAspect::StencilOnly),
-        ]
+        let counts = Self::part(texture, counts, TextureAspect::StencilOnly);
+        [depth, counts]
     }
 
     fn part(texture: Texture, desc: ImageDesc, aspect: TextureAspect) -> Self {
-        let view = |dimension, aspect, first, count| {
-            texture.create_view(&TextureViewDescriptor {
-                label: Some(desc.label),
-                dimension: Some(dimension),
-                aspect,
-                base_array_layer: first,
-                array_layer_count: Some(count),
-                ..TextureViewDescriptor::default()
-            })
-        };
         let dimension = if desc.layers > 1 {
             TextureViewDimension::D2Array
         } else {
             TextureViewDimension::D2
         };
-        let each = |aspect| {
-            (0..desc.layers)
-                .map(|i| view(TextureViewDimension::D2, aspect, i, 1))
-                .collect()
-        };
+        let whole = texture.create_view(&TextureViewDescriptor {
+            label: Some(desc.label),
+            dimension: Some(dimension),
+            aspect,
+            array_layer_count: Some(desc.layers),
+            ..TextureViewDescriptor::default()
+        });
         // What is drawn into must be all of a texture's parts.
-        let layers: Vec<_> = each(TextureAspect::All);
+        let layers = layer_views(&texture, &desc, TextureAspect::All);
         let reads = if aspect == TextureAspect::All {
             layers.clone()
         } else {
-            each(aspect)
+            layer_views(&texture, &desc, aspect)
         };
         Self {
             desc,
             aspect,
-            whole: view(dimension, aspect, 0, desc.layers),
+            whole,
             layers,
             reads,
             texture,
@@ -92,12 +86,27 @@ impl GpuImage {
     }
 }
 
+/// Returns a view of each layer of a texture.
+fn layer_views(texture: &Texture, desc: &ImageDesc, aspect: TextureAspect) -> Vec<TextureView> {
+    let view = |layer| {
+        texture.create_view(&TextureViewDescriptor {
+            label: Some(desc.label),
+            dimension: Some(TextureViewDimension::D2),
+            aspect,
+            base_array_layer: layer,
+            array_layer_count: Some(1),
+            ..TextureViewDescriptor::default()
+        })
+    };
+    (0..desc.layers).map(view).collect()
+}
+
 fn make_texture(
-    maker: &mut ResourceFactory<'_>,
+    factory: &mut ResourceFactory<'_>,
     desc: &ImageDesc,
     format: TextureFormat,
 ) -> Texture {
-    maker.texture(&TextureDescriptor {
+    factory.texture(&TextureDescriptor {
         label: Some(desc.label),
         size: extent(desc.size, desc.layers),
         mip_level_count: 1,
@@ -132,7 +141,7 @@ pub(crate) fn extent(size: UVec2, layers: u32) -> Extent3d {
 /// Makes `held` match the list `wanted`; images that were held and have an equal description are used again. `pairs` share
 /// textures.
 pub(crate) fn fit_images(
-    maker: &mut ResourceFactory<'_>,
+    factory: &mut ResourceFactory<'_>,
     held: &mut Vec<GpuImage>,
     wanted: &[ImageDesc],
     pairs: &[CountingPair],
@@ -143,14 +152,14 @@ pub(crate) fn fit_images(
         let depth_desc = wanted[pair.depth];
         let counts_desc = wanted[pair.counts];
         let [depth, counts] = take_pair(&mut old, depth_desc, counts_desc)
-            .unwrap_or_else(|| GpuImage::new_pair(maker, depth_desc, counts_desc));
+            .unwrap_or_else(|| GpuImage::new_pair(factory, depth_desc, counts_desc));
         paired[pair.depth] = Some(depth);
         paired[pair.counts] = Some(counts);
     }
     for (paired, &desc) in paired.into_iter().zip(wanted) {
         let image = match paired {
             Some(image) => image,
-            None => take_single(&mut old, desc).unwrap_or_else(|| GpuImage::new(maker, desc)),
+            None => take_single(&mut old, desc).unwrap_or_else(|| GpuImage::new(factory, desc)),
         };
         held.push(image);
     }

@@ -1,4 +1,4 @@
-//! A filter, the lookup or the shading: a kernel, its uniforms, and what it reads.
+//! A kernel of a filter, of the receive stage or of shading: its uniforms, and what it reads.
 
 use crate::{
     resources::{
@@ -8,7 +8,7 @@ use crate::{
         pipelines::Pipelines,
         tables::Tables,
     },
-    wgsl::{InputKind, KernelInterface},
+    wgsl::{InputImage, InputKind, KernelInterface},
 };
 use umbrage_core::{Kernel, Recipe};
 use wgpu::{Buffer, BufferUsages, RenderPipeline, ShaderStages};
@@ -29,10 +29,10 @@ pub(crate) struct Sources<'a> {
 }
 
 impl KernelStage {
-    /// Writes the uniforms and binds what the kernel reads. Returns its shape.
+    /// Writes the uniforms and binds what the kernel reads. Returns what its shader text depends on.
     pub(crate) fn bind(
         &mut self,
-        maker: &mut ResourceFactory<'_>,
+        factory: &mut ResourceFactory<'_>,
         pipelines: &mut Pipelines,
         sources: &mut Sources<'_>,
         kernel: &dyn Kernel,
@@ -46,40 +46,45 @@ impl KernelStage {
             name = block.uniform_layout().name;
             let bytes = block.uniform_bytes();
             let usage = BufferUsages::UNIFORM;
-            let buffer = maker.write(&mut self.uniforms, name, usage, &bytes);
+            let buffer = factory.write(&mut self.uniforms, name, usage, &bytes);
             bound.push(Bound::Buffer(buffer));
         }
         for &image in images {
             bound.push(Bound::View(sources.images[image].whole.clone()));
         }
         for &table in tables {
-            let buffer = sources.tables.get(maker, &sources.recipe.tables[table]);
+            let buffer = sources.tables.get(factory, &sources.recipe.tables[table]);
             bound.push(Bound::Buffer(buffer));
         }
         if shape.compares() {
-            bound.push(Bound::Sampler(pipelines.sampler(maker.device)));
+            bound.push(Bound::Sampler(pipelines.sampler(factory.device)));
         }
         // Compute, too, so that callers can use the bind group with the pasted text in either kind of shader.
         let visibility = ShaderStages::FRAGMENT | ShaderStages::COMPUTE;
-        let layout = pipelines.layouts.get(maker, visibility, &slots(&shape));
-        self.binding.set(maker, name, &layout, bound);
+        let layout = pipelines.layouts.get(factory, visibility, &slots(&shape));
+        self.binding.set(factory, name, &layout, bound);
         shape
     }
 }
 
+/// Returns the kinds of a kernel's bindings, in the order in which [`KernelStage::bind`] binds them.
 fn slots(shape: &KernelInterface) -> Vec<Slot> {
-    let images = shape.images.iter().map(|&(kind, layered)| match kind {
-        InputKind::Floats => Slot::Floats { layered },
-        InputKind::Counts => Slot::Whole { layered },
-        InputKind::Compared => Slot::Depth { layered },
-    });
-    let tables = (0..shape.tables).map(|_| Slot::Table);
-    let sampler = shape.compares().then_some(Slot::Sampler);
-    let uniforms = shape.uniforms.then_some(Slot::Uniform);
-    uniforms
-        .into_iter()
-        .chain(images)
-        .chain(tables)
-        .chain(sampler)
-        .collect()
+    let mut slots = Vec::new();
+    if shape.uniforms {
+        slots.push(Slot::Uniform);
+    }
+    for &InputImage { kind, layered } in &shape.images {
+        slots.push(match kind {
+            InputKind::Floats => Slot::Floats { layered },
+            InputKind::Counts => Slot::Whole { layered },
+            InputKind::Compared => Slot::Depth { layered },
+        });
+    }
+    for _ in 0..shape.tables {
+        slots.push(Slot::Table);
+    }
+    if shape.compares() {
+        slots.push(Slot::Sampler);
+    }
+    slots
 }

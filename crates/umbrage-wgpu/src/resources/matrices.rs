@@ -9,15 +9,16 @@ use glam::Mat4;
 use std::num::NonZeroU64;
 use wgpu::{BindGroupLayout, Buffer, BufferUsages, RenderPass, ShaderStages};
 
+/// Bytes of a matrix.
 const MATRIX: NonZeroU64 = NonZeroU64::new(64).unwrap();
 
 pub(crate) fn matrix_layout(
-    maker: &ResourceFactory<'_>,
+    factory: &ResourceFactory<'_>,
     pipelines: &mut Pipelines,
 ) -> BindGroupLayout {
     pipelines
         .layouts
-        .get(maker, ShaderStages::VERTEX, &[Slot::Window(MATRIX)])
+        .get(factory, ShaderStages::VERTEX, &[Slot::Window(MATRIX)])
 }
 
 /// A uniform buffer of matrices, bound one at a time.
@@ -25,17 +26,18 @@ pub(crate) fn matrix_layout(
 pub(crate) struct Matrices {
     buffer: Option<Buffer>,
     binding: Binding,
+    /// Bytes from one matrix to the next.
     stride: u32,
 }
 
 impl Matrices {
     pub(crate) fn write(
         &mut self,
-        maker: &mut ResourceFactory<'_>,
+        factory: &mut ResourceFactory<'_>,
         pipelines: &mut Pipelines,
         matrices: impl Iterator<Item = Mat4>,
     ) {
-        self.stride = maker
+        self.stride = factory
             .device
             .limits()
             .min_uniform_buffer_offset_alignment
@@ -48,15 +50,15 @@ impl Matrices {
         if bytes.is_empty() {
             return;
         }
-        let buffer = maker.write(
+        let buffer = factory.write(
             &mut self.buffer,
             "umbrage matrices",
             BufferUsages::UNIFORM,
             &bytes,
         );
-        let layout = matrix_layout(maker, pipelines);
+        let layout = matrix_layout(factory, pipelines);
         self.binding.set(
-            maker,
+            factory,
             "umbrage matrices",
             &layout,
             vec![Bound::Window(buffer, MATRIX)],

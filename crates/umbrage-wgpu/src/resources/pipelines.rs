@@ -24,13 +24,13 @@ pub(crate) struct CastKey {
     pub(crate) peel: Peel,
 }
 
-/// What is thrown away of what a cast draws.
+/// Which fragments a cast throws away.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Peel {
     Nothing,
-    /// What is not behind another layer.
+    /// Those not behind another layer.
     Depth32,
-    /// The same in steps of 1/65535.
+    /// Those not behind another layer, with depths in steps of 1/65535.
     Depth16,
 }
 
@@ -52,7 +52,7 @@ impl Peel {
     }
 }
 
-/// All that was built.
+/// All pipelines, layouts and samplers that were built.
 #[derive(Debug, Default)]
 pub(crate) struct Pipelines {
     pub(crate) layouts: Layouts,
@@ -66,7 +66,7 @@ pub(crate) struct Pipelines {
 impl Pipelines {
     pub(crate) fn cast(
         &mut self,
-        maker: &mut ResourceFactory<'_>,
+        factory: &mut ResourceFactory<'_>,
         key: CastKey,
         groups: &[Option<&BindGroupLayout>],
     ) -> RenderPipeline {
@@ -74,14 +74,11 @@ impl Pipelines {
             return pipeline.clone();
         }
         let shader = self.cast_shader.get_or_insert_with(|| {
-            shader(
-                maker.device,
-                "umbrage cast",
-                &(join(&[MATH]) + include_str!("../cast.wgsl")),
-            )
+            let text = join(&[MATH]) + include_str!("../cast.wgsl");
+            shader(factory.device, "umbrage cast", &text)
         });
-        maker.counters.pipelines += 1;
-        let pipeline = cast_pipeline(maker.device, shader, key, groups);
+        factory.counters.pipelines += 1;
+        let pipeline = cast_pipeline(factory.device, shader, key, groups);
         self.casts.entry(key).insert_entry(pipeline).get().clone()
     }
 
@@ -102,7 +99,7 @@ impl Pipelines {
     /// Returns a full-screen pipeline for a kernel: the fragment shader `entry` of the shader `text`.
     pub(crate) fn kernel(
         &mut self,
-        maker: &mut ResourceFactory<'_>,
+        factory: &mut ResourceFactory<'_>,
         label: &str,
         text: String,
         entry: &str,
@@ -113,9 +110,9 @@ impl Pipelines {
         if let Some(pipeline) = self.kernels.get(&key) {
             return pipeline.clone();
         }
-        maker.counters.pipelines += 1;
+        factory.counters.pipelines += 1;
         let pipeline = fullscreen_pipeline(
-            maker.device,
+            factory.device,
             label,
             &key.0,
             ["umbrage_fullscreen", entry],

@@ -1,10 +1,10 @@
-//! What one light's shadows are made with, from `prepare` until what `encode` recorded is submitted.
+//! GPU objects of one light's shadows, in use from `prepare` until the commands that `encode` recorded are submitted.
 
 use crate::{
     cast::CastStage,
     filter::FilterStage,
     frame::FrameInputs,
-    receive::Lookup,
+    receive::ReceiveStage,
     renderer::RendererOptions,
     resources::{
         counters::ResourceFactory,
@@ -38,7 +38,7 @@ pub(crate) struct Resources {
     pub(crate) images: Vec<GpuImage>,
     pub(crate) casts: CastStage,
     pub(crate) filters: FilterStage,
-    pub(crate) lookup: Lookup,
+    pub(crate) receive: ReceiveStage,
     pub(crate) shading: ShadePass,
     pub(crate) pending: Pending,
     /// Faces that casts draw, held so that their buffers are not written for others.
@@ -48,7 +48,7 @@ pub(crate) struct Resources {
 impl Resources {
     pub(crate) fn prepare(
         &mut self,
-        maker: &mut ResourceFactory<'_>,
+        factory: &mut ResourceFactory<'_>,
         shared: &mut Shared,
         options: RendererOptions,
         recipe: &Recipe,
@@ -60,47 +60,53 @@ impl Resources {
             tables,
             faces,
         } = shared;
-        fit_images(maker, &mut self.images, &recipe.images, pairs);
-        self.casts
-            .prepare(maker, pipelines, &recipe.casts, &self.images, faces, frame);
+        fit_images(factory, &mut self.images, &recipe.images, pairs);
+        self.casts.prepare(
+            factory,
+            pipelines,
+            &recipe.casts,
+            &self.images,
+            faces,
+            frame,
+        );
         self.faces = recipe.casts.iter().filter_map(faces_of).collect();
         let mut sources = Sources {
             recipe,
             images: &self.images,
             tables,
         };
-        self.filters.prepare(maker, pipelines, &mut sources);
+        self.filters.prepare(factory, pipelines, &mut sources);
         let mask = self
-            .lookup
-            .prepare(maker, pipelines, &mut sources, options, frame);
+            .receive
+            .prepare(factory, pipelines, &mut sources, options, frame);
         self.shading
-            .prepare(maker, pipelines, &mut sources, options, frame, mask);
+            .prepare(factory, pipelines, &mut sources, options, frame, mask);
     }
 
-    /// Lets go of the faces, if no encoder that draws them waits to be submitted.
+    /// Drops the faces, if no encoder that draws them waits to be submitted.
     pub(crate) fn release(&mut self) {
         if self.pending.is_over() {
             self.faces.clear();
         }
     }
 
-    /// Whether no texture has to be made for these images and a mask of this size.
+    /// Returns whether no texture has to be made for these images and a mask of this size.
     pub(crate) fn fits(&self, images: &[ImageDesc], mask: UVec2) -> bool {
         self.images.iter().map(|image| &image.desc).eq(images)
             && self
-                .lookup
+                .receive
                 .mask()
                 .is_some_and(|held| held.desc.size == mask)
     }
 
-    /// Records the lookup and what follows it. Returns the mask.
+    /// Records the receive stage and the shade pass. Returns the mask.
     pub(crate) fn encode_mask(
         &self,
         encoder: &mut CommandEncoder,
         options: RendererOptions,
         stamps: Option<&PassTimestamps<'_>>,
     ) -> Option<&TextureView> {
-        let mask = self.lookup.encode(encoder, options, stamps)?;
+        let mask = self.receive.encode(encoder, options, stamps)?;
         self.shading.encode(encoder, options);
         Some(mask)
     }

@@ -51,9 +51,11 @@ impl Submissions {
         self.made.load(Ordering::Relaxed)
     }
 
-    /// `pending` is not over before the encoder's commands are submitted or thrown away.
+    /// Keeps `pending` from being over before the encoder's commands are submitted or thrown away.
     pub(crate) fn watch(&self, encoder: &CommandEncoder, pending: &Pending) {
-        let (buffer, waiting, spare) = (self.buffer(), pending.0.clone(), self.spare.clone());
+        let buffer = self.buffer();
+        let waiting = pending.0.clone();
+        let spare = self.spare.clone();
         let mapped = buffer.clone();
         encoder.map_buffer_on_submit(&buffer, MapMode::Read, .., move |result| {
             drop(waiting);
@@ -64,7 +66,7 @@ impl Submissions {
         });
     }
 
-    /// Hears of what was submitted.
+    /// Runs the callbacks of encoders that have been submitted.
     pub(crate) fn poll(&self) {
         // Without waiting, the one error is that of a lost device, which all that follows meets as well.
         let _ = self.device.poll(PollType::Poll);
@@ -87,7 +89,7 @@ impl Submissions {
     }
 }
 
-/// A thread that panicked while it held the lock has left whole buffers behind.
+/// Locks the list. A thread that panicked while it held the lock has left a list of whole buffers, so poisoning is ignored.
 fn locked(spare: &Mutex<Vec<Buffer>>) -> MutexGuard<'_, Vec<Buffer>> {
     spare.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -10,22 +10,20 @@ use wgpu::{Buffer, BufferUsages};
 pub(crate) struct Tables(Vec<(Arc<[[u32; 4]]>, Buffer)>);
 
 impl Tables {
-    pub(crate) fn get(&mut self, maker: &mut ResourceFactory<'_>, table: &Table) -> Buffer {
-        if let Some((_, buffer)) = self
-            .0
-            .iter()
-            .find(|(rows, _)| Arc::ptr_eq(rows, &table.rows))
-        {
-            return buffer.clone();
+    pub(crate) fn get(&mut self, factory: &mut ResourceFactory<'_>, table: &Table) -> Buffer {
+        for (rows, buffer) in &self.0 {
+            if Arc::ptr_eq(rows, &table.rows) {
+                return buffer.clone();
+            }
         }
         let bytes: &[u8] = bytemuck::cast_slice(&table.rows);
-        let buffer = maker.buffer(table.label, BufferUsages::STORAGE, bytes.len() as u64);
-        maker.queue.write_buffer(&buffer, 0, bytes);
+        let buffer = factory.buffer(table.label, BufferUsages::STORAGE, bytes.len() as u64);
+        factory.queue.write_buffer(&buffer, 0, bytes);
         self.0.push((table.rows.clone(), buffer.clone()));
         buffer
     }
 
-    /// Lets go of tables that nobody else holds: no recipe can name them any more.
+    /// Drops tables that nobody else holds, since no recipe can name them any more.
     pub(crate) fn forget_unreachable(&mut self) {
         self.0.retain(|(rows, _)| Arc::strong_count(rows) > 1);
     }

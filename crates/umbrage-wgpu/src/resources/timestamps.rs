@@ -3,7 +3,7 @@
 use wgpu::{QuerySet, RenderPassTimestampWrites};
 
 /// Six timestamp queries that [`ShadowRenderer::encode_timed`](crate::ShadowRenderer::encode_timed) writes: begin and end
-/// of casts, of filters and of the lookup. Those of a stage without passes are not written. Shading is not timed.
+/// of casts, of filters and of the receive stage. Those of a stage without passes are not written. Shading is not timed.
 #[derive(Clone, Copy, Debug)]
 pub struct PassTimestamps<'a> {
     /// A set of kind `Timestamp`.
@@ -20,7 +20,7 @@ pub(crate) enum TimedStage {
     Receive,
 }
 
-/// The timestamps of one pass among a stage's `count`.
+/// Returns the timestamps of one pass among a stage's `count`: the first one writes the stage's begin, the last one its end.
 pub(crate) fn pass_stamps<'a>(
     stamps: Option<&PassTimestamps<'a>>,
     stage: TimedStage,
@@ -29,10 +29,11 @@ pub(crate) fn pass_stamps<'a>(
 ) -> Option<RenderPassTimestampWrites<'a>> {
     let stamps = stamps?;
     let begin = stamps.first + 2 * stage as u32;
-    let (first, last) = (index == 0, index + 1 == count);
-    (first || last).then_some(RenderPassTimestampWrites {
+    let is_first = index == 0;
+    let is_last = index + 1 == count;
+    (is_first || is_last).then_some(RenderPassTimestampWrites {
         query_set: stamps.queries,
-        beginning_of_pass_write_index: first.then_some(begin),
-        end_of_pass_write_index: last.then_some(begin + 1),
+        beginning_of_pass_write_index: is_first.then_some(begin),
+        end_of_pass_write_index: is_last.then_some(begin + 1),
     })
 }

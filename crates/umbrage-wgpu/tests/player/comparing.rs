@@ -83,12 +83,11 @@ fn map(layers: u32, format: Format) -> Image {
 fn questions() -> Receivers {
     let mut r = Receivers::empty(UVec2::new(64, 32));
     for i in 0..r.len() {
-        (r.x[i], r.y[i], r.z[i]) = (
-            noise(3 * i) * 1.2 - 0.1,
-            noise(3 * i + 1) * 1.2 - 0.1,
-            noise(3 * i + 2),
-        );
-        (r.triangle[i], r.receives[i]) = (0, true);
+        r.x[i] = noise(3 * i) * 1.2 - 0.1;
+        r.y[i] = noise(3 * i + 1) * 1.2 - 0.1;
+        r.z[i] = noise(3 * i + 2);
+        r.triangle[i] = 0;
+        r.receives[i] = true;
     }
     r
 }
@@ -129,9 +128,11 @@ fn ask(
 /// Of the four texels around a place, in the order of gathering, whether `depth` is at most what each holds; and the
 /// place's share of the right and of the lower ones.
 fn around(map: &Image, layer: u32, uv: Vec2, depth: f32) -> ([f32; 4], Vec2) {
-    let (size, last) = (map.desc.size.as_vec2(), map.desc.size.as_ivec2() - 1);
+    let size = map.desc.size.as_vec2();
+    let last = map.desc.size.as_ivec2() - 1;
     let c = ((uv * size).min(size) - 0.5).max(Vec2::ZERO);
-    let (lo, hi) = (c.floor().as_ivec2(), (c.floor().as_ivec2() + 1).min(last));
+    let lo = c.floor().as_ivec2();
+    let hi = (c.floor().as_ivec2() + 1).min(last);
     let lit = |x, y| f32::from(u8::from(depth <= map.view().load(x, y, layer)));
     (
         [
@@ -148,13 +149,15 @@ fn around(map: &Image, layer: u32, uv: Vec2, depth: f32) -> ([f32; 4], Vec2) {
 fn blend(texels: [f32; 4], at: Vec2) -> f32 {
     let [low_left, low_right, high_right, high_left] = texels;
     let row = |left: f32, right: f32| right * at.x + left * (1.0 - at.x);
-    let (high, low) = (row(high_left, high_right), row(low_left, low_right));
+    let high = row(high_left, high_right);
+    let low = row(low_left, low_right);
     at.y.mul_add(low - high, high)
 }
 
 #[test]
 fn comparisons_blend_four_texels() {
-    let (gpu, questions) = (&mut gpu(), questions());
+    let gpu = &mut gpu();
+    let questions = questions();
     let tolerance = if gpu.promises_bits() {
         0.0
     } else {
@@ -190,7 +193,8 @@ fn comparisons_blend_four_texels() {
 
 #[test]
 fn gathered_comparisons_come_in_wgsl_order() {
-    let (gpu, questions) = (&mut gpu(), questions());
+    let gpu = &mut gpu();
+    let questions = questions();
     for (layers, layer) in [(1, 0), (3, 2)] {
         let map = map(layers, Format::Depth32);
         let answers = ask(gpu, &map, &questions, Arc::new(Gathered(numbers(layer))));
@@ -216,9 +220,11 @@ fn gathered_comparisons_come_in_wgsl_order() {
 
 #[test]
 fn kernels_that_compare_load_as_others_do() {
-    let (gpu, mut questions) = (&mut gpu(), questions());
+    let gpu = &mut gpu();
+    let mut questions = questions();
     for i in 0..questions.len() {
-        (questions.x[i], questions.y[i]) = (noise(2 * i), noise(2 * i + 1));
+        questions.x[i] = noise(2 * i);
+        questions.y[i] = noise(2 * i + 1);
     }
     let map = map(2, Format::Depth32);
     let answers = ask(gpu, &map, &questions, Arc::new(Loaded(numbers(1))));
@@ -231,7 +237,8 @@ fn kernels_that_compare_load_as_others_do() {
 
 #[test]
 fn pasted_text_compares_on_a_foreign_device() {
-    let (stage, foreign) = (Stage::new(), Foreign::new());
+    let stage = Stage::new();
+    let foreign = Foreign::new();
     let recipe = stage.recipe_with(64, Arc::new(Sampled(numbers(0))));
     let q = questions();
     let flat: Vec<Vec4> = (0..q.len()).map(|i| q.position(i).extend(1.0)).collect();

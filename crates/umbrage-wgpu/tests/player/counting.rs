@@ -15,15 +15,14 @@ pub(crate) const SIDE: u32 = 40;
 
 /// A closed box of 4 m each way around the y axis, between two heights, in metres; floor and plate are at 0 and 1.
 pub(crate) fn column(bottom: f32, top: f32) -> Faces {
-    let corner = |i: u32| {
-        let pick = |bit: u32, low: f32, high: f32| if i & bit == 0 { low } else { high };
-        Vec4::new(
-            pick(1, -2.0, 2.0),
-            pick(2, bottom, top),
-            pick(4, -2.0, 2.0),
-            1.0,
-        )
-    };
+    let mut vertices = Vec::new();
+    for z in [-2.0, 2.0] {
+        for y in [bottom, top] {
+            for x in [-2.0, 2.0] {
+                vertices.push(Vec4::new(x, y, z, 1.0));
+            }
+        }
+    }
     // Counter-clockwise seen from outside: -x, +x, -y, +y, -z, +z.
     let sides = [
         [0, 4, 6, 2],
@@ -33,12 +32,14 @@ pub(crate) fn column(bottom: f32, top: f32) -> Faces {
         [0, 2, 3, 1],
         [4, 5, 7, 6],
     ];
-    let halves = sides
-        .iter()
-        .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
+    let mut triangles = Vec::new();
+    for [a, b, c, d] in sides {
+        triangles.push([a, b, c]);
+        triangles.push([a, c, d]);
+    }
     Faces {
-        vertices: (0..8).map(corner).collect(),
-        triangles: halves.collect(),
+        vertices,
+        triangles,
     }
 }
 
@@ -53,13 +54,14 @@ pub(crate) fn desc(label: &'static str, format: Format) -> ImageDesc {
 
 /// Counts the volumes that what is seen from above lies in, and lets a filter say what it loads.
 pub(crate) fn counting(stage: &Stage, volumes: Vec<Faces>) -> Recipe {
-    let mode = CastMode::StencilDepthFail { depth: 0 };
-    let source = |faces| Source::Faces(Arc::new(faces));
-    let count = |faces| Cast {
-        mode,
-        source: source(faces),
-        ..Cast::nearest(1, 0, stage.space())
-    };
+    let mut casts = vec![Cast::nearest(0, 0, stage.space())];
+    for faces in volumes {
+        casts.push(Cast {
+            mode: CastMode::StencilDepthFail { depth: 0 },
+            source: Source::Faces(Arc::new(faces)),
+            ..Cast::nearest(1, 0, stage.space())
+        });
+    }
     let same = Arc::new(Same(stage.numbers(Vec4::ZERO)));
     Recipe {
         images: vec![
@@ -67,10 +69,7 @@ pub(crate) fn counting(stage: &Stage, volumes: Vec<Faces>) -> Recipe {
             desc("counts", Format::Stencil8),
             desc("loaded", Format::R32),
         ],
-        casts: [Cast::nearest(0, 0, stage.space())]
-            .into_iter()
-            .chain(volumes.into_iter().map(count))
-            .collect(),
+        casts,
         filters: vec![Filter {
             kernel: same,
             inputs: vec![1],
@@ -91,7 +90,8 @@ fn counts(shadows: &Shadows) -> [f32; 3] {
     let within =
         |x: usize, y: usize, half: usize| [x, y].iter().all(|v| (20 - half..20 + half).contains(v));
     for (i, &count) in texels.iter().enumerate() {
-        let (x, y) = (i % SIDE as usize, i / SIDE as usize);
+        let x = i % SIDE as usize;
+        let y = i / SIDE as usize;
         let place = if within(x, y, 4) {
             0
         } else {
@@ -156,7 +156,8 @@ fn counts_wrap_at_256() {
 
 #[test]
 fn depth_is_what_it_is_without_counting() {
-    let (stage, mut gpu) = (Stage::new(), gpu());
+    let stage = Stage::new();
+    let mut gpu = gpu();
     let plain = stage.render(&mut gpu, &stage.recipe(SIDE));
     let counted = stage.render(&mut gpu, &counting(&stage, vec![column(-0.5, 0.5)]));
     assert_eq!(counted.images[0].texels, plain.images[0].texels);
@@ -165,7 +166,8 @@ fn depth_is_what_it_is_without_counting() {
 
 #[test]
 fn a_second_frame_starts_from_zero_and_makes_nothing() {
-    let (stage, mut gpu) = (Stage::new(), gpu());
+    let stage = Stage::new();
+    let mut gpu = gpu();
     let recipe = counting(&stage, vec![column(-0.5, 0.5)]);
     stage.render(&mut gpu, &recipe);
     let first = gpu.counters();
@@ -184,7 +186,8 @@ fn a_second_frame_starts_from_zero_and_makes_nothing() {
 
 #[test]
 fn casters_can_be_counted_in_layers() {
-    let (stage, mut gpu) = (Stage::new(), gpu());
+    let stage = Stage::new();
+    let mut gpu = gpu();
     let mut recipe = counting(&stage, vec![]);
     (
         recipe.images[0].layers,
@@ -208,7 +211,8 @@ fn casters_can_be_counted_in_layers() {
 
 #[test]
 fn two_counts_of_one_depth_are_refused() {
-    let (stage, mut gpu) = (Stage::new(), gpu());
+    let stage = Stage::new();
+    let mut gpu = gpu();
     let mut recipe = counting(&stage, vec![column(-0.5, 0.5)]);
     recipe.images.push(desc("more counts", Format::Stencil8));
     let other = Cast {

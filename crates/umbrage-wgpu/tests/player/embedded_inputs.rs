@@ -242,7 +242,8 @@ fn refused_depth(foreign: &Foreign, source: &DepthBuffer<'_>, words: &str) {
 
 #[test]
 fn depth_buffers_can_be_read() {
-    let (stage, foreign) = (Stage::new(), Foreign::new());
+    let stage = Stage::new();
+    let foreign = Foreign::new();
     let size = stage.camera.size;
     let bytes = vec![0; 4 * (size.x * size.y) as usize];
     let world_from_clip = stage.camera.space().clip_from_world().inverse();
@@ -286,7 +287,8 @@ fn depth_buffers_can_be_read() {
 /// With perspective, usual and reversed, with and without a far plane.
 #[test]
 fn empty_depth_is_not_the_nearest() {
-    let (stage, foreign) = (Stage::new(), Foreign::new());
+    let stage = Stage::new();
+    let foreign = Foreign::new();
     let depth: TextureView = foreign.texture(
         TextureFormat::R32Float,
         stage.camera.size,
@@ -321,7 +323,8 @@ fn empty_depth_is_not_the_nearest() {
 /// Without perspective nothing tells which end is near: what is said of empty depth is taken for true.
 #[test]
 fn flat_cameras_take_either_empty_depth() {
-    let (stage, foreign) = (Stage::new(), Foreign::new());
+    let stage = Stage::new();
+    let foreign = Foreign::new();
     let depth: TextureView = foreign.texture(
         TextureFormat::R32Float,
         stage.camera.size,

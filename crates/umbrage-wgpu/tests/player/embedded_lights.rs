@@ -71,7 +71,8 @@ fn pixels(e: &Embedded, mask: &Texture) -> Vec<f32> {
 
 /// What a renderer that has nothing else to do makes of a recipe.
 fn alone(e: &Embedded, recipe: &Recipe) -> Vec<f32> {
-    let (mut renderer, mut encoder) = (e.renderer(RendererOptions::default()), e.foreign.encoder());
+    let mut renderer = e.renderer(RendererOptions::default());
+    let mut encoder = e.foreign.encoder();
     let mask = encode(e, &mut renderer, &mut encoder, recipe);
     read(&e.foreign, encoder, &mask)
 }
@@ -80,14 +81,15 @@ fn alone(e: &Embedded, recipe: &Recipe) -> Vec<f32> {
 fn two_lights_in_one_encoder_get_their_own_shadows() {
     let e = Embedded::new();
     let [above, aslant] = lights(&e);
-    let (of_above, of_aslant) = (alone(&e, &above), alone(&e, &aslant));
+    let of_above = alone(&e, &above);
+    let of_aslant = alone(&e, &aslant);
     assert_ne!(of_above, of_aslant, "lights that shine alike prove nothing");
     for (first, second, expected) in [
         (&above, &aslant, [&of_above, &of_aslant]),
         (&aslant, &above, [&of_aslant, &of_above]),
     ] {
-        let (mut renderer, mut encoder) =
-            (e.renderer(RendererOptions::default()), e.foreign.encoder());
+        let mut renderer = e.renderer(RendererOptions::default());
+        let mut encoder = e.foreign.encoder();
         let masks = [first, second].map(|recipe| encode(&e, &mut renderer, &mut encoder, recipe));
         submit(&e, encoder);
         assert_eq!([&pixels(&e, &masks[0]), &pixels(&e, &masks[1])], expected);
@@ -114,10 +116,8 @@ fn encoders_may_be_submitted_in_any_order() {
 fn forward_shaders_may_read_the_maps_of_both() {
     let e = Embedded::new();
     let recipes = lights(&e);
-    let (mut renderer, mut encoder) = (
-        e.renderer(RendererOptions { kernel_group: 1 }),
-        e.foreign.encoder(),
-    );
+    let mut renderer = e.renderer(RendererOptions { kernel_group: 1 });
+    let mut encoder = e.foreign.encoder();
     let groups = recipes.each_ref().map(|recipe| {
         prepare(&e, &mut renderer, recipe);
         renderer
@@ -130,10 +130,8 @@ fn forward_shaders_may_read_the_maps_of_both() {
         (group.clone(), layout.clone())
     });
     let images = [0, 1].map(|i| {
-        let (text, (group, layout)) = (
-            receive_wgsl(&recipes[i], 1, "").expect("no prefix"),
-            &groups[i],
-        );
+        let text = receive_wgsl(&recipes[i], 1, "").expect("no prefix");
+        let (group, layout) = &groups[i];
         e.foreign.shade(
             &mut encoder,
             &text,
@@ -171,7 +169,8 @@ fn faces_stay_until_they_are_drawn() {
     let parts = [0..2, 2..4];
     let expected = parts.clone().map(|triangles| alone(&e, &part(triangles)));
     assert_ne!(expected[0], expected[1]);
-    let (mut renderer, mut encoder) = (e.renderer(RendererOptions::default()), e.foreign.encoder());
+    let mut renderer = e.renderer(RendererOptions::default());
+    let mut encoder = e.foreign.encoder();
     let masks = parts.map(|triangles| encode(&e, &mut renderer, &mut encoder, &part(triangles)));
     submit(&e, encoder);
     assert_eq!(masks.map(|mask| pixels(&e, &mask)), expected);
@@ -191,10 +190,8 @@ fn frame(e: &Embedded, renderer: &mut ShadowRenderer, recipes: &[Recipe; 2]) -> 
 fn later_frames_of_two_lights_make_nothing() {
     let e = Embedded::new();
     // Of two sizes, so that each has to find its own again.
-    let [above, aslant] = [
-        light(&e, e.stage.space(), 64),
-        light(&e, e.stage.tilted(), 32),
-    ];
+    let above = light(&e, e.stage.space(), 64);
+    let aslant = light(&e, e.stage.tilted(), 32);
     let mut renderer = e.renderer(RendererOptions::default());
     let both = [above, aslant];
     let first = frame(&e, &mut renderer, &both);

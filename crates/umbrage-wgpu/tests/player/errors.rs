@@ -11,7 +11,8 @@ use umbrage_wgpu::{AdapterChoice, Gpu, Software};
 
 #[test]
 fn broken_wgsl_names_the_fault_and_does_no_harm() {
-    let (stage, mut gpu) = (Stage::new(), gpu());
+    let stage = Stage::new();
+    let mut gpu = gpu();
     let broken = stage.recipe_with(16, Arc::new(Broken(stage.numbers(Vec4::ZERO))));
     let error = gpu
         .render(&stage.view(), &broken)
@@ -23,7 +24,8 @@ fn broken_wgsl_names_the_fault_and_does_no_harm() {
 
 #[test]
 fn maps_beyond_the_limit_are_refused() {
-    let (stage, mut gpu) = (Stage::new(), gpu());
+    let stage = Stage::new();
+    let mut gpu = gpu();
     let most = gpu.limits().image_side;
     let error = gpu
         .render(&stage.view(), &stage.recipe(most + 1))
@@ -38,11 +40,13 @@ fn maps_beyond_the_limit_are_refused() {
 
 #[test]
 fn memory_that_is_not_there_is_an_error_and_does_no_harm() {
-    let (stage, mut gpu) = (Stage::new(), gpu());
+    let stage = Stage::new();
+    let mut gpu = gpu();
     let limits = gpu.limits();
     let mut recipe = stage.recipe(16);
     // Terabytes, within every limit of the API.
-    let (size, layers) = (UVec2::splat(limits.image_side), limits.layers);
+    let size = UVec2::splat(limits.image_side);
+    let layers = limits.layers;
     recipe.images.push(ImageDesc {
         label: "vast",
         size,
@@ -110,7 +114,8 @@ fn hardware_only_never_gives_a_software_driver() {
 
 #[test]
 fn a_view_without_anything_to_see_is_refused() {
-    let (stage, mut gpu) = (Stage::new(), gpu());
+    let stage = Stage::new();
+    let mut gpu = gpu();
     let view = View {
         geometry: None,
         ..stage.view()
@@ -137,7 +142,8 @@ fn a_view_without_anything_to_see_is_refused() {
 
 #[test]
 fn receivers_of_another_size_are_refused() {
-    let (stage, mut gpu) = (Stage::new(), gpu());
+    let stage = Stage::new();
+    let mut gpu = gpu();
     let receivers = umbrage_core::Receivers::empty(UVec2::new(3, 4));
     let error = gpu
         .render(&stage.view().with_receivers(&receivers), &stage.recipe(16))
@@ -171,7 +177,8 @@ fn the_name_tells_adapter_and_api() {
 
 #[test]
 fn a_lost_device_is_an_error_from_then_on() {
-    let (stage, mut gpu) = (Stage::new(), gpu());
+    let stage = Stage::new();
+    let mut gpu = gpu();
     stage.render(&mut gpu, &stage.recipe(16));
     gpu.device().0.destroy();
     for _ in 0..2 {

@@ -126,7 +126,8 @@ impl Foreign {
     fn cast_pipeline(&self, target: &CastTarget, text: &str) -> RenderPipeline {
         let module = &self.module(text);
         let options = PipelineCompilationOptions::default;
-        let (entry_point, compilation_options) = (None, options());
+        let entry_point = None;
+        let compilation_options = options();
         let peel = FragmentState {
             module,
             entry_point,

@@ -53,7 +53,8 @@ fn depth_of_16_bits_is_rounded_depth_of_32() {
     );
     let mut off = 0;
     for (fine, coarse) in fine.texels.iter().zip(&coarse.texels) {
-        let (fine, coarse) = (f64::from(*fine) * 65_535.0, f64::from(*coarse) * 65_535.0);
+        let fine = f64::from(*fine) * 65_535.0;
+        let coarse = f64::from(*coarse) * 65_535.0;
         // A step's float has a relative error of at most 2^-23.
         assert!(
             (coarse - coarse.round()).abs() <= coarse * 2.0_f64.powi(-23),
@@ -75,12 +76,14 @@ fn depth_of_16_bits_is_rounded_depth_of_32() {
 /// Mesa's software driver: the product is rounded to a float, that to a step, and the step times a float is loaded.
 #[test]
 fn the_pinned_driver_rounds_depth_by_a_known_rule() {
-    let (stage, mut gpu) = (Stage::new(), gpu());
+    let stage = Stage::new();
+    let mut gpu = gpu();
     if !gpu.promises_bits() {
         println!("another driver: only its tolerance is tested");
         return;
     }
-    let [mut fine, mut coarse] = [vec![], vec![]];
+    let mut fine = vec![];
+    let mut coarse = vec![];
     for space in [stage.tilted(), stage.camera.space()] {
         let mut recipe = two_depths(&stage);
         recipe.casts.iter_mut().for_each(|cast| cast.space = space);
@@ -101,7 +104,8 @@ fn the_pinned_driver_rounds_depth_by_a_known_rule() {
 /// A unit of constant bias is two steps of 16 bits on that driver.
 #[test]
 fn the_pinned_driver_biases_16_bits_by_two_steps_a_unit() {
-    let (stage, mut gpu) = (Stage::new(), gpu());
+    let stage = Stage::new();
+    let mut gpu = gpu();
     if !gpu.promises_bits() {
         println!("another driver: the API leaves the unit to it");
         return;
@@ -147,7 +151,8 @@ fn bytes_of_colour_are_what_shaders_load() {
     for (i, texel) in images[0].texels.chunks_exact(4).enumerate() {
         let painted = [(i % 50) as f32, (i / 50) as f32, 0.0, 1.0];
         for (have, painted) in texel.iter().zip(painted) {
-            let (step, painted) = (have * 255.0, painted * 0.01 * 255.0);
+            let step = have * 255.0;
+            let painted = painted * 0.01 * 255.0;
             assert!(
                 (step - step.round()).abs() < 1e-4,
                 "texel {i}: {step} is no whole step"
@@ -178,7 +183,8 @@ impl FilterKernel for Scatter {
 /// The same for bytes of colour.
 #[test]
 fn the_pinned_driver_rounds_colour_by_a_known_rule() {
-    let (stage, mut gpu) = (Stage::new(), gpu());
+    let stage = Stage::new();
+    let mut gpu = gpu();
     if !gpu.promises_bits() {
         println!("another driver: only its tolerance is tested");
         return;

@@ -58,7 +58,8 @@ fn unproject(stage: &Stage, r: &Receivers, reverse_mirror: [bool; 2]) -> Seen {
     assert_eq!(maker.size(), r.size);
     let mut encoder = foreign.encoder();
     let gbuffer = maker.encode(&mut encoder).expect("it was prepared");
-    let (position, normal) = (gbuffer.position.texture(), gbuffer.normal.texture());
+    let position = gbuffer.position.texture();
+    let normal = gbuffer.normal.texture();
     let positions = read_four(&foreign, encoder, position);
     Seen {
         positions,
@@ -68,8 +69,10 @@ fn unproject(stage: &Stage, r: &Receivers, reverse_mirror: [bool; 2]) -> Seen {
 
 /// Pixels whose neighbours show the same plane, two each way: edges are allowed to be rough.
 fn inner(r: &Receivers, i: usize) -> bool {
-    let (w, h) = (r.size.x as i32, r.size.y as i32);
-    let (x, y) = (i as i32 % w, i as i32 / w);
+    let w = r.size.x as i32;
+    let h = r.size.y as i32;
+    let x = i as i32 % w;
+    let y = i as i32 / w;
     (-2..=2).all(|d| {
         [(x + d, y), (x, y + d)].iter().all(|&(x, y)| {
             let inside = x >= 0 && y >= 0 && x < w && y < h;
@@ -101,10 +104,8 @@ fn positions_and_normals_come_from_depth() {
                 continue;
             }
             // Depth has a step of 6e-8, which 10 m away and with near at .5 m is 1e-5 m; three such meet in a position.
-            let (position, normal) = (
-                seen.positions[i].truncate() * flip,
-                seen.normals[i].truncate() * flip,
-            );
+            let position = seen.positions[i].truncate() * flip;
+            let normal = seen.normals[i].truncate() * flip;
             assert!(
                 position.distance(r.position(i)) < 1e-4,
                 "{position} is not {}",
@@ -128,7 +129,8 @@ fn positions_and_normals_come_from_depth() {
 
 #[test]
 fn a_singular_camera_is_refused() {
-    let (stage, foreign) = (Stage::new(), Foreign::new());
+    let stage = Stage::new();
+    let foreign = Foreign::new();
     let depth = foreign.texture(
         TextureFormat::R32Float,
         stage.camera.size,

@@ -58,7 +58,8 @@ impl ReceiveKernel for Compare {
         for (i, out) in out.iter_mut().enumerate() {
             let clip = transform(self.0.clip_from_world, span.position(i));
             let size = map.desc.size.as_vec2();
-            let (x, y) = ((clip.x * 0.5 + 0.5) * size.x, (0.5 - clip.y * 0.5) * size.y);
+            let x = (clip.x * 0.5 + 0.5) * size.x;
+            let y = (0.5 - clip.y * 0.5) * size.y;
             let stored = map.load(x.floor() as i32, y.floor() as i32, 0);
             *out = f32::from(u8::from(clip.z - self.0.numbers.x <= stored));
         }

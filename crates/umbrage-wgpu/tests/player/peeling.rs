@@ -52,12 +52,14 @@ fn floor(stage: &Stage, gpu: &mut Gpu, space: LightSpace, format: Format) -> Ima
 
 #[test]
 fn the_floor_is_behind_the_plate_and_nothing_behind_the_floor() {
-    let (stage, mut gpu) = (Stage::new(), gpu());
+    let stage = Stage::new();
+    let mut gpu = gpu();
     for format in [Format::Depth32, Format::Depth16] {
         for space in [stage.space(), stage.tilted(), stage.camera.space()] {
             let floor = floor(&stage, &mut gpu, space, format);
             let images = stage.render(&mut gpu, &peels(&stage, space, format)).images;
-            let [mut plates, mut floors] = [0, 0];
+            let mut plates = 0;
+            let mut floors = 0;
             for (i, &nearest) in images[0].texels.iter().enumerate() {
                 // Where the plate is before the floor, the floor is left; where there is but one of them, nothing.
                 let plate = nearest < floor.texels[i];
@@ -80,7 +82,8 @@ fn the_floor_is_behind_the_plate_and_nothing_behind_the_floor() {
 
 #[test]
 fn behind_a_layer_that_nothing_wrote_is_nothing() {
-    let (stage, mut gpu) = (Stage::new(), gpu());
+    let stage = Stage::new();
+    let mut gpu = gpu();
     let mut recipe = peels(&stage, stage.space(), Format::Depth32);
     let full = stage.render(&mut gpu, &recipe).images;
     // The images now hold depth, and must not in the next frame.
@@ -92,7 +95,8 @@ fn behind_a_layer_that_nothing_wrote_is_nothing() {
 
 #[test]
 fn a_second_frame_makes_nothing() {
-    let (stage, mut gpu) = (Stage::new(), gpu());
+    let stage = Stage::new();
+    let mut gpu = gpu();
     for format in [Format::Depth32, Format::Depth16] {
         let recipe = peels(&stage, stage.tilted(), format);
         let images = stage.render(&mut gpu, &recipe).images;

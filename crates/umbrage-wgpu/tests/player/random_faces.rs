@@ -14,15 +14,22 @@ fn noise(i: usize) -> f32 {
     ((h ^ (h >> 15)).wrapping_mul(0x85eb_ca6b) >> 8) as f32 / (1 << 23) as f32 - 1.0
 }
 
-/// Triangles about the origin, some across the frustum's planes, and every seventh with a corner at infinity.
+/// Returns triangles about the origin, some across the frustum's planes, and every seventh with a corner at infinity.
 fn triangles() -> Vec<[Vec4; 3]> {
-    let corner =
-        |i: usize| (Vec3::new(noise(3 * i), noise(3 * i + 1), noise(3 * i + 2)) * 5.0).extend(1.0);
-    let at_infinity = |p: Vec4| Vec4::new(p.x, p.y, p.z, 0.0);
-    let triangle = |i: usize| [corner(3 * i), corner(3 * i + 1), corner(3 * i + 2)];
-    let some =
-        |(i, [a, b, c]): (usize, [Vec4; 3])| [a, b, if i % 7 == 3 { at_infinity(c) } else { c }];
-    (0..COUNT).map(triangle).enumerate().map(some).collect()
+    let mut out = Vec::new();
+    for i in 0..COUNT {
+        let mut last = corner(3 * i + 2);
+        if i % 7 == 3 {
+            last.w = 0.0;
+        }
+        out.push([corner(3 * i), corner(3 * i + 1), last]);
+    }
+    out
+}
+
+fn corner(i: usize) -> Vec4 {
+    let p = Vec3::new(noise(3 * i), noise(3 * i + 1), noise(3 * i + 2));
+    (p * 5.0).extend(1.0)
 }
 
 fn faces(triangles: &[[Vec4; 3]]) -> Source {
@@ -46,21 +53,21 @@ fn image(label: &'static str, layers: u32, format: Format) -> ImageDesc {
 
 /// Each triangle's depths by itself.
 fn alone(stage: &Stage, space: LightSpace, format: Format) -> Vec<Vec<f32>> {
-    let cast = |(layer, triangle): (u32, &[Vec4; 3])| Cast {
-        source: faces(std::slice::from_ref(triangle)),
-        ..Cast::nearest(0, layer, space)
-    };
+    let mut casts = Vec::new();
+    for (layer, triangle) in (0..).zip(triangles()) {
+        casts.push(Cast {
+            source: faces(&[triangle]),
+            ..Cast::nearest(0, layer, space)
+        });
+    }
     let recipe = Recipe {
         images: vec![image("alone", COUNT as u32, format)],
-        casts: (0..).zip(&triangles()).map(cast).collect(),
+        casts,
         ..stage.recipe(SIDE)
     };
-    let layers = stage
-        .render(&mut gpu(), &recipe)
-        .images
-        .swap_remove(0)
-        .texels;
-    layers
+    let images = stage.render(&mut gpu(), &recipe).images;
+    images[0]
+        .texels
         .chunks_exact((SIDE * SIDE) as usize)
         .map(<[f32]>::to_vec)
         .collect()
@@ -74,23 +81,23 @@ fn peels_are_the_least_the_second_least_and_so_on() {
         (stage.tilted(), Format::Depth32),
         (stage.camera.space(), Format::Depth16),
     ] {
-        let (alone, all) = (alone(&stage, space, format), triangles());
+        let alone = alone(&stage, space, format);
+        let all = triangles();
         let nearest = Cast {
             source: faces(&all),
             ..Cast::nearest(0, 0, space)
         };
-        let behind = |image| Cast {
-            image,
-            mode: CastMode::DepthPeel(image - 1),
-            source: nearest.source.clone(),
-            ..nearest.clone()
-        };
+        let mut casts = vec![nearest.clone()];
+        for image in 1..4 {
+            casts.push(Cast {
+                image,
+                mode: CastMode::DepthPeel(image - 1),
+                ..nearest.clone()
+            });
+        }
         let recipe = Recipe {
             images: vec![image("peel", 1, format); 4],
-            casts: [nearest.clone()]
-                .into_iter()
-                .chain((1..4).map(behind))
-                .collect(),
+            casts,
             ..stage.recipe(SIDE)
         };
         let images = stage.render(&mut gpu(), &recipe).images;
@@ -128,7 +135,8 @@ fn facing(clip_from_world: DMat4, triangle: &[Vec4; 3]) -> i32 {
 fn counts_are_backs_minus_fronts_that_are_not_before() {
     let stage = Stage::new();
     let space = stage.camera.space();
-    let (alone, all) = (alone(&stage, space, Format::Depth32), triangles());
+    let alone = alone(&stage, space, Format::Depth32);
+    let all = triangles();
     let mode = CastMode::StencilDepthFail { depth: 0 };
     let recipe = Recipe {
         images: vec![

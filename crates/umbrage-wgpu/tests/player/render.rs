@@ -97,7 +97,8 @@ fn receivers_are_bit_equal_to_the_rust_resolve() {
 
 #[test]
 fn given_receivers_give_the_same_mask() {
-    let (stage, mut gpu) = (Stage::new(), gpu());
+    let stage = Stage::new();
+    let mut gpu = gpu();
     let first = stage.render(&mut gpu, &stage.recipe(64));
     let receivers = first.receivers.expect("the view had none");
     let view = stage.view().with_receivers(&receivers);
@@ -181,7 +182,8 @@ fn filters_layers_and_tables_reach_the_kernel() {
 
 #[test]
 fn images_that_nothing_writes_start_clean_every_time() {
-    let (stage, mut gpu) = (Stage::new(), gpu());
+    let stage = Stage::new();
+    let mut gpu = gpu();
     let mut recipe = stage.recipe(16);
     let full = stage.render(&mut gpu, &recipe);
     assert!(full.images[0].texels.iter().any(|&v| v < 1.0));
@@ -192,7 +194,8 @@ fn images_that_nothing_writes_start_clean_every_time() {
 
 #[test]
 fn a_second_cast_into_a_layer_keeps_the_nearest() {
-    let (stage, mut gpu) = (Stage::new(), gpu());
+    let stage = Stage::new();
+    let mut gpu = gpu();
     let mut recipe = stage.recipe(40);
     let mut shifted = recipe.casts[0].clone();
     // 8 texels to the right: the plate now covers twice as much.
@@ -211,7 +214,8 @@ fn a_second_cast_into_a_layer_keeps_the_nearest() {
 
 #[test]
 fn nothing_is_made_on_the_second_frame() {
-    let (stage, mut gpu) = (Stage::new(), gpu());
+    let stage = Stage::new();
+    let mut gpu = gpu();
     let everything = everything(&stage);
     stage.render(&mut gpu, &everything);
     let first = gpu.counters();
@@ -219,10 +223,8 @@ fn nothing_is_made_on_the_second_frame() {
     assert_eq!(gpu.counters(), first);
     stage.render(&mut gpu, &stage.recipe(32));
     assert_ne!(gpu.counters(), first, "another shape must show");
-    let (before, after) = (
-        gpu.counters().pipelines,
-        stage.render(&mut gpu, &stage.recipe(64)),
-    );
+    let before = gpu.counters().pipelines;
+    let after = stage.render(&mut gpu, &stage.recipe(64));
     assert_eq!(
         gpu.counters().pipelines,
         before,
@@ -233,7 +235,8 @@ fn nothing_is_made_on_the_second_frame() {
 
 #[test]
 fn stages_are_timed() {
-    let (stage, mut gpu) = (Stage::new(), gpu());
+    let stage = Stage::new();
+    let mut gpu = gpu();
     let timings = stage.render(&mut gpu, &stage.recipe(64)).timings;
     assert!(
         timings.receivers.is_some() && timings.cast.is_some() && timings.receive.is_some(),

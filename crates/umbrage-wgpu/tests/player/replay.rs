@@ -10,7 +10,8 @@ use umbrage_core::{Filter, FilterKernel, Format, Image, ImageDesc, Inputs, Recip
 
 #[test]
 fn the_lookup_replays_from_given_depth() {
-    let (stage, mut gpu) = (Stage::new(), gpu());
+    let stage = Stage::new();
+    let mut gpu = gpu();
     let recipe = stage.recipe(64);
     let shadows = stage.render(&mut gpu, &recipe);
     let receivers = shadows.receivers.expect("the view had none");

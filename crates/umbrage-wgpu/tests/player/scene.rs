@@ -44,7 +44,8 @@ impl Stage {
             instances: vec![place(0, true, true), place(1, true, false)],
             ..Scene::default()
         };
-        let (eye, size) = (Vec3::new(3.0, 5.0, 6.0), UVec2::new(97, 61));
+        let eye = Vec3::new(3.0, 5.0, 6.0);
+        let size = UVec2::new(97, 61);
         Self {
             geometry: Geometry::bake(&scene).expect("the scene is valid"),
             camera: Camera::perspective(eye, Vec3::ZERO, Vec3::Y, 0.9, [0.5, 50.0], size)

@@ -89,12 +89,11 @@ pub(crate) fn reference(
 
 #[test]
 fn the_picture_is_what_the_rust_half_says() {
-    let (stage, mut gpu) = (Stage::new(), gpu());
+    let stage = Stage::new();
+    let mut gpu = gpu();
     let shadows = stage.render(&mut gpu, &shaded(&stage));
-    let (picture, r) = (
-        shadows.picture.expect("the recipe shades"),
-        shadows.receivers.expect("the view had none"),
-    );
+    let picture = shadows.picture.expect("the recipe shades");
+    let r = shadows.receivers.expect("the view had none");
     let expected = reference(&kernel_of(&stage), &r, &shadows.mask);
     assert_eq!(picture, expected);
     let kinds = |wanted: fn(&Receivers, usize, f32) -> bool| {
@@ -123,7 +122,8 @@ fn the_picture_is_what_the_rust_half_says() {
 
 #[test]
 fn given_receivers_give_the_same_picture() {
-    let (stage, mut gpu) = (Stage::new(), gpu());
+    let stage = Stage::new();
+    let mut gpu = gpu();
     let first = stage.render(&mut gpu, &shaded(&stage));
     let receivers = first.receivers.expect("the view had none");
     let second = gpu
@@ -134,7 +134,8 @@ fn given_receivers_give_the_same_picture() {
 
 #[test]
 fn a_second_picture_makes_nothing_and_a_mask_alone_has_none() {
-    let (stage, mut gpu) = (Stage::new(), gpu());
+    let stage = Stage::new();
+    let mut gpu = gpu();
     let recipe = shaded(&stage);
     let first = stage.render(&mut gpu, &recipe);
     let counters = gpu.counters();

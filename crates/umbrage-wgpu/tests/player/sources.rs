@@ -52,7 +52,8 @@ fn everything_is_more_than_the_casters() {
 
 #[test]
 fn faces_round_as_casters_do() {
-    let (stage, mut gpu) = (Stage::new(), gpu());
+    let stage = Stage::new();
+    let mut gpu = gpu();
     for space in [stage.tilted(), stage.camera.space()] {
         let expected = stage
             .render(&mut gpu, &casting(&stage, space, Source::Casters))
@@ -81,7 +82,10 @@ fn faces_round_as_casters_do() {
 
 #[test]
 fn faces_reach_to_infinity() {
-    let (stage, side, near, far) = (Stage::new(), 40, 0.5, 1e6);
+    let stage = Stage::new();
+    let side = 40;
+    let near = 0.5;
+    let far = 1e6;
     let space = LightSpace {
         view_from_world: look_along(Vec3::ZERO, Vec3::NEG_Z, Vec3::Y).expect("-z is a direction"),
         clip_from_view: perspective(std::f32::consts::FRAC_PI_2, 1.0, near, far)
@@ -110,7 +114,9 @@ fn faces_reach_to_infinity() {
             assert_eq!(depth, 1.0, "texel {i} is sky");
             continue;
         }
-        let (distance, near, far) = (-1.0 / y, f64::from(near), f64::from(far));
+        let distance = -1.0 / y;
+        let near = f64::from(near);
+        let far = f64::from(far);
         let expected = far / (far - near) * (1.0 - near / distance);
         // Ten roundings, no number above 2.
         assert!(
@@ -122,7 +128,8 @@ fn faces_reach_to_infinity() {
 
 #[test]
 fn faces_are_uploaded_once() {
-    let (stage, mut gpu) = (Stage::new(), gpu());
+    let stage = Stage::new();
+    let mut gpu = gpu();
     let kept = Source::Faces(faces(&stage, 0..4, 1.0));
     let recipe = casting(&stage, stage.space(), kept);
     stage.render(&mut gpu, &recipe);
@@ -147,7 +154,8 @@ fn faces_are_uploaded_once() {
 
 #[test]
 fn no_faces_leave_the_image_as_it_was() {
-    let (stage, mut gpu) = (Stage::new(), gpu());
+    let stage = Stage::new();
+    let mut gpu = gpu();
     let mut recipe = stage.recipe(40);
     let before = stage.render(&mut gpu, &recipe).images;
     let nothing = Source::Faces(Arc::default());

@@ -21,7 +21,7 @@ use crate::{
         ray_triangle::Corners,
     },
 };
-use glam::{Vec3, Vec3A};
+use glam::Vec3;
 use obvhs::{bvh2::Bvh2, cwbvh::CwBvh};
 
 /// A hierarchy over the casters of a [`Geometry`].
@@ -47,7 +47,8 @@ impl Bvh {
     pub fn build(geometry: &Geometry) -> Self {
         let ids: Vec<u32> = geometry.casters().collect();
         if ids.is_empty() {
-            let (wide, narrow) = (Wide::default(), Bvh2::default());
+            let wide = Wide::default();
+            let narrow = Bvh2::default();
             return Self {
                 wide,
                 narrow,
@@ -78,17 +79,18 @@ impl Bvh {
         }
     }
 
-    /// Whether any caster but triangle `skip` meets the segment from `o` to `o + d`.
+    /// Returns whether any caster but triangle `skip` meets the segment from `o` to `o + d`.
     #[inline]
     pub fn occluded(&self, o: Vec3, d: Vec3, skip: u32) -> bool {
         self.occluder(o, d, skip).is_some()
     }
 
-    /// A caster other than triangle `skip` that meets the segment from `o` to `o + d`, to be asked first about similar
-    /// segments by [`Bvh::hits`]. The number is the hierarchy's own, not a triangle id.
+    /// Returns a caster other than triangle `skip` that meets the segment from `o` to `o + d`, so that similar segments can be
+    /// tested against it first by [`Bvh::hits`]. The number is the hierarchy's own, not a triangle id.
     #[inline]
     pub fn occluder(&self, o: Vec3, d: Vec3, skip: u32) -> Option<u32> {
-        let (segment, mut found) = (Segment::new(o, d), None);
+        let segment = Segment::new(o, d);
+        let mut found = None;
         self.wide.search(&segment, |i, _| {
             let hit = segment.hits(&self.corners[i]) && self.ids[i] != skip;
             if hit {
@@ -99,9 +101,10 @@ impl Bvh {
         found
     }
 
-    /// Where the segment from `o` to `o + d` first meets a caster other than triangle `skip`: a fraction of `d`, 0..=1.
+    /// Returns where the segment from `o` to `o + d` first meets a caster other than triangle `skip`: a fraction of `d`, 0..=1.
     pub fn nearest(&self, geometry: &Geometry, o: Vec3, d: Vec3, skip: u32) -> Option<f32> {
-        let (segment, mut nearest) = (Segment::new(o, d), None);
+        let segment = Segment::new(o, d);
+        let mut nearest = None;
         self.wide.search(&segment, |i, limit| {
             if segment.hits(&self.corners[i]) && self.ids[i] != skip {
                 let [a, b, c] = geometry
@@ -127,19 +130,14 @@ impl Bvh {
     /// along each axis. Cautious: it may name others, too.
     pub fn near(&self, o: Vec3, d: Vec3, radius: f32, out: &mut Vec<u32>) {
         let inverse = slab_inverse(d);
-        // The sums below round, once more than the boxes allow for.
-        let grown = |low: Vec3A, high: Vec3A| {
-            let by = radius + low.abs().max(high.abs()).max_element() * f32::EPSILON;
-            [low - by, high + by]
-        };
-        let mut stack = if self.ids.is_empty() {
-            Vec::new()
-        } else {
-            vec![0]
-        };
+        let mut stack = self.narrow_root();
         while let Some(i) = stack.pop() {
             let node = &self.narrow.nodes[i];
-            if !enters_box(o.into(), inverse, grown(node.aabb.min, node.aabb.max)) {
+            let low = node.aabb.min;
+            let high = node.aabb.max;
+            // The sums below round, once more than the boxes allow for.
+            let grow = radius + low.abs().max(high.abs()).max_element() * f32::EPSILON;
+            if !enters_box(o.into(), inverse, [low - grow, high + grow]) {
                 continue;
             }
             let first = node.first_index as usize;
@@ -151,33 +149,23 @@ impl Bvh {
         }
     }
 
-    /// Whether the caster that [`Bvh::occluder`] gave meets the segment, too, unless it is triangle `skip`.
+    /// Returns whether the caster that [`Bvh::occluder`] returned meets the segment, too, unless it is triangle `skip`.
     ///
     /// # Panics
-    /// If it came from another hierarchy with more triangles.
+    /// Panics if it came from another hierarchy with more triangles.
     #[inline]
     pub fn hits(&self, occluder: u32, o: Vec3, d: Vec3, skip: u32) -> bool {
         let i = occluder as usize;
         self.ids[i] != skip && Segment::new(o, d).hits(&self.corners[i])
     }
 
-    /// Whether no caster reaches into the convex region `normal.dot(x) >= distance` of all these planes (normals of any
-    /// length). Cautious: it may say no where one comes near. One such question can spare a thousand rays.
+    /// Returns whether no caster reaches into the convex region `normal.dot(x) >= distance` of all these planes (normals of any
+    /// length). Cautious: it may return false where one only comes near. One such query can spare a thousand rays.
     pub fn is_clear(&self, geometry: &Geometry, planes: &[(Vec3, f32)]) -> bool {
-        // Of a box the corner that is farthest along the normal decides.
-        let outside = |low: Vec3, high: Vec3| {
-            planes
-                .iter()
-                .any(|&plane| is_outside(plane, Vec3::select(plane.0.cmpge(Vec3::ZERO), high, low)))
-        };
-        let mut stack = if self.ids.is_empty() {
-            Vec::new()
-        } else {
-            vec![0]
-        };
+        let mut stack = self.narrow_root();
         while let Some(i) = stack.pop() {
             let node = &self.narrow.nodes[i];
-            if outside(node.aabb.min.into(), node.aabb.max.into()) {
+            if is_box_outside(planes, node.aabb.min.into(), node.aabb.max.into()) {
                 continue;
             }
             let first = node.first_index as usize;
@@ -185,31 +173,33 @@ impl Bvh {
                 stack.extend([first, first + 1]);
                 continue;
             }
-            let clear = |&id: &u32| {
-                let corners = geometry.corners(id);
-                planes
-                    .iter()
-                    .any(|&plane| corners.iter().all(|&c| is_outside(plane, c)))
-            };
-            if !self.narrow_order[first..first + node.prim_count as usize]
-                .iter()
-                .all(clear)
-            {
-                return false;
+            for &id in &self.narrow_order[first..first + node.prim_count as usize] {
+                if !is_triangle_outside(planes, geometry.corners(id)) {
+                    return false;
+                }
             }
         }
         true
     }
 
-    /// Greatest number of nodes from the root of the two-way hierarchy to a leaf: what a shader's stack must hold.
+    /// Returns a stack of nodes of the two-way hierarchy that holds its root; an empty one where nothing casts.
+    fn narrow_root(&self) -> Vec<usize> {
+        if self.ids.is_empty() {
+            Vec::new()
+        } else {
+            vec![0]
+        }
+    }
+
+    /// Returns the greatest number of nodes from the root of the two-way hierarchy to a leaf: the size of a shader's stack.
     pub fn depth(&self) -> usize {
         let nodes = &self.narrow.nodes;
         let mut deepest = 0;
-        let mut open = if nodes.is_empty() {
-            Vec::new()
-        } else {
-            vec![(0_usize, 1_usize)]
-        };
+        // Nodes, and the number of nodes from the root to them.
+        let mut open: Vec<(usize, usize)> = Vec::new();
+        if !nodes.is_empty() {
+            open.push((0, 1));
+        }
         while let Some((node, depth)) = open.pop() {
             deepest = deepest.max(depth);
             if nodes[node].prim_count == 0 {
@@ -220,20 +210,15 @@ impl Bvh {
         deepest
     }
 
-    /// The two-way hierarchy as rows of four words, for shaders: row 2i is node i's least corner and its first child or
+    /// Returns the two-way hierarchy as rows of four words, for shaders: row 2i is node i's least corner and its first child or
     /// triangle, row 2i + 1 its greatest corner and its triangle count (0 for an inner node, whose children are
-    /// adjacent). One row of zeros when nothing casts.
+    /// adjacent). Two rows of zeros where nothing casts.
     pub fn node_rows(&self) -> Vec<[u32; 4]> {
-        let row = |v: Vec3A, w: u32| [v.x.to_bits(), v.y.to_bits(), v.z.to_bits(), w];
-        let nodes = self.narrow.nodes.iter();
-        let rows: Vec<_> = nodes
-            .flat_map(|n| {
-                [
-                    row(n.aabb.min, n.first_index),
-                    row(n.aabb.max, n.prim_count),
-                ]
-            })
-            .collect();
+        let mut rows = Vec::new();
+        for node in &self.narrow.nodes {
+            rows.push(row(node.aabb.min.into(), node.first_index));
+            rows.push(row(node.aabb.max.into(), node.prim_count));
+        }
         if rows.is_empty() {
             vec![[0; 4]; 2]
         } else {
@@ -241,15 +226,15 @@ impl Bvh {
         }
     }
 
-    /// The triangles in the order in which [`Bvh::node_rows`] names them, three rows each: corners, and the id in the
-    /// first row's fourth word.
+    /// Returns the triangles in the order in which [`Bvh::node_rows`] names them, three rows each: a corner, and the id as the
+    /// fourth word. Three rows of zeros where nothing casts.
     pub fn triangle_rows(&self, geometry: &Geometry) -> Vec<[u32; 4]> {
-        let row = |v: Vec3, w: u32| [v.x.to_bits(), v.y.to_bits(), v.z.to_bits(), w];
-        let rows: Vec<_> = self
-            .narrow_order
-            .iter()
-            .flat_map(|&id| geometry.corners(id).map(|v| row(v, id)))
-            .collect();
+        let mut rows = Vec::new();
+        for &id in &self.narrow_order {
+            for corner in geometry.corners(id) {
+                rows.push(row(corner, id));
+            }
+        }
         if rows.is_empty() {
             vec![[0; 4]; 3]
         } else {
@@ -257,12 +242,15 @@ impl Bvh {
         }
     }
 
-    /// The eight-way hierarchy as `obvhs` makes it of the casters, and each of its primitives' triangle id: to time `obvhs` by
-    /// itself. None if nothing casts.
+    /// Returns the eight-way hierarchy as `obvhs` makes it of the casters, and each of its primitives' triangle id: to time
+    /// `obvhs` by itself. `None` if nothing casts.
     pub fn obvhs_alone(geometry: &Geometry) -> Option<(CwBvh, Vec<u32>)> {
         let ids: Vec<u32> = geometry.casters().collect();
+        if ids.is_empty() {
+            return None;
+        }
         let boxes = boxes_of(geometry, &ids);
-        let (narrow, _) = (!ids.is_empty()).then(|| build::trees(&boxes))?;
+        let (narrow, _) = build::trees(&boxes);
         let tree = build::eight_way(&narrow);
         let order = tree
             .primitive_indices
@@ -271,6 +259,27 @@ impl Bvh {
             .collect();
         Some((tree, order))
     }
+}
+
+/// Returns a row of a shader's table.
+fn row(v: Vec3, w: u32) -> [u32; 4] {
+    [v.x.to_bits(), v.y.to_bits(), v.z.to_bits(), w]
+}
+
+/// Returns whether a box lies outside one of the half spaces (inner normal, distance).
+fn is_box_outside(half_spaces: &[(Vec3, f32)], min: Vec3, max: Vec3) -> bool {
+    half_spaces.iter().any(|&half_space| {
+        // The corner that is farthest along the normal decides.
+        let farthest = Vec3::select(half_space.0.cmpge(Vec3::ZERO), max, min);
+        is_outside(half_space, farthest)
+    })
+}
+
+/// Returns whether a triangle lies outside one of the half spaces (inner normal, distance).
+fn is_triangle_outside(half_spaces: &[(Vec3, f32)], corners: [Vec3; 3]) -> bool {
+    half_spaces
+        .iter()
+        .any(|&half_space| corners.iter().all(|&c| is_outside(half_space, c)))
 }
 
 /// Returns whether a point lies outside a half space (its inner normal and distance), whatever rounding (eight units in the

@@ -36,14 +36,17 @@ impl Tables {
                 f32::from_bits(row[2]),
             )
         };
-        let (segment, inverse) = (Segment::new(o, d), slab_inverse(d));
+        let segment = Segment::new(o, d);
+        let inverse = slab_inverse(d);
         let mut stack = vec![0];
         while let Some(node) = stack.pop() {
-            let [low, high] = [self.nodes[2 * node], self.nodes[2 * node + 1]];
+            let low = self.nodes[2 * node];
+            let high = self.nodes[2 * node + 1];
             if !enters_box(o.into(), inverse, [vector(low).into(), vector(high).into()]) {
                 continue;
             }
-            let (first, count) = (low[3] as usize, high[3] as usize);
+            let first = low[3] as usize;
+            let count = high[3] as usize;
             if count == 0 {
                 let children = [first, first + 1];
                 stack.extend(if turn() {
@@ -77,7 +80,8 @@ fn shuffled(g: &Geometry, random: &mut Random) -> Geometry {
 /// ball's triangles lose their area.
 fn far_scene(metres: f32) -> Geometry {
     let at = Vec3::new(1.0, 0.0, 0.9) * metres;
-    let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+    let mut positions = Vec::new();
+    let mut triangles = Vec::new();
     let mut add = |corners: [Vec3; 3]| {
         let first = positions.len() as u32;
         positions.extend(corners.map(|v| at + v));
@@ -90,8 +94,10 @@ fn far_scene(metres: f32) -> Geometry {
         Vec3::new(1.2, 1.5, 0.3) + tilt * Vec3::new(s * ck, c, s * sk) * 0.2
     };
     for (ring, side) in (0..24).flat_map(|ring| (0..32).map(move |side| (ring, side))) {
-        let [a, b] = [on_ball(ring, side), on_ball(ring + 1, side)];
-        let [c, d] = [on_ball(ring, side + 1), on_ball(ring + 1, side + 1)];
+        let a = on_ball(ring, side);
+        let b = on_ball(ring + 1, side);
+        let c = on_ball(ring, side + 1);
+        let d = on_ball(ring + 1, side + 1);
         add([a, b, c]);
         add([c, b, d]);
     }

@@ -91,9 +91,12 @@ fn answers_are_the_same_at_extreme_scales() {
             g.positions().iter().map(|p| p * scale).collect(),
             g.triangles().to_vec(),
         );
-        let (mut random, mut hits) = (Random(8), 0);
+        let mut random = Random(8);
+        let mut hits = 0;
         for i in 0..2000 {
-            let (o, d, skip) = (random.vector() * 1.5, random.vector() * 3.0, i % 1000);
+            let o = random.vector() * 1.5;
+            let d = random.vector() * 3.0;
+            let skip = i % 1000;
             let expected = g.bvh().nearest(&g, o, d, skip);
             hits += u32::from(expected.is_some());
             assert_eq!(
@@ -116,7 +119,8 @@ fn an_occluder_answers_like_the_search() {
     let mut random = Random(3);
     let g = soup(&mut random, 500, 1.0);
     for _ in 0..2000 {
-        let (o, d) = (random.vector(), random.vector() * 2.0);
+        let o = random.vector();
+        let d = random.vector() * 2.0;
         if let Some(i) = g.bvh().occluder(o, d, NO_TRIANGLE) {
             assert!(g.bvh().hits(i, o, d, NO_TRIANGLE));
             assert!(!g.bvh().hits(i, o + Vec3::splat(10.0), d, NO_TRIANGLE));
@@ -154,7 +158,8 @@ fn nothing_casts_nothing_occludes() {
 /// From within a closed, finely cut ball no segment escapes, wherever it is aimed: at corners, edges or insides.
 #[test]
 fn closed_meshes_have_no_cracks() {
-    let (rings, sides) = (48_u32, 64_u32);
+    let rings = 48_u32;
+    let sides = 64_u32;
     let mut positions = vec![Vec3::Y, Vec3::NEG_Y];
     for r in 1..rings {
         let (s, c) = (r as f32 / rings as f32 * std::f32::consts::PI).sin_cos();
@@ -195,10 +200,13 @@ fn closed_meshes_have_no_cracks() {
 fn clear_regions_hide_nothing() {
     let mut random = Random(23);
     let g = soup(&mut random, 300, 1.0);
-    let (mut clear, mut hidden) = (0, 0);
+    let mut clear = 0;
+    let mut hidden = 0;
     for _ in 0..3000 {
-        let (o, center) = (random.vector() * 2.0, random.vector() * 2.0);
-        let [u, v] = [random.vector() * 0.1, random.vector() * 0.1];
+        let o = random.vector() * 2.0;
+        let center = random.vector() * 2.0;
+        let u = random.vector() * 0.1;
+        let v = random.vector() * 0.1;
         let corners = [
             center + u + v,
             center - u + v,
@@ -232,7 +240,9 @@ fn the_nearest_hit_is_the_nearest() {
     let g = soup(&mut random, 500, 1.0);
     let mut hits = 0;
     for i in 0..2000 {
-        let (o, d, skip) = (random.vector() * 1.5, random.vector() * 3.0, i % 500);
+        let o = random.vector() * 1.5;
+        let d = random.vector() * 3.0;
+        let skip = i % 500;
         let fraction = |id: u32| {
             let [a, b, c] = g.corners(id);
             let n = (b - a).cross(c - a).as_dvec3();

@@ -1,8 +1,8 @@
 //! An eight-way hierarchy whose boxes are kept in full: `obvhs` finds its shape (Ylitie et al. 2017, "Efficient
 //! Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs"), the boxes and the search are ours.
 //!
-//! `obvhs` keeps boxes as bytes relative to their parent's, and its box test rounds in another way than the triangle test's
-//! does, so it may pass over a triangle that is hit. Here both are one test (`slab.rs`), for four boxes at once.
+//! `obvhs` keeps boxes as bytes relative to their parent's, and its box test rounds in another way than the triangle test
+//! does, so it may pass over a triangle that is hit. Here boxes are tested as `ray_box.rs` does it, four at once.
 
 use crate::{
     Aabb,
@@ -11,17 +11,36 @@ use crate::{
 use glam::Vec4;
 use obvhs::cwbvh::CwBvh;
 
-/// Eight children: their boxes, and what they are.
+/// A node's eight children: their boxes, and their nodes or triangles.
 #[derive(Clone, Copy, Debug)]
 struct Node {
-    /// Least x, y, z, then greatest x, y, z; each of children 0 to 3, then of 4 to 7.
+    /// Six planes of the children's boxes: least x, y, z, then greatest x, y, z. Each is an array of two: those of children 0 to
+    /// 3, and those of children 4 to 7.
     planes: [[Vec4; 2]; 6],
-    /// Of an inner child its place among the nodes, of a leaf its first triangle.
+    /// For an inner child its index among the nodes, for a leaf its first triangle.
     first: [u32; 8],
-    /// How many triangles a leaf has; 0 for inner children and where there is no child.
+    /// Number of a leaf's triangles; 0 for inner children and where there is no child.
     count: [u8; 8],
     /// Bit i is set if child i is an inner one.
     inner: u32,
+}
+
+impl Node {
+    const EMPTY: Self = Self {
+        planes: [[Vec4::ZERO; 2]; 6],
+        first: [0; 8],
+        count: [0; 8],
+        inner: 0,
+    };
+
+    fn set_box(&mut self, child: usize, bounds: &Aabb) {
+        let half = child / 4;
+        let lane = child % 4;
+        for axis in 0..3 {
+            self.planes[axis][half][lane] = bounds.min[axis];
+            self.planes[axis + 3][half][lane] = bounds.max[axis];
+        }
+    }
 }
 
 /// The hierarchy.
@@ -33,49 +52,48 @@ pub(super) struct Wide {
     pub(super) depth: usize,
 }
 
-/// Nodes on the way to a leaf for which the search needs no memory of its own.
+/// Greatest depth of a hierarchy whose search keeps its stack in a fixed array rather than on the heap.
 pub(super) const SHALLOW: usize = 24;
 
-/// Children that are still to be visited: the node, and a bit for each in the order of visits.
+/// Children that are still to be visited: their parent's index, and a bit for each in the order of visits.
 type Group = (u32, u32);
 
 impl Wide {
-    /// Of a tree's shape and the boxes of its triangles, in the order in which its leaves name them.
+    /// Returns a hierarchy of a tree's shape; `boxes` are those of its triangles, in the order in which its leaves name them.
     pub(super) fn new(tree: &CwBvh, boxes: &[Aabb]) -> Self {
-        let empty = Node {
-            planes: [[Vec4::ZERO; 2]; 6],
-            first: [0; 8],
-            count: [0; 8],
-            inner: 0,
-        };
-        let mut nodes = vec![empty; tree.nodes.len()];
-        let mut around = vec![(Aabb::EMPTY, 1); nodes.len()];
+        let mut nodes = vec![Node::EMPTY; tree.nodes.len()];
+        // The box around each node, and the number of nodes from it to its deepest leaf.
+        let mut node_boxes = vec![Aabb::EMPTY; nodes.len()];
+        let mut depths = vec![1; nodes.len()];
+        // Children come after their parents, so from the last node to the first.
         for (i, node) in tree.nodes.iter().enumerate().rev() {
             nodes[i].inner = u32::from(node.imask);
-            for child in (0..8).filter(|&child| !node.is_child_empty(child)) {
-                let (child_box, depth) = if node.is_leaf(child) {
-                    let (first, count) = node.child_primitives(child);
-                    (nodes[i].first[child], nodes[i].count[child]) = (first, count as u8);
-                    let triangles = &boxes[first as usize..(first + count) as usize];
-                    (triangles.iter().fold(Aabb::EMPTY, |all, b| all.union(b)), 0)
-                } else {
-                    nodes[i].first[child] = node.child_node_index(child);
-                    around[node.child_node_index(child) as usize]
-                };
-                for axis in 0..3 {
-                    nodes[i].planes[axis][child / 4][child % 4] = child_box.min[axis];
-                    nodes[i].planes[axis + 3][child / 4][child % 4] = child_box.max[axis];
+            for child in 0..8 {
+                if node.is_child_empty(child) {
+                    continue;
                 }
-                let (whole, deepest) = around[i];
-                around[i] = (whole.union(&child_box), deepest.max(depth + 1));
+                let child_box = if node.is_leaf(child) {
+                    let (first, count) = node.child_primitives(child);
+                    nodes[i].first[child] = first;
+                    nodes[i].count[child] = count as u8;
+                    let triangles = &boxes[first as usize..(first + count) as usize];
+                    triangles.iter().fold(Aabb::EMPTY, |all, b| all.union(b))
+                } else {
+                    let inner = node.child_node_index(child);
+                    nodes[i].first[child] = inner;
+                    depths[i] = depths[i].max(depths[inner as usize] + 1);
+                    node_boxes[inner as usize]
+                };
+                nodes[i].set_box(child, &child_box);
+                node_boxes[i] = node_boxes[i].union(&child_box);
             }
         }
-        let depth = around.first().map_or(0, |root| root.1);
+        let depth = depths.first().copied().unwrap_or(0);
         Self { nodes, depth }
     }
 
-    /// Calls `visit` with the triangles whose leaves' boxes the segment enters, near ones first by and large, until it
-    /// says to stop. It may lower the second argument, at first 1: the search goes no farther along the segment.
+    /// Calls `visit` with the triangles whose leaves' boxes the segment enters, roughly from near to far, until it returns
+    /// true. `visit` may lower its second argument, at first 1, the fraction of the segment beyond which nothing is searched.
     #[inline(always)]
     pub(super) fn search(&self, segment: &Segment, visit: impl FnMut(usize, &mut f32) -> bool) {
         if self.nodes.is_empty() {
@@ -97,8 +115,11 @@ impl Wide {
     ) {
         let lanes = Lanes::new(segment);
         let mut limit = 1.0;
+        // How many groups lie on the stack.
         let mut waiting = 0;
-        let (mut parent, mut group): Group = (0, 0);
+        // The group that is being visited, and the node of it that is.
+        let mut parent = 0;
+        let mut group = 0;
         let mut current = 0;
         loop {
             let node = &self.nodes[current as usize];
@@ -120,7 +141,8 @@ impl Wide {
                     stack[waiting] = (parent, group);
                     waiting += 1;
                 }
-                (parent, group) = (current, lanes.in_order(inner));
+                parent = current;
+                group = lanes.in_order(inner);
             } else if group == 0 {
                 if waiting == 0 {
                     return;
@@ -149,7 +171,8 @@ struct Lanes {
 impl Lanes {
     #[inline(always)]
     fn new(s: &Segment) -> Self {
-        let (o, inverse) = (s.origin, s.inverse);
+        let o = s.origin;
+        let inverse = s.inverse;
         let backward = [inverse.x < 0.0, inverse.y < 0.0, inverse.z < 0.0];
         Self {
             origin: [Vec4::splat(o.x), Vec4::splat(o.y), Vec4::splat(o.z)],
@@ -166,17 +189,18 @@ impl Lanes {
         }
     }
 
-    /// A bit for each child whose box is entered: bit by bit what `enters_box` of `slab.rs` says, as the product with
-    /// the plane that is named near is the lesser one.
+    /// Returns a bit for each child whose box is entered: bit by bit what `enters_box` of `ray_box.rs` returns, as the product
+    /// with the plane that is named near is the lesser one.
     #[inline(always)]
     fn entered(&self, node: &Node, limit: f32) -> u32 {
         let mut out = 0;
         for half in 0..2 {
-            let at = |axis: usize, plane: usize| {
+            // Where the segment meets a plane of four boxes, as a fraction of its length.
+            let crossing = |axis: usize, plane: usize| {
                 (node.planes[plane][half] - self.origin[axis]) * self.inverse[axis]
             };
-            let near = [0, 1, 2].map(|axis| at(axis, self.near[axis]));
-            let far = [0, 1, 2].map(|axis| at(axis, self.far[axis]));
+            let near = [0, 1, 2].map(|axis| crossing(axis, self.near[axis]));
+            let far = [0, 1, 2].map(|axis| crossing(axis, self.far[axis]));
             let entry = near[0].max(near[1]).max(near[2].max(Vec4::ZERO));
             let exit = far[0].min(far[1]).min(far[2].min(Vec4::splat(limit)));
             out |= entry.cmple(exit * EXIT_SLACK).bitmask() << (4 * half);
@@ -207,28 +231,21 @@ mod tests {
     use crate::geometry::{bvh::tests::Random, ray_box::enters_box};
     use glam::{Vec3, Vec3A};
 
-    /// Four boxes at once are asked what one is asked, to the last bit.
+    /// The test of four boxes at once and the test of one box agree.
     #[test]
     fn lanes_say_what_the_test_of_one_box_says() {
         let mut random = Random(17);
         let mut entered = 0;
         for i in 0..40_000_u32 {
             let distance = [0.0, 10.0, 1e6][i as usize % 3];
-            let mut node = Node {
-                planes: [[Vec4::ZERO; 2]; 6],
-                first: [0; 8],
-                count: [0; 8],
-                inner: 0,
-            };
+            let mut node = Node::EMPTY;
             let boxes = [0; 8].map(|_| {
-                let (p, q) = (random.vector() + distance, random.vector() + distance);
+                let p = random.vector() + distance;
+                let q = random.vector() + distance;
                 [p.min(q), p.max(q)]
             });
-            for (child, [low, high]) in boxes.iter().enumerate() {
-                for axis in 0..3 {
-                    node.planes[axis][child / 4][child % 4] = low[axis];
-                    node.planes[axis + 3][child / 4][child % 4] = high[axis];
-                }
+            for (child, &[min, max]) in boxes.iter().enumerate() {
+                node.set_box(child, &Aabb { min, max });
             }
             // Along an edge of one of the boxes, or past it by a few roundings.
             let [low, high] = boxes[i as usize % 8];

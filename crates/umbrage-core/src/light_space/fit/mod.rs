@@ -47,7 +47,7 @@ impl Fit {
     /// reaches beyond the texel that a receiver falls on.
     ///
     /// # Errors
-    /// `Unsupported` when what matters surrounds the light, so that no single map can see it all; `Invalid` for bad input.
+    /// Errors with `Unsupported` if what matters surrounds the light, so that no single map can see it all; with `Invalid` for bad input.
     pub fn light_space(
         &self,
         view: &View<'_>,
@@ -117,7 +117,7 @@ impl Fit {
     /// Returns the light spaces of a layout; parameters as [`Fit::light_space`].
     ///
     /// # Errors
-    /// As [`Fit::light_space`]; and `Unsupported` for a cube around a light without a position.
+    /// Errors if [`Fit::light_space`] does; and with `Unsupported` for a cube around a light without a position.
     pub fn light_spaces(
         &self,
         layout: Layout,

@@ -68,7 +68,8 @@ fn a_floor_that_crosses_the_lamps_plane_costs_no_precision() {
 /// but a map cannot show them: so they do not pull its near plane up to the lamp.
 #[test]
 fn casters_beside_the_map_cost_no_precision() {
-    let (position, direction) = (Vec3::new(0.0, 5.0, 0.0), Vec3::NEG_Y);
+    let position = Vec3::new(0.0, 5.0, 0.0);
+    let direction = Vec3::NEG_Y;
     let lamp = Light::Spot {
         position,
         direction,

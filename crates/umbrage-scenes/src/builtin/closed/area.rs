@@ -45,12 +45,15 @@ fn along_x(points: &[(f32, f32)]) -> ClosedForm {
 
 /// Points at z = 0 as (x, visibility, visibility weighted by irradiance).
 fn weighted(points: &[(f32, f32, f32)]) -> ClosedForm {
-    let sample = |&(x, v, w): &(f32, f32, f32)| Sample {
-        weighted: Some(w),
-        ..on_floor(x, 0.0, v)
-    };
+    let mut samples = Vec::new();
+    for &(x, visibility, weighted) in points {
+        samples.push(Sample {
+            weighted: Some(weighted),
+            ..on_floor(x, 0.0, visibility)
+        });
+    }
     ClosedForm {
-        samples: points.iter().map(sample).collect(),
+        samples,
         tolerance: TOLERANCE,
     }
 }

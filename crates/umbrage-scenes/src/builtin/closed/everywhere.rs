@@ -30,21 +30,24 @@ pub(crate) fn closed_room() -> Scene {
 pub(crate) fn closed_room_samples() -> ClosedForm {
     const STEPS: i32 = 24;
     let [min, max] = ROOM.map(|v| v + (Vec3::new(0.0, 1.5, 0.0) - v).signum() * 1e-3);
-    let at = |i: i32| i as f32 / STEPS as f32;
     let mut samples = Vec::new();
     for axis in 0..3 {
         for (wall, inward) in [(ROOM[0], 1.0), (ROOM[1], -1.0)] {
-            for (i, k) in (0..=STEPS).flat_map(|i| (0..=STEPS).map(move |k| (i, k))) {
-                let mut t = Vec3::ZERO;
-                (t[(axis + 1) % 3], t[(axis + 2) % 3]) = (at(i), at(k));
-                let mut point = min + (max - min) * t;
-                point[axis] = wall[axis];
-                samples.push(Sample {
-                    point,
-                    normal: Vec3::AXES[axis] * inward,
-                    visibility: 0.0,
-                    weighted: None,
-                });
+            // A grid over the wall.
+            for i in 0..=STEPS {
+                for k in 0..=STEPS {
+                    let mut t = Vec3::ZERO;
+                    t[(axis + 1) % 3] = i as f32 / STEPS as f32;
+                    t[(axis + 2) % 3] = k as f32 / STEPS as f32;
+                    let mut point = min + (max - min) * t;
+                    point[axis] = wall[axis];
+                    samples.push(Sample {
+                        point,
+                        normal: Vec3::AXES[axis] * inward,
+                        visibility: 0.0,
+                        weighted: None,
+                    });
+                }
             }
         }
     }
@@ -127,9 +130,11 @@ pub(crate) fn bare_floor() -> Scene {
 
 /// The sun half a degree high over nothing: all is lit.
 pub(crate) fn bare_floor_samples() -> ClosedForm {
-    let at = |i: i32| i as f32 * 0.39;
-    let points: Vec<_> = (-25..=25)
-        .flat_map(|i| (-25..=25).map(move |k| (at(i), at(k), 1.0)))
-        .collect();
+    let mut points = Vec::new();
+    for i in -25..=25 {
+        for k in -25..=25 {
+            points.push((i as f32 * 0.39, k as f32 * 0.39, 1.0));
+        }
+    }
     exact(&points)
 }

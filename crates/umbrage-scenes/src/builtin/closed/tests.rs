@@ -38,7 +38,8 @@ fn ideal_lights_follow_their_formulas() {
     ];
     holds("c1-box-sun", |x, z| {
         let left_of = |i: usize| {
-            let ((ax, az), (bx, bz)) = (hexagon[i], hexagon[(i + 1) % 6]);
+            let (ax, az) = hexagon[i];
+            let (bx, bz) = hexagon[(i + 1) % 6];
             (bx - ax) * (z - az) - (bz - az) * (x - ax) > 0.0
         };
         lit(!(0..6).all(left_of))
@@ -61,10 +62,8 @@ fn ideal_lights_follow_their_formulas() {
 #[test]
 fn spheres_around_a_bulb_follow_their_cones() {
     let in_cone = |x: f64, z: f64, (center, radius): (Vec3, f32)| {
-        let (to_point, to_center) = (
-            DVec3::new(x, 0.0, z) - room::BULB.as_dvec3(),
-            (center - room::BULB).as_dvec3(),
-        );
+        let to_point = DVec3::new(x, 0.0, z) - room::BULB.as_dvec3();
+        let to_center = (center - room::BULB).as_dvec3();
         to_point.angle_between(to_center) < (f64::from(radius) / to_center.length()).asin()
     };
     holds("c3-room", |x, z| {
@@ -113,7 +112,8 @@ fn lambert(from: f64, to: f64, x: f64) -> f64 {
     let corners = [(from, -0.5), (from, 0.5), (to, 0.5), (to, -0.5)]
         .map(|(lx, lz)| DVec3::new(lx - x, 4.0, lz));
     let edge = |i: usize| {
-        let (a, b) = (corners[i].normalize(), corners[(i + 1) % 4].normalize());
+        let a = corners[i].normalize();
+        let b = corners[(i + 1) % 4].normalize();
         a.dot(b).acos() * a.cross(b).normalize().y
     };
     (0..4).map(edge).sum::<f64>().abs() / 2.0
@@ -197,7 +197,8 @@ const GRID: f32 = 1.0 / 96.0;
 #[test]
 fn rays_agree_with_the_samples() {
     for (entry, scene, closed) in cases() {
-        let (geometry, light) = (Geometry::bake(&scene).unwrap(), scene.lights[0]);
+        let geometry = Geometry::bake(&scene).unwrap();
+        let light = scene.lights[0];
         let allowed = if light.is_ideal() { 0.0 } else { GRID };
         let found = worst(&geometry, &light, &closed.samples);
         assert!(found <= allowed, "{}: {found}", entry.name);

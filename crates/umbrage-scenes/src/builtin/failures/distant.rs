@@ -12,7 +12,9 @@ use umbrage_core::{Light, Scene};
 /// Balls along 300 m of floor: what is near is seen a hundred times as finely as what is far, and one bias serves both.
 fn long_plane(name: &str, light: Light) -> Scene {
     let places = (0..14).map(|i| {
-        Affine3A::from_translation(Vec3::new(-1.5 + (i % 3) as f32, 1.0, -21.0 * i as f32))
+        let x = -1.5 + (i % 3) as f32;
+        let z = -21.0 * i as f32;
+        Affine3A::from_translation(Vec3::new(x, 1.0, z))
     });
     Stage::new(name)
         .put_many(
@@ -41,19 +43,24 @@ pub(crate) fn long_plane_lamp() -> Scene {
 /// Cells along each side: 8,192 triangles, few enough for shadow volumes in every frame.
 const CELLS: u32 = 64;
 
+/// Returns the hills' height at a place, metres.
+fn hill_height(x: f32, z: f32) -> f32 {
+    14.0 * fractal(Vec3::new(x, 3.0, z) / 60.0, 5)
+}
+
 /// Hills of 160 m with posts on them, the sun 14 degrees high, all of it moved along x and z by `offset` metres. Far from
 /// the origin positions are rounded: to 8 mm at 1e5 m, to 6 cm at 1e6 m.
 fn hills_at(name: &str, offset: f32) -> Scene {
-    let height = |x: f32, z: f32| 14.0 * fractal(Vec3::new(x, 3.0, z) / 60.0, 5);
     let place = Affine3A::from_translation(Vec3::new(offset, 0.0, -offset));
-    let post = |i: i32| {
-        let (x, z) = (-36.0 + 9.0 * i as f32, 12.0 - 22.0 * (i % 3) as f32);
-        place * Affine3A::from_translation(Vec3::new(x, height(x, z) - 1.0, z))
-    };
+    let posts = (0..9).map(|i| {
+        let x = -36.0 + 9.0 * i as f32;
+        let z = 12.0 - 22.0 * (i % 3) as f32;
+        place * Affine3A::from_translation(Vec3::new(x, hill_height(x, z) - 1.0, z))
+    });
     let away = Vec3::from(place.translation);
     Stage::new(name)
-        .put_many(grid([80.0, 80.0], [CELLS, CELLS], height), [place])
-        .put_many(pillar(0.5, 8.0, 16), (0..9).map(post))
+        .put_many(grid([80.0, 80.0], [CELLS, CELLS], hill_height), [place])
+        .put_many(pillar(0.5, 8.0, 16), posts)
         .light(sun(0.8, -0.23, 0.45))
         .shoot(
             away + Vec3::new(-14.0, 20.0, 62.0),
@@ -78,16 +85,15 @@ pub(crate) fn hills_1e6() -> Scene {
 /// The camera looks towards the sun over posts whose shadows come at it: the light's map and the picture run against
 /// each other, the case that perspective warps degenerate in.
 pub(crate) fn into_light() -> Scene {
-    let post = |i: i32| {
-        Affine3A::from_translation(Vec3::new(
-            -7.0 + 3.5 * (i % 5) as f32,
-            0.0,
-            -4.0 - 7.0 * (i / 5) as f32,
-        ))
-    };
+    // Three rows of five.
+    let posts = (0..15).map(|i| {
+        let x = -7.0 + 3.5 * (i % 5) as f32;
+        let z = -4.0 - 7.0 * (i / 5) as f32;
+        Affine3A::from_translation(Vec3::new(x, 0.0, z))
+    });
     Stage::new("into-light")
         .put(grid([30.0, 40.0], [1, 1], |_, _| 0.0))
-        .put_many(pillar(0.25, 2.2, 24), (0..15).map(post))
+        .put_many(pillar(0.25, 2.2, 24), posts)
         .put(block(
             Vec3::new(-1.6, 0.0, -2.2),
             Vec3::new(-0.6, 0.9, -1.2),

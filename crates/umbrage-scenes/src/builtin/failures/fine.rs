@@ -5,23 +5,23 @@ use crate::{
     primitives::{block, grid, icosphere, lathe, pillar},
     stage::{Stage, sun},
 };
-use umbrage_core::Scene;
 use umbrage_core::glam::{Affine3A, Vec3};
+use umbrage_core::{Mesh, Scene};
 
 /// Six slices of 6 mm, 5 cm above each other, each smaller than the one below, so that a rim of every slice is seen: lit
 /// outside, dark where the slices above shade it. Moments of several depths blend; a bias of 5 cm takes a slice for the
 /// next.
 pub(crate) fn stacked_slices() -> Scene {
-    let slice = |i: i32| {
-        let (y, half) = (0.1 + 0.05 * i as f32, 1.1 - 0.16 * i as f32);
-        block(Vec3::new(-half, y, -half), Vec3::new(half, y + 0.006, half))
-    };
-    (0..6)
-        .map(slice)
-        .fold(
-            Stage::new("stacked-slices").put(grid([3.0, 3.0], [1, 1], |_, _| 0.0)),
-            Stage::put,
-        )
+    let mut stage = Stage::new("stacked-slices").put(grid([3.0, 3.0], [1, 1], |_, _| 0.0));
+    for i in 0..6 {
+        let y = 0.1 + 0.05 * i as f32;
+        let half = 1.1 - 0.16 * i as f32;
+        stage = stage.put(block(
+            Vec3::new(-half, y, -half),
+            Vec3::new(half, y + 0.006, half),
+        ));
+    }
+    stage
         .put_many(
             pillar(0.04, 1.1, 16),
             [Affine3A::from_translation(Vec3::new(-0.1, 0.3, 0.1))],
@@ -49,11 +49,15 @@ pub(crate) fn hovering_feet() -> Scene {
         (0.05, 0.9),
         (0.0, 0.9),
     ];
-    let places = [(-0.9, 0.2), (-0.6, 0.0), (0.4, 0.3), (0.7, 0.1)];
-    let at = |(x, z): (f32, f32)| Affine3A::from_translation(Vec3::new(x, 0.0, z));
+    let places = [
+        Affine3A::from_translation(Vec3::new(-0.9, 0.0, 0.2)),
+        Affine3A::from_translation(Vec3::new(-0.6, 0.0, 0.0)),
+        Affine3A::from_translation(Vec3::new(0.4, 0.0, 0.3)),
+        Affine3A::from_translation(Vec3::new(0.7, 0.0, 0.1)),
+    ];
     Stage::new("hovering-feet")
         .put(grid([3.0, 3.0], [1, 1], |_, _| 0.0))
-        .put_many(lathe(&foot, 32), places.map(at))
+        .put_many(lathe(&foot, 32), places)
         .put(icosphere(Vec3::new(-0.75, 1.2, 0.1), 0.4, 3))
         .put(block(Vec3::new(0.3, 0.9, 0.0), Vec3::new(0.8, 1.5, 0.4)))
         .light(sun(0.45, -1.0, -0.35))
@@ -65,17 +69,24 @@ pub(crate) fn hovering_feet() -> Scene {
         )
 }
 
+/// Returns a rail whose underside is `y` metres above the floor.
+fn fence_rail(y: f32) -> Mesh {
+    block(Vec3::new(-2.45, y, -0.01), Vec3::new(2.45, y + 0.02, 0.01))
+}
+
 /// A fence of upright wires 12 mm thick and of three rails: one to two pixels of the picture each, and about as many
 /// texels of a map of 1,024.
 pub(crate) fn fence() -> Scene {
-    let wire = |i: i32| Affine3A::from_translation(Vec3::new(-2.4 + 0.08 * i as f32, 0.0, 0.0));
-    let rail = |y: f32| block(Vec3::new(-2.45, y, -0.01), Vec3::new(2.45, y + 0.02, 0.01));
+    let wires = (0..61).map(|i| {
+        let x = -2.4 + 0.08 * i as f32;
+        Affine3A::from_translation(Vec3::new(x, 0.0, 0.0))
+    });
     Stage::new("fence")
         .put(grid([4.0, 4.0], [1, 1], |_, _| 0.0))
-        .put_many(pillar(0.006, 1.2, 8), (0..61).map(wire))
-        .put(rail(0.15))
-        .put(rail(0.6))
-        .put(rail(1.1))
+        .put_many(pillar(0.006, 1.2, 8), wires)
+        .put(fence_rail(0.15))
+        .put(fence_rail(0.6))
+        .put(fence_rail(1.1))
         .light(sun(0.35, -1.0, 0.9))
         .shoot(
             Vec3::new(1.2, 1.9, 3.4),

@@ -10,22 +10,37 @@ use umbrage_core::{Light, Scene};
 
 const LAMP: Vec3 = Vec3::new(0.0, 1.5, 0.0);
 
+/// Returns a place counted from the lamp.
+fn from_lamp(x: f32, y: f32, z: f32) -> Vec3 {
+    LAMP + Vec3::new(x, y, z)
+}
+
 /// Where two or three faces of a cube of maps around the lamp meet, something stands: posts where |x| = |z|, beams
 /// where |x| = |y| and |y| = |z|, a ball where all three are equal, counted from the lamp. The floor is two triangles,
 /// so that a map that bends straight lines between vertices has none to lean on.
 fn at_seams(name: &str, light: Light) -> Scene {
-    let at = |x: f32, y: f32, z: f32| LAMP + Vec3::new(x, y, z);
-    let posts = [(-1.0, -1.0), (1.1, -1.1), (-0.8, 0.8), (1.2, 1.2)];
+    let posts = [
+        Affine3A::from_translation(Vec3::new(-1.0, 0.0, -1.0)),
+        Affine3A::from_translation(Vec3::new(1.1, 0.0, -1.1)),
+        Affine3A::from_translation(Vec3::new(-0.8, 0.0, 0.8)),
+        Affine3A::from_translation(Vec3::new(1.2, 0.0, 1.2)),
+    ];
     Stage::new(name)
         .put(room(Vec3::new(-2.2, 0.0, -2.2), Vec3::new(2.2, 3.0, 2.2)))
-        .put_many(
-            pillar(0.05, 3.0, 16),
-            posts.map(|(x, z)| Affine3A::from_translation(Vec3::new(x, 0.0, z))),
-        )
-        .put(block(at(-1.04, -1.04, -0.6), at(-0.96, -0.96, 0.5)))
-        .put(block(at(-0.7, 0.86, -0.94), at(0.8, 0.94, -0.86)))
-        .put(block(at(-0.5, -0.74, -0.74), at(0.3, -0.66, -0.66)))
-        .put(icosphere(at(0.6, -0.6, -0.6), 0.14, 3))
+        .put_many(pillar(0.05, 3.0, 16), posts)
+        .put(block(
+            from_lamp(-1.04, -1.04, -0.6),
+            from_lamp(-0.96, -0.96, 0.5),
+        ))
+        .put(block(
+            from_lamp(-0.7, 0.86, -0.94),
+            from_lamp(0.8, 0.94, -0.86),
+        ))
+        .put(block(
+            from_lamp(-0.5, -0.74, -0.74),
+            from_lamp(0.3, -0.66, -0.66),
+        ))
+        .put(icosphere(from_lamp(0.6, -0.6, -0.6), 0.14, 3))
         .light(light)
         .shoot(
             Vec3::new(0.35, 2.1, 2.1),
@@ -63,43 +78,42 @@ pub(crate) fn flat_receivers() -> Scene {
         icosphere(Vec3::new(0.5, 0.9, 0.1), 0.35, 3),
         block(Vec3::new(-0.9, 1.1, -1.6), Vec3::new(-0.2, 1.2, -0.9)),
     ];
-    let stage = Stage::new("flat-receivers")
+    let mut stage = Stage::new("flat-receivers")
         .put(grid([3.0, 2.5], [1, 1], |_, _| 0.0))
+        .last_roles(false, true)
+        .put(wall)
         .last_roles(false, true);
-    let stage = stage.put(wall).last_roles(false, true);
-    casters
-        .into_iter()
-        .fold(stage, |stage, caster| {
-            stage.put(caster).last_roles(true, false)
-        })
-        .light(bulb(0.1, 3.2, 0.7))
-        .shoot(
-            Vec3::new(2.6, 2.9, 5.3),
-            Vec3::new(-0.05, 0.85, -0.8),
-            44.0,
-            SMALL,
-        )
+    for caster in casters {
+        stage = stage.put(caster).last_roles(true, false);
+    }
+    stage.light(bulb(0.1, 3.2, 0.7)).shoot(
+        Vec3::new(2.6, 2.9, 5.3),
+        Vec3::new(-0.05, 0.85, -0.8),
+        44.0,
+        SMALL,
+    )
+}
+
+/// Returns a spot 4 m above the floor that points at the caster of [`two_lights`].
+fn spot_on_caster(x: f32, z: f32) -> Light {
+    let position = Vec3::new(x, 4.0, z);
+    Light::Spot {
+        position,
+        direction: Vec3::Y * 0.5 - position,
+        inner: 30.0_f32.to_radians(),
+        outer: 34.0_f32.to_radians(),
+        radius: 0.0,
+    }
 }
 
 /// Two spots on one caster: each has a shadow of its own, and what is wrong in either is wrong in their sum.
 pub(crate) fn two_lights() -> Scene {
-    let spot = |x: f32, z: f32| {
-        let position = Vec3::new(x, 4.0, z);
-        let [inner, outer] = [30.0_f32, 34.0].map(f32::to_radians);
-        Light::Spot {
-            position,
-            direction: Vec3::Y * 0.5 - position,
-            inner,
-            outer,
-            radius: 0.0,
-        }
-    };
     Stage::new("two-lights")
         .put(grid([4.0, 4.0], [1, 1], |_, _| 0.0))
         .put(block(Vec3::new(-0.4, 0.0, -0.4), Vec3::new(0.4, 1.0, 0.4)))
         .put(icosphere(Vec3::new(0.0, 1.3, 0.0), 0.3, 3))
-        .light(spot(-2.2, 0.9))
-        .light(spot(1.8, 1.4))
+        .light(spot_on_caster(-2.2, 0.9))
+        .light(spot_on_caster(1.8, 1.4))
         .shoot(
             Vec3::new(0.6, 3.2, 4.6),
             Vec3::new(0.0, 0.3, -0.3),

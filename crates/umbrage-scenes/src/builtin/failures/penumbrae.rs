@@ -44,9 +44,11 @@ const LAMP_HALF: f32 = 0.4;
 /// A pole, whose penumbra widens along its shadow, and boxes from 5 cm to 1.5 m above the floor, each with a penumbra
 /// of a width of its own: (receiver - blocker) / blocker times the lamp's.
 fn rising(name: &str, light: Light) -> Scene {
-    let boxes = [0.05, 0.25, 0.55, 0.95, 1.5].into_iter().enumerate();
-    let places =
-        boxes.map(|(i, y)| Affine3A::from_translation(Vec3::new(0.75 * i as f32 - 1.3, y, 0.3)));
+    let heights = [0.05, 0.25, 0.55, 0.95, 1.5];
+    let places = heights.into_iter().enumerate().map(|(i, y)| {
+        let x = 0.75 * i as f32 - 1.3;
+        Affine3A::from_translation(Vec3::new(x, y, 0.3))
+    });
     Stage::new(name)
         .put(grid([5.0, 4.0], [1, 1], |_, _| 0.0))
         .put_many(
@@ -67,7 +69,8 @@ fn rising(name: &str, light: Light) -> Scene {
 }
 
 pub(crate) fn rising_boxes() -> Scene {
-    let (half_u, half_v) = (Vec3::X * LAMP_HALF, Vec3::Z * LAMP_HALF);
+    let half_u = Vec3::X * LAMP_HALF;
+    let half_v = Vec3::Z * LAMP_HALF;
     rising(
         "rising-boxes",
         Light::Rect {
@@ -144,20 +147,28 @@ fn leaves() -> Mesh {
     mesh
 }
 
+/// Returns a leaf at a random place in the ball, turned at random.
 fn leaf(i: i32) -> Mesh {
-    let number = |what: i32| uniform(IVec3::new(i, what, 18));
-    // Even over directions (Archimedes: height on a sphere is even) and over the ball's volume.
-    let direction = |what: i32| {
-        let (y, (cos, sin)) = (
-            2.0 * number(what) - 1.0,
-            on_circle(f64::from(number(what + 1))),
-        );
-        let r = (1.0 - y * y).max(0.0).sqrt();
-        Vec3::new(r * cos, y, r * sin)
-    };
-    let at =
-        Vec3::new(0.0, 2.2, 0.0) + direction(0) * number(2).cbrt() * Vec3::new(1.15, 0.75, 1.15);
-    let along = direction(3) * 0.15;
-    let across = along.cross(direction(5)).normalize_or(Vec3::Y) * 0.075;
-    quad([at - along, at + across, at + along, at - across])
+    let random = |what: i32| uniform(IVec3::new(i, what, 18));
+    // The cube root spreads leaves evenly over the ball's volume.
+    let in_unit_ball = unit_vector(random(0), random(1)) * random(2).cbrt();
+    let middle = Vec3::new(0.0, 2.2, 0.0) + in_unit_ball * Vec3::new(1.15, 0.75, 1.15);
+    let along = unit_vector(random(3), random(4)) * 0.15;
+    let other = unit_vector(random(5), random(6));
+    let across = along.cross(other).normalize_or(Vec3::Y) * 0.075;
+    quad([
+        middle - along,
+        middle + across,
+        middle + along,
+        middle - across,
+    ])
+}
+
+/// Returns a unit vector for two numbers, each 0 to 1; evenly spread numbers give evenly spread directions (Archimedes: on a
+/// sphere, height is evenly spread).
+fn unit_vector(height: f32, turn: f32) -> Vec3 {
+    let y = 2.0 * height - 1.0;
+    let (cos, sin) = on_circle(f64::from(turn));
+    let radius = (1.0 - y * y).max(0.0).sqrt();
+    Vec3::new(radius * cos, y, radius * sin)
 }

@@ -12,16 +12,19 @@ use umbrage_core::{Mesh, Scene};
 /// Methods that store the faces turned away from the light take these sheets for the far sides of something, or lose
 /// them; and where one sheet stands on the floor, a midpoint lies between it and the floor.
 pub(crate) fn open_shells() -> Scene {
-    let upright =
-        quad([(-0.5, 0.0), (0.5, 0.0), (0.5, 1.1), (-0.5, 1.1)].map(|(x, y)| Vec3::new(x, y, 0.0)));
-    let place = |x: f32, z: f32, turn: f32| {
-        Affine3A::from_rotation_translation(Quat::from_rotation_y(turn), Vec3::new(x, 0.0, z))
-    };
+    let upright = quad([
+        Vec3::new(-0.5, 0.0, 0.0),
+        Vec3::new(0.5, 0.0, 0.0),
+        Vec3::new(0.5, 1.1, 0.0),
+        Vec3::new(-0.5, 1.1, 0.0),
+    ]);
+    let towards_sun = turned_at(-1.8, 0.2, -0.5);
+    let away_from_sun = turned_at(-0.6, -1.2, 2.6);
     Stage::new("open-shells")
         .put(grid([4.0, 3.5], [1, 1], |_, _| 0.0))
-        // One faces the sun and one doesn't: the same sheet, seen from its two sides.
-        .put_many(upright, [place(-1.8, 0.2, -0.5), place(-0.6, -1.2, 2.6)])
-        .put_many(open_box(), [place(0.7, -0.2, -0.3)])
+        // The same sheet, seen from its two sides.
+        .put_many(upright, [towards_sun, away_from_sun])
+        .put_many(open_box(), [turned_at(0.7, -0.2, -0.3)])
         .put(cards())
         .light(sun(0.5, -1.0, -0.45))
         .shoot(
@@ -32,35 +35,37 @@ pub(crate) fn open_shells() -> Scene {
         )
 }
 
-/// A box of sheets without its top and its front.
-fn open_box() -> Mesh {
-    let mesh = block(Vec3::new(-0.45, 0.0, -0.4), Vec3::new(0.45, 0.7, 0.4));
-    let open = |t: &[u32; 3]| [Vec3::Y, Vec3::Z].contains(&mesh.normals[t[0] as usize]);
-    let triangles = mesh
-        .triangles
-        .iter()
-        .filter(|t| !open(t))
-        .copied()
-        .collect();
-    Mesh {
-        name: "open box".to_owned(),
-        triangles,
-        ..mesh
-    }
+/// Returns a place on the floor, turned about y by `turn` radians.
+fn turned_at(x: f32, z: f32, turn: f32) -> Affine3A {
+    Affine3A::from_rotation_translation(Quat::from_rotation_y(turn), Vec3::new(x, 0.0, z))
 }
 
-/// Twelve leaves up a spiral, each one quad that hangs outwards; they grow smaller, and face now up, now down.
+/// Returns a box of sheets without its top and its front.
+fn open_box() -> Mesh {
+    let mut mesh = block(Vec3::new(-0.45, 0.0, -0.4), Vec3::new(0.45, 0.7, 0.4));
+    mesh.name = "open box".to_owned();
+    mesh.triangles.retain(|triangle| {
+        let normal = mesh.normals[triangle[0] as usize];
+        normal != Vec3::Y && normal != Vec3::Z
+    });
+    mesh
+}
+
+/// Returns twelve leaves up a spiral, each one quad that hangs outwards; they grow smaller, and face now up, now down.
 fn cards() -> Mesh {
     let mut cards = Mesh {
         name: "leaf cards".to_owned(),
         ..Mesh::default()
     };
     for i in 0..12_u32 {
-        let t = i as f32 / 11.0;
+        // 0 at the lowest leaf, 1 at the highest.
+        let height = i as f32 / 11.0;
         let out = Mat3A::from_rotation_y(2.4 * i as f32) * Vec3A::X;
-        let along = (out + Vec3A::Y * (0.7 - 1.2 * t)).normalize() * (0.5 - 0.25 * t);
-        let across = out.cross(Vec3A::Y) * if i % 2 == 0 { 0.13 } else { -0.13 };
-        let root = Vec3A::new(2.1, 0.15 + 1.1 * t, 0.3);
+        let direction = (out + Vec3A::Y * (0.7 - 1.2 * height)).normalize();
+        let along = direction * (0.5 - 0.25 * height);
+        let half_width = if i % 2 == 0 { 0.13 } else { -0.13 };
+        let across = out.cross(Vec3A::Y) * half_width;
+        let root = Vec3A::new(2.1, 0.15 + 1.1 * height, 0.3);
         let base = cards.positions.len() as u32;
         let corners = [
             root,
@@ -69,9 +74,8 @@ fn cards() -> Mesh {
             root + along * 0.5 + across,
         ];
         cards.positions.extend(corners.map(Vec3::from));
-        cards
-            .triangles
-            .extend([[base, base + 1, base + 2], [base, base + 2, base + 3]]);
+        cards.triangles.push([base, base + 1, base + 2]);
+        cards.triangles.push([base, base + 2, base + 3]);
     }
     cards
 }

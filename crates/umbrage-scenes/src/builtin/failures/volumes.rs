@@ -16,7 +16,7 @@ const NEAR: f32 = 0.1;
 const MARGIN: f32 = 0.03;
 const EYE: Vec3 = Vec3::new(0.0, 1.2, 4.0);
 /// Heights of the slab's underside and upper side. The latter's edge bounds the shadow.
-const RAY_BOX: [f32; 2] = [3.0, 3.15];
+const SLAB_HEIGHTS: [f32; 2] = [3.0, 3.15];
 /// Where the lamp stands over the slab's edge; towards the sun, likewise.
 const TO_LIGHT: Vec3 = Vec3::new(-1.5, 3.0, -0.4);
 
@@ -35,23 +35,26 @@ fn under_slab(name: &str, light: Light) -> Scene {
     Stage::new(name)
         .put(grid([6.0, 6.0], [1, 1], |_, _| 0.0))
         .put(block(
-            Vec3::new(-4.0, RAY_BOX[0], -1.5),
-            Vec3::new(slab_edge(), RAY_BOX[1], 5.5),
+            Vec3::new(-4.0, SLAB_HEIGHTS[0], -1.5),
+            Vec3::new(slab_edge(), SLAB_HEIGHTS[1], 5.5),
         ))
         .put_many(pillar(0.03, 2.0, 12), [post])
         .put_many(
             pillar(0.12, 1.9, 24),
-            [(-0.7, 0.3), (1.3, 0.6)]
-                .map(|(x, z)| Affine3A::from_translation(Vec3::new(x, 0.0, z))),
+            [
+                Affine3A::from_translation(Vec3::new(-0.7, 0.0, 0.3)),
+                Affine3A::from_translation(Vec3::new(1.3, 0.0, 0.6)),
+            ],
         )
         .put(icosphere(Vec3::new(0.5, 0.6, 1.6), 0.22, 3))
         .light(light)
         .shoot_from(&shot, Some(NEAR))
 }
 
-/// So that the plane through the slab's upper edge and the light passes [`MARGIN`] to the right of the eye.
+/// Returns the x of the slab's edge at which the plane through its upper edge and the light passes [`MARGIN`] to the right of
+/// the eye.
 fn slab_edge() -> f32 {
-    EYE.x + MARGIN + TO_LIGHT.x / TO_LIGHT.y * (RAY_BOX[1] - EYE.y)
+    EYE.x + MARGIN + TO_LIGHT.x / TO_LIGHT.y * (SLAB_HEIGHTS[1] - EYE.y)
 }
 
 pub(crate) fn eye_in_umbra() -> Scene {
@@ -59,7 +62,7 @@ pub(crate) fn eye_in_umbra() -> Scene {
 }
 
 pub(crate) fn eye_in_umbra_lamp() -> Scene {
-    let [x, y, z] = (Vec3::new(slab_edge(), RAY_BOX[1], EYE.z - 1.0) + TO_LIGHT).to_array();
+    let [x, y, z] = (Vec3::new(slab_edge(), SLAB_HEIGHTS[1], EYE.z - 1.0) + TO_LIGHT).to_array();
     under_slab("eye-in-umbra-lamp", bulb(x, y, z))
 }
 
@@ -67,37 +70,22 @@ pub(crate) fn eye_in_umbra_lamp() -> Scene {
 /// lacks a triangle; a fin, so that three faces share an edge; two boxes that share an edge, so that four do; a side
 /// that winds the wrong way.
 fn broken(name: &str, light: Light) -> Scene {
-    let unit = || block(Vec3::new(-0.35, 0.0, -0.35), Vec3::new(0.35, 0.8, 0.35));
-    let meshes = [
-        doubled(unit()),
-        with_t_junction(unit()),
-        holed(unit()),
-        finned(unit()),
-        touching(),
-        flipped(unit()),
+    let intact = block(Vec3::new(-0.35, 0.0, -0.35), Vec3::new(0.35, 0.8, 0.35));
+    // Each with its place on the floor, x and z.
+    let casters = [
+        (doubled(intact.clone()), -2.0_f32, -0.9),
+        (with_t_junction(intact.clone()), 0.0, -1.1),
+        (holed(intact.clone()), 2.0, -0.9),
+        (finned(intact.clone()), -1.9, 0.9),
+        (touching(), 0.0, 0.8),
+        (flipped(intact), 1.9, 0.9),
     ];
-    let stage = Stage::new(name).put(grid([4.5, 4.0], [1, 1], |_, _| 0.0));
-    let places = [
-        (-2.0, -0.9),
-        (0.0, -1.1),
-        (2.0, -0.9),
-        (-1.9, 0.9),
-        (0.0, 0.8),
-        (1.9, 0.9),
-    ];
-    let stage = meshes
-        .into_iter()
-        .zip(places)
-        .fold(stage, |stage, (mesh, (x, z))| {
-            let turn = Quat::from_rotation_y(0.3 * x + 0.2);
-            stage.put_many(
-                mesh,
-                [Affine3A::from_rotation_translation(
-                    turn,
-                    Vec3::new(x, 0.0, z),
-                )],
-            )
-        });
+    let mut stage = Stage::new(name).put(grid([4.5, 4.0], [1, 1], |_, _| 0.0));
+    for (mesh, x, z) in casters {
+        let turn = Quat::from_rotation_y(0.3 * x + 0.2);
+        let place = Affine3A::from_rotation_translation(turn, Vec3::new(x, 0.0, z));
+        stage = stage.put_many(mesh, [place]);
+    }
     stage.light(light).shoot(
         Vec3::new(0.6, 4.6, 5.2),
         Vec3::new(0.15, 0.1, 0.05),
@@ -119,16 +107,18 @@ fn doubled(mut mesh: Mesh) -> Mesh {
     mesh
 }
 
-/// The triangles that face along `normal`.
-fn side(mesh: &Mesh, normal: Vec3) -> impl Iterator<Item = usize> + '_ {
+/// Returns the indices of the triangles that face along `normal`.
+fn side(mesh: &Mesh, normal: Vec3) -> Vec<usize> {
     (0..mesh.triangles.len())
-        .filter(move |&i| mesh.normals[mesh.triangles[i][0] as usize] == normal)
+        .filter(|&i| mesh.normals[mesh.triangles[i][0] as usize] == normal)
+        .collect()
 }
 
 /// The lid's edge towards +z gets a corner in its middle, which the side below doesn't have.
 fn with_t_junction(mut mesh: Mesh) -> Mesh {
-    let lid: Vec<usize> = side(&mesh, Vec3::Y).collect();
-    let [min, max] = [Vec3::new(-0.35, 0.8, -0.35), Vec3::new(0.35, 0.8, 0.35)];
+    let lid = side(&mesh, Vec3::Y);
+    let min = Vec3::new(-0.35, 0.8, -0.35);
+    let max = Vec3::new(0.35, 0.8, 0.35);
     let base = mesh.positions.len() as u32;
     mesh.positions.extend([
         min.with_z(max.z),
@@ -146,15 +136,19 @@ fn with_t_junction(mut mesh: Mesh) -> Mesh {
 }
 
 fn holed(mut mesh: Mesh) -> Mesh {
-    let lid = side(&mesh, Vec3::Y).next();
-    lid.map(|i| mesh.triangles.remove(i));
+    let lid = side(&mesh, Vec3::Y);
+    mesh.triangles.remove(lid[0]);
     mesh
 }
 
 /// A sheet on the lid's edge towards +x.
 fn finned(mut mesh: Mesh) -> Mesh {
-    let at = |y: f32, z: f32| Vec3::new(0.35, y, z);
-    let fin = quad([at(0.8, -0.35), at(0.8, 0.35), at(1.3, 0.35), at(1.3, -0.35)]);
+    let fin = quad([
+        Vec3::new(0.35, 0.8, -0.35),
+        Vec3::new(0.35, 0.8, 0.35),
+        Vec3::new(0.35, 1.3, 0.35),
+        Vec3::new(0.35, 1.3, -0.35),
+    ]);
     let base = mesh.positions.len() as u32;
     mesh.positions.extend(&fin.positions);
     mesh.normals.extend([Vec3::NEG_X; 4]);
@@ -178,36 +172,50 @@ fn touching() -> Mesh {
 }
 
 fn flipped(mut mesh: Mesh) -> Mesh {
-    let wrong: Vec<usize> = side(&mesh, Vec3::NEG_X).collect();
-    wrong.into_iter().for_each(|i| mesh.triangles[i].swap(0, 1));
+    for i in side(&mesh, Vec3::NEG_X) {
+        mesh.triangles[i].swap(0, 1);
+    }
     mesh
+}
+
+/// The floor of [`ten_thousand_boxes`] has as many rows of boxes, and as many in each.
+const BOXES_A_SIDE: i32 = 100;
+
+/// Returns a box's random size, turn and shift within its square metre of the floor.
+fn box_place(column: i32, row: i32) -> Affine3A {
+    let random = |what: i32| uniform(IVec3::new(column, row, what));
+    let size = Vec3::new(
+        0.2 + 0.2 * random(2),
+        0.1 + 0.5 * random(3),
+        0.2 + 0.2 * random(4),
+    );
+    let turn = Quat::from_rotation_y(3.0 * random(5));
+    let place = Vec3::new(
+        along_floor(column, random(0)),
+        0.0,
+        along_floor(row, random(1)),
+    );
+    Affine3A::from_scale_rotation_translation(size, turn, place)
+}
+
+/// Returns a box's x or z, metres, from its column or row and its shift within that, 0 to 1.
+fn along_floor(index: i32, shift: f32) -> f32 {
+    index as f32 - 0.5 * (BOXES_A_SIDE as f32 - 1.0) + 0.6 * (shift - 0.5)
 }
 
 /// Small boxes on a floor, each with a volume as long as the floor is wide.
 pub(crate) fn ten_thousand_boxes() -> Scene {
-    const SIDE: i32 = 100;
-    let place = |i: i32, k: i32| {
-        let number = |what: i32| uniform(IVec3::new(i, k, what));
-        let along = |i: i32, shift: f32| i as f32 - 0.5 * (SIDE as f32 - 1.0) + 0.6 * (shift - 0.5);
-        let size = Vec3::new(
-            0.2 + 0.2 * number(2),
-            0.1 + 0.5 * number(3),
-            0.2 + 0.2 * number(4),
-        );
-        let turn = Quat::from_rotation_y(3.0 * number(5));
-        Affine3A::from_scale_rotation_translation(
-            size,
-            turn,
-            Vec3::new(along(i, number(0)), 0.0, along(k, number(1))),
-        )
-    };
-    let half = 0.5 * SIDE as f32 + 1.0;
+    let mut places = Vec::new();
+    for column in 0..BOXES_A_SIDE {
+        for row in 0..BOXES_A_SIDE {
+            places.push(box_place(column, row));
+        }
+    }
+    let half = 0.5 * BOXES_A_SIDE as f32 + 1.0;
+    let unit_box = block(Vec3::new(-0.5, 0.0, -0.5), Vec3::new(0.5, 1.0, 0.5));
     Stage::new("ten-thousand-boxes")
         .put(grid([half, half], [1, 1], |_, _| 0.0))
-        .put_many(
-            block(Vec3::new(-0.5, 0.0, -0.5), Vec3::new(0.5, 1.0, 0.5)),
-            (0..SIDE).flat_map(|i| (0..SIDE).map(move |k| place(i, k))),
-        )
+        .put_many(unit_box, places)
         .light(sun(1.0, -0.12, 0.3))
         .shoot(
             Vec3::new(-6.0, 9.0, 40.0),

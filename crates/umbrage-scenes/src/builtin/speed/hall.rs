@@ -15,28 +15,38 @@ const BAY: f32 = 4.0;
 const LENGTH: f32 = 0.5 * BAY * BAYS as f32;
 const ROW: f32 = 3.0;
 const WIDTH: f32 = 6.0;
+/// Heights of the arches' feet (the springing line) and of the walls.
 const SPRING: f32 = 4.2;
 const HEIGHT: f32 = 7.5;
 
 pub(crate) fn hall() -> Scene {
-    let at = |x: f32, y: f32, z: f32| Affine3A::from_translation(Vec3::new(x, y, z));
-    let ends = (0..=BAYS).flat_map(|i| [-ROW, ROW].map(|z| at(BAY * i as f32 - LENGTH, 0.0, z)));
-    let bays = (0..BAYS).map(|i| BAY * (i as f32 + 0.5) - LENGTH);
-    let rows = bays
-        .clone()
-        .flat_map(|x| [-ROW, ROW].map(|z| at(x, SPRING, z)));
-    let walls = bays.flat_map(|x| [-WIDTH, WIDTH].map(|z| at(x, 0.0, z)));
+    let mut columns = Vec::new();
+    for i in 0..=BAYS {
+        let x = BAY * i as f32 - LENGTH;
+        columns.push(moved(x, 0.0, -ROW));
+        columns.push(moved(x, 0.0, ROW));
+    }
+    let mut arches = Vec::new();
+    let mut walls = Vec::new();
+    for i in 0..BAYS {
+        let x = BAY * (i as f32 + 0.5) - LENGTH;
+        arches.push(moved(x, SPRING, -ROW));
+        arches.push(moved(x, SPRING, ROW));
+        walls.push(moved(x, 0.0, -WIDTH));
+        walls.push(moved(x, 0.0, WIDTH));
+    }
     let roof = block(
         Vec3::new(-LENGTH, HEIGHT, -WIDTH),
         Vec3::new(LENGTH, HEIGHT + 0.3, WIDTH),
     );
     let end = block(Vec3::new(-0.3, 0.0, -WIDTH), Vec3::new(0.0, HEIGHT, WIDTH));
+    let ends = [moved(-LENGTH, 0.0, 0.0), moved(LENGTH + 0.3, 0.0, 0.0)];
     Stage::new("hall")
         .put(grid([LENGTH, WIDTH], [72, 28], |_, _| 0.0))
-        .put_many(column(), ends)
-        .put_many(arch(), rows)
+        .put_many(column(), columns)
+        .put_many(arch(), arches)
         .put_many(outer_wall(), walls)
-        .put_many(end, [at(-LENGTH, 0.0, 0.0), at(LENGTH + 0.3, 0.0, 0.0)])
+        .put_many(end, ends)
         .put(roof)
         .light(sun(0.25, -0.75, 0.8))
         .shoot(
@@ -45,6 +55,10 @@ pub(crate) fn hall() -> Scene {
             62.0,
             SIZE,
         )
+}
+
+fn moved(x: f32, y: f32, z: f32) -> Affine3A {
+    Affine3A::from_translation(Vec3::new(x, y, z))
 }
 
 /// Base, tapering shaft and capital.
@@ -77,7 +91,8 @@ fn column() -> Mesh {
 
 /// A wall over one bay with a round opening; its foot is at the springing line.
 fn arch() -> Mesh {
-    let (half, top) = (0.5 * BAY, HEIGHT - SPRING);
+    let half = 0.5 * BAY;
+    let top = HEIGHT - SPRING;
     let mut outline = vec![(half, 0.0), (half, top), (-half, top), (-half, 0.0)];
     outline.extend((0..=64).map(|i| {
         let (cos, sin) = on_circle(0.5 - f64::from(i) / 128.0);

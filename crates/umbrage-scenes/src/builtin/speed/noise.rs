@@ -23,20 +23,26 @@ fn smooth(p: Vec3) -> f32 {
     let t = p - cell;
     let t = t * t * t * (t * (t * 6.0 - 15.0) + 10.0);
     let cell = cell.as_ivec3();
-    let mix = |a: f32, b: f32, t: f32| a + (b - a) * t;
-    let along_x = |y, z| {
-        mix(
-            uniform(cell + IVec3::new(0, y, z)),
-            uniform(cell + IVec3::new(1, y, z)),
-            t.x,
-        )
+    // Four edges of the cell along x, then two lines along y, then one along z.
+    let edge = |y, z| {
+        let left = uniform(cell + IVec3::new(0, y, z));
+        let right = uniform(cell + IVec3::new(1, y, z));
+        mix(left, right, t.x)
     };
-    let along_y = |z| mix(along_x(0, z), along_x(1, z), t.y);
-    mix(along_y(0), along_y(1), t.z)
+    let back = mix(edge(0, 0), edge(1, 0), t.y);
+    let front = mix(edge(0, 1), edge(1, 1), t.y);
+    mix(back, front, t.z)
 }
 
-/// Octaves of noise, each at twice the frequency and half the height of the one before; about -1 to 1.
+fn mix(a: f32, b: f32, t: f32) -> f32 {
+    a + (b - a) * t
+}
+
+/// Returns the sum of octaves of noise, each at twice the frequency and half the height of the one before; about -1 to 1.
 pub(crate) fn fractal(p: Vec3, octaves: u32) -> f32 {
-    let octave = |i: u32| (2.0 * smooth(p * (1_u32 << i) as f32) - 1.0) / (1_u32 << i) as f32;
-    0.5 * (0..octaves).map(octave).sum::<f32>()
+    let octaves = (0..octaves).map(|i| {
+        let frequency = (1_u32 << i) as f32;
+        (2.0 * smooth(p * frequency) - 1.0) / frequency
+    });
+    0.5 * octaves.sum::<f32>()
 }

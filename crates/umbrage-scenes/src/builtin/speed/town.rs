@@ -33,13 +33,17 @@ pub(crate) fn town() -> Scene {
 
 /// The place of a unit box; every fifth row and column is pushed aside for a wider street.
 fn house(i: i32, k: i32) -> Affine3A {
-    let number = |what: i32| uniform(IVec3::new(i, k, what));
-    let along = |i: i32| {
-        PITCH * (i as f32 - 0.5 * (SIDE as f32 - 1.0)) + if i % 5 == 0 { 1.5 } else { 0.0 }
-    };
-    // Few are tall.
-    let height = 5.0 + 45.0 * number(0).powi(6) + 6.0 * number(1);
-    let size = Vec3::new(7.0 + 3.0 * number(2), height, 7.0 + 3.0 * number(3));
-    let turn = Quat::from_rotation_y(0.08 * (number(4) - 0.5));
-    Affine3A::from_scale_rotation_translation(size, turn, Vec3::new(along(i), 0.0, along(k)))
+    let random = |what: i32| uniform(IVec3::new(i, k, what));
+    // The power makes most houses low.
+    let height = 5.0 + 45.0 * random(0).powi(6) + 6.0 * random(1);
+    let size = Vec3::new(7.0 + 3.0 * random(2), height, 7.0 + 3.0 * random(3));
+    let turn = Quat::from_rotation_y(0.08 * (random(4) - 0.5));
+    let place = Vec3::new(along_town(i), 0.0, along_town(k));
+    Affine3A::from_scale_rotation_translation(size, turn, place)
+}
+
+/// Returns the x or z of a row or column of houses, metres.
+fn along_town(i: i32) -> f32 {
+    let push = if i % 5 == 0 { 1.5 } else { 0.0 };
+    PITCH * (i as f32 - 0.5 * (SIDE as f32 - 1.0)) + push
 }

@@ -15,31 +15,31 @@ pub(super) struct Surface {
 }
 
 impl Surface {
-    /// `rounds` times averaging tells what part of the offsets neighbours share; it is left out. 0 leaves nothing out.
+    /// Measures a mesh. Averaging offsets over neighbours `rounds` times gives the part that neighbours share, which is
+    /// subtracted; 0 subtracts nothing.
     pub(super) fn new(mesh: &Mesh, rounds: u32) -> Result<Self, Invalid> {
         check(mesh)?;
         let places = WeldedVertices::new(&mesh.positions);
         let edges = edges(mesh, &places);
-        if let Some(&(a, b)) = edges
-            .iter()
-            .find(|&&(a, b)| edges.binary_search(&(b, a)).is_err())
-        {
-            let [p, q] = [a, b].map(|place| mesh.positions[places.vertices(place)[0] as usize]);
-            let why = format!("is open: no second triangle meets the edge from {p} to {q}");
-            return Err(Invalid::new(
-                format!("mesh `{}`", mesh.name),
-                why,
-                "close its holes",
-            ));
+        for &(a, b) in &edges {
+            if edges.binary_search(&(b, a)).is_err() {
+                let p = place_position(mesh, &places, a);
+                let q = place_position(mesh, &places, b);
+                let what = format!("mesh `{}`", mesh.name);
+                let why = format!("is open: no second triangle meets the edge from {p} to {q}");
+                return Err(Invalid::new(what, why, "close its holes"));
+            }
         }
         let normals = places.normals(mesh);
         let mut deltas = deltas(mesh, &places, &edges, &normals);
         if rounds > 0 {
-            let shared = (0..rounds).fold(deltas.clone(), |values, _| averaged(&values, &edges));
-            deltas
-                .iter_mut()
-                .zip(shared)
-                .for_each(|(delta, shared)| *delta -= shared);
+            let mut shared = deltas.clone();
+            for _ in 0..rounds {
+                shared = averaged(&shared, &edges);
+            }
+            for (delta, shared) in deltas.iter_mut().zip(shared) {
+                *delta -= shared;
+            }
         }
         Ok(Self {
             places,
@@ -48,7 +48,7 @@ impl Surface {
         })
     }
 
-    /// The mesh's normals: equal for all vertices of a place.
+    /// Returns the mesh's normals, equal for all vertices of a place.
     pub(super) fn vertex_normals(&self) -> Vec<Vec3> {
         self.places
             .group_of()
@@ -64,69 +64,75 @@ impl Surface {
 
 fn check(mesh: &Mesh) -> Result<(), Invalid> {
     mesh.validate()?;
-    let invalid =
-        |why: String, help: &str| Err(Invalid::new(format!("mesh `{}`", mesh.name), why, help));
+    let what = format!("mesh `{}`", mesh.name);
     if mesh.uvs.is_empty() {
-        return invalid(
-            "has no texture coordinates to store a map over".to_owned(),
-            "give it uvs",
-        );
+        let why = "has no texture coordinates to store a map over";
+        return Err(Invalid::new(what, why, "give it uvs"));
     }
-    match mesh
-        .uvs
-        .iter()
-        .find(|uv| uv.min_element() < 0.0 || uv.max_element() > 1.0)
-    {
-        Some(uv) => invalid(
-            format!(
+    for uv in &mesh.uvs {
+        if uv.min_element() < 0.0 || uv.max_element() > 1.0 {
+            let why = format!(
                 "has the texture coordinates {uv}: beyond 0 to 1, a texel would stand for several places"
-            ),
-            "lay its uvs out in one square",
-        ),
-        None => Ok(()),
+            );
+            return Err(Invalid::new(what, why, "lay its uvs out in one square"));
+        }
     }
+    Ok(())
 }
 
-/// Directed edges between places in order, each once; those without length left out.
+/// Returns directed edges between places in order, each once; those without length left out.
 fn edges(mesh: &Mesh, places: &WeldedVertices) -> Vec<(u32, u32)> {
-    let corners = mesh
-        .triangles
-        .iter()
-        .map(|t| t.map(|v| places.group_of()[v as usize]));
-    let edges = corners
-        .flat_map(|[a, b, c]| [(a, b), (b, c), (c, a)])
-        .filter(|(a, b)| a != b);
     // Sorted, so that sums round alike in every run.
-    edges.collect::<BTreeSet<_>>().into_iter().collect()
+    let mut edges = BTreeSet::new();
+    for triangle in &mesh.triangles {
+        let [a, b, c] = triangle.map(|v| places.group_of()[v as usize]);
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            if from != to {
+                edges.insert((from, to));
+            }
+        }
+    }
+    edges.into_iter().collect()
 }
 
+fn place_position(mesh: &Mesh, places: &WeldedVertices, place: u32) -> Vec3 {
+    mesh.positions[places.vertices(place)[0] as usize]
+}
+
+/// Returns how far each place stands out from the mean of its neighbours, metres along its normal; 0 without neighbours.
 fn deltas(
     mesh: &Mesh,
     places: &WeldedVertices,
     edges: &[(u32, u32)],
     normals: &[Vec3],
 ) -> Vec<f32> {
-    let at = |place: u32| mesh.positions[places.vertices(place)[0] as usize].as_dvec3();
-    let mut sums = vec![(DVec3::ZERO, 0_u32); places.count()];
+    let mut sums = vec![DVec3::ZERO; places.count()];
+    let mut counts = vec![0_u32; places.count()];
     for &(a, b) in edges {
-        let (sum, count) = &mut sums[a as usize];
-        (*sum, *count) = (*sum + at(b), *count + 1);
+        sums[a as usize] += place_position(mesh, places, b).as_dvec3();
+        counts[a as usize] += 1;
     }
-    let delta = |(place, (sum, count)): (usize, (DVec3, u32))| match count {
-        0 => 0.0,
-        _ => (at(place as u32) - sum / f64::from(count)).dot(normals[place].as_dvec3()) as f32,
-    };
-    sums.into_iter().enumerate().map(delta).collect()
+    let mut deltas = vec![0.0; places.count()];
+    for (place, delta) in deltas.iter_mut().enumerate() {
+        if counts[place] > 0 {
+            let mean = sums[place] / f64::from(counts[place]);
+            let position = place_position(mesh, places, place as u32).as_dvec3();
+            *delta = (position - mean).dot(normals[place].as_dvec3()) as f32;
+        }
+    }
+    deltas
 }
 
-/// The mean of each place's value and its neighbours'.
+/// Returns the mean of each place's value and its neighbours'.
 fn averaged(values: &[f32], edges: &[(u32, u32)]) -> Vec<f32> {
-    let mut sums: Vec<(f64, u32)> = values.iter().map(|&v| (f64::from(v), 1)).collect();
+    let mut sums: Vec<f64> = values.iter().map(|&v| f64::from(v)).collect();
+    let mut counts = vec![1_u32; values.len()];
     for &(a, b) in edges {
-        let (sum, count) = &mut sums[a as usize];
-        (*sum, *count) = (*sum + f64::from(values[b as usize]), *count + 1);
+        sums[a as usize] += f64::from(values[b as usize]);
+        counts[a as usize] += 1;
     }
     sums.into_iter()
+        .zip(counts)
         .map(|(sum, count)| (sum / f64::from(count)) as f32)
         .collect()
 }

@@ -14,34 +14,29 @@ impl DisplacementMap {
     /// chunks that they don't know, and a map that has lost its scale is worthless; a missing file is noticed at once.
     ///
     /// # Errors
-    /// When one of the two can't be written.
+    /// Errors if one of the two can't be written.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<(), SceneError> {
         let path = path.as_ref();
-        let failed = |file: &Path, why: &dyn std::fmt::Display| SceneError::Unwritable {
-            file: file.display().to_string(),
-            why: format!("can't be written: {why}"),
-            help: "check that its folder is there and may be written to".to_owned(),
-        };
         let image =
             ImageBuffer::<Luma<u16>, _>::from_raw(self.size.x, self.size.y, self.greys.clone());
-        let image = image.ok_or_else(|| failed(path, &"its size doesn't fit its texels"))?;
+        let image = image.ok_or_else(|| unwritable(path, &"its size doesn't fit its texels"))?;
         image
             .save_with_format(path, image::ImageFormat::Png)
-            .map_err(|e| failed(path, &e))?;
+            .map_err(|e| unwritable(path, &e))?;
         let metres = beside(path);
         let text = format!(
             "# Metres of a displacement map: bias + scale (2 h - 1), where h is 0 for black and 1 for white.\n\
              scale = {:?}\nbias = {:?}\n",
             self.scale, self.bias
         );
-        std::fs::write(&metres, text).map_err(|e| failed(&metres, &e))
+        std::fs::write(&metres, text).map_err(|e| unwritable(&metres, &e))
     }
 
     /// Reads what [`DisplacementMap::save`] wrote. Other programs may have changed the image: its first channel counts,
     /// of 8 bits or 16.
     ///
     /// # Errors
-    /// When one of the two files can't be read, or holds something else.
+    /// Errors if one of the two files can't be read, or holds something else.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, SceneError> {
         let path = path.as_ref();
         let [scale, bias] = read_metres(&beside(path))?;
@@ -58,6 +53,14 @@ impl DisplacementMap {
     }
 }
 
+fn unwritable(file: &Path, why: &dyn std::fmt::Display) -> SceneError {
+    SceneError::Unwritable {
+        file: file.display().to_string(),
+        why: format!("can't be written: {why}"),
+        help: "check that its folder is there and may be written to".to_owned(),
+    }
+}
+
 /// `map.png.toml`: next to `map.png` in a list of files, and no scene's name.
 fn beside(path: &Path) -> PathBuf {
     let mut name = path.as_os_str().to_owned();
@@ -65,34 +68,37 @@ fn beside(path: &Path) -> PathBuf {
     PathBuf::from(name)
 }
 
+/// Returns scale and bias, metres.
 fn read_metres(path: &Path) -> Result<[f32; 2], SceneError> {
     let text = std::fs::read_to_string(path).map_err(|e| SceneError::unreadable(path, &e))?;
-    let file = path.display().to_string();
-    let invalid = |source| SceneError::Invalid {
-        file: file.clone(),
+    parse_metres(&text).map_err(|source| SceneError::Invalid {
+        file: path.display().to_string(),
         source,
-    };
-    let table: toml::Table = text
-        .parse()
-        .map_err(|e: toml::de::Error| {
-            Invalid::new("the map's metres", e.message(), "save the map again")
-        })
-        .map_err(invalid)?;
-    let number = |key: &str| {
-        let value = table
-            .get(key)
-            .and_then(|v| v.as_float().or_else(|| v.as_integer().map(|i| i as f64)));
-        let missing = || {
-            Invalid::new(
+    })
+}
+
+fn parse_metres(text: &str) -> Result<[f32; 2], Invalid> {
+    let table: toml::Table = text.parse().map_err(|e: toml::de::Error| {
+        Invalid::new("the map's metres", e.message(), "save the map again")
+    })?;
+    let scale = number(&table, "scale")?;
+    let bias = number(&table, "bias")?;
+    invalid::not_negative("`scale`", scale)?;
+    invalid::finite("`bias`", &[bias])?;
+    Ok([scale, bias])
+}
+
+fn number(table: &toml::Table, key: &str) -> Result<f32, Invalid> {
+    match table.get(key) {
+        Some(toml::Value::Float(value)) => Ok(*value as f32),
+        Some(toml::Value::Integer(value)) => Ok(*value as f64 as f32),
+        _ => {
+            let help = format!("add `{key} = 0.01`");
+            Err(Invalid::new(
                 format!("`{key}`"),
                 "is missing or no number",
-                format!("add `{key} = 0.01`"),
-            )
-        };
-        value.map(|v| v as f32).ok_or_else(missing).map_err(invalid)
-    };
-    let [scale, bias] = [number("scale")?, number("bias")?];
-    invalid::not_negative("`scale`", scale).map_err(invalid)?;
-    invalid::finite("`bias`", &[bias]).map_err(invalid)?;
-    Ok([scale, bias])
+                help,
+            ))
+        }
+    }
 }

@@ -1,7 +1,7 @@
 //! The map: made from a noisy mesh, applied to a mesh.
 
 use super::{deltas::Surface, fill::nearest_vertices};
-use umbrage_core::glam::{UVec2, Vec2};
+use umbrage_core::glam::UVec2;
 use umbrage_core::{Invalid, Mesh, Texture, displacement};
 
 /// Least and greatest number of texels a side.
@@ -27,7 +27,7 @@ impl DisplacementMap {
     /// vertices keep each vertex's offset apart from its neighbours'; [`DisplacementMap::largest_error`] tells.
     ///
     /// # Errors
-    /// When the mesh is invalid or open, has no texture coordinates or some beyond 0 to 1; when a side is not 2 to
+    /// Errors if the mesh is invalid or open, has no texture coordinates or some beyond 0 to 1; when a side is not 2 to
     /// 8192.
     pub fn from_noisy(noisy: &Mesh, size: UVec2) -> Result<Self, Invalid> {
         Self::from_noisy_keeping_shape(noisy, size, 0)
@@ -38,7 +38,7 @@ impl DisplacementMap {
     /// the curvature, and denoising would shrink the shape by it. 8 rounds serve well, 0 leave nothing out.
     ///
     /// # Errors
-    /// As [`DisplacementMap::from_noisy`].
+    /// Errors if [`DisplacementMap::from_noisy`] does.
     pub fn from_noisy_keeping_shape(
         noisy: &Mesh,
         size: UVec2,
@@ -52,7 +52,8 @@ impl DisplacementMap {
             .iter()
             .copied()
             .fold(f32::NEG_INFINITY, f32::max);
-        let (scale, bias) = (0.5 * (most - least), 0.5 * (most + least));
+        let scale = 0.5 * (most - least);
+        let bias = 0.5 * (most + least);
         let range = f64::from(most) - f64::from(least);
         let grey = |delta: f32| match range > 0.0 {
             true => ((f64::from(delta) - f64::from(least)) / range * 65535.0).round() as u16,
@@ -71,54 +72,47 @@ impl DisplacementMap {
         })
     }
 
-    /// The mesh with each vertex moved along its normal by `factor` times the map's metres there: -1 takes away what
+    /// Returns the mesh with each vertex moved along its normal by `factor` times the map's metres there: -1 takes away what
     /// the map was made from, 1 doubles it. Vertices of one place stay together. Shading normals are averaged anew.
     ///
     /// # Errors
-    /// As [`DisplacementMap::from_noisy`]; and when the factor is not finite.
+    /// Errors if [`DisplacementMap::from_noisy`] does, or if the factor is not finite.
     pub fn applied(&self, mesh: &Mesh, factor: f32) -> Result<Mesh, Invalid> {
         let surface = Surface::new(mesh, 0)?;
         // Textures repeat, and the border of a map is seldom the other border's neighbour: half a texel keeps them
         // apart.
         let border = 0.5 / self.size.as_vec2();
-        let uvs = mesh
-            .uvs
-            .iter()
-            .map(|uv| uv.clamp(border, 1.0 - border))
-            .collect();
-        let inset = Mesh {
-            uvs,
-            normals: surface.vertex_normals(),
-            tangents: Vec::new(),
-            ..mesh.clone()
-        };
+        let mut inset = mesh.clone();
+        for uv in &mut inset.uvs {
+            *uv = uv.clamp(border, 1.0 - border);
+        }
+        inset.normals = surface.vertex_normals();
+        inset.tangents = Vec::new();
         let (texture, lambda) = self.texture();
-        Ok(Mesh {
-            uvs: mesh.uvs.clone(),
-            ..inset.displaced(&texture, factor * lambda)?
-        })
+        let mut moved = inset.displaced(&texture, factor * lambda)?;
+        moved.uvs = mesh.uvs.clone();
+        Ok(moved)
     }
 
-    /// The map as a material's displacement: a texture, and the lambda that makes `lambda (2 h - 1)` the map's metres;
+    /// Returns the map as a material's displacement: a texture, and the lambda that makes `lambda (2 h - 1)` the map's metres;
     /// minus lambda denoises. The bias is part of the texture.
     pub fn texture(&self) -> (Texture, f32) {
         let lambda = self.scale + self.bias.abs();
-        let height = |grey: &u16| {
-            if lambda > 0.0 {
-                0.5 + 0.5 * self.metres(*grey) / lambda
+        let mut texels = Vec::with_capacity(self.greys.len());
+        for &grey in &self.greys {
+            let height = if lambda > 0.0 {
+                0.5 + 0.5 * self.metres(grey) / lambda
             } else {
                 0.5
-            }
+            };
+            texels.push([height, height, height, 1.0]);
+        }
+        let texture = Texture {
+            name: "displacement map".to_owned(),
+            size: self.size,
+            texels,
         };
-        let texels = self.greys.iter().map(height).map(|h| [h, h, h, 1.0]);
-        (
-            Texture {
-                name: "displacement map".to_owned(),
-                size: self.size,
-                texels: texels.collect(),
-            },
-            lambda,
-        )
+        (texture, lambda)
     }
 
     fn metres(&self, grey: u16) -> f32 {
@@ -130,47 +124,49 @@ impl DisplacementMap {
     /// as the map was made with.
     ///
     /// # Errors
-    /// As [`DisplacementMap::from_noisy`].
+    /// Errors if [`DisplacementMap::from_noisy`] does.
     pub fn largest_error(&self, noisy: &Mesh, rounds: u32) -> Result<f32, Invalid> {
         let surface = Surface::new(noisy, rounds)?;
         let (texture, lambda) = self.texture();
         let border = 0.5 / self.size.as_vec2();
-        let found = |uv: Vec2| {
-            lambda * (2.0 * displacement::height(&texture, uv.clamp(border, 1.0 - border)) - 1.0)
-        };
-        let errors = noisy
-            .uvs
-            .iter()
-            .enumerate()
-            .map(|(v, &uv)| (found(uv) - surface.vertex_delta(v)).abs());
-        Ok(errors.fold(0.0, f32::max))
+        let mut largest = 0.0_f32;
+        for (vertex, uv) in noisy.uvs.iter().enumerate() {
+            let height = displacement::height(&texture, uv.clamp(border, 1.0 - border));
+            let stored = lambda * (2.0 * height - 1.0);
+            largest = largest.max((stored - surface.vertex_delta(vertex)).abs());
+        }
+        Ok(largest)
     }
 
-    /// Texels.
+    /// Returns the map's size, texels.
     pub fn size(&self) -> UVec2 {
         self.size
     }
 
-    /// Half of the range of offsets, metres.
+    /// Returns half of the range of offsets, metres.
     pub fn scale(&self) -> f32 {
         self.scale
     }
 
-    /// The middle of the range of offsets, metres.
+    /// Returns the middle of the range of offsets, metres.
     pub fn bias(&self) -> f32 {
         self.bias
     }
 }
 
-/// `passes` times a map of the mesh so far, taken away; `rounds` as in [`DisplacementMap::from_noisy_keeping_shape`].
-/// Each pass removes noise that the one before left; without rounds it also shrinks the shape once more.
+/// Returns a mesh from which a map of it was taken away, `passes` times; `rounds` as in
+/// [`DisplacementMap::from_noisy_keeping_shape`]. Each pass removes noise that the one before left; without rounds it also
+/// shrinks the shape once more.
 ///
 /// # Errors
-/// As [`DisplacementMap::from_noisy`].
+/// Errors if [`DisplacementMap::from_noisy`] does.
 pub fn denoised(noisy: &Mesh, size: UVec2, passes: u32, rounds: u32) -> Result<Mesh, Invalid> {
-    (0..passes).try_fold(noisy.clone(), |mesh, _| {
-        DisplacementMap::from_noisy_keeping_shape(&mesh, size, rounds)?.applied(&mesh, -1.0)
-    })
+    let mut mesh = noisy.clone();
+    for _ in 0..passes {
+        let map = DisplacementMap::from_noisy_keeping_shape(&mesh, size, rounds)?;
+        mesh = map.applied(&mesh, -1.0)?;
+    }
+    Ok(mesh)
 }
 
 pub(super) fn check_size(size: UVec2) -> Result<(), Invalid> {

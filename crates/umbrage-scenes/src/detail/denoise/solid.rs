@@ -49,32 +49,28 @@ impl Solid {
     /// The mean of [`Solid::distance`] over a mesh's places: doubled vertices count once.
     pub fn mean_distance(&self, mesh: &Mesh) -> f64 {
         let places = WeldedVertices::new(&mesh.positions);
-        let first = |place| mesh.positions[places.vertices(place)[0] as usize];
-        (0..places.count() as u32)
-            .map(|place| self.distance(first(place)))
-            .sum::<f64>()
-            / places.count() as f64
+        let mut sum = 0.0;
+        for place in 0..places.count() as u32 {
+            let first = places.vertices(place)[0];
+            sum += self.distance(mesh.positions[first as usize]);
+        }
+        sum / places.count() as f64
     }
 }
 
-/// The mesh with each place moved along its averaged normal by -`amplitude` to `amplitude` metres, uniformly at random
-/// from the place's number and `seed`: the same on every machine. Shading normals are dropped, since they would tell
-/// the clean shape.
+/// Returns the mesh with each place moved along its averaged normal by -`amplitude` to `amplitude` metres, uniformly at random
+/// from the place's number and `seed`: the same on every machine. Shading normals are dropped, since they are those of the
+/// clean shape.
 pub fn roughened(mesh: &Mesh, amplitude: f32, seed: i32) -> Mesh {
     let places = WeldedVertices::new(&mesh.positions);
     let normals = places.normals(mesh);
-    let offset = |place: u32| amplitude * (2.0 * uniform(IVec3::new(place as i32, seed, 0)) - 1.0);
-    let moved = |(&p, &place): (&Vec3, &u32)| p + normals[place as usize] * offset(place);
-    let positions = mesh
-        .positions
-        .iter()
-        .zip(places.group_of())
-        .map(moved)
-        .collect();
-    Mesh {
-        positions,
-        normals: Vec::new(),
-        tangents: Vec::new(),
-        ..mesh.clone()
+    let mut out = mesh.clone();
+    for (position, &place) in out.positions.iter_mut().zip(places.group_of()) {
+        let random = uniform(IVec3::new(place as i32, seed, 0));
+        let offset = amplitude * (2.0 * random - 1.0);
+        *position += normals[place as usize] * offset;
     }
+    out.normals = Vec::new();
+    out.tangents = Vec::new();
+    out
 }

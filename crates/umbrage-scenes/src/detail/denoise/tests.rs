@@ -176,7 +176,8 @@ fn maps_serve_as_materials() {
         positions: baked.positions().to_vec(),
         ..noisy.clone()
     };
-    let (drawn, before) = (solid.mean_distance(&drawn), solid.mean_distance(&noisy));
+    let drawn = solid.mean_distance(&drawn);
+    let before = solid.mean_distance(&noisy);
     assert!(drawn < 0.5 * before, "{drawn} of {before}");
 }
 
