@@ -11,7 +11,7 @@ const MANY_PIXELS: u64 = 1 << 23;
 /// Says how much there is to do, and of much how long it takes.
 ///
 /// # Errors
-/// When it doesn't fit into this machine's memory.
+/// Errors if it doesn't fit into this machine's memory.
 pub(crate) fn announce(
     inputs: &[SceneInput],
     options: &CompareOptions,

@@ -30,7 +30,7 @@ type Fresh = BTreeMap<(usize, String), Again>;
 /// results, in their order.
 ///
 /// # Errors
-/// When a scene can't be played again.
+/// Errors if a scene can't be played again.
 pub fn time_again(
     changes: &mut Changes,
     inputs: &[SceneInput],

@@ -19,7 +19,7 @@ impl Except {
     /// Refuses names that mean nothing in a baseline: a slip of the pen would else go unnoticed.
     ///
     /// # Errors
-    /// The first name that is neither a scene, a technique, a backend nor a setting of it.
+    /// Errors on the first name that is neither a scene, a technique, a backend nor a setting of the comparison.
     pub fn check(&self, baseline: &Comparison) -> Result<(), Invalid> {
         let known = |name: &&String| {
             let of_row = |row: &CompareRow| names(row).contains(name);

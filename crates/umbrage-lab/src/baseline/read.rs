@@ -20,7 +20,7 @@ struct Version {
 /// Reads a `results.json`.
 ///
 /// # Errors
-/// When it can't be read, is no such file, or has a schema that is too old or newer than this program.
+/// Errors if it can't be read, is no such file, or has a schema that is too old or newer than this program.
 pub fn read(path: &Path) -> Result<Comparison, Invalid> {
     let what = format!("baseline `{}`", path.display());
     let help = "give the results.json that `cargo xtask compare` wrote";

@@ -65,7 +65,7 @@ impl Pair {
 /// Runs both in turn. Each returns how long its run took.
 ///
 /// # Errors
-/// Returns the first error of either.
+/// Errors if either of them does; returns the first error.
 pub fn paired<E>(
     repetitions: Repetitions,
     mut ours: impl FnMut() -> Result<Duration, E>,

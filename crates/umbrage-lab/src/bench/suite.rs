@@ -102,7 +102,7 @@ impl SpeedScene {
 /// Runs everything, telling each result as it comes. Without a graphics adapter only rays are compared.
 ///
 /// # Errors
-/// When a backend fails.
+/// Errors if a backend fails.
 pub fn run(
     options: BenchOptions,
     gpu: Option<&mut Gpu>,

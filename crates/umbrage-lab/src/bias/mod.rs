@@ -121,7 +121,7 @@ pub const KERNELS: [NamedKernel; 6] = [
 /// Plays the default and all rivals under every light of a staged scene. Rows in order of light, kernel and side.
 ///
 /// # Errors
-/// When the scene is not valid or a backend fails. Kernels and maps that can't serve a light are left out.
+/// Errors if the scene is not valid or a backend fails. Kernels and maps that can't serve a light are left out.
 pub fn measure(
     staged: &Staged,
     options: &BiasOptions,

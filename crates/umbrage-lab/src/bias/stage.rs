@@ -22,7 +22,7 @@ const FOV_Y: f32 = 0.7;
 /// from three quarters, under a high sun, a low sun, a spot and a bulb.
 ///
 /// # Errors
-/// When the scene is not valid.
+/// Errors if the scene is not valid.
 pub fn staged(scene: Scene, is_model: bool) -> Result<Staged, LabError> {
     if is_model {
         return on_a_floor(scene);

@@ -117,7 +117,7 @@ pub fn markdown(rows: &[BiasRow]) -> String {
 /// Writes `bias.csv` and `bias.md` into a folder, which is made if need be. Returns the page's path.
 ///
 /// # Errors
-/// When they cannot be written.
+/// Errors if they cannot be written.
 pub fn write(rows: &[BiasRow], folder: &Path) -> Result<PathBuf, LabError> {
     let out = Folder::create(folder)?;
     out.write("bias.csv", &table(rows)?)?;

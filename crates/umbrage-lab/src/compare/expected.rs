@@ -42,7 +42,7 @@ impl Expected {
     /// Counts what comparing these scenes on so many backends takes.
     ///
     /// # Errors
-    /// When a scene has no camera or light, or the options are wrong.
+    /// Errors if a scene has no camera or light, or the options are wrong.
     pub fn new(
         inputs: &[SceneInput],
         options: &CompareOptions,
@@ -82,7 +82,7 @@ fn pixels(size: UVec2) -> u64 {
 /// is the same at any size.
 ///
 /// # Errors
-/// When the scene can't be compared.
+/// Errors if the scene can't be compared.
 pub fn pilot(
     inputs: &[SceneInput],
     options: &CompareOptions,

@@ -46,7 +46,7 @@ pub type Sink<'a> = dyn FnMut(&SceneResult, &SceneImages) -> Result<(), LabError
 /// may not fit into memory.
 ///
 /// # Errors
-/// When input is not valid, a backend fails, or truth and a technique did not see the same triangles.
+/// Errors if input is not valid, a backend fails, or truth and a technique did not see the same triangles.
 pub fn compare(
     inputs: &[SceneInput],
     options: &CompareOptions,

@@ -128,7 +128,7 @@ impl CompareOptions {
     /// The technique settings to be compared, with maps that lie so.
     ///
     /// # Errors
-    /// When a name is unknown or a map size is missing.
+    /// Errors if a name is unknown or a map size is missing.
     pub(super) fn settings(&self, fit: Fit) -> Result<Vec<Arc<dyn ShadowTechnique>>, LabError> {
         let chosen = self.registry.select(&self.techniques)?;
         if self.map_sizes.is_empty() {

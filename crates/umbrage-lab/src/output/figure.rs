@@ -275,7 +275,7 @@ impl Figure {
     /// As a picture of pixels.
     ///
     /// # Errors
-    /// When the renderer fails.
+    /// Errors if the renderer fails.
     pub fn png(&self) -> Result<Vec<u8>, LabError> {
         let (plots, layout) = self.plots();
         kuva::render_to_png(plots, layout, PNG_SCALE).map_err(|e| LabError::write("figure", e))

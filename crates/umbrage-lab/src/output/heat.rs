@@ -20,7 +20,7 @@ const RAMP: [Vec3; 4] = [
 /// of how many touch them.
 ///
 /// # Errors
-/// When the encoder fails.
+/// Errors if the encoder fails.
 pub fn heat_map(heat: &Heat) -> Result<Vec<u8>, LabError> {
     let most = heat
         .lookups

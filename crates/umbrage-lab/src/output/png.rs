@@ -19,7 +19,7 @@ const EMPTY: Vec3 = Vec3::new(0.80, 0.84, 0.89);
 /// A mask, white where lit, on a bluish ground where nothing receives.
 ///
 /// # Errors
-/// When the encoder fails.
+/// Errors if the encoder fails.
 pub fn mask(size: UVec2, mask: &[f32], pixels: &[Pixel]) -> Result<Vec<u8>, LabError> {
     encode(size, mask_colors(mask, pixels).into_iter())
 }
@@ -39,7 +39,7 @@ pub(crate) fn mask_colors(mask: &[f32], pixels: &[Pixel]) -> Vec<Vec3> {
 /// Where a mask is wrong: blue for false shadow, orange for false light, over a faint picture of truth.
 ///
 /// # Errors
-/// When the encoder fails.
+/// Errors if the encoder fails.
 pub fn error(
     size: UVec2,
     mask: &[f32],
@@ -76,7 +76,7 @@ pub(crate) fn error_colors(mask: &[f32], truth: &[f32], pixels: &[Pixel]) -> Vec
 /// truth (hues of Okabe and Ito).
 ///
 /// # Errors
-/// When the encoder fails.
+/// Errors if the encoder fails.
 pub fn causes(truth: &Truth, causes: &[Option<Cause>]) -> Result<Vec<u8>, LabError> {
     let color = |i: usize| match (truth.pixels[i], causes[i]) {
         (Pixel::Empty, _) => EMPTY,

@@ -30,7 +30,7 @@ pub struct Written {
 /// one lacks are removed.
 ///
 /// # Errors
-/// When a file cannot be written.
+/// Errors if a file cannot be written.
 pub fn write(plan: &Plan, folder: &Path) -> Result<Vec<Written>, LabError> {
     let stem = match plan.light_number {
         1 => slug(&plan.scene),

@@ -73,7 +73,7 @@ impl From<&Regret> for RegretLine {
 /// Writes `regret.csv` into a folder, which is made if need be: one [`RegretLine`] a scene, light and bound. Returns its path.
 ///
 /// # Errors
-/// When it cannot be written.
+/// Errors if it cannot be written.
 pub fn write_regret(all: &[Regret], folder: &Path) -> Result<PathBuf, LabError> {
     let table = csv::of_records(FILE, all.iter().map(RegretLine::from))?;
     Folder::create(folder)?.write(FILE, &table)?;

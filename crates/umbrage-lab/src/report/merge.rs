@@ -17,7 +17,7 @@ use umbrage_core::Invalid;
 /// Of each folder only its last run counts: scenes that an earlier one left there are ignored.
 ///
 /// # Errors
-/// When folders hold no scenes, scenes of different comparisons, one scene twice, figures that were changed, or not all scenes;
+/// Errors if folders hold no scenes, scenes of different comparisons, one scene twice, figures that were changed, or not all scenes;
 /// or when a file cannot be read or written.
 pub fn merge(folders: &[PathBuf], out: &Path) -> Result<(Comparison, PathBuf), LabError> {
     let runs = folders

@@ -58,7 +58,7 @@ impl Report {
     /// overwritten.
     ///
     /// # Errors
-    /// When the folder cannot be made or written.
+    /// Errors if the folder cannot be made or written.
     pub fn create(
         path: &Path,
         plan: ComparisonPlan,
@@ -85,7 +85,7 @@ impl Report {
     /// backends and adapter, on the same kind of machine.
     ///
     /// # Errors
-    /// When it has figures that are not whole or were changed since: they are to be measured anew.
+    /// Errors if it has figures that are not whole or were changed since: they are to be measured anew.
     pub fn has(&self, place: usize, environment: &Environment) -> Result<bool, Invalid> {
         let Some(name) = self.run.plan.scenes.get(place) else {
             return Ok(false);
@@ -106,7 +106,7 @@ impl Report {
     /// Writes a scene's figures, its pictures and, if asked for, its arrays.
     ///
     /// # Errors
-    /// When a file cannot be written.
+    /// Errors if a file cannot be written.
     pub fn scene(
         &self,
         place: usize,
@@ -156,7 +156,7 @@ impl Report {
     /// Writes the page, the charts, the tables and the data. Returns the whole comparison and the page's path.
     ///
     /// # Errors
-    /// When a scene is missing, or a file cannot be written.
+    /// Errors if a scene is missing, or a file cannot be written.
     pub fn finish(self) -> Result<(Comparison, PathBuf), LabError> {
         let read = |&place: &usize| {
             let path = self

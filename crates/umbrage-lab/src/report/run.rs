@@ -58,7 +58,7 @@ impl Run {
     /// The run's scenes that are there.
     ///
     /// # Errors
-    /// When one of them is damaged.
+    /// Errors if one of them is damaged.
     pub(super) fn scenes(&self, folder: &Path) -> Result<Vec<(PathBuf, Stored)>, Invalid> {
         let mut out = Vec::new();
         for &place in &self.places {

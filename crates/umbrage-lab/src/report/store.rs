@@ -67,7 +67,7 @@ impl Stored {
     /// Reads a folder; none if it holds no scene.
     ///
     /// # Errors
-    /// When the figures are not whole, or not as they were written.
+    /// Errors if the figures are not whole, or not as they were written.
     pub(super) fn read(folder: &Path) -> Result<Option<Self>, Invalid> {
         let path = folder.join(FILE);
         let refuse = |why: String| {

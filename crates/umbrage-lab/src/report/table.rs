@@ -176,7 +176,7 @@ fn line(scene: &SceneResult, row: &CompareRow) -> Line {
 /// Returns the lines as comma-separated values with a header.
 ///
 /// # Errors
-/// Never in practice: memory takes any text.
+/// Errors if the text can't be written, which doesn't happen: it is written to memory.
 pub fn to_csv(lines: &[Line]) -> Result<Vec<u8>, LabError> {
     csv::of_records("rows.csv", lines)
 }

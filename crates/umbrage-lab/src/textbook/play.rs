@@ -37,7 +37,7 @@ pub struct Side {
 /// Plays both halves on all backends.
 ///
 /// # Errors
-/// When a preset's scene is missing or its technique doesn't serve it, or a backend fails.
+/// Errors if a preset's scene is missing or its technique doesn't serve it, or a backend fails.
 pub fn play(effect: &Effect, backends: &mut [Box<dyn Backend>]) -> Result<PlayedEffect, LabError> {
     Ok(PlayedEffect {
         fault: side(&effect.fault, backends)?,

@@ -36,7 +36,7 @@ pub struct Calibration {
 /// Plays scenes with settings on a backend, and fits prices to the times. Settings that can't serve a scene are left out.
 ///
 /// # Errors
-/// When a scene is not valid, a setting neither, or the backend fails.
+/// Errors if a scene or a setting is not valid, or the backend fails.
 pub fn calibrate(
     backend: &mut dyn Backend,
     scenes: &[Scene],

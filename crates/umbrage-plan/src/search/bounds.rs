@@ -49,7 +49,7 @@ impl Bounds {
     /// Objects to bounds that nothing or everything meets.
     ///
     /// # Errors
-    /// When none is given; when one is NaN or negative; when the error's is over 1.
+    /// Errors if no bound is given, one is NaN or negative, or the error's bound is over 1.
     pub fn validate(&self) -> Result<(), Invalid> {
         if *self == Self::default() {
             return Err(Invalid::new(

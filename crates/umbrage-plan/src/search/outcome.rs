@@ -36,7 +36,7 @@ impl Plan {
     /// The setting to use.
     ///
     /// # Errors
-    /// When nothing is within the bounds.
+    /// Errors if nothing is within the bounds.
     pub fn preset(&self) -> Result<TechniquePreset, Box<Miss>> {
         self.chosen
             .as_ref()

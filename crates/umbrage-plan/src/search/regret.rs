@@ -71,7 +71,7 @@ impl Regret {
 /// is met.
 ///
 /// # Errors
-/// When the scene has no camera or light, or is not valid.
+/// Errors if the scene has no camera or light, or is not valid.
 pub fn regret(
     scene: &Scene,
     bounds: &[f64],

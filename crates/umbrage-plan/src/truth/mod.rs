@@ -99,7 +99,7 @@ impl Truth {
     /// What is needed to tell the causes of a mask's error apart.
     ///
     /// # Errors
-    /// When the fields don't fit each other.
+    /// Errors if the fields don't fit each other.
     pub fn image(&self) -> Result<TruthImage<'_>, Invalid> {
         TruthImage::new(
             self.size,
@@ -128,7 +128,7 @@ pub type Progress<'a> = dyn Fn(usize, usize) + Sync + 'a;
 /// Traces truth for what the camera sees.
 ///
 /// # Errors
-/// When the camera or light is not valid, or receivers cannot be found.
+/// Errors if the camera or light is not valid, or receivers cannot be found.
 pub fn trace(
     camera: &Camera,
     light: &Light,
@@ -179,7 +179,7 @@ pub struct PixelTruth {
 /// `pixels`, which must lie within the image.
 ///
 /// # Errors
-/// When the light is not valid, or receivers of the nudged camera cannot be found.
+/// Errors if the light is not valid, or receivers of the nudged camera cannot be found.
 pub fn trace_pixels(
     view: (&Camera, &Light, &Geometry, &Receivers),
     pixels: &[u32],
@@ -241,7 +241,7 @@ fn class(receives: bool, seen: PointTruth, ambiguous: bool) -> Pixel {
 /// that of a plane beyond its edge.
 ///
 /// # Errors
-/// When the light is not valid, or receivers of the nudged camera cannot be found.
+/// Errors if the light is not valid, or receivers of the nudged camera cannot be found.
 pub fn ambiguous_on(
     step: f32,
     view: (&Camera, &Light, &Geometry),

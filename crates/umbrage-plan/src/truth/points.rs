@@ -92,7 +92,7 @@ impl PointTruth {
 /// Traces truth at given points, on all cores.
 ///
 /// # Errors
-/// When the light is not valid or a point holds numbers that are not finite.
+/// Errors if the light is not valid or a point holds numbers that are not finite.
 pub fn trace_points(
     geometry: &Geometry,
     light: &Light,
