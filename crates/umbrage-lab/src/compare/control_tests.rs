@@ -186,7 +186,7 @@ fn control(scene: &Scene, technique: &dyn ShadowTechnique, player: &mut dyn Back
     let mut cpu = Cpu::new();
     let find = &mut |c: &Camera, g: &Geometry| cpu.receivers(c, g);
     let truth = trace(&camera, light, &geometry, &options.truth, find, &|_, _| ()).expect("valid");
-    let view = View3 {
+    let view = SceneView {
         camera: &camera,
         light,
         geometry: &geometry,

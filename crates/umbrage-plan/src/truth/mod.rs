@@ -232,8 +232,8 @@ fn class(receives: bool, seen: PointTruth, ambiguous: bool) -> Pixel {
     }
 }
 
-/// Which of truth's pixels are ambiguous on a device whose grid of sub-pixels has this step; none if no more than for truth
-/// itself, which takes nudges by .02 pixels for rounding.
+/// Returns which of truth's pixels are ambiguous on a device whose grid of sub-pixels has this step, pixels. None if the step is
+/// no larger than what truth itself allows for rounding (nudges by .02 pixels), so that [`Truth::ambiguous`] holds.
 ///
 /// Devices move a vertex by up to half a step right or left and as much up or down, and so an edge by up to `sqrt(1/2)` steps
 /// across itself. A shadow's edge is where two things meet, what throws it and what it falls on: `sqrt(2)` steps. Nudges of the
@@ -244,7 +244,9 @@ fn class(receives: bool, seen: PointTruth, ambiguous: bool) -> Pixel {
 /// Errors if the light is not valid, or receivers of the nudged camera cannot be found.
 pub fn ambiguous_on(
     step: f32,
-    view: (&Camera, &Light, &Geometry),
+    camera: &Camera,
+    light: &Light,
+    geometry: &Geometry,
     truth: &Truth,
     options: &TruthOptions,
     find: &mut FindReceivers<'_>,
@@ -256,7 +258,6 @@ pub fn ambiguous_on(
     if nudge.pixels <= Nudge::ROUNDING.pixels {
         return Ok(None);
     }
-    let (camera, light, geometry) = view;
     let pixels: Vec<u32> = (0..truth.receivers.len() as u32).collect();
     let asked = TruthRequest {
         camera,
