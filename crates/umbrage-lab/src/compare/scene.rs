@@ -561,8 +561,8 @@ fn cast_map(cast: &Cast, recipe: &Recipe) -> CastMap {
     }
 }
 
-/// Whether the kernel has a reach of its own for each receiver. Kernels either have one everywhere or nowhere, so the first
-/// receiver tells.
+/// Whether the kernel's reach differs from receiver to receiver
+/// ([`ReceiveKernel::reach`](umbrage_core::ReceiveKernel::reach)); the first receiver is asked.
 fn reach_varies(recipe: &Recipe, receivers: &Receivers) -> bool {
     let Some(first) = receivers.receives.iter().position(|receives| *receives) else {
         return false;
