@@ -1,4 +1,4 @@
-//! Plans against sweeps as a table on disk.
+//! Writes the comparison of plans with sweeps as a table.
 
 use crate::{
     LabError,
@@ -95,14 +95,10 @@ mod tests {
             high: 0.5,
             ..Estimate::default()
         };
-        let (preset, settings) = (
-            TechniquePreset::defaults()[0].clone(),
-            "3x3, 512".to_owned(),
-        );
         let chosen = Setting {
-            preset,
+            preset: TechniquePreset::defaults()[0].clone(),
             technique: "pcf".to_owned(),
-            settings,
+            settings: "3x3, 512".to_owned(),
             estimate,
             milliseconds: 1.5,
             bytes: 4,
