@@ -1,4 +1,4 @@
-//! When a row counts as slower, and how seldom that is said in vain.
+//! Decides when a row counts as slower, and how rare false alarms are.
 //!
 //! A row's time is compared as a multiple of the [yardstick](crate::compare::Yardstick) that was played before and after
 //! each of its runs. What is left is noise of single runs: on a shared machine with 2 cores and 8 to 18 busy programs, a

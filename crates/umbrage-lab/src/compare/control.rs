@@ -1,4 +1,4 @@
-//! The negative control: a comparison that doesn't notice missing casters notices nothing.
+//! The negative control: plays each technique without casters, to check that the comparison notices their absence.
 //!
 //! Each technique is played on the same triangles, none of which casts. What its mask then owes is known, pixel by pixel:
 //!
@@ -138,7 +138,7 @@ struct Above {
     maybe: bool,
 }
 
-/// How much of a light receivers see over their own horizon.
+/// A light as receivers see it over their own horizon.
 struct LightOverHorizon {
     light: LightSampler,
     query: KernelQuery,

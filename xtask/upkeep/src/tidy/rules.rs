@@ -1,4 +1,4 @@
-//! What a file may not hold.
+//! Rules for what a file may not hold.
 
 use super::files::Source;
 use syn::{Attribute, visit::Visit};
