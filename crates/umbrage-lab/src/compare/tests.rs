@@ -119,7 +119,7 @@ fn rows_tell_how_maps_are_used() {
         ..input("cubes")
     };
     let comparison = compare(
-        &[input.clone()],
+        std::slice::from_ref(&input),
         &options,
         &mut with_faulty_backend(|_| ()),
         &mut |_, _| Ok(()),
