@@ -1,4 +1,4 @@
-//! Speed as ratios.
+//! `bench`: prints speeds as ratios.
 
 use crate::args::BenchArguments;
 use anyhow::{Result, bail};
@@ -16,17 +16,14 @@ pub(crate) fn bench(arguments: &BenchArguments) -> Result<()> {
         }
     };
     let mut pairs = Vec::new();
-    run(
-        BenchOptions {
-            runs: arguments.runs as usize,
-            ..BenchOptions::default()
-        },
-        gpu.as_mut(),
-        |pair| {
-            println!("{}: {:.2} x", pair.work, pair.ratio);
-            pairs.push(pair);
-        },
-    )?;
+    let options = BenchOptions {
+        runs: arguments.runs as usize,
+        ..BenchOptions::default()
+    };
+    run(options, gpu.as_mut(), |pair| {
+        println!("{}: {:.2} x", pair.work, pair.ratio);
+        pairs.push(pair);
+    })?;
     println!("\n{}", table(&pairs));
     let missed = pairs.iter().filter(|p| !p.met()).count();
     if missed == 0 {
@@ -68,9 +65,8 @@ fn table(pairs: &[Pair]) -> Table {
             pair.runs.to_string(),
         ]);
     }
-    table
-        .column_iter_mut()
-        .skip(3)
-        .for_each(|c| c.set_cell_alignment(CellAlignment::Right));
+    for column in table.column_iter_mut().skip(3) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
     table
 }

@@ -1,4 +1,4 @@
-//! `compare`: scenes in, a table and a report out. All the work is the lab's.
+//! `compare`: compares scenes, prints a table and writes the report.
 
 use crate::program::Program;
 use crate::{
@@ -7,7 +7,8 @@ use crate::{
 };
 use crate::{cost, inputs, progress::Progress, table};
 use anyhow::{Result, bail};
-use umbrage_core::{Backend, glam::UVec2};
+use std::path::Path;
+use umbrage_core::{Backend, Invalid, glam::UVec2};
 use umbrage_lab::{
     baseline::{Changes, Except, apart, changes, read, time_again},
     compare::{
@@ -16,37 +17,27 @@ use umbrage_lab::{
     report::{ComparisonPlan, Report},
 };
 
-/// Compares, prints, reports; fails if backends disagree, a control has no effect, or something got worse.
+/// Compares, prints and reports; errors if backends disagree, a control has no effect, or something got worse.
 pub(crate) fn compare(program: &Program, arguments: &CompareArguments) -> Result<()> {
     let out = program.folder(arguments.out.as_deref(), "compare");
-    // A baseline that can't be read must not be found out after minutes of measuring.
-    let baseline = arguments
-        .baseline
-        .as_deref()
-        .map(|path| apart(path, &out).and_then(|()| read(path)));
-    let baseline = baseline.transpose().map_err(|e| Usage(e.to_string()))?;
+    // Before anything is measured: errors must not come after minutes of measuring.
     let except = Except::new(arguments.baseline_except.iter().cloned());
-    if let Some(old) = &baseline {
-        except.check(old).map_err(|e| Usage(e.to_string()))?;
-    }
+    let baseline = match &arguments.baseline {
+        Some(path) => Some(read_baseline(path, &out, &except).map_err(|e| Usage(e.to_string()))?),
+        None => None,
+    };
     let inputs = scenes(program, &arguments.scenes)?;
     let options = options_of(program, arguments)?;
     let places = places(inputs.len(), arguments.shard)?;
     let mut backends = inputs::open(arguments.backend, arguments.adapter.as_ref())?;
-    for line in backends
-        .notices
-        .iter()
-        .cloned()
-        .chain(backends.playing.iter().map(|b| on(&**b)))
-    {
+    for line in &backends.notices {
         println!("{line}");
     }
-    let report = Report::create(
-        &out,
-        ComparisonPlan::new(&inputs, &options),
-        &places,
-        arguments.arrays,
-    )?;
+    for backend in &backends.playing {
+        println!("{}", on(&**backend));
+    }
+    let plan = ComparisonPlan::new(&inputs, &options);
+    let report = Report::create(&out, plan, &places, arguments.arrays)?;
     measure(
         &inputs,
         &places,
@@ -58,23 +49,45 @@ pub(crate) fn compare(program: &Program, arguments: &CompareArguments) -> Result
     let (comparison, page) = report.finish()?;
     table::print(&comparison.scenes);
     println!("\nreport: {}", page.display());
-    let guarded = baseline.map_or(Ok(()), |old| {
-        let old = of_shard(old, &inputs, &places);
-        let mut changes = changes(&old, &comparison, &except);
-        let inputs: Vec<SceneInput> = places.iter().map(|&place| inputs[place].clone()).collect();
-        if !changes.suspects.is_empty() {
-            println!(
-                "timing {} rows or techniques again, which look slower than the baseline's",
-                changes.suspects.len()
-            );
+    let guarded = match baseline {
+        Some(old) => {
+            let old = of_shard(old, &inputs, &places);
+            let mut changes = changes(&old, &comparison, &except);
+            let own: Vec<SceneInput> = places.iter().map(|&place| inputs[place].clone()).collect();
+            time_suspects_again(&mut changes, &own, &options, &mut backends)
+                .and_then(|()| guard(&changes))
         }
-        time_again(&mut changes, &inputs, &options, &mut backends)?;
-        guard(&changes)
-    });
+        None => Ok(()),
+    };
+    // Both are printed; the first error is returned.
     verdict(&comparison).and(guarded)
 }
 
-/// A backend in words: its name, and how its device rounds.
+/// Reads a baseline, and checks that the report doesn't overwrite it and that it has all that is excepted.
+fn read_baseline(path: &Path, out: &Path, except: &Except) -> Result<Comparison, Invalid> {
+    apart(path, out)?;
+    let baseline = read(path)?;
+    except.check(&baseline)?;
+    Ok(baseline)
+}
+
+fn time_suspects_again(
+    changes: &mut Changes,
+    inputs: &[SceneInput],
+    options: &CompareOptions,
+    backends: &mut Backends,
+) -> Result<()> {
+    if !changes.suspects.is_empty() {
+        println!(
+            "timing {} rows or techniques again, which look slower than the baseline's",
+            changes.suspects.len()
+        );
+    }
+    time_again(changes, inputs, options, backends)?;
+    Ok(())
+}
+
+/// Returns a line about a backend: its name, and how its device rounds.
 fn on(backend: &dyn Backend) -> String {
     match backend.kind() {
         "cpu" => format!("on {}", backend.name()),
@@ -82,20 +95,25 @@ fn on(backend: &dyn Backend) -> String {
     }
 }
 
-/// The baseline without the scenes that other shards measure: this one can't lack them.
+/// Returns the baseline without the scenes that only other shards measure, as this one can't have them.
 fn of_shard(mut old: Comparison, inputs: &[SceneInput], places: &[usize]) -> Comparison {
-    let name = |place: &usize| inputs[*place].scene.name.as_str();
-    let own: Vec<&str> = places.iter().map(name).collect();
-    let others: Vec<&str> = (0..inputs.len())
-        .filter(|place| !places.contains(place))
-        .map(|p| name(&p))
-        .collect();
-    old.scenes
-        .retain(|scene| own.contains(&&*scene.name) || !others.contains(&&*scene.name));
+    let mut own: Vec<&str> = Vec::new();
+    let mut others: Vec<&str> = Vec::new();
+    for (place, input) in inputs.iter().enumerate() {
+        if places.contains(&place) {
+            own.push(&input.scene.name);
+        } else {
+            others.push(&input.scene.name);
+        }
+    }
+    old.scenes.retain(|scene| {
+        let name = scene.name.as_str();
+        own.contains(&name) || !others.contains(&name)
+    });
     old
 }
 
-/// The places of this run's scenes.
+/// Returns the places of this run's scenes among all; errors if there are none.
 fn places(scenes: usize, shard: Option<Shard>) -> Result<Vec<usize>> {
     let places: Vec<usize> = (0..scenes)
         .filter(|&i| shard.is_none_or(|s| s.takes(i)))
@@ -109,7 +127,7 @@ fn places(scenes: usize, shard: Option<Shard>) -> Result<Vec<usize>> {
     Ok(places)
 }
 
-/// Measures what the folder doesn't have yet; every scene is written as soon as it is done.
+/// Measures the scenes that the folder doesn't have yet; each is written as soon as it is done.
 fn measure(
     inputs: &[SceneInput],
     places: &[usize],
@@ -130,7 +148,7 @@ fn measure(
         match is_done {
             Ok(true) => done.push(place),
             Ok(false) => todo.push(place),
-            // What was changed or cut off is measured again, and nothing is lost; but the reader must know.
+            // Damaged figures are measured again; the reader must know.
             Err(why) => {
                 println!("note: {why} (this is done now)");
                 todo.push(place);
@@ -165,13 +183,12 @@ fn measure(
     Ok(())
 }
 
-/// Prints what has changed since the baseline; fails if anything got worse or was lost.
+/// Prints what has changed since the baseline; errors if anything got worse or was lost.
 fn guard(changes: &Changes) -> Result<()> {
     println!("\nagainst the baseline:");
-    changes
-        .notes
-        .iter()
-        .for_each(|note| println!("note: {note}"));
+    for note in &changes.notes {
+        println!("note: {note}");
+    }
     for (word, lines) in [("better", &changes.better), ("new", &changes.new)] {
         if !lines.is_empty() {
             println!("{} {word}:\n  {}", lines.len(), some(lines));
@@ -213,7 +230,7 @@ fn guard(changes: &Changes) -> Result<()> {
     bail!("{}", faults.join("\n"))
 }
 
-/// The first lines, and how many more there are.
+/// Returns the first lines, and how many more there are.
 fn some(lines: &[String]) -> String {
     let shown = lines[..lines.len().min(MAX_LINES)].join("\n  ");
     let rest = lines.len().saturating_sub(MAX_LINES);
@@ -224,14 +241,14 @@ fn some(lines: &[String]) -> String {
     }
 }
 
-/// So many lines of what is no figure; a new technique alone may have hundreds.
+/// The most lines that are printed of one kind: a new technique alone may have hundreds.
 const MAX_LINES: usize = 20;
 
+/// Prints the notices; errors if there are faults.
 pub(crate) fn verdict(comparison: &Comparison) -> Result<()> {
-    comparison
-        .notices
-        .iter()
-        .for_each(|notice| println!("note: {notice}"));
+    for notice in &comparison.notices {
+        println!("note: {notice}");
+    }
     let faults = comparison.faults();
     if faults.is_empty() {
         return Ok(());
@@ -243,17 +260,18 @@ pub(crate) fn verdict(comparison: &Comparison) -> Result<()> {
     )
 }
 
-/// The scenes named, or the suite.
+/// Returns the scenes named, or the suite.
 fn scenes(program: &Program, names: &[String]) -> Result<Vec<SceneInput>> {
     if names.is_empty() {
-        let suite = umbrage_scenes::all().iter().filter(|e| e.suite);
-        return Ok(suite
-            .map(|e| SceneInput {
-                scene: (e.build)(),
-                summary: e.summary.to_owned(),
-                fit: e.fit,
-            })
-            .collect());
+        let mut suite = Vec::new();
+        for entry in umbrage_scenes::all().iter().filter(|e| e.suite) {
+            suite.push(SceneInput {
+                scene: (entry.build)(),
+                summary: entry.summary.to_owned(),
+                fit: entry.fit,
+            });
+        }
+        return Ok(suite);
     }
     names.iter().map(|name| scene(program, name)).collect()
 }
@@ -303,7 +321,7 @@ fn options_of(program: &Program, arguments: &CompareArguments) -> Result<Compare
     out.truth.samples = arguments.samples.unwrap_or(out.truth.samples);
     if !arguments.map_sizes.is_empty() {
         out.map_sizes.clone_from(&arguments.map_sizes);
-        // Sweeps take the middle one for granted.
+        // Sorted, as sweeps over other settings take the middle one.
         out.map_sizes.sort_unstable();
         out.map_sizes.dedup();
     }

@@ -1,17 +1,17 @@
-//! What a comparison will take, said before it begins.
+//! Prints what a comparison will take before it begins.
 
 use crate::usage::Usage;
 use anyhow::Result;
 use std::time::Duration;
 use umbrage_lab::compare::{Backends, CompareOptions, Expected, SceneInput, pilot};
 
-/// Comparisons of more pixels than this are tried at a small size first, so that nobody waits for what takes days.
+/// Comparisons of more pixels than this are tried at a small size first, so that nobody waits in vain for one that takes days.
 const MANY_PIXELS: u64 = 1 << 23;
 
-/// Says how much there is to do, and of much how long it takes.
+/// Prints how much there is to do and, if it is much, about how long that takes.
 ///
 /// # Errors
-/// When it doesn't fit into this machine's memory.
+/// Errors if it doesn't fit into this machine's memory.
 pub(crate) fn announce(
     inputs: &[SceneInput],
     options: &CompareOptions,
@@ -27,29 +27,22 @@ pub(crate) fn announce(
     }
     if expected.pixels > MANY_PIXELS {
         println!("trying it at a small size, to tell how long it takes ..");
-        println!(
-            "this takes about {} here",
-            spoken(pilot(inputs, options, backends)?)
-        );
+        let time = pilot(inputs, options, backends)?;
+        println!("this takes about {} here", spoken(time));
     }
     Ok(())
 }
 
 fn counted(expected: &Expected) -> String {
-    let Expected {
-        scenes,
-        rows,
-        pixels,
-        rays,
-        bytes,
-    } = *expected;
+    let scenes = expected.scenes;
+    let rows = expected.rows;
     let of_scenes = plural(scenes);
     let of_rows = plural(rows);
     format!(
         "{scenes} scene{of_scenes}, {rows} row{of_rows}, {} pixels; at most {} rays for truth, about {} of memory",
-        short(pixels),
-        short(rays),
-        size(bytes),
+        short(expected.pixels),
+        short(expected.rays),
+        size(expected.bytes),
     )
 }
 
@@ -57,7 +50,7 @@ fn plural(count: usize) -> &'static str {
     if count == 1 { "" } else { "s" }
 }
 
-/// Why so many bytes can't be held, if the machine's are known to be fewer.
+/// Returns why so many bytes can't be held; none if they can, or the machine's memory is unknown.
 fn refusal(bytes: u64, memory: Option<u64>) -> Option<String> {
     let memory = memory.filter(|memory| bytes > *memory)?;
     let needed = size(bytes);
@@ -68,7 +61,7 @@ fn refusal(bytes: u64, memory: Option<u64>) -> Option<String> {
     ))
 }
 
-/// The machine's memory, bytes, where the system tells.
+/// Returns the machine's memory, bytes; none where the system doesn't tell.
 fn memory() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/meminfo").ok()?;
     let line = text
@@ -78,7 +71,7 @@ fn memory() -> Option<u64> {
     Some(kibibytes * 1024)
 }
 
-/// Three digits that count.
+/// Formats a count with a unit: `4.2 k`, `268 M`.
 fn short(count: u64) -> String {
     let units = [(1e12, " T"), (1e9, " G"), (1e6, " M"), (1e3, " k")];
     let unit = units.into_iter().find(|(unit, _)| count as f64 >= *unit);
@@ -99,7 +92,7 @@ fn size(bytes: u64) -> String {
     }
 }
 
-/// A length of time in one unit.
+/// Formats a length of time in one unit: `7 s`, `10 min`.
 pub(crate) fn spoken(time: Duration) -> String {
     let seconds = time.as_secs_f64();
     match seconds {

@@ -1,4 +1,4 @@
-//! What work costs on this machine.
+//! Measures what work costs on this machine.
 
 use crate::args::BenchArguments;
 use anyhow::Result;
@@ -6,11 +6,11 @@ use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
 use std::sync::Arc;
 use umbrage_core::{Backend, Fit, Scene, ShadowTechnique, glam::UVec2};
 use umbrage_cpu::Cpu;
-use umbrage_plan::cost::{Calibration, KIND_NAMES, calibrate};
+use umbrage_plan::cost::{Calibration, CostSample, KIND_NAMES, calibrate};
 use umbrage_techniques::all;
 use umbrage_wgpu::{AdapterChoice, Gpu};
 
-/// Few and many triangles, maps that are seen well and badly, a cube of maps.
+/// Scenes with few and many triangles, with maps that are used well and badly, and with a cube of maps.
 const SCENES: [&str; 5] = [
     "cubes",
     "teapot-lamp",
@@ -21,7 +21,7 @@ const SCENES: [&str; 5] = [
 const SIZES: [UVec2; 2] = [UVec2::new(320, 180), UVec2::new(960, 540)];
 const MAPS: [u32; 2] = [256, 1024];
 
-/// Times techniques of all kinds, fits prices, prints them.
+/// Times techniques of all kinds, fits prices to the times, and prints them.
 pub(crate) fn costs(options: &BenchArguments) -> Result<()> {
     let mut backends: Vec<Box<dyn Backend>> = vec![Box::new(Cpu::new())];
     match Gpu::new(&AdapterChoice::from_env()) {
@@ -35,7 +35,8 @@ pub(crate) fn costs(options: &BenchArguments) -> Result<()> {
         .collect();
     let settings = settings();
     for backend in &mut backends {
-        let bar = indicatif::ProgressBar::new((scenes.len() * SIZES.len() * settings.len()) as u64);
+        let count = scenes.len() * SIZES.len() * settings.len();
+        let bar = indicatif::ProgressBar::new(count as u64);
         let found = calibrate(
             &mut **backend,
             &scenes,
@@ -50,20 +51,19 @@ pub(crate) fn costs(options: &BenchArguments) -> Result<()> {
     Ok(())
 }
 
-/// Of each technique its first, middle and last setting: all kinds of work, few alike.
+/// Returns the first, middle and last setting of each technique: all kinds of work, few alike.
 fn settings() -> Vec<Arc<dyn ShadowTechnique>> {
-    let some = |all: Vec<Arc<dyn ShadowTechnique>>| {
-        let last = all.len().saturating_sub(1);
-        let keep = [0, last / 2, last];
-        all.into_iter()
-            .enumerate()
-            .filter(move |(i, _)| keep.contains(i))
-            .map(|(_, s)| s)
-    };
-    all()
-        .iter()
-        .flat_map(|e| some((e.settings)(&MAPS, Fit::Tight)))
-        .collect()
+    let mut out = Vec::new();
+    for entry in all() {
+        let of_entry = (entry.settings)(&MAPS, Fit::Tight);
+        let last = of_entry.len().saturating_sub(1);
+        for (i, setting) in of_entry.into_iter().enumerate() {
+            if i == 0 || i == last / 2 || i == last {
+                out.push(setting);
+            }
+        }
+    }
+    out
 }
 
 fn print(name: &str, found: &Calibration) {
@@ -74,27 +74,22 @@ fn print(name: &str, found: &Calibration) {
     for (kind, price) in KIND_NAMES.iter().zip(found.model.nanoseconds) {
         table.add_row([(*kind).to_owned(), format!("{price:.3}")]);
     }
-    table
-        .column_iter_mut()
-        .skip(1)
-        .for_each(|c| c.set_cell_alignment(CellAlignment::Right));
+    for column in table.column_iter_mut().skip(1) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
     println!("\n{name}: {} recipes timed\n{table}", found.samples.len());
     println!(
         "half of the times are predicted within x{:.2}, nine of ten within x{:.2}",
         found.typical_factor, found.factor_of_nine_in_ten
     );
-    let mut worst: Vec<_> = found
-        .samples
-        .iter()
-        .map(|s| {
-            (
-                found.model.milliseconds(&s.work) / s.milliseconds.max(1e-6),
-                s,
-            )
-        })
-        .collect();
-    worst.sort_by(|a, b| b.0.ln().abs().total_cmp(&a.0.ln().abs()));
-    for (ratio, sample) in worst.iter().take(5) {
+    let mut predicted: Vec<(f64, &CostSample)> = Vec::new();
+    for sample in &found.samples {
+        let ratio = found.model.milliseconds(&sample.work) / sample.milliseconds.max(1e-6);
+        predicted.push((ratio, sample));
+    }
+    // Farthest off first: a factor of 2 is as far off as one of 1/2.
+    predicted.sort_by(|a, b| b.0.ln().abs().total_cmp(&a.0.ln().abs()));
+    for (ratio, sample) in predicted.iter().take(5) {
         println!(
             "  farthest off: {} takes {:.3} ms, predicted x{ratio:.2}",
             sample.label, sample.milliseconds

@@ -1,4 +1,4 @@
-//! What there is to compare.
+//! `list`: prints the scenes and techniques that can be compared.
 
 use crate::program::Program;
 use anyhow::Result;

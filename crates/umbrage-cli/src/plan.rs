@@ -1,4 +1,4 @@
-//! `plan`: a scene and bounds in, a preset and its reasons out. All the work is the lab's.
+//! `plan`: plans the technique for a scene within bounds, prints the reasons, and writes the preset.
 
 use crate::program::Program;
 use crate::{
@@ -15,7 +15,7 @@ use umbrage_core::glam::UVec2;
 use umbrage_lab::plan_files::write;
 use umbrage_plan::{Bounds, Plan, PlanOptions, Setting, cost::CostModel, plan as find};
 
-/// Plans, prints, writes; fails if nothing is within the bounds.
+/// Plans, prints and writes; errors if nothing is within the bounds.
 pub(crate) fn plan(program: &Program, arguments: &PlanArguments) -> Result<()> {
     let [name] = &arguments.scenes[..] else {
         return Err(
@@ -40,16 +40,16 @@ pub(crate) fn plan(program: &Program, arguments: &PlanArguments) -> Result<()> {
     let files = write(&plan, &program.folder(arguments.out.as_deref(), "plan"))?;
     print(&plan, kind(arguments));
     println!();
-    files
-        .iter()
-        .for_each(|file| println!("{}: {}", file.what, file.path.display()));
+    for file in &files {
+        println!("{}: {}", file.what, file.path.display());
+    }
     match plan.preset() {
         Ok(_) => Ok(()),
         Err(miss) => bail!("{miss}"),
     }
 }
 
-/// The kind of backend whose prices count.
+/// Returns the kind of backend whose prices count.
 fn kind(arguments: &PlanArguments) -> &'static str {
     match arguments.backend {
         PlanBackend::Cpu => "cpu",
@@ -58,16 +58,14 @@ fn kind(arguments: &PlanArguments) -> &'static str {
 }
 
 pub(crate) fn options_of(program: &Program, arguments: &PlanArguments) -> PlanOptions {
-    let cost = CostModel::of(kind(arguments));
-    let size = arguments.size.map(UVec2::from_array);
-    let light = usize::from(arguments.light) - 1;
     PlanOptions {
         registry: program.techniques.clone(),
         samples: arguments.samples,
         seed: arguments.seed,
-        cost,
-        light,
-        size,
+        cost: CostModel::of(kind(arguments)),
+        // The command counts lights from 1.
+        light: usize::from(arguments.light) - 1,
+        size: arguments.size.map(UVec2::from_array),
         ..PlanOptions::default()
     }
 }
@@ -125,9 +123,8 @@ fn table(settings: &[Setting]) -> Table {
             planning::bytes(s.bytes),
         ]);
     }
-    table
-        .column_iter_mut()
-        .skip(2)
-        .for_each(|c| c.set_cell_alignment(CellAlignment::Right));
+    for column in table.column_iter_mut().skip(2) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
     table
 }

@@ -1,10 +1,10 @@
-//! What `plan` and its regret table share.
+//! Progress and formats that `plan` and its regret table share.
 
 use indicatif::{ProgressBar, ProgressStyle};
 use std::time::Duration;
 use umbrage_plan::Step;
 
-/// How far a plan is. Nobody knows how many candidates it takes, so only truth has a bar.
+/// The progress of a plan. How many candidates it tries is not known beforehand, so only tracing truth moves the bar.
 pub(crate) struct Progress {
     bar: ProgressBar,
 }
@@ -18,12 +18,12 @@ impl Progress {
         Self { bar }
     }
 
-    /// What stands before each message.
+    /// Sets a text before each message.
     pub(crate) fn prefix(&self, text: String) {
         self.bar.set_prefix(text);
     }
 
-    /// Takes note of a step; from any thread.
+    /// Shows a step; may be called from any thread.
     pub(crate) fn note(&self, step: Step<'_>) {
         match step {
             Step::Looking => self.bar.set_message("looking for where visibility varies"),
@@ -39,7 +39,7 @@ impl Progress {
         }
     }
 
-    /// A line above the bar.
+    /// Prints a line above the bar.
     pub(crate) fn say(&self, line: &str) {
         if self.bar.is_hidden() {
             println!("{line}")
@@ -53,7 +53,7 @@ impl Progress {
     }
 }
 
-/// Bytes for people.
+/// Formats a number of bytes: `2.0 KiB`.
 pub(crate) fn bytes(bytes: u64) -> String {
     match bytes as f64 {
         b if b < 1024.0 => format!("{bytes} B"),

@@ -6,8 +6,8 @@ use std::{
     io::{ErrorKind, Write},
 };
 
-/// What shells say of a tool that wrote into a closed pipe (128 and the signal's number, 13). It is not 0, since what was
-/// asked for was not done to its end.
+/// The exit code after writing into a closed pipe: that of shells for the signal SIGPIPE, 128 + 13. It is not 0, as the program has
+/// not run to its end.
 const CLOSED_PIPE: i32 = 141;
 
 macro_rules! println {
@@ -25,7 +25,8 @@ macro_rules! eprintln {
     };
 }
 
-/// Writes a line. Other faults than a closed pipe, such as a full disk, leave nowhere to tell them but the exit code.
+/// Writes a line. Ends the program if that fails: other errors than a closed pipe, such as a full disk, can only be reported by the
+/// exit code.
 pub(crate) fn line(to: impl Write, text: Arguments<'_>) {
     if let Err(kind) = write(to, text) {
         std::process::exit(if kind == ErrorKind::BrokenPipe {

@@ -1,4 +1,4 @@
-//! How far a comparison is, and how long it still takes.
+//! Shows the progress of a comparison, and how long it still takes.
 
 use crate::cost::spoken;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -15,10 +15,10 @@ use umbrage_lab::compare::CompareEvent;
 /// Steps of one scene: half for truth, half for its rows.
 const STEPS: u64 = 2_000;
 
-/// Where there is no terminal for a bar, a line comes this often.
+/// Without a terminal for a bar, a line is printed this often.
 const LOG_INTERVAL: Duration = Duration::from_secs(30);
 
-/// A bar for the whole comparison; in a log, lines.
+/// A progress bar for the whole comparison; lines without a terminal.
 pub(crate) struct Progress {
     bar: ProgressBar,
     at: Mutex<Position>,
@@ -58,9 +58,9 @@ impl Progress {
         }
     }
 
-    /// Takes note of what happens; from any thread.
+    /// Shows an event; may be called from any thread.
     pub(crate) fn note(&self, event: CompareEvent<'_>) {
-        // A panic elsewhere must not hide behind the bar's.
+        // After a panic elsewhere the lock is poisoned; a second panic here would hide the first one's message.
         let mut at = self
             .at
             .lock()
@@ -79,8 +79,10 @@ impl Progress {
             CompareEvent::Scene { index, .. } => at.scene = index as u64,
             _ => {}
         }
-        // Where nobody watches, a line a scene shows in the log that there is progress.
-        if let (CompareEvent::SceneDone { result }, true) = (event, self.bar.is_hidden()) {
+        // In a log, a line for each scene.
+        if let CompareEvent::SceneDone { result } = event
+            && self.bar.is_hidden()
+        {
             println!("{}: {} rows", result.name, result.rows.len());
         }
         if let Some(position) = position(*at, event) {
@@ -89,7 +91,9 @@ impl Progress {
     }
 
     pub(crate) fn finish(&self) {
-        self.log.iter().for_each(Repeater::stop);
+        if let Some(log) = &self.log {
+            log.stop();
+        }
         self.bar.finish_and_clear();
     }
 }
@@ -115,13 +119,15 @@ impl Repeater {
         }
     }
 
-    /// Ends it, and waits for a call that has begun.
+    /// Stops the calls; waits for one that has begun.
     fn stop(&self) {
         let sender = self.stop.lock().ok().and_then(|mut slot| slot.take());
         drop(sender);
         let thread = self.thread.lock().ok().and_then(|mut slot| slot.take());
-        // A thread that panicked has said so itself.
-        thread.into_iter().for_each(|thread| drop(thread.join()));
+        if let Some(thread) = thread {
+            // If it panicked, its message has been printed.
+            drop(thread.join());
+        }
     }
 }
 
@@ -131,7 +137,7 @@ impl Drop for Repeater {
     }
 }
 
-/// A line of the log. `done` is the share that is done, 0..=1.
+/// Returns a line of the log. `done` is the share that is done, 0..=1.
 fn log_line(done: f64, elapsed: Duration, message: &str) -> String {
     let gone = spoken(elapsed);
     let left = elapsed.as_secs_f64() * (1.0 - done) / done;
@@ -158,12 +164,11 @@ fn message(event: CompareEvent<'_>) -> Option<String> {
     }
 }
 
-/// Steps done once this has happened.
+/// Returns the steps that are done after an event; none if it doesn't change them.
 fn position(at: Position, event: CompareEvent<'_>) -> Option<u64> {
-    let half = |done: u64, total: u64| STEPS / 2 * done / total.max(1);
     let within = match event {
-        CompareEvent::Truth { done, total } => half(done as u64, total as u64),
-        CompareEvent::Row { index, .. } => STEPS / 2 + half(index as u64, at.rows),
+        CompareEvent::Truth { done, total } => STEPS / 2 * done as u64 / total.max(1) as u64,
+        CompareEvent::Row { index, .. } => STEPS / 2 + STEPS / 2 * index as u64 / at.rows.max(1),
         CompareEvent::SceneDone { .. } => STEPS,
         _ => return None,
     };

@@ -1,4 +1,4 @@
-//! `plan --regret`: plans against exhaustive sweeps.
+//! `plan --regret`: compares plans with exhaustive sweeps.
 
 use crate::args::PlanArguments;
 use crate::program::Program;
@@ -11,14 +11,14 @@ use umbrage_plan::{
     MAX_REGRET, MIN_KEPT, PlanOptions, Regret, regret as measure, statistics::Sorted,
 };
 
-/// One row a scene, light and bound; fails if too many bounds are broken, or a choice costs too much.
+/// Prints a row for each scene, light and bound; errors if too many bounds are broken, or a choice costs too much.
 pub(crate) fn regret(program: &Program, arguments: &PlanArguments) -> Result<()> {
     let scenes = scenes(program, &arguments.scenes)?;
     let progress = Progress::new();
     let mut all = Vec::new();
     for (i, scene) in scenes.iter().enumerate() {
         progress.prefix(format!("{} ({} of {}): ", scene.name, i + 1, scenes.len()));
-        // The library says what a scene without lights lacks.
+        // Once also without lights: then the library returns the error that says so.
         for light in 0..scene.lights.len().max(1) {
             let options = PlanOptions {
                 light,
@@ -28,7 +28,9 @@ pub(crate) fn regret(program: &Program, arguments: &PlanArguments) -> Result<()>
                 progress.note(step)
             });
             let found = found.inspect_err(|_| progress.finish())?;
-            found.iter().for_each(|r| progress.say(&line(r)));
+            for regret in &found {
+                progress.say(&line(regret));
+            }
             all.extend(found);
         }
     }
@@ -50,31 +52,38 @@ fn scenes(program: &Program, names: &[String]) -> Result<Vec<Scene>> {
     names.iter().map(|name| scene(program, name)).collect()
 }
 
+/// Returns the cells of a row, in the order of [`HEADER`].
 fn cells(r: &Regret) -> Vec<String> {
-    let dash = || "-".to_owned();
-    let verdict = match (r.keeps(), r.misses()) {
-        (false, _) => "bound broken",
-        (true, true) => "dear",
-        _ => "",
+    let verdict = if !r.keeps() {
+        "bound broken"
+    } else if r.misses() {
+        "dear"
+    } else {
+        ""
     };
+    let mut planned = "nothing".to_owned();
+    let mut predicted = "-".to_owned();
+    let mut error = "-".to_owned();
+    let mut cost = "-".to_owned();
+    if let Some(chosen) = &r.chosen {
+        let estimate = chosen.estimate;
+        planned = chosen.label();
+        predicted = format!("{:.4} ({:.4})", estimate.error, estimate.high);
+        error = format!("{:.4}", r.error);
+        cost = format!("{:.3}", chosen.milliseconds);
+    }
+    let cheapest = r.cheapest.clone();
+    let ratio = r.ratio().map(|ratio| format!("{ratio:.2}"));
     vec![
         r.scene.clone(),
         format!("{}: {}", r.light_number, r.light),
-        format!("{}", r.bound),
-        r.chosen
-            .as_ref()
-            .map_or_else(|| "nothing".to_owned(), |c| c.label()),
-        r.chosen.as_ref().map_or_else(dash, |c| {
-            format!("{:.4} ({:.4})", c.estimate.error, c.estimate.high)
-        }),
-        r.chosen
-            .as_ref()
-            .map_or_else(dash, |_| format!("{:.4}", r.error)),
-        r.chosen
-            .as_ref()
-            .map_or_else(dash, |c| format!("{:.3}", c.milliseconds)),
-        r.cheapest.clone().unwrap_or_else(|| "nothing".to_owned()),
-        r.ratio().map_or_else(dash, |ratio| format!("{ratio:.2}")),
+        r.bound.to_string(),
+        planned,
+        predicted,
+        error,
+        cost,
+        cheapest.unwrap_or_else(|| "nothing".to_owned()),
+        ratio.unwrap_or_else(|| "-".to_owned()),
         format!("{:.1}", r.seconds),
         verdict.to_owned(),
     ]
@@ -94,6 +103,10 @@ const HEADER: [&str; 11] = [
     "",
 ];
 
+/// The columns of [`HEADER`] that hold numbers.
+const NUMBERS: [usize; 6] = [2, 4, 5, 6, 8, 9];
+
+/// Returns a row as a line for logs.
 fn line(r: &Regret) -> String {
     cells(r).join(" | ")
 }
@@ -107,14 +120,15 @@ fn table(all: &[Regret]) -> Table {
     for r in all {
         table.add_row(cells(r));
     }
-    [2, 4, 5, 6, 8, 9].iter().for_each(|&i| {
+    for i in NUMBERS {
         if let Some(column) = table.column_mut(i) {
             column.set_cell_alignment(CellAlignment::Right);
         }
-    });
+    }
     table
 }
 
+/// Prints a summary; errors if plans miss their targets.
 fn verdict(all: &[Regret]) -> Result<()> {
     let count = all.len().max(1) as f64;
     let kept = all.iter().filter(|r| r.keeps()).count();
@@ -125,17 +139,15 @@ fn verdict(all: &[Regret]) -> Result<()> {
         .collect();
     let dear = ratios.iter().filter(|r| **r > MAX_REGRET).count();
     let ratios = Sorted::new(ratios);
-    let at = |share: f64| ratios.nearest(share).unwrap_or(1.0);
-    let summary = format!(
-        "{kept} of {} plans keep their bound on the whole image ({:.1} %); cost over the least: median {:.2}, \
-         9 in 10 within {:.2}, greatest {:.2}; {dear} cost more than {MAX_REGRET} times the least",
-        all.len(),
-        100.0 * kept as f64 / count,
-        at(0.5),
-        at(0.9),
-        at(1.0)
+    let median = ratios.nearest(0.5).unwrap_or(1.0);
+    let nine_in_ten = ratios.nearest(0.9).unwrap_or(1.0);
+    let greatest = ratios.nearest(1.0).unwrap_or(1.0);
+    let percent = 100.0 * kept as f64 / count;
+    println!(
+        "{kept} of {} plans keep their bound on the whole image ({percent:.1} %); cost over the least: median {median:.2}, \
+         9 in 10 within {nine_in_ten:.2}, greatest {greatest:.2}; {dear} cost more than {MAX_REGRET} times the least",
+        all.len()
     );
-    println!("{summary}");
     if (kept as f64) < MIN_KEPT * count || dear > 0 {
         bail!(
             "plans miss their targets: {:.0} % kept, at most {MAX_REGRET} times the least cost",

@@ -1,4 +1,4 @@
-//! `stability`: rows in, a matrix and a report out. All the work is the lab's.
+//! `stability`: plays the rows, prints the matrix and writes the report.
 
 use crate::inputs;
 use crate::program::Program;
@@ -19,20 +19,20 @@ use umbrage_lab::{
     },
 };
 
-/// Plays, prints, reports; fails if anything came out that must not be.
+/// Plays, prints and reports; errors if there are faults.
 pub(crate) fn stability(program: &Program, arguments: &StabilityArguments) -> Result<()> {
     if arguments.list {
         println!("{}", list());
         return Ok(());
     }
     let options = options_of(program, arguments)?;
-    let open = || inputs::open(backend(arguments), arguments.adapter.as_ref());
-    let mut backends = open()?;
-    backends.notices.iter().for_each(|line| println!("{line}"));
-    backends
-        .playing
-        .iter()
-        .for_each(|b| println!("on {}", b.name()));
+    let mut backends = inputs::open(backend(arguments), arguments.adapter.as_ref())?;
+    for line in &backends.notices {
+        println!("{line}");
+    }
+    for backend in &backends.playing {
+        println!("on {}", backend.name());
+    }
     let start = Instant::now();
     let mut stability = play(&options, &mut backends)?;
     println!("{}", matrix(&stability));
@@ -40,26 +40,21 @@ pub(crate) fn stability(program: &Program, arguments: &StabilityArguments) -> Re
     println!(
         "✓ {pass} pass   ~ {degraded} degraded   ✗ {fails} fail   – not served   ! must not be"
     );
-    let sweeps = if arguments.rows.is_empty() && arguments.techniques.is_empty() {
-        turn(&options, &mut backends).unwrap_or_else(|e| {
-            // What the rows found is kept; the run fails all the same.
-            stability.faults.push(format!("sweeps: {e:#}"));
-            Vec::new()
-        })
-    } else {
-        Vec::new()
-    };
-    stability
-        .faults
-        .extend(sweeps.iter().filter_map(Sweep::fault));
-    stability
-        .faults
-        .extend(check_state(&mut backends.playing, &mut open()?.playing)?);
-    let page = report::write(
-        &program.folder(arguments.out.as_deref(), "stability"),
-        &stability,
-        &sweeps,
-    )?;
+    let mut sweeps = Vec::new();
+    if arguments.rows.is_empty() && arguments.techniques.is_empty() {
+        match run_sweeps(&options, &mut backends) {
+            Ok(found) => sweeps = found,
+            // The rows' results are kept; the run fails nevertheless.
+            Err(e) => stability.faults.push(format!("sweeps: {e:#}")),
+        }
+    }
+    let of_sweeps = sweeps.iter().filter_map(Sweep::fault);
+    stability.faults.extend(of_sweeps);
+    let mut fresh = inputs::open(backend(arguments), arguments.adapter.as_ref())?;
+    let of_state = check_state(&mut backends.playing, &mut fresh.playing)?;
+    stability.faults.extend(of_state);
+    let folder = program.folder(arguments.out.as_deref(), "stability");
+    let page = report::write(&folder, &stability, &sweeps)?;
     println!(
         "report: {} ({:.0} s)",
         page.display(),
@@ -108,8 +103,8 @@ fn play(options: &StabilityOptions, backends: &mut Backends) -> Result<Stability
     Ok(stability?)
 }
 
-/// All sweeps.
-fn turn(options: &StabilityOptions, backends: &mut Backends) -> Result<Vec<Sweep>> {
+/// Runs all sweeps.
+fn run_sweeps(options: &StabilityOptions, backends: &mut Backends) -> Result<Vec<Sweep>> {
     let bar = ProgressBar::new_spinner();
     let sweeps = sweeps::sweeps(options, backends, &mut |name| {
         bar.set_message(format!("sweep: {name}"));
@@ -119,7 +114,7 @@ fn turn(options: &StabilityOptions, backends: &mut Backends) -> Result<Vec<Sweep
     Ok(sweeps?)
 }
 
-/// One case in a line, for logs.
+/// Returns a case as a line for logs.
 fn line(result: &CaseResult) -> String {
     let signs: String = result.cells.iter().map(Cell::sign).collect();
     format!(
@@ -128,50 +123,55 @@ fn line(result: &CaseResult) -> String {
     )
 }
 
-/// The matrix: a line a case, a column a technique, in each cell a sign and a figure for each of its settings.
+/// Returns the matrix: a line for each case, a column for each technique, in each cell a sign and a figure for each of its
+/// settings.
 fn matrix(stability: &Stability) -> Table {
     let techniques = stability.techniques();
     let mut table = Table::new();
     table
         .load_style(UTF8_FULL_CONDENSED)
         .set_content_arrangement(ContentArrangement::Disabled);
-    let head = ["#", "case", "measure", "pass", "fail"]
-        .map(str::to_owned)
-        .into_iter();
-    table.set_header(head.chain(techniques.iter().map(|t| (*t).to_owned())));
+    let mut head = vec!["#", "case", "measure", "pass", "fail"];
+    head.extend(&techniques);
+    table.set_header(head);
     for result in &stability.cases {
-        let unit = if result.unit.is_empty() {
-            String::new()
+        let measure = if result.unit.is_empty() {
+            result.measure.clone()
         } else {
-            format!(", {}", result.unit)
+            format!("{}, {}", result.measure, result.unit)
         };
-        let words = [
+        let mut line = vec![
             result.row.to_string(),
             result.case.clone(),
-            format!("{}{unit}", result.measure),
+            measure,
+            number(result.limits.pass),
+            number(result.limits.fails),
         ];
-        let limits = [result.limits.pass, result.limits.fails].map(number);
-        let cells = techniques.iter().map(|technique| {
-            let its = result.cells.iter().filter(|c| c.technique == *technique);
-            its.map(|c| {
-                c.figure().map_or(c.sign().to_string(), |f| {
-                    format!("{} {}", c.sign(), number(f))
-                })
-            })
-            .collect::<Vec<_>>()
-            .join("\n")
-        });
-        table.add_row(words.into_iter().chain(limits).chain(cells));
+        for technique in &techniques {
+            line.push(signs_and_figures(result, technique));
+        }
+        table.add_row(line);
     }
-    table
-        .column_iter_mut()
-        .skip(3)
-        .take(2)
-        .for_each(|c| c.set_cell_alignment(CellAlignment::Right));
+    for column in table.column_iter_mut().skip(3).take(2) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
     table
 }
 
-/// Three digits that count.
+/// Returns a line for each setting of a technique.
+fn signs_and_figures(result: &CaseResult, technique: &str) -> String {
+    let mut lines = Vec::new();
+    for cell in result.cells.iter().filter(|c| c.technique == technique) {
+        let sign = cell.sign();
+        lines.push(match cell.figure() {
+            Some(figure) => format!("{sign} {}", number(figure)),
+            None => sign.to_string(),
+        });
+    }
+    lines.join("\n")
+}
+
+/// Formats a number with three significant digits, fewer below .1.
 fn number(v: f64) -> String {
     match v.abs() {
         0.0 => "0".to_owned(),
@@ -183,7 +183,7 @@ fn number(v: f64) -> String {
     }
 }
 
-/// The rows, their cases and what they are judged by.
+/// Returns the table of all rows, their cases and measures.
 fn list() -> Table {
     let mut table = Table::new();
     table.load_style(comfy_table::presets::NOTHING).set_header([
@@ -222,7 +222,7 @@ fn verdict(stability: &Stability) -> Result<()> {
     )
 }
 
-/// A software driver is too slow for a first look.
+/// Returns the backends to play on. A quick run plays on the CPU alone unless others are named, as software drivers are slow.
 fn backend(arguments: &StabilityArguments) -> Backend {
     let otherwise = if arguments.quick {
         Backend::Cpu

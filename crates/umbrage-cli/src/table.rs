@@ -1,7 +1,6 @@
-//! A comparison's figures on the terminal.
+//! Prints a comparison's figures on the terminal.
 
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
-use umbrage_core::metrics::Errors;
 use umbrage_lab::compare::{CompareRow, Measured, RowOutcome, SceneResult};
 use umbrage_plan::{footprint, pareto::front};
 
@@ -22,7 +21,7 @@ const HEADER: [&str; 11] = [
     "differing",
 ];
 
-/// One table a scene.
+/// Prints a table for each scene.
 pub(crate) fn print(scenes: &[SceneResult]) {
     let whole = scenes.iter().map(|s| s.rows.len()).sum::<usize>() <= ALL_ROWS;
     for scene in scenes {
@@ -34,23 +33,23 @@ pub(crate) fn print(scenes: &[SceneResult]) {
         for row in chosen(&scene.rows, whole) {
             table.add_row(cells(row));
         }
-        table
-            .column_iter_mut()
-            .skip(3)
-            .for_each(|c| c.set_cell_alignment(CellAlignment::Right));
+        for column in table.column_iter_mut().skip(3) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
         let [w, h] = scene.size;
         println!(
             "\n{}: {} light, {w} x {h}, {} triangles\n{table}",
             scene.name, scene.light, scene.triangles
         );
-        scene
-            .nothing_compared
-            .iter()
-            .for_each(|why| println!("-: {why}"));
-        maps(&scene.rows)
-            .iter()
-            .chain(&left_out(&scene.rows))
-            .for_each(|line| println!("{line}"));
+        if let Some(why) = &scene.nothing_compared {
+            println!("-: {why}");
+        }
+        if let Some(line) = maps(&scene.rows) {
+            println!("{line}");
+        }
+        if let Some(line) = left_out(&scene.rows) {
+            println!("{line}");
+        }
     }
     if !whole {
         println!(
@@ -59,59 +58,68 @@ pub(crate) fn print(scenes: &[SceneResult]) {
     }
 }
 
-/// How the maps of all rows are used, in a line; none without maps.
+/// Returns a line about how the maps of all rows are used; none without maps.
 fn maps(rows: &[CompareRow]) -> Option<String> {
     let used: Vec<_> = rows.iter().filter_map(|r| r.measured()?.maps).collect();
     Some(format!("maps: {}", footprint::words(&used)?))
 }
 
-/// How many pixels were left out of the errors, in a line; none if none were.
+/// Returns a line about the pixels that were left out of the errors as the backend sees other triangles there than truth; none if
+/// there are no such pixels.
 fn left_out(rows: &[CompareRow]) -> Option<String> {
-    let left_out = |row: &CompareRow| {
-        row.measured()?
-            .errors
-            .map(|e| e.elsewhere)
-            .filter(|pixels| *pixels > 0)
-    };
-    let (row, pixels) = rows.iter().find_map(|row| Some((row, left_out(row)?)))?;
-    Some(format!(
-        "left out: {pixels} pixels at which {} sees other triangles than truth",
-        row.backend
-    ))
+    for row in rows {
+        let errors = row.measured().and_then(|measured| measured.errors);
+        let pixels = errors.map_or(0, |errors| errors.elsewhere);
+        if pixels > 0 {
+            return Some(format!(
+                "left out: {pixels} pixels at which {} sees other triangles than truth",
+                row.backend
+            ));
+        }
+    }
+    None
 }
 
 fn cells(row: &CompareRow) -> Vec<String> {
-    let named = [&row.technique, &row.settings, &row.backend].map(String::clone);
-    let figures = match &row.outcome {
-        RowOutcome::Unsupported { reason } => vec!["-".to_owned(), reason.clone()],
-        RowOutcome::Measured(m) => figures(m),
-    };
-    named.into_iter().chain(figures).collect()
+    let mut cells = vec![
+        row.technique.clone(),
+        row.settings.clone(),
+        row.backend.clone(),
+    ];
+    match &row.outcome {
+        RowOutcome::Unsupported { reason } => cells.extend(["-".to_owned(), reason.clone()]),
+        RowOutcome::Measured(measured) => cells.extend(figures(measured)),
+    }
+    cells
 }
 
-fn figures(m: &Measured) -> Vec<String> {
-    // Where no pixel counts, no error is no merit.
-    let error = |digits: usize, of: fn(&Errors) -> f64| {
-        m.errors
-            .as_ref()
-            .map_or_else(|| "-".to_owned(), |e| format!("{:.digits$}", of(e)))
-    };
-    vec![
-        error(4, |e| e.rmse),
-        error(2, |e| e.false_shadow),
-        error(2, |e| e.false_light),
-        error(2, |e| e.acne),
-        format!("{:.2}", m.times.map_or(m.cost_ms, |t| t.total.median)),
-        m.times
-            .and_then(|t| t.receive)
-            .map_or_else(|| "-".to_owned(), |s| format!("{:.2}", s.median)),
+/// Returns the cells of a row's figures, in the order of [`HEADER`].
+fn figures(m: &Measured) -> [String; 8] {
+    let receive = m.times.and_then(|times| times.receive);
+    let differing = m.agreement.map(|agreement| agreement.differing);
+    [
+        or_dash(m.errors.map(|e| e.rmse), 4),
+        or_dash(m.errors.map(|e| e.false_shadow), 2),
+        or_dash(m.errors.map(|e| e.false_light), 2),
+        or_dash(m.errors.map(|e| e.acne), 2),
+        format!("{:.2}", milliseconds(m)),
+        or_dash(receive.map(|times| times.median), 2),
         format!("{:.1}", m.bytes as f64 / f64::from(1 << 20)),
-        m.agreement
-            .map_or_else(String::new, |a| a.differing.to_string()),
+        differing.map_or_else(String::new, |pixels| pixels.to_string()),
     ]
 }
 
-/// The rows to print: all, or each backend's Pareto front of time against error.
+/// Formats a figure with this many decimals; a dash without one.
+fn or_dash(figure: Option<f64>, decimals: usize) -> String {
+    figure.map_or_else(|| "-".to_owned(), |figure| format!("{figure:.decimals$}"))
+}
+
+/// Returns the median time; the cost where times weren't measured.
+fn milliseconds(m: &Measured) -> f64 {
+    m.times.map_or(m.cost_ms, |times| times.total.median)
+}
+
+/// Returns the rows to print: all, or each backend's Pareto front of time against error.
 fn chosen(rows: &[CompareRow], whole: bool) -> Vec<&CompareRow> {
     if whole {
         return rows.iter().collect();
@@ -119,21 +127,22 @@ fn chosen(rows: &[CompareRow], whole: bool) -> Vec<&CompareRow> {
     let mut backends: Vec<&str> = rows.iter().map(|r| r.backend.as_str()).collect();
     backends.sort_unstable();
     backends.dedup();
-    backends
-        .into_iter()
-        .flat_map(|backend| best(rows.iter().filter(|r| r.backend == backend).collect()))
-        .collect()
+    let mut out = Vec::new();
+    for backend in backends {
+        let of_backend = rows.iter().filter(|r| r.backend == backend);
+        out.extend(best(of_backend.collect()));
+    }
+    out
 }
 
+/// Returns the rows that no other beats in both time and error.
 fn best(rows: Vec<&CompareRow>) -> Vec<&CompareRow> {
-    let point = |row: &&CompareRow| {
-        row.measured().map_or([f64::NAN; 2], |m| {
-            [
-                m.times.map_or(m.cost_ms, |t| t.total.median),
-                m.rmse().unwrap_or_default(),
-            ]
-        })
-    };
-    let points: Vec<_> = rows.iter().map(point).collect();
+    let mut points = Vec::with_capacity(rows.len());
+    for row in &rows {
+        points.push(match row.measured() {
+            Some(m) => [milliseconds(m), m.rmse().unwrap_or_default()],
+            None => [f64::NAN; 2],
+        });
+    }
     front(&points).into_iter().map(|i| rows[i]).collect()
 }

@@ -1,10 +1,10 @@
-//! What each cause of error looks like: scenes in which nothing else can be wrong.
+//! An example of each cause of error: scenes in which nothing else can be wrong.
 
 use std::sync::Arc;
 use umbrage_core::{ShadowTechnique, metrics::Cause};
 use umbrage_techniques::{Bias, Hard, SecondDepth, ShadowMap};
 
-/// A scene, a technique that is wrong there in one way, and that way.
+/// A scene and a technique whose whole error there has one cause.
 #[derive(Clone, Debug)]
 pub struct CauseExample {
     /// The built-in scene's name.
@@ -15,34 +15,17 @@ pub struct CauseExample {
     pub cause: Cause,
 }
 
-/// One fault a cause.
+/// Returns one example for each cause.
 pub fn faults() -> [CauseExample; 5] {
-    let map = |size, bias| ShadowMap {
-        size,
-        bias,
-        ..ShadowMap::default()
-    };
-    let hard = |size, bias| {
-        Arc::new(Hard {
-            map: map(size, bias),
-        })
-    };
     [
         CauseExample {
             scene: "cause-acne",
             technique: hard(512, Bias::NONE),
             cause: Cause::Acne,
         },
-        // A fiftieth of the depth range: a bare constant, such as first attempts use.
         CauseExample {
             scene: "cause-gap",
-            technique: hard(
-                2048,
-                Bias {
-                    constant: 0.02,
-                    ..Bias::NONE
-                },
-            ),
+            technique: hard(2048, FAR_TOO_MUCH),
             cause: Cause::Gap,
         },
         CauseExample {
@@ -64,4 +47,24 @@ pub fn faults() -> [CauseExample; 5] {
             cause: Cause::Penumbra,
         },
     ]
+}
+
+/// A constant bias of a fiftieth of the depth range, as first attempts use.
+const FAR_TOO_MUCH: Bias = Bias {
+    constant: 0.02,
+    ..Bias::NONE
+};
+
+fn hard(size: u32, bias: Bias) -> Arc<dyn ShadowTechnique> {
+    Arc::new(Hard {
+        map: map(size, bias),
+    })
+}
+
+fn map(size: u32, bias: Bias) -> ShadowMap {
+    ShadowMap {
+        size,
+        bias,
+        ..ShadowMap::default()
+    }
 }

@@ -1,4 +1,4 @@
-//! Colour pictures of scenes: Blinn-Phong with the light marked.
+//! Color pictures of scenes: Blinn-Phong shading with a marker at the light.
 
 use crate::{LabError, output::png::encode_rgb};
 use glam::UVec2;
@@ -17,16 +17,13 @@ pub(crate) struct Stage {
 }
 
 impl Stage {
-    /// Of a scene with a light and a camera. A directional light is marked at the eye of the scene's own fit, if it has
+    /// Prepares a scene with a light and a camera. A directional light is marked at the eye of the scene's own fit, if it has
     /// one.
     pub(crate) fn new(scene: &Scene, fit: Option<Fit>) -> Result<Self, Invalid> {
-        let directional_at = fit.and_then(|fit| {
-            if let Fit::Manual { eye, .. } = fit {
-                Some(eye)
-            } else {
-                None
-            }
-        });
+        let directional_at = match fit {
+            Some(Fit::Manual { eye, .. }) => Some(eye),
+            _ => None,
+        };
         let scene = scene.with_light_marker(LightMarker {
             directional_at,
             ..LightMarker::default()
@@ -41,54 +38,48 @@ impl Stage {
         })
     }
 
-    /// What the camera sees of it.
+    /// Returns the view of its camera under its light.
     pub(crate) fn view(&self) -> Result<View<'_>, Invalid> {
         view(&self.scene, &self.geometry)
     }
 
-    /// A technique's recipe that also shades. `receivers` are those of the scene; the marker is none of them.
+    /// Returns a technique's recipe that also shades. `receivers` are those of the scene without the marker.
     pub(crate) fn recipe(
         &self,
         technique: &dyn ShadowTechnique,
         receivers: &Receivers,
     ) -> Result<Recipe, RecipeError> {
-        Ok(self
-            .shading
-            .add_to(technique.recipe(&self.view()?.with_receivers(receivers))?))
+        let view = self.view()?.with_receivers(receivers);
+        let recipe = technique.recipe(&view)?;
+        Ok(self.shading.add_to(recipe))
     }
 }
 
 fn view<'a>(scene: &'a Scene, geometry: &'a Geometry) -> Result<View<'a>, Invalid> {
-    let missing = || {
-        Invalid::new(
+    let (Some(camera), Some(light)) = (scene.cameras.first(), scene.lights.first()) else {
+        return Err(Invalid::new(
             format!("scene `{}`", scene.name),
             "has no camera or no light",
             "add one",
-        )
+        ));
     };
-    let (camera, light) = scene
-        .cameras
-        .first()
-        .zip(scene.lights.first())
-        .ok_or_else(missing)?;
     Ok(View::new(camera, light, geometry))
 }
 
-/// A shaded picture as a PNG; none if the recipe didn't shade.
+/// Returns the shaded picture as a PNG; none if the recipe didn't shade.
 pub(crate) fn png(size: UVec2, shadows: &Shadows) -> Option<Result<Vec<u8>, LabError>> {
     shadows.picture_bytes().map(|rgb| encode_rgb(size, &rgb))
 }
 
-/// Returns the number of pixels at which two pictures differ by more than one step of 255 though their masks agree within one and they show the
-/// same triangle.
+/// Returns the number of pixels at which two pictures differ by more than one step of 255 though their masks agree within one
+/// step and both show the same triangle; none if either has no picture.
 pub(crate) fn differing(a: &Shadows, b: &Shadows) -> Option<u64> {
     let a_colors = a.picture_bytes()?;
     let b_colors = b.picture_bytes()?;
     let color_pairs = a_colors.chunks(3).zip(b_colors.chunks(3));
-    let mask_pairs = a.mask.iter().zip(&b.mask);
     let mut count = 0;
-    for (i, ((a_mask, b_mask), (a_color, b_color))) in mask_pairs.zip(color_pairs).enumerate() {
-        let have_same_mask = (a_mask - b_mask).abs() <= 1.0 / 255.0;
+    for (i, (a_color, b_color)) in color_pairs.enumerate() {
+        let have_same_mask = (a.mask[i] - b.mask[i]).abs() <= 1.0 / 255.0;
         let have_same_triangle = triangle(a, i) == triangle(b, i);
         let differ_in_color = a_color.iter().zip(b_color).any(|(v, w)| v.abs_diff(*w) > 1);
         count += u64::from(have_same_mask && have_same_triangle && differ_in_color);
@@ -96,7 +87,7 @@ pub(crate) fn differing(a: &Shadows, b: &Shadows) -> Option<u64> {
     Some(count)
 }
 
-/// The triangle that a pixel shows, if the backend found receivers.
+/// Returns the triangle that a pixel shows; none if the backend doesn't tell its receivers.
 fn triangle(shadows: &Shadows, pixel: usize) -> Option<u32> {
     let receivers = shadows.receivers.as_ref()?;
     Some(receivers.triangle[pixel])

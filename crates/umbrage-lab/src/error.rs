@@ -1,4 +1,4 @@
-//! What can go wrong while measuring.
+//! Errors of the lab.
 
 use std::path::PathBuf;
 use umbrage_core::{BackendError, Invalid, RecipeError};

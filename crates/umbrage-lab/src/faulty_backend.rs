@@ -1,9 +1,9 @@
-//! A second backend for tests that must notice one that errs.
+//! A second backend with faults, for tests that check whether faults are noticed.
 
 use umbrage_core::{Backend, BackendError, Recipe, Shadows, Snapping, View};
 use umbrage_cpu::{Cpu, CpuOptions};
 
-/// The CPU under wgpu's name, spoilt on the way out.
+/// The CPU backend under wgpu's name; `spoil` changes what it renders.
 pub(crate) struct FaultyBackend<F> {
     cpu: Cpu,
     spoil: F,
@@ -19,7 +19,7 @@ impl<F: FnMut(&mut Shadows)> FaultyBackend<F> {
         }
     }
 
-    /// One that rounds vertices so, and says that it rounds otherwise.
+    /// A backend that rounds vertices as `does`, and says that it rounds as `says`.
     pub(crate) fn rounding(does: Snapping, says: Snapping, spoil: F) -> Self {
         let cpu =
             Cpu::with_options(&CpuOptions::default().snapping(does)).expect("a known rounding");
@@ -44,7 +44,7 @@ impl<F: FnMut(&mut Shadows)> Backend for FaultyBackend<F> {
     }
 }
 
-/// Darkens a pixel that is lit, far from any doubt: the last one.
+/// Darkens the last pixel that is fully lit.
 pub(crate) fn darken_one(shadows: &mut Shadows) {
     let lit = shadows
         .mask

@@ -1,4 +1,4 @@
-//! What can go wrong while measuring.
+//! Errors of measuring and planning.
 
 use umbrage_core::{BackendError, Invalid, RecipeError};
 

@@ -1,6 +1,6 @@
-//! What the planner is at.
+//! Progress of the planner.
 
-/// What the planner is at, from any thread.
+/// Receives the planner's progress, from any thread.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Step<'a> {
     /// It looks for where visibility varies.

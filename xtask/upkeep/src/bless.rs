@@ -11,12 +11,12 @@ use anyhow::{Result, bail};
 pub(crate) fn bless(options: &BlessOptions) -> Result<()> {
     run(cargo().args(["build", "--workspace", "--bin", "bless"]))?;
     let mut command = beside("bless")?;
-    let status = if options.all {
-        command.arg("--all")
+    if options.all {
+        command.arg("--all");
     } else {
-        command.args(&options.names)
+        command.args(&options.names);
     }
-    .status()?;
+    let status = command.status()?;
     match status.code() {
         Some(0) => Ok(()),
         Some(2) => Err(Usage("no such golden image".to_owned()).into()),

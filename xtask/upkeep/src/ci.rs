@@ -17,7 +17,7 @@ use std::{
 
 type Step = (&'static str, Box<dyn Fn() -> Result<()>>);
 
-/// Runs all steps, also after one has failed, and prints what each came to.
+/// Runs all steps, also after one has failed, and prints the result of each.
 pub(crate) fn ci(options: &CiOptions) -> Result<()> {
     let mut table = Table::new();
     table.set_header(["step", "result", "seconds"]);
@@ -59,19 +59,15 @@ fn steps(options: &CiOptions) -> Vec<Step> {
     if !options.after_tests {
         steps.push(("test", Box::new(test)));
     }
-    let words = |words: &'static [&'static str]| move || run(cargo().args(words));
-    steps.extend::<[Step; 5]>([
-        ("tidy", Box::new(tidy::tidy)),
-        ("format", Box::new(words(&["fmt", "--all", "--check"]))),
-        ("clippy", Box::new(words(&CLIPPY))),
-        (
-            "doc",
-            Box::new(|| run(doc().env("RUSTDOCFLAGS", "-D warnings"))),
-        ),
-        ("package", Box::new(package)),
-    ]);
+    steps.push(("tidy", Box::new(tidy::tidy)));
+    steps.push(("format", Box::new(|| run(cargo().args(FORMAT)))));
+    steps.push(("clippy", Box::new(|| run(cargo().args(CLIPPY)))));
+    steps.push(("doc", Box::new(doc)));
+    steps.push(("package", Box::new(package)));
     steps
 }
+
+const FORMAT: [&str; 3] = ["fmt", "--all", "--check"];
 
 const CLIPPY: [&str; 7] = [
     "clippy",
@@ -83,48 +79,57 @@ const CLIPPY: [&str; 7] = [
     "warnings",
 ];
 
-fn doc() -> Command {
+fn doc() -> Result<()> {
     let mut command = cargo();
-    command.args(["doc", "--workspace", "--no-deps", "--all-features"]);
     command
+        .args(["doc", "--workspace", "--no-deps", "--all-features"])
+        .env("RUSTDOCFLAGS", "-D warnings");
+    run(&mut command)
 }
 
 /// Packs every published package, and checks what was packed as its users would get it: a file that a package lacks, or a
 /// dependency that it doesn't name, is an error there.
 fn package() -> Result<()> {
     let folder = root().join("target").join("packed");
-    // What an earlier run left is not what is asked about.
+    // Removes what an earlier run left; there may be nothing.
     drop(fs::remove_dir_all(&folder));
     let packed = pack(&folder)?;
     check_packed(&folder, &packed)
 }
 
-/// A package's name, and the folder that it was unpacked to.
-type Packed = (String, PathBuf);
+/// A package that was packed and unpacked again.
+struct Packed {
+    name: String,
+    /// The folder that it was unpacked to.
+    folder: PathBuf,
+}
 
+/// Packs all published packages, and unpacks each into a folder inside `folder`.
 fn pack(folder: &Path) -> Result<Vec<Packed>> {
     let published = published()?;
-    let names = published.iter().flat_map(|(name, _)| ["--package", name]);
-    // What is packed is the question here, not whether it is committed; what is packed is checked below.
     let mut command = cargo();
-    command
-        .args(["package", "--allow-dirty", "--no-verify"])
-        .args(names)
-        .arg("--target-dir")
-        .arg(folder);
+    // Uncommitted changes may be packed, too. `check_packed` verifies what was packed.
+    command.args(["package", "--allow-dirty", "--no-verify"]);
+    for package in &published {
+        command.args(["--package", &package.name]);
+    }
+    command.arg("--target-dir").arg(folder);
     run(&mut command)?;
     let archives = folder.join("package");
-    let unpack = |(name, version): &(String, String)| {
-        let stem = format!("{name}-{version}");
-        // Archives hold files of 2006, which cargo would take for unchanged: `m` leaves that time out.
-        run(Command::new("tar")
-            .arg("-xzmf")
-            .arg(archives.join(format!("{stem}.crate")))
-            .arg("-C")
-            .arg(folder))?;
-        Ok((name.clone(), folder.join(stem)))
-    };
-    published.iter().map(unpack).collect()
+    let mut packed = Vec::new();
+    for package in published {
+        let stem = format!("{}-{}", package.name, package.version);
+        let archive = archives.join(format!("{stem}.crate"));
+        // Files in archives are dated 2006, which cargo would take for unchanged: `m` gives them the present time.
+        let mut tar = Command::new("tar");
+        tar.arg("-xzmf").arg(archive).arg("-C").arg(folder);
+        run(&mut tar)?;
+        packed.push(Packed {
+            name: package.name,
+            folder: folder.join(stem),
+        });
+    }
+    Ok(packed)
 }
 
 /// Checks unpacked packages in a workspace of their own, each with the others in place of those that a registry would give.
@@ -132,25 +137,27 @@ fn pack(folder: &Path) -> Result<Vec<Packed>> {
 fn check_packed(folder: &Path, packed: &[Packed]) -> Result<()> {
     let mut manifest = "[workspace]\nresolver = \"3\"\nmembers = [".to_owned();
     let mut patches = String::from("[patch.crates-io]\n");
-    for (name, place) in packed {
-        let place = place
+    for package in packed {
+        let name = &package.name;
+        let place = package
+            .folder
             .file_name()
             .context("unpacked packages have folders")?
             .to_string_lossy();
         write!(manifest, "\"{place}\", ")?;
         writeln!(patches, "{name} = {{ path = \"{place}\" }}")?;
     }
-    let profiles = profiles(&fs::read_to_string(root().join("Cargo.toml"))?)?;
-    fs::write(
-        folder.join("Cargo.toml"),
-        format!("{manifest}]\n{patches}{profiles}"),
-    )?;
+    let own_manifest = fs::read_to_string(root().join("Cargo.toml"))?;
+    let profiles = profiles(&own_manifest)?;
+    let text = format!("{manifest}]\n{patches}{profiles}");
+    fs::write(folder.join("Cargo.toml"), text)?;
     fs::copy(root().join("Cargo.lock"), folder.join("Cargo.lock"))?;
     let mut command = cargo();
     command
         .current_dir(folder)
-        .args(["check", "--workspace", "--all-features", "--target-dir"]);
-    run(command.arg(root().join("target")))
+        .args(["check", "--workspace", "--all-features", "--target-dir"])
+        .arg(root().join("target"));
+    run(&mut command)
 }
 
 /// Returns the profiles of a manifest, which stand at its end. What is checked with other ones is checked anew.
@@ -161,8 +168,14 @@ fn profiles(manifest: &str) -> Result<String> {
     Ok(manifest[start..].to_owned())
 }
 
-/// The names and versions of all packages that don't say `publish = false`.
-fn published() -> Result<Vec<(String, String)>> {
+/// A package that is published.
+struct Published {
+    name: String,
+    version: String,
+}
+
+/// Returns all packages that don't say `publish = false`.
+fn published() -> Result<Vec<Published>> {
     let output = cargo()
         .args(["metadata", "--format-version", "1", "--no-deps"])
         .output()?;
@@ -171,9 +184,16 @@ fn published() -> Result<Vec<(String, String)>> {
     let packages = metadata["packages"]
         .as_array()
         .context("cargo metadata names no packages")?;
-    let public = packages.iter().filter(|p| p["publish"].is_null());
-    let text = |value: &serde_json::Value| value.as_str().map(str::to_owned);
-    Ok(public
-        .filter_map(|p| text(&p["name"]).zip(text(&p["version"])))
-        .collect())
+    let mut out = Vec::new();
+    for package in packages.iter().filter(|p| p["publish"].is_null()) {
+        let name = package["name"].as_str();
+        let version = package["version"].as_str();
+        if let (Some(name), Some(version)) = (name, version) {
+            out.push(Published {
+                name: name.to_owned(),
+                version: version.to_owned(),
+            });
+        }
+    }
+    Ok(out)
 }

@@ -1,9 +1,9 @@
-//! Running other programs.
+//! Runs other programs.
 
 use anyhow::{Context as _, Result, bail};
 use std::{ffi::OsString, path::Path, process::Command};
 
-/// The user asked for something that isn't there; ends the program with 2.
+/// The user asked for something that doesn't exist; the program ends with code 2.
 #[derive(Debug)]
 pub(crate) struct Usage(pub(crate) String);
 
@@ -50,16 +50,16 @@ pub(crate) fn run(command: &mut Command) -> Result<()> {
     Ok(())
 }
 
-/// What to type to run the same.
+/// Returns what to type to run the same command.
 pub(crate) fn spell(command: &Command) -> String {
-    let words = std::iter::once(command.get_program()).chain(command.get_args());
-    let name = |w: &std::ffi::OsStr| {
-        let word = w.to_string_lossy();
-        if word.ends_with("/cargo") {
+    let mut words = Vec::new();
+    for word in std::iter::once(command.get_program()).chain(command.get_args()) {
+        let word = word.to_string_lossy();
+        words.push(if word.ends_with("/cargo") {
             "cargo".to_owned()
         } else {
             word.into_owned()
-        }
-    };
-    words.map(name).collect::<Vec<_>>().join(" ")
+        });
+    }
+    words.join(" ")
 }

@@ -3,7 +3,7 @@
 //! Debian's package of Chromium's common files holds it. The browser isn't needed: the driver's library is taken out of the
 //! package and put into cargo's target folder. Nothing is installed.
 
-use crate::adapter;
+use crate::{adapter, run::run};
 use anyhow::{Context as _, Result, bail, ensure};
 use std::{
     ffi::OsStr,
@@ -26,7 +26,7 @@ pub(crate) struct SwiftShader {
 }
 
 impl SwiftShader {
-    /// The one that an earlier run has unpacked.
+    /// Returns the driver that an earlier run has unpacked; none if there is none.
     pub(crate) fn unpacked() -> Result<Option<Self>> {
         let folder = folder()?;
         if !folder.join(LIBRARY).exists() {
@@ -35,29 +35,27 @@ impl SwiftShader {
         Self::in_folder(&folder).map(Some)
     }
 
-    /// Takes it from Debian's archive.
+    /// Downloads and unpacks the driver from Debian's archive.
     pub(crate) fn fetch() -> Result<Self> {
         let folder = folder()?;
-        let by_hand = || format!("or put {LIBRARY} from elsewhere into {}", folder.display());
+        let by_hand = format!("or put {LIBRARY} from elsewhere into {}", folder.display());
         if !adapter::is_debian() {
             bail!(
-                "--install-driver finds {ADAPTER} only in Debian's package {PACKAGE}: use Debian, {}",
-                by_hand()
+                "--install-driver finds {ADAPTER} only in Debian's package {PACKAGE}: use Debian, {by_hand}"
             );
         }
         println!("fetching {ADAPTER} from Debian's package {PACKAGE}");
         fs::create_dir_all(&folder).with_context(|| format!("cannot make {}", folder.display()))?;
         let package =
-            download(&folder).with_context(|| format!("no {ADAPTER}: try again, {}", by_hand()))?;
+            download(&folder).with_context(|| format!("no {ADAPTER}: try again, {by_hand}"))?;
         let unpacked = unpack(&package, &folder);
         fs::remove_file(&package)
             .with_context(|| format!("cannot remove {}", package.display()))?;
-        unpacked
-            .with_context(|| format!("{} holds no {MEMBER}: {}", package.display(), by_hand()))?;
+        unpacked.with_context(|| format!("{} holds no {MEMBER}: {by_hand}", package.display()))?;
         Self::in_folder(&folder)
     }
 
-    /// Writes the manifest by which Vulkan's loader finds the library, and sees that its adapter is there.
+    /// Writes the manifest by which Vulkan's loader finds the library, and checks that its adapter is found.
     fn in_folder(folder: &Path) -> Result<Self> {
         let path = folder.join("vk_swiftshader_icd.json");
         let text = manifest(&folder.join(LIBRARY));
@@ -93,7 +91,7 @@ fn is_ours(adapter: &str) -> bool {
     adapter.contains(ADAPTER)
 }
 
-/// Beside the folder of this program, in cargo's target folder.
+/// Returns the driver's folder: beside the folder of this program, in cargo's target folder.
 fn folder() -> Result<PathBuf> {
     let program = std::env::current_exe().context("this program does not know where it is")?;
     let target = program
@@ -103,31 +101,32 @@ fn folder() -> Result<PathBuf> {
     Ok(target.join("swiftshader"))
 }
 
-/// Vulkan's loader takes the path as it stands here.
+/// Returns the text of the manifest. Vulkan's loader takes the library's path as it is here.
 fn manifest(library: &Path) -> String {
     let icd = serde_json::json!({ "library_path": library, "api_version": "1.0.5" });
     serde_json::json!({ "file_format_version": "1.0.0", "ICD": icd }).to_string()
 }
 
-/// The package's file. Its list of packages may be missing or old: then it is brought up to date.
+/// Downloads the package and returns its file. The list of packages may be missing or old: then it is updated.
 fn download(folder: &Path) -> Result<PathBuf> {
-    let fetch = || {
-        crate::run::run(
-            adapter::apt_get(&[])
-                .args(["download", PACKAGE])
-                .current_dir(folder),
-        )
-    };
-    if fetch().is_err() {
+    if apt_get_download(folder).is_err() {
         let prefix = adapter::privilege().context("no rights to run `apt-get update`")?;
-        crate::run::run(adapter::apt_get(prefix).arg("update"))?;
-        fetch()?;
+        run(adapter::apt_get(prefix).arg("update"))?;
+        apt_get_download(folder)?;
     }
-    let files = fs::read_dir(folder)?.filter_map(|entry| Some(entry.ok()?.path()));
-    files
-        .into_iter()
-        .find(|path| path.extension() == Some(OsStr::new("deb")))
-        .context("apt-get left no package")
+    for entry in fs::read_dir(folder)?.flatten() {
+        let path = entry.path();
+        if path.extension() == Some(OsStr::new("deb")) {
+            return Ok(path);
+        }
+    }
+    bail!("apt-get left no package")
+}
+
+fn apt_get_download(folder: &Path) -> Result<()> {
+    let mut command = adapter::apt_get(&[]);
+    command.args(["download", PACKAGE]).current_dir(folder);
+    run(&mut command)
 }
 
 /// Takes the library out of the package.
@@ -145,8 +144,8 @@ fn unpack(package: &Path, folder: &Path) -> Result<()> {
         .arg(folder)
         .arg(MEMBER)
         .stdin(tar);
-    let unpacked = crate::run::run(&mut out);
-    // It may have ended before tar took all of it.
+    let unpacked = run(&mut out);
+    // `dpkg-deb` may fail if tar stops reading early, which is no error: only the end is waited for.
     archive.wait()?;
     unpacked
 }

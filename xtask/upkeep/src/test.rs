@@ -1,5 +1,5 @@
-//! All tests, on a graphics adapter that is there or gets installed. Never without one. Nets between backends then play once more on
-//! a second driver.
+//! Runs all tests, on a graphics adapter that is there or gets installed, never without one. Tests that compare backends then run
+//! once more on a second driver.
 
 use crate::{
     adapter,
@@ -36,28 +36,27 @@ pub(crate) fn test(options: &TestOptions) -> Result<()> {
     println!("testing on {adapter}");
     let mut command = cargo();
     command.args(["test", "--all-features", "--no-fail-fast"]);
-    if !options
+    let names_packages = options
         .arguments
         .iter()
-        .any(|a| a.starts_with("-p") || a.starts_with("--package"))
-    {
+        .any(|a| a.starts_with("-p") || a.starts_with("--package"));
+    if !names_packages {
         command.arg("--workspace");
     }
     if options.pinned_driver {
         command.env("UMBRAGE_PINNED_DRIVER", "required");
     }
-    let mut failed = told(
-        &run_tests(command.args(&options.arguments))?,
-        start,
-        &adapter,
-    );
+    let totals = run_tests(command.args(&options.arguments))?;
+    let mut failed = told(&totals, start, &adapter);
     if let Some(driver) = second {
         println!("testing on SwiftShader");
         let start = Instant::now();
         let mut command = cargo();
         driver.select(command.args(SECOND));
         let totals = run_tests(&mut command)?;
-        failed += told(&totals, start, "SwiftShader") + usize::from(totals.passed == 0);
+        failed += told(&totals, start, "SwiftShader");
+        // Filters that match no test are a fault, too.
+        failed += usize::from(totals.passed == 0);
     }
     if failed == 0 {
         Ok(())
@@ -73,8 +72,8 @@ const SECOND: [&str; 10] = [
     "agreement::", "rasterisers::", "on_the_second_driver",
 ];
 
-/// The driver on which some tests are played once more. It must be there where drivers are installed; elsewhere its lack is told.
-/// None for tests that the user chose.
+/// Returns the driver on which some tests run once more, fetching it where drivers are to be installed. Where it is missing a
+/// message says so. None for tests that the user chose.
 fn second_driver(options: &TestOptions) -> Result<Option<SwiftShader>> {
     if !options.arguments.is_empty() {
         return Ok(None);
@@ -92,29 +91,25 @@ fn second_driver(options: &TestOptions) -> Result<Option<SwiftShader>> {
     Ok(there)
 }
 
-/// Tells what tests came to, and how many failed.
+/// Prints the result of tests, and returns how many failed.
 fn told(totals: &Totals, start: Instant, adapter: &str) -> usize {
     let minutes = start.elapsed().as_secs_f64() / 60.0;
-    let Totals {
-        passed,
-        failed,
-        programs,
-        ..
-    } = *totals;
     let verdict = if totals.good { "passed" } else { "FAILED" };
     println!(
-        "tests {verdict}: {passed} passed, {failed} failed in {programs} programs, {minutes:.1} min, on {adapter}"
+        "tests {verdict}: {} passed, {} failed in {} programs, {minutes:.1} min, on {adapter}",
+        totals.passed, totals.failed, totals.programs
     );
-    // What doesn't even start counts as one.
-    failed.max(usize::from(!totals.good))
+    // Programs that don't even start count as one failure.
+    totals.failed.max(usize::from(!totals.good))
 }
 
-/// What all test programs say together.
+/// The results of all test programs together.
 #[derive(Debug, Default, PartialEq)]
 struct Totals {
     passed: usize,
     failed: usize,
     programs: usize,
+    /// Whether cargo ended with success.
     good: bool,
 }
 
@@ -125,29 +120,27 @@ impl Totals {
             return;
         };
         let words: Vec<&str> = rest.split([' ', ';']).collect();
-        let before = |word| {
-            let at = words.iter().position(|&w| w == word)?;
-            words.get(at.checked_sub(1)?)?.parse::<usize>().ok()
-        };
-        self.passed += before("passed").unwrap_or(0);
-        self.failed += before("failed").unwrap_or(0);
+        for pair in words.windows(2) {
+            let count = pair[0].parse::<usize>().unwrap_or(0);
+            match pair[1] {
+                "passed" => self.passed += count,
+                "failed" => self.failed += count,
+                _ => {}
+            }
+        }
         self.programs += 1;
     }
 }
 
+/// Runs tests, passing on what they print.
 fn run_tests(command: &mut Command) -> Result<Totals> {
     let line = spell(command.stdout(Stdio::piped()));
     let mut child = adapter::with_runtime_dir(command)?
         .spawn()
         .with_context(|| format!("`{line}` did not start"))?;
     let mut totals = Totals::default();
-    for line in child
-        .stdout
-        .take()
-        .map(BufReader::new)
-        .into_iter()
-        .flat_map(BufReader::lines)
-    {
+    let output = child.stdout.take().context("tests have no output")?;
+    for line in BufReader::new(output).lines() {
         let line = line?;
         println!("{line}");
         totals.add(&line);

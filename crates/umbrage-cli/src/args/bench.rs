@@ -1,4 +1,4 @@
-//! What can be typed after `bench`.
+//! Arguments of `bench`.
 
 use clap::Args;
 

@@ -1,4 +1,4 @@
-//! What can be typed after `compare`.
+//! Arguments of `compare`.
 
 use super::{Backend, Shard, merge::parse_shard, parse_size};
 use clap::Args;

@@ -1,4 +1,4 @@
-//! What can be typed after `plan`.
+//! Arguments of `plan`.
 
 use super::parse_size;
 use clap::{Args, ValueEnum};

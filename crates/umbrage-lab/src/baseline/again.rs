@@ -1,8 +1,8 @@
-//! What looks slower is timed again, before it is called so.
+//! Times again what looks slower, before it counts as slower.
 
 use super::{
     Changes,
-    times::{RatioSample, RowToRetime, Suspect},
+    times::{RatioSample, Suspect},
 };
 use crate::{
     LabError,
@@ -10,10 +10,11 @@ use crate::{
 };
 use std::collections::BTreeMap;
 
-/// How often what looks slower is timed again, each time after all else: noise that lasts for seconds meets other rows ...
+/// How often all that looks slower is timed again. Between two timings of a row all others are timed, so that noise that lasts
+/// for seconds meets other rows.
 pub const ROUNDS: usize = 3;
 
-/// ... and how often at most, until there are enough runs that nothing held up.
+/// How often rows are timed again at most, until they have enough runs that nothing held up.
 const MAX_ROUNDS: usize = 10;
 
 /// Runs of a row in a round.
@@ -23,14 +24,14 @@ const RUNS: Runs = Runs {
     budget_ms: 200,
 };
 
-/// What was found, by the scene's place and the row's stem.
+/// What timing again found, by the scene's place and the row's stem.
 type Fresh = BTreeMap<(usize, String), Again>;
 
 /// Times again what looks slower, and moves what still does to [`Changes::worse`]. `inputs` are the scenes of the new
 /// results, in their order.
 ///
 /// # Errors
-/// When a scene can't be played again.
+/// Errors if a scene can't be played again.
 pub fn time_again(
     changes: &mut Changes,
     inputs: &[SceneInput],
@@ -41,21 +42,19 @@ pub fn time_again(
     let mut fresh = Fresh::new();
     let mut open: Vec<&Suspect> = suspects.iter().collect();
     for round in 0..MAX_ROUNDS {
-        let wanted = |suspect: &&&Suspect| {
-            round < ROUNDS || suspect.lacks_calm_runs(&known(suspect, &fresh))
-        };
-        let asked = asked(open.iter().filter(wanted).copied());
-        for (scene, stems) in asked {
+        let mut wanted = open.clone();
+        if round >= ROUNDS {
+            wanted.retain(|suspect| suspect.lacks_calm_runs(&known(suspect, &fresh)));
+        }
+        for (scene, stems) in stems_by_scene(&wanted) {
             let Some(input) = inputs.get(scene) else {
                 continue;
             };
             let found = again(input, &stems, options, &RUNS, backends)?;
-            for (stem, more) in stems
-                .into_iter()
-                .zip(found)
-                .filter_map(|(stem, found)| Some((stem, found?)))
-            {
-                fresh.entry((scene, stem)).or_default().add(more);
+            for (stem, more) in stems.into_iter().zip(found) {
+                if let Some(more) = more {
+                    fresh.entry((scene, stem)).or_default().add(more);
+                }
             }
         }
         open.retain(|suspect| !suspect.is_cleared(&known(suspect, &fresh)));
@@ -84,10 +83,10 @@ pub fn time_again(
     Ok(())
 }
 
-/// The rows of some suspects by their scenes, each once.
-fn asked<'a>(suspects: impl Iterator<Item = &'a Suspect>) -> BTreeMap<usize, Vec<String>> {
+/// Returns the stems of the suspects' rows by the place of their scene, each row once.
+fn stems_by_scene(suspects: &[&Suspect]) -> BTreeMap<usize, Vec<String>> {
     let mut out: BTreeMap<usize, Vec<String>> = BTreeMap::new();
-    for row in suspects.flat_map(|suspect| &suspect.rows) {
+    for row in suspects.iter().flat_map(|suspect| &suspect.rows) {
         let stems = out.entry(row.scene).or_default();
         if !stems.contains(&row.stem) {
             stems.push(row.stem.clone());
@@ -96,23 +95,26 @@ fn asked<'a>(suspects: impl Iterator<Item = &'a Suspect>) -> BTreeMap<usize, Vec
     out
 }
 
-/// What was found of a suspect's rows.
+/// Returns what was found of each of a suspect's rows; none of rows that were not timed.
 fn known(suspect: &Suspect, fresh: &Fresh) -> Vec<Option<RatioSample>> {
-    let of = |row: &RowToRetime| {
-        let Again {
-            runs,
-            least_ms,
-            yardstick,
-        } = fresh.get(&(row.scene, row.stem.clone()))?;
-        // None were calm yet: then there are no ranks, of no runs.
-        let ratio = Ranks::of(calm(runs, *yardstick)).unwrap_or_default();
-        Some(RatioSample {
-            ratio,
-            least_ms: *least_ms,
-            yardstick: *yardstick,
+    suspect
+        .rows
+        .iter()
+        .map(|row| {
+            let again = fresh.get(&(row.scene, row.stem.clone()))?;
+            Some(sample(again))
         })
-    };
-    suspect.rows.iter().map(of).collect()
+        .collect()
+}
+
+fn sample(again: &Again) -> RatioSample {
+    // Without calm runs yet, there are quantiles of 0 runs.
+    let ratio = Ranks::of(calm(&again.runs, again.yardstick)).unwrap_or_default();
+    RatioSample {
+        ratio,
+        least_ms: again.least_ms,
+        yardstick: again.yardstick,
+    }
 }
 
 #[cfg(test)]

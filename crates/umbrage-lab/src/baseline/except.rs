@@ -1,4 +1,4 @@
-//! What the baseline has and the new results lack.
+//! What the baseline has and the new results lack, and which of that is excepted.
 
 use super::Changes;
 use crate::compare::{CompareRow, Comparison};
@@ -16,30 +16,21 @@ impl Except {
         Self(names.into_iter().collect())
     }
 
-    /// Refuses names that mean nothing in a baseline: a slip of the pen would else go unnoticed.
+    /// Checks that all names are those of something in a baseline: a misspelt one would else go unnoticed.
     ///
     /// # Errors
-    /// The first name that is neither a scene, a technique, a backend nor a setting of it.
+    /// Errors on the first name that is neither a scene, a technique, a backend nor a setting of the comparison.
     pub fn check(&self, baseline: &Comparison) -> Result<(), Invalid> {
-        let known = |name: &&String| {
-            let of_row = |row: &CompareRow| names(row).contains(name);
-            baseline
-                .scenes
-                .iter()
-                .any(|s| s.name == **name || s.rows.iter().any(of_row))
-        };
-        match self.0.iter().find(|name| !known(name)) {
-            None => Ok(()),
-            Some(name) => {
-                let help =
-                    "name a scene, a technique, a backend, or a setting as `technique (settings)`";
-                Err(Invalid::new(
+        for name in &self.0 {
+            if !has_name(baseline, name) {
+                return Err(Invalid::new(
                     "exception",
                     format!("`{name}` is nothing that the baseline has"),
-                    help,
-                ))
+                    "name a scene, a technique, a backend, or a setting as `technique (settings)`",
+                ));
             }
         }
+        Ok(())
     }
 
     fn has(&self, name: &str) -> bool {
@@ -47,7 +38,15 @@ impl Except {
     }
 }
 
-/// What a row may be excepted by, the widest first.
+/// Whether a comparison has a scene, a technique, a backend or a setting of this name.
+fn has_name(comparison: &Comparison, name: &String) -> bool {
+    comparison
+        .scenes
+        .iter()
+        .any(|scene| scene.name == *name || scene.rows.iter().any(|row| names(row).contains(name)))
+}
+
+/// Returns the names by which a row may be excepted, the widest first: its backend, its technique, its setting.
 fn names(row: &CompareRow) -> [String; 3] {
     [
         row.backend.clone(),
@@ -56,15 +55,36 @@ fn names(row: &CompareRow) -> [String; 3] {
     ]
 }
 
-/// What is lost, while scenes are gone through.
+/// Collects what is lost, scene by scene.
 pub(super) struct Lost<'a> {
     except: &'a Except,
-    /// Scenes as wholes: name and what is wrong.
-    scenes: Vec<(String, String)>,
-    /// By name: how many rows the baseline has in the scenes compared, and how many are missing.
-    rows: BTreeMap<String, [usize; 2]>,
-    /// Rows that are missing: the scene, the label, and the names.
-    missing: Vec<(String, String, [String; 3])>,
+    /// Scenes that are lost as wholes.
+    scenes: Vec<LostScene>,
+    /// Rows of the baseline in the scenes compared, counted for each of their names.
+    rows: BTreeMap<String, RowCount>,
+    /// Rows that are missing.
+    missing: Vec<LostRow>,
+}
+
+struct LostScene {
+    name: String,
+    /// Why it is lost.
+    what: String,
+}
+
+struct LostRow {
+    scene: String,
+    label: String,
+    /// [`names`].
+    names: [String; 3],
+}
+
+/// Rows that share a name.
+#[derive(Default)]
+struct RowCount {
+    all: usize,
+    /// Those that are missing.
+    lost: usize,
 }
 
 impl<'a> Lost<'a> {
@@ -78,54 +98,65 @@ impl<'a> Lost<'a> {
     }
 
     pub(super) fn scene(&mut self, name: &str, what: &str) {
-        self.scenes.push((name.to_owned(), what.to_owned()));
+        self.scenes.push(LostScene {
+            name: name.to_owned(),
+            what: what.to_owned(),
+        });
     }
 
     /// Takes note of a row of the baseline.
     pub(super) fn row(&mut self, scene: &str, row: &CompareRow, missing: bool) {
         for name in names(row) {
-            let [all, lost] = self.rows.entry(name).or_default();
-            *all += 1;
-            *lost += usize::from(missing);
+            let count = self.rows.entry(name).or_default();
+            count.all += 1;
+            count.lost += usize::from(missing);
         }
         if missing {
-            self.missing
-                .push((scene.to_owned(), row.label(), names(row)));
+            self.missing.push(LostRow {
+                scene: scene.to_owned(),
+                label: row.label(),
+                names: names(row),
+            });
         }
     }
 
-    /// Says what is lost, as widely as is true: a backend, a technique, a setting, a row.
+    /// Reports what is lost, as widely as is true: a backend, a technique, a setting, a row.
     pub(super) fn report(self, out: &mut Changes) {
         let mut except = BTreeSet::new();
-        for (name, what) in &self.scenes {
-            let line = format!("scene {name} {what}");
-            if self.except.has(name) {
+        for scene in &self.scenes {
+            let line = format!("scene {} {}", scene.name, scene.what);
+            if self.except.has(&scene.name) {
                 out.notes.push(format!("excepted: {line}"));
             } else {
                 out.lost.push(line);
-                except.insert(name.clone());
+                except.insert(scene.name.clone());
             }
         }
         let mut reported = BTreeSet::new();
         let mut excepted = 0;
-        for (scene, label, names) in &self.missing {
-            if self.except.has(scene) || names.iter().any(|name| self.except.has(name)) {
+        for row in &self.missing {
+            let scene = &row.scene;
+            if self.except.has(scene) || row.names.iter().any(|name| self.except.has(name)) {
                 excepted += 1;
                 continue;
             }
-            // The widest of its names of which nothing is left.
-            let whole = names
-                .iter()
-                .find(|name| self.rows[*name][0] == self.rows[*name][1]);
+            // The widest of the row's names of which nothing is left.
+            let whole = row.names.iter().find(|name| {
+                let count = &self.rows[*name];
+                count.all == count.lost
+            });
             match whole {
                 Some(name) if reported.insert(name.clone()) => {
-                    out.lost
-                        .push(format!("{name} is missing: {} rows", self.rows[name][1]));
+                    let lost = self.rows[name].lost;
+                    out.lost.push(format!("{name} is missing: {lost} rows"));
                 }
                 Some(_) => {}
-                None => out.lost.push(format!("{scene}: {label} is missing")),
+                None => {
+                    let label = &row.label;
+                    out.lost.push(format!("{scene}: {label} is missing"));
+                }
             }
-            except.insert(whole.unwrap_or(&names[2]).clone());
+            except.insert(whole.unwrap_or(&row.names[2]).clone());
         }
         if excepted > 0 {
             out.notes.push(format!(

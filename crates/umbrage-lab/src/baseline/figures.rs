@@ -1,4 +1,4 @@
-//! Figures that are the same on every run: any growth is a change.
+//! Figures that are the same on every run: errors, counted cost and bytes. Any growth is a change.
 
 use super::ROUNDING;
 use crate::compare::Measured;
@@ -10,21 +10,38 @@ pub(super) struct BaselineFigure {
     name: &'static str,
     then: f64,
     now: f64,
+    /// Changes up to this are not changes.
     noise: f64,
 }
 
 impl BaselineFigure {
-    /// Whether it grew, and what to say, if it changed beyond the noise.
-    pub(super) fn change(&self) -> Option<(bool, String)> {
+    /// Returns the change; none if it is not beyond the noise.
+    pub(super) fn change(&self) -> Option<Change> {
         let difference = self.now - self.then;
         let noise = self.noise + ROUNDING * self.then.abs().max(self.now.abs());
-        let what = || format!("{} {} -> {}", self.name, short(self.then), short(self.now));
-        (difference.abs() > noise).then(|| (difference > 0.0, what()))
+        if difference.abs() > noise {
+            let what = format!("{} {} -> {}", self.name, short(self.then), short(self.now));
+            Some(if difference > 0.0 {
+                Change::Grew(what)
+            } else {
+                Change::Shrank(what)
+            })
+        } else {
+            None
+        }
     }
 }
 
-/// The figures of a row, then and now. Where no pixel counts there are no errors, then as now: else other pixels count, and
-/// the scene isn't compared.
+/// How a figure changed; the text says which, then and now.
+pub(super) enum Change {
+    /// For the worse.
+    Grew(String),
+    /// For the better.
+    Shrank(String),
+}
+
+/// Returns the figures of a row, then and now. `exact`: whether rounding is the same as then. Where no pixel counts there are no
+/// errors, neither then nor now: else other pixels would count, and the scene would not be compared.
 pub(super) fn of(
     backend: &str,
     then: &Measured,
@@ -32,39 +49,48 @@ pub(super) fn of(
     exact: bool,
 ) -> Vec<BaselineFigure> {
     let prices = CostModel::of(backend);
-    let [cost_then, cost_now] = [then, now].map(|m| prices.milliseconds(&m.work));
-    let figure = |name, then, now, noise| BaselineFigure {
-        name,
-        then,
-        now,
-        noise,
-    };
+    let cost_then = prices.milliseconds(&then.work);
+    let cost_now = prices.milliseconds(&now.work);
     let mut out = Vec::new();
     if let (Some(a), Some(b)) = (&then.errors, &now.errors) {
-        // Undecided pixels may all flip: in a share of the image, that share; in a mean square, that much.
-        let share = if exact {
-            0.0
-        } else {
-            100.0 * MAX_UNDECIDED_SHARE
-        };
-        let rmse = if exact {
-            0.0
-        } else {
-            (a.rmse.powi(2) + MAX_UNDECIDED_SHARE).sqrt() - a.rmse
-        };
-        out.extend([
-            figure("RMSE", a.rmse, b.rmse, rmse),
-            figure("false shadow %", a.false_shadow, b.false_shadow, share),
-            figure("false light %", a.false_light, b.false_light, share),
-            figure("acne %", a.acne, b.acne, share),
-        ]);
+        // Undecided pixels may all flip. That changes a percentage of the image by at most their percentage, and a mean square
+        // by at most their share.
+        let mut percent_noise = 0.0;
+        let mut rmse_noise = 0.0;
+        if !exact {
+            percent_noise = 100.0 * MAX_UNDECIDED_SHARE;
+            rmse_noise = (a.rmse.powi(2) + MAX_UNDECIDED_SHARE).sqrt() - a.rmse;
+        }
+        out.push(figure("RMSE", a.rmse, b.rmse, rmse_noise));
+        out.push(figure(
+            "false shadow %",
+            a.false_shadow,
+            b.false_shadow,
+            percent_noise,
+        ));
+        out.push(figure(
+            "false light %",
+            a.false_light,
+            b.false_light,
+            percent_noise,
+        ));
+        out.push(figure("acne %", a.acne, b.acne, percent_noise));
     }
     out.push(figure("cost ms", cost_then, cost_now, 0.0));
     out.push(figure("bytes", then.bytes as f64, now.bytes as f64, 0.0));
     out
 }
 
-/// Four digits that count.
+fn figure(name: &'static str, then: f64, now: f64, noise: f64) -> BaselineFigure {
+    BaselineFigure {
+        name,
+        then,
+        now,
+        noise,
+    }
+}
+
+/// Formats a number with four decimals, or in scientific notation if it is very large or small.
 pub(super) fn short(v: f64) -> String {
     if v == 0.0 || (0.01..1e6).contains(&v.abs()) {
         format!("{:.4}", v)

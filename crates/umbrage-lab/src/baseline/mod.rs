@@ -1,4 +1,5 @@
-//! Did anything get slower or less accurate than it was? The guard that a renderer's continuous integration asks.
+//! Compares a comparison with an earlier one, the baseline: what got slower, dearer, larger or less accurate. A check for a
+//! renderer's continuous integration.
 //!
 //! Rows of the same scene, technique, settings and backend are compared, if the scene itself, its image and its truth are
 //! the same:
@@ -30,41 +31,43 @@ use crate::compare::{CompareRow, Comparison, Environment, RowOutcome, RowTimes, 
 use std::collections::HashMap;
 use times::Suspect;
 
-/// Sums over pixels may come out of another order of additions: relative growth up to this is none.
+/// Relative growth up to this counts as none: sums over pixels may be added up in another order.
 pub const ROUNDING: f64 = 1e-9;
 
-/// What has changed, one line each.
+/// What has changed since the baseline, a line for each change.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Changes {
-    /// Rows that both have and that could be compared: a guard that compared nothing guards nothing.
+    /// The number of rows that both have and that could be compared. A check that compared nothing has checked nothing.
     pub compared: usize,
-    /// Of these, rows whose times could be compared.
+    /// The number of these whose times could be compared.
     pub timed: usize,
-    /// Slower, dearer, larger or less accurate: what a guard refuses.
+    /// What got slower, dearer, larger or less accurate: a failure.
     pub worse: Vec<String>,
-    /// The opposite.
+    /// What got quicker, cheaper, smaller or more accurate.
     pub better: Vec<String>,
     /// Rows that the baseline lacks.
     pub new: Vec<String>,
-    /// What only the baseline has, and what can't be compared with it: what a guard refuses, too.
+    /// What only the baseline has, and what can't be compared with it: a failure, too.
     pub lost: Vec<String>,
     /// The names that would except all that is lost.
     pub except: Vec<String>,
     /// What was excepted, and what the reader must know.
     pub notes: Vec<String>,
-    /// What looks slower, and is to be [timed again](time_again) before it is called so.
+    /// What looks slower; it is to be [timed again](time_again) before it counts as slower.
     pub suspects: Vec<Suspect>,
 }
 
-/// What has changed since `old`; nothing that `except` names is missed.
+/// Compares `new` with the baseline `old`. What `except` names may be missing.
 pub fn changes(old: &Comparison, new: &Comparison, except: &Except) -> Changes {
     let mut out = Changes::default();
-    let [timed, same_adapter] = machines(old, new, &mut out.notes);
-    let before: HashMap<_, &SceneResult> = numbered(&old.scenes).collect();
+    let SameMachine {
+        timed,
+        same_adapter,
+    } = machines(old, new, &mut out.notes);
     let mut lost = except::Lost::new(except);
     let mut pairs = Vec::new();
-    for (place, (key, scene)) in numbered(&new.scenes).enumerate() {
-        let Some(then) = before.get(&key) else {
+    for (place, scene) in new.scenes.iter().enumerate() {
+        let Some(then) = counterpart(&new.scenes, place, &old.scenes) else {
             out.new.push(format!("{}: the whole scene", scene.name));
             continue;
         };
@@ -79,12 +82,11 @@ pub fn changes(old: &Comparison, new: &Comparison, except: &Except) -> Changes {
             }),
         }
     }
-    let now: HashMap<_, &SceneResult> = numbered(&new.scenes).collect();
-    for (key, scene) in numbered(&old.scenes).filter(|(key, _)| !now.contains_key(key)) {
-        lost.scene(
-            key.0,
-            &format!("is missing with its {} rows", scene.rows.len()),
-        );
+    for (place, scene) in old.scenes.iter().enumerate() {
+        if counterpart(&old.scenes, place, &new.scenes).is_none() {
+            let what = format!("is missing with its {} rows", scene.rows.len());
+            lost.scene(&scene.name, &what);
+        }
     }
     let mut timings = Vec::new();
     for pair in &pairs {
@@ -106,53 +108,42 @@ pub fn changes(old: &Comparison, new: &Comparison, except: &Except) -> Changes {
     out
 }
 
-/// Scenes by name, and by number where several share one.
-fn numbered(scenes: &[SceneResult]) -> impl Iterator<Item = ((&str, usize), &SceneResult)> {
-    let number = |i: usize| {
-        scenes[..i]
-            .iter()
-            .filter(|s| s.name == scenes[i].name)
-            .count()
-    };
-    scenes
-        .iter()
-        .enumerate()
-        .map(move |(i, s)| ((s.name.as_str(), number(i)), s))
+/// Returns the scene of `others` that has the name of the scene at `place`. Where several share a name, the first belongs to the
+/// first, the second to the second, and so on.
+fn counterpart<'a>(
+    scenes: &[SceneResult],
+    place: usize,
+    others: &'a [SceneResult],
+) -> Option<&'a SceneResult> {
+    let name = &scenes[place].name;
+    let before = scenes[..place].iter().filter(|s| s.name == *name).count();
+    others.iter().filter(|s| s.name == *name).nth(before)
 }
 
-/// Whether times can be compared, and whether graphics rounding is the same.
-fn machines(old: &Comparison, new: &Comparison, notes: &mut Vec<String>) -> [bool; 2] {
+/// What two comparisons' machines allow to compare.
+struct SameMachine {
+    /// Whether times can be compared.
+    timed: bool,
+    /// Whether graphics rounding is the same.
+    same_adapter: bool,
+}
+
+/// Compares machines, and notes why times can't be compared.
+fn machines(old: &Comparison, new: &Comparison, notes: &mut Vec<String>) -> SameMachine {
     let then = &old.environment;
     let now = &new.environment;
     let same_adapter = then.adapter == now.adapter;
-    let machine = |e: &Environment| format!("{}, {} threads, {}", e.cpu, e.threads, e.system);
-    let describe = |e: &Environment| {
-        format!(
-            "{}; {}",
-            machine(e),
-            e.adapter.as_deref().unwrap_or("no adapter")
-        )
-    };
-    let any = |c: &Comparison, has: fn(&RowTimes) -> bool| {
-        let mut times = c
-            .scenes
-            .iter()
-            .flat_map(|s| &s.rows)
-            .filter_map(|r| r.measured()?.times);
-        times.any(|t| has(&t))
-    };
-    let times: fn(&RowTimes) -> bool = |_| true;
-    let ratios: fn(&RowTimes) -> bool = |t| t.yardstick.is_some();
     let why = if machine(then) != machine(now) || !same_adapter {
-        let [then, now] = [then, now].map(describe);
         Some(format!(
-            "the baseline was made on another machine ({then}; here: {now})"
+            "the baseline was made on another machine ({}; here: {})",
+            machine_and_adapter(then),
+            machine_and_adapter(now)
         ))
-    } else if !any(old, times) {
+    } else if times(old).next().is_none() {
         Some("the baseline has none".to_owned())
-    } else if !any(new, times) {
+    } else if times(new).next().is_none() {
         Some("this run has none".to_owned())
-    } else if !any(old, ratios) {
+    } else if !times(old).any(|times| times.yardstick.is_some()) {
         let schema = old.schema;
         Some(format!(
             "the baseline (schema {schema}) has no yardsticks beside them; make it anew to compare times"
@@ -160,36 +151,53 @@ fn machines(old: &Comparison, new: &Comparison, notes: &mut Vec<String>) -> [boo
     } else {
         None
     };
-    notes.extend(why.iter().map(|why| {
-        format!("Times are not compared, only accuracy, counted cost and bytes: {why}.")
-    }));
-    [why.is_none(), same_adapter]
+    if let Some(why) = &why {
+        notes.push(format!(
+            "Times are not compared, only accuracy, counted cost and bytes: {why}."
+        ));
+    }
+    SameMachine {
+        timed: why.is_none(),
+        same_adapter,
+    }
 }
 
-fn incomparable(old: &SceneResult, new: &SceneResult) -> Option<String> {
-    let facts = [
-        (
-            "its triangles differ",
-            old.fingerprint != new.fingerprint || old.light != new.light,
-        ),
-        ("its image has another size", old.size != new.size),
-        (
-            "its truth has other samples",
-            old.truth.samples != new.truth.samples,
-        ),
-        ("other pixels count", old.truth.counted != new.truth.counted),
-        (
-            "its light or camera moved",
-            moved(old.rmse_of_none, new.rmse_of_none),
-        ),
-    ];
-    facts
+fn machine(e: &Environment) -> String {
+    format!("{}, {} threads, {}", e.cpu, e.threads, e.system)
+}
+
+fn machine_and_adapter(e: &Environment) -> String {
+    let adapter = e.adapter.as_deref().unwrap_or("no adapter");
+    format!("{}; {adapter}", machine(e))
+}
+
+/// Returns the times of all rows that have some.
+fn times(comparison: &Comparison) -> impl Iterator<Item = RowTimes> + '_ {
+    comparison
+        .scenes
         .iter()
-        .find(|(_, differs)| *differs)
-        .map(|(why, _)| (*why).to_owned())
+        .flat_map(|scene| &scene.rows)
+        .filter_map(|row| row.measured()?.times)
 }
 
-/// How much is in shadow depends on truth alone: it changes with light and camera, not with techniques.
+/// Returns why a scene can't be compared with what it was; none if it can.
+fn incomparable(old: &SceneResult, new: &SceneResult) -> Option<&'static str> {
+    if old.fingerprint != new.fingerprint || old.light != new.light {
+        Some("its triangles differ")
+    } else if old.size != new.size {
+        Some("its image has another size")
+    } else if old.truth.samples != new.truth.samples {
+        Some("its truth has other samples")
+    } else if old.truth.counted != new.truth.counted {
+        Some("other pixels count")
+    } else if moved(old.rmse_of_none, new.rmse_of_none) {
+        Some("its light or camera moved")
+    } else {
+        None
+    }
+}
+
+/// Whether the light or the camera moved: the RMSE of no shadows at all depends on truth alone, not on techniques.
 fn moved(old: [f64; 2], new: [f64; 2]) -> bool {
     old.iter()
         .zip(new)
@@ -198,40 +206,44 @@ fn moved(old: [f64; 2], new: [f64; 2]) -> bool {
 
 /// One scene, then and now.
 struct Pair<'a> {
-    /// Among the new results.
+    /// The scene's place among the new results.
     place: usize,
     then: &'a SceneResult,
     now: &'a SceneResult,
+    /// Whether times are compared.
     timed: bool,
+    /// Whether graphics rounding is the same.
     same_adapter: bool,
 }
 
 impl<'a> Pair<'a> {
+    /// Compares all rows, and notes rows that are new or missing.
     fn compare(
         &self,
         out: &mut Changes,
         lost: &mut except::Lost<'_>,
         timings: &mut Vec<times::Timing<'a>>,
     ) {
-        let key = |r: &CompareRow| [r.technique.clone(), r.settings.clone(), r.backend.clone()];
-        let then: HashMap<_, &CompareRow> = self.then.rows.iter().map(|r| (key(r), r)).collect();
-        let now: HashMap<_, &CompareRow> = self.now.rows.iter().map(|r| (key(r), r)).collect();
+        let then = by_setting(&self.then.rows);
+        let now = by_setting(&self.now.rows);
         for row in &self.now.rows {
-            match then.get(&key(row)) {
+            match then.get(&setting(row)) {
                 Some(old) => self.row(old, row, out, timings),
                 None => out.new.push(self.say(row, "")),
             }
         }
         for row in &self.then.rows {
-            lost.row(&self.now.name, row, !now.contains_key(&key(row)));
+            lost.row(&self.now.name, row, !now.contains_key(&setting(row)));
         }
     }
 
+    /// Returns a line about a row: its scene, its label, and `what`, which may be empty.
     fn say(&self, row: &CompareRow, what: &str) -> String {
         let colon = if what.is_empty() { "" } else { ": " };
         format!("{}: {}{colon}{what}", self.now.name, row.label())
     }
 
+    /// Compares one row.
     fn row(
         &self,
         old: &CompareRow,
@@ -243,32 +255,28 @@ impl<'a> Pair<'a> {
         let (then, now) = match (&old.outcome, &new.outcome) {
             (RowOutcome::Measured(then), RowOutcome::Measured(now)) => (then, now),
             (RowOutcome::Measured(_), RowOutcome::Unsupported { reason }) => {
-                return out
-                    .worse
-                    .push(self.say(new, &format!("refused now: {reason}")));
+                let what = format!("refused now: {reason}");
+                out.worse.push(self.say(new, &what));
+                return;
             }
             (RowOutcome::Unsupported { .. }, RowOutcome::Measured(_)) => {
-                return out.better.push(self.say(new, "measured now"));
+                out.better.push(self.say(new, "measured now"));
+                return;
             }
             _ => return,
         };
         let exact = new.backend == "cpu" || self.same_adapter;
         for figure in figures::of(&new.backend, then, now, exact) {
             match figure.change() {
-                Some((true, what)) => out.worse.push(self.say(new, &what)),
-                Some((false, what)) => out.better.push(self.say(new, &what)),
+                Some(figures::Change::Grew(what)) => out.worse.push(self.say(new, &what)),
+                Some(figures::Change::Shrank(what)) => out.better.push(self.say(new, &what)),
                 None => {}
             }
         }
-        let sample = |times: Option<RowTimes>| {
-            let times = times?;
-            Some(times::RatioSample {
-                ratio: times.ratio?,
-                least_ms: times.total.min,
-                yardstick: times.yardstick?.min,
-            })
-        };
-        if let (true, Some(then), Some(now)) = (self.timed, sample(then.times), sample(now.times)) {
+        if !self.timed {
+            return;
+        }
+        if let (Some(then), Some(now)) = (sample(then.times), sample(now.times)) {
             timings.push(times::Timing {
                 scene: (self.place, &self.now.name),
                 row: new,
@@ -277,6 +285,25 @@ impl<'a> Pair<'a> {
             });
         }
     }
+}
+
+/// What tells a row from others of its scene: technique, settings and backend.
+fn setting(row: &CompareRow) -> [&str; 3] {
+    [&row.technique, &row.settings, &row.backend]
+}
+
+fn by_setting(rows: &[CompareRow]) -> HashMap<[&str; 3], &CompareRow> {
+    rows.iter().map(|row| (setting(row), row)).collect()
+}
+
+/// Returns what of a row's times is compared; none without times beside a yardstick.
+fn sample(times: Option<RowTimes>) -> Option<times::RatioSample> {
+    let times = times?;
+    Some(times::RatioSample {
+        ratio: times.ratio?,
+        least_ms: times.total.min,
+        yardstick: times.yardstick?.min,
+    })
 }
 
 #[cfg(test)]

@@ -1,11 +1,11 @@
-//! The results of an earlier run.
+//! Reads the results of an earlier run.
 
 use crate::compare::{Comparison, SCHEMA};
 use serde::Deserialize;
 use std::path::Path;
 use umbrage_core::Invalid;
 
-/// The oldest schema that is still read: what came later may be missing.
+/// The oldest schema that is still read; fields that came later may be missing.
 const OLDEST: u32 = 3;
 
 /// What a report's figures are written to.
@@ -20,7 +20,7 @@ struct Version {
 /// Reads a `results.json`.
 ///
 /// # Errors
-/// When it can't be read, is no such file, or has a schema that is too old or newer than this program.
+/// Errors if it can't be read, is no such file, or has a schema that is too old or newer than this program.
 pub fn read(path: &Path) -> Result<Comparison, Invalid> {
     let what = format!("baseline `{}`", path.display());
     let help = "give the results.json that `cargo xtask compare` wrote";
@@ -39,26 +39,26 @@ pub fn read(path: &Path) -> Result<Comparison, Invalid> {
     serde_json::from_slice(&text).map_err(|e| refuse(format!("is damaged: {e}")))
 }
 
-/// Refuses a baseline that is the `results.json` of the report to be made: it would be overwritten, and figures that are
+/// Checks that a baseline is not the `results.json` of the report to be made: it would be overwritten, and figures that are
 /// taken up from that folder would be compared with themselves. Other files there stay as they are.
 ///
 /// # Errors
-/// When it is that file.
+/// Errors if it is that file.
 pub fn apart(baseline: &Path, report: &Path) -> Result<(), Invalid> {
-    // A folder that is yet to be made holds no baseline; links count as what they lead to.
-    let real = |path: &Path| path.canonicalize().ok();
-    match (real(baseline), real(&report.join(RESULTS))) {
-        (Some(file), Some(results)) if file == results => {
-            let what = format!("baseline `{}`", baseline.display());
-            let why = "is what the report is written to, and would be overwritten";
-            Err(Invalid::new(
-                what,
-                why,
-                "copy it elsewhere, or give another folder with --out",
-            ))
-        }
-        _ => Ok(()),
+    // Canonical paths, so that links count as what they lead to. A file that doesn't exist has none and can't be overwritten.
+    let results = report.join(RESULTS);
+    let (Ok(baseline_file), Ok(results_file)) = (baseline.canonicalize(), results.canonicalize())
+    else {
+        return Ok(());
+    };
+    if baseline_file != results_file {
+        return Ok(());
     }
+    Err(Invalid::new(
+        format!("baseline `{}`", baseline.display()),
+        "is what the report is written to, and would be overwritten",
+        "copy it elsewhere, or give another folder with --out",
+    ))
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! When a row counts as slower, and how seldom that is said in vain.
+//! Decides when a row counts as slower, and how rare false alarms are.
 //!
 //! A row's time is compared as a multiple of the [yardstick](crate::compare::Yardstick) that was played before and after
 //! each of its runs. What is left is noise of single runs: on a shared machine with 2 cores and 8 to 18 busy programs, a
@@ -32,29 +32,29 @@
 use crate::compare::{CALM, CompareRow, Ranks};
 use std::collections::BTreeMap;
 
-/// Between the slower of the usual runs then and the quicker of the usual runs now. Less than that is what another
-/// placement of code and data in memory may change.
+/// The least factor between the slower of the usual runs then and the quicker of the usual runs now. Smaller changes may come
+/// from another placement of code and data in memory.
 pub const APART: f64 = 1.4;
 
-/// From so many runs on, the upper quartile bounds the baseline's noise; before, the greatest does.
+/// From this many runs on, the upper quartile bounds the baseline's noise; with fewer runs, the greatest does.
 pub const MANY: u32 = 9;
 
-/// Fewer runs are not judged.
+/// Rows with fewer runs are not judged.
 pub const MIN_RUNS: u32 = 5;
 
-/// A technique's median over its rows that counts, beyond its error. Rows of one technique wait for the same part of the
+/// The least factor by which a technique's median over its rows must change, beyond its error. Rows of one technique wait for the same part of the
 /// machine, and a yardstick that waits for another does not cancel all of that: medians of unchanged code moved by up to
 /// 1.2.
 pub const TECHNIQUE: f64 = 1.3;
 
-/// Standard errors of a technique's median.
+/// How many standard errors of a technique's median its change must be.
 pub const SIGMAS: f64 = 4.0;
 
 /// Rows of a technique whose quickest run takes less than this times what the baseline's quickest run took count as
 /// unchanged, whatever their yardsticks say.
 pub const AS_QUICK: f64 = 1.1;
 
-/// Fewer rows of a technique are judged one by one alone.
+/// Techniques with fewer rows are not judged as a whole.
 pub const MIN_ROWS: usize = 8;
 
 /// A row that was timed beside a yardstick, then and now.
@@ -67,10 +67,10 @@ pub(super) struct Timing<'a> {
     pub(super) now: RatioSample,
 }
 
-/// How long a row took.
+/// How long a row took, and its yardstick beside it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RatioSample {
-    /// Over the yardstick, of calm runs.
+    /// Times over the yardstick's, of calm runs.
     pub ratio: Ranks,
     /// The quickest run, milliseconds.
     pub least_ms: f64,
@@ -110,7 +110,7 @@ pub struct RowToRetime {
     pub then: RatioSample,
 }
 
-/// What times say.
+/// The verdict on all times.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Judged {
     pub(super) suspects: Vec<Suspect>,
@@ -119,7 +119,7 @@ pub(super) struct Judged {
     pub(super) rough: usize,
 }
 
-/// What looks slower, and techniques that got quicker.
+/// Finds rows and techniques that look slower, and techniques that got quicker.
 pub(super) fn judge(timings: &[Timing<'_>]) -> Judged {
     let mut out = Judged::default();
     let mut techniques: BTreeMap<[&str; 2], Vec<&Timing<'_>>> = BTreeMap::new();
@@ -148,8 +148,8 @@ pub(super) fn judge(timings: &[Timing<'_>]) -> Judged {
             .filter_map(|t| change(&t.then.ratio, &t.now.ratio))
             .collect();
         let label = format!("{technique} on {backend}");
-        match slower(&changes) {
-            Some((true, _)) => {
+        match median_factor(&changes) {
+            Some(factor) if factor > 1.0 => {
                 let rows = spread_out(&rows, MAX_ROWS).map(|t| t.asked()).collect();
                 out.suspects.push(Suspect {
                     label,
@@ -157,7 +157,7 @@ pub(super) fn judge(timings: &[Timing<'_>]) -> Judged {
                     whole: true,
                 });
             }
-            Some((false, factor)) => out.quicker.push(format!(
+            Some(factor) => out.quicker.push(format!(
                 "{label}: quicker by a factor of {:.2}",
                 1.0 / factor
             )),
@@ -167,10 +167,10 @@ pub(super) fn judge(timings: &[Timing<'_>]) -> Judged {
     out
 }
 
-/// So many rows of a technique are timed again.
+/// The most rows of a technique that are timed again.
 const MAX_ROWS: usize = 16;
 
-/// At most so many, taken evenly.
+/// Returns at most `most` items, spread evenly over all.
 fn spread_out<T>(all: &[T], most: usize) -> impl Iterator<Item = &T> {
     let count = all.len().min(most);
     (0..count).map(move |i| &all[i * all.len() / count])
@@ -186,7 +186,7 @@ impl Timing<'_> {
     }
 }
 
-/// What a row's ratios must lie beyond to be slower; none if the baseline has too few runs.
+/// Returns the ratio beyond which a row is slower; none if the baseline has too few runs.
 fn bound(then: &Ranks) -> Option<f64> {
     let usual = if then.runs < MANY {
         then.max
@@ -201,13 +201,14 @@ fn is_calm(then: &RatioSample, now: &RatioSample) -> bool {
     then.yardstick <= CALM * now.yardstick
 }
 
-/// By how much a row changed: the logarithm of its medians' ratio.
+/// Returns by how much a row changed: the logarithm of its medians' ratio; none if that is not finite.
 fn change(then: &Ranks, now: &Ranks) -> Option<f64> {
     Some((now.median / then.median).ln()).filter(|change| change.is_finite())
 }
 
-/// Whether rows as a whole got slower (or quicker), and by which factor.
-fn slower(changes: &[f64]) -> Option<(bool, f64)> {
+/// Returns the factor by which rows as a whole got slower (above 1) or quicker (below 1), from the logarithms of their changes;
+/// none if they didn't, or there are too few.
+fn median_factor(changes: &[f64]) -> Option<f64> {
     if changes.len() < MIN_ROWS {
         return None;
     }
@@ -217,16 +218,16 @@ fn slower(changes: &[f64]) -> Option<(bool, f64)> {
     // sqrt(pi / 2) = 1.253 times the mean's.
     let error = 1.253 * 1.4826 * deviation / (changes.len() as f64).sqrt();
     let counts = median.abs() > TECHNIQUE.ln() && median.abs() > SIGMAS * error;
-    counts.then_some((median > 0.0, median.exp()))
+    counts.then_some(median.exp())
 }
 
 impl Suspect {
-    /// What to say of it now that its rows were timed again: none if it is no slower. `fresh` is what was found of each of
+    /// Returns a line about it now that its rows were timed again; none if it is no slower. `fresh` is what was found of each of
     /// its rows.
     pub(super) fn verdict(&self, fresh: &[Option<RatioSample>]) -> Option<String> {
         if self.whole {
             let changes = self.changes(fresh);
-            let (_, factor) = slower(&changes).filter(|(slower, _)| *slower)?;
+            let factor = median_factor(&changes).filter(|factor| *factor > 1.0)?;
             let label = &self.label;
             let rows = changes.len();
             return Some(format!(
@@ -253,12 +254,13 @@ impl Suspect {
 
     /// Whether there are too few fresh runs that nothing held up: as many as make a quartile.
     pub(super) fn lacks_calm_runs(&self, fresh: &[Option<RatioSample>]) -> bool {
-        !self.whole
-            && fresh
-                .first()
-                .copied()
-                .flatten()
-                .is_some_and(|now| now.ratio.runs < MANY)
+        if self.whole {
+            return false;
+        }
+        match fresh.first() {
+            Some(Some(now)) => now.ratio.runs < MANY,
+            _ => false,
+        }
     }
 
     /// Whether fresh runs clear it already, so that it need not be timed once more: half of the ratios lie within the bound
@@ -269,34 +271,29 @@ impl Suspect {
             return Ranks::of(self.changes(fresh))
                 .is_none_or(|changes| changes.median <= TECHNIQUE.ln());
         }
-        let Some((then, now)) = self
-            .rows
-            .first()
-            .map(|row| row.then)
-            .zip(fresh.first().copied().flatten())
-        else {
+        let (Some(row), Some(Some(now))) = (self.rows.first(), fresh.first()) else {
             return true;
         };
+        let then = row.then;
         let usual = now.ratio.runs >= MIN_RUNS
             && bound(&then.ratio).is_none_or(|bound| now.ratio.median <= bound);
-        usual || as_quick(&then, &now, APART) || !is_calm(&then, &now)
+        usual || as_quick(&then, now, APART) || !is_calm(&then, now)
     }
 
-    /// By how much its rows changed; those with a run as quick as ever did not.
+    /// Returns the logarithms by which its rows changed; those with a run as quick as ever did not.
     fn changes(&self, fresh: &[Option<RatioSample>]) -> Vec<f64> {
-        let pairs = self
-            .rows
-            .iter()
-            .zip(fresh)
-            .filter_map(|(row, now)| Some((row.then, (*now)?)));
-        let of = |(then, now): (RatioSample, RatioSample)| {
-            if as_quick(&then, &now, AS_QUICK) {
-                Some(0.0)
+        let mut out = Vec::new();
+        for (row, now) in self.rows.iter().zip(fresh) {
+            let Some(now) = now else {
+                continue;
+            };
+            if as_quick(&row.then, now, AS_QUICK) {
+                out.push(0.0);
             } else {
-                change(&then.ratio, &now.ratio)
+                out.extend(change(&row.then.ratio, &now.ratio));
             }
-        };
-        pairs.filter_map(of).collect()
+        }
+        out
     }
 }
 

@@ -1,4 +1,4 @@
-//! The yardstick for the wgpu player: a program that can do one technique and nothing else, written straight on wgpu.
+//! A program for one technique alone, written directly on wgpu, to compare the wgpu backend with.
 
 use std::{borrow::Cow, time::Duration};
 use umbrage_core::{
@@ -63,52 +63,21 @@ impl HandWritten {
         });
         let cast = cast_pipeline(device, &module);
         let shade = shade_pipeline(device, &module);
-        let buffer = |usage, contents: &[u8]| {
-            device.create_buffer_init(&util::BufferInitDescriptor {
-                label: None,
-                contents,
-                usage,
-            })
-        };
-        let uniforms = buffer(BufferUsages::UNIFORM, &uniforms(settings));
+        let uniforms = buffer(device, BufferUsages::UNIFORM, &uniform_bytes(settings));
         let map_size = UVec2::splat(settings.map_size);
         let map = texture(device, map_size, TextureFormat::Depth32Float);
         let mask = texture(device, receivers.size, TextureFormat::R32Float);
-        let surface = |texel: &dyn Fn(usize) -> [f32; 4]| {
-            let data: Vec<[f32; 4]> = (0..receivers.len()).map(texel).collect();
-            upload(device, queue, receivers.size, bytemuck::cast_slice(&data))
-        };
-        let covered = |i: usize| f32::from(u8::from(receivers.receives[i]));
-        let position = surface(&|i| receivers.position(i).extend(covered(i)).to_array());
-        let normal = surface(&|i| receivers.normal(i).extend(0.0).to_array());
+        let position = upload(device, queue, receivers.size, &positions(receivers));
+        let normal = upload(device, queue, receivers.size, &normals(receivers));
+        let vertices = bytemuck::cast_slice(geometry.positions());
         let triangles = geometry.casters().start as usize..geometry.casters().end as usize;
         let casters = &geometry.triangles()[triangles];
-        let group = |pipeline: &RenderPipeline, views: &[&TextureView]| {
-            let first = BindGroupEntry {
-                binding: 0,
-                resource: uniforms.as_entire_binding(),
-            };
-            let views = (1..).zip(views);
-            let views = views.map(|(binding, v)| BindGroupEntry {
-                binding,
-                resource: BindingResource::TextureView(v),
-            });
-            let entries: Vec<_> = std::iter::once(first).chain(views).collect();
-            let layout = &pipeline.get_bind_group_layout(0);
-            device.create_bind_group(&BindGroupDescriptor {
-                label: None,
-                layout,
-                entries: &entries,
-            })
-        };
+        let indices = bytemuck::cast_slice(casters);
         Self {
-            cast_group: group(&cast, &[]),
-            shade_group: group(&shade, &[&map, &position, &normal]),
-            vertices: buffer(
-                BufferUsages::VERTEX,
-                bytemuck::cast_slice(geometry.positions()),
-            ),
-            indices: buffer(BufferUsages::INDEX, bytemuck::cast_slice(casters)),
+            cast_group: bind_group(device, &cast, &uniforms, &[]),
+            shade_group: bind_group(device, &shade, &uniforms, &[&map, &position, &normal]),
+            vertices: buffer(device, BufferUsages::VERTEX, vertices),
+            indices: buffer(device, BufferUsages::INDEX, indices),
             count: 3 * casters.len() as u32,
             stamps: device.create_query_set(&QuerySetDescriptor {
                 label: None,
@@ -181,6 +150,7 @@ impl HandWritten {
         pass.draw(0..3, 0..1);
     }
 
+    /// Writes timestamps `first` and `first` + 1 at a pass's beginning and end.
     fn writes(&self, first: u32) -> RenderPassTimestampWrites<'_> {
         RenderPassTimestampWrites {
             query_set: &self.stamps,
@@ -202,15 +172,69 @@ impl HandWritten {
             bytemuck::pod_collect_to_vec(&bytes)
         };
         self.read_back.unmap();
-        let period = f64::from(self.queue.get_timestamp_period());
-        let between = |i: usize| {
-            Duration::from_nanos((stamps[i + 1].saturating_sub(stamps[i]) as f64 * period) as u64)
-        };
+        let period = self.queue.get_timestamp_period();
         Ok(FrameTimes {
-            cast: between(0),
-            receive: between(2),
+            cast: between(stamps[0], stamps[1], period),
+            receive: between(stamps[2], stamps[3], period),
         })
     }
+}
+
+/// Returns the time between two timestamps whose unit is `period` nanoseconds.
+fn between(begin: u64, end: u64, period: f32) -> Duration {
+    let ticks = end.saturating_sub(begin) as f64;
+    Duration::from_nanos((ticks * f64::from(period)) as u64)
+}
+
+fn buffer(device: &Device, usage: BufferUsages, contents: &[u8]) -> Buffer {
+    device.create_buffer_init(&util::BufferInitDescriptor {
+        label: None,
+        contents,
+        usage,
+    })
+}
+
+/// Binds the uniforms at 0 and the views from 1 on.
+fn bind_group(
+    device: &Device,
+    pipeline: &RenderPipeline,
+    uniforms: &Buffer,
+    views: &[&TextureView],
+) -> BindGroup {
+    let mut entries = vec![BindGroupEntry {
+        binding: 0,
+        resource: uniforms.as_entire_binding(),
+    }];
+    for (binding, view) in (1..).zip(views) {
+        entries.push(BindGroupEntry {
+            binding,
+            resource: BindingResource::TextureView(view),
+        });
+    }
+    device.create_bind_group(&BindGroupDescriptor {
+        label: None,
+        layout: &pipeline.get_bind_group_layout(0),
+        entries: &entries,
+    })
+}
+
+/// Returns the receivers' positions; w is 1 where something receives, else 0.
+fn positions(receivers: &Receivers) -> Vec<[f32; 4]> {
+    let mut out = Vec::with_capacity(receivers.len());
+    for i in 0..receivers.len() {
+        let covered = f32::from(u8::from(receivers.receives[i]));
+        out.push(receivers.position(i).extend(covered).to_array());
+    }
+    out
+}
+
+/// Returns the receivers' normals; w is 0.
+fn normals(receivers: &Receivers) -> Vec<[f32; 4]> {
+    let mut out = Vec::with_capacity(receivers.len());
+    for i in 0..receivers.len() {
+        out.push(receivers.normal(i).extend(0.0).to_array());
+    }
+    out
 }
 
 fn stamp_buffer(device: &Device, usage: BufferUsages) -> Buffer {
@@ -222,16 +246,17 @@ fn stamp_buffer(device: &Device, usage: BufferUsages) -> Buffer {
     })
 }
 
-/// The bytes of the shader's `Uniforms`.
-fn uniforms(settings: &FrameSettings) -> Vec<u8> {
-    let clip_from_world = settings.space.clip_from_world().to_cols_array();
-    let floats = clip_from_world
-        .into_iter()
-        .chain(settings.to_light.to_array());
-    floats
-        .flat_map(f32::to_le_bytes)
-        .chain(settings.radius.to_le_bytes())
-        .collect()
+/// Returns the bytes of the shader's `Uniforms`.
+fn uniform_bytes(settings: &FrameSettings) -> Vec<u8> {
+    let mut out = Vec::new();
+    for value in settings.space.clip_from_world().to_cols_array() {
+        out.extend(value.to_le_bytes());
+    }
+    for value in settings.to_light.to_array() {
+        out.extend(value.to_le_bytes());
+    }
+    out.extend(settings.radius.to_le_bytes());
+    out
 }
 
 fn texture(device: &Device, size: UVec2, format: TextureFormat) -> TextureView {
@@ -256,7 +281,7 @@ fn texture(device: &Device, size: UVec2, format: TextureFormat) -> TextureView {
         .create_view(&TextureViewDescriptor::default())
 }
 
-fn upload(device: &Device, queue: &Queue, size: UVec2, data: &[u8]) -> TextureView {
+fn upload(device: &Device, queue: &Queue, size: UVec2, texels: &[[f32; 4]]) -> TextureView {
     let view = texture(device, size, TextureFormat::Rgba32Float);
     let layout = TexelCopyBufferLayout {
         offset: 0,
@@ -265,7 +290,7 @@ fn upload(device: &Device, queue: &Queue, size: UVec2, data: &[u8]) -> TextureVi
     };
     queue.write_texture(
         view.texture().as_image_copy(),
-        data,
+        bytemuck::cast_slice(texels),
         layout,
         view.texture().size(),
     );
@@ -304,14 +329,13 @@ fn cast_pipeline(device: &Device, module: &ShaderModule) -> RenderPipeline {
 }
 
 fn shade_pipeline(device: &Device, module: &ShaderModule) -> RenderPipeline {
-    let compilation_options = PipelineCompilationOptions::default;
     device.create_render_pipeline(&RenderPipelineDescriptor {
         label: Some("shade by hand"),
         layout: None,
         vertex: VertexState {
             module,
             entry_point: Some("fullscreen"),
-            compilation_options: compilation_options(),
+            compilation_options: PipelineCompilationOptions::default(),
             buffers: &[],
         },
         primitive: PrimitiveState::default(),
@@ -320,7 +344,7 @@ fn shade_pipeline(device: &Device, module: &ShaderModule) -> RenderPipeline {
         fragment: Some(FragmentState {
             module,
             entry_point: Some("shade"),
-            compilation_options: compilation_options(),
+            compilation_options: PipelineCompilationOptions::default(),
             targets: &[Some(TextureFormat::R32Float.into())],
         }),
         multiview_mask: None,

@@ -1,4 +1,4 @@
-//! Two things timed in turn.
+//! Times two programs in turn.
 
 use serde::Serialize;
 use std::time::Duration;
@@ -65,30 +65,36 @@ impl Pair {
 /// Runs both in turn. Each returns how long its run took.
 ///
 /// # Errors
-/// Returns the first error of either.
+/// Errors if either of them does; returns the first error.
 pub fn paired<E>(
     repetitions: Repetitions,
     mut ours: impl FnMut() -> Result<Duration, E>,
     mut theirs: impl FnMut() -> Result<Duration, E>,
 ) -> Result<Paired, E> {
-    let mut times = Vec::with_capacity(repetitions.runs);
+    let mut our_times = Vec::with_capacity(repetitions.runs);
+    let mut their_times = Vec::with_capacity(repetitions.runs);
+    let mut ratios = Vec::with_capacity(repetitions.runs);
     for run in 0..repetitions.warm_up + repetitions.runs {
         // Who goes first alternates, so that neither always follows the other's heat.
-        let pair = if run % 2 == 0 {
-            let a = ours()?;
-            (a, theirs()?)
+        let our_time;
+        let their_time;
+        if run % 2 == 0 {
+            our_time = milliseconds(ours()?);
+            their_time = milliseconds(theirs()?);
         } else {
-            let b = theirs()?;
-            (ours()?, b)
-        };
+            their_time = milliseconds(theirs()?);
+            our_time = milliseconds(ours()?);
+        }
         if run >= repetitions.warm_up {
-            times.push((milliseconds(pair.0), milliseconds(pair.1)));
+            our_times.push(our_time);
+            their_times.push(their_time);
+            // No division by zero where the clock didn't move.
+            ratios.push(their_time / our_time.max(1e-6));
         }
     }
-    let ratios = times.iter().map(|(ours, theirs)| theirs / ours.max(1e-6));
     Ok(Paired {
-        ours: PairTimes::of(times.iter().map(|t| t.0)),
-        theirs: PairTimes::of(times.iter().map(|t| t.1)),
+        ours: PairTimes::of(our_times),
+        theirs: PairTimes::of(their_times),
         ratio: PairTimes::of(ratios).median,
     })
 }
@@ -98,14 +104,13 @@ fn milliseconds(d: Duration) -> f64 {
 }
 
 impl PairTimes {
-    /// Of at least one value.
-    fn of(values: impl Iterator<Item = f64>) -> Self {
-        let sorted = Sorted::new(values.collect());
-        let at = |share: f64| sorted.nearest(share).unwrap_or(f64::NAN);
+    /// Returns the figures of some values; NaN without any.
+    fn of(values: Vec<f64>) -> Self {
+        let sorted = Sorted::new(values);
         Self {
-            min: at(0.0),
-            median: at(0.5),
-            high: at(0.9),
+            min: sorted.nearest(0.0).unwrap_or(f64::NAN),
+            median: sorted.nearest(0.5).unwrap_or(f64::NAN),
+            high: sorted.nearest(0.9).unwrap_or(f64::NAN),
         }
     }
 }

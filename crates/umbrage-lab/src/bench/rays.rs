@@ -1,5 +1,5 @@
-//! Any-hit rays: ours with the crack-free triangle test and the skipped triangle, against obvhs's own traversal with its
-//! own triangles, over the same rays.
+//! Times any-hit rays: umbrage's traversal with the crack-free triangle test and the skipped triangle against obvhs's own
+//! traversal with its own triangles, over the same rays.
 
 use super::paired::{Pair, Repetitions, paired};
 use obvhs::{ray::Ray, rt_triangle::RtTriangle};
@@ -15,28 +15,37 @@ use umbrage_core::{
     light_sample::{LightSampler, origin_offset, segment, unit_square},
 };
 
-/// One ray: from where, how far which way, and the triangle it starts on.
-type Shot = (Vec3, Vec3, u32);
+/// One ray.
+#[derive(Clone, Copy)]
+struct Shot {
+    origin: Vec3,
+    /// From the origin to the end, metres.
+    segment: Vec3,
+    /// The triangle that it starts on, which doesn't count as hit.
+    skip: u32,
+}
 
 /// Rays a task.
 const TASK: usize = 4096;
+/// Rays from each receiver.
+const RAYS: u32 = 4;
 
-/// Four rays to the light from each receiver.
+/// Returns rays to the light from each receiver.
 fn shots(receivers: &Receivers, light: &LightSampler, far: f32) -> Vec<Shot> {
-    let lit = (0..receivers.len()).filter(|&i| receivers.receives[i]);
-    lit.flat_map(|i| {
+    let mut out = Vec::new();
+    for i in (0..receivers.len()).filter(|&i| receivers.receives[i]) {
         let position = receivers.position(i);
         let offset = receivers.normal(i) * origin_offset(position, far);
         let origin = position + offset;
-        (0..4).map(move |s| {
-            (
+        for s in 0..RAYS {
+            out.push(Shot {
                 origin,
-                segment(light, origin, unit_square(s, i as u32), far),
-                receivers.triangle[i],
-            )
-        })
-    })
-    .collect()
+                segment: segment(light, origin, unit_square(s, i as u32), far),
+                skip: receivers.triangle[i],
+            });
+        }
+    }
+    out
 }
 
 /// Times both over all rays.
@@ -58,13 +67,14 @@ pub(super) fn compare(
             RtTriangle::new(a, b, c)
         })
         .collect();
-    let obvhs_hits = |&(o, d, _): &Shot| {
-        let ray = Ray::new(o.into(), d.into(), 0.0, 1.0);
+    let ours_hits = |shot: &Shot| bvh.occluded(shot.origin, shot.segment, shot.skip);
+    let obvhs_hits = |shot: &Shot| {
+        let ray = Ray::new(shot.origin.into(), shot.segment.into(), 0.0, 1.0);
         !wide.ray_traverse_miss(ray, |ray, i| triangles[i].intersect(ray))
     };
     let paired = paired(
         repetitions,
-        || Ok::<_, Infallible>(time(&shots, |s| ours_hits(bvh, s))),
+        || Ok::<_, Infallible>(time(&shots, ours_hits)),
         || Ok(time(&shots, obvhs_hits)),
     )
     .unwrap_or_else(|never| match never {});
@@ -82,10 +92,7 @@ pub(super) fn compare(
     }
 }
 
-fn ours_hits(bvh: &Bvh, &(o, d, skip): &Shot) -> bool {
-    bvh.occluded(o, d, skip)
-}
-
+/// Traces all rays and returns how long that takes.
 fn time(shots: &[Shot], hits: impl Fn(&Shot) -> bool + Sync) -> Duration {
     let start = Instant::now();
     let count: usize = shots

@@ -1,5 +1,4 @@
-//! What is compared: the CPU player with the graphics adapter's, rays with obvhs, the wgpu player with a program written
-//! by hand.
+//! The benchmarks: the CPU backend against wgpu, rays against obvhs, and wgpu against a program written by hand.
 
 use super::{
     handwritten::{FrameSettings, HandWritten},
@@ -13,7 +12,7 @@ use umbrage_core::{
     glam::{UVec2, Vec3},
 };
 use umbrage_cpu::{Cpu, CpuOptions};
-use umbrage_scenes::Kind;
+use umbrage_scenes::{Kind, SceneEntry};
 use umbrage_techniques::{Bias, Hard, Pcf, Pcss, ShadowMap};
 use umbrage_wgpu::Gpu;
 
@@ -38,11 +37,11 @@ impl Default for BenchOptions {
     }
 }
 
-/// Lookups are timed at this size.
+/// Image size at which lookups are timed, pixels.
 const SCREEN: UVec2 = UVec2::new(1280, 720);
-/// And with maps of this side.
+/// Side of the maps, texels.
 const MAP: u32 = 2048;
-/// Rays start from an image of this size, four a pixel.
+/// Image size from whose pixels rays start.
 const RAY_SCREEN: UVec2 = UVec2::new(640, 360);
 
 /// One of the scenes kept for measuring speed.
@@ -73,7 +72,7 @@ impl SpeedScene {
         })
     }
 
-    /// The same with a light that has an extent: the sun's, or a tenth of a metre.
+    /// Returns the same scene under a light with an extent: the sun's angular diameter, or a radius of a tenth of a metre.
     fn with_extent(&self) -> Self {
         let mut light = self.light;
         match &mut light {
@@ -99,10 +98,10 @@ impl SpeedScene {
     }
 }
 
-/// Runs everything, telling each result as it comes. Without a graphics adapter only rays are compared.
+/// Runs all benchmarks and passes each result to `tell` as it comes. Without a graphics adapter only rays are compared.
 ///
 /// # Errors
-/// When a backend fails.
+/// Errors if a backend fails.
 pub fn run(
     options: BenchOptions,
     gpu: Option<&mut Gpu>,
@@ -113,40 +112,42 @@ pub fn run(
         warm_up: options.warm_up,
         runs: options.runs,
     };
-    let entries = || {
-        umbrage_scenes::all()
-            .iter()
-            .filter(|e| e.kind == Kind::Speed)
-    };
+    let entries: Vec<&SceneEntry> = umbrage_scenes::all()
+        .iter()
+        .filter(|entry| entry.kind == Kind::Speed)
+        .collect();
     if let Some(gpu) = gpu {
-        for entry in entries() {
+        for entry in &entries {
             let stage = SpeedScene::new(entry.name, &(entry.build)(), SCREEN, &mut cpu)?;
             tell(depth(&stage, repetitions, &mut cpu, gpu)?);
         }
-        for entry in entries() {
+        for entry in &entries {
             let stage = SpeedScene::new(entry.name, &(entry.build)(), SCREEN, &mut cpu)?;
             for (radius, bar) in [(1, 2.5), (3, 5.0)] {
                 tell(lookup(&stage, radius, bar, repetitions, &mut cpu, gpu)?);
             }
             tell(soft(&stage.with_extent(), repetitions, &mut cpu, gpu)?);
-            by_hand(&stage, repetitions, gpu)?
-                .into_iter()
-                .for_each(&mut tell);
+            for pair in by_hand(&stage, repetitions, gpu)? {
+                tell(pair);
+            }
         }
     }
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(options.threads)
         .build();
     let pool = pool.map_err(|e| BackendError::OutOfMemory(e.to_string()))?;
-    for entry in entries() {
+    for entry in &entries {
         let stage = SpeedScene::new(entry.name, &(entry.build)(), RAY_SCREEN, &mut cpu)?;
-        let SpeedScene {
-            geometry,
-            receivers,
-            light,
-            ..
-        } = &stage;
-        tell(pool.install(|| rays::compare(entry.name, geometry, receivers, light, repetitions)));
+        let pair = pool.install(|| {
+            rays::compare(
+                entry.name,
+                &stage.geometry,
+                &stage.receivers,
+                &stage.light,
+                repetitions,
+            )
+        });
+        tell(pair);
     }
     Ok(())
 }
@@ -165,9 +166,10 @@ fn map() -> ShadowMap {
     }
 }
 
-/// Which of a hand-written frame's times.
+/// Picks one of a hand-written frame's times.
 type FrameTime = fn(super::handwritten::FrameTimes) -> Duration;
 
+/// Picks one of a rendering's times; none where it wasn't timed.
 type StageTime = fn(&umbrage_core::Timings) -> Option<Duration>;
 
 /// Times one stage of a recipe on both backends.
@@ -179,13 +181,23 @@ fn both(
     cpu: &mut Cpu,
     gpu: &mut Gpu,
 ) -> Result<Paired, BackendError> {
-    let time = |backend: &mut dyn Backend| -> Result<Duration, BackendError> {
-        let shadows = backend.render(view, recipe)?;
-        let missing =
-            || BackendError::Validation(format!("{} cannot time its passes", backend.name()));
-        stage(&shadows.timings).ok_or_else(missing)
-    };
-    paired(repetitions, || time(cpu), || time(gpu))
+    paired(
+        repetitions,
+        || stage_time(cpu, view, recipe, stage),
+        || stage_time(gpu, view, recipe, stage),
+    )
+}
+
+fn stage_time(
+    backend: &mut dyn Backend,
+    view: &View<'_>,
+    recipe: &Recipe,
+    stage: StageTime,
+) -> Result<Duration, BackendError> {
+    let shadows = backend.render(view, recipe)?;
+    stage(&shadows.timings).ok_or_else(|| {
+        BackendError::Validation(format!("{} cannot time its passes", backend.name()))
+    })
 }
 
 fn depth(
@@ -253,17 +265,9 @@ fn soft(
         ..Pcss::default()
     };
     let recipe = plan(&view, &technique)?;
-    // The grid that bounds the search belongs to its price.
-    let searched: StageTime = |t| {
-        t.receive
-            .map(|receive| receive + t.filter.unwrap_or_default())
-    };
-    let paired = both(&view, &recipe, searched, repetitions, cpu, gpu)?;
-    let Pcss {
-        blocker_taps,
-        filter_taps,
-        ..
-    } = technique;
+    let paired = both(&view, &recipe, lookup_with_filters, repetitions, cpu, gpu)?;
+    let blocker_taps = technique.blocker_taps;
+    let filter_taps = technique.filter_taps;
     Ok(Pair {
         work: format!(
             "PCSS of {blocker_taps} + {filter_taps} taps, {}x{}, {}",
@@ -278,20 +282,24 @@ fn soft(
     })
 }
 
-/// The wgpu player's passes against a program written for this one technique.
+/// Returns the time of the lookup and of filters, which make the grid that bounds PCSS's search.
+fn lookup_with_filters(timings: &umbrage_core::Timings) -> Option<Duration> {
+    let receive = timings.receive?;
+    Some(receive + timings.filter.unwrap_or_default())
+}
+
+/// Times the wgpu backend's passes against those of a program written for this one technique.
 fn by_hand(
     stage: &SpeedScene,
     repetitions: Repetitions,
     gpu: &mut Gpu,
 ) -> Result<Vec<Pair>, BackendError> {
     let view = stage.view();
-    let recipe = plan(
-        &view,
-        &Pcf {
-            map: map(),
-            radius: 1,
-        },
-    )?;
+    let technique = Pcf {
+        map: map(),
+        radius: 1,
+    };
+    let recipe = plan(&view, &technique)?;
     let (device, queue) = gpu.device();
     let program = HandWritten::new(
         device,

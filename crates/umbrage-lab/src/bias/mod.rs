@@ -1,9 +1,9 @@
-//! The default bias against all others: how far it is from the best that tuning by hand would have found.
+//! Compares the default bias with all others: how far it is from the best that tuning by hand would have found.
 //!
-//! On each scene, light, kernel and map size every rival ([`rivals`]) is played on the CPU, and the one with the least error
-//! counts as tuned by hand; [`Bias::ADAPTIVE`] is played on every backend. The best of some thirty rivals profits from chance:
-//! each moves every shadow's edge a little, and some edges thereby fall nearer to the true ones. So a rival that is better
-//! by no more than [`FEW`] wrong pixels counts as equal.
+//! On each scene, light, kernel and map size every other bias ([`rivals`]) is played on the CPU, and the one with the least error
+//! counts as tuned by hand; [`Bias::ADAPTIVE`], the default, is played on every backend. The best of some thirty biases profits
+//! from chance: each moves every shadow's edge a little, and some edges thereby fall nearer to the true ones. So a bias that is
+//! better by no more than [`FEW`] wrong pixels counts as equal.
 
 mod rivals;
 mod stage;
@@ -17,15 +17,16 @@ use crate::{LabError, compare::Backends};
 use glam::UVec2;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Backend, FitMemory, Geometry, RecipeError, ShadowTechnique, View, metrics::ReferenceMask,
+    Backend, FitMemory, Geometry, RecipeError, ShadowTechnique, View,
+    metrics::{Errors, ReferenceMask},
 };
 use umbrage_plan::truth::{self, TruthOptions};
 use umbrage_techniques::{Bias, Hard, Pcf, PcfDisc, PcfHardware, PcfMerged, ShadowMap};
 
-/// As many wrong pixels are left to chance. (A shadow's edge that is some hundred pixels long is moved by every bias.)
+/// The number of wrong pixels that count as chance. (Every bias moves a shadow's edge, which is some hundred pixels long.)
 pub const FEW: f64 = 16.0;
 
-/// What is played.
+/// Options of a comparison of biases.
 #[derive(Clone, Debug)]
 pub struct BiasOptions {
     /// Image size, pixels; none for each scene's own.
@@ -80,7 +81,7 @@ pub struct BiasRow {
 }
 
 impl BiasRow {
-    /// The default's [`BiasRow::ratio_of`], the greatest over the backends.
+    /// Returns the default's [`BiasRow::ratio_of`], the greatest over the backends.
     pub fn ratio(&self) -> f64 {
         self.played
             .iter()
@@ -88,11 +89,13 @@ impl BiasRow {
             .fold(0.0, f64::max)
     }
 
-    /// An error over the best rival's, both with [`FEW`] wrong pixels added in squares.
+    /// Returns an error over the best rival's. To both mean squares [`FEW`] wrong pixels are added, so that differences by chance
+    /// count little.
     pub fn ratio_of(&self, rmse: f64) -> f64 {
         let chance = FEW / self.counted.max(1) as f64;
-        let square = |error: f64| error * error + chance;
-        (square(rmse) / square(self.best)).sqrt()
+        let square = rmse * rmse + chance;
+        let best_square = self.best * self.best + chance;
+        (square / best_square).sqrt()
     }
 }
 
@@ -121,7 +124,7 @@ pub const KERNELS: [NamedKernel; 6] = [
 /// Plays the default and all rivals under every light of a staged scene. Rows in order of light, kernel and side.
 ///
 /// # Errors
-/// When the scene is not valid or a backend fails. Kernels and maps that can't serve a light are left out.
+/// Errors if the scene is not valid or a backend fails. Kernels and maps that can't serve a light are left out.
 pub fn measure(
     staged: &Staged,
     options: &BiasOptions,
@@ -134,14 +137,12 @@ pub fn measure(
         .map_or(scene.cameras[0], |size| scene.cameras[0].resized(size));
     let mut rows = Vec::new();
     for (light_name, light) in &staged.lights {
-        let receivers = &mut backends.receivers;
-        let mut find = |camera: &_, geometry: &_| receivers.receivers(camera, geometry);
         let truth = truth::trace(
             &camera,
             light,
             &geometry,
             &TruthOptions::default(),
-            &mut find,
+            &mut |camera, geometry| backends.receivers.receivers(camera, geometry),
             &|_, _| {},
         )?;
         let fits = FitMemory::default();
@@ -178,45 +179,39 @@ struct Case<'a> {
 }
 
 impl Case<'_> {
-    /// The figures of one kernel and side, without the names; none where the light is not served.
+    /// Returns the figures of one kernel and map size, without the names; none where the light is not served.
     fn play(
         &self,
         kernel: NamedKernel,
         side: u32,
         backends: &mut Backends,
     ) -> Result<Option<BiasRow>, LabError> {
-        let with = |bias: Bias| {
-            kernel.1(ShadowMap {
-                size: side,
-                bias,
-                ..ShadowMap::default()
-            })
-        };
+        let default = technique(kernel, side, Bias::ADAPTIVE);
         let mut played = Vec::new();
         let mut counted = 0;
         for backend in &mut backends.playing {
-            let Some((rmse, pixels)) = self.error(&*with(Bias::ADAPTIVE), &mut **backend)? else {
+            let Some(errors) = self.errors(&*default, &mut **backend)? else {
                 return Ok(None);
             };
             played.push(DefaultBiasError {
                 backend: backend.name().to_owned(),
-                rmse,
+                rmse: errors.rmse,
             });
-            counted = pixels;
+            counted = errors.counted;
         }
         let cpu = &mut backends.receivers;
-        let mut of = |bias: Bias| {
-            self.error(&*with(bias), cpu)
-                .map(|found| found.map_or(f64::INFINITY, |(rmse, _)| rmse))
-        };
-        let (mut best, mut best_bias) = (f64::INFINITY, Bias::NONE);
-        for rival in rivals(with(Bias::NONE).kernel_reach().unwrap_or(0.0)) {
-            let rmse = of(rival)?;
+        let mut best = f64::INFINITY;
+        let mut best_bias = Bias::NONE;
+        let reach = technique(kernel, side, Bias::NONE).kernel_reach();
+        for rival in rivals(reach.unwrap_or(0.0)) {
+            let rmse = self.rmse(&*technique(kernel, side, rival), cpu)?;
             if rmse < best {
-                (best, best_bias) = (rmse, rival);
+                best = rmse;
+                best_bias = rival;
             }
         }
-        let (textbook, plane) = (of(Bias::SLOPE)?, of(Bias::RECEIVER_PLANE)?);
+        let textbook = self.rmse(&*technique(kernel, side, Bias::SLOPE), cpu)?;
+        let plane = self.rmse(&*technique(kernel, side, Bias::RECEIVER_PLANE), cpu)?;
         Ok(Some(BiasRow {
             scene: String::new(),
             light: String::new(),
@@ -232,21 +227,40 @@ impl Case<'_> {
         }))
     }
 
-    /// A technique's error and the pixels that count; none where it doesn't serve the light.
-    fn error(
+    /// Returns a technique's root mean square error; infinite where it doesn't serve the light.
+    fn rmse(
         &self,
         technique: &dyn ShadowTechnique,
         backend: &mut dyn Backend,
-    ) -> Result<Option<(f64, u64)>, LabError> {
+    ) -> Result<f64, LabError> {
+        let errors = self.errors(technique, backend)?;
+        Ok(errors.map_or(f64::INFINITY, |errors| errors.rmse))
+    }
+
+    /// Returns a technique's errors; none where it doesn't serve the light.
+    fn errors(
+        &self,
+        technique: &dyn ShadowTechnique,
+        backend: &mut dyn Backend,
+    ) -> Result<Option<Errors>, LabError> {
         let recipe = match technique.recipe(&self.view) {
             Ok(recipe) => recipe,
             Err(RecipeError::Unsupported(_)) => return Ok(None),
             Err(e) => return Err(e.into()),
         };
         let shadows = backend.render(&self.view, &recipe)?;
-        let errors = self.reference.errors(&shadows.mask)?;
-        Ok(Some((errors.rmse, errors.counted)))
+        Ok(Some(self.reference.errors(&shadows.mask)?))
     }
+}
+
+/// Returns a kernel on a map of this side, texels, with this bias.
+fn technique(kernel: NamedKernel, side: u32, bias: Bias) -> Box<dyn ShadowTechnique> {
+    let (_, on_map) = kernel;
+    on_map(ShadowMap {
+        size: side,
+        bias,
+        ..ShadowMap::default()
+    })
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! The biases that somebody would try by hand.
+//! The biases that tuning by hand would try.
 
 use std::f32::consts::SQRT_2;
 use umbrage_core::RasterBias;
@@ -15,7 +15,7 @@ const POLYGON_OFFSETS: [f32; 5] = [0.25, 0.5, 1.0, 1.5, 2.0];
 /// Texels of normal offset beside the receiver's plane.
 const BESIDE_THE_PLANE: [f32; 4] = [0.0, 0.25, 0.5, 1.0];
 
-/// Every kind of bias but [`Bias::ADAPTIVE`] in many amounts, for a kernel that reaches `reach` texels beyond the receiver's
+/// Returns every kind of bias but [`Bias::ADAPTIVE`] in many amounts, for a kernel that reaches `reach` texels beyond the receiver's
 /// own.
 pub fn rivals(reach: f32) -> Vec<Bias> {
     let constants = CONSTANTS.map(|constant| Bias {

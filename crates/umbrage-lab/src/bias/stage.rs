@@ -22,23 +22,19 @@ const FOV_Y: f32 = 0.7;
 /// from three quarters, under a high sun, a low sun, a spot and a bulb.
 ///
 /// # Errors
-/// When the scene is not valid.
+/// Errors if the scene is not valid.
 pub fn staged(scene: Scene, is_model: bool) -> Result<Staged, LabError> {
     if is_model {
         return on_a_floor(scene);
     }
-    let own = scene
-        .lights
-        .iter()
-        .enumerate()
-        .map(|(i, light)| (format!("{i} {}", light.kind()), ideal(light)));
-    Ok(Staged {
-        lights: own.collect(),
-        scene,
-    })
+    let mut lights = Vec::new();
+    for (i, light) in scene.lights.iter().enumerate() {
+        lights.push((format!("{i} {}", light.kind()), ideal(light)));
+    }
+    Ok(Staged { scene, lights })
 }
 
-/// The same light without extent.
+/// Returns the same light without extent.
 pub(super) fn ideal(light: &Light) -> Light {
     match *light {
         Light::Directional { direction, .. } => Light::Directional {
@@ -74,9 +70,11 @@ pub(super) fn ideal(light: &Light) -> Light {
     }
 }
 
+/// Puts a model on a floor, seen from three quarters, under the four lights of [`lights_around`].
 fn on_a_floor(mut scene: Scene) -> Result<Staged, LabError> {
     let bounds = Geometry::bake(&scene)?.bounds();
-    let (center, extent) = (bounds.center(), bounds.extent());
+    let center = bounds.center();
+    let extent = bounds.extent();
     let reach = extent.max_element();
     scene.meshes.push(floor(bounds, 3.0 * reach)?);
     scene
@@ -99,6 +97,7 @@ fn on_a_floor(mut scene: Scene) -> Result<Staged, LabError> {
     })
 }
 
+/// Returns a square floor under what these bounds hold; `half` is half its side, metres.
 fn floor(bounds: Aabb, half: f32) -> Result<Mesh, LabError> {
     let center = bounds.center();
     let corner = |x: f32, z: f32| Vec3::new(center.x + x * half, bounds.min.y, center.z + z * half);
@@ -111,14 +110,11 @@ fn floor(bounds: Aabb, half: f32) -> Result<Mesh, LabError> {
     Ok(Mesh::new("floor", corners, vec![[0, 1, 2], [0, 2, 3]])?)
 }
 
-/// A high sun, a low sun, a spot and a bulb around what these bounds hold.
+/// Returns a high sun, a low sun, a spot and a bulb around what these bounds hold.
 pub fn lights_around(bounds: Aabb) -> Vec<(String, Light)> {
-    let (center, extent) = (bounds.center(), bounds.extent());
+    let center = bounds.center();
+    let extent = bounds.extent();
     let reach = extent.max_element();
-    let sun = |x, y, z| Light::Directional {
-        direction: Vec3::new(x, y, z),
-        angular_diameter: 0.0,
-    };
     let above = center + Vec3::new(-0.9, 1.3, 0.7) * reach;
     let target = center - Vec3::Y * (0.4 * extent.y);
     let direction = (target - above).normalize();
@@ -133,11 +129,18 @@ pub fn lights_around(bounds: Aabb) -> Vec<(String, Light)> {
         position: center + Vec3::new(-0.7, 0.5, 0.9) * reach,
         radius: 0.0,
     };
-    let named = [
-        ("sun", sun(-0.5, -1.0, 0.3)),
-        ("low sun", sun(-1.0, -0.2, 0.2)),
-        ("spot", spot),
-        ("bulb", bulb),
-    ];
-    named.map(|(name, light)| (name.to_owned(), light)).to_vec()
+    vec![
+        ("sun".to_owned(), sun(Vec3::new(-0.5, -1.0, 0.3))),
+        ("low sun".to_owned(), sun(Vec3::new(-1.0, -0.2, 0.2))),
+        ("spot".to_owned(), spot),
+        ("bulb".to_owned(), bulb),
+    ]
+}
+
+/// Returns a sun without extent whose light falls in this direction.
+fn sun(direction: Vec3) -> Light {
+    Light::Directional {
+        direction,
+        angular_diameter: 0.0,
+    }
 }

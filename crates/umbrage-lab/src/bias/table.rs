@@ -1,4 +1,4 @@
-//! The rows as files: a CSV of all, and a page that begins with what they come to.
+//! Writes the rows as files: a CSV of all, and a page that begins with their summary.
 
 use super::BiasRow;
 use crate::{
@@ -15,7 +15,7 @@ pub(super) const GOOD: f64 = 1.1;
 /// How many of the worst rows the page lists.
 const WORST: usize = 12;
 
-/// What some rows come to.
+/// The summary of some rows.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Summary {
     /// Rows.
@@ -33,40 +33,39 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// Sums rows up.
+    /// Summarizes rows.
     pub fn of<'a>(rows: impl Iterator<Item = &'a BiasRow> + Clone) -> Self {
-        let count = rows.clone().count();
-        let mean = |ratio: &dyn Fn(&BiasRow) -> f64| {
-            let logarithms: f64 = rows.clone().map(|row| ratio(row).ln()).sum();
-            (logarithms / count.max(1) as f64).exp()
-        };
+        let ratios = rows.clone().map(BiasRow::ratio);
+        let textbook = rows.clone().map(|row| row.ratio_of(row.textbook));
+        let plane = rows.clone().map(|row| row.ratio_of(row.plane));
         Self {
-            rows: count,
-            good: rows.clone().filter(|row| row.ratio() <= GOOD).count(),
-            mean: mean(&BiasRow::ratio),
-            max: rows.clone().map(BiasRow::ratio).fold(0.0, f64::max),
-            textbook: mean(&|row| row.ratio_of(row.textbook)),
-            plane: mean(&|row| row.ratio_of(row.plane)),
+            rows: rows.count(),
+            good: ratios.clone().filter(|ratio| *ratio <= GOOD).count(),
+            mean: geometric_mean(ratios.clone()),
+            max: ratios.fold(0.0, f64::max),
+            textbook: geometric_mean(textbook),
+            plane: geometric_mean(plane),
         }
     }
 
+    /// Returns the summary as a line of the page's table.
     fn line(&self, name: &str) -> String {
-        let Self {
-            rows,
-            good,
-            mean,
-            max,
-            textbook,
-            plane,
-        } = self;
-        let share = 100.0 * *good as f64 / (*rows).max(1) as f64;
+        let percent = 100.0 * self.good as f64 / self.rows.max(1) as f64;
         format!(
-            "| {name} | {rows} | {share:.0} % | {mean:.3} | {max:.2} | {textbook:.2} | {plane:.2} |\n"
+            "| {name} | {} | {percent:.0} % | {:.3} | {:.2} | {:.2} | {:.2} |\n",
+            self.rows, self.mean, self.max, self.textbook, self.plane
         )
     }
 }
 
-/// The page: sums by kernel and side, then the worst rows.
+/// Returns the geometric mean of positive numbers; 1 without any.
+fn geometric_mean(values: impl Iterator<Item = f64> + Clone) -> f64 {
+    let count = values.clone().count();
+    let logarithms: f64 = values.map(f64::ln).sum();
+    (logarithms / count.max(1) as f64).exp()
+}
+
+/// Returns the page: summaries by kernel and map size, then the worst rows.
 pub fn markdown(rows: &[BiasRow]) -> String {
     let mut out = String::from(
         "| kernel, map | rows | within 10 % | mean ratio | greatest | slope .05/.005 | receiver plane alone |\n\
@@ -90,26 +89,17 @@ pub fn markdown(rows: &[BiasRow]) -> String {
     let mut worst: Vec<&BiasRow> = rows.iter().filter(|row| row.ratio() > GOOD).collect();
     worst.sort_by(|a, b| b.ratio().total_cmp(&a.ratio()));
     for row in worst.into_iter().take(WORST) {
-        let own = row
+        let default = row
             .played
             .iter()
             .map(|played| played.rmse)
             .fold(0.0, f64::max);
-        let BiasRow {
-            scene,
-            light,
-            kernel,
-            side,
-            best,
-            best_bias,
-            ..
-        } = row;
         let ratio = row.ratio();
-        let line = writeln!(
+        let _ = writeln!(
             out,
-            "| {scene} | {light} | {kernel} | {side} | {own:.4} | {best:.4} | {ratio:.2} | {best_bias} |"
+            "| {} | {} | {} | {} | {default:.4} | {:.4} | {ratio:.2} | {} |",
+            row.scene, row.light, row.kernel, row.side, row.best, row.best_bias
         );
-        line.expect("strings take all that is written");
     }
     out
 }
@@ -117,7 +107,7 @@ pub fn markdown(rows: &[BiasRow]) -> String {
 /// Writes `bias.csv` and `bias.md` into a folder, which is made if need be. Returns the page's path.
 ///
 /// # Errors
-/// When they cannot be written.
+/// Errors if they cannot be written.
 pub fn write(rows: &[BiasRow], folder: &Path) -> Result<PathBuf, LabError> {
     let out = Folder::create(folder)?;
     out.write("bias.csv", &table(rows)?)?;
@@ -141,7 +131,7 @@ const HEADER: [&str; 13] = [
     "ratio",
 ];
 
-/// One line a row and backend.
+/// Returns the CSV, a line for each row and backend.
 fn table(rows: &[BiasRow]) -> Result<Vec<u8>, LabError> {
     let mut lines = Vec::new();
     for row in rows {

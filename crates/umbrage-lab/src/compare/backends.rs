@@ -1,4 +1,4 @@
-//! The backends that take part.
+//! The backends that are compared.
 
 use super::{CompareOptions, Environment};
 use std::fmt;
@@ -14,7 +14,7 @@ pub struct Backends {
     pub notices: Vec<String>,
     /// The graphics adapter and its driver, if one takes part.
     pub adapter: Option<String>,
-    /// Finds what truth asks about.
+    /// Finds the receivers that truth is traced at.
     pub(crate) receivers: Cpu,
 }
 
@@ -64,8 +64,12 @@ impl Backends {
         Ok(out)
     }
 
-    /// Adds wgpu, or if the comparison may go `without` it, the reason why it is missing.
-    fn add(&mut self, gpu: Result<Gpu, BackendError>, without: bool) -> Result<(), BackendError> {
+    /// Adds wgpu, or if it `may_be_missing`, a notice that says why it is.
+    fn add(
+        &mut self,
+        gpu: Result<Gpu, BackendError>,
+        may_be_missing: bool,
+    ) -> Result<(), BackendError> {
         match gpu {
             Ok(gpu) => {
                 let info = gpu.adapter_info();
@@ -80,7 +84,7 @@ impl Backends {
             }
             // An adapter asked for by name must be there. One that was merely found may be of no use: its driver may be too
             // old, or the graphics API that the environment names may lack what is needed.
-            Err(e) if without => {
+            Err(e) if may_be_missing => {
                 self.notices.push(format!(
                     "Compared on the CPU alone, as wgpu could not be opened: {e}."
                 ));
@@ -90,7 +94,7 @@ impl Backends {
         Ok(())
     }
 
-    /// Backends of the caller's own. Agreement is measured against the first if its kind is `cpu`.
+    /// Returns the caller's own backends. Agreement is measured against the first if its kind is `cpu`.
     pub fn of(playing: Vec<Box<dyn Backend>>) -> Self {
         Self {
             playing,
@@ -100,7 +104,7 @@ impl Backends {
         }
     }
 
-    /// Where a comparison with these backends is made, and when, if it has times.
+    /// Returns where a comparison with these backends is made, and when, if it has times.
     pub fn environment(&self, options: &CompareOptions) -> Environment {
         let backends = self.playing.iter().map(|b| b.name().to_owned()).collect();
         let snapping = self
@@ -108,9 +112,8 @@ impl Backends {
             .iter()
             .find(|b| b.kind() != "cpu")
             .map(|b| b.snapping().to_string());
-        let adapter = self.adapter.clone();
         Environment {
-            adapter,
+            adapter: self.adapter.clone(),
             snapping,
             backends,
             ..Environment::here(options.runs.is_some())

@@ -1,4 +1,4 @@
-//! The negative control: a comparison that doesn't notice missing casters notices nothing.
+//! The negative control: plays each technique without casters, to check that the comparison notices their absence.
 //!
 //! Each technique is played on the same triangles, none of which casts. What its mask then owes is known, pixel by pixel:
 //!
@@ -14,7 +14,7 @@
 //! Whether a point that lies within rounding of the tangent plane is above it hangs on how far a ray's origin is lifted and
 //! on the order of additions: there either answer is right.
 
-use super::{Control, horizon, scene::View3};
+use super::{Control, horizon, scene::SceneView};
 use crate::LabError;
 use glam::{DVec3, UVec2, Vec2, Vec3};
 use rayon::prelude::*;
@@ -30,13 +30,13 @@ use umbrage_plan::{footprint, truth::Truth};
 pub(super) fn run(
     backend: &mut dyn Backend,
     technique: &dyn ShadowTechnique,
-    view: &View3<'_>,
+    view: &SceneView<'_>,
     truth: &Truth,
     recipe: &Recipe,
     with_casters: &Shadows,
 ) -> Result<Option<Control>, LabError> {
     let bare = view.geometry.without_casters();
-    let bare_view = View3 {
+    let bare_view = SceneView {
         geometry: &bare,
         ..*view
     };
@@ -97,7 +97,7 @@ impl VisibilityRange {
 
 /// Returns for every pixel the visibilities that are right when nothing casts.
 fn expected_without_casters(
-    view: &View3<'_>,
+    view: &SceneView<'_>,
     truth: &Truth,
     recipe: &Recipe,
 ) -> Vec<VisibilityRange> {
@@ -138,7 +138,7 @@ struct Above {
     maybe: bool,
 }
 
-/// How much of a light receivers see over their own horizon.
+/// A light as receivers see it over their own horizon.
 struct LightOverHorizon {
     light: LightSampler,
     query: KernelQuery,
@@ -151,7 +151,7 @@ struct LightOverHorizon {
 }
 
 impl LightOverHorizon {
-    fn new(view: &View3<'_>, rays: u32, knows_horizon: bool) -> Self {
+    fn new(view: &SceneView<'_>, rays: u32, knows_horizon: bool) -> Self {
         let bounds = view
             .geometry
             .bounds()

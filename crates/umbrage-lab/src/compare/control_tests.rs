@@ -83,9 +83,11 @@ fn lights() -> Vec<Scene> {
 #[test]
 fn what_is_right_holds_for_every_technique_under_every_light() {
     for scene in lights() {
-        let (name, light) = (scene.name.clone(), format!("{:?}", scene.lights[0]));
+        let name = scene.name.clone();
+        let light = format!("{:?}", scene.lights[0]);
         let comparison = compared(scene, &options(&[]), Box::new(Cpu::new()));
-        let (result, faults) = (&comparison.scenes[0], comparison.faults());
+        let result = &comparison.scenes[0];
+        let faults = comparison.faults();
         assert!(faults.is_empty(), "{name}, {light}: {faults:?}");
         let mut measured: Vec<&str> = result
             .rows
@@ -165,28 +167,28 @@ fn casters_that_leave_no_trace_are_noticed_in_every_technique() {
 #[test]
 fn casters_that_stay_are_noticed_in_every_technique() {
     // A floor under a sun from above owes light everywhere: one pixel that stays dark is one too many.
-    let one = |shadows: &mut Shadows, view: &View<'_>| {
-        let receives = &view.receivers.expect("given").receives;
-        let up = |i: &usize| view.receivers.expect("given").ny[*i] > 0.9;
-        let pixel = (0..receives.len())
-            .filter(|&i| receives[i])
-            .find(up)
+    let darken_one = |shadows: &mut Shadows, view: &View<'_>| {
+        let receivers = view.receivers.expect("given");
+        let pixel = (0..receivers.len())
+            .find(|&i| receivers.receives[i] && receivers.ny[i] > 0.9)
             .expect("a floor");
         shadows.mask[pixel] = 0.0;
     };
-    for control in spoilt(false, scene("cubes"), one) {
+    for control in spoilt(false, scene("cubes"), darken_one) {
         assert!(control.wrong_without == 1 && !control.holds, "{control:?}");
     }
 }
 
 /// The control of one technique, however it is set.
 fn control(scene: &Scene, technique: &dyn ShadowTechnique, player: &mut dyn Backend) -> Control {
-    let (geometry, options) = (Geometry::bake(scene).expect("valid"), options(&[]));
-    let (camera, light) = (options.camera(&scene.cameras[0]), &scene.lights[0]);
+    let geometry = Geometry::bake(scene).expect("valid");
+    let options = options(&[]);
+    let camera = options.camera(&scene.cameras[0]);
+    let light = &scene.lights[0];
     let mut cpu = Cpu::new();
     let find = &mut |c: &Camera, g: &Geometry| cpu.receivers(c, g);
     let truth = trace(&camera, light, &geometry, &options.truth, find, &|_, _| ()).expect("valid");
-    let view = View3 {
+    let view = SceneView {
         camera: &camera,
         light,
         geometry: &geometry,
@@ -205,7 +207,8 @@ fn control(scene: &Scene, technique: &dyn ShadowTechnique, player: &mut dyn Back
 #[test]
 fn a_single_ray_is_noticed() {
     let samples = 4;
-    let (lamp, traced) = (scene("teapot-lamp"), Traced { samples });
+    let lamp = scene("teapot-lamp");
+    let traced = Traced { samples };
     let whole = |v: f32| v == 1.0;
     let cut = |v: f32| v > 0.0 && v < 1.0;
     let spoilt = |change: f32, wanted: fn(f32) -> bool| {
@@ -297,8 +300,8 @@ fn maps_may_miss_what_they_cannot_hold() {
         ..ShadowMap::default()
     };
     let small = leaf(0.2);
-    let [coarse, fine] =
-        [8, 1024].map(|size| control(&small, &Hard { map: map(size) }, &mut Cpu::new()));
+    let coarse = control(&small, &Hard { map: map(8) }, &mut Cpu::new());
+    let fine = control(&small, &Hard { map: map(1024) }, &mut Cpu::new());
     assert!(
         coarse.holds && coarse.shadowed > 0 && coarse.changed == 0,
         "{coarse:?}"

@@ -1,4 +1,4 @@
-//! Where a comparison was made.
+//! Finds out where a comparison is made: machine, commit and date.
 
 use super::Environment;
 use std::{
@@ -7,18 +7,18 @@ use std::{
 };
 
 impl Environment {
-    /// This machine, and if `dated`, this moment. Backends and adapter are left for the caller to fill in.
+    /// Returns this machine and, if `dated`, this moment. Backends and adapter are left for the caller to fill in.
     pub fn here(dated: bool) -> Self {
+        let date = if dated {
+            let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH);
+            Some(format_date(since_1970.map_or(0, |d| d.as_secs())))
+        } else {
+            None
+        };
         Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             commit: commit(),
-            date: dated.then(|| {
-                date(
-                    SystemTime::now()
-                        .duration_since(UNIX_EPOCH)
-                        .map_or(0, |d| d.as_secs()),
-                )
-            }),
+            date,
             cpu: processor(),
             threads: rayon::current_num_threads(),
             system: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
@@ -29,15 +29,16 @@ impl Environment {
     }
 }
 
+/// Runs a program and returns what it prints; none if it can't be run or fails.
 fn output(program: &str, arguments: &[&str]) -> Option<String> {
-    let out = Command::new(program)
-        .args(arguments)
-        .output()
-        .ok()
-        .filter(|o| o.status.success())?;
+    let out = Command::new(program).args(arguments).output().ok()?;
+    if !out.status.success() {
+        return None;
+    }
     Some(String::from_utf8_lossy(&out.stdout).trim().to_owned())
 }
 
+/// Returns the commit of the current folder's repository, with `+` if files were changed since.
 fn commit() -> Option<String> {
     let hash = output("git", &["rev-parse", "--short=12", "HEAD"]).filter(|h| !h.is_empty())?;
     let changed = output("git", &["status", "--porcelain", "--untracked-files=no"])
@@ -45,24 +46,30 @@ fn commit() -> Option<String> {
     Some(if changed { hash + "+" } else { hash })
 }
 
+/// Returns the processor's name by the way of each operating system: Linux, macOS, Windows.
 fn processor() -> String {
-    let linux = || {
-        let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
-        let line = text.lines().find(|l| l.starts_with("model name"))?;
-        Some(line.split_once(':')?.1.trim().to_owned())
-    };
-    let apple = || output("sysctl", &["-n", "machdep.cpu.brand_string"]);
-    let windows = || std::env::var("PROCESSOR_IDENTIFIER").ok();
-    linux()
-        .or_else(apple)
-        .or_else(windows)
+    linux_processor()
+        .or_else(|| output("sysctl", &["-n", "machdep.cpu.brand_string"]))
+        .or_else(|| std::env::var("PROCESSOR_IDENTIFIER").ok())
         .unwrap_or_else(|| "unknown".to_owned())
 }
 
-/// Date and time of day from seconds since 1970. Hinnant 2013, "chrono-Compatible Low-Level Date Algorithms".
-fn date(seconds: u64) -> String {
-    let (days, second) = (seconds / 86_400 + 719_468, seconds % 86_400);
-    let (era, day_of_era) = (days / 146_097, days % 146_097);
+fn linux_processor() -> Option<String> {
+    let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
+    let line = text.lines().find(|l| l.starts_with("model name"))?;
+    let (_, name) = line.split_once(':')?;
+    Some(name.trim().to_owned())
+}
+
+/// Returns date and time of day from seconds since 1970, as `2026-11-21 03:25`. The algorithm is `civil_from_days` of Hinnant
+/// 2013, "chrono-Compatible Low-Level Date Algorithms", and so are its numbers: an era is 400 years, which have 146,097 days;
+/// years begin in March, so that a leap day is a year's last.
+fn format_date(seconds: u64) -> String {
+    let second_of_day = seconds % 86_400;
+    // Days from 0000-03-01 to 1970-01-01.
+    let days = seconds / 86_400 + 719_468;
+    let era = days / 146_097;
+    let day_of_era = days % 146_097;
     let year_of_era =
         (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
     let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
@@ -76,14 +83,14 @@ fn date(seconds: u64) -> String {
     let year = year_of_era + era * 400 + u64::from(month <= 2);
     format!(
         "{year:04}-{month:02}-{day:02} {:02}:{:02}",
-        second / 3600,
-        second / 60 % 60
+        second_of_day / 3600,
+        second_of_day / 60 % 60
     )
 }
 
 #[cfg(test)]
 mod tests {
-    use super::date;
+    use super::format_date;
 
     #[test]
     fn dates_are_right_around_leap_days() {
@@ -94,7 +101,7 @@ mod tests {
             (951_868_800, "2000-03-01 00:00"),
             (1_795_231_500, "2026-11-21 03:25"),
         ] {
-            assert_eq!(date(seconds), expected);
+            assert_eq!(format_date(seconds), expected);
         }
     }
 }

@@ -1,4 +1,4 @@
-//! What a comparison tells while it runs.
+//! Progress events of a comparison.
 
 /// A step of a comparison.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,7 +37,7 @@ pub enum CompareEvent<'a> {
     },
     /// A scene's figures are there.
     SceneDone {
-        /// They.
+        /// The figures.
         result: &'a super::SceneResult,
     },
     /// The report is being written.

@@ -1,4 +1,4 @@
-//! What a comparison will take, counted or estimated before it begins.
+//! Counts and estimates what a comparison will take before it begins.
 
 use super::{
     Backends, CompareEvent, CompareOptions, SceneInput, compare, scene::camera_and_light,
@@ -11,19 +11,22 @@ use std::{
     time::{Duration, Instant},
 };
 
-/// Bytes that are held for each pixel while rows are made, masks apart: receivers (eight floats, an id, a flag) of truth
-/// and of the backend, truth's answers, and the camera-sized images of techniques and adapters.
+/// Bytes that are held for each pixel while rows are played, masks apart: receivers (eight floats, an id, a flag) of truth
+/// and of the backend, truth's results, and the camera-sized images of techniques and adapters.
 const BYTES_A_PIXEL: u64 = 37 + 37 + 14 + 112;
-/// A mask's, one of which is kept for each row.
+/// Bytes for each pixel of a mask; one mask is kept for each row.
 const BYTES_A_MASK: u64 = 4;
 
-/// Images in which truth is traced once more to find out what is ambiguous.
+/// The number of images in which truth is traced once more to find ambiguous pixels.
 const PROBES: u64 = 6;
 
-/// The pilot's images, pixels at most. Their difference tells what a pixel takes, apart from what is the same at any size.
-const PILOTS: [u64; 2] = [64 * 48, 128 * 96];
+/// The most pixels of the pilot's smaller image.
+const SMALL_PILOT: u64 = 64 * 48;
+/// The most pixels of the pilot's larger image. The difference of the two images' times is that of their pixels, without the
+/// time that is the same at any size.
+const LARGE_PILOT: u64 = 128 * 96;
 
-/// What a comparison takes, by counting.
+/// What a comparison takes, counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Expected {
     /// Scenes.
@@ -32,9 +35,9 @@ pub struct Expected {
     pub rows: usize,
     /// Pixels of all scenes' images together.
     pub pixels: u64,
-    /// Rays that truth traces at most.
+    /// The most rays that truth may trace.
     pub rays: u64,
-    /// Bytes held at a time, about: those of the scene that takes the most.
+    /// About how many bytes are held at a time: those of the scene that takes the most.
     pub bytes: u64,
 }
 
@@ -42,7 +45,7 @@ impl Expected {
     /// Counts what comparing these scenes on so many backends takes.
     ///
     /// # Errors
-    /// When a scene has no camera or light, or the options are wrong.
+    /// Errors if a scene has no camera or light, or the options are wrong.
     pub fn new(
         inputs: &[SceneInput],
         options: &CompareOptions,
@@ -78,20 +81,21 @@ fn pixels(size: UVec2) -> u64 {
     u64::from(size.x) * u64::from(size.y)
 }
 
-/// About how long comparing these scenes takes, by comparing the largest of them at two small sizes: what a pixel adds
-/// is the same at any size.
+/// Estimates how long comparing these scenes takes, by comparing the largest of them at two small sizes: the time that a pixel
+/// adds is the same at any size.
 ///
 /// # Errors
-/// When the scene can't be compared.
+/// Errors if the scene can't be compared.
 pub fn pilot(
     inputs: &[SceneInput],
     options: &CompareOptions,
     backends: &mut Backends,
 ) -> Result<Duration, LabError> {
-    let size = |input: &SceneInput| {
-        Ok::<_, LabError>(options.camera(camera_and_light(&input.scene)?.0).size)
-    };
-    let sizes = inputs.iter().map(size).collect::<Result<Vec<_>, _>>()?;
+    let mut sizes = Vec::new();
+    for input in inputs {
+        let (camera, _) = camera_and_light(&input.scene)?;
+        sizes.push(options.camera(camera).size);
+    }
     let largest = inputs
         .iter()
         .zip(&sizes)
@@ -99,8 +103,8 @@ pub fn pilot(
     let Some((input, &size)) = largest else {
         return Ok(Duration::ZERO);
     };
-    let small_size = reduced(size, PILOTS[0]);
-    let large_size = reduced(size, PILOTS[1]);
+    let small_size = reduced(size, SMALL_PILOT);
+    let large_size = reduced(size, LARGE_PILOT);
     // The first one compiles shaders, too.
     once(input, options, small_size, backends)?;
     let small = PilotTime {
@@ -134,13 +138,14 @@ fn extrapolated(small: PilotTime, large: PilotTime, wanted: &[u64]) -> f64 {
         .sum()
 }
 
-/// The same shape with at most so many pixels.
+/// Returns an image size of the same shape with at most `most` pixels.
 fn reduced(size: UVec2, most: u64) -> UVec2 {
     let by = (most as f64 / pixels(size) as f64).sqrt().min(1.0);
     (size.as_dvec2() * by).floor().as_uvec2().max(UVec2::ONE)
 }
 
-/// Seconds that a comparison of this size would take, with as many runs of each row as are the least.
+/// Returns the seconds that a comparison at this image size takes, with the least number of timed runs of each row. It is played
+/// without timed runs, and the part after the first row begins is multiplied.
 fn once(
     input: &SceneInput,
     options: &CompareOptions,
@@ -154,7 +159,7 @@ fn once(
     };
     let start = Instant::now();
     let first_row = Mutex::new(None);
-    let note = |event: CompareEvent<'_>| {
+    let note_first_row = |event: CompareEvent<'_>| {
         if let (CompareEvent::Row { .. }, Ok(mut first)) = (event, first_row.lock()) {
             first.get_or_insert_with(Instant::now);
         }
@@ -164,7 +169,7 @@ fn once(
         &untimed,
         backends,
         &mut |_, _| Ok(()),
-        &note,
+        &note_first_row,
     )?;
     let end = Instant::now();
     let rows_from = first_row
@@ -201,8 +206,8 @@ mod tests {
             size: Some(UVec2::splat(16_384)),
             ..CompareOptions::quick()
         };
-        let of = |name: &str| Expected::new(&[input(name)], &options, 2).expect("valid");
-        let (sun, lamp) = (of("cubes"), of("teapot-lamp"));
+        let sun = Expected::new(&[input("cubes")], &options, 2).expect("valid");
+        let lamp = Expected::new(&[input("teapot-lamp")], &options, 2).expect("valid");
         assert_eq!((sun.pixels, sun.rows, sun.rays), (1 << 28, 6, 7 << 28));
         // 256 rays in penumbrae, and six probes of 16.
         assert_eq!(lamp.rays, (256 + 96) << 28);

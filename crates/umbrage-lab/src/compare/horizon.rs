@@ -1,47 +1,60 @@
-//! How much of a light a receiver sees over its own horizon, in 64 bits: what kernels owe that know it.
+//! The share of a light that a receiver sees over its own horizon, in 64 bits: what is right for kernels that know the horizon.
 
 use glam::{DVec2, DVec3, Vec3, Vec4};
 use std::f64::consts::PI;
 use umbrage_core::light_sample::{LightSampler, kind};
 
-/// The share of the light above the tangent plane at `p` with unit normal `n`: the least and the greatest that are right, if
-/// heights are wrong by no more than `margin`.
+/// Returns the share of the light above the tangent plane at `p` with unit normal `n`, 0..=1: the least and the greatest that are
+/// right if heights over the plane are wrong by no more than `margin`, metres (for directions: by no more than this sine).
 pub(super) fn share(light: &LightSampler, p: Vec3, n: Vec3, margin: f64) -> [f64; 2] {
     let n = n.as_dvec3();
-    let along = |v: Vec4| n.dot(v.truncate().as_dvec3());
-    let to_middle = light.center.truncate().as_dvec3() - p.as_dvec3();
-    let height = n.dot(to_middle);
-    let axes = DVec2::new(along(light.half_u), along(light.half_v));
-    // How much higher than the middle the rim of a disc is that faces the receiver, for each unit of its radius.
-    let rim = |to_light: DVec3| {
-        (1.0 - n.dot(to_light.normalize_or(n)).powi(2))
-            .max(0.0)
-            .sqrt()
-    };
-    let least_and_most =
-        |share: &dyn Fn(f64) -> f64, middle: f64| [share(middle - margin), share(middle + margin)];
+    let to_center = light.center.truncate().as_dvec3() - p.as_dvec3();
+    let height = n.dot(to_center);
     match light.shape.x {
-        kind::RECT => least_and_most(&|h| square(h, axes), height),
-        kind::DISC => least_and_most(&|h| disc(h, axes.length()), height),
-        kind::BALL => least_and_most(
-            &|h| disc(h, f64::from(light.half_u.w) * rim(to_middle)),
-            height,
-        ),
+        kind::RECT => {
+            let axes = DVec2::new(height_of(light.half_u, n), height_of(light.half_v, n));
+            [square(height - margin, axes), square(height + margin, axes)]
+        }
+        kind::DISC => {
+            let axes = DVec2::new(height_of(light.half_u, n), height_of(light.half_v, n));
+            let rim = axes.length();
+            [disc(height - margin, rim), disc(height + margin, rim)]
+        }
+        kind::BALL => {
+            let rim = f64::from(light.half_u.w) * rim_of_facing_disc(n, to_center);
+            [disc(height - margin, rim), disc(height + margin, rim)]
+        }
         _ => {
             let to_light = light.center.truncate().as_dvec3();
+            let height = n.dot(to_light);
             let cosine = 1.0 - f64::from(light.half_u.w);
             let tangent = (1.0 - cosine * cosine).sqrt() / cosine;
-            let [least, most] =
-                least_and_most(&|h| disc(h, tangent * rim(to_light)), n.dot(to_light));
+            let rim = tangent * rim_of_facing_disc(n, to_light);
             // The cap of directions may count as flat. On a flat disc of radius 1, what lies at r weighs more than on the cap by
             // 3/2 (r^2 - 1/2) of the tangent's square; over a segment that adds up to .052 of the square at most.
             let curved = tangent * tangent / 16.0;
-            [least - curved, most + curved]
+            [
+                disc(height - margin, rim) - curved,
+                disc(height + margin, rim) + curved,
+            ]
         }
     }
 }
 
-/// The share of a disc of which the middle is as high as `height`, the highest point higher by `rim`: a segment is cut off.
+/// Returns by how much a step along a half axis rises over the tangent plane with unit normal `n`.
+fn height_of(half_axis: Vec4, n: DVec3) -> f64 {
+    n.dot(half_axis.truncate().as_dvec3())
+}
+
+/// Returns how much higher than its center the rim of a disc of radius 1 is that faces the receiver: the sine of the angle
+/// between the normal and the direction to the light.
+fn rim_of_facing_disc(n: DVec3, to_light: DVec3) -> f64 {
+    let cosine = n.dot(to_light.normalize_or(n));
+    (1.0 - cosine.powi(2)).max(0.0).sqrt()
+}
+
+/// Returns the share of a disc above the plane: its center is `height` above it, its highest point higher by `rim`. The plane
+/// cuts off a circular segment.
 fn disc(height: f64, rim: f64) -> f64 {
     if height.abs() >= rim {
         return f64::from(u8::from(height >= 0.0));
@@ -50,7 +63,7 @@ fn disc(height: f64, rim: f64) -> f64 {
     1.0 - (t.acos() - t * (1.0 - t * t).sqrt()) / PI
 }
 
-/// The share of the square -1..1 on which `height + axes.x x + axes.y y` is positive. For each y it is a length, which is
+/// Returns the share of the square -1..1 on which `height + axes.x x + axes.y y` is positive. For each y it is a length, which is
 /// linear in y where it is neither 0 nor 1; the mean over y follows from its antiderivative.
 fn square(height: f64, axes: DVec2) -> f64 {
     let steeper = axes.abs().max_element();
@@ -67,7 +80,7 @@ fn square(height: f64, axes: DVec2) -> f64 {
     (clamped_integral(last) - clamped_integral(first)) / (last - first)
 }
 
-/// The integral of `t` clamped to 0..=1 from 0 to `length`.
+/// Returns the integral of `t` clamped to 0..=1 from 0 to `length`.
 fn clamped_integral(length: f64) -> f64 {
     if length <= 0.0 {
         0.0

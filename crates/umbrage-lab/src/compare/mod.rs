@@ -36,17 +36,17 @@ use std::sync::Arc;
 use umbrage_core::{Fit, ShadowTechnique};
 use umbrage_techniques::ConfiguredTechniques;
 
-/// Of so many scenes, every row gets its pictures: whoever names a scene wants to see it.
+/// In comparisons of at most this many scenes every row gets its pictures: whoever names a scene wants to see it.
 pub(crate) const FEW_SCENES: usize = 3;
 
-/// Takes a scene's figures and images as soon as they are there.
+/// Receives a scene's figures and images as soon as they are there.
 pub type Sink<'a> = dyn FnMut(&SceneResult, &SceneImages) -> Result<(), LabError> + 'a;
 
 /// Compares the options' techniques on the scenes. Scenes are handed to `sink` one by one, since all their images together
 /// may not fit into memory.
 ///
 /// # Errors
-/// When input is not valid, a backend fails, or truth and a technique did not see the same triangles.
+/// Errors if input is not valid, a backend fails, or truth and a technique did not see the same triangles.
 pub fn compare(
     inputs: &[SceneInput],
     options: &CompareOptions,
@@ -54,15 +54,17 @@ pub fn compare(
     sink: &mut Sink<'_>,
     on_event: &OnEvent<'_>,
 ) -> Result<Comparison, LabError> {
-    // What can't be compared must not be found out after minutes of comparing others.
-    inputs.iter().try_for_each(|input| input.scene.validate())?;
+    // Before anything is played: an error must not come after minutes of comparing other scenes.
+    for input in inputs {
+        input.scene.validate()?;
+    }
     let tight = options.settings(Fit::Tight)?;
     on_event(CompareEvent::Started {
         scenes: inputs.len(),
         rows_per_scene: tight.len() * backends.playing.len(),
     });
     let mut scenes = Vec::new();
-    // Not the report's own count, which may be greater: of fewer scenes it never writes more.
+    // The report may have more scenes than this run (from other shards), but never fewer: then it doesn't use them.
     let heat = inputs.len() <= FEW_SCENES;
     for (index, input) in inputs.iter().enumerate() {
         on_event(CompareEvent::Scene {
@@ -84,30 +86,35 @@ pub fn compare(
     })
 }
 
-/// All that is played on a scene.
+/// Returns all settings that are played on a scene.
 fn settings_of(
     input: &SceneInput,
     options: &CompareOptions,
 ) -> Result<Vec<slug::NamedSetting>, LabError> {
-    Ok(slug::with_slugs(&with_fit(
-        &options.settings(Fit::Tight)?,
-        input.fit,
-        options,
-    )?))
+    let tight = options.settings(Fit::Tight)?;
+    let all = with_fit(&tight, input.fit, options)?;
+    Ok(slug::with_slugs(&all))
 }
 
-/// The settings, and those with the scene's own fit; settings without a map are alike and stay single.
+/// Returns the settings, then those under the scene's own fit. Settings without a map are the same under both and stay single.
 fn with_fit(
     tight: &[Arc<dyn ShadowTechnique>],
     fit: Option<Fit>,
     options: &CompareOptions,
 ) -> Result<ConfiguredTechniques, LabError> {
-    let by_hand = fit.map_or(Ok(ConfiguredTechniques::new()), |fit| options.settings(fit))?;
-    let label = |s: &Arc<dyn ShadowTechnique>| (s.name(), s.settings());
-    let new = by_hand
-        .into_iter()
-        .filter(|s| tight.iter().all(|t| label(t) != label(s)));
-    Ok(tight.iter().cloned().chain(new).collect())
+    let mut out = tight.to_vec();
+    let Some(fit) = fit else {
+        return Ok(out);
+    };
+    for setting in options.settings(fit)? {
+        let is_new = tight
+            .iter()
+            .all(|other| other.name() != setting.name() || other.settings() != setting.settings());
+        if is_new {
+            out.push(setting);
+        }
+    }
+    Ok(out)
 }
 
 #[cfg(test)]

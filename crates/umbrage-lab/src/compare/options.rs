@@ -1,11 +1,11 @@
-//! What is to be compared, and how.
+//! Options of a comparison.
 
 use crate::LabError;
 use glam::UVec2;
 use std::{sync::Arc, time::Duration};
 use umbrage_core::{Camera, Fit, Invalid, Scene, ShadowTechnique};
 use umbrage_plan::truth::TruthOptions;
-use umbrage_techniques::{TechniqueEntry, Techniques};
+use umbrage_techniques::Techniques;
 
 /// A scene to be compared.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,7 +14,7 @@ pub struct SceneInput {
     pub scene: Scene,
     /// One line about it for the report, maybe empty.
     pub summary: String,
-    /// A light space that a textbook sets by hand: techniques with a map are compared with it, too.
+    /// A fit set by hand, as textbooks do; techniques with a map are compared under it, too.
     pub fit: Option<Fit>,
 }
 
@@ -27,20 +27,20 @@ pub struct CompareOptions {
     pub techniques: Vec<String>,
     /// Sides of the shadow maps, texels.
     pub map_sizes: Vec<u32>,
-    /// At most so many settings a technique; none: all of them.
+    /// The most settings of each technique that are compared; none: all of them.
     pub max_settings: Option<usize>,
-    /// Image size in place of the cameras' own, pixels; the vertical field of view stays.
+    /// Image size instead of the cameras' own, pixels; the vertical field of view stays.
     pub size: Option<UVec2>,
     /// How truth is traced.
     pub truth: TruthOptions,
-    /// Timed runs a row, after one that compiles and uploads; their median counts. None: no times, no date, and so the same
-    /// result whenever it is made.
+    /// Timed runs of each row, after one that compiles and uploads; their median counts. None: no times and no date, so that the
+    /// results are the same whenever they are made.
     pub runs: Option<Runs>,
-    /// Whether every row is shaded in colour, too.
+    /// Whether every row is rendered in color, too.
     pub color: bool,
 }
 
-/// How often a row is played for its time: slow rows seldom, quick rows often, since their noise is greater.
+/// How often a row is played to be timed: slow rows seldom, quick rows often, since their noise is greater.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Runs {
     /// At least this often, 1 or more.
@@ -54,7 +54,7 @@ pub struct Runs {
 }
 
 impl Runs {
-    /// So many, however long they take.
+    /// Returns options for this many runs, however long they take.
     pub fn exactly(count: u32) -> Self {
         Self {
             min: count,
@@ -65,16 +65,18 @@ impl Runs {
 
     /// Whether `done` runs that took `spent` are enough.
     pub(super) fn suffice(&self, done: usize, spent: Duration) -> bool {
-        let (min, budget) = (
-            self.min.max(1) as usize,
-            Duration::from_millis(self.budget_ms.into()),
-        );
-        done >= min && (done >= self.max as usize || spent >= budget)
+        let min = self.min.max(1) as usize;
+        let is_spent = done >= self.max as usize || spent >= self.budget();
+        done >= min && is_spent
     }
 
-    /// Whether a row that was held up by others may be played on in the hope of calmer runs: for up to twice as long.
+    /// Whether a row that other programs held up may be played again in the hope of calmer runs: for up to twice as long.
     pub(super) fn hopes(&self, done: usize, spent: Duration) -> bool {
-        done < self.max as usize && spent < 2 * Duration::from_millis(self.budget_ms.into())
+        done < self.max as usize && spent < 2 * self.budget()
+    }
+
+    fn budget(&self) -> Duration {
+        Duration::from_millis(self.budget_ms.into())
     }
 }
 
@@ -105,7 +107,7 @@ impl Default for CompareOptions {
 }
 
 impl CompareOptions {
-    /// For a first look: small images, one map size, few settings, few samples, few runs.
+    /// Returns options for a quick preview: small images, one map size, few settings, few samples, few runs.
     pub fn quick() -> Self {
         Self {
             map_sizes: vec![512],
@@ -125,10 +127,10 @@ impl CompareOptions {
         }
     }
 
-    /// The technique settings to be compared, with maps that lie so.
+    /// Returns the technique settings to be compared, their maps under this fit.
     ///
     /// # Errors
-    /// When a name is unknown or a map size is missing.
+    /// Errors if a name is unknown or a map size is missing.
     pub(super) fn settings(&self, fit: Fit) -> Result<Vec<Arc<dyn ShadowTechnique>>, LabError> {
         let chosen = self.registry.select(&self.techniques)?;
         if self.map_sizes.is_empty() {
@@ -140,14 +142,15 @@ impl CompareOptions {
             .into());
         }
         let max = self.max_settings.unwrap_or(usize::MAX);
-        let settings = |entry: &TechniqueEntry| (entry.settings)(&self.map_sizes, fit);
-        Ok(chosen
-            .into_iter()
-            .flat_map(|entry| settings(entry).into_iter().take(max))
-            .collect())
+        let mut out = Vec::new();
+        for entry in chosen {
+            let of_entry = (entry.settings)(&self.map_sizes, fit);
+            out.extend(of_entry.into_iter().take(max));
+        }
+        Ok(out)
     }
 
-    /// A scene's camera at the size wanted.
+    /// Returns a scene's camera with the wanted image size.
     pub(super) fn camera(&self, camera: &Camera) -> Camera {
         self.size.map_or(*camera, |size| camera.resized(size))
     }

@@ -9,7 +9,7 @@
 //! their mean is geometric. Where a technique cannot serve a scene it draws no shadow: relative error 1, and the time is the
 //! mean over the others.
 
-use super::{CompareRow, Comparison, CostBasis, Measured, SceneResult, TimingStats};
+use super::{Comparison, CostBasis, Measured, SceneResult, TimingStats};
 use serde::Serialize;
 use std::collections::HashMap;
 
@@ -38,7 +38,7 @@ pub struct Relative {
 }
 
 impl Relative {
-    /// The relative time, or the relative cost.
+    /// Returns the relative time (none without times) or the relative cost.
     pub fn take(&self, clock: CostBasis) -> Option<f64> {
         match clock {
             CostBasis::Wall => self.time.map(|t| t.median),
@@ -47,19 +47,23 @@ impl Relative {
     }
 }
 
-/// Sums: of errors, and of the logarithms of ratios.
+/// Sums over the scenes of one setting on one backend.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums {
+    /// Relative errors.
     error: f64,
+    /// Logarithms of relative times: the median, the quickest and the slowest run.
     time: [f64; 3],
     runs: u32,
+    /// Scenes with times.
     timed: usize,
+    /// Logarithms of relative costs.
     cost: f64,
     served: usize,
     scenes: usize,
 }
 
-/// Every setting that was compared on every scene, in the first scene's order. Scenes without a receiver that counts, and
+/// Returns every setting that was compared on every scene, in the first scene's order. Scenes without a receiver that counts, and
 /// those on which `hard` was not measured, are left out.
 pub fn relative(comparison: &Comparison) -> Vec<Relative> {
     let mut sums: HashMap<[&str; 3], Sums> = HashMap::new();
@@ -84,34 +88,40 @@ pub fn relative(comparison: &Comparison) -> Vec<Relative> {
             sum.add(row.measured(), none, reference);
         }
     }
-    let whole = order
-        .into_iter()
-        .filter_map(|key| Some((key, *sums.get(&key)?)));
-    whole
-        .filter(|(_, s)| s.scenes == scenes && s.served > 0)
-        .map(|(key, s)| s.mean(key[0], key[1], key[2]))
-        .collect()
-}
-
-/// For each backend, the measurement that its others are compared with.
-fn references(scene: &SceneResult) -> HashMap<&str, &Measured> {
-    let mut of_backend: HashMap<&str, Vec<(&CompareRow, &Measured)>> = HashMap::new();
-    for row in scene.rows.iter().filter(|r| r.technique == "hard") {
-        if let Some(m) = row.measured() {
-            of_backend.entry(&row.backend).or_default().push((row, m));
+    let mut out = Vec::new();
+    for key in order {
+        let sums = sums[&key];
+        if sums.scenes == scenes && sums.served > 0 {
+            out.push(sums.mean(key[0], key[1], key[2]));
         }
     }
-    let middle = |rows: Vec<(&CompareRow, &'_ Measured)>| -> Option<usize> {
-        let mut sizes: Vec<u64> = rows.iter().map(|(_, m)| m.work.cleared).collect();
-        sizes.sort_unstable();
-        sizes.dedup();
-        let size = *sizes.get(sizes.len() / 2)?;
-        rows.iter().position(|(_, m)| m.work.cleared == size)
-    };
-    of_backend
-        .into_iter()
-        .filter_map(|(b, rows)| Some((b, rows[middle(rows.clone())?].1)))
-        .collect()
+    out
+}
+
+/// Returns for each backend the measurement that all its others are relative to.
+fn references(scene: &SceneResult) -> HashMap<&str, &Measured> {
+    let mut of_backend: HashMap<&str, Vec<&Measured>> = HashMap::new();
+    for row in scene.rows.iter().filter(|r| r.technique == "hard") {
+        if let Some(m) = row.measured() {
+            of_backend.entry(&row.backend).or_default().push(m);
+        }
+    }
+    let mut out = HashMap::new();
+    for (backend, settings) in of_backend {
+        if let Some(reference) = first_with_middle_map(&settings) {
+            out.insert(backend, reference);
+        }
+    }
+    out
+}
+
+/// Returns the first measurement with the median of the map sizes, which are told by the texels that are cleared.
+fn first_with_middle_map<'a>(settings: &[&'a Measured]) -> Option<&'a Measured> {
+    let mut sizes: Vec<u64> = settings.iter().map(|m| m.work.cleared).collect();
+    sizes.sort_unstable();
+    sizes.dedup();
+    let middle = *sizes.get(sizes.len() / 2)?;
+    settings.iter().copied().find(|m| m.work.cleared == middle)
 }
 
 impl Sums {
@@ -121,17 +131,14 @@ impl Sums {
         self.served += 1;
         self.error += m.rmse().unwrap_or_default() / none;
         self.cost += (m.cost_ms / reference.cost_ms).ln();
-        if let (Some(mine), Some(theirs)) = (m.times, reference.times) {
-            let ratio = |of: f64| {
-                (of.max(f64::MIN_POSITIVE) / theirs.total.median.max(f64::MIN_POSITIVE)).ln()
-            };
-            let times = [mine.total.median, mine.total.min, mine.total.max].map(ratio);
-            self.time
-                .iter_mut()
-                .zip(times)
-                .for_each(|(sum, t)| *sum += t);
+        if let (Some(times), Some(of_reference)) = (m.times, reference.times) {
+            let times = times.total;
+            let unit = of_reference.total.median;
+            self.time[0] += log_ratio(times.median, unit);
+            self.time[1] += log_ratio(times.min, unit);
+            self.time[2] += log_ratio(times.max, unit);
             self.timed += 1;
-            self.runs += mine.total.runs;
+            self.runs += times.runs;
         }
     }
 
@@ -160,8 +167,14 @@ impl Sums {
     }
 }
 
+/// Returns the logarithm of a ratio of two times, of which either may be 0.
+fn log_ratio(time: f64, unit: f64) -> f64 {
+    (time.max(f64::MIN_POSITIVE) / unit.max(f64::MIN_POSITIVE)).ln()
+}
+
 impl SceneResult {
-    /// RMSE of a mask that looks at nothing: all lit, or where nothing is in shadow, all dark. 0 if no pixel counts.
+    /// Returns the RMSE of a mask without shadows, all lit; where nothing is in shadow, that of a mask that is all dark. 0 if no
+    /// pixel counts.
     pub fn error_of_none(&self) -> f64 {
         let [lit, dark] = self.rmse_of_none;
         if lit > 0.0 { lit } else { dark }
@@ -171,7 +184,7 @@ impl SceneResult {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compare::{RowOutcome, RowTimes};
+    use crate::compare::{CompareRow, RowOutcome, RowTimes};
     use umbrage_core::{
         Work,
         metrics::{Causes, Errors},
@@ -242,7 +255,8 @@ mod tests {
             scenes: vec![one, two],
             ..Comparison::default()
         });
-        let (hard, pcf) = (find(&all, "hard"), find(&all, "pcf"));
+        let hard = find(&all, "hard");
+        let pcf = find(&all, "pcf");
         assert!(
             (hard.error - 0.1).abs() < 1e-12 && (pcf.error - 0.505).abs() < 1e-12,
             "{hard:?} {pcf:?}"

@@ -1,4 +1,4 @@
-//! What a comparison finds: plain data, written to `results.json` as it stands.
+//! The results of a comparison: plain data, written to `results.json` as it is.
 
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
@@ -7,7 +7,7 @@ use umbrage_core::{
 };
 use umbrage_plan::{footprint::MapUse, statistics::Sorted};
 
-/// Version of this data's shape; grows with every change that a reader would notice.
+/// Version of this data's format; grows with every change that programs which read it would notice.
 pub const SCHEMA: u32 = 5;
 
 /// A whole comparison.
@@ -17,14 +17,14 @@ pub struct Comparison {
     pub schema: u32,
     /// Where and with what it was made.
     pub environment: Environment,
-    /// What the reader must know: a missing adapter, say.
+    /// What the reader must know, such as that an adapter is missing.
     pub notices: Vec<String>,
-    /// One entry a scene, in the order compared.
+    /// One entry for each scene, in the order compared.
     pub scenes: Vec<SceneResult>,
 }
 
 impl Comparison {
-    /// What must not be: decided pixels on which backends differ, and negative controls that fail. One line each.
+    /// Returns a line for each fault: decided pixels on which backends differ, and negative controls that fail.
     pub fn faults(&self) -> Vec<String> {
         self.scenes.iter().flat_map(SceneResult::faults).collect()
     }
@@ -86,75 +86,72 @@ pub struct SceneResult {
 impl SceneResult {
     fn faults(&self) -> Vec<String> {
         let mut out = Vec::new();
+        let scene = &self.name;
         for row in &self.rows {
-            out.extend(
-                row.measured()
-                    .and_then(|m| m.agreement)
-                    .and_then(disagreement)
-                    .map(|what| {
-                        let (scene, row) = (&self.name, row.label());
-                        format!("{scene}: {row}: {what}")
-                    }),
-            );
-            let colors = row.measured().and_then(|m| m.color_differing).unwrap_or(0);
+            let Some(measured) = row.measured() else {
+                continue;
+            };
+            let label = row.label();
+            if let Some(what) = measured.agreement.and_then(disagreement) {
+                out.push(format!("{scene}: {label}: {what}"));
+            }
+            let colors = measured.color_differing.unwrap_or(0);
             if colors > 0 {
                 out.push(format!(
-                    "{}: {}: the colours of {colors} pixels differ from the CPU's",
-                    self.name,
-                    row.label()
+                    "{scene}: {label}: the colours of {colors} pixels differ from the CPU's"
                 ));
             }
         }
-        // Where nothing faces the light there is nothing to compare, and all is well; where truth itself can't tell,
-        // nothing was found out.
-        out.extend(
-            self.nothing_compared
-                .iter()
-                .filter(|_| self.truth.ambiguous > 0)
-                .map(|why| format!("{}: {why}", self.name)),
-        );
-        for c in self.controls.iter().filter(|c| !c.holds) {
-            let why = match c.wrong_without {
+        // Where nothing faces the light there is nothing to compare, which is no fault. Where truth is ambiguous everywhere,
+        // nothing was found out, which is one.
+        if let Some(why) = &self.nothing_compared
+            && self.truth.ambiguous > 0
+        {
+            out.push(format!("{scene}: {why}"));
+        }
+        for control in self.controls.iter().filter(|c| !c.holds) {
+            let why = match control.wrong_without {
                 0 => format!(
                     "the mask stays the same, though {} pixels are in shadow with them",
-                    c.shadowed
+                    control.shadowed
                 ),
                 n => format!("{n} pixels of the mask are not as their own horizon leaves them"),
             };
             out.push(format!(
-                "{}: {} {}: without casters {why}",
-                self.name, c.backend, c.technique
+                "{scene}: {} {}: without casters {why}",
+                control.backend, control.technique
             ));
         }
         out
     }
 }
 
-/// What is wrong with an agreement, if anything is.
-fn disagreement(a: Agreement) -> Option<String> {
-    if !a.holds() {
-        return Some(format!(
+/// Returns what is wrong with an agreement; none if nothing is.
+fn disagreement(agreement: Agreement) -> Option<String> {
+    if !agreement.holds() {
+        Some(format!(
             "{} decided pixels differ from the CPU's",
-            a.violations
-        ));
-    }
-    if !a.is_accurate() {
-        return Some(format!(
+            agreement.violations
+        ))
+    } else if !agreement.is_accurate() {
+        Some(format!(
             "RMSE is {:.4} above that of the CPU's mask at the same pixels",
-            a.excess
-        ));
+            agreement.excess
+        ))
+    } else if !agreement.is_decided() {
+        Some(format!(
+            "rounding alone lets {} of {} pixels differ from the CPU's: too many",
+            agreement.undecided, agreement.compared
+        ))
+    } else {
+        None
     }
-    let (undecided, compared) = (a.undecided, a.compared);
-    let why = format!(
-        "rounding alone lets {undecided} of {compared} pixels differ from the CPU's: too many"
-    );
-    (!a.is_decided()).then_some(why)
 }
 
-/// How truth was made and how sure it is.
+/// How truth was traced, and how certain it is.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TruthSummary {
-    /// Rays a receiver; more in penumbra.
+    /// Rays for each receiver; more in penumbra.
     pub samples: u32,
     /// Mean standard error over the pixels that count.
     pub mean_error: f32,
@@ -181,12 +178,12 @@ pub struct CompareRow {
     pub slug: String,
     /// Kind of backend, `cpu` or `wgpu`.
     pub backend: String,
-    /// What came of it.
+    /// Its figures, or why it has none.
     pub outcome: RowOutcome,
 }
 
 impl CompareRow {
-    /// The figures, if there are any.
+    /// Returns the figures; none if the row isn't measured.
     pub fn measured(&self) -> Option<&Measured> {
         match &self.outcome {
             RowOutcome::Measured(m) => Some(m),
@@ -194,12 +191,12 @@ impl CompareRow {
         }
     }
 
-    /// A file name's stem that no other row of its scene has.
+    /// Returns a file name's stem that no other row of its scene has.
     pub fn stem(&self) -> String {
         stem_of(&self.slug, &self.backend)
     }
 
-    /// For people: `pcf (3x3, 1024, slope) on wgpu`.
+    /// Returns the row's name for people: `pcf (3x3, 1024, slope) on wgpu`.
     pub fn label(&self) -> String {
         format!("{} ({}) on {}", self.technique, self.settings, self.backend)
     }
@@ -210,13 +207,13 @@ pub(super) fn stem_of(slug: &str, backend: &str) -> String {
     format!("{slug}.{backend}")
 }
 
-/// What came of a row.
+/// A row's figures, or why it has none.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum RowOutcome {
     /// It was rendered and measured.
     Measured(Box<Measured>),
-    /// The technique or the backend isn't made for this.
+    /// The technique or the backend doesn't support it.
     Unsupported {
         /// Why.
         reason: String,
@@ -226,21 +223,21 @@ pub enum RowOutcome {
 /// A row's figures.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Measured {
-    /// Against truth; none where no pixel counts ([`SceneResult::nothing_compared`] says why): no error would mean that all
-    /// is right.
+    /// Errors against truth; none where no pixel counts ([`SceneResult::nothing_compared`] says why), as errors of 0 would mean
+    /// that the mask is right.
     pub errors: Option<Errors>,
-    /// What the errors come from; none likewise.
+    /// What the errors come from; none where no pixel counts.
     pub causes: Option<Causes>,
     /// Times, without compilation, upload and read-back; none if they weren't asked for.
     pub times: Option<RowTimes>,
-    /// What the recipe takes, counted.
+    /// The recipe's work, counted.
     pub work: Work,
-    /// What that costs by the [prices](umbrage_plan::cost::CostModel::of) of this kind of backend, milliseconds: the same on every
+    /// The cost of that work by the [prices](umbrage_plan::cost::CostModel::of) of this kind of backend, milliseconds: the same on every
     /// run.
     pub cost_ms: f64,
     /// Bytes held for images, tables and receivers.
     pub bytes: u64,
-    /// Against the CPU's mask; none on the CPU or without it.
+    /// Agreement with the CPU's mask; none on the CPU or without it.
     pub agreement: Option<Agreement>,
     /// Pixels whose colour differs from the first backend's by more than a step of 255 though the masks agree; none
     /// without colours, and for the first backend.
@@ -250,12 +247,12 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// Root of the mean square error; none where no pixel counts.
+    /// Returns the root of the mean square error, 0..=1; none where no pixel counts.
     pub fn rmse(&self) -> Option<f64> {
         self.errors.map(|e| e.rmse)
     }
 
-    /// The median of the times, milliseconds, or the cost; none if it wasn't measured.
+    /// Returns the median of the times or the cost, milliseconds; none if times weren't measured.
     pub fn milliseconds(&self, clock: CostBasis) -> Option<f64> {
         match clock {
             CostBasis::Wall => self.times.map(|t| t.total.median),
@@ -264,12 +261,12 @@ impl Measured {
     }
 }
 
-/// Two ways to tell what a row takes.
+/// Two measures of what a row costs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum CostBasis {
-    /// Measured: true of this machine at that moment.
+    /// Measured time: of this machine at that moment.
     Wall,
-    /// Counted and priced: the same on every run.
+    /// Counted work times its price: the same on every run.
     Cost,
 }
 
@@ -284,15 +281,16 @@ pub struct RowTimes {
     pub receive: Option<TimingStats>,
     /// Casts, filters and lookup of each run together.
     pub total: TimingStats,
-    /// A [yardstick](super::Yardstick) in turn with the runs, milliseconds a unit of its work; none where nothing receives,
-    /// where the adapter can't time it, and in results of schema 4 and before.
+    /// Times of the [yardstick](super::Yardstick) that is played in turn with the runs, milliseconds for each unit of its work;
+    /// none where nothing receives, where the adapter can't time it, and in results of schema 4 and before.
     pub yardstick: Option<TimingStats>,
-    /// Runs over the mean of the yardsticks right before and after, of those runs beside which no yardstick took more than
-    /// [`CALM`](super::CALM) times the quickest: what is compared with other runs' results. None where no run was calm.
+    /// Each run's time over the mean of the yardsticks' right before and after it: what is compared with other runs' results.
+    /// Only calm runs count: those beside which no yardstick took more than [`CALM`](super::CALM) times the quickest. None where
+    /// no run was calm.
     pub ratio: Option<Ranks>,
 }
 
-/// How some figures are spread, told by ranks, which a few outliers do not move.
+/// The distribution of some figures as quantiles, which a few outliers do not change.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Ranks {
     /// A tenth lies below.
@@ -311,7 +309,7 @@ pub struct Ranks {
 }
 
 impl Ranks {
-    /// Of some figures, linear between neighbours; none of no figures.
+    /// Returns the quantiles of some figures, linear between neighbors; none without figures.
     pub fn of(figures: Vec<f64>) -> Option<Self> {
         let runs = figures.len() as u32;
         let sorted = Sorted::new(figures);
@@ -342,7 +340,7 @@ pub struct TimingStats {
 }
 
 impl TimingStats {
-    /// Of times in milliseconds; none of no times.
+    /// Returns the statistics of times in milliseconds; none without times.
     pub fn of(times: Vec<f64>) -> Option<Self> {
         let runs = times.len() as u32;
         let sorted = Sorted::new(times);
@@ -363,15 +361,15 @@ pub struct Control {
     pub backend: String,
     /// The technique that was played: the first of its settings that was measured.
     pub technique: String,
-    /// Counted pixels from which casters hide all of the light that the technique owes them without casters.
+    /// Counted pixels from which casters hide all of the light, and which the technique must light without casters.
     pub shadowed: u64,
     /// Those of them whose mask brightened by more than a quarter when the casters were removed.
     pub changed: u64,
-    /// Counted pixels that without casters are darker or lighter than the technique owes: as light as their own horizon
-    /// leaves the points that it asks of the light. Must be 0.
+    /// Counted pixels that without casters are darker or lighter than is right for the technique: the share of its light samples
+    /// that lie above the receiver's own horizon. Must be 0.
     #[serde(alias = "dark_without")]
     pub wrong_without: u64,
-    /// Whether the control did what it must: nothing is wrong without casters, and something changed if truth has a shadow
-    /// that the technique cannot miss (maps with texels wider than it may, and those that keep the far sides of casters).
+    /// Whether the control passed: nothing is wrong without casters, and something changed if truth has a shadow that the
+    /// technique cannot miss. (Maps may miss shadows narrower than their texels, and so may maps of the far sides of casters.)
     pub holds: bool,
 }

@@ -1,4 +1,4 @@
-//! All rows of one scene.
+//! Compares all technique settings on one scene.
 
 use super::{
     Backends, CompareEvent, CompareOptions, CompareRow, Measured, OnEvent, RowOutcome, SceneInput,
@@ -9,8 +9,8 @@ use crate::{LabError, color};
 use glam::UVec2;
 use std::sync::Arc;
 use umbrage_core::{
-    BackendError, Camera, Cast, CastMode, Geometry, Invalid, Light, LightSpace, Recipe,
-    RecipeError, ShadowTechnique, Shadows, View, Work,
+    Backend, BackendError, Camera, Cast, CastMode, Geometry, Invalid, Light, LightSpace, Receivers,
+    Recipe, RecipeError, ShadowTechnique, Shadows, View, Work,
     metrics::{Agreement, Causes, Errors, Pixel, ReferenceMask, TruthImage},
 };
 use umbrage_plan::{
@@ -19,38 +19,39 @@ use umbrage_plan::{
     truth::{self, Truth},
 };
 
-/// Side of the pictures of where maps are looked up, pixels: enough to see, and little beside the masks.
+/// Side of the pictures of where maps are looked up, pixels: enough detail, in files that are small beside the masks'.
 const HEAT_SIDE: u32 = 256;
 
 /// The images of one scene.
 #[derive(Clone, Debug)]
 pub struct SceneImages {
-    /// What should have been seen.
+    /// Ray-traced truth.
     pub truth: Truth,
-    /// Masks, one a row in the result's order; none where a row isn't measured.
+    /// Masks, one for each row in the result's order; none where a row isn't measured.
     pub masks: Vec<Option<Vec<f32>>>,
-    /// Shaded pictures, PNG, one a row; none where a row isn't measured or colours weren't asked for.
+    /// Shaded pictures as PNG, one for each row; none where a row isn't measured, or without [`CompareOptions::color`].
     pub colors: Vec<Option<Vec<u8>>>,
-    /// Where maps are looked up, one a row; none where a row isn't measured or has no map, and none of comparisons of more
-    /// than three scenes, whose reports have no room for them.
+    /// Where maps are looked up, one for each row; none where a row isn't measured or has no map. None at all in comparisons of
+    /// more than three scenes, whose reports don't show them.
     pub lookups: Vec<Option<Arc<Heat>>>,
 }
 
-/// Camera, light and triangles.
+/// The camera, the light and the triangles of a scene, without receivers.
 #[derive(Clone, Copy)]
-pub(super) struct View3<'a> {
+pub(super) struct SceneView<'a> {
     pub(super) camera: &'a Camera,
     pub(super) light: &'a Light,
     pub(super) geometry: &'a Geometry,
 }
 
-impl<'a> View3<'a> {
+impl<'a> SceneView<'a> {
+    /// Returns the same as core's type.
     pub(super) fn core(&self) -> View<'a> {
         View::new(self.camera, self.light, self.geometry)
     }
 }
 
-/// Truth and all rows of a scene; with `heat`, where each row's maps are looked up.
+/// Traces truth about a scene and plays all settings on all backends. With `heat`, keeps where each row's maps are looked up.
 pub(super) fn run(
     input: &SceneInput,
     settings: &[NamedSetting],
@@ -61,15 +62,26 @@ pub(super) fn run(
 ) -> Result<(SceneResult, SceneImages), LabError> {
     let scene = &input.scene;
     let (camera, light) = camera_and_light(scene)?;
-    let (camera, geometry) = (options.camera(camera), Geometry::bake(scene)?);
-    let view = View3 {
+    let camera = options.camera(camera);
+    let geometry = Geometry::bake(scene)?;
+    let view = SceneView {
         camera: &camera,
         light,
         geometry: &geometry,
     };
-    let progress = |done, total| on_event(CompareEvent::Truth { done, total });
-    let find = &mut |c: &Camera, g: &Geometry| backends.receivers.receivers(c, g);
-    let truth = truth::trace(&camera, light, &geometry, &options.truth, find, &progress)?;
+    let truth = truth::trace(
+        &camera,
+        light,
+        &geometry,
+        &options.truth,
+        &mut |camera, geometry| backends.receivers.receivers(camera, geometry),
+        &|done, total| on_event(CompareEvent::Truth { done, total }),
+    )?;
+    let stage = if options.color {
+        Some(color_stage(input, &camera)?)
+    } else {
+        None
+    };
     let mut run = SceneRun {
         name: &scene.name,
         view,
@@ -81,10 +93,7 @@ pub(super) fn run(
         rows: Vec::new(),
         masks: Vec::new(),
         controls: Vec::new(),
-        stage: options
-            .color
-            .then(|| color_stage(input, &camera))
-            .transpose()?,
+        stage,
         colors: Vec::new(),
         lookups: Vec::new(),
         looked_up: Vec::new(),
@@ -94,6 +103,8 @@ pub(super) fn run(
         run.setting(setting, backends, on_event)?;
     }
     let truth_summary = summary(&truth, options);
+    let rmse_of_lit = rmse_of_constant(1.0, &run.reference, &truth);
+    let rmse_of_dark = rmse_of_constant(0.0, &run.reference, &truth);
     let result = SceneResult {
         name: scene.name.clone(),
         summary: input.summary.clone(),
@@ -103,27 +114,29 @@ pub(super) fn run(
         fingerprint: format!("{:016x}", truth.fingerprint),
         nothing_compared: nothing_compared(&truth_summary, truth.pixels.len()),
         truth: truth_summary,
-        rmse_of_none: [1.0, 0.0].map(|v| {
-            run.reference
-                .errors(&vec![v; truth.pixels.len()])
-                .map_or(0.0, |e| e.rmse)
-        }),
+        rmse_of_none: [rmse_of_lit, rmse_of_dark],
         rows: run.rows,
         controls: run.controls,
     };
-    let (masks, colors, lookups) = (run.masks, run.colors, run.lookups);
-    Ok((
-        result,
-        SceneImages {
-            truth,
-            masks,
-            colors,
-            lookups,
-        },
-    ))
+    let masks = run.masks;
+    let colors = run.colors;
+    let lookups = run.lookups;
+    let images = SceneImages {
+        truth,
+        masks,
+        colors,
+        lookups,
+    };
+    Ok((result, images))
 }
 
-/// The scene as this camera sees it, marked for pictures.
+/// Returns the RMSE of a mask that has one visibility everywhere; 0 if it can't be measured.
+fn rmse_of_constant(visibility: f32, reference: &ReferenceMask<'_>, truth: &Truth) -> f64 {
+    let mask = vec![visibility; truth.pixels.len()];
+    reference.errors(&mask).map_or(0.0, |errors| errors.rmse)
+}
+
+/// Returns the scene for color pictures, seen by this camera, with a marker at the light.
 fn color_stage(input: &SceneInput, camera: &Camera) -> Result<color::Stage, Invalid> {
     let scene = umbrage_core::Scene {
         cameras: vec![*camera],
@@ -132,86 +145,121 @@ fn color_stage(input: &SceneInput, camera: &Camera) -> Result<color::Stage, Inva
     color::Stage::new(&scene, input.fit)
 }
 
+/// Returns a scene's first camera and first light, which are the ones compared.
 pub(super) fn camera_and_light(scene: &umbrage_core::Scene) -> Result<(&Camera, &Light), Invalid> {
-    let missing = |what| {
-        Invalid::new(
-            format!("scene `{}`", scene.name),
-            format!("has no {what}"),
-            "add one",
-        )
-    };
-    let camera = scene.cameras.first().ok_or_else(|| missing("camera"))?;
-    let light = scene.lights.first().ok_or_else(|| missing("light"))?;
+    let camera = scene
+        .cameras
+        .first()
+        .ok_or_else(|| missing(scene, "camera"))?;
+    let light = scene
+        .lights
+        .first()
+        .ok_or_else(|| missing(scene, "light"))?;
     Ok((camera, light))
+}
+
+fn missing(scene: &umbrage_core::Scene, what: &str) -> Invalid {
+    Invalid::new(
+        format!("scene `{}`", scene.name),
+        format!("has no {what}"),
+        "add one",
+    )
 }
 
 fn summary(truth: &Truth, options: &CompareOptions) -> TruthSummary {
     let [mean_error, largest_error] = truth.standard_error();
-    let count = |kind: Pixel| truth.pixels.iter().filter(|p| **p == kind).count() as u64;
     TruthSummary {
         samples: options.truth.samples,
         mean_error,
         largest_error,
-        counted: count(Pixel::Counted),
-        ambiguous: count(Pixel::Ambiguous),
-        unlit: count(Pixel::Unlit),
+        counted: count(&truth.pixels, Pixel::Counted),
+        ambiguous: count(&truth.pixels, Pixel::Ambiguous),
+        unlit: count(&truth.pixels, Pixel::Unlit),
         seconds: options.runs.map(|_| truth.elapsed.as_secs_f64()),
     }
 }
 
-/// Why no pixel counts; none if one does.
+fn count(pixels: &[Pixel], kind: Pixel) -> u64 {
+    pixels.iter().filter(|pixel| **pixel == kind).count() as u64
+}
+
+/// Returns why no pixel counts; none if one does.
 fn nothing_compared(truth: &TruthSummary, pixels: usize) -> Option<String> {
-    let TruthSummary {
-        counted,
-        ambiguous,
-        unlit,
-        ..
-    } = *truth;
-    let empty = pixels as u64 - counted - ambiguous - unlit;
+    if truth.counted > 0 {
+        return None;
+    }
+    let ambiguous = truth.ambiguous;
+    let unlit = truth.unlit;
+    let empty = pixels as u64 - ambiguous - unlit;
     let help = if ambiguous > 0 {
         "; bring the light nearer, or make the scene larger beside its distances"
     } else {
         ""
     };
-    (counted == 0).then(|| {
-        format!(
-            "no pixel was compared: of {pixels}, {empty} show nothing that receives, {unlit} face away from the light or lie \
-             outside its cone, and at {ambiguous} truth hangs on rounding{help}"
-        )
-    })
+    Some(format!(
+        "no pixel was compared: of {pixels}, {empty} show nothing that receives, {unlit} face away from the light or lie \
+         outside its cone, and at {ambiguous} truth hangs on rounding{help}"
+    ))
 }
 
-/// A scene while its rows are made.
+/// A scene while its settings are played.
 struct SceneRun<'a> {
     name: &'a str,
-    view: View3<'a>,
+    view: SceneView<'a>,
     truth: &'a Truth,
     reference: ReferenceMask<'a>,
     image: TruthImage<'a>,
     options: &'a CompareOptions,
     /// Whether to keep where maps are looked up.
     heat: bool,
+    /// The rows so far. `masks`, `colors` and `lookups` have one entry for each.
     rows: Vec<CompareRow>,
     masks: Vec<Option<Vec<f32>>>,
     controls: Vec<super::Control>,
+    /// The scene for color pictures; none without them.
     stage: Option<color::Stage>,
     colors: Vec<Option<Vec<u8>>>,
     lookups: Vec<Option<Arc<Heat>>>,
+    /// Footprints measured so far.
     looked_up: Vec<LookedUp>,
-    /// One entry a backend.
+    /// What each backend sees; none before its first rendering.
     seen: Vec<Option<SeenByBackend>>,
 }
 
-/// A footprint that is known: most settings differ in their bias alone, and their maps are used alike.
+/// A footprint that has been measured. Most settings differ only in their bias: their maps are used alike, so that one
+/// measurement serves all.
 struct LookedUp {
-    /// Where each cast lies, its image's size and layers.
-    maps: Vec<(LightSpace, UVec2, u32)>,
+    maps: Vec<CastMap>,
+    /// How far the kernel reaches, texels.
     reach: f32,
-    found: (MapUse, Option<Arc<Heat>>),
+    map_use: MapUse,
+    heat: Option<Arc<Heat>>,
+}
+
+/// The map that a cast draws.
+#[derive(PartialEq)]
+struct CastMap {
+    space: LightSpace,
+    /// Size of the image, texels.
+    size: UVec2,
+    layers: u32,
+}
+
+/// What the CPU renders for a setting, and how far its mask is from truth.
+struct OfCpu {
+    shadows: Shadows,
+    accuracy: Accuracy,
+}
+
+/// How far a mask is from truth, and why; none where no pixel counts.
+#[derive(Clone, Copy)]
+struct Accuracy {
+    errors: Option<Errors>,
+    causes: Option<Causes>,
 }
 
 impl SceneRun<'_> {
-    /// One setting on all backends: the recipe is planned once, so that all play the same.
+    /// Plays one setting on all backends. The recipe is made once, so that all play the same.
     fn setting(
         &mut self,
         setting: &NamedSetting,
@@ -219,8 +267,8 @@ impl SceneRun<'_> {
         on_event: &OnEvent<'_>,
     ) -> Result<(), LabError> {
         let technique = &*setting.technique;
-        let recipe = match technique.recipe(&self.view.core().with_receivers(&self.truth.receivers))
-        {
+        let view = self.view.core().with_receivers(&self.truth.receivers);
+        let recipe = match technique.recipe(&view) {
             Ok(recipe) => Ok(recipe),
             Err(RecipeError::Unsupported(reason)) => Err(reason),
             Err(e) => return Err(e.into()),
@@ -228,10 +276,10 @@ impl SceneRun<'_> {
         let mut of_cpu = None;
         for i in 0..backends.playing.len() {
             let backend = backends.playing[i].kind();
-            let (technique, settings) = (technique.name(), &*technique.settings());
+            let settings = technique.settings();
             on_event(CompareEvent::Row {
-                technique,
-                settings,
+                technique: technique.name(),
+                settings: &settings,
                 backend,
                 index: self.rows.len(),
             });
@@ -239,9 +287,8 @@ impl SceneRun<'_> {
                 Ok(recipe) => self.play(setting, recipe, i, &mut of_cpu, backends)?,
                 Err(reason) => self.unsupported(reason),
             };
-            let (technique, settings) = (technique.to_owned(), settings.to_owned());
             self.rows.push(CompareRow {
-                technique,
+                technique: technique.name().to_owned(),
                 settings,
                 slug: setting.slug.clone(),
                 backend: backend.to_owned(),
@@ -249,101 +296,79 @@ impl SceneRun<'_> {
             });
         }
         self.colors.resize(self.rows.len(), None);
-        if let Ok(recipe) = &recipe {
-            self.look_at_maps(technique, recipe, backends.playing.len());
-        }
         self.lookups.resize(self.rows.len(), None);
-        if recipe.is_ok() {
-            self.shade(technique, backends)
-        } else {
-            Ok(())
+        if let Ok(recipe) = &recipe {
+            self.add_map_use(technique, recipe, backends.playing.len());
+            self.shade(technique, backends)?;
         }
+        Ok(())
     }
 
-    /// How the last setting's maps are used, of its `rows` rows that were measured: once, since all backends play the same.
-    fn look_at_maps(&mut self, technique: &dyn ShadowTechnique, recipe: &Recipe, rows: usize) {
-        let first = self.rows.len() - rows;
-        if self.rows[first..]
+    /// Adds how the maps of the last setting are used to those of its `count` rows that were measured. It is measured once,
+    /// since all backends play the same.
+    fn add_map_use(&mut self, technique: &dyn ShadowTechnique, recipe: &Recipe, count: usize) {
+        let first = self.rows.len() - count;
+        let is_any_measured = self.rows[first..]
             .iter()
-            .all(|row| row.measured().is_none())
-        {
+            .any(|row| row.measured().is_some());
+        if !is_any_measured {
             return;
         }
-        let Some((total, heat)) = self.map_use(technique, recipe) else {
+        let Some((map_use, heat)) = self.map_use(technique, recipe) else {
             return;
         };
-        for row in &mut self.rows[first..] {
-            let RowOutcome::Measured(measured) = &mut row.outcome else {
-                self.lookups.push(None);
-                continue;
-            };
-            measured.maps = Some(total);
-            self.lookups.push(heat.clone());
+        for i in first..self.rows.len() {
+            if let RowOutcome::Measured(measured) = &mut self.rows[i].outcome {
+                measured.maps = Some(map_use);
+                self.lookups[i] = heat.clone();
+            }
         }
     }
 
-    /// The use of a recipe's maps, and where they are looked up; none without maps.
+    /// Returns the use of a recipe's maps and, with `heat`, where they are looked up; none without maps.
     fn map_use(
         &mut self,
         technique: &dyn ShadowTechnique,
         recipe: &Recipe,
     ) -> Option<(MapUse, Option<Arc<Heat>>)> {
-        let (reach, receivers) = (technique.kernel_reach()?, &self.truth.receivers);
-        let nearest = recipe
+        let reach = technique.kernel_reach()?;
+        let receivers = &self.truth.receivers;
+        let maps: Vec<CastMap> = recipe
             .casts
             .iter()
-            .filter(|cast| cast.mode == CastMode::Depth);
-        let map = |cast: &Cast| {
-            (
-                cast.space,
-                recipe.images[cast.image].size,
-                recipe.images[cast.image].layers,
-            )
-        };
-        let maps: Vec<_> = nearest.map(map).collect();
-        // A kernel that says each receiver's reach may differ from others though all else is the same.
-        let says = |i| {
-            recipe
-                .receive
-                .kernel
-                .reach(receivers.position(i), receivers.normal(i))
-                .is_some()
-        };
-        let varies = receivers
-            .receives
-            .iter()
-            .position(|receives| *receives)
-            .is_some_and(says);
-        let known = self
-            .looked_up
-            .iter()
-            .find(|known| !varies && known.maps == maps && known.reach == reach);
-        if let Some(known) = known {
-            return Some(known.found.clone());
+            .filter(|cast| cast.mode == CastMode::Depth)
+            .map(|cast| cast_map(cast, recipe))
+            .collect();
+        // Where the kernel's reach differs from receiver to receiver, `reach` doesn't tell kernels apart.
+        let varies = reach_varies(recipe, receivers);
+        if !varies {
+            let known = self
+                .looked_up
+                .iter()
+                .find(|known| known.maps == maps && known.reach == reach);
+            if let Some(known) = known {
+                return Some((known.map_use, known.heat.clone()));
+            }
         }
-        let footprint = footprint::measure(
-            &self.view.core().with_receivers(receivers),
-            recipe,
-            receivers,
-            reach,
-        );
+        let view = self.view.core().with_receivers(receivers);
+        let footprint = footprint::measure(&view, recipe, receivers, reach);
         let heat = if self.heat {
-            footprint.heat(HEAT_SIDE)
+            footprint.heat(HEAT_SIDE).map(Arc::new)
         } else {
             None
         };
-        let found = (footprint.total, heat.map(Arc::new));
         if !varies {
             self.looked_up.push(LookedUp {
                 maps,
                 reach,
-                found: found.clone(),
+                map_use: footprint.total,
+                heat: heat.clone(),
             });
         }
-        Some(found)
+        Some((footprint.total, heat))
     }
 
-    /// Colour pictures of the last setting's measured rows, compared with the first backend's.
+    /// Renders color pictures of the last setting's measured rows and compares them with the first backend's.
     fn shade(
         &mut self,
         technique: &dyn ShadowTechnique,
@@ -374,6 +399,7 @@ impl SceneRun<'_> {
         Ok(())
     }
 
+    /// Returns the outcome of a row without figures; it has no mask either.
     fn unsupported(&mut self, reason: &str) -> RowOutcome {
         self.masks.push(None);
         RowOutcome::Unsupported {
@@ -381,7 +407,7 @@ impl SceneRun<'_> {
         }
     }
 
-    /// One recipe on one backend.
+    /// Plays and measures one recipe on one backend.
     fn play(
         &mut self,
         setting: &NamedSetting,
@@ -392,71 +418,45 @@ impl SceneRun<'_> {
     ) -> Result<RowOutcome, LabError> {
         let view = self.view.core();
         let player = &mut *backends.playing[backend];
+        let kind = player.kind();
+        let snapping = player.snapping();
         let work = Work::of(&view.with_receivers(&self.truth.receivers), recipe);
-        let cost_ms = CostModel::of(player.kind()).milliseconds(&work);
+        let cost_ms = CostModel::of(kind).milliseconds(&work);
         let runs = self.options.runs.as_ref();
         let (shadows, times) = match measure(player, &view, recipe, runs, cost_ms) {
             Ok(measured) => measured,
-            // What a backend can't hold is told in the report; other backends may still play it.
+            // The report says what is too large for a backend; other backends may still play it.
             Err(BackendError::Invalid(e)) => return Ok(self.unsupported(&e.to_string())),
             Err(e) => return Err(e.into()),
         };
         if times.is_some() && shadows.timings.receive.is_none() {
             return Ok(self.unsupported("this adapter cannot time its passes"));
         }
-        if !self.seen[backend]
-            .as_ref()
-            .is_some_and(|seen| seen.holds(&shadows))
-        {
-            self.seen[backend] = Some(SeenByBackend::new(
-                self.name,
-                &self.view,
-                self.truth,
-                &self.options.truth,
-                player,
-                &shadows,
-            )?);
-        }
+        self.update_seen(backend, player, &shadows)?;
+        self.add_control(player, &*setting.technique, recipe, &shadows)?;
         let pixels = self.seen[backend]
             .as_ref()
             .and_then(|seen| seen.pixels.as_deref());
-        let snapping = player.snapping();
-        let kind = player.kind();
-        let technique = setting.technique.name();
-        if self
-            .controls
-            .iter()
-            .all(|c| c.backend != kind || c.technique != technique)
-        {
-            self.controls.extend(control::run(
-                player,
-                &*setting.technique,
-                &self.view,
-                self.truth,
-                recipe,
-                &shadows,
-            )?);
-        }
-        let (errors, causes) = self.errors(of_cpu.as_ref(), &shadows, pixels)?;
+        let accuracy = self.accuracy(of_cpu.as_ref(), &shadows, pixels)?;
         let agreement = match &of_cpu {
             None => None,
-            Some((cpu, ..)) => {
-                let agreed = agree(&view, recipe, cpu, &shadows, snapping)?;
-                let of_cpu = self.rmse(&cpu.mask, pixels)?;
+            Some(cpu) => {
+                let agreed = agree(&view, recipe, &cpu.shadows, &shadows, snapping)?;
+                let rmse_of_cpu = self.rmse(&cpu.shadows.mask, pixels)?;
                 Some(Agreement {
-                    excess: errors.map_or(0.0, |e| e.rmse - of_cpu),
+                    excess: accuracy.errors.map_or(0.0, |e| e.rmse - rmse_of_cpu),
                     ..agreed
                 })
             }
         };
         self.masks.push(Some(shadows.mask.clone()));
         let bytes = shadows.bytes;
-        if backends.playing[backend].kind() == "cpu" {
-            *of_cpu = Some((shadows, errors, causes));
+        if kind == "cpu" {
+            *of_cpu = Some(OfCpu { shadows, accuracy });
         }
         let measured = Measured {
-            errors,
-            causes,
+            errors: accuracy.errors,
+            causes: accuracy.causes,
             times,
             work,
             cost_ms,
@@ -468,7 +468,50 @@ impl SceneRun<'_> {
         Ok(RowOutcome::Measured(Box::new(measured)))
     }
 
-    /// A mask's RMSE where these pixels count, or those that truth says.
+    /// Finds out which pixels count on a backend, unless this rendering shows the same triangles as the one before.
+    fn update_seen(
+        &mut self,
+        backend: usize,
+        player: &dyn Backend,
+        shadows: &Shadows,
+    ) -> Result<(), LabError> {
+        let is_known = self.seen[backend]
+            .as_ref()
+            .is_some_and(|seen| seen.holds(shadows));
+        if !is_known {
+            self.seen[backend] = Some(SeenByBackend::new(
+                self.name,
+                &self.view,
+                self.truth,
+                &self.options.truth,
+                player,
+                shadows,
+            )?);
+        }
+        Ok(())
+    }
+
+    /// Plays the negative control of a technique on a backend with the first of its settings that is measured there.
+    fn add_control(
+        &mut self,
+        player: &mut dyn Backend,
+        technique: &dyn ShadowTechnique,
+        recipe: &Recipe,
+        shadows: &Shadows,
+    ) -> Result<(), LabError> {
+        let kind = player.kind();
+        let has_control = self
+            .controls
+            .iter()
+            .any(|c| c.backend == kind && c.technique == technique.name());
+        if !has_control {
+            let control = control::run(player, technique, &self.view, self.truth, recipe, shadows)?;
+            self.controls.extend(control);
+        }
+        Ok(())
+    }
+
+    /// Returns a mask's RMSE over the pixels that count: by `pixels`, or by truth without them.
     fn rmse(&self, mask: &[f32], pixels: Option<&[Pixel]>) -> Result<f64, Invalid> {
         Ok(match pixels {
             None => self.reference.errors(mask)?.rmse,
@@ -476,38 +519,56 @@ impl SceneRun<'_> {
         })
     }
 
-    /// Against truth where these pixels count, or those that truth says, and what it comes from; none if no pixel counts. A mask
-    /// that equals the CPU's has its errors.
-    fn errors(
+    /// Compares a mask with truth over the pixels that count: by `pixels`, or by truth without them.
+    fn accuracy(
         &self,
         of_cpu: Option<&OfCpu>,
         shadows: &Shadows,
         pixels: Option<&[Pixel]>,
-    ) -> Result<(Option<Errors>, Option<Causes>), Invalid> {
+    ) -> Result<Accuracy, Invalid> {
         let mask = &shadows.mask;
-        let (errors, causes) = match (of_cpu, pixels) {
-            (Some((cpu, errors, causes)), None) if cpu.mask == *mask => {
-                return Ok((*errors, *causes));
-            }
-            (_, None) => (
-                self.reference.errors(mask)?,
-                Causes::measure(mask, &self.image)?,
-            ),
-            (_, Some(pixels)) => {
-                let image = self.image.with_pixels(pixels)?;
-                (
-                    self.reference.with_pixels(pixels)?.errors(mask)?,
-                    Causes::measure(mask, &image)?,
-                )
-            }
-        };
-        Ok(if errors.counted > 0 {
-            (Some(errors), Some(causes))
+        // A mask that equals the CPU's has its errors, if the same pixels count.
+        if let Some(cpu) = of_cpu
+            && pixels.is_none()
+            && cpu.shadows.mask == *mask
+        {
+            return Ok(cpu.accuracy);
+        }
+        let errors;
+        let causes;
+        if let Some(pixels) = pixels {
+            let image = self.image.with_pixels(pixels)?;
+            errors = self.reference.with_pixels(pixels)?.errors(mask)?;
+            causes = Causes::measure(mask, &image)?;
         } else {
-            (None, None)
+            errors = self.reference.errors(mask)?;
+            causes = Causes::measure(mask, &self.image)?;
+        }
+        let any_counts = errors.counted > 0;
+        Ok(Accuracy {
+            errors: any_counts.then_some(errors),
+            causes: any_counts.then_some(causes),
         })
     }
 }
 
-/// What the CPU made of a setting, and how far it is from truth.
-type OfCpu = (Shadows, Option<Errors>, Option<Causes>);
+fn cast_map(cast: &Cast, recipe: &Recipe) -> CastMap {
+    let image = &recipe.images[cast.image];
+    CastMap {
+        space: cast.space,
+        size: image.size,
+        layers: image.layers,
+    }
+}
+
+/// Whether the kernel's reach differs from receiver to receiver
+/// ([`ReceiveKernel::reach`](umbrage_core::ReceiveKernel::reach)); the first receiver is asked.
+fn reach_varies(recipe: &Recipe, receivers: &Receivers) -> bool {
+    let Some(first) = receivers.receives.iter().position(|receives| *receives) else {
+        return false;
+    };
+    let kernel = &recipe.receive.kernel;
+    kernel
+        .reach(receivers.position(first), receivers.normal(first))
+        .is_some()
+}

@@ -1,55 +1,57 @@
-//! Which triangles a backend sees, and where truth saw others.
+//! Compares the triangles that a backend sees with those that truth was traced for.
 
-use super::scene::View3;
+use super::scene::SceneView;
 use crate::LabError;
-use umbrage_core::{Backend, Camera, Geometry, Receivers, Shadows, Snapping, metrics::Pixel};
+use umbrage_core::{Backend, Receivers, Shadows, Snapping, metrics::Pixel};
 use umbrage_cpu::{Cpu, CpuOptions};
 use umbrage_plan::truth::{Truth, TruthOptions, ambiguous_on};
 
 /// What a backend sees of a scene.
 #[derive(Debug)]
 pub(super) struct SeenByBackend {
+    /// The triangle at each pixel.
     triangle: Vec<u32>,
-    /// What counts: truth's classes but for pixels at which the backend sees another triangle, and those that its grid of
-    /// sub-pixels makes ambiguous; none if there are neither.
+    /// Which pixels count: truth's classes, except at pixels where the backend sees another triangle or which its grid of
+    /// sub-pixels makes ambiguous; none if there are no such pixels, and truth's classes hold.
     pub(super) pixels: Option<Vec<Pixel>>,
 }
 
-/// Rounding of another kind than nearest moves edges by half a step more: where triangles are as small as pixels, this share
-/// of the pixels may show a neighbour ...
+/// The share of the pixels that may show another triangle than expected. Devices that don't round vertices to nearest move
+/// edges by half a step more: where triangles are as small as pixels, many pixels show a neighbor.
 const MAX_OTHER_IDS: f64 = 0.05;
-/// ... but on outlines alone may it lie elsewhere.
+/// The share of the pixels that may show another surface, at another distance: only pixels on outlines do.
 const MAX_OTHER_SURFACES: f64 = 0.001;
+/// Surfaces are the same if their distances from the eye differ by less than this share.
+const MAX_DISTANCE_DIFFERENCE: f32 = 0.01;
 
 impl SeenByBackend {
-    /// Looks at what a backend saw. It may be other triangles than truth's, but only those that the rounding of its device's
-    /// vertices explains: the CPU must see them, too, when it rounds so.
+    /// Checks what a backend saw. It may have seen other triangles than truth, but only where the rounding of its device's
+    /// vertices explains them: the CPU must see them, too, when it rounds the same way.
     pub(super) fn new(
         scene: &str,
-        view: &View3<'_>,
+        view: &SceneView<'_>,
         truth: &Truth,
         options: &TruthOptions,
         backend: &dyn Backend,
         shadows: &Shadows,
     ) -> Result<Self, LabError> {
-        let fault = |what: String| LabError::NotComparable {
-            scene: scene.to_owned(),
-            what,
-        };
         let kind = backend.kind();
         if view.geometry.fingerprint() != truth.fingerprint {
-            return Err(fault("truth was traced with other triangles".to_owned()));
+            return Err(not_comparable(
+                scene,
+                "truth was traced with other triangles",
+            ));
         }
         let Some(seen) = &shadows.receivers else {
-            return Err(fault(format!(
-                "backend {kind} doesn't tell which receivers it saw"
-            )));
+            let what = format!("backend {kind} doesn't tell which receivers it saw");
+            return Err(not_comparable(scene, what));
         };
         if seen.size != truth.size {
-            return Err(fault(format!(
+            let what = format!(
                 "backend {kind} sees an image of {}, truth one of {}",
                 seen.size, truth.size
-            )));
+            );
+            return Err(not_comparable(scene, what));
         }
         let rounded;
         let expected = if backend.snapping() == Snapping::default() {
@@ -59,20 +61,26 @@ impl SeenByBackend {
             rounded = Cpu::with_options(&options)?.receivers(view.camera, view.geometry)?;
             &rounded
         };
-        let ([ids, surfaces], of) = (different(expected, seen), truth.pixels.len());
-        if ids as f64 > MAX_OTHER_IDS * of as f64
-            || surfaces as f64 > MAX_OTHER_SURFACES * of as f64
-        {
+        let Differences { ids, surfaces } = differences(expected, seen);
+        let of = truth.pixels.len();
+        let has_other_ids = ids as f64 > MAX_OTHER_IDS * of as f64;
+        let has_other_surfaces = surfaces as f64 > MAX_OTHER_SURFACES * of as f64;
+        if has_other_ids || has_other_surfaces {
             let rule = backend.snapping();
             let what = format!(
                 "truth and backend {kind} see other triangles at {ids} of {of} pixels, {surfaces} far off, even with {rule}"
             );
-            return Err(fault(what));
+            return Err(not_comparable(scene, what));
         }
-        let view = (view.camera, view.light, view.geometry);
-        let find =
-            &mut |camera: &Camera, geometry: &Geometry| Cpu::new().receivers(camera, geometry);
-        let ambiguous = ambiguous_on(backend.snapping().step(), view, truth, options, find)?;
+        let ambiguous = ambiguous_on(
+            backend.snapping().step(),
+            view.camera,
+            view.light,
+            view.geometry,
+            truth,
+            options,
+            &mut |camera, geometry| Cpu::new().receivers(camera, geometry),
+        )?;
         Ok(Self {
             triangle: seen.triangle.clone(),
             pixels: classes(truth, seen, ambiguous.as_deref()),
@@ -88,22 +96,51 @@ impl SeenByBackend {
     }
 }
 
-/// Truth's classes of pixels, but for those at which other triangles are seen and these ambiguous ones; none if there are none.
-fn classes(truth: &Truth, seen: &Receivers, ambiguous: Option<&[bool]>) -> Option<Vec<Pixel>> {
-    let same = |i: usize| truth.receivers.triangle[i] == seen.triangle[i];
-    let class = |i: usize| match truth.pixels[i] {
-        Pixel::Empty => Pixel::Empty,
-        _ if !same(i) => Pixel::Elsewhere,
-        Pixel::Counted if ambiguous.is_some_and(|ambiguous| ambiguous[i]) => Pixel::Ambiguous,
-        class => class,
-    };
-    let of = truth.pixels.len();
-    (ambiguous.is_some() || !(0..of).all(same)).then(|| (0..of).map(class).collect())
+fn not_comparable(scene: &str, what: impl Into<String>) -> LabError {
+    LabError::NotComparable {
+        scene: scene.to_owned(),
+        what: what.into(),
+    }
 }
 
-/// At how many pixels the triangles differ, and at how many their distances do by over a hundredth, too.
-fn different(a: &Receivers, b: &Receivers) -> [usize; 2] {
-    let ids = (0..a.len()).filter(|&i| a.triangle[i] != b.triangle[i]);
-    let far = |i: &usize| (a.distance[*i] - b.distance[*i]).abs() > 0.01 * a.distance[*i];
-    [ids.clone().count(), ids.filter(far).count()]
+/// Returns truth's classes of pixels, changed where other triangles are seen and where `ambiguous` says so. None if both are
+/// missing.
+fn classes(truth: &Truth, seen: &Receivers, ambiguous: Option<&[bool]>) -> Option<Vec<Pixel>> {
+    let expected = &truth.receivers;
+    if ambiguous.is_none() && expected.triangle == seen.triangle {
+        return None;
+    }
+    let mut out = Vec::with_capacity(truth.pixels.len());
+    for (i, &class) in truth.pixels.iter().enumerate() {
+        let is_ambiguous = ambiguous.is_some_and(|ambiguous| ambiguous[i]);
+        out.push(match class {
+            Pixel::Empty => Pixel::Empty,
+            _ if expected.triangle[i] != seen.triangle[i] => Pixel::Elsewhere,
+            Pixel::Counted if is_ambiguous => Pixel::Ambiguous,
+            class => class,
+        });
+    }
+    Some(out)
+}
+
+/// At how many pixels two images of the same view differ.
+struct Differences {
+    /// Pixels that show different triangles.
+    ids: usize,
+    /// Those of them whose distances differ, too: the triangles are not neighbors on one surface.
+    surfaces: usize,
+}
+
+fn differences(a: &Receivers, b: &Receivers) -> Differences {
+    let mut out = Differences {
+        ids: 0,
+        surfaces: 0,
+    };
+    for i in (0..a.len()).filter(|&i| a.triangle[i] != b.triangle[i]) {
+        let difference = (a.distance[i] - b.distance[i]).abs();
+        let is_elsewhere = difference > MAX_DISTANCE_DIFFERENCE * a.distance[i];
+        out.ids += 1;
+        out.surfaces += usize::from(is_elsewhere);
+    }
+    out
 }

@@ -11,32 +11,32 @@ pub(super) struct NamedSetting {
     pub(super) slug: String,
 }
 
-/// Gives every setting a stem: the technique's name, and its settings where there are several; the same again gets a
-/// number.
+/// Gives every setting a stem: the technique's name, with the settings where the technique has several. Where two stems are
+/// the same, later ones get a number.
 pub(super) fn with_slugs(settings: &[Arc<dyn ShadowTechnique>]) -> Vec<NamedSetting> {
     let mut out: Vec<NamedSetting> = Vec::new();
     for technique in settings {
-        let several = settings
-            .iter()
-            .filter(|s| s.name() == technique.name())
-            .count()
-            > 1;
-        let stem = if several {
+        let of_technique = settings.iter().filter(|s| s.name() == technique.name());
+        let stem = if of_technique.count() > 1 {
             format!("{}-{}", technique.name(), technique.settings())
         } else {
             technique.name().into()
         };
-        let stem = slug(&stem);
-        let taken = |s: &str| out.iter().any(|o| o.slug == s);
-        let numbered = (2..).map(|n| format!("{stem}-{n}"));
-        let slug = std::iter::once(stem.clone())
-            .chain(numbered)
-            .find(|s| !taken(s))
-            .unwrap_or(stem);
         out.push(NamedSetting {
             technique: technique.clone(),
-            slug,
+            slug: unused(&slug(&stem), &out),
         });
+    }
+    out
+}
+
+/// Returns the stem, with the first number from 2 on that makes it different from all others if it isn't.
+fn unused(stem: &str, others: &[NamedSetting]) -> String {
+    let mut out = stem.to_owned();
+    let mut number = 2;
+    while others.iter().any(|other| other.slug == out) {
+        out = format!("{stem}-{number}");
+        number += 1;
     }
     out
 }

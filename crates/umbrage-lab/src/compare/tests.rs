@@ -64,7 +64,8 @@ fn rows_tell_errors_times_and_agreement() {
     let scene = &comparison.scenes[0];
     assert_eq!((scene.size, scene.rows.len() % 2), ([96, 64], 0));
     for pair in scene.rows.chunks(2) {
-        let [cpu, other] = [0, 1].map(|i| pair[i].measured().expect("supported"));
+        let cpu = pair[0].measured().expect("supported");
+        let other = pair[1].measured().expect("supported");
         assert_eq!((&*pair[0].backend, &*pair[1].backend), ("cpu", "wgpu"));
         assert_eq!(cpu.errors, other.errors);
         assert!(
@@ -117,29 +118,22 @@ fn rows_tell_how_maps_are_used() {
         fit: Some(umbrage_scenes::TEXTBOOK_FIT),
         ..input("cubes")
     };
-    let (inputs, sink) = ([input.clone()], &mut |_: &SceneResult, _: &SceneImages| {
-        Ok(())
-    });
     let comparison = compare(
-        &inputs,
+        std::slice::from_ref(&input),
         &options,
         &mut with_faulty_backend(|_| ()),
-        sink,
+        &mut |_, _| Ok(()),
         &|_| (),
     )
     .expect("valid");
-    let (camera, geometry) = (
-        options.camera(&input.scene.cameras[0]),
-        Geometry::bake(&input.scene).expect("valid"),
-    );
+    let camera = options.camera(&input.scene.cameras[0]);
+    let geometry = Geometry::bake(&input.scene).expect("valid");
     let receivers = Cpu::new().receivers(&camera, &geometry).expect("valid");
     let view = View::new(&camera, &input.scene.lights[0], &geometry).with_receivers(&receivers);
     let mut spoilt = receivers.clone();
-    spoilt
-        .receives
-        .iter_mut()
-        .step_by(2)
-        .for_each(|receives| *receives = false);
+    for receives in spoilt.receives.iter_mut().step_by(2) {
+        *receives = false;
+    }
     let mut seen = std::collections::HashSet::new();
     let tight = options.settings(Fit::Tight).expect("known");
     for technique in with_fit(&tight, input.fit, &options).expect("known") {
@@ -151,8 +145,8 @@ fn rows_tell_how_maps_are_used() {
             .unwrap_or_else(|| panic!("{}, {settings}: no known reach", technique.name()))
             .2;
         let recipe = technique.recipe(&view).expect("supported");
-        let [right, wrong] = [&receivers, &spoilt]
-            .map(|r| reach.map(|reach| measure(&view, &recipe, r, reach).total));
+        let right = reach.map(|reach| measure(&view, &recipe, &receivers, reach).total);
+        let wrong = reach.map(|reach| measure(&view, &recipe, &spoilt, reach).total);
         let rows: Vec<_> = comparison.scenes[0]
             .rows
             .iter()
@@ -240,7 +234,8 @@ fn rounding(does: Snapping, says: Snapping, spoil: fn(&mut Shadows)) -> Backends
 /// On a coarse grid other pixels are dark, and other triangles are seen, than on the CPU's own: all of that is right, and told.
 #[test]
 fn a_backend_is_compared_by_its_own_rounding() {
-    let (options, coarse) = (quick(&["volumes", "traced", "planar"]), Snapping::COARSEST);
+    let options = quick(&["volumes", "traced", "planar"]);
+    let coarse = Snapping::COARSEST;
     let comparison =
         run("cubes", &options, &mut rounding(coarse, coarse, |_| ())).expect("comparable");
     let rows: Vec<_> = comparison.scenes[0]
@@ -423,7 +418,8 @@ fn unknown_techniques_are_named_and_listed() {
 fn scenes_that_cannot_be_compared_are_refused_before_any_is() {
     let mut long = input("figure");
     long.scene.name = "x".repeat(5000);
-    let (mut cpu, mut seen) = (Backends::of(vec![Box::new(Cpu::new())]), 0);
+    let mut cpu = Backends::of(vec![Box::new(Cpu::new())]);
+    let mut seen = 0;
     let sink = &mut |_: &SceneResult, _: &SceneImages| {
         seen += 1;
         Ok(())
@@ -451,7 +447,8 @@ fn another_size_keeps_the_vertical_field_of_view() {
     assert_eq!(wider.clip_from_view.y_axis, camera.clip_from_view.y_axis);
     // Pixels are square: a pixel's step right is as long as its step down.
     let rays = wider.rays();
-    let (right, down) = (rays.dir_dx.length(), rays.dir_dy.length());
+    let right = rays.dir_dx.length();
+    let down = rays.dir_dy.length();
     assert!((right / down - 1.0).abs() < 1e-4, "{right} {down}");
 }
 
@@ -487,11 +484,12 @@ fn images_come_with_every_row() {
     assert_eq!(seen, 2);
 }
 
-/// What no report writes isn't kept.
+/// Pictures that no report shows are not kept.
 #[test]
 fn only_few_scenes_keep_where_maps_are_looked_up() {
     let kept = |scenes: usize| {
-        let (mut cpu, mut kept) = (Backends::of(vec![Box::new(Cpu::new())]), 0);
+        let mut cpu = Backends::of(vec![Box::new(Cpu::new())]);
+        let mut kept = 0;
         let sink = &mut |r: &SceneResult, images: &SceneImages| {
             assert!(
                 r.rows

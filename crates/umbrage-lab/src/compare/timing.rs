@@ -1,4 +1,4 @@
-//! How long a row takes, in turn with a yardstick.
+//! Times rows in turn with a yardstick.
 
 use super::{
     Backends, CompareOptions, Ranks, RowTimes, Runs, SceneInput, TimingStats, Yardstick,

@@ -34,27 +34,25 @@ pub struct Yardstick {
 const UNIT_MS: f64 = 1.0;
 /// A yardstick's length over its row's.
 const SHARE: f64 = 0.25;
-/// Units of the shortest yardstick, which is still far longer than a clock's step, and of the longest.
-const UNITS: [f64; 2] = [1.0 / 32.0, 64.0];
+/// Units of the shortest yardstick, which is still far longer than a clock's step.
+const MIN_UNITS: f64 = 1.0 / 32.0;
+/// Units of the longest yardstick.
+const MAX_UNITS: f64 = 64.0;
 
 impl Yardstick {
-    /// None where nothing receives: there is no work then.
+    /// Returns the yardstick for a row of this counted cost; none where nothing receives, as there is no work then.
     pub fn new(row: &Recipe, receivers: &Receivers, cost_ms: f64) -> Option<Self> {
         let count = receivers.receives.iter().filter(|&&r| r).count() as u64;
         if count == 0 {
             return None;
         }
-        let wanted = (SHARE * cost_ms / UNIT_MS).clamp(UNITS[0], UNITS[1]);
+        let wanted = (SHARE * cost_ms / UNIT_MS).clamp(MIN_UNITS, MAX_UNITS);
         let links = ((wanted * LINKS as f64 / count as f64).round() as u32).max(1);
-        let tables: Vec<Table> = row
-            .tables
-            .iter()
-            .cloned()
-            .chain([Table {
-                label: "yardstick",
-                rows: table(),
-            }])
-            .collect();
+        let mut tables = row.tables.clone();
+        tables.push(Table {
+            label: "yardstick",
+            rows: table(),
+        });
         let kernel = Arc::new(YardstickKernel {
             uniforms: YardstickUniforms {
                 mask: ROWS - 1,
@@ -83,7 +81,7 @@ impl Yardstick {
     }
 }
 
-/// Words without a pattern, made once.
+/// Returns the table of pseudorandom words, made once.
 fn table() -> Arc<[[u32; 4]]> {
     static TABLE: OnceLock<Arc<[[u32; 4]]>> = OnceLock::new();
     TABLE
@@ -135,7 +133,7 @@ impl ReceiveKernel for YardstickKernel {
 }
 
 impl YardstickKernel {
-    /// What comes out is of no use, but hangs on every link: nothing can be left out.
+    /// Runs the chain. The result is of no use, but depends on every link, so that compilers can't leave any out.
     fn chain(&self, x: u32, y: u32) -> f32 {
         let mut state = x
             .wrapping_mul(0x9e37_79b9)

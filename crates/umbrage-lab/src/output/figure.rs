@@ -1,4 +1,4 @@
-//! Still charts: SVG that opens alone, and PNG, with linear or logarithmic axes, error bars, labels and a legend.
+//! Charts as self-contained SVG and as PNG, with linear or logarithmic axes, error bars, labels and a legend.
 //!
 //! ```
 //! use umbrage_lab::output::figure::{Figure, Marker, Point, Series};
@@ -55,18 +55,18 @@ pub struct Key {
     pub name: String,
     /// Its shape.
     pub marker: Marker,
-    /// Its colour, which no series need have: greys, say.
+    /// Its color as CSS; no series needs to have it.
     pub color: String,
 }
 
-/// Points of one look.
+/// Points that are drawn alike.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
     /// For the legend; empty: not in it.
     pub name: String,
-    /// `#3b82e0`, say.
+    /// As CSS, such as `#3b82e0`.
     pub color: String,
-    /// How points are drawn, unless they are joined.
+    /// How the points are drawn.
     pub style: Style,
     /// The points; those that no axis can show (not finite, or not above 0 on a logarithmic one) are left out.
     pub points: Vec<Point>,
@@ -79,7 +79,7 @@ pub enum Style {
     Points(Marker, f64, f64),
     /// A line through the points, its width in pixels.
     Line(f64),
-    /// The same, dashed.
+    /// A dashed line through the points, its width in pixels.
     Dashed(f64),
 }
 
@@ -148,7 +148,7 @@ pub struct Point {
 }
 
 impl Point {
-    /// Without error bars and text.
+    /// Returns a point without error bars and text.
     pub fn at(x: f64, y: f64) -> Self {
         Self {
             x,
@@ -159,7 +159,7 @@ impl Point {
 }
 
 impl Series {
-    /// Markers of a usual size.
+    /// Returns a series of markers of the usual size.
     pub fn points(
         name: impl Into<String>,
         color: &str,
@@ -174,7 +174,7 @@ impl Series {
         }
     }
 
-    /// A line.
+    /// Returns a series that is a line of the usual width.
     pub fn line(name: impl Into<String>, color: &str, points: Vec<Point>) -> Self {
         Self {
             name: name.into(),
@@ -200,7 +200,7 @@ const INK: &str = "#4a5563";
 const PNG_SCALE: f32 = 2.0;
 
 impl Figure {
-    /// An empty chart with linear axes.
+    /// Returns an empty chart with linear axes.
     pub fn new(title: impl Into<String>, x: impl Into<String>, y: impl Into<String>) -> Self {
         Self {
             title: title.into(),
@@ -231,13 +231,13 @@ impl Figure {
         self
     }
 
-    /// As a picture that is sharp at any size, complete in itself.
+    /// Returns the chart as an SVG that needs no other file.
     pub fn svg(&self) -> String {
         let (plots, layout) = self.plots();
         self.scaled(&kuva::render_to_svg(plots, layout))
     }
 
-    /// As an element within a page whose script makes it interactive. Colours of axes and texts are the page's variables `--ink`,
+    /// Returns the chart as an element for a page whose script makes it interactive. Colours of axes and texts are the page's variables `--ink`,
     /// `--soft` and `--line`. Groups of class `tt` hold a point each, or a line with a name (attribute `data-group`); those of
     /// class `legend-entry` hold an entry of the legend, its name in `data-group`. The ends of the axes are the attributes
     /// `data-xmin`, `data-xmax`, `data-ymin` and `data-ymax` of the root, and their places
@@ -272,10 +272,10 @@ impl Figure {
         )
     }
 
-    /// As a picture of pixels.
+    /// Returns the chart as a PNG.
     ///
     /// # Errors
-    /// When the renderer fails.
+    /// Errors if the renderer fails.
     pub fn png(&self) -> Result<Vec<u8>, LabError> {
         let (plots, layout) = self.plots();
         kuva::render_to_png(plots, layout, PNG_SCALE).map_err(|e| LabError::write("figure", e))
@@ -286,36 +286,22 @@ impl Figure {
         if plots.is_empty() {
             // The renderer needs something to lay its axes out for.
             let corners = vec![Point::at(1.0, 1.0), Point::at(10.0, 10.0)];
-            let unseen = Style::Points(Marker::Circle, 0.1, 1.0);
-            plots.extend(self.plot(&Series {
-                style: unseen,
-                ..Series::points("", "#ffffff", Marker::Circle, corners)
-            }));
+            plots.extend(self.plot(&unseen("", "#ffffff", Marker::Circle, corners)));
         }
-        // A marker too small to see carries the text.
-        let notes = Series {
-            style: Style::Points(Marker::Circle, 0.1, 1.0),
-            ..Series::points("", INK, Marker::Circle, self.notes.clone())
-        };
+        // Texts are the labels of markers that are too small to see.
+        let notes = unseen("", INK, Marker::Circle, self.notes.clone());
         plots.extend(self.plot(&notes));
-        // Drawn where something is anyway, and as small: only the legend shows their shapes.
+        // A key is the legend's entry of a marker that is too small to see, placed where something is drawn anyway.
         let anywhere = self
             .series
             .iter()
             .flat_map(|s| &s.points)
             .find(|p| self.shows(p));
-        for Key {
-            name,
-            marker,
-            color,
-        } in anywhere.iter().flat_map(|_| &self.keys)
-        {
-            let style = Style::Points(*marker, 0.1, 1.0);
-            let places = anywhere.map(|p| Point::at(p.x, p.y)).into_iter().collect();
-            plots.extend(self.plot(&Series {
-                style,
-                ..Series::points(name, color, *marker, places)
-            }));
+        if let Some(point) = anywhere {
+            for key in &self.keys {
+                let place = vec![Point::at(point.x, point.y)];
+                plots.extend(self.plot(&unseen(&key.name, &key.color, key.marker, place)));
+            }
         }
         let mut layout = Layout::auto_from_plots(&plots)
             .with_title(&self.title)
@@ -345,18 +331,21 @@ impl Figure {
         fits(p.x, self.log[0]) && fits(p.y, self.log[1])
     }
 
+    /// Returns the line of a reference; none if its axis can't show it.
     fn reference(&self, reference: &Reference) -> Option<ReferenceLine> {
-        let (line, label, shown) = match reference {
-            Reference::Across(v, label) => {
-                (ReferenceLine::vertical(*v), label, fits(*v, self.log[0]))
+        let (line, label) = match reference {
+            Reference::Across(v, label) if fits(*v, self.log[0]) => {
+                (ReferenceLine::vertical(*v), label)
             }
-            Reference::Up(v, label) => {
-                (ReferenceLine::horizontal(*v), label, fits(*v, self.log[1]))
+            Reference::Up(v, label) if fits(*v, self.log[1]) => {
+                (ReferenceLine::horizontal(*v), label)
             }
+            _ => return None,
         };
-        shown.then(|| line.with_color(REFERENCE).with_label(label.clone()))
+        Some(line.with_color(REFERENCE).with_label(label.clone()))
     }
 
+    /// Returns a series for the renderer; none if no point can be shown.
     fn plot(&self, series: &Series) -> Option<Plot> {
         let points: Vec<&Point> = series.points.iter().filter(|p| self.shows(p)).collect();
         if points.is_empty() {
@@ -395,17 +384,27 @@ impl Figure {
     }
 }
 
+/// Returns a series of markers that are too small to see.
+fn unseen(name: &str, color: &str, marker: Marker, points: Vec<Point>) -> Series {
+    Series {
+        style: Style::Points(marker, 0.1, 1.0),
+        ..Series::points(name, color, marker, points)
+    }
+}
+
 /// Whether an axis can show a value.
 fn fits(v: f64, log: bool) -> bool {
     v.is_finite() && (v > 0.0 || !log)
 }
 
-/// Error bars and texts.
+/// Returns the lengths of an error bar's arms below and above a value; 0 without an error bar.
+fn arms(value: f64, range: Option<[f64; 2]>) -> (f64, f64) {
+    let [from, to] = range.unwrap_or([value; 2]);
+    ((value - from).max(0.0), (to - value).max(0.0))
+}
+
+/// Adds error bars and texts.
 fn annotated(mut scatter: ScatterPlot, points: &[&Point]) -> ScatterPlot {
-    let arms = |at: f64, range: Option<[f64; 2]>| {
-        let [from, to] = range.unwrap_or([at; 2]);
-        ((at - from).max(0.0), (to - at).max(0.0))
-    };
     if points.iter().any(|p| p.x_range.is_some()) {
         scatter = scatter.with_x_err_asymmetric(points.iter().map(|p| arms(p.x, p.x_range)));
     }
@@ -439,17 +438,19 @@ fn without_controls(svg: &str) -> String {
     }
 }
 
-/// The renderer numbers its clips through the whole run of the program; a chart must not tell how many came before it.
+/// Removes the numbers of clip paths. The renderer counts them through the whole run of the program, and a chart must not depend
+/// on how many were drawn before it.
 fn unnumbered(svg: &str) -> String {
-    let mark = "kuva-clip-";
-    let mut parts = svg.split(mark);
-    let first = parts.next().unwrap_or_default().to_owned();
-    parts.fold(first, |out, part| {
-        out + "clip" + part.trim_start_matches(|c: char| c.is_ascii_digit())
-    })
+    let mut parts = svg.split("kuva-clip-");
+    let mut out = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        out += "clip";
+        out += part.trim_start_matches(|c: char| c.is_ascii_digit());
+    }
+    out
 }
 
-/// `0.001`, `0.5`, `20`, `1e6`: as short as it goes.
+/// Formats a number as short as possible: `0.001`, `0.5`, `20`, `1e6`.
 fn plain(v: f64) -> String {
     let decades = v.abs().max(f64::MIN_POSITIVE).log10();
     if v != 0.0 && !(-4.0..5.0).contains(&decades) {

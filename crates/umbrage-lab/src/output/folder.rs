@@ -6,7 +6,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// A folder that files are written into, each through a temporary neighbour that takes its name once it is complete.
+/// A folder into which files are written under temporary names; each takes its own name once it is complete.
 #[derive(Clone, Debug)]
 pub(crate) struct Folder(PathBuf);
 
@@ -34,10 +34,8 @@ impl Folder {
 
     /// Gives a folder inside its name; one that had it before is removed.
     pub(crate) fn finish(&self, name: &str) -> Result<(), LabError> {
-        let (unfinished, path) = (
-            self.0.join(format!(".{name}.unfinished")),
-            self.0.join(name),
-        );
+        let unfinished = self.0.join(format!(".{name}.unfinished"));
+        let path = self.0.join(name);
         remove(&path)?;
         fs::rename(&unfinished, &path).map_err(|source| LabError::Write { path, source })
     }

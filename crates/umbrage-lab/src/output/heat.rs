@@ -5,10 +5,11 @@ use crate::LabError;
 use umbrage_core::glam::{UVec2, Vec3};
 use umbrage_plan::footprint::Heat;
 
-/// Colours of untouched texels, and of touched ones from few lookups to many: dark grey; blue, green, yellow, white.
+/// Texels that no lookup touches: dark gray.
 const UNTOUCHED: Vec3 = Vec3::splat(0.12);
-/// Between maps.
+/// The gaps between maps: light gray.
 const BETWEEN: Vec3 = Vec3::splat(0.6);
+/// Texels from few lookups to many: blue, green, yellow, white.
 const RAMP: [Vec3; 4] = [
     Vec3::new(0.13, 0.25, 0.65),
     Vec3::new(0.1, 0.6, 0.45),
@@ -16,11 +17,11 @@ const RAMP: [Vec3; 4] = [
     Vec3::new(1.0, 1.0, 1.0),
 ];
 
-/// A picture of maps' lookups, as a PNG: texels that none touches are dark grey, the others blue to white by the logarithm
-/// of how many touch them.
+/// Returns a picture of maps' lookups as a PNG: texels that no lookup touches are dark gray, the others blue to white by the
+/// logarithm of how many touch them.
 ///
 /// # Errors
-/// When the encoder fails.
+/// Errors if the encoder fails.
 pub fn heat_map(heat: &Heat) -> Result<Vec<u8>, LabError> {
     let most = heat
         .lookups
@@ -30,25 +31,29 @@ pub fn heat_map(heat: &Heat) -> Result<Vec<u8>, LabError> {
         .max()
         .unwrap_or(0)
         .max(1);
-    let whole = f64::from(most).ln().max(f64::MIN_POSITIVE);
-    let bytes: Vec<u8> = heat.lookups.iter().flat_map(|&n| color(n, whole)).collect();
+    let log_most = f64::from(most).ln().max(f64::MIN_POSITIVE);
+    let bytes: Vec<u8> = heat
+        .lookups
+        .iter()
+        .flat_map(|&n| color(n, log_most))
+        .collect();
     encode_rgb(UVec2::from_array(heat.size), &bytes)
 }
 
-fn color(lookups: u32, whole: f64) -> [u8; 3] {
+fn color(lookups: u32, log_most: f64) -> [u8; 3] {
     let c = match lookups {
         0 => UNTOUCHED,
         Heat::GAP => BETWEEN,
-        n => ramp((f64::from(n).ln() / whole) as f32),
+        n => ramp((f64::from(n).ln() / log_most) as f32),
     };
     c.to_array().map(|v| (v * 255.0).round() as u8)
 }
 
-/// `t` from 0 to 1.
+/// Returns the color at `t`, 0..=1, of [`RAMP`].
 fn ramp(t: f32) -> Vec3 {
-    let at = t.clamp(0.0, 1.0) * (RAMP.len() - 1) as f32;
-    let i = (at as usize).min(RAMP.len() - 2);
-    RAMP[i].lerp(RAMP[i + 1], at - i as f32)
+    let position = t.clamp(0.0, 1.0) * (RAMP.len() - 1) as f32;
+    let i = (position as usize).min(RAMP.len() - 2);
+    RAMP[i].lerp(RAMP[i + 1], position - i as f32)
 }
 
 #[cfg(test)]

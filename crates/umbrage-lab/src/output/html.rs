@@ -1,5 +1,4 @@
-//! What all pages and pictures of markup have in common: one file that opens alone, with its style, its data, its scripts and
-//! its pictures inside.
+//! Self-contained pages: one file with its style, its data, its scripts and its pictures inside.
 
 use base64::{Engine, engine::general_purpose::STANDARD};
 use serde::Serialize;

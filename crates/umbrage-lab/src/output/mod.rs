@@ -1,4 +1,4 @@
-//! What all parts of the lab write with. It knows none of them.
+//! Output that all parts of the lab share: folders, pictures, charts, pages and tables. It depends on none of them.
 
 pub(crate) mod csv;
 pub mod figure;

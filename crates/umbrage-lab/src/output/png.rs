@@ -1,4 +1,4 @@
-//! Masks and errors as pictures: encoded PNG files.
+//! Masks and errors as pictures, encoded as PNG.
 
 use crate::LabError;
 use glam::{UVec2, Vec3};
@@ -15,31 +15,33 @@ pub(crate) const FALSE_LIGHT: Vec3 = Vec3::new(0.93, 0.40, 0.0);
 const AMBIGUOUS: Vec3 = Vec3::new(0.66, 0.25, 0.70);
 /// Pixels that show nothing, or nothing that receives.
 const EMPTY: Vec3 = Vec3::new(0.80, 0.84, 0.89);
+/// Pixels that face away from the light.
+const UNLIT: Vec3 = Vec3::splat(0.70);
 
-/// A mask, white where lit, on a bluish ground where nothing receives.
+/// Returns a mask as a picture: white where lit, bluish where nothing receives.
 ///
 /// # Errors
-/// When the encoder fails.
+/// Errors if the encoder fails.
 pub fn mask(size: UVec2, mask: &[f32], pixels: &[Pixel]) -> Result<Vec<u8>, LabError> {
     encode(size, mask_colors(mask, pixels).into_iter())
 }
 
-/// [`mask`]'s colours.
+/// Returns the colors of [`mask`].
 pub(crate) fn mask_colors(mask: &[f32], pixels: &[Pixel]) -> Vec<Vec3> {
-    let color = |i: usize| {
-        if pixels[i] == Pixel::Empty {
-            EMPTY
-        } else {
-            Vec3::splat(mask[i])
-        }
-    };
-    (0..mask.len()).map(color).collect()
+    let mut colors = Vec::with_capacity(mask.len());
+    for (visibility, pixel) in mask.iter().zip(pixels) {
+        colors.push(match pixel {
+            Pixel::Empty => EMPTY,
+            _ => Vec3::splat(*visibility),
+        });
+    }
+    colors
 }
 
-/// Where a mask is wrong: blue for false shadow, orange for false light, over a faint picture of truth.
+/// Returns a picture of where a mask is wrong: blue for false shadow, orange for false light, over a faint picture of truth.
 ///
 /// # Errors
-/// When the encoder fails.
+/// Errors if the encoder fails.
 pub fn error(
     size: UVec2,
     mask: &[f32],
@@ -49,42 +51,52 @@ pub fn error(
     encode(size, error_colors(mask, truth, pixels).into_iter())
 }
 
-/// [`error`]'s colours.
+/// Returns the colors of [`error`].
 pub(crate) fn error_colors(mask: &[f32], truth: &[f32], pixels: &[Pixel]) -> Vec<Vec3> {
-    let color = |i: usize| {
-        let background = Vec3::splat(0.80 + 0.18 * truth[i]);
-        match pixels[i] {
+    let mut colors = Vec::with_capacity(mask.len());
+    for (i, pixel) in pixels.iter().enumerate() {
+        colors.push(match pixel {
             Pixel::Empty => EMPTY,
-            Pixel::Unlit => Vec3::splat(0.70),
+            Pixel::Unlit => UNLIT,
             Pixel::Ambiguous | Pixel::Elsewhere => AMBIGUOUS,
-            Pixel::Counted => {
-                let difference = mask[i] - truth[i];
-                let hue = if difference < 0.0 {
-                    FALSE_SHADOW
-                } else {
-                    FALSE_LIGHT
-                };
-                // The root makes small errors visible.
-                background.lerp(hue, difference.abs().sqrt())
-            }
-        }
-    };
-    (0..mask.len()).map(color).collect()
+            Pixel::Counted => error_color(mask[i], truth[i]),
+        });
+    }
+    colors
 }
 
-/// What the error comes from: acne blue, gaps orange, leaks yellow, edges black, penumbrae green, over a faint picture of
-/// truth (hues of Okabe and Ito).
+fn error_color(visibility: f32, truth: f32) -> Vec3 {
+    let difference = visibility - truth;
+    let hue = if difference < 0.0 {
+        FALSE_SHADOW
+    } else {
+        FALSE_LIGHT
+    };
+    // The square root makes small errors visible.
+    faint(truth).lerp(hue, difference.abs().sqrt())
+}
+
+/// Returns the gray of truth in pictures of errors: light, so that hues stand out.
+fn faint(truth: f32) -> Vec3 {
+    Vec3::splat(0.80 + 0.18 * truth)
+}
+
+/// Returns a picture of the error's causes: acne blue, gaps orange, leaks yellow, edges black, penumbrae green, over a faint
+/// picture of truth (hues of Okabe and Ito).
 ///
 /// # Errors
-/// When the encoder fails.
+/// Errors if the encoder fails.
 pub fn causes(truth: &Truth, causes: &[Option<Cause>]) -> Result<Vec<u8>, LabError> {
-    let color = |i: usize| match (truth.pixels[i], causes[i]) {
-        (Pixel::Empty, _) => EMPTY,
-        (Pixel::Unlit, _) => Vec3::splat(0.70),
-        (_, None) => Vec3::splat(0.80 + 0.18 * truth.visibility[i]),
-        (_, Some(cause)) => hue(cause),
-    };
-    encode(truth.size, (0..causes.len()).map(color))
+    let mut colors = Vec::with_capacity(causes.len());
+    for (i, cause) in causes.iter().enumerate() {
+        colors.push(match (truth.pixels[i], cause) {
+            (Pixel::Empty, _) => EMPTY,
+            (Pixel::Unlit, _) => UNLIT,
+            (_, None) => faint(truth.visibility[i]),
+            (_, Some(cause)) => hue(*cause),
+        });
+    }
+    encode(truth.size, colors.into_iter())
 }
 
 fn hue(cause: Cause) -> Vec3 {
@@ -97,14 +109,17 @@ fn hue(cause: Cause) -> Vec3 {
     }
 }
 
-/// A PNG of colours, rows from the top.
+/// Encodes colors of components in 0..=1, rows from the top, as a PNG.
 pub(crate) fn encode(size: UVec2, colors: impl Iterator<Item = Vec3>) -> Result<Vec<u8>, LabError> {
-    let byte = |v: f32| (v.clamp(0.0, 1.0) * 255.0).round() as u8;
-    let texels: Vec<u8> = colors.flat_map(|c| c.to_array().map(byte)).collect();
+    let texels: Vec<u8> = colors.flat_map(|c| c.to_array().map(to_byte)).collect();
     encode_rgb(size, &texels)
 }
 
-/// A PNG of three bytes a pixel.
+fn to_byte(component: f32) -> u8 {
+    (component.clamp(0.0, 1.0) * 255.0).round() as u8
+}
+
+/// Encodes three bytes a pixel, rows from the top, as a PNG.
 pub(crate) fn encode_rgb(size: UVec2, texels: &[u8]) -> Result<Vec<u8>, LabError> {
     let mut bytes = Vec::new();
     let encoder = png::PngEncoder::new_with_quality(
@@ -135,7 +150,9 @@ mod tests {
         let picture = image::load_from_memory(&bytes)
             .expect("a picture")
             .to_rgb8();
-        let [shadow, light, right] = [0, 1, 2].map(|x| picture.get_pixel(x, 0).0);
+        let shadow = picture.get_pixel(0, 0).0;
+        let light = picture.get_pixel(1, 0).0;
+        let right = picture.get_pixel(2, 0).0;
         assert!(shadow[2] > 180 && shadow[0] < 20, "{shadow:?}");
         assert!(light[0] > 220 && light[2] < 20, "{light:?}");
         assert!(right[0] == right[2] && right[0] > 240, "{right:?}");

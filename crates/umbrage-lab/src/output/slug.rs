@@ -1,21 +1,14 @@
 //! Names that fit into file names.
 
-/// Letters, digits, dots, underscores and single dashes; never empty, never hidden. Small letters alone, as some file systems
-/// don't tell capital ones apart.
+/// Returns a text as a file name of lowercase letters, digits, dots, underscores and single dashes; never empty, never hidden.
+/// Lowercase only, as some file systems don't tell uppercase apart.
 pub(crate) fn slug(text: &str) -> String {
-    let keep = |c: char| {
-        if c.is_alphanumeric() || c == '.' || c == '_' {
-            c
-        } else {
-            '-'
-        }
-    };
-    let words: String = text.to_lowercase().chars().map(keep).collect();
-    let joined = words
-        .split('-')
-        .filter(|w| !w.is_empty())
-        .collect::<Vec<_>>()
-        .join("-");
+    let lowercase = text.to_lowercase();
+    let words: Vec<&str> = lowercase
+        .split(|c: char| !c.is_alphanumeric() && c != '.' && c != '_')
+        .filter(|word| !word.is_empty())
+        .collect();
+    let joined = words.join("-");
     // Windows drops dots at the end.
     let visible = joined
         .trim_start_matches(['.', '-'])
@@ -25,15 +18,20 @@ pub(crate) fn slug(text: &str) -> String {
     }
     // Windows has devices of these names, whatever comes after a dot.
     let stem = visible.split('.').next().unwrap_or_default();
-    let numbered = ["com", "lpt"].iter().any(|device| {
-        stem.strip_prefix(device)
-            .is_some_and(|rest| rest.len() == 1 && rest.as_bytes()[0].is_ascii_digit())
-    });
-    if numbered || ["con", "prn", "aux", "nul"].contains(&stem) {
+    if is_device(stem) {
         format!("_{visible}")
     } else {
         visible.to_owned()
     }
+}
+
+/// Whether a name is reserved for a device on Windows: CON, PRN, AUX, NUL, COM0 to COM9, LPT0 to LPT9.
+fn is_device(stem: &str) -> bool {
+    let number = stem
+        .strip_prefix("com")
+        .or_else(|| stem.strip_prefix("lpt"));
+    let is_port = number.is_some_and(|rest| rest.len() == 1 && rest.as_bytes()[0].is_ascii_digit());
+    is_port || ["con", "prn", "aux", "nul"].contains(&stem)
 }
 
 #[cfg(test)]

@@ -1,17 +1,18 @@
-//! The curve that proves a bias, as a picture.
+//! Draws the curve of error against bias from which a plan chose its bias.
 
 use crate::output::figure::{Figure, Marker, Point, Series, Style};
 use umbrage_plan::{BiasKind, CurvePoint, Estimate, Plan};
 
-/// The kinds of bias that have amounts, with colours that are told apart in black and white, too.
+/// The kinds of bias that have amounts, each with a color; the colors differ in lightness, too.
 const KINDS: [(BiasKind, &str); 3] = [
     (BiasKind::NormalOffset, "#3b82e0"),
     (BiasKind::Adaptive, "#ea7317"),
     (BiasKind::PolygonOffset, "#5b6472"),
 ];
 
-/// Error against bias for the chosen setting: what is too dark (acne) falls, what is too light (the gap) grows, and the
-/// marked amount leaves the least of both. None for techniques without a bias to find, and where nothing was chosen.
+/// Returns the chart of error against bias for the chosen setting: what is too dark (acne) falls, what is too light (the gap)
+/// grows, and the marked amount has the least error of both. None for techniques without a bias to find, and where nothing was
+/// chosen.
 pub fn curve_figure(plan: &Plan) -> Option<Figure> {
     let chosen = plan.chosen.as_ref().filter(|_| !plan.curve.is_empty())?;
     let title = format!("The best bias of {}: {}", plan.scene, chosen.technique);
@@ -22,36 +23,36 @@ pub fn curve_figure(plan: &Plan) -> Option<Figure> {
     );
     figure.subtitle.clone_from(&chosen.settings);
     for (kind, color) in KINDS {
-        let of = |value: fn(&Estimate) -> f64| points(&plan.curve, |p| p.kind == kind, value);
-        if of(|e| e.error).is_empty() {
+        let of_kind: Vec<&CurvePoint> = plan.curve.iter().filter(|p| p.kind == kind).collect();
+        if of_kind.is_empty() {
             continue;
         }
-        let part = |name: &str, value, style| Series {
-            style,
-            ..Series::line(format!("{}: {name}", kind.name()), color, of(value))
-        };
-        figure
-            .series
-            .push(part("all", |e| e.error, Style::Line(2.5)));
-        figure
-            .series
-            .push(part("acne (too dark)", |e| e.too_dark, Style::Dashed(1.5)));
-        figure
-            .series
-            .push(part("gap (too light)", |e| e.too_light, Style::Line(0.8)));
+        let kind = kind.name();
+        let all = points(&of_kind, |estimate| estimate.error);
+        let too_dark = points(&of_kind, |estimate| estimate.too_dark);
+        let too_light = points(&of_kind, |estimate| estimate.too_light);
+        figure.series.push(Series {
+            style: Style::Line(2.5),
+            ..Series::line(format!("{kind}: all"), color, all)
+        });
+        figure.series.push(Series {
+            style: Style::Dashed(1.5),
+            ..Series::line(format!("{kind}: acne (too dark)"), color, too_dark)
+        });
+        figure.series.push(Series {
+            style: Style::Line(0.8),
+            ..Series::line(format!("{kind}: gap (too light)"), color, too_light)
+        });
     }
-    let best = points(&plan.curve, |p| p.chosen, |e| e.error);
+    let chosen: Vec<&CurvePoint> = plan.curve.iter().filter(|p| p.chosen).collect();
+    let best = points(&chosen, |estimate| estimate.error);
     Some(figure.with(Series::points("chosen", "#c0392b", Marker::Star, best)))
 }
 
-fn points(
-    curve: &[CurvePoint],
-    keep: impl Fn(&CurvePoint) -> bool,
-    value: fn(&Estimate) -> f64,
-) -> Vec<Point> {
+/// Returns points of the curve: the bias across, and one part of the error up.
+fn points(curve: &[&CurvePoint], error: fn(&Estimate) -> f64) -> Vec<Point> {
     curve
         .iter()
-        .filter(|p| keep(p))
-        .map(|p| Point::at(f64::from(p.texels), value(&p.estimate)))
+        .map(|point| Point::at(f64::from(point.texels), error(&point.estimate)))
         .collect()
 }

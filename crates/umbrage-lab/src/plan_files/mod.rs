@@ -1,4 +1,4 @@
-//! A plan on disk: the preset to use, the plan that says why, and the curve that proves its bias.
+//! Writes plans to disk: the preset to use, the plan with its reasons, and the curve from which the bias was chosen.
 
 mod bias_curve;
 mod regret_table;
@@ -30,7 +30,7 @@ pub struct Written {
 /// one lacks are removed.
 ///
 /// # Errors
-/// When a file cannot be written.
+/// Errors if a file cannot be written.
 pub fn write(plan: &Plan, folder: &Path) -> Result<Vec<Written>, LabError> {
     let stem = match plan.light_number {
         1 => slug(&plan.scene),
@@ -38,13 +38,13 @@ pub fn write(plan: &Plan, folder: &Path) -> Result<Vec<Written>, LabError> {
     };
     let into = Folder::create(folder)?;
     let mut written = Vec::new();
-    for (what, ending, text) in texts(plan)? {
-        let name = format!("{stem}{ending}");
-        match text {
+    for file in files(plan)? {
+        let name = format!("{stem}{}", file.ending);
+        match file.text {
             Some(text) => {
                 into.write(&name, text.as_bytes())?;
                 written.push(Written {
-                    what,
+                    what: file.what,
                     path: folder.join(name),
                 });
             }
@@ -54,15 +54,21 @@ pub fn write(plan: &Plan, folder: &Path) -> Result<Vec<Written>, LabError> {
     Ok(written)
 }
 
-/// What a file is, how its name ends, and what it is to hold; none where the plan has no such thing.
-type Text = (&'static str, &'static str, Option<String>);
+/// One of a plan's files.
+struct PlanFile {
+    /// [`Written::what`].
+    what: &'static str,
+    /// How its name ends.
+    ending: &'static str,
+    /// What it holds; none where the plan has no such thing.
+    text: Option<String>,
+}
 
-fn texts(plan: &Plan) -> Result<[Text; 4], LabError> {
-    let preset = plan
-        .chosen
-        .as_ref()
-        .map(|chosen| chosen.preset.to_toml())
-        .transpose()?;
+fn files(plan: &Plan) -> Result<[PlanFile; 4], LabError> {
+    let preset = match &plan.chosen {
+        Some(chosen) => Some(chosen.preset.to_toml()?),
+        None => None,
+    };
     let json = serde_json::to_string_pretty(plan).map_err(|e| LabError::write("plan", e))?;
     let curve = if plan.curve.is_empty() {
         None
@@ -72,10 +78,26 @@ fn texts(plan: &Plan) -> Result<[Text; 4], LabError> {
     };
     let chart = curve_figure(plan).map(|figure| figure.svg());
     Ok([
-        ("preset", ".preset.toml", preset),
-        ("plan", ".plan.json", Some(json)),
-        ("bias curve", ".bias.csv", curve),
-        ("bias chart", ".bias.svg", chart),
+        PlanFile {
+            what: "preset",
+            ending: ".preset.toml",
+            text: preset,
+        },
+        PlanFile {
+            what: "plan",
+            ending: ".plan.json",
+            text: Some(json),
+        },
+        PlanFile {
+            what: "bias curve",
+            ending: ".bias.csv",
+            text: curve,
+        },
+        PlanFile {
+            what: "bias chart",
+            ending: ".bias.svg",
+            text: chart,
+        },
     ])
 }
 
@@ -151,14 +173,11 @@ mod tests {
         let dir = tempfile::tempdir().expect("a temporary folder");
         let plan = plan("../A scene", true);
         let written = write(&plan, &dir.path().join("plans")).expect("writable");
-        let name = |w: &Written| {
-            w.path
-                .file_name()
-                .expect("named")
-                .to_string_lossy()
-                .into_owned()
-        };
-        let names: Vec<String> = written.iter().map(name).collect();
+        let mut names = Vec::new();
+        for file in &written {
+            let name = file.path.file_name().expect("named");
+            names.push(name.to_string_lossy().into_owned());
+        }
         assert_eq!(
             names,
             [

@@ -1,4 +1,4 @@
-//! Plans against sweeps as a table on disk.
+//! Writes the comparison of plans with sweeps as a table.
 
 use crate::{
     LabError,
@@ -73,7 +73,7 @@ impl From<&Regret> for RegretLine {
 /// Writes `regret.csv` into a folder, which is made if need be: one [`RegretLine`] a scene, light and bound. Returns its path.
 ///
 /// # Errors
-/// When it cannot be written.
+/// Errors if it cannot be written.
 pub fn write_regret(all: &[Regret], folder: &Path) -> Result<PathBuf, LabError> {
     let table = csv::of_records(FILE, all.iter().map(RegretLine::from))?;
     Folder::create(folder)?.write(FILE, &table)?;
@@ -95,14 +95,10 @@ mod tests {
             high: 0.5,
             ..Estimate::default()
         };
-        let (preset, settings) = (
-            TechniquePreset::defaults()[0].clone(),
-            "3x3, 512".to_owned(),
-        );
         let chosen = Setting {
-            preset,
+            preset: TechniquePreset::defaults()[0].clone(),
             technique: "pcf".to_owned(),
-            settings,
+            settings: "3x3, 512".to_owned(),
             estimate,
             milliseconds: 1.5,
             bytes: 4,

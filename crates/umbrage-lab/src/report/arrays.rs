@@ -28,31 +28,39 @@ pub(super) fn write(
     images: &SceneImages,
 ) -> Result<(), LabError> {
     let truth = &images.truth;
-    let put = |name: &str, values: &dyn Fn(usize) -> f32| -> Result<(), LabError> {
-        let bytes = npy(truth.size, &masked(&truth.receivers, values))
-            .map_err(|e| LabError::write(name, e))?;
-        folder.write(name, &bytes)
-    };
-    put("truth.npy", &|i| truth.visibility[i])?;
-    put("t.npy", &|i| truth.receivers.distance[i])?;
-    put("ambiguous.npy", &|i| {
-        f32::from(u8::from(truth.ambiguous[i]))
-    })?;
+    let receivers = &truth.receivers;
+    let ambiguous: Vec<f32> = truth
+        .ambiguous
+        .iter()
+        .map(|is_ambiguous| f32::from(u8::from(*is_ambiguous)))
+        .collect();
+    write_array(folder, "truth.npy", receivers, &truth.visibility)?;
+    write_array(folder, "t.npy", receivers, &receivers.distance)?;
+    write_array(folder, "ambiguous.npy", receivers, &ambiguous)?;
     for (row, mask) in result.rows.iter().zip(&images.masks) {
         if let Some(mask) = mask {
-            put(&format!("{}.{}.npy", row.slug, row.backend), &|i| mask[i])?;
+            let name = format!("{}.{}.npy", row.slug, row.backend);
+            write_array(folder, &name, receivers, mask)?;
         }
     }
     Ok(())
 }
 
-fn masked(receivers: &Receivers, value: &dyn Fn(usize) -> f32) -> Vec<f32> {
-    receivers
-        .triangle
-        .iter()
-        .enumerate()
-        .map(|(i, &t)| if t == NO_TRIANGLE { -1.0 } else { value(i) })
-        .collect()
+/// Writes an array of the receivers' size, with -1 where the camera hits nothing.
+fn write_array(
+    folder: &Folder,
+    name: &str,
+    receivers: &Receivers,
+    values: &[f32],
+) -> Result<(), LabError> {
+    let mut array = values.to_vec();
+    for (value, &triangle) in array.iter_mut().zip(&receivers.triangle) {
+        if triangle == NO_TRIANGLE {
+            *value = -1.0;
+        }
+    }
+    let bytes = npy(receivers.size, &array).map_err(|e| LabError::write(name, e))?;
+    folder.write(name, &bytes)
 }
 
 /// Returns a two-dimensional array of little-endian float32 in NumPy's format. `values`: `size.y` rows of `size.x`, row by row.
@@ -80,7 +88,8 @@ pub(super) fn npy(size: UVec2, values: &[f32]) -> io::Result<Vec<u8>> {
 
 /// Returns the header's text: a literal of a Python dictionary, padded with blanks up to the line's end that closes it.
 fn header(size: UVec2) -> String {
-    let [rows, columns] = [size.y, size.x];
+    let rows = size.y;
+    let columns = size.x;
     let dictionary =
         format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({rows}, {columns}), }}");
     let unpadded_bytes = PREFIX_BYTES + dictionary.len() + 1;

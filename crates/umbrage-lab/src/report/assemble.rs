@@ -1,4 +1,4 @@
-//! From scenes on disk to the report of all: the same for one run, for one that was stopped and went on, and for shards.
+//! Writes the report of all scenes from their folders: the same for one run, one that was stopped and continued, and shards.
 
 use super::{
     chart, lines,
@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{
     LabError,
-    compare::{Comparison, CostBasis, Environment, Relative, SCHEMA, TimingStats, relative},
+    compare::{Comparison, CostBasis, Environment, Relative, SCHEMA, relative},
     output::{Folder, csv},
 };
 use std::{
@@ -17,8 +17,9 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Width and height of the page's chart over all scenes, and of a scene's, pixels of the SVG; the page scales them.
+/// Width and height of the page's chart over all scenes, pixels of the SVG; the page scales it.
 const OVERALL_SIZE: [f64; 2] = [1240.0, 560.0];
+/// Width and height of the page's chart of a scene, pixels of the SVG; the page scales it.
 const SCENE_SIZE: [f64; 2] = [1000.0, 480.0];
 
 /// Writes everything but the scenes' own folders, which lie in `path`.
@@ -33,11 +34,10 @@ pub(super) fn write(
         .map_err(|e| LabError::write(path.join("results.json"), e))?;
     let all = relative(&comparison);
     let mut images = ImageStore::default();
-    let pages = scenes
-        .iter()
-        .enumerate()
-        .map(|(i, s)| scene_page(path, i, s, &mut images))
-        .collect::<Vec<_>>();
+    let mut pages = Vec::new();
+    for (index, scene) in scenes.iter().enumerate() {
+        pages.push(scene_page(path, index, scene, &mut images));
+    }
     let scene_count = all.iter().map(|r| r.scenes).max().unwrap_or(0);
     let overall = charts(
         |clock| chart::relative_dots(&all, clock),
@@ -56,7 +56,7 @@ pub(super) fn write(
     for (name, clock) in [("time", CostBasis::Wall), ("cost", CostBasis::Cost)] {
         let dots = chart::relative_dots(&all, clock);
         if dots.is_empty() {
-            // An older run's would not belong to these data.
+            // The chart of an older run would not belong to these data.
             folder.remove(&format!("chart-{name}.svg"))?;
             folder.remove(&format!("chart-{name}.png"))?;
         } else {
@@ -70,7 +70,7 @@ pub(super) fn write(
     Ok((comparison, path.join("index.html")))
 }
 
-/// The scenes together, in their order, with what is common to them.
+/// Joins the scenes, in their order. Each notice is kept once.
 fn comparison(scenes: &[Stored]) -> Comparison {
     let mut notices: Vec<String> = Vec::new();
     for notice in scenes.iter().flat_map(|s| &s.notices) {
@@ -87,52 +87,45 @@ fn comparison(scenes: &[Stored]) -> Comparison {
     }
 }
 
-/// The earliest date; of everything else what was met, joined where it differs.
+/// Joins environments: the earliest date and the fewest threads; of everything else all values, joined where they differ.
 fn common(all: &[&Environment]) -> Environment {
     let Some(first) = all.first() else {
         return Environment::default();
     };
-    let joined = |of: fn(&Environment) -> Option<&str>| {
-        let mut met: Vec<&str> = Vec::new();
-        all.iter().filter_map(|e| of(e)).for_each(|v| {
-            if !met.contains(&v) {
-                met.push(v)
-            }
-        });
-        (!met.is_empty()).then(|| met.join("; "))
-    };
     Environment {
-        version: joined(|e| Some(&e.version)).unwrap_or_default(),
-        commit: joined(|e| e.commit.as_deref()),
+        version: joined(all, |e| Some(&e.version)).unwrap_or_default(),
+        commit: joined(all, |e| e.commit.as_deref()),
         date: all.iter().filter_map(|e| e.date.clone()).min(),
-        cpu: joined(|e| Some(&e.cpu)).unwrap_or_default(),
+        cpu: joined(all, |e| Some(&e.cpu)).unwrap_or_default(),
         threads: all.iter().map(|e| e.threads).min().unwrap_or_default(),
-        system: joined(|e| Some(&e.system)).unwrap_or_default(),
-        adapter: joined(|e| e.adapter.as_deref()),
-        snapping: joined(|e| e.snapping.as_deref()),
+        system: joined(all, |e| Some(&e.system)).unwrap_or_default(),
+        adapter: joined(all, |e| e.adapter.as_deref()),
+        snapping: joined(all, |e| e.snapping.as_deref()),
         backends: first.backends.clone(),
     }
 }
 
-/// A scene's part of the page, its pictures read back from its folder.
+/// Returns the distinct values of a field, separated by semicolons; none if no environment has one.
+fn joined(all: &[&Environment], field: fn(&Environment) -> Option<&str>) -> Option<String> {
+    let mut values: Vec<&str> = Vec::new();
+    for value in all.iter().filter_map(|environment| field(environment)) {
+        if !values.contains(&value) {
+            values.push(value);
+        }
+    }
+    (!values.is_empty()).then(|| values.join("; "))
+}
+
+/// Returns a scene's part of the page, its pictures read back from its folder.
 fn scene_page(path: &Path, index: usize, scene: &Stored, images: &mut ImageStore) -> ScenePage {
     let folder = path.join(scene.name());
     let result = &scene.result;
-    let mut add = |name: String| fs::read(folder.join(name)).ok().map(|png| images.add(&png));
-    let truth = add("truth.png".to_owned());
-    let mut row = |stem: String| {
-        let (mask, error) = (
-            add(format!("{stem}.png"))?,
-            add(format!("{stem}.error.png"))?,
-        );
-        Some(RowPictures {
-            mask,
-            error,
-            color: add(format!("{stem}.color.png")),
-            lookups: add(format!("{stem}.lookups.png")),
-        })
-    };
-    let rows = result.rows.iter().map(|r| row(r.stem())).collect();
+    let truth = add_image(&folder, "truth.png", images);
+    let rows = result
+        .rows
+        .iter()
+        .map(|row| row_pictures(&folder, &row.stem(), images))
+        .collect();
     ScenePage {
         index,
         truth,
@@ -145,6 +138,26 @@ fn scene_page(path: &Path, index: usize, scene: &Stored, images: &mut ImageStore
     }
 }
 
+/// Adds a row's pictures; none if the row has none.
+fn row_pictures(folder: &Path, stem: &str, images: &mut ImageStore) -> Option<RowPictures> {
+    let mask = add_image(folder, &format!("{stem}.png"), images)?;
+    let error = add_image(folder, &format!("{stem}.error.png"), images)?;
+    let color = add_image(folder, &format!("{stem}.color.png"), images);
+    let lookups = add_image(folder, &format!("{stem}.lookups.png"), images);
+    Some(RowPictures {
+        mask,
+        error,
+        color,
+        lookups,
+    })
+}
+
+/// Adds a picture to the page and returns its index there; none if there is no such file.
+fn add_image(folder: &Path, name: &str, images: &mut ImageStore) -> Option<usize> {
+    let png = fs::read(folder.join(name)).ok()?;
+    Some(images.add(&png))
+}
+
 /// Returns the page's charts by each clock for which there are dots.
 fn charts(
     dots: impl Fn(CostBasis) -> Vec<chart::Dot>,
@@ -153,7 +166,10 @@ fn charts(
 ) -> Charts {
     let chart = |clock| {
         let dots = dots(clock);
-        (!dots.is_empty()).then(|| page::Chart::new(dots, &words(clock), size))
+        if dots.is_empty() {
+            return None;
+        }
+        Some(page::Chart::new(dots, &words(clock), size))
     };
     Charts {
         time: chart(CostBasis::Wall),
@@ -174,24 +190,26 @@ const OVERALL_HEADER: [&str; 10] = [
     "scenes",
 ];
 
-/// One line a setting and backend.
+/// Returns the table over all scenes, a line for each setting and backend.
 fn overall_csv(all: &[Relative]) -> Result<Vec<u8>, LabError> {
-    let lines = all.iter().map(|r| {
-        let time = |of: fn(&TimingStats) -> f64| {
-            r.time.as_ref().map_or(String::new(), |t| of(t).to_string())
-        };
-        [
+    let mut lines = Vec::new();
+    for r in all {
+        lines.push([
             r.technique.clone(),
             r.settings.clone(),
             r.backend.clone(),
             r.error.to_string(),
-            time(|t| t.median),
-            time(|t| t.min),
-            time(|t| t.max),
+            or_empty(r.time.map(|t| t.median)),
+            or_empty(r.time.map(|t| t.min)),
+            or_empty(r.time.map(|t| t.max)),
             r.cost.to_string(),
             r.served.to_string(),
             r.scenes.to_string(),
-        ]
-    });
+        ]);
+    }
     csv::of_lines("overall.csv", &OVERALL_HEADER, lines)
+}
+
+fn or_empty(value: Option<f64>) -> String {
+    value.map_or_else(String::new, |value| value.to_string())
 }

@@ -1,4 +1,4 @@
-//! What the charts show: time against error, one chart a scene, and one over all scenes.
+//! The points of the charts of time against error: one chart for each scene, and one over all scenes.
 
 use super::chosen;
 use crate::compare::{
@@ -8,15 +8,16 @@ use crate::compare::{
 use serde::Serialize;
 use umbrage_plan::pareto;
 
-/// Logarithmic axes have no zero: errors below this are drawn here (a fortieth of a step of an 8-bit image)...
+/// The least error that is drawn, a fortieth of a step of an 8-bit image. Smaller ones are drawn here, as logarithmic axes have
+/// no zero.
 const MIN_ERROR: f64 = 1e-4;
-/// ... and times below this, milliseconds: a tenth of a microsecond.
+/// The least time that is drawn, milliseconds: a tenth of a microsecond. Shorter ones are drawn here.
 const MIN_TIME: f64 = 1e-4;
 
 /// A row as a point. The page's script is given what it shows and by what it filters.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct Dot {
-    /// What a click on it leads to: the row's place.
+    /// The row's place, to which a click leads.
     pub(super) place: usize,
     pub(super) technique: String,
     pub(super) backend: String,
@@ -33,33 +34,43 @@ pub(super) struct Dot {
     pub(super) hover: Vec<String>,
 }
 
-/// A scene's rows by one clock; none if they weren't timed by it.
+/// Returns a scene's rows by one clock, without those that weren't timed by it.
 pub(super) fn dots(result: &SceneResult, clock: CostBasis) -> Vec<Dot> {
     let front = chosen::fronts(result, clock);
-    let dot = |(i, row): (usize, &CompareRow)| {
-        let m = row.measured()?;
-        let range = |t: TimingStats| [t.min, t.max].map(|t| t.max(MIN_TIME));
-        Some(Dot {
-            place: i,
-            technique: row.technique.clone(),
-            backend: row.backend.clone(),
-            settings: row.settings.clone(),
-            xy: [
-                m.milliseconds(clock)?.max(MIN_TIME),
-                m.rmse()?.max(MIN_ERROR),
-            ],
-            range: m
-                .times
-                .filter(|_| clock == CostBasis::Wall)
-                .map(|t| range(t.total)),
-            on_front: front.contains(&i),
-            hover: hover(row, m)?,
-        })
-    };
-    result.rows.iter().enumerate().filter_map(dot).collect()
+    let mut out = Vec::new();
+    for (place, row) in result.rows.iter().enumerate() {
+        if let Some(dot) = row_dot(place, row, clock) {
+            let on_front = front.contains(&place);
+            out.push(Dot { on_front, ..dot });
+        }
+    }
+    out
 }
 
-/// All scenes' settings by one clock.
+/// Returns a row as a dot that is on no front; none if it has no time or no error.
+fn row_dot(place: usize, row: &CompareRow, clock: CostBasis) -> Option<Dot> {
+    let measured = row.measured()?;
+    let x = measured.milliseconds(clock)?.max(MIN_TIME);
+    let y = measured.rmse()?.max(MIN_ERROR);
+    let range = match (clock, measured.times) {
+        (CostBasis::Wall, Some(times)) => {
+            Some([times.total.min.max(MIN_TIME), times.total.max.max(MIN_TIME)])
+        }
+        _ => None,
+    };
+    Some(Dot {
+        place,
+        technique: row.technique.clone(),
+        backend: row.backend.clone(),
+        settings: row.settings.clone(),
+        xy: [x, y],
+        range,
+        on_front: false,
+        hover: hover(row, measured)?,
+    })
+}
+
+/// Returns all scenes' settings by one clock.
 pub(super) fn relative_dots(all: &[Relative], clock: CostBasis) -> Vec<Dot> {
     let mut dots: Vec<Dot> = all
         .iter()
@@ -69,23 +80,23 @@ pub(super) fn relative_dots(all: &[Relative], clock: CostBasis) -> Vec<Dot> {
     let mut backends: Vec<String> = dots.iter().map(|d| d.backend.clone()).collect();
     backends.dedup();
     for backend in backends {
-        let of: Vec<usize> = (0..dots.len())
+        let of_backend: Vec<usize> = (0..dots.len())
             .filter(|&i| dots[i].backend == backend)
             .collect();
-        let points: Vec<[f64; 2]> = of.iter().map(|&i| dots[i].xy).collect();
-        pareto::front(&points)
-            .into_iter()
-            .for_each(|k| dots[of[k]].on_front = true);
+        let points: Vec<[f64; 2]> = of_backend.iter().map(|&i| dots[i].xy).collect();
+        for on_front in pareto::front(&points) {
+            dots[of_backend[on_front]].on_front = true;
+        }
     }
     dots
 }
 
 fn relative_dot(place: usize, r: &Relative, clock: CostBasis) -> Option<Dot> {
     let x = r.take(clock)?;
-    let range = r
-        .time
-        .filter(|_| clock == CostBasis::Wall)
-        .map(|t| [t.min, t.max]);
+    let range = match (clock, r.time) {
+        (CostBasis::Wall, Some(time)) => Some([time.min, time.max]),
+        _ => None,
+    };
     Some(Dot {
         place,
         technique: r.technique.clone(),
@@ -103,7 +114,7 @@ fn relative_dot(place: usize, r: &Relative, clock: CostBasis) -> Option<Dot> {
     })
 }
 
-/// Places of the rows on a front.
+/// Returns the places of the rows on a front.
 pub(super) fn front(dots: &[Dot]) -> Vec<usize> {
     dots.iter()
         .filter(|d| d.on_front)
@@ -111,6 +122,7 @@ pub(super) fn front(dots: &[Dot]) -> Vec<usize> {
         .collect()
 }
 
+/// Returns the distinct names of dots, in the order of their first dot.
 pub(super) fn distinct(dots: &[Dot], name: fn(&Dot) -> &String) -> Vec<&str> {
     let mut names: Vec<&str> = Vec::new();
     for dot in dots {

@@ -1,11 +1,11 @@
-//! Which rows get pictures: thousands of them would take longer to write and to open than anyone looks at them.
+//! Chooses the rows that get pictures: pictures of thousands of rows would take too long to write and to open.
 
 use crate::compare::{CompareRow, CostBasis, Measured, SceneResult};
 use std::collections::{BTreeMap, BTreeSet};
 use umbrage_plan::pareto;
 
-/// Rows on a backend's Pareto front of either clock, each technique's row of least error, and rows whose mask differs from
-/// the CPU's.
+/// Returns the rows on a backend's Pareto front of either clock, each technique's row of least error, and the rows whose mask
+/// differs from the CPU's.
 pub(super) fn rows(result: &SceneResult) -> BTreeSet<usize> {
     let mut best: BTreeMap<&str, (f64, usize)> = BTreeMap::new();
     let mut chosen = BTreeSet::new();
@@ -20,37 +20,38 @@ pub(super) fn rows(result: &SceneResult) -> BTreeSet<usize> {
         }
     }
     chosen.extend(best.values().map(|(_, i)| *i));
-    chosen.extend(
-        [CostBasis::Wall, CostBasis::Cost]
-            .map(|clock| fronts(result, clock))
-            .concat(),
-    );
+    chosen.extend(fronts(result, CostBasis::Wall));
+    chosen.extend(fronts(result, CostBasis::Cost));
     chosen
 }
 
-/// Rows on their backend's Pareto front of time against error, backend by backend.
+/// Returns the rows on their backend's Pareto front of time against error, backend by backend.
 pub(super) fn fronts(result: &SceneResult, clock: CostBasis) -> Vec<usize> {
-    let mut backends: BTreeMap<&str, Vec<(usize, [f64; 2])>> = BTreeMap::new();
+    let mut backends: BTreeMap<&str, BackendPoints> = BTreeMap::new();
     for (i, row, m) in measured(result) {
         if let Some(ms) = m.milliseconds(clock) {
-            backends
-                .entry(&row.backend)
-                .or_default()
-                .push((i, [ms, m.rmse().unwrap_or_default()]));
+            let of_backend = backends.entry(&row.backend).or_default();
+            of_backend.rows.push(i);
+            of_backend.points.push([ms, m.rmse().unwrap_or_default()]);
         }
     }
-    let front = |points: &Vec<(usize, [f64; 2])>| {
-        pareto::front(&points.iter().map(|(_, p)| *p).collect::<Vec<_>>())
-            .into_iter()
-            .map(|k| points[k].0)
-            .collect()
-    };
-    backends
-        .values()
-        .flat_map(|points| -> Vec<usize> { front(points) })
-        .collect()
+    let mut out = Vec::new();
+    for of_backend in backends.values() {
+        for k in pareto::front(&of_backend.points) {
+            out.push(of_backend.rows[k]);
+        }
+    }
+    out
 }
 
+/// The rows of one backend: their indices, and for each its time and error.
+#[derive(Default)]
+struct BackendPoints {
+    rows: Vec<usize>,
+    points: Vec<[f64; 2]>,
+}
+
+/// Returns the rows that were measured, each with its index and its figures.
 fn measured(result: &SceneResult) -> impl Iterator<Item = (usize, &CompareRow, &Measured)> {
     result
         .rows

@@ -1,4 +1,4 @@
-//! One report of a comparison's shards: byte for byte what one run would have written of the same figures.
+//! Merges the reports of a comparison's shards into one: byte by byte what a single run would have written of the same figures.
 
 use super::{
     assemble,
@@ -7,7 +7,7 @@ use super::{
 };
 use crate::{LabError, compare::Comparison, output::Folder};
 use std::{
-    fs,
+    fs, io,
     path::{Path, PathBuf},
 };
 use umbrage_core::Invalid;
@@ -17,13 +17,13 @@ use umbrage_core::Invalid;
 /// Of each folder only its last run counts: scenes that an earlier one left there are ignored.
 ///
 /// # Errors
-/// When folders hold no scenes, scenes of different comparisons, one scene twice, figures that were changed, or not all scenes;
-/// or when a file cannot be read or written.
+/// Errors if folders hold no scenes, scenes of different comparisons, one scene twice, figures that were changed, or
+/// not all scenes, or if a file cannot be read or written.
 pub fn merge(folders: &[PathBuf], out: &Path) -> Result<(Comparison, PathBuf), LabError> {
-    let runs = folders
-        .iter()
-        .map(|f| Run::read(f).map(|run| (f.as_path(), run)))
-        .collect::<Result<Vec<_>, _>>()?;
+    let mut runs = Vec::new();
+    for folder in folders {
+        runs.push((folder.as_path(), Run::read(folder)?));
+    }
     let plan = one_plan(&runs)?.clone();
     let mut found = Vec::new();
     for (folder, run) in &runs {
@@ -34,53 +34,45 @@ pub fn merge(folders: &[PathBuf], out: &Path) -> Result<(Comparison, PathBuf), L
     let folder = Folder::create(out)?;
     for (from, scene) in &found {
         let to = folder.unfinished(scene.name())?;
-        for entry in list(from)? {
-            let name = entry
-                .file_name()
-                .unwrap_or_default()
-                .to_string_lossy()
-                .into_owned();
-            to.write(
-                &name,
-                &fs::read(&entry).map_err(|source| LabError::Write {
-                    path: entry.clone(),
-                    source,
-                })?,
-            )?;
+        for path in list(from)? {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            let bytes = fs::read(&path).map_err(|source| LabError::Write {
+                path: path.clone(),
+                source,
+            })?;
+            to.write(&name, &bytes)?;
         }
         folder.finish(scene.name())?;
     }
-    Run {
+    let run = Run {
         places: (0..plan.scenes.len()).collect(),
         plan,
-    }
-    .write(&folder)?;
-    assemble::write(
-        out,
-        &folder,
-        &found
-            .into_iter()
-            .map(|(_, scene)| scene)
-            .collect::<Vec<_>>(),
-    )
+    };
+    run.write(&folder)?;
+    let scenes: Vec<Stored> = found.into_iter().map(|(_, scene)| scene).collect();
+    assemble::write(out, &folder, &scenes)
 }
 
-/// What lies in a folder, in a fixed order.
+/// Returns the paths in a folder, sorted.
 fn list(folder: &Path) -> Result<Vec<PathBuf>, LabError> {
-    let broken = |source| LabError::Write {
-        path: folder.to_owned(),
-        source,
-    };
-    let entries = fs::read_dir(folder).map_err(broken)?;
-    let mut paths = entries
-        .map(|e| e.map(|e| e.path()))
-        .collect::<Result<Vec<_>, _>>()
-        .map_err(broken)?;
+    let mut paths = Vec::new();
+    let entries = fs::read_dir(folder).map_err(|source| unreadable(folder, source))?;
+    for entry in entries {
+        let entry = entry.map_err(|source| unreadable(folder, source))?;
+        paths.push(entry.path());
+    }
     paths.sort();
     Ok(paths)
 }
 
-/// The plan that all runs share.
+fn unreadable(folder: &Path, source: io::Error) -> LabError {
+    LabError::Write {
+        path: folder.to_owned(),
+        source,
+    }
+}
+
+/// Returns the plan that all runs share; errors if they differ.
 fn one_plan<'a>(runs: &'a [(&Path, Run)]) -> Result<&'a ComparisonPlan, Invalid> {
     let Some((first, run)) = runs.first() else {
         return Err(Invalid::new(
@@ -104,7 +96,7 @@ fn one_plan<'a>(runs: &'a [(&Path, Run)]) -> Result<&'a ComparisonPlan, Invalid>
     }
 }
 
-/// All by the same code, each once.
+/// Errors unless all scenes of the plan were found, each once, measured by the same code.
 fn check(plan: &ComparisonPlan, found: &[(PathBuf, Stored)]) -> Result<(), Invalid> {
     for (path, scene) in found {
         let (first_path, first) = &found[0];
@@ -129,11 +121,12 @@ fn check(plan: &ComparisonPlan, found: &[(PathBuf, Stored)]) -> Result<(), Inval
             help,
         ));
     }
-    let there = |place: &usize| found.iter().any(|(_, s)| s.place == *place);
-    let missing: Vec<&str> = (0..plan.scenes.len())
-        .filter(|place| !there(place))
-        .map(|place| plan.scenes[place].as_str())
-        .collect();
+    let mut missing: Vec<&str> = Vec::new();
+    for (place, name) in plan.scenes.iter().enumerate() {
+        if !found.iter().any(|(_, scene)| scene.place == place) {
+            missing.push(name);
+        }
+    }
     if missing.is_empty() {
         return Ok(());
     }

@@ -43,7 +43,7 @@ use std::path::{Path, PathBuf};
 use store::Stored;
 use umbrage_core::Invalid;
 
-/// A report in the making. Give it scenes as they come, then finish it.
+/// A report that is being written: add scenes as they come, then finish it.
 #[derive(Debug)]
 pub struct Report {
     path: PathBuf,
@@ -58,7 +58,7 @@ impl Report {
     /// overwritten.
     ///
     /// # Errors
-    /// When the folder cannot be made or written.
+    /// Errors if the folder cannot be made or written.
     pub fn create(
         path: &Path,
         plan: ComparisonPlan,
@@ -85,28 +85,26 @@ impl Report {
     /// backends and adapter, on the same kind of machine.
     ///
     /// # Errors
-    /// When it has figures that are not whole or were changed since: they are to be measured anew.
+    /// Errors if it has figures that are not whole or were changed since: they are to be measured anew.
     pub fn has(&self, place: usize, environment: &Environment) -> Result<bool, Invalid> {
         let Some(name) = self.run.plan.scenes.get(place) else {
             return Ok(false);
         };
         let path = self.path.join(name);
-        let arrays = !self.arrays || path.join("truth.npy").is_file();
-        let undated = |e: &Environment| Environment {
-            date: None,
-            ..e.clone()
+        let has_arrays = !self.arrays || path.join("truth.npy").is_file();
+        let Some(stored) = Stored::read(&path)? else {
+            return Ok(false);
         };
-        Ok(Stored::read(&path)?.is_some_and(|s| {
-            let known = !s.program.is_empty() && s.program == self.program;
-            let same_run = known && undated(&s.environment) == undated(environment);
-            arrays && same_run && s.place == place && s.plan == self.run.plan
-        }))
+        let is_same_program = !stored.program.is_empty() && stored.program == self.program;
+        let is_same_machine = undated(&stored.environment) == undated(environment);
+        let is_same_scene = stored.place == place && stored.plan == self.run.plan;
+        Ok(has_arrays && is_same_program && is_same_machine && is_same_scene)
     }
 
     /// Writes a scene's figures, its pictures and, if asked for, its arrays.
     ///
     /// # Errors
-    /// When a file cannot be written.
+    /// Errors if a file cannot be written.
     pub fn scene(
         &self,
         place: usize,
@@ -129,52 +127,55 @@ impl Report {
         )?;
         let chosen = chosen::rows(result);
         let all = self.run.plan.scenes.len() <= FEW_SCENES;
-        let pictured = |i: &usize| all || chosen.contains(i) || images.colors[*i].is_some();
         (0..result.rows.len())
             .into_par_iter()
-            .filter(pictured)
+            .filter(|i| all || chosen.contains(i) || images.colors[*i].is_some())
             .try_for_each(|i| row_pictures(&folder, result, images, i))?;
         if all {
             (0..result.rows.len())
                 .into_par_iter()
                 .try_for_each(|i| heat_picture(&folder, result, images, i))?;
         }
-        let (environment, notices) = (environment.clone(), notices.to_vec());
-        let (plan, program, result) = (self.run.plan.clone(), self.program.clone(), result.clone());
-        Stored {
-            plan,
+        let stored = Stored {
+            plan: self.run.plan.clone(),
             place,
-            program,
-            environment,
-            notices,
-            result,
-        }
-        .write(&folder)?;
+            program: self.program.clone(),
+            environment: environment.clone(),
+            notices: notices.to_vec(),
+            result: result.clone(),
+        };
+        stored.write(&folder)?;
         self.folder.finish(name)
     }
 
     /// Writes the page, the charts, the tables and the data. Returns the whole comparison and the page's path.
     ///
     /// # Errors
-    /// When a scene is missing, or a file cannot be written.
+    /// Errors if a scene is missing, or a file cannot be written.
     pub fn finish(self) -> Result<(Comparison, PathBuf), LabError> {
-        let read = |&place: &usize| {
-            let path = self
-                .path
-                .join(self.run.plan.scenes.get(place).map_or("", String::as_str));
-            let gone = || std::io::Error::other("the scene's figures are missing");
-            Stored::read(&path)?.ok_or_else(|| LabError::Write {
-                path: path.join(store::FILE),
-                source: gone(),
-            })
-        };
-        let scenes = self
-            .run
-            .places
-            .iter()
-            .map(read)
-            .collect::<Result<Vec<_>, _>>()?;
+        let mut scenes = Vec::new();
+        for &place in &self.run.places {
+            scenes.push(self.stored(place)?);
+        }
         assemble::write(&self.path, &self.folder, &scenes)
+    }
+
+    /// Reads the figures of a place's scene.
+    fn stored(&self, place: usize) -> Result<Stored, LabError> {
+        let name = self.run.plan.scenes.get(place).map_or("", String::as_str);
+        let path = self.path.join(name);
+        Stored::read(&path)?.ok_or_else(|| LabError::Write {
+            path: path.join(store::FILE),
+            source: std::io::Error::other("the scene's figures are missing"),
+        })
+    }
+}
+
+/// Returns the environment without the date: what must be the same for figures to be taken up again.
+fn undated(environment: &Environment) -> Environment {
+    Environment {
+        date: None,
+        ..environment.clone()
     }
 }
 
@@ -185,7 +186,8 @@ fn row_pictures(
     images: &SceneImages,
     row: usize,
 ) -> Result<(), LabError> {
-    let (truth, Some(mask)) = (&images.truth, &images.masks[row]) else {
+    let truth = &images.truth;
+    let Some(mask) = &images.masks[row] else {
         return Ok(());
     };
     let stem = result.rows[row].stem();
@@ -195,9 +197,10 @@ fn row_pictures(
     )?;
     let error = png::error(truth.size, mask, &truth.visibility, &truth.pixels)?;
     folder.write(&format!("{stem}.error.png"), &error)?;
-    images.colors[row].as_ref().map_or(Ok(()), |png| {
-        folder.write(&format!("{stem}.color.png"), png)
-    })
+    if let Some(png) = &images.colors[row] {
+        folder.write(&format!("{stem}.color.png"), png)?;
+    }
+    Ok(())
 }
 
 /// Writes where a row's maps are looked up, if it has any.

@@ -32,7 +32,7 @@ pub(super) struct ImageStore {
 }
 
 impl ImageStore {
-    /// The number of a PNG, old or new.
+    /// Adds a PNG unless it is there already, and returns its index.
     pub(super) fn add(&mut self, png: &[u8]) -> usize {
         if let Some(&id) = self.ids.get(png) {
             return id;
@@ -44,7 +44,7 @@ impl ImageStore {
     }
 }
 
-/// Numbers of a row's pictures.
+/// Indices of a row's pictures in the [`ImageStore`].
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(super) struct RowPictures {
     pub(super) mask: usize,
@@ -103,7 +103,7 @@ struct Data<'a> {
     legend: [(&'static str, &'static str); 5],
 }
 
-/// The whole page.
+/// Returns the whole page.
 pub(super) fn html(
     comparison: &Comparison,
     pages: &[ScenePage],
@@ -119,14 +119,13 @@ pub(super) fn html(
         images: &images.uris,
         legend: LEGEND,
     };
-    let title = "umbrage: shadows against truth";
-    Page {
-        title,
+    let page = Page {
+        title: "umbrage: shadows against truth",
         style: STYLE,
         body: BODY,
         scripts: &[SCRIPT],
-    }
-    .html(&data)
+    };
+    page.html(&data)
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! What a folder's last run is about. Scenes of other runs may lie beside its own, and are none of its business.
+//! Which scenes a folder's last run measured. Scenes of other runs may lie beside them and are ignored.
 
 use super::store::{self, ComparisonPlan, Stored};
 use crate::{LabError, output::Folder};
@@ -20,7 +20,7 @@ pub(super) struct Run {
     pub(super) places: Vec<usize>,
 }
 
-/// Whether a folder has scenes in it, as those have that versions without a [`FILE`] wrote.
+/// Whether a folder holds scenes. Folders of versions that wrote no [`FILE`] do.
 fn holds_scenes(folder: &Path) -> bool {
     let inside = fs::read_dir(folder).into_iter().flatten().flatten();
     inside
@@ -30,41 +30,40 @@ fn holds_scenes(folder: &Path) -> bool {
 
 impl Run {
     pub(super) fn write(&self, folder: &Folder) -> Result<(), LabError> {
-        folder.write(
-            FILE,
-            &serde_json::to_vec_pretty(self).map_err(|e| LabError::write(FILE, e))?,
-        )
+        let json = serde_json::to_vec_pretty(self).map_err(|e| LabError::write(FILE, e))?;
+        folder.write(FILE, &json)
     }
 
     pub(super) fn read(folder: &Path) -> Result<Self, Invalid> {
-        let refuse = |why: String| {
-            Invalid::new(
-                format!("folder `{}`", folder.display()),
-                why,
-                "give folders that `compare --shard` wrote",
-            )
+        let what = format!("folder `{}`", folder.display());
+        let help = "give folders that `compare --shard` wrote";
+        let bytes = match fs::read(folder.join(FILE)) {
+            Ok(bytes) => bytes,
+            Err(e) if e.kind() == ErrorKind::NotFound && holds_scenes(folder) => {
+                let why = format!("was not written by this version: it has no {FILE}");
+                let help = "measure it again with `compare --shard`";
+                return Err(Invalid::new(what, why, help));
+            }
+            Err(e) => {
+                let why = format!("holds no scenes ({FILE}: {e})");
+                return Err(Invalid::new(what, why, help));
+            }
         };
-        let bytes = fs::read(folder.join(FILE)).map_err(|e| match e.kind() {
-            ErrorKind::NotFound if holds_scenes(folder) => Invalid::new(
-                format!("folder `{}`", folder.display()),
-                format!("was not written by this version: it has no {FILE}"),
-                "measure it again with `compare --shard`",
-            ),
-            _ => refuse(format!("holds no scenes ({FILE}: {e})")),
-        })?;
-        serde_json::from_slice(&bytes).map_err(|e| refuse(format!("has a damaged {FILE}: {e}")))
+        serde_json::from_slice(&bytes)
+            .map_err(|e| Invalid::new(what, format!("has a damaged {FILE}: {e}"), help))
     }
 
-    /// The run's scenes that are there.
+    /// Returns the run's scenes that are there, each with its folder.
     ///
     /// # Errors
-    /// When one of them is damaged.
+    /// Errors if one of them is damaged.
     pub(super) fn scenes(&self, folder: &Path) -> Result<Vec<(PathBuf, Stored)>, Invalid> {
         let mut out = Vec::new();
         for &place in &self.places {
-            let Some(path) = self.plan.scenes.get(place).map(|name| folder.join(name)) else {
+            let Some(name) = self.plan.scenes.get(place) else {
                 continue;
             };
+            let path = folder.join(name);
             let stored = Stored::read(&path)?.filter(|s| s.place == place && s.plan == self.plan);
             out.extend(stored.map(|stored| (path, stored)));
         }

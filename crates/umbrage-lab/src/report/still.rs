@@ -11,7 +11,8 @@ use crate::{
 
 /// Radius of points that the front beats, pixels.
 const FAINT_RADIUS: f64 = 3.5;
-/// What the axes say.
+
+/// A chart's title and the names of its axes.
 pub(super) struct Words<'a> {
     pub(super) title: &'a str,
     pub(super) subtitle: String,
@@ -42,7 +43,7 @@ pub(super) fn of_scene(clock: CostBasis) -> Words<'static> {
     }
 }
 
-/// Words for all scenes.
+/// Returns the words of the chart over all scenes.
 pub(super) fn of_all(scenes: usize, clock: CostBasis) -> Words<'static> {
     let x = match clock {
         CostBasis::Wall => "time, relative to hard shadows from a map of middle size",
@@ -64,7 +65,7 @@ pub(super) fn figure(dots: &[Dot], words: &Words<'_>, medium: Medium) -> Figure 
     let techniques = distinct(dots, |d| &d.technique);
     let styles = styles_of(&techniques);
     let backends = distinct(dots, |d| &d.backend);
-    // What is beaten lies below; one backend's shapes explain the other's.
+    // Points that a front beats are drawn first, so that all others lie above them.
     for (b, backend) in backends.iter().enumerate() {
         for (technique, style) in techniques.iter().zip(&styles) {
             let beaten = points(dots, technique, backend, false, medium);
@@ -86,12 +87,14 @@ pub(super) fn figure(dots: &[Dot], words: &Words<'_>, medium: Medium) -> Figure 
         Medium::Still => SeriesStyle::ink,
         Medium::Page => SeriesStyle::page_ink,
     };
-    let key = |(name, style): (&&str, &SeriesStyle)| Key {
-        name: (*name).to_owned(),
-        marker: style.marker,
-        color: ink(*style).to_owned(),
-    };
-    figure.keys = techniques.iter().zip(&styles).map(key).collect();
+    // The legend explains the shapes, which are the same on all backends.
+    for (technique, style) in techniques.iter().zip(&styles) {
+        figure.keys.push(Key {
+            name: (*technique).to_owned(),
+            marker: style.marker,
+            color: ink(*style).to_owned(),
+        });
+    }
     if medium == Medium::Still {
         figure.notes = notes(dots);
     }
@@ -106,18 +109,21 @@ fn points(
     on_front: bool,
     medium: Medium,
 ) -> Vec<Point> {
-    let wanted =
-        |d: &Dot| d.technique == technique && d.backend == backend && d.on_front == on_front;
-    let of_series = dots.iter().enumerate().filter(|(_, d)| wanted(d));
-    of_series
-        .map(|(place, dot)| match medium {
-            Medium::Still => point(dot),
-            Medium::Page => Point {
-                title: place.to_string(),
-                ..point(dot)
-            },
-        })
-        .collect()
+    let mut out = Vec::new();
+    for (place, dot) in dots.iter().enumerate() {
+        if dot.technique != technique || dot.backend != backend || dot.on_front != on_front {
+            continue;
+        }
+        let title = match medium {
+            Medium::Still => String::new(),
+            Medium::Page => place.to_string(),
+        };
+        out.push(Point {
+            title,
+            ..point(dot)
+        });
+    }
+    out
 }
 
 /// Returns the series of points that a front beats. On white they are paler rather than transparent, since not every viewer
@@ -133,6 +139,7 @@ fn faint(style: SeriesStyle, backend: usize, points: Vec<Point>, medium: Medium)
     }
 }
 
+/// Returns the line through the points of a backend's front, the `b`th backend.
 fn front_line(dots: &[Dot], backend: &str, b: usize) -> Series {
     let mut front: Vec<[f64; 2]> = dots
         .iter()
@@ -147,6 +154,7 @@ fn front_line(dots: &[Dot], backend: &str, b: usize) -> Series {
     }
 }
 
+/// Returns a dot as a point; on fronts with the range of its times.
 fn point(dot: &Dot) -> Point {
     Point {
         x_range: dot.range.filter(|_| dot.on_front),
@@ -154,16 +162,19 @@ fn point(dot: &Dot) -> Point {
     }
 }
 
-/// Names of the points on fronts.
+/// Returns the names of the points on fronts, at their places.
 fn notes(dots: &[Dot]) -> Vec<Point> {
-    let note = |d: &Dot| Point {
-        label: short(d),
-        ..Point::at(d.xy[0], d.xy[1])
-    };
-    dots.iter().filter(|d| d.on_front).map(note).collect()
+    let mut out = Vec::new();
+    for dot in dots.iter().filter(|d| d.on_front) {
+        out.push(Point {
+            label: short(dot),
+            ..Point::at(dot.xy[0], dot.xy[1])
+        });
+    }
+    out
 }
 
-/// A label short enough to stand in a chart: the technique and its first two settings.
+/// Returns a label that is short enough for a chart: the technique and its first two settings.
 fn short(dot: &Dot) -> String {
     let settings: Vec<&str> = dot.settings.split(", ").take(2).collect();
     format!("{} {}", dot.technique, settings.join(", "))

@@ -1,4 +1,4 @@
-//! Scenes on disk: each is a folder that is there whole or not at all, so that a stopped comparison loses nothing.
+//! Scenes on disk: each is a folder that is written whole or not at all, so that a stopped comparison loses nothing.
 
 use crate::output::Folder;
 use crate::{
@@ -18,7 +18,7 @@ use umbrage_core::{Invalid, MAX_NAME_BYTES};
 /// The file that makes a folder a scene's.
 pub(super) const FILE: &str = "scene.json";
 
-/// What a whole comparison is about, all shards together: equal plans make results that belong together.
+/// What a whole comparison compares, all shards together. Results of equal plans belong together.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ComparisonPlan {
     /// [`SCHEMA`].
@@ -67,63 +67,66 @@ impl Stored {
     /// Reads a folder; none if it holds no scene.
     ///
     /// # Errors
-    /// When the figures are not whole, or not as they were written.
+    /// Errors if the figures are not whole, or not as they were written.
     pub(super) fn read(folder: &Path) -> Result<Option<Self>, Invalid> {
         let path = folder.join(FILE);
-        let refuse = |why: String| {
-            let what = format!("`{}`", path.display());
-            Invalid::new(
-                what,
-                why,
-                "measure the scene again: run the same command, or remove the scene's folder",
-            )
-        };
         let text = match fs::read_to_string(&path) {
             Ok(text) => text,
             Err(e) if e.kind() == ErrorKind::NotFound => return Ok(None),
-            Err(e) => return Err(refuse(format!("cannot be read: {e}"))),
+            Err(e) => return Err(unusable(&path, format!("cannot be read: {e}"))),
         };
         let parts = text
             .strip_prefix(BEFORE)
             .and_then(|rest| rest.split_once(AFTER));
-        let Some((told, rest)) = parts else {
-            return Err(refuse(
-                "has no checksum: it is not whole, or another version wrote it".to_owned(),
-            ));
+        let Some((expected, rest)) = parts else {
+            let why = "has no checksum: it is not whole, or another version wrote it";
+            return Err(unusable(&path, why));
         };
         let found = checksum(rest.as_bytes());
-        if told != found {
+        if expected != found {
             let why = format!(
-                "was changed since it was written, or is not whole: its checksum is {found}, it says {told}"
+                "was changed since it was written, or is not whole: its checksum is {found}, it says {expected}"
             );
-            return Err(refuse(why));
+            return Err(unusable(&path, why));
         }
         // What was written by this version and is whole can be read.
         serde_json::from_str(&text)
             .map(Some)
-            .map_err(|e| refuse(format!("is damaged: {e}")))
+            .map_err(|e| unusable(&path, format!("is damaged: {e}")))
     }
 
     pub(super) fn write(&self, folder: &Folder) -> Result<(), LabError> {
         let text = serde_json::to_string_pretty(self).map_err(|e| LabError::write(FILE, e))?;
         let rest = text.strip_prefix("{\n").unwrap_or(&text);
-        folder.write(
-            FILE,
-            format!("{BEFORE}{}{AFTER}{rest}", checksum(rest.as_bytes())).as_bytes(),
-        )
+        let checksum = checksum(rest.as_bytes());
+        let file = format!("{BEFORE}{checksum}{AFTER}{rest}");
+        folder.write(FILE, file.as_bytes())
     }
 
-    /// The folder's name.
+    /// Returns the folder's name.
     pub(super) fn name(&self) -> &str {
         self.plan.scenes.get(self.place).map_or("", String::as_str)
     }
 }
 
-/// FNV-1a of 64 bits (Fowler, Noll and Vo): the same for every version of the compiler, and different for any two texts that
-/// differ in one character.
+fn unusable(path: &Path, why: impl Into<String>) -> Invalid {
+    Invalid::new(
+        format!("`{}`", path.display()),
+        why,
+        "measure the scene again: run the same command, or remove the scene's folder",
+    )
+}
+
+/// Returns the 64-bit FNV-1a hash (Fowler, Noll and Vo): the same for every version of the compiler, and different for any two
+/// texts that differ in one character.
 fn checksum(bytes: &[u8]) -> String {
-    let mix = |h: u64, b: &u8| (h ^ u64::from(*b)).wrapping_mul(0x0100_0000_01b3);
-    format!("{:016x}", bytes.iter().fold(0xcbf2_9ce4_8422_2325, mix))
+    const OFFSET_BASIS: u64 = 0xcbf2_9ce4_8422_2325;
+    const PRIME: u64 = 0x0100_0000_01b3;
+    let mut hash = OFFSET_BASIS;
+    for &byte in bytes {
+        hash = (hash ^ u64::from(byte)).wrapping_mul(PRIME);
+    }
+    format!("{hash:016x}")
 }
 
 /// A hash of the program that runs; empty if the system doesn't say where it is.
@@ -153,19 +156,19 @@ const OWN: [&str; 9] = [
     "chart-cost.png",
 ];
 
-/// File names, numbered where scenes share a name.
+/// Returns a folder name for each scene, numbered where scenes share a name.
 fn unique_names<'a>(scenes: impl Iterator<Item = &'a str>) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for scene in scenes {
-        // Scenes with longer names are refused; small letters may take more bytes than capital ones.
+        // Scenes with longer names are refused; but lowercase letters may take more bytes than uppercase ones.
         let mut stem = slug(scene);
         stem.truncate(stem.floor_char_boundary(MAX_NAME_BYTES));
-        let numbered = (2..).map(|n| format!("{stem}-{n}"));
-        let free = |name: &String| !names.contains(name) && !OWN.contains(&&**name);
-        let name = std::iter::once(stem.clone())
-            .chain(numbered)
-            .find(free)
-            .unwrap_or(stem);
+        let mut name = stem.clone();
+        let mut number = 2;
+        while names.contains(&name) || OWN.contains(&name.as_str()) {
+            name = format!("{stem}-{number}");
+            number += 1;
+        }
         names.push(name);
     }
     names

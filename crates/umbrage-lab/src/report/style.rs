@@ -1,8 +1,8 @@
-//! How techniques look in charts: a shape and a tone of their backend's colour, the same in the page and in the still.
+//! The style of each technique in charts: a shape, and a tone of its backend's color; the same in the page and in still charts.
 
 use crate::output::figure::Marker;
 
-/// What tells a technique from all others.
+/// The style that tells a technique from all others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct SeriesStyle {
     pub(super) marker: Marker,
@@ -26,8 +26,7 @@ const COLORS: [Tones; 3] = [
     ["#8a94a3", "#5b6472"],
 ];
 
-/// The same for points that the front beats: seen, but not looked at. Paler rather than transparent, since not every viewer
-/// blends.
+/// Backends' colors for points that the front beats. Paler rather than transparent, since not every viewer blends.
 const FAINT: [Tones; 3] = [
     ["#c5daf6", "#a3b8da"],
     ["#fad5b9", "#dfb395"],
@@ -37,57 +36,60 @@ const FAINT: [Tones; 3] = [
 /// For legends, where no backend is meant.
 const INK: Tones = ["#7d8796", "#2b3340"];
 
-/// The same in the page, whose colours follow the reader's scheme.
+/// For legends in the page, whose colors follow the reader's light or dark scheme.
 const PAGE_INK: Tones = ["var(--soft)", "var(--ink)"];
 
 impl SeriesStyle {
-    /// The style of the technique at a place. From [`STYLES`] on they come again.
+    /// Returns the style of the technique at a place. From place [`STYLES`] on the styles repeat.
     fn nth(place: usize) -> Self {
-        let (shapes, place) = (Marker::ALL.len(), place % STYLES);
+        let style = place % STYLES;
+        let shapes = Marker::ALL.len();
         Self {
-            marker: Marker::ALL[place % shapes],
-            tone: place / shapes,
+            marker: Marker::ALL[style % shapes],
+            tone: style / shapes,
         }
     }
 
-    /// In the colour of a backend.
+    /// Returns the color on a backend.
     pub(super) fn color(self, backend: usize) -> &'static str {
         COLORS[backend.min(COLORS.len() - 1)][self.tone]
     }
 
-    /// In its pale colour.
+    /// Returns the pale color on a backend, for points that the front beats.
     pub(super) fn faint(self, backend: usize) -> &'static str {
         FAINT[backend.min(FAINT.len() - 1)][self.tone]
     }
 
-    /// For the legend.
+    /// Returns the color in the legend of a still chart.
     pub(super) fn ink(self) -> &'static str {
         INK[self.tone]
     }
 
-    /// For the legend of a chart in the page.
+    /// Returns the color in the legend of a chart in the page.
     pub(super) fn page_ink(self) -> &'static str {
         PAGE_INK[self.tone]
     }
 }
 
-/// The plain colour of a backend.
+/// Returns the main color of a backend.
 pub(super) fn color(backend: usize) -> &'static str {
     SeriesStyle::nth(0).color(backend)
 }
 
-/// The styles of the techniques of a chart. Those of the registry have theirs by their place in it, so that they look alike in
-/// every chart; others come after them.
+/// Returns the styles of a chart's techniques. Those of the registry have the style of their place in it, so that they look the
+/// same in every chart; others come after them.
 pub(super) fn styles_of(techniques: &[&str]) -> Vec<SeriesStyle> {
     let all = umbrage_techniques::all();
-    let mut others = all.len()..;
-    let place = |name: &&str| {
-        all.iter()
-            .position(|e| e.name == *name)
-            .or_else(|| others.next())
-            .unwrap_or_default()
-    };
-    techniques.iter().map(place).map(SeriesStyle::nth).collect()
+    let mut next = all.len();
+    let mut styles = Vec::with_capacity(techniques.len());
+    for name in techniques {
+        let listed = all.iter().position(|entry| entry.name == *name);
+        styles.push(SeriesStyle::nth(listed.unwrap_or(next)));
+        if listed.is_none() {
+            next += 1;
+        }
+    }
+    styles
 }
 
 #[cfg(test)]

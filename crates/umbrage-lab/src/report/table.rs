@@ -1,6 +1,6 @@
-//! `rows.csv`: one line a row, all figures.
+//! `rows.csv`: a line for each row, with all figures.
 
-use crate::compare::{CompareRow, Comparison, SceneResult, TimingStats};
+use crate::compare::{CompareRow, Comparison, RowOutcome, SceneResult, TimingStats};
 use crate::{LabError, output::csv};
 use serde::{Deserialize, Serialize};
 
@@ -100,7 +100,7 @@ pub struct Line {
     pub violations: Option<u64>,
 }
 
-/// All rows as lines.
+/// Returns all rows as lines.
 pub fn lines(comparison: &Comparison) -> Vec<Line> {
     comparison
         .scenes
@@ -119,16 +119,16 @@ fn line(scene: &SceneResult, row: &CompareRow) -> Line {
         ..Line::default()
     };
     let m = match &row.outcome {
-        crate::compare::RowOutcome::Unsupported { reason } => {
+        RowOutcome::Unsupported { reason } => {
             return Line {
                 unsupported: reason.clone(),
                 ..named
             };
         }
-        crate::compare::RowOutcome::Measured(m) => m,
+        RowOutcome::Measured(m) => m,
     };
-    let median = |s: Option<TimingStats>| s.map(|s| s.median);
-    let texels = |i: usize| m.maps.and_then(|u| u.texels_per_pixel).map(|all| all[i]);
+    // The least, the median and the greatest.
+    let texels = m.maps.and_then(|u| u.texels_per_pixel);
     Line {
         rmse: m.errors.map(|e| e.rmse),
         mean: m.errors.map(|e| e.mean),
@@ -158,9 +158,9 @@ fn line(scene: &SceneResult, row: &CompareRow) -> Line {
         yardsticks: m.times.and_then(|t| t.ratio).map(|r| r.median),
         bytes: Some(m.bytes),
         map_unused: m.maps.map(|u| 100.0 * u.unused),
-        texels_least: texels(0),
-        texels_median: texels(1),
-        texels_greatest: texels(2),
+        texels_least: texels.map(|all| all[0]),
+        texels_median: texels.map(|all| all[1]),
+        texels_greatest: texels.map(|all| all[2]),
         texels_of_nine_in_ten: m.maps.and_then(|u| u.texels),
         map_side_needed: m.maps.and_then(|u| u.side),
         differing: m.agreement.map(|a| a.differing),
@@ -173,10 +173,14 @@ fn line(scene: &SceneResult, row: &CompareRow) -> Line {
     }
 }
 
+fn median(times: Option<TimingStats>) -> Option<f64> {
+    times.map(|times| times.median)
+}
+
 /// Returns the lines as comma-separated values with a header.
 ///
 /// # Errors
-/// Never in practice: memory takes any text.
+/// Errors if the text can't be written, which doesn't happen: it is written to memory.
 pub fn to_csv(lines: &[Line]) -> Result<Vec<u8>, LabError> {
     csv::of_records("rows.csv", lines)
 }

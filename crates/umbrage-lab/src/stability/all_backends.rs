@@ -1,4 +1,4 @@
-//! One recipe on every backend: figures are the first's, the others must agree with it where they serve the recipe.
+//! Renders one recipe on every backend. Figures are the first's; the others must agree with it where they serve the recipe.
 
 use super::guard::{self, NoMask};
 use crate::compare::agree;
@@ -12,7 +12,8 @@ pub(super) struct RenderedOnAll {
     pub(super) disagreeing: Option<u64>,
 }
 
-/// Plays a recipe on each of these backends. What the first doesn't serve has no figure; others that don't are left out.
+/// Renders a recipe on each of these backends. Without the first there is no figure; others that don't serve the recipe are
+/// left out.
 pub(super) fn render(
     playing: &mut [Box<dyn Backend>],
     view: &View<'_>,
@@ -41,7 +42,7 @@ pub(super) fn render(
     })
 }
 
-/// All backends, or the first alone.
+/// Returns all backends, or the first alone.
 pub(super) fn select(playing: &mut [Box<dyn Backend>], all: bool) -> &mut [Box<dyn Backend>] {
     let count = if all {
         playing.len()
@@ -51,7 +52,7 @@ pub(super) fn select(playing: &mut [Box<dyn Backend>], all: bool) -> &mut [Box<d
     &mut playing[..count]
 }
 
-/// Adds what [`RenderedOnAll::disagreeing`] tells of two renderings.
+/// Adds up [`RenderedOnAll::disagreeing`] of two renderings; none if neither was compared.
 pub(super) fn sum(a: Option<u64>, b: Option<u64>) -> Option<u64> {
     a.into_iter().chain(b).reduce(|a, b| a + b)
 }
@@ -73,8 +74,8 @@ fn disagreeing_pixels(
     Ok(agreement.violations)
 }
 
-/// Which pixels are undecided is known of the CPU backend alone: where the first backend is another, masks that are not
-/// equal differ on all pixels.
+/// Returns the number of pixels on which masks differ where the first backend is not the CPU: none or all. Only the CPU backend
+/// tells which pixels rounding decides.
 fn differing_masks(of_first: &Shadows, of_other: &Shadows) -> u64 {
     if have_equal_masks(of_first, of_other) {
         0

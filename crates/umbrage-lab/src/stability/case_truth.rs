@@ -1,4 +1,4 @@
-//! All that is known of a case before any technique plays it.
+//! What is known of a case before any technique plays it: truth, and what a perfect map would show.
 
 use super::texels::{Texels, point_at, to_center, within};
 use crate::LabError;
@@ -8,13 +8,13 @@ use umbrage_core::{
     metrics::{Pixel, edges, near},
 };
 use umbrage_cpu::Cpu;
-use umbrage_plan::truth::{self, PointTruth, Truth, TruthOptions};
+use umbrage_plan::truth::{self, Truth, TruthOptions};
 
 /// A pixel is *open* when no true shadow edge is within this many texels: the reach of the widest kernel that is compared
 /// (7x7) and half a texel of aliasing.
 pub const OPEN_TEXELS: f64 = 4.0;
 
-/// Truth about a view, and what a perfect map of a given size would make of it.
+/// Truth about a view, and what a perfect map of a given size would show there.
 #[derive(Clone, Debug)]
 pub struct CaseTruth {
     /// The scene.
@@ -41,7 +41,7 @@ impl CaseTruth {
     /// Traces truth under each light and averages it over the lights.
     ///
     /// # Errors
-    /// When the scene has no light or camera, or holds numbers that can't be used.
+    /// Errors if the scene has no light or camera, or holds numbers that can't be used.
     pub fn new(
         scene: Scene,
         camera: Camera,
@@ -58,17 +58,13 @@ impl CaseTruth {
             )?);
         }
         let merged = by_light.into_iter().reduce(LightTruth::merged_with);
-        let missing = || Invalid::new(format!("scene `{}`", scene.name), "has no light", "add one");
-        let LightTruth {
-            truth,
-            ideal,
-            hard,
-            open,
-            lights: count,
-        } = merged.ok_or_else(missing)?;
+        let Some(sums) = merged else {
+            let what = format!("scene `{}`", scene.name);
+            return Err(Invalid::new(what, "has no light", "add one").into());
+        };
         let truth = Truth {
-            visibility: divided(&truth.visibility, count),
-            ..truth
+            visibility: divided(&sums.truth.visibility, sums.lights),
+            ..sums.truth
         };
         Ok(Self {
             scene,
@@ -76,9 +72,9 @@ impl CaseTruth {
             camera,
             lights,
             truth,
-            ideal: divided(&ideal, count),
-            hard: divided(&hard, count),
-            open,
+            ideal: divided(&sums.ideal, sums.lights),
+            hard: divided(&sums.hard, sums.lights),
+            open: sums.open,
             map_size,
         })
     }
@@ -118,8 +114,14 @@ impl LightTruth {
         options: &TruthOptions,
         cpu: &mut Cpu,
     ) -> Result<Self, LabError> {
-        let find = &mut |c: &Camera, g: &Geometry| cpu.receivers(c, g);
-        let truth = truth::trace(camera, light, geometry, options, find, &|_, _| {})?;
+        let truth = truth::trace(
+            camera,
+            light,
+            geometry,
+            options,
+            &mut |camera, geometry| cpu.receivers(camera, geometry),
+            &|_, _| {},
+        )?;
         let view = View::new(camera, light, geometry).with_receivers(&truth.receivers);
         let texels = match Fit::Tight.light_spaces(Layout::Auto, &view, map_size, 0.0) {
             Ok(spaces) => Some(Texels::new(&spaces, map_size)),
@@ -127,7 +129,7 @@ impl LightTruth {
             Err(e) => return Err(e.into()),
         };
         let center = without_extent(light);
-        let hard = visibility(geometry, &center, &truth, options)?;
+        let hard = visibility_at_receivers(geometry, &center, &truth, options)?;
         let ideal = match &texels {
             Some(texels) => ideal(texels, camera, light, geometry, &truth, options)?,
             None => truth.visibility.clone(),
@@ -201,27 +203,13 @@ pub fn without_extent(light: &Light) -> Light {
     }
 }
 
-/// Truth's points under another light.
-fn visibility(
+/// Traces the visibility of a light at each of truth's receivers; 1 where nothing receives.
+pub(super) fn visibility_at_receivers(
     geometry: &Geometry,
     light: &Light,
     truth: &Truth,
     options: &TruthOptions,
 ) -> Result<Vec<f32>, Invalid> {
-    let seen = trace_at_receivers(geometry, light, truth, options)?;
-    Ok(seen
-        .into_iter()
-        .map(|s| s.map_or(1.0, |s| s.visibility))
-        .collect())
-}
-
-/// Visibility at each of truth's receivers; none where nothing receives.
-pub(super) fn trace_at_receivers(
-    geometry: &Geometry,
-    light: &Light,
-    truth: &Truth,
-    options: &TruthOptions,
-) -> Result<Vec<Option<PointTruth>>, Invalid> {
     let receivers = &truth.receivers;
     let receiving: Vec<usize> = (0..receivers.len())
         .filter(|&i| receivers.receives[i])
@@ -231,19 +219,17 @@ pub(super) fn trace_at_receivers(
         .iter()
         .map(|&i| point_at(&any, receivers, i, receivers.position(i)))
         .collect();
-    let mut out = vec![None; receivers.len()];
-    for (i, seen) in receiving
-        .into_iter()
-        .zip(truth::trace_points(geometry, light, &points, options)?)
-    {
-        out[i] = Some(seen);
+    let traced = truth::trace_points(geometry, light, &points, options)?;
+    let mut out = vec![1.0; receivers.len()];
+    for (i, point) in receiving.into_iter().zip(traced) {
+        out[i] = point.visibility;
     }
     Ok(out)
 }
 
-/// Truth at texel centres. A texel's centre on a receiver's *plane* may lie beyond the receiver's triangle and below its
-/// neighbour; so it is moved no farther than the triangle reaches, and believed only where, in the picture, a true edge is
-/// no farther away than it is itself.
+/// Returns truth at texel centers. A texel's center on a receiver's *plane* may lie beyond the receiver's triangle and below
+/// its neighbor; so the center is moved no farther than the triangle reaches, and its visibility counts only where, in the
+/// picture, a true edge is no farther away than the center itself.
 fn ideal(
     texels: &Texels,
     camera: &Camera,
@@ -252,33 +238,63 @@ fn ideal(
     truth: &Truth,
     options: &TruthOptions,
 ) -> Result<Vec<f32>, Invalid> {
-    let r = &truth.receivers;
-    let keep = |i: usize, q: Vec3| within(r.position(i), q, geometry.corners(r.triangle[i]));
-    let snapped = texels.seen(geometry, light, r, options, to_center, keep)?;
+    let receivers = &truth.receivers;
+    let snapped = texels.seen(
+        geometry,
+        light,
+        receivers,
+        options,
+        to_center,
+        |i, place| {
+            let triangle = geometry.corners(receivers.triangle[i]);
+            within(receivers.position(i), place, triangle)
+        },
+    )?;
     let edges = edges(truth.size, &truth.visibility, &truth.pixels);
-    let near_edge = REACHES.map(|reach| near(truth.size, &edges, reach));
+    let is_near_edge = REACHES.map(|reach| near(truth.size, &edges, reach));
     let clip_from_world = camera.space().clip_from_world();
-    let pixel = |p: Vec3| clip_from_world.project_point3(p).truncate() * truth.size.as_vec2() * 0.5;
-    let answer = |i: usize| {
-        let (place, seen) = snapped[i]?;
-        let far = pixel(place).distance(pixel(truth.receivers.position(i)));
+    let mut out = truth.visibility.clone();
+    for (i, moved) in snapped.into_iter().enumerate() {
+        let Some((place, traced)) = moved else {
+            continue;
+        };
+        let from = clip_from_world.project_point3(receivers.position(i));
+        let to = clip_from_world.project_point3(place);
+        // NDC are 2 wide, and the picture is `size` pixels wide.
+        let from_pixel = from.truncate() * truth.size.as_vec2() * 0.5;
+        let to_pixel = to.truncate() * truth.size.as_vec2() * 0.5;
+        let distance = to_pixel.distance(from_pixel);
+        // A pixel more, as edges are marked on whole pixels.
         let class = REACHES
             .iter()
-            .position(|&reach| far + 1.0 <= reach as f32)
+            .position(|&reach| distance + 1.0 <= reach as f32)
             .unwrap_or(REACHES.len() - 1);
-        near_edge[class][i].then_some(seen.visibility)
-    };
-    Ok((0..truth.visibility.len())
-        .map(|i| answer(i).unwrap_or(truth.visibility[i]))
-        .collect())
+        if is_near_edge[class][i] {
+            out[i] = traced.visibility;
+        }
+    }
+    Ok(out)
 }
 
-/// Distances in pixels that edges are looked for in.
+/// Distances from edges that [`ideal`] tells apart, pixels.
 const REACHES: [u32; 7] = [1, 2, 4, 8, 16, 32, 64];
 
-/// Pixels whose answer, fully lit or fully dark, is the same all around: at eight places [`OPEN_TEXELS`] away and at
-/// eight half as far, on the receiver's plane. Where the ground rises beyond the receiver's triangle these places lie below
-/// it and are dark, so that creases count as edges: what goes wrong at them shows in RMSE and shimmer, not as acne.
+/// The eight directions in which [`open`] probes the surroundings of a texel.
+const DIRECTIONS: [DVec2; 8] = [
+    DVec2::new(1.0, 0.0),
+    DVec2::new(1.0, 1.0),
+    DVec2::new(0.0, 1.0),
+    DVec2::new(-1.0, 1.0),
+    DVec2::new(-1.0, 0.0),
+    DVec2::new(-1.0, -1.0),
+    DVec2::new(0.0, -1.0),
+    DVec2::new(1.0, -1.0),
+];
+
+/// Returns which pixels are open: those fully lit or fully dark whose visibility is the same all around, at eight places
+/// [`OPEN_TEXELS`] away and at eight half as far, on the receiver's plane. Where the ground rises beyond the receiver's
+/// triangle these places lie below it and are dark, so that creases count as edges: errors there show in RMSE and shimmer, not
+/// as acne.
 fn open(
     texels: Option<&Texels>,
     center: &Light,
@@ -287,36 +303,31 @@ fn open(
     hard: &[f32],
     options: &TruthOptions,
 ) -> Result<Vec<bool>, Invalid> {
-    let decided =
-        |i: usize| truth.pixels[i] == Pixel::Counted && [0.0, 1.0].contains(&truth.visibility[i]);
-    let mut open: Vec<bool> = (0..hard.len())
-        .map(|i| decided(i) && truth.visibility[i] == hard[i])
-        .collect();
+    let mut open = Vec::with_capacity(hard.len());
+    for (i, hard) in hard.iter().enumerate() {
+        let visibility = truth.visibility[i];
+        let is_counted = truth.pixels[i] == Pixel::Counted;
+        let is_full = visibility == 0.0 || visibility == 1.0;
+        open.push(is_counted && is_full && visibility == *hard);
+    }
     let Some(texels) = texels else {
         return Ok(open);
     };
     for reach in [OPEN_TEXELS, 0.5 * OPEN_TEXELS] {
-        for (x, y) in [
-            (1, 0),
-            (1, 1),
-            (0, 1),
-            (-1, 1),
-            (-1, 0),
-            (-1, -1),
-            (0, -1),
-            (1, -1),
-        ] {
-            let by = DVec2::new(f64::from(x), f64::from(y)) * reach;
-            let seen = texels.seen(
+        for direction in DIRECTIONS {
+            let offset = direction * reach;
+            let around = texels.seen(
                 geometry,
                 center,
                 &truth.receivers,
                 options,
-                |t| t + by,
-                |_, q| q,
+                |texel| texel + offset,
+                |_, place| place,
             )?;
-            for (open, (seen, hard)) in open.iter_mut().zip(seen.iter().zip(hard)) {
-                *open &= seen.is_none_or(|(_, s)| s.visibility == *hard);
+            for (i, moved) in around.into_iter().enumerate() {
+                if let Some((_, traced)) = moved {
+                    open[i] &= traced.visibility == hard[i];
+                }
             }
         }
     }

@@ -1,4 +1,4 @@
-//! What comes out: plain data.
+//! The results of a run, as plain data.
 
 use super::{Verdict, VerdictLimits};
 use serde::{Deserialize, Serialize};
@@ -16,8 +16,8 @@ pub struct Stability {
     pub frames: u32,
     /// Rows' cases, in the list's order.
     pub cases: Vec<CaseResult>,
-    /// What must not be: NaN, panics, validation errors, backends that disagree, a backend that works otherwise
-    /// afterwards.
+    /// Messages about what must never happen: NaN, panics, validation errors, backends that disagree, a backend whose pictures
+    /// differ after the run.
     pub faults: Vec<String>,
 }
 
@@ -46,7 +46,7 @@ pub struct CaseResult {
     pub limits: VerdictLimits,
     /// Why there.
     pub reason: String,
-    /// What a perfect map of the same size would show.
+    /// The figure of a perfect map of the same size.
     pub ideal: f64,
     /// All settings.
     pub cells: Vec<Cell>,
@@ -59,16 +59,16 @@ pub struct Cell {
     pub technique: String,
     /// Its settings.
     pub settings: String,
-    /// What came out.
+    /// The result.
     pub outcome: CellOutcome,
-    /// On how many pixels backends differ, of those whose answer doesn't hang on rounding; none with a single backend.
+    /// On how many pixels backends differ, of those whose visibility doesn't depend on rounding; none with a single backend.
     pub disagreeing: Option<u64>,
     /// Truth, mask and error side by side, or a strip of frames: a PNG, for cells that don't pass.
     #[serde(skip)]
     pub picture: Option<Vec<u8>>,
 }
 
-/// What came out of a cell.
+/// The result of a cell.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CellOutcome {
@@ -84,15 +84,15 @@ pub enum CellOutcome {
         /// Why.
         reason: String,
     },
-    /// What must not be.
+    /// What must never happen.
     Fault {
-        /// NaN, a panic, an error of the graphics API.
+        /// What did: NaN, a panic, an error of the graphics API.
         what: String,
     },
 }
 
 impl Cell {
-    /// The verdict, if the cell is measured.
+    /// Returns the verdict; none if the cell isn't measured.
     pub fn verdict(&self) -> Option<Verdict> {
         match self.outcome {
             CellOutcome::Measured { verdict, .. } => Some(verdict),
@@ -100,7 +100,7 @@ impl Cell {
         }
     }
 
-    /// A sign that reads without colour: ✓ passes, ~ degraded, ✗ fails, – not served, ! must not be.
+    /// Returns a sign that reads without color: ✓ passes, ~ degraded, ✗ fails, – not served, ! a fault.
     pub fn sign(&self) -> char {
         match &self.outcome {
             CellOutcome::Measured { verdict, .. } => verdict.sign(),
@@ -109,7 +109,7 @@ impl Cell {
         }
     }
 
-    /// The figure, if the cell is measured.
+    /// Returns the figure; none if the cell isn't measured.
     pub fn figure(&self) -> Option<f64> {
         match self.outcome {
             CellOutcome::Measured { figure, .. } => Some(figure),
@@ -119,14 +119,21 @@ impl Cell {
 }
 
 impl Stability {
-    /// How many cells there are of each verdict: pass, degraded, fails.
+    /// Returns the numbers of cells that pass, are degraded, and fail.
     pub fn counts(&self) -> [usize; 3] {
-        let cells = || self.cases.iter().flat_map(|c| &c.cells);
-        [Verdict::Pass, Verdict::Degraded, Verdict::Fails]
-            .map(|v| cells().filter(|c| c.verdict() == Some(v)).count())
+        let mut counts = [0; 3];
+        for cell in self.cases.iter().flat_map(|case| &case.cells) {
+            match cell.verdict() {
+                Some(Verdict::Pass) => counts[0] += 1,
+                Some(Verdict::Degraded) => counts[1] += 1,
+                Some(Verdict::Fails) => counts[2] += 1,
+                None => {}
+            }
+        }
+        counts
     }
 
-    /// The names of all techniques, in the order of their first cell.
+    /// Returns the names of all techniques, in the order of their first cell.
     pub fn techniques(&self) -> Vec<&str> {
         let mut names: Vec<&str> = Vec::new();
         for cell in self.cases.iter().flat_map(|c| &c.cells) {

@@ -1,4 +1,5 @@
-//! What may come out of no cell: numbers outside 0..=1, panics, errors of the graphics API, a backend left changed.
+//! Catches what must never happen in a cell: visibilities outside 0..=1, panics, errors of the graphics API, and backends whose
+//! state a rendering has changed.
 
 use crate::LabError;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -10,9 +11,9 @@ use umbrage_techniques::{Bias, Pcf, ShadowMap};
 /// Why a cell has no mask.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum NoMask {
-    /// Told beforehand: a value, not a fault.
+    /// The technique or the backend says beforehand that it can't do this: a result, no fault. The text says why.
     Unsupported(String),
-    /// Must not be.
+    /// What must never happen. The text says what did.
     Fault(String),
 }
 
@@ -28,30 +29,36 @@ impl From<RecipeError> for NoMask {
 impl From<BackendError> for NoMask {
     fn from(e: BackendError) -> Self {
         match e {
-            // What a backend can't hold it says before it plays.
+            // A backend says before it plays what is too large for it.
             BackendError::Invalid(e) => Self::Unsupported(e.to_string()),
             e => Self::Fault(e.to_string()),
         }
     }
 }
 
-/// Runs something that must not panic.
+/// Runs a function that must not panic. A panic becomes a fault with its message.
 pub(super) fn guarded<T>(f: impl FnOnce() -> Result<T, NoMask>) -> Result<T, NoMask> {
-    catch_unwind(AssertUnwindSafe(f)).unwrap_or_else(|panic| {
-        let text = panic.downcast_ref::<String>().map(String::as_str);
-        let text = text
-            .or(panic.downcast_ref::<&str>().copied())
-            .unwrap_or("without a message");
-        Err(NoMask::Fault(format!("panicked: {text}")))
-    })
+    let panic = match catch_unwind(AssertUnwindSafe(f)) {
+        Ok(result) => return result,
+        Err(panic) => panic,
+    };
+    // `panic!` holds a `String` if its message is formatted, else a `&str`.
+    let message = if let Some(text) = panic.downcast_ref::<String>() {
+        text
+    } else if let Some(text) = panic.downcast_ref::<&str>() {
+        text
+    } else {
+        "without a message"
+    };
+    Err(NoMask::Fault(format!("panicked: {message}")))
 }
 
-/// A technique's recipe.
+/// Returns a technique's recipe.
 pub(super) fn plan(technique: &dyn ShadowTechnique, view: &View<'_>) -> Result<Recipe, NoMask> {
     guarded(|| Ok(technique.recipe(view)?))
 }
 
-/// A recipe's mask, checked.
+/// Renders a recipe and checks its mask.
 pub(super) fn render(
     backend: &mut dyn Backend,
     view: &View<'_>,
@@ -64,7 +71,7 @@ pub(super) fn render(
     })
 }
 
-/// Objects to the first value that is no visibility.
+/// Errors on the first value that is no visibility (outside 0..=1, or NaN), with its index.
 pub(super) fn check(mask: &[f32]) -> Result<(), String> {
     match mask.iter().position(|v| !(0.0..=1.0).contains(v)) {
         None => Ok(()),
@@ -75,11 +82,11 @@ pub(super) fn check(mask: &[f32]) -> Result<(), String> {
     }
 }
 
-/// Whether a backend that has been through a lot gives, to the bit, what a fresh one gives: a control render of cubes
-/// under a filter.
+/// Whether a backend that has played other recipes renders the same mask, bit by bit, as a fresh one. The mask is that of a
+/// small built-in scene, `cubes`, under a 3x3 PCF.
 ///
 /// # Errors
-/// When either can't play it.
+/// Errors if either backend can't render it.
 pub fn is_as_new(used: &mut dyn Backend, fresh: &mut dyn Backend) -> Result<bool, LabError> {
     let Some(entry) = umbrage_scenes::find("cubes") else {
         return Ok(true);
@@ -93,12 +100,13 @@ pub fn is_as_new(used: &mut dyn Backend, fresh: &mut dyn Backend) -> Result<bool
         ..ShadowMap::default()
     };
     let recipe = Pcf { map, radius: 1 }.recipe(&view)?;
-    let masks = [
-        used.render(&view, &recipe)?.mask,
-        fresh.render(&view, &recipe)?.mask,
-    ];
-    let bits = |mask: &[f32]| mask.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
-    Ok(bits(&masks[0]) == bits(&masks[1]))
+    let used_bits = bits(&used.render(&view, &recipe)?.mask);
+    let fresh_bits = bits(&fresh.render(&view, &recipe)?.mask);
+    Ok(used_bits == fresh_bits)
+}
+
+fn bits(mask: &[f32]) -> Vec<u32> {
+    mask.iter().map(|v| v.to_bits()).collect()
 }
 
 #[cfg(test)]
@@ -115,14 +123,13 @@ mod tests {
         }
     }
 
-    /// The comparison of a used with a fresh backend notices one that isn't.
     #[test]
     fn a_changed_backend_is_noticed() {
         #[derive(Debug)]
-        struct Tired(umbrage_cpu::Cpu);
-        impl Backend for Tired {
+        struct Changed(umbrage_cpu::Cpu);
+        impl Backend for Changed {
             fn name(&self) -> &str {
-                "tired"
+                "changed"
             }
             fn kind(&self) -> &'static str {
                 "cpu"
@@ -139,6 +146,6 @@ mod tests {
         }
         let mut fresh = umbrage_cpu::Cpu::new();
         assert!(is_as_new(&mut umbrage_cpu::Cpu::new(), &mut fresh).expect("plays"));
-        assert!(!is_as_new(&mut Tired(umbrage_cpu::Cpu::new()), &mut fresh).expect("plays"));
+        assert!(!is_as_new(&mut Changed(umbrage_cpu::Cpu::new()), &mut fresh).expect("plays"));
     }
 }

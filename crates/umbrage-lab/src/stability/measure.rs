@@ -1,4 +1,4 @@
-//! Which measure a case is judged by, its unit, and where it passes and fails.
+//! The measures that cases are judged by, their units, and where they pass and fail.
 
 use super::{
     VerdictLimits,
@@ -55,25 +55,25 @@ pub enum Measure {
     ChangeError,
 }
 
-/// Of shares of pixels: one in a thousand strays unseen; one in a hundred is a patch that anyone sees.
+/// Limits for percentages of wrong pixels: one pixel in a thousand goes unseen, one in a hundred is a visible patch.
 const SHARE: VerdictLimits = VerdictLimits::new(0.1, 1.0);
-/// The smallest visible step: of an 8-bit picture.
+/// The smallest visible step of visibility: one level of an 8-bit picture.
 const STEP: f64 = 1.0 / 255.0;
-/// Texels on either side of a seam.
+/// How far on either side of a seam pixels count, texels.
 const SEAM_TEXELS: f32 = 2.0;
-/// Rays whose noise passes in penumbrae: 17 grey levels.
+/// The number of rays a pixel whose noise passes in penumbrae; they give 17 gray levels.
 const RAYS: u32 = 16;
-/// A tenth of a percent: the least share that is seen.
+/// The least percentage of all pixels that is visible.
 const SMALL_SHARE: f64 = 0.1;
-/// Of a band of some hundred pixels: one in a hundred is a pixel or few.
+/// The least percentage that is visible in a narrow band: of some hundred pixels, one percent is a pixel or a few.
 const BAND_SHARE: f64 = 1.0;
-/// A pixel's half cannot be seen.
+/// A displacement that is too small to be visible, pixels.
 const HALF_PIXEL: f64 = 0.5;
-/// The ground is met within this of its height, metres.
+/// How far from the floor's height pixels still show the floor, metres.
 const LEVEL: f32 = 0.01;
 
 impl Measure {
-    /// What is measured, in a few words.
+    /// Returns what is measured, in a few words.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Acne => "acne",
@@ -96,7 +96,7 @@ impl Measure {
         }
     }
 
-    /// The figure's unit; empty for plain numbers.
+    /// Returns the figure's unit; empty for plain numbers.
     pub fn unit(&self) -> &'static str {
         match self {
             Self::Gap(_) => "mm",
@@ -111,7 +111,7 @@ impl Measure {
         }
     }
 
-    /// Why the limits are where they are.
+    /// Returns why the limits are where they are.
     pub fn reason(&self) -> &'static str {
         match self {
             Self::Acne | Self::AcneByDistance | Self::Leak | Self::Wrong => {
@@ -148,7 +148,8 @@ impl Measure {
         }
     }
 
-    /// The figure of a mask, in the measure's unit. 0 for measures that no single mask tells: fill, shimmer, change.
+    /// Returns the figure of a mask, in the measure's unit; 0 for measures that a single mask doesn't determine: fill, shimmer
+    /// and change.
     pub fn figure(&self, case_truth: &CaseTruth, mask: &[f32]) -> f64 {
         let truth = &case_truth.truth.visibility;
         let receivers = &case_truth.truth.receivers;
@@ -182,41 +183,37 @@ impl Measure {
             Self::PenumbraWidth => {
                 let places = shadow_places(case_truth);
                 let widths = places.widths(mask, truth, receivers, LEVEL, counts);
-                let errors: Vec<f64> = widths
-                    .into_iter()
-                    .flatten()
-                    .map(|width| (width - 1.0).abs())
-                    .collect();
-                100.0 * errors.iter().sum::<f64>() / errors.len().max(1) as f64
+                mean_width_error(&widths)
             }
-            Self::AllLit => {
-                let pixels = &case_truth.truth.pixels;
-                let not_unlit =
-                    (0..mask.len()).filter(|&i| matches!(pixels[i], Pixel::Counted | Pixel::Empty));
-                open::share(not_unlit.map(|i| mask[i] < 1.0))
-            }
+            Self::AllLit => darkened(mask, &case_truth.truth.pixels),
             Self::Fill | Self::Shimmer | Self::ChangeError => 0.0,
         }
     }
 
-    /// Where the figure passes and fails on this case: see [`Measure::reason`]. What truth's own movement bounds is bounded
-    /// by [`Moving::limits`](super::Moving::limits).
+    /// Returns where the figure passes and fails on this case: see [`Measure::reason`]. Bounds from truth's own movement are
+    /// added by [`Moving::limits`](super::Moving::limits).
     pub fn limits(&self, case_truth: &CaseTruth) -> VerdictLimits {
         let counts = |i: usize| case_truth.counts(i);
         let ideal = self.figure(case_truth, &case_truth.ideal);
-        let none = || self.figure(case_truth, &vec![1.0; case_truth.ideal.len()]);
+        // Computed on use only: not all measures need it.
+        let without_shadow = || {
+            let all_lit = vec![1.0; case_truth.ideal.len()];
+            self.figure(case_truth, &all_lit)
+        };
         match *self {
             Self::Acne | Self::AcneByDistance | Self::Leak | Self::Wrong => SHARE,
-            Self::Rmse => VerdictLimits::over_ideal(ideal, STEP).below(none()),
+            Self::Rmse => VerdictLimits::over_ideal(ideal, STEP).below(without_shadow()),
             Self::Gap(contact) => {
                 let pixel = contact.pixel(&case_truth.truth.receivers, NEAR_CONTACT, counts);
-                VerdictLimits::over_ideal(ideal, 1e3 * pixel).below(none())
+                VerdictLimits::over_ideal(ideal, 1e3 * pixel).below(without_shadow())
             }
             Self::ContactLeak(..) | Self::LeakAround(..) => {
-                VerdictLimits::over_ideal(ideal, BAND_SHARE).below(none())
+                VerdictLimits::over_ideal(ideal, BAND_SHARE).below(without_shadow())
             }
-            Self::EdgeDisplacement => VerdictLimits::over_ideal(ideal, HALF_PIXEL).below(none()),
-            Self::Seams => VerdictLimits::over_ideal(ideal, SMALL_SHARE).below(none()),
+            Self::EdgeDisplacement => {
+                VerdictLimits::over_ideal(ideal, HALF_PIXEL).below(without_shadow())
+            }
+            Self::Seams => VerdictLimits::over_ideal(ideal, SMALL_SHARE).below(without_shadow()),
             Self::PenumbraRmse => VerdictLimits::new(
                 penumbra::ray_noise(&case_truth.truth.visibility, RAYS, counts),
                 0.5 * penumbra::rmse(&case_truth.hard, &case_truth.truth.visibility, counts),
@@ -237,11 +234,27 @@ const NEAR_CONTACT: f32 = 0.1;
 /// Pixels of the picture that fill is counted for, millions.
 pub(super) const SCREEN: f64 = 1280.0 * 720.0 * 1e-6;
 
+/// Returns the mean of how far ratios of widths are from 1, percent; 0 without any.
+fn mean_width_error(ratios: &[Option<f64>]) -> f64 {
+    let errors: Vec<f64> = ratios
+        .iter()
+        .flatten()
+        .map(|ratio| (ratio - 1.0).abs())
+        .collect();
+    100.0 * errors.iter().sum::<f64>() / errors.len().max(1) as f64
+}
+
+/// Returns the percentage of pixels that the mask darkens at all, of those that don't face away from the light.
+fn darkened(mask: &[f32], pixels: &[Pixel]) -> f64 {
+    let facing = (0..mask.len()).filter(|&i| matches!(pixels[i], Pixel::Counted | Pixel::Empty));
+    open::share(facing.map(|i| mask[i] < 1.0))
+}
+
 fn worst(bins: [f64; open::BINS]) -> f64 {
     bins.into_iter().fold(0.0, f64::max)
 }
 
-/// RMSE over the pixels that count. What is no mask has no figure: NaN, which fails.
+/// Returns the RMSE over the pixels that count; NaN, which fails, if the mask has another size or holds anything outside 0..=1.
 pub(super) fn rmse(case_truth: &CaseTruth, mask: &[f32]) -> f64 {
     let truth = &case_truth.truth;
     Errors::measure(truth.size, mask, &truth.visibility, &truth.pixels)

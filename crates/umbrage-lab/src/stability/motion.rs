@@ -1,17 +1,17 @@
 //! Moving cases: what changes from frame to frame at points that stay.
 //!
-//! The points are the receivers of the first frame's pixels, near edges of shadows, and seen in all frames. A technique's
-//! map is planned and drawn anew for each frame, as its camera sees the scene then, and looked up at these same points.
-//! Techniques whose casts go into the camera's own picture (planar shadows, volumes) have an answer at pixels alone: the
-//! first camera asks them, so that only the light's motion counts for them. Patterns that turn from pixel to pixel stay
-//! with their points, too: what is measured is the map's crawl, not the pattern's.
+//! The points are the receivers of the first frame's pixels that are near edges of shadows and seen in all frames. For each
+//! frame a technique's map is fitted to that frame's camera and drawn anew, and looked up at these same points. Techniques
+//! that cast into the camera's own picture (planar shadows, volumes) have visibilities only at that camera's pixels: they are
+//! always played with the first camera, so that only the light's motion counts for them. Sample patterns that are rotated
+//! from pixel to pixel stay with their points, too: what is measured is the map's crawl, not the pattern's.
 //!
 //! Figures are the first backend's. The others play the first and the last frame, the two that differ most, and must agree
 //! there.
 
 use super::{
     Cell, CellOutcome, Verdict, VerdictLimits, all_backends,
-    case_truth::{CaseTruth, trace_at_receivers},
+    case_truth::{CaseTruth, visibility_at_receivers},
     guard::{self, NoMask},
     measure::Measure,
     measures::shimmer::{change, change_error, shimmer},
@@ -25,50 +25,54 @@ use umbrage_core::{Backend, Camera, Fit, Layout, Light, Receivers, ShadowTechniq
 use umbrage_cpu::Cpu;
 use umbrage_plan::truth::TruthOptions;
 
-/// Who sees and what shines at one moment.
+/// The camera and the light of one frame.
 #[derive(Clone, Debug)]
 pub struct MotionFrame {
     /// The camera.
     pub camera: Camera,
     /// The light.
     pub light: Light,
-    /// What the camera sees.
+    /// The receivers at the camera's pixels.
     pub receivers: Receivers,
 }
 
 /// A moving case, ready to be played.
 #[derive(Clone, Debug)]
 pub struct Moving<'a> {
-    /// Its first frame.
+    /// Truth about its first frame.
     pub case_truth: &'a CaseTruth,
     /// All frames, the first among them.
     pub frames: Vec<MotionFrame>,
-    /// Truth at the first frame's receivers, frame by frame.
+    /// True visibility at the first frame's receivers, frame by frame.
     pub truth: Vec<Vec<f32>>,
-    /// The points that count.
+    /// Which of the first frame's receivers count.
     pub marked: Vec<bool>,
 }
 
-/// Texels that the camera pans by, a frame.
+/// Texels that the camera pans by from a frame to the next.
 const PAN_TEXELS: f64 = 0.37;
-/// Degrees that it yaws by.
+/// Degrees that the camera yaws by from a frame to the next.
 const YAW: f64 = 0.1;
-/// Degrees that the sun turns by.
+/// Degrees that the sun turns by from a frame to the next.
 const TURN: f64 = 0.25;
-/// Vertical fields of view from the first frame to the last, degrees.
-const WIDENING: [f64; 2] = [75.0, 90.0];
+/// Vertical field of view of the first frame of a widening, degrees.
+const FIRST_FOV: f64 = 75.0;
+/// Vertical field of view of the last frame of a widening, degrees.
+const LAST_FOV: f64 = 90.0;
 
-/// The camera that a motion starts from.
+/// Returns the camera that a motion starts from.
 pub(super) fn first_camera(camera: &Camera, motion: Motion) -> Camera {
     if motion == Motion::Widening {
-        with_fov(camera, WIDENING[0])
+        with_fov(camera, FIRST_FOV)
     } else {
         *camera
     }
 }
 
+/// Returns the camera with another vertical field of view, degrees, and the same aspect ratio.
 fn with_fov(camera: &Camera, degrees: f64) -> Camera {
     let mut out = *camera;
+    // A perspective matrix scales y by the cotangent of half the angle.
     let scale = (1.0 / (0.5 * degrees.to_radians()).tan()) as f32;
     out.clip_from_view.x_axis.x *= scale / out.clip_from_view.y_axis.y;
     out.clip_from_view.y_axis.y = scale;
@@ -79,7 +83,7 @@ impl<'a> Moving<'a> {
     /// Moves the case's camera or light through `count` frames, and traces truth.
     ///
     /// # Errors
-    /// When the scene holds numbers that can't be used.
+    /// Errors if the scene holds numbers that can't be used.
     pub fn new(
         case_truth: &'a CaseTruth,
         motion: Motion,
@@ -87,19 +91,19 @@ impl<'a> Moving<'a> {
         options: &TruthOptions,
     ) -> Result<Self, LabError> {
         let mut cpu = Cpu::new();
-        let texel = texel(case_truth)?;
+        let texel = texel_width(case_truth)?;
         let mut frames = Vec::new();
         let mut truth = Vec::new();
-        for t in 0..count {
-            let (camera, light) = at(case_truth, motion, t, count, texel);
+        for index in 0..count {
+            let camera = camera_at(case_truth, motion, index, count, texel);
+            let light = light_at(case_truth, motion, index);
             let receivers = cpu.receivers(&camera, &case_truth.geometry)?;
-            let seen =
-                trace_at_receivers(&case_truth.geometry, &light, &case_truth.truth, options)?;
-            truth.push(
-                seen.into_iter()
-                    .map(|s| s.map_or(1.0, |s| s.visibility))
-                    .collect(),
-            );
+            truth.push(visibility_at_receivers(
+                &case_truth.geometry,
+                &light,
+                &case_truth.truth,
+                options,
+            )?);
             frames.push(MotionFrame {
                 camera,
                 light,
@@ -117,21 +121,17 @@ impl<'a> Moving<'a> {
         })
     }
 
-    /// How much the masks of its frames, at the first one's receivers, change though they should not.
+    /// Returns how much the masks change though they should not: one mask for each frame, at the first frame's receivers.
     pub fn figure(&self, measure: Measure, masks: &[Vec<f32>]) -> f64 {
+        let width = self.case_truth.truth.size.x as usize;
         match measure {
-            Measure::ChangeError => change_error(
-                masks,
-                &self.truth,
-                &self.marked,
-                self.case_truth.truth.size.x as usize,
-            ),
+            Measure::ChangeError => change_error(masks, &self.truth, &self.marked, width),
             _ => shimmer(masks, &self.truth, &self.marked),
         }
     }
 
-    /// Where that passes and fails. Where truth moves, a shadow that stands still fails, however slow the movement: its
-    /// figure is truth's own change.
+    /// Returns where that figure passes and fails. Where truth moves, a shadow that stands still fails, however slow the
+    /// movement: its figure is truth's own change.
     pub fn limits(&self, measure: Measure) -> VerdictLimits {
         let limits = measure.limits(self.case_truth);
         match measure {
@@ -140,90 +140,114 @@ impl<'a> Moving<'a> {
         }
     }
 
-    /// One setting's cell.
+    /// Plays one setting and returns its cell.
     pub(super) fn cell(
         &self,
         technique: &dyn ShadowTechnique,
         measure: Measure,
         backends: &mut Backends,
     ) -> Result<Cell, LabError> {
-        let (masks, disagreeing) = match self.play(technique, backends) {
+        let played = match self.play(technique, backends) {
             Ok(played) => played,
             Err(why) => return Ok(no_mask(technique, why)),
         };
-        let figure = self.figure(measure, &masks);
+        let figure = self.figure(measure, &played.masks);
         let verdict = self.limits(measure).judge(figure);
-        let worse = verdict != Verdict::Pass;
-        let picture = worse
-            .then(|| pictures::strip(self.case_truth, &masks, &self.marked))
-            .transpose()?;
+        let picture = match verdict {
+            Verdict::Pass => None,
+            _ => Some(pictures::strip(
+                self.case_truth,
+                &played.masks,
+                &self.marked,
+            )?),
+        };
         Ok(Cell {
             picture,
-            disagreeing,
+            disagreeing: played.disagreeing,
             ..cell(technique, CellOutcome::Measured { figure, verdict })
         })
     }
 
-    /// The mask at the first frame's receivers, frame by frame, and on how many decided pixels backends differ.
+    /// Plays all frames.
     fn play(
         &self,
         technique: &dyn ShadowTechnique,
         backends: &mut Backends,
-    ) -> Result<(Vec<Vec<f32>>, Option<u64>), NoMask> {
-        let (mut masks, mut disagreeing) = (Vec::new(), None);
-        for (t, frame) in self.frames.iter().enumerate() {
-            let is_end = t == 0 || t + 1 == self.frames.len();
+    ) -> Result<PlayedFrames, NoMask> {
+        let mut masks = Vec::new();
+        let mut disagreeing = None;
+        for (index, frame) in self.frames.iter().enumerate() {
+            let is_end = index == 0 || index + 1 == self.frames.len();
             let playing = all_backends::select(&mut backends.playing, is_end);
             let played = self.play_frame(frame, technique, playing)?;
             masks.push(played.mask);
             disagreeing = all_backends::sum(disagreeing, played.disagreeing);
         }
-        Ok((masks, disagreeing))
+        Ok(PlayedFrames { masks, disagreeing })
     }
 
+    /// Renders one frame's mask at the first frame's receivers.
     fn play_frame(
         &self,
         frame: &MotionFrame,
         technique: &dyn ShadowTechnique,
         playing: &mut [Box<dyn Backend>],
     ) -> Result<all_backends::RenderedOnAll, NoMask> {
-        let view = View::new(&frame.camera, &frame.light, &self.case_truth.geometry);
-        let still = View {
-            camera: &self.case_truth.camera,
-            ..view
-        }
-        .with_receivers(&self.case_truth.truth.receivers);
-        let mut recipe = guard::plan(technique, &view.with_receivers(&frame.receivers))?;
+        let geometry = &self.case_truth.geometry;
+        let frame_view = View::new(&frame.camera, &frame.light, geometry);
+        let first_view = View::new(&self.case_truth.camera, &frame.light, geometry);
+        let at_frame = frame_view.with_receivers(&frame.receivers);
+        let at_first = first_view.with_receivers(&self.case_truth.truth.receivers);
+        // The map is fitted to what the frame's camera sees; the points are the first frame's.
+        let mut recipe = guard::plan(technique, &at_frame)?;
+        // Images that are drawn as the frame's camera sees them can't be read at the first camera's pixels.
         if draws_the_picture(&recipe, &frame.camera) {
-            recipe = guard::plan(technique, &still)?;
+            recipe = guard::plan(technique, &at_first)?;
         }
-        all_backends::render(playing, &still, &recipe)
+        all_backends::render(playing, &at_first, &recipe)
     }
 
-    /// How many points count.
+    /// Returns the number of points that count.
     pub fn points(&self) -> usize {
         self.marked.iter().filter(|m| **m).count()
     }
 }
 
-fn at(case_truth: &CaseTruth, motion: Motion, t: u32, count: u32, texel: f64) -> (Camera, Light) {
-    let (camera, light) = (case_truth.camera, case_truth.lights[0]);
-    let steps = f64::from(t);
+/// What a setting gives over all frames.
+struct PlayedFrames {
+    /// The first backend's mask of each frame, at the first frame's receivers.
+    masks: Vec<Vec<f32>>,
+    /// On how many decided pixels backends differ, all frames together; none if no other backend serves the technique.
+    disagreeing: Option<u64>,
+}
+
+/// Returns the camera of frame `index` of `count`; `texel` is the width of the first map's texels, metres.
+fn camera_at(case_truth: &CaseTruth, motion: Motion, index: u32, count: u32, texel: f64) -> Camera {
+    let first = &case_truth.camera;
+    let steps = f64::from(index);
     match motion {
-        Motion::Still => (camera, light),
-        Motion::Pan => (panned(&camera, steps * PAN_TEXELS * texel), light),
-        Motion::Yaw => (yawed(&camera, steps * YAW), light),
+        Motion::Still | Motion::Sun => *first,
+        Motion::Pan => panned(first, steps * PAN_TEXELS * texel),
+        Motion::Yaw => yawed(first, steps * YAW),
         Motion::Widening => {
+            // 0 at the first frame, 1 at the last.
             let part = steps / f64::from(count.max(2) - 1);
-            (
-                with_fov(&camera, WIDENING[0] + part * (WIDENING[1] - WIDENING[0])),
-                light,
-            )
+            with_fov(first, FIRST_FOV + part * (LAST_FOV - FIRST_FOV))
         }
-        Motion::Sun => (camera, turned(&light, steps * TURN)),
     }
 }
 
+/// Returns the light of frame `index`.
+fn light_at(case_truth: &CaseTruth, motion: Motion, index: u32) -> Light {
+    let first = case_truth.lights[0];
+    if motion == Motion::Sun {
+        turned(&first, f64::from(index) * TURN)
+    } else {
+        first
+    }
+}
+
+/// Returns the camera moved to its right by this many metres.
 fn panned(camera: &Camera, by: f64) -> Camera {
     let mut out = *camera;
     let right = out.world_from_view.matrix3.x_axis.as_dvec3().normalize();
@@ -232,6 +256,7 @@ fn panned(camera: &Camera, by: f64) -> Camera {
     out
 }
 
+/// Returns the camera turned about the vertical.
 fn yawed(camera: &Camera, degrees: f64) -> Camera {
     let turn = Affine3A::from_quat(Quat::from_rotation_y(degrees.to_radians() as f32));
     let mut out = *camera;
@@ -239,6 +264,7 @@ fn yawed(camera: &Camera, degrees: f64) -> Camera {
     out
 }
 
+/// Returns a directional light turned about the vertical; other lights stay.
 fn turned(light: &Light, degrees: f64) -> Light {
     match *light {
         Light::Directional {
@@ -255,40 +281,40 @@ fn turned(light: &Light, degrees: f64) -> Light {
     }
 }
 
-/// Width of a texel of the first frame's map, metres.
-fn texel(case_truth: &CaseTruth) -> Result<f64, LabError> {
+/// Returns the width of a texel of the first frame's map, metres.
+fn texel_width(case_truth: &CaseTruth) -> Result<f64, LabError> {
     let view = case_truth
         .view(&case_truth.lights[0])
         .with_receivers(&case_truth.truth.receivers);
     let spaces = Fit::Tight.light_spaces(Layout::Auto, &view, case_truth.map_size, 0.0)?;
-    let across = spaces
+    // Clip units, of which a map is 2 wide, for each metre.
+    let scale = spaces
         .spaces
         .first()
-        .map_or(1.0, |s| f64::from(s.clip_from_view.x_axis.x));
-    Ok(2.0 / (across * f64::from(case_truth.map_size)))
+        .map_or(1.0, |space| f64::from(space.clip_from_view.x_axis.x));
+    Ok(2.0 / (scale * f64::from(case_truth.map_size)))
 }
 
-/// Near an edge, and seen in every frame.
+/// Whether a point counts: it is near an edge of a shadow, and seen in every frame.
 fn is_marked(case_truth: &CaseTruth, frames: &[MotionFrame], i: usize) -> bool {
     case_truth.counts(i)
         && !case_truth.open[i]
-        && frames.iter().all(|f| is_seen(case_truth, &f.camera, i))
+        && frames
+            .iter()
+            .all(|frame| is_seen(case_truth, &frame.camera, i))
 }
 
+/// Whether a camera sees the point at pixel `i` of the first frame.
 fn is_seen(case_truth: &CaseTruth, camera: &Camera, i: usize) -> bool {
-    let (p, n) = (
-        case_truth.truth.receivers.position(i),
-        case_truth.truth.receivers.normal(i),
-    );
-    let q = camera.space().clip_from_world() * p.extend(1.0);
-    let inside = q.w > 0.0 && q.x.abs() < q.w && q.y.abs() < q.w;
-    let to_eye: Vec3 = camera.eye() - p;
-    // A thousandth of the way off the surface, so that its neighbours don't hide the point from the eye.
-    let lift = n * (1e-3 * to_eye.length());
-    inside
-        && !case_truth.geometry.bvh().occluded(
-            p + lift,
-            to_eye - lift,
-            case_truth.truth.receivers.triangle[i],
-        )
+    let receivers = &case_truth.truth.receivers;
+    let position = receivers.position(i);
+    let clip = camera.space().clip_from_world() * position.extend(1.0);
+    let is_inside = clip.w > 0.0 && clip.x.abs() < clip.w && clip.y.abs() < clip.w;
+    let to_eye: Vec3 = camera.eye() - position;
+    // The ray starts a thousandth of its length off the surface, so that neighboring triangles don't hide the point.
+    let lift = receivers.normal(i) * (1e-3 * to_eye.length());
+    let origin = position + lift;
+    let direction = to_eye - lift;
+    let bvh = case_truth.geometry.bvh();
+    is_inside && !bvh.occluded(origin, direction, receivers.triangle[i])
 }

@@ -1,17 +1,17 @@
-//! Pictures of cells: truth, mask and error side by side, or frames.
+//! Pictures of cells: truth, mask and error side by side, or a strip of frames.
 
 use super::case_truth::CaseTruth;
 use crate::{LabError, output::png};
 use glam::{UVec2, Vec3};
 
 /// Pixels between two pictures.
-const BETWEEN: usize = 4;
-/// Frames shown of a strip.
+const GAP: usize = 4;
+/// The number of frames shown in a strip.
 const FRAMES: usize = 4;
-/// What changes by this much on average is shown in full colour: a quarter of the light.
-const CHANGE: f32 = 0.25;
+/// The mean change of visibility that is shown in full color.
+const FULL_COLOR_CHANGE: f32 = 0.25;
 
-/// Truth, mask and error side by side, a PNG.
+/// Returns truth, mask and error side by side, as a PNG.
 pub(super) fn beside(case_truth: &CaseTruth, mask: &[f32]) -> Result<Vec<u8>, LabError> {
     let truth = &case_truth.truth;
     let parts = [
@@ -22,7 +22,7 @@ pub(super) fn beside(case_truth: &CaseTruth, mask: &[f32]) -> Result<Vec<u8>, La
     row(truth.size, &parts)
 }
 
-/// The first frames' masks side by side, then where they change: orange. A PNG.
+/// Returns the first frames' masks side by side, then a picture of where they change, in orange, as a PNG.
 pub(super) fn strip(
     case_truth: &CaseTruth,
     masks: &[Vec<f32>],
@@ -38,32 +38,36 @@ pub(super) fn strip(
     row(case_truth.truth.size, &parts)
 }
 
+/// Returns each pixel's color from the mean of |V_t - V_(t-1)| over all pairs of neighboring frames.
 fn changes(masks: &[Vec<f32>], marked: &[bool]) -> Vec<Vec3> {
     let pairs = masks.len().saturating_sub(1).max(1) as f32;
-    let mean = |i: usize| {
-        masks
-            .array_windows()
-            .map(|[a, b]| (a[i] - b[i]).abs())
-            .sum::<f32>()
-            / pairs
-    };
-    let color = |i: usize| {
-        let background = Vec3::splat(if marked[i] { 0.85 } else { 0.95 });
-        background.lerp(png::FALSE_LIGHT, (mean(i) / CHANGE).min(1.0))
-    };
-    (0..marked.len()).map(color).collect()
+    let mut colors = Vec::with_capacity(marked.len());
+    for (i, is_marked) in marked.iter().enumerate() {
+        let mut sum = 0.0_f32;
+        for pair in masks.windows(2) {
+            sum += (pair[0][i] - pair[1][i]).abs();
+        }
+        let mean = sum / pairs;
+        // Points that count are on a darker ground.
+        let background = Vec3::splat(if *is_marked { 0.85 } else { 0.95 });
+        let strength = (mean / FULL_COLOR_CHANGE).min(1.0);
+        colors.push(background.lerp(png::FALSE_LIGHT, strength));
+    }
+    colors
 }
 
-/// Pictures of one size in a row.
+/// Returns pictures of one size in a row, as a PNG.
 fn row(size: UVec2, parts: &[Vec<Vec3>]) -> Result<Vec<u8>, LabError> {
-    let (w, h) = (size.x as usize, size.y as usize);
-    let whole = parts.len() * (w + BETWEEN) - BETWEEN;
-    let mut colors = vec![Vec3::ONE; whole * h];
+    let part_width = size.x as usize;
+    let height = size.y as usize;
+    let width = parts.len() * (part_width + GAP) - GAP;
+    let mut colors = vec![Vec3::ONE; width * height];
     for (k, part) in parts.iter().enumerate() {
-        for y in 0..h {
-            let start = y * whole + k * (w + BETWEEN);
-            colors[start..start + w].copy_from_slice(&part[y * w..][..w]);
+        for y in 0..height {
+            let start = y * width + k * (part_width + GAP);
+            let source = &part[y * part_width..][..part_width];
+            colors[start..start + part_width].copy_from_slice(source);
         }
     }
-    png::encode(UVec2::new(whole as u32, size.y), colors.into_iter())
+    png::encode(UVec2::new(width as u32, size.y), colors.into_iter())
 }

@@ -1,4 +1,4 @@
-//! Still cases: every setting against one case's truth, on every backend.
+//! Plays still cases: one setting against a case's truth, on every backend.
 
 use super::{
     Cell, CellOutcome, Verdict, VerdictLimits, all_backends,
@@ -21,7 +21,7 @@ pub(super) struct Still<'a> {
     pub(super) limits: VerdictLimits,
 }
 
-/// A mask with what else is asked of its rendering.
+/// A mask, and what else is measured of its rendering.
 struct RenderedOnAll {
     mask: Vec<f32>,
     /// Fragments that casts draw, millions, for a picture of [`SCREEN`].
@@ -30,7 +30,7 @@ struct RenderedOnAll {
 }
 
 impl Still<'_> {
-    /// One setting's cell.
+    /// Plays one setting and returns its cell.
     pub(super) fn cell(
         &self,
         technique: &dyn ShadowTechnique,
@@ -40,41 +40,53 @@ impl Still<'_> {
             Ok(played) => played,
             Err(why) => return Ok(no_mask(technique, why)),
         };
-        let figure = match (self.case.measure, self.reference) {
-            (Measure::Fill, _) => played.fill,
-            (Measure::ScaleDrift(_), Some(reference)) => match play(reference, technique, backends)
-            {
-                Ok(at_one) => {
-                    (rmse(self.case_truth, &played.mask) - rmse(reference, &at_one.mask)).abs()
-                }
-                Err(why) => return Ok(no_mask(technique, why)),
-            },
-            (measure, _) => measure.figure(self.case_truth, &played.mask),
+        let figure = match self.figure(&played, technique, backends) {
+            Ok(figure) => figure,
+            Err(why) => return Ok(no_mask(technique, why)),
         };
         let verdict = self.limits.judge(figure);
-        let worse = verdict != Verdict::Pass;
-        let picture = worse
-            .then(|| pictures::beside(self.case_truth, &played.mask))
-            .transpose()?;
+        let picture = match verdict {
+            Verdict::Pass => None,
+            _ => Some(pictures::beside(self.case_truth, &played.mask)?),
+        };
         Ok(Cell {
             picture,
             disagreeing: played.disagreeing,
             ..cell(technique, CellOutcome::Measured { figure, verdict })
         })
     }
+
+    /// Returns the case's figure of a rendering. For a comparison with scale 1, plays the technique there, too.
+    fn figure(
+        &self,
+        played: &RenderedOnAll,
+        technique: &dyn ShadowTechnique,
+        backends: &mut Backends,
+    ) -> Result<f64, NoMask> {
+        match (self.case.measure, self.reference) {
+            (Measure::Fill, _) => Ok(played.fill),
+            (Measure::ScaleDrift(_), Some(reference)) => {
+                let at_one = play(reference, technique, backends)?;
+                let rmse_at_one = rmse(reference, &at_one.mask);
+                Ok((rmse(self.case_truth, &played.mask) - rmse_at_one).abs())
+            }
+            (measure, _) => Ok(measure.figure(self.case_truth, &played.mask)),
+        }
+    }
 }
 
+/// Returns a cell without a picture.
 pub(super) fn cell(technique: &dyn ShadowTechnique, outcome: CellOutcome) -> Cell {
-    let (technique, settings) = (technique.name().to_owned(), technique.settings());
     Cell {
-        technique,
-        settings,
+        technique: technique.name().to_owned(),
+        settings: technique.settings(),
         outcome,
         disagreeing: None,
         picture: None,
     }
 }
 
+/// Returns the cell of a setting that has no mask.
 pub(super) fn no_mask(technique: &dyn ShadowTechnique, why: NoMask) -> Cell {
     let outcome = match why {
         NoMask::Unsupported(reason) => CellOutcome::Unsupported { reason },
@@ -83,7 +95,7 @@ pub(super) fn no_mask(technique: &dyn ShadowTechnique, why: NoMask) -> Cell {
     cell(technique, outcome)
 }
 
-/// The mean mask over the case's lights on the first backend; the others must agree with it.
+/// Returns the mean mask over the case's lights on the first backend, and on how many pixels the others differ from it.
 fn play(
     case_truth: &CaseTruth,
     technique: &dyn ShadowTechnique,
@@ -97,24 +109,27 @@ fn play(
             Some(sum) => sum.plus(one),
         });
     }
-    let n = case_truth.lights.len() as f32;
     let mut all = all.ok_or_else(|| NoMask::Unsupported("there is no light".to_owned()))?;
-    all.mask.iter_mut().for_each(|v| *v /= n);
+    let light_count = case_truth.lights.len() as f32;
+    for visibility in &mut all.mask {
+        *visibility /= light_count;
+    }
     Ok(all)
 }
 
 impl RenderedOnAll {
+    /// Adds up two renderings; the mask is a sum, too.
     fn plus(mut self, other: Self) -> Self {
-        self.mask
-            .iter_mut()
-            .zip(&other.mask)
-            .for_each(|(a, b)| *a += b);
+        for (sum, visibility) in self.mask.iter_mut().zip(&other.mask) {
+            *sum += visibility;
+        }
         self.fill += other.fill;
         self.disagreeing = all_backends::sum(self.disagreeing, other.disagreeing);
         self
     }
 }
 
+/// Plays a technique under one light.
 fn under(
     light: &Light,
     case_truth: &CaseTruth,
@@ -123,17 +138,16 @@ fn under(
 ) -> Result<RenderedOnAll, NoMask> {
     let view = case_truth.view(light);
     let recipe = guard::plan(technique, &view.with_receivers(&case_truth.truth.receivers))?;
-    let all_backends::RenderedOnAll { mask, disagreeing } =
-        all_backends::render(&mut backends.playing, &view, &recipe)?;
+    let rendered = all_backends::render(&mut backends.playing, &view, &recipe)?;
     Ok(RenderedOnAll {
+        mask: rendered.mask,
         fill: fill(&recipe, &view),
-        mask,
-        disagreeing,
+        disagreeing: rendered.disagreeing,
     })
 }
 
-/// Fragments that casts draw, millions, for a picture of [`SCREEN`]: casts into images of the camera's size grow with its
-/// pixels.
+/// Returns the number of fragments that casts draw for a picture of [`SCREEN`] pixels, millions. Casts into images of the
+/// camera's size grow with its pixels.
 fn fill(recipe: &Recipe, view: &View<'_>) -> f64 {
     let covered = Work::of(view, recipe).covered as f64 * 1e-6;
     let pixels = f64::from(view.camera.size.x) * f64::from(view.camera.size.y) * 1e-6;

@@ -1,4 +1,4 @@
-//! What a row of the catalogue of failures is made of.
+//! The types of the catalogue of failures: rows and their cases.
 
 use super::measure::Measure;
 use umbrage_scenes::SceneEntry;
@@ -19,7 +19,7 @@ pub struct StabilityRow {
     pub cases: &'static [StabilityCase],
 }
 
-/// One scene, still or moving, with the measure that tells the failure.
+/// One scene, still or moving, with the measure that shows the failure.
 #[derive(Clone, Copy, Debug)]
 pub struct StabilityCase {
     /// For file names and the command line; the scene's name, and the motion if there is one.
@@ -41,18 +41,18 @@ pub struct StabilityCase {
 pub enum Motion {
     /// Nothing.
     Still,
-    /// The camera, sideways by .37 texels of the map: in a few frames edges meet texels in all phases.
+    /// The camera moves sideways by .37 texels of the map a frame: within a few frames edges have met texels in all phases.
     Pan,
-    /// The camera turns by .1 degree about the vertical.
+    /// The camera turns by .1 degree a frame about the vertical.
     Yaw,
     /// The camera's vertical field of view opens from 75 to 90 degrees.
     Widening,
-    /// The sun turns by .25 degree about the vertical.
+    /// The sun turns by .25 degree a frame about the vertical.
     Sun,
 }
 
 impl Motion {
-    /// A few words for people.
+    /// Returns a short description for people.
     pub fn label(self) -> &'static str {
         match self {
             Self::Still => "still",
@@ -77,7 +77,7 @@ impl StabilityCase {
         }
     }
 
-    /// A moving scene. Under a light that stands still nothing may change; else as much as truth does.
+    /// A moving scene. While the light stands still nothing may change; under a moving sun as much may change as in truth.
     pub(super) const fn moving(name: &'static str, scene: &'static str, motion: Motion) -> Self {
         let measure = if matches!(motion, Motion::Sun) {
             Measure::ChangeError
@@ -104,14 +104,14 @@ impl StabilityCase {
         }
     }
 
-    /// The scene in the catalogue of scenes; none only if this list has a name wrong, which a test refuses.
+    /// Returns the scene's entry in the catalogue of scenes; none if there is no scene of that name, which a test rules out.
     pub fn entry(&self) -> Option<&'static SceneEntry> {
         umbrage_scenes::find(self.scene)
     }
 }
 
 impl StabilityRow {
-    /// Whether someone who asks for `word` means this row: its number.
+    /// Whether `word` is this row's number, as `3` or `#3`.
     pub fn is_called(&self, word: &str) -> bool {
         word.trim_start_matches('#').parse() == Ok(self.number)
     }

@@ -7,7 +7,7 @@ use super::{
 };
 use glam::Vec3;
 use std::sync::Arc;
-use umbrage_core::{Fit, ShadowTechnique};
+use umbrage_core::Fit;
 use umbrage_techniques::{Bias, ConfiguredTechniques, Hard, MapFormat, Pcf, ShadowMap};
 
 /// All rows, by number.
@@ -67,17 +67,19 @@ impl StabilityRow {
     }
 }
 
+/// Returns hard shadows under each of these biases.
 fn hard(size: u32, format: MapFormat, biases: &[Bias]) -> ConfiguredTechniques {
-    let of = |&bias| {
+    let mut out: ConfiguredTechniques = Vec::new();
+    for &bias in biases {
         let map = ShadowMap {
             size,
             bias,
             format,
             ..ShadowMap::default()
         };
-        Arc::new(Hard { map }) as Arc<dyn ShadowTechnique>
-    };
-    biases.iter().map(of).collect()
+        out.push(Arc::new(Hard { map }));
+    }
+    out
 }
 
 /// Maps of 16 bits under two biases.
@@ -89,7 +91,7 @@ fn coarse(size: u32) -> ConfiguredTechniques {
     )
 }
 
-/// No bias, and those that a low sun and distance are too much for.
+/// No bias, and biases that are too small under a low sun and far from the eye.
 fn too_little(size: u32) -> ConfiguredTechniques {
     hard(
         size,
@@ -98,7 +100,7 @@ fn too_little(size: u32) -> ConfiguredTechniques {
     )
 }
 
-/// What lets light into rooms and under thin casters.
+/// Biases that let light into rooms and under thin casters.
 fn leaky(size: u32) -> ConfiguredTechniques {
     hard(
         size,
@@ -107,12 +109,12 @@ fn leaky(size: u32) -> ConfiguredTechniques {
     )
 }
 
-/// Fits that move by whole texels, for cameras that see some metres far.
+/// Fits that move by whole texels, for views a few metres deep.
 fn steady_near(size: u32) -> ConfiguredTechniques {
     steady(size, 8.0)
 }
 
-/// The same for landscapes.
+/// Fits that move by whole texels, for landscapes.
 fn steady_far(size: u32) -> ConfiguredTechniques {
     steady(size, 160.0)
 }

@@ -1,7 +1,7 @@
-//! All rows against all techniques.
+//! Plays all rows with all techniques.
 
 use super::{
-    CaseResult, Cell, CellOutcome, Stability, VerdictLimits,
+    CaseResult, CellOutcome, Stability,
     case_truth::CaseTruth,
     guard,
     measure::Measure,
@@ -56,7 +56,7 @@ impl Default for StabilityOptions {
 }
 
 impl StabilityOptions {
-    /// For a first look: small images, small maps, few frames and samples.
+    /// Returns options for a quick preview: small images, small maps, few frames and samples.
     pub fn quick() -> Self {
         let truth = TruthOptions {
             samples: 64,
@@ -74,42 +74,47 @@ impl StabilityOptions {
     }
 
     fn wants(&self, row: &StabilityRow, case: &StabilityCase) -> bool {
-        let named = |word: &String| row.is_called(word) || case.name == word || case.scene == word;
-        self.rows.is_empty() || self.rows.iter().any(named)
+        self.rows.is_empty() || self.rows.iter().any(|word| is_named(row, case, word))
     }
 
-    /// Objects to rows and techniques that don't exist.
+    fn wants_technique(&self, name: &str) -> bool {
+        self.techniques.is_empty() || self.techniques.iter().any(|t| t == name)
+    }
+
+    /// Checks that all rows and techniques exist.
     ///
     /// # Errors
-    /// The first that doesn't, with what there is.
+    /// Errors on the first name that doesn't exist; the error says what there is.
     pub fn validate(&self) -> Result<(), Invalid> {
-        let known = |word: &&String| {
-            cases()
-                .any(|(row, case)| row.is_called(word) || case.name == *word || case.scene == *word)
-        };
-        if let Some(unknown) = self.rows.iter().find(|word| !known(word)) {
-            let help = "use a row's number, 1 to 30, or the name of a case, such as thin-plate";
-            return Err(Invalid::new(
-                "row",
-                format!("there is none called `{unknown}`"),
-                help,
-            ));
+        for word in &self.rows {
+            if !cases().any(|(row, case)| is_named(row, case, word)) {
+                return Err(Invalid::new(
+                    "row",
+                    format!("there is none called `{word}`"),
+                    "use a row's number, 1 to 30, or the name of a case, such as thin-plate",
+                ));
+            }
         }
         self.registry.select(&self.techniques)?;
         Ok(())
     }
 }
 
-/// What happens, for progress bars.
+/// Whether `word` selects a case: its row's number, its own name, or its scene's.
+fn is_named(row: &StabilityRow, case: &StabilityCase, word: &str) -> bool {
+    row.is_called(word) || case.name == word || case.scene == word
+}
+
+/// Progress of a run.
 #[derive(Clone, Copy, Debug)]
 pub enum StabilityEvent<'a> {
-    /// A case begins: its place among all that are played.
+    /// A case begins.
     Case {
         /// Its name.
         name: &'a str,
-        /// Its place, from 0.
+        /// Its index among all that are played, from 0.
         index: usize,
-        /// How many there are.
+        /// The number of all that are played.
         of: usize,
     },
     /// A case has ended.
@@ -119,12 +124,12 @@ pub enum StabilityEvent<'a> {
     },
 }
 
-/// Plays all rows wanted on all backends; of moving rows, all but the first backend play the first and the last frame. What
-/// fails as it is known to is a result; what must not happen (NaN, a panic, a validation error, backends that disagree) is
-/// listed in [`Stability::faults`].
+/// Plays the chosen rows on all backends; of moving rows, all but the first backend play only the first and the last frame. A
+/// technique that fails a row is a result. What must never happen (NaN, a panic, a validation error, backends that disagree)
+/// is listed in [`Stability::faults`].
 ///
 /// # Errors
-/// For unknown names, without a backend, and when a scene can't be used.
+/// Errors if a name is unknown, there is no backend, or a scene can't be used.
 pub fn run(
     options: &StabilityOptions,
     backends: &mut Backends,
@@ -167,28 +172,31 @@ pub fn run(
     Ok(out)
 }
 
+/// Whether two cases begin with the same view of the same scene: only a widening motion changes the first camera
+/// ([`first_camera`]).
 fn has_same_truth(a: &StabilityCase, b: &StabilityCase) -> bool {
-    let widens = |c: &StabilityCase| c.motion == Motion::Widening;
-    a.scene == b.scene && a.lights == b.lights && widens(a) == widens(b)
+    let a_widens = a.motion == Motion::Widening;
+    let b_widens = b.motion == Motion::Widening;
+    a.scene == b.scene && a.lights == b.lights && a_widens == b_widens
 }
 
-/// Truth of a case's scene.
+/// Traces truth about a scene, seen and lit as a case says.
 ///
 /// # Errors
-/// When the scene doesn't exist or can't be used.
+/// Errors if the scene doesn't exist or can't be used.
 pub fn case_truth(
     case: &StabilityCase,
     scene: &str,
     options: &StabilityOptions,
 ) -> Result<CaseTruth, LabError> {
-    let unknown = || {
+    let entry = umbrage_scenes::find(scene).ok_or_else(|| {
         Invalid::new(
             "scene",
             format!("there is none called `{scene}`"),
             "use a built-in one",
         )
-    };
-    let scene = (umbrage_scenes::find(scene).ok_or_else(unknown)?.build)();
+    })?;
+    let scene = (entry.build)();
     let camera = first_camera(&scene.cameras[0].resized(options.size), case.motion);
     let lights = scene.lights.iter().take(case.lights).copied().collect();
     CaseTruth::new(scene, camera, lights, options.map_size, &options.truth)
@@ -201,21 +209,28 @@ fn play_case(
     options: &StabilityOptions,
     backends: &mut Backends,
 ) -> Result<CaseResult, LabError> {
-    let chosen = chosen(case, options);
-    let (limits, cells) = if case.motion == Motion::Still {
-        let limits = case.measure.limits(case_truth);
-        (
+    let techniques = techniques_of(case, options);
+    let limits;
+    let mut cells = Vec::new();
+    if case.motion == Motion::Still {
+        limits = case.measure.limits(case_truth);
+        let reference = reference(case, options)?;
+        let still = Still {
+            case,
+            case_truth,
+            reference: reference.as_ref(),
             limits,
-            still_cells(case, case_truth, limits, &chosen, options, backends)?,
-        )
+        };
+        for technique in &techniques {
+            cells.push(still.cell(&**technique, backends)?);
+        }
     } else {
         let moving = Moving::new(case_truth, case.motion, options.frames, &options.truth)?;
-        let cells = chosen
-            .iter()
-            .map(|t| moving.cell(&**t, case.measure, backends))
-            .collect::<Result<_, _>>()?;
-        (moving.limits(case.measure), cells)
-    };
+        limits = moving.limits(case.measure);
+        for technique in &techniques {
+            cells.push(moving.cell(&**technique, case.measure, backends)?);
+        }
+    }
     Ok(CaseResult {
         row: row.number,
         title: row.title.to_owned(),
@@ -233,72 +248,67 @@ fn play_case(
     })
 }
 
-/// Objects to no backend at all.
+/// Errors if there is no backend.
 pub(super) fn some_backend(backends: &Backends) -> Result<(), Invalid> {
-    let none = || Invalid::new("stability", "has no backend", "open at least one");
     if backends.playing.is_empty() {
-        Err(none())
-    } else {
-        Ok(())
+        return Err(Invalid::new(
+            "stability",
+            "has no backend",
+            "open at least one",
+        ));
     }
+    Ok(())
 }
 
-/// The settings of a case.
-fn chosen(case: &StabilityCase, options: &StabilityOptions) -> ConfiguredTechniques {
-    let mut chosen = settings(
+/// Returns the settings that a case is played with: those of the registry, then the case's own.
+fn techniques_of(case: &StabilityCase, options: &StabilityOptions) -> ConfiguredTechniques {
+    let mut out = settings(
         &options.registry,
         &options.techniques,
         options.map_size,
         Fit::Tight,
     );
-    let extra = case.extra.map_or_else(Vec::new, |f| f(options.map_size));
-    let wanted =
-        |name: &str| options.techniques.is_empty() || options.techniques.iter().any(|t| t == name);
-    chosen.extend(extra.into_iter().filter(|t| wanted(t.name())));
-    chosen
+    if let Some(extra) = case.extra {
+        let wanted = extra(options.map_size)
+            .into_iter()
+            .filter(|technique| options.wants_technique(technique.name()));
+        out.extend(wanted);
+    }
+    out
 }
 
-fn still_cells(
+/// Returns truth about the scene that a case is compared with, if its measure needs one: the same scene at scale 1.
+fn reference(
     case: &StabilityCase,
-    case_truth: &CaseTruth,
-    limits: VerdictLimits,
-    chosen: &ConfiguredTechniques,
     options: &StabilityOptions,
-    backends: &mut Backends,
-) -> Result<Vec<Cell>, LabError> {
-    let at_one = match case.measure {
-        Measure::ScaleDrift(scene) => Some(self::case_truth(case, scene, options)?),
-        _ => None,
-    };
-    let still = Still {
-        case,
-        case_truth,
-        reference: at_one.as_ref(),
-        limits,
-    };
-    chosen
-        .iter()
-        .map(|technique| still.cell(&**technique, backends))
-        .collect()
+) -> Result<Option<CaseTruth>, LabError> {
+    match case.measure {
+        Measure::ScaleDrift(scene) => case_truth(case, scene, options).map(Some),
+        _ => Ok(None),
+    }
 }
 
+/// Returns a message for each cell that shows what must never happen.
 fn faults(result: &CaseResult) -> Vec<String> {
-    let name = |cell: &Cell| format!("{}: {} ({})", result.case, cell.technique, cell.settings);
-    let of = |cell: &Cell| match (&cell.outcome, cell.disagreeing) {
-        (CellOutcome::Fault { what }, _) => Some(format!("{}: {what}", name(cell))),
-        (_, Some(n)) if n > 0 => Some(format!(
-            "{}: backends differ on {n} decided pixels",
-            name(cell)
-        )),
-        _ => None,
-    };
-    result.cells.iter().filter_map(of).collect()
+    let mut out = Vec::new();
+    for cell in &result.cells {
+        let name = format!("{}: {} ({})", result.case, cell.technique, cell.settings);
+        if let CellOutcome::Fault { what } = &cell.outcome {
+            out.push(format!("{name}: {what}"));
+            continue;
+        }
+        match cell.disagreeing {
+            None | Some(0) => {}
+            Some(n) => out.push(format!("{name}: backends differ on {n} decided pixels")),
+        }
+    }
+    out
 }
 
-/// Compares backends that have played with fresh ones, by kind: a fault for each that gives another picture.
+/// Compares backends that have played with fresh ones of the same kind. Returns a message for each whose picture differs.
 ///
 /// # Errors
-/// When a control can't be played.
+/// Errors if the picture can't be played.
 pub fn check_state(
     used: &mut [Box<dyn Backend>],
     fresh: &mut [Box<dyn Backend>],

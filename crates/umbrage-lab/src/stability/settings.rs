@@ -1,41 +1,51 @@
-//! Which settings of each technique the matrix shows.
+//! Chooses the settings of each technique that the matrix shows.
 
 use std::sync::Arc;
 use umbrage_core::{Fit, ShadowTechnique};
 use umbrage_techniques::{ConfiguredTechniques, Techniques};
 
-/// One or two settings of every technique of the registry (or of those named): the textbooks' (a slope bias or a polygon
-/// offset, else the first listed), and the best behaved (the last that follows the receiver's plane, else the last).
+/// Returns one or two settings of every technique of the registry (or of those named): the one that textbooks have (the first
+/// with a slope bias or a polygon offset, else the first), and the one with fewest artifacts (the last whose bias follows the
+/// receiver's plane, else the last).
 pub fn settings(
     registry: &Techniques,
     techniques: &[String],
     map_size: u32,
     fit: Fit,
 ) -> ConfiguredTechniques {
-    let wanted = |name: &str| techniques.is_empty() || techniques.iter().any(|t| t == name);
-    let entries = registry.all().iter().filter(|e| wanted(e.name));
-    entries
-        .flat_map(|e| two_of((e.settings)(&[map_size], fit)))
-        .collect()
+    let mut out = Vec::new();
+    for entry in registry.all() {
+        if techniques.is_empty() || techniques.iter().any(|name| name == entry.name) {
+            let all = (entry.settings)(&[map_size], fit);
+            out.extend(one_or_two_of(&all));
+        }
+    }
+    out
 }
 
-fn two_of(all: ConfiguredTechniques) -> ConfiguredTechniques {
-    let says = |t: &Arc<dyn ShadowTechnique>, word: &str| t.settings().contains(word);
+/// Returns the textbooks' setting and, if it differs, the one with fewest artifacts.
+fn one_or_two_of(all: &[Arc<dyn ShadowTechnique>]) -> ConfiguredTechniques {
     let textbook = all
         .iter()
-        .find(|t| says(t, "slope") || says(t, "polygon offset"))
+        .find(|t| has_word(&***t, "slope") || has_word(&***t, "polygon offset"))
         .or(all.first());
     let best = all
         .iter()
         .rev()
-        .find(|t| says(t, "receiver plane"))
+        .find(|t| has_word(&***t, "receiver plane"))
         .or(all.last());
-    let mut out: ConfiguredTechniques = textbook.into_iter().cloned().collect();
-    out.extend(
-        best.filter(|b| out.iter().all(|t| t.settings() != b.settings()))
-            .cloned(),
-    );
-    out
+    let (Some(textbook), Some(best)) = (textbook, best) else {
+        return Vec::new();
+    };
+    if textbook.settings() == best.settings() {
+        vec![textbook.clone()]
+    } else {
+        vec![textbook.clone(), best.clone()]
+    }
+}
+
+fn has_word(technique: &dyn ShadowTechnique, word: &str) -> bool {
+    technique.settings().contains(word)
 }
 
 #[cfg(test)]
@@ -57,15 +67,9 @@ mod tests {
                 entry.name
             );
         }
-        let hard: Vec<String> = settings(
-            &Techniques::built_in(),
-            &["hard".to_owned()],
-            256,
-            Fit::Tight,
-        )
-        .iter()
-        .map(|t| t.settings())
-        .collect();
+        let names = ["hard".to_owned()];
+        let of_hard = settings(&Techniques::built_in(), &names, 256, Fit::Tight);
+        let hard: Vec<String> = of_hard.iter().map(|t| t.settings()).collect();
         assert!(
             hard.len() == 2 && hard[0].contains("slope") && hard[1].contains("receiver plane"),
             "{hard:?}"

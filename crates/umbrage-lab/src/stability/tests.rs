@@ -147,15 +147,12 @@ fn without_casters_no_shadow_is_left() {
         assert!(case_truth.truth.has_shadow(), "{name}: nothing to see");
         let bare = case_truth.geometry.without_casters();
         for light in &case_truth.lights {
-            let find = &mut |c: &umbrage_core::Camera, g: &umbrage_core::Geometry| {
-                Cpu::new().receivers(c, g)
-            };
             let truth = truth::trace(
                 &case_truth.camera,
                 light,
                 &bare,
                 &options.truth,
-                find,
+                &mut |camera, geometry| Cpu::new().receivers(camera, geometry),
                 &|_, _| {},
             )
             .expect("valid");
@@ -257,8 +254,8 @@ fn relief_that_the_map_lacks_leaves_joints_lit() {
     let whole = case_truth_of(case("displaced-wall"), &small());
     let split = case_truth_of(case("relief-without-depth-pass"), &small());
     let technique = hard(Bias::ADAPTIVE);
-    let [with, without] =
-        [&whole, &split].map(|case_truth| false_light(&whole, &mask(case_truth, &*technique)));
+    let with = false_light(&whole, &mask(&whole, &*technique));
+    let without = false_light(&whole, &mask(&split, &*technique));
     assert!(
         without > 3.0 * with && without > 1.0,
         "{with} % with the relief, {without} % without"
@@ -273,19 +270,18 @@ fn a_bias_along_shading_normals_spoils_a_flat_wall() {
         .truth
         .receivers;
     let mut bent = flat.truth.receivers.clone();
-    (bent.nx, bent.ny, bent.nz) = (relief.nx, relief.ny, relief.nz);
+    bent.nx = relief.nx;
+    bent.ny = relief.ny;
+    bent.nz = relief.nz;
     let technique = hard(Bias::ADAPTIVE);
-    let play = |receivers: &umbrage_core::Receivers| {
-        let recipe = technique
-            .recipe(&flat.view(&flat.lights[0]).with_receivers(receivers))
-            .expect("supported");
+    let rmse_with = |receivers: &umbrage_core::Receivers| {
         let view = flat.view(&flat.lights[0]).with_receivers(receivers);
-        Measure::Rmse.figure(
-            &flat,
-            &Cpu::new().render(&view, &recipe).expect("plays").mask,
-        )
+        let recipe = technique.recipe(&view).expect("supported");
+        let shadows = Cpu::new().render(&view, &recipe).expect("plays");
+        Measure::Rmse.figure(&flat, &shadows.mask)
     };
-    let [geometric, shading] = [play(&flat.truth.receivers), play(&bent)];
+    let geometric = rmse_with(&flat.truth.receivers);
+    let shading = rmse_with(&bent);
     assert!(
         shading > 1.2 * geometric,
         "{geometric} along geometric normals, {shading} along shading normals"
@@ -376,16 +372,10 @@ fn panning_shimmers_on_a_tight_fit_and_not_when_traced() {
     };
     let mut backends = Backends::of(vec![Box::new(Cpu::new())]);
     let stability = run(&options, &mut backends, &mut |_| {}).expect("plays");
-    let of = |name: &str| {
-        stability.cases[0]
-            .cells
-            .iter()
-            .filter(|c| c.technique == name)
-            .collect::<Vec<_>>()
-    };
-    let (stable, tight): (Vec<_>, Vec<_>) = of("hard")
-        .into_iter()
-        .partition(|c| c.settings.contains("stable fit"));
+    let cells = &stability.cases[0].cells;
+    let hard = cells.iter().filter(|c| c.technique == "hard");
+    let mut traced = cells.iter().filter(|c| c.technique == "traced");
+    let (stable, tight): (Vec<_>, Vec<_>) = hard.partition(|c| c.settings.contains("stable fit"));
     assert!(
         tight
             .iter()
@@ -395,13 +385,13 @@ fn panning_shimmers_on_a_tight_fit_and_not_when_traced() {
         stable.len() == 2 && stable.iter().all(|c| c.figure() == Some(0.0)),
         "{stable:?}"
     );
-    assert!(of("traced").iter().all(|c| c.figure() == Some(0.0)));
+    assert!(traced.all(|c| c.figure() == Some(0.0)));
     assert!(stability.faults.is_empty());
 }
 
 /// Runs one moving case with one technique beside a second backend that errs in its `k`th rendering, from 1; 0 for never.
-/// Returns the disagreement, what must not be, and how often the second one played.
-fn beside_a_cheat(k: u32) -> (Option<u64>, Vec<String>, u32) {
+/// Returns the disagreement, the faults, and how often the second backend played.
+fn beside_a_faulty_backend(k: u32) -> (Option<u64>, Vec<String>, u32) {
     let options = StabilityOptions {
         rows: vec!["fence-pan".to_owned()],
         techniques: vec!["traced".to_owned()],
@@ -409,12 +399,12 @@ fn beside_a_cheat(k: u32) -> (Option<u64>, Vec<String>, u32) {
     };
     let played = Arc::new(AtomicU32::new(0));
     let count = played.clone();
-    let cheat = FaultyBackend::new(move |shadows: &mut Shadows| {
+    let faulty = FaultyBackend::new(move |shadows: &mut Shadows| {
         if count.fetch_add(1, Ordering::Relaxed) + 1 == k {
             darken_one(shadows);
         }
     });
-    let mut backends = Backends::of(vec![Box::new(Cpu::new()), Box::new(cheat)]);
+    let mut backends = Backends::of(vec![Box::new(Cpu::new()), Box::new(faulty)]);
     let Stability { cases, faults, .. } = run(&options, &mut backends, &mut |_| {}).expect("plays");
     (
         cases[0].cells[0].disagreeing,
@@ -425,14 +415,14 @@ fn beside_a_cheat(k: u32) -> (Option<u64>, Vec<String>, u32) {
 
 #[test]
 fn moving_rows_play_their_first_and_last_frame_on_every_backend() {
-    let (disagreeing, faults, played) = beside_a_cheat(0);
+    let (disagreeing, faults, played) = beside_a_faulty_backend(0);
     let settings = played / 2;
     assert!(
         disagreeing == Some(0) && faults.is_empty() && played == 2 * settings && settings > 0,
         "{faults:?}"
     );
     for k in [1, 2] {
-        let (disagreeing, faults, _) = beside_a_cheat(k);
+        let (disagreeing, faults, _) = beside_a_faulty_backend(k);
         assert!(
             disagreeing == Some(1) && faults.len() == 1,
             "frame {k} of 2: {faults:?}"
@@ -444,7 +434,7 @@ fn moving_rows_play_their_first_and_last_frame_on_every_backend() {
     }
 }
 
-/// Holds nothing.
+/// A backend for which every map is too large.
 #[derive(Debug)]
 struct Tiny;
 
@@ -467,28 +457,20 @@ impl Backend for Tiny {
     }
 }
 
-/// What another backend can't hold takes no figure from the first one, and no check from the rest.
+/// A backend that serves nothing changes no figure of the first one, and doesn't keep the rest from being checked.
 #[test]
 fn backends_that_serve_nothing_are_left_out() {
-    let played = |rows: &[&str], playing: Vec<Box<dyn Backend>>| {
-        let [rows, techniques] =
-            [rows, &["hard"]].map(|names| names.iter().map(|n| (*n).to_owned()).collect());
-        let options = StabilityOptions {
-            rows,
-            techniques,
-            ..small()
-        };
-        run(&options, &mut Backends::of(playing), &mut |_| {})
-            .expect("plays")
-            .cases
+    let options = StabilityOptions {
+        rows: vec!["fence-pan".to_owned(), "thin-plate".to_owned()],
+        techniques: vec!["hard".to_owned()],
+        ..small()
     };
     let cpu = || Box::new(Cpu::new()) as Box<dyn Backend>;
-    let cheat = || Box::new(FaultyBackend::new(darken_one)) as Box<dyn Backend>;
-    let cells = |playing| -> Vec<Cell> {
-        played(&["fence-pan", "thin-plate"], playing)
-            .into_iter()
-            .flat_map(|case| case.cells)
-            .collect()
+    let faulty = || Box::new(FaultyBackend::new(darken_one)) as Box<dyn Backend>;
+    let cells = |playing: Vec<Box<dyn Backend>>| -> Vec<Cell> {
+        let mut backends = Backends::of(playing);
+        let stability = run(&options, &mut backends, &mut |_| {}).expect("plays");
+        stability.cases.into_iter().flat_map(|c| c.cells).collect()
     };
     let alone = cells(vec![cpu()]);
     assert!(
@@ -505,7 +487,7 @@ fn backends_that_serve_nothing_are_left_out() {
         outcomes(&cells(vec![cpu(), Box::new(Tiny)])),
         outcomes(&alone)
     );
-    let checked = cells(vec![cpu(), Box::new(Tiny), cheat()]);
+    let checked = cells(vec![cpu(), Box::new(Tiny), faulty()]);
     for (cell, alone) in checked.iter().zip(&alone) {
         assert_eq!(cell.figure(), alone.figure());
         assert_eq!(
@@ -567,25 +549,14 @@ fn what_stands_still_under_a_turning_sun_fails() {
         .expect("plays")
         .cases
         .remove(0);
-    let verdicts = |name: &str| -> Vec<Option<Verdict>> {
-        result
-            .cells
-            .iter()
-            .filter(|c| c.technique == name)
-            .map(Cell::verdict)
-            .collect()
-    };
-    let [none, traced] = ["none", "traced"].map(verdicts);
-    assert!(
-        !none.is_empty() && none.iter().all(|v| *v == Some(Verdict::Fails)),
-        "{:?}",
-        result.cells
-    );
-    assert!(
-        !traced.is_empty() && traced.iter().all(|v| *v == Some(Verdict::Pass)),
-        "{:?}",
-        result.cells
-    );
+    for (name, expected) in [("none", Verdict::Fails), ("traced", Verdict::Pass)] {
+        let of_name = result.cells.iter().filter(|c| c.technique == name);
+        let verdicts: Vec<Option<Verdict>> = of_name.map(Cell::verdict).collect();
+        assert!(
+            !verdicts.is_empty() && verdicts.iter().all(|v| *v == Some(expected)),
+            "{name}: {verdicts:?}"
+        );
+    }
 }
 
 /// However slow the movement, standing still is worse than what passes.
@@ -598,13 +569,11 @@ fn limits_of_slow_movement_are_below_standing_still() {
         .expect("a built-in scene");
     // Truth that moves a hundred times more slowly.
     let first = moving.truth[0].clone();
-    let slower = |frame: &mut Vec<f32>| {
-        frame
-            .iter_mut()
-            .zip(&first)
-            .for_each(|(v, f)| *v = f + (*v - f) / 100.0)
-    };
-    moving.truth.iter_mut().for_each(slower);
+    for frame in &mut moving.truth {
+        for (visibility, at_first) in frame.iter_mut().zip(&first) {
+            *visibility = at_first + (*visibility - at_first) / 100.0;
+        }
+    }
     let still = moving.figure(case.measure, &vec![first.clone(); moving.truth.len()]);
     let limits = moving.limits(case.measure);
     assert!(

@@ -1,8 +1,8 @@
-//! A map's texels as they lie on receivers: what a perfect map would answer, and how far edges are in texels.
+//! A map's texels projected onto receivers: what a perfect map would show, and how far edges are in texels.
 //!
-//! A receiver is seen through the texel that it falls on. A *perfect map* holds, at each texel's centre, the exact
-//! answer for the receiver's own plane; it has no acne, no gap and no leak, and yet edges run along its texels. Its error
-//! is what edge aliasing alone must cause at that size, and so the yardstick for all that are limited by it.
+//! A map stores one value a texel, at its center. A *perfect map* holds there the exact visibility of the point where the light's
+//! ray through the center meets the receiver's own plane. It has no acne, no gap and no leak, and yet its shadow edges run along
+//! texels. Its error is what edge aliasing alone causes at that size, and so the reference for measures that aliasing bounds.
 
 use glam::{DMat4, DVec2, DVec3, Vec3};
 use umbrage_core::{Geometry, Invalid, Light, LightSpace, LightSpaces, Receivers, light_sample};
@@ -39,11 +39,11 @@ impl ClipSpace {
     }
 }
 
-/// Planes that the light meets at a smaller sine than this have no footprint worth the name.
+/// Planes whose sine of the angle to the light's ray is at most this have no usable footprint: a small step on the map is an
+/// endless one on the plane.
 const GRAZING: f64 = 1e-6;
 
 impl Texels {
-    /// Texels of maps of `size` texels a side that lie so.
     /// Returns the texels of maps of `size` texels a side in these light spaces.
     pub fn new(spaces: &LightSpaces, size: u32) -> Self {
         Self {
@@ -105,18 +105,17 @@ impl Texels {
             .iter()
             .map(|&(i, position)| point_at(&any, receivers, i, position))
             .collect();
+        let traced = trace_points(geometry, light, &points, options)?;
         let mut out = vec![None; receivers.len()];
-        for ((i, p), seen) in places
-            .into_iter()
-            .zip(trace_points(geometry, light, &points, options)?)
-        {
-            out[i] = Some((p, seen));
+        for ((i, position), truth) in places.into_iter().zip(traced) {
+            out[i] = Some((position, truth));
         }
         Ok(out)
     }
 }
 
-/// A receiver's point, elsewhere on its plane; `any` is any point of the geometry.
+/// Returns receiver `i` as a point to be traced, moved to another position on its plane. `any` is any point of the same
+/// geometry; what is the same for all points is copied from it.
 pub(super) fn point_at(
     any: &ReceiverPoint,
     receivers: &Receivers,
@@ -157,7 +156,7 @@ pub(super) fn within(p: Vec3, q: Vec3, triangle: [Vec3; 3]) -> Vec3 {
     p + (q - p) * share
 }
 
-/// To the middle of the texel: what a perfect map does.
+/// Returns the center of the texel that a place lies in, both in texels.
 pub fn to_center(texel: DVec2) -> DVec2 {
     texel.floor() + 0.5
 }

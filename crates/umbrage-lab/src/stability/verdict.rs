@@ -1,8 +1,8 @@
-//! Pass, degraded or fails.
+//! Verdicts (pass, degraded, fails) and the limits between them.
 
 use serde::{Deserialize, Serialize};
 
-/// What a figure means against its limits.
+/// A figure judged against its limits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
@@ -15,7 +15,7 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// A sign that reads without colour.
+    /// Returns a sign that reads without color.
     pub fn sign(self) -> char {
         match self {
             Self::Pass => '✓',
@@ -24,7 +24,7 @@ impl Verdict {
         }
     }
 
-    /// One word.
+    /// Returns the verdict as one word.
     pub fn word(self) -> &'static str {
         match self {
             Self::Pass => "pass",
@@ -34,11 +34,11 @@ impl Verdict {
     }
 }
 
-/// How much worse than a pass may be before it is a failure: as much as a map of a quarter of the side, on which edges,
-/// gaps and displacements are four times as wide.
+/// The limit of failure over the limit of a pass. On a map with a quarter of the side, edges, gaps and displacements are four
+/// times as wide.
 pub const FAILS_AT: f64 = 4.0;
 
-/// Where a figure stops to pass and where it begins to fail, in the measure's unit. Smaller is better everywhere.
+/// The figures up to which a case passes and above which it fails, in the measure's unit. Smaller figures are better.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct VerdictLimits {
     /// At most this passes.
@@ -48,14 +48,14 @@ pub struct VerdictLimits {
 }
 
 impl VerdictLimits {
-    /// Given limits.
+    /// Returns these limits.
     pub const fn new(pass: f64, fails: f64) -> Self {
         Self { pass, fails }
     }
 
-    /// For what edge aliasing alone must cause on a map: passes up to twice what a perfect map of the same size shows
-    /// (see [`CaseTruth::ideal`](super::CaseTruth)), so that a kernel may blur edges by a few texels, plus the smallest step
-    /// that is visible; fails above [`FAILS_AT`] times that.
+    /// Returns limits for errors that edge aliasing alone causes on any map. A pass has up to twice the figure of a perfect map
+    /// of the same size, `ideal` (see [`CaseTruth::ideal`](super::CaseTruth)), so that a kernel may blur edges by a few texels,
+    /// plus the smallest visible step; more than [`FAILS_AT`] times that fails.
     pub fn over_ideal(ideal: f64, visible: f64) -> Self {
         let pass = 2.0 * ideal + visible;
         Self {
@@ -64,8 +64,8 @@ impl VerdictLimits {
         }
     }
 
-    /// No looser than what no shadow at all shows, `none`: a pass has at most half of that, and more than three quarters
-    /// fail, however coarse the map.
+    /// Returns limits that are no looser than the figure of no shadow at all, `none`, allows: a pass has at most half of that,
+    /// and more than three quarters of it fail, however coarse the map.
     pub fn below(self, none: f64) -> Self {
         if none > 0.0 {
             Self {
@@ -77,7 +77,7 @@ impl VerdictLimits {
         }
     }
 
-    /// The verdict. Figures that are not finite fail.
+    /// Judges a figure. Figures that are not finite fail.
     pub fn judge(&self, figure: f64) -> Verdict {
         if figure <= self.pass {
             Verdict::Pass

@@ -1,4 +1,4 @@
-//! All effects on one page that needs no other file.
+//! Writes all effects into one self-contained page.
 
 use super::{Effect, PlayedEffect, Preset, Side};
 use crate::output::html::{data_uri, document, escape};
@@ -17,7 +17,7 @@ td, th { padding: 0 1rem 0 0; text-align: left; font-weight: normal; } th { colo
 
 const TITLE: &str = "The textbooks' shadow effects";
 
-/// The page. `backends` are their full names.
+/// Returns the page. `backends` are their full names.
 pub fn html(rows: &[(&Effect, PlayedEffect)], backends: &[String]) -> String {
     let mut body = format!(
         "<h1>{TITLE}</h1>\n\
@@ -46,6 +46,7 @@ fn section(effect: &Effect, played: &PlayedEffect) -> String {
     format!("{head}<div class=pair>\n{left}{right}</div>\n{worse}</section>\n")
 }
 
+/// Returns one half of an effect; mean errors that are less than those of `than` are marked as better.
 fn figure(preset: &Preset, side: &Side, than: Option<&Side>) -> String {
     let label = preset.label;
     let technique = (preset.technique)();

@@ -14,7 +14,7 @@ use umbrage_core::{Scene, ShadowTechnique};
 /// A scene with a technique.
 #[derive(Clone, Copy, Debug)]
 pub struct Preset {
-    /// What is chosen here, in a few words: `constant bias .05`.
+    /// A short description of the settings: `constant bias .05`.
     pub label: &'static str,
     /// Builds the scene.
     pub scene: fn() -> Scene,

@@ -1,12 +1,9 @@
-//! Measuring and picturing an effect.
+//! Measures an effect and renders its pictures.
 
 use super::{Effect, Preset};
 use crate::{LabError, color, output::png};
 use glam::UVec2;
-use umbrage_core::{
-    Backend, Invalid, RecipeError, Shadows,
-    metrics::{Errors, Pixel},
-};
+use umbrage_core::{Backend, Invalid, RecipeError, Shadows, metrics::Errors};
 use umbrage_cpu::Cpu;
 use umbrage_plan::truth::{self, TruthOptions};
 
@@ -24,9 +21,9 @@ pub struct PlayedEffect {
 pub struct Side {
     /// Image size, pixels.
     pub size: UVec2,
-    /// The colour picture of the first backend, a PNG.
+    /// The color picture of the first backend, a PNG.
     pub picture: Vec<u8>,
-    /// Its error against truth, a PNG: see [`png::error`].
+    /// The error of the first backend's mask against truth, a PNG: see [`png::error`].
     pub error: Vec<u8>,
     /// For each backend its kind, and its mask's errors against truth.
     pub errors: Vec<(&'static str, Errors)>,
@@ -37,7 +34,7 @@ pub struct Side {
 /// Plays both halves on all backends.
 ///
 /// # Errors
-/// When a preset's scene is missing or its technique doesn't serve it, or a backend fails.
+/// Errors if a preset's scene is missing or its technique doesn't serve it, or a backend fails.
 pub fn play(effect: &Effect, backends: &mut [Box<dyn Backend>]) -> Result<PlayedEffect, LabError> {
     Ok(PlayedEffect {
         fault: side(&effect.fault, backends)?,
@@ -45,19 +42,11 @@ pub fn play(effect: &Effect, backends: &mut [Box<dyn Backend>]) -> Result<Played
     })
 }
 
+/// Plays one half on all backends.
 fn side(preset: &Preset, backends: &mut [Box<dyn Backend>]) -> Result<Side, LabError> {
-    let fault = |why: String| {
-        Invalid::new(
-            format!("preset `{}`", preset.label),
-            why,
-            "choose another scene or technique",
-        )
-    };
     let scene = (preset.scene)();
-    let stage = color::Stage::new(
-        &scene,
-        umbrage_scenes::find(&scene.name).and_then(|entry| entry.fit),
-    )?;
+    let fit = umbrage_scenes::find(&scene.name).and_then(|entry| entry.fit);
+    let stage = color::Stage::new(&scene, fit)?;
     let view = stage.view()?;
     // Coarser than a comparison's truth: the gallery shows faults, not thousandths.
     let options = TruthOptions {
@@ -66,46 +55,57 @@ fn side(preset: &Preset, backends: &mut [Box<dyn Backend>]) -> Result<Side, LabE
     };
     let geometry = view
         .geometry
-        .ok_or_else(|| fault("has no triangles".to_owned()))?;
+        .ok_or_else(|| unusable(preset, "has no triangles"))?;
     let mut finder = Cpu::new();
     let truth = truth::trace(
         view.camera,
         view.light,
         geometry,
         &options,
-        &mut |c, g| finder.receivers(c, g),
+        &mut |camera, geometry| finder.receivers(camera, geometry),
         &|_, _| {},
     )?;
     let recipe = match stage.recipe(&*(preset.technique)(), &truth.receivers) {
-        Err(RecipeError::Unsupported(why)) => return Err(fault(why).into()),
+        Err(RecipeError::Unsupported(why)) => return Err(unusable(preset, &why).into()),
         planned => planned?,
     };
-    let played: Vec<(&'static str, Shadows)> = backends
-        .iter_mut()
-        .map(|b| Ok((b.kind(), b.render(&view, &recipe)?)))
-        .collect::<Result<_, LabError>>()?;
-    let measure =
-        |s: &Shadows| Errors::measure(truth.size, &s.mask, &truth.visibility, &truth.pixels);
-    let errors = played
-        .iter()
-        .map(|(kind, s)| Ok((*kind, measure(s)?)))
-        .collect::<Result<_, LabError>>()?;
-    let Some((_, first)) = played.first() else {
+    let mut played: Vec<Shadows> = Vec::new();
+    let mut errors = Vec::new();
+    for backend in backends {
+        let shadows = backend.render(&view, &recipe)?;
+        let of_mask = Errors::measure(truth.size, &shadows.mask, &truth.visibility, &truth.pixels)?;
+        errors.push((backend.kind(), of_mask));
+        played.push(shadows);
+    }
+    let Some(first) = played.first() else {
         return Err(Invalid::new("gallery", "has no backend", "open at least one").into());
     };
-    let color = color::png(truth.size, first).ok_or_else(|| fault("gave no picture".to_owned()))?;
+    let color = color::png(truth.size, first).ok_or_else(|| unusable(preset, "gave no picture"))?;
     Ok(Side {
         size: truth.size,
         picture: color?,
         error: png::error(truth.size, &first.mask, &truth.visibility, &truth.pixels)?,
         errors,
-        differing: differing(&played, &truth.pixels),
+        differing: differing(first, &played),
     })
 }
 
-/// Pixels on which not all backends agree to the bit.
-fn differing(played: &[(&'static str, Shadows)], pixels: &[Pixel]) -> u64 {
-    let masks = || played.iter().map(|(_, s)| &s.mask);
-    let differs = |i: &usize| masks().any(|m| masks().any(|n| m[*i].to_bits() != n[*i].to_bits()));
-    (0..pixels.len()).filter(differs).count() as u64
+fn unusable(preset: &Preset, why: &str) -> Invalid {
+    Invalid::new(
+        format!("preset `{}`", preset.label),
+        why,
+        "choose another scene or technique",
+    )
+}
+
+/// Returns the number of pixels on which any backend's mask differs from the first's in any bit.
+fn differing(first: &Shadows, played: &[Shadows]) -> u64 {
+    let mut count = 0;
+    for (i, visibility) in first.mask.iter().enumerate() {
+        let differs = played
+            .iter()
+            .any(|shadows| shadows.mask[i].to_bits() != visibility.to_bits());
+        count += u64::from(differs);
+    }
+    count
 }

@@ -1,4 +1,4 @@
-//! Measuring the prices.
+//! Measures the prices of work.
 
 use super::{CostModel, counts, least_squares::solve};
 use crate::{MeasureError, statistics::Sorted};
@@ -14,13 +14,13 @@ use umbrage_cpu::Cpu;
 pub struct CostSample {
     /// Scene, technique and settings, for people.
     pub label: String,
-    /// What it takes.
+    /// The recipe's work.
     pub work: Work,
-    /// How long that took: casts, filters and lookup, milliseconds, the quickest of the runs.
+    /// The time of casts, filters and lookup, milliseconds: the quickest of the runs.
     pub milliseconds: f64,
 }
 
-/// Prices, and what they come from.
+/// Prices, and the measurements that they are fitted to.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Calibration {
     /// The prices.
@@ -36,7 +36,7 @@ pub struct Calibration {
 /// Plays scenes with settings on a backend, and fits prices to the times. Settings that can't serve a scene are left out.
 ///
 /// # Errors
-/// When a scene is not valid, a setting neither, or the backend fails.
+/// Errors if a scene or a setting is not valid, or the backend fails.
 pub fn calibrate(
     backend: &mut dyn Backend,
     scenes: &[Scene],
@@ -51,7 +51,7 @@ pub fn calibrate(
         let (Some(camera), Some(light)) = (scene.cameras.first(), scene.lights.first()) else {
             continue;
         };
-        // Rays need it; building it is no part of a frame.
+        // Built beforehand, as building the hierarchy is no part of a frame.
         let _: &Arc<Bvh> = geometry.bvh();
         for &size in sizes {
             let camera = camera.resized(size);
@@ -73,6 +73,7 @@ pub fn calibrate(
     Ok(fit(samples))
 }
 
+/// Plays a technique and times it; none where it isn't supported or too large for the backend.
 fn measure(
     backend: &mut dyn Backend,
     view: &View<'_>,
@@ -85,16 +86,16 @@ fn measure(
         Err(e) => return Err(e.into()),
     };
     let mut least = f64::INFINITY;
-    // The first run compiles and uploads.
     for run in 0..=runs.max(1) {
-        match backend.render(view, &recipe) {
-            Ok(shadows) if run > 0 => {
-                least = least.min(shadows.timings.total().as_secs_f64() * 1e3)
-            }
-            Ok(_) => {}
-            // What this device can't hold has no price on it.
+        let shadows = match backend.render(view, &recipe) {
+            Ok(shadows) => shadows,
+            // Its images are larger than this device can hold.
             Err(BackendError::Invalid(_)) => return Ok(None),
             Err(e) => return Err(e.into()),
+        };
+        // The first run compiles and uploads: it doesn't count.
+        if run > 0 {
+            least = least.min(shadows.timings.total().as_secs_f64() * 1e3);
         }
     }
     let label = format!("{} ({})", technique.name(), technique.settings());
@@ -108,16 +109,23 @@ fn measure(
 /// Fits prices to measurements, so that the sum of the squared relative errors is least: a factor of two matters as much at
 /// a tenth of a millisecond as at a hundred.
 pub fn fit(samples: Vec<CostSample>) -> Calibration {
-    let relative =
-        |s: &CostSample| counts(&s.work).map(|count| count * 1e-6 / s.milliseconds.max(1e-6));
+    // A row is what each kind of work adds to the predicted time for a price of 1 ns, relative to the measured time. The sum of
+    // price times row is then predicted over measured time, which is to be 1.
+    let mut rows = Vec::with_capacity(samples.len());
+    for sample in &samples {
+        let measured = sample.milliseconds.max(MIN_MILLISECONDS);
+        rows.push(counts(&sample.work).map(|count| count * 1e-6 / measured));
+    }
     let model = CostModel {
-        nanoseconds: solve(&samples.iter().map(relative).collect::<Vec<_>>()),
+        nanoseconds: solve(&rows),
     };
-    let factor = |s: &CostSample| {
-        let ratio = model.milliseconds(&s.work) / s.milliseconds.max(1e-6);
-        ratio.max(1.0 / ratio.max(1e-9))
-    };
-    let factors = Sorted::new(samples.iter().map(factor).collect());
+    let mut factors = Vec::with_capacity(samples.len());
+    for sample in &samples {
+        let predicted = model.milliseconds(&sample.work);
+        let ratio = predicted / sample.milliseconds.max(MIN_MILLISECONDS);
+        factors.push(ratio.max(1.0 / ratio.max(1e-9)));
+    }
+    let factors = Sorted::new(factors);
     let typical_factor = factors.quantile(0.5).unwrap_or(1.0);
     let factor_of_nine_in_ten = factors.quantile(0.9).unwrap_or(1.0);
     Calibration {
@@ -127,6 +135,9 @@ pub fn fit(samples: Vec<CostSample>) -> Calibration {
         factor_of_nine_in_ten,
     }
 }
+
+/// The least time that is divided by, milliseconds: a step of the clock.
+const MIN_MILLISECONDS: f64 = 1e-6;
 
 #[cfg(test)]
 mod tests {
@@ -173,7 +184,8 @@ mod tests {
             found.factor_of_nine_in_ten
         );
         for k in 0..KINDS {
-            let (found, known) = (found.model.nanoseconds[k], known.nanoseconds[k]);
+            let found = found.model.nanoseconds[k];
+            let known = known.nanoseconds[k];
             assert!(
                 (found / known - 1.0).abs() < 0.01,
                 "{k}: {found} for {known}"

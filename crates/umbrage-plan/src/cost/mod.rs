@@ -1,6 +1,6 @@
-//! A price for [`Work`]: milliseconds that are the same on every run, since they come from counts rather than from a clock.
+//! Prices for [`Work`]: milliseconds that are the same on every run, since they come from counts rather than from a clock.
 //!
-//! A model is a price a piece for each kind of work, fitted to times measured once ([`calibrate`]). Rays are priced by the
+//! A model is a unit price for each kind of work, fitted to times measured once ([`calibrate`]). Rays are priced by the
 //! depth of the hierarchy that they descend, log2 of the casters' triangles. Prices from elsewhere still rank settings well,
 //! as they say how much dearer a ray is than a tap; absolute times need a calibration of one's own.
 
@@ -32,7 +32,7 @@ pub const KIND_NAMES: [&str; KINDS] = [
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CostModel {
-    /// Nanoseconds a piece of each kind, 0 or more, in the order of [`KIND_NAMES`].
+    /// Nanoseconds for one of each kind, 0 or more, in the order of [`KIND_NAMES`].
     pub nanoseconds: [f64; KINDS],
 }
 
@@ -49,7 +49,7 @@ impl CostModel {
         nanoseconds: [76_957.0, 241.0, 2.29, 2.83, 10.3, 18.8, 5.01, 20.0, 32.5],
     };
 
-    /// The prices for a kind of backend: `cpu`'s own, the software driver's for all others.
+    /// Returns the prices for a kind of backend: `cpu`'s own, the software driver's for all others.
     pub fn of(kind: &str) -> Self {
         if kind == "cpu" {
             Self::CPU
@@ -58,12 +58,12 @@ impl CostModel {
         }
     }
 
-    /// Nine of ten times measured where the built-in prices come from are within this factor of what [`CostModel::of`] says.
+    /// Returns the factor within which [`CostModel::of`] predicts nine of ten of the times that the built-in prices were fitted to.
     pub fn factor_of_nine_in_ten(kind: &str) -> f64 {
         if kind == "cpu" { 2.94 } else { 1.75 }
     }
 
-    /// What the work costs, milliseconds.
+    /// Returns the cost of the work, milliseconds.
     pub fn milliseconds(&self, work: &Work) -> f64 {
         let products = counts(work)
             .into_iter()
@@ -73,7 +73,7 @@ impl CostModel {
     }
 }
 
-/// How much there is of each kind.
+/// Returns the amount of work of each kind; rays count once for each level of the hierarchy.
 fn counts(work: &Work) -> [f64; KINDS] {
     let levels = (work.casters.max(1) as f64).log2() + 1.0;
     let counts = [

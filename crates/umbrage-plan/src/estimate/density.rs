@@ -1,5 +1,5 @@
-//! Where in the image there is something to learn: a pilot of few rays tells where visibility varies, and maps that differ
-//! from it where techniques may fail.
+//! Chooses where in the image samples are drawn: where visibility varies, by a pilot of few rays, and where techniques may fail,
+//! by maps that differ from the pilot.
 
 use super::scene::PlanScene;
 use crate::MeasureError;
@@ -7,29 +7,30 @@ use glam::UVec2;
 use umbrage_core::RecipeError;
 use umbrage_techniques::{Bias, Hard, ShadowMap, TechniquePreset, Traced};
 
-/// The share of the sample that is spread over all receivers alike: what no pilot foresees must be met, too.
+/// The share of the sample that is spread evenly over all receivers, to meet errors that the pilot doesn't show.
 const EVEN_SHARE: f64 = 0.3;
 /// How far from a change of the pilot's visibility techniques are most often wrong, pixels.
 const RADIUS: usize = 2;
-/// What a difference between a map and the pilot counts, of what a change within the pilot does: some are this map's own.
+/// The weight of a difference between a map and the pilot; a change within the pilot has 1. Some differences are errors of this
+/// map alone.
 const MAP_DIFFERENCE_WEIGHT: f64 = 0.5;
 
-/// A few rays of every receiver.
+/// The result of a few rays from every receiver.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Pilot {
-    /// The share that reached the light, one a pixel, 0..=1.
+    /// The share of rays that reached the light, for each pixel, 0..=1.
     pub(crate) mask: Vec<f32>,
-    /// How many they were a receiver.
+    /// The number of rays from each receiver.
     pub(crate) rays: u32,
-    /// Whether they are all that there is to know: under ideal lights.
+    /// Whether the mask is truth: under ideal lights.
     pub(crate) is_exact: bool,
 }
 
-/// Rays under lights with an extent.
+/// Rays from each receiver under lights with an extent.
 const RAYS: u32 = 2;
 
 impl Pilot {
-    /// None where the scene's hierarchy is too deep for rays.
+    /// Traces the rays; none where the scene's hierarchy is too deep for rays.
     pub(crate) fn new(scene: &mut PlanScene<'_>) -> Result<Option<Self>, MeasureError> {
         let is_exact = scene.light.is_ideal();
         let rays = if is_exact { 1 } else { RAYS };
@@ -42,13 +43,16 @@ impl Pilot {
     }
 }
 
-/// How much is to be learned from each pixel; 0 where nothing receives.
+/// Returns how densely samples are to be drawn at each pixel: shares that add up to 1, 0 where nothing receives.
 pub(crate) fn density(
     scene: &mut PlanScene<'_>,
     pilot: Option<&Pilot>,
 ) -> Result<Vec<f64>, MeasureError> {
     let receives = scene.receivers.receives.clone();
-    let pilot = pilot.map_or_else(|| vec![1.0; receives.len()], |pilot| pilot.mask.clone());
+    let pilot = match pilot {
+        Some(pilot) => pilot.mask.clone(),
+        None => vec![1.0; receives.len()],
+    };
     let mut interest: Vec<f64> = local_range(scene.camera.size, &pilot, &receives)
         .into_iter()
         .map(f64::from)
@@ -64,14 +68,15 @@ pub(crate) fn density(
         let Some(mask) = mask(scene, hard.into())? else {
             continue;
         };
-        let differences = interest.iter_mut().zip(mask.iter().zip(&pilot));
-        differences
-            .for_each(|(out, (a, b))| *out += MAP_DIFFERENCE_WEIGHT * f64::from((a - b).abs()));
+        for (i, interest) in interest.iter_mut().enumerate() {
+            let difference = (mask[i] - pilot[i]).abs();
+            *interest += MAP_DIFFERENCE_WEIGHT * f64::from(difference);
+        }
     }
     Ok(normalized(interest, &receives))
 }
 
-/// A technique's mask of the whole image; none where it isn't supported.
+/// Renders a technique's mask of the whole image; none where it isn't supported.
 fn mask(
     scene: &mut PlanScene<'_>,
     preset: TechniquePreset,
@@ -83,50 +88,61 @@ fn mask(
     }
 }
 
-/// Turns interest into shares that add up to 1: a part for all receivers alike, the rest in proportion to their interest.
+/// Turns interest into shares that add up to 1: [`EVEN_SHARE`] is spread evenly over all receivers, the rest in proportion to
+/// their interest.
 pub(crate) fn normalized(mut interest: Vec<f64>, receives: &[bool]) -> Vec<f64> {
-    interest
-        .iter_mut()
-        .zip(receives)
-        .filter(|(_, receives)| !**receives)
-        .for_each(|(i, _)| *i = 0.0);
+    for (interest, receives) in interest.iter_mut().zip(receives) {
+        if !receives {
+            *interest = 0.0;
+        }
+    }
     let sum: f64 = interest.iter().sum();
     let count = receives.iter().filter(|r| **r).count().max(1) as f64;
-    let evenly = if sum > 0.0 { EVEN_SHARE } else { 1.0 } / count;
-    let of_rest = if sum > 0.0 {
-        (1.0 - EVEN_SHARE) / sum
-    } else {
-        0.0
-    };
-    let density = |(i, &receives): (f64, &bool)| if receives { evenly + i * of_rest } else { 0.0 };
-    interest.into_iter().zip(receives).map(density).collect()
+    // Without any interest all is spread evenly.
+    let mut even = 1.0 / count;
+    let mut for_interest = 0.0;
+    if sum > 0.0 {
+        even = EVEN_SHARE / count;
+        for_interest = (1.0 - EVEN_SHARE) / sum;
+    }
+    let mut density = vec![0.0; interest.len()];
+    for i in (0..density.len()).filter(|&i| receives[i]) {
+        density[i] = even + interest[i] * for_interest;
+    }
+    density
 }
 
 /// Returns for each pixel the range of visibility over the receivers within [`RADIUS`] pixels along both axes, 0..=1. Rows
 /// are reduced first, then columns.
 fn local_range(size: UVec2, mask: &[f32], receives: &[bool]) -> Vec<f32> {
-    let (width, height) = (size.x as usize, size.y as usize);
-    let rows: Vec<Range> = (0..width * height)
-        .map(|i| {
-            let row = i - i % width;
-            neighbours(i % width, width)
-                .map(|x| Range::at(mask[row + x], receives[row + x]))
-                .fold(Range::EMPTY, Range::union)
-        })
-        .collect();
-    (0..width * height)
-        .map(|i| {
-            let column = i % width;
-            neighbours(i / width, height)
-                .map(|y| rows[y * width + column])
-                .fold(Range::EMPTY, Range::union)
-                .width()
-        })
-        .collect()
+    let width = size.x as usize;
+    let height = size.y as usize;
+    let mut rows = Vec::with_capacity(width * height);
+    for y in 0..height {
+        for x in 0..width {
+            let mut range = Range::EMPTY;
+            for neighbor in neighbors(x, width) {
+                let i = y * width + neighbor;
+                range = range.union(Range::at(mask[i], receives[i]));
+            }
+            rows.push(range);
+        }
+    }
+    let mut out = Vec::with_capacity(width * height);
+    for y in 0..height {
+        for x in 0..width {
+            let mut range = Range::EMPTY;
+            for neighbor in neighbors(y, height) {
+                range = range.union(rows[neighbor * width + x]);
+            }
+            out.push(range.width());
+        }
+    }
+    out
 }
 
-/// The places within [`RADIUS`] of a place, out of `count` places.
-fn neighbours(place: usize, count: usize) -> std::ops::Range<usize> {
+/// Returns the places within [`RADIUS`] of a place, out of `count` places.
+fn neighbors(place: usize, count: usize) -> std::ops::Range<usize> {
     place.saturating_sub(RADIUS)..(place + RADIUS + 1).min(count)
 }
 

@@ -1,4 +1,4 @@
-//! What settings err, estimated from a sample of the image.
+//! Estimates the errors of settings from a sample of the image.
 //!
 //! * [`scene`]: what the camera sees, and how techniques are tried on it.
 //! * [`density`]: where in the image there is something to learn. [`sample`]: the pixels drawn accordingly.

@@ -1,4 +1,4 @@
-//! How wide penumbrae are, by measurement: where truth lies between dark and lit, how fast it changes along the surface.
+//! Measures the widths of penumbrae: where truth lies between dark and lit, how fast it changes along the surface.
 
 use super::{sampled_truth::SampledTruth, scene::PlanScene};
 use crate::{
@@ -12,44 +12,49 @@ use umbrage_core::{
     light_sample::{bitangent, tangent},
 };
 
-/// Points asked: tenths of their widths are told apart.
+/// The number of points at which widths are measured, so many that the widths' tenths can be told.
 const POINTS: usize = 64;
-/// Truth in the middle of a penumbra, where it changes evenly.
+/// The visibility in the middle of a penumbra, where it changes evenly.
 const MIDDLE: std::ops::RangeInclusive<f32> = 0.2..=0.8;
-/// How far to each side of a point truth is asked again, pixels: narrower penumbrae are taken for this wide.
+/// How far to each side of a point truth is traced again, pixels. Narrower penumbrae are taken to be this wide.
 const STEP: f32 = 2.0;
 
-/// A penumbra at a point: from wholly dark to wholly lit if it went on as it changes there.
+/// A penumbra at a point, extrapolated from how visibility changes there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Penumbra {
     position: Vec3,
-    /// Along the surface, as long as the penumbra is wide, metres.
+    /// Along the surface from wholly dark to wholly lit: as long as the penumbra is wide, metres.
     across: Vec3,
 }
 
 impl Penumbra {
-    /// Its width on a map of `size` texels that lies in one of these spaces.
+    /// Returns its width on a map of `size` texels that lies in the first of these spaces which holds its center; none where none
+    /// does.
     fn texels(&self, spaces: &[LightSpace], size: u32) -> Option<f64> {
-        let place = |space: &LightSpace, p: Vec3| {
-            let clip: DVec4 = space.clip_from_world().as_dmat4() * p.as_dvec3().extend(1.0);
-            let place = DVec2::new(clip.x, clip.y) / clip.w;
-            (clip.w > 0.0 && place.is_finite()).then_some(place)
-        };
+        spaces.iter().find_map(|space| self.texels_in(space, size))
+    }
+
+    fn texels_in(&self, space: &LightSpace, size: u32) -> Option<f64> {
         let half = self.across * 0.5;
-        let on = |space: &LightSpace| {
-            let middle = place(space, self.position)?;
-            let ends = [
-                place(space, self.position - half)?,
-                place(space, self.position + half)?,
-            ];
-            (middle.abs().max_element() <= 1.0)
-                .then(|| (ends[1] - ends[0]).length() * 0.5 * f64::from(size))
-        };
-        spaces.iter().find_map(on)
+        let center = ndc(space, self.position)?;
+        let from = ndc(space, self.position - half)?;
+        let to = ndc(space, self.position + half)?;
+        if center.abs().max_element() > 1.0 {
+            return None;
+        }
+        // NDC are 2 wide.
+        Some((to - from).length() * 0.5 * f64::from(size))
     }
 }
 
-/// Penumbrae at some of the sampled receivers; none under ideal lights.
+/// Returns where a point lies in a light space, x and y in -1..=1 on the map; none behind the light.
+fn ndc(space: &LightSpace, p: Vec3) -> Option<DVec2> {
+    let clip: DVec4 = space.clip_from_world().as_dmat4() * p.as_dvec3().extend(1.0);
+    let ndc = DVec2::new(clip.x, clip.y) / clip.w;
+    (clip.w > 0.0 && ndc.is_finite()).then_some(ndc)
+}
+
+/// Finds penumbrae at some of the sampled receivers; none under ideal lights.
 pub(crate) fn find(
     scene: &PlanScene<'_>,
     sampled: &SampledTruth,
@@ -68,10 +73,11 @@ pub(crate) fn find(
         .map(|&i| around(scene, i, STEP * pixel * scene.receivers.distance[i]))
         .collect();
     let seen = trace_points(scene.geometry, scene.light, asked.as_flattened(), options)?;
-    let penumbrae = asked.iter().zip(seen.as_chunks::<4>().0);
-    Ok(penumbrae
-        .filter_map(|(points, seen)| at(points, seen))
-        .collect())
+    let mut out = Vec::new();
+    for (points, seen) in asked.iter().zip(seen.as_chunks::<4>().0) {
+        out.extend(at(points, seen));
+    }
+    Ok(out)
 }
 
 /// Returns the penumbra between four points on a surface, two opposite ones after two; none where visibility does not change.
@@ -89,18 +95,20 @@ fn at(points: &[ReceiverPoint; 4], seen: &[PointTruth; 4]) -> Option<Penumbra> {
     across.is_finite().then_some(Penumbra { position, across })
 }
 
-/// A step to each side of a receiver along its surface, two sides after two.
+/// Returns the points a step (metres) to each side of a receiver along its surface: two opposite ones, then two across.
 fn around(scene: &PlanScene<'_>, i: usize, step: f32) -> [ReceiverPoint; 4] {
-    let (position, normal) = (scene.receivers.position(i), scene.receivers.normal(i));
-    let (u, v) = (tangent(normal) * step, bitangent(normal) * step);
-    let at = |offset: Vec3| ReceiverPoint {
+    let position = scene.receivers.position(i);
+    let normal = scene.receivers.normal(i);
+    let u = tangent(normal) * step;
+    let v = bitangent(normal) * step;
+    [-u, u, -v, v].map(|offset| ReceiverPoint {
         triangle: scene.receivers.triangle[i],
         ..ReceiverPoint::new(position + offset, normal, scene.geometry)
-    };
-    [at(-u), at(u), at(-v), at(v)]
+    })
 }
 
-/// The widths that a tenth of the penumbrae is narrower and a tenth wider than, texels on such a map; none without any.
+/// Returns the widths than which a tenth of the penumbrae is narrower and a tenth is wider, texels on a map of `size` texels in
+/// these spaces; none without penumbrae.
 pub(crate) fn texels(penumbrae: &[Penumbra], spaces: &[LightSpace], size: u32) -> Option<[f64; 2]> {
     let widths = penumbrae.iter().filter_map(|p| p.texels(spaces, size));
     let widths = Sorted::new(widths.collect());

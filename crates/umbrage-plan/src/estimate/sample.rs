@@ -1,7 +1,6 @@
-//! Which pixels are asked, so that few of them tell about all.
+//! Draws samples of pixels from which sums over the whole image can be estimated.
 //!
-//! Each pixel has its own chance to be drawn, in proportion to how much is to be learned from it, and counts as the inverse
-//! of its chance: sums over the sample are then unbiased estimates of sums over the image, whatever the chances (Horvitz
+//! Each pixel has its own chance to be drawn, in proportion to a density, and counts as the inverse of its chance: sums over the sample are then unbiased estimates of sums over the image, whatever the chances (Horvitz
 //! and Thompson 1952, "A generalization of sampling without replacement from a finite universe"). The draw is systematic
 //! (Madow 1949, "On the theory of systematic sampling, II") along a curve that fills the image, so the sample is spread
 //! evenly, too.
@@ -14,7 +13,7 @@ use umbrage_core::light_sample::hash;
 pub(crate) struct PixelSample {
     /// Their indices.
     pub(crate) pixels: Vec<u32>,
-    /// With which chance each was drawn, above 0 up to 1.
+    /// The chance with which each was drawn, above 0 up to 1.
     pub(crate) chances: Vec<f64>,
 }
 
@@ -24,7 +23,8 @@ impl PixelSample {
     pub(crate) fn draw(size: UVec2, density: &[f64], count: usize, seed: u32) -> Self {
         let scale = scale(density, count);
         let mut out = Self::default();
-        // Where in its interval of length one every draw falls.
+        // Chances are added up along the curve. A pixel is drawn where the sum passes a whole number. The random start decides where
+        // in each interval of length 1 that is.
         let mut sum = f64::from(hash(seed)) / f64::from(u32::MAX);
         for i in along_curve(size) {
             if density[i as usize] <= 0.0 {
@@ -42,7 +42,7 @@ impl PixelSample {
     }
 }
 
-/// The factor that makes densities chances that sum up to `count`, none above 1.
+/// Returns the factor that turns densities into chances that add up to `count`, none above 1; infinite if all are sure to be drawn.
 fn scale(density: &[f64], count: usize) -> f64 {
     let mut sorted: Vec<f64> = density.iter().copied().filter(|d| *d > 0.0).collect();
     sorted.sort_by(|a, b| b.total_cmp(a));
@@ -61,12 +61,25 @@ fn scale(density: &[f64], count: usize) -> f64 {
     f64::INFINITY
 }
 
-/// All pixels, neighbours close to each other (Morton 1966, "A computer oriented geodetic data base").
+/// Returns all pixels in Z-order, so that neighbors are close to each other (Morton 1966, "A computer oriented geodetic data
+/// base").
 fn along_curve(size: UVec2) -> Vec<u32> {
-    let spread = |v: u32| (0..16).fold(0_u32, |out, bit| out | ((v >> bit) & 1) << (2 * bit));
     let mut pixels: Vec<u32> = (0..size.x * size.y).collect();
-    pixels.sort_by_cached_key(|i| spread(i % size.x) | spread(i / size.x) << 1);
+    pixels.sort_by_cached_key(|i| {
+        let x = i % size.x;
+        let y = i / size.x;
+        spread_bits(x) | spread_bits(y) << 1
+    });
     pixels
+}
+
+/// Moves bit k of 16 bits to bit 2k; the odd bits are 0.
+fn spread_bits(v: u32) -> u32 {
+    let mut out = 0;
+    for bit in 0..16 {
+        out |= ((v >> bit) & 1) << (2 * bit);
+    }
+    out
 }
 
 #[cfg(test)]

@@ -1,9 +1,9 @@
-//! What is seen, and how techniques are tried on it.
+//! A camera's view of a scene, on which techniques are tried.
 
 use crate::{
     MeasureError,
     cost::CostModel,
-    truth::{PixelTruth, Progress, TruthOptions, trace_pixels},
+    truth::{PixelTruth, Progress, TruthOptions, TruthRequest, trace_pixels},
 };
 use std::collections::HashMap;
 use umbrage_core::{
@@ -110,21 +110,26 @@ impl<'a> PlanScene<'a> {
         options: &TruthOptions,
         progress: &Progress<'_>,
     ) -> Result<Vec<PixelTruth>, MeasureError> {
-        let Self { cpu, truth, .. } = self;
         let new: Vec<u32> = pixels
             .iter()
             .copied()
-            .filter(|i| !truth.contains_key(i))
+            .filter(|i| !self.truth.contains_key(i))
             .collect();
+        let request = TruthRequest {
+            camera: self.camera,
+            geometry: self.geometry,
+            receivers: &self.receivers,
+            pixels: &new,
+        };
         let traced = trace_pixels(
-            (self.camera, self.light, self.geometry, &self.receivers),
-            &new,
+            &request,
+            self.light,
             options,
-            &mut |camera, geometry| cpu.receivers(camera, geometry),
+            &mut |camera, geometry| self.cpu.receivers(camera, geometry),
             progress,
         )?;
-        truth.extend(new.into_iter().zip(traced));
-        Ok(pixels.iter().map(|i| truth[i]).collect())
+        self.truth.extend(new.into_iter().zip(traced));
+        Ok(pixels.iter().map(|i| self.truth[i]).collect())
     }
 
     /// Returns the number of pixels whose truth was traced.

@@ -116,7 +116,7 @@ impl Verifier {
     }
 }
 
-/// |mask - pilot| at each pixel; 0 where nothing receives.
+/// Returns |mask - pilot| at each pixel; 0 where nothing receives.
 fn differences(mask: &[f32], pilot: &[f32], receives: &[bool]) -> Vec<f32> {
     (0..mask.len())
         .map(|i| {
@@ -144,8 +144,8 @@ fn unseen(pilot: &Pilot, second: &SampledTruth, mask_there: &[f32], counted: Cou
     poisson_upper_limit(faults) / rays
 }
 
-/// Without a pilot the first sample must do; where it has met no fault, as if all that is wrong had the least chance to be
-/// drawn.
+/// Returns the estimate without a pilot: the first sample's. Where that has met no error, the upper limit is as if all that is
+/// wrong had the least chance to be drawn.
 fn without_pilot(known: &SampledTruth, first: Estimate) -> Estimate {
     let min_chance = known.sample.chances.iter().copied().fold(1.0, f64::min);
     let all = known.counted.count;
@@ -158,8 +158,8 @@ fn without_pilot(known: &SampledTruth, first: Estimate) -> Estimate {
     }
 }
 
-/// Returns the greatest mean of a count of which `count` was seen, but for one case in twenty: 3 for none ("rule of three"). Within a hundredth of Poisson's
-/// distribution (Byar's approximation: Breslow and Day 1987, "Statistical methods in cancer research", volume 2).
+/// Returns the upper limit of the mean of a Poisson distribution of which `count` was seen, with 95 % confidence: 3 for none ("rule
+/// of three"). It is within a hundredth of the exact limit (Byar's approximation: Breslow and Day 1987, "Statistical methods in cancer research", volume 2).
 fn poisson_upper_limit(count: f64) -> f64 {
     let next = count + 1.0;
     next * (1.0 - 1.0 / (9.0 * next) + ONE_IN_TWENTY / (3.0 * next.sqrt())).powi(3)

@@ -1,26 +1,26 @@
-//! Bias in texels, by kind: what is searched for the least acne plus gap.
+//! The kinds and amounts of bias that are searched for the least acne plus gap.
 
 use serde::{Deserialize, Serialize};
 use std::f32::consts::SQRT_2;
 use umbrage_core::RasterBias;
 use umbrage_techniques::{Bias, PlannedBiases, TechniquePreset};
 
-/// A way to bias, of which there can be more or less.
+/// A kind of bias with an amount.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BiasKind {
     /// The receiver moves along its normal: [`Bias::normal_offset`](struct@Bias), texels.
     NormalOffset,
-    /// [`Bias::ADAPTIVE`], and the receiver moves by so many texels besides.
+    /// [`Bias::ADAPTIVE`], and the receiver moves along its normal besides, texels.
     Adaptive,
     /// Casters move away by their own slope: [`RasterBias::slope`], the depth that a surface gains over so many texels.
     PolygonOffset,
-    /// Whatever the technique brings; there is nothing to find.
+    /// The technique's own bias; there is nothing to search.
     Own,
 }
 
 impl BiasKind {
-    /// A few words for people.
+    /// Returns a short name for people.
     pub fn name(self) -> &'static str {
         match self {
             Self::NormalOffset => "normal offset",
@@ -30,7 +30,7 @@ impl BiasKind {
         }
     }
 
-    /// This kind of bias, so many texels of it; `own` for [`BiasKind::Own`].
+    /// Returns a bias of this kind with this amount, texels; `own` for [`BiasKind::Own`].
     pub fn bias(self, texels: f32, own: Bias) -> Bias {
         match self {
             Self::NormalOffset => Bias {
@@ -65,7 +65,7 @@ pub(super) struct Scale {
     pub(super) first: usize,
 }
 
-/// The kinds of bias worth trying with a technique, with amounts about what frees a plane of acne.
+/// Returns the kinds of bias worth trying with a technique, with amounts around the one that frees a plane of acne.
 pub(super) fn scales(preset: &TechniquePreset) -> Vec<Scale> {
     let Some(reach) = reach(preset) else {
         return vec![Scale {
@@ -74,35 +74,32 @@ pub(super) fn scales(preset: &TechniquePreset) -> Vec<Scale> {
             first: 0,
         }];
     };
-    let times = |unit: f32, factors: &[f32]| factors.iter().map(|f| unit * f).collect();
-    // As in `Bias::normal_offset` and `Bias::polygon_offset`, which are sure on planes and often too much.
-    let offset = times(
-        (reach + 0.5) * SQRT_2,
-        &[0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0],
-    );
-    let slope = times(2.0 * reach + 1.0, &[0.25, 0.5, 1.0, 2.0]);
-    let plane = vec![0.0, 0.25, 0.5, 1.0, 2.0];
     let mut out = vec![Scale {
         kind: BiasKind::Adaptive,
-        texels: plane,
+        texels: vec![0.0, 0.25, 0.5, 1.0, 2.0],
         first: 0,
     }];
+    // These two are those of `Bias::normal_offset` and `Bias::polygon_offset`, which are sure on planes and often too much.
+    let sure_offset = (reach + 0.5) * SQRT_2;
+    let sure_slope = 2.0 * reach + 1.0;
+    let offsets = [0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0];
     out.push(Scale {
         kind: BiasKind::NormalOffset,
-        texels: offset,
+        texels: offsets.map(|factor| sure_offset * factor).to_vec(),
         first: 4,
     });
     if preset.planned_biases() == PlannedBiases::All {
+        let slopes = [0.25, 0.5, 1.0, 2.0];
         out.push(Scale {
             kind: BiasKind::PolygonOffset,
-            texels: slope,
+            texels: slopes.map(|factor| sure_slope * factor).to_vec(),
             first: 2,
         });
     }
     out
 }
 
-/// How far a kernel reaches beyond the receiver's texel, texels; none where there is no bias to choose.
+/// Returns how far a kernel reaches beyond the receiver's texel, texels; none where there is no bias to choose.
 fn reach(preset: &TechniquePreset) -> Option<f32> {
     if preset.planned_biases() == PlannedBiases::Own {
         None

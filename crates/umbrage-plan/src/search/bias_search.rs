@@ -8,10 +8,10 @@ use super::{
 };
 use crate::MeasureError;
 
-/// Kinds of bias are not searched where the first amount of the best kind errs by more than this many times the goal: another
-/// amount will not help.
+/// Nothing is searched where the first amount of the best kind has more than this many times the goal's error: another amount
+/// will not help.
 const OUT_OF_REACH: f64 = 1.7;
-/// The same for all kinds but the best.
+/// Other kinds than the best are not searched where their first amount has more than this many times the goal's error.
 const OUT_OF_REACH_OF_OTHERS: f64 = 1.3;
 
 /// Returns the best bias of a family's candidate: tries the first amount of each kind, then, from the best kind on, less or more

@@ -1,9 +1,9 @@
-//! What a plan must keep to.
+//! Bounds of a plan: error, time and memory.
 
 use serde::{Deserialize, Serialize};
 use umbrage_core::Invalid;
 
-/// What shadows may err and cost. Those that are not given bound nothing; at least one must be.
+/// The greatest error, time and memory that shadows may have. Bounds that are not given bound nothing; at least one must be given.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Bounds {
@@ -16,7 +16,7 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// At most this error, as cheap as it goes.
+    /// Returns a bound of the error; the cheapest technique within it is planned.
     pub fn error(max_error: f64) -> Self {
         Self {
             max_error: Some(max_error),
@@ -24,7 +24,7 @@ impl Bounds {
         }
     }
 
-    /// At most this many milliseconds, as accurate as it goes.
+    /// Returns a bound of the time; the most accurate technique within it is planned.
     pub fn milliseconds(max_ms: f64) -> Self {
         Self {
             max_ms: Some(max_ms),
@@ -32,7 +32,7 @@ impl Bounds {
         }
     }
 
-    /// At most this many bytes, as accurate as it goes.
+    /// Returns a bound of the memory; the most accurate technique within it is planned.
     pub fn bytes(max_bytes: u64) -> Self {
         Self {
             max_bytes: Some(max_bytes),
@@ -46,10 +46,10 @@ impl Bounds {
             && self.max_bytes.is_none_or(|max| bytes <= max)
     }
 
-    /// Objects to bounds that nothing or everything meets.
+    /// Checks that there are bounds, and that they can be met.
     ///
     /// # Errors
-    /// When none is given; when one is NaN or negative; when the error's is over 1.
+    /// Errors if no bound is given, one is NaN or negative, or the error's bound is over 1.
     pub fn validate(&self) -> Result<(), Invalid> {
         if *self == Self::default() {
             return Err(Invalid::new(
@@ -58,16 +58,24 @@ impl Bounds {
                 "give a greatest error, time or number of bytes",
             ));
         }
-        let fault = |what, v: f64, help| Err(Invalid::new(what, format!("is {v}"), help));
-        match (self.max_error, self.max_ms) {
-            (Some(e), _) if !(0.0..=1.0).contains(&e) => {
-                fault("greatest error", e, "use 0 to 1, such as 0.05")
-            }
-            (_, Some(ms)) if !(ms >= 0.0 && ms.is_finite()) => {
-                fault("greatest time", ms, "use milliseconds, 0 or more")
-            }
-            _ => Ok(()),
+        if let Some(error) = self.max_error
+            && !(0.0..=1.0).contains(&error)
+        {
+            let why = format!("is {error}");
+            return Err(Invalid::new(
+                "greatest error",
+                why,
+                "use 0 to 1, such as 0.05",
+            ));
         }
+        if let Some(ms) = self.max_ms
+            && !(ms >= 0.0 && ms.is_finite())
+        {
+            let why = format!("is {ms}");
+            let help = "use milliseconds, 0 or more";
+            return Err(Invalid::new("greatest time", why, help));
+        }
+        Ok(())
     }
 }
 

@@ -36,7 +36,7 @@ use umbrage_core::{Camera, Geometry, Invalid, Light, Scene};
 /// The plan for a scene's first camera and one light.
 ///
 /// # Errors
-/// When the scene has neither, or is not valid; when bounds are missing or bad. That no candidate is within the bounds is
+/// Errors if the scene has no camera or light or is not valid, or if bounds are missing or not valid. That no candidate is within the bounds is
 /// no error: see [`Plan::preset`].
 pub fn plan(
     scene: &Scene,

@@ -1,10 +1,10 @@
-//! How plans are made.
+//! Options of the planner.
 
 use crate::{cost::CostModel, truth::TruthOptions};
 use glam::UVec2;
 use umbrage_techniques::Techniques;
 
-/// How a plan is made.
+/// Options of a plan.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlanOptions {
     /// The techniques that are tried.

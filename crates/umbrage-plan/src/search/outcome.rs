@@ -1,4 +1,4 @@
-//! What a planner answers.
+//! The result of a planner.
 
 use super::{BiasKind, Bounds, Setting};
 use crate::estimate::error::Estimate;
@@ -16,7 +16,7 @@ pub struct Plan {
     pub light_number: usize,
     /// Image width and height, pixels.
     pub size: [u32; 2],
-    /// What it keeps to.
+    /// The bounds that it keeps.
     pub bounds: Bounds,
     /// The cheapest setting within the bounds (without a bound of the error, the most accurate); none if nothing is.
     pub chosen: Option<Setting>,
@@ -28,7 +28,7 @@ pub struct Plan {
     pub reasons: Vec<String>,
     /// The chosen setting with other biases; empty for techniques without.
     pub curve: Vec<CurvePoint>,
-    /// What it comes from.
+    /// The sample that it comes from.
     pub sampled: Sampled,
 }
 
@@ -36,7 +36,7 @@ impl Plan {
     /// The setting to use.
     ///
     /// # Errors
-    /// When nothing is within the bounds.
+    /// Errors if nothing is within the bounds.
     pub fn preset(&self) -> Result<TechniquePreset, Box<Miss>> {
         self.chosen
             .as_ref()
@@ -50,7 +50,7 @@ impl Plan {
 pub struct CurvePoint {
     /// The kind of bias.
     pub kind: BiasKind,
-    /// How much of it, texels.
+    /// The amount of bias, texels.
     pub texels: f32,
     /// Too dark: acne. Too light: the gap. By the first sample; of what was chosen by its second.
     pub estimate: Estimate,
@@ -68,7 +68,7 @@ pub struct Miss {
     pub best: Option<Setting>,
 }
 
-/// What a plan comes from.
+/// The sample and the trials that a plan comes from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Sampled {
     /// Receivers sampled that count.

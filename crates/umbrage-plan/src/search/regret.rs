@@ -1,4 +1,4 @@
-//! Whether plans are right: against an exhaustive sweep of the same candidates over the whole image.
+//! Compares plans with an exhaustive sweep of the same candidates over the whole image.
 
 use super::{Bounds, PlanOptions, Planner, Setting, bias::scales, families::families_for, seen};
 use crate::{
@@ -36,7 +36,7 @@ pub struct Regret {
     pub seconds: f64,
 }
 
-/// The cost that is forgiven: within this factor of the least.
+/// Plans may cost at most this many times the least.
 pub const MAX_REGRET: f64 = 1.25;
 /// The share of cases in which the bound must be kept on the whole image.
 pub const MIN_KEPT: f64 = 0.95;
@@ -50,7 +50,7 @@ impl Regret {
         }
     }
 
-    /// Cost over the least; none where either is missing.
+    /// Returns the plan's cost over the least; none where either is missing.
     pub fn ratio(&self) -> Option<f64> {
         let chosen = self.chosen.as_ref()?;
         self.cheapest.as_ref()?;
@@ -61,7 +61,7 @@ impl Regret {
         })
     }
 
-    /// Whether it is found wanting: the bound broken, or more than [`MAX_REGRET`] paid.
+    /// Whether the plan is wrong: it breaks the bound, or costs more than [`MAX_REGRET`] times the least.
     pub fn misses(&self) -> bool {
         !self.keeps() || self.ratio().is_some_and(|ratio| ratio > MAX_REGRET)
     }
@@ -71,7 +71,7 @@ impl Regret {
 /// is met.
 ///
 /// # Errors
-/// When the scene has no camera or light, or is not valid.
+/// Errors if the scene has no camera or light, or is not valid.
 pub fn regret(
     scene: &Scene,
     bounds: &[f64],
@@ -80,17 +80,17 @@ pub fn regret(
 ) -> Result<Vec<Regret>, MeasureError> {
     let (camera, light) = seen(scene, options)?;
     let geometry = Geometry::bake(scene)?;
-    let new = || Planner::new(&camera, light, &geometry, options, on_step);
-    let mut sweep = Sweep::new(new()?, options)?;
+    let whole_image = Planner::new(&camera, light, &geometry, options, on_step)?;
+    let mut sweep = Sweep::new(whole_image, options)?;
     let mut out = Vec::new();
     for &bound in bounds {
-        let mut planner = new()?;
+        let mut planner = Planner::new(&camera, light, &geometry, options, on_step)?;
         let sampling_seconds = planner.sampling_seconds;
         let plan = planner.plan(&Bounds::error(bound))?;
-        let error = plan
-            .chosen
-            .as_ref()
-            .map_or(Ok(f64::NAN), |chosen| sweep.error(&chosen.preset))?;
+        let error = match &plan.chosen {
+            Some(chosen) => sweep.error(&chosen.preset)?,
+            None => f64::NAN,
+        };
         out.push(Regret {
             scene: scene.name.clone(),
             light: plan.light,
@@ -107,10 +107,10 @@ pub fn regret(
     Ok(out)
 }
 
-/// Nearly five standard errors: not once in a million.
+/// How many times the error of one in twenty estimates is out of the question: nearly five standard errors, not once in a million.
 const FAR: f64 = 3.0;
 
-/// The whole image.
+/// The candidates' errors over the whole image.
 struct Sweep<'a> {
     planner: Planner<'a>,
     truth: Vec<f32>,
@@ -134,32 +134,25 @@ impl<'a> Sweep<'a> {
     }
 
     fn error(&mut self, preset: &TechniquePreset) -> Result<f64, MeasureError> {
-        let mask = self.planner.search.trials.scene.preset_mask(preset)?;
-        Ok(Errors::measure(
-            self.planner.search.trials.scene.camera.size,
-            &mask,
-            &self.truth,
-            &self.pixels,
-        )?
-        .rmse)
+        let scene = &mut self.planner.search.trials.scene;
+        let mask = scene.preset_mask(preset)?;
+        let errors = Errors::measure(scene.camera.size, &mask, &self.truth, &self.pixels)?;
+        Ok(errors.rmse)
     }
 
-    /// Every candidate with every size and bias, by rising cost, which no bias changes but by a rounding of the map's fit.
+    /// Returns every candidate with every size and bias, by rising cost. A bias changes the cost only by a rounding of the map's
+    /// fit, so the first one is priced.
     fn candidates(&mut self) -> Result<Vec<TechniquePreset>, MeasureError> {
         let mut priced: Vec<(f64, Vec<TechniquePreset>)> = Vec::new();
-        for family in families_for(
-            &self.planner.techniques,
-            &self.planner.search.trials.scene,
-            false,
-        ) {
+        let scene = &self.planner.search.trials.scene;
+        for family in families_for(&self.planner.techniques, scene, false) {
             for size in 0..family.candidates.len() {
-                let scales = scales(family.preset());
-                let amounts = scales
-                    .iter()
-                    .flat_map(|s| s.texels.iter().map(|&texels| (s.kind, texels)));
-                let presets: Vec<TechniquePreset> = amounts
-                    .map(|(kind, texels)| family.at(size, kind, texels))
-                    .collect();
+                let mut presets: Vec<TechniquePreset> = Vec::new();
+                for scale in scales(family.preset()) {
+                    for texels in scale.texels {
+                        presets.push(family.at(size, scale.kind, texels));
+                    }
+                }
                 let Some(price) = self.planner.search.trials.price(&presets[0])? else {
                     continue;
                 };
@@ -173,6 +166,7 @@ impl<'a> Sweep<'a> {
             .collect())
     }
 
+    /// Tries candidates by rising cost, until the cheapest within each bound is found.
     fn run(&mut self, regrets: &mut [Regret]) -> Result<(), MeasureError> {
         for preset in self.candidates()? {
             if regrets.iter().all(|r| r.cheapest.is_some()) {
@@ -186,36 +180,37 @@ impl<'a> Sweep<'a> {
             }
             let milliseconds = setting.milliseconds;
             let technique = preset.technique();
-            (self.planner.search.on_step)(Step::Trying(
-                technique.name(),
-                self.planner.search.trials.count(),
-            ));
+            let tried = self.planner.search.trials.count();
+            (self.planner.search.on_step)(Step::Trying(technique.name(), tried));
             let error = match self.error(&preset) {
                 Ok(error) => error,
-                // More than the backend holds.
+                // Its images are larger than the backend can hold.
                 Err(MeasureError::Backend(umbrage_core::BackendError::Invalid(_))) => continue,
                 Err(e) => return Err(e),
             };
-            for regret in regrets
-                .iter_mut()
-                .filter(|r| r.cheapest.is_none() && error <= r.bound)
-            {
-                regret.cheapest = Some(format!("{} ({})", technique.name(), technique.settings()));
-                regret.min_milliseconds = milliseconds;
+            for regret in regrets.iter_mut() {
+                if regret.cheapest.is_none() && error <= regret.bound {
+                    let label = format!("{} ({})", technique.name(), technique.settings());
+                    regret.cheapest = Some(label);
+                    regret.min_milliseconds = milliseconds;
+                }
             }
         }
         Ok(())
     }
 }
 
-/// Whether the sample alone says that a setting meets none of the bounds that are still open: it lies above them by more
-/// than [`FAR`] times what one in twenty estimates errs by. Spares most of the work.
+/// Whether the sample alone shows that a setting meets none of the bounds that are still open: its mean square error is above
+/// them by more than [`FAR`] times the uncertainty. This avoids most renderings of the whole image.
 fn is_hopeless(setting: &Setting, regrets: &[Regret]) -> bool {
-    let (error, high) = (setting.estimate.error, setting.estimate.high);
-    let lower_square = error.powi(2) - FAR * (high.powi(2) - error.powi(2));
-    let open = regrets
+    let error = setting.estimate.error;
+    let high = setting.estimate.high;
+    let uncertainty = high.powi(2) - error.powi(2);
+    let lower_square = error.powi(2) - FAR * uncertainty;
+    let max_open_bound = regrets
         .iter()
         .filter(|r| r.cheapest.is_none())
-        .map(|r| r.bound);
-    lower_square > open.fold(0.0, f64::max).powi(2)
+        .map(|r| r.bound)
+        .fold(0.0, f64::max);
+    lower_square > max_open_bound.powi(2)
 }

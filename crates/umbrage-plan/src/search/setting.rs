@@ -4,16 +4,16 @@ use crate::estimate::{error::Estimate, scene::Price};
 use serde::{Deserialize, Serialize};
 use umbrage_techniques::TechniquePreset;
 
-/// A technique with all its settings, what it errs and what it costs.
+/// A technique with all its settings, its error and its cost.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Setting {
-    /// To be kept in a file, and to be planned: [`TechniquePreset::technique`].
+    /// The settings as data, to be kept in a file; [`TechniquePreset::technique`] makes the technique.
     pub preset: TechniquePreset,
     /// The technique's name.
     pub technique: String,
     /// Its settings in words.
     pub settings: String,
-    /// What it errs, with confidence.
+    /// Its estimated error, with confidence limits.
     pub estimate: Estimate,
     /// Predicted time of casts, filters and lookup, milliseconds.
     pub milliseconds: f64,
@@ -24,19 +24,17 @@ pub struct Setting {
 impl Setting {
     pub(super) fn new(preset: TechniquePreset, estimate: Estimate, price: &Price) -> Self {
         let technique = preset.technique();
-        let (milliseconds, bytes) = (price.milliseconds, price.work.bytes);
-        let (name, settings) = (technique.name().to_owned(), technique.settings());
         Self {
             preset,
-            technique: name,
-            settings,
+            technique: technique.name().to_owned(),
+            settings: technique.settings(),
             estimate,
-            milliseconds,
-            bytes,
+            milliseconds: price.milliseconds,
+            bytes: price.work.bytes,
         }
     }
 
-    /// For people: `pcf (3x3, 512, bias: receiver plane)`.
+    /// Returns the setting's name for people: `pcf (3x3, 512, bias: receiver plane)`.
     pub fn label(&self) -> String {
         format!("{} ({})", self.technique, self.settings)
     }

@@ -479,8 +479,13 @@ fn some_pixels_have_the_truth_of_all() {
     let light: &Light = &scene.lights[0];
     let whole = truth::trace(&camera, light, &geometry, &options, find, &|_, _| {}).expect("valid");
     let pixels: Vec<u32> = (0..64 * 36).filter(|i| i % 5 == 2).rev().collect();
-    let view = (&camera, light, &geometry, &whole.receivers);
-    let some = truth::trace_pixels(view, &pixels, &options, find, &|_, _| {}).expect("valid");
+    let request = truth::TruthRequest {
+        camera: &camera,
+        geometry: &geometry,
+        receivers: &whole.receivers,
+        pixels: &pixels,
+    };
+    let some = truth::trace_pixels(&request, light, &options, find, &|_, _| {}).expect("valid");
     for (&i, t) in pixels.iter().zip(&some) {
         let i = i as usize;
         assert_eq!(

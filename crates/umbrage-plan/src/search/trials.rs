@@ -1,4 +1,4 @@
-//! Settings tried on the sample, each once.
+//! Tries settings on the sample, each once.
 
 use super::Setting;
 use crate::{
@@ -59,7 +59,7 @@ impl<'a> Trials<'a> {
         self.tried.len()
     }
 
-    /// All that was tried and is supported, by rising cost.
+    /// Returns all tried settings that are supported, by rising cost.
     pub(super) fn all(&self) -> Vec<&Setting> {
         let mut all: Vec<&Setting> = self.tried.values().flatten().collect();
         all.sort_by(|a, b| {
@@ -68,7 +68,7 @@ impl<'a> Trials<'a> {
         all
     }
 
-    /// What was tried that differs from a setting in its bias alone, by rising error.
+    /// Returns the tried settings that differ from a setting only in their bias, by rising error.
     pub(super) fn with_other_bias(&self, setting: &Setting) -> Vec<Setting> {
         let Some(map) = setting.preset.map() else {
             return Vec::new();

@@ -1,4 +1,4 @@
-//! How far the blockers are that shadows come from.
+//! Distances of the blockers that cast shadows.
 
 use super::{PointTruth, tracer::FARTHEST};
 use glam::Vec2;
@@ -9,32 +9,49 @@ use umbrage_core::{
     metrics::CONTACT,
 };
 
-/// From each receiver to the blocker nearest to the light, on the way to the light's middle, metres; infinite where there
-/// is none, or where the whole light is seen.
+/// Returns the distance from each receiver to the blocker nearest to the light, on the way to the light's center, metres; infinite
+/// where there is none, or where the whole light is seen.
 pub(super) fn find(
     light: &Light,
     geometry: &Geometry,
     receivers: &Receivers,
     seen: &[PointTruth],
 ) -> Vec<f32> {
-    let (sampler, bvh) = (LightSampler::new(light), geometry.bvh());
+    let sampler = LightSampler::new(light);
     // Receivers lie within the bounds, so this reaches beyond them from everywhere.
     let reach = (2.0 * geometry.bounds().diagonal()).min(FARTHEST);
-    let distance = |i: usize| {
-        let o = receivers.position(i);
-        let d = segment(&sampler, o, Vec2::splat(0.5), reach);
-        // From the light on, so that the first blocker met is the one that a map shows.
-        bvh.nearest(geometry, o + d, -d, receivers.triangle[i])
-            .map_or(f32::INFINITY, |t| (1.0 - t) * d.length())
-    };
-    let dark = |i: usize| receivers.receives[i] && !seen[i].unlit && seen[i].visibility < 1.0;
     (0..seen.len())
         .into_par_iter()
-        .map(|i| if dark(i) { distance(i) } else { f32::INFINITY })
+        .map(|i| {
+            let is_dark = receivers.receives[i] && !seen[i].unlit && seen[i].visibility < 1.0;
+            if is_dark {
+                distance(&sampler, geometry, receivers, i, reach)
+            } else {
+                f32::INFINITY
+            }
+        })
         .collect()
 }
 
-/// Blockers closer than this touch their shadows, metres.
+/// Returns the distance from receiver `i`, metres; infinite without a blocker. `reach` is the length of rays to directional
+/// lights, metres.
+fn distance(
+    light: &LightSampler,
+    geometry: &Geometry,
+    receivers: &Receivers,
+    i: usize,
+    reach: f32,
+) -> f32 {
+    let o = receivers.position(i);
+    let d = segment(light, o, Vec2::splat(0.5), reach);
+    // From the light on, so that the first blocker met is the one that a map shows.
+    let from_light = geometry
+        .bvh()
+        .nearest(geometry, o + d, -d, receivers.triangle[i]);
+    from_light.map_or(f32::INFINITY, |t| (1.0 - t) * d.length())
+}
+
+/// Returns the distance below which blockers touch their shadows, metres.
 pub(super) fn contact(receivers: &Receivers) -> f32 {
     let bounds = Aabb::around(receivers.positions());
     if bounds.is_empty() {

@@ -14,12 +14,11 @@ mod polygon;
 mod tracer;
 mod vicinity;
 
-pub use points::{PointTruth, ReceiverPoint, trace_points};
+pub use points::{PointTruth, ReceiverPoint, TruthRequest, trace_points};
 
 use crate::MeasureError;
 use ambiguity::Nudge;
 use glam::UVec2;
-use points::TruthRequest;
 use std::{
     sync::atomic::{AtomicUsize, Ordering},
     time::{Duration, Instant},
@@ -35,9 +34,9 @@ use umbrage_core::{
 pub struct TruthOptions {
     /// Rays a receiver for lights with an extent; powers of two are best. Ideal lights take one.
     pub samples: u32,
-    /// Receivers in penumbra get this many times as many, 1 or more.
+    /// Receivers in penumbra get this many times as many rays, 1 or more.
     pub penumbra_factor: u32,
-    /// Rays a receiver with which it is found out whether an answer is ambiguous.
+    /// Rays a receiver for finding out whether its visibility is ambiguous.
     pub probe_samples: u32,
     /// Penumbra values that change by more than this under a nudge are ambiguous, 0..=1. Twice the noise of `probe_samples`
     /// rays across one edge (each misplaced edge costs about one sample per row of the square they form), and well below
@@ -67,39 +66,37 @@ pub struct Truth {
     pub error: Vec<f32>,
     /// What counts: which pixels are empty, unlit or ambiguous.
     pub pixels: Vec<Pixel>,
-    /// Whether the answer changes under a nudge by .02 pixels or a fourfold ray offset; told for unlit pixels, too.
+    /// Whether the visibility changes under a nudge by .02 pixels or another ray offset; also of unlit pixels.
     pub ambiguous: Vec<bool>,
     /// From each receiver in shadow to the blocker nearest to the light, metres; infinite where there is none.
     pub blocker: Vec<f32>,
     /// Blockers closer than this touch their shadows, metres.
     pub contact: f32,
-    /// The points asked about.
+    /// The points at which truth was traced.
     pub receivers: Receivers,
-    /// The triangles asked: [`Geometry::fingerprint`].
+    /// The [`Geometry::fingerprint`] of the triangles.
     pub fingerprint: u64,
     /// How long it took.
     pub elapsed: Duration,
 }
 
 impl Truth {
-    /// Mean and greatest standard error over the pixels that count.
+    /// Returns the mean and the greatest standard error over the pixels that count; 0 without any.
     pub fn standard_error(&self) -> [f32; 2] {
-        let counted = || {
-            self.error
-                .iter()
-                .zip(&self.pixels)
-                .filter(|(_, p)| **p == Pixel::Counted)
-                .map(|(e, _)| *e)
-        };
-        let n = counted().count().max(1);
-        let sum: f64 = counted().map(f64::from).sum();
-        [(sum / n as f64) as f32, counted().fold(0.0, f32::max)]
+        let counted: Vec<f32> = (0..self.error.len())
+            .filter(|&i| self.pixels[i] == Pixel::Counted)
+            .map(|i| self.error[i])
+            .collect();
+        let sum: f64 = counted.iter().copied().map(f64::from).sum();
+        let mean = sum / counted.len().max(1) as f64;
+        let max = counted.iter().copied().fold(0.0, f32::max);
+        [mean as f32, max]
     }
 
-    /// What is needed to tell the causes of a mask's error apart.
+    /// Returns what is needed to tell the causes of a mask's error apart.
     ///
     /// # Errors
-    /// When the fields don't fit each other.
+    /// Errors if the fields don't fit each other.
     pub fn image(&self) -> Result<TruthImage<'_>, Invalid> {
         TruthImage::new(
             self.size,
@@ -119,7 +116,7 @@ impl Truth {
     }
 }
 
-/// Finds what a camera sees: `Cpu::receivers`, say.
+/// Finds the receivers that a camera sees, such as `Cpu::receivers`.
 pub type FindReceivers<'a> = dyn FnMut(&Camera, &Geometry) -> Result<Receivers, BackendError> + 'a;
 
 /// Called with the work done and the work in all, in receivers, from any thread.
@@ -128,7 +125,7 @@ pub type Progress<'a> = dyn Fn(usize, usize) + Sync + 'a;
 /// Traces truth for what the camera sees.
 ///
 /// # Errors
-/// When the camera or light is not valid, or receivers cannot be found.
+/// Errors if the camera or light is not valid, or receivers cannot be found.
 pub fn trace(
     camera: &Camera,
     light: &Light,
@@ -147,7 +144,7 @@ pub fn trace(
         receivers: &receivers,
         pixels: &pixels,
     };
-    let (seen, ambiguous) = trace_asked(&asked, light, options, find, progress)?;
+    let Traced { seen, ambiguous } = trace_asked(&asked, light, options, find, progress)?;
     Ok(Truth {
         size: receivers.size,
         visibility: seen.iter().map(|s| s.visibility).collect(),
@@ -164,7 +161,7 @@ pub fn trace(
     })
 }
 
-/// What truth says at one pixel.
+/// Truth at one pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PixelTruth {
     /// As [`Truth::visibility`].
@@ -175,37 +172,35 @@ pub struct PixelTruth {
     pub pixel: Pixel,
 }
 
-/// Traces truth at some pixels of what the camera sees (`receivers`): what [`trace`] says there, bit by bit, in the order of
-/// `pixels`, which must lie within the image.
+/// Traces truth at some pixels of what a camera sees, in the order of the request's pixels. It is the same, bit by bit, as that of
+/// [`trace`] at these pixels.
 ///
 /// # Errors
-/// When the light is not valid, or receivers of the nudged camera cannot be found.
+/// Errors if the light is not valid, or receivers of the nudged camera cannot be found.
 pub fn trace_pixels(
-    view: (&Camera, &Light, &Geometry, &Receivers),
-    pixels: &[u32],
+    request: &TruthRequest<'_>,
+    light: &Light,
     options: &TruthOptions,
     find: &mut FindReceivers<'_>,
     progress: &Progress<'_>,
 ) -> Result<Vec<PixelTruth>, MeasureError> {
-    let (camera, light, geometry, receivers) = view;
-    let asked = TruthRequest {
-        camera,
-        geometry,
-        receivers,
-        pixels,
-    };
-    let (seen, ambiguous) = trace_asked(&asked, light, options, find, progress)?;
-    let pixel = |((seen, ambiguous), &i): ((PointTruth, bool), &u32)| PixelTruth {
-        visibility: seen.visibility,
-        error: seen.error,
-        pixel: class(receivers.receives[i as usize], seen, ambiguous),
-    };
-    Ok(seen
-        .into_iter()
-        .zip(ambiguous)
-        .zip(pixels)
-        .map(pixel)
-        .collect())
+    let Traced { seen, ambiguous } = trace_asked(request, light, options, find, progress)?;
+    let mut out = Vec::with_capacity(request.pixels.len());
+    for (k, &i) in request.pixels.iter().enumerate() {
+        let receives = request.receivers.receives[i as usize];
+        out.push(PixelTruth {
+            visibility: seen[k].visibility,
+            error: seen[k].error,
+            pixel: class(receives, seen[k], ambiguous[k]),
+        });
+    }
+    Ok(out)
+}
+
+/// Truth at the pixels of a request, in their order.
+struct Traced {
+    seen: Vec<PointTruth>,
+    ambiguous: Vec<bool>,
 }
 
 fn trace_asked(
@@ -214,26 +209,29 @@ fn trace_asked(
     options: &TruthOptions,
     find: &mut FindReceivers<'_>,
     progress: &Progress<'_>,
-) -> Result<(Vec<PointTruth>, Vec<bool>), MeasureError> {
+) -> Result<Traced, MeasureError> {
     let done = AtomicUsize::new(0);
     let total = asked.pixels.len() * (1 + ambiguity::PROBES);
     let report = |n: usize| progress(done.fetch_add(n, Ordering::Relaxed) + n, total);
     let seen = asked.trace(&Tracer::new(asked.geometry, light, options)?, 1.0, &report);
     let ambiguous = ambiguity::find(asked, light, options, Nudge::ROUNDING, find, &report)?;
-    Ok((seen, ambiguous))
+    Ok(Traced { seen, ambiguous })
 }
 
 fn class(receives: bool, seen: PointTruth, ambiguous: bool) -> Pixel {
-    match (receives, seen.unlit, ambiguous) {
-        (false, ..) => Pixel::Empty,
-        (_, true, _) => Pixel::Unlit,
-        (_, _, true) => Pixel::Ambiguous,
-        _ => Pixel::Counted,
+    if !receives {
+        Pixel::Empty
+    } else if seen.unlit {
+        Pixel::Unlit
+    } else if ambiguous {
+        Pixel::Ambiguous
+    } else {
+        Pixel::Counted
     }
 }
 
-/// Which of truth's pixels are ambiguous on a device whose grid of sub-pixels has this step; none if no more than for truth
-/// itself, which takes nudges by .02 pixels for rounding.
+/// Returns which of truth's pixels are ambiguous on a device whose grid of sub-pixels has this step, pixels. None if the step is
+/// no larger than what truth itself allows for rounding (nudges by .02 pixels), so that [`Truth::ambiguous`] holds.
 ///
 /// Devices move a vertex by up to half a step right or left and as much up or down, and so an edge by up to `sqrt(1/2)` steps
 /// across itself. A shadow's edge is where two things meet, what throws it and what it falls on: `sqrt(2)` steps. Nudges of the
@@ -241,10 +239,12 @@ fn class(receives: bool, seen: PointTruth, ambiguous: bool) -> Pixel {
 /// that of a plane beyond its edge.
 ///
 /// # Errors
-/// When the light is not valid, or receivers of the nudged camera cannot be found.
+/// Errors if the light is not valid, or receivers of the nudged camera cannot be found.
 pub fn ambiguous_on(
     step: f32,
-    view: (&Camera, &Light, &Geometry),
+    camera: &Camera,
+    light: &Light,
+    geometry: &Geometry,
     truth: &Truth,
     options: &TruthOptions,
     find: &mut FindReceivers<'_>,
@@ -256,7 +256,6 @@ pub fn ambiguous_on(
     if nudge.pixels <= Nudge::ROUNDING.pixels {
         return Ok(None);
     }
-    let (camera, light, geometry) = view;
     let pixels: Vec<u32> = (0..truth.receivers.len() as u32).collect();
     let asked = TruthRequest {
         camera,

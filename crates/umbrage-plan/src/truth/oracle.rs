@@ -1,8 +1,8 @@
-//! Test support: what truth should say, found in another way. Every triangle is asked, in 64 bits, by the signs of volumes
+//! Test support: computes truth in another way, to compare with. Every triangle is tested, in 64 bits, by the signs of volumes
 //! (Segura, Feito 2001, "Algorithms to Test Ray-Triangle Intersection"): no hierarchy, no shear, no polygons.
 //!
-//! Its own rounding is some 2^-50 of the lengths in play, a millionth of what 32 bits round. It is sure of an answer if that
-//! stays what it is while pixel and origin are moved about at random, within what it is told.
+//! Its own rounding is some 2^-50 of the lengths in play, a millionth of that of 32 bits. A visibility is certain if it stays the
+//! same while the pixel and the shadow ray's origin are moved at random within given limits.
 
 use glam::{DAffine3, DMat4, DVec2, DVec3, Mat4, Vec3, Vec4};
 use std::ops::Range;
@@ -19,7 +19,7 @@ pub(super) struct Oracle<'a> {
     light: &'a Light,
 }
 
-/// How a pixel's question is moved.
+/// How the pixel's ray and the shadow ray's origin are moved.
 #[derive(Clone, Copy, Debug, Default)]
 struct Moved {
     /// The image, pixels.
@@ -28,13 +28,27 @@ struct Moved {
     offsets: DVec3,
 }
 
+/// A ray from the camera.
+struct OracleRay {
+    origin: DVec3,
+    direction: DVec3,
+}
+
+/// A triangle that a ray meets.
+struct Hit {
+    /// In lengths of the ray's direction.
+    t: f64,
+    id: u32,
+}
+
 impl<'a> Oracle<'a> {
     pub(super) fn new(geometry: &Geometry, camera: &'a Camera, light: &'a Light) -> Self {
-        let corners = |i| geometry.corners(i).map(Vec3::as_dvec3);
+        let mut corners = Vec::new();
+        for i in 0..geometry.triangles().len() as u32 {
+            corners.push(geometry.corners(i).map(Vec3::as_dvec3));
+        }
         Self {
-            corners: (0..geometry.triangles().len() as u32)
-                .map(corners)
-                .collect(),
+            corners,
             casters: geometry.casters(),
             receivers: geometry.receivers(),
             camera,
@@ -42,57 +56,75 @@ impl<'a> Oracle<'a> {
         }
     }
 
-    /// The fraction of the light that a pixel sees: 0 where it is unlit, 1 where nothing receives. `shown` is the triangle
-    /// that it shows, if that is not to be found out.
+    /// Returns the fraction of the light that a pixel sees: 0 where it is unlit, 1 where nothing receives. `shown` is the
+    /// triangle that the pixel shows, if it is given; else it is found.
     pub(super) fn answer(&self, pixel: [u32; 2], shown: Option<u32>) -> f64 {
-        self.ask(pixel, Moved::default(), shown)
+        self.visibility(pixel, Moved::default(), shown)
     }
 
-    fn ask(&self, pixel: [u32; 2], moved: Moved, shown: Option<u32>) -> f64 {
-        let (eye, d) = self.ray(center(pixel) + moved.pixels);
-        let distances = (0..)
-            .zip(&self.corners)
-            .filter_map(|(id, t)| Some((meets(eye, d, t)?, id)));
-        let nearest = || {
-            distances
-                .filter(|(t, _)| *t > 1e-9)
-                .min_by(|a, b| a.0.total_cmp(&b.0))
+    fn visibility(&self, pixel: [u32; 2], moved: Moved, shown: Option<u32>) -> f64 {
+        let ray = self.ray(center(pixel) + moved.pixels);
+        let hit = match shown {
+            Some(id) => Some(Hit {
+                t: distance_to_plane(ray.origin, ray.direction, &self.corners[id as usize]),
+                id,
+            }),
+            None => self.nearest(&ray),
         };
-        let on_plane = |id: u32| (distance_to_plane(eye, d, &self.corners[id as usize]), id);
-        let first = shown.map(on_plane).or_else(nearest);
-        let Some((t, id)) = first.filter(|(_, id)| self.receivers.contains(id)) else {
+        let Some(hit) = hit.filter(|hit| self.receivers.contains(&hit.id)) else {
             return 1.0;
         };
-        let p = eye + d * t;
-        let corners = self.corners[id as usize];
+        let eye = ray.origin;
+        let p = eye + ray.direction * hit.t;
+        let corners = self.corners[hit.id as usize];
         let across = (corners[1] - corners[0])
             .cross(corners[2] - corners[0])
             .normalize();
-        let normal = if across.dot(d) > 0.0 { -across } else { across };
+        let normal = if across.dot(ray.direction) > 0.0 {
+            -across
+        } else {
+            across
+        };
         let (u, v) = normal.any_orthonormal_pair();
         let lengths = corners.map(|c| (c - p).abs().max_element());
         let length = lengths
             .into_iter()
             .fold((eye - p).length().max(p.abs().max_element()), f64::max);
         let by = moved.offsets * length * f64::from(LIFT);
-        // The least height keeps neighbours in the same plane, whose corners are rounded, from shadowing each other.
+        // The least height keeps neighbors in the same plane, whose corners are rounded, from shadowing each other.
         let o = p + u * by.x + v * by.y + normal * by.z.max(length * 2.0_f64.powi(-24));
         let to_light = self.to_light(o, length);
-        let lit = normal.dot(to_light) > 0.0 && !self.outside_cone(o);
-        let hides = |id: u32| {
-            meets(o, to_light, &self.corners[id as usize]).is_some_and(|t| (0.0..=1.0).contains(&t))
-        };
-        let seen = lit
-            && !self
-                .casters
-                .clone()
-                .any(|caster| caster != id && hides(caster));
-        f64::from(u8::from(seen))
+        let is_facing = normal.dot(to_light) > 0.0 && !self.outside_cone(o);
+        let is_lit = is_facing && !self.is_shadowed(o, to_light, hit.id);
+        f64::from(u8::from(is_lit))
     }
 
-    /// Whether the answer changes within `pixels` of the pixel's centre and `offsets` of the traced ray's offset, as far as
-    /// `samples` of all the ways to move it tell. If the triangle that it shows is given, nothing hides that: rounding moves
-    /// each triangle's image by itself.
+    /// Returns the triangle that a ray meets first.
+    fn nearest(&self, ray: &OracleRay) -> Option<Hit> {
+        let mut nearest: Option<Hit> = None;
+        for (id, corners) in (0..).zip(&self.corners) {
+            let Some(t) = meets(ray.origin, ray.direction, corners) else {
+                continue;
+            };
+            let is_nearer = nearest.as_ref().is_none_or(|hit| t < hit.t);
+            if t > 1e-9 && is_nearer {
+                nearest = Some(Hit { t, id });
+            }
+        }
+        nearest
+    }
+
+    /// Whether any caster but the triangle `own` lies on the way from `o` to the light.
+    fn is_shadowed(&self, o: DVec3, to_light: DVec3, own: u32) -> bool {
+        self.casters.clone().filter(|&id| id != own).any(|id| {
+            let t = meets(o, to_light, &self.corners[id as usize]);
+            t.is_some_and(|t| (0.0..=1.0).contains(&t))
+        })
+    }
+
+    /// Whether the visibility changes within `pixels` of the pixel's center and `offsets` of the traced ray's offset, by `samples`
+    /// random movements. If the triangle that the pixel shows is given, no other triangle hides it: rounding moves each triangle's
+    /// image by itself.
     pub(super) fn changes(
         &self,
         pixel: [u32; 2],
@@ -101,48 +133,52 @@ impl<'a> Oracle<'a> {
         offsets: f64,
         samples: u32,
     ) -> bool {
-        let as_it_is = self.answer(pixel, shown);
+        let unmoved = self.answer(pixel, shown);
         (0..samples).any(|i| {
-            let random = |k: u32| {
-                f64::from(hash(hash(i * 8 + k) ^ pixel[0] ^ (pixel[1] << 16))) / 4_294_967_296.0
-            };
             // The first ones to the rim, along the axes.
-            let (angle, share) = if i < 4 {
-                (0.25 * f64::from(i), 1.0)
+            let angle;
+            let share;
+            if i < 4 {
+                angle = 0.25 * f64::from(i);
+                share = 1.0;
             } else {
-                (random(0), random(1).sqrt())
-            };
-            let aside = DVec2::new(random(2), random(3)) * 2.0 - 1.0;
+                angle = random(pixel, i, 0);
+                share = random(pixel, i, 1).sqrt();
+            }
+            let aside = DVec2::new(random(pixel, i, 2), random(pixel, i, 3)) * 2.0 - 1.0;
+            let up = 2.0 * random(pixel, i, 4);
             let moved = Moved {
                 pixels: DVec2::from_angle(std::f64::consts::TAU * angle) * pixels * share,
-                offsets: aside.extend(2.0 * random(4)) * offsets,
+                offsets: aside.extend(up) * offsets,
             };
-            let beside = shown.is_some_and(|id| self.misses(pixel, moved, id));
-            !beside && self.ask(pixel, moved, shown) != as_it_is
+            // A moved ray that misses the given triangle says nothing about it.
+            let is_beside = shown.is_some_and(|id| self.misses(pixel, moved, id));
+            !is_beside && self.visibility(pixel, moved, shown) != unmoved
         })
     }
 
     fn misses(&self, pixel: [u32; 2], moved: Moved, id: u32) -> bool {
-        let (eye, d) = self.ray(center(pixel) + moved.pixels);
-        meets(eye, d, &self.corners[id as usize]).is_none()
+        let ray = self.ray(center(pixel) + moved.pixels);
+        meets(ray.origin, ray.direction, &self.corners[id as usize]).is_none()
     }
 
-    fn ray(&self, at: DVec2) -> (DVec3, DVec3) {
+    /// Returns the camera's ray through a place of the image, pixels from its top left.
+    fn ray(&self, at: DVec2) -> OracleRay {
         let world_from_view =
             DAffine3::from_mat4(Mat4::from(self.camera.world_from_view).as_dmat4());
         let view_from_clip: DMat4 = self.camera.clip_from_view.as_dmat4().inverse();
         let ndc = DVec2::new(2.0, -2.0) * at / self.camera.size.as_dvec2() + DVec2::new(-1.0, 1.0);
         let near = view_from_clip.project_point3(ndc.extend(0.0));
         if self.camera.clip_from_view.row(3) == Vec4::W {
-            return (
-                world_from_view.transform_point3(near),
-                world_from_view.transform_vector3(-DVec3::Z),
-            );
+            return OracleRay {
+                origin: world_from_view.transform_point3(near),
+                direction: world_from_view.transform_vector3(-DVec3::Z),
+            };
         }
-        (
-            world_from_view.translation,
-            world_from_view.transform_vector3(near / -near.z),
-        )
+        OracleRay {
+            origin: world_from_view.translation,
+            direction: world_from_view.transform_vector3(near / -near.z),
+        }
     }
 
     fn to_light(&self, o: DVec3, length: f64) -> DVec3 {
@@ -176,11 +212,16 @@ impl<'a> Oracle<'a> {
     }
 }
 
+/// Returns number `k` of movement `i` of a pixel, 0 to 1, the same on every run.
+fn random(pixel: [u32; 2], i: u32, k: u32) -> f64 {
+    f64::from(hash(hash(i * 8 + k) ^ pixel[0] ^ (pixel[1] << 16))) / 4_294_967_296.0
+}
+
 fn center(pixel: [u32; 2]) -> DVec2 {
     DVec2::new(f64::from(pixel[0]) + 0.5, f64::from(pixel[1]) + 0.5)
 }
 
-/// Where along `d` the line from `o` meets a triangle.
+/// Returns where the line from `o` meets a triangle, in lengths of `d`.
 fn meets(o: DVec3, d: DVec3, corners: &[DVec3; 3]) -> Option<f64> {
     let [a, b, c] = corners.map(|v| v - o);
     let volumes = [d.dot(b.cross(c)), d.dot(c.cross(a)), d.dot(a.cross(b))];
@@ -189,7 +230,7 @@ fn meets(o: DVec3, d: DVec3, corners: &[DVec3; 3]) -> Option<f64> {
     (inside && t.is_finite()).then_some(t)
 }
 
-/// Where along `d` the line from `o` meets a triangle's plane.
+/// Returns where the line from `o` meets a triangle's plane, in lengths of `d`.
 fn distance_to_plane(o: DVec3, d: DVec3, corners: &[DVec3; 3]) -> f64 {
     let edge_1 = corners[1] - corners[0];
     let edge_2 = corners[2] - corners[0];

@@ -1,4 +1,4 @@
-//! Truth at given points.
+//! Traces truth at given points.
 
 use super::{
     TruthOptions,
@@ -19,15 +19,15 @@ pub struct ReceiverPoint {
     pub normal: Vec3,
     /// The triangle that it lies on and that never shadows it; [`NO_TRIANGLE`] if unknown.
     pub triangle: u32,
-    /// The greatest length, beside the position's coordinates, to which the ray's offset is to be in proportion, metres:
-    /// distance to the eye, extent of the triangle.
+    /// The greatest length in play beside the position's coordinates, metres: the distance to the eye, or the triangle's extent.
+    /// The ray's offset is in proportion to it.
     pub reach: f32,
     /// Scrambles the samples: [`light_sample::seed`].
     pub seed: u32,
 }
 
 impl ReceiverPoint {
-    /// A point that is not seen by a camera. Its ray's offset is in proportion to the whole geometry.
+    /// Returns a point that no camera sees. Its ray's offset is in proportion to the whole geometry.
     pub fn new(position: Vec3, normal: Vec3, geometry: &Geometry) -> Self {
         let bounds = geometry.bounds();
         let reach = bounds.min.abs().max(bounds.max.abs()).max_element();
@@ -44,21 +44,21 @@ impl ReceiverPoint {
         }
     }
 
-    /// The point at a pixel.
+    /// Returns the point at a pixel.
     pub(super) fn of_pixel(
         camera: &Camera,
         geometry: &Geometry,
         receivers: &Receivers,
         i: usize,
     ) -> Self {
-        let (position, triangle) = (receivers.position(i), receivers.triangle[i]);
-        let corners = geometry
-            .corners(triangle)
-            .map(|c| (c - position).abs().max_element());
-        let reach = corners
-            .into_iter()
-            .fold((camera.eye() - position).length(), f32::max);
-        let (x, y) = (i as u32 % receivers.size.x, i as u32 / receivers.size.x);
+        let position = receivers.position(i);
+        let triangle = receivers.triangle[i];
+        let mut reach = (camera.eye() - position).length();
+        for corner in geometry.corners(triangle) {
+            reach = reach.max((corner - position).abs().max_element());
+        }
+        let x = i as u32 % receivers.size.x;
+        let y = i as u32 / receivers.size.x;
         Self {
             position,
             normal: receivers.normal(i),
@@ -69,7 +69,7 @@ impl ReceiverPoint {
     }
 }
 
-/// What truth says about a point.
+/// Truth at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointTruth {
     /// Fraction of the light seen, 0..=1.
@@ -81,7 +81,7 @@ pub struct PointTruth {
 }
 
 impl PointTruth {
-    /// What counts as the answer where nothing receives.
+    /// Truth where nothing receives.
     pub(super) const NOTHING: Self = Self {
         visibility: 1.0,
         error: 0.0,
@@ -92,7 +92,7 @@ impl PointTruth {
 /// Traces truth at given points, on all cores.
 ///
 /// # Errors
-/// When the light is not valid or a point holds numbers that are not finite.
+/// Errors if the light is not valid or a point holds numbers that are not finite.
 pub fn trace_points(
     geometry: &Geometry,
     light: &Light,
@@ -112,17 +112,20 @@ pub fn trace_points(
         .collect())
 }
 
-/// What truth is asked about: seen points of an image.
+/// The pixels of an image at which truth is traced.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct TruthRequest<'a> {
-    pub(super) camera: &'a Camera,
-    pub(super) geometry: &'a Geometry,
-    pub(super) receivers: &'a Receivers,
-    /// Indices of the pixels.
-    pub(super) pixels: &'a [u32],
+pub struct TruthRequest<'a> {
+    /// The camera.
+    pub camera: &'a Camera,
+    /// The triangles.
+    pub geometry: &'a Geometry,
+    /// What the camera sees of them.
+    pub receivers: &'a Receivers,
+    /// Indices of the pixels, within the image.
+    pub pixels: &'a [u32],
 }
 
-/// Pixels that one thread asks about before it reports. Neighbours' rays often meet the same occluder.
+/// Pixels that one thread traces before it reports. Neighbors' rays often meet the same occluder.
 const CHUNK: usize = 256;
 
 impl TruthRequest<'_> {
@@ -138,11 +141,10 @@ impl TruthRequest<'_> {
             .zip(self.pixels.par_chunks(CHUNK))
             .for_each(|(out, pixels)| {
                 let mut memory = Memory::default();
-                let asked = out
-                    .iter_mut()
-                    .zip(pixels)
-                    .filter(|(_, i)| self.receivers.receives[**i as usize]);
-                for (seen, &i) in asked {
+                for (seen, &i) in out.iter_mut().zip(pixels) {
+                    if !self.receivers.receives[i as usize] {
+                        continue;
+                    }
                     let point = ReceiverPoint::of_pixel(
                         self.camera,
                         self.geometry,

@@ -70,7 +70,7 @@ pub(super) fn common(p: &[DVec2], q: &[DVec2]) -> Polygon {
     edges(q).fold(p.to_vec(), |part, [a, b]| left_of(&part, a, b))
 }
 
-/// What is left of `pieces` when `q` is taken away. Parts of less area than `dust` are not told from nothing.
+/// Returns what is left of `pieces` without `q`. Parts of less area than `dust` are dropped.
 pub(super) fn without(pieces: Vec<Polygon>, q: &[DVec2], dust: f64) -> Vec<Polygon> {
     if area(q) <= dust {
         return pieces;

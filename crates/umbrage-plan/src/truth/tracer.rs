@@ -1,4 +1,4 @@
-//! One receiver's question to the hierarchy.
+//! Traces the visibility of a light from one receiver at a time.
 
 use super::{PointTruth, ReceiverPoint, TruthOptions};
 use glam::{Vec2, Vec3};
@@ -22,18 +22,30 @@ pub(super) struct Tracer<'a> {
     bvh: Arc<Bvh>,
     geometry: &'a Geometry,
     light: LightSampler,
-    /// A spot's place, unit axis and cosine of its outer angle.
-    cone: Option<(Vec3, Vec3, f32)>,
-    /// A ball around the casters: rays to directional lights leave it.
+    /// A spot's outer cone.
+    cone: Option<Cone>,
+    /// The center of a ball around the casters: rays to directional lights leave it.
     center: Vec3,
+    /// The ball's radius, metres.
     radius: f32,
     /// The sequence before scrambling.
     sequence: Vec<[u32; 2]>,
+    /// The number of samples of each receiver.
     samples: u32,
+    /// The number of samples of receivers in penumbra.
     all_samples: u32,
 }
 
-/// What is remembered from one ray to the next: whatever hid the last one most likely hides this one.
+/// The outer cone of a spot light.
+struct Cone {
+    apex: Vec3,
+    /// The unit direction of the light.
+    axis: Vec3,
+    /// Of the angle between the axis and the cone.
+    cosine: f32,
+}
+
+/// What is remembered from one ray to the next: the triangle that hid the last one most likely hides this one.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Memory {
     occluder: Option<u32>,
@@ -42,9 +54,11 @@ pub(super) struct Memory {
 /// Counts over a run of samples.
 #[derive(Clone, Copy, Debug, Default)]
 struct Count {
-    /// Whether nothing can come between: then no ray is traced.
+    /// Whether no caster can hide the light: then no ray is traced.
     clear: bool,
+    /// Samples of the light above the receiver's tangent plane.
     above: u32,
+    /// Samples of the light that are seen.
     seen: u32,
 }
 
@@ -56,35 +70,19 @@ impl<'a> Tracer<'a> {
     ) -> Result<Self, Invalid> {
         light.validate()?;
         let sampler = LightSampler::new(light);
-        let samples = if sampler.is_ideal() {
-            1
-        } else {
-            options.samples.max(1)
-        };
-        let all_samples = if sampler.is_ideal() {
-            1
-        } else {
-            samples.saturating_mul(options.penumbra_factor.max(1))
-        };
+        let mut samples = 1;
+        let mut all_samples = 1;
+        if !sampler.is_ideal() {
+            samples = options.samples.max(1);
+            all_samples = samples.saturating_mul(options.penumbra_factor.max(1));
+        }
         let bounds = geometry.caster_bounds();
         let empty = bounds.is_empty();
         Ok(Self {
             bvh: geometry.bvh().clone(),
             geometry,
             light: sampler,
-            cone: match *light {
-                Light::Spot {
-                    position,
-                    direction,
-                    outer,
-                    ..
-                } => Some((
-                    position,
-                    direction.as_dvec3().normalize().as_vec3(),
-                    outer.cos(),
-                )),
-                _ => None,
-            },
+            cone: cone(light),
             center: if empty { Vec3::ZERO } else { bounds.center() },
             radius: if empty { 1.0 } else { bounds.diagonal() },
             sequence: (0..all_samples).map(sobol_bits).collect(),
@@ -93,28 +91,26 @@ impl<'a> Tracer<'a> {
         })
     }
 
-    /// The fraction of the light that a point sees. `lift` multiplies the ray offset.
+    /// Traces the fraction of the light that a point sees. `lift` multiplies the ray's offset.
     pub(super) fn ask(&self, point: &ReceiverPoint, lift: f32, memory: &mut Memory) -> PointTruth {
         let n = point.normal;
         let o = point.position + n * (lift * origin_offset(point.position, point.reach));
         let to_center = Aabb::around([o, self.center]).diagonal();
         let far = (1.01 * (to_center + self.radius)).min(FARTHEST);
         let mut blocks = Vec::new();
-        let first = self.run(0..self.samples, point, o, far, memory, &mut blocks);
-        let whole = if first.seen == 0 || first.seen == self.samples {
-            (first, self.samples)
-        } else {
+        let mut samples = self.samples;
+        let mut count = self.run(0..samples, point, o, far, memory, &mut blocks);
+        let is_penumbra = count.seen > 0 && count.seen < samples;
+        if is_penumbra {
             blocks.clear();
-            (
-                self.run(0..self.all_samples, point, o, far, memory, &mut blocks),
-                self.all_samples,
-            )
-        };
-        let visibility = whole.0.seen as f32 / whole.1 as f32;
+            samples = self.all_samples;
+            count = self.run(0..samples, point, o, far, memory, &mut blocks);
+        }
+        let visibility = count.seen as f32 / samples as f32;
         PointTruth {
             visibility,
             error: standard_error(&blocks, visibility),
-            unlit: whole.0.above == 0 || self.outside_cone(o),
+            unlit: count.above == 0 || self.outside_cone(o),
         }
     }
 
@@ -134,7 +130,8 @@ impl<'a> Tracer<'a> {
         };
         let size = (range.len() as u32).div_ceil(BLOCKS);
         for start in range.clone().step_by(size as usize) {
-            let (before, end) = (count.seen, (start + size).min(range.end));
+            let before = count.seen;
+            let end = (start + size).min(range.end);
             for i in start..end {
                 let uv = scrambled(self.sequence[i as usize], point.seed);
                 self.sample(uv, point, o, far, memory, &mut count);
@@ -144,6 +141,7 @@ impl<'a> Tracer<'a> {
         count
     }
 
+    /// Traces one sample: the point `uv` of the light.
     #[inline(always)]
     fn sample(
         &self,
@@ -178,31 +176,43 @@ impl<'a> Tracer<'a> {
     /// Whether no caster reaches between a point and a light with an extent: into the pyramid from the point over a
     /// parallelogram around the light, above the point's tangent plane, before the light.
     fn is_clear(&self, point: &ReceiverPoint, o: Vec3) -> bool {
-        let (n, s) = (point.normal, &self.light);
-        let axes = [s.half_u.truncate(), s.half_v.truncate()];
-        let (center, [u, v]) = match s.shape.x {
-            kind::RECT | kind::DISC => (s.center.truncate() - o, axes),
+        let n = point.normal;
+        let light = &self.light;
+        let half_u = light.half_u.truncate();
+        let half_v = light.half_v.truncate();
+        // The vector to the parallelogram's center, and its half axes.
+        let center;
+        let u;
+        let v;
+        match light.shape.x {
+            kind::RECT | kind::DISC => {
+                center = light.center.truncate() - o;
+                u = half_u;
+                v = half_v;
+            }
             kind::BALL => {
-                let c = s.center.truncate() - o;
-                let across = c.normalize_or_zero();
-                (
-                    c,
-                    [tangent(across), bitangent(across)].map(|a| a * s.half_u.w),
-                )
+                center = light.center.truncate() - o;
+                let direction = center.normalize_or_zero();
+                u = tangent(direction) * light.half_u.w;
+                v = bitangent(direction) * light.half_u.w;
             }
             // Beyond 1 radian the pyramid would be too blunt to be of use.
-            kind::CAP if s.half_u.w < 0.46 => {
-                let tan = (1.0 / (1.0 - s.half_u.w).powi(2) - 1.0).sqrt() * 1.000_1;
-                (s.center.truncate(), axes.map(|a| a * tan))
+            kind::CAP if light.half_u.w < 0.46 => {
+                // The tangent of the cap's angle, whose cosine is 1 - w, and a little more for rounding.
+                let tan = (1.0 / (1.0 - light.half_u.w).powi(2) - 1.0).sqrt() * 1.000_1;
+                center = light.center.truncate();
+                u = half_u * tan;
+                v = half_v * tan;
             }
             _ => return false,
-        };
+        }
         let corners = [
             center + u + v,
             center - u + v,
             center - u - v,
             center + u - v,
         ];
+        // Half spaces as inward normals with their distances: the four sides, the tangent plane, and one before the light.
         let mut planes = [(n, n.dot(o)); 6];
         for k in 0..4 {
             let side = corners[k].cross(corners[(k + 1) % 4]);
@@ -213,7 +223,7 @@ impl<'a> Tracer<'a> {
             let inward = if side.dot(center) < 0.0 { -side } else { side };
             planes[k] = (inward, inward.dot(o));
         }
-        if s.shape.x != kind::CAP {
+        if light.shape.x != kind::CAP {
             let back = u.cross(v) * -u.cross(v).dot(center).signum();
             planes[5] = (back, back.dot(o + center));
         }
@@ -221,15 +231,34 @@ impl<'a> Tracer<'a> {
     }
 
     fn outside_cone(&self, p: Vec3) -> bool {
-        self.cone.is_some_and(|(position, axis, cosine)| {
-            let to_point = (p - position).as_dvec3().normalize_or_zero().as_vec3();
-            dot3(to_point, axis) < cosine
-        })
+        let Some(cone) = &self.cone else {
+            return false;
+        };
+        let to_point = (p - cone.apex).as_dvec3().normalize_or_zero().as_vec3();
+        dot3(to_point, cone.axis) < cone.cosine
     }
 }
 
-/// Scatter of the blocks' means over the root of their number: an upper estimate, as the whole is stratified better than
-/// its parts.
+/// Returns the outer cone of a spot light; none for other lights.
+fn cone(light: &Light) -> Option<Cone> {
+    let Light::Spot {
+        position,
+        direction,
+        outer,
+        ..
+    } = *light
+    else {
+        return None;
+    };
+    Some(Cone {
+        apex: position,
+        axis: direction.as_dvec3().normalize().as_vec3(),
+        cosine: outer.cos(),
+    })
+}
+
+/// Returns the standard deviation of the blocks' means over the square root of their number: an upper estimate of the standard
+/// error, as the whole is stratified better than its parts.
 fn standard_error(blocks: &[f32], mean: f32) -> f32 {
     let n = blocks.len() as f32;
     if blocks.len() < 2 {

@@ -1,4 +1,4 @@
-//! Which shadows of an ideal light fall around a seen point: worked out as polygons, in 64 bits.
+//! Computes the shadows of an ideal light around a seen point as polygons, in 64 bits.
 //!
 //! The point is where a pixel's ray meets the plane of the triangle that the pixel shows. Around it, on that triangle, lies
 //! its *vicinity*: where the ray of a pixel moved by some fraction of itself meets the plane, where the origin of a shadow
@@ -15,14 +15,14 @@ use umbrage_core::{
     light_sample::{LIFT, SHORT, origin_offset},
 };
 
-/// What is around a seen point.
+/// What lies around a seen point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Around {
     /// No shadow.
     Light,
     /// Nothing but shadow.
     Shadow,
-    /// Both, or which of them hangs on the height at which rays start.
+    /// Both, or which of them depends on the height at which rays start.
     Both,
     /// Which side the light is on is rounding.
     Grazed,
@@ -38,7 +38,8 @@ const MIN_AREA_SHARE: f64 = 1e-9;
 /// in one plane, whose corners are rounded to that, lie above each other by less: they don't shadow each other.
 const MIN_LIFT_SHARE: f64 = 1.0 / 32.0;
 
-/// Where shadows leave more pieces than this, light and shadow are not told apart: the time to cut grows with the square. Only far from the origin, where vicinities are as wide as whole models, do points have so many.
+/// The most pieces that shadows may leave; with more, a point counts as having both light and shadow around it, as the time to cut
+/// grows with the square. Only far from the origin, where vicinities are as wide as whole models, are there so many.
 const MAX_PIECES: usize = 500;
 
 /// An ideal light, a camera, and casters.
@@ -101,7 +102,7 @@ impl Surface {
         self.to_light.dot(self.axes[2]) / self.to_light.length()
     }
 
-    /// The shadow of a triangle's part that is higher than `above`, and lower than the light.
+    /// Returns the shadow of a triangle's part that is higher than `above`, and lower than the light.
     fn shadow(&self, corners: [DVec3; 3], above: f64) -> Polygon {
         let mut part = cut(&corners, |q| self.height(q) - above);
         if self.light_height.is_finite() {
@@ -112,7 +113,7 @@ impl Surface {
         counter_clockwise(part.into_iter().map(|q| self.project(q)).collect())
     }
 
-    /// Where the line from the light through a point meets the plane: the point's shadow.
+    /// Returns where the line from the light through a point meets the plane: the point's shadow.
     fn project(&self, q: DVec3) -> DVec2 {
         let height = self.height(q);
         let offset = q - self.p;
@@ -156,7 +157,7 @@ impl<'a> Vicinity<'a> {
         }
     }
 
-    /// What is around the point that a pixel shows. `ids` is memory to work with.
+    /// Returns what lies around the point that a pixel shows. `ids` is scratch memory.
     pub(super) fn around(
         &self,
         point: &ReceiverPoint,
@@ -196,7 +197,7 @@ impl<'a> Vicinity<'a> {
         }
     }
 
-    /// What the shadows of all that is higher than `above` leave of a polygon.
+    /// Returns what lies in a polygon, given the shadows of all casters that are higher than `above`.
     fn left(&self, surface: &Surface, vicinity: &Polygon, ids: &[u32], above: f64) -> Around {
         let whole = area(vicinity);
         let min_area = MIN_AREA_SHARE * whole;
@@ -207,30 +208,34 @@ impl<'a> Vicinity<'a> {
             .map(shadow)
             .filter(|shadow| area(shadow) > min_area)
             .collect();
-        // Most of those that hold both are found by some points, before anything is cut.
+        // Some points find most of the vicinities that hold both, before anything is cut.
         let points = spread(vicinity);
-        let is_dark = |q: &&DVec2| shadows.iter().any(|shadow| contains(shadow, **q));
-        let dark = points.iter().filter(is_dark).count();
+        let dark = points
+            .iter()
+            .filter(|q| shadows.iter().any(|shadow| contains(shadow, **q)))
+            .count();
         if dark > 0 && dark < points.len() {
             return Around::Both;
         }
-        let part = |shadow: &Polygon| {
+        let mut parts: Vec<(f64, Polygon)> = Vec::new();
+        for shadow in &shadows {
             let part = common(vicinity, shadow);
             let size = area(&part);
-            (size > min_area).then_some((size, part))
-        };
-        let mut shadows: Vec<(f64, Polygon)> = shadows.iter().filter_map(part).collect();
-        if shadows.is_empty() {
+            if size > min_area {
+                parts.push((size, part));
+            }
+        }
+        if parts.is_empty() {
             return Around::Light;
         }
         if dark == 0 {
             return Around::Both;
         }
         // The largest first: then fewer pieces are left to be cut.
-        shadows.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
+        parts.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
         let mut left = vec![vicinity.clone()];
-        for (_, shadow) in &shadows {
-            left = without(left, shadow, min_area);
+        for (_, part) in &parts {
+            left = without(left, part, min_area);
             if left.len() > MAX_PIECES {
                 return Around::Both;
             }
@@ -243,7 +248,7 @@ impl<'a> Vicinity<'a> {
         }
     }
 
-    /// The plane of a triangle at the point that a pixel shows; none where the plane is seen edge-on or the light has an
+    /// Returns the plane of a triangle at the point that a pixel shows; none where the plane is seen edge-on or the light has an
     /// extent.
     fn surface(&self, corners: [DVec3; 3], pixel: [u32; 2]) -> Option<Surface> {
         let ray = self.ray(pixel, DVec2::ZERO);
@@ -271,7 +276,7 @@ impl<'a> Vicinity<'a> {
         })
     }
 
-    /// The ray through a pixel's centre, moved by some pixels.
+    /// Returns the ray through a pixel's center, moved by some pixels.
     fn ray(&self, pixel: [u32; 2], by: DVec2) -> PixelRay {
         let x = f64::from(pixel[0]) + 0.5 + by.x;
         let y = f64::from(pixel[1]) + 0.5 + by.y;
@@ -282,7 +287,7 @@ impl<'a> Vicinity<'a> {
         }
     }
 
-    /// The vicinity, for rays whose origins may be moved by `offset`.
+    /// Returns the vicinity of a point, for rays whose origins may be moved by `offset`, metres.
     fn vicinity(&self, s: &Surface, corners: [DVec3; 3], pixel: [u32; 2], offset: f64) -> Polygon {
         let triangle = counter_clockwise(corners.map(|c| s.flat(c - s.p)).to_vec());
         // A ray from above meets the plane behind its origin, seen from the light.
@@ -305,7 +310,7 @@ impl<'a> Vicinity<'a> {
         common(&hull(points), &triangle)
     }
 
-    /// The casters whose shadows may fall within `radius` of the seen point.
+    /// Finds the casters whose shadows may fall within `radius` of the seen point.
     fn casters_near(&self, s: &Surface, radius: f64, ids: &mut Vec<u32>) {
         let to_light = match self.light {
             ToLight::Direction(to_light) => {

@@ -1,4 +1,4 @@
-//! Where Rust functions stand.
+//! Finds Rust functions and their lines.
 
 use super::files::Source;
 use anyhow::{Result, anyhow};

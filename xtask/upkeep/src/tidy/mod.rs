@@ -41,7 +41,7 @@ struct Length {
 /// Sizes of each kind, in the order of [`LIMITS`].
 type Lengths = [Vec<Length>; LIMITS.len()];
 
-/// Prints the table of sizes, and objects to what is too large or against the rules.
+/// Prints the table of sizes; errors if anything is too large or against the rules.
 pub(crate) fn tidy() -> Result<()> {
     let sources = files::read_all(root())?;
     let lengths = measure(&sources)?;
@@ -107,23 +107,28 @@ fn table(lengths: &Lengths) -> Table {
     let mut table = Table::new();
     table.set_header(["", "count", "median", "90 %", "most", "limit", "the most"]);
     for ((name, limit), lengths) in LIMITS.iter().zip(lengths) {
-        let last = lengths.len().saturating_sub(1);
-        let at = |percent: usize| lengths.get((lengths.len() * percent / 100).min(last));
-        let size = |percent| at(percent).map_or_else(|| "-".to_owned(), |l| l.size.to_string());
-        let longest = at(100).map_or("-", |l| &l.place);
-        let count = lengths.len().to_string();
-        let limit = limit.to_string();
+        let longest = percentile(lengths, 100);
         table.add_row([
-            *name,
-            &count,
-            &size(50),
-            &size(90),
-            &size(100),
-            &limit,
-            longest,
+            (*name).to_owned(),
+            lengths.len().to_string(),
+            size(percentile(lengths, 50)),
+            size(percentile(lengths, 90)),
+            size(longest),
+            limit.to_string(),
+            longest.map_or_else(|| "-".to_owned(), |length| length.place.clone()),
         ]);
     }
     table
+}
+
+/// Returns the length than which this percentage is shorter, of sorted lengths; none without lengths.
+fn percentile(sorted: &[Length], percent: usize) -> Option<&Length> {
+    let last = sorted.len().checked_sub(1)?;
+    sorted.get((sorted.len() * percent / 100).min(last))
+}
+
+fn size(length: Option<&Length>) -> String {
+    length.map_or_else(|| "-".to_owned(), |length| length.size.to_string())
 }
 
 fn too_long(lengths: &Lengths) -> Vec<String> {

@@ -1,4 +1,4 @@
-//! What a file may not hold.
+//! Rules for what a file may not hold.
 
 use super::files::Source;
 use syn::{Attribute, visit::Visit};
@@ -52,15 +52,17 @@ fn silent_allows(source: &Source) -> Vec<String> {
     if let Ok(file) = syn::parse_file(&source.text) {
         visitor.visit_file(&file);
     }
-    let fault = |line| {
-        format!(
-            "{}:{line}: an `allow` or `expect` without `reason = ..`; give one",
-            source.path
-        )
-    };
-    visitor.0.into_iter().map(fault).collect()
+    let path = &source.path;
+    let mut out = Vec::new();
+    for line in visitor.0 {
+        out.push(format!(
+            "{path}:{line}: an `allow` or `expect` without `reason = ..`; give one"
+        ));
+    }
+    out
 }
 
+/// Collects the lines of such attributes.
 struct Allows(Vec<usize>);
 
 impl Visit<'_> for Allows {

@@ -1,5 +1,5 @@
-//! How dense Rust code is: tokens a line. Short functions by packing are harder to read than longer plain ones, so lengths are
-//! bounded in tokens, too.
+//! Measures the density of Rust code in tokens a line. Functions that are short because their lines are packed are harder to read
+//! than longer plain ones, so lengths are bounded in tokens, too.
 
 use super::files::Source;
 use anyhow::{Result, anyhow};

@@ -1,4 +1,4 @@
-//! How long WGSL functions are.
+//! Measures the lengths of WGSL functions.
 
 use super::{Length, files::Source};
 

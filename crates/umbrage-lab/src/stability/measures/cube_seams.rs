@@ -1,4 +1,4 @@
-//! Where the faces of a cube of maps meet.
+//! Errors at the seams between the faces of a cube map.
 
 use super::open::share;
 use glam::Vec3;

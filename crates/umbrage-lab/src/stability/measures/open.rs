@@ -1,11 +1,11 @@
-//! What is wrong away from edges: acne, leaks, and acne by distance.
+//! Errors away from shadow edges: acne, leaks, and acne by distance.
 //!
 //! Near a shadow's edge every map is wrong; farther away than kernels reach nothing may be. Pixels that far away are *open*:
 //! [`CaseTruth::open`](crate::stability::CaseTruth).
 
 use umbrage_core::metrics::ERROR_THRESHOLD;
 
-/// Acne: percent of the open lit pixels that the mask darkens by more than [`ERROR_THRESHOLD`].
+/// Returns the acne: the percentage of the open lit pixels that the mask darkens by more than [`ERROR_THRESHOLD`].
 pub fn acne(mask: &[f32], truth: &[f32], open: &[bool]) -> f64 {
     share(
         (0..mask.len())
@@ -14,7 +14,7 @@ pub fn acne(mask: &[f32], truth: &[f32], open: &[bool]) -> f64 {
     )
 }
 
-/// Leaks: percent of the open dark pixels that the mask lights by more than [`ERROR_THRESHOLD`].
+/// Returns the leaks: the percentage of the open dark pixels that the mask lights by more than [`ERROR_THRESHOLD`].
 pub fn leak(mask: &[f32], truth: &[f32], open: &[bool]) -> f64 {
     share(
         (0..mask.len())
@@ -23,7 +23,7 @@ pub fn leak(mask: &[f32], truth: &[f32], open: &[bool]) -> f64 {
     )
 }
 
-/// Either: percent of the open pixels that are wrong by more than [`ERROR_THRESHOLD`].
+/// Returns acne and leaks together: the percentage of the open pixels that are wrong by more than [`ERROR_THRESHOLD`].
 pub fn wrong(mask: &[f32], truth: &[f32], open: &[bool]) -> f64 {
     share(
         (0..mask.len())
@@ -35,7 +35,7 @@ pub fn wrong(mask: &[f32], truth: &[f32], open: &[bool]) -> f64 {
 /// Bins that pixels are sorted into by distance.
 pub const BINS: usize = 5;
 
-/// [`acne`] in [`BINS`] bins of distance from the eye (`distance`, metres), each of as many open lit pixels, near first.
+/// Returns the [`acne`] in [`BINS`] bins of distance from the eye (`distance`, metres), each of as many open lit pixels, near first.
 pub fn acne_by_distance(
     mask: &[f32],
     truth: &[f32],

@@ -1,4 +1,4 @@
-//! Penumbrae: how wrong within, and how wide.
+//! Errors within penumbrae, and errors of their widths.
 //!
 //! Over a penumbra that runs linearly from 0 to 1 over a width w, the integral of v (1 - v) across it is w / 6; so the sum
 //! of v (1 - v) over pixels, each weighted alike in mask and truth, tells the ratio of widths without finding an edge.
@@ -7,14 +7,14 @@
 use glam::Vec3;
 use umbrage_core::{Receivers, metrics::is_penumbra};
 
-/// RMSE over the pixels that truth has in penumbra; 0 without any.
+/// Returns the RMSE over the pixels that truth has in penumbra; 0 without any.
 pub fn rmse(mask: &[f32], truth: &[f32], counts: impl Fn(usize) -> bool) -> f64 {
     root_mean(mask.len(), truth, counts, |i| {
         (f64::from(mask[i]) - f64::from(truth[i])).powi(2)
     })
 }
 
-/// The RMSE that `rays` independent rays a pixel would have over the same pixels: binomial, v (1 - v) / n each.
+/// Returns the RMSE that `rays` independent rays a pixel would have over the same pixels: binomial, v (1 - v) / n each.
 pub fn ray_noise(truth: &[f32], rays: u32, counts: impl Fn(usize) -> bool) -> f64 {
     root_mean(truth.len(), truth, counts, |i| {
         f64::from(truth[i]) * f64::from(1.0 - truth[i]) / f64::from(rays)

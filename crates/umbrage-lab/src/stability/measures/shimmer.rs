@@ -1,14 +1,15 @@
-//! Shimmer: what changes from frame to frame though it should not, and what stays though it should change.
+//! Shimmer: changes from frame to frame that should not be there, and changes that are missing.
 
 use std::collections::BTreeMap;
 
-/// Mean of |V_t - V_(t-1)| over all pairs of neighbouring frames and all marked points, 0..=1. Each frame holds the
+/// Returns the mean of |V_t - V_(t-1)| over all pairs of neighbouring frames and all marked points, 0..=1. Each frame holds the
 /// visibility of the same world-locked points.
 pub fn change(frames: &[Vec<f32>], marked: &[bool]) -> f64 {
     mean(&steps(frames, marked))
 }
 
-/// Shimmer beyond truth's own: a method's mean change less truth's; negative where the method hides true changes.
+/// Returns the shimmer beyond truth's own: a method's mean change less truth's, -1..=1; negative where the method hides true
+/// changes.
 pub fn shimmer(frames: &[Vec<f32>], truth: &[Vec<f32>], marked: &[bool]) -> f64 {
     change(frames, marked) - change(truth, marked)
 }
@@ -17,10 +18,11 @@ pub fn shimmer(frames: &[Vec<f32>], truth: &[Vec<f32>], marked: &[bool]) -> f64 
 /// edges, which cancel within a block, and small beside the picture, so that crawl here can't make up for rest there.
 pub const BLOCK: usize = 16;
 
-/// How far a method's change is from truth's: in each block of [`BLOCK`] x [`BLOCK`] pixels what brightens and what darkens
-/// from a frame to the next is added up, each apart, for the method and for truth. The sum of the absolute differences, a
-/// marked point and a pair of frames: 0..=2. A shadow that stands still while truth's moves is as wrong as one that crawls,
-/// and one that runs backwards is wrong twice. Points are the pixels of a picture `width` wide, rows from the top.
+/// Returns how far a method's change is from truth's, 0..=2. In each block of [`BLOCK`] x [`BLOCK`] pixels the increases of
+/// visibility from a frame to the next are added up, and so are the decreases, for the method and for truth. The result is the
+/// sum of the absolute differences of these sums, divided by the number of marked points, the mean over all pairs of frames. A
+/// shadow that stands still while truth's moves is as wrong as one that crawls, and one that runs backwards is wrong twice.
+/// Points are the pixels of a picture `width` wide, rows from the top.
 pub fn change_error(frames: &[Vec<f32>], truth: &[Vec<f32>], marked: &[bool], width: usize) -> f64 {
     let blocks = blocks(marked, width);
     let count = blocks.iter().map(Vec::len).sum::<usize>().max(1) as f64;
@@ -126,50 +128,75 @@ mod tests {
     fn standing_still_is_as_wrong_as_crawling() {
         let still = vec![vec![0.0, 1.0]; 3];
         let moving = vec![vec![0.0, 1.0], vec![0.0, 0.5], vec![0.5, 0.5]];
-        let error = |frames: &[Vec<f32>], truth: &[Vec<f32>], marked: [bool; 2]| {
-            change_error(frames, truth, &marked, 2)
-        };
         let all = [true; 2];
-        assert_eq!(error(&moving, &moving, all), 0.0);
-        assert_eq!(error(&still, &moving, all), 0.25);
-        assert_eq!(error(&moving, &still, all), 0.25);
-        // A jump doesn't make up for a rest: frame by frame both are wrong, though they change as much in all.
+        assert_eq!(change_error(&moving, &moving, &all, 2), 0.0);
+        assert_eq!(change_error(&still, &moving, &all, 2), 0.25);
+        assert_eq!(change_error(&moving, &still, &all, 2), 0.25);
+        // A jump doesn't make up for a rest: each frame is wrong, though the changes of all frames add up to the same.
         let jumping = vec![vec![0.0, 1.0], vec![0.0, 1.0], vec![0.5, 0.5]];
         assert_eq!(change(&jumping, &all), change(&moving, &all));
-        assert_eq!(error(&jumping, &moving, all), 0.25);
-        assert_eq!(error(&still, &moving, [true, false]), 0.25);
-        assert_eq!(error(&still, &moving, [false; 2]), 0.0);
+        assert_eq!(change_error(&jumping, &moving, &all, 2), 0.25);
+        assert_eq!(change_error(&still, &moving, &[true, false], 2), 0.25);
+        assert_eq!(change_error(&still, &moving, &[false; 2], 2), 0.0);
     }
 
-    /// A picture of two blocks beside one another and two below them, with two points in each corner.
+    /// Side of the pictures below, pixels: two blocks.
+    const SIDE: usize = 2 * BLOCK;
+
+    /// Returns a picture of half light in which two pixels, each as (x, y, visibility), differ.
     fn picture(set: [(usize, usize, f32); 2]) -> Vec<f32> {
-        let mut out = vec![0.5; 4 * BLOCK * BLOCK];
-        set.into_iter()
-            .for_each(|(x, y, v)| out[y * 2 * BLOCK + x] = v);
+        let mut out = vec![0.5; SIDE * SIDE];
+        for (x, y, visibility) in set {
+            out[y * SIDE + x] = visibility;
+        }
         out
+    }
+
+    /// Returns the change error of two frames, summed over all points.
+    fn summed_error(mask: &[Vec<f32>], truth: &[Vec<f32>]) -> f64 {
+        let points = SIDE * SIDE;
+        change_error(mask, truth, &vec![true; points], SIDE) * points as f64
     }
 
     #[test]
     fn crawl_in_one_place_does_not_pay_for_rest_in_another() {
-        let (near, far) = ([0, 1], 2 * BLOCK - 1);
-        let error = |mask: [Vec<f32>; 2], truth: [Vec<f32>; 2]| {
-            change_error(&mask, &truth, &vec![true; 4 * BLOCK * BLOCK], 2 * BLOCK)
-                * (4 * BLOCK * BLOCK) as f64
-        };
-        // Truth darkens one corner's point; the mask brightens that of the corner beside it, of that below, or darkens it.
+        let far = SIDE - 1;
+        // Truth darkens the pixel in the first block; the mask changes one in the block beside it, below it, or both.
         for (x, y) in [(far, 0), (0, far), (far, far)] {
-            let truth = [[0.0, 1.0], [0.0, 0.0]].map(|[a, b]| picture([(0, 0, b), (x, y, a)]));
-            let lit = [[0.0, 1.0], [1.0, 1.0]].map(|[a, b]| picture([(0, 0, b), (x, y, a)]));
-            assert_eq!(error(lit, truth.clone()), 2.0);
-            let darkened = [1.0, 0.0].map(|v| picture([(0, 0, 1.0), (x, y, v)]));
-            assert_eq!(error(darkened, truth), 2.0);
+            let lit_then_dark = [
+                picture([(0, 0, 1.0), (x, y, 0.0)]),
+                picture([(0, 0, 0.0), (x, y, 0.0)]),
+            ];
+            let brightened_elsewhere = [
+                picture([(0, 0, 1.0), (x, y, 0.0)]),
+                picture([(0, 0, 1.0), (x, y, 1.0)]),
+            ];
+            assert_eq!(summed_error(&brightened_elsewhere, &lit_then_dark), 2.0);
+            let darkened_elsewhere = [
+                picture([(0, 0, 1.0), (x, y, 1.0)]),
+                picture([(0, 0, 1.0), (x, y, 0.0)]),
+            ];
+            assert_eq!(summed_error(&darkened_elsewhere, &lit_then_dark), 2.0);
         }
-        // Within a block a pixel more or less of an edge is noise, but no shadow runs backwards.
-        let at = |x: usize, [from, to]: [f32; 2]| {
-            [from, to].map(|v| picture([(x, 0, v), (far, far, 0.0)]))
-        };
-        let truth = at(near[0], [1.0, 0.0]);
-        assert_eq!(error(at(near[1], [1.0, 0.0]), truth.clone()), 0.0);
-        assert_eq!(error(at(near[0], [0.0, 1.0]), truth), 2.0);
+    }
+
+    /// Within a block a pixel more or less of an edge is noise, but a change in the other direction is not.
+    #[test]
+    fn changes_within_a_block_make_up_for_each_other_in_one_direction_alone() {
+        let far = SIDE - 1;
+        let first_darkens = [
+            picture([(0, 0, 1.0), (far, far, 0.0)]),
+            picture([(0, 0, 0.0), (far, far, 0.0)]),
+        ];
+        let neighbor_darkens = [
+            picture([(1, 0, 1.0), (far, far, 0.0)]),
+            picture([(1, 0, 0.0), (far, far, 0.0)]),
+        ];
+        let first_brightens = [
+            picture([(0, 0, 0.0), (far, far, 0.0)]),
+            picture([(0, 0, 1.0), (far, far, 0.0)]),
+        ];
+        assert_eq!(summed_error(&neighbor_darkens, &first_darkens), 0.0);
+        assert_eq!(summed_error(&first_brightens, &first_darkens), 2.0);
     }
 }

@@ -1,4 +1,4 @@
-//! The matrix as a page, a picture, a table and data.
+//! Writes the matrix as a page, a picture, a table and data.
 
 mod page;
 mod svg;
@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 /// Returns the page's path. The figures' files hold nothing that changes from run to run: no dates, no times.
 ///
 /// # Errors
-/// When the folder can't be written.
+/// Errors if the folder can't be written.
 pub fn write(folder: &Path, stability: &Stability, sweeps: &[Sweep]) -> Result<PathBuf, LabError> {
     let out = Folder::create(folder)?;
     out.write("matrix.csv", &matrix(stability)?)?;
@@ -31,7 +31,7 @@ pub fn write(folder: &Path, stability: &Stability, sweeps: &[Sweep]) -> Result<P
     Ok(folder.join("index.html"))
 }
 
-/// Pretty, so that changes show line by line.
+/// Returns indented JSON, so that changes show line by line.
 fn json(data: &impl serde::Serialize) -> Result<Vec<u8>, LabError> {
     serde_json::to_vec_pretty(data).map_err(|e| LabError::write("results.json", e))
 }
@@ -53,7 +53,7 @@ const HEADER: [&str; 14] = [
     "reason",
 ];
 
-/// One line a cell.
+/// Returns the matrix as CSV, a line for each cell.
 fn matrix(stability: &Stability) -> Result<Vec<u8>, LabError> {
     let mut lines = Vec::new();
     for case in &stability.cases {

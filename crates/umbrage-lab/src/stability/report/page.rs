@@ -3,7 +3,7 @@
 use crate::{
     LabError,
     output::html::{Page, data_uri},
-    stability::{Stability, sweeps::Sweep},
+    stability::{CaseResult, Stability, sweeps::Sweep},
 };
 use serde::Serialize;
 
@@ -25,34 +25,37 @@ struct Chart<'a> {
     svg: String,
 }
 
-/// The whole page.
+/// Returns the whole page.
 pub(super) fn html(stability: &Stability, sweeps: &[Sweep]) -> Result<String, LabError> {
-    let pictures = stability.cases.iter().map(|case| {
-        case.cells
-            .iter()
-            .map(|cell| {
-                cell.picture
-                    .as_deref()
-                    .map(|png| data_uri("image/png", png))
-            })
-            .collect()
-    });
-    let charts = sweeps.iter().map(|s| Chart {
-        name: &s.title,
-        svg: data_uri("image/svg+xml", s.svg().as_bytes()),
-    });
+    let pictures = stability.cases.iter().map(pictures_of).collect();
+    let mut charts = Vec::new();
+    for sweep in sweeps {
+        charts.push(Chart {
+            name: &sweep.title,
+            svg: data_uri("image/svg+xml", sweep.svg().as_bytes()),
+        });
+    }
     let data = Data {
         stability,
-        pictures: pictures.collect(),
-        sweeps: charts.collect(),
+        pictures,
+        sweeps: charts,
     };
-    let title = "umbrage: where shadow methods fail";
     let page = Page {
-        title,
+        title: "umbrage: where shadow methods fail",
         style: STYLE,
         body: BODY,
         scripts: &[SCRIPT],
+    };
+    page.html(&data)
+        .map_err(|e| LabError::write("index.html", e))
+}
+
+/// Returns the pictures of a case's cells as data URIs; none for cells without one.
+fn pictures_of(case: &CaseResult) -> Vec<Option<String>> {
+    let mut out = Vec::new();
+    for cell in &case.cells {
+        let png = cell.picture.as_deref();
+        out.push(png.map(|png| data_uri("image/png", png)));
     }
-    .html(&data);
-    page.map_err(|e| LabError::write("index.html", e))
+    out
 }

@@ -1,4 +1,4 @@
-//! The matrix as one picture for a README: a line a case, a column a setting, signs that read without colour.
+//! The matrix as one picture for a README: a line for each case, a column for each setting, and signs that read without color.
 
 use crate::{
     output::html::escape,
@@ -6,70 +6,97 @@ use crate::{
 };
 use std::fmt::Write as _;
 
-const CELL: [usize; 2] = [26, 19];
-/// Beside the cells: names of cases; above them: names of techniques.
+/// Distance from the left side of a cell to that of the next, pixels; 2 of them are the gap between cells.
+const CELL_WIDTH: usize = 26;
+/// Distance from the top of a line to that of the next, pixels; 2 of them are the gap between lines.
+const CELL_HEIGHT: usize = 19;
+/// Gap between cells, pixels.
+const CELL_GAP: usize = 2;
+/// Width left of the cells, for the names of cases, pixels.
 const LEFT: usize = 335;
+/// Width right of the cells, into which the last slanted column head reaches, pixels.
+const RIGHT: usize = 90;
+/// Height above the cells, for the heads of columns, pixels.
 const TOP: usize = 178;
+/// Height below the cells, for the legend, pixels.
 const BOTTOM: usize = 34;
+/// Distance from the top of a line to the baseline of its text, pixels.
+const BASELINE: usize = 14;
 
-/// Background and ink of a cell. Blue to orange, as all kinds of colour vision tell them apart (Okabe, Ito 2008).
-fn colors(cell: &Cell) -> [&'static str; 2] {
-    match cell.verdict() {
-        Some(Verdict::Pass) => ["#cfe3f5", "#134a7c"],
-        Some(Verdict::Degraded) => ["#fbe6b8", "#7a5200"],
-        Some(Verdict::Fails) => ["#e58a4a", "#3d1600"],
-        None if cell.sign() == '!' => ["#b3261e", "#ffffff"],
-        None => ["#eef0f3", "#8a94a3"],
-    }
+/// What the signs mean ([`Cell::sign`]).
+const LEGEND: &str = "✓ passes   ~ degraded   ✗ fails   – not made for it; limits and figures: cargo xtask stability";
+
+/// The colors of a cell, as CSS.
+struct CellColors {
+    background: &'static str,
+    ink: &'static str,
 }
 
-/// The whole picture; empty without cases.
+/// Returns the colors of a cell. Blue to orange, as all kinds of color vision tell them apart (Okabe, Ito 2008).
+fn colors(cell: &Cell) -> CellColors {
+    let (background, ink) = match cell.verdict() {
+        Some(Verdict::Pass) => ("#cfe3f5", "#134a7c"),
+        Some(Verdict::Degraded) => ("#fbe6b8", "#7a5200"),
+        Some(Verdict::Fails) => ("#e58a4a", "#3d1600"),
+        None if cell.sign() == '!' => ("#b3261e", "#ffffff"),
+        None => ("#eef0f3", "#8a94a3"),
+    };
+    CellColors { background, ink }
+}
+
+/// Returns the whole picture; empty without cases.
 pub(super) fn matrix(stability: &Stability) -> String {
-    // Settings that only single rows try are the page's: the picture has those that all rows try.
+    // Some rows try more settings than others. The columns are the settings that all rows try; the page shows the rest.
     let Some(least) = stability.cases.iter().min_by_key(|c| c.cells.len()) else {
         return String::new();
     };
-    let columns: Vec<String> = least.cells.iter().map(head).collect();
-    let (w, h) = (
-        LEFT + columns.len() * CELL[0] + 90,
-        TOP + stability.cases.len() * CELL[1] + BOTTOM,
-    );
+    let columns = least.cells.len();
+    let w = LEFT + columns * CELL_WIDTH + RIGHT;
+    let h = TOP + stability.cases.len() * CELL_HEIGHT + BOTTOM;
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {w} {h}\" width=\"{w}\" height=\"{h}\" \
          font-family=\"system-ui, 'Segoe UI', 'DejaVu Sans', sans-serif\" font-size=\"11.5\">\n\
          <rect width=\"{w}\" height=\"{h}\" fill=\"#ffffff\"/>\n"
     );
-    for (i, column) in columns.iter().enumerate() {
-        let (x, y) = (LEFT + i * CELL[0] + CELL[0] / 2 + 4, TOP - 8);
-        let _ = writeln!(
-            out,
-            "<text transform=\"translate({x} {y}) rotate(-50)\" fill=\"#1b2330\">{}</text>",
-            escape(column)
-        );
+    for (column, cell) in least.cells.iter().enumerate() {
+        write_head(&mut out, cell, column);
     }
-    for (k, case) in stability.cases.iter().enumerate() {
-        let is_first_of_row = stability.cases[..k].iter().all(|c| c.row != case.row);
-        line(&mut out, case, k, columns.len(), is_first_of_row);
+    for (line, case) in stability.cases.iter().enumerate() {
+        let is_first_of_row = stability.cases[..line].iter().all(|c| c.row != case.row);
+        write_line(&mut out, case, line, columns, is_first_of_row);
     }
-    let legend = "✓ passes   ~ degraded   ✗ fails   – not made for it; limits and figures: cargo xtask stability";
+    let legend_y = h - 12;
     let _ = writeln!(
         out,
-        "<text x=\"12\" y=\"{}\" fill=\"#5b6675\">{legend}</text>\n</svg>",
-        h - 12
+        "<text x=\"12\" y=\"{legend_y}\" fill=\"#5b6675\">{LEGEND}</text>\n</svg>"
     );
     out
 }
 
-/// A technique, and in what its settings differ from its others: its bias, or its rays.
-fn head(cell: &Cell) -> String {
+/// Writes a column's head, slanted: the technique, and the end of its settings, in which those of one technique differ (the
+/// bias, or the rays).
+fn write_head(out: &mut String, cell: &Cell, column: usize) {
     let settings = cell.settings.rsplit("bias: ").next().unwrap_or_default();
-    format!("{}, {settings}", cell.technique)
+    let head = format!("{}, {settings}", cell.technique);
+    let x = LEFT + column * CELL_WIDTH + CELL_WIDTH / 2 + 4;
+    let y = TOP - 8;
+    let _ = writeln!(
+        out,
+        "<text transform=\"translate({x} {y}) rotate(-50)\" fill=\"#1b2330\">{}</text>",
+        escape(&head)
+    );
 }
 
-/// Line `k`: as many cells as there are columns, and the row's number before its first case.
-fn line(out: &mut String, case: &CaseResult, k: usize, columns: usize, is_first_of_row: bool) {
-    let y = TOP + k * CELL[1];
-    let base = y + 14;
+/// Writes a case's line: the row's number if it is the row's first case, the case's name, and `columns` cells.
+fn write_line(
+    out: &mut String,
+    case: &CaseResult,
+    line: usize,
+    columns: usize,
+    is_first_of_row: bool,
+) {
+    let y = TOP + line * CELL_HEIGHT;
+    let base = y + BASELINE;
     if is_first_of_row {
         let _ = writeln!(
             out,
@@ -83,21 +110,29 @@ fn line(out: &mut String, case: &CaseResult, k: usize, columns: usize, is_first_
         escape(&case.case),
         escape(&case.measure)
     );
-    for (i, cell) in case.cells.iter().take(columns).enumerate() {
-        let (x, [background, ink]) = (LEFT + i * CELL[0], colors(cell));
-        let figure = cell
-            .figure()
-            .map_or_else(String::new, |f| format!(": {f:.3} {}", case.unit));
-        let _ = writeln!(
-            out,
-            "<g><title>{} ({}){figure}</title><rect x=\"{x}\" y=\"{y}\" width=\"{}\" height=\"{}\" rx=\"3\" fill=\"{background}\"/>\
-             <text x=\"{}\" y=\"{base}\" text-anchor=\"middle\" fill=\"{ink}\">{}</text></g>",
-            escape(&cell.technique),
-            escape(&cell.settings),
-            CELL[0] - 2,
-            CELL[1] - 2,
-            x + CELL[0] / 2 - 1,
-            cell.sign()
-        );
+    for (column, cell) in case.cells.iter().take(columns).enumerate() {
+        let x = LEFT + column * CELL_WIDTH;
+        write_cell(out, cell, &case.unit, x, y);
     }
+}
+
+/// Writes a cell whose top left corner is at (`x`, `y`); its tooltip says the setting and the figure, in `unit`.
+fn write_cell(out: &mut String, cell: &Cell, unit: &str, x: usize, y: usize) {
+    let CellColors { background, ink } = colors(cell);
+    let technique = escape(&cell.technique);
+    let settings = escape(&cell.settings);
+    let figure = cell
+        .figure()
+        .map_or_else(String::new, |figure| format!(": {figure:.3} {unit}"));
+    let w = CELL_WIDTH - CELL_GAP;
+    let h = CELL_HEIGHT - CELL_GAP;
+    let center = x + CELL_WIDTH / 2 - 1;
+    let base = y + BASELINE;
+    let sign = cell.sign();
+    let _ = writeln!(
+        out,
+        "<g><title>{technique} ({settings}){figure}</title>\
+         <rect x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" rx=\"3\" fill=\"{background}\"/>\
+         <text x=\"{center}\" y=\"{base}\" text-anchor=\"middle\" fill=\"{ink}\">{sign}</text></g>"
+    );
 }

@@ -1,7 +1,7 @@
-//! Bias from none to too much: acne falls, and what shadows lose grows.
+//! Bias from next to none to far too much: acne falls, and what the bias costs (a gap at contacts, or RMSE) grows.
 //!
-//! Both are drawn in units of their own limits, so that one chart holds them: below 1 either passes. The best bias is the
-//! one at which the worse of the two is least.
+//! Both are drawn in units of their own limits, so that one chart holds them: up to 1 either passes. The best bias is the one
+//! at which the worse of the two is least.
 
 use super::{Curve, Sweep, not_played, play};
 use crate::{
@@ -20,18 +20,24 @@ use umbrage_techniques::{Bias, Hard, ShadowMap};
 /// A scene and a kind of bias.
 #[derive(Debug)]
 pub(super) struct Kind {
+    /// For file names.
     pub(super) name: &'static str,
     title: &'static str,
+    /// Name of a built-in scene.
     scene: &'static str,
+    /// Label of the x axis, with its unit.
     x: &'static str,
-    /// Beside acne.
+    /// What too much bias does harm to: the curve beside acne.
     loss: Measure,
-    /// From next to nothing to far too much.
-    range: [f32; 2],
+    /// The first value, next to nothing.
+    from: f32,
+    /// The last value, far too much.
+    to: f32,
+    /// Returns the bias of a value.
     bias: fn(f32) -> Bias,
 }
 
-/// Steps between the ends of a range, both included.
+/// Values of a sweep, its ends included.
 const STEPS: u32 = 25;
 
 fn constant(v: f32) -> Bias {
@@ -60,28 +66,47 @@ fn normal_offset(v: f32) -> Bias {
     }
 }
 
+/// A normal offset; the list below changes what is not that.
 const fn kind(name: &'static str, scene: &'static str, loss: Measure) -> Kind {
-    let x = "normal offset, texels";
     Kind {
         name,
         title: "",
         scene,
-        x,
+        x: "normal offset, texels",
         loss,
-        range: [0.02, 50.0],
+        from: 0.02,
+        to: 50.0,
         bias: normal_offset,
     }
 }
 
-#[rustfmt::skip]
 pub(super) const ALL: &[Kind] = &[
-    Kind { title: "thin-plate: constant bias", x: "constant bias, clip depth", range: [1e-5, 0.3], bias: constant,
-           ..kind("bias-constant", "thin-plate", Measure::Gap(PLATE)) },
-    Kind { title: "thin-plate: polygon offset", x: "polygon offset, slope factor", bias: polygon_offset,
-           ..kind("bias-polygon-offset", "thin-plate", Measure::Gap(PLATE)) },
-    Kind { title: "thin-plate: normal offset", ..kind("bias-normal-offset", "thin-plate", Measure::Gap(PLATE)) },
-    Kind { title: "low-sun-5: normal offset", ..kind("bias-low-sun", "low-sun-5", Measure::Rmse) },
-    Kind { title: "stairs: normal offset", ..kind("bias-stairs", "stairs", Measure::Rmse) },
+    Kind {
+        title: "thin-plate: constant bias",
+        x: "constant bias, clip depth",
+        from: 1e-5,
+        to: 0.3,
+        bias: constant,
+        ..kind("bias-constant", "thin-plate", Measure::Gap(PLATE))
+    },
+    Kind {
+        title: "thin-plate: polygon offset",
+        x: "polygon offset, slope factor",
+        bias: polygon_offset,
+        ..kind("bias-polygon-offset", "thin-plate", Measure::Gap(PLATE))
+    },
+    Kind {
+        title: "thin-plate: normal offset",
+        ..kind("bias-normal-offset", "thin-plate", Measure::Gap(PLATE))
+    },
+    Kind {
+        title: "low-sun-5: normal offset",
+        ..kind("bias-low-sun", "low-sun-5", Measure::Rmse)
+    },
+    Kind {
+        title: "stairs: normal offset",
+        ..kind("bias-stairs", "stairs", Measure::Rmse)
+    },
 ];
 
 pub(super) fn sweep(
@@ -95,21 +120,13 @@ pub(super) fn sweep(
         options,
     )?;
     let values: Vec<f32> = (0..STEPS)
-        .map(|i| geometric_step(kind.range[0], kind.range[1], i))
+        .map(|i| geometric_step(kind.from, kind.to, i))
         .collect();
     let played = masks(kind, &values, &case_truth, options, backends)?;
-    let curve = |measure: Measure| {
-        let pass = measure.limits(&case_truth).pass;
-        let points = values
-            .iter()
-            .zip(&played)
-            .map(|(v, p)| [f64::from(*v), measure.figure(&case_truth, &p.mask) / pass]);
-        Curve {
-            label: format!("{} (limit {})", measure.name(), limit(pass, measure.unit())),
-            points: points.collect(),
-        }
-    };
-    let curves = vec![curve(Measure::Acne), curve(kind.loss)];
+    let curves = vec![
+        curve(Measure::Acne, &values, &played, &case_truth),
+        curve(kind.loss, &values, &played, &case_truth),
+    ];
     let best = best(&curves);
     Ok(Sweep {
         name: kind.name.to_owned(),
@@ -126,6 +143,25 @@ pub(super) fn sweep(
     })
 }
 
+/// Returns the curve of a measure, in units of the limit up to which it passes.
+fn curve(
+    measure: Measure,
+    values: &[f32],
+    played: &[RenderedOnAll],
+    case_truth: &CaseTruth,
+) -> Curve {
+    let pass = measure.limits(case_truth).pass;
+    let mut points = Vec::new();
+    for (value, rendered) in values.iter().zip(played) {
+        let figure = measure.figure(case_truth, &rendered.mask);
+        points.push([f64::from(*value), figure / pass]);
+    }
+    Curve {
+        label: format!("{} (limit {})", measure.name(), limit(pass, measure.unit())),
+        points,
+    }
+}
+
 fn limit(pass: f64, unit: &str) -> String {
     format!("{pass:.3} {unit}").trim_end().to_owned()
 }
@@ -136,6 +172,7 @@ fn geometric_step(from: f32, to: f32, i: u32) -> f32 {
     from * (to / from).powf(t)
 }
 
+/// Plays hard shadows with each value's bias.
 fn masks(
     kind: &Kind,
     values: &[f32],
@@ -143,29 +180,34 @@ fn masks(
     options: &StabilityOptions,
     backends: &mut Backends,
 ) -> Result<Vec<RenderedOnAll>, LabError> {
-    let one = |(i, v): (usize, &f32)| {
+    let mut out = Vec::new();
+    for (i, value) in values.iter().enumerate() {
         let map = ShadowMap {
             size: options.map_size,
-            bias: (kind.bias)(*v),
+            bias: (kind.bias)(*value),
             ..ShadowMap::default()
         };
         match play(case_truth, &Hard { map }, backends, i, values.len()) {
-            // A perfect score, or a gap that nobody sees, would hide that hard shadows are not served.
+            Ok(played) => out.push(played),
+            // Without a mask there is no figure. Leaving the point out would hide that the setting can't be played.
             Err(NoMask::Unsupported(why) | NoMask::Fault(why)) => {
-                Err(not_played(case_truth, &Hard { map }, &why))
+                return Err(not_played(case_truth, &Hard { map }, &why));
             }
-            Ok(played) => Ok(played),
         }
-    };
-    values.iter().enumerate().map(one).collect()
+    }
+    Ok(out)
 }
 
-/// Where the worst curve is lowest; the least such x.
+/// Returns the x at which the highest of the curves is lowest; the least such x.
 fn best(curves: &[Curve]) -> Option<f64> {
     let points = curves.first()?.points.len();
-    let worst = |i: usize| curves.iter().map(|c| c.points[i][1]).fold(0.0, f64::max);
-    let i = (0..points).min_by(|a, b| worst(*a).total_cmp(&worst(*b)))?;
-    Some(curves[0].points[i][0])
+    let best = (0..points).min_by(|&a, &b| highest(curves, a).total_cmp(&highest(curves, b)))?;
+    Some(curves[0].points[best][0])
+}
+
+/// Returns the greatest y of all curves at point `i`.
+fn highest(curves: &[Curve], i: usize) -> f64 {
+    curves.iter().map(|c| c.points[i][1]).fold(0.0, f64::max)
 }
 
 #[cfg(test)]
@@ -175,6 +217,7 @@ mod tests {
     use umbrage_core::{Backend, BackendError, Invalid, Recipe, Shadows, View};
     use umbrage_cpu::Cpu;
 
+    /// Plays the first sweep on these backends.
     fn on(playing: Vec<Box<dyn Backend>>) -> Result<Sweep, LabError> {
         sweep(
             &ALL[0],
@@ -202,42 +245,45 @@ mod tests {
         let [acne, gap] = &sweep.curves[..] else {
             panic!("two curves")
         };
-        let ends = |c: &Curve| [c.points[0][1], c.points[c.points.len() - 1][1]];
-        let ([acne_least, acne_most], [gap_least, gap_most]) = (ends(acne), ends(gap));
+        let last = acne.points.len() - 1;
+        let acne_at_least_bias = acne.points[0][1];
+        let acne_at_most_bias = acne.points[last][1];
         assert!(
-            acne_least > 10.0 && acne_most == 0.0,
-            "acne {acne_least} to {acne_most}"
+            acne_at_least_bias > 10.0 && acne_at_most_bias == 0.0,
+            "acne {acne_at_least_bias} to {acne_at_most_bias}"
         );
+        let gap_at_least_bias = gap.points[0][1];
+        let gap_at_most_bias = gap.points[last][1];
         assert!(
-            gap_least <= 1.0 && gap_most > 4.0,
-            "gap {gap_least} to {gap_most}"
+            gap_at_least_bias <= 1.0 && gap_at_most_bias > 4.0,
+            "gap {gap_at_least_bias} to {gap_at_most_bias}"
         );
     }
 
     #[test]
     fn ends_and_middle_play_on_every_backend() {
-        let beside = |k: usize| {
-            let mut played = 0;
-            let cheat = FaultyBackend::new(move |shadows: &mut Shadows| {
-                played += 1;
-                if played == k {
-                    darken_one(shadows);
-                }
-            });
-            on(vec![Box::new(Cpu::new()), Box::new(cheat)]).expect("valid")
-        };
-        // The last of three, and one that never comes.
-        for (k, disagreeing) in [(3, 1), (4, 0)] {
-            let sweep = beside(k);
-            assert_eq!(
-                (sweep.disagreeing, sweep.fault().is_some()),
-                (Some(disagreeing), disagreeing > 0),
-                "{k}"
-            );
-        }
+        // The last of three renderings is faulty: noticed. A fourth never comes.
+        let faulty_third = beside_faulty(3);
+        assert_eq!(faulty_third.disagreeing, Some(1));
+        assert!(faulty_third.fault().is_some());
+        let faulty_fourth = beside_faulty(4);
+        assert_eq!(faulty_fourth.disagreeing, Some(0));
+        assert_eq!(faulty_fourth.fault(), None);
     }
 
-    /// What isn't served has no figure, least of all a perfect one.
+    /// Plays a sweep on the CPU beside a backend whose `k`-th rendering has one pixel wrong.
+    fn beside_faulty(k: usize) -> Sweep {
+        let mut played = 0;
+        let faulty = FaultyBackend::new(move |shadows: &mut Shadows| {
+            played += 1;
+            if played == k {
+                darken_one(shadows);
+            }
+        });
+        on(vec![Box::new(Cpu::new()), Box::new(faulty)]).expect("valid")
+    }
+
+    /// A setting that can't be played has no figure, least of all a perfect one.
     #[test]
     fn a_bias_that_is_not_served_is_an_error() {
         struct Refuses;

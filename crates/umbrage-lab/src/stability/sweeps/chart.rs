@@ -1,10 +1,10 @@
-//! A sweep as a still chart.
+//! Draws a sweep as a chart.
 
 use super::Sweep;
 use crate::output::figure::{COLORS, Figure, Point, Reference, Series, Style};
 
-/// Nothing at all has no place on a logarithmic axis: it is drawn at the least y that is drawn, a hundredth of the limit
-/// or a thousandth.
+/// Returns the least y that is drawn: a hundredth of the limit, or a thousandth without one. Smaller values are drawn there,
+/// as 0 has no place on a logarithmic axis.
 fn floor(sweep: &Sweep) -> f64 {
     sweep.limit.map_or(1e-3, |limit| 0.01 * limit)
 }
@@ -20,7 +20,7 @@ pub(super) fn figure(sweep: &Sweep) -> Figure {
             .map(|[x, y]| Point::at(*x, y.max(floor)))
             .collect();
         let line = Series::line(&curve.label, COLORS[i % COLORS.len()], points);
-        // Where colours come again, lines are dashed.
+        // Once the colors are used up they repeat; those lines are dashed.
         let style = if i < COLORS.len() {
             line.style
         } else {
@@ -28,20 +28,21 @@ pub(super) fn figure(sweep: &Sweep) -> Figure {
         };
         figure.series.push(Series { style, ..line });
     }
-    figure.references.extend(
-        sweep
-            .best
-            .map(|x| Reference::Across(x, format!("best: {}", two_digits(x)))),
-    );
-    figure
-        .references
-        .extend(sweep.limit.map(|y| Reference::Up(y, "limit".to_owned())));
+    if let Some(x) = sweep.best {
+        let label = format!("best: {}", two_digits(x));
+        figure.references.push(Reference::Across(x, label));
+    }
+    if let Some(y) = sweep.limit {
+        figure.references.push(Reference::Up(y, "limit".to_owned()));
+    }
     figure
 }
 
-/// Two digits that count.
+/// Formats a number with two significant digits.
 fn two_digits(v: f64) -> String {
-    let decimals = (1.0 - v.abs().max(f64::MIN_POSITIVE).log10().floor()).clamp(0.0, 12.0) as usize;
+    // Decimals of the second significant digit; 0 for 10 and more.
+    let exponent = v.abs().max(f64::MIN_POSITIVE).log10().floor();
+    let decimals = (1.0 - exponent).clamp(0.0, 12.0) as usize;
     format!("{v:.decimals$}")
 }
 
@@ -61,16 +62,19 @@ mod tests {
 
     #[test]
     fn what_is_nothing_lies_at_the_bottom_and_curves_look_unlike() {
-        let curve = |i: usize| Curve {
-            label: i.to_string(),
-            points: vec![[1.0, 0.0], [2.0, 5.0]],
-        };
+        let mut curves = Vec::new();
+        for i in 0..10 {
+            curves.push(Curve {
+                label: i.to_string(),
+                points: vec![[1.0, 0.0], [2.0, 5.0]],
+            });
+        }
         let sweep = Sweep {
             name: "n".to_owned(),
             title: "t".to_owned(),
             x: "x".to_owned(),
             y: "y".to_owned(),
-            curves: (0..10).map(curve).collect(),
+            curves,
             best: Some(2.0),
             limit: Some(1.0),
             disagreeing: None,
@@ -85,9 +89,8 @@ mod tests {
             .iter()
             .map(|s| format!("{} {:?}", s.color, s.style))
             .collect();
-        assert_eq!(
-            (looks.len(), figure.references.len(), figure.log),
-            (10, 2, [true; 2])
-        );
+        assert_eq!(looks.len(), 10);
+        assert_eq!(figure.references.len(), 2);
+        assert_eq!(figure.log, [true; 2]);
     }
 }

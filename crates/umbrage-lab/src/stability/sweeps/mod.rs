@@ -1,4 +1,4 @@
-//! One number turned from too little to too much: bias, light angle, scale, distance from the origin, map size.
+//! One quantity varied from too little to too much: bias, light angle, scale, distance from the origin, map size.
 //!
 //! Figures are the first backend's. The others play each curve's ends and its middle, and must agree there.
 
@@ -26,7 +26,7 @@ pub struct Sweep {
     pub name: String,
     /// For people.
     pub title: String,
-    /// What is turned, with its unit.
+    /// What is varied, with its unit.
     pub x: String,
     /// What is measured, with its unit.
     pub y: String,
@@ -34,9 +34,9 @@ pub struct Sweep {
     pub curves: Vec<Curve>,
     /// The best value of x, where there is one.
     pub best: Option<f64>,
-    /// The value of y up to which all is well, where there is one.
+    /// The value of y up to which a result passes, where there is one.
     pub limit: Option<f64>,
-    /// On how many pixels backends differ, of those whose answer doesn't hang on rounding; none with a single backend.
+    /// On how many pixels backends differ, of those whose visibility doesn't depend on rounding; none with a single backend.
     pub disagreeing: Option<u64>,
 }
 
@@ -45,14 +45,14 @@ pub struct Sweep {
 pub struct Curve {
     /// Its name.
     pub label: String,
-    /// Points, x growing.
+    /// Points as [x, y], x growing.
     pub points: Vec<[f64; 2]>,
 }
 
 /// Runs all sweeps. [`Sweep::fault`] says what is wrong with a result.
 ///
 /// # Errors
-/// Without a backend, when a scene can't be used, or a technique gives what it must not.
+/// Errors if there is no backend, a scene can't be used, or a technique's result breaks the rules (a panic, values outside 0..=1).
 pub fn sweeps(
     options: &StabilityOptions,
     backends: &mut Backends,
@@ -72,12 +72,12 @@ pub fn sweeps(
 }
 
 impl Sweep {
-    /// The chart as an SVG that opens alone.
+    /// Returns the chart as an SVG that needs no other file.
     pub fn svg(&self) -> String {
         chart::figure(self).svg()
     }
 
-    /// That backends disagree, if they do.
+    /// Returns a message if backends disagree.
     pub fn fault(&self) -> Option<String> {
         let n = self.disagreeing.filter(|n| *n > 0)?;
         Some(format!(
@@ -86,15 +86,17 @@ impl Sweep {
         ))
     }
 
-    /// The curves' points: `curve,x,y`.
+    /// Returns the curves' points as CSV, a line for each: `curve,x,y`.
     ///
     /// # Errors
-    /// When memory runs out.
+    /// Errors if the table can't be written.
     pub fn csv(&self) -> Result<Vec<u8>, LabError> {
-        let lines = self.curves.iter().flat_map(|curve| {
-            let points = curve.points.iter();
-            points.map(|[x, y]| [curve.label.clone(), x.to_string(), y.to_string()])
-        });
+        let mut lines = Vec::new();
+        for curve in &self.curves {
+            for [x, y] in &curve.points {
+                lines.push([curve.label.clone(), x.to_string(), y.to_string()]);
+            }
+        }
         csv::of_lines(&self.name, &["curve", &self.x, &self.y], lines)
     }
 }
@@ -113,14 +115,11 @@ fn play(
     let recipe = guard::plan(technique, &view)?;
     // Other backends play the curve's ends and its middle.
     let is_checked = i == 0 || i == count / 2 || i == count - 1;
-    all_backends::render(
-        all_backends::select(&mut backends.playing, is_checked),
-        &view,
-        &recipe,
-    )
+    let playing = all_backends::select(&mut backends.playing, is_checked);
+    all_backends::render(playing, &view, &recipe)
 }
 
-/// What must not be in a sweep.
+/// Returns the error of a sweep with a setting that could not be played.
 fn not_played(case_truth: &CaseTruth, technique: &dyn ShadowTechnique, why: &str) -> LabError {
     LabError::NotComparable {
         scene: case_truth.scene.name.clone(),

@@ -1,5 +1,5 @@
-//! How techniques fare as the light sinks, the scene grows, moves away, or the map shrinks: RMSE, beside that of a perfect
-//! map of the same size.
+//! The RMSE of techniques as the light sinks, the scene grows or moves away, or the map shrinks, beside that of a perfect map
+//! of the same size.
 
 use super::{Curve, Sweep, moved, not_played, play, scaled, under_sun};
 use crate::{
@@ -8,21 +8,27 @@ use crate::{
     stability::{CaseTruth, Measure, StabilityOptions, all_backends, guard::NoMask, settings},
 };
 use glam::Vec3;
-use umbrage_core::{Fit, Scene};
+use umbrage_core::{Fit, Scene, ShadowTechnique};
 
-/// What is turned.
+/// A scene and the quantity that is varied in it.
 #[derive(Debug)]
 pub(super) struct Kind {
+    /// For file names.
     pub(super) name: &'static str,
     title: &'static str,
+    /// Name of a built-in scene.
     scene: &'static str,
+    /// Label of the x axis, with its unit.
     x: &'static str,
+    /// The values that are played, growing.
     values: &'static [f64],
-    turn: fn(&Scene, f64) -> Scene,
-    /// Whether the value is the maps' side instead.
+    /// Returns the scene at a value.
+    vary: fn(&Scene, f64) -> Scene,
+    /// Whether the value is the maps' side in texels, and the scene stays.
     is_map_size: bool,
 }
 
+/// A kind whose scene stays; the list below fills in the rest.
 const fn kind(name: &'static str, scene: &'static str, values: &'static [f64]) -> Kind {
     Kind {
         name,
@@ -30,12 +36,12 @@ const fn kind(name: &'static str, scene: &'static str, values: &'static [f64]) -
         scene,
         x: "",
         values,
-        turn: same,
+        vary: unchanged,
         is_map_size: false,
     }
 }
 
-fn same(scene: &Scene, _: f64) -> Scene {
+fn unchanged(scene: &Scene, _: f64) -> Scene {
     scene.clone()
 }
 
@@ -43,24 +49,48 @@ fn scale(scene: &Scene, by: f64) -> Scene {
     scaled(scene, by as f32)
 }
 
-/// Not along one axis alone, nor along the sun's way.
+/// Moves the scene in a direction that is neither an axis nor the sun's.
 fn away(scene: &Scene, distance: f64) -> Scene {
     moved(scene, Vec3::new(0.8, 0.0, -0.6) * distance as f32)
 }
 
-#[rustfmt::skip]
+/// Degrees of the sun above the horizon.
+const SUN_HEIGHTS: &[f64] = &[0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 45.0, 60.0, 75.0, 90.0];
+/// Scales of a scene.
+const SCALES: &[f64] = &[1e-3, 1e-2, 1e-1, 1.0, 10.0, 100.0, 1e3, 1e4];
+/// Distances from the origin, metres.
+const DISTANCES: &[f64] = &[1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6];
+/// Sides of maps, texels.
+const MAP_SIZES: &[f64] = &[64.0, 128.0, 256.0, 512.0, 1024.0, 2048.0, 4096.0];
+
 pub(super) const ALL: &[Kind] = &[
-    Kind { title: "light angle: a row of spheres", x: "sun above the horizon, degrees", turn: under_sun,
-           ..kind("angle", "low-sun-5", &[0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 45.0, 60.0, 75.0, 90.0]) },
-    Kind { title: "scale: cubes", x: "scale", turn: scale,
-           ..kind("scale", "cubes", &[1e-3, 1e-2, 1e-1, 1.0, 10.0, 100.0, 1e3, 1e4]) },
-    Kind { title: "distance from the origin: cubes", x: "distance, m", turn: away,
-           ..kind("distance", "cubes", &[1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6]) },
-    Kind { title: "map size: cubes", x: "map side, texels", is_map_size: true,
-           ..kind("map-size", "cubes", &[64.0, 128.0, 256.0, 512.0, 1024.0, 2048.0, 4096.0]) },
+    Kind {
+        title: "light angle: a row of spheres",
+        x: "sun above the horizon, degrees",
+        vary: under_sun,
+        ..kind("angle", "low-sun-5", SUN_HEIGHTS)
+    },
+    Kind {
+        title: "scale: cubes",
+        x: "scale",
+        vary: scale,
+        ..kind("scale", "cubes", SCALES)
+    },
+    Kind {
+        title: "distance from the origin: cubes",
+        x: "distance, m",
+        vary: away,
+        ..kind("distance", "cubes", DISTANCES)
+    },
+    Kind {
+        title: "map size: cubes",
+        x: "map side, texels",
+        is_map_size: true,
+        ..kind("map-size", "cubes", MAP_SIZES)
+    },
 ];
 
-/// The techniques drawn: few enough to tell their curves apart.
+/// The techniques that have a curve: few enough to tell them apart in a chart.
 const TECHNIQUES: [&str; 4] = ["hard", "pcf", "second_depth", "volumes"];
 
 pub(super) fn sweep(
@@ -68,50 +98,50 @@ pub(super) fn sweep(
     options: &StabilityOptions,
     backends: &mut Backends,
 ) -> Result<Sweep, LabError> {
-    let entry = umbrage_scenes::find(kind.scene);
-    let scene = entry.map(|e| (e.build)()).unwrap_or_default();
-    let mut curves = vec![Curve {
+    let scene = umbrage_scenes::find(kind.scene)
+        .map(|entry| (entry.build)())
+        .unwrap_or_default();
+    let mut perfect_map = Curve {
         label: "perfect map".to_owned(),
         points: Vec::new(),
-    }];
+    };
+    let mut of_techniques = Vec::new();
     let mut disagreeing = None;
     for (place, &value) in kind.values.iter().enumerate() {
-        let size = if kind.is_map_size {
+        let map_size = if kind.is_map_size {
             value as u32
         } else {
             options.map_size
         };
-        let variant = (kind.turn)(&scene, value);
-        let (camera, lights) = (
-            variant.cameras[0].resized(options.size),
-            variant.lights[..1].to_vec(),
-        );
-        let case_truth = CaseTruth::new(variant, camera, lights, size, &options.truth)?;
+        let variant = (kind.vary)(&scene, value);
+        let case_truth = truth_of(variant, map_size, options)?;
         let error_of_ideal = Measure::Rmse.figure(&case_truth, &case_truth.ideal);
-        add(&mut curves[0], value, error_of_ideal);
-        let wanted = TECHNIQUES.map(str::to_owned);
-        for (i, technique) in settings(&options.registry, &wanted, size, Fit::Tight)
-            .iter()
-            .enumerate()
-        {
-            if curves.len() < i + 2 {
-                let label = format!("{} ({})", technique.name(), technique.settings());
-                // The side is on the axis, or in the title of none.
-                curves.push(Curve {
-                    label: label.replace(&format!("{size}, "), ""),
-                    points: Vec::new(),
-                });
-            }
-            match play(
+        perfect_map.points.push([value, error_of_ideal]);
+        let techniques = settings(
+            &options.registry,
+            &TECHNIQUES.map(str::to_owned),
+            map_size,
+            Fit::Tight,
+        );
+        // The first value makes the curves: the settings are the same at every value, but for the map's side.
+        if of_techniques.is_empty() {
+            of_techniques = techniques
+                .iter()
+                .map(|technique| empty_curve(&**technique, map_size))
+                .collect();
+        }
+        for (technique, curve) in techniques.iter().zip(&mut of_techniques) {
+            let played = play(
                 &case_truth,
                 &**technique,
                 backends,
                 place,
                 kind.values.len(),
-            ) {
+            );
+            match played {
                 Ok(played) => {
                     let error = Measure::Rmse.figure(&case_truth, &played.mask);
-                    add(&mut curves[i + 1], value, error);
+                    curve.points.push([value, error]);
                     disagreeing = all_backends::sum(disagreeing, played.disagreeing);
                 }
                 Err(NoMask::Unsupported(_)) => {}
@@ -121,6 +151,8 @@ pub(super) fn sweep(
             }
         }
     }
+    let mut curves = vec![perfect_map];
+    curves.extend(of_techniques);
     Ok(Sweep {
         name: kind.name.to_owned(),
         title: kind.title.to_owned(),
@@ -133,6 +165,23 @@ pub(super) fn sweep(
     })
 }
 
-fn add(curve: &mut Curve, x: f64, y: f64) {
-    curve.points.push([x, y]);
+/// Traces truth about the scene's first camera and first light.
+fn truth_of(
+    scene: Scene,
+    map_size: u32,
+    options: &StabilityOptions,
+) -> Result<CaseTruth, LabError> {
+    let camera = scene.cameras[0].resized(options.size);
+    let lights = scene.lights[..1].to_vec();
+    CaseTruth::new(scene, camera, lights, map_size, &options.truth)
+}
+
+/// Returns the curve of a setting, without points. Its label leaves out the map's side, which the x axis has or which is the
+/// same for all curves.
+fn empty_curve(technique: &dyn ShadowTechnique, map_size: u32) -> Curve {
+    let label = format!("{} ({})", technique.name(), technique.settings());
+    Curve {
+        label: label.replace(&format!("{map_size}, "), ""),
+        points: Vec::new(),
+    }
 }

@@ -1,9 +1,9 @@
-//! Scenes at another scale, elsewhere, under another sun.
+//! Copies of a scene at another scale, at another place, or under another sun.
 
 use glam::{Affine3A, Mat4, Vec3, Vec3A};
 use umbrage_core::{Light, Scene};
 
-/// The scene with all lengths multiplied.
+/// Returns the scene with all lengths multiplied.
 pub fn scaled(scene: &Scene, by: f32) -> Scene {
     let mut out = scene.clone();
     for instance in &mut out.instances {
@@ -14,13 +14,13 @@ pub fn scaled(scene: &Scene, by: f32) -> Scene {
         camera.world_from_view.translation *= by;
         camera.clip_from_view *= Mat4::from_scale(Vec3::splat(1.0 / by));
     }
-    out.lights
-        .iter_mut()
-        .for_each(|light| *light = placed(light, |p| p * by, by));
+    for light in &mut out.lights {
+        *light = placed(light, |position| position * by, by);
+    }
     out
 }
 
-/// The scene moved by an offset.
+/// Returns the scene moved by an offset, metres.
 pub fn moved(scene: &Scene, by: Vec3) -> Scene {
     let mut out = scene.clone();
     for instance in &mut out.instances {
@@ -29,13 +29,13 @@ pub fn moved(scene: &Scene, by: Vec3) -> Scene {
     for camera in &mut out.cameras {
         camera.world_from_view.translation += Vec3A::from(by);
     }
-    out.lights
-        .iter_mut()
-        .for_each(|light| *light = placed(light, |p| p + by, 1.0));
+    for light in &mut out.lights {
+        *light = placed(light, |position| position + by, 1.0);
+    }
     out
 }
 
-/// A light whose place is mapped and whose extent is multiplied.
+/// Returns a light whose position is mapped by `place` and whose extent is multiplied.
 fn placed(light: &Light, place: impl Fn(Vec3) -> Vec3, by: f32) -> Light {
     match *light {
         directional @ Light::Directional { .. } => directional,
@@ -77,14 +77,16 @@ fn placed(light: &Light, place: impl Fn(Vec3) -> Vec3, by: f32) -> Light {
     }
 }
 
-/// The scene with its first light an ideal sun this many degrees above the horizon, from the azimuth of `low-sun-5`'s.
+/// Returns the scene with its first light replaced by an ideal sun (no extent) this many degrees above the horizon, from the
+/// same azimuth as the sun of the scene `low-sun-5`.
 pub fn under_sun(scene: &Scene, degrees: f64) -> Scene {
-    let height = degrees.to_radians();
-    let across = height.cos().max(0.0);
+    let elevation = degrees.to_radians();
+    let horizontal = elevation.cos().max(0.0);
+    // (0.3, -0.954) is that azimuth as a unit vector of (x, z).
     let direction = Vec3::new(
-        (0.3 * across) as f32,
-        -height.sin() as f32,
-        (-0.954 * across) as f32,
+        (0.3 * horizontal) as f32,
+        -elevation.sin() as f32,
+        (-0.954 * horizontal) as f32,
     );
     let mut out = scene.clone();
     if let Some(light) = out.lights.first_mut() {
@@ -102,29 +104,29 @@ mod tests {
     use umbrage_core::{Camera, Geometry};
     use umbrage_cpu::Cpu;
 
+    /// Returns the triangle at each pixel of the scene's first camera.
+    fn visible_triangles(scene: &Scene) -> Vec<u32> {
+        let camera: Camera = scene.cameras[0].resized(glam::UVec2::new(80, 60));
+        let geometry = Geometry::bake(scene).expect("valid");
+        let receivers = Cpu::new().receivers(&camera, &geometry).expect("valid");
+        receivers.triangle
+    }
+
     #[test]
     fn scaled_and_moved_scenes_are_seen_alike() {
         let scene = (umbrage_scenes::find("cubes").expect("built in").build)();
-        let see = |scene: &Scene| {
-            let camera: Camera = scene.cameras[0].resized(glam::UVec2::new(80, 60));
-            let geometry = Geometry::bake(scene).expect("valid");
-            Cpu::new()
-                .receivers(&camera, &geometry)
-                .expect("valid")
-                .triangle
-        };
-        let plain = see(&scene);
+        let plain = visible_triangles(&scene);
         for other in [
             scaled(&scene, 1e-3),
             scaled(&scene, 1e4),
             moved(&scene, Vec3::new(100.0, 0.0, -50.0)),
         ] {
-            let differing = see(&other)
+            let differing = visible_triangles(&other)
                 .iter()
                 .zip(&plain)
                 .filter(|(a, b)| a != b)
                 .count();
-            // Pixels on outlines alone may round otherwise.
+            // Only pixels on outlines may differ, by rounding.
             assert!(
                 differing * 200 < plain.len(),
                 "{differing} of {}",
