@@ -1,4 +1,4 @@
-//! What each feature costs: whoever wants the renderer alone does not compile scene files, pictures and k-d trees.
+//! What each feature costs: whoever wants the renderer alone does not compile scene files, pictures and search trees.
 
 use std::{collections::BTreeSet, path::Path, process::Command};
 
@@ -42,7 +42,7 @@ fn the_renderer_needs_no_scenes_and_no_planner() {
     let unwanted = [
         "image",
         "tobj",
-        "kiddo",
+        "rstar",
         "umbrage-scenes",
         "umbrage-plan",
         "umbrage-cpu",
@@ -57,7 +57,7 @@ fn the_planner_needs_no_gpu_and_no_scene_files() {
         "wgpu",
         "image",
         "tobj",
-        "kiddo",
+        "rstar",
         "umbrage-scenes",
         "umbrage-wgpu",
         "umbrage-lab",
@@ -69,7 +69,7 @@ fn the_planner_needs_no_gpu_and_no_scene_files() {
 #[test]
 fn scenes_need_what_they_read() {
     let packages = packages("scenes");
-    for name in ["image", "tobj", "kiddo", "umbrage-scenes"] {
+    for name in ["image", "tobj", "rstar", "umbrage-scenes"] {
         assert!(packages.contains(name), "{name}");
     }
 }

@@ -1,45 +1,53 @@
 //! Texels from vertices: each takes what the nearest vertex in the texture has.
 
-use kiddo::{ImmutableKdTree, SquaredEuclidean};
+use rstar::{RTree, primitives::GeomWithData};
 use std::collections::HashSet;
 use umbrage_core::glam::{UVec2, Vec2};
 use umbrage_core::{Invalid, Mesh};
 
-/// Returns, for each texel, rows from the top, the vertex whose texture coordinates lie nearest to its centre, measured in
+/// A vertex's place in the texture, texels, and its number.
+type Place = GeomWithData<[f32; 2], u32>;
+
+/// Returns for each texel, rows from the top, the vertex whose texture coordinates lie nearest to its center, measured in
 /// texels.
 pub(super) fn nearest_vertices(mesh: &Mesh, size: UVec2) -> Result<Vec<u32>, Invalid> {
-    let (vertices, points) = distinct(mesh, size.as_vec2());
-    let tree = ImmutableKdTree::new_from_slice(&points).map_err(|e| {
-        let why = format!("has texture coordinates that can't be searched: {e:?}");
-        Invalid::new(format!("mesh `{}`", mesh.name), why, "lay them out anew")
-    })?;
-    let mut out = Vec::with_capacity(size.element_product() as usize);
-    for y in 0..size.y {
-        for x in 0..size.x {
-            let center = [x as f32 + 0.5, y as f32 + 0.5];
-            let nearest = tree
-                .query(&center)
-                .nearest_one::<SquaredEuclidean<f32>>()
-                .execute();
-            out.push(vertices[nearest.item as usize]);
+    let tree = RTree::bulk_load(distinct(mesh, size.as_vec2())?);
+    let mut nearest = Vec::with_capacity(size.element_product() as usize);
+    for row in 0..size.y {
+        for column in 0..size.x {
+            let center = [column as f32 + 0.5, row as f32 + 0.5];
+            let place = tree.nearest_neighbor(&center).ok_or_else(|| {
+                let what = format!("mesh `{}`", mesh.name);
+                Invalid::new(what, "has no texture coordinates", "give it some")
+            })?;
+            nearest.push(place.data);
         }
     }
-    Ok(out)
+    Ok(nearest)
 }
 
-/// Returns vertices with different texture coordinates, and these in texels.
-fn distinct(mesh: &Mesh, size: Vec2) -> (Vec<u32>, Vec<[f32; 2]>) {
+/// Returns the vertices with different texture coordinates.
+///
+/// # Errors
+/// Errors if a coordinate is not finite.
+fn distinct(mesh: &Mesh, size: Vec2) -> Result<Vec<Place>, Invalid> {
     let mut known = HashSet::with_capacity(mesh.uvs.len());
-    let mut vertices = Vec::new();
-    let mut points = Vec::new();
-    for (vertex, uv) in (0..).zip(&mesh.uvs) {
-        let point = (*uv * size).to_array();
-        // The sum with 0 makes -0 positive.
-        let is_new = known.insert(point.map(|x| (x + 0.0).to_bits()));
-        if is_new {
-            vertices.push(vertex);
-            points.push(point);
+    let mut places = Vec::with_capacity(mesh.uvs.len());
+    for (vertex, uv) in mesh.uvs.iter().enumerate() {
+        let place = *uv * size;
+        if !place.is_finite() {
+            let why = format!("has texture coordinates {uv} at vertex {vertex}");
+            return Err(Invalid::new(
+                format!("mesh `{}`", mesh.name),
+                why,
+                "lay them out anew",
+            ));
+        }
+        // The sum turns -0 into 0, which is the same place.
+        let bits = [place.x + 0.0, place.y + 0.0].map(f32::to_bits);
+        if known.insert(bits) {
+            places.push(Place::new(place.to_array(), vertex as u32));
         }
     }
-    (vertices, points)
+    Ok(places)
 }
