@@ -14,7 +14,7 @@ impl Cpu {
     ///
     /// # Errors
     /// Errors if [`Backend::render`](umbrage_core::Backend::render) does, or if the view has no receivers, or not that many.
-    pub fn ask(
+    pub fn render_pixels(
         &mut self,
         view: &View<'_>,
         recipe: &Recipe,

@@ -20,7 +20,7 @@ pub enum LabError {
     /// Truth, a cost or a plan could not be found.
     #[error(transparent)]
     Measure(MeasureError),
-    /// A file or folder could not be written.
+    /// A file or folder of results could not be written, or not be read again.
     #[error("{path}: {source}; check the folder's name, rights and space", path = .path.display())]
     Write {
         /// The file or folder.

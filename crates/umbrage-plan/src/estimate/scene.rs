@@ -100,7 +100,7 @@ impl<'a> PlanScene<'a> {
     ) -> Result<Vec<f32>, BackendError> {
         let view =
             View::new(self.camera, self.light, self.geometry).with_receivers(&self.receivers);
-        self.cpu.ask(&view, recipe, pixels)
+        self.cpu.render_pixels(&view, recipe, pixels)
     }
 
     /// Returns truth at some pixels. Pixels that were traced before are not traced again, so `options` must always be the same.

@@ -448,7 +448,7 @@ fn receivers_asked_alone_answer_the_same() {
                 Err(e) => panic!("{name}: {}: {e}", technique.name()),
             };
             let whole = cpu.render(&view, &recipe).expect("plays").mask;
-            let alone = cpu.ask(&view, &recipe, &pixels).expect("plays");
+            let alone = cpu.render_pixels(&view, &recipe, &pixels).expect("plays");
             let same = pixels
                 .iter()
                 .zip(&alone)

@@ -16,7 +16,7 @@ pub(super) fn nearest_vertices(mesh: &Mesh, size: UVec2) -> Result<Vec<u32>, Inv
     for row in 0..size.y {
         for column in 0..size.x {
             let center = [column as f32 + 0.5, row as f32 + 0.5];
-            let place = tree.nearest_neighbor(&center).ok_or_else(|| {
+            let place = tree.nearest_neighbor(center).ok_or_else(|| {
                 let what = format!("mesh `{}`", mesh.name);
                 Invalid::new(what, "has no texture coordinates", "give it some")
             })?;
