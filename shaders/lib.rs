@@ -36,10 +36,9 @@ pub use techniques::traced::{MAX_SAMPLES, TracedKernel, TracedUniforms};
 pub use techniques::unshadowed::{UnshadowedKernel, UnshadowedUniforms};
 pub use techniques::volumes::{VolumesKernel, VolumesUniforms};
 
-use umbrage_core::Twin;
-
 /// Every pair of functions that the techniques share between the languages, for the lockstep tests.
-pub fn twins() -> impl Iterator<Item = &'static Twin> {
+#[cfg(feature = "testing")]
+pub fn twins() -> impl Iterator<Item = &'static umbrage_core::Twin> {
     [
         shadow_map::layers::TWINS,
         shadow_map::coord::TWINS,

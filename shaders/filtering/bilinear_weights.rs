@@ -15,7 +15,7 @@
 //! the tent).
 
 use glam::{Vec2, Vec4};
-use umbrage_core::{MATH, Module, Twin, twin};
+use umbrage_core::Module;
 
 /// The WGSL half.
 pub const BILINEAR_WEIGHTS: Module = Module {
@@ -82,9 +82,10 @@ pub fn merged_rows(reach: usize) -> [Vec4; 4] {
 }
 
 /// All twins of this module, for the tests that compare them.
-pub const TWINS: &[Twin] = &[
-    twin!(BILINEAR_WEIGHTS, reference_depth(depth: f32, gradient: Vec2, deepest: f32, share: f32, step: Vec2) -> f32, needs [MATH]),
-    twin!(BILINEAR_WEIGHTS, merged_sample(row: Vec4, s: f32) -> Vec2, needs [MATH]),
+#[cfg(feature = "testing")]
+pub const TWINS: &[umbrage_core::Twin] = &[
+    umbrage_core::twin!(BILINEAR_WEIGHTS, reference_depth(depth: f32, gradient: Vec2, deepest: f32, share: f32, step: Vec2) -> f32, needs [umbrage_core::MATH]),
+    umbrage_core::twin!(BILINEAR_WEIGHTS, merged_sample(row: Vec4, s: f32) -> Vec2, needs [umbrage_core::MATH]),
 ];
 
 #[cfg(test)]

@@ -7,7 +7,7 @@
 
 use crate::filtering::light_extent::{HalfAxes, half_axes};
 use glam::{DMat4, Mat4, Vec2, Vec3, Vec4};
-use umbrage_core::{Light, LightSpaces, MATH, Module, Twin, math::dot3, twin, uniforms};
+use umbrage_core::{Light, LightSpaces, Module, math::dot3, uniforms};
 
 /// The WGSL half.
 pub(crate) const HORIZON: Module = Module {
@@ -176,14 +176,15 @@ pub(crate) fn turned_heights(h: Vec3, turn: Vec2) -> Vec3 {
 }
 
 /// All twins of this module, for the tests that compare them.
-pub(crate) const TWINS: &[Twin] = &[
-    twin!(HORIZON, height_over_plane(light: Vec4, p: Vec3, n: Vec3) -> f32, needs [MATH]),
-    twin!(HORIZON, ball_heights(radius: f32, n: Vec2, t: Vec2) -> Vec2, needs [MATH]),
-    twin!(HORIZON, ball_rim(radius: f32, height: f32, distance_squared: f32) -> f32, needs [MATH]),
-    twin!(HORIZON, square_share(h: Vec3) -> f32, needs [MATH]),
-    twin!(HORIZON, disc_share(h: Vec3) -> f32, needs [MATH]),
-    twin!(HORIZON, share_above(square: u32, h: Vec3) -> f32, needs [MATH]),
-    twin!(HORIZON, turned_heights(h: Vec3, turn: Vec2) -> Vec3, needs [MATH]),
+#[cfg(feature = "testing")]
+pub(crate) const TWINS: &[umbrage_core::Twin] = &[
+    umbrage_core::twin!(HORIZON, height_over_plane(light: Vec4, p: Vec3, n: Vec3) -> f32, needs [umbrage_core::MATH]),
+    umbrage_core::twin!(HORIZON, ball_heights(radius: f32, n: Vec2, t: Vec2) -> Vec2, needs [umbrage_core::MATH]),
+    umbrage_core::twin!(HORIZON, ball_rim(radius: f32, height: f32, distance_squared: f32) -> f32, needs [umbrage_core::MATH]),
+    umbrage_core::twin!(HORIZON, square_share(h: Vec3) -> f32, needs [umbrage_core::MATH]),
+    umbrage_core::twin!(HORIZON, disc_share(h: Vec3) -> f32, needs [umbrage_core::MATH]),
+    umbrage_core::twin!(HORIZON, share_above(square: u32, h: Vec3) -> f32, needs [umbrage_core::MATH]),
+    umbrage_core::twin!(HORIZON, turned_heights(h: Vec3, turn: Vec2) -> Vec3, needs [umbrage_core::MATH]),
 ];
 
 #[cfg(test)]

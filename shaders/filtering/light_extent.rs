@@ -13,9 +13,7 @@
 
 use crate::{filtering::sample_pattern::PatternShape, shadow_map::ShadowMap};
 use glam::{DMat4, DVec3, Mat4, Vec2, Vec3, Vec4};
-use umbrage_core::{
-    Light, LightSpace, LightSpaces, Module, RecipeError, Twin, View, twin, uniforms,
-};
+use umbrage_core::{Light, LightSpace, LightSpaces, Module, RecipeError, View, uniforms};
 
 /// The WGSL half.
 pub(crate) const LIGHT_EXTENT: Module = Module {
@@ -271,10 +269,11 @@ fn disc(normal: Vec3, radius: f32) -> HalfAxes {
 }
 
 /// All twins of this module, for the tests that compare them.
-pub(crate) const TWINS: &[Twin] = &[
-    twin!(LIGHT_EXTENT, light_axes(half_axis_u: Vec4, half_axis_v: Vec4, from_middle: Vec2) -> Vec4),
-    twin!(LIGHT_EXTENT, reach_along(square: u32, axes: Vec4) -> Vec2),
-    twin!(LIGHT_EXTENT, texel_depth(reach: Vec2) -> f32),
+#[cfg(feature = "testing")]
+pub(crate) const TWINS: &[umbrage_core::Twin] = &[
+    umbrage_core::twin!(LIGHT_EXTENT, light_axes(half_axis_u: Vec4, half_axis_v: Vec4, from_middle: Vec2) -> Vec4),
+    umbrage_core::twin!(LIGHT_EXTENT, reach_along(square: u32, axes: Vec4) -> Vec2),
+    umbrage_core::twin!(LIGHT_EXTENT, texel_depth(reach: Vec2) -> f32),
 ];
 
 #[cfg(test)]

@@ -19,9 +19,8 @@ use std::{
     sync::{Arc, Mutex, PoisonError},
 };
 use umbrage_core::{
-    Invalid, Module, Table, Twin,
+    Invalid, Module, Table,
     light_sample::{disc_point, hash},
-    twin,
 };
 
 /// The WGSL half. It reads the kernel's first table.
@@ -320,8 +319,9 @@ pub fn wrapped(x: f32) -> f32 {
 }
 
 /// Returns the place on the map, texels, of the tap `q` (-1..1) for a receiver at `from`. The sum goes from left to right: with
-/// the offset in parentheses, a driver was seen to add in another order.
-#[inline(always)]
+/// the offset in parentheses, a driver was seen to add in another order. (On the CPU, `pattern_taps.rs` does this for many receivers
+/// at once, by [`affine`] and [`wrapped`].)
+#[cfg(feature = "testing")]
 pub(crate) fn place(from: Vec2, axes: Vec4, q: Vec2) -> Vec2 {
     Vec2::new(
         affine(from.x, axes.x, axes.z, q.x, q.y),
@@ -330,14 +330,14 @@ pub(crate) fn place(from: Vec2, axes: Vec4, q: Vec2) -> Vec2 {
 }
 
 /// Returns [`place`] of a tap that is shifted and [`wrapped`].
-#[inline(always)]
+#[cfg(feature = "testing")]
 pub(crate) fn tap_place(from: Vec2, axes: Vec4, q: Vec2, shift: Vec2) -> Vec2 {
     let x = wrapped(q.x + shift.x);
     let y = wrapped(q.y + shift.y);
     place(from, axes, Vec2::new(x, y))
 }
 
-/// Returns one coordinate of [`place`]: `from + a x + b y`.
+/// Returns one coordinate of a tap's place: `from + a x + b y`.
 #[inline(always)]
 pub(crate) fn affine(from: f32, a: f32, b: f32, x: f32, y: f32) -> f32 {
     from + a * x + b * y
@@ -369,15 +369,16 @@ pub fn tap_weight(m: f32, nearer: f32) -> f32 {
 }
 
 /// All twins of this module, for the tests that compare them.
-pub const TWINS: &[Twin] = &[
-    twin!(PATTERN, noise_index(x: u32, y: u32) -> u32),
-    twin!(PATTERN, turned(axes: Vec4, turn: Vec2) -> Vec4),
-    twin!(PATTERN, wrapped(x: f32) -> f32),
-    twin!(PATTERN, place(from: Vec2, axes: Vec4, q: Vec2) -> Vec2),
-    twin!(PATTERN, tap_place(from: Vec2, axes: Vec4, q: Vec2, shift: Vec2) -> Vec2),
-    twin!(PATTERN, closer_by(m: f32) -> f32),
-    twin!(PATTERN, tap_weight(m: f32, nearer: f32) -> f32),
-    twin!(PATTERN, from_middle(x: f32, y: f32, least: f32) -> f32),
+#[cfg(feature = "testing")]
+pub const TWINS: &[umbrage_core::Twin] = &[
+    umbrage_core::twin!(PATTERN, noise_index(x: u32, y: u32) -> u32),
+    umbrage_core::twin!(PATTERN, turned(axes: Vec4, turn: Vec2) -> Vec4),
+    umbrage_core::twin!(PATTERN, wrapped(x: f32) -> f32),
+    umbrage_core::twin!(PATTERN, place(from: Vec2, axes: Vec4, q: Vec2) -> Vec2),
+    umbrage_core::twin!(PATTERN, tap_place(from: Vec2, axes: Vec4, q: Vec2, shift: Vec2) -> Vec2),
+    umbrage_core::twin!(PATTERN, closer_by(m: f32) -> f32),
+    umbrage_core::twin!(PATTERN, tap_weight(m: f32, nearer: f32) -> f32),
+    umbrage_core::twin!(PATTERN, from_middle(x: f32, y: f32, least: f32) -> f32),
 ];
 
 #[cfg(test)]

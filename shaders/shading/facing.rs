@@ -1,7 +1,7 @@
 //! Which way the light is, for directions and positions alike.
 
 use glam::{Vec3, Vec4};
-use umbrage_core::{Light, MATH, Module, Twin, math::dot3, twin};
+use umbrage_core::{Light, Module, math::dot3};
 
 /// The WGSL half.
 pub const FACING: Module = Module {
@@ -31,5 +31,7 @@ pub fn turned_away(light: Vec4, p: Vec3, n: Vec3) -> u32 {
 }
 
 /// All twins of this module, for the tests that compare them.
-pub const TWINS: &[Twin] =
-    &[twin!(FACING, turned_away(light: Vec4, p: Vec3, n: Vec3) -> u32, needs [MATH])];
+#[cfg(feature = "testing")]
+pub const TWINS: &[umbrage_core::Twin] = &[
+    umbrage_core::twin!(FACING, turned_away(light: Vec4, p: Vec3, n: Vec3) -> u32, needs [umbrage_core::MATH]),
+];

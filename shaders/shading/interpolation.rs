@@ -7,9 +7,8 @@
 
 use glam::{Vec3, Vec4};
 use umbrage_core::{
-    Module, Twin,
+    Module,
     math::{cross3, dot3},
-    twin,
 };
 
 /// The WGSL half.
@@ -62,12 +61,13 @@ pub(crate) fn on_side_of(n: Vec3, v: Vec3, facing: Vec3) -> Vec3 {
 }
 
 /// All twins of this module, for the tests that compare them.
-pub(crate) const TWINS: &[Twin] = &[
-    twin!(INTERPOLATION, barycentric(p: Vec3, a: Vec3, b: Vec3, c: Vec3) -> Vec3),
-    twin!(INTERPOLATION, weighted(weights: Vec3, a: Vec4, b: Vec4, c: Vec4) -> Vec4),
-    twin!(INTERPOLATION, unit_or(v: Vec3, otherwise: Vec3) -> Vec3),
-    twin!(INTERPOLATION, bent(n: Vec3, t: Vec4, m: Vec3) -> Vec3),
-    twin!(INTERPOLATION, on_side_of(n: Vec3, v: Vec3, facing: Vec3) -> Vec3),
+#[cfg(feature = "testing")]
+pub(crate) const TWINS: &[umbrage_core::Twin] = &[
+    umbrage_core::twin!(INTERPOLATION, barycentric(p: Vec3, a: Vec3, b: Vec3, c: Vec3) -> Vec3),
+    umbrage_core::twin!(INTERPOLATION, weighted(weights: Vec3, a: Vec4, b: Vec4, c: Vec4) -> Vec4),
+    umbrage_core::twin!(INTERPOLATION, unit_or(v: Vec3, otherwise: Vec3) -> Vec3),
+    umbrage_core::twin!(INTERPOLATION, bent(n: Vec3, t: Vec4, m: Vec3) -> Vec3),
+    umbrage_core::twin!(INTERPOLATION, on_side_of(n: Vec3, v: Vec3, facing: Vec3) -> Vec3),
 ];
 
 #[cfg(test)]

@@ -1,9 +1,9 @@
 //! How much of the light a surface sends on: Lambert's diffuse and Blinn's specular reflection, a spot's cone, and
 //! classic attenuation.
 
-use crate::shading::interpolation::{INTERPOLATION, unit_or};
+use crate::shading::interpolation::unit_or;
 use glam::{Vec2, Vec3};
-use umbrage_core::{MAX_SHININESS_LOG2, Module, Twin, math::dot3, twin};
+use umbrage_core::{MAX_SHININESS_LOG2, Module, math::dot3};
 
 /// The WGSL half; it needs `interpolation`.
 pub(crate) const LIGHTING: Module = Module {
@@ -52,11 +52,12 @@ pub(crate) fn attenuation(factors: Vec3, distance: f32) -> f32 {
 }
 
 /// All twins of this module, for the tests that compare them.
-pub(crate) const TWINS: &[Twin] = &[
-    twin!(LIGHTING, power(x: f32, log2: u32) -> f32, needs [INTERPOLATION]),
-    twin!(LIGHTING, blinn(n: Vec3, l: Vec3, v: Vec3, shininess_log2: u32) -> Vec2, needs [INTERPOLATION]),
-    twin!(LIGHTING, cone(cosine: f32, outer: f32, scale: f32) -> f32, needs [INTERPOLATION]),
-    twin!(LIGHTING, attenuation(factors: Vec3, distance: f32) -> f32, needs [INTERPOLATION]),
+#[cfg(feature = "testing")]
+pub(crate) const TWINS: &[umbrage_core::Twin] = &[
+    umbrage_core::twin!(LIGHTING, power(x: f32, log2: u32) -> f32, needs [crate::shading::interpolation::INTERPOLATION]),
+    umbrage_core::twin!(LIGHTING, blinn(n: Vec3, l: Vec3, v: Vec3, shininess_log2: u32) -> Vec2, needs [crate::shading::interpolation::INTERPOLATION]),
+    umbrage_core::twin!(LIGHTING, cone(cosine: f32, outer: f32, scale: f32) -> f32, needs [crate::shading::interpolation::INTERPOLATION]),
+    umbrage_core::twin!(LIGHTING, attenuation(factors: Vec3, distance: f32) -> f32, needs [crate::shading::interpolation::INTERPOLATION]),
 ];
 
 #[cfg(test)]

@@ -4,7 +4,7 @@
 //! A texture is `(first texel, width, height, 0)` into a table of texels; a width of 0 stands for no texture.
 
 use glam::{UVec2, UVec4, Vec2, Vec4};
-use umbrage_core::{Module, Texture, Twin, twin};
+use umbrage_core::{Module, Texture};
 
 /// The WGSL half. Reading a table is the business of who declares it.
 pub(crate) const TEXTURE: Module = Module {
@@ -89,10 +89,11 @@ pub(crate) fn rows(textures: &[Texture]) -> (Vec<[u32; 4]>, Vec<UVec4>) {
 }
 
 /// All twins of this module, for the tests that compare them.
-pub(crate) const TWINS: &[Twin] = &[
-    twin!(TEXTURE, neighbours(u: f32, size: u32) -> UVec2),
-    twin!(TEXTURE, fraction(u: f32, size: u32) -> f32),
-    twin!(TEXTURE, blend(a: Vec4, b: Vec4, t: f32) -> Vec4),
+#[cfg(feature = "testing")]
+pub(crate) const TWINS: &[umbrage_core::Twin] = &[
+    umbrage_core::twin!(TEXTURE, neighbours(u: f32, size: u32) -> UVec2),
+    umbrage_core::twin!(TEXTURE, fraction(u: f32, size: u32) -> f32),
+    umbrage_core::twin!(TEXTURE, blend(a: Vec4, b: Vec4, t: f32) -> Vec4),
 ];
 
 #[cfg(test)]

@@ -3,12 +3,11 @@
 //! The rules are functions of plain numbers, so that compilers find vector lanes in loops over them:
 //! [`lanes::batch`](crate::lanes::batch) calls the same ones for many receivers.
 
-use super::layers::{LAYERS, MapLayer, ShadowMapUniforms, layer_at};
+use super::layers::{MapLayer, ShadowMapUniforms, layer_at};
 use glam::{Mat4, Vec2, Vec3, Vec4};
 use umbrage_core::{
-    MATH, Module, Twin,
+    Module,
     math::{cross3, dot3, unit3},
-    twin,
 };
 
 /// The WGSL half. It needs the modules [`MATH`], [`LAYERS`] and the map's choices.
@@ -211,11 +210,12 @@ pub fn is_seen(layer: &MapLayer, depth: f32, w: f32) -> bool {
 }
 
 /// All twins of this module, for the tests that compare them.
-pub const TWINS: &[Twin] = &[
-    twin!(PROJECTION, to_light(light: Vec4, p: Vec3) -> Vec3, needs [MATH, LAYERS]),
-    twin!(PROJECTION, slope_bias(slope: f32, least: f32, n_dot_l: f32) -> f32, needs [MATH, LAYERS]),
-    twin!(PROJECTION, sine(cosine: f32) -> f32, needs [MATH, LAYERS]),
-    twin!(PROJECTION, texel_from_point(point: Vec3, size: f32) -> Vec3, needs [MATH, LAYERS]),
-    twin!(PROJECTION, slide(clip_from_world: Mat4, point: Vec3, tangent: Vec3, size: f32) -> Vec3, needs [MATH, LAYERS]),
-    twin!(PROJECTION, plane_gradient(clip_from_world: Mat4, point: Vec3, n: Vec3, size: f32, limit: f32) -> Vec2, needs [MATH, LAYERS]),
+#[cfg(feature = "testing")]
+pub const TWINS: &[umbrage_core::Twin] = &[
+    umbrage_core::twin!(PROJECTION, to_light(light: Vec4, p: Vec3) -> Vec3, needs [umbrage_core::MATH, super::layers::LAYERS]),
+    umbrage_core::twin!(PROJECTION, slope_bias(slope: f32, least: f32, n_dot_l: f32) -> f32, needs [umbrage_core::MATH, super::layers::LAYERS]),
+    umbrage_core::twin!(PROJECTION, sine(cosine: f32) -> f32, needs [umbrage_core::MATH, super::layers::LAYERS]),
+    umbrage_core::twin!(PROJECTION, texel_from_point(point: Vec3, size: f32) -> Vec3, needs [umbrage_core::MATH, super::layers::LAYERS]),
+    umbrage_core::twin!(PROJECTION, slide(clip_from_world: Mat4, point: Vec3, tangent: Vec3, size: f32) -> Vec3, needs [umbrage_core::MATH, super::layers::LAYERS]),
+    umbrage_core::twin!(PROJECTION, plane_gradient(clip_from_world: Mat4, point: Vec3, n: Vec3, size: f32, limit: f32) -> Vec2, needs [umbrage_core::MATH, super::layers::LAYERS]),
 ];

@@ -4,7 +4,7 @@
 use super::{BeyondFar, Border, MapFormat, ShadowMap, position_error};
 use crate::shading::facing::homogeneous;
 use glam::{Mat4, Vec3, Vec4};
-use umbrage_core::{LightSpace, LightSpaces, Module, Twin, View, twin, uniforms};
+use umbrage_core::{LightSpace, LightSpaces, Module, View, uniforms};
 
 /// The WGSL half: the structs, and `cube_face`.
 pub const LAYERS: Module = Module {
@@ -186,4 +186,6 @@ fn sign_bit(v: f32) -> i32 {
 }
 
 /// All twins of this module, for the tests that compare them.
-pub const TWINS: &[Twin] = &[twin!(LAYERS, cube_face(light: Vec4, p: Vec3) -> i32, needs [])];
+#[cfg(feature = "testing")]
+pub const TWINS: &[umbrage_core::Twin] =
+    &[umbrage_core::twin!(LAYERS, cube_face(light: Vec4, p: Vec3) -> i32, needs [])];

@@ -8,7 +8,7 @@
 
 use glam::{UVec2, Vec4};
 use std::sync::Arc;
-use umbrage_core::{FilterKernel, Inputs, Kernel, MATH, Module, Twin, twin};
+use umbrage_core::{FilterKernel, Inputs, Kernel, Module};
 
 /// The WGSL half.
 pub const PACKING: Module = Module {
@@ -77,9 +77,10 @@ impl FilterKernel for PackKernel {
 }
 
 /// All twins of this module, for the tests that compare them.
-pub const TWINS: &[Twin] = &[
-    twin!(PACKING, pack_depth(z: f32) -> Vec4, needs [MATH]),
-    twin!(PACKING, unpack_depth(c: Vec4) -> f32, needs [MATH]),
+#[cfg(feature = "testing")]
+pub const TWINS: &[umbrage_core::Twin] = &[
+    umbrage_core::twin!(PACKING, pack_depth(z: f32) -> Vec4, needs [umbrage_core::MATH]),
+    umbrage_core::twin!(PACKING, unpack_depth(c: Vec4) -> f32, needs [umbrage_core::MATH]),
 ];
 
 #[cfg(test)]

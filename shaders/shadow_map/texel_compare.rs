@@ -3,7 +3,7 @@
 
 use super::{coord::ShadowCoord, layers::ShadowMapUniforms, packing::unpack_depth};
 use glam::{Vec2, Vec4};
-use umbrage_core::{ImageView, Module, Twin, twin};
+use umbrage_core::{ImageView, Module};
 
 /// The WGSL half: `stored_depth`, `tap`, and their variants. It reads the kernel's first image, and needs the modules
 /// [`COORD`](super::coord::COORD), [`DEPTH_ON_PLANE`] and the map's choices.
@@ -145,6 +145,7 @@ impl<'a> DepthMap<'a> {
 }
 
 /// All twins of this module, for the tests that compare them.
-pub const TWINS: &[Twin] = &[
-    twin!(DEPTH_ON_PLANE, depth_on_plane(depth: f32, gradient: Vec2, deepest: f32, from: Vec2, x: i32, y: i32) -> f32, needs []),
+#[cfg(feature = "testing")]
+pub const TWINS: &[umbrage_core::Twin] = &[
+    umbrage_core::twin!(DEPTH_ON_PLANE, depth_on_plane(depth: f32, gradient: Vec2, deepest: f32, from: Vec2, x: i32, y: i32) -> f32, needs []),
 ];

@@ -48,13 +48,14 @@ pub use light_space::{
     layers::{Layout, LightSpaces},
 };
 pub use math::MATH;
+#[cfg(feature = "testing")]
+pub use recipe::twin::{Twin, Words};
 pub use recipe::{
     BackendLimits, Cast, CastMode, Cull, Faces, Filter, ImageId, RasterBias, Receive, Recipe,
     Shade, Source, Table, TableId,
     image::{Format, Image, ImageDesc, ImageView},
     kernel::{FilterKernel, Inputs, Kernel, ReceiveKernel, ShadeKernel},
     shader::{Module, UniformBlock, UniformLayout, Uniforms, join},
-    twin::{Twin, Words},
     work::{KernelCost, Work},
 };
 pub use recipe_error::RecipeError;

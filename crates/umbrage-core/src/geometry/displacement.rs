@@ -36,7 +36,7 @@
 //! assert!(wgsl.contains("fn displaced("));
 //! ```
 
-use crate::{Module, Texture, Twin, twin};
+use crate::{Module, Texture};
 use glam::{UVec2, Vec2, Vec3};
 
 /// The WGSL half: needs no other module.
@@ -134,14 +134,15 @@ fn first_channel(texture: &Texture, x: u32, y: u32) -> f32 {
 }
 
 /// All twins of this module, for the tests that compare them.
-pub const TWINS: &[Twin] = &[
-    twin!(DISPLACEMENT, repeated(t: f32) -> f32),
-    twin!(DISPLACEMENT, from_first_centre(t: f32, n: u32) -> f32),
-    twin!(DISPLACEMENT, bilinear_first(uv: Vec2, size: UVec2) -> UVec2),
-    twin!(DISPLACEMENT, bilinear_second(first: UVec2, size: UVec2) -> UVec2),
-    twin!(DISPLACEMENT, bilinear_weights(uv: Vec2, size: UVec2) -> Vec2),
-    twin!(DISPLACEMENT, bilinear_blend(a: f32, b: f32, c: f32, d: f32, weights: Vec2) -> f32),
-    twin!(DISPLACEMENT, displaced(position: Vec3, normal: Vec3, h: f32, lambda: f32) -> Vec3),
+#[cfg(feature = "testing")]
+pub const TWINS: &[crate::Twin] = &[
+    crate::twin!(DISPLACEMENT, repeated(t: f32) -> f32),
+    crate::twin!(DISPLACEMENT, from_first_centre(t: f32, n: u32) -> f32),
+    crate::twin!(DISPLACEMENT, bilinear_first(uv: Vec2, size: UVec2) -> UVec2),
+    crate::twin!(DISPLACEMENT, bilinear_second(first: UVec2, size: UVec2) -> UVec2),
+    crate::twin!(DISPLACEMENT, bilinear_weights(uv: Vec2, size: UVec2) -> Vec2),
+    crate::twin!(DISPLACEMENT, bilinear_blend(a: f32, b: f32, c: f32, d: f32, weights: Vec2) -> f32),
+    crate::twin!(DISPLACEMENT, displaced(position: Vec3, normal: Vec3, h: f32, lambda: f32) -> Vec3),
 ];
 
 #[cfg(test)]

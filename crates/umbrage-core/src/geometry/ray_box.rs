@@ -10,8 +10,8 @@
 //! One is in proportion to the triangle ([`padded_box`]), the other to the distance from the segment's start ([`EXIT_SLACK`],
 //! as in Ize 2013, "Robust BVH Ray Traversal").
 
-use crate::{Module, Twin, twin};
-use glam::{Vec2, Vec3, Vec3A};
+use crate::Module;
+use glam::{Vec3, Vec3A};
 
 /// The WGSL half.
 pub const RAY_BOX: Module = Module {
@@ -95,15 +95,17 @@ pub(crate) fn inverse_power(x: f32) -> f32 {
 }
 
 /// The pairs, for the lockstep tests.
-pub(crate) const TWINS: [Twin; 6] = [
-    twin!(RAY_BOX, safe_inverse(x: f32) -> f32),
-    twin!(RAY_BOX, enters_word(o: Vec3, inverse: Vec3, low: Vec3, high: Vec3) -> u32),
-    twin!(RAY_BOX, padded_low(a: Vec3, b: Vec3, c: Vec3) -> Vec3),
-    twin!(RAY_BOX, padded_high(a: Vec3, b: Vec3, c: Vec3) -> Vec3),
-    twin!(RAY_BOX, holds_origin_word(a: Vec2, b: Vec2, c: Vec2) -> u32),
-    twin!(RAY_BOX, inverse_power(x: f32) -> f32),
+#[cfg(feature = "testing")]
+pub(crate) const TWINS: [crate::Twin; 6] = [
+    crate::twin!(RAY_BOX, safe_inverse(x: f32) -> f32),
+    crate::twin!(RAY_BOX, enters_word(o: Vec3, inverse: Vec3, low: Vec3, high: Vec3) -> u32),
+    crate::twin!(RAY_BOX, padded_low(a: Vec3, b: Vec3, c: Vec3) -> Vec3),
+    crate::twin!(RAY_BOX, padded_high(a: Vec3, b: Vec3, c: Vec3) -> Vec3),
+    crate::twin!(RAY_BOX, holds_origin_word(a: glam::Vec2, b: glam::Vec2, c: glam::Vec2) -> u32),
+    crate::twin!(RAY_BOX, inverse_power(x: f32) -> f32),
 ];
 
+#[cfg(feature = "testing")]
 fn enters_word(o: Vec3, inverse: Vec3, low: Vec3, high: Vec3) -> u32 {
     u32::from(enters_box(
         o.into(),
@@ -112,15 +114,18 @@ fn enters_word(o: Vec3, inverse: Vec3, low: Vec3, high: Vec3) -> u32 {
     ))
 }
 
+#[cfg(feature = "testing")]
 fn padded_low(a: Vec3, b: Vec3, c: Vec3) -> Vec3 {
     padded_box([a, b, c].map(Vec3A::from))[0].into()
 }
 
+#[cfg(feature = "testing")]
 fn padded_high(a: Vec3, b: Vec3, c: Vec3) -> Vec3 {
     padded_box([a, b, c].map(Vec3A::from))[1].into()
 }
 
-fn holds_origin_word(a: Vec2, b: Vec2, c: Vec2) -> u32 {
+#[cfg(feature = "testing")]
+fn holds_origin_word(a: glam::Vec2, b: glam::Vec2, c: glam::Vec2) -> u32 {
     u32::from(holds_origin(
         Vec3A::new(a.x, b.x, c.x),
         Vec3A::new(a.y, b.y, c.y),

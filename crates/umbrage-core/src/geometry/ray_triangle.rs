@@ -35,15 +35,12 @@
 //! search that skips boxes by that test alone finds a hit if brute force does.
 
 use crate::{
-    Module, Twin,
-    geometry::ray_box::{
-        self, RAY_BOX, enters_box, holds_origin, inverse_power, padded_box, slab_inverse,
-    },
-    twin,
+    Module,
+    geometry::ray_box::{enters_box, holds_origin, inverse_power, padded_box, slab_inverse},
 };
 use glam::{Vec3, Vec3A};
 
-/// The WGSL half of the triangle test. It calls into [`RAY_BOX`].
+/// The WGSL half of the triangle test. It calls into [`RAY_BOX`](super::bvh::RAY_BOX).
 pub const RAY_TRIANGLE: Module = Module {
     name: "ray_triangle",
     text: include_str!("ray_triangle.wgsl"),
@@ -173,16 +170,18 @@ pub fn segment_hits(o: Vec3, d: Vec3, a: Vec3, b: Vec3, c: Vec3) -> bool {
 }
 
 /// The pairs, for the lockstep tests.
-pub const TWINS: &[Twin] = &[
-    twin!(RAY_TRIANGLE, hit_word(o: Vec3, d: Vec3, a: Vec3, b: Vec3, c: Vec3) -> u32, needs [RAY_BOX]),
-    ray_box::TWINS[0],
-    ray_box::TWINS[1],
-    ray_box::TWINS[2],
-    ray_box::TWINS[3],
-    ray_box::TWINS[4],
-    ray_box::TWINS[5],
+#[cfg(feature = "testing")]
+pub const TWINS: &[crate::Twin] = &[
+    crate::twin!(RAY_TRIANGLE, hit_word(o: Vec3, d: Vec3, a: Vec3, b: Vec3, c: Vec3) -> u32, needs [super::ray_box::RAY_BOX]),
+    super::ray_box::TWINS[0],
+    super::ray_box::TWINS[1],
+    super::ray_box::TWINS[2],
+    super::ray_box::TWINS[3],
+    super::ray_box::TWINS[4],
+    super::ray_box::TWINS[5],
 ];
 
+#[cfg(feature = "testing")]
 fn hit_word(o: Vec3, d: Vec3, a: Vec3, b: Vec3, c: Vec3) -> u32 {
     u32::from(segment_hits(o, d, a, b, c))
 }

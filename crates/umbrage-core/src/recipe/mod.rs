@@ -3,6 +3,7 @@
 pub(crate) mod image;
 pub(crate) mod kernel;
 pub(crate) mod shader;
+#[cfg(feature = "testing")]
 pub(crate) mod twin;
 pub(crate) mod work;
 

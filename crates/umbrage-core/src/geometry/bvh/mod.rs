@@ -5,11 +5,13 @@
 mod build;
 mod wide;
 
+#[cfg(feature = "testing")]
+pub use crate::geometry::ray_triangle::TWINS;
 pub use crate::{
     Aabb,
     geometry::{
         ray_box::RAY_BOX,
-        ray_triangle::{RAY_TRIANGLE, Segment, TWINS, segment_hits},
+        ray_triangle::{RAY_TRIANGLE, Segment, segment_hits},
     },
 };
 
