@@ -10,7 +10,7 @@ use umbrage_core::{
     math::{cross3, dot3, unit3},
 };
 
-/// The WGSL half. It needs the modules [`MATH`], [`LAYERS`] and the map's choices.
+/// The WGSL half. It needs the modules [`MATH`](umbrage_core::MATH), [`LAYERS`](super::layers::LAYERS) and the map's choices.
 pub const COORD: Module = Module {
     name: "coord",
     text: include_str!("coord.wgsl"),
