@@ -171,8 +171,7 @@ impl Pcss {
 }
 
 impl ListedTechnique for Pcss {
-    const SUMMARY: &'static str =
-        "soft shadows: looks for blockers, then filters with a width that follows from their distance (Fernando 2005)";
+    const SUMMARY: &'static str = "soft shadows: looks for blockers, then filters with a width that follows from their distance (Fernando 2005)";
 
     fn map(&self) -> Option<&ShadowMap> {
         Some(&self.map)
