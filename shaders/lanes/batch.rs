@@ -60,7 +60,7 @@ pub fn look_up_span(
     let mut batch = Batch::new();
     for first in (0..out.len()).step_by(BATCH) {
         let count = BATCH.min(out.len() - first);
-        project(simd, m, span, first, count, &mut batch);
+        project(simd, m, span, first, &mut batch);
         simd.run_task(FollowTaps {
             taps,
             batch: &batch,
@@ -147,26 +147,28 @@ impl Batch {
     }
 }
 
-/// Some of a span's receivers, with an array for each coordinate. Lanes after the last receiver hold 0.
-struct ReceiverBatch {
-    x: Lanes<f32>,
-    y: Lanes<f32>,
-    z: Lanes<f32>,
-    nx: Lanes<f32>,
-    ny: Lanes<f32>,
-    nz: Lanes<f32>,
+/// Some of a span's receivers, with an array for each coordinate.
+#[derive(Clone, Copy)]
+struct ReceiverBatch<'a> {
+    x: &'a Lanes<f32>,
+    y: &'a Lanes<f32>,
+    z: &'a Lanes<f32>,
+    nx: &'a Lanes<f32>,
+    ny: &'a Lanes<f32>,
+    nz: &'a Lanes<f32>,
 }
 
-impl ReceiverBatch {
-    fn of(span: &Span<'_>, first: usize, count: usize) -> Self {
-        Self {
-            x: lanes_of(span.x, first, count),
-            y: lanes_of(span.y, first, count),
-            z: lanes_of(span.z, first, count),
-            nx: lanes_of(span.nx, first, count),
-            ny: lanes_of(span.ny, first, count),
-            nz: lanes_of(span.nz, first, count),
-        }
+impl<'a> ReceiverBatch<'a> {
+    /// Returns the [`BATCH`] receivers from `first` on, where they are; none if the span ends before.
+    fn within(span: &Span<'a>, first: usize) -> Option<Self> {
+        Some(Self {
+            x: span.x[first..].first_chunk()?,
+            y: span.y[first..].first_chunk()?,
+            z: span.z[first..].first_chunk()?,
+            nx: span.nx[first..].first_chunk()?,
+            ny: span.ny[first..].first_chunk()?,
+            nz: span.nz[first..].first_chunk()?,
+        })
     }
 
     #[inline(always)]
@@ -180,24 +182,40 @@ impl ReceiverBatch {
     }
 }
 
-fn lanes_of(values: &[f32], first: usize, count: usize) -> Lanes<f32> {
+/// Copies the values from `first` to the span's end, and 0 after them.
+fn padded(values: &[f32], first: usize) -> Lanes<f32> {
     let mut lanes = [0.0; BATCH];
-    lanes[..count].copy_from_slice(&values[first..first + count]);
+    let rest = &values[first..];
+    lanes[..rest.len()].copy_from_slice(rest);
     lanes
 }
 
+/// Looks up the receivers from `first` on, at most [`BATCH`] of them, each in the layer in which it lies.
+fn project(simd: Simd, m: &ShadowMapUniforms, span: &Span<'_>, first: usize, batch: &mut Batch) {
+    if let Some(receivers) = ReceiverBatch::within(span, first) {
+        project_batch(simd, m, &receivers, batch);
+        return;
+    }
+    let receivers = ReceiverBatch {
+        x: &padded(span.x, first),
+        y: &padded(span.y, first),
+        z: &padded(span.z, first),
+        nx: &padded(span.nx, first),
+        ny: &padded(span.ny, first),
+        nz: &padded(span.nz, first),
+    };
+    project_batch(simd, m, &receivers, batch);
+}
+
 /// Looks up a batch of receivers, each in the layer in which it lies.
-fn project(
+fn project_batch(
     simd: Simd,
     m: &ShadowMapUniforms,
-    span: &Span<'_>,
-    first: usize,
-    count: usize,
+    receivers: &ReceiverBatch<'_>,
     batch: &mut Batch,
 ) {
-    let receivers = ReceiverBatch::of(span, first, count);
     if m.layer_count == 1 {
-        project_into(simd, m, &m.layers[0], &receivers, batch);
+        project_into(simd, m, &m.layers[0], receivers, batch);
         return;
     }
     let mut present = 0_u32;
@@ -209,7 +227,7 @@ fn project(
     let mut all = Batch::new();
     for (layer, uniforms) in (0..).zip(m.used_layers()) {
         if present & (1 << layer) != 0 {
-            project_into(simd, m, uniforms, &receivers, &mut all);
+            project_into(simd, m, uniforms, receivers, &mut all);
             batch.take_layer(layer, &all);
         }
     }
@@ -220,7 +238,7 @@ fn project_into(
     simd: Simd,
     m: &ShadowMapUniforms,
     layer: &MapLayer,
-    receivers: &ReceiverBatch,
+    receivers: &ReceiverBatch<'_>,
     out: &mut Batch,
 ) {
     // A light without a position has one direction for all.
@@ -237,7 +255,7 @@ fn project_into(
 struct Project<'a, const LOCAL: bool, const OFFSET: bool> {
     m: &'a ShadowMapUniforms,
     layer: &'a MapLayer,
-    receivers: &'a ReceiverBatch,
+    receivers: &'a ReceiverBatch<'a>,
     out: &'a mut Batch,
 }
 
@@ -245,7 +263,7 @@ impl<'a, const LOCAL: bool, const OFFSET: bool> Project<'a, LOCAL, OFFSET> {
     fn new(
         m: &'a ShadowMapUniforms,
         layer: &'a MapLayer,
-        receivers: &'a ReceiverBatch,
+        receivers: &'a ReceiverBatch<'a>,
         out: &'a mut Batch,
     ) -> Self {
         Self {
@@ -262,47 +280,55 @@ impl<const LOCAL: bool, const OFFSET: bool> SimdTask for Project<'_, LOCAL, OFFS
 
     #[inline(always)]
     fn run(self) {
-        let Self {
-            m,
-            layer,
-            receivers,
-            out,
-        } = self;
-        let direction = m.light.truncate();
+        // Copies of what is read, and arrays of its own for what is written: through references the compiler could not rule out
+        // that a store changes what the next lane reads, and would find no lanes.
+        let layer = *self.layer;
+        let light = self.m.light;
+        let size = self.m.size;
+        let receivers = *self.receivers;
+        let direction = light.truncate();
         let zero = [0.0; BATCH];
         let mut points = [zero; 3];
+        let mut x = zero;
+        let mut y = zero;
+        let mut depths = zero;
+        let mut deepest = zero;
+        let mut seen = [false; BATCH];
         for i in 0..BATCH {
             let p = receivers.position(i);
             let n = receivers.normal(i);
-            let to_light = if LOCAL {
-                to_light(m.light, p)
-            } else {
-                direction
-            };
+            let to_light = if LOCAL { to_light(light, p) } else { direction };
             let n_dot_l = dot3(n, to_light);
             let bias = layer.constant + slope_bias(layer.slope, layer.slope_min, n_dot_l);
             let p = if OFFSET {
-                offset_along_normal(layer, p, n, n_dot_l)
+                offset_along_normal(&layer, p, n, n_dot_l)
             } else {
                 p
             };
             let w = clip_w(&layer.clip_from_world, p);
             let point = point_over_w(&layer.clip_from_world, p, w);
-            let texel = texel_from_point(point, m.size);
+            let texel = texel_from_point(point, size);
             let depth = point.z - bias;
-            out.x[i] = texel.x;
-            out.y[i] = texel.y;
-            out.depth[i] = depth;
-            out.deepest[i] = depth.max(layer.deepest_tap);
-            out.seen[i] = is_seen(layer, point.z, w);
+            x[i] = texel.x;
+            y[i] = texel.y;
+            depths[i] = depth;
+            deepest[i] = depth.max(layer.deepest_tap);
+            seen[i] = is_seen(&layer, point.z, w);
             points[0][i] = point.x;
             points[1][i] = point.y;
             points[2][i] = point.z;
         }
-        out.right = zero;
-        out.down = zero;
+        let out = self.out;
+        out.x = x;
+        out.y = y;
+        out.depth = depths;
+        out.deepest = deepest;
+        out.seen = seen;
         if layer.follows_plane() {
-            follow_planes(m.size, layer, &points, receivers, out);
+            follow_planes(size, &layer, &points, &receivers, out);
+        } else {
+            out.right = zero;
+            out.down = zero;
         }
     }
 }
@@ -313,7 +339,7 @@ fn follow_planes(
     size: f32,
     layer: &MapLayer,
     points: &[Lanes<f32>; 3],
-    receivers: &ReceiverBatch,
+    receivers: &ReceiverBatch<'_>,
     out: &mut Batch,
 ) {
     let mut right = [0.0; BATCH];

@@ -116,11 +116,13 @@ pub fn plane_gradient(clip_from_world: Mat4, point: Vec3, n: Vec3, size: f32, li
     let det = a.x * b.y - b.x * a.y;
     let right = (a.z * b.y - b.z * a.y) / det;
     let down = (a.x * b.z - b.x * a.z) / det;
-    // No early return, which would keep compilers from vector lanes.
+    // Both are bounded before the choice: work inside a branch would keep compilers from vector lanes.
+    let right = within(right, limit);
+    let down = within(down, limit);
     let edge_on = det == 0.0;
     Vec2::new(
-        if edge_on { 0.0 } else { within(right, limit) },
-        if edge_on { 0.0 } else { within(down, limit) },
+        if edge_on { 0.0 } else { right },
+        if edge_on { 0.0 } else { down },
     )
 }
 

@@ -2,9 +2,9 @@
 
 use umbrage_core::{Backend, Geometry, ShadowTechnique, View, join};
 use umbrage_cpu::Cpu;
-use umbrage_lab::compare::Yardstick;
 use umbrage_techniques::Hard;
 use umbrage_tests::{gpu::gpu, layouts::check};
+use umbrage_yardstick::Yardstick;
 
 #[test]
 fn the_yardstick_is_the_same_work_on_both_backends() {

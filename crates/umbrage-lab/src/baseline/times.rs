@@ -1,6 +1,6 @@
 //! Decides when a row counts as slower, and how rare false alarms are.
 //!
-//! A row's time is compared as a multiple of the [yardstick](crate::compare::Yardstick) that was played before and after
+//! A row's time is compared as a multiple of the [yardstick](umbrage_yardstick::Yardstick) that was played before and after
 //! each of its runs. What is left is noise of single runs: on a shared machine with 2 cores and 8 to 18 busy programs, a
 //! row's median of 5 to 9 such ratios is off by a factor of 2 in one row of twenty. A comparison has thousands of rows, so
 //! single medians prove nothing. Two tests take their place:

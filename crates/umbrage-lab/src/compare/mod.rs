@@ -14,7 +14,6 @@ mod scene;
 mod seen;
 mod slug;
 mod timing;
-mod yardstick;
 
 pub use agreement::agree;
 pub use backends::Backends;
@@ -29,7 +28,6 @@ pub use result::{
 pub use scene::SceneImages;
 pub use timing::CALM;
 pub(crate) use timing::{Again, again, calm};
-pub use yardstick::{Yardstick, YardstickKernel, YardstickUniforms};
 
 use crate::LabError;
 use std::sync::Arc;

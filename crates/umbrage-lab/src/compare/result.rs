@@ -281,7 +281,7 @@ pub struct RowTimes {
     pub receive: Option<TimingStats>,
     /// Casts, filters and lookup of each run together.
     pub total: TimingStats,
-    /// Times of the [yardstick](super::Yardstick) that is played in turn with the runs, milliseconds for each unit of its work;
+    /// Times of the [yardstick](umbrage_yardstick::Yardstick) that is played in turn with the runs, milliseconds for each unit of its work;
     /// none where nothing receives, where the adapter can't time it, and in results of schema 4 and before.
     pub yardstick: Option<TimingStats>,
     /// Each run's time over the mean of the yardsticks' right before and after it: what is compared with other runs' results.

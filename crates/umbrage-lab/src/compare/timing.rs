@@ -1,8 +1,8 @@
 //! Times rows in turn with a yardstick.
 
 use super::{
-    Backends, CompareOptions, Ranks, RowTimes, Runs, SceneInput, TimingStats, Yardstick,
-    result::stem_of, scene::camera_and_light, settings_of,
+    Backends, CompareOptions, Ranks, RowTimes, Runs, SceneInput, TimingStats, result::stem_of,
+    scene::camera_and_light, settings_of,
 };
 use crate::LabError;
 use std::time::{Duration, Instant};
@@ -10,6 +10,7 @@ use umbrage_core::{
     Backend, BackendError, Geometry, Receivers, Recipe, Shadows, Timings, View, Work,
 };
 use umbrage_plan::cost::CostModel;
+use umbrage_yardstick::Yardstick;
 
 /// Plays a recipe: once for the mask, which compiles, uploads and finds receivers, then until its time is known. The timed
 /// runs are given the receivers of the first, so that finding and reading them back costs no time again.
