@@ -41,7 +41,7 @@ const FEET: [Vec3; 4] = [
 ];
 
 /// The greatest radius of a foot of `hovering-feet`, metres; copied likewise.
-pub(super) const FOOT_RADIUS: f32 = 0.11;
+const FOOT_RADIUS: f32 = 0.11;
 /// Width of the ring around each foot in which leaks are measured, metres.
 const RING_WIDTH: f32 = 0.10;
 /// Distance from a foot's middle up to which leaks are measured, metres.
@@ -249,3 +249,39 @@ const ROWS: &[StabilityRow] = &[
         still("tower-out-of-view", Measure::Leak),
     ]),
 ];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use umbrage_core::Geometry;
+
+    fn vertices(scene: &str) -> Vec<Vec3> {
+        let scene = umbrage_scenes::by_argument(scene).expect("built in");
+        Geometry::bake(&scene).expect("valid").positions().to_vec()
+    }
+
+    #[test]
+    fn the_plate_is_that_of_its_scene() {
+        let plate = vertices("thin-plate");
+        for (end, corner_x) in [(PLATE.from, -0.5_f32), (PLATE.to, 0.5)] {
+            let corner = Vec3::new(corner_x, end.y, end.z);
+            assert!(plate.iter().any(|v| v.distance(corner) < 1e-6), "{corner}");
+            assert!(end.x.abs() < corner_x.abs(), "{end} is beside the plate");
+        }
+    }
+
+    #[test]
+    fn the_feet_are_those_of_their_scene() {
+        let feet = vertices("hovering-feet");
+        for middle in FEET {
+            let radius = feet
+                .iter()
+                .filter(|v| v.y > 0.0 && v.y < 0.5)
+                .map(|v| (*v - middle).with_y(0.0).length())
+                // The next foot is farther away.
+                .filter(|&distance| distance < 0.14)
+                .fold(0.0, f32::max);
+            assert!((radius - FOOT_RADIUS).abs() < 1e-4, "{middle}: {radius}");
+        }
+    }
+}

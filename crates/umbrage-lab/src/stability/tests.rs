@@ -5,7 +5,7 @@ use crate::{
     compare::Backends,
     faulty_backend::{FaultyBackend, darken_one},
 };
-use glam::{UVec2, Vec3};
+use glam::UVec2;
 use std::{
     collections::HashSet,
     sync::{
@@ -13,9 +13,7 @@ use std::{
         atomic::{AtomicU32, Ordering},
     },
 };
-use umbrage_core::{
-    Backend, BackendError, Fit, Geometry, Invalid, Recipe, ShadowTechnique, Shadows, View,
-};
+use umbrage_core::{Backend, BackendError, Fit, Invalid, Recipe, ShadowTechnique, Shadows, View};
 use umbrage_cpu::Cpu;
 use umbrage_plan::truth::{self, TruthOptions};
 use umbrage_techniques::{
@@ -99,38 +97,6 @@ fn scenes_of_failures_are_played() {
         .collect();
     // The lamp with an extent is there for its penumbra alone.
     assert_eq!(left_out, ["glowing-lamp-in-room"]);
-}
-
-/// Numbers that rows copy from scenes are those of the scenes.
-#[test]
-fn copied_places_are_those_of_the_scenes() {
-    let vertices = |scene: &str| {
-        let scene = umbrage_scenes::by_argument(scene).expect("built in");
-        Geometry::bake(&scene).expect("valid").positions().to_vec()
-    };
-    let plate = vertices("thin-plate");
-    for (end, corner) in [(PLATE.from, -0.5), (PLATE.to, 0.5)] {
-        let corner = Vec3::new(corner, end.y, end.z);
-        assert!(plate.iter().any(|v| v.distance(corner) < 1e-6), "{corner}");
-        assert!(end.x.abs() < corner.x.abs(), "{end} is on the plate");
-    }
-    let feet = vertices("hovering-feet");
-    let Measure::LeakAround(middles, radius) = case("hovering-feet").measure else {
-        panic!("leaks around the feet")
-    };
-    assert!(radius > rows::FOOT_RADIUS);
-    for &middle in middles {
-        let farthest = feet
-            .iter()
-            .filter(|v| v.y > 0.0 && v.y < 0.5)
-            .map(|v| (*v - middle).with_y(0.0).length())
-            .filter(|&distance| distance < 0.14)
-            .fold(0.0, f32::max);
-        assert!(
-            (farthest - rows::FOOT_RADIUS).abs() < 1e-4,
-            "{middle}: {farthest}"
-        );
-    }
 }
 
 /// With truth's own technique every still row passes, and with a mask that is all lit or all dark every one fails; and
