@@ -135,6 +135,41 @@ fn fill<P>(
         [window[0], window[2], window[1]]
     };
     let clockwise = if area > 0 { [a, c, b] } else { [a, b, c] };
+    let plane = depth_plane(draw, snapping, [v0, v1, v2], whole);
+    for y in 0..draw.size.y {
+        for x in 0..draw.size.x {
+            let p = IVec2::new(x as i32, y as i32).as_i64vec2() * 256;
+            let inside = (0..3).all(|k| {
+                let from = clockwise[k];
+                let d = clockwise[(k + 1) % 3] - from;
+                let e = d.x * (p.y - from.y) - d.y * (p.x - from.x);
+                let is_top_left = d.y < 0 || (d.y == 0 && d.x > 0);
+                e > 0 || (e == 0 && is_top_left)
+            });
+            let z = (plane
+                .dy
+                .mul_add(y as f32, plane.dx.mul_add(x as f32, plane.at_origin))
+                + plane.offset)
+                .clamp(0.0, 1.0);
+            let i = (y * draw.size.x + x) as usize;
+            let kept = drawn_over(draw.mode, texels[i], other.get(i), z, area > 0);
+            if let Some(texel) = kept.filter(|_| inside) {
+                texels[i] = texel;
+                ids[i] = id;
+            }
+        }
+    }
+}
+
+/// Returns the depth plane through window corners, counter-clockwise, with its polygon offset; or those of the whole triangle of
+/// which they are a piece.
+fn depth_plane<P>(
+    draw: &Draw<'_, P>,
+    snapping: Snapping,
+    corners: [Vec3; 3],
+    whole: Option<&Whole>,
+) -> DepthPlane {
+    let [v0, v1, v2] = corners;
     let d01 = v0 - v1;
     let d20 = v2 - v0;
     let r = 1.0 / (d01.x * d20.y - d01.y * d20.x);
@@ -160,30 +195,8 @@ fn fill<P>(
         Mode::Depth16 | Mode::DepthPeel16 => snapping.offset_unit.depth(),
         _ => float_spacing(greatest),
     };
-    let offset = offset(&draw.bias, unit, slope);
-    for y in 0..draw.size.y {
-        for x in 0..draw.size.x {
-            let p = IVec2::new(x as i32, y as i32).as_i64vec2() * 256;
-            let inside = (0..3).all(|k| {
-                let from = clockwise[k];
-                let d = clockwise[(k + 1) % 3] - from;
-                let e = d.x * (p.y - from.y) - d.y * (p.x - from.x);
-                let is_top_left = d.y < 0 || (d.y == 0 && d.x > 0);
-                e > 0 || (e == 0 && is_top_left)
-            });
-            let z = (plane
-                .dy
-                .mul_add(y as f32, plane.dx.mul_add(x as f32, plane.at_origin))
-                + offset)
-                .clamp(0.0, 1.0);
-            let i = (y * draw.size.x + x) as usize;
-            let kept = drawn_over(draw.mode, texels[i], other.get(i), z, area > 0);
-            if let Some(texel) = kept.filter(|_| inside) {
-                texels[i] = texel;
-                ids[i] = id;
-            }
-        }
-    }
+    plane.offset = offset(&draw.bias, unit, slope);
+    plane
 }
 
 /// Rounds a window coordinate to a grid of `steps` points a pixel, and returns it in 256ths of a pixel from the centre of
