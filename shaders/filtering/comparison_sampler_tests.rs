@@ -228,7 +228,7 @@ fn lanes_equal_the_plain_loop() {
             texel: p.truncate(),
             depth: p.z,
             deepest: p.z.max(1.0),
-            seen: true,
+            covered: true,
             ..ShadowCoord::default()
         };
         let map = lookup(Border::Lit, 0.0).map(&image.view());

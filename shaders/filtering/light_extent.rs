@@ -72,10 +72,12 @@ pub(crate) fn light_axes(half_axis_u: Vec4, half_axis_v: Vec4, from_middle: Vec2
 
 /// Returns the shape over which the light's points are spread.
 pub(crate) fn shape(light: &Light) -> PatternShape {
-    if matches!(light, Light::Rect { .. }) {
-        PatternShape::Square
-    } else {
-        PatternShape::Disc
+    match light {
+        Light::Rect { .. } => PatternShape::Square,
+        Light::Directional { .. }
+        | Light::Spot { .. }
+        | Light::Point { .. }
+        | Light::Disc { .. } => PatternShape::Disc,
     }
 }
 

@@ -1,8 +1,9 @@
 //! Comparisons at the taps of a pattern that is laid over an ellipse or a parallelogram of the map. Every filter over a pattern
 //! uses them.
 //!
-//! Receivers are lanes: all receivers of a batch go to their first tap, then all to their second. Each lane adds up its taps in
-//! the order of the shader's loop, so both halves agree to the bit.
+//! One vector lane per receiver: all receivers of a batch take their first tap, then all their second.
+//! Each lane adds up its taps in the order of the shader's loop, so both halves agree to the bit.
+//! Functions with the parameter `N` compute the first `N` lanes.
 
 #![expect(
     clippy::needless_range_loop,
@@ -28,39 +29,80 @@ pub(crate) const PATTERN_TAPS: Module = Module {
 const OUTSIDE_DEPTH: f32 = 2.0;
 /// The texel index of taps outside the map. All its bits are set, so a bitwise or with it gives it again.
 const NO_TEXEL: u32 = u32::MAX;
-/// 2^23: from here on a float's unit in the last place is 1 or more, so that floats are whole numbers, and up to 2^24 the bits
-/// of the mantissa are the number less 2^23.
+/// Adding 2^23 moves a whole number into the mantissa's low bits.
 const TWO_POW_23: f32 = 8_388_608.0;
 /// Batches with at most this many receivers go through loops of half the width.
 pub(crate) const HALF_BATCH: usize = BATCH / 2;
 
-/// Returns the pattern's turn (cos, sin, shift x, shift y) at the pixel `offset` pixels right of `first`. `mask` is 0 if the
-/// pattern is turned nowhere, else one less than the number of turns.
-///
-/// Panics if the table has fewer turns than `mask` says.
-#[inline(always)]
-pub(crate) fn turn_at(table: &PatternTable, mask: u32, first: UVec2, offset: usize) -> Vec4 {
-    let x = first.x.wrapping_add(offset as u32);
-    let turn = noise_index(x, first.y) & mask;
-    table.turns[turn as usize]
+/// How a pixel's noise rotates a disc or shifts a square.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PixelRotation {
+    /// Cosine and sine of the rotation; (1, 0) for squares.
+    pub(crate) cos_sin: Vec2,
+    /// Shift right and down, 0..2 each; zero for discs.
+    pub(crate) shift: Vec2,
 }
 
-/// Half axes of many receivers' kernels, texels: x and y of the first axis, then x and y of the second.
-pub(crate) type Axes = [Lanes<f32>; 4];
+impl PixelRotation {
+    /// Returns the rotation at the pixel `offset` pixels right of `first`.
+    ///
+    /// `max_turn` is the greatest index into the table's turns: 0 for no rotation, else one less than a power of two.
+    ///
+    /// Panics if the table has no turn `max_turn`.
+    #[inline(always)]
+    pub(crate) fn at(table: &PatternTable, max_turn: u32, first: UVec2, offset: usize) -> Self {
+        let x = first.x.wrapping_add(offset as u32);
+        let turn = noise_index(x, first.y) & max_turn;
+        let row = table.turns[turn as usize];
+        Self {
+            cos_sin: Vec2::new(row.x, row.y),
+            shift: Vec2::new(row.z, row.w),
+        }
+    }
+}
+
+/// The kernels' half axes, `u` and `v`, of up to [`BATCH`] receivers, texels.
+#[derive(Clone)]
+pub(crate) struct AxisLanes {
+    u_x: Lanes<f32>,
+    u_y: Lanes<f32>,
+    v_x: Lanes<f32>,
+    v_y: Lanes<f32>,
+}
+
+impl AxisLanes {
+    #[inline(always)]
+    fn zero() -> Self {
+        Self {
+            u_x: [0.0; BATCH],
+            u_y: [0.0; BATCH],
+            v_x: [0.0; BATCH],
+            v_y: [0.0; BATCH],
+        }
+    }
+
+    /// Returns each receiver's half axes times its own factor.
+    #[inline(always)]
+    pub(crate) fn scaled(&self, factors: &Lanes<f32>) -> Self {
+        let mut axes = self.clone();
+        for i in 0..BATCH {
+            axes.u_x[i] *= factors[i];
+            axes.u_y[i] *= factors[i];
+            axes.v_x[i] *= factors[i];
+            axes.v_y[i] *= factors[i];
+        }
+        axes
+    }
+}
 
 /// How a pattern is laid over the map at one receiver.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct KernelPlacement {
     /// Half axes, texels: x and y of the first, then x and y of the second.
     pub(crate) axes: Vec4,
     /// The shift of a square pattern, 0..2; zero for discs.
     pub(crate) shift: Vec2,
-    /// Further numbers of the receiver. The technique that places the kernel gives them their meaning.
-    pub(crate) extra: [f32; EXTRA_COUNT],
 }
-
-/// The length of [`KernelPlacement::extra`].
-pub(crate) const EXTRA_COUNT: usize = 6;
 
 /// Up to [`BATCH`] receivers, an array for each field. Only the lanes before `count` hold receivers.
 #[derive(Clone)]
@@ -70,19 +112,21 @@ pub(crate) struct ReceiverLanes {
     /// [`ShadowCoord::depth`].
     pub(crate) depth: Lanes<f32>,
     /// [`KernelPlacement::axes`].
-    pub(crate) axes: Axes,
-    /// [`KernelPlacement::extra`].
-    pub(crate) extra: [Lanes<f32>; EXTRA_COUNT],
-    /// Each receiver's number in its batch.
-    pub(crate) number: Lanes<usize>,
-    /// [`ShadowCoord::texel`].
+    pub(crate) axes: AxisLanes,
+    /// Each receiver's index in its batch.
+    pub(crate) batch_index: Lanes<usize>,
+    /// x of [`ShadowCoord::texel`].
     x: Lanes<f32>,
+    /// y of [`ShadowCoord::texel`].
     y: Lanes<f32>,
-    /// [`KernelPlacement::shift`].
-    pub(crate) shift: [Lanes<f32>; 2],
-    /// [`ShadowCoord::gradient`].
-    right: Lanes<f32>,
-    down: Lanes<f32>,
+    /// x of [`KernelPlacement::shift`].
+    pub(crate) shift_x: Lanes<f32>,
+    /// y of [`KernelPlacement::shift`].
+    pub(crate) shift_y: Lanes<f32>,
+    /// x of [`ShadowCoord::gradient`], per texel right.
+    gradient_x: Lanes<f32>,
+    /// y of [`ShadowCoord::gradient`], per texel down.
+    gradient_y: Lanes<f32>,
     /// [`ShadowCoord::deepest`].
     deepest: Lanes<f32>,
     /// The index of the first texel of the receiver's layer.
@@ -90,10 +134,13 @@ pub(crate) struct ReceiverLanes {
 }
 
 impl ReceiverLanes {
-    /// Returns those of a batch's first `count` receivers that the map sees and for which `place_kernel` returns a placement.
-    /// `place_kernel` takes a receiver's place on the map and its number in the batch; `size` is the map's side, texels.
+    /// Returns those of a batch's first `count` receivers that the map covers and for which `place_kernel` returns a placement.
+    ///
+    /// `size` is the map's side, texels.
+    /// `place_kernel` takes a receiver's place on the map and its index in the batch.
+    /// It is called in the order of the batch, and the receivers keep that order.
     #[inline(always)]
-    pub(crate) fn seen(
+    pub(crate) fn from_batch(
         batch: &Batch,
         count: usize,
         size: i32,
@@ -103,61 +150,46 @@ impl ReceiverLanes {
         let mut receivers = Self {
             count: 0,
             depth: zero,
-            axes: [zero; 4],
-            extra: [zero; EXTRA_COUNT],
-            number: [0; BATCH],
+            axes: AxisLanes::zero(),
+            batch_index: [0; BATCH],
             x: zero,
             y: zero,
-            right: zero,
-            down: zero,
+            shift_x: zero,
+            shift_y: zero,
+            gradient_x: zero,
+            gradient_y: zero,
             deepest: zero,
-            shift: [zero; 2],
             layer_start: [0; BATCH],
         };
-        for number in 0..count.min(BATCH) {
-            let l = batch.lookup(number);
-            if l.seen
-                && let Some(placement) = place_kernel(&l, number)
+        for batch_index in 0..count.min(BATCH) {
+            let l = batch.lookup(batch_index);
+            if l.covered
+                && let Some(placement) = place_kernel(&l, batch_index)
             {
-                receivers.push(&l, number, size, placement);
+                receivers.push(&l, batch_index, size, placement);
             }
         }
         receivers
     }
 
     #[inline(always)]
-    fn push(&mut self, l: &ShadowCoord, number: usize, size: i32, placement: KernelPlacement) {
+    fn push(&mut self, l: &ShadowCoord, batch_index: usize, size: i32, placement: KernelPlacement) {
         let i = self.count;
-        self.number[i] = number;
+        self.batch_index[i] = batch_index;
         self.layer_start[i] = (l.layer * size * size) as u32;
         self.x[i] = l.texel.x;
         self.y[i] = l.texel.y;
         self.depth[i] = l.depth;
-        self.right[i] = l.gradient.x;
-        self.down[i] = l.gradient.y;
+        self.gradient_x[i] = l.gradient.x;
+        self.gradient_y[i] = l.gradient.y;
         self.deepest[i] = l.deepest;
-        self.shift[0][i] = placement.shift.x;
-        self.shift[1][i] = placement.shift.y;
-        self.axes[0][i] = placement.axes.x;
-        self.axes[1][i] = placement.axes.y;
-        self.axes[2][i] = placement.axes.z;
-        self.axes[3][i] = placement.axes.w;
-        for (lanes, extra) in self.extra.iter_mut().zip(placement.extra) {
-            lanes[i] = extra;
-        }
+        self.shift_x[i] = placement.shift.x;
+        self.shift_y[i] = placement.shift.y;
+        self.axes.u_x[i] = placement.axes.x;
+        self.axes.u_y[i] = placement.axes.y;
+        self.axes.v_x[i] = placement.axes.z;
+        self.axes.v_y[i] = placement.axes.w;
         self.count += 1;
-    }
-
-    /// Returns each receiver's half axes times its own factor.
-    #[inline(always)]
-    pub(crate) fn scaled_axes(&self, factors: &Lanes<f32>) -> Axes {
-        let mut axes = self.axes;
-        for axis in &mut axes {
-            for i in 0..BATCH {
-                axis[i] *= factors[i];
-            }
-        }
-        axes
     }
 }
 
@@ -165,7 +197,7 @@ impl ReceiverLanes {
 #[derive(Clone, Copy)]
 pub(crate) struct Comparisons<'a> {
     pub(crate) map: DepthMap<'a>,
-    /// Squares are shifted, discs are not.
+    /// The pattern's shape.
     pub(crate) shape: PatternShape,
     /// Whether the depth compared follows the receiver's plane, so that it differs from tap to tap.
     pub(crate) follows_plane: bool,
@@ -180,22 +212,22 @@ pub(crate) struct Depths {
 }
 
 impl Comparisons<'_> {
-    /// Returns how many taps of a set see each receiver lit.
+    /// Returns how many taps of `set` are lit, per receiver.
     #[inline(always)]
-    pub(crate) fn lit(&self, r: &ReceiverLanes, axes: &Axes, set: &TapSet) -> Lanes<i32> {
+    pub(crate) fn count_lit(&self, r: &ReceiverLanes, set: &TapSet) -> Lanes<i32> {
         if r.count <= HALF_BATCH {
-            self.lit_in::<HALF_BATCH>(r, axes, set)
+            self.count_lit_lanes::<HALF_BATCH>(r, set)
         } else {
-            self.lit_in::<BATCH>(r, axes, set)
+            self.count_lit_lanes::<BATCH>(r, set)
         }
     }
 
     #[inline(always)]
-    fn lit_in<const N: usize>(&self, r: &ReceiverLanes, axes: &Axes, set: &TapSet) -> Lanes<i32> {
+    fn count_lit_lanes<const N: usize>(&self, r: &ReceiverLanes, set: &TapSet) -> Lanes<i32> {
         let mut lit = [0; BATCH];
         for &tap in &set.taps {
-            let texels = self.texels_at_tap::<N>(r, axes, tap.truncate());
-            let depths = self.depths_in::<N>(r, &texels);
+            let texels = self.texels_at_tap::<N>(r, tap.truncate());
+            let depths = self.depths_at_texels::<N>(r, &texels);
             for (i, lit) in lit[..N].iter_mut().enumerate() {
                 *lit += i32::from(depths.receiver[i] <= depths.stored[i]);
             }
@@ -205,23 +237,23 @@ impl Comparisons<'_> {
 
     /// Returns the depths at one point of the pattern for each receiver: `x` and `y`, -1..1, already shifted.
     #[inline(always)]
-    pub(crate) fn depths_at<const N: usize>(
+    pub(crate) fn depths_at_point<const N: usize>(
         &self,
         r: &ReceiverLanes,
-        axes: &Axes,
+        axes: &AxisLanes,
         x: &Lanes<f32>,
         y: &Lanes<f32>,
     ) -> Depths {
-        let mut texels = Texels::default();
+        let mut texels = TapTexels::default();
         for i in 0..N {
-            texels.x[i] = floor(affine(r.x[i], axes[0][i], axes[2][i], x[i], y[i]));
-            texels.y[i] = floor(affine(r.y[i], axes[1][i], axes[3][i], x[i], y[i]));
+            texels.x[i] = floor(affine(r.x[i], axes.u_x[i], axes.v_x[i], x[i], y[i]));
+            texels.y[i] = floor(affine(r.y[i], axes.u_y[i], axes.v_y[i], x[i], y[i]));
         }
-        self.depths_in::<N>(r, &texels)
+        self.depths_at_texels::<N>(r, &texels)
     }
 
     #[inline(always)]
-    fn depths_in<const N: usize>(&self, r: &ReceiverLanes, texels: &Texels) -> Depths {
+    fn depths_at_texels<const N: usize>(&self, r: &ReceiverLanes, texels: &TapTexels) -> Depths {
         let indices = self.texel_indices::<N>(r, texels);
         Depths {
             receiver: self.receiver_depths::<N>(r, texels),
@@ -229,22 +261,24 @@ impl Comparisons<'_> {
         }
     }
 
-    /// Returns the texels under a tap that each receiver shifts by its own shift.
+    /// Returns the texel under a tap for each receiver.
+    ///
+    /// A square is shifted by the receiver's own shift; a disc is not, so its taps never wrap around.
     #[inline(always)]
-    fn texels_at_tap<const N: usize>(&self, r: &ReceiverLanes, axes: &Axes, tap: Vec2) -> Texels {
-        let mut texels = Texels::default();
+    fn texels_at_tap<const N: usize>(&self, r: &ReceiverLanes, tap: Vec2) -> TapTexels {
+        let axes = &r.axes;
+        let mut texels = TapTexels::default();
         if self.shape == PatternShape::Square {
             for i in 0..N {
-                let x = wrapped(tap.x + r.shift[0][i]);
-                let y = wrapped(tap.y + r.shift[1][i]);
-                texels.x[i] = floor(affine(r.x[i], axes[0][i], axes[2][i], x, y));
-                texels.y[i] = floor(affine(r.y[i], axes[1][i], axes[3][i], x, y));
+                let x = wrapped(tap.x + r.shift_x[i]);
+                let y = wrapped(tap.y + r.shift_y[i]);
+                texels.x[i] = floor(affine(r.x[i], axes.u_x[i], axes.v_x[i], x, y));
+                texels.y[i] = floor(affine(r.y[i], axes.u_y[i], axes.v_y[i], x, y));
             }
         } else {
-            // Discs are turned and not shifted, so their taps never wrap around.
             for i in 0..N {
-                texels.x[i] = floor(affine(r.x[i], axes[0][i], axes[2][i], tap.x, tap.y));
-                texels.y[i] = floor(affine(r.y[i], axes[1][i], axes[3][i], tap.x, tap.y));
+                texels.x[i] = floor(affine(r.x[i], axes.u_x[i], axes.v_x[i], tap.x, tap.y));
+                texels.y[i] = floor(affine(r.y[i], axes.u_y[i], axes.v_y[i], tap.x, tap.y));
             }
         }
         texels
@@ -252,25 +286,25 @@ impl Comparisons<'_> {
 
     /// Returns the index of each texel among all texels of the map; [`NO_TEXEL`] beside the map, unless its edge repeats.
     #[inline(always)]
-    fn texel_indices<const N: usize>(&self, r: &ReceiverLanes, texels: &Texels) -> Lanes<u32> {
+    fn texel_indices<const N: usize>(&self, r: &ReceiverLanes, texels: &TapTexels) -> Lanes<u32> {
         let size = self.map.size as u32;
         let last = (self.map.size - 1) as f32;
-        // Or-ed onto the index of a texel that had to be clamped to the map.
-        let clamped_bits = if self.map.clamped { 0 } else { NO_TEXEL };
+        // Or-ed onto the index of a texel beside the map: nothing where its edge repeats.
+        let bits_beside_map = if self.map.clamped { 0 } else { NO_TEXEL };
         let mut indices = [NO_TEXEL; BATCH];
         for i in 0..N {
             let column = clamp_to(texels.x[i], last);
             let row = clamp_to(texels.y[i], last);
-            // `&` and not `&&`, and a mask and not a branch: so that this loop runs in vector lanes.
-            let outside_bits = if (column == texels.x[i]) & (row == texels.y[i]) {
+            // `&` and not `&&`, and a mask and not a branch, so that this loop is vectorised.
+            let extra_bits = if (column == texels.x[i]) & (row == texels.y[i]) {
                 0
             } else {
-                clamped_bits
+                bits_beside_map
             };
             let index = r.layer_start[i]
                 .wrapping_add(whole_to_u32(row).wrapping_mul(size))
                 .wrapping_add(whole_to_u32(column));
-            indices[i] = index | outside_bits;
+            indices[i] = index | extra_bits;
         }
         indices
     }
@@ -278,13 +312,13 @@ impl Comparisons<'_> {
     /// Returns the receivers' own depths at these texels: [`depth_on_plane`](crate::shadow_map::texel_compare::depth_on_plane) in
     /// lanes.
     #[inline(always)]
-    fn receiver_depths<const N: usize>(&self, r: &ReceiverLanes, texels: &Texels) -> Lanes<f32> {
+    fn receiver_depths<const N: usize>(&self, r: &ReceiverLanes, texels: &TapTexels) -> Lanes<f32> {
         let mut depths = r.depth;
         for i in 0..N {
             let on_plane = if self.follows_plane {
                 let right = texels.x[i] + 0.5 - r.x[i];
                 let down = texels.y[i] + 0.5 - r.y[i];
-                r.depth[i] + r.right[i] * right + r.down[i] * down
+                r.depth[i] + r.gradient_x[i] * right + r.gradient_y[i] * down
             } else {
                 r.depth[i]
             };
@@ -308,13 +342,13 @@ impl Comparisons<'_> {
     }
 }
 
-/// The texel under a tap of each receiver: whole numbers, also beside the map.
-struct Texels {
+/// The texel under one tap, per receiver: whole numbers, also beside the map.
+struct TapTexels {
     x: Lanes<f32>,
     y: Lanes<f32>,
 }
 
-impl Default for Texels {
+impl Default for TapTexels {
     #[inline(always)]
     fn default() -> Self {
         Self {
@@ -331,17 +365,19 @@ fn clamp_to(x: f32, last: f32) -> f32 {
     if x < last { x } else { last }
 }
 
-/// Returns the whole number at or below `x`. Beyond 2^22, where no map reaches, the result is only near it.
+/// Returns the whole number at or below `x`: exact for |x| < 2^22; maps are far smaller.
 ///
-/// Adding 1.5 * 2^23 leaves no bits for a fraction, so the sum is rounded to the nearest whole number. `f32::floor` is an
-/// instruction that not all processors have, and on those a call, which vector lanes cannot make.
+/// Adding 1.5 * 2^23 leaves no bits for a fraction, so the sum is rounded to the nearest whole number.
+/// `f32::floor` is a call on processors without such an instruction, and calls do not vectorise.
 #[inline(always)]
 fn floor(x: f32) -> f32 {
     let nearest = (x + 1.5 * TWO_POW_23) - 1.5 * TWO_POW_23;
     if nearest > x { nearest - 1.0 } else { nearest }
 }
 
-/// Converts a whole number from 0 to [`TWO_POW_23`] to an integer: in lanes, where `as` is not, since it also bounds its result.
+/// Converts a whole number from 0 to [`TWO_POW_23`] to an integer.
+///
+/// Not by `as`, which saturates and does not vectorise.
 #[inline(always)]
 fn whole_to_u32(x: f32) -> u32 {
     (x + TWO_POW_23)

@@ -9,7 +9,7 @@
 
 use crate::shadow_map::{
     coord::{
-        ShadowCoord, clip_w, is_seen, offset_along_normal, plane_gradient, point_over_w,
+        ShadowCoord, clip_w, is_covered, offset_along_normal, plane_gradient, point_over_w,
         slope_bias, texel_from_point, to_light,
     },
     layers::{MapLayer, ShadowMapUniforms, layer_at},
@@ -38,7 +38,7 @@ impl<T: Taps> BatchTaps for T {
     fn visibilities(&self, batch: &Batch, first: usize, out: &mut [f32]) {
         for (i, out) in out.iter_mut().enumerate() {
             let l = batch.lookup(i);
-            *out = if l.seen {
+            *out = if l.covered {
                 self.visibility(&l, first + i)
             } else {
                 1.0
@@ -48,7 +48,7 @@ impl<T: Taps> BatchTaps for T {
 }
 
 /// Looks up a span of receivers in the map of `m`, and fills `out`, which is as long as the span, with the visibilities that
-/// `taps` finds. Receivers that no layer of the map covers (see [`ShadowCoord::seen`]) are lit.
+/// `taps` finds. Receivers that no layer of the map covers (see [`ShadowCoord::covered`]) are lit.
 #[inline]
 pub fn look_up_span(
     simd: Simd,
@@ -99,7 +99,7 @@ pub struct Batch {
     right: Lanes<f32>,
     down: Lanes<f32>,
     layer: Lanes<i32>,
-    seen: Lanes<bool>,
+    covered: Lanes<bool>,
 }
 
 impl Batch {
@@ -113,7 +113,7 @@ impl Batch {
             right: zero,
             down: zero,
             layer: [0; BATCH],
-            seen: [false; BATCH],
+            covered: [false; BATCH],
         }
     }
 
@@ -126,7 +126,7 @@ impl Batch {
             gradient: Vec2::new(self.right[i], self.down[i]),
             deepest: self.deepest[i],
             layer: self.layer[i],
-            seen: self.seen[i],
+            covered: self.covered[i],
         }
     }
 
@@ -142,7 +142,7 @@ impl Batch {
             self.deepest[i] = all.deepest[i];
             self.right[i] = all.right[i];
             self.down[i] = all.down[i];
-            self.seen[i] = all.seen[i];
+            self.covered[i] = all.covered[i];
         }
     }
 }
@@ -293,7 +293,7 @@ impl<const LOCAL: bool, const OFFSET: bool> SimdTask for Project<'_, LOCAL, OFFS
         let mut y = zero;
         let mut depths = zero;
         let mut deepest = zero;
-        let mut seen = [false; BATCH];
+        let mut covered = [false; BATCH];
         for i in 0..BATCH {
             let p = receivers.position(i);
             let n = receivers.normal(i);
@@ -313,7 +313,7 @@ impl<const LOCAL: bool, const OFFSET: bool> SimdTask for Project<'_, LOCAL, OFFS
             y[i] = texel.y;
             depths[i] = depth;
             deepest[i] = depth.max(layer.deepest_tap);
-            seen[i] = is_seen(&layer, point.z, w);
+            covered[i] = is_covered(&layer, point.z, w);
             points[0][i] = point.x;
             points[1][i] = point.y;
             points[2][i] = point.z;
@@ -323,7 +323,7 @@ impl<const LOCAL: bool, const OFFSET: bool> SimdTask for Project<'_, LOCAL, OFFS
         out.y = y;
         out.depth = depths;
         out.deepest = deepest;
-        out.seen = seen;
+        out.covered = covered;
         if layer.follows_plane() {
             follow_planes(size, &layer, &points, &receivers, out);
         } else {
@@ -420,7 +420,7 @@ mod tests {
         fn visibility(&self, l: &ShadowCoord, i: usize) -> f32 {
             let plain = shadow_coord(self.m, self.span.position(i), self.span.normal(i));
             assert_eq!(bits(l), bits(&plain), "{i}");
-            assert_eq!((l.layer, l.seen), (plain.layer, plain.seen), "{i}");
+            assert_eq!((l.layer, l.covered), (plain.layer, plain.covered), "{i}");
             0.5
         }
     }
@@ -471,8 +471,8 @@ mod tests {
                 for simd in [Simd::Baseline, Simd::Native] {
                     let mut out = vec![9.0; 200];
                     look_up_span(simd, &m, &span, &mut out, &check);
-                    let seen = out.iter().filter(|&&v| v == 0.5).count();
-                    assert!((20..180).contains(&seen), "{seen} of 200 are seen");
+                    let covered = out.iter().filter(|&&v| v == 0.5).count();
+                    assert!((20..180).contains(&covered), "{covered} of 200 are covered");
                 }
             }
         }

@@ -141,14 +141,17 @@ fn eye_of(camera: &Camera) -> Vec4 {
 
 /// Returns the unit vector against a spot's axis, and the [`cone`]'s outer cosine and scale; for other lights a cone that holds all.
 fn cone_of(light: &Light) -> (Vec3, Vec2) {
-    let Light::Spot {
-        direction,
-        inner,
-        outer,
-        ..
-    } = *light
-    else {
-        return (Vec3::ZERO, Vec2::new(-1.0, 1.0));
+    let (direction, inner, outer) = match *light {
+        Light::Spot {
+            direction,
+            inner,
+            outer,
+            ..
+        } => (direction, inner, outer),
+        Light::Directional { .. }
+        | Light::Point { .. }
+        | Light::Rect { .. }
+        | Light::Disc { .. } => return (Vec3::ZERO, Vec2::new(-1.0, 1.0)),
     };
     let inner_cosine = f64::from(inner).cos();
     let outer_cosine = f64::from(outer).cos();

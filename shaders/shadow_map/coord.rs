@@ -1,7 +1,7 @@
 //! From a receiver to a texel of a shadow map: what every map technique's kernel begins with, in both halves.
 //!
-//! The rules are functions of plain numbers, so that compilers find vector lanes in loops over them:
-//! [`lanes::batch`](crate::lanes::batch) calls the same ones for many receivers.
+//! The functions take and return plain numbers, so that compilers can vectorise loops over them.
+//! [`lanes::batch`](crate::lanes::batch) calls them in such loops, for many receivers at a time.
 
 use super::layers::{MapLayer, ShadowMapUniforms, layer_at};
 use glam::{Mat4, Vec2, Vec3, Vec4};
@@ -10,36 +10,40 @@ use umbrage_core::{
     math::{cross3, dot3, unit3},
 };
 
-/// The WGSL half. It needs the modules [`MATH`](umbrage_core::MATH), [`LAYERS`](super::layers::LAYERS) and the map's choices.
+/// The WGSL half. It needs the modules [`MATH`](umbrage_core::MATH), [`LAYERS`](super::layers::LAYERS) and [`PROJECTION`], and the
+/// variants that `choices.rs` selects.
 pub const COORD: Module = Module {
     name: "coord",
     text: include_str!("coord.wgsl"),
 };
 
-/// The rules that read nothing, which [`COORD`] is made of.
+/// Functions without images or uniforms, called by [`COORD`]; their WGSL is `projection.wgsl`.
 pub const PROJECTION: Module = Module {
     name: "projection",
     text: include_str!("projection.wgsl"),
 };
 
-/// A receiver, seen from the map.
+/// A receiver's place on the map, and the depth that is compared there.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ShadowCoord {
     /// Texel coordinates, origin top left, centres at .5.
     pub texel: Vec2,
     /// Clip depth to compare with, biased.
     pub depth: f32,
-    /// Change of that depth per texel right and down; zero unless the receiver's plane is followed.
+    /// Change of that depth per texel right (x) and down (y); zero unless the receiver's plane is followed.
     pub gradient: Vec2,
-    /// Greatest clip depth that any tap is compared with: not less than `depth`.
+    /// Upper bound of the depth that follows the receiver's plane: the greater of `depth` and
+    /// [`MapLayer::deepest_tap`]; equals `depth` for the adaptive bias.
     pub deepest: f32,
-    /// The map's layer.
+    /// Index of the map's layer.
     pub layer: i32,
-    /// Whether the map can say anything: before the far plane and not behind the light.
-    pub seen: bool,
+    /// Whether the receiver is in front of the light and not beyond the far bound; else it is lit. WGSL's `seen`.
+    pub covered: bool,
 }
 
-/// Returns the unit direction from `p` to the light.
+/// Returns the unit direction from `p` to the light: see [`ShadowMapUniforms::light`].
+///
+/// `light.xyz` is the unit direction to the light if `light.w` is 0, the light's position if it is 1.
 #[inline(always)]
 pub fn to_light(light: Vec4, p: Vec3) -> Vec3 {
     if light.w == 0.0 {
@@ -49,10 +53,10 @@ pub fn to_light(light: Vec4, p: Vec3) -> Vec3 {
     }
 }
 
-/// Returns the slope-scaled receiver bias, clip depth: `max(slope (1 - n.l), least)`.
+/// Returns the slope-scaled receiver bias, clip depth: `max(slope (1 - n.l), slope_min)`.
 #[inline(always)]
-pub fn slope_bias(slope: f32, least: f32, n_dot_l: f32) -> f32 {
-    (slope * (1.0 - n_dot_l)).max(least)
+pub fn slope_bias(slope: f32, slope_min: f32, n_dot_l: f32) -> f32 {
+    (slope * (1.0 - n_dot_l)).max(slope_min)
 }
 
 /// Returns the sine of the angle of incidence from its cosine.
@@ -86,7 +90,7 @@ pub fn point_over_w(clip_from_world: &Mat4, p: Vec3, w: f32) -> Vec3 {
     )
 }
 
-/// Returns texel coordinates and depth, from clip coordinates over w.
+/// Returns texel coordinates (x, y) and the unchanged depth (z), from clip coordinates over w.
 #[inline(always)]
 #[expect(
     clippy::manual_clamp,
@@ -99,9 +103,12 @@ pub fn texel_from_point(point: Vec3, size: f32) -> Vec3 {
     Vec3::new(u.min(1e6).max(-1e6), v.min(1e6).max(-1e6), point.z)
 }
 
-/// Returns the depth change per texel, right and down, along the plane with normal `n` through the point with these clip
-/// coordinates over w: a projection maps planes to planes, so two tangents and a two-by-two system give it exactly. Zero for a
-/// plane seen edge-on, and never beyond `limit`.
+/// Returns the depth change per texel, right and down, along the receiver's plane.
+///
+/// The plane has the normal `n` and goes through `point`: clip coordinates over w.
+/// A projection maps planes to planes, so two tangents and a two-by-two system give the exact result.
+/// The result is zero for a plane seen edge-on.
+/// Each component is clamped to -limit..=limit.
 #[inline(always)]
 pub fn plane_gradient(clip_from_world: Mat4, point: Vec3, n: Vec3, size: f32, limit: f32) -> Vec2 {
     let along_x = n.x.abs() < 0.6;
@@ -117,8 +124,8 @@ pub fn plane_gradient(clip_from_world: Mat4, point: Vec3, n: Vec3, size: f32, li
     let right = (a.z * b.y - b.z * a.y) / det;
     let down = (a.x * b.z - b.x * a.z) / det;
     // Both are bounded before the choice: work inside a branch would keep compilers from vector lanes.
-    let right = within(right, limit);
-    let down = within(down, limit);
+    let right = clamp_gradient(right, limit);
+    let down = clamp_gradient(down, limit);
     let edge_on = det == 0.0;
     Vec2::new(
         if edge_on { 0.0 } else { right },
@@ -126,14 +133,16 @@ pub fn plane_gradient(clip_from_world: Mat4, point: Vec3, n: Vec3, size: f32, li
     )
 }
 
-/// Returns `g` within -limit..=limit, and `limit` for NaN.
+/// Returns `g` clamped to -limit..=limit, and `limit` for NaN.
 #[inline(always)]
-fn within(g: f32, limit: f32) -> f32 {
+fn clamp_gradient(g: f32, limit: f32) -> f32 {
     let g = if g < limit { g } else { limit };
     if g > -limit { g } else { -limit }
 }
 
-/// Returns how texel coordinates and depth change along a world-space tangent, times the point's clip w (which cancels).
+/// Returns the change of texel coordinates and depth along a world-space tangent, times the point's clip w.
+///
+/// The factor w cancels in [`plane_gradient`], whose quotients have it squared above and below.
 #[inline(always)]
 pub fn slide(clip_from_world: Mat4, point: Vec3, tangent: Vec3, size: f32) -> Vec3 {
     let x = row_along(&clip_from_world, 0, tangent);
@@ -141,7 +150,7 @@ pub fn slide(clip_from_world: Mat4, point: Vec3, tangent: Vec3, size: f32) -> Ve
     let z = row_along(&clip_from_world, 2, tangent);
     let w = row_along(&clip_from_world, 3, tangent);
     let half = size * 0.5;
-    // The quotient rule: the change of x / w is (x' - (x / w) w') / w.
+    // The quotient rule: the change of x / w is (x' - (x / w) w') / w. The last division is left out.
     Vec3::new(
         (x - point.x * w) * half,
         (point.y * w - y) * half,
@@ -158,8 +167,9 @@ fn row_along(m: &Mat4, i: usize, direction: Vec3) -> f32 {
     x + y + z
 }
 
-/// Returns a receiver moved along its normal by the layer's offset: in texels of the receiver's distance, times the sine of the
-/// angle of incidence.
+/// Returns a receiver moved along its normal by `normal_offset` texels, times the sine of the angle of incidence.
+///
+/// A texel counts as wide as it is at the receiver.
 #[inline(always)]
 pub fn offset_along_normal(layer: &MapLayer, p: Vec3, n: Vec3, n_dot_l: f32) -> Vec3 {
     let texel = layer.texel * clip_w(&layer.clip_from_world, p);
@@ -201,13 +211,13 @@ pub fn shadow_coord(m: &ShadowMapUniforms, p: Vec3, n: Vec3) -> ShadowCoord {
         gradient,
         deepest: depth.max(layer.deepest_tap),
         layer: index,
-        seen: is_seen(layer, point.z, w),
+        covered: is_covered(layer, point.z, w),
     }
 }
 
-/// Returns whether a layer can say anything of a point: it lies before the far bound and not behind the light.
+/// Returns whether a point with this clip depth and clip w is in front of the light and not beyond the layer's far bound.
 #[inline(always)]
-pub fn is_seen(layer: &MapLayer, depth: f32, w: f32) -> bool {
+pub fn is_covered(layer: &MapLayer, depth: f32, w: f32) -> bool {
     w > 0.0 && depth <= layer.far
 }
 
@@ -215,7 +225,7 @@ pub fn is_seen(layer: &MapLayer, depth: f32, w: f32) -> bool {
 #[cfg(feature = "testing")]
 pub const TWINS: &[umbrage_core::Twin] = &[
     umbrage_core::twin!(PROJECTION, to_light(light: Vec4, p: Vec3) -> Vec3, needs [umbrage_core::MATH, super::layers::LAYERS]),
-    umbrage_core::twin!(PROJECTION, slope_bias(slope: f32, least: f32, n_dot_l: f32) -> f32, needs [umbrage_core::MATH, super::layers::LAYERS]),
+    umbrage_core::twin!(PROJECTION, slope_bias(slope: f32, slope_min: f32, n_dot_l: f32) -> f32, needs [umbrage_core::MATH, super::layers::LAYERS]),
     umbrage_core::twin!(PROJECTION, sine(cosine: f32) -> f32, needs [umbrage_core::MATH, super::layers::LAYERS]),
     umbrage_core::twin!(PROJECTION, texel_from_point(point: Vec3, size: f32) -> Vec3, needs [umbrage_core::MATH, super::layers::LAYERS]),
     umbrage_core::twin!(PROJECTION, slide(clip_from_world: Mat4, point: Vec3, tangent: Vec3, size: f32) -> Vec3, needs [umbrage_core::MATH, super::layers::LAYERS]),

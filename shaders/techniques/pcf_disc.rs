@@ -9,7 +9,7 @@
 
 use crate::{
     filtering::{
-        pattern_taps::{Comparisons, KernelPlacement, PATTERN_TAPS, ReceiverLanes, turn_at},
+        pattern_taps::{Comparisons, KernelPlacement, PATTERN_TAPS, PixelRotation, ReceiverLanes},
         sample_pattern::{PATTERN, Pattern, PatternShape, PatternTable, TURNS, turned},
     },
     lanes::batch::{Batch, BatchTaps, look_up_span},
@@ -315,15 +315,15 @@ impl SimdTask for DiscBatch<'_> {
         } = self;
         let comparisons = &disc.comparisons;
         let size = comparisons.map.size;
-        let receivers = ReceiverLanes::seen(batch, out.len(), size, |_, number| {
-            Some(disc.placement(first + number))
+        let receivers = ReceiverLanes::from_batch(batch, out.len(), size, |_, batch_index| {
+            Some(disc.placement(first + batch_index))
         });
-        // Receivers that the map says nothing of are lit.
+        // Receivers that the map does not cover are lit.
         out.fill(1.0);
         let set = &disc.kernel.pattern.sets[0];
-        let lit = comparisons.lit(&receivers, &receivers.axes, set);
+        let lit = comparisons.count_lit(&receivers, set);
         for i in 0..receivers.count {
-            out[receivers.number[i]] = lit[i] as f32 / disc.kernel.uniforms.taps as f32;
+            out[receivers.batch_index[i]] = lit[i] as f32 / disc.kernel.uniforms.taps as f32;
         }
     }
 }
@@ -333,11 +333,11 @@ impl DiscOfTaps<'_> {
     #[inline(always)]
     fn placement(&self, offset: usize) -> KernelPlacement {
         let u = &self.kernel.uniforms;
-        let turn = turn_at(&self.kernel.pattern, u.turns, self.pixel, offset);
+        let rotation = PixelRotation::at(&self.kernel.pattern, u.turns, self.pixel, offset);
         let axes = Vec4::new(u.radius, 0.0, 0.0, u.radius);
         KernelPlacement {
-            axes: turned(axes, Vec2::new(turn.x, turn.y)),
-            ..KernelPlacement::default()
+            axes: turned(axes, rotation.cos_sin),
+            shift: Vec2::ZERO,
         }
     }
 }

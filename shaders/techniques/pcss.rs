@@ -49,7 +49,7 @@ use crate::{
         depth_in_reach::{self, Cells},
         horizon::{HORIZON, Horizon, turned_heights},
         light_extent::{self, LIGHT_EXTENT, LightExtent, light_axes, reach_along, texel_depth},
-        pattern_taps::{Comparisons, KernelPlacement, PATTERN_TAPS, ReceiverLanes, turn_at},
+        pattern_taps::{Comparisons, KernelPlacement, PATTERN_TAPS, PixelRotation, ReceiverLanes},
         sample_pattern::{PATTERN, Pattern, PatternShape, PatternTable, TURNS, turned},
     },
     lanes::batch::{Batch, BatchTaps, look_up_span},
@@ -61,7 +61,7 @@ use crate::{
     },
     techniques::{
         hard::Hard,
-        pcss::lanes::{PenumbraBounds, count_taps, mean_nearer},
+        pcss::lanes::{BoundsLanes, PenumbraBounds, count_taps, mean_nearer},
     },
 };
 use glam::{Vec2, Vec3};
@@ -400,15 +400,20 @@ impl SimdTask for SearchBatch<'_> {
         } = self;
         let comparisons = search.comparisons;
         let pattern = &search.kernel.pattern;
-        for (number, out) in out.iter_mut().enumerate() {
-            *out = search.share(first + number);
+        for (batch_index, out) in out.iter_mut().enumerate() {
+            *out = search.share(first + batch_index);
         }
         let count = out.len();
-        let receivers = ReceiverLanes::seen(batch, count, comparisons.map.size, |l, number| {
-            search.placement(l, first + number, out[number])
+        let size = comparisons.map.size;
+        let mut bounds = BoundsLanes::new();
+        let receivers = ReceiverLanes::from_batch(batch, count, size, |l, batch_index| {
+            let (placement, its_bounds) =
+                search.placement(l, first + batch_index, out[batch_index])?;
+            bounds.push(&its_bounds);
+            Some(placement)
         });
-        let mean = mean_nearer(&comparisons, &receivers, &pattern.sets[0]);
-        let counts = count_taps(&comparisons, &receivers, &mean, &pattern.sets[1]);
+        let mean = mean_nearer(&comparisons, &receivers, &bounds, &pattern.sets[0]);
+        let counts = count_taps(&comparisons, &receivers, &bounds, &mean, &pattern.sets[1]);
         for i in 0..receivers.count {
             // No tap above the horizon says nothing: the share of the light above it stands.
             let seen = if counts.above[i] > 0.0 {
@@ -416,7 +421,7 @@ impl SimdTask for SearchBatch<'_> {
             } else {
                 1.0
             };
-            out[receivers.number[i]] *= seen;
+            out[receivers.batch_index[i]] *= seen;
         }
     }
 }
@@ -434,10 +439,15 @@ impl Search<'_> {
         )
     }
 
-    /// Returns how the pattern is laid over the map for a receiver at `l`; `None` where nothing may hide any of the `share` of the
-    /// light above the horizon.
+    /// Returns how the pattern is laid over the map for a receiver at `l`, and its bounds; `None` where nothing may hide any of the
+    /// `share` of the light above the horizon.
     #[inline(always)]
-    fn placement(&self, l: &ShadowCoord, offset: usize, share: f32) -> Option<KernelPlacement> {
+    fn placement(
+        &self,
+        l: &ShadowCoord,
+        offset: usize,
+        share: f32,
+    ) -> Option<(KernelPlacement, PenumbraBounds)> {
         let u = &self.kernel.uniforms;
         let layer = l.layer as usize;
         let half = u.lookup.size * 0.5;
@@ -449,14 +459,13 @@ impl Search<'_> {
         if share == 0.0 || search == 0.0 {
             return None;
         }
-        let turn = turn_at(&self.kernel.pattern, u.turns, self.span.first, offset);
-        let angle = Vec2::new(turn.x, turn.y);
-        let shift = Vec2::new(turn.z, turn.w);
-        let axes = turned(light_axes(half_axis_u, half_axis_v, from_middle), angle);
+        let rotation = PixelRotation::at(&self.kernel.pattern, u.turns, self.span.first, offset);
+        let cos_sin = rotation.cos_sin;
+        let axes = turned(light_axes(half_axis_u, half_axis_v, from_middle), cos_sin);
         let texel = texel_depth(reach_along(u.square, axes));
         // Where all of the light is above the horizon, all of its points have the height 1, so that every tap counts.
         let heights = if share < 1.0 {
-            turned_heights(self.heights(layer, offset, from_middle), angle)
+            turned_heights(self.heights(layer, offset, from_middle), cos_sin)
         } else {
             Vec3::X
         };
@@ -466,7 +475,11 @@ impl Search<'_> {
             search,
             heights,
         };
-        Some(bounds.placement(axes, shift))
+        let placement = KernelPlacement {
+            axes,
+            shift: rotation.shift,
+        };
+        Some((placement, bounds))
     }
 
     /// Returns [`Horizon::heights`] of the pixel `offset` in the span, `from_middle` texels from the middle of its layer.

@@ -9,8 +9,8 @@
 //! No rule says what is chosen. Some thousand seen receivers are sampled, more where visibility varies, and their truth is
 //! traced; candidates are then tried on these receivers alone, bit by bit as they would shade the image, from the cheapest
 //! up. What is about to be chosen is verified by a second sample, drawn where its own mask is suspect. Costs are counted and
-//! priced, so that the same scene has the same plan on every run. Of each candidate the bias is searched that leaves the least
-//! acne plus gap.
+//! priced, so that the same scene has the same plan on every run. Of each candidate the bias is searched that has the least
+//! estimated error.
 //!
 //! ```
 //! use umbrage_plan::{Bounds, PlanOptions, plan};

@@ -83,7 +83,7 @@ pub enum Failure {
     ManyVolumes = 23,
     /// Stairs and casters beyond the light: wrong planes, shadows of what is behind the light.
     Stairs = 24,
-    /// Relief under grazing light: biases along the shading normal, a relief that the map doesn't know.
+    /// Relief under grazing light: biases along the shading normal, relief from normals or a depth pass that the map lacks.
     Relief = 25,
     /// A long range of depths: coarse maps tell few of them apart.
     LongRange = 26,

@@ -1,5 +1,8 @@
-//! The loops of [`Pcss`](crate::Pcss) over many receivers, with an array for each field: all receivers of a batch go to their
-//! first tap, then all to their second. Each lane adds up its taps in the shader's order, so both halves agree to the bit.
+//! The loops of [`Pcss`](crate::Pcss) over many receivers, with an array for each field.
+//!
+//! One vector lane per receiver: all receivers of a batch take their first tap, then all their second.
+//! Each lane adds up its taps in the shader's order, so both halves agree to the bit.
+//! Functions with the parameter `N` compute the first `N` lanes.
 
 #![expect(
     clippy::needless_range_loop,
@@ -8,12 +11,12 @@
 
 use crate::{
     filtering::{
-        pattern_taps::{Axes, Comparisons, HALF_BATCH, KernelPlacement, ReceiverLanes},
+        pattern_taps::{AxisLanes, Comparisons, HALF_BATCH, ReceiverLanes},
         sample_pattern::{TapSet, closer_by, from_middle, tap_weight, wrapped},
     },
     lanes::batch::{BATCH, Lanes},
 };
-use glam::{Vec2, Vec3, Vec4};
+use glam::Vec3;
 
 /// A receiver's bounds for the search and the filter, as differences of clip depth.
 #[derive(Clone, Copy, Debug)]
@@ -29,30 +32,52 @@ pub(crate) struct PenumbraBounds {
     pub(crate) heights: Vec3,
 }
 
-// Indices of the numbers of `PenumbraBounds` in `ReceiverLanes::extra`.
-const MAX: usize = 0;
-const TEXEL: usize = 1;
-const SEARCH: usize = 2;
-const HEIGHT: usize = 3;
-const HEIGHT_X: usize = 4;
-const HEIGHT_Y: usize = 5;
+/// The [`PenumbraBounds`] of up to [`BATCH`] receivers, in the order of their [`ReceiverLanes`], an array for each field.
+pub(crate) struct BoundsLanes {
+    count: usize,
+    /// [`PenumbraBounds::max`].
+    max: Lanes<f32>,
+    /// [`PenumbraBounds::texel`].
+    texel: Lanes<f32>,
+    /// [`PenumbraBounds::search`].
+    search: Lanes<f32>,
+    /// x of [`PenumbraBounds::heights`]: the height of the light's middle.
+    height: Lanes<f32>,
+    /// y of [`PenumbraBounds::heights`]: the change of the height along the first half axis.
+    height_u: Lanes<f32>,
+    /// z of [`PenumbraBounds::heights`]: the change of the height along the second half axis.
+    height_v: Lanes<f32>,
+}
 
-impl PenumbraBounds {
-    /// Returns the placement of a kernel with these half axes and this shift, which carries the bounds along.
-    pub(crate) fn placement(self, axes: Vec4, shift: Vec2) -> KernelPlacement {
-        let heights = self.heights;
-        KernelPlacement {
-            axes,
-            shift,
-            extra: [
-                self.max,
-                self.texel,
-                self.search,
-                heights.x,
-                heights.y,
-                heights.z,
-            ],
+impl BoundsLanes {
+    /// Returns the bounds of no receivers.
+    #[inline(always)]
+    pub(crate) fn new() -> Self {
+        let zero = [0.0; BATCH];
+        Self {
+            count: 0,
+            max: zero,
+            texel: zero,
+            search: zero,
+            height: zero,
+            height_u: zero,
+            height_v: zero,
         }
+    }
+
+    /// Adds the next receiver's bounds.
+    ///
+    /// Panics if there are [`BATCH`] already.
+    #[inline(always)]
+    pub(crate) fn push(&mut self, bounds: &PenumbraBounds) {
+        let i = self.count;
+        self.max[i] = bounds.max;
+        self.texel[i] = bounds.texel;
+        self.search[i] = bounds.search;
+        self.height[i] = bounds.heights.x;
+        self.height_u[i] = bounds.heights.y;
+        self.height_v[i] = bounds.heights.z;
+        self.count += 1;
     }
 }
 
@@ -72,8 +97,8 @@ impl ShiftedTap {
             from_middle: [0.0; BATCH],
         };
         for i in 0..N {
-            shifted.x[i] = wrapped(tap.x + r.shift[0][i]);
-            shifted.y[i] = wrapped(tap.y + r.shift[1][i]);
+            shifted.x[i] = wrapped(tap.x + r.shift_x[i]);
+            shifted.y[i] = wrapped(tap.y + r.shift_y[i]);
             shifted.from_middle[i] = from_middle(shifted.x[i], shifted.y[i], tap.z);
         }
         shifted
@@ -83,23 +108,29 @@ impl ShiftedTap {
 /// Step 2 and 3 of [`Pcss`](crate::Pcss): returns by how much blockers are nearer to the light than each receiver in the weighted
 /// mean, clip depth; the whole search where it found none.
 #[inline(always)]
-pub(crate) fn mean_nearer(map: &Comparisons<'_>, r: &ReceiverLanes, set: &TapSet) -> Lanes<f32> {
+pub(crate) fn mean_nearer(
+    map: &Comparisons<'_>,
+    r: &ReceiverLanes,
+    bounds: &BoundsLanes,
+    set: &TapSet,
+) -> Lanes<f32> {
     if r.count <= HALF_BATCH {
-        mean_nearer_in::<HALF_BATCH>(map, r, set)
+        mean_nearer_lanes::<HALF_BATCH>(map, r, bounds, set)
     } else {
-        mean_nearer_in::<BATCH>(map, r, set)
+        mean_nearer_lanes::<BATCH>(map, r, bounds, set)
     }
 }
 
 #[inline(always)]
-fn mean_nearer_in<const N: usize>(
+fn mean_nearer_lanes<const N: usize>(
     map: &Comparisons<'_>,
     r: &ReceiverLanes,
+    bounds: &BoundsLanes,
     set: &TapSet,
 ) -> Lanes<f32> {
-    let search = &r.extra[SEARCH];
-    let texel = &r.extra[TEXEL];
-    let axes = r.scaled_axes(search);
+    let search = &bounds.search;
+    let texel = &bounds.texel;
+    let axes = r.axes.scaled(search);
     let mut sum = [0.0; BATCH];
     let mut weights = [0.0; BATCH];
     for &tap in &set.taps {
@@ -109,7 +140,7 @@ fn mean_nearer_in<const N: usize>(
             shifted.x[i] *= closer_by(m[i]);
             shifted.y[i] *= closer_by(m[i]);
         }
-        let depths = map.depths_at::<N>(r, &axes, &shifted.x, &shifted.y);
+        let depths = map.depths_at_point::<N>(r, &axes, &shifted.x, &shifted.y);
         for i in 0..N {
             let nearer = r.depth[i] - depths.stored[i];
             let lit = depths.receiver[i] <= depths.stored[i];
@@ -151,25 +182,27 @@ pub(crate) struct TapCounts {
 pub(crate) fn count_taps(
     map: &Comparisons<'_>,
     r: &ReceiverLanes,
+    bounds: &BoundsLanes,
     mean: &Lanes<f32>,
     set: &TapSet,
 ) -> TapCounts {
     if r.count <= HALF_BATCH {
-        count_taps_in::<HALF_BATCH>(map, r, mean, set)
+        count_taps_lanes::<HALF_BATCH>(map, r, bounds, mean, set)
     } else {
-        count_taps_in::<BATCH>(map, r, mean, set)
+        count_taps_lanes::<BATCH>(map, r, bounds, mean, set)
     }
 }
 
 #[inline(always)]
-fn count_taps_in<const N: usize>(
+fn count_taps_lanes<const N: usize>(
     map: &Comparisons<'_>,
     r: &ReceiverLanes,
+    bounds: &BoundsLanes,
     mean: &Lanes<f32>,
     set: &TapSet,
 ) -> TapCounts {
-    let texel = &r.extra[TEXEL];
-    let max = &r.extra[MAX];
+    let texel = &bounds.texel;
+    let max = &bounds.max;
     let mut reach = [0.0; BATCH];
     for i in 0..N {
         let wide = if mean[i] > texel[i] {
@@ -179,10 +212,10 @@ fn count_taps_in<const N: usize>(
         };
         reach[i] = if wide < max[i] { wide } else { max[i] };
     }
-    let axes = r.scaled_axes(&reach);
-    let height = &r.extra[HEIGHT];
-    let height_x = &r.extra[HEIGHT_X];
-    let height_y = &r.extra[HEIGHT_Y];
+    let axes = r.axes.scaled(&reach);
+    let height = &bounds.height;
+    let height_u = &bounds.height_u;
+    let height_v = &bounds.height_v;
     let mut lit = [0.0; BATCH];
     let mut above = [0.0; BATCH];
     for &tap in &set.taps {
@@ -190,7 +223,7 @@ fn count_taps_in<const N: usize>(
         let hidden = hides::<N>(map, r, &axes, mean, &tap);
         for i in 0..N {
             // The height of the light's point over the receiver's plane.
-            let tap_height = height[i] + height_x[i] * tap.x[i] + height_y[i] * tap.y[i];
+            let tap_height = height[i] + height_u[i] * tap.x[i] + height_v[i] * tap.y[i];
             let counts = if tap_height > 0.0 { 1.0 } else { 0.0 };
             above[i] += counts;
             lit[i] += if hidden[i] == 0 { counts } else { 0.0 };
@@ -205,11 +238,11 @@ fn count_taps_in<const N: usize>(
 fn hides<const N: usize>(
     map: &Comparisons<'_>,
     r: &ReceiverLanes,
-    axes: &Axes,
+    axes: &AxisLanes,
     mean: &Lanes<f32>,
     tap: &ShiftedTap,
 ) -> Lanes<u32> {
-    let depths = map.depths_at::<N>(r, axes, &tap.x, &tap.y);
+    let depths = map.depths_at_point::<N>(r, axes, &tap.x, &tap.y);
     let mut hidden = [0; BATCH];
     let mut low = [0; BATCH];
     let mut nearer = [0.0; BATCH];
@@ -225,7 +258,7 @@ fn hides<const N: usize>(
     if any_low == 0 {
         return hidden;
     }
-    let lower = map.depths_at::<N>(r, &r.scaled_axes(&nearer), &tap.x, &tap.y);
+    let lower = map.depths_at_point::<N>(r, &r.axes.scaled(&nearer), &tap.x, &tap.y);
     for i in 0..N {
         // A solid caster is wide below: it is at least half as high where the ray is as low.
         let lit = lower.receiver[i] <= lower.stored[i];

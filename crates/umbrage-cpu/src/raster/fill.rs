@@ -260,7 +260,7 @@ fn fill_strip<P: DepthOp, const TEST: bool>(
     } else {
         &mut []
     };
-    let mut other = if P::MODE.reads() {
+    let mut other = if P::MODE.reads_other_image() {
         &other[start..]
     } else {
         &[]
@@ -279,7 +279,7 @@ fn fill_strip<P: DepthOp, const TEST: bool>(
         if P::MODE.has_ids() {
             ids = ids.get_mut(STRIDE..).unwrap_or_default();
         }
-        if P::MODE.reads() {
+        if P::MODE.reads_other_image() {
             other = other.get(STRIDE..).unwrap_or_default();
         }
         if TEST {

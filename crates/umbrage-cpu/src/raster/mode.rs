@@ -1,5 +1,6 @@
-//! Depth operations: how a triangle's depths change neighbouring pixels of a row. Each mode has a type of its own, so that the
-//! compiler makes loops for each; all loops are plain, so that it can vectorise them.
+//! How a triangle's depths are merged into a row of pixels, [`LANES`] at a time.
+//!
+//! One type per mode, so that each gets its own loops. All loops are plain, so that the compiler can vectorise them.
 
 use crate::raster::{fill::LANES, tile::TileBuffer};
 
@@ -16,13 +17,13 @@ pub(crate) enum Mode {
     DepthPeel,
     /// The same, both in steps of 1/65535.
     DepthPeel16,
-    /// How many back faces minus how many front faces are not before another image's depth, modulo 256.
+    /// Back faces minus front faces that are at or behind another image's depth, modulo 256 (depth-fail count).
     StencilDepthFail,
 }
 
 impl Mode {
-    /// Returns what a clear image holds.
-    pub(crate) const fn start(self) -> f32 {
+    /// Returns what every texel of a cleared image holds.
+    pub(crate) const fn clear_value(self) -> f32 {
         if matches!(self, Self::StencilDepthFail) {
             0.0
         } else {
@@ -36,34 +37,37 @@ impl Mode {
     }
 
     /// Whether it reads another image.
-    pub(crate) const fn reads(self) -> bool {
+    pub(crate) const fn reads_other_image(self) -> bool {
         matches!(
             self,
             Self::DepthPeel | Self::DepthPeel16 | Self::StencilDepthFail
         )
     }
 
-    /// Whether the image holds depths in fixed point: there the r of polygon offset is the same for all triangles.
+    /// Whether the image holds depths in fixed point, where one unit of polygon offset is the same for all triangles.
     pub(crate) const fn is_fixed_point(self) -> bool {
         matches!(self, Self::Depth16 | Self::DepthPeel16)
     }
 }
 
-/// What belongs to texels beside the image that is drawn into: slices that begin at the first lane.
+/// What a mode writes or reads besides `stored`: slices that begin at the first lane.
 pub(crate) struct TileAttachments<'a> {
-    /// Triangle ids from the first lane on, if [`Mode::has_ids`].
+    /// Triangle ids if [`Mode::has_ids`], else empty.
     pub(crate) ids: &'a mut [u32],
-    /// The other image's texels from the first lane on, if [`Mode::reads`].
+    /// The other image's texels if [`Mode::reads_other_image`], else empty.
     pub(crate) other: &'a [f32],
 }
 
 /// A mode's loops over the lanes of a row.
 pub(crate) trait DepthOp {
-    /// Which one.
+    /// The mode.
     const MODE: Mode;
 
-    /// Draws depths `z` (0..=1) over `stored`. In the lanes where `outside` is negative, outside the triangle, they are 1,
-    /// which never is nearer than what is stored. `tag` is [`Record::tag`](crate::raster::record::Record::tag).
+    /// Draws the depths `z` (0..=1) over `stored`.
+    ///
+    /// `outside` is negative in the lanes that lie outside the triangle.
+    /// Where `outside` is negative, `z` is 1, which never is nearer than what is stored.
+    /// `tag` is [`Record::tag`](crate::raster::record::Record::tag).
     fn write(
         stored: &mut [f32; LANES],
         attachments: TileAttachments<'_>,
@@ -107,22 +111,22 @@ impl DepthOp for Depth {
 impl DepthOp for DepthWithIds {
     const MODE: Mode = Mode::DepthWithIds;
 
-    /// Triangles come in any order, yet the first one is to win: so of equal depths the lower id is kept. Depth 1 is
-    /// never drawn, as the image is cleared to it.
+    /// Of equal depths the lower id is kept, since triangles come in any order and the first one must win.
+    /// Depth 1 writes no id, since the image is cleared to it.
     #[inline(always)]
     fn write(
         stored: &mut [f32; LANES],
         attachments: TileAttachments<'_>,
         z: &[f32; LANES],
         _: &[i32; LANES],
-        id: u32,
+        tag: u32,
     ) {
         let Some(ids) = attachments.ids.first_chunk_mut::<LANES>() else {
             return;
         };
         for i in 0..LANES {
-            let nearer = (z[i] < stored[i]) | ((z[i] == stored[i]) & (id < ids[i]) & (z[i] < 1.0));
-            ids[i] = if nearer { id } else { ids[i] };
+            let nearer = (z[i] < stored[i]) | ((z[i] == stored[i]) & (tag < ids[i]) & (z[i] < 1.0));
+            ids[i] = if nearer { tag } else { ids[i] };
         }
         keep_least(stored, z);
     }
@@ -131,7 +135,7 @@ impl DepthOp for DepthWithIds {
 impl DepthOp for Depth16 {
     const MODE: Mode = Mode::Depth16;
 
-    /// Stored floats are ordered as their steps are, so the comparison is that of the steps.
+    /// Compares stored floats instead of steps, since both have the same order.
     #[inline(always)]
     fn write(
         stored: &mut [f32; LANES],
@@ -162,7 +166,7 @@ impl DepthOp for DepthPeel {
 impl DepthOp for DepthPeel16 {
     const MODE: Mode = Mode::DepthPeel16;
 
-    /// The other image holds whole steps, too, so a depth that was drawn there is equal to it after rounding, not behind it.
+    /// The other image holds whole steps, too: a depth that was drawn there equals it after rounding, and isn't behind it.
     #[inline(always)]
     fn write(
         stored: &mut [f32; LANES],
@@ -178,20 +182,19 @@ impl DepthOp for DepthPeel16 {
 impl DepthOp for StencilDepthFail {
     const MODE: Mode = Mode::StencilDepthFail;
 
-    /// Counts are whole numbers far below 2^24, so sums of floats are exact in any order.
+    /// Sums of floats are exact in any order, since counts are whole numbers far below 2^24.
     #[inline(always)]
     fn write(
         stored: &mut [f32; LANES],
         attachments: TileAttachments<'_>,
         z: &[f32; LANES],
         outside: &[i32; LANES],
-        turn: u32,
+        tag: u32,
     ) {
         let Some(other) = attachments.other.first_chunk::<LANES>() else {
             return;
         };
-        // +1 or -1, as two's complement.
-        let change = turn as i32 as f32;
+        let change = tag as i32 as f32; // +1 for a back face, -1 for a front face
         for i in 0..LANES {
             let passes_depth_test = z[i] < other[i];
             let is_outside = outside[i] < 0;
@@ -211,8 +214,10 @@ impl DepthOp for StencilDepthFail {
     }
 }
 
-/// Positive floats are ordered as their bits are; a comparison of floats would tempt the compiler into masked stores,
-/// which are slow on many processors.
+/// Keeps the lesser depth in each lane.
+///
+/// Compares bits, whose order is that of positive floats.
+/// For a comparison of floats the compiler may emit masked stores, which are slow on many processors.
 #[inline(always)]
 fn keep_least(stored: &mut [f32; LANES], z: &[f32; LANES]) {
     for i in 0..LANES {
@@ -220,6 +225,7 @@ fn keep_least(stored: &mut [f32; LANES], z: &[f32; LANES]) {
     }
 }
 
+/// Keeps the lesser depth in each lane where `z` is beyond the other image's depth.
 #[inline(always)]
 fn keep_beyond(stored: &mut [f32; LANES], attachments: TileAttachments<'_>, z: &[f32; LANES]) {
     let Some(other) = attachments.other.first_chunk::<LANES>() else {

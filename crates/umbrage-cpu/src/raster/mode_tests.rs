@@ -118,9 +118,9 @@ fn homogeneous_vertices_agree_with_the_plain_rasteriser() {
         draw.simd = [Simd::Native, Simd::Baseline][i / 2 % 2];
         let other = noise(&draw, &mut r);
         let texels = compare(&draw, &other, &format!("soup {i}"));
-        let start = draw.mode.start();
+        let clear_value = draw.mode.clear_value();
         assert!(
-            texels.iter().any(|&v| v != start),
+            texels.iter().any(|&v| v != clear_value),
             "soup {i}: nothing was drawn"
         );
     }
@@ -168,7 +168,7 @@ fn a_spoilt_other_image_is_noticed() {
         let (mut other, plain) = (noise(&draw, &mut r), fast(&draw, &vec![0.5; 150 * 75]).0);
         other.fill(0.5);
         // A covered texel from before everything to behind it, or back.
-        let Some(i) = plain.iter().position(|&v| v != mode.start()) else {
+        let Some(i) = plain.iter().position(|&v| v != mode.clear_value()) else {
             panic!("nothing was drawn")
         };
         other[i] = if mode == Mode::StencilDepthFail {

@@ -33,7 +33,8 @@ pub(crate) struct Record {
     pub(crate) min: [u16; 2],
     /// Greatest x and y, pixels.
     pub(crate) max: [u16; 2],
-    /// What is written where ids are asked for; where faces are counted, what a count grows by (two's complement).
+    /// The triangle's id; for [`Mode::StencilDepthFail`](crate::raster::mode::Mode::StencilDepthFail) what a count grows by, in
+    /// two's complement: +1 for a back face, -1 for a front face.
     pub(crate) tag: u32,
 }
 

@@ -359,8 +359,8 @@ impl Group {
     #[inline(always)]
     fn record(&self, i: usize, mode: Mode) -> Record {
         let l = &self.lanes;
-        // Fronts are counter-clockwise, their sign is 1.
-        let turn = l.sign[i].wrapping_neg() as u32;
+        // Front faces are counter-clockwise, so their sign is 1 and their change is -1.
+        let count_change = l.sign[i].wrapping_neg() as u32;
         Record {
             corner: [l.x[0][i], l.y[0][i]],
             edge_a: [l.edge_x[0][i], l.edge_y[0][i]],
@@ -375,7 +375,7 @@ impl Group {
             min: [l.min_x[i] as u16, l.min_y[i] as u16],
             max: [l.max_x[i] as u16, l.max_y[i] as u16],
             tag: if mode == Mode::StencilDepthFail {
-                turn
+                count_change
             } else {
                 self.id[i]
             },

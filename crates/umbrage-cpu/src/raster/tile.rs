@@ -28,9 +28,9 @@ impl TileBuffer {
     pub(crate) fn new(mode: Mode) -> Self {
         let n = STRIDE * (TILE + TINY_ROWS as usize);
         Self {
-            texels: vec![mode.start(); n],
+            texels: vec![mode.clear_value(); n],
             ids: vec![NO_TRIANGLE; if mode.has_ids() { n } else { 0 }],
-            other: vec![1.0; if mode.reads() { n } else { 0 }],
+            other: vec![1.0; if mode.reads_other_image() { n } else { 0 }],
         }
     }
 }
@@ -42,7 +42,7 @@ pub(crate) struct Tile<'a> {
     ids: Vec<&'a mut [u32]>,
     other: Vec<&'a [f32]>,
     /// What a clear tile holds.
-    start: f32,
+    clear_value: f32,
     /// Whether the rows hold something; else they are yet to be cleared.
     filled: bool,
 }
@@ -52,7 +52,7 @@ impl Tile<'_> {
     pub(crate) fn load(&self, buffer: &mut TileBuffer) {
         load_rows(self.other.iter().copied(), &mut buffer.other);
         if !self.filled {
-            buffer.texels.fill(self.start);
+            buffer.texels.fill(self.clear_value);
             return buffer.ids.fill(NO_TRIANGLE);
         }
         load_rows(self.texels.iter().map(|row| &**row), &mut buffer.texels);
@@ -69,7 +69,9 @@ impl Tile<'_> {
     /// Clears the tile if nothing was drawn into it.
     pub(crate) fn finish(&mut self) {
         if !self.filled {
-            self.texels.iter_mut().for_each(|row| row.fill(self.start));
+            self.texels
+                .iter_mut()
+                .for_each(|row| row.fill(self.clear_value));
             self.ids.iter_mut().for_each(|row| row.fill(NO_TRIANGLE));
         }
     }
@@ -105,7 +107,7 @@ pub(crate) struct Target<'a> {
 impl<'a> Target<'a> {
     /// The image's tiles, row after row.
     pub(crate) fn into_tiles(self, mode: Mode) -> Vec<Tile<'a>> {
-        let (width, start, filled) = (self.width, mode.start(), !self.clear);
+        let (width, clear_value, filled) = (self.width, mode.clear_value(), !self.clear);
         let columns = width.div_ceil(TILE);
         let texels = split(
             self.texels
@@ -132,7 +134,7 @@ impl<'a> Target<'a> {
                 texels,
                 ids,
                 other,
-                start,
+                clear_value,
                 filled,
             }
         };

@@ -96,8 +96,8 @@ impl StabilityCase {
         Self { name, ..self }
     }
 
-    /// The same case with more settings.
-    pub(super) const fn with(self, extra: fn(map_size: u32) -> ConfiguredTechniques) -> Self {
+    /// Returns the case with settings tried beside those of the registry: [`StabilityCase::extra`].
+    pub(super) const fn also(self, extra: fn(map_size: u32) -> ConfiguredTechniques) -> Self {
         Self {
             extra: Some(extra),
             ..self

@@ -21,7 +21,9 @@ pub fn cases() -> impl Iterator<Item = (&'static StabilityRow, &'static Stabilit
         .flat_map(|row| row.cases.iter().map(move |case| (row, case)))
 }
 
-/// Where `thin-plate`'s plate stands; its shadow falls along +z.
+/// Where `thin-plate`'s plate meets the floor on the side of its shadow, which falls along +z.
+///
+/// Copied from `thin_plate` in `umbrage-scenes` (`sunlit.rs`), less 5 cm at each end of the plate; a test compares them.
 pub const PLATE: Contact = Contact {
     from: Vec3::new(-0.45, 0.0, 0.001),
     to: Vec3::new(0.45, 0.0, 0.001),
@@ -29,6 +31,8 @@ pub const PLATE: Contact = Contact {
 };
 
 /// The middles of `hovering-feet`'s feet on the floor.
+///
+/// Copied from `hovering_feet` in `umbrage-scenes` (`fine.rs`); a test compares them.
 const FEET: [Vec3; 4] = [
     Vec3::new(-0.9, 0.0, 0.2),
     Vec3::new(-0.6, 0.0, 0.0),
@@ -36,8 +40,12 @@ const FEET: [Vec3; 4] = [
     Vec3::new(0.7, 0.0, 0.1),
 ];
 
-/// The feet's radius and 10 cm around it, metres.
-const AROUND_FEET: f32 = 0.11 + 0.10;
+/// The greatest radius of a foot of `hovering-feet`, metres; copied likewise.
+const FOOT_RADIUS: f32 = 0.11;
+/// Width of the ring around each foot in which leaks are measured, metres.
+const RING_WIDTH: f32 = 0.10;
+/// Distance from a foot's middle up to which leaks are measured, metres.
+const LEAK_RADIUS: f32 = FOOT_RADIUS + RING_WIDTH;
 
 const fn still(scene: &'static str, measure: Measure) -> StabilityCase {
     StabilityCase::still(scene, measure)
@@ -59,7 +67,8 @@ const fn row(
 }
 
 impl StabilityRow {
-    const fn without(self, techniques: &'static str) -> Self {
+    /// Returns the row with techniques that it is about and that umbrage doesn't have yet.
+    const fn not_covered_yet(self, techniques: &'static str) -> Self {
         Self {
             not_yet: Some(techniques),
             ..self
@@ -82,8 +91,8 @@ fn hard(size: u32, format: MapFormat, biases: &[Bias]) -> ConfiguredTechniques {
     out
 }
 
-/// Maps of 16 bits under two biases.
-fn coarse(size: u32) -> ConfiguredTechniques {
+/// Returns hard shadows from maps of 16 bits under two biases.
+fn hard_16_bit(size: u32) -> ConfiguredTechniques {
     hard(
         size,
         MapFormat::Depth16,
@@ -91,8 +100,9 @@ fn coarse(size: u32) -> ConfiguredTechniques {
     )
 }
 
-/// No bias, and biases that are too small under a low sun and far from the eye.
-fn too_little(size: u32) -> ConfiguredTechniques {
+/// Returns hard shadows without bias, under a constant bias and under the normal offset of one comparison: little bias for low
+/// suns and long distances.
+fn hard_small_bias(size: u32) -> ConfiguredTechniques {
     hard(
         size,
         MapFormat::Depth32,
@@ -100,8 +110,8 @@ fn too_little(size: u32) -> ConfiguredTechniques {
     )
 }
 
-/// Biases that let light into rooms and under thin casters.
-fn leaky(size: u32) -> ConfiguredTechniques {
+/// Returns hard shadows under two biases that let light into rooms and under thin casters.
+fn hard_leaky_bias(size: u32) -> ConfiguredTechniques {
     hard(
         size,
         MapFormat::Depth32,
@@ -109,17 +119,18 @@ fn leaky(size: u32) -> ConfiguredTechniques {
     )
 }
 
-/// Fits that move by whole texels, for views a few metres deep.
-fn steady_near(size: u32) -> ConfiguredTechniques {
-    steady(size, 8.0)
+/// Returns [`stable_fit`] for views a few metres deep.
+fn stable_fit_near(size: u32) -> ConfiguredTechniques {
+    stable_fit(size, 8.0)
 }
 
-/// Fits that move by whole texels, for landscapes.
-fn steady_far(size: u32) -> ConfiguredTechniques {
-    steady(size, 160.0)
+/// Returns [`stable_fit`] for landscapes.
+fn stable_fit_far(size: u32) -> ConfiguredTechniques {
+    stable_fit(size, 160.0)
 }
 
-fn steady(size: u32, range: f32) -> ConfiguredTechniques {
+/// Returns hard and filtered shadows from maps whose fit moves by whole texels: see [`Fit::Stable`], also for `range`.
+fn stable_fit(size: u32, range: f32) -> ConfiguredTechniques {
     let map = ShadowMap {
         size,
         fit: Fit::Stable { range },
@@ -144,56 +155,56 @@ const CASCADES: &str = "cascades";
 #[rustfmt::skip]
 const ROWS: &[StabilityRow] = &[
     row(1, "low sun", "a constant bias and a wide kernel are too little where light grazes: acne", &[
-        still("low-sun-2", Measure::Acne).with(too_little), still("low-sun-5", Measure::Acne).with(too_little), still("low-sun-10", Measure::Acne).with(too_little),
+        still("low-sun-2", Measure::Acne).also(hard_small_bias), still("low-sun-5", Measure::Acne).also(hard_small_bias), still("low-sun-10", Measure::Acne).also(hard_small_bias),
     ]),
     row(2, "near and far", "one bias for receivers at 5 m and at 300 m: acne in one of them", &[
-        still("long-plane", Measure::AcneByDistance).with(too_little), still("long-plane-lamp", Measure::AcneByDistance).with(too_little),
+        still("long-plane", Measure::AcneByDistance).also(hard_small_bias), still("long-plane-lamp", Measure::AcneByDistance).also(hard_small_bias),
     ]),
     row(3, "thin contact", "a bias parts the shadow from a plate of 2 mm; second depth leaks at its base", &[
-        still("thin-plate", Measure::Gap(PLATE)).with(leaky),
-        still("thin-plate", Measure::ContactLeak(PLATE, 0.05)).with(leaky).named("thin-plate-leak"),
+        still("thin-plate", Measure::Gap(PLATE)).also(hard_leaky_bias),
+        still("thin-plate", Measure::ContactLeak(PLATE, 0.05)).also(hard_leaky_bias).named("thin-plate-leak"),
     ]),
     row(4, "sealed room", "walls one texel thick: front-face culling, second depth and normal offsets let light in", &[
-        still("sealed-room", Measure::Leak).with(leaky),
+        still("sealed-room", Measure::Leak).also(hard_leaky_bias),
     ]),
     row(5, "open shells", "leaves, sheets and open boxes have no far side: what needs closed casters loses shadow", &[
         still("open-shells", Measure::Wrong),
     ]),
     row(6, "thin slices", "moments of many layers bleed; a bias takes a slice for the next", &[
         still("stacked-slices", Measure::Leak),
-    ]).without(MOMENTS),
+    ]).not_covered_yet(MOMENTS),
     row(7, "two blockers", "one penumbra is made of a pole near the lamp and a wall far from it", &[
         still("two-blockers", Measure::PenumbraRmse),
-    ]).without(MOMENTS),
+    ]).not_covered_yet(MOMENTS),
     row(8, "near contact", "feet 1 cm above the floor: light leaks under them", &[
-        still("hovering-feet", Measure::LeakAround(&FEET, AROUND_FEET)),
-    ]).without("exponential maps (EVSM)"),
+        still("hovering-feet", Measure::LeakAround(&FEET, LEAK_RADIUS)),
+    ]).not_covered_yet("exponential maps (EVSM)"),
     row(9, "fine detail", "wires as thin as a texel come and go", &[
-        still("fence", Measure::Rmse), StabilityCase::moving("fence-pan", "fence", Motion::Pan).with(steady_near),
-    ]).without("alpha-tested casters"),
+        still("fence", Measure::Rmse), StabilityCase::moving("fence-pan", "fence", Motion::Pan).also(stable_fit_near),
+    ]).not_covered_yet("alpha-tested casters"),
     row(10, "landscape", "texels far larger than pixels nearby, a fit that follows the camera", &[
-        still("hills", Measure::Rmse), StabilityCase::moving("hills-pan", "hills", Motion::Pan).with(steady_far),
-    ]).without(CASCADES),
+        still("hills", Measure::Rmse), StabilityCase::moving("hills-pan", "hills", Motion::Pan).also(stable_fit_far),
+    ]).not_covered_yet(CASCADES),
     row(11, "far from the origin", "positions and fits are coarse in 32 bits at 1e5 and 1e6 m", &[
-        StabilityCase::moving("hills-1e5-pan", "hills-1e5", Motion::Pan).with(steady_far),
-        StabilityCase::moving("hills-1e6-pan", "hills-1e6", Motion::Pan).with(steady_far),
+        StabilityCase::moving("hills-1e5-pan", "hills-1e5", Motion::Pan).also(stable_fit_far),
+        StabilityCase::moving("hills-1e6-pan", "hills-1e6", Motion::Pan).also(stable_fit_far),
     ]),
     row(12, "turning camera", "a fit that isn't stabilised changes with every frame", &[
-        StabilityCase::moving("hills-yaw", "hills", Motion::Yaw).with(steady_far),
-        StabilityCase::moving("hills-fov", "hills", Motion::Widening).with(steady_far),
+        StabilityCase::moving("hills-yaw", "hills", Motion::Yaw).also(stable_fit_far),
+        StabilityCase::moving("hills-fov", "hills", Motion::Widening).also(stable_fit_far),
     ]),
-    row(13, "turning sun", "texels turn with the light and crawl along edges; or the shadow stays behind", &[
-        StabilityCase::moving("hills-sun", "hills", Motion::Sun).with(steady_far),
+    row(13, "turning sun", "texels turn with the light and crawl along edges; or the shadow lags the light", &[
+        StabilityCase::moving("hills-sun", "hills", Motion::Sun).also(stable_fit_far),
     ]),
-    row(14, "into the light", "picture and map run against each other", &[
+    row(14, "into the light", "looking into the sun: the map is coarse where the picture is fine", &[
         still("into-light", Measure::Rmse),
-    ]).without(WARPS),
+    ]).not_covered_yet(WARPS),
     row(15, "cube seams", "kernels stop at the edges of a cube's faces", &[
         still("lamp-in-room", Measure::Seams),
     ]),
     row(16, "coarse floor", "straight edges between few vertices bend on a curved map", &[
         still("lamp-in-room", Measure::EdgeDisplacement).named("lamp-in-room-edges"),
-    ]).without("paraboloids"),
+    ]).not_covered_yet("paraboloids"),
     row(17, "rising heights", "each box has a penumbra of its own width", &[
         still("rising-boxes", Measure::PenumbraWidth), still("rising-boxes-disc", Measure::PenumbraWidth),
     ]),
@@ -218,14 +229,14 @@ const ROWS: &[StabilityRow] = &[
     row(24, "stairs", "shadows flattened onto planes: wrong planes, casters across them, casters beyond the light", &[
         still("stairs", Measure::Acne), still("stairs-lamp", Measure::Acne), still("flat-receivers", Measure::Acne),
     ]),
-    row(25, "relief", "a bias along the shading normal; relief that the map doesn't know", &[
+    row(25, "relief", "a bias along the shading normal; relief from normals or a depth pass that the map lacks", &[
         still("displaced-wall", Measure::Acne), still("normal-mapped-wall", Measure::Acne),
         still("relief-without-depth-pass", Measure::Acne),
     ]),
     row(26, "coarse depth", "16 bits over a quarter of a kilometre: depths come in steps", &[
-        still("far-range", Measure::Acne).with(coarse),
+        still("far-range", Measure::Acne).also(hard_16_bit),
     ]),
-    row(27, "light along up", "a look-at whose up is the light's direction has no right", &[
+    row(27, "light along up", "a look-at whose up is the light's direction: the right vector is undefined", &[
         still("sun-above", Measure::Rmse), still("spot-above", Measure::Rmse),
     ]),
     row(28, "scale", "biases in metres at 1e-3 and 1e4 of a scene", &[
@@ -238,3 +249,39 @@ const ROWS: &[StabilityRow] = &[
         still("tower-out-of-view", Measure::Leak),
     ]),
 ];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use umbrage_core::Geometry;
+
+    fn vertices(scene: &str) -> Vec<Vec3> {
+        let scene = umbrage_scenes::by_argument(scene).expect("built in");
+        Geometry::bake(&scene).expect("valid").positions().to_vec()
+    }
+
+    #[test]
+    fn the_plate_is_that_of_its_scene() {
+        let plate = vertices("thin-plate");
+        for (end, corner_x) in [(PLATE.from, -0.5_f32), (PLATE.to, 0.5)] {
+            let corner = Vec3::new(corner_x, end.y, end.z);
+            assert!(plate.iter().any(|v| v.distance(corner) < 1e-6), "{corner}");
+            assert!(end.x.abs() < corner_x.abs(), "{end} is beside the plate");
+        }
+    }
+
+    #[test]
+    fn the_feet_are_those_of_their_scene() {
+        let feet = vertices("hovering-feet");
+        for middle in FEET {
+            let radius = feet
+                .iter()
+                .filter(|v| v.y > 0.0 && v.y < 0.5)
+                .map(|v| (*v - middle).with_y(0.0).length())
+                // The next foot is farther away.
+                .filter(|&distance| distance < 0.14)
+                .fold(0.0, f32::max);
+            assert!((radius - FOOT_RADIUS).abs() < 1e-4, "{middle}: {radius}");
+        }
+    }
+}

@@ -1,4 +1,4 @@
-//! The kinds and amounts of bias that are searched for the least acne plus gap.
+//! The kinds and amounts of bias that are searched for the least estimated error.
 
 use serde::{Deserialize, Serialize};
 use std::f32::consts::SQRT_2;
@@ -58,42 +58,51 @@ impl BiasKind {
 
 /// Amounts of one kind of bias to choose from, and the one to try first.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Scale {
+pub(super) struct BiasAmounts {
     pub(super) kind: BiasKind,
-    /// Rising, texels.
-    pub(super) texels: Vec<f32>,
-    pub(super) first: usize,
+    /// Texels, rising.
+    pub(super) amounts: Vec<f32>,
+    /// Index into `amounts` of the one to try first.
+    pub(super) first_index: usize,
+}
+
+impl BiasAmounts {
+    /// Returns the amount to try first, texels.
+    pub(super) fn first(&self) -> f32 {
+        self.amounts[self.first_index]
+    }
 }
 
 /// Returns the kinds of bias worth trying with a technique, with amounts around the one that frees a plane of acne.
-pub(super) fn scales(preset: &TechniquePreset) -> Vec<Scale> {
+pub(super) fn bias_amounts(preset: &TechniquePreset) -> Vec<BiasAmounts> {
     let Some(reach) = reach(preset) else {
-        return vec![Scale {
+        return vec![BiasAmounts {
             kind: BiasKind::Own,
-            texels: vec![0.0],
-            first: 0,
+            amounts: vec![0.0],
+            first_index: 0,
         }];
     };
-    let mut out = vec![Scale {
+    let mut out = vec![BiasAmounts {
         kind: BiasKind::Adaptive,
-        texels: vec![0.0, 0.25, 0.5, 1.0, 2.0],
-        first: 0,
+        amounts: vec![0.0, 0.25, 0.5, 1.0, 2.0],
+        first_index: 0,
     }];
-    // These two are those of `Bias::normal_offset` and `Bias::polygon_offset`, which are sure on planes and often too much.
+    // These two are those of `Bias::normal_offset` and `Bias::polygon_offset`: they free every plane of acne and are often too
+    // much.
     let sure_offset = (reach + 0.5) * SQRT_2;
     let sure_slope = 2.0 * reach + 1.0;
     let offsets = [0.0, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0];
-    out.push(Scale {
+    out.push(BiasAmounts {
         kind: BiasKind::NormalOffset,
-        texels: offsets.map(|factor| sure_offset * factor).to_vec(),
-        first: 4,
+        amounts: offsets.map(|factor| sure_offset * factor).to_vec(),
+        first_index: 4,
     });
     if preset.planned_biases() == PlannedBiases::All {
         let slopes = [0.25, 0.5, 1.0, 2.0];
-        out.push(Scale {
+        out.push(BiasAmounts {
             kind: BiasKind::PolygonOffset,
-            texels: slopes.map(|factor| sure_slope * factor).to_vec(),
-            first: 2,
+            amounts: slopes.map(|factor| sure_slope * factor).to_vec(),
+            first_index: 2,
         });
     }
     out
@@ -116,9 +125,9 @@ mod tests {
     #[test]
     fn first_tries_are_the_biases_that_free_planes_of_acne() {
         let pcf = TechniquePreset::from(Pcf::default());
-        let firsts: Vec<Bias> = scales(&pcf)
+        let firsts: Vec<Bias> = bias_amounts(&pcf)
             .iter()
-            .map(|s| s.kind.bias(s.texels[s.first], Bias::NONE))
+            .map(|biases| biases.kind.bias(biases.first(), Bias::NONE))
             .collect();
         assert_eq!(
             firsts,
@@ -132,10 +141,11 @@ mod tests {
 
     #[test]
     fn amounts_rise() {
-        for scale in TechniquePreset::defaults().iter().flat_map(scales) {
+        for biases in TechniquePreset::defaults().iter().flat_map(bias_amounts) {
             assert!(
-                scale.texels.windows(2).all(|w| w[0] < w[1]) && scale.first < scale.texels.len(),
-                "{scale:?}"
+                biases.amounts.windows(2).all(|w| w[0] < w[1])
+                    && biases.first_index < biases.amounts.len(),
+                "{biases:?}"
             );
         }
     }

@@ -1,81 +1,89 @@
-//! The search for the bias of a kernel and map that leaves the least acne plus gap.
+//! The search for the bias of a kernel and map that has the least estimated error.
 
 use super::{
     Setting,
-    bias::{BiasKind, Scale, scales},
+    bias::{BiasAmounts, BiasKind, bias_amounts},
     families::Family,
     trials::Trials,
 };
 use crate::MeasureError;
 
-/// Nothing is searched where the first amount of the best kind has more than this many times the goal's error: another amount
-/// will not help.
-const OUT_OF_REACH: f64 = 1.7;
-/// Other kinds than the best are not searched where their first amount has more than this many times the goal's error.
-const OUT_OF_REACH_OF_OTHERS: f64 = 1.3;
+/// Greatest ratio of the error of the best kind's first amount to the error aimed at. Beyond it, no other amount of any kind is
+/// tried, since none would help.
+const MAX_FIRST_ERROR_RATIO: f64 = 1.7;
+/// The same ratio for each other kind. Beyond it, no other amount of that kind, or of a kind whose first amount is worse, is
+/// tried.
+const MAX_FIRST_ERROR_RATIO_OF_OTHERS: f64 = 1.3;
 
-/// Returns the best bias of a family's candidate: tries the first amount of each kind, then, from the best kind on, less or more
-/// of it as long as that is better. Stops at what keeps the error within `goal`, uncertainty included. None if nothing is
-/// supported.
+/// Returns the setting with the best bias for a candidate, an index into [`Family::candidates`]; none if nothing is supported.
+///
+/// Tries the first amount of each kind of bias.
+/// Then, from the best kind on, tries other amounts of each kind: see [`line_search`].
+/// Stops at the first bias whose error is within `error_limit`, uncertainty included.
+/// Without a limit, the error aimed at is that of the best first amount.
 pub(super) fn best_bias(
     trials: &mut Trials<'_>,
     family: &Family,
     candidate: usize,
-    goal: Option<f64>,
+    error_limit: Option<f64>,
 ) -> Result<Option<Setting>, MeasureError> {
-    let meets_goal = |setting: &Setting| goal.is_some_and(|error| setting.estimate.high <= error);
-    let scales = scales(family.preset());
-    let mut firsts: Vec<(&Scale, Setting)> = Vec::new();
-    for scale in &scales {
-        let preset = family.at(candidate, scale.kind, scale.texels[scale.first]);
+    let is_within_limit =
+        |setting: &Setting| error_limit.is_some_and(|limit| setting.estimate.high <= limit);
+    let kinds = bias_amounts(family.preset());
+    let mut firsts: Vec<(&BiasAmounts, Setting)> = Vec::new();
+    for biases in &kinds {
+        let preset = family.at(candidate, biases.kind, biases.first());
         let Some(setting) = trials.try_out(&preset)? else {
             continue;
         };
-        if meets_goal(&setting) {
+        if is_within_limit(&setting) {
             return Ok(Some(setting));
         }
-        firsts.push((scale, setting));
+        firsts.push((biases, setting));
     }
     firsts.sort_by(|(_, a), (_, b)| a.estimate.error.total_cmp(&b.estimate.error));
     let Some((_, mut best)) = firsts.first().cloned() else {
         return Ok(None);
     };
-    let aim = goal.unwrap_or(best.estimate.error);
-    for (i, (scale, first)) in firsts.into_iter().enumerate() {
-        let out_of_reach = if i == 0 {
-            OUT_OF_REACH
+    let error_aimed_at = error_limit.unwrap_or(best.estimate.error);
+    for (i, (biases, first)) in firsts.into_iter().enumerate() {
+        let max_ratio = if i == 0 {
+            MAX_FIRST_ERROR_RATIO
         } else {
-            OUT_OF_REACH_OF_OTHERS
+            MAX_FIRST_ERROR_RATIO_OF_OTHERS
         };
-        if first.estimate.error > out_of_reach * aim {
+        if first.estimate.error > max_ratio * error_aimed_at {
             break;
         }
-        let setting = line_search(trials, family, candidate, scale, first)?;
+        let setting = line_search(trials, family, candidate, biases, first)?;
         if setting.estimate.error < best.estimate.error {
             best = setting;
         }
-        if meets_goal(&best) {
+        if is_within_limit(&best) {
             break;
         }
     }
     Ok(Some(best))
 }
 
-/// Searches the amounts of one kind of bias: from the first one down as long as that is better; if it never is, up.
+/// Returns the best of one kind of bias for a candidate, an index into [`Family::candidates`].
+///
+/// Tries ever smaller amounts than the first as long as the error falls.
+/// If it never does, tries ever greater ones likewise.
 fn line_search(
     trials: &mut Trials<'_>,
     family: &Family,
     candidate: usize,
-    scale: &Scale,
+    biases: &BiasAmounts,
     first: Setting,
 ) -> Result<Setting, MeasureError> {
-    let down: Vec<usize> = (0..scale.first).rev().collect();
-    let up: Vec<usize> = (scale.first + 1..scale.texels.len()).collect();
+    let down: Vec<usize> = (0..biases.first_index).rev().collect();
+    let up: Vec<usize> = (biases.first_index + 1..biases.amounts.len()).collect();
     let mut best = first;
     for direction in [down, up] {
         let mut is_better = false;
-        for amount in direction {
-            let preset = family.at(candidate, scale.kind, scale.texels[amount]);
+        for index in direction {
+            let preset = family.at(candidate, biases.kind, biases.amounts[index]);
             let Some(setting) = trials.try_out(&preset)? else {
                 break;
             };
@@ -95,19 +103,23 @@ fn line_search(
 /// A setting with one amount of bias.
 pub(super) struct Biased {
     pub(super) kind: BiasKind,
+    /// The amount, texels.
     pub(super) texels: f32,
     pub(super) setting: Setting,
 }
 
-/// Tries every amount of every kind of bias of a family's candidate.
+/// Tries every amount of every kind of bias for a candidate, an index into [`Family::candidates`].
+///
+/// The planner calls it for the setting that it chose: to show that no other bias is better, and for
+/// [`Plan::curve`](crate::Plan::curve).
 pub(super) fn all_biases(
     trials: &mut Trials<'_>,
     family: &Family,
     candidate: usize,
 ) -> Result<Vec<Biased>, MeasureError> {
     let mut out = Vec::new();
-    for Scale { kind, texels, .. } in scales(family.preset()) {
-        for texels in texels {
+    for BiasAmounts { kind, amounts, .. } in bias_amounts(family.preset()) {
+        for texels in amounts {
             let setting = trials.try_out(&family.at(candidate, kind, texels))?;
             out.extend(setting.map(|setting| Biased {
                 kind,

@@ -204,7 +204,7 @@ fn bias(curve: &[CurvePoint]) -> Option<String> {
         .map(|end| bias_errors(end))
         .collect();
     Some(format!(
-        "of all biases tried {} leaves the least acne and gap: {} (others: {})",
+        "of all biases tried {} has the least estimated error: {} (others: {})",
         chosen.kind.name(),
         bias_errors(chosen),
         ends.join("; ")

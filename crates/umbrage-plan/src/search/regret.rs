@@ -1,6 +1,8 @@
 //! Compares plans with an exhaustive sweep of the same candidates over the whole image.
 
-use super::{Bounds, PlanOptions, Planner, Setting, bias::scales, families::families_for, seen};
+use super::{
+    Bounds, PlanOptions, Planner, Setting, bias::bias_amounts, families::families_for, seen,
+};
 use crate::{
     MeasureError,
     progress::{OnStep, Step},
@@ -148,9 +150,9 @@ impl<'a> Sweep<'a> {
         for family in families_for(&self.planner.techniques, scene, false) {
             for size in 0..family.candidates.len() {
                 let mut presets: Vec<TechniquePreset> = Vec::new();
-                for scale in scales(family.preset()) {
-                    for texels in scale.texels {
-                        presets.push(family.at(size, scale.kind, texels));
+                for biases in bias_amounts(family.preset()) {
+                    for texels in biases.amounts {
+                        presets.push(family.at(size, biases.kind, texels));
                     }
                 }
                 let Some(price) = self.planner.search.trials.price(&presets[0])? else {

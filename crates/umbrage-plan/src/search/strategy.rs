@@ -2,7 +2,8 @@
 //! that can be afforded.
 
 use super::{
-    Bounds, Miss, Setting, bias::scales, bias_search::best_bias, families::Family, trials::Trials,
+    Bounds, Miss, Setting, bias::bias_amounts, bias_search::best_bias, families::Family,
+    trials::Trials,
 };
 use crate::{
     MeasureError,
@@ -185,16 +186,16 @@ impl Search<'_> {
         Ok(best)
     }
 
-    /// Tries a candidate with its best bias; none if it isn't supported.
+    /// Tries a candidate with its best bias; none if it isn't supported. `error_limit` as in [`best_bias`].
     fn try_out(
         &mut self,
         place: Place,
-        goal: Option<f64>,
+        error_limit: Option<f64>,
     ) -> Result<Option<Setting>, MeasureError> {
         let family = &self.families[place.family];
         let technique = family.preset().technique();
         (self.on_step)(Step::Trying(technique.name(), self.trials.count()));
-        best_bias(&mut self.trials, family, place.candidate, goal)
+        best_bias(&mut self.trials, family, place.candidate, error_limit)
     }
 
     /// Returns the first of a family's candidates from `place` on that is supported. `last_errors` are those of the two
@@ -220,8 +221,8 @@ impl Search<'_> {
         last_errors: [f64; 2],
     ) -> Result<Option<Candidate>, MeasureError> {
         let family = &self.families[place.family];
-        let scale = &scales(family.preset())[0];
-        let preset = family.at(place.candidate, scale.kind, scale.texels[scale.first]);
+        let biases = &bias_amounts(family.preset())[0];
+        let preset = family.at(place.candidate, biases.kind, biases.first());
         let price = self.trials.price(&preset)?;
         Ok(price.map(|price| Candidate {
             place,

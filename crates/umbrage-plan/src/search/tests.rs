@@ -1,7 +1,7 @@
 //! Plans of scenes whose best technique is known, and samples that must tell what whole images do.
 
 use super::{
-    bias::scales,
+    bias::bias_amounts,
     bias_search::best_bias,
     families::{Family, families},
     *,
@@ -520,7 +520,7 @@ fn a_sweep_finds_nothing_much_cheaper() {
 
 /// Each kind of bias is played as it is named.
 #[test]
-fn biases_are_those_of_their_scales() {
+fn biases_are_those_of_their_kinds() {
     for family in families(
         &Techniques::built_in(),
         &Light::Point {
@@ -529,12 +529,12 @@ fn biases_are_those_of_their_scales() {
         },
         true,
     ) {
-        for scale in scales(family.preset()) {
-            let preset = family.at(0, scale.kind, scale.texels[scale.first]);
+        for biases in bias_amounts(family.preset()) {
+            let preset = family.at(0, biases.kind, biases.first());
             let own = family
                 .preset()
                 .map()
-                .map(|map| scale.kind.bias(scale.texels[scale.first], map.bias));
+                .map(|map| biases.kind.bias(biases.first(), map.bias));
             assert_eq!(preset.map().map(|map| map.bias), own);
         }
     }

@@ -196,19 +196,23 @@ impl<'a> Oracle<'a> {
     }
 
     fn outside_cone(&self, o: DVec3) -> bool {
-        let Light::Spot {
-            position,
-            direction,
-            outer,
-            ..
-        } = *self.light
-        else {
-            return false;
-        };
-        (o - position.as_dvec3())
-            .normalize()
-            .dot(direction.as_dvec3().normalize())
-            < f64::from(outer).cos()
+        match *self.light {
+            Light::Spot {
+                position,
+                direction,
+                outer,
+                ..
+            } => {
+                let cosine = (o - position.as_dvec3())
+                    .normalize()
+                    .dot(direction.as_dvec3().normalize());
+                cosine < f64::from(outer).cos()
+            }
+            Light::Directional { .. }
+            | Light::Point { .. }
+            | Light::Rect { .. }
+            | Light::Disc { .. } => false,
+        }
     }
 }
 

@@ -241,20 +241,22 @@ impl<'a> Tracer<'a> {
 
 /// Returns the outer cone of a spot light; none for other lights.
 fn cone(light: &Light) -> Option<Cone> {
-    let Light::Spot {
-        position,
-        direction,
-        outer,
-        ..
-    } = *light
-    else {
-        return None;
-    };
-    Some(Cone {
-        apex: position,
-        axis: direction.as_dvec3().normalize().as_vec3(),
-        cosine: outer.cos(),
-    })
+    match *light {
+        Light::Spot {
+            position,
+            direction,
+            outer,
+            ..
+        } => Some(Cone {
+            apex: position,
+            axis: direction.as_dvec3().normalize().as_vec3(),
+            cosine: outer.cos(),
+        }),
+        Light::Directional { .. }
+        | Light::Point { .. }
+        | Light::Rect { .. }
+        | Light::Disc { .. } => None,
+    }
 }
 
 /// Returns the standard deviation of the blocks' means over the square root of their number: an upper estimate of the standard

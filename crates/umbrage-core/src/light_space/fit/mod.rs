@@ -62,8 +62,11 @@ impl Fit {
     /// Returns the light space of a valid fit for a valid view.
     fn single(&self, view: &View<'_>, size: u32, margin: f32) -> Result<LightSpace, RecipeError> {
         let view = &self.without_what_it_ignores(view);
-        let Light::Directional { direction, .. } = *view.light else {
-            return perspective::single(self, view, size, margin);
+        let direction = match *view.light {
+            Light::Directional { direction, .. } => direction,
+            Light::Spot { .. } | Light::Point { .. } | Light::Rect { .. } | Light::Disc { .. } => {
+                return perspective::single(self, view, size, margin);
+            }
         };
         Ok(match *self {
             Self::Tight => parallel::tight(view, direction, size, margin, true)?,

@@ -130,7 +130,7 @@ pub(super) fn suffices(
     margin: f32,
 ) -> bool {
     let tangent = 1.0 / one.clip_from_view.x_axis.x;
-    matches!(view.light, Light::Spot { .. })
+    spot_cone(view.light).is_some()
         || tangent <= widened(45.0_f32.to_radians(), size, margin).tan()
         || cone_around_casters(view, eye).1.to_degrees() <= WIDEST_HALF_ANGLE
 }
@@ -144,15 +144,24 @@ fn widened(half_angle: f32, size: u32, margin: f32) -> f32 {
         .min(WIDEST_HALF_ANGLE.to_radians().max(half_angle))
 }
 
+/// Returns the axis and half angle (radians) of a spot's own cone; none for other lights.
+fn spot_cone(light: &Light) -> Option<(Vec3, f32)> {
+    match *light {
+        Light::Spot {
+            direction, outer, ..
+        } => Some((direction, outer)),
+        Light::Directional { .. }
+        | Light::Point { .. }
+        | Light::Rect { .. }
+        | Light::Disc { .. } => None,
+    }
+}
+
 /// The axis and half angle (radians) of what one map has to show: a spot's own cone, else one around casters; narrower
 /// where a lamp knows what matters.
 fn cone(view: &View<'_>, eye: Vec3, lamp: Option<&Lamp<'_>>) -> Result<(Vec3, f32), RecipeError> {
-    let (axis, widest) = match *view.light {
-        Light::Spot {
-            direction, outer, ..
-        } => (direction, outer),
-        _ => cone_around_casters(view, eye),
-    };
+    let own_cone = spot_cone(view.light);
+    let (axis, widest) = own_cone.unwrap_or_else(|| cone_around_casters(view, eye));
     let Some(lamp) = lamp else {
         return Ok((axis, widest));
     };
@@ -162,7 +171,7 @@ fn cone(view: &View<'_>, eye: Vec3, lamp: Option<&Lamp<'_>>) -> Result<(Vec3, f3
         return Ok((narrowed.axis, padded_half_angle(&narrowed).min(widest)));
     }
     // A spot's cone is as wide as its light; of other lamps, less than all casters may matter.
-    if !matches!(view.light, Light::Spot { .. })
+    if own_cone.is_none()
         && let Some(pyramid) = lamp.aimed()?
     {
         return Ok((pyramid.axis, padded_half_angle(&pyramid)));
