@@ -63,9 +63,9 @@ fn lit_by(name: &str, radius: f32) -> Scene {
             radius,
         })
         .shoot(
-            Vec3::new(1.3, 1.45, 4.1),
-            Vec3::new(0.25, 1.12, -0.4),
-            36.0,
+            Vec3::new(1.35, 1.5, 4.5),
+            Vec3::new(0.3, 1.34, -0.4),
+            39.0,
             SIZE,
         )
 }

@@ -309,8 +309,8 @@ fn ribbons() -> Mesh {
     merged(
         "ribbons",
         [
-            fly(end, Vec3::new(1.35, 0.12, -0.25), 3.2, 0.055),
-            fly(end, Vec3::new(1.0, -0.35, 0.35), 2.6, 0.04),
+            fly(end, Vec3::new(1.35, -0.22, -0.25), 3.2, 0.055),
+            fly(end, Vec3::new(0.95, -0.6, 0.35), 2.6, 0.04),
             fly(open_end, Vec3::new(0.75, -0.55, 0.1), 2.3, 0.045),
         ],
     )

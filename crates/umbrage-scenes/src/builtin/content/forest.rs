@@ -17,10 +17,10 @@ use umbrage_core::glam::{Affine3A, Quat, Vec3};
 use umbrage_core::{Light, Scene};
 
 /// Half the side of the ground, metres, and its cells.
-const HALF: f32 = 45.0;
-const CELLS: u32 = 220;
+const HALF: f32 = 70.0;
+const CELLS: u32 = 260;
 /// Half the width of the path that goes from the camera along -z, metres.
-const PATH: f32 = 1.3;
+const PATH: f32 = 0.9;
 /// Where the camera stands, z in metres.
 const EYE: f32 = 14.0;
 
@@ -31,7 +31,7 @@ const LEAVES: [[f32; 3]; 4] = [
     [0.11, 0.26, 0.07],
     [0.34, 0.34, 0.08],
 ];
-const SOIL: [f32; 3] = [0.25, 0.20, 0.12];
+const SOIL: [f32; 3] = [0.29, 0.27, 0.14];
 const GRASS: [f32; 3] = [0.22, 0.36, 0.09];
 const FERN: [f32; 3] = [0.13, 0.33, 0.10];
 const ROCK: [f32; 3] = [0.40, 0.39, 0.36];
@@ -46,10 +46,10 @@ pub(crate) fn forest_soft() -> Scene {
 }
 
 fn lit_by(name: &str, angular_diameter: f32) -> Scene {
-    let eye_height = height(0.3, EYE) + 1.7;
+    let eye_height = height(0.3, EYE) + 1.5;
     undergrowth(trees(ground(Stage::new(name))))
         .light(Light::Directional {
-            direction: Vec3::new(0.62, -0.85, 0.38),
+            direction: Vec3::new(0.72, -0.80, -0.28),
             angular_diameter,
         })
         .shoot(
@@ -105,30 +105,50 @@ fn scattered(seed: i32, half: f32, pitch: f32, clear: f32) -> Vec<[f32; 2]> {
     out
 }
 
+/// How trees grow near the path, and how far from it: with fewer and larger leaves.
+fn growth(kind: usize, is_near: bool) -> Growth {
+    let size = kind as f32;
+    let near = Growth {
+        seed: 40 + kind as i32,
+        height: 11.0 + 1.5 * size,
+        girth: 0.2 + 0.03 * size,
+        reach: 3.4,
+        bare: 0.3,
+        branches: 22,
+        leaves: 19,
+        leaf: 0.33,
+    };
+    if is_near {
+        return near;
+    }
+    Growth {
+        branches: 13,
+        leaves: 9,
+        leaf: 0.62,
+        ..near
+    }
+}
+
+/// Puts trees of all kinds; far ones stand beyond a distance from the camera.
 fn trees(mut stage: Stage) -> Stage {
+    const FAR: f32 = 28.0;
     let mut random = Random::new(8);
-    let mut stands: [Vec<Affine3A>; LEAVES.len()] = Default::default();
-    for [x, z] in scattered(21, 40.0, 8.0, PATH + 1.0) {
+    let mut stands: [[Vec<Affine3A>; 2]; LEAVES.len()] = Default::default();
+    for [x, z] in scattered(21, 62.0, 6.6, PATH + 1.0) {
         let kind = random.between(0.0, LEAVES.len() as f32 - 0.01) as usize;
         let scale = random.between(0.75, 1.2);
-        stands[kind].push(planted(x, z, scale, &mut random));
+        let is_near = x.hypot(z - EYE) < FAR;
+        stands[kind][usize::from(is_near)].push(planted(x, z, scale, &mut random));
     }
-    for (kind, places) in stands.into_iter().enumerate() {
-        let grown = tree(&Growth {
-            seed: 40 + kind as i32,
-            height: 11.0 + 1.5 * kind as f32,
-            girth: 0.2 + 0.03 * kind as f32,
-            reach: 3.4,
-            bare: 0.3,
-            branches: 22,
-            leaves: 24,
-            leaf: 0.3,
-        });
-        stage = stage
-            .put_many(grown.wood, places.clone())
-            .look(matte(BARK))
-            .put_many(grown.leaves, places)
-            .look(matte(LEAVES[kind]));
+    for (kind, stand) in stands.into_iter().enumerate() {
+        for (places, is_near) in stand.into_iter().zip([false, true]) {
+            let grown = tree(&growth(kind, is_near));
+            stage = stage
+                .put_many(grown.wood, places.clone())
+                .look(matte(BARK))
+                .put_many(grown.leaves, places)
+                .look(matte(LEAVES[kind]));
+        }
     }
     stage
 }
@@ -136,10 +156,10 @@ fn trees(mut stage: Stage) -> Stage {
 fn undergrowth(mut stage: Stage) -> Stage {
     let mut random = Random::new(9);
     let mut tufts = [Vec::new(), Vec::new(), Vec::new()];
-    for [x, z] in scattered(33, 20.0, 0.55, PATH) {
+    for [x, z] in scattered(33, 20.0, 0.46, PATH) {
         // Grass grows in patches, less where it is far.
         let patch = fractal(Vec3::new(x, 9.0, z) / 5.0, 2);
-        if patch > -0.06 && random.chance(0.8) {
+        if patch > -0.12 && random.chance(0.8) {
             let kind = random.between(0.0, 2.99) as usize;
             let scale = random.between(0.6, 1.3);
             tufts[kind].push(planted(x, z, scale, &mut random));
@@ -157,7 +177,7 @@ fn undergrowth(mut stage: Stage) -> Stage {
         }
         out
     };
-    let ferns = places(51, 3.1, [0.7, 1.4]);
+    let ferns = places(51, 2.2, [0.7, 1.6]);
     let rocks = places(52, 4.3, [0.3, 1.3]);
     let boulders = places(53, 7.0, [0.5, 2.0]);
     stage

@@ -222,7 +222,7 @@ pub(super) fn lamp_pole(height: f32) -> Mesh {
 
 /// Returns a cage of wires around the origin, of this radius, which hangs from a cable of this length.
 pub(super) fn cage(radius: f32, cable: f32) -> Mesh {
-    const WIRES: u32 = 12;
+    const WIRES: u32 = 10;
     let mut parts = Vec::new();
     for i in 0..WIRES {
         let (cos, sin) = on_circle(f64::from(i) / f64::from(WIRES));
@@ -230,12 +230,12 @@ pub(super) fn cage(radius: f32, cable: f32) -> Mesh {
         for k in 0..=10 {
             let (up, out) = on_circle(0.5 * (0.06 + 0.9 * f64::from(k) / 10.0));
             let point = Vec3::new(out * cos, 1.15 * up, out * sin) * radius;
-            knots.push((point, 0.0025));
+            knots.push((point, 0.0012));
         }
         parts.push(smooth_tube(&knots, 1, 6));
     }
     for (size, y) in [(0.99, 0.0), (0.72, 0.8), (0.72, -0.8)] {
-        let ring = torus(size * radius, 0.003, [48, 6]);
+        let ring = torus(size * radius, 0.0014, [48, 6]);
         parts.push(moved(ring, at(0.0, y * radius, 0.0)));
     }
     let socket = [

@@ -22,7 +22,7 @@ const LENGTH: f32 = 0.5 * BAY * BAYS as f32;
 const ROW: f32 = 4.4;
 const WIDTH: f32 = 8.4;
 /// Half the thickness of all walls, metres.
-const WALL: f32 = 0.35;
+const WALL: f32 = 0.28;
 /// Heights, metres: of the columns, the gallery's floor, its roof, and where the vault begins.
 const SPRING: f32 = 4.3;
 const GALLERY: f32 = 6.6;
@@ -32,11 +32,11 @@ const VAULT: f32 = 14.0;
 const VAULT_RADIUS: f32 = ROW - WALL;
 const RIB: f32 = 0.16;
 
-const STONE: [f32; 3] = [0.62, 0.56, 0.47];
-const PALE_STONE: [f32; 3] = [0.70, 0.66, 0.58];
+const STONE: [f32; 3] = [0.78, 0.71, 0.60];
+const PALE_STONE: [f32; 3] = [0.88, 0.83, 0.74];
 const IRON: [f32; 3] = [0.07, 0.07, 0.08];
 const BRASS: [f32; 3] = [0.55, 0.38, 0.12];
-const OAK: [f32; 3] = [0.30, 0.16, 0.07];
+const OAK: [f32; 3] = [0.44, 0.26, 0.13];
 const CARPET: [f32; 3] = [0.42, 0.05, 0.06];
 
 pub(crate) fn nave() -> Scene {
@@ -51,12 +51,12 @@ fn lit_by(name: &str, angular_diameter: f32) -> Scene {
     let stage = furnished(walls(Stage::new(name)));
     stage
         .light(Light::Directional {
-            direction: Vec3::new(-0.78, -0.68, 0.36),
+            direction: Vec3::new(-0.85, -0.52, -0.30),
             angular_diameter,
         })
         .shoot(
-            Vec3::new(1.7, 2.3, 17.0),
-            Vec3::new(-0.9, 4.6, -3.0),
+            Vec3::new(2.9, 2.1, 16.6),
+            Vec3::new(-2.6, 4.4, -1.0),
             62.0,
             SIZE,
         )
@@ -91,7 +91,7 @@ fn walls(stage: Stage) -> Stage {
     stage
         .put(floor)
         .look(checker())
-        .put_many(fluted_column(SPRING, 0.42), at_ends(ROW, 0.0))
+        .put_many(fluted_column(SPRING, 0.37), at_ends(ROW, 0.0))
         .look(matte(PALE_STONE))
         .put_many(arcade(), in_middles(ROW, SPRING))
         .look(matte(STONE))
@@ -195,7 +195,7 @@ fn clerestory() -> Mesh {
     let sill = 0.5;
     let top = VAULT - ROOF;
     let half = 0.5 * BAY;
-    let opening = arched(0.0, 1.2, sill, 2.1);
+    let opening = arched(0.0, 1.4, sill, 1.95);
     let wall = wall_of(&pierced(half, sill, top, &[opening]));
     let below = block(Vec3::new(-half, 0.0, -WALL), Vec3::new(half, sill, WALL));
     let mullions = [-0.4, 0.4].map(|x| {
@@ -204,7 +204,7 @@ fn clerestory() -> Mesh {
             Vec3::new(x + 0.05, 3.2, 0.08),
         )
     });
-    let rim = archivolt(0.0, 1.26, 2.1);
+    let rim = archivolt(0.0, 1.46, 1.95);
     merged("clerestory", [wall, below, rim].into_iter().chain(mullions))
 }
 
@@ -213,12 +213,12 @@ fn outer_wall() -> Mesh {
     let half = 0.5 * BAY;
     let slab =
         |foot: f32, top: f32| block(Vec3::new(-half, foot, -WALL), Vec3::new(half, top, WALL));
-    let lower = pierced(half, 1.1, GALLERY, &[arched(0.0, 1.35, 1.1, 4.3)]);
+    let lower = pierced(half, 1.1, GALLERY, &[arched(0.0, 1.6, 1.1, 4.4)]);
     let upper = pierced(
         half,
         GALLERY + 0.9,
         ROOF,
-        &[arched(0.0, 1.2, GALLERY + 0.9, GALLERY + 2.3)],
+        &[arched(0.0, 1.5, GALLERY + 0.9, GALLERY + 2.1)],
     );
     merged(
         "outer wall",

@@ -151,13 +151,18 @@ fn small_things(stage: Stage) -> Stage {
         at(2.15, 1.72, LOW.z),
     ];
     let side_frame = turned(Vec3::new(LOW.x, 1.6, 1.5), std::f32::consts::FRAC_PI_2);
+    let hung: Vec<Affine3A> = frames.into_iter().chain([side_frame]).collect();
+    let pictures = hung.clone();
+    let picture = block(Vec3::new(-0.18, -0.25, 0.0), Vec3::new(0.18, 0.25, 0.012));
     stage
         .put_many(vessel(&pot), pots)
         .look(matte(CLAY))
         .put_many(fern(8, 21, 0.62), greens)
         .look(matte(LEAF))
-        .put_many(frame([0.26, 0.34]), frames.into_iter().chain([side_frame]))
+        .put_many(frame([0.26, 0.34]), hung)
         .look(matte(DARK_OAK))
+        .put_many(picture, pictures)
+        .look(matte(PAPER))
         .put_many(basket(), [at(-1.5, 0.0, -1.95), at(0.95, 0.0, -1.9)])
         .look(matte([0.45, 0.32, 0.16]))
         .put(on_the_table())

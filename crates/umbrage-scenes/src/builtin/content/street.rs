@@ -7,14 +7,14 @@ use super::{
         PANEL, SHOP, STOREY, THICKNESS, WINDOW, awning, balcony, car, chimney, cornice, pane,
         panel, shutters, trim,
     },
-    parts::{at, merged, scaled, sheet, turned, wire},
+    parts::{at, box_at, creased, merged, moved, scaled, sheet, turned, wire},
     plants::{Growth, tree},
     random::Random,
     things::{baluster, street_lamp},
 };
 use crate::{
     looks::{glossy, matte},
-    primitives::{block, grid},
+    primitives::{block, grid, lathe},
     stage::Stage,
 };
 use umbrage_core::glam::{Affine3A, Vec3};
@@ -40,7 +40,7 @@ const GLASS: [f32; 3] = [0.05, 0.07, 0.09];
 const GREEN: [f32; 3] = [0.09, 0.21, 0.16];
 const IRON: [f32; 3] = [0.05, 0.05, 0.06];
 const SLATE: [f32; 3] = [0.20, 0.21, 0.24];
-const ASPHALT: [f32; 3] = [0.20, 0.20, 0.21];
+const ASPHALT: [f32; 3] = [0.30, 0.30, 0.31];
 const CLOTHS: [[f32; 3]; 4] = [
     [0.72, 0.70, 0.66],
     [0.60, 0.12, 0.10],
@@ -62,7 +62,7 @@ fn lit_by(name: &str, angular_diameter: f32) -> Scene {
     let stage = above_the_street(details(stage, &houses));
     on_the_street(stage)
         .light(Light::Directional {
-            direction: Vec3::new(-0.42, -0.46, 0.78),
+            direction: Vec3::new(-0.36, -0.50, 0.76),
             angular_diameter,
         })
         .shoot(
@@ -128,7 +128,7 @@ fn houses() -> Vec<House> {
             let storeys = if side < 0.0 {
                 random.between(4.0, 6.9)
             } else {
-                random.between(2.0, 4.6)
+                random.between(2.0, 3.35)
             };
             let house = House {
                 side,
@@ -138,7 +138,7 @@ fn houses() -> Vec<House> {
                 plaster: random.between(0.0, 4.99) as usize,
             };
             begin -= house.width();
-            if random.chance(0.4) {
+            if begin < -9.0 && random.chance(0.4) {
                 begin -= 5.0;
             }
             out.push(house);
@@ -159,15 +159,57 @@ fn ground(stage: Stage) -> Stage {
     };
     let mut road = grid([KERB, length], [8, 60], |_, _| 0.0);
     for p in &mut road.positions {
-        // The road's middle is higher than its gutters.
-        p.y = 0.06 - 0.004 * p.x * p.x;
+        p.y = road_height(p.x);
         p.z += middle;
     }
     stage
         .put(road)
         .look(matte(ASPHALT))
         .put(merged("paving", [paving(-1.0), paving(1.0)]))
-        .look(matte([0.42, 0.40, 0.38]))
+        .look(matte([0.52, 0.49, 0.45]))
+        .put(markings())
+        .look(matte([0.66, 0.65, 0.62]))
+        .put(tower())
+        .look(matte(STONE))
+}
+
+/// Returns a crossing's stripes and a dashed line, painted on the road.
+fn markings() -> Mesh {
+    let mut parts = Vec::new();
+    for i in 0..8 {
+        let x = 0.95 * (i as f32 - 3.5);
+        let paint = Vec3::new(0.24, 0.004, 1.3);
+        parts.push(box_at(Vec3::new(x, road_height(x) + 0.002, -2.6), paint));
+    }
+    for i in 0..30 {
+        let z = -7.0 - 4.0 * i as f32;
+        let paint = Vec3::new(0.06, 0.004, 0.9);
+        parts.push(box_at(Vec3::new(0.0, road_height(0.0) + 0.002, z), paint));
+    }
+    merged("markings", parts)
+}
+
+/// Returns the road's height, metres: its middle is higher than its gutters.
+fn road_height(x: f32) -> f32 {
+    0.06 - 0.004 * x * x
+}
+
+/// Returns a church's tower at the street's end, with openings for its bells.
+fn tower() -> Mesh {
+    let middle = Vec3::new(-2.0, 0.0, FAR - 16.0);
+    let shaft = box_at(middle + 11.0 * Vec3::Y, Vec3::new(4.5, 11.0, 4.5));
+    let crown = box_at(middle + 29.0 * Vec3::Y, Vec3::new(4.9, 0.6, 4.9));
+    let mut parts = vec![shaft, crown];
+    for x in [-4.0, -1.4, 1.4, 4.0] {
+        for z in [-4.0, 4.0] {
+            let foot = middle + Vec3::new(x, 25.0, z);
+            parts.push(box_at(foot, Vec3::new(0.5, 3.5, 0.5)));
+        }
+    }
+    let spire = [(0.0, 0.0), (5.6, 0.0), (1.2, 11.0), (0.0, 17.0)];
+    let roof = creased(&lathe(&spire, 8));
+    parts.push(moved(roof, at(middle.x, 29.6, middle.z)));
+    merged("tower", parts)
 }
 
 fn facades(mut stage: Stage, houses: &[House]) -> Stage {

@@ -51,10 +51,10 @@ fn lit_by(name: &str, angular_diameter: f32) -> Scene {
     let stage = grown(stones(huts(fence(poles(stage)))));
     stage
         .light(Light::Directional {
-            direction: Vec3::new(0.80, -0.26, 0.30),
+            direction: Vec3::new(0.80, -0.36, 0.22),
             angular_diameter,
         })
-        .shoot(eye, eye + Vec3::new(-2.0, -2.6, -20.0), 46.0, SIZE)
+        .shoot(eye, eye + Vec3::new(-2.6, -2.9, -20.0), 50.0, SIZE)
 }
 
 /// Returns the x of the valley's bottom.
@@ -67,11 +67,14 @@ fn height(x: f32, z: f32) -> f32 {
     let p = Vec3::new(x, 0.0, z);
     let aside = ((x - bottom(z)).abs() / 420.0).min(2.2);
     let slope = 95.0 * aside * aside / (0.6 + aside);
-    let hills = 85.0 * fractal(p / 310.0, 5) * (0.25 + aside);
-    let knolls = 5.0 * fractal(p / 38.0, 3);
-    let clods = 0.22 * fractal(p / 1.7, 2);
+    let hills = 85.0 * fractal(p / 310.0, 5) * (0.10 + aside);
+    let knolls = 3.5 * fractal(p / 38.0, 3);
+    let clods = 0.10 * fractal(p / 1.7, 2);
+    // From the camera on, the land falls towards the valley.
+    let ahead = (-z / 240.0).max(0.0);
+    let drop = 78.0 * ahead / (1.0 + ahead);
     let away = (-0.001 * z).max(0.0);
-    slope + hills + knolls + clods - 14.0 * away + 26.0 * away * away
+    slope + hills + knolls + clods - drop - 14.0 * away + 26.0 * away * away
 }
 
 fn on_ground(x: f32, z: f32) -> Vec3 {
@@ -104,8 +107,8 @@ fn split(t: f32) -> f32 {
 
 /// Returns the foot of a pole of the line that runs along the valley.
 fn pole_foot(i: i32) -> Vec3 {
-    let z = 40.0 - 48.0 * i as f32;
-    on_ground(0.55 * bottom(z) + 22.0, z)
+    let z = 22.0 - 48.0 * i as f32;
+    on_ground(0.02 * z - 8.5, z)
 }
 
 fn poles(stage: Stage) -> Stage {
@@ -321,7 +324,7 @@ fn grown(mut stage: Stage) -> Stage {
         }
         stage = stage.put_many(fir(kind), firs).look(matte(FIR));
         let mut tufts = Vec::new();
-        for [x, z] in strewn(90 + kind, 700, 40.0) {
+        for [x, z] in strewn(90 + kind, 1300, 40.0) {
             let angle = random.about(3.1);
             let scale = random.between(0.6, 1.4);
             tufts.push(scaled(on_ground(x, z), angle, Vec3::splat(scale)));
