@@ -14,8 +14,8 @@ use umbrage_core::glam::{Vec2, Vec3};
 use umbrage_core::{Light, Mesh, Scene};
 
 /// Where the spot hangs, and where its axis meets the stage, metres.
-const SPOT: Vec3 = Vec3::new(-2.9, 4.6, 4.4);
-const AIM: Vec3 = Vec3::new(0.35, 0.75, -0.7);
+const SPOT: Vec3 = Vec3::new(-2.2, 2.7, 4.3);
+const AIM: Vec3 = Vec3::new(0.4, 1.0, -0.7);
 /// The curtain's plane, z in metres.
 const BACK: f32 = -1.9;
 

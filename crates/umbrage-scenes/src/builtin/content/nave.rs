@@ -51,7 +51,7 @@ fn lit_by(name: &str, angular_diameter: f32) -> Scene {
     let stage = furnished(walls(Stage::new(name)));
     stage
         .light(Light::Directional {
-            direction: Vec3::new(-0.85, -0.52, -0.30),
+            direction: Vec3::new(-0.85, -0.39, -0.26),
             angular_diameter,
         })
         .shoot(

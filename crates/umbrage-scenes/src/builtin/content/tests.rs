@@ -98,7 +98,7 @@ fn shade(scene: &Scene, geometry: &Geometry) -> f32 {
                 Some(position) => 0.999 * (position - seen.point),
                 None => 1.0e4 * light.direction_from(seen.point),
             };
-            if seen.normal.dot(to_light) > 0.0 {
+            if seen.normal.dot(to_light) > 0.0 && is_reached(&light, to_light) {
                 facing += 1.0;
                 let above = seen.point + seen.lift * seen.normal;
                 if bvh.occluded(above, to_light, u32::MAX) {
@@ -108,6 +108,16 @@ fn shade(scene: &Scene, geometry: &Geometry) -> f32 {
         }
     }
     dark / facing
+}
+
+/// Returns whether light of this kind goes that way backwards: a spot's cone is open there.
+fn is_reached(light: &Light, to_light: Vec3) -> bool {
+    match *light {
+        Light::Spot {
+            direction, outer, ..
+        } => direction.angle_between(-to_light) < outer,
+        _ => true,
+    }
 }
 
 /// What a ray meets first.

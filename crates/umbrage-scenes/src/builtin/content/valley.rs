@@ -51,7 +51,7 @@ fn lit_by(name: &str, angular_diameter: f32) -> Scene {
     let stage = grown(stones(huts(fence(poles(stage)))));
     stage
         .light(Light::Directional {
-            direction: Vec3::new(0.80, -0.36, 0.22),
+            direction: Vec3::new(0.80, -0.31, 0.22),
             angular_diameter,
         })
         .shoot(eye, eye + Vec3::new(-2.6, -2.9, -20.0), 50.0, SIZE)
