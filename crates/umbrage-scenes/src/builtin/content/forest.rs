@@ -117,6 +117,7 @@ fn growth(kind: usize, is_near: bool) -> Growth {
         branches: 22,
         leaves: 19,
         leaf: 0.33,
+        has_twigs: true,
     };
     if is_near {
         return near;
@@ -125,6 +126,7 @@ fn growth(kind: usize, is_near: bool) -> Growth {
         branches: 13,
         leaves: 9,
         leaf: 0.62,
+        has_twigs: false,
         ..near
     }
 }

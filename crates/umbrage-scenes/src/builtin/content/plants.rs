@@ -25,6 +25,8 @@ pub(super) struct Growth {
     /// Leaves at each of a branch's twigs, and their length.
     pub(super) leaves: u32,
     pub(super) leaf: f32,
+    /// Whether twigs are geometry, too; leaves hang in the air without them.
+    pub(super) has_twigs: bool,
 }
 
 /// A tree whose foot is at the origin.
@@ -64,7 +66,9 @@ pub(super) fn tree(growth: &Growth) -> Tree {
                 0.5 * start.1,
                 &mut random,
             );
-            wood.push(tube(&twig, 4));
+            if growth.has_twigs {
+                wood.push(tube(&twig, 4));
+            }
             for _ in 0..growth.leaves {
                 let at = along(&twig, random.between(0.15, 1.0)).0;
                 leaves.hang(at + 0.16 * random.vector(), growth.leaf, &mut random);

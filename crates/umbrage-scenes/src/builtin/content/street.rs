@@ -358,6 +358,7 @@ fn on_the_street(mut stage: Stage) -> Stage {
         branches: 16,
         leaves: 24,
         leaf: 0.2,
+        has_twigs: true,
     });
     let pits = (0..6).map(|i| at(KERB + 0.9, RISE, -6.0 - 15.0 * i as f32));
     let pits: Vec<Affine3A> = pits.collect();
