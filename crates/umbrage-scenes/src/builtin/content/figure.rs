@@ -77,18 +77,18 @@ fn skin() -> Mesh {
         [0.08, 1.21, -0.83, 0.032],
     ]);
     let staff_arm = limb(&[
-        [-0.16, 1.42, 0.0, 0.045],
+        [-0.10, 1.40, 0.0, 0.050],
         [-0.26, 1.43, 0.02, 0.045],
         [-0.42, 1.47, 0.05, 0.034],
         [-0.51, 1.61, 0.12, 0.034],
-        [-0.56, 1.72, 0.16, 0.022],
+        [-0.56, 1.72, 0.16, 0.020],
     ]);
     let open_arm = limb(&[
-        [0.16, 1.42, 0.0, 0.045],
+        [0.10, 1.40, 0.0, 0.050],
         [0.27, 1.45, 0.02, 0.044],
         [0.43, 1.50, 0.07, 0.033],
         [0.56, 1.56, 0.14, 0.033],
-        [0.66, 1.60, 0.20, 0.021],
+        [0.66, 1.60, 0.20, 0.019],
     ]);
     let neck = limb(&[
         [0.0, 1.36, -0.01, 0.07],
@@ -96,9 +96,15 @@ fn skin() -> Mesh {
         [0.01, 1.56, 0.01, 0.045],
         [0.015, 1.62, 0.02, 0.05],
     ]);
+    let joints = [
+        icosphere(Vec3::new(-0.165, 1.405, 0.0), 0.054, 4),
+        icosphere(Vec3::new(0.165, 1.405, 0.0), 0.054, 4),
+        icosphere(STAFF_WRIST, 0.0225, 3),
+        icosphere(OPEN_WRIST, 0.0215, 3),
+    ];
     let hands = [staff_hand(), open_hand()].concat();
     let limbs = [standing, lifted, staff_arm, open_arm, neck, head()];
-    merged("skin", limbs.into_iter().chain(hands))
+    merged("skin", limbs.into_iter().chain(joints).chain(hands))
 }
 
 /// Returns the head with nose and chin.
@@ -203,7 +209,7 @@ fn hand(wrist: Vec3, ahead: Vec3, aside: Vec3, curl: f32) -> Vec<Mesh> {
     let mut palm = icosphere(Vec3::ZERO, 1.0, 3);
     palm.normals.clear();
     for p in &mut palm.positions {
-        *p = wrist + ahead * (0.045 + 0.052 * p.x) + aside * (0.036 * p.y) + down * (0.014 * p.z);
+        *p = wrist + ahead * (0.045 + 0.052 * p.x) + aside * (0.036 * p.y) + down * (0.017 * p.z);
     }
     let mut parts = vec![palm];
     let lengths = [0.070, 0.080, 0.076, 0.060];

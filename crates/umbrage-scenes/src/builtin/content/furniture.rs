@@ -16,10 +16,6 @@ fn board(low: [f32; 3], high: [f32; 3]) -> Mesh {
 /// Returns a chair whose back is made of spindles.
 pub(super) fn chair() -> Mesh {
     let mut parts = Vec::new();
-    let seat = sheet([1, 1], |u, v| {
-        Vec3::new(0.42 * u - 0.21, 0.45, 0.42 * v - 0.21)
-    });
-    parts.push(seat);
     parts.push(board([-0.22, 0.42, -0.21], [0.22, 0.45, 0.22]));
     for x in [-1.0, 1.0] {
         parts.push(turned_leg(
@@ -160,7 +156,7 @@ pub(super) fn cushion(middle: Vec3, half: Vec3) -> Mesh {
     for p in &mut ball.positions {
         // A point of the unit ball goes part of the way to the box around it.
         let to_box = 1.0 / p.abs().max_element();
-        *p = *p * (0.25 + 0.75 * to_box);
+        *p *= 0.25 + 0.75 * to_box;
         let pillow = 1.0 - 0.12 * (p.x * p.x + p.z * p.z);
         *p = middle + half * *p * Vec3::new(1.0, pillow, 1.0);
     }

@@ -51,8 +51,14 @@ pub(super) fn trim(opening: &Opening) -> Mesh {
     let wide = opening.half + 0.13;
     let middle = 0.5 * (opening.sill + opening.lintel);
     let tall = 0.5 * (opening.lintel - opening.sill);
-    let bar = |x: f32, y: f32, half: [f32; 2]| {
-        box_at(Vec3::new(x, y, -0.19), Vec3::new(half[0], half[1], 0.03))
+    // Level bars are thinner than upright ones, so that no faces coincide where they cross.
+    let upright =
+        |x: f32, half: f32| box_at(Vec3::new(x, middle, -0.19), Vec3::new(half, tall, 0.03));
+    let level = |y: f32, half: f32| {
+        box_at(
+            Vec3::new(0.0, y, -0.19),
+            Vec3::new(opening.half, half, 0.025),
+        )
     };
     let mut parts = vec![
         box_at(
@@ -71,13 +77,13 @@ pub(super) fn trim(opening: &Opening) -> Mesh {
             Vec3::new(0.0, STOREY - 0.07, 0.02),
             Vec3::new(0.5 * PANEL, 0.07, 0.06),
         ),
-        bar(0.0, middle, [0.035, tall]),
-        bar(0.0, opening.sill + 0.03, [opening.half, 0.03]),
-        bar(0.0, opening.lintel - 0.03, [opening.half, 0.03]),
+        upright(0.0, 0.035),
+        level(opening.sill + 0.03, 0.03),
+        level(opening.lintel - 0.03, 0.03),
     ];
     for part in [-1.0, 1.0] {
-        parts.push(bar(part * (opening.half - 0.03), middle, [0.03, tall]));
-        parts.push(bar(0.0, middle + 0.36 * tall * part, [opening.half, 0.018]));
+        parts.push(upright(part * (opening.half - 0.03), 0.03));
+        parts.push(level(middle + 0.36 * tall * part, 0.018));
     }
     merged("trim", parts)
 }

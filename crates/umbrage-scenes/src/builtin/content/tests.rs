@@ -62,7 +62,7 @@ fn each_is_as_large_and_as_shady_as_content_is() {
     }
 }
 
-/// A spot's figure is on a stage; the figure alone is as large as that.
+/// The figure alone, without floor and curtain, has as many triangles as the scene needs.
 #[test]
 fn the_dancer_is_large_without_her_stage() {
     let scene = built("dancer");
@@ -110,7 +110,7 @@ fn shade(scene: &Scene, geometry: &Geometry) -> f32 {
     dark / facing
 }
 
-/// Returns whether light of this kind goes that way backwards: a spot's cone is open there.
+/// Returns whether the light shines from there, given the way to it: a spot does within its cone.
 fn is_reached(light: &Light, to_light: Vec3) -> bool {
     match *light {
         Light::Spot {
