@@ -97,8 +97,8 @@ fn skin() -> Mesh {
         [0.015, 1.62, 0.02, 0.05],
     ]);
     let joints = [
-        icosphere(Vec3::new(-0.165, 1.405, 0.0), 0.054, 4),
-        icosphere(Vec3::new(0.165, 1.405, 0.0), 0.054, 4),
+        icosphere(Vec3::new(-0.155, 1.412, 0.0), 0.048, 4),
+        icosphere(Vec3::new(0.155, 1.412, 0.0), 0.048, 4),
         icosphere(STAFF_WRIST, 0.0225, 3),
         icosphere(OPEN_WRIST, 0.0215, 3),
     ];
