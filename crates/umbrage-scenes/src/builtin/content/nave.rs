@@ -51,12 +51,12 @@ fn lit_by(name: &str, angular_diameter: f32) -> Scene {
     let stage = furnished(walls(Stage::new(name)));
     stage
         .light(Light::Directional {
-            direction: Vec3::new(-0.85, -0.39, -0.26),
+            direction: Vec3::new(-0.85, -0.36, -0.40),
             angular_diameter,
         })
         .shoot(
-            Vec3::new(2.9, 2.1, 16.6),
-            Vec3::new(-2.6, 4.4, -1.0),
+            Vec3::new(2.7, 2.9, 14.8),
+            Vec3::new(-2.4, 3.6, -1.0),
             62.0,
             SIZE,
         )
