@@ -178,8 +178,10 @@ fn faults(scene: &Scene, turn: usize, techniques: &[Arc<dyn ShadowTechnique>]) -
 
 #[test]
 fn default_biases_hold_on_coarse_grids() {
+    // Content is left out: millions of triangles, each drawn by several models of the CPU.
     let scenes: Vec<Scene> = umbrage_scenes::all()
         .iter()
+        .filter(|entry| entry.kind != umbrage_scenes::Kind::Content)
         .map(|entry| (entry.build)())
         .collect();
     let of_scene = |(turn, scene): (usize, &Scene)| faults(scene, turn, &techniques());

@@ -104,7 +104,7 @@ fn cases() -> &'static [Case] {
     static CASES: LazyLock<Vec<Case>> = LazyLock::new(|| {
         let scenes = all()
             .iter()
-            .filter(|entry| entry.kind != Kind::Speed)
+            .filter(|entry| !matches!(entry.kind, Kind::Speed | Kind::Content))
             .map(|entry| (entry.name, (entry.build)()));
         let soft = scenes.filter(|(_, scene)| !scene.lights[0].is_ideal());
         soft.map(|(name, scene)| Case::new(name, scene)).collect()

@@ -3,6 +3,7 @@
 use crate::builtin::{
     causes,
     closed::{area, everywhere, point_like, room, slits},
+    content::{dancer, forest, nave, night_room, street, valley},
     failures::{
         distant, fine, lamps, nothing, penumbrae, relief, rooms, scale, shells, stairs, sunlit,
         volumes,
@@ -67,6 +68,10 @@ const fn failure(
 
 const fn speed(name: &'static str, build: Build, summary: &'static str) -> SceneEntry {
     entry(name, Kind::Speed, build, summary).by_name_only()
+}
+
+const fn content(name: &'static str, build: Build, summary: &'static str) -> SceneEntry {
+    entry(name, Kind::Content, build, summary).by_name_only()
 }
 
 impl SceneEntry {
@@ -165,6 +170,19 @@ const ALL: &[SceneEntry] = &[
     speed("statue", statue::statue, "a model of 69,000 triangles"),
     speed("town", town::town, "10,000 boxes along streets"),
     speed("terrain", terrain::terrain, "hills of a million triangles"),
+
+    content("nave", nave::nave, "a church from inside, the sun in its windows"),
+    content("nave-soft", nave::nave_soft, "the nave under a wide sun"),
+    content("street", street::street, "a street of a town, the sun low"),
+    content("street-soft", street::street_soft, "the street under a hazy sun"),
+    content("forest", forest::forest, "a path through a wood in the sun"),
+    content("forest-soft", forest::forest_soft, "the forest under a wide sun"),
+    content("valley", valley::valley, "2 km of land with poles, huts and firs, the sun low"),
+    content("valley-soft", valley::valley_soft, "the valley under a wide sun"),
+    content("dancer", dancer::dancer, "a dancer on a stage under a spot"),
+    content("dancer-soft", dancer::dancer_soft, "the dancer under a large spot"),
+    content("night-room", night_room::night_room, "a furnished room by night under three lamps"),
+    content("night-room-soft", night_room::night_room_soft, "the room under lamps with extents"),
 ];
 
 #[cfg(test)]

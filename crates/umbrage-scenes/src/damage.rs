@@ -1,6 +1,6 @@
 //! Damaged copies of a text, for tests of parsers.
 
-use crate::builtin::speed::noise::hash;
+use crate::builtin::noise::hash;
 use umbrage_core::glam::IVec3;
 
 /// What is put in place of something else: whatever parsers stumble over.

@@ -35,6 +35,8 @@ pub enum Kind {
     Failure(Failure),
     /// Big: to measure speed.
     Speed,
+    /// As in games and films: much of everything, near and far.
+    Content,
 }
 
 /// The ways to fail that built-in scenes provoke. The numbers are those of the project's catalogue of failures.
@@ -112,6 +114,7 @@ impl std::fmt::Display for Kind {
             Self::Cause => f.write_str("cause"),
             Self::Failure(failure) => write!(f, "failure {}", failure.row()),
             Self::Speed => f.write_str("speed"),
+            Self::Content => f.write_str("content"),
         }
     }
 }

@@ -1,7 +1,8 @@
 //! Scenes for umbrage: built in, from scene files, from models.
 //!
 //! * **Built in**: [`all`] lists them and [`find`] finds one by name. Those of [`Kind::ClosedForm`] bring points whose
-//!   visibility a formula tells; those of [`Kind::Failure`] provoke a known weakness; [`Kind::Speed`] is for timing.
+//!   visibility a formula tells; those of [`Kind::Failure`] provoke a known weakness; [`Kind::Speed`] is for timing;
+//!   [`Kind::Content`] is as what games and films show.
 //! * **A scene file** (`.toml`) or **a model** (`.obj`): [`load`].
 //! * **Either**: [`by_argument`], for command lines.
 //!

@@ -2,8 +2,10 @@
 
 pub(crate) mod causes;
 pub(crate) mod closed;
+pub(crate) mod content;
 pub(crate) mod failures;
 pub(crate) mod figure;
+pub(crate) mod noise;
 pub(crate) mod speed;
 pub(crate) mod teapot;
 pub(crate) mod textbook;

@@ -1,7 +1,7 @@
 //! A brick wall: colour, relief, and the normals that fit the relief.
 
 use super::{Look, texture, textured};
-use crate::builtin::speed::noise::uniform;
+use crate::builtin::noise::uniform;
 use umbrage_core::glam::{IVec3, Vec2, Vec3};
 use umbrage_core::{Displacement, Material, Texture};
 

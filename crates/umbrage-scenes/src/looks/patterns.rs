@@ -1,7 +1,7 @@
 //! Flat patterns.
 
 use super::{Look, texture, textured};
-use crate::builtin::speed::noise::{fractal, uniform};
+use crate::builtin::noise::{fractal, uniform};
 use umbrage_core::glam::{IVec3, Vec2, Vec3};
 
 const SIDE: u32 = 128;

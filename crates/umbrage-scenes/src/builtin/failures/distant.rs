@@ -2,7 +2,7 @@
 
 use super::SMALL;
 use crate::{
-    builtin::speed::noise::fractal,
+    builtin::noise::fractal,
     primitives::{block, grid, icosphere, pillar},
     stage::{Stage, bulb, sun},
 };

@@ -2,7 +2,7 @@
 
 use super::SMALL;
 use crate::{
-    builtin::speed::noise::uniform,
+    builtin::noise::uniform,
     looks::matte,
     primitives::{block, grid, lathe, on_circle, pillar, quad, tube},
     stage::Stage,

@@ -2,7 +2,7 @@
 
 use super::SMALL;
 use crate::{
-    builtin::speed::{self, noise::uniform},
+    builtin::{noise::uniform, speed},
     framing::Shot,
     primitives::{block, grid, icosphere, pillar, quad},
     stage::{Stage, bulb, sun},

@@ -1,7 +1,6 @@
 //! Big scenes, to measure speed.
 
 pub(crate) mod hall;
-pub(crate) mod noise;
 pub(crate) mod statue;
 pub(crate) mod terrain;
 pub(crate) mod town;

@@ -1,7 +1,8 @@
 //! One dense model.
 
-use super::{SIZE, noise::fractal};
+use super::SIZE;
 use crate::{
+    builtin::noise::fractal,
     primitives::{lathe, on_circle, pillar},
     stage::{Stage, sun},
 };

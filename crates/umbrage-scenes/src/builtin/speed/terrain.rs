@@ -1,7 +1,8 @@
 //! A million triangles of hills.
 
-use super::{SIZE, noise::fractal};
+use super::SIZE;
 use crate::{
+    builtin::noise::fractal,
     primitives::grid,
     stage::{Stage, sun},
 };

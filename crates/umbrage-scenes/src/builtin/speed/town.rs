@@ -1,7 +1,8 @@
 //! Ten thousand boxes along streets.
 
-use super::{SIZE, noise::uniform};
+use super::SIZE;
 use crate::{
+    builtin::noise::uniform,
     primitives::{block, grid},
     stage::{Stage, sun},
 };

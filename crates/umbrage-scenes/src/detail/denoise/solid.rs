@@ -1,7 +1,7 @@
 //! Shapes whose clean surface a formula tells, and noise on them.
 
 use crate::{
-    builtin::speed::noise::uniform,
+    builtin::noise::uniform,
     primitives::{mapped, octasphere, torus},
 };
 use umbrage_core::glam::{IVec3, Vec3};
