@@ -2,11 +2,6 @@
 //! follows one receiver at a time. The arithmetic is that of [`coord`](crate::shadow_map::coord), whose functions are inlined into
 //! loops over arrays.
 
-#![expect(
-    clippy::needless_range_loop,
-    reason = "one index into many arrays: that is what compilers turn into vector lanes"
-)]
-
 use crate::shadow_map::{
     coord::{
         ShadowCoord, clip_w, is_covered, offset_along_normal, plane_gradient, point_over_w,
