@@ -134,20 +134,11 @@ pub(crate) struct ReceiverLanes {
 }
 
 impl ReceiverLanes {
-    /// Returns those of a batch's first `count` receivers that the map covers and for which `place_kernel` returns a placement.
-    ///
-    /// `size` is the map's side, texels.
-    /// `place_kernel` takes a receiver's place on the map and its index in the batch.
-    /// It is called in the order of the batch, and the receivers keep that order.
+    /// Returns lanes without receivers.
     #[inline(always)]
-    pub(crate) fn from_batch(
-        batch: &Batch,
-        count: usize,
-        size: i32,
-        mut place_kernel: impl FnMut(&ShadowCoord, usize) -> Option<KernelPlacement>,
-    ) -> Self {
+    pub(crate) fn none() -> Self {
         let zero = [0.0; BATCH];
-        let mut receivers = Self {
+        Self {
             count: 0,
             depth: zero,
             axes: AxisLanes::zero(),
@@ -160,20 +151,21 @@ impl ReceiverLanes {
             gradient_y: zero,
             deepest: zero,
             layer_start: [0; BATCH],
-        };
-        for batch_index in 0..count.min(BATCH) {
-            let l = batch.lookup(batch_index);
-            if l.covered
-                && let Some(placement) = place_kernel(&l, batch_index)
-            {
-                receivers.push(&l, batch_index, size, placement);
-            }
         }
-        receivers
     }
 
+    /// Adds a receiver: its place on the map, its index in the batch and the placement of its kernel. `size` is the map's side,
+    /// texels.
+    ///
+    /// Panics if there are [`BATCH`] already.
     #[inline(always)]
-    fn push(&mut self, l: &ShadowCoord, batch_index: usize, size: i32, placement: KernelPlacement) {
+    pub(crate) fn push(
+        &mut self,
+        l: &ShadowCoord,
+        batch_index: usize,
+        size: i32,
+        placement: KernelPlacement,
+    ) {
         let i = self.count;
         self.batch_index[i] = batch_index;
         self.layer_start[i] = (l.layer * size * size) as u32;
@@ -335,8 +327,22 @@ impl Comparisons<'_> {
     #[inline(always)]
     fn load(&self, indices: &Lanes<u32>, count: usize) -> Lanes<f32> {
         let mut stored = [0.0; BATCH];
-        for (stored, &index) in stored.iter_mut().zip(indices).take(count) {
-            *stored = self.map.depth(index as usize).unwrap_or(OUTSIDE_DEPTH);
+        let lanes = stored.iter_mut().zip(indices).take(count);
+        // Two loops: asking in each lane whether the map is packed takes longer than reading it.
+        if self.map.packed {
+            for (stored, &index) in lanes {
+                *stored = self
+                    .map
+                    .packed_depth(index as usize)
+                    .unwrap_or(OUTSIDE_DEPTH);
+            }
+        } else {
+            for (stored, &index) in lanes {
+                *stored = self
+                    .map
+                    .plain_depth(index as usize)
+                    .unwrap_or(OUTSIDE_DEPTH);
+            }
         }
         stored
     }

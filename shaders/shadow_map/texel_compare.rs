@@ -74,12 +74,15 @@ impl<'a> DepthMap<'a> {
         layer as usize * self.size as usize * self.size as usize
     }
 
-    /// Returns the depth at a texel of the map, by its place among all texels; `None` beyond the last.
+    /// Returns the depth at a texel of the map, by its place among all texels; `None` beyond the last. The map is not packed.
     #[inline(always)]
-    pub fn depth(&self, index: usize) -> Option<f32> {
-        if !self.packed {
-            return self.texels.get(index).copied();
-        }
+    pub(crate) fn plain_depth(&self, index: usize) -> Option<f32> {
+        self.texels.get(index).copied()
+    }
+
+    /// As [`plain_depth`](Self::plain_depth), of a packed map.
+    #[inline(always)]
+    pub(crate) fn packed_depth(&self, index: usize) -> Option<f32> {
         let channels = self.texels.get(4 * index..)?.first_chunk()?;
         Some(unpack_depth(Vec4::from_array(*channels)))
     }

@@ -315,9 +315,13 @@ impl SimdTask for DiscBatch<'_> {
         } = self;
         let comparisons = &disc.comparisons;
         let size = comparisons.map.size;
-        let receivers = ReceiverLanes::from_batch(batch, out.len(), size, |_, batch_index| {
-            Some(disc.placement(first + batch_index))
-        });
+        let mut receivers = ReceiverLanes::none();
+        for batch_index in 0..out.len() {
+            let l = batch.lookup(batch_index);
+            if l.covered {
+                receivers.push(&l, batch_index, size, disc.placement(first + batch_index));
+            }
+        }
         // Receivers that the map does not cover are lit.
         out.fill(1.0);
         let set = &disc.kernel.pattern.sets[0];

@@ -403,15 +403,20 @@ impl SimdTask for SearchBatch<'_> {
         for (batch_index, out) in out.iter_mut().enumerate() {
             *out = search.share(first + batch_index);
         }
-        let count = out.len();
         let size = comparisons.map.size;
         let mut bounds = BoundsLanes::new();
-        let receivers = ReceiverLanes::from_batch(batch, count, size, |l, batch_index| {
-            let (placement, its_bounds) =
-                search.placement(l, first + batch_index, out[batch_index])?;
-            bounds.push(&its_bounds);
-            Some(placement)
-        });
+        let mut receivers = ReceiverLanes::none();
+        for (batch_index, &share) in out.iter().enumerate() {
+            let l = batch.lookup(batch_index);
+            if !l.covered {
+                continue;
+            }
+            if let Some((placement, its_bounds)) = search.placement(&l, first + batch_index, share)
+            {
+                bounds.push(&its_bounds);
+                receivers.push(&l, batch_index, size, placement);
+            }
+        }
         let mean = mean_nearer(&comparisons, &receivers, &bounds, &pattern.sets[0]);
         let counts = count_taps(&comparisons, &receivers, &bounds, &mean, &pattern.sets[1]);
         for i in 0..receivers.count {
