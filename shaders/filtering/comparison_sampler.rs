@@ -53,7 +53,10 @@ pub(crate) struct Axis {
 }
 
 /// A square of `N` by `N` samples whose neighbours lie about `STRIDE` texels apart.
-pub(crate) struct Samples<'a, const N: usize, const STRIDE: usize> {
+///
+/// `FOLLOWS_PLANE` is whether the depth compared follows the receiver's plane, so that it differs from sample to sample.
+/// It is a constant, since the loop for one case slows the other down where both are compiled into one function.
+pub(crate) struct Samples<'a, const N: usize, const STRIDE: usize, const FOLLOWS_PLANE: bool> {
     pub(crate) map: DepthMap<'a>,
 }
 
@@ -87,21 +90,40 @@ fn blend_row(left_lit: bool, right_lit: bool, weight: f32) -> f32 {
     right + left
 }
 
-impl<const N: usize, const STRIDE: usize> Samples<'_, N, STRIDE> {
+impl<const N: usize, const STRIDE: usize, const FOLLOWS_PLANE: bool>
+    Samples<'_, N, STRIDE, FOLLOWS_PLANE>
+{
     /// Returns the weighted sum of the samples' answers, 0 to the sum of all weights.
     #[inline(always)]
     pub(crate) fn sum(&self, l: &ShadowCoord, x: &Axis, y: &Axis) -> f32 {
-        self.in_lanes(l, x, y)
-            .unwrap_or_else(|| self.one_by_one(l, x, y))
+        if FOLLOWS_PLANE || N == 1 {
+            return self.one_by_one(l, x, y);
+        }
+        match self.in_lanes(l, x, y) {
+            Some(sum) => sum,
+            None => self.one_by_one_apart(l, x, y),
+        }
+    }
+
+    /// As [`one_by_one`](Self::one_by_one), not inlined, for the few that need it: those at the map's edge.
+    #[inline(never)]
+    fn one_by_one_apart(&self, l: &ShadowCoord, x: &Axis, y: &Axis) -> f32 {
+        self.one_by_one(l, x, y)
     }
 
     /// Returns the sum, sample by sample in the order of the shader's loop.
+    ///
+    /// Always inlined: by itself it would be compiled without the instructions for `floor` and `mul_add`, as calls.
+    #[inline(always)]
     fn one_by_one(&self, l: &ShadowCoord, x: &Axis, y: &Axis) -> f32 {
+        let columns = x.at.map(|at| texel_pair(at, self.map.size));
+        let rows = y.at.map(|at| texel_pair(at, self.map.size));
         let mut lit = 0.0;
         for i in 0..N {
             let mut column = 0.0;
             for j in 0..N {
-                column += y.weight[j] * sampled(&self.map, l, Vec2::new(x.at[i], y.at[j]));
+                let at = Vec2::new(x.at[i], y.at[j]);
+                column += y.weight[j] * sampled_between(&self.map, l, at, columns[i], rows[j]);
             }
             lit += x.weight[i] * column;
         }
@@ -112,7 +134,7 @@ impl<const N: usize, const STRIDE: usize> Samples<'_, N, STRIDE> {
     /// own.
     #[inline(always)]
     fn in_lanes(&self, l: &ShadowCoord, x: &Axis, y: &Axis) -> Option<f32> {
-        if N == 1 || l.gradient != Vec2::ZERO || l.depth > 1.0 {
+        if l.gradient != Vec2::ZERO || l.depth > 1.0 {
             return None;
         }
         let texels = self.map.layer(l.layer)?;
@@ -182,9 +204,15 @@ fn compare_row<const STRIDE: usize>(
     }))
 }
 
-/// Returns the answer of one sample, 0..=1, that lies `at` texels from the map's top left corner.
+/// Returns the answer of one sample, 0..=1, that lies `at` texels from the map's top left corner, between these columns and rows.
 #[inline(always)]
-pub(crate) fn sampled(map: &DepthMap<'_>, l: &ShadowCoord, at: Vec2) -> f32 {
+fn sampled_between(
+    map: &DepthMap<'_>,
+    l: &ShadowCoord,
+    at: Vec2,
+    columns: TexelPair,
+    rows: TexelPair,
+) -> f32 {
     let depth = reference_depth(
         l.depth,
         l.gradient,
@@ -196,8 +224,6 @@ pub(crate) fn sampled(map: &DepthMap<'_>, l: &ShadowCoord, at: Vec2) -> f32 {
     if !map.clamped && (at.x < 0.5 || at.y < 0.5 || at.x > last || at.y > last) {
         return sampled_at_rim(map, l.layer, at, depth);
     }
-    let columns = texel_pair(at.x, map.size);
-    let rows = texel_pair(at.y, map.size);
     let top_left = is_lit(map, columns.low, rows.low, l.layer, depth);
     let top_right = is_lit(map, columns.high, rows.low, l.layer, depth);
     let bottom_left = is_lit(map, columns.low, rows.high, l.layer, depth);

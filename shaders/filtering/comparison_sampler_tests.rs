@@ -252,7 +252,7 @@ fn same<const N: usize, const STRIDE: usize>(map: DepthMap<'_>, l: &ShadowCoord)
             }
         }),
     };
-    let samples = Samples::<N, STRIDE> { map };
+    let samples = Samples::<N, STRIDE, false> { map };
     let x = axis(l.texel.x);
     let y = axis(l.texel.y);
     let lanes = samples.in_lanes(l, &x, &y);

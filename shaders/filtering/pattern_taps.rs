@@ -12,7 +12,7 @@
 
 use crate::{
     filtering::sample_pattern::{PatternShape, PatternTable, TapSet, affine, noise_index, wrapped},
-    lanes::batch::{BATCH, Batch, Lanes},
+    lanes::batch::{BATCH, Lanes},
     shadow_map::{coord::ShadowCoord, texel_compare::DepthMap},
 };
 use glam::{UVec2, Vec2, Vec4};

@@ -223,13 +223,11 @@ impl Kernel for HardwareKernel {
 impl ReceiveKernel for HardwareKernel {
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
         let HardwareUniforms { lookup, samples } = self.0;
-        let map = lookup.map(&inputs.images[0]);
-        let simd = inputs.simd;
         match samples {
-            1 => look_up_span(simd, &lookup, span, out, &SquareOfSamples::<1> { map }),
-            2 => look_up_span(simd, &lookup, span, out, &SquareOfSamples::<2> { map }),
-            3 => look_up_span(simd, &lookup, span, out, &SquareOfSamples::<3> { map }),
-            _ => look_up_span(simd, &lookup, span, out, &SquareOfSamples::<4> { map }),
+            1 => look_up_square::<1>(&lookup, inputs, span, out),
+            2 => look_up_square::<2>(&lookup, inputs, span, out),
+            3 => look_up_square::<3>(&lookup, inputs, span, out),
+            _ => look_up_square::<4>(&lookup, inputs, span, out),
         }
     }
 
@@ -238,15 +236,32 @@ impl ReceiveKernel for HardwareKernel {
     }
 }
 
-struct SquareOfSamples<'a, const N: usize> {
+/// Fills `out` with the visibilities of squares of `N` by `N` samples.
+fn look_up_square<const N: usize>(
+    lookup: &ShadowMapUniforms,
+    inputs: &Inputs<'_>,
+    span: &Span<'_>,
+    out: &mut [f32],
+) {
+    let map = lookup.map(&inputs.images[0]);
+    if lookup.layers[0].follows_plane() {
+        let taps = SquareOfSamples::<N, true> { map };
+        look_up_span(inputs.simd, lookup, span, out, &taps);
+    } else {
+        let taps = SquareOfSamples::<N, false> { map };
+        look_up_span(inputs.simd, lookup, span, out, &taps);
+    }
+}
+
+struct SquareOfSamples<'a, const N: usize, const FOLLOWS_PLANE: bool> {
     map: DepthMap<'a>,
 }
 
-impl<const N: usize> Taps for SquareOfSamples<'_, N> {
+impl<const N: usize, const FOLLOWS_PLANE: bool> Taps for SquareOfSamples<'_, N, FOLLOWS_PLANE> {
     #[inline(always)]
     fn visibility(&self, l: &ShadowCoord, _: usize) -> f32 {
         let side = N as f32;
-        let samples = Samples::<N, 1> { map: self.map };
+        let samples = Samples::<N, 1, FOLLOWS_PLANE> { map: self.map };
         samples.sum(l, &axis::<N>(l.texel.x), &axis::<N>(l.texel.y)) / (side * side)
     }
 }

@@ -202,17 +202,10 @@ impl Kernel for MergedKernel {
 
 impl ReceiveKernel for MergedKernel {
     fn receive(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
-        let MergedUniforms {
-            lookup,
-            rows,
-            samples,
-        } = self.0;
-        let map = lookup.map(&inputs.images[0]);
-        let simd = inputs.simd;
-        match samples {
-            2 => look_up_span(simd, &lookup, span, out, &MergedTaps::<2> { map, rows }),
-            3 => look_up_span(simd, &lookup, span, out, &MergedTaps::<3> { map, rows }),
-            _ => look_up_span(simd, &lookup, span, out, &MergedTaps::<4> { map, rows }),
+        match self.0.samples {
+            2 => self.look_up::<2>(inputs, span, out),
+            3 => self.look_up::<3>(inputs, span, out),
+            _ => self.look_up::<4>(inputs, span, out),
         }
     }
 
@@ -221,12 +214,28 @@ impl ReceiveKernel for MergedKernel {
     }
 }
 
-struct MergedTaps<'a, const N: usize> {
+impl MergedKernel {
+    /// Fills `out` with the visibilities of filters of `N` by `N` samples.
+    fn look_up<const N: usize>(&self, inputs: &Inputs<'_>, span: &Span<'_>, out: &mut [f32]) {
+        let lookup = &self.0.lookup;
+        let rows = self.0.rows;
+        let map = lookup.map(&inputs.images[0]);
+        if lookup.layers[0].follows_plane() {
+            let taps = MergedTaps::<N, true> { map, rows };
+            look_up_span(inputs.simd, lookup, span, out, &taps);
+        } else {
+            let taps = MergedTaps::<N, false> { map, rows };
+            look_up_span(inputs.simd, lookup, span, out, &taps);
+        }
+    }
+}
+
+struct MergedTaps<'a, const N: usize, const FOLLOWS_PLANE: bool> {
     map: DepthMap<'a>,
     rows: [Vec4; 4],
 }
 
-impl<const N: usize> Taps for MergedTaps<'_, N> {
+impl<const N: usize, const FOLLOWS_PLANE: bool> Taps for MergedTaps<'_, N, FOLLOWS_PLANE> {
     #[inline(always)]
     fn visibility(&self, l: &ShadowCoord, _: usize) -> f32 {
         let x = axis::<N>(&self.rows, l.texel.x);
@@ -240,7 +249,7 @@ impl<const N: usize> Taps for MergedTaps<'_, N> {
         for weight in &x.weight[..N] {
             total += weight * column_total;
         }
-        let samples = Samples::<N, 2> { map: self.map };
+        let samples = Samples::<N, 2, FOLLOWS_PLANE> { map: self.map };
         let lit = samples.sum(l, &x, &y);
         // Rounding may carry the quotient above 1.
         (lit / total).min(1.0)
