@@ -24,6 +24,8 @@ pub struct TechniqueEntry {
     pub preset: fn() -> TechniquePreset,
     /// The settings worth comparing, for the given map sides (texels) and fit: [`ListedTechnique::compared`].
     pub settings: fn(map_sizes: &[u32], fit: Fit) -> ConfiguredTechniques,
+    /// The few settings that stand for it, for the given map sides (texels) and fit: [`ListedTechnique::headline`].
+    pub headline: fn(map_sizes: &[u32], fit: Fit) -> ConfiguredTechniques,
     /// Every setting that differs in code path, at one map side (texels): [`ListedTechnique::exhaustive`].
     pub exhaustive: fn(map_size: u32) -> ConfiguredTechniques,
     /// What a planner tries: [`ListedTechnique::candidates`].
@@ -61,6 +63,7 @@ impl TechniqueEntry {
             has_map: default.map().is_some(),
             preset: || TechniquePreset::from(T::default()),
             settings: |map_sizes, fit| erased(T::compared(map_sizes, fit)),
+            headline: |map_sizes, fit| erased(T::headline(map_sizes, fit)),
             exhaustive: |map_size| erased(T::exhaustive(map_size)),
             candidates: |map, light| {
                 let candidates = T::candidates(map, light).into_iter();

@@ -92,6 +92,17 @@ pub trait ListedTechnique:
         sweeps::sweep(map_sizes, fit, &[bias], |map| default.clone().with_map(map))
     }
 
+    /// The few settings that stand for it where frames of real size are compared: those that a program would begin with.
+    ///
+    /// By default the default settings, on the middle map.
+    fn headline(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
+        let default = Self::default();
+        let Some(bias) = default.map().map(|map| map.bias) else {
+            return vec![default];
+        };
+        sweeps::middle(map_sizes, fit, &[bias], |map| default.clone().with_map(map))
+    }
+
     /// Every setting that differs in code path, on maps of one small side (texels), for tests.
     ///
     /// By default the default settings, with every bias.

@@ -79,6 +79,10 @@ impl ListedTechnique for Hard {
         out
     }
 
+    fn headline(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
+        sweeps::sweep(map_sizes, fit, &[Bias::ADAPTIVE], |map| Self { map })
+    }
+
     fn exhaustive(map_size: u32) -> Vec<Self> {
         let mut out = sweeps::every_bias(map_size, |map| Self { map });
         out.extend(sweeps::kinds_of_map(map_size).map(|map| Self { map }));

@@ -96,6 +96,17 @@ impl ListedTechnique for Pcf {
         out
     }
 
+    fn headline(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
+        let bias = [Bias::ADAPTIVE];
+        let larger = &map_sizes[map_sizes.len() / 2..];
+        let mut out = sweeps::maps(larger, fit, &bias, |map| Self { map, radius: 1 });
+        out.extend(sweeps::middle(map_sizes, fit, &bias, |map| Self {
+            map,
+            radius: 3,
+        }));
+        out
+    }
+
     fn exhaustive(map_size: u32) -> Vec<Self> {
         let mut out = Vec::new();
         for radius in [0, 1, 2, 3, 6] {

@@ -197,6 +197,17 @@ impl ListedTechnique for Pcss {
         out
     }
 
+    fn headline(map_sizes: &[u32], fit: Fit) -> Vec<Self> {
+        let usual = Self::default();
+        let many = Self::with_taps(32, 64);
+        let bias = [Bias::ADAPTIVE];
+        let mut out = sweeps::sweep(map_sizes, fit, &bias, |map| usual.with_map(map));
+        out.extend(sweeps::middle(map_sizes, fit, &bias, |map| {
+            many.with_map(map)
+        }));
+        out
+    }
+
     fn exhaustive(map_size: u32) -> Vec<Self> {
         let default = Self::default();
         let mut out = sweeps::every_bias(map_size, |map| default.with_map(map));

@@ -115,6 +115,10 @@ impl ListedTechnique for Traced {
         [1, 4, 32].map(|samples| Self { samples }).to_vec()
     }
 
+    fn headline(_: &[u32], _: Fit) -> Vec<Self> {
+        vec![Self { samples: 4 }]
+    }
+
     fn exhaustive(_: u32) -> Vec<Self> {
         vec![Self { samples: 3 }]
     }

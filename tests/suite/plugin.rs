@@ -99,11 +99,8 @@ fn a_users_technique_is_compared_as_ours_are() {
         runs: None,
         ..compare::CompareOptions::quick()
     };
-    let input = SceneInput {
-        scene: umbrage::scenes::by_argument("cubes").expect("a built-in scene"),
-        summary: String::new(),
-        fit: None,
-    };
+    let scene = umbrage::scenes::by_argument("cubes").expect("a built-in scene");
+    let input = SceneInput::new(scene, "");
     let mut backends = Backends::of(vec![Box::new(Cpu::new())]);
     let sink = &mut |_: &_, _: &_| Ok(());
     let compared = compare::compare(&[input], &options, &mut backends, sink, &|_| ());

@@ -30,9 +30,8 @@ fn compared(scenes: &[&str], backends: &mut Backends) -> Comparison {
         }
     };
     let input = |e: &umbrage_scenes::SceneEntry| SceneInput {
-        scene: (e.build)(),
-        summary: String::new(),
         fit: e.fit,
+        ..SceneInput::new((e.build)(), "")
     };
     let inputs: Vec<SceneInput> = umbrage_scenes::all()
         .iter()

@@ -8,14 +8,16 @@ use crate::{
 use crate::{cost, inputs, progress::Progress, table};
 use anyhow::{Result, bail};
 use std::path::Path;
-use umbrage_core::{Backend, Invalid, glam::UVec2};
+use umbrage_core::{Backend, Invalid, Scene, glam::UVec2};
 use umbrage_lab::{
     baseline::{Changes, Except, apart, changes, read, time_again},
     compare::{
-        Backends, CompareEvent, CompareOptions, Comparison, Runs, SceneInput, compare as run,
+        Backends, CompareEvent, CompareOptions, Comparison, Motion, Runs, SceneInput, Section,
+        compare as run,
     },
     report::{ComparisonPlan, Report},
 };
+use umbrage_scenes::{Kind, SceneEntry};
 
 /// Compares, prints and reports; errors if backends disagree, a control has no effect, or something got worse.
 pub(crate) fn compare(program: &Program, arguments: &CompareArguments) -> Result<()> {
@@ -26,8 +28,8 @@ pub(crate) fn compare(program: &Program, arguments: &CompareArguments) -> Result
         Some(path) => Some(read_baseline(path, &out, &except).map_err(|e| Usage(e.to_string()))?),
         None => None,
     };
-    let inputs = scenes(program, &arguments.scenes)?;
     let options = options_of(program, arguments)?;
+    let inputs = scenes(program, arguments)?;
     let places = places(inputs.len(), arguments.shard)?;
     let mut backends = inputs::open(arguments.backend, arguments.adapter.as_ref())?;
     for line in &backends.notices {
@@ -260,31 +262,65 @@ pub(crate) fn verdict(comparison: &Comparison) -> Result<()> {
     )
 }
 
-/// Returns the scenes named, or the suite.
-fn scenes(program: &Program, names: &[String]) -> Result<Vec<SceneInput>> {
-    if names.is_empty() {
-        let mut suite = Vec::new();
-        for entry in umbrage_scenes::all().iter().filter(|e| e.suite) {
-            suite.push(SceneInput {
-                scene: (entry.build)(),
-                summary: entry.summary.to_owned(),
-                fit: entry.fit,
-            });
-        }
-        return Ok(suite);
+/// Returns the scenes named, or the suite: frames of real size, then checks.
+fn scenes(program: &Program, arguments: &CompareArguments) -> Result<Vec<SceneInput>> {
+    let content = Box::new(content_options(program, arguments));
+    if !arguments.scenes.is_empty() {
+        let named = arguments.scenes.iter();
+        return named.map(|name| scene(program, name, &content)).collect();
     }
-    names.iter().map(|name| scene(program, name)).collect()
+    let is_content = |entry: &&SceneEntry| entry.kind == Kind::Content;
+    let all = umbrage_scenes::all().iter();
+    let checks = all.clone().filter(|entry| entry.suite);
+    let mut suite = Vec::new();
+    for entry in all.filter(is_content).chain(checks) {
+        suite.push(of_entry((entry.build)(), entry, &content));
+    }
+    Ok(suite)
 }
 
-fn scene(program: &Program, name: &str) -> Result<SceneInput> {
-    let entry = umbrage_scenes::find(name);
-    let summary = entry.map_or(String::new(), |e| e.summary.to_owned());
-    let fit = entry.and_then(|e| e.fit);
-    Ok(SceneInput {
-        scene: inputs::scene(program, name)?,
-        summary,
-        fit,
+fn scene(program: &Program, name: &str, content: &CompareOptions) -> Result<SceneInput> {
+    let scene = inputs::scene(program, name)?;
+    Ok(match umbrage_scenes::find(name) {
+        Some(entry) => of_entry(scene, entry, content),
+        None => SceneInput {
+            section: Section::Content,
+            ..SceneInput::new(scene, "")
+        },
     })
+}
+
+/// Returns a built-in scene with what its entry says of it. Frames of real size have options of their own.
+fn of_entry(scene: Scene, entry: &SceneEntry, content: &CompareOptions) -> SceneInput {
+    let check = SceneInput {
+        fit: entry.fit,
+        ..SceneInput::new(scene, entry.summary)
+    };
+    if entry.kind != Kind::Content {
+        return check;
+    }
+    SceneInput {
+        section: Section::Content,
+        options: Some(Box::new(content.clone())),
+        ..check
+    }
+}
+
+/// Returns the options of the built-in frames of real size.
+fn content_options(program: &Program, arguments: &CompareArguments) -> CompareOptions {
+    let mut out = if arguments.quick {
+        CompareOptions::quick_content()
+    } else {
+        CompareOptions::content()
+    };
+    if arguments.full {
+        out.truth.block_side = 1;
+        out.map_sizes = vec![1024, 2048, 4096];
+    }
+    // Whoever names a scene wants to see all of it.
+    out.headline = !arguments.full && arguments.scenes.is_empty();
+    set_common(&mut out, program, arguments);
+    out
 }
 
 fn options_of(program: &Program, arguments: &CompareArguments) -> Result<CompareOptions> {
@@ -300,11 +336,22 @@ fn options_of(program: &Program, arguments: &CompareArguments) -> Result<Compare
         ))
         .into());
     }
-    let mut out = if arguments.quick {
+    let is_suite = arguments.scenes.is_empty();
+    let mut out = if arguments.quick || (is_suite && !arguments.full) {
         CompareOptions::quick()
     } else {
         CompareOptions::default()
     };
+    if is_suite && arguments.full {
+        // 1024 rays in penumbra: a standard error well below any technique's, in a quarter of the time.
+        out.truth.samples = 256;
+    }
+    set_common(&mut out, program, arguments);
+    Ok(out)
+}
+
+/// Sets what the command line says of all scenes.
+fn set_common(out: &mut CompareOptions, program: &Program, arguments: &CompareArguments) {
     out.registry = program.techniques.clone();
     out.techniques.clone_from(&arguments.techniques);
     out.color = arguments.color;
@@ -314,10 +361,11 @@ fn options_of(program: &Program, arguments: &CompareArguments) -> Result<Compare
     } else {
         arguments.runs.map(Runs::exactly).or(out.runs)
     };
-    if arguments.scenes.is_empty() && !arguments.quick {
-        // 1024 rays in penumbra: a standard error well below any technique's, in a quarter of the time.
-        out.truth.samples = 256;
-    }
+    out.motion = match arguments {
+        _ if arguments.still => Motion::Still,
+        _ if arguments.all_moves => Motion::AllMoves,
+        _ => Motion::CameraMoves,
+    };
     out.truth.samples = arguments.samples.unwrap_or(out.truth.samples);
     if !arguments.map_sizes.is_empty() {
         out.map_sizes.clone_from(&arguments.map_sizes);
@@ -325,5 +373,4 @@ fn options_of(program: &Program, arguments: &CompareArguments) -> Result<Compare
         out.map_sizes.sort_unstable();
         out.map_sizes.dedup();
     }
-    Ok(out)
 }

@@ -6,7 +6,7 @@ use std::time::Duration;
 use umbrage_lab::compare::{Backends, CompareOptions, Expected, SceneInput, pilot};
 
 /// Comparisons of more pixels than this are tried at a small size first, so that nobody waits in vain for one that takes days.
-const MANY_PIXELS: u64 = 1 << 23;
+const MANY_PIXELS: u64 = 1 << 24;
 
 /// Prints how much there is to do and, if it is much, about how long that takes.
 ///

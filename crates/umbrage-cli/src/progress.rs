@@ -12,9 +12,6 @@ use std::{
 };
 use umbrage_lab::compare::CompareEvent;
 
-/// Steps of one scene: half for truth, half for its rows.
-const STEPS: u64 = 2_000;
-
 /// Without a terminal for a bar, a line is printed this often.
 const LOG_INTERVAL: Duration = Duration::from_secs(30);
 
@@ -28,9 +25,11 @@ pub(crate) struct Progress {
 /// How far the comparison is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Position {
-    /// The place of the scene that is compared, from 0.
-    scene: u64,
-    /// Rows of each scene.
+    /// The work of the scenes before the one that is compared.
+    before: u64,
+    /// The work of the one that is compared: half for truth, half for its rows.
+    work: u64,
+    /// Its rows.
     rows: u64,
 }
 
@@ -69,14 +68,15 @@ impl Progress {
             self.bar.set_message(message);
         }
         match event {
-            CompareEvent::Started {
-                scenes,
-                rows_per_scene,
-            } => {
-                self.bar.set_length(scenes as u64 * STEPS);
-                at.rows = rows_per_scene as u64;
+            CompareEvent::Started { work, .. } => self.bar.set_length(work),
+            CompareEvent::Scene { rows, work, .. } => {
+                let before = at.before + at.work;
+                *at = Position {
+                    before,
+                    work,
+                    rows: rows as u64,
+                };
             }
-            CompareEvent::Scene { index, .. } => at.scene = index as u64,
             _ => {}
         }
         // In a log, a line for each scene.
@@ -140,7 +140,7 @@ impl Drop for Repeater {
 /// Returns a line of the log. `done` is the share that is done, 0..=1.
 fn log_line(done: f64, elapsed: Duration, message: &str) -> String {
     let gone = spoken(elapsed);
-    let left = elapsed.as_secs_f64() * (1.0 - done) / done;
+    let left = elapsed.as_secs_f64() * (1.0 - done).max(0.0) / done;
     // The first hundredth is too little to estimate the rest from.
     let rest = if done > 0.01 {
         format!(", about {} to go", spoken(Duration::from_secs_f64(left)))
@@ -166,13 +166,20 @@ fn message(event: CompareEvent<'_>) -> Option<String> {
 
 /// Returns the steps that are done after an event; none if it doesn't change them.
 fn position(at: Position, event: CompareEvent<'_>) -> Option<u64> {
+    let half = at.work / 2;
     let within = match event {
-        CompareEvent::Truth { done, total } => STEPS / 2 * done as u64 / total.max(1) as u64,
-        CompareEvent::Row { index, .. } => STEPS / 2 + STEPS / 2 * index as u64 / at.rows.max(1),
-        CompareEvent::SceneDone { .. } => STEPS,
+        CompareEvent::Truth { done, total } => part(half, done, total),
+        CompareEvent::Row { index, .. } => half + part(half, index, at.rows as usize),
+        CompareEvent::SceneDone { .. } => at.work,
         _ => return None,
     };
-    Some(at.scene * STEPS + within)
+    Some(at.before + within)
+}
+
+/// Returns `done` of `total` parts of some work.
+fn part(work: u64, done: usize, total: usize) -> u64 {
+    let share = done as f64 / total.max(1) as f64;
+    (work as f64 * share) as u64
 }
 
 #[cfg(test)]
@@ -185,10 +192,14 @@ mod tests {
 
     #[test]
     fn truth_is_the_first_half_of_a_scene() {
-        let at = Position { scene: 3, rows: 10 };
+        let at = Position {
+            before: 5000,
+            work: 2000,
+            rows: 10,
+        };
         assert_eq!(
             position(at, CompareEvent::Truth { done: 1, total: 2 }),
-            Some(3 * STEPS + STEPS / 4)
+            Some(5500)
         );
         let row = CompareEvent::Row {
             technique: "",
@@ -196,7 +207,7 @@ mod tests {
             backend: "",
             index: 5,
         };
-        assert_eq!(position(at, row), Some(3 * STEPS + STEPS * 3 / 4));
+        assert_eq!(position(at, row), Some(6500));
     }
 
     /// Nothing happens meanwhile, as while one large row is played.

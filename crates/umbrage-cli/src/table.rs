@@ -1,13 +1,13 @@
 //! Prints a comparison's figures on the terminal.
 
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
-use umbrage_lab::compare::{CompareRow, Measured, RowOutcome, SceneResult};
+use umbrage_lab::compare::{CompareRow, CostBasis, Measured, Motion, RowOutcome, SceneResult};
 use umbrage_plan::{footprint, pareto::front};
 
 /// With more rows than this, only those are printed that no other beats in both time and error.
 const ALL_ROWS: usize = 120;
 
-const HEADER: [&str; 11] = [
+const HEADER: [&str; 12] = [
     "technique",
     "settings",
     "backend",
@@ -15,7 +15,8 @@ const HEADER: [&str; 11] = [
     "false shadow %",
     "false light %",
     "acne %",
-    "ms",
+    "frame ms",
+    "recipe ms",
     "lookup ms",
     "MiB",
     "differing",
@@ -30,8 +31,8 @@ pub(crate) fn print(scenes: &[SceneResult]) {
             .load_style(UTF8_FULL_CONDENSED)
             .set_content_arrangement(ContentArrangement::Dynamic)
             .set_header(HEADER);
-        for row in chosen(&scene.rows, whole) {
-            table.add_row(cells(row));
+        for row in chosen(scene, whole) {
+            table.add_row(cells(row, scene.motion));
         }
         for column in table.column_iter_mut().skip(3) {
             column.set_cell_alignment(CellAlignment::Right);
@@ -80,7 +81,7 @@ fn left_out(rows: &[CompareRow]) -> Option<String> {
     None
 }
 
-fn cells(row: &CompareRow) -> Vec<String> {
+fn cells(row: &CompareRow, motion: Motion) -> Vec<String> {
     let mut cells = vec![
         row.technique.clone(),
         row.settings.clone(),
@@ -88,13 +89,13 @@ fn cells(row: &CompareRow) -> Vec<String> {
     ];
     match &row.outcome {
         RowOutcome::Unsupported { reason } => cells.extend(["-".to_owned(), reason.clone()]),
-        RowOutcome::Measured(measured) => cells.extend(figures(measured)),
+        RowOutcome::Measured(measured) => cells.extend(figures(measured, motion)),
     }
     cells
 }
 
 /// Returns the cells of a row's figures, in the order of [`HEADER`].
-fn figures(m: &Measured) -> [String; 8] {
+fn figures(m: &Measured, motion: Motion) -> [String; 9] {
     let receive = m.times.and_then(|times| times.receive);
     let differing = m.agreement.map(|agreement| agreement.differing);
     [
@@ -102,7 +103,8 @@ fn figures(m: &Measured) -> [String; 8] {
         or_dash(m.errors.map(|e| e.false_shadow), 2),
         or_dash(m.errors.map(|e| e.false_light), 2),
         or_dash(m.errors.map(|e| e.acne), 2),
-        format!("{:.2}", milliseconds(m)),
+        format!("{:.2}", milliseconds(m, motion)),
+        or_dash(m.preparation.map(|p| p.recipe.median), 2),
         or_dash(receive.map(|times| times.median), 2),
         format!("{:.1}", m.bytes as f64 / f64::from(1 << 20)),
         differing.map_or_else(String::new, |pixels| pixels.to_string()),
@@ -114,13 +116,16 @@ fn or_dash(figure: Option<f64>, decimals: usize) -> String {
     figure.map_or_else(|| "-".to_owned(), |figure| format!("{figure:.decimals$}"))
 }
 
-/// Returns the median time; the cost where times weren't measured.
-fn milliseconds(m: &Measured) -> f64 {
-    m.times.map_or(m.cost_ms, |times| times.total.median)
+/// Returns the time of a frame; the cost where times weren't measured.
+fn milliseconds(m: &Measured, motion: Motion) -> f64 {
+    let time = m.milliseconds(CostBasis::Wall, motion);
+    let cost = m.milliseconds(CostBasis::Cost, motion);
+    time.or(cost).unwrap_or(f64::NAN)
 }
 
 /// Returns the rows to print: all, or each backend's Pareto front of time against error.
-fn chosen(rows: &[CompareRow], whole: bool) -> Vec<&CompareRow> {
+fn chosen(scene: &SceneResult, whole: bool) -> Vec<&CompareRow> {
+    let rows = &scene.rows;
     if whole {
         return rows.iter().collect();
     }
@@ -129,18 +134,20 @@ fn chosen(rows: &[CompareRow], whole: bool) -> Vec<&CompareRow> {
     backends.dedup();
     let mut out = Vec::new();
     for backend in backends {
-        let of_backend = rows.iter().filter(|r| r.backend == backend);
-        out.extend(best(of_backend.collect()));
+        let of_backend = rows
+            .iter()
+            .filter(|r| r.backend == backend && r.same_as.is_none());
+        out.extend(best(of_backend.collect(), scene.motion));
     }
     out
 }
 
 /// Returns the rows that no other beats in both time and error.
-fn best(rows: Vec<&CompareRow>) -> Vec<&CompareRow> {
+fn best(rows: Vec<&CompareRow>, motion: Motion) -> Vec<&CompareRow> {
     let mut points = Vec::with_capacity(rows.len());
     for row in &rows {
         points.push(match row.measured() {
-            Some(m) => [milliseconds(m), m.rmse().unwrap_or_default()],
+            Some(m) => [milliseconds(m, motion), m.rmse().unwrap_or_default()],
             None => [f64::NAN; 2],
         });
     }

@@ -38,6 +38,15 @@ pub enum Pixel {
     Ambiguous,
     /// The mask's backend sees another triangle there than truth, as its device moves vertices to another grid.
     Elsewhere,
+    /// Would count, but only a sample of the pixels is judged, and this one is not in it. Truth is a preview there.
+    Unsampled,
+}
+
+impl Pixel {
+    /// Whether the pixel counts, or would if it were in the sample that is judged.
+    pub fn is_candidate(self) -> bool {
+        matches!(self, Self::Counted | Self::Unsampled)
+    }
 }
 
 /// How far a mask is from the truth. Shares are percentages of the counted pixels, 0..=100; all figures are 0 when no
@@ -67,6 +76,12 @@ pub struct Errors {
     /// Pixels left out: the backend sees another triangle there than truth.
     #[serde(default)]
     pub elsewhere: u64,
+    /// Pixels left out: only a sample of the pixels is judged.
+    #[serde(default)]
+    pub unsampled: u64,
+    /// Standard error of `rmse`, as only a sample of the pixels is judged; 0 where all are.
+    #[serde(default)]
+    pub rmse_error: f64,
 }
 
 /// Truth, ready to be compared with many masks.
@@ -116,20 +131,26 @@ impl<'a> ReferenceMask<'a> {
         check("mask", self.size, mask)?;
         let mut out = Errors::default();
         let mut sum_of_squares = 0.0;
+        let mut sum_of_fourth_powers = 0.0;
         for (i, pixel) in self.pixels.iter().enumerate() {
             match pixel {
                 Pixel::Counted => {
                     out.add(mask[i], self.truth[i], self.near_edge[i]);
-                    sum_of_squares += (f64::from(mask[i]) - f64::from(self.truth[i])).powi(2);
+                    let square = (f64::from(mask[i]) - f64::from(self.truth[i])).powi(2);
+                    sum_of_squares += square;
+                    sum_of_fourth_powers += square * square;
                 }
                 Pixel::Empty => {}
                 Pixel::Unlit => out.unlit += 1,
                 Pixel::Ambiguous => out.ambiguous += 1,
                 Pixel::Elsewhere => out.elsewhere += 1,
+                Pixel::Unsampled => out.unsampled += 1,
             }
         }
         let n = out.counted.max(1) as f64;
-        out.rmse = (sum_of_squares / n).sqrt();
+        let mean_square = sum_of_squares / n;
+        out.rmse = mean_square.sqrt();
+        out.rmse_error = out.rmse_error_of(mean_square, sum_of_fourth_powers / n);
         out.mean /= n;
         out.bias /= n;
         for share in [&mut out.false_shadow, &mut out.false_light, &mut out.acne] {
@@ -151,6 +172,20 @@ impl Errors {
         pixels: &[Pixel],
     ) -> Result<Self, Invalid> {
         ReferenceMask::new(size, truth, pixels)?.errors(mask)
+    }
+
+    /// Returns the standard error of the root of `mean_square`, given the mean of the squares' squares: that of a mean of
+    /// `counted` out of a finite number of pixels (Cochran 1977, "Sampling techniques", 2.6), carried through the root to first
+    /// order. Pixels are drawn one from each block, which errs less than pixels drawn at random.
+    fn rmse_error_of(&self, mean_square: f64, mean_fourth_power: f64) -> f64 {
+        if self.unsampled == 0 || mean_square == 0.0 {
+            return 0.0;
+        }
+        let counted = self.counted as f64;
+        let share_left_out = self.unsampled as f64 / (counted + self.unsampled as f64);
+        let variance = (mean_fourth_power - mean_square * mean_square).max(0.0);
+        let error_of_mean = (variance / counted * share_left_out).sqrt();
+        error_of_mean / (2.0 * mean_square.sqrt())
     }
 
     /// Adds one pixel to the sums.

@@ -6,7 +6,9 @@ use std::path::PathBuf;
 
 #[derive(Args, Clone, Debug, PartialEq)]
 #[command(after_help = "Examples:
-  cargo xtask compare                                        the built-in suite
+  cargo xtask compare                                        the built-in suite: frames of real size, then checks
+  cargo xtask compare --full                                 the same with every setting, every pixel judged: hours
+  cargo xtask compare street nave-soft --all-moves           two frames; charts count what is made anew if all moves
   cargo xtask compare --list                                 what there is to compare
   cargo xtask compare cubes --technique pcf --backend cpu    one scene, technique and backend
   cargo xtask compare lamp.toml model.obj --quick            scenes of your own, small and fast
@@ -27,11 +29,11 @@ pub(crate) struct CompareArguments {
     /// Graphics adapter by part of its name, such as llvmpipe
     #[arg(long, value_name = "NAME")]
     pub(crate) adapter: Option<String>,
-    /// Image size in pixels; else each scene's own
+    /// Image size in pixels; else each scene's own (1280x720 for frames of real size)
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub(crate) size: Option<[u32; 2]>,
     /// Sides of the shadow maps, texels, rising; every setting is compared at the middle one, each technique's first at
-    /// all; else 512, 1024 and 2048, or 512 alone with --quick
+    /// all; else 512, 1024 and 2048 (1024 and 2048, with --full 4096, too, for frames of real size), or one with --quick
     #[arg(long, value_name = "SIDE", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=16_384))]
     pub(crate) map_sizes: Vec<u32>,
     /// Truth's rays a pixel for lights with an extent
@@ -46,6 +48,18 @@ pub(crate) struct CompareArguments {
     /// Small images, few samples, few runs: a look rather than a measurement
     #[arg(long)]
     pub(crate) quick: bool,
+    /// Every setting of every technique, and truth at every pixel, on frames of real size, too
+    #[arg(long, conflicts_with = "quick")]
+    pub(crate) full: bool,
+    /// Frames in which nothing moves: charts and tables count the lookup alone
+    #[arg(long, conflicts_with_all = ["camera_moves", "all_moves"])]
+    pub(crate) still: bool,
+    /// Frames in which the camera moves: charts and tables count what is made anew for it (the default)
+    #[arg(long, conflicts_with = "all_moves")]
+    pub(crate) camera_moves: bool,
+    /// Frames in which casters, lights and camera move: charts and tables count all, hierarchies over the triangles included
+    #[arg(long)]
+    pub(crate) all_moves: bool,
     /// Write NumPy arrays of truth, distance and every mask, too
     #[arg(long)]
     pub(crate) arrays: bool,

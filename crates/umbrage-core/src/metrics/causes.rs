@@ -176,8 +176,9 @@ impl Causes {
 /// When sizes differ or a value is not within 0..=1.
 pub fn attribute(mask: &[f32], truth: &TruthImage<'_>) -> Result<Vec<Option<Cause>>, Invalid> {
     check("mask", truth.size, mask)?;
+    // Pixels beside the sample that is judged count here: light spreads over them.
     let is_too_light = |i: usize| {
-        truth.pixels[i] == Pixel::Counted
+        truth.pixels[i].is_candidate()
             && mask[i] > truth.visibility[i]
             && truth.visibility[i] < PENUMBRA
     };
@@ -242,7 +243,7 @@ fn penumbrae(visibility: &[f32], pixels: &[Pixel]) -> Vec<bool> {
     visibility
         .iter()
         .zip(pixels)
-        .map(|(&v, &p)| p == Pixel::Counted && is_penumbra(v))
+        .map(|(&v, &p)| p.is_candidate() && is_penumbra(v))
         .collect()
 }
 

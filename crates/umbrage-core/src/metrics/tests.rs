@@ -228,3 +228,44 @@ fn kernels_may_ask_for_tolerance() {
     };
     assert_eq!([0.0, 0.005, 0.008].map(violations), [1, 1, 0]);
 }
+
+/// The standard error that is told is how far the RMSE of samples scatters.
+#[test]
+fn samples_tell_their_own_error() {
+    let side = 128_u32;
+    let size = UVec2::splat(side);
+    let count = (side * side) as usize;
+    let truth = vec![1.0; count];
+    // Wrong at one pixel in eight, by amounts between 0 and 1.
+    let random = |i: u32| crate::light_sample::seed(i, 7) as f32 / u32::MAX as f32;
+    let mask: Vec<f32> = (0..count as u32)
+        .map(|i| if i % 8 == 0 { random(i) } else { 1.0 })
+        .collect();
+    let all = Errors::measure(size, &mask, &truth, &vec![Pixel::Counted; count]).expect("valid");
+    assert_eq!((all.rmse_error, all.unsampled), (0.0, 0));
+    let mut told = 0.0;
+    let mut squared_errors = 0.0;
+    let draws = 200;
+    for draw in 0..draws {
+        let pixels: Vec<Pixel> = (0..count as u32)
+            .map(|i| {
+                let is_drawn = crate::light_sample::seed(i, 1000 + draw) % 16 == 0;
+                if is_drawn {
+                    Pixel::Counted
+                } else {
+                    Pixel::Unsampled
+                }
+            })
+            .collect();
+        let errors = Errors::measure(size, &mask, &truth, &pixels).expect("valid");
+        assert_eq!(errors.counted + errors.unsampled, count as u64);
+        told += errors.rmse_error / f64::from(draws);
+        squared_errors += (errors.rmse - all.rmse).powi(2) / f64::from(draws);
+    }
+    let found = squared_errors.sqrt();
+    // 200 draws tell a standard deviation within 5 %, at one standard deviation.
+    assert!(
+        (told / found - 1.0).abs() < 0.2,
+        "told {told}, found {found}"
+    );
+}

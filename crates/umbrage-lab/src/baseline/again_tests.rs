@@ -70,11 +70,7 @@ fn stage() -> Stage {
     };
     let input = |name: &str| {
         let scene = (umbrage_scenes::find(name).expect("built in").build)();
-        SceneInput {
-            scene,
-            summary: String::new(),
-            fit: None,
-        }
+        SceneInput::new(scene, "")
     };
     let options = CompareOptions {
         registry: umbrage_techniques::Techniques::built_in(),
@@ -89,6 +85,7 @@ fn stage() -> Stage {
         },
         runs: Some(Runs::exactly(9)),
         color: false,
+        ..CompareOptions::default()
     };
     let player: Box<dyn Backend> = Box::new(Clocked {
         cpu: Cpu::new(),

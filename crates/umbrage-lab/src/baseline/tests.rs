@@ -36,9 +36,7 @@ fn row(backend: &str) -> CompareRow {
         },
         cost_ms: 0.1,
         bytes: 4096,
-        agreement: None,
-        color_differing: None,
-        maps: None,
+        ..Measured::default()
     };
     let outcome = RowOutcome::Measured(Box::new(measured));
     let (technique, settings) = ("pcf".to_owned(), "3x3".to_owned());
@@ -47,6 +45,7 @@ fn row(backend: &str) -> CompareRow {
         technique,
         settings,
         backend: backend.to_owned(),
+        same_as: None,
         outcome,
     }
 }

@@ -62,6 +62,7 @@ fn sample(ratios: Vec<f64>, least_ms: f64) -> RatioSample {
 
 fn row(technique: &str, slug: usize) -> CompareRow {
     CompareRow {
+        same_as: None,
         technique: technique.to_owned(),
         settings: slug.to_string(),
         slug: slug.to_string(),

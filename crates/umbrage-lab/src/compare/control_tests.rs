@@ -22,6 +22,7 @@ fn options(techniques: &[&str]) -> CompareOptions {
         },
         runs: None,
         color: false,
+        ..CompareOptions::default()
     }
 }
 
@@ -37,11 +38,7 @@ fn lit_by(light: Light) -> Scene {
 }
 
 fn compared(scene: Scene, options: &CompareOptions, player: Box<dyn Backend>) -> Comparison {
-    let input = SceneInput {
-        scene,
-        summary: String::new(),
-        fit: None,
-    };
+    let input = SceneInput::new(scene, "");
     compare(
         &[input],
         options,

@@ -7,8 +7,8 @@ pub enum CompareEvent<'a> {
     Started {
         /// How many scenes there are.
         scenes: usize,
-        /// How many rows each scene has.
-        rows_per_scene: usize,
+        /// How much work there is in all: pixels of images times rows, summed over the scenes.
+        work: u64,
     },
     /// A scene begins.
     Scene {
@@ -16,6 +16,10 @@ pub enum CompareEvent<'a> {
         name: &'a str,
         /// Its place, from 0.
         index: usize,
+        /// How many rows it has.
+        rows: usize,
+        /// Its part of the work.
+        work: u64,
     },
     /// Truth advances; comes from any thread.
     Truth {

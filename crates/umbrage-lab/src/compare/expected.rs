@@ -57,8 +57,9 @@ impl Expected {
         };
         for input in inputs {
             let (camera, light) = camera_and_light(&input.scene)?;
-            let pixels = pixels(options.camera(camera).size);
             let rows = settings_of(input, options)?.len() * backends;
+            let options = input.options_or(options);
+            let pixels = pixels(options.camera(camera).size);
             let truth = &options.truth;
             let mut max_samples = 1;
             let mut probe_samples = 1;
@@ -67,10 +68,13 @@ impl Expected {
                 probe_samples = u64::from(truth.probe_samples);
             }
             let rays_a_pixel = max_samples + PROBES * probe_samples;
+            // Of each block of pixels one is judged; all get a preview, which is left out.
+            let block = u64::from(truth.block_side).pow(2).max(1);
+            let judged = pixels.div_ceil(block);
             let bytes_a_pixel = BYTES_A_PIXEL + BYTES_A_MASK * rows as u64;
             out.rows += rows;
             out.pixels += pixels;
-            out.rays = out.rays.saturating_add(pixels.saturating_mul(rays_a_pixel));
+            out.rays = out.rays.saturating_add(judged.saturating_mul(rays_a_pixel));
             out.bytes = out.bytes.max(pixels * bytes_a_pixel);
         }
         Ok(out)
@@ -192,11 +196,7 @@ mod tests {
 
     fn input(name: &str) -> SceneInput {
         let scene = (umbrage_scenes::find(name).expect("built in").build)();
-        SceneInput {
-            scene,
-            summary: String::new(),
-            fit: None,
-        }
+        SceneInput::new(scene, "")
     }
 
     #[test]

@@ -8,6 +8,7 @@ mod event;
 mod expected;
 mod horizon;
 mod options;
+mod preparation;
 mod relative;
 mod result;
 mod scene;
@@ -19,8 +20,9 @@ pub use agreement::agree;
 pub use backends::Backends;
 pub use event::{CompareEvent, OnEvent};
 pub use expected::{Expected, pilot};
-pub use options::{CompareOptions, Runs, SceneInput};
-pub use relative::{MIN_ERROR, Relative, relative};
+pub use options::{CompareOptions, Runs, SceneInput, Section};
+pub use preparation::{Motion, Preparation};
+pub use relative::{MIN_ERROR, Relative, SceneGroup, relative, scene_groups};
 pub use result::{
     CompareRow, Comparison, Control, CostBasis, Environment, Measured, Ranks, RowOutcome, RowTimes,
     SCHEMA, SceneResult, TimingStats, TruthSummary,
@@ -56,10 +58,13 @@ pub fn compare(
     for input in inputs {
         input.scene.validate()?;
     }
-    let tight = options.settings(Fit::Tight)?;
+    let mut parts = Vec::new();
+    for input in inputs {
+        parts.push(Part::of(input, options, backends.playing.len())?);
+    }
     on_event(CompareEvent::Started {
         scenes: inputs.len(),
-        rows_per_scene: tight.len() * backends.playing.len(),
+        work: parts.iter().map(|part| part.work).sum(),
     });
     let mut scenes = Vec::new();
     // The report may have more scenes than this run (from other shards), but never fewer: then it doesn't use them.
@@ -68,8 +73,11 @@ pub fn compare(
         on_event(CompareEvent::Scene {
             name: &input.scene.name,
             index,
+            rows: parts[index].rows,
+            work: parts[index].work,
         });
         let settings = settings_of(input, options)?;
+        let options = input.options_or(options);
         let (result, images) = scene::run(input, &settings, options, heat, backends, on_event)?;
         on_event(CompareEvent::SceneDone { result: &result });
         sink(&result, &images)?;
@@ -84,11 +92,32 @@ pub fn compare(
     })
 }
 
+/// A scene's part of a comparison.
+struct Part {
+    rows: usize,
+    /// Pixels of its image times its rows.
+    work: u64,
+}
+
+impl Part {
+    fn of(input: &SceneInput, options: &CompareOptions, backends: usize) -> Result<Self, LabError> {
+        let rows = settings_of(input, options)?.len() * backends;
+        let (camera, _) = scene::camera_and_light(&input.scene)?;
+        let size = input.options_or(options).camera(camera).size;
+        let pixels = u64::from(size.x) * u64::from(size.y);
+        Ok(Self {
+            rows,
+            work: pixels * rows as u64,
+        })
+    }
+}
+
 /// Returns all settings that are played on a scene.
 fn settings_of(
     input: &SceneInput,
     options: &CompareOptions,
 ) -> Result<Vec<slug::NamedSetting>, LabError> {
+    let options = input.options_or(options);
     let tight = options.settings(Fit::Tight)?;
     let all = with_fit(&tight, input.fit, options)?;
     Ok(slug::with_slugs(&all))

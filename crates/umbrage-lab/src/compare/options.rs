@@ -1,11 +1,25 @@
 //! Options of a comparison.
 
+use super::Motion;
 use crate::LabError;
 use glam::UVec2;
 use std::{sync::Arc, time::Duration};
 use umbrage_core::{Camera, Fit, Invalid, Scene, ShadowTechnique};
 use umbrage_plan::truth::TruthOptions;
 use umbrage_techniques::Techniques;
+
+/// What a scene is compared for.
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize,
+)]
+#[serde(rename_all = "snake_case")]
+pub enum Section {
+    /// A frame as programs have them: the charts over all scenes are about these.
+    Content,
+    /// A small scene in which something can go wrong. It is in charts over all scenes only where there is no content.
+    #[default]
+    Check,
+}
 
 /// A scene to be compared.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,6 +30,28 @@ pub struct SceneInput {
     pub summary: String,
     /// A fit set by hand, as textbooks do; techniques with a map are compared under it, too.
     pub fit: Option<Fit>,
+    /// What it is compared for.
+    pub section: Section,
+    /// How it is compared; none: as the comparison's options say.
+    pub options: Option<Box<CompareOptions>>,
+}
+
+impl SceneInput {
+    /// Returns a scene that is a [check](Section::Check), compared by the comparison's options and without a fit set by hand.
+    pub fn new(scene: Scene, summary: impl Into<String>) -> Self {
+        Self {
+            scene,
+            summary: summary.into(),
+            fit: None,
+            section: Section::Check,
+            options: None,
+        }
+    }
+
+    /// Returns the options by which the scene is compared: its own, or else these.
+    pub fn options_or<'a>(&'a self, of_all: &'a CompareOptions) -> &'a CompareOptions {
+        self.options.as_deref().unwrap_or(of_all)
+    }
 }
 
 /// How a comparison is made.
@@ -29,6 +65,14 @@ pub struct CompareOptions {
     pub map_sizes: Vec<u32>,
     /// The most settings of each technique that are compared; none: all of them.
     pub max_settings: Option<usize>,
+    /// Whether only the few settings are compared that stand for each technique: see
+    /// [`ListedTechnique::headline`](umbrage_techniques::ListedTechnique::headline).
+    pub headline: bool,
+    /// Whether recipes are made with the receivers that are seen, so that maps lie tightly around them. Programs rarely have them: a
+    /// renderer on the GPU would have to read them back.
+    pub knows_receivers: bool,
+    /// What moves from frame to frame: which times make up a row's sum.
+    pub motion: Motion,
     /// Image size instead of the cameras' own, pixels; the vertical field of view stays.
     pub size: Option<UVec2>,
     /// How truth is traced.
@@ -98,6 +142,9 @@ impl Default for CompareOptions {
             techniques: Vec::new(),
             map_sizes: vec![512, 1024, 2048],
             max_settings: None,
+            headline: false,
+            knows_receivers: true,
+            motion: Motion::default(),
             size: None,
             truth: TruthOptions::default(),
             runs: Some(Runs::default()),
@@ -127,6 +174,43 @@ impl CompareOptions {
         }
     }
 
+    /// Returns options for frames of real size: the scene's own image size, the few settings that stand for each technique on
+    /// larger maps, and truth at one of each 4 x 4 pixels.
+    pub fn content() -> Self {
+        Self {
+            map_sizes: vec![1024, 2048],
+            headline: true,
+            knows_receivers: false,
+            truth: TruthOptions {
+                samples: 256,
+                block_side: 4,
+                ..TruthOptions::default()
+            },
+            // Rows of seconds are played once, or the suite would take an hour.
+            runs: Some(Runs {
+                min: 1,
+                max: 5,
+                budget_ms: 300,
+            }),
+            ..Self::default()
+        }
+    }
+
+    /// Returns options for a quick preview of frames of real size: small images, one map size.
+    pub fn quick_content() -> Self {
+        Self {
+            map_sizes: vec![1024],
+            headline: true,
+            knows_receivers: false,
+            size: Some(UVec2::new(320, 180)),
+            truth: TruthOptions {
+                block_side: 2,
+                ..Self::quick().truth
+            },
+            ..Self::quick()
+        }
+    }
+
     /// Returns the technique settings to be compared, their maps under this fit.
     ///
     /// # Errors
@@ -144,7 +228,12 @@ impl CompareOptions {
         let max = self.max_settings.unwrap_or(usize::MAX);
         let mut out = Vec::new();
         for entry in chosen {
-            let of_entry = (entry.settings)(&self.map_sizes, fit);
+            let listed = if self.headline {
+                entry.headline
+            } else {
+                entry.settings
+            };
+            let of_entry = listed(&self.map_sizes, fit);
             out.extend(of_entry.into_iter().take(max));
         }
         Ok(out)

@@ -1,4 +1,4 @@
-//! All scenes in one chart: each setting's error and time, relative to what is known of each scene.
+//! Many scenes in one chart: each setting's error and time, relative to what is known of each scene.
 //!
 //! * **Relative error**: a mask's RMSE over that of no shadow at all (a mask that is lit everywhere); where nothing is in
 //!   shadow, over that of a mask that is dark everywhere. 1: as wrong as not drawing shadows.
@@ -9,7 +9,7 @@
 //! their mean is geometric. Where a technique cannot serve a scene it draws no shadow: relative error 1, and the time is the
 //! mean over the others.
 
-use super::{Comparison, CostBasis, Measured, SceneResult, TimingStats};
+use super::{Comparison, CostBasis, Measured, Motion, SceneResult, Section, TimingStats};
 use serde::Serialize;
 use std::collections::HashMap;
 
@@ -61,15 +61,66 @@ struct Sums {
     cost: f64,
     served: usize,
     scenes: usize,
+    /// Whether it has been the same as another setting on all scenes.
+    repeats: bool,
+}
+
+/// Scenes that belong into one chart: hard and soft shadows are not compared with each other.
+#[derive(Clone, Debug)]
+pub struct SceneGroup<'a> {
+    /// Whether their lights have no extent.
+    pub is_ideal: bool,
+    /// What they are compared for.
+    pub section: Section,
+    /// The scenes, in the comparison's order.
+    pub scenes: Vec<&'a SceneResult>,
+}
+
+impl SceneGroup<'_> {
+    /// Returns the kind of its lights, for file names and headings.
+    pub fn light(&self) -> &'static str {
+        if self.is_ideal { "hard" } else { "soft" }
+    }
+}
+
+/// Returns the scenes of content under lights without extent, and those under wide lights; of all scenes, if there is no content.
+/// Groups without scenes are left out.
+pub fn scene_groups(comparison: &Comparison) -> Vec<SceneGroup<'_>> {
+    let has_content = comparison
+        .scenes
+        .iter()
+        .any(|scene| scene.section == Section::Content);
+    let section = if has_content {
+        Section::Content
+    } else {
+        Section::Check
+    };
+    let mut out = Vec::new();
+    for is_ideal in [true, false] {
+        let scenes: Vec<&SceneResult> = comparison
+            .scenes
+            .iter()
+            .filter(|scene| scene.section == section && scene.is_ideal == is_ideal)
+            .collect();
+        if !scenes.is_empty() {
+            out.push(SceneGroup {
+                is_ideal,
+                section,
+                scenes,
+            });
+        }
+    }
+    out
 }
 
 /// Returns every setting that was compared on every scene, in the first scene's order. Scenes without a receiver that counts, and
-/// those on which `hard` was not measured, are left out.
-pub fn relative(comparison: &Comparison) -> Vec<Relative> {
+/// those on which `hard` was not measured, are left out. Settings that play the same as another one on all scenes are left out,
+/// too.
+pub fn relative(all: &[&SceneResult]) -> Vec<Relative> {
     let mut sums: HashMap<[&str; 3], Sums> = HashMap::new();
     let mut order: Vec<[&str; 3]> = Vec::new();
     let mut scenes = 0;
-    for scene in &comparison.scenes {
+    for scene in all {
         let none = scene.error_of_none();
         let references = references(scene);
         if none == 0.0 || references.is_empty() {
@@ -83,15 +134,19 @@ pub fn relative(comparison: &Comparison) -> Vec<Relative> {
             };
             let sum = sums.entry(key).or_insert_with(|| {
                 order.push(key);
-                Sums::default()
+                Sums {
+                    repeats: true,
+                    ..Sums::default()
+                }
             });
-            sum.add(row.measured(), none, reference);
+            sum.repeats &= row.same_as.is_some();
+            sum.add(row.measured(), none, reference, scene.motion);
         }
     }
     let mut out = Vec::new();
     for key in order {
         let sums = sums[&key];
-        if sums.scenes == scenes && sums.served > 0 {
+        if sums.scenes == scenes && sums.served > 0 && !sums.repeats {
             out.push(sums.mean(key[0], key[1], key[2]));
         }
     }
@@ -125,20 +180,23 @@ fn first_with_middle_map<'a>(settings: &[&'a Measured]) -> Option<&'a Measured> 
 }
 
 impl Sums {
-    fn add(&mut self, row: Option<&Measured>, none: f64, reference: &Measured) {
+    fn add(&mut self, row: Option<&Measured>, none: f64, reference: &Measured, motion: Motion) {
         self.scenes += 1;
         let Some(m) = row else { return };
         self.served += 1;
         self.error += m.rmse().unwrap_or_default() / none;
-        self.cost += (m.cost_ms / reference.cost_ms).ln();
-        if let (Some(times), Some(of_reference)) = (m.times, reference.times) {
-            let times = times.total;
-            let unit = of_reference.total.median;
-            self.time[0] += log_ratio(times.median, unit);
-            self.time[1] += log_ratio(times.min, unit);
-            self.time[2] += log_ratio(times.max, unit);
+        let cost = |m: &Measured| m.milliseconds(CostBasis::Cost, motion).unwrap_or(0.0);
+        self.cost += log_ratio(cost(m), cost(reference));
+        let frame = |m: &Measured| m.milliseconds(CostBasis::Wall, motion);
+        if let (Some(times), Some(ms), Some(unit)) = (m.times, frame(m), frame(reference)) {
+            let total = times.total;
+            // The frame's parts vary about as its casts, filters and lookup do together.
+            let spread = |run: f64| ms * run / total.median.max(f64::MIN_POSITIVE);
+            self.time[0] += log_ratio(ms, unit);
+            self.time[1] += log_ratio(spread(total.min), unit);
+            self.time[2] += log_ratio(spread(total.max), unit);
             self.timed += 1;
-            self.runs += times.runs;
+            self.runs += total.runs;
         }
     }
 
@@ -184,13 +242,17 @@ impl SceneResult {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compare::{CompareRow, RowOutcome, RowTimes};
+    use crate::compare::{CompareRow, Preparation, RowOutcome, RowTimes};
     use umbrage_core::{
         Work,
         metrics::{Causes, Errors},
     };
 
     fn row(technique: &str, rmse: f64, ms: f64) -> CompareRow {
+        let receive = TimingStats {
+            median: 0.25 * ms,
+            ..TimingStats::default()
+        };
         let total = TimingStats {
             median: ms,
             min: ms / 2.0,
@@ -205,6 +267,7 @@ mod tests {
             causes: Some(Causes::default()),
             times: Some(RowTimes {
                 total,
+                receive: Some(receive),
                 ..RowTimes::default()
             }),
             work: Work {
@@ -212,10 +275,8 @@ mod tests {
                 ..Work::default()
             },
             cost_ms: 10.0 * ms,
-            bytes: 1,
-            agreement: None,
-            color_differing: None,
-            maps: None,
+            lookup_cost_ms: ms,
+            ..Measured::default()
         };
         let outcome = RowOutcome::Measured(Box::new(measured));
         CompareRow {
@@ -223,6 +284,7 @@ mod tests {
             settings: "s".into(),
             slug: technique.into(),
             backend: "cpu".into(),
+            same_as: None,
             outcome,
         }
     }
@@ -251,10 +313,7 @@ mod tests {
             [0.1, 0.9],
             vec![row("hard", 0.01, 10.0), row("pcf", 0.1, 10.0)],
         );
-        let all = relative(&Comparison {
-            scenes: vec![one, two],
-            ..Comparison::default()
-        });
+        let all = relative(&[&one, &two]);
         let hard = find(&all, "hard");
         let pcf = find(&all, "pcf");
         assert!(
@@ -282,10 +341,7 @@ mod tests {
             vec![row("hard", 0.05, 1.0), row("planar", 0.0, 1.0)],
         );
         let two = scene([0.5, 0.9], vec![row("hard", 0.05, 1.0), dash]);
-        let all = relative(&Comparison {
-            scenes: vec![one, two],
-            ..Comparison::default()
-        });
+        let all = relative(&[&one, &two]);
         let planar = find(&all, "planar");
         assert_eq!((planar.served, planar.scenes), (1, 2));
         assert_eq!(planar.error, 0.5);
@@ -299,15 +355,77 @@ mod tests {
         );
         let two = scene([0.0, 1.0], vec![row("hard", 0.1, 1.0)]);
         let empty = scene([0.0, 0.0], vec![row("hard", 0.0, 1.0)]);
-        let all = relative(&Comparison {
-            scenes: vec![one, two, empty],
-            ..Comparison::default()
-        });
+        let all = relative(&[&one, &two, &empty]);
         assert_eq!(all.len(), 1);
         assert!(
             (find(&all, "hard").error - 0.1).abs() < 1e-12,
             "all dark counts where nothing is in shadow"
         );
-        assert!(relative(&Comparison::default()).is_empty());
+        assert!(relative(&[]).is_empty());
+    }
+
+    #[test]
+    fn what_moves_says_what_a_frame_takes() {
+        let preparation = Preparation {
+            scene_ms: 100.0,
+            recipe: TimingStats {
+                median: 10.0,
+                ..TimingStats::default()
+            },
+        };
+        let mut row = row("hard", 0.1, 4.0);
+        let RowOutcome::Measured(m) = &mut row.outcome else {
+            panic!("measured")
+        };
+        m.preparation = Some(preparation);
+        let motions = [Motion::Still, Motion::CameraMoves, Motion::AllMoves];
+        let frames = |m: &Measured| motions.map(|motion| m.milliseconds(CostBasis::Wall, motion));
+        assert_eq!(frames(m), [1.0, 14.0, 114.0].map(Some));
+        m.kept_as_camera_moves = true;
+        assert_eq!(frames(m), [1.0, 1.0, 114.0].map(Some));
+        let costs = motions.map(|motion| m.milliseconds(CostBasis::Cost, motion));
+        assert_eq!(costs, [4.0, 4.0, 40.0].map(Some));
+    }
+
+    #[test]
+    fn content_is_apart_from_checks_and_hard_light_from_soft() {
+        let scene = |section, is_ideal| SceneResult {
+            section,
+            is_ideal,
+            ..SceneResult::default()
+        };
+        let checks = vec![
+            scene(Section::Check, true),
+            scene(Section::Check, false),
+            scene(Section::Check, true),
+        ];
+        let mut all = Comparison {
+            scenes: checks,
+            ..Comparison::default()
+        };
+        let sizes = |all: &Comparison| {
+            let groups = scene_groups(all).into_iter();
+            let sizes: Vec<_> = groups.map(|g| (g.light(), g.scenes.len())).collect();
+            sizes
+        };
+        assert_eq!(sizes(&all), [("hard", 2), ("soft", 1)]);
+        all.scenes.push(scene(Section::Content, true));
+        assert_eq!(sizes(&all), [("hard", 1)]);
+    }
+
+    #[test]
+    fn what_repeats_another_setting_is_left_out() {
+        let same = |rmse| CompareRow {
+            same_as: Some("hard (s)".to_owned()),
+            ..row("pcss", rmse, 1.0)
+        };
+        let one = scene([0.5, 0.9], vec![row("hard", 0.05, 1.0), same(0.05)]);
+        let two = scene([0.5, 0.9], vec![row("hard", 0.05, 1.0), same(0.05)]);
+        assert_eq!(relative(&[&one, &two]).len(), 1);
+        let other = scene(
+            [0.5, 0.9],
+            vec![row("hard", 0.05, 1.0), row("pcss", 0.01, 1.0)],
+        );
+        assert_eq!(relative(&[&one, &other]).len(), 2, "it differs somewhere");
     }
 }

@@ -1,5 +1,6 @@
 //! The results of a comparison: plain data, written to `results.json` as it is.
 
+use super::{Motion, Preparation, Section};
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
     Work,
@@ -8,7 +9,7 @@ use umbrage_core::{
 use umbrage_plan::{footprint::MapUse, statistics::Sorted};
 
 /// Version of this data's format; grows with every change that programs which read it would notice.
-pub const SCHEMA: u32 = 5;
+pub const SCHEMA: u32 = 6;
 
 /// A whole comparison.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -62,8 +63,17 @@ pub struct SceneResult {
     pub name: String,
     /// One line about it, maybe empty.
     pub summary: String,
+    /// What it is compared for.
+    #[serde(default)]
+    pub section: Section,
+    /// What moves from frame to frame, and so what the rows' sums of times are made of.
+    #[serde(default)]
+    pub motion: Motion,
     /// Kind of the light compared.
     pub light: String,
+    /// Whether the light has no extent, so that its shadows are hard.
+    #[serde(default)]
+    pub is_ideal: bool,
     /// Image width and height, pixels.
     pub size: [u32; 2],
     /// Triangles in all.
@@ -163,6 +173,9 @@ pub struct TruthSummary {
     pub ambiguous: u64,
     /// Pixels left out as facing away from the light or outside its cone.
     pub unlit: u64,
+    /// Pixels left out as only a sample is judged; 0 where all are.
+    #[serde(default)]
+    pub unsampled: u64,
     /// Seconds it took; none without times.
     pub seconds: Option<f64>,
 }
@@ -178,6 +191,9 @@ pub struct CompareRow {
     pub slug: String,
     /// Kind of backend, `cpu` or `wgpu`.
     pub backend: String,
+    /// The row above whose figures these are, as both play the same recipe: its technique and settings.
+    #[serde(default)]
+    pub same_as: Option<String>,
     /// Its figures, or why it has none.
     pub outcome: RowOutcome,
 }
@@ -221,20 +237,29 @@ pub enum RowOutcome {
 }
 
 /// A row's figures.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Measured {
     /// Errors against truth; none where no pixel counts ([`SceneResult::nothing_compared`] says why), as errors of 0 would mean
     /// that the mask is right.
     pub errors: Option<Errors>,
     /// What the errors come from; none where no pixel counts.
     pub causes: Option<Causes>,
-    /// Times, without compilation, upload and read-back; none if they weren't asked for.
+    /// Times of what the backend plays, without compilation, upload and read-back; none if they weren't asked for.
     pub times: Option<RowTimes>,
+    /// Times of what comes before: the same on every backend; none if they weren't asked for.
+    #[serde(default)]
+    pub preparation: Option<Preparation>,
+    /// Whether what the recipe draws stays the same while the camera moves.
+    #[serde(default)]
+    pub kept_as_camera_moves: bool,
     /// The recipe's work, counted.
     pub work: Work,
     /// The cost of that work by the [prices](umbrage_plan::cost::CostModel::of) of this kind of backend, milliseconds: the same on every
     /// run.
     pub cost_ms: f64,
+    /// The part of `cost_ms` that the lookup costs.
+    #[serde(default)]
+    pub lookup_cost_ms: f64,
     /// Bytes held for images, tables and receivers.
     pub bytes: u64,
     /// Agreement with the CPU's mask; none on the CPU or without it.
@@ -252,11 +277,36 @@ impl Measured {
         self.errors.map(|e| e.rmse)
     }
 
-    /// Returns the median of the times or the cost, milliseconds; none if times weren't measured.
-    pub fn milliseconds(&self, clock: CostBasis) -> Option<f64> {
+    /// Returns the time of a frame or its cost, milliseconds; none if times weren't measured. Costs are those of playing the whole
+    /// recipe, or of its lookup alone where what is drawn is kept.
+    pub fn milliseconds(&self, clock: CostBasis, motion: Motion) -> Option<f64> {
         match clock {
-            CostBasis::Wall => self.times.map(|t| t.total.median),
+            CostBasis::Wall => self.frame_ms(motion),
+            CostBasis::Cost if self.is_kept(motion) => Some(self.lookup_cost_ms),
             CostBasis::Cost => Some(self.cost_ms),
+        }
+    }
+
+    /// Returns the time of a frame, milliseconds; none without times, or if the lookup alone was not timed.
+    fn frame_ms(&self, motion: Motion) -> Option<f64> {
+        let times = self.times.as_ref()?;
+        if self.is_kept(motion) {
+            return times.receive.map(|receive| receive.median);
+        }
+        let preparation = self.preparation.unwrap_or_default();
+        let drawn = preparation.recipe.median + times.total.median;
+        match motion {
+            Motion::Still | Motion::CameraMoves => Some(drawn),
+            Motion::AllMoves => Some(preparation.scene_ms + drawn),
+        }
+    }
+
+    /// Whether what the recipe draws is kept from frame to frame.
+    fn is_kept(&self, motion: Motion) -> bool {
+        match motion {
+            Motion::Still => true,
+            Motion::CameraMoves => self.kept_as_camera_moves,
+            Motion::AllMoves => false,
         }
     }
 }

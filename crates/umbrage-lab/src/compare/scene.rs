@@ -2,7 +2,12 @@
 
 use super::{
     Backends, CompareEvent, CompareOptions, CompareRow, Measured, OnEvent, RowOutcome, SceneInput,
-    SceneResult, TruthSummary, agreement::agree, control, seen::SeenByBackend, slug::NamedSetting,
+    SceneResult, TruthSummary,
+    agreement::agree,
+    control,
+    preparation::{Preparation, follows_camera, play_alike, time_of_scene, time_recipe},
+    seen::SeenByBackend,
+    slug::NamedSetting,
     timing::measure,
 };
 use crate::{LabError, color};
@@ -10,7 +15,7 @@ use glam::UVec2;
 use std::sync::Arc;
 use umbrage_core::{
     Backend, BackendError, Camera, Cast, CastMode, Geometry, Invalid, Light, LightSpace, Receivers,
-    Recipe, RecipeError, ShadowTechnique, Shadows, View, Work,
+    Recipe, RecipeError, Scene, ShadowTechnique, Shadows, View, Work,
     metrics::{Agreement, Causes, Errors, Pixel, ReferenceMask, TruthImage},
 };
 use umbrage_plan::{
@@ -83,6 +88,7 @@ pub(super) fn run(
         None
     };
     let mut run = SceneRun {
+        scene,
         name: &scene.name,
         view,
         truth: &truth,
@@ -97,6 +103,8 @@ pub(super) fn run(
         colors: Vec::new(),
         lookups: Vec::new(),
         looked_up: Vec::new(),
+        played: Vec::new(),
+        scene_times: Vec::new(),
         seen: backends.playing.iter().map(|_| None).collect(),
     };
     for setting in settings {
@@ -108,7 +116,10 @@ pub(super) fn run(
     let result = SceneResult {
         name: scene.name.clone(),
         summary: input.summary.clone(),
+        section: input.section,
+        motion: options.motion,
         light: light.kind().to_owned(),
+        is_ideal: light.is_ideal(),
         size: camera.size.to_array(),
         triangles: geometry.triangles().len() as u64,
         fingerprint: format!("{:016x}", truth.fingerprint),
@@ -175,6 +186,7 @@ fn summary(truth: &Truth, options: &CompareOptions) -> TruthSummary {
         counted: count(&truth.pixels, Pixel::Counted),
         ambiguous: count(&truth.pixels, Pixel::Ambiguous),
         unlit: count(&truth.pixels, Pixel::Unlit),
+        unsampled: count(&truth.pixels, Pixel::Unsampled),
         seconds: options.runs.map(|_| truth.elapsed.as_secs_f64()),
     }
 }
@@ -190,7 +202,7 @@ fn nothing_compared(truth: &TruthSummary, pixels: usize) -> Option<String> {
     }
     let ambiguous = truth.ambiguous;
     let unlit = truth.unlit;
-    let empty = pixels as u64 - ambiguous - unlit;
+    let empty = pixels as u64 - ambiguous - unlit - truth.unsampled;
     let help = if ambiguous > 0 {
         "; bring the light nearer, or make the scene larger beside its distances"
     } else {
@@ -204,6 +216,7 @@ fn nothing_compared(truth: &TruthSummary, pixels: usize) -> Option<String> {
 
 /// A scene while its settings are played.
 struct SceneRun<'a> {
+    scene: &'a Scene,
     name: &'a str,
     view: SceneView<'a>,
     truth: &'a Truth,
@@ -222,8 +235,27 @@ struct SceneRun<'a> {
     lookups: Vec<Option<Arc<Heat>>>,
     /// Footprints measured so far.
     looked_up: Vec<LookedUp>,
+    /// Settings played so far. Empty unless only the settings that stand for each technique are played.
+    played: Vec<PlayedSetting>,
+    /// How long techniques take once for the scene, by name, milliseconds.
+    scene_times: Vec<(&'static str, f64)>,
     /// What each backend sees; none before its first rendering.
     seen: Vec<Option<SeenByBackend>>,
+}
+
+/// A setting that has been played.
+struct PlayedSetting {
+    recipe: Recipe,
+    /// The first of its rows; it has one for each backend.
+    first_row: usize,
+}
+
+/// A recipe, and what is known of how it comes about.
+struct Planned {
+    recipe: Recipe,
+    /// None if times aren't measured.
+    preparation: Option<Preparation>,
+    kept_as_camera_moves: bool,
 }
 
 /// A footprint that has been measured. Most settings differ only in their bias: their maps are used alike, so that one
@@ -267,12 +299,18 @@ impl SceneRun<'_> {
         on_event: &OnEvent<'_>,
     ) -> Result<(), LabError> {
         let technique = &*setting.technique;
-        let view = self.view.core().with_receivers(&self.truth.receivers);
-        let recipe = match technique.recipe(&view) {
-            Ok(recipe) => Ok(recipe),
+        let planned = match self.planned(technique)? {
+            Ok(planned) => Ok(planned),
             Err(RecipeError::Unsupported(reason)) => Err(reason),
             Err(e) => return Err(e.into()),
         };
+        if let Ok(planned) = &planned
+            && let Some(first_row) = self.played_alike(&planned.recipe)
+        {
+            self.repeat(setting, first_row, backends);
+            return Ok(());
+        }
+        let first_row = self.rows.len();
         let mut of_cpu = None;
         for i in 0..backends.playing.len() {
             let backend = backends.playing[i].kind();
@@ -283,8 +321,8 @@ impl SceneRun<'_> {
                 backend,
                 index: self.rows.len(),
             });
-            let outcome = match &recipe {
-                Ok(recipe) => self.play(setting, recipe, i, &mut of_cpu, backends)?,
+            let outcome = match &planned {
+                Ok(planned) => self.play(setting, planned, i, &mut of_cpu, backends)?,
                 Err(reason) => self.unsupported(reason),
             };
             self.rows.push(CompareRow {
@@ -292,16 +330,96 @@ impl SceneRun<'_> {
                 settings,
                 slug: setting.slug.clone(),
                 backend: backend.to_owned(),
+                same_as: None,
                 outcome,
             });
         }
         self.colors.resize(self.rows.len(), None);
         self.lookups.resize(self.rows.len(), None);
-        if let Ok(recipe) = &recipe {
-            self.add_map_use(technique, recipe, backends.playing.len());
+        if let Ok(planned) = planned {
+            self.add_map_use(technique, &planned.recipe, backends.playing.len());
             self.shade(technique, backends)?;
+            if self.options.headline {
+                self.played.push(PlayedSetting {
+                    recipe: planned.recipe,
+                    first_row,
+                });
+            }
         }
         Ok(())
+    }
+
+    /// Returns the view that recipes are made for.
+    fn planning_view(&self) -> View<'_> {
+        let view = self.view.core();
+        if self.options.knows_receivers {
+            view.with_receivers(&self.truth.receivers)
+        } else {
+            view
+        }
+    }
+
+    /// Makes a setting's recipe; the inner error is the technique's.
+    fn planned(
+        &mut self,
+        technique: &dyn ShadowTechnique,
+    ) -> Result<Result<Planned, RecipeError>, LabError> {
+        let view = self.planning_view();
+        if self.options.runs.is_none() {
+            return Ok(technique.recipe(&view).map(|recipe| Planned {
+                kept_as_camera_moves: !follows_camera(technique, &recipe, &view),
+                recipe,
+                preparation: None,
+            }));
+        }
+        let (recipe, times) = match time_recipe(technique, &view) {
+            Ok(timed) => timed,
+            Err(e) => return Ok(Err(e)),
+        };
+        let kept_as_camera_moves = !follows_camera(technique, &recipe, &view);
+        let name = technique.name();
+        let known = self.scene_times.iter().find(|known| known.0 == name);
+        let scene_ms = match known {
+            Some(&(_, ms)) => ms,
+            None => time_of_scene(technique, self.scene, &view, times.median)?,
+        };
+        self.scene_times.push((name, scene_ms));
+        Ok(Ok(Planned {
+            recipe,
+            preparation: Some(Preparation {
+                scene_ms,
+                recipe: times,
+            }),
+            kept_as_camera_moves,
+        }))
+    }
+
+    /// Returns the first row of a setting that played the same recipe; none if there is none.
+    fn played_alike(&self, recipe: &Recipe) -> Option<usize> {
+        let alike = self
+            .played
+            .iter()
+            .find(|played| play_alike(&played.recipe, recipe))?;
+        Some(alike.first_row)
+    }
+
+    /// Adds rows with the figures of those from `first_row` on, since they would play the same.
+    fn repeat(&mut self, setting: &NamedSetting, first_row: usize, backends: &Backends) {
+        for i in 0..backends.playing.len() {
+            let like = &self.rows[first_row + i];
+            let row = CompareRow {
+                technique: setting.technique.name().to_owned(),
+                settings: setting.technique.settings(),
+                slug: setting.slug.clone(),
+                backend: like.backend.clone(),
+                same_as: Some(format!("{} ({})", like.technique, like.settings)),
+                outcome: like.outcome.clone(),
+            };
+            self.rows.push(row);
+            self.masks.push(self.masks[first_row + i].clone());
+            self.colors.push(self.colors[first_row + i].clone());
+            self.lookups.push(self.lookups[first_row + i].clone());
+        }
     }
 
     /// Adds how the maps of the last setting are used to those of its `count` rows that were measured. It is measured once,
@@ -411,11 +529,12 @@ impl SceneRun<'_> {
     fn play(
         &mut self,
         setting: &NamedSetting,
-        recipe: &Recipe,
+        planned: &Planned,
         backend: usize,
         of_cpu: &mut Option<OfCpu>,
         backends: &mut Backends,
     ) -> Result<RowOutcome, LabError> {
+        let recipe = &planned.recipe;
         let view = self.view.core();
         let player = &mut *backends.playing[backend];
         let kind = player.kind();
@@ -458,8 +577,11 @@ impl SceneRun<'_> {
             errors: accuracy.errors,
             causes: accuracy.causes,
             times,
+            preparation: planned.preparation,
+            kept_as_camera_moves: planned.kept_as_camera_moves,
             work,
             cost_ms,
+            lookup_cost_ms: CostModel::of(kind).lookup_milliseconds(&work),
             bytes,
             agreement,
             color_differing: None,

@@ -20,16 +20,13 @@ fn quick(techniques: &[&str]) -> CompareOptions {
             ..TruthOptions::default()
         },
         runs: Some(Runs::exactly(2)),
+        ..CompareOptions::default()
     }
 }
 
 fn input(name: &str) -> SceneInput {
     let entry = umbrage_scenes::find(name).expect("built in");
-    SceneInput {
-        scene: (entry.build)(),
-        summary: entry.summary.to_owned(),
-        fit: None,
-    }
+    SceneInput::new((entry.build)(), entry.summary)
 }
 
 fn run(

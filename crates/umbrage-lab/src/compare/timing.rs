@@ -209,11 +209,18 @@ pub(crate) fn again(
     backends: &mut Backends,
 ) -> Result<Vec<Option<Again>>, LabError> {
     let (camera, light) = camera_and_light(&input.scene)?;
+    let settings = settings_of(input, options)?;
+    let options = input.options_or(options);
     let camera = options.camera(camera);
     let geometry = Geometry::bake(&input.scene)?;
     let receivers = backends.receivers.receivers(&camera, &geometry)?;
-    let view = View::new(&camera, light, &geometry).with_receivers(&receivers);
-    let settings = settings_of(input, options)?;
+    let unknown = View::new(&camera, light, &geometry);
+    let view = unknown.with_receivers(&receivers);
+    let planning_view = if options.knows_receivers {
+        view
+    } else {
+        unknown
+    };
     let mut out = Vec::new();
     for stem in stems {
         let mut found = None;
@@ -221,7 +228,7 @@ pub(crate) fn again(
         let backend = backends.playing.iter_mut().find(|b| b.kind() == kind);
         let setting = settings.iter().find(|s| *stem == stem_of(&s.slug, kind));
         if let (Some(setting), Some(backend)) = (setting, backend)
-            && let Ok(recipe) = setting.technique.recipe(&view)
+            && let Ok(recipe) = setting.technique.recipe(&planning_view)
         {
             let cost_ms = CostModel::of(kind).milliseconds(&Work::of(&view, &recipe));
             // Once before, since the first run compiles and uploads.

@@ -59,7 +59,8 @@ pub(crate) fn error_colors(mask: &[f32], truth: &[f32], pixels: &[Pixel]) -> Vec
             Pixel::Empty => EMPTY,
             Pixel::Unlit => UNLIT,
             Pixel::Ambiguous | Pixel::Elsewhere => AMBIGUOUS,
-            Pixel::Counted => error_color(mask[i], truth[i]),
+            // Beside the sample truth is a preview, which is good enough to look at.
+            Pixel::Counted | Pixel::Unsampled => error_color(mask[i], truth[i]),
         });
     }
     colors

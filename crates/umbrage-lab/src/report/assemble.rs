@@ -2,14 +2,17 @@
 
 use super::{
     chart, lines,
-    page::{self, Charts, ImageStore, RowPictures, ScenePage},
-    still::{self, Medium, Words},
+    page::{self, Charts, GroupCharts, ImageStore, RowPictures, ScenePage},
+    still::{self, GroupWords, Medium, Words},
     store::Stored,
     to_csv,
 };
 use crate::{
     LabError,
-    compare::{Comparison, CostBasis, Environment, Relative, SCHEMA, relative},
+    compare::{
+        Comparison, CostBasis, Environment, Motion, Relative, SCHEMA, Section, relative,
+        scene_groups,
+    },
     output::{Folder, csv},
 };
 use std::{
@@ -32,42 +35,120 @@ pub(super) fn write(
     let rows = to_csv(&lines(&comparison))?;
     let json = serde_json::to_vec_pretty(&comparison)
         .map_err(|e| LabError::write(path.join("results.json"), e))?;
-    let all = relative(&comparison);
+    let groups = chart_groups(&comparison);
     let mut images = ImageStore::default();
     let mut pages = Vec::new();
     for (index, scene) in scenes.iter().enumerate() {
         pages.push(scene_page(path, index, scene, &mut images));
     }
-    let scene_count = all.iter().map(|r| r.scenes).max().unwrap_or(0);
-    let overall = charts(
-        |clock| chart::relative_dots(&all, clock),
-        |clock| Words {
-            title: "",
-            subtitle: String::new(),
-            ..still::of_all(scene_count, clock)
-        },
-        OVERALL_SIZE,
-    );
+    let overall: Vec<GroupCharts> = groups.iter().map(ChartGroup::for_page).collect();
     let page = page::html(&comparison, &pages, &overall, &images)
         .map_err(|e| LabError::write(path.join("index.html"), e))?;
     folder.write("rows.csv", &rows)?;
-    folder.write("overall.csv", &overall_csv(&all)?)?;
+    folder.write("overall.csv", &overall_csv(&groups)?)?;
     folder.write("results.json", &json)?;
-    for (name, clock) in [("time", CostBasis::Wall), ("cost", CostBasis::Cost)] {
-        let dots = chart::relative_dots(&all, clock);
-        if dots.is_empty() {
-            // The chart of an older run would not belong to these data.
-            folder.remove(&format!("chart-{name}.svg"))?;
-            folder.remove(&format!("chart-{name}.png"))?;
-        } else {
-            let words = still::of_all(scene_count, clock);
-            let figure = still::figure(&dots, &words, Medium::Still);
-            folder.write(&format!("chart-{name}.svg"), figure.svg().as_bytes())?;
-            folder.write(&format!("chart-{name}.png"), &figure.png()?)?;
-        }
-    }
+    write_charts(path, folder, &groups)?;
     folder.write("index.html", page.as_bytes())?;
     Ok((comparison, path.join("index.html")))
+}
+
+/// The settings of one backend over the scenes of one kind of light.
+struct ChartGroup {
+    light: &'static str,
+    section: Section,
+    motion: Motion,
+    scene_count: usize,
+    backend: String,
+    settings: Vec<Relative>,
+}
+
+/// Returns the groups that get a chart each.
+fn chart_groups(comparison: &Comparison) -> Vec<ChartGroup> {
+    let mut out = Vec::new();
+    for group in scene_groups(comparison) {
+        let all = relative(&group.scenes);
+        let mut backends: Vec<&str> = Vec::new();
+        for setting in &all {
+            if !backends.contains(&setting.backend.as_str()) {
+                backends.push(&setting.backend);
+            }
+        }
+        for backend in backends {
+            let of_backend = all.iter().filter(|r| r.backend == backend);
+            out.push(ChartGroup {
+                light: group.light(),
+                section: group.section,
+                motion: group.scenes[0].motion,
+                scene_count: group.scenes.len(),
+                backend: backend.to_owned(),
+                settings: of_backend.cloned().collect(),
+            });
+        }
+    }
+    out
+}
+
+impl ChartGroup {
+    /// Returns the name of the chart's files by a clock, without what comes after the dot.
+    fn stem(&self, clock: CostBasis) -> String {
+        let clock = match clock {
+            CostBasis::Wall => "time",
+            CostBasis::Cost => "cost",
+        };
+        format!("chart-{clock}-{}-{}", self.light, self.backend)
+    }
+
+    fn words(&self, clock: CostBasis) -> Words<'static> {
+        still::of_group(&GroupWords {
+            scenes: self.scene_count,
+            light: self.light,
+            section: self.section,
+            motion: self.motion,
+            backend: &self.backend,
+            clock,
+        })
+    }
+
+    fn for_page(&self) -> GroupCharts {
+        let words = self.words(CostBasis::Wall);
+        GroupCharts {
+            title: words.title,
+            subtitle: words.subtitle,
+            charts: charts(
+                |clock| chart::relative_dots(&self.settings, clock),
+                |clock| Words {
+                    title: String::new(),
+                    subtitle: String::new(),
+                    ..self.words(clock)
+                },
+                OVERALL_SIZE,
+            ),
+        }
+    }
+}
+
+/// Writes the groups' charts, and removes those of an older run, which would not belong to these data.
+fn write_charts(path: &Path, folder: &Folder, groups: &[ChartGroup]) -> Result<(), LabError> {
+    let entries = fs::read_dir(path).map_err(|e| LabError::write(path, e))?;
+    for entry in entries.flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        if name.starts_with("chart-") {
+            folder.remove(&name)?;
+        }
+    }
+    for group in groups {
+        for clock in [CostBasis::Wall, CostBasis::Cost] {
+            let dots = chart::relative_dots(&group.settings, clock);
+            if dots.is_empty() {
+                continue;
+            }
+            let figure = still::figure(&dots, &group.words(clock), Medium::Still);
+            let stem = group.stem(clock);
+            folder.write(&format!("{stem}.svg"), figure.svg().as_bytes())?;
+            folder.write(&format!("{stem}.png"), &figure.png()?)?;
+        }
+    }
+    Ok(())
 }
 
 /// Joins the scenes, in their order. Each notice is kept once.
@@ -132,7 +213,7 @@ fn scene_page(path: &Path, index: usize, scene: &Stored, images: &mut ImageStore
         rows,
         charts: charts(
             |clock| chart::dots(result, clock),
-            still::of_scene,
+            |clock| still::of_scene(clock, result.motion),
             SCENE_SIZE,
         ),
     }
@@ -177,7 +258,8 @@ fn charts(
     }
 }
 
-const OVERALL_HEADER: [&str; 10] = [
+const OVERALL_HEADER: [&str; 11] = [
+    "light",
     "technique",
     "settings",
     "backend",
@@ -191,21 +273,24 @@ const OVERALL_HEADER: [&str; 10] = [
 ];
 
 /// Returns the table over all scenes, a line for each setting and backend.
-fn overall_csv(all: &[Relative]) -> Result<Vec<u8>, LabError> {
+fn overall_csv(groups: &[ChartGroup]) -> Result<Vec<u8>, LabError> {
     let mut lines = Vec::new();
-    for r in all {
-        lines.push([
-            r.technique.clone(),
-            r.settings.clone(),
-            r.backend.clone(),
-            r.error.to_string(),
-            or_empty(r.time.map(|t| t.median)),
-            or_empty(r.time.map(|t| t.min)),
-            or_empty(r.time.map(|t| t.max)),
-            r.cost.to_string(),
-            r.served.to_string(),
-            r.scenes.to_string(),
-        ]);
+    for group in groups {
+        for r in &group.settings {
+            lines.push([
+                group.light.to_owned(),
+                r.technique.clone(),
+                r.settings.clone(),
+                r.backend.clone(),
+                r.error.to_string(),
+                or_empty(r.time.map(|t| t.median)),
+                or_empty(r.time.map(|t| t.min)),
+                or_empty(r.time.map(|t| t.max)),
+                r.cost.to_string(),
+                r.served.to_string(),
+                r.scenes.to_string(),
+            ]);
+        }
     }
     csv::of_lines("overall.csv", &OVERALL_HEADER, lines)
 }

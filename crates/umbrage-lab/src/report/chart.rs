@@ -2,8 +2,8 @@
 
 use super::chosen;
 use crate::compare::{
-    CompareRow, CostBasis, MIN_ERROR as MIN_RELATIVE_ERROR, Measured, Relative, SceneResult,
-    TimingStats,
+    CompareRow, CostBasis, MIN_ERROR as MIN_RELATIVE_ERROR, Measured, Motion, Relative,
+    SceneResult, TimingStats,
 };
 use serde::Serialize;
 use umbrage_plan::pareto;
@@ -39,7 +39,10 @@ pub(super) fn dots(result: &SceneResult, clock: CostBasis) -> Vec<Dot> {
     let front = chosen::fronts(result, clock);
     let mut out = Vec::new();
     for (place, row) in result.rows.iter().enumerate() {
-        if let Some(dot) = row_dot(place, row, clock) {
+        if row.same_as.is_some() {
+            continue;
+        }
+        if let Some(dot) = row_dot(place, row, clock, result.motion) {
             let on_front = front.contains(&place);
             out.push(Dot { on_front, ..dot });
         }
@@ -48,13 +51,17 @@ pub(super) fn dots(result: &SceneResult, clock: CostBasis) -> Vec<Dot> {
 }
 
 /// Returns a row as a dot that is on no front; none if it has no time or no error.
-fn row_dot(place: usize, row: &CompareRow, clock: CostBasis) -> Option<Dot> {
+fn row_dot(place: usize, row: &CompareRow, clock: CostBasis, motion: Motion) -> Option<Dot> {
     let measured = row.measured()?;
-    let x = measured.milliseconds(clock)?.max(MIN_TIME);
+    let frame_ms = measured.milliseconds(clock, motion)?;
+    let x = frame_ms.max(MIN_TIME);
     let y = measured.rmse()?.max(MIN_ERROR);
     let range = match (clock, measured.times) {
         (CostBasis::Wall, Some(times)) => {
-            Some([times.total.min.max(MIN_TIME), times.total.max.max(MIN_TIME)])
+            // The frame's parts vary about as its casts, filters and lookup do together.
+            let per_total = frame_ms / times.total.median.max(MIN_TIME);
+            let ends = [times.total.min, times.total.max];
+            Some(ends.map(|ms| (ms * per_total).max(MIN_TIME)))
         }
         _ => None,
     };
@@ -78,6 +85,7 @@ pub(super) fn relative_dots(all: &[Relative], clock: CostBasis) -> Vec<Dot> {
         .filter_map(|(i, r)| relative_dot(i, r, clock))
         .collect();
     let mut backends: Vec<String> = dots.iter().map(|d| d.backend.clone()).collect();
+    backends.sort_unstable();
     backends.dedup();
     for backend in backends {
         let of_backend: Vec<usize> = (0..dots.len())
@@ -156,6 +164,17 @@ fn hover(row: &CompareRow, measured: &Measured) -> Option<Vec<String>> {
         lines.push(format!(
             "{:.3} – {:.3} ms in {} runs",
             total.min, total.max, total.runs
+        ));
+    }
+    if let Some(preparation) = measured.preparation {
+        let kept = if measured.kept_as_camera_moves {
+            "kept while the camera moves"
+        } else {
+            "drawn anew as the camera moves"
+        };
+        lines.push(format!(
+            "once a scene {:.1} ms, recipe {:.2} ms, {kept}",
+            preparation.scene_ms, preparation.recipe.median
         ));
     }
     let megabytes = measured.bytes as f64 / 1e6;

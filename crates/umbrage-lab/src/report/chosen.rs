@@ -28,8 +28,8 @@ pub(super) fn rows(result: &SceneResult) -> BTreeSet<usize> {
 /// Returns the rows on their backend's Pareto front of time against error, backend by backend.
 pub(super) fn fronts(result: &SceneResult, clock: CostBasis) -> Vec<usize> {
     let mut backends: BTreeMap<&str, BackendPoints> = BTreeMap::new();
-    for (i, row, m) in measured(result) {
-        if let Some(ms) = m.milliseconds(clock) {
+    for (i, row, m) in measured(result).filter(|(_, row, _)| row.same_as.is_none()) {
+        if let Some(ms) = m.milliseconds(clock, result.motion) {
             let of_backend = backends.entry(&row.backend).or_default();
             of_backend.rows.push(i);
             of_backend.points.push([ms, m.rmse().unwrap_or_default()]);

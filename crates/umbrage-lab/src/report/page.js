@@ -20,7 +20,7 @@ const percent = (v) => `${number(v, 2)} %`;
 const bytes = (v) => (v >= 1e6 ? `${(v / 1e6).toFixed(1)} MB` : `${(v / 1e3).toFixed(0)} kB`);
 const ms = (s) => (s ? `${number(s.median, 2)} ms` : "–");
 // Which of the two clocks the charts show; the page falls back to counted cost where nothing was timed.
-let clock = data.overall.time || pages.some((p) => p.charts.time) ? "time" : "cost";
+let clock = data.overall.some((g) => g.charts.time) || pages.some((p) => p.charts.time) ? "time" : "cost";
 const charts = [];
 const range = (s) => `${number(s.least, 2)} – ${number(s.greatest, 2)} ms`;
 const measured = (row) => row.outcome.measured || null;
@@ -342,12 +342,15 @@ function clockSwitch() {
 }
 
 function overallChart() {
-  if (!data.overall.time && !data.overall.cost) return null;
-  const chart = el("div", { class: "chart whole" });
+  if (!data.overall.length) return null;
   const panel = el("div", { class: "panel" }, el("h2", {}, "Speed against accuracy"),
-    el("p", {}, `Every setting, mean over all scenes: error relative to drawing no shadows (1: as wrong as none), time relative to hard shadows from a map of middle size. Down and left is better; what no other setting beats at both is joined by the dashed line, the rest is faint. Click on the legend to hide a technique or a backend, twice to see it alone; drag to magnify, double-click for the whole. Where a technique cannot serve a scene it counts as drawing no shadow there.`),
-    clockSwitch(), chart);
-  requestAnimationFrame(() => chartOf(chart, data.overall, () => {}, () => null));
+    el("p", {}, `Every setting, mean over the scenes: error relative to drawing no shadows (1: as wrong as none), time of a frame relative to hard shadows from a map of middle size. Down and left is better; what no other setting beats at both is joined by the dashed line, the rest is faint. Click on the legend to hide a technique, twice to see it alone; drag to magnify, double-click for the whole. Where a technique cannot serve a scene it counts as drawing no shadow there.`),
+    clockSwitch());
+  for (const group of data.overall) {
+    const chart = el("div", { class: "chart whole" });
+    panel.append(el("h3", {}, group.title), el("p", {}, group.subtitle), chart);
+    requestAnimationFrame(() => chartOf(chart, group.charts, () => {}, () => null));
+  }
   return panel;
 }
 

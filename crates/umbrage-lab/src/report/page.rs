@@ -69,6 +69,14 @@ pub(super) struct Charts {
     pub(super) cost: Option<Chart>,
 }
 
+/// The charts of one backend over all scenes of one kind of light.
+#[derive(Debug, Serialize)]
+pub(super) struct GroupCharts {
+    pub(super) title: String,
+    pub(super) subtitle: String,
+    pub(super) charts: Charts,
+}
+
 /// One chart.
 #[derive(Debug, Serialize)]
 pub(super) struct Chart {
@@ -98,7 +106,7 @@ struct Data<'a> {
     comparison: &'a Comparison,
     faults: Vec<String>,
     pages: &'a [ScenePage],
-    overall: &'a Charts,
+    overall: &'a [GroupCharts],
     images: &'a [String],
     legend: [(&'static str, &'static str); 5],
 }
@@ -107,7 +115,7 @@ struct Data<'a> {
 pub(super) fn html(
     comparison: &Comparison,
     pages: &[ScenePage],
-    overall: &Charts,
+    overall: &[GroupCharts],
     images: &ImageStore,
 ) -> serde_json::Result<String> {
     let faults = comparison.faults();

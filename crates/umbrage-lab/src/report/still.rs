@@ -5,7 +5,7 @@ use super::{
     style::{SeriesStyle, color, styles_of},
 };
 use crate::{
-    compare::CostBasis,
+    compare::{CostBasis, Motion, Section},
     output::figure::{Figure, Key, Point, Series, Style},
 };
 
@@ -14,7 +14,7 @@ const FAINT_RADIUS: f64 = 3.5;
 
 /// A chart's title and the names of its axes.
 pub(super) struct Words<'a> {
-    pub(super) title: &'a str,
+    pub(super) title: String,
     pub(super) subtitle: String,
     pub(super) x: &'a str,
     pub(super) y: &'a str,
@@ -30,28 +30,54 @@ pub(super) enum Medium {
 }
 
 /// Returns the words of one scene's chart; the page gives it a title.
-pub(super) fn of_scene(clock: CostBasis) -> Words<'static> {
-    let x = match clock {
-        CostBasis::Wall => "casts + filters + lookup, ms",
-        CostBasis::Cost => "counted cost, ms by the price list",
+pub(super) fn of_scene(clock: CostBasis, motion: Motion) -> Words<'static> {
+    let x = match (clock, motion) {
+        (CostBasis::Wall, Motion::Still) => "time of a frame while nothing moves, ms",
+        (CostBasis::Wall, Motion::CameraMoves) => "time of a frame while the camera moves, ms",
+        (CostBasis::Wall, Motion::AllMoves) => "time of a frame while all moves, ms",
+        (CostBasis::Cost, _) => "counted cost of a frame, ms by the price list",
     };
     Words {
-        title: "",
+        title: String::new(),
         subtitle: String::new(),
         x,
         y: "RMSE of visibility (1e-4 and less)",
     }
 }
 
-/// Returns the words of the chart over all scenes.
-pub(super) fn of_all(scenes: usize, clock: CostBasis) -> Words<'static> {
-    let x = match clock {
-        CostBasis::Wall => "time, relative to hard shadows from a map of middle size",
-        CostBasis::Cost => "counted cost, relative to hard shadows from a map of middle size",
+/// What a chart over many scenes is about.
+pub(super) struct GroupWords<'a> {
+    pub(super) scenes: usize,
+    /// `hard` or `soft`.
+    pub(super) light: &'a str,
+    pub(super) section: Section,
+    pub(super) motion: Motion,
+    pub(super) backend: &'a str,
+    pub(super) clock: CostBasis,
+}
+
+/// Returns the words of a chart over many scenes.
+pub(super) fn of_group(group: &GroupWords<'_>) -> Words<'static> {
+    let x = match group.clock {
+        CostBasis::Wall => "time of a frame, relative to hard shadows from a map of middle size",
+        CostBasis::Cost => {
+            "counted cost of a frame, relative to hard shadows from a map of middle size"
+        }
     };
+    let kind = match group.section {
+        Section::Content => "scenes of real size",
+        Section::Check => "small scenes",
+    };
+    let motion = group.motion.words();
     Words {
-        title: "Speed against accuracy of every shadow technique",
-        subtitle: format!("means over {scenes} scenes; down and left is better"),
+        title: format!(
+            "Speed against accuracy of {} shadows on {}",
+            group.light, group.backend
+        ),
+        subtitle: format!(
+            "means over {} {kind}, {motion}; down and left is better",
+            group.scenes
+        ),
         x,
         y: "error, relative to drawing no shadows",
     }
@@ -59,7 +85,7 @@ pub(super) fn of_all(scenes: usize, clock: CostBasis) -> Words<'static> {
 
 /// Returns a chart in which each backend's front stands out and everything else is faint.
 pub(super) fn figure(dots: &[Dot], words: &Words<'_>, medium: Medium) -> Figure {
-    let mut figure = Figure::new(words.title, words.x, words.y).log(true, true);
+    let mut figure = Figure::new(&words.title, words.x, words.y).log(true, true);
     figure.subtitle.clone_from(&words.subtitle);
     figure.size = [980.0, 620.0];
     let techniques = distinct(dots, |d| &d.technique);

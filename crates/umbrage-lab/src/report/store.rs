@@ -144,16 +144,12 @@ fn hash<T: Hash + ?Sized>(value: &T) -> String {
 }
 
 /// The report's own files: no scene's folder may have their names.
-const OWN: [&str; 9] = [
+const OWN: [&str; 5] = [
     "index.html",
     "rows.csv",
     "overall.csv",
     "results.json",
     "run.json",
-    "chart-time.svg",
-    "chart-time.png",
-    "chart-cost.svg",
-    "chart-cost.png",
 ];
 
 /// Returns a folder name for each scene, numbered where scenes share a name.
@@ -165,7 +161,8 @@ fn unique_names<'a>(scenes: impl Iterator<Item = &'a str>) -> Vec<String> {
         stem.truncate(stem.floor_char_boundary(MAX_NAME_BYTES));
         let mut name = stem.clone();
         let mut number = 2;
-        while names.contains(&name) || OWN.contains(&name.as_str()) {
+        let is_own = |name: &str| OWN.contains(&name) || name.starts_with("chart-");
+        while names.contains(&name) || is_own(&name) {
             name = format!("{stem}-{number}");
             number += 1;
         }

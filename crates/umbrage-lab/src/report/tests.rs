@@ -3,15 +3,15 @@
 use super::*;
 use crate::{
     compare::{
-        CompareOptions, CompareRow, Control, CostBasis, Measured, RowOutcome, RowTimes, SceneInput,
-        TimingStats,
+        CompareOptions, CompareRow, Control, CostBasis, Measured, Motion, RowOutcome, RowTimes,
+        SceneInput, TimingStats,
     },
     output::slug,
 };
 use glam::UVec2;
 use std::{fs, sync::Arc, time::Duration};
 use umbrage_core::{
-    Receivers, Work,
+    Receivers,
     metrics::{Causes, Errors, Pixel},
 };
 use umbrage_plan::{
@@ -42,17 +42,15 @@ fn row(technique: &str, backend: &str, rmse: f64, median: f64) -> CompareRow {
         errors: Some(errors),
         causes: Some(Causes::default()),
         times: Some(times),
-        work: Work::default(),
         cost_ms: median,
         bytes: 100,
-        agreement: None,
-        color_differing: None,
         maps: Some(MapUse {
             unused: 0.84,
             texels_per_pixel: Some([0.5, 1.5, 4.5]),
             texels: Some(0.75),
             side: Some(683),
         }),
+        ..Measured::default()
     }));
     let (technique, settings) = (technique.to_owned(), NASTY.to_owned());
     CompareRow {
@@ -60,6 +58,7 @@ fn row(technique: &str, backend: &str, rmse: f64, median: f64) -> CompareRow {
         technique,
         settings,
         backend: backend.to_owned(),
+        same_as: None,
         outcome,
     }
 }
@@ -132,13 +131,12 @@ fn scene() -> (SceneResult, SceneImages) {
 
 /// A comparison of two scenes of one name.
 fn plan() -> ComparisonPlan {
-    let scene = || SceneInput {
-        scene: umbrage_core::Scene {
+    let scene = || {
+        let scene = umbrage_core::Scene {
             name: NASTY.into(),
             ..Default::default()
-        },
-        summary: String::new(),
-        fit: None,
+        };
+        SceneInput::new(scene, "")
     };
     ComparisonPlan::new(&[scene(), scene()], &CompareOptions::default())
 }
@@ -302,7 +300,7 @@ fn charts_of_the_page_name_every_dot_and_escape_what_they_show() {
     let (mut result, _) = scene();
     result.rows[0].technique = NASTY.to_owned();
     let dots = chart::dots(&result, CostBasis::Wall);
-    let words = still::of_scene(CostBasis::Wall);
+    let words = still::of_scene(CostBasis::Wall, Motion::CameraMoves);
     let chart = page::Chart::new(dots, &words, [800.0, 400.0]);
     assert_eq!((chart.dots.len(), &chart.front[..]), (3, &[0, 1][..]));
     for place in 0..3 {

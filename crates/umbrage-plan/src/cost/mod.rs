@@ -71,6 +71,19 @@ impl CostModel {
             .map(|(count, price)| count * price);
         products.sum::<f64>() * 1e-6
     }
+
+    /// Returns the cost of the work's lookups alone, milliseconds: of what is left of it in each frame while the images are kept.
+    pub fn lookup_milliseconds(&self, work: &Work) -> f64 {
+        let lookup = Work {
+            passes: 1,
+            triangles: 0,
+            covered: 0,
+            cleared: 0,
+            filtered: 0,
+            ..*work
+        };
+        self.milliseconds(&lookup)
+    }
 }
 
 /// Returns the amount of work of each kind; rays count once for each level of the hierarchy.

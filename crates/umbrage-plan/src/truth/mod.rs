@@ -11,6 +11,7 @@ mod blockers;
 mod oracle;
 mod points;
 mod polygon;
+mod sampled;
 mod tracer;
 mod vicinity;
 
@@ -42,6 +43,9 @@ pub struct TruthOptions {
     /// rays across one edge (each misplaced edge costs about one sample per row of the square they form), and well below
     /// what a surface or shadow edge moved by .02 pixels changes.
     pub ambiguous_change: f32,
+    /// Side of the square blocks of pixels of each of which one pixel is judged, drawn at random: 1 judges all pixels. The others get
+    /// a preview of a few rays, which tells where shadows' edges lie and counts in no error ([`Pixel::Unsampled`]).
+    pub block_side: u32,
 }
 
 impl Default for TruthOptions {
@@ -51,6 +55,7 @@ impl Default for TruthOptions {
             penumbra_factor: 4,
             probe_samples: 64,
             ambiguous_change: 0.125,
+            block_side: 1,
         }
     }
 }
@@ -60,13 +65,14 @@ impl Default for TruthOptions {
 pub struct Truth {
     /// Image size, pixels.
     pub size: UVec2,
-    /// Fraction of the light seen, 0..=1, rows from the top; 1 where nothing receives.
+    /// Fraction of the light seen, 0..=1, rows from the top; 1 where nothing receives. A preview where pixels are unsampled.
     pub visibility: Vec<f32>,
     /// Standard error of `visibility`, 0..=1; 0 for ideal lights.
     pub error: Vec<f32>,
     /// What counts: which pixels are empty, unlit or ambiguous.
     pub pixels: Vec<Pixel>,
-    /// Whether the visibility changes under a nudge by .02 pixels or another ray offset; also of unlit pixels.
+    /// Whether the visibility changes under a nudge by .02 pixels or another ray offset; also of unlit pixels. False beside the
+    /// sample that is judged.
     pub ambiguous: Vec<bool>,
     /// From each receiver in shadow to the blocker nearest to the light, metres; infinite where there is none.
     pub blocker: Vec<f32>,
@@ -137,23 +143,21 @@ pub fn trace(
     camera.validate()?;
     let start = Instant::now();
     let receivers = find(camera, geometry)?;
-    let pixels: Vec<u32> = (0..receivers.len() as u32).collect();
-    let asked = TruthRequest {
+    let image = sampled::Image {
         camera,
+        light,
         geometry,
         receivers: &receivers,
-        pixels: &pixels,
     };
-    let Traced { seen, ambiguous } = trace_asked(&asked, light, options, find, progress)?;
+    let traced = sampled::trace(&image, options, find, progress)?;
+    let seen = &traced.seen;
     Ok(Truth {
         size: receivers.size,
         visibility: seen.iter().map(|s| s.visibility).collect(),
         error: seen.iter().map(|s| s.error).collect(),
-        pixels: (0..seen.len())
-            .map(|i| class(receivers.receives[i], seen[i], ambiguous[i]))
-            .collect(),
-        ambiguous,
-        blocker: blockers::find(light, geometry, &receivers, &seen),
+        pixels: traced.pixels,
+        ambiguous: traced.ambiguous,
+        blocker: blockers::find(light, geometry, &receivers, seen),
         contact: blockers::contact(&receivers),
         receivers,
         fingerprint: geometry.fingerprint(),
@@ -256,14 +260,24 @@ pub fn ambiguous_on(
     if nudge.pixels <= Nudge::ROUNDING.pixels {
         return Ok(None);
     }
-    let pixels: Vec<u32> = (0..truth.receivers.len() as u32).collect();
+    let mut pixels = Vec::new();
+    for i in 0..truth.receivers.len() {
+        if truth.pixels[i] != Pixel::Unsampled {
+            pixels.push(i as u32);
+        }
+    }
     let asked = TruthRequest {
         camera,
         geometry,
         receivers: &truth.receivers,
         pixels: &pixels,
     };
-    ambiguity::find(&asked, light, options, nudge, find, &|_| {}).map(Some)
+    let found = ambiguity::find(&asked, light, options, nudge, find, &|_| {})?;
+    let mut out = vec![false; truth.receivers.len()];
+    for (&i, ambiguous) in pixels.iter().zip(found) {
+        out[i as usize] = ambiguous;
+    }
+    Ok(Some(out))
 }
 
 #[cfg(test)]

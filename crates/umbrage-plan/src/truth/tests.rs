@@ -292,3 +292,63 @@ fn points_that_are_not_finite_are_refused() {
     };
     assert!(trace_points(&geometry, &light, &[], &TruthOptions::default()).is_err());
 }
+
+/// At the pixels drawn, truth is that of the whole image to the bit; the others are previews that count in nothing.
+#[test]
+fn a_sample_of_truth_is_truth() {
+    for name in ["cubes", "teapot-lamp"] {
+        let scene = umbrage_scenes::by_argument(name).expect("built in");
+        let geometry = Geometry::bake(&scene).expect("valid");
+        let camera = scene.cameras[0].resized(UVec2::new(60, 44));
+        let light = &scene.lights[0];
+        let trace = |block_side| {
+            let options = TruthOptions {
+                samples: 32,
+                probe_samples: 16,
+                block_side,
+                ..TruthOptions::default()
+            };
+            let find = &mut |camera: &Camera, geometry: &Geometry| {
+                umbrage_cpu::Cpu::new().receivers(camera, geometry)
+            };
+            super::trace(&camera, light, &geometry, &options, find, &|_, _| {}).expect("valid")
+        };
+        let whole = trace(1);
+        let sample = trace(4);
+        let mut judged = 0;
+        let mut farthest: f32 = 0.0;
+        for i in 0..whole.pixels.len() {
+            if sample.pixels[i] == Pixel::Unsampled {
+                assert_ne!(whole.pixels[i], Pixel::Empty);
+                assert!(!sample.ambiguous[i]);
+                farthest = farthest.max((whole.visibility[i] - sample.visibility[i]).abs());
+                continue;
+            }
+            let is_counted = sample.pixels[i] == Pixel::Counted;
+            judged += usize::from(is_counted);
+            if is_counted {
+                assert_eq!(
+                    whole.visibility[i].to_bits(),
+                    sample.visibility[i].to_bits()
+                );
+                assert_eq!(whole.pixels[i], Pixel::Counted);
+            }
+        }
+        let counted = whole
+            .pixels
+            .iter()
+            .filter(|p| **p == Pixel::Counted)
+            .count();
+        assert!(
+            judged * 20 > counted && judged * 12 < counted,
+            "{judged} of {counted}"
+        );
+        // 16 stratified rays are off by a few sixteenths at most.
+        let limit = if light.is_ideal() { 0.0 } else { 0.35 };
+        assert!(farthest <= limit, "{name}: {farthest}");
+        assert!(
+            light.is_ideal() || farthest > 0.0,
+            "the preview must have few rays"
+        );
+    }
+}

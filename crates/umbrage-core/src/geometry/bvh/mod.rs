@@ -25,6 +25,7 @@ use crate::{
 };
 use glam::Vec3;
 use obvhs::{bvh2::Bvh2, cwbvh::CwBvh};
+use std::sync::OnceLock;
 
 /// A hierarchy over the casters of a [`Geometry`].
 #[derive(Clone)]
@@ -34,6 +35,8 @@ pub struct Bvh {
     corners: Vec<Corners>,
     ids: Vec<u32>,
     narrow_order: Vec<u32>,
+    /// [`Bvh::depth`], found on first use.
+    depth: OnceLock<usize>,
 }
 
 impl std::fmt::Debug for Bvh {
@@ -57,6 +60,7 @@ impl Bvh {
                 corners: Vec::new(),
                 ids,
                 narrow_order: Vec::new(),
+                depth: OnceLock::new(),
             };
         }
         let boxes = boxes_of(geometry, &ids);
@@ -78,6 +82,7 @@ impl Bvh {
                 .collect(),
             ids: order.iter().map(|&i| ids[i as usize]).collect(),
             narrow_order,
+            depth: OnceLock::new(),
         }
     }
 
@@ -195,6 +200,10 @@ impl Bvh {
 
     /// Returns the greatest number of nodes from the root of the two-way hierarchy to a leaf: the size of a shader's stack.
     pub fn depth(&self) -> usize {
+        *self.depth.get_or_init(|| self.find_depth())
+    }
+
+    fn find_depth(&self) -> usize {
         let nodes = &self.narrow.nodes;
         let mut deepest = 0;
         // Nodes, and the number of nodes from the root to them.
