@@ -12,8 +12,8 @@ use umbrage_core::{Backend, Invalid, Scene, glam::UVec2};
 use umbrage_lab::{
     baseline::{Changes, Except, apart, changes, read, time_again},
     compare::{
-        Backends, CompareEvent, CompareOptions, Comparison, Motion, Runs, SceneInput, Section,
-        compare as run,
+        Backends, CompareEvent, CompareOptions, Comparison, KeptTruth, Motion, Runs, SceneInput,
+        Section, compare as run,
     },
     report::{ComparisonPlan, Report},
 };
@@ -32,6 +32,9 @@ pub(crate) fn compare(program: &Program, arguments: &CompareArguments) -> Result
     let inputs = scenes(program, arguments)?;
     let places = places(inputs.len(), arguments.shard)?;
     let mut backends = inputs::open(arguments.backend, arguments.adapter.as_ref())?;
+    if !arguments.fresh {
+        backends.kept_truth = Some(KeptTruth::in_folder(program.folder(None, "truth")));
+    }
     for line in &backends.notices {
         println!("{line}");
     }

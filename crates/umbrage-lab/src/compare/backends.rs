@@ -1,6 +1,6 @@
 //! The backends that are compared.
 
-use super::{CompareOptions, Environment};
+use super::{CompareOptions, Environment, KeptTruth};
 use std::fmt;
 use umbrage_core::{Backend, BackendError};
 use umbrage_cpu::Cpu;
@@ -14,6 +14,8 @@ pub struct Backends {
     pub notices: Vec<String>,
     /// The graphics adapter and its driver, if one takes part.
     pub adapter: Option<String>,
+    /// Where truth is kept between runs; none: nowhere.
+    pub kept_truth: Option<KeptTruth>,
     /// Finds the receivers that truth is traced at.
     pub(crate) receivers: Cpu,
 }
@@ -100,6 +102,7 @@ impl Backends {
             playing,
             notices: Vec::new(),
             adapter: None,
+            kept_truth: None,
             receivers: Cpu::new(),
         }
     }

@@ -5,6 +5,7 @@ use super::{
     SceneResult, TruthSummary,
     agreement::agree,
     control,
+    kept_truth::TruthSubject,
     preparation::{Preparation, follows_camera, play_alike, time_of_scene, time_recipe},
     seen::SeenByBackend,
     slug::NamedSetting,
@@ -21,7 +22,7 @@ use umbrage_core::{
 use umbrage_plan::{
     cost::CostModel,
     footprint::{self, Heat, MapUse},
-    truth::{self, Truth},
+    truth::{self, Truth, TruthOptions},
 };
 
 /// Side of the pictures of where maps are looked up, pixels: enough detail, in files that are small beside the masks'.
@@ -74,14 +75,7 @@ pub(super) fn run(
         light,
         geometry: &geometry,
     };
-    let truth = truth::trace(
-        &camera,
-        light,
-        &geometry,
-        &options.truth,
-        &mut |camera, geometry| backends.receivers.receivers(camera, geometry),
-        &|done, total| on_event(CompareEvent::Truth { done, total }),
-    )?;
+    let truth = truth(&view, &options.truth, backends, on_event)?;
     let stage = if options.color {
         Some(color_stage(input, &camera)?)
     } else {
@@ -139,6 +133,40 @@ pub(super) fn run(
         lookups,
     };
     Ok((result, images))
+}
+
+/// Returns truth: what is kept of it, or else traced now and kept.
+fn truth(
+    view: &SceneView<'_>,
+    options: &TruthOptions,
+    backends: &mut Backends,
+    on_event: &OnEvent<'_>,
+) -> Result<Truth, LabError> {
+    let subject = TruthSubject {
+        camera: view.camera,
+        light: view.light,
+        geometry: view.geometry,
+        options,
+    };
+    let receivers = &mut backends.receivers;
+    if let Some(kept) = &backends.kept_truth {
+        let seen = receivers.receivers(view.camera, view.geometry)?;
+        if let Some(truth) = kept.read(&subject, seen) {
+            return Ok(truth);
+        }
+    }
+    let truth = truth::trace(
+        view.camera,
+        view.light,
+        view.geometry,
+        options,
+        &mut |camera, geometry| receivers.receivers(camera, geometry),
+        &|done, total| on_event(CompareEvent::Truth { done, total }),
+    )?;
+    if let Some(kept) = &backends.kept_truth {
+        kept.write(&subject, &truth)?;
+    }
+    Ok(truth)
 }
 
 /// Returns the RMSE of a mask that has one visibility everywhere; 0 if it can't be measured.

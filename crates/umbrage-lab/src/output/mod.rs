@@ -1,5 +1,6 @@
 //! Output that all parts of the lab share: folders, pictures, charts, pages and tables. It depends on none of them.
 
+mod checksum;
 pub(crate) mod csv;
 pub mod figure;
 pub(crate) mod folder;
@@ -8,6 +9,7 @@ pub(crate) mod html;
 pub mod png;
 mod slug;
 
+pub(crate) use checksum::{checksum, hash, program_hash};
 pub(crate) use folder::Folder;
 pub use heat::heat_map;
 pub(crate) use slug::slug;

@@ -35,7 +35,7 @@ pub use table::{Line, lines, to_csv};
 use crate::{
     LabError,
     compare::{Comparison, Environment, FEW_SCENES, SceneImages, SceneResult},
-    output::{Folder, heat_map, png},
+    output::{Folder, heat_map, png, program_hash},
 };
 use rayon::prelude::*;
 use run::Run;
@@ -76,7 +76,7 @@ impl Report {
             path: path.to_owned(),
             folder,
             run,
-            program: store::program(),
+            program: program_hash(),
             arrays,
         })
     }

@@ -4,15 +4,10 @@ use crate::output::Folder;
 use crate::{
     LabError,
     compare::{CompareOptions, Environment, SCHEMA, SceneInput, SceneResult},
-    output::slug,
+    output::{checksum, hash, slug},
 };
 use serde::{Deserialize, Serialize};
-use std::{
-    fs,
-    hash::{DefaultHasher, Hash, Hasher},
-    io::ErrorKind,
-    path::Path,
-};
+use std::{fs, io::ErrorKind, path::Path};
 use umbrage_core::{Invalid, MAX_NAME_BYTES};
 
 /// The file that makes a folder a scene's.
@@ -115,32 +110,6 @@ fn unusable(path: &Path, why: impl Into<String>) -> Invalid {
         why,
         "measure the scene again: run the same command, or remove the scene's folder",
     )
-}
-
-/// Returns the 64-bit FNV-1a hash (Fowler, Noll and Vo): the same for every version of the compiler, and different for any two
-/// texts that differ in one character.
-fn checksum(bytes: &[u8]) -> String {
-    const OFFSET_BASIS: u64 = 0xcbf2_9ce4_8422_2325;
-    const PRIME: u64 = 0x0100_0000_01b3;
-    let mut hash = OFFSET_BASIS;
-    for &byte in bytes {
-        hash = (hash ^ u64::from(byte)).wrapping_mul(PRIME);
-    }
-    format!("{hash:016x}")
-}
-
-/// A hash of the program that runs; empty if the system doesn't say where it is.
-pub(super) fn program() -> String {
-    std::env::current_exe()
-        .and_then(fs::read)
-        .map(|bytes| hash(&bytes))
-        .unwrap_or_default()
-}
-
-fn hash<T: Hash + ?Sized>(value: &T) -> String {
-    let mut hasher = DefaultHasher::new();
-    value.hash(&mut hasher);
-    format!("{:016x}", hasher.finish())
 }
 
 /// The report's own files: no scene's folder may have their names.

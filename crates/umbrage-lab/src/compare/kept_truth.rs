@@ -1,0 +1,292 @@
+//! Truth that is kept between runs: tracing it takes longer than playing a scene's rows.
+//!
+//! A file is found by a hash of all that truth depends on: triangles, camera, light, options, and the program that traces. It
+//! begins with a checksum of the rest, so that a file that was cut off or changed is traced anew.
+
+use crate::{
+    LabError,
+    output::{Folder, checksum, program_hash},
+};
+use std::{
+    fs,
+    path::PathBuf,
+    time::{Duration, SystemTime},
+};
+use umbrage_core::{Camera, Geometry, Light, Receivers, metrics::Pixel};
+use umbrage_plan::truth::{Truth, TruthOptions};
+
+/// The most bytes that are kept; the files that were used least recently are removed.
+const MAX_BYTES: u64 = 1 << 30;
+
+/// A folder in which truth is kept.
+#[derive(Clone, Debug)]
+pub struct KeptTruth {
+    folder: PathBuf,
+    /// A hash of the program that traces: another program's truth is not taken up.
+    program: String,
+}
+
+/// All that truth depends on, but for the program.
+#[derive(Clone, Copy)]
+pub(super) struct TruthSubject<'a> {
+    pub(super) camera: &'a Camera,
+    pub(super) light: &'a Light,
+    pub(super) geometry: &'a Geometry,
+    pub(super) options: &'a TruthOptions,
+}
+
+impl KeptTruth {
+    /// Keeps truth in a folder, which is made once there is something to keep.
+    pub fn in_folder(folder: PathBuf) -> Self {
+        Self {
+            folder,
+            program: program_hash(),
+        }
+    }
+
+    fn name(&self, subject: &TruthSubject<'_>) -> String {
+        let triangles = subject.geometry.fingerprint();
+        let camera = subject.camera;
+        let light = subject.light;
+        let options = subject.options;
+        let program = &self.program;
+        let text = format!("{triangles:x} {camera:?} {light:?} {options:?} {program}");
+        format!("{}.truth", checksum(text.as_bytes()))
+    }
+
+    /// Returns what is kept; none if nothing is, or it is not whole. `receivers` are what the camera sees.
+    pub(super) fn read(&self, subject: &TruthSubject<'_>, receivers: Receivers) -> Option<Truth> {
+        // Without the program's hash nobody knows whose truth it is.
+        if self.program.is_empty() {
+            return None;
+        }
+        let path = self.folder.join(self.name(subject));
+        let bytes = fs::read(&path).ok()?;
+        let truth = decoded(&bytes, receivers, subject.geometry.fingerprint())?;
+        // So that what is used is not what is removed first. Where that is refused it is removed earlier, which costs time alone.
+        if let Ok(file) = fs::File::options().append(true).open(&path) {
+            let _ = file.set_modified(SystemTime::now());
+        }
+        Some(truth)
+    }
+
+    /// Keeps truth, and removes what was not used for longest if all takes too much room.
+    ///
+    /// # Errors
+    /// Errors if the folder can't be written.
+    pub(super) fn write(&self, subject: &TruthSubject<'_>, truth: &Truth) -> Result<(), LabError> {
+        let folder = Folder::create(&self.folder)?;
+        folder.write(&self.name(subject), &encoded(truth))?;
+        for name in self.too_many() {
+            folder.remove(&name)?;
+        }
+        Ok(())
+    }
+
+    /// Returns the names of the files used least recently beyond [`MAX_BYTES`].
+    fn too_many(&self) -> Vec<String> {
+        let mut files = Vec::new();
+        for entry in fs::read_dir(&self.folder).into_iter().flatten().flatten() {
+            let name = entry.file_name().to_string_lossy().into_owned();
+            if let Ok(data) = entry.metadata()
+                && name.ends_with(".truth")
+            {
+                let used = data.modified().unwrap_or(SystemTime::UNIX_EPOCH);
+                files.push((used, data.len(), name));
+            }
+        }
+        files.sort_unstable_by(|a, b| b.cmp(a));
+        let mut bytes = 0;
+        let mut out = Vec::new();
+        for (_, length, name) in files {
+            bytes += length;
+            if bytes > MAX_BYTES {
+                out.push(name);
+            }
+        }
+        out
+    }
+}
+
+/// The classes of pixels in files, by their place.
+const CLASSES: [Pixel; 6] = [
+    Pixel::Counted,
+    Pixel::Empty,
+    Pixel::Unlit,
+    Pixel::Ambiguous,
+    Pixel::Elsewhere,
+    Pixel::Unsampled,
+];
+
+/// Returns a file's bytes: the checksum of the rest, the seconds that tracing took, the contact distance, and then for each pixel
+/// its visibility, error, distance to the blocker, class, and whether it is ambiguous; all numbers lowest byte first.
+fn encoded(truth: &Truth) -> Vec<u8> {
+    let mut rest = Vec::new();
+    rest.extend(truth.elapsed.as_secs_f64().to_le_bytes());
+    rest.extend(truth.contact.to_le_bytes());
+    for i in 0..truth.pixels.len() {
+        rest.extend(truth.visibility[i].to_le_bytes());
+        rest.extend(truth.error[i].to_le_bytes());
+        rest.extend(truth.blocker[i].to_le_bytes());
+        let class = CLASSES.iter().position(|class| *class == truth.pixels[i]);
+        rest.push(class.map_or(u8::MAX, |class| class as u8));
+        rest.push(u8::from(truth.ambiguous[i]));
+    }
+    let mut out = checksum(&rest).into_bytes();
+    out.extend(rest);
+    out
+}
+
+/// Bytes of a pixel.
+const PIXEL_BYTES: usize = 14;
+/// Bytes of a checksum.
+const CHECKSUM_BYTES: usize = 16;
+
+/// Returns the truth that a file holds; none if it is not whole or of another size.
+fn decoded(bytes: &[u8], receivers: Receivers, fingerprint: u64) -> Option<Truth> {
+    let (expected, rest) = bytes.split_at_checked(CHECKSUM_BYTES)?;
+    if checksum(rest).as_bytes() != expected {
+        return None;
+    }
+    let (seconds, rest) = rest.split_first_chunk()?;
+    let (contact, rest) = rest.split_first_chunk()?;
+    let count = receivers.len();
+    if rest.len() != count * PIXEL_BYTES {
+        return None;
+    }
+    let mut truth = Truth {
+        size: receivers.size,
+        visibility: Vec::with_capacity(count),
+        error: Vec::with_capacity(count),
+        pixels: Vec::with_capacity(count),
+        ambiguous: Vec::with_capacity(count),
+        blocker: Vec::with_capacity(count),
+        contact: f32::from_le_bytes(*contact),
+        receivers,
+        fingerprint,
+        elapsed: Duration::try_from_secs_f64(f64::from_le_bytes(*seconds)).ok()?,
+    };
+    for pixel in rest.chunks_exact(PIXEL_BYTES) {
+        let (visibility, pixel) = pixel.split_first_chunk()?;
+        let (error, pixel) = pixel.split_first_chunk()?;
+        let (blocker, pixel) = pixel.split_first_chunk()?;
+        truth.visibility.push(f32::from_le_bytes(*visibility));
+        truth.error.push(f32::from_le_bytes(*error));
+        truth.blocker.push(f32::from_le_bytes(*blocker));
+        truth.pixels.push(*CLASSES.get(usize::from(pixel[0]))?);
+        truth.ambiguous.push(pixel[1] != 0);
+    }
+    Some(truth)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::UVec2;
+    use umbrage_cpu::Cpu;
+
+    struct Stage {
+        camera: Camera,
+        light: Light,
+        geometry: Geometry,
+        options: TruthOptions,
+    }
+
+    impl Stage {
+        fn new() -> Self {
+            let scene = umbrage_scenes::by_argument("teapot-lamp").expect("built in");
+            Self {
+                camera: scene.cameras[0].resized(UVec2::new(24, 18)),
+                light: scene.lights[0],
+                geometry: Geometry::bake(&scene).expect("valid"),
+                options: TruthOptions {
+                    samples: 8,
+                    probe_samples: 4,
+                    block_side: 2,
+                    ..TruthOptions::default()
+                },
+            }
+        }
+
+        fn subject(&self) -> TruthSubject<'_> {
+            TruthSubject {
+                camera: &self.camera,
+                light: &self.light,
+                geometry: &self.geometry,
+                options: &self.options,
+            }
+        }
+
+        fn receivers(&self) -> Receivers {
+            Cpu::new()
+                .receivers(&self.camera, &self.geometry)
+                .expect("valid")
+        }
+
+        fn truth(&self) -> Truth {
+            let find =
+                &mut |camera: &Camera, geometry: &Geometry| Cpu::new().receivers(camera, geometry);
+            let Self {
+                camera,
+                light,
+                geometry,
+                options,
+            } = self;
+            umbrage_plan::truth::trace(camera, light, geometry, options, find, &|_, _| {})
+                .expect("valid")
+        }
+    }
+
+    fn bits(values: &[f32]) -> Vec<u32> {
+        values.iter().map(|value| value.to_bits()).collect()
+    }
+
+    #[test]
+    fn what_is_kept_is_what_was_traced() {
+        let dir = tempfile::tempdir().expect("a temporary folder");
+        let kept = KeptTruth::in_folder(dir.path().join("truth"));
+        let stage = Stage::new();
+        assert!(kept.read(&stage.subject(), stage.receivers()).is_none());
+        let truth = stage.truth();
+        kept.write(&stage.subject(), &truth).expect("writable");
+        let read = kept
+            .read(&stage.subject(), stage.receivers())
+            .expect("kept");
+        assert_eq!(bits(&read.visibility), bits(&truth.visibility));
+        assert_eq!(bits(&read.error), bits(&truth.error));
+        assert_eq!(bits(&read.blocker), bits(&truth.blocker));
+        assert_eq!(
+            (read.pixels, read.ambiguous),
+            (truth.pixels, truth.ambiguous)
+        );
+        assert_eq!((read.contact, read.size), (truth.contact, truth.size));
+        // Of another camera, light, option or program nothing is kept.
+        let mut other = Stage::new();
+        other.options.samples = 9;
+        assert!(kept.read(&other.subject(), stage.receivers()).is_none());
+        let mut other = Stage::new();
+        other.camera = other.camera.nudged(glam::Vec2::X);
+        assert!(kept.read(&other.subject(), stage.receivers()).is_none());
+        let rebuilt = KeptTruth {
+            program: "another".to_owned(),
+            ..kept.clone()
+        };
+        assert!(rebuilt.read(&stage.subject(), stage.receivers()).is_none());
+    }
+
+    #[test]
+    fn what_was_changed_or_cut_off_is_not_taken_up() {
+        let stage = Stage::new();
+        let bytes = encoded(&stage.truth());
+        let read = |bytes: &[u8]| decoded(bytes, stage.receivers(), 0).is_some();
+        assert!(read(&bytes));
+        for place in [0, 20, bytes.len() - 1] {
+            let mut changed = bytes.clone();
+            changed[place] ^= 1;
+            assert!(!read(&changed), "byte {place}");
+        }
+        for length in [0, 10, CHECKSUM_BYTES, bytes.len() - 1] {
+            assert!(!read(&bytes[..length]), "{length} bytes");
+        }
+    }
+}
