@@ -267,7 +267,7 @@ pub(crate) fn verdict(comparison: &Comparison) -> Result<()> {
 
 /// Returns the scenes named, or the suite: frames of real size, then checks.
 fn scenes(program: &Program, arguments: &CompareArguments) -> Result<Vec<SceneInput>> {
-    let content = Box::new(content_options(program, arguments));
+    let content = Box::new(content_options(program, arguments)?);
     if !arguments.scenes.is_empty() {
         let named = arguments.scenes.iter();
         return named.map(|name| scene(program, name, &content)).collect();
@@ -310,7 +310,7 @@ fn of_entry(scene: Scene, entry: &SceneEntry, content: &CompareOptions) -> Scene
 }
 
 /// Returns the options of the built-in frames of real size.
-fn content_options(program: &Program, arguments: &CompareArguments) -> CompareOptions {
+fn content_options(program: &Program, arguments: &CompareArguments) -> Result<CompareOptions> {
     let mut out = if arguments.quick {
         CompareOptions::quick_content()
     } else {
@@ -322,8 +322,8 @@ fn content_options(program: &Program, arguments: &CompareArguments) -> CompareOp
     }
     // Whoever names a scene wants to see all of it.
     out.headline = !arguments.full && arguments.scenes.is_empty();
-    set_common(&mut out, program, arguments);
-    out
+    set_common(&mut out, program, arguments)?;
+    Ok(out)
 }
 
 fn options_of(program: &Program, arguments: &CompareArguments) -> Result<CompareOptions> {
@@ -349,12 +349,16 @@ fn options_of(program: &Program, arguments: &CompareArguments) -> Result<Compare
         // 1024 rays in penumbra: a standard error well below any technique's, in a quarter of the time.
         out.truth.samples = 256;
     }
-    set_common(&mut out, program, arguments);
+    set_common(&mut out, program, arguments)?;
     Ok(out)
 }
 
 /// Sets what the command line says of all scenes.
-fn set_common(out: &mut CompareOptions, program: &Program, arguments: &CompareArguments) {
+fn set_common(
+    out: &mut CompareOptions,
+    program: &Program,
+    arguments: &CompareArguments,
+) -> Result<()> {
     out.registry = program.techniques.clone();
     out.techniques.clone_from(&arguments.techniques);
     out.color = arguments.color;
@@ -364,6 +368,7 @@ fn set_common(out: &mut CompareOptions, program: &Program, arguments: &CompareAr
     } else {
         arguments.runs.map(Runs::exactly).or(out.runs)
     };
+    out.prices = inputs::prices(arguments.prices.as_deref())?;
     out.motion = match arguments {
         _ if arguments.still => Motion::Still,
         _ if arguments.all_moves => Motion::AllMoves,
@@ -376,4 +381,5 @@ fn set_common(out: &mut CompareOptions, program: &Program, arguments: &CompareAr
         out.map_sizes.sort_unstable();
         out.map_sizes.dedup();
     }
+    Ok(())
 }

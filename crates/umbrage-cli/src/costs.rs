@@ -1,12 +1,12 @@
 //! Measures what work costs on this machine.
 
 use crate::args::BenchArguments;
-use anyhow::Result;
+use anyhow::{Context, Result};
 use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
 use std::sync::Arc;
 use umbrage_core::{Backend, Fit, Scene, ShadowTechnique, glam::UVec2};
 use umbrage_cpu::Cpu;
-use umbrage_plan::cost::{Calibration, CostSample, KIND_NAMES, calibrate};
+use umbrage_plan::cost::{Calibration, CostSample, KIND_NAMES, PriceList, calibrate};
 use umbrage_techniques::all;
 use umbrage_wgpu::{AdapterChoice, Gpu};
 
@@ -34,6 +34,8 @@ pub(crate) fn costs(options: &BenchArguments) -> Result<()> {
         .map(|e| (e.build)())
         .collect();
     let settings = settings();
+    let mut prices = PriceList::default();
+    let mut names = Vec::new();
     for backend in &mut backends {
         let count = scenes.len() * SIZES.len() * settings.len();
         let bar = indicatif::ProgressBar::new(count as u64);
@@ -47,6 +49,21 @@ pub(crate) fn costs(options: &BenchArguments) -> Result<()> {
         )?;
         bar.finish_and_clear();
         print(backend.name(), &found);
+        names.push(backend.name().to_owned());
+        if backend.kind() == "cpu" {
+            prices.cpu = found.model;
+        } else {
+            prices.wgpu = found.model;
+        }
+    }
+    prices.measured_on = names.join("; ");
+    if let Some(path) = &options.write {
+        let text = prices.to_toml()?;
+        std::fs::write(path, text).with_context(|| format!("`{}`", path.display()))?;
+        println!("\nprices: {}", path.display());
+        if names.len() == 1 {
+            println!("those of wgpu are the built-in ones, as no adapter was timed");
+        }
     }
     Ok(())
 }

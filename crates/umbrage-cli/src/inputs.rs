@@ -3,8 +3,10 @@
 use crate::program::Program;
 use crate::{args::Backend, usage::Usage};
 use anyhow::Result;
+use std::path::Path;
 use umbrage_core::{BackendError, Scene};
 use umbrage_lab::compare::Backends;
+use umbrage_plan::cost::PriceList;
 use umbrage_scenes::SceneError;
 use umbrage_wgpu::AdapterChoice;
 
@@ -26,6 +28,17 @@ pub(crate) fn adapter(name: Option<&String>) -> AdapterChoice {
         name: name.cloned().or(from_env.name),
         ..from_env
     }
+}
+
+/// The prices in a file; the built-in ones without a file.
+pub(crate) fn prices(path: Option<&Path>) -> Result<PriceList> {
+    let Some(path) = path else {
+        return Ok(PriceList::default());
+    };
+    let unusable = |why: String| Usage(format!("--prices `{}`: {why}", path.display()));
+    let text = std::fs::read_to_string(path).map_err(|e| unusable(e.to_string()))?;
+    let list = PriceList::from_toml(&text).map_err(|e| unusable(e.to_string()))?;
+    Ok(list)
 }
 
 /// A scene by name or path.

@@ -31,10 +31,9 @@ pub(crate) fn plan(program: &Program, arguments: &PlanArguments) -> Result<()> {
         Usage("give --max-error, --max-time or --max-bytes, or some of them".to_owned())
     })?;
     let scene = inputs::scene(program, name)?;
+    let options = options_of(program, arguments)?;
     let progress = Progress::new();
-    let plan = find(&scene, &bounds, &options_of(program, arguments), &|step| {
-        progress.note(step)
-    });
+    let plan = find(&scene, &bounds, &options, &|step| progress.note(step));
     progress.finish();
     let plan = plan?;
     let files = write(&plan, &program.folder(arguments.out.as_deref(), "plan"))?;
@@ -57,17 +56,18 @@ fn kind(arguments: &PlanArguments) -> &'static str {
     }
 }
 
-pub(crate) fn options_of(program: &Program, arguments: &PlanArguments) -> PlanOptions {
-    PlanOptions {
+pub(crate) fn options_of(program: &Program, arguments: &PlanArguments) -> Result<PlanOptions> {
+    let prices = inputs::prices(arguments.prices.as_deref())?;
+    Ok(PlanOptions {
         registry: program.techniques.clone(),
         samples: arguments.samples,
         seed: arguments.seed,
-        cost: CostModel::of(kind(arguments)),
+        cost: prices.of(kind(arguments)),
         // The command counts lights from 1.
         light: usize::from(arguments.light) - 1,
         size: arguments.size.map(UVec2::from_array),
         ..PlanOptions::default()
-    }
+    })
 }
 
 fn print(plan: &Plan, kind: &str) {

@@ -22,7 +22,7 @@ pub(crate) fn regret(program: &Program, arguments: &PlanArguments) -> Result<()>
         for light in 0..scene.lights.len().max(1) {
             let options = PlanOptions {
                 light,
-                ..options_of(program, arguments)
+                ..options_of(program, arguments)?
             };
             let found = measure(scene, &arguments.errors, &options, &|step| {
                 progress.note(step)

@@ -6,11 +6,15 @@ use clap::Args;
 #[command(after_help = "Examples:
   cargo xtask bench               every ratio, medians of 20 runs taken in turn
   cargo xtask bench --runs 100    the same, steadier
-  cargo xtask bench --costs       what a texel, a tap, a ray costs here: prices for deterministic costs")]
+  cargo xtask bench --costs       what a texel, a tap, a ray costs here: prices for deterministic costs
+  cargo xtask bench --costs --write prices.toml    the same, kept for `compare --prices` and `plan --prices`")]
 pub(crate) struct BenchArguments {
     /// Measure the prices of work on this machine instead
     #[arg(long)]
     pub(crate) costs: bool,
+    /// Write the prices to this file, for `--prices` of `compare` and `plan`
+    #[arg(long, value_name = "FILE", requires = "costs")]
+    pub(crate) write: Option<std::path::PathBuf>,
     /// Runs of each side; their medians are compared
     #[arg(long, value_name = "COUNT", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) runs: u32,

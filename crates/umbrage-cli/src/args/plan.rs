@@ -10,6 +10,7 @@ use std::path::PathBuf;
   cargo xtask plan lamp.toml --max-time 2             the most accurate within a time
   cargo xtask plan lamp.toml --max-error 0.05 --light 2
   cargo xtask plan model.obj --max-error 0.05 --max-bytes 4194304 --backend wgpu
+  cargo xtask plan street --max-error 0.1 --prices my-gpu.toml --backend wgpu
   cargo xtask plan --regret                           are plans right? against sweeps of the suite
   cargo xtask plan --regret cubes --errors 0.05,0.1   the same: one scene, two bounds")]
 pub(crate) struct PlanArguments {
@@ -28,6 +29,9 @@ pub(crate) struct PlanArguments {
     /// Whose prices count
     #[arg(long, value_name = "NAME", default_value = "cpu")]
     pub(crate) backend: PlanBackend,
+    /// Prices of work, as `bench --costs --write` measures them; else the built-in ones
+    #[arg(long, value_name = "FILE")]
+    pub(crate) prices: Option<PathBuf>,
     /// Which of the scene's lights, from 1; with --regret all of them
     #[arg(long, value_name = "NUMBER", default_value_t = 1, conflicts_with = "regret", value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) light: u16,

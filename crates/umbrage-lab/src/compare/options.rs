@@ -5,7 +5,7 @@ use crate::LabError;
 use glam::UVec2;
 use std::{sync::Arc, time::Duration};
 use umbrage_core::{Camera, Fit, Invalid, Scene, ShadowTechnique};
-use umbrage_plan::truth::TruthOptions;
+use umbrage_plan::{cost::PriceList, truth::TruthOptions};
 use umbrage_techniques::Techniques;
 
 /// What a scene is compared for.
@@ -73,6 +73,8 @@ pub struct CompareOptions {
     pub knows_receivers: bool,
     /// What moves from frame to frame: which times make up a row's sum.
     pub motion: Motion,
+    /// What work costs.
+    pub prices: PriceList,
     /// Image size instead of the cameras' own, pixels; the vertical field of view stays.
     pub size: Option<UVec2>,
     /// How truth is traced.
@@ -145,6 +147,7 @@ impl Default for CompareOptions {
             headline: false,
             knows_receivers: true,
             motion: Motion::default(),
+            prices: PriceList::default(),
             size: None,
             truth: TruthOptions::default(),
             runs: Some(Runs::default()),

@@ -6,7 +6,7 @@ use umbrage_core::{
     Work,
     metrics::{Agreement, Causes, Errors},
 };
-use umbrage_plan::{footprint::MapUse, statistics::Sorted};
+use umbrage_plan::{cost::rank_correlation, footprint::MapUse, statistics::Sorted};
 
 /// Version of this data's format; grows with every change that programs which read it would notice.
 pub const SCHEMA: u32 = 6;
@@ -94,6 +94,21 @@ pub struct SceneResult {
 }
 
 impl SceneResult {
+    /// Returns how well counted costs rank the rows of a backend as the clock does: Spearman's rank correlation of cost and time of
+    /// whole recipes; none with fewer than three rows or without times.
+    pub fn cost_ranks(&self, backend: &str) -> Option<f64> {
+        let mut pairs = Vec::new();
+        for row in self.rows.iter().filter(|row| row.backend == backend) {
+            if let Some(m) = row.measured()
+                && let Some(times) = m.times
+                && row.same_as.is_none()
+            {
+                pairs.push([m.cost_ms, times.total.median]);
+            }
+        }
+        rank_correlation(&pairs)
+    }
+
     fn faults(&self) -> Vec<String> {
         let mut out = Vec::new();
         let scene = &self.name;
@@ -254,7 +269,7 @@ pub struct Measured {
     pub kept_as_camera_moves: bool,
     /// The recipe's work, counted.
     pub work: Work,
-    /// The cost of that work by the [prices](umbrage_plan::cost::CostModel::of) of this kind of backend, milliseconds: the same on every
+    /// The cost of that work by the [prices](umbrage_plan::cost::PriceList) of this kind of backend, milliseconds: the same on every
     /// run.
     pub cost_ms: f64,
     /// The part of `cost_ms` that the lookup costs.

@@ -20,7 +20,6 @@ use umbrage_core::{
     metrics::{Agreement, Causes, Errors, Pixel, ReferenceMask, TruthImage},
 };
 use umbrage_plan::{
-    cost::CostModel,
     footprint::{self, Heat, MapUse},
     truth::{self, Truth, TruthOptions},
 };
@@ -568,7 +567,8 @@ impl SceneRun<'_> {
         let kind = player.kind();
         let snapping = player.snapping();
         let work = Work::of(&view.with_receivers(&self.truth.receivers), recipe);
-        let cost_ms = CostModel::of(kind).milliseconds(&work);
+        let prices = self.options.prices.of(kind);
+        let cost_ms = prices.milliseconds(&work);
         let runs = self.options.runs.as_ref();
         let (shadows, times) = match measure(player, &view, recipe, runs, cost_ms) {
             Ok(measured) => measured,
@@ -609,7 +609,7 @@ impl SceneRun<'_> {
             kept_as_camera_moves: planned.kept_as_camera_moves,
             work,
             cost_ms,
-            lookup_cost_ms: CostModel::of(kind).lookup_milliseconds(&work),
+            lookup_cost_ms: prices.lookup_milliseconds(&work),
             bytes,
             agreement,
             color_differing: None,

@@ -9,7 +9,6 @@ use std::time::{Duration, Instant};
 use umbrage_core::{
     Backend, BackendError, Geometry, Receivers, Recipe, Shadows, Timings, View, Work,
 };
-use umbrage_plan::cost::CostModel;
 use umbrage_yardstick::Yardstick;
 
 /// Plays a recipe: once for the mask, which compiles, uploads and finds receivers, then until its time is known. The timed
@@ -230,7 +229,10 @@ pub(crate) fn again(
         if let (Some(setting), Some(backend)) = (setting, backend)
             && let Ok(recipe) = setting.technique.recipe(&planning_view)
         {
-            let cost_ms = CostModel::of(kind).milliseconds(&Work::of(&view, &recipe));
+            let cost_ms = options
+                .prices
+                .of(kind)
+                .milliseconds(&Work::of(&view, &recipe));
             // Once before, since the first run compiles and uploads.
             backend.render(&view, &recipe)?;
             let timed = time(

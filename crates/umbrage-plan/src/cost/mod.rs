@@ -6,8 +6,12 @@
 
 mod calibrate;
 mod least_squares;
+mod price_list;
+mod ranks;
 
 pub use calibrate::{Calibration, CostSample, calibrate, fit};
+pub use price_list::PriceList;
+pub use ranks::rank_correlation;
 
 use serde::{Deserialize, Serialize};
 use umbrage_core::Work;
@@ -30,7 +34,7 @@ pub const KIND_NAMES: [&str; KINDS] = [
 
 /// Prices of work on one backend.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(from = "price_list::NamedPrices", into = "price_list::NamedPrices")]
 pub struct CostModel {
     /// Nanoseconds for one of each kind, 0 or more, in the order of [`KIND_NAMES`].
     pub nanoseconds: [f64; KINDS],
