@@ -29,7 +29,20 @@ pub type Budget = umbrage_plan::Bounds;
 /// # Errors
 /// When the scene or the budget is not valid, and when nothing is within the budget.
 pub fn auto(scene: &Scene, budget: &Budget) -> Result<TechniquePreset, AutoError> {
-    Ok(plan(scene, budget, &PlanOptions::default(), &|_| {})?.preset()?)
+    auto_with(scene, budget, &PlanOptions::default())
+}
+
+/// As [`auto`], with options: another light or image size, techniques of your own, or the prices of your machine
+/// ([`PlanOptions::cost`], from a [`PriceList`](umbrage_plan::cost::PriceList) that `bench --costs --write` writes).
+///
+/// # Errors
+/// As those of [`auto`].
+pub fn auto_with(
+    scene: &Scene,
+    budget: &Budget,
+    options: &PlanOptions,
+) -> Result<TechniquePreset, AutoError> {
+    Ok(plan(scene, budget, options, &|_| {})?.preset()?)
 }
 
 /// Why there is no preset.

@@ -46,7 +46,7 @@ mod auto;
 mod backend_choice;
 
 #[cfg(feature = "plan")]
-pub use auto::{AutoError, Budget, auto};
+pub use auto::{AutoError, Budget, auto, auto_with};
 pub use backend_choice::{BackendChoice, backend};
 pub use umbrage_core::*;
 pub use umbrage_techniques as techniques;
