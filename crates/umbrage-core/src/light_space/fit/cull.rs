@@ -4,14 +4,21 @@
 //! if somewhere it lies before that: tested with its box, so that one too many may be kept, but never one too few.
 
 use crate::{
-    Geometry, Light, View,
-    light_space::fit::map_space::{MapBounds, MapPolygon, MapSpace, clip},
+    Geometry, Light,
+    gbuffer::seen_points::SeenPoints,
+    light_space::fit::{
+        map_space::{MapBounds, MapPolygon, MapSpace, clip},
+        points::seen_on,
+    },
 };
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 use std::ops::Range;
 
 /// Cells along each side: finer ones tell more casters apart, but cost more to fill and to query.
 const CELLS: usize = 64;
+/// Parts into which seen points are shared out among threads.
+const PARTS: usize = 16;
 /// Texels added to what kernels reach: one to the corner of the receiver's own texel, one half for what lookups in 32 bits
 /// round.
 const OWN_TEXEL: f64 = 1.5;
@@ -74,69 +81,117 @@ fn extent(light: &Light) -> f64 {
     }
 }
 
-/// Returns the world positions of what is seen to receive, if that is known.
-pub(super) fn seen(view: &View<'_>) -> Option<Vec<Vec3>> {
-    view.receivers.map(|seen| seen.positions().collect())
-}
-
 /// Where something receives, map space: seen points, or boxes around runs of triangles.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Receiving {
-    points: Vec<DVec3>,
+#[derive(Clone, Debug)]
+pub(super) struct Receiving<'a> {
+    seen: Option<SeenOnMap<'a>>,
     boxes: Vec<MapBounds>,
+    bounds: MapBounds,
 }
 
-impl Receiving {
-    /// Returns what may receive within `column`: those of the `seen` points (world space) that lie there; if they aren't known,
-    /// boxes around all receivers.
+/// Those seen points that lie within `column`.
+#[derive(Clone, Debug)]
+struct SeenOnMap<'a> {
+    seen: &'a SeenPoints<'a>,
+    space: MapSpace,
+    column: MapBounds,
+}
+
+impl<'a> Receiving<'a> {
+    /// Returns what may receive within `column`: those of the `seen` points that lie there; if they aren't known, boxes around all
+    /// receivers.
     pub(super) fn new(
-        seen: Option<&[Vec3]>,
+        seen: Option<&'a SeenPoints<'_>>,
         geometry: &Geometry,
         space: &MapSpace,
         column: &MapBounds,
     ) -> Self {
-        let mut out = Self::default();
-        match seen {
-            Some(points) => {
-                out.points.reserve(points.len());
-                out.points
-                    .extend(points.iter().filter_map(|&p| space.point_within(p, column)));
+        let Some(seen) = seen else {
+            return Self::of_triangles(geometry, space, column);
+        };
+        Self {
+            bounds: seen_on(space, seen, column),
+            seen: Some(SeenOnMap {
+                seen,
+                space: *space,
+                column: *column,
+            }),
+            boxes: Vec::new(),
+        }
+    }
+
+    /// Returns boxes, cut by `column`, around all triangles that receive.
+    fn of_triangles(geometry: &Geometry, space: &MapSpace, column: &MapBounds) -> Self {
+        let mut boxes = Vec::new();
+        let mut walk = geometry.box_tree().walk(geometry.receivers());
+        while let Some(block) = walk.next() {
+            if block.run.is_none() {
+                if space.group(&block.bounds).meets(column) {
+                    walk.enter(&block);
+                }
+                continue;
             }
-            None => {
-                let boxes = geometry
-                    .chunk_bounds()
-                    .of(geometry.receivers())
-                    .map(|(_, b)| space.block(&b));
-                out.boxes
-                    .extend(boxes.filter(|b| b.meets(column)).map(|b| b.within(column)));
+            let b = space.block(&block.bounds);
+            if b.meets(column) {
+                boxes.push(b.within(column));
             }
         }
-        out
+        Self {
+            bounds: boxes.iter().fold(MapBounds::EMPTY, |all, b| all.union(b)),
+            seen: None,
+            boxes,
+        }
     }
 
     /// Returns what fills a box.
     pub(super) fn within(b: MapBounds) -> Self {
         Self {
-            points: Vec::new(),
+            seen: None,
             boxes: vec![b],
+            bounds: b,
         }
     }
 
     /// Returns a box around all of it.
     pub(super) fn bounds(&self) -> MapBounds {
-        let points = MapBounds::around(self.points.iter().copied());
-        self.boxes.iter().fold(points, |all, b| all.union(b))
+        self.bounds
+    }
+}
+
+impl SeenOnMap<'_> {
+    /// Returns the tiles that may have points here, each with a box around them.
+    fn tiles(&self) -> Vec<(Range<u32>, MapBounds)> {
+        let mut tiles = Vec::new();
+        let mut walk = self.seen.tree().walk(self.seen.entries());
+        while let Some(block) = walk.next() {
+            let b = self.space.group(&block.bounds);
+            if !b.meets(&self.column) {
+                continue;
+            }
+            match &block.run {
+                Some(tile) => tiles.push((tile.clone(), b)),
+                None => walk.enter(&block),
+            }
+        }
+        tiles
     }
 }
 
 /// Returns the least rank that any caster may have within `column`; none if there are no casters.
 pub(super) fn first_rank(geometry: &Geometry, space: &MapSpace, column: &MapBounds) -> Option<f64> {
-    let chunks = geometry.chunk_bounds().of(geometry.casters());
-    chunks
-        .map(|(_, b)| space.block(&b))
-        .filter(|b| b.meets(column))
-        .map(|b| b.min.z)
-        .reduce(f64::min)
+    let least_in = |b: &MapBounds| {
+        if b.meets(column) {
+            b.min.z
+        } else {
+            f64::INFINITY
+        }
+    };
+    let first = geometry.box_tree().least(
+        geometry.casters(),
+        |b| least_in(&space.group(b)),
+        |_, b| least_in(&space.block(b)),
+    );
+    first.is_finite().then_some(first)
 }
 
 /// Decides which casters matter to some receivers: the grid of the module's description.
@@ -161,7 +216,7 @@ impl<'a> Need<'a> {
     pub(super) fn new(
         space: MapSpace,
         geometry: &'a Geometry,
-        receivers: &Receiving,
+        receivers: &Receiving<'_>,
         reach: &Reach,
     ) -> Option<Self> {
         let all = receivers.bounds();
@@ -181,9 +236,8 @@ impl<'a> Need<'a> {
             cell,
             last,
         };
-        for &p in &receivers.points {
-            let i = out.cell_of(p);
-            out.last[i] = out.last[i].max(p.z);
+        if let Some(seen) = &receivers.seen {
+            out.last = out.last_seen(seen);
         }
         for b in &receivers.boxes {
             for i in out.cells(b) {
@@ -192,6 +246,31 @@ impl<'a> Need<'a> {
         }
         out.widen((reach.across / cell).ceil());
         Some(out)
+    }
+
+    /// Returns the greatest rank of the seen points in each cell.
+    fn last_seen(&self, seen: &SeenOnMap<'_>) -> Vec<f64> {
+        let tiles: Vec<(Range<u32>, MapBounds)> = seen.tiles();
+        let nothing = || vec![f64::NEG_INFINITY; CELLS * CELLS];
+        let last_of = |tiles: &[(Range<u32>, MapBounds)]| {
+            let mut last = nothing();
+            for (tile, _) in tiles {
+                for p in seen.seen.points_in(tile) {
+                    if let Some(p) = seen.space.point_within(p, &seen.column) {
+                        let i = self.cell_of(p);
+                        last[i] = last[i].max(p.z);
+                    }
+                }
+            }
+            last
+        };
+        let parts = tiles.par_chunks(tiles.len().div_ceil(PARTS).max(1));
+        parts.map(last_of).reduce(nothing, |mut a, b| {
+            for (a, b) in a.iter_mut().zip(b) {
+                *a = a.max(b);
+            }
+            a
+        })
     }
 
     /// Returns the same for a map that shows no more than `column`: lookups that leave it find nothing, so casters beside it
@@ -235,24 +314,40 @@ impl<'a> Need<'a> {
         b.meets(&self.shown) && self.cells(b).any(|i| self.last[i] + self.behind >= b.min.z)
     }
 
-    /// Returns runs of casters of which some may matter, and a box around each.
-    fn runs(&self) -> impl Iterator<Item = (Range<u32>, MapBounds)> + '_ {
-        let runs = self.geometry.chunk_bounds().of(self.geometry.casters());
-        runs.map(|(run, b)| (run, self.space.block(&b)))
-            .filter(|(_, b)| self.matters(b))
+    /// Passes the casters of runs of which some may matter, in order, to `visit`, with a box around each run. Passes over runs in
+    /// boxes for which `is_known` is true, which must then be so of what lies in them.
+    fn visit_runs<T>(
+        &self,
+        state: &mut T,
+        is_known: impl Fn(&T, &MapBounds) -> bool,
+        mut visit: impl FnMut(&mut T, Range<u32>),
+    ) {
+        let mut walk = self.geometry.box_tree().walk(self.geometry.casters());
+        while let Some(block) = walk.next() {
+            let b = match block.run {
+                Some(_) => self.space.block(&block.bounds),
+                None => self.space.group(&block.bounds),
+            };
+            if !self.matters(&b) || is_known(state, &b) {
+                continue;
+            }
+            match &block.run {
+                Some(run) => visit(state, run.clone()),
+                None => walk.enter(&block),
+            }
+        }
     }
 
     /// Returns a box around those parts of casters that may matter; empty if there are none.
     pub(super) fn around_casters(&self) -> MapBounds {
         let mut found = MapBounds::EMPTY;
-        for (run, b) in self.runs() {
-            if adds_nothing(&b.within(&self.shown), &found) {
-                continue;
-            }
+        let adds_nothing =
+            |found: &MapBounds, b: &MapBounds| adds_nothing(&b.within(&self.shown), found);
+        self.visit_runs(&mut found, adds_nothing, |found, run| {
             for triangle in run {
                 let polygon = self.space.triangle(self.geometry.corners(triangle));
                 let b = MapBounds::around(polygon.corners().iter().copied());
-                if adds_nothing(&b.within(&self.shown), &found) || !self.matters(&b) {
+                if adds_nothing(found, &b) || !self.matters(&b) {
                     continue;
                 }
                 let is_shown_whole = b.within(&self.shown) == b;
@@ -261,9 +356,9 @@ impl<'a> Need<'a> {
                 } else {
                     self.part(&polygon)
                 };
-                found = found.union(&part);
+                *found = found.union(&part);
             }
-        }
+        });
         found
     }
 
@@ -280,11 +375,19 @@ impl<'a> Need<'a> {
 
     /// Returns the ids of the casters that may matter.
     #[cfg(feature = "testing")]
-    pub(super) fn casters(&self) -> impl Iterator<Item = u32> + '_ {
-        self.runs().flat_map(|(run, _)| run).filter(|&id| {
-            let polygon = self.space.triangle(self.geometry.corners(id));
-            self.matters(&MapBounds::around(polygon.corners().iter().copied()))
-        })
+    pub(super) fn casters(&self) -> Vec<u32> {
+        let mut ids = Vec::new();
+        self.visit_runs(
+            &mut ids,
+            |_, _| false,
+            |ids, run| {
+                ids.extend(run.filter(|&id| {
+                    let polygon = self.space.triangle(self.geometry.corners(id));
+                    self.matters(&MapBounds::around(polygon.corners().iter().copied()))
+                }));
+            },
+        );
+        ids
     }
 }
 

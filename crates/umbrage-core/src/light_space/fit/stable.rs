@@ -120,10 +120,7 @@ fn first_caster(view: &View<'_>, space: &MapSpace, column: &MapBounds) -> f64 {
 /// Returns the smallest of the spheres around what the camera may see, what casts, and what receives; not so small that 32-bit
 /// positions in it could not be told apart.
 fn smallest(view: &View<'_>, range: f64) -> Sphere {
-    let receivers = view.geometry.map(|g| {
-        let blocks = g.chunk_bounds().of(g.receivers());
-        blocks.fold(Aabb::EMPTY, |all, (_, b)| all.union(&b))
-    });
+    let receivers = view.geometry.map(|g| g.box_tree().around(g.receivers()));
     let boxes = [Some(view.casters), receivers]
         .into_iter()
         .flatten()

@@ -1,0 +1,89 @@
+//! Seen points in tiles of the image, with boxes around them, so that whole tiles can be passed over.
+
+use crate::{
+    Aabb, Receivers,
+    geometry::box_tree::{BoxTree, RUN},
+};
+use glam::Vec3;
+use rayon::prelude::*;
+use std::{ops::Range, sync::Arc};
+
+/// Side of a tile, pixels. A tile is a run of the tree of boxes.
+const TILE: usize = 8;
+
+const _: () = assert!(TILE * TILE == RUN as usize, "a tile is a run");
+
+/// The points of an image on which a shadow may fall, tile by tile, tiles in rows from the top. Entries of its list are places in
+/// tiles: [`RUN`] a tile, whether something is seen there or not.
+#[derive(Clone, Debug)]
+pub(crate) struct SeenPoints<'a> {
+    receivers: &'a Receivers,
+    tiles_across: usize,
+    tree: Arc<BoxTree>,
+}
+
+impl<'a> SeenPoints<'a> {
+    /// Returns the points of valid receivers.
+    pub(crate) fn new(receivers: &'a Receivers) -> Self {
+        let width = receivers.size.x as usize;
+        let height = receivers.size.y as usize;
+        let tiles_across = width.div_ceil(TILE);
+        let boxes_of_row = |row: usize| {
+            let box_of = move |column| Aabb::around(points_in(receivers, column, row));
+            (0..tiles_across).into_par_iter().map(box_of)
+        };
+        let boxes = (0..height.div_ceil(TILE))
+            .into_par_iter()
+            .flat_map(boxes_of_row);
+        Self {
+            receivers,
+            tiles_across,
+            tree: Arc::new(BoxTree::new(boxes.collect())),
+        }
+    }
+
+    /// Returns the same receivers' points, whose tree was made before.
+    pub(crate) fn with_tree(receivers: &'a Receivers, tree: Arc<BoxTree>) -> Self {
+        Self {
+            receivers,
+            tiles_across: (receivers.size.x as usize).div_ceil(TILE),
+            tree,
+        }
+    }
+
+    /// Returns the boxes around the points of tiles.
+    pub(crate) fn tree(&self) -> &Arc<BoxTree> {
+        &self.tree
+    }
+
+    /// Returns all entries of the list.
+    pub(crate) fn entries(&self) -> Range<u32> {
+        let tiles_down = (self.receivers.size.y as usize).div_ceil(TILE);
+        0..(self.tiles_across * tiles_down) as u32 * RUN
+    }
+
+    /// Returns the world positions of a tile's points. `tile` is its entries.
+    pub(crate) fn points_in(&self, tile: &Range<u32>) -> impl Iterator<Item = Vec3> + use<'a> {
+        let index = (tile.start / RUN) as usize;
+        points_in(
+            self.receivers,
+            index % self.tiles_across,
+            index / self.tiles_across,
+        )
+    }
+}
+
+/// Returns the world positions of the points in a tile, given by its column and row among the tiles.
+fn points_in(
+    receivers: &Receivers,
+    column: usize,
+    row: usize,
+) -> impl Iterator<Item = Vec3> + use<'_> {
+    let width = receivers.size.x as usize;
+    let height = receivers.size.y as usize;
+    let columns = column * TILE..((column + 1) * TILE).min(width);
+    let rows = row * TILE..((row + 1) * TILE).min(height);
+    rows.flat_map(move |y| columns.clone().map(move |x| y * width + x))
+        .filter(|&i| receivers.receives[i])
+        .map(|i| receivers.position(i))
+}
