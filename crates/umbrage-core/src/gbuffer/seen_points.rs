@@ -83,7 +83,15 @@ fn points_in(
     let height = receivers.size.y as usize;
     let columns = column * TILE..((column + 1) * TILE).min(width);
     let rows = row * TILE..((row + 1) * TILE).min(height);
-    rows.flat_map(move |y| columns.clone().map(move |x| y * width + x))
-        .filter(|&i| receivers.receives[i])
-        .map(|i| receivers.position(i))
+    rows.flat_map(move |y| {
+        let pixels = y * width + columns.start..y * width + columns.end;
+        let positions = receivers.x[pixels.clone()]
+            .iter()
+            .zip(&receivers.y[pixels.clone()])
+            .zip(&receivers.z[pixels.clone()]);
+        positions
+            .zip(&receivers.receives[pixels])
+            .filter(|(_, receives)| **receives)
+            .map(|(((&x, &y), &z), _)| Vec3::new(x, y, z))
+    })
 }

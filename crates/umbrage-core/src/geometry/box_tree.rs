@@ -101,10 +101,10 @@ impl BoxTree {
     ) -> f64 {
         let mut least = f64::INFINITY;
         let mut open = BinaryHeap::new();
-        for node in self.root(&entries) {
-            let bound = bound(&self.bounds(node));
-            open.push(Candidate { bound, node });
-        }
+        open.extend(self.root(&entries).map(|node| Candidate {
+            bound: bound(&self.bounds(node)),
+            node,
+        }));
         while let Some(Candidate { bound: below, node }) = open.pop() {
             if below >= least {
                 break;

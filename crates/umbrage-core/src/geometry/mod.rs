@@ -40,7 +40,6 @@ pub struct Geometry {
     bvh_tables: OnceLock<[Rows; 2]>,
     bounds: OnceLock<Aabb>,
     box_tree: OnceLock<Arc<BoxTree>>,
-    caster_uses: OnceLock<Arc<[u32]>>,
 }
 
 /// Rows of four words, as shaders' tables hold them.
@@ -202,7 +201,6 @@ impl Geometry {
             casters: 0..0,
             bvh: OnceLock::new(),
             bvh_tables: OnceLock::new(),
-            caster_uses: OnceLock::new(),
             ..self.clone()
         };
         out.fingerprint = out.hash();
@@ -320,17 +318,6 @@ impl Geometry {
     pub(crate) fn box_tree(&self) -> &BoxTree {
         self.box_tree
             .get_or_init(|| Arc::new(BoxTree::of_triangles(self)))
-    }
-
-    /// Returns how often casters use each vertex, counted on first use.
-    pub(crate) fn caster_uses(&self) -> &[u32] {
-        self.caster_uses.get_or_init(|| {
-            let mut uses = vec![0; self.positions.len()];
-            for &vertex in self.run(&self.casters).iter().flatten() {
-                uses[vertex as usize] += 1;
-            }
-            uses.into()
-        })
     }
 
     /// Returns [`Bvh::node_rows`] and [`Bvh::triangle_rows`], made on first use and shared from then on.

@@ -13,10 +13,15 @@ use crate::{
 };
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
-use std::ops::Range;
+use std::{
+    cell::{Cell, OnceCell},
+    ops::Range,
+};
 
 /// Cells along each side: finer ones tell more casters apart, but cost more to fill and to query.
 const CELLS: usize = 64;
+/// Tiles of seen points that are looked into one by one; beyond that, sorting all points into cells takes less time.
+const MAX_TILES_OPENED: usize = 512;
 /// Parts into which seen points are shared out among threads.
 const PARTS: usize = 16;
 /// Texels added to what kernels reach: one to the corner of the receiver's own texel, one half for what lookups in 32 bits
@@ -90,7 +95,7 @@ pub(super) struct Receiving<'a> {
 }
 
 /// Those seen points that lie within `column`.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 struct SeenOnMap<'a> {
     seen: &'a SeenPoints<'a>,
     space: MapSpace,
@@ -159,21 +164,32 @@ impl<'a> Receiving<'a> {
 }
 
 impl SeenOnMap<'_> {
-    /// Returns the tiles that may have points here, each with a box around them.
-    fn tiles(&self) -> Vec<(Range<u32>, MapBounds)> {
-        let mut tiles = Vec::new();
+    /// Passes the tiles for which `is_wanted` is true of the boxes around them, one inside the other, to `visit`, until that returns
+    /// true. Returns whether it did.
+    fn any_tile(
+        &self,
+        is_wanted: impl Fn(&MapBounds) -> bool,
+        mut visit: impl FnMut(Range<u32>, &MapBounds) -> bool,
+    ) -> bool {
         let mut walk = self.seen.tree().walk(self.seen.entries());
         while let Some(block) = walk.next() {
             let b = self.space.group(&block.bounds);
-            if !b.meets(&self.column) {
+            if !b.meets(&self.column) || !is_wanted(&b) {
                 continue;
             }
             match &block.run {
-                Some(tile) => tiles.push((tile.clone(), b)),
+                Some(tile) if visit(tile.clone(), &b) => return true,
+                Some(_) => {}
                 None => walk.enter(&block),
             }
         }
-        tiles
+        false
+    }
+
+    /// Returns the points of a tile, map space.
+    fn points_in(&self, tile: &Range<u32>) -> impl Iterator<Item = DVec3> {
+        let points = self.seen.points_in(tile);
+        points.filter_map(|p| self.space.point_within(p, &self.column))
     }
 }
 
@@ -207,8 +223,25 @@ pub(super) struct Need<'a> {
     shown: MapBounds,
     /// Sides of a cell, map space.
     cell: DVec2,
-    /// Of each cell, in rows: the greatest rank of the receivers whose lookups may go there; minus infinity without any.
+    /// Of each cell, in rows: the greatest rank of the receivers whose lookups may go there; minus infinity without any. Where seen
+    /// points are known, that of the boxes around tiles of them.
     last: Vec<f64>,
+    seen: Option<SeenInCells<'a>>,
+}
+
+/// What tells the cells' seen points from the boxes around tiles of them. Most casters lie before some point of each tile or behind
+/// the whole tile, so that few tiles need to be looked into.
+#[derive(Clone, Debug)]
+struct SeenInCells<'a> {
+    points: SeenOnMap<'a>,
+    /// As [`Need::last`], of one point a tile.
+    certain: Vec<f64>,
+    /// How many cells across and up lookups reach.
+    reach: [usize; 2],
+    /// How many tiles were looked into.
+    tiles_opened: Cell<usize>,
+    /// As [`Need::last`], of all points: found once too many tiles were looked into.
+    exact: OnceCell<Vec<f64>>,
 }
 
 impl<'a> Need<'a> {
@@ -216,7 +249,7 @@ impl<'a> Need<'a> {
     pub(super) fn new(
         space: MapSpace,
         geometry: &'a Geometry,
-        receivers: &Receiving<'_>,
+        receivers: &Receiving<'a>,
         reach: &Reach,
     ) -> Option<Self> {
         let all = receivers.bounds();
@@ -226,7 +259,9 @@ impl<'a> Need<'a> {
         let column = all.column(reach.across);
         let side = (column.max - column.min).truncate();
         let cell = (side / CELLS as f64).max(DVec2::splat(f64::MIN_POSITIVE));
-        let last = vec![f64::NEG_INFINITY; CELLS * CELLS];
+        // Casts saturate: lookups may reach everywhere.
+        let cells_across = (reach.across / cell).ceil();
+        let reach_in_cells = [cells_across.x as usize, cells_across.y as usize];
         let mut out = Self {
             space,
             geometry,
@@ -234,43 +269,47 @@ impl<'a> Need<'a> {
             column,
             shown: column,
             cell,
-            last,
+            last: vec![f64::NEG_INFINITY; CELLS * CELLS],
+            seen: None,
         };
-        if let Some(seen) = &receivers.seen {
-            out.last = out.last_seen(seen);
+        if let Some(points) = receivers.seen {
+            let [certain, possible] = out.last_of_tiles(&points);
+            out.last = possible;
+            out.seen = Some(SeenInCells {
+                points,
+                certain: widened(&certain, reach_in_cells),
+                reach: reach_in_cells,
+                tiles_opened: Cell::new(0),
+                exact: OnceCell::new(),
+            });
         }
         for b in &receivers.boxes {
             for i in out.cells(b) {
                 out.last[i] = out.last[i].max(b.max.z);
             }
         }
-        out.widen((reach.across / cell).ceil());
+        out.last = widened(&out.last, reach_in_cells);
         Some(out)
     }
 
-    /// Returns the greatest rank of the seen points in each cell.
-    fn last_seen(&self, seen: &SeenOnMap<'_>) -> Vec<f64> {
-        let tiles: Vec<(Range<u32>, MapBounds)> = seen.tiles();
-        let nothing = || vec![f64::NEG_INFINITY; CELLS * CELLS];
-        let last_of = |tiles: &[(Range<u32>, MapBounds)]| {
-            let mut last = nothing();
-            for (tile, _) in tiles {
-                for p in seen.seen.points_in(tile) {
-                    if let Some(p) = seen.space.point_within(p, &seen.column) {
-                        let i = self.cell_of(p);
-                        last[i] = last[i].max(p.z);
-                    }
+    /// Returns the greatest ranks, in each cell, of one seen point a tile, and of the boxes around tiles.
+    fn last_of_tiles(&self, points: &SeenOnMap<'_>) -> [Vec<f64>; 2] {
+        let mut certain = vec![f64::NEG_INFINITY; CELLS * CELLS];
+        let mut possible = certain.clone();
+        points.any_tile(
+            |_| true,
+            |tile, b| {
+                for i in self.cells(b) {
+                    possible[i] = possible[i].max(b.max.z);
                 }
-            }
-            last
-        };
-        let parts = tiles.par_chunks(tiles.len().div_ceil(PARTS).max(1));
-        parts.map(last_of).reduce(nothing, |mut a, b| {
-            for (a, b) in a.iter_mut().zip(b) {
-                *a = a.max(b);
-            }
-            a
-        })
+                if let Some(p) = points.points_in(&tile).next() {
+                    let i = cell_of(&self.column, self.cell, p);
+                    certain[i] = certain[i].max(p.z);
+                }
+                false
+            },
+        );
+        [certain, possible]
     }
 
     /// Returns the same for a map that shows no more than `column`: lookups that leave it find nothing, so casters beside it
@@ -282,36 +321,87 @@ impl<'a> Need<'a> {
         }
     }
 
-    /// Returns the index of the cell on which a point falls.
-    fn cell_of(&self, p: DVec3) -> usize {
-        let position = (p - self.column.min).truncate() / self.cell;
-        // Casts saturate: what lies outside counts for the outermost cells.
-        let x = (position.x as usize).min(CELLS - 1);
-        let y = (position.y as usize).min(CELLS - 1);
-        y * CELLS + x
+    fn column_and_row(&self, p: DVec3) -> [usize; 2] {
+        column_and_row(&self.column, self.cell, p)
     }
 
-    /// Returns the indices of the cells that a box covers.
     fn cells(&self, b: &MapBounds) -> impl Iterator<Item = usize> + use<> {
-        let first = self.cell_of(b.min);
-        let last = self.cell_of(b.max);
-        let columns = first % CELLS..last % CELLS + 1;
-        let rows = first / CELLS..last / CELLS + 1;
-        rows.flat_map(move |y| columns.clone().map(move |x| y * CELLS + x))
-    }
-
-    /// Lets every receiver count in cells up to `by` (cells across and up) away.
-    fn widen(&mut self, by: DVec2) {
-        // Casts saturate here, too.
-        let columns = (by.x as usize).min(CELLS);
-        let rows = (by.y as usize).min(CELLS);
-        self.last = spread(&self.last, columns, |i, step| i % CELLS + step < CELLS, 1);
-        self.last = spread(&self.last, rows, |i, step| i / CELLS + step < CELLS, CELLS);
+        cells(&self.column, self.cell, b)
     }
 
     /// Returns whether something with this box may matter.
     fn matters(&self, b: &MapBounds) -> bool {
-        b.meets(&self.shown) && self.cells(b).any(|i| self.last[i] + self.behind >= b.min.z)
+        let is_before = |last: &[f64]| self.cells(b).any(|i| last[i] + self.behind >= b.min.z);
+        if !b.meets(&self.shown) || !is_before(&self.last) {
+            return false;
+        }
+        match &self.seen {
+            None => true,
+            Some(seen) if is_before(&seen.certain) => true,
+            Some(seen) if seen.tiles_opened.get() < MAX_TILES_OPENED => {
+                self.is_before_a_point(b, seen)
+            }
+            Some(seen) => is_before(seen.exact.get_or_init(|| self.last_of_points(seen))),
+        }
+    }
+
+    /// Returns what the cells hold of all seen points.
+    fn last_of_points(&self, seen: &SeenInCells<'_>) -> Vec<f64> {
+        let points = &seen.points;
+        let mut tiles: Vec<(Range<u32>, MapBounds)> = Vec::new();
+        points.any_tile(
+            |_| true,
+            |tile, b| {
+                tiles.push((tile, *b));
+                false
+            },
+        );
+        let nothing = || vec![f64::NEG_INFINITY; CELLS * CELLS];
+        let grid = self.column;
+        let cell = self.cell;
+        let last_of = |tiles: &[(Range<u32>, MapBounds)]| {
+            let mut last = nothing();
+            for (tile, b) in tiles {
+                if cells(&grid, cell, b).all(|i| last[i] >= b.max.z) {
+                    continue;
+                }
+                // Not `for`: it would ask at each point whether the tile's row goes on.
+                points.points_in(tile).for_each(|p| {
+                    let i = cell_of(&grid, cell, p);
+                    last[i] = last[i].max(p.z);
+                });
+            }
+            last
+        };
+        let parts = tiles.par_chunks(tiles.len().div_ceil(PARTS).max(1));
+        let last = parts.map(last_of).reduce(nothing, |a, b| {
+            a.into_iter().zip(b).map(|(a, b)| a.max(b)).collect()
+        });
+        widened(&last, seen.reach)
+    }
+
+    /// Returns whether something with this box lies before a seen point whose lookups may go there.
+    fn is_before_a_point(&self, b: &MapBounds, seen: &SeenInCells<'_>) -> bool {
+        let [first_column, first_row] = self.column_and_row(b.min);
+        let [last_column, last_row] = self.column_and_row(b.max);
+        let [columns, rows] = seen.reach;
+        let may_look_there = |low: DVec3, high: DVec3| {
+            let [low_column, low_row] = self.column_and_row(low);
+            let [high_column, high_row] = self.column_and_row(high);
+            low_column <= last_column.saturating_add(columns)
+                && first_column <= high_column.saturating_add(columns)
+                && low_row <= last_row.saturating_add(rows)
+                && first_row <= high_row.saturating_add(rows)
+        };
+        let is_behind = |rank: f64| rank + self.behind >= b.min.z;
+        seen.points.any_tile(
+            |tiles| is_behind(tiles.max.z) && may_look_there(tiles.min, tiles.max),
+            |tile, _| {
+                seen.tiles_opened.set(seen.tiles_opened.get() + 1);
+                let mut points = seen.points.points_in(&tile);
+                points.any(|p| is_behind(p.z) && may_look_there(p, p))
+            },
+        )
     }
 
     /// Passes the casters of runs of which some may matter, in order, to `visit`, with a box around each run. Passes over runs in
@@ -345,7 +435,13 @@ impl<'a> Need<'a> {
             |found: &MapBounds, b: &MapBounds| adds_nothing(&b.within(&self.shown), found);
         self.visit_runs(&mut found, adds_nothing, |found, run| {
             for triangle in run {
-                let polygon = self.space.triangle(self.geometry.corners(triangle));
+                let corners = self.geometry.corners(triangle);
+                // Most triangles add nothing, which their box says before a polygon is made.
+                let whole = self.space.whole_triangle_bounds(&corners);
+                if whole.is_some_and(|b| adds_nothing(found, &b)) {
+                    continue;
+                }
+                let polygon = self.space.triangle(corners);
                 let b = MapBounds::around(polygon.corners().iter().copied());
                 if adds_nothing(found, &b) || !self.matters(&b) {
                     continue;
@@ -391,9 +487,38 @@ impl<'a> Need<'a> {
     }
 }
 
+/// Returns the column and the row of the cell on which a point falls, of a grid of cells with sides `cell` over `grid`.
+fn column_and_row(grid: &MapBounds, cell: DVec2, p: DVec3) -> [usize; 2] {
+    let position = (p - grid.min).truncate() / cell;
+    // Casts saturate: what lies outside counts for the outermost cells.
+    [position.x, position.y].map(|along| (along as usize).min(CELLS - 1))
+}
+
+/// Returns the index of the cell on which a point falls; parameters as of [`column_and_row`].
+fn cell_of(grid: &MapBounds, cell: DVec2, p: DVec3) -> usize {
+    let [column, row] = column_and_row(grid, cell, p);
+    row * CELLS + column
+}
+
+/// Returns the indices of the cells that a box covers; parameters as of [`column_and_row`].
+fn cells(grid: &MapBounds, cell: DVec2, b: &MapBounds) -> impl Iterator<Item = usize> + use<> {
+    let [first_column, first_row] = column_and_row(grid, cell, b.min);
+    let [last_column, last_row] = column_and_row(grid, cell, b.max);
+    let columns = first_column..last_column + 1;
+    let rows = first_row..last_row + 1;
+    rows.flat_map(move |y| columns.clone().map(move |x| y * CELLS + x))
+}
+
 /// Returns whether a box lies, sideways, within the box `found` and no nearer to the light.
 fn adds_nothing(b: &MapBounds, found: &MapBounds) -> bool {
     b.min.cmpge(found.min).all() && b.max.truncate().cmple(found.max.truncate()).all()
+}
+
+/// Returns for each cell the greatest value up to `reach` cells away across and up.
+fn widened(values: &[f64], reach: [usize; 2]) -> Vec<f64> {
+    let [columns, rows] = reach.map(|cells| cells.min(CELLS));
+    let across = spread(values, columns, |i, step| i % CELLS + step < CELLS, 1);
+    spread(&across, rows, |i, step| i / CELLS + step < CELLS, CELLS)
 }
 
 /// Returns for each cell the greatest value up to `by` cells away in one direction. The next cell in that direction is `stride`

@@ -9,9 +9,6 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::sync::OnceLock;
 
-/// Vertices whose directions are added up at a time: the sum has the same bits on any number of threads.
-const SUMMED_VERTICES: usize = 4096;
-
 /// A valid view, what is seen in it, and what was found out about it.
 #[derive(Clone, Debug)]
 pub(super) struct FitInput<'a> {
@@ -46,9 +43,11 @@ impl<'a> FitInput<'a> {
 
     /// Returns the cone from the light at `eye` that holds all casters.
     pub(super) fn cone_around_casters(&self, eye: Vec3) -> Cone {
-        *self
-            .caster_cone
-            .get_or_init(|| self.find_cone_around_casters(eye))
+        let found = match self.view.fits {
+            Some(memory) => memory.caster_cone(),
+            None => &self.caster_cone,
+        };
+        *found.get_or_init(|| self.find_cone_around_casters(eye))
     }
 
     fn find_cone_around_casters(&self, eye: Vec3) -> Cone {
@@ -83,19 +82,15 @@ impl<'a> FitInput<'a> {
     /// Returns the sum of the unit directions from `eye` to the corners of all casters.
     fn sum_of_directions(&self, eye: Vec3) -> DVec3 {
         let Some(geometry) = self.view.geometry else {
-            return self.view.casters.corners().map(|p| direction(eye, p)).sum();
+            let corners = self.view.casters.corners();
+            return corners.map(|p| direction(eye, p)).sum();
         };
-        let sum_of = |(positions, uses): (&[Vec3], &[u32])| {
-            let mut sum = DVec3::ZERO;
-            for (&p, &uses) in positions.iter().zip(uses) {
-                sum += direction(eye, p) * f64::from(uses);
-            }
-            sum
-        };
-        let positions = geometry.positions().par_chunks(SUMMED_VERTICES);
-        let uses = geometry.caster_uses().par_chunks(SUMMED_VERTICES);
-        let sums: Vec<DVec3> = positions.zip(uses).map(sum_of).collect();
-        sums.into_iter().sum()
+        // A vertex is used by six triangles or so, and its direction takes longer than the sum, whose order counts: in symmetric
+        // scenes what is left of it is what rounding left.
+        let positions = geometry.positions().par_iter();
+        let directions: Vec<DVec3> = positions.map(|&p| direction(eye, p)).collect();
+        let corners = geometry.run(&geometry.casters()).iter().flatten();
+        corners.map(|&vertex| directions[vertex as usize]).sum()
     }
 }
 

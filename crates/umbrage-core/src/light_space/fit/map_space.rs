@@ -139,6 +139,16 @@ impl MapSpace {
         inside.then(|| self.project(p))
     }
 
+    /// Returns the box around a triangle of the world, as around the corners of [`MapSpace::triangle`]; none with perspective, where
+    /// a part of it is too near.
+    pub(super) fn whole_triangle_bounds(&self, corners: &[Vec3; 3]) -> Option<MapBounds> {
+        let in_view = corners.map(|p| self.view_from_world.transform_point3(p.as_dvec3()));
+        let is_cut = self
+            .nearest
+            .is_some_and(|nearest| in_view.iter().any(|p| -p.z < nearest));
+        (!is_cut).then(|| MapBounds::around(in_view.map(|p| self.project(p))))
+    }
+
     /// Returns a triangle of the world in map space; with perspective, the part of it that is not too near.
     pub(super) fn triangle(&self, corners: [Vec3; 3]) -> MapPolygon {
         let corners_in_view = corners.map(|p| self.view_from_world.transform_point3(p.as_dvec3()));

@@ -1,8 +1,10 @@
 //! A memory of the fits of one view.
 
 use crate::{
-    Layout, LightSpaces, Receivers, RecipeError, gbuffer::seen_points::SeenPoints,
-    geometry::box_tree::BoxTree, light_space::fit::kind::Fit,
+    Layout, LightSpaces, Receivers, RecipeError,
+    gbuffer::seen_points::SeenPoints,
+    geometry::box_tree::BoxTree,
+    light_space::fit::{input::Cone, kind::Fit},
 };
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
@@ -14,6 +16,8 @@ pub struct FitMemory {
     found: Mutex<Vec<FoundFit>>,
     /// The tree over the points of the view's receivers.
     seen: OnceLock<Arc<BoxTree>>,
+    /// The cone from the light that holds all casters.
+    caster_cone: OnceLock<Cone>,
 }
 
 type FoundFit = (FitKey, Result<LightSpaces, RecipeError>);
@@ -49,6 +53,16 @@ impl FitMemory {
             .seen
             .get_or_init(|| Arc::clone(SeenPoints::new(receivers).tree()));
         SeenPoints::with_tree(receivers, Arc::clone(tree))
+    }
+
+    /// Returns where the cone from the light that holds all casters is kept.
+    pub(super) fn caster_cone(&self) -> &OnceLock<Cone> {
+        &self.caster_cone
+    }
+
+    /// Returns whether the view's receivers are known to be valid.
+    pub(crate) fn knows_receivers(&self) -> bool {
+        self.seen.get().is_some()
     }
 
     fn lock(&self) -> MutexGuard<'_, Vec<FoundFit>> {
