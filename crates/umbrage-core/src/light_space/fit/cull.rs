@@ -4,7 +4,7 @@
 //! if somewhere it lies before that: tested with its box, so that one too many may be kept, but never one too few.
 
 use crate::{
-    Geometry, Light,
+    Aabb, Geometry, Light,
     gbuffer::seen_points::SeenPoints,
     light_space::fit::{
         map_space::{MapBounds, MapPolygon, MapSpace, clip},
@@ -435,27 +435,55 @@ impl<'a> Need<'a> {
             |found: &MapBounds, b: &MapBounds| adds_nothing(&b.within(&self.shown), found);
         self.visit_runs(&mut found, adds_nothing, |found, run| {
             for triangle in run {
-                let corners = self.geometry.corners(triangle);
-                // Most triangles add nothing, which their box says before a polygon is made.
-                let whole = self.space.whole_triangle_bounds(&corners);
-                if whole.is_some_and(|b| adds_nothing(found, &b)) {
-                    continue;
-                }
-                let polygon = self.space.triangle(corners);
-                let b = MapBounds::around(polygon.corners().iter().copied());
-                if adds_nothing(found, &b) || !self.matters(&b) {
-                    continue;
-                }
-                let is_shown_whole = b.within(&self.shown) == b;
-                let part = if is_shown_whole {
-                    b
-                } else {
-                    self.part(&polygon)
-                };
+                let part = self.part_that_matters(triangle, |b| adds_nothing(found, b));
                 *found = found.union(&part);
             }
         });
         found
+    }
+
+    /// Returns the least rank of those parts of casters that may matter; infinity if there are none. It is that of
+    /// [`Need::around_casters`], and takes less time.
+    pub(super) fn first_rank(&self) -> f64 {
+        let least = Cell::new(f64::INFINITY);
+        let bound = |b: &Aabb| {
+            let b = self.space.group(b);
+            if b.min.z < least.get() && self.matters(&b) {
+                b.min.z
+            } else {
+                f64::INFINITY
+            }
+        };
+        let boxes = self.geometry.box_tree();
+        boxes.least(self.geometry.casters(), bound, |run, _| {
+            for triangle in run {
+                let part = self.part_that_matters(triangle, |b| b.min.z >= least.get());
+                least.set(least.get().min(part.min.z));
+            }
+            least.get()
+        })
+    }
+
+    /// Returns a box around the part of a caster that may matter; empty if there is none, or if `is_known` is true of the box around
+    /// the caster.
+    fn part_that_matters(&self, caster: u32, is_known: impl Fn(&MapBounds) -> bool) -> MapBounds {
+        let corners = self.geometry.corners(caster);
+        // Most casters are known, which their box says before a polygon is made.
+        let whole = self.space.whole_triangle_bounds(&corners);
+        if whole.is_some_and(|b| is_known(&b)) {
+            return MapBounds::EMPTY;
+        }
+        let polygon = self.space.triangle(corners);
+        let b = MapBounds::around(polygon.corners().iter().copied());
+        if is_known(&b) || !self.matters(&b) {
+            return MapBounds::EMPTY;
+        }
+        let is_shown_whole = b.within(&self.shown) == b;
+        if is_shown_whole {
+            b
+        } else {
+            self.part(&polygon)
+        }
     }
 
     /// Returns a box around the part of a caster that lies within `shown`, sideways.
@@ -517,30 +545,28 @@ fn adds_nothing(b: &MapBounds, found: &MapBounds) -> bool {
 /// Returns for each cell the greatest value up to `reach` cells away across and up.
 fn widened(values: &[f64], reach: [usize; 2]) -> Vec<f64> {
     let [columns, rows] = reach.map(|cells| cells.min(CELLS));
-    let across = spread(values, columns, |i, step| i % CELLS + step < CELLS, 1);
-    spread(&across, rows, |i, step| i / CELLS + step < CELLS, CELLS)
+    let mut out = values.to_vec();
+    for row in out.chunks_mut(CELLS) {
+        spread(row, columns, 1);
+    }
+    spread(&mut out, rows, CELLS);
+    out
 }
 
-/// Returns for each cell the greatest value up to `by` cells away in one direction. The next cell in that direction is `stride`
-/// entries on; `fits(i, n)` tells whether entry `i` has a neighbour n cells on.
-fn spread(
-    values: &[f64],
-    by: usize,
-    fits: impl Fn(usize, usize) -> bool,
-    stride: usize,
-) -> Vec<f64> {
-    let mut out = values.to_vec();
+/// Puts into each cell the greatest value up to `by` cells away in one direction, in which the next cell is `stride` entries on.
+fn spread(values: &mut [f64], by: usize, stride: usize) {
     let mut reached = 0;
     // Steps grow: what has spread by r each way leaves no gap after a step of up to r + 1 both ways.
     while reached < by {
         let step = (reached + 1).min(by - reached);
-        let before = out.clone();
-        for i in (0..before.len()).filter(|&i| fits(i, step)) {
-            let next = i + step * stride;
-            out[i] = out[i].max(before[next]);
-            out[next] = out[next].max(before[i]);
+        let before = values.to_vec();
+        let shift = (step * stride).min(values.len());
+        for (value, next) in values.iter_mut().zip(&before[shift..]) {
+            *value = value.max(*next);
+        }
+        for (value, last) in values[shift..].iter_mut().zip(&before) {
+            *value = value.max(*last);
         }
         reached += step;
     }
-    out
 }

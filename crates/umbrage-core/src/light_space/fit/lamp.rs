@@ -85,23 +85,18 @@ impl<'a> Lamp<'a> {
         let around = receivers.bounds();
         let last = space.rank(self.far);
         let lookups = self.lookups(&space, &around, tangent);
-        let mut first = cull::first_rank(self.geometry, &space, &column);
-        let mut found = MapBounds::EMPTY;
-        // As for parallel light: of a light with an extent, how far a search for blockers goes depends on the first caster
-        // that matters, so a second pass may find fewer.
-        let passes = if self.input.view.light.is_ideal() {
-            1
-        } else {
-            2
-        };
-        for _ in 0..passes {
-            let reach = lookups.reach(self.input.view.light, first.unwrap_or(last), last);
+        let need_before = |first: f64| {
+            let reach = lookups.reach(self.input.view.light, first, last);
             let need = Need::new(space, self.geometry, &receivers, &reach);
-            found = need.map_or(MapBounds::EMPTY, |need| {
-                need.on_map(&column).around_casters()
-            });
-            first = Some(found.min.z);
+            need.map(|need| need.on_map(&column))
+        };
+        let mut first = cull::first_rank(self.geometry, &space, &column).unwrap_or(last);
+        // As for parallel light: of a light with an extent, how far a search for blockers goes depends on the first caster
+        // that matters.
+        if !self.input.view.light.is_ideal() {
+            first = need_before(first).map_or(f64::INFINITY, |need| need.first_rank());
         }
+        let found = need_before(first).map_or(MapBounds::EMPTY, |need| need.around_casters());
         found.within(&around)
     }
 

@@ -110,15 +110,17 @@ fn needed_casters(
         rounding: f64::from(rounding(receivers, caster_reach(input))),
         tangent: 0.0,
     };
-    let mut found = all;
-    // Of a light with an extent, how far a search for blockers goes depends on the first caster that matters: after one pass
-    // the first may be farther, so a second pass may find fewer.
-    let passes = if input.view.light.is_ideal() { 1 } else { 2 };
-    for _ in 0..passes {
-        let reach = lookups.reach(input.view.light, found.min.z, last);
-        let need = Need::new(space, geometry, &receiving, &reach);
-        found = need.map_or(MapBounds::EMPTY, |need| need.around_casters());
+    let need_before = |first: f64| {
+        let reach = lookups.reach(input.view.light, first, last);
+        Need::new(space, geometry, &receiving, &reach)
+    };
+    let mut first = all.min.z;
+    // Of a light with an extent, how far a search for blockers goes depends on the first caster that matters, which may be
+    // farther than the first of all.
+    if !input.view.light.is_ideal() {
+        first = need_before(first).map_or(f64::INFINITY, |need| need.first_rank());
     }
+    let found = need_before(first).map_or(MapBounds::EMPTY, |need| need.around_casters());
     if found.is_empty() {
         return Aabb::EMPTY;
     }
