@@ -6,11 +6,19 @@ use clap::Args;
 #[command(after_help = "Examples:
   cargo xtask bench               every ratio, medians of 20 runs taken in turn
   cargo xtask bench --runs 100    the same, steadier
+  cargo xtask bench --plans       planning against drawing, in all scenes with content
+  cargo xtask bench --plans nave  the same in one of them
   cargo xtask bench --costs       what a texel, a tap, a ray costs here: prices for deterministic costs")]
 pub(crate) struct BenchArguments {
     /// Measure the prices of work on this machine instead
     #[arg(long)]
     pub(crate) costs: bool,
+    /// Time planning against drawing instead, on the CPU: fits of maps that are made for every change
+    #[arg(long, conflicts_with = "costs")]
+    pub(crate) plans: bool,
+    /// With `--plans`: the built-in scenes; all with content if none is named
+    #[arg(value_name = "SCENE", requires = "plans")]
+    pub(crate) scenes: Vec<String>,
     /// Runs of each side; their medians are compared
     #[arg(long, value_name = "COUNT", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) runs: u32,

@@ -28,17 +28,18 @@ impl<'a> SeenPoints<'a> {
         let width = receivers.size.x as usize;
         let height = receivers.size.y as usize;
         let tiles_across = width.div_ceil(TILE);
-        let boxes_of_row = |row: usize| {
-            let box_of = move |column| Aabb::around(points_in(receivers, column, row));
-            (0..tiles_across).into_par_iter().map(box_of)
+        let boxes_of_row = |row: usize| -> Vec<Aabb> {
+            let columns = 0..tiles_across;
+            columns
+                .map(|column| box_of(receivers, column, row))
+                .collect()
         };
-        let boxes = (0..height.div_ceil(TILE))
-            .into_par_iter()
-            .flat_map(boxes_of_row);
+        let rows = (0..height.div_ceil(TILE)).into_par_iter();
+        let boxes: Vec<Vec<Aabb>> = rows.map(boxes_of_row).collect();
         Self {
             receivers,
             tiles_across,
-            tree: Arc::new(BoxTree::new(boxes.collect())),
+            tree: Arc::new(BoxTree::new(boxes.concat())),
         }
     }
 
@@ -71,6 +72,48 @@ impl<'a> SeenPoints<'a> {
             index / self.tiles_across,
         )
     }
+}
+
+/// Returns the box around the points in a tile, given by its column and row among the tiles.
+fn box_of(receivers: &Receivers, column: usize, row: usize) -> Aabb {
+    let width = receivers.size.x as usize;
+    let height = receivers.size.y as usize;
+    let is_cut_off = (column + 1) * TILE > width || (row + 1) * TILE > height;
+    if is_cut_off {
+        return Aabb::around(points_in(receivers, column, row));
+    }
+    let first = row * TILE * width + column * TILE;
+    let mut around = Aabb::EMPTY;
+    for (axis, all) in [&receivers.x, &receivers.y, &receivers.z]
+        .into_iter()
+        .enumerate()
+    {
+        // Column by column, for vector instructions.
+        let mut least = [f32::INFINITY; TILE];
+        let mut greatest = [f32::NEG_INFINITY; TILE];
+        for y in 0..TILE {
+            let pixels = first + y * width..first + y * width + TILE;
+            let values = &all[pixels.clone()];
+            let receives = &receivers.receives[pixels];
+            for i in 0..TILE {
+                let low = if receives[i] {
+                    values[i]
+                } else {
+                    f32::INFINITY
+                };
+                let high = if receives[i] {
+                    values[i]
+                } else {
+                    f32::NEG_INFINITY
+                };
+                least[i] = least[i].min(low);
+                greatest[i] = greatest[i].max(high);
+            }
+        }
+        around.min[axis] = least.into_iter().fold(f32::INFINITY, f32::min);
+        around.max[axis] = greatest.into_iter().fold(f32::NEG_INFINITY, f32::max);
+    }
+    around
 }
 
 /// Returns the world positions of the points in a tile, given by its column and row among the tiles.

@@ -5,6 +5,8 @@
 
 use crate::{Aabb, Geometry};
 use rayon::prelude::*;
+#[cfg(feature = "testing")]
+use std::sync::atomic::{self, AtomicU64};
 use std::{cmp::Ordering, collections::BinaryHeap, ops::Range};
 
 /// Entries of the list a run. Fewer make more boxes to test, more make them looser.
@@ -13,11 +15,14 @@ pub(crate) const RUN: u32 = 64;
 const GROUP: usize = 8;
 
 /// The boxes, level by level.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(crate) struct BoxTree {
     /// First the boxes of the runs; each level's boxes hold [`GROUP`] boxes of the level before; the last level has one box. A
     /// single empty level for an empty list.
     levels: Vec<Vec<Aabb>>,
+    /// See [`BoxTree::count`].
+    #[cfg(feature = "testing")]
+    counted: AtomicU64,
 }
 
 /// A box of the tree.
@@ -47,7 +52,11 @@ impl BoxTree {
             let above = groups.map(around).collect();
             levels.push(above);
         }
-        Self { levels }
+        Self {
+            levels,
+            #[cfg(feature = "testing")]
+            counted: AtomicU64::new(0),
+        }
     }
 
     /// Returns the tree over a geometry's list of triangles.
@@ -59,6 +68,22 @@ impl BoxTree {
         };
         let runs = (0..count.div_ceil(RUN)).into_par_iter().map(box_of);
         Self::new(runs.collect())
+    }
+
+    /// Says that entries were looked at one by one, which tests count.
+    #[cfg_attr(not(feature = "testing"), expect(clippy::unused_self))]
+    pub(crate) fn count(&self, entries: &Range<u32>) {
+        #[cfg(feature = "testing")]
+        self.counted
+            .fetch_add(entries.len() as u64, atomic::Ordering::Relaxed);
+        #[cfg(not(feature = "testing"))]
+        let _ = entries;
+    }
+
+    /// Returns how many entries were looked at one by one so far.
+    #[cfg(feature = "testing")]
+    pub(crate) fn counted(&self) -> u64 {
+        self.counted.load(atomic::Ordering::Relaxed)
     }
 
     /// Returns the box around the runs in which entries of a range lie.

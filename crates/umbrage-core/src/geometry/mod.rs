@@ -320,6 +320,12 @@ impl Geometry {
             .get_or_init(|| Arc::new(BoxTree::of_triangles(self)))
     }
 
+    /// Returns how many triangles fits looked at one by one so far, each as often as they did.
+    #[cfg(feature = "testing")]
+    pub fn triangles_looked_at(&self) -> u64 {
+        self.box_tree().counted()
+    }
+
     /// Returns [`Bvh::node_rows`] and [`Bvh::triangle_rows`], made on first use and shared from then on.
     pub fn bvh_tables(&self) -> &[Rows; 2] {
         self.bvh_tables.get_or_init(|| {

@@ -77,6 +77,7 @@ pub(crate) fn depth_range_of(
             triangles.clone(),
             |b| least_distance(&view_from_world, pyramid.tangents, b, sign),
             |run, _| {
+                boxes.count(&run);
                 let mut least = f64::INFINITY;
                 for id in run {
                     for p in seen_corners(id).corners() {

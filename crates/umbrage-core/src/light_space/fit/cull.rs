@@ -434,6 +434,7 @@ impl<'a> Need<'a> {
         let adds_nothing =
             |found: &MapBounds, b: &MapBounds| adds_nothing(&b.within(&self.shown), found);
         self.visit_runs(&mut found, adds_nothing, |found, run| {
+            self.geometry.box_tree().count(&run);
             for triangle in run {
                 let part = self.part_that_matters(triangle, |b| adds_nothing(found, b));
                 *found = found.union(&part);
@@ -456,6 +457,7 @@ impl<'a> Need<'a> {
         };
         let boxes = self.geometry.box_tree();
         boxes.least(self.geometry.casters(), bound, |run, _| {
+            boxes.count(&run);
             for triangle in run {
                 let part = self.part_that_matters(triangle, |b| b.min.z >= least.get());
                 least.set(least.get().min(part.min.z));

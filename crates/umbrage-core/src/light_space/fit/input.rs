@@ -89,6 +89,7 @@ impl<'a> FitInput<'a> {
         // scenes what is left of it is what rounding left.
         let positions = geometry.positions().par_iter();
         let directions: Vec<DVec3> = positions.map(|&p| direction(eye, p)).collect();
+        geometry.box_tree().count(&geometry.casters());
         let corners = geometry.run(&geometry.casters()).iter().flatten();
         corners.map(|&vertex| directions[vertex as usize]).sum()
     }

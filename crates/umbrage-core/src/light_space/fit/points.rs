@@ -34,6 +34,7 @@ impl Points<'_> {
             Self::Triangles(geometry, triangles) => {
                 let tree = geometry.box_tree();
                 tree.least(triangles.clone(), bound, |run, _| {
+                    tree.count(&run);
                     least_of(geometry.vertices_of(run), &value)
                 })
             }
