@@ -13,7 +13,7 @@ pub(crate) struct BenchArguments {
     /// Measure the prices of work on this machine instead
     #[arg(long)]
     pub(crate) costs: bool,
-    /// Time planning against drawing instead, on the CPU: fits of maps that are made for every change
+    /// Time planning against drawing instead, on the CPU
     #[arg(long, conflicts_with = "costs")]
     pub(crate) plans: bool,
     /// With `--plans`: the built-in scenes; all with content if none is named
