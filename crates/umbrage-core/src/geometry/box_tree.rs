@@ -71,7 +71,6 @@ impl BoxTree {
     }
 
     /// Says that entries were looked at one by one, which tests count.
-    #[cfg_attr(not(feature = "testing"), expect(clippy::unused_self))]
     pub(crate) fn count(&self, entries: &Range<u32>) {
         #[cfg(feature = "testing")]
         self.counted
