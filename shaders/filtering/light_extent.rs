@@ -13,7 +13,9 @@
 
 use crate::{filtering::sample_pattern::PatternShape, shadow_map::ShadowMap};
 use glam::{DMat4, DVec3, Mat4, Vec2, Vec3, Vec4};
-use umbrage_core::{Light, LightSpace, LightSpaces, Module, RecipeError, View, uniforms};
+use umbrage_core::{
+    FitMemory, Light, LightSpace, LightSpaces, Module, RecipeError, View, uniforms,
+};
 
 /// The WGSL half.
 pub(crate) const LIGHT_EXTENT: Module = Module {
@@ -120,6 +122,12 @@ impl LightExtent {
 /// Errors if [`ShadowMap::spaces`] does.
 pub(crate) fn spaces(map: &ShadowMap, view: &View<'_>) -> Result<LightSpaces, RecipeError> {
     let mut margin = 0.0;
+    // What the fits have in common is found once.
+    let memory = FitMemory::default();
+    let view = &match view.fits {
+        Some(_) => *view,
+        None => view.with_fits(&memory),
+    };
     let mut spaces = map.spaces(view, margin)?;
     for _ in 1..FITS {
         // The margin leaves `inner` texels of the map, less one texel at each border.

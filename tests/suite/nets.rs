@@ -16,6 +16,7 @@ mod not_finite;
 mod order;
 mod penumbra;
 mod pictures;
+mod planning;
 mod plugin;
 mod projections;
 mod rasterisers;

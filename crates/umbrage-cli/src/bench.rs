@@ -3,27 +3,22 @@
 use crate::args::BenchArguments;
 use anyhow::{Result, bail};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
-use umbrage_lab::bench::{BenchOptions, Pair, run};
+use umbrage_lab::bench::{BenchOptions, Pair, plans, run};
 use umbrage_wgpu::{AdapterChoice, Gpu};
 
 /// Prints each ratio as it comes, then the table of all.
 pub(crate) fn bench(arguments: &BenchArguments) -> Result<()> {
-    let mut gpu = match Gpu::new(&AdapterChoice::from_env()) {
-        Ok(gpu) => Some(gpu),
-        Err(why) => {
-            println!("without a graphics adapter only rays are timed: {why}");
-            None
-        }
-    };
     let mut pairs = Vec::new();
-    let options = BenchOptions {
-        runs: arguments.runs as usize,
-        ..BenchOptions::default()
-    };
-    run(options, gpu.as_mut(), |pair| {
+    let tell = |pair: Pair| {
         println!("{}: {:.2} x", pair.work, pair.ratio);
         pairs.push(pair);
-    })?;
+    };
+    if arguments.plans {
+        check_scenes(&arguments.scenes)?;
+        plans(arguments.runs as usize, &arguments.scenes, tell)?;
+    } else {
+        run_suite(arguments, tell)?;
+    }
     println!("\n{}", table(&pairs));
     let missed = pairs.iter().filter(|p| !p.met()).count();
     if missed == 0 {
@@ -31,6 +26,33 @@ pub(crate) fn bench(arguments: &BenchArguments) -> Result<()> {
     } else {
         bail!("{missed} of {} ratios miss their bar", pairs.len())
     }
+}
+
+/// Errors if one of the names is no built-in scene's.
+fn check_scenes(names: &[String]) -> Result<()> {
+    match names
+        .iter()
+        .find(|name| umbrage_scenes::find(name).is_none())
+    {
+        Some(name) => bail!("no built-in scene is called `{name}`; `compare --list` names them"),
+        None => Ok(()),
+    }
+}
+
+fn run_suite(arguments: &BenchArguments, tell: impl FnMut(Pair)) -> Result<()> {
+    let mut gpu = match Gpu::new(&AdapterChoice::from_env()) {
+        Ok(gpu) => Some(gpu),
+        Err(why) => {
+            println!("without a graphics adapter only rays are timed: {why}");
+            None
+        }
+    };
+    let options = BenchOptions {
+        runs: arguments.runs as usize,
+        ..BenchOptions::default()
+    };
+    run(options, gpu.as_mut(), tell)?;
+    Ok(())
 }
 
 fn table(pairs: &[Pair]) -> Table {

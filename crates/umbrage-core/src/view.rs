@@ -41,6 +41,9 @@ impl<'a> View<'a> {
         self.casters
             .validate()
             .map_err(|e| e.within("view's casters"))?;
+        if self.fits.is_some_and(FitMemory::knows_receivers) {
+            return Ok(());
+        }
         self.receivers.map_or(Ok(()), Receivers::validate)
     }
 

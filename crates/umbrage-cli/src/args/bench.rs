@@ -6,6 +6,8 @@ use clap::Args;
 #[command(after_help = "Examples:
   cargo xtask bench               every ratio, medians of 20 runs taken in turn
   cargo xtask bench --runs 100    the same, steadier
+  cargo xtask bench --plans       planning against drawing, in all scenes with content
+  cargo xtask bench --plans nave  the same in one of them
   cargo xtask bench --costs       what a texel, a tap, a ray costs here: prices for deterministic costs
   cargo xtask bench --costs --write prices.toml    the same, kept for `compare --prices` and `plan --prices`")]
 pub(crate) struct BenchArguments {
@@ -15,6 +17,12 @@ pub(crate) struct BenchArguments {
     /// Write the prices to this file, for `--prices` of `compare` and `plan`
     #[arg(long, value_name = "FILE", requires = "costs")]
     pub(crate) write: Option<std::path::PathBuf>,
+    /// Time planning against drawing instead, on the CPU
+    #[arg(long, conflicts_with = "costs")]
+    pub(crate) plans: bool,
+    /// With `--plans`: the built-in scenes; all with content if none is named
+    #[arg(value_name = "SCENE", requires = "plans")]
+    pub(crate) scenes: Vec<String>,
     /// Runs of each side; their medians are compared
     #[arg(long, value_name = "COUNT", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..))]
     pub(crate) runs: u32,

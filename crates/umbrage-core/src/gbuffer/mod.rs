@@ -2,3 +2,4 @@
 
 pub(crate) mod receivers;
 pub mod resolve;
+pub(crate) mod seen_points;

@@ -2,6 +2,8 @@
 
 use crate::Invalid;
 use glam::{UVec2, Vec3};
+use rayon::prelude::*;
+use std::ops::Range;
 
 /// The triangle id of a pixel that shows nothing.
 pub const NO_TRIANGLE: u32 = u32::MAX;
@@ -85,10 +87,13 @@ impl Receivers {
                 format!("make all {pixels} long"),
             ));
         }
-        let fault = (0..pixels).find(|&i| {
-            let is_finite = (self.position(i) + self.normal(i)).is_finite();
-            self.receives[i] && !is_finite
-        });
+        let width = (self.size.x as usize).max(1);
+        let fault = (0..pixels / width)
+            .into_par_iter()
+            .filter(|row| !self.is_finite_within(row * width..(row + 1) * width))
+            .find_map_first(|row| {
+                (row * width..(row + 1) * width).find(|&i| !self.is_finite_within(i..i + 1))
+            });
         let Some(i) = fault else {
             return Ok(());
         };
@@ -98,6 +103,23 @@ impl Receivers {
         let why = format!("is {} with the normal {}", self.position(i), self.normal(i));
         let help = "use finite numbers, or say in `receives` that no shadow falls there";
         Err(Invalid::new(what, why, help))
+    }
+
+    /// Returns whether all positions and normals of a range of pixels are finite where a shadow may fall.
+    fn is_finite_within(&self, pixels: Range<usize>) -> bool {
+        let count = pixels.len();
+        // Slices of one length, and no early return, so that the loop becomes one of vector instructions.
+        let [x, y, z] = [&self.x, &self.y, &self.z].map(|all| &all[pixels.clone()][..count]);
+        let [nx, ny, nz] = [&self.nx, &self.ny, &self.nz].map(|all| &all[pixels.clone()][..count]);
+        let receives = &self.receives[pixels.clone()][..count];
+        let mut is_faulty = false;
+        for i in 0..count {
+            let is_finite = (x[i] + nx[i]).is_finite()
+                & (y[i] + ny[i]).is_finite()
+                & (z[i] + nz[i]).is_finite();
+            is_faulty |= receives[i] & !is_finite;
+        }
+        !is_faulty
     }
 
     /// Returns the number of pixels.

@@ -1,6 +1,7 @@
 //! A scene's triangles in world space: the one list that truth and every backend share.
 
 pub(crate) mod aabb;
+pub(crate) mod box_tree;
 pub mod bvh;
 pub(crate) mod clip_polygon;
 pub(crate) mod displaced_mesh;
@@ -8,10 +9,12 @@ pub mod displacement;
 pub(crate) mod ray_box;
 pub(crate) mod ray_triangle;
 pub(crate) mod subdivide;
-pub(crate) mod triangle_chunks;
 pub(crate) mod weld;
 
-use crate::{Aabb, Bvh, Instance, Invalid, Mesh, Scene, geometry::triangle_chunks::ChunkBounds};
+use crate::{
+    Aabb, Bvh, Instance, Invalid, Mesh, Scene,
+    geometry::box_tree::{BoxTree, RUN},
+};
 use glam::{Mat3, Vec2, Vec3, Vec4};
 use std::{
     ops::Range,
@@ -35,7 +38,8 @@ pub struct Geometry {
     fingerprint: u64,
     bvh: OnceLock<Arc<Bvh>>,
     bvh_tables: OnceLock<[Rows; 2]>,
-    chunk_bounds: OnceLock<Arc<ChunkBounds>>,
+    bounds: OnceLock<Aabb>,
+    box_tree: OnceLock<Arc<BoxTree>>,
 }
 
 /// Rows of four words, as shaders' tables hold them.
@@ -269,14 +273,35 @@ impl Geometry {
             .map(|&v| self.positions[v as usize])
     }
 
-    /// Returns the box around everything.
+    /// Returns the box around everything. It is found on first use.
     pub fn bounds(&self) -> Aabb {
-        Aabb::around(self.positions.iter().copied())
+        *self
+            .bounds
+            .get_or_init(|| Aabb::around(self.positions.iter().copied()))
     }
 
-    /// Returns the box around the casters.
+    /// Returns the box around the casters. The boxes that it is made of are found on first use.
     pub fn caster_bounds(&self) -> Aabb {
-        Aabb::around(self.vertices_of(self.casters()))
+        self.bounds_of(self.casters())
+    }
+
+    /// Returns the box around a range of triangles.
+    pub(crate) fn bounds_of(&self, triangles: Range<u32>) -> Aabb {
+        let first_whole_run = triangles.start.next_multiple_of(RUN);
+        let count = self.triangles.len() as u32;
+        // The last run of the list may be shorter.
+        let end_of_whole_runs = if triangles.end == count {
+            count
+        } else {
+            triangles.end / RUN * RUN
+        };
+        if first_whole_run >= end_of_whole_runs {
+            return Aabb::around(self.vertices_of(triangles));
+        }
+        let before = Aabb::around(self.vertices_of(triangles.start..first_whole_run));
+        let whole = self.box_tree().around(first_whole_run..end_of_whole_runs);
+        let after = Aabb::around(self.vertices_of(end_of_whole_runs..triangles.end));
+        before.union(&whole).union(&after)
     }
 
     /// Returns a number that is equal for bit-equal triangles in the same order with the same roles, and otherwise differs.
@@ -289,10 +314,16 @@ impl Geometry {
         self.bvh.get_or_init(|| Arc::new(Bvh::build(self)))
     }
 
-    /// Boxes around runs of triangles, built on first use.
-    pub(crate) fn chunk_bounds(&self) -> &ChunkBounds {
-        self.chunk_bounds
-            .get_or_init(|| Arc::new(ChunkBounds::new(self)))
+    /// Returns the boxes around runs of triangles, built on first use.
+    pub(crate) fn box_tree(&self) -> &BoxTree {
+        self.box_tree
+            .get_or_init(|| Arc::new(BoxTree::of_triangles(self)))
+    }
+
+    /// Returns how many triangles fits looked at one by one so far, each as often as they did.
+    #[cfg(feature = "testing")]
+    pub fn triangles_looked_at(&self) -> u64 {
+        self.box_tree().counted()
     }
 
     /// Returns [`Bvh::node_rows`] and [`Bvh::triangle_rows`], made on first use and shared from then on.

@@ -1,6 +1,6 @@
 //! Which casters a layer of a shadow map needs.
 
-use crate::{Aabb, Geometry, LightSpace};
+use crate::{Aabb, Geometry, LightSpace, light_space::view_box};
 use glam::{DMat4, DVec3, DVec4};
 use std::{ops::Range, sync::Arc};
 
@@ -36,8 +36,15 @@ impl CasterSet {
         let smallest_gap = f64::from(casters.end - casters.start) * SMALLEST_GAP;
         let sides = sides_of(space, size);
         let mut runs: Vec<Range<u32>> = Vec::new();
-        for (run, bounds) in geometry.chunk_bounds().of(casters.clone()) {
-            if is_beside(&bounds, &sides) {
+        let mut walk = geometry.box_tree().walk(casters.clone());
+        while let Some(block) = walk.next() {
+            let Some(run) = block.run.clone() else {
+                if !is_group_beside(&block.bounds, &sides) {
+                    walk.enter(&block);
+                }
+                continue;
+            };
+            if is_beside(&block.bounds, &sides) {
                 continue;
             }
             match runs.last_mut() {
@@ -68,13 +75,25 @@ fn sides_of(space: &LightSpace, size: u32) -> [DVec4; 4] {
 
 /// Returns whether a box lies wholly on the outer side of one of the planes. A box with NaN does not.
 fn is_beside(bounds: &Aabb, sides: &[DVec4; 4]) -> bool {
+    sides.iter().any(|side| farthest_inside(bounds, side) < 0.0)
+}
+
+/// Returns whether a box lies so far on the outer side of one of the planes that, whatever rounding does, [`is_beside`] is true of
+/// each box in it.
+fn is_group_beside(bounds: &Aabb, sides: &[DVec4; 4]) -> bool {
+    let reach: DVec3 = bounds.min.abs().max(bounds.max.abs()).as_dvec3();
+    sides.iter().any(|side| {
+        let summed = side.truncate().abs().dot(reach) + side.w.abs();
+        farthest_inside(bounds, side) < -summed * view_box::ROUNDING
+    })
+}
+
+/// Returns the greatest product of a plane with a point of a box.
+fn farthest_inside(bounds: &Aabb, side: &DVec4) -> f64 {
     let centre: DVec3 = (bounds.min.as_dvec3() + bounds.max.as_dvec3()) * 0.5;
     let half: DVec3 = (bounds.max.as_dvec3() - bounds.min.as_dvec3()) * 0.5;
-    sides.iter().any(|side| {
-        let normal = side.truncate();
-        let farthest_inside = normal.dot(centre) + side.w + normal.abs().dot(half);
-        farthest_inside < 0.0
-    })
+    let normal = side.truncate();
+    normal.dot(centre) + side.w + normal.abs().dot(half)
 }
 
 #[cfg(test)]

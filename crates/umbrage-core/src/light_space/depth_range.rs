@@ -1,7 +1,12 @@
 //! Near and far planes from what a camera or a spot sees.
 
-use crate::geometry::clip_polygon::{Polygon, edge_crossing};
+use crate::{
+    Aabb, Geometry,
+    geometry::clip_polygon::{Polygon, edge_crossing},
+    light_space::view_box::ViewBox,
+};
 use glam::{DAffine3, DVec3, Mat4, Vec3};
+use std::ops::Range;
 
 /// Slack of the fitted planes, as a fraction of their distance: rounding in a projection of 32-bit floats is near 1e-7,
 /// and so nothing seen is cut.
@@ -49,6 +54,63 @@ pub fn depth_range(
             far = far.max(-p.z);
         }
     }
+    planes(near, far)
+}
+
+/// Returns the [`depth_range`] of a range of a geometry's triangles. Of its boxes, only those are opened that may hold the nearest
+/// or the farthest part.
+pub(crate) fn depth_range_of(
+    pyramid: &ViewPyramid,
+    geometry: &Geometry,
+    triangles: Range<u32>,
+) -> Option<[f32; 2]> {
+    let view_from_world = DAffine3::from_mat4(pyramid.view_from_world.as_dmat4());
+    let seen_corners = |id: u32| {
+        let corners = geometry.corners(id);
+        let in_view = corners.map(|p| view_from_world.transform_point3(p.as_dvec3()));
+        seen_part(&in_view, pyramid.tangents)
+    };
+    let boxes = geometry.box_tree();
+    // The least of `sign` times the distance along the view, which is looked along -z.
+    let least = |sign: f64| {
+        boxes.least(
+            triangles.clone(),
+            |b| least_distance(&view_from_world, pyramid.tangents, b, sign),
+            |run, _| {
+                boxes.count(&run);
+                let mut least = f64::INFINITY;
+                for id in run {
+                    for p in seen_corners(id).corners() {
+                        least = least.min(sign * -p.z);
+                    }
+                }
+                least
+            },
+        )
+    };
+    let far = (-least(-1.0)).max(0.0);
+    if far <= 0.0 {
+        return None;
+    }
+    planes(least(1.0), far)
+}
+
+/// Returns a bound of the least of `sign` (1 or -1) times the distance along the view that a part of a box in a pyramid has; infinity
+/// if no part lies there.
+fn least_distance(view_from_world: &DAffine3, tangents: [f64; 2], b: &Aabb, sign: f64) -> f64 {
+    let in_view = ViewBox::padded(view_from_world, b);
+    let is_beside = side_normals(tangents)
+        .iter()
+        .any(|normal| normal.dot(in_view.center) + normal.abs().dot(in_view.half) < 0.0);
+    if is_beside {
+        return f64::INFINITY;
+    }
+    sign * -in_view.center.z - in_view.half.z
+}
+
+/// Returns the distances of planes just before `near` and just behind `far`, the distances of the nearest and the farthest seen
+/// part; none if nothing is seen, which `far` says by not being positive.
+fn planes(near: f64, far: f64) -> Option<[f32; 2]> {
     let far = far * (1.0 + RANGE_SLACK);
     if far <= 0.0 {
         return None;
@@ -57,16 +119,21 @@ pub fn depth_range(
     Some([near as f32, far as f32])
 }
 
-/// Returns the part of a triangle, in view space, that lies inside the pyramid. The four sides meet in the eye, so that
-/// nothing behind it is left.
-fn seen_part(corners: &[DVec3; 3], tangents: [f64; 2]) -> CutTriangle {
+/// Returns the inner normals, in view space, of the four sides of a pyramid, which meet in the eye.
+fn side_normals(tangents: [f64; 2]) -> [DVec3; 4] {
     let [tangent_x, tangent_y] = tangents;
-    let side_normals = [
+    [
         DVec3::new(1.0, 0.0, -tangent_x),
         DVec3::new(-1.0, 0.0, -tangent_x),
         DVec3::new(0.0, 1.0, -tangent_y),
         DVec3::new(0.0, -1.0, -tangent_y),
-    ];
+    ]
+}
+
+/// Returns the part of a triangle, in view space, that lies inside the pyramid. The four sides meet in the eye, so that
+/// nothing behind it is left.
+fn seen_part(corners: &[DVec3; 3], tangents: [f64; 2]) -> CutTriangle {
+    let side_normals = side_normals(tangents);
     // Most triangles lie wholly beyond one side.
     for normal in side_normals {
         if corners.iter().all(|p| normal.dot(*p) < 0.0) {

@@ -13,6 +13,7 @@ pub mod depth_range;
 pub(crate) mod fit;
 pub mod footprint;
 pub(crate) mod layers;
+pub(crate) mod view_box;
 
 use crate::{Invalid, invalid};
 use glam::{

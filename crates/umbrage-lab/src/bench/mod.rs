@@ -5,8 +5,10 @@
 
 mod handwritten;
 mod paired;
+mod plans;
 mod rays;
 mod suite;
 
 pub use paired::{Pair, PairTimes, Paired, Repetitions, paired};
+pub use plans::plans;
 pub use suite::{BenchOptions, run};

@@ -1,15 +1,16 @@
 //! Tight fits of lights with a position: pyramids around what can shadow a seen receiver.
 
 use crate::{
-    Geometry, Invalid, View,
+    Aabb, Geometry, Invalid,
     light_space::{
         fit::{
             WIDEST_HALF_ANGLE,
             cull::{self, Lookups, Need, Receiving},
+            input::FitInput,
             map_space::{MapBounds, MapSpace},
             parallel::inner,
             perspective::MIN_NEAR_OVER_FAR,
-            points::{caster_reach, receiver_points},
+            points::{Points, caster_reach, receiver_points},
         },
         layers::cube_face_views,
         look_along,
@@ -32,13 +33,11 @@ const MAX_AXIS_STEPS: usize = 4;
 /// A light with a position, amid known triangles.
 #[derive(Clone, Debug)]
 pub(super) struct Lamp<'a> {
-    view: &'a View<'a>,
+    input: &'a FitInput<'a>,
     geometry: &'a Geometry,
     pub(super) eye: Vec3,
     size: u32,
     margin: f32,
-    /// World positions of what is seen to receive, if that is known.
-    seen: Option<Vec<Vec3>>,
     /// Twice the distance of the farthest receiver, metres.
     pub(super) far: f64,
 }
@@ -54,22 +53,17 @@ pub(super) struct SquarePyramid {
 
 impl<'a> Lamp<'a> {
     /// None where the triangles are not known.
-    pub(super) fn new(view: &'a View<'_>, eye: Vec3, size: u32, margin: f32) -> Option<Self> {
-        let geometry = view.geometry?;
-        let seen = cull::seen(view);
-        let farthest = match &seen {
-            Some(points) => greatest_distance(eye, points.iter().copied()),
-            None => greatest_distance(eye, receiver_points(view)),
-        };
+    pub(super) fn new(input: &'a FitInput<'_>, eye: Vec3, size: u32, margin: f32) -> Option<Self> {
+        let geometry = input.view.geometry?;
+        let farthest = greatest_distance(eye, &receiver_points(input));
         // Where nothing receives, any distance will do.
         let far = if farthest > 0.0 { 2.0 * farthest } else { 1.0 };
         Some(Self {
-            view,
+            input,
             geometry,
             eye,
             size,
             margin,
-            seen,
             far,
         })
     }
@@ -77,11 +71,6 @@ impl<'a> Lamp<'a> {
     /// Returns a box, in map space, around what casts onto receivers within a pyramid: sideways no larger than the box
     /// around these receivers. Empty if nothing there can shadow anything. `tangent` is that of half the pyramid's angle.
     fn needed(&self, view_from_world: &Mat4, tangent: f64) -> MapBounds {
-        self.needed_of(self.seen.as_deref(), view_from_world, tangent)
-    }
-
-    /// As [`Lamp::needed`], where `seen` are the points seen in the pyramid (and maybe others), none if they aren't known.
-    fn needed_of(&self, seen: Option<&[Vec3]>, view_from_world: &Mat4, tangent: f64) -> MapBounds {
         let view_from_world = DAffine3::from_mat4(view_from_world.as_dmat4());
         let space = MapSpace {
             view_from_world,
@@ -92,23 +81,22 @@ impl<'a> Lamp<'a> {
             min: -side,
             max: side,
         };
-        let receivers = Receiving::new(seen, self.geometry, &space, &column);
+        let receivers = Receiving::new(self.input.seen.as_ref(), self.geometry, &space, &column);
         let around = receivers.bounds();
         let last = space.rank(self.far);
         let lookups = self.lookups(&space, &around, tangent);
-        let mut first = cull::first_rank(self.geometry, &space, &column);
-        let mut found = MapBounds::EMPTY;
-        // As for parallel light: of a light with an extent, how far a search for blockers goes depends on the first caster
-        // that matters, so a second pass may find fewer.
-        let passes = if self.view.light.is_ideal() { 1 } else { 2 };
-        for _ in 0..passes {
-            let reach = lookups.reach(self.view.light, first.unwrap_or(last), last);
+        let need_before = |first: f64| {
+            let reach = lookups.reach(self.input.view.light, first, last);
             let need = Need::new(space, self.geometry, &receivers, &reach);
-            found = need.map_or(MapBounds::EMPTY, |need| {
-                need.on_map(&column).around_casters()
-            });
-            first = Some(found.min.z);
+            need.map(|need| need.on_map(&column))
+        };
+        let mut first = cull::first_rank(self.geometry, &space, &column).unwrap_or(last);
+        // As for parallel light: of a light with an extent, how far a search for blockers goes depends on the first caster
+        // that matters.
+        if !self.input.view.light.is_ideal() {
+            first = need_before(first).map_or(f64::INFINITY, |need| need.first_rank());
         }
+        let found = need_before(first).map_or(MapBounds::EMPTY, |need| need.around_casters());
         found.within(&around)
     }
 
@@ -120,7 +108,7 @@ impl<'a> Lamp<'a> {
         } else {
             space.distance(receivers.min.z)
         };
-        let world = self.eye.abs().max_element().max(caster_reach(self.view));
+        let world = self.eye.abs().max_element().max(caster_reach(self.input));
         Lookups {
             texel: glam::DVec2::splat(texel),
             margin: f64::from(self.margin),
@@ -142,18 +130,9 @@ impl<'a> Lamp<'a> {
             .map(|(_, needed)| first_distance(&needed)))
     }
 
-    /// Returns the view of each face of a cube, and [`Lamp::needed`] there. Seen points are sorted by face first, since each
-    /// lies in a face or two.
+    /// Returns the view of each face of a cube, and [`Lamp::needed`] there.
     fn faces(&self, tangent: f64) -> Result<[(Mat4, MapBounds); 6], Invalid> {
-        let seen = self
-            .seen
-            .as_ref()
-            .map(|points| points_by_face(points, self.eye, tangent as f32));
-        let views = cube_face_views(self.eye)?;
-        Ok(std::array::from_fn(|i| {
-            let seen = seen.as_ref().map(|seen| &seen[i][..]);
-            (views[i], self.needed_of(seen, &views[i], tangent))
-        }))
+        Ok(cube_face_views(self.eye)?.map(|view| (view, self.needed(&view, tangent))))
     }
 
     /// Returns the pyramid around all that matters within a given one: on its axis, or on another axis if it is narrower
@@ -236,11 +215,18 @@ impl<'a> Lamp<'a> {
 }
 
 /// Returns the greatest distance from `eye` to one of some points, metres; 0 without any.
-fn greatest_distance(eye: Vec3, points: impl Iterator<Item = Vec3>) -> f64 {
-    points
-        .map(|p| p.as_dvec3().distance_squared(eye.as_dvec3()))
-        .fold(0.0, f64::max)
-        .sqrt()
+fn greatest_distance(eye: Vec3, points: &Points<'_>) -> f64 {
+    // More than sums of squares round by, as a part of them.
+    const ROUNDING: f64 = 1e-12;
+    let eye = eye.as_dvec3();
+    let bound = |b: &Aabb| {
+        let farthest = (b.min.as_dvec3() - eye)
+            .abs()
+            .max((b.max.as_dvec3() - eye).abs());
+        -farthest.length_squared() * (1.0 + ROUNDING)
+    };
+    let value = |p: Vec3| -p.as_dvec3().distance_squared(eye);
+    (-points.least(bound, value)).max(0.0).sqrt()
 }
 
 /// Returns the tangent of half the angle of the square pyramid, around the view's axis, that holds a box in map space.
@@ -252,23 +238,6 @@ fn greatest_tangent(b: &MapBounds) -> f64 {
 fn first_distance(needed: &MapBounds) -> Option<f32> {
     // The rank is minus one over the distance.
     (!needed.is_empty()).then(|| (-(1.0 - TANGENT_SLACK) / needed.min.z) as f32)
-}
-
-/// Returns the points that may lie in each face of a cube, in the order of [`cube_face_views`]; those near an edge are in
-/// each face that it borders. `tangent` is that of half a face's angle.
-fn points_by_face(points: &[Vec3], eye: Vec3, tangent: f32) -> [Vec<Vec3>; 6] {
-    let padded_tangent = (tangent * (1.0 + 2.0 * TANGENT_SLACK as f32)).max(1.0);
-    let mut faces: [Vec<Vec3>; 6] = Default::default();
-    for &p in points {
-        let d = p - eye;
-        let longest = d.abs().max_element();
-        for (i, along) in [d.x, -d.x, d.y, -d.y, d.z, -d.z].into_iter().enumerate() {
-            if along * padded_tangent >= longest {
-                faces[i].push(p);
-            }
-        }
-    }
-    faces
 }
 
 /// Returns the directions, world space, of the four corners of a box on a map; none if it is empty.

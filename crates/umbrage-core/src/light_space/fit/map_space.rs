@@ -7,6 +7,7 @@
 use crate::{
     Aabb,
     geometry::clip_polygon::{Polygon, edge_crossing},
+    light_space::view_box::ViewBox,
 };
 use glam::{DAffine3, DVec2, DVec3, Vec3};
 
@@ -138,6 +139,16 @@ impl MapSpace {
         inside.then(|| self.project(p))
     }
 
+    /// Returns the box around a triangle of the world, as around the corners of [`MapSpace::triangle`]; none with perspective, where
+    /// a part of it is too near.
+    pub(super) fn whole_triangle_bounds(&self, corners: &[Vec3; 3]) -> Option<MapBounds> {
+        let in_view = corners.map(|p| self.view_from_world.transform_point3(p.as_dvec3()));
+        let is_cut = self
+            .nearest
+            .is_some_and(|nearest| in_view.iter().any(|p| -p.z < nearest));
+        (!is_cut).then(|| MapBounds::around(in_view.map(|p| self.project(p))))
+    }
+
     /// Returns a triangle of the world in map space; with perspective, the part of it that is not too near.
     pub(super) fn triangle(&self, corners: [Vec3; 3]) -> MapPolygon {
         let corners_in_view = corners.map(|p| self.view_from_world.transform_point3(p.as_dvec3()));
@@ -157,14 +168,22 @@ impl MapSpace {
         if b.is_empty() {
             return MapBounds::EMPTY;
         }
-        let center = (b.min.as_dvec3() + b.max.as_dvec3()) * 0.5;
-        let half = (b.max.as_dvec3() - b.min.as_dvec3()) * 0.5;
-        // The half extents in view space: |M| h (Arvo 1990, "Transforming axis-aligned bounding boxes").
-        let m = self.view_from_world.matrix3;
-        let half = m.x_axis.abs() * half.x + m.y_axis.abs() * half.y + m.z_axis.abs() * half.z;
-        let center = self.view_from_world.transform_point3(center);
-        let min = center - half;
-        let max = center + half;
+        self.bounds_of(&ViewBox::new(&self.view_from_world, b))
+    }
+
+    /// Returns a box in map space that holds, after rounding too, all that [`MapSpace::block`], [`MapSpace::triangle`] and
+    /// [`MapSpace::point_within`] make of what lies in a box of the world. Empty if they make nothing of it.
+    pub(super) fn group(&self, b: &Aabb) -> MapBounds {
+        if b.is_empty() {
+            return MapBounds::EMPTY;
+        }
+        self.bounds_of(&ViewBox::padded(&self.view_from_world, b))
+    }
+
+    /// Returns the box in map space around a box of the view, or the part of it that is not too near.
+    fn bounds_of(&self, in_view: &ViewBox) -> MapBounds {
+        let min = in_view.min();
+        let max = in_view.max();
         let Some(nearest) = self.nearest else {
             return MapBounds {
                 min: min.with_z(-max.z),

@@ -1,7 +1,12 @@
 //! A memory of the fits of one view.
 
-use crate::{Layout, LightSpaces, RecipeError, light_space::fit::kind::Fit};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use crate::{
+    Layout, LightSpaces, Receivers, RecipeError,
+    gbuffer::seen_points::SeenPoints,
+    geometry::box_tree::BoxTree,
+    light_space::fit::{input::Cone, kind::Fit},
+};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// The light spaces that were found for one view, so that techniques with the same fit, layout, size and margin share the
 /// search. A program that tries many settings on one view gives it to that view:
@@ -9,6 +14,10 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 #[derive(Debug, Default)]
 pub struct FitMemory {
     found: Mutex<Vec<FoundFit>>,
+    /// The tree over the points of the view's receivers.
+    seen: OnceLock<Arc<BoxTree>>,
+    /// The cone from the light that holds all casters.
+    caster_cone: OnceLock<Cone>,
 }
 
 type FoundFit = (FitKey, Result<LightSpaces, RecipeError>);
@@ -36,6 +45,24 @@ impl FitMemory {
         let new = find();
         self.lock().push((key, new.clone()));
         new
+    }
+
+    /// Returns the points of the view's receivers, with boxes that are made once.
+    pub(super) fn seen_points<'a>(&self, receivers: &'a Receivers) -> SeenPoints<'a> {
+        let tree = self
+            .seen
+            .get_or_init(|| Arc::clone(SeenPoints::new(receivers).tree()));
+        SeenPoints::with_tree(receivers, Arc::clone(tree))
+    }
+
+    /// Returns where the cone from the light that holds all casters is kept.
+    pub(super) fn caster_cone(&self) -> &OnceLock<Cone> {
+        &self.caster_cone
+    }
+
+    /// Returns whether the view's receivers are known to be valid.
+    pub(crate) fn knows_receivers(&self) -> bool {
+        self.seen.get().is_some()
     }
 
     fn lock(&self) -> MutexGuard<'_, Vec<FoundFit>> {

@@ -1,6 +1,7 @@
 //! Fitting light spaces: where a shadow map's texels go.
 
 mod cull;
+mod input;
 mod kind;
 mod lamp;
 mod map_space;
@@ -23,6 +24,7 @@ use crate::{
     Invalid, Light, RecipeError, View, invalid,
     light_space::{
         Extents, LightSpace,
+        fit::input::FitInput,
         layers::{Layout, LightSpaces},
         look_along, orthographic,
     },
@@ -31,6 +33,8 @@ use glam::Vec3;
 
 /// Widest half angle, degrees, of the cone that one perspective map may have to cover.
 const WIDEST_HALF_ANGLE: f32 = 75.0;
+/// Radians beside the outermost caster, for rounding.
+const ANGLE_PADDING: f32 = 1e-3;
 
 impl Fit {
     /// A few words for tables; empty for the tight fit.
@@ -56,22 +60,29 @@ impl Fit {
     ) -> Result<LightSpace, RecipeError> {
         view.validate()?;
         self.validate()?;
-        self.single(view, size, margin)
+        let input = FitInput::new(self.without_what_it_ignores(view));
+        self.single(&input, size, margin)
     }
 
-    /// Returns the light space of a valid fit for a valid view.
-    fn single(&self, view: &View<'_>, size: u32, margin: f32) -> Result<LightSpace, RecipeError> {
-        let view = &self.without_what_it_ignores(view);
-        let direction = match *view.light {
+    /// Returns the light space of a valid fit.
+    fn single(
+        &self,
+        input: &FitInput<'_>,
+        size: u32,
+        margin: f32,
+    ) -> Result<LightSpace, RecipeError> {
+        let direction = match *input.view.light {
             Light::Directional { direction, .. } => direction,
             Light::Spot { .. } | Light::Point { .. } | Light::Rect { .. } | Light::Disc { .. } => {
-                return perspective::single(self, view, size, margin);
+                return perspective::single(self, input, size, margin);
             }
         };
         Ok(match *self {
-            Self::Tight => parallel::tight(view, direction, size, margin, true)?,
-            Self::Whole => parallel::tight(view, direction, size, margin, false)?,
-            Self::Stable { range } => stable::parallel(view, direction, range, size, margin)?,
+            Self::Tight => parallel::tight(input, direction, size, margin, true)?,
+            Self::Whole => parallel::tight(input, direction, size, margin, false)?,
+            Self::Stable { range } => {
+                stable::parallel(&input.view, direction, range, size, margin)?
+            }
             Self::Manual { eye, extents } => LightSpace {
                 view_from_world: look_along(eye, direction, Vec3::Y)?,
                 clip_from_view: orthographic(extents)?,
@@ -150,15 +161,16 @@ impl Fit {
     ) -> Result<LightSpaces, RecipeError> {
         view.validate()?;
         self.validate()?;
+        let input = &FitInput::new(self.without_what_it_ignores(view));
         let mut spaces = match (layout, view.light.position()) {
-            (Layout::Single, _) | (Layout::Auto, None) => self.one(view, size, margin)?,
+            (Layout::Single, _) | (Layout::Auto, None) => self.one(input, size, margin)?,
             (Layout::Cube, None) => {
                 return Err(RecipeError::unsupported(
                     "a directional light has no place to put a cube around",
                 ));
             }
-            (Layout::Cube, Some(eye)) => self.cube(view, eye, size, margin)?,
-            (Layout::Auto, Some(eye)) => self.one_or_cube(view, eye, size, margin)?,
+            (Layout::Cube, Some(eye)) => perspective::cube(self, input, eye, size, margin)?,
+            (Layout::Auto, Some(eye)) => self.one_or_cube(input, eye, size, margin)?,
         };
         if let Some(geometry) = view.geometry {
             spaces.leave_out_casters_beside(geometry, size);
@@ -166,39 +178,33 @@ impl Fit {
         Ok(spaces)
     }
 
-    fn one(&self, view: &View<'_>, size: u32, margin: f32) -> Result<LightSpaces, RecipeError> {
-        let space = self.single(view, size, margin)?;
-        Ok(LightSpaces::with_all_casters(vec![space]))
-    }
-
-    fn cube(
+    fn one(
         &self,
-        view: &View<'_>,
-        eye: Vec3,
+        input: &FitInput<'_>,
         size: u32,
         margin: f32,
     ) -> Result<LightSpaces, RecipeError> {
-        let view = self.without_what_it_ignores(view);
-        perspective::cube(self, &view, eye, size, margin)
+        let space = self.single(input, size, margin)?;
+        Ok(LightSpaces::with_all_casters(vec![space]))
     }
 
     /// Returns one space where one suffices (see [`Layout::Auto`]), else a cube's six.
     fn one_or_cube(
         &self,
-        view: &View<'_>,
+        input: &FitInput<'_>,
         eye: Vec3,
         size: u32,
         margin: f32,
     ) -> Result<LightSpaces, RecipeError> {
-        let one = match self.one(view, size, margin) {
-            Err(RecipeError::Unsupported(_)) => return self.cube(view, eye, size, margin),
+        let cube = || perspective::cube(self, input, eye, size, margin);
+        let one = match self.one(input, size, margin) {
+            Err(RecipeError::Unsupported(_)) => return cube(),
             other => other?,
         };
-        let known = self.without_what_it_ignores(view);
-        if perspective::suffices(&one.spaces[0], &known, eye, size, margin) {
+        if perspective::suffices(&one.spaces[0], input, eye, size, margin) {
             return Ok(one);
         }
         // A kernel may be too wide for a cube's faces.
-        self.cube(view, eye, size, margin).or(Ok(one))
+        cube().or(Ok(one))
     }
 }

@@ -1,11 +1,12 @@
 //! Tight fits of parallel light: boxes.
 
 use crate::{
-    Aabb, Geometry, Invalid, View,
+    Aabb, Geometry, Invalid,
     light_space::{
         Extents, LightSpace,
         fit::{
-            cull::{self, Lookups, Need, Receiving},
+            cull::{Lookups, Need, Receiving},
+            input::FitInput,
             map_space::{MapBounds, MapSpace},
             points::{
                 bounds_in, caster_points, caster_reach, casters_on, padded, receiver_points,
@@ -20,25 +21,25 @@ use glam::{DAffine3, DVec3, Mat4, Vec3};
 /// Returns the light space that goes, sideways, around what both casts and receives, and in depth from the first caster to
 /// the last receiver. With `cull`, only those casters count that can shadow a receiver.
 pub(super) fn tight(
-    view: &View<'_>,
+    input: &FitInput<'_>,
     direction: Vec3,
     size: u32,
     margin: f32,
     cull: bool,
 ) -> Result<LightSpace, Invalid> {
     // An eye amid the casters keeps numbers small when the scene is far from the origin.
-    let eye = if view.casters.is_empty() {
+    let eye = if input.view.casters.is_empty() {
         Vec3::ZERO
     } else {
-        view.casters.center()
+        input.view.casters.center()
     };
     let view_from_world = look_along(eye, direction, Vec3::Y)?;
-    let receivers = bounds_in(&view_from_world, receiver_points(view));
-    let casters = match view.geometry.filter(|_| cull) {
+    let receivers = bounds_in(&view_from_world, &receiver_points(input));
+    let casters = match input.view.geometry.filter(|_| cull) {
         Some(geometry) => {
-            needed_casters(view, geometry, &view_from_world, &receivers, size, margin)
+            needed_casters(input, geometry, &view_from_world, &receivers, size, margin)
         }
-        None => bounds_in(&view_from_world, caster_points(view)),
+        None => bounds_in(&view_from_world, &caster_points(input)),
     };
     let mut b = casters.intersection(&receivers);
     // View z falls away from the light: from the first caster (greatest z) to the last receiver (least z).
@@ -80,7 +81,7 @@ pub(super) fn inner(size: u32, margin: f32) -> f32 {
 
 /// Returns the box, in the light's view, around casters that can shadow a receiver; `receivers` is the box around these.
 fn needed_casters(
-    view: &View<'_>,
+    input: &FitInput<'_>,
     geometry: &Geometry,
     view_from_world: &Mat4,
     receivers: &Aabb,
@@ -97,7 +98,7 @@ fn needed_casters(
         max: receivers.max.as_dvec3(),
     };
     let all = casters_on(&space, geometry);
-    let receiving = Receiving::new(cull::seen(view).as_deref(), geometry, &space, &column);
+    let receiving = Receiving::new(input.seen.as_ref(), geometry, &space, &column);
     // The fit covers no more than either box, so its texels are no greater than these sides' ones.
     let greatest_side = (all.max - all.min)
         .min(column.max - column.min)
@@ -106,18 +107,20 @@ fn needed_casters(
     let lookups = Lookups {
         texel: greatest_side / f64::from(inner(size, margin)),
         margin: f64::from(margin),
-        rounding: f64::from(rounding(receivers, caster_reach(view))),
+        rounding: f64::from(rounding(receivers, caster_reach(input))),
         tangent: 0.0,
     };
-    let mut found = all;
-    // Of a light with an extent, how far a search for blockers goes depends on the first caster that matters: after one pass
-    // the first may be farther, so a second pass may find fewer.
-    let passes = if view.light.is_ideal() { 1 } else { 2 };
-    for _ in 0..passes {
-        let reach = lookups.reach(view.light, found.min.z, last);
-        let need = Need::new(space, geometry, &receiving, &reach);
-        found = need.map_or(MapBounds::EMPTY, |need| need.around_casters());
+    let need_before = |first: f64| {
+        let reach = lookups.reach(input.view.light, first, last);
+        Need::new(space, geometry, &receiving, &reach)
+    };
+    let mut first = all.min.z;
+    // Of a light with an extent, how far a search for blockers goes depends on the first caster that matters, which may be
+    // farther than the first of all.
+    if !input.view.light.is_ideal() {
+        first = need_before(first).map_or(f64::INFINITY, |need| need.first_rank());
     }
+    let found = need_before(first).map_or(MapBounds::EMPTY, |need| need.around_casters());
     if found.is_empty() {
         return Aabb::EMPTY;
     }
@@ -126,5 +129,5 @@ fn needed_casters(
         min: found.min.with_z(-found.max.z).as_vec3(),
         max: found.max.with_z(-found.min.z).as_vec3(),
     };
-    padded(in_view, caster_reach(view))
+    padded(in_view, caster_reach(input))
 }

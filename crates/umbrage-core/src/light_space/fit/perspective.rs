@@ -1,12 +1,13 @@
 //! Fits of lights with a position: one pyramid, or a cube's six.
 
 use crate::{
-    Aabb, CasterSet, Geometry, Light, RecipeError, View,
+    CasterSet, Geometry, Light, RecipeError,
     light_space::{
         LightSpace,
-        depth_range::{ViewPyramid, depth_range},
+        depth_range::{ViewPyramid, depth_range_of},
         fit::{
-            Fit, WIDEST_HALF_ANGLE,
+            ANGLE_PADDING, Fit, WIDEST_HALF_ANGLE,
+            input::{Cone, FitInput},
             lamp::{Lamp, SquarePyramid},
             points::{bounds_in, caster_points, receiver_points},
         },
@@ -14,36 +15,34 @@ use crate::{
         look_along, perspective,
     },
 };
-use glam::{DVec3, Mat4, Vec3};
+use glam::{Mat4, Vec3};
 use std::ops::Range;
 
 /// Least near plane of a perspective fit, as a fraction of its far plane: 2^-14. Depths there are still told apart to 2^-10 of
 /// their distance; a caster nearer than that (.6 mm from a lamp over 10 m) is lost rather than everyone's precision.
 pub(super) const MIN_NEAR_OVER_FAR: f32 = 1.0 / 16_384.0;
-/// Radians beside the outermost caster, for rounding.
-const ANGLE_PADDING: f32 = 1e-3;
 
 /// Returns the light space of a single map: one square pyramid. Parameters as [`Fit::light_space`].
 ///
 /// Errors if it would be wider than [`WIDEST_HALF_ANGLE`] allows.
 pub(super) fn single(
     fit: &Fit,
-    view: &View<'_>,
+    input: &FitInput<'_>,
     size: u32,
     margin: f32,
 ) -> Result<LightSpace, RecipeError> {
-    let eye = view.light.position().unwrap_or_default();
+    let eye = input.view.light.position().unwrap_or_default();
     let lamp = if *fit == Fit::Tight {
-        Lamp::new(view, eye, size, margin)
+        Lamp::new(input, eye, size, margin)
     } else {
         None
     };
-    let (axis, half_angle) = cone(view, eye, lamp.as_ref())?;
+    let Cone { axis, half_angle } = cone(input, eye, lamp.as_ref())?;
     if half_angle.to_degrees() > WIDEST_HALF_ANGLE {
         return Err(RecipeError::unsupported(format!(
             "the {} light needs a cone of {:.0} degrees (a spot its own, others one that holds all casters), and one map \
              covers at most {:.0}: use `Layout::Cube`",
-            view.light.kind(),
+            input.view.light.kind(),
             2.0 * half_angle.to_degrees(),
             2.0 * WIDEST_HALF_ANGLE
         )));
@@ -54,9 +53,9 @@ pub(super) fn single(
         (Fit::Manual { extents, .. }, _) => [extents.near, extents.far],
         (_, Some(lamp)) => range(
             lamp.near(&view_from_world, f64::from(widened.tan())),
-            far_plane(view, &view_from_world),
+            far_plane(input, &view_from_world),
         ),
-        (_, None) => whole_range(view, &view_from_world, widened),
+        (_, None) => whole_range(input, &view_from_world, widened),
     };
     Ok(LightSpace {
         view_from_world,
@@ -67,7 +66,7 @@ pub(super) fn single(
 /// Six faces, each a little wider than 90 degrees, so that kernels never reach beyond the face they start in.
 pub(super) fn cube(
     fit: &Fit,
-    view: &View<'_>,
+    input: &FitInput<'_>,
     eye: Vec3,
     size: u32,
     margin: f32,
@@ -84,7 +83,7 @@ pub(super) fn cube(
     }
     let half_angle = widened(45.0_f32.to_radians(), size, margin);
     let lamp = if *fit == Fit::Tight {
-        Lamp::new(view, eye, size, margin)
+        Lamp::new(input, eye, size, margin)
     } else {
         None
     };
@@ -100,11 +99,11 @@ pub(super) fn cube(
         let [near, far] = match (fit, &lamp, nears) {
             (_, Some(lamp), Some(nears)) => range(nears[i], lamp.far as f32),
             (Fit::Manual { extents, .. }, ..) => [extents.near, extents.far],
-            _ => whole_range(view, &view_from_world, half_angle),
+            _ => whole_range(input, &view_from_world, half_angle),
         };
         let needed = match nears {
             Some(nears) => nears[i].is_some(),
-            None => is_needed(view, &view_from_world, half_angle),
+            None => is_needed(input, &view_from_world, half_angle),
         };
         let clip_from_view = perspective(2.0 * half_angle, 1.0, near, far)?;
         out.spaces.push(LightSpace {
@@ -124,15 +123,15 @@ pub(super) fn cube(
 /// hold all casters.
 pub(super) fn suffices(
     one: &LightSpace,
-    view: &View<'_>,
+    input: &FitInput<'_>,
     eye: Vec3,
     size: u32,
     margin: f32,
 ) -> bool {
     let tangent = 1.0 / one.clip_from_view.x_axis.x;
-    spot_cone(view.light).is_some()
+    spot_cone(input.view.light).is_some()
         || tangent <= widened(45.0_f32.to_radians(), size, margin).tan()
-        || cone_around_casters(view, eye).1.to_degrees() <= WIDEST_HALF_ANGLE
+        || input.cone_around_casters(eye).half_angle.to_degrees() <= WIDEST_HALF_ANGLE
 }
 
 /// Returns a half angle (radians) made wider by the kernel's reach, so that the outermost receivers' taps stay on the map.
@@ -144,12 +143,15 @@ fn widened(half_angle: f32, size: u32, margin: f32) -> f32 {
         .min(WIDEST_HALF_ANGLE.to_radians().max(half_angle))
 }
 
-/// Returns the axis and half angle (radians) of a spot's own cone; none for other lights.
-fn spot_cone(light: &Light) -> Option<(Vec3, f32)> {
+/// Returns a spot's own cone; none for other lights.
+fn spot_cone(light: &Light) -> Option<Cone> {
     match *light {
         Light::Spot {
             direction, outer, ..
-        } => Some((direction, outer)),
+        } => Some(Cone {
+            axis: direction,
+            half_angle: outer,
+        }),
         Light::Directional { .. }
         | Light::Point { .. }
         | Light::Rect { .. }
@@ -157,26 +159,33 @@ fn spot_cone(light: &Light) -> Option<(Vec3, f32)> {
     }
 }
 
-/// The axis and half angle (radians) of what one map has to show: a spot's own cone, else one around casters; narrower
-/// where a lamp knows what matters.
-fn cone(view: &View<'_>, eye: Vec3, lamp: Option<&Lamp<'_>>) -> Result<(Vec3, f32), RecipeError> {
-    let own_cone = spot_cone(view.light);
-    let (axis, widest) = own_cone.unwrap_or_else(|| cone_around_casters(view, eye));
+/// Returns the cone of what one map has to show: a spot's own, else one around casters; narrower where a lamp knows what
+/// matters.
+fn cone(input: &FitInput<'_>, eye: Vec3, lamp: Option<&Lamp<'_>>) -> Result<Cone, RecipeError> {
+    let own_cone = spot_cone(input.view.light);
+    let widest = own_cone.unwrap_or_else(|| input.cone_around_casters(eye));
     let Some(lamp) = lamp else {
-        return Ok((axis, widest));
+        return Ok(widest);
     };
-    if widest.to_degrees() <= WIDEST_HALF_ANGLE {
-        let tangent = f64::from(widest).tan();
+    if widest.half_angle.to_degrees() <= WIDEST_HALF_ANGLE {
+        let tangent = f64::from(widest.half_angle).tan();
+        let axis = widest.axis;
         let narrowed = lamp.narrowed(SquarePyramid { axis, tangent })?;
-        return Ok((narrowed.axis, padded_half_angle(&narrowed).min(widest)));
+        return Ok(Cone {
+            axis: narrowed.axis,
+            half_angle: padded_half_angle(&narrowed).min(widest.half_angle),
+        });
     }
     // A spot's cone is as wide as its light; of other lamps, less than all casters may matter.
     if own_cone.is_none()
         && let Some(pyramid) = lamp.aimed()?
     {
-        return Ok((pyramid.axis, padded_half_angle(&pyramid)));
+        return Ok(Cone {
+            axis: pyramid.axis,
+            half_angle: padded_half_angle(&pyramid),
+        });
     }
-    Ok((axis, widest))
+    Ok(widest)
 }
 
 /// Returns a pyramid's half angle, radians, with room for rounding.
@@ -184,35 +193,16 @@ fn padded_half_angle(pyramid: &SquarePyramid) -> f32 {
     pyramid.tangent.atan() as f32 + ANGLE_PADDING
 }
 
-/// The axis and half angle (radians) of a cone from `eye` that holds all casters.
-fn cone_around_casters(view: &View<'_>, eye: Vec3) -> (Vec3, f32) {
-    if view.casters.is_empty() {
-        return (Vec3::NEG_Y, 0.5);
-    }
-    let direction_to = |p: Vec3| (p - eye).as_dvec3().normalize_or_zero();
-    let sum: DVec3 = caster_points(view).map(direction_to).sum();
-    // Where directions cancel out, the middle of the casters' box gives the axis.
-    let axis = if sum.length() > 1e-9 {
-        sum.normalize()
-    } else {
-        let center = Aabb::around(caster_points(view)).center() - eye;
-        center.as_dvec3().normalize_or(-DVec3::Y)
-    };
-    let least_cosine = caster_points(view)
-        .map(|p| direction_to(p).dot(axis))
-        .fold(1.0, f64::min);
-    let half_angle = least_cosine.clamp(-1.0, 1.0).acos() as f32 + ANGLE_PADDING;
-    (axis.as_vec3(), half_angle)
-}
-
 /// Whether something casts and something seen receives within a cube's face.
-fn is_needed(view: &View<'_>, view_from_world: &Mat4, half_angle: f32) -> bool {
-    let Some(g) = view.geometry else { return true };
+fn is_needed(input: &FitInput<'_>, view_from_world: &Mat4, half_angle: f32) -> bool {
+    let Some(g) = input.view.geometry else {
+        return true;
+    };
     let pyramid = pyramid(view_from_world, half_angle);
     if !meets_any(&pyramid, g, g.casters()) {
         return false;
     }
-    match view.receivers {
+    match input.view.receivers {
         Some(r) => r.positions().any(|p| pyramid.contains(p)),
         None => meets_any(&pyramid, g, g.receivers()),
     }
@@ -220,7 +210,7 @@ fn is_needed(view: &View<'_>, view_from_world: &Mat4, half_angle: f32) -> bool {
 
 /// Returns whether a part of one of the triangles with these ids lies in the pyramid.
 fn meets_any(pyramid: &ViewPyramid, geometry: &Geometry, ids: Range<u32>) -> bool {
-    depth_range(pyramid, ids.map(|id| geometry.corners(id))).is_some()
+    depth_range_of(pyramid, geometry, ids).is_some()
 }
 
 fn pyramid(view_from_world: &Mat4, half_angle: f32) -> ViewPyramid {
@@ -231,25 +221,25 @@ fn pyramid(view_from_world: &Mat4, half_angle: f32) -> ViewPyramid {
 }
 
 /// Distances along the view to the nearest caster of all and beyond the farthest receiver.
-fn whole_range(view: &View<'_>, view_from_world: &Mat4, half_angle: f32) -> [f32; 2] {
-    let near = match view.geometry {
+fn whole_range(input: &FitInput<'_>, view_from_world: &Mat4, half_angle: f32) -> [f32; 2] {
+    let near = match input.view.geometry {
         Some(g) => {
-            let casters = g.casters().map(|t| g.corners(t));
-            depth_range(&pyramid(view_from_world, half_angle), casters).map(|[near, _]| near)
+            let pyramid = pyramid(view_from_world, half_angle);
+            depth_range_of(&pyramid, g, g.casters()).map(|[near, _]| near)
         }
         // Of a box, nothing is known but its nearest corner.
-        None => Some(-bounds_in(view_from_world, caster_points(view)).max.z * 0.999)
+        None => Some(-bounds_in(view_from_world, &caster_points(input)).max.z * 0.999)
             .filter(|near| near.is_finite()),
     };
-    range(near, far_plane(view, view_from_world))
+    range(near, far_plane(input, view_from_world))
 }
 
 /// The far plane: at twice the distance of the farthest receiver along the view. Perspective depth hardly depends on it,
 /// and rounding cannot push receivers beyond it.
-fn far_plane(view: &View<'_>, view_from_world: &Mat4) -> f32 {
-    let receivers = bounds_in(view_from_world, receiver_points(view));
+fn far_plane(input: &FitInput<'_>, view_from_world: &Mat4) -> f32 {
+    let receivers = bounds_in(view_from_world, &receiver_points(input));
     let far = if receivers.is_empty() {
-        -bounds_in(view_from_world, caster_points(view)).min.z
+        -bounds_in(view_from_world, &caster_points(input)).min.z
     } else {
         -receivers.min.z
     };

@@ -2,8 +2,9 @@
 
 use crate::{
     Geometry, LightSpace, LightSpaces, View,
+    gbuffer::seen_points::SeenPoints,
     light_space::fit::{
-        cull::{self, Lookups, Need, Receiving},
+        cull::{Lookups, Need, Receiving},
         map_space::{MapBounds, MapSpace},
     },
 };
@@ -47,7 +48,8 @@ fn on_map(
     let side = (column.max - column.min).truncate();
     let world = geometry.bounds();
     let world = f64::from(world.min.abs().max(world.max.abs()).max_element());
-    let receivers = Receiving::new(cull::seen(view).as_deref(), geometry, &map, &column);
+    let seen = view.receivers.map(SeenPoints::new);
+    let receivers = Receiving::new(seen.as_ref(), geometry, &map, &column);
     let lookups = Lookups {
         texel: side / f64::from(size.max(1)),
         margin: f64::from(margin),
@@ -59,7 +61,7 @@ fn on_map(
         },
     };
     let reach = lookups.reach(view.light, column.min.z, column.max.z);
-    Need::new(map, geometry, &receivers, &reach).map_or(Vec::new(), |need| need.casters().collect())
+    Need::new(map, geometry, &receivers, &reach).map_or(Vec::new(), |need| need.casters())
 }
 
 /// What a map covers, in map space.

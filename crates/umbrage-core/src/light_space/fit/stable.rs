@@ -103,27 +103,21 @@ fn depths(view: &View<'_>, view_from_world: &Mat4, sphere: &Sphere, half_side: f
 
 /// Returns the least rank of a caster in a column.
 fn first_caster(view: &View<'_>, space: &MapSpace, column: &MapBounds) -> f64 {
-    let found = match view.geometry {
-        Some(geometry) => {
-            let no_reach = Reach {
-                across: DVec2::ZERO,
-                behind: 0.0,
-            };
-            let need = Need::new(*space, geometry, &Receiving::within(*column), &no_reach);
-            need.map_or(MapBounds::EMPTY, |need| need.around_casters())
-        }
-        None => space.block(&view.casters),
+    let Some(geometry) = view.geometry else {
+        return space.block(&view.casters).min.z;
     };
-    found.min.z
+    let no_reach = Reach {
+        across: DVec2::ZERO,
+        behind: 0.0,
+    };
+    let need = Need::new(*space, geometry, &Receiving::within(*column), &no_reach);
+    need.map_or(f64::INFINITY, |need| need.first_rank())
 }
 
 /// Returns the smallest of the spheres around what the camera may see, what casts, and what receives; not so small that 32-bit
 /// positions in it could not be told apart.
 fn smallest(view: &View<'_>, range: f64) -> Sphere {
-    let receivers = view.geometry.map(|g| {
-        let blocks = g.chunk_bounds().of(g.receivers());
-        blocks.fold(Aabb::EMPTY, |all, (_, b)| all.union(&b))
-    });
+    let receivers = view.geometry.map(|g| g.box_tree().around(g.receivers()));
     let boxes = [Some(view.casters), receivers]
         .into_iter()
         .flatten()

@@ -1,0 +1,140 @@
+//! Seen points in tiles of the image, with boxes around them, so that whole tiles can be passed over.
+
+use crate::{
+    Aabb, Receivers,
+    geometry::box_tree::{BoxTree, RUN},
+};
+use glam::Vec3;
+use rayon::prelude::*;
+use std::{ops::Range, sync::Arc};
+
+/// Side of a tile, pixels. A tile is a run of the tree of boxes.
+const TILE: usize = 8;
+
+const _: () = assert!(TILE * TILE == RUN as usize, "a tile is a run");
+
+/// The points of an image on which a shadow may fall, tile by tile, tiles in rows from the top. Entries of its list are places in
+/// tiles: [`RUN`] a tile, whether something is seen there or not.
+#[derive(Clone, Debug)]
+pub(crate) struct SeenPoints<'a> {
+    receivers: &'a Receivers,
+    tiles_across: usize,
+    tree: Arc<BoxTree>,
+}
+
+impl<'a> SeenPoints<'a> {
+    /// Returns the points of valid receivers.
+    pub(crate) fn new(receivers: &'a Receivers) -> Self {
+        let width = receivers.size.x as usize;
+        let height = receivers.size.y as usize;
+        let tiles_across = width.div_ceil(TILE);
+        let boxes_of_row = |row: usize| -> Vec<Aabb> {
+            let columns = 0..tiles_across;
+            columns
+                .map(|column| box_of(receivers, column, row))
+                .collect()
+        };
+        let rows = (0..height.div_ceil(TILE)).into_par_iter();
+        let boxes: Vec<Vec<Aabb>> = rows.map(boxes_of_row).collect();
+        Self {
+            receivers,
+            tiles_across,
+            tree: Arc::new(BoxTree::new(boxes.concat())),
+        }
+    }
+
+    /// Returns the same receivers' points, whose tree was made before.
+    pub(crate) fn with_tree(receivers: &'a Receivers, tree: Arc<BoxTree>) -> Self {
+        Self {
+            receivers,
+            tiles_across: (receivers.size.x as usize).div_ceil(TILE),
+            tree,
+        }
+    }
+
+    /// Returns the boxes around the points of tiles.
+    pub(crate) fn tree(&self) -> &Arc<BoxTree> {
+        &self.tree
+    }
+
+    /// Returns all entries of the list.
+    pub(crate) fn entries(&self) -> Range<u32> {
+        let tiles_down = (self.receivers.size.y as usize).div_ceil(TILE);
+        0..(self.tiles_across * tiles_down) as u32 * RUN
+    }
+
+    /// Returns the world positions of a tile's points. `tile` is its entries.
+    pub(crate) fn points_in(&self, tile: &Range<u32>) -> impl Iterator<Item = Vec3> + use<'a> {
+        let index = (tile.start / RUN) as usize;
+        points_in(
+            self.receivers,
+            index % self.tiles_across,
+            index / self.tiles_across,
+        )
+    }
+}
+
+/// Returns the box around the points in a tile, given by its column and row among the tiles.
+fn box_of(receivers: &Receivers, column: usize, row: usize) -> Aabb {
+    let width = receivers.size.x as usize;
+    let height = receivers.size.y as usize;
+    let is_cut_off = (column + 1) * TILE > width || (row + 1) * TILE > height;
+    if is_cut_off {
+        return Aabb::around(points_in(receivers, column, row));
+    }
+    let first = row * TILE * width + column * TILE;
+    let mut around = Aabb::EMPTY;
+    for (axis, all) in [&receivers.x, &receivers.y, &receivers.z]
+        .into_iter()
+        .enumerate()
+    {
+        // Column by column, for vector instructions.
+        let mut least = [f32::INFINITY; TILE];
+        let mut greatest = [f32::NEG_INFINITY; TILE];
+        for y in 0..TILE {
+            let pixels = first + y * width..first + y * width + TILE;
+            let values = &all[pixels.clone()];
+            let receives = &receivers.receives[pixels];
+            for i in 0..TILE {
+                let low = if receives[i] {
+                    values[i]
+                } else {
+                    f32::INFINITY
+                };
+                let high = if receives[i] {
+                    values[i]
+                } else {
+                    f32::NEG_INFINITY
+                };
+                least[i] = least[i].min(low);
+                greatest[i] = greatest[i].max(high);
+            }
+        }
+        around.min[axis] = least.into_iter().fold(f32::INFINITY, f32::min);
+        around.max[axis] = greatest.into_iter().fold(f32::NEG_INFINITY, f32::max);
+    }
+    around
+}
+
+/// Returns the world positions of the points in a tile, given by its column and row among the tiles.
+fn points_in(
+    receivers: &Receivers,
+    column: usize,
+    row: usize,
+) -> impl Iterator<Item = Vec3> + use<'_> {
+    let width = receivers.size.x as usize;
+    let height = receivers.size.y as usize;
+    let columns = column * TILE..((column + 1) * TILE).min(width);
+    let rows = row * TILE..((row + 1) * TILE).min(height);
+    rows.flat_map(move |y| {
+        let pixels = y * width + columns.start..y * width + columns.end;
+        let positions = receivers.x[pixels.clone()]
+            .iter()
+            .zip(&receivers.y[pixels.clone()])
+            .zip(&receivers.z[pixels.clone()]);
+        positions
+            .zip(&receivers.receives[pixels])
+            .filter(|(_, receives)| **receives)
+            .map(|(((&x, &y), &z), _)| Vec3::new(x, y, z))
+    })
+}

@@ -1,0 +1,250 @@
+//! Boxes around runs of a list, around groups of these boxes, and so on up to one box: so that whole groups can be passed
+//! over.
+//!
+//! Runs are in the order of the list, which meshes give some locality, so that the tree is made in one pass.
+
+use crate::{Aabb, Geometry};
+use rayon::prelude::*;
+#[cfg(feature = "testing")]
+use std::sync::atomic::{self, AtomicU64};
+use std::{cmp::Ordering, collections::BinaryHeap, ops::Range};
+
+/// Entries of the list a run. Fewer make more boxes to test, more make them looser.
+pub(crate) const RUN: u32 = 64;
+/// Boxes a group.
+const GROUP: usize = 8;
+
+/// The boxes, level by level.
+#[derive(Debug)]
+pub(crate) struct BoxTree {
+    /// First the boxes of the runs; each level's boxes hold [`GROUP`] boxes of the level before; the last level has one box. A
+    /// single empty level for an empty list.
+    levels: Vec<Vec<Aabb>>,
+    /// See [`BoxTree::count`].
+    #[cfg(feature = "testing")]
+    counted: AtomicU64,
+}
+
+/// A box of the tree.
+#[derive(Clone, Debug)]
+pub(crate) struct Block {
+    node: Node,
+    pub(crate) bounds: Aabb,
+    /// The entries of the list, if it is the box of a run. At the ends of the asked range, the box may be larger than these.
+    pub(crate) run: Option<Range<u32>>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    level: usize,
+    index: usize,
+}
+
+impl BoxTree {
+    /// Returns the tree over these boxes of runs.
+    pub(crate) fn new(runs: Vec<Aabb>) -> Self {
+        let mut levels = vec![runs];
+        while let Some(below) = levels.last()
+            && below.len() > 1
+        {
+            let groups = below.chunks(GROUP);
+            let around = |group: &[Aabb]| group.iter().fold(Aabb::EMPTY, |all, b| all.union(b));
+            let above = groups.map(around).collect();
+            levels.push(above);
+        }
+        Self {
+            levels,
+            #[cfg(feature = "testing")]
+            counted: AtomicU64::new(0),
+        }
+    }
+
+    /// Returns the tree over a geometry's list of triangles.
+    pub(crate) fn of_triangles(geometry: &Geometry) -> Self {
+        let count = geometry.triangles().len() as u32;
+        let box_of = |run: u32| {
+            let first = run * RUN;
+            Aabb::around(geometry.vertices_of(first..(first + RUN).min(count)))
+        };
+        let runs = (0..count.div_ceil(RUN)).into_par_iter().map(box_of);
+        Self::new(runs.collect())
+    }
+
+    /// Says that entries were looked at one by one, which tests count.
+    pub(crate) fn count(&self, entries: &Range<u32>) {
+        #[cfg(feature = "testing")]
+        self.counted
+            .fetch_add(entries.len() as u64, atomic::Ordering::Relaxed);
+        #[cfg(not(feature = "testing"))]
+        let _ = entries;
+    }
+
+    /// Returns how many entries were looked at one by one so far.
+    #[cfg(feature = "testing")]
+    pub(crate) fn counted(&self) -> u64 {
+        self.counted.load(atomic::Ordering::Relaxed)
+    }
+
+    /// Returns the box around the runs in which entries of a range lie.
+    pub(crate) fn around(&self, entries: Range<u32>) -> Aabb {
+        let mut all = Aabb::EMPTY;
+        let mut walk = self.walk(entries.clone());
+        while let Some(block) = walk.next() {
+            let entries_of_block = self.entries(block.node);
+            let is_whole = u64::from(entries.start) <= entries_of_block.start
+                && entries_of_block.end <= u64::from(entries.end);
+            if is_whole || block.run.is_some() {
+                all = all.union(&block.bounds);
+            } else {
+                walk.enter(&block);
+            }
+        }
+        all
+    }
+
+    /// Returns a walk over the boxes in which entries of a range lie, in the order of the list.
+    pub(crate) fn walk(&self, entries: Range<u32>) -> Walk<'_> {
+        let mut walk = Walk {
+            tree: self,
+            entries,
+            open: Vec::new(),
+        };
+        walk.open.extend(walk.tree.root(&walk.entries));
+        walk
+    }
+
+    /// Returns the least value that runs of a range have; infinity where none has any. `least_in` returns a run's value, from its
+    /// entries and its box; no run in a box may have less than the `bound` of the box.
+    ///
+    /// Boxes are taken in the order of their bounds, so that few runs are looked at.
+    pub(crate) fn least(
+        &self,
+        entries: Range<u32>,
+        bound: impl Fn(&Aabb) -> f64,
+        mut least_in: impl FnMut(Range<u32>, &Aabb) -> f64,
+    ) -> f64 {
+        let mut least = f64::INFINITY;
+        let mut open = BinaryHeap::new();
+        open.extend(self.root(&entries).map(|node| Candidate {
+            bound: bound(&self.bounds(node)),
+            node,
+        }));
+        while let Some(Candidate { bound: below, node }) = open.pop() {
+            if below >= least {
+                break;
+            }
+            if node.level == 0 {
+                let run = self.run(node, &entries);
+                least = least.min(least_in(run, &self.bounds(node)));
+                continue;
+            }
+            for child in self.children(node, &entries) {
+                let bound = bound(&self.bounds(child));
+                if bound < least {
+                    open.push(Candidate { bound, node: child });
+                }
+            }
+        }
+        least
+    }
+
+    /// Returns the topmost box; none if no entry of a range lies there.
+    fn root(&self, entries: &Range<u32>) -> Option<Node> {
+        let level = self.levels.len() - 1;
+        let root = Node { level, index: 0 };
+        (!self.levels[level].is_empty() && self.meets(root, entries)).then_some(root)
+    }
+
+    fn bounds(&self, node: Node) -> Aabb {
+        self.levels[node.level][node.index]
+    }
+
+    /// Returns the boxes in a group in which entries of a range lie, in order.
+    fn children(&self, group: Node, entries: &Range<u32>) -> impl Iterator<Item = Node> {
+        let level = group.level - 1;
+        let first = group.index * GROUP;
+        let end = (first + GROUP).min(self.levels[level].len());
+        (first..end)
+            .map(move |index| Node { level, index })
+            .filter(|&node| self.meets(node, entries))
+    }
+
+    /// Returns the entries of a box, as if the list were long enough to fill it.
+    fn entries(&self, node: Node) -> Range<u64> {
+        let length = u64::from(RUN) * (GROUP as u64).pow(node.level as u32);
+        let first = node.index as u64 * length;
+        first..first + length
+    }
+
+    fn meets(&self, node: Node, entries: &Range<u32>) -> bool {
+        let of_node = self.entries(node);
+        of_node.start < u64::from(entries.end) && u64::from(entries.start) < of_node.end
+    }
+
+    /// Returns the entries of a range that lie in a run.
+    fn run(&self, node: Node, entries: &Range<u32>) -> Range<u32> {
+        let first = node.index as u32 * RUN;
+        let end = first.saturating_add(RUN);
+        first.max(entries.start)..end.min(entries.end)
+    }
+}
+
+/// A walk that goes only into the groups that its owner enters.
+#[derive(Clone, Debug)]
+pub(crate) struct Walk<'a> {
+    tree: &'a BoxTree,
+    entries: Range<u32>,
+    /// The boxes to come, the next one last.
+    open: Vec<Node>,
+}
+
+impl Walk<'_> {
+    /// Returns the next box.
+    pub(crate) fn next(&mut self) -> Option<Block> {
+        let node = self.open.pop()?;
+        let is_run = node.level == 0;
+        Some(Block {
+            node,
+            bounds: self.tree.bounds(node),
+            run: is_run.then(|| self.tree.run(node, &self.entries)),
+        })
+    }
+
+    /// Lets the boxes in a group come next.
+    ///
+    /// Panics if it is the box of a run.
+    pub(crate) fn enter(&mut self, group: &Block) {
+        let first_child = self.open.len();
+        let children = self.tree.children(group.node, &self.entries);
+        self.open.extend(children);
+        self.open[first_child..].reverse();
+    }
+}
+
+/// A box that waits to be opened.
+#[derive(Clone, Copy, Debug)]
+struct Candidate {
+    bound: f64,
+    node: Node,
+}
+
+/// The greatest is the one with the least bound: a heap gives it first.
+impl Ord for Candidate {
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.bound.total_cmp(&self.bound)
+    }
+}
+
+impl PartialOrd for Candidate {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Candidate {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Candidate {}

@@ -1,0 +1,53 @@
+//! Boxes of the world in a view, with room for what arithmetic rounds.
+
+use crate::Aabb;
+use glam::{DAffine3, DVec3};
+
+/// Room for rounding, as a part of the numbers that are added up: a few sums and products of `f64` round by 2^-53 each.
+pub(crate) const ROUNDING: f64 = 1.0 / (1_u64 << 40) as f64;
+
+/// A box in view space around a box of the world.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ViewBox {
+    pub(crate) center: DVec3,
+    /// Half of its sides.
+    pub(crate) half: DVec3,
+}
+
+impl ViewBox {
+    /// Returns the smallest such box, but for rounding; meaningless for an empty box.
+    pub(crate) fn new(view_from_world: &DAffine3, b: &Aabb) -> Self {
+        let center = (b.min.as_dvec3() + b.max.as_dvec3()) * 0.5;
+        let half = (b.max.as_dvec3() - b.min.as_dvec3()) * 0.5;
+        // The half extents in view space: |M| h (Arvo 1990, "Transforming axis-aligned bounding boxes").
+        let m = view_from_world.matrix3;
+        Self {
+            center: view_from_world.transform_point3(center),
+            half: m.x_axis.abs() * half.x + m.y_axis.abs() * half.y + m.z_axis.abs() * half.z,
+        }
+    }
+
+    /// Returns a box that holds whatever `f64` arithmetic makes of a point or a box within the box of the world: what the box
+    /// excludes, each of them excludes, bit for bit.
+    pub(crate) fn padded(view_from_world: &DAffine3, b: &Aabb) -> Self {
+        let smallest = Self::new(view_from_world, b);
+        let m = view_from_world.matrix3;
+        let reach = b.min.abs().max(b.max.abs()).as_dvec3();
+        let summed = m.x_axis.abs() * reach.x
+            + m.y_axis.abs() * reach.y
+            + m.z_axis.abs() * reach.z
+            + view_from_world.translation.abs();
+        Self {
+            half: smallest.half + DVec3::splat(summed.max_element() * ROUNDING),
+            ..smallest
+        }
+    }
+
+    pub(crate) fn min(&self) -> DVec3 {
+        self.center - self.half
+    }
+
+    pub(crate) fn max(&self) -> DVec3 {
+        self.center + self.half
+    }
+}
