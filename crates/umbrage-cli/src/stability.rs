@@ -13,8 +13,8 @@ use std::time::Instant;
 use umbrage_lab::{
     compare::Backends,
     stability::{
-        CaseResult, Cell, Stability, StabilityEvent, StabilityOptions, check_state, report, rows,
-        run,
+        CaseResult, Cell, CriterionResult, Stability, StabilityEvent, StabilityOptions,
+        check_state, report, rows, run,
         sweeps::{self, Sweep},
     },
 };
@@ -36,9 +36,15 @@ pub(crate) fn stability(program: &Program, arguments: &StabilityArguments) -> Re
     let start = Instant::now();
     let mut stability = play(&options, &mut backends)?;
     println!("{}", matrix(&stability));
+    if let Some(sanity) = stability.sanity_line() {
+        println!("{sanity}");
+    }
     let [pass, degraded, fails] = stability.counts();
     println!(
         "✓ {pass} pass   ~ {degraded} degraded   ✗ {fails} fail   – not served   ! must not be"
+    );
+    println!(
+        "a figure in brackets is the second measure's: what a cure for the failure takes away"
     );
     let mut sweeps = Vec::new();
     if arguments.rows.is_empty() && arguments.techniques.is_empty() {
@@ -119,12 +125,41 @@ fn line(result: &CaseResult) -> String {
     let signs: String = result.cells.iter().map(Cell::sign).collect();
     format!(
         "{:>2} {:<26} {signs}  {}",
-        result.row, result.case, result.measure
+        result.row,
+        result.case,
+        measures(result, |c| c.measure.clone()).join(", ")
     )
 }
 
-/// Returns the matrix: a line for each case, a column for each technique, in each cell a sign and a figure for each of its
-/// settings.
+/// Returns what `text` says of each of a case's criteria; that of all but the first in brackets.
+fn measures(result: &CaseResult, text: impl Fn(&CriterionResult) -> String) -> Vec<String> {
+    let mut out = Vec::new();
+    for (k, criterion) in result.criteria.iter().enumerate() {
+        out.push(bracketed(k, text(criterion)));
+    }
+    out
+}
+
+/// Returns the text as it is for a case's first criterion, and in brackets for the others.
+fn bracketed(criterion: usize, text: String) -> String {
+    if criterion == 0 {
+        text
+    } else {
+        format!("({text})")
+    }
+}
+
+/// Returns a measure's name and unit.
+fn with_unit(criterion: &CriterionResult) -> String {
+    if criterion.unit.is_empty() {
+        criterion.measure.clone()
+    } else {
+        format!("{}, {}", criterion.measure, criterion.unit)
+    }
+}
+
+/// Returns the matrix: a line for each case that tells techniques apart, a column for each technique, in each cell a sign and
+/// the figure that decides for each of its settings.
 fn matrix(stability: &Stability) -> Table {
     let techniques = stability.techniques();
     let mut table = Table::new();
@@ -134,18 +169,13 @@ fn matrix(stability: &Stability) -> Table {
     let mut head = vec!["#", "case", "measure", "pass", "fail"];
     head.extend(&techniques);
     table.set_header(head);
-    for result in &stability.cases {
-        let measure = if result.unit.is_empty() {
-            result.measure.clone()
-        } else {
-            format!("{}, {}", result.measure, result.unit)
-        };
+    for result in stability.telling() {
         let mut line = vec![
             result.row.to_string(),
             result.case.clone(),
-            measure,
-            number(result.limits.pass),
-            number(result.limits.fails),
+            measures(result, with_unit).join("\n"),
+            measures(result, |c| number(c.limits.pass)).join("\n"),
+            measures(result, |c| number(c.limits.fails)).join("\n"),
         ];
         for technique in &techniques {
             line.push(signs_and_figures(result, technique));
@@ -163,8 +193,11 @@ fn signs_and_figures(result: &CaseResult, technique: &str) -> String {
     let mut lines = Vec::new();
     for cell in result.cells.iter().filter(|c| c.technique == technique) {
         let sign = cell.sign();
-        lines.push(match cell.figure() {
-            Some(figure) => format!("{sign} {}", number(figure)),
+        lines.push(match cell.decisive() {
+            Some(k) => {
+                let figure = number(cell.judgements()[k].figure);
+                format!("{sign} {}", bracketed(k, figure))
+            }
             None => sign.to_string(),
         });
     }
@@ -196,14 +229,16 @@ fn list() -> Table {
     ]);
     for row in rows() {
         for case in row.cases {
-            let measure = case.measure;
+            let criteria = [Some(case.measure), case.measure.opposite()];
+            let names: Vec<&str> = criteria.iter().flatten().map(|m| m.name()).collect();
+            let reasons: Vec<&str> = criteria.iter().flatten().map(|m| m.reason()).collect();
             table.add_row([
                 format!("{} {}", row.number, row.title),
                 row.weakness.to_owned(),
                 case.name.to_owned(),
                 case.motion.label().to_owned(),
-                measure.name().to_owned(),
-                measure.reason().to_owned(),
+                names.join("; "),
+                reasons.join("; "),
             ]);
         }
     }

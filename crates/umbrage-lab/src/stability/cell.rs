@@ -38,6 +38,17 @@ pub struct CaseResult {
     pub scene: String,
     /// What moves.
     pub motion: String,
+    /// Whether nothing shadows what is seen: then no shadow at all is right, and the case tells no technique from another.
+    pub is_sanity: bool,
+    /// What cells are judged by: the case's own measure first, then what a cure for the failure would take away.
+    pub criteria: Vec<CriterionResult>,
+    /// All settings.
+    pub cells: Vec<Cell>,
+}
+
+/// A measure and its limits on one case.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CriterionResult {
     /// What is measured.
     pub measure: String,
     /// Its unit, may be empty.
@@ -48,8 +59,6 @@ pub struct CaseResult {
     pub reason: String,
     /// The figure of a perfect map of the same size.
     pub ideal: f64,
-    /// All settings.
-    pub cells: Vec<Cell>,
 }
 
 /// One setting of a technique on one case.
@@ -72,11 +81,11 @@ pub struct Cell {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CellOutcome {
-    /// A figure in the measure's unit.
+    /// A mask was judged.
     Measured {
-        /// Smaller is better.
-        figure: f64,
-        /// Against the limits.
+        /// One for each of the case's criteria, in their order.
+        judgements: Vec<Judgement>,
+        /// The worst of their verdicts.
         verdict: Verdict,
     },
     /// The technique isn't made for this scene.
@@ -89,6 +98,26 @@ pub enum CellOutcome {
         /// What did: NaN, a panic, an error of the graphics API.
         what: String,
     },
+}
+
+/// A cell's figure by one criterion, in its measure's unit.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Judgement {
+    /// Smaller is better.
+    pub figure: f64,
+    /// Against the limits.
+    pub verdict: Verdict,
+}
+
+impl CellOutcome {
+    /// Returns the outcome of a mask with these judgements, of which there is at least one: the worst verdict counts.
+    pub fn of(judgements: Vec<Judgement>) -> Self {
+        let worst = judgements.iter().map(|judgement| judgement.verdict).max();
+        Self::Measured {
+            judgements,
+            verdict: worst.unwrap_or(Verdict::Fails),
+        }
+    }
 }
 
 impl Cell {
@@ -109,12 +138,25 @@ impl Cell {
         }
     }
 
-    /// Returns the figure; none if the cell isn't measured.
+    /// Returns the figure of the case's own measure; none if the cell isn't measured.
     pub fn figure(&self) -> Option<f64> {
-        match self.outcome {
-            CellOutcome::Measured { figure, .. } => Some(figure),
-            _ => None,
+        self.judgements().first().map(|judgement| judgement.figure)
+    }
+
+    /// Returns the judgement of each of the case's criteria; empty if the cell isn't measured.
+    pub fn judgements(&self) -> &[Judgement] {
+        match &self.outcome {
+            CellOutcome::Measured { judgements, .. } => judgements,
+            _ => &[],
         }
+    }
+
+    /// Returns the index of the criterion that decides: the first with the worst verdict. None if the cell isn't measured.
+    pub fn decisive(&self) -> Option<usize> {
+        let verdict = self.verdict()?;
+        self.judgements()
+            .iter()
+            .position(|judgement| judgement.verdict == verdict)
     }
 }
 
@@ -131,6 +173,38 @@ impl Stability {
             }
         }
         counts
+    }
+
+    /// Returns the cases that tell techniques apart.
+    pub fn telling(&self) -> impl Iterator<Item = &CaseResult> {
+        self.cases.iter().filter(|case| !case.is_sanity)
+    }
+
+    /// Returns the sanity cases, in which nothing shadows what is seen, as one line; none if there are none.
+    pub fn sanity_line(&self) -> Option<String> {
+        let cases: Vec<&CaseResult> = self.cases.iter().filter(|case| case.is_sanity).collect();
+        let mut failing = Vec::new();
+        for case in &cases {
+            let not_passing = case.cells.iter().filter(|cell| {
+                let is_measured = cell.verdict().is_some();
+                let is_fault = matches!(cell.outcome, CellOutcome::Fault { .. });
+                is_fault || is_measured && cell.verdict() != Some(Verdict::Pass)
+            });
+            failing.extend(
+                not_passing
+                    .map(|cell| format!("{}: {} ({})", case.case, cell.technique, cell.settings)),
+            );
+        }
+        let count = cases.len();
+        let noun = if count == 1 { "case" } else { "cases" };
+        match (count, failing.is_empty()) {
+            (0, _) => None,
+            (_, true) => Some(format!("{count} sanity {noun}: all pass")),
+            (_, false) => Some(format!(
+                "{count} sanity {noun}, of which these do not pass: {}",
+                failing.join("; ")
+            )),
+        }
     }
 
     /// Returns the names of all techniques, in the order of their first cell.

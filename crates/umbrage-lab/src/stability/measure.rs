@@ -16,7 +16,8 @@ use umbrage_core::{
     metrics::{Errors, Pixel},
 };
 
-/// A measure of one case: smaller is better, and 0 is truth's own.
+/// A measure of one case: smaller is better, and 0 is truth's own. Some see one kind of error alone, false shadow or false
+/// light; [`Measure::opposite`] is then the other side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Measure {
     /// [`open::acne`].
@@ -25,6 +26,8 @@ pub enum Measure {
     AcneByDistance,
     /// [`open::leak`].
     Leak,
+    /// [`open::lost_shadow`].
+    LostShadow,
     /// [`open::wrong`].
     Wrong,
     /// RMSE over all pixels that count.
@@ -79,6 +82,7 @@ impl Measure {
             Self::Acne => "acne",
             Self::AcneByDistance => "acne in the worst bin of distance",
             Self::Leak => "leak",
+            Self::LostShadow => "lost shadow",
             Self::Wrong => "wrong away from edges",
             Self::Rmse => "RMSE",
             Self::Gap(_) => "gap",
@@ -93,6 +97,29 @@ impl Measure {
             Self::Fill => "fill",
             Self::Shimmer => "shimmer",
             Self::ChangeError => "change unlike truth's",
+        }
+    }
+
+    /// Returns what pays for a cure of the failure that is measured: lost shadow for acne, acne for leaks and gaps, and RMSE
+    /// where no shadow at all would be perfect. None for measures that charge false shadow and false light alike.
+    pub fn opposite(&self) -> Option<Self> {
+        match self {
+            Self::Acne | Self::AcneByDistance => Some(Self::LostShadow),
+            Self::Leak
+            | Self::LostShadow
+            | Self::Gap(_)
+            | Self::ContactLeak(..)
+            | Self::LeakAround(..) => Some(Self::Acne),
+            Self::ScaleDrift(_) | Self::Fill | Self::Shimmer | Self::ChangeError => {
+                Some(Self::Rmse)
+            }
+            Self::Wrong
+            | Self::Rmse
+            | Self::EdgeDisplacement
+            | Self::Seams
+            | Self::PenumbraRmse
+            | Self::PenumbraWidth
+            | Self::AllLit => None,
         }
     }
 
@@ -122,6 +149,9 @@ impl Measure {
             }
             Self::Gap(_) => {
                 "twice a perfect map's of this size, and a row of pixels; fails at four times that, or near no shadow"
+            }
+            Self::LostShadow => {
+                "twice a perfect map's of this size, and one dark pixel in a hundred; fails at four times that, or near no shadow"
             }
             Self::ContactLeak(..) | Self::LeakAround(..) => {
                 "twice a perfect map's of this size, and one pixel in a hundred there; fails at four times that, or near no shadow"
@@ -164,6 +194,7 @@ impl Measure {
                 &receivers.distance,
             )),
             Self::Leak => open::leak(mask, truth, open),
+            Self::LostShadow => open::lost_shadow(mask, truth, counts),
             Self::Wrong => open::wrong(mask, truth, open),
             Self::Rmse | Self::ScaleDrift(_) => rmse(case_truth, mask),
             Self::Gap(contact) => 1e3 * contact.gap(mask, truth, receivers, counts),
@@ -207,7 +238,7 @@ impl Measure {
                 let pixel = contact.pixel(&case_truth.truth.receivers, NEAR_CONTACT, counts);
                 VerdictLimits::over_ideal(ideal, 1e3 * pixel).below(without_shadow())
             }
-            Self::ContactLeak(..) | Self::LeakAround(..) => {
+            Self::LostShadow | Self::ContactLeak(..) | Self::LeakAround(..) => {
                 VerdictLimits::over_ideal(ideal, BAND_SHARE).below(without_shadow())
             }
             Self::EdgeDisplacement => {

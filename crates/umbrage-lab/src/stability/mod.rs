@@ -3,6 +3,8 @@
 //!
 //! * [`rows`]: the one list of rows. [`Measure`] says what each is judged by, [`VerdictLimits`] where it passes and fails.
 //! * [`run`]: plays them. [`Stability`]: what comes out.
+//! * [`Criterion`]: a measure with its limits. Most cases have two, one for the failure and one for what its cure takes away,
+//!   so that no bias is free; the worse verdict counts.
 //! * [`measures`]: the measures as plain functions. [`CaseTruth`]: truth, and what a *perfect map* of the same size would
 //!   show, which limits are taken from.
 //! * [`sweeps`]: one number turned from too little to too much. [`report`]: a page, a picture, a table, data.
@@ -13,6 +15,7 @@
 mod all_backends;
 mod case_truth;
 mod cell;
+mod criterion;
 mod guard;
 mod measure;
 pub mod measures;
@@ -29,7 +32,8 @@ pub mod texels;
 mod verdict;
 
 pub use case_truth::{CaseTruth, OPEN_TEXELS, without_extent};
-pub use cell::{CaseResult, Cell, CellOutcome, Stability};
+pub use cell::{CaseResult, Cell, CellOutcome, CriterionResult, Judgement, Stability};
+pub use criterion::Criterion;
 pub use guard::is_as_new;
 pub use measure::Measure;
 pub use motion::{MotionFrame, Moving};

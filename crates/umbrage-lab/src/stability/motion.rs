@@ -10,7 +10,7 @@
 //! there.
 
 use super::{
-    Cell, CellOutcome, Verdict, VerdictLimits, all_backends,
+    Cell, CellOutcome, Criterion, Verdict, VerdictLimits, all_backends,
     case_truth::{CaseTruth, visibility_at_receivers},
     guard::{self, NoMask},
     measure::Measure,
@@ -121,12 +121,14 @@ impl<'a> Moving<'a> {
         })
     }
 
-    /// Returns how much the masks change though they should not: one mask for each frame, at the first frame's receivers.
+    /// Returns a measure's figure of the masks, one for each frame, at the first frame's receivers: how much they change though
+    /// they should not; for measures of a single mask, that of the first frame.
     pub fn figure(&self, measure: Measure, masks: &[Vec<f32>]) -> f64 {
         let width = self.case_truth.truth.size.x as usize;
         match measure {
             Measure::ChangeError => change_error(masks, &self.truth, &self.marked, width),
-            _ => shimmer(masks, &self.truth, &self.marked),
+            Measure::Shimmer => shimmer(masks, &self.truth, &self.marked),
+            of_one_mask => of_one_mask.figure(self.case_truth, &masks[0]),
         }
     }
 
@@ -144,28 +146,25 @@ impl<'a> Moving<'a> {
     pub(super) fn cell(
         &self,
         technique: &dyn ShadowTechnique,
-        measure: Measure,
+        criteria: &[Criterion],
         backends: &mut Backends,
     ) -> Result<Cell, LabError> {
         let played = match self.play(technique, backends) {
             Ok(played) => played,
             Err(why) => return Ok(no_mask(technique, why)),
         };
-        let figure = self.figure(measure, &played.masks);
-        let verdict = self.limits(measure).judge(figure);
-        let picture = match verdict {
-            Verdict::Pass => None,
-            _ => Some(pictures::strip(
-                self.case_truth,
-                &played.masks,
-                &self.marked,
-            )?),
-        };
-        Ok(Cell {
-            picture,
-            disagreeing: played.disagreeing,
-            ..cell(technique, CellOutcome::Measured { figure, verdict })
-        })
+        let mut judgements = Vec::new();
+        for criterion in criteria {
+            let figure = self.figure(criterion.measure, &played.masks);
+            judgements.push(criterion.limits.judgement(figure));
+        }
+        let mut out = cell(technique, CellOutcome::of(judgements));
+        out.disagreeing = played.disagreeing;
+        if out.verdict() != Some(Verdict::Pass) {
+            let strip = pictures::strip(self.case_truth, &played.masks, &self.marked)?;
+            out.picture = Some(strip);
+        }
+        Ok(out)
     }
 
     /// Plays all frames.

@@ -1,7 +1,7 @@
 //! Plays all rows with all techniques.
 
 use super::{
-    CaseResult, CellOutcome, Stability,
+    CaseResult, CellOutcome, Criterion, Stability,
     case_truth::CaseTruth,
     guard,
     measure::Measure,
@@ -210,25 +210,24 @@ fn play_case(
     backends: &mut Backends,
 ) -> Result<CaseResult, LabError> {
     let techniques = techniques_of(case, options);
-    let limits;
+    let criteria;
     let mut cells = Vec::new();
     if case.motion == Motion::Still {
-        limits = case.measure.limits(case_truth);
+        criteria = Criterion::of_case(case.measure, case_truth, |m| m.limits(case_truth));
         let reference = reference(case, options)?;
         let still = Still {
-            case,
             case_truth,
             reference: reference.as_ref(),
-            limits,
+            criteria: &criteria,
         };
         for technique in &techniques {
             cells.push(still.cell(&**technique, backends)?);
         }
     } else {
         let moving = Moving::new(case_truth, case.motion, options.frames, &options.truth)?;
-        limits = moving.limits(case.measure);
+        criteria = Criterion::of_case(case.measure, case_truth, |m| moving.limits(m));
         for technique in &techniques {
-            cells.push(moving.cell(&**technique, case.measure, backends)?);
+            cells.push(moving.cell(&**technique, &criteria, backends)?);
         }
     }
     Ok(CaseResult {
@@ -239,11 +238,8 @@ fn play_case(
         case: case.name.to_owned(),
         scene: case.scene.to_owned(),
         motion: case.motion.label().to_owned(),
-        measure: case.measure.name().to_owned(),
-        unit: case.measure.unit().to_owned(),
-        limits,
-        reason: case.measure.reason().to_owned(),
-        ideal: case.measure.figure(case_truth, &case_truth.ideal),
+        is_sanity: !case_truth.truth.has_shadow(),
+        criteria: criteria.iter().map(|c| c.result(case_truth)).collect(),
         cells,
     })
 }

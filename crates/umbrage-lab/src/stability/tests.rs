@@ -64,10 +64,20 @@ fn mask(case_truth: &CaseTruth, technique: &dyn ShadowTechnique) -> Vec<f32> {
     sum
 }
 
+/// What a still case is judged by.
+fn criteria(case: &StabilityCase, case_truth: &CaseTruth) -> Vec<Criterion> {
+    Criterion::of_case(case.measure, case_truth, |measure| {
+        measure.limits(case_truth)
+    })
+}
+
+/// The worst verdict of a still case's criteria.
 fn verdict(case: &StabilityCase, case_truth: &CaseTruth, mask: &[f32]) -> Verdict {
-    case.measure
-        .limits(case_truth)
-        .judge(case.measure.figure(case_truth, mask))
+    let verdicts = criteria(case, case_truth).into_iter().map(|criterion| {
+        let figure = criterion.measure.figure(case_truth, mask);
+        criterion.limits.judge(figure)
+    });
+    verdicts.max().expect("each case has a measure")
 }
 
 #[test]
@@ -99,8 +109,8 @@ fn scenes_of_failures_are_played() {
     assert_eq!(left_out, ["glowing-lamp-in-room"]);
 }
 
-/// With truth's own technique every still row passes, and with a mask that is all lit or all dark every one fails; and
-/// without casters there is no shadow left to measure: so every measure can do both.
+/// With truth's own technique every still row passes, and with a mask that is all lit or all dark each criterion of every one
+/// fails; and without casters there is no shadow left to measure: so every measure can do both.
 #[test]
 fn every_still_row_can_pass_and_can_fail() {
     let options = small();
@@ -119,13 +129,13 @@ fn every_still_row_can_pass_and_can_fail() {
         if case.measure == Measure::AllLit && case_truth.counted().count() == 0 {
             continue;
         }
-        let n = traced.len();
-        let spoilt = [vec![0.0; n], vec![1.0; n]].map(|mask| verdict(case, &case_truth, &mask));
-        assert!(
-            spoilt.contains(&Verdict::Fails),
-            "{}: {spoilt:?}",
-            case.name
-        );
+        for criterion in criteria(case, &case_truth) {
+            assert!(
+                criterion.can_fail(&case_truth),
+                "{}: neither all light nor all shadow fails {criterion:?}",
+                case.name
+            );
+        }
     }
 }
 
@@ -238,6 +248,67 @@ fn soft_shadows_pass_under_lamps() {
             Verdict::Pass,
             "{name}: {figure} does not pass {limits:?}"
         );
+    }
+}
+
+/// Renders a technique in all cases of `rows`; all rows if empty.
+fn played(rows: &[&str], technique: &str) -> Stability {
+    let options = StabilityOptions {
+        rows: rows.iter().map(|&row| row.to_owned()).collect(),
+        techniques: vec![technique.to_owned()],
+        ..small()
+    };
+    let mut backends = Backends::of(vec![Box::new(Cpu::new())]);
+    run(&options, &mut backends, &mut |_| {}).expect("plays")
+}
+
+/// No shadow at all is what the cure for every kind of false shadow leads to: it fails every case in which something casts
+/// onto what is seen, and passes those in which nothing does.
+#[test]
+fn no_shadow_fails_wherever_something_casts() {
+    let played = played(&[], "none");
+    let mut passing = Vec::new();
+    for case in &played.cases {
+        for cell in &case.cells {
+            match cell.verdict() {
+                Some(Verdict::Fails) => {}
+                Some(Verdict::Pass) => passing.push(case.case.as_str()),
+                other => panic!("{}: {other:?}", case.case),
+            }
+        }
+    }
+    assert_eq!(passing, ["no-casters", "no-receivers", "only-sky"]);
+    assert_eq!(
+        played.sanity_line().as_deref(),
+        Some("3 sanity cases: all pass")
+    );
+}
+
+/// Masks that a measure of one side alone would pass.
+#[test]
+fn what_a_cure_takes_away_is_charged() {
+    let options = small();
+    // No acne, but no shadow; no leak and no gap, but no light.
+    let one_sided = [
+        ("low-sun-5", 1.0_f32),
+        ("long-plane", 1.0),
+        ("far-range", 1.0),
+        ("displaced-wall", 1.0),
+        ("relief-without-depth-pass", 1.0),
+        ("thin-plate", 0.0),
+        ("thin-plate-leak", 0.0),
+        ("hovering-feet", 0.0),
+        ("bar-at-lamp", 0.0),
+    ];
+    for (name, visibility) in one_sided {
+        let case = case(name);
+        let case_truth = case_truth_of(case, &options);
+        let mask = vec![visibility; case_truth.ideal.len()];
+        let own = case.measure.figure(&case_truth, &mask);
+        let own_limits = case.measure.limits(&case_truth);
+        assert_eq!(own_limits.judge(own), Verdict::Pass, "{name}: {own}");
+        let both = verdict(case, &case_truth, &mask);
+        assert_eq!(both, Verdict::Fails, "{name}");
     }
 }
 

@@ -1,5 +1,6 @@
 //! Verdicts (pass, degraded, fails) and the limits between them.
 
+use super::cell::Judgement;
 use serde::{Deserialize, Serialize};
 
 /// A figure judged against its limits.
@@ -74,6 +75,14 @@ impl VerdictLimits {
             }
         } else {
             self
+        }
+    }
+
+    /// Judges a figure, and keeps it beside the verdict.
+    pub fn judgement(&self, figure: f64) -> Judgement {
+        Judgement {
+            figure,
+            verdict: self.judge(figure),
         }
     }
 

@@ -36,49 +36,57 @@ fn json(data: &impl serde::Serialize) -> Result<Vec<u8>, LabError> {
     serde_json::to_vec_pretty(data).map_err(|e| LabError::write("results.json", e))
 }
 
-const HEADER: [&str; 14] = [
+const HEADER: [&str; 15] = [
     "row",
     "case",
     "scene",
     "motion",
+    "technique",
+    "settings",
+    "cell",
     "measure",
     "unit",
     "pass",
     "fails",
     "ideal",
-    "technique",
-    "settings",
     "figure",
     "verdict",
     "reason",
 ];
 
-/// Returns the matrix as CSV, a line for each cell.
+/// Returns the matrix as CSV: a line for each cell and each of the case's criteria. `cell` is the cell's verdict, the worst of
+/// its criteria's.
 fn matrix(stability: &Stability) -> Result<Vec<u8>, LabError> {
     let mut lines = Vec::new();
     for case in &stability.cases {
         for cell in &case.cells {
-            let (verdict, reason) = match &cell.outcome {
+            let (cell_verdict, reason) = match &cell.outcome {
                 CellOutcome::Measured { verdict, .. } => (verdict.word(), ""),
                 CellOutcome::Unsupported { reason } => ("unsupported", reason.as_str()),
                 CellOutcome::Fault { what } => ("fault", what.as_str()),
             };
-            lines.push([
-                case.row.to_string(),
-                case.case.clone(),
-                case.scene.clone(),
-                case.motion.clone(),
-                case.measure.clone(),
-                case.unit.clone(),
-                case.limits.pass.to_string(),
-                case.limits.fails.to_string(),
-                case.ideal.to_string(),
-                cell.technique.clone(),
-                cell.settings.clone(),
-                cell.figure().map_or_else(String::new, |f| f.to_string()),
-                verdict.to_owned(),
-                reason.to_owned(),
-            ]);
+            for (k, criterion) in case.criteria.iter().enumerate() {
+                let judgement = cell.judgements().get(k);
+                let figure = judgement.map_or_else(String::new, |j| j.figure.to_string());
+                let verdict = judgement.map_or(cell_verdict, |j| j.verdict.word());
+                lines.push([
+                    case.row.to_string(),
+                    case.case.clone(),
+                    case.scene.clone(),
+                    case.motion.clone(),
+                    cell.technique.clone(),
+                    cell.settings.clone(),
+                    cell_verdict.to_owned(),
+                    criterion.measure.clone(),
+                    criterion.unit.clone(),
+                    criterion.limits.pass.to_string(),
+                    criterion.limits.fails.to_string(),
+                    criterion.ideal.to_string(),
+                    figure,
+                    verdict.to_owned(),
+                    reason.to_owned(),
+                ]);
+            }
         }
     }
     csv::of_lines("matrix.csv", &HEADER, lines)

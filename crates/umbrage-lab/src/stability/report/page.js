@@ -1,6 +1,6 @@
 "use strict";
 // Everything is built from text nodes, never from HTML strings, so no name can smuggle in markup.
-const { stability, pictures, sweeps } = JSON.parse(document.getElementById("data").textContent);
+const { stability, pictures, sweeps, sanity } = JSON.parse(document.getElementById("data").textContent);
 const byId = (id) => document.getElementById(id);
 
 function el(tag, attributes, ...children) {
@@ -33,8 +33,13 @@ function says(result, cell) {
   const o = cell.outcome;
   if (o.fault) return o.fault.what;
   if (o.unsupported) return `not made for it: ${o.unsupported.reason}`;
-  const { pass, fails } = result.limits;
-  return `${result.measure}: ${withUnit(o.measured.figure, result.unit)} (passes up to ${withUnit(pass, result.unit)}, fails above ${withUnit(fails, result.unit)})`;
+  return o.measured.judgements.map((judgement, k) => judged(result.criteria[k], judgement)).join("; ");
+}
+
+function judged(criterion, judgement) {
+  const { pass, fails } = criterion.limits;
+  const unit = criterion.unit;
+  return `${criterion.measure}: ${withUnit(judgement.figure, unit)} ${signs[judgement.verdict]} (passes up to ${withUnit(pass, unit)}, fails above ${withUnit(fails, unit)})`;
 }
 
 function tip(event, text) {
@@ -61,8 +66,8 @@ function detail(result, cell, picture, button) {
   const parts = [
     el("h3", {}, `${result.row} ${result.title}: ${result.case}, ${cell.technique}`),
     el("p", {}, `${sign(cell)} ${says(result, cell)}`),
-    el("p", { class: "soft" }, `Settings: ${cell.settings}. Scene: ${result.scene}, ${result.motion}. A perfect map of ${stability.map_size} texels shows ${withUnit(result.ideal, result.unit)}.`),
-    el("p", { class: "soft" }, `What fails: ${result.weakness}. Limits: ${result.reason}.`),
+    el("p", { class: "soft" }, `Settings: ${cell.settings}. Scene: ${result.scene}, ${result.motion}. A perfect map of ${stability.map_size} texels shows ${result.criteria.map((c) => `${c.measure} ${withUnit(c.ideal, c.unit)}`).join(", ")}.`),
+    el("p", { class: "soft" }, `What fails: ${result.weakness}. Limits: ${result.criteria.map((c) => `${c.measure}: ${c.reason}`).join(". ")}.`),
     agreement,
     picture ? el("img", { src: picture, alt: `${result.case}: ${key(cell)}` }) : el("p", { class: "soft" }, "No picture: it passes, or there is none to show."),
     picture ? el("p", { class: "soft" }, caption) : null,
@@ -87,15 +92,17 @@ function matrix() {
   const short = (c) => `${c.technique}, ${c.settings.includes("bias: ") ? c.settings.split("bias: ").pop() : c.settings}`;
   const head = el("tr", {}, el("th", { class: "wide" }), el("th", { class: "wide" }, "case"), el("th", { class: "wide" }, "measure"),
     ...columns.map((c) => el("th", { title: key(c) }, el("div", {}, short(c)))));
-  const rows = stability.cases.map((result, k) => {
-    const first = k === 0 || stability.cases[k - 1].row !== result.row;
+  const telling = [...stability.cases.entries()].filter(([, result]) => !result.is_sanity);
+  const rows = telling.map(([k, result], line) => {
+    const first = line === 0 || telling[line - 1][1].row !== result.row;
     const yet = result.not_yet ? ` · ${result.not_yet}: no such technique yet` : "";
     return el("tr", { class: first ? "first" : null },
       el("td", { class: "number" }, first ? String(result.row) : ""),
       el("th", { title: `${result.title}: ${result.weakness}${yet}` }, result.case, " ", el("small", {}, result.title)),
-      el("td", { class: "measure" }, `${result.measure} ≤ ${withUnit(result.limits.pass, result.unit)}`),
+      el("td", { class: "measure" }, result.criteria.map((c) => `${c.measure} ≤ ${withUnit(c.limits.pass, c.unit)}`).join(", ")),
       ...columns.map((c) => cellOf(result, k, c)));
   });
+  byId("sanity").textContent = sanity || "";
   byId("matrix").append(el("thead", {}, head), el("tbody", {}, ...rows));
 }
 

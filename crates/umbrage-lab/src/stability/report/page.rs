@@ -17,6 +17,8 @@ struct Data<'a> {
     /// For each case, for each cell, its picture or nothing.
     pictures: Vec<Vec<Option<String>>>,
     sweeps: Vec<Chart<'a>>,
+    /// The sanity cases as one line; none if there are none.
+    sanity: Option<String>,
 }
 
 #[derive(Serialize)]
@@ -39,6 +41,7 @@ pub(super) fn html(stability: &Stability, sweeps: &[Sweep]) -> Result<String, La
         stability,
         pictures,
         sweeps: charts,
+        sanity: stability.sanity_line(),
     };
     let page = Page {
         title: "umbrage: where shadow methods fail",

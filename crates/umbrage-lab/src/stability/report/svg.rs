@@ -2,7 +2,7 @@
 
 use crate::{
     output::html::escape,
-    stability::{CaseResult, Cell, Stability, Verdict},
+    stability::{CaseResult, Cell, CriterionResult, Stability, Verdict},
 };
 use std::fmt::Write as _;
 
@@ -13,7 +13,7 @@ const CELL_HEIGHT: usize = 19;
 /// Gap between cells, pixels.
 const CELL_GAP: usize = 2;
 /// Width left of the cells, for the names of cases, pixels.
-const LEFT: usize = 335;
+const LEFT: usize = 400;
 /// Width right of the cells, into which the last slanted column head reaches, pixels.
 const RIGHT: usize = 90;
 /// Height above the cells, for the heads of columns, pixels.
@@ -47,12 +47,15 @@ fn colors(cell: &Cell) -> CellColors {
 /// Returns the whole picture; empty without cases.
 pub(super) fn matrix(stability: &Stability) -> String {
     // Some rows try more settings than others. The columns are the settings that all rows try; the page shows the rest.
-    let Some(least) = stability.cases.iter().min_by_key(|c| c.cells.len()) else {
+    let cases: Vec<&CaseResult> = stability.telling().collect();
+    let Some(least) = cases.iter().min_by_key(|c| c.cells.len()) else {
         return String::new();
     };
     let columns = least.cells.len();
+    let sanity = stability.sanity_line();
+    let sanity_height = if sanity.is_some() { CELL_HEIGHT } else { 0 };
     let w = LEFT + columns * CELL_WIDTH + RIGHT;
-    let h = TOP + stability.cases.len() * CELL_HEIGHT + BOTTOM;
+    let h = TOP + cases.len() * CELL_HEIGHT + sanity_height + BOTTOM;
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {w} {h}\" width=\"{w}\" height=\"{h}\" \
          font-family=\"system-ui, 'Segoe UI', 'DejaVu Sans', sans-serif\" font-size=\"11.5\">\n\
@@ -61,9 +64,17 @@ pub(super) fn matrix(stability: &Stability) -> String {
     for (column, cell) in least.cells.iter().enumerate() {
         write_head(&mut out, cell, column);
     }
-    for (line, case) in stability.cases.iter().enumerate() {
-        let is_first_of_row = stability.cases[..line].iter().all(|c| c.row != case.row);
+    for (line, case) in cases.iter().enumerate() {
+        let is_first_of_row = cases[..line].iter().all(|c| c.row != case.row);
         write_line(&mut out, case, line, columns, is_first_of_row);
+    }
+    if let Some(text) = sanity {
+        let y = TOP + cases.len() * CELL_HEIGHT + BASELINE;
+        let text = escape(&text);
+        let _ = writeln!(
+            out,
+            "<text x=\"34\" y=\"{y}\" fill=\"#1b2330\">{text}</text>"
+        );
     }
     let legend_y = h - 12;
     let _ = writeln!(
@@ -96,6 +107,8 @@ fn write_line(
     is_first_of_row: bool,
 ) {
     let y = TOP + line * CELL_HEIGHT;
+    let measures: Vec<&str> = case.criteria.iter().map(|c| c.measure.as_str()).collect();
+    let measures = measures.join(", ");
     let base = y + BASELINE;
     if is_first_of_row {
         let _ = writeln!(
@@ -108,22 +121,28 @@ fn write_line(
         out,
         "<text x=\"34\" y=\"{base}\" fill=\"#1b2330\">{} <tspan fill=\"#5b6675\">{}</tspan></text>",
         escape(&case.case),
-        escape(&case.measure)
+        escape(&measures)
     );
     for (column, cell) in case.cells.iter().take(columns).enumerate() {
         let x = LEFT + column * CELL_WIDTH;
-        write_cell(out, cell, &case.unit, x, y);
+        write_cell(out, cell, &case.criteria, x, y);
     }
 }
 
-/// Writes a cell whose top left corner is at (`x`, `y`); its tooltip says the setting and the figure, in `unit`.
-fn write_cell(out: &mut String, cell: &Cell, unit: &str, x: usize, y: usize) {
+/// Writes a cell whose top left corner is at (`x`, `y`); its tooltip says the setting and the figures.
+fn write_cell(out: &mut String, cell: &Cell, criteria: &[CriterionResult], x: usize, y: usize) {
     let CellColors { background, ink } = colors(cell);
     let technique = escape(&cell.technique);
     let settings = escape(&cell.settings);
-    let figure = cell
-        .figure()
-        .map_or_else(String::new, |figure| format!(": {figure:.3} {unit}"));
+    let mut figures = String::new();
+    for (criterion, judgement) in criteria.iter().zip(cell.judgements()) {
+        let measure = escape(&criterion.measure);
+        let _ = write!(
+            figures,
+            "; {measure}: {:.3} {}",
+            judgement.figure, criterion.unit
+        );
+    }
     let w = CELL_WIDTH - CELL_GAP;
     let h = CELL_HEIGHT - CELL_GAP;
     let center = x + CELL_WIDTH / 2 - 1;
@@ -131,7 +150,7 @@ fn write_cell(out: &mut String, cell: &Cell, unit: &str, x: usize, y: usize) {
     let sign = cell.sign();
     let _ = writeln!(
         out,
-        "<g><title>{technique} ({settings}){figure}</title>\
+        "<g><title>{technique} ({settings}){figures}</title>\
          <rect x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" rx=\"3\" fill=\"{background}\"/>\
          <text x=\"{center}\" y=\"{base}\" text-anchor=\"middle\" fill=\"{ink}\">{sign}</text></g>"
     );
