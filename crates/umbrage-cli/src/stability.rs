@@ -13,7 +13,7 @@ use std::time::Instant;
 use umbrage_lab::{
     compare::Backends,
     stability::{
-        CaseResult, Cell, CriterionResult, Stability, StabilityEvent, StabilityOptions,
+        CaseResult, Cell, CriterionResult, Stability, StabilityEvent, StabilityOptions, Verdict,
         check_state, report, rows, run,
         sweeps::{self, Sweep},
     },
@@ -39,10 +39,7 @@ pub(crate) fn stability(program: &Program, arguments: &StabilityArguments) -> Re
     if let Some(sanity) = stability.sanity_line() {
         println!("{sanity}");
     }
-    let [pass, degraded, fails] = stability.counts();
-    println!(
-        "✓ {pass} pass   ~ {degraded} degraded   ✗ {fails} fail   – not served   ! must not be"
-    );
+    println!("{}", legend(&stability));
     println!(
         "a figure in brackets is the second measure's: what a cure for the failure takes away"
     );
@@ -120,6 +117,22 @@ fn run_sweeps(options: &StabilityOptions, backends: &mut Backends) -> Result<Vec
     Ok(sweeps?)
 }
 
+/// Returns how many cells have each verdict, beside its sign.
+fn legend(stability: &Stability) -> String {
+    let count = |verdict: Verdict| {
+        let number = stability.count(verdict);
+        format!("{} {number} {}", verdict.sign(), verdict.word())
+    };
+    let verdicts = [
+        Verdict::Pass,
+        Verdict::Degraded,
+        Verdict::Fails,
+        Verdict::NotMeasured,
+    ];
+    let counts = verdicts.map(count).join("   ");
+    format!("{counts} (could not fail)   – not served   ! must not be")
+}
+
 /// Returns a case as a line for logs.
 fn line(result: &CaseResult) -> String {
     let signs: String = result.cells.iter().map(Cell::sign).collect();
@@ -193,15 +206,19 @@ fn signs_and_figures(result: &CaseResult, technique: &str) -> String {
     let mut lines = Vec::new();
     for cell in result.cells.iter().filter(|c| c.technique == technique) {
         let sign = cell.sign();
-        lines.push(match cell.decisive() {
-            Some(k) => {
-                let figure = number(cell.judgements()[k].figure);
-                format!("{sign} {}", bracketed(k, figure))
-            }
+        lines.push(match decisive_figure(cell) {
+            Some(figure) => format!("{sign} {figure}"),
             None => sign.to_string(),
         });
     }
     lines.join("\n")
+}
+
+/// Returns the figure that decides a cell's verdict; none if there is none.
+fn decisive_figure(cell: &Cell) -> Option<String> {
+    let criterion = cell.decisive()?;
+    let figure = cell.judgements()[criterion].figure?;
+    Some(bracketed(criterion, number(figure)))
 }
 
 /// Formats a number with three significant digits, fewer below .1.

@@ -38,6 +38,8 @@ pub struct CaseResult {
     pub scene: String,
     /// What moves.
     pub motion: String,
+    /// How maps are fitted, as settings say it; empty for the tight fit.
+    pub fit: String,
     /// Whether nothing shadows what is seen: then no shadow at all is right, and the case tells no technique from another.
     pub is_sanity: bool,
     /// What cells are judged by: the case's own measure first, then what a cure for the failure would take away.
@@ -81,7 +83,7 @@ pub struct Cell {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CellOutcome {
-    /// A mask was judged.
+    /// There was a mask.
     Measured {
         /// One for each of the case's criteria, in their order.
         judgements: Vec<Judgement>,
@@ -100,13 +102,26 @@ pub enum CellOutcome {
     },
 }
 
-/// A cell's figure by one criterion, in its measure's unit.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+/// A cell's figure by one criterion.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Judgement {
-    /// Smaller is better.
-    pub figure: f64,
+    /// In the measure's unit; smaller is better. None if it is not measured.
+    pub figure: Option<f64>,
     /// Against the limits.
     pub verdict: Verdict,
+    /// Why it is not measured; none if it is.
+    pub reason: Option<String>,
+}
+
+impl Judgement {
+    /// Returns the judgement of what could not have failed. `reason` says why.
+    pub fn not_measured(reason: &str) -> Self {
+        Self {
+            figure: None,
+            verdict: Verdict::NotMeasured,
+            reason: Some(reason.to_owned()),
+        }
+    }
 }
 
 impl CellOutcome {
@@ -121,7 +136,7 @@ impl CellOutcome {
 }
 
 impl Cell {
-    /// Returns the verdict; none if the cell isn't measured.
+    /// Returns the verdict; none without a mask.
     pub fn verdict(&self) -> Option<Verdict> {
         match self.outcome {
             CellOutcome::Measured { verdict, .. } => Some(verdict),
@@ -129,7 +144,7 @@ impl Cell {
         }
     }
 
-    /// Returns a sign that reads without color: ✓ passes, ~ degraded, ✗ fails, – not served, ! a fault.
+    /// Returns a sign that reads without color: ✓ passes, ~ degraded, ✗ fails, · not measured, – not served, ! a fault.
     pub fn sign(&self) -> char {
         match &self.outcome {
             CellOutcome::Measured { verdict, .. } => verdict.sign(),
@@ -138,12 +153,12 @@ impl Cell {
         }
     }
 
-    /// Returns the figure of the case's own measure; none if the cell isn't measured.
+    /// Returns the figure of the case's own measure; none if that isn't measured.
     pub fn figure(&self) -> Option<f64> {
-        self.judgements().first().map(|judgement| judgement.figure)
+        self.judgements().first()?.figure
     }
 
-    /// Returns the judgement of each of the case's criteria; empty if the cell isn't measured.
+    /// Returns the judgement of each of the case's criteria; empty without a mask.
     pub fn judgements(&self) -> &[Judgement] {
         match &self.outcome {
             CellOutcome::Measured { judgements, .. } => judgements,
@@ -151,7 +166,7 @@ impl Cell {
         }
     }
 
-    /// Returns the index of the criterion that decides: the first with the worst verdict. None if the cell isn't measured.
+    /// Returns the index of the criterion that decides: the first with the worst verdict. None without a mask.
     pub fn decisive(&self) -> Option<usize> {
         let verdict = self.verdict()?;
         self.judgements()
@@ -161,18 +176,10 @@ impl Cell {
 }
 
 impl Stability {
-    /// Returns the numbers of cells that pass, are degraded, and fail.
-    pub fn counts(&self) -> [usize; 3] {
-        let mut counts = [0; 3];
-        for cell in self.cases.iter().flat_map(|case| &case.cells) {
-            match cell.verdict() {
-                Some(Verdict::Pass) => counts[0] += 1,
-                Some(Verdict::Degraded) => counts[1] += 1,
-                Some(Verdict::Fails) => counts[2] += 1,
-                None => {}
-            }
-        }
-        counts
+    /// Returns the number of cells with a verdict, of the cases that tell techniques apart.
+    pub fn count(&self, verdict: Verdict) -> usize {
+        let cells = self.telling().flat_map(|case| &case.cells);
+        cells.filter(|cell| cell.verdict() == Some(verdict)).count()
     }
 
     /// Returns the cases that tell techniques apart.

@@ -142,7 +142,7 @@ impl Measure {
     pub fn reason(&self) -> &'static str {
         match self {
             Self::Acne | Self::AcneByDistance | Self::Leak | Self::Wrong => {
-                "away from edges nothing may be wrong: one pixel in a thousand strays unseen, one in a hundred is a patch"
+                "away from edges nothing may be wrong: one pixel in a thousand strays unseen, one in a hundred is a patch; both beyond twice a perfect map's"
             }
             Self::Rmse => {
                 "twice a perfect map's of this size, and a step of 255; fails at four times that, or near no shadow"
@@ -227,12 +227,11 @@ impl Measure {
         let counts = |i: usize| case_truth.counts(i);
         let ideal = self.figure(case_truth, &case_truth.ideal);
         // Computed on use only: not all measures need it.
-        let without_shadow = || {
-            let all_lit = vec![1.0; case_truth.ideal.len()];
-            self.figure(case_truth, &all_lit)
-        };
+        let without_shadow = || self.without_shadow(case_truth);
         match *self {
-            Self::Acne | Self::AcneByDistance | Self::Leak | Self::Wrong => SHARE,
+            Self::Acne | Self::AcneByDistance | Self::Leak | Self::Wrong => {
+                SHARE.beyond(2.0 * ideal)
+            }
             Self::Rmse => VerdictLimits::over_ideal(ideal, STEP).below(without_shadow()),
             Self::Gap(contact) => {
                 let pixel = contact.pixel(&case_truth.truth.receivers, NEAR_CONTACT, counts);
@@ -255,6 +254,26 @@ impl Measure {
                 VerdictLimits::new(STEP, super::verdict::FAILS_AT * STEP)
             }
             Self::Fill => VerdictLimits::new(4.0 * SCREEN, 16.0 * SCREEN),
+        }
+    }
+}
+
+impl Measure {
+    /// Returns the figure of no shadow at all: of a mask that is lit all over.
+    pub fn without_shadow(&self, case_truth: &CaseTruth) -> f64 {
+        let all_lit = vec![1.0; case_truth.ideal.len()];
+        self.figure(case_truth, &all_lit)
+    }
+
+    /// Returns where the figure passes and fails, taken from truth about another scene: its limits in proportion to what no
+    /// shadow at all would cost here and there. Where that costs nothing there, the limits are the case's own.
+    pub fn limits_from(&self, case_truth: &CaseTruth, elsewhere: &CaseTruth) -> VerdictLimits {
+        let there = self.without_shadow(elsewhere);
+        if there > 0.0 {
+            let here = self.without_shadow(case_truth);
+            self.limits(elsewhere).times(here / there)
+        } else {
+            self.limits(case_truth)
         }
     }
 }

@@ -21,6 +21,7 @@ mod measure;
 pub mod measures;
 mod motion;
 mod pictures;
+mod pixel_shift;
 mod play;
 pub mod report;
 mod row;

@@ -3,19 +3,23 @@
 //! The points are the receivers of the first frame's pixels that are near edges of shadows and seen in all frames. For each
 //! frame a technique's map is fitted to that frame's camera and drawn anew, and looked up at these same points. Techniques
 //! that cast into the camera's own picture (planar shadows, volumes) have visibilities only at that camera's pixels: they are
-//! always played with the first camera, so that only the light's motion counts for them. Sample patterns that are rotated
-//! from pixel to pixel stay with their points, too: what is measured is the map's crawl, not the pattern's.
+//! always played with the first camera, so that their change while the camera moves alone is *not measured*. Neither is that
+//! of techniques without a map (rays) whose answer at a point never changes: it has no way to follow the camera.
+//!
+//! While the camera moves, its pictures show the points at other pixels: a point that is asked at pixel (x, y) in the first
+//! frame is asked at (x + 1, y) in the second, and so on. So patterns and noise that follow the pixel (dithered or turned taps,
+//! random rays) change at a point, as they do on a screen.
 //!
 //! Figures are the first backend's. The others play the first and the last frame, the two that differ most, and must agree
 //! there.
 
 use super::{
-    Cell, CellOutcome, Criterion, Verdict, VerdictLimits, all_backends,
+    Cell, CellOutcome, Criterion, Judgement, Verdict, VerdictLimits, all_backends,
     case_truth::{CaseTruth, visibility_at_receivers},
     guard::{self, NoMask},
     measure::Measure,
     measures::shimmer::{change, change_error, shimmer},
-    pictures,
+    pictures, pixel_shift,
     play::{cell, draws_the_picture, no_mask},
     row::Motion,
 };
@@ -47,6 +51,8 @@ pub struct Moving<'a> {
     pub truth: Vec<Vec<f32>>,
     /// Which of the first frame's receivers count.
     pub marked: Vec<bool>,
+    /// Whether the camera moves; else the light does.
+    pub moves_camera: bool,
 }
 
 /// Texels that the camera pans by from a frame to the next.
@@ -118,6 +124,7 @@ impl<'a> Moving<'a> {
             frames,
             truth,
             marked,
+            moves_camera: motion.moves_camera(),
         })
     }
 
@@ -132,10 +139,9 @@ impl<'a> Moving<'a> {
         }
     }
 
-    /// Returns where that figure passes and fails. Where truth moves, a shadow that stands still fails, however slow the
-    /// movement: its figure is truth's own change.
-    pub fn limits(&self, measure: Measure) -> VerdictLimits {
-        let limits = measure.limits(self.case_truth);
+    /// Returns where that figure passes and fails; `limits` are the measure's own ([`Measure::limits`]). Where truth moves, a
+    /// shadow that stands still fails, however slow the movement: its figure is truth's own change.
+    pub fn limits(&self, measure: Measure, limits: VerdictLimits) -> VerdictLimits {
         match measure {
             Measure::ChangeError => limits.below(change(&self.truth, &self.marked)),
             _ => limits,
@@ -156,11 +162,18 @@ impl<'a> Moving<'a> {
         let mut judgements = Vec::new();
         for criterion in criteria {
             let figure = self.figure(criterion.measure, &played.masks);
-            judgements.push(criterion.limits.judgement(figure));
+            let cannot_change = match criterion.measure {
+                Measure::Shimmer => played.cannot_change(figure),
+                _ => None,
+            };
+            judgements.push(match cannot_change {
+                Some(reason) => Judgement::not_measured(reason),
+                None => criterion.limits.judgement(figure),
+            });
         }
         let mut out = cell(technique, CellOutcome::of(judgements));
         out.disagreeing = played.disagreeing;
-        if out.verdict() != Some(Verdict::Pass) {
+        if out.verdict() > Some(Verdict::NotMeasured) {
             let strip = pictures::strip(self.case_truth, &played.masks, &self.marked)?;
             out.picture = Some(strip);
         }
@@ -173,37 +186,60 @@ impl<'a> Moving<'a> {
         technique: &dyn ShadowTechnique,
         backends: &mut Backends,
     ) -> Result<PlayedFrames, NoMask> {
-        let mut masks = Vec::new();
-        let mut disagreeing = None;
-        for (index, frame) in self.frames.iter().enumerate() {
+        let mut out = PlayedFrames {
+            masks: Vec::new(),
+            draws_the_picture: false,
+            casts: false,
+            disagreeing: None,
+        };
+        for index in 0..self.frames.len() {
             let is_end = index == 0 || index + 1 == self.frames.len();
             let playing = all_backends::select(&mut backends.playing, is_end);
-            let played = self.play_frame(frame, technique, playing)?;
-            masks.push(played.mask);
-            disagreeing = all_backends::sum(disagreeing, played.disagreeing);
+            let played = self.play_frame(index, technique, playing)?;
+            out.masks.push(played.rendered.mask);
+            out.draws_the_picture |= played.draws_the_picture;
+            out.casts |= played.casts;
+            out.disagreeing = all_backends::sum(out.disagreeing, played.rendered.disagreeing);
         }
-        Ok(PlayedFrames { masks, disagreeing })
+        Ok(out)
     }
 
-    /// Renders one frame's mask at the first frame's receivers.
+    /// Renders the mask of frame `index` at the first frame's receivers.
     fn play_frame(
         &self,
-        frame: &MotionFrame,
+        index: usize,
         technique: &dyn ShadowTechnique,
         playing: &mut [Box<dyn Backend>],
-    ) -> Result<all_backends::RenderedOnAll, NoMask> {
+    ) -> Result<PlayedFrame, NoMask> {
+        let frame = &self.frames[index];
         let geometry = &self.case_truth.geometry;
         let frame_view = View::new(&frame.camera, &frame.light, geometry);
         let first_view = View::new(&self.case_truth.camera, &frame.light, geometry);
         let at_frame = frame_view.with_receivers(&frame.receivers);
-        let at_first = first_view.with_receivers(&self.case_truth.truth.receivers);
         // The map is fitted to what the frame's camera sees; the points are the first frame's.
-        let mut recipe = guard::plan(technique, &at_frame)?;
+        let recipe = guard::plan(technique, &at_frame)?;
+        let casts = !recipe.casts.is_empty();
+        let receivers = &self.case_truth.truth.receivers;
         // Images that are drawn as the frame's camera sees them can't be read at the first camera's pixels.
         if draws_the_picture(&recipe, &frame.camera) {
-            recipe = guard::plan(technique, &at_first)?;
+            let at_first = first_view.with_receivers(receivers);
+            let recipe = guard::plan(technique, &at_first)?;
+            return Ok(PlayedFrame {
+                rendered: all_backends::render(playing, &at_first, &recipe)?,
+                draws_the_picture: true,
+                casts,
+            });
         }
-        all_backends::render(playing, &at_first, &recipe)
+        let pixels = if self.moves_camera { index } else { 0 };
+        let asked_beside = pixel_shift::to_the_right(receivers, pixels);
+        let at_pixels = first_view.with_receivers(&asked_beside);
+        let mut rendered = all_backends::render(playing, &at_pixels, &recipe)?;
+        pixel_shift::back(&mut rendered.mask, receivers.size.x, pixels);
+        Ok(PlayedFrame {
+            rendered,
+            draws_the_picture: false,
+            casts,
+        })
     }
 
     /// Returns the number of points that count.
@@ -212,10 +248,41 @@ impl<'a> Moving<'a> {
     }
 }
 
+/// What a setting gives in one frame.
+struct PlayedFrame {
+    /// The mask at the first frame's receivers.
+    rendered: all_backends::RenderedOnAll,
+    /// Whether it casts into the camera's own picture.
+    draws_the_picture: bool,
+    /// Whether it draws anything.
+    casts: bool,
+}
+
+/// Why a technique that casts into the camera's own picture isn't measured while the camera alone moves.
+const IN_THE_PICTURE: &str = "it draws into the camera's own picture, and so is asked by the first frame's camera in every frame";
+/// Why a technique without a map isn't measured then.
+const NO_MAP: &str = "it draws no map, and its answer at a point has no way to follow the camera while the light stands still";
+
+impl PlayedFrames {
+    /// Returns why the change of visibility, `figure`, could not have been anything but 0 while the camera alone moves; none
+    /// if it could.
+    fn cannot_change(&self, figure: f64) -> Option<&'static str> {
+        match (self.draws_the_picture, self.casts) {
+            (true, _) => Some(IN_THE_PICTURE),
+            (false, false) if figure == 0.0 => Some(NO_MAP),
+            _ => None,
+        }
+    }
+}
+
 /// What a setting gives over all frames.
 struct PlayedFrames {
     /// The first backend's mask of each frame, at the first frame's receivers.
     masks: Vec<Vec<f32>>,
+    /// Whether it casts into the camera's own picture.
+    draws_the_picture: bool,
+    /// Whether it draws anything.
+    casts: bool,
     /// On how many decided pixels backends differ, all frames together; none if no other backend serves the technique.
     disagreeing: Option<u64>,
 }

@@ -1,7 +1,7 @@
 //! Plays still cases: one setting against a case's truth, on every backend.
 
 use super::{
-    Cell, CellOutcome, Criterion, Verdict, all_backends,
+    Cell, CellOutcome, Criterion, Judgement, Verdict, all_backends,
     case_truth::CaseTruth,
     guard::{self, NoMask},
     measure::{Measure, SCREEN, rmse},
@@ -24,8 +24,13 @@ struct RenderedOnAll {
     mask: Vec<f32>,
     /// Fragments that casts draw, millions, for a picture of [`SCREEN`].
     fill: f64,
+    /// Whether anything is drawn.
+    casts: bool,
     disagreeing: Option<u64>,
 }
+
+/// Why fill is not measured of what draws nothing.
+const CASTS_NOTHING: &str = "it draws nothing; `compare` tells what its rays cost";
 
 impl Still<'_> {
     /// Plays one setting and returns its cell.
@@ -40,6 +45,10 @@ impl Still<'_> {
         };
         let mut judgements = Vec::new();
         for criterion in self.criteria {
+            if criterion.measure == Measure::Fill && !played.casts {
+                judgements.push(Judgement::not_measured(CASTS_NOTHING));
+                continue;
+            }
             match self.figure(criterion.measure, &played, technique, backends) {
                 Ok(figure) => judgements.push(criterion.limits.judgement(figure)),
                 Err(why) => return Ok(no_mask(technique, why)),
@@ -47,7 +56,7 @@ impl Still<'_> {
         }
         let mut out = cell(technique, CellOutcome::of(judgements));
         out.disagreeing = played.disagreeing;
-        if out.verdict() != Some(Verdict::Pass) {
+        if out.verdict() > Some(Verdict::NotMeasured) {
             out.picture = Some(pictures::beside(self.case_truth, &played.mask)?);
         }
         Ok(out)
@@ -122,6 +131,7 @@ impl RenderedOnAll {
             *sum += visibility;
         }
         self.fill += other.fill;
+        self.casts |= other.casts;
         self.disagreeing = all_backends::sum(self.disagreeing, other.disagreeing);
         self
     }
@@ -140,6 +150,7 @@ fn under(
     Ok(RenderedOnAll {
         mask: rendered.mask,
         fill: fill(&recipe, &view),
+        casts: !recipe.casts.is_empty(),
         disagreeing: rendered.disagreeing,
     })
 }

@@ -1,6 +1,7 @@
 //! The types of the catalogue of failures: rows and their cases.
 
 use super::measure::Measure;
+use umbrage_core::Fit;
 use umbrage_scenes::SceneEntry;
 use umbrage_techniques::ConfiguredTechniques;
 
@@ -32,6 +33,11 @@ pub struct StabilityCase {
     pub motion: Motion,
     /// What is measured.
     pub measure: Measure,
+    /// How maps are fitted. With another fit than the tight one, only techniques with a map are played.
+    pub fit: Fit,
+    /// The scene that limits are taken from, if not the case's own: the same where coordinates are fine enough for truth to be
+    /// traced at texels' centres. See [`Measure::limits_from`].
+    pub limits_from: Option<&'static str>,
     /// Settings tried beside those of the registry, for this map size.
     pub extra: Option<fn(map_size: u32) -> ConfiguredTechniques>,
 }
@@ -64,6 +70,13 @@ impl Motion {
     }
 }
 
+impl Motion {
+    /// Whether the camera moves, and the light stands still.
+    pub fn moves_camera(self) -> bool {
+        matches!(self, Self::Pan | Self::Yaw | Self::Widening)
+    }
+}
+
 impl StabilityCase {
     /// A still scene.
     pub(super) const fn still(scene: &'static str, measure: Measure) -> Self {
@@ -73,6 +86,8 @@ impl StabilityCase {
             lights: 1,
             motion: Motion::Still,
             measure,
+            fit: Fit::Tight,
+            limits_from: None,
             extra: None,
         }
     }
@@ -94,6 +109,23 @@ impl StabilityCase {
     /// The same case under another name: a scene with two measures.
     pub(super) const fn named(self, name: &'static str) -> Self {
         Self { name, ..self }
+    }
+
+    /// Returns the case under another name, with maps whose fit moves by whole texels: [`Fit::Stable`], also for `range`.
+    pub(super) const fn stable(self, name: &'static str, range: f32) -> Self {
+        Self {
+            name,
+            fit: Fit::Stable { range },
+            ..self
+        }
+    }
+
+    /// Returns the case with the limits of another scene: [`StabilityCase::limits_from`].
+    pub(super) const fn limits_from(self, scene: &'static str) -> Self {
+        Self {
+            limits_from: Some(scene),
+            ..self
+        }
     }
 
     /// Returns the case with settings tried beside those of the registry: [`StabilityCase::extra`].

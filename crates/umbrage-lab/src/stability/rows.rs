@@ -7,8 +7,7 @@ use super::{
 };
 use glam::Vec3;
 use std::sync::Arc;
-use umbrage_core::Fit;
-use umbrage_techniques::{Bias, ConfiguredTechniques, Hard, MapFormat, Pcf, ShadowMap};
+use umbrage_techniques::{Bias, ConfiguredTechniques, Hard, MapFormat, ShadowMap};
 
 /// All rows, by number.
 pub fn rows() -> &'static [StabilityRow] {
@@ -49,6 +48,10 @@ const LEAK_RADIUS: f32 = FOOT_RADIUS + RING_WIDTH;
 
 const fn still(scene: &'static str, measure: Measure) -> StabilityCase {
     StabilityCase::still(scene, measure)
+}
+
+const fn moving(name: &'static str, scene: &'static str, motion: Motion) -> StabilityCase {
+    StabilityCase::moving(name, scene, motion)
 }
 
 const fn row(
@@ -119,34 +122,20 @@ fn hard_leaky_bias(size: u32) -> ConfiguredTechniques {
     )
 }
 
-/// Returns [`stable_fit`] for views a few metres deep.
-fn stable_fit_near(size: u32) -> ConfiguredTechniques {
-    stable_fit(size, 8.0)
-}
+/// How deep stable fits reach in views a few metres deep, metres.
+const NEARBY: f32 = 8.0;
+/// How deep they reach in landscapes.
+const LANDSCAPE: f32 = 160.0;
 
-/// Returns [`stable_fit`] for landscapes.
-fn stable_fit_far(size: u32) -> ConfiguredTechniques {
-    stable_fit(size, 160.0)
-}
-
-/// Returns hard and filtered shadows from maps whose fit moves by whole texels: see [`Fit::Stable`], also for `range`.
-fn stable_fit(size: u32, range: f32) -> ConfiguredTechniques {
-    let map = ShadowMap {
-        size,
-        fit: Fit::Stable { range },
-        bias: Bias::SLOPE,
-        ..ShadowMap::default()
-    };
-    let follows = ShadowMap {
-        bias: Bias::ADAPTIVE,
-        ..map
-    };
-    vec![
-        Arc::new(Hard { map }),
-        Arc::new(Hard { map: follows }),
-        Arc::new(Pcf { map, radius: 1 }),
-    ]
-}
+const FENCE_PAN: StabilityCase = moving("fence-pan", "fence", Motion::Pan);
+const HILLS_PAN: StabilityCase = moving("hills-pan", "hills", Motion::Pan);
+const HILLS_1E5_PAN: StabilityCase =
+    moving("hills-1e5-pan", "hills-1e5", Motion::Pan).limits_from("hills");
+const HILLS_1E6_PAN: StabilityCase =
+    moving("hills-1e6-pan", "hills-1e6", Motion::Pan).limits_from("hills");
+const HILLS_YAW: StabilityCase = moving("hills-yaw", "hills", Motion::Yaw);
+const HILLS_FOV: StabilityCase = moving("hills-fov", "hills", Motion::Widening);
+const HILLS_SUN: StabilityCase = moving("hills-sun", "hills", Motion::Sun);
 
 const MOMENTS: &str = "moment maps (VSM, EVSM, MSM)";
 const WARPS: &str = "perspective warps";
@@ -180,21 +169,23 @@ const ROWS: &[StabilityRow] = &[
         still("hovering-feet", Measure::LeakAround(&FEET, LEAK_RADIUS)),
     ]).not_covered_yet("exponential maps (EVSM)"),
     row(9, "fine detail", "wires as thin as a texel come and go", &[
-        still("fence", Measure::Rmse), StabilityCase::moving("fence-pan", "fence", Motion::Pan).also(stable_fit_near),
+        still("fence", Measure::Rmse), FENCE_PAN, FENCE_PAN.stable("fence-pan-stable", NEARBY),
     ]).not_covered_yet("alpha-tested casters"),
     row(10, "landscape", "texels far larger than pixels nearby, a fit that follows the camera", &[
-        still("hills", Measure::Rmse), StabilityCase::moving("hills-pan", "hills", Motion::Pan).also(stable_fit_far),
+        still("hills", Measure::Rmse), HILLS_PAN, HILLS_PAN.stable("hills-pan-stable", LANDSCAPE),
     ]).not_covered_yet(CASCADES),
     row(11, "far from the origin", "positions and fits are coarse in 32 bits at 1e5 and 1e6 m", &[
-        StabilityCase::moving("hills-1e5-pan", "hills-1e5", Motion::Pan).also(stable_fit_far),
-        StabilityCase::moving("hills-1e6-pan", "hills-1e6", Motion::Pan).also(stable_fit_far),
+        still("hills-1e5", Measure::Rmse).limits_from("hills"),
+        HILLS_1E5_PAN, HILLS_1E5_PAN.stable("hills-1e5-pan-stable", LANDSCAPE),
+        still("hills-1e6", Measure::Rmse).limits_from("hills"),
+        HILLS_1E6_PAN, HILLS_1E6_PAN.stable("hills-1e6-pan-stable", LANDSCAPE),
     ]),
     row(12, "turning camera", "a fit that isn't stabilised changes with every frame", &[
-        StabilityCase::moving("hills-yaw", "hills", Motion::Yaw).also(stable_fit_far),
-        StabilityCase::moving("hills-fov", "hills", Motion::Widening).also(stable_fit_far),
+        HILLS_YAW, HILLS_YAW.stable("hills-yaw-stable", LANDSCAPE),
+        HILLS_FOV, HILLS_FOV.stable("hills-fov-stable", LANDSCAPE),
     ]),
     row(13, "turning sun", "texels turn with the light and crawl along edges; or the shadow lags the light", &[
-        StabilityCase::moving("hills-sun", "hills", Motion::Sun).also(stable_fit_far),
+        HILLS_SUN, HILLS_SUN.stable("hills-sun-stable", LANDSCAPE),
     ]),
     row(14, "into the light", "looking into the sun: the map is coarse where the picture is fine", &[
         still("into-light", Measure::Rmse),

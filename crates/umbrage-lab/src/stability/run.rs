@@ -13,7 +13,7 @@ use super::{
 };
 use crate::{LabError, compare::Backends};
 use glam::UVec2;
-use umbrage_core::{Backend, Fit, Invalid};
+use umbrage_core::{Backend, Invalid};
 use umbrage_plan::truth::TruthOptions;
 use umbrage_techniques::{ConfiguredTechniques, Techniques};
 
@@ -210,10 +210,18 @@ fn play_case(
     backends: &mut Backends,
 ) -> Result<CaseResult, LabError> {
     let techniques = techniques_of(case, options);
+    let elsewhere = match case.limits_from {
+        Some(scene) => Some(self::case_truth(case, scene, options)?),
+        None => None,
+    };
+    let still_limits = |measure: Measure| match &elsewhere {
+        Some(elsewhere) => measure.limits_from(case_truth, elsewhere),
+        None => measure.limits(case_truth),
+    };
     let criteria;
     let mut cells = Vec::new();
     if case.motion == Motion::Still {
-        criteria = Criterion::of_case(case.measure, case_truth, |m| m.limits(case_truth));
+        criteria = Criterion::of_case(case.measure, case_truth, still_limits);
         let reference = reference(case, options)?;
         let still = Still {
             case_truth,
@@ -225,7 +233,9 @@ fn play_case(
         }
     } else {
         let moving = Moving::new(case_truth, case.motion, options.frames, &options.truth)?;
-        criteria = Criterion::of_case(case.measure, case_truth, |m| moving.limits(m));
+        criteria = Criterion::of_case(case.measure, case_truth, |measure| {
+            moving.limits(measure, still_limits(measure))
+        });
         for technique in &techniques {
             cells.push(moving.cell(&**technique, &criteria, backends)?);
         }
@@ -238,6 +248,7 @@ fn play_case(
         case: case.name.to_owned(),
         scene: case.scene.to_owned(),
         motion: case.motion.label().to_owned(),
+        fit: case.fit.label(),
         is_sanity: !case_truth.truth.has_shadow(),
         criteria: criteria.iter().map(|c| c.result(case_truth)).collect(),
         cells,
@@ -262,7 +273,7 @@ fn techniques_of(case: &StabilityCase, options: &StabilityOptions) -> Configured
         &options.registry,
         &options.techniques,
         options.map_size,
-        Fit::Tight,
+        case.fit,
     );
     if let Some(extra) = case.extra {
         let wanted = extra(options.map_size)

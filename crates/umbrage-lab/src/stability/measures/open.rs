@@ -24,11 +24,12 @@ pub fn leak(mask: &[f32], truth: &[f32], open: &[bool]) -> f64 {
 }
 
 /// Returns the lost shadow: of the pixels that count and are dark in truth (below half), the percentage that the mask has lit
-/// (half or more), those beside edges included. A kernel that blurs an edge evenly leaves its half where it is, and so loses
-/// nothing; what moves, shrinks or drops a shadow does.
+/// (above half), those beside edges included. A kernel that blurs an edge evenly leaves its half where it is, and so loses
+/// nothing; what moves, shrinks or drops a shadow does. Exactly half is on neither side: four taps give it on both sides of an
+/// edge.
 pub fn lost_shadow(mask: &[f32], truth: &[f32], counts: impl Fn(usize) -> bool) -> f64 {
     let dark = (0..mask.len()).filter(|&i| counts(i) && truth[i] < 0.5);
-    share(dark.map(|i| mask[i] >= 0.5))
+    share(dark.map(|i| mask[i] > 0.5))
 }
 
 /// Returns acne and leaks together: the percentage of the open pixels that are wrong by more than [`ERROR_THRESHOLD`].
@@ -104,7 +105,7 @@ mod tests {
         let lost = |mask: [f32; 6]| lost_shadow(&mask, &truth, |i| i < 5);
         let third = 100.0 / 3.0;
         assert_eq!(lost([1.0, 1.0, 1.0, 0.0, 0.0, 1.0]), third);
-        assert_eq!(lost([0.9, 0.6, 0.4, 0.1, 0.0, 0.0]), 0.0);
+        assert_eq!(lost([0.9, 0.6, 0.5, 0.1, 0.0, 0.0]), 0.0);
         assert_eq!(lost([1.0; 6]), 100.0);
         // Acne is no lost shadow.
         assert_eq!(lost([0.0; 6]), 0.0);

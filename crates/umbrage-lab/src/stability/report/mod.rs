@@ -67,7 +67,8 @@ fn matrix(stability: &Stability) -> Result<Vec<u8>, LabError> {
             };
             for (k, criterion) in case.criteria.iter().enumerate() {
                 let judgement = cell.judgements().get(k);
-                let figure = judgement.map_or_else(String::new, |j| j.figure.to_string());
+                let figure = judgement.and_then(|j| j.figure);
+                let not_measured = judgement.and_then(|j| j.reason.as_deref());
                 let verdict = judgement.map_or(cell_verdict, |j| j.verdict.word());
                 lines.push([
                     case.row.to_string(),
@@ -82,9 +83,9 @@ fn matrix(stability: &Stability) -> Result<Vec<u8>, LabError> {
                     criterion.limits.pass.to_string(),
                     criterion.limits.fails.to_string(),
                     criterion.ideal.to_string(),
-                    figure,
+                    figure.map_or_else(String::new, |f| f.to_string()),
                     verdict.to_owned(),
-                    reason.to_owned(),
+                    not_measured.unwrap_or(reason).to_owned(),
                 ]);
             }
         }

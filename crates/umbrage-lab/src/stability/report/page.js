@@ -14,8 +14,13 @@ function el(tag, attributes, ...children) {
 }
 const number = (v) => (v === 0 ? "0" : Math.abs(v) < 1e-3 ? v.toExponential(1) : v.toPrecision(3));
 const withUnit = (v, unit) => `${number(v)}${unit ? ` ${unit}` : ""}`;
-const signs = { pass: "✓", degraded: "~", fails: "✗" };
+const signs = { pass: "✓", not_measured: "·", degraded: "~", fails: "✗" };
 const key = (cell) => `${cell.technique} (${cell.settings})`;
+
+// The fit is the line's, not the column's.
+for (const result of stability.cases) {
+  if (result.fit) for (const cell of result.cells) cell.settings = cell.settings.replace(`, ${result.fit}`, "");
+}
 
 // Columns: every setting of any case, each once, in order; extra settings of single cases come last of their technique.
 const columns = [];
@@ -37,6 +42,7 @@ function says(result, cell) {
 }
 
 function judged(criterion, judgement) {
+  if (judgement.figure === null) return `${criterion.measure}: not measured: ${judgement.reason}`;
   const { pass, fails } = criterion.limits;
   const unit = criterion.unit;
   return `${criterion.measure}: ${withUnit(judgement.figure, unit)} ${signs[judgement.verdict]} (passes up to ${withUnit(pass, unit)}, fails above ${withUnit(fails, unit)})`;
@@ -66,10 +72,10 @@ function detail(result, cell, picture, button) {
   const parts = [
     el("h3", {}, `${result.row} ${result.title}: ${result.case}, ${cell.technique}`),
     el("p", {}, `${sign(cell)} ${says(result, cell)}`),
-    el("p", { class: "soft" }, `Settings: ${cell.settings}. Scene: ${result.scene}, ${result.motion}. A perfect map of ${stability.map_size} texels shows ${result.criteria.map((c) => `${c.measure} ${withUnit(c.ideal, c.unit)}`).join(", ")}.`),
+    el("p", { class: "soft" }, `Settings: ${cell.settings}${result.fit ? `, ${result.fit}` : ""}. Scene: ${result.scene}, ${result.motion}. A perfect map of ${stability.map_size} texels shows ${result.criteria.map((c) => `${c.measure} ${withUnit(c.ideal, c.unit)}`).join(", ")}.`),
     el("p", { class: "soft" }, `What fails: ${result.weakness}. Limits: ${result.criteria.map((c) => `${c.measure}: ${c.reason}`).join(". ")}.`),
     agreement,
-    picture ? el("img", { src: picture, alt: `${result.case}: ${key(cell)}` }) : el("p", { class: "soft" }, "No picture: it passes, or there is none to show."),
+    picture ? el("img", { src: picture, alt: `${result.case}: ${key(cell)}` }) : el("p", { class: "soft" }, "No picture: it passes, is not measured, or has none to show."),
     picture ? el("p", { class: "soft" }, caption) : null,
   ];
   box.replaceChildren(...parts.filter((part) => part !== null));
@@ -107,10 +113,10 @@ function matrix() {
 }
 
 function main() {
-  const cells = stability.cases.flatMap((c) => c.cells);
+  const cells = stability.cases.filter((c) => !c.is_sanity).flatMap((c) => c.cells);
   const count = (s) => cells.filter((c) => state(c) === s).length;
   byId("lead").textContent = `${stability.cases.length} cases of ${new Set(stability.cases.map((c) => c.row)).size} known weaknesses, ${columns.length} settings, maps of ${stability.map_size} texels, `
-    + `pictures of ${stability.size.join(" x ")}, ${stability.frames} frames, on ${stability.backends.join(" and ")}: ${count("pass")} pass, ${count("degraded")} degraded, ${count("fails")} fail.`;
+    + `pictures of ${stability.size.join(" x ")}, ${stability.frames} frames, on ${stability.backends.join(" and ")}: ${count("pass")} pass, ${count("degraded")} degraded, ${count("fails")} fail, ${count("not_measured")} not measured.`;
   byId("faults").append(...stability.faults.map((f) => el("p", { class: "fault" }, f)));
   matrix();
   // The first failure that has a picture stands open, so that a stranger sees what a picture shows.

@@ -24,7 +24,7 @@ const BOTTOM: usize = 34;
 const BASELINE: usize = 14;
 
 /// What the signs mean ([`Cell::sign`]).
-const LEGEND: &str = "✓ passes   ~ degraded   ✗ fails   – not made for it; limits and figures: cargo xtask stability";
+const LEGEND: &str = "✓ passes   ~ degraded   ✗ fails   · not measured: could not fail   – not made for it; limits and figures: cargo xtask stability";
 
 /// The colors of a cell, as CSS.
 struct CellColors {
@@ -36,6 +36,7 @@ struct CellColors {
 fn colors(cell: &Cell) -> CellColors {
     let (background, ink) = match cell.verdict() {
         Some(Verdict::Pass) => ("#cfe3f5", "#134a7c"),
+        Some(Verdict::NotMeasured) => ("#e6ecf2", "#5b6675"),
         Some(Verdict::Degraded) => ("#fbe6b8", "#7a5200"),
         Some(Verdict::Fails) => ("#e58a4a", "#3d1600"),
         None if cell.sign() == '!' => ("#b3261e", "#ffffff"),
@@ -46,15 +47,18 @@ fn colors(cell: &Cell) -> CellColors {
 
 /// Returns the whole picture; empty without cases.
 pub(super) fn matrix(stability: &Stability) -> String {
-    // Some rows try more settings than others. The columns are the settings that all rows try; the page shows the rest.
     let cases: Vec<&CaseResult> = stability.telling().collect();
-    let Some(least) = cases.iter().min_by_key(|c| c.cells.len()) else {
+    // Some rows try more settings than others. The columns are the settings that all rows with the usual fit try; the page
+    // shows the rest.
+    let usual = cases.iter().filter(|case| case.fit.is_empty());
+    let least = usual.min_by_key(|case| case.cells.len());
+    let Some(least) = least.or(cases.first()) else {
         return String::new();
     };
-    let columns = least.cells.len();
+    let columns: Vec<String> = least.cells.iter().map(|c| column(least, c)).collect();
     let sanity = stability.sanity_line();
     let sanity_height = if sanity.is_some() { CELL_HEIGHT } else { 0 };
-    let w = LEFT + columns * CELL_WIDTH + RIGHT;
+    let w = LEFT + columns.len() * CELL_WIDTH + RIGHT;
     let h = TOP + cases.len() * CELL_HEIGHT + sanity_height + BOTTOM;
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {w} {h}\" width=\"{w}\" height=\"{h}\" \
@@ -66,7 +70,7 @@ pub(super) fn matrix(stability: &Stability) -> String {
     }
     for (line, case) in cases.iter().enumerate() {
         let is_first_of_row = cases[..line].iter().all(|c| c.row != case.row);
-        write_line(&mut out, case, line, columns, is_first_of_row);
+        write_line(&mut out, case, line, &columns, is_first_of_row);
     }
     if let Some(text) = sanity {
         let y = TOP + cases.len() * CELL_HEIGHT + BASELINE;
@@ -84,6 +88,21 @@ pub(super) fn matrix(stability: &Stability) -> String {
     out
 }
 
+/// Returns what a cell's column is called: the technique and its settings, but for the fit, which is the line's.
+fn column(case: &CaseResult, cell: &Cell) -> String {
+    let settings = without_fit(case, cell);
+    format!("{} ({settings})", cell.technique)
+}
+
+/// Returns a cell's settings without the case's fit.
+fn without_fit(case: &CaseResult, cell: &Cell) -> String {
+    if case.fit.is_empty() {
+        cell.settings.clone()
+    } else {
+        cell.settings.replace(&format!(", {}", case.fit), "")
+    }
+}
+
 /// Writes a column's head, slanted: the technique, and the end of its settings, in which those of one technique differ (the
 /// bias, or the rays).
 fn write_head(out: &mut String, cell: &Cell, column: usize) {
@@ -98,12 +117,13 @@ fn write_head(out: &mut String, cell: &Cell, column: usize) {
     );
 }
 
-/// Writes a case's line: the row's number if it is the row's first case, the case's name, and `columns` cells.
+/// Writes a case's line: the row's number if it is the row's first case, the case's name, and the cells of these
+/// columns.
 fn write_line(
     out: &mut String,
     case: &CaseResult,
     line: usize,
-    columns: usize,
+    columns: &[String],
     is_first_of_row: bool,
 ) {
     let y = TOP + line * CELL_HEIGHT;
@@ -123,9 +143,11 @@ fn write_line(
         escape(&case.case),
         escape(&measures)
     );
-    for (column, cell) in case.cells.iter().take(columns).enumerate() {
-        let x = LEFT + column * CELL_WIDTH;
-        write_cell(out, cell, &case.criteria, x, y);
+    for (k, name) in columns.iter().enumerate() {
+        let x = LEFT + k * CELL_WIDTH;
+        if let Some(cell) = case.cells.iter().find(|cell| column(case, cell) == *name) {
+            write_cell(out, cell, &case.criteria, x, y);
+        }
     }
 }
 
@@ -137,11 +159,10 @@ fn write_cell(out: &mut String, cell: &Cell, criteria: &[CriterionResult], x: us
     let mut figures = String::new();
     for (criterion, judgement) in criteria.iter().zip(cell.judgements()) {
         let measure = escape(&criterion.measure);
-        let _ = write!(
-            figures,
-            "; {measure}: {:.3} {}",
-            judgement.figure, criterion.unit
-        );
+        let _ = match judgement.figure {
+            Some(figure) => write!(figures, "; {measure}: {figure:.3} {}", criterion.unit),
+            None => write!(figures, "; {measure}: not measured"),
+        };
     }
     let w = CELL_WIDTH - CELL_GAP;
     let h = CELL_HEIGHT - CELL_GAP;

@@ -1,7 +1,7 @@
 use super::*;
-use crate::stability::{CaseResult, Cell, CriterionResult, VerdictLimits};
+use crate::stability::{CaseResult, Cell, CriterionResult, Judgement, Verdict, VerdictLimits};
 
-/// A matrix of two cases, the second a sanity case, and three cells; names hold what markup and CSV stumble over.
+/// A matrix of three cases, the second with one cell, that isn't measured, the last a sanity case; names hold what markup and CSV stumble over.
 fn sample() -> Stability {
     let cell = |settings: &str, outcome| Cell {
         technique: "pcf".to_owned(),
@@ -29,6 +29,7 @@ fn sample() -> Stability {
         case: "thin-plate".to_owned(),
         scene: "thin-plate".to_owned(),
         motion: "still".to_owned(),
+        fit: String::new(),
         is_sanity: false,
         criteria: vec![criterion("gap", limits[0]), criterion("acne", limits[1])],
         cells: vec![
@@ -42,6 +43,16 @@ fn sample() -> Stability {
             ),
         ],
     };
+    let mut stable = case.clone();
+    stable.case = "plate-pan".to_owned();
+    stable.fit = "stable fit to 8 m".to_owned();
+    stable.cells = vec![cell(
+        "7x7, stable fit to 8 m, bias: slope",
+        CellOutcome::of(vec![
+            Judgement::not_measured("asked <once>"),
+            limits[1].judgement(2.0),
+        ]),
+    )];
     let sanity = CaseResult {
         case: "no-casters".to_owned(),
         is_sanity: true,
@@ -52,7 +63,7 @@ fn sample() -> Stability {
         map_size: 64,
         size: [8, 6],
         frames: 2,
-        cases: vec![case, sanity],
+        cases: vec![case, stable, sanity],
         faults: vec![],
     }
 }
@@ -85,8 +96,19 @@ fn everything_is_written_and_reads_back() {
         "{svg}"
     );
     let csv = std::fs::read_to_string(dir.path().join("matrix.csv")).expect("there");
-    // A header, and two cases of three cells by two criteria.
-    assert_eq!(csv.lines().count(), 13);
+    // A header, and by two criteria two cases of three cells and one of one.
+    assert_eq!(csv.lines().count(), 15);
+    let not_measured = &back.cases[1].cells[0];
+    assert_eq!(not_measured.verdict(), Some(Verdict::NotMeasured));
+    assert_eq!(not_measured.figure(), None);
+    assert!(
+        csv.contains("not measured") && csv.contains("asked <once>"),
+        "{csv}"
+    );
+    assert!(
+        svg.contains("stable fit to 8 m, bias: slope); gap: not measured; acne: 2.000"),
+        "{svg}"
+    );
     assert!(html.contains("1 sanity case") && svg.contains("1 sanity case"));
     assert_eq!(svg.matches("thin-plate").count(), 1);
     assert_eq!(

@@ -1,5 +1,8 @@
 //! Every row's measure can pass and can fail, its scene has what it is for, and known weaknesses are seen.
 
+mod backends;
+mod moving;
+
 use super::*;
 use crate::{
     compare::Backends,
@@ -251,11 +254,12 @@ fn soft_shadows_pass_under_lamps() {
     }
 }
 
-/// Renders a technique in all cases of `rows`; all rows if empty.
-fn played(rows: &[&str], technique: &str) -> Stability {
+/// Plays these techniques in all cases of `rows`, or in all there are, on the CPU.
+fn small_run(rows: &[&str], techniques: &[&str]) -> Stability {
+    let owned = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect();
     let options = StabilityOptions {
-        rows: rows.iter().map(|&row| row.to_owned()).collect(),
-        techniques: vec![technique.to_owned()],
+        rows: owned(rows),
+        techniques: owned(techniques),
         ..small()
     };
     let mut backends = Backends::of(vec![Box::new(Cpu::new())]);
@@ -266,7 +270,7 @@ fn played(rows: &[&str], technique: &str) -> Stability {
 /// onto what is seen, and passes those in which nothing does.
 #[test]
 fn no_shadow_fails_wherever_something_casts() {
-    let played = played(&[], "none");
+    let played = small_run(&[], &["none"]);
     let mut passing = Vec::new();
     for case in &played.cases {
         for cell in &case.cells {
@@ -430,235 +434,6 @@ fn what_is_no_mask_has_no_rmse() {
     assert_eq!(
         Measure::Rmse.limits(&case_truth).judge(f64::NAN),
         Verdict::Fails
-    );
-}
-
-/// A tight fit crawls under a panning camera; rays don't, and stable fits take the crawl away, to the bit.
-#[test]
-fn panning_shimmers_on_a_tight_fit_and_not_when_traced() {
-    let options = StabilityOptions {
-        rows: vec!["fence-pan".to_owned()],
-        techniques: vec!["hard".to_owned(), "traced".to_owned()],
-        ..small()
-    };
-    let mut backends = Backends::of(vec![Box::new(Cpu::new())]);
-    let stability = run(&options, &mut backends, &mut |_| {}).expect("plays");
-    let cells = &stability.cases[0].cells;
-    let hard = cells.iter().filter(|c| c.technique == "hard");
-    let mut traced = cells.iter().filter(|c| c.technique == "traced");
-    let (stable, tight): (Vec<_>, Vec<_>) = hard.partition(|c| c.settings.contains("stable fit"));
-    assert!(
-        tight
-            .iter()
-            .all(|c| c.verdict() == Some(Verdict::Fails) && c.picture.is_some())
-    );
-    assert!(
-        stable.len() == 2 && stable.iter().all(|c| c.figure() == Some(0.0)),
-        "{stable:?}"
-    );
-    assert!(traced.all(|c| c.figure() == Some(0.0)));
-    assert!(stability.faults.is_empty());
-}
-
-/// Runs one moving case with one technique beside a second backend that errs in its `k`th rendering, from 1; 0 for never.
-/// Returns the disagreement, the faults, and how often the second backend played.
-fn beside_a_faulty_backend(k: u32) -> (Option<u64>, Vec<String>, u32) {
-    let options = StabilityOptions {
-        rows: vec!["fence-pan".to_owned()],
-        techniques: vec!["traced".to_owned()],
-        ..small()
-    };
-    let played = Arc::new(AtomicU32::new(0));
-    let count = played.clone();
-    let faulty = FaultyBackend::new(move |shadows: &mut Shadows| {
-        if count.fetch_add(1, Ordering::Relaxed) + 1 == k {
-            darken_one(shadows);
-        }
-    });
-    let mut backends = Backends::of(vec![Box::new(Cpu::new()), Box::new(faulty)]);
-    let Stability { cases, faults, .. } = run(&options, &mut backends, &mut |_| {}).expect("plays");
-    (
-        cases[0].cells[0].disagreeing,
-        faults,
-        played.load(Ordering::Relaxed),
-    )
-}
-
-#[test]
-fn moving_rows_play_their_first_and_last_frame_on_every_backend() {
-    let (disagreeing, faults, played) = beside_a_faulty_backend(0);
-    let settings = played / 2;
-    assert!(
-        disagreeing == Some(0) && faults.is_empty() && played == 2 * settings && settings > 0,
-        "{faults:?}"
-    );
-    for k in [1, 2] {
-        let (disagreeing, faults, _) = beside_a_faulty_backend(k);
-        assert!(
-            disagreeing == Some(1) && faults.len() == 1,
-            "frame {k} of 2: {faults:?}"
-        );
-        assert!(
-            faults[0].contains("backends differ on 1 decided pixels"),
-            "{faults:?}"
-        );
-    }
-}
-
-/// A backend for which every map is too large.
-#[derive(Debug)]
-struct Tiny;
-
-impl Backend for Tiny {
-    fn name(&self) -> &str {
-        "tiny"
-    }
-
-    fn kind(&self) -> &'static str {
-        "tiny"
-    }
-
-    fn render(&mut self, _: &View<'_>, _: &Recipe) -> Result<Shadows, BackendError> {
-        Err(Invalid::new(
-            "map",
-            "is larger than this backend holds",
-            "make it smaller",
-        )
-        .into())
-    }
-}
-
-/// A backend that serves nothing changes no figure of the first one, and doesn't keep the rest from being checked.
-#[test]
-fn backends_that_serve_nothing_are_left_out() {
-    let options = StabilityOptions {
-        rows: vec!["fence-pan".to_owned(), "thin-plate".to_owned()],
-        techniques: vec!["hard".to_owned()],
-        ..small()
-    };
-    let cpu = || Box::new(Cpu::new()) as Box<dyn Backend>;
-    let faulty = || Box::new(FaultyBackend::new(darken_one)) as Box<dyn Backend>;
-    let cells = |playing: Vec<Box<dyn Backend>>| -> Vec<Cell> {
-        let mut backends = Backends::of(playing);
-        let stability = run(&options, &mut backends, &mut |_| {}).expect("plays");
-        stability.cases.into_iter().flat_map(|c| c.cells).collect()
-    };
-    let alone = cells(vec![cpu()]);
-    assert!(
-        alone.iter().filter(|cell| cell.figure().is_some()).count() > 2,
-        "{alone:?}"
-    );
-    let outcomes = |cells: &[Cell]| {
-        cells
-            .iter()
-            .map(|c| (c.outcome.clone(), c.disagreeing))
-            .collect::<Vec<_>>()
-    };
-    assert_eq!(
-        outcomes(&cells(vec![cpu(), Box::new(Tiny)])),
-        outcomes(&alone)
-    );
-    let checked = cells(vec![cpu(), Box::new(Tiny), faulty()]);
-    for (cell, alone) in checked.iter().zip(&alone) {
-        assert_eq!(cell.figure(), alone.figure());
-        assert_eq!(
-            cell.disagreeing.is_some_and(|n| n > 0),
-            cell.figure().is_some(),
-            "{cell:?}"
-        );
-    }
-    // Figures are the first's: without it there are none.
-    assert!(
-        cells(vec![Box::new(Tiny), cpu()])
-            .iter()
-            .all(|cell| cell.figure().is_none())
-    );
-}
-
-/// Where the light stands still, truth at points that stay doesn't change at all: whatever a mask changes is its own. Where
-/// the light turns, truth moves, so that a shadow that stands still can be told from one that follows.
-#[test]
-fn truth_moves_with_the_light_alone() {
-    let options = small();
-    for (_, case) in cases().filter(|(_, c)| c.motion != Motion::Still) {
-        let case_truth = case_truth_of(case, &options);
-        let moving = Moving::new(&case_truth, case.motion, options.frames, &options.truth)
-            .expect("a built-in scene");
-        let change = measures::shimmer::change(&moving.truth, &moving.marked);
-        assert!(
-            moving.points() > 50,
-            "{}: {} points",
-            case.name,
-            moving.points()
-        );
-        assert_eq!(
-            change > 0.0,
-            case.motion == Motion::Sun,
-            "{}: {change}",
-            case.name
-        );
-        assert_eq!(
-            case.measure == Measure::ChangeError,
-            case.motion == Motion::Sun,
-            "{}",
-            case.name
-        );
-    }
-}
-
-/// A shadow that isn't there doesn't crawl. It doesn't follow the sun either.
-#[test]
-fn what_stands_still_under_a_turning_sun_fails() {
-    let names = ["none", "traced"].map(str::to_owned).to_vec();
-    let options = StabilityOptions {
-        rows: vec!["13".to_owned()],
-        techniques: names,
-        ..small()
-    };
-    let mut backends = Backends::of(vec![Box::new(Cpu::new())]);
-    let result = run(&options, &mut backends, &mut |_| {})
-        .expect("plays")
-        .cases
-        .remove(0);
-    for (name, expected) in [("none", Verdict::Fails), ("traced", Verdict::Pass)] {
-        let of_name = result.cells.iter().filter(|c| c.technique == name);
-        let verdicts: Vec<Option<Verdict>> = of_name.map(Cell::verdict).collect();
-        assert!(
-            !verdicts.is_empty() && verdicts.iter().all(|v| *v == Some(expected)),
-            "{name}: {verdicts:?}"
-        );
-    }
-}
-
-/// However slow the movement, standing still is worse than what passes.
-#[test]
-fn limits_of_slow_movement_are_below_standing_still() {
-    let options = small();
-    let case = case("hills-sun");
-    let case_truth = case_truth_of(case, &options);
-    let mut moving = Moving::new(&case_truth, case.motion, options.frames, &options.truth)
-        .expect("a built-in scene");
-    // Truth that moves a hundred times more slowly.
-    let first = moving.truth[0].clone();
-    for frame in &mut moving.truth {
-        for (visibility, at_first) in frame.iter_mut().zip(&first) {
-            *visibility = at_first + (*visibility - at_first) / 100.0;
-        }
-    }
-    let still = moving.figure(case.measure, &vec![first.clone(); moving.truth.len()]);
-    let limits = moving.limits(case.measure);
-    assert!(
-        still > 0.0 && still < case.measure.limits(&case_truth).pass,
-        "{still}: too fast to tell anything"
-    );
-    assert_eq!(
-        limits.judge(still),
-        Verdict::Fails,
-        "{still} against {limits:?}"
-    );
-    assert_eq!(
-        limits.judge(moving.figure(case.measure, &moving.truth)),
-        Verdict::Pass
     );
 }
 
