@@ -4,6 +4,7 @@ use super::{
     VerdictLimits,
     case_truth::CaseTruth,
     measures::{
+        band::{self, Band},
         cube_seams, edge, gap,
         gap::Contact,
         open,
@@ -42,6 +43,8 @@ pub enum Measure {
     EdgeDisplacement,
     /// [`cube_seams::wrong_within`] two texels of a cube's seams.
     Seams,
+    /// [`band::wrong_within`] a part of the picture.
+    WrongNear(Band),
     /// [`penumbra::rmse`].
     PenumbraRmse,
     /// [`penumbra::ShadowPlaces::widths`]: the mean over all casters of how far the ratio is from 1.
@@ -90,6 +93,8 @@ impl Measure {
             Self::LeakAround(..) => "leak around the contacts",
             Self::EdgeDisplacement => "edge displacement",
             Self::Seams => "wrong on seams",
+            Self::WrongNear(Band::Creases { .. }) => "wrong along creases",
+            Self::WrongNear(Band::ConeRim { .. }) => "wrong along the rim",
             Self::PenumbraRmse => "RMSE in penumbrae",
             Self::PenumbraWidth => "penumbra width error",
             Self::AllLit => "darkened though nothing shadows",
@@ -117,6 +122,7 @@ impl Measure {
             | Self::Rmse
             | Self::EdgeDisplacement
             | Self::Seams
+            | Self::WrongNear(_)
             | Self::PenumbraRmse
             | Self::PenumbraWidth
             | Self::AllLit => None,
@@ -153,7 +159,7 @@ impl Measure {
             Self::LostShadow => {
                 "twice a perfect map's of this size, and one dark pixel in a hundred; fails at four times that, or near no shadow"
             }
-            Self::ContactLeak(..) | Self::LeakAround(..) => {
+            Self::ContactLeak(..) | Self::LeakAround(..) | Self::WrongNear(_) => {
                 "twice a perfect map's of this size, and one pixel in a hundred there; fails at four times that, or near no shadow"
             }
             Self::EdgeDisplacement => {
@@ -210,6 +216,9 @@ impl Measure {
             Self::Seams => {
                 cube_seams::wrong_within(mask, truth, |i| counts(i) && on_seam(case_truth, i))
             }
+            Self::WrongNear(part) => band::wrong_within(mask, truth, |i| {
+                counts(i) && is_in_band(case_truth, part, i)
+            }),
             Self::PenumbraRmse => penumbra::rmse(mask, truth, counts),
             Self::PenumbraWidth => {
                 let places = shadow_places(case_truth);
@@ -237,7 +246,10 @@ impl Measure {
                 let pixel = contact.pixel(&case_truth.truth.receivers, NEAR_CONTACT, counts);
                 VerdictLimits::over_ideal(ideal, 1e3 * pixel).below(without_shadow())
             }
-            Self::LostShadow | Self::ContactLeak(..) | Self::LeakAround(..) => {
+            Self::LostShadow
+            | Self::ContactLeak(..)
+            | Self::LeakAround(..)
+            | Self::WrongNear(_) => {
                 VerdictLimits::over_ideal(ideal, BAND_SHARE).below(without_shadow())
             }
             Self::EdgeDisplacement => {
@@ -316,6 +328,13 @@ fn on_seam(case_truth: &CaseTruth, i: usize) -> bool {
     let light = case_truth.lights.first().and_then(Light::position);
     let from_light = case_truth.truth.receivers.position(i) - light.unwrap_or_default();
     cube_seams::on_seam(from_light, case_truth.map_size, SEAM_TEXELS)
+}
+
+/// Whether a pixel shows a point of a band, under the first light.
+fn is_in_band(case_truth: &CaseTruth, part: Band, i: usize) -> bool {
+    let position = case_truth.truth.receivers.position(i);
+    let light = case_truth.lights.first();
+    light.is_some_and(|light| part.holds(light, position))
 }
 
 /// Places along each caster's upright axis.

@@ -24,14 +24,18 @@ use super::{
     row::Motion,
 };
 use crate::{LabError, compare::Backends};
-use glam::{Affine3A, Quat, Vec3};
-use umbrage_core::{Backend, Camera, Fit, Layout, Light, Receivers, ShadowTechnique, View};
+use glam::{Affine3A, Quat, Vec2, Vec3};
+use umbrage_core::{
+    Backend, Camera, Fit, Geometry, Invalid, Layout, Light, Receivers, ShadowTechnique, View,
+};
 use umbrage_cpu::Cpu;
 use umbrage_plan::truth::TruthOptions;
 
-/// The camera and the light of one frame.
+/// The camera, the light and the casters of one frame.
 #[derive(Clone, Debug)]
 pub struct MotionFrame {
+    /// The scene's triangles.
+    pub geometry: Geometry,
     /// The camera.
     pub camera: Camera,
     /// The light.
@@ -51,12 +55,14 @@ pub struct Moving<'a> {
     pub truth: Vec<Vec<f32>>,
     /// Which of the first frame's receivers count.
     pub marked: Vec<bool>,
-    /// Whether the camera moves; else the light does.
-    pub moves_camera: bool,
+    /// What moves.
+    pub motion: Motion,
 }
 
 /// Texels that the camera pans by from a frame to the next.
 const PAN_TEXELS: f64 = 0.37;
+/// Texels that casters move by from a frame to the next: more than one, so that no frame may rest, and no whole number.
+const CASTER_TEXELS: f64 = 1.37;
 /// Degrees that the camera yaws by from a frame to the next.
 const YAW: f64 = 0.1;
 /// Degrees that the sun turns by from a frame to the next.
@@ -103,14 +109,16 @@ impl<'a> Moving<'a> {
         for index in 0..count {
             let camera = camera_at(case_truth, motion, index, count, texel);
             let light = light_at(case_truth, motion, index);
-            let receivers = cpu.receivers(&camera, &case_truth.geometry)?;
+            let geometry = geometry_at(case_truth, motion, index, texel)?;
+            let receivers = cpu.receivers(&camera, &geometry)?;
             truth.push(visibility_at_receivers(
-                &case_truth.geometry,
+                &geometry,
                 &light,
                 &case_truth.truth,
                 options,
             )?);
             frames.push(MotionFrame {
+                geometry,
                 camera,
                 light,
                 receivers,
@@ -124,7 +132,7 @@ impl<'a> Moving<'a> {
             frames,
             truth,
             marked,
-            moves_camera: motion.moves_camera(),
+            motion,
         })
     }
 
@@ -212,7 +220,7 @@ impl<'a> Moving<'a> {
         playing: &mut [Box<dyn Backend>],
     ) -> Result<PlayedFrame, NoMask> {
         let frame = &self.frames[index];
-        let geometry = &self.case_truth.geometry;
+        let geometry = &frame.geometry;
         let frame_view = View::new(&frame.camera, &frame.light, geometry);
         let first_view = View::new(&self.case_truth.camera, &frame.light, geometry);
         let at_frame = frame_view.with_receivers(&frame.receivers);
@@ -230,7 +238,7 @@ impl<'a> Moving<'a> {
                 casts,
             });
         }
-        let pixels = if self.moves_camera { index } else { 0 };
+        let pixels = if self.motion.moves_pixels() { index } else { 0 };
         let asked_beside = pixel_shift::to_the_right(receivers, pixels);
         let at_pixels = first_view.with_receivers(&asked_beside);
         let mut rendered = all_backends::render(playing, &at_pixels, &recipe)?;
@@ -292,7 +300,8 @@ fn camera_at(case_truth: &CaseTruth, motion: Motion, index: u32, count: u32, tex
     let first = &case_truth.camera;
     let steps = f64::from(index);
     match motion {
-        Motion::Still | Motion::Sun => *first,
+        Motion::Still | Motion::Sun | Motion::Casters => *first,
+        Motion::Jitter => first.nudged(jitter(index)),
         Motion::Pan => panned(first, steps * PAN_TEXELS * texel),
         Motion::Yaw => yawed(first, steps * YAW),
         Motion::Widening => {
@@ -311,6 +320,50 @@ fn light_at(case_truth: &CaseTruth, motion: Motion, index: u32) -> Light {
     } else {
         first
     }
+}
+
+/// Returns the jitter of frame `index`, pixels, -.5 to .5 each way: the sequence of Halton (1960) in bases 2 and 3, which
+/// temporal antialiasing commonly takes. The first frame has none.
+fn jitter(index: u32) -> Vec2 {
+    if index == 0 {
+        return Vec2::ZERO;
+    }
+    Vec2::new(
+        radical_inverse(index, 2) - 0.5,
+        radical_inverse(index, 3) - 0.5,
+    )
+}
+
+/// Returns the digits of a number in a base, mirrored at the point: 6 is 110 in base 2, and becomes .011, which is .375.
+fn radical_inverse(number: u32, base: u32) -> f32 {
+    let mut rest = number;
+    let mut place = 1.0_f32;
+    let mut out = 0.0;
+    while rest > 0 {
+        place /= base as f32;
+        out += (rest % base) as f32 * place;
+        rest /= base;
+    }
+    out
+}
+
+/// Returns the triangles of frame `index`; `texel` is the width of the first map's texels, metres.
+fn geometry_at(
+    case_truth: &CaseTruth,
+    motion: Motion,
+    index: u32,
+    texel: f64,
+) -> Result<Geometry, Invalid> {
+    if motion != Motion::Casters {
+        return Ok(case_truth.geometry.clone());
+    }
+    let offset = f64::from(index) * CASTER_TEXELS * texel;
+    let mut scene = case_truth.scene.clone();
+    // The first thing is the ground.
+    for instance in scene.instances.iter_mut().skip(1).filter(|i| i.casts) {
+        instance.world_from_local.translation.x += offset as f32;
+    }
+    Geometry::bake(&scene)
 }
 
 /// Returns the camera moved to its right by this many metres.
@@ -367,11 +420,18 @@ fn is_marked(case_truth: &CaseTruth, frames: &[MotionFrame], i: usize) -> bool {
         && !case_truth.open[i]
         && frames
             .iter()
-            .all(|frame| is_seen(case_truth, &frame.camera, i))
+            .all(|frame| stands_still(case_truth, frame, i) && is_seen(case_truth, frame, i))
 }
 
-/// Whether a camera sees the point at pixel `i` of the first frame.
-fn is_seen(case_truth: &CaseTruth, camera: &Camera, i: usize) -> bool {
+/// Whether what pixel `i` of the first frame shows has not moved in another.
+fn stands_still(case_truth: &CaseTruth, frame: &MotionFrame, i: usize) -> bool {
+    let triangle = case_truth.truth.receivers.triangle[i];
+    frame.geometry.corners(triangle) == case_truth.geometry.corners(triangle)
+}
+
+/// Whether a frame's camera sees the point at pixel `i` of the first frame.
+fn is_seen(case_truth: &CaseTruth, frame: &MotionFrame, i: usize) -> bool {
+    let camera = &frame.camera;
     let receivers = &case_truth.truth.receivers;
     let position = receivers.position(i);
     let clip = camera.space().clip_from_world() * position.extend(1.0);
@@ -381,6 +441,25 @@ fn is_seen(case_truth: &CaseTruth, camera: &Camera, i: usize) -> bool {
     let lift = receivers.normal(i) * (1e-3 * to_eye.length());
     let origin = position + lift;
     let direction = to_eye - lift;
-    let bvh = case_truth.geometry.bvh();
+    let bvh = frame.geometry.bvh();
     is_inside && !bvh.occluded(origin, direction, receivers.triangle[i])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn jitter_is_haltons() {
+        let expected = [
+            Vec2::ZERO,
+            Vec2::new(0.5, 1.0 / 3.0) - 0.5,
+            Vec2::new(0.25, 2.0 / 3.0) - 0.5,
+            Vec2::new(0.75, 1.0 / 9.0) - 0.5,
+        ];
+        for (index, place) in (0..4).zip(expected) {
+            assert!(jitter(index).distance(place) < 1e-6, "{index}");
+        }
+        assert_eq!(radical_inverse(6, 2), 0.375);
+    }
 }

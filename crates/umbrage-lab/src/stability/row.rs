@@ -55,6 +55,10 @@ pub enum Motion {
     Widening,
     /// The sun turns by .25 degree a frame about the vertical.
     Sun,
+    /// All that casts but the first thing of the scene, its ground, moves along x by 1.37 texels of the map a frame.
+    Casters,
+    /// The camera's projection is moved by parts of a pixel, another way in each frame, as temporal antialiasing does.
+    Jitter,
 }
 
 impl Motion {
@@ -66,13 +70,20 @@ impl Motion {
             Self::Yaw => "camera yaws by .1 degree a frame",
             Self::Widening => "field of view opens from 75 to 90 degrees",
             Self::Sun => "sun turns by .25 degree a frame",
+            Self::Casters => "casters move by 1.37 texels a frame",
+            Self::Jitter => "projection jitters within a pixel",
         }
     }
 }
 
 impl Motion {
-    /// Whether the camera moves, and the light stands still.
-    pub fn moves_camera(self) -> bool {
+    /// Whether true shadows move; else the camera does.
+    pub const fn moves_shadows(self) -> bool {
+        matches!(self, Self::Sun | Self::Casters)
+    }
+
+    /// Whether the camera's pictures show points at other pixels from frame to frame.
+    pub fn moves_pixels(self) -> bool {
         matches!(self, Self::Pan | Self::Yaw | Self::Widening)
     }
 }
@@ -92,9 +103,9 @@ impl StabilityCase {
         }
     }
 
-    /// A moving scene. While the light stands still nothing may change; under a moving sun as much may change as in truth.
+    /// A moving scene. While light and casters stand still nothing may change; else as much may change as in truth.
     pub(super) const fn moving(name: &'static str, scene: &'static str, motion: Motion) -> Self {
-        let measure = if matches!(motion, Motion::Sun) {
+        let measure = if motion.moves_shadows() {
             Measure::ChangeError
         } else {
             Measure::Shimmer

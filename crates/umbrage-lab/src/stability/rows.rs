@@ -2,7 +2,7 @@
 
 use super::{
     measure::Measure,
-    measures::gap::Contact,
+    measures::{band::Band, gap::Contact},
     row::{Motion, StabilityCase, StabilityRow},
 };
 use glam::Vec3;
@@ -45,6 +45,20 @@ const FOOT_RADIUS: f32 = 0.11;
 const RING_WIDTH: f32 = 0.10;
 /// Distance from a foot's middle up to which leaks are measured, metres.
 const LEAK_RADIUS: f32 = FOOT_RADIUS + RING_WIDTH;
+
+/// Width of the strips on either side of the creases of `room-corner`, metres: some ten texels.
+const CREASE_WIDTH: f32 = 0.08;
+/// The creases of `room-corner`'s walls, from their corner as far as they are seen; a test compares them with the scene.
+const CREASES: Band = Band::Creases {
+    lines: &[
+        [Vec3::ZERO, Vec3::new(4.0, 0.0, 0.0)],
+        [Vec3::ZERO, Vec3::new(0.0, 3.0, 0.0)],
+        [Vec3::ZERO, Vec3::new(0.0, 0.0, 4.0)],
+    ],
+    reach: CREASE_WIDTH,
+};
+/// The outermost tenth of a spot's cone.
+const RIM: Band = Band::ConeRim { share: 0.9 };
 
 const fn still(scene: &'static str, measure: Measure) -> StabilityCase {
     StabilityCase::still(scene, measure)
@@ -136,6 +150,9 @@ const HILLS_1E6_PAN: StabilityCase =
 const HILLS_YAW: StabilityCase = moving("hills-yaw", "hills", Motion::Yaw);
 const HILLS_FOV: StabilityCase = moving("hills-fov", "hills", Motion::Widening);
 const HILLS_SUN: StabilityCase = moving("hills-sun", "hills", Motion::Sun);
+const HILLS_ENDLESS_PAN: StabilityCase = moving("hills-endless-pan", "hills-endless", Motion::Pan);
+const HILLS_CASTERS: StabilityCase = moving("hills-casters", "hills", Motion::Casters);
+const HILLS_JITTER: StabilityCase = moving("hills-jitter", "hills", Motion::Jitter);
 
 const MOMENTS: &str = "moment maps (VSM, EVSM, MSM)";
 const WARPS: &str = "perspective warps";
@@ -239,6 +256,28 @@ const ROWS: &[StabilityRow] = &[
     row(30, "caster out of view", "a tower beside the picture throws its shadow into it", &[
         still("tower-out-of-view", Measure::Leak),
     ]),
+    row(31, "room corners", "kernels and biases reach through the neighbouring wall: dark or bright lines along creases", &[
+        still("room-corner", Measure::WrongNear(CREASES)),
+    ]),
+    row(32, "rim of a cone", "a spot's map ends where its light does: kernels look beyond it", &[
+        still("cone-rim", Measure::WrongNear(RIM)),
+    ]),
+    row(33, "small light", "a penumbra narrower than a texel: nearly no width to search or filter in", &[
+        still("small-lamp", Measure::Rmse),
+    ]),
+    row(34, "low-poly terminator", "light grazes whole facets: acne on the last that face it, leaks on the first that do not", &[
+        still("low-poly", Measure::Acne),
+    ]),
+    row(35, "other projections", "depth is reversed and without end: near and far are taken for one another, or for infinite", &[
+        still("hills-endless", Measure::Rmse),
+        HILLS_ENDLESS_PAN, HILLS_ENDLESS_PAN.stable("hills-endless-pan-stable", LANDSCAPE),
+    ]),
+    row(36, "moving casters", "a fit that goes around casters moves with them, and all other shadows crawl", &[
+        HILLS_CASTERS, HILLS_CASTERS.stable("hills-casters-stable", LANDSCAPE),
+    ]),
+    row(37, "jittered projection", "a fit that follows the picture changes with every jitter of temporal antialiasing", &[
+        HILLS_JITTER, HILLS_JITTER.stable("hills-jitter-stable", LANDSCAPE),
+    ]),
 ];
 
 #[cfg(test)]
@@ -258,6 +297,17 @@ mod tests {
             let corner = Vec3::new(corner_x, end.y, end.z);
             assert!(plate.iter().any(|v| v.distance(corner) < 1e-6), "{corner}");
             assert!(end.x.abs() < corner_x.abs(), "{end} is beside the plate");
+        }
+    }
+
+    #[test]
+    fn the_creases_are_those_of_their_room() {
+        let Band::Creases { lines, .. } = CREASES else {
+            panic!("creases are lines");
+        };
+        let room = vertices("room-corner");
+        for end in lines.iter().flatten() {
+            assert!(room.iter().any(|v| v.distance(*end) < 1e-6), "{end}");
         }
     }
 

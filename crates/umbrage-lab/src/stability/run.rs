@@ -91,7 +91,7 @@ impl StabilityOptions {
                 return Err(Invalid::new(
                     "row",
                     format!("there is none called `{word}`"),
-                    "use a row's number, 1 to 30, or the name of a case, such as thin-plate",
+                    "use a row's number, 1 to 37, or the name of a case, such as thin-plate",
                 ));
             }
         }
