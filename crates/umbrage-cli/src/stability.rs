@@ -13,9 +13,10 @@ use std::time::Instant;
 use umbrage_lab::{
     compare::Backends,
     stability::{
-        CaseResult, Cell, CriterionResult, Stability, StabilityEvent, StabilityOptions, Verdict,
-        check_state, report, rows, run,
+        Base, BiasWindow, CaseResult, Cell, CriterionResult, Stability, StabilityEvent,
+        StabilityOptions, Verdict, check_state, report, rows, run,
         sweeps::{self, Sweep},
+        windows,
     },
 };
 
@@ -43,6 +44,15 @@ pub(crate) fn stability(program: &Program, arguments: &StabilityArguments) -> Re
     println!(
         "a figure in brackets is the second measure's: what a cure for the failure takes away"
     );
+    if arguments.rows.is_empty() {
+        match run_windows(&options, &mut backends) {
+            Ok(found) => stability.windows = found,
+            // The rows' results are kept; the run fails nevertheless.
+            Err(e) => stability.faults.push(format!("bias windows: {e:#}")),
+        }
+    }
+    let of_windows = stability.windows.iter().filter_map(BiasWindow::fault);
+    stability.faults.extend(of_windows.collect::<Vec<_>>());
     let mut sweeps = Vec::new();
     if arguments.rows.is_empty() && arguments.techniques.is_empty() {
         match run_sweeps(&options, &mut backends) {
@@ -58,6 +68,9 @@ pub(crate) fn stability(program: &Program, arguments: &StabilityArguments) -> Re
     stability.faults.extend(of_state);
     let folder = program.folder(arguments.out.as_deref(), "stability");
     let page = report::write(&folder, &stability, &sweeps)?;
+    if !stability.windows.is_empty() {
+        println!("{}", windows_table(&stability.windows));
+    }
     println!(
         "report: {} ({:.0} s)",
         page.display(),
@@ -104,6 +117,50 @@ fn play(options: &StabilityOptions, backends: &mut Backends) -> Result<Stability
     });
     bar.finish_and_clear();
     Ok(stability?)
+}
+
+/// Finds the windows of bias.
+fn run_windows(options: &StabilityOptions, backends: &mut Backends) -> Result<Vec<BiasWindow>> {
+    let bar = ProgressBar::new_spinner();
+    let windows = windows(options, backends, &mut |technique| {
+        bar.set_message(format!("bias window: {technique}"));
+        bar.tick();
+    });
+    bar.finish_and_clear();
+    Ok(windows?)
+}
+
+/// Returns a line for each technique: the normal offsets at which it has neither acne nor a gap.
+fn windows_table(windows: &[BiasWindow]) -> Table {
+    let mut table = Table::new();
+    table
+        .load_style(UTF8_FULL_CONDENSED)
+        .set_content_arrangement(ContentArrangement::Disabled)
+        .set_header([
+            "technique",
+            "normal offsets that pass acne and gap, beside its default bias",
+            "width, texels",
+            "alone",
+            "width, texels",
+        ]);
+    for own in windows.iter().filter(|window| window.base == Base::Own) {
+        let bare = windows
+            .iter()
+            .find(|window| window.base == Base::Bare && window.technique == own.technique);
+        let tuning = if own.needs_no_tuning() {
+            ": no tuning"
+        } else {
+            ""
+        };
+        table.add_row([
+            own.technique.clone(),
+            format!("{}{tuning}", own.words()),
+            number(own.width()),
+            bare.map_or_else(String::new, BiasWindow::words),
+            bare.map_or_else(String::new, |window| number(window.width())),
+        ]);
+    }
+    table
 }
 
 /// Runs all sweeps.

@@ -1,6 +1,6 @@
 //! The results of a run, as plain data.
 
-use super::{Verdict, VerdictLimits};
+use super::{Verdict, VerdictLimits, window::BiasWindow};
 use serde::{Deserialize, Serialize};
 
 /// The whole matrix.
@@ -16,6 +16,8 @@ pub struct Stability {
     pub frames: u32,
     /// Rows' cases, in the list's order.
     pub cases: Vec<CaseResult>,
+    /// How much tuning each technique needs, the least first; empty if single rows were asked for.
+    pub windows: Vec<BiasWindow>,
     /// Messages about what must never happen: NaN, panics, validation errors, backends that disagree, a backend whose pictures
     /// differ after the run.
     pub faults: Vec<String>,

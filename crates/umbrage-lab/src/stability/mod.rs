@@ -7,6 +7,7 @@
 //!   so that no bias is free; the worse verdict counts.
 //! * [`measures`]: the measures as plain functions. [`CaseTruth`]: truth, and what a *perfect map* of the same size would
 //!   show, which limits are taken from.
+//! * [`windows`]: by how much each technique's bias may be off, in texels: how much tuning it needs.
 //! * [`sweeps`]: one number turned from too little to too much. [`report`]: a page, a picture, a table, data.
 //!
 //! Limits are never tuned to results. They come from what edge aliasing alone must cause on a map of that size, from what
@@ -31,6 +32,7 @@ mod settings;
 pub mod sweeps;
 pub mod texels;
 mod verdict;
+mod window;
 
 pub use case_truth::{CaseTruth, OPEN_TEXELS, without_extent};
 pub use cell::{CaseResult, Cell, CellOutcome, CriterionResult, Judgement, Stability};
@@ -43,6 +45,7 @@ pub use rows::{PLATE, cases, rows};
 pub use run::{StabilityEvent, StabilityOptions, case_truth, check_state, run};
 pub use settings::settings;
 pub use verdict::{FAILS_AT, Verdict, VerdictLimits};
+pub use window::{Base, BiasWindow, windows};
 
 #[cfg(test)]
 mod tests;

@@ -3,14 +3,14 @@
 mod page;
 mod svg;
 
-use super::{CellOutcome, Stability, sweeps::Sweep};
+use super::{Base, CellOutcome, Stability, sweeps::Sweep};
 use crate::{
     LabError,
     output::{Folder, csv},
 };
 use std::path::{Path, PathBuf};
 
-/// Writes `index.html` (opens alone), `matrix.svg`, `matrix.csv`, `results.json`, and for each sweep an SVG and a CSV.
+/// Writes `index.html` (opens alone), `matrix.svg`, `matrix.csv`, `windows.csv`, `results.json`, and for each sweep an SVG and a CSV.
 /// Returns the page's path. The figures' files hold nothing that changes from run to run: no dates, no times.
 ///
 /// # Errors
@@ -18,6 +18,7 @@ use std::path::{Path, PathBuf};
 pub fn write(folder: &Path, stability: &Stability, sweeps: &[Sweep]) -> Result<PathBuf, LabError> {
     let out = Folder::create(folder)?;
     out.write("matrix.csv", &matrix(stability)?)?;
+    out.write("windows.csv", &windows(stability)?)?;
     out.write("matrix.svg", svg::matrix(stability).as_bytes())?;
     out.write("results.json", &json(&(stability, sweeps))?)?;
     if !sweeps.is_empty() {
@@ -91,6 +92,31 @@ fn matrix(stability: &Stability) -> Result<Vec<u8>, LabError> {
         }
     }
     csv::of_lines("matrix.csv", &HEADER, lines)
+}
+
+/// Returns the windows of bias as CSV, a line for each: texels, empty where no amount passes.
+fn windows(stability: &Stability) -> Result<Vec<u8>, LabError> {
+    let mut lines = Vec::new();
+    for window in &stability.windows {
+        let [from, to] = match window.passes {
+            Some(ends) => ends.map(|end| end.to_string()),
+            None => [String::new(), String::new()],
+        };
+        let base = match window.base {
+            Base::Own => "own",
+            Base::Bare => "bare",
+        };
+        lines.push([
+            window.technique.clone(),
+            window.settings.clone(),
+            base.to_owned(),
+            window.width().to_string(),
+            from,
+            to,
+        ]);
+    }
+    let header = ["technique", "settings", "base", "width", "from", "to"];
+    csv::of_lines("windows.csv", &header, lines)
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 "use strict";
 // Everything is built from text nodes, never from HTML strings, so no name can smuggle in markup.
-const { stability, pictures, sweeps, sanity } = JSON.parse(document.getElementById("data").textContent);
+const { stability, pictures, sweeps, windows, sanity } = JSON.parse(document.getElementById("data").textContent);
 const byId = (id) => document.getElementById(id);
 
 function el(tag, attributes, ...children) {
@@ -112,7 +112,31 @@ function matrix() {
   byId("matrix").append(el("thead", {}, head), el("tbody", {}, ...rows));
 }
 
+// How much tuning each technique needs: a line for each, a bar from the least to the greatest offset that passes.
+function tuning() {
+  if (!stability.windows.length) return;
+  const most = Math.max(...stability.windows.filter((w) => w.passes).map((w) => w.passes[1]), 1e-9);
+  const names = [...new Set(stability.windows.map((w) => w.technique))];
+  const of = (name, base) => {
+    const i = stability.windows.findIndex((w) => w.technique === name && w.base === base);
+    if (i < 0) return [el("td"), el("td")];
+    const passes = stability.windows[i].passes;
+    const bar = el("div", { class: "bar" });
+    if (passes) {
+      const [from, to] = passes.map((v) => 100 * v / most);
+      bar.append(el("div", { style: `margin-left: ${from}%; width: max(3px, ${to - from}%)` }));
+    }
+    return [el("td", {}, bar), el("td", { class: "measure" }, windows[i])];
+  };
+  byId("tuning").append(el("h2", {}, "How much tuning each technique needs"),
+    el("p", { class: "soft" }, "The normal offsets, added to a technique's bias, at which it passes both acne under a low sun and the gap at a thin plate. A window that starts at 0 needs no tuning; a wide one forgives a guess."),
+    el("div", { class: "scroll" }, el("table", {},
+      el("thead", {}, el("tr", {}, el("th", { class: "flat" }, "technique"), el("th", { class: "flat", colspan: 2 }, "added to its default bias"), el("th", { class: "flat", colspan: 2 }, "alone"))),
+      el("tbody", {}, ...names.map((name) => el("tr", {}, el("th", {}, name), ...of(name, "own"), ...of(name, "bare")))))));
+}
+
 function main() {
+  tuning();
   const cells = stability.cases.filter((c) => !c.is_sanity).flatMap((c) => c.cells);
   const count = (s) => cells.filter((c) => state(c) === s).length;
   byId("lead").textContent = `${stability.cases.length} cases of ${new Set(stability.cases.map((c) => c.row)).size} known weaknesses, ${columns.length} settings, maps of ${stability.map_size} texels, `

@@ -1,5 +1,7 @@
 use super::*;
-use crate::stability::{CaseResult, Cell, CriterionResult, Judgement, Verdict, VerdictLimits};
+use crate::stability::{
+    BiasWindow, CaseResult, Cell, CriterionResult, Judgement, Verdict, VerdictLimits,
+};
 
 /// A matrix of three cases, the second with one cell, that isn't measured, the last a sanity case; names hold what markup and CSV stumble over.
 fn sample() -> Stability {
@@ -64,6 +66,13 @@ fn sample() -> Stability {
         size: [8, 6],
         frames: 2,
         cases: vec![case, stable, sanity],
+        windows: vec![BiasWindow {
+            technique: "pcf".to_owned(),
+            settings: "3x3, <own>".to_owned(),
+            base: Base::Own,
+            passes: Some([0.0, 1.5]),
+            disagreeing: None,
+        }],
         faults: vec![],
     }
 }
@@ -88,6 +97,10 @@ fn everything_is_written_and_reads_back() {
     let failing = &back.cases[0].cells[1];
     assert_eq!(failing.figure(), Some(0.75));
     assert_eq!(failing.decisive(), Some(1), "the other criterion fails");
+    assert_eq!(back.windows, sample().windows);
+    assert!(html.contains("0 to 1.5 texels"));
+    let windows = std::fs::read_to_string(dir.path().join("windows.csv")).expect("there");
+    assert!(windows.contains("own,1.5,0,1.5"), "{windows}");
     let svg = std::fs::read_to_string(dir.path().join("matrix.svg")).expect("there");
     assert!(
         ["✓", "✗", "–", "&lt;none&gt;"]
