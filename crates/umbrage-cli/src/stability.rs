@@ -176,18 +176,19 @@ fn run_sweeps(options: &StabilityOptions, backends: &mut Backends) -> Result<Vec
 
 /// Returns how many cells have each verdict, beside its sign.
 fn legend(stability: &Stability) -> String {
-    let count = |verdict: Verdict| {
-        let number = stability.count(verdict);
-        format!("{} {number} {}", verdict.sign(), verdict.word())
-    };
     let verdicts = [
-        Verdict::Pass,
-        Verdict::Degraded,
-        Verdict::Fails,
-        Verdict::NotMeasured,
+        (Verdict::Pass, "pass"),
+        (Verdict::Degraded, "degraded"),
+        (Verdict::Fails, "fail"),
+        (Verdict::NotMeasured, "not measured (could not fail)"),
     ];
-    let counts = verdicts.map(count).join("   ");
-    format!("{counts} (could not fail)   – not served   ! must not be")
+    let mut parts = Vec::new();
+    for (verdict, what) in verdicts {
+        let count = stability.count(verdict);
+        parts.push(format!("{} {count} {what}", verdict.sign()));
+    }
+    let counts = parts.join("   ");
+    format!("{counts}   – not served   ! must not be")
 }
 
 /// Returns a case as a line for logs.

@@ -316,6 +316,28 @@ fn what_a_cure_takes_away_is_charged() {
     }
 }
 
+/// Far from the origin truth has less shadow that is sure, and truth at texels' centres is not to be trusted: limits are those near
+/// the origin in proportion to what no shadow would cost.
+#[test]
+fn limits_far_away_are_in_proportion() {
+    let options = small();
+    let case = case("hills-1e6");
+    let far = case_truth_of(case, &options);
+    let near = case_truth(case, "hills", &options).expect("a built-in scene");
+    let far_cost = Measure::Rmse.without_shadow(&far);
+    let near_cost = Measure::Rmse.without_shadow(&near);
+    assert!(far_cost < 0.5 * near_cost, "{far_cost} {near_cost}");
+    let limits = Measure::Rmse.limits_from(&far, &near);
+    assert_eq!(limits.judge(far_cost), Verdict::Fails);
+    assert_eq!(limits.judge(0.0), Verdict::Pass);
+    let near_limits = Measure::Rmse.limits(&near);
+    let shares = [limits.pass / far_cost, near_limits.pass / near_cost];
+    assert!((shares[0] - shares[1]).abs() < 1e-9, "{shares:?}");
+    // The limits of measures that no single mask tells are the same everywhere.
+    let shimmer = Measure::Shimmer.limits_from(&far, &near);
+    assert_eq!(shimmer, Measure::Shimmer.limits(&far));
+}
+
 fn false_light(case_truth: &CaseTruth, mask: &[f32]) -> f64 {
     let truth = &case_truth.truth;
     umbrage_core::metrics::Errors::measure(truth.size, mask, &truth.visibility, &truth.pixels)
