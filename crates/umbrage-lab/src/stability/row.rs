@@ -33,7 +33,8 @@ pub struct StabilityCase {
     pub motion: Motion,
     /// What is measured.
     pub measure: Measure,
-    /// How maps are fitted. With another fit than the tight one, only techniques with a map are played.
+    /// How maps are fitted. With another fit than the tight one, only techniques with a map are played, by the limits of the tight
+    /// one: what another costs in texels is charged as error.
     pub fit: Fit,
     /// The scene that limits are taken from, if not the case's own: the same where coordinates are fine enough for truth to be
     /// traced at texels' centres. See [`Measure::limits_from`].

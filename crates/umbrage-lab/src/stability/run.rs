@@ -8,7 +8,7 @@ use super::{
     motion::{Moving, first_camera},
     play::Still,
     row::{Motion, StabilityCase, StabilityRow},
-    rows::cases,
+    rows::{cases, rows},
     settings::settings,
 };
 use crate::{LabError, compare::Backends};
@@ -91,7 +91,10 @@ impl StabilityOptions {
                 return Err(Invalid::new(
                     "row",
                     format!("there is none called `{word}`"),
-                    "use a row's number, 1 to 37, or the name of a case, such as thin-plate",
+                    format!(
+                        "use a row's number, 1 to {}, or the name of a case, such as thin-plate",
+                        rows().len()
+                    ),
                 ));
             }
         }
