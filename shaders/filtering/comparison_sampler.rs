@@ -114,6 +114,10 @@ impl<const N: usize, const STRIDE: usize, const FOLLOWS_PLANE: bool>
     /// Returns the sum, sample by sample in the order of the shader's loop.
     ///
     /// Always inlined: by itself it would be compiled without the instructions for `floor` and `mul_add`, as calls.
+    #[expect(
+        clippy::needless_range_loop,
+        reason = "one index into the places, the weights and the texels of an axis"
+    )]
     #[inline(always)]
     fn one_by_one(&self, l: &ShadowCoord, x: &Axis, y: &Axis) -> f32 {
         let columns = x.at.map(|at| texel_pair(at, self.map.size));

@@ -129,6 +129,38 @@ fn a_users_technique_is_judged_as_ours_are() {
     let judged = stability::run(&options, &mut backends, &mut |_| ()).expect("valid");
     let cells = &judged.cases[0].cells;
     assert!(cells.iter().any(|cell| cell.technique == "variance"));
+    let windows = stability::windows(&options, &mut backends, &mut |_| ()).expect("valid");
+    let bases: Vec<stability::Base> = windows.iter().map(|window| window.base).collect();
+    assert_eq!(bases, [stability::Base::Own, stability::Base::Bare]);
+    assert!(windows.iter().all(|window| window.technique == "variance"));
+}
+
+/// Its maps are fitted both ways under motion, and both its crawl and its error are judged.
+#[test]
+fn a_users_technique_moves_as_ours_do() {
+    let options = stability::StabilityOptions {
+        registry: registry(),
+        rows: vec!["hills-pan".to_owned(), "hills-pan-stable".to_owned()],
+        techniques: vec!["variance".to_owned()],
+        ..stability::StabilityOptions::quick()
+    };
+    let mut backends = Backends::of(vec![Box::new(Cpu::new())]);
+    let judged = stability::run(&options, &mut backends, &mut |_| ()).expect("valid");
+    assert_eq!(judged.cases.len(), 2);
+    for case in &judged.cases {
+        for cell in &case.cells {
+            let figures = cell.judgements().iter().filter_map(|j| j.figure);
+            assert_eq!(figures.count(), 2, "{}: {cell:?}", case.case);
+        }
+        let in_stable_fit = case.cells.iter().filter(|c| c.settings.contains("stable"));
+        let expected = if case.fit.is_empty() {
+            0
+        } else {
+            case.cells.len()
+        };
+        assert!(!case.cells.is_empty());
+        assert_eq!(in_stable_fit.count(), expected, "{}", case.case);
+    }
 }
 
 /// Among all techniques, the planner tries it on maps of all sizes.

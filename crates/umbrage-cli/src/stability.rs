@@ -13,9 +13,10 @@ use std::time::Instant;
 use umbrage_lab::{
     compare::Backends,
     stability::{
-        CaseResult, Cell, Stability, StabilityEvent, StabilityOptions, check_state, report, rows,
-        run,
+        Base, BiasWindow, CaseResult, Cell, CriterionResult, Stability, StabilityEvent,
+        StabilityOptions, Verdict, check_state, report, rows, run,
         sweeps::{self, Sweep},
+        windows,
     },
 };
 
@@ -36,10 +37,22 @@ pub(crate) fn stability(program: &Program, arguments: &StabilityArguments) -> Re
     let start = Instant::now();
     let mut stability = play(&options, &mut backends)?;
     println!("{}", matrix(&stability));
-    let [pass, degraded, fails] = stability.counts();
+    if let Some(sanity) = stability.sanity_line() {
+        println!("{sanity}");
+    }
+    println!("{}", legend(&stability));
     println!(
-        "✓ {pass} pass   ~ {degraded} degraded   ✗ {fails} fail   – not served   ! must not be"
+        "a figure in brackets is the second measure's: what a cure for the failure takes away"
     );
+    if arguments.rows.is_empty() {
+        match run_windows(&options, &mut backends) {
+            Ok(found) => stability.windows = found,
+            // The rows' results are kept; the run fails nevertheless.
+            Err(e) => stability.faults.push(format!("bias windows: {e:#}")),
+        }
+    }
+    let of_windows = stability.windows.iter().filter_map(BiasWindow::fault);
+    stability.faults.extend(of_windows.collect::<Vec<_>>());
     let mut sweeps = Vec::new();
     if arguments.rows.is_empty() && arguments.techniques.is_empty() {
         match run_sweeps(&options, &mut backends) {
@@ -55,6 +68,9 @@ pub(crate) fn stability(program: &Program, arguments: &StabilityArguments) -> Re
     stability.faults.extend(of_state);
     let folder = program.folder(arguments.out.as_deref(), "stability");
     let page = report::write(&folder, &stability, &sweeps)?;
+    if !stability.windows.is_empty() {
+        println!("{}", windows_table(&stability.windows));
+    }
     println!(
         "report: {} ({:.0} s)",
         page.display(),
@@ -103,6 +119,50 @@ fn play(options: &StabilityOptions, backends: &mut Backends) -> Result<Stability
     Ok(stability?)
 }
 
+/// Finds the windows of bias.
+fn run_windows(options: &StabilityOptions, backends: &mut Backends) -> Result<Vec<BiasWindow>> {
+    let bar = ProgressBar::new_spinner();
+    let windows = windows(options, backends, &mut |technique| {
+        bar.set_message(format!("bias window: {technique}"));
+        bar.tick();
+    });
+    bar.finish_and_clear();
+    Ok(windows?)
+}
+
+/// Returns a line for each technique: the normal offsets at which it has neither acne nor a gap.
+fn windows_table(windows: &[BiasWindow]) -> Table {
+    let mut table = Table::new();
+    table
+        .load_style(UTF8_FULL_CONDENSED)
+        .set_content_arrangement(ContentArrangement::Disabled)
+        .set_header([
+            "technique",
+            "normal offsets that pass acne and gap, beside its default bias",
+            "width, texels",
+            "alone",
+            "width, texels",
+        ]);
+    for own in windows.iter().filter(|window| window.base == Base::Own) {
+        let bare = windows
+            .iter()
+            .find(|window| window.base == Base::Bare && window.technique == own.technique);
+        let tuning = if own.needs_no_tuning() {
+            ": no tuning"
+        } else {
+            ""
+        };
+        table.add_row([
+            own.technique.clone(),
+            format!("{}{tuning}", own.words()),
+            number(own.width()),
+            bare.map_or_else(String::new, BiasWindow::words),
+            bare.map_or_else(String::new, |window| number(window.width())),
+        ]);
+    }
+    table
+}
+
 /// Runs all sweeps.
 fn run_sweeps(options: &StabilityOptions, backends: &mut Backends) -> Result<Vec<Sweep>> {
     let bar = ProgressBar::new_spinner();
@@ -114,17 +174,63 @@ fn run_sweeps(options: &StabilityOptions, backends: &mut Backends) -> Result<Vec
     Ok(sweeps?)
 }
 
+/// Returns how many cells have each verdict, beside its sign.
+fn legend(stability: &Stability) -> String {
+    let verdicts = [
+        (Verdict::Pass, "pass"),
+        (Verdict::Degraded, "degraded"),
+        (Verdict::Fails, "fail"),
+        (Verdict::NotMeasured, "not measured (could not fail)"),
+    ];
+    let mut parts = Vec::new();
+    for (verdict, what) in verdicts {
+        let count = stability.count(verdict);
+        parts.push(format!("{} {count} {what}", verdict.sign()));
+    }
+    let counts = parts.join("   ");
+    format!("{counts}   – not served   ! must not be")
+}
+
 /// Returns a case as a line for logs.
 fn line(result: &CaseResult) -> String {
     let signs: String = result.cells.iter().map(Cell::sign).collect();
     format!(
         "{:>2} {:<26} {signs}  {}",
-        result.row, result.case, result.measure
+        result.row,
+        result.case,
+        measures(result, |c| c.measure.clone()).join(", ")
     )
 }
 
-/// Returns the matrix: a line for each case, a column for each technique, in each cell a sign and a figure for each of its
-/// settings.
+/// Returns what `text` says of each of a case's criteria; that of all but the first in brackets.
+fn measures(result: &CaseResult, text: impl Fn(&CriterionResult) -> String) -> Vec<String> {
+    let mut out = Vec::new();
+    for (k, criterion) in result.criteria.iter().enumerate() {
+        out.push(bracketed(k, text(criterion)));
+    }
+    out
+}
+
+/// Returns the text as it is for a case's first criterion, and in brackets for the others.
+fn bracketed(criterion: usize, text: String) -> String {
+    if criterion == 0 {
+        text
+    } else {
+        format!("({text})")
+    }
+}
+
+/// Returns a measure's name and unit.
+fn with_unit(criterion: &CriterionResult) -> String {
+    if criterion.unit.is_empty() {
+        criterion.measure.clone()
+    } else {
+        format!("{}, {}", criterion.measure, criterion.unit)
+    }
+}
+
+/// Returns the matrix: a line for each case that tells techniques apart, a column for each technique, in each cell a sign and
+/// the figure that decides for each of its settings.
 fn matrix(stability: &Stability) -> Table {
     let techniques = stability.techniques();
     let mut table = Table::new();
@@ -134,18 +240,13 @@ fn matrix(stability: &Stability) -> Table {
     let mut head = vec!["#", "case", "measure", "pass", "fail"];
     head.extend(&techniques);
     table.set_header(head);
-    for result in &stability.cases {
-        let measure = if result.unit.is_empty() {
-            result.measure.clone()
-        } else {
-            format!("{}, {}", result.measure, result.unit)
-        };
+    for result in stability.telling() {
         let mut line = vec![
             result.row.to_string(),
             result.case.clone(),
-            measure,
-            number(result.limits.pass),
-            number(result.limits.fails),
+            measures(result, with_unit).join("\n"),
+            measures(result, |c| number(c.limits.pass)).join("\n"),
+            measures(result, |c| number(c.limits.fails)).join("\n"),
         ];
         for technique in &techniques {
             line.push(signs_and_figures(result, technique));
@@ -163,12 +264,19 @@ fn signs_and_figures(result: &CaseResult, technique: &str) -> String {
     let mut lines = Vec::new();
     for cell in result.cells.iter().filter(|c| c.technique == technique) {
         let sign = cell.sign();
-        lines.push(match cell.figure() {
-            Some(figure) => format!("{sign} {}", number(figure)),
+        lines.push(match decisive_figure(cell) {
+            Some(figure) => format!("{sign} {figure}"),
             None => sign.to_string(),
         });
     }
     lines.join("\n")
+}
+
+/// Returns the figure that decides a cell's verdict; none if there is none.
+fn decisive_figure(cell: &Cell) -> Option<String> {
+    let criterion = cell.decisive()?;
+    let figure = cell.judgements()[criterion].figure?;
+    Some(bracketed(criterion, number(figure)))
 }
 
 /// Formats a number with three significant digits, fewer below .1.
@@ -196,14 +304,16 @@ fn list() -> Table {
     ]);
     for row in rows() {
         for case in row.cases {
-            let measure = case.measure;
+            let criteria = [Some(case.measure), case.measure.opposite()];
+            let names: Vec<&str> = criteria.iter().flatten().map(|m| m.name()).collect();
+            let reasons: Vec<&str> = criteria.iter().flatten().map(|m| m.reason()).collect();
             table.add_row([
                 format!("{} {}", row.number, row.title),
                 row.weakness.to_owned(),
                 case.name.to_owned(),
                 case.motion.label().to_owned(),
-                measure.name().to_owned(),
-                measure.reason().to_owned(),
+                names.join("; "),
+                reasons.join("; "),
             ]);
         }
     }

@@ -5,8 +5,8 @@ use crate::builtin::{
     closed::{area, everywhere, point_like, room, slits},
     content::{dancer, forest, nave, night_room, street, valley},
     failures::{
-        distant, fine, lamps, nothing, penumbrae, relief, rooms, scale, shells, stairs, sunlit,
-        volumes,
+        corners, distant, facets, fine, lamps, nothing, penumbrae, projection, relief, rooms,
+        scale, shells, spots, stairs, sunlit, volumes,
     },
     figure::figure,
     speed::{hall, statue, terrain, town},
@@ -165,6 +165,11 @@ const ALL: &[SceneEntry] = &[
     failure("no-receivers", Failure::Nothing, nothing::no_receivers, "nothing receives"),
     failure("only-sky", Failure::Nothing, nothing::only_sky, "the camera sees only sky"),
     failure("tower-out-of-view", Failure::CasterOutOfView, sunlit::tower_out_of_view, "a tower beside the picture throws its shadow into it"),
+    failure("room-corner", Failure::RoomCorner, corners::room_corner, "the corner of a room, a stool and a bulb in it").by_name_only(),
+    failure("cone-rim", Failure::ConeRim, spots::cone_rim, "a spot whose rim crosses posts and their shadows").by_name_only(),
+    failure("small-lamp", Failure::SmallLight, spots::small_lamp, "a lamp of 2 mm over a lattice").by_name_only(),
+    failure("low-poly", Failure::LowPoly, facets::low_poly, "balls of 80 facets in a low sun").by_name_only(),
+    failure("hills-endless", Failure::OtherProjection, projection::hills_endless, "the hills by reversed depth without a far plane").by_name_only(),
 
     speed("hall", hall::hall, "an interior of 57,000 triangles"),
     speed("statue", statue::statue, "a model of 69,000 triangles"),

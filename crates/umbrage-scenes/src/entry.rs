@@ -97,6 +97,16 @@ pub enum Failure {
     Nothing = 29,
     /// A caster out of view whose shadow is in view: clipped away.
     CasterOutOfView = 30,
+    /// Corners of rooms: kernels and biases reach through the neighbouring wall.
+    RoomCorner = 31,
+    /// The rim of a spot's cone, where its map ends.
+    ConeRim = 32,
+    /// A light whose penumbra is narrower than a texel: a width of nearly nothing.
+    SmallLight = 33,
+    /// Few large facets near the terminator, where light grazes them.
+    LowPoly = 34,
+    /// Other renderers' projections: reversed depth, no far plane.
+    OtherProjection = 35,
 }
 
 impl Failure {

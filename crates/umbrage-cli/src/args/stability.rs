@@ -6,13 +6,14 @@ use std::path::PathBuf;
 
 #[derive(Args, Clone, Debug, PartialEq)]
 #[command(after_help = "Examples:
-  cargo xtask stability                              every row of the catalogue of failures, and all sweeps
+  cargo xtask stability                              all rows, all sweeps, all windows of bias
   cargo xtask stability --list                       the rows, and what each is judged by
   cargo xtask stability 3 12 --technique hard,pcf    two rows, two techniques
+  cargo xtask stability --technique pcf              one technique in all rows, and its window
   cargo xtask stability thin-plate --backend cpu     one case, on the CPU alone
   cargo xtask stability --quick --out look           small images and maps, in a folder of your own")]
 pub(crate) struct StabilityArguments {
-    /// Rows by number, or cases by name; none: all rows and all sweeps
+    /// Rows by number, or cases by name; none: all rows, and each technique's window of bias; without --technique all sweeps, too
     #[arg(value_name = "ROW")]
     pub(crate) rows: Vec<String>,
     /// Only these techniques; may be repeated, or separated by commas

@@ -1,6 +1,6 @@
 //! The results of a run, as plain data.
 
-use super::{Verdict, VerdictLimits};
+use super::{Verdict, VerdictLimits, window::BiasWindow};
 use serde::{Deserialize, Serialize};
 
 /// The whole matrix.
@@ -16,6 +16,8 @@ pub struct Stability {
     pub frames: u32,
     /// Rows' cases, in the list's order.
     pub cases: Vec<CaseResult>,
+    /// How much tuning each technique needs, the least first; empty if single rows were asked for.
+    pub windows: Vec<BiasWindow>,
     /// Messages about what must never happen: NaN, panics, validation errors, backends that disagree, a backend whose pictures
     /// differ after the run.
     pub faults: Vec<String>,
@@ -38,6 +40,19 @@ pub struct CaseResult {
     pub scene: String,
     /// What moves.
     pub motion: String,
+    /// How maps are fitted, as settings say it; empty for the tight fit.
+    pub fit: String,
+    /// Whether nothing shadows what is seen: then no shadow at all is right, and the case tells no technique from another.
+    pub is_sanity: bool,
+    /// What cells are judged by: the case's own measure first, then what a cure for the failure would take away.
+    pub criteria: Vec<CriterionResult>,
+    /// All settings.
+    pub cells: Vec<Cell>,
+}
+
+/// A measure and its limits on one case.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CriterionResult {
     /// What is measured.
     pub measure: String,
     /// Its unit, may be empty.
@@ -48,8 +63,6 @@ pub struct CaseResult {
     pub reason: String,
     /// The figure of a perfect map of the same size.
     pub ideal: f64,
-    /// All settings.
-    pub cells: Vec<Cell>,
 }
 
 /// One setting of a technique on one case.
@@ -72,11 +85,11 @@ pub struct Cell {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CellOutcome {
-    /// A figure in the measure's unit.
+    /// There was a mask.
     Measured {
-        /// Smaller is better.
-        figure: f64,
-        /// Against the limits.
+        /// One for each of the case's criteria, in their order.
+        judgements: Vec<Judgement>,
+        /// The worst of their verdicts.
         verdict: Verdict,
     },
     /// The technique isn't made for this scene.
@@ -91,8 +104,41 @@ pub enum CellOutcome {
     },
 }
 
+/// A cell's figure by one criterion.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Judgement {
+    /// In the measure's unit; smaller is better. None if it is not measured.
+    pub figure: Option<f64>,
+    /// Against the limits.
+    pub verdict: Verdict,
+    /// Why it is not measured; none if it is.
+    pub reason: Option<String>,
+}
+
+impl Judgement {
+    /// Returns the judgement of what could not have failed. `reason` says why.
+    pub fn not_measured(reason: &str) -> Self {
+        Self {
+            figure: None,
+            verdict: Verdict::NotMeasured,
+            reason: Some(reason.to_owned()),
+        }
+    }
+}
+
+impl CellOutcome {
+    /// Returns the outcome of a mask with these judgements, of which there is at least one: the worst verdict counts.
+    pub fn of(judgements: Vec<Judgement>) -> Self {
+        let worst = judgements.iter().map(|judgement| judgement.verdict).max();
+        Self::Measured {
+            judgements,
+            verdict: worst.unwrap_or(Verdict::Fails),
+        }
+    }
+}
+
 impl Cell {
-    /// Returns the verdict; none if the cell isn't measured.
+    /// Returns the verdict; none without a mask.
     pub fn verdict(&self) -> Option<Verdict> {
         match self.outcome {
             CellOutcome::Measured { verdict, .. } => Some(verdict),
@@ -100,7 +146,7 @@ impl Cell {
         }
     }
 
-    /// Returns a sign that reads without color: ✓ passes, ~ degraded, ✗ fails, – not served, ! a fault.
+    /// Returns a sign that reads without color: ✓ passes, ~ degraded, ✗ fails, · not measured, – not served, ! a fault.
     pub fn sign(&self) -> char {
         match &self.outcome {
             CellOutcome::Measured { verdict, .. } => verdict.sign(),
@@ -109,28 +155,65 @@ impl Cell {
         }
     }
 
-    /// Returns the figure; none if the cell isn't measured.
+    /// Returns the figure of the case's own measure; none if that isn't measured.
     pub fn figure(&self) -> Option<f64> {
-        match self.outcome {
-            CellOutcome::Measured { figure, .. } => Some(figure),
-            _ => None,
+        self.judgements().first()?.figure
+    }
+
+    /// Returns the judgement of each of the case's criteria; empty without a mask.
+    pub fn judgements(&self) -> &[Judgement] {
+        match &self.outcome {
+            CellOutcome::Measured { judgements, .. } => judgements,
+            _ => &[],
         }
+    }
+
+    /// Returns the index of the criterion that decides: the first with the worst verdict. None without a mask.
+    pub fn decisive(&self) -> Option<usize> {
+        let verdict = self.verdict()?;
+        self.judgements()
+            .iter()
+            .position(|judgement| judgement.verdict == verdict)
     }
 }
 
 impl Stability {
-    /// Returns the numbers of cells that pass, are degraded, and fail.
-    pub fn counts(&self) -> [usize; 3] {
-        let mut counts = [0; 3];
-        for cell in self.cases.iter().flat_map(|case| &case.cells) {
-            match cell.verdict() {
-                Some(Verdict::Pass) => counts[0] += 1,
-                Some(Verdict::Degraded) => counts[1] += 1,
-                Some(Verdict::Fails) => counts[2] += 1,
-                None => {}
-            }
+    /// Returns the number of cells with a verdict, of the cases that tell techniques apart.
+    pub fn count(&self, verdict: Verdict) -> usize {
+        let cells = self.telling().flat_map(|case| &case.cells);
+        cells.filter(|cell| cell.verdict() == Some(verdict)).count()
+    }
+
+    /// Returns the cases that tell techniques apart.
+    pub fn telling(&self) -> impl Iterator<Item = &CaseResult> {
+        self.cases.iter().filter(|case| !case.is_sanity)
+    }
+
+    /// Returns the sanity cases, in which nothing shadows what is seen, as one line; none if there are none.
+    pub fn sanity_line(&self) -> Option<String> {
+        let cases: Vec<&CaseResult> = self.cases.iter().filter(|case| case.is_sanity).collect();
+        let mut failing = Vec::new();
+        for case in &cases {
+            let not_passing = case.cells.iter().filter(|cell| {
+                let is_measured = cell.verdict().is_some();
+                let is_fault = matches!(cell.outcome, CellOutcome::Fault { .. });
+                is_fault || is_measured && cell.verdict() != Some(Verdict::Pass)
+            });
+            failing.extend(
+                not_passing
+                    .map(|cell| format!("{}: {} ({})", case.case, cell.technique, cell.settings)),
+            );
         }
-        counts
+        let count = cases.len();
+        let noun = if count == 1 { "case" } else { "cases" };
+        match (count, failing.is_empty()) {
+            (0, _) => None,
+            (_, true) => Some(format!("{count} sanity {noun}: all pass")),
+            (_, false) => Some(format!(
+                "{count} sanity {noun}, of which these do not pass: {}",
+                failing.join("; ")
+            )),
+        }
     }
 
     /// Returns the names of all techniques, in the order of their first cell.

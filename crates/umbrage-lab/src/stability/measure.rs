@@ -4,6 +4,7 @@ use super::{
     VerdictLimits,
     case_truth::CaseTruth,
     measures::{
+        band::{self, Band},
         cube_seams, edge, gap,
         gap::Contact,
         open,
@@ -16,7 +17,8 @@ use umbrage_core::{
     metrics::{Errors, Pixel},
 };
 
-/// A measure of one case: smaller is better, and 0 is truth's own.
+/// A measure of one case: smaller is better, and 0 is truth's own. Some see one kind of error alone, false shadow or false
+/// light; [`Measure::opposite`] is then the other side.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Measure {
     /// [`open::acne`].
@@ -25,6 +27,8 @@ pub enum Measure {
     AcneByDistance,
     /// [`open::leak`].
     Leak,
+    /// [`open::lost_shadow`].
+    LostShadow,
     /// [`open::wrong`].
     Wrong,
     /// RMSE over all pixels that count.
@@ -39,6 +43,8 @@ pub enum Measure {
     EdgeDisplacement,
     /// [`cube_seams::wrong_within`] two texels of a cube's seams.
     Seams,
+    /// [`band::wrong_within`] a part of the picture.
+    WrongNear(Band),
     /// [`penumbra::rmse`].
     PenumbraRmse,
     /// [`penumbra::ShadowPlaces::widths`]: the mean over all casters of how far the ratio is from 1.
@@ -79,6 +85,7 @@ impl Measure {
             Self::Acne => "acne",
             Self::AcneByDistance => "acne in the worst bin of distance",
             Self::Leak => "leak",
+            Self::LostShadow => "lost shadow",
             Self::Wrong => "wrong away from edges",
             Self::Rmse => "RMSE",
             Self::Gap(_) => "gap",
@@ -86,6 +93,8 @@ impl Measure {
             Self::LeakAround(..) => "leak around the contacts",
             Self::EdgeDisplacement => "edge displacement",
             Self::Seams => "wrong on seams",
+            Self::WrongNear(Band::Creases { .. }) => "wrong along creases",
+            Self::WrongNear(Band::ConeRim { .. }) => "wrong along the rim",
             Self::PenumbraRmse => "RMSE in penumbrae",
             Self::PenumbraWidth => "penumbra width error",
             Self::AllLit => "darkened though nothing shadows",
@@ -93,6 +102,30 @@ impl Measure {
             Self::Fill => "fill",
             Self::Shimmer => "shimmer",
             Self::ChangeError => "change unlike truth's",
+        }
+    }
+
+    /// Returns what pays for a cure of the failure that is measured: lost shadow for acne, acne for leaks and gaps, and RMSE
+    /// where no shadow at all would be perfect. None for measures that charge false shadow and false light alike.
+    pub fn opposite(&self) -> Option<Self> {
+        match self {
+            Self::Acne | Self::AcneByDistance => Some(Self::LostShadow),
+            Self::Leak
+            | Self::LostShadow
+            | Self::Gap(_)
+            | Self::ContactLeak(..)
+            | Self::LeakAround(..) => Some(Self::Acne),
+            Self::ScaleDrift(_) | Self::Fill | Self::Shimmer | Self::ChangeError => {
+                Some(Self::Rmse)
+            }
+            Self::Wrong
+            | Self::Rmse
+            | Self::EdgeDisplacement
+            | Self::Seams
+            | Self::WrongNear(_)
+            | Self::PenumbraRmse
+            | Self::PenumbraWidth
+            | Self::AllLit => None,
         }
     }
 
@@ -115,7 +148,7 @@ impl Measure {
     pub fn reason(&self) -> &'static str {
         match self {
             Self::Acne | Self::AcneByDistance | Self::Leak | Self::Wrong => {
-                "away from edges nothing may be wrong: one pixel in a thousand strays unseen, one in a hundred is a patch"
+                "away from edges nothing may be wrong: one pixel in a thousand strays unseen, one in a hundred is a patch; both beyond twice a perfect map's"
             }
             Self::Rmse => {
                 "twice a perfect map's of this size, and a step of 255; fails at four times that, or near no shadow"
@@ -123,7 +156,10 @@ impl Measure {
             Self::Gap(_) => {
                 "twice a perfect map's of this size, and a row of pixels; fails at four times that, or near no shadow"
             }
-            Self::ContactLeak(..) | Self::LeakAround(..) => {
+            Self::LostShadow => {
+                "twice a perfect map's of this size, and one dark pixel in a hundred; fails at four times that, or near no shadow"
+            }
+            Self::ContactLeak(..) | Self::LeakAround(..) | Self::WrongNear(_) => {
                 "twice a perfect map's of this size, and one pixel in a hundred there; fails at four times that, or near no shadow"
             }
             Self::EdgeDisplacement => {
@@ -164,6 +200,7 @@ impl Measure {
                 &receivers.distance,
             )),
             Self::Leak => open::leak(mask, truth, open),
+            Self::LostShadow => open::lost_shadow(mask, truth, counts),
             Self::Wrong => open::wrong(mask, truth, open),
             Self::Rmse | Self::ScaleDrift(_) => rmse(case_truth, mask),
             Self::Gap(contact) => 1e3 * contact.gap(mask, truth, receivers, counts),
@@ -179,6 +216,9 @@ impl Measure {
             Self::Seams => {
                 cube_seams::wrong_within(mask, truth, |i| counts(i) && on_seam(case_truth, i))
             }
+            Self::WrongNear(part) => band::wrong_within(mask, truth, |i| {
+                counts(i) && is_in_band(case_truth, part, i)
+            }),
             Self::PenumbraRmse => penumbra::rmse(mask, truth, counts),
             Self::PenumbraWidth => {
                 let places = shadow_places(case_truth);
@@ -196,18 +236,20 @@ impl Measure {
         let counts = |i: usize| case_truth.counts(i);
         let ideal = self.figure(case_truth, &case_truth.ideal);
         // Computed on use only: not all measures need it.
-        let without_shadow = || {
-            let all_lit = vec![1.0; case_truth.ideal.len()];
-            self.figure(case_truth, &all_lit)
-        };
+        let without_shadow = || self.without_shadow(case_truth);
         match *self {
-            Self::Acne | Self::AcneByDistance | Self::Leak | Self::Wrong => SHARE,
+            Self::Acne | Self::AcneByDistance | Self::Leak | Self::Wrong => {
+                SHARE.beyond(2.0 * ideal)
+            }
             Self::Rmse => VerdictLimits::over_ideal(ideal, STEP).below(without_shadow()),
             Self::Gap(contact) => {
                 let pixel = contact.pixel(&case_truth.truth.receivers, NEAR_CONTACT, counts);
                 VerdictLimits::over_ideal(ideal, 1e3 * pixel).below(without_shadow())
             }
-            Self::ContactLeak(..) | Self::LeakAround(..) => {
+            Self::LostShadow
+            | Self::ContactLeak(..)
+            | Self::LeakAround(..)
+            | Self::WrongNear(_) => {
                 VerdictLimits::over_ideal(ideal, BAND_SHARE).below(without_shadow())
             }
             Self::EdgeDisplacement => {
@@ -224,6 +266,26 @@ impl Measure {
                 VerdictLimits::new(STEP, super::verdict::FAILS_AT * STEP)
             }
             Self::Fill => VerdictLimits::new(4.0 * SCREEN, 16.0 * SCREEN),
+        }
+    }
+}
+
+impl Measure {
+    /// Returns the figure of no shadow at all: of a mask that is lit all over.
+    pub fn without_shadow(&self, case_truth: &CaseTruth) -> f64 {
+        let all_lit = vec![1.0; case_truth.ideal.len()];
+        self.figure(case_truth, &all_lit)
+    }
+
+    /// Returns where the figure passes and fails, taken from truth about another scene: its limits in proportion to what no
+    /// shadow at all would cost here and there. Where that costs nothing there, the limits are the case's own.
+    pub fn limits_from(&self, case_truth: &CaseTruth, elsewhere: &CaseTruth) -> VerdictLimits {
+        let there = self.without_shadow(elsewhere);
+        if there > 0.0 {
+            let here = self.without_shadow(case_truth);
+            self.limits(elsewhere).times(here / there)
+        } else {
+            self.limits(case_truth)
         }
     }
 }
@@ -266,6 +328,13 @@ fn on_seam(case_truth: &CaseTruth, i: usize) -> bool {
     let light = case_truth.lights.first().and_then(Light::position);
     let from_light = case_truth.truth.receivers.position(i) - light.unwrap_or_default();
     cube_seams::on_seam(from_light, case_truth.map_size, SEAM_TEXELS)
+}
+
+/// Whether a pixel shows a point of a band, under the first light.
+fn is_in_band(case_truth: &CaseTruth, part: Band, i: usize) -> bool {
+    let position = case_truth.truth.receivers.position(i);
+    let light = case_truth.lights.first();
+    light.is_some_and(|light| part.holds(light, position))
 }
 
 /// Places along each caster's upright axis.

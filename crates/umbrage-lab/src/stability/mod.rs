@@ -3,8 +3,11 @@
 //!
 //! * [`rows`]: the one list of rows. [`Measure`] says what each is judged by, [`VerdictLimits`] where it passes and fails.
 //! * [`run`]: plays them. [`Stability`]: what comes out.
+//! * [`Criterion`]: a measure with its limits. Most cases have two, one for the failure and one for what its cure takes away,
+//!   so that no bias is free; the worse verdict counts.
 //! * [`measures`]: the measures as plain functions. [`CaseTruth`]: truth, and what a *perfect map* of the same size would
 //!   show, which limits are taken from.
+//! * [`windows`]: by how much each technique's bias may be off, in texels: how much tuning it needs.
 //! * [`sweeps`]: one number turned from too little to too much. [`report`]: a page, a picture, a table, data.
 //!
 //! Limits are never tuned to results. They come from what edge aliasing alone must cause on a map of that size, from what
@@ -13,11 +16,13 @@
 mod all_backends;
 mod case_truth;
 mod cell;
+mod criterion;
 mod guard;
 mod measure;
 pub mod measures;
 mod motion;
 mod pictures;
+mod pixel_shift;
 mod play;
 pub mod report;
 mod row;
@@ -27,9 +32,11 @@ mod settings;
 pub mod sweeps;
 pub mod texels;
 mod verdict;
+mod window;
 
 pub use case_truth::{CaseTruth, OPEN_TEXELS, without_extent};
-pub use cell::{CaseResult, Cell, CellOutcome, Stability};
+pub use cell::{CaseResult, Cell, CellOutcome, CriterionResult, Judgement, Stability};
+pub use criterion::Criterion;
 pub use guard::is_as_new;
 pub use measure::Measure;
 pub use motion::{MotionFrame, Moving};
@@ -38,6 +45,7 @@ pub use rows::{PLATE, cases, rows};
 pub use run::{StabilityEvent, StabilityOptions, case_truth, check_state, run};
 pub use settings::settings;
 pub use verdict::{FAILS_AT, Verdict, VerdictLimits};
+pub use window::{Base, BiasWindow, windows};
 
 #[cfg(test)]
 mod tests;

@@ -1,12 +1,11 @@
 //! Plays still cases: one setting against a case's truth, on every backend.
 
 use super::{
-    Cell, CellOutcome, Verdict, VerdictLimits, all_backends,
+    Cell, CellOutcome, Criterion, Judgement, Verdict, all_backends,
     case_truth::CaseTruth,
     guard::{self, NoMask},
     measure::{Measure, SCREEN, rmse},
     pictures,
-    row::StabilityCase,
 };
 use crate::{LabError, compare::Backends};
 use umbrage_core::{Camera, Light, Recipe, ShadowTechnique, View, Work};
@@ -14,11 +13,10 @@ use umbrage_core::{Camera, Light, Recipe, ShadowTechnique, View, Work};
 /// A still case, ready to be played.
 #[derive(Debug)]
 pub(super) struct Still<'a> {
-    pub(super) case: &'a StabilityCase,
     pub(super) case_truth: &'a CaseTruth,
     /// The same scene at scale 1, for [`Measure::ScaleDrift`].
     pub(super) reference: Option<&'a CaseTruth>,
-    pub(super) limits: VerdictLimits,
+    pub(super) criteria: &'a [Criterion],
 }
 
 /// A mask, and what else is measured of its rendering.
@@ -26,8 +24,13 @@ struct RenderedOnAll {
     mask: Vec<f32>,
     /// Fragments that casts draw, millions, for a picture of [`SCREEN`].
     fill: f64,
+    /// Whether anything is drawn.
+    casts: bool,
     disagreeing: Option<u64>,
 }
+
+/// Why fill is not measured of what draws nothing.
+const CASTS_NOTHING: &str = "it draws nothing; `compare` tells what its rays cost";
 
 impl Still<'_> {
     /// Plays one setting and returns its cell.
@@ -40,30 +43,34 @@ impl Still<'_> {
             Ok(played) => played,
             Err(why) => return Ok(no_mask(technique, why)),
         };
-        let figure = match self.figure(&played, technique, backends) {
-            Ok(figure) => figure,
-            Err(why) => return Ok(no_mask(technique, why)),
-        };
-        let verdict = self.limits.judge(figure);
-        let picture = match verdict {
-            Verdict::Pass => None,
-            _ => Some(pictures::beside(self.case_truth, &played.mask)?),
-        };
-        Ok(Cell {
-            picture,
-            disagreeing: played.disagreeing,
-            ..cell(technique, CellOutcome::Measured { figure, verdict })
-        })
+        let mut judgements = Vec::new();
+        for criterion in self.criteria {
+            if criterion.measure == Measure::Fill && !played.casts {
+                judgements.push(Judgement::not_measured(CASTS_NOTHING));
+                continue;
+            }
+            match self.figure(criterion.measure, &played, technique, backends) {
+                Ok(figure) => judgements.push(criterion.limits.judgement(figure)),
+                Err(why) => return Ok(no_mask(technique, why)),
+            }
+        }
+        let mut out = cell(technique, CellOutcome::of(judgements));
+        out.disagreeing = played.disagreeing;
+        if out.verdict() > Some(Verdict::NotMeasured) {
+            out.picture = Some(pictures::beside(self.case_truth, &played.mask)?);
+        }
+        Ok(out)
     }
 
-    /// Returns the case's figure of a rendering. For a comparison with scale 1, plays the technique there, too.
+    /// Returns a measure's figure of a rendering. For a comparison with scale 1, plays the technique there, too.
     fn figure(
         &self,
+        measure: Measure,
         played: &RenderedOnAll,
         technique: &dyn ShadowTechnique,
         backends: &mut Backends,
     ) -> Result<f64, NoMask> {
-        match (self.case.measure, self.reference) {
+        match (measure, self.reference) {
             (Measure::Fill, _) => Ok(played.fill),
             (Measure::ScaleDrift(_), Some(reference)) => {
                 let at_one = play(reference, technique, backends)?;
@@ -124,6 +131,7 @@ impl RenderedOnAll {
             *sum += visibility;
         }
         self.fill += other.fill;
+        self.casts |= other.casts;
         self.disagreeing = all_backends::sum(self.disagreeing, other.disagreeing);
         self
     }
@@ -142,6 +150,7 @@ fn under(
     Ok(RenderedOnAll {
         mask: rendered.mask,
         fill: fill(&recipe, &view),
+        casts: !recipe.casts.is_empty(),
         disagreeing: rendered.disagreeing,
     })
 }

@@ -1,6 +1,7 @@
 //! The types of the catalogue of failures: rows and their cases.
 
 use super::measure::Measure;
+use umbrage_core::Fit;
 use umbrage_scenes::SceneEntry;
 use umbrage_techniques::ConfiguredTechniques;
 
@@ -32,6 +33,12 @@ pub struct StabilityCase {
     pub motion: Motion,
     /// What is measured.
     pub measure: Measure,
+    /// How maps are fitted. With another fit than the tight one, only techniques with a map are played, by the limits of the tight
+    /// one: what another costs in texels is charged as error.
+    pub fit: Fit,
+    /// The scene that limits are taken from, if not the case's own: the same where coordinates are fine enough for truth to be
+    /// traced at texels' centres. See [`Measure::limits_from`].
+    pub limits_from: Option<&'static str>,
     /// Settings tried beside those of the registry, for this map size.
     pub extra: Option<fn(map_size: u32) -> ConfiguredTechniques>,
 }
@@ -49,6 +56,10 @@ pub enum Motion {
     Widening,
     /// The sun turns by .25 degree a frame about the vertical.
     Sun,
+    /// All that casts but the first thing of the scene, its ground, moves along x by 1.37 texels of the map a frame.
+    Casters,
+    /// The camera's projection is moved by parts of a pixel, another way in each frame, as temporal antialiasing does.
+    Jitter,
 }
 
 impl Motion {
@@ -60,7 +71,21 @@ impl Motion {
             Self::Yaw => "camera yaws by .1 degree a frame",
             Self::Widening => "field of view opens from 75 to 90 degrees",
             Self::Sun => "sun turns by .25 degree a frame",
+            Self::Casters => "casters move by 1.37 texels a frame",
+            Self::Jitter => "projection jitters within a pixel",
         }
+    }
+}
+
+impl Motion {
+    /// Whether true shadows move; else the camera does.
+    pub const fn moves_shadows(self) -> bool {
+        matches!(self, Self::Sun | Self::Casters)
+    }
+
+    /// Whether the camera's pictures show points at other pixels from frame to frame.
+    pub fn moves_pixels(self) -> bool {
+        matches!(self, Self::Pan | Self::Yaw | Self::Widening)
     }
 }
 
@@ -73,13 +98,15 @@ impl StabilityCase {
             lights: 1,
             motion: Motion::Still,
             measure,
+            fit: Fit::Tight,
+            limits_from: None,
             extra: None,
         }
     }
 
-    /// A moving scene. While the light stands still nothing may change; under a moving sun as much may change as in truth.
+    /// A moving scene. While light and casters stand still nothing may change; else as much may change as in truth.
     pub(super) const fn moving(name: &'static str, scene: &'static str, motion: Motion) -> Self {
-        let measure = if matches!(motion, Motion::Sun) {
+        let measure = if motion.moves_shadows() {
             Measure::ChangeError
         } else {
             Measure::Shimmer
@@ -94,6 +121,23 @@ impl StabilityCase {
     /// The same case under another name: a scene with two measures.
     pub(super) const fn named(self, name: &'static str) -> Self {
         Self { name, ..self }
+    }
+
+    /// Returns the case under another name, with maps whose fit moves by whole texels: [`Fit::Stable`], also for `range`.
+    pub(super) const fn stable(self, name: &'static str, range: f32) -> Self {
+        Self {
+            name,
+            fit: Fit::Stable { range },
+            ..self
+        }
+    }
+
+    /// Returns the case with the limits of another scene: [`StabilityCase::limits_from`].
+    pub(super) const fn limits_from(self, scene: &'static str) -> Self {
+        Self {
+            limits_from: Some(scene),
+            ..self
+        }
     }
 
     /// Returns the case with settings tried beside those of the registry: [`StabilityCase::extra`].

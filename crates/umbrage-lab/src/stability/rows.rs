@@ -2,13 +2,12 @@
 
 use super::{
     measure::Measure,
-    measures::gap::Contact,
+    measures::{band::Band, gap::Contact},
     row::{Motion, StabilityCase, StabilityRow},
 };
 use glam::Vec3;
 use std::sync::Arc;
-use umbrage_core::Fit;
-use umbrage_techniques::{Bias, ConfiguredTechniques, Hard, MapFormat, Pcf, ShadowMap};
+use umbrage_techniques::{Bias, ConfiguredTechniques, Hard, MapFormat, ShadowMap};
 
 /// All rows, by number.
 pub fn rows() -> &'static [StabilityRow] {
@@ -47,8 +46,26 @@ const RING_WIDTH: f32 = 0.10;
 /// Distance from a foot's middle up to which leaks are measured, metres.
 const LEAK_RADIUS: f32 = FOOT_RADIUS + RING_WIDTH;
 
+/// Width of the strips on either side of the creases of `room-corner`, metres: some ten texels.
+const CREASE_WIDTH: f32 = 0.08;
+/// The creases of `room-corner`'s walls, from their corner as far as they are seen; a test compares them with the scene.
+const CREASES: Band = Band::Creases {
+    lines: &[
+        [Vec3::ZERO, Vec3::new(4.0, 0.0, 0.0)],
+        [Vec3::ZERO, Vec3::new(0.0, 3.0, 0.0)],
+        [Vec3::ZERO, Vec3::new(0.0, 0.0, 4.0)],
+    ],
+    reach: CREASE_WIDTH,
+};
+/// The outermost tenth of a spot's cone.
+const RIM: Band = Band::ConeRim { share: 0.9 };
+
 const fn still(scene: &'static str, measure: Measure) -> StabilityCase {
     StabilityCase::still(scene, measure)
+}
+
+const fn moving(name: &'static str, scene: &'static str, motion: Motion) -> StabilityCase {
+    StabilityCase::moving(name, scene, motion)
 }
 
 const fn row(
@@ -119,34 +136,23 @@ fn hard_leaky_bias(size: u32) -> ConfiguredTechniques {
     )
 }
 
-/// Returns [`stable_fit`] for views a few metres deep.
-fn stable_fit_near(size: u32) -> ConfiguredTechniques {
-    stable_fit(size, 8.0)
-}
+/// How deep stable fits reach in views a few metres deep, metres.
+const NEARBY: f32 = 8.0;
+/// How deep they reach in landscapes.
+const LANDSCAPE: f32 = 160.0;
 
-/// Returns [`stable_fit`] for landscapes.
-fn stable_fit_far(size: u32) -> ConfiguredTechniques {
-    stable_fit(size, 160.0)
-}
-
-/// Returns hard and filtered shadows from maps whose fit moves by whole texels: see [`Fit::Stable`], also for `range`.
-fn stable_fit(size: u32, range: f32) -> ConfiguredTechniques {
-    let map = ShadowMap {
-        size,
-        fit: Fit::Stable { range },
-        bias: Bias::SLOPE,
-        ..ShadowMap::default()
-    };
-    let follows = ShadowMap {
-        bias: Bias::ADAPTIVE,
-        ..map
-    };
-    vec![
-        Arc::new(Hard { map }),
-        Arc::new(Hard { map: follows }),
-        Arc::new(Pcf { map, radius: 1 }),
-    ]
-}
+const FENCE_PAN: StabilityCase = moving("fence-pan", "fence", Motion::Pan);
+const HILLS_PAN: StabilityCase = moving("hills-pan", "hills", Motion::Pan);
+const HILLS_1E5_PAN: StabilityCase =
+    moving("hills-1e5-pan", "hills-1e5", Motion::Pan).limits_from("hills");
+const HILLS_1E6_PAN: StabilityCase =
+    moving("hills-1e6-pan", "hills-1e6", Motion::Pan).limits_from("hills");
+const HILLS_YAW: StabilityCase = moving("hills-yaw", "hills", Motion::Yaw);
+const HILLS_FOV: StabilityCase = moving("hills-fov", "hills", Motion::Widening);
+const HILLS_SUN: StabilityCase = moving("hills-sun", "hills", Motion::Sun);
+const HILLS_ENDLESS_PAN: StabilityCase = moving("hills-endless-pan", "hills-endless", Motion::Pan);
+const HILLS_CASTERS: StabilityCase = moving("hills-casters", "hills", Motion::Casters);
+const HILLS_JITTER: StabilityCase = moving("hills-jitter", "hills", Motion::Jitter);
 
 const MOMENTS: &str = "moment maps (VSM, EVSM, MSM)";
 const WARPS: &str = "perspective warps";
@@ -180,21 +186,23 @@ const ROWS: &[StabilityRow] = &[
         still("hovering-feet", Measure::LeakAround(&FEET, LEAK_RADIUS)),
     ]).not_covered_yet("exponential maps (EVSM)"),
     row(9, "fine detail", "wires as thin as a texel come and go", &[
-        still("fence", Measure::Rmse), StabilityCase::moving("fence-pan", "fence", Motion::Pan).also(stable_fit_near),
+        still("fence", Measure::Rmse), FENCE_PAN, FENCE_PAN.stable("fence-pan-stable", NEARBY),
     ]).not_covered_yet("alpha-tested casters"),
     row(10, "landscape", "texels far larger than pixels nearby, a fit that follows the camera", &[
-        still("hills", Measure::Rmse), StabilityCase::moving("hills-pan", "hills", Motion::Pan).also(stable_fit_far),
+        still("hills", Measure::Rmse), HILLS_PAN, HILLS_PAN.stable("hills-pan-stable", LANDSCAPE),
     ]).not_covered_yet(CASCADES),
     row(11, "far from the origin", "positions and fits are coarse in 32 bits at 1e5 and 1e6 m", &[
-        StabilityCase::moving("hills-1e5-pan", "hills-1e5", Motion::Pan).also(stable_fit_far),
-        StabilityCase::moving("hills-1e6-pan", "hills-1e6", Motion::Pan).also(stable_fit_far),
+        still("hills-1e5", Measure::Rmse).limits_from("hills"),
+        HILLS_1E5_PAN, HILLS_1E5_PAN.stable("hills-1e5-pan-stable", LANDSCAPE),
+        still("hills-1e6", Measure::Rmse).limits_from("hills"),
+        HILLS_1E6_PAN, HILLS_1E6_PAN.stable("hills-1e6-pan-stable", LANDSCAPE),
     ]),
     row(12, "turning camera", "a fit that isn't stabilised changes with every frame", &[
-        StabilityCase::moving("hills-yaw", "hills", Motion::Yaw).also(stable_fit_far),
-        StabilityCase::moving("hills-fov", "hills", Motion::Widening).also(stable_fit_far),
+        HILLS_YAW, HILLS_YAW.stable("hills-yaw-stable", LANDSCAPE),
+        HILLS_FOV, HILLS_FOV.stable("hills-fov-stable", LANDSCAPE),
     ]),
     row(13, "turning sun", "texels turn with the light and crawl along edges; or the shadow lags the light", &[
-        StabilityCase::moving("hills-sun", "hills", Motion::Sun).also(stable_fit_far),
+        HILLS_SUN, HILLS_SUN.stable("hills-sun-stable", LANDSCAPE),
     ]),
     row(14, "into the light", "looking into the sun: the map is coarse where the picture is fine", &[
         still("into-light", Measure::Rmse),
@@ -248,6 +256,28 @@ const ROWS: &[StabilityRow] = &[
     row(30, "caster out of view", "a tower beside the picture throws its shadow into it", &[
         still("tower-out-of-view", Measure::Leak),
     ]),
+    row(31, "room corners", "kernels and biases reach through the neighbouring wall: dark or bright lines along creases", &[
+        still("room-corner", Measure::WrongNear(CREASES)),
+    ]),
+    row(32, "rim of a cone", "a spot's map ends where its light does: kernels look beyond it", &[
+        still("cone-rim", Measure::WrongNear(RIM)),
+    ]),
+    row(33, "small light", "a penumbra narrower than a texel: nearly no width to search or filter in", &[
+        still("small-lamp", Measure::Rmse),
+    ]),
+    row(34, "low-poly terminator", "light grazes whole facets: acne on the last that face it, leaks on the first that do not", &[
+        still("low-poly", Measure::Acne),
+    ]),
+    row(35, "other projections", "depth is reversed and without end: near and far are taken for one another, or for infinite", &[
+        still("hills-endless", Measure::Rmse),
+        HILLS_ENDLESS_PAN, HILLS_ENDLESS_PAN.stable("hills-endless-pan-stable", LANDSCAPE),
+    ]),
+    row(36, "moving casters", "a fit that goes around casters moves with them, and all other shadows crawl", &[
+        HILLS_CASTERS, HILLS_CASTERS.stable("hills-casters-stable", LANDSCAPE),
+    ]),
+    row(37, "jittered projection", "a fit that follows the picture changes with every jitter of temporal antialiasing", &[
+        HILLS_JITTER, HILLS_JITTER.stable("hills-jitter-stable", LANDSCAPE),
+    ]),
 ];
 
 #[cfg(test)]
@@ -267,6 +297,17 @@ mod tests {
             let corner = Vec3::new(corner_x, end.y, end.z);
             assert!(plate.iter().any(|v| v.distance(corner) < 1e-6), "{corner}");
             assert!(end.x.abs() < corner_x.abs(), "{end} is beside the plate");
+        }
+    }
+
+    #[test]
+    fn the_creases_are_those_of_their_room() {
+        let Band::Creases { lines, .. } = CREASES else {
+            panic!("creases are lines");
+        };
+        let room = vertices("room-corner");
+        for end in lines.iter().flatten() {
+            assert!(room.iter().any(|v| v.distance(*end) < 1e-6), "{end}");
         }
     }
 

@@ -1,19 +1,19 @@
 //! Plays all rows with all techniques.
 
 use super::{
-    CaseResult, CellOutcome, Stability,
+    CaseResult, CellOutcome, Criterion, Stability,
     case_truth::CaseTruth,
     guard,
     measure::Measure,
     motion::{Moving, first_camera},
     play::Still,
     row::{Motion, StabilityCase, StabilityRow},
-    rows::cases,
+    rows::{cases, rows},
     settings::settings,
 };
 use crate::{LabError, compare::Backends};
 use glam::UVec2;
-use umbrage_core::{Backend, Fit, Invalid};
+use umbrage_core::{Backend, Invalid};
 use umbrage_plan::truth::TruthOptions;
 use umbrage_techniques::{ConfiguredTechniques, Techniques};
 
@@ -91,7 +91,10 @@ impl StabilityOptions {
                 return Err(Invalid::new(
                     "row",
                     format!("there is none called `{word}`"),
-                    "use a row's number, 1 to 30, or the name of a case, such as thin-plate",
+                    format!(
+                        "use a row's number, 1 to {}, or the name of a case, such as thin-plate",
+                        rows().len()
+                    ),
                 ));
             }
         }
@@ -210,25 +213,34 @@ fn play_case(
     backends: &mut Backends,
 ) -> Result<CaseResult, LabError> {
     let techniques = techniques_of(case, options);
-    let limits;
+    let elsewhere = match case.limits_from {
+        Some(scene) => Some(self::case_truth(case, scene, options)?),
+        None => None,
+    };
+    let still_limits = |measure: Measure| match &elsewhere {
+        Some(elsewhere) => measure.limits_from(case_truth, elsewhere),
+        None => measure.limits(case_truth),
+    };
+    let criteria;
     let mut cells = Vec::new();
     if case.motion == Motion::Still {
-        limits = case.measure.limits(case_truth);
+        criteria = Criterion::of_case(case.measure, case_truth, still_limits);
         let reference = reference(case, options)?;
         let still = Still {
-            case,
             case_truth,
             reference: reference.as_ref(),
-            limits,
+            criteria: &criteria,
         };
         for technique in &techniques {
             cells.push(still.cell(&**technique, backends)?);
         }
     } else {
         let moving = Moving::new(case_truth, case.motion, options.frames, &options.truth)?;
-        limits = moving.limits(case.measure);
+        criteria = Criterion::of_case(case.measure, case_truth, |measure| {
+            moving.limits(measure, still_limits(measure))
+        });
         for technique in &techniques {
-            cells.push(moving.cell(&**technique, case.measure, backends)?);
+            cells.push(moving.cell(&**technique, &criteria, backends)?);
         }
     }
     Ok(CaseResult {
@@ -239,11 +251,9 @@ fn play_case(
         case: case.name.to_owned(),
         scene: case.scene.to_owned(),
         motion: case.motion.label().to_owned(),
-        measure: case.measure.name().to_owned(),
-        unit: case.measure.unit().to_owned(),
-        limits,
-        reason: case.measure.reason().to_owned(),
-        ideal: case.measure.figure(case_truth, &case_truth.ideal),
+        fit: case.fit.label(),
+        is_sanity: !case_truth.truth.has_shadow(),
+        criteria: criteria.iter().map(|c| c.result(case_truth)).collect(),
         cells,
     })
 }
@@ -266,7 +276,7 @@ fn techniques_of(case: &StabilityCase, options: &StabilityOptions) -> Configured
         &options.registry,
         &options.techniques,
         options.map_size,
-        Fit::Tight,
+        case.fit,
     );
     if let Some(extra) = case.extra {
         let wanted = extra(options.map_size)

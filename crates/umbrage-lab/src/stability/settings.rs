@@ -6,7 +6,8 @@ use umbrage_techniques::{ConfiguredTechniques, Techniques};
 
 /// Returns one or two settings of every technique of the registry (or of those named): the one that textbooks have (the first
 /// with a slope bias or a polygon offset, else the first), and the one with fewest artifacts (the last whose bias follows the
-/// receiver's plane, else the last).
+/// receiver's plane, else the last). With another fit than the tight one, techniques without a map are left out: it changes
+/// nothing for them.
 pub fn settings(
     registry: &Techniques,
     techniques: &[String],
@@ -15,6 +16,9 @@ pub fn settings(
 ) -> ConfiguredTechniques {
     let mut out = Vec::new();
     for entry in registry.all() {
+        if fit != Fit::Tight && !entry.has_map {
+            continue;
+        }
         if techniques.is_empty() || techniques.iter().any(|name| name == entry.name) {
             let all = (entry.settings)(&[map_size], fit);
             out.extend(one_or_two_of(&all));
@@ -67,6 +71,18 @@ mod tests {
                 entry.name
             );
         }
+        let stable = Fit::Stable { range: 8.0 };
+        let with_map: Vec<&str> = umbrage_techniques::all()
+            .iter()
+            .filter(|entry| entry.has_map)
+            .map(|entry| entry.name)
+            .collect();
+        let mut in_stable_fit: Vec<&str> = settings(&Techniques::built_in(), &[], 256, stable)
+            .iter()
+            .map(|t| t.name())
+            .collect();
+        in_stable_fit.dedup();
+        assert_eq!(in_stable_fit, with_map);
         let names = ["hard".to_owned()];
         let of_hard = settings(&Techniques::built_in(), &names, 256, Fit::Tight);
         let hard: Vec<String> = of_hard.iter().map(|t| t.settings()).collect();

@@ -1,13 +1,16 @@
 //! Verdicts (pass, degraded, fails) and the limits between them.
 
+use super::cell::Judgement;
 use serde::{Deserialize, Serialize};
 
-/// A figure judged against its limits.
+/// A figure judged against its limits. The order is from the best to the worst: of a cell's verdicts the greatest counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// At most the first limit.
     Pass,
+    /// The figure could not have been any other, whatever the technique does wrong: no pass.
+    NotMeasured,
     /// Between the two.
     Degraded,
     /// Above the second.
@@ -19,6 +22,7 @@ impl Verdict {
     pub fn sign(self) -> char {
         match self {
             Self::Pass => '✓',
+            Self::NotMeasured => '·',
             Self::Degraded => '~',
             Self::Fails => '✗',
         }
@@ -28,6 +32,7 @@ impl Verdict {
     pub fn word(self) -> &'static str {
         match self {
             Self::Pass => "pass",
+            Self::NotMeasured => "not measured",
             Self::Degraded => "degraded",
             Self::Fails => "fails",
         }
@@ -64,6 +69,22 @@ impl VerdictLimits {
         }
     }
 
+    /// Returns limits of which both are multiplied.
+    pub fn times(self, factor: f64) -> Self {
+        Self {
+            pass: self.pass * factor,
+            fails: self.fails * factor,
+        }
+    }
+
+    /// Returns limits of which both are higher by a figure that no map can avoid.
+    pub fn beyond(self, unavoidable: f64) -> Self {
+        Self {
+            pass: self.pass + unavoidable,
+            fails: self.fails + unavoidable,
+        }
+    }
+
     /// Returns limits that are no looser than the figure of no shadow at all, `none`, allows: a pass has at most half of that,
     /// and more than three quarters of it fail, however coarse the map.
     pub fn below(self, none: f64) -> Self {
@@ -74,6 +95,15 @@ impl VerdictLimits {
             }
         } else {
             self
+        }
+    }
+
+    /// Judges a figure, and keeps it beside the verdict.
+    pub fn judgement(&self, figure: f64) -> Judgement {
+        Judgement {
+            figure: Some(figure),
+            verdict: self.judge(figure),
+            reason: None,
         }
     }
 
@@ -102,5 +132,7 @@ mod tests {
         assert_eq!(judged, [P, P, D, D, F, F, F]);
         assert_eq!(limits.below(2.0), VerdictLimits::new(1.0, 1.5));
         assert_eq!([limits.below(100.0), limits.below(0.0)], [limits; 2]);
+        assert_eq!(limits.times(0.5), VerdictLimits::new(1.0, 4.0));
+        assert_eq!(limits.beyond(0.5), VerdictLimits::new(2.5, 8.5));
     }
 }

@@ -23,6 +23,15 @@ pub fn leak(mask: &[f32], truth: &[f32], open: &[bool]) -> f64 {
     )
 }
 
+/// Returns the lost shadow: of the pixels that count and are dark in truth (below half), the percentage that the mask has lit
+/// (above half), those beside edges included. A kernel that blurs an edge evenly leaves its half where it is, and so loses
+/// nothing; what moves, shrinks or drops a shadow does. Exactly half is on neither side: four taps give it on both sides of an
+/// edge.
+pub fn lost_shadow(mask: &[f32], truth: &[f32], counts: impl Fn(usize) -> bool) -> f64 {
+    let dark = (0..mask.len()).filter(|&i| counts(i) && truth[i] < 0.5);
+    share(dark.map(|i| mask[i] > 0.5))
+}
+
 /// Returns acne and leaks together: the percentage of the open pixels that are wrong by more than [`ERROR_THRESHOLD`].
 pub fn wrong(mask: &[f32], truth: &[f32], open: &[bool]) -> f64 {
     share(
@@ -88,6 +97,18 @@ mod tests {
             ],
             [0.0; 3]
         );
+    }
+
+    #[test]
+    fn shadow_that_shrinks_is_lost_and_shadow_that_blurs_is_not() {
+        let truth = [1.0, 1.0, 0.0, 0.0, 0.0, 0.0];
+        let lost = |mask: [f32; 6]| lost_shadow(&mask, &truth, |i| i < 5);
+        let third = 100.0 / 3.0;
+        assert_eq!(lost([1.0, 1.0, 1.0, 0.0, 0.0, 1.0]), third);
+        assert_eq!(lost([0.9, 0.6, 0.5, 0.1, 0.0, 0.0]), 0.0);
+        assert_eq!(lost([1.0; 6]), 100.0);
+        // Acne is no lost shadow.
+        assert_eq!(lost([0.0; 6]), 0.0);
     }
 
     #[test]

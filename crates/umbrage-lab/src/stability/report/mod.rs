@@ -3,14 +3,14 @@
 mod page;
 mod svg;
 
-use super::{CellOutcome, Stability, sweeps::Sweep};
+use super::{Base, CellOutcome, Stability, sweeps::Sweep};
 use crate::{
     LabError,
     output::{Folder, csv},
 };
 use std::path::{Path, PathBuf};
 
-/// Writes `index.html` (opens alone), `matrix.svg`, `matrix.csv`, `results.json`, and for each sweep an SVG and a CSV.
+/// Writes `index.html` (opens alone), `matrix.svg`, `matrix.csv`, `windows.csv`, `results.json`, and for each sweep an SVG and a CSV.
 /// Returns the page's path. The figures' files hold nothing that changes from run to run: no dates, no times.
 ///
 /// # Errors
@@ -18,6 +18,7 @@ use std::path::{Path, PathBuf};
 pub fn write(folder: &Path, stability: &Stability, sweeps: &[Sweep]) -> Result<PathBuf, LabError> {
     let out = Folder::create(folder)?;
     out.write("matrix.csv", &matrix(stability)?)?;
+    out.write("windows.csv", &windows(stability)?)?;
     out.write("matrix.svg", svg::matrix(stability).as_bytes())?;
     out.write("results.json", &json(&(stability, sweeps))?)?;
     if !sweeps.is_empty() {
@@ -36,52 +37,86 @@ fn json(data: &impl serde::Serialize) -> Result<Vec<u8>, LabError> {
     serde_json::to_vec_pretty(data).map_err(|e| LabError::write("results.json", e))
 }
 
-const HEADER: [&str; 14] = [
+const HEADER: [&str; 15] = [
     "row",
     "case",
     "scene",
     "motion",
+    "technique",
+    "settings",
+    "cell",
     "measure",
     "unit",
     "pass",
     "fails",
     "ideal",
-    "technique",
-    "settings",
     "figure",
     "verdict",
     "reason",
 ];
 
-/// Returns the matrix as CSV, a line for each cell.
+/// Returns the matrix as CSV: a line for each cell and each of the case's criteria. `cell` is the cell's verdict, the worst of
+/// its criteria's.
 fn matrix(stability: &Stability) -> Result<Vec<u8>, LabError> {
     let mut lines = Vec::new();
     for case in &stability.cases {
         for cell in &case.cells {
-            let (verdict, reason) = match &cell.outcome {
+            let (cell_verdict, reason) = match &cell.outcome {
                 CellOutcome::Measured { verdict, .. } => (verdict.word(), ""),
                 CellOutcome::Unsupported { reason } => ("unsupported", reason.as_str()),
                 CellOutcome::Fault { what } => ("fault", what.as_str()),
             };
-            lines.push([
-                case.row.to_string(),
-                case.case.clone(),
-                case.scene.clone(),
-                case.motion.clone(),
-                case.measure.clone(),
-                case.unit.clone(),
-                case.limits.pass.to_string(),
-                case.limits.fails.to_string(),
-                case.ideal.to_string(),
-                cell.technique.clone(),
-                cell.settings.clone(),
-                cell.figure().map_or_else(String::new, |f| f.to_string()),
-                verdict.to_owned(),
-                reason.to_owned(),
-            ]);
+            for (k, criterion) in case.criteria.iter().enumerate() {
+                let judgement = cell.judgements().get(k);
+                let figure = judgement.and_then(|j| j.figure);
+                let not_measured = judgement.and_then(|j| j.reason.as_deref());
+                let verdict = judgement.map_or(cell_verdict, |j| j.verdict.word());
+                lines.push([
+                    case.row.to_string(),
+                    case.case.clone(),
+                    case.scene.clone(),
+                    case.motion.clone(),
+                    cell.technique.clone(),
+                    cell.settings.clone(),
+                    cell_verdict.to_owned(),
+                    criterion.measure.clone(),
+                    criterion.unit.clone(),
+                    criterion.limits.pass.to_string(),
+                    criterion.limits.fails.to_string(),
+                    criterion.ideal.to_string(),
+                    figure.map_or_else(String::new, |f| f.to_string()),
+                    verdict.to_owned(),
+                    not_measured.unwrap_or(reason).to_owned(),
+                ]);
+            }
         }
     }
     csv::of_lines("matrix.csv", &HEADER, lines)
+}
+
+/// Returns the windows of bias as CSV, a line for each: texels, empty where no amount passes.
+fn windows(stability: &Stability) -> Result<Vec<u8>, LabError> {
+    let mut lines = Vec::new();
+    for window in &stability.windows {
+        let [from, to] = match window.passes {
+            Some(ends) => ends.map(|end| end.to_string()),
+            None => [String::new(), String::new()],
+        };
+        let base = match window.base {
+            Base::Own => "own",
+            Base::Bare => "bare",
+        };
+        lines.push([
+            window.technique.clone(),
+            window.settings.clone(),
+            base.to_owned(),
+            window.width().to_string(),
+            from,
+            to,
+        ]);
+    }
+    let header = ["technique", "settings", "base", "width", "from", "to"];
+    csv::of_lines("windows.csv", &header, lines)
 }
 
 #[cfg(test)]

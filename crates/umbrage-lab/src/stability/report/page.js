@@ -1,6 +1,6 @@
 "use strict";
 // Everything is built from text nodes, never from HTML strings, so no name can smuggle in markup.
-const { stability, pictures, sweeps } = JSON.parse(document.getElementById("data").textContent);
+const { stability, pictures, sweeps, windows, sanity } = JSON.parse(document.getElementById("data").textContent);
 const byId = (id) => document.getElementById(id);
 
 function el(tag, attributes, ...children) {
@@ -14,8 +14,13 @@ function el(tag, attributes, ...children) {
 }
 const number = (v) => (v === 0 ? "0" : Math.abs(v) < 1e-3 ? v.toExponential(1) : v.toPrecision(3));
 const withUnit = (v, unit) => `${number(v)}${unit ? ` ${unit}` : ""}`;
-const signs = { pass: "✓", degraded: "~", fails: "✗" };
+const signs = { pass: "✓", not_measured: "·", degraded: "~", fails: "✗" };
 const key = (cell) => `${cell.technique} (${cell.settings})`;
+
+// The fit is the line's, not the column's.
+for (const result of stability.cases) {
+  if (result.fit) for (const cell of result.cells) cell.settings = cell.settings.replace(`, ${result.fit}`, "");
+}
 
 // Columns: every setting of any case, each once, in order; extra settings of single cases come last of their technique.
 const columns = [];
@@ -33,8 +38,14 @@ function says(result, cell) {
   const o = cell.outcome;
   if (o.fault) return o.fault.what;
   if (o.unsupported) return `not made for it: ${o.unsupported.reason}`;
-  const { pass, fails } = result.limits;
-  return `${result.measure}: ${withUnit(o.measured.figure, result.unit)} (passes up to ${withUnit(pass, result.unit)}, fails above ${withUnit(fails, result.unit)})`;
+  return o.measured.judgements.map((judgement, k) => judged(result.criteria[k], judgement)).join("; ");
+}
+
+function judged(criterion, judgement) {
+  if (judgement.figure === null) return `${criterion.measure}: not measured: ${judgement.reason}`;
+  const { pass, fails } = criterion.limits;
+  const unit = criterion.unit;
+  return `${criterion.measure}: ${withUnit(judgement.figure, unit)} ${signs[judgement.verdict]} (passes up to ${withUnit(pass, unit)}, fails above ${withUnit(fails, unit)})`;
 }
 
 function tip(event, text) {
@@ -61,10 +72,10 @@ function detail(result, cell, picture, button) {
   const parts = [
     el("h3", {}, `${result.row} ${result.title}: ${result.case}, ${cell.technique}`),
     el("p", {}, `${sign(cell)} ${says(result, cell)}`),
-    el("p", { class: "soft" }, `Settings: ${cell.settings}. Scene: ${result.scene}, ${result.motion}. A perfect map of ${stability.map_size} texels shows ${withUnit(result.ideal, result.unit)}.`),
-    el("p", { class: "soft" }, `What fails: ${result.weakness}. Limits: ${result.reason}.`),
+    el("p", { class: "soft" }, `Settings: ${cell.settings}${result.fit ? `, ${result.fit}` : ""}. Scene: ${result.scene}, ${result.motion}. A perfect map of ${stability.map_size} texels shows ${result.criteria.map((c) => `${c.measure} ${withUnit(c.ideal, c.unit)}`).join(", ")}.`),
+    el("p", { class: "soft" }, `What fails: ${result.weakness}. Limits: ${result.criteria.map((c) => `${c.measure}: ${c.reason}`).join(". ")}.`),
     agreement,
-    picture ? el("img", { src: picture, alt: `${result.case}: ${key(cell)}` }) : el("p", { class: "soft" }, "No picture: it passes, or there is none to show."),
+    picture ? el("img", { src: picture, alt: `${result.case}: ${key(cell)}` }) : el("p", { class: "soft" }, "No picture: it passes, is not measured, or has none to show."),
     picture ? el("p", { class: "soft" }, caption) : null,
   ];
   box.replaceChildren(...parts.filter((part) => part !== null));
@@ -87,23 +98,49 @@ function matrix() {
   const short = (c) => `${c.technique}, ${c.settings.includes("bias: ") ? c.settings.split("bias: ").pop() : c.settings}`;
   const head = el("tr", {}, el("th", { class: "wide" }), el("th", { class: "wide" }, "case"), el("th", { class: "wide" }, "measure"),
     ...columns.map((c) => el("th", { title: key(c) }, el("div", {}, short(c)))));
-  const rows = stability.cases.map((result, k) => {
-    const first = k === 0 || stability.cases[k - 1].row !== result.row;
+  const telling = [...stability.cases.entries()].filter(([, result]) => !result.is_sanity);
+  const rows = telling.map(([k, result], line) => {
+    const first = line === 0 || telling[line - 1][1].row !== result.row;
     const yet = result.not_yet ? ` · ${result.not_yet}: no such technique yet` : "";
     return el("tr", { class: first ? "first" : null },
       el("td", { class: "number" }, first ? String(result.row) : ""),
       el("th", { title: `${result.title}: ${result.weakness}${yet}` }, result.case, " ", el("small", {}, result.title)),
-      el("td", { class: "measure" }, `${result.measure} ≤ ${withUnit(result.limits.pass, result.unit)}`),
+      el("td", { class: "measure" }, result.criteria.map((c) => `${c.measure} ≤ ${withUnit(c.limits.pass, c.unit)}`).join(", ")),
       ...columns.map((c) => cellOf(result, k, c)));
   });
+  byId("sanity").textContent = sanity || "";
   byId("matrix").append(el("thead", {}, head), el("tbody", {}, ...rows));
 }
 
+// How much tuning each technique needs: a line for each, a bar from the least to the greatest offset that passes.
+function tuning() {
+  if (!stability.windows.length) return;
+  const most = Math.max(...stability.windows.filter((w) => w.passes).map((w) => w.passes[1]), 1e-9);
+  const names = [...new Set(stability.windows.map((w) => w.technique))];
+  const of = (name, base) => {
+    const i = stability.windows.findIndex((w) => w.technique === name && w.base === base);
+    if (i < 0) return [el("td"), el("td")];
+    const passes = stability.windows[i].passes;
+    const bar = el("div", { class: "bar" });
+    if (passes) {
+      const [from, to] = passes.map((v) => 100 * v / most);
+      bar.append(el("div", { style: `margin-left: ${from}%; width: max(3px, ${to - from}%)` }));
+    }
+    return [el("td", {}, bar), el("td", { class: "measure" }, windows[i])];
+  };
+  byId("tuning").append(el("h2", {}, "How much tuning each technique needs"),
+    el("p", { class: "soft" }, "The normal offsets, added to a technique's bias, at which it passes both acne under a low sun and the gap at a thin plate. A window that starts at 0 needs no tuning; a wide one forgives a guess."),
+    el("div", { class: "scroll" }, el("table", {},
+      el("thead", {}, el("tr", {}, el("th", { class: "flat" }, "technique"), el("th", { class: "flat", colspan: 2 }, "added to its default bias"), el("th", { class: "flat", colspan: 2 }, "alone"))),
+      el("tbody", {}, ...names.map((name) => el("tr", {}, el("th", {}, name), ...of(name, "own"), ...of(name, "bare")))))));
+}
+
 function main() {
-  const cells = stability.cases.flatMap((c) => c.cells);
+  tuning();
+  const cells = stability.cases.filter((c) => !c.is_sanity).flatMap((c) => c.cells);
   const count = (s) => cells.filter((c) => state(c) === s).length;
   byId("lead").textContent = `${stability.cases.length} cases of ${new Set(stability.cases.map((c) => c.row)).size} known weaknesses, ${columns.length} settings, maps of ${stability.map_size} texels, `
-    + `pictures of ${stability.size.join(" x ")}, ${stability.frames} frames, on ${stability.backends.join(" and ")}: ${count("pass")} pass, ${count("degraded")} degraded, ${count("fails")} fail.`;
+    + `pictures of ${stability.size.join(" x ")}, ${stability.frames} frames, on ${stability.backends.join(" and ")}: ${count("pass")} pass, ${count("degraded")} degraded, ${count("fails")} fail, ${count("not_measured")} not measured.`;
   byId("faults").append(...stability.faults.map((f) => el("p", { class: "fault" }, f)));
   matrix();
   // The first failure that has a picture stands open, so that a stranger sees what a picture shows.

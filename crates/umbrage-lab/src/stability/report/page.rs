@@ -3,7 +3,7 @@
 use crate::{
     LabError,
     output::html::{Page, data_uri},
-    stability::{CaseResult, Stability, sweeps::Sweep},
+    stability::{BiasWindow, CaseResult, Stability, sweeps::Sweep},
 };
 use serde::Serialize;
 
@@ -17,6 +17,10 @@ struct Data<'a> {
     /// For each case, for each cell, its picture or nothing.
     pictures: Vec<Vec<Option<String>>>,
     sweeps: Vec<Chart<'a>>,
+    /// The windows of bias in words, in the order of the figures.
+    windows: Vec<String>,
+    /// The sanity cases as one line; none if there are none.
+    sanity: Option<String>,
 }
 
 #[derive(Serialize)]
@@ -39,6 +43,8 @@ pub(super) fn html(stability: &Stability, sweeps: &[Sweep]) -> Result<String, La
         stability,
         pictures,
         sweeps: charts,
+        windows: stability.windows.iter().map(BiasWindow::words).collect(),
+        sanity: stability.sanity_line(),
     };
     let page = Page {
         title: "umbrage: where shadow methods fail",

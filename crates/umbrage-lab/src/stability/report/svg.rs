@@ -2,7 +2,7 @@
 
 use crate::{
     output::html::escape,
-    stability::{CaseResult, Cell, Stability, Verdict},
+    stability::{CaseResult, Cell, CriterionResult, Stability, Verdict},
 };
 use std::fmt::Write as _;
 
@@ -13,7 +13,7 @@ const CELL_HEIGHT: usize = 19;
 /// Gap between cells, pixels.
 const CELL_GAP: usize = 2;
 /// Width left of the cells, for the names of cases, pixels.
-const LEFT: usize = 335;
+const LEFT: usize = 400;
 /// Width right of the cells, into which the last slanted column head reaches, pixels.
 const RIGHT: usize = 90;
 /// Height above the cells, for the heads of columns, pixels.
@@ -24,7 +24,7 @@ const BOTTOM: usize = 34;
 const BASELINE: usize = 14;
 
 /// What the signs mean ([`Cell::sign`]).
-const LEGEND: &str = "✓ passes   ~ degraded   ✗ fails   – not made for it; limits and figures: cargo xtask stability";
+const LEGEND: &str = "✓ passes   ~ degraded   ✗ fails   · not measured: could not fail   – not made for it; limits and figures: cargo xtask stability";
 
 /// The colors of a cell, as CSS.
 struct CellColors {
@@ -36,6 +36,7 @@ struct CellColors {
 fn colors(cell: &Cell) -> CellColors {
     let (background, ink) = match cell.verdict() {
         Some(Verdict::Pass) => ("#cfe3f5", "#134a7c"),
+        Some(Verdict::NotMeasured) => ("#e6ecf2", "#5b6675"),
         Some(Verdict::Degraded) => ("#fbe6b8", "#7a5200"),
         Some(Verdict::Fails) => ("#e58a4a", "#3d1600"),
         None if cell.sign() == '!' => ("#b3261e", "#ffffff"),
@@ -46,13 +47,19 @@ fn colors(cell: &Cell) -> CellColors {
 
 /// Returns the whole picture; empty without cases.
 pub(super) fn matrix(stability: &Stability) -> String {
-    // Some rows try more settings than others. The columns are the settings that all rows try; the page shows the rest.
-    let Some(least) = stability.cases.iter().min_by_key(|c| c.cells.len()) else {
+    let cases: Vec<&CaseResult> = stability.telling().collect();
+    // Some rows try more settings than others. The columns are the settings that all rows with the usual fit try; the page
+    // shows the rest.
+    let usual = cases.iter().filter(|case| case.fit.is_empty());
+    let least = usual.min_by_key(|case| case.cells.len());
+    let Some(least) = least.or(cases.first()) else {
         return String::new();
     };
-    let columns = least.cells.len();
-    let w = LEFT + columns * CELL_WIDTH + RIGHT;
-    let h = TOP + stability.cases.len() * CELL_HEIGHT + BOTTOM;
+    let columns: Vec<String> = least.cells.iter().map(|c| column(least, c)).collect();
+    let sanity = stability.sanity_line();
+    let sanity_height = if sanity.is_some() { CELL_HEIGHT } else { 0 };
+    let w = LEFT + columns.len() * CELL_WIDTH + RIGHT;
+    let h = TOP + cases.len() * CELL_HEIGHT + sanity_height + BOTTOM;
     let mut out = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {w} {h}\" width=\"{w}\" height=\"{h}\" \
          font-family=\"system-ui, 'Segoe UI', 'DejaVu Sans', sans-serif\" font-size=\"11.5\">\n\
@@ -61,9 +68,17 @@ pub(super) fn matrix(stability: &Stability) -> String {
     for (column, cell) in least.cells.iter().enumerate() {
         write_head(&mut out, cell, column);
     }
-    for (line, case) in stability.cases.iter().enumerate() {
-        let is_first_of_row = stability.cases[..line].iter().all(|c| c.row != case.row);
-        write_line(&mut out, case, line, columns, is_first_of_row);
+    for (line, case) in cases.iter().enumerate() {
+        let is_first_of_row = cases[..line].iter().all(|c| c.row != case.row);
+        write_line(&mut out, case, line, &columns, is_first_of_row);
+    }
+    if let Some(text) = sanity {
+        let y = TOP + cases.len() * CELL_HEIGHT + BASELINE;
+        let text = escape(&text);
+        let _ = writeln!(
+            out,
+            "<text x=\"34\" y=\"{y}\" fill=\"#1b2330\">{text}</text>"
+        );
     }
     let legend_y = h - 12;
     let _ = writeln!(
@@ -71,6 +86,21 @@ pub(super) fn matrix(stability: &Stability) -> String {
         "<text x=\"12\" y=\"{legend_y}\" fill=\"#5b6675\">{LEGEND}</text>\n</svg>"
     );
     out
+}
+
+/// Returns what a cell's column is called: the technique and its settings, but for the fit, which is the line's.
+fn column(case: &CaseResult, cell: &Cell) -> String {
+    let settings = without_fit(case, cell);
+    format!("{} ({settings})", cell.technique)
+}
+
+/// Returns a cell's settings without the case's fit.
+fn without_fit(case: &CaseResult, cell: &Cell) -> String {
+    if case.fit.is_empty() {
+        cell.settings.clone()
+    } else {
+        cell.settings.replace(&format!(", {}", case.fit), "")
+    }
 }
 
 /// Writes a column's head, slanted: the technique, and the end of its settings, in which those of one technique differ (the
@@ -87,15 +117,18 @@ fn write_head(out: &mut String, cell: &Cell, column: usize) {
     );
 }
 
-/// Writes a case's line: the row's number if it is the row's first case, the case's name, and `columns` cells.
+/// Writes a case's line: the row's number if it is the row's first case, the case's name, and the cells of these
+/// columns.
 fn write_line(
     out: &mut String,
     case: &CaseResult,
     line: usize,
-    columns: usize,
+    columns: &[String],
     is_first_of_row: bool,
 ) {
     let y = TOP + line * CELL_HEIGHT;
+    let measures: Vec<&str> = case.criteria.iter().map(|c| c.measure.as_str()).collect();
+    let measures = measures.join(", ");
     let base = y + BASELINE;
     if is_first_of_row {
         let _ = writeln!(
@@ -108,22 +141,29 @@ fn write_line(
         out,
         "<text x=\"34\" y=\"{base}\" fill=\"#1b2330\">{} <tspan fill=\"#5b6675\">{}</tspan></text>",
         escape(&case.case),
-        escape(&case.measure)
+        escape(&measures)
     );
-    for (column, cell) in case.cells.iter().take(columns).enumerate() {
-        let x = LEFT + column * CELL_WIDTH;
-        write_cell(out, cell, &case.unit, x, y);
+    for (k, name) in columns.iter().enumerate() {
+        let x = LEFT + k * CELL_WIDTH;
+        if let Some(cell) = case.cells.iter().find(|cell| column(case, cell) == *name) {
+            write_cell(out, cell, &case.criteria, x, y);
+        }
     }
 }
 
-/// Writes a cell whose top left corner is at (`x`, `y`); its tooltip says the setting and the figure, in `unit`.
-fn write_cell(out: &mut String, cell: &Cell, unit: &str, x: usize, y: usize) {
+/// Writes a cell whose top left corner is at (`x`, `y`); its tooltip says the setting and the figures.
+fn write_cell(out: &mut String, cell: &Cell, criteria: &[CriterionResult], x: usize, y: usize) {
     let CellColors { background, ink } = colors(cell);
     let technique = escape(&cell.technique);
     let settings = escape(&cell.settings);
-    let figure = cell
-        .figure()
-        .map_or_else(String::new, |figure| format!(": {figure:.3} {unit}"));
+    let mut figures = String::new();
+    for (criterion, judgement) in criteria.iter().zip(cell.judgements()) {
+        let measure = escape(&criterion.measure);
+        let _ = match judgement.figure {
+            Some(figure) => write!(figures, "; {measure}: {figure:.3} {}", criterion.unit),
+            None => write!(figures, "; {measure}: not measured"),
+        };
+    }
     let w = CELL_WIDTH - CELL_GAP;
     let h = CELL_HEIGHT - CELL_GAP;
     let center = x + CELL_WIDTH / 2 - 1;
@@ -131,7 +171,7 @@ fn write_cell(out: &mut String, cell: &Cell, unit: &str, x: usize, y: usize) {
     let sign = cell.sign();
     let _ = writeln!(
         out,
-        "<g><title>{technique} ({settings}){figure}</title>\
+        "<g><title>{technique} ({settings}){figures}</title>\
          <rect x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" rx=\"3\" fill=\"{background}\"/>\
          <text x=\"{center}\" y=\"{base}\" text-anchor=\"middle\" fill=\"{ink}\">{sign}</text></g>"
     );

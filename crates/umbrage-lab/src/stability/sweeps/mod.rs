@@ -102,7 +102,7 @@ impl Sweep {
 }
 
 /// Plays a technique under the case's first light, at point `i` of `count` of a curve.
-fn play(
+pub(super) fn play(
     case_truth: &CaseTruth,
     technique: &dyn ShadowTechnique,
     backends: &mut Backends,
@@ -120,7 +120,11 @@ fn play(
 }
 
 /// Returns the error of a sweep with a setting that could not be played.
-fn not_played(case_truth: &CaseTruth, technique: &dyn ShadowTechnique, why: &str) -> LabError {
+pub(super) fn not_played(
+    case_truth: &CaseTruth,
+    technique: &dyn ShadowTechnique,
+    why: &str,
+) -> LabError {
     LabError::NotComparable {
         scene: case_truth.scene.name.clone(),
         what: format!("{}: {why}", technique.name()),

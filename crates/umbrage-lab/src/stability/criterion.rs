@@ -1,0 +1,54 @@
+//! What a case is judged by: its own measure, and what a cure would take away.
+
+use super::{
+    VerdictLimits, case_truth::CaseTruth, cell::CriterionResult, measure::Measure, verdict::Verdict,
+};
+
+/// A measure with its limits on one case.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Criterion {
+    /// What is measured.
+    pub measure: Measure,
+    /// Where it passes and fails.
+    pub limits: VerdictLimits,
+}
+
+impl Criterion {
+    /// Returns what a case is judged by: `measure`, and its opposite ([`Measure::opposite`]) where the picture has something
+    /// to lose by it. `limits` returns a measure's limits.
+    pub fn of_case(
+        measure: Measure,
+        case_truth: &CaseTruth,
+        limits: impl Fn(Measure) -> VerdictLimits,
+    ) -> Vec<Self> {
+        let with_limits = |measure: Measure| Self {
+            measure,
+            limits: limits(measure),
+        };
+        let mut out = vec![with_limits(measure)];
+        let opposite = measure.opposite().map(with_limits);
+        // In a picture that is dark all over nothing can be acne.
+        out.extend(opposite.filter(|criterion| criterion.can_fail(case_truth)));
+        out
+    }
+
+    /// Whether a mask that is lit all over, or dark all over, fails.
+    pub fn can_fail(&self, case_truth: &CaseTruth) -> bool {
+        [0.0, 1.0].into_iter().any(|visibility: f32| {
+            let mask = vec![visibility; case_truth.ideal.len()];
+            let figure = self.measure.figure(case_truth, &mask);
+            self.limits.judge(figure) == Verdict::Fails
+        })
+    }
+
+    /// Returns the criterion as data.
+    pub(super) fn result(&self, case_truth: &CaseTruth) -> CriterionResult {
+        CriterionResult {
+            measure: self.measure.name().to_owned(),
+            unit: self.measure.unit().to_owned(),
+            limits: self.limits,
+            reason: self.measure.reason().to_owned(),
+            ideal: self.measure.figure(case_truth, &case_truth.ideal),
+        }
+    }
+}

@@ -1,0 +1,63 @@
+//! Points asked at other pixels than those that show them: what follows the pixel (a dither pattern, turned taps, random rays)
+//! then changes, and nothing else does.
+
+use umbrage_core::Receivers;
+
+/// Returns the receivers with each row moved to the right by this many pixels; what leaves on the right enters on the left.
+pub(super) fn to_the_right(receivers: &Receivers, pixels: usize) -> Receivers {
+    let mut out = receivers.clone();
+    let width = receivers.size.x;
+    for numbers in [
+        &mut out.x,
+        &mut out.y,
+        &mut out.z,
+        &mut out.nx,
+        &mut out.ny,
+        &mut out.nz,
+        &mut out.depth,
+        &mut out.distance,
+    ] {
+        rotate(numbers, width, pixels);
+    }
+    // Empty unless somebody asked for them.
+    rotate(&mut out.shading_normals, width, pixels);
+    rotate(&mut out.triangle, width, pixels);
+    rotate(&mut out.receives, width, pixels);
+    out
+}
+
+/// Moves each row of a mask of such receivers, `width` pixels wide, back to the left.
+pub(super) fn back(mask: &mut [f32], width: u32, pixels: usize) {
+    let width = width as usize;
+    for row in mask.chunks_mut(width) {
+        row.rotate_left(pixels % width);
+    }
+}
+
+fn rotate<T>(values: &mut [T], width: u32, pixels: usize) {
+    let width = width as usize;
+    for row in values.chunks_mut(width) {
+        row.rotate_right(pixels % width);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::UVec2;
+
+    #[test]
+    fn rows_move_and_come_back() {
+        let mut receivers = Receivers::empty(UVec2::new(3, 2));
+        receivers.x = vec![0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
+        receivers.receives[4] = true;
+        let moved = to_the_right(&receivers, 1);
+        assert_eq!(moved.x, [2.0, 0.0, 1.0, 5.0, 3.0, 4.0]);
+        assert!(moved.receives[5] && !moved.receives[4]);
+        let mut mask = moved.x;
+        back(&mut mask, 3, 1);
+        assert_eq!(mask, receivers.x);
+        // A whole row is no move.
+        assert_eq!(to_the_right(&receivers, 3), receivers);
+    }
+}

@@ -1,0 +1,118 @@
+//! Other backends beside the first: they must agree where they serve a recipe, and change no figure.
+
+use super::*;
+
+/// Runs one moving case with one technique beside a second backend that errs in its `k`th rendering, from 1; 0 for never.
+/// Returns the disagreement, the faults, and how often the second backend played.
+fn beside_a_faulty_backend(k: u32) -> (Option<u64>, Vec<String>, u32) {
+    let options = StabilityOptions {
+        rows: vec!["fence-pan".to_owned()],
+        techniques: vec!["traced".to_owned()],
+        ..small()
+    };
+    let played = Arc::new(AtomicU32::new(0));
+    let count = played.clone();
+    let faulty = FaultyBackend::new(move |shadows: &mut Shadows| {
+        if count.fetch_add(1, Ordering::Relaxed) + 1 == k {
+            darken_one(shadows);
+        }
+    });
+    let mut backends = Backends::of(vec![Box::new(Cpu::new()), Box::new(faulty)]);
+    let Stability { cases, faults, .. } = run(&options, &mut backends, &mut |_| {}).expect("plays");
+    (
+        cases[0].cells[0].disagreeing,
+        faults,
+        played.load(Ordering::Relaxed),
+    )
+}
+
+#[test]
+fn moving_rows_play_their_first_and_last_frame_on_every_backend() {
+    let (disagreeing, faults, played) = beside_a_faulty_backend(0);
+    let settings = played / 2;
+    assert!(
+        disagreeing == Some(0) && faults.is_empty() && played == 2 * settings && settings > 0,
+        "{faults:?}"
+    );
+    for k in [1, 2] {
+        let (disagreeing, faults, _) = beside_a_faulty_backend(k);
+        assert!(
+            disagreeing == Some(1) && faults.len() == 1,
+            "frame {k} of 2: {faults:?}"
+        );
+        assert!(
+            faults[0].contains("backends differ on 1 decided pixels"),
+            "{faults:?}"
+        );
+    }
+}
+
+/// A backend for which every map is too large.
+#[derive(Debug)]
+struct Tiny;
+
+impl Backend for Tiny {
+    fn name(&self) -> &str {
+        "tiny"
+    }
+
+    fn kind(&self) -> &'static str {
+        "tiny"
+    }
+
+    fn render(&mut self, _: &View<'_>, _: &Recipe) -> Result<Shadows, BackendError> {
+        Err(Invalid::new(
+            "map",
+            "is larger than this backend holds",
+            "make it smaller",
+        )
+        .into())
+    }
+}
+
+/// A backend that serves nothing changes no figure of the first one, and doesn't keep the rest from being checked.
+#[test]
+fn backends_that_serve_nothing_are_left_out() {
+    let options = StabilityOptions {
+        rows: vec!["fence-pan".to_owned(), "thin-plate".to_owned()],
+        techniques: vec!["hard".to_owned()],
+        ..small()
+    };
+    let cpu = || Box::new(Cpu::new()) as Box<dyn Backend>;
+    let faulty = || Box::new(FaultyBackend::new(darken_one)) as Box<dyn Backend>;
+    let cells = |playing: Vec<Box<dyn Backend>>| -> Vec<Cell> {
+        let mut backends = Backends::of(playing);
+        let stability = run(&options, &mut backends, &mut |_| {}).expect("plays");
+        stability.cases.into_iter().flat_map(|c| c.cells).collect()
+    };
+    let alone = cells(vec![cpu()]);
+    assert!(
+        alone.iter().filter(|cell| cell.figure().is_some()).count() > 2,
+        "{alone:?}"
+    );
+    let outcomes = |cells: &[Cell]| {
+        cells
+            .iter()
+            .map(|c| (c.outcome.clone(), c.disagreeing))
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(
+        outcomes(&cells(vec![cpu(), Box::new(Tiny)])),
+        outcomes(&alone)
+    );
+    let checked = cells(vec![cpu(), Box::new(Tiny), faulty()]);
+    for (cell, alone) in checked.iter().zip(&alone) {
+        assert_eq!(cell.figure(), alone.figure());
+        assert_eq!(
+            cell.disagreeing.is_some_and(|n| n > 0),
+            cell.figure().is_some(),
+            "{cell:?}"
+        );
+    }
+    // Figures are the first's: without it there are none.
+    assert!(
+        cells(vec![Box::new(Tiny), cpu()])
+            .iter()
+            .all(|cell| cell.figure().is_none())
+    );
+}

@@ -1,0 +1,379 @@
+//! How much tuning a technique needs: the window of biases at which it has neither acne nor a gap.
+//!
+//! A technique's bias gets a normal offset more, from nothing to far too much. Too little is acne under a low sun, too much parts
+//! a thin plate from its shadow and takes shadow away. The window is the widest run of amounts that pass both cases, by all of
+//! their criteria; its width in texels says by how much a guess may be off. Under [`Base::Own`] the technique keeps its default
+//! bias: a window that starts at 0 needs no tuning. Under [`Base::Bare`] the offset is all there is.
+
+use super::{
+    CaseTruth, Criterion, Measure, PLATE, StabilityCase, StabilityOptions, Verdict, all_backends,
+    guard::NoMask,
+    run::{case_truth, some_backend},
+    sweeps::{not_played, play},
+};
+use crate::{LabError, compare::Backends};
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+use umbrage_core::ShadowTechnique;
+use umbrage_techniques::{Bias, ShadowMap, TechniquePreset};
+
+/// What the offset is added to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Base {
+    /// The technique's default bias.
+    Own,
+    /// No other bias. Faces that the default leaves out stay out.
+    Bare,
+}
+
+/// The amounts of bias at which a technique, by its default settings, passes acne and gap.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BiasWindow {
+    /// The technique's name.
+    pub technique: String,
+    /// Its settings without the offset.
+    pub settings: String,
+    /// What the offset is added to.
+    pub base: Base,
+    /// The least and the greatest passing normal offset, texels; none if no amount passes.
+    pub passes: Option<[f64; 2]>,
+    /// On how many pixels backends differ, of those whose visibility doesn't depend on rounding; none with a single backend.
+    pub disagreeing: Option<u64>,
+}
+
+/// Amounts that are tried beside 0, each 1.2 times the one before. A window that lies between two of them is not found.
+const STEPS: u32 = 33;
+/// How often the way from the last passing amount to the next is halved: to a hundredth of the amount.
+const HALVINGS: u32 = 4;
+/// The least of them, texels: what rounding alone may ask for.
+const LEAST: f64 = 0.05;
+/// The greatest, texels: more than the widest kernel reaches.
+const GREATEST: f64 = 20.0;
+/// Clip depth: beside a normal offset, as much as depths are rounded by.
+const ROUNDING: f32 = 1e-5;
+
+/// The cases: the one for too little bias, and the one for too much.
+const CASES: [StabilityCase; 2] = [
+    StabilityCase::still("thin-plate", Measure::Gap(PLATE)),
+    StabilityCase::still("low-sun-5", Measure::Acne),
+];
+
+impl BiasWindow {
+    /// Returns the window's width, texels; 0 if no amount passes.
+    pub fn width(&self) -> f64 {
+        self.passes.map_or(0.0, |[from, to]| to - from)
+    }
+
+    /// Whether the technique passes as it is.
+    pub fn needs_no_tuning(&self) -> bool {
+        self.passes.is_some_and(|[from, _]| from == 0.0)
+    }
+
+    /// Returns the window in a few words: `0 to 1.9 texels`.
+    pub fn words(&self) -> String {
+        match self.passes {
+            None => "no amount passes".to_owned(),
+            Some([from, to]) if to >= GREATEST => format!("{} texels and more", short(from)),
+            Some([from, to]) => format!("{} to {} texels", short(from), short(to)),
+        }
+    }
+
+    /// Returns a message if backends disagree.
+    pub fn fault(&self) -> Option<String> {
+        let n = self.disagreeing.filter(|n| *n > 0)?;
+        Some(format!(
+            "bias window of {} ({}): backends differ on {n} decided pixels",
+            self.technique, self.settings
+        ))
+    }
+}
+
+/// Formats an amount with two significant digits.
+fn short(amount: f64) -> String {
+    match amount {
+        0.0 => "0".to_owned(),
+        a if a < 1.0 => format!("{a:.2}"),
+        a if a < 10.0 => format!("{a:.1}"),
+        a => format!("{a:.0}"),
+    }
+}
+
+/// Returns the windows of all techniques with a map that are asked for, the widest under their own bias first, with both bases of
+/// each. Techniques that don't serve both cases are left out.
+///
+/// # Errors
+/// Errors if there is no backend, a scene can't be used, or a technique's result breaks the rules (a panic, values outside 0..=1).
+pub fn windows(
+    options: &StabilityOptions,
+    backends: &mut Backends,
+    on_technique: &mut dyn FnMut(&str),
+) -> Result<Vec<BiasWindow>, LabError> {
+    some_backend(backends)?;
+    let mut stages = Vec::new();
+    for case in &CASES {
+        stages.push(Stage::new(case, options)?);
+    }
+    let mut by_technique = Vec::new();
+    for entry in options.registry.select(&options.techniques)? {
+        let preset = (entry.preset)();
+        let Some(map) = preset.map().copied() else {
+            continue;
+        };
+        on_technique(entry.name);
+        let map = ShadowMap {
+            size: options.map_size,
+            ..map
+        };
+        let mut both = Vec::new();
+        for base in [Base::Own, Base::Bare] {
+            both.extend(window(&preset, map, base, &stages, backends)?);
+        }
+        by_technique.push(both);
+    }
+    let own_width = |windows: &Vec<BiasWindow>| windows.first().map_or(0.0, BiasWindow::width);
+    by_technique.sort_by(|a, b| own_width(b).total_cmp(&own_width(a)));
+    Ok(by_technique.concat())
+}
+
+/// A case with its truth.
+struct Stage {
+    case_truth: CaseTruth,
+    criteria: Vec<Criterion>,
+}
+
+impl Stage {
+    fn new(case: &StabilityCase, options: &StabilityOptions) -> Result<Self, LabError> {
+        let case_truth = case_truth(case, case.scene, options)?;
+        let criteria = Criterion::of_case(case.measure, &case_truth, |m| m.limits(&case_truth));
+        Ok(Self {
+            case_truth,
+            criteria,
+        })
+    }
+
+    /// Whether a mask passes by all criteria.
+    fn passes(&self, mask: &[f32]) -> bool {
+        self.criteria.iter().all(|criterion| {
+            let figure = criterion.measure.figure(&self.case_truth, mask);
+            criterion.limits.judge(figure) == Verdict::Pass
+        })
+    }
+}
+
+/// Returns the amounts that are tried, texels, growing from 0.
+fn amounts() -> Vec<f64> {
+    let mut out = vec![0.0];
+    for i in 0..STEPS {
+        let t = f64::from(i) / f64::from(STEPS - 1);
+        out.push(LEAST * (GREATEST / LEAST).powf(t));
+    }
+    out
+}
+
+/// Returns a bias with a normal offset more.
+fn offset_by(own: Bias, base: Base, amount: f64) -> Bias {
+    match base {
+        Base::Own => Bias {
+            normal_offset: own.normal_offset + amount as f32,
+            ..own
+        },
+        Base::Bare => Bias {
+            normal_offset: amount as f32,
+            constant: ROUNDING,
+            cull: own.cull,
+            ..Bias::NONE
+        },
+    }
+}
+
+/// Returns a technique's window on such maps; none if it doesn't serve a case.
+fn window(
+    preset: &TechniquePreset,
+    map: ShadowMap,
+    base: Base,
+    stages: &[Stage],
+    backends: &mut Backends,
+) -> Result<Option<BiasWindow>, LabError> {
+    let mut trial = Trial {
+        preset,
+        map,
+        base,
+        stages,
+        disagreeing: None,
+    };
+    let amounts = amounts();
+    let mut passing = Vec::new();
+    for (i, &amount) in amounts.iter().enumerate() {
+        match trial.passes(amount, i, amounts.len(), backends)? {
+            Some(passes) => passing.push(passes),
+            None => return Ok(None),
+        }
+    }
+    let mut ends = widest_run(&amounts, &passing);
+    if let Some([from, to]) = &mut ends {
+        let before = amounts.iter().copied().rfind(|amount| amount < from);
+        let after = amounts.iter().copied().find(|amount| amount > to);
+        *from = trial.last_passing(*from, before, backends)?;
+        *to = trial.last_passing(*to, after, backends)?;
+    }
+    let unbiased = trial.technique(0.0);
+    Ok(Some(BiasWindow {
+        technique: unbiased.name().to_owned(),
+        settings: unbiased.settings(),
+        base,
+        passes: ends,
+        disagreeing: trial.disagreeing,
+    }))
+}
+
+/// A technique that is tried with one amount after the other.
+struct Trial<'a> {
+    preset: &'a TechniquePreset,
+    map: ShadowMap,
+    base: Base,
+    stages: &'a [Stage],
+    /// As [`BiasWindow::disagreeing`], so far.
+    disagreeing: Option<u64>,
+}
+
+impl Trial<'_> {
+    /// Returns the technique with this much offset.
+    fn technique(&self, amount: f64) -> Arc<dyn ShadowTechnique> {
+        let bias = offset_by(self.map.bias, self.base, amount);
+        let map = ShadowMap { bias, ..self.map };
+        self.preset.with_map(map).technique()
+    }
+
+    /// Whether amount `i` of `count` passes all cases; none if one isn't served.
+    fn passes(
+        &mut self,
+        amount: f64,
+        i: usize,
+        count: usize,
+        backends: &mut Backends,
+    ) -> Result<Option<bool>, LabError> {
+        let technique = self.technique(amount);
+        for stage in self.stages {
+            let played = match play(&stage.case_truth, &*technique, backends, i, count) {
+                Ok(played) => played,
+                Err(NoMask::Unsupported(_)) => return Ok(None),
+                Err(NoMask::Fault(what)) => {
+                    return Err(not_played(&stage.case_truth, &*technique, &what));
+                }
+            };
+            self.disagreeing = all_backends::sum(self.disagreeing, played.disagreeing);
+            // What fails one case needs no other.
+            if !stage.passes(&played.mask) {
+                return Ok(Some(false));
+            }
+        }
+        Ok(Some(true))
+    }
+
+    /// Returns the last amount that passes on the way from one that does to a neighbour that does not; the first where there is no
+    /// neighbour.
+    fn last_passing(
+        &mut self,
+        passing: f64,
+        failing: Option<f64>,
+        backends: &mut Backends,
+    ) -> Result<f64, LabError> {
+        let Some(mut failing) = failing else {
+            return Ok(passing);
+        };
+        let mut passing = passing;
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (passing + failing);
+            // The second of four: the first backend alone plays it.
+            if self.passes(middle, 1, 4, backends)? == Some(true) {
+                passing = middle;
+            } else {
+                failing = middle;
+            }
+        }
+        Ok(passing)
+    }
+}
+
+/// Returns the first and the last amount of the widest run of neighbours that all pass, the first of equally wide ones; none
+/// without any. Amounts grow.
+fn widest_run(amounts: &[f64], passing: &[bool]) -> Option<[f64; 2]> {
+    let mut widest: Option<[f64; 2]> = None;
+    let mut run: Option<[f64; 2]> = None;
+    for (&amount, &passes) in amounts.iter().zip(passing) {
+        run = match (passes, run) {
+            (false, _) => None,
+            (true, None) => Some([amount, amount]),
+            (true, Some([from, _])) => Some([from, amount]),
+        };
+        let Some([from, to]) = run else {
+            continue;
+        };
+        if widest.is_none_or(|[first, last]| to - from > last - first) {
+            widest = run;
+        }
+    }
+    widest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use umbrage_cpu::Cpu;
+
+    #[test]
+    fn the_widest_run_is_the_window() {
+        let amounts = [0.0, 1.0, 2.0, 4.0, 8.0];
+        let run = |passing: [bool; 5]| widest_run(&amounts, &passing);
+        assert_eq!(run([false; 5]), None);
+        assert_eq!(run([true; 5]), Some([0.0, 8.0]));
+        assert_eq!(run([false, true, false, true, true]), Some([4.0, 8.0]));
+        assert_eq!(run([true, true, false, true, false]), Some([0.0, 1.0]));
+        assert_eq!(run([false, false, true, false, false]), Some([2.0, 2.0]));
+    }
+
+    /// One comparison needs an offset of its own, but none beside its default bias; far too much passes under neither.
+    #[test]
+    fn a_bare_comparison_needs_tuning_and_the_default_does_not() {
+        let options = StabilityOptions {
+            techniques: vec!["hard".to_owned(), "traced".to_owned()],
+            ..StabilityOptions::quick()
+        };
+        let mut backends = Backends::of(vec![Box::new(Cpu::new())]);
+        let windows = windows(&options, &mut backends, &mut |_| {}).expect("plays");
+        let [own, bare] = &windows[..] else {
+            panic!("rays have no bias: {windows:?}");
+        };
+        assert_eq!([own.base, bare.base], [Base::Own, Base::Bare]);
+        assert!(own.needs_no_tuning() && own.width() > 0.0, "{own:?}");
+        assert!(!bare.needs_no_tuning() && bare.width() > 0.0, "{bare:?}");
+        for window in &windows {
+            let [_, most] = window.passes.expect("some pass");
+            assert!(most < GREATEST, "{window:?}");
+        }
+    }
+
+    #[test]
+    fn windows_read_as_words() {
+        let window = |passes| BiasWindow {
+            technique: "hard".to_owned(),
+            settings: String::new(),
+            base: Base::Own,
+            passes,
+            disagreeing: Some(3),
+        };
+        assert_eq!(window(Some([0.0, 1.93])).words(), "0 to 1.9 texels");
+        assert_eq!(
+            window(Some([0.35, GREATEST])).words(),
+            "0.35 texels and more"
+        );
+        assert_eq!(window(None).words(), "no amount passes");
+        assert_eq!(window(None).width(), 0.0);
+        assert!(
+            window(None)
+                .fault()
+                .is_some_and(|f| f.contains("3 decided"))
+        );
+    }
+}

@@ -1,0 +1,26 @@
+//! A room's corner, lit from inside.
+
+use super::SMALL;
+use crate::{
+    primitives::{block, icosphere, room},
+    stage::{Stage, bulb},
+};
+use umbrage_core::Scene;
+use umbrage_core::glam::Vec3;
+
+/// Two walls and the floor meet at the origin. All three are lit, and all three cast: a kernel whose taps follow one wall's plane
+/// goes on behind its neighbour, and a bias along a normal moves receivers towards it. A stool's shadow and a ball's run into the
+/// corner, so that too much bias shows there as well.
+pub(crate) fn room_corner() -> Scene {
+    Stage::new("room-corner")
+        .put(room(Vec3::ZERO, Vec3::new(4.0, 3.0, 4.0)))
+        .put(block(Vec3::new(0.35, 0.0, 0.6), Vec3::new(0.75, 0.5, 1.0)))
+        .put(icosphere(Vec3::new(0.7, 1.1, 0.35), 0.25, 3))
+        .light(bulb(2.9, 2.3, 0.5))
+        .shoot(
+            Vec3::new(2.3, 1.6, 3.3),
+            Vec3::new(0.0, 0.75, 0.0),
+            45.0,
+            SMALL,
+        )
+}
