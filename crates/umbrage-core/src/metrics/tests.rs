@@ -249,7 +249,7 @@ fn samples_tell_their_own_error() {
     for draw in 0..draws {
         let pixels: Vec<Pixel> = (0..count as u32)
             .map(|i| {
-                let is_drawn = crate::light_sample::seed(i, 1000 + draw) % 16 == 0;
+                let is_drawn = crate::light_sample::seed(i, 1000 + draw).is_multiple_of(16);
                 if is_drawn {
                     Pixel::Counted
                 } else {

@@ -9,6 +9,7 @@ mod expected;
 mod horizon;
 mod kept_truth;
 mod options;
+mod planned;
 mod preparation;
 mod relative;
 mod result;

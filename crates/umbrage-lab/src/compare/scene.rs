@@ -6,7 +6,7 @@ use super::{
     agreement::agree,
     control,
     kept_truth::TruthSubject,
-    preparation::{Preparation, follows_camera, play_alike, time_of_scene, time_recipe},
+    planned::{Planned, PlayedSetting},
     seen::SeenByBackend,
     slug::NamedSetting,
     timing::measure,
@@ -242,47 +242,32 @@ fn nothing_compared(truth: &TruthSummary, pixels: usize) -> Option<String> {
 }
 
 /// A scene while its settings are played.
-struct SceneRun<'a> {
-    scene: &'a Scene,
+pub(super) struct SceneRun<'a> {
+    pub(super) scene: &'a Scene,
     name: &'a str,
-    view: SceneView<'a>,
-    truth: &'a Truth,
+    pub(super) view: SceneView<'a>,
+    pub(super) truth: &'a Truth,
     reference: ReferenceMask<'a>,
     image: TruthImage<'a>,
-    options: &'a CompareOptions,
+    pub(super) options: &'a CompareOptions,
     /// Whether to keep where maps are looked up.
     heat: bool,
     /// The rows so far. `masks`, `colors` and `lookups` have one entry for each.
-    rows: Vec<CompareRow>,
-    masks: Vec<Option<Vec<f32>>>,
+    pub(super) rows: Vec<CompareRow>,
+    pub(super) masks: Vec<Option<Vec<f32>>>,
     controls: Vec<super::Control>,
     /// The scene for color pictures; none without them.
     stage: Option<color::Stage>,
-    colors: Vec<Option<Vec<u8>>>,
-    lookups: Vec<Option<Arc<Heat>>>,
+    pub(super) colors: Vec<Option<Vec<u8>>>,
+    pub(super) lookups: Vec<Option<Arc<Heat>>>,
     /// Footprints measured so far.
     looked_up: Vec<LookedUp>,
     /// Settings played so far. Empty unless only the settings that stand for each technique are played.
-    played: Vec<PlayedSetting>,
+    pub(super) played: Vec<PlayedSetting>,
     /// How long techniques take once for the scene, by name, milliseconds.
-    scene_times: Vec<(&'static str, f64)>,
+    pub(super) scene_times: Vec<(&'static str, f64)>,
     /// What each backend sees; none before its first rendering.
     seen: Vec<Option<SeenByBackend>>,
-}
-
-/// A setting that has been played.
-struct PlayedSetting {
-    recipe: Recipe,
-    /// The first of its rows; it has one for each backend.
-    first_row: usize,
-}
-
-/// A recipe, and what is known of how it comes about.
-struct Planned {
-    recipe: Recipe,
-    /// None if times aren't measured.
-    preparation: Option<Preparation>,
-    kept_as_camera_moves: bool,
 }
 
 /// A footprint that has been measured. Most settings differ only in their bias: their maps are used alike, so that one
@@ -374,79 +359,6 @@ impl SceneRun<'_> {
             }
         }
         Ok(())
-    }
-
-    /// Returns the view that recipes are made for.
-    fn planning_view(&self) -> View<'_> {
-        let view = self.view.core();
-        if self.options.knows_receivers {
-            view.with_receivers(&self.truth.receivers)
-        } else {
-            view
-        }
-    }
-
-    /// Makes a setting's recipe; the inner error is the technique's.
-    fn planned(
-        &mut self,
-        technique: &dyn ShadowTechnique,
-    ) -> Result<Result<Planned, RecipeError>, LabError> {
-        let view = self.planning_view();
-        if self.options.runs.is_none() {
-            return Ok(technique.recipe(&view).map(|recipe| Planned {
-                kept_as_camera_moves: !follows_camera(technique, &recipe, &view),
-                recipe,
-                preparation: None,
-            }));
-        }
-        let (recipe, times) = match time_recipe(technique, &view) {
-            Ok(timed) => timed,
-            Err(e) => return Ok(Err(e)),
-        };
-        let kept_as_camera_moves = !follows_camera(technique, &recipe, &view);
-        let name = technique.name();
-        let known = self.scene_times.iter().find(|known| known.0 == name);
-        let scene_ms = match known {
-            Some(&(_, ms)) => ms,
-            None => time_of_scene(technique, self.scene, &view, times.median)?,
-        };
-        self.scene_times.push((name, scene_ms));
-        Ok(Ok(Planned {
-            recipe,
-            preparation: Some(Preparation {
-                scene_ms,
-                recipe: times,
-            }),
-            kept_as_camera_moves,
-        }))
-    }
-
-    /// Returns the first row of a setting that played the same recipe; none if there is none.
-    fn played_alike(&self, recipe: &Recipe) -> Option<usize> {
-        let alike = self
-            .played
-            .iter()
-            .find(|played| play_alike(&played.recipe, recipe))?;
-        Some(alike.first_row)
-    }
-
-    /// Adds rows with the figures of those from `first_row` on, since they would play the same.
-    fn repeat(&mut self, setting: &NamedSetting, first_row: usize, backends: &Backends) {
-        for i in 0..backends.playing.len() {
-            let like = &self.rows[first_row + i];
-            let row = CompareRow {
-                technique: setting.technique.name().to_owned(),
-                settings: setting.technique.settings(),
-                slug: setting.slug.clone(),
-                backend: like.backend.clone(),
-                same_as: Some(format!("{} ({})", like.technique, like.settings)),
-                outcome: like.outcome.clone(),
-            };
-            self.rows.push(row);
-            self.masks.push(self.masks[first_row + i].clone());
-            self.colors.push(self.colors[first_row + i].clone());
-            self.lookups.push(self.lookups[first_row + i].clone());
-        }
     }
 
     /// Adds how the maps of the last setting are used to those of its `count` rows that were measured. It is measured once,
