@@ -97,15 +97,30 @@ pub struct Runs {
     pub max: u32,
     /// In between, until this much time has been spent on the row, milliseconds; a quarter more goes into its yardstick.
     pub budget_ms: u32,
+    /// A row whose first play took this long, milliseconds, is not played again: that play is its time. Other first plays don't
+    /// count, since shaders are compiled in them.
+    #[serde(default = "never")]
+    pub once_from_ms: u32,
+}
+
+/// Returns more milliseconds than a row takes.
+fn never() -> u32 {
+    u32::MAX
 }
 
 impl Runs {
+    /// Whether a row whose first play took so long is not played again.
+    pub(super) fn one_is_enough(&self, first: Duration) -> bool {
+        first >= Duration::from_millis(self.once_from_ms.into())
+    }
+
     /// Returns options for this many runs, however long they take.
     pub fn exactly(count: u32) -> Self {
         Self {
             min: count,
             max: count,
             budget_ms: 0,
+            once_from_ms: never(),
         }
     }
 
@@ -133,6 +148,7 @@ impl Default for Runs {
             min: 5,
             max: 15,
             budget_ms: 60,
+            once_from_ms: never(),
         }
     }
 }
@@ -194,6 +210,7 @@ impl CompareOptions {
                 min: 1,
                 max: 5,
                 budget_ms: 300,
+                once_from_ms: 1000,
             }),
             ..Self::default()
         }
@@ -262,6 +279,10 @@ mod tests {
             Runs::exactly(2).suffice(2, Duration::ZERO)
                 && !Runs::exactly(2).suffice(1, Duration::MAX)
         );
+        let content = CompareOptions::content().runs.expect("timed");
+        let second = Duration::from_secs(1);
+        assert!(content.one_is_enough(second) && !runs.one_is_enough(60 * second));
+        assert!(!content.one_is_enough(second / 2));
         assert!(
             !Runs::exactly(0).suffice(0, Duration::MAX),
             "no run, no time"
