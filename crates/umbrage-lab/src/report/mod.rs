@@ -222,4 +222,6 @@ fn heat_picture(
 }
 
 #[cfg(test)]
+mod page_tests;
+#[cfg(test)]
 mod tests;
