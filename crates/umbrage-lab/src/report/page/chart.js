@@ -117,7 +117,7 @@ const overlap = (a, b) => a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.
 function labelPlaces(p, width) {
   const out = [];
   for (const away of [9, 20, 34, 50]) {
-    out.push([p.px + away, p.py - 6 - (away - 9) * 0.7], [p.px - width / 2, p.py - 12 - away], [p.px - away - width, p.py - 6]);
+    out.push([p.px + away - 1, p.py - 8 - away * 0.8], [p.px + away, p.py - 6], [p.px - width / 2, p.py - 12 - away], [p.px - away - width, p.py - 6]);
     out.push([p.px + away, p.py + 2 + (away - 9)], [p.px - width / 2, p.py + away], [p.px - away - width, p.py + (away - 9)]);
   }
   return out.map(([x, y]) => ({ x, y, width, height: 13 }));
@@ -151,6 +151,8 @@ function legendOf(points, muted, update) {
     button.show = show;
     box.append(button);
   }
+  const backends = data.backends.filter((backend) => points.some((p) => p.backend === backend));
+  if (backends.length > 1) box.append(...backends.map((backend) => el("span", { class: "backend", style: `color: ${colorOf(names[0], backend)}` }, backend)));
   box.show = () => box.querySelectorAll("button").forEach((b) => b.show());
   return box;
 }
@@ -160,14 +162,16 @@ function legendOf(points, muted, update) {
 function chartOf(node, spec) {
   const muted = new Set();
   const draw = () => {
+    // Not wider than its place, so that letters keep their size.
+    const room = node.clientWidth - 24;
+    const drawn = { ...spec, width: room > 0 ? Math.max(540, Math.min(spec.width, room)) : spec.width, xWords: spec.xWords() };
     const points = spec.points().filter((p) => p.x > 0 && p.y !== null);
     if (!points.length) return node.replaceChildren(el("p", { class: "quiet" }, "Nothing to draw."));
-    const svg = svgEl("svg", { viewBox: `0 0 ${spec.width} ${spec.height}`, role: "img", "aria-label": spec.yWords });
-    const layout = layoutOf(points, { ...spec, xWords: spec.xWords() });
-    axes(svg, layout, { ...spec, xWords: spec.xWords() });
+    const svg = svgEl("svg", { viewBox: `0 0 ${drawn.width} ${drawn.height}`, role: "img", "aria-label": spec.yWords });
+    axes(svg, layoutOf(points, drawn), drawn);
     frontLines(svg, points);
     [...points].sort((a, b) => a.front - b.front).forEach((p) => drawPoint(svg, p));
-    labels(svg, points, spec);
+    labels(svg, points, drawn);
     const update = () => {
       points.forEach((p) => p.group.classList.toggle("muted", muted.has(p.technique)));
       legend.show();

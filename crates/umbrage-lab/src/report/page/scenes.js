@@ -2,7 +2,7 @@
 // Each scene: its chart, its truth, and its rows with their pictures.
 
 function term(list, name, value, state) {
-  list.append(el("dt", {}, name), el("dd", { class: state || "" }, value));
+  list.append(el("div", {}, el("dt", {}, name), el("dd", { class: state || "" }, value)));
 }
 
 function errorTerms(list, row) {
@@ -12,12 +12,11 @@ function errorTerms(list, row) {
   term(list, "mean error", number(row.mean, 4));
   term(list, "false shadow", percent(row.false_shadow));
   term(list, "false light", percent(row.false_light));
-  for (const [name, share] of causesOf(row)) term(list, `from ${name}`, `${share.toFixed(0)} %`);
   if (row.other_triangles) term(list, "left out: other triangles than truth", `${row.other_triangles} px`);
 }
 
 function timeTerms(list, row) {
-  if (row.frame !== null) term(list, `frame, ${row.scene.motion}`, ms(row.frame));
+  if (row.frame !== null) term(list, "frame", ms(row.frame));
   if (row.recipe !== null) term(list, "recipe", ms(row.recipe));
   if (row.cast !== null) term(list, "cast", ms(row.cast));
   if (row.filter !== null) term(list, "filter", ms(row.filter));
