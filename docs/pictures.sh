@@ -16,6 +16,6 @@ for name in acne soft point-light contact; do
   cp "$report/textbook/$name.fault.png" "$report/textbook/$name.cure.png" docs/textbook/
 done
 cargo xtask compare --out "$report/suite"
-cp "$report/suite/chart-time.png" docs/chart.png
+cp "$report/suite/chart-time-hard-cpu.png" docs/chart.png
 cargo xtask stability --out "$report/stability"
 cp "$report/stability/matrix.svg" docs/matrix.svg

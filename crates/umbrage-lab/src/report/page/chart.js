@@ -31,6 +31,8 @@ function marker(technique, x, y, radius, fill) {
 const REACH = 24;
 const MARGIN = { left: 58, right: 16, top: 12, bottom: 44 };
 const LETTER = 6.1;
+// Charts in narrower places are scaled down.
+const MIN_WIDTH = 540;
 
 // Ticks at 1, 2 and 5, or at each decade where there are many.
 function ticksBetween(least, greatest) {
@@ -123,12 +125,12 @@ function labelPlaces(p, width) {
   return out.map(([x, y]) => ({ x, y, width, height: 13 }));
 }
 
-// Labels beside the points of fronts, where they cover neither each other nor a front's points. What finds no place is left to the pointer.
+// Labels beside the points that are named, those of fronts above all, where they cover neither each other nor a front's points. What finds no place is left to the pointer.
 function labels(svg, points, spec) {
-  const front = points.filter((p) => p.front);
-  const taken = front.map((p) => ({ x: p.px - 7, y: p.py - 7, width: 14, height: 14 }));
+  const named = points.filter((p) => p.front || p.named);
+  const taken = named.map((p) => ({ x: p.px - 7, y: p.py - 7, width: 14, height: 14 }));
   const isInside = (box) => box.x > MARGIN.left + 2 && box.x + box.width < spec.width - MARGIN.right && box.y > 2 && box.y + box.height < spec.height - MARGIN.bottom;
-  for (const p of front) {
+  for (const p of named.sort((a, b) => b.front - a.front)) {
     const places = labelPlaces(p, p.label.length * LETTER + 4);
     const box = places.find((place) => isInside(place) && !taken.some((other) => overlap(place, other)));
     if (!box) continue;
@@ -157,14 +159,16 @@ function legendOf(points, muted, update) {
   return box;
 }
 
-// A chart of what `spec.points()` gives, drawn anew when the clock changes. Under the pointer a point tells what it is and shows its
+// A chart of what `spec.points()` gives, drawn anew when the clock or its width changes. Under the pointer a point tells what it is and shows its
 // picture; a click leads to its row.
 function chartOf(node, spec) {
   const muted = new Set();
+  let drawnAt = 0;
   const draw = () => {
-    // Not wider than its place, so that letters keep their size.
-    const room = node.clientWidth - 24;
-    const drawn = { ...spec, width: room > 0 ? Math.max(540, Math.min(spec.width, room)) : spec.width, xWords: spec.xWords() };
+    drawnAt = node.clientWidth;
+    if (!drawnAt) return;
+    // As wide as its place, so that letters keep their size.
+    const drawn = { ...spec, width: Math.max(MIN_WIDTH, drawnAt - 24), xWords: spec.xWords() };
     const points = spec.points().filter((p) => p.x > 0 && p.y !== null);
     if (!points.length) return node.replaceChildren(el("p", { class: "quiet" }, "Nothing to draw."));
     const svg = svgEl("svg", { viewBox: `0 0 ${drawn.width} ${drawn.height}`, role: "img", "aria-label": spec.yWords });
@@ -181,7 +185,7 @@ function chartOf(node, spec) {
     node.replaceChildren(svg, legend);
     update();
   };
-  draw();
+  new ResizeObserver(() => { if (node.clientWidth !== drawnAt) draw(); }).observe(node);
   clockListeners.push(draw);
   return draw;
 }

@@ -58,12 +58,14 @@ function groupLines(group, setting) {
 
 function settingPoint(group, setting) {
   const front = setting.front[clock === "time" ? 0 : 1];
-  return { x: timeOf(group, setting), y: setting.error, technique: setting.technique, backend: group.backend, front, label: labelOf(setting.technique, setting.settings), row: rowOf(group, setting), lines: () => groupLines(group, setting) };
+  // Those in the pictures are named, too.
+  const named = group.strip.some((place) => group.settings[place] === setting);
+  return { named, x: timeOf(group, setting), y: setting.error, technique: setting.technique, backend: group.backend, front, label: labelOf(setting.technique, setting.settings), row: rowOf(group, setting), lines: () => groupLines(group, setting) };
 }
 
 function groupChart(node, current) {
   return chartOf(node, {
-    width: 660, height: 430, exact: 0.001, reference: 1,
+    height: 430, exact: 0.001, reference: 1,
     points: () => current().settings.filter((s) => s.technique !== "none").map((s) => settingPoint(current(), s)),
     xWords: () => `${clock === "time" ? "time" : "counted cost"} of a frame, hard map = 1`,
     yWords: "error, no shadow = 1",

@@ -135,7 +135,7 @@ function rowPoint(row) {
 function sceneChart(node, scene, show) {
   const isDrawn = (row) => row.rmse !== null && row.same_as === null && row.technique !== "none";
   chartOf(node, {
-    width: 980, height: 460, exact: EXACT, reference: scene.rmse_of_none || null,
+    height: 460, exact: EXACT, reference: scene.rmse_of_none || null,
     points: () => scene.rows.filter(isDrawn).map(rowPoint),
     xWords: () => (clock === "time" ? `time of a frame, ms (${scene.motion})` : "counted cost of a frame, ms by the price list"),
     yWords: "RMSE of visibility",
