@@ -105,7 +105,7 @@ mod tests {
     fn ten_lines_tell_what_to_use() {
         let all = lines(&comparison(&["cpu", "wgpu"]));
         assert_eq!(all.len(), 1 + LINES, "{all:?}");
-        assert_eq!(all[1], "hard shadows, cpu      10 %  1.5 times  pcf");
+        assert_eq!(all[1], "hard shadows, cpu     10 %  1.5 times  pcf");
         assert_eq!(all[8], "soft shadows, wgpu   exact   12 times  volumes");
         assert_eq!(lines(&comparison(&["cpu"])).len(), 1 + LINES);
         assert_eq!(lines(&comparison(&["a", "b", "c", "d", "e"])).len(), 11);

@@ -3,7 +3,7 @@
 //! * **The least product** of error and time: up to there, each doubling of the time more than halves the error. Exact settings
 //!   are left out, as any time times 0 is 0.
 //! * **The least error**: the cheapest exact setting where there is one.
-//! * **The cheapest** with at most half of the error of no shadow.
+//! * **The cheapest** with at most half of the error of no shadow, if it takes at most eight tenths of the first one's time.
 //!
 //! `none` is left out of all of them: it takes no time. Where all of them trace rays, which not every renderer can, the least product
 //! without rays is named, too.
@@ -16,6 +16,8 @@ use umbrage_plan::pareto;
 
 /// The greatest relative error of a cheap setting that is worth naming.
 const MAX_CHEAP_ERROR: f64 = 0.5;
+/// The greatest share of the knee's time that a cheap setting takes: less of a difference is mostly noise.
+const MAX_CHEAP_TIME: f64 = 0.8;
 
 /// The settings of one backend over the scenes of one kind of light.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,7 +39,7 @@ pub struct SettingGroup {
 /// The settings worth naming, as places among those of a group.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Choice {
-    /// The cheapest with at most half of the error of no shadow; the same as [`Self::knee`] where there is none.
+    /// The cheapest with at most half of the error of no shadow; the same as [`Self::knee`] where none is clearly cheaper.
     pub cheapest: usize,
     /// The least product of error and time.
     pub knee: usize,
@@ -139,9 +141,11 @@ impl SettingGroup {
         let by_product = self.by_product();
         let knee = by_product.iter().find(|&i| front.contains(i));
         let knee = *knee.unwrap_or(&best);
+        let time = |i: &usize| self.settings[*i].take(clock).unwrap_or_default();
         let cheapest = *front
             .iter()
             .find(|i| error(i) <= MAX_CHEAP_ERROR)
+            .filter(|i| time(i) <= MAX_CHEAP_TIME * time(&knee))
             .unwrap_or(&knee);
         let traces = |setting: usize| self.settings[setting].technique == "traced";
         let all_trace = [cheapest, knee, best].into_iter().all(traces);
@@ -154,8 +158,8 @@ impl SettingGroup {
         })
     }
 
-    /// Returns at most `count` settings that matter most, by rising time: those of [`Self::choice`], those of the front with the
-    /// least error, and those off the front with the least product of error and time.
+    /// Returns at most `count` settings that matter most, by rising time: those of [`Self::choice`], those of other techniques with
+    /// the least product of error and time, and those of the front with the least error.
     pub fn shortlist(&self, count: usize) -> Vec<usize> {
         let Some(choice) = self.choice() else {
             return Vec::new();
@@ -163,8 +167,16 @@ impl SettingGroup {
         let mut wanted = vec![choice.knee, choice.best];
         wanted.extend(choice.without_rays);
         wanted.push(choice.cheapest);
+        for setting in self.by_product() {
+            let technique = |i: usize| &self.settings[i].technique;
+            if !wanted
+                .iter()
+                .any(|&other| technique(other) == technique(setting))
+            {
+                wanted.push(setting);
+            }
+        }
         wanted.extend(self.front(self.clock()).into_iter().rev());
-        wanted.extend(self.by_product());
         let mut out: Vec<usize> = Vec::new();
         for setting in wanted {
             if out.len() < count && !out.contains(&setting) {
@@ -287,7 +299,7 @@ mod tests {
     fn usual() -> SettingGroup {
         group(vec![
             setting("none", 1.0, 0.001),
-            setting("hard", 0.25, 1.0),
+            setting("hard", 0.25, 0.7),
             setting("pcf", 0.11, 1.1),
             setting("pcss", 0.1, 4.0),
             setting("beaten", 0.2, 5.0),
@@ -310,7 +322,7 @@ mod tests {
         assert_eq!(
             group.advice().as_deref(),
             Some(
-                "pcf, 11 % of the error of no shadow at 1.1 times the time of a hard map; cheaper: hard, 25 % at 1.0 times; exact: volumes at 12 times."
+                "pcf, 11 % of the error of no shadow at 1.1 times the time of a hard map; cheaper: hard, 25 % at 0.7 times; exact: volumes at 12 times."
             )
         );
         assert_eq!(group.shortlist(2), [2, 5]);
@@ -339,6 +351,14 @@ mod tests {
             sentence.starts_with("hard, 80 %") && sentence.contains("least error: pcss, 70 %"),
             "{sentence}"
         );
+    }
+
+    #[test]
+    fn what_is_hardly_cheaper_is_not_named() {
+        let mut group = usual();
+        group.settings[1] = setting("hard", 0.25, 1.0);
+        let words = group.advice().expect("better than none");
+        assert!(!words.contains("cheaper"), "{words}");
     }
 
     #[test]
