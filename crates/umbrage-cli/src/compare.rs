@@ -5,7 +5,7 @@ use crate::{
     args::{CompareArguments, Shard},
     usage::Usage,
 };
-use crate::{cost, inputs, progress::Progress, table};
+use crate::{cost, inputs, progress::Progress, summary, table};
 use anyhow::{Result, bail};
 use std::path::Path;
 use umbrage_core::{Backend, Invalid, Scene, glam::UVec2};
@@ -52,8 +52,7 @@ pub(crate) fn compare(program: &Program, arguments: &CompareArguments) -> Result
         arguments.fresh,
     )?;
     let (comparison, page) = report.finish()?;
-    table::print(&comparison.scenes);
-    println!("\nreport: {}", page.display());
+    conclude(&comparison, &page);
     let guarded = match baseline {
         Some(old) => {
             let old = of_shard(old, &inputs, &places);
@@ -66,6 +65,21 @@ pub(crate) fn compare(program: &Program, arguments: &CompareArguments) -> Result
     };
     // Both are printed; the first error is returned.
     verdict(&comparison).and(guarded)
+}
+
+/// Scenes up to which each gets a table: those of more would scroll by.
+const MAX_TABLES: usize = 3;
+
+/// Prints the tables of a few scenes, what to use, and where the report is.
+pub(crate) fn conclude(comparison: &Comparison, page: &Path) {
+    if comparison.scenes.len() <= MAX_TABLES {
+        table::print(&comparison.scenes);
+    }
+    println!();
+    for line in summary::lines(comparison) {
+        println!("{line}");
+    }
+    println!("report: {}", page.display());
 }
 
 /// Reads a baseline, and checks that the report doesn't overwrite it and that it has all that is excepted.

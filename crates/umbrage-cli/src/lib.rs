@@ -29,6 +29,7 @@ mod program;
 mod progress;
 mod regret;
 mod stability;
+mod summary;
 mod table;
 mod usage;
 

@@ -12,6 +12,6 @@ pub(crate) fn merge(options: &MergeArguments) -> Result<()> {
         comparison.scenes.len(),
         options.folders.len()
     );
-    println!("report: {}", page.display());
+    crate::compare::conclude(&comparison, &page);
     crate::compare::verdict(&comparison)
 }

@@ -2,6 +2,7 @@
 
 pub(crate) mod agreement;
 mod backends;
+mod choice;
 mod control;
 mod environment;
 mod event;
@@ -20,6 +21,7 @@ mod timing;
 
 pub use agreement::agree;
 pub use backends::Backends;
+pub use choice::{Choice, SettingGroup, percent, setting_groups, times};
 pub use event::{CompareEvent, OnEvent};
 pub use expected::{Expected, pilot};
 pub use kept_truth::KeptTruth;

@@ -11,8 +11,7 @@
 
 use crate::LabError;
 use kuva::prelude::{
-    Layout, LegendPosition, LinePlot, MarkerShape, Plot, ReferenceLine, ScatterPlot, Theme,
-    TickFormat,
+    Layout, LegendPosition, LinePlot, MarkerShape, Plot, ReferenceLine, ScatterPlot, TickFormat,
 };
 use std::sync::Arc;
 
@@ -143,8 +142,6 @@ pub struct Point {
     pub y_range: Option<[f64; 2]>,
     /// Text beside it, maybe empty.
     pub label: String,
-    /// Text of its `<title>` element, maybe empty: what a reader's pointer shows, or by what a page's script finds it.
-    pub title: String,
 }
 
 impl Point {
@@ -235,31 +232,6 @@ impl Figure {
     pub fn svg(&self) -> String {
         let (plots, layout) = self.plots();
         self.scaled(&kuva::render_to_svg(plots, layout))
-    }
-
-    /// Returns the chart as an element for a page whose script makes it interactive. Colours of axes and texts are the page's variables `--ink`,
-    /// `--soft` and `--line`. Groups of class `tt` hold a point each, or a line with a name (attribute `data-group`); those of
-    /// class `legend-entry` hold an entry of the legend, its name in `data-group`. The ends of the axes are the attributes
-    /// `data-xmin`, `data-xmax`, `data-ymin` and `data-ymax` of the root, and their places
-    /// `data-plot-left`, `data-plot-right`, `data-plot-bottom` and `data-plot-top`.
-    pub(crate) fn svg_for_page(&self) -> String {
-        let (plots, layout) = self.plots();
-        let theme = Theme {
-            background: "none".into(),
-            axis_color: "var(--soft)".into(),
-            grid_color: "var(--line)".into(),
-            tick_color: "var(--soft)".into(),
-            text_color: "var(--ink)".into(),
-            legend_bg: "none".into(),
-            legend_border: "none".into(),
-            ..Theme::light()
-        };
-        let layout = layout
-            .with_interactive()
-            .with_theme(theme)
-            .with_font_family("inherit");
-        let svg = self.scaled(&kuva::render_to_svg(plots, layout));
-        without_controls(&svg)
     }
 
     /// Gives a rendered picture a view box: without one it would be cropped, not scaled, where a page shows it at another size.
@@ -416,26 +388,7 @@ fn annotated(mut scatter: ScatterPlot, points: &[&Point]) -> ScatterPlot {
             .with_labels(points.iter().map(|p| p.label.clone()))
             .with_repel_labels();
     }
-    if points.iter().any(|p| !p.title.is_empty()) {
-        scatter = scatter.with_tooltip_labels(points.iter().map(|p| p.title.clone()));
-    }
     scatter
-}
-
-/// Takes the renderer's own script, style sheet and controls out of an interactive picture; the controls and the script come
-/// last.
-fn without_controls(svg: &str) -> String {
-    let drawing = svg.find("<foreignObject").map_or_else(
-        || svg.to_owned(),
-        |controls| format!("{}</svg>", &svg[..controls]),
-    );
-    match (drawing.find("<style>"), drawing.find("</style>")) {
-        (Some(from), Some(to)) => {
-            let rest = &drawing[to + "</style>".len()..];
-            format!("{}{rest}", &drawing[..from])
-        }
-        _ => drawing,
-    }
 }
 
 /// Removes the numbers of clip paths. The renderer counts them through the whole run of the program, and a chart must not depend

@@ -1,17 +1,18 @@
 //! Writes the report of all scenes from their folders: the same for one run, one that was stopped and continued, and shards.
 
 use super::{
-    chart, lines,
-    page::{self, Charts, GroupCharts, ImageStore, RowPictures, ScenePage},
-    still::{self, GroupWords, Medium, Words},
+    chart, chosen, lines,
+    page::{self, Contents, PageGroup, PageScene, PageSetting},
+    page_rows::{PageRow, RowPictures},
+    still::{self, GroupWords, Words},
     store::Stored,
     to_csv,
 };
 use crate::{
     LabError,
     compare::{
-        Comparison, CostBasis, Environment, Motion, Relative, SCHEMA, Section, relative,
-        scene_groups,
+        CompareRow, Comparison, CostBasis, Environment, Relative, SCHEMA, SceneResult,
+        SettingGroup, setting_groups,
     },
     output::{Folder, csv},
 };
@@ -20,10 +21,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Width and height of the page's chart over all scenes, pixels of the SVG; the page scales it.
-const OVERALL_SIZE: [f64; 2] = [1240.0, 560.0];
-/// Width and height of the page's chart of a scene, pixels of the SVG; the page scales it.
-const SCENE_SIZE: [f64; 2] = [1000.0, 480.0];
+/// Pictures in a strip, besides truth.
+const STRIP: usize = 3;
 
 /// Writes everything but the scenes' own folders, which lie in `path`.
 pub(super) fn write(
@@ -35,14 +34,8 @@ pub(super) fn write(
     let rows = to_csv(&lines(&comparison))?;
     let json = serde_json::to_vec_pretty(&comparison)
         .map_err(|e| LabError::write(path.join("results.json"), e))?;
-    let groups = chart_groups(&comparison);
-    let mut images = ImageStore::default();
-    let mut pages = Vec::new();
-    for (index, scene) in scenes.iter().enumerate() {
-        pages.push(scene_page(path, index, scene, &mut images));
-    }
-    let overall: Vec<GroupCharts> = groups.iter().map(ChartGroup::for_page).collect();
-    let page = page::html(&comparison, &pages, &overall, &images)
+    let groups = setting_groups(&comparison);
+    let page = page::html(&contents(path, scenes, &comparison, &groups))
         .map_err(|e| LabError::write(path.join("index.html"), e))?;
     folder.write("rows.csv", &rows)?;
     folder.write("overall.csv", &overall_csv(&groups)?)?;
@@ -52,83 +45,96 @@ pub(super) fn write(
     Ok((comparison, path.join("index.html")))
 }
 
-/// The settings of one backend over the scenes of one kind of light.
-struct ChartGroup {
-    light: &'static str,
-    section: Section,
-    motion: Motion,
-    scene_count: usize,
-    backend: String,
-    settings: Vec<Relative>,
+/// Returns the name of a group's chart files by a clock, without what comes after the dot.
+fn stem(group: &SettingGroup, clock: CostBasis) -> String {
+    let clock = match clock {
+        CostBasis::Wall => "time",
+        CostBasis::Cost => "cost",
+    };
+    format!("chart-{clock}-{}-{}", group.light, group.backend)
 }
 
-/// Returns the groups that get a chart each.
-fn chart_groups(comparison: &Comparison) -> Vec<ChartGroup> {
-    let mut out = Vec::new();
-    for group in scene_groups(comparison) {
-        let all = relative(&group.scenes);
-        let mut backends: Vec<&str> = Vec::new();
-        for setting in &all {
-            if !backends.contains(&setting.backend.as_str()) {
-                backends.push(&setting.backend);
-            }
-        }
-        for backend in backends {
-            let of_backend = all.iter().filter(|r| r.backend == backend);
-            out.push(ChartGroup {
-                light: group.light(),
-                section: group.section,
-                motion: group.scenes[0].motion,
-                scene_count: group.scenes.len(),
-                backend: backend.to_owned(),
-                settings: of_backend.cloned().collect(),
-            });
-        }
-    }
-    out
+/// Returns the words of a group's chart.
+fn words(group: &SettingGroup, clock: CostBasis) -> Words<'static> {
+    still::of_group(&GroupWords {
+        scenes: group.scenes.len(),
+        light: group.light,
+        section: group.section,
+        motion: group.motion,
+        backend: &group.backend,
+        clock,
+    })
 }
 
-impl ChartGroup {
-    /// Returns the name of the chart's files by a clock, without what comes after the dot.
-    fn stem(&self, clock: CostBasis) -> String {
-        let clock = match clock {
-            CostBasis::Wall => "time",
-            CostBasis::Cost => "cost",
-        };
-        format!("chart-{clock}-{}-{}", self.light, self.backend)
+/// Returns all that the page shows.
+fn contents<'a>(
+    path: &Path,
+    stored: &[Stored],
+    comparison: &'a Comparison,
+    groups: &[SettingGroup],
+) -> Contents<'a> {
+    let scenes: Vec<PageScene> = stored.iter().map(|s| page_scene(path, s)).collect();
+    let is_timed = comparison.scenes.iter().any(is_timed);
+    let groups = groups.iter().map(|group| page_group(group, comparison));
+    Contents {
+        environment: &comparison.environment,
+        notices: &comparison.notices,
+        faults: comparison.faults(),
+        groups: groups.collect(),
+        scenes,
+        clock: if is_timed {
+            CostBasis::Wall
+        } else {
+            CostBasis::Cost
+        },
     }
+}
 
-    fn words(&self, clock: CostBasis) -> Words<'static> {
-        still::of_group(&GroupWords {
-            scenes: self.scene_count,
-            light: self.light,
-            section: self.section,
-            motion: self.motion,
-            backend: &self.backend,
-            clock,
-        })
-    }
+fn is_timed(scene: &SceneResult) -> bool {
+    let mut measured = scene.rows.iter().filter_map(CompareRow::measured);
+    measured.any(|m| m.times.is_some())
+}
 
-    fn for_page(&self) -> GroupCharts {
-        let words = self.words(CostBasis::Wall);
-        GroupCharts {
-            title: words.title,
-            subtitle: words.subtitle,
-            charts: charts(
-                |clock| chart::relative_dots(&self.settings, clock),
-                |clock| Words {
-                    title: String::new(),
-                    subtitle: String::new(),
-                    ..self.words(clock)
-                },
-                OVERALL_SIZE,
-            ),
-        }
+/// Returns a group as the page shows it, with the pictures of its first scene.
+pub(super) fn page_group(group: &SettingGroup, comparison: &Comparison) -> PageGroup {
+    let scene = group.scenes[0];
+    let rows = &comparison.scenes[scene].rows;
+    let fronts = [CostBasis::Wall, CostBasis::Cost].map(|clock| group.front(clock));
+    let mut settings = Vec::new();
+    for (place, setting) in group.settings.iter().enumerate() {
+        settings.push(PageSetting {
+            technique: setting.technique.clone(),
+            settings: setting.settings.clone(),
+            error: setting.error,
+            time: setting.time.map(|t| t.median),
+            range: setting.time.map(|t| [t.min, t.max]),
+            cost: setting.cost,
+            served: setting.served,
+            row: rows.iter().position(|row| is_of(row, setting)),
+            front: [0, 1].map(|clock| fronts[clock].contains(&place)),
+        });
     }
+    PageGroup {
+        light: group.light,
+        backend: group.backend.clone(),
+        subtitle: words(group, group.clock()).subtitle,
+        advice: group.advice(),
+        scene,
+        scenes: group.scenes.len(),
+        settings,
+        strip: group.shortlist(STRIP),
+    }
+}
+
+/// Whether a row is one scene's of a setting.
+fn is_of(row: &CompareRow, setting: &Relative) -> bool {
+    row.technique == setting.technique
+        && row.settings == setting.settings
+        && row.backend == setting.backend
 }
 
 /// Writes the groups' charts, and removes those of an older run, which would not belong to these data.
-fn write_charts(path: &Path, folder: &Folder, groups: &[ChartGroup]) -> Result<(), LabError> {
+fn write_charts(path: &Path, folder: &Folder, groups: &[SettingGroup]) -> Result<(), LabError> {
     let entries = fs::read_dir(path).map_err(|e| LabError::write(path, e))?;
     for entry in entries.flatten() {
         let name = entry.file_name().to_string_lossy().into_owned();
@@ -138,12 +144,12 @@ fn write_charts(path: &Path, folder: &Folder, groups: &[ChartGroup]) -> Result<(
     }
     for group in groups {
         for clock in [CostBasis::Wall, CostBasis::Cost] {
-            let dots = chart::relative_dots(&group.settings, clock);
+            let dots = chart::dots(group, clock);
             if dots.is_empty() {
                 continue;
             }
-            let figure = still::figure(&dots, &group.words(clock), Medium::Still);
-            let stem = group.stem(clock);
+            let figure = still::figure(&dots, &words(group, clock));
+            let stem = stem(group, clock);
             folder.write(&format!("{stem}.svg"), figure.svg().as_bytes())?;
             folder.write(&format!("{stem}.png"), &figure.png()?)?;
         }
@@ -197,65 +203,71 @@ fn joined(all: &[&Environment], field: fn(&Environment) -> Option<&str>) -> Opti
     (!values.is_empty()).then(|| values.join("; "))
 }
 
-/// Returns a scene's part of the page, its pictures read back from its folder.
-fn scene_page(path: &Path, index: usize, scene: &Stored, images: &mut ImageStore) -> ScenePage {
-    let folder = path.join(scene.name());
+/// Returns a scene as the page shows it.
+fn page_scene(path: &Path, scene: &Stored) -> PageScene {
     let result = &scene.result;
-    let truth = add_image(&folder, "truth.png", images);
-    let rows = result
-        .rows
-        .iter()
-        .map(|row| row_pictures(&folder, &row.stem(), images))
-        .collect();
-    ScenePage {
-        index,
-        truth,
-        rows,
-        charts: charts(
-            |clock| chart::dots(result, clock),
-            |clock| still::of_scene(clock, result.motion),
-            SCENE_SIZE,
-        ),
+    let folder = path.join(scene.name());
+    let held = result.controls.iter().filter(|c| c.holds).count();
+    PageScene {
+        folder: scene.name().to_owned(),
+        name: result.name.clone(),
+        summary: result.summary.clone(),
+        section: result.section,
+        shadows: if result.is_ideal { "hard" } else { "soft" },
+        light: result.light.clone(),
+        size: result.size,
+        triangles: result.triangles,
+        motion: result.motion.words(),
+        truth: result.truth.clone(),
+        nothing_compared: result.nothing_compared.clone(),
+        rmse_of_none: result.error_of_none(),
+        controls: [held, result.controls.len()],
+        rows: page_rows(&folder, result),
     }
 }
 
-/// Adds a row's pictures; none if the row has none.
-fn row_pictures(folder: &Path, stem: &str, images: &mut ImageStore) -> Option<RowPictures> {
-    let mask = add_image(folder, &format!("{stem}.png"), images)?;
-    let error = add_image(folder, &format!("{stem}.error.png"), images)?;
-    let color = add_image(folder, &format!("{stem}.color.png"), images);
-    let lookups = add_image(folder, &format!("{stem}.lookups.png"), images);
-    Some(RowPictures {
-        mask,
-        error,
-        color,
-        lookups,
-    })
+/// Returns a scene's rows as the page shows them.
+fn page_rows(folder: &Path, result: &SceneResult) -> Vec<PageRow> {
+    let fronts = [CostBasis::Wall, CostBasis::Cost].map(|clock| chosen::fronts(result, clock));
+    let mut out = Vec::with_capacity(result.rows.len());
+    for (place, row) in result.rows.iter().enumerate() {
+        let page_row = PageRow::new(row, result.motion, pictures(folder, result, row));
+        let [by_time, by_cost] = [0, 1].map(|clock| fronts[clock].contains(&place));
+        out.push(page_row.on_fronts(by_time, by_cost));
+    }
+    out
 }
 
-/// Adds a picture to the page and returns its index there; none if there is no such file.
-fn add_image(folder: &Path, name: &str, images: &mut ImageStore) -> Option<usize> {
-    let png = fs::read(folder.join(name)).ok()?;
-    Some(images.add(&png))
+/// Returns the pictures of a row, or those of a row with the same mask; none if there are none.
+fn pictures(folder: &Path, result: &SceneResult, row: &CompareRow) -> Option<RowPictures> {
+    let with_same_mask = result.rows.iter().filter(|other| has_same_mask(row, other));
+    let mut all = std::iter::once(row).chain(with_same_mask);
+    all.find_map(|row| own_pictures(folder, row))
 }
 
-/// Returns the page's charts by each clock for which there are dots.
-fn charts(
-    dots: impl Fn(CostBasis) -> Vec<chart::Dot>,
-    words: impl Fn(CostBasis) -> Words<'static>,
-    size: [f64; 2],
-) -> Charts {
-    let chart = |clock| {
-        let dots = dots(clock);
-        if dots.is_empty() {
-            return None;
-        }
-        Some(page::Chart::new(dots, &words(clock), size))
+/// Whether another row's mask is bit-equal to a row's.
+fn has_same_mask(row: &CompareRow, other: &CompareRow) -> bool {
+    let is_as_cpu = |r: &CompareRow| {
+        let agreement = r.measured().and_then(|m| m.agreement);
+        r.backend == "cpu" || agreement.is_some_and(|a| a.differing == 0)
     };
-    Charts {
-        time: chart(CostBasis::Wall),
-        cost: chart(CostBasis::Cost),
-    }
+    let is_origin = match &row.same_as {
+        Some(origin) => *origin == format!("{} ({})", other.technique, other.settings),
+        None => row.slug == other.slug,
+    };
+    let is_same_backend = row.backend == other.backend;
+    is_origin && row.measured().is_some() && (is_same_backend || is_as_cpu(row) && is_as_cpu(other))
+}
+
+/// Returns the pictures that are in a scene's folder under a row's name.
+fn own_pictures(folder: &Path, row: &CompareRow) -> Option<RowPictures> {
+    let stem = row.stem();
+    let is_there = |end: &str| folder.join(format!("{stem}{end}.png")).is_file();
+    (is_there("") && is_there(".error")).then(|| RowPictures {
+        color: is_there(".color"),
+        lookups: is_there(".lookups"),
+        stem: stem.clone(),
+    })
 }
 
 const OVERALL_HEADER: [&str; 11] = [
@@ -273,7 +285,7 @@ const OVERALL_HEADER: [&str; 11] = [
 ];
 
 /// Returns the table over all scenes, a line for each setting and backend.
-fn overall_csv(groups: &[ChartGroup]) -> Result<Vec<u8>, LabError> {
+fn overall_csv(groups: &[SettingGroup]) -> Result<Vec<u8>, LabError> {
     let mut lines = Vec::new();
     for group in groups {
         for r in &group.settings {

@@ -1,12 +1,13 @@
 //! The report of a comparison: a folder with a page, charts, tables, data and pictures.
 //!
-//! * `index.html`: self-contained, works from a file. Charts of time against error with the Pareto fronts, one over all
-//!   scenes and one a scene; mask, truth and error picture of the rows that matter most.
-//! * `chart-time.svg`, `chart-cost.svg` and PNG: the chart over all scenes, to be shown elsewhere.
+//! * `index.html`: what to use, pictures, charts of time against error with their Pareto fronts, a table of all rows, and each
+//!   scene's rows. It works from a file; its pictures are the scenes' files beside it, so the folder is to be kept together.
+//! * `chart-time-<light>-<backend>.svg`, `chart-cost-...` and PNG: the charts over all scenes of hard and of soft shadows, to be
+//!   shown elsewhere.
 //! * `rows.csv`: one [`Line`] a row. `overall.csv`: one line a setting over all scenes. `results.json`: the [`Comparison`]
 //!   as it is.
 //! * `<scene>/truth.png`, `<scene>/<technique>.<backend>.png` and `.error.png`, with colours `.color.png`, of the Pareto
-//!   fronts, each technique's best, and faults; of comparisons of three scenes or fewer, of all rows, and there
+//!   fronts, each technique's best, and faults, and of one backend's rows on frames of real size; of comparisons of three scenes or fewer, of all rows, and there
 //!   `.lookups.png`: where the maps are looked up. On request NumPy arrays, float32, H x W, row 0 on top, -1 where the
 //!   camera hits nothing: `<scene>/truth.npy`, `t.npy` (distance along the unit camera ray), `ambiguous.npy`,
 //!   `<technique>.<backend>.npy`. Where a technique has several settings, they are part of the name.
@@ -22,6 +23,7 @@ mod chart;
 mod chosen;
 mod merge;
 mod page;
+mod page_rows;
 mod run;
 mod still;
 mod store;
@@ -219,5 +221,7 @@ fn heat_picture(
     )
 }
 
+#[cfg(test)]
+mod page_tests;
 #[cfg(test)]
 mod tests;

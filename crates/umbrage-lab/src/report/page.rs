@@ -1,19 +1,28 @@
-//! The page itself: elements, a style sheet, a script, and one block of data.
+//! The page itself: elements, a style sheet, scripts, and one block of data. Pictures are files beside it.
 
 use super::{
-    chart::{self, Dot},
-    still::{self, Medium, Words},
+    page_rows::{PageRow, Texts, table_of},
+    style::{SeriesStyle, styles_of},
 };
 use crate::{
-    compare::Comparison,
-    output::html::{Page, data_uri},
+    compare::{CostBasis, Environment, Section, TruthSummary},
+    output::{figure::Marker, html::Page},
 };
 use serde::Serialize;
-use std::collections::HashMap;
+use serde_json::Value;
+use std::collections::BTreeMap;
 
 const BODY: &str = include_str!("body.html");
 const STYLE: &str = include_str!("page.css");
-const SCRIPT: &str = include_str!("page.js");
+/// In the order in which they run: later ones use what earlier ones declare.
+const SCRIPTS: [&str; 6] = [
+    include_str!("page/base.js"),
+    include_str!("page/chart.js"),
+    include_str!("page/scenes.js"),
+    include_str!("page/groups.js"),
+    include_str!("page/rows.js"),
+    include_str!("page/start.js"),
+];
 
 /// Colours of the error pictures, for people.
 const LEGEND: [(&str, &str); 5] = [
@@ -24,116 +33,167 @@ const LEGEND: [(&str, &str); 5] = [
     ("#ccd6e3", "nothing receives"),
 ];
 
-/// Pictures as data URIs, each once.
-#[derive(Debug, Default)]
-pub(super) struct ImageStore {
-    uris: Vec<String>,
-    ids: HashMap<Vec<u8>, usize>,
-}
-
-impl ImageStore {
-    /// Adds a PNG unless it is there already, and returns its index.
-    pub(super) fn add(&mut self, png: &[u8]) -> usize {
-        if let Some(&id) = self.ids.get(png) {
-            return id;
-        }
-        let id = self.uris.len();
-        self.uris.push(data_uri("image/png", png));
-        self.ids.insert(png.to_vec(), id);
-        id
-    }
-}
-
-/// Indices of a row's pictures in the [`ImageStore`].
-#[derive(Clone, Copy, Debug, Serialize)]
-pub(super) struct RowPictures {
-    pub(super) mask: usize,
-    pub(super) error: usize,
-    pub(super) color: Option<usize>,
-    pub(super) lookups: Option<usize>,
-}
-
-/// What the page needs of a scene beyond its figures.
+/// A scene as the page shows it.
 #[derive(Debug, Serialize)]
-pub(super) struct ScenePage {
-    pub(super) index: usize,
-    pub(super) truth: Option<usize>,
-    pub(super) rows: Vec<Option<RowPictures>>,
-    pub(super) charts: Charts,
+pub(super) struct PageScene {
+    /// The folder of its pictures, beside the page.
+    pub(super) folder: String,
+    pub(super) name: String,
+    pub(super) summary: String,
+    pub(super) section: Section,
+    /// `hard` or `soft`.
+    pub(super) shadows: &'static str,
+    /// Kind of light.
+    pub(super) light: String,
+    pub(super) size: [u32; 2],
+    pub(super) triangles: u64,
+    /// What moves, in words.
+    pub(super) motion: &'static str,
+    pub(super) truth: TruthSummary,
+    pub(super) nothing_compared: Option<String>,
+    /// RMSE of no shadow.
+    pub(super) rmse_of_none: f64,
+    /// Negative controls that hold, and all.
+    pub(super) controls: [usize; 2],
+    /// In the order of the comparison's rows.
+    #[serde(skip)]
+    pub(super) rows: Vec<PageRow>,
 }
 
-/// A chart by each clock that there is.
+/// A setting over the scenes of a group.
 #[derive(Debug, Serialize)]
-pub(super) struct Charts {
-    pub(super) time: Option<Chart>,
-    pub(super) cost: Option<Chart>,
+pub(super) struct PageSetting {
+    pub(super) technique: String,
+    pub(super) settings: String,
+    pub(super) error: f64,
+    pub(super) time: Option<f64>,
+    /// Of the quickest and of the slowest runs.
+    pub(super) range: Option<[f64; 2]>,
+    pub(super) cost: f64,
+    pub(super) served: usize,
+    /// Its row of the group's scene that is shown.
+    pub(super) row: Option<usize>,
+    /// Whether it is on the Pareto front of times, and on that of costs.
+    pub(super) front: [bool; 2],
 }
 
-/// The charts of one backend over all scenes of one kind of light.
+/// The settings of one backend over all scenes of one kind of light.
 #[derive(Debug, Serialize)]
-pub(super) struct GroupCharts {
-    pub(super) title: String,
+pub(super) struct PageGroup {
+    pub(super) light: &'static str,
+    pub(super) backend: String,
     pub(super) subtitle: String,
-    pub(super) charts: Charts,
+    /// What to use, in one sentence.
+    pub(super) advice: Option<String>,
+    /// The scene whose pictures are shown.
+    pub(super) scene: usize,
+    pub(super) scenes: usize,
+    pub(super) settings: Vec<PageSetting>,
+    /// Settings shown as pictures, by rising time.
+    pub(super) strip: Vec<usize>,
 }
 
-/// One chart.
+/// How a technique looks in charts.
 #[derive(Debug, Serialize)]
-pub(super) struct Chart {
-    /// Rows on their backend's Pareto front.
-    pub(super) front: Vec<usize>,
-    /// The drawing, of [`crate::output::figure::Figure::svg_for_page`]. A point's title is its place among the dots.
-    pub(super) svg: String,
-    /// What the points are.
-    pub(super) dots: Vec<Dot>,
+struct PageStyle {
+    marker: String,
+    /// A colour for each backend.
+    colors: [&'static str; 3],
 }
 
-impl Chart {
-    /// Draws dots at a size in pixels of the SVG.
-    pub(super) fn new(dots: Vec<Dot>, words: &Words<'_>, size: [f64; 2]) -> Self {
-        let mut figure = still::figure(&dots, words, Medium::Page);
-        figure.size = size;
-        Self {
-            front: chart::front(&dots),
-            svg: figure.svg_for_page(),
-            dots,
-        }
-    }
+/// All that the page shows.
+#[derive(Debug)]
+pub(super) struct Contents<'a> {
+    pub(super) environment: &'a Environment,
+    pub(super) notices: &'a [String],
+    pub(super) faults: Vec<String>,
+    pub(super) scenes: Vec<PageScene>,
+    pub(super) groups: Vec<PageGroup>,
+    /// What the page is to show first.
+    pub(super) clock: CostBasis,
 }
 
 #[derive(Serialize)]
 struct Data<'a> {
-    comparison: &'a Comparison,
-    faults: Vec<String>,
-    pages: &'a [ScenePage],
-    overall: &'a [GroupCharts],
-    images: &'a [String],
+    environment: &'a Environment,
+    notices: &'a [String],
+    faults: &'a [String],
+    clock: &'static str,
+    scenes: &'a [PageScene],
+    groups: &'a [PageGroup],
+    backends: Vec<&'a str>,
+    styles: BTreeMap<&'a str, PageStyle>,
     legend: [(&'static str, &'static str); 5],
+    /// The names of the columns of `rows`.
+    columns: Vec<String>,
+    /// For each scene its rows: arrays, which take a third of the space of objects.
+    rows: Vec<Vec<Vec<Value>>>,
+    /// Texts, to which columns of `text_columns` refer by place.
+    texts: Vec<String>,
+    text_columns: [&'static str; 6],
 }
 
 /// Returns the whole page.
-pub(super) fn html(
-    comparison: &Comparison,
-    pages: &[ScenePage],
-    overall: &[GroupCharts],
-    images: &ImageStore,
-) -> serde_json::Result<String> {
-    let faults = comparison.faults();
+pub(super) fn html(contents: &Contents<'_>) -> serde_json::Result<String> {
+    let mut texts = Texts::default();
+    let table = table_of(contents.scenes.iter().map(|s| &s.rows[..]), &mut texts)?;
+    let all_rows = || contents.scenes.iter().flat_map(|s| &s.rows);
     let data = Data {
-        comparison,
-        faults,
-        pages,
-        overall,
-        images: &images.uris,
+        environment: contents.environment,
+        notices: contents.notices,
+        faults: &contents.faults,
+        clock: match contents.clock {
+            CostBasis::Wall => "time",
+            CostBasis::Cost => "cost",
+        },
+        scenes: &contents.scenes,
+        groups: &contents.groups,
+        backends: distinct(all_rows().map(|r| &r.backend)),
+        styles: styles(&distinct(all_rows().map(|r| &r.technique))),
         legend: LEGEND,
+        columns: table.columns,
+        rows: table.rows,
+        texts: texts.into_all(),
+        text_columns: PageRow::TEXTS,
     };
     let page = Page {
         title: "umbrage: shadows against truth",
         style: STYLE,
         body: BODY,
-        scripts: &[SCRIPT],
+        scripts: &SCRIPTS,
     };
     page.html(&data)
+}
+
+/// Returns the distinct texts, in the order in which they first occur.
+fn distinct<'a>(all: impl Iterator<Item = &'a String>) -> Vec<&'a str> {
+    let mut out: Vec<&str> = Vec::new();
+    for text in all {
+        if !out.contains(&text.as_str()) {
+            out.push(text);
+        }
+    }
+    out
+}
+
+/// Returns how techniques look: as in the still charts.
+fn styles<'a>(techniques: &[&'a str]) -> BTreeMap<&'a str, PageStyle> {
+    let styles = techniques.iter().zip(styles_of(techniques));
+    styles.map(|(name, style)| (*name, style.into())).collect()
+}
+
+impl From<SeriesStyle> for PageStyle {
+    fn from(style: SeriesStyle) -> Self {
+        Self {
+            marker: marker_name(style.marker),
+            colors: [0, 1, 2].map(|backend| style.color(backend)),
+        }
+    }
+}
+
+/// Returns a marker's name as the page's script has it.
+fn marker_name(marker: Marker) -> String {
+    format!("{marker:?}")
 }
 
 #[cfg(test)]
@@ -142,16 +202,17 @@ mod tests {
 
     #[test]
     fn script_and_style_cannot_end_their_elements() {
-        assert!(!SCRIPT.contains("</script") && !STYLE.contains("</style"));
+        let ends = SCRIPTS.iter().filter(|script| script.contains("</script"));
+        assert_eq!(ends.count(), 0);
+        assert!(!STYLE.contains("</style"));
     }
 
     #[test]
-    fn equal_pictures_are_kept_once() {
-        let mut store = ImageStore::default();
-        assert_eq!(
-            [store.add(b"a"), store.add(b"b"), store.add(b"a")],
-            [0, 1, 0]
-        );
-        assert_eq!(store.uris.len(), 2);
+    fn the_script_draws_every_marker() {
+        let all = SCRIPTS.concat();
+        for marker in Marker::ALL {
+            let entry = format!("  {}: ", marker_name(marker));
+            assert!(all.contains(&entry), "{marker:?}");
+        }
     }
 }

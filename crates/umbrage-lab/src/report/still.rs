@@ -1,4 +1,4 @@
-//! The charts as figures: still ones as SVG and PNG, for places that cannot run a script, and those of the page.
+//! The charts over many scenes as SVG and PNG, for places that cannot run a script.
 
 use super::{
     chart::{Dot, distinct},
@@ -6,7 +6,7 @@ use super::{
 };
 use crate::{
     compare::{CostBasis, Motion, Section},
-    output::figure::{Figure, Key, Point, Series, Style},
+    output::figure::{Figure, Key, Point, Reference, Series, Style},
 };
 
 /// Radius of points that the front beats, pixels.
@@ -18,31 +18,6 @@ pub(super) struct Words<'a> {
     pub(super) subtitle: String,
     pub(super) x: &'a str,
     pub(super) y: &'a str,
-}
-
-/// Where a chart is shown.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Medium {
-    /// On white, alone: the points on fronts have their names beside them.
-    Still,
-    /// In the page, whose script shows what a point is: each point's title is its place among the dots.
-    Page,
-}
-
-/// Returns the words of one scene's chart; the page gives it a title.
-pub(super) fn of_scene(clock: CostBasis, motion: Motion) -> Words<'static> {
-    let x = match (clock, motion) {
-        (CostBasis::Wall, Motion::Still) => "time of a frame while nothing moves, ms",
-        (CostBasis::Wall, Motion::CameraMoves) => "time of a frame while the camera moves, ms",
-        (CostBasis::Wall, Motion::AllMoves) => "time of a frame while all moves, ms",
-        (CostBasis::Cost, _) => "counted cost of a frame, ms by the price list",
-    };
-    Words {
-        title: String::new(),
-        subtitle: String::new(),
-        x,
-        y: "RMSE of visibility (1e-4 and less)",
-    }
 }
 
 /// What a chart over many scenes is about.
@@ -65,8 +40,13 @@ pub(super) fn of_group(group: &GroupWords<'_>) -> Words<'static> {
         }
     };
     let kind = match group.section {
-        Section::Content => "scenes of real size",
-        Section::Check => "small scenes",
+        Section::Content => "of real size",
+        Section::Check => "small",
+    };
+    let scenes = if group.scenes == 1 {
+        format!("on 1 scene, {kind}")
+    } else {
+        format!("means over {} scenes, {kind}", group.scenes)
     };
     let motion = group.motion.words();
     Words {
@@ -74,28 +54,28 @@ pub(super) fn of_group(group: &GroupWords<'_>) -> Words<'static> {
             "Speed against accuracy of {} shadows on {}",
             group.light, group.backend
         ),
-        subtitle: format!(
-            "means over {} {kind}, {motion}; down and left is better",
-            group.scenes
-        ),
+        subtitle: format!("{scenes}; {motion}; down and left is better"),
         x,
-        y: "error, relative to drawing no shadows",
+        y: "error, relative to drawing no shadows (0.001: exact)",
     }
 }
 
 /// Returns a chart in which each backend's front stands out and everything else is faint.
-pub(super) fn figure(dots: &[Dot], words: &Words<'_>, medium: Medium) -> Figure {
+pub(super) fn figure(dots: &[Dot], words: &Words<'_>) -> Figure {
     let mut figure = Figure::new(&words.title, words.x, words.y).log(true, true);
     figure.subtitle.clone_from(&words.subtitle);
     figure.size = [980.0, 620.0];
+    figure
+        .references
+        .push(Reference::Up(1.0, "no shadow".to_owned()));
     let techniques = distinct(dots, |d| &d.technique);
     let styles = styles_of(&techniques);
     let backends = distinct(dots, |d| &d.backend);
     // Points that a front beats are drawn first, so that all others lie above them.
     for (b, backend) in backends.iter().enumerate() {
         for (technique, style) in techniques.iter().zip(&styles) {
-            let beaten = points(dots, technique, backend, false, medium);
-            figure.series.push(faint(*style, b, beaten, medium));
+            let beaten = points(dots, technique, backend, false);
+            figure.series.push(faint(*style, b, beaten));
         }
     }
     for (b, backend) in backends.iter().enumerate() {
@@ -105,63 +85,35 @@ pub(super) fn figure(dots: &[Dot], words: &Words<'_>, medium: Medium) -> Figure 
                 "",
                 style.color(b),
                 style.marker,
-                points(dots, technique, backend, true, medium),
+                points(dots, technique, backend, true),
             ));
         }
     }
-    let ink = match medium {
-        Medium::Still => SeriesStyle::ink,
-        Medium::Page => SeriesStyle::page_ink,
-    };
     // The legend explains the shapes, which are the same on all backends.
     for (technique, style) in techniques.iter().zip(&styles) {
         figure.keys.push(Key {
             name: (*technique).to_owned(),
             marker: style.marker,
-            color: ink(*style).to_owned(),
+            color: style.ink().to_owned(),
         });
     }
-    if medium == Medium::Still {
-        figure.notes = notes(dots);
-    }
+    figure.notes = notes(dots);
     figure
 }
 
 /// Returns a technique's points on one backend, those on its front or those beaten by it.
-fn points(
-    dots: &[Dot],
-    technique: &str,
-    backend: &str,
-    on_front: bool,
-    medium: Medium,
-) -> Vec<Point> {
-    let mut out = Vec::new();
-    for (place, dot) in dots.iter().enumerate() {
-        if dot.technique != technique || dot.backend != backend || dot.on_front != on_front {
-            continue;
-        }
-        let title = match medium {
-            Medium::Still => String::new(),
-            Medium::Page => place.to_string(),
-        };
-        out.push(Point {
-            title,
-            ..point(dot)
-        });
-    }
-    out
+fn points(dots: &[Dot], technique: &str, backend: &str, on_front: bool) -> Vec<Point> {
+    let of_technique = dots
+        .iter()
+        .filter(|d| d.technique == technique && d.backend == backend && d.on_front == on_front);
+    of_technique.map(point).collect()
 }
 
-/// Returns the series of points that a front beats. On white they are paler rather than transparent, since not every viewer
-/// blends; the page, which may be dark, makes them transparent itself.
-fn faint(style: SeriesStyle, backend: usize, points: Vec<Point>, medium: Medium) -> Series {
-    let color = match medium {
-        Medium::Still => style.faint(backend),
-        Medium::Page => style.color(backend),
-    };
+/// Returns the series of points that a front beats. They are paler rather than transparent, since not every viewer blends.
+fn faint(style: SeriesStyle, backend: usize, points: Vec<Point>) -> Series {
     Series {
         style: Style::Points(style.marker, FAINT_RADIUS, 1.0),
-        ..Series::points("", color, style.marker, points)
+        ..Series::points("", style.faint(backend), style.marker, points)
     }
 }
 

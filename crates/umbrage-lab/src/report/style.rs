@@ -36,9 +36,6 @@ const FAINT: [Tones; 3] = [
 /// For legends, where no backend is meant.
 const INK: Tones = ["#7d8796", "#2b3340"];
 
-/// For legends in the page, whose colors follow the reader's light or dark scheme.
-const PAGE_INK: Tones = ["var(--soft)", "var(--ink)"];
-
 impl SeriesStyle {
     /// Returns the style of the technique at a place. From place [`STYLES`] on the styles repeat.
     fn nth(place: usize) -> Self {
@@ -63,11 +60,6 @@ impl SeriesStyle {
     /// Returns the color in the legend of a still chart.
     pub(super) fn ink(self) -> &'static str {
         INK[self.tone]
-    }
-
-    /// Returns the color in the legend of a chart in the page.
-    pub(super) fn page_ink(self) -> &'static str {
-        PAGE_INK[self.tone]
     }
 }
 

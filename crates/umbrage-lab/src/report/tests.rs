@@ -1,10 +1,10 @@
-//! A report of made-up results: complete, self-contained, and safe whatever the names.
+//! A report of made-up results: complete, asking for nothing from elsewhere, and safe whatever the names.
 
 use super::*;
 use crate::{
     compare::{
-        CompareOptions, CompareRow, Control, CostBasis, Measured, Motion, RowOutcome, RowTimes,
-        SceneInput, TimingStats,
+        CompareOptions, CompareRow, Control, CostBasis, Measured, RowOutcome, RowTimes, SceneInput,
+        TimingStats,
     },
     output::slug,
 };
@@ -19,9 +19,9 @@ use umbrage_plan::{
     truth::Truth,
 };
 
-const NASTY: &str = "</script><img src=x onerror=alert(1)> & \"co\"";
+pub(super) const NASTY: &str = "</script><img src=x onerror=alert(1)> & \"co\"";
 
-fn row(technique: &str, backend: &str, rmse: f64, median: f64) -> CompareRow {
+pub(super) fn row(technique: &str, backend: &str, rmse: f64, median: f64) -> CompareRow {
     let total = TimingStats {
         median,
         min: median,
@@ -63,7 +63,7 @@ fn row(technique: &str, backend: &str, rmse: f64, median: f64) -> CompareRow {
     }
 }
 
-fn scene() -> (SceneResult, SceneImages) {
+pub(super) fn scene() -> (SceneResult, SceneImages) {
     let unsupported = RowOutcome::Unsupported {
         reason: NASTY.to_owned(),
     };
@@ -130,7 +130,7 @@ fn scene() -> (SceneResult, SceneImages) {
 }
 
 /// A comparison of two scenes of one name.
-fn plan() -> ComparisonPlan {
+pub(super) fn plan() -> ComparisonPlan {
     let scene = || {
         let scene = umbrage_core::Scene {
             name: NASTY.into(),
@@ -141,7 +141,7 @@ fn plan() -> ComparisonPlan {
     ComparisonPlan::new(&[scene(), scene()], &CompareOptions::default())
 }
 
-fn write(arrays: bool) -> (tempfile::TempDir, Comparison) {
+pub(super) fn write(arrays: bool) -> (tempfile::TempDir, Comparison) {
     let dir = tempfile::tempdir().expect("a temporary folder");
     let report =
         Report::create(&dir.path().join("out"), plan(), &[0, 1], arrays).expect("writable");
@@ -171,8 +171,9 @@ fn names_cannot_smuggle_in_markup() {
     let (dir, _) = write(false);
     let page = fs::read_to_string(dir.path().join("out/index.html")).expect("there");
     assert!(!page.contains("<img src=x"), "a name became an element");
-    // The page's data and its script, and not one more end of a script than starts.
-    assert_eq!(page.matches("</script").count(), 2);
+    // The page's data and its scripts, and not one more end of a script than starts.
+    let starts = page.matches("<script").count();
+    assert!(starts > 1 && page.matches("</script").count() == starts);
     assert!(
         page.contains("onerror=alert"),
         "the name must still be told, as text"
@@ -241,7 +242,7 @@ fn scenes_of_one_name_get_folders_of_their_own() {
     );
 }
 
-/// In the table, under the pointer and as a picture.
+/// In the table and as a picture.
 #[test]
 fn how_maps_are_used_is_told() {
     let (dir, comparison) = write(false);
@@ -263,9 +264,6 @@ fn how_maps_are_used_is_told() {
         ),
         (Some(0.5), Some(4.5), Some(0.75))
     );
-    let dots = chart::dots(&comparison.scenes[0], CostBasis::Wall);
-    let use_of_maps = "84 % of the map's texels never looked up; 9 in 10 pixels that face the light span at least 0.75 texels";
-    assert!(dots[0].hover.iter().any(|line| line.contains(use_of_maps)));
     let without = MapUse {
         texels: None,
         ..MapUse::default()
@@ -286,31 +284,12 @@ fn arrays_hold_minus_one_where_nothing_is_seen() {
 #[test]
 fn fronts_and_failed_controls_are_told() {
     let (result, _) = scene();
-    let dots = chart::dots(&result, CostBasis::Wall);
-    assert_eq!(chart::front(&dots), [0, 1]);
+    assert_eq!(chosen::fronts(&result, CostBasis::Wall), [1, 0]);
     let comparison = Comparison {
         scenes: vec![result],
         ..Comparison::default()
     };
     assert_eq!(comparison.faults().len(), 1, "the control doesn't hold");
-}
-
-#[test]
-fn charts_of_the_page_name_every_dot_and_escape_what_they_show() {
-    let (mut result, _) = scene();
-    result.rows[0].technique = NASTY.to_owned();
-    let dots = chart::dots(&result, CostBasis::Wall);
-    let words = still::of_scene(CostBasis::Wall, Motion::CameraMoves);
-    let chart = page::Chart::new(dots, &words, [800.0, 400.0]);
-    assert_eq!((chart.dots.len(), &chart.front[..]), (3, &[0, 1][..]));
-    for place in 0..3 {
-        let title = format!("<title>{place}</title>");
-        assert_eq!(chart.svg.matches(&title).count(), 1, "{title}");
-    }
-    assert!(!chart.svg.contains("<img") && !chart.svg.contains("<script"));
-    assert!(chart.svg.contains("Pareto front, cpu"));
-    let entries = chart.svg.matches("class=\"legend-entry\"").count();
-    assert_eq!(entries, 4, "three techniques and a front");
 }
 
 /// All files of a folder, by name.

@@ -41,49 +41,6 @@ fn svg_is_whole_and_escapes_names() {
 }
 
 #[test]
-fn svg_for_a_page_has_marks_for_a_script_and_none_of_its_own() {
-    let title = "point & <b>".to_owned();
-    let point = Point {
-        title,
-        ..Point::at(2.0, 0.5)
-    };
-    let name = "circles </svg><script>".to_owned();
-    let key = Key {
-        name: name.clone(),
-        marker: Marker::Circle,
-        color: "var(--ink)".to_owned(),
-    };
-    let series = Series::points("", "#3b82e0", Marker::Circle, vec![point]);
-    let mut figure = figure().with(series);
-    figure.keys.push(key);
-    let svg = figure.svg_for_page();
-    assert!(svg.starts_with("<svg") && svg.ends_with("</svg>"));
-    for stray in [
-        "<script",
-        "<style",
-        "<foreignObject",
-        "href",
-        " id=\"kuva",
-        "<b>",
-    ] {
-        assert!(!svg.contains(stray), "{stray}");
-    }
-    assert_eq!(svg.matches("</svg>").count(), 1);
-    for mark in [
-        "<title>point &amp; &lt;b&gt;</title>",
-        "class=\"legend-entry\" data-group=\"circles &lt;/svg&gt;&lt;script&gt;\"",
-        "class=\"tt\" data-group=\"front\"",
-        "data-plot-left=",
-        "data-xmin=",
-        "data-log-x=\"1\"",
-        "fill=\"var(--ink)\"",
-    ] {
-        assert!(svg.contains(mark), "{mark}");
-    }
-    assert_eq!(svg, figure.svg_for_page(), "the same each time");
-}
-
-#[test]
 fn png_is_a_picture_of_twice_the_size() {
     let png = figure().png().expect("rendered");
     let picture = image::load_from_memory(&png).expect("a picture").to_rgb8();

@@ -1,0 +1,118 @@
+//! What a comparison comes to, in the last lines that it prints.
+
+use umbrage_lab::compare::{
+    Comparison, CostBasis, Relative, SettingGroup, percent, setting_groups, times,
+};
+
+/// Lines about settings, over all groups.
+const LINES: usize = 8;
+
+/// Returns a heading and at most [`LINES`] lines, the settings that matter most for each kind of light and each backend; nothing where
+/// nothing can be told.
+pub(crate) fn lines(comparison: &Comparison) -> Vec<String> {
+    let groups = setting_groups(comparison);
+    let Some(first) = groups.first() else {
+        return Vec::new();
+    };
+    let unit = match first.clock() {
+        CostBasis::Wall => "time",
+        CostBasis::Cost => "cost",
+    };
+    let heading =
+        format!("what to use: error relative to no shadow, {unit} relative to a hard map");
+    let mut out = vec![heading];
+    let count = (LINES / groups.len()).max(1);
+    for group in &groups {
+        for place in group.shortlist(count) {
+            out.push(line(group, &group.settings[place]));
+        }
+    }
+    out
+}
+
+fn line(group: &SettingGroup, setting: &Relative) -> String {
+    let error = if setting.is_exact() {
+        "exact".to_owned()
+    } else {
+        percent(setting.error)
+    };
+    let time = times(setting.take(group.clock()).unwrap_or_default());
+    let (light, backend, name) = (group.light, &group.backend, setting.name());
+    format!("{light} shadows, {backend:<5} {error:>6} {time:>10}  {name}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use umbrage_lab::compare::{
+        CompareRow, Measured, RowOutcome, RowTimes, SceneResult, TimingStats,
+    };
+
+    fn row(technique: &str, backend: &str, rmse: f64, ms: f64) -> CompareRow {
+        let total = TimingStats {
+            median: ms,
+            ..TimingStats::default()
+        };
+        let times = RowTimes {
+            total,
+            ..RowTimes::default()
+        };
+        let errors = umbrage_core::metrics::Errors {
+            rmse,
+            ..Default::default()
+        };
+        let measured = Measured {
+            errors: Some(errors),
+            times: Some(times),
+            cost_ms: ms,
+            ..Measured::default()
+        };
+        CompareRow {
+            technique: technique.into(),
+            settings: String::new(),
+            slug: technique.into(),
+            backend: backend.into(),
+            same_as: None,
+            outcome: RowOutcome::Measured(Box::new(measured)),
+        }
+    }
+
+    fn comparison(backends: &[&str]) -> Comparison {
+        let scene = |is_ideal| {
+            let mut rows = Vec::new();
+            for backend in backends {
+                rows.push(row("hard", backend, 0.1, 1.0));
+                rows.push(row("pcf", backend, 0.05, 1.5));
+                rows.push(row("pcss", backend, 0.04, 3.0));
+                rows.push(row("volumes", backend, 0.0, 12.0));
+                rows.push(row("slow", backend, 0.4, 20.0));
+                rows.push(row("slower", backend, 0.4, 30.0));
+            }
+            SceneResult {
+                is_ideal,
+                rmse_of_none: [0.5, 0.9],
+                rows,
+                ..SceneResult::default()
+            }
+        };
+        Comparison {
+            scenes: vec![scene(true), scene(false)],
+            ..Comparison::default()
+        }
+    }
+
+    #[test]
+    fn ten_lines_tell_what_to_use() {
+        let all = lines(&comparison(&["cpu", "wgpu"]));
+        assert_eq!(all.len(), 1 + LINES, "{all:?}");
+        assert_eq!(all[1], "hard shadows, cpu     10 %  1.5 times  pcf");
+        assert_eq!(all[8], "soft shadows, wgpu   exact   12 times  volumes");
+        assert_eq!(lines(&comparison(&["cpu"])).len(), 1 + LINES);
+        assert_eq!(lines(&comparison(&["a", "b", "c", "d", "e"])).len(), 11);
+    }
+
+    #[test]
+    fn where_nothing_was_compared_nothing_is_said() {
+        assert_eq!(lines(&Comparison::default()), [""; 0]);
+    }
+}

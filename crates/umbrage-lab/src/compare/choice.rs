@@ -1,0 +1,389 @@
+//! What to use under one kind of light on one backend: the Pareto front of its settings, and a choice among them.
+//!
+//! * **The least product** of error and time: up to there, each doubling of the time more than halves the error. Exact settings
+//!   are left out, as any time times 0 is 0.
+//! * **The least error**: the cheapest exact setting where there is one.
+//! * **The cheapest** with at most half of the error of no shadow, if it takes at most eight tenths of the first one's time.
+//!
+//! `none` is left out of all of them: it takes no time. Where all of them trace rays, which not every renderer can, the least product
+//! without rays is named, too.
+
+use super::{
+    Comparison, CostBasis, MIN_ERROR, Motion, Relative, Section, relative,
+    relative::{SceneGroup, scene_groups},
+};
+use umbrage_plan::pareto;
+
+/// The greatest relative error of a cheap setting that is worth naming.
+const MAX_CHEAP_ERROR: f64 = 0.5;
+/// The greatest share of the knee's time that a cheap setting takes: less of a difference is mostly noise.
+const MAX_CHEAP_TIME: f64 = 0.8;
+
+/// The settings of one backend over the scenes of one kind of light.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SettingGroup {
+    /// `hard` or `soft`.
+    pub light: &'static str,
+    /// What its scenes are compared for.
+    pub section: Section,
+    /// What moves from frame to frame.
+    pub motion: Motion,
+    /// Its scenes' places in the comparison.
+    pub scenes: Vec<usize>,
+    /// Kind of backend.
+    pub backend: String,
+    /// The settings.
+    pub settings: Vec<Relative>,
+}
+
+/// The settings worth naming, as places among those of a group.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Choice {
+    /// The cheapest with at most half of the error of no shadow; the same as [`Self::knee`] where none is clearly cheaper.
+    pub cheapest: usize,
+    /// The least product of error and time.
+    pub knee: usize,
+    /// The least error.
+    pub best: usize,
+    /// The least product of error and time without rays, if the others trace some.
+    pub without_rays: Option<usize>,
+}
+
+/// Returns the groups of a comparison, hard shadows first; none where nothing can be told of a kind of light.
+pub fn setting_groups(comparison: &Comparison) -> Vec<SettingGroup> {
+    let mut out = Vec::new();
+    for group in scene_groups(comparison) {
+        let all = relative(&group.scenes);
+        let mut backends: Vec<&str> = Vec::new();
+        for setting in &all {
+            if !backends.contains(&setting.backend.as_str()) {
+                backends.push(&setting.backend);
+            }
+        }
+        for backend in backends {
+            let of_backend = all.iter().filter(|r| r.backend == backend);
+            out.push(SettingGroup {
+                light: group.light(),
+                section: group.section,
+                motion: group.scenes[0].motion,
+                scenes: places(comparison, &group),
+                backend: backend.to_owned(),
+                settings: of_backend.cloned().collect(),
+            });
+        }
+    }
+    out
+}
+
+/// Returns the places of a group's scenes in its comparison.
+fn places(comparison: &Comparison, group: &SceneGroup<'_>) -> Vec<usize> {
+    let scenes = comparison.scenes.iter().enumerate();
+    let of_group =
+        scenes.filter(|(_, scene)| group.scenes.iter().any(|s| std::ptr::eq(*s, *scene)));
+    of_group.map(|(place, _)| place).collect()
+}
+
+impl Relative {
+    /// Whether the error is too small to be seen.
+    pub fn is_exact(&self) -> bool {
+        self.error < MIN_ERROR
+    }
+}
+
+impl SettingGroup {
+    /// Returns the clock by which settings are chosen: measured times, or counted costs where nothing was timed.
+    pub fn clock(&self) -> CostBasis {
+        if self.settings.iter().any(|s| s.time.is_some()) {
+            CostBasis::Wall
+        } else {
+            CostBasis::Cost
+        }
+    }
+
+    /// Returns the settings on the Pareto front, by rising time. Exact ones count as equally good.
+    pub fn front(&self, clock: CostBasis) -> Vec<usize> {
+        let mut points = Vec::with_capacity(self.settings.len());
+        for setting in &self.settings {
+            points.push(match setting.take(clock) {
+                Some(time) if setting.technique != "none" => [time, setting.error.max(MIN_ERROR)],
+                _ => [f64::NAN; 2],
+            });
+        }
+        pareto::front(&points)
+    }
+
+    /// Returns the product of a setting's error and time; infinite without a time, for `none`, for exact settings, and for those that
+    /// are no better than no shadow.
+    fn product(&self, setting: usize) -> f64 {
+        let r = &self.settings[setting];
+        match r.take(self.clock()) {
+            Some(time) if r.technique != "none" && !r.is_exact() && r.error < 1.0 => time * r.error,
+            _ => f64::INFINITY,
+        }
+    }
+
+    /// Returns the settings that are better than no shadow and not exact, by rising product of error and time.
+    fn by_product(&self) -> Vec<usize> {
+        let mut out: Vec<usize> = (0..self.settings.len()).collect();
+        out.retain(|&i| self.product(i).is_finite());
+        out.sort_by(|&a, &b| self.product(a).total_cmp(&self.product(b)));
+        out
+    }
+
+    /// Returns what to use; none if nothing is better than no shadow.
+    pub fn choice(&self) -> Option<Choice> {
+        let clock = self.clock();
+        let mut front = self.front(clock);
+        front.retain(|&i| self.settings[i].error < 1.0);
+        let error = |i: &usize| self.settings[*i].error;
+        // The front's time rises while its error falls.
+        let best = *front.last()?;
+        let by_product = self.by_product();
+        let knee = by_product.iter().find(|&i| front.contains(i));
+        let knee = *knee.unwrap_or(&best);
+        let time = |i: &usize| self.settings[*i].take(clock).unwrap_or_default();
+        let cheapest = *front
+            .iter()
+            .find(|i| error(i) <= MAX_CHEAP_ERROR)
+            .filter(|i| time(i) <= MAX_CHEAP_TIME * time(&knee))
+            .unwrap_or(&knee);
+        let traces = |setting: usize| self.settings[setting].technique == "traced";
+        let all_trace = [cheapest, knee, best].into_iter().all(traces);
+        let without_rays = by_product.into_iter().find(|&i| !traces(i));
+        Some(Choice {
+            cheapest,
+            knee,
+            best,
+            without_rays: without_rays.filter(|_| all_trace),
+        })
+    }
+
+    /// Returns at most `count` settings that matter most, by rising time: those of [`Self::choice`], those of other techniques with
+    /// the least product of error and time, and those of the front with the least error.
+    pub fn shortlist(&self, count: usize) -> Vec<usize> {
+        let Some(choice) = self.choice() else {
+            return Vec::new();
+        };
+        let mut wanted = vec![choice.knee, choice.best];
+        wanted.extend(choice.without_rays);
+        wanted.push(choice.cheapest);
+        for setting in self.by_product() {
+            let technique = |i: usize| &self.settings[i].technique;
+            if !wanted
+                .iter()
+                .any(|&other| technique(other) == technique(setting))
+            {
+                wanted.push(setting);
+            }
+        }
+        wanted.extend(self.front(self.clock()).into_iter().rev());
+        let mut out: Vec<usize> = Vec::new();
+        for setting in wanted {
+            if out.len() < count && !out.contains(&setting) {
+                out.push(setting);
+            }
+        }
+        let time = |setting: usize| {
+            self.settings[setting]
+                .take(self.clock())
+                .unwrap_or_default()
+        };
+        out.sort_by(|&a, &b| time(a).total_cmp(&time(b)));
+        out
+    }
+
+    /// Returns what to use in one sentence; none if nothing is better than no shadow.
+    pub fn advice(&self) -> Option<String> {
+        let choice = self.choice()?;
+        let mut out = self.clause(choice.knee, true);
+        if choice.cheapest != choice.knee {
+            out += &format!("; cheaper: {}", self.clause(choice.cheapest, false));
+        }
+        if choice.best != choice.knee {
+            let is_exact = self.settings[choice.best].is_exact();
+            let word = if is_exact { "exact" } else { "least error" };
+            out += &format!("; {word}: {}", self.clause(choice.best, false));
+        }
+        if let Some(setting) = choice.without_rays {
+            out += &format!("; without rays: {}", self.clause(setting, false));
+        }
+        Some(out + ".")
+    }
+
+    /// Returns a setting with its error and its time; in full words what they are relative to.
+    fn clause(&self, setting: usize, in_full: bool) -> String {
+        let clock = self.clock();
+        let r = &self.settings[setting];
+        let [of_none, of_hard] = match (in_full, clock) {
+            (false, _) => ["", ""],
+            (true, CostBasis::Wall) => [" of the error of no shadow", " the time of a hard map"],
+            (true, CostBasis::Cost) => [" of the error of no shadow", " the cost of a hard map"],
+        };
+        let times = times(r.take(clock).unwrap_or_default());
+        let name = r.name();
+        if r.is_exact() && in_full {
+            return format!("{name}, exact at {times}{of_hard}");
+        }
+        if r.is_exact() {
+            return format!("{name} at {times}");
+        }
+        let error = percent(r.error);
+        format!("{name}, {error}{of_none} at {times}{of_hard}")
+    }
+}
+
+impl Relative {
+    /// Returns the technique with its settings.
+    pub fn name(&self) -> String {
+        if self.settings.is_empty() {
+            self.technique.clone()
+        } else {
+            format!("{} ({})", self.technique, self.settings)
+        }
+    }
+}
+
+/// Returns a relative error in percent, to two digits.
+pub fn percent(error: f64) -> String {
+    let percent = 100.0 * error;
+    if percent < 10.0 {
+        format!("{percent:.1} %")
+    } else {
+        format!("{percent:.0} %")
+    }
+}
+
+/// Returns a relative time, to two digits.
+pub fn times(ratio: f64) -> String {
+    if ratio < 0.1 {
+        format!("{ratio:.2} times")
+    } else if ratio < 10.0 {
+        format!("{ratio:.1} times")
+    } else {
+        format!("{ratio:.0} times")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compare::TimingStats;
+
+    fn setting(technique: &str, error: f64, time: f64) -> Relative {
+        Relative {
+            technique: technique.into(),
+            settings: String::new(),
+            backend: "cpu".into(),
+            error,
+            time: Some(TimingStats {
+                median: time,
+                ..TimingStats::default()
+            }),
+            cost: 1.0 / time,
+            served: 1,
+            scenes: 1,
+        }
+    }
+
+    fn group(settings: Vec<Relative>) -> SettingGroup {
+        SettingGroup {
+            light: "hard",
+            section: Section::Content,
+            motion: Motion::CameraMoves,
+            scenes: vec![0],
+            backend: "cpu".into(),
+            settings,
+        }
+    }
+
+    fn usual() -> SettingGroup {
+        group(vec![
+            setting("none", 1.0, 0.001),
+            setting("hard", 0.25, 0.7),
+            setting("pcf", 0.11, 1.1),
+            setting("pcss", 0.1, 4.0),
+            setting("beaten", 0.2, 5.0),
+            setting("volumes", 0.0, 12.0),
+            setting("traced", 0.0001, 20.0),
+        ])
+    }
+
+    #[test]
+    fn what_to_use_is_the_least_product_and_the_cheapest_exact_one() {
+        let group = usual();
+        assert_eq!(group.front(CostBasis::Wall), [1, 2, 3, 5]);
+        let choice = Choice {
+            cheapest: 1,
+            knee: 2,
+            best: 5,
+            without_rays: None,
+        };
+        assert_eq!(group.choice(), Some(choice));
+        assert_eq!(
+            group.advice().as_deref(),
+            Some(
+                "pcf, 11 % of the error of no shadow at 1.1 times the time of a hard map; cheaper: hard, 25 % at 0.7 times; exact: volumes at 12 times."
+            )
+        );
+        assert_eq!(group.shortlist(2), [2, 5]);
+        assert_eq!(group.shortlist(5), [1, 2, 3, 4, 5]);
+    }
+
+    #[test]
+    fn an_exact_setting_that_is_quickest_is_the_only_one() {
+        let group = group(vec![setting("hard", 0.2, 1.0), setting("traced", 0.0, 0.5)]);
+        assert_eq!(
+            group.advice().as_deref(),
+            Some(
+                "traced, exact at 0.5 times the time of a hard map; without rays: hard, 20 % at 1.0 times."
+            )
+        );
+        assert_eq!(group.shortlist(3), [1, 0]);
+    }
+
+    #[test]
+    fn where_nothing_helps_nothing_is_named() {
+        let of_none = group(vec![setting("none", 1.0, 0.1), setting("hard", 1.2, 1.0)]);
+        assert_eq!((of_none.choice(), of_none.advice()), (None, None));
+        let poor = group(vec![setting("hard", 0.8, 1.0), setting("pcss", 0.7, 2.0)]);
+        let sentence = poor.advice().expect("better than none");
+        assert!(
+            sentence.starts_with("hard, 80 %") && sentence.contains("least error: pcss, 70 %"),
+            "{sentence}"
+        );
+    }
+
+    #[test]
+    fn what_is_hardly_cheaper_is_not_named() {
+        let mut group = usual();
+        group.settings[1] = setting("hard", 0.25, 1.0);
+        let words = group.advice().expect("better than none");
+        assert!(!words.contains("cheaper"), "{words}");
+    }
+
+    #[test]
+    fn without_times_counted_costs_decide() {
+        let mut group = usual();
+        for setting in &mut group.settings {
+            setting.time = None;
+        }
+        assert_eq!(group.clock(), CostBasis::Cost);
+        assert_eq!(group.front(CostBasis::Cost), [6]);
+        assert!(
+            group
+                .advice()
+                .expect("exact")
+                .contains("the cost of a hard map")
+        );
+    }
+
+    #[test]
+    fn figures_have_two_digits() {
+        let figures = [0.034, 0.34, 0.062].map(percent);
+        assert_eq!(figures, ["3.4 %", "34 %", "6.2 %"]);
+        assert_eq!(
+            [0.062, 0.62, 6.25, 62.4].map(times),
+            ["0.06 times", "0.6 times", "6.2 times", "62 times"]
+        );
+    }
+}
