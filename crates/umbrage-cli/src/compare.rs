@@ -12,8 +12,8 @@ use umbrage_core::{Backend, Invalid, Scene, glam::UVec2};
 use umbrage_lab::{
     baseline::{Changes, Except, apart, changes, read, time_again},
     compare::{
-        Backends, CompareEvent, CompareOptions, Comparison, KeptTruth, Motion, Runs, SceneInput,
-        Section, compare as run,
+        Backends, CompareEvent, CompareOptions, Comparison, FrameMotion, KeptTruth, Runs,
+        SceneInput, Section, compare as run,
     },
     report::{ComparisonPlan, Report},
 };
@@ -384,9 +384,9 @@ fn set_common(
     };
     out.prices = inputs::prices(arguments.prices.as_deref())?;
     out.motion = match arguments {
-        _ if arguments.still => Motion::Still,
-        _ if arguments.all_moves => Motion::AllMoves,
-        _ => Motion::CameraMoves,
+        _ if arguments.still => FrameMotion::Still,
+        _ if arguments.all_moves => FrameMotion::AllMoves,
+        _ => FrameMotion::CameraMoves,
     };
     out.truth.samples = arguments.samples.unwrap_or(out.truth.samples);
     if !arguments.map_sizes.is_empty() {

@@ -1,7 +1,7 @@
 //! Prints a comparison's figures on the terminal.
 
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
-use umbrage_lab::compare::{CompareRow, CostBasis, Measured, Motion, RowOutcome, SceneResult};
+use umbrage_lab::compare::{CompareRow, CostBasis, FrameMotion, Measured, RowOutcome, SceneResult};
 use umbrage_plan::{footprint, pareto::front};
 
 /// With more rows than this, only those are printed that no other beats in both time and error.
@@ -81,7 +81,7 @@ fn left_out(rows: &[CompareRow]) -> Option<String> {
     None
 }
 
-fn cells(row: &CompareRow, motion: Motion) -> Vec<String> {
+fn cells(row: &CompareRow, motion: FrameMotion) -> Vec<String> {
     let mut cells = vec![
         row.technique.clone(),
         row.settings.clone(),
@@ -95,7 +95,7 @@ fn cells(row: &CompareRow, motion: Motion) -> Vec<String> {
 }
 
 /// Returns the cells of a row's figures, in the order of [`HEADER`].
-fn figures(m: &Measured, motion: Motion) -> [String; 9] {
+fn figures(m: &Measured, motion: FrameMotion) -> [String; 9] {
     let receive = m.times.and_then(|times| times.receive);
     let differing = m.agreement.map(|agreement| agreement.differing);
     [
@@ -117,7 +117,7 @@ fn or_dash(figure: Option<f64>, decimals: usize) -> String {
 }
 
 /// Returns the time of a frame; the cost where times weren't measured.
-fn milliseconds(m: &Measured, motion: Motion) -> f64 {
+fn milliseconds(m: &Measured, motion: FrameMotion) -> f64 {
     let time = m.milliseconds(CostBasis::Wall, motion);
     let cost = m.milliseconds(CostBasis::Cost, motion);
     time.or(cost).unwrap_or(f64::NAN)
@@ -143,7 +143,7 @@ fn chosen(scene: &SceneResult, whole: bool) -> Vec<&CompareRow> {
 }
 
 /// Returns the rows that no other beats in both time and error.
-fn best(rows: Vec<&CompareRow>, motion: Motion) -> Vec<&CompareRow> {
+fn best(rows: Vec<&CompareRow>, motion: FrameMotion) -> Vec<&CompareRow> {
     let mut points = Vec::with_capacity(rows.len());
     for row in &rows {
         points.push(match row.measured() {

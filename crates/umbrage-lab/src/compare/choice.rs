@@ -9,7 +9,7 @@
 //! without rays is named, too.
 
 use super::{
-    Comparison, CostBasis, MIN_ERROR, Motion, Relative, Section, relative,
+    Comparison, CostBasis, FrameMotion, MIN_ERROR, Relative, Section, relative,
     relative::{SceneGroup, scene_groups},
 };
 use umbrage_plan::pareto;
@@ -27,7 +27,7 @@ pub struct SettingGroup {
     /// What its scenes are compared for.
     pub section: Section,
     /// What moves from frame to frame.
-    pub motion: Motion,
+    pub motion: FrameMotion,
     /// Its scenes' places in the comparison.
     pub scenes: Vec<usize>,
     /// Kind of backend.
@@ -289,7 +289,7 @@ mod tests {
         SettingGroup {
             light: "hard",
             section: Section::Content,
-            motion: Motion::CameraMoves,
+            motion: FrameMotion::CameraMoves,
             scenes: vec![0],
             backend: "cpu".into(),
             settings,

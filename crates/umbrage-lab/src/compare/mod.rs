@@ -26,7 +26,7 @@ pub use event::{CompareEvent, OnEvent};
 pub use expected::{Expected, pilot};
 pub use kept_truth::KeptTruth;
 pub use options::{CompareOptions, Runs, SceneInput, Section};
-pub use preparation::{Motion, Preparation};
+pub use preparation::{FrameMotion, Preparation};
 pub use relative::{MIN_ERROR, Relative, SceneGroup, relative, scene_groups};
 pub use result::{
     CompareRow, Comparison, Control, CostBasis, Environment, Measured, Ranks, RowOutcome, RowTimes,
@@ -63,6 +63,8 @@ pub fn compare(
     for input in inputs {
         input.scene.validate()?;
     }
+    // Unknown names are refused even where there is nothing to compare.
+    options.settings(Fit::Tight)?;
     let mut parts = Vec::new();
     for input in inputs {
         parts.push(Part::of(input, options, backends.playing.len())?);

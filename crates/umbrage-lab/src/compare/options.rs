@@ -1,6 +1,6 @@
 //! Options of a comparison.
 
-use super::Motion;
+use super::FrameMotion;
 use crate::LabError;
 use glam::UVec2;
 use std::{sync::Arc, time::Duration};
@@ -72,7 +72,7 @@ pub struct CompareOptions {
     /// renderer on the GPU would have to read them back.
     pub knows_receivers: bool,
     /// What moves from frame to frame: which times make up a row's sum.
-    pub motion: Motion,
+    pub motion: FrameMotion,
     /// What work costs.
     pub prices: PriceList,
     /// Image size instead of the cameras' own, pixels; the vertical field of view stays.
@@ -162,7 +162,7 @@ impl Default for CompareOptions {
             max_settings: None,
             headline: false,
             knows_receivers: true,
-            motion: Motion::default(),
+            motion: FrameMotion::default(),
             prices: PriceList::default(),
             size: None,
             truth: TruthOptions::default(),

@@ -13,7 +13,7 @@ use umbrage_core::{
 /// What moves from frame to frame, and so what has to be made anew.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Motion {
+pub enum FrameMotion {
     /// Nothing: maps are kept, and each frame looks them up.
     Still,
     /// The camera: what is drawn for the camera is drawn again, after the recipe is made again. Maps that do not follow the camera
@@ -24,7 +24,7 @@ pub enum Motion {
     AllMoves,
 }
 
-impl Motion {
+impl FrameMotion {
     /// Returns what moves, in words for charts and tables.
     pub fn words(self) -> &'static str {
         match self {

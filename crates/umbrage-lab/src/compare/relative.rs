@@ -9,7 +9,7 @@
 //! their mean is geometric. Where a technique cannot serve a scene it draws no shadow: relative error 1, and the time is the
 //! mean over the others.
 
-use super::{Comparison, CostBasis, Measured, Motion, SceneResult, Section, TimingStats};
+use super::{Comparison, CostBasis, FrameMotion, Measured, SceneResult, Section, TimingStats};
 use serde::Serialize;
 use std::collections::HashMap;
 
@@ -180,7 +180,13 @@ fn first_with_middle_map<'a>(settings: &[&'a Measured]) -> Option<&'a Measured> 
 }
 
 impl Sums {
-    fn add(&mut self, row: Option<&Measured>, none: f64, reference: &Measured, motion: Motion) {
+    fn add(
+        &mut self,
+        row: Option<&Measured>,
+        none: f64,
+        reference: &Measured,
+        motion: FrameMotion,
+    ) {
         self.scenes += 1;
         let Some(m) = row else { return };
         self.served += 1;
@@ -378,7 +384,11 @@ mod tests {
             panic!("measured")
         };
         m.preparation = Some(preparation);
-        let motions = [Motion::Still, Motion::CameraMoves, Motion::AllMoves];
+        let motions = [
+            FrameMotion::Still,
+            FrameMotion::CameraMoves,
+            FrameMotion::AllMoves,
+        ];
         let frames = |m: &Measured| motions.map(|motion| m.milliseconds(CostBasis::Wall, motion));
         assert_eq!(frames(m), [1.0, 14.0, 114.0].map(Some));
         m.kept_as_camera_moves = true;

@@ -1,6 +1,6 @@
 //! The results of a comparison: plain data, written to `results.json` as it is.
 
-use super::{Motion, Preparation, Section};
+use super::{FrameMotion, Preparation, Section};
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
     Work,
@@ -68,7 +68,7 @@ pub struct SceneResult {
     pub section: Section,
     /// What moves from frame to frame, and so what the rows' sums of times are made of.
     #[serde(default)]
-    pub motion: Motion,
+    pub motion: FrameMotion,
     /// Kind of the light compared.
     pub light: String,
     /// Whether the light has no extent, so that its shadows are hard.
@@ -294,7 +294,7 @@ impl Measured {
 
     /// Returns the time of a frame or its cost, milliseconds; none if times weren't measured. Costs are those of playing the whole
     /// recipe, or of its lookup alone where what is drawn is kept.
-    pub fn milliseconds(&self, clock: CostBasis, motion: Motion) -> Option<f64> {
+    pub fn milliseconds(&self, clock: CostBasis, motion: FrameMotion) -> Option<f64> {
         match clock {
             CostBasis::Wall => self.frame_ms(motion),
             CostBasis::Cost if self.is_kept(motion) => Some(self.lookup_cost_ms),
@@ -303,7 +303,7 @@ impl Measured {
     }
 
     /// Returns the time of a frame, milliseconds; none without times, or if the lookup alone was not timed.
-    fn frame_ms(&self, motion: Motion) -> Option<f64> {
+    fn frame_ms(&self, motion: FrameMotion) -> Option<f64> {
         let times = self.times.as_ref()?;
         if self.is_kept(motion) {
             return times.receive.map(|receive| receive.median);
@@ -311,17 +311,17 @@ impl Measured {
         let preparation = self.preparation.unwrap_or_default();
         let drawn = preparation.recipe.median + times.total.median;
         match motion {
-            Motion::Still | Motion::CameraMoves => Some(drawn),
-            Motion::AllMoves => Some(preparation.scene_ms + drawn),
+            FrameMotion::Still | FrameMotion::CameraMoves => Some(drawn),
+            FrameMotion::AllMoves => Some(preparation.scene_ms + drawn),
         }
     }
 
     /// Whether what the recipe draws is kept from frame to frame.
-    fn is_kept(&self, motion: Motion) -> bool {
+    fn is_kept(&self, motion: FrameMotion) -> bool {
         match motion {
-            Motion::Still => true,
-            Motion::CameraMoves => self.kept_as_camera_moves,
-            Motion::AllMoves => false,
+            FrameMotion::Still => true,
+            FrameMotion::CameraMoves => self.kept_as_camera_moves,
+            FrameMotion::AllMoves => false,
         }
     }
 }

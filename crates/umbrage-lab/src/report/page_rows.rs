@@ -1,6 +1,6 @@
 //! The rows of all scenes as the page carries them: short, as there may be many thousands.
 
-use crate::compare::{CompareRow, CostBasis, Measured, Motion, RowOutcome, TimingStats};
+use crate::compare::{CompareRow, CostBasis, FrameMotion, Measured, RowOutcome, TimingStats};
 use serde::Serialize;
 use serde_json::Value;
 use std::collections::HashMap;
@@ -84,7 +84,11 @@ impl PageRow {
         "stem",
     ];
 
-    pub(super) fn new(row: &CompareRow, motion: Motion, pictures: Option<RowPictures>) -> Self {
+    pub(super) fn new(
+        row: &CompareRow,
+        motion: FrameMotion,
+        pictures: Option<RowPictures>,
+    ) -> Self {
         let pictures = pictures.map(|p| (Some(p.stem), p.color, p.lookups));
         let (stem, has_color, has_lookups) = pictures.unwrap_or_default();
         let named = Self {
@@ -133,7 +137,7 @@ impl PageRow {
         }
     }
 
-    fn with_times(self, m: &Measured, motion: Motion) -> Self {
+    fn with_times(self, m: &Measured, motion: FrameMotion) -> Self {
         let median = |stats: Option<TimingStats>| stats.map(|s| s.median);
         let total = m.times.map(|t| t.total);
         Self {

@@ -5,7 +5,7 @@ use super::{
     style::{SeriesStyle, color, styles_of},
 };
 use crate::{
-    compare::{CostBasis, Motion, Section},
+    compare::{CostBasis, FrameMotion, Section},
     output::figure::{Figure, Key, Point, Reference, Series, Style},
 };
 
@@ -26,7 +26,7 @@ pub(super) struct GroupWords<'a> {
     /// `hard` or `soft`.
     pub(super) light: &'a str,
     pub(super) section: Section,
-    pub(super) motion: Motion,
+    pub(super) motion: FrameMotion,
     pub(super) backend: &'a str,
     pub(super) clock: CostBasis,
 }
