@@ -283,8 +283,14 @@ pub(crate) fn verdict(comparison: &Comparison) -> Result<()> {
 fn scenes(program: &Program, arguments: &CompareArguments) -> Result<Vec<SceneInput>> {
     let content = Box::new(content_options(program, arguments)?);
     if !arguments.scenes.is_empty() {
+        let own = CompareOptions {
+            knows_receivers: false,
+            ..options_of(program, arguments)?
+        };
         let named = arguments.scenes.iter();
-        return named.map(|name| scene(program, name, &content)).collect();
+        return named
+            .map(|name| scene(program, name, &content, &own))
+            .collect();
     }
     let is_content = |entry: &&SceneEntry| entry.kind == Kind::Content;
     let all = umbrage_scenes::all().iter();
@@ -296,12 +302,19 @@ fn scenes(program: &Program, arguments: &CompareArguments) -> Result<Vec<SceneIn
     Ok(suite)
 }
 
-fn scene(program: &Program, name: &str, content: &CompareOptions) -> Result<SceneInput> {
+/// `content` are the options of built-in frames of real size, `own` those of scenes of the user's.
+fn scene(
+    program: &Program,
+    name: &str,
+    content: &CompareOptions,
+    own: &CompareOptions,
+) -> Result<SceneInput> {
     let scene = inputs::scene(program, name)?;
     Ok(match umbrage_scenes::find(name) {
         Some(entry) => of_entry(scene, entry, content),
         None => SceneInput {
             section: Section::Content,
+            options: Some(Box::new(own.clone())),
             ..SceneInput::new(scene, "")
         },
     })

@@ -23,6 +23,14 @@ const MAPS: [u32; 2] = [256, 1024];
 
 /// Times techniques of all kinds, fits prices to the times, and prints them.
 pub(crate) fn costs(options: &BenchArguments) -> Result<()> {
+    if let Some(path) = &options.write {
+        // An error must not come after minutes of measuring.
+        let opened = std::fs::File::options()
+            .create(true)
+            .append(true)
+            .open(path);
+        opened.with_context(|| format!("`{}`", path.display()))?;
+    }
     let mut backends: Vec<Box<dyn Backend>> = vec![Box::new(Cpu::new())];
     match Gpu::new(&AdapterChoice::from_env()) {
         Ok(gpu) => backends.push(Box::new(gpu)),

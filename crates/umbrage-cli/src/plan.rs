@@ -11,6 +11,7 @@ use crate::{
 };
 use anyhow::{Result, bail};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
+use std::path::Path;
 use umbrage_core::glam::UVec2;
 use umbrage_lab::plan_files::write;
 use umbrage_plan::{Bounds, Plan, PlanOptions, Setting, cost::CostModel, plan as find};
@@ -37,7 +38,7 @@ pub(crate) fn plan(program: &Program, arguments: &PlanArguments) -> Result<()> {
     progress.finish();
     let plan = plan?;
     let files = write(&plan, &program.folder(arguments.out.as_deref(), "plan"))?;
-    print(&plan, kind(arguments));
+    print(&plan, kind(arguments), arguments.prices.as_deref());
     println!();
     for file in &files {
         println!("{}: {}", file.what, file.path.display());
@@ -70,7 +71,8 @@ pub(crate) fn options_of(program: &Program, arguments: &PlanArguments) -> Result
     })
 }
 
-fn print(plan: &Plan, kind: &str) {
+/// `prices` is the file of prices, if they aren't the built-in ones.
+fn print(plan: &Plan, kind: &str, prices: Option<&Path>) {
     let [w, h] = plan.size;
     let s = &plan.sampled;
     println!(
@@ -89,11 +91,15 @@ fn print(plan: &Plan, kind: &str) {
             e.error, e.low, e.high, e.too_dark, e.too_light
         );
         let ms = chosen.milliseconds;
-        let factor = CostModel::factor_of_nine_in_ten(kind);
+        let by = match prices {
+            Some(path) => format!("by the prices of `{}`", path.display()),
+            None => {
+                let factor = CostModel::factor_of_nine_in_ten(kind);
+                format!("on the reference machine within x{factor}, 9 in 10")
+            }
+        };
         let bytes = planning::bytes(chosen.bytes);
-        println!(
-            "  {ms:.3} ms predicted (on the reference machine within x{factor}, 9 in 10), {bytes}"
-        );
+        println!("  {ms:.3} ms predicted ({by}), {bytes}");
     }
     for reason in &plan.reasons {
         println!("  * {reason}");

@@ -147,7 +147,7 @@ fn best(rows: Vec<&CompareRow>, motion: FrameMotion) -> Vec<&CompareRow> {
     let mut points = Vec::with_capacity(rows.len());
     for row in &rows {
         points.push(match row.measured() {
-            Some(m) => [milliseconds(m, motion), m.rmse().unwrap_or_default()],
+            Some(m) => [milliseconds(m, motion), m.rmse().unwrap_or(f64::NAN)],
             None => [f64::NAN; 2],
         });
     }

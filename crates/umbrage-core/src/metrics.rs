@@ -79,7 +79,8 @@ pub struct Errors {
     /// Pixels left out: only a sample of the pixels is judged.
     #[serde(default)]
     pub unsampled: u64,
-    /// Standard error of `rmse`, as only a sample of the pixels is judged; 0 where all are.
+    /// Standard error of `rmse`, as only a sample of the pixels is judged; 0 where all are. It is also 0, and bounds nothing, where
+    /// fewer than two pixels are judged or none of them is wrong.
     #[serde(default)]
     pub rmse_error: f64,
 }
@@ -178,13 +179,14 @@ impl Errors {
     /// `counted` out of a finite number of pixels (Cochran 1977, "Sampling techniques", 2.6), carried through the root to first
     /// order. Pixels are drawn one from each block, which errs less than pixels drawn at random.
     fn rmse_error_of(&self, mean_square: f64, mean_fourth_power: f64) -> f64 {
-        if self.unsampled == 0 || mean_square == 0.0 {
+        if self.unsampled == 0 || self.counted < 2 || mean_square == 0.0 {
             return 0.0;
         }
         let counted = self.counted as f64;
         let share_left_out = self.unsampled as f64 / (counted + self.unsampled as f64);
+        // That of a population of which these are a sample has one degree of freedom less.
         let variance = (mean_fourth_power - mean_square * mean_square).max(0.0);
-        let error_of_mean = (variance / counted * share_left_out).sqrt();
+        let error_of_mean = (variance / (counted - 1.0) * share_left_out).sqrt();
         error_of_mean / (2.0 * mean_square.sqrt())
     }
 

@@ -98,7 +98,7 @@ pub fn pilot(
     let mut sizes = Vec::new();
     for input in inputs {
         let (camera, _) = camera_and_light(&input.scene)?;
-        sizes.push(options.camera(camera).size);
+        sizes.push(input.options_or(options).camera(camera).size);
     }
     let largest = inputs
         .iter()
@@ -107,6 +107,27 @@ pub fn pilot(
     let Some((input, &size)) = largest else {
         return Ok(Duration::ZERO);
     };
+    // Truth that is kept would be missing from the estimate.
+    let kept_truth = backends.kept_truth.take();
+    let seconds = piloted(input, options, size, backends);
+    backends.kept_truth = kept_truth;
+    let PilotTimes { small, large } = seconds?;
+    let wanted: Vec<u64> = sizes.iter().map(|&size| pixels(size)).collect();
+    Ok(Duration::from_secs_f64(extrapolated(small, large, &wanted)))
+}
+
+/// The times of a scene at two small sizes.
+struct PilotTimes {
+    small: PilotTime,
+    large: PilotTime,
+}
+
+fn piloted(
+    input: &SceneInput,
+    options: &CompareOptions,
+    size: UVec2,
+    backends: &mut Backends,
+) -> Result<PilotTimes, LabError> {
     let small_size = reduced(size, SMALL_PILOT);
     let large_size = reduced(size, LARGE_PILOT);
     // The first one compiles shaders, too.
@@ -119,8 +140,7 @@ pub fn pilot(
         pixels: pixels(large_size),
         seconds: once(input, options, large_size, backends)?,
     };
-    let wanted: Vec<u64> = sizes.iter().map(|&size| pixels(size)).collect();
-    Ok(Duration::from_secs_f64(extrapolated(small, large, &wanted)))
+    Ok(PilotTimes { small, large })
 }
 
 /// How long a pilot's image took.
@@ -156,10 +176,15 @@ fn once(
     size: UVec2,
     backends: &mut Backends,
 ) -> Result<f64, LabError> {
+    let own = input.options_or(options);
     let untimed = CompareOptions {
         size: Some(size),
         runs: None,
-        ..options.clone()
+        ..own.clone()
+    };
+    let input = SceneInput {
+        options: None,
+        ..input.clone()
     };
     let start = Instant::now();
     let first_row = Mutex::new(None);
@@ -169,7 +194,7 @@ fn once(
         }
     };
     compare(
-        std::slice::from_ref(input),
+        std::slice::from_ref(&input),
         &untimed,
         backends,
         &mut |_, _| Ok(()),
@@ -182,7 +207,7 @@ fn once(
         .and_then(|first| *first)
         .unwrap_or(end);
     // A timed row is played once for its mask, and then in turn with its yardstick.
-    let plays = options
+    let plays = own
         .runs
         .map_or(1.0, |runs| 1.0 + 1.25 * f64::from(runs.min.max(1)));
     Ok((rows_from - start).as_secs_f64() + plays * (end - rows_from).as_secs_f64())

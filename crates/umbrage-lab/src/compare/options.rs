@@ -97,8 +97,7 @@ pub struct Runs {
     pub max: u32,
     /// In between, until this much time has been spent on the row, milliseconds; a quarter more goes into its yardstick.
     pub budget_ms: u32,
-    /// A row whose first play took this long, milliseconds, is not played again: that play is its time. Other first plays don't
-    /// count, since shaders are compiled in them.
+    /// A row whose first play took this long, milliseconds, is timed once, without a yardstick.
     #[serde(default = "never")]
     pub once_from_ms: u32,
 }
@@ -109,7 +108,7 @@ fn never() -> u32 {
 }
 
 impl Runs {
-    /// Whether a row whose first play took so long is not played again.
+    /// Whether a row whose first play took so long is timed once.
     pub(super) fn one_is_enough(&self, first: Duration) -> bool {
         first >= Duration::from_millis(self.once_from_ms.into())
     }

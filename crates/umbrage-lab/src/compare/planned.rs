@@ -57,9 +57,12 @@ impl SceneRun<'_> {
         let known = self.scene_times.iter().find(|known| known.0 == name);
         let scene_ms = match known {
             Some(&(_, ms)) => ms,
-            None => time_of_scene(technique, self.scene, &view, times.median)?,
+            None => {
+                let ms = time_of_scene(technique, self.scene, &view, times.median)?;
+                self.scene_times.push((name, ms));
+                ms
+            }
         };
-        self.scene_times.push((name, scene_ms));
         Ok(Ok(Planned {
             recipe,
             preparation: Some(Preparation {

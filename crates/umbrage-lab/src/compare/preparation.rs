@@ -104,16 +104,14 @@ pub(super) fn follows_camera(
     let Some(geometry) = view.geometry else {
         return true;
     };
-    // The receivers seen are those of the camera that didn't move.
     let still_view = View::new(view.camera, view.light, geometry);
-    let still = if view.receivers.is_some() {
-        technique.recipe(&still_view).ok()
-    } else {
-        Some(recipe.clone())
-    };
-    let Some(still) = still else {
+    let Ok(still) = technique.recipe(&still_view) else {
         return true;
     };
+    // What is fitted to the receivers that are seen changes with them.
+    if !draw_alike(recipe, &still) {
+        return true;
+    }
     CAMERA_MOTIONS.iter().any(|motion| {
         let camera = motion.apply(view.camera, geometry);
         let moved_view = View::new(&camera, view.light, geometry);
@@ -210,7 +208,9 @@ fn filter_alike(a: &Filter, b: &Filter) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::UVec2;
     use umbrage_core::{Fit, Light};
+    use umbrage_cpu::Cpu;
     use umbrage_techniques::{Bias, Hard, Pcss, ShadowMap, ShadowVolumes, Traced};
 
     fn hard(fit: Fit) -> Hard {
@@ -223,11 +223,31 @@ mod tests {
     }
 
     fn follows(technique: &dyn ShadowTechnique) -> bool {
+        follows_when(technique, false)
+    }
+
+    /// Whether a technique follows the camera where receivers are known, or where they aren't.
+    fn follows_when(technique: &dyn ShadowTechnique, knows_receivers: bool) -> bool {
         let scene = umbrage_scenes::by_argument("street").expect("built in");
         let geometry = Geometry::bake(&scene).expect("valid");
-        let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
+        let camera = scene.cameras[0].resized(UVec2::new(32, 18));
+        let receivers = Cpu::new().receivers(&camera, &geometry).expect("valid");
+        let mut view = View::new(&camera, &scene.lights[0], &geometry);
+        if knows_receivers {
+            view = view.with_receivers(&receivers);
+        }
         let recipe = technique.recipe(&view).expect("served");
         follows_camera(technique, &recipe, &view)
+    }
+
+    #[test]
+    fn a_fit_to_what_is_seen_follows_the_camera() {
+        assert!(follows_when(&hard(Fit::Tight), true));
+        assert!(!follows_when(&hard(Fit::Whole), true));
+        assert!(
+            !follows_when(&hard(Fit::Tight), false),
+            "it goes around all that receives"
+        );
     }
 
     #[test]

@@ -189,8 +189,10 @@ impl Sums {
     ) {
         self.scenes += 1;
         let Some(m) = row else { return };
+        // Where no pixel counts, nothing is known.
+        let Some(rmse) = m.rmse() else { return };
         self.served += 1;
-        self.error += m.rmse().unwrap_or_default() / none;
+        self.error += rmse / none;
         let cost = |m: &Measured| m.milliseconds(CostBasis::Cost, motion).unwrap_or(0.0);
         self.cost += log_ratio(cost(m), cost(reference));
         let frame = |m: &Measured| m.milliseconds(CostBasis::Wall, motion);

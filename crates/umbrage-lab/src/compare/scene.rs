@@ -162,8 +162,13 @@ fn truth(
         &mut |camera, geometry| receivers.receivers(camera, geometry),
         &|done, total| on_event(CompareEvent::Truth { done, total }),
     )?;
-    if let Some(kept) = &backends.kept_truth {
-        kept.write(&subject, &truth)?;
+    if let Some(kept) = &backends.kept_truth
+        && let Err(why) = kept.write(&subject, &truth)
+    {
+        // It is known now, and the next run can trace it again.
+        let notice = format!("Truth is not kept for the next run: {why}.");
+        backends.notices.push(notice);
+        backends.kept_truth = None;
     }
     Ok(truth)
 }

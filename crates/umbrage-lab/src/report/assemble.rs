@@ -5,7 +5,7 @@ use super::{
     page::{self, Contents, PageGroup, PageScene, PageSetting},
     page_rows::{PageRow, RowPictures},
     still::{self, GroupWords, Words},
-    store::Stored,
+    store::{Stored, is_chart},
     to_csv,
 };
 use crate::{
@@ -138,7 +138,7 @@ fn write_charts(path: &Path, folder: &Folder, groups: &[SettingGroup]) -> Result
     let entries = fs::read_dir(path).map_err(|e| LabError::write(path, e))?;
     for entry in entries.flatten() {
         let name = entry.file_name().to_string_lossy().into_owned();
-        if name.starts_with("chart-") {
+        if is_chart(&name) {
             folder.remove(&name)?;
         }
     }

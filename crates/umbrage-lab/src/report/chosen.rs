@@ -11,7 +11,7 @@ pub(super) fn rows(result: &SceneResult) -> BTreeSet<usize> {
     let mut chosen = BTreeSet::new();
     for (i, row, m) in measured(result) {
         let least = best.entry(&row.technique).or_insert((f64::INFINITY, i));
-        let rmse = m.rmse().unwrap_or_default();
+        let rmse = m.rmse().unwrap_or(f64::INFINITY);
         if rmse < least.0 {
             *least = (rmse, i);
         }
@@ -44,7 +44,7 @@ pub(super) fn fronts(result: &SceneResult, clock: CostBasis) -> Vec<usize> {
         if let Some(ms) = m.milliseconds(clock, result.motion) {
             let of_backend = backends.entry(&row.backend).or_default();
             of_backend.rows.push(i);
-            of_backend.points.push([ms, m.rmse().unwrap_or_default()]);
+            of_backend.points.push([ms, m.rmse().unwrap_or(f64::NAN)]);
         }
     }
     let mut out = Vec::new();

@@ -121,6 +121,12 @@ const OWN: [&str; 5] = [
     "run.json",
 ];
 
+/// Whether a file of the report with this name is a chart.
+pub(super) fn is_chart(name: &str) -> bool {
+    let is_picture = name.ends_with(".svg") || name.ends_with(".png");
+    name.starts_with("chart-") && is_picture
+}
+
 /// Returns a folder name for each scene, numbered where scenes share a name.
 fn unique_names<'a>(scenes: impl Iterator<Item = &'a str>) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
@@ -129,9 +135,12 @@ fn unique_names<'a>(scenes: impl Iterator<Item = &'a str>) -> Vec<String> {
         let mut stem = slug(scene);
         stem.truncate(stem.floor_char_boundary(MAX_NAME_BYTES));
         let mut name = stem.clone();
+        if is_chart(&name) {
+            stem = format!("scene-{stem}");
+            name.clone_from(&stem);
+        }
         let mut number = 2;
-        let is_own = |name: &str| OWN.contains(&name) || name.starts_with("chart-");
-        while names.contains(&name) || is_own(&name) {
+        while names.contains(&name) || OWN.contains(&name.as_str()) {
             name = format!("{stem}-{number}");
             number += 1;
         }
@@ -146,11 +155,31 @@ mod tests {
 
     #[test]
     fn folders_have_names_of_their_own() {
-        let names = ["Sun", "sun", "results.json", "con", "x.", "Ä", "ä"];
+        let names = [
+            "Sun",
+            "sun",
+            "results.json",
+            "con",
+            "x.",
+            "Ä",
+            "ä",
+            "chart-room",
+            "chart-x.svg",
+        ];
         let folders = unique_names(names.into_iter());
         assert_eq!(
             folders,
-            ["sun", "sun-2", "results.json-2", "_con", "x", "ä", "ä-2"]
+            [
+                "sun",
+                "sun-2",
+                "results.json-2",
+                "_con",
+                "x",
+                "ä",
+                "ä-2",
+                "chart-room",
+                "scene-chart-x.svg"
+            ]
         );
     }
 }

@@ -38,6 +38,8 @@ pub struct BiasWindow {
     pub base: Base,
     /// The least and the greatest passing normal offset, texels; none if no amount passes.
     pub passes: Option<[f64; 2]>,
+    /// Whether it passes without any offset, which may lie beside the widest window.
+    pub passes_without: bool,
     /// On how many pixels backends differ, of those whose visibility doesn't depend on rounding; none with a single backend.
     pub disagreeing: Option<u64>,
 }
@@ -67,7 +69,7 @@ impl BiasWindow {
 
     /// Whether the technique passes as it is.
     pub fn needs_no_tuning(&self) -> bool {
-        self.passes.is_some_and(|[from, _]| from == 0.0)
+        self.passes_without
     }
 
     /// Returns the window in a few words: `0 to 1.9 texels`.
@@ -223,6 +225,7 @@ fn window(
         settings: unbiased.settings(),
         base,
         passes: ends,
+        passes_without: passing.first() == Some(&true),
         disagreeing: trial.disagreeing,
     }))
 }
@@ -361,6 +364,7 @@ mod tests {
             settings: String::new(),
             base: Base::Own,
             passes,
+            passes_without: passes.is_some_and(|[from, _]: [f64; 2]| from == 0.0),
             disagreeing: Some(3),
         };
         assert_eq!(window(Some([0.0, 1.93])).words(), "0 to 1.9 texels");

@@ -70,6 +70,7 @@ fn sample() -> Stability {
             technique: "pcf".to_owned(),
             settings: "3x3, <own>".to_owned(),
             base: Base::Own,
+            passes_without: true,
             passes: Some([0.0, 1.5]),
             disagreeing: None,
         }],
