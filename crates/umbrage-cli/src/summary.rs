@@ -3,12 +3,13 @@
 use umbrage_lab::compare::{
     Comparison, CostBasis, Relative, SettingGroup, percent, setting_groups, times,
 };
+use umbrage_plan::statistics::Sorted;
 
 /// Lines about settings, over all groups.
 const LINES: usize = 8;
 
-/// Returns a heading and at most [`LINES`] lines, the settings that matter most for each kind of light and each backend; nothing where
-/// nothing can be told.
+/// Returns a heading and about [`LINES`] lines, the settings that matter most for each kind of light and each backend (one at least),
+/// and how well counted costs rank rows; nothing where nothing can be told.
 pub(crate) fn lines(comparison: &Comparison) -> Vec<String> {
     let groups = setting_groups(comparison);
     let Some(first) = groups.first() else {
@@ -27,7 +28,30 @@ pub(crate) fn lines(comparison: &Comparison) -> Vec<String> {
             out.push(line(group, &group.settings[place]));
         }
     }
+    out.extend(cost_ranks(comparison));
     out
+}
+
+/// Returns a line about how well counted costs rank the rows of each scene and backend as the clock does; none without times.
+fn cost_ranks(comparison: &Comparison) -> Option<String> {
+    let mut worst: Option<(f64, String)> = None;
+    let mut all = Vec::new();
+    for scene in &comparison.scenes {
+        for backend in scene.backends() {
+            let Some(correlation) = scene.cost_ranks(backend) else {
+                continue;
+            };
+            all.push(correlation);
+            if worst.as_ref().is_none_or(|(least, _)| correlation < *least) {
+                worst = Some((correlation, format!("{} on {backend}", scene.name)));
+            }
+        }
+    }
+    let median = Sorted::new(all).quantile(0.5)?;
+    let (least, place) = worst?;
+    Some(format!(
+        "counted costs rank rows as the clock does with a correlation of {median:.2}; at worst {least:.2} ({place})"
+    ))
 }
 
 fn line(group: &SettingGroup, setting: &Relative) -> String {
@@ -104,11 +128,13 @@ mod tests {
     #[test]
     fn ten_lines_tell_what_to_use() {
         let all = lines(&comparison(&["cpu", "wgpu"]));
-        assert_eq!(all.len(), 1 + LINES, "{all:?}");
+        assert_eq!(all.len(), 2 + LINES, "{all:?}");
+        let ranks = "with a correlation of 1.00; at worst 1.00 ( on cpu)";
+        assert!(all[1 + LINES].ends_with(ranks), "{}", all[1 + LINES]);
         assert_eq!(all[1], "hard shadows, cpu     10 %  1.5 times  pcf");
         assert_eq!(all[8], "soft shadows, wgpu   exact   12 times  volumes");
-        assert_eq!(lines(&comparison(&["cpu"])).len(), 1 + LINES);
-        assert_eq!(lines(&comparison(&["a", "b", "c", "d", "e"])).len(), 11);
+        assert_eq!(lines(&comparison(&["cpu"])).len(), 2 + LINES);
+        assert_eq!(lines(&comparison(&["a", "b", "c", "d", "e"])).len(), 12);
     }
 
     #[test]

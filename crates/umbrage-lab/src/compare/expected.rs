@@ -10,15 +10,13 @@ use std::{
     sync::Mutex,
     time::{Duration, Instant},
 };
+use umbrage_plan::truth::{PREVIEW_SAMPLES, PROBES};
 
 /// Bytes that are held for each pixel while rows are played, masks apart: receivers (eight floats, an id, a flag) of truth
 /// and of the backend, truth's results, and the camera-sized images of techniques and adapters.
 const BYTES_A_PIXEL: u64 = 37 + 37 + 14 + 112;
 /// Bytes for each pixel of a mask; one mask is kept for each row.
 const BYTES_A_MASK: u64 = 4;
-
-/// The number of images in which truth is traced once more to find ambiguous pixels.
-const PROBES: u64 = 6;
 
 /// The most pixels of the pilot's smaller image.
 const SMALL_PILOT: u64 = 64 * 48;
@@ -67,14 +65,23 @@ impl Expected {
                 max_samples = u64::from(truth.samples) * u64::from(truth.penumbra_factor);
                 probe_samples = u64::from(truth.probe_samples);
             }
-            let rays_a_pixel = max_samples + PROBES * probe_samples;
-            // Of each block of pixels one is judged; all get a preview, which is left out.
+            let rays_a_pixel = max_samples + PROBES as u64 * probe_samples;
+            // Of each block of pixels one is judged; all get a preview then.
             let block = u64::from(truth.block_side).pow(2).max(1);
             let judged = pixels.div_ceil(block);
             let bytes_a_pixel = BYTES_A_PIXEL + BYTES_A_MASK * rows as u64;
             out.rows += rows;
             out.pixels += pixels;
-            out.rays = out.rays.saturating_add(judged.saturating_mul(rays_a_pixel));
+            let preview_samples = if block > 1 {
+                PREVIEW_SAMPLES.min(truth.samples).min(max_samples as u32)
+            } else {
+                0
+            };
+            let preview_rays = pixels.saturating_mul(preview_samples.into());
+            let judged_rays = judged.saturating_mul(rays_a_pixel);
+            out.rays = out
+                .rays
+                .saturating_add(judged_rays.saturating_add(preview_rays));
             out.bytes = out.bytes.max(pixels * bytes_a_pixel);
         }
         Ok(out)

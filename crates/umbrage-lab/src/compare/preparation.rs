@@ -182,13 +182,23 @@ pub(super) fn play_alike(a: &Recipe, b: &Recipe) -> bool {
 }
 
 fn cast_alike(a: &Cast, b: &Cast) -> bool {
-    a.image == b.image
-        && a.layer == b.layer
-        && a.space == b.space
-        && a.mode == b.mode
-        && a.cull == b.cull
-        && a.bias == b.bias
-        && source_alike(&a.source, &b.source)
+    // By name, so that a new field can't be forgotten here.
+    let Cast {
+        image,
+        layer,
+        space,
+        source,
+        mode,
+        cull,
+        bias,
+    } = a;
+    *image == b.image
+        && *layer == b.layer
+        && *space == b.space
+        && *mode == b.mode
+        && *cull == b.cull
+        && *bias == b.bias
+        && source_alike(source, &b.source)
 }
 
 fn source_alike(a: &Source, b: &Source) -> bool {

@@ -94,6 +94,17 @@ pub struct SceneResult {
 }
 
 impl SceneResult {
+    /// Returns the kinds of backend that played, in the order of their first rows.
+    pub fn backends(&self) -> Vec<&str> {
+        let mut out: Vec<&str> = Vec::new();
+        for row in &self.rows {
+            if !out.contains(&row.backend.as_str()) {
+                out.push(&row.backend);
+            }
+        }
+        out
+    }
+
     /// Returns how well counted costs rank the rows of a backend as the clock does: Spearman's rank correlation of cost and time of
     /// whole recipes; none with fewer than three rows or without times.
     pub fn cost_ranks(&self, backend: &str) -> Option<f64> {

@@ -34,7 +34,7 @@ pub const KIND_NAMES: [&str; KINDS] = [
 
 /// Prices of work on one backend.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(from = "price_list::NamedPrices", into = "price_list::NamedPrices")]
+#[serde(try_from = "price_list::NamedPrices", into = "price_list::NamedPrices")]
 pub struct CostModel {
     /// Nanoseconds for one of each kind, 0 or more, in the order of [`KIND_NAMES`].
     pub nanoseconds: [f64; KINDS],

@@ -2,6 +2,7 @@
 
 use super::{CostModel, KINDS};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use umbrage_core::Invalid;
 
 /// The prices of each kind of backend.
@@ -89,62 +90,28 @@ const KEYS: [&str; KINDS] = [
 ];
 
 /// [`CostModel`] in files: each price by its name.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct NamedPrices {
-    pass: f64,
-    triangle: f64,
-    covered_texel: f64,
-    cleared_texel: f64,
-    filtered_texel: f64,
-    receiver: f64,
-    tap: f64,
-    comparison_sample: f64,
-    ray_level: f64,
-}
+pub(super) type NamedPrices = BTreeMap<String, f64>;
 
-impl From<NamedPrices> for CostModel {
-    fn from(prices: NamedPrices) -> Self {
-        Self {
-            nanoseconds: [
-                prices.pass,
-                prices.triangle,
-                prices.covered_texel,
-                prices.cleared_texel,
-                prices.filtered_texel,
-                prices.receiver,
-                prices.tap,
-                prices.comparison_sample,
-                prices.ray_level,
-            ],
+impl TryFrom<NamedPrices> for CostModel {
+    type Error = String;
+
+    fn try_from(mut prices: NamedPrices) -> Result<Self, String> {
+        let mut nanoseconds = [0.0; KINDS];
+        for (name, price) in KEYS.iter().zip(&mut nanoseconds) {
+            let named = prices.remove(*name);
+            *price = named.ok_or_else(|| format!("the price `{name}` is missing"))?;
+        }
+        match prices.keys().next() {
+            Some(unknown) => Err(format!("there is no price `{unknown}`")),
+            None => Ok(Self { nanoseconds }),
         }
     }
 }
 
 impl From<CostModel> for NamedPrices {
     fn from(model: CostModel) -> Self {
-        let [
-            pass,
-            triangle,
-            covered_texel,
-            cleared_texel,
-            filtered_texel,
-            receiver,
-            tap,
-            comparison_sample,
-            ray_level,
-        ] = model.nanoseconds;
-        Self {
-            pass,
-            triangle,
-            covered_texel,
-            cleared_texel,
-            filtered_texel,
-            receiver,
-            tap,
-            comparison_sample,
-            ray_level,
-        }
+        let names = KEYS.iter().map(|name| (*name).to_owned());
+        names.zip(model.nanoseconds).collect()
     }
 }
 
@@ -172,7 +139,8 @@ mod tests {
     fn wrong_prices_are_refused_by_name() {
         let text = PriceList::default().to_toml().expect("finite");
         for (from, to, word) in [
-            ("tap = ", "tape = ", "tape"),
+            ("tap = ", "tape = ", "`tap` is missing"),
+            ("tap = ", "tape = 1.0\ntap = ", "no price `tape`"),
             ("ray_level = 7.29", "ray_level = -7.29", "cpu.ray_level"),
             ("ray_level = 7.29", "ray_level = nan", "cpu.ray_level"),
             ("ray_level = 7.29\n", "", "ray_level"),

@@ -51,7 +51,7 @@ impl Nudge {
 const LIFT: f32 = 4.0;
 
 /// Images traced: as it is, with a greater offset (or the surroundings of its points), and moved in four directions.
-pub(super) const PROBES: usize = 6;
+pub const PROBES: usize = 6;
 
 /// Returns for each pixel whether its visibility changes within rounding: the fraction of the light seen, 0 where unlit and 1
 /// where nothing receives. For lights with an extent it must change by more than [`TruthOptions::ambiguous_change`].

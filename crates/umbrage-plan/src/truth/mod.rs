@@ -15,7 +15,9 @@ mod sampled;
 mod tracer;
 mod vicinity;
 
+pub use ambiguity::PROBES;
 pub use points::{PointTruth, ReceiverPoint, TruthRequest, trace_points};
+pub use sampled::PREVIEW_SAMPLES;
 
 use crate::MeasureError;
 use ambiguity::Nudge;

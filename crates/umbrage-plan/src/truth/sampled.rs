@@ -14,7 +14,7 @@ use umbrage_core::{Camera, Geometry, Light, Receivers, light_sample, metrics::Pi
 
 /// Rays a pixel of a preview, for lights with an extent: they tell visibility in sixteenths, enough to see where penumbrae
 /// (2 % to 98 %) are.
-const PREVIEW_SAMPLES: u32 = 16;
+pub const PREVIEW_SAMPLES: u32 = 16;
 
 /// What truth is traced for.
 #[derive(Clone, Copy)]
