@@ -37,9 +37,10 @@ pub(super) fn cut<
     side: impl Fn(P) -> f64,
 ) -> Vec<P> {
     let mut out = Vec::with_capacity(p.len() + 1);
-    for (i, &b) in p.iter().enumerate() {
-        let a = p[(i + p.len() - 1) % p.len()];
-        let a_side = side(a);
+    let Some(&last) = p.last() else { return out };
+    let mut a = last;
+    let mut a_side = side(last);
+    for &b in p {
         let b_side = side(b);
         if (a_side < 0.0) != (b_side < 0.0) {
             // The edge crosses the line here.
@@ -48,6 +49,8 @@ pub(super) fn cut<
         if b_side >= 0.0 {
             out.push(b);
         }
+        a = b;
+        a_side = b_side;
     }
     out
 }
@@ -94,7 +97,8 @@ pub(super) fn without(pieces: Vec<Polygon>, q: &[DVec2], dust: f64) -> Vec<Polyg
 }
 
 fn edges(p: &[DVec2]) -> impl Iterator<Item = [DVec2; 2]> + '_ {
-    (0..p.len()).map(|i| [p[i], p[(i + 1) % p.len()]])
+    let ends = p.iter().skip(1).chain(p.first());
+    p.iter().zip(ends).map(|(&a, &b)| [a, b])
 }
 
 /// The least convex polygon around some points: Andrew 1979, "Another efficient algorithm for convex hulls in two
@@ -120,4 +124,86 @@ fn half_hull<'a>(points: impl Iterator<Item = &'a DVec2>) -> Polygon {
     }
     out.pop();
     out
+}
+
+/// The Minkowski sum of two convex polygons that [`hull`] made: all sums of a point of each. Its edges are those of both,
+/// in the order of their directions: de Berg, Cheong, van Kreveld, Overmars 2008, "Computational Geometry", 13.3.
+pub(super) fn minkowski_sum(p: &[DVec2], q: &[DVec2]) -> Polygon {
+    let mut out = Vec::with_capacity(p.len() + q.len());
+    if p.is_empty() || q.is_empty() {
+        return out;
+    }
+    // Both start at their corner of least x, so both run through the directions from straight down on.
+    let (mut i, mut j) = (0, 0);
+    while i < p.len() || j < q.len() {
+        let corner = [p[i % p.len()], q[j % q.len()]];
+        out.push(corner[0] + corner[1]);
+        let p_edge = p[(i + 1) % p.len()] - corner[0];
+        let q_edge = q[(j + 1) % q.len()] - corner[1];
+        let turn = p_edge.perp_dot(q_edge);
+        // Of parallel edges, both. (A direction that is no number is as good as any.)
+        let q_is_first = turn < 0.0;
+        let p_is_first = turn > 0.0;
+        let p_is_next = j == q.len() || (i < p.len() && !q_is_first);
+        let q_is_next = i == p.len() || (j < q.len() && !p_is_first);
+        i += usize::from(p_is_next);
+        j += usize::from(q_is_next);
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{DVec2, area, hull, minkowski_sum};
+
+    /// Points on an ellipse, turned by some angle.
+    fn ellipse(count: u32, axes: [f64; 2], turn: f64) -> Vec<DVec2> {
+        let rotation = DVec2::from_angle(turn);
+        let step = std::f64::consts::TAU / f64::from(count);
+        let point = |k| DVec2::from_angle(step * f64::from(k)) * DVec2::from(axes);
+        (0..count).map(|k| rotation.rotate(point(k))).collect()
+    }
+
+    /// The hull of every sum of two corners, which needs no order of edges.
+    fn hull_of_sums(p: &[DVec2], q: &[DVec2]) -> Vec<DVec2> {
+        let sums = p.iter().flat_map(|&a| q.iter().map(move |&b| a + b));
+        hull(sums.collect())
+    }
+
+    #[test]
+    fn minkowski_sums_are_hulls_of_all_sums() {
+        let shapes = [
+            ellipse(16, [1.0, 1.0], 0.1),
+            ellipse(16, [1.0, 1e-6], 0.7),
+            ellipse(4, [0.3, 0.3], std::f64::consts::FRAC_PI_4),
+            ellipse(7, [1e-3, 2.0], 1.5),
+            // A segment, upright and not, and a point.
+            vec![DVec2::ZERO, DVec2::Y],
+            vec![DVec2::X, DVec2::new(-2.0, 0.5)],
+            vec![DVec2::new(3.0, -1.0); 4],
+        ];
+        for p in &shapes {
+            for q in &shapes {
+                let (p, q) = (hull(p.clone()), hull(q.clone()));
+                let sum = minkowski_sum(&p, &q);
+                let other = hull_of_sums(&p, &q);
+                assert!(
+                    (area(&sum) - area(&other)).abs() <= 1e-12 * (1.0 + area(&other)),
+                    "{p:?} and {q:?}: {sum:?}, not {other:?}"
+                );
+                // Corners in the midst of a side come and go by rounding. How far both reach, in any direction, does not.
+                for direction in ellipse(64, [1.0, 1.0], 0.01) {
+                    let reach = |p: &[DVec2]| {
+                        let dots = p.iter().map(|c| c.dot(direction));
+                        dots.fold(f64::NEG_INFINITY, f64::max)
+                    };
+                    let (mine, theirs) = (reach(&sum), reach(&other));
+                    assert!(
+                        (mine - theirs).abs() < 1e-12,
+                        "{p:?} and {q:?} reach {mine}, not {theirs}, towards {direction}"
+                    );
+                }
+            }
+        }
+    }
 }

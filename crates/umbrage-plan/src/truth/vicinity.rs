@@ -7,7 +7,10 @@
 
 use super::{
     ReceiverPoint,
-    polygon::{Polygon, area, common, contains, counter_clockwise, cut, hull, spread, without},
+    polygon::{
+        Polygon, area, common, contains, counter_clockwise, cut, hull, minkowski_sum, spread,
+        without,
+    },
 };
 use glam::{DVec2, DVec3, Vec3, Vec4};
 use umbrage_core::{
@@ -68,6 +71,11 @@ enum ToLight {
 struct PixelRay {
     origin: DVec3,
     direction: DVec3,
+}
+
+/// The radius of a disc around the seen point that a polygon lies in, `least` or more.
+fn radius(p: &[DVec2], least: f64) -> f64 {
+    p.iter().map(|q| q.length()).fold(least, f64::max)
 }
 
 /// `base + dx * x + dy * y` in 64 bits.
@@ -176,14 +184,27 @@ impl<'a> Vicinity<'a> {
             return Around::Neither;
         }
         let offset = f64::from(origin_offset(point.position, point.reach));
-        let vicinity = self.vicinity(&surface, corners, pixel, offset);
+        let highest = 2.0 * offset;
+        let unclipped = self.unclipped_vicinity(&surface, pixel, offset);
+        if let Some(unclipped) = &unclipped {
+            // Most points have no caster near: they need no polygon but this one.
+            self.casters_near(&surface, radius(unclipped, highest), ids);
+            ids.retain(|&id| id != point.triangle);
+            if ids.is_empty() {
+                return Around::Light;
+            }
+        }
+        let triangle = corners.map(|c| surface.flat(c - surface.p));
+        let triangle = counter_clockwise(triangle.to_vec());
+        let vicinity = match &unclipped {
+            Some(unclipped) => common(unclipped, &triangle),
+            None => triangle,
+        };
         let whole = area(&vicinity);
         if whole <= 0.0 {
             return Around::Neither;
         }
-        let highest = 2.0 * offset;
-        let radius = vicinity.iter().map(|q| q.length()).fold(highest, f64::max);
-        self.casters_near(&surface, radius, ids);
+        self.casters_near(&surface, radius(&vicinity, highest), ids);
         ids.retain(|&id| id != point.triangle);
         let from_lowest = self.left(&surface, &vicinity, ids, highest * MIN_LIFT_SHARE);
         if from_lowest == Around::Both {
@@ -287,27 +308,27 @@ impl<'a> Vicinity<'a> {
         }
     }
 
-    /// Returns the vicinity of a point, for rays whose origins may be moved by `offset`, metres.
-    fn vicinity(&self, s: &Surface, corners: [DVec3; 3], pixel: [u32; 2], offset: f64) -> Polygon {
-        let triangle = counter_clockwise(corners.map(|c| s.flat(c - s.p)).to_vec());
-        // A ray from above meets the plane behind its origin, seen from the light.
-        let back = s.flat(s.to_light) * (-2.0 * offset / s.to_light.dot(s.axes[2]));
-        let mut points = Vec::with_capacity(128);
+    /// Returns the vicinity of a point as if its triangle had no end, for rays whose origins may be moved by `offset`, metres.
+    /// None where the plane's horizon is so near that any point of the triangle may be seen.
+    fn unclipped_vicinity(&self, s: &Surface, pixel: [u32; 2], offset: f64) -> Option<Polygon> {
+        let mut seen = Vec::with_capacity(16);
         for k in 0..16 {
             let direction = DVec2::from_angle(std::f64::consts::FRAC_PI_8 * f64::from(k));
             let ray = self.ray(pixel, direction * self.pixels);
             let t = s.axes[2].dot(s.p - ray.origin) / s.axes[2].dot(ray.direction);
             if !(t > 0.0 && t.is_finite()) {
-                // The plane's horizon is that near: any point of the triangle may be seen.
-                return triangle;
+                return None;
             }
-            let q = s.flat(ray.origin + ray.direction * t - s.p);
-            for (i, j) in [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)] {
-                let aside = q + DVec2::new(i, j) * offset;
-                points.extend([aside, aside + back]);
-            }
+            seen.push(s.flat(ray.origin + ray.direction * t - s.p));
         }
-        common(&hull(points), &triangle)
+        // A ray from above meets the plane behind its origin, seen from the light.
+        let back = s.flat(s.to_light) * (-2.0 * offset / s.to_light.dot(s.axes[2]));
+        let mut moves = Vec::with_capacity(8);
+        for (i, j) in [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)] {
+            let aside = DVec2::new(i, j) * offset;
+            moves.extend([aside, aside + back]);
+        }
+        Some(minkowski_sum(&hull(seen), &hull(moves)))
     }
 
     /// Finds the casters whose shadows may fall within `radius` of the seen point.
