@@ -70,7 +70,20 @@ pub(super) fn spread(p: &[DVec2]) -> Vec<DVec2> {
 
 /// The common part of two polygons. Nothing cuts nothing off: what is common with no corners at all is the other polygon.
 pub(super) fn common(p: &[DVec2], q: &[DVec2]) -> Polygon {
-    edges(q).fold(p.to_vec(), |part, [a, b]| left_of(&part, a, b))
+    let mut part = p.to_vec();
+    for [a, b] in edges(q) {
+        let along = b - a;
+        // Most edges leave all or nothing: that is found without a copy.
+        let inside = part.iter().filter(|&&c| along.perp_dot(c - a) >= 0.0);
+        let inside = inside.count();
+        if inside == 0 {
+            return Polygon::new();
+        }
+        if inside < part.len() {
+            part = left_of(&part, a, b);
+        }
+    }
+    part
 }
 
 /// Returns what is left of `pieces` without `q`. Parts of less area than `dust` are dropped.
