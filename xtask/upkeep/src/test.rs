@@ -10,6 +10,7 @@ use crate::{
 use anyhow::{Context as _, Result, bail};
 use std::{
     io::{BufRead as _, BufReader},
+    num::NonZero,
     process::{Command, Stdio},
     time::Instant,
 };
@@ -132,8 +133,17 @@ impl Totals {
     }
 }
 
+/// Tests at a time, for each core. Many wait for the one graphics device, and leave their core idle.
+const TESTS_A_CORE: usize = 2;
+
 /// Runs tests, passing on what they print.
 fn run_tests(command: &mut Command) -> Result<Totals> {
+    // Whoever has chosen a number keeps it.
+    const THREADS: &str = "RUST_TEST_THREADS";
+    if std::env::var_os(THREADS).is_none() {
+        let cores = std::thread::available_parallelism().map_or(1, NonZero::get);
+        command.env(THREADS, (TESTS_A_CORE * cores).to_string());
+    }
     let line = spell(command.stdout(Stdio::piped()));
     let mut child = adapter::with_runtime_dir(command)?
         .spawn()
