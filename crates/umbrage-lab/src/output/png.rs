@@ -112,12 +112,22 @@ fn hue(cause: Cause) -> Vec3 {
 
 /// Encodes colors of components in 0..=1, rows from the top, as a PNG.
 pub(crate) fn encode(size: UVec2, colors: impl Iterator<Item = Vec3>) -> Result<Vec<u8>, LabError> {
-    let texels: Vec<u8> = colors.flat_map(|c| c.to_array().map(to_byte)).collect();
+    let pixels = size.x as usize * size.y as usize;
+    // A plain loop: this package is not optimised, and chains of closures would take longer than the encoder.
+    let mut texels = vec![0; 3 * pixels];
+    let mut at = 0;
+    for color in colors.take(pixels) {
+        texels[at] = to_byte(color.x);
+        texels[at + 1] = to_byte(color.y);
+        texels[at + 2] = to_byte(color.z);
+        at += 3;
+    }
     encode_rgb(size, &texels)
 }
 
+/// Returns the nearest of 256 steps; casts saturate below and above.
 fn to_byte(component: f32) -> u8 {
-    (component.clamp(0.0, 1.0) * 255.0).round() as u8
+    (component * 255.0 + 0.5) as u8
 }
 
 /// Encodes three bytes a pixel, rows from the top, as a PNG.
