@@ -284,7 +284,8 @@ fn shadow_unit_square(i: u32, shadow_seed: u32) -> vec2f {
 
 struct shadow_TracedUniforms {
     light: shadow_LightSampler,
-    reach: f32,
+    eye: vec4f,
+    extent: f32,
     far: f32,
     samples: u32,
 }
@@ -329,8 +330,13 @@ fn shadow_occluded(o: vec3f, d: vec3f, skip: u32) -> bool {
     return false;
 }
 
+fn shadow_ray_reach(p: vec3f) -> f32 {
+    let to_eye = abs(shadow_kernel.eye.xyz - p);
+    return max(max(max(to_eye.x, to_eye.y), to_eye.z), shadow_kernel.extent);
+}
+
 fn shadow_receive(r: shadow_Receiver) -> f32 {
-    let lift = shadow_origin_offset(r.position, shadow_kernel.reach);
+    let lift = shadow_origin_offset(r.position, shadow_ray_reach(r.position));
     let o = vec3f(r.position.x + r.normal.x * lift, r.position.y + r.normal.y * lift, r.position.z + r.normal.z * lift);
     let scramble = shadow_seed(r.pixel.x, r.pixel.y);
     var seen = 0u;

@@ -15,6 +15,7 @@ use umbrage_core::{
     Aabb, Bvh, Fit, Geometry, Inputs, Invalid, Kernel, KernelCost, Light, Module, Receive,
     ReceiveKernel, Recipe, RecipeError, ShadowTechnique, Span, Table, UniformBlock, View,
     bvh::{RAY_BOX, RAY_TRIANGLE},
+    glam::{Vec3, Vec4},
     light_sample::{LIGHT_SAMPLE, LightSampler, origin_offset, seed, segment, unit_square},
     math::dot3,
     uniforms,
@@ -162,7 +163,8 @@ impl Traced {
         let light = LightSampler::new(view.light);
         let uniforms = TracedUniforms {
             light,
-            reach: all.min.abs().max(all.max.abs()).max_element(),
+            eye: eye.extend(0.0),
+            extent: geometry.max_receiver_extent(),
             far: (2.0 * all.diagonal()).min(FARTHEST),
             samples: if light.is_ideal() { 1 } else { self.samples },
         };
@@ -178,12 +180,24 @@ uniforms! {
     pub struct TracedUniforms {
         /// The light.
         pub light: LightSampler,
-        /// Greatest coordinate in play, metres: ray origins are lifted in proportion.
-        pub reach: f32,
+        /// The camera's position; w is unused.
+        pub eye: Vec4,
+        /// Greatest extent of a receiving triangle, metres.
+        pub extent: f32,
         /// Length of rays towards directional lights, metres.
         pub far: f32,
         /// Rays a receiver.
         pub samples: u32,
+    }
+}
+
+impl TracedUniforms {
+    /// Returns the greatest length that went into a receiver's position beside its coordinates, metres: positions are rounded, and
+    /// ray origins are lifted, in proportion.
+    #[inline(always)]
+    fn reach(&self, p: Vec3) -> f32 {
+        let to_eye = (self.eye.truncate() - p).abs();
+        to_eye.max_element().max(self.extent)
     }
 }
 
@@ -218,7 +232,7 @@ impl ReceiveKernel for TracedKernel {
         for (i, out) in out.iter_mut().enumerate() {
             let p = span.position(i);
             let n = span.normal(i);
-            let origin = p + n * origin_offset(p, u.reach);
+            let origin = p + n * origin_offset(p, u.reach(p));
             let scramble = seed(span.first.x + i as u32, span.first.y);
             let mut seen = 0_u32;
             for sample in 0..u.samples {

@@ -1,25 +1,45 @@
 //! Measures what work costs on this machine.
 
-use crate::args::BenchArguments;
+use crate::{args::BenchArguments, progress::StepBar};
 use anyhow::{Context, Result};
 use comfy_table::{CellAlignment, Table, presets::UTF8_FULL_CONDENSED};
 use std::sync::Arc;
 use umbrage_core::{Backend, Fit, Scene, ShadowTechnique, glam::UVec2};
 use umbrage_cpu::Cpu;
-use umbrage_plan::cost::{Calibration, CostSample, KIND_NAMES, PriceList, calibrate};
+use umbrage_plan::cost::{Calibration, CostSample, KIND_NAMES, PriceList, fit, time_work};
 use umbrage_techniques::all;
 use umbrage_wgpu::{AdapterChoice, Gpu};
 
-/// Scenes with few and many triangles, with maps that are used well and badly, and with a cube of maps.
-const SCENES: [&str; 5] = [
-    "cubes",
-    "teapot-lamp",
-    "lamp-in-room",
-    "ten-thousand-boxes",
-    "figure",
+/// Scenes that are timed alike.
+struct Stage {
+    /// Their names.
+    scenes: &'static [&'static str],
+    /// Image sizes, pixels.
+    sizes: &'static [UVec2],
+    /// Sides of maps, texels.
+    maps: [u32; 2],
+}
+
+/// Scenes of 100 to 40,000 triangles with maps that are used well and badly, and with a cube of maps; then frames of
+/// 170,000 to 1.7 million triangles, since a triangle of a large mesh costs less than one of a small one.
+const STAGES: [Stage; 2] = [
+    Stage {
+        scenes: &[
+            "cubes",
+            "teapot-lamp",
+            "lamp-in-room",
+            "ten-thousand-boxes",
+            "figure",
+        ],
+        sizes: &[UVec2::new(320, 180), UVec2::new(960, 540)],
+        maps: [256, 1024],
+    },
+    Stage {
+        scenes: &["night-room", "dancer-soft", "nave", "valley"],
+        sizes: &[UVec2::new(1280, 720)],
+        maps: [1024, 2048],
+    },
 ];
-const SIZES: [UVec2; 2] = [UVec2::new(320, 180), UVec2::new(960, 540)];
-const MAPS: [u32; 2] = [256, 1024];
 
 /// Times techniques of all kinds, fits prices to the times, and prints them.
 pub(crate) fn costs(options: &BenchArguments) -> Result<()> {
@@ -36,26 +56,10 @@ pub(crate) fn costs(options: &BenchArguments) -> Result<()> {
         Ok(gpu) => backends.push(Box::new(gpu)),
         Err(why) => println!("without a graphics adapter only the CPU is timed: {why}"),
     }
-    let scenes: Vec<Scene> = SCENES
-        .iter()
-        .filter_map(|name| umbrage_scenes::find(name))
-        .map(|e| (e.build)())
-        .collect();
-    let settings = settings();
     let mut prices = PriceList::default();
     let mut names = Vec::new();
     for backend in &mut backends {
-        let count = scenes.len() * SIZES.len() * settings.len();
-        let bar = indicatif::ProgressBar::new(count as u64);
-        let found = calibrate(
-            &mut **backend,
-            &scenes,
-            &SIZES,
-            &settings,
-            options.runs,
-            |_| bar.inc(1),
-        )?;
-        bar.finish_and_clear();
+        let found = fit(time_stages(&mut **backend, options.runs)?);
         print(backend.name(), &found);
         names.push(backend.name().to_owned());
         if backend.kind() == "cpu" {
@@ -76,11 +80,40 @@ pub(crate) fn costs(options: &BenchArguments) -> Result<()> {
     Ok(())
 }
 
+/// Times all stages, and tells how far it has come.
+fn time_stages(backend: &mut dyn Backend, runs: u32) -> Result<Vec<CostSample>> {
+    let count: usize = STAGES.iter().map(Stage::count).sum();
+    let bar = StepBar::new(format!("timing {}", backend.name()), count as u64);
+    let mut samples = Vec::new();
+    for stage in &STAGES {
+        let scenes: Vec<Scene> = stage
+            .scenes
+            .iter()
+            .filter_map(|name| umbrage_scenes::find(name))
+            .map(|e| (e.build)())
+            .collect();
+        let settings = settings(&stage.maps);
+        let more = time_work(backend, &scenes, stage.sizes, &settings, runs, &mut || {
+            bar.step()
+        })?;
+        samples.extend(more);
+    }
+    bar.finish();
+    Ok(samples)
+}
+
+impl Stage {
+    /// Returns how many settings are played in it.
+    fn count(&self) -> usize {
+        self.scenes.len() * self.sizes.len() * settings(&self.maps).len()
+    }
+}
+
 /// Returns the first, middle and last setting of each technique: all kinds of work, few alike.
-fn settings() -> Vec<Arc<dyn ShadowTechnique>> {
+fn settings(maps: &[u32]) -> Vec<Arc<dyn ShadowTechnique>> {
     let mut out = Vec::new();
     for entry in all() {
-        let of_entry = (entry.settings)(&MAPS, Fit::Tight);
+        let of_entry = (entry.settings)(maps, Fit::Tight);
         let last = of_entry.len().saturating_sub(1);
         for (i, setting) in of_entry.into_iter().enumerate() {
             if i == 0 || i == last / 2 || i == last {

@@ -98,6 +98,35 @@ impl Progress {
     }
 }
 
+/// A bar for work that comes in equal steps; lines without a terminal.
+pub(crate) struct StepBar {
+    bar: ProgressBar,
+    log: Option<Repeater>,
+}
+
+impl StepBar {
+    pub(crate) fn new(message: String, steps: u64) -> Self {
+        let bar = ProgressBar::new(steps).with_message(message);
+        let shown = bar.clone();
+        let print_line = move || println!("{}: {} of {steps}", shown.message(), shown.position());
+        let log = bar
+            .is_hidden()
+            .then(|| Repeater::new(LOG_INTERVAL, print_line));
+        Self { bar, log }
+    }
+
+    pub(crate) fn step(&self) {
+        self.bar.inc(1);
+    }
+
+    pub(crate) fn finish(&self) {
+        if let Some(log) = &self.log {
+            log.stop();
+        }
+        self.bar.finish_and_clear();
+    }
+}
+
 /// Calls a function at equal intervals on a thread of its own, until it is stopped.
 struct Repeater {
     stop: Mutex<Option<Sender<()>>>,

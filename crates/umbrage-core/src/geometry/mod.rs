@@ -16,6 +16,7 @@ use crate::{
     geometry::box_tree::{BoxTree, RUN},
 };
 use glam::{Mat3, Vec2, Vec3, Vec4};
+use rayon::prelude::*;
 use std::{
     ops::Range,
     sync::{Arc, OnceLock},
@@ -40,6 +41,7 @@ pub struct Geometry {
     bvh_tables: OnceLock<[Rows; 2]>,
     bounds: OnceLock<Aabb>,
     box_tree: OnceLock<Arc<BoxTree>>,
+    max_receiver_extent: OnceLock<f32>,
 }
 
 /// Rows of four words, as shaders' tables hold them.
@@ -201,6 +203,7 @@ impl Geometry {
             casters: 0..0,
             bvh: OnceLock::new(),
             bvh_tables: OnceLock::new(),
+            max_receiver_extent: OnceLock::new(),
             ..self.clone()
         };
         out.fingerprint = out.hash();
@@ -312,6 +315,17 @@ impl Geometry {
     /// Returns the hierarchy over the casters, which is built on first use (the one costly step of ray tracing).
     pub fn bvh(&self) -> &Arc<Bvh> {
         self.bvh.get_or_init(|| Arc::new(Bvh::build(self)))
+    }
+
+    /// Returns the greatest extent of a receiving triangle along an axis, metres; found on first use.
+    pub fn max_receiver_extent(&self) -> f32 {
+        *self.max_receiver_extent.get_or_init(|| {
+            let extents = self.receivers().into_par_iter().map(|id| {
+                let bounds = Aabb::around(self.corners(id));
+                (bounds.max - bounds.min).max_element()
+            });
+            extents.reduce(|| 0.0, f32::max)
+        })
     }
 
     /// Returns the boxes around runs of triangles, built on first use.

@@ -1,6 +1,8 @@
 //! How much work a recipe is, counted rather than timed: the same on every machine, however noisy.
 
-use crate::{Cast, Cull, Geometry, Recipe, Source, View, geometry::clip_polygon::Polygon};
+use crate::{
+    Cast, CastMode, Cull, Geometry, Recipe, Source, View, geometry::clip_polygon::Polygon,
+};
 use glam::{DMat4, DVec2, DVec4, UVec2};
 use rayon::prelude::*;
 
@@ -61,10 +63,16 @@ impl KernelCost {
 pub struct Work {
     /// Passes: casts, filters, receive.
     pub passes: u64,
-    /// Triangles that casts draw, those outside their view included.
+    /// Triangles that casts of depth draw, those outside their view included.
     pub triangles: u64,
     /// Texels that these triangles cover, each as often as it is covered: their area within the view, rounded.
     pub covered: u64,
+    /// Faces that casts of [`CastMode::StencilDepthFail`] draw, those outside their view included.
+    #[serde(default)]
+    pub faces: u64,
+    /// Texels that these faces cover, as [`covered`](Self::covered): each reads and writes a count.
+    #[serde(default)]
+    pub counted: u64,
     /// Texels of layers that casts draw into.
     pub cleared: u64,
     /// Texels that filters write.
@@ -105,8 +113,16 @@ impl Work {
         for cast in &recipe.casts {
             let size = recipe.images[cast.image].size;
             let (triangles, covered) = drawn(view.geometry, cast, size);
-            work.triangles += triangles;
-            work.covered += covered;
+            match cast.mode {
+                CastMode::Depth | CastMode::DepthPeel(_) => {
+                    work.triangles += triangles;
+                    work.covered += covered;
+                }
+                CastMode::StencilDepthFail { .. } => {
+                    work.faces += triangles;
+                    work.counted += covered;
+                }
+            }
             work.cleared += u64::from(size.x) * u64::from(size.y);
         }
         for filter in &recipe.filters {

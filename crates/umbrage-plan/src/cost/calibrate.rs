@@ -33,18 +33,18 @@ pub struct Calibration {
     pub factor_of_nine_in_ten: f64,
 }
 
-/// Plays scenes with settings on a backend, and fits prices to the times. Settings that can't serve a scene are left out.
+/// Plays scenes with settings on a backend, and returns their work and times. Settings that can't serve a scene are left out.
 ///
 /// # Errors
 /// Errors if a scene or a setting is not valid, or the backend fails.
-pub fn calibrate(
+pub fn time_work(
     backend: &mut dyn Backend,
     scenes: &[Scene],
     sizes: &[UVec2],
     settings: &[Arc<dyn ShadowTechnique>],
     runs: u32,
-    mut on_sample: impl FnMut(&CostSample),
-) -> Result<Calibration, MeasureError> {
+    on_setting: &mut dyn FnMut(),
+) -> Result<Vec<CostSample>, MeasureError> {
     let mut samples = Vec::new();
     for scene in scenes {
         let geometry = Geometry::bake(scene)?;
@@ -58,19 +58,18 @@ pub fn calibrate(
             let receivers = Cpu::new().receivers(&camera, &geometry)?;
             let view = View::new(&camera, light, &geometry).with_receivers(&receivers);
             for technique in settings {
+                on_setting();
                 let Some(sample) = measure(backend, &view, &**technique, runs)? else {
                     continue;
                 };
-                let sample = CostSample {
+                samples.push(CostSample {
                     label: format!("{} {size} {}", scene.name, sample.label),
                     ..sample
-                };
-                on_sample(&sample);
-                samples.push(sample);
+                });
             }
         }
     }
-    Ok(fit(samples))
+    Ok(samples)
 }
 
 /// Plays a technique and times it; none where it isn't supported or too large for the backend.
@@ -86,7 +85,12 @@ fn measure(
         Err(e) => return Err(e.into()),
     };
     let mut least = f64::INFINITY;
+    let mut spent = 0.0;
     for run in 0..=runs.max(1) {
+        // Where a run takes seconds, no step of the clock and no neighbour changes it much.
+        if spent > ENOUGH_MILLISECONDS {
+            break;
+        }
         let shadows = match backend.render(view, &recipe) {
             Ok(shadows) => shadows,
             // Its images are larger than this device can hold.
@@ -95,7 +99,9 @@ fn measure(
         };
         // The first run compiles and uploads: it doesn't count.
         if run > 0 {
-            least = least.min(shadows.timings.total().as_secs_f64() * 1e3);
+            let milliseconds = shadows.timings.total().as_secs_f64() * 1e3;
+            least = least.min(milliseconds);
+            spent += milliseconds;
         }
     }
     let label = format!("{} ({})", technique.name(), technique.settings());
@@ -136,6 +142,9 @@ pub fn fit(samples: Vec<CostSample>) -> Calibration {
     }
 }
 
+/// A setting that has been timed for so long, milliseconds, is not timed again.
+const ENOUGH_MILLISECONDS: f64 = 1000.0;
+
 /// The least time that is divided by, milliseconds: a step of the clock.
 const MIN_MILLISECONDS: f64 = 1e-6;
 
@@ -158,6 +167,8 @@ mod tests {
             samples: mix(i, 8),
             rays: mix(i, 7),
             casters: 64,
+            faces: mix(i, 9),
+            counted: mix(i, 10),
             bytes: 0,
         };
         (0..60).map(work).collect()
@@ -175,7 +186,7 @@ mod tests {
     #[test]
     fn known_prices_are_found_again() {
         let known = CostModel {
-            nanoseconds: [900.0, 20.0, 3.0, 1.0, 6.0, 5.0, 2.0, 12.0, 40.0],
+            nanoseconds: [900.0, 20.0, 3.0, 1.0, 6.0, 5.0, 2.0, 12.0, 40.0, 90.0, 4.0],
         };
         let found = fit(samples(&known));
         assert!(

@@ -1,6 +1,6 @@
 //! Prices for [`Work`]: milliseconds that are the same on every run, since they come from counts rather than from a clock.
 //!
-//! A model is a unit price for each kind of work, fitted to times measured once ([`calibrate`]). Rays are priced by the
+//! A model is a unit price for each kind of work, fitted ([`fit`]) to times measured once ([`time_work`]). Rays are priced by the
 //! depth of the hierarchy that they descend, log2 of the casters' triangles. Prices from elsewhere still rank settings well,
 //! as they say how much dearer a ray is than a tap; absolute times need a calibration of one's own.
 
@@ -9,7 +9,7 @@ mod least_squares;
 mod price_list;
 mod ranks;
 
-pub use calibrate::{Calibration, CostSample, calibrate, fit};
+pub use calibrate::{Calibration, CostSample, fit, time_work};
 pub use price_list::PriceList;
 pub use ranks::rank_correlation;
 
@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 use umbrage_core::Work;
 
 /// Kinds of work that have a price.
-pub const KINDS: usize = 9;
+pub const KINDS: usize = 11;
 
 /// Names of the kinds, in the order of [`CostModel::nanoseconds`].
 pub const KIND_NAMES: [&str; KINDS] = [
@@ -30,7 +30,12 @@ pub const KIND_NAMES: [&str; KINDS] = [
     "tap",
     "comparison sample",
     "ray, a level of the hierarchy",
+    "shadow volume's face drawn",
+    "texel counted",
 ];
+
+/// The place of rays in [`KIND_NAMES`].
+const RAYS: usize = 8;
 
 /// Prices of work on one backend.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -45,12 +50,16 @@ impl CostModel {
     /// times are predicted within a factor of 1.5, nine of ten within 2.9. Packing depth costs six times what a filtered
     /// texel does here.
     pub const CPU: Self = Self {
-        nanoseconds: [0.0, 78.9, 0.804, 0.889, 1.36, 1.95, 1.03, 9.41, 7.29],
+        nanoseconds: [
+            0.0, 30.4, 1.01, 0.889, 1.36, 1.95, 1.03, 9.41, 7.29, 313.0, 1.38,
+        ],
     };
 
     /// Mesa's software driver (llvmpipe, LLVM 15) on the same machine: half within 1.3, nine of ten within 1.8.
     pub const SOFTWARE_GPU: Self = Self {
-        nanoseconds: [76_957.0, 241.0, 2.29, 2.83, 10.3, 18.8, 5.01, 20.0, 32.5],
+        nanoseconds: [
+            76_957.0, 102.0, 1.92, 2.83, 10.3, 18.8, 5.01, 20.0, 57.7, 414.0, 3.58,
+        ],
     };
 
     /// Returns the prices for a kind of backend: `cpu`'s own, the software driver's for all others.
@@ -82,6 +91,8 @@ impl CostModel {
             passes: 1,
             triangles: 0,
             covered: 0,
+            faces: 0,
+            counted: 0,
             cleared: 0,
             filtered: 0,
             ..*work
@@ -103,9 +114,11 @@ fn counts(work: &Work) -> [f64; KINDS] {
         work.taps,
         work.samples,
         work.rays,
+        work.faces,
+        work.counted,
     ];
     let mut counts = counts.map(|count| count as f64);
-    counts[KINDS - 1] *= levels;
+    counts[RAYS] *= levels;
     counts
 }
 
@@ -150,7 +163,7 @@ mod tests {
             nanoseconds: [0.0; KINDS],
         };
         model.nanoseconds[6] = 2.0;
-        model.nanoseconds[8] = 10.0;
+        model.nanoseconds[RAYS] = 10.0;
         let work = Work {
             taps: 500_000,
             rays: 1000,

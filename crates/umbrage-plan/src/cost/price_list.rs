@@ -87,6 +87,8 @@ const KEYS: [&str; KINDS] = [
     "tap",
     "comparison_sample",
     "ray_level",
+    "volume_face",
+    "counted_texel",
 ];
 
 /// [`CostModel`] in files: each price by its name.
@@ -141,9 +143,9 @@ mod tests {
         for (from, to, word) in [
             ("tap = ", "tape = ", "`tap` is missing"),
             ("tap = ", "tape = 1.0\ntap = ", "no price `tape`"),
-            ("ray_level = 7.29", "ray_level = -7.29", "cpu.ray_level"),
-            ("ray_level = 7.29", "ray_level = nan", "cpu.ray_level"),
-            ("ray_level = 7.29\n", "", "ray_level"),
+            ("tap = 1.03", "ray_level = -7.29", "cpu.ray_level"),
+            ("tap = 1.03", "ray_level = nan", "cpu.ray_level"),
+            ("tap = 1.03\n", "", "ray_level"),
         ] {
             let spoilt = text.replacen(from, to, 1);
             assert_ne!(spoilt, text, "{from}");
