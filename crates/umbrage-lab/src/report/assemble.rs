@@ -6,7 +6,7 @@ use super::{
     page_rows::{PageRow, RowPictures},
     still::{self, GroupWords, Words},
     store::{Stored, is_chart},
-    to_csv,
+    to_csv, work_table,
 };
 use crate::{
     LabError,
@@ -38,6 +38,7 @@ pub(super) fn write(
     let page = page::html(&contents(path, scenes, &comparison, &groups))
         .map_err(|e| LabError::write(path.join("index.html"), e))?;
     folder.write("rows.csv", &rows)?;
+    folder.write("work.csv", &work_table::to_csv(&comparison)?)?;
     folder.write("overall.csv", &overall_csv(&groups)?)?;
     folder.write("results.json", &json)?;
     write_charts(path, folder, &groups)?;

@@ -4,7 +4,8 @@
 //!   scene's rows. It works from a file; its pictures are the scenes' files beside it, so the folder is to be kept together.
 //! * `chart-time-<light>-<backend>.svg`, `chart-cost-...` and PNG: the charts over all scenes of hard and of soft shadows, to be
 //!   shown elsewhere.
-//! * `rows.csv`: one [`Line`] a row. `overall.csv`: one line a setting over all scenes. `results.json`: the [`Comparison`]
+//! * `rows.csv`: one [`Line`] a row. `overall.csv`: one line a setting over all scenes. `work.csv`: the counted work and the time of
+//!   each row. `results.json`: the [`Comparison`]
 //!   as it is.
 //! * `<scene>/truth.png`, `<scene>/<technique>.<backend>.png` and `.error.png`, with colours `.color.png`, of the Pareto
 //!   fronts, each technique's best, and faults, and of one backend's rows on frames of real size; of comparisons of three scenes or fewer, of all rows, and there
@@ -29,6 +30,7 @@ mod still;
 mod store;
 mod style;
 mod table;
+mod work_table;
 
 pub use merge::merge;
 pub use store::ComparisonPlan;

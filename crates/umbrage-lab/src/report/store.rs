@@ -113,9 +113,10 @@ fn unusable(path: &Path, why: impl Into<String>) -> Invalid {
 }
 
 /// The report's own files: no scene's folder may have their names.
-const OWN: [&str; 5] = [
+const OWN: [&str; 6] = [
     "index.html",
     "rows.csv",
+    "work.csv",
     "overall.csv",
     "results.json",
     "run.json",

@@ -1,0 +1,82 @@
+//! `work.csv`: the counted work of each row beside its time, from which anyone can fit prices of their own.
+
+use crate::compare::{CompareRow, Comparison, SceneResult};
+use crate::{LabError, output::csv};
+use serde::{Deserialize, Serialize};
+use umbrage_core::Work;
+
+/// A line of `work.csv`: a row that was timed, and is no repetition of another.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct WorkLine {
+    scene: String,
+    backend: String,
+    /// The row's technique and settings, as in the names of its pictures.
+    slug: String,
+    passes: u64,
+    triangles: u64,
+    covered: u64,
+    cleared: u64,
+    filtered: u64,
+    receivers: u64,
+    taps: u64,
+    samples: u64,
+    rays: u64,
+    casters: u64,
+    faces: u64,
+    counted: u64,
+    /// Casts, filters and lookup together: the median of the runs, milliseconds.
+    milliseconds: f64,
+}
+
+/// Returns the file's text.
+///
+/// # Errors
+/// Errors if it can't be written to memory.
+pub(super) fn to_csv(comparison: &Comparison) -> Result<Vec<u8>, LabError> {
+    let mut lines = Vec::new();
+    for scene in &comparison.scenes {
+        for row in scene.rows.iter().filter(|row| row.same_as.is_none()) {
+            lines.extend(line(scene, row));
+        }
+    }
+    csv::of_records("work.csv", lines)
+}
+
+/// Returns a row's line; none if it was not timed.
+fn line(scene: &SceneResult, row: &CompareRow) -> Option<WorkLine> {
+    let measured = row.measured()?;
+    let times = measured.times?;
+    let Work {
+        passes,
+        triangles,
+        covered,
+        cleared,
+        filtered,
+        receivers,
+        taps,
+        samples,
+        rays,
+        casters,
+        faces,
+        counted,
+        bytes: _,
+    } = measured.work;
+    Some(WorkLine {
+        scene: scene.name.clone(),
+        backend: row.backend.clone(),
+        slug: row.slug.clone(),
+        passes,
+        triangles,
+        covered,
+        cleared,
+        filtered,
+        receivers,
+        taps,
+        samples,
+        rays,
+        casters,
+        faces,
+        counted,
+        milliseconds: times.total.median,
+    })
+}
