@@ -29,6 +29,8 @@ mod program;
 mod progress;
 mod regret;
 mod stability;
+mod stability_summary;
+mod stability_tables;
 mod summary;
 mod table;
 mod usage;
