@@ -25,6 +25,7 @@ mod list;
 mod merge;
 mod plan;
 mod planning;
+mod presets;
 mod program;
 mod progress;
 mod regret;
@@ -34,5 +35,6 @@ mod stability_tables;
 mod summary;
 mod table;
 mod usage;
+mod verdicts;
 
 pub use program::Program;

@@ -190,8 +190,8 @@ fn without_side(settings: &str) -> String {
     words.join(", ")
 }
 
-/// Returns the verdicts that tell most of a setting: of the same setting on another map; else of the technique's setting with the
-/// same bias; else of its last one, which follows its defaults. None if the technique was not played.
+/// Returns the verdicts that hold for a setting: those of the same setting on another map; else those of the technique with the same
+/// bias, its smallest kernel first. None if neither was played: another bias fails other rows.
 pub fn nearest<'a>(
     all: &'a [SettingVerdicts],
     technique: &str,
@@ -200,9 +200,11 @@ pub fn nearest<'a>(
     let of_technique = || all.iter().filter(|v| v.technique == technique);
     let same = of_technique().find(|v| v.is_of(technique, settings));
     let bias = |words: &str| words.rsplit_once("bias: ").map(|(_, bias)| bias.to_owned());
-    let with_bias = || of_technique().rfind(|v| bias(&v.settings) == bias(settings));
+    let with_bias = || {
+        let wanted = bias(settings)?;
+        of_technique().find(|v| bias(&v.settings).as_ref() == Some(&wanted))
+    };
     same.or_else(with_bias)
-        .or_else(|| of_technique().next_back())
 }
 
 #[cfg(test)]
@@ -308,16 +310,17 @@ mod tests {
     }
 
     #[test]
-    fn another_map_is_the_same_setting_and_another_kernel_the_nearest() {
+    fn another_map_is_the_same_setting_another_kernel_the_nearest_and_another_bias_is_neither() {
         let all = sample().setting_verdicts();
         let found =
             |technique, settings| nearest(&all, technique, settings).map(|v| &v.settings[..]);
-        let adaptive = Some("3x3, 1024, bias: adaptive");
         let slope = Some("3x3, 1024, bias: slope");
         assert_eq!(found("pcf", "3x3, 2048, bias: slope"), slope);
         assert_eq!(found("pcf", "7x7, 2048, bias: slope"), slope);
-        assert_eq!(found("pcf", "7x7, 2048, bias: none"), adaptive);
+        assert_eq!(found("pcf", "3x3, 1024, bias: none"), None);
         assert_eq!(found("hard", "2048, bias: slope"), None);
+        // Without a bias all settings are told apart.
+        assert_eq!(found("pcf", "5x5"), None);
         assert!(all[0].is_of("pcf", "3x3, 4096, bias: slope"));
         assert!(!all[0].is_of("pcf", "5x5, 1024, bias: slope"));
         assert_eq!(without_side("radius 3, 8 taps, 4"), "radius 3, 8 taps, 4");
