@@ -4,6 +4,7 @@ use crate::{
     args::{self, Command},
     bench, bias, compare, costs, list, merge, plan, regret, stability,
     usage::Usage,
+    which,
 };
 use anyhow::Result;
 use std::{
@@ -65,6 +66,7 @@ impl Program {
             Command::Compare(options) => compare::compare(self, options),
             Command::Merge(options) => merge::merge(options),
             Command::Stability(options) => stability::stability(self, options),
+            Command::Which(options) => which::which(self, options),
             Command::Bench(options) if options.costs => costs::costs(options),
             Command::Bench(options) => bench::bench(options),
             Command::Plan(options) if options.regret => regret::regret(self, options),

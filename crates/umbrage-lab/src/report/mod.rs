@@ -32,7 +32,9 @@ mod style;
 mod table;
 
 pub use merge::merge;
+pub(crate) use run::{MeasuredScene, measured_scenes};
 pub use stability_source::StabilitySource;
+
 pub use store::ComparisonPlan;
 pub use table::{Line, lines, to_csv};
 

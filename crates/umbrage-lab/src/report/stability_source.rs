@@ -1,7 +1,10 @@
 //! Results of `stability`, shown beside a comparison's settings.
 
 use super::store::Stored;
-use crate::stability::{SettingVerdicts, nearest, report::StabilityResults};
+use crate::{
+    compare::Environment,
+    stability::{SettingVerdicts, nearest, report::StabilityResults},
+};
 use serde::Serialize;
 use std::path::{Component, Path, PathBuf};
 use umbrage_core::Invalid;
@@ -104,12 +107,20 @@ impl StabilitySource {
 
     /// Returns why the verdicts may not be those of the code that measured the scenes; none if one program did both.
     fn stale(&self, scenes: &[Stored]) -> Option<String> {
-        let other = scenes.iter().find(|scene| scene.program != self.program)?;
+        let mut scenes = scenes.iter();
+        scenes.find_map(|scene| self.stale_beside(&scene.program, &scene.environment))
+    }
+
+    /// Returns why the verdicts may not be those of the code of this program, which ran in this environment; none if it played them.
+    pub(crate) fn stale_beside(&self, program: &str, environment: &Environment) -> Option<String> {
+        if program == self.program {
+            return None;
+        }
         let name = |commit: &Option<String>| match commit {
             Some(commit) => format!("commit {commit}"),
             None => "an unknown commit".to_owned(),
         };
-        let [played, measured] = [&self.commit, &other.environment.commit].map(name);
+        let [played, measured] = [&self.commit, &environment.commit].map(name);
         Some(if played == measured {
             format!("played by another build of {played} than the one that measured these rows")
         } else {
@@ -144,7 +155,6 @@ fn relative(from: &Path, to: &Path) -> Option<String> {
 mod tests {
     use super::*;
     use crate::{
-        compare::Environment,
         report::{
             merge,
             tests::{NASTY, plan, write},
