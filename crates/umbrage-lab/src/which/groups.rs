@@ -29,11 +29,11 @@ pub(super) struct SizeClass {
 
 pub(super) const SIZES: [SizeClass; 3] = [
     SizeClass {
-        words: "up to 300 thousand triangles",
+        words: "up to 300,000 triangles",
         below: 300_000,
     },
     SizeClass {
-        words: "300 thousand to 1 million triangles",
+        words: "300,000 to 1 million triangles",
         below: 1_000_000,
     },
     SizeClass {

@@ -4,19 +4,17 @@ use super::{PICTURES, groups::WhichGroup};
 use crate::{
     LabError,
     compare::{CompareRow, SceneResult},
-    output::{Folder, slug},
+    output::{Folder, png, slug},
     report::MeasuredScene,
 };
-use image::{ImageFormat, RgbImage, imageops};
-use std::{
-    io::Cursor,
-    path::{Path, PathBuf},
-};
+use glam::UVec2;
+use image::RgbImage;
+use std::path::{Path, PathBuf};
 
 /// Width of each of the pictures that stand side by side, pixels.
-const WIDTH: u32 = 200;
+const WIDTH: usize = 168;
 /// Pixels between two of them.
-const GAP: u32 = 4;
+const GAP: usize = 4;
 
 /// For each group, for each answer, its picture's file, relative to the page; none where the comparison kept none.
 pub(super) type Shown = Vec<Vec<Option<String>>>;
@@ -74,29 +72,93 @@ fn files(folder: &Path, scene: &SceneResult, rows: &[&CompareRow]) -> Option<[Pa
 
 /// Returns pictures side by side, each as wide as [`WIDTH`], as a PNG.
 fn beside(files: &[PathBuf; 3]) -> Result<Vec<u8>, LabError> {
-    let mut small: Vec<RgbImage> = Vec::new();
+    let mut small: Vec<Small> = Vec::new();
     for file in files {
-        let whole = image::open(file)
-            .map_err(|e| LabError::write(file, e))?
-            .to_rgb8();
-        let height = (WIDTH * whole.height())
-            .div_ceil(whole.width().max(1))
-            .max(1);
-        small.push(imageops::resize(
-            &whole,
-            WIDTH,
-            height,
-            imageops::FilterType::Triangle,
-        ));
+        let whole = image::open(file).map_err(|e| LabError::write(file, e))?;
+        small.push(Small::of(&whole.to_rgb8()));
     }
-    let height = small.iter().map(RgbImage::height).max().unwrap_or(1);
-    let width = (WIDTH + GAP) * small.len() as u32 - GAP;
-    let mut out = RgbImage::from_pixel(width, height, image::Rgb([255; 3]));
-    for (i, picture) in (0..).zip(&small) {
-        imageops::replace(&mut out, picture, i * i64::from(WIDTH + GAP), 0);
+    let height = small
+        .iter()
+        .map(|picture| picture.height)
+        .max()
+        .unwrap_or(1);
+    let width = (WIDTH + GAP) * small.len() - GAP;
+    let mut texels = vec![255; 3 * width * height];
+    for (i, picture) in small.iter().enumerate() {
+        for y in 0..picture.height {
+            let start = 3 * (y * width + i * (WIDTH + GAP));
+            let line = &picture.texels[3 * WIDTH * y..][..3 * WIDTH];
+            texels[start..start + 3 * WIDTH].copy_from_slice(line);
+        }
     }
-    let mut bytes = Cursor::new(Vec::new());
-    out.write_to(&mut bytes, ImageFormat::Png)
-        .map_err(|e| LabError::write(PICTURES, e))?;
-    Ok(bytes.into_inner())
+    png::encode_rgb(UVec2::new(width as u32, height as u32), &texels)
+}
+
+/// A picture of [`WIDTH`], three bytes a pixel.
+struct Small {
+    height: usize,
+    texels: Vec<u8>,
+}
+
+impl Small {
+    /// Returns the means over blocks of a larger picture.
+    fn of(whole: &RgbImage) -> Self {
+        let [w, h] = [whole.width(), whole.height()].map(|side| side.max(1) as usize);
+        let height = (WIDTH * h).div_ceil(w);
+        // The first source pixel of a small picture's pixel; each has one at least.
+        let from = |i: usize, sides: [usize; 2]| i * sides[0] / sides[1];
+        let range = |i, sides: [usize; 2]| {
+            let first = from(i, sides).min(sides[0] - 1);
+            first..from(i + 1, sides).clamp(first + 1, sides[0])
+        };
+        let mut texels = Vec::with_capacity(3 * WIDTH * height);
+        for y in 0..height {
+            for x in 0..WIDTH {
+                let mut sum = [0_u32; 3];
+                let mut count = 0;
+                for v in range(y, [h, height]) {
+                    for u in range(x, [w, WIDTH]) {
+                        let color = whole.get_pixel(u as u32, v as u32).0;
+                        for (sum, c) in sum.iter_mut().zip(color) {
+                            *sum += u32::from(c);
+                        }
+                        count += 1;
+                    }
+                }
+                texels.extend(sum.map(|sum| coarse(sum / count)));
+            }
+        }
+        Self { height, texels }
+    }
+}
+
+/// Returns a component, 0..=255, in sixteen levels: the files are half as large, and nobody sees it at this size.
+fn coarse(component: u32) -> u8 {
+    ((component + LEVEL / 2) / LEVEL * LEVEL).min(255) as u8
+}
+
+/// The distance of two levels.
+const LEVEL: u32 = 17;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn small_pictures_are_means_in_sixteen_levels() {
+        let whole = RgbImage::from_fn(2 * WIDTH as u32, 4, |x, _| {
+            image::Rgb(if x % 2 == 0 {
+                [0, 255, 60]
+            } else {
+                [100, 255, 60]
+            })
+        });
+        let small = Small::of(&whole);
+        assert_eq!((small.height, small.texels.len()), (2, 6 * WIDTH));
+        // Half of 100 is 50, and the nearest level 51.
+        assert_eq!(small.texels[..3], [51, 255, 68]);
+        // A smaller picture's pixels are repeated.
+        let tiny = RgbImage::from_pixel(4, 3, image::Rgb([255, 0, 0]));
+        assert_eq!(Small::of(&tiny).height, WIDTH * 3 / 4);
+    }
 }

@@ -10,6 +10,7 @@ use crate::{
     compare::{CostBasis, FrameMotion, Measured, Relative, percent, times},
     report::{MeasuredScene, StabilitySource},
 };
+use umbrage_techniques::ShadowMap;
 
 /// All that the page is made from.
 pub(super) struct Words<'a> {
@@ -26,6 +27,8 @@ pub(super) struct Words<'a> {
 const SHORT: [usize; 3] = [0, 2, BUDGETS.len() - 1];
 /// The motion of the short table, as a place in [`MOTIONS`]: the camera moves.
 const USUAL: usize = 1;
+/// What names of adapters that run on the CPU contain.
+const SOFTWARE: [&str; 2] = ["llvmpipe", "SwiftShader"];
 /// Rows of `stability` that an answer names.
 const NAMED_ROWS: usize = 40;
 
@@ -56,6 +59,13 @@ impl Words<'_> {
             e.cpu,
             e.threads
         );
+        let is_software = |adapter: &String| SOFTWARE.iter().any(|name| adapter.contains(name));
+        let measured = if e.adapter.as_ref().is_some_and(is_software) {
+            measured
+                + " (That adapter is a software driver: its times say little about a graphics card.)"
+        } else {
+            measured
+        };
         let first = &self.scenes[0];
         let stale = self
             .stability
@@ -72,7 +82,7 @@ impl Words<'_> {
                 vec![
                     Inline::Bold("An answer".to_owned()),
                     text(
-                        " is the setting with the least error whose frame takes no longer than the budget; of those within a tenth of that error the quickest.",
+                        " is the setting with the least error whose frame takes no longer than the budget; of those within a tenth of that error the quickest. Budgets that buy nothing more are left out.",
                     ),
                 ],
                 vec![
@@ -86,13 +96,19 @@ impl Words<'_> {
                     text(" is a frame's, as a multiple of a "),
                     Inline::Code("hard".to_owned()),
                     text(
-                        " map's in the same scene: the lookup alone while nothing moves; what follows the camera, too, while the camera moves; all of it, hierarchies over the triangles included, while all moves.",
+                        " map's of middle size in the same scene: the lookup alone while nothing moves; what follows the camera, too, while the camera moves; all of it, hierarchies over the triangles included, while all moves.",
+                    ),
+                ],
+                vec![
+                    Inline::Bold("Settings".to_owned()),
+                    text(
+                        " are the kernel and the side of the map, texels; maps have the default bias unless another is named.",
                     ),
                 ],
                 vec![
                     Inline::Bold("Fails".to_owned()),
                     text(format!(
-                        " counts rows of the catalogue of failures, by `stability`: {}.",
+                        " counts rows of the catalogue of failures, by stability: {}.",
                         self.stability.told()
                     )),
                 ],
@@ -183,9 +199,13 @@ impl Words<'_> {
             head.extend(MOTIONS.map(|(_, words)| words.to_owned()));
             let mut rows = Vec::new();
             for budget in 0..BUDGETS.len() {
+                // A budget that buys nothing under any motion is left out.
+                if budget > 0 && of_backend.table[budget] == of_backend.table[budget - 1] {
+                    continue;
+                }
                 let mut row = vec![vec![text(budget_words(budget))]];
                 for motion in 0..MOTIONS.len() {
-                    row.push(self.cell(group, of_backend, budget, motion));
+                    row.push(self.cell_below(group, of_backend, budget, motion));
                 }
                 rows.push(row);
             }
@@ -207,7 +227,23 @@ impl Words<'_> {
         out
     }
 
-    /// Returns a cell of a table of budgets: the answer, its error and its time; `as above` where a larger budget buys nothing.
+    /// Returns a cell of a table of all budgets: `as above` where more time buys nothing.
+    fn cell_below(
+        &self,
+        group: &WhichGroup,
+        of: &OfBackend,
+        budget: usize,
+        motion: usize,
+    ) -> Vec<Inline> {
+        let is_as_above = budget > 0 && of.table[budget][motion] == of.table[budget - 1][motion];
+        if is_as_above {
+            vec![text("as above")]
+        } else {
+            self.cell(group, of, budget, motion)
+        }
+    }
+
+    /// Returns a cell of a table of budgets: the answer, its error and its time.
     fn cell(
         &self,
         group: &WhichGroup,
@@ -227,7 +263,7 @@ impl Words<'_> {
             Inline::Bold(answer.technique.clone()),
             text(format!(
                 " {}: {}, {time}",
-                answer.settings,
+                words_of(answer),
                 error_words(setting)
             )),
         ]
@@ -302,7 +338,7 @@ impl Words<'_> {
         let name = format!("{} ({})", answer.technique, answer.settings);
         let mut shown = vec![
             Inline::Bold(answer.technique.clone()),
-            text(format!(" {}", answer.settings)),
+            text(format!(" {}", words_of(answer))),
             Inline::Break,
         ];
         shown.push(match picture {
@@ -361,6 +397,13 @@ impl Words<'_> {
             ratios.join(", ")
         ))
     }
+}
+
+/// Returns an answer's settings; the default bias is told once for all.
+fn words_of(answer: &Answer) -> String {
+    let default = ShadowMap::default().bias.label();
+    let words = answer.settings.split(", ").filter(|word| *word != default);
+    words.collect::<Vec<_>>().join(", ")
 }
 
 fn error_words(setting: &Relative) -> String {
