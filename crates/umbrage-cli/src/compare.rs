@@ -405,10 +405,25 @@ fn set_common(
     };
     out.truth.samples = arguments.samples.unwrap_or(out.truth.samples);
     if !arguments.map_sizes.is_empty() {
-        out.map_sizes.clone_from(&arguments.map_sizes);
-        // Sorted, as sweeps over other settings take the middle one.
-        out.map_sizes.sort_unstable();
-        out.map_sizes.dedup();
+        out.map_sizes = rising(&arguments.map_sizes);
     }
     Ok(())
+}
+
+/// Returns the sides in rising order, each once: sweeps over other settings take the middle one.
+fn rising(sizes: &[u32]) -> Vec<u32> {
+    let mut out = sizes.to_vec();
+    out.sort_unstable();
+    out.dedup();
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::rising;
+
+    #[test]
+    fn map_sizes_may_come_in_any_order() {
+        assert_eq!(rising(&[2048, 512, 1024, 512]), [512, 1024, 2048]);
+    }
 }

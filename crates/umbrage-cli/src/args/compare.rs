@@ -38,7 +38,7 @@ pub(crate) struct CompareArguments {
     /// Image size in pixels; else each scene's own (1280x720 for frames of real size)
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub(crate) size: Option<[u32; 2]>,
-    /// Sides of the shadow maps, texels, rising; every setting is compared at the middle one, each technique's first at
+    /// Sides of the shadow maps, texels, in any order; every setting is compared at the middle one, each technique's first at
     /// all; else 512, 1024 and 2048 (1024 and 2048, with --full 4096, too, for frames of real size), or one with --quick
     #[arg(long, value_name = "SIDE", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=16_384))]
     pub(crate) map_sizes: Vec<u32>,
