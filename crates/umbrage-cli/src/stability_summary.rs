@@ -3,12 +3,12 @@
 use umbrage_lab::stability::{SettingVerdicts, Stability, Verdict};
 
 /// Lines about techniques: one each, those that fail the least share of their rows.
-const TECHNIQUES: usize = 6;
+const TECHNIQUES: usize = 5;
 /// Titles of failed rows that a line names.
 const TITLES: usize = 5;
 
 /// Returns a heading, a line for each of the techniques that fail the least share of their rows, a line about the others, the windows of bias and
-/// the sanity rows: nine lines at most.
+/// the sanity rows: nine lines at most, and the report's place is the tenth.
 pub(crate) fn lines(stability: &Stability) -> Vec<String> {
     let count = |verdict| stability.count(verdict);
     let cells = format!(
@@ -119,17 +119,17 @@ mod tests {
     #[test]
     fn ten_lines_at_most_name_the_best_and_what_they_fail() {
         let lines = lines(&sample(9));
-        assert_eq!(lines.len(), 9, "{lines:#?}");
+        assert_eq!(lines.len(), 8, "{lines:#?}");
         assert_eq!(lines[1], "t0            fails none of 11 rows");
         assert_eq!(
-            lines[6],
-            "t5            fails 5 of 11 rows: row 0, row 1, row 2, row 3, row 4"
+            lines[5],
+            "t4            fails 4 of 11 rows: row 0, row 1, row 2, row 3"
         );
         assert_eq!(
-            lines[7],
-            "t6 fails 6 of 11 rows; t7 fails 7 of 11 rows; t8 fails 8 of 11 rows"
+            lines[6],
+            "t5 fails 5 of 11 rows; t6 fails 6 of 11 rows; t7 fails 7 of 11 rows; t8 fails 8 of 11 rows"
         );
-        assert!(lines[8].starts_with("1 sanity case"), "{}", lines[8]);
+        assert!(lines[7].starts_with("1 sanity case"), "{}", lines[7]);
     }
 
     #[test]

@@ -12,11 +12,11 @@ use std::path::PathBuf;
   cargo xtask compare --list                                 what there is to compare
   cargo xtask compare cubes --technique pcf --backend cpu    one scene, technique and backend
   cargo xtask compare lamp.toml model.obj --quick            scenes of your own, small and fast
-  cargo xtask compare street --preset target/plan/street.preset.toml --technique none,hard,pcf    what `plan` chose
+  cargo xtask compare cubes --preset mine.toml               settings of your own, or of `plan`
   cargo xtask compare cubes --size 640x480 --map-sizes 512,2048 --arrays --out report
   cargo xtask compare figure --color --map-sizes 1024        with shaded pictures
   cargo xtask compare --deterministic --shard 2/8 --out s2   an eighth of the suite, for `cargo xtask merge`
-  cargo xtask compare --stability target/stability           beside each setting the rows of `stability` that it fails
+  cargo xtask compare --stability target/stability           and what each setting fails there
   cargo xtask compare --baseline old/results.json            fail if anything got slower or less accurate")]
 pub(crate) struct CompareArguments {
     /// Built-in scenes by name, scene files (.toml) or models (.obj); none: the built-in suite
