@@ -186,7 +186,9 @@ fn answers_follow_the_figures() {
     let better = page(measured(0.1, Section::Content).path());
     assert!(line(&better, "1.25 times hard").contains("**hard** 1024: 40 %, 1.0 times"));
     assert!(line(&better, "2 times hard").contains("**better** 1024: 20 %, 1.8 times"));
-    assert!(!better.contains("| 5 times hard |"), "it buys nothing");
+    let mut lines = better.lines();
+    let is_there = lines.any(|line| line.starts_with("| 5 times hard |"));
+    assert!(!is_there, "it buys nothing");
     assert!(better.contains("(451,942 triangles, 4x3)"));
     assert!(
         better.contains("cpu: 18.0, 18.0, 18.0 ms (1.8, 1.8, 1.8 times hard)"),
