@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the pictures of the README and of docs/causes.md again: some twenty minutes.
+# Makes the pictures of the README and of docs/causes.md, and docs/which.md again: some half an hour.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 report=target/pictures
@@ -21,3 +21,4 @@ for light in hard soft; do
 done
 cargo xtask stability --out "$report/stability"
 cp "$report/stability/matrix.svg" docs/matrix.svg
+cargo xtask which "$report/suite" "$report/stability" --out docs

@@ -62,7 +62,7 @@ const fn upkeep(name: &'static str, summary: &'static str) -> Command {
     }
 }
 
-pub(crate) const COMMANDS: [Command; 10] = [
+pub(crate) const COMMANDS: [Command; 11] = [
     measure(
         "compare",
         "Measure techniques on scenes: speed, and error against ray-traced truth",
@@ -77,6 +77,11 @@ pub(crate) const COMMANDS: [Command; 10] = [
         "plan",
         "Find the least that a scene needs: the cheapest technique within an error, time or memory",
         include_str!("../help/plan.snap"),
+    ),
+    measure(
+        "which",
+        "Write which technique to use by light, size, motion and budget, from what was measured",
+        include_str!("../help/which.snap"),
     ),
     measure(
         "bias",

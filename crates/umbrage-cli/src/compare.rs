@@ -5,7 +5,7 @@ use crate::{
     args::{CompareArguments, Shard},
     usage::Usage,
 };
-use crate::{cost, inputs, progress::Progress, summary, table};
+use crate::{cost, inputs, presets, progress::Progress, summary, table, verdicts};
 use anyhow::{Result, bail};
 use std::path::Path;
 use umbrage_core::{Backend, Invalid, Scene, glam::UVec2};
@@ -15,7 +15,7 @@ use umbrage_lab::{
         Backends, CompareEvent, CompareOptions, Comparison, FrameMotion, KeptTruth, Runs,
         SceneInput, Section, compare as run,
     },
-    report::{ComparisonPlan, Report},
+    report::{ComparisonPlan, Report, StabilitySource},
 };
 use umbrage_scenes::{Kind, SceneEntry};
 
@@ -28,6 +28,7 @@ pub(crate) fn compare(program: &Program, arguments: &CompareArguments) -> Result
         Some(path) => Some(read_baseline(path, &out, &except).map_err(|e| Usage(e.to_string()))?),
         None => None,
     };
+    let stability = verdicts::of_run(program, arguments)?;
     let options = options_of(program, arguments)?;
     let inputs = scenes(program, arguments)?;
     let places = places(inputs.len(), arguments.shard)?;
@@ -51,8 +52,8 @@ pub(crate) fn compare(program: &Program, arguments: &CompareArguments) -> Result
         &report,
         arguments.fresh,
     )?;
-    let (comparison, page) = report.finish()?;
-    conclude(&comparison, &page);
+    let (comparison, page) = report.finish(stability.as_ref())?;
+    conclude(&comparison, stability.as_ref(), &page);
     let guarded = match baseline {
         Some(old) => {
             let old = of_shard(old, &inputs, &places);
@@ -71,12 +72,12 @@ pub(crate) fn compare(program: &Program, arguments: &CompareArguments) -> Result
 const MAX_TABLES: usize = 3;
 
 /// Prints the tables of a few scenes, what to use, and where the report is.
-pub(crate) fn conclude(comparison: &Comparison, page: &Path) {
+pub(crate) fn conclude(comparison: &Comparison, stability: Option<&StabilitySource>, page: &Path) {
     if comparison.scenes.len() <= MAX_TABLES {
         table::print(&comparison.scenes);
     }
     println!();
-    for line in summary::lines(comparison) {
+    for line in summary::lines(comparison, stability) {
         println!("{line}");
     }
     println!("report: {}", page.display());
@@ -388,6 +389,7 @@ fn set_common(
 ) -> Result<()> {
     out.registry = program.techniques.clone();
     out.techniques.clone_from(&arguments.techniques);
+    out.presets = presets::read(program, &arguments.presets)?;
     out.color = arguments.color;
     out.size = arguments.size.map(UVec2::from_array).or(out.size);
     out.runs = if arguments.deterministic {
@@ -403,10 +405,25 @@ fn set_common(
     };
     out.truth.samples = arguments.samples.unwrap_or(out.truth.samples);
     if !arguments.map_sizes.is_empty() {
-        out.map_sizes.clone_from(&arguments.map_sizes);
-        // Sorted, as sweeps over other settings take the middle one.
-        out.map_sizes.sort_unstable();
-        out.map_sizes.dedup();
+        out.map_sizes = rising(&arguments.map_sizes);
     }
     Ok(())
+}
+
+/// Returns the sides in rising order, each once: sweeps over other settings take the middle one.
+fn rising(sizes: &[u32]) -> Vec<u32> {
+    let mut out = sizes.to_vec();
+    out.sort_unstable();
+    out.dedup();
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::rising;
+
+    #[test]
+    fn map_sizes_may_come_in_any_order() {
+        assert_eq!(rising(&[2048, 512, 1024, 512]), [512, 1024, 2048]);
+    }
 }

@@ -11,14 +11,20 @@ use umbrage_scenes::SceneError;
 use umbrage_wgpu::AdapterChoice;
 
 /// Opens backends, wgpu on the adapter named.
-pub(crate) fn open(backend: Backend, adapter: Option<&String>) -> Result<Backends, BackendError> {
+pub(crate) fn open(backend: Backend, adapter: Option<&String>) -> Result<Backends> {
+    let is_named = adapter.is_some();
     let adapter = self::adapter(adapter);
-    match backend {
+    let opened = match backend {
         Backend::Available => Backends::available(&adapter),
         Backend::Cpu => Ok(Backends::cpu()),
         Backend::Wgpu => Backends::wgpu(&adapter),
         Backend::Both => Backends::both(&adapter),
-    }
+    };
+    opened.map_err(|e| match e {
+        // The name is wrong, rather than the machine.
+        BackendError::NoAdapter { .. } if is_named => Usage(format!("--adapter: {e}")).into(),
+        e => e.into(),
+    })
 }
 
 /// The adapter named, else what the environment asks for.

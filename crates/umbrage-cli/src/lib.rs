@@ -1,5 +1,5 @@
 //! The commands that measure shadow techniques, as a library: a program of yours becomes `compare`, `stability`, `plan`,
-//! `bias`, `bench` and `merge` by one call.
+//! `which`, `bias`, `bench` and `merge` by one call.
 //!
 //! ```no_run
 //! use umbrage_cli::Program;
@@ -25,12 +25,17 @@ mod list;
 mod merge;
 mod plan;
 mod planning;
+mod presets;
 mod program;
 mod progress;
 mod regret;
 mod stability;
+mod stability_summary;
+mod stability_tables;
 mod summary;
 mod table;
 mod usage;
+mod verdicts;
+mod which;
 
 pub use program::Program;

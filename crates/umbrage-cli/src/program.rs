@@ -2,8 +2,7 @@
 
 use crate::{
     args::{self, Command},
-    bench, bias, compare, costs, list, merge, plan, regret, stability,
-    usage::Usage,
+    bench, bias, compare, costs, list, merge, plan, regret, stability, usage, which,
 };
 use anyhow::Result;
 use std::{
@@ -46,7 +45,8 @@ impl Program {
         Ok(self)
     }
 
-    /// Runs the command that the command line asks for. Returns the exit code: 0 (done) or 1 (failed).
+    /// Runs the command that the command line asks for. Returns the exit code: 0 (done), 2 (what was asked for can't be: a name, a file or
+    /// a number is wrong) or 1 (failed otherwise).
     ///
     /// Prints errors to standard error. Ends the process with 0 after `--help`, with 2 after wrong usage, and with 141
     /// when nobody reads what it prints.
@@ -56,7 +56,7 @@ impl Program {
             return ExitCode::SUCCESS;
         };
         eprintln!("error: {error:#}");
-        ExitCode::from(if error.is::<Usage>() { 2 } else { 1 })
+        ExitCode::from(usage::exit_code(&error))
     }
 
     fn dispatch(&self, command: &Command) -> Result<()> {
@@ -65,6 +65,7 @@ impl Program {
             Command::Compare(options) => compare::compare(self, options),
             Command::Merge(options) => merge::merge(options),
             Command::Stability(options) => stability::stability(self, options),
+            Command::Which(options) => which::which(self, options),
             Command::Bench(options) if options.costs => costs::costs(options),
             Command::Bench(options) => bench::bench(options),
             Command::Plan(options) if options.regret => regret::regret(self, options),

@@ -1,7 +1,8 @@
 //! What a comparison comes to, in the last lines that it prints.
 
-use umbrage_lab::compare::{
-    Comparison, CostBasis, Relative, SettingGroup, percent, setting_groups, times,
+use umbrage_lab::{
+    compare::{Comparison, CostBasis, Relative, SettingGroup, percent, setting_groups, times},
+    report::StabilitySource,
 };
 use umbrage_plan::statistics::Sorted;
 
@@ -10,7 +11,7 @@ const LINES: usize = 8;
 
 /// Returns a heading and about [`LINES`] lines, the settings that matter most for each kind of light and each backend (one at least),
 /// and how well counted costs rank rows; nothing where nothing can be told.
-pub(crate) fn lines(comparison: &Comparison) -> Vec<String> {
+pub(crate) fn lines(comparison: &Comparison, stability: Option<&StabilitySource>) -> Vec<String> {
     let groups = setting_groups(comparison);
     let Some(first) = groups.first() else {
         return Vec::new();
@@ -25,7 +26,7 @@ pub(crate) fn lines(comparison: &Comparison) -> Vec<String> {
     let count = (LINES / groups.len()).max(1);
     for group in &groups {
         for place in group.shortlist(count) {
-            out.push(line(group, &group.settings[place]));
+            out.push(line(group, &group.settings[place], stability));
         }
     }
     out.extend(cost_ranks(comparison));
@@ -54,7 +55,7 @@ fn cost_ranks(comparison: &Comparison) -> Option<String> {
     ))
 }
 
-fn line(group: &SettingGroup, setting: &Relative) -> String {
+fn line(group: &SettingGroup, setting: &Relative, stability: Option<&StabilitySource>) -> String {
     let error = if setting.is_exact() {
         "exact".to_owned()
     } else {
@@ -62,7 +63,9 @@ fn line(group: &SettingGroup, setting: &Relative) -> String {
     };
     let time = times(setting.take(group.clock()).unwrap_or_default());
     let (light, backend, name) = (group.light, &group.backend, setting.name());
-    format!("{light} shadows, {backend:<5} {error:>6} {time:>10}  {name}")
+    let verdicts = stability.and_then(|s| s.of(&setting.technique, &setting.settings));
+    let fails = verdicts.map_or_else(String::new, |v| format!("; {}", v.words(0)));
+    format!("{light} shadows, {backend:<5} {error:>6} {time:>10}  {name}{fails}")
 }
 
 #[cfg(test)]
@@ -127,18 +130,21 @@ mod tests {
 
     #[test]
     fn ten_lines_tell_what_to_use() {
-        let all = lines(&comparison(&["cpu", "wgpu"]));
+        let all = lines(&comparison(&["cpu", "wgpu"]), None);
         assert_eq!(all.len(), 2 + LINES, "{all:?}");
         let ranks = "with a correlation of 1.00; at worst 1.00 ( on cpu)";
         assert!(all[1 + LINES].ends_with(ranks), "{}", all[1 + LINES]);
         assert_eq!(all[1], "hard shadows, cpu     10 %  1.5 times  pcf");
         assert_eq!(all[8], "soft shadows, wgpu   exact   12 times  volumes");
-        assert_eq!(lines(&comparison(&["cpu"])).len(), 2 + LINES);
-        assert_eq!(lines(&comparison(&["a", "b", "c", "d", "e"])).len(), 12);
+        assert_eq!(lines(&comparison(&["cpu"]), None).len(), 2 + LINES);
+        assert_eq!(
+            lines(&comparison(&["a", "b", "c", "d", "e"]), None).len(),
+            12
+        );
     }
 
     #[test]
     fn where_nothing_was_compared_nothing_is_said() {
-        assert_eq!(lines(&Comparison::default()), [""; 0]);
+        assert_eq!(lines(&Comparison::default(), None), [""; 0]);
     }
 }

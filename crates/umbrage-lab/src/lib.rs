@@ -7,6 +7,7 @@
 //! * [`mod@bias`]: the default bias against all that could be tuned by hand.
 //! * [`causes`]: an example of each cause of error ([`umbrage_core::metrics::Causes`]).
 //! * [`stability`]: where methods fail, scene by scene.
+//! * [`which`]: which technique to use, as a page made from the results of the two.
 //! * [`plan_files`]: plans on disk.
 //! * [`output`]: what all of these write with: folders, pictures, charts, pages and tables.
 //!
@@ -26,5 +27,6 @@ pub mod plan_files;
 pub mod report;
 pub mod stability;
 pub mod textbook;
+pub mod which;
 
 pub use error::LabError;

@@ -2,12 +2,14 @@
 
 use umbrage_core::depth_range::{ViewPyramid, depth_range};
 use umbrage_core::glam::{DVec3, UVec2, Vec3};
-use umbrage_core::{Camera, Geometry, Invalid, light_space::look_along};
+use umbrage_core::{Aabb, Camera, Geometry, Invalid, light_space::look_along};
 
 /// Where a framed model is seen from: right, above and in front; or the same turned by quarters about y.
 const THREE_QUARTER: DVec3 = DVec3::new(1.0, 0.7, 1.4);
 /// Another quarter is preferred if it is faced by more than this share of the model's area on top.
 const BETTER: f64 = 0.05;
+/// A room is open to a side that it faces with more than this share of its area on balance.
+const OPEN: f64 = 0.08;
 /// The part of a framed picture that is kept free on each side.
 const BORDER: f64 = 0.04;
 
@@ -76,12 +78,28 @@ fn complete(given: [Option<f32>; 2], fitted: [f32; 2]) -> [f32; 2] {
 /// Returns a shot from a three-quarter view that sees all of the geometry, from as near as that allows; `None` without any
 /// geometry.
 pub(crate) fn frame(geometry: &Geometry, fov_y: f32, size: UVec2) -> Option<Shot> {
-    let bounds = geometry.bounds();
+    frame_from(
+        best_side(geometry),
+        geometry.positions().iter().copied(),
+        fov_y,
+        size,
+    )
+}
+
+/// Returns a shot from this side (the way from the target to the eye, any length) that sees all points, from as near as that allows;
+/// `None` without points.
+pub(crate) fn frame_from(
+    side: DVec3,
+    points: impl Iterator<Item = Vec3> + Clone,
+    fov_y: f32,
+    size: UVec2,
+) -> Option<Shot> {
+    let bounds = Aabb::around(points.clone());
     if bounds.is_empty() {
         return None;
     }
     let origin = bounds.center().as_dvec3();
-    let forward = -best_side(geometry).normalize();
+    let forward = -side.normalize();
     let right = forward.cross(DVec3::Y).normalize();
     let up = right.cross(forward);
     let mut shot = Shot {
@@ -99,7 +117,7 @@ pub(crate) fn frame(geometry: &Geometry, fov_y: f32, size: UVec2) -> Option<Shot
     let mut left_most = f64::NEG_INFINITY;
     let mut top = f64::NEG_INFINITY;
     let mut bottom = f64::NEG_INFINITY;
-    for p in geometry.positions() {
+    for p in points {
         let p = p.as_dvec3() - origin;
         let x = p.dot(right);
         let y = p.dot(up);
@@ -121,17 +139,37 @@ pub(crate) fn frame(geometry: &Geometry, fov_y: f32, size: UVec2) -> Option<Shot
     (shot.eye != shot.target).then_some(shot)
 }
 
-/// Returns the three-quarter view that the surface faces most on balance. All are alike for closed solids, whose areas add up
-/// to zero as vectors; a room without an outside that is open to one side is seen through its opening.
-fn best_side(geometry: &Geometry) -> DVec3 {
-    let mut vector_area = DVec3::ZERO;
+/// Returns a view nearly straight into a room that is open to one side, along x or z; none if there is no such side.
+pub(crate) fn opening_side(geometry: &Geometry) -> Option<DVec3> {
+    let (on_balance, area) = vector_area(geometry);
+    let level = on_balance.with_y(0.0);
+    let towards = if level.x.abs() >= level.z.abs() {
+        DVec3::X * level.x.signum()
+    } else {
+        DVec3::Z * level.z.signum()
+    };
+    let across = DVec3::Y.cross(towards);
+    let is_open = level.dot(towards) > OPEN * area;
+    is_open.then_some(towards + 0.25 * across + 0.2 * DVec3::Y)
+}
+
+/// Returns the sum of the triangles' areas as vectors, and of their lengths; both twofold.
+fn vector_area(geometry: &Geometry) -> (DVec3, f64) {
+    let mut on_balance = DVec3::ZERO;
     let mut area = 0.0;
     for t in 0..geometry.triangles().len() as u32 {
         let [a, b, c] = geometry.corners(t).map(|p| p.as_dvec3());
         let n = (b - a).cross(c - a);
-        vector_area += n;
+        on_balance += n;
         area += n.length();
     }
+    (on_balance, area)
+}
+
+/// Returns the three-quarter view that the surface faces most on balance. All are alike for closed solids, whose areas add up
+/// to zero as vectors; a room without an outside that is open to one side is seen through its opening.
+pub(crate) fn best_side(geometry: &Geometry) -> DVec3 {
+    let (vector_area, area) = vector_area(geometry);
     let mut best = THREE_QUARTER;
     let mut side = THREE_QUARTER;
     for _ in 0..3 {

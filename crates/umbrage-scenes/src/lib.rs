@@ -74,7 +74,8 @@
 //!
 //! Wavefront OBJ, y up, in metres. All faces of one material become one mesh; polygons are cut into triangles, concave
 //! ones too. Names, groups, lines and points are left aside. Normals and texture coordinates are kept if all corners have
-//! usable ones. Loaded alone, a model is framed by a camera and lit by a sun.
+//! usable ones. Loaded alone, a model is put on a floor if it brings no ground
+//! of its own, framed by a camera (from inside, if it is a building around its own floor), and lit by a sun.
 //!
 //! Of the `.mtl` files that a model names, `Kd`, `Ks`, `Ke`, `Ns` (rounded to a power of two), `map_Kd` and, for normals,
 //! `norm` or `map_Bump` are read. Models often come without their looks, which no shadow needs: a `.mtl` file or a texture
@@ -96,6 +97,7 @@ mod error;
 mod file;
 mod framing;
 mod load;
+mod lone_model;
 mod looks;
 mod nearest;
 mod obj;

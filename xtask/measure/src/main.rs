@@ -1,4 +1,4 @@
-//! `cargo xtask compare`, `stability`, `plan`, `bias`, `bench` and `merge`: umbrage's commands with this repository's folder for
+//! `cargo xtask compare`, `stability`, `plan`, `which`, `bias`, `bench` and `merge`: umbrage's commands with this repository's folder for
 //! reports. A program with techniques of its own looks just like this one.
 
 use std::{path::Path, process::ExitCode};

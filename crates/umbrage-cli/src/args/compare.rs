@@ -12,9 +12,11 @@ use std::path::PathBuf;
   cargo xtask compare --list                                 what there is to compare
   cargo xtask compare cubes --technique pcf --backend cpu    one scene, technique and backend
   cargo xtask compare lamp.toml model.obj --quick            scenes of your own, small and fast
+  cargo xtask compare cubes --preset mine.toml               settings of your own, or of `plan`
   cargo xtask compare cubes --size 640x480 --map-sizes 512,2048 --arrays --out report
   cargo xtask compare figure --color --map-sizes 1024        with shaded pictures
   cargo xtask compare --deterministic --shard 2/8 --out s2   an eighth of the suite, for `cargo xtask merge`
+  cargo xtask compare --stability target/stability           and what each setting fails there
   cargo xtask compare --baseline old/results.json            fail if anything got slower or less accurate")]
 pub(crate) struct CompareArguments {
     /// Built-in scenes by name, scene files (.toml) or models (.obj); none: the built-in suite
@@ -23,6 +25,10 @@ pub(crate) struct CompareArguments {
     /// Only these techniques; may be repeated, or separated by commas
     #[arg(long = "technique", value_name = "NAME", value_delimiter = ',')]
     pub(crate) techniques: Vec<String>,
+    /// A technique with settings of your own, as `plan` writes it (.preset.toml), played beside the others under its file's name; may be
+    /// repeated. `--technique none,hard` leaves these beside it
+    #[arg(long = "preset", value_name = "FILE")]
+    pub(crate) presets: Vec<PathBuf>,
     /// Which backends play
     #[arg(long, value_name = "NAME", default_value = "available")]
     pub(crate) backend: Backend,
@@ -32,7 +38,7 @@ pub(crate) struct CompareArguments {
     /// Image size in pixels; else each scene's own (1280x720 for frames of real size)
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub(crate) size: Option<[u32; 2]>,
-    /// Sides of the shadow maps, texels, rising; every setting is compared at the middle one, each technique's first at
+    /// Sides of the shadow maps, texels, in any order; every setting is compared at the middle one, each technique's first at
     /// all; else 512, 1024 and 2048 (1024 and 2048, with --full 4096, too, for frames of real size), or one with --quick
     #[arg(long, value_name = "SIDE", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=16_384))]
     pub(crate) map_sizes: Vec<u32>,
@@ -80,6 +86,10 @@ pub(crate) struct CompareArguments {
     /// repeated
     #[arg(long, value_name = "NAME", requires = "baseline")]
     pub(crate) baseline_except: Vec<String>,
+    /// Folder of a `stability` run, or its results.json: the report says beside each setting which rows it fails; else
+    /// target/stability in the repository, if it is there (but not with --deterministic)
+    #[arg(long, value_name = "FOLDER")]
+    pub(crate) stability: Option<PathBuf>,
     /// Only every N-th scene, from the K-th on; `cargo xtask merge` joins the shards
     #[arg(long, value_name = "K/N", value_parser = parse_shard)]
     pub(crate) shard: Option<Shard>,

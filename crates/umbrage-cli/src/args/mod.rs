@@ -6,6 +6,7 @@ mod compare;
 mod merge;
 mod plan;
 mod stability;
+mod which;
 
 pub(crate) use bench::BenchArguments;
 pub(crate) use bias::BiasArguments;
@@ -13,6 +14,7 @@ pub(crate) use compare::CompareArguments;
 pub(crate) use merge::{MergeArguments, Shard};
 pub(crate) use plan::{PlanArguments, PlanBackend};
 pub(crate) use stability::StabilityArguments;
+pub(crate) use which::WhichArguments;
 
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 
@@ -39,6 +41,8 @@ pub(crate) enum Command {
     Stability(StabilityArguments),
     /// Find the least that a scene needs: the cheapest technique and setting within an error, time or memory
     Plan(PlanArguments),
+    /// Write which technique to use by light, size, motion and budget, from what was measured
+    Which(WhichArguments),
     /// Compare the default bias with the best that could be tuned by hand
     Bias(BiasArguments),
     /// Join the reports of a comparison's shards

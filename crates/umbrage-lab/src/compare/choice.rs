@@ -49,6 +49,20 @@ pub struct Choice {
     pub without_rays: Option<usize>,
 }
 
+impl Choice {
+    /// Returns the settings in the order of [`SettingGroup::advice`], each once.
+    pub fn named(&self) -> Vec<usize> {
+        let mut out: Vec<usize> = Vec::new();
+        let without_rays = self.without_rays.unwrap_or(self.knee);
+        for setting in [self.knee, self.cheapest, self.best, without_rays] {
+            if !out.contains(&setting) {
+                out.push(setting);
+            }
+        }
+        out
+    }
+}
+
 /// Returns the groups of a comparison, hard shadows first; none where nothing can be told of a kind of light.
 pub fn setting_groups(comparison: &Comparison) -> Vec<SettingGroup> {
     let mut out = Vec::new();
@@ -147,7 +161,7 @@ impl SettingGroup {
             .find(|i| error(i) <= MAX_CHEAP_ERROR)
             .filter(|i| time(i) <= MAX_CHEAP_TIME * time(&knee))
             .unwrap_or(&knee);
-        let traces = |setting: usize| self.settings[setting].technique == "traced";
+        let traces = |setting: usize| self.settings[setting].traces_rays();
         let all_trace = [cheapest, knee, best].into_iter().all(traces);
         let without_rays = by_product.into_iter().find(|&i| !traces(i));
         Some(Choice {
@@ -233,6 +247,11 @@ impl SettingGroup {
 }
 
 impl Relative {
+    /// Whether it traces rays, as a technique or as a preset, whose settings begin with the technique's name.
+    fn traces_rays(&self) -> bool {
+        self.technique == "traced" || self.settings.starts_with("traced, ")
+    }
+
     /// Returns the technique with its settings.
     pub fn name(&self) -> String {
         if self.settings.is_empty() {
@@ -319,6 +338,7 @@ mod tests {
             without_rays: None,
         };
         assert_eq!(group.choice(), Some(choice));
+        assert_eq!(choice.named(), [2, 1, 5]);
         assert_eq!(
             group.advice().as_deref(),
             Some(

@@ -25,7 +25,7 @@ pub use choice::{Choice, SettingGroup, percent, setting_groups, times};
 pub use event::{CompareEvent, OnEvent};
 pub use expected::{Expected, pilot};
 pub use kept_truth::KeptTruth;
-pub use options::{CompareOptions, Runs, SceneInput, Section};
+pub use options::{CompareOptions, NamedPreset, Runs, SceneInput, Section};
 pub use preparation::{FrameMotion, Preparation};
 pub use relative::{MIN_ERROR, Relative, SceneGroup, relative, scene_groups};
 pub use result::{
@@ -127,7 +127,7 @@ fn settings_of(
     let options = input.options_or(options);
     let tight = options.settings(Fit::Tight)?;
     let all = with_fit(&tight, input.fit, options)?;
-    Ok(slug::with_slugs(&all))
+    Ok(slug::with_slugs(&options.presets, &all))
 }
 
 /// Returns the settings, then those under the scene's own fit. Settings without a map are the same under both and stay single.

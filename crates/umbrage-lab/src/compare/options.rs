@@ -6,7 +6,7 @@ use glam::UVec2;
 use std::{sync::Arc, time::Duration};
 use umbrage_core::{Camera, Fit, Invalid, Scene, ShadowTechnique};
 use umbrage_plan::{cost::PriceList, truth::TruthOptions};
-use umbrage_techniques::Techniques;
+use umbrage_techniques::{TechniquePreset, Techniques};
 
 /// What a scene is compared for.
 #[derive(
@@ -54,6 +54,15 @@ impl SceneInput {
     }
 }
 
+/// A technique with settings of the user's, compared under a name of its own.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedPreset {
+    /// Its name in rows, charts and file names: that of no technique, and of no other preset.
+    pub name: String,
+    /// The technique and its settings.
+    pub preset: TechniquePreset,
+}
+
 /// How a comparison is made.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CompareOptions {
@@ -61,6 +70,9 @@ pub struct CompareOptions {
     pub registry: Techniques,
     /// Names of those that are compared; all when empty.
     pub techniques: Vec<String>,
+    /// Settings of the user's, played before the others; they are neither cut by [`max_settings`](Self::max_settings) nor put on other
+    /// maps.
+    pub presets: Vec<NamedPreset>,
     /// Sides of the shadow maps, texels.
     pub map_sizes: Vec<u32>,
     /// The most settings of each technique that are compared; none: all of them.
@@ -157,6 +169,7 @@ impl Default for CompareOptions {
         Self {
             registry: Techniques::built_in(),
             techniques: Vec::new(),
+            presets: Vec::new(),
             map_sizes: vec![512, 1024, 2048],
             max_settings: None,
             headline: false,

@@ -87,8 +87,8 @@ impl SceneRun<'_> {
         for i in 0..backends.playing.len() {
             let like = &self.rows[first_row + i];
             let row = CompareRow {
-                technique: setting.technique.name().to_owned(),
-                settings: setting.technique.settings(),
+                technique: setting.name.clone(),
+                settings: setting.settings.clone(),
                 slug: setting.slug.clone(),
                 backend: like.backend.clone(),
                 same_as: Some(format!("{} ({})", like.technique, like.settings)),

@@ -331,10 +331,9 @@ impl SceneRun<'_> {
         let mut of_cpu = None;
         for i in 0..backends.playing.len() {
             let backend = backends.playing[i].kind();
-            let settings = technique.settings();
             on_event(CompareEvent::Row {
-                technique: technique.name(),
-                settings: &settings,
+                technique: &setting.name,
+                settings: &setting.settings,
                 backend,
                 index: self.rows.len(),
             });
@@ -343,8 +342,8 @@ impl SceneRun<'_> {
                 Err(reason) => self.unsupported(reason),
             };
             self.rows.push(CompareRow {
-                technique: technique.name().to_owned(),
-                settings,
+                technique: setting.name.clone(),
+                settings: setting.settings.clone(),
                 slug: setting.slug.clone(),
                 backend: backend.to_owned(),
                 same_as: None,

@@ -1,5 +1,6 @@
-//! Names of techniques and settings that fit into file names.
+//! Names of settings, for people and for files.
 
+use super::NamedPreset;
 use crate::output::slug;
 use std::sync::Arc;
 use umbrage_core::ShadowTechnique;
@@ -8,13 +9,29 @@ use umbrage_core::ShadowTechnique;
 #[derive(Clone, Debug)]
 pub(super) struct NamedSetting {
     pub(super) technique: Arc<dyn ShadowTechnique>,
+    /// The technique's name, or the preset's.
+    pub(super) name: String,
+    /// The settings; of a preset the technique, then its settings.
+    pub(super) settings: String,
     pub(super) slug: String,
 }
 
-/// Gives every setting a stem: the technique's name, with the settings where the technique has several. Where two stems are
-/// the same, later ones get a number.
-pub(super) fn with_slugs(settings: &[Arc<dyn ShadowTechnique>]) -> Vec<NamedSetting> {
+/// Gives every setting a stem: the technique's name, with the settings where the technique has several; presets, which come first,
+/// their own names. Where two stems are the same, later ones get a number.
+pub(super) fn with_slugs(
+    presets: &[NamedPreset],
+    settings: &[Arc<dyn ShadowTechnique>],
+) -> Vec<NamedSetting> {
     let mut out: Vec<NamedSetting> = Vec::new();
+    for preset in presets {
+        let technique = preset.preset.technique();
+        out.push(NamedSetting {
+            name: preset.name.clone(),
+            settings: format!("{}, {}", technique.name(), technique.settings()),
+            slug: unused(&slug(&preset.name), &out),
+            technique,
+        });
+    }
     for technique in settings {
         let of_technique = settings.iter().filter(|s| s.name() == technique.name());
         let stem = if of_technique.count() > 1 {
@@ -24,6 +41,8 @@ pub(super) fn with_slugs(settings: &[Arc<dyn ShadowTechnique>]) -> Vec<NamedSett
         };
         out.push(NamedSetting {
             technique: technique.clone(),
+            name: technique.name().to_owned(),
+            settings: technique.settings(),
             slug: unused(&slug(&stem), &out),
         });
     }
@@ -39,4 +58,29 @@ fn unused(stem: &str, others: &[NamedSetting]) -> String {
         number += 1;
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use umbrage_techniques::{Hard, Pcf, TechniquePreset};
+
+    #[test]
+    fn presets_come_first_under_their_own_names() {
+        let preset = |name: &str| NamedPreset {
+            name: name.to_owned(),
+            preset: TechniquePreset::from(Pcf::default()),
+        };
+        let settings: [Arc<dyn ShadowTechnique>; 1] = [Arc::new(Hard::default())];
+        let named = with_slugs(
+            &[preset("Street"), preset("hard.toml"), preset("street")],
+            &settings,
+        );
+        let slugs: Vec<&str> = named.iter().map(|setting| &setting.slug[..]).collect();
+        assert_eq!(slugs, ["street", "hard.toml", "street-2", "hard"]);
+        assert_eq!(named[0].name, "Street");
+        let words = format!("pcf, {}", Pcf::default().settings());
+        assert_eq!(named[0].settings, words);
+        assert_eq!(named[3].settings, Hard::default().settings());
+    }
 }

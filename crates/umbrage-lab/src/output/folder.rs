@@ -20,11 +20,6 @@ impl Folder {
         Ok(Self(path.to_owned()))
     }
 
-    /// A folder inside.
-    pub(crate) fn inner(&self, name: &str) -> Result<Self, LabError> {
-        Self::create(&self.0.join(name))
-    }
-
     /// An empty folder inside that is to take this name once it is [finished](Self::finish).
     pub(crate) fn unfinished(&self, name: &str) -> Result<Self, LabError> {
         let path = self.0.join(format!(".{name}.unfinished"));

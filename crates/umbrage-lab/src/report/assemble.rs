@@ -1,7 +1,7 @@
 //! Writes the report of all scenes from their folders: the same for one run, one that was stopped and continued, and shards.
 
 use super::{
-    chart, chosen, lines,
+    StabilitySource, chart, chosen, lines,
     page::{self, Contents, PageGroup, PageScene, PageSetting},
     page_rows::{PageRow, RowPictures},
     still::{self, GroupWords, Words},
@@ -29,14 +29,15 @@ pub(super) fn write(
     path: &Path,
     folder: &Folder,
     scenes: &[Stored],
+    stability: Option<&StabilitySource>,
 ) -> Result<(Comparison, PathBuf), LabError> {
     let comparison = comparison(scenes);
     let rows = to_csv(&lines(&comparison))?;
     let json = serde_json::to_vec_pretty(&comparison)
         .map_err(|e| LabError::write(path.join("results.json"), e))?;
     let groups = setting_groups(&comparison);
-    let page = page::html(&contents(path, scenes, &comparison, &groups))
-        .map_err(|e| LabError::write(path.join("index.html"), e))?;
+    let contents = contents(path, scenes, &comparison, &groups, stability);
+    let page = page::html(&contents).map_err(|e| LabError::write(path.join("index.html"), e))?;
     folder.write("rows.csv", &rows)?;
     folder.write("work.csv", &work_table::to_csv(&comparison)?)?;
     folder.write("overall.csv", &overall_csv(&groups)?)?;
@@ -73,8 +74,10 @@ fn contents<'a>(
     stored: &[Stored],
     comparison: &'a Comparison,
     groups: &[SettingGroup],
+    stability: Option<&StabilitySource>,
 ) -> Contents<'a> {
-    let scenes: Vec<PageScene> = stored.iter().map(|s| page_scene(path, s)).collect();
+    let scenes = stored.iter().map(|s| page_scene(path, s, stability));
+    let scenes: Vec<PageScene> = scenes.collect();
     let is_timed = comparison.scenes.iter().any(is_timed);
     let groups = groups.iter().map(|group| page_group(group, comparison));
     Contents {
@@ -83,6 +86,7 @@ fn contents<'a>(
         faults: comparison.faults(),
         groups: groups.collect(),
         scenes,
+        stability: stability.map(|source| source.for_page(path, stored)),
         clock: if is_timed {
             CostBasis::Wall
         } else {
@@ -124,6 +128,9 @@ pub(super) fn page_group(group: &SettingGroup, comparison: &Comparison) -> PageG
         scenes: group.scenes.len(),
         settings,
         strip: group.shortlist(STRIP),
+        advised: group
+            .choice()
+            .map_or_else(Vec::new, |choice| choice.named()),
     }
 }
 
@@ -205,7 +212,7 @@ fn joined(all: &[&Environment], field: fn(&Environment) -> Option<&str>) -> Opti
 }
 
 /// Returns a scene as the page shows it.
-fn page_scene(path: &Path, scene: &Stored) -> PageScene {
+fn page_scene(path: &Path, scene: &Stored, stability: Option<&StabilitySource>) -> PageScene {
     let result = &scene.result;
     let folder = path.join(scene.name());
     let held = result.controls.iter().filter(|c| c.holds).count();
@@ -223,18 +230,23 @@ fn page_scene(path: &Path, scene: &Stored) -> PageScene {
         nothing_compared: result.nothing_compared.clone(),
         rmse_of_none: result.error_of_none(),
         controls: [held, result.controls.len()],
-        rows: page_rows(&folder, result),
+        rows: page_rows(&folder, result, stability),
     }
 }
 
 /// Returns a scene's rows as the page shows them.
-fn page_rows(folder: &Path, result: &SceneResult) -> Vec<PageRow> {
+fn page_rows(
+    folder: &Path,
+    result: &SceneResult,
+    stability: Option<&StabilitySource>,
+) -> Vec<PageRow> {
     let fronts = [CostBasis::Wall, CostBasis::Cost].map(|clock| chosen::fronts(result, clock));
     let mut out = Vec::with_capacity(result.rows.len());
     for (place, row) in result.rows.iter().enumerate() {
         let page_row = PageRow::new(row, result.motion, pictures(folder, result, row));
         let [by_time, by_cost] = [0, 1].map(|clock| fronts[clock].contains(&place));
-        out.push(page_row.on_fronts(by_time, by_cost));
+        let verdict = stability.and_then(|s| s.place_of(&row.technique, &row.settings));
+        out.push(page_row.on_fronts(by_time, by_cost).with_verdict(verdict));
     }
     out
 }

@@ -1,7 +1,7 @@
 //! Merges the reports of a comparison's shards into one: byte by byte what a single run would have written of the same figures.
 
 use super::{
-    assemble,
+    StabilitySource, assemble,
     run::Run,
     store::{ComparisonPlan, Stored},
 };
@@ -14,12 +14,17 @@ use umbrage_core::Invalid;
 
 /// Joins the scenes of several folders. Returns the whole comparison and the page's path.
 ///
-/// Of each folder only its last run counts: scenes that an earlier one left there are ignored.
+/// Of each folder only its last run counts: scenes that an earlier one left there are ignored. `stability`: verdicts that the page
+/// shows beside each setting.
 ///
 /// # Errors
 /// Errors if folders hold no scenes, scenes of different comparisons, one scene twice, figures that were changed, or
 /// not all scenes, or if a file cannot be read or written.
-pub fn merge(folders: &[PathBuf], out: &Path) -> Result<(Comparison, PathBuf), LabError> {
+pub fn merge(
+    folders: &[PathBuf],
+    out: &Path,
+    stability: Option<&StabilitySource>,
+) -> Result<(Comparison, PathBuf), LabError> {
     let mut runs = Vec::new();
     for folder in folders {
         runs.push((folder.as_path(), Run::read(folder)?));
@@ -50,7 +55,7 @@ pub fn merge(folders: &[PathBuf], out: &Path) -> Result<(Comparison, PathBuf), L
     };
     run.write(&folder)?;
     let scenes: Vec<Stored> = found.into_iter().map(|(_, scene)| scene).collect();
-    assemble::write(out, &folder, &scenes)
+    assemble::write(out, &folder, &scenes, stability)
 }
 
 /// Returns the paths in a folder, sorted.

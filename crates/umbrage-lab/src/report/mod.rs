@@ -26,6 +26,7 @@ mod merge;
 mod page;
 mod page_rows;
 mod run;
+mod stability_source;
 mod still;
 mod store;
 mod style;
@@ -33,6 +34,9 @@ mod table;
 mod work_table;
 
 pub use merge::merge;
+pub(crate) use run::{MeasuredScene, measured_scenes};
+pub use stability_source::StabilitySource;
+
 pub use store::ComparisonPlan;
 pub use table::{Line, lines, to_csv};
 
@@ -152,16 +156,20 @@ impl Report {
         self.folder.finish(name)
     }
 
-    /// Writes the page, the charts, the tables and the data. Returns the whole comparison and the page's path.
+    /// Writes the page, the charts, the tables and the data. Returns the whole comparison and the page's path. `stability`: verdicts
+    /// that the page shows beside each setting.
     ///
     /// # Errors
     /// Errors if a scene is missing, or a file cannot be written.
-    pub fn finish(self) -> Result<(Comparison, PathBuf), LabError> {
+    pub fn finish(
+        self,
+        stability: Option<&StabilitySource>,
+    ) -> Result<(Comparison, PathBuf), LabError> {
         let mut scenes = Vec::new();
         for &place in &self.run.places {
             scenes.push(self.stored(place)?);
         }
-        assemble::write(&self.path, &self.folder, &scenes)
+        assemble::write(&self.path, &self.folder, &scenes, stability)
     }
 
     /// Reads the figures of a place's scene.

@@ -2,6 +2,7 @@
 
 use super::{
     page_rows::{PageRow, Texts, table_of},
+    stability_source::PageStability,
     style::{SeriesStyle, styles_of},
 };
 use crate::{
@@ -15,8 +16,9 @@ use std::collections::BTreeMap;
 const BODY: &str = include_str!("body.html");
 const STYLE: &str = include_str!("page.css");
 /// In the order in which they run: later ones use what earlier ones declare.
-const SCRIPTS: [&str; 6] = [
+const SCRIPTS: [&str; 7] = [
     include_str!("page/base.js"),
+    include_str!("page/verdicts.js"),
     include_str!("page/chart.js"),
     include_str!("page/scenes.js"),
     include_str!("page/groups.js"),
@@ -91,6 +93,8 @@ pub(super) struct PageGroup {
     pub(super) settings: Vec<PageSetting>,
     /// Settings shown as pictures, by rising time.
     pub(super) strip: Vec<usize>,
+    /// Settings that the sentence names, in its order.
+    pub(super) advised: Vec<usize>,
 }
 
 /// How a technique looks in charts.
@@ -109,6 +113,8 @@ pub(super) struct Contents<'a> {
     pub(super) faults: Vec<String>,
     pub(super) scenes: Vec<PageScene>,
     pub(super) groups: Vec<PageGroup>,
+    /// Verdicts to be shown beside each setting.
+    pub(super) stability: Option<PageStability>,
     /// What the page is to show first.
     pub(super) clock: CostBasis,
 }
@@ -119,6 +125,7 @@ struct Data<'a> {
     notices: &'a [String],
     faults: &'a [String],
     clock: &'static str,
+    stability: Option<&'a PageStability>,
     scenes: &'a [PageScene],
     groups: &'a [PageGroup],
     backends: Vec<&'a str>,
@@ -146,6 +153,7 @@ pub(super) fn html(contents: &Contents<'_>) -> serde_json::Result<String> {
             CostBasis::Wall => "time",
             CostBasis::Cost => "cost",
         },
+        stability: contents.stability.as_ref(),
         scenes: &contents.scenes,
         groups: &contents.groups,
         backends: distinct(all_rows().map(|r| &r.backend)),

@@ -33,6 +33,9 @@ pub(super) struct PageRow {
     /// Whether it is on its backend's Pareto front of times, and of costs.
     front: bool,
     front_cost: bool,
+    /// Place of its verdicts in the page's list, and whether they are of this very setting, but for the side of its map.
+    verdict: Option<usize>,
+    is_own_verdict: bool,
     rmse: Option<f64>,
     rmse_error: Option<f64>,
     mean: Option<f64>,
@@ -115,6 +118,15 @@ impl PageRow {
         Self {
             front: by_time,
             front_cost: by_cost,
+            ..self
+        }
+    }
+
+    /// Says where its verdicts are in the page's list, and whether they are of this very setting.
+    pub(super) fn with_verdict(self, verdict: Option<(usize, bool)>) -> Self {
+        Self {
+            verdict: verdict.map(|(place, _)| place),
+            is_own_verdict: verdict.is_some_and(|(_, is_own)| is_own),
             ..self
         }
     }

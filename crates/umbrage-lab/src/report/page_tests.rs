@@ -97,7 +97,7 @@ fn pages_of_suites_stay_below_five_megabytes() {
     }
     let dir = tempfile::tempdir().expect("a temporary folder");
     let folder = Folder::create(dir.path()).expect("writable");
-    let (_, page) = assemble::write(dir.path(), &folder, &stored).expect("writable");
+    let (_, page) = assemble::write(dir.path(), &folder, &stored, None).expect("writable");
     let size = fs::metadata(page).expect("there").len();
     assert!((500_000..5_000_000).contains(&size), "{size} bytes");
 }

@@ -1,7 +1,11 @@
 //! Which scenes a folder's last run measured. Scenes of other runs may lie beside them and are ignored.
 
 use super::store::{self, ComparisonPlan, Stored};
-use crate::{LabError, output::Folder};
+use crate::{
+    LabError,
+    compare::{Environment, SceneResult},
+    output::Folder,
+};
 use serde::{Deserialize, Serialize};
 use std::{
     fs,
@@ -69,4 +73,36 @@ impl Run {
         }
         Ok(out)
     }
+}
+
+/// A scene's results that a report's folder holds.
+#[derive(Clone, Debug)]
+pub(crate) struct MeasuredScene {
+    /// The folder of its pictures.
+    pub(crate) folder: PathBuf,
+    /// Where it was measured.
+    pub(crate) environment: Environment,
+    /// Hash of the program that measured.
+    pub(crate) program: String,
+    pub(crate) result: SceneResult,
+}
+
+/// Returns the scenes that the last run measured into a report's folder.
+///
+/// # Errors
+/// Errors if there are none, or one of them is damaged.
+pub(crate) fn measured_scenes(report: &Path) -> Result<Vec<MeasuredScene>, Invalid> {
+    let scenes = Run::read(report)?.scenes(report)?;
+    if scenes.is_empty() {
+        let what = format!("folder `{}`", report.display());
+        let help = "give the folder of a finished `compare`";
+        return Err(Invalid::new(what, "holds no scenes", help));
+    }
+    let measured = scenes.into_iter().map(|(folder, stored)| MeasuredScene {
+        folder,
+        environment: stored.environment,
+        program: stored.program,
+        result: stored.result,
+    });
+    Ok(measured.collect())
 }

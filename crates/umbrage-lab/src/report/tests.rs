@@ -157,7 +157,7 @@ pub(super) fn write(arrays: bool) -> (tempfile::TempDir, Comparison) {
             )
             .expect("writable");
     }
-    let (comparison, page) = report.finish().expect("writable");
+    let (comparison, page) = report.finish(None).expect("writable");
     assert_eq!(page, dir.path().join("out/index.html"));
     assert_eq!(
         (comparison.scenes.len(), &*comparison.notices),
@@ -328,7 +328,7 @@ fn shard(dir: &std::path::Path, name: &str, place: usize) -> PathBuf {
             &images,
         )
         .expect("writable");
-    report.finish().expect("writable");
+    report.finish(None).expect("writable");
     dir.join(name)
 }
 
@@ -336,7 +336,7 @@ fn shard(dir: &std::path::Path, name: &str, place: usize) -> PathBuf {
 fn merged_shards_are_byte_for_byte_one_run() {
     let (dir, _) = write(false);
     let shards = [shard(dir.path(), "b", 1), shard(dir.path(), "a", 0)];
-    merge(&shards, &dir.path().join("merged")).expect("all there");
+    merge(&shards, &dir.path().join("merged"), None).expect("all there");
     assert_eq!(
         files(&dir.path().join("merged")),
         files(&dir.path().join("out"))
@@ -348,7 +348,7 @@ fn merged_shards_are_byte_for_byte_one_run() {
         b"spoilt",
     )
     .expect("writable");
-    merge(&shards, &dir.path().join("spoilt")).expect("all there");
+    merge(&shards, &dir.path().join("spoilt"), None).expect("all there");
     assert_ne!(
         files(&dir.path().join("spoilt")),
         files(&dir.path().join("out"))
@@ -361,7 +361,7 @@ fn shards_that_do_not_belong_together_are_refused() {
     let (a, b) = (shard(dir.path(), "a", 0), shard(dir.path(), "b", 1));
     let refused = |folders: &[&PathBuf]| {
         let folders: Vec<PathBuf> = folders.iter().map(|p| (*p).clone()).collect();
-        merge(&folders, &dir.path().join("out"))
+        merge(&folders, &dir.path().join("out"), None)
             .expect_err("refused")
             .to_string()
     };
@@ -414,7 +414,7 @@ fn scenes_of_earlier_runs_are_ignored() {
         a.join("stray/scene.json").is_file(),
         "what an earlier run measured is not deleted"
     );
-    merge(&shards, &dir.path().join("merged")).expect("all there, nothing twice");
+    merge(&shards, &dir.path().join("merged"), None).expect("all there, nothing twice");
     assert_eq!(
         files(&dir.path().join("merged")),
         files(&dir.path().join("out"))
@@ -430,7 +430,7 @@ fn scenes_of_earlier_runs_are_ignored() {
         false,
     )
     .expect("writable");
-    let refused = merge(&shards, &dir.path().join("merged"))
+    let refused = merge(&shards, &dir.path().join("merged"), None)
         .expect_err("refused")
         .to_string();
     assert!(refused.contains("another comparison"), "{refused}");
@@ -444,7 +444,7 @@ fn scenes_of_earlier_runs_are_ignored() {
         false,
     )
     .expect("writable");
-    let stopped = merge(&[a], &dir.path().join("merged"))
+    let stopped = merge(&[a], &dir.path().join("merged"), None)
         .expect_err("refused")
         .to_string();
     assert!(
@@ -541,14 +541,14 @@ fn figures_that_were_changed_are_not_taken_up() {
             "{why}"
         );
         assert_eq!(report.has(1, &here), Ok(true), "the other scene is whole");
-        let why = merge(std::slice::from_ref(&out), &dir.path().join("merged"))
+        let why = merge(std::slice::from_ref(&out), &dir.path().join("merged"), None)
             .expect_err("refused")
             .to_string();
         assert!(
             why.contains("scene.json") && why.contains("checksum"),
             "{why}"
         );
-        let why = report.finish().expect_err("refused").to_string();
+        let why = report.finish(None).expect_err("refused").to_string();
         assert!(why.contains("scene.json"), "{why}");
     }
     fs::write(&file, &text).expect("writable");

@@ -7,6 +7,7 @@
 //!   so that no bias is free; the worse verdict counts.
 //! * [`measures`]: the measures as plain functions. [`CaseTruth`]: truth, and what a *perfect map* of the same size would
 //!   show, which limits are taken from.
+//! * [`SettingVerdicts`]: which rows a setting fails, all cases taken together.
 //! * [`windows`]: by how much each technique's bias may be off, in texels: how much tuning it needs.
 //! * [`sweeps`]: one number turned from too little to too much. [`report`]: a page, a picture, a table, data.
 //!
@@ -28,6 +29,7 @@ pub mod report;
 mod row;
 mod rows;
 mod run;
+mod setting_verdicts;
 mod settings;
 pub mod sweeps;
 pub mod texels;
@@ -43,6 +45,7 @@ pub use motion::{MotionFrame, Moving};
 pub use row::{Motion, StabilityCase, StabilityRow};
 pub use rows::{PLATE, cases, rows};
 pub use run::{StabilityEvent, StabilityOptions, case_truth, check_state, run};
+pub use setting_verdicts::{FailedRow, SettingVerdicts, nearest};
 pub use settings::settings;
 pub use verdict::{FAILS_AT, Verdict, VerdictLimits};
 pub use window::{Base, BiasWindow, windows};

@@ -4,10 +4,10 @@ use std::sync::Arc;
 use umbrage_core::{Fit, ShadowTechnique};
 use umbrage_techniques::{ConfiguredTechniques, Techniques};
 
-/// Returns one or two settings of every technique of the registry (or of those named): the one that textbooks have (the first
-/// with a slope bias or a polygon offset, else the first), and the one with fewest artifacts (the last whose bias follows the
-/// receiver's plane, else the last). With another fit than the tight one, techniques without a map are left out: it changes
-/// nothing for them.
+/// Returns the settings of every technique of the registry (or of those named) that are played: the one that textbooks have (the first
+/// with a slope bias or a polygon offset, else the first), and those that stand for it in a comparison of frames of real size
+/// ([`TechniqueEntry::headline`](umbrage_techniques::TechniqueEntry::headline)), so that a comparison's rows have verdicts of their
+/// own. With another fit than the tight one, techniques without a map are left out: it changes nothing for them.
 pub fn settings(
     registry: &Techniques,
     techniques: &[String],
@@ -21,31 +21,33 @@ pub fn settings(
         }
         if techniques.is_empty() || techniques.iter().any(|name| name == entry.name) {
             let all = (entry.settings)(&[map_size], fit);
-            out.extend(one_or_two_of(&all));
+            let headline = (entry.headline)(&[map_size], fit);
+            out.extend(distinct(textbook(&all).into_iter().chain(headline)));
         }
     }
     out
 }
 
-/// Returns the textbooks' setting and, if it differs, the one with fewest artifacts.
-fn one_or_two_of(all: &[Arc<dyn ShadowTechnique>]) -> ConfiguredTechniques {
-    let textbook = all
+/// Returns the setting that textbooks have.
+fn textbook(all: &[Arc<dyn ShadowTechnique>]) -> Option<Arc<dyn ShadowTechnique>> {
+    let usual = all
         .iter()
-        .find(|t| has_word(&***t, "slope") || has_word(&***t, "polygon offset"))
-        .or(all.first());
-    let best = all
-        .iter()
-        .rev()
-        .find(|t| has_word(&***t, "receiver plane"))
-        .or(all.last());
-    let (Some(textbook), Some(best)) = (textbook, best) else {
-        return Vec::new();
-    };
-    if textbook.settings() == best.settings() {
-        vec![textbook.clone()]
-    } else {
-        vec![textbook.clone(), best.clone()]
+        .find(|t| has_word(&***t, "slope") || has_word(&***t, "polygon offset"));
+    usual.or(all.first()).cloned()
+}
+
+/// Returns each setting once.
+fn distinct(settings: impl Iterator<Item = Arc<dyn ShadowTechnique>>) -> ConfiguredTechniques {
+    let mut out: ConfiguredTechniques = Vec::new();
+    for setting in settings {
+        if out
+            .iter()
+            .all(|other| other.settings() != setting.settings())
+        {
+            out.push(setting);
+        }
     }
+    out
 }
 
 fn has_word(technique: &dyn ShadowTechnique, word: &str) -> bool {
@@ -55,9 +57,10 @@ fn has_word(technique: &dyn ShadowTechnique, word: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::collections::HashSet;
 
     #[test]
-    fn every_technique_has_one_or_two_settings_that_differ() {
+    fn every_technique_has_one_to_three_settings_that_differ() {
         let chosen = settings(&Techniques::built_in(), &[], 256, Fit::Tight);
         for entry in umbrage_techniques::all() {
             let its: Vec<String> = chosen
@@ -65,9 +68,17 @@ mod tests {
                 .filter(|t| t.name() == entry.name)
                 .map(|t| t.settings())
                 .collect();
+            let distinct: HashSet<&String> = its.iter().collect();
             assert!(
-                matches!(its.len(), 1 | 2) && its.first() != its.get(1),
+                matches!(its.len(), 1..=3) && distinct.len() == its.len(),
                 "{}: {its:?}",
+                entry.name
+            );
+            let default = (entry.preset)();
+            let bias = default.map().map(|map| map.bias.label());
+            assert!(
+                bias.is_none_or(|bias| its.iter().any(|words| words.ends_with(&bias))),
+                "{}: its default bias is played: {its:?}",
                 entry.name
             );
         }
@@ -87,7 +98,7 @@ mod tests {
         let of_hard = settings(&Techniques::built_in(), &names, 256, Fit::Tight);
         let hard: Vec<String> = of_hard.iter().map(|t| t.settings()).collect();
         assert!(
-            hard.len() == 2 && hard[0].contains("slope") && hard[1].contains("receiver plane"),
+            hard.len() == 2 && hard[0].contains("slope") && hard[1].contains("adaptive"),
             "{hard:?}"
         );
     }

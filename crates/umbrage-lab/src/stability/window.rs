@@ -6,7 +6,8 @@
 //! bias: a window that starts at 0 needs no tuning. Under [`Base::Bare`] the offset is all there is.
 
 use super::{
-    CaseTruth, Criterion, Measure, PLATE, StabilityCase, StabilityOptions, Verdict, all_backends,
+    CaseTruth, Criterion, Measure, PLATE, Stability, StabilityCase, StabilityOptions, Verdict,
+    all_backends,
     guard::NoMask,
     run::{case_truth, some_backend},
     sweeps::{not_played, play},
@@ -88,6 +89,43 @@ impl BiasWindow {
             "bias window of {} ({}): backends differ on {n} decided pixels",
             self.technique, self.settings
         ))
+    }
+}
+
+impl Stability {
+    /// Returns what the windows of bias say, in a sentence or two: which techniques need no tuning, which some, which can't be
+    /// tuned, and which window is the widest. None without windows.
+    pub fn windows_line(&self) -> Option<String> {
+        let own = || self.windows.iter().filter(|w| w.base == Base::Own);
+        let named = |wanted: &dyn Fn(&BiasWindow) -> bool| {
+            let names: Vec<&str> = own()
+                .filter(|w| wanted(w))
+                .map(|w| &w.technique[..])
+                .collect();
+            names.join(", ")
+        };
+        let widest = own().max_by(|a, b| a.width().total_cmp(&b.width()))?;
+        let mut parts = Vec::new();
+        for (names, what) in [
+            (named(&|w| w.needs_no_tuning()), "need no tuning"),
+            (
+                named(&|w| !w.needs_no_tuning() && w.passes.is_some()),
+                "need some",
+            ),
+            (
+                named(&|w| !w.needs_no_tuning() && w.passes.is_none()),
+                "pass with no amount",
+            ),
+        ] {
+            if !names.is_empty() {
+                parts.push(format!("{what}: {names}"));
+            }
+        }
+        if widest.width() > 0.0 {
+            let (name, words) = (&widest.technique, widest.words());
+            parts.push(format!("widest window: {name}, {words}"));
+        }
+        Some(parts.join("; "))
     }
 }
 

@@ -4,7 +4,7 @@ use super::table::Table;
 use crate::{
     SceneError,
     framing::Shot,
-    obj::{FOV_Y_DEGREES, SIZE},
+    lone_model::{FOV_Y_DEGREES, SIZE},
 };
 use umbrage_core::glam::{UVec2, Vec3};
 use umbrage_core::{Camera, Geometry, invalid};

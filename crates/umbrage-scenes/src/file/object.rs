@@ -7,7 +7,8 @@ use super::{
 use crate::{
     SceneError,
     detail::{TextureFiles, with_tangents},
-    obj::{self, Part, SIZES},
+    lone_model::SIZES,
+    obj::{self, Part},
     primitives::{block, grid, icosphere, mapped},
 };
 use std::collections::HashMap;

@@ -19,7 +19,15 @@ fn load(mtl: Option<&str>, images: &[(&str, [u8; 3])]) -> Result<Scene, SceneErr
             .save(folder.path().join(name))
             .unwrap();
     }
-    load_scene(&folder.path().join("m.obj"))
+    let mut scene = load_scene(&folder.path().join("m.obj"))?;
+    // The floor comes last; these tests are about the model.
+    assert_eq!(
+        scene.meshes.pop().map(|mesh| mesh.name),
+        Some("floor".to_owned())
+    );
+    scene.instances.pop();
+    scene.materials.pop();
+    Ok(scene)
 }
 
 const LOOKS: &str = "# by hand\nnewmtl red\nKd 0.8 0.1 0\nKs .5\nNs 50 # near 64\nKe 0 0 2\nillum 2\r\n\nnewmtl brick\n\

@@ -8,28 +8,19 @@ mod parts;
 #[cfg(test)]
 mod tests;
 
-use crate::{SceneError, detail::TextureFiles, error::Place, framing::frame, polygon::triangulate};
+use crate::{
+    SceneError, detail::TextureFiles, error::Place, framing::frame, lone_model,
+    polygon::triangulate,
+};
 use clean::Cleaner;
 use parts::Model;
 pub(crate) use parts::Part;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
-use umbrage_core::glam::{Affine3A, UVec2, Vec2, Vec3};
-use umbrage_core::{Camera, Geometry, Instance, Light, Mesh, Scene};
+use umbrage_core::glam::{Affine3A, Vec2, Vec3};
+use umbrage_core::{Camera, Geometry, Instance, Mesh, Scene};
 
-/// The picture of a model without a camera.
-pub(crate) const SIZE: UVec2 = UVec2::new(640, 360);
-/// Its full vertical angle, degrees.
-pub(crate) const FOV_Y_DEGREES: f32 = 36.0;
-/// The way the sun's light travels, in the framed camera's view: from the left, above and a little behind the eye, so
-/// that parts throw shadows on each other in plain view.
-const SUN_IN_VIEW: Vec3 = Vec3::new(0.75, -1.0, -0.15);
-/// The sun's width in the sky, degrees.
-const SUN_DEGREES: f32 = 0.53;
-/// Sizes in metres between which 32-bit geometry works: areas are squared on the way to unit normals.
-pub(crate) const SIZES: [f32; 2] = [1e-6, 1e8];
-
-/// A model alone: framed, in the sun.
+/// A model alone, on a floor, framed, in the sun: see [`lone_model`].
 pub(crate) fn load_scene(path: &Path) -> Result<Scene, SceneError> {
     let file = path.display().to_string();
     let invalid = |source| SceneError::Invalid {
@@ -51,32 +42,25 @@ pub(crate) fn load_scene(path: &Path) -> Result<Scene, SceneError> {
         line: None,
         key: None,
     };
-    let camera = framed(&geometry, place)?;
-    let direction = camera.world_from_view.transform_vector3(SUN_IN_VIEW);
-    scene.lights.push(Light::Directional {
-        direction,
-        angular_diameter: SUN_DEGREES.to_radians(),
-    });
-    scene.cameras.push(camera);
+    lone_model::complete(&mut scene, &geometry, &place)?;
     Ok(scene)
 }
 
 /// A camera that sees all of the geometry.
 pub(crate) fn framed(geometry: &Geometry, place: Place) -> Result<Camera, SceneError> {
-    let extent = geometry.bounds().extent().max_element();
-    let shot = frame(geometry, FOV_Y_DEGREES.to_radians(), SIZE);
-    match shot.filter(|_| (SIZES[0]..=SIZES[1]).contains(&extent)) {
+    lone_model::check_size(geometry, &place)?;
+    match frame(
+        geometry,
+        lone_model::FOV_Y_DEGREES.to_radians(),
+        lone_model::SIZE,
+    ) {
         Some(shot) => shot
             .camera(geometry, [None, None])
             .map_err(|source| SceneError::Invalid {
                 file: place.file,
                 source,
             }),
-        None => Err(SceneError::Fault {
-            place,
-            why: format!("is {extent:e} m across"),
-            help: format!("scale it to between {:e} and {:e} m", SIZES[0], SIZES[1]),
-        }),
+        None => Err(lone_model::too(geometry, &place)),
     }
 }
 

@@ -1,5 +1,6 @@
 use super::*;
 use std::io::Cursor;
+use umbrage_core::Light;
 
 fn read(text: impl AsRef<[u8]>) -> Result<Mesh, SceneError> {
     super::read(Path::new("model.obj"), Cursor::new(text.as_ref().to_vec())).map(|model| model.mesh)
@@ -256,13 +257,20 @@ fn model_file(scale: f32, offset: f32) -> tempfile::TempDir {
     folder
 }
 
-/// The corners' places in the picture, -1 to 1, and whether near and far hold them.
+/// Places in the picture, -1 to 1, and whether near and far hold them: of the corners, and of their shadows on the floor.
 fn framed_corners(scene: &Scene) -> Vec<Vec3> {
     let clip_from_world = scene.cameras[0].space().clip_from_world();
-    scene.meshes[0]
-        .positions
-        .iter()
-        .map(|&p| clip_from_world.project_point3(p))
+    let Light::Directional { direction, .. } = scene.lights[0] else {
+        panic!("a sun");
+    };
+    let floor = scene.meshes[1].positions[0].y;
+    let corners = scene.meshes[0].positions.iter().copied();
+    let shadows = corners
+        .clone()
+        .map(|p| p + direction * ((floor - p.y) / direction.y));
+    corners
+        .chain(shadows)
+        .map(|p| clip_from_world.project_point3(p))
         .collect()
 }
 

@@ -24,9 +24,20 @@ function adviceOf(groups) {
   const list = el("ul", { class: "advice" });
   for (const group of groups) {
     const words = group.advice || "nothing that was compared is better than no shadow.";
-    list.append(el("li", {}, el("span", { class: `badge ${group.backend}` }, group.backend), el("span", {}, words)));
+    list.append(el("li", {}, el("span", { class: `badge ${group.backend}` }, group.backend), el("span", {}, words, adviceVerdicts(group))));
   }
   return list;
+}
+
+// What fails of the settings that a sentence names.
+function adviceVerdicts(group) {
+  const parts = [];
+  for (const place of group.advised) {
+    const row = rowOf(group, group.settings[place]);
+    const link = row && verdictLink(row, 0);
+    if (link) parts.push(parts.length ? "; " : "", el("b", {}, row.technique), " ", link);
+  }
+  return parts.length ? el("span", { class: "quiet verdicts" }, parts) : null;
 }
 
 // Truth and a few settings of the front, each above its error.
@@ -43,7 +54,7 @@ function stripColumn(row) {
   const caption = el("button", { type: "button", class: "plain", title: row.settings, onclick: () => showRow(row) }, el("b", {}, row.technique), ` ${row.settings.split(", ").slice(0, 2).join(", ")}`);
   const time = row.frame === null ? `cost ${ms(row.frame_cost)}` : ms(row.frame);
   const error = row.rmse < EXACT ? "exact" : `RMSE ${number(row.rmse, 4)}`;
-  return el("div", {}, shot(row.scene, maskOf(row), "mask", title), shot(row.scene, errorOf(row), "error", title), caption, el("p", { class: "quiet" }, `${error}, ${time}`));
+  return el("div", {}, shot(row.scene, maskOf(row), "mask", title), shot(row.scene, errorOf(row), "error", title), caption, el("p", { class: "quiet" }, `${error}, ${time}`), el("p", { class: "quiet" }, verdictLink(row, NAMED_ROWS)));
 }
 
 function groupLines(group, setting) {
@@ -112,6 +123,7 @@ function firstScreen() {
   const columns = lights.map((light) => lightColumn(data.groups.filter((g) => g.light === light)));
   return el("div", {}, el("div", { class: "chartbar" }, el("h2", {}, "What to use"), clockSwitch()),
     el("p", { class: "quiet wide" }, "The setting from which on a doubled time no longer halves the error, beside a cheaper and an exact one where there are any. Error relative to drawing no shadow, time relative to a hard map of middle size on the same backend. In the charts down and left is better: settings that no other beats in both are joined and named. Point at one for its picture; click for its row."),
+    verdictSource(),
     el("div", { class: "lights" }, columns));
 }
 

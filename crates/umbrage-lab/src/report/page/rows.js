@@ -6,6 +6,13 @@ const ROWS_AT_ONCE = 100;
 
 const text = (name, value) => ({ name, value, isText: true });
 const figure = (name, key, format, title) => ({ name, value: (row) => row[key], show: (row) => (row[key] === null ? "" : format(row[key])), title });
+function failedCell(row) {
+  const v = verdictOf(row);
+  if (!isTold(v)) return "";
+  const title = verdictTitle(v, row.is_own_verdict);
+  const told = `${v.failed.length} of ${v.measured}${row.is_own_verdict ? "" : "*"}`;
+  return stability.href === null ? el("span", { title }, told) : el("a", { title, href: `${encodeURI(stability.href)}#${new URLSearchParams({ technique: v.technique })}`, onclick: (e) => e.stopPropagation() }, told);
+}
 const COLUMNS = [
   text("scene", (row) => row.scene.name),
   text("section", (row) => row.scene.section),
@@ -14,6 +21,7 @@ const COLUMNS = [
   text("settings", (row) => (row.reason !== null ? `– ${row.reason}` : row.same_as !== null ? `${row.settings} (same as ${row.same_as})` : row.settings)),
   text("backend", (row) => row.backend),
   { name: "RMSE", value: (row) => row.rmse, show: (row) => rmseWords(row.rmse), title: "root of the mean square error of visibility, 0 to 1" },
+  { name: "rows failed", value: (row) => { const v = verdictOf(row); return isTold(v) ? v.failed.length / v.measured : null; }, show: failedCell, title: "rows of the stability catalogue that the setting fails, of those that measure it" },
   figure("±", "rmse_error", (v) => (v ? number(v, 4) : ""), "standard error of the RMSE, where only a sample of the pixels is judged"),
   { name: "frame ms", value: frameOf, show: (row) => short(frameOf(row)), title: "what a frame takes" },
   figure("recipe ms", "recipe", short, "making the recipe, on the CPU"),
@@ -44,7 +52,7 @@ function sorted(rows, column, isDown) {
 }
 
 function line(row) {
-  const cell = (column) => el("td", { class: column.isText ? "" : "figure" }, String(column.show ? column.show(row) : column.value(row)));
+  const cell = (column) => el("td", { class: column.isText ? "" : "figure" }, column.show ? column.show(row) : String(column.value(row)));
   const node = el("tr", { class: row.same_as !== null || row.reason !== null ? "faint" : "" }, COLUMNS.map(cell));
   node.addEventListener("pointermove", (e) => peek(row, e));
   node.addEventListener("pointerleave", (e) => peek(null, e));
@@ -54,7 +62,7 @@ function line(row) {
 
 function flatTable() {
   // Of equal rows the quicker come first.
-  const all = sorted(scenes.flatMap((s) => s.rows), COLUMNS[8], false);
+  const all = sorted(scenes.flatMap((s) => s.rows), COLUMNS[9], false);
   const wanted = { text: "", light: "all", backend: "all", section: "all", ms: 0 };
   const state = { column: COLUMNS[6], isDown: false, count: ROWS_AT_ONCE };
   const body = el("tbody");
@@ -84,7 +92,7 @@ function flatTable() {
   clockListeners.push(fill);
   fill();
   return el("section", { class: "panel", id: "rows" }, el("h2", {}, "All rows"),
-    el("p", { class: "quiet" }, "Click on a column to sort, on a row for its pictures. Faint: not supported, or the same as another row. The five causes add up to the mean error."),
+    el("p", { class: "quiet" }, "Click on a column to sort, on a row for its pictures. Faint: not supported, or the same as another row. The five causes add up to the mean error. A star: the rows failed are those of the technique with the same bias and another kernel."),
     bar, el("div", { class: "scroll" }, el("table", { class: "flat" }, el("thead", {}, el("tr", {}, heads)), body)), more);
 }
 

@@ -76,7 +76,9 @@ function card(row) {
   const id = `row-${row.scene.index}-${row.place}`;
   if (row.reason !== null) return el("article", { class: "panel row dash", id }, head, el("p", {}, `– ${row.reason}`));
   const same = row.same_as === null ? null : el("p", { class: "quiet" }, `Plays the same as ${row.same_as}.`);
-  return el("article", { class: "panel row", id }, head, el("div", {}, shotsOf(row), causeLine(row), same), figures(row));
+  const link = verdictLink(row, 12);
+  const verdict = link && el("p", { class: "quiet" }, "Stability: ", link);
+  return el("article", { class: "panel row", id }, head, el("div", {}, shotsOf(row), causeLine(row), verdict, same), figures(row));
 }
 
 const SORTS = {

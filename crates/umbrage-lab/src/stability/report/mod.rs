@@ -1,36 +1,46 @@
-//! Writes the matrix as a page, a picture, a table and data.
+//! Writes the matrix as a page with pictures beside it, one picture of all, a table and data.
 
 mod page;
+mod pictures;
+mod results;
 mod svg;
 
-use super::{Base, CellOutcome, Stability, sweeps::Sweep};
+pub use results::{STABILITY_SCHEMA, StabilityResults};
+
+use super::{Base, CellOutcome, Stability};
 use crate::{
     LabError,
     output::{Folder, csv},
 };
 use std::path::{Path, PathBuf};
 
-/// Writes `index.html` (opens alone), `matrix.svg`, `matrix.csv`, `windows.csv`, `results.json`, and for each sweep an SVG and a CSV.
-/// Returns the page's path. The figures' files hold nothing that changes from run to run: no dates, no times.
+/// Writes `index.html`, the cells' pictures in `pictures/`, `matrix.svg`, `matrix.csv`, `windows.csv`, `results.json`, and for each
+/// sweep an SVG and a CSV in `sweeps/`. The page works from a file; the folder is to be kept together. Returns the page's path.
+/// The figures' files hold nothing that changes from run to run: no dates, no times.
 ///
 /// # Errors
 /// Errors if the folder can't be written.
-pub fn write(folder: &Path, stability: &Stability, sweeps: &[Sweep]) -> Result<PathBuf, LabError> {
+pub fn write(folder: &Path, results: &StabilityResults) -> Result<PathBuf, LabError> {
     let out = Folder::create(folder)?;
+    let stability = &results.stability;
     out.write("matrix.csv", &matrix(stability)?)?;
     out.write("windows.csv", &windows(stability)?)?;
     out.write("matrix.svg", svg::matrix(stability).as_bytes())?;
-    out.write("results.json", &json(&(stability, sweeps))?)?;
-    if !sweeps.is_empty() {
-        let inner = out.inner("sweeps")?;
-        for sweep in sweeps {
-            inner.write(&format!("{}.svg", sweep.name), sweep.svg().as_bytes())?;
-            inner.write(&format!("{}.csv", sweep.name), &sweep.csv()?)?;
-        }
+    out.write(results::FILE, &json(results)?)?;
+    pictures::write(&out, stability, &results.pictures)?;
+    // All at once, so that sweeps of an older run don't stay.
+    let inner = out.unfinished(SWEEPS)?;
+    for sweep in &results.sweeps {
+        inner.write(&format!("{}.svg", sweep.name), sweep.svg().as_bytes())?;
+        inner.write(&format!("{}.csv", sweep.name), &sweep.csv()?)?;
     }
-    out.write("index.html", page::html(stability, sweeps)?.as_bytes())?;
+    out.finish(SWEEPS)?;
+    out.write("index.html", page::html(results)?.as_bytes())?;
     Ok(folder.join("index.html"))
 }
+
+/// The folder of the sweeps' charts and tables, beside the page.
+const SWEEPS: &str = "sweeps";
 
 /// Returns indented JSON, so that changes show line by line.
 fn json(data: &impl serde::Serialize) -> Result<Vec<u8>, LabError> {

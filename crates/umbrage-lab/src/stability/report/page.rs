@@ -1,24 +1,35 @@
-//! The page: elements, a style sheet, a script, and one block of data.
+//! The page: elements, a style sheet, scripts, and one block of data. Pictures and charts are files beside it.
 
+use super::{SWEEPS, StabilityResults};
 use crate::{
     LabError,
-    output::html::{Page, data_uri},
-    stability::{BiasWindow, CaseResult, Stability, sweeps::Sweep},
+    compare::Environment,
+    output::html::Page,
+    stability::{BiasWindow, SettingVerdicts, Stability},
 };
 use serde::Serialize;
 
 const BODY: &str = include_str!("body.html");
 const STYLE: &str = include_str!("page.css");
-const SCRIPT: &str = include_str!("page.js");
+/// In the order in which they run: later ones use what earlier ones declare.
+const SCRIPTS: [&str; 3] = [
+    include_str!("base.js"),
+    include_str!("matrix.js"),
+    include_str!("page.js"),
+];
 
 #[derive(Serialize)]
 struct Data<'a> {
+    environment: &'a Environment,
     stability: &'a Stability,
-    /// For each case, for each cell, its picture or nothing.
-    pictures: Vec<Vec<Option<String>>>,
+    /// For each case, for each cell, its picture's file or nothing.
+    pictures: &'a Vec<Vec<Option<String>>>,
     sweeps: Vec<Chart<'a>>,
-    /// The windows of bias in words, in the order of the figures.
-    windows: Vec<String>,
+    windows: Vec<Window<'a>>,
+    /// What the windows of bias say, in a sentence or two; none without windows.
+    headline: Option<String>,
+    /// What all rows say of each setting.
+    verdicts: Vec<SettingVerdicts>,
     /// The sanity cases as one line; none if there are none.
     sanity: Option<String>,
 }
@@ -26,42 +37,70 @@ struct Data<'a> {
 #[derive(Serialize)]
 struct Chart<'a> {
     name: &'a str,
-    svg: String,
+    file: String,
+}
+
+/// A window of bias with what is computed of it.
+#[derive(Serialize)]
+struct Window<'a> {
+    #[serde(flatten)]
+    window: &'a BiasWindow,
+    words: String,
 }
 
 /// Returns the whole page.
-pub(super) fn html(stability: &Stability, sweeps: &[Sweep]) -> Result<String, LabError> {
-    let pictures = stability.cases.iter().map(pictures_of).collect();
+pub(super) fn html(results: &StabilityResults) -> Result<String, LabError> {
+    let stability = &results.stability;
     let mut charts = Vec::new();
-    for sweep in sweeps {
+    for sweep in &results.sweeps {
         charts.push(Chart {
             name: &sweep.title,
-            svg: data_uri("image/svg+xml", sweep.svg().as_bytes()),
+            file: format!("{SWEEPS}/{}.svg", sweep.name),
         });
     }
+    let windows = stability.windows.iter().map(|window| Window {
+        window,
+        words: window.words(),
+    });
     let data = Data {
+        environment: &results.environment,
         stability,
-        pictures,
+        pictures: &results.pictures,
         sweeps: charts,
-        windows: stability.windows.iter().map(BiasWindow::words).collect(),
+        windows: windows.collect(),
+        headline: stability.windows_line(),
+        verdicts: stability.setting_verdicts(),
         sanity: stability.sanity_line(),
     };
     let page = Page {
         title: "umbrage: where shadow methods fail",
         style: STYLE,
         body: BODY,
-        scripts: &[SCRIPT],
+        scripts: &SCRIPTS,
     };
     page.html(&data)
         .map_err(|e| LabError::write("index.html", e))
 }
 
-/// Returns the pictures of a case's cells as data URIs; none for cells without one.
-fn pictures_of(case: &CaseResult) -> Vec<Option<String>> {
-    let mut out = Vec::new();
-    for cell in &case.cells {
-        let png = cell.picture.as_deref();
-        out.push(png.map(|png| data_uri("image/png", png)));
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn script_and_style_cannot_end_their_elements() {
+        let ends = SCRIPTS.iter().filter(|script| script.contains("</script"));
+        assert_eq!(ends.count(), 0);
+        assert!(!STYLE.contains("</style"));
     }
-    out
+
+    /// Every element that a script asks for by its name is in the body, or made by a script.
+    #[test]
+    fn scripts_find_their_elements() {
+        let all = SCRIPTS.concat();
+        for part in all.split("byId(\"").skip(1) {
+            let id = part.split('"').next().unwrap_or_default();
+            let is_there = BODY.contains(&format!("id=\"{id}\""));
+            assert!(is_there || all.contains(&format!("id: \"{id}\"")), "{id}");
+        }
+    }
 }

@@ -90,17 +90,8 @@ pub(super) fn matrix(stability: &Stability) -> String {
 
 /// Returns what a cell's column is called: the technique and its settings, but for the fit, which is the line's.
 fn column(case: &CaseResult, cell: &Cell) -> String {
-    let settings = without_fit(case, cell);
+    let settings = case.settings_without_fit(cell);
     format!("{} ({settings})", cell.technique)
-}
-
-/// Returns a cell's settings without the case's fit.
-fn without_fit(case: &CaseResult, cell: &Cell) -> String {
-    if case.fit.is_empty() {
-        cell.settings.clone()
-    } else {
-        cell.settings.replace(&format!(", {}", case.fit), "")
-    }
 }
 
 /// Writes a column's head, slanted: the technique, and the end of its settings, in which those of one technique differ (the

@@ -1,6 +1,10 @@
 use super::*;
-use crate::stability::{
-    BiasWindow, CaseResult, Cell, CriterionResult, Judgement, Verdict, VerdictLimits,
+use crate::{
+    compare::Backends,
+    stability::{
+        BiasWindow, CaseResult, Cell, CriterionResult, Judgement, Verdict, VerdictLimits,
+        sweeps::{Curve, Sweep},
+    },
 };
 
 /// A matrix of three cases, the second with one cell, that isn't measured, the last a sanity case; names hold what markup and CSV stumble over.
@@ -78,23 +82,161 @@ fn sample() -> Stability {
     }
 }
 
+/// The sample as results of this program.
+fn results() -> StabilityResults {
+    StabilityResults::new(sample(), vec![sweep()], &Backends::cpu())
+}
+
+fn sweep() -> Sweep {
+    let curve = Curve {
+        label: "acne".to_owned(),
+        points: vec![[1.0, 2.0], [2.0, 1.0]],
+    };
+    Sweep {
+        name: "too-little".to_owned(),
+        title: "Too <little>".to_owned(),
+        x: "bias".to_owned(),
+        y: "acne".to_owned(),
+        curves: vec![curve],
+        best: None,
+        limit: None,
+        disagreeing: None,
+    }
+}
+
+/// Returns the files in a folder, sorted.
+fn files(folder: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).expect("there").flatten();
+    let mut names: Vec<String> = entries
+        .map(|entry| entry.file_name().to_string_lossy().into_owned())
+        .collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn pictures_and_charts_are_files_beside_the_page() {
+    let dir = tempfile::tempdir().expect("a temporary folder");
+    // Those of an older run go.
+    std::fs::create_dir(dir.path().join("pictures")).expect("writable");
+    std::fs::write(dir.path().join("pictures/old.png"), b"old").expect("writable");
+    let results = results();
+    let page = write(dir.path(), &results).expect("writable");
+    let names = files(&dir.path().join("pictures"));
+    let expected = [
+        "no-casters.pcf-3x3-bias-none.png",
+        "no-casters.pcf-7x7-bias-slope.png",
+        "no-casters.pcf-cube.png",
+        "plate-pan.pcf-7x7-bias-slope.png",
+        "thin-plate.pcf-3x3-bias-none.png",
+        "thin-plate.pcf-7x7-bias-slope.png",
+        "thin-plate.pcf-cube.png",
+    ];
+    assert_eq!(names, expected);
+    let html = std::fs::read_to_string(page).expect("there");
+    for name in results.pictures.iter().flatten().flatten() {
+        assert!(html.contains(name), "{name}");
+        let png = std::fs::read(dir.path().join(name)).expect("where the results say");
+        assert_eq!(png, [1, 2, 3]);
+    }
+    assert_eq!(
+        files(&dir.path().join("sweeps")),
+        ["too-little.csv", "too-little.svg"]
+    );
+    assert!(html.contains("sweeps/too-little.svg") && !html.contains("data:image"));
+}
+
+/// Settings that are the same as file names still have pictures of their own.
+#[test]
+fn no_two_pictures_share_a_file() {
+    let mut stability = sample();
+    stability.cases[0].cells[1].settings = "3x3; bias: NONE".to_owned();
+    stability.cases[0].cells[2].picture = None;
+    let names = super::pictures::names(&stability);
+    let of_first: Vec<&str> = names[0].iter().flatten().map(String::as_str).collect();
+    let expected = [
+        "pictures/thin-plate.pcf-3x3-bias-none.png",
+        "pictures/thin-plate.pcf-3x3-bias-none-2.png",
+    ];
+    assert_eq!(of_first, expected);
+    assert_eq!(names[0][2], None);
+}
+
+#[test]
+fn results_of_other_versions_and_other_files_are_refused() {
+    let dir = tempfile::tempdir().expect("a temporary folder");
+    write(dir.path(), &results()).expect("writable");
+    let file = dir.path().join("results.json");
+    // A folder is as good as the file.
+    for path in [dir.path(), &file] {
+        let read = StabilityResults::read(path).expect("as written");
+        assert_eq!(read.stability.cases.len(), 3);
+        assert_eq!(read.program, results().program);
+    }
+    let refused = |text: &str| {
+        std::fs::write(&file, text).expect("writable");
+        let error = StabilityResults::read(&file).expect_err("refused");
+        error.to_string()
+    };
+    let newer = refused(&format!("{{\"schema\": {}}}", STABILITY_SCHEMA + 1));
+    assert!(newer.contains("schema 2, this program's is 1"), "{newer}");
+    assert!(refused("[1, 2]").contains("no results of `stability`"));
+    assert!(refused("{\"schema\": 1}").contains("is not what `stability` writes"));
+    let missing = StabilityResults::read(&dir.path().join("none")).expect_err("not there");
+    assert!(missing.to_string().contains("cannot be read"), "{missing}");
+}
+
+/// Adds the names of all fields in some data.
+fn add_fields(data: &serde_json::Value, names: &mut Vec<String>) {
+    match data {
+        serde_json::Value::Object(fields) => {
+            for (name, value) in fields {
+                names.push(name.clone());
+                add_fields(value, names);
+            }
+        }
+        serde_json::Value::Array(values) => values.iter().for_each(|v| add_fields(v, names)),
+        _ => {}
+    }
+}
+
+#[test]
+fn the_documented_format_has_every_field() {
+    let document = include_str!("../../../../../docs/schemas.md");
+    let (_, document) = document
+        .split_once("## results.json of stability")
+        .expect("a part of its own");
+    let version = format!("**version {STABILITY_SCHEMA}** of `stability`");
+    assert!(document.contains(&version), "{version}");
+    let mut data = serde_json::to_value(results()).expect("plain data");
+    // Its fields are told where those of `compare` are.
+    data["environment"] = serde_json::Value::Null;
+    let mut names = Vec::new();
+    add_fields(&data, &mut names);
+    assert!(names.iter().any(|name| name == "passes_without"));
+    let is_told = |name: &&String| {
+        document.contains(&format!("`{name}`")) || document.contains(&format!("\"{name}\":"))
+    };
+    let missing: Vec<&String> = names.iter().filter(|name| !is_told(name)).collect();
+    assert!(missing.is_empty(), "{missing:?}");
+}
+
 #[test]
 fn everything_is_written_and_reads_back() {
     let dir = tempfile::tempdir().expect("a temporary folder");
-    let page = write(dir.path(), &sample(), &[]).expect("writable");
+    let page = write(dir.path(), &results()).expect("writable");
     let html = std::fs::read_to_string(page).expect("there");
     assert_eq!(
         html.matches("</script>").count(),
-        2,
-        "names can't end the script"
+        4,
+        "names can't end a script"
     );
-    assert!(html.contains("data:image/png;base64,AQID") && !html.contains("{{"));
     assert!(
         !html.contains("src=\"http") && !html.contains("href=\"http"),
-        "self-contained"
+        "needs nothing from elsewhere"
     );
-    let json = std::fs::read(dir.path().join("results.json")).expect("there");
-    let (back, _): (Stability, Vec<Sweep>) = serde_json::from_slice(&json).expect("as written");
+    let read = StabilityResults::read(dir.path()).expect("as written");
+    let back = read.stability;
     let failing = &back.cases[0].cells[1];
     assert_eq!(failing.figure(), Some(0.75));
     assert_eq!(failing.decisive(), Some(1), "the other criterion fails");

@@ -1,0 +1,99 @@
+//! Presets of the user's, from files.
+
+use crate::{program::Program, usage::Usage};
+use anyhow::Result;
+use std::path::{Path, PathBuf};
+use umbrage_lab::compare::NamedPreset;
+
+/// Reads the presets in some files; each is called as its file without `.preset.toml` or `.toml`, or by the whole file name if a
+/// technique has that name.
+pub(crate) fn read(program: &Program, files: &[PathBuf]) -> Result<Vec<NamedPreset>> {
+    let mut out: Vec<NamedPreset> = Vec::new();
+    for file in files {
+        let preset = one(program, file)?;
+        if out.iter().any(|other| other.name == preset.name) {
+            let (file, name) = (file.display(), &preset.name);
+            let why =
+                format!("--preset `{file}`: another one is called `{name}`, too; rename a file");
+            return Err(Usage(why).into());
+        }
+        out.push(preset);
+    }
+    Ok(out)
+}
+
+fn one(program: &Program, file: &Path) -> Result<NamedPreset> {
+    let unusable = |why: String| Usage(format!("--preset `{}`: {why}", file.display()));
+    let text = std::fs::read_to_string(file).map_err(|e| {
+        unusable(format!(
+            "{e}; give the file of a preset, as `plan` writes it"
+        ))
+    })?;
+    let preset = program.techniques.preset_from_toml(&text);
+    let preset = preset.map_err(|e| unusable(e.to_string()))?;
+    let is_taken = |name: &str| program.techniques.all().iter().any(|e| e.name == name);
+    Ok(NamedPreset {
+        name: name_of(file, is_taken),
+        preset,
+    })
+}
+
+/// Returns what a preset in this file is called.
+fn name_of(file: &Path, is_taken: impl Fn(&str) -> bool) -> String {
+    let whole = file.file_name().unwrap_or_default().to_string_lossy();
+    let without_toml = whole.strip_suffix(".toml").unwrap_or(&whole);
+    let stem = without_toml.strip_suffix(".preset").unwrap_or(without_toml);
+    if stem.is_empty() || is_taken(stem) {
+        whole.into_owned()
+    } else {
+        stem.to_owned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn program() -> Program {
+        Program::default()
+    }
+
+    fn written(name: &str, text: &str) -> (tempfile::TempDir, PathBuf) {
+        let dir = tempfile::tempdir().expect("a temporary folder");
+        let file = dir.path().join(name);
+        std::fs::write(&file, text).expect("writable");
+        (dir, file)
+    }
+
+    fn refused(files: &[PathBuf]) -> String {
+        let error = read(&program(), files).expect_err("refused");
+        assert!(error.is::<Usage>(), "the program ends with 2: {error}");
+        error.to_string()
+    }
+
+    #[test]
+    fn presets_are_called_as_their_files() {
+        let name = |file: &str| name_of(Path::new(file), |name| name == "pcf");
+        assert_eq!(name("target/plan/street.preset.toml"), "street");
+        assert_eq!(name("mine.toml"), "mine");
+        assert_eq!(name("pcf.toml"), "pcf.toml");
+        assert_eq!(name("mine"), "mine");
+        let (_dir, file) = written("soft.toml", "technique = 'pcf'\nradius = 2");
+        let presets = read(&program(), &[file]).expect("a preset");
+        assert_eq!(presets[0].name, "soft");
+        assert_eq!(presets[0].preset.technique().name(), "pcf");
+    }
+
+    #[test]
+    fn bad_files_are_refused_with_the_reason() {
+        let (_a, unknown) = written("a.toml", "technique = 'pfc'");
+        assert!(refused(&[unknown]).contains("names no technique there is"));
+        let (_b, field) = written("b.toml", "technique = 'pcf'\nradiuss = 2");
+        assert!(refused(&[field]).contains("radiuss"));
+        let (_c, other) = written("c.toml", "not toml");
+        assert!(refused(&[other]).contains("c.toml"));
+        assert!(refused(&[PathBuf::from("missing.toml")]).contains("missing.toml"));
+        let (_d, twice) = written("d.toml", "technique = 'pcf'");
+        assert!(refused(&[twice.clone(), twice]).contains("another one is called `d`"));
+    }
+}

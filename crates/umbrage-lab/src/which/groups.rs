@@ -1,0 +1,268 @@
+//! The scenes of one kind of light and one size, and what does best on them within each budget.
+
+use crate::{
+    compare::{CostBasis, FrameMotion, MIN_ERROR, Relative, SceneResult, Section, relative},
+    report::MeasuredScene,
+};
+
+/// The motions that are told apart, and what they are called.
+pub(super) const MOTIONS: [(FrameMotion, &str); 3] = [
+    (FrameMotion::Still, "nothing moves"),
+    (FrameMotion::CameraMoves, "the camera moves"),
+    (FrameMotion::AllMoves, "all moves"),
+];
+
+/// A frame's greatest time, as a multiple of a `hard` map's in the same scene under the same motion. The first has room for the noise
+/// of times.
+pub(super) const BUDGETS: [f64; 5] = [1.25, 2.0, 5.0, 20.0, f64::INFINITY];
+
+/// Of settings whose errors are so near to the least, as a multiple of it, the quickest is the answer.
+pub(super) const AS_GOOD: f64 = 1.1;
+
+/// How large a scene is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct SizeClass {
+    pub(super) words: &'static str,
+    /// Fewer triangles than this.
+    pub(super) below: u64,
+}
+
+pub(super) const SIZES: [SizeClass; 3] = [
+    SizeClass {
+        words: "up to 300,000 triangles",
+        below: 300_000,
+    },
+    SizeClass {
+        words: "300,000 to 1 million triangles",
+        below: 1_000_000,
+    },
+    SizeClass {
+        words: "over 1 million triangles",
+        below: u64::MAX,
+    },
+];
+
+/// Kinds of light as results name them, and as people do.
+pub(super) const LIGHTS: [(&str, &str); 3] = [
+    ("directional", "Sun"),
+    ("spot", "Spot"),
+    ("point", "Point lamp"),
+];
+
+/// A setting that is an answer for some motion and budget.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Answer {
+    pub(super) technique: String,
+    pub(super) settings: String,
+}
+
+/// The answers on one backend.
+#[derive(Clone, Debug)]
+pub(super) struct OfBackend {
+    pub(super) backend: String,
+    /// For each budget, for each motion: the place of an answer; none where nothing within the budget is better than no shadow.
+    pub(super) table: Vec<[Option<usize>; MOTIONS.len()]>,
+    /// What is known of each setting, for each motion.
+    pub(super) settings: [Vec<Relative>; MOTIONS.len()],
+    /// Whether times were measured, or costs are counted.
+    pub(super) clock: CostBasis,
+}
+
+/// Scenes of one kind of light and one size, with the answers.
+#[derive(Clone, Debug)]
+pub(super) struct WhichGroup {
+    /// Place in [`LIGHTS`].
+    pub(super) light: usize,
+    pub(super) is_ideal: bool,
+    /// Place in [`SIZES`].
+    pub(super) size: usize,
+    /// Places of its scenes among all.
+    pub(super) scenes: Vec<usize>,
+    /// On each backend.
+    pub(super) backends: Vec<OfBackend>,
+    /// The answers of all backends, each once.
+    pub(super) answers: Vec<Answer>,
+}
+
+impl WhichGroup {
+    /// Returns what the group is about, as a heading.
+    pub(super) fn heading(&self) -> String {
+        heading(self.light, self.is_ideal, self.size)
+    }
+}
+
+/// Returns what a group is about, as a heading: places in [`LIGHTS`] and [`SIZES`].
+pub(super) fn heading(light: usize, is_ideal: bool, size: usize) -> String {
+    let extent = if is_ideal {
+        "without extent"
+    } else {
+        "with extent"
+    };
+    format!("{} {extent}, {}", LIGHTS[light].1, SIZES[size].words)
+}
+
+/// Returns the place of a scene's size in [`SIZES`].
+fn size_of(scene: &SceneResult) -> usize {
+    let fits = SIZES.iter().position(|size| scene.triangles < size.below);
+    fits.unwrap_or(SIZES.len() - 1)
+}
+
+/// Returns the groups of which there are frames of real size, in the order of lights, extents and sizes.
+pub(super) fn groups(scenes: &[MeasuredScene]) -> Vec<WhichGroup> {
+    let mut out = Vec::new();
+    for (light, (kind, _)) in LIGHTS.iter().enumerate() {
+        for is_ideal in [true, false] {
+            for size in 0..SIZES.len() {
+                let is_of = |scene: &SceneResult| {
+                    scene.section == Section::Content
+                        && scene.light == *kind
+                        && scene.is_ideal == is_ideal
+                        && size_of(scene) == size
+                };
+                let places: Vec<usize> = (0..scenes.len())
+                    .filter(|&i| is_of(&scenes[i].result))
+                    .collect();
+                let of_group: Vec<&SceneResult> =
+                    places.iter().map(|&i| &scenes[i].result).collect();
+                let mut group = WhichGroup {
+                    light,
+                    is_ideal,
+                    size,
+                    scenes: places,
+                    backends: Vec::new(),
+                    answers: Vec::new(),
+                };
+                group.add_answers(&of_group);
+                if !group.answers.is_empty() {
+                    out.push(group);
+                }
+            }
+        }
+    }
+    out
+}
+
+impl WhichGroup {
+    fn add_answers(&mut self, scenes: &[&SceneResult]) {
+        let by_motion = MOTIONS.map(|(motion, _)| {
+            let moving = scenes.iter().map(|&scene| SceneResult {
+                motion,
+                ..scene.clone()
+            });
+            let moving: Vec<SceneResult> = moving.collect();
+            relative(&moving.iter().collect::<Vec<_>>())
+        });
+        let mut backends: Vec<String> = Vec::new();
+        for setting in by_motion.iter().flatten() {
+            if !backends.contains(&setting.backend) {
+                backends.push(setting.backend.clone());
+            }
+        }
+        for backend in backends {
+            let settings = by_motion.clone().map(|mut all| {
+                all.retain(|setting| setting.backend == backend);
+                all
+            });
+            let is_timed = settings.iter().flatten().any(|s| s.time.is_some());
+            let clock = if is_timed {
+                CostBasis::Wall
+            } else {
+                CostBasis::Cost
+            };
+            let mut table = Vec::new();
+            for budget in BUDGETS {
+                let answers = settings
+                    .each_ref()
+                    .map(|all| best_within(all, clock, budget));
+                table.push(answers.map(|answer| answer.map(|a| self.place_of(a))));
+            }
+            self.backends.push(OfBackend {
+                backend,
+                table,
+                settings,
+                clock,
+            });
+        }
+    }
+
+    /// Returns the place of an answer, which is added if it is new.
+    fn place_of(&mut self, setting: &Relative) -> usize {
+        let answer = Answer {
+            technique: setting.technique.clone(),
+            settings: setting.settings.clone(),
+        };
+        let known = self.answers.iter().position(|other| *other == answer);
+        known.unwrap_or_else(|| {
+            self.answers.push(answer);
+            self.answers.len() - 1
+        })
+    }
+}
+
+impl OfBackend {
+    /// Returns what is known of an answer under a motion, by its place in [`MOTIONS`].
+    pub(super) fn setting(&self, answer: &Answer, motion: usize) -> Option<&Relative> {
+        self.settings[motion]
+            .iter()
+            .find(|s| s.technique == answer.technique && s.settings == answer.settings)
+    }
+}
+
+/// Returns the quickest of the settings within a budget that are as good as the best of them ([`AS_GOOD`]); none if none of them is
+/// better than no shadow.
+fn best_within(settings: &[Relative], clock: CostBasis, budget: f64) -> Option<&Relative> {
+    let time = |s: &Relative| s.take(clock).unwrap_or(f64::INFINITY);
+    // Errors below this can't be seen.
+    let error = |s: &Relative| s.error.max(MIN_ERROR);
+    let within = settings
+        .iter()
+        .filter(|s| s.technique != "none" && s.error < 1.0)
+        .filter(|s| s.take(clock).is_some_and(|time| time <= budget));
+    let within: Vec<&Relative> = within.collect();
+    let least = within.iter().map(|s| error(s)).min_by(f64::total_cmp)?;
+    let good = within.into_iter().filter(|s| error(s) <= AS_GOOD * least);
+    good.min_by(|a, b| time(a).total_cmp(&time(b)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compare::TimingStats;
+
+    fn setting(technique: &str, error: f64, time: f64) -> Relative {
+        let stats = TimingStats {
+            median: time,
+            ..TimingStats::default()
+        };
+        Relative {
+            technique: technique.to_owned(),
+            settings: String::new(),
+            backend: "cpu".to_owned(),
+            error,
+            time: Some(stats),
+            cost: 1.0,
+            served: 1,
+            scenes: 1,
+        }
+    }
+
+    #[test]
+    fn the_least_error_within_the_budget_and_of_equals_the_quickest() {
+        let all = [
+            setting("none", 0.0, 0.1),
+            setting("worse", 1.0, 0.1),
+            setting("hard", 0.3, 1.0),
+            setting("pcf", 0.21, 1.5),
+            setting("pcf_disc", 0.2, 1.8),
+            setting("traced", 0.0, 12.0),
+            setting("volumes", 0.0005, 9.0),
+        ];
+        let best = |budget| best_within(&all, CostBasis::Wall, budget).map(|s| &s.technique[..]);
+        assert_eq!(best(0.5), None);
+        assert_eq!(best(1.25), Some("hard"));
+        // `pcf_disc` is better by less than a tenth.
+        assert_eq!(best(2.0), Some("pcf"));
+        // Both are exact to the eye.
+        assert_eq!(best(f64::INFINITY), Some("volumes"));
+    }
+}

@@ -1,0 +1,238 @@
+//! The page of made-up results: its answers follow the figures, and it says what it does not know.
+
+use super::*;
+use crate::{
+    compare::{
+        CompareOptions, CompareRow, Environment, Measured, RowOutcome, RowTimes, SceneImages,
+        SceneInput, SceneResult, Section, TimingStats,
+    },
+    report::{ComparisonPlan, Report},
+    stability::{
+        CaseResult, Cell, CellOutcome, Judgement, Stability, Verdict,
+        report::{STABILITY_SCHEMA, StabilityResults},
+    },
+};
+use glam::UVec2;
+use std::{fs, time::Duration};
+use umbrage_core::{
+    Receivers,
+    metrics::{Errors, Pixel},
+};
+use umbrage_plan::truth::Truth;
+
+fn row(technique: &str, rmse: f64, ms: f64) -> CompareRow {
+    let total = TimingStats {
+        median: ms,
+        min: ms,
+        max: ms,
+        runs: 1,
+    };
+    let errors = Errors {
+        rmse,
+        counted: 12,
+        ..Errors::default()
+    };
+    let times = RowTimes {
+        receive: Some(total),
+        total,
+        ..RowTimes::default()
+    };
+    let measured = Measured {
+        errors: Some(errors),
+        times: Some(times),
+        ..Measured::default()
+    };
+    CompareRow {
+        technique: technique.to_owned(),
+        settings: "1024, bias: adaptive".to_owned(),
+        slug: technique.to_owned(),
+        backend: "cpu".to_owned(),
+        same_as: None,
+        outcome: RowOutcome::Measured(Box::new(measured)),
+    }
+}
+
+/// A sunny frame of 451,942 triangles. `better` has this error.
+fn scene(better: f64) -> (SceneResult, SceneImages) {
+    let rows = vec![
+        row("none", 0.5, 0.1),
+        row("hard", 0.2, 10.0),
+        row("better", better, 18.0),
+    ];
+    let truth = Truth {
+        size: UVec2::new(4, 3),
+        visibility: vec![1.0; 12],
+        error: vec![0.0; 12],
+        pixels: vec![Pixel::Counted; 12],
+        ambiguous: vec![false; 12],
+        blocker: vec![f32::INFINITY; 12],
+        contact: 0.0,
+        receivers: Receivers::empty(UVec2::new(4, 3)),
+        fingerprint: 1,
+        elapsed: Duration::ZERO,
+    };
+    let images = SceneImages {
+        masks: vec![Some(vec![0.5; 12]); rows.len()],
+        colors: vec![None; rows.len()],
+        lookups: vec![None; rows.len()],
+        truth,
+    };
+    let result = SceneResult {
+        name: "street".to_owned(),
+        section: Section::Content,
+        light: "directional".to_owned(),
+        is_ideal: true,
+        size: [4, 3],
+        triangles: 451_942,
+        rmse_of_none: [0.5, 0.8],
+        rows,
+        ..SceneResult::default()
+    };
+    (result, images)
+}
+
+/// `hard` fails the second of two rows; `better` was not played.
+fn stability() -> StabilityResults {
+    let case = |row: u8, verdict| CaseResult {
+        row,
+        title: format!("weakness {row}"),
+        weakness: String::new(),
+        not_yet: None,
+        case: format!("case-{row}"),
+        scene: String::new(),
+        motion: "still".to_owned(),
+        fit: String::new(),
+        is_sanity: false,
+        criteria: Vec::new(),
+        cells: vec![Cell {
+            technique: "hard".to_owned(),
+            settings: "512, bias: adaptive".to_owned(),
+            outcome: CellOutcome::of(vec![Judgement {
+                figure: Some(1.0),
+                verdict,
+                reason: None,
+            }]),
+            disagreeing: None,
+            picture: None,
+        }],
+    };
+    StabilityResults {
+        schema: STABILITY_SCHEMA,
+        stability: Stability {
+            cases: vec![case(1, Verdict::Pass), case(2, Verdict::Fails)],
+            ..Stability::default()
+        },
+        ..StabilityResults::default()
+    }
+}
+
+/// Writes a comparison and `stability`'s results; returns the folder.
+fn measured(better: f64, section: Section) -> tempfile::TempDir {
+    let dir = tempfile::tempdir().expect("a temporary folder");
+    let named = umbrage_core::Scene {
+        name: "street".to_owned(),
+        ..Default::default()
+    };
+    let plan = ComparisonPlan::new(&[SceneInput::new(named, "")], &CompareOptions::default());
+    let compared = dir.path().join("compared");
+    let report = Report::create(&compared, plan, &[0], false).expect("writable");
+    let (mut result, images) = scene(better);
+    result.section = section;
+    let environment = Environment::default();
+    report
+        .scene(0, &environment, &[], &result, &images)
+        .expect("writable");
+    report.finish(None).expect("writable");
+    let folder = dir.path().join("stability");
+    fs::create_dir(&folder).expect("writable");
+    let json = serde_json::to_vec(&stability()).expect("plain data");
+    fs::write(folder.join("results.json"), json).expect("writable");
+    dir
+}
+
+/// Returns the page as Markdown.
+fn page(dir: &Path) -> String {
+    let out = dir.join("out");
+    let [markdown, html] = write(
+        &dir.join("compared"),
+        &dir.join("stability"),
+        &out,
+        "make it",
+    )
+    .expect("writable");
+    let html = fs::read_to_string(html).expect("there");
+    let markdown = fs::read_to_string(markdown).expect("there");
+    // Each picture that either names is there, and small.
+    let files = fs::read_dir(out.join("which")).expect("there").flatten();
+    for file in files {
+        let name = file.file_name().to_string_lossy().into_owned();
+        assert!(markdown.contains(&name) && html.contains(&name), "{name}");
+        let picture = image::open(file.path()).expect("a picture");
+        assert_eq!((picture.width(), picture.height()), (3 * 168 + 8, 126));
+    }
+    assert!(html.contains("<h1") && !html.contains("http"));
+    markdown
+}
+
+/// Returns the line of a table that begins with a cell, up to the first table that has one.
+fn line<'a>(markdown: &'a str, cell: &str) -> &'a str {
+    let begins = format!("| {cell} |");
+    let found = markdown.lines().find(|line| line.starts_with(&begins));
+    found.unwrap_or_else(|| panic!("{cell}: {markdown}"))
+}
+
+#[test]
+fn answers_follow_the_figures() {
+    let better = page(measured(0.1, Section::Content).path());
+    assert!(line(&better, "1.25 times hard").contains("**hard** 1024: 40 %, 1.0 times"));
+    assert!(line(&better, "2 times hard").contains("**better** 1024: 20 %, 1.8 times"));
+    let mut lines = better.lines();
+    let is_there = lines.any(|line| line.starts_with("| 5 times hard |"));
+    assert!(!is_there, "it buys nothing");
+    assert!(better.contains("(451,942 triangles, 4x3)"));
+    assert!(
+        better.contains("cpu: 18.0, 18.0, 18.0 ms (1.8, 1.8, 1.8 times hard)"),
+        "{better}"
+    );
+    // As soon as it is worse, nobody names it.
+    let worse = page(measured(0.3, Section::Content).path());
+    assert!(!worse.contains("better"), "{worse}");
+}
+
+#[test]
+fn what_is_not_known_is_said() {
+    let markdown = page(measured(0.1, Section::Content).path());
+    let missing = markdown
+        .lines()
+        .find(|line| line.starts_with("**Not measured**"));
+    let missing = missing.expect("a line");
+    assert!(
+        missing.contains("Spot with extent, over 1 million triangles"),
+        "{missing}"
+    );
+    assert!(!missing.contains("Sun without extent, 300,"), "{missing}");
+    // Seventeen of three lights, two extents and three sizes.
+    assert_eq!(missing.matches(" triangles").count(), 17);
+    assert!(
+        markdown.contains("fails 1 of 2 rows: weakness 2 |"),
+        "{markdown}"
+    );
+    assert!(
+        markdown.contains("| not measured |"),
+        "of `better`: {markdown}"
+    );
+    assert!(markdown.contains("**Mind:**"), "another program played");
+}
+
+#[test]
+fn folders_without_such_results_are_refused() {
+    let dir = measured(0.1, Section::Check);
+    let refused = |compared: &str, stability: &str| {
+        let at = |name: &str| dir.path().join(name);
+        let error = write(&at(compared), &at(stability), &at("out"), "").expect_err("refused");
+        error.to_string()
+    };
+    assert!(refused("compared", "stability").contains("no frames of real size"));
+    assert!(refused("none", "stability").contains("holds no scenes"));
+    assert!(refused("compared", "none").contains("cannot be read"));
+}

@@ -1,0 +1,99 @@
+//! Whether a model brings ground of its own, and a floor for one that doesn't.
+
+use super::twice_area;
+use crate::primitives::quad;
+use umbrage_core::glam::Vec3;
+use umbrage_core::{Aabb, Geometry, Mesh};
+
+/// What counts as the bottom of a model: this share of its height.
+const BOTTOM: f32 = 0.12;
+/// A model brings its own ground if surfaces that face up there cover this share of the rectangle around it, seen from above. (Floors
+/// of rooms do; the bottoms of solids face down.) So it does if all its surface faces up by as much on balance, as a landscape's.
+const COVERS: f64 = 0.5;
+/// Half the floor's side over the model's greatest extent: its edge is far behind the model.
+const HALF_SIDE: f32 = 12.0;
+/// How far the floor lies below a flat bottom, over the model's greatest extent, so that no two faces share a plane.
+const BELOW: f32 = 1e-3;
+
+/// What lies under a model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Ground {
+    /// The mean height of its own ground; none if it brings none.
+    pub(super) own: Option<f32>,
+    /// Whether its bottom is flat: then a floor lies a little below.
+    has_flat_bottom: bool,
+}
+
+impl Ground {
+    /// Looks for the ground of a model.
+    pub(super) fn of(geometry: &Geometry) -> Self {
+        let bounds = geometry.bounds();
+        let extent = bounds.extent();
+        // Seen from above; what has no footprint, such as a wall, has no ground either.
+        let footprint = f64::from(extent.x) * f64::from(extent.z);
+        let bottom = bounds.min.y + BOTTOM * extent.y;
+        let flat = bounds.min.y + BELOW * extent.max_element();
+        let mut facing_up = 0.0;
+        let mut heights = 0.0;
+        let mut touching = 0.0;
+        let mut on_balance = 0.0;
+        for t in 0..geometry.triangles().len() as u32 {
+            let corners = geometry.corners(t);
+            let seen_from_above = 0.5 * f64::from(twice_area(corners).y);
+            on_balance += seen_from_above;
+            let top = corners[0].y.max(corners[1].y).max(corners[2].y);
+            if top <= flat {
+                touching += seen_from_above.abs();
+            }
+            if top <= bottom && seen_from_above > 0.0 {
+                let height = (corners[0].y + corners[1].y + corners[2].y) / 3.0;
+                facing_up += seen_from_above;
+                heights += seen_from_above * f64::from(height);
+            }
+        }
+        let has_floor = footprint > 0.0 && facing_up >= COVERS * footprint;
+        let is_landscape = footprint > 0.0 && on_balance >= COVERS * footprint;
+        let own = if has_floor {
+            Some((heights / facing_up) as f32)
+        } else if is_landscape {
+            Some(bounds.min.y)
+        } else {
+            None
+        };
+        Self {
+            own,
+            has_flat_bottom: touching > 0.0,
+        }
+    }
+
+    /// Returns the height of the floor that a model with these bounds gets; none if it brings its own ground.
+    pub(super) fn floor_height(&self, bounds: Aabb) -> Option<f32> {
+        if self.own.is_some() {
+            return None;
+        }
+        let below = if self.has_flat_bottom {
+            BELOW * bounds.extent().max_element()
+        } else {
+            0.0
+        };
+        Some(bounds.min.y - below)
+    }
+
+    /// Returns the floor: a square that faces up.
+    pub(super) fn floor(&self, bounds: Aabb) -> Option<Mesh> {
+        let height = self.floor_height(bounds)?;
+        let half = HALF_SIDE * bounds.extent().max_element();
+        let middle = bounds.center();
+        let corner = |x: f32, z: f32| Vec3::new(middle.x + x * half, height, middle.z + z * half);
+        let corners = [
+            corner(-1.0, 1.0),
+            corner(1.0, 1.0),
+            corner(1.0, -1.0),
+            corner(-1.0, -1.0),
+        ];
+        Some(Mesh {
+            name: "floor".to_owned(),
+            ..quad(corners)
+        })
+    }
+}
