@@ -11,7 +11,7 @@ pub(crate) use bench::BenchArguments;
 pub(crate) use bias::BiasArguments;
 pub(crate) use compare::CompareArguments;
 pub(crate) use merge::{MergeArguments, Shard};
-pub(crate) use plan::{PlanArguments, PlanBackend};
+pub(crate) use plan::{PlanArguments, PlanBackend, PlanRenderer, PlanWeight};
 pub(crate) use stability::StabilityArguments;
 
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};

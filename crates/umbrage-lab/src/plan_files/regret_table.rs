@@ -101,7 +101,13 @@ mod tests {
             settings: "3x3, 512".to_owned(),
             estimate,
             milliseconds: 1.5,
+            draw_ms: 1.0,
+            kept_as_camera_moves: None,
             bytes: 4,
+            grain: None,
+            shimmer: None,
+            measured_ms: None,
+            cameras: Vec::new(),
         };
         let found = Regret {
             scene: "a, b".to_owned(),

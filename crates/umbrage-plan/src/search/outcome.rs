@@ -1,7 +1,10 @@
 //! The result of a planner.
 
 use super::{BiasKind, Bounds, Setting};
-use crate::estimate::error::Estimate;
+use crate::{
+    estimate::{error::Estimate, sampled_truth::Coverage},
+    motion::FrameMotion,
+};
 use serde::{Deserialize, Serialize};
 use umbrage_techniques::TechniquePreset;
 
@@ -16,6 +19,10 @@ pub struct Plan {
     pub light_number: usize,
     /// Image width and height, pixels.
     pub size: [u32; 2],
+    /// For how many cameras it was made.
+    pub cameras: usize,
+    /// What moves from frame to frame.
+    pub motion: FrameMotion,
     /// The bounds that it keeps.
     pub bounds: Bounds,
     /// The cheapest setting within the bounds (without a bound of the error, the most accurate); none if nothing is.
@@ -24,10 +31,18 @@ pub struct Plan {
     pub miss: Option<Miss>,
     /// Other settings tried, that nothing else tried beats at both cost and error; by rising cost.
     pub runners_up: Vec<Setting>,
+    /// Cheaper settings of other techniques that come nearest to the bounds and break one: two at most, the better first.
+    pub failing: Vec<Setting>,
+    /// What was timed by the clock, the quickest first; empty if nothing was.
+    pub timed: Vec<Setting>,
+    /// What no shadow at all would err by, by the first sample.
+    pub error_of_no_shadow: Estimate,
     /// Why, in plain words, built from what was measured.
     pub reasons: Vec<String>,
     /// The chosen setting with other biases; empty for techniques without.
     pub curve: Vec<CurvePoint>,
+    /// For how many pixels it holds.
+    pub coverage: Coverage,
     /// The sample that it comes from.
     pub sampled: Sampled,
 }

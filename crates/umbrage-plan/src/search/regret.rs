@@ -1,7 +1,10 @@
 //! Compares plans with an exhaustive sweep of the same candidates over the whole image.
 
 use super::{
-    Bounds, PlanOptions, Planner, Setting, bias::bias_amounts, families::families_for, seen,
+    Bounds, PlanOptions, Planner, Setting,
+    bias::bias_amounts,
+    families::{FamilyNeeds, families_for},
+    seen,
 };
 use crate::{
     MeasureError,
@@ -80,13 +83,14 @@ pub fn regret(
     options: &PlanOptions,
     on_step: &OnStep<'_>,
 ) -> Result<Vec<Regret>, MeasureError> {
-    let (camera, light) = seen(scene, options)?;
+    let (cameras, light) = seen(scene, options)?;
+    let camera = &cameras[0];
     let geometry = Geometry::bake(scene)?;
-    let whole_image = Planner::new(&camera, light, &geometry, options, on_step)?;
+    let whole_image = Planner::new(camera, light, &geometry, options, on_step)?;
     let mut sweep = Sweep::new(whole_image, options)?;
     let mut out = Vec::new();
     for &bound in bounds {
-        let mut planner = Planner::new(&camera, light, &geometry, options, on_step)?;
+        let mut planner = Planner::new(camera, light, &geometry, options, on_step)?;
         let sampling_seconds = planner.sampling_seconds;
         let plan = planner.plan(&Bounds::error(bound))?;
         let error = match &plan.chosen {
@@ -121,7 +125,7 @@ struct Sweep<'a> {
 
 impl<'a> Sweep<'a> {
     fn new(mut planner: Planner<'a>, options: &PlanOptions) -> Result<Self, MeasureError> {
-        let scene = &mut planner.search.trials.scene;
+        let scene = &mut planner.search.trials.views[0].scene;
         let all: Vec<u32> = (0..scene.receivers.len() as u32).collect();
         let on_step = planner.search.on_step;
         let truth = scene.truth_at(&all, &options.truth, &|done, total| {
@@ -136,7 +140,7 @@ impl<'a> Sweep<'a> {
     }
 
     fn error(&mut self, preset: &TechniquePreset) -> Result<f64, MeasureError> {
-        let scene = &mut self.planner.search.trials.scene;
+        let scene = &mut self.planner.search.trials.views[0].scene;
         let mask = scene.preset_mask(preset)?;
         let errors = Errors::measure(scene.camera.size, &mask, &self.truth, &self.pixels)?;
         Ok(errors.rmse)
@@ -146,8 +150,8 @@ impl<'a> Sweep<'a> {
     /// fit, so the first one is priced.
     fn candidates(&mut self) -> Result<Vec<TechniquePreset>, MeasureError> {
         let mut priced: Vec<(f64, Vec<TechniquePreset>)> = Vec::new();
-        let scene = &self.planner.search.trials.scene;
-        for family in families_for(&self.planner.techniques, scene, false) {
+        let scene = &self.planner.search.trials.views[0].scene;
+        for family in families_for(&self.planner.techniques, scene, FamilyNeeds::default()) {
             for size in 0..family.candidates.len() {
                 let mut presets: Vec<TechniquePreset> = Vec::new();
                 for biases in bias_amounts(family.preset()) {

@@ -6,13 +6,15 @@ use super::{
     families::{Family, families},
     *,
 };
-use crate::{Estimate, cost::CostModel, truth, truth::TruthOptions};
-use glam::UVec2;
-use umbrage_core::{
-    Backend as _, Camera, Fit, Light, Receivers, RecipeError, View, metrics::Errors,
+use crate::{
+    Estimate, RendererData, cost::CostModel, motion::FrameMotion, truth, truth::TruthOptions,
 };
+use glam::UVec2;
+use umbrage_core::{Camera, Fit, Light, Receivers, RecipeError, View, metrics::Errors};
 use umbrage_cpu::Cpu;
-use umbrage_techniques::{TechniquePreset, Techniques};
+use umbrage_techniques::{
+    Hard, Pcf, PcfDithered, Pcss, ShadowMap, TechniquePreset, Techniques, Traced,
+};
 
 fn scene(name: &str) -> Scene {
     umbrage_scenes::by_argument(name).expect("built in")
@@ -23,6 +25,7 @@ fn small() -> PlanOptions {
     PlanOptions {
         samples: 1024,
         size: Some(UVec2::new(160, 120)),
+        motion: FrameMotion::AllMoves,
         ..PlanOptions::default()
     }
 }
@@ -81,7 +84,7 @@ fn a_soft_lamp_needs_soft_shadows() {
     with_planner("rising-boxes", |mut planner| {
         let all = families(
             &planner.techniques,
-            planner.search.trials.scene.light,
+            planner.search.trials.views[0].scene.light,
             false,
         );
         let mut best = |name: &str| {
@@ -108,7 +111,7 @@ fn a_soft_lamp_needs_soft_shadows() {
 fn samples_tell_of_whole_images() {
     for name in ["cubes", "c4-edge-square", "low-sun-5", "lamp-in-room"] {
         with_planner(name, |mut planner| {
-            let scene = &mut planner.search.trials.scene;
+            let scene = &mut planner.search.trials.views[0].scene;
             let all: Vec<u32> = (0..scene.receivers.len() as u32).collect();
             let truth = scene
                 .truth_at(&all, &small().truth, &|_, _| {})
@@ -119,9 +122,7 @@ fn samples_tell_of_whole_images() {
                 let Some(setting) = planner.search.trials.try_out(&preset).expect("plays") else {
                     continue;
                 };
-                let mask = planner
-                    .search
-                    .trials
+                let mask = planner.search.trials.views[0]
                     .scene
                     .preset_mask(&preset)
                     .expect("plays");
@@ -157,7 +158,7 @@ fn what_no_sample_shows_a_second_look_does() {
     for name in ["cubes", "rising-boxes"] {
         with_planner(name, |mut planner| {
             // A sample that has seen nothing but light.
-            let sampled = &mut planner.search.trials.sampled;
+            let sampled = &mut planner.search.trials.views[0].sampled;
             let lit: Vec<usize> = (0..sampled.truth.len())
                 .filter(|&k| sampled.truth[k].visibility == 1.0)
                 .collect();
@@ -196,7 +197,7 @@ fn second_looks_tell_of_whole_images() {
         "canopy",
     ] {
         with_planner(name, |mut planner| {
-            let scene = &mut planner.search.trials.scene;
+            let scene = &mut planner.search.trials.views[0].scene;
             let all: Vec<u32> = (0..scene.receivers.len() as u32).collect();
             let truth = scene
                 .truth_at(&all, &small().truth, &|_, _| {})
@@ -207,9 +208,7 @@ fn second_looks_tell_of_whole_images() {
                 let Some(setting) = planner.search.trials.try_out(&preset).expect("plays") else {
                     continue;
                 };
-                let mask = planner
-                    .search
-                    .trials
+                let mask = planner.search.trials.views[0]
                     .scene
                     .preset_mask(&preset)
                     .expect("plays");
@@ -246,7 +245,7 @@ fn second_looks_tell_of_whole_images() {
 #[test]
 fn second_looks_can_be_repeated() {
     with_planner("rising-boxes", |mut planner| {
-        planner.search.trials.verifier.sampling.seed = u32::MAX;
+        planner.search.trials.views[0].verifier.sampling.seed = u32::MAX;
         // Spoilt to be without a fault, as rare faults are.
         let hard = planner
             .search
@@ -278,7 +277,7 @@ fn second_looks_can_be_repeated() {
 fn without_a_pilot_the_first_sample_must_do() {
     with_planner("rising-boxes", |mut planner| {
         let [none, hard] = [0, 1].map(|i| TechniquePreset::defaults()[i].clone());
-        planner.search.trials.verifier.pilot = None;
+        planner.search.trials.views[0].verifier.pilot = None;
         for preset in [none.clone(), hard] {
             let first = planner
                 .search
@@ -351,18 +350,15 @@ fn spoilt_truth_changes_the_choice() {
             .chosen
             .expect("possible");
         assert_ne!(right.technique, "none");
-        let all: Vec<u32> = (0..planner.search.trials.scene.receivers.len() as u32).collect();
-        planner
-            .search
-            .trials
+        let all: Vec<u32> =
+            (0..planner.search.trials.views[0].scene.receivers.len() as u32).collect();
+        planner.search.trials.views[0]
             .scene
             .truth_at(&all, &small().truth, &|_, _| {})
             .expect("can be traced");
-        let remembered = planner.search.trials.scene.truth.values_mut();
-        planner
-            .search
-            .trials
-            .sampled
+        let view = &mut planner.search.trials.views[0];
+        let remembered = view.scene.truth.values_mut();
+        view.sampled
             .truth
             .iter_mut()
             .chain(remembered)
@@ -538,4 +534,70 @@ fn biases_are_those_of_their_kinds() {
             assert_eq!(preset.map().map(|map| map.bias), own);
         }
     }
+}
+
+/// The grain of 4 to 6 rays a pixel is refused by the usual bound, that of many rays and of a smooth kernel is not.
+#[test]
+fn few_rays_are_grainy_and_smooth_kernels_are_not() {
+    for name in ["rising-boxes", "rising-boxes-disc", "teapot-lamp"] {
+        with_planner(name, |mut planner| {
+            let bounds = Bounds::error(1.0);
+            let mut grain = |preset: TechniquePreset| {
+                let trials = &mut planner.search.trials;
+                let setting = trials.try_out(&preset).expect("plays").expect("supported");
+                let endured = trials.endured(setting, &bounds).expect("plays");
+                endured.grain.expect("there are penumbrae")
+            };
+            let [four, six, many] = [4, 6, 64].map(|samples| grain(Traced { samples }.into()));
+            let [smooth, hard] = [
+                grain(
+                    Pcf {
+                        radius: 3,
+                        ..Pcf::default()
+                    }
+                    .into(),
+                ),
+                grain(Hard::default().into()),
+            ];
+            let [dithered, pcss] = [
+                grain(PcfDithered::default().into()),
+                grain(Pcss::default().into()),
+            ];
+            println!("{name}: {four} {six} {many}, {smooth} {hard} {dithered} {pcss}");
+            assert!(four > six && six > MAX_GRAIN, "{name}: {four} {six}");
+            assert!(
+                many < MAX_GRAIN && smooth < MAX_GRAIN,
+                "{name}: {many} {smooth}"
+            );
+        });
+    }
+}
+
+/// Shimmer is that of maps that move with the camera: none where the fit is stable or stands still.
+#[test]
+fn only_fits_that_follow_the_camera_shimmer() {
+    with_planner("cubes", |mut planner| {
+        let bounds = Bounds {
+            max_shimmer: Some(0.001),
+            renderer: RendererData::SeenPoints,
+            ..Bounds::error(1.0)
+        };
+        planner.search.trials.prepare(&bounds).expect("valid");
+        let mut shimmer = |fit: Fit| {
+            let map = ShadowMap {
+                size: 256,
+                fit,
+                ..ShadowMap::default()
+            };
+            let trials = &mut planner.search.trials;
+            let setting = trials
+                .try_out(&Hard { map }.into())
+                .expect("plays")
+                .expect("supported");
+            let endured = trials.endured(setting, &bounds).expect("plays");
+            endured.shimmer.expect("measured")
+        };
+        let [tight, stable] = [Fit::Tight, Fit::Stable { range: 30.0 }].map(&mut shimmer);
+        assert!(tight > 0.001 && stable == 0.0, "{tight} {stable}");
+    });
 }
