@@ -270,6 +270,9 @@ fn print(plan: &Plan, prices: &Prices) {
     for reason in &plan.reasons {
         println!("  * {reason}");
     }
+    for left_out in &plan.left_out {
+        println!("  * {}", left_out.words());
+    }
     if !plan.runners_up.is_empty() {
         println!(
             "\nOthers that nothing tried beats in both error and time:\n{}",

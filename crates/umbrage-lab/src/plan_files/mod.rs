@@ -26,7 +26,7 @@ pub struct Written {
 }
 
 /// Writes a plan into a folder, which is made if need be, under the scene's name: `cubes.preset.toml` (the
-/// [`TechniquePreset`](umbrage_techniques::TechniquePreset), where one was found; a scene file `cubes.toml` stays as it is), `cubes.plan.json`
+/// [`LightPreset`](umbrage_techniques::LightPreset), where one was found; a scene file `cubes.toml` stays as it is), `cubes.plan.json`
 /// (the [`Plan`]), for biases that are found by trying `cubes.bias.csv` and `cubes.bias.svg`, and, with the scene and the options that it
 /// was planned with, `cubes.strip.png`: truth, what was chosen and the cheaper ones that fail, with their errors; for another light than the
 /// first `cubes.light-2.preset.toml`, and so on. Each is there whole or not at all; those that an older plan had and this
@@ -166,9 +166,9 @@ struct PlanFile {
 }
 
 fn files(plan: &Plan, picture: Option<Vec<u8>>) -> Result<Vec<PlanFile>, LabError> {
-    let preset = match &plan.chosen {
-        Some(chosen) => Some(chosen.preset.to_toml()?.into_bytes()),
-        None => None,
+    let preset = match plan.light_preset() {
+        Ok(preset) => Some(preset.to_toml()?.into_bytes()),
+        Err(_) => None,
     };
     let json = serde_json::to_string_pretty(plan).map_err(|e| LabError::write("plan", e))?;
     let curve = if plan.curve.is_empty() {
@@ -280,6 +280,7 @@ mod tests {
             timed: Vec::new(),
             error_of_no_shadow: Estimate::default(),
             reasons: Vec::new(),
+            left_out: Vec::new(),
             curve: if chosen { vec![point] } else { Vec::new() },
             coverage: Coverage::default(),
             sampled: Sampled::default(),

@@ -7,6 +7,7 @@
 //! * [`clock`]: finalists played in turn and timed.
 //!
 //! Candidates come from [`families`], with amounts of [`bias`] and the map's side that the screen asks for ([`resolution`]).
+//! [`left_out`]: what more may be left out.
 //! [`lights`]: all lights of a scene under one budget. [`look`]: pictures of settings.
 //! [`outcome`] and [`reasons`] are the answer; [`regret`] checks it against a sweep of all candidates.
 
@@ -16,6 +17,7 @@ mod bounds;
 mod clock;
 mod families;
 mod hold;
+mod left_out;
 mod lights;
 mod look;
 mod options;
@@ -31,6 +33,7 @@ mod trials;
 pub use bias::BiasKind;
 pub use bounds::{Bounds, MAX_GRAIN};
 pub use hold::Hold;
+pub use left_out::{LeftOut, Omission};
 pub use lights::{LightPlan, LightsBudget, LightsPlan, plan_lights};
 pub use look::{Look, look};
 pub use options::PlanOptions;
@@ -85,9 +88,11 @@ fn planned(
         Some(backend) => planner.plan_by_clock(bounds, backend)?,
         None => planner.plan(bounds)?,
     };
+    let left_out = left_out::find(scene, &cameras, &mut planner, &plan)?;
     Ok(Plan {
         scene: scene.name.clone(),
         light_number: options.light + 1,
+        left_out,
         ..plan
     })
 }

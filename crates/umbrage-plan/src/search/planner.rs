@@ -194,6 +194,7 @@ impl<'a> Planner<'a> {
             chosen,
             miss,
             reasons,
+            left_out: Vec::new(),
             curve,
             coverage: trials.coverage(),
             sampled: Sampled {
@@ -247,7 +248,7 @@ impl<'a> Planner<'a> {
         (self.search.on_step)(Step::Timing(settings.len()));
         let presets: Vec<(TechniquePreset, bool)> = settings
             .iter()
-            .map(|setting| (setting.preset.clone(), self.is_kept(setting)))
+            .map(|setting| (setting.preset.clone(), is_kept(self.motion, setting)))
             .collect();
         let scene = &self.search.trials.views[0].scene;
         let times = clock::times(backend, scene, self.motion, &presets)?;
@@ -307,16 +308,8 @@ impl<'a> Planner<'a> {
         Ok((Found::Missed(super::Miss { reason, best }), all))
     }
 
-    /// Whether what a setting draws is kept from frame to frame.
-    pub(super) fn is_kept(&self, setting: &Setting) -> bool {
-        match self.motion {
-            FrameMotion::Still => true,
-            FrameMotion::CameraMoves => setting.kept_as_camera_moves == Some(true),
-            FrameMotion::AllMoves => false,
-        }
-    }
-
-    /// Returns the two cheaper settings of other techniques that come nearest to the bounds and break one, the better first.
+    /// Returns the two cheaper settings that come nearest to the bounds and break one, the better first; one of each technique. Where
+    /// frames cost the same, those are cheaper that take less to draw.
     fn failing(
         &self,
         chosen: Option<&Setting>,
@@ -335,8 +328,9 @@ impl<'a> Planner<'a> {
             let is_new = best
                 .iter()
                 .all(|other| other.technique != setting.technique);
-            let is_cheaper = setting.milliseconds < chosen.milliseconds;
-            if breaks && is_new && is_cheaper && setting.technique != chosen.technique {
+            let is_cheaper = setting.milliseconds <= chosen.milliseconds
+                && setting.milliseconds + setting.draw_ms < chosen.milliseconds + chosen.draw_ms;
+            if breaks && is_new && is_cheaper {
                 best.push(setting);
             }
         }
@@ -435,6 +429,15 @@ impl<'a> Planner<'a> {
         front.truncate(RUNNERS_UP);
         front.sort_by(|a, b| a.milliseconds.total_cmp(&b.milliseconds));
         front.into_iter().cloned().collect()
+    }
+}
+
+/// Whether what a setting draws is kept from frame to frame.
+pub(super) fn is_kept(motion: FrameMotion, setting: &Setting) -> bool {
+    match motion {
+        FrameMotion::Still => true,
+        FrameMotion::CameraMoves => setting.kept_as_camera_moves == Some(true),
+        FrameMotion::AllMoves => false,
     }
 }
 

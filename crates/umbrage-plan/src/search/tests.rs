@@ -12,9 +12,7 @@ use crate::{
 use glam::UVec2;
 use umbrage_core::{Camera, Fit, Light, Receivers, RecipeError, View, metrics::Errors};
 use umbrage_cpu::Cpu;
-use umbrage_techniques::{
-    Hard, Pcf, PcfDithered, Pcss, ShadowMap, TechniquePreset, Techniques, Traced,
-};
+use umbrage_techniques::{Hard, Pcf, ShadowMap, TechniquePreset, Techniques, Traced};
 
 fn scene(name: &str) -> Scene {
     umbrage_scenes::by_argument(name).expect("built in")
@@ -549,21 +547,13 @@ fn few_rays_are_grainy_and_smooth_kernels_are_not() {
                 endured.grain.expect("there are penumbrae")
             };
             let [four, six, many] = [4, 6, 64].map(|samples| grain(Traced { samples }.into()));
-            let [smooth, hard] = [
-                grain(
-                    Pcf {
-                        radius: 3,
-                        ..Pcf::default()
-                    }
-                    .into(),
-                ),
-                grain(Hard::default().into()),
-            ];
-            let [dithered, pcss] = [
-                grain(PcfDithered::default().into()),
-                grain(Pcss::default().into()),
-            ];
-            println!("{name}: {four} {six} {many}, {smooth} {hard} {dithered} {pcss}");
+            let smooth = grain(
+                Pcf {
+                    radius: 3,
+                    ..Pcf::default()
+                }
+                .into(),
+            );
             assert!(four > six && six > MAX_GRAIN, "{name}: {four} {six}");
             assert!(
                 many < MAX_GRAIN && smooth < MAX_GRAIN,

@@ -417,6 +417,37 @@ impl<'a> Trials<'a> {
         Ok(setting)
     }
 
+    /// Plays a preset on other scenes that the same cameras see, such as with fewer casters, against the same samples. Returns its error, and
+    /// what drawing and looking up cost, milliseconds; none if it isn't supported there.
+    pub(super) fn play_elsewhere(
+        &self,
+        scenes: &mut [PlanScene<'_>],
+        preset: &TechniquePreset,
+    ) -> Result<Option<(Estimate, f64, f64)>, MeasureError> {
+        let Counting { cost, hold, .. } = self.counting;
+        let mut estimates = Vec::new();
+        let mut prices = Vec::new();
+        for (view, scene) in self.views.iter().zip(scenes) {
+            let Ok(recipe) = scene.recipe(preset) else {
+                return Ok(None);
+            };
+            prices.push(scene.price(&recipe, &cost));
+            let estimate = view.sampled.estimate(scene, &recipe)?;
+            estimates.push(estimate.times(view.scale));
+        }
+        let draw_ms = hold.of(prices.iter().map(|price| price.draw_ms).collect());
+        let lookup_ms = hold.of(prices.iter().map(|price| price.lookup_ms).collect());
+        Ok(Some((held(hold, &estimates), draw_ms, lookup_ms)))
+    }
+
+    /// Returns what the first sample says of a setting, verified since or not.
+    pub(super) fn first_estimate(&self, setting: &Setting) -> Estimate {
+        match self.first_estimates.get(&format!("{:?}", setting.preset)) {
+            Some(firsts) => held(self.counting.hold, firsts),
+            None => setting.estimate,
+        }
+    }
+
     /// Returns the error of no shadow at all at the worst camera that the plan holds for.
     pub(super) fn error_of_no_shadow(&mut self) -> Result<Estimate, MeasureError> {
         let mut estimates = Vec::new();
