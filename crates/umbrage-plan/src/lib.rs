@@ -38,7 +38,7 @@ pub use estimate::{
 };
 pub use progress::{OnStep, Step};
 pub use search::{
-    BiasKind, Bounds, CameraFigures, CurvePoint, Hold, LeftOut, LightPlan, LightsBudget,
-    LightsPlan, Look, MAX_GRAIN, MAX_REGRET, MIN_KEPT, Miss, Omission, Plan, PlanOptions, Planner,
-    Regret, Sampled, Setting, look, plan, plan_by_clock, plan_lights, regret,
+    BiasKind, Bounds, CameraFigures, ClockRegret, CurvePoint, Hold, LeftOut, LightPlan,
+    LightsBudget, LightsPlan, Look, MAX_GRAIN, MAX_REGRET, MIN_KEPT, Miss, Omission, Plan,
+    PlanOptions, Planner, Regret, Sampled, Setting, look, plan, plan_by_clock, plan_lights, regret,
 };

@@ -336,13 +336,16 @@ mod tests {
 
     fn lights(budget: LightsBudget) -> LightsPlan {
         let scene = umbrage_scenes::by_argument("cubes").expect("built in");
-        // The same light twice, and one that shines from below the floor.
-        let below = umbrage_core::Light::Directional {
+        // The same light twice, and one that shines at nothing.
+        let astray = umbrage_core::Light::Spot {
+            position: 50.0 * glam::Vec3::Y,
             direction: glam::Vec3::Y,
-            angular_diameter: 0.0,
+            inner: 0.1,
+            outer: 0.2,
+            radius: 0.0,
         };
         let scene = Scene {
-            lights: vec![scene.lights[0], scene.lights[0], below],
+            lights: vec![scene.lights[0], scene.lights[0], astray],
             ..scene
         };
         let options = PlanOptions {

@@ -39,7 +39,7 @@ pub use look::{Look, look};
 pub use options::PlanOptions;
 pub use outcome::{CurvePoint, Miss, Plan, Sampled};
 pub use planner::Planner;
-pub use regret::{MAX_REGRET, MIN_KEPT, Regret, regret};
+pub use regret::{ClockRegret, MAX_REGRET, MIN_KEPT, Regret, regret};
 pub use setting::{CameraFigures, Setting};
 
 use crate::{MeasureError, progress::OnStep};

@@ -498,7 +498,7 @@ fn some_pixels_have_the_truth_of_all() {
 /// The walk skips and stops early; on this scene a sweep of everything finds nothing cheaper.
 #[test]
 fn a_sweep_finds_nothing_much_cheaper() {
-    let found = regret(&scene("cubes"), &[0.08], &small(), &|_| {}).expect("can be planned");
+    let found = regret(&scene("cubes"), &[0.08], &small(), None, &|_| {}).expect("can be planned");
     assert!(found.iter().all(|r| !r.misses()), "{found:?}");
     let spoilt = Regret {
         error: 0.2,
