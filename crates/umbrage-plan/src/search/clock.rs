@@ -5,10 +5,12 @@ use std::time::{Duration, Instant};
 use umbrage_core::{Backend, BackendError, Geometry, Recipe, Timings, View};
 use umbrage_techniques::TechniquePreset;
 
-/// Rounds in which every setting is played once.
-const ROUNDS: u32 = 4;
-/// Seconds after which no further round is begun, once there were two.
-const MAX_SECONDS: f64 = 12.0;
+/// Rounds in which every setting is played once, at most.
+const MAX_ROUNDS: u32 = 24;
+/// Rounds after which what is quick has been played often enough, if so many seconds have gone.
+const ENOUGH: (u32, f64) = (5, 4.0);
+/// Rounds after which what is slow has, if so many seconds have gone.
+const ENOUGH_OF_SLOW: (u32, f64) = (2, 15.0);
 
 /// A setting that is timed.
 struct Runner {
@@ -39,8 +41,10 @@ pub(super) fn times(
         runners.push(first_play(backend, scene, motion, preset, *is_kept)?);
     }
     let start = Instant::now();
-    for round in 0..ROUNDS {
-        if round >= 2 && start.elapsed().as_secs_f64() > MAX_SECONDS {
+    for round in 0..MAX_ROUNDS {
+        let elapsed = start.elapsed().as_secs_f64();
+        let is_enough = |(rounds, seconds)| round >= rounds && elapsed > seconds;
+        if is_enough(ENOUGH) || is_enough(ENOUGH_OF_SLOW) {
             break;
         }
         for runner in runners.iter_mut().flatten() {

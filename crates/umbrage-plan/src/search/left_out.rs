@@ -139,7 +139,7 @@ fn redrawing(plan: &Plan) -> Option<LeftOut> {
         FrameMotion::AllMoves => Update::EveryFrame,
     };
     let draws = chosen.draw_ms > 0.0;
-    (draws && is_kept(plan.motion, chosen)).then(|| LeftOut {
+    (draws && is_kept(plan.motion, chosen)).then_some(LeftOut {
         what: Omission::Redrawing(update),
         saved_ms: chosen.draw_ms,
         error_before: chosen.estimate.error,

@@ -136,4 +136,6 @@ fn no_such(scene: &Scene, what: &str) -> Invalid {
 }
 
 #[cfg(test)]
+mod demands_tests;
+#[cfg(test)]
 mod tests;

@@ -171,7 +171,7 @@ impl<'a> Planner<'a> {
                 let (setting, curve) = self.with_best_bias(place, setting, bounds, max_error)?;
                 (Some(setting), curve, None)
             }
-            Found::Missed(miss) => (None, Vec::new(), Some(miss)),
+            Found::Missed(miss) => (None, Vec::new(), Some(*miss)),
         };
         let none = self.search.trials.error_of_no_shadow()?;
         let trials = &self.search.trials;
@@ -305,7 +305,7 @@ impl<'a> Planner<'a> {
             }
         };
         let best = all.first().cloned();
-        Ok((Found::Missed(super::Miss { reason, best }), all))
+        Ok((Found::Missed(Box::new(super::Miss { reason, best })), all))
     }
 
     /// Returns the two cheaper settings that come nearest to the bounds and break one, the better first; one of each technique. Where

@@ -31,7 +31,7 @@ pub(super) struct Place {
 pub(super) enum Found {
     /// What is within the bounds, the best by counted costs first; at least one.
     Chosen(Vec<(Place, Setting)>),
-    Missed(Miss),
+    Missed(Box<Miss>),
 }
 
 /// Settings whose verified errors are compared by the clock, at most, where the most accurate is wanted.
@@ -115,9 +115,9 @@ impl Search<'_> {
             }
         }
         if found.is_empty() {
-            return Ok(Found::Missed(
+            return Ok(Found::Missed(Box::new(
                 self.miss(bounds, max_error, too_dear, refused),
-            ));
+            )));
         }
         Ok(Found::Chosen(found))
     }
@@ -187,7 +187,7 @@ impl Search<'_> {
             candidate: 0,
         };
         self.try_out(least, None)?;
-        Ok(Found::Missed(self.miss(bounds, 0.0, None, None)))
+        Ok(Found::Missed(Box::new(self.miss(bounds, 0.0, None, None))))
     }
 
     /// Returns the candidates with the least errors after they were verified, the best first: as many are verified as may be better

@@ -6,20 +6,18 @@ use super::{
     families::{Family, families},
     *,
 };
-use crate::{
-    Estimate, RendererData, cost::CostModel, motion::FrameMotion, truth, truth::TruthOptions,
-};
+use crate::{Estimate, cost::CostModel, motion::FrameMotion, truth, truth::TruthOptions};
 use glam::UVec2;
 use umbrage_core::{Camera, Fit, Light, Receivers, RecipeError, View, metrics::Errors};
 use umbrage_cpu::Cpu;
-use umbrage_techniques::{Hard, Pcf, ShadowMap, TechniquePreset, Techniques, Traced};
+use umbrage_techniques::{TechniquePreset, Techniques};
 
-fn scene(name: &str) -> Scene {
+pub(super) fn scene(name: &str) -> Scene {
     umbrage_scenes::by_argument(name).expect("built in")
 }
 
 /// Small images: quick, and as hard to plan for.
-fn small() -> PlanOptions {
+pub(super) fn small() -> PlanOptions {
     PlanOptions {
         samples: 1024,
         size: Some(UVec2::new(160, 120)),
@@ -28,12 +26,12 @@ fn small() -> PlanOptions {
     }
 }
 
-fn planned(name: &str, bounds: &Bounds) -> Plan {
+pub(super) fn planned(name: &str, bounds: &Bounds) -> Plan {
     plan(&scene(name), bounds, &small(), &|_| {}).expect("can be planned")
 }
 
 /// Runs `f` with a planner of a scene.
-fn with_planner<R>(name: &str, f: impl FnOnce(Planner<'_>) -> R) -> R {
+pub(super) fn with_planner<R>(name: &str, f: impl FnOnce(Planner<'_>) -> R) -> R {
     let scene = scene(name);
     let camera = scene.cameras[0].resized(UVec2::new(160, 120));
     let geometry = Geometry::bake(&scene).expect("built in");
@@ -532,62 +530,4 @@ fn biases_are_those_of_their_kinds() {
             assert_eq!(preset.map().map(|map| map.bias), own);
         }
     }
-}
-
-/// The grain of 4 to 6 rays a pixel is refused by the usual bound, that of many rays and of a smooth kernel is not.
-#[test]
-fn few_rays_are_grainy_and_smooth_kernels_are_not() {
-    for name in ["rising-boxes", "rising-boxes-disc", "teapot-lamp"] {
-        with_planner(name, |mut planner| {
-            let bounds = Bounds::error(1.0);
-            let mut grain = |preset: TechniquePreset| {
-                let trials = &mut planner.search.trials;
-                let setting = trials.try_out(&preset).expect("plays").expect("supported");
-                let endured = trials.endured(setting, &bounds).expect("plays");
-                endured.grain.expect("there are penumbrae")
-            };
-            let [four, six, many] = [4, 6, 64].map(|samples| grain(Traced { samples }.into()));
-            let smooth = grain(
-                Pcf {
-                    radius: 3,
-                    ..Pcf::default()
-                }
-                .into(),
-            );
-            assert!(four > six && six > MAX_GRAIN, "{name}: {four} {six}");
-            assert!(
-                many < MAX_GRAIN && smooth < MAX_GRAIN,
-                "{name}: {many} {smooth}"
-            );
-        });
-    }
-}
-
-/// Shimmer is that of maps that move with the camera: none where the fit is stable or stands still.
-#[test]
-fn only_fits_that_follow_the_camera_shimmer() {
-    with_planner("cubes", |mut planner| {
-        let bounds = Bounds {
-            max_shimmer: Some(0.001),
-            renderer: RendererData::SeenPoints,
-            ..Bounds::error(1.0)
-        };
-        planner.search.trials.prepare(&bounds).expect("valid");
-        let mut shimmer = |fit: Fit| {
-            let map = ShadowMap {
-                size: 256,
-                fit,
-                ..ShadowMap::default()
-            };
-            let trials = &mut planner.search.trials;
-            let setting = trials
-                .try_out(&Hard { map }.into())
-                .expect("plays")
-                .expect("supported");
-            let endured = trials.endured(setting, &bounds).expect("plays");
-            endured.shimmer.expect("measured")
-        };
-        let [tight, stable] = [Fit::Tight, Fit::Stable { range: 30.0 }].map(&mut shimmer);
-        assert!(tight > 0.001 && stable == 0.0, "{tight} {stable}");
-    });
 }
