@@ -23,6 +23,10 @@ use umbrage_plan::{
 };
 use umbrage_techniques::Techniques;
 
+/// The image size that plans are made for if nobody says otherwise, pixels: no smaller than what people play at, since the size decides
+/// which technique is the least.
+const SIZE: UVec2 = UVec2::new(1280, 720);
+
 /// Plans, prints and writes; errors if nothing is within the bounds.
 pub(crate) fn plan(program: &Program, arguments: &PlanArguments) -> Result<()> {
     let [name] = &arguments.scenes[..] else {
@@ -134,7 +138,11 @@ pub(crate) fn options_of(program: &Program, arguments: &PlanArguments) -> Result
         cost: prices.of(kind(arguments)),
         // The command counts lights from 1.
         light: usize::from(arguments.light) - 1,
-        size: Some(UVec2::from_array(arguments.size)),
+        size: match arguments.size {
+            Some(size) => Some(UVec2::from_array(size)),
+            None if arguments.regret => None,
+            None => Some(SIZE),
+        },
         motion: match () {
             () if arguments.still => FrameMotion::Still,
             () if arguments.all_moves => FrameMotion::AllMoves,

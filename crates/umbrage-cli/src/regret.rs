@@ -33,11 +33,12 @@ pub(crate) fn regret(program: &Program, arguments: &PlanArguments) -> Result<()>
         // Once also without lights: then the library returns the error that says so.
         for light in 0..scene.lights.len().max(1) {
             let of_all = options_of(program, arguments)?;
-            let [width, height] = arguments.size;
+            let own = scene.cameras.first().map(|camera| camera.size);
+            let size = of_all.size.or(own).unwrap_or_default();
             let options = PlanOptions {
                 light,
                 truth: TruthOptions {
-                    block_side: if width * height > MAX_THOROUGH {
+                    block_side: if size.element_product() > MAX_THOROUGH {
                         BLOCK_SIDE
                     } else {
                         1

@@ -131,7 +131,7 @@ mod tests {
     /// What wrong usage says.
     #[test]
     fn usage_errors() {
-        let wrong: [&[&str]; 14] = [
+        let wrong: [&[&str]; 17] = [
             &[],
             &["compere"],
             &["compare", "--size", "640"],
@@ -143,6 +143,9 @@ mod tests {
             &["plan", "cubes", "--max-error", "nan"],
             &["plan", "cubes", "--max-time", "-1"],
             &["plan", "--regret", "--max-error", "0.1"],
+            &["plan", "cubes", "--hold", "0%"],
+            &["plan", "cubes", "--must-pass", "1"],
+            &["plan", "cubes", "--budget-ms", "2", "--max-error", "0.1"],
             &["compare", "--shard", "9/8"],
             &["compare", "--deterministic", "--runs", "3"],
             &["merge", "s1", "s2"],

@@ -98,9 +98,9 @@ pub(crate) struct PlanArguments {
     /// Which of the scene's lights, from 1; with --regret all of them
     #[arg(long, value_name = "NUMBER", default_value_t = 1, conflicts_with = "regret", value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) light: u16,
-    /// Image size in pixels: of the screen that the shadows are for
-    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size)]
-    pub(crate) size: [u32; 2],
+    /// Image size in pixels, of the screen that the shadows are for; else 1280x720 (with --regret the scenes' own)
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    pub(crate) size: Option<[u32; 2]>,
     /// Receivers sampled under lights with an extent; four times as many under others
     #[arg(long, value_name = "COUNT", default_value_t = 4096, value_parser = clap::value_parser!(u32).range(64..=1_048_576))]
     pub(crate) samples: u32,
