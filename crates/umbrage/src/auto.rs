@@ -81,7 +81,7 @@ pub enum AutoError {
 mod tests {
     use super::*;
     use umbrage_core::{Geometry, View, glam::UVec2};
-    use umbrage_plan::RendererData;
+    use umbrage_plan::{RendererData, motion::FrameMotion};
 
     fn picked(
         scene: &Scene,
@@ -95,6 +95,8 @@ mod tests {
         let options = PlanOptions {
             samples: 1024,
             size: Some(UVec2::new(160, 120)),
+            // Where maps are drawn every frame, exact shadows of triangles are cheaper than the finest map.
+            motion: FrameMotion::AllMoves,
             ..PlanOptions::default()
         };
         auto_with(scene, &budget, &options)
