@@ -167,6 +167,18 @@ mod tests {
     }
 
     #[test]
+    fn results_come_back_from_their_file() {
+        let dir = tempfile::tempdir().expect("a temporary folder");
+        let path = dir.path().join("results.json");
+        let sweeps: [u8; 0] = [];
+        let text = serde_json::to_string(&(results(), sweeps)).expect("plain data");
+        std::fs::write(&path, text).expect("writable");
+        let read = Stability::read(&path).expect("readable");
+        assert_eq!(read.cases.len(), 2);
+        assert_eq!(read.meets("second_depth", &Demand::FailNone), Ok(false));
+    }
+
+    #[test]
     fn rows_that_were_not_played_are_refused() {
         let error = results()
             .meets("hard", &Demand::Pass(vec!["9".to_owned()]))

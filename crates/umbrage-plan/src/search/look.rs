@@ -99,6 +99,16 @@ mod tests {
             (found.size, found.truth.len()),
             (UVec2::new(54, 40), 54 * 40)
         );
+        // What receives is what receives at every third row and column of the image.
+        let camera = scene.cameras[0].resized(UVec2::new(161, 120));
+        let geometry = Geometry::bake(&scene).expect("valid");
+        let whole = umbrage_cpu::Cpu::new()
+            .receivers(&camera, &geometry)
+            .expect("valid");
+        for (i, pixel) in found.pixels.iter().enumerate() {
+            let place = i / 54 * 3 * 161 + i % 54 * 3;
+            assert_eq!(*pixel == Pixel::Empty, !whole.receives[place], "{i}");
+        }
         let masks: Vec<&Vec<f32>> = found.masks.iter().flatten().collect();
         let counted: Vec<usize> = (0..found.truth.len())
             .filter(|&i| found.pixels[i] == Pixel::Counted)
