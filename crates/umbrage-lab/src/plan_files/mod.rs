@@ -69,10 +69,12 @@ pub fn write_lights(
     };
     let mut written = write_files(&stem(&plan.scene, 1), vec![whole], folder)?;
     for light in &plan.lights {
-        let mut preset = None;
+        let preset = match plan.light_preset(light) {
+            Some(preset) => Some(preset.to_toml()?.into_bytes()),
+            None => None,
+        };
         let mut strip = None;
         if let Some(chosen) = &light.chosen {
-            preset = Some(chosen.preset.to_toml()?.into_bytes());
             let place = light.front.iter().position(|s| s.preset == chosen.preset);
             // The next cheaper ones, the nearest first.
             let cheaper: Vec<&Setting> = light.front[..place.unwrap_or(0)]

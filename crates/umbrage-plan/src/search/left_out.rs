@@ -1,7 +1,7 @@
 //! What more could be left out beside a cheaper technique: shadows that nobody sees, casters that are seen less than a pixel wide, and
 //! drawing again what has not changed. Each is played, and told with what it saves and what it costs in error.
 
-use super::{Plan, Planner, planner::is_kept};
+use super::{LightPlan, LightsPlan, Plan, Planner, Setting, planner::is_kept};
 use crate::{
     Estimate, MeasureError,
     estimate::{scene::PlanScene, weighting::Weighting},
@@ -10,7 +10,7 @@ use crate::{
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{Aabb, Camera, Geometry, Instance, Scene};
-use umbrage_techniques::{FrameRules, Hard, TechniquePreset, Update};
+use umbrage_techniques::{FrameRules, Hard, LightPreset, TechniquePreset, Update};
 
 /// Casters are small whose bounding sphere is seen less than so many pixels wide.
 const SMALL_PIXELS: f32 = 1.0;
@@ -130,16 +130,35 @@ fn shadow(planner: &mut Planner<'_>, plan: &Plan) -> Result<Option<LeftOut>, Mea
     }))
 }
 
+/// Returns when what a setting draws has to be drawn again.
+fn update_of(motion: FrameMotion, setting: &Setting) -> Update {
+    let is_drawn_once = setting.draw_ms > 0.0 && is_kept(motion, setting);
+    match motion {
+        FrameMotion::Still if is_drawn_once => Update::Once,
+        FrameMotion::CameraMoves if is_drawn_once => Update::WhenSceneChanges,
+        FrameMotion::Still | FrameMotion::CameraMoves | FrameMotion::AllMoves => Update::EveryFrame,
+    }
+}
+
+impl LightsPlan {
+    /// Returns the preset of one of its lights, with when its images are drawn again; none if nothing is within the budget.
+    pub fn light_preset(&self, light: &LightPlan) -> Option<LightPreset> {
+        let chosen = light.chosen.as_ref()?;
+        Some(LightPreset {
+            technique: chosen.preset.clone(),
+            frame: FrameRules {
+                update: update_of(self.motion, chosen),
+                ..FrameRules::default()
+            },
+        })
+    }
+}
+
 /// Drawing again what is kept.
 fn redrawing(plan: &Plan) -> Option<LeftOut> {
     let chosen = plan.chosen.as_ref()?;
-    let update = match plan.motion {
-        FrameMotion::Still => Update::Once,
-        FrameMotion::CameraMoves => Update::WhenSceneChanges,
-        FrameMotion::AllMoves => Update::EveryFrame,
-    };
-    let draws = chosen.draw_ms > 0.0;
-    (draws && is_kept(plan.motion, chosen)).then_some(LeftOut {
+    let update = update_of(plan.motion, chosen);
+    (update != Update::EveryFrame).then_some(LeftOut {
         what: Omission::Redrawing(update),
         saved_ms: chosen.draw_ms,
         error_before: chosen.estimate.error,
