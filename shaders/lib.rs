@@ -16,8 +16,8 @@ pub use filtering::least_depth::{LeastDepthKernel, LeastDepthUniforms};
 pub use filtering::light_extent::LightExtent;
 pub use filtering::sample_pattern::Pattern;
 pub use listing::{
-    Candidate, ClosedFormDemand, ConfiguredTechniques, ListedTechnique, PlannedBiases,
-    RandomParameter, TechniqueEntry, TechniquePreset,
+    Candidate, ClosedFormDemand, ConfiguredTechniques, FrameRules, LightPreset, ListedTechnique,
+    PlannedBiases, RandomParameter, TechniqueEntry, TechniquePreset, Update,
 };
 pub use registry::*;
 pub use shading::blinn_phong::{BlinnPhong, BlinnPhongKernel, BlinnPhongUniforms, Shading};

@@ -81,6 +81,13 @@ impl Techniques {
         Ok(self)
     }
 
+    /// The same list without the techniques whose names `keep` refuses.
+    #[must_use]
+    pub fn retain(mut self, keep: impl Fn(&str) -> bool) -> Self {
+        self.0.retain(|entry| keep(entry.name));
+        self
+    }
+
     /// All of them, in order.
     pub fn all(&self) -> &[TechniqueEntry] {
         &self.0

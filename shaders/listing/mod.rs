@@ -1,13 +1,15 @@
 //! The description of a technique that all lists of techniques read: command line, comparison, planner, presets, tests.
 //!
 //! A technique implements [`ListedTechnique`] in its own file. [`TechniqueEntry::of`] makes the row of a list from it, and
-//! [`TechniquePreset`] holds any technique that has the trait as data.
+//! [`TechniquePreset`] holds any technique that has the trait as data, and [`LightPreset`] what of its work may be left out besides.
 
 mod entry;
+mod light_preset;
 mod preset;
 pub mod sweeps;
 
 pub use entry::TechniqueEntry;
+pub use light_preset::{FrameRules, LightPreset, Update};
 pub use preset::TechniquePreset;
 
 use crate::shadow_map::ShadowMap;

@@ -1,6 +1,6 @@
 //! Techniques as data: any listed one with its settings, to be kept in a file.
 
-use super::{ListedTechnique, PlannedBiases, TechniqueEntry};
+use super::{ListedTechnique, PlannedBiases, TechniqueEntry, light_preset};
 use crate::shadow_map::ShadowMap;
 use serde::{Serialize, Serializer};
 use std::{any::Any, sync::Arc};
@@ -115,6 +115,8 @@ impl TechniquePreset {
         mut table: toml::Table,
         techniques: &[TechniqueEntry],
     ) -> Result<Self, Invalid> {
+        // What may be left out of its work is read by those who ask for it.
+        table.remove(light_preset::FRAME);
         let Some(name) = table.remove("technique") else {
             return Err(unreadable("has no field `technique`", techniques));
         };

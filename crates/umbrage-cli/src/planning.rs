@@ -35,6 +35,9 @@ impl Progress {
             Step::Trying(technique, before) => self
                 .bar
                 .set_message(format!("trying {technique} ({before} tried)")),
+            Step::Timing(count) => self
+                .bar
+                .set_message(format!("timing {count} settings in turn")),
             Step::Explaining => self.bar.set_message("writing down why"),
         }
     }

@@ -2,29 +2,56 @@
 
 use crate::args::PlanArguments;
 use crate::program::Program;
-use crate::{inputs::scene, plan::options_of, planning::Progress};
+use crate::{
+    inputs::scene,
+    plan::{clock_of, options_of},
+    planning::Progress,
+};
 use anyhow::{Result, bail};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets::UTF8_FULL_CONDENSED};
-use umbrage_core::Scene;
+use umbrage_core::{Backend, Scene};
 use umbrage_lab::plan_files::write_regret;
 use umbrage_plan::{
-    MAX_REGRET, MIN_KEPT, PlanOptions, Regret, regret as measure, statistics::Sorted,
+    ClockRegret, MAX_REGRET, MIN_KEPT, PlanOptions, Regret, regret as measure, statistics::Sorted,
+    truth::TruthOptions,
 };
+
+/// Images of more pixels than this are judged at one pixel of each block, and candidates are swept with their best bias alone: a
+/// sweep of everything would take hours.
+const MAX_THOROUGH: u32 = 320 * 240;
+/// The side of those blocks, pixels.
+const BLOCK_SIDE: u32 = 4;
 
 /// Prints a row for each scene, light and bound; errors if too many bounds are broken, or a choice costs too much.
 pub(crate) fn regret(program: &Program, arguments: &PlanArguments) -> Result<()> {
     let scenes = scenes(program, &arguments.scenes)?;
+    let mut clock = clock_of(arguments)?;
     let progress = Progress::new();
     let mut all = Vec::new();
     for (i, scene) in scenes.iter().enumerate() {
         progress.prefix(format!("{} ({} of {}): ", scene.name, i + 1, scenes.len()));
         // Once also without lights: then the library returns the error that says so.
         for light in 0..scene.lights.len().max(1) {
+            let of_all = options_of(program, arguments)?;
+            let own = scene.cameras.first().map(|camera| camera.size);
+            let size = of_all.size.or(own).unwrap_or_default();
             let options = PlanOptions {
                 light,
-                ..options_of(program, arguments)?
+                truth: TruthOptions {
+                    block_side: if size.element_product() > MAX_THOROUGH {
+                        BLOCK_SIDE
+                    } else {
+                        1
+                    },
+                    ..of_all.truth
+                },
+                ..of_all
             };
-            let found = measure(scene, &arguments.errors, &options, &|step| {
+            let backend: Option<&mut dyn Backend> = match &mut clock {
+                Some(clock) => Some(&mut *clock.playing[0]),
+                None => None,
+            };
+            let found = measure(scene, &arguments.errors, &options, backend, &|step| {
                 progress.note(step)
             });
             let found = found.inspect_err(|_| progress.finish())?;
@@ -84,12 +111,28 @@ fn cells(r: &Regret) -> Vec<String> {
         cost,
         cheapest.unwrap_or_else(|| "nothing".to_owned()),
         ratio.unwrap_or_else(|| "-".to_owned()),
+        clock_words(r.clock.as_ref()),
         format!("{:.1}", r.seconds),
         verdict.to_owned(),
     ]
 }
 
-const HEADER: [&str; 11] = [
+/// Returns what the clock says of a plan.
+fn clock_words(clock: Option<&ClockRegret>) -> String {
+    let Some(clock) = clock else {
+        return "-".to_owned();
+    };
+    format!(
+        "{:.2}: {:.1} ms, of {} the quickest {} {:.1} ms",
+        clock.ratio(),
+        clock.chosen_ms,
+        clock.candidates,
+        clock.quickest,
+        clock.least_ms
+    )
+}
+
+const HEADER: [&str; 12] = [
     "scene",
     "light",
     "bound",
@@ -99,12 +142,13 @@ const HEADER: [&str; 11] = [
     "ms",
     "cheapest by sweep",
     "times the least",
+    "by the clock",
     "seconds",
     "",
 ];
 
 /// The columns of [`HEADER`] that hold numbers.
-const NUMBERS: [usize; 6] = [2, 4, 5, 6, 8, 9];
+const NUMBERS: [usize; 6] = [2, 4, 5, 6, 8, 10];
 
 /// Returns a row as a line for logs.
 fn line(r: &Regret) -> String {
@@ -148,9 +192,32 @@ fn verdict(all: &[Regret]) -> Result<()> {
          9 in 10 within {nine_in_ten:.2}, greatest {greatest:.2}; {dear} cost more than {MAX_REGRET} times the least",
         all.len()
     );
-    if (kept as f64) < MIN_KEPT * count || dear > 0 {
+    let by_clock: Vec<f64> = all
+        .iter()
+        .filter(|r| r.keeps())
+        .filter_map(|r| r.clock.as_ref().map(ClockRegret::ratio))
+        .collect();
+    let mut misses = (kept as f64) < MIN_KEPT * count;
+    if by_clock.is_empty() {
+        misses |= dear > 0;
+    } else {
+        let within = by_clock
+            .iter()
+            .filter(|ratio| **ratio <= MAX_REGRET)
+            .count();
+        let timed = by_clock.len();
+        let ratios = Sorted::new(by_clock);
+        println!(
+            "by the clock: {within} of {timed} within {MAX_REGRET} times the least ({:.1} %); median {:.2}, greatest {:.2}",
+            100.0 * within as f64 / timed as f64,
+            ratios.nearest(0.5).unwrap_or(1.0),
+            ratios.nearest(1.0).unwrap_or(1.0)
+        );
+        misses |= (within as f64) < MIN_KEPT * timed as f64;
+    }
+    if misses {
         bail!(
-            "plans miss their targets: {:.0} % kept, at most {MAX_REGRET} times the least cost",
+            "plans miss their targets: {:.0} % kept, at most {MAX_REGRET} times the least cost (by the clock in as many)",
             100.0 * MIN_KEPT
         );
     }

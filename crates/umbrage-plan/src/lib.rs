@@ -4,6 +4,7 @@
 //! * [`cost`]: milliseconds by counting, the same on every run.
 //! * [`footprint`]: how much of their maps techniques use, and how fine these are on screen.
 //! * [`plan()`], [`Planner`]: the planner. [`regret()`]: its check against a sweep of all candidates.
+//! * [`motion`]: what moves from frame to frame, and what has to be drawn again then.
 //! * [`pareto`]: the front of cost and error. [`statistics`]: quantiles.
 //!
 //! No rule says what is chosen. Some thousand seen receivers are sampled, more where visibility varies, and their truth is
@@ -24,6 +25,7 @@ pub mod cost;
 mod error;
 mod estimate;
 pub mod footprint;
+pub mod motion;
 pub mod pareto;
 mod progress;
 mod search;
@@ -31,9 +33,12 @@ pub mod statistics;
 pub mod truth;
 
 pub use error::MeasureError;
-pub use estimate::error::Estimate;
+pub use estimate::{
+    error::Estimate, sampled_truth::Coverage, scene::RendererData, weighting::Weighting,
+};
 pub use progress::{OnStep, Step};
 pub use search::{
-    BiasKind, Bounds, CurvePoint, MAX_REGRET, MIN_KEPT, Miss, Plan, PlanOptions, Planner, Regret,
-    Sampled, Setting, plan, regret,
+    BiasKind, Bounds, CameraFigures, ClockRegret, CurvePoint, Hold, LeftOut, LightPlan,
+    LightsBudget, LightsPlan, Look, MAX_GRAIN, MAX_REGRET, MIN_KEPT, Miss, Omission, Plan,
+    PlanOptions, Planner, Regret, Sampled, Setting, look, plan, plan_by_clock, plan_lights, regret,
 };

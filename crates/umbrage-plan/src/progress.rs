@@ -9,6 +9,8 @@ pub enum Step<'a> {
     Truth(usize, usize),
     /// It tries this technique; so many settings were tried before.
     Trying(&'a str, usize),
+    /// It plays so many finalists in turn and times them.
+    Timing(usize),
     /// It writes down the reasons.
     Explaining,
 }

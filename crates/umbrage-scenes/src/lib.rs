@@ -110,4 +110,5 @@ pub use catalogue::{all, find};
 pub use detail::{denoise, fitting_normal_map, with_tangents};
 pub use entry::{ClosedForm, Failure, Kind, Sample, SceneEntry};
 pub use error::{Place, SceneError};
+pub use file::cameras;
 pub use load::{by_argument, load, parse};

@@ -3,7 +3,8 @@
 use crate::{Scene, techniques::TechniquePreset};
 use umbrage_plan::{MeasureError, Miss, PlanOptions, plan};
 
-/// What shadows may err and cost: a greatest error, time, number of bytes, or several of them.
+/// What shadows may err and cost (a greatest error, time, number of bytes, or several of them), and what the renderer has that will
+/// play them: [`Budget::renderer`](umbrage_plan::Bounds::renderer).
 pub type Budget = umbrage_plan::Bounds;
 
 /// Finds the cheapest built-in technique and setting within a budget (without a bound of the error, the most accurate) for a
@@ -26,13 +27,32 @@ pub type Budget = umbrage_plan::Bounds;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
+/// Presets are those that the caller's renderer can play. It is taken to have the triangles on the CPU, as above. If they are on the
+/// GPU alone, say so: planar shadows, volumes and rays, which are made of triangles, are then left out, and maps lie around the
+/// casters' box as they will in the program.
+///
+#[cfg_attr(feature = "scenes", doc = "```")]
+#[cfg_attr(not(feature = "scenes"), doc = "```ignore")]
+/// use umbrage::{Budget, Geometry, RendererData, ShadowTechnique, View};
+///
+/// let scene = umbrage::scenes::by_argument("cubes")?;
+/// let budget = Budget { renderer: RendererData::CasterBox, ..Budget::error(0.1) };
+/// let technique = umbrage::auto(&scene, &budget)?.technique();
+///
+/// let geometry = Geometry::bake(&scene)?;
+/// let view = View::new(&scene.cameras[0], &scene.lights[0], &geometry);
+/// let without_triangles = View { geometry: None, ..view };
+/// assert!(technique.recipe(&without_triangles).is_ok());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// When the scene or the budget is not valid, and when nothing is within the budget.
 pub fn auto(scene: &Scene, budget: &Budget) -> Result<TechniquePreset, AutoError> {
     auto_with(scene, budget, &PlanOptions::default())
 }
 
-/// As [`auto`], with options: another light or image size, techniques of your own, or the prices of your machine
+/// As [`auto`], with options: the cameras of a path, what moves from frame to frame, another light or image size, techniques of your own, or the prices of your machine
 /// ([`PlanOptions::cost`], from a [`PriceList`](umbrage_plan::cost::PriceList) that `bench --costs --write` writes).
 ///
 /// # Errors
@@ -55,4 +75,51 @@ pub enum AutoError {
     /// Nothing is within the budget: which bound fails, by how much, and what comes nearest.
     #[error(transparent)]
     Miss(#[from] Box<Miss>),
+}
+
+#[cfg(all(test, feature = "scenes"))]
+mod tests {
+    use super::*;
+    use umbrage_core::{Geometry, View, glam::UVec2};
+    use umbrage_plan::{RendererData, motion::FrameMotion};
+
+    fn picked(
+        scene: &Scene,
+        renderer: RendererData,
+        error: f64,
+    ) -> Result<TechniquePreset, AutoError> {
+        let budget = Budget {
+            renderer,
+            ..Budget::error(error)
+        };
+        let options = PlanOptions {
+            samples: 1024,
+            size: Some(UVec2::new(160, 120)),
+            // Where maps are drawn every frame, exact shadows of triangles are cheaper than the finest map.
+            motion: FrameMotion::AllMoves,
+            ..PlanOptions::default()
+        };
+        auto_with(scene, &budget, &options)
+    }
+
+    /// Exact shadows need triangles; a renderer that has none gets what it can play, or is told that there is nothing.
+    #[test]
+    fn what_the_renderer_cannot_play_is_never_picked() {
+        for name in ["c1-box-sun", "cubes", "lamp-in-room"] {
+            let scene = umbrage_scenes::by_argument(name).expect("built in");
+            let geometry = Geometry::bake(&scene).expect("valid");
+            let view = View {
+                geometry: None,
+                ..View::new(&scene.cameras[0], &scene.lights[0], &geometry)
+            };
+            let plays = |preset: &TechniquePreset| preset.technique().recipe(&view).is_ok();
+            let exact = picked(&scene, RendererData::Triangles, 0.0).expect("rays are exact");
+            assert!(!plays(&exact), "{name}: {exact:?}");
+            if let Ok(preset) = picked(&scene, RendererData::CasterBox, 0.0) {
+                assert!(plays(&preset), "{name}: {preset:?}");
+            }
+            let rough = picked(&scene, RendererData::CasterBox, 0.2).expect("maps are enough");
+            assert!(plays(&rough), "{name}: {rough:?}");
+        }
+    }
 }

@@ -49,6 +49,8 @@ mod backend_choice;
 pub use auto::{AutoError, Budget, auto, auto_with};
 pub use backend_choice::{BackendChoice, backend};
 pub use umbrage_core::*;
+#[cfg(feature = "plan")]
+pub use umbrage_plan::RendererData;
 pub use umbrage_techniques as techniques;
 
 #[cfg(feature = "cpu")]

@@ -12,7 +12,7 @@ pub(crate) use bench::BenchArguments;
 pub(crate) use bias::BiasArguments;
 pub(crate) use compare::CompareArguments;
 pub(crate) use merge::{MergeArguments, Shard};
-pub(crate) use plan::{PlanArguments, PlanBackend};
+pub(crate) use plan::{PlanArguments, PlanBackend, PlanRenderer, PlanWeight};
 pub(crate) use stability::StabilityArguments;
 pub(crate) use which::WhichArguments;
 
@@ -135,7 +135,7 @@ mod tests {
     /// What wrong usage says.
     #[test]
     fn usage_errors() {
-        let wrong: [&[&str]; 14] = [
+        let wrong: [&[&str]; 17] = [
             &[],
             &["compere"],
             &["compare", "--size", "640"],
@@ -147,6 +147,9 @@ mod tests {
             &["plan", "cubes", "--max-error", "nan"],
             &["plan", "cubes", "--max-time", "-1"],
             &["plan", "--regret", "--max-error", "0.1"],
+            &["plan", "cubes", "--hold", "0%"],
+            &["plan", "cubes", "--must-pass", "1"],
+            &["plan", "cubes", "--budget-ms", "2", "--max-error", "0.1"],
             &["compare", "--shard", "9/8"],
             &["compare", "--deterministic", "--runs", "3"],
             &["merge", "s1", "s2"],

@@ -210,6 +210,19 @@ impl Geometry {
         out
     }
 
+    /// Returns the same triangles without the hierarchies that were built over them, as if they had just been placed: for those
+    /// who time what is built once a scene.
+    #[must_use]
+    pub fn without_hierarchies(&self) -> Self {
+        Self {
+            bvh: OnceLock::new(),
+            bvh_tables: OnceLock::new(),
+            bounds: OnceLock::new(),
+            box_tree: OnceLock::new(),
+            ..self.clone()
+        }
+    }
+
     /// World positions of the vertices, metres.
     pub fn positions(&self) -> &[Vec3] {
         &self.positions

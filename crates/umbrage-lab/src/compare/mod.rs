@@ -26,7 +26,7 @@ pub use event::{CompareEvent, OnEvent};
 pub use expected::{Expected, pilot};
 pub use kept_truth::KeptTruth;
 pub use options::{CompareOptions, NamedPreset, Runs, SceneInput, Section};
-pub use preparation::{FrameMotion, Preparation};
+pub use preparation::Preparation;
 pub use relative::{MIN_ERROR, Relative, SceneGroup, relative, scene_groups};
 pub use result::{
     CompareRow, Comparison, Control, CostBasis, Environment, Measured, Ranks, RowOutcome, RowTimes,
@@ -35,6 +35,7 @@ pub use result::{
 pub use scene::SceneImages;
 pub use timing::CALM;
 pub(crate) use timing::{Again, again, calm};
+pub use umbrage_plan::motion::FrameMotion;
 
 use crate::LabError;
 use std::sync::Arc;

@@ -2,12 +2,13 @@
 
 use super::{
     Backends, CompareRow,
-    preparation::{Preparation, follows_camera, play_alike, time_of_scene, time_recipe},
+    preparation::{Preparation, play_alike, time_of_scene, time_recipe},
     scene::SceneRun,
     slug::NamedSetting,
 };
 use crate::LabError;
 use umbrage_core::{Recipe, RecipeError, ShadowTechnique, View};
+use umbrage_plan::motion::follows_camera;
 
 /// A setting that has been played.
 pub(super) struct PlayedSetting {

@@ -2,6 +2,7 @@
 
 mod bias_curve;
 mod regret_table;
+mod strip;
 
 pub use bias_curve::curve_figure;
 pub use regret_table::{RegretLine, write_regret};
@@ -12,37 +13,118 @@ use crate::{
 };
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-use umbrage_plan::{CurvePoint, Plan};
+use umbrage_core::Scene;
+use umbrage_plan::{Bounds, CurvePoint, LightsPlan, Plan, PlanOptions, Setting, look};
 
 /// A file that was written, and what it holds.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Written {
-    /// `preset`, `plan`, `bias curve` or `bias chart`.
+    /// `preset`, `plan`, `bias curve`, `bias chart`, `pictures` or `plan of all lights`.
     pub what: &'static str,
     /// Where it lies.
     pub path: PathBuf,
 }
 
 /// Writes a plan into a folder, which is made if need be, under the scene's name: `cubes.preset.toml` (the
-/// [`TechniquePreset`](umbrage_techniques::TechniquePreset), where one was found; a scene file `cubes.toml` stays as it is), `cubes.plan.json`
-/// (the [`Plan`]), and for biases that are found by trying `cubes.bias.csv` and `cubes.bias.svg`; for another light than the
+/// [`LightPreset`](umbrage_techniques::LightPreset), where one was found; a scene file `cubes.toml` stays as it is), `cubes.plan.json`
+/// (the [`Plan`]), for biases that are found by trying `cubes.bias.csv` and `cubes.bias.svg`, and, with the scene and the options that it
+/// was planned with, `cubes.strip.png`: truth, what was chosen and the cheaper ones that fail, with their errors; for another light than the
 /// first `cubes.light-2.preset.toml`, and so on. Each is there whole or not at all; those that an older plan had and this
 /// one lacks are removed.
 ///
 /// # Errors
-/// Errors if a file cannot be written.
-pub fn write(plan: &Plan, folder: &Path) -> Result<Vec<Written>, LabError> {
-    let stem = match plan.light_number {
-        1 => slug(&plan.scene),
-        n => format!("{}.light-{n}", slug(&plan.scene)),
+/// Errors if a file cannot be written, or a setting of the plan can't be played.
+pub fn write(
+    plan: &Plan,
+    planned: Option<(&Scene, &PlanOptions)>,
+    folder: &Path,
+) -> Result<Vec<Written>, LabError> {
+    let failing: Vec<&Setting> = plan.failing.iter().collect();
+    let picture = match (&plan.chosen, planned) {
+        (Some(chosen), Some((scene, options))) => {
+            Some(picture(scene, options, &plan.bounds, chosen, &failing)?)
+        }
+        _ => None,
     };
+    let stem = stem(&plan.scene, plan.light_number);
+    write_files(&stem, files(plan, picture)?, folder)
+}
+
+/// Writes the plan of all lights of a scene into a folder: `night-room.lights.json` (the [`LightsPlan`]), and of each light its preset
+/// and its strip of pictures, as [`write`] does.
+///
+/// # Errors
+/// Errors if a file cannot be written, or a setting of the plan can't be played.
+pub fn write_lights(
+    plan: &LightsPlan,
+    scene: &Scene,
+    options: &PlanOptions,
+    folder: &Path,
+) -> Result<Vec<Written>, LabError> {
+    let json = serde_json::to_string_pretty(plan).map_err(|e| LabError::write("plan", e))?;
+    let whole = PlanFile {
+        what: "plan of all lights",
+        ending: ".lights.json",
+        bytes: Some(json.into_bytes()),
+    };
+    let mut written = write_files(&stem(&plan.scene, 1), vec![whole], folder)?;
+    for light in &plan.lights {
+        let preset = match plan.light_preset(light) {
+            Some(preset) => Some(preset.to_toml()?.into_bytes()),
+            None => None,
+        };
+        let mut strip = None;
+        if let Some(chosen) = &light.chosen {
+            let place = light.front.iter().position(|s| s.preset == chosen.preset);
+            // The next cheaper ones, the nearest first.
+            let cheaper: Vec<&Setting> = light.front[..place.unwrap_or(0)]
+                .iter()
+                .rev()
+                .take(2)
+                .collect();
+            let options = PlanOptions {
+                light: light.number - 1,
+                ..options.clone()
+            };
+            strip = Some(picture(scene, &options, &plan.limits, chosen, &cheaper)?);
+        }
+        let files = vec![
+            PlanFile {
+                what: "preset",
+                ending: ".preset.toml",
+                bytes: preset,
+            },
+            PlanFile {
+                what: "pictures",
+                ending: ".strip.png",
+                bytes: strip,
+            },
+        ];
+        written.extend(write_files(
+            &stem(&plan.scene, light.number),
+            files,
+            folder,
+        )?);
+    }
+    Ok(written)
+}
+
+/// Returns how the names of a light's files begin.
+fn stem(scene: &str, light_number: usize) -> String {
+    match light_number {
+        1 => slug(scene),
+        n => format!("{}.light-{n}", slug(scene)),
+    }
+}
+
+fn write_files(stem: &str, files: Vec<PlanFile>, folder: &Path) -> Result<Vec<Written>, LabError> {
     let into = Folder::create(folder)?;
     let mut written = Vec::new();
-    for file in files(plan)? {
+    for file in files {
         let name = format!("{stem}{}", file.ending);
-        match file.text {
-            Some(text) => {
-                into.write(&name, text.as_bytes())?;
+        match file.bytes {
+            Some(bytes) => {
+                into.write(&name, &bytes)?;
                 written.push(Written {
                     what: file.what,
                     path: folder.join(name),
@@ -54,6 +136,27 @@ pub fn write(plan: &Plan, folder: &Path) -> Result<Vec<Written>, LabError> {
     Ok(written)
 }
 
+/// Returns the strip of pictures of a setting and others.
+fn picture(
+    scene: &Scene,
+    options: &PlanOptions,
+    bounds: &Bounds,
+    chosen: &Setting,
+    others: &[&Setting],
+) -> Result<Vec<u8>, LabError> {
+    let mut presets = vec![chosen.preset.clone()];
+    presets.extend(others.iter().map(|setting| setting.preset.clone()));
+    let look = look(
+        scene,
+        &presets,
+        bounds.renderer,
+        options,
+        strip::WIDTH,
+        &|_| {},
+    )?;
+    strip::strip(&look, chosen, others)
+}
+
 /// One of a plan's files.
 struct PlanFile {
     /// [`Written::what`].
@@ -61,42 +164,47 @@ struct PlanFile {
     /// How its name ends.
     ending: &'static str,
     /// What it holds; none where the plan has no such thing.
-    text: Option<String>,
+    bytes: Option<Vec<u8>>,
 }
 
-fn files(plan: &Plan) -> Result<[PlanFile; 4], LabError> {
-    let preset = match &plan.chosen {
-        Some(chosen) => Some(chosen.preset.to_toml()?),
-        None => None,
+fn files(plan: &Plan, picture: Option<Vec<u8>>) -> Result<Vec<PlanFile>, LabError> {
+    let preset = match plan.light_preset() {
+        Ok(preset) => Some(preset.to_toml()?.into_bytes()),
+        Err(_) => None,
     };
     let json = serde_json::to_string_pretty(plan).map_err(|e| LabError::write("plan", e))?;
     let curve = if plan.curve.is_empty() {
         None
     } else {
         let table = csv::of_records("bias curve", plan.curve.iter().map(CurveLine::from))?;
-        Some(String::from_utf8_lossy(&table).into_owned())
+        Some(table)
     };
-    let chart = curve_figure(plan).map(|figure| figure.svg());
-    Ok([
+    let chart = curve_figure(plan).map(|figure| figure.svg().into_bytes());
+    Ok(vec![
         PlanFile {
             what: "preset",
             ending: ".preset.toml",
-            text: preset,
+            bytes: preset,
         },
         PlanFile {
             what: "plan",
             ending: ".plan.json",
-            text: Some(json),
+            bytes: Some(json.into_bytes()),
         },
         PlanFile {
             what: "bias curve",
             ending: ".bias.csv",
-            text: curve,
+            bytes: curve,
         },
         PlanFile {
             what: "bias chart",
             ending: ".bias.svg",
-            text: chart,
+            bytes: chart,
+        },
+        PlanFile {
+            what: "pictures",
+            ending: ".strip.png",
+            bytes: picture,
         },
     ])
 }
@@ -129,7 +237,7 @@ impl From<&CurvePoint> for CurveLine {
 mod tests {
     use super::*;
     use std::fs;
-    use umbrage_plan::{BiasKind, Bounds, Estimate, Sampled, Setting};
+    use umbrage_plan::{BiasKind, Coverage, Estimate, Sampled, motion::FrameMotion};
     use umbrage_techniques::TechniquePreset;
 
     fn plan(scene: &str, chosen: bool) -> Plan {
@@ -145,7 +253,13 @@ mod tests {
             settings: String::new(),
             estimate,
             milliseconds: 1.0,
+            draw_ms: 0.5,
+            kept_as_camera_moves: Some(true),
             bytes: 4,
+            grain: Some(0.125),
+            shimmer: None,
+            measured_ms: None,
+            cameras: Vec::new(),
         };
         let point = CurvePoint {
             kind: BiasKind::NormalOffset,
@@ -158,12 +272,19 @@ mod tests {
             light: "parallel".to_owned(),
             light_number: 1,
             size: [4, 3],
+            cameras: 1,
+            motion: FrameMotion::Still,
             bounds: Bounds::error(0.5),
             chosen: chosen.then_some(setting),
             miss: None,
             runners_up: Vec::new(),
+            failing: Vec::new(),
+            timed: Vec::new(),
+            error_of_no_shadow: Estimate::default(),
             reasons: Vec::new(),
+            left_out: Vec::new(),
             curve: if chosen { vec![point] } else { Vec::new() },
+            coverage: Coverage::default(),
             sampled: Sampled::default(),
         }
     }
@@ -172,7 +293,7 @@ mod tests {
     fn plans_come_back_from_their_files() {
         let dir = tempfile::tempdir().expect("a temporary folder");
         let plan = plan("../A scene", true);
-        let written = write(&plan, &dir.path().join("plans")).expect("writable");
+        let written = write(&plan, None, &dir.path().join("plans")).expect("writable");
         let mut names = Vec::new();
         for file in &written {
             let name = file.path.file_name().expect("named");
@@ -219,7 +340,7 @@ mod tests {
             ..plan("cubes", true)
         };
         for plan in [plan("cubes", true), second] {
-            write(&plan, dir.path()).expect("writable");
+            write(&plan, None, dir.path()).expect("writable");
         }
         assert_eq!(fs::read_dir(dir.path()).expect("there").count(), 8);
         assert!(dir.path().join("cubes.light-2.preset.toml").exists());
@@ -230,8 +351,8 @@ mod tests {
     fn what_an_older_plan_left_is_removed_and_a_scene_file_is_not() {
         let dir = tempfile::tempdir().expect("a temporary folder");
         fs::write(dir.path().join("cubes.toml"), "a scene").expect("writable");
-        write(&plan("cubes", true), dir.path()).expect("writable");
-        let written = write(&plan("cubes", false), dir.path()).expect("writable");
+        write(&plan("cubes", true), None, dir.path()).expect("writable");
+        let written = write(&plan("cubes", false), None, dir.path()).expect("writable");
         assert_eq!(written.iter().map(|w| w.what).collect::<Vec<_>>(), ["plan"]);
         assert!(
             !dir.path().join("cubes.preset.toml").exists()

@@ -38,6 +38,14 @@ pub struct RegretLine {
     pub least_ms: Option<f64>,
     /// [`Regret::ratio`].
     pub ratio: Option<f64>,
+    /// What the plan takes by the clock, milliseconds.
+    pub clock_ms: Option<f64>,
+    /// The quickest candidate by the clock, with its settings; empty if nothing was timed.
+    pub quickest: String,
+    /// What that takes, milliseconds.
+    pub least_clock_ms: Option<f64>,
+    /// [`ClockRegret::ratio`](umbrage_plan::ClockRegret::ratio).
+    pub clock_ratio: Option<f64>,
     /// [`Regret::seconds`].
     pub seconds: f64,
     /// [`Regret::keeps`].
@@ -63,6 +71,13 @@ impl From<&Regret> for RegretLine {
             cheapest: r.cheapest.clone().unwrap_or_default(),
             least_ms: r.cheapest.as_ref().map(|_| r.min_milliseconds),
             ratio: r.ratio(),
+            clock_ms: r.clock.as_ref().map(|c| c.chosen_ms),
+            quickest: r
+                .clock
+                .as_ref()
+                .map_or_else(String::new, |c| c.quickest.clone()),
+            least_clock_ms: r.clock.as_ref().map(|c| c.least_ms),
+            clock_ratio: r.clock.as_ref().map(umbrage_plan::ClockRegret::ratio),
             seconds: r.seconds,
             keeps: r.keeps(),
             misses: r.misses(),
@@ -101,7 +116,13 @@ mod tests {
             settings: "3x3, 512".to_owned(),
             estimate,
             milliseconds: 1.5,
+            draw_ms: 1.0,
+            kept_as_camera_moves: None,
             bytes: 4,
+            grain: None,
+            shimmer: None,
+            measured_ms: None,
+            cameras: Vec::new(),
         };
         let found = Regret {
             scene: "a, b".to_owned(),
@@ -112,6 +133,12 @@ mod tests {
             error: 0.26,
             cheapest: Some("hard (512)".to_owned()),
             min_milliseconds: 1.0,
+            clock: Some(umbrage_plan::ClockRegret {
+                chosen_ms: 3.0,
+                least_ms: 2.5,
+                quickest: "pcf (3x3, 512)".to_owned(),
+                candidates: 7,
+            }),
             seconds: 2.0,
         };
         let nothing = Regret {
@@ -119,6 +146,7 @@ mod tests {
             error: f64::NAN,
             cheapest: None,
             min_milliseconds: f64::NAN,
+            clock: None,
             ..found.clone()
         };
         let dir = tempfile::tempdir().expect("a temporary folder");
@@ -137,6 +165,13 @@ mod tests {
             lines[0].ratio,
         ];
         assert_eq!(figures, [0.25, 0.5, 0.26, 1.5, 1.5].map(Some));
+        let by_clock = [
+            lines[0].clock_ms,
+            lines[0].least_clock_ms,
+            lines[0].clock_ratio,
+        ];
+        assert_eq!(by_clock, [3.0, 2.5, 1.2].map(Some));
+        assert_eq!(lines[1].clock_ratio, None);
         assert_eq!(
             [
                 lines[1].predicted,

@@ -19,8 +19,8 @@ use super::{
     guard::{self, NoMask},
     measure::Measure,
     measures::shimmer::{change, change_error, shimmer},
-    pictures, pixel_shift,
-    play::{cell, draws_the_picture, no_mask},
+    pictures,
+    play::{cell, no_mask},
     row::Motion,
 };
 use crate::{LabError, compare::Backends};
@@ -29,7 +29,10 @@ use umbrage_core::{
     Backend, Camera, Fit, Geometry, Invalid, Layout, Light, Receivers, ShadowTechnique, View,
 };
 use umbrage_cpu::Cpu;
-use umbrage_plan::truth::TruthOptions;
+use umbrage_plan::{
+    motion::{draws_the_picture, pixel_shift},
+    truth::TruthOptions,
+};
 
 /// The camera, the light and the casters of one frame.
 #[derive(Clone, Debug)]

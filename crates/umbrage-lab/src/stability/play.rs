@@ -8,7 +8,8 @@ use super::{
     pictures,
 };
 use crate::{LabError, compare::Backends};
-use umbrage_core::{Camera, Light, Recipe, ShadowTechnique, View, Work};
+use umbrage_core::{Light, Recipe, ShadowTechnique, View, Work};
+use umbrage_plan::motion::draws_the_picture;
 
 /// A still case, ready to be played.
 #[derive(Debug)]
@@ -165,12 +166,4 @@ fn fill(recipe: &Recipe, view: &View<'_>) -> f64 {
     } else {
         covered
     }
-}
-
-/// Whether a recipe casts into the camera's own picture.
-pub(super) fn draws_the_picture(recipe: &Recipe, camera: &Camera) -> bool {
-    recipe
-        .casts
-        .iter()
-        .any(|cast| recipe.images[cast.image].size == camera.size)
 }

@@ -73,6 +73,9 @@ pub(crate) fn density(
             *interest += MAP_DIFFERENCE_WEIGHT * f64::from(difference);
         }
     }
+    for (interest, weight) in interest.iter_mut().zip(&scene.weights) {
+        *interest *= weight;
+    }
     Ok(normalized(interest, &receives))
 }
 

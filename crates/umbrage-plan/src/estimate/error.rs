@@ -12,7 +12,8 @@ pub(crate) const ONE_IN_TWENTY: f64 = 1.645;
 /// A setting's errors, as the sample tells them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
-    /// Root mean square of mask - truth over the pixels that count, 0..=1: [`Errors::rmse`](umbrage_core::metrics::Errors::rmse).
+    /// Root mean square of mask - truth over the pixels that count, 0..=1: [`Errors::rmse`](umbrage_core::metrics::Errors::rmse),
+    /// or [weighted](crate::Weighting).
     pub error: f64,
     /// The whole image's lies below this with a chance of one in twenty ..
     pub low: f64,
@@ -34,8 +35,8 @@ pub(crate) fn estimate(sample: &PixelSample, truth: &[PixelTruth], mask: &[f32])
         truth,
         mask,
     };
-    let all = compared.sum(|_| 1.0);
-    if all == 0.0 {
+    let all = compared.sum(|k| compared.weight(k));
+    if all <= 0.0 {
         return Estimate::default();
     }
     let squares = compared.squares().divided_by(all);
@@ -57,7 +58,7 @@ pub(crate) fn estimate_of_part(
         truth,
         mask,
     };
-    if all.count == 0.0 {
+    if all.count <= 0.0 {
         return Estimate::default();
     }
     let squares = compared.squares().divided_by(all.count);
@@ -67,7 +68,7 @@ pub(crate) fn estimate_of_part(
     Estimate::new(squares, margin_of_count.hypot(margin_of_sum), unseen)
 }
 
-/// The number of an image's pixels that count, estimated from a sample of its receivers.
+/// The number of an image's pixels that count, each by its weight, estimated from a sample of its receivers.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct CountedPixels {
     pub(crate) count: f64,
@@ -76,38 +77,36 @@ pub(crate) struct CountedPixels {
 }
 
 impl CountedPixels {
-    /// Estimates the number from the receivers drawn out of `receivers`: of each its chance to be drawn and whether it counts.
-    /// The share that counts is a ratio of two sums, as in [`estimate`].
+    /// Estimates the number from the receivers drawn out of those that weigh `receivers` in all: of each its chance to be drawn, its
+    /// weight and whether it counts. The share that counts is a ratio of two sums, as in [`estimate`].
     pub(crate) fn estimate(
-        receivers: usize,
-        drawn: impl Iterator<Item = (f64, bool)> + Clone,
+        receivers: f64,
+        drawn: impl Iterator<Item = (f64, f64, bool)> + Clone,
     ) -> Self {
-        let all: f64 = drawn.clone().map(|(chance, _)| 1.0 / chance).sum();
-        if all == 0.0 {
+        let all: f64 = drawn
+            .clone()
+            .map(|(chance, weight, _)| weight / chance)
+            .sum();
+        if all <= 0.0 {
             return Self::default();
         }
         let share = drawn
             .clone()
-            .filter(|(_, counts)| *counts)
-            .map(|(chance, _)| 1.0 / chance)
+            .filter(|(_, _, counts)| *counts)
+            .map(|(chance, weight, _)| weight / chance)
             .sum::<f64>()
             / all;
         let variance: f64 = drawn
-            .map(|(chance, counts)| {
-                let deviation = f64::from(u8::from(counts)) - share;
+            .map(|(chance, weight, counts)| {
+                let deviation = weight * (f64::from(u8::from(counts)) - share);
                 (1.0 - chance) / chance.powi(2) * deviation.powi(2)
             })
             .sum();
         let share_margin = ONE_IN_TWENTY * variance.sqrt() / all;
         Self {
-            count: share * receivers as f64,
-            margin: share_margin * receivers as f64,
+            count: share * receivers,
+            margin: share_margin * receivers,
         }
-    }
-
-    /// Returns the greatest number that is to be expected, but for one case in twenty.
-    pub(crate) fn upper_limit(&self) -> f64 {
-        self.count + self.margin
     }
 }
 
@@ -125,6 +124,17 @@ impl Estimate {
             high: (square + margin + unseen).sqrt(),
             too_dark: squares.too_dark.sqrt(),
             too_light: squares.too_light.sqrt(),
+        }
+    }
+
+    /// Returns the estimate with all errors multiplied.
+    pub(crate) fn times(self, factor: f64) -> Self {
+        Self {
+            error: self.error * factor,
+            low: self.low * factor,
+            high: self.high * factor,
+            too_dark: self.too_dark * factor,
+            too_light: self.too_light * factor,
         }
     }
 
@@ -183,11 +193,15 @@ impl Compared<'_> {
             .fold(0.0, |sum, v| sum + v)
     }
 
+    fn weight(&self, k: usize) -> f64 {
+        self.sample.weights[k]
+    }
+
     /// Sums of squared differences.
     fn squares(&self) -> Squares {
         Squares {
-            too_dark: self.sum(|k| self.difference(k).min(0.0).powi(2)),
-            too_light: self.sum(|k| self.difference(k).max(0.0).powi(2)),
+            too_dark: self.sum(|k| self.weight(k) * self.difference(k).min(0.0).powi(2)),
+            too_light: self.sum(|k| self.weight(k) * self.difference(k).max(0.0).powi(2)),
         }
     }
 
@@ -195,7 +209,7 @@ impl Compared<'_> {
     fn margin(&self, mean: f64) -> f64 {
         let variance = self.sum(|k| {
             let chance = self.sample.chances[k];
-            let deviation = self.difference(k).powi(2) - mean;
+            let deviation = self.weight(k) * (self.difference(k).powi(2) - mean);
             (1.0 - chance) / chance * deviation.powi(2)
         });
         ONE_IN_TWENTY * variance.sqrt()
@@ -280,6 +294,7 @@ mod tests {
         let sample = PixelSample {
             pixels: vec![0],
             chances: vec![0.5],
+            weights: vec![1.0],
         };
         let truth = [PixelTruth {
             visibility: 0.0,

@@ -15,6 +15,8 @@ pub(crate) struct PixelSample {
     pub(crate) pixels: Vec<u32>,
     /// The chance with which each was drawn, above 0 up to 1.
     pub(crate) chances: Vec<f64>,
+    /// How much each one's error counts, 0 or more: [`PlanScene::weights`](super::scene::PlanScene::weights).
+    pub(crate) weights: Vec<f64>,
 }
 
 impl PixelSample {
@@ -36,9 +38,25 @@ impl PixelSample {
             if sum.floor() > before {
                 out.pixels.push(i);
                 out.chances.push(chance);
+                out.weights.push(1.0);
             }
         }
         out
+    }
+
+    /// Returns the sample whose pixels' errors count by the weights of the whole image.
+    pub(crate) fn weighted(mut self, weights: &[f64]) -> Self {
+        self.weights = self.pixels.iter().map(|&i| weights[i as usize]).collect();
+        self
+    }
+
+    /// Returns the pixels of the sample with these places in it.
+    pub(crate) fn kept(&self, places: &[usize]) -> Self {
+        Self {
+            pixels: places.iter().map(|&k| self.pixels[k]).collect(),
+            chances: places.iter().map(|&k| self.chances[k]).collect(),
+            weights: places.iter().map(|&k| self.weights[k]).collect(),
+        }
     }
 }
 

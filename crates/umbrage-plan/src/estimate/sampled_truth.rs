@@ -10,6 +10,7 @@ use crate::{
     progress::{OnStep, Step},
     truth::{PixelTruth, TruthOptions},
 };
+use serde::{Deserialize, Serialize};
 use umbrage_core::{BackendError, Recipe, metrics::Pixel};
 
 /// How samples are drawn and their truth is traced.
@@ -37,8 +38,49 @@ pub(crate) struct SampledTruth {
     pub(crate) sample: PixelSample,
     /// In the order of the sample's pixels.
     pub(crate) truth: Vec<PixelTruth>,
-    /// How many pixels of the whole image count; 0 if the sample is of a part of the image alone.
+    /// How many pixels of the whole image count, by their weights; 0 if the sample is of a part of the image alone.
     pub(crate) counted: CountedPixels,
+    /// How many of the image's pixels are of which class.
+    pub(crate) coverage: Coverage,
+}
+
+/// For how many of an image's pixels a plan holds, estimated from its sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Coverage {
+    /// All pixels of the image, of all cameras together.
+    pub pixels: u64,
+    /// Those that show what receives shadows.
+    pub receivers: u64,
+    /// Those of them whose truth is certain: what the plan's error is about.
+    pub certain: u64,
+    /// One in twenty counts of `certain` differs by more than this.
+    pub certain_margin: u64,
+    /// Those whose truth depends on how a program rounds ([`Pixel::Ambiguous`]): the plan promises nothing there.
+    pub ambiguous: u64,
+    /// Those that face away from the light or lie outside its cone, where no technique is asked.
+    pub unlit: u64,
+    /// Those whose truth was traced; of the rest the sample tells.
+    pub traced: u64,
+}
+
+impl Coverage {
+    /// Returns the sums of both.
+    pub(crate) fn plus(self, other: Self) -> Self {
+        Self {
+            pixels: self.pixels + other.pixels,
+            receivers: self.receivers + other.receivers,
+            certain: self.certain + other.certain,
+            certain_margin: self.certain_margin + other.certain_margin,
+            ambiguous: self.ambiguous + other.ambiguous,
+            unlit: self.unlit + other.unlit,
+            traced: self.traced + other.traced,
+        }
+    }
+
+    /// Returns the number of receivers whose truth was not traced.
+    pub fn unsampled(&self) -> u64 {
+        self.receivers.saturating_sub(self.traced)
+    }
 }
 
 impl SampledTruth {
@@ -47,14 +89,12 @@ impl SampledTruth {
         let kept: Vec<usize> = (0..truth.len())
             .filter(|&k| truth[k].pixel == Pixel::Counted)
             .collect();
-        let sample = PixelSample {
-            pixels: kept.iter().map(|&k| sample.pixels[k]).collect(),
-            chances: kept.iter().map(|&k| sample.chances[k]).collect(),
-        };
+        let sample = sample.kept(&kept);
         Self {
             sample,
             truth: kept.into_iter().map(|k| truth[k]).collect(),
             counted: CountedPixels::default(),
+            coverage: Coverage::default(),
         }
     }
 
@@ -65,20 +105,23 @@ impl SampledTruth {
         sampling: &Sampling,
         on_step: &OnStep<'_>,
     ) -> Result<Self, MeasureError> {
-        let sample = PixelSample::draw(scene.camera.size, density, sampling.count, sampling.seed);
+        let sample = PixelSample::draw(scene.camera.size, density, sampling.count, sampling.seed)
+            .weighted(&scene.weights);
         let truth = scene.truth_at(&sample.pixels, &sampling.truth, &|done, total| {
             on_step(Step::Truth(done, total))
         })?;
         let receives = &scene.receivers.receives;
-        let receivers = receives.iter().filter(|receives| **receives).count();
-        let drawn = sample
-            .chances
-            .iter()
-            .zip(&truth)
-            .map(|(chance, truth)| (*chance, truth.pixel == Pixel::Counted));
-        let counted = CountedPixels::estimate(receivers, drawn);
+        let receivers: Vec<usize> = (0..receives.len()).filter(|&i| receives[i]).collect();
+        let receivers_weight = receivers.iter().map(|&i| scene.weights[i]).sum();
+        let drawn = (0..truth.len()).map(|k| {
+            let counts = truth[k].pixel == Pixel::Counted;
+            (sample.chances[k], sample.weights[k], counts)
+        });
+        let counted = CountedPixels::estimate(receivers_weight, drawn);
+        let coverage = coverage(&sample, &truth, receives.len(), receivers.len());
         Ok(Self {
             counted,
+            coverage,
             ..Self::new(sample, truth)
         })
     }
@@ -91,5 +134,29 @@ impl SampledTruth {
     ) -> Result<Estimate, BackendError> {
         let mask = scene.mask_at(recipe, &self.sample.pixels)?;
         Ok(estimate(&self.sample, &self.truth, &mask))
+    }
+}
+
+/// Returns how many of an image's pixels are of which class, estimated from a sample of its receivers and the truth there.
+fn coverage(
+    sample: &PixelSample,
+    truth: &[PixelTruth],
+    pixels: usize,
+    receivers: usize,
+) -> Coverage {
+    let of_class = |class: Pixel| {
+        let drawn = (0..truth.len()).map(|k| (sample.chances[k], 1.0, truth[k].pixel == class));
+        CountedPixels::estimate(receivers as f64, drawn)
+    };
+    let certain = of_class(Pixel::Counted);
+    let rounded = |count: f64| count.round() as u64;
+    Coverage {
+        pixels: pixels as u64,
+        receivers: receivers as u64,
+        certain: rounded(certain.count),
+        certain_margin: rounded(certain.margin),
+        ambiguous: rounded(of_class(Pixel::Ambiguous).count),
+        unlit: rounded(of_class(Pixel::Unlit).count),
+        traced: truth.len() as u64,
     }
 }

@@ -1,10 +1,13 @@
 //! A camera's view of a scene, on which techniques are tried.
 
+use super::weighting::Weighting;
 use crate::{
     MeasureError,
     cost::CostModel,
+    motion::follows_camera,
     truth::{PixelTruth, Progress, TruthOptions, TruthRequest, trace_pixels},
 };
+use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 use umbrage_core::{
     Backend as _, BackendError, Camera, FitMemory, Geometry, Light, Receivers, Recipe, RecipeError,
@@ -19,17 +22,39 @@ pub(crate) struct PlanScene<'a> {
     pub(crate) light: &'a Light,
     pub(crate) geometry: &'a Geometry,
     pub(crate) receivers: Receivers,
+    /// Of each pixel: how much its error counts, 0 or more; 1 on average over the receivers.
+    pub(crate) weights: Vec<f64>,
+    weighting: Weighting,
     cpu: Cpu,
+    renderer: RendererData,
     /// Light spaces found before: the maps of many settings lie alike.
     fits: FitMemory,
     /// Truth by pixel index, as far as it was traced.
     pub(crate) truth: HashMap<u32, PixelTruth>,
 }
 
+/// What the program that plays a plan has when it makes recipes. Plans are made for recipes as that program will make them: what is
+/// not known can't be fitted to, and techniques that need it are no candidates.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RendererData {
+    /// Triangles on the CPU, and the points that the camera sees: few programs read these back from the GPU.
+    SeenPoints,
+    /// Triangles on the CPU: [`View::new`].
+    #[default]
+    Triangles,
+    /// A box around the casters; the triangles are on the GPU alone. Techniques that make faces or hierarchies of triangles
+    /// (planar shadows, volumes, rays) can't be played.
+    CasterBox,
+}
+
 /// The cost of a setting.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Price {
-    pub(crate) milliseconds: f64,
+    /// Casts and filters, milliseconds.
+    pub(crate) draw_ms: f64,
+    /// The lookup, milliseconds.
+    pub(crate) lookup_ms: f64,
     pub(crate) work: Work,
 }
 
@@ -42,6 +67,7 @@ impl<'a> PlanScene<'a> {
         camera: &'a Camera,
         light: &'a Light,
         geometry: &'a Geometry,
+        weighting: Weighting,
     ) -> Result<Self, MeasureError> {
         let mut cpu = Cpu::new();
         let receivers = cpu.receivers(camera, geometry)?;
@@ -49,29 +75,88 @@ impl<'a> PlanScene<'a> {
             camera,
             light,
             geometry,
+            weights: weighting.weights(light, &receivers),
+            weighting,
             receivers,
             cpu,
+            renderer: RendererData::default(),
             fits: FitMemory::default(),
             truth: HashMap::new(),
         })
     }
 
-    /// Returns the view that techniques plan for. It has all receivers, not the sampled ones alone, so that maps lie as they
-    /// will in the program.
+    /// Whether some pixels' errors count more than others'.
+    pub(crate) fn is_weighted(&self) -> bool {
+        self.weighting != Weighting::Even
+    }
+
+    /// Sets what recipes are made from. Returns whether that changes anything.
+    pub(crate) fn make_recipes_from(&mut self, renderer: RendererData) -> bool {
+        if self.renderer == renderer {
+            return false;
+        }
+        self.renderer = renderer;
+        self.fits = FitMemory::default();
+        true
+    }
+
+    /// Returns the view that techniques plan for, as the program will have it.
     pub(crate) fn view(&self) -> View<'_> {
-        View::new(self.camera, self.light, self.geometry)
-            .with_receivers(&self.receivers)
+        self.view_of(self.camera, &self.receivers)
             .with_fits(&self.fits)
+    }
+
+    /// Returns the view of a camera that sees these receivers, as the program will have it.
+    fn view_of<'b>(&'b self, camera: &'b Camera, receivers: &'b Receivers) -> View<'b> {
+        let view = View::new(camera, self.light, self.geometry);
+        match self.renderer {
+            RendererData::SeenPoints => view.with_receivers(receivers),
+            RendererData::Triangles => view,
+            RendererData::CasterBox => View {
+                geometry: None,
+                ..view
+            },
+        }
     }
 
     pub(crate) fn recipe(&self, preset: &TechniquePreset) -> Result<Recipe, RecipeError> {
         preset.technique().recipe(&self.view())
     }
 
+    /// Returns the recipe for another camera, from what the program will have there.
+    pub(crate) fn recipe_for(
+        &self,
+        preset: &TechniquePreset,
+        camera: &Camera,
+        receivers: &Receivers,
+    ) -> Result<Recipe, RecipeError> {
+        preset.technique().recipe(&self.view_of(camera, receivers))
+    }
+
+    /// Finds what another camera sees, if the program will know it; else nothing.
+    pub(crate) fn seen_by(&mut self, camera: &Camera) -> Result<Receivers, BackendError> {
+        match self.renderer {
+            RendererData::SeenPoints => self.cpu.receivers(camera, self.geometry),
+            RendererData::Triangles | RendererData::CasterBox => Ok(Receivers::empty(camera.size)),
+        }
+    }
+
+    /// Whether what a preset draws changes as the camera moves.
+    pub(crate) fn follows_camera(&self, preset: &TechniquePreset, recipe: &Recipe) -> bool {
+        follows_camera(&*preset.technique(), recipe, &self.view())
+    }
+
+    /// Returns the view that is played: with all that the backend needs.
+    pub(crate) fn played_view(&self) -> View<'_> {
+        View::new(self.camera, self.light, self.geometry).with_receivers(&self.receivers)
+    }
+
     pub(crate) fn price(&self, recipe: &Recipe, cost: &CostModel) -> Price {
-        let work = Work::of(&self.view(), recipe);
+        let work = Work::of(&self.played_view(), recipe);
+        let lookup_ms = cost.lookup_milliseconds(&work);
         Price {
-            milliseconds: cost.milliseconds(&work),
+            draw_ms: cost.milliseconds(&work) - lookup_ms,
+            lookup_ms,
             work,
         }
     }
@@ -100,6 +185,17 @@ impl<'a> PlanScene<'a> {
     ) -> Result<Vec<f32>, BackendError> {
         let view =
             View::new(self.camera, self.light, self.geometry).with_receivers(&self.receivers);
+        self.cpu.render_pixels(&view, recipe, pixels)
+    }
+
+    /// Renders the mask at some pixels of other receivers of the same image size.
+    pub(crate) fn mask_at_receivers(
+        &mut self,
+        recipe: &Recipe,
+        receivers: &Receivers,
+        pixels: &[u32],
+    ) -> Result<Vec<f32>, BackendError> {
+        let view = View::new(self.camera, self.light, self.geometry).with_receivers(receivers);
         self.cpu.render_pixels(&view, recipe, pixels)
     }
 

@@ -13,7 +13,7 @@ use super::{
     density::{Pilot, normalized},
     error::{CountedPixels, Estimate, ONE_IN_TWENTY, estimate, estimate_of_part},
     sample::PixelSample,
-    sampled_truth::{SampledTruth, Sampling},
+    sampled_truth::{Coverage, SampledTruth, Sampling},
     scene::PlanScene,
 };
 use crate::{
@@ -76,7 +76,8 @@ impl Verifier {
                 &density,
                 times * self.sampling.count,
                 self.sampling.seed.wrapping_add(k),
-            );
+            )
+            .weighted(&scene.weights);
             let is_whole = sample.chances.iter().all(|chance| *chance == 1.0);
             let second = self.truth_of(scene, sample, on_step)?;
             let mask_there: Vec<f32> = second
@@ -87,7 +88,8 @@ impl Verifier {
                 .collect();
             found = if nowhere_else {
                 let counted = first_sample.counted;
-                let unseen = unseen(pilot, &second, &mask_there, counted);
+                let unseen = unseen(pilot, &second, &mask_there, first_sample.coverage)
+                    * greatest_weight_over_mean(scene, counted);
                 estimate_of_part(&second.sample, &second.truth, &mask_there, counted, unseen)
             } else {
                 estimate(&second.sample, &second.truth, &mask_there)
@@ -131,8 +133,9 @@ fn differences(mask: &[f32], pilot: &[f32], receives: &[bool]) -> Vec<f32> {
 
 /// Returns the greatest mean square error that the pilot's rays may have missed where they agree with the mask; 0 if they are
 /// exact.
-fn unseen(pilot: &Pilot, second: &SampledTruth, mask_there: &[f32], counted: CountedPixels) -> f64 {
-    let rays = f64::from(pilot.rays) * counted.upper_limit();
+fn unseen(pilot: &Pilot, second: &SampledTruth, mask_there: &[f32], coverage: Coverage) -> f64 {
+    let pixels = coverage.certain + coverage.certain_margin;
+    let rays = f64::from(pilot.rays) * pixels as f64;
     if pilot.is_exact || rays == 0.0 {
         return 0.0;
     }
@@ -144,11 +147,24 @@ fn unseen(pilot: &Pilot, second: &SampledTruth, mask_there: &[f32], counted: Cou
     poisson_upper_limit(faults) / rays
 }
 
+/// Returns by how much the weight of one pixel exceeds the mean weight of those that count, at most: 1 if all weigh alike. What hides
+/// anywhere may hide where it weighs most.
+fn greatest_weight_over_mean(scene: &PlanScene<'_>, counted: CountedPixels) -> f64 {
+    let greatest = scene.weights.iter().copied().fold(0.0, f64::max);
+    let receivers = scene.receivers.receives.iter().filter(|r| **r).count();
+    let mean = counted.count / receivers.max(1) as f64;
+    if mean > 0.0 && scene.is_weighted() {
+        greatest / mean
+    } else {
+        1.0
+    }
+}
+
 /// Returns the estimate without a pilot: the first sample's. Where that has met no error, the upper limit is as if all that is
 /// wrong had the least chance to be drawn.
 fn without_pilot(known: &SampledTruth, first: Estimate) -> Estimate {
     let min_chance = known.sample.chances.iter().copied().fold(1.0, f64::min);
-    let all = known.counted.count;
+    let all = known.coverage.certain as f64;
     if first.error > 0.0 || min_chance == 1.0 || all == 0.0 {
         return first;
     }

@@ -1,25 +1,52 @@
-//! Bounds of a plan: error, time and memory.
+//! Bounds of a plan: error, grain, shimmer, time and memory, and what the program that plays it has.
 
+use crate::estimate::scene::RendererData;
 use serde::{Deserialize, Serialize};
 use umbrage_core::Invalid;
 
-/// The greatest error, time and memory that shadows may have. Bounds that are not given bound nothing; at least one must be given.
+/// The greatest error, time and memory that shadows may have. Bounds that are not given bound nothing; of those of error, time and
+/// memory at least one must be given.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Bounds {
     /// Greatest root mean square of mask - truth over the pixels that count, 0..=1.
     pub max_error: Option<f64>,
-    /// Greatest predicted time of casts, filters and lookup, milliseconds.
+    /// Greatest root mean square of mask - truth over that of no shadow at all, 0..=1: a bound that knows how much shadow there
+    /// is to get wrong. With several cameras each has its own.
+    pub max_relative_error: Option<f64>,
+    /// Greatest predicted time of a frame's shadows, milliseconds: of what the
+    /// [motion](super::PlanOptions::motion) makes each frame do.
     pub max_ms: Option<f64>,
     /// Most bytes of images and tables.
     pub max_bytes: Option<u64>,
+    /// Greatest [grain](crate::Setting::grain) in penumbrae, 0..=1.
+    pub max_grain: Option<f64>,
+    /// Greatest [shimmer](crate::Setting::shimmer), 0..=1. Stable fits are candidates only where it is given.
+    pub max_shimmer: Option<f64>,
+    /// What the program has that makes the recipes.
+    pub renderer: RendererData,
 }
 
+/// The grain that [`Bounds::error`] and the commands allow. Rays with 16 samples a pixel and maps with smooth kernels stay below
+/// it, 4 to 6 rays a pixel do not (`search/tests.rs` measures both).
+pub const MAX_GRAIN: f64 = 0.06;
+
 impl Bounds {
-    /// Returns a bound of the error; the cheapest technique within it is planned.
+    /// Returns a bound of the error and the usual one of the grain ([`MAX_GRAIN`]); the cheapest technique within both is planned.
     pub fn error(max_error: f64) -> Self {
         Self {
             max_error: Some(max_error),
+            max_grain: Some(MAX_GRAIN),
+            ..Self::default()
+        }
+    }
+
+    /// Returns a bound of the error relative to the shadow that is there, and the usual one of the grain ([`MAX_GRAIN`]); the
+    /// cheapest technique within both is planned.
+    pub fn relative_error(max_relative_error: f64) -> Self {
+        Self {
+            max_relative_error: Some(max_relative_error),
+            max_grain: Some(MAX_GRAIN),
             ..Self::default()
         }
     }
@@ -46,27 +73,45 @@ impl Bounds {
             && self.max_bytes.is_none_or(|max| bytes <= max)
     }
 
+    /// Whether there is a bound of the error, by itself or relative to the shadow that is there.
+    pub fn has_error(&self) -> bool {
+        self.max_error.is_some() || self.max_relative_error.is_some()
+    }
+
+    /// Whether a setting is within the bounds of grain and shimmer. What was not measured is within.
+    pub fn endures(&self, grain: Option<f64>, shimmer: Option<f64>) -> bool {
+        let is_within = |figure: Option<f64>, max: Option<f64>| match (figure, max) {
+            (Some(figure), Some(max)) => figure <= max,
+            _ => true,
+        };
+        is_within(grain, self.max_grain) && is_within(shimmer, self.max_shimmer)
+    }
+
     /// Checks that there are bounds, and that they can be met.
     ///
     /// # Errors
-    /// Errors if no bound is given, one is NaN or negative, or the error's bound is over 1.
+    /// Errors if no bound of error, time or memory is given, one is NaN or negative, or a bound of an error, the grain or the
+    /// shimmer is over 1.
     pub fn validate(&self) -> Result<(), Invalid> {
-        if *self == Self::default() {
+        if !self.has_error() && self.max_ms.is_none() && self.max_bytes.is_none() {
             return Err(Invalid::new(
                 "bounds",
                 "are missing",
                 "give a greatest error, time or number of bytes",
             ));
         }
-        if let Some(error) = self.max_error
-            && !(0.0..=1.0).contains(&error)
-        {
-            let why = format!("is {error}");
-            return Err(Invalid::new(
-                "greatest error",
-                why,
-                "use 0 to 1, such as 0.05",
-            ));
+        for (what, max) in [
+            ("greatest error", self.max_error),
+            ("greatest relative error", self.max_relative_error),
+            ("greatest grain", self.max_grain),
+            ("greatest shimmer", self.max_shimmer),
+        ] {
+            if let Some(max) = max
+                && !(0.0..=1.0).contains(&max)
+            {
+                let why = format!("is {max}");
+                return Err(Invalid::new(what, why, "use 0 to 1, such as 0.05"));
+            }
         }
         if let Some(ms) = self.max_ms
             && !(ms >= 0.0 && ms.is_finite())
@@ -83,8 +128,13 @@ impl std::fmt::Display for Bounds {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let words = [
             self.max_error.map(|e| format!("error at most {e}")),
+            self.max_relative_error
+                .map(|e| format!("error at most {e} of that of no shadow")),
             self.max_ms.map(|ms| format!("at most {ms} ms")),
             self.max_bytes.map(|bytes| format!("at most {bytes} bytes")),
+            self.max_grain.map(|grain| format!("grain at most {grain}")),
+            self.max_shimmer
+                .map(|shimmer| format!("shimmer at most {shimmer}")),
         ];
         f.write_str(&words.into_iter().flatten().collect::<Vec<_>>().join(", "))
     }
@@ -110,6 +160,32 @@ mod tests {
         ] {
             assert!(bounds.validate().is_ok(), "{bounds}");
         }
+    }
+
+    #[test]
+    fn grain_alone_asks_for_nothing() {
+        let grain = Bounds {
+            max_grain: Some(0.1),
+            ..Bounds::default()
+        };
+        assert!(grain.validate().is_err());
+        assert!(Bounds::relative_error(0.3).validate().is_ok());
+        assert!(Bounds::relative_error(1.5).validate().is_err());
+        let bad_grain = Bounds {
+            max_grain: Some(f64::NAN),
+            ..Bounds::milliseconds(1.0)
+        };
+        assert!(bad_grain.validate().is_err());
+    }
+
+    #[test]
+    fn what_was_not_measured_is_within() {
+        let bounds = Bounds {
+            max_shimmer: Some(0.01),
+            ..Bounds::error(0.1)
+        };
+        assert!(bounds.endures(None, None) && bounds.endures(Some(0.0), Some(0.01)));
+        assert!(!bounds.endures(Some(0.5), None) && !bounds.endures(None, Some(0.02)));
     }
 
     #[test]

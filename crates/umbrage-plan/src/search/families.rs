@@ -2,7 +2,7 @@
 
 use super::{bias::BiasKind, resolution};
 use crate::estimate::scene::PlanScene;
-use umbrage_core::Light;
+use umbrage_core::{Fit, Light, math::transform};
 use umbrage_techniques::{Candidate, MapFormat, ShadowMap, TechniquePreset, Techniques};
 
 /// Sides of maps, texels. Half a size more or less is hardly seen; a whole one costs four times as much.
@@ -58,6 +58,24 @@ impl Family {
             self.candidates.insert(place, with_map_side(&preset, side));
         }
         self
+    }
+
+    /// Returns the same family of maps with a stable fit up to a distance, metres; none without maps of a tight fit.
+    fn stable(&self, range: f32) -> Option<Self> {
+        let has_tight_map =
+            |preset: &TechniquePreset| preset.map().is_some_and(|map| map.fit == Fit::Tight);
+        if !self.candidates.iter().all(has_tight_map) {
+            return None;
+        }
+        let fit = Fit::Stable { range };
+        let stable = |preset: &TechniquePreset| match preset.map() {
+            Some(&map) => preset.with_map(ShadowMap { fit, ..map }),
+            None => preset.clone(),
+        };
+        Some(Self {
+            candidates: self.candidates.iter().map(stable).collect(),
+            ..self.clone()
+        })
     }
 
     fn of_maps(preset: TechniquePreset) -> Self {
@@ -116,15 +134,46 @@ fn with_map_side(preset: &TechniquePreset, side: u32) -> TechniquePreset {
     }
 }
 
+/// Which families are wanted besides those that every plan has.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct FamilyNeeds {
+    /// Maps of 16 bits, which take half the memory.
+    pub(super) small: bool,
+    /// Maps with a [`Fit::Stable`], which do not shimmer while the camera moves.
+    pub(super) stable: bool,
+}
+
+/// How much farther than what is seen now stable maps reach: a camera that moves sees more.
+const STABLE_MARGIN: f32 = 1.25;
+
+/// Returns how far along the camera's view shadows are wanted, metres: a little farther than nearly all that it sees.
+fn farthest_seen(scene: &PlanScene<'_>) -> f32 {
+    let receivers = &scene.receivers;
+    let space = scene.camera.space();
+    let mut depths: Vec<f32> = (0..receivers.len())
+        .filter(|&i| receivers.receives[i])
+        .map(|i| -transform(space.view_from_world, receivers.position(i)).z)
+        .collect();
+    depths.sort_unstable_by(f32::total_cmp);
+    let nearly_all = depths.len() * 99 / 100;
+    let farthest = depths.get(nearly_all).copied().unwrap_or(1.0);
+    STABLE_MARGIN * farthest.max(f32::MIN_POSITIVE)
+}
+
 /// Returns all candidates for a view: those for its light, each family of maps with one more of the side that the view's
-/// pixels ask for. `small` as in [`families`].
+/// pixels ask for.
 pub(super) fn families_for(
     techniques: &Techniques,
     scene: &PlanScene<'_>,
-    small: bool,
+    needs: FamilyNeeds,
 ) -> Vec<Family> {
     let side = resolution::side(scene).map(|side| side.clamp(SIZES[0], SIZES[SIZES.len() - 1]));
-    let families = families(techniques, scene.light, small);
+    let mut families = families(techniques, scene.light, needs.small);
+    if needs.stable && matches!(scene.light, Light::Directional { .. }) {
+        let range = farthest_seen(scene);
+        let stable: Vec<Family> = families.iter().filter_map(|f| f.stable(range)).collect();
+        families.extend(stable);
+    }
     let Some(side) = side else {
         return families;
     };
@@ -210,6 +259,20 @@ mod tests {
         }
         let rays = Family::single(Traced::default().into());
         assert_eq!(rays.clone().with_side(704), rays);
+    }
+
+    #[test]
+    fn stable_families_differ_in_their_fit_alone() {
+        let hard = Family::of_maps(Hard::default().into());
+        let stable = hard.stable(20.0).expect("has maps");
+        let map = stable.candidates[0].map().expect("a map");
+        assert_eq!(map.fit, Fit::Stable { range: 20.0 });
+        let tight = ShadowMap {
+            fit: Fit::Tight,
+            ..*map
+        };
+        assert_eq!(stable.candidates[0].with_map(tight), hard.candidates[0]);
+        assert_eq!(Family::single(Traced::default().into()).stable(20.0), None);
     }
 
     #[test]

@@ -3,15 +3,23 @@
 //! * [`planner`]: samples the scene, searches, and writes down the plan.
 //! * [`strategy`]: the order in which candidates are tried.
 //! * [`bias_search`]: the best bias of one candidate.
-//! * [`trials`]: settings tried on the sample, each once.
+//! * [`trials`]: settings tried on the samples of all cameras, each once. [`hold`]: for how many cameras a figure must hold.
+//! * [`clock`]: finalists played in turn and timed.
 //!
 //! Candidates come from [`families`], with amounts of [`bias`] and the map's side that the screen asks for ([`resolution`]).
+//! [`left_out`]: what more may be left out.
+//! [`lights`]: all lights of a scene under one budget. [`look`]: pictures of settings.
 //! [`outcome`] and [`reasons`] are the answer; [`regret`] checks it against a sweep of all candidates.
 
 mod bias;
 mod bias_search;
 mod bounds;
+mod clock;
 mod families;
+mod hold;
+mod left_out;
+mod lights;
+mod look;
 mod options;
 mod outcome;
 mod planner;
@@ -23,17 +31,21 @@ mod strategy;
 mod trials;
 
 pub use bias::BiasKind;
-pub use bounds::Bounds;
+pub use bounds::{Bounds, MAX_GRAIN};
+pub use hold::Hold;
+pub use left_out::{LeftOut, Omission};
+pub use lights::{LightPlan, LightsBudget, LightsPlan, plan_lights};
+pub use look::{Look, look};
 pub use options::PlanOptions;
 pub use outcome::{CurvePoint, Miss, Plan, Sampled};
 pub use planner::Planner;
-pub use regret::{MAX_REGRET, MIN_KEPT, Regret, regret};
-pub use setting::Setting;
+pub use regret::{ClockRegret, MAX_REGRET, MIN_KEPT, Regret, regret};
+pub use setting::{CameraFigures, Setting};
 
 use crate::{MeasureError, progress::OnStep};
-use umbrage_core::{Camera, Geometry, Invalid, Light, Scene};
+use umbrage_core::{Backend, Camera, Geometry, Invalid, Light, Scene};
 
-/// The plan for a scene's first camera and one light.
+/// The plan for one light of a scene, seen by the cameras of the options, or else by the scene's first.
 ///
 /// # Errors
 /// Errors if the scene has no camera or light or is not valid, or if bounds are missing or not valid. That no candidate is within the bounds is
@@ -44,33 +56,86 @@ pub fn plan(
     options: &PlanOptions,
     on_step: &OnStep<'_>,
 ) -> Result<Plan, MeasureError> {
+    planned(scene, bounds, options, None, on_step)
+}
+
+/// As [`plan`], but what counted costs can't tell apart is timed on a backend: [`Planner::plan_by_clock`].
+///
+/// # Errors
+/// As those of [`plan`], and if the backend fails.
+pub fn plan_by_clock(
+    scene: &Scene,
+    bounds: &Bounds,
+    options: &PlanOptions,
+    backend: &mut dyn Backend,
+    on_step: &OnStep<'_>,
+) -> Result<Plan, MeasureError> {
+    planned(scene, bounds, options, Some(backend), on_step)
+}
+
+fn planned(
+    scene: &Scene,
+    bounds: &Bounds,
+    options: &PlanOptions,
+    clock: Option<&mut dyn Backend>,
+    on_step: &OnStep<'_>,
+) -> Result<Plan, MeasureError> {
     bounds.validate()?;
-    let (camera, light) = seen(scene, options)?;
+    let (cameras, light) = seen(scene, options)?;
     let geometry = Geometry::bake(scene)?;
-    let plan = Planner::new(&camera, light, &geometry, options, on_step)?.plan(bounds)?;
+    let mut planner = Planner::of_cameras(&cameras, light, &geometry, options, on_step)?;
+    let plan = match clock {
+        Some(backend) => planner.plan_by_clock(bounds, backend)?,
+        None => planner.plan(bounds)?,
+    };
+    let left_out = left_out::find(scene, &cameras, &mut planner, &plan)?;
     Ok(Plan {
         scene: scene.name.clone(),
         light_number: options.light + 1,
+        left_out,
         ..plan
     })
 }
 
-/// The camera and the light that options are about.
-fn seen<'a>(scene: &'a Scene, options: &PlanOptions) -> Result<(Camera, &'a Light), Invalid> {
-    let invalid = |why, help| Invalid::new(format!("scene `{}`", scene.name), why, help);
-    let none = |what| invalid(format!("has no {what}"), "add one".to_owned());
-    let camera = scene.cameras.first().ok_or_else(|| none("camera"))?;
-    let camera = options.size.map_or(*camera, |size| camera.resized(size));
+/// The cameras and the light that options are about.
+pub(crate) fn seen<'a>(
+    scene: &'a Scene,
+    options: &PlanOptions,
+) -> Result<(Vec<Camera>, &'a Light), Invalid> {
     let count = scene.lights.len();
     let light = scene.lights.get(options.light).ok_or_else(|| match count {
-        0 => none("light"),
-        _ => invalid(
+        0 => no_such(scene, "light"),
+        _ => Invalid::new(
+            format!("scene `{}`", scene.name),
             format!("has no light {}", options.light + 1),
             format!("ask for one from 1 to {count}"),
         ),
     })?;
-    Ok((camera, light))
+    Ok((cameras(scene, options)?, light))
 }
 
+/// The cameras that options are about: their own, or else the scene's first.
+pub(crate) fn cameras(scene: &Scene, options: &PlanOptions) -> Result<Vec<Camera>, Invalid> {
+    let own = match &options.cameras[..] {
+        [] => &scene.cameras[..scene.cameras.len().min(1)],
+        own => own,
+    };
+    if own.is_empty() {
+        return Err(no_such(scene, "camera"));
+    }
+    let resized = |camera: &Camera| options.size.map_or(*camera, |size| camera.resized(size));
+    Ok(own.iter().map(resized).collect())
+}
+
+fn no_such(scene: &Scene, what: &str) -> Invalid {
+    Invalid::new(
+        format!("scene `{}`", scene.name),
+        format!("has no {what}"),
+        "add one",
+    )
+}
+
+#[cfg(test)]
+mod demands_tests;
 #[cfg(test)]
 mod tests;

@@ -1,7 +1,11 @@
 //! Options of the planner.
 
-use crate::{cost::CostModel, truth::TruthOptions};
+use super::Hold;
+use crate::{
+    cost::CostModel, estimate::weighting::Weighting, motion::FrameMotion, truth::TruthOptions,
+};
 use glam::UVec2;
+use umbrage_core::Camera;
 use umbrage_techniques::Techniques;
 
 /// Options of a plan.
@@ -9,7 +13,8 @@ use umbrage_techniques::Techniques;
 pub struct PlanOptions {
     /// The techniques that are tried.
     pub registry: Techniques,
-    /// Receivers sampled under lights with an extent; four times as many under ideal ones, whose truth takes one ray each.
+    /// Receivers sampled under lights with an extent; four times as many under ideal ones, whose truth takes one ray each. Several
+    /// cameras share them, down to a quarter of them each.
     pub samples: u32,
     /// Which sample: the same seed gives the same plan.
     pub seed: u32,
@@ -19,8 +24,16 @@ pub struct PlanOptions {
     pub cost: CostModel,
     /// Which of the scene's lights, from 0.
     pub light: usize,
-    /// Image size in place of the camera's own, pixels.
+    /// The cameras that a plan is made for, such as those along a path; none: the scene's first.
+    pub cameras: Vec<Camera>,
+    /// Image size in place of the cameras' own, pixels.
     pub size: Option<UVec2>,
+    /// What moves from frame to frame: which work each frame does, and so what a setting costs.
+    pub motion: FrameMotion,
+    /// For how many of several cameras the bounds hold.
+    pub hold: Hold,
+    /// How much each pixel's error counts.
+    pub weighting: Weighting,
 }
 
 impl Default for PlanOptions {
@@ -37,7 +50,11 @@ impl Default for PlanOptions {
             truth,
             cost: CostModel::CPU,
             light: 0,
+            cameras: Vec::new(),
             size: None,
+            motion: FrameMotion::default(),
+            hold: Hold::default(),
+            weighting: Weighting::default(),
         }
     }
 }

@@ -1,9 +1,12 @@
 //! The result of a planner.
 
-use super::{BiasKind, Bounds, Setting};
-use crate::estimate::error::Estimate;
+use super::{BiasKind, Bounds, LeftOut, Setting};
+use crate::{
+    estimate::{error::Estimate, sampled_truth::Coverage},
+    motion::FrameMotion,
+};
 use serde::{Deserialize, Serialize};
-use umbrage_techniques::TechniquePreset;
+use umbrage_techniques::{LightPreset, TechniquePreset};
 
 /// A plan: what to use, and why.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -16,6 +19,10 @@ pub struct Plan {
     pub light_number: usize,
     /// Image width and height, pixels.
     pub size: [u32; 2],
+    /// For how many cameras it was made.
+    pub cameras: usize,
+    /// What moves from frame to frame.
+    pub motion: FrameMotion,
     /// The bounds that it keeps.
     pub bounds: Bounds,
     /// The cheapest setting within the bounds (without a bound of the error, the most accurate); none if nothing is.
@@ -24,10 +31,20 @@ pub struct Plan {
     pub miss: Option<Miss>,
     /// Other settings tried, that nothing else tried beats at both cost and error; by rising cost.
     pub runners_up: Vec<Setting>,
+    /// Cheaper settings that come nearest to the bounds and break one: two at most, of different techniques, the better first.
+    pub failing: Vec<Setting>,
+    /// What was timed by the clock, the quickest first; empty if nothing was.
+    pub timed: Vec<Setting>,
+    /// What no shadow at all would err by, by the first sample.
+    pub error_of_no_shadow: Estimate,
     /// Why, in plain words, built from what was measured.
     pub reasons: Vec<String>,
+    /// What more a renderer may leave out; of plans of a camera and light alone nothing is known.
+    pub left_out: Vec<LeftOut>,
     /// The chosen setting with other biases; empty for techniques without.
     pub curve: Vec<CurvePoint>,
+    /// For how many pixels it holds.
+    pub coverage: Coverage,
     /// The sample that it comes from.
     pub sampled: Sampled,
 }
@@ -42,6 +59,17 @@ impl Plan {
             .as_ref()
             .map(|chosen| chosen.preset.clone())
             .ok_or_else(|| Box::new(self.miss.clone().unwrap_or_default()))
+    }
+
+    /// The setting to use, with what of its work may be left out.
+    ///
+    /// # Errors
+    /// Errors if nothing is within the bounds.
+    pub fn light_preset(&self) -> Result<LightPreset, Box<Miss>> {
+        Ok(LightPreset {
+            technique: self.preset()?,
+            frame: self.frame_rules(),
+        })
     }
 }
 

@@ -3,38 +3,44 @@
 use super::{
     Bounds, CurvePoint, Plan, PlanOptions, Sampled, Setting,
     bias_search::{Biased, all_biases},
-    families::families_for,
+    clock,
+    families::{FamilyNeeds, families_for},
     reasons::Facts,
     strategy::{Found, Place, Search},
-    trials::Trials,
+    trials::{Counting, SampledView, Trials},
 };
 use crate::{
     MeasureError,
+    cost::CostModel,
     estimate::{
         density::{Pilot, density},
         sampled_truth::{SampledTruth, Sampling},
         scene::PlanScene,
         verify::Verifier,
     },
+    motion::FrameMotion,
     pareto::front,
     progress::{OnStep, Step},
     truth::TruthOptions,
 };
 use std::time::Instant;
-use umbrage_core::{Camera, Geometry, Light};
+use umbrage_core::{Backend, Camera, Geometry, Invalid, Light};
 use umbrage_techniques::{Bias, ShadowMap, TechniquePreset, Techniques};
 
-/// A camera's view of a scene with its sample, and what was tried on it.
+/// Some cameras' views of a scene with their samples, and what was tried on them.
 pub struct Planner<'a> {
     pub(super) search: Search<'a>,
     pub(super) techniques: Techniques,
     truth: TruthOptions,
+    pub(super) motion: FrameMotion,
     /// Seconds that receivers, sample and truth took.
     pub(super) sampling_seconds: f64,
 }
 
 /// Ideal lights take one ray a receiver where others take hundreds: so many times more are sampled.
 const IDEAL_LIGHT_FACTOR: usize = 4;
+/// Several cameras share the samples, but each has at least this part of them.
+const MIN_SHARE_OF_SAMPLES: usize = 4;
 /// Runners-up in a plan, at most.
 const RUNNERS_UP: usize = 8;
 
@@ -58,88 +64,277 @@ impl<'a> Planner<'a> {
         options: &PlanOptions,
         on_step: &'a OnStep<'a>,
     ) -> Result<Self, MeasureError> {
+        Self::of_cameras(
+            std::slice::from_ref(camera),
+            light,
+            geometry,
+            options,
+            on_step,
+        )
+    }
+
+    /// Samples the receivers that each of some cameras sees and traces their truth. Plans hold for as many of them as
+    /// [`PlanOptions::hold`] says.
+    ///
+    /// # Errors
+    /// Errors if there is no camera, or a camera or the light is not valid.
+    pub fn of_cameras(
+        cameras: &'a [Camera],
+        light: &'a Light,
+        geometry: &'a Geometry,
+        options: &PlanOptions,
+        on_step: &'a OnStep<'a>,
+    ) -> Result<Self, MeasureError> {
         let start = Instant::now();
-        camera.validate()?;
+        if cameras.is_empty() {
+            return Err(Invalid::new("cameras", "are missing", "give at least one").into());
+        }
+        options.hold.validate()?;
         light.validate()?;
-        on_step(Step::Looking);
-        let mut scene = PlanScene::new(camera, light, geometry)?;
-        let pilot = Pilot::new(&mut scene)?;
-        let density = density(&mut scene, pilot.as_ref())?;
-        let factor = if light.is_ideal() {
-            IDEAL_LIGHT_FACTOR
-        } else {
-            1
-        };
-        let sampling = Sampling {
-            count: factor * options.samples as usize,
-            seed: options.seed,
+        let shared = (options.samples as usize).div_ceil(cameras.len());
+        let samples = shared.max(options.samples as usize / MIN_SHARE_OF_SAMPLES);
+        let mut views = Vec::new();
+        for camera in cameras {
+            camera.validate()?;
+            on_step(Step::Looking);
+            let scene = PlanScene::new(camera, light, geometry, options.weighting)?;
+            views.push(sampled_view(scene, samples, options, on_step)?);
+        }
+        let counting = Counting {
+            cost: options.cost,
+            motion: options.motion,
+            hold: options.hold,
             truth: options.truth,
-        };
-        let sampled = SampledTruth::draw(&mut scene, &density, &sampling, on_step)?;
-        let verifier = Verifier {
-            pilot,
-            sampling: sampling.second(),
         };
         Ok(Self {
             search: Search {
-                trials: Trials::new(scene, sampled, verifier, options.cost),
+                trials: Trials::new(views, counting),
                 families: Vec::new(),
                 on_step,
+                is_timed: false,
             },
             techniques: options.registry.clone(),
             truth: options.truth,
+            motion: options.motion,
             sampling_seconds: start.elapsed().as_secs_f64(),
         })
     }
 
-    /// Finds the cheapest setting within the bounds; without a bound of the error, the most accurate.
+    /// Finds the cheapest setting within the bounds; without a bound of the error, the most accurate. Costs are counted and priced,
+    /// so that the same scene has the same plan on every run.
     ///
     /// # Errors
     /// Errors if bounds are missing or bad.
     pub fn plan(&mut self, bounds: &Bounds) -> Result<Plan, MeasureError> {
+        self.planned(bounds, None)
+    }
+
+    /// As [`Planner::plan`], but what counted costs can't tell apart is played on a backend and timed in turn, with the first camera,
+    /// and the least by the clock is chosen. Without a bound of the error, the most accurate whose time by the clock is within the
+    /// bounds.
+    ///
+    /// # Errors
+    /// Errors if bounds are missing or bad, or the backend fails.
+    pub fn plan_by_clock(
+        &mut self,
+        bounds: &Bounds,
+        backend: &mut dyn Backend,
+    ) -> Result<Plan, MeasureError> {
+        self.planned(bounds, Some(backend))
+    }
+
+    fn planned(
+        &mut self,
+        bounds: &Bounds,
+        clock: Option<&mut dyn Backend>,
+    ) -> Result<Plan, MeasureError> {
         bounds.validate()?;
         let start = Instant::now();
-        let search = &mut self.search;
-        search.families = families_for(
-            &self.techniques,
-            &search.trials.scene,
-            bounds.max_bytes.is_some(),
-        );
-        let found = match bounds.max_error {
-            Some(max_error) => search.cheapest(bounds, max_error)?,
-            None => search.most_accurate(bounds)?,
+        self.search.is_timed = clock.is_some();
+        let spread = clock.as_ref().map_or(1.0, |backend| {
+            CostModel::factor_of_nine_in_ten(backend.kind())
+        });
+        let (max_error, found) = self.searched(bounds, spread)?;
+        let mut timed = Vec::new();
+        let found = match (found, clock) {
+            (Found::Chosen(finalists), Some(backend)) => {
+                let (found, others) = self.quickest(finalists, bounds, backend)?;
+                timed = others;
+                found
+            }
+            (found, _) => found,
         };
-        (search.on_step)(Step::Explaining);
+        (self.search.on_step)(Step::Explaining);
         let (chosen, curve, miss) = match found {
-            Found::Chosen(place, setting) => {
-                let (setting, curve) = self.with_best_bias(place, setting, bounds)?;
+            Found::Chosen(mut best) => {
+                let (place, setting) = best.swap_remove(0);
+                let (setting, curve) = self.with_best_bias(place, setting, bounds, max_error)?;
                 (Some(setting), curve, None)
             }
-            Found::Missed(miss) => (None, Vec::new(), Some(miss)),
+            Found::Missed(miss) => (None, Vec::new(), Some(*miss)),
         };
+        let none = self.search.trials.error_of_no_shadow()?;
         let trials = &self.search.trials;
         let facts = Facts::find(trials, &self.truth)?;
-        let reasons = facts.reasons(trials, bounds, chosen.as_ref(), &curve)?;
-        let scene = &trials.scene;
+        let mut reasons = facts.reasons(trials, bounds, chosen.as_ref(), &curve)?;
+        reasons.extend(super::reasons::by_the_clock(chosen.as_ref(), &timed));
+        let scene = &trials.views[0].scene;
         Ok(Plan {
             scene: String::new(),
             light: scene.light.kind().to_owned(),
             light_number: 1,
             size: scene.camera.size.to_array(),
+            cameras: trials.views.len(),
+            motion: self.motion,
             bounds: *bounds,
             runners_up: self.runners_up(chosen.as_ref()),
+            failing: self.failing(chosen.as_ref(), bounds, max_error),
+            timed,
+            error_of_no_shadow: none,
             chosen,
             miss,
             reasons,
+            left_out: Vec::new(),
             curve,
+            coverage: trials.coverage(),
             sampled: Sampled {
-                receivers: trials.sampled.truth.len(),
-                traced: scene.traced(),
+                receivers: trials
+                    .views
+                    .iter()
+                    .map(|view| view.sampled.truth.len())
+                    .sum(),
+                traced: trials.traced(),
                 settings: trials.count(),
                 looking: self.sampling_seconds,
                 trying: start.elapsed().as_secs_f64(),
             },
         })
+    }
+
+    /// Searches for what is within the bounds. Returns with it the bound of the error of the strictest camera. `spread` as in
+    /// [`Search::cheapest`].
+    fn searched(
+        &mut self,
+        bounds: &Bounds,
+        spread: f64,
+    ) -> Result<(Option<f64>, Found), MeasureError> {
+        let search = &mut self.search;
+        let max_error = search.trials.prepare(bounds)?;
+        let needs = FamilyNeeds {
+            small: bounds.max_bytes.is_some(),
+            stable: bounds.max_shimmer.is_some(),
+        };
+        search.families = families_for(&self.techniques, &search.trials.views[0].scene, needs);
+        let found = match max_error {
+            Some(max_error) => search.cheapest(bounds, max_error, spread)?,
+            None => search.most_accurate(bounds)?,
+        };
+        Ok((max_error, found))
+    }
+
+    /// Searches for what is within the bounds by counted costs.
+    pub(super) fn search_for(&mut self, bounds: &Bounds) -> Result<Found, MeasureError> {
+        self.search.is_timed = false;
+        let (_, found) = self.searched(bounds, 1.0)?;
+        Ok(found)
+    }
+
+    /// Returns the settings with their times by the clock; those that the backend can't play are left out.
+    pub(super) fn timed(
+        &mut self,
+        settings: Vec<Setting>,
+        backend: &mut dyn Backend,
+    ) -> Result<Vec<Setting>, MeasureError> {
+        (self.search.on_step)(Step::Timing(settings.len()));
+        let presets: Vec<(TechniquePreset, bool)> = settings
+            .iter()
+            .map(|setting| (setting.preset.clone(), is_kept(self.motion, setting)))
+            .collect();
+        let scene = &self.search.trials.views[0].scene;
+        let times = clock::times(backend, scene, self.motion, &presets)?;
+        let mut timed = Vec::new();
+        for (setting, ms) in settings.into_iter().zip(times) {
+            if ms.is_some() {
+                timed.push(Setting {
+                    measured_ms: ms,
+                    ..setting
+                });
+            }
+        }
+        Ok(timed)
+    }
+
+    /// Times finalists in turn. Returns the one that is best by the clock, and all of them with their times, the quickest first.
+    fn quickest(
+        &mut self,
+        finalists: Vec<(Place, Setting)>,
+        bounds: &Bounds,
+        backend: &mut dyn Backend,
+    ) -> Result<(Found, Vec<Setting>), MeasureError> {
+        let (places, settings): (Vec<Place>, Vec<Setting>) = finalists.into_iter().unzip();
+        let all = self.timed(settings.clone(), backend)?;
+        let place_of = |timed: &Setting| {
+            let i = settings.iter().position(|s| s.preset == timed.preset);
+            places[i.unwrap_or_default()]
+        };
+        let mut timed: Vec<(Place, Setting)> = all.into_iter().map(|s| (place_of(&s), s)).collect();
+        let quickest = |a: &Setting, b: &Setting| match (a.measured_ms, b.measured_ms) {
+            (Some(a), Some(b)) => a.total_cmp(&b),
+            _ => std::cmp::Ordering::Equal,
+        };
+        timed.sort_by(|(_, a), (_, b)| quickest(a, b));
+        let all: Vec<Setting> = timed.iter().map(|(_, setting)| setting.clone()).collect();
+        timed.retain(|(_, setting)| {
+            let ms = setting.measured_ms.unwrap_or(f64::INFINITY);
+            bounds.affords(ms, setting.bytes)
+        });
+        if !bounds.has_error() {
+            timed.sort_by(|(_, a), (_, b)| a.estimate.error.total_cmp(&b.estimate.error));
+        }
+        if !timed.is_empty() {
+            return Ok((Found::Chosen(timed), all));
+        }
+        let reason = match all.first() {
+            Some(least) => format!(
+                "by the clock nothing is within {bounds}: the quickest, {}, takes {:.3} ms; allow for that",
+                least.label(),
+                least.measured_ms.unwrap_or(f64::NAN)
+            ),
+            None => {
+                "the backend can play none of the settings that are within the bounds".to_owned()
+            }
+        };
+        let best = all.first().cloned();
+        Ok((Found::Missed(Box::new(super::Miss { reason, best })), all))
+    }
+
+    /// Returns the two cheaper settings that come nearest to the bounds and break one, the better first; one of each technique. Where
+    /// frames cost the same, those are cheaper that take less to draw.
+    fn failing(
+        &self,
+        chosen: Option<&Setting>,
+        bounds: &Bounds,
+        max_error: Option<f64>,
+    ) -> Vec<Setting> {
+        let Some(chosen) = chosen else {
+            return Vec::new();
+        };
+        let mut best: Vec<&Setting> = Vec::new();
+        let mut all = self.search.trials.all();
+        all.sort_by(|a, b| a.estimate.error.total_cmp(&b.estimate.error));
+        for setting in all {
+            let breaks_error = max_error.is_some_and(|max| !setting.estimate.is_surely_within(max));
+            let breaks = breaks_error || !bounds.endures(setting.grain, setting.shimmer);
+            let is_new = best
+                .iter()
+                .all(|other| other.technique != setting.technique);
+            let is_cheaper = setting.milliseconds <= chosen.milliseconds
+                && setting.milliseconds + setting.draw_ms < chosen.milliseconds + chosen.draw_ms;
+            if breaks && is_new && is_cheaper {
+                best.push(setting);
+            }
+        }
+        best.into_iter().take(2).cloned().collect()
     }
 
     /// Returns the chosen setting with the best of all biases, and what all of them do.
@@ -148,11 +343,13 @@ impl<'a> Planner<'a> {
         place: Place,
         chosen: Setting,
         bounds: &Bounds,
+        max_error: Option<f64>,
     ) -> Result<(Setting, Vec<CurvePoint>), MeasureError> {
         let Search {
             trials,
             families,
             on_step,
+            ..
         } = &mut self.search;
         let family = &families[place.family];
         let points = if family.preset().map().is_some() {
@@ -170,12 +367,17 @@ impl<'a> Planner<'a> {
             && other.estimate.error < best_setting.estimate.error
         {
             // What was chosen was verified: another bias must hold as well.
-            let other = trials.verify(other, bounds.max_error, *on_step)?;
-            let is_within = bounds
-                .max_error
-                .is_none_or(|error| other.estimate.is_surely_within(error));
+            let other = trials.verify(other, max_error, *on_step)?;
+            let other = trials.endured(other, bounds)?;
+            let is_within = max_error.is_none_or(|error| other.estimate.is_surely_within(error))
+                && bounds.endures(other.grain, other.shimmer);
             if is_within && other.estimate.error < best_setting.estimate.error {
-                best_setting = other;
+                // A bias hardly changes the time.
+                let measured_ms = best_setting.measured_ms;
+                best_setting = Setting {
+                    measured_ms,
+                    ..other
+                };
             }
         }
         // One point is no curve: there was nothing to find.
@@ -228,6 +430,42 @@ impl<'a> Planner<'a> {
         front.sort_by(|a, b| a.milliseconds.total_cmp(&b.milliseconds));
         front.into_iter().cloned().collect()
     }
+}
+
+/// Whether what a setting draws is kept from frame to frame.
+pub(super) fn is_kept(motion: FrameMotion, setting: &Setting) -> bool {
+    match motion {
+        FrameMotion::Still => true,
+        FrameMotion::CameraMoves => setting.kept_as_camera_moves == Some(true),
+        FrameMotion::AllMoves => false,
+    }
+}
+
+/// Samples what a camera sees and traces truth there.
+fn sampled_view<'a>(
+    mut scene: PlanScene<'a>,
+    samples: usize,
+    options: &PlanOptions,
+    on_step: &OnStep<'_>,
+) -> Result<SampledView<'a>, MeasureError> {
+    let pilot = Pilot::new(&mut scene)?;
+    let density = density(&mut scene, pilot.as_ref())?;
+    let factor = if scene.light.is_ideal() {
+        IDEAL_LIGHT_FACTOR
+    } else {
+        1
+    };
+    let sampling = Sampling {
+        count: factor * samples,
+        seed: options.seed,
+        truth: options.truth,
+    };
+    let sampled = SampledTruth::draw(&mut scene, &density, &sampling, on_step)?;
+    let verifier = Verifier {
+        pilot,
+        sampling: sampling.second(),
+    };
+    Ok(SampledView::new(scene, sampled, verifier))
 }
 
 /// By how many times one setting costs more or less than another: the logarithm of the ratio, 0 for the same cost.

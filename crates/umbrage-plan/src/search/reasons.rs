@@ -26,16 +26,19 @@ pub(super) struct Facts {
 
 /// How many cheaper techniques the reasons name.
 const NAMED: usize = 3;
+/// What would take at most this share of the chosen time is worth a word.
+const WORTHWHILE: f64 = 0.8;
 
 impl Facts {
     pub(super) fn find(trials: &Trials<'_>, options: &TruthOptions) -> Result<Self, MeasureError> {
-        let sampled = &trials.sampled;
+        let view = &trials.views[0];
+        let sampled = &view.sampled;
         Ok(Self {
             shadowed: share(sampled, |visibility| visibility < 1.0),
             in_penumbra: share(sampled, |visibility| {
                 (PENUMBRA..=1.0 - PENUMBRA).contains(&visibility)
             }),
-            penumbrae: penumbra::find(&trials.scene, sampled, options)?,
+            penumbrae: penumbra::find(&view.scene, sampled, options)?,
         })
     }
 
@@ -52,22 +55,23 @@ impl Facts {
         let Some(chosen) = chosen else { return Ok(out) };
         out.extend(exactness(trials, chosen)?);
         let all = trials.all();
-        out.extend(map_use(&trials.scene, chosen)?);
+        out.extend(map_use(&trials.views[0].scene, chosen)?);
         out.extend(smaller_map(&all, chosen));
         out.extend(cheaper(&all, chosen, bounds));
+        out.extend(next_bound(&all, chosen));
         out.extend(bias(curve));
         Ok(out)
     }
 
     fn shadows(&self, trials: &Trials<'_>) -> String {
-        if trials.sampled.truth.is_empty() {
+        if trials.views[0].sampled.truth.is_empty() {
             return "nothing that is seen receives the light".to_owned();
         }
         if self.shadowed == 0.0 {
             return "nothing casts on what is seen".to_owned();
         }
         let shadowed_percent = 100.0 * self.shadowed;
-        let softness = if trials.scene.light.is_ideal() {
+        let softness = if trials.views[0].scene.light.is_ideal() {
             "; the light has no extent, so every edge is sharp".to_owned()
         } else {
             let penumbra_percent = 100.0 * self.in_penumbra;
@@ -89,7 +93,7 @@ impl Facts {
         let own = chosen.map(|c| &c.preset).filter(|p| p.map().is_some());
         let hard = TechniquePreset::from(Hard { map });
         let preset = own.unwrap_or(&hard);
-        let Ok(recipe) = trials.scene.recipe(preset) else {
+        let Ok(recipe) = trials.views[0].scene.recipe(preset) else {
             return Ok(None);
         };
         let spaces: Vec<_> = recipe.casts.iter().map(|cast| cast.space).collect();
@@ -123,7 +127,7 @@ fn exactness(trials: &Trials<'_>, chosen: &Setting) -> Result<Option<String>, Me
     if chosen.preset.map().is_some() {
         return Ok(None);
     }
-    let recipe = trials.scene.recipe(&chosen.preset)?;
+    let recipe = trials.views[0].scene.recipe(&chosen.preset)?;
     Ok(chosen.preset.why_chosen(chosen.estimate.error, &recipe))
 }
 
@@ -131,7 +135,7 @@ fn exactness(trials: &Trials<'_>, chosen: &Setting) -> Result<Option<String>, Me
 fn map_use(scene: &PlanScene<'_>, chosen: &Setting) -> Result<Option<String>, MeasureError> {
     let recipe = scene.recipe(&chosen.preset)?;
     let technique = chosen.preset.technique();
-    let found = footprint::of(&*technique, &scene.view(), &recipe, &scene.receivers);
+    let found = footprint::of(&*technique, &scene.played_view(), &recipe, &scene.receivers);
     Ok(found.map(|footprint| footprint.total.words()))
 }
 
@@ -191,7 +195,51 @@ fn cheaper_line(setting: &Setting, bounds: &Bounds) -> String {
     {
         line += &format!(", more than {max_error} with its uncertainty");
     }
+    if let (Some(grain), Some(max)) = (setting.grain, bounds.max_grain)
+        && grain > max
+    {
+        line += &format!("; its grain is {grain:.3}, more than {max}");
+    }
     line
+}
+
+/// What a greater error would save: of the settings that take at most [`WORTHWHILE`] of the time, the one with the least error.
+fn next_bound(all: &[&Setting], chosen: &Setting) -> Option<String> {
+    let cheaper = all
+        .iter()
+        .filter(|s| s.milliseconds <= WORTHWHILE * chosen.milliseconds)
+        .min_by(|a, b| a.estimate.error.total_cmp(&b.estimate.error))?;
+    let saved = chosen.milliseconds - cheaper.milliseconds;
+    let percent = 100.0 * saved / chosen.milliseconds.max(f64::MIN_POSITIVE);
+    Some(format!(
+        "a bound of {:.3} instead would save {saved:.2} ms ({percent:.0} %): {}",
+        cheaper.estimate.high,
+        cheaper.label()
+    ))
+}
+
+/// What was timed, and how the clock's choice differs from that of the counted costs.
+pub(super) fn by_the_clock(chosen: Option<&Setting>, timed: &[Setting]) -> Vec<String> {
+    let Some(chosen) = chosen.filter(|_| !timed.is_empty()) else {
+        return Vec::new();
+    };
+    let words = |s: &Setting| format!("{} {:.2} ms", s.label(), s.measured_ms.unwrap_or(f64::NAN));
+    let named: Vec<String> = timed.iter().take(NAMED).map(words).collect();
+    let counted = timed
+        .iter()
+        .min_by(|a, b| a.milliseconds.total_cmp(&b.milliseconds));
+    let mut out = vec![format!(
+        "{} played in turn by the clock: {}",
+        timed.len(),
+        named.join("; ")
+    )];
+    if let Some(counted) = counted.filter(|s| s.technique != chosen.technique) {
+        out.push(format!(
+            "counted costs alone would have chosen {}",
+            words(counted)
+        ));
+    }
+    out
 }
 
 /// What less and more bias would do.

@@ -1,15 +1,23 @@
-//! Compares plans with an exhaustive sweep of the same candidates over the whole image.
+//! Compares plans with an exhaustive sweep of the same candidates over the whole image, by counted costs and by the clock.
 
 use super::{
-    Bounds, PlanOptions, Planner, Setting, bias::bias_amounts, families::families_for, seen,
+    Bounds, PlanOptions, Planner, Setting,
+    bias::bias_amounts,
+    bias_search::best_bias,
+    clock,
+    families::{FamilyNeeds, families_for},
+    planner::is_kept,
+    seen,
 };
 use crate::{
     MeasureError,
     progress::{OnStep, Step},
+    truth::drawn,
 };
+use glam::UVec2;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
-    Geometry, Scene,
+    Backend, Geometry, Scene,
     metrics::{Errors, Pixel},
 };
 use umbrage_techniques::TechniquePreset;
@@ -34,8 +42,34 @@ pub struct Regret {
     /// What that costs, milliseconds.
     #[serde(rename = "least_milliseconds")]
     pub min_milliseconds: f64,
+    /// The same by the clock; none if nothing was timed or planned.
+    pub clock: Option<ClockRegret>,
     /// Seconds that the plan took, with its sample.
     pub seconds: f64,
+}
+
+/// A plan beside all candidates that keep its bounds, played in turn with them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ClockRegret {
+    /// The time of what was planned, milliseconds.
+    pub chosen_ms: f64,
+    /// The least time of a candidate, milliseconds.
+    pub least_ms: f64,
+    /// Which one that was.
+    pub quickest: String,
+    /// How many candidates were timed.
+    pub candidates: usize,
+}
+
+impl ClockRegret {
+    /// Returns the plan's time over the least.
+    pub fn ratio(&self) -> f64 {
+        if self.least_ms > 0.0 {
+            self.chosen_ms / self.least_ms
+        } else {
+            1.0
+        }
+    }
 }
 
 /// Plans may cost at most this many times the least.
@@ -70,25 +104,33 @@ impl Regret {
 }
 
 /// Plans for each error bound, each as if it were the first, and sweeps all candidates by rising cost until the least bound
-/// is met.
+/// is met. With a backend, plans are made by the clock, and all candidates that keep a bound are played and timed in turn.
+///
+/// The image is judged at one pixel of each block ([`TruthOptions::block_side`](crate::truth::TruthOptions::block_side)). If blocks are
+/// larger than a pixel, candidates are swept with their best bias each, not with all of them.
 ///
 /// # Errors
-/// Errors if the scene has no camera or light, or is not valid.
+/// Errors if the scene has no camera or light, or is not valid, or if a backend fails.
 pub fn regret(
     scene: &Scene,
     bounds: &[f64],
     options: &PlanOptions,
+    mut clock: Option<&mut dyn Backend>,
     on_step: &OnStep<'_>,
 ) -> Result<Vec<Regret>, MeasureError> {
-    let (camera, light) = seen(scene, options)?;
+    let (cameras, light) = seen(scene, options)?;
+    let camera = &cameras[0];
     let geometry = Geometry::bake(scene)?;
-    let whole_image = Planner::new(&camera, light, &geometry, options, on_step)?;
+    let whole_image = Planner::new(camera, light, &geometry, options, on_step)?;
     let mut sweep = Sweep::new(whole_image, options)?;
     let mut out = Vec::new();
     for &bound in bounds {
-        let mut planner = Planner::new(&camera, light, &geometry, options, on_step)?;
+        let mut planner = Planner::new(camera, light, &geometry, options, on_step)?;
         let sampling_seconds = planner.sampling_seconds;
-        let plan = planner.plan(&Bounds::error(bound))?;
+        let plan = match &mut clock {
+            Some(backend) => planner.plan_by_clock(&Bounds::error(bound), &mut **backend)?,
+            None => planner.plan(&Bounds::error(bound))?,
+        };
         let error = match &plan.chosen {
             Some(chosen) => sweep.error(&chosen.preset)?,
             None => f64::NAN,
@@ -102,10 +144,15 @@ pub fn regret(
             error,
             cheapest: None,
             min_milliseconds: f64::NAN,
+            clock: None,
             seconds: sampling_seconds + plan.sampled.trying,
         });
     }
-    sweep.run(&mut out)?;
+    if sweep.is_thorough && clock.is_none() {
+        sweep.run(&mut out)?;
+    } else {
+        sweep.run_with_best_biases(&mut out, clock)?;
+    }
     Ok(out)
 }
 
@@ -115,39 +162,162 @@ const FAR: f64 = 3.0;
 /// The candidates' errors over the whole image.
 struct Sweep<'a> {
     planner: Planner<'a>,
+    /// The pixels that are judged.
+    judged: Vec<u32>,
     truth: Vec<f32>,
     pixels: Vec<Pixel>,
+    /// Whether all pixels are judged.
+    is_thorough: bool,
 }
 
 impl<'a> Sweep<'a> {
     fn new(mut planner: Planner<'a>, options: &PlanOptions) -> Result<Self, MeasureError> {
-        let scene = &mut planner.search.trials.scene;
-        let all: Vec<u32> = (0..scene.receivers.len() as u32).collect();
+        let scene = &mut planner.search.trials.views[0].scene;
+        let judged = drawn(scene.receivers.size, options.truth.block_side);
         let on_step = planner.search.on_step;
-        let truth = scene.truth_at(&all, &options.truth, &|done, total| {
+        let truth = scene.truth_at(&judged, &options.truth, &|done, total| {
             on_step(Step::Truth(done, total))
         })?;
         let (truth, pixels) = truth.iter().map(|t| (t.visibility, t.pixel)).unzip();
         Ok(Self {
             planner,
+            judged,
             truth,
             pixels,
+            is_thorough: options.truth.block_side <= 1,
         })
     }
 
     fn error(&mut self, preset: &TechniquePreset) -> Result<f64, MeasureError> {
-        let scene = &mut self.planner.search.trials.scene;
-        let mask = scene.preset_mask(preset)?;
-        let errors = Errors::measure(scene.camera.size, &mask, &self.truth, &self.pixels)?;
+        let scene = &mut self.planner.search.trials.views[0].scene;
+        let recipe = scene.recipe(preset)?;
+        let mask = scene.mask_at(&recipe, &self.judged)?;
+        // As one row: only neighbours' errors depend on the image's shape, and they are not asked.
+        let size = UVec2::new(self.judged.len() as u32, 1);
+        let errors = Errors::measure(size, &mask, &self.truth, &self.pixels)?;
         Ok(errors.rmse)
+    }
+
+    /// Returns a candidate's error over the judged pixels; none if its images are larger than the backend can hold, or if it has more
+    /// grain than plans for errors allow.
+    fn error_of_candidate(&mut self, setting: &Setting) -> Result<Option<f64>, MeasureError> {
+        let error = match self.error(&setting.preset) {
+            Ok(error) => error,
+            Err(MeasureError::Backend(umbrage_core::BackendError::Invalid(_))) => return Ok(None),
+            Err(e) => return Err(e),
+        };
+        let bounds = Bounds::error(1.0);
+        let endured = self
+            .planner
+            .search
+            .trials
+            .endured(setting.clone(), &bounds)?;
+        let is_fine = bounds.endures(endured.grain, endured.shimmer);
+        Ok(is_fine.then_some(error))
+    }
+
+    /// Tries every candidate with its best bias. Those that keep a bound are timed, if there is a backend.
+    fn run_with_best_biases(
+        &mut self,
+        regrets: &mut [Regret],
+        clock: Option<&mut dyn Backend>,
+    ) -> Result<(), MeasureError> {
+        let strictest = regrets.iter().map(|r| r.bound).fold(1.0, f64::min);
+        let scene = &self.planner.search.trials.views[0].scene;
+        let families = families_for(&self.planner.techniques, scene, FamilyNeeds::default());
+        // What keeps the loosest bound, with its error.
+        let mut keeping: Vec<(Setting, f64)> = Vec::new();
+        for family in &families {
+            for candidate in 0..family.candidates.len() {
+                let trials = &mut self.planner.search.trials;
+                let name = family.preset().technique().name();
+                (self.planner.search.on_step)(Step::Trying(name, trials.count()));
+                let Some(setting) = best_bias(trials, family, candidate, Some(strictest))? else {
+                    continue;
+                };
+                if is_hopeless(&setting, regrets) {
+                    continue;
+                }
+                if let Some(error) = self.error_of_candidate(&setting)?
+                    && regrets.iter().any(|r| error <= r.bound)
+                {
+                    keeping.push((setting, error));
+                }
+            }
+        }
+        // What was planned is a candidate, too, with its own bias.
+        for regret in regrets.iter() {
+            if let Some(chosen) = &regret.chosen
+                && keeping.iter().all(|(s, _)| s.preset != chosen.preset)
+            {
+                keeping.push((chosen.clone(), regret.error));
+            }
+        }
+        let times = match clock {
+            Some(backend) => self.times(&keeping, backend)?,
+            None => Vec::new(),
+        };
+        for regret in regrets {
+            let keeps = |i: &usize| keeping[*i].1 <= regret.bound;
+            let cheapest = (0..keeping.len()).filter(keeps).min_by(|&a, &b| {
+                keeping[a]
+                    .0
+                    .milliseconds
+                    .total_cmp(&keeping[b].0.milliseconds)
+            });
+            if let Some(i) = cheapest {
+                regret.cheapest = Some(keeping[i].0.label());
+                regret.min_milliseconds = keeping[i].0.milliseconds;
+            }
+            if times.is_empty() {
+                continue;
+            }
+            let timed: Vec<usize> = (0..keeping.len())
+                .filter(keeps)
+                .filter(|&i| times[i].is_some())
+                .collect();
+            let quickest = timed.iter().copied().min_by(|&a, &b| {
+                let ms = |i: usize| times[i].unwrap_or(f64::INFINITY);
+                ms(a).total_cmp(&ms(b))
+            });
+            let chosen = regret.chosen.as_ref();
+            let place = chosen.and_then(|c| keeping.iter().position(|(s, _)| s.preset == c.preset));
+            if let (Some(quickest), Some(place)) = (quickest, place)
+                && let (Some(least_ms), Some(chosen_ms)) = (times[quickest], times[place])
+            {
+                regret.clock = Some(ClockRegret {
+                    chosen_ms,
+                    least_ms,
+                    quickest: keeping[quickest].0.label(),
+                    candidates: timed.len(),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Times settings in turn.
+    fn times(
+        &self,
+        settings: &[(Setting, f64)],
+        backend: &mut dyn Backend,
+    ) -> Result<Vec<Option<f64>>, MeasureError> {
+        (self.planner.search.on_step)(Step::Timing(settings.len()));
+        let motion = self.planner.motion;
+        let presets: Vec<(TechniquePreset, bool)> = settings
+            .iter()
+            .map(|(setting, _)| (setting.preset.clone(), is_kept(motion, setting)))
+            .collect();
+        let scene = &self.planner.search.trials.views[0].scene;
+        clock::times(backend, scene, motion, &presets)
     }
 
     /// Returns every candidate with every size and bias, by rising cost. A bias changes the cost only by a rounding of the map's
     /// fit, so the first one is priced.
     fn candidates(&mut self) -> Result<Vec<TechniquePreset>, MeasureError> {
         let mut priced: Vec<(f64, Vec<TechniquePreset>)> = Vec::new();
-        let scene = &self.planner.search.trials.scene;
-        for family in families_for(&self.planner.techniques, scene, false) {
+        let scene = &self.planner.search.trials.views[0].scene;
+        for family in families_for(&self.planner.techniques, scene, FamilyNeeds::default()) {
             for size in 0..family.candidates.len() {
                 let mut presets: Vec<TechniquePreset> = Vec::new();
                 for biases in bias_amounts(family.preset()) {
@@ -184,11 +354,8 @@ impl<'a> Sweep<'a> {
             let technique = preset.technique();
             let tried = self.planner.search.trials.count();
             (self.planner.search.on_step)(Step::Trying(technique.name(), tried));
-            let error = match self.error(&preset) {
-                Ok(error) => error,
-                // Its images are larger than the backend can hold.
-                Err(MeasureError::Backend(umbrage_core::BackendError::Invalid(_))) => continue,
-                Err(e) => return Err(e),
+            let Some(error) = self.error_of_candidate(&setting)? else {
+                continue;
             };
             for regret in regrets.iter_mut() {
                 if regret.cheapest.is_none() && error <= regret.bound {

@@ -15,7 +15,10 @@ pub(super) fn side(scene: &PlanScene<'_>) -> Option<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::search::families::{SIZES, families_for};
+    use crate::{
+        estimate::weighting::Weighting,
+        search::families::{FamilyNeeds, SIZES, families_for},
+    };
     use glam::UVec2;
     use umbrage_core::{Camera, Geometry, Light};
     use umbrage_techniques::Techniques;
@@ -25,13 +28,20 @@ mod tests {
         let camera: Camera = scene.cameras[0].resized(size);
         let (light, geometry): (&Light, Geometry) =
             (&scene.lights[0], Geometry::bake(&scene).unwrap());
-        f(PlanScene::new(&camera, light, &geometry).unwrap())
+        f(PlanScene::new(&camera, light, &geometry, Weighting::Even).unwrap())
     }
 
     /// Sides of the candidates that the sizes of all views lack.
     fn more(name: &str, size: UVec2) -> Vec<u32> {
         with_scene(name, size, |scene| {
-            let families = families_for(&Techniques::built_in(), &scene, true);
+            let families = families_for(
+                &Techniques::built_in(),
+                &scene,
+                FamilyNeeds {
+                    small: true,
+                    stable: false,
+                },
+            );
             let sides = families
                 .iter()
                 .flat_map(|f| &f.candidates)

@@ -15,6 +15,8 @@ pub(super) struct Search<'a> {
     pub(super) trials: Trials<'a>,
     pub(super) families: Vec<Family>,
     pub(super) on_step: &'a OnStep<'a>,
+    /// Whether what is found will be timed.
+    pub(super) is_timed: bool,
 }
 
 /// The place of a candidate in the list of families.
@@ -27,9 +29,13 @@ pub(super) struct Place {
 
 /// The end of a search.
 pub(super) enum Found {
-    Chosen(Place, Setting),
-    Missed(Miss),
+    /// What is within the bounds, the best by counted costs first; at least one.
+    Chosen(Vec<(Place, Setting)>),
+    Missed(Box<Miss>),
 }
+
+/// Settings whose verified errors are compared by the clock, at most, where the most accurate is wanted.
+const MOST_ACCURATE: usize = 4;
 
 /// The next candidate of a family.
 #[derive(Clone, Copy, Debug)]
@@ -50,11 +56,13 @@ const SATURATED: f64 = 0.95;
 const FINEST: usize = 2;
 
 impl Search<'_> {
-    /// Finds the cheapest candidate whose error is surely within its bound.
+    /// Finds the cheapest candidate whose error is surely within its bound, and that is within the others. After it, those of other
+    /// families that cost up to `spread` times as much: 1 or more, by how much prices may be wrong.
     pub(super) fn cheapest(
         &mut self,
         bounds: &Bounds,
         max_error: f64,
+        spread: f64,
     ) -> Result<Found, MeasureError> {
         let mut candidates = Vec::new();
         for family in 0..self.families.len() {
@@ -66,7 +74,14 @@ impl Search<'_> {
         }
         // Within the error's bound, but not within the others'.
         let mut too_dear: Option<Setting> = None;
+        let mut refused: Option<Setting> = None;
+        let mut found: Vec<(Place, Setting)> = Vec::new();
         while let Some(candidate) = take_cheapest(&mut candidates) {
+            if let Some((_, least)) = found.first()
+                && (spread <= 1.0 || candidate.milliseconds > spread * least.milliseconds)
+            {
+                break;
+            }
             let is_over_time = bounds
                 .max_ms
                 .is_some_and(|max| candidate.milliseconds > max);
@@ -80,16 +95,31 @@ impl Search<'_> {
             let setting = self.verified(setting, max_error)?;
             if !setting.estimate.is_surely_within(max_error) {
                 candidates.extend(self.finer(&candidate, setting.estimate.error, max_error)?);
-            } else if bounds.affords(setting.milliseconds, setting.bytes) {
-                return Ok(Found::Chosen(candidate.place, setting));
-            } else if too_dear
-                .as_ref()
-                .is_none_or(|other| setting.milliseconds < other.milliseconds)
-            {
-                too_dear = Some(setting);
+                continue;
+            }
+            if !bounds.affords(setting.milliseconds, setting.bytes) {
+                if too_dear
+                    .as_ref()
+                    .is_none_or(|other| setting.milliseconds < other.milliseconds)
+                {
+                    too_dear = Some(setting);
+                }
+                continue;
+            }
+            let setting = self.trials.endured(setting, bounds)?;
+            if bounds.endures(setting.grain, setting.shimmer) {
+                found.push((candidate.place, setting));
+            } else {
+                candidates.extend(self.finer(&candidate, setting.estimate.error, max_error)?);
+                refused.get_or_insert(setting);
             }
         }
-        Ok(Found::Missed(self.miss(bounds, too_dear)))
+        if found.is_empty() {
+            return Ok(Found::Missed(Box::new(
+                self.miss(bounds, max_error, too_dear, refused),
+            )));
+        }
+        Ok(Found::Chosen(found))
     }
 
     /// Verifies a setting; if it does not keep the bound, returns the first of those that differ in bias alone that does. Of
@@ -147,8 +177,9 @@ impl Search<'_> {
                 }
             }
         }
-        if let Some((place, setting)) = self.best_of(affordable)? {
-            return Ok(Found::Chosen(place, setting));
+        let best = self.best_of(affordable, bounds)?;
+        if !best.is_empty() {
+            return Ok(Found::Chosen(best));
         }
         // The least of all is priced, so that the answer can say what is missing.
         let least = Place {
@@ -156,34 +187,40 @@ impl Search<'_> {
             candidate: 0,
         };
         self.try_out(least, None)?;
-        Ok(Found::Missed(self.miss(bounds, None)))
+        Ok(Found::Missed(Box::new(self.miss(bounds, 0.0, None, None))))
     }
 
-    /// Returns the candidate with the least error after it was verified: the next ones are verified, too, as long as one may be
-    /// better.
+    /// Returns the candidates with the least errors after they were verified, the best first: as many are verified as may be better
+    /// than the best, and [`MOST_ACCURATE`] at least if there are. Those that are not within the bounds of grain and shimmer are
+    /// left out.
     fn best_of(
         &mut self,
         mut left: Vec<(Place, Setting)>,
-    ) -> Result<Option<(Place, Setting)>, MeasureError> {
+        bounds: &Bounds,
+    ) -> Result<Vec<(Place, Setting)>, MeasureError> {
         // The best one last, to be taken first.
         left.sort_by(|(_, a), (_, b)| by_error_then_cost(b, a));
-        let mut best: Option<(Place, Setting)> = None;
+        let mut best: Vec<(Place, Setting)> = Vec::new();
         while let Some((place, first)) = left.pop() {
-            if best
-                .as_ref()
-                .is_some_and(|(_, best)| by_error_then_cost(best, &first).is_le())
-            {
+            let is_no_better = best
+                .first()
+                .is_some_and(|(_, best)| by_error_then_cost(best, &first).is_le());
+            if is_no_better && best.len() >= self.most_accurate_wanted() {
                 break;
             }
             let setting = self.trials.verify(&first, None, self.on_step)?;
-            if best
-                .as_ref()
-                .is_none_or(|(_, best)| by_error_then_cost(&setting, best).is_lt())
-            {
-                best = Some((place, setting));
+            let setting = self.trials.endured(setting, bounds)?;
+            if bounds.endures(setting.grain, setting.shimmer) {
+                best.push((place, setting));
+                best.sort_by(|(_, a), (_, b)| by_error_then_cost(a, b));
             }
         }
         Ok(best)
+    }
+
+    /// How many of the most accurate candidates are wanted: one, unless the clock is to choose between them.
+    fn most_accurate_wanted(&self) -> usize {
+        if self.is_timed { MOST_ACCURATE } else { 1 }
     }
 
     /// Tries a candidate with its best bias; none if it isn't supported. `error_limit` as in [`best_bias`].
@@ -269,8 +306,21 @@ impl Search<'_> {
         self.supported_from(place, last_errors)
     }
 
-    /// Says which bound fails, and by how much.
-    fn miss(&self, bounds: &Bounds, too_dear: Option<Setting>) -> Miss {
+    /// Says which bound fails, and by how much. `max_error` is the bound of the error of the strictest camera; `refused` is within
+    /// all bounds but those of grain and shimmer.
+    fn miss(
+        &self,
+        bounds: &Bounds,
+        max_error: f64,
+        too_dear: Option<Setting>,
+        refused: Option<Setting>,
+    ) -> Miss {
+        if let (Some(refused), None) = (&refused, &too_dear) {
+            return Miss {
+                reason: refusal(refused, bounds),
+                best: Some(refused.clone()),
+            };
+        }
         let affordable = self
             .trials
             .all()
@@ -279,7 +329,8 @@ impl Search<'_> {
         let best = affordable
             .min_by(|a, b| a.estimate.error.total_cmp(&b.estimate.error))
             .cloned();
-        let reason = match (&best, &too_dear, bounds.max_error) {
+        let error_bound = bounds.has_error().then_some(max_error);
+        let reason = match (&best, &too_dear, error_bound) {
             (_, Some(dear), Some(error)) => {
                 let (label, ms, bytes) = (dear.label(), dear.milliseconds, dear.bytes);
                 format!(
@@ -304,6 +355,27 @@ impl Search<'_> {
         };
         Miss { reason, best }
     }
+}
+
+/// Says which of the bounds of grain and shimmer a setting is not within, and what would help.
+fn refusal(setting: &Setting, bounds: &Bounds) -> String {
+    let mut why = Vec::new();
+    let figures = [
+        ("grain", setting.grain, bounds.max_grain),
+        ("shimmer", setting.shimmer, bounds.max_shimmer),
+    ];
+    for (name, figure, max) in figures {
+        if let (Some(figure), Some(max)) = (figure, max)
+            && figure > max
+        {
+            why.push(format!("its {name} is {figure:.4}, more than {max}"));
+        }
+    }
+    format!(
+        "{} keeps the error, but {}: allow for that",
+        setting.label(),
+        why.join(" and ")
+    )
 }
 
 /// The cheapest candidate; of equally cheap ones the first.

@@ -6,33 +6,32 @@ use super::{
     families::{Family, families},
     *,
 };
-use crate::{Estimate, cost::CostModel, truth, truth::TruthOptions};
+use crate::{Estimate, cost::CostModel, motion::FrameMotion, truth, truth::TruthOptions};
 use glam::UVec2;
-use umbrage_core::{
-    Backend as _, Camera, Fit, Light, Receivers, RecipeError, View, metrics::Errors,
-};
+use umbrage_core::{Camera, Fit, Light, Receivers, RecipeError, View, metrics::Errors};
 use umbrage_cpu::Cpu;
 use umbrage_techniques::{TechniquePreset, Techniques};
 
-fn scene(name: &str) -> Scene {
+pub(super) fn scene(name: &str) -> Scene {
     umbrage_scenes::by_argument(name).expect("built in")
 }
 
 /// Small images: quick, and as hard to plan for.
-fn small() -> PlanOptions {
+pub(super) fn small() -> PlanOptions {
     PlanOptions {
         samples: 1024,
         size: Some(UVec2::new(160, 120)),
+        motion: FrameMotion::AllMoves,
         ..PlanOptions::default()
     }
 }
 
-fn planned(name: &str, bounds: &Bounds) -> Plan {
+pub(super) fn planned(name: &str, bounds: &Bounds) -> Plan {
     plan(&scene(name), bounds, &small(), &|_| {}).expect("can be planned")
 }
 
 /// Runs `f` with a planner of a scene.
-fn with_planner<R>(name: &str, f: impl FnOnce(Planner<'_>) -> R) -> R {
+pub(super) fn with_planner<R>(name: &str, f: impl FnOnce(Planner<'_>) -> R) -> R {
     let scene = scene(name);
     let camera = scene.cameras[0].resized(UVec2::new(160, 120));
     let geometry = Geometry::bake(&scene).expect("built in");
@@ -81,7 +80,7 @@ fn a_soft_lamp_needs_soft_shadows() {
     with_planner("rising-boxes", |mut planner| {
         let all = families(
             &planner.techniques,
-            planner.search.trials.scene.light,
+            planner.search.trials.views[0].scene.light,
             false,
         );
         let mut best = |name: &str| {
@@ -108,7 +107,7 @@ fn a_soft_lamp_needs_soft_shadows() {
 fn samples_tell_of_whole_images() {
     for name in ["cubes", "c4-edge-square", "low-sun-5", "lamp-in-room"] {
         with_planner(name, |mut planner| {
-            let scene = &mut planner.search.trials.scene;
+            let scene = &mut planner.search.trials.views[0].scene;
             let all: Vec<u32> = (0..scene.receivers.len() as u32).collect();
             let truth = scene
                 .truth_at(&all, &small().truth, &|_, _| {})
@@ -119,9 +118,7 @@ fn samples_tell_of_whole_images() {
                 let Some(setting) = planner.search.trials.try_out(&preset).expect("plays") else {
                     continue;
                 };
-                let mask = planner
-                    .search
-                    .trials
+                let mask = planner.search.trials.views[0]
                     .scene
                     .preset_mask(&preset)
                     .expect("plays");
@@ -157,7 +154,7 @@ fn what_no_sample_shows_a_second_look_does() {
     for name in ["cubes", "rising-boxes"] {
         with_planner(name, |mut planner| {
             // A sample that has seen nothing but light.
-            let sampled = &mut planner.search.trials.sampled;
+            let sampled = &mut planner.search.trials.views[0].sampled;
             let lit: Vec<usize> = (0..sampled.truth.len())
                 .filter(|&k| sampled.truth[k].visibility == 1.0)
                 .collect();
@@ -196,7 +193,7 @@ fn second_looks_tell_of_whole_images() {
         "canopy",
     ] {
         with_planner(name, |mut planner| {
-            let scene = &mut planner.search.trials.scene;
+            let scene = &mut planner.search.trials.views[0].scene;
             let all: Vec<u32> = (0..scene.receivers.len() as u32).collect();
             let truth = scene
                 .truth_at(&all, &small().truth, &|_, _| {})
@@ -207,9 +204,7 @@ fn second_looks_tell_of_whole_images() {
                 let Some(setting) = planner.search.trials.try_out(&preset).expect("plays") else {
                     continue;
                 };
-                let mask = planner
-                    .search
-                    .trials
+                let mask = planner.search.trials.views[0]
                     .scene
                     .preset_mask(&preset)
                     .expect("plays");
@@ -246,7 +241,7 @@ fn second_looks_tell_of_whole_images() {
 #[test]
 fn second_looks_can_be_repeated() {
     with_planner("rising-boxes", |mut planner| {
-        planner.search.trials.verifier.sampling.seed = u32::MAX;
+        planner.search.trials.views[0].verifier.sampling.seed = u32::MAX;
         // Spoilt to be without a fault, as rare faults are.
         let hard = planner
             .search
@@ -278,7 +273,7 @@ fn second_looks_can_be_repeated() {
 fn without_a_pilot_the_first_sample_must_do() {
     with_planner("rising-boxes", |mut planner| {
         let [none, hard] = [0, 1].map(|i| TechniquePreset::defaults()[i].clone());
-        planner.search.trials.verifier.pilot = None;
+        planner.search.trials.views[0].verifier.pilot = None;
         for preset in [none.clone(), hard] {
             let first = planner
                 .search
@@ -351,18 +346,15 @@ fn spoilt_truth_changes_the_choice() {
             .chosen
             .expect("possible");
         assert_ne!(right.technique, "none");
-        let all: Vec<u32> = (0..planner.search.trials.scene.receivers.len() as u32).collect();
-        planner
-            .search
-            .trials
+        let all: Vec<u32> =
+            (0..planner.search.trials.views[0].scene.receivers.len() as u32).collect();
+        planner.search.trials.views[0]
             .scene
             .truth_at(&all, &small().truth, &|_, _| {})
             .expect("can be traced");
-        let remembered = planner.search.trials.scene.truth.values_mut();
-        planner
-            .search
-            .trials
-            .sampled
+        let view = &mut planner.search.trials.views[0];
+        let remembered = view.scene.truth.values_mut();
+        view.sampled
             .truth
             .iter_mut()
             .chain(remembered)
@@ -504,7 +496,7 @@ fn some_pixels_have_the_truth_of_all() {
 /// The walk skips and stops early; on this scene a sweep of everything finds nothing cheaper.
 #[test]
 fn a_sweep_finds_nothing_much_cheaper() {
-    let found = regret(&scene("cubes"), &[0.08], &small(), &|_| {}).expect("can be planned");
+    let found = regret(&scene("cubes"), &[0.08], &small(), None, &|_| {}).expect("can be planned");
     assert!(found.iter().all(|r| !r.misses()), "{found:?}");
     let spoilt = Regret {
         error: 0.2,

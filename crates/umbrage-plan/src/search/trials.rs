@@ -1,57 +1,170 @@
 //! Tries settings on the sample, each once.
 
-use super::Setting;
+use super::{Bounds, CameraFigures, Hold, Setting};
 use crate::{
     MeasureError,
     cost::CostModel,
     estimate::{
         error::Estimate,
-        sampled_truth::SampledTruth,
+        grain::GrainProbe,
+        sampled_truth::{Coverage, SampledTruth},
         scene::{PlanScene, Price},
+        shimmer::shimmer,
         verify::{Contender, Verifier},
     },
+    motion::FrameMotion,
     progress::OnStep,
+    truth::TruthOptions,
 };
 use std::collections::HashMap;
-use umbrage_core::{BackendError, RecipeError};
-use umbrage_techniques::{ShadowMap, TechniquePreset};
+use umbrage_core::{BackendError, Recipe, RecipeError};
+use umbrage_techniques::{Bias, ShadowMap, TechniquePreset, Unshadowed};
 
-/// All that was tried.
-pub(super) struct Trials<'a> {
+/// One camera's view with its sample.
+pub(super) struct SampledView<'a> {
     pub(super) scene: PlanScene<'a>,
     pub(super) sampled: SampledTruth,
     pub(super) verifier: Verifier,
-    cost: CostModel,
-    /// By the preset's fields in words; none where it isn't supported.
-    tried: HashMap<String, Option<Setting>>,
-    /// The first sample's estimates of settings that were verified since.
-    first_estimates: HashMap<String, Estimate>,
-    prices: HashMap<String, Option<Price>>,
+    /// By what errors are multiplied, so that one bound serves all cameras: 1, unless cameras have bounds of their own.
+    pub(super) scale: f64,
+    /// Where grain is measured; none as long as nobody asked.
+    grain: Option<GrainProbe>,
 }
 
-impl<'a> Trials<'a> {
-    pub(super) fn new(
-        scene: PlanScene<'a>,
-        sampled: SampledTruth,
-        verifier: Verifier,
-        cost: CostModel,
-    ) -> Self {
+impl<'a> SampledView<'a> {
+    pub(super) fn new(scene: PlanScene<'a>, sampled: SampledTruth, verifier: Verifier) -> Self {
         Self {
             scene,
             sampled,
             verifier,
-            cost,
-            tried: HashMap::new(),
-            first_estimates: HashMap::new(),
-            prices: HashMap::new(),
+            scale: 1.0,
+            grain: None,
         }
     }
 
+    /// Returns the grain of a recipe here.
+    fn grain(
+        &mut self,
+        recipe: &Recipe,
+        options: &TruthOptions,
+    ) -> Result<Option<f64>, MeasureError> {
+        let probe = match self.grain.take() {
+            Some(probe) => probe,
+            None => GrainProbe::new(&self.scene, &self.sampled, options)?,
+        };
+        let found = probe.grain(&mut self.scene, recipe)?;
+        self.grain = Some(probe);
+        Ok(found)
+    }
+}
+
+/// How costs and errors are counted.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Counting {
+    pub(super) cost: CostModel,
+    pub(super) motion: FrameMotion,
+    pub(super) hold: Hold,
+    pub(super) truth: TruthOptions,
+}
+
+/// What a setting costs at each camera.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Prices {
+    /// Predicted time of a frame at each camera, milliseconds.
+    pub(super) frames: Vec<f64>,
+    /// Of the cameras that the plan holds for the worst.
+    pub(super) milliseconds: f64,
+    draw_ms: f64,
+    bytes: u64,
+    kept_as_camera_moves: Option<bool>,
+}
+
+/// All that was tried.
+pub(super) struct Trials<'a> {
+    /// One a camera, at least one.
+    pub(super) views: Vec<SampledView<'a>>,
+    counting: Counting,
+    /// By the preset's fields in words; none where it isn't supported.
+    tried: HashMap<String, Option<Setting>>,
+    /// The first sample's estimates of settings that were verified since, one a camera.
+    first_estimates: HashMap<String, Vec<Estimate>>,
+    /// By the preset's fields but for its bias.
+    prices: HashMap<String, Option<Prices>>,
+    /// Whether what it draws is kept as the camera moves, by technique and fit.
+    kept: HashMap<String, bool>,
+}
+
+impl<'a> Trials<'a> {
+    pub(super) fn new(views: Vec<SampledView<'a>>, counting: Counting) -> Self {
+        Self {
+            views,
+            counting,
+            tried: HashMap::new(),
+            first_estimates: HashMap::new(),
+            prices: HashMap::new(),
+            kept: HashMap::new(),
+        }
+    }
+
+    /// Makes ready for bounds: what recipes are made from, and cameras' own bounds of the error. Returns the bound that serves all of
+    /// them; none without one. What was tried for other ones is forgotten.
+    pub(super) fn prepare(&mut self, bounds: &Bounds) -> Result<Option<f64>, MeasureError> {
+        let mut is_new = false;
+        for view in &mut self.views {
+            is_new |= view.scene.make_recipes_from(bounds.renderer);
+        }
+        let scales = self.views.iter().map(|view| view.scale).collect::<Vec<_>>();
+        let limits = self.limits(bounds)?;
+        // Errors are scaled to the strictest camera's bound.
+        let strictest = limits.iter().copied().flatten().reduce(f64::min);
+        for (view, limit) in self.views.iter_mut().zip(&limits) {
+            view.scale = match (strictest, limit) {
+                (Some(strictest), Some(limit)) if *limit > 0.0 => strictest / limit,
+                _ => 1.0,
+            };
+        }
+        is_new |= scales != self.views.iter().map(|view| view.scale).collect::<Vec<_>>();
+        if is_new {
+            self.forget();
+        }
+        Ok(strictest)
+    }
+
+    /// Returns the bound of the error at each camera, all or none of them. Where no shadow at all would be no error, a bound that is
+    /// relative to it bounds by 0.
+    fn limits(&mut self, bounds: &Bounds) -> Result<Vec<Option<f64>>, MeasureError> {
+        let mut limits = Vec::new();
+        for view in &mut self.views {
+            let mut limit = bounds.max_error;
+            if let Some(relative) = bounds.max_relative_error {
+                // By the lower limit, so that what is within it is within the bound but for one case in twenty.
+                let least = relative * error_of_no_shadow(view)?.low;
+                limit = Some(limit.map_or(least, |error| error.min(least)));
+            }
+            limits.push(limit);
+        }
+        Ok(limits)
+    }
+
+    /// Returns the sums of all cameras.
+    pub(super) fn coverage(&self) -> Coverage {
+        let all = self.views.iter().map(|view| view.sampled.coverage);
+        let mut out = all.fold(Coverage::default(), Coverage::plus);
+        out.traced = self.traced() as u64;
+        out
+    }
+
+    /// Returns the number of pixels of all cameras whose truth was traced.
+    pub(super) fn traced(&self) -> usize {
+        self.views.iter().map(|view| view.scene.traced()).sum()
+    }
+
     /// Forgets what was tried, as if truth were another.
-    #[cfg(test)]
     pub(super) fn forget(&mut self) {
         self.tried.clear();
         self.first_estimates.clear();
+        self.prices.clear();
+        self.kept.clear();
     }
 
     /// The number of settings tried.
@@ -97,22 +210,77 @@ impl<'a> Trials<'a> {
         others
     }
 
-    /// Returns what a preset costs; none if it isn't supported.
+    /// Returns what a preset costs; none if it isn't supported at one of the cameras. A bias changes the cost only by a rounding of
+    /// the map's fit, so settings that differ in it alone have one price.
     pub(super) fn price(
         &mut self,
         preset: &TechniquePreset,
-    ) -> Result<Option<Price>, MeasureError> {
-        let key = format!("{preset:?}");
-        if let Some(price) = self.prices.get(&key) {
-            return Ok(*price);
+    ) -> Result<Option<Prices>, MeasureError> {
+        let key = key_but_for_bias(preset);
+        if let Some(prices) = self.prices.get(&key) {
+            return Ok(prices.clone());
         }
-        let price = match self.scene.recipe(preset) {
-            Ok(recipe) => Some(self.scene.price(&recipe, &self.cost)),
-            Err(RecipeError::Unsupported(_)) => None,
-            Err(e) => return Err(e.into()),
-        };
-        self.prices.insert(key, price);
-        Ok(price)
+        let recipes = self.recipes(preset)?;
+        let prices = recipes.map(|recipes| self.price_of(preset, &recipes));
+        self.prices.insert(key, prices.clone());
+        Ok(prices)
+    }
+
+    /// Returns the recipe at each camera; none if the preset isn't supported at one of them.
+    pub(super) fn recipes(
+        &self,
+        preset: &TechniquePreset,
+    ) -> Result<Option<Vec<Recipe>>, MeasureError> {
+        let mut recipes = Vec::new();
+        for view in &self.views {
+            match view.scene.recipe(preset) {
+                Ok(recipe) => recipes.push(recipe),
+                Err(RecipeError::Unsupported(_)) => return Ok(None),
+                Err(e) => return Err(e.into()),
+            }
+        }
+        Ok(Some(recipes))
+    }
+
+    fn price_of(&mut self, preset: &TechniquePreset, recipes: &[Recipe]) -> Prices {
+        let Counting {
+            cost, motion, hold, ..
+        } = self.counting;
+        let prices: Vec<Price> = self
+            .views
+            .iter()
+            .zip(recipes)
+            .map(|(view, recipe)| view.scene.price(recipe, &cost))
+            .collect();
+        let kept_as_camera_moves =
+            (motion == FrameMotion::CameraMoves).then(|| self.is_kept(preset, &recipes[0]));
+        let is_kept = motion == FrameMotion::Still || kept_as_camera_moves == Some(true);
+        let frames: Vec<f64> = prices
+            .iter()
+            .map(|price| price.lookup_ms + if is_kept { 0.0 } else { price.draw_ms })
+            .collect();
+        Prices {
+            milliseconds: hold.of(frames.clone()),
+            frames,
+            draw_ms: hold.of(prices.iter().map(|price| price.draw_ms).collect()),
+            bytes: prices
+                .iter()
+                .map(|p| p.work.bytes)
+                .max()
+                .unwrap_or_default(),
+            kept_as_camera_moves,
+        }
+    }
+
+    /// Whether what a preset draws is kept as the camera moves: a question of its technique and its fit alone.
+    fn is_kept(&mut self, preset: &TechniquePreset, recipe: &Recipe) -> bool {
+        let fit = preset.map().map(|map| map.fit);
+        let key = format!("{} {fit:?}", preset.technique().name());
+        let scene = &self.views[0].scene;
+        *self
+            .kept
+            .entry(key)
+            .or_insert_with(|| !scene.follows_camera(preset, recipe))
     }
 
     /// Tries a preset on the sample; none if it isn't supported.
@@ -130,17 +298,61 @@ impl<'a> Trials<'a> {
     }
 
     fn try_new(&mut self, preset: &TechniquePreset) -> Result<Option<Setting>, MeasureError> {
-        let recipe = match self.scene.recipe(preset) {
-            Ok(recipe) => recipe,
-            Err(RecipeError::Unsupported(_)) => return Ok(None),
-            Err(e) => return Err(e.into()),
+        let Some(recipes) = self.recipes(preset)? else {
+            return Ok(None);
         };
-        let price = self.scene.price(&recipe, &self.cost);
-        match self.sampled.estimate(&mut self.scene, &recipe) {
-            Ok(estimate) => Ok(Some(Setting::new(preset.clone(), estimate, &price))),
-            // More than the backend holds.
-            Err(BackendError::Invalid(_)) => Ok(None),
-            Err(e) => Err(e.into()),
+        let Some(prices) = self.price(preset)? else {
+            return Ok(None);
+        };
+        let mut estimates = Vec::new();
+        for (view, recipe) in self.views.iter_mut().zip(&recipes) {
+            match view.sampled.estimate(&mut view.scene, recipe) {
+                Ok(estimate) => estimates.push(estimate.times(view.scale)),
+                // More than the backend holds.
+                Err(BackendError::Invalid(_)) => return Ok(None),
+                Err(e) => return Err(e.into()),
+            }
+        }
+        Ok(Some(self.setting(preset, &estimates, &prices)))
+    }
+
+    /// Returns a setting with what was found at each camera.
+    fn setting(
+        &self,
+        preset: &TechniquePreset,
+        estimates: &[Estimate],
+        prices: &Prices,
+    ) -> Setting {
+        let technique = preset.technique();
+        let mut setting = Setting {
+            preset: preset.clone(),
+            technique: technique.name().to_owned(),
+            settings: technique.settings(),
+            estimate: Estimate::default(),
+            milliseconds: prices.milliseconds,
+            draw_ms: prices.draw_ms,
+            kept_as_camera_moves: prices.kept_as_camera_moves,
+            bytes: prices.bytes,
+            grain: None,
+            shimmer: None,
+            measured_ms: None,
+            cameras: Vec::new(),
+        };
+        self.set_estimates(&mut setting, estimates, &prices.frames);
+        setting
+    }
+
+    fn set_estimates(&self, setting: &mut Setting, estimates: &[Estimate], frames: &[f64]) {
+        setting.estimate = held(self.counting.hold, estimates);
+        if estimates.len() > 1 {
+            setting.cameras = estimates
+                .iter()
+                .zip(frames)
+                .map(|(&estimate, &milliseconds)| CameraFigures {
+                    estimate,
+                    milliseconds,
+                })
+                .collect();
         }
     }
 
@@ -152,25 +364,136 @@ impl<'a> Trials<'a> {
         bound: Option<f64>,
         on_step: &OnStep<'_>,
     ) -> Result<Setting, MeasureError> {
-        let recipe = self.scene.recipe(&setting.preset)?;
         let key = format!("{:?}", setting.preset);
-        let first = *self
+        let of_setting: Vec<Estimate> = match &setting.cameras[..] {
+            [] => vec![setting.estimate],
+            cameras => cameras.iter().map(|camera| camera.estimate).collect(),
+        };
+        let firsts = self
             .first_estimates
             .entry(key.clone())
-            .or_insert(setting.estimate);
-        let contender = Contender {
-            recipe: &recipe,
-            first,
-            bound,
-        };
-        let estimate =
-            self.verifier
-                .estimate(&mut self.scene, &self.sampled, &contender, on_step)?;
-        let setting = Setting {
-            estimate,
-            ..setting.clone()
-        };
+            .or_insert(of_setting)
+            .clone();
+        let mut estimates = Vec::new();
+        for (view, first) in self.views.iter_mut().zip(firsts) {
+            let recipe = view.scene.recipe(&setting.preset)?;
+            let contender = Contender {
+                recipe: &recipe,
+                first: first.times(1.0 / view.scale),
+                bound: bound.map(|bound| bound / view.scale),
+            };
+            let estimate =
+                view.verifier
+                    .estimate(&mut view.scene, &view.sampled, &contender, on_step)?;
+            estimates.push(estimate.times(view.scale));
+        }
+        let mut verified = setting.clone();
+        let frames: Vec<f64> = setting.cameras.iter().map(|c| c.milliseconds).collect();
+        self.set_estimates(&mut verified, &estimates, &frames);
+        self.tried.insert(key, Some(verified.clone()));
+        Ok(verified)
+    }
+
+    /// Measures the grain and the shimmer of a setting, those that have bounds; of several cameras the greatest.
+    pub(super) fn endured(
+        &mut self,
+        mut setting: Setting,
+        bounds: &Bounds,
+    ) -> Result<Setting, MeasureError> {
+        let truth = self.counting.truth;
+        for view in &mut self.views {
+            if bounds.max_grain.is_some() {
+                let recipe = view.scene.recipe(&setting.preset)?;
+                let grain = view.grain(&recipe, &truth)?;
+                setting.grain = greater(setting.grain, grain);
+            }
+            if bounds.max_shimmer.is_some() {
+                let found = shimmer(&mut view.scene, &view.sampled, &setting.preset)?;
+                setting.shimmer = greater(setting.shimmer, found);
+            }
+        }
+        let key = format!("{:?}", setting.preset);
         self.tried.insert(key, Some(setting.clone()));
         Ok(setting)
+    }
+
+    /// Plays a preset on other scenes that the same cameras see, such as with fewer casters, against the same samples. Returns its error, and
+    /// what drawing and looking up cost, milliseconds; none if it isn't supported there.
+    pub(super) fn play_elsewhere(
+        &self,
+        scenes: &mut [PlanScene<'_>],
+        preset: &TechniquePreset,
+    ) -> Result<Option<(Estimate, f64, f64)>, MeasureError> {
+        let Counting { cost, hold, .. } = self.counting;
+        let mut estimates = Vec::new();
+        let mut prices = Vec::new();
+        for (view, scene) in self.views.iter().zip(scenes) {
+            let Ok(recipe) = scene.recipe(preset) else {
+                return Ok(None);
+            };
+            prices.push(scene.price(&recipe, &cost));
+            let estimate = view.sampled.estimate(scene, &recipe)?;
+            estimates.push(estimate.times(view.scale));
+        }
+        let draw_ms = hold.of(prices.iter().map(|price| price.draw_ms).collect());
+        let lookup_ms = hold.of(prices.iter().map(|price| price.lookup_ms).collect());
+        Ok(Some((held(hold, &estimates), draw_ms, lookup_ms)))
+    }
+
+    /// Returns what the first sample says of a setting, verified since or not.
+    pub(super) fn first_estimate(&self, setting: &Setting) -> Estimate {
+        match self.first_estimates.get(&format!("{:?}", setting.preset)) {
+            Some(firsts) => held(self.counting.hold, firsts),
+            None => setting.estimate,
+        }
+    }
+
+    /// Returns the error of no shadow at all at the worst camera that the plan holds for.
+    pub(super) fn error_of_no_shadow(&mut self) -> Result<Estimate, MeasureError> {
+        let mut estimates = Vec::new();
+        for view in &mut self.views {
+            estimates.push(error_of_no_shadow(view)?);
+        }
+        Ok(held(self.counting.hold, &estimates))
+    }
+}
+
+fn greater(a: Option<f64>, b: Option<f64>) -> Option<f64> {
+    match (a, b) {
+        (Some(a), Some(b)) => Some(a.max(b)),
+        (a, b) => a.or(b),
+    }
+}
+
+fn error_of_no_shadow(view: &mut SampledView<'_>) -> Result<Estimate, MeasureError> {
+    let none = TechniquePreset::from(Unshadowed::default());
+    let recipe = view.scene.recipe(&none)?;
+    Ok(view.sampled.estimate(&mut view.scene, &recipe)?)
+}
+
+/// Returns each figure of the worst camera that the plan holds for.
+fn held(hold: Hold, estimates: &[Estimate]) -> Estimate {
+    if let [one] = estimates {
+        return *one;
+    }
+    let of = |figure: fn(&Estimate) -> f64| hold.of(estimates.iter().map(figure).collect());
+    Estimate {
+        error: of(|e| e.error),
+        low: of(|e| e.low),
+        high: of(|e| e.high),
+        too_dark: of(|e| e.too_dark),
+        too_light: of(|e| e.too_light),
+    }
+}
+
+/// Returns the preset's fields in words, its bias left out.
+fn key_but_for_bias(preset: &TechniquePreset) -> String {
+    let unbiased = preset.map().map(|&map| ShadowMap {
+        bias: Bias::NONE,
+        ..map
+    });
+    match unbiased {
+        Some(map) => format!("{:?}", preset.with_map(map)),
+        None => format!("{preset:?}"),
     }
 }

@@ -18,6 +18,7 @@ mod vicinity;
 pub use ambiguity::PROBES;
 pub use points::{PointTruth, ReceiverPoint, TruthRequest, trace_points};
 pub use sampled::PREVIEW_SAMPLES;
+pub(crate) use sampled::drawn;
 
 use crate::MeasureError;
 use ambiguity::Nudge;

@@ -45,7 +45,7 @@ impl ReceiverPoint {
     }
 
     /// Returns the point at a pixel.
-    pub(super) fn of_pixel(
+    pub(crate) fn of_pixel(
         camera: &Camera,
         geometry: &Geometry,
         receivers: &Receivers,

@@ -103,7 +103,7 @@ impl TracedImage {
 }
 
 /// Returns one pixel of each block of `side` by `side` pixels, by their indices, rising.
-fn drawn(size: UVec2, side: u32) -> Vec<u32> {
+pub(crate) fn drawn(size: UVec2, side: u32) -> Vec<u32> {
     let side = side.max(1);
     let mut out = Vec::new();
     for top in (0..size.y).step_by(side as usize) {

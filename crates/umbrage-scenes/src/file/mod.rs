@@ -1,6 +1,7 @@
 //! Scene files.
 
 mod camera;
+mod cameras;
 mod light;
 mod look;
 mod numbers;
@@ -8,6 +9,8 @@ mod object;
 mod table;
 #[cfg(test)]
 mod tests;
+
+pub use cameras::cameras;
 
 use crate::{SceneError, error::Place, obj};
 use std::path::Path;
@@ -19,6 +22,12 @@ use umbrage_core::{Geometry, MAX_NAME_BYTES, Scene};
 const LONGEST: u64 = 16 << 20;
 
 pub(crate) fn load(path: &Path) -> Result<Scene, SceneError> {
+    let text = text_of(path)?;
+    parse(&text, path, path.parent().unwrap_or(Path::new("")))
+}
+
+/// Returns the text of a file of ours.
+fn text_of(path: &Path) -> Result<String, SceneError> {
     let read = || {
         let about = std::fs::metadata(path)?;
         match about.is_file() && about.len() <= LONGEST {
@@ -26,8 +35,17 @@ pub(crate) fn load(path: &Path) -> Result<Scene, SceneError> {
             false => Err(std::io::Error::other("is not a file of at most 16 MiB")),
         }
     };
-    let text = read().map_err(|e| SceneError::unreadable(path, &e))?;
-    parse(&text, path, path.parent().unwrap_or(Path::new("")))
+    read().map_err(|e| SceneError::unreadable(path, &e))
+}
+
+/// Returns the error of a text that is not TOML.
+fn syntax(source: &Source<'_>, e: &toml::de::Error) -> SceneError {
+    source.fault(
+        e.span().unwrap_or(0..0),
+        None,
+        e.message().trim(),
+        "see https://toml.io for the syntax",
+    )
 }
 
 pub(crate) fn parse(text: &str, path: &Path, folder: &Path) -> Result<Scene, SceneError> {
@@ -35,14 +53,7 @@ pub(crate) fn parse(text: &str, path: &Path, folder: &Path) -> Result<Scene, Sce
         file: path.display().to_string(),
         text,
     };
-    let document = DeTable::parse(text).map_err(|e| {
-        source.fault(
-            e.span().unwrap_or(0..0),
-            None,
-            e.message().trim(),
-            "see https://toml.io for the syntax",
-        )
-    })?;
+    let document = DeTable::parse(text).map_err(|e| syntax(&source, &e))?;
     let root = Table::root(&source, &document);
     root.only(&["name", "camera", "light", "object"])?;
     let mut scene = Scene {

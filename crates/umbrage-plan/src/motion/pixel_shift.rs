@@ -4,7 +4,7 @@
 use umbrage_core::Receivers;
 
 /// Returns the receivers with each row moved to the right by this many pixels; what leaves on the right enters on the left.
-pub(super) fn to_the_right(receivers: &Receivers, pixels: usize) -> Receivers {
+pub fn to_the_right(receivers: &Receivers, pixels: usize) -> Receivers {
     let mut out = receivers.clone();
     let width = receivers.size.x;
     for numbers in [
@@ -27,7 +27,7 @@ pub(super) fn to_the_right(receivers: &Receivers, pixels: usize) -> Receivers {
 }
 
 /// Moves each row of a mask of such receivers, `width` pixels wide, back to the left.
-pub(super) fn back(mask: &mut [f32], width: u32, pixels: usize) {
+pub fn back(mask: &mut [f32], width: u32, pixels: usize) {
     let width = width as usize;
     for row in mask.chunks_mut(width) {
         row.rotate_left(pixels % width);

@@ -1,0 +1,190 @@
+//! Which techniques a stability run lets pass: for planners that ask more than a small error.
+
+use super::{CaseResult, CellOutcome, Stability, Verdict};
+use crate::LabError;
+use std::path::Path;
+use umbrage_core::Invalid;
+
+/// What is asked of a technique.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Demand {
+    /// To pass these rows (by number) or cases (by name).
+    Pass(Vec<String>),
+    /// To fail no case.
+    FailNone,
+}
+
+impl Stability {
+    /// Reads the results of a run, `results.json`.
+    ///
+    /// # Errors
+    /// Errors if the file can't be read or holds something else.
+    pub fn read(path: &Path) -> Result<Self, LabError> {
+        let unusable = |why: String| {
+            Invalid::new(
+                format!("stability results `{}`", path.display()),
+                why,
+                "give the results.json that `stability` writes",
+            )
+        };
+        let text = std::fs::read_to_string(path).map_err(|e| unusable(e.to_string()))?;
+        // Beside the matrix the file has the sweeps.
+        let (matrix, _): (Self, serde_json::Value) =
+            serde_json::from_str(&text).map_err(|e| unusable(e.to_string()))?;
+        Ok(matrix)
+    }
+
+    /// Whether a technique meets a demand, by the best of its settings in each case: one that passes with the right bias passes,
+    /// since planners choose the bias. What is not measured or not served is no pass, and no failure. A technique that the run
+    /// knows nothing of passes nothing.
+    ///
+    /// # Errors
+    /// Errors if a row or case is asked for that the run has not.
+    pub fn meets(&self, technique: &str, demand: &Demand) -> Result<bool, Invalid> {
+        match demand {
+            Demand::FailNone => {
+                let known = self
+                    .cases
+                    .iter()
+                    .any(|case| best(case, technique).is_some());
+                let fails = |case: &CaseResult| best(case, technique) == Some(Verdict::Fails);
+                Ok(known && !self.cases.iter().any(fails))
+            }
+            Demand::Pass(names) => {
+                for name in names {
+                    let mut asked = self
+                        .cases
+                        .iter()
+                        .filter(|case| is_named(case, name))
+                        .peekable();
+                    if asked.peek().is_none() {
+                        return Err(self.no_such(name));
+                    }
+                    if !asked.all(|case| best(case, technique) == Some(Verdict::Pass)) {
+                        return Ok(false);
+                    }
+                }
+                Ok(true)
+            }
+        }
+    }
+
+    fn no_such(&self, name: &str) -> Invalid {
+        let cases: Vec<&str> = self.cases.iter().map(|case| &*case.case).collect();
+        Invalid::new(
+            "row of the stability matrix",
+            format!("there are no results of `{name}`"),
+            format!("use a row's number, or some of {}", cases.join(", ")),
+        )
+    }
+}
+
+fn is_named(case: &CaseResult, name: &str) -> bool {
+    case.case == name || name.parse() == Ok(case.row)
+}
+
+/// Returns the best verdict over a technique's settings in a case; none if it was not played or is not made for the scene.
+fn best(case: &CaseResult, technique: &str) -> Option<Verdict> {
+    let of_cell = |outcome: &CellOutcome| match outcome {
+        CellOutcome::Measured { verdict, .. } => Some(*verdict),
+        CellOutcome::Fault { .. } => Some(Verdict::Fails),
+        CellOutcome::Unsupported { .. } => None,
+    };
+    case.cells
+        .iter()
+        .filter(|cell| cell.technique == technique)
+        .filter_map(|cell| of_cell(&cell.outcome))
+        .min()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stability::Cell;
+
+    fn case(row: u8, name: &str, verdicts: &[(&str, Verdict)]) -> CaseResult {
+        let cells = verdicts.iter().map(|&(technique, verdict)| Cell {
+            technique: technique.to_owned(),
+            settings: String::new(),
+            outcome: CellOutcome::Measured {
+                judgements: Vec::new(),
+                verdict,
+            },
+            disagreeing: None,
+            picture: None,
+        });
+        CaseResult {
+            row,
+            title: String::new(),
+            weakness: String::new(),
+            not_yet: None,
+            case: name.to_owned(),
+            scene: String::new(),
+            motion: String::new(),
+            fit: String::new(),
+            is_sanity: false,
+            criteria: Vec::new(),
+            cells: cells.collect(),
+        }
+    }
+
+    fn results() -> Stability {
+        Stability {
+            cases: vec![
+                case(
+                    1,
+                    "shells",
+                    &[
+                        ("hard", Verdict::Fails),
+                        ("hard", Verdict::Pass),
+                        ("second_depth", Verdict::Fails),
+                        ("traced", Verdict::Pass),
+                    ],
+                ),
+                case(
+                    2,
+                    "pan",
+                    &[
+                        ("hard", Verdict::Degraded),
+                        ("traced", Verdict::NotMeasured),
+                    ],
+                ),
+            ],
+            ..Stability::default()
+        }
+    }
+
+    #[test]
+    fn the_best_setting_of_a_technique_counts() {
+        let meets =
+            |technique: &str, demand: &Demand| results().meets(technique, demand).expect("known");
+        let rows = |names: &[&str]| Demand::Pass(names.iter().map(ToString::to_string).collect());
+        assert!(meets("hard", &Demand::FailNone) && meets("hard", &rows(&["1"])));
+        assert!(!meets("hard", &rows(&["shells", "2"])));
+        assert!(!meets("second_depth", &Demand::FailNone));
+        assert!(meets("traced", &Demand::FailNone) && !meets("traced", &rows(&["pan"])));
+        assert!(!meets("mine", &Demand::FailNone), "nothing is known of it");
+    }
+
+    #[test]
+    fn results_come_back_from_their_file() {
+        let dir = tempfile::tempdir().expect("a temporary folder");
+        let path = dir.path().join("results.json");
+        let sweeps: [u8; 0] = [];
+        let text = serde_json::to_string(&(results(), sweeps)).expect("plain data");
+        std::fs::write(&path, text).expect("writable");
+        let read = Stability::read(&path).expect("readable");
+        assert_eq!(read.cases.len(), 2);
+        assert_eq!(read.meets("second_depth", &Demand::FailNone), Ok(false));
+    }
+
+    #[test]
+    fn rows_that_were_not_played_are_refused() {
+        let error = results()
+            .meets("hard", &Demand::Pass(vec!["9".to_owned()]))
+            .expect_err("no such row");
+        assert!(error.to_string().contains("shells, pan"), "{error}");
+        let dir = tempfile::tempdir().expect("a temporary folder");
+        assert!(Stability::read(&dir.path().join("none.json")).is_err());
+    }
+}

@@ -1,0 +1,206 @@
+//! What moves from frame to frame, and what of a recipe has to be drawn again then.
+
+pub mod pixel_shift;
+
+use glam::{Affine3A, Quat, Vec3};
+use serde::{Deserialize, Serialize};
+use umbrage_core::{Camera, Cast, Filter, Geometry, Recipe, ShadowTechnique, Source, View};
+
+/// What moves from frame to frame, and so what has to be made anew.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FrameMotion {
+    /// Nothing: maps are kept, and each frame looks them up.
+    Still,
+    /// The camera: what is drawn for the camera is drawn again, after the recipe is made again. Maps that do not follow the camera
+    /// are kept.
+    #[default]
+    CameraMoves,
+    /// Casters, lights and camera: everything is made again, with the hierarchies over the triangles.
+    AllMoves,
+}
+
+impl FrameMotion {
+    /// Returns what moves, in words for charts and tables.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Still => "nothing moves",
+            Self::CameraMoves => "the camera moves",
+            Self::AllMoves => "all moves",
+        }
+    }
+}
+
+/// Whether a technique draws something else than `recipe` once the camera moves, a little or far.
+pub fn follows_camera(technique: &dyn ShadowTechnique, recipe: &Recipe, view: &View<'_>) -> bool {
+    let Some(geometry) = view.geometry else {
+        return true;
+    };
+    let still_view = View::new(view.camera, view.light, geometry);
+    let Ok(still) = technique.recipe(&still_view) else {
+        return true;
+    };
+    // What is fitted to the receivers that are seen changes with them.
+    if !draw_alike(recipe, &still) {
+        return true;
+    }
+    CAMERA_MOTIONS.iter().any(|motion| {
+        let camera = motion.apply(view.camera, geometry);
+        let moved_view = View::new(&camera, view.light, geometry);
+        let moved = technique.recipe(&moved_view);
+        moved.map_or(true, |moved| !draw_alike(&still, &moved))
+    })
+}
+
+/// A motion of a camera.
+struct CameraMotion {
+    /// How far it moves to the right, up by half of that, and forward, as a share of the scene's diagonal.
+    step: f32,
+    /// How far it turns about its own y axis, radians.
+    turn: f32,
+}
+
+/// Motions to find out what follows the camera: those of one frame, and of some seconds.
+const CAMERA_MOTIONS: [CameraMotion; 2] = [
+    CameraMotion {
+        step: 0.002,
+        turn: 0.02,
+    },
+    CameraMotion {
+        step: 0.05,
+        turn: 1.0,
+    },
+];
+
+impl CameraMotion {
+    fn apply(&self, camera: &Camera, geometry: &Geometry) -> Camera {
+        let step = self.step * geometry.bounds().diagonal();
+        let shift = Vec3::new(step, 0.5 * step, -step);
+        let motion = Affine3A::from_rotation_translation(Quat::from_rotation_y(self.turn), shift);
+        Camera {
+            world_from_view: camera.world_from_view * motion,
+            ..*camera
+        }
+    }
+}
+
+/// Returns the cameras of some frames of a pan, the given one first: each has moved and turned a little against the one before.
+pub fn pan(camera: &Camera, geometry: &Geometry, frames: u32) -> Vec<Camera> {
+    let mut cameras = vec![*camera];
+    for _ in 1..frames {
+        let last = cameras[cameras.len() - 1];
+        cameras.push(CAMERA_MOTIONS[0].apply(&last, geometry));
+    }
+    cameras
+}
+
+/// Whether a recipe casts into an image of the camera's size: then it has visibilities at that camera's pixels alone.
+pub fn draws_the_picture(recipe: &Recipe, camera: &Camera) -> bool {
+    recipe
+        .casts
+        .iter()
+        .any(|cast| recipe.images[cast.image].size == camera.size)
+}
+
+/// Whether two recipes draw the same: what is cast and filtered, lookups left out.
+pub fn draw_alike(a: &Recipe, b: &Recipe) -> bool {
+    let same_casts = a.casts.len() == b.casts.len()
+        && a.casts.iter().zip(&b.casts).all(|(a, b)| cast_alike(a, b));
+    let same_filters = a.filters.len() == b.filters.len()
+        && a.filters
+            .iter()
+            .zip(&b.filters)
+            .all(|(a, b)| filter_alike(a, b));
+    format!("{:?}", a.images) == format!("{:?}", b.images) && same_casts && same_filters
+}
+
+fn cast_alike(a: &Cast, b: &Cast) -> bool {
+    // By name, so that a new field can't be forgotten here.
+    let Cast {
+        image,
+        layer,
+        space,
+        source,
+        mode,
+        cull,
+        bias,
+    } = a;
+    *image == b.image
+        && *layer == b.layer
+        && *space == b.space
+        && *mode == b.mode
+        && *cull == b.cull
+        && *bias == b.bias
+        && source_alike(source, &b.source)
+}
+
+fn source_alike(a: &Source, b: &Source) -> bool {
+    match (a, b) {
+        (Source::Casters, Source::Casters) | (Source::Everything, Source::Everything) => true,
+        (Source::SomeCasters(a), Source::SomeCasters(b)) => a == b,
+        (Source::Faces(a), Source::Faces(b)) => a == b,
+        _ => false,
+    }
+}
+
+fn filter_alike(a: &Filter, b: &Filter) -> bool {
+    let words = |filter: &Filter| format!("{filter:?}");
+    words(a) == words(b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::UVec2;
+    use umbrage_core::Fit;
+    use umbrage_cpu::Cpu;
+    use umbrage_techniques::{Hard, ShadowMap, ShadowVolumes, Traced};
+
+    fn hard(fit: Fit) -> Hard {
+        let map = ShadowMap {
+            fit,
+            size: 64,
+            ..ShadowMap::default()
+        };
+        Hard { map }
+    }
+
+    fn follows(technique: &dyn ShadowTechnique) -> bool {
+        follows_when(technique, false)
+    }
+
+    /// Whether a technique follows the camera where receivers are known, or where they aren't.
+    fn follows_when(technique: &dyn ShadowTechnique, knows_receivers: bool) -> bool {
+        let scene = umbrage_scenes::by_argument("street").expect("built in");
+        let geometry = Geometry::bake(&scene).expect("valid");
+        let camera = scene.cameras[0].resized(UVec2::new(32, 18));
+        let receivers = Cpu::new().receivers(&camera, &geometry).expect("valid");
+        let mut view = View::new(&camera, &scene.lights[0], &geometry);
+        if knows_receivers {
+            view = view.with_receivers(&receivers);
+        }
+        let recipe = technique.recipe(&view).expect("served");
+        follows_camera(technique, &recipe, &view)
+    }
+
+    #[test]
+    fn a_fit_to_what_is_seen_follows_the_camera() {
+        assert!(follows_when(&hard(Fit::Tight), true));
+        assert!(!follows_when(&hard(Fit::Whole), true));
+        assert!(
+            !follows_when(&hard(Fit::Tight), false),
+            "it goes around all that receives"
+        );
+    }
+
+    #[test]
+    fn what_follows_the_camera_is_found_out() {
+        assert!(follows(&hard(Fit::Stable { range: 20.0 })));
+        assert!(
+            follows(&ShadowVolumes::default()),
+            "it counts in the camera's image"
+        );
+        assert!(!follows(&hard(Fit::Whole)));
+        assert!(!follows(&Traced::default()));
+    }
+}

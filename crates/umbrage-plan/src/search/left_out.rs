@@ -1,0 +1,354 @@
+//! What more could be left out beside a cheaper technique: shadows that nobody sees, casters that are seen less than a pixel wide, and
+//! drawing again what has not changed. Each is played, and told with what it saves and what it costs in error.
+
+use super::{LightPlan, LightsPlan, Plan, Planner, Setting, planner::is_kept};
+use crate::{
+    Estimate, MeasureError,
+    estimate::{scene::PlanScene, weighting::Weighting},
+    motion::FrameMotion,
+};
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+use umbrage_core::{Aabb, Camera, Geometry, Instance, Scene};
+use umbrage_techniques::{FrameRules, Hard, LightPreset, TechniquePreset, Update};
+
+/// Casters are small whose bounding sphere is seen less than so many pixels wide.
+const SMALL_PIXELS: f32 = 1.0;
+
+/// Work that a renderer may leave out, and what that changes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LeftOut {
+    /// What is left out.
+    pub what: Omission,
+    /// What that saves a frame, milliseconds by the price list.
+    pub saved_ms: f64,
+    /// The error with all of it.
+    pub error_before: f64,
+    /// The error without.
+    pub estimate: Estimate,
+    /// Whether the plan's preset leaves it out: the error stays within the bounds.
+    pub is_taken: bool,
+}
+
+/// Something that may be left out.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Omission {
+    /// The light's whole shadow, since nobody sees it. It saves what a default map would take.
+    Shadow,
+    /// Casters that are seen less than so many pixels wide.
+    SmallCasters {
+        /// The width, pixels.
+        below_pixels: f32,
+        /// How many instances that are.
+        instances: usize,
+        /// How many triangles they have.
+        triangles: usize,
+    },
+    /// Drawing again in frames in which nothing of it changes.
+    Redrawing(Update),
+}
+
+impl LeftOut {
+    /// Returns it in words, for people.
+    pub fn words(&self) -> String {
+        let saved_ms = self.saved_ms;
+        let errors = format!(
+            "error {:.4}, with it {:.4}",
+            self.estimate.error, self.error_before
+        );
+        let what = match self.what {
+            Omission::Shadow => "the shadow as a whole, which nobody sees".to_owned(),
+            Omission::SmallCasters {
+                below_pixels,
+                instances,
+                triangles,
+            } => format!(
+                "{instances} casters of {triangles} triangles that are seen less than {below_pixels} pixels wide"
+            ),
+            Omission::Redrawing(Update::Once) => "drawing again: nothing moves".to_owned(),
+            Omission::Redrawing(_) => "drawing again while the camera alone moves".to_owned(),
+        };
+        let verb = if self.is_taken {
+            "left out"
+        } else {
+            "could be left out, but is not"
+        };
+        format!("{verb}: {what}; saves {saved_ms:.3} ms a frame ({errors})")
+    }
+}
+
+impl Plan {
+    /// Returns what of its light's work may be left out: the rules of its [`LightPreset`](umbrage_techniques::LightPreset).
+    pub fn frame_rules(&self) -> FrameRules {
+        let mut rules = FrameRules::default();
+        for left_out in self.left_out.iter().filter(|left_out| left_out.is_taken) {
+            match left_out.what {
+                Omission::Shadow => {}
+                Omission::SmallCasters { below_pixels, .. } => {
+                    rules.skip_casters_below_pixels = below_pixels;
+                }
+                Omission::Redrawing(update) => rules.update = update,
+            }
+        }
+        rules
+    }
+}
+
+/// Finds what may be left out of a plan; nothing where nothing was chosen.
+pub(super) fn find(
+    scene: &Scene,
+    cameras: &[Camera],
+    planner: &mut Planner<'_>,
+    plan: &Plan,
+) -> Result<Vec<LeftOut>, MeasureError> {
+    let mut out = Vec::new();
+    if plan.chosen.is_none() {
+        return Ok(out);
+    }
+    out.extend(shadow(planner, plan)?);
+    out.extend(redrawing(plan));
+    out.extend(small_casters(scene, cameras, planner, plan)?);
+    Ok(out)
+}
+
+/// The whole shadow, if what was chosen is none.
+fn shadow(planner: &mut Planner<'_>, plan: &Plan) -> Result<Option<LeftOut>, MeasureError> {
+    let Some(chosen) = plan.chosen.as_ref().filter(|s| s.technique == "none") else {
+        return Ok(None);
+    };
+    let usual = TechniquePreset::from(Hard::default());
+    let Some(price) = planner.search.trials.price(&usual)? else {
+        return Ok(None);
+    };
+    Ok(Some(LeftOut {
+        what: Omission::Shadow,
+        saved_ms: price.milliseconds - chosen.milliseconds,
+        error_before: 0.0,
+        estimate: chosen.estimate,
+        is_taken: true,
+    }))
+}
+
+/// Returns when what a setting draws has to be drawn again.
+fn update_of(motion: FrameMotion, setting: &Setting) -> Update {
+    let is_drawn_once = setting.draw_ms > 0.0 && is_kept(motion, setting);
+    match motion {
+        FrameMotion::Still if is_drawn_once => Update::Once,
+        FrameMotion::CameraMoves if is_drawn_once => Update::WhenSceneChanges,
+        FrameMotion::Still | FrameMotion::CameraMoves | FrameMotion::AllMoves => Update::EveryFrame,
+    }
+}
+
+impl LightsPlan {
+    /// Returns the preset of one of its lights, with when its images are drawn again; none if nothing is within the budget.
+    pub fn light_preset(&self, light: &LightPlan) -> Option<LightPreset> {
+        let chosen = light.chosen.as_ref()?;
+        Some(LightPreset {
+            technique: chosen.preset.clone(),
+            frame: FrameRules {
+                update: update_of(self.motion, chosen),
+                ..FrameRules::default()
+            },
+        })
+    }
+}
+
+/// Drawing again what is kept.
+fn redrawing(plan: &Plan) -> Option<LeftOut> {
+    let chosen = plan.chosen.as_ref()?;
+    let update = update_of(plan.motion, chosen);
+    (update != Update::EveryFrame).then_some(LeftOut {
+        what: Omission::Redrawing(update),
+        saved_ms: chosen.draw_ms,
+        error_before: chosen.estimate.error,
+        estimate: chosen.estimate,
+        is_taken: true,
+    })
+}
+
+/// Casters that all cameras see less than [`SMALL_PIXELS`] wide, played without them; none where there are none, or where nothing is
+/// drawn or traced.
+fn small_casters(
+    scene: &Scene,
+    cameras: &[Camera],
+    planner: &mut Planner<'_>,
+    plan: &Plan,
+) -> Result<Option<LeftOut>, MeasureError> {
+    let Some(chosen) = plan.chosen.as_ref().filter(|s| s.technique != "none") else {
+        return Ok(None);
+    };
+    let mut without = scene.clone();
+    let mut instances = 0;
+    let mut triangles = 0;
+    for instance in without.instances.iter_mut().filter(|i| i.casts) {
+        let bounds = bounds(scene, instance);
+        if cameras
+            .iter()
+            .all(|camera| width(camera, &bounds) < SMALL_PIXELS)
+        {
+            instance.casts = false;
+            instances += 1;
+            triangles += scene.meshes[instance.mesh].triangles.len();
+        }
+    }
+    if instances == 0 {
+        return Ok(None);
+    }
+    let geometry = Geometry::bake(&without)?;
+    let trials = &mut planner.search.trials;
+    let mut views = Vec::new();
+    for view in &trials.views {
+        let mut other = PlanScene::new(
+            view.scene.camera,
+            view.scene.light,
+            &geometry,
+            Weighting::Even,
+        )?;
+        other.make_recipes_from(plan.bounds.renderer);
+        views.push(other);
+    }
+    let Some((estimate, draw_ms, lookup_ms)) = trials.play_elsewhere(&mut views, &chosen.preset)?
+    else {
+        return Ok(None);
+    };
+    let frame_ms = if is_kept(plan.motion, chosen) {
+        lookup_ms
+    } else {
+        draw_ms + lookup_ms
+    };
+    // Against the same sample, so that they differ by what was left out alone.
+    let before = trials.first_estimate(chosen);
+    let is_within = match trials.prepare(&plan.bounds)? {
+        Some(max_error) => estimate.is_surely_within(max_error),
+        None => estimate.error <= before.error,
+    };
+    let saved_ms = chosen.milliseconds - frame_ms;
+    Ok(Some(LeftOut {
+        what: Omission::SmallCasters {
+            below_pixels: SMALL_PIXELS,
+            instances,
+            triangles,
+        },
+        saved_ms,
+        error_before: before.error,
+        estimate,
+        is_taken: is_within && (saved_ms > 0.0 || is_kept(plan.motion, chosen)),
+    }))
+}
+
+/// Returns the box around an instance, world space.
+fn bounds(scene: &Scene, instance: &Instance) -> Aabb {
+    let place = |p: &Vec3| instance.world_from_local.transform_point3(*p);
+    Aabb::around(scene.meshes[instance.mesh].positions.iter().map(place))
+}
+
+/// Returns how wide a camera sees the sphere around a box, pixels; infinite for one that it stands in.
+fn width(camera: &Camera, bounds: &Aabb) -> f32 {
+    if bounds.is_empty() {
+        return 0.0;
+    }
+    let rays = camera.rays();
+    let diameter = bounds.diagonal();
+    let distance = (camera.eye() - bounds.center()).length() - 0.5 * diameter;
+    if distance <= 0.0 {
+        return f32::INFINITY;
+    }
+    // A pixel spans so many metres there: without perspective everywhere the same.
+    let pixel = rays.origin_dx.length() + rays.dir_dx.length() / rays.dir.length() * distance;
+    diameter / pixel
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Bounds, PlanOptions, plan};
+    use glam::{Affine3A, UVec2};
+
+    fn options(motion: FrameMotion) -> PlanOptions {
+        PlanOptions {
+            samples: 1024,
+            size: Some(UVec2::new(160, 120)),
+            motion,
+            ..PlanOptions::default()
+        }
+    }
+
+    fn planned(scene: &Scene, motion: FrameMotion) -> Plan {
+        plan(scene, &Bounds::error(0.08), &options(motion), &|_| {}).expect("can be planned")
+    }
+
+    fn cubes() -> Scene {
+        umbrage_scenes::by_argument("cubes").expect("built in")
+    }
+
+    /// Cubes a millimetre wide, hundreds of them, beside those that are seen.
+    #[test]
+    fn specks_are_left_out_and_cubes_are_not() {
+        let mut scene = cubes();
+        let speck = scene
+            .instances
+            .iter()
+            .find(|i| i.casts)
+            .expect("a caster")
+            .mesh;
+        for k in 0..300 {
+            let at = Vec3::new(0.1 * k as f32 - 15.0, 3.0, -20.0);
+            let place = Affine3A::from_scale_rotation_translation(
+                Vec3::splat(1e-3),
+                glam::Quat::IDENTITY,
+                at,
+            );
+            scene.instances.push(Instance::new(speck, place));
+        }
+        let found = planned(&scene, FrameMotion::AllMoves);
+        let rules = found.frame_rules();
+        assert_eq!(
+            rules.skip_casters_below_pixels, SMALL_PIXELS,
+            "{:?}",
+            found.left_out
+        );
+        let [left_out] = &found.left_out[..] else {
+            panic!("one thing: {:?}", found.left_out);
+        };
+        assert!(matches!(
+            left_out.what,
+            Omission::SmallCasters { instances: 300, .. }
+        ));
+        assert!(left_out.saved_ms > 0.0, "{left_out:?}");
+        assert!(
+            (left_out.estimate.error - left_out.error_before).abs() < 0.005,
+            "{left_out:?}"
+        );
+        let without = planned(&cubes(), FrameMotion::AllMoves);
+        assert!(without.left_out.is_empty() && without.frame_rules() == FrameRules::default());
+    }
+
+    #[test]
+    fn what_is_kept_is_drawn_once() {
+        let update = |motion| planned(&cubes(), motion).frame_rules().update;
+        assert_eq!(update(FrameMotion::Still), Update::Once);
+        assert_eq!(update(FrameMotion::AllMoves), Update::EveryFrame);
+        let moving = planned(&cubes(), FrameMotion::CameraMoves);
+        let chosen = moving.chosen.as_ref().expect("possible");
+        let expected = if is_kept(FrameMotion::CameraMoves, chosen) && chosen.draw_ms > 0.0 {
+            Update::WhenSceneChanges
+        } else {
+            Update::EveryFrame
+        };
+        assert_eq!(moving.frame_rules().update, expected);
+    }
+
+    #[test]
+    fn a_shadow_that_nobody_sees_is_left_out() {
+        let scene = umbrage_scenes::by_argument("no-casters").expect("built in");
+        let found = planned(&scene, FrameMotion::AllMoves);
+        let [left_out] = &found.left_out[..] else {
+            panic!("one thing: {:?}", found.left_out);
+        };
+        assert!(
+            left_out.what == Omission::Shadow && left_out.saved_ms > 0.0,
+            "{left_out:?}"
+        );
+    }
+}

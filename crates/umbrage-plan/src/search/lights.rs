@@ -1,0 +1,389 @@
+//! All lights of a scene under one budget.
+//!
+//! Each light has a front of settings, from no shadow at all to the most accurate, which nothing else of that light beats in both
+//! time and error. One setting of each is to be picked (the multiple-choice knapsack problem). The pairs of (sum of times, sum of
+//! squared errors) that no other pair beats are found by adding one light after the other (Nemhauser and Ullmann 1969, "Discrete
+//! dynamic programming and capital allocation"); the answer is exact, since any part of a best choice is a best choice itself.
+
+use super::{Bounds, PlanOptions, Planner, Setting, cameras, no_such, strategy::Found};
+use crate::{
+    Coverage, Estimate, MeasureError, motion::FrameMotion, pareto::front, progress::OnStep,
+};
+use serde::{Deserialize, Serialize};
+use umbrage_core::{Backend, Geometry, Invalid, Scene};
+use umbrage_techniques::{TechniquePreset, Unshadowed};
+
+/// What all lights of a scene together may cost or err.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LightsBudget {
+    /// The sum of the lights' times is at most so many milliseconds; the error is to be the least.
+    Milliseconds(f64),
+    /// The root mean square of the lights' errors is at most this; the time is to be the least.
+    Error(f64),
+}
+
+impl LightsBudget {
+    /// Checks the number.
+    ///
+    /// # Errors
+    /// Errors if a time is negative or not finite, or an error is not in 0..=1.
+    pub fn validate(self) -> Result<(), Invalid> {
+        match self {
+            Self::Milliseconds(ms) => Bounds::milliseconds(ms).validate(),
+            Self::Error(error) => Bounds::error(error).validate(),
+        }
+    }
+}
+
+/// What each light of a scene gets.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LightsPlan {
+    /// The scene's name.
+    pub scene: String,
+    /// Image width and height, pixels.
+    pub size: [u32; 2],
+    /// For how many cameras it was made.
+    pub cameras: usize,
+    /// What moves from frame to frame.
+    pub motion: FrameMotion,
+    /// What it keeps.
+    pub budget: LightsBudget,
+    /// Bounds of each light beside the budget.
+    pub limits: Bounds,
+    /// The lights, in the scene's order.
+    pub lights: Vec<LightPlan>,
+    /// The sum of the chosen settings' times, milliseconds: by the clock where they were timed.
+    pub milliseconds: f64,
+    /// Root mean square of the chosen settings' errors over the lights, 0..=1.
+    pub error: f64,
+    /// The same of their upper limits.
+    pub high: f64,
+    /// Why nothing is within the budget, and what would be; none if something is.
+    pub miss: Option<String>,
+}
+
+/// What one light of a scene gets.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LightPlan {
+    /// Its number, from 1.
+    pub number: usize,
+    /// Its kind.
+    pub kind: String,
+    /// The setting picked from `front`; none if nothing is within the budget.
+    pub chosen: Option<Setting>,
+    /// What no shadow at all would err by.
+    pub error_of_no_shadow: Estimate,
+    /// The settings that nothing tried beats in both time and error, by rising time.
+    pub front: Vec<Setting>,
+    /// For how many pixels their errors hold.
+    pub coverage: Coverage,
+}
+
+/// Errors that a light's front is searched for, as shares of that of no shadow at all: each takes about the root of two less, by
+/// which a map of twice the side errs less.
+const RUNGS: [f64; 11] = [
+    0.9, 0.7, 0.5, 0.35, 0.25, 0.18, 0.125, 0.09, 0.0625, 0.045, 0.03,
+];
+
+/// Plans all lights of a scene under one budget. `limits` are bounds of each light beside it, such as those of grain and memory; their
+/// bounds of error and time are not asked. With a backend, fronts are played and timed in turn.
+///
+/// # Errors
+/// Errors if the scene has no camera or light or is not valid, if the budget or the limits are not valid, or if a backend fails.
+pub fn plan_lights(
+    scene: &Scene,
+    budget: LightsBudget,
+    limits: &Bounds,
+    options: &PlanOptions,
+    mut clock: Option<&mut dyn Backend>,
+    on_step: &OnStep<'_>,
+) -> Result<LightsPlan, MeasureError> {
+    budget.validate()?;
+    if scene.lights.is_empty() {
+        return Err(no_such(scene, "light").into());
+    }
+    let cameras = cameras(scene, options)?;
+    let geometry = Geometry::bake(scene)?;
+    let mut lights = Vec::new();
+    for (i, light) in scene.lights.iter().enumerate() {
+        let mut planner = Planner::of_cameras(&cameras, light, &geometry, options, on_step)?;
+        let settings = planner.front(limits)?;
+        let settings = match &mut clock {
+            Some(backend) => planner.timed(settings, &mut **backend)?,
+            None => settings,
+        };
+        let trials = &mut planner.search.trials;
+        lights.push(LightPlan {
+            number: i + 1,
+            kind: light.kind().to_owned(),
+            chosen: None,
+            error_of_no_shadow: trials.error_of_no_shadow()?,
+            front: undominated(settings),
+            coverage: trials.coverage(),
+        });
+    }
+    let size = cameras[0].size.to_array();
+    let plan = LightsPlan {
+        scene: scene.name.clone(),
+        size,
+        cameras: cameras.len(),
+        motion: options.motion,
+        budget,
+        limits: *limits,
+        lights,
+        milliseconds: 0.0,
+        error: 0.0,
+        high: 0.0,
+        miss: None,
+    };
+    Ok(plan.picked())
+}
+
+/// Returns the time of a setting, milliseconds: by the clock if it was timed.
+fn time_of(setting: &Setting) -> f64 {
+    setting.measured_ms.unwrap_or(setting.milliseconds)
+}
+
+/// Returns the settings that no other beats in both time and error, by rising time.
+fn undominated(settings: Vec<Setting>) -> Vec<Setting> {
+    let points: Vec<[f64; 2]> = settings
+        .iter()
+        .map(|s| [time_of(s), s.estimate.high])
+        .collect();
+    let mut out: Vec<Setting> = Vec::new();
+    for i in front(&points) {
+        // Of equal ones the first.
+        let is_new = out.last().is_none_or(|last| {
+            [time_of(last), last.estimate.high]
+                != [time_of(&settings[i]), settings[i].estimate.high]
+        });
+        if is_new {
+            out.push(settings[i].clone());
+        }
+    }
+    out
+}
+
+/// A setting picked for each of the first lights.
+#[derive(Clone, Debug)]
+struct Picks {
+    milliseconds: f64,
+    /// The sum of the squares of the upper limits of the errors.
+    squares: f64,
+    /// Indices into the lights' fronts.
+    places: Vec<usize>,
+}
+
+/// Returns all picks of one item of each list that no other pick beats in both sums, by rising time. Items are (time, squared error).
+fn best_picks(lists: &[Vec<[f64; 2]>]) -> Vec<Picks> {
+    let mut best = vec![Picks {
+        milliseconds: 0.0,
+        squares: 0.0,
+        places: Vec::new(),
+    }];
+    for list in lists {
+        let mut all: Vec<Picks> = Vec::new();
+        for picks in &best {
+            for (place, [milliseconds, square]) in list.iter().enumerate() {
+                let mut places = picks.places.clone();
+                places.push(place);
+                all.push(Picks {
+                    milliseconds: picks.milliseconds + milliseconds,
+                    squares: picks.squares + square,
+                    places,
+                });
+            }
+        }
+        all.sort_by(|a, b| {
+            (a.milliseconds.total_cmp(&b.milliseconds)).then(a.squares.total_cmp(&b.squares))
+        });
+        // By rising time, only what errs less than all before is kept.
+        let mut least = f64::INFINITY;
+        all.retain(|picks| {
+            let is_better = picks.squares < least;
+            least = least.min(picks.squares);
+            is_better
+        });
+        best = all;
+    }
+    best
+}
+
+impl LightsPlan {
+    /// Returns the plan with the best setting of each light picked.
+    fn picked(mut self) -> Self {
+        let lists: Vec<Vec<[f64; 2]>> = self
+            .lights
+            .iter()
+            .map(|light| {
+                let item = |s: &Setting| [time_of(s), s.estimate.high.powi(2)];
+                light.front.iter().map(item).collect()
+            })
+            .collect();
+        let picks = best_picks(&lists);
+        let count = self.lights.len() as f64;
+        let found = match self.budget {
+            // The list is by rising time and falling error.
+            LightsBudget::Milliseconds(max) => picks.iter().rev().find(|p| p.milliseconds <= max),
+            LightsBudget::Error(max) => picks.iter().find(|p| (p.squares / count).sqrt() <= max),
+        };
+        let Some(found) = found else {
+            self.miss = Some(self.why_not(&picks));
+            return self;
+        };
+        let mut squares = 0.0;
+        for (light, &place) in self.lights.iter_mut().zip(&found.places) {
+            let chosen = light.front[place].clone();
+            squares += chosen.estimate.error.powi(2);
+            light.chosen = Some(chosen);
+        }
+        self.milliseconds = found.milliseconds;
+        self.error = (squares / count).sqrt();
+        self.high = (found.squares / count).sqrt();
+        self
+    }
+
+    fn why_not(&self, picks: &[Picks]) -> String {
+        let count = self.lights.len() as f64;
+        match (self.budget, picks.first(), picks.last()) {
+            (LightsBudget::Milliseconds(max), Some(least), _) => format!(
+                "even without any shadow the lights take {:.3} ms, more than {max}: allow for that",
+                least.milliseconds
+            ),
+            (LightsBudget::Error(max), _, Some(best)) => format!(
+                "nothing keeps the lights' error at {max}: the best errs by up to {:.4} and takes {:.3} ms; allow for that",
+                (best.squares / count).sqrt(),
+                best.milliseconds
+            ),
+            _ => {
+                "a light has no setting within its limits: allow for more grain, shimmer or memory"
+                    .to_owned()
+            }
+        }
+    }
+}
+
+impl Planner<'_> {
+    /// Returns settings from no shadow at all to the most accurate, verified, of which each keeps a smaller error than the one before for
+    /// the least time. `limits` as in [`plan_lights`].
+    pub(super) fn front(&mut self, limits: &Bounds) -> Result<Vec<Setting>, MeasureError> {
+        let of_error = |error: f64| Bounds {
+            max_error: Some(error),
+            max_relative_error: None,
+            max_ms: None,
+            ..*limits
+        };
+        let trials = &mut self.search.trials;
+        trials.prepare(&of_error(1.0))?;
+        let none = TechniquePreset::from(Unshadowed::default());
+        let mut out: Vec<Setting> = Vec::new();
+        if let Some(none) = trials.try_out(&none)? {
+            out.push(trials.verify(&none, None, self.search.on_step)?);
+        }
+        let error_of_none = out.first().map_or(1.0, |none| none.estimate.high);
+        for rung in RUNGS.map(|rung| (rung * error_of_none).min(1.0)) {
+            if out
+                .last()
+                .is_some_and(|last| last.estimate.is_surely_within(rung))
+            {
+                continue;
+            }
+            match self.search_for(&of_error(rung))? {
+                Found::Chosen(mut found) => out.push(found.swap_remove(0).1),
+                Found::Missed(_) => break,
+            }
+        }
+        Ok(out)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::motion::FrameMotion;
+    use glam::UVec2;
+
+    /// Against all picks, one by one.
+    #[test]
+    fn picks_are_the_best_of_all() {
+        let random = |i: u32| f64::from(umbrage_core::light_sample::hash(i)) / f64::from(u32::MAX);
+        for seed in 0..50 {
+            let lists: Vec<Vec<[f64; 2]>> = (0..3)
+                .map(|light| {
+                    (0..5)
+                        .map(|i| {
+                            let at = 100 * seed + 10 * light + 2 * i;
+                            [random(at), random(at + 1)]
+                        })
+                        .collect()
+                })
+                .collect();
+            let budget = 0.5 + random(seed + 77);
+            let mut least = f64::INFINITY;
+            for [i, j, k] in (0..125).map(|n| [n / 25, n / 5 % 5, n % 5]) {
+                let [a, b, c] = [lists[0][i], lists[1][j], lists[2][k]];
+                if a[0] + b[0] + c[0] <= budget {
+                    least = least.min(a[1] + b[1] + c[1]);
+                }
+            }
+            let picks = best_picks(&lists);
+            let found = picks.iter().rev().find(|p| p.milliseconds <= budget);
+            let found = found.map_or(f64::INFINITY, |p| p.squares);
+            assert_eq!(found, least, "seed {seed}");
+        }
+    }
+
+    fn lights(budget: LightsBudget) -> LightsPlan {
+        let scene = umbrage_scenes::by_argument("cubes").expect("built in");
+        // The same light twice, and one that shines at nothing.
+        let astray = umbrage_core::Light::Spot {
+            position: 50.0 * glam::Vec3::Y,
+            direction: glam::Vec3::Y,
+            inner: 0.1,
+            outer: 0.2,
+            radius: 0.0,
+        };
+        let scene = Scene {
+            lights: vec![scene.lights[0], scene.lights[0], astray],
+            ..scene
+        };
+        let options = PlanOptions {
+            samples: 1024,
+            size: Some(UVec2::new(160, 120)),
+            motion: FrameMotion::AllMoves,
+            ..PlanOptions::default()
+        };
+        plan_lights(&scene, budget, &Bounds::default(), &options, None, &|_| {})
+            .expect("can be planned")
+    }
+
+    #[test]
+    fn equal_lights_share_a_budget_and_an_unseen_one_takes_none_of_it() {
+        let plan = lights(LightsBudget::Error(0.05));
+        assert!(plan.miss.is_none() && plan.high <= 0.05, "{plan:?}");
+        let names: Vec<&str> = plan
+            .lights
+            .iter()
+            .map(|light| &*light.chosen.as_ref().expect("chosen").technique)
+            .collect();
+        assert_ne!(names[0], "none");
+        assert_eq!(names[2], "none", "nobody sees its shadow");
+        // The time that it takes buys no less than this error.
+        let again = lights(LightsBudget::Milliseconds(plan.milliseconds));
+        assert!(again.high <= plan.high && again.milliseconds <= plan.milliseconds);
+        let little = lights(LightsBudget::Milliseconds(0.5 * plan.milliseconds));
+        assert!(little.miss.is_none() && little.error > plan.error);
+    }
+
+    #[test]
+    fn what_cannot_be_is_told() {
+        let time = lights(LightsBudget::Milliseconds(0.0));
+        assert!(
+            time.miss
+                .is_some_and(|miss| miss.contains("even without any shadow"))
+        );
+        assert!(LightsBudget::Milliseconds(-1.0).validate().is_err());
+        assert!(LightsBudget::Error(2.0).validate().is_err());
+    }
+}

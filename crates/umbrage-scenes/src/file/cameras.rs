@@ -1,0 +1,132 @@
+//! Files of cameras: poses, or a path through them.
+
+use super::{
+    camera,
+    table::{Source, Table},
+};
+use crate::SceneError;
+use std::path::Path;
+use toml::de::DeTable;
+use umbrage_core::glam::Affine3A;
+use umbrage_core::{Camera, Geometry};
+
+/// Most cameras between two poses of a file.
+const MAX_BETWEEN: u32 = 1000;
+
+/// Reads cameras from a file: one `[[camera]]` table a pose, with the keys that a scene file's `[camera]` has, and `between`, the
+/// number of cameras on the way from each pose to the next: 0, unless it says otherwise. `geometry` is what they see; their depth
+/// ranges go around it where the file doesn't give them.
+///
+/// ```toml
+/// between = 3   # a path: three more cameras between the two
+///
+/// [[camera]]
+/// eye = [0, 2, 8]
+/// target = [0, 1, 0]
+///
+/// [[camera]]
+/// eye = [6, 2, 4]
+/// target = [0, 1, 0]
+/// ```
+///
+/// # Errors
+/// Errors if the file can't be read or holds no camera, with the line and what would help.
+pub fn cameras(path: &Path, geometry: &Geometry) -> Result<Vec<Camera>, SceneError> {
+    let text = super::text_of(path)?;
+    parse(&text, path, geometry)
+}
+
+fn parse(text: &str, path: &Path, geometry: &Geometry) -> Result<Vec<Camera>, SceneError> {
+    let source = Source {
+        file: path.display().to_string(),
+        text,
+    };
+    let document = DeTable::parse(text).map_err(|e| super::syntax(&source, &e))?;
+    let root = Table::root(&source, &document);
+    root.only(&["camera", "between"])?;
+    let between = match root.get("between") {
+        Some(item) => item.whole(MAX_BETWEEN)?,
+        None => 0,
+    };
+    let poses = root
+        .tables("camera")?
+        .iter()
+        .map(|table| camera::read(table, geometry))
+        .collect::<Result<Vec<_>, _>>()?;
+    root.require(
+        !poses.is_empty(),
+        "has no [[camera]]",
+        "add one with eye = [x, y, z] and target = [x, y, z]",
+    )?;
+    Ok(path_through(&poses, between))
+}
+
+/// Returns the poses and so many cameras between each and the next. They stand on the straight line between the two and turn evenly;
+/// their projection is that of the pose before.
+fn path_through(poses: &[Camera], between: u32) -> Vec<Camera> {
+    let mut out = Vec::new();
+    for pair in poses.windows(2) {
+        out.push(pair[0]);
+        for step in 1..=between {
+            let share = step as f32 / (between + 1) as f32;
+            let world_from_view = halfway(&pair[0], &pair[1], share);
+            out.push(Camera {
+                world_from_view,
+                ..pair[0]
+            });
+        }
+    }
+    out.extend(poses.last());
+    out
+}
+
+/// Returns the pose at a share of the way from one camera to another.
+fn halfway(from: &Camera, to: &Camera, share: f32) -> Affine3A {
+    let [(_, from_turn, from_place), (_, to_turn, to_place)] =
+        [from, to].map(|camera| camera.world_from_view.to_scale_rotation_translation());
+    Affine3A::from_rotation_translation(
+        from_turn.slerp(to_turn, share),
+        from_place.lerp(to_place, share),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use umbrage_core::glam::{Vec3, Vec3A};
+
+    fn read(text: &str) -> Result<Vec<Camera>, SceneError> {
+        let scene = crate::by_argument("cubes").expect("built in");
+        let geometry = Geometry::bake(&scene).expect("valid");
+        parse(text, Path::new("path.toml"), &geometry)
+    }
+
+    const TWO: &str = "[[camera]]\neye = [0, 2, 8]\ntarget = [0, 2, 0]\n\
+                       [[camera]]\neye = [8, 2, 0]\ntarget = [0, 2, 0]\n";
+
+    #[test]
+    fn a_path_goes_evenly_from_pose_to_pose() {
+        let path = read(&format!("between = 1\n{TWO}")).expect("a path");
+        let eyes: Vec<Vec3> = path.iter().map(Camera::eye).collect();
+        assert_eq!(eyes.len(), 3);
+        assert!(
+            eyes[1].distance(Vec3::new(4.0, 2.0, 4.0)) < 1e-4,
+            "{eyes:?}"
+        );
+        // Half of a quarter turn to the left: it still looks at the middle.
+        let looks_along = -path[1].world_from_view.matrix3.z_axis;
+        let expected = Vec3A::new(-0.5_f32.sqrt(), 0.0, -0.5_f32.sqrt());
+        assert!(looks_along.distance(expected) < 1e-4, "{looks_along}");
+        assert_eq!(read(TWO).expect("two poses").len(), 2);
+    }
+
+    #[test]
+    fn files_without_cameras_are_refused_with_the_line() {
+        let error = |text: &str| read(text).expect_err("no cameras").to_string();
+        assert!(error("").contains("has no [[camera]]"));
+        assert!(error("betwen = 2").contains("did you mean"));
+        assert!(error(&format!("between = -1\n{TWO}")).contains("path.toml:1"));
+        assert!(error("[[camera]]\neye = [0, 0, 0]").contains("`camera.target`: is missing"));
+        assert!(error("between = [").contains("toml.io"));
+    }
+}

@@ -1,0 +1,162 @@
+//! What a light gets: a technique, and what of its work a renderer may leave out.
+
+use super::TechniquePreset;
+use serde::{Deserialize, Serialize};
+use umbrage_core::Invalid;
+
+/// When a renderer draws a light's maps and other images again.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Update {
+    /// Every frame.
+    #[default]
+    EveryFrame,
+    /// When the light or a caster has moved; while the camera alone moves, what was drawn still holds.
+    WhenSceneChanges,
+    /// Once: nothing moves that it depends on.
+    Once,
+}
+
+/// What of a light's work a renderer may leave out, since a plan found that it changes too little.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct FrameRules {
+    /// When its images are drawn again.
+    pub update: Update,
+    /// Casters whose bounding sphere is seen less than so many pixels wide need not be drawn; 0 draws all.
+    pub skip_casters_below_pixels: f32,
+}
+
+/// A light's technique and the rules for its frames. Its file is that of a [`TechniquePreset`] with a table `[frame]`, which is left
+/// out if it says nothing; [`TechniquePreset::from_toml`] reads both and ignores that table.
+///
+/// ```
+/// use umbrage_techniques::{FrameRules, Hard, LightPreset, Update};
+/// let file = "technique = 'hard'\n[frame]\nupdate = 'when_scene_changes'";
+/// let preset = LightPreset::from_toml(file)?;
+/// assert_eq!(preset.technique, Hard::default().into());
+/// assert_eq!(preset.frame.update, Update::WhenSceneChanges);
+/// # Ok::<(), umbrage_core::Invalid>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct LightPreset {
+    /// The technique and its settings.
+    pub technique: TechniquePreset,
+    /// What may be left out.
+    pub frame: FrameRules,
+}
+
+/// The name of the rules' table in files.
+pub(super) const FRAME: &str = "frame";
+
+impl LightPreset {
+    /// Returns the preset as TOML that [`LightPreset::from_toml`] reads back bit by bit.
+    ///
+    /// # Errors
+    /// Errors if the technique's settings aren't a table of TOML, which those of the built-in techniques always are.
+    pub fn to_toml(&self) -> Result<String, Invalid> {
+        let technique = self.technique.to_toml()?;
+        if self.frame == FrameRules::default() {
+            return Ok(technique);
+        }
+        let rules = toml::to_string(&self.frame).map_err(|e| unreadable(&e.to_string()))?;
+        Ok(format!("{technique}\n[{FRAME}]\n{rules}"))
+    }
+
+    /// Reads a preset of a built-in technique from TOML, with or without rules.
+    ///
+    /// # Errors
+    /// Errors if the text is not TOML, names no built-in technique, or has a field that the technique or the rules don't have.
+    pub fn from_toml(text: &str) -> Result<Self, Invalid> {
+        let technique = TechniquePreset::from_toml(text)?;
+        let table: toml::Table = toml::from_str(text).map_err(|e| unreadable(&e.to_string()))?;
+        let frame = match table.get(FRAME) {
+            Some(rules) => rules
+                .clone()
+                .try_into()
+                .map_err(|e: toml::de::Error| unreadable(&e.to_string()))?,
+            None => FrameRules::default(),
+        };
+        let preset = Self { technique, frame };
+        preset.validate()?;
+        Ok(preset)
+    }
+
+    fn validate(&self) -> Result<(), Invalid> {
+        let pixels = self.frame.skip_casters_below_pixels;
+        if pixels >= 0.0 && pixels.is_finite() {
+            return Ok(());
+        }
+        Err(unreadable(&format!(
+            "skip_casters_below_pixels is {pixels}"
+        )))
+    }
+}
+
+fn unreadable(why: &str) -> Invalid {
+    Invalid::new(
+        format!("preset's table `{FRAME}`"),
+        why.trim_end().to_owned(),
+        "use `update = \"every_frame\"`, `\"when_scene_changes\"` or `\"once\"`, and \
+         `skip_casters_below_pixels`, pixels, 0 or more",
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Hard, Pcf, ShadowMap};
+
+    #[test]
+    fn rules_come_back_from_their_file() {
+        for frame in [
+            FrameRules::default(),
+            FrameRules {
+                update: Update::Once,
+                skip_casters_below_pixels: 1.5,
+            },
+        ] {
+            for technique in TechniquePreset::defaults() {
+                let preset = LightPreset { technique, frame };
+                let file = preset.to_toml().expect("a table");
+                assert_eq!(
+                    LightPreset::from_toml(&file).expect("read"),
+                    preset,
+                    "{file}"
+                );
+                // Who knows nothing of the rules reads the technique.
+                let technique = TechniquePreset::from_toml(&file).expect("read");
+                assert_eq!(technique, preset.technique);
+            }
+        }
+    }
+
+    #[test]
+    fn rules_that_say_nothing_are_left_out() {
+        let map = ShadowMap::default();
+        let preset = LightPreset {
+            technique: Hard { map }.into(),
+            frame: FrameRules::default(),
+        };
+        assert_eq!(preset.to_toml(), preset.technique.to_toml());
+        let pcf = TechniquePreset::from(Pcf::default())
+            .to_toml()
+            .expect("a table");
+        let read = LightPreset::from_toml(&pcf).expect("read");
+        assert_eq!(read.frame, FrameRules::default());
+    }
+
+    #[test]
+    fn bad_rules_are_refused() {
+        for rules in [
+            "update = 'sometimes'",
+            "skip_casters_below_pixels = -1.0",
+            "skip_casters_below_pixels = nan",
+            "updates = 'once'",
+        ] {
+            let file = format!("technique = 'hard'\n[frame]\n{rules}");
+            assert!(LightPreset::from_toml(&file).is_err(), "{rules}");
+        }
+        assert!(LightPreset::from_toml("technique = 'hard'\nframe = 3").is_err());
+    }
+}
