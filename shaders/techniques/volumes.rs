@@ -37,7 +37,7 @@ use crate::{
             depth_clamp::flatten,
             extrusion::{beyond_all, caps_not_in_scene, extrude},
             grazing::{LiftedLight, MIN_SHARE},
-            silhouette::Welded,
+            silhouette::CasterShells,
         },
     },
 };
@@ -95,21 +95,22 @@ impl ShadowTechnique for ShadowVolumes {
             );
             return Err(RecipeError::unsupported(reason));
         }
-        let mesh = Welded::new(geometry);
-        let silhouette = mesh.silhouette(lifted.light);
+        let casters = geometry.derived(CasterShells::new);
+        let mesh = &casters.mesh;
+        let silhouette = casters.silhouette(lifted.light);
         let window = ClipWindow::new(&infinite_far.space, view.camera.size);
         // Without perspective, points at infinity have no place on the picture, and not all devices clip them well.
         let reach = if infinite_far.clamp_plane.is_some() {
             let bounds = geometry.bounds();
-            Some(beyond_all(&bounds, &mesh, &silhouette, lifted.light))
+            Some(beyond_all(&bounds, mesh, &silhouette, lifted.light))
         } else {
             None
         };
-        let mut faces = extrude(&mesh, &silhouette, lifted.light, Some(&window), reach);
+        let mut faces = extrude(mesh, &silhouette, lifted.light, Some(&window), reach);
         if let Some(clamp_plane) = &infinite_far.clamp_plane {
             faces = flatten(&faces, clamp_plane);
         }
-        let missing_caps = caps_not_in_scene(&mesh, &silhouette);
+        let missing_caps = caps_not_in_scene(mesh, &silhouette);
         Ok(recipe(view, &infinite_far, faces, missing_caps, light))
     }
 }

@@ -25,6 +25,31 @@ pub(crate) struct Welded {
     pub(crate) triangles: Vec<[u32; 3]>,
 }
 
+/// Casters with their shells: what is the same for any light.
+#[derive(Debug)]
+pub(crate) struct CasterShells {
+    pub(crate) mesh: Welded,
+    shells: Shells,
+}
+
+impl CasterShells {
+    pub(crate) fn new(geometry: &Geometry) -> Self {
+        Self::of_mesh(Welded::new(geometry))
+    }
+
+    fn of_mesh(mesh: Welded) -> Self {
+        Self {
+            shells: Shells::find(&mesh),
+            mesh,
+        }
+    }
+
+    /// Returns the silhouette for a light in homogeneous coordinates.
+    pub(crate) fn silhouette(&self, light: DVec4) -> Silhouette {
+        self.mesh.silhouette(&self.shells, light)
+    }
+}
+
 /// A triangle turned to the light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Cap {
@@ -82,9 +107,7 @@ impl Welded {
         triangle.map(|v| self.positions[v as usize].as_dvec3())
     }
 
-    /// Returns the silhouette for a light in homogeneous coordinates.
-    pub(crate) fn silhouette(&self, light: DVec4) -> Silhouette {
-        let shells = Shells::find(self);
+    fn silhouette(&self, shells: &Shells, light: DVec4) -> Silhouette {
         let mut caps = Vec::new();
         let mut open_caps = Vec::new();
         for (&corners, &shell) in self.triangles.iter().zip(&shells.of_triangle) {
@@ -217,6 +240,7 @@ struct Shell {
 }
 
 /// A mesh's shells.
+#[derive(Debug)]
 struct Shells {
     /// Each triangle's index in `shells`.
     of_triangle: Vec<u32>,

@@ -4,6 +4,7 @@ pub(crate) mod aabb;
 pub(crate) mod box_tree;
 pub mod bvh;
 pub(crate) mod clip_polygon;
+mod derived;
 pub(crate) mod displaced_mesh;
 pub mod displacement;
 pub(crate) mod ray_box;
@@ -13,11 +14,15 @@ pub(crate) mod weld;
 
 use crate::{
     Aabb, Bvh, Instance, Invalid, Mesh, Scene,
-    geometry::box_tree::{BoxTree, RUN},
+    geometry::{
+        box_tree::{BoxTree, RUN},
+        derived::Derived,
+    },
 };
 use glam::{Mat3, Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 use std::{
+    any::Any,
     ops::Range,
     sync::{Arc, OnceLock},
 };
@@ -42,6 +47,7 @@ pub struct Geometry {
     bounds: OnceLock<Aabb>,
     box_tree: OnceLock<Arc<BoxTree>>,
     max_receiver_extent: OnceLock<f32>,
+    derived: Derived,
 }
 
 /// Rows of four words, as shaders' tables hold them.
@@ -203,7 +209,7 @@ impl Geometry {
             casters: 0..0,
             bvh: OnceLock::new(),
             bvh_tables: OnceLock::new(),
-            max_receiver_extent: OnceLock::new(),
+            derived: Derived::default(),
             ..self.clone()
         };
         out.fingerprint = out.hash();
@@ -328,6 +334,12 @@ impl Geometry {
     /// Returns the hierarchy over the casters, which is built on first use (the one costly step of ray tracing).
     pub fn bvh(&self) -> &Arc<Bvh> {
         self.bvh.get_or_init(|| Arc::new(Bvh::build(self)))
+    }
+
+    /// Returns what `make` makes of the triangles: once for each type, and from then on the same. It is for what techniques need
+    /// again and again and no light or camera changes, such as welded edges. `make` must not ask for the same type.
+    pub fn derived<T: Any + Send + Sync>(&self, make: impl FnOnce(&Self) -> T) -> Arc<T> {
+        self.derived.get_or_make(|| make(self))
     }
 
     /// Returns the greatest extent of a receiving triangle along an axis, metres; found on first use.

@@ -125,6 +125,11 @@ impl Runs {
         first >= Duration::from_millis(self.once_from_ms.into())
     }
 
+    /// Whether a first play took so long that what was compiled in it matters little.
+    pub(super) fn dwarfs_compilation(&self, first: Duration) -> bool {
+        first >= Duration::from_millis(self.once_from_ms.into()) * 4
+    }
+
     /// Returns options for this many runs, however long they take.
     pub fn exactly(count: u32) -> Self {
         Self {

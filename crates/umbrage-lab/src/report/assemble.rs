@@ -2,7 +2,7 @@
 
 use super::{
     StabilitySource, chart, chosen, lines,
-    page::{self, Contents, PageGroup, PageScene, PageSetting},
+    page::{self, Contents, CostRanks, PageGroup, PageScene, PageSetting},
     page_rows::{PageRow, RowPictures},
     still::{self, GroupWords, Words},
     store::{Stored, is_chart},
@@ -230,8 +230,23 @@ fn page_scene(path: &Path, scene: &Stored, stability: Option<&StabilitySource>) 
         nothing_compared: result.nothing_compared.clone(),
         rmse_of_none: result.error_of_none(),
         controls: [held, result.controls.len()],
+        cost_ranks: cost_ranks(result),
         rows: page_rows(&folder, result, stability),
     }
+}
+
+/// Returns the rank correlations of a scene's counted costs with its times.
+fn cost_ranks(result: &SceneResult) -> Vec<CostRanks> {
+    let mut out = Vec::new();
+    for backend in result.backends() {
+        if let Some(correlation) = result.cost_ranks(backend) {
+            out.push(CostRanks {
+                backend: backend.to_owned(),
+                correlation,
+            });
+        }
+    }
+    out
 }
 
 /// Returns a scene's rows as the page shows them.

@@ -57,9 +57,19 @@ pub(super) struct PageScene {
     pub(super) rmse_of_none: f64,
     /// Negative controls that hold, and all.
     pub(super) controls: [usize; 2],
+    /// Of each backend that was timed the rank correlation of counted costs with times.
+    pub(super) cost_ranks: Vec<CostRanks>,
     /// In the order of the comparison's rows.
     #[serde(skip)]
     pub(super) rows: Vec<PageRow>,
+}
+
+/// How well counted costs rank a scene's rows as the clock does.
+#[derive(Debug, Serialize)]
+pub(super) struct CostRanks {
+    pub(super) backend: String,
+    /// -1 to 1.
+    pub(super) correlation: f64,
 }
 
 /// A setting over the scenes of a group.

@@ -131,6 +131,15 @@ function tile(value, caption, state) {
   return el("div", { class: "tile" }, el("b", { class: state || "" }, value), el("span", {}, caption));
 }
 
+// How far counted costs may be trusted: their rank correlation with times, over scenes and backends.
+function costRankTile() {
+  const all = scenes.flatMap((s) => s.cost_ranks.map((r) => ({ place: `${s.name} on ${r.backend}`, correlation: r.correlation })));
+  if (!all.length) return [];
+  all.sort((a, b) => a.correlation - b.correlation);
+  const [least, median] = [all[0], all[Math.floor(all.length / 2)]];
+  return [tile(number(median.correlation, 2), `rank correlation of counted costs with times, the median over scenes and backends; least ${number(least.correlation, 2)} (${least.place})`)];
+}
+
 function tiles() {
   const rows = scenes.flatMap((s) => s.rows);
   const measured = rows.filter((r) => r.reason === null);
@@ -148,5 +157,6 @@ function tiles() {
     );
   }
   out.push(tile(`${held} of ${controls}`, "negative controls hold: without casters masks show what is left of the light", held === controls ? "good" : "bad"));
+  out.push(...costRankTile());
   return el("div", { class: "tiles" }, out);
 }

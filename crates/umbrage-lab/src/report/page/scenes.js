@@ -125,8 +125,11 @@ function sceneFacts(scene) {
   const samples = t.largest_error > 0 ? `${plural(t.samples, "ray")} a receiver, standard error ${number(t.mean_error, 5)} (at most ${number(t.largest_error, 4)})` : "one ray a receiver";
   const leftOut = [`${t.ambiguous.toLocaleString("en")} ambiguous`, `${t.unlit.toLocaleString("en")} facing away`];
   if (t.unsampled) leftOut.push(`${t.unsampled.toLocaleString("en")} outside the sample`);
-  return [`${scene.light} light`, `${scene.size[0]} × ${scene.size[1]} pixels`, plural(scene.triangles, "triangle"),
+  const facts = [`${scene.light} light`, `${scene.size[0]} × ${scene.size[1]} pixels`, plural(scene.triangles, "triangle"),
     `truth: ${samples}${t.seconds === null ? "" : `, ${t.seconds.toFixed(1)} s`}`, `${t.counted.toLocaleString("en")} pixels count; left out: ${leftOut.join(", ")}`];
+  const ranks = scene.cost_ranks.map((r) => `${number(r.correlation, 2)} on ${r.backend}`);
+  if (ranks.length) facts.push(`rank correlation of counted costs with times: ${ranks.join(", ")}`);
+  return facts;
 }
 
 // A row as a point of its scene's chart.
