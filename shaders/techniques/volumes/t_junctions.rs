@@ -155,14 +155,22 @@ impl<'a> Grid<'a> {
         found.into_iter().map(|(_, v)| v).collect()
     }
 
-    /// Adds the points in the cells around the piece of an edge from `p` to `q`.
+    /// Adds the points in the box around the piece of an edge from `p` to `q`.
     fn add_near_piece(&self, p: DVec3, q: DVec3, found: &mut Vec<u32>) {
-        let low = self.cell_of(p.min(q) - self.tolerance);
-        let high = self.cell_of(p.max(q) + self.tolerance);
+        let min = p.min(q) - self.tolerance;
+        let max = p.max(q) + self.tolerance;
+        let low = self.cell_of(min);
+        let high = self.cell_of(max);
+        // Where small triangles lie beside large ones, a cell holds many points, and few of them are in the box.
+        let is_inside = |&v: &u32| {
+            let point = self.positions[v as usize].as_dvec3();
+            point.cmpge(min).all() && point.cmple(max).all()
+        };
         for x in low[0]..=high[0] {
             for y in low[1]..=high[1] {
                 for z in low[2]..=high[2] {
-                    found.extend(self.cells.get(&[x, y, z]).into_iter().flatten());
+                    let in_cell = self.cells.get(&[x, y, z]).into_iter().flatten().copied();
+                    found.extend(in_cell.filter(is_inside));
                 }
             }
         }

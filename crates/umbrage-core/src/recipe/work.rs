@@ -134,6 +134,36 @@ impl Work {
     }
 }
 
+impl Work {
+    /// Returns the work of the lookup alone.
+    #[must_use]
+    pub fn lookup(&self) -> Self {
+        Self {
+            passes: 1,
+            triangles: 0,
+            covered: 0,
+            faces: 0,
+            counted: 0,
+            cleared: 0,
+            filtered: 0,
+            ..*self
+        }
+    }
+
+    /// Returns the work of casts and filters alone.
+    #[must_use]
+    pub fn drawing(&self) -> Self {
+        Self {
+            passes: self.passes.saturating_sub(1),
+            receivers: 0,
+            taps: 0,
+            samples: 0,
+            rays: 0,
+            ..*self
+        }
+    }
+}
+
 /// Returns how many triangles a cast draws, and how many texels they cover on a map of `size`.
 fn drawn(geometry: Option<&Geometry>, cast: &Cast, size: UVec2) -> (u64, u64) {
     let clip_from_world = cast.space.clip_from_world().as_dmat4();

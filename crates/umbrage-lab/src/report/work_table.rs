@@ -1,6 +1,6 @@
 //! `work.csv`: the counted work of each row beside its time, from which anyone can fit prices of their own.
 
-use crate::compare::{CompareRow, Comparison, SceneResult};
+use crate::compare::{CompareRow, Comparison, SceneResult, TimingStats};
 use crate::{LabError, output::csv};
 use serde::{Deserialize, Serialize};
 use umbrage_core::Work;
@@ -24,8 +24,10 @@ struct WorkLine {
     casters: u64,
     faces: u64,
     counted: u64,
-    /// Casts, filters and lookup together: the median of the runs, milliseconds.
-    milliseconds: f64,
+    /// Casts and filters: the least of the runs, milliseconds.
+    draw_ms: f64,
+    /// The lookup: the least of the runs, milliseconds.
+    lookup_ms: f64,
 }
 
 /// Returns the file's text.
@@ -40,6 +42,11 @@ pub(super) fn to_csv(comparison: &Comparison) -> Result<Vec<u8>, LabError> {
         }
     }
     csv::of_records("work.csv", lines)
+}
+
+/// Returns the least time of a stage; 0 where it was not timed.
+fn least(stage: Option<TimingStats>) -> f64 {
+    stage.map_or(0.0, |stats| stats.min)
 }
 
 /// Returns a row's line; none if it was not timed.
@@ -77,6 +84,7 @@ fn line(scene: &SceneResult, row: &CompareRow) -> Option<WorkLine> {
         casters,
         faces,
         counted,
-        milliseconds: times.total.median,
+        draw_ms: least(times.cast) + least(times.filter),
+        lookup_ms: least(times.receive),
     })
 }

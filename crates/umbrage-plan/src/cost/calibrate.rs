@@ -3,21 +3,41 @@
 use super::{CostModel, counts, least_squares::solve};
 use crate::{MeasureError, statistics::Sorted};
 use glam::UVec2;
-use std::sync::Arc;
+use std::{sync::Arc, time::Duration};
 use umbrage_core::{
     Backend, BackendError, Bvh, Geometry, RecipeError, Scene, ShadowTechnique, View, Work,
 };
 use umbrage_cpu::Cpu;
 
-/// One recipe's work and time.
+/// The work and time of a recipe's part: of what it draws (casts and filters), or of its lookup.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CostSample {
-    /// Scene, technique and settings, for people.
+    /// Scene, technique, settings and part, for people.
     pub label: String,
-    /// The recipe's work.
+    /// The part's work.
     pub work: Work,
-    /// The time of casts, filters and lookup, milliseconds: the quickest of the runs.
+    /// The part's time, milliseconds: the quickest of the runs.
     pub milliseconds: f64,
+}
+
+impl CostSample {
+    /// Returns the samples of a recipe's two parts from its whole work; of its lookup alone if it draws nothing.
+    pub fn of_parts(label: &str, work: &Work, draw_ms: f64, lookup_ms: f64) -> Vec<Self> {
+        let lookup = Self {
+            label: format!("{label}, lookup"),
+            work: work.lookup(),
+            milliseconds: lookup_ms,
+        };
+        if work.passes < 2 {
+            return vec![lookup];
+        }
+        let draw = Self {
+            label: format!("{label}, drawing"),
+            work: work.drawing(),
+            milliseconds: draw_ms,
+        };
+        vec![draw, lookup]
+    }
 }
 
 /// Prices, and the measurements that they are fitted to.
@@ -59,32 +79,29 @@ pub fn time_work(
             let view = View::new(&camera, light, &geometry).with_receivers(&receivers);
             for technique in settings {
                 on_setting();
-                let Some(sample) = measure(backend, &view, &**technique, runs)? else {
-                    continue;
-                };
-                samples.push(CostSample {
-                    label: format!("{} {size} {}", scene.name, sample.label),
-                    ..sample
-                });
+                let place = format!("{} {size}", scene.name);
+                samples.extend(measure(backend, &view, &**technique, runs, &place)?);
             }
         }
     }
     Ok(samples)
 }
 
-/// Plays a technique and times it; none where it isn't supported or too large for the backend.
+/// Plays a technique and times its parts; none where it isn't supported or too large for the backend.
 fn measure(
     backend: &mut dyn Backend,
     view: &View<'_>,
     technique: &dyn ShadowTechnique,
     runs: u32,
-) -> Result<Option<CostSample>, MeasureError> {
+    place: &str,
+) -> Result<Vec<CostSample>, MeasureError> {
     let recipe = match technique.recipe(view) {
         Ok(recipe) => recipe,
-        Err(RecipeError::Unsupported(_)) => return Ok(None),
+        Err(RecipeError::Unsupported(_)) => return Ok(Vec::new()),
         Err(e) => return Err(e.into()),
     };
-    let mut least = f64::INFINITY;
+    let mut least_draw = f64::INFINITY;
+    let mut least_lookup = f64::INFINITY;
     let mut spent = 0.0;
     for run in 0..=runs.max(1) {
         // Where a run takes seconds, no step of the clock and no neighbour changes it much.
@@ -94,26 +111,39 @@ fn measure(
         let shadows = match backend.render(view, &recipe) {
             Ok(shadows) => shadows,
             // Its images are larger than this device can hold.
-            Err(BackendError::Invalid(_)) => return Ok(None),
+            Err(BackendError::Invalid(_)) => return Ok(Vec::new()),
             Err(e) => return Err(e.into()),
         };
         // The first run compiles and uploads: it doesn't count.
         if run > 0 {
-            let milliseconds = shadows.timings.total().as_secs_f64() * 1e3;
-            least = least.min(milliseconds);
-            spent += milliseconds;
+            let timings = shadows.timings;
+            let lookup = timings.receive.unwrap_or_default();
+            let draw = timings.total().saturating_sub(lookup);
+            least_draw = least_draw.min(milliseconds(draw));
+            least_lookup = least_lookup.min(milliseconds(lookup));
+            spent += milliseconds(timings.total());
         }
     }
-    let label = format!("{} ({})", technique.name(), technique.settings());
-    Ok(Some(CostSample {
-        label,
-        work: Work::of(view, &recipe),
-        milliseconds: least,
-    }))
+    let label = format!("{place} {} ({})", technique.name(), technique.settings());
+    let work = Work::of(view, &recipe);
+    Ok(CostSample::of_parts(
+        &label,
+        &work,
+        least_draw,
+        least_lookup,
+    ))
 }
 
-/// Fits prices to measurements, so that the sum of the squared relative errors is least: a factor of two matters as much at
-/// a tenth of a millisecond as at a hundred.
+fn milliseconds(time: Duration) -> f64 {
+    time.as_secs_f64() * 1e3
+}
+
+/// Rounds in which the fit comes nearer to the least sum of squared logarithms.
+const ROUNDS: usize = 12;
+
+/// Fits prices to measurements, so that the sum of the squared logarithms of predicted over measured time is least: a factor of two
+/// matters as much at a tenth of a millisecond as at a hundred, and half the time as much as twice the time. By Gauss and Newton's
+/// method: around the last prediction p, log p is a line, whose least squares are solved for.
 pub fn fit(samples: Vec<CostSample>) -> Calibration {
     // A row is what each kind of work adds to the predicted time for a price of 1 ns, relative to the measured time. The sum of
     // price times row is then predicted over measured time, which is to be 1.
@@ -122,9 +152,20 @@ pub fn fit(samples: Vec<CostSample>) -> Calibration {
         let measured = sample.milliseconds.max(MIN_MILLISECONDS);
         rows.push(counts(&sample.work).map(|count| count * 1e-6 / measured));
     }
-    let model = CostModel {
-        nanoseconds: solve(&rows),
-    };
+    let mut nanoseconds = solve(&rows, &vec![1.0; rows.len()]);
+    for _ in 0..ROUNDS {
+        let mut scaled = Vec::with_capacity(rows.len());
+        let mut targets = Vec::with_capacity(rows.len());
+        for row in &rows {
+            let products = row.iter().zip(nanoseconds).map(|(r, price)| r * price);
+            let predicted = products.sum::<f64>().max(MIN_RATIO);
+            // log q = log p + (q - p) / p is to be 0: q / p is to be 1 - log p. Far above, a step stays within the prices' signs.
+            targets.push((1.0 - predicted.ln()).max(MIN_TARGET));
+            scaled.push(row.map(|r| r / predicted));
+        }
+        nanoseconds = solve(&scaled, &targets);
+    }
+    let model = CostModel { nanoseconds };
     let mut factors = Vec::with_capacity(samples.len());
     for sample in &samples {
         let predicted = model.milliseconds(&sample.work);
@@ -141,6 +182,12 @@ pub fn fit(samples: Vec<CostSample>) -> Calibration {
         factor_of_nine_in_ten,
     }
 }
+
+/// The least ratio of predicted to measured time whose logarithm is followed.
+const MIN_RATIO: f64 = 1e-3;
+
+/// The least share of a prediction that one round aims at.
+const MIN_TARGET: f64 = 0.05;
 
 /// A setting that has been timed for so long, milliseconds, is not timed again.
 const ENOUGH_MILLISECONDS: f64 = 1000.0;

@@ -1,11 +1,11 @@
 //! Least squares whose unknowns are not negative.
 
-/// Returns the x >= 0 with the least sum of squares of `rows` x - 1. Solves for one unknown after the other (coordinate
+/// Returns the x >= 0 with the least sum of squares of `rows` x - `targets`. Solves for one unknown after the other (coordinate
 /// descent) until nothing changes any more. Unknowns that no row mentions are 0.
-pub(super) fn solve<const N: usize>(rows: &[[f64; N]]) -> [f64; N] {
+pub(super) fn solve<const N: usize>(rows: &[[f64; N]], targets: &[f64]) -> [f64; N] {
     let mut x = [0.0; N];
-    // `rows` x - 1, which starts from x = 0.
-    let mut residuals = vec![-1.0; rows.len()];
+    // `rows` x - `targets`, which starts from x = 0.
+    let mut residuals: Vec<f64> = targets.iter().map(|target| -target).collect();
     let squares: [f64; N] = std::array::from_fn(|k| rows.iter().map(|row| row[k] * row[k]).sum());
     for _ in 0..MAX_ROUNDS {
         let mut max_change = 0.0_f64;
@@ -44,16 +44,16 @@ mod tests {
     #[test]
     fn exact_answers_are_found() {
         // 3 a + b = 1, a + 2 b = 1: a = .2, b = .4.
-        let [a, b] = solve(&[[3.0, 1.0], [1.0, 2.0]]);
+        let [a, b] = solve(&[[3.0, 1.0], [1.0, 2.0]], &[1.0; 2]);
         assert!((a - 0.2).abs() < 1e-6 && (b - 0.4).abs() < 1e-6, "{a} {b}");
     }
 
     #[test]
     fn what_would_be_negative_is_zero() {
         // a + b = 1, a + 3 b = 1, a + 9 b = .1 would want b < 0: then a is the mean's best fit.
-        let [a, b] = solve(&[[1.0, 1.0], [1.0, 3.0], [10.0, 90.0]]);
+        let [a, b] = solve(&[[1.0, 1.0], [1.0, 3.0], [10.0, 90.0]], &[1.0; 3]);
         assert!(b == 0.0 && a > 0.0, "{a} {b}");
-        assert_eq!(solve::<2>(&[[0.0, 1.0]]), [0.0, 1.0]);
-        assert_eq!(solve::<3>(&[]), [0.0; 3]);
+        assert_eq!(solve::<2>(&[[0.0, 1.0]], &[2.0]), [0.0, 2.0]);
+        assert_eq!(solve::<3>(&[], &[]), [0.0; 3]);
     }
 }

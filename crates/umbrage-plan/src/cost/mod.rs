@@ -8,6 +8,8 @@ mod calibrate;
 mod least_squares;
 mod price_list;
 mod ranks;
+#[cfg(test)]
+mod recorded;
 
 pub use calibrate::{Calibration, CostSample, fit, time_work};
 pub use price_list::PriceList;
@@ -46,19 +48,19 @@ pub struct CostModel {
 }
 
 impl CostModel {
-    /// The CPU backend on 2 threads of an Intel Xeon at 2.5 GHz (AVX2), by `cargo xtask bench --costs`: half of 312
-    /// times are predicted within a factor of 1.5, nine of ten within 2.9. Packing depth costs six times what a filtered
-    /// texel does here.
+    /// The CPU backend on 2 threads of an Intel Xeon at 2.5 GHz (AVX2), fitted to the times of `recorded.csv`: half of the
+    /// parts of recipes are predicted within a factor of 1.3, nine of ten within 2.3. Packing depth costs six times what a
+    /// filtered texel does here.
     pub const CPU: Self = Self {
         nanoseconds: [
-            0.0, 30.4, 1.01, 0.889, 1.36, 1.95, 1.03, 9.41, 7.29, 313.0, 1.38,
+            24_100.0, 30.4, 0.476, 0.528, 0.704, 10.0, 1.37, 10.7, 5.54, 283.0, 3.47,
         ],
     };
 
-    /// Mesa's software driver (llvmpipe, LLVM 15) on the same machine: half within 1.3, nine of ten within 1.8.
+    /// Mesa's software driver (llvmpipe, LLVM 15) on the same machine: half within 1.2, nine of ten within 1.8.
     pub const SOFTWARE_GPU: Self = Self {
         nanoseconds: [
-            76_957.0, 102.0, 1.92, 2.83, 10.3, 18.8, 5.01, 20.0, 57.7, 414.0, 3.58,
+            212_300.0, 128.0, 1.85, 0.182, 11.0, 17.4, 4.34, 14.3, 46.0, 389.0, 4.76,
         ],
     };
 
@@ -73,7 +75,7 @@ impl CostModel {
 
     /// Returns the factor within which [`CostModel::of`] predicts nine of ten of the times that the built-in prices were fitted to.
     pub fn factor_of_nine_in_ten(kind: &str) -> f64 {
-        if kind == "cpu" { 2.94 } else { 1.75 }
+        if kind == "cpu" { 2.31 } else { 1.81 }
     }
 
     /// Returns the cost of the work, milliseconds.
@@ -87,17 +89,7 @@ impl CostModel {
 
     /// Returns the cost of the work's lookups alone, milliseconds: of what is left of it in each frame while the images are kept.
     pub fn lookup_milliseconds(&self, work: &Work) -> f64 {
-        let lookup = Work {
-            passes: 1,
-            triangles: 0,
-            covered: 0,
-            faces: 0,
-            counted: 0,
-            cleared: 0,
-            filtered: 0,
-            ..*work
-        };
-        self.milliseconds(&lookup)
+        self.milliseconds(&work.lookup())
     }
 }
 

@@ -143,9 +143,9 @@ mod tests {
         for (from, to, word) in [
             ("tap = ", "tape = ", "`tap` is missing"),
             ("tap = ", "tape = 1.0\ntap = ", "no price `tape`"),
-            ("tap = 1.03", "ray_level = -7.29", "cpu.ray_level"),
-            ("tap = 1.03", "ray_level = nan", "cpu.ray_level"),
-            ("tap = 1.03\n", "", "ray_level"),
+            ("tap = ", "tap = -", "cpu.tap"),
+            ("tap = ", "tap = nan # ", "cpu.tap"),
+            ("tap = ", "# ", "`tap` is missing"),
         ] {
             let spoilt = text.replacen(from, to, 1);
             assert_ne!(spoilt, text, "{from}");
