@@ -43,11 +43,18 @@ pub(super) fn strip(
         mask: Some(&look.truth),
         has_error: false,
     }];
-    let settings = std::iter::once(&chosen).chain(failing);
-    for (k, (setting, mask)) in settings.zip(&look.masks).enumerate() {
+    let settings: Vec<&Setting> = std::iter::once(chosen)
+        .chain(failing.iter().copied())
+        .collect();
+    // Times by the clock and by count can't be compared with each other.
+    let all_timed = settings.iter().all(|s| s.measured_ms.is_some());
+    for (k, (setting, mask)) in settings.iter().zip(&look.masks).enumerate() {
         let role = if k == 0 { "chosen" } else { "cheaper, fails" };
-        let ms = setting.measured_ms.unwrap_or(setting.milliseconds);
-        let figures = format!("{role}: error {:.3}, {ms:.2} ms", setting.estimate.error);
+        let time = match setting.measured_ms {
+            Some(ms) if all_timed => format!("{ms:.2} ms"),
+            _ => format!("about {:.2} ms", setting.milliseconds),
+        };
+        let figures = format!("{role}: error {:.3}, {time}", setting.estimate.error);
         columns.push(Column {
             title: [setting.label(), figures],
             mask: mask.as_deref(),
