@@ -45,7 +45,6 @@ fn brute_force(view: &View<'_>, geometry: &Geometry, order: &[u32]) -> Vec<f32> 
     let receivers = view.receivers.expect("given");
     let eye = view.camera.eye();
     let all = geometry.bounds().union(&Aabb::around([eye]));
-    let reach = all.min.abs().max(all.max.abs()).max_element();
     let far = 2.0 * all.extent().length();
     let light = LightSampler::new(view.light);
     let mut mask = vec![1.0; receivers.len()];
@@ -55,6 +54,8 @@ fn brute_force(view: &View<'_>, geometry: &Geometry, order: &[u32]) -> Vec<f32> 
         }
         let p: Vec3 = receivers.position(i);
         let n: Vec3 = receivers.normal(i);
+        let to_eye = (eye - p).abs().max_element();
+        let reach = to_eye.max(geometry.max_receiver_extent());
         let origin = p + n * origin_offset(p, reach);
         let to_light = segment(&light, origin, Vec2::ZERO, far);
         let faces_away = n.dot(to_light) <= 0.0;

@@ -171,6 +171,8 @@ fn a_users_technique_is_planned_as_ours_are() {
         registry: registry(),
         samples: 512,
         size: Some(UVec2::new(96, 64)),
+        // Every frame draws anew: then smaller maps are cheaper, and so are maps than volumes.
+        motion: plan::motion::FrameMotion::AllMoves,
         ..plan::PlanOptions::default()
     };
     let tried = std::sync::Mutex::new(Vec::new());

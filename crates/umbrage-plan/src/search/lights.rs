@@ -372,7 +372,15 @@ mod tests {
         // The time that it takes buys no less than this error.
         let again = lights(LightsBudget::Milliseconds(plan.milliseconds));
         assert!(again.high <= plan.high && again.milliseconds <= plan.milliseconds);
-        let little = lights(LightsBudget::Milliseconds(0.5 * plan.milliseconds));
+        // Halfway between that and the quickest that there is.
+        let quickest = |light: &LightPlan| {
+            let times = light.front.iter().map(|setting| setting.milliseconds);
+            times.fold(f64::INFINITY, f64::min)
+        };
+        let least: f64 = plan.lights.iter().map(quickest).sum();
+        assert!(least < plan.milliseconds);
+        let halfway = 0.5 * (least + plan.milliseconds);
+        let little = lights(LightsBudget::Milliseconds(halfway));
         assert!(little.miss.is_none() && little.error > plan.error);
     }
 
