@@ -51,7 +51,7 @@ pub fn write(
 }
 
 /// Writes the plan of all lights of a scene into a folder: `night-room.lights.json` (the [`LightsPlan`]), and of each light its preset
-/// and its strip of pictures, as [`write`] does.
+/// and its strip of pictures, as [`write()`] does.
 ///
 /// # Errors
 /// Errors if a file cannot be written, or a setting of the plan can't be played.

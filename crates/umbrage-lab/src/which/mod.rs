@@ -1,9 +1,9 @@
 //! "Which technique should I use?": a page of answers by kind of light, size of scene, motion and budget, made from the results of
 //! a comparison and of `stability` alone.
 //!
-//! * [`groups`]: the scenes of one kind of light and one size, and for each motion and budget the setting that does best.
-//! * [`document`]: text, tables and pictures, written as Markdown and as HTML.
-//! * [`words`]: what the page says. [`pictures`]: truth, mask and error of each answer, small.
+//! * `groups`: the scenes of one kind of light and one size, and for each motion and budget the setting that does best.
+//! * `document`: text, tables and pictures, written as Markdown and as HTML.
+//! * `words`: what the page says. `pictures`: truth, mask and error of each answer, small.
 
 mod document;
 mod groups;
