@@ -1,7 +1,10 @@
 //! What a comparison comes to, in the last lines that it prints.
 
 use umbrage_lab::{
-    compare::{Comparison, CostBasis, Relative, SettingGroup, percent, setting_groups, times},
+    compare::{
+        Comparison, CostBasis, Relative, SceneResult, Section, SettingGroup, percent,
+        setting_groups, times,
+    },
     report::StabilitySource,
 };
 use umbrage_plan::statistics::Sorted;
@@ -37,7 +40,11 @@ pub(crate) fn lines(comparison: &Comparison, stability: Option<&StabilitySource>
 fn cost_ranks(comparison: &Comparison) -> Option<String> {
     let mut worst: Option<(f64, String)> = None;
     let mut all = Vec::new();
-    for scene in &comparison.scenes {
+    // Small checks count in no mean, where there are frames of real size.
+    let is_content = |scene: &&SceneResult| scene.section == Section::Content;
+    let has_content = comparison.scenes.iter().any(|scene| is_content(&scene));
+    let scenes = comparison.scenes.iter();
+    for scene in scenes.filter(|scene| !has_content || is_content(scene)) {
         for backend in scene.backends() {
             let Some(correlation) = scene.cost_ranks(backend) else {
                 continue;

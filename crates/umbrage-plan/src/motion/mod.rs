@@ -36,9 +36,6 @@ pub fn follows_camera(technique: &dyn ShadowTechnique, recipe: &Recipe, view: &V
     let Some(geometry) = view.geometry else {
         return true;
     };
-    if draws_the_picture(recipe, view.camera) {
-        return true;
-    }
     if view.receivers.is_some() {
         // What is fitted to the receivers that are seen changes with them.
         let unknown = View::new(view.camera, view.light, geometry);
@@ -194,6 +191,18 @@ mod tests {
             !follows_when(&hard(Fit::Tight), false),
             "it goes around all that receives"
         );
+    }
+
+    /// A map as large as the picture is no picture.
+    #[test]
+    fn a_map_of_the_pictures_size_need_not_follow_the_camera() {
+        let scene = umbrage_scenes::by_argument("cubes").expect("built in");
+        let geometry = Geometry::bake(&scene).expect("valid");
+        let camera = scene.cameras[0].resized(UVec2::splat(64));
+        let view = View::new(&camera, &scene.lights[0], &geometry);
+        let technique = hard(Fit::Whole);
+        let recipe = technique.recipe(&view).expect("served");
+        assert!(!follows_camera(&technique, &recipe, &view));
     }
 
     #[test]

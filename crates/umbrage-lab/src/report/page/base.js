@@ -1,26 +1,15 @@
 "use strict";
-// All that is shown is built from text nodes, never from strings of markup, so no name can smuggle in any.
 const data = JSON.parse(document.getElementById("data").textContent);
 const dark = matchMedia("(prefers-color-scheme: dark)");
 // A smaller RMSE can't be seen: it is a fortieth of a step of an 8-bit image.
 const EXACT = 1e-4;
 
-function el(tag, attributes, ...children) {
-  const node = document.createElement(tag);
-  for (const [key, value] of Object.entries(attributes || {})) {
-    if (key.startsWith("on")) node.addEventListener(key.slice(2), value);
-    else if (value !== null && value !== undefined && value !== false) node.setAttribute(key, value === true ? "" : value);
-  }
-  node.append(...children.flat().filter((c) => c !== null && c !== undefined));
-  return node;
-}
 function svgEl(tag, attributes, text) {
   const node = document.createElementNS("http://www.w3.org/2000/svg", tag);
   for (const [key, value] of Object.entries(attributes)) if (value !== null && value !== undefined) node.setAttribute(key, value);
   if (text !== undefined) node.textContent = text;
   return node;
 }
-const byId = (id) => document.getElementById(id);
 const plural = (n, word) => `${n.toLocaleString("en")} ${word}${n === 1 ? "" : "s"}`;
 const number = (v, digits) => (v === 0 ? "0" : Math.abs(v) < 10 ** -digits ? v.toExponential(1) : v.toFixed(digits));
 const percent = (v) => `${number(v, 2)} %`;

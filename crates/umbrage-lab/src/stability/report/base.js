@@ -1,18 +1,7 @@
 "use strict";
-// Everything is built from text nodes, never from HTML strings, so no name can smuggle in markup.
 const data = JSON.parse(document.getElementById("data").textContent);
 const { stability, pictures } = data;
-const byId = (id) => document.getElementById(id);
 
-function el(tag, attributes, ...children) {
-  const node = document.createElement(tag);
-  for (const [key, value] of Object.entries(attributes || {})) {
-    if (key.startsWith("on")) node.addEventListener(key.slice(2), value);
-    else if (value !== null && value !== undefined && value !== false) node.setAttribute(key, value === true ? "" : value);
-  }
-  node.append(...children.flat().filter((c) => c !== null && c !== undefined));
-  return node;
-}
 const number = (v) => (v === 0 ? "0" : Math.abs(v) < 1e-3 ? v.toExponential(1) : v.toPrecision(3));
 const withUnit = (v, unit) => `${number(v)}${unit ? ` ${unit}` : ""}`;
 const plural = (n, word) => `${n} ${word}${n === 1 ? "" : "s"}`;

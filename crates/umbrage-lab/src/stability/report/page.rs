@@ -12,7 +12,8 @@ use serde::Serialize;
 const BODY: &str = include_str!("body.html");
 const STYLE: &str = include_str!("page.css");
 /// In the order in which they run: later ones use what earlier ones declare.
-const SCRIPTS: [&str; 3] = [
+const SCRIPTS: [&str; 4] = [
+    include_str!("../../output/elements.js"),
     include_str!("base.js"),
     include_str!("matrix.js"),
     include_str!("page.js"),
