@@ -41,6 +41,18 @@ pub(crate) fn with_runtime_dir(command: &mut Command) -> Result<&mut Command> {
     Ok(command.env("XDG_RUNTIME_DIR", dir))
 }
 
+/// Folders in which Vulkan's loader looks for drivers' manifests on Debian and Ubuntu.
+const MANIFESTS: [&str; 2] = ["/usr/share/vulkan/icd.d", "/etc/vulkan/icd.d"];
+
+/// Returns whether any Vulkan driver is installed, as far as files tell; [`find`] tells whether it has an adapter. Elsewhere than on
+/// Debian and Ubuntu files tell nothing, and the answer is yes.
+pub(crate) fn has_driver() -> bool {
+    let holds_any = |folder: &str| {
+        fs::read_dir(folder).is_ok_and(|entries| entries.flatten().next().is_some())
+    };
+    !is_debian() || MANIFESTS.into_iter().any(holds_any)
+}
+
 /// Installs Mesa's software driver on Debian and Ubuntu.
 pub(crate) fn install_driver() -> Result<()> {
     if !is_debian() {

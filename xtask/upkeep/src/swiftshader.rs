@@ -35,9 +35,12 @@ impl SwiftShader {
         Self::in_folder(&folder).map(Some)
     }
 
-    /// Downloads and unpacks the driver from Debian's archive.
-    pub(crate) fn fetch() -> Result<Self> {
+    /// Downloads and unpacks the driver's library from Debian's archive, unless an earlier run did.
+    pub(crate) fn fetch_library() -> Result<()> {
         let folder = folder()?;
+        if folder.join(LIBRARY).exists() {
+            return Ok(());
+        }
         let by_hand = format!("or put {LIBRARY} from elsewhere into {}", folder.display());
         if !adapter::is_debian() {
             bail!(
@@ -51,8 +54,7 @@ impl SwiftShader {
         let unpacked = unpack(&package, &folder);
         fs::remove_file(&package)
             .with_context(|| format!("cannot remove {}", package.display()))?;
-        unpacked.with_context(|| format!("{} holds no {MEMBER}: {by_hand}", package.display()))?;
-        Self::in_folder(&folder)
+        unpacked.with_context(|| format!("{} holds no {MEMBER}: {by_hand}", package.display()))
     }
 
     /// Writes the manifest by which Vulkan's loader finds the library, and checks that its adapter is found.

@@ -7,7 +7,7 @@ use crate::{
     run::{cargo, run, spell},
     swiftshader::{self, SwiftShader},
 };
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Context as _, Result, anyhow, bail};
 use std::{
     io::{BufRead as _, BufReader},
     num::NonZero,
@@ -18,7 +18,7 @@ use std::{
 /// Builds the tests, makes sure of an adapter, and runs them.
 pub(crate) fn test(options: &TestOptions) -> Result<()> {
     let start = Instant::now();
-    run(cargo().args(["test", "--workspace", "--all-features", "--no-run"]))?;
+    build_and_fetch(options)?;
     let adapter = match adapter::find()? {
         Some(name) => name,
         None if options.install_driver => {
@@ -66,6 +66,35 @@ pub(crate) fn test(options: &TestOptions) -> Result<()> {
     }
 }
 
+/// Builds the tests. Where drivers are to be installed their packages come meanwhile: building takes the cores, and fetching the
+/// network.
+fn build_and_fetch(options: &TestOptions) -> Result<()> {
+    let fetch_second = plays_second_driver(options) && options.install_driver;
+    std::thread::scope(|scope| {
+        let fetching = scope.spawn(|| {
+            // One after the other, since apt-get runs once at a time.
+            if options.install_driver && !adapter::has_driver() {
+                adapter::install_driver()?;
+            }
+            if fetch_second {
+                SwiftShader::fetch_library()?;
+            }
+            Ok(())
+        });
+        let built = run(cargo().args(["test", "--workspace", "--all-features", "--no-run"]));
+        let fetched = fetching
+            .join()
+            .map_err(|_| anyhow!("fetching drivers panicked"))
+            .flatten();
+        built.and(fetched)
+    })
+}
+
+/// Whether some tests run once more on the second driver: unless the user chose some tests.
+const fn plays_second_driver(options: &TestOptions) -> bool {
+    options.arguments.is_empty()
+}
+
 /// The nets that are played on the second driver, too, and its own.
 #[rustfmt::skip]
 const SECOND: [&str; 10] = [
@@ -73,16 +102,13 @@ const SECOND: [&str; 10] = [
     "agreement::", "rasterisers::", "on_the_second_driver",
 ];
 
-/// Returns the driver on which some tests run once more, fetching it where drivers are to be installed. Where it is missing a
-/// message says so. None for tests that the user chose.
+/// Returns the driver on which some tests run once more. Where it is missing a message says so. None for tests that the user
+/// chose.
 fn second_driver(options: &TestOptions) -> Result<Option<SwiftShader>> {
-    if !options.arguments.is_empty() {
+    if !plays_second_driver(options) {
         return Ok(None);
     }
     let there = SwiftShader::unpacked()?;
-    if there.is_none() && options.install_driver {
-        return SwiftShader::fetch().map(Some);
-    }
     if there.is_none() {
         println!(
             "no tests on SwiftShader, a second driver that rounds otherwise: {}",
