@@ -26,6 +26,8 @@ pub struct TechniqueEntry {
     pub settings: fn(map_sizes: &[u32], fit: Fit) -> ConfiguredTechniques,
     /// The few settings that stand for it, for the given map sides (texels) and fit: [`ListedTechnique::headline`].
     pub headline: fn(map_sizes: &[u32], fit: Fit) -> ConfiguredTechniques,
+    /// As [`ListedTechnique::MAX_COMPARED_TRIANGLES`].
+    pub max_compared_triangles: Option<usize>,
     /// Every setting that differs in code path, at one map side (texels): [`ListedTechnique::exhaustive`].
     pub exhaustive: fn(map_size: u32) -> ConfiguredTechniques,
     /// What a planner tries: [`ListedTechnique::candidates`].
@@ -64,6 +66,7 @@ impl TechniqueEntry {
             preset: || TechniquePreset::from(T::default()),
             settings: |map_sizes, fit| erased(T::compared(map_sizes, fit)),
             headline: |map_sizes, fit| erased(T::headline(map_sizes, fit)),
+            max_compared_triangles: T::MAX_COMPARED_TRIANGLES,
             exhaustive: |map_size| erased(T::exhaustive(map_size)),
             candidates: |map, light| {
                 let candidates = T::candidates(map, light).into_iter();

@@ -105,6 +105,10 @@ pub trait ListedTechnique:
         sweeps::middle(map_sizes, fit, &[bias], |map| default.clone().with_map(map))
     }
 
+    /// The most triangles of a scene in which `compare` plays it where all scenes are compared: in larger ones it takes minutes, and
+    /// whoever names such a scene, or asks for all settings, waits for it. None for no bound.
+    const MAX_COMPARED_TRIANGLES: Option<usize> = None;
+
     /// Every setting that differs in code path, on maps of one small side (texels), for tests.
     ///
     /// By default the default settings, with every bias.

@@ -361,6 +361,7 @@ fn content_options(program: &Program, arguments: &CompareArguments) -> Result<Co
     };
     if arguments.full {
         out.truth.block_side = 1;
+        out.truth.samples = 256;
         out.map_sizes = vec![1024, 2048, 4096];
     }
     // Whoever names a scene wants to see all of it.

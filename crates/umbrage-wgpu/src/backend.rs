@@ -183,8 +183,9 @@ impl Gpu {
         match (view.receivers, geometry) {
             (Some(receivers), _) => textures.upload(&factory, receivers),
             (None, Some(geometry)) => {
+                textures.forget_upload();
                 self.gbuffer_pass
-                    .prepare(&mut factory, view.camera, geometry, textures)
+                    .prepare(&mut factory, view.camera, geometry, textures);
             }
             (None, None) => return Err(blind()),
         }

@@ -41,6 +41,47 @@ pub(crate) struct ReceiverTextures {
     pub(crate) normal: (Texture, TextureView),
     pub(crate) triangle: (Texture, TextureView),
     pub(crate) depth: (Texture, TextureView),
+    /// What the textures hold, where they were uploaded.
+    uploaded: Option<UploadedReceivers>,
+}
+
+/// The part of receivers that is uploaded.
+#[derive(Debug, PartialEq)]
+struct UploadedReceivers {
+    floats: [Vec<f32>; 6],
+    triangle: Vec<u32>,
+    receives: Vec<bool>,
+}
+
+impl UploadedReceivers {
+    fn new(r: &Receivers) -> Self {
+        Self {
+            floats: floats(r).map(Vec::clone),
+            triangle: r.triangle.clone(),
+            receives: r.receives.clone(),
+        }
+    }
+
+    /// Returns whether these are the receivers. Numbers are compared as words: a NaN equals itself, and 0 is not -0.
+    fn are(&self, r: &Receivers) -> bool {
+        let same_words = |a: &Vec<f32>, b: &Vec<f32>| -> bool {
+            let a: &[u32] = bytemuck::cast_slice(a);
+            let b: &[u32] = bytemuck::cast_slice(b);
+            a == b
+        };
+        self.receives == r.receives
+            && self.triangle == r.triangle
+            && self
+                .floats
+                .iter()
+                .zip(floats(r))
+                .all(|(a, b)| same_words(a, b))
+    }
+}
+
+/// Returns positions and normals, one list a coordinate.
+fn floats(r: &Receivers) -> [&Vec<f32>; 6] {
+    [&r.x, &r.y, &r.z, &r.nx, &r.ny, &r.nz]
 }
 
 impl ReceiverTextures {
@@ -67,6 +108,7 @@ impl ReceiverTextures {
             normal: make("umbrage receivers' normals", TextureFormat::Rgba32Float),
             triangle: make("umbrage receivers' triangles", TextureFormat::R32Uint),
             depth: make("umbrage camera depth", TextureFormat::Depth32Float),
+            uploaded: None,
         }
     }
 
@@ -75,7 +117,7 @@ impl ReceiverTextures {
         held: &'a mut Option<Self>,
         factory: &mut ResourceFactory<'_>,
         size: UVec2,
-    ) -> &'a Self {
+    ) -> &'a mut Self {
         let fitting = held.take().filter(|t| t.size == size);
         held.insert(fitting.unwrap_or_else(|| Self::new(factory, size)))
     }
@@ -88,11 +130,21 @@ impl ReceiverTextures {
         }
     }
 
+    /// Says that the textures are drawn into, so that they no longer hold what was uploaded.
+    pub(crate) fn forget_upload(&mut self) {
+        self.uploaded = None;
+    }
+
     /// Bytes per pixel: position, normal, triangle and depth.
     pub(crate) const BYTES: u64 = 16 + 16 + 4 + 4;
 
-    /// Writes positions, normals and triangle ids, but no depth, which nothing reads.
-    pub(crate) fn upload(&self, factory: &ResourceFactory<'_>, r: &Receivers) {
+    /// Writes positions, normals and triangle ids, but no depth, which nothing reads. Nothing is written where they are there already:
+    /// whoever compares many settings plays all of them on the same receivers.
+    pub(crate) fn upload(&mut self, factory: &ResourceFactory<'_>, r: &Receivers) {
+        if self.uploaded.as_ref().is_some_and(|held| held.are(r)) {
+            return;
+        }
+        self.uploaded = Some(UploadedReceivers::new(r));
         let mut positions: Vec<[f32; 4]> = Vec::with_capacity(r.len());
         let mut normals: Vec<[f32; 4]> = Vec::with_capacity(r.len());
         for i in 0..r.len() {

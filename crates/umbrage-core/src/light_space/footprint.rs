@@ -11,6 +11,7 @@ use crate::{
     math::{cross3, dot3, transform},
 };
 use glam::{Mat4, Vec2, Vec3};
+use rayon::prelude::*;
 
 /// Returns, for each receiver that faces the light, shadowed or not, and falls on a map: how many texels of it a pixel
 /// spans in the direction in which it spans the fewest. In the order of the pixels. `size` is the maps' side in texels;
@@ -23,31 +24,25 @@ pub fn texels_per_pixel(
 ) -> Vec<f32> {
     let rays = view.camera.rays();
     let width = receivers.size.x.max(1) as usize;
-    let mut out = Vec::new();
-    for i in 0..receivers.len() {
+    let of_receiver = |i: usize| {
         let position = receivers.position(i);
         let normal = receivers.normal(i);
         let faces_away = dot3(normal, view.light.direction_from(position)) <= 0.0;
         if !receivers.receives[i] || faces_away {
-            continue;
+            return None;
         }
         // Of a cube's faces, the one in which a point lies is that along whose view it is farthest.
-        let nearest_face = spaces.spaces.iter().max_by(|a, b| {
+        let space = spaces.spaces.iter().max_by(|a, b| {
             distance_along_view(a, position).total_cmp(&distance_along_view(b, position))
-        });
-        let Some(space) = nearest_face else {
-            continue;
-        };
+        })?;
         let pixel = Vec2::new((i % width) as f32 + 0.5, (i / width) as f32 + 0.5);
         let steps = PixelSteps::new(&rays, pixel, position, normal);
-        out.extend(fewest_texels(
-            &steps,
-            space.clip_from_world(),
-            position,
-            size as f32,
-        ));
-    }
-    out
+        fewest_texels(&steps, space.clip_from_world(), position, size as f32)
+    };
+    (0..receivers.len())
+        .into_par_iter()
+        .filter_map(of_receiver)
+        .collect()
 }
 
 /// Returns the least side, texels, of a map that lies in `spaces` at which, for a share `quantile` (0..=1) of the seen receivers
@@ -60,7 +55,7 @@ pub fn side_for(
     quantile: f32,
 ) -> Option<u32> {
     let mut texels = texels_per_pixel(view, receivers, spaces, 1);
-    texels.sort_unstable_by(f32::total_cmp);
+    texels.par_sort_unstable_by(f32::total_cmp);
     side_of(&texels, quantile)
 }
 

@@ -218,7 +218,7 @@ impl CompareOptions {
             headline: true,
             knows_receivers: false,
             truth: TruthOptions {
-                samples: 256,
+                samples: 128,
                 block_side: 4,
                 ..TruthOptions::default()
             },
@@ -226,8 +226,8 @@ impl CompareOptions {
             runs: Some(Runs {
                 min: 1,
                 max: 5,
-                budget_ms: 300,
-                once_from_ms: 1000,
+                budget_ms: 250,
+                once_from_ms: 500,
             }),
             ..Self::default()
         }

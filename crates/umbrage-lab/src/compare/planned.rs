@@ -36,11 +36,27 @@ impl SceneRun<'_> {
         }
     }
 
+    /// Returns why a technique is left out where the few settings of all scenes are compared; `None` if it isn't.
+    fn too_slow(&self, technique: &dyn ShadowTechnique) -> Option<String> {
+        let entry = self.options.registry.find(technique.name())?;
+        let most = entry.max_compared_triangles?;
+        let triangles = self.view.core().geometry?.triangles().len();
+        if !self.options.headline || triangles <= most {
+            return None;
+        }
+        Some(format!(
+            "left out of scenes of over {most} triangles, where it takes minutes: name the scene, or ask for all settings"
+        ))
+    }
+
     /// Makes a setting's recipe; the inner error is the technique's.
     pub(super) fn planned(
         &mut self,
         technique: &dyn ShadowTechnique,
     ) -> Result<Result<Planned, RecipeError>, LabError> {
+        if let Some(reason) = self.too_slow(technique) {
+            return Ok(Err(RecipeError::unsupported(reason)));
+        }
         let view = self.planning_view();
         if self.options.runs.is_none() {
             return Ok(technique.recipe(&view).map(|recipe| Planned {

@@ -5,6 +5,7 @@ mod lookup_tests;
 #[cfg(test)]
 mod tests;
 
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use umbrage_core::{
     Cast, CastMode, LightSpaces, Receivers, Recipe, ShadowTechnique, View,
@@ -130,7 +131,7 @@ pub fn measure(
     let spaces = LightSpaces::with_all_casters(spaces);
     let size = casts.first().map_or(1, |cast| cast.size[0]) as f32;
     let mut sizes = texels_per_pixel(view, receivers, &spaces, 1);
-    sizes.sort_unstable_by(f32::total_cmp);
+    sizes.par_sort_unstable_by(f32::total_cmp);
     let overview = sizes
         .first()
         .zip(sizes.last())
@@ -219,25 +220,14 @@ impl CastFootprint {
 /// Counts the lookups of one map.
 fn of_cast(cast: &Cast, recipe: &Recipe, receivers: &Receivers, reach: f32) -> CastFootprint {
     let image = &recipe.images[cast.image];
-    let kernel = &recipe.receive.kernel;
-    let clip_from_world = cast.space.clip_from_world();
-    let size = image.size.as_vec2();
+    let touched: Vec<[TexelSpan; 2]> = (0..receivers.len())
+        .into_par_iter()
+        .filter(|&i| receivers.receives[i])
+        .filter_map(|i| touched_texels(cast, recipe, receivers, i, reach))
+        .collect();
     let mut counts = LookupCounts::new(image.size);
-    for i in (0..receivers.len()).filter(|&i| receivers.receives[i]) {
-        let position = receivers.position(i);
-        let clip = transform(clip_from_world, position);
-        let in_view = transform(cast.space.view_from_world, position);
-        // A cube's face is wider than what is looked up from it: its neighbours serve the rest.
-        let is_on_other_face =
-            image.layers > 1 && in_view.x.abs().max(in_view.y.abs()) > -in_view.z;
-        if clip.w > 0.0 && !is_on_other_face {
-            let reach = kernel.reach(position, receivers.normal(i)).unwrap_or(reach);
-            let u = (clip.x / clip.w * 0.5 + 0.5) * size.x;
-            let v = (0.5 - clip.y / clip.w * 0.5) * size.y;
-            let columns = TexelSpan::around(u, reach, image.size.x);
-            let rows = TexelSpan::around(v, reach, image.size.y);
-            counts.add(columns, rows);
-        }
+    for [columns, rows] in touched {
+        counts.add(columns, rows);
     }
     let mut out = CastFootprint {
         image: cast.image,
@@ -248,6 +238,33 @@ fn of_cast(cast: &Cast, recipe: &Recipe, receivers: &Receivers, reach: f32) -> C
     };
     out.unused = out.untouched() as f64 / out.lookups.len().max(1) as f64;
     out
+}
+
+/// Returns the columns and the rows of a map that the lookup of receiver `i` touches; `None` if it is looked up elsewhere.
+fn touched_texels(
+    cast: &Cast,
+    recipe: &Recipe,
+    receivers: &Receivers,
+    i: usize,
+    reach: f32,
+) -> Option<[TexelSpan; 2]> {
+    let image = &recipe.images[cast.image];
+    let size = image.size.as_vec2();
+    let position = receivers.position(i);
+    let clip = transform(cast.space.clip_from_world(), position);
+    let in_view = transform(cast.space.view_from_world, position);
+    // A cube's face is wider than what is looked up from it: its neighbours serve the rest.
+    let is_on_other_face = image.layers > 1 && in_view.x.abs().max(in_view.y.abs()) > -in_view.z;
+    if clip.w <= 0.0 || is_on_other_face {
+        return None;
+    }
+    let kernel = &recipe.receive.kernel;
+    let reach = kernel.reach(position, receivers.normal(i)).unwrap_or(reach);
+    let u = (clip.x / clip.w * 0.5 + 0.5) * size.x;
+    let v = (0.5 - clip.y / clip.w * 0.5) * size.y;
+    let columns = TexelSpan::around(u, reach, image.size.x);
+    let rows = TexelSpan::around(v, reach, image.size.y);
+    Some([columns, rows])
 }
 
 /// A span of texels along one axis of a map.

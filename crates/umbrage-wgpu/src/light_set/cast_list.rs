@@ -1,0 +1,227 @@
+//! The layers that a frame redraws, and what is drawn into each.
+
+use crate::{
+    cast::Layouts,
+    light_set::{
+        casters::{Casters, Columns, MeshId},
+        light::{LightCast, LightId},
+    },
+    resources::{
+        counters::ResourceFactory,
+        draws::Vertex,
+        matrices::Matrices,
+        pipelines::{CastKey, Peel, Pipelines},
+    },
+};
+use glam::Mat4;
+use std::ops::Range;
+use wgpu::{Buffer, BufferUsages, CommandEncoder, RenderPass, RenderPassDescriptor, RenderPipeline};
+
+use super::buffers::Uploaded;
+use crate::targets::CastTarget;
+
+/// Unchanged instances between changed ones that are written along, since each write has a price.
+const GREATEST_GAP: u32 = 32;
+
+/// World from local of all slots, as vertex shaders read it.
+#[derive(Debug, Default)]
+pub(crate) struct Instances(Option<Buffer>);
+
+impl Instances {
+    /// Writes what changed; all of it into a greater buffer where it doesn't fit.
+    pub(crate) fn upload(
+        &mut self,
+        factory: &mut ResourceFactory<'_>,
+        casters: &mut Casters,
+    ) -> Uploaded {
+        const STRIDE: u64 = size_of::<Columns>() as u64;
+        let mut uploaded = Uploaded::default();
+        let (columns, written) = casters.written();
+        if columns.is_empty() {
+            return uploaded;
+        }
+        let size = columns.len() as u64 * STRIDE;
+        if self.0.as_ref().map_or(0, Buffer::size) < size {
+            let room = size.next_power_of_two();
+            let buffer = factory.buffer("umbrage instances", BufferUsages::VERTEX, room);
+            factory
+                .queue
+                .write_buffer(&buffer, 0, bytemuck::cast_slice(columns));
+            self.0 = Some(buffer);
+            uploaded.bytes = size;
+            return uploaded;
+        }
+        let Some(buffer) = &self.0 else {
+            return uploaded;
+        };
+        let mut rest = written;
+        while let Some(&first) = rest.first() {
+            let count = run_length(rest);
+            let last = rest[count - 1];
+            let bytes: &[u8] = bytemuck::cast_slice(&columns[first as usize..=last as usize]);
+            factory
+                .queue
+                .write_buffer(buffer, u64::from(first) * STRIDE, bytes);
+            uploaded.bytes += bytes.len() as u64;
+            rest = &rest[count..];
+        }
+        uploaded
+    }
+
+    /// Forgets the buffer: the next upload makes and fills another.
+    pub(crate) fn lose_buffer(&mut self) {
+        self.0 = None;
+    }
+}
+
+/// Returns how many of these rising slots are written together.
+fn run_length(slots: &[u32]) -> usize {
+    let is_gap = |pair: &[u32]| pair[1] - pair[0] > GREATEST_GAP;
+    let end = slots.windows(2).position(is_gap);
+    end.map_or(slots.len(), |i| i + 1)
+}
+
+/// One cast that is drawn this frame.
+#[derive(Debug)]
+struct CastPass {
+    light: LightId,
+    cast: usize,
+    /// Its part of the list of draws.
+    draws: Range<usize>,
+}
+
+/// What is drawn of a mesh.
+#[derive(Debug)]
+struct MeshDraws {
+    mesh: MeshId,
+    pipeline: RenderPipeline,
+    /// Its part of the list of runs.
+    runs: Range<usize>,
+}
+
+/// The casts of a frame. Its lists keep their memory from frame to frame.
+#[derive(Debug, Default)]
+pub(crate) struct CastList {
+    passes: Vec<CastPass>,
+    draws: Vec<MeshDraws>,
+    /// Runs of slots.
+    runs: Vec<Range<u32>>,
+    spaces: Matrices,
+    matrices: Vec<Mat4>,
+}
+
+impl CastList {
+    pub(crate) fn clear(&mut self) {
+        self.passes.clear();
+        self.draws.clear();
+        self.runs.clear();
+        self.matrices.clear();
+    }
+
+    /// Appends a cast of a light: the casters that may show in it.
+    pub(crate) fn push(
+        &mut self,
+        factory: &mut ResourceFactory<'_>,
+        pipelines: &mut Pipelines,
+        layouts: &Layouts,
+        casters: &Casters,
+        light: LightId,
+        index: usize,
+        cast: &LightCast,
+    ) {
+        let first_draw = self.draws.len();
+        for (id, mesh) in casters.meshes() {
+            let first_run = self.runs.len();
+            cast.volume
+                .runs(casters.boxes(), mesh.slots(), &mut self.runs);
+            let runs = first_run..self.runs.len();
+            if runs.is_empty() {
+                continue;
+            }
+            let key = CastKey {
+                depth: cast.target.state(),
+                layout: mesh.draw.layout,
+                vertex: Vertex::Instanced,
+                peel: Peel::of(&cast.target),
+            };
+            self.draws.push(MeshDraws {
+                mesh: id,
+                pipeline: pipelines.cast(factory, key, &layouts.of(&key)),
+                runs,
+            });
+        }
+        self.matrices.push(cast.target.clip_from_world);
+        self.passes.push(CastPass {
+            light,
+            cast: index,
+            draws: first_draw..self.draws.len(),
+        });
+    }
+
+    /// Writes the casts' matrices.
+    pub(crate) fn upload(&mut self, factory: &mut ResourceFactory<'_>, pipelines: &mut Pipelines) {
+        self.spaces
+            .write(factory, pipelines, self.matrices.iter().copied());
+    }
+
+    /// Returns how many casts there are.
+    pub(crate) fn count(&self) -> usize {
+        self.passes.len()
+    }
+
+    /// Returns the casts: their lights, and their indices among the lights' casts.
+    pub(crate) fn casts(&self) -> impl Iterator<Item = (LightId, usize)> + '_ {
+        self.passes.iter().map(|pass| (pass.light, pass.cast))
+    }
+
+    /// Records a cast; `own_draws` draws what the caller draws itself, in the same pass.
+    pub(crate) fn encode(
+        &self,
+        encoder: &mut CommandEncoder,
+        pass_index: usize,
+        cast: &LightCast,
+        casters: &Casters,
+        instances: &Instances,
+        own_draws: &mut dyn FnMut(&mut RenderPass<'_>, &CastTarget),
+    ) {
+        let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
+            label: Some("umbrage cast"),
+            depth_stencil_attachment: Some(cast.target.attachment()),
+            ..RenderPassDescriptor::default()
+        });
+        self.spaces.bind(&mut pass, 0, pass_index);
+        if cast.target.behind.is_some() {
+            pass.set_bind_group(2, cast.peeled.group(), &[]);
+        }
+        if let Some(buffer) = &instances.0 {
+            pass.set_vertex_buffer(1, buffer.slice(..));
+        }
+        let mut last = None;
+        for draws in &self.draws[self.passes[pass_index].draws.clone()] {
+            let Some(mesh) = casters.mesh(draws.mesh) else {
+                continue;
+            };
+            if last != Some(&draws.pipeline) {
+                pass.set_pipeline(&draws.pipeline);
+                last = Some(&draws.pipeline);
+            }
+            mesh.bind(&mut pass);
+            for run in &self.runs[draws.runs.clone()] {
+                mesh.draw(&mut pass, run.clone());
+            }
+        }
+        own_draws(&mut pass, &cast.target);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::run_length;
+
+    #[test]
+    fn near_slots_are_written_together() {
+        assert_eq!(run_length(&[3]), 1);
+        assert_eq!(run_length(&[3, 4, 9, 40, 100]), 4);
+        assert_eq!(run_length(&[3, 300, 301]), 1);
+    }
+}

@@ -1,0 +1,359 @@
+//! The casters of a light set: meshes in the caller's buffers, placed into the world.
+//!
+//! What culling and drawing read lies in plain arrays, one entry a slot. The casters of a mesh have slots side by side, so that
+//! neighbours are drawn by one instanced draw.
+
+use crate::{
+    frame::{Indices, VertexLayout, check_buffer},
+    light_set::culling::Boxes,
+};
+use glam::{Affine3A, Vec3};
+use slotmap::{SlotMap, new_key_type};
+use std::ops::Range;
+use umbrage_core::{Aabb, Invalid, invalid};
+use wgpu::{Buffer, BufferUsages, IndexFormat, Limits, RenderPass};
+
+new_key_type! {
+    /// Names a mesh of a [`LightSet`](crate::LightSet).
+    pub struct MeshId;
+    /// Names a caster of a [`LightSet`](crate::LightSet).
+    pub struct CasterId;
+}
+
+/// Slots that a mesh gets with its first caster.
+const FIRST_SLOTS: u32 = 4;
+
+/// Triangles in the caller's buffers, which casters place into the world.
+#[derive(Clone, Debug)]
+pub struct Mesh<'a> {
+    /// Names the mesh in errors.
+    pub label: &'a str,
+    /// Vertices, usage `VERTEX`. The set keeps the buffer alive as long as the mesh is there.
+    pub vertices: &'a Buffer,
+    /// Where positions are in it.
+    pub layout: VertexLayout,
+    /// Vertex indices; none when every three vertices are a triangle.
+    pub indices: Option<Indices<'a>>,
+    /// Which indices are drawn, or which vertices when there are none.
+    pub range: Range<u32>,
+    /// Added to each index.
+    pub base_vertex: i32,
+    /// Box around the positions, as they are in the buffer. Casters outside a map are not drawn into it, so a box that is too
+    /// small loses shadows.
+    pub bounds: Aabb,
+}
+
+/// A mesh that outlives the borrow.
+#[derive(Debug)]
+pub(crate) struct MeshDraw {
+    label: String,
+    vertices: Buffer,
+    pub(crate) layout: VertexLayout,
+    indices: Option<(Buffer, IndexFormat)>,
+    range: Range<u32>,
+    base_vertex: i32,
+    bounds: Aabb,
+}
+
+/// A mesh, with the slots of its casters.
+#[derive(Debug)]
+pub(crate) struct MeshSlots {
+    pub(crate) draw: MeshDraw,
+    /// The slots that the mesh may use.
+    block: Range<u32>,
+    /// The casters in its first slots, in order.
+    casters: Vec<CasterId>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    mesh: MeshId,
+    /// Among the mesh's casters.
+    index: u32,
+}
+
+/// World from local as three columns and a translation, what instances are made of.
+pub(crate) type Columns = [f32; 12];
+
+/// All meshes and casters.
+#[derive(Debug, Default)]
+pub(crate) struct Casters {
+    meshes: SlotMap<MeshId, MeshSlots>,
+    places: SlotMap<CasterId, Place>,
+    /// By slot: where a caster is. Slots without a caster have an empty box.
+    boxes: Boxes,
+    /// By slot.
+    columns: Vec<Columns>,
+    /// Boxes in which something changed.
+    changed: Vec<Aabb>,
+    /// Slots whose columns changed.
+    written: Vec<u32>,
+}
+
+impl Mesh<'_> {
+    fn validate(&self, limits: &Limits) -> Result<(), Invalid> {
+        self.layout.validate(limits)?;
+        check_buffer(self.vertices, "vertex buffer", BufferUsages::VERTEX, "VERTEX")?;
+        if let Some(Indices { buffer, .. }) = self.indices {
+            check_buffer(buffer, "index buffer", BufferUsages::INDEX, "INDEX")?;
+        }
+        self.bounds.validate()?;
+        if self.bounds.is_empty() {
+            return Err(Invalid::new(
+                "bounds",
+                "are empty",
+                "give the box around the mesh's positions",
+            ));
+        }
+        self.check_range()
+    }
+
+    fn check_range(&self) -> Result<(), Invalid> {
+        let vertices = self.layout.vertices(self.vertices.size());
+        let (what, count) = match &self.indices {
+            Some(indices) => (
+                "indices",
+                indices.buffer.size() / indices.format.byte_size() as u64,
+            ),
+            None => ("vertices", vertices),
+        };
+        if self.range.start > self.range.end {
+            let why = format!(
+                "start at {} and end at {}",
+                self.range.start, self.range.end
+            );
+            return Err(Invalid::new(what, why, "put the first one first"));
+        }
+        if u64::from(self.range.end) > count {
+            let why = format!("end at {}, and the buffer holds {count}", self.range.end);
+            return Err(Invalid::new(what, why, "draw what is in the buffer"));
+        }
+        if self.indices.is_none() && self.base_vertex != 0 {
+            let why = format!("is {}, and there are no indices to add it to", self.base_vertex);
+            return Err(Invalid::new("base vertex", why, "use 0, and move the range"));
+        }
+        if vertices == 0 && !self.range.is_empty() {
+            return Err(Invalid::new(
+                "vertex buffer",
+                "holds no vertex",
+                "leave the mesh out",
+            ));
+        }
+        Ok(())
+    }
+}
+
+impl MeshDraw {
+    /// Binds the mesh's buffers.
+    pub(crate) fn bind(&self, pass: &mut RenderPass<'_>) {
+        pass.set_vertex_buffer(0, self.vertices.slice(..));
+        if let Some((buffer, format)) = &self.indices {
+            pass.set_index_buffer(buffer.slice(..), *format);
+        }
+    }
+
+    /// Draws the casters in some slots.
+    pub(crate) fn draw(&self, pass: &mut RenderPass<'_>, slots: Range<u32>) {
+        match self.indices {
+            Some(_) => pass.draw_indexed(self.range.clone(), self.base_vertex, slots),
+            None => pass.draw(self.range.clone(), slots),
+        }
+    }
+}
+
+impl Casters {
+    pub(crate) fn add_mesh(&mut self, mesh: &Mesh<'_>, limits: &Limits) -> Result<MeshId, Invalid> {
+        let name = || format!("mesh `{}`", mesh.label);
+        mesh.validate(limits).map_err(|e| e.within(name()))?;
+        let draw = MeshDraw {
+            label: mesh.label.to_owned(),
+            vertices: mesh.vertices.clone(),
+            layout: mesh.layout,
+            indices: mesh.indices.map(|i| (i.buffer.clone(), i.format)),
+            range: mesh.range.clone(),
+            base_vertex: mesh.base_vertex,
+            bounds: mesh.bounds,
+        };
+        Ok(self.meshes.insert(MeshSlots {
+            draw,
+            block: 0..0,
+            casters: Vec::new(),
+        }))
+    }
+
+    /// Removes a mesh that no caster uses.
+    pub(crate) fn remove_mesh(&mut self, id: MeshId) -> Result<(), Invalid> {
+        let mesh = self.meshes.get(id).ok_or_else(|| unknown("mesh"))?;
+        if !mesh.casters.is_empty() {
+            let why = format!("has {} casters", mesh.casters.len());
+            let what = format!("mesh `{}`", mesh.draw.label);
+            return Err(Invalid::new(what, why, "remove its casters first"));
+        }
+        self.meshes.remove(id);
+        Ok(())
+    }
+
+    pub(crate) fn add(
+        &mut self,
+        mesh_id: MeshId,
+        world_from_local: Affine3A,
+    ) -> Result<CasterId, Invalid> {
+        let mesh = self.meshes.get(mesh_id).ok_or_else(|| unknown("mesh"))?;
+        let bounds = world_bounds(&mesh.draw, &world_from_local)?;
+        let index = mesh.casters.len() as u32;
+        if index == mesh.block.end - mesh.block.start {
+            self.grow(mesh_id);
+        }
+        let id = self.places.insert(Place {
+            mesh: mesh_id,
+            index,
+        });
+        // It was found above.
+        let mesh = &mut self.meshes[mesh_id];
+        mesh.casters.push(id);
+        let slot = mesh.block.start + index;
+        self.put(slot, &bounds, &world_from_local);
+        self.changed.push(bounds);
+        Ok(id)
+    }
+
+    pub(crate) fn place(
+        &mut self,
+        id: CasterId,
+        world_from_local: Affine3A,
+    ) -> Result<(), Invalid> {
+        let place = *self.places.get(id).ok_or_else(|| unknown("caster"))?;
+        let mesh = &self.meshes[place.mesh];
+        let slot = mesh.block.start + place.index;
+        let columns = world_from_local.to_cols_array();
+        if self.columns[slot as usize] == columns {
+            return Ok(());
+        }
+        let bounds = world_bounds(&mesh.draw, &world_from_local)?;
+        let before = self.boxes.get(slot);
+        self.put(slot, &bounds, &world_from_local);
+        self.changed.push(before);
+        self.changed.push(bounds);
+        Ok(())
+    }
+
+    pub(crate) fn remove(&mut self, id: CasterId) -> Result<(), Invalid> {
+        let place = self.places.remove(id).ok_or_else(|| unknown("caster"))?;
+        let mesh = &mut self.meshes[place.mesh];
+        let slot = mesh.block.start + place.index;
+        let last = mesh.block.start + mesh.casters.len() as u32 - 1;
+        mesh.casters.swap_remove(place.index as usize);
+        self.changed.push(self.boxes.get(slot));
+        if slot != last {
+            // The last of the mesh's casters takes the free slot.
+            let moved = mesh.casters[place.index as usize];
+            self.places[moved].index = place.index;
+            self.boxes.copy(last, slot);
+            self.columns[slot as usize] = self.columns[last as usize];
+            self.written.push(slot);
+        }
+        self.boxes.set(last, &Aabb::EMPTY);
+        Ok(())
+    }
+
+    /// Marks a box as changed: something that the caller draws itself moved there.
+    pub(crate) fn touch(&mut self, bounds: &Aabb) {
+        self.changed.push(*bounds);
+    }
+
+    /// Returns the box around all casters.
+    pub(crate) fn bounds(&self) -> Aabb {
+        self.boxes.around_all()
+    }
+
+    /// Returns where something changed since [`forget_changes`](Self::forget_changes).
+    pub(crate) fn changed(&self) -> &[Aabb] {
+        &self.changed
+    }
+
+    pub(crate) fn forget_changes(&mut self) {
+        self.changed.clear();
+        self.written.clear();
+    }
+
+    /// Returns the columns by slot, and those slots whose columns changed, rising.
+    pub(crate) fn written(&mut self) -> (&[Columns], &[u32]) {
+        self.written.sort_unstable();
+        self.written.dedup();
+        (&self.columns, &self.written)
+    }
+
+    pub(crate) fn boxes(&self) -> &Boxes {
+        &self.boxes
+    }
+
+    /// Returns each mesh with the slots of its casters.
+    pub(crate) fn meshes(&self) -> impl Iterator<Item = (MeshId, &MeshSlots)> {
+        self.meshes.iter()
+    }
+
+    pub(crate) fn mesh(&self, id: MeshId) -> Option<&MeshDraw> {
+        self.meshes.get(id).map(|mesh| &mesh.draw)
+    }
+
+    /// Returns how many casters there are.
+    pub(crate) fn count(&self) -> usize {
+        self.places.len()
+    }
+
+    fn put(&mut self, slot: u32, bounds: &Aabb, world_from_local: &Affine3A) {
+        self.boxes.set(slot, bounds);
+        self.columns[slot as usize] = world_from_local.to_cols_array();
+        self.written.push(slot);
+    }
+
+    /// Gives a mesh twice as many slots, behind all others; those that it had stay empty.
+    fn grow(&mut self, id: MeshId) {
+        let mesh = &mut self.meshes[id];
+        let old = mesh.block.clone();
+        let count = (2 * (old.end - old.start)).max(FIRST_SLOTS);
+        let first = self.columns.len() as u32;
+        mesh.block = first..first + count;
+        self.columns.resize((first + count) as usize, Columns::default());
+        self.boxes.resize(first + count);
+        for (from, to) in old.zip(first..) {
+            self.boxes.copy(from, to);
+            self.boxes.set(from, &Aabb::EMPTY);
+            self.columns[to as usize] = self.columns[from as usize];
+            self.written.push(to);
+        }
+    }
+}
+
+impl MeshSlots {
+    /// Returns the slots that hold casters.
+    pub(crate) fn slots(&self) -> Range<u32> {
+        self.block.start..self.block.start + self.casters.len() as u32
+    }
+}
+
+/// Returns the box around a placed mesh.
+///
+/// Errors if a number of the placement or of the box is not finite.
+fn world_bounds(mesh: &MeshDraw, world_from_local: &Affine3A) -> Result<Aabb, Invalid> {
+    let within = |e: Invalid| e.within(format!("caster of mesh `{}`", mesh.label));
+    invalid::finite("world from local", &world_from_local.to_cols_array()).map_err(within)?;
+    // Arvo 1990, "Transforming axis-aligned bounding boxes": the half extents go through the matrix's absolute values.
+    let centre = world_from_local.transform_point3(mesh.bounds.center());
+    let half = mesh.bounds.extent() * 0.5;
+    let matrix = world_from_local.matrix3;
+    let reach = Vec3::from(matrix.x_axis.abs()) * half.x
+        + Vec3::from(matrix.y_axis.abs()) * half.y
+        + Vec3::from(matrix.z_axis.abs()) * half.z;
+    let bounds = Aabb {
+        min: centre - reach,
+        max: centre + reach,
+    };
+    bounds.validate().map_err(within)?;
+    Ok(bounds)
+}
+
+fn unknown(what: &str) -> Invalid {
+    let help = "use an id that this set gave and that was not removed since";
+    Invalid::new(what, "is not in the light set", help)
+}

@@ -1,0 +1,217 @@
+//! Which casters can show in a layer: their boxes against the layer's volume, many at a time.
+
+use glam::{Mat4, Vec3, Vec4};
+use std::ops::Range;
+use umbrage_core::Aabb;
+
+/// Relative bound of what is rounded where a box is compared with a plane. Each product and sum of the comparison and of the box itself
+/// has a relative error of 2^-24, and there are fewer than sixteen of them: this is 2^-18.
+const ROUNDING: f32 = 1.0 / 262_144.0;
+/// Half extent of boxes that hold nothing: they lie outside of every plane.
+const NOTHING: f32 = -1e30;
+/// Slots that are drawn along, though they lie outside, where that saves a draw.
+const GREATEST_GAP: u32 = 8;
+
+/// Boxes in arrays, one entry a slot.
+#[derive(Debug, Default)]
+pub(crate) struct Boxes {
+    centre: [Vec<f32>; 3],
+    /// Half extents; [`NOTHING`] for empty boxes.
+    half: [Vec<f32>; 3],
+}
+
+/// The volume of a layer: what lies wholly on the outer side of one of its planes does not show there.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Volume {
+    /// A plane's product with a homogeneous world position is not negative inside.
+    planes: [Vec4; 6],
+}
+
+impl Boxes {
+    pub(crate) fn resize(&mut self, slots: u32) {
+        for values in &mut self.centre {
+            values.resize(slots as usize, 0.0);
+        }
+        for values in &mut self.half {
+            values.resize(slots as usize, NOTHING);
+        }
+    }
+
+    pub(crate) fn set(&mut self, slot: u32, bounds: &Aabb) {
+        let is_empty = bounds.is_empty();
+        let centre = if is_empty { Vec3::ZERO } else { bounds.center() };
+        let half = if is_empty {
+            Vec3::splat(NOTHING)
+        } else {
+            bounds.extent() * 0.5
+        };
+        for axis in 0..3 {
+            self.centre[axis][slot as usize] = centre[axis];
+            self.half[axis][slot as usize] = half[axis];
+        }
+    }
+
+    pub(crate) fn get(&self, slot: u32) -> Aabb {
+        let i = slot as usize;
+        let centre = Vec3::new(self.centre[0][i], self.centre[1][i], self.centre[2][i]);
+        let half = Vec3::new(self.half[0][i], self.half[1][i], self.half[2][i]);
+        if half.x == NOTHING {
+            return Aabb::EMPTY;
+        }
+        Aabb {
+            min: centre - half,
+            max: centre + half,
+        }
+    }
+
+    pub(crate) fn copy(&mut self, from: u32, to: u32) {
+        for values in self.centre.iter_mut().chain(&mut self.half) {
+            values[to as usize] = values[from as usize];
+        }
+    }
+
+    /// Returns the box around all.
+    pub(crate) fn around_all(&self) -> Aabb {
+        let mut all = Aabb::EMPTY;
+        for axis in 0..3 {
+            let mut min = f32::INFINITY;
+            let mut max = f32::NEG_INFINITY;
+            for (&centre, &half) in self.centre[axis].iter().zip(&self.half[axis]) {
+                // Of empty boxes the lower end is the greater one, far out: neither changes anything.
+                let is_empty = half < 0.0;
+                let low = if is_empty { f32::INFINITY } else { centre - half };
+                let high = if is_empty { f32::NEG_INFINITY } else { centre + half };
+                min = if low < min { low } else { min };
+                max = if high > max { high } else { max };
+            }
+            all.min[axis] = min;
+            all.max[axis] = max;
+        }
+        all
+    }
+}
+
+impl Volume {
+    /// Returns the volume of a layer of `size` texels a side; one texel beside it belongs to it.
+    pub(crate) fn new(clip_from_world: &Mat4, size: u32) -> Self {
+        let rows = clip_from_world.transpose();
+        let [x, y, z, w] = [rows.x_axis, rows.y_axis, rows.z_axis, rows.w_axis];
+        // Rasterisers move corners by less than a texel; the map spans two units of clip space.
+        let wide = w * (1.0 + 2.0 / size.max(1) as f32);
+        // As in Gribb and Hartmann 2001, "Fast extraction of viewing frustum planes from the world-view-projection matrix".
+        Self {
+            planes: [wide + x, wide - x, wide + y, wide - y, z, w - z],
+        }
+    }
+
+    /// Returns whether a box may show in the layer.
+    pub(crate) fn may_show(&self, bounds: &Aabb) -> bool {
+        if bounds.is_empty() {
+            return false;
+        }
+        let centre = bounds.center();
+        let half = bounds.extent() * 0.5;
+        self.planes
+            .iter()
+            .all(|plane| farthest_inside(plane, centre, half) >= 0.0)
+    }
+
+    /// Appends the runs of slots within `slots` whose boxes may show in the layer, rising.
+    pub(crate) fn runs(&self, boxes: &Boxes, slots: Range<u32>, out: &mut Vec<Range<u32>>) {
+        const CHUNK: usize = 64;
+        let first_run = out.len();
+        let mut start = slots.start as usize;
+        let end = slots.end as usize;
+        while start < end {
+            let count = CHUNK.min(end - start);
+            let mut inside = [true; CHUNK];
+            let part = start..start + count;
+            let [cx, cy, cz] = boxes.centre.each_ref().map(|values| &values[part.clone()]);
+            let [hx, hy, hz] = boxes.half.each_ref().map(|values| &values[part.clone()]);
+            for plane in &self.planes {
+                for i in 0..count {
+                    let centre = Vec3::new(cx[i], cy[i], cz[i]);
+                    let half = Vec3::new(hx[i], hy[i], hz[i]);
+                    inside[i] &= farthest_inside(plane, centre, half) >= 0.0;
+                }
+            }
+            for (i, &is_inside) in inside[..count].iter().enumerate() {
+                if !is_inside {
+                    continue;
+                }
+                let slot = (start + i) as u32;
+                match out[first_run..].last_mut() {
+                    Some(run) if slot - run.end <= GREATEST_GAP => run.end = slot + 1,
+                    _ => out.push(slot..slot + 1),
+                }
+            }
+            start += count;
+        }
+    }
+}
+
+/// Returns the greatest product of a plane with a point of a box, with room for what is rounded.
+#[inline(always)]
+fn farthest_inside(plane: &Vec4, centre: Vec3, half: Vec3) -> f32 {
+    let x = plane.x * centre.x;
+    let y = plane.y * centre.y;
+    let z = plane.z * centre.z;
+    let reach = plane.x.abs() * half.x + plane.y.abs() * half.y + plane.z.abs() * half.z;
+    let summed = x.abs() + y.abs() + z.abs() + plane.w.abs() + reach.abs();
+    x + y + z + plane.w + reach + summed * ROUNDING
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn unit_box(x: f32) -> Aabb {
+        Aabb {
+            min: Vec3::new(x, -0.5, 0.25),
+            max: Vec3::new(x + 1.0, 0.5, 0.75),
+        }
+    }
+
+    #[test]
+    fn runs_are_the_boxes_that_may_show() {
+        let mut boxes = Boxes::default();
+        boxes.resize(100);
+        for slot in 0..100_u32 {
+            // Every third slot is empty.
+            let bounds = if slot.is_multiple_of(3) {
+                Aabb::EMPTY
+            } else {
+                unit_box(slot as f32)
+            };
+            boxes.set(slot, &bounds);
+            assert_eq!(boxes.get(slot), bounds);
+        }
+        // The clip volume is x in -40..=40, shifted to 10..=90.
+        let clip_from_world = Mat4::from_scale(Vec3::new(1.0 / 40.0, 1.0, 1.0))
+            * Mat4::from_translation(Vec3::new(-50.0, 0.0, 0.0));
+        let volume = Volume::new(&clip_from_world, 80);
+        let mut runs = Vec::new();
+        volume.runs(&boxes, 0..100, &mut runs);
+        let shown = |slot: u32| runs.iter().any(|run| run.contains(&slot));
+        for slot in 0..100 {
+            if volume.may_show(&boxes.get(slot)) {
+                assert!(shown(slot), "{slot} may show and is in no run");
+            }
+        }
+        assert!(shown(10) && shown(89) && !shown(5) && !shown(95), "{runs:?}");
+        let around = boxes.around_all();
+        assert_eq!((around.min.x, around.max.x), (1.0, 99.0 + 1.0 - 1.0));
+    }
+
+    #[test]
+    fn the_near_and_far_planes_bound_a_layer() {
+        let volume = Volume::new(&Mat4::IDENTITY, 100);
+        let at = |z: f32| Aabb {
+            min: Vec3::new(0.0, 0.0, z),
+            max: Vec3::new(0.1, 0.1, z + 0.1),
+        };
+        assert!(volume.may_show(&at(0.5)) && volume.may_show(&at(-0.05)));
+        assert!(!volume.may_show(&at(-0.2)) && !volume.may_show(&at(1.1)));
+        assert!(!volume.may_show(&Aabb::EMPTY));
+    }
+}

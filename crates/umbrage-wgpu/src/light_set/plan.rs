@@ -1,0 +1,141 @@
+//! What a light's shadows are made of, as the set plays it.
+
+use crate::light_set::text::{KernelKind, MAX_INPUTS};
+use crate::wgsl::KernelInterface;
+use std::sync::Arc;
+use umbrage_core::{
+    Cast, CastMode, Filter, Invalid, Kernel, Recipe, RecipeError, Source, Table,
+};
+
+/// A light's recipe, and what of its kernel the set binds.
+#[derive(Debug)]
+pub(crate) struct LightPlan {
+    pub(crate) recipe: Recipe,
+    pub(crate) kind: KernelKind,
+    /// The kernel's uniforms; empty if it has none.
+    pub(crate) uniforms: Vec<u8>,
+}
+
+/// What of one plan differs from another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Difference {
+    Nothing,
+    /// What the kernel reads beside the maps.
+    Numbers,
+    /// What the maps hold.
+    Maps,
+    /// Which images there are, or which kernel reads them.
+    Images,
+}
+
+impl LightPlan {
+    /// Returns the plan of a valid recipe.
+    ///
+    /// Errors with `Unsupported` if the set can't play it, with the reason.
+    pub(crate) fn new(recipe: Recipe) -> Result<Self, RecipeError> {
+        check_casts(&recipe)?;
+        let receive = &recipe.receive;
+        let kernel = &*receive.kernel;
+        if receive.inputs.len() > MAX_INPUTS || receive.tables.len() > MAX_INPUTS {
+            let why = format!(
+                "its kernel reads {} images and {} tables, and in a light set it may read {MAX_INPUTS} of each",
+                receive.inputs.len(),
+                receive.tables.len()
+            );
+            return Err(RecipeError::unsupported(why));
+        }
+        let block = kernel.uniforms();
+        let kind = KernelKind {
+            modules: kernel.modules(),
+            uniforms: block.map(|block| {
+                let layout = block.uniform_layout();
+                (layout.name, layout.size)
+            }),
+            shape: KernelInterface::new(&recipe, kernel, &receive.inputs, &receive.tables),
+        };
+        let uniforms = block.map_or_else(Vec::new, |block| block.uniform_bytes());
+        Ok(Self {
+            recipe,
+            kind,
+            uniforms,
+        })
+    }
+
+    /// Returns what differs from `before`.
+    pub(crate) fn difference(&self, before: &Self) -> Difference {
+        let is_like = self.recipe.images == before.recipe.images
+            && self.kind == before.kind
+            && self.recipe.receive.inputs == before.recipe.receive.inputs;
+        if !is_like {
+            return Difference::Images;
+        }
+        let same_maps = all_equal(&self.recipe.casts, &before.recipe.casts, same_cast)
+            && all_equal(&self.recipe.filters, &before.recipe.filters, same_filter)
+            && all_equal(&self.recipe.tables, &before.recipe.tables, same_table);
+        if !same_maps {
+            return Difference::Maps;
+        }
+        if self.uniforms == before.uniforms {
+            Difference::Nothing
+        } else {
+            Difference::Numbers
+        }
+    }
+
+    /// Returns the bytes of all images.
+    pub(crate) fn bytes(&self) -> u64 {
+        self.recipe.image_bytes()
+    }
+}
+
+/// Errors unless all casts draw casters from the light: other sources belong to one camera's picture.
+fn check_casts(recipe: &Recipe) -> Result<(), RecipeError> {
+    for cast in &recipe.casts {
+        let draws_casters = matches!(cast.source, Source::Casters | Source::SomeCasters(_));
+        let keeps_depth = !matches!(cast.mode, CastMode::StencilDepthFail { .. });
+        if !draws_casters || !keeps_depth {
+            return Err(RecipeError::unsupported(
+                "it draws from the camera, for one picture, and a light set serves any; play it with `ShadowRenderer`",
+            ));
+        }
+    }
+    if recipe.shade.is_some() {
+        return Err(Invalid::new(
+            "recipe",
+            "shades, and a light set leaves colours to the caller",
+            "plan it without shading",
+        )
+        .into());
+    }
+    Ok(())
+}
+
+fn all_equal<T>(a: &[T], b: &[T], equal: impl Fn(&T, &T) -> bool) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| equal(a, b))
+}
+
+fn same_cast(a: &Cast, b: &Cast) -> bool {
+    // The set finds itself which casters show, so which ones the recipe names makes no difference.
+    a.image == b.image
+        && a.layer == b.layer
+        && a.space == b.space
+        && a.mode == b.mode
+        && a.cull == b.cull
+        && a.bias == b.bias
+}
+
+fn same_filter(a: &Filter, b: &Filter) -> bool {
+    a.inputs == b.inputs
+        && a.tables == b.tables
+        && a.output == b.output
+        && a.kernel.modules() == b.kernel.modules()
+        && uniform_bytes(&*a.kernel) == uniform_bytes(&*b.kernel)
+}
+
+fn uniform_bytes(kernel: &dyn Kernel) -> Option<Vec<u8>> {
+    kernel.uniforms().map(|block| block.uniform_bytes())
+}
+
+fn same_table(a: &Table, b: &Table) -> bool {
+    Arc::ptr_eq(&a.rows, &b.rows) || a.rows == b.rows
+}

@@ -1,0 +1,372 @@
+//! What shaders see of a set: one text, one bind group, and the numbers behind them.
+
+use crate::{
+    light_set::{
+        buffers::{InputPlace, LightEntry, Records, SharedTables, Uploaded},
+        light::{KernelRecord, LightId, LightState},
+        plan::LightPlan,
+        pool::LayerPool,
+        text::{KernelKind, MapBinding, TextParts},
+    },
+    prefix::with_prefix,
+    resources::{
+        bindings::{Binding, Bound, Slot},
+        counters::ResourceFactory,
+        pipelines::Pipelines,
+    },
+    wgsl::InputKind,
+};
+use slotmap::SlotMap;
+use umbrage_core::{BackendError, Invalid, RecipeError};
+use wgpu::{BindGroup, BindGroupLayout, Limits, ShaderStages};
+
+/// Text, bindings and numbers of a set.
+#[derive(Debug)]
+pub(crate) struct SetShader {
+    group: u32,
+    prefix: String,
+    /// Most kinds of kernels, each of which takes a storage buffer.
+    most_kinds: usize,
+    most_maps: usize,
+    kinds: Vec<KernelKind>,
+    /// For each kind, its lights' uniforms.
+    kernels: Vec<Records>,
+    maps: Vec<MapBinding>,
+    /// As [`TextParts::classes`].
+    classes: Vec<Vec<Vec<usize>>>,
+    entries: Records,
+    tables: SharedTables,
+    text: String,
+    revision: u64,
+    binding: Binding,
+    /// Whether kinds or maps were added since the text was made.
+    is_outdated: bool,
+    /// Whether a light was forgotten since entries were written.
+    has_forgotten: bool,
+}
+
+/// Storage buffers beside those of the kinds: entries and tables.
+const OTHER_BUFFERS: u32 = 2;
+
+impl SetShader {
+    /// Errors if the prefix can't begin a WGSL identifier.
+    pub(crate) fn new(group: u32, prefix: &str, limits: &Limits) -> Result<Self, Invalid> {
+        // An empty text takes any prefix that a full one does.
+        with_prefix("", prefix)?;
+        let buffers = limits.max_storage_buffers_per_shader_stage;
+        Ok(Self {
+            group,
+            prefix: prefix.to_owned(),
+            most_kinds: buffers.saturating_sub(OTHER_BUFFERS) as usize,
+            most_maps: limits.max_sampled_textures_per_shader_stage as usize,
+            kinds: Vec::new(),
+            kernels: Vec::new(),
+            maps: Vec::new(),
+            classes: Vec::new(),
+            entries: Records::new(LightEntry::BYTES),
+            tables: SharedTables::default(),
+            text: String::new(),
+            revision: 0,
+            binding: Binding::default(),
+            is_outdated: true,
+            has_forgotten: false,
+        })
+    }
+
+    pub(crate) fn text(&self) -> &str {
+        &self.text
+    }
+
+    pub(crate) fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    pub(crate) fn is_outdated(&self) -> bool {
+        self.is_outdated
+    }
+
+    pub(crate) fn bind_group(&self) -> Option<(&BindGroup, &BindGroupLayout)> {
+        self.binding.group().zip(self.binding.layout())
+    }
+
+    /// Frees what a light has here. Shaders see it as not served from the next [`write`](Self::write) on.
+    pub(crate) fn forget(&mut self, light: &mut LightState) {
+        if let Some(KernelRecord { kind, index }) = light.record.take() {
+            self.kernels[kind].give_back(index);
+        }
+        self.has_forgotten = true;
+    }
+
+    /// Forgets all buffers and bind groups.
+    pub(crate) fn lose_buffers(&mut self) {
+        for kernel in &mut self.kernels {
+            kernel.lose_buffer();
+        }
+        self.entries.lose_buffer();
+        self.tables.lose_buffer();
+        self.binding = Binding::default();
+    }
+
+    /// Writes the numbers of all lights, and makes text and bind group anew where that is needed. `maps_changed` says that textures
+    /// were made anew.
+    ///
+    /// Errors if a kernel's WGSL can't be put under a prefix.
+    pub(crate) fn write(
+        &mut self,
+        factory: &mut ResourceFactory<'_>,
+        pipelines: &mut Pipelines,
+        lights: &mut SlotMap<LightId, LightState>,
+        pool: &LayerPool,
+        maps_changed: bool,
+    ) -> Result<Uploaded, BackendError> {
+        self.register_all(lights);
+        self.set_records(lights);
+        if self.has_forgotten && self.retain_tables(lights) {
+            self.set_records(lights);
+        }
+        self.has_forgotten = false;
+        let mut uploaded = Uploaded::default();
+        for (kind, records) in self.kinds.iter().zip(&mut self.kernels) {
+            if let Some((name, _)) = kind.uniforms {
+                uploaded.add(records.upload(factory, name));
+            }
+        }
+        uploaded.add(self.entries.upload(factory, "umbrage lights"));
+        uploaded.add(self.tables.upload(factory));
+        if self.is_outdated {
+            self.make_text()?;
+        }
+        let has_group = self.binding.group().is_some();
+        if self.is_outdated || uploaded.made_buffer || maps_changed || !has_group {
+            self.bind(factory, pipelines, pool);
+        }
+        self.is_outdated = false;
+        Ok(uploaded)
+    }
+
+    /// Sees to it that there is a kind and there are bindings for all that is shown.
+    fn register_all(&mut self, lights: &mut SlotMap<LightId, LightState>) {
+        let is_known = |light: &LightState| {
+            light.shown.as_ref().is_none_or(|plan| self.knows(plan, light))
+        };
+        if lights.values().all(is_known) {
+            return;
+        }
+        // The text changes anyway: what no light uses any more goes.
+        self.kinds.clear();
+        self.kernels.clear();
+        self.maps.clear();
+        self.classes.clear();
+        self.is_outdated = true;
+        for light in lights.values_mut() {
+            light.record = None;
+            let Some(plan) = light.shown.take() else {
+                continue;
+            };
+            match self.register(&plan, light) {
+                Ok(()) => light.shown = Some(plan),
+                Err(error) => light.refused = Some(error),
+            }
+        }
+    }
+
+    /// Returns whether text and bindings serve a light's plan.
+    fn knows(&self, plan: &LightPlan, light: &LightState) -> bool {
+        let Some(kind) = self.kinds.iter().position(|kind| *kind == plan.kind) else {
+            return false;
+        };
+        let inputs = &plan.recipe.receive.inputs;
+        inputs.iter().enumerate().all(|(i, &image)| {
+            let binding = map_binding(plan, light, i, image);
+            let map = self.maps.iter().position(|map| *map == binding);
+            map.is_some_and(|map| self.classes[kind][i].contains(&map))
+        })
+    }
+
+    /// Adds what a light's plan needs.
+    ///
+    /// Errors with `Unsupported` if a shader can't bind that much.
+    fn register(&mut self, plan: &LightPlan, light: &LightState) -> Result<(), RecipeError> {
+        let known = self.kinds.iter().position(|kind| *kind == plan.kind);
+        let kind = match known {
+            Some(kind) => kind,
+            None => self.add_kind(plan)?,
+        };
+        for (i, &image) in plan.recipe.receive.inputs.iter().enumerate() {
+            let binding = map_binding(plan, light, i, image);
+            let known = self.maps.iter().position(|map| *map == binding);
+            let map = match known {
+                Some(map) => map,
+                None => self.add_map(binding)?,
+            };
+            let classes = &mut self.classes[kind][i];
+            if !classes.contains(&map) {
+                classes.push(map);
+            }
+        }
+        Ok(())
+    }
+
+    fn add_kind(&mut self, plan: &LightPlan) -> Result<usize, RecipeError> {
+        if self.kinds.len() == self.most_kinds {
+            let why = format!(
+                "the lights of the set have {} other kinds of kernels, each with a storage buffer, and a shader of this device reads no more",
+                self.most_kinds
+            );
+            return Err(RecipeError::unsupported(why));
+        }
+        let stride = plan.kind.uniforms.map_or(0, |(_, size)| size);
+        self.kinds.push(KernelKind {
+            modules: plan.kind.modules.clone(),
+            uniforms: plan.kind.uniforms,
+            shape: plan.kind.shape.clone(),
+        });
+        self.kernels.push(Records::new(stride));
+        self.classes
+            .push(vec![Vec::new(); plan.kind.shape.images.len()]);
+        Ok(self.kinds.len() - 1)
+    }
+
+    fn add_map(&mut self, binding: MapBinding) -> Result<usize, RecipeError> {
+        if self.maps.len() == self.most_maps {
+            let why = format!(
+                "the lights of the set have maps of {} other sizes and formats, and a shader of this device reads no more",
+                self.most_maps
+            );
+            return Err(RecipeError::unsupported(why));
+        }
+        self.maps.push(binding);
+        Ok(self.maps.len() - 1)
+    }
+
+    /// Sets the numbers of all lights.
+    fn set_records(&mut self, lights: &mut SlotMap<LightId, LightState>) {
+        let highest = lights.values().map(|light| light.index + 1).max();
+        while self.entries.count() < highest.unwrap_or(0) as usize {
+            self.entries.take();
+        }
+        let mut served = vec![false; self.entries.count()];
+        for light in lights.values_mut() {
+            let Some(plan) = light.shown.take() else {
+                continue;
+            };
+            // It was registered.
+            let Some(kind) = self.kinds.iter().position(|kind| *kind == plan.kind) else {
+                continue;
+            };
+            let record = match light.record {
+                Some(record) if record.kind == kind => record,
+                _ => KernelRecord {
+                    kind,
+                    index: self.kernels[kind].take(),
+                },
+            };
+            light.record = Some(record);
+            self.kernels[kind].set(record.index, &plan.uniforms);
+            let entry = self.entry(&plan, light, record);
+            self.entries
+                .set(light.index as usize, bytemuck::cast_slice(&entry.words()));
+            served[light.index as usize] = true;
+            light.shown = Some(plan);
+        }
+        let unserved = LightEntry::default().words();
+        for (index, _) in served.iter().enumerate().filter(|(_, served)| !**served) {
+            self.entries.set(index, bytemuck::cast_slice(&unserved));
+        }
+    }
+
+    fn entry(&mut self, plan: &LightPlan, light: &LightState, record: KernelRecord) -> LightEntry {
+        let mut entry = LightEntry {
+            kind: record.kind as u32 + 1,
+            kernel: record.index as u32,
+            ..LightEntry::default()
+        };
+        let receive = &plan.recipe.receive;
+        for (i, &image) in receive.inputs.iter().enumerate() {
+            let binding = map_binding(plan, light, i, image);
+            let map = self.maps.iter().position(|map| *map == binding);
+            entry.images[i] = InputPlace {
+                at: map.unwrap_or(0) as u32,
+                first: light.ranges[image].layers.start,
+            };
+        }
+        for (i, &table) in receive.tables.iter().enumerate() {
+            entry.tables[i] = self.tables.place(&plan.recipe.tables[table]);
+        }
+        entry
+    }
+
+    /// Drops tables of lights that are gone. Returns whether others moved.
+    fn retain_tables(&mut self, lights: &SlotMap<LightId, LightState>) -> bool {
+        let plans = || lights.values().filter_map(|light| light.shown.as_ref());
+        self.tables.retain(|rows| {
+            plans().any(|plan| {
+                let receive = &plan.recipe.receive;
+                let mut used = receive.tables.iter().map(|&i| &plan.recipe.tables[i].rows);
+                used.any(|held| held == rows)
+            })
+        })
+    }
+
+    fn make_text(&mut self) -> Result<(), Invalid> {
+        let parts = TextParts {
+            group: self.group,
+            kinds: &self.kinds,
+            maps: &self.maps,
+            classes: &self.classes,
+        };
+        self.text = with_prefix(&parts.text()?, &self.prefix)?;
+        self.revision += 1;
+        Ok(())
+    }
+
+    fn bind(
+        &mut self,
+        factory: &mut ResourceFactory<'_>,
+        pipelines: &mut Pipelines,
+        pool: &LayerPool,
+    ) {
+        let mut slots = Vec::new();
+        let mut bound = Vec::new();
+        let fixed = [self.entries.buffer(), self.tables.buffer()];
+        let of_kinds = self.kernels.iter().map(Records::buffer);
+        for buffer in fixed.into_iter().chain(of_kinds) {
+            // A kind without uniforms has no buffer, and its text declares none; the entries keep its place.
+            let Some(buffer) = buffer.or(self.entries.buffer()) else {
+                continue;
+            };
+            slots.push(Slot::Table);
+            bound.push(Bound::Buffer(buffer.clone()));
+        }
+        let mut compares = false;
+        for map in &self.maps {
+            let Some(view) = pool.whole(map.class) else {
+                continue;
+            };
+            let layered = true;
+            slots.push(match map.kind {
+                InputKind::Floats => Slot::Floats { layered },
+                InputKind::Counts => Slot::Whole { layered },
+                InputKind::Compared => Slot::Depth { layered },
+            });
+            compares |= map.kind == InputKind::Compared;
+            bound.push(Bound::View(view.clone()));
+        }
+        if compares {
+            slots.push(Slot::Sampler);
+            bound.push(Bound::Sampler(pipelines.sampler(factory.device)));
+        }
+        let visibility = ShaderStages::FRAGMENT | ShaderStages::COMPUTE;
+        let layout = pipelines.layouts.get(factory, visibility, &slots);
+        self.binding
+            .set(factory, "umbrage lights", &layout, bound);
+    }
+}
+
+/// Returns how a light's kernel reads input `i`, which is this image of the recipe.
+fn map_binding(plan: &LightPlan, light: &LightState, i: usize, image: usize) -> MapBinding {
+    MapBinding {
+        class: light.ranges[image].class,
+        kind: plan.kind.shape.images[i].kind,
+    }
+}
