@@ -2,6 +2,7 @@
 
 pub mod adapter;
 pub mod assembled;
+pub mod foreign;
 pub mod golden;
 pub mod gpu;
 pub mod layouts;

@@ -3,15 +3,15 @@
 use bytemuck::cast_slice;
 use umbrage::{Backend, Geometry, Receivers, Recipe, ShadowTechnique, View, techniques::Pcf};
 use umbrage_cpu::Cpu;
-use umbrage_tests::adapter::{TestDevice, device};
+use umbrage_tests::{
+    adapter::{TestDevice, device},
+    foreign,
+};
 use umbrage_wgpu::{
-    Drawable, FrameInputs, GBuffer, Indices, RendererOptions, ShadowRenderer, VertexLayout,
+    Drawable, FrameInputs, GBuffer, Indices, PositionFormat, RendererOptions, ShadowRenderer,
+    VertexLayout,
 };
-use wgpu::{
-    BufferUsages, Extent3d, IndexFormat, TexelCopyBufferLayout, TextureDescriptor,
-    TextureDimension, TextureFormat, TextureUsages, TextureView,
-    util::{BufferInitDescriptor, DeviceExt},
-};
+use wgpu::{BufferUsages, IndexFormat, TextureFormat, TextureView};
 
 /// What a foreign program has on its GPU.
 struct Program {
@@ -24,6 +24,7 @@ struct Program {
 
 /// Vertices of 32 bytes with the position in the middle, as an engine might have them.
 const LAYOUT: VertexLayout = VertexLayout {
+    format: PositionFormat::Float32x3,
     stride: 32,
     position_offset: 8,
 };
@@ -36,13 +37,6 @@ impl Program {
             .map(|p| [9.0, 9.0, p.x, p.y, p.z, 9.0, 9.0, 9.0])
             .collect();
         let casters = geometry.run(&geometry.casters());
-        let buffer = |usage, contents| {
-            d.device.create_buffer_init(&BufferInitDescriptor {
-                label: None,
-                contents,
-                usage,
-            })
-        };
         let mut positions: Vec<[f32; 4]> = Vec::new();
         let mut normals: Vec<[f32; 4]> = Vec::new();
         for i in 0..receivers.len() {
@@ -50,13 +44,16 @@ impl Program {
             positions.push(receivers.position(i).extend(receives).to_array());
             normals.push(receivers.normal(i).extend(0.0).to_array());
         }
-        let size = receivers.size.to_array();
+        let upload = |texels: &[[f32; 4]]| {
+            let format = TextureFormat::Rgba32Float;
+            foreign::upload(d, receivers.size, format, cast_slice(texels))
+        };
         Self {
-            vertices: buffer(BufferUsages::VERTEX, cast_slice(&vertices)),
-            indices: buffer(BufferUsages::INDEX, cast_slice(casters)),
+            vertices: foreign::buffer(d, BufferUsages::VERTEX, cast_slice(&vertices)),
+            indices: foreign::buffer(d, BufferUsages::INDEX, cast_slice(casters)),
             count: 3 * casters.len() as u32,
-            position: upload(d, size, cast_slice(&positions)),
-            normal: upload(d, size, cast_slice(&normals)),
+            position: upload(&positions),
+            normal: upload(&normals),
         }
     }
 
@@ -97,73 +94,8 @@ impl Program {
             .device
             .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let mask = shadows.encode(&mut encoder).expect("was prepared").clone();
-        read(d, encoder, &mask, size)
+        foreign::read(d, encoder, &mask)
     }
-}
-
-fn upload(d: &TestDevice, size: [u32; 2], data: &[u8]) -> TextureView {
-    let [width, height] = size;
-    let texture = d.device.create_texture(&TextureDescriptor {
-        label: None,
-        size: Extent3d {
-            width,
-            height,
-            depth_or_array_layers: 1,
-        },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: TextureDimension::D2,
-        format: TextureFormat::Rgba32Float,
-        usage: TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST,
-        view_formats: &[],
-    });
-    let layout = TexelCopyBufferLayout {
-        offset: 0,
-        bytes_per_row: Some(16 * width),
-        rows_per_image: None,
-    };
-    d.queue
-        .write_texture(texture.as_image_copy(), data, layout, texture.size());
-    texture.create_view(&wgpu::TextureViewDescriptor::default())
-}
-
-/// Submits, and reads an `R32Float` texture.
-fn read(
-    d: &TestDevice,
-    mut encoder: wgpu::CommandEncoder,
-    view: &TextureView,
-    size: glam::UVec2,
-) -> Vec<f32> {
-    let row = (4 * size.x).next_multiple_of(256);
-    let buffer = d.device.create_buffer(&wgpu::BufferDescriptor {
-        label: None,
-        size: u64::from(row * size.y),
-        usage: BufferUsages::MAP_READ | BufferUsages::COPY_DST,
-        mapped_at_creation: false,
-    });
-    let layout = TexelCopyBufferLayout {
-        offset: 0,
-        bytes_per_row: Some(row),
-        rows_per_image: None,
-    };
-    let destination = wgpu::TexelCopyBufferInfo {
-        buffer: &buffer,
-        layout,
-    };
-    encoder.copy_texture_to_buffer(
-        view.texture().as_image_copy(),
-        destination,
-        view.texture().size(),
-    );
-    d.queue.submit([encoder.finish()]);
-    buffer.map_async(wgpu::MapMode::Read, .., |_| {});
-    d.device
-        .poll(wgpu::PollType::wait_indefinitely())
-        .expect("the device lives");
-    let bytes = buffer.get_mapped_range(..).expect("mapped");
-    let rows = bytes.chunks_exact(row as usize);
-    rows.flat_map(|r| bytemuck::pod_collect_to_vec::<u8, f32>(&r[..4 * size.x as usize]))
-        .collect()
 }
 
 #[test]

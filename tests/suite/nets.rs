@@ -11,6 +11,7 @@ mod embedding;
 mod exact;
 mod far_away;
 mod layers;
+mod light_set;
 mod maps;
 mod not_finite;
 mod order;

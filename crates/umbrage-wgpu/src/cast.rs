@@ -164,13 +164,13 @@ impl CastStage {
 }
 
 /// Layouts of the bind groups of casts: 0 holds clip from world, 1 world from local, 2 the layer that is peeled off.
-struct Layouts {
+pub(crate) struct Layouts {
     matrix: BindGroupLayout,
-    peeled: BindGroupLayout,
+    pub(crate) peeled: BindGroupLayout,
 }
 
 impl Layouts {
-    fn new(factory: &ResourceFactory<'_>, pipelines: &mut Pipelines) -> Self {
+    pub(crate) fn new(factory: &ResourceFactory<'_>, pipelines: &mut Pipelines) -> Self {
         let matrix = matrix_layout(factory, pipelines);
         let peeled = pipelines.layouts.get(
             factory,
@@ -180,7 +180,7 @@ impl Layouts {
         Self { matrix, peeled }
     }
 
-    fn of(&self, key: &CastKey) -> [Option<&BindGroupLayout>; 3] {
+    pub(crate) fn of(&self, key: &CastKey) -> [Option<&BindGroupLayout>; 3] {
         let place = (key.vertex == Vertex::Local).then_some(&self.matrix);
         let peeled = (key.peel != Peel::Nothing).then_some(&self.peeled);
         [Some(&self.matrix), place, peeled]

@@ -18,6 +18,16 @@ fn from_local(@location(0) p_local: vec3f) -> Placed {
     return Placed(transform(clip_from_world, transform(world_from_local, p_local).xyz));
 }
 
+// The columns of world from local, three components each, come with the instance.
+@vertex
+fn from_instance(@location(0) p_local: vec3f, @location(1) a: vec4f, @location(2) b: vec4f, @location(3) c: vec4f) -> Placed {
+    let x = vec4f(a.xyz, 0.0);
+    let y = vec4f(a.w, b.xy, 0.0);
+    let z = vec4f(b.zw, c.x, 0.0);
+    let moved = vec4f(c.yzw, 1.0);
+    return Placed(transform(clip_from_world, transform(mat4x4f(x, y, z, moved), p_local).xyz));
+}
+
 // Homogeneous: w = 0 lies infinitely far away. With w = 1, this rounds as from_world does.
 @vertex
 fn from_homogeneous(@location(0) v: vec4f) -> Placed {

@@ -5,6 +5,7 @@ use std::ops::Range;
 use umbrage_core::{BackendError, Invalid, Recipe, Source, invalid};
 use wgpu::{
     Buffer, BufferUsages, IndexFormat, Limits, Texture, TextureFormat, TextureUsages, TextureView,
+    VertexFormat,
 };
 
 /// One frame's casters and receivers.
@@ -49,18 +50,51 @@ pub struct Indices<'a> {
     pub format: IndexFormat,
 }
 
-/// Where a vertex buffer holds positions (three 32-bit floats each).
+/// How a vertex buffer holds positions. A fourth component is not read.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum PositionFormat {
+    /// Three 32-bit floats, 12 bytes.
+    #[default]
+    Float32x3,
+    /// Four 16-bit floats, 8 bytes.
+    Float16x4,
+    /// Four 16-bit whole numbers that stand for -1..=1, 8 bytes.
+    Snorm16x4,
+}
+
+impl PositionFormat {
+    /// Returns the bytes of a position.
+    pub const fn bytes(self) -> u64 {
+        match self {
+            Self::Float32x3 => 12,
+            Self::Float16x4 | Self::Snorm16x4 => 8,
+        }
+    }
+
+    pub(crate) const fn vertex_format(self) -> VertexFormat {
+        match self {
+            Self::Float32x3 => VertexFormat::Float32x3,
+            Self::Float16x4 => VertexFormat::Float16x4,
+            Self::Snorm16x4 => VertexFormat::Snorm16x4,
+        }
+    }
+}
+
+/// Where a vertex buffer holds positions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct VertexLayout {
-    /// Bytes from one vertex to the next; a multiple of 4, at least 12.
+    /// How a position is written.
+    pub format: PositionFormat,
+    /// Bytes from one vertex to the next; a multiple of 4, at least those of a position.
     pub stride: u64,
-    /// Bytes from the vertex to its position; a multiple of 4, at most the stride less 12.
+    /// Bytes from the vertex to its position; a multiple of 4, at most the stride less those of a position.
     pub position_offset: u64,
 }
 
 impl VertexLayout {
-    /// Positions and nothing else.
+    /// Positions of three 32-bit floats and nothing else.
     pub const PACKED: Self = Self {
+        format: PositionFormat::Float32x3,
         stride: 12,
         position_offset: 0,
     };
@@ -215,43 +249,34 @@ impl Drawable<'_> {
 }
 
 impl VertexLayout {
-    /// Bytes of a position.
-    const POSITION: u64 = 12;
-
-    fn validate(self, limits: &Limits) -> Result<(), Invalid> {
-        let Self {
-            stride,
-            position_offset: offset,
-        } = self;
+    pub(crate) fn validate(self, limits: &Limits) -> Result<(), Invalid> {
+        let stride = self.stride;
+        let offset = self.position_offset;
+        let position = self.format.bytes();
         let most = u64::from(limits.max_vertex_buffer_array_stride);
-        if !stride.is_multiple_of(4) || stride < Self::POSITION || stride > most {
-            let help = format!(
-                "use a multiple of 4 from {} to {most}: a position is three 32-bit floats",
-                Self::POSITION
-            );
-            return Err(Invalid::new(
-                "vertex layout's stride",
-                format!("is {stride} bytes"),
-                help,
-            ));
+        if !stride.is_multiple_of(4) || stride < position || stride > most {
+            let help =
+                format!("use a multiple of 4 from {position}, the bytes of a position, to {most}");
+            let why = format!("is {stride} bytes");
+            return Err(Invalid::new("vertex layout's stride", why, help));
         }
-        if !offset.is_multiple_of(4) || offset > stride - Self::POSITION {
+        if !offset.is_multiple_of(4) || offset > stride - position {
             let why = format!("is {offset} bytes, in vertices of {stride}");
-            let help = format!("use a multiple of 4 up to {}", stride - Self::POSITION);
+            let help = format!("use a multiple of 4 up to {}", stride - position);
             return Err(Invalid::new("vertex layout's position offset", why, help));
         }
         Ok(())
     }
 
     /// Returns how many vertices lie in a buffer of this many bytes. The last one may end with its position.
-    fn vertices(self, bytes: u64) -> u64 {
+    pub(crate) fn vertices(self, bytes: u64) -> u64 {
         bytes
-            .checked_sub(self.position_offset + Self::POSITION)
+            .checked_sub(self.position_offset + self.format.bytes())
             .map_or(0, |rest| rest / self.stride + 1)
     }
 }
 
-fn check_buffer(
+pub(crate) fn check_buffer(
     buffer: &Buffer,
     what: &str,
     usage: BufferUsages,

@@ -17,6 +17,7 @@ mod filter;
 mod frame;
 mod gbuffer;
 mod gbuffer_from_depth;
+mod light_set;
 #[cfg(feature = "testing")]
 mod pinned_driver;
 mod prefix;
@@ -35,8 +36,12 @@ pub use device::{
     probe::probe_snapping,
     requirements::check_adapter,
 };
-pub use frame::{Drawable, FrameInputs, GBuffer, Indices, VertexLayout};
+pub use frame::{Drawable, FrameInputs, GBuffer, Indices, PositionFormat, VertexLayout};
 pub use gbuffer_from_depth::{DepthBuffer, GBufferFromDepth};
+pub use light_set::{
+    CasterId, FrameGeometry, LightId, LightSet, LightSetOptions, Mesh, MeshId, SetBudget,
+    SetErrors, SetFrame, SetLight, SetReport, Unserved,
+};
 #[cfg(feature = "testing")]
 pub use pinned_driver::{PINNED_DRIVER, PINNED_DRIVER_VARIABLE};
 pub use renderer::{RendererOptions, ShadowRenderer};

@@ -358,7 +358,7 @@ impl RendererOptions {
 }
 
 /// Returns the limits for recipes on a device.
-fn limits(device: &Device) -> BackendLimits {
+pub(crate) fn limits(device: &Device) -> BackendLimits {
     let limits = device.limits();
     BackendLimits {
         image_side: limits.max_texture_dimension_2d,
@@ -370,7 +370,7 @@ fn limits(device: &Device) -> BackendLimits {
 }
 
 /// Errors if `device` is not the renderer's `own`.
-fn check_device(device: &Device, own: &Device) -> Result<(), Invalid> {
+pub(crate) fn check_device(device: &Device, own: &Device) -> Result<(), Invalid> {
     if device == own {
         return Ok(());
     }

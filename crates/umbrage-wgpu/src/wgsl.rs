@@ -82,7 +82,7 @@ impl InputImage {
     }
 }
 
-const RECEIVER: &str = "\
+pub(crate) const RECEIVER: &str = "\
 struct Receiver {
     position: vec3f,
     normal: vec3f,

@@ -47,9 +47,8 @@ const MANIFESTS: [&str; 2] = ["/usr/share/vulkan/icd.d", "/etc/vulkan/icd.d"];
 /// Returns whether any Vulkan driver is installed, as far as files tell; [`find`] tells whether it has an adapter. Elsewhere than on
 /// Debian and Ubuntu files tell nothing, and the answer is yes.
 pub(crate) fn has_driver() -> bool {
-    let holds_any = |folder: &str| {
-        fs::read_dir(folder).is_ok_and(|entries| entries.flatten().next().is_some())
-    };
+    let holds_any =
+        |folder: &str| fs::read_dir(folder).is_ok_and(|entries| entries.flatten().next().is_some());
     !is_debian() || MANIFESTS.into_iter().any(holds_any)
 }
 

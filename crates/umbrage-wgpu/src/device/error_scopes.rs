@@ -1,5 +1,9 @@
 //! From wgpu's error scopes to [`BackendError`].
 
+use std::{
+    pin::Pin,
+    task::{Context, Poll, Waker},
+};
 use umbrage_core::BackendError;
 use wgpu::{Device, Error, ErrorFilter, ErrorScopeGuard};
 
@@ -25,16 +29,63 @@ impl Scopes {
         }
     }
 
+    /// Closes the scopes without waiting for what they caught.
+    pub(crate) fn close_later(self) -> ClosedScopes {
+        // All are popped now, since scopes that are opened next must lie beside them.
+        let validation = self.validation.pop();
+        let memory = self.memory.pop();
+        let internal = self.internal.pop();
+        ClosedScopes {
+            pending: Box::pin(async move {
+                let validation = validation.await;
+                let memory = memory.await;
+                let internal = internal.await;
+                worst(validation, memory, internal)
+            }),
+        }
+    }
+
     /// The worst error since the scopes were opened: without memory, validation errors are only what follows from it.
     pub(crate) fn close(self) -> Result<(), BackendError> {
         // On native devices, these futures are ready at once.
         let validation = pollster::block_on(self.validation.pop());
         let memory = pollster::block_on(self.memory.pop());
         let internal = pollster::block_on(self.internal.pop());
-        memory
-            .or(internal)
-            .or(validation)
-            .map_or(Ok(()), |e| Err(backend_error(&e)))
+        worst(validation, memory, internal)
+    }
+}
+
+/// Errors with the worst of three errors: where memory ran out, the others only follow from it.
+fn worst(
+    validation: Option<Error>,
+    memory: Option<Error>,
+    internal: Option<Error>,
+) -> Result<(), BackendError> {
+    memory
+        .or(internal)
+        .or(validation)
+        .map_or(Ok(()), |e| Err(backend_error(&e)))
+}
+
+/// Scopes that are closed, and whose errors may still be on the way.
+pub(crate) struct ClosedScopes {
+    pending: Pin<Box<dyn Future<Output = Result<(), BackendError>> + Send>>,
+}
+
+impl std::fmt::Debug for ClosedScopes {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("ClosedScopes")
+    }
+}
+
+impl ClosedScopes {
+    /// Returns what the scopes caught, or `None` while that isn't known. Not to be asked again once it is.
+    pub(crate) fn poll(&mut self) -> Option<Result<(), BackendError>> {
+        let mut context = Context::from_waker(Waker::noop());
+        match self.pending.as_mut().poll(&mut context) {
+            Poll::Ready(result) => Some(result),
+            Poll::Pending => None,
+        }
     }
 }
 

@@ -15,7 +15,9 @@ use crate::{
 };
 use glam::Mat4;
 use std::ops::Range;
-use wgpu::{Buffer, BufferUsages, CommandEncoder, RenderPass, RenderPassDescriptor, RenderPipeline};
+use wgpu::{
+    Buffer, BufferUsages, CommandEncoder, RenderPass, RenderPassDescriptor, RenderPipeline,
+};
 
 use super::buffers::Uploaded;
 use crate::targets::CastTarget;

@@ -93,7 +93,12 @@ pub(crate) struct Casters {
 impl Mesh<'_> {
     fn validate(&self, limits: &Limits) -> Result<(), Invalid> {
         self.layout.validate(limits)?;
-        check_buffer(self.vertices, "vertex buffer", BufferUsages::VERTEX, "VERTEX")?;
+        check_buffer(
+            self.vertices,
+            "vertex buffer",
+            BufferUsages::VERTEX,
+            "VERTEX",
+        )?;
         if let Some(Indices { buffer, .. }) = self.indices {
             check_buffer(buffer, "index buffer", BufferUsages::INDEX, "INDEX")?;
         }
@@ -129,8 +134,15 @@ impl Mesh<'_> {
             return Err(Invalid::new(what, why, "draw what is in the buffer"));
         }
         if self.indices.is_none() && self.base_vertex != 0 {
-            let why = format!("is {}, and there are no indices to add it to", self.base_vertex);
-            return Err(Invalid::new("base vertex", why, "use 0, and move the range"));
+            let why = format!(
+                "is {}, and there are no indices to add it to",
+                self.base_vertex
+            );
+            return Err(Invalid::new(
+                "base vertex",
+                why,
+                "use 0, and move the range",
+            ));
         }
         if vertices == 0 && !self.range.is_empty() {
             return Err(Invalid::new(
@@ -314,7 +326,8 @@ impl Casters {
         let count = (2 * (old.end - old.start)).max(FIRST_SLOTS);
         let first = self.columns.len() as u32;
         mesh.block = first..first + count;
-        self.columns.resize((first + count) as usize, Columns::default());
+        self.columns
+            .resize((first + count) as usize, Columns::default());
         self.boxes.resize(first + count);
         for (from, to) in old.zip(first..) {
             self.boxes.copy(from, to);

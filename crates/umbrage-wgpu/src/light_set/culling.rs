@@ -39,7 +39,11 @@ impl Boxes {
 
     pub(crate) fn set(&mut self, slot: u32, bounds: &Aabb) {
         let is_empty = bounds.is_empty();
-        let centre = if is_empty { Vec3::ZERO } else { bounds.center() };
+        let centre = if is_empty {
+            Vec3::ZERO
+        } else {
+            bounds.center()
+        };
         let half = if is_empty {
             Vec3::splat(NOTHING)
         } else {
@@ -79,8 +83,16 @@ impl Boxes {
             for (&centre, &half) in self.centre[axis].iter().zip(&self.half[axis]) {
                 // Of empty boxes the lower end is the greater one, far out: neither changes anything.
                 let is_empty = half < 0.0;
-                let low = if is_empty { f32::INFINITY } else { centre - half };
-                let high = if is_empty { f32::NEG_INFINITY } else { centre + half };
+                let low = if is_empty {
+                    f32::INFINITY
+                } else {
+                    centre - half
+                };
+                let high = if is_empty {
+                    f32::NEG_INFINITY
+                } else {
+                    centre + half
+                };
                 min = if low < min { low } else { min };
                 max = if high > max { high } else { max };
             }
@@ -198,7 +210,10 @@ mod tests {
                 assert!(shown(slot), "{slot} may show and is in no run");
             }
         }
-        assert!(shown(10) && shown(89) && !shown(5) && !shown(95), "{runs:?}");
+        assert!(
+            shown(10) && shown(89) && !shown(5) && !shown(95),
+            "{runs:?}"
+        );
         let around = boxes.around_all();
         assert_eq!((around.min.x, around.max.x), (1.0, 99.0 + 1.0 - 1.0));
     }

@@ -408,7 +408,8 @@ impl LightSet {
         }
         let chosen = self.choose_redraws();
         // Where nothing is made, nothing can fail, and there is nothing to ask the device.
-        let scopes = (!chosen.is_empty() || self.shader.is_outdated()).then(|| Scopes::open(device));
+        let scopes =
+            (!chosen.is_empty() || self.shader.is_outdated()).then(|| Scopes::open(device));
         let result = self.write(queue, &chosen);
         let result = match (scopes, self.options.errors) {
             (None, _) => result,
@@ -651,10 +652,8 @@ impl LightSet {
             let has_lost = light.ranges.iter().any(|range| lost.contains(&range.class));
             if has_lost && light.shown.is_some() {
                 // What was drawn is gone with the old texture. The budget can't put this off: shaders would read an empty one.
-                if light.wanted.is_none() {
-                    light.wanted = light.shown.take();
-                }
-                light.shown = None;
+                let shown = light.shown.take();
+                light.wanted = light.wanted.take().or(shown);
                 if !chosen.contains(&id) {
                     chosen.push(id);
                 }
@@ -721,9 +720,8 @@ impl LightSet {
             light.images.clear();
             light.casts.clear();
             light.filters = Default::default();
-            if light.wanted.is_none() {
-                light.wanted = light.shown.take();
-            }
+            let shown = light.shown.take();
+            light.wanted = light.wanted.take().or(shown);
             self.shader.forget(light);
         }
         self.layers_changed = true;
@@ -761,9 +759,8 @@ fn release(light: &mut LightState, pool: &mut LayerPool, shader: &mut SetShader)
     }
     light.images.clear();
     light.casts.clear();
-    if light.wanted.is_none() {
-        light.wanted = light.shown.take();
-    }
+    let shown = light.shown.take();
+    light.wanted = light.wanted.take().or(shown);
     shader.forget(light);
 }
 

@@ -3,9 +3,7 @@
 use crate::light_set::text::{KernelKind, MAX_INPUTS};
 use crate::wgsl::KernelInterface;
 use std::sync::Arc;
-use umbrage_core::{
-    Cast, CastMode, Filter, Invalid, Kernel, Recipe, RecipeError, Source, Table,
-};
+use umbrage_core::{Cast, CastMode, Filter, Invalid, Kernel, Recipe, RecipeError, Source, Table};
 
 /// A light's recipe, and what of its kernel the set binds.
 #[derive(Debug)]

@@ -90,7 +90,10 @@ impl LayerPool {
     pub(crate) fn make_textures(&mut self, factory: &mut ResourceFactory<'_>) -> Vec<usize> {
         let mut lost = Vec::new();
         for (index, held) in self.classes.iter_mut().enumerate() {
-            let has = held.texture.as_ref().map_or(0, Texture::depth_or_array_layers);
+            let has = held
+                .texture
+                .as_ref()
+                .map_or(0, Texture::depth_or_array_layers);
             if held.wanted <= has {
                 continue;
             }
@@ -132,7 +135,10 @@ impl LayerPool {
         self.classes
             .iter()
             .map(|held| {
-                let layers = held.texture.as_ref().map_or(0, Texture::depth_or_array_layers);
+                let layers = held
+                    .texture
+                    .as_ref()
+                    .map_or(0, Texture::depth_or_array_layers);
                 bytes_of(held.class, layers)
             })
             .sum()

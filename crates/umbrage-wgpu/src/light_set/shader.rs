@@ -147,7 +147,10 @@ impl SetShader {
     /// Sees to it that there is a kind and there are bindings for all that is shown.
     fn register_all(&mut self, lights: &mut SlotMap<LightId, LightState>) {
         let is_known = |light: &LightState| {
-            light.shown.as_ref().is_none_or(|plan| self.knows(plan, light))
+            light
+                .shown
+                .as_ref()
+                .is_none_or(|plan| self.knows(plan, light))
         };
         if lights.values().all(is_known) {
             return;
@@ -358,8 +361,7 @@ impl SetShader {
         }
         let visibility = ShaderStages::FRAGMENT | ShaderStages::COMPUTE;
         let layout = pipelines.layouts.get(factory, visibility, &slots);
-        self.binding
-            .set(factory, "umbrage lights", &layout, bound);
+        self.binding.set(factory, "umbrage lights", &layout, bound);
     }
 }
 

@@ -48,7 +48,10 @@ mod tests {
             let outer = around(&inner);
             assert!(outer.min.cmple(inner.min).all() && outer.max.cmpge(inner.max).all());
             let added = outer.extent() - inner.extent();
-            assert!(added.max_element() <= 2.0 * 10.0 * STEP + 0.5, "{x}: {added}");
+            assert!(
+                added.max_element() <= 2.0 * 10.0 * STEP + 0.5,
+                "{x}: {added}"
+            );
         }
         assert_eq!(around(&Aabb::EMPTY), Aabb::EMPTY);
     }

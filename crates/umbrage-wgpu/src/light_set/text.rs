@@ -185,7 +185,9 @@ fn image_functions(i: usize, image: InputImage, maps: &[usize]) -> String {
         return text;
     }
     let compare = |map: usize| {
-        format!("textureSampleCompareLevel(shadow_maps_{map}, shadow_comparison, uv, {layer}, depth)")
+        format!(
+            "textureSampleCompareLevel(shadow_maps_{map}, shadow_comparison, uv, {layer}, depth)"
+        )
     };
     let gather = |map: usize| {
         format!("textureGatherCompare(shadow_maps_{map}, shadow_comparison, uv, {layer}, depth)")

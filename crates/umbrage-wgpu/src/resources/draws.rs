@@ -1,7 +1,7 @@
 //! All that a recipe's casts draw, in the order of one list.
 
 use crate::{
-    frame::{Drawable, FrameInputs, VertexLayout},
+    frame::{Drawable, FrameInputs, PositionFormat, VertexLayout},
     resources::{
         counters::ResourceFactory,
         faces::{FaceBuffer, FaceBuffers},
@@ -27,10 +27,12 @@ pub(crate) struct Draw {
 /// What a vertex's position is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Vertex {
-    /// Three floats in world space.
+    /// A position in world space.
     World,
-    /// Three floats, to be placed into the world.
+    /// A position, to be placed into the world by a matrix of the draw.
     Local,
+    /// A position, to be placed into the world by a matrix of the instance.
+    Instanced,
     /// Four floats in world space.
     Homogeneous,
 }
@@ -136,6 +138,8 @@ impl Draw {
             indices: Some((buffer.indices, IndexFormat::Uint32)),
             ranges: std::iter::once(0..3 * triangles as u32).collect(),
             layout: VertexLayout {
+                // Not read: faces have four components.
+                format: PositionFormat::Float32x3,
                 stride: 16,
                 position_offset: 0,
             },

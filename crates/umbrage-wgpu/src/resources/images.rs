@@ -55,7 +55,16 @@ impl GpuImage {
         [depth, counts]
     }
 
+    /// Returns an image in some layers of a texture, from `first` on.
+    pub(crate) fn window(texture: Texture, desc: ImageDesc, first: u32) -> Self {
+        Self::in_layers(texture, desc, TextureAspect::All, first)
+    }
+
     fn part(texture: Texture, desc: ImageDesc, aspect: TextureAspect) -> Self {
+        Self::in_layers(texture, desc, aspect, 0)
+    }
+
+    fn in_layers(texture: Texture, desc: ImageDesc, aspect: TextureAspect, first: u32) -> Self {
         let dimension = if desc.layers > 1 {
             TextureViewDimension::D2Array
         } else {
@@ -65,15 +74,16 @@ impl GpuImage {
             label: Some(desc.label),
             dimension: Some(dimension),
             aspect,
+            base_array_layer: first,
             array_layer_count: Some(desc.layers),
             ..TextureViewDescriptor::default()
         });
         // What is drawn into must be all of a texture's parts.
-        let layers = layer_views(&texture, &desc, TextureAspect::All);
+        let layers = layer_views(&texture, &desc, TextureAspect::All, first);
         let reads = if aspect == TextureAspect::All {
             layers.clone()
         } else {
-            layer_views(&texture, &desc, aspect)
+            layer_views(&texture, &desc, aspect, first)
         };
         Self {
             desc,
@@ -86,19 +96,29 @@ impl GpuImage {
     }
 }
 
-/// Returns a view of each layer of a texture.
-fn layer_views(texture: &Texture, desc: &ImageDesc, aspect: TextureAspect) -> Vec<TextureView> {
+/// Returns a view of each layer of an image that begins at a texture's layer `first`.
+fn layer_views(
+    texture: &Texture,
+    desc: &ImageDesc,
+    aspect: TextureAspect,
+    first: u32,
+) -> Vec<TextureView> {
     let view = |layer| {
         texture.create_view(&TextureViewDescriptor {
             label: Some(desc.label),
             dimension: Some(TextureViewDimension::D2),
             aspect,
-            base_array_layer: layer,
+            base_array_layer: first + layer,
             array_layer_count: Some(1),
             ..TextureViewDescriptor::default()
         })
     };
     (0..desc.layers).map(view).collect()
+}
+
+/// Makes a texture for the layers of several images.
+pub(crate) fn layered_texture(factory: &mut ResourceFactory<'_>, desc: &ImageDesc) -> Texture {
+    make_texture(factory, desc, texture_format(desc.format))
 }
 
 fn make_texture(

@@ -28,6 +28,8 @@ pub(crate) struct Matrices {
     binding: Binding,
     /// Bytes from one matrix to the next.
     stride: u32,
+    /// What was written last; its memory is used again.
+    bytes: Vec<u8>,
 }
 
 impl Matrices {
@@ -42,20 +44,24 @@ impl Matrices {
             .limits()
             .min_uniform_buffer_offset_alignment
             .max(64);
-        let mut bytes = Vec::new();
+        self.bytes.clear();
         for (i, matrix) in matrices.enumerate() {
-            bytes.resize(i * self.stride as usize, 0);
-            bytes.extend_from_slice(bytemuck::bytes_of(&matrix));
+            self.bytes.resize(i * self.stride as usize, 0);
+            self.bytes.extend_from_slice(bytemuck::bytes_of(&matrix));
         }
-        if bytes.is_empty() {
+        if self.bytes.is_empty() {
             return;
         }
+        let before = self.buffer.clone();
         let buffer = factory.write(
             &mut self.buffer,
             "umbrage matrices",
             BufferUsages::UNIFORM,
-            &bytes,
+            &self.bytes,
         );
+        if before.as_ref() == Some(&buffer) && self.binding.group().is_some() {
+            return;
+        }
         let layout = matrix_layout(factory, pipelines);
         self.binding.set(
             factory,

@@ -139,8 +139,9 @@ fn cast_pipeline(
 ) -> RenderPipeline {
     let options = PipelineCompilationOptions::default;
     let (entry, format) = match key.vertex {
-        Vertex::World => ("from_world", VertexFormat::Float32x3),
-        Vertex::Local => ("from_local", VertexFormat::Float32x3),
+        Vertex::World => ("from_world", key.layout.format.vertex_format()),
+        Vertex::Local => ("from_local", key.layout.format.vertex_format()),
+        Vertex::Instanced => ("from_instance", key.layout.format.vertex_format()),
         Vertex::Homogeneous => ("from_homogeneous", VertexFormat::Float32x4),
     };
     let attribute = VertexAttribute {
@@ -153,11 +154,22 @@ fn cast_pipeline(
         step_mode: VertexStepMode::Vertex,
         attributes: &[attribute],
     };
+    let instances = VertexBufferLayout {
+        array_stride: 48,
+        step_mode: VertexStepMode::Instance,
+        attributes: &wgpu::vertex_attr_array![1 => Float32x4, 2 => Float32x4, 3 => Float32x4],
+    };
+    let buffers = [Some(buffer), Some(instances)];
+    let is_instanced = key.vertex == Vertex::Instanced;
     let vertex = VertexState {
         module,
         entry_point: Some(entry),
         compilation_options: options(),
-        buffers: &[Some(buffer)],
+        buffers: if is_instanced {
+            &buffers
+        } else {
+            &buffers[..1]
+        },
     };
     device.create_render_pipeline(&RenderPipelineDescriptor {
         label: Some("umbrage cast"),

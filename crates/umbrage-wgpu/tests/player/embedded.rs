@@ -7,8 +7,8 @@ use crate::{
 use glam::{Affine3A, UVec2, Vec3};
 use umbrage_core::{Geometry, Receivers};
 use umbrage_wgpu::{
-    Drawable, FrameInputs, GBuffer, Indices, RendererOptions, ShadowRenderer, VertexLayout,
-    receive_wgsl,
+    Drawable, FrameInputs, GBuffer, Indices, PositionFormat, RendererOptions, ShadowRenderer,
+    VertexLayout, receive_wgsl,
     wgpu::{BufferUsages, IndexFormat, TextureFormat, TextureView},
 };
 
@@ -52,6 +52,7 @@ impl Embedded {
         Drawable {
             vertices: &self.vertices,
             layout: VertexLayout {
+                format: PositionFormat::Float32x3,
                 stride: 20,
                 position_offset: 8,
             },
@@ -311,6 +312,7 @@ fn misuse_is_an_error() {
     assert!(error.to_string().contains("position texture"), "{error}");
     let casters = [Drawable {
         layout: VertexLayout {
+            format: PositionFormat::Float32x3,
             stride: 2,
             position_offset: 1,
         },

@@ -4,8 +4,8 @@ use crate::{embedded::Embedded, foreign::Foreign, scene::Stage};
 use glam::{Affine3A, Mat4, Vec3};
 use umbrage_core::BackendError;
 use umbrage_wgpu::{
-    DepthBuffer, Drawable, FrameInputs, GBuffer, GBufferFromDepth, Indices, RendererOptions,
-    VertexLayout,
+    DepthBuffer, Drawable, FrameInputs, GBuffer, GBufferFromDepth, Indices, PositionFormat,
+    RendererOptions, VertexLayout,
     wgpu::{BufferUsages, TextureFormat, TextureUsages, TextureView},
 };
 
@@ -76,6 +76,7 @@ fn vertices_hold_a_position() {
     let e = Embedded::new();
     for stride in [0, 2, 6, 8, 14, 4096] {
         let layout = VertexLayout {
+            format: PositionFormat::Float32x3,
             stride,
             position_offset: 0,
         };
@@ -93,6 +94,7 @@ fn vertices_hold_a_position() {
     }
     for position_offset in [2, 10, 12, 20, u64::MAX] {
         let layout = VertexLayout {
+            format: PositionFormat::Float32x3,
             stride: 20,
             position_offset,
         };
@@ -115,6 +117,7 @@ fn vertices_hold_a_position() {
 fn ranges_end_with_the_last_position() {
     let e = Embedded::new();
     let layout = VertexLayout {
+        format: PositionFormat::Float32x3,
         stride: 20,
         position_offset: 0,
     };
@@ -133,6 +136,7 @@ fn ranges_end_with_the_last_position() {
         "caster 1, vertices: end at 4, and the buffer holds 3",
     );
     let late = VertexLayout {
+        format: PositionFormat::Float32x3,
         stride: 20,
         position_offset: 8,
     };

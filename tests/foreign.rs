@@ -1,0 +1,94 @@
+//! What tests upload to and read from a device, as a program with a renderer of its own would.
+
+use crate::adapter::TestDevice;
+use glam::UVec2;
+use wgpu::{
+    Buffer, BufferUsages, CommandEncoder, Extent3d, TexelCopyBufferInfo, TexelCopyBufferLayout,
+    TextureDescriptor, TextureDimension, TextureFormat, TextureUsages, TextureView,
+    util::{BufferInitDescriptor, DeviceExt},
+};
+
+/// Returns a buffer that holds these bytes.
+pub fn buffer(d: &TestDevice, usage: BufferUsages, contents: &[u8]) -> Buffer {
+    d.device.create_buffer_init(&BufferInitDescriptor {
+        label: None,
+        contents,
+        usage,
+    })
+}
+
+/// Returns a texture for shaders to read that holds these texels, row by row.
+///
+/// # Panics
+/// Panics if the format has no known size.
+pub fn upload(d: &TestDevice, size: UVec2, format: TextureFormat, data: &[u8]) -> TextureView {
+    let texel = format
+        .block_copy_size(None)
+        .expect("a format of whole texels");
+    let texture = texture(d, size, format, TextureUsages::COPY_DST);
+    let layout = TexelCopyBufferLayout {
+        offset: 0,
+        bytes_per_row: Some(texel * size.x),
+        rows_per_image: None,
+    };
+    d.queue
+        .write_texture(texture.as_image_copy(), data, layout, texture.size());
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
+}
+
+/// Returns a texture that shaders read, with another usage besides.
+pub fn texture(
+    d: &TestDevice,
+    size: UVec2,
+    format: TextureFormat,
+    usage: TextureUsages,
+) -> wgpu::Texture {
+    d.device.create_texture(&TextureDescriptor {
+        label: None,
+        size: Extent3d {
+            width: size.x,
+            height: size.y,
+            depth_or_array_layers: 1,
+        },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: TextureDimension::D2,
+        format,
+        usage: TextureUsages::TEXTURE_BINDING | usage,
+        view_formats: &[],
+    })
+}
+
+/// Submits the encoder, and returns what an `R32Float` texture then holds, row by row.
+///
+/// # Panics
+/// Panics if the device is lost.
+pub fn read(d: &TestDevice, mut encoder: CommandEncoder, view: &TextureView) -> Vec<f32> {
+    let texture = view.texture();
+    let row = (4 * texture.width()).next_multiple_of(256);
+    let buffer = d.device.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: u64::from(row * texture.height()),
+        usage: BufferUsages::MAP_READ | BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    let layout = TexelCopyBufferLayout {
+        offset: 0,
+        bytes_per_row: Some(row),
+        rows_per_image: None,
+    };
+    let destination = TexelCopyBufferInfo {
+        buffer: &buffer,
+        layout,
+    };
+    encoder.copy_texture_to_buffer(texture.as_image_copy(), destination, texture.size());
+    d.queue.submit([encoder.finish()]);
+    buffer.map_async(wgpu::MapMode::Read, .., |_| {});
+    d.device
+        .poll(wgpu::PollType::wait_indefinitely())
+        .expect("the device lives");
+    let bytes = buffer.get_mapped_range(..).expect("mapped");
+    let rows = bytes.chunks_exact(row as usize);
+    rows.flat_map(|r| bytemuck::pod_collect_to_vec::<u8, f32>(&r[..4 * texture.width() as usize]))
+        .collect()
+}

@@ -1,0 +1,387 @@
+//! Whatever happens to a set, its shadows are those of a set that was made anew: nothing that is kept is ever stale.
+
+use super::program::{Forward, Program};
+use bytemuck::cast_slice;
+use glam::{Affine3A, EulerRot, Quat, UVec2, Vec3};
+use proptest::{collection::vec, prelude::*, test_runner::RngSeed};
+use std::sync::Arc;
+use umbrage_core::{Aabb, Camera, Light, ShadowTechnique};
+use umbrage_techniques::{Hard, Midpoint, Pcf, PcfHardware, Pcss, ShadowMap};
+use umbrage_tests::foreign;
+use umbrage_wgpu::{
+    CasterId, Indices, LightId, LightSet, Mesh, MeshId, PositionFormat, SetFrame, SetLight,
+    VertexLayout,
+};
+use wgpu::{Buffer, BufferUsages, IndexFormat};
+
+/// A caster: which mesh, and where.
+type Caster = (usize, Affine3A);
+/// A light: which kind, where, and which technique.
+type Lamp = (usize, Vec3, usize);
+
+/// Something that a program does to its set.
+#[derive(Clone, Debug)]
+enum Edit {
+    AddCaster(Caster),
+    MoveCaster(prop::sample::Index, Affine3A),
+    RemoveCaster(prop::sample::Index),
+    AddLight(Lamp),
+    MoveLight(prop::sample::Index, Vec3),
+    ChangeTechnique(prop::sample::Index, usize),
+    RemoveLight(prop::sample::Index),
+    MoveCamera(f32),
+    /// A frame that is submitted.
+    Frame,
+    /// A frame whose encoder is thrown away.
+    DroppedFrame,
+    /// A frame that is prepared and never recorded.
+    PreparedFrame,
+}
+
+fn placement() -> impl Strategy<Value = Affine3A> {
+    let angles = prop::array::uniform3(-3.0_f32..3.0);
+    let place = (-6.0_f32..6.0, 0.6_f32..3.0, -5.0_f32..5.0);
+    (angles, place, 0.3_f32..1.5).prop_map(|([a, b, c], (x, y, z), scale)| {
+        let rotation = Quat::from_euler(EulerRot::XYZ, a, b, c);
+        Affine3A::from_scale_rotation_translation(Vec3::splat(scale), rotation, Vec3::new(x, y, z))
+    })
+}
+
+fn above() -> impl Strategy<Value = Vec3> {
+    (-4.0_f32..4.0, 4.0_f32..9.0, -4.0_f32..4.0).prop_map(|(x, y, z)| Vec3::new(x, y, z))
+}
+
+fn edit() -> impl Strategy<Value = Edit> {
+    let any = any::<prop::sample::Index>;
+    prop_oneof![
+        3 => (0..3_usize, placement()).prop_map(Edit::AddCaster),
+        4 => (any(), placement()).prop_map(|(i, to)| Edit::MoveCaster(i, to)),
+        1 => any().prop_map(Edit::RemoveCaster),
+        2 => (0..3_usize, above(), 0..TECHNIQUES).prop_map(Edit::AddLight),
+        2 => (any(), above()).prop_map(|(i, to)| Edit::MoveLight(i, to)),
+        1 => (any(), 0..TECHNIQUES).prop_map(|(i, to)| Edit::ChangeTechnique(i, to)),
+        1 => any().prop_map(Edit::RemoveLight),
+        1 => (-1.0_f32..1.0).prop_map(Edit::MoveCamera),
+        3 => Just(Edit::Frame),
+        1 => Just(Edit::DroppedFrame),
+        1 => Just(Edit::PreparedFrame),
+    ]
+}
+
+const TECHNIQUES: usize = 5;
+
+/// Maps of two sizes, filtered ones, and one that is compared by the sampler.
+fn technique(index: usize) -> Arc<dyn ShadowTechnique> {
+    let map = |size| ShadowMap {
+        size,
+        ..ShadowMap::default()
+    };
+    match index {
+        0 => Arc::new(Hard { map: map(96) }),
+        1 => Arc::new(Pcf {
+            map: map(64),
+            radius: 1,
+        }),
+        2 => Arc::new(PcfHardware {
+            map: map(96),
+            ..PcfHardware::default()
+        }),
+        3 => Arc::new(Midpoint {
+            map: map(64),
+            ..Midpoint::default()
+        }),
+        _ => Arc::new(Pcss {
+            map: map(96),
+            ..Pcss::default()
+        }),
+    }
+}
+
+fn light((kind, place, _): &Lamp) -> Light {
+    match kind {
+        0 => Light::Directional {
+            direction: -*place,
+            angular_diameter: 0.02,
+        },
+        1 => Light::Spot {
+            position: *place,
+            direction: Vec3::new(-0.1 * place.x, -1.0, -0.1 * place.z),
+            inner: 0.5,
+            outer: 0.7,
+            radius: 0.1,
+        },
+        _ => Light::Point {
+            position: *place,
+            radius: 0.1,
+        },
+    }
+}
+
+/// The meshes' buffers, in three formats.
+struct Meshes {
+    floats: Buffer,
+    halves: Buffer,
+    snorms: Buffer,
+    indices: Buffer,
+}
+
+impl Meshes {
+    fn new(program: &Program) -> Self {
+        let d = program.d;
+        let vertex = BufferUsages::VERTEX;
+        // A tetrahedron, as four triangles.
+        let corners = [
+            [1.0_f32, 1.0, 1.0],
+            [-1.0, -1.0, 1.0],
+            [-1.0, 1.0, -1.0],
+            [1.0, -1.0, -1.0],
+        ];
+        let faces = [0_u16, 1, 2, 0, 2, 3, 0, 3, 1, 1, 3, 2];
+        let floats: Vec<[f32; 3]> = faces.iter().map(|&i| corners[usize::from(i)]).collect();
+        // 1 and -1 in 16-bit floats, and in whole numbers; two vertices that are skipped come first.
+        let half = |v: f32| if v > 0.0 { 0x3c00_u16 } else { 0xbc00 };
+        let snorm = |v: f32| if v > 0.0 { 0x7fff_u16 } else { 0x8001 };
+        let packed = |word: fn(f32) -> u16| -> Vec<[u16; 4]> {
+            let skipped = [[0x1234; 4]; 2];
+            let real = corners
+                .iter()
+                .map(|c| [word(c[0]), word(c[1]), word(c[2]), 0]);
+            skipped.into_iter().chain(real).collect()
+        };
+        Self {
+            // Written to by a test.
+            floats: foreign::buffer(d, vertex | BufferUsages::COPY_DST, cast_slice(&floats)),
+            halves: foreign::buffer(d, vertex, cast_slice(&packed(half))),
+            snorms: foreign::buffer(d, vertex, cast_slice(&packed(snorm))),
+            indices: foreign::buffer(d, BufferUsages::INDEX, cast_slice(&faces)),
+        }
+    }
+
+    fn add(&self, set: &mut LightSet) -> [MeshId; 3] {
+        let bounds = Aabb {
+            min: Vec3::NEG_ONE,
+            max: Vec3::ONE,
+        };
+        let plain = Mesh {
+            label: "floats",
+            vertices: &self.floats,
+            layout: VertexLayout::PACKED,
+            indices: None,
+            range: 0..12,
+            base_vertex: 0,
+            bounds,
+        };
+        let packed = |label, vertices, format| Mesh {
+            label,
+            vertices,
+            layout: VertexLayout {
+                format,
+                stride: 8,
+                position_offset: 0,
+            },
+            indices: Some(Indices {
+                buffer: &self.indices,
+                format: IndexFormat::Uint16,
+            }),
+            base_vertex: 2,
+            ..plain.clone()
+        };
+        let halves = packed("halves", &self.halves, PositionFormat::Float16x4);
+        let snorms = packed("snorms", &self.snorms, PositionFormat::Snorm16x4);
+        [plain.clone(), halves, snorms].map(|mesh| set.add_mesh(&mesh).expect("valid"))
+    }
+}
+
+/// A set, and what a program knows that it holds.
+struct Model<'a> {
+    program: &'a Program,
+    meshes: &'a Meshes,
+    set: LightSet,
+    mesh_ids: [MeshId; 3],
+    casters: Vec<(CasterId, Caster)>,
+    lights: Vec<(LightId, Lamp)>,
+    camera: Camera,
+}
+
+fn camera(turn: f32) -> Camera {
+    let eye = Vec3::new(6.0 * turn, 5.0, 12.0);
+    let size = UVec2::new(64, 48);
+    Camera::perspective(eye, Vec3::ZERO, Vec3::Y, 0.9, [0.1, 100.0], size).expect("valid")
+}
+
+impl<'a> Model<'a> {
+    fn new(program: &'a Program, meshes: &'a Meshes) -> Self {
+        let mut set = program.set();
+        let mesh_ids = meshes.add(&mut set);
+        Self {
+            program,
+            meshes,
+            set,
+            mesh_ids,
+            casters: Vec::new(),
+            lights: Vec::new(),
+            camera: camera(0.0),
+        }
+    }
+
+    fn add_caster(&mut self, caster: Caster) {
+        let (mesh, place) = caster;
+        let id = self.set.add_caster(self.mesh_ids[mesh], place);
+        self.casters.push((id.expect("valid"), caster));
+    }
+
+    fn add_light(&mut self, lamp: Lamp) {
+        let id = self.set.add_light(SetLight {
+            light: light(&lamp),
+            technique: technique(lamp.2),
+            priority: 1.0,
+        });
+        self.lights.push((id.expect("valid"), lamp));
+    }
+
+    fn edit(&mut self, edit: &Edit) {
+        match edit {
+            Edit::AddCaster(caster) => self.add_caster(*caster),
+            Edit::MoveCaster(i, to) if !self.casters.is_empty() => {
+                let (id, caster) = i.get_mut(&mut self.casters);
+                caster.1 = *to;
+                self.set.move_caster(*id, *to).expect("is there");
+            }
+            Edit::RemoveCaster(i) if !self.casters.is_empty() => {
+                let (id, _) = self.casters.remove(i.index(self.casters.len()));
+                self.set.remove_caster(id).expect("is there");
+            }
+            Edit::AddLight(lamp) if self.lights.len() < 6 => self.add_light(*lamp),
+            Edit::MoveLight(i, to) if !self.lights.is_empty() => {
+                let (id, lamp) = i.get_mut(&mut self.lights);
+                lamp.1 = *to;
+                self.set.set_light(*id, light(lamp)).expect("is there");
+            }
+            Edit::ChangeTechnique(i, to) if !self.lights.is_empty() => {
+                let (id, lamp) = i.get_mut(&mut self.lights);
+                lamp.2 = *to;
+                self.set
+                    .set_technique(*id, technique(*to))
+                    .expect("is there");
+            }
+            Edit::RemoveLight(i) if !self.lights.is_empty() => {
+                let (id, _) = self.lights.remove(i.index(self.lights.len()));
+                self.set.remove_light(id).expect("is there");
+            }
+            Edit::MoveCamera(turn) => self.camera = camera(*turn),
+            Edit::Frame => self.frame(),
+            Edit::DroppedFrame => {
+                self.prepare();
+                let mut encoder = self.program.encoder();
+                self.set.encode(&mut encoder).expect("was prepared");
+            }
+            Edit::PreparedFrame => self.prepare(),
+            _ => {}
+        }
+    }
+
+    fn prepare(&mut self) {
+        let frame = SetFrame {
+            camera: &self.camera,
+            geometry: None,
+        };
+        let d = self.program.d;
+        self.set
+            .prepare(&d.device, &d.queue, &frame)
+            .expect("prepares");
+    }
+
+    fn frame(&mut self) {
+        let frame = SetFrame {
+            camera: &self.camera,
+            geometry: None,
+        };
+        self.program.update(&mut self.set, &frame);
+    }
+
+    /// Returns a set that was made anew and holds the same.
+    fn anew(&self) -> Self {
+        let mut other = Self::new(self.program, self.meshes);
+        other.camera = self.camera;
+        for &(_, caster) in &self.casters {
+            other.add_caster(caster);
+        }
+        for &(_, lamp) in &self.lights {
+            other.add_light(lamp);
+        }
+        other
+    }
+
+    /// Returns the mask of each light.
+    fn masks(&mut self) -> Vec<Vec<f32>> {
+        self.frame();
+        let unserved: Vec<_> = self.set.unserved().collect();
+        assert!(unserved.is_empty(), "{unserved:?}");
+        let mut forward = Forward::new();
+        let mut masks = Vec::new();
+        for (id, _) in &self.lights {
+            let index = self.set.index_of(*id).expect("is there");
+            masks.push(forward.mask(self.program, &self.set, index));
+        }
+        masks
+    }
+}
+
+/// Random edits, with frames in between that are submitted, dropped, or never recorded.
+#[test]
+fn a_set_never_shows_what_is_stale() {
+    let program = Program::floor(UVec2::new(64, 48));
+    let meshes = Meshes::new(&program);
+    let config = ProptestConfig {
+        cases: 24,
+        max_shrink_iters: 200,
+        rng_seed: RngSeed::Fixed(7),
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    };
+    let in_shadow = std::cell::Cell::new(0);
+    proptest!(config, |(edits in vec(edit(), 8..40))| {
+        let mut model = Model::new(&program, &meshes);
+        model.add_caster((0, Affine3A::from_translation(Vec3::new(0.0, 2.0, 0.0))));
+        model.add_light((1, Vec3::new(1.0, 8.0, 0.5), 0));
+        for edit in &edits {
+            model.edit(edit);
+        }
+        let kept = model.masks();
+        let fresh = model.anew().masks();
+        for (i, (kept, fresh)) in kept.iter().zip(&fresh).enumerate() {
+            let differing = kept.iter().zip(fresh).filter(|(a, b)| a.to_bits() != b.to_bits());
+            prop_assert_eq!(differing.count(), 0, "light {} of {:?}", i, model.lights);
+            in_shadow.set(in_shadow.get() + kept.iter().filter(|&&v| v < 1.0).count());
+        }
+    });
+    let in_shadow = in_shadow.get();
+    assert!(
+        in_shadow > 10_000,
+        "only {in_shadow} pixels in shadow: masks that are lit can't differ"
+    );
+}
+
+/// The comparison above can fail: a set that isn't told of a change shows what was.
+#[test]
+fn a_change_that_the_set_is_not_told_of_is_seen() {
+    let program = Program::floor(UVec2::new(64, 48));
+    let meshes = Meshes::new(&program);
+    let mut model = Model::new(&program, &meshes);
+    model.add_caster((0, Affine3A::from_translation(Vec3::new(0.0, 2.0, 0.0))));
+    model.add_light((1, Vec3::new(1.0, 8.0, 0.5), 0));
+    let before = model.masks();
+    // The vertices shrink behind the set's back.
+    let small: Vec<[f32; 3]> = vec![[0.0; 3]; 12];
+    program
+        .d
+        .queue
+        .write_buffer(&meshes.floats, 0, cast_slice(&small));
+    assert_eq!(model.masks(), before);
+    let around = Aabb {
+        min: Vec3::new(-2.0, 0.0, -2.0),
+        max: Vec3::new(2.0, 4.0, 2.0),
+    };
+    model.set.touch(&around).expect("finite");
+    assert_ne!(model.masks(), before);
+}

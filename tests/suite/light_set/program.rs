@@ -1,0 +1,251 @@
+//! A program with a forward renderer that asks a light set.
+
+use bytemuck::cast_slice;
+use glam::{UVec2, Vec3};
+use umbrage_core::Receivers;
+use umbrage_tests::{
+    adapter::{TestDevice, device},
+    foreign,
+};
+use umbrage_wgpu::{LightSet, LightSetOptions, SetErrors, SetFrame};
+use wgpu::{
+    BindGroup, BindGroupLayout, BindingResource, Color, CommandEncoder, LoadOp, Operations,
+    RenderPassColorAttachment, RenderPassDescriptor, RenderPipeline, StoreOp, TextureFormat,
+    TextureUsages, TextureView,
+};
+
+/// The set's bind group in the program's shader; the program's own is 0.
+const GROUP: u32 = 1;
+
+/// Draws a light's visibility at every receiver: the light's index is that of the instance.
+const OWN_SHADER: &str = "
+@group(0) @binding(0) var own_position: texture_2d<f32>;
+@group(0) @binding(1) var own_normal: texture_2d<f32>;
+@group(0) @binding(2) var own_triangle: texture_2d<u32>;
+struct OwnPixel {
+    @builtin(position) at: vec4f,
+    @location(0) @interpolate(flat) light: u32,
+}
+@vertex fn own_vertex(@builtin(vertex_index) i: u32, @builtin(instance_index) light: u32) -> OwnPixel {
+    return OwnPixel(vec4f(f32(i32(i & 1u) * 4 - 1), f32(i32(i & 2u) * 2 - 1), 0.0, 1.0), light);
+}
+@fragment fn own_fragment(pixel: OwnPixel) -> @location(0) f32 {
+    let texel = vec2i(pixel.at.xy);
+    let position = textureLoad(own_position, texel, 0);
+    if position.w == 0.0 {
+        return 1.0;
+    }
+    let normal = textureLoad(own_normal, texel, 0).xyz;
+    let triangle = textureLoad(own_triangle, texel, 0).x;
+    return shadow_on(pixel.light, position.xyz, normal, vec2u(texel), triangle);
+}
+";
+
+/// What the program sees.
+pub(crate) struct Program {
+    pub(crate) d: &'static TestDevice,
+    position: TextureView,
+    normal: TextureView,
+    triangle: TextureView,
+    size: UVec2,
+}
+
+/// A pipeline that contains a set's text, and what it draws into.
+struct Drawn {
+    revision: u64,
+    pipeline: RenderPipeline,
+    own_group: BindGroup,
+}
+
+/// A program's renderer of one set.
+pub(crate) struct Forward {
+    drawn: Option<Drawn>,
+}
+
+impl Program {
+    pub(crate) fn new(receivers: &Receivers) -> Self {
+        let mut positions: Vec<[f32; 4]> = Vec::new();
+        let mut normals: Vec<[f32; 4]> = Vec::new();
+        for i in 0..receivers.len() {
+            let receives = if receivers.receives[i] { 1.0 } else { 0.0 };
+            positions.push(receivers.position(i).extend(receives).to_array());
+            normals.push(receivers.normal(i).extend(0.0).to_array());
+        }
+        Self::of_texels(receivers.size, &positions, &normals, &receivers.triangle)
+    }
+
+    /// A program that sees a floor of `size` points, a quarter of a metre apart, around the origin.
+    pub(crate) fn floor(size: UVec2) -> Self {
+        let mut positions: Vec<[f32; 4]> = Vec::new();
+        for y in 0..size.y {
+            for x in 0..size.x {
+                let x = (x as f32 - size.x as f32 * 0.5) * 0.25 + 0.03;
+                let z = (y as f32 - size.y as f32 * 0.5) * 0.25 + 0.01;
+                positions.push([x, 0.0, z, 1.0]);
+            }
+        }
+        let count = positions.len();
+        let normals = vec![Vec3::Y.extend(0.0).to_array(); count];
+        Self::of_texels(size, &positions, &normals, &vec![u32::MAX; count])
+    }
+
+    fn of_texels(
+        size: UVec2,
+        positions: &[[f32; 4]],
+        normals: &[[f32; 4]],
+        triangles: &[u32],
+    ) -> Self {
+        let d = device();
+        let floats = TextureFormat::Rgba32Float;
+        Self {
+            d,
+            position: foreign::upload(d, size, floats, cast_slice(positions)),
+            normal: foreign::upload(d, size, floats, cast_slice(normals)),
+            triangle: foreign::upload(d, size, TextureFormat::R32Uint, cast_slice(triangles)),
+            size,
+        }
+    }
+
+    /// Returns an empty set that tells errors at once.
+    pub(crate) fn set(&self) -> LightSet {
+        let options = LightSetOptions {
+            group: GROUP,
+            errors: SetErrors::AtOnce,
+            ..LightSetOptions::default()
+        };
+        LightSet::new(&self.d.device, options).expect("the device has two bind groups")
+    }
+
+    pub(crate) fn encoder(&self) -> CommandEncoder {
+        self.d
+            .device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default())
+    }
+
+    /// Prepares, encodes and submits a frame of the set, without looking at anything.
+    pub(crate) fn update(&self, set: &mut LightSet, frame: &SetFrame<'_>) {
+        set.prepare(&self.d.device, &self.d.queue, frame)
+            .expect("prepares");
+        let mut encoder = self.encoder();
+        set.encode(&mut encoder).expect("was prepared");
+        self.d.queue.submit([encoder.finish()]);
+    }
+}
+
+impl Forward {
+    pub(crate) const fn new() -> Self {
+        Self { drawn: None }
+    }
+
+    /// Returns the visibility of the light with this index at every receiver, as of the set's last frame.
+    pub(crate) fn mask(&mut self, program: &Program, set: &LightSet, light: u32) -> Vec<f32> {
+        let (group, layout) = set.bind_group().expect("was prepared");
+        let revision = set.wgsl_revision();
+        let drawn = match self.drawn.take() {
+            Some(drawn) if drawn.revision == revision => drawn,
+            _ => program.compile(set.wgsl(), revision, layout),
+        };
+        let d = program.d;
+        let usage = TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC;
+        let target = foreign::texture(d, program.size, TextureFormat::R32Float, usage);
+        let view = target.create_view(&wgpu::TextureViewDescriptor::default());
+        let mut encoder = program.encoder();
+        let mut pass = encoder.begin_render_pass(&RenderPassDescriptor {
+            color_attachments: &[Some(RenderPassColorAttachment {
+                view: &view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: Operations {
+                    load: LoadOp::Clear(Color::WHITE),
+                    store: StoreOp::Store,
+                },
+            })],
+            ..RenderPassDescriptor::default()
+        });
+        pass.set_pipeline(&drawn.pipeline);
+        pass.set_bind_group(0, &drawn.own_group, &[]);
+        pass.set_bind_group(GROUP, group, &[]);
+        pass.draw(0..3, light..light + 1);
+        drop(pass);
+        self.drawn = Some(drawn);
+        foreign::read(d, encoder, &view)
+    }
+}
+
+impl Program {
+    fn compile(&self, set_text: &str, revision: u64, set_layout: &BindGroupLayout) -> Drawn {
+        let device = &self.d.device;
+        let text = format!("{set_text}{OWN_SHADER}");
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: None,
+            source: wgpu::ShaderSource::Wgsl(text.into()),
+        });
+        let own_layout = self.own_layout();
+        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            bind_group_layouts: &[Some(&own_layout), Some(set_layout)],
+            ..wgpu::PipelineLayoutDescriptor::default()
+        });
+        let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: None,
+            layout: Some(&layout),
+            vertex: wgpu::VertexState {
+                module: &module,
+                entry_point: Some("own_vertex"),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                buffers: &[],
+            },
+            primitive: wgpu::PrimitiveState::default(),
+            depth_stencil: None,
+            multisample: wgpu::MultisampleState::default(),
+            fragment: Some(wgpu::FragmentState {
+                module: &module,
+                entry_point: Some("own_fragment"),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                targets: &[Some(TextureFormat::R32Float.into())],
+            }),
+            multiview_mask: None,
+            cache: None,
+        });
+        let entries: Vec<_> = (0..)
+            .zip([&self.position, &self.normal, &self.triangle])
+            .map(|(binding, view)| wgpu::BindGroupEntry {
+                binding,
+                resource: BindingResource::TextureView(view),
+            })
+            .collect();
+        let own_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout: &own_layout,
+            entries: &entries,
+        });
+        Drawn {
+            revision,
+            pipeline,
+            own_group,
+        }
+    }
+
+    fn own_layout(&self) -> BindGroupLayout {
+        let entry = |binding: u32, sample_type| wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility: wgpu::ShaderStages::FRAGMENT,
+            ty: wgpu::BindingType::Texture {
+                sample_type,
+                view_dimension: wgpu::TextureViewDimension::D2,
+                multisampled: false,
+            },
+            count: None,
+        };
+        let floats = wgpu::TextureSampleType::Float { filterable: false };
+        self.d
+            .device
+            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                label: None,
+                entries: &[
+                    entry(0, floats),
+                    entry(1, floats),
+                    entry(2, wgpu::TextureSampleType::Uint),
+                ],
+            })
+    }
+}
